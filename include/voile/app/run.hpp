@@ -1,0 +1,32 @@
+// What the program does with a case: run, check, info. All are collective over PETSC_COMM_WORLD, throw on every rank and
+// print on rank 0 only.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "voile/app/case.hpp"
+#include "voile/base/error.hpp"
+
+namespace voile::app {
+
+enum class Verbosity { quiet, normal, verbose };
+
+struct RunOptions {
+  std::filesystem::path output;  ///< folder of the results; created
+  Verbosity verbosity = Verbosity::normal;
+};
+
+/// Solves the case and writes its results. Returns done or not_converged.
+[[nodiscard]] Exit run(const Case& c, const RunOptions& options);
+
+/// Builds everything that a run would build and reports it, without solving. Throws UserError if anything is wrong.
+void check(const Case& c);
+
+/// Sizes, groups, quality, partition balance and patch condition numbers of a mesh (.msh, .geo) or of a case's mesh.
+void info(const mesh::SurfaceMesh& mesh, const energy::ElementOptions& element);
+
+/// Reads a mesh on rank 0 and distributes it. Collective. Throws UserError on every rank.
+[[nodiscard]] mesh::SurfaceMesh load_mesh(const std::filesystem::path& file, const io::MeshOptions& options);
+
+}  // namespace voile::app

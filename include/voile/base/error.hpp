@@ -1,0 +1,24 @@
+// The two kinds of failure that end a run. Non-convergence is neither: it is a value (see solve/).
+#pragma once
+
+#include <stdexcept>
+#include <string>
+
+namespace voile {
+
+/// Exit codes of the program.
+enum class Exit : int { done = 0, user_error = 2, not_converged = 3, internal_error = 4 };
+
+/// A mistake in the user's input. The message names file, key, value and remedy.
+class UserError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// A broken invariant or a failing library: the user cannot mend it in the input.
+class InternalError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+}  // namespace voile

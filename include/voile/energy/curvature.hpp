@@ -1,0 +1,47 @@
+// The constant curvature operator of a triangle: kappa = (x,11 ; x,22 ; 2 x,12) = sum_i B_i x_i, vector valued.
+//
+// Symbols   q_T        quadratic through the six points of the unfolded patch of T
+//           n, t       outward normal and tangent of a side in the plane of T;  l its length;  A area of T
+//           m_e        middle of side e
+//           tau_e      (x_b - x_a)/l, exact derivative along the side
+//           phi_e      derivative along n at m_e, one value per edge shared (with opposite sign) by its two triangles
+// six_node (the Sze-Zhou operator, Int. J. Numer. Meth. Engng 89 (2012) 509-536):   kappa_T = second derivatives of q_T
+// edge_slope (Morley's energy with its slopes reconstructed):
+//   phi_e   = 1/2 [ grad q_T+(m_e).n - grad q_T-(m_e).n' ]
+//   kappa_T = 1/A sum_e l_e sym( (tau_e t + phi_e n) (x) n )
+// phi_e is exact for quadratics and sum_T A_T M:kappa_T telescopes to the boundary, so the constant-curvature patch test
+// passes on every mesh. Free edge: phi_e minimises the bending energy, i.e. M_nn = 0. Mirrored edge: phi_e from the
+// mirror point. Where a patch is incomplete or ill conditioned (six points near a conic) phi_e comes from the other side,
+// and where both are, from a weighted least-squares quadratic over rings of vertices.
+#pragma once
+
+#include <Eigen/Core>
+#include <memory>
+#include <vector>
+
+#include "voile/energy/sheet.hpp"
+
+namespace voile::energy {
+
+/// B of one triangle over mesh points (vertices and mirror points), points ascending. Units of weights: 1/m^2.
+struct CurvatureOperator {
+  std::vector<Index> points;
+  Eigen::Matrix<double, 3, Eigen::Dynamic> weights;
+};
+
+/// Builds operators triangle by triangle, caching patch fits. Local to a rank; keeps a reference to the sheet.
+class CurvatureBuilder {
+ public:
+  explicit CurvatureBuilder(const Sheet& sheet);
+  ~CurvatureBuilder();
+  /// The operator of triangle t in its material axes, without any correction for a curved rest shape.
+  [[nodiscard]] CurvatureOperator build(Index t);
+  /// Condition number of the scaled six-point fit of t; infinite if singular.
+  [[nodiscard]] double patch_condition(Index t);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace voile::energy

@@ -1,0 +1,31 @@
+// Which operators the element uses.
+#pragma once
+
+namespace voile::energy {
+
+enum class BendingOperator {
+  edge_slope,  ///< one normal slope per edge from the patch quadratics, curvature by the divergence theorem
+  six_node     ///< the quadratic through the triangle and its three neighbours
+};
+
+enum class MembraneOperator {
+  cst,                   ///< constant-strain triangle
+  six_node,              ///< mid-side strains of the six-node patch averaged to one point
+  six_node_three_point   ///< energy of the three mid-side strains averaged; stiffer on coarse meshes
+};
+
+/// Choices of element; all are dimensionless except the angle.
+struct ElementOptions {
+  BendingOperator bending = BendingOperator::edge_slope;
+  MembraneOperator membrane = MembraneOperator::six_node;
+  /// Share of constant-strain energy mixed into `six_node`, 0..1: W = (1-s) W(mean E) + s W(E_cst). Without it free
+  /// edges can crumple at no energy; too much brings back the folding of the constant-strain triangle.
+  double cst_share = 0.1;
+  /// A patch quadratic whose scaled 6x6 fit has a larger condition number is not used. Smaller: more edges take the
+  /// dearer ring fit.
+  double max_patch_condition = 30.0;
+  /// Rest dihedral angle [rad] above which an edge counts as a crease: the membrane does not average across it.
+  double crease_angle = 0.7;
+};
+
+}  // namespace voile::energy

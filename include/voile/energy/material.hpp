@@ -1,0 +1,35 @@
+// Linear elastic sheet: membrane and bending stiffness per unit width in a material frame.
+//
+// Symbols   A   membrane stiffness, N = A E, Voigt order (11, 22, 12), E with engineering shear   3x3 [N/m]
+//           D   bending stiffness, M = D kappa, kappa = (k11, k22, 2 k12)                          3x3 [N m]
+//           rho_s  mass per unit area                                                              [kg/m^2]
+// Isotropic plate of thickness h:  A = E h/(1-nu^2) [1 nu 0; nu 1 0; 0 0 (1-nu)/2],  D = A h^2/12.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "voile/base/types.hpp"
+
+namespace voile::energy {
+
+struct Material {
+  std::vector<std::string> groups;  ///< surface groups it covers; empty: every triangle not covered by another
+  Mat3 membrane = Mat3::Zero();     ///< A [N/m]
+  Mat3 bending = Mat3::Zero();      ///< D [N m]
+  double areal_density = 0.0;       ///< rho_s [kg/m^2]
+  /// Direction of material axis 1 in space, projected into each triangle. Without it the axis is arbitrary, which only
+  /// an isotropic material allows.
+  std::optional<Vec3> direction;
+};
+
+/// A and D of an isotropic plate. E [Pa], nu, h [m].
+[[nodiscard]] Mat3 isotropic_membrane(double youngs_modulus, double poisson_ratio, double thickness);
+[[nodiscard]] Mat3 bending_from_membrane(const Mat3& membrane, double thickness);
+/// A of an orthotropic plate in its own axes: E1, E2 [Pa], nu12, G12 [Pa], h [m].
+[[nodiscard]] Mat3 orthotropic_membrane(double e1, double e2, double nu12, double g12, double thickness);
+/// True if the symmetric part of m has only positive eigenvalues.
+[[nodiscard]] bool is_positive_definite(const Mat3& m);
+
+}  // namespace voile::energy

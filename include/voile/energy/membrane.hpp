@@ -1,0 +1,110 @@
+// Membrane energy of the six-node patch, St Venant-Kirchhoff on Green strain.
+//
+// Symbols   G_s      convected base vectors (a_1, a_2) at the middle of side s in the material axes of T:
+//                    a_alpha = sum_k d_{s,alpha,k} x_k over the triangle and the apex across s, equal to the
+//                    area-weighted average of the two constant-strain gradients of the triangles that share s
+//           E_s      1/2 (a_a.a_b - A_a.A_b), Voigt (E11, E22, 2 E12);  E_c the same from the triangle alone
+//           C        membrane stiffness per unit width [N/m];  A rest area;  s_c the constant-strain share
+// cst                   W = A/2 E_c.C E_c
+// six_node              W = A/2 [ (1-s_c) Em.C Em + s_c E_c.C E_c ],  Em = mean_s E_s
+// six_node_three_point  W = A/2 mean_s E_s.C E_s
+// Source: mid-side gradients after Onate & Flores, Comput. Methods Appl. Mech. Engng 194 (2005) 2406-2443 (EBST); six-node
+// membrane of the rotation-free triangle: Sze & Zhou, Int. J. Comput. Methods 13 (2016) 1650021. A side on a free
+// boundary or on a crease uses the triangle's own gradient.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "voile/energy/sheet.hpp"
+#include "voile/energy/term.hpp"
+
+namespace voile::energy {
+
+class MembraneTerm {
+ public:
+  static constexpr int nodes = 6;
+
+  MembraneTerm() = default;
+  /// `shares`: 1 for elements counted on this rank. Stencils are local point numbers.
+  MembraneTerm(const Sheet& sheet);
+
+  /// Points of the stencil of triangle t in mesh numbering; a missing apex is replaced by the first vertex (its weights
+  /// are zero).
+  [[nodiscard]] static std::array<Index, nodes> stencil_of(const Sheet& sheet, Index t);
+  /// Adds the element of triangle t, with its stencil in local numbering.
+  void add(const Sheet& sheet, Index t, const std::array<Index, nodes>& local, bool owned);
+
+  [[nodiscard]] Index size() const { return static_cast<Index>(elements_.size()); }
+  [[nodiscard]] const Index* stencil(Index e) const { return elements_[e].points.data(); }
+  [[nodiscard]] int stencil_size(Index) const { return nodes; }
+  [[nodiscard]] bool owned(Index e) const { return elements_[e].owned; }
+
+  [[nodiscard]] double energy(Index e, const Configuration& c) const;
+  template <class Emit>
+  void gradient(Index e, const Configuration& c, Emit&& emit) const {
+    std::array<Vec3, nodes> g;
+    gradient_of(elements_[e], c, g);
+    for (int i = 0; i < nodes; ++i) emit(i, g[i]);
+  }
+  template <class Emit>
+  void hessian(Index e, const Configuration& c, Emit&& emit) const {
+    Workspace w;
+    prepare(elements_[e], c, w);
+    for (int i = 0; i < nodes; ++i)
+      for (int j = i; j < nodes; ++j) {
+        const Mat3 k = block(w, i, j);
+        emit(i, j, k);
+        if (j != i) emit(j, i, k.transpose());
+      }
+  }
+  template <class Emit>
+  void blocks(Index, Emit&& emit) const {
+    for (int i = 0; i < nodes; ++i)
+      for (int j = i; j < nodes; ++j) {
+        emit(i, j);
+        if (j != i) emit(j, i);
+      }
+  }
+
+  /// Strain that the stress resultants are taken from: (E11, E22, 2 E12), the mean for six_node.
+  [[nodiscard]] Vec3 strain(Index e, const Configuration& c) const;
+  /// Membrane force N = dW/dE / A in material axes [N/m]: that of the energy, shares included.
+  [[nodiscard]] Vec3 force(Index e, const Configuration& c) const;
+
+ private:
+  using SideWeights = std::array<std::array<double, 4>, 2>;
+  struct Element {
+    std::array<Index, nodes> points;
+    double area;
+    int material;
+    bool owned;
+    std::array<SideWeights, 3> side;          ///< d_{s,alpha,k}; k = 3 is the apex across s
+    std::array<std::array<double, 3>, 2> own; ///< constant-strain gradient
+    std::array<Vec3, 3> side_metric;          ///< rest metric (A1.A1, A2.A2, 2 A1.A2)/2 of each side
+    Vec3 own_metric;
+  };
+  /// Everything of one element that its Hessian blocks share.
+  struct Workspace {
+    std::array<std::array<Mat3, nodes>, 4> b;   ///< strain derivative at each sample per node
+    std::array<std::array<Mat3, nodes>, 4> cb;  ///< C b, weighted
+    std::array<std::array<double, nodes>, nodes> geometric;
+    int samples = 0;
+  };
+
+  void gradient_of(const Element& el, const Configuration& c, std::array<Vec3, nodes>& g) const;
+  void prepare(const Element& el, const Configuration& c, Workspace& w) const;
+  static Mat3 block(const Workspace& w, int i, int j) {
+    Mat3 k = w.b[0][i].transpose() * w.cb[0][j];
+    for (int s = 1; s < w.samples; ++s) k.noalias() += w.b[s][i].transpose() * w.cb[s][j];
+    k.diagonal().array() += w.geometric[i][j];
+    return k;
+  }
+
+  std::vector<Element> elements_;
+  std::vector<Mat3> stiffness_;
+  MembraneOperator kind_ = MembraneOperator::six_node;
+  double cst_share_ = 0.0;
+};
+
+}  // namespace voile::energy

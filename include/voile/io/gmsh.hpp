@@ -1,0 +1,28 @@
+// Reading meshes with the Gmsh library: .msh (2.2 and 4.1, ASCII and binary) and .geo (meshed on the fly).
+#pragma once
+
+#include <map>
+#include <string>
+
+#include "voile/mesh/surface_mesh.hpp"
+
+namespace voile::io {
+
+/// How a .geo file is meshed; ignored for .msh except `scale`.
+struct MeshOptions {
+  std::map<std::string, double> parameters;  ///< named numbers of the .geo (DefineConstant) set before meshing
+  double size = 0.0;                         ///< uniform target edge length [m in file units]; 0: as the .geo says
+  int algorithm = 0;                         ///< Gmsh's 2-D algorithm number; 0: as the .geo says
+  double scale = 1.0;                        ///< file coordinates are multiplied by this to become metres
+};
+
+/// Reads (or generates) a triangle mesh. Not collective: call on one rank. The surface is every triangle of the file;
+/// points and lines enter only through their physical groups.
+/// Throws UserError for a missing or unreadable file, elements other than first-order triangles on the surface, a group
+/// without a name or a .geo parameter that the file does not define.
+[[nodiscard]] mesh::MeshData read_gmsh(const std::string& file, const MeshOptions& options);
+
+/// Version of the Gmsh library in use.
+[[nodiscard]] std::string gmsh_version();
+
+}  // namespace voile::io

@@ -1,0 +1,99 @@
+// Triangulated surface: connectivity, named groups, edge adjacency.
+//
+// Symbols   X_v   rest position of vertex v                                   [m]
+//           T     triangle with vertices (v0, v1, v2), counter-clockwise seen from the side its normal points to
+//           side s of T is opposite to its vertex s: from v_(s+1) to v_(s+2) (indices modulo 3)
+//           apex across side s: the vertex of the neighbouring triangle that is not on the side
+#pragma once
+
+#include <array>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "voile/base/types.hpp"
+
+namespace voile::mesh {
+
+using Triangle = std::array<Index, 3>;
+using Segment = std::array<Index, 2>;
+
+/// A physical group of the mesh file. Only the members of its own dimension are stored by the reader.
+struct Group {
+  std::string name;
+  int dimension = 0;               ///< 0 points, 1 curves, 2 surfaces
+  std::vector<Index> vertices;     ///< all vertices of the group, ascending, without repetition
+  std::vector<Segment> segments;   ///< its line elements (dimension 1)
+  std::vector<Index> triangles;    ///< its triangles (dimension 2), ascending
+};
+
+/// What a mesh file holds, before any check of topology.
+struct MeshData {
+  std::string source;                       ///< file name for messages
+  std::vector<Vec3> positions;              ///< [m]
+  std::vector<Triangle> triangles;
+  std::vector<Group> groups;
+  std::vector<std::size_t> vertex_tags;     ///< number of each vertex in the file, for messages
+  std::vector<std::size_t> triangle_tags;   ///< number of each triangle in the file, for messages
+};
+
+/// Immutable, oriented, manifold triangulation with boundary. Replicated on every rank.
+class SurfaceMesh {
+ public:
+  /// Checks topology and geometry, repairs inconsistent orientation and drops nothing.
+  /// Throws UserError naming the entities: an edge of three or more triangles, duplicate or degenerate triangles,
+  /// vertices without a triangle, a surface that cannot be oriented, segments of a group that are no edges.
+  explicit SurfaceMesh(MeshData data);
+
+  [[nodiscard]] Index vertex_count() const { return static_cast<Index>(data_.positions.size()); }
+  [[nodiscard]] Index triangle_count() const { return static_cast<Index>(data_.triangles.size()); }
+  [[nodiscard]] const std::vector<Vec3>& positions() const { return data_.positions; }
+  [[nodiscard]] const std::vector<Triangle>& triangles() const { return data_.triangles; }
+  [[nodiscard]] const std::vector<Group>& groups() const { return data_.groups; }
+  [[nodiscard]] const MeshData& data() const { return data_; }
+  [[nodiscard]] const std::string& source() const { return data_.source; }
+
+  /// Neighbour of triangle t across its side s, or no_index on the boundary.
+  [[nodiscard]] Index neighbour(Index t, int s) const { return neighbours_[static_cast<std::size_t>(t)][s]; }
+  /// Vertex of that neighbour opposite to the shared side, or no_index.
+  [[nodiscard]] Index apex(Index t, int s) const;
+  /// Side of neighbour(t, s) that it shares with t. Requires a neighbour.
+  [[nodiscard]] int side_in_neighbour(Index t, int s) const { return shared_side_[static_cast<std::size_t>(t)][s]; }
+
+  /// Group of that name and dimension (dimension -1: any). Throws UserError that lists the names there are.
+  [[nodiscard]] const Group& group(const std::string& name, int dimension = -1) const;
+  [[nodiscard]] bool has_group(const std::string& name) const;
+
+  /// How many triangles were turned round to orient the surface consistently.
+  [[nodiscard]] Index reoriented_count() const { return reoriented_; }
+  /// Number of connected pieces of the surface.
+  [[nodiscard]] Index component_count() const { return components_; }
+
+  /// Triangles around vertex v, ascending.
+  [[nodiscard]] std::vector<Index> triangles_of_vertex(Index v) const;
+
+  [[nodiscard]] Vec3 corner(Index t, int i) const { return data_.positions[data_.triangles[t][i]]; }
+  [[nodiscard]] double area(Index t) const;
+  [[nodiscard]] Vec3 unit_normal(Index t) const;
+  /// Side of triangle t whose end points are {a, b} in either order, or -1.
+  [[nodiscard]] int side_of(Index t, Index a, Index b) const;
+  /// Diagonal of the bounding box [m].
+  [[nodiscard]] double extent() const;
+
+ private:
+  void check_geometry() const;
+  void build_adjacency();
+  void orient();
+  void spread_orientation(Index t, std::vector<Index>& members, std::vector<char>& seen, std::vector<char>& flip) const;
+  void build_vertex_triangles();
+  void check_groups() const;
+
+  MeshData data_;
+  std::vector<std::array<Index, 3>> neighbours_;
+  std::vector<std::array<int, 3>> shared_side_;
+  std::vector<Index> vertex_triangle_start_, vertex_triangles_;
+  Index reoriented_ = 0;
+  Index components_ = 0;
+};
+
+}  // namespace voile::mesh

@@ -1,0 +1,82 @@
+// A PETSc AIJ matrix of 3x3 blocks with a fixed pattern, written to directly at precomputed places.
+//
+// The pattern is made once and keeps explicit zeros, so that a direct solver repeats its symbolic factorisation only when
+// the mesh changes. A Slot says where a block lies in the value arrays of the rank that owns its row.
+#pragma once
+
+#include <array>
+#include <memory>
+#include <vector>
+
+#include "voile/base/petsc.hpp"
+#include "voile/base/types.hpp"
+#include "voile/mesh/partition.hpp"
+
+namespace voile::system {
+
+/// Block columns (global block rows numbers, ascending) of each owned block row.
+using BlockPattern = std::vector<std::vector<Index>>;
+
+/// Place of a 3x3 block: offset of its first entry, distance between its rows. Blocks of other ranks have stride 0.
+struct Slot {
+  Index offset = 0;  ///< >= 0: in the diagonal part; otherwise ~offset in the off-diagonal part
+  Index stride = 0;
+};
+
+class BlockMatrix {
+ public:
+  /// Value arrays of this rank while being written.
+  struct Values {
+    double* diagonal = nullptr;
+    double* off_diagonal = nullptr;
+    void add(Slot slot, const Mat3& block) const {
+      if (slot.stride == 0) return;
+      double* at = slot.offset >= 0 ? diagonal + slot.offset : off_diagonal + ~slot.offset;
+      for (int r = 0; r < 3; ++r, at += slot.stride)
+        for (int c = 0; c < 3; ++c) at[c] += block(r, c);
+    }
+  };
+
+  BlockMatrix() = default;
+  /// Collective. The pattern holds this rank's rows.
+  BlockMatrix(MPI_Comm comm, const mesh::Partition& partition, BlockPattern pattern);
+
+  [[nodiscard]] Mat mat() const { return mat_; }
+  /// A second matrix with the same pattern and the same slots, filled with zeros. Collective.
+  [[nodiscard]] BlockMatrix twin() const;
+  /// Slot of the block (owned block row counted from the first of this rank, global block column).
+  /// Throws InternalError if the pattern has no such block.
+  [[nodiscard]] Slot slot(Index local_row, Index column) const;
+
+  /// Opens the value arrays; close() ends the assembly. Collective as a pair.
+  [[nodiscard]] Values open();
+  void close();
+  /// Overwrites the open value arrays with those of a twin: nothing but two copies of memory.
+  void copy_values_from(const BlockMatrix& twin) const;
+
+  /// Calls f(is_diagonal_part, offset, scalar row, scalar column) for every stored entry of this rank; global numbers.
+  template <class F>
+  void for_each_entry(F&& f) const {
+    for (Index r = 0; r < static_cast<Index>(pattern_->size()); ++r)
+      for (Index column : (*pattern_)[r]) {
+        const Slot s = slot(r, column);
+        for (Index i = 0; i < 3; ++i)
+          for (Index j = 0; j < 3; ++j) {
+            const Index at = (s.offset >= 0 ? s.offset : ~s.offset) + i * s.stride + j;
+            f(s.offset >= 0, at, 3 * (first_row_ + r) + i, 3 * column + j);
+          }
+      }
+  }
+
+ private:
+  void find_parts();
+
+  petsc::MatHandle mat_;
+  Mat diagonal_ = nullptr, off_diagonal_ = nullptr;  ///< parts of mat_, not owned
+  const PetscInt *diagonal_rows_ = nullptr, *off_diagonal_rows_ = nullptr;  ///< their row starts
+  Values open_values_;
+  std::shared_ptr<const BlockPattern> pattern_;
+  Index first_row_ = 0, row_count_ = 0;
+};
+
+}  // namespace voile::system

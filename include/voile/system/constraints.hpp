@@ -1,0 +1,33 @@
+// Supports resolved on a mesh: fixed components of each vertex in local axes, and mirrored boundary sides.
+//
+// A vertex v with supports in directions d_1, d_2, ... has axes Q_v (columns) whose first components are fixed: the unknown
+// of the vertex is a_v = Q_v^T u_v. Q_v is the identity unless a direction is oblique to the global axes.
+#pragma once
+
+#include <array>
+#include <map>
+#include <vector>
+
+#include "voile/mesh/patch.hpp"
+#include "voile/mesh/surface_mesh.hpp"
+#include "voile/system/conditions.hpp"
+
+namespace voile::system {
+
+struct VertexSupport {
+  Mat3 axes = Mat3::Identity();  ///< Q_v
+  std::array<bool, 3> fixed{false, false, false};
+  Vec3 value = Vec3::Zero();     ///< prescribed components in local axes at load factor 1 [m]
+  [[nodiscard]] bool rotated() const { return !axes.isIdentity(0.0); }
+};
+
+struct Constraints {
+  std::map<Index, VertexSupport> vertices;
+  std::vector<mesh::MirrorSide> mirrors;
+};
+
+/// Throws UserError for unknown groups, clamped or symmetric curves that are not boundary edges, a symmetry plane that
+/// cannot be found, and supports that contradict each other.
+[[nodiscard]] Constraints resolve_supports(const mesh::SurfaceMesh& mesh, const std::vector<Support>& supports);
+
+}  // namespace voile::system

@@ -1,0 +1,199 @@
+// The discrete problem of one mesh: terms, constraints, matrices and loads, divided over the ranks.
+//
+// Symbols   a     vector of unknowns, three per vertex in the vertex's own axes Q_v (see constraints.hpp)       [m]
+//           u_v   = Q_v a_v displacement;  mirror points follow from the vertices (see patch.hpp)
+//           lambda  load factor;  f_d dead loads that follow it, f_c constant ones                              [N]
+//           K_b   constant bending stiffness, assembled once and copied into each tangent                       [N/m]
+//   r(a)  = K_b a + dE_m/da + dE_c/da - lambda f_d - f_c - f_follower(a, lambda)       free components
+//   r_i   = a_i - lambda abar_i                                                         fixed components
+// Elements that touch an owned vertex are evaluated by its rank, so that rows are complete without communication;
+// energies count each triangle once, on its owner.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "voile/base/petsc.hpp"
+#include "voile/energy/bending.hpp"
+#include "voile/energy/loads.hpp"
+#include "voile/energy/membrane.hpp"
+#include "voile/energy/sheet.hpp"
+#include "voile/mesh/partition.hpp"
+#include "voile/mesh/patch.hpp"
+#include "voile/system/block_matrix.hpp"
+#include "voile/system/conditions.hpp"
+#include "voile/system/constraints.hpp"
+
+namespace voile::system {
+
+/// What a model is built from besides the mesh.
+struct ModelInput {
+  energy::ElementOptions element;
+  std::vector<energy::Material> materials;
+  std::vector<Support> supports;
+  std::vector<Load> loads;
+};
+
+struct Energies {
+  double membrane = 0.0, bending = 0.0;  ///< [J]
+  double external = 0.0;                 ///< work potential of dead loads, -f.u [J]
+};
+
+/// Fields per triangle in material axes, row-major, mesh order, gathered on rank 0.
+struct TriangleFields {
+  std::vector<double> membrane_strain;  ///< E11, E22, 2 E12
+  std::vector<double> membrane_force;   ///< N11, N22, N12 [N/m]
+  std::vector<double> curvature;        ///< k11, k22, 2 k12, change from rest [1/m]
+  std::vector<double> bending_moment;   ///< M11, M22, M12 [N]
+};
+
+class Model {
+ public:
+  /// Builds everything. Collective; the mesh must be the same on all ranks and outlive the model.
+  /// Throws UserError on every rank for unknown groups and contradictions.
+  Model(MPI_Comm comm, const mesh::SurfaceMesh& mesh, ModelInput input);
+  ~Model();
+  Model(const Model&) = delete;
+  Model& operator=(const Model&) = delete;
+
+  [[nodiscard]] MPI_Comm comm() const { return comm_; }
+  [[nodiscard]] const mesh::SurfaceMesh& mesh() const { return *mesh_; }
+  [[nodiscard]] const mesh::Partition& partition() const { return partition_; }
+  [[nodiscard]] const mesh::PatchMesh& patches() const { return *patches_; }
+  [[nodiscard]] const energy::Sheet& sheet() const { return *sheet_; }
+  [[nodiscard]] const Constraints& constraints() const { return constraints_; }
+  [[nodiscard]] PetscInt unknowns() const { return 3 * mesh_->vertex_count(); }
+  /// False if follower loads make the tangent unsymmetric.
+  [[nodiscard]] bool symmetric() const { return !any_follower_; }
+
+  /// A zero vector of unknowns. Collective.
+  [[nodiscard]] petsc::VecHandle create_vector() const;
+
+  /// Load factor of all later evaluations.
+  void set_load_factor(double factor);
+  [[nodiscard]] double load_factor() const { return load_factor_; }
+
+  /// r(a) as above. Collective.
+  void residual(Vec a, Vec r);
+  /// Internal minus applied forces on every component, fixed ones included: there it is the reaction. Collective.
+  void unbalanced_force(Vec a, Vec f);
+  /// Norm of the larger of applied forces and reactions of the last residual: what a residual is small against. [N]
+  [[nodiscard]] double force_scale() const { return force_scale_; }
+  /// Stored minus external energy; only meaningful for a symmetric model. Collective.
+  [[nodiscard]] double energy(Vec a);
+  [[nodiscard]] Energies energies(Vec a);
+
+  /// Tangent at a, with inertia-like shift times the lumped mass on the diagonal. `previous` (may be null) is the
+  /// previous iterate for Tangent::linearised_stress. Fixed rows and columns are eliminated. Collective.
+  void assemble_tangent(Vec a, Vec previous, energy::Tangent tangent, double shift);
+  [[nodiscard]] Mat tangent_matrix() const { return tangent_.mat(); }
+  /// Force on the free components by the part of the last tangent that couples them to fixed components which are still
+  /// off their prescribed values; null if there is none. To be subtracted from the right-hand side.
+  [[nodiscard]] Vec fixed_coupling() const { return has_coupling_ ? static_cast<Vec>(coupling_) : nullptr; }
+  /// The constant bending stiffness without elimination.
+  [[nodiscard]] Mat bending_matrix() const { return bending_.mat(); }
+
+  /// Lumped mass per unknown: areal density (1 kg/m^2 where the material has none) times a third of the triangles.
+  [[nodiscard]] Vec mass() const { return mass_; }
+  [[nodiscard]] double total_area() const { return total_area_; }
+
+  /// Three components per vertex in global axes, mesh order, on rank 0 (empty elsewhere). Collective.
+  [[nodiscard]] std::vector<double> gather(Vec a) const;
+  /// The other way round, from rank 0: components in global axes to unknowns. Collective.
+  void scatter(const std::vector<double>& values, Vec a) const;
+  /// Collective; values on rank 0.
+  [[nodiscard]] TriangleFields triangle_fields(Vec a);
+
+ private:
+  struct LocalMirror {
+    Index apex, a, b;
+    double foot;
+    Mat3 reflection;
+  };
+  /// A vertex in whose motion a point takes part: dx_point = map * da_vertex.
+  struct Share {
+    Index vertex;  ///< local
+    Mat3 map;
+  };
+  template <class Term>
+  struct Assembled {
+    Term term;
+    std::vector<Slot> slots;             ///< in the order of Term::blocks, for plain elements
+    std::vector<std::size_t> first_slot; ///< per element; special elements have no slots
+    std::vector<char> special;           ///< stencil has a mirror point or a rotated vertex
+  };
+  struct Build;
+
+  void update_points(Vec a, std::vector<Vec3>& u, std::vector<Vec3>& x) const;
+  void fold_forces(std::vector<Vec3>& f) const;
+  [[nodiscard]] std::vector<Share> shares(Index point) const;
+  template <class Term>
+  void locate(Assembled<Term>& part);
+  template <class Term>
+  void add_forces(const Assembled<Term>& part, const energy::Configuration& c);
+  template <class Term>
+  void add_blocks(const Assembled<Term>& part, const energy::Configuration& c, const BlockMatrix::Values& values) const;
+  void add_special(Index a, Index b, const Mat3& block, const BlockMatrix::Values& values) const;
+  [[nodiscard]] energy::Configuration configuration(Vec a);
+  void element_forces(Vec a, Vec f);
+  void find_coupling(Vec a);
+  void eliminate(const BlockMatrix::Values& values) const;
+
+  // Construction, in this order.
+  void number_points(Build& build);
+  [[nodiscard]] BlockPattern make_pattern(const Build& build) const;
+  void add_elements(Build& build);
+  void assemble_bending(Build& build);
+  void make_vectors();
+  void find_eliminated_entries();
+  void build_loads(const std::vector<Load>& loads);
+  void add_follower(const Load& load);
+  void build_mass();
+
+  MPI_Comm comm_;
+  const mesh::SurfaceMesh* mesh_;
+  int rank_ = 0;
+  std::vector<energy::Material> materials_;
+  mesh::Partition partition_;
+  Constraints constraints_;
+  std::unique_ptr<mesh::PatchMesh> patches_;
+  std::unique_ptr<energy::Sheet> sheet_;
+
+  // Local points: owned vertices in row order, halo vertices, mirror points.
+  Index owned_ = 0, local_vertices_ = 0;
+  std::vector<Index> point_of_;        ///< mesh point of each local point
+  std::vector<Index> local_of_;        ///< local point of each mesh point, or no_index
+  std::vector<Index> row_of_local_;    ///< block row of each local vertex
+  std::vector<Vec3> rest_;
+  std::vector<LocalMirror> mirrors_;
+  std::vector<std::pair<Index, Mat3>> rotated_;  ///< local vertices with their own axes
+  std::vector<Index> rotated_index_;             ///< per local vertex: entry of rotated_, or no_index
+  petsc::ScatterHandle scatter_;
+  petsc::VecHandle local_vector_;
+  std::vector<Vec3> u_, x_, previous_u_, previous_x_, force_;
+
+  Assembled<energy::MembraneTerm> membrane_;
+  Assembled<energy::CurvedBendingTerm> curved_;
+  Assembled<energy::FollowerTerm> followers_;
+  bool any_follower_ = false;
+  struct Recovery {  ///< curvature operator of an owned triangle, local points
+    Index triangle;
+    std::size_t start;
+    int count;
+    Vec3 rest_curvature;
+  };
+  std::vector<Recovery> recovery_;
+  std::vector<Index> recovery_points_;
+  std::vector<Vec3> recovery_weights_;
+  std::vector<Index> membrane_triangle_;
+
+  BlockMatrix bending_, tangent_;
+  std::vector<Index> eliminated_diagonal_, eliminated_off_diagonal_, unit_diagonal_;
+  std::vector<Slot> mass_slots_;
+  petsc::VecHandle mass_, dead_, constant_, work_, coupling_, prescribed_;
+  std::vector<PetscInt> fixed_;  ///< owned fixed unknowns, counted from the first of this rank
+  bool has_coupling_ = false, has_prescribed_ = false;
+  double load_factor_ = 0.0, force_scale_ = 0.0, total_area_ = 0.0;
+};
+
+}  // namespace voile::system

@@ -1,0 +1,100 @@
+#include "voile/base/mpi.hpp"
+
+#include "voile/base/error.hpp"
+
+namespace voile::mpi {
+
+namespace {
+
+template <class T>
+void broadcast_items(MPI_Comm comm, T& items, MPI_Datatype type) {
+  unsigned long count = items.size();
+  MPI_Bcast(&count, 1, MPI_UNSIGNED_LONG, 0, comm);
+  items.resize(count);
+  MPI_Bcast(items.data(), static_cast<int>(count), type, 0, comm);
+}
+
+template <class T>
+T reduce(MPI_Comm comm, T value, MPI_Datatype type, MPI_Op op) {
+  T result{};
+  MPI_Allreduce(&value, &result, 1, type, op, comm);
+  return result;
+}
+
+enum Failure : int { none = 0, user = 1, internal = 2 };
+
+/// What `work` threw, as a value.
+Failure outcome(const std::function<void()>& work, std::string& message) {
+  try {
+    work();
+  } catch (const UserError& e) {
+    message = e.what();
+    return user;
+  } catch (const std::exception& e) {
+    message = e.what();
+    return internal;
+  }
+  return none;
+}
+
+void throw_on_failure(int failure, const std::string& message) {
+  if (failure == user) throw UserError(message);
+  if (failure == internal) throw InternalError(message);
+}
+
+}  // namespace
+
+int rank(MPI_Comm comm) {
+  int r = 0;
+  MPI_Comm_rank(comm, &r);
+  return r;
+}
+
+int size(MPI_Comm comm) {
+  int n = 1;
+  MPI_Comm_size(comm, &n);
+  return n;
+}
+
+void broadcast(MPI_Comm comm, std::string& text) { broadcast_items(comm, text, MPI_CHAR); }
+void broadcast(MPI_Comm comm, std::vector<double>& values) { broadcast_items(comm, values, MPI_DOUBLE); }
+void broadcast(MPI_Comm comm, std::vector<Index>& values) { broadcast_items(comm, values, MPI_INT32_T); }
+void broadcast(MPI_Comm comm, std::vector<std::size_t>& values) { broadcast_items(comm, values, MPI_UNSIGNED_LONG); }
+
+double sum(MPI_Comm comm, double value) { return reduce(comm, value, MPI_DOUBLE, MPI_SUM); }
+long sum(MPI_Comm comm, long value) { return reduce(comm, value, MPI_LONG, MPI_SUM); }
+double max(MPI_Comm comm, double value) { return reduce(comm, value, MPI_DOUBLE, MPI_MAX); }
+double min(MPI_Comm comm, double value) { return reduce(comm, value, MPI_DOUBLE, MPI_MIN); }
+
+void sum_to_root(MPI_Comm comm, std::vector<double>& values) {
+  const bool root = rank(comm) == 0;
+  MPI_Reduce(root ? MPI_IN_PLACE : values.data(), root ? values.data() : nullptr, static_cast<int>(values.size()),
+             MPI_DOUBLE, MPI_SUM, 0, comm);
+}
+
+void on_root(MPI_Comm comm, const std::function<void()>& work) {
+  std::string message;
+  int failure = none;
+  if (rank(comm) == 0) failure = outcome(work, message);
+  MPI_Bcast(&failure, 1, MPI_INT, 0, comm);
+  if (failure == none) return;
+  broadcast(comm, message);
+  throw_on_failure(failure, message);
+}
+
+void on_all(MPI_Comm comm, const std::function<void()>& work) {
+  std::string message;
+  const int failure = outcome(work, message);
+  const int here = failure == none ? size(comm) : rank(comm);
+  const int first = reduce(comm, here, MPI_INT, MPI_MIN);
+  if (first == size(comm)) return;
+  int kind = failure;
+  MPI_Bcast(&kind, 1, MPI_INT, first, comm);
+  unsigned long length = message.size();
+  MPI_Bcast(&length, 1, MPI_UNSIGNED_LONG, first, comm);
+  message.resize(length);
+  MPI_Bcast(message.data(), static_cast<int>(length), MPI_CHAR, first, comm);
+  throw_on_failure(kind, message);
+}
+
+}  // namespace voile::mpi

@@ -1,0 +1,239 @@
+#include "voile/mesh/surface_mesh.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+
+#include "voile/base/error.hpp"
+
+namespace voile::mesh {
+
+namespace {
+
+/// One side of one triangle, with its end points in ascending order so that equal edges sort together.
+struct HalfEdge {
+  Index low, high, triangle;
+  int side;
+};
+
+std::vector<HalfEdge> sorted_half_edges(const std::vector<Triangle>& triangles) {
+  std::vector<HalfEdge> edges;
+  edges.reserve(3 * triangles.size());
+  for (Index t = 0; t < static_cast<Index>(triangles.size()); ++t)
+    for (int s = 0; s < 3; ++s) {
+      const Index a = triangles[t][(s + 1) % 3], b = triangles[t][(s + 2) % 3];
+      edges.push_back({std::min(a, b), std::max(a, b), t, s});
+    }
+  std::sort(edges.begin(), edges.end(), [](const HalfEdge& p, const HalfEdge& q) {
+    return std::tie(p.low, p.high, p.triangle) < std::tie(q.low, q.high, q.triangle);
+  });
+  return edges;
+}
+
+/// "1, 2, 3 and 17 more": the first few names of a list that may be long.
+std::string some_of(const std::vector<std::size_t>& names) {
+  constexpr std::size_t shown = 8;
+  const std::size_t n = std::min(shown, names.size());
+  std::string text = fmt::format("{}", fmt::join(names.begin(), names.begin() + static_cast<std::ptrdiff_t>(n), ", "));
+  if (names.size() > shown) text += fmt::format(" and {} more", names.size() - shown);
+  return text;
+}
+
+}  // namespace
+
+SurfaceMesh::SurfaceMesh(MeshData data) : data_(std::move(data)) {
+  if (data_.triangles.empty())
+    throw UserError(fmt::format("{}: the mesh has no triangles; mesh a surface (2-D) with 3-node triangles", source()));
+  const auto nv = data_.positions.size(), nt = data_.triangles.size();
+  while (data_.vertex_tags.size() < nv) data_.vertex_tags.push_back(data_.vertex_tags.size() + 1);
+  while (data_.triangle_tags.size() < nt) data_.triangle_tags.push_back(data_.triangle_tags.size() + 1);
+  check_geometry();
+  build_adjacency();
+  orient();
+  build_vertex_triangles();
+  check_groups();
+}
+
+void SurfaceMesh::check_geometry() const {
+  std::vector<std::size_t> flat;
+  std::vector<char> used(data_.positions.size(), 0);
+  for (Index t = 0; t < triangle_count(); ++t) {
+    const Triangle& v = data_.triangles[t];
+    for (Index i : v) {
+      if (i < 0 || i >= vertex_count())
+        throw UserError(fmt::format("{}: triangle {} names a vertex that does not exist", source(),
+                                    data_.triangle_tags[t]));
+      used[i] = 1;
+    }
+    const Vec3 a = corner(t, 1) - corner(t, 0), b = corner(t, 2) - corner(t, 0), c = b - a;
+    const double longest = std::max({a.squaredNorm(), b.squaredNorm(), c.squaredNorm()});
+    const bool repeated = v[0] == v[1] || v[1] == v[2] || v[2] == v[0];
+    // Negated so that a NaN coordinate is caught too.
+    if (repeated || !(a.cross(b).norm() > 1e-10 * longest)) flat.push_back(data_.triangle_tags[t]);
+  }
+  if (!flat.empty())
+    throw UserError(fmt::format("{}: {} degenerate triangle(s) without area: {}; remove them or merge their vertices",
+                                source(), flat.size(), some_of(flat)));
+  std::vector<std::size_t> loose;
+  for (std::size_t v = 0; v < used.size(); ++v)
+    if (!used[v]) loose.push_back(data_.vertex_tags[v]);
+  if (!loose.empty())
+    throw UserError(fmt::format("{}: {} vertex(es) belong to no triangle: {}", source(), loose.size(), some_of(loose)));
+}
+
+void SurfaceMesh::build_adjacency() {
+  const std::vector<HalfEdge> edges = sorted_half_edges(data_.triangles);
+  neighbours_.assign(data_.triangles.size(), {no_index, no_index, no_index});
+  shared_side_.assign(data_.triangles.size(), {-1, -1, -1});
+  std::vector<std::string> crowded, doubled;
+  for (std::size_t first = 0; first < edges.size();) {
+    std::size_t last = first + 1;
+    while (last < edges.size() && edges[last].low == edges[first].low && edges[last].high == edges[first].high) ++last;
+    const auto tag = [&](std::size_t k) { return data_.triangle_tags[edges[k].triangle]; };
+    const auto apex_of = [&](std::size_t k) { return data_.triangles[edges[k].triangle][edges[k].side]; };
+    for (std::size_t k = first + 1; k < last; ++k)
+      if (apex_of(k) == apex_of(first))
+        doubled.push_back(fmt::format("{} and {}", tag(first), tag(k)));
+    if (last - first > 2) {
+      std::vector<std::size_t> tags;
+      for (std::size_t k = first; k < last; ++k) tags.push_back(tag(k));
+      crowded.push_back(fmt::format("edge {}-{} (triangles {})", data_.vertex_tags[edges[first].low],
+                                    data_.vertex_tags[edges[first].high], some_of(tags)));
+    } else if (last - first == 2) {
+      const HalfEdge &p = edges[first], &q = edges[first + 1];
+      neighbours_[p.triangle][p.side] = q.triangle;
+      neighbours_[q.triangle][q.side] = p.triangle;
+      shared_side_[p.triangle][p.side] = q.side;
+      shared_side_[q.triangle][q.side] = p.side;
+    }
+    first = last;
+  }
+  if (!doubled.empty())
+    throw UserError(fmt::format("{}: duplicate triangles (the same three vertices): {}; delete one of each", source(),
+                                doubled.front()));
+  if (!crowded.empty())
+    throw UserError(fmt::format("{}: {} edge(s) shared by three or more triangles, the first is {}; branching surfaces "
+                                "are not supported: separate the sheets or remove the extra triangles",
+                                source(), crowded.size(), crowded.front()));
+}
+
+void SurfaceMesh::orient() {
+  std::vector<char> seen(data_.triangles.size(), 0), flip(data_.triangles.size(), 0);
+  for (Index seed = 0; seed < triangle_count(); ++seed) {
+    if (seen[seed]) continue;
+    std::vector<Index> members{seed};
+    seen[seed] = 1;
+    for (std::size_t k = 0; k < members.size(); ++k) spread_orientation(members[k], members, seen, flip);
+    const auto turned = std::count_if(members.begin(), members.end(), [&](Index t) { return flip[t]; });
+    // Keep the orientation that most triangles already have.
+    const char turn = 2 * static_cast<std::size_t>(turned) > members.size() ? 0 : 1;
+    for (Index t : members)
+      if (flip[t] == turn) {
+        std::swap(data_.triangles[t][1], data_.triangles[t][2]);
+        ++reoriented_;
+      }
+    ++components_;
+  }
+  if (reoriented_ > 0) build_adjacency();
+}
+
+void SurfaceMesh::spread_orientation(Index t, std::vector<Index>& members, std::vector<char>& seen,
+                                     std::vector<char>& flip) const {
+  for (int s = 0; s < 3; ++s) {
+    const Index n = neighbours_[t][s];
+    if (n == no_index) continue;
+    const int sn = shared_side_[t][s];
+    // Consistent neighbours run along the shared edge in opposite directions.
+    const bool same_direction = data_.triangles[t][(s + 1) % 3] == data_.triangles[n][(sn + 1) % 3];
+    const char needs_flip = static_cast<char>(flip[t] ^ static_cast<char>(same_direction));
+    if (!seen[n]) {
+      seen[n] = 1;
+      flip[n] = needs_flip;
+      members.push_back(n);
+    } else if (flip[n] != needs_flip) {
+      throw UserError(fmt::format("{}: the surface cannot be oriented (a Moebius strip?): triangles {} and {} "
+                                  "disagree; cut it along a line of edges",
+                                  source(), data_.triangle_tags[t], data_.triangle_tags[n]));
+    }
+  }
+}
+
+void SurfaceMesh::build_vertex_triangles() {
+  vertex_triangle_start_.assign(data_.positions.size() + 1, 0);
+  for (const Triangle& t : data_.triangles)
+    for (Index v : t) ++vertex_triangle_start_[v + 1];
+  for (std::size_t v = 0; v < data_.positions.size(); ++v) vertex_triangle_start_[v + 1] += vertex_triangle_start_[v];
+  vertex_triangles_.resize(3 * data_.triangles.size());
+  std::vector<Index> next(vertex_triangle_start_.begin(), vertex_triangle_start_.end() - 1);
+  for (Index t = 0; t < triangle_count(); ++t)
+    for (Index v : data_.triangles[t]) vertex_triangles_[next[v]++] = t;
+}
+
+void SurfaceMesh::check_groups() const {
+  for (const Group& g : data_.groups)
+    for (const Segment& segment : g.segments) {
+      bool found = false;
+      for (Index t : triangles_of_vertex(segment[0])) found = found || side_of(t, segment[0], segment[1]) >= 0;
+      if (!found)
+        throw UserError(fmt::format("{}: group '{}': the line element {}-{} is not an edge of any triangle", source(),
+                                    g.name, data_.vertex_tags[segment[0]], data_.vertex_tags[segment[1]]));
+    }
+}
+
+Index SurfaceMesh::apex(Index t, int s) const {
+  const Index n = neighbours_[t][s];
+  return n == no_index ? no_index : data_.triangles[n][shared_side_[t][s]];
+}
+
+bool SurfaceMesh::has_group(const std::string& name) const {
+  return std::any_of(groups().begin(), groups().end(), [&](const Group& g) { return g.name == name; });
+}
+
+const Group& SurfaceMesh::group(const std::string& name, int dimension) const {
+  std::vector<std::string> known;
+  for (const Group& g : groups()) {
+    if (g.name == name && (dimension < 0 || g.dimension == dimension)) return g;
+    if (dimension < 0 || g.dimension == dimension) known.push_back(fmt::format("'{}'", g.name));
+  }
+  static constexpr std::array<const char*, 3> kinds{"point", "curve", "surface"};
+  const std::string kind = dimension < 0 ? "physical" : kinds[static_cast<std::size_t>(dimension)];
+  throw UserError(fmt::format("{}: there is no {} group '{}'; the mesh has: {}", source(), kind, name,
+                              known.empty() ? "none" : fmt::format("{}", fmt::join(known, ", "))));
+}
+
+std::vector<Index> SurfaceMesh::triangles_of_vertex(Index v) const {
+  return {vertex_triangles_.begin() + vertex_triangle_start_[v],
+          vertex_triangles_.begin() + vertex_triangle_start_[v + 1]};
+}
+
+double SurfaceMesh::area(Index t) const {
+  return 0.5 * (corner(t, 1) - corner(t, 0)).cross(corner(t, 2) - corner(t, 0)).norm();
+}
+
+Vec3 SurfaceMesh::unit_normal(Index t) const {
+  return (corner(t, 1) - corner(t, 0)).cross(corner(t, 2) - corner(t, 0)).normalized();
+}
+
+int SurfaceMesh::side_of(Index t, Index a, Index b) const {
+  const Triangle& v = data_.triangles[t];
+  for (int s = 0; s < 3; ++s) {
+    const Index p = v[(s + 1) % 3], q = v[(s + 2) % 3];
+    if ((p == a && q == b) || (p == b && q == a)) return s;
+  }
+  return -1;
+}
+
+double SurfaceMesh::extent() const {
+  Vec3 low = data_.positions.front(), high = low;
+  for (const Vec3& x : data_.positions) {
+    low = low.cwiseMin(x);
+    high = high.cwiseMax(x);
+  }
+  return (high - low).norm();
+}
+
+}  // namespace voile::mesh
