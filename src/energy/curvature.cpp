@@ -1,0 +1,301 @@
+#include "voile/energy/curvature.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Dense>
+#include <Eigen/SVD>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <optional>
+#include <unordered_map>
+
+namespace voile::energy {
+
+namespace {
+
+using Row6 = Eigen::Matrix<double, 1, 6>;
+using Mat6 = Eigen::Matrix<double, 6, 6>;
+using Weights = std::map<Index, double>;  ///< linear functional of the point positions
+
+/// Largest condition number at which a least-squares ring fit is accepted before another ring is added.
+constexpr double max_ring_condition = 60.0;
+constexpr int max_rings = 3;
+
+/// Values of 1, x, y, x^2/2, y^2/2, xy.
+Row6 monomials(const Vec2& p) {
+  Row6 row;
+  row << 1.0, p.x(), p.y(), 0.5 * p.x() * p.x(), 0.5 * p.y() * p.y(), p.x() * p.y();
+  return row;
+}
+
+/// Derivative of the monomials along direction n.
+Row6 slope_row(const Vec2& p, const Vec2& n) {
+  Row6 row;
+  row << 0.0, n.x(), n.y(), p.x() * n.x(), p.y() * n.y(), p.x() * n.y() + p.y() * n.x();
+  return row;
+}
+
+/// A side in the plane of its triangle.
+struct Side {
+  double length;
+  Vec2 middle, tangent, normal;
+};
+
+Side side_of(const mesh::Patch& p, int s) {
+  const Vec2 a = p.coordinates[(s + 1) % 3], b = p.coordinates[(s + 2) % 3];
+  const double length = (b - a).norm();
+  const Vec2 t = (b - a) / length;
+  return {length, 0.5 * (a + b), t, {t.y(), -t.x()}};
+}
+
+/// Contribution of a slope along n on a side to (k11, k22, 2 k12).
+Vec3 voigt(const Vec2& slope, const Vec2& n) {
+  return {slope.x() * n.x(), slope.y() * n.y(), slope.x() * n.y() + slope.y() * n.x()};
+}
+
+/// Coefficients of a quadratic (rows: monomials) as functionals of points (columns), about the triangle's centroid.
+struct Fit {
+  std::vector<Index> points;
+  Eigen::Matrix<double, 6, Eigen::Dynamic> coefficients;
+  double condition = std::numeric_limits<double>::infinity();
+  bool complete = false;
+};
+
+/// Undoes the scaling x = scale * xi of coefficients found in xi.
+void unscale(Fit& fit, double scale) {
+  const std::array<double, 6> power{1.0, scale, scale, scale * scale, scale * scale, scale * scale};
+  for (int r = 0; r < 6; ++r) fit.coefficients.row(r) /= power[r];
+}
+
+double condition_of(const Eigen::VectorXd& singular_values) {
+  const double smallest = singular_values.minCoeff();
+  return smallest > 0.0 ? singular_values.maxCoeff() / smallest : std::numeric_limits<double>::infinity();
+}
+
+/// The quadratic of the patch. A missing neighbour's row is replaced by M_nn = 0 on that side.
+Fit fit_patch(const mesh::Patch& patch, const Mat3& bending) {
+  Fit fit;
+  fit.complete = patch.complete();
+  const double scale = std::sqrt(patch.area);
+  Mat6 v;
+  std::array<int, 6> column{};
+  for (int i = 0; i < 6; ++i) {
+    if (patch.points[i] == no_index) {
+      const Vec2 n = side_of(patch, i - 3).normal;
+      const Vec3 nn(n.x() * n.x(), n.y() * n.y(), 2.0 * n.x() * n.y());
+      const Vec3 moment = bending * nn / bending.norm();
+      v.row(i) << 0.0, 0.0, 0.0, moment.x(), moment.y(), 2.0 * moment.z();
+      column[i] = -1;
+    } else {
+      v.row(i) = monomials(patch.coordinates[i] / scale);
+      column[i] = static_cast<int>(fit.points.size());
+      fit.points.push_back(patch.points[i]);
+    }
+  }
+  const Eigen::JacobiSVD<Mat6> svd(v);
+  fit.condition = condition_of(svd.singularValues());
+  fit.coefficients.setZero(6, static_cast<Eigen::Index>(fit.points.size()));
+  if (!(fit.condition < 1e12)) return fit;
+  const Mat6 inverse = v.fullPivLu().inverse();
+  for (int i = 0; i < 6; ++i)
+    if (column[i] >= 0) fit.coefficients.col(column[i]) = inverse.col(i);
+  unscale(fit, scale);
+  return fit;
+}
+
+/// Weighted least-squares quadratic about `origin` over the points.
+Fit fit_rings(const std::vector<mesh::PatchMesh::UnfoldedPoint>& points, const Vec2& origin, double scale) {
+  Fit fit;
+  const auto n = static_cast<Eigen::Index>(points.size());
+  if (n < 6) return fit;
+  Eigen::Matrix<double, Eigen::Dynamic, 6> v(n, 6);
+  Eigen::VectorXd weight(n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const Vec2 p = (points[i].coordinates - origin) / scale;
+    weight[i] = 1.0 / (1.0 + p.squaredNorm());
+    v.row(i) = weight[i] * monomials(p);
+    fit.points.push_back(points[i].point);
+  }
+  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(v, Eigen::ComputeThinU | Eigen::ComputeThinV);
+  fit.condition = condition_of(svd.singularValues());
+  if (!(fit.condition < 1e12)) return fit;
+  fit.coefficients = svd.matrixV() * svd.singularValues().cwiseInverse().asDiagonal() * svd.matrixU().transpose() *
+                     weight.asDiagonal();
+  unscale(fit, scale);
+  return fit;
+}
+
+void add(Weights& to, const Fit& fit, const Row6& functional, double factor) {
+  const Eigen::RowVectorXd w = factor * functional * fit.coefficients;
+  for (std::size_t i = 0; i < fit.points.size(); ++i) to[fit.points[i]] += w[static_cast<Eigen::Index>(i)];
+}
+
+}  // namespace
+
+struct CurvatureBuilder::Impl {
+  struct Entry {
+    mesh::Patch patch;
+    Fit fit;
+  };
+
+  const Sheet& sheet;
+  std::unordered_map<Index, Entry> entries;
+
+  const Entry& entry(Index t) {
+    const auto found = entries.find(t);
+    if (found != entries.end()) return found->second;
+    Entry e;
+    e.patch = sheet.patches().patch(t, sheet.frame(t));
+    e.fit = fit_patch(e.patch, sheet.material(t).bending);
+    return entries.emplace(t, std::move(e)).first->second;
+  }
+
+  bool usable(const Fit& fit) const { return fit.condition <= sheet.options().max_patch_condition; }
+
+  /// Ring fit around triangle t, or around its side s, about `origin` in the plane of t.
+  Fit ring_fit(Index t, int s, const Vec2& origin) {
+    const mesh::Frame frame = sheet.frame(t);
+    const double scale = std::sqrt(entry(t).patch.area);
+    Fit best;
+    for (int rings = 1; rings <= max_rings; ++rings) {
+      Fit fit = fit_rings(sheet.patches().unfolded_rings(t, s, rings, frame), origin, scale);
+      if (fit.condition < best.condition) best = std::move(fit);
+      if (best.condition <= max_ring_condition) break;
+    }
+    return best;
+  }
+
+  /// phi of interior side s of t as seen from t, times `factor`, added to `to`.
+  void add_interior_slope(Weights& to, Index t, int s, double factor) {
+    const Index other = sheet.mesh().neighbour(t, s);
+    if (other < t) {  // one triangle defines the slope, so that both see exactly the same
+      add_interior_slope(to, other, sheet.mesh().side_in_neighbour(t, s), -factor);
+      return;
+    }
+    const int so = sheet.mesh().side_in_neighbour(t, s);
+    const Entry here = entry(t), there = entry(other);
+    const Side mine = side_of(here.patch, s), theirs = side_of(there.patch, so);
+    const auto use = [&](double share_here, double share_there) {
+      if (share_here > 0.0) add(to, here.fit, slope_row(mine.middle, mine.normal), factor * share_here);
+      if (share_there > 0.0) add(to, there.fit, slope_row(theirs.middle, theirs.normal), -factor * share_there);
+    };
+    const bool good_here = here.fit.complete && usable(here.fit), good_there = there.fit.complete && usable(there.fit);
+    if (good_here || good_there) {
+      const double share = good_here && good_there ? 0.5 : good_here ? 1.0 : 0.0;
+      use(share, 1.0 - share);
+      return;
+    }
+    const Fit rings = ring_fit(t, s, mine.middle);
+    if (rings.condition <= max_ring_condition) {
+      add(to, rings, slope_row(Vec2::Zero(), mine.normal), factor);
+    } else if (usable(here.fit) || usable(there.fit)) {  // narrow strips: the free-edge condition completes the patch
+      const double share = usable(here.fit) && usable(there.fit) ? 0.5 : usable(here.fit) ? 1.0 : 0.0;
+      use(share, 1.0 - share);
+    } else {
+      add_linear_slope(to, here.patch, s, mine, 0.5 * factor);
+      add_linear_slope(to, there.patch, so, theirs, -0.5 * factor);
+    }
+  }
+
+  /// Slope of the flat triangle itself: the last resort, exact for linear fields only.
+  static void add_linear_slope(Weights& to, const mesh::Patch& p, int s, const Side& side, double factor) {
+    const double height = 2.0 * p.area / side.length;
+    const Vec2 a = p.coordinates[(s + 1) % 3];
+    const double along = (p.coordinates[s] - a).dot(side.tangent) / side.length;
+    to[p.points[s]] -= factor / height;
+    to[p.points[(s + 1) % 3]] += factor * (1.0 - along) / height;
+    to[p.points[(s + 2) % 3]] += factor * along / height;
+  }
+
+  CurvatureOperator edge_slope(Index t);
+  CurvatureOperator six_node(Index t);
+};
+
+namespace {
+
+/// Moves one-row functionals into an operator with ascending points.
+CurvatureOperator collect(const std::array<Weights, 3>& rows) {
+  std::map<Index, Vec3> columns;
+  for (int r = 0; r < 3; ++r)
+    for (const auto& [point, w] : rows[r]) columns.try_emplace(point, Vec3::Zero()).first->second[r] += w;
+  CurvatureOperator op;
+  op.weights.resize(3, static_cast<Eigen::Index>(columns.size()));
+  for (const auto& [point, w] : columns) {
+    op.weights.col(static_cast<Eigen::Index>(op.points.size())) = w;
+    op.points.push_back(point);
+  }
+  return op;
+}
+
+/// Projector that condenses the slopes of free sides: kappa = P kappa'' with M_nn = 0 on each of them.
+Mat3 condense_free_sides(const std::vector<Vec3>& free_sides, const Mat3& bending) {
+  if (free_sides.empty()) return Mat3::Identity();
+  if (free_sides.size() == 3) return Mat3::Zero();
+  Eigen::Matrix<double, 3, Eigen::Dynamic> q(3, static_cast<Eigen::Index>(free_sides.size()));
+  for (std::size_t i = 0; i < free_sides.size(); ++i) q.col(static_cast<Eigen::Index>(i)) = free_sides[i].normalized();
+  const Eigen::MatrixXd qd = q.transpose() * bending;
+  return Mat3::Identity() - q * (qd * q).llt().solve(qd);
+}
+
+}  // namespace
+
+CurvatureOperator CurvatureBuilder::Impl::edge_slope(Index t) {
+  const mesh::Patch patch = entry(t).patch;
+  std::array<Weights, 3> rows;
+  std::vector<Vec3> free_sides;
+  for (int s = 0; s < 3; ++s) {
+    const Side side = side_of(patch, s);
+    const double share = side.length / patch.area;
+    const Vec3 along = share * voigt(side.tangent, side.normal) / side.length;
+    for (int r = 0; r < 3; ++r) {
+      rows[r][patch.points[(s + 2) % 3]] += along[r];
+      rows[r][patch.points[(s + 1) % 3]] -= along[r];
+    }
+    const Vec3 across = share * voigt(side.normal, side.normal);
+    if (patch.points[3 + s] == no_index) {
+      free_sides.push_back(across);
+      continue;
+    }
+    Weights slope;
+    if (sheet.patches().is_mirror(patch.points[3 + s])) {
+      const double height = 2.0 * patch.area / side.length;
+      slope[patch.points[3 + s]] = 0.5 / height;
+      slope[patch.points[s]] = -0.5 / height;
+    } else {
+      add_interior_slope(slope, t, s, 1.0);
+    }
+    for (const auto& [point, w] : slope)
+      for (int r = 0; r < 3; ++r) rows[r][point] += across[r] * w;
+  }
+  CurvatureOperator op = collect(rows);
+  op.weights = condense_free_sides(free_sides, sheet.material(t).bending) * op.weights;
+  return op;
+}
+
+CurvatureOperator CurvatureBuilder::Impl::six_node(Index t) {
+  const Entry here = entry(t);
+  Fit fit = here.fit;
+  if (!usable(fit)) {
+    Fit rings = ring_fit(t, -1, Vec2::Zero());
+    if (rings.condition < fit.condition) fit = std::move(rings);
+  }
+  std::array<Weights, 3> rows;
+  for (int r = 0; r < 3; ++r) {
+    Row6 second = Row6::Zero();
+    second[3 + r] = r == 2 ? 2.0 : 1.0;
+    if (fit.condition < 1e12) add(rows[r], fit, second, 1.0);
+  }
+  return collect(rows);
+}
+
+CurvatureBuilder::CurvatureBuilder(const Sheet& sheet) : impl_(std::make_unique<Impl>(Impl{sheet, {}})) {}
+CurvatureBuilder::~CurvatureBuilder() = default;
+
+CurvatureOperator CurvatureBuilder::build(Index t) {
+  return impl_->sheet.options().bending == BendingOperator::edge_slope ? impl_->edge_slope(t) : impl_->six_node(t);
+}
+
+double CurvatureBuilder::patch_condition(Index t) { return impl_->entry(t).fit.condition; }
+
+}  // namespace voile::energy

@@ -1,0 +1,68 @@
+#include "voile/energy/loads.hpp"
+
+#include <Eigen/Geometry>
+
+namespace voile::energy {
+
+namespace {
+
+Mat3 cross_matrix(const Vec3& v) {
+  Mat3 m;
+  m << 0.0, -v.z(), v.y(), v.z(), 0.0, -v.x(), -v.y(), v.x(), 0.0;
+  return m;
+}
+
+/// d/dx_j of (x1-x0) x (x2-x0).
+std::array<Mat3, 3> area_vector_derivative(const Vec3& x0, const Vec3& x1, const Vec3& x2) {
+  const Mat3 d1 = -cross_matrix(x2 - x0), d2 = cross_matrix(x1 - x0);
+  return {Mat3(-d1 - d2), d1, d2};
+}
+
+}  // namespace
+
+void FollowerTerm::add_pressure(const std::array<Index, 3>& points, double pressure, bool constant, bool owned) {
+  elements_.push_back({points, pressure, false, constant, owned});
+}
+
+void FollowerTerm::add_moment(const std::array<Index, 3>& points, double moment, double rest_length, bool constant,
+                              bool owned) {
+  elements_.push_back({points, moment * rest_length, true, constant, owned});
+}
+
+std::array<Vec3, 3> FollowerTerm::force(const Element& el, const Configuration& c) const {
+  const Vec3 &x0 = c.x[el.points[0]], &x1 = c.x[el.points[1]], &x2 = c.x[el.points[2]];
+  const Vec3 e = x1 - x0, m = e.cross(x2 - x0);
+  if (!el.is_moment) {
+    const Vec3 f = scaled(el) / 6.0 * m;
+    return {f, f, f};
+  }
+  const double alpha = (x2 - x0).dot(e) / e.squaredNorm();
+  const Vec3 w = scaled(el) * e.norm() / m.squaredNorm() * m;
+  return {Vec3((1.0 - alpha) * w), Vec3(alpha * w), Vec3(-w)};
+}
+
+void FollowerTerm::stiffness(const Element& el, const Configuration& c, std::array<std::array<Mat3, 3>, 3>& k) const {
+  const Vec3 &x0 = c.x[el.points[0]], &x1 = c.x[el.points[1]], &x2 = c.x[el.points[2]];
+  const std::array<Mat3, 3> dm = area_vector_derivative(x0, x1, x2);
+  if (!el.is_moment) {
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j) k[i][j] = scaled(el) / 6.0 * dm[j];
+    return;
+  }
+  const Vec3 e = x1 - x0, g = x2 - x0, m = e.cross(g);
+  const double length = e.norm(), square = m.squaredNorm(), alpha = g.dot(e) / e.squaredNorm();
+  const Vec3 w = scaled(el) * length / square * m;
+  const Mat3 dw_dm = scaled(el) * length / square * (Mat3::Identity() - 2.0 * m * m.transpose() / square);
+  const Mat3 dw_de = scaled(el) / (length * square) * m * e.transpose();
+  const Vec3 dalpha_dg = e / e.squaredNorm(), dalpha_de = (g - 2.0 * alpha * e) / e.squaredNorm();
+  const std::array<double, 3> de{-1.0, 1.0, 0.0}, dg{-1.0, 0.0, 1.0};
+  for (int j = 0; j < 3; ++j) {
+    const Mat3 dw = dw_dm * dm[j] + de[j] * dw_de;
+    const Mat3 foot = w * (dg[j] * dalpha_dg + de[j] * dalpha_de).transpose();
+    k[0][j] = (1.0 - alpha) * dw - foot;
+    k[1][j] = alpha * dw + foot;
+    k[2][j] = -dw;
+  }
+}
+
+}  // namespace voile::energy

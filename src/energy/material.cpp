@@ -1,0 +1,40 @@
+#include "voile/energy/material.hpp"
+
+#include <Eigen/Eigenvalues>
+
+namespace voile::energy {
+
+Mat3 isotropic_membrane(double youngs_modulus, double poisson_ratio, double thickness) {
+  const double c = youngs_modulus * thickness / (1.0 - poisson_ratio * poisson_ratio);
+  Mat3 a = Mat3::Zero();
+  a(0, 0) = a(1, 1) = c;
+  a(0, 1) = a(1, 0) = c * poisson_ratio;
+  a(2, 2) = 0.5 * c * (1.0 - poisson_ratio);
+  return a;
+}
+
+Mat3 bending_from_membrane(const Mat3& membrane, double thickness) {
+  return membrane * (thickness * thickness / 12.0);
+}
+
+Mat3 orthotropic_membrane(double e1, double e2, double nu12, double g12, double thickness) {
+  // Reciprocity: nu21 / E2 = nu12 / E1.
+  const double nu21 = nu12 * e2 / e1;
+  const double c = thickness / (1.0 - nu12 * nu21);
+  Mat3 a = Mat3::Zero();
+  a(0, 0) = c * e1;
+  a(1, 1) = c * e2;
+  a(0, 1) = a(1, 0) = c * nu12 * e2;
+  a(2, 2) = g12 * thickness;
+  return a;
+}
+
+bool is_positive_definite(const Mat3& m) {
+  if (!m.allFinite()) return false;
+  const Eigen::SelfAdjointEigenSolver<Mat3> spectrum(0.5 * (m + m.transpose()), Eigen::EigenvaluesOnly);
+  const Vec3 values = spectrum.eigenvalues();  // ascending
+  // A singular matrix comes out with a smallest eigenvalue of either sign at round-off.
+  return values[0] > 1e-14 * values[2];
+}
+
+}  // namespace voile::energy

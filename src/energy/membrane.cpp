@@ -1,0 +1,259 @@
+#include "voile/energy/membrane.hpp"
+
+#include <Eigen/Dense>
+#include <algorithm>
+
+namespace voile::energy {
+
+namespace {
+
+/// Gradient of the linear interpolation on a triangle: row alpha, column corner.
+std::array<std::array<double, 3>, 2> linear_gradient(const Vec2& a, const Vec2& b, const Vec2& c) {
+  const double twice = (b - a).x() * (c - a).y() - (b - a).y() * (c - a).x();
+  return {{{(b.y() - c.y()) / twice, (c.y() - a.y()) / twice, (a.y() - b.y()) / twice},
+           {(c.x() - b.x()) / twice, (a.x() - c.x()) / twice, (b.x() - a.x()) / twice}}};
+}
+
+double area_of(const Vec2& a, const Vec2& b, const Vec2& c) {
+  return 0.5 * std::abs((b - a).x() * (c - a).y() - (b - a).y() * (c - a).x());
+}
+
+/// Half metric (a1.a1/2, a2.a2/2, a1.a2): Green strain before the rest metric is taken off.
+Vec3 half_metric(const Vec3& a1, const Vec3& a2) {
+  return {0.5 * a1.squaredNorm(), 0.5 * a2.squaredNorm(), a1.dot(a2)};
+}
+
+/// Principal stress resultants below zero are removed.
+Vec3 tensile_part(const Vec3& n) {
+  const double mean = 0.5 * (n[0] + n[1]), radius = std::hypot(0.5 * (n[0] - n[1]), n[2]);
+  if (mean - radius >= 0.0) return n;
+  if (mean + radius <= 0.0) return Vec3::Zero();
+  // One tensile direction p: N+ = (mean + radius) p (x) p, with 2 p p^T = I + (N - mean I)/radius.
+  const double half = 0.5 * (mean + radius);
+  return {half * (1.0 + 0.5 * (n[0] - n[1]) / radius), half * (1.0 - 0.5 * (n[0] - n[1]) / radius), half * n[2] / radius};
+}
+
+/// Base vectors of one sample.
+struct Base {
+  Vec3 a1, a2;
+};
+
+template <class Weights>
+Base side_base(const Weights& d, const Vec3* x, const Index* points, int side) {
+  Base b{Vec3::Zero(), Vec3::Zero()};
+  for (int k = 0; k < 3; ++k) {
+    b.a1 += d[0][k] * x[points[k]];
+    b.a2 += d[1][k] * x[points[k]];
+  }
+  b.a1 += d[0][3] * x[points[3 + side]];
+  b.a2 += d[1][3] * x[points[3 + side]];
+  return b;
+}
+
+template <class Weights>
+Base own_base(const Weights& d, const Vec3* x, const Index* points) {
+  Base b{Vec3::Zero(), Vec3::Zero()};
+  for (int k = 0; k < 3; ++k) {
+    b.a1 += d[0][k] * x[points[k]];
+    b.a2 += d[1][k] * x[points[k]];
+  }
+  return b;
+}
+
+/// Adds weight * d(N.E)/dx of one sample: force on each node with gradient weights (d1, d2).
+Vec3 pull(const Base& a, const Vec3& n, double d1, double d2) {
+  return (n[0] * d1 + n[2] * d2) * a.a1 + (n[1] * d2 + n[2] * d1) * a.a2;
+}
+
+/// Row-wise derivative of (E11, E22, 2 E12) with respect to a node.
+void add_strain_row(Mat3& b, const Base& a, double d1, double d2, double weight) {
+  b.row(0) += weight * d1 * a.a1.transpose();
+  b.row(1) += weight * d2 * a.a2.transpose();
+  b.row(2) += weight * (d2 * a.a1 + d1 * a.a2).transpose();
+}
+
+}  // namespace
+
+MembraneTerm::MembraneTerm(const Sheet& sheet)
+    : kind_(sheet.options().membrane),
+      cst_share_(sheet.options().membrane == MembraneOperator::six_node ? sheet.options().cst_share : 0.0) {
+  for (const Material& m : sheet.materials()) stiffness_.push_back(m.membrane);
+}
+
+std::array<Index, MembraneTerm::nodes> MembraneTerm::stencil_of(const Sheet& sheet, Index t) {
+  std::array<Index, nodes> points{};
+  for (int i = 0; i < 3; ++i) {
+    points[i] = sheet.mesh().triangles()[t][i];
+    const Index apex = sheet.patches().apex(t, i);
+    points[3 + i] = apex == no_index ? sheet.mesh().triangles()[t][0] : apex;
+  }
+  return points;
+}
+
+void MembraneTerm::add(const Sheet& sheet, Index t, const std::array<Index, nodes>& local, bool owned) {
+  const mesh::Frame frame = sheet.frame(t);
+  const mesh::Patch patch = sheet.patches().patch(t, frame);
+  const auto& p = patch.coordinates;
+  Element el;
+  el.points = local;
+  el.area = patch.area;
+  el.material = sheet.material_index(t);
+  el.owned = owned;
+  el.own = linear_gradient(p[0], p[1], p[2]);
+  el.own_metric = Vec3(0.5, 0.5, 0.0);
+  for (int s = 0; s < 3; ++s) {
+    SideWeights& d = el.side[s];
+    for (int alpha = 0; alpha < 2; ++alpha) d[alpha] = {el.own[alpha][0], el.own[alpha][1], el.own[alpha][2], 0.0};
+    el.side_metric[s] = el.own_metric;
+    if (patch.points[3 + s] == no_index || sheet.patches().rest_dihedral(t, s) > sheet.options().crease_angle) continue;
+    const int a = (s + 1) % 3, b = (s + 2) % 3;
+    const auto far = linear_gradient(p[b], p[a], p[3 + s]);
+    const double far_area = area_of(p[a], p[b], p[3 + s]), share = patch.area / (patch.area + far_area);
+    for (int alpha = 0; alpha < 2; ++alpha) {
+      for (int k = 0; k < 3; ++k) d[alpha][k] *= share;
+      d[alpha][b] += (1.0 - share) * far[alpha][0];
+      d[alpha][a] += (1.0 - share) * far[alpha][1];
+      d[alpha][3] = (1.0 - share) * far[alpha][2];
+    }
+    Vec3 a1 = Vec3::Zero(), a2 = Vec3::Zero();
+    for (int k = 0; k < 4; ++k) {
+      const Vec3 x = sheet.patches().rest(patch.points[k < 3 ? k : 3 + s]);
+      a1 += d[0][k] * x;
+      a2 += d[1][k] * x;
+    }
+    el.side_metric[s] = half_metric(a1, a2);
+  }
+  elements_.push_back(el);
+}
+
+double MembraneTerm::energy(Index e, const Configuration& c) const {
+  const Element& el = elements_[e];
+  const Mat3& stiffness = stiffness_[el.material];
+  const auto density = [&](const Vec3& strain) { return 0.5 * strain.dot(stiffness * strain); };
+  double w = 0.0;
+  if (kind_ == MembraneOperator::cst || cst_share_ > 0.0) {
+    const Base a = own_base(el.own, c.x, el.points.data());
+    w += (kind_ == MembraneOperator::cst ? 1.0 : cst_share_) * density(half_metric(a.a1, a.a2) - el.own_metric);
+  }
+  if (kind_ == MembraneOperator::cst) return w * el.area;
+  Vec3 mean = Vec3::Zero();
+  for (int s = 0; s < 3; ++s) {
+    const Base a = side_base(el.side[s], c.x, el.points.data(), s);
+    const Vec3 strain = half_metric(a.a1, a.a2) - el.side_metric[s];
+    if (kind_ == MembraneOperator::six_node_three_point) w += density(strain) / 3.0;
+    mean += strain / 3.0;
+  }
+  if (kind_ == MembraneOperator::six_node) w += (1.0 - cst_share_) * density(mean);
+  return w * el.area;
+}
+
+Vec3 MembraneTerm::strain(Index e, const Configuration& c) const {
+  const Element& el = elements_[e];
+  const Base own = own_base(el.own, c.x, el.points.data());
+  const Vec3 constant = half_metric(own.a1, own.a2) - el.own_metric;
+  if (kind_ == MembraneOperator::cst) return constant;
+  Vec3 mean = Vec3::Zero();
+  for (int s = 0; s < 3; ++s) {
+    const Base a = side_base(el.side[s], c.x, el.points.data(), s);
+    mean += (half_metric(a.a1, a.a2) - el.side_metric[s]) / 3.0;
+  }
+  return (1.0 - cst_share_) * mean + cst_share_ * constant;
+}
+
+Vec3 MembraneTerm::force(Index e, const Configuration& c) const {
+  return stiffness_[elements_[e].material] * strain(e, c);
+}
+
+void MembraneTerm::gradient_of(const Element& el, const Configuration& c, std::array<Vec3, nodes>& g) const {
+  g.fill(Vec3::Zero());
+  const Mat3& stiffness = stiffness_[el.material];
+  if (kind_ == MembraneOperator::cst || cst_share_ > 0.0) {
+    const Base a = own_base(el.own, c.x, el.points.data());
+    const double weight = el.area * (kind_ == MembraneOperator::cst ? 1.0 : cst_share_);
+    const Vec3 n = weight * (stiffness * (half_metric(a.a1, a.a2) - el.own_metric));
+    for (int k = 0; k < 3; ++k) g[k] += pull(a, n, el.own[0][k], el.own[1][k]);
+  }
+  if (kind_ == MembraneOperator::cst) return;
+  std::array<Base, 3> base;
+  std::array<Vec3, 3> strain;
+  Vec3 mean = Vec3::Zero();
+  for (int s = 0; s < 3; ++s) {
+    base[s] = side_base(el.side[s], c.x, el.points.data(), s);
+    strain[s] = half_metric(base[s].a1, base[s].a2) - el.side_metric[s];
+    mean += strain[s] / 3.0;
+  }
+  for (int s = 0; s < 3; ++s) {
+    const bool three = kind_ == MembraneOperator::six_node_three_point;
+    const Vec3 n = (el.area * (1.0 - cst_share_) / 3.0) * (stiffness * (three ? strain[s] : mean));
+    for (int k = 0; k < 3; ++k) g[k] += pull(base[s], n, el.side[s][0][k], el.side[s][1][k]);
+    g[3 + s] += pull(base[s], n, el.side[s][0][3], el.side[s][1][3]);
+  }
+}
+
+void MembraneTerm::prepare(const Element& el, const Configuration& c, Workspace& w) const {
+  const Mat3& stiffness = stiffness_[el.material];
+  const Index* points = el.points.data();
+  for (auto& row : w.geometric) row.fill(0.0);
+  w.samples = 0;
+  // Stress for the geometric part, from the strain at x_k plus its linear change when that tangent is asked for.
+  const bool linearised = c.tangent == Tangent::linearised_stress && c.previous;
+  const auto stress = [&](const Vec3& strain, const Vec3& quadratic) -> Vec3 {
+    const Vec3 n = stiffness * (linearised ? Vec3(strain - quadratic) : strain);
+    return c.tangent == Tangent::positive ? tensile_part(n) : n;
+  };
+  const auto start_sample = [&](double weight) {
+    auto& b = w.b[w.samples];
+    for (int i = 0; i < nodes; ++i) w.cb[w.samples][i].noalias() = weight * stiffness * b[i];
+    ++w.samples;
+  };
+  const auto add_geometric = [&](const Vec3& n, const auto& d, const auto& node, int count) {
+    for (int i = 0; i < count; ++i) {
+      const double p = n[0] * d[0][i] + n[2] * d[1][i], q = n[1] * d[1][i] + n[2] * d[0][i];
+      for (int j = 0; j < count; ++j) w.geometric[node[i]][node[j]] += p * d[0][j] + q * d[1][j];
+    }
+  };
+  // The strain is quadratic in x: E(x) = E(x_k) + B(x_k) dx + half_metric of the increment.
+  if (kind_ == MembraneOperator::cst || cst_share_ > 0.0) {
+    const double weight = el.area * (kind_ == MembraneOperator::cst ? 1.0 : cst_share_);
+    const Base a = own_base(el.own, c.x, points);
+    Vec3 quadratic = Vec3::Zero();
+    if (linearised) {
+      const Base before = own_base(el.own, c.previous, points);
+      quadratic = half_metric(a.a1 - before.a1, a.a2 - before.a2);
+    }
+    for (Mat3& b : w.b[w.samples]) b.setZero();
+    for (int k = 0; k < 3; ++k) add_strain_row(w.b[w.samples][k], a, el.own[0][k], el.own[1][k], 1.0);
+    start_sample(weight);
+    add_geometric(weight * stress(half_metric(a.a1, a.a2) - el.own_metric, quadratic), el.own, std::array{0, 1, 2}, 3);
+  }
+  if (kind_ == MembraneOperator::cst) return;
+  const double weight = el.area * (1.0 - cst_share_);
+  const bool three = kind_ == MembraneOperator::six_node_three_point;
+  std::array<Vec3, 3> strain, quadratic;
+  if (!three)
+    for (Mat3& b : w.b[w.samples]) b.setZero();
+  for (int s = 0; s < 3; ++s) {
+    const Base a = side_base(el.side[s], c.x, points, s);
+    strain[s] = half_metric(a.a1, a.a2) - el.side_metric[s];
+    quadratic[s].setZero();
+    if (linearised) {
+      const Base before = side_base(el.side[s], c.previous, points, s);
+      quadratic[s] = half_metric(a.a1 - before.a1, a.a2 - before.a2);
+    }
+    if (three)
+      for (Mat3& b : w.b[w.samples]) b.setZero();
+    const double sample = three ? 1.0 : 1.0 / 3.0;
+    for (int k = 0; k < 3; ++k) add_strain_row(w.b[w.samples][k], a, el.side[s][0][k], el.side[s][1][k], sample);
+    add_strain_row(w.b[w.samples][3 + s], a, el.side[s][0][3], el.side[s][1][3], sample);
+    if (three) start_sample(weight / 3.0);
+  }
+  if (!three) start_sample(weight);
+  const Vec3 mean = (strain[0] + strain[1] + strain[2]) / 3.0;
+  const Vec3 mean_quadratic = (quadratic[0] + quadratic[1] + quadratic[2]) / 3.0;
+  const Vec3 n_mean = stress(mean, mean_quadratic);
+  for (int s = 0; s < 3; ++s)
+    add_geometric((weight / 3.0) * (three ? stress(strain[s], quadratic[s]) : n_mean), el.side[s],
+                  std::array{0, 1, 2, 3 + s}, 4);
+}
+
+}  // namespace voile::energy

@@ -1,0 +1,75 @@
+// Models and vectors for tests.
+#pragma once
+
+#include <functional>
+#include <random>
+
+#include "test_meshes.hpp"
+#include "voile/system/model.hpp"
+
+namespace voile::testing {
+
+inline energy::Material isotropic(double young, double poisson, double thickness, double density = 0.0) {
+  energy::Material m;
+  m.membrane = energy::isotropic_membrane(young, poisson, thickness);
+  m.bending = energy::bending_from_membrane(m.membrane, thickness);
+  m.areal_density = density;
+  return m;
+}
+
+inline system::Support support(const std::string& group, system::Support::Kind kind) {
+  system::Support s;
+  s.group = group;
+  s.kind = kind;
+  return s;
+}
+
+/// Sets the unknowns from displacements in global axes given per vertex.
+inline void set_displacement(const system::Model& model, Vec a, const std::function<Vec3(Index)>& u) {
+  std::vector<double> values(static_cast<std::size_t>(model.unknowns()));
+  for (Index v = 0; v < model.mesh().vertex_count(); ++v)
+    for (int k = 0; k < 3; ++k) values[3 * static_cast<std::size_t>(v) + k] = u(v)[k];
+  model.scatter(values, a);
+}
+
+/// Reproducible noise per vertex, independent of the number of ranks.
+inline std::function<Vec3(Index)> noise(double size, unsigned seed) {
+  return [=](Index v) {
+    std::mt19937 random(seed + 7919u * static_cast<unsigned>(v));
+    std::uniform_real_distribution<double> d(-size, size);
+    const double x = d(random), y = d(random), z = d(random);
+    return Vec3(x, y, z);
+  };
+}
+
+inline double norm(Vec v) {
+  double n = 0.0;
+  VOILE_PETSC(VecNorm(v, NORM_2, &n));
+  return n;
+}
+
+inline double dot(Vec a, Vec b) {
+  double d = 0.0;
+  VOILE_PETSC(VecDot(a, b, &d));
+  return d;
+}
+
+/// Solves K x = f with MUMPS for the model's current tangent.
+inline void solve_linear(const system::Model& model, Vec f, Vec x) {
+  KSP ksp = nullptr;
+  PC pc = nullptr;
+  VOILE_PETSC(KSPCreate(model.comm(), &ksp));
+  VOILE_PETSC(KSPSetOperators(ksp, model.tangent_matrix(), model.tangent_matrix()));
+  VOILE_PETSC(KSPSetType(ksp, KSPPREONLY));
+  VOILE_PETSC(KSPGetPC(ksp, &pc));
+  VOILE_PETSC(PCSetType(pc, PCCHOLESKY));
+  VOILE_PETSC(PCFactorSetMatSolverType(pc, MATSOLVERMUMPS));
+  VOILE_PETSC(PCFactorSetUpMatSolverType(pc));
+  Mat factor = nullptr;
+  VOILE_PETSC(PCFactorGetMatrix(pc, &factor));
+  VOILE_PETSC(MatMumpsSetIcntl(factor, 14, 200));
+  VOILE_PETSC(KSPSolve(ksp, f, x));
+  VOILE_PETSC(KSPDestroy(&ksp));
+}
+
+}  // namespace voile::testing
