@@ -1,0 +1,161 @@
+#include "voile/system/constraints.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Dense>
+#include <Eigen/SVD>
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "voile/base/error.hpp"
+
+namespace voile::system {
+
+namespace {
+
+/// u.direction = value
+struct Condition {
+  Vec3 direction;
+  double value;
+};
+using Conditions = std::map<Index, std::vector<Condition>>;
+
+std::string name_of(const Support& s) {
+  static const std::array<const char*, 4> kinds{"displacement", "hinged", "clamped", "symmetry"};
+  return fmt::format("[[support]] group '{}' ({})", s.group, kinds[static_cast<std::size_t>(s.kind)]);
+}
+
+/// Boundary sides of a curve group, as (triangle, side).
+std::vector<mesh::MirrorSide> boundary_sides(const mesh::SurfaceMesh& mesh, const mesh::Group& group,
+                                             const Support& support) {
+  std::vector<mesh::MirrorSide> sides;
+  for (const mesh::Segment& segment : group.segments)
+    for (Index t : mesh.triangles_of_vertex(segment[0])) {
+      const int s = mesh.side_of(t, segment[0], segment[1]);
+      if (s < 0) continue;
+      if (mesh.neighbour(t, s) != no_index)
+        throw UserError(fmt::format("{}: the edge {}-{} lies inside the surface; only boundary edges can be clamped or "
+                                    "mirrored: use `hinged`, or split the surface along the curve",
+                                    name_of(support), mesh.data().vertex_tags[segment[0]],
+                                    mesh.data().vertex_tags[segment[1]]));
+      sides.push_back({t, s, Mat3::Identity()});
+    }
+  return sides;
+}
+
+/// Normal of the plane that holds the group; for a straight edge the in-plane normal of the surface along it.
+Vec3 symmetry_normal(const mesh::SurfaceMesh& mesh, const mesh::Group& group,
+                     const std::vector<mesh::MirrorSide>& sides, const Support& support) {
+  if (support.normal) return support.normal->normalized();
+  Vec3 centre = Vec3::Zero();
+  for (Index v : group.vertices) centre += mesh.positions()[v];
+  centre /= static_cast<double>(group.vertices.size());
+  Mat3 moment = Mat3::Zero();
+  for (Index v : group.vertices) {
+    const Vec3 d = mesh.positions()[v] - centre;
+    moment += d * d.transpose();
+  }
+  const Eigen::SelfAdjointEigenSolver<Mat3> eigen(moment);
+  const double largest = eigen.eigenvalues()[2];
+  if (eigen.eigenvalues()[1] > 1e-10 * largest) {
+    if (eigen.eigenvalues()[0] > 1e-10 * largest)
+      throw UserError(name_of(support) + ": the group's vertices do not lie in a plane; give the plane's `normal`");
+    return eigen.eigenvectors().col(0);
+  }
+  Vec3 normal = Vec3::Zero();
+  for (const mesh::MirrorSide& m : sides) {
+    const Vec3 along = mesh.corner(m.triangle, (m.side + 2) % 3) - mesh.corner(m.triangle, (m.side + 1) % 3);
+    normal += along.cross(mesh.unit_normal(m.triangle));
+  }
+  if (normal.norm() < 1e-12) throw UserError(name_of(support) + ": cannot find the plane; give its `normal`");
+  return normal.normalized();
+}
+
+void add_symmetry(const mesh::SurfaceMesh& mesh, const Support& support, Constraints& result, Conditions& conditions) {
+  const mesh::Group& group = mesh.group(support.group, 1);
+  std::vector<mesh::MirrorSide> sides = boundary_sides(mesh, group, support);
+  const Vec3 normal = symmetry_normal(mesh, group, sides, support);
+  for (mesh::MirrorSide& m : sides) {
+    m.reflection = Mat3::Identity() - 2.0 * normal * normal.transpose();
+    result.mirrors.push_back(m);
+  }
+  for (Index v : group.vertices) conditions[v].push_back({normal, 0.0});
+}
+
+void add_fixed(const mesh::SurfaceMesh& mesh, const Support& support, Constraints& result, Conditions& conditions) {
+  const mesh::Group& group = mesh.group(support.group);
+  if (support.kind == Support::Kind::clamped && group.dimension == 1)
+    for (mesh::MirrorSide& m : boundary_sides(mesh, group, support)) {
+      const Vec3 normal = mesh.unit_normal(m.triangle);
+      m.reflection = 2.0 * normal * normal.transpose() - Mat3::Identity();
+      result.mirrors.push_back(m);
+    }
+  if (support.kind == Support::Kind::clamped && group.dimension == 0)
+    throw UserError(name_of(support) + ": a point has no slope to clamp; use `hinged`, or name a curve group");
+  const bool all = support.kind != Support::Kind::displacement;
+  for (Index v : group.vertices)
+    for (int i = 0; i < 3; ++i)
+      if (all || support.components[i]) conditions[v].push_back({Vec3::Unit(i), support.value[i]});
+}
+
+/// Axes of a vertex: an orthonormal basis whose first columns span the directions, the global axes where they fit.
+Mat3 axes_of(const Eigen::Matrix3Xd& span, std::array<bool, 3>& fixed) {
+  const auto rank = span.cols();
+  for (int mask = 0; mask < 8; ++mask) {  // global axes?
+    Eigen::Index count = 0;
+    bool fits = true;
+    for (int i = 0; i < 3; ++i) {
+      const double part = (span.transpose() * Vec3::Unit(i)).norm();
+      if (mask & (1 << i)) ++count;
+      fits = fits && std::abs(part - ((mask & (1 << i)) ? 1.0 : 0.0)) < 1e-12;
+    }
+    if (!fits || count != rank) continue;
+    for (int i = 0; i < 3; ++i) fixed[i] = (mask & (1 << i)) != 0;
+    return Mat3::Identity();
+  }
+  for (int i = 0; i < 3; ++i) fixed[i] = i < rank;
+  Mat3 q;
+  q.col(0) = span.col(0);
+  q.col(1) = rank == 2 ? Vec3(span.col(1)) : Vec3(span.col(0).unitOrthogonal());
+  q.col(2) = Vec3(q.col(0)).cross(Vec3(q.col(1)));
+  return q;
+}
+
+VertexSupport combine(const mesh::SurfaceMesh& mesh, Index v, const std::vector<Condition>& conditions) {
+  Eigen::MatrixX3d directions(static_cast<Eigen::Index>(conditions.size()), 3);
+  Eigen::VectorXd values(directions.rows());
+  for (std::size_t i = 0; i < conditions.size(); ++i) {
+    directions.row(static_cast<Eigen::Index>(i)) = conditions[i].direction.transpose();
+    values[static_cast<Eigen::Index>(i)] = conditions[i].value;
+  }
+  Eigen::JacobiSVD<Eigen::MatrixXd> svd(directions, Eigen::ComputeThinU | Eigen::ComputeThinV);
+  svd.setThreshold(1e-8);
+  const Vec3 displacement = svd.solve(values);
+  if ((directions * displacement - values).norm() > 1e-12 * (1.0 + values.norm()))
+    throw UserError(fmt::format("[[support]]: contradicting displacements are prescribed at vertex {} ({}, {}, {}); "
+                                "remove one of the supports that share it",
+                                mesh.data().vertex_tags[v], mesh.positions()[v].x(), mesh.positions()[v].y(),
+                                mesh.positions()[v].z()));
+  VertexSupport s;
+  s.axes = axes_of(svd.matrixV().leftCols(svd.rank()), s.fixed);
+  s.value = s.axes.transpose() * displacement;
+  return s;
+}
+
+}  // namespace
+
+Constraints resolve_supports(const mesh::SurfaceMesh& mesh, const std::vector<Support>& supports) {
+  Constraints result;
+  Conditions conditions;
+  for (const Support& support : supports) {
+    if (support.kind == Support::Kind::symmetry)
+      add_symmetry(mesh, support, result, conditions);
+    else
+      add_fixed(mesh, support, result, conditions);
+  }
+  for (const auto& [v, list] : conditions) result.vertices.emplace(v, combine(mesh, v, list));
+  return result;
+}
+
+}  // namespace voile::system

@@ -1,0 +1,232 @@
+#include "voile/system/model.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "model_assembly.hpp"
+#include "voile/base/error.hpp"
+
+namespace voile::system {
+
+petsc::VecHandle Model::create_vector() const {
+  petsc::VecHandle v;
+  VOILE_PETSC(VecDuplicate(work_, v.out()));
+  VOILE_PETSC(VecZeroEntries(v));
+  return v;
+}
+
+void Model::set_load_factor(double factor) {
+  load_factor_ = factor;
+  followers_.term.set_load_factor(factor);
+}
+
+void Model::update_points(Vec a, std::vector<Vec3>& u, std::vector<Vec3>& x) const {
+  VOILE_PETSC(VecScatterBegin(scatter_, a, local_vector_, INSERT_VALUES, SCATTER_FORWARD));
+  VOILE_PETSC(VecScatterEnd(scatter_, a, local_vector_, INSERT_VALUES, SCATTER_FORWARD));
+  const petsc::ReadArray values(local_vector_);
+  for (Index i = 0; i < local_vertices_; ++i) u[i] = Eigen::Map<const Vec3>(values.data() + 3 * i);
+  for (const auto& [i, axes] : rotated_) u[i] = axes * u[i];
+  for (std::size_t m = 0; m < mirrors_.size(); ++m) {
+    const LocalMirror& g = mirrors_[m];
+    const Vec3 foot = (1.0 - g.foot) * u[g.a] + g.foot * u[g.b];
+    u[static_cast<std::size_t>(local_vertices_) + m] = foot + g.reflection * (u[g.apex] - foot);
+  }
+  for (std::size_t i = 0; i < u.size(); ++i) x[i] = rest_[i] + u[i];
+}
+
+void Model::fold_forces(std::vector<Vec3>& f) const {
+  for (std::size_t m = 0; m < mirrors_.size(); ++m) {
+    const LocalMirror& g = mirrors_[m];
+    const Vec3 force = f[static_cast<std::size_t>(local_vertices_) + m];
+    const Vec3 mirrored = g.reflection.transpose() * force;
+    f[g.apex] += mirrored;
+    f[g.a] += (1.0 - g.foot) * (force - mirrored);
+    f[g.b] += g.foot * (force - mirrored);
+  }
+  for (const auto& [i, axes] : rotated_) f[i] = axes.transpose() * f[i];
+}
+
+energy::Configuration Model::configuration(Vec a) {
+  update_points(a, u_, x_);
+  return {x_.data(), u_.data(), nullptr, energy::Tangent::exact};
+}
+
+void Model::element_forces(Vec a, Vec f) {
+  const energy::Configuration c = configuration(a);
+  std::fill(force_.begin(), force_.end(), Vec3::Zero());
+  add_forces(membrane_, c);
+  add_forces(curved_, c);
+  fold_forces(force_);
+  const petsc::WriteArray out(f);
+  for (Index i = 0; i < owned_; ++i)
+    for (int k = 0; k < 3; ++k) out[3 * i + k] += force_[i][k];
+}
+
+void Model::unbalanced_force(Vec a, Vec f) {
+  VOILE_PETSC(MatMult(bending_.mat(), a, f));
+  element_forces(a, f);
+  std::fill(force_.begin(), force_.end(), Vec3::Zero());
+  add_forces(followers_, {x_.data(), u_.data(), nullptr, energy::Tangent::exact});
+  fold_forces(force_);
+  // Applied forces collect in work_, so that their size is known.
+  VOILE_PETSC(VecCopy(constant_, work_));
+  VOILE_PETSC(VecAXPY(work_, load_factor_, dead_));
+  {
+    const petsc::WriteArray applied(work_);
+    for (Index i = 0; i < owned_; ++i)
+      for (int k = 0; k < 3; ++k) applied[3 * i + k] -= force_[i][k];
+  }
+  VOILE_PETSC(VecAXPY(f, -1.0, work_));
+}
+
+void Model::residual(Vec a, Vec r) {
+  const petsc::EventScope scope(petsc::events().residual);
+  unbalanced_force(a, r);
+  double applied = 0.0, reaction = 0.0;
+  VOILE_PETSC(VecNorm(work_, NORM_2, &applied));
+  {
+    const petsc::WriteArray out(r);
+    const petsc::ReadArray unknown(a), prescribed(prescribed_);
+    for (PetscInt i : fixed_) {
+      reaction += out[i] * out[i];
+      out[i] = unknown[i] - load_factor_ * prescribed[i];
+    }
+  }
+  force_scale_ = std::max(applied, std::sqrt(mpi::sum(comm_, reaction)));
+}
+
+Energies Model::energies(Vec a) {
+  const petsc::EventScope scope(petsc::events().energy);
+  Energies e;
+  const energy::Configuration c = configuration(a);
+  double curved = 0.0, membrane = 0.0, bending = 0.0, constant = 0.0, dead = 0.0;
+  for (Index i = 0; i < membrane_.term.size(); ++i)
+    if (membrane_.term.owned(i)) membrane += membrane_.term.energy(i, c);
+  for (Index i = 0; i < curved_.term.size(); ++i)
+    if (curved_.term.owned(i)) curved += curved_.term.energy(i, c);
+  VOILE_PETSC(MatMult(bending_.mat(), a, work_));
+  VOILE_PETSC(VecDot(work_, a, &bending));
+  VOILE_PETSC(VecDot(constant_, a, &constant));
+  VOILE_PETSC(VecDot(dead_, a, &dead));
+  e.membrane = mpi::sum(comm_, membrane);
+  e.bending = 0.5 * bending + mpi::sum(comm_, curved);
+  e.external = -constant - load_factor_ * dead;
+  return e;
+}
+
+double Model::energy(Vec a) {
+  const Energies e = energies(a);
+  return e.membrane + e.bending + e.external;
+}
+
+void Model::assemble_tangent(Vec a, Vec previous, energy::Tangent tangent, double shift) {
+  const petsc::EventScope scope(petsc::events().tangent);
+  energy::Configuration c = configuration(a);
+  c.tangent = tangent;
+  if (previous) {
+    update_points(previous, previous_u_, previous_x_);
+    c.previous = previous_x_.data();
+  }
+  const BlockMatrix::Values values = tangent_.open();
+  {
+    const petsc::EventScope copy(petsc::events().bending_copy);
+    tangent_.copy_values_from(bending_);
+  }
+  add_blocks(membrane_, c, values);
+  add_blocks(curved_, c, values);
+  add_blocks(followers_, c, values);
+  if (shift > 0.0) {
+    const petsc::ReadArray mass(mass_);
+    for (Index i = 0; i < owned_; ++i)
+      values.add(mass_slots_[i], Mat3(Eigen::Map<const Vec3>(mass.data() + 3 * i).asDiagonal()) * shift);
+  }
+  has_coupling_ = false;
+  if (has_prescribed_) {
+    tangent_.close();
+    find_coupling(a);
+    eliminate(tangent_.open());
+  } else {
+    eliminate(values);
+  }
+  tangent_.close();
+}
+
+void Model::find_coupling(Vec a) {
+  VOILE_PETSC(VecZeroEntries(work_));
+  {
+    const petsc::WriteArray off(work_);
+    const petsc::ReadArray unknown(a), prescribed(prescribed_);
+    for (PetscInt i : fixed_) off[i] = unknown[i] - load_factor_ * prescribed[i];
+  }
+  double size = 0.0;
+  VOILE_PETSC(VecNorm(work_, NORM_INFINITY, &size));
+  if (size == 0.0) return;
+  has_coupling_ = true;
+  VOILE_PETSC(MatMult(tangent_.mat(), work_, coupling_));
+  const petsc::WriteArray coupling(coupling_);
+  for (PetscInt i : fixed_) coupling[i] = 0.0;
+}
+
+void Model::eliminate(const BlockMatrix::Values& values) const {
+  for (Index at : eliminated_diagonal_) values.diagonal[at] = 0.0;
+  for (Index at : eliminated_off_diagonal_) values.off_diagonal[at] = 0.0;
+  for (Index at : unit_diagonal_) values.diagonal[at] = 1.0;
+}
+
+std::vector<double> Model::gather(Vec a) const {
+  std::vector<double> values(static_cast<std::size_t>(unknowns()), 0.0);
+  {
+    const petsc::ReadArray in(a);
+    for (Index i = 0; i < owned_; ++i) {
+      Vec3 u = Eigen::Map<const Vec3>(in.data() + 3 * i);
+      if (rotated_index_[i] != no_index) u = rotated_[rotated_index_[i]].second * u;
+      for (int k = 0; k < 3; ++k) values[3 * static_cast<std::size_t>(point_of_[i]) + k] = u[k];
+    }
+  }
+  mpi::sum_to_root(comm_, values);
+  if (rank_ != 0) values.clear();
+  return values;
+}
+
+void Model::scatter(const std::vector<double>& values, Vec a) const {
+  std::vector<double> all = values;
+  mpi::broadcast(comm_, all);
+  const petsc::WriteArray out(a);
+  for (Index i = 0; i < owned_; ++i) {
+    Vec3 u = Eigen::Map<const Vec3>(all.data() + 3 * point_of_[i]);
+    if (rotated_index_[i] != no_index) u = rotated_[rotated_index_[i]].second.transpose() * u;
+    for (int k = 0; k < 3; ++k) out[3 * i + k] = u[k];
+  }
+}
+
+TriangleFields Model::triangle_fields(Vec a) {
+  const auto size = 3 * static_cast<std::size_t>(mesh_->triangle_count());
+  TriangleFields f;
+  for (auto* v : {&f.membrane_strain, &f.membrane_force, &f.curvature, &f.bending_moment}) v->assign(size, 0.0);
+  const energy::Configuration c = configuration(a);
+  const auto store = [](std::vector<double>& to, Index t, const Vec3& value) {
+    for (int k = 0; k < 3; ++k) to[3 * static_cast<std::size_t>(t) + k] = value[k];
+  };
+  for (Index e = 0; e < membrane_.term.size(); ++e) {
+    if (!membrane_.term.owned(e)) continue;
+    store(f.membrane_strain, membrane_triangle_[e], membrane_.term.strain(e, c));
+    store(f.membrane_force, membrane_triangle_[e], membrane_.term.force(e, c));
+  }
+  for (const Recovery& r : recovery_) {
+    const Index* p = recovery_points_.data() + r.start;
+    const Vec3 edge = x_[p[1]] - x_[p[0]], normal = edge.cross(Vec3(x_[p[2]] - x_[p[0]])).normalized();
+    const Vec3 rest_normal = mesh_->unit_normal(r.triangle);
+    // n.k'(x) - kappa0 with k'(x) = kappa0 N + B'u.
+    Vec3 kappa = (normal.dot(rest_normal) - 1.0) * r.rest_curvature;
+    for (int i = 0; i < r.count; ++i) kappa += normal.dot(u_[p[i]]) * recovery_weights_[r.start + i];
+    store(f.curvature, r.triangle, kappa);
+    store(f.bending_moment, r.triangle, sheet_->material(r.triangle).bending * kappa);
+  }
+  for (auto* v : {&f.membrane_strain, &f.membrane_force, &f.curvature, &f.bending_moment}) {
+    mpi::sum_to_root(comm_, *v);
+    if (rank_ != 0) v->clear();
+  }
+  return f;
+}
+
+}  // namespace voile::system

@@ -1,0 +1,124 @@
+// Nodal forces of dead loads, and elements for follower loads.
+#include <fmt/format.h>
+
+#include <functional>
+
+#include "model_build.hpp"
+#include "voile/base/error.hpp"
+
+namespace voile::system {
+
+namespace {
+
+using AddForce = std::function<void(Index vertex, const Vec3& force)>;
+
+const char* kind_name(Load::Kind kind) {
+  static const std::array<const char*, 7> names{"point", "line",    "pressure",       "follower_pressure",
+                                                "area",  "gravity", "follower_moment"};
+  return names[static_cast<std::size_t>(kind)];
+}
+
+std::vector<Index> loaded_triangles(const mesh::SurfaceMesh& mesh, const Load& load) {
+  if (!load.group.empty()) return mesh.group(load.group, 2).triangles;
+  std::vector<Index> all(static_cast<std::size_t>(mesh.triangle_count()));
+  for (std::size_t t = 0; t < all.size(); ++t) all[t] = static_cast<Index>(t);
+  return all;
+}
+
+/// Force per rest area on triangle t.
+Vec3 traction(const energy::Sheet& sheet, const Load& load, Index t) {
+  if (load.kind == Load::Kind::pressure) return load.magnitude * sheet.mesh().unit_normal(t);
+  if (load.kind == Load::Kind::gravity) return sheet.material(t).areal_density * load.vector;
+  return load.vector;
+}
+
+void add_surface_load(const energy::Sheet& sheet, const Load& load, const AddForce& add) {
+  for (Index t : loaded_triangles(sheet.mesh(), load)) {
+    const Vec3 share = traction(sheet, load, t) * sheet.mesh().area(t) / 3.0;
+    for (Index v : sheet.mesh().triangles()[t]) add(v, share);
+  }
+}
+
+void add_line_load(const mesh::SurfaceMesh& mesh, const Load& load, const AddForce& add) {
+  for (const mesh::Segment& s : mesh.group(load.group, 1).segments) {
+    const double length = (mesh.positions()[s[1]] - mesh.positions()[s[0]]).norm();
+    for (Index v : s) add(v, 0.5 * length * load.vector);
+  }
+}
+
+/// Weight without mass is a mistake that a run would answer with silence.
+void check_gravity(const energy::Sheet& sheet, const Load& load) {
+  for (Index t : loaded_triangles(sheet.mesh(), load))
+    if (sheet.material(t).areal_density > 0.0) return;
+  throw UserError("[[load]] type 'gravity': no material under it has a density; give `density` in [[material]]");
+}
+
+}  // namespace
+
+void Model::build_loads(const std::vector<Load>& loads) {
+  for (const Load& load : loads) {
+    const petsc::WriteArray force(load.constant ? constant_ : dead_);
+    const AddForce add = [&](Index v, const Vec3& f) {
+      const Index i = local_of_[v];
+      if (i == no_index || i >= owned_) return;
+      const Index own_axes = rotated_index_[i];
+      const Vec3 g = own_axes == no_index ? f : Vec3(rotated_[own_axes].second.transpose() * f);
+      for (int k = 0; k < 3; ++k) force[3 * i + k] += g[k];
+    };
+    switch (load.kind) {
+      case Load::Kind::point:
+        for (Index v : mesh_->group(load.group).vertices) add(v, load.vector);
+        break;
+      case Load::Kind::line:
+        add_line_load(*mesh_, load, add);
+        break;
+      case Load::Kind::gravity:
+        check_gravity(*sheet_, load);
+        [[fallthrough]];
+      case Load::Kind::pressure:
+      case Load::Kind::area:
+        add_surface_load(*sheet_, load, add);
+        break;
+      case Load::Kind::follower_pressure:
+      case Load::Kind::follower_moment:
+        any_follower_ = true;
+        add_follower(load);
+        break;
+    }
+  }
+}
+
+void Model::add_follower(const Load& load) {
+  const auto local = [&](const mesh::Triangle& t) {
+    return std::array<Index, 3>{local_of_[t[0]], local_of_[t[1]], local_of_[t[2]]};
+  };
+  // As for the other elements: every triangle that touches an owned vertex, the energy-less owner flag for completeness.
+  const auto evaluated = [&](const std::array<Index, 3>& p) {
+    return std::any_of(p.begin(), p.end(), [&](Index i) { return i != no_index && i < owned_; });
+  };
+  if (load.kind == Load::Kind::follower_pressure) {
+    for (Index t : loaded_triangles(*mesh_, load)) {
+      const auto points = local(mesh_->triangles()[t]);
+      if (evaluated(points))
+        followers_.term.add_pressure(points, load.magnitude, load.constant, partition_.triangle_rank[t] == rank_);
+    }
+    return;
+  }
+  for (const mesh::Segment& s : mesh_->group(load.group, 1).segments)
+    for (Index t : mesh_->triangles_of_vertex(s[0])) {
+      const int side = mesh_->side_of(t, s[0], s[1]);
+      if (side < 0) continue;
+      if (mesh_->neighbour(t, side) != no_index)
+        throw UserError(fmt::format("[[load]] group '{}' ({}): the edge {}-{} lies inside the surface; a moment acts on "
+                                    "a boundary edge",
+                                    load.group, kind_name(load.kind), mesh_->data().vertex_tags[s[0]],
+                                    mesh_->data().vertex_tags[s[1]]));
+      const mesh::Triangle& v = mesh_->triangles()[t];
+      const auto points = local({v[(side + 1) % 3], v[(side + 2) % 3], v[side]});
+      const double length = (mesh_->positions()[s[1]] - mesh_->positions()[s[0]]).norm();
+      if (evaluated(points))
+        followers_.term.add_moment(points, load.magnitude, length, load.constant, partition_.triangle_rank[t] == rank_);
+    }
+}
+
+}  // namespace voile::system

@@ -1,0 +1,178 @@
+// Every force is the gradient of its energy and every tangent the derivative of its force, by central differences.
+#include <doctest/doctest.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+
+#include "test_model_kit.hpp"
+
+using namespace voile;
+using namespace voile::testing;
+
+namespace {
+
+/// A curved, jittered shell with a clamped edge, an oblique symmetry plane and a hinged edge.
+mesh::MeshData curved_shell() {
+  return mapped(square(Pattern::jittered, 6), [](const Vec3& x) {
+    const double c = std::cos(0.6), s = std::sin(0.6);
+    const Vec3 y(x[0], x[1], 0.25 * std::sin(2.0 * x[0]) + 0.15 * x[1] * x[1]);
+    return Vec3(c * y[0] - s * y[1], s * y[0] + c * y[1], y[2]);  // turned about z: planes oblique to the axes
+  });
+}
+
+system::ModelInput input_for(energy::BendingOperator bending, energy::MembraneOperator membrane, bool supported) {
+  system::ModelInput input;
+  input.element.bending = bending;
+  input.element.membrane = membrane;
+  energy::Material m = isotropic(100.0, 0.3, 0.2, 1.0);
+  m.bending(0, 2) = m.bending(2, 0) = 0.1 * m.bending(0, 0);
+  m.direction = Vec3(1.0, 0.2, 0.1);
+  input.materials = {m};
+  if (supported) {
+    input.supports = {support("left", system::Support::Kind::clamped), support("right", system::Support::Kind::symmetry),
+                      support("top", system::Support::Kind::hinged)};
+    input.supports[1].normal = Vec3(std::cos(0.6), std::sin(0.6), 0.0);
+    input.supports[2].value = Vec3(0.0, 0.0, 0.0);
+  }
+  system::Load gravity;
+  gravity.kind = system::Load::Kind::gravity;
+  gravity.vector = Vec3(0.3, -0.1, -1.0);
+  input.loads = {gravity};
+  return input;
+}
+
+/// Zeroes the fixed unknowns of a perturbation and sets the fixed ones of a state to their values.
+void respect_supports(system::Model& model, Vec a) {
+  const Index first = model.partition().owned_begin(mpi::rank(model.comm()));
+  const petsc::WriteArray values(a);
+  for (const auto& [v, s] : model.constraints().vertices)
+    if (model.partition().vertex_rank[v] == mpi::rank(model.comm()))
+      for (int k = 0; k < 3; ++k)
+        if (s.fixed[k]) values[3 * (model.partition().row_of[v] - first) + k] = 0.0;
+}
+
+struct Slope {
+  double best = 1e300;   ///< smallest relative error over the steps
+  double order = 0.0;    ///< observed between the two largest steps
+  double reference = 0.0;
+};
+
+/// Compares `exact` with central differences of `value` over a range of steps.
+Slope compare(double exact, const std::function<double(double)>& value) {
+  Slope s;
+  s.reference = std::abs(exact);
+  std::vector<double> errors;
+  for (double h = 1e-2; h > 1e-7; h *= 0.1) {
+    const double difference = (value(h) - value(-h)) / (2.0 * h);
+    errors.push_back(std::abs(difference - exact) / std::abs(exact));
+    s.best = std::min(s.best, errors.back());
+  }
+  s.order = std::log10(errors[0] / errors[1]);
+  return s;
+}
+
+void check_derivatives(const mesh::SurfaceMesh& mesh, const system::ModelInput& input) {
+  system::Model model(PETSC_COMM_WORLD, mesh, input);
+  model.set_load_factor(0.7);
+  petsc::VecHandle a = model.create_vector(), d = model.create_vector(), e = model.create_vector();
+  petsc::VecHandle moved = model.create_vector(), r = model.create_vector(), kd = model.create_vector();
+  set_displacement(model, a, noise(0.04, 3));
+  set_displacement(model, d, noise(1.0, 5));
+  set_displacement(model, e, noise(1.0, 11));
+  for (Vec v : {static_cast<Vec>(a), static_cast<Vec>(d), static_cast<Vec>(e)}) respect_supports(model, v);
+
+  const auto at = [&](double h) {
+    VOILE_PETSC(VecWAXPY(moved, h, d, a));
+    return static_cast<Vec>(moved);
+  };
+  if (model.symmetric()) {
+    model.residual(a, r);
+    const Slope gradient = compare(dot(r, d), [&](double h) { return model.energy(at(h)); });
+    CHECK(gradient.reference > 1e-3);
+    CHECK(gradient.best < 1e-7);
+    CHECK(gradient.order > 1.7);
+  }
+  model.assemble_tangent(a, nullptr, energy::Tangent::exact, 0.0);
+  VOILE_PETSC(MatMult(model.tangent_matrix(), d, kd));
+  const Slope hessian = compare(dot(kd, e), [&](double h) {
+    model.residual(at(h), r);
+    return dot(r, e);
+  });
+  CHECK(hessian.reference > 1e-3);
+  CHECK(hessian.best < 1e-8);
+  CHECK(hessian.order > 1.7);
+  // With x_k = x the linearised stress is the stress.
+  petsc::VecHandle other = model.create_vector();
+  model.assemble_tangent(a, a, energy::Tangent::linearised_stress, 0.0);
+  VOILE_PETSC(MatMult(model.tangent_matrix(), d, other));
+  VOILE_PETSC(VecAXPY(other, -1.0, kd));
+  CHECK(norm(other) < 1e-12 * norm(kd));
+  if (!model.symmetric()) return;
+  VOILE_PETSC(MatMultTranspose(model.tangent_matrix(), d, other));
+  model.assemble_tangent(a, nullptr, energy::Tangent::exact, 0.0);
+  VOILE_PETSC(MatMultTranspose(model.tangent_matrix(), d, other));
+  VOILE_PETSC(VecAXPY(other, -1.0, kd));
+  CHECK(norm(other) < 1e-12 * norm(kd));
+}
+
+}  // namespace
+
+TEST_CASE("energy, force and tangent agree for every operator, flat and curved, free and with mirror points") {
+  const mesh::SurfaceMesh flat(square(Pattern::jittered, 6)), curved(curved_shell());
+  for (const auto bending : {energy::BendingOperator::edge_slope, energy::BendingOperator::six_node})
+    for (const auto membrane : {energy::MembraneOperator::cst, energy::MembraneOperator::six_node,
+                                energy::MembraneOperator::six_node_three_point})
+      for (const bool supported : {false, true}) {
+        CAPTURE(static_cast<int>(bending));
+        CAPTURE(static_cast<int>(membrane));
+        CAPTURE(supported);
+        check_derivatives(curved, input_for(bending, membrane, supported));
+        if (!supported) check_derivatives(flat, input_for(bending, membrane, false));
+      }
+}
+
+TEST_CASE("follower pressure and follower moment have their full stiffness") {
+  const mesh::SurfaceMesh curved(curved_shell());
+  for (const auto kind : {system::Load::Kind::follower_pressure, system::Load::Kind::follower_moment}) {
+    system::ModelInput input =
+        input_for(energy::BendingOperator::edge_slope, energy::MembraneOperator::six_node, true);
+    system::Load follower;
+    follower.kind = kind;
+    follower.magnitude = 40.0;  // as large as the shell's own forces, so that an error would show
+    follower.group = kind == system::Load::Kind::follower_moment ? "bottom" : "";
+    input.loads.push_back(follower);
+    check_derivatives(curved, input);
+  }
+}
+
+TEST_CASE("a rigid motion costs nothing, however large") {
+  const mesh::SurfaceMesh mesh(curved_shell());
+  system::Model model(PETSC_COMM_WORLD, mesh, input_for(energy::BendingOperator::edge_slope,
+                                                        energy::MembraneOperator::six_node, false));
+  model.set_load_factor(0.0);
+  const Eigen::AngleAxisd turn(2.0, Vec3(1.0, 2.0, -0.5).normalized());
+  petsc::VecHandle a = model.create_vector(), r = model.create_vector();
+  set_displacement(model, a, [&](Index v) {
+    return Vec3(turn * mesh.positions()[v] + Vec3(3.0, -1.0, 2.0) - mesh.positions()[v]);
+  });
+  model.residual(a, r);
+  CHECK(norm(r) < 1e-10);
+  CHECK(std::abs(model.energy(a)) < 1e-11);
+}
+
+TEST_CASE("the projected tangent is positive where the exact one is not") {
+  // A flat square compressed in its plane: buckling modes make the exact tangent indefinite.
+  const mesh::SurfaceMesh mesh(square(Pattern::diagonal, 6));
+  system::ModelInput input;
+  input.materials = {isotropic(100.0, 0.3, 0.01)};
+  system::Model model(PETSC_COMM_WORLD, mesh, input);
+  petsc::VecHandle a = model.create_vector(), d = model.create_vector(), kd = model.create_vector();
+  set_displacement(model, a, [&](Index v) { return Vec3(-0.05 * mesh.positions()[v][0], 0.0, 0.0); });
+  set_displacement(model, d, [&](Index v) { return Vec3(0.0, 0.0, std::sin(3.0 * mesh.positions()[v][0])); });
+  model.assemble_tangent(a, nullptr, energy::Tangent::exact, 0.0);
+  VOILE_PETSC(MatMult(model.tangent_matrix(), d, kd));
+  CHECK(dot(kd, d) < 0.0);
+  model.assemble_tangent(a, nullptr, energy::Tangent::positive, 0.0);
+  VOILE_PETSC(MatMult(model.tangent_matrix(), d, kd));
+  CHECK(dot(kd, d) > 0.0);
+}
