@@ -1,0 +1,23 @@
+// Lists in messages.
+#pragma once
+
+#include <fmt/format.h>
+
+#include <string>
+#include <string_view>
+
+namespace voile {
+
+/// The items as text with a separator between them. (fmt::join makes GCC 12 warn falsely about an overflow at -O3.)
+template <class List>
+[[nodiscard]] std::string join(const List& items, std::string_view separator) {
+  std::string text;
+  for (bool first = true; const auto& item : items) {
+    if (!first) text += separator;
+    first = false;
+    text += fmt::format("{}", item);
+  }
+  return text;
+}
+
+}  // namespace voile

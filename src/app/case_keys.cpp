@@ -1,0 +1,312 @@
+#include "voile/app/case_keys.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace voile::app {
+
+namespace {
+
+const Range positive{0.0, std::numeric_limits<double>::infinity(), true};
+const Range not_negative{0.0};
+
+/// Binds an enumeration whose enumerators are in the order of `names`.
+template <class Enum>
+Choice choice(Enum& value, std::vector<std::string> names) {
+  return {std::move(names), [&value] { return static_cast<int>(value); },
+          [&value](int i) { value = static_cast<Enum>(i); }};
+}
+
+/// Binds a string that may only take one of `names`.
+Choice word(std::string& value, std::vector<std::string> names) {
+  return {names,
+          [&value, names] { return static_cast<int>(std::find(names.begin(), names.end(), value) - names.begin()); },
+          [&value, names](int i) { value = names[static_cast<std::size_t>(i)]; }};
+}
+
+bool contains(const std::vector<std::string>& list, const std::string& item) {
+  return std::find(list.begin(), list.end(), item) != list.end();
+}
+
+}  // namespace
+
+std::string Range::text() const {
+  std::string lower =
+      low > -std::numeric_limits<double>::infinity() ? fmt::format("{} {}", low_open ? ">" : ">=", low) : "";
+  std::string upper = high < std::numeric_limits<double>::infinity() ? fmt::format("<= {}", high) : "";
+  return lower + (lower.empty() || upper.empty() ? "" : " and ") + upper;
+}
+
+bool applies(const Key& key, const std::string& type) {
+  return key.types.empty() || contains(key.types, type);
+}
+
+bool is_required(const Key& key, const std::string& type) {
+  return applies(key, type) && (key.required || contains(key.required_types, type));
+}
+
+std::vector<Key> top_keys(Case& c) {
+  return {{.name = "title", .slot = &c.title, .meaning = "Free text, shown at the start of a run."},
+          {.name = "analysis", .slot = word(c.analysis, {"static"}), .meaning = "Kind of analysis."}};
+}
+
+std::vector<Key> keys_of(MeshSection& s) {
+  io::MeshOptions& o = s.options;
+  return {
+      {.name = "file",
+       .slot = &s.file,
+       .meaning = "Gmsh mesh (`.msh`) or geometry (`.geo`), relative to the folder of the case file.",
+       .required = true},
+      {.name = "scale",
+       .slot = &o.scale,
+       .meaning = "The file's coordinates are multiplied by this to become metres.",
+       .range = positive},
+      {.name = "size",
+       .slot = &o.size,
+       .meaning = "Target edge length everywhere, for a `.geo`, in its own unit of length. 0: as the `.geo` says.",
+       .unit = "file unit",
+       .range = not_negative},
+      {.name = "algorithm",
+       .slot = &o.algorithm,
+       .meaning = "Gmsh's number of the 2-D meshing algorithm, for a `.geo` (5 Delaunay, 6 Frontal-Delaunay, ...). "
+                  "0: as the `.geo` says.",
+       .range = {0, 9}},
+      {.name = "parameters",
+       .slot = &o.parameters,
+       .meaning = "Numbers that a `.geo` declares with `DefineConstant` (or `DefineNumber`), by name of the variable.",
+       .absent = "as the `.geo` says"}};
+}
+
+std::vector<Key> keys_of(energy::ElementOptions& s) {
+  return {{.name = "bending",
+           .slot = choice(s.bending, {"edge_slope", "six_node"}),
+           .meaning = "Curvature of a triangle: from one normal slope per edge, or from the quadratic through the "
+                      "triangle and its three neighbours (accurate on regular meshes only)."},
+          {.name = "membrane",
+           .slot = choice(s.membrane, {"cst", "six_node", "six_node_three_point"}),
+           .meaning = "Membrane strain: constant-strain triangle, mid-side strains of the six-node patch averaged, or "
+                      "the energies of the three mid-side strains averaged."},
+          {.name = "cst_share",
+           .slot = &s.cst_share,
+           .meaning = "Share of constant-strain energy in `six_node`. Without it free edges can crumple; much of it "
+                      "makes the element stiff in folding.",
+           .range = {0, 1}},
+          {.name = "max_patch_condition",
+           .slot = &s.max_patch_condition,
+           .meaning = "A patch quadratic with a larger condition number is replaced by a fit over more neighbours.",
+           .range = {1, std::numeric_limits<double>::infinity(), true}},
+          {.name = "crease_angle",
+           .slot = Degrees{&s.crease_angle},
+           .meaning = "Dihedral angle at rest above which an edge is a crease that membrane strains are not averaged "
+                      "across.",
+           .unit = "degree",
+           .range = {0, 180}}};
+}
+
+std::vector<Key> keys_of(MaterialInput& s) {
+  const std::vector<std::string> iso{"isotropic"}, ortho{"orthotropic"}, matrices{"matrices"},
+      plates{"isotropic", "orthotropic"};
+  return {{.name = "type",
+           .slot = choice(s.type, {"isotropic", "orthotropic", "matrices"}),
+           .meaning = "How the stiffness is given.",
+           .required = true},
+          {.name = "groups",
+           .slot = Words{&s.groups, {}},
+           .meaning = "Physical surfaces made of this material.",
+           .absent = "every triangle that no other material covers"},
+          {"young", &s.young, "Young's modulus.", "Pa", positive, iso, true},
+          {.name = "poisson",
+           .slot = &s.poisson,
+           .meaning = "Poisson's ratio.",
+           .range = {-1, 0.5, true},
+           .types = iso,
+           .required = true},
+          {"young_1", &s.young_1, "Young's modulus along the material direction.", "Pa", positive, ortho, true},
+          {"young_2", &s.young_2, "Young's modulus across it, in the surface.", "Pa", positive, ortho, true},
+          {.name = "poisson_12",
+           .slot = &s.poisson_12,
+           .meaning = "Contraction across the material direction per unit of stretch along it.",
+           .types = ortho,
+           .required = true},
+          {"shear_12", &s.shear_12, "Shear modulus in the surface.", "Pa", positive, ortho, true},
+          {"thickness", &s.thickness, "Thickness of the shell.", "m", positive, plates, true},
+          {"density", &s.density, "Mass per volume; used by gravity.", "kg/m^3", not_negative, plates},
+          {.name = "membrane",
+           .slot = &s.membrane,
+           .meaning = "Membrane stiffness A as three rows, order 11, 22, 12 with engineering shear: N = A E.",
+           .unit = "N/m",
+           .types = matrices,
+           .required = true},
+          {.name = "bending",
+           .slot = &s.bending,
+           .meaning = "Bending stiffness D as three rows, M = D (k11, k22, 2 k12).",
+           .unit = "N m",
+           .types = matrices,
+           .required = true},
+          {.name = "areal_density",
+           .slot = &s.areal_density,
+           .meaning = "Mass per area; used by gravity.",
+           .unit = "kg/m^2",
+           .range = not_negative,
+           .types = matrices},
+          {.name = "direction",
+           .slot = &s.direction,
+           .meaning = "Direction of material axis 1 in space, projected into each triangle. `matrices` need it unless "
+                      "both are those of an isotropic material.",
+           .types = {"orthotropic", "matrices"},
+           .required_types = ortho,
+           .absent = "none"}};
+}
+
+std::vector<Key> keys_of(system::Support& s) {
+  return {
+      {.name = "type",
+       .slot = choice(s.kind, {"displacement", "hinged", "clamped", "symmetry"}),
+       .meaning = "`displacement`: the named components are prescribed. `hinged`: all three are, the edge may turn. "
+                  "`clamped`: as hinged, and the slope across the edge is held. `symmetry`: mirror plane.",
+       .required = true},
+      {.name = "group",
+       .slot = &s.group,
+       .meaning = "Physical point, curve or surface; a curve for `clamped` and `symmetry`.",
+       .required = true},
+      {.name = "components",
+       .slot = &s.components,
+       .meaning = "Which of `\"x\"`, `\"y\"`, `\"z\"` are prescribed.",
+       .types = {"displacement"},
+       .required = true},
+      {.name = "value",
+       .slot = &s.value,
+       .meaning = "Displacement at load factor 1, in proportion to the load factor.",
+       .unit = "m",
+       .types = {"displacement", "hinged", "clamped"}},
+      {.name = "normal",
+       .slot = &s.normal,
+       .meaning = "Normal of the mirror plane.",
+       .types = {"symmetry"},
+       .absent = "found from the mesh"}};
+}
+
+std::vector<Key> keys_of(system::Load& s) {
+  const std::vector<std::string> vectors{"point", "line", "area", "gravity"},
+      magnitudes{"pressure", "follower_pressure", "follower_moment"};
+  return {
+      {.name = "type",
+       .slot = choice(s.kind, {"point", "line", "pressure", "follower_pressure", "area", "gravity", "follower_moment"}),
+       .meaning = "`point`: force on every vertex of a group. `line`: force per rest length of a curve. `area`: force "
+                  "per rest area. `gravity`: acceleration. `pressure`: along the rest normal. `follower_pressure`: "
+                  "along the current normal. `follower_moment`: moment per rest length about a boundary edge.",
+       .required = true},
+      {.name = "group",
+       .slot = &s.group,
+       .meaning = "Where it acts: any group for `point`, a curve for `line` and `follower_moment`, else a surface.",
+       .required_types = {"point", "line", "follower_moment"},
+       .absent = "the whole surface"},
+      {.name = "vector",
+       .slot = &s.vector,
+       .meaning = "Size and direction at load factor 1.",
+       .unit = "point N, line N/m, area N/m^2, gravity m/s^2",
+       .types = vectors,
+       .required = true},
+      {.name = "magnitude",
+       .slot = &s.magnitude,
+       .meaning = "Size at load factor 1; a pressure is positive along the normal of the triangles.",
+       .unit = "pressures Pa, moment N",
+       .types = magnitudes,
+       .required = true},
+      {.name = "constant",
+       .slot = &s.constant,
+       .meaning = "Acts in full at every load factor, as a dead weight does."}};
+}
+
+std::vector<Key> keys_of(solve::StaticOptions& s) {
+  return {
+      {.name = "final_load_factor",
+       .slot = &s.final_load_factor,
+       .meaning = "Load factor at the end of the run.",
+       .range = positive},
+      {.name = "initial_step",
+       .slot = &s.initial_step,
+       .meaning = "First increment of the load factor; `max_step` if that is smaller and this key is not given.",
+       .range = positive},
+      {.name = "min_step",
+       .slot = &s.min_step,
+       .meaning = "A step that fails at this size ends the run with exit code 3.",
+       .range = positive},
+      {.name = "max_step", .slot = &s.max_step, .meaning = "Largest increment of the load factor.", .range = positive},
+      {.name = "stops",
+       .slot = &s.stops,
+       .meaning = "Load factors that a step ends on exactly, ascending; results are recorded there.",
+       .range = positive,
+       .absent = "none"},
+      {.name = "target_iterations",
+       .slot = &s.target_iterations,
+       .meaning = "A step that converges in fewer iterations lets the next one grow.",
+       .range = {1}},
+      {.name = "fallback",
+       .slot = &s.fallback,
+       .meaning = "Try pseudo-transient continuation before a step is made very small."}};
+}
+
+std::vector<Key> keys_of(Probe& s) {
+  return {{.name = "name", .slot = &s.name, .meaning = "Column of `history.csv`; unique.", .required = true},
+          {.name = "type",
+           .slot = choice(s.kind, {"displacement", "reaction", "energy"}),
+           .meaning = "`displacement`: mean over a group or of the vertex nearest to a point. `reaction`: total over a "
+                      "group. `energy`: of the shell.",
+           .unit = "m, N, J",
+           .required = true},
+          {.name = "group",
+           .slot = &s.group,
+           .meaning = "Physical group to observe; a displacement needs this or `point`.",
+           .types = {"displacement", "reaction"},
+           .required_types = {"reaction"},
+           .absent = "none"},
+          {.name = "point",
+           .slot = &s.point,
+           .meaning = "Rest position near the vertex to observe.",
+           .unit = "m",
+           .types = {"displacement"},
+           .absent = "none"},
+          {.name = "components",
+           .slot = &s.components,
+           .meaning = "Which of `\"x\"`, `\"y\"`, `\"z\"` to record.",
+           .types = {"displacement", "reaction"},
+           .absent = "all three"}};
+}
+
+std::vector<Key> keys_of(OutputSection& s) {
+  return {
+      {.name = "fields",
+       .slot = Words{&s.fields,
+                     {"displacement", "reaction", "membrane_force", "bending_moment", "curvature", "membrane_strain"}},
+       .meaning = "Fields in `results.h5`, any of `displacement`, `reaction`, `membrane_force`, `bending_moment`, "
+                  "`curvature`, `membrane_strain`.",
+       .absent = "all of them"},
+      {.name = "every",
+       .slot = &s.every,
+       .meaning = "Results every so many steps; stops and the last step always.",
+       .range = {1}}};
+}
+
+std::vector<Key> petsc_keys(Case& c) {
+  return {{.name = "options",
+           .slot = &c.petsc_options,
+           .meaning = "Options of PETSc as on its command line, e.g. `\"-snes_rtol 1e-10 -ksp_type cg\"`."}};
+}
+
+const std::vector<SectionInfo>& sections() {
+  static const std::vector<SectionInfo> all{
+      {"mesh", false, "The surface. Required."},
+      {"element", false, "Operators of the shell element."},
+      {"material", true, "Stiffness and mass of the shell. At least one."},
+      {"support", true, "Prescribed displacements and slopes."},
+      {"load", true, "Loads; each grows with the load factor unless it is `constant`."},
+      {"steps", false, "How the load factor grows from 0."},
+      {"probe", true, "Numbers recorded in `history.csv` after every step."},
+      {"output", false, "What is written to `results.h5` and `results.xdmf`."},
+      {"petsc", false, "The solver library."}};
+  return all;
+}
+
+}  // namespace voile::app

@@ -1,0 +1,241 @@
+// voile run | check | info | reference
+//
+// Start-up order: MPI, the command line, the case file, then PETSc. The case's PETSc options are set before PETSc
+// starts, so that PETSc's own sources (.petscrc, PETSC_OPTIONS, command line) override them and options that only count
+// at the start, such as -log_view, work from the case file too.
+#include <fmt/format.h>
+#include <mpi.h>
+#include <petscsys.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdio>
+#include <fstream>
+#include <optional>
+#include <sstream>
+
+#include "voile/app/case.hpp"
+#include "voile/app/command_line.hpp"
+#include "voile/app/run.hpp"
+#include "voile/app/version.hpp"
+#include "voile/base/error.hpp"
+#include "voile/base/mpi.hpp"
+#include "voile/base/petsc.hpp"
+
+namespace {
+
+using namespace voile;
+
+/// What the user asked for.
+struct Request {
+  enum class Command { nothing, run, check, info, reference, version };
+  Command command = Command::nothing;
+  std::string file;
+  app::RunOptions options;
+  std::vector<std::string> petsc;  ///< PETSc's words of the command line
+};
+
+bool is_root() {
+  return mpi::rank(MPI_COMM_WORLD) == 0;
+}
+
+void print_on_root(const std::string& text) {
+  if (is_root()) fmt::print("{}", text);
+}
+
+/// A missing file name may have been taken for the value of an option of PETSc.
+std::string swallowed_hint(const std::vector<std::string>& petsc) {
+  for (std::size_t i = 1; i < petsc.size(); ++i)
+    for (const char* ending : {".toml", ".msh", ".geo"})
+      if (petsc[i].size() > 5 && petsc[i].ends_with(ending) && petsc[i - 1][0] == '-')
+        return fmt::format(" ('{}' was taken for the value of {}: put the file first)", petsc[i], petsc[i - 1]);
+  return "";
+}
+
+void declare(CLI::App& cli, Request& request) {
+  using Command = Request::Command;
+  cli.require_subcommand(0, 1);
+  cli.add_flag_callback(
+      "--version", [&] { request.command = Command::version; }, "Print the versions of Voile and its libraries");
+  const auto add = [&](const char* name, const char* what, Command command) {
+    CLI::App* sub = cli.add_subcommand(name, what);
+    sub->callback([&request, command] { request.command = command; });
+    return sub;
+  };
+  CLI::App* run = add("run", "Solve a case and write its results", Command::run);
+  run->add_option("case", request.file, "Case file (TOML)")->required();
+  run->add_option("--output", request.options.output, "Folder of the results [CASE_results]");
+  auto& verbosity = request.options.verbosity;
+  CLI::Option* quiet = run->add_flag_callback(
+      "--quiet", [&] { verbosity = app::Verbosity::quiet; }, "Print warnings and errors only");
+  run->add_flag_callback(
+         "--verbose", [&] { verbosity = app::Verbosity::verbose; }, "Print every iteration")
+      ->excludes(quiet);
+  add("check", "Validate a case without solving it", Command::check)
+      ->add_option("case", request.file, "Case file (TOML)")
+      ->required();
+  add("info", "Describe a mesh: sizes, groups, quality", Command::info)
+      ->add_option("file", request.file, "Case file (TOML) or mesh (.msh, .geo)")
+      ->required();
+  add("reference", "Print the reference of the case file", Command::reference);
+}
+
+/// Parses the command line. Prints help and returns Command::nothing if that is all there is to do.
+Request parse_command_line(int argc, char** argv) {
+  const app::SplitArguments split = app::split_arguments({argv + 1, argv + argc});
+  Request request;
+  request.petsc = split.petsc;
+  CLI::App cli(
+      "Voile: nonlinear thin shells in parallel\n\n"
+      "Every option of PETSc works as well, e.g. -snes_monitor -snes_rtol 1e-9 -log_view; -help lists those in force.\n"
+      "Options also come from PETSC_OPTIONS, .petscrc and the case file, in this order of precedence.\n"
+      "Exit codes: 0 done, 2 error in the input, 3 not converged, 4 internal error.\n",
+      "voile");
+  declare(cli, request);
+  std::vector<std::string> words(split.own.rbegin(), split.own.rend());  // CLI11 wants them reversed
+  try {
+    cli.parse(words);
+  } catch (const CLI::CallForHelp&) {
+    const auto chosen = cli.get_subcommands();
+    print_on_root(chosen.empty() ? cli.help() : chosen.front()->help());
+    return {};
+  } catch (const CLI::ParseError& e) {
+    throw UserError(fmt::format("{}{}; see voile --help", e.what(), swallowed_hint(split.petsc)));
+  }
+  if (request.command == Request::Command::nothing) {
+    // PETSc's users ask a program for its options with -help.
+    const bool asks = std::find(split.petsc.begin(), split.petsc.end(), "-help") != split.petsc.end();
+    if (!split.own.empty() || !(split.petsc.empty() || asks)) throw UserError("no command is given; see voile --help");
+    print_on_root(cli.help());
+  }
+  return request;
+}
+
+/// Reads the case on rank 0 and parses it everywhere. Collective.
+app::Case read_case(const std::string& file) {
+  std::string text;
+  mpi::on_root(MPI_COMM_WORLD, [&] {
+    std::error_code ignored;
+    std::ifstream in(file, std::ios::binary);
+    if (!in || std::filesystem::is_directory(file, ignored))
+      throw UserError(fmt::format("{}: there is no such case file", file));
+    std::ostringstream buffer;
+    buffer << in.rdbuf();
+    text = buffer.str();
+  });
+  mpi::broadcast(MPI_COMM_WORLD, text);
+  return app::parse_case(text, file);
+}
+
+/// PETSc between construction and destruction.
+class PetscSession {
+ public:
+  PetscSession(const char* program, const std::vector<std::string>& words, const std::string& case_options) {
+    for (const auto& [name, value] : app::petsc_pairs(case_options))
+      VOILE_PETSC(PetscOptionsSetValue(nullptr, name.c_str(), value.empty() ? nullptr : value.c_str()));
+    words_.emplace_back(program);
+    words_.insert(words_.end(), words.begin(), words.end());
+    for (std::string& word : words_) pointers_.push_back(word.data());
+    pointers_.push_back(nullptr);
+    count_ = static_cast<int>(words_.size());
+    argv_ = pointers_.data();
+    VOILE_PETSC(PetscInitialize(&count_, &argv_, nullptr, nullptr));
+  }
+  ~PetscSession() { (void)PetscFinalize(); }
+  PetscSession(const PetscSession&) = delete;
+  PetscSession& operator=(const PetscSession&) = delete;
+
+  /// Warns on rank 0 about options that nothing asked for, unless -options_left makes PETSc do so.
+  static void report_unused_options() {
+    PetscBool asked = PETSC_FALSE;
+    VOILE_PETSC(PetscOptionsHasName(nullptr, nullptr, "-options_left", &asked));
+    if (asked) return;
+    PetscInt count = 0;
+    char **names = nullptr, **values = nullptr;
+    VOILE_PETSC(PetscOptionsLeftGet(nullptr, &count, &names, &values));
+    for (PetscInt i = 0; i < count && is_root(); ++i) {
+      const std::string name = names[i];
+      // These are looked up only when PETSc ends.
+      const bool late = name.starts_with("log") || name.starts_with("malloc") || name.starts_with("objects_") ||
+                        name.starts_with("options_");
+      if (!late)
+        fmt::print(stderr, "voile: warning: option -{}{}{} was not used by anything\n", name, values[i] ? " " : "",
+                   values[i] ? values[i] : "");
+    }
+    VOILE_PETSC(PetscOptionsLeftRestore(nullptr, &count, &names, &values));
+  }
+
+ private:
+  std::vector<std::string> words_;
+  std::vector<char*> pointers_;
+  int count_ = 0;
+  char** argv_ = nullptr;
+};
+
+/// Ends all ranks: the failure may have hit this rank only.
+[[noreturn]] void abort_all(const char* what) {
+  fmt::print(stderr, "voile: internal error on rank {}: {}\n", mpi::rank(MPI_COMM_WORLD), what);
+  std::fflush(nullptr);
+  MPI_Abort(MPI_COMM_WORLD, static_cast<int>(Exit::internal_error));
+  std::abort();
+}
+
+/// Calls `work`; anything but a UserError ends the program here, before PETSc is left collectively.
+template <class Work>
+auto or_abort(const Work& work) {
+  try {
+    return work();
+  } catch (const UserError&) {
+    throw;
+  } catch (const std::exception& e) {
+    abort_all(e.what());
+  } catch (...) {
+    abort_all("unknown exception");
+  }
+}
+
+Exit run_case(const app::Case& c, app::RunOptions options) {
+  if (options.output.empty()) options.output = c.file.stem().string() + "_results";
+  const Exit result = app::run(c, options);
+  PetscSession::report_unused_options();
+  return result;
+}
+
+void show_info(const std::string& file, const std::optional<app::Case>& c) {
+  const std::filesystem::path mesh_file = c ? c->mesh.file : std::filesystem::path(file);
+  const mesh::SurfaceMesh mesh = app::load_mesh(mesh_file, c ? c->mesh.options : io::MeshOptions{});
+  app::info(mesh, c ? c->element : energy::ElementOptions{});
+}
+
+Exit execute(const Request& request, const char* program) {
+  using Command = Request::Command;
+  if (request.command == Command::version && is_root()) fmt::print("{}", app::version_text());
+  if (request.command == Command::reference) print_on_root(app::case_reference_markdown());
+  const bool is_mesh = request.command == Command::info && !request.file.ends_with(".toml");
+  if (request.file.empty()) return Exit::done;
+  std::optional<app::Case> c;
+  if (!is_mesh) c = read_case(request.file);
+  const PetscSession petsc(program, request.petsc, c ? c->petsc_options : "");
+  return or_abort([&] {
+    if (request.command == Command::run) return run_case(*c, request.options);
+    if (request.command == Command::check) app::check(*c);
+    if (request.command == Command::info) show_info(request.file, c);
+    return Exit::done;
+  });
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  MPI_Init(&argc, &argv);
+  Exit result = Exit::done;
+  try {
+    result = or_abort([&] { return execute(parse_command_line(argc, argv), argv[0]); });
+  } catch (const UserError& e) {
+    if (is_root()) fmt::print(stderr, "voile: error: {}\n", e.what());
+    result = Exit::user_error;
+  }
+  std::fflush(nullptr);
+  MPI_Finalize();
+  return static_cast<int>(result);
+}

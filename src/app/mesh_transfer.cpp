@@ -1,0 +1,55 @@
+// load_mesh(): rank 0 reads, every rank receives the whole surface.
+#include "voile/app/run.hpp"
+#include "voile/base/mpi.hpp"
+#include "voile/base/petsc.hpp"
+
+namespace voile::app {
+
+namespace {
+
+void broadcast_groups(MPI_Comm comm, std::vector<mesh::Group>& groups) {
+  std::vector<Index> count{static_cast<Index>(groups.size())};
+  mpi::broadcast(comm, count);
+  groups.resize(static_cast<std::size_t>(count[0]));
+  for (mesh::Group& g : groups) {
+    mpi::broadcast(comm, g.name);
+    std::vector<Index> segments{g.dimension};
+    for (const mesh::Segment& s : g.segments) segments.insert(segments.end(), s.begin(), s.end());
+    mpi::broadcast(comm, segments);
+    mpi::broadcast(comm, g.vertices);
+    mpi::broadcast(comm, g.triangles);
+    g.dimension = segments[0];
+    g.segments.clear();
+    for (std::size_t i = 1; i < segments.size(); i += 2) g.segments.push_back({segments[i], segments[i + 1]});
+  }
+}
+
+void broadcast_mesh(MPI_Comm comm, mesh::MeshData& data) {
+  std::vector<double> coordinates;
+  std::vector<Index> corners;
+  for (const Vec3& x : data.positions) coordinates.insert(coordinates.end(), x.begin(), x.end());
+  for (const mesh::Triangle& t : data.triangles) corners.insert(corners.end(), t.begin(), t.end());
+  mpi::broadcast(comm, data.source);
+  mpi::broadcast(comm, coordinates);
+  mpi::broadcast(comm, corners);
+  mpi::broadcast(comm, data.vertex_tags);
+  mpi::broadcast(comm, data.triangle_tags);
+  broadcast_groups(comm, data.groups);
+  data.positions.resize(coordinates.size() / 3);
+  data.triangles.resize(corners.size() / 3);
+  for (std::size_t v = 0; v < data.positions.size(); ++v) data.positions[v] = Eigen::Map<Vec3>(&coordinates[3 * v]);
+  for (std::size_t t = 0; t < data.triangles.size(); ++t)
+    data.triangles[t] = {corners[3 * t], corners[3 * t + 1], corners[3 * t + 2]};
+}
+
+}  // namespace
+
+mesh::SurfaceMesh load_mesh(const std::filesystem::path& file, const io::MeshOptions& options) {
+  mesh::MeshData data;
+  mpi::on_root(PETSC_COMM_WORLD, [&] { data = io::read_gmsh(file.string(), options); });
+  broadcast_mesh(PETSC_COMM_WORLD, data);
+  // The same data give the same verdict on every rank, so this throws everywhere or nowhere.
+  return mesh::SurfaceMesh(std::move(data));
+}
+
+}  // namespace voile::app

@@ -1,0 +1,484 @@
+// The case file: what is read, every kind of mistake with its message, the echo, the reference page, the command line.
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <numbers>
+#include <string>
+
+#include "voile/app/case.hpp"
+#include "voile/app/case_keys.hpp"
+#include "voile/app/command_line.hpp"
+#include "voile/base/error.hpp"
+
+using namespace voile;
+using app::parse_case;
+
+namespace {
+
+const std::string minimal = R"([mesh]
+file = "plate.geo"
+[[material]]
+type = "isotropic"
+young = 2.1e11
+poisson = 0.3
+thickness = 0.01
+)";
+
+const std::string full = R"(title = "All \"keys\""
+analysis = "static"
+[mesh]
+file = "meshes/plate.geo"
+scale = 0.001
+size = 2.5
+algorithm = 5
+parameters = { n = 12, L = 2.5 }
+[element]
+bending = "six_node"
+membrane = "cst"
+cst_share = 0.3
+max_patch_condition = 50
+crease_angle = 33.3
+[[material]]
+groups = ["plate", "rim"]
+type = "isotropic"
+young = 1e6
+poisson = 0.3
+thickness = 0.1
+density = 1000
+[[material]]
+groups = ["fabric"]
+type = "orthotropic"
+young_1 = 3e6
+young_2 = 1e6
+poisson_12 = 0.2
+shear_12 = 4e5
+thickness = 0.2
+direction = [1, 1, 0]
+[[material]]
+type = "matrices"
+membrane = [[2, 1, 0.1], [1, 3, 0], [0.1, 0, 1]]
+bending = [[1, 0, 0], [0, 1, 0], [0, 0, 0.5]]
+direction = [0, 0, 1]
+areal_density = 0.2
+[[support]]
+group = "left"
+type = "displacement"
+components = ["z", "x"]
+value = [0.1, 0, -0.2]
+[[support]]
+group = "right"
+type = "clamped"
+value = [0, 0, 0.5]
+[[support]]
+group = "top"
+type = "symmetry"
+normal = [0, 1, 0]
+[[support]]
+group = "bottom"
+type = "symmetry"
+[[load]]
+type = "line"
+group = "right"
+vector = [0, 0, -4]
+[[load]]
+type = "gravity"
+vector = [0, 0, -9.81]
+constant = true
+[[load]]
+type = "follower_pressure"
+magnitude = -100
+group = "plate"
+[steps]
+final_load_factor = 2
+initial_step = 0.1
+min_step = 1e-5
+max_step = 0.5
+stops = [0.1, 0.7, 2]
+target_iterations = 5
+fallback = false
+[[probe]]
+name = "tip"
+type = "displacement"
+point = [0, 0, 0]
+components = ["z"]
+[[probe]]
+name = "pull"
+type = "reaction"
+group = "left"
+[[probe]]
+name = "work"
+type = "energy"
+[output]
+fields = ["reaction", "displacement"]
+every = 3
+[petsc]
+options = "-snes_rtol 1e-10 -ksp_view"
+)";
+
+std::string error_of(const std::string& text) {
+  try {
+    (void)parse_case(text, "case.toml");
+  } catch (const UserError& e) {
+    return e.what();
+  }
+  return "no error";
+}
+
+/// The error after `line` is added below the minimal case.
+std::string error_with(const std::string& lines) {
+  return error_of(minimal + lines);
+}
+
+std::string replaced(std::string text, const std::string& from, const std::string& to) {
+  const std::size_t at = text.find(from);
+  REQUIRE(at != std::string::npos);
+  return text.replace(at, from.size(), to);
+}
+
+/// The error after a piece of the full case is replaced.
+std::string error_after(const std::string& from, const std::string& to) {
+  return error_of(replaced(full, from, to));
+}
+
+bool has(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+}  // namespace
+
+TEST_CASE("a minimal case has the defaults") {
+  const app::Case c = parse_case(minimal, "folder/case.toml");
+  CHECK(c.analysis == "static");
+  CHECK(c.mesh.file == std::filesystem::absolute("folder/plate.geo"));
+  CHECK(c.mesh.options.scale == 1.0);
+  CHECK(c.element.bending == energy::BendingOperator::edge_slope);
+  CHECK(c.element.crease_angle == 0.7);
+  REQUIRE(c.materials.size() == 1);
+  CHECK(c.materials[0].groups.empty());
+  CHECK(c.materials[0].membrane == energy::isotropic_membrane(2.1e11, 0.3, 0.01));
+  CHECK(c.materials[0].bending == energy::bending_from_membrane(c.materials[0].membrane, 0.01));
+  CHECK(c.materials[0].areal_density == 0.0);
+  CHECK(c.steps.initial_step == 0.25);
+  CHECK(c.output.every == 1);
+  CHECK(c.output.fields.empty());
+  CHECK(c.petsc_options.empty());
+}
+
+TEST_CASE("every key is read") {
+  const app::Case c = parse_case(full, "/cases/case.toml");
+  CHECK(c.title == "All \"keys\"");
+  CHECK(c.mesh.file == "/cases/meshes/plate.geo");
+  CHECK(c.mesh.options.scale == 0.001);
+  CHECK(c.mesh.options.size == 2.5);
+  CHECK(c.mesh.options.algorithm == 5);
+  CHECK(c.mesh.options.parameters == std::map<std::string, double>{{"L", 2.5}, {"n", 12.0}});
+  CHECK(c.element.bending == energy::BendingOperator::six_node);
+  CHECK(c.element.membrane == energy::MembraneOperator::cst);
+  CHECK(c.element.cst_share == 0.3);
+  CHECK(c.element.max_patch_condition == 50.0);
+  CHECK(c.element.crease_angle == doctest::Approx(33.3 * std::numbers::pi / 180).epsilon(1e-15));
+  REQUIRE(c.materials.size() == 3);
+  CHECK(c.materials[0].groups == std::vector<std::string>{"plate", "rim"});
+  CHECK(c.materials[0].areal_density == doctest::Approx(100.0));
+  CHECK(c.materials[1].membrane == energy::orthotropic_membrane(3e6, 1e6, 0.2, 4e5, 0.2));
+  CHECK(*c.materials[1].direction == Vec3(1, 1, 0));
+  CHECK(c.materials[2].membrane(0, 2) == 0.1);
+  CHECK(c.materials[2].areal_density == 0.2);
+  REQUIRE(c.supports.size() == 4);
+  CHECK(c.supports[0].components == std::array<bool, 3>{true, false, true});
+  CHECK(c.supports[0].value == Vec3(0.1, 0, -0.2));
+  CHECK(c.supports[1].kind == system::Support::Kind::clamped);
+  CHECK(*c.supports[2].normal == Vec3(0, 1, 0));
+  CHECK(!c.supports[3].normal);
+  REQUIRE(c.loads.size() == 3);
+  CHECK(c.loads[0].kind == system::Load::Kind::line);
+  CHECK(c.loads[0].vector == Vec3(0, 0, -4));
+  CHECK(c.loads[1].constant);
+  CHECK(c.loads[1].group.empty());
+  CHECK(c.loads[2].kind == system::Load::Kind::follower_pressure);
+  CHECK(c.loads[2].magnitude == -100.0);
+  CHECK(c.steps.stops == std::vector<double>{0.1, 0.7, 2.0});
+  CHECK(c.steps.target_iterations == 5);
+  CHECK(!c.steps.fallback);
+  REQUIRE(c.probes.size() == 3);
+  CHECK(*c.probes[0].point == Vec3::Zero());
+  CHECK(c.probes[0].components == std::vector<int>{2});
+  CHECK(c.probes[1].group == "left");
+  CHECK(c.probes[2].kind == app::Probe::Kind::energy);
+  CHECK(c.output.fields == std::vector<std::string>{"reaction", "displacement"});
+  CHECK(c.output.every == 3);
+  CHECK(c.petsc_options == "-snes_rtol 1e-10 -ksp_view");
+}
+
+TEST_CASE("each load type is the enumerator of its name") {
+  using Kind = system::Load::Kind;
+  const std::vector<std::pair<std::string, Kind>> kinds{{"point", Kind::point},
+                                                        {"line", Kind::line},
+                                                        {"pressure", Kind::pressure},
+                                                        {"follower_pressure", Kind::follower_pressure},
+                                                        {"area", Kind::area},
+                                                        {"gravity", Kind::gravity},
+                                                        {"follower_moment", Kind::follower_moment}};
+  for (const auto& entry : kinds) {
+    const std::string& name = entry.first;
+    const Kind kind = entry.second;
+    CAPTURE(name);
+    const bool vector = kind == Kind::point || kind == Kind::line || kind == Kind::area || kind == Kind::gravity;
+    const app::Case c = parse_case(minimal + "[[load]]\ngroup = \"g\"\ntype = \"" + name + "\"\n" +
+                                       (vector ? "vector = [1, 2, 3]\n" : "magnitude = 5\n"),
+                                   "case.toml");
+    CHECK(c.loads.at(0).kind == kind);
+  }
+}
+
+TEST_CASE("misspelt names are reported with line and nearest match") {
+  CHECK(error_of(replaced(minimal, "young", "yuong")) ==
+        "case.toml:5: [material] unknown key 'yuong': did you mean 'young'?");
+  CHECK(error_with("[stpes]\n") == "case.toml:8: unknown section 'stpes': did you mean 'steps'?");
+  CHECK(error_with("[[materials]]\n") == "case.toml:8: unknown section 'materials': did you mean 'material'?");
+  CHECK(error_of("titel = \"x\"\n" + minimal) == "case.toml:1: unknown key 'titel': did you mean 'title'?");
+  CHECK(has(error_of("[qqqqqqqq]\n" + minimal),
+            "case.toml:1: unknown section 'qqqqqqqq': valid: mesh, element, material"));
+  CHECK(has(error_of(replaced(minimal, "\"isotropic\"", "\"isotropc\"")),
+            "case.toml:4: material.type: 'isotropc': unknown value: did you mean 'isotropic'?"));
+  CHECK(has(error_after("bending = \"six_node\"", "bending = \"edge slope\""), "did you mean 'edge_slope'?"));
+  CHECK(has(error_after("\"reaction\", ", "\"reactoin\", "), "unknown name 'reactoin': did you mean 'reaction'?"));
+  CHECK(has(error_after("[\"z\", \"x\"]", "[\"w\"]"), "unknown axis 'w'"));
+  CHECK(has(error_after("analysis = \"static\"", "analysis = \"modal\""), "case.toml:2: analysis: 'modal'"));
+}
+
+TEST_CASE("a key of another type is told apart from an unknown one") {
+  CHECK(has(error_with("[[load]]\ntype = \"pressure\"\nvector = [0, 0, 1]\n"),
+            "case.toml:10: [load] key 'vector' does not belong to type 'pressure'; that has: type, group, magnitude, "
+            "constant"));
+  CHECK(has(error_with("[[support]]\ntype = \"hinged\"\ngroup = \"a\"\ncomponents = [\"x\"]\n"),
+            "does not belong to type 'hinged'"));
+}
+
+TEST_CASE("sections in the wrong form") {
+  CHECK(error_with("[load]\ntype = \"pressure\"\n") == "case.toml:8: section 'load' must be written [[load]]");
+  CHECK(error_with("[[steps]]\n") == "case.toml:8: section 'steps' must be written [steps]");
+  CHECK(error_of("mesh = 3\n") == "case.toml:1: section 'mesh' must be written [mesh]");
+  CHECK(has(error_of("[mesh\n"), "case.toml:1: this is not valid TOML: "));
+  CHECK(has(error_with("thickness = 2\n"), "case.toml:8: this is not valid TOML: "));  // twice
+  CHECK(error_of("[mesh]\nfile = \"a.msh\"\n") == "case.toml: there is no material; add a section [[material]]");
+  CHECK(has(error_of(minimal.substr(minimal.find("[[mat"))), "case.toml: mesh.file: the key is missing; Gmsh mesh"));
+  CHECK(has(error_of(replaced(minimal, "young = 2.1e11\n", "")),
+            "case.toml:3: material.young: the key is missing; Young's modulus"));
+  CHECK(has(error_of(replaced(minimal, "type = \"isotropic\"\n", "")),
+            "case.toml:3: material.type: the key is missing; choose one of: isotropic"));
+}
+
+TEST_CASE("values of the wrong type or range") {
+  const auto material = [](const std::string& from, const std::string& to) {
+    return error_of(replaced(minimal, from, to));
+  };
+  CHECK(material("0.01", "-0.01") == "case.toml:7: material.thickness: -0.01: must be > 0 [m]");
+  CHECK(material("0.01", "0") == "case.toml:7: material.thickness: 0: must be > 0 [m]");
+  CHECK(has(material("0.01", "nan"), "case.toml:7: material.thickness: nan: the number must be finite"));
+  CHECK(has(material("2.1e11", "inf"), "case.toml:5: material.young: inf: the number must be finite"));
+  CHECK(material("2.1e11", "\"2.1e11\"") ==
+        "case.toml:5: material.young: '2.1e11': a number in Pa > 0 is needed; write it without quotes");
+  CHECK(has(material("2.1e11", "[1]"), "a number in Pa > 0 is needed"));
+  CHECK(material("0.3", "0.51") == "case.toml:6: material.poisson: 0.51: must be > -1 and <= 0.5");
+  CHECK(has(material("0.3", "-1.0"), "case.toml:6: material.poisson: -1: must be > -1"));
+  CHECK(error_of(replaced(minimal, "0.3", "0.5")) == "no error");
+  CHECK(has(material("\"plate.geo\"", "\"\""), "the text is empty"));
+  CHECK(has(material("\"plate.geo\"", "3"), "case.toml:2: mesh.file: 3: a text in quotes is needed"));
+  CHECK(has(error_after("algorithm = 5", "algorithm = 5.5"), "mesh.algorithm: 5.5: a whole number is needed"));
+  CHECK(has(error_after("n = 12", "n = \"12\""), "mesh.parameters: { L = 2.5, n = '12' }: 'n' must be a number"));
+  CHECK(has(error_after("{ n = 12, L = 2.5 }", "{ }"), "the table is empty"));
+  CHECK(has(error_after("fallback = false", "fallback = \"no\""), "steps.fallback: 'no': write true or false"));
+  CHECK(has(error_after("cst_share = 0.3", "cst_share = 1.5"), "must be >= 0 and <= 1"));
+  CHECK(has(error_after("value = [0.1, 0, -0.2]", "value = [0.1, 0]"), "three numbers [x, y, z] are needed"));
+  CHECK(has(error_after("direction = [1, 1, 0]", "direction = [0, 0, 0]"), "a direction must not be zero"));
+  CHECK(has(error_after("[[2, 1, 0.1], ", "[[2, 1], "), "three rows of three numbers are needed"));
+  CHECK(has(error_after("every = 3", "every = 0"), "output.every: 0: must be >= 1"));
+  CHECK(has(error_after("every = 3", "every = 99999999999"), "the number is too large"));
+  CHECK(has(error_after("options = \"-snes", "options = \"snes"), "petsc.options: 'snes_rtol' is neither an option"));
+}
+
+TEST_CASE("lists: empty, doubled, unsorted") {
+  CHECK(has(error_after("groups = [\"fabric\"]", "groups = []"),
+            "material.groups: []: the list is empty; fill it or leave the key out"));
+  CHECK(
+      has(error_after("components = [\"z\", \"x\"]", "components = []"), "support.components: []: the list is empty"));
+  CHECK(has(error_after("[\"z\", \"x\"]", "[\"z\", \"z\"]"), "axis 'z' is there twice"));
+  CHECK(has(error_after("\"rim\"]", "\"plate\"]"), "'plate' is there twice"));
+  CHECK(has(error_after("[\"fabric\"]", "[\"rim\"]"),
+            "case.toml:23: material.groups: group 'rim' has a material already"));
+  CHECK(has(error_after("groups = [\"fabric\"]\n", ""), "another material has no groups either"));
+  CHECK(has(error_after("[0.1, 0.7, 2]", "[0.7, 0.1, 2]"),
+            "steps.stops: 0.1 follows 0.7: list the stops in ascending order"));
+  CHECK(has(error_after("[0.1, 0.7, 2]", "[0.1, 0.7, 3]"), "steps.stops: 3 lies beyond final_load_factor = 2"));
+  CHECK(has(error_after("[0.1, 0.7, 2]", "[0.0, 0.7]"), "must be > 0"));
+  CHECK(has(error_after("[0.1, 0.7, 2]", "0.5"), "a list of numbers is needed, in square brackets"));
+}
+
+TEST_CASE("stiffness that is not positive definite or has no direction") {
+  CHECK(has(error_after("[[2, 1, 0.1], [1, 3, 0]", "[[2, 4, 0.1], [4, 3, 0]"),
+            "material.membrane: the matrix is not positive definite"));
+  CHECK(has(error_after("[[1, 0, 0], [0, 1, 0], [0, 0, 0.5]]", "[[1, 0, 0], [0, 1, 0], [0, 0, 0]]"),
+            "material.bending: the matrix is not positive definite"));
+  CHECK(
+      has(error_after("[1, 3, 0]", "[1.1, 3, 0]"), "material.membrane: the matrix is not symmetric (difference 0.1)"));
+  CHECK(has(error_after("poisson_12 = 0.2", "poisson_12 = 1.8"),
+            "|poisson_12| must be below sqrt(young_1 / young_2) = 1.73205"));
+  CHECK(error_of(replaced(full, "poisson_12 = 0.2", "poisson_12 = 1.7")) == "no error");
+  CHECK(
+      has(error_after("direction = [0, 0, 1]\n", ""), "material.direction: the key is missing; these matrices depend"));
+  CHECK(has(error_after("direction = [1, 1, 0]\n", ""), "case.toml:22: material.direction: the key is missing"));
+  CHECK(has(error_of(replaced(minimal, "2.1e11", "1e308")), "no error"));
+  CHECK(has(error_of(replaced(replaced(minimal, "2.1e11", "1e308"), "0.01", "1e5")),
+            "not positive definite or not finite"));
+}
+
+TEST_CASE("steps fit each other") {
+  CHECK(has(error_after("initial_step = 0.1", "initial_step = 0.6"),
+            "steps.initial_step: 0.6: must not be larger than max_step = 0.5"));
+  CHECK(has(error_after("min_step = 1e-5", "min_step = 0.2"),
+            "steps.min_step: 0.2: must not be larger than initial_step = 0.1"));
+  const app::Case c = parse_case(minimal + "[steps]\nmax_step = 0.1\n", "case.toml");
+  CHECK(c.steps.initial_step == 0.1);
+}
+
+TEST_CASE("probes and loads need what they observe or act on") {
+  CHECK(has(error_after("name = \"pull\"", "name = \"tip\""), "probe.name: 'tip': another probe has this name"));
+  CHECK(has(error_after("name = \"pull\"", "name = \"a,b\""), "must not contain commas"));
+  CHECK(has(error_after("point = [0, 0, 0]\n", ""), "needs either 'group' or 'point'"));
+  CHECK(
+      has(error_after("point = [0, 0, 0]\n", "point = [0, 0, 0]\ngroup = \"a\"\n"), "needs either 'group' or 'point'"));
+  CHECK(has(error_with("[[probe]]\nname = \"r\"\ntype = \"reaction\"\n"),
+            "case.toml:8: probe.group: the key is missing"));
+  CHECK(has(error_with("[[load]]\ntype = \"line\"\nvector = [0, 0, 1]\n"),
+            "case.toml:8: load.group: the key is missing"));
+  CHECK(has(error_with("[[load]]\ntype = \"pressure\"\n"), "case.toml:8: load.magnitude: the key is missing"));
+  CHECK(has(error_with("[[support]]\ntype = \"clamped\"\n"), "case.toml:8: support.group: the key is missing"));
+}
+
+namespace {
+
+void check_equal(const app::Case& a, const app::Case& b) {
+  CHECK(a.title == b.title);
+  CHECK(a.analysis == b.analysis);
+  CHECK(a.mesh.file == b.mesh.file);
+  CHECK(a.mesh.options.parameters == b.mesh.options.parameters);
+  CHECK(a.mesh.options.size == b.mesh.options.size);
+  CHECK(a.mesh.options.algorithm == b.mesh.options.algorithm);
+  CHECK(a.mesh.options.scale == b.mesh.options.scale);
+  CHECK(a.element.bending == b.element.bending);
+  CHECK(a.element.membrane == b.element.membrane);
+  CHECK(a.element.cst_share == b.element.cst_share);
+  CHECK(a.element.max_patch_condition == b.element.max_patch_condition);
+  CHECK(a.element.crease_angle == b.element.crease_angle);
+  CHECK(a.steps.final_load_factor == b.steps.final_load_factor);
+  CHECK(a.steps.initial_step == b.steps.initial_step);
+  CHECK(a.steps.min_step == b.steps.min_step);
+  CHECK(a.steps.max_step == b.steps.max_step);
+  CHECK(a.steps.stops == b.steps.stops);
+  CHECK(a.steps.target_iterations == b.steps.target_iterations);
+  CHECK(a.steps.fallback == b.steps.fallback);
+  CHECK(a.output.fields == b.output.fields);
+  CHECK(a.output.every == b.output.every);
+  CHECK(a.petsc_options == b.petsc_options);
+}
+
+void check_equal_lists(const app::Case& a, const app::Case& b) {
+  REQUIRE(a.materials.size() == b.materials.size());
+  for (std::size_t i = 0; i < a.materials.size(); ++i) {
+    CHECK(a.materials[i].groups == b.materials[i].groups);
+    CHECK(a.materials[i].membrane == b.materials[i].membrane);
+    CHECK(a.materials[i].bending == b.materials[i].bending);
+    CHECK(a.materials[i].areal_density == b.materials[i].areal_density);
+    CHECK(a.materials[i].direction == b.materials[i].direction);
+  }
+  REQUIRE(a.supports.size() == b.supports.size());
+  for (std::size_t i = 0; i < a.supports.size(); ++i) {
+    CHECK(a.supports[i].group == b.supports[i].group);
+    CHECK(a.supports[i].kind == b.supports[i].kind);
+    CHECK(a.supports[i].components == b.supports[i].components);
+    CHECK(a.supports[i].value == b.supports[i].value);
+    CHECK(a.supports[i].normal == b.supports[i].normal);
+  }
+  REQUIRE(a.loads.size() == b.loads.size());
+  for (std::size_t i = 0; i < a.loads.size(); ++i) {
+    CHECK(a.loads[i].kind == b.loads[i].kind);
+    CHECK(a.loads[i].group == b.loads[i].group);
+    CHECK(a.loads[i].vector == b.loads[i].vector);
+    CHECK(a.loads[i].magnitude == b.loads[i].magnitude);
+    CHECK(a.loads[i].constant == b.loads[i].constant);
+  }
+  REQUIRE(a.probes.size() == b.probes.size());
+  for (std::size_t i = 0; i < a.probes.size(); ++i) {
+    CHECK(a.probes[i].name == b.probes[i].name);
+    CHECK(a.probes[i].kind == b.probes[i].kind);
+    CHECK(a.probes[i].group == b.probes[i].group);
+    CHECK(a.probes[i].point == b.probes[i].point);
+    CHECK(a.probes[i].components == b.probes[i].components);
+  }
+}
+
+}  // namespace
+
+TEST_CASE("the echo reads back as the same case, from another folder") {
+  for (const std::string& text : {minimal, full}) {
+    const app::Case a = parse_case(text, "here/case.toml");
+    const std::string echo = app::echo_case(a);
+    CAPTURE(echo);
+    const app::Case b = parse_case(echo, "/elsewhere/case.toml");
+    check_equal(a, b);
+    check_equal_lists(a, b);
+    CHECK(app::echo_case(b) == echo);
+  }
+}
+
+TEST_CASE("angles survive the echo to the last bit") {
+  app::Case c = parse_case(minimal, "case.toml");
+  for (int i = 0; i < 500; ++i) {
+    c.element.crease_angle = (0.5 + i) / 500 * std::numbers::pi / 180 * (1 + i % 170);
+    // Only angles that some number of degrees gives can be asked for.
+    c.element.crease_angle = c.element.crease_angle / (std::numbers::pi / 180) * (std::numbers::pi / 180);
+    CHECK(parse_case(app::echo_case(c), "case.toml").element.crease_angle == c.element.crease_angle);
+  }
+}
+
+TEST_CASE("texts with quotes, control characters and umlauts survive the echo") {
+  app::Case c = parse_case(minimal, "case.toml");
+  c.title = "a\\b \"c\"\n\t\x01 \xc3\xa4";
+  CHECK(parse_case(app::echo_case(c), "case.toml").title == c.title);
+}
+
+TEST_CASE("the reference page has every section and key, and its example is valid") {
+  const std::string page = app::case_reference_markdown();
+  for (const app::SectionInfo& section : app::sections()) CHECK(has(page, "[" + section.name + "]"));
+  for (const char* key :
+       {"young_1", "crease_angle", "target_iterations", "areal_density", "parameters", "analysis", "every"})
+    CHECK(has(page, std::string("| `") + key + "` |"));
+  CHECK(has(page, "| `max_step` | number, > 0 | - | `1.0` |"));
+  const std::size_t begin = page.find("```toml\n") + 8, end = page.find("```", begin);
+  const app::Case c = parse_case(page.substr(begin, end - begin), "case.toml");
+  CHECK(c.supports.at(0).group == "fixed edge");
+}
+
+TEST_CASE("nearest names") {
+  CHECK(app::nearest("yuong", {"young", "poisson"}) == "young");
+  CHECK(app::nearest("thicknes", {"thickness"}) == "thickness");
+  CHECK(app::nearest("zzz", {"young", "poisson"}).empty());
+  CHECK(app::nearest("ab", {"xy"}).empty());
+}
+
+TEST_CASE("the command line is shared with PETSc") {
+  using Words = std::vector<std::string>;
+  const auto split = app::split_arguments({"run", "case.toml", "-snes_monitor", "-ksp_type", "cg", "--output", "out",
+                                           "-mat_mumps_icntl_14", "200", "-ksp_shift", "-1.5", "-options_left", "-h"});
+  CHECK(split.own == Words{"run", "case.toml", "--output", "out", "-h"});
+  CHECK(split.petsc ==
+        Words{"-snes_monitor", "-ksp_type", "cg", "-mat_mumps_icntl_14", "200", "-ksp_shift", "-1.5", "-options_left"});
+  const auto pairs = app::petsc_pairs("  -snes_rtol 1e-10\n-ksp_view -shift -2 ");
+  REQUIRE(pairs.size() == 3);
+  CHECK(pairs[0] == std::pair<std::string, std::string>("-snes_rtol", "1e-10"));
+  CHECK(pairs[1].second.empty());
+  CHECK(pairs[2].second == "-2");
+  CHECK_THROWS_AS((void)app::petsc_pairs("-a1 1 2"), UserError);
+}

@@ -1,0 +1,274 @@
+// Results read back with HDF5 itself; the XDMF only names what exists; nothing is lost by a kill.
+#include <doctest/doctest.h>
+#include <fmt/format.h>
+#include <hdf5.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <string>
+#include <thread>
+
+#include "voile/base/error.hpp"
+#include "voile/base/text.hpp"
+#include "voile/io/results.hpp"
+
+using namespace voile;
+namespace fs = std::filesystem;
+
+namespace {
+
+class Folder {
+ public:
+  Folder() : path(fs::temp_directory_path() / fmt::format("voile_results_{}", ::getpid())) { fs::remove_all(path); }
+  ~Folder() { fs::remove_all(path); }
+  Folder(const Folder&) = delete;
+  Folder& operator=(const Folder&) = delete;
+  const fs::path path;
+};
+
+/// n x n squares, each cut in two, with groups of all dimensions.
+mesh::SurfaceMesh plate(Index n) {
+  mesh::MeshData data;
+  data.source = "plate";
+  for (Index j = 0; j <= n; ++j)
+    for (Index i = 0; i <= n; ++i) data.positions.emplace_back(i, j, 0.25 * i);
+  for (Index j = 0; j < n; ++j)
+    for (Index i = 0; i < n; ++i) {
+      const Index a = j * (n + 1) + i, b = a + 1, c = a + n + 1, d = c + 1;
+      data.triangles.push_back({a, b, d});
+      data.triangles.push_back({a, d, c});
+    }
+  data.groups = {{"corner", 0, {0}, {}, {}},
+                 {"x < 1 & \"y\"/2", 1, {0, 1}, {{0, 1}}, {}},
+                 {"first", 2, {0, 1, n + 2}, {}, {0}},
+                 {"first", 1, {0, 1}, {{0, 1}}, {}}};
+  return mesh::SurfaceMesh(data);
+}
+
+std::vector<int> ramp(Index n) {
+  std::vector<int> values;
+  for (Index i = 0; i < n; ++i) values.push_back(i % 3);
+  return values;
+}
+
+io::StepFields step(const mesh::SurfaceMesh& mesh, int number) {
+  const auto values = [&](Index count, int components) {
+    std::vector<double> v;
+    for (Index i = 0; i < count * components; ++i) v.push_back(number + 0.001 * i);
+    return v;
+  };
+  return {number,
+          0.1 * number,
+          {{"displacement", "m", io::Centre::vertex, 3, values(mesh.vertex_count(), 3)},
+           {"membrane_force", "N/m", io::Centre::triangle, 3, values(mesh.triangle_count(), 3)},
+           {"thickness", "m", io::Centre::triangle, 1, values(mesh.triangle_count(), 1)},
+           {"tensor", "1", io::Centre::vertex, 9, values(mesh.vertex_count(), 9)}}};
+}
+
+/// Values and shape of a data set, read with HDF5 alone. `shape` stays empty if there is none.
+struct DataSet {
+  std::vector<hsize_t> shape;
+  std::vector<double> values;
+};
+
+DataSet read(const fs::path& file, const std::string& name) {
+  DataSet result;
+  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+  const hid_t f = H5Fopen(file.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
+  if (f < 0) return result;
+  const hid_t set = H5Dopen2(f, name.c_str(), H5P_DEFAULT);
+  if (set >= 0) {
+    const hid_t space = H5Dget_space(set);
+    result.shape.resize(static_cast<std::size_t>(H5Sget_simple_extent_ndims(space)));
+    H5Sget_simple_extent_dims(space, result.shape.data(), nullptr);
+    result.values.resize(static_cast<std::size_t>(H5Sget_simple_extent_npoints(space)));
+    if (H5Dread(set, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, result.values.data()) < 0) result.shape.clear();
+    H5Sclose(space);
+    H5Dclose(set);
+  }
+  H5Fclose(f);
+  return result;
+}
+
+std::string text_attribute(const fs::path& file, const std::string& object, const char* name) {
+  const hid_t f = H5Fopen(file.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
+  const hid_t a = H5Aopen_by_name(f, object.c_str(), name, H5P_DEFAULT, H5P_DEFAULT);
+  const hid_t type = H5Aget_type(a);
+  std::string text(H5Tget_size(type), ' ');
+  H5Aread(a, type, text.data());
+  H5Tclose(type);
+  H5Aclose(a);
+  H5Fclose(f);
+  return text;
+}
+
+std::string read_text(const fs::path& file) {
+  std::ifstream in(file);
+  std::stringstream text;
+  text << in.rdbuf();
+  return text.str();
+}
+
+/// Every data item of the XDMF exists with the dimensions it claims. Returns how many there are.
+int check_xdmf(const fs::path& folder) {
+  const std::string text = read_text(folder / "results.xdmf");
+  int count = 0;
+  const auto between = [&](const char* open, const char* close, std::size_t from) {
+    const std::size_t begin = text.find(open, from) + std::string(open).size();
+    return text.substr(begin, text.find(close, begin) - begin);
+  };
+  for (std::size_t at = text.find("<DataItem"); at != std::string::npos; at = text.find("<DataItem", at + 1), ++count) {
+    const std::string size = between("Dimensions=\"", "\"", at), where = between("Format=\"HDF\">", "</DataItem>", at);
+    CAPTURE(where);
+    const std::size_t colon = where.find(':');
+    REQUIRE(colon != std::string::npos);
+    const DataSet set = read(folder / where.substr(0, colon), where.substr(colon + 1));
+    REQUIRE(!set.shape.empty());
+    CHECK(join(set.shape, " ") == size);
+  }
+  const auto occurrences = [&](const char* what) {
+    int n = 0;
+    for (std::size_t at = text.find(what); at != std::string::npos; at = text.find(what, at + 1)) ++n;
+    return n;
+  };
+  CHECK(occurrences("<Grid") == occurrences("</Grid>"));
+  return count;
+}
+
+bool has(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+}  // namespace
+
+TEST_CASE("mesh, groups and partition are there before the first step") {
+  const Folder folder;
+  const mesh::SurfaceMesh mesh = plate(2);
+  const io::ResultsWriter writer(folder.path, mesh, ramp(9), ramp(8));
+  const fs::path h5 = folder.path / "results.h5";
+  const DataSet positions = read(h5, "/mesh/positions");
+  CHECK(positions.shape == std::vector<hsize_t>{9, 3});
+  CHECK(positions.values[3] == 1.0);
+  CHECK(positions.values[5] == 0.25);
+  CHECK(read(h5, "/mesh/triangles").values[2] == 4.0);
+  CHECK(read(h5, "/mesh/partition/vertices").values[5] == 2.0);
+  CHECK(read(h5, "/mesh/partition/triangles").shape == std::vector<hsize_t>{8});
+  CHECK(read(h5, "/mesh/groups/corner").values == std::vector<double>{1, 0, 0, 0, 0, 0, 0, 0, 0});
+  CHECK(read(h5, "/mesh/groups/first").values == std::vector<double>{1, 0, 0, 0, 0, 0, 0, 0});
+  CHECK(read(h5, "/mesh/groups/first_").values == std::vector<double>{1, 1, 0, 0, 0, 0, 0, 0, 0});
+  CHECK(text_attribute(h5, "/mesh/groups/x___1____y__2", "name") == "x < 1 & \"y\"/2");
+  CHECK(text_attribute(h5, "/mesh/positions", "unit") == "m");
+  CHECK(check_xdmf(folder.path) == 2 + 2 + 4);
+  CHECK(has(read_text(folder.path / "results.xdmf"), "Name=\"group:x &lt; 1 &amp; &quot;y&quot;/2\""));
+}
+
+TEST_CASE("steps are readable through results.h5 and the XDMF after each write") {
+  const Folder folder;
+  const mesh::SurfaceMesh mesh = plate(2);
+  io::ResultsWriter writer(folder.path, mesh, ramp(9), ramp(8));
+  for (int number = 1; number <= 3; ++number) {
+    const io::StepFields fields = step(mesh, number);
+    writer.write(fields);
+    CHECK(check_xdmf(folder.path) == number * (8 + 4));
+    for (int k = 1; k <= number; ++k)
+      for (const io::Field& field : step(mesh, k).fields) {
+        const DataSet set = read(folder.path / "results.h5", fmt::format("/steps/{:06d}/{}", k, field.name));
+        CHECK(set.values == field.values);
+      }
+  }
+  const std::string xdmf = read_text(folder.path / "results.xdmf");
+  CHECK(has(xdmf, "CollectionType=\"Temporal\""));
+  CHECK(has(xdmf, "<Time Value=\"0.2\"/>"));
+  CHECK(has(xdmf, "Name=\"displacement\" AttributeType=\"Vector\" Center=\"Node\""));
+  CHECK(has(xdmf, "Name=\"membrane_force_11_22_12\" AttributeType=\"Matrix\" Center=\"Cell\""));
+  CHECK(has(xdmf, "Name=\"thickness\" AttributeType=\"Scalar\" Center=\"Cell\""));
+  CHECK(has(xdmf, "Name=\"tensor\" AttributeType=\"Tensor\" Center=\"Node\""));
+  CHECK(text_attribute(folder.path / "results.h5", "/steps/000002/membrane_force", "unit") == "N/m");
+  for (const auto& entry : fs::recursive_directory_iterator(folder.path)) CHECK(entry.path().extension() != ".part");
+}
+
+TEST_CASE("the results folder can be moved, and a new run removes the old steps") {
+  const Folder folder;
+  const mesh::SurfaceMesh mesh = plate(1);
+  {
+    io::ResultsWriter writer(folder.path / "a", mesh, ramp(4), ramp(2));
+    writer.write(step(mesh, 1));
+    writer.write(step(mesh, 2));
+  }
+  fs::rename(folder.path / "a", folder.path / "b");
+  CHECK(read(folder.path / "b" / "results.h5", "/steps/000002/thickness").values.size() == 2);
+  std::ofstream(folder.path / "b" / "steps" / "notes.h5") << "mine";
+  const io::ResultsWriter again(folder.path / "b", mesh, ramp(4), ramp(2));
+  CHECK(!fs::exists(folder.path / "b" / "steps" / "000001.h5"));
+  CHECK(fs::exists(folder.path / "b" / "steps" / "notes.h5"));
+  CHECK(read(folder.path / "b" / "results.h5", "/steps/000002/thickness").shape.empty());
+}
+
+TEST_CASE("failures have a message") {
+  const Folder folder;
+  const mesh::SurfaceMesh mesh = plate(1);
+  fs::create_directories(folder.path);
+  std::ofstream(folder.path / "file") << "x";
+  CHECK_THROWS_AS(io::ResultsWriter(folder.path / "file", mesh, ramp(4), ramp(2)), UserError);
+  CHECK_THROWS_AS(io::ResultsWriter(folder.path, mesh, ramp(3), ramp(2)), InternalError);
+  io::ResultsWriter writer(folder.path / "r", mesh, ramp(4), ramp(2));
+  io::StepFields fields = step(mesh, 1);
+  fields.fields[0].values.pop_back();
+  CHECK_THROWS_WITH_AS(writer.write(fields), "field 'displacement' has 11 values instead of 4 x 3", InternalError);
+  fs::remove_all(folder.path / "r");
+  CHECK_THROWS_AS(writer.write(step(mesh, 1)), UserError);
+  CHECK_THROWS_AS(io::HistoryWriter(folder.path / "none" / "history.csv", {"a"}), UserError);
+}
+
+TEST_CASE("a killed process leaves every finished step readable") {
+  const Folder folder;
+  const mesh::SurfaceMesh mesh = plate(10);
+  for (int attempt = 0; attempt < 8; ++attempt) {
+    std::array<int, 2> pipe_ends{};
+    REQUIRE(pipe(pipe_ends.data()) == 0);
+    const pid_t child = fork();
+    REQUIRE(child >= 0);
+    if (child == 0) {
+      io::ResultsWriter writer(folder.path, mesh, ramp(mesh.vertex_count()), ramp(mesh.triangle_count()));
+      for (int number = 1;; ++number) {
+        writer.write(step(mesh, number));
+        if (::write(pipe_ends[1], &number, sizeof number) < 0) _exit(1);
+      }
+    }
+    close(pipe_ends[1]);
+    int last = 0;
+    REQUIRE(::read(pipe_ends[0], &last, sizeof last) == sizeof last);
+    std::this_thread::sleep_for(std::chrono::microseconds(3000 + 1700 * attempt));
+    kill(child, SIGKILL);
+    waitpid(child, nullptr, 0);
+    while (::read(pipe_ends[0], &last, sizeof last) == sizeof last) {
+    }
+    close(pipe_ends[0]);
+    CAPTURE(last);
+    check_xdmf(folder.path);
+    for (int k = 1; k <= last; ++k)
+      CHECK(read(folder.path / "results.h5", fmt::format("/steps/{:06d}/displacement", k)).values ==
+            step(mesh, k).fields[0].values);
+  }
+}
+
+TEST_CASE("history numbers read back exactly, each line at once") {
+  const Folder folder;
+  fs::create_directories(folder.path);
+  const fs::path file = folder.path / "history.csv";
+  io::HistoryWriter history(file, {"step", "load factor", "tip_z"});
+  CHECK(read_text(file) == "step,load factor,tip_z\n");
+  history.write({1, 0.1, 1.0 / 3.0});
+  CHECK(read_text(file) == "step,load factor,tip_z\n1,0.1,0.3333333333333333\n");
+  CHECK(std::stod("0.3333333333333333") == 1.0 / 3.0);
+  history.write({2, 1e-300, -2.5});
+  CHECK(has(read_text(file), "2,1e-300,-2.5\n"));
+  CHECK_THROWS_AS(history.write({1.0}), InternalError);
+}
