@@ -1,7 +1,6 @@
 #include "voile/mesh/surface_mesh.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -9,6 +8,7 @@
 #include <tuple>
 
 #include "voile/base/error.hpp"
+#include "voile/base/text.hpp"
 
 namespace voile::mesh {
 
@@ -38,7 +38,7 @@ std::vector<HalfEdge> sorted_half_edges(const std::vector<Triangle>& triangles) 
 std::string some_of(const std::vector<std::size_t>& names) {
   constexpr std::size_t shown = 8;
   const std::size_t n = std::min(shown, names.size());
-  std::string text = fmt::format("{}", fmt::join(names.begin(), names.begin() + static_cast<std::ptrdiff_t>(n), ", "));
+  std::string text = join(std::vector<std::size_t>(names.begin(), names.begin() + static_cast<std::ptrdiff_t>(n)), ", ");
   if (names.size() > shown) text += fmt::format(" and {} more", names.size() - shown);
   return text;
 }
@@ -202,7 +202,7 @@ const Group& SurfaceMesh::group(const std::string& name, int dimension) const {
   static constexpr std::array<const char*, 3> kinds{"point", "curve", "surface"};
   const std::string kind = dimension < 0 ? "physical" : kinds[static_cast<std::size_t>(dimension)];
   throw UserError(fmt::format("{}: there is no {} group '{}'; the mesh has: {}", source(), kind, name,
-                              known.empty() ? "none" : fmt::format("{}", fmt::join(known, ", "))));
+                              known.empty() ? "none" : join(known, ", ")));
 }
 
 std::vector<Index> SurfaceMesh::triangles_of_vertex(Index v) const {

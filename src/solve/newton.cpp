@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "voile/base/error.hpp"
 #include "voile/base/mpi.hpp"
@@ -27,7 +28,8 @@ struct Newton::Impl {
   bool has_previous = false, mumps = false;
   int factorisations = 0;
   double step_norm = 0.0, last_work = 0.0;
-  std::string failure;
+  std::string failure;         ///< text of an exception in a callback
+  std::string linear_failure;  ///< what the linear solver said last
 
   explicit Impl(system::Model& m) : model(m) {
     for (petsc::VecHandle* v : {&residual, &start, &previous, &increment, &trial, &right_hand_side})
@@ -38,7 +40,8 @@ struct Newton::Impl {
   void prepare_mumps();
   [[nodiscard]] Mat factor() const;
   [[nodiscard]] long negative_pivots() const;
-  [[nodiscard]] bool grow_workspace(int attempt);
+  /// After a failed solve: makes the factor usable again. True if trying again with more workspace may help.
+  [[nodiscard]] bool repair_factor(int attempt);
   [[nodiscard]] NewtonResult solve_once(Vec a);
   [[nodiscard]] bool solve_linear(Vec rhs, Vec dx);
   [[nodiscard]] double backtrack(Vec a, double energy, double slope, double& accepted_energy);
@@ -170,14 +173,25 @@ long Newton::Impl::negative_pivots() const {
   return count;
 }
 
-bool Newton::Impl::grow_workspace(int attempt) {
-  if (!mumps || factorisations == 0 || attempt >= workspace_retries) return false;
+bool Newton::Impl::repair_factor(int attempt) {
+  if (!mumps || factorisations == 0) return false;
   PetscInt error = 0, percent = 0;
   VOILE_PETSC(MatMumpsGetInfog(factor(), mumps_error, &error));
-  if (error != -8 && error != -9) return false;
+  if (error >= 0) return false;
+  // PETSc refuses to factor again after an error of MUMPS, without a word: only a new factor object helps.
   VOILE_PETSC(MatMumpsGetIcntl(factor(), mumps_workspace_percent, &percent));
-  VOILE_PETSC(MatMumpsSetIcntl(factor(), mumps_workspace_percent, std::max<PetscInt>(100, 2 * percent)));
-  return true;
+  const bool lacks_workspace = error == -8 || error == -9;
+  if (lacks_workspace) percent = std::max<PetscInt>(100, 2 * percent);
+  KSP ksp = nullptr;
+  PC pc = nullptr;
+  VOILE_PETSC(SNESGetKSP(snes, &ksp));
+  VOILE_PETSC(KSPGetPC(ksp, &pc));
+  VOILE_PETSC(PCReset(pc));
+  VOILE_PETSC(KSPSetOperators(ksp, model.tangent_matrix(), model.tangent_matrix()));
+  VOILE_PETSC(PCFactorSetUpMatSolverType(pc));
+  VOILE_PETSC(MatMumpsSetIcntl(factor(), mumps_workspace_percent, percent));
+  linear_failure = fmt::format("MUMPS error {}", error);
+  return lacks_workspace && attempt < workspace_retries;
 }
 
 // ---- Newton --------------------------------------------------------------------------------------------------------
@@ -239,7 +253,10 @@ NewtonResult Newton::step(Vec a) {
   for (int attempt = 0;; ++attempt) {
     NewtonResult result = impl_->solve_once(a);
     result.factorisations += spent;
-    if (result.converged || !impl_->grow_workspace(attempt)) return result;
+    if (result.converged) return result;
+    const bool again = impl_->repair_factor(attempt);
+    if (!impl_->linear_failure.empty()) result.reason += " (" + std::exchange(impl_->linear_failure, {}) + ")";
+    if (!again) return result;
     spent = result.factorisations;
     VOILE_PETSC(VecCopy(origin, a));
   }
@@ -257,10 +274,7 @@ bool Newton::Impl::solve_linear(Vec rhs, Vec dx) {
     KSPConvergedReason reason = KSP_CONVERGED_ITERATING;
     VOILE_PETSC(KSPGetConvergedReason(ksp, &reason));
     if (reason > 0) return true;
-    if (!grow_workspace(attempt)) return false;
-    // The matrix must count as new, or PETSc would keep the failed factor.
-    VOILE_PETSC(MatAssemblyBegin(model.tangent_matrix(), MAT_FINAL_ASSEMBLY));
-    VOILE_PETSC(MatAssemblyEnd(model.tangent_matrix(), MAT_FINAL_ASSEMBLY));
+    if (!repair_factor(attempt)) return false;
   }
 }
 
@@ -282,6 +296,8 @@ NewtonResult Newton::continuation(Vec a) {
   const double cell = std::sqrt(model.total_area() / model.mesh().triangle_count());
   const bool potential = model.symmetric();
   double shift = -1.0, energy = 0.0;
+  double handover = handover_below;
+  int linear_failures = 0;
   for (result.iterations = 0; result.iterations < continuation_iterations; ++result.iterations) {
     double norm = 0.0;
     model.residual(a, n.residual);
@@ -296,7 +312,7 @@ NewtonResult Newton::continuation(Vec a) {
       shift = std::max(acceleration / cell, 1e-30);
       energy = model.energy(a);
     }
-    if (result.residual < handover_below) {
+    if (result.residual < handover) {
       petsc::VecHandle kept = model.create_vector();
       VOILE_PETSC(VecCopy(a, kept));
       NewtonResult polished = step(a);
@@ -304,13 +320,20 @@ NewtonResult Newton::continuation(Vec a) {
       polished.factorisations = n.factorisations - before;
       if (polished.converged) return polished;
       VOILE_PETSC(VecCopy(kept, a));
-      energy = model.energy(a);
+      model.residual(a, n.residual);
+      handover = 0.1 * result.residual;
     }
-    const bool exact = result.residual < exact_tangent_below && n.negative_pivots() <= 0;
+    const bool exact = result.residual < exact_tangent_below;
     model.assemble_tangent(a, nullptr, exact ? energy::Tangent::exact : energy::Tangent::positive, shift);
     if (!n.solve_linear(n.residual, n.increment)) {
-      result.reason = "linear solver failed";
+      shift *= 8.0;
+      if (++linear_failures < 10) continue;
+      result.reason = "the linear solver failed: " + n.linear_failure;
       break;
+    }
+    if (exact && n.negative_pivots() > 0) {  // on a ridge of the energy: more shift makes the step a descent
+      shift *= 4.0;
+      continue;
     }
     double slope = 0.0, length = 1.0, new_energy = 0.0;
     VOILE_PETSC(VecDot(n.residual, n.increment, &slope));

@@ -44,7 +44,7 @@ std::vector<mesh::MirrorSide> boundary_sides(const mesh::SurfaceMesh& mesh, cons
   return sides;
 }
 
-/// Normal of the plane that holds the group; for a straight edge the in-plane normal of the surface along it.
+/// Normal of the plane that holds the group; for a straight edge of a flat surface its in-plane normal.
 Vec3 symmetry_normal(const mesh::SurfaceMesh& mesh, const mesh::Group& group,
                      const std::vector<mesh::MirrorSide>& sides, const Support& support) {
   if (support.normal) return support.normal->normalized();
@@ -65,6 +65,12 @@ Vec3 symmetry_normal(const mesh::SurfaceMesh& mesh, const mesh::Group& group,
   }
   Vec3 normal = Vec3::Zero();
   for (const mesh::MirrorSide& m : sides) {
+    // On a curved surface the facets along a straight edge only approximate the tangent plane.
+    for (Index v : mesh.triangles()[m.triangle])
+      for (Index t : mesh.triangles_of_vertex(v))
+        if ((mesh.unit_normal(t) - mesh.unit_normal(m.triangle)).norm() > 1e-6)
+          throw UserError(name_of(support) + ": the plane of a straight edge on a curved surface cannot be found from "
+                                             "the mesh; give its `normal`, for example normal = [1, 0, 0]");
     const Vec3 along = mesh.corner(m.triangle, (m.side + 2) % 3) - mesh.corner(m.triangle, (m.side + 1) % 3);
     normal += along.cross(mesh.unit_normal(m.triangle));
   }

@@ -1,6 +1,8 @@
 // Which operators the element uses.
 #pragma once
 
+#include <numbers>
+
 namespace voile::energy {
 
 enum class BendingOperator {
@@ -19,13 +21,13 @@ struct ElementOptions {
   BendingOperator bending = BendingOperator::edge_slope;
   MembraneOperator membrane = MembraneOperator::six_node;
   /// Share of constant-strain energy mixed into `six_node`, 0..1: W = (1-s) W(mean E) + s W(E_cst). Without it free
-  /// edges can crumple at no energy; too much brings back the folding of the constant-strain triangle.
+  /// edges crumple at little energy; more costs accuracy on coarse meshes (docs/decisions/cst-share.md).
   double cst_share = 0.1;
   /// A patch quadratic whose scaled 6x6 fit has a larger condition number is not used. Smaller: more edges take the
   /// dearer ring fit.
   double max_patch_condition = 30.0;
   /// Rest dihedral angle [rad] above which an edge counts as a crease: the membrane does not average across it.
-  double crease_angle = 0.7;
+  double crease_angle = 40.0 * std::numbers::pi / 180.0;
 };
 
 }  // namespace voile::energy

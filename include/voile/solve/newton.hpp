@@ -5,7 +5,8 @@
 //                Magisano, Leonetti & Garcea, Comput. Methods Appl. Mech. Engng 313 (2017) 467-496) and full steps: few
 //                iterations, independent of the mesh, but the load step must be small enough.
 // Continuation:  (K+ + s M) dx = -r, K+ with the tensile part of the stress, backtracking on the energy, s halved after
-//                each full step: pseudo-transient continuation, which finds equilibria across snaps.
+//                each full step: pseudo-transient continuation, which finds equilibria across snaps. Close to one the exact
+//                tangent, with s raised while it is indefinite; Newton steps finish it.
 // Converged:     |r| <= rtol f and |dx| <= stol |x - x0|  (-snes_rtol, -snes_stol; also |r| <= -snes_atol), or, where the
 //                residual has reached its round-off, |dx| <= stol/1000 |x - x0| and |r.dx| <= rtol/1000 f |x - x0|.
 // Linear solver: -ksp_type preonly -pc_type cholesky (lu with follower loads) -pc_factor_mat_solver_type mumps unless the
