@@ -79,8 +79,8 @@ void print_patches(const mesh::SurfaceMesh& mesh, const energy::ElementOptions& 
   energy::CurvatureBuilder builder(sheet);
   std::vector<double> condition;
   for (Index t = 0; t < mesh.triangle_count(); ++t) condition.push_back(builder.patch_condition(t));
-  const auto bad = std::count_if(condition.begin(), condition.end(),
-                                 [&](double c) { return !(c <= element.max_patch_condition); });
+  const auto bad =
+      std::count_if(condition.begin(), condition.end(), [&](double c) { return !(c <= element.max_patch_condition); });
   fmt::print("patch condition: {:.3g} median, {:.3g} at 99 %, {:.3g} at worst; {} patches above {} ({:.2f} %)\n",
              quantile(condition, 0.5), quantile(condition, 0.99), quantile(condition, 1.0), bad,
              element.max_patch_condition, 100.0 * static_cast<double>(bad) / static_cast<double>(condition.size()));
@@ -93,7 +93,8 @@ void print_balance(const mesh::SurfaceMesh& mesh, int ranks) {
   Index cut = 0;
   for (const mesh::Triangle& t : mesh.triangles()) cut += part[t[0]] != part[t[1]] || part[t[1]] != part[t[2]] ? 1 : 0;
   const auto [low, high] = std::minmax_element(count.begin(), count.end());
-  fmt::print("partition over {} rank(s): {} .. {} vertices per rank, {} triangles on the cut\n", ranks, *low, *high, cut);
+  fmt::print("partition over {} rank(s): {} .. {} vertices per rank, {} triangles on the cut\n", ranks, *low, *high,
+             cut);
 }
 
 void report(const mesh::SurfaceMesh& mesh, const energy::ElementOptions& element) {
@@ -108,9 +109,10 @@ void report(const mesh::SurfaceMesh& mesh, const energy::ElementOptions& element
   print_balance(mesh, mpi::size(PETSC_COMM_WORLD));
   const double share = union_jack_share(mesh);
   if (share > 0.5)
-    fmt::print("note: {:.0f} % of the interior vertices have valence 4 or 8 (a union-jack pattern): bending = "
-               "\"six_node\" does not converge on it, use \"edge_slope\"\n",
-               100.0 * share);
+    fmt::print(
+        "note: {:.0f} % of the interior vertices have valence 4 or 8 (a union-jack pattern): bending = "
+        "\"six_node\" does not converge on it, use \"edge_slope\"\n",
+        100.0 * share);
 }
 
 }  // namespace

@@ -101,9 +101,12 @@ void Recorder::record(const solve::StepReport& report, Vec a) {
 void Recorder::write_history(const solve::StepReport& report, const std::vector<double>& displacement,
                              const std::vector<double>& reaction, const system::Energies& energies) {
   const solve::NewtonResult& n = report.newton;
-  std::vector<double> values{static_cast<double>(report.step),         report.load_factor,
-                             static_cast<double>(n.iterations),        static_cast<double>(n.factorisations),
-                             n.residual,                               static_cast<double>(n.negative_pivots),
+  std::vector<double> values{static_cast<double>(report.step),
+                             report.load_factor,
+                             static_cast<double>(n.iterations),
+                             static_cast<double>(n.factorisations),
+                             n.residual,
+                             static_cast<double>(n.negative_pivots),
                              wall_seconds()};
   for (std::size_t p = 0; p < probes_.size(); ++p) {
     const Probe::Kind kind = case_.probes[p].kind;

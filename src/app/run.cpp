@@ -18,7 +18,9 @@ namespace {
 double process_cpu_seconds() {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
-  const auto seconds = [](const timeval& t) { return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec); };
+  const auto seconds = [](const timeval& t) {
+    return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
+  };
   return seconds(usage.ru_utime) + seconds(usage.ru_stime);
 }
 
@@ -67,9 +69,8 @@ Exit run(const Case& c, const RunOptions& options) {
   const solve::PathResult result = path.run(a);
 
   const double cpu = mpi::sum(PETSC_COMM_WORLD, process_cpu_seconds());
-  mpi::on_root(PETSC_COMM_WORLD, [&] {
-    write_summary(options.output / "summary.json", model, result, cpu, recorder.wall_seconds());
-  });
+  mpi::on_root(PETSC_COMM_WORLD,
+               [&] { write_summary(options.output / "summary.json", model, result, cpu, recorder.wall_seconds()); });
   if (root && options.verbosity != Verbosity::quiet)
     fmt::print("{} steps, {} Newton iterations, {} factorisations, {:.1f} CPU s, {:.1f} s; results in {}\n",
                result.steps, result.newton_iterations, result.factorisations, cpu, recorder.wall_seconds(),

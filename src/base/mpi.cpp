@@ -56,15 +56,31 @@ int size(MPI_Comm comm) {
   return n;
 }
 
-void broadcast(MPI_Comm comm, std::string& text) { broadcast_items(comm, text, MPI_CHAR); }
-void broadcast(MPI_Comm comm, std::vector<double>& values) { broadcast_items(comm, values, MPI_DOUBLE); }
-void broadcast(MPI_Comm comm, std::vector<Index>& values) { broadcast_items(comm, values, MPI_INT32_T); }
-void broadcast(MPI_Comm comm, std::vector<std::size_t>& values) { broadcast_items(comm, values, MPI_UNSIGNED_LONG); }
+void broadcast(MPI_Comm comm, std::string& text) {
+  broadcast_items(comm, text, MPI_CHAR);
+}
+void broadcast(MPI_Comm comm, std::vector<double>& values) {
+  broadcast_items(comm, values, MPI_DOUBLE);
+}
+void broadcast(MPI_Comm comm, std::vector<Index>& values) {
+  broadcast_items(comm, values, MPI_INT32_T);
+}
+void broadcast(MPI_Comm comm, std::vector<std::size_t>& values) {
+  broadcast_items(comm, values, MPI_UNSIGNED_LONG);
+}
 
-double sum(MPI_Comm comm, double value) { return reduce(comm, value, MPI_DOUBLE, MPI_SUM); }
-long sum(MPI_Comm comm, long value) { return reduce(comm, value, MPI_LONG, MPI_SUM); }
-double max(MPI_Comm comm, double value) { return reduce(comm, value, MPI_DOUBLE, MPI_MAX); }
-double min(MPI_Comm comm, double value) { return reduce(comm, value, MPI_DOUBLE, MPI_MIN); }
+double sum(MPI_Comm comm, double value) {
+  return reduce(comm, value, MPI_DOUBLE, MPI_SUM);
+}
+long sum(MPI_Comm comm, long value) {
+  return reduce(comm, value, MPI_LONG, MPI_SUM);
+}
+double max(MPI_Comm comm, double value) {
+  return reduce(comm, value, MPI_DOUBLE, MPI_MAX);
+}
+double min(MPI_Comm comm, double value) {
+  return reduce(comm, value, MPI_DOUBLE, MPI_MIN);
+}
 
 void sum_to_root(MPI_Comm comm, std::vector<double>& values) {
   const bool root = rank(comm) == 0;

@@ -63,7 +63,8 @@ BendingElement make_bending_element(const Sheet& sheet, Index t, const Curvature
 }
 
 void CurvedBendingTerm::add(const BendingElement& element, const std::vector<Index>& local, bool owned) {
-  elements_.push_back({points_.size(), static_cast<int>(local.size()), owned, element.rest_energy, element.rest_normal});
+  elements_.push_back(
+      {points_.size(), static_cast<int>(local.size()), owned, element.rest_energy, element.rest_normal});
   points_.insert(points_.end(), local.begin(), local.end());
   coupling_.insert(coupling_.end(), element.coupling.begin(), element.coupling.end());
 }

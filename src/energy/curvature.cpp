@@ -296,6 +296,8 @@ CurvatureOperator CurvatureBuilder::build(Index t) {
   return impl_->sheet.options().bending == BendingOperator::edge_slope ? impl_->edge_slope(t) : impl_->six_node(t);
 }
 
-double CurvatureBuilder::patch_condition(Index t) { return impl_->entry(t).fit.condition; }
+double CurvatureBuilder::patch_condition(Index t) {
+  return impl_->entry(t).fit.condition;
+}
 
 }  // namespace voile::energy

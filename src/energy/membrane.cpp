@@ -30,7 +30,8 @@ Vec3 tensile_part(const Vec3& n) {
   if (mean + radius <= 0.0) return Vec3::Zero();
   // One tensile direction p: N+ = (mean + radius) p (x) p, with 2 p p^T = I + (N - mean I)/radius.
   const double half = 0.5 * (mean + radius);
-  return {half * (1.0 + 0.5 * (n[0] - n[1]) / radius), half * (1.0 - 0.5 * (n[0] - n[1]) / radius), half * n[2] / radius};
+  return {half * (1.0 + 0.5 * (n[0] - n[1]) / radius), half * (1.0 - 0.5 * (n[0] - n[1]) / radius),
+          half * n[2] / radius};
 }
 
 /// Base vectors of one sample.
@@ -65,11 +66,31 @@ Vec3 pull(const Base& a, const Vec3& n, double d1, double d2) {
   return (n[0] * d1 + n[2] * d2) * a.a1 + (n[1] * d2 + n[2] * d1) * a.a2;
 }
 
-/// Row-wise derivative of (E11, E22, 2 E12) with respect to a node.
-void add_strain_row(Mat3& b, const Base& a, double d1, double d2, double weight) {
-  b.row(0) += weight * d1 * a.a1.transpose();
-  b.row(1) += weight * d2 * a.a2.transpose();
-  b.row(2) += weight * (d2 * a.a1 + d1 * a.a2).transpose();
+/// Derivative of (E11, E22, 2 E12) with respect to a node with gradient weights (d1, d2).
+Mat3 strain_rows(const Base& a, double d1, double d2) {
+  Mat3 b;
+  b.row(0) = d1 * a.a1.transpose();
+  b.row(1) = d2 * a.a2.transpose();
+  b.row(2) = (d2 * a.a1 + d1 * a.a2).transpose();
+  return b;
+}
+
+/// Adds b_i^T C b_j to the upper blocks; `node` ascends.
+template <class Blocks, std::size_t n>
+void add_material(Blocks& k, const std::array<Mat3, n>& b, const std::array<int, n>& node, const Mat3& stiffness) {
+  for (std::size_t j = 0; j < n; ++j) {
+    const Mat3 cb = stiffness * b[j];
+    for (std::size_t i = 0; i <= j; ++i) k[node[i]][node[j]].noalias() += b[i].transpose() * cb;
+  }
+}
+
+/// Adds the geometric part sum_ab N_ab d_a,i d_b,j I to the upper blocks.
+template <class Blocks, class Weights, std::size_t n>
+void add_geometric(Blocks& k, const Vec3& stress, const Weights& d, const std::array<int, n>& node) {
+  for (std::size_t i = 0; i < n; ++i) {
+    const double p = stress[0] * d[0][i] + stress[2] * d[1][i], q = stress[1] * d[1][i] + stress[2] * d[0][i];
+    for (std::size_t j = i; j < n; ++j) k[node[i]][node[j]].diagonal().array() += p * d[0][j] + q * d[1][j];
+  }
 }
 
 }  // namespace
@@ -193,26 +214,15 @@ void MembraneTerm::gradient_of(const Element& el, const Configuration& c, std::a
 void MembraneTerm::prepare(const Element& el, const Configuration& c, Workspace& w) const {
   const Mat3& stiffness = stiffness_[el.material];
   const Index* points = el.points.data();
-  for (auto& row : w.geometric) row.fill(0.0);
-  w.samples = 0;
-  // Stress for the geometric part, from the strain at x_k plus its linear change when that tangent is asked for.
+  for (int i = 0; i < nodes; ++i)
+    for (int j = i; j < nodes; ++j) w.k[i][j].setZero();
+  // Stress for the geometric part: from the strain at x_k plus its linear change if that tangent is asked for. The
+  // strain is quadratic in x: E(x) = E(x_k) + B(x_k) dx + half_metric of the increment.
   const bool linearised = c.tangent == Tangent::linearised_stress && c.previous;
   const auto stress = [&](const Vec3& strain, const Vec3& quadratic) -> Vec3 {
     const Vec3 n = stiffness * (linearised ? Vec3(strain - quadratic) : strain);
     return c.tangent == Tangent::positive ? tensile_part(n) : n;
   };
-  const auto start_sample = [&](double weight) {
-    auto& b = w.b[w.samples];
-    for (int i = 0; i < nodes; ++i) w.cb[w.samples][i].noalias() = weight * stiffness * b[i];
-    ++w.samples;
-  };
-  const auto add_geometric = [&](const Vec3& n, const auto& d, const auto& node, int count) {
-    for (int i = 0; i < count; ++i) {
-      const double p = n[0] * d[0][i] + n[2] * d[1][i], q = n[1] * d[1][i] + n[2] * d[0][i];
-      for (int j = 0; j < count; ++j) w.geometric[node[i]][node[j]] += p * d[0][j] + q * d[1][j];
-    }
-  };
-  // The strain is quadratic in x: E(x) = E(x_k) + B(x_k) dx + half_metric of the increment.
   if (kind_ == MembraneOperator::cst || cst_share_ > 0.0) {
     const double weight = el.area * (kind_ == MembraneOperator::cst ? 1.0 : cst_share_);
     const Base a = own_base(el.own, c.x, points);
@@ -221,39 +231,44 @@ void MembraneTerm::prepare(const Element& el, const Configuration& c, Workspace&
       const Base before = own_base(el.own, c.previous, points);
       quadratic = half_metric(a.a1 - before.a1, a.a2 - before.a2);
     }
-    for (Mat3& b : w.b[w.samples]) b.setZero();
-    for (int k = 0; k < 3; ++k) add_strain_row(w.b[w.samples][k], a, el.own[0][k], el.own[1][k], 1.0);
-    start_sample(weight);
-    add_geometric(weight * stress(half_metric(a.a1, a.a2) - el.own_metric, quadratic), el.own, std::array{0, 1, 2}, 3);
+    std::array<Mat3, 3> b;
+    for (int k = 0; k < 3; ++k) b[k] = strain_rows(a, el.own[0][k], el.own[1][k]);
+    add_material(w.k, b, std::array{0, 1, 2}, weight * stiffness);
+    add_geometric(w.k, weight * stress(half_metric(a.a1, a.a2) - el.own_metric, quadratic), el.own,
+                  std::array{0, 1, 2});
   }
   if (kind_ == MembraneOperator::cst) return;
   const double weight = el.area * (1.0 - cst_share_);
-  const bool three = kind_ == MembraneOperator::six_node_three_point;
+  std::array<Base, 3> base;
   std::array<Vec3, 3> strain, quadratic;
-  if (!three)
-    for (Mat3& b : w.b[w.samples]) b.setZero();
   for (int s = 0; s < 3; ++s) {
-    const Base a = side_base(el.side[s], c.x, points, s);
-    strain[s] = half_metric(a.a1, a.a2) - el.side_metric[s];
+    base[s] = side_base(el.side[s], c.x, points, s);
+    strain[s] = half_metric(base[s].a1, base[s].a2) - el.side_metric[s];
     quadratic[s].setZero();
-    if (linearised) {
-      const Base before = side_base(el.side[s], c.previous, points, s);
-      quadratic[s] = half_metric(a.a1 - before.a1, a.a2 - before.a2);
-    }
-    if (three)
-      for (Mat3& b : w.b[w.samples]) b.setZero();
-    const double sample = three ? 1.0 : 1.0 / 3.0;
-    for (int k = 0; k < 3; ++k) add_strain_row(w.b[w.samples][k], a, el.side[s][0][k], el.side[s][1][k], sample);
-    add_strain_row(w.b[w.samples][3 + s], a, el.side[s][0][3], el.side[s][1][3], sample);
-    if (three) start_sample(weight / 3.0);
+    if (!linearised) continue;
+    const Base before = side_base(el.side[s], c.previous, points, s);
+    quadratic[s] = half_metric(base[s].a1 - before.a1, base[s].a2 - before.a2);
   }
-  if (!three) start_sample(weight);
-  const Vec3 mean = (strain[0] + strain[1] + strain[2]) / 3.0;
-  const Vec3 mean_quadratic = (quadratic[0] + quadratic[1] + quadratic[2]) / 3.0;
-  const Vec3 n_mean = stress(mean, mean_quadratic);
-  for (int s = 0; s < 3; ++s)
-    add_geometric((weight / 3.0) * (three ? stress(strain[s], quadratic[s]) : n_mean), el.side[s],
-                  std::array{0, 1, 2, 3 + s}, 4);
+  if (kind_ == MembraneOperator::six_node_three_point) {
+    for (int s = 0; s < 3; ++s) {
+      const std::array<int, 4> node{0, 1, 2, 3 + s};
+      std::array<Mat3, 4> b;
+      for (int k = 0; k < 4; ++k) b[k] = strain_rows(base[s], el.side[s][0][k], el.side[s][1][k]);
+      add_material(w.k, b, node, weight / 3.0 * stiffness);
+      add_geometric(w.k, weight / 3.0 * stress(strain[s], quadratic[s]), el.side[s], node);
+    }
+    return;
+  }
+  std::array<Mat3, nodes> b;
+  for (int k = 0; k < 3; ++k) {
+    b[k].setZero();
+    for (int s = 0; s < 3; ++s) b[k] += strain_rows(base[s], el.side[s][0][k], el.side[s][1][k]);
+    b[3 + k] = strain_rows(base[k], el.side[k][0][3], el.side[k][1][3]);
+  }
+  add_material(w.k, b, std::array{0, 1, 2, 3, 4, 5}, weight / 9.0 * stiffness);
+  const Vec3 n = weight / 3.0 *
+                 stress((strain[0] + strain[1] + strain[2]) / 3.0, (quadratic[0] + quadratic[1] + quadratic[2]) / 3.0);
+  for (int s = 0; s < 3; ++s) add_geometric(w.k, n, el.side[s], std::array{0, 1, 2, 3 + s});
 }
 
 }  // namespace voile::energy

@@ -17,18 +17,20 @@ std::vector<int> assign_materials(const mesh::SurfaceMesh& mesh, const std::vect
     for (const std::string& name : materials[m].groups)
       for (Index t : mesh.group(name, 2).triangles) {
         if (of[t] >= 0 && of[t] != m)
-          throw UserError(fmt::format("[[material]] groups '{}': triangle {} already has another material; let groups "
-                                      "not overlap",
-                                      name, mesh.data().triangle_tags[t]));
+          throw UserError(
+              fmt::format("[[material]] groups '{}': triangle {} already has another material; let groups "
+                          "not overlap",
+                          name, mesh.data().triangle_tags[t]));
         of[t] = m;
       }
   }
   for (std::size_t t = 0; t < of.size(); ++t) {
     if (of[t] < 0) of[t] = everywhere;
     if (of[t] < 0)
-      throw UserError(fmt::format("[[material]]: triangle {} of {} has no material; name its group, or leave out "
-                                  "`groups` in one [[material]] to cover the rest",
-                                  mesh.data().triangle_tags[t], mesh.source()));
+      throw UserError(
+          fmt::format("[[material]]: triangle {} of {} has no material; name its group, or leave out "
+                      "`groups` in one [[material]] to cover the rest",
+                      mesh.data().triangle_tags[t], mesh.source()));
   }
   return of;
 }

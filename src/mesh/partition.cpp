@@ -28,7 +28,9 @@ void vertex_graph(const SurfaceMesh& mesh, std::vector<idx_t>& start, std::vecto
 }
 
 /// The rank that owns two of the three vertices, or else the first vertex's.
-int majority(int a, int b, int c) { return b == c ? b : a; }
+int majority(int a, int b, int c) {
+  return b == c ? b : a;
+}
 
 }  // namespace
 

@@ -56,12 +56,15 @@ Frame PatchMesh::frame(Index t, const std::optional<Vec3>& direction) const {
   f.normal = mesh_->unit_normal(t);
   f.origin = (mesh_->corner(t, 0) + mesh_->corner(t, 1) + mesh_->corner(t, 2)) / 3.0;
   // Without a direction: global x where it is usable, so that neighbouring frames agree.
-  const Vec3 wanted = direction ? direction->normalized() : std::abs(f.normal.x()) < 0.9 ? Vec3::UnitX() : Vec3::UnitY();
+  const Vec3 wanted = direction                      ? direction->normalized()
+                      : std::abs(f.normal.x()) < 0.9 ? Vec3::UnitX()
+                                                     : Vec3::UnitY();
   const Vec3 projected = wanted - wanted.dot(f.normal) * f.normal;
   if (projected.norm() < 1e-6)
-    throw UserError(fmt::format("{}: the material direction [{}, {}, {}] is normal to triangle {}; choose a direction "
-                                "that has a component in the surface",
-                                mesh_->source(), wanted.x(), wanted.y(), wanted.z(), mesh_->data().triangle_tags[t]));
+    throw UserError(
+        fmt::format("{}: the material direction [{}, {}, {}] is normal to triangle {}; choose a direction "
+                    "that has a component in the surface",
+                    mesh_->source(), wanted.x(), wanted.y(), wanted.z(), mesh_->data().triangle_tags[t]));
   f.e1 = projected.normalized();
   f.e2 = f.normal.cross(f.e1);
   return f;

@@ -38,7 +38,8 @@ std::vector<HalfEdge> sorted_half_edges(const std::vector<Triangle>& triangles) 
 std::string some_of(const std::vector<std::size_t>& names) {
   constexpr std::size_t shown = 8;
   const std::size_t n = std::min(shown, names.size());
-  std::string text = join(std::vector<std::size_t>(names.begin(), names.begin() + static_cast<std::ptrdiff_t>(n)), ", ");
+  std::string text =
+      join(std::vector<std::size_t>(names.begin(), names.begin() + static_cast<std::ptrdiff_t>(n)), ", ");
   if (names.size() > shown) text += fmt::format(" and {} more", names.size() - shown);
   return text;
 }
@@ -65,8 +66,8 @@ void SurfaceMesh::check_geometry() const {
     const Triangle& v = data_.triangles[t];
     for (Index i : v) {
       if (i < 0 || i >= vertex_count())
-        throw UserError(fmt::format("{}: triangle {} names a vertex that does not exist", source(),
-                                    data_.triangle_tags[t]));
+        throw UserError(
+            fmt::format("{}: triangle {} names a vertex that does not exist", source(), data_.triangle_tags[t]));
       used[i] = 1;
     }
     const Vec3 a = corner(t, 1) - corner(t, 0), b = corner(t, 2) - corner(t, 0), c = b - a;
@@ -96,8 +97,7 @@ void SurfaceMesh::build_adjacency() {
     const auto tag = [&](std::size_t k) { return data_.triangle_tags[edges[k].triangle]; };
     const auto apex_of = [&](std::size_t k) { return data_.triangles[edges[k].triangle][edges[k].side]; };
     for (std::size_t k = first + 1; k < last; ++k)
-      if (apex_of(k) == apex_of(first))
-        doubled.push_back(fmt::format("{} and {}", tag(first), tag(k)));
+      if (apex_of(k) == apex_of(first)) doubled.push_back(fmt::format("{} and {}", tag(first), tag(k)));
     if (last - first > 2) {
       std::vector<std::size_t> tags;
       for (std::size_t k = first; k < last; ++k) tags.push_back(tag(k));
@@ -116,9 +116,10 @@ void SurfaceMesh::build_adjacency() {
     throw UserError(fmt::format("{}: duplicate triangles (the same three vertices): {}; delete one of each", source(),
                                 doubled.front()));
   if (!crowded.empty())
-    throw UserError(fmt::format("{}: {} edge(s) shared by three or more triangles, the first is {}; branching surfaces "
-                                "are not supported: separate the sheets or remove the extra triangles",
-                                source(), crowded.size(), crowded.front()));
+    throw UserError(
+        fmt::format("{}: {} edge(s) shared by three or more triangles, the first is {}; branching surfaces "
+                    "are not supported: separate the sheets or remove the extra triangles",
+                    source(), crowded.size(), crowded.front()));
 }
 
 void SurfaceMesh::orient() {
@@ -155,9 +156,10 @@ void SurfaceMesh::spread_orientation(Index t, std::vector<Index>& members, std::
       flip[n] = needs_flip;
       members.push_back(n);
     } else if (flip[n] != needs_flip) {
-      throw UserError(fmt::format("{}: the surface cannot be oriented (a Moebius strip?): triangles {} and {} "
-                                  "disagree; cut it along a line of edges",
-                                  source(), data_.triangle_tags[t], data_.triangle_tags[n]));
+      throw UserError(
+          fmt::format("{}: the surface cannot be oriented (a Moebius strip?): triangles {} and {} "
+                      "disagree; cut it along a line of edges",
+                      source(), data_.triangle_tags[t], data_.triangle_tags[n]));
     }
   }
 }

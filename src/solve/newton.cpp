@@ -354,8 +354,12 @@ NewtonResult Newton::continuation(Vec a) {
   return result;
 }
 
-Newton::Newton(system::Model& model) : impl_(std::make_unique<Impl>(model)) { impl_->create(); }
+Newton::Newton(system::Model& model) : impl_(std::make_unique<Impl>(model)) {
+  impl_->create();
+}
 Newton::~Newton() = default;
-SNES Newton::snes() const { return impl_->snes; }
+SNES Newton::snes() const {
+  return impl_->snes;
+}
 
 }  // namespace voile::solve

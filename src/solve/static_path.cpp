@@ -10,20 +10,23 @@ namespace voile::solve {
 namespace {
 
 /// Halvings in a row before continuation is tried.
-constexpr int halvings_before_continuation = 2;
+constexpr int halvings_before_continuation = 1;
 
 }  // namespace
 
 double StaticPath::next_target(double from, double step) const {
   const double direction = options_.final_load_factor >= 0.0 ? 1.0 : -1.0;
   const double slack = 1e-9 * std::max(1.0, std::abs(options_.final_load_factor));
-  double target = from + direction * step;
-  const auto limit = [&](double stop) {
-    if (direction * (stop - from) > slack && direction * (target - stop) > -0.1 * step) target = stop;
+  // A remainder of less than a tenth of a step is taken along; the nearest stop within reach wins.
+  double nearest = 1.1 * step, target = from + direction * step;
+  const auto limit = [&](double stop, double least) {
+    const double distance = direction * (stop - from);
+    if (distance <= least || distance >= nearest) return;
+    nearest = distance;
+    target = stop;
   };
-  // A remainder of less than a tenth of a step is taken along.
-  limit(options_.final_load_factor);
-  for (auto stop = options_.stops.rbegin(); stop != options_.stops.rend(); ++stop) limit(*stop);
+  limit(options_.final_load_factor, 0.0);
+  for (const double stop : options_.stops) limit(stop, slack);
   return target;
 }
 
@@ -46,7 +49,7 @@ PathResult StaticPath::run(Vec a) {
     NewtonResult n = newton.step(a);
     tally(n);
     bool by_continuation = false;
-    if (!n.converged && options_.fallback && halvings >= halvings_before_continuation) {
+    if (!n.converged && options_.fallback && halvings == halvings_before_continuation) {
       remark(fmt::format("load factor {:.6g}: {} after {} iterations; trying pseudo-transient continuation", target,
                          n.reason, n.iterations));
       VOILE_PETSC(VecCopy(accepted, a));
@@ -61,9 +64,10 @@ PathResult StaticPath::run(Vec a) {
       remark(fmt::format("load factor {:.6g}: {} after {} iterations; step halved to {:.3g}", target, n.reason,
                          n.iterations, step));
       if (step < options_.min_step) {
-        result.reason = fmt::format("no equilibrium found beyond load factor {:.6g} with steps of {:.3g} or more; the "
-                                    "last attempt ended with {}",
-                                    factor, options_.min_step, n.reason);
+        result.reason = fmt::format(
+            "no equilibrium found beyond load factor {:.6g} with steps of {:.3g} or more; the "
+            "last attempt ended with {}",
+            factor, options_.min_step, n.reason);
         break;
       }
       continue;
@@ -71,11 +75,12 @@ PathResult StaticPath::run(Vec a) {
     VOILE_PETSC(VecCopy(a, accepted));
     factor = target;
     ++result.steps;
-    const bool last = std::abs(options_.final_load_factor - factor) <=
-                      1e-12 * std::max(1.0, std::abs(options_.final_load_factor));
+    const bool last =
+        std::abs(options_.final_load_factor - factor) <= 1e-12 * std::max(1.0, std::abs(options_.final_load_factor));
     if (observer_) observer_({result.steps, factor, n, by_continuation, last}, a);
-    // A step cut short by a stop says nothing against the step size in force; one after a failure does not grow.
-    const bool easy = n.iterations <= options_.target_iterations && !by_continuation && halvings == 0;
+    // A step cut short by a stop says nothing against the step size in force; one after a failure does not grow,
+    // unless continuation took it, which does not mind long steps.
+    const bool easy = by_continuation || (n.iterations <= options_.target_iterations && halvings == 0);
     if (easy && taken > 0.9 * step) step = std::min(options_.max_step, 2.0 * step);
     halvings = 0;
   }

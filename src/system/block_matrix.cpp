@@ -89,9 +89,9 @@ Slot BlockMatrix::slot(Index local_row, Index column) const {
   const bool inside = found >= first && found < last;
   // PETSc stores both parts by rows with ascending columns, so a block's place follows from counts alone.
   const Index in = static_cast<Index>(last - first), out = static_cast<Index>(columns.size()) - in;
-  const Index position = static_cast<Index>(inside             ? found - first
-                                            : found < first    ? found - columns.begin()
-                                                               : (found - columns.begin()) - in);
+  const Index position = static_cast<Index>(inside          ? found - first
+                                            : found < first ? found - columns.begin()
+                                                            : (found - columns.begin()) - in);
   const Index offset = (inside ? diagonal_rows_ : off_diagonal_rows_)[3 * local_row] + 3 * position;
   return {inside ? offset : ~offset, 3 * (inside ? in : out)};
 }

@@ -35,10 +35,10 @@ std::vector<mesh::MirrorSide> boundary_sides(const mesh::SurfaceMesh& mesh, cons
       const int s = mesh.side_of(t, segment[0], segment[1]);
       if (s < 0) continue;
       if (mesh.neighbour(t, s) != no_index)
-        throw UserError(fmt::format("{}: the edge {}-{} lies inside the surface; only boundary edges can be clamped or "
-                                    "mirrored: use `hinged`, or split the surface along the curve",
-                                    name_of(support), mesh.data().vertex_tags[segment[0]],
-                                    mesh.data().vertex_tags[segment[1]]));
+        throw UserError(
+            fmt::format("{}: the edge {}-{} lies inside the surface; only boundary edges can be clamped or "
+                        "mirrored: use `hinged`, or split the surface along the curve",
+                        name_of(support), mesh.data().vertex_tags[segment[0]], mesh.data().vertex_tags[segment[1]]));
       sides.push_back({t, s, Mat3::Identity()});
     }
   return sides;
@@ -69,8 +69,9 @@ Vec3 symmetry_normal(const mesh::SurfaceMesh& mesh, const mesh::Group& group,
     for (Index v : mesh.triangles()[m.triangle])
       for (Index t : mesh.triangles_of_vertex(v))
         if ((mesh.unit_normal(t) - mesh.unit_normal(m.triangle)).norm() > 1e-6)
-          throw UserError(name_of(support) + ": the plane of a straight edge on a curved surface cannot be found from "
-                                             "the mesh; give its `normal`, for example normal = [1, 0, 0]");
+          throw UserError(name_of(support) +
+                          ": the plane of a straight edge on a curved surface cannot be found from "
+                          "the mesh; give its `normal`, for example normal = [1, 0, 0]");
     const Vec3 along = mesh.corner(m.triangle, (m.side + 2) % 3) - mesh.corner(m.triangle, (m.side + 1) % 3);
     normal += along.cross(mesh.unit_normal(m.triangle));
   }
@@ -139,10 +140,10 @@ VertexSupport combine(const mesh::SurfaceMesh& mesh, Index v, const std::vector<
   svd.setThreshold(1e-8);
   const Vec3 displacement = svd.solve(values);
   if ((directions * displacement - values).norm() > 1e-12 * (1.0 + values.norm()))
-    throw UserError(fmt::format("[[support]]: contradicting displacements are prescribed at vertex {} ({}, {}, {}); "
-                                "remove one of the supports that share it",
-                                mesh.data().vertex_tags[v], mesh.positions()[v].x(), mesh.positions()[v].y(),
-                                mesh.positions()[v].z()));
+    throw UserError(fmt::format(
+        "[[support]]: contradicting displacements are prescribed at vertex {} ({}, {}, {}); "
+        "remove one of the supports that share it",
+        mesh.data().vertex_tags[v], mesh.positions()[v].x(), mesh.positions()[v].y(), mesh.positions()[v].z()));
   VertexSupport s;
   s.axes = axes_of(svd.matrixV().leftCols(svd.rank()), s.fixed);
   s.value = s.axes.transpose() * displacement;

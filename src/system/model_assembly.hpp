@@ -40,9 +40,8 @@ void Model::locate(Assembled<Term>& part) {
   part.special.clear();
   for (Index e = 0; e < term.size(); ++e) {
     const Index* stencil = term.stencil(e);
-    const bool special = std::any_of(stencil, stencil + term.stencil_size(e), [&](Index p) {
-      return p >= local_vertices_ || rotated_index_[p] != no_index;
-    });
+    const bool special = std::any_of(stencil, stencil + term.stencil_size(e),
+                                     [&](Index p) { return p >= local_vertices_ || rotated_index_[p] != no_index; });
     part.special.push_back(special);
     part.first_slot.push_back(part.slots.size());
     if (special) continue;

@@ -1,5 +1,5 @@
-#include "model_assembly.hpp"
 #include "model_build.hpp"
+#include "model_assembly.hpp"
 
 #include <fmt/format.h>
 
@@ -100,8 +100,8 @@ void Model::number_points(Build& build) {
     energy::CurvatureOperator op = curvature.build(t);
     const std::vector<Index> points = stencil_points(*sheet_, t, op);
     const std::vector<Index> vertices = vertices_of(*patches_, points);
-    const bool touches = std::any_of(vertices.begin(), vertices.end(),
-                                     [&](Index v) { return partition_.vertex_rank[v] == rank_; });
+    const bool touches =
+        std::any_of(vertices.begin(), vertices.end(), [&](Index v) { return partition_.vertex_rank[v] == rank_; });
     // The owner of a triangle recovers its stresses even where none of its rows are its own.
     if (!touches && partition_.triangle_rank[t] != rank_) continue;
     for (Index p : points) needed[p] = 1;

@@ -92,7 +92,8 @@ void Model::add_follower(const Load& load) {
   const auto local = [&](const mesh::Triangle& t) {
     return std::array<Index, 3>{local_of_[t[0]], local_of_[t[1]], local_of_[t[2]]};
   };
-  // As for the other elements: every triangle that touches an owned vertex, the energy-less owner flag for completeness.
+  // As for the other elements: every triangle that touches an owned vertex, the energy-less owner flag for
+  // completeness.
   const auto evaluated = [&](const std::array<Index, 3>& p) {
     return std::any_of(p.begin(), p.end(), [&](Index i) { return i != no_index && i < owned_; });
   };
@@ -109,10 +110,10 @@ void Model::add_follower(const Load& load) {
       const int side = mesh_->side_of(t, s[0], s[1]);
       if (side < 0) continue;
       if (mesh_->neighbour(t, side) != no_index)
-        throw UserError(fmt::format("[[load]] group '{}' ({}): the edge {}-{} lies inside the surface; a moment acts on "
-                                    "a boundary edge",
-                                    load.group, kind_name(load.kind), mesh_->data().vertex_tags[s[0]],
-                                    mesh_->data().vertex_tags[s[1]]));
+        throw UserError(fmt::format(
+            "[[load]] group '{}' ({}): the edge {}-{} lies inside the surface; a moment acts on "
+            "a boundary edge",
+            load.group, kind_name(load.kind), mesh_->data().vertex_tags[s[0]], mesh_->data().vertex_tags[s[1]]));
       const mesh::Triangle& v = mesh_->triangles()[t];
       const auto points = local({v[(side + 1) % 3], v[(side + 2) % 3], v[side]});
       const double length = (mesh_->positions()[s[1]] - mesh_->positions()[s[0]]).norm();

@@ -1,6 +1,6 @@
-// The averaged membrane strain lets a free edge lengthen at almost no energy: the sides that a boundary triangle shares with
-// its neighbours fold, and their compressive strains cancel the stretch of the third. A share of constant-strain energy
-// cures it.
+// The averaged membrane strain lets a free edge lengthen at almost no energy: the sides that a boundary triangle shares
+// with its neighbours fold, and their compressive strains cancel the stretch of the third. A share of constant-strain
+// energy cures it.
 #include <doctest/doctest.h>
 
 #include "test_model_kit.hpp"

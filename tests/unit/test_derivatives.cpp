@@ -29,8 +29,8 @@ system::ModelInput input_for(energy::BendingOperator bending, energy::MembraneOp
   m.direction = Vec3(1.0, 0.2, 0.1);
   input.materials = {m};
   if (supported) {
-    input.supports = {support("left", system::Support::Kind::clamped), support("right", system::Support::Kind::symmetry),
-                      support("top", system::Support::Kind::hinged)};
+    input.supports = {support("left", system::Support::Kind::clamped),
+                      support("right", system::Support::Kind::symmetry), support("top", system::Support::Kind::hinged)};
     input.supports[1].normal = Vec3(std::cos(0.6), std::sin(0.6), 0.0);
     input.supports[2].value = Vec3(0.0, 0.0, 0.0);
   }
@@ -52,8 +52,8 @@ void respect_supports(system::Model& model, Vec a) {
 }
 
 struct Slope {
-  double best = 1e300;   ///< smallest relative error over the steps
-  double order = 0.0;    ///< observed between the two largest steps
+  double best = 1e300;  ///< smallest relative error over the steps
+  double order = 0.0;   ///< observed between the two largest steps
   double reference = 0.0;
 };
 
@@ -134,8 +134,7 @@ TEST_CASE("energy, force and tangent agree for every operator, flat and curved, 
 TEST_CASE("follower pressure and follower moment have their full stiffness") {
   const mesh::SurfaceMesh curved(curved_shell());
   for (const auto kind : {system::Load::Kind::follower_pressure, system::Load::Kind::follower_moment}) {
-    system::ModelInput input =
-        input_for(energy::BendingOperator::edge_slope, energy::MembraneOperator::six_node, true);
+    system::ModelInput input = input_for(energy::BendingOperator::edge_slope, energy::MembraneOperator::six_node, true);
     system::Load follower;
     follower.kind = kind;
     follower.magnitude = 40.0;  // as large as the shell's own forces, so that an error would show
@@ -147,14 +146,13 @@ TEST_CASE("follower pressure and follower moment have their full stiffness") {
 
 TEST_CASE("a rigid motion costs nothing, however large") {
   const mesh::SurfaceMesh mesh(curved_shell());
-  system::Model model(PETSC_COMM_WORLD, mesh, input_for(energy::BendingOperator::edge_slope,
-                                                        energy::MembraneOperator::six_node, false));
+  system::Model model(PETSC_COMM_WORLD, mesh,
+                      input_for(energy::BendingOperator::edge_slope, energy::MembraneOperator::six_node, false));
   model.set_load_factor(0.0);
   const Eigen::AngleAxisd turn(2.0, Vec3(1.0, 2.0, -0.5).normalized());
   petsc::VecHandle a = model.create_vector(), r = model.create_vector();
-  set_displacement(model, a, [&](Index v) {
-    return Vec3(turn * mesh.positions()[v] + Vec3(3.0, -1.0, 2.0) - mesh.positions()[v]);
-  });
+  set_displacement(
+      model, a, [&](Index v) { return Vec3(turn * mesh.positions()[v] + Vec3(3.0, -1.0, 2.0) - mesh.positions()[v]); });
   model.residual(a, r);
   CHECK(norm(r) < 1e-10);
   CHECK(std::abs(model.energy(a)) < 1e-11);

@@ -108,10 +108,12 @@ class TemporaryFile {
 /// Unstructured mesh of the unit square with edges of about 1/n. The same on all ranks: Gmsh is deterministic.
 inline mesh::MeshData gmsh_square(int n) {
   const std::string size = std::to_string(1.0 / n);
-  const TemporaryFile file(".geo", "h = " + size + ";\nPoint(1)={0,0,0,h};Point(2)={1,0,0,h};Point(3)={1,1,0,h};Point(4)={0,1,0,h};\n"
-                                   "Line(1)={1,2};Line(2)={2,3};Line(3)={3,4};Line(4)={4,1};\n"
-                                   "Curve Loop(1)={1,2,3,4};Plane Surface(1)={1};Physical Surface(\"all\")={1};\n"
-                                   "Point(5)={0.5,0.5,0,h};Point{5} In Surface{1};Mesh.Algorithm=5;\n");
+  const TemporaryFile file(".geo",
+                           "h = " + size +
+                               ";\nPoint(1)={0,0,0,h};Point(2)={1,0,0,h};Point(3)={1,1,0,h};Point(4)={0,1,0,h};\n"
+                               "Line(1)={1,2};Line(2)={2,3};Line(3)={3,4};Line(4)={4,1};\n"
+                               "Curve Loop(1)={1,2,3,4};Plane Surface(1)={1};Physical Surface(\"all\")={1};\n"
+                               "Point(5)={0.5,0.5,0,h};Point{5} In Surface{1};Mesh.Algorithm=5;\n");
   mesh::MeshData d = io::read_gmsh(file.path().string(), {});
   d.groups.clear();
   return d;
@@ -119,8 +121,8 @@ inline mesh::MeshData gmsh_square(int n) {
 
 /// The unit square with n cells per side, with edge groups.
 inline mesh::MeshData square(Pattern p, int n) {
-  mesh::MeshData d = p == Pattern::gmsh ? gmsh_square(n)
-                                        : grid(n, n, p == Pattern::union_jack, p == Pattern::jittered ? 0.25 : 0.0);
+  mesh::MeshData d =
+      p == Pattern::gmsh ? gmsh_square(n) : grid(n, n, p == Pattern::union_jack, p == Pattern::jittered ? 0.25 : 0.0);
   if (p == Pattern::split) split_some(d, 20);
   add_square_groups(d);
   return d;

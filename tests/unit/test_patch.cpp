@@ -185,8 +185,8 @@ TEST_CASE("a free curved shell has exactly six rigid-body modes and no stress at
       Eigen::MatrixXd k(model.unknowns(), model.unknowns());
       std::vector<PetscInt> all(static_cast<std::size_t>(model.unknowns()));
       for (std::size_t i = 0; i < all.size(); ++i) all[i] = static_cast<PetscInt>(i);
-      VOILE_PETSC(MatGetValues(model.tangent_matrix(), model.unknowns(), all.data(), model.unknowns(), all.data(),
-                               k.data()));
+      VOILE_PETSC(
+          MatGetValues(model.tangent_matrix(), model.unknowns(), all.data(), model.unknowns(), all.data(), k.data()));
       const Eigen::VectorXd e = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(k).eigenvalues();
       CHECK(std::abs(e[0]) < 1e-13 * e.maxCoeff());
       CHECK(std::abs(e[5]) < 1e-13 * e.maxCoeff());

@@ -1,7 +1,7 @@
 // The case file: what a user asks for, parsed strictly from TOML, in SI units.
 //
-// Every key is declared once, in case_keys.cpp, with its unit, default and meaning; parsing, the echo of the resolved case and
-// docs/case-reference.md all come from that declaration.
+// Every key is declared once, in case_keys.cpp, with its unit, default and meaning; parsing, the echo of the resolved
+// case and docs/case-reference.md all come from that declaration.
 #pragma once
 
 #include <array>
@@ -27,7 +27,7 @@ struct MeshSection {
 /// One named number recorded in history.csv after every accepted step.
 struct Probe {
   enum class Kind { displacement, reaction, energy };
-  std::string name;             ///< column name; a vector quantity gets suffixes _x _y _z
+  std::string name;  ///< column name; a vector quantity gets suffixes _x _y _z
   Kind kind = Kind::displacement;
   std::string group;            ///< displacement: mean over the group's vertices; reaction: total over them
   std::optional<Vec3> point;    ///< displacement of the vertex nearest to this rest position, instead of `group`

@@ -1,5 +1,5 @@
-// What the program does with a case: run, check, info. All are collective over PETSC_COMM_WORLD, throw on every rank and
-// print on rank 0 only.
+// What the program does with a case: run, check, info. All are collective over PETSC_COMM_WORLD, throw on every rank
+// and print on rank 0 only.
 #pragma once
 
 #include <filesystem>

@@ -9,10 +9,10 @@
 // edge_slope (Morley's energy with its slopes reconstructed):
 //   phi_e   = 1/2 [ grad q_T+(m_e).n - grad q_T-(m_e).n' ]
 //   kappa_T = 1/A sum_e l_e sym( (tau_e t + phi_e n) (x) n )
-// phi_e is exact for quadratics and sum_T A_T M:kappa_T telescopes to the boundary, so the constant-curvature patch test
-// passes on every mesh. Free edge: phi_e minimises the bending energy, i.e. M_nn = 0. Mirrored edge: phi_e from the
-// mirror point. Where a patch is incomplete or ill conditioned (six points near a conic) phi_e comes from the other side,
-// and where both are, from a weighted least-squares quadratic over rings of vertices.
+// phi_e is exact for quadratics and sum_T A_T M:kappa_T telescopes to the boundary, so the constant-curvature patch
+// test passes on every mesh. Free edge: phi_e minimises the bending energy, i.e. M_nn = 0. Mirrored edge: phi_e from
+// the mirror point. Where a patch is incomplete or ill conditioned (six points near a conic) phi_e comes from the other
+// side, and where both are, from a weighted least-squares quadratic over rings of vertices.
 #pragma once
 
 #include <Eigen/Core>

@@ -11,9 +11,9 @@ enum class BendingOperator {
 };
 
 enum class MembraneOperator {
-  cst,                   ///< constant-strain triangle
-  six_node,              ///< mid-side strains of the six-node patch averaged to one point
-  six_node_three_point   ///< energy of the three mid-side strains averaged; stiffer on coarse meshes
+  cst,                  ///< constant-strain triangle
+  six_node,             ///< mid-side strains of the six-node patch averaged to one point
+  six_node_three_point  ///< energy of the three mid-side strains averaged; stiffer on coarse meshes
 };
 
 /// Choices of element; all are dimensionless except the angle.

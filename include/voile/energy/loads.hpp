@@ -1,5 +1,5 @@
-// Follower loads: forces that turn with the sheet. They have no potential in general, so they offer a force and its full,
-// unsymmetric stiffness instead of an energy. Signs: the emitted "gradient" is minus the force, as for an energy.
+// Follower loads: forces that turn with the sheet. They have no potential in general, so they offer a force and its
+// full, unsymmetric stiffness instead of an energy. Signs: the emitted "gradient" is minus the force, as for an energy.
 //
 // Follower pressure p on triangle (x0, x1, x2):   f_i = p/6 (x1-x0) x (x2-x0) on each vertex
 // Follower edge moment M per rest length on the boundary side (a, b) with interior vertex c, rest length L0:

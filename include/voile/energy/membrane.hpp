@@ -8,9 +8,9 @@
 // cst                   W = A/2 E_c.C E_c
 // six_node              W = A/2 [ (1-s_c) Em.C Em + s_c E_c.C E_c ],  Em = mean_s E_s
 // six_node_three_point  W = A/2 mean_s E_s.C E_s
-// Source: mid-side gradients after Onate & Flores, Comput. Methods Appl. Mech. Engng 194 (2005) 2406-2443 (EBST); six-node
-// membrane of the rotation-free triangle: Sze & Zhou, Int. J. Comput. Methods 13 (2016) 1650021. A side on a free
-// boundary or on a crease uses the triangle's own gradient.
+// Source: mid-side gradients after Onate & Flores, Comput. Methods Appl. Mech. Engng 194 (2005) 2406-2443 (EBST);
+// six-node membrane of the rotation-free triangle: Sze & Zhou, Int. J. Comput. Methods 13 (2016) 1650021. A side on a
+// free boundary or on a crease uses the triangle's own gradient.
 #pragma once
 
 #include <array>
@@ -53,9 +53,8 @@ class MembraneTerm {
     prepare(elements_[e], c, w);
     for (int i = 0; i < nodes; ++i)
       for (int j = i; j < nodes; ++j) {
-        const Mat3 k = block(w, i, j);
-        emit(i, j, k);
-        if (j != i) emit(j, i, k.transpose());
+        emit(i, j, w.k[i][j]);
+        if (j != i) emit(j, i, w.k[i][j].transpose());
       }
   }
   template <class Emit>
@@ -79,27 +78,18 @@ class MembraneTerm {
     double area;
     int material;
     bool owned;
-    std::array<SideWeights, 3> side;          ///< d_{s,alpha,k}; k = 3 is the apex across s
-    std::array<std::array<double, 3>, 2> own; ///< constant-strain gradient
-    std::array<Vec3, 3> side_metric;          ///< rest metric (A1.A1, A2.A2, 2 A1.A2)/2 of each side
+    std::array<SideWeights, 3> side;           ///< d_{s,alpha,k}; k = 3 is the apex across s
+    std::array<std::array<double, 3>, 2> own;  ///< constant-strain gradient
+    std::array<Vec3, 3> side_metric;           ///< rest metric (A1.A1, A2.A2, 2 A1.A2)/2 of each side
     Vec3 own_metric;
   };
-  /// Everything of one element that its Hessian blocks share.
+  /// Upper blocks of one element's Hessian.
   struct Workspace {
-    std::array<std::array<Mat3, nodes>, 4> b;   ///< strain derivative at each sample per node
-    std::array<std::array<Mat3, nodes>, 4> cb;  ///< C b, weighted
-    std::array<std::array<double, nodes>, nodes> geometric;
-    int samples = 0;
+    std::array<std::array<Mat3, nodes>, nodes> k;
   };
 
   void gradient_of(const Element& el, const Configuration& c, std::array<Vec3, nodes>& g) const;
   void prepare(const Element& el, const Configuration& c, Workspace& w) const;
-  static Mat3 block(const Workspace& w, int i, int j) {
-    Mat3 k = w.b[0][i].transpose() * w.cb[0][j];
-    for (int s = 1; s < w.samples; ++s) k.noalias() += w.b[s][i].transpose() * w.cb[s][j];
-    k.diagonal().array() += w.geometric[i][j];
-    return k;
-  }
 
   std::vector<Element> elements_;
   std::vector<Mat3> stiffness_;

@@ -15,34 +15,35 @@ enum class Centre { vertex, triangle };
 
 /// One field of one step; values are row-major, vertex or triangle numbers as in the mesh file's order of reading.
 struct Field {
-  std::string name;             ///< e.g. "displacement"
-  std::string unit;             ///< e.g. "m"; stored as an attribute
+  std::string name;  ///< e.g. "displacement"
+  std::string unit;  ///< e.g. "m"; stored as an attribute
   Centre centre = Centre::vertex;
-  int components = 1;           ///< 1, 3 or 9; 3 is written as a vector for vertices
-  std::vector<double> values;   ///< count x components
+  int components = 1;          ///< 1, 3 or 9; 3 is written as a vector for vertices
+  std::vector<double> values;  ///< count x components
 };
 
 struct StepFields {
   int step = 0;
-  double time = 0.0;            ///< load factor in statics
+  double time = 0.0;  ///< load factor in statics
   std::vector<Field> fields;
 };
 
 /// results.h5 + results.xdmf + steps/<nnnnnn>.h5 in a folder. Not collective: root only.
-/// Layout of results.h5: /mesh/{positions,triangles}, /mesh/groups/<name> (0/1 masks), /mesh/partition/{vertices,triangles},
-/// /steps/<nnnnnn>/<field>. Each step is a link to a file of its own, which HDF5 follows by itself.
-/// In group names every character but letters, digits, '_', '-' and '.' is replaced by '_' (attribute `name`: the original).
-/// In the XDMF a field of 3 components on triangles appears as <field>_11_22_12: ParaView's X, Y, Z then mean 11, 22, 12.
+/// Layout of results.h5: /mesh/{positions,triangles}, /mesh/groups/<name> (0/1 masks),
+/// /mesh/partition/{vertices,triangles}, /steps/<nnnnnn>/<field>. Each step is a link to a file of its own, which HDF5
+/// follows by itself. In group names every character but letters, digits, '_', '-' and '.' is replaced by '_'
+/// (attribute `name`: the original). In the XDMF a field of 3 components on triangles appears as <field>_11_22_12:
+/// ParaView's X, Y, Z then mean 11, 22, 12.
 ///
-/// A process killed at any moment, inside write() too, leaves all steps readable whose write() had returned: every file is
-/// written under another name and then renamed. (One growing HDF5 file would not do: a kill while HDF5 updates its index
-/// makes the whole file unreadable, about once in a hundred kills during a write.) Nothing is forced to the disk, so a
-/// power failure can lose the latest steps.
+/// A process killed at any moment, inside write() too, leaves all steps readable whose write() had returned: every file
+/// is written under another name and then renamed. (One growing HDF5 file would not do: a kill while HDF5 updates its
+/// index makes the whole file unreadable, about once in a hundred kills during a write.) Nothing is forced to the disk,
+/// so a power failure can lose the latest steps.
 class ResultsWriter {
  public:
   /// Creates both files (replacing old ones). Throws UserError if the folder cannot be written.
-  ResultsWriter(const std::filesystem::path& folder, const mesh::SurfaceMesh& mesh,
-                const std::vector<int>& vertex_rank, const std::vector<int>& triangle_rank);
+  ResultsWriter(const std::filesystem::path& folder, const mesh::SurfaceMesh& mesh, const std::vector<int>& vertex_rank,
+                const std::vector<int>& triangle_rank);
   ~ResultsWriter();
   ResultsWriter(ResultsWriter&&) noexcept;
   ResultsWriter& operator=(ResultsWriter&&) noexcept;

@@ -1,8 +1,8 @@
 // Division of the vertices and triangles over the ranks with METIS.
 //
-// Every vertex and triangle has one owner. Rows of vectors and matrices are blocks of three per vertex, numbered so that
-// each rank's vertices are contiguous and, within a rank, in mesh order. The division depends only on the mesh and the
-// number of ranks.
+// Every vertex and triangle has one owner. Rows of vectors and matrices are blocks of three per vertex, numbered so
+// that each rank's vertices are contiguous and, within a rank, in mesh order. The division depends only on the mesh and
+// the number of ranks.
 #pragma once
 
 #include <vector>
@@ -13,11 +13,11 @@
 namespace voile::mesh {
 
 struct Partition {
-  std::vector<int> vertex_rank;     ///< owner of each vertex
-  std::vector<int> triangle_rank;   ///< owner of each triangle: that of most of its vertices
-  std::vector<Index> row_of;        ///< block row of each vertex
-  std::vector<Index> vertex_of;     ///< vertex of each block row
-  std::vector<Index> row_start;     ///< first block row of each rank, and the total at the end
+  std::vector<int> vertex_rank;    ///< owner of each vertex
+  std::vector<int> triangle_rank;  ///< owner of each triangle: that of most of its vertices
+  std::vector<Index> row_of;       ///< block row of each vertex
+  std::vector<Index> vertex_of;    ///< vertex of each block row
+  std::vector<Index> row_start;    ///< first block row of each rank, and the total at the end
   [[nodiscard]] Index owned_begin(int rank) const { return row_start[rank]; }
   [[nodiscard]] Index owned_count(int rank) const { return row_start[rank + 1] - row_start[rank]; }
 };

@@ -1,11 +1,13 @@
-// The patch of a triangle: the triangle, its up to three neighbours, and mirror points beyond clamped or symmetric edges.
+// The patch of a triangle: the triangle, its up to three neighbours, and mirror points beyond clamped or symmetric
+// edges.
 //
 // Symbols   points     the mesh vertices, numbered as in the mesh, followed by the mirror points
 //           A          vertex of a boundary triangle opposite to the mirrored side (a, b)
 //           f          foot of the altitude of A on the side, f = (1-alpha) a + alpha b
 // Mirror point          x_g = f + R (x_A - f), linear in the positions, so operators built on it stay constant
 //   symmetry plane with unit normal nu:   R = I - 2 nu nu^T                       (Householder reflection)
-//   clamped edge of a facet normal N:     R = 2 N N^T - I                         (even normal, odd in-plane displacement)
+//   clamped edge of a facet normal N:     R = 2 N N^T - I                         (even normal, odd in-plane
+//   displacement)
 // Unfolding: a neighbour is rotated about the shared side into the plane of the triangle; lengths are kept.
 #pragma once
 

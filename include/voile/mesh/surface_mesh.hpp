@@ -21,20 +21,20 @@ using Segment = std::array<Index, 2>;
 /// A physical group of the mesh file. Only the members of its own dimension are stored by the reader.
 struct Group {
   std::string name;
-  int dimension = 0;               ///< 0 points, 1 curves, 2 surfaces
-  std::vector<Index> vertices;     ///< all vertices of the group, ascending, without repetition
-  std::vector<Segment> segments;   ///< its line elements (dimension 1)
-  std::vector<Index> triangles;    ///< its triangles (dimension 2), ascending
+  int dimension = 0;              ///< 0 points, 1 curves, 2 surfaces
+  std::vector<Index> vertices;    ///< all vertices of the group, ascending, without repetition
+  std::vector<Segment> segments;  ///< its line elements (dimension 1)
+  std::vector<Index> triangles;   ///< its triangles (dimension 2), ascending
 };
 
 /// What a mesh file holds, before any check of topology.
 struct MeshData {
-  std::string source;                       ///< file name for messages
-  std::vector<Vec3> positions;              ///< [m]
+  std::string source;           ///< file name for messages
+  std::vector<Vec3> positions;  ///< [m]
   std::vector<Triangle> triangles;
   std::vector<Group> groups;
-  std::vector<std::size_t> vertex_tags;     ///< number of each vertex in the file, for messages
-  std::vector<std::size_t> triangle_tags;   ///< number of each triangle in the file, for messages
+  std::vector<std::size_t> vertex_tags;    ///< number of each vertex in the file, for messages
+  std::vector<std::size_t> triangle_tags;  ///< number of each triangle in the file, for messages
 };
 
 /// Immutable, oriented, manifold triangulation with boundary. Replicated on every rank.

@@ -1,8 +1,8 @@
 // Quasi-static load path: the load factor grows in steps that adapt to Newton's effort.
 //
-// A step that converges in few iterations lets the next one grow by up to 2; a step that fails is halved. After two
-// halvings in a row pseudo-transient continuation is tried at the wanted load (if allowed), and stepping goes on from
-// whatever it finds.
+// A step that converges in few iterations lets the next one grow by up to 2; a step that fails is halved. If the
+// half fails too, pseudo-transient continuation is tried there once (if allowed), and stepping goes on from what it
+// finds.
 #pragma once
 
 #include <functional>
@@ -28,7 +28,7 @@ struct PathResult {
   int newton_iterations = 0;  ///< failed attempts included
   int factorisations = 0;     ///< failed attempts included
   double load_factor = 0.0;
-  std::string reason;         ///< why it ended early
+  std::string reason;  ///< why it ended early
 };
 
 class StaticPath {

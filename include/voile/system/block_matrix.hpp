@@ -1,7 +1,7 @@
 // A PETSc AIJ matrix of 3x3 blocks with a fixed pattern, written to directly at precomputed places.
 //
-// The pattern is made once and keeps explicit zeros, so that a direct solver repeats its symbolic factorisation only when
-// the mesh changes. A Slot says where a block lies in the value arrays of the rank that owns its row.
+// The pattern is made once and keeps explicit zeros, so that a direct solver repeats its symbolic factorisation only
+// when the mesh changes. A Slot says where a block lies in the value arrays of the rank that owns its row.
 #pragma once
 
 #include <array>
@@ -72,7 +72,7 @@ class BlockMatrix {
   void find_parts();
 
   petsc::MatHandle mat_;
-  Mat diagonal_ = nullptr, off_diagonal_ = nullptr;  ///< parts of mat_, not owned
+  Mat diagonal_ = nullptr, off_diagonal_ = nullptr;                         ///< parts of mat_, not owned
   const PetscInt *diagonal_rows_ = nullptr, *off_diagonal_rows_ = nullptr;  ///< their row starts
   Values open_values_;
   std::shared_ptr<const BlockPattern> pattern_;

@@ -1,7 +1,7 @@
 // Supports resolved on a mesh: fixed components of each vertex in local axes, and mirrored boundary sides.
 //
-// A vertex v with supports in directions d_1, d_2, ... has axes Q_v (columns) whose first components are fixed: the unknown
-// of the vertex is a_v = Q_v^T u_v. Q_v is the identity unless a direction is oblique to the global axes.
+// A vertex v with supports in directions d_1, d_2, ... has axes Q_v (columns) whose first components are fixed: the
+// unknown of the vertex is a_v = Q_v^T u_v. Q_v is the identity unless a direction is oblique to the global axes.
 #pragma once
 
 #include <array>
@@ -17,7 +17,7 @@ namespace voile::system {
 struct VertexSupport {
   Mat3 axes = Mat3::Identity();  ///< Q_v
   std::array<bool, 3> fixed{false, false, false};
-  Vec3 value = Vec3::Zero();     ///< prescribed components in local axes at load factor 1 [m]
+  Vec3 value = Vec3::Zero();  ///< prescribed components in local axes at load factor 1 [m]
   [[nodiscard]] bool rotated() const { return !axes.isIdentity(0.0); }
 };
 

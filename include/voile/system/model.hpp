@@ -118,9 +118,9 @@ class Model {
   template <class Term>
   struct Assembled {
     Term term;
-    std::vector<Slot> slots;             ///< in the order of Term::blocks, for plain elements
-    std::vector<std::size_t> first_slot; ///< per element; special elements have no slots
-    std::vector<char> special;           ///< stencil has a mirror point or a rotated vertex
+    std::vector<Slot> slots;              ///< in the order of Term::blocks, for plain elements
+    std::vector<std::size_t> first_slot;  ///< per element; special elements have no slots
+    std::vector<char> special;            ///< stencil has a mirror point or a rotated vertex
   };
   struct Build;
 
@@ -161,9 +161,9 @@ class Model {
 
   // Local points: owned vertices in row order, halo vertices, mirror points.
   Index owned_ = 0, local_vertices_ = 0;
-  std::vector<Index> point_of_;        ///< mesh point of each local point
-  std::vector<Index> local_of_;        ///< local point of each mesh point, or no_index
-  std::vector<Index> row_of_local_;    ///< block row of each local vertex
+  std::vector<Index> point_of_;      ///< mesh point of each local point
+  std::vector<Index> local_of_;      ///< local point of each mesh point, or no_index
+  std::vector<Index> row_of_local_;  ///< block row of each local vertex
   std::vector<Vec3> rest_;
   std::vector<LocalMirror> mirrors_;
   std::vector<std::pair<Index, Mat3>> rotated_;  ///< local vertices with their own axes
