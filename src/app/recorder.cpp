@@ -149,9 +149,11 @@ void Recorder::print(const solve::StepReport& report) const {
   const double elapsed = wall_seconds(), done = report.load_factor / case_.steps.final_load_factor;
   const std::string left = report.last || !(done > 0.0) ? "-" : duration(elapsed / done - elapsed);
   const std::string pivots = report.newton.negative_pivots < 0 ? "-" : fmt::format("{}", report.newton.negative_pivots);
+  std::string note = report.by_continuation ? "  by continuation" : "";
+  if (report.newton.negative_pivots > 0) note += "  UNSTABLE: the tangent is indefinite";
   fmt::print("{:>5} {:>10.6g} {:>7} {:>10.2e} {:>10} {:>9} {:>9}{}\n", report.step, report.load_factor,
              report.newton.iterations, report.newton.residual, pivots, duration(elapsed), left,
-             report.by_continuation ? "  by continuation" : "");
+             note);
   std::fflush(stdout);
 }
 

@@ -52,6 +52,13 @@ void print_header(const Case& c, const system::Model& model) {
     fmt::print("{} triangles were turned round to orient the surface\n", model.mesh().reoriented_count());
 }
 
+/// --verbose shows every Newton iteration, exactly as -snes_monitor does.
+void show_iterations() {
+  PetscBool given = PETSC_FALSE;
+  VOILE_PETSC(PetscOptionsHasName(nullptr, nullptr, "-snes_monitor", &given));
+  if (!given) VOILE_PETSC(PetscOptionsSetValue(nullptr, "-snes_monitor", nullptr));
+}
+
 }  // namespace
 
 Exit run(const Case& c, const RunOptions& options) {
@@ -60,6 +67,7 @@ Exit run(const Case& c, const RunOptions& options) {
   system::Model model(PETSC_COMM_WORLD, mesh, {c.element, c.materials, c.supports, c.loads});
   if (root && options.verbosity != Verbosity::quiet) print_header(c, model);
 
+  if (options.verbosity == Verbosity::verbose) show_iterations();
   mpi::on_root(PETSC_COMM_WORLD, [&] { make_output(c, options.output); });
   Recorder recorder(c, options, model);
   solve::StaticPath path(model, c.steps);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "voile/base/error.hpp"
@@ -19,6 +20,14 @@ constexpr int continuation_iterations = 300;
 /// Relative residual below which continuation uses the exact tangent, and below which it hands over to Newton.
 constexpr double exact_tangent_below = 1e-2, handover_below = 1e-4;
 
+/// Positions are known to eps |X|, membrane forces per vertex to eps |X| times the membrane stiffness.
+double round_off_of(const system::Model& model) {
+  double stiffness = 0.0, distance = model.mesh().extent();
+  for (const energy::Material& m : model.sheet().materials()) stiffness = std::max(stiffness, m.membrane.norm());
+  for (const Vec3& x : model.mesh().positions()) distance = std::max(distance, x.norm());
+  return std::numeric_limits<double>::epsilon() * stiffness * distance * std::sqrt(static_cast<double>(model.unknowns()));
+}
+
 }  // namespace
 
 struct Newton::Impl {
@@ -27,11 +36,12 @@ struct Newton::Impl {
   petsc::VecHandle residual, start, previous, increment, trial, right_hand_side;
   bool has_previous = false, mumps = false;
   int factorisations = 0;
-  double step_norm = 0.0, last_work = 0.0;
+  double step_norm = 0.0, last_work = 0.0, last_residual = 0.0;
+  double round_off;            ///< norm of the residual that the round-off of positions alone can leave [N]
   std::string failure;         ///< text of an exception in a callback
   std::string linear_failure;  ///< what the linear solver said last
 
-  explicit Impl(system::Model& m) : model(m) {
+  explicit Impl(system::Model& m) : model(m), round_off(round_off_of(m)) {
     for (petsc::VecHandle* v : {&residual, &start, &previous, &increment, &trial, &right_hand_side})
       *v = m.create_vector();
   }
@@ -182,6 +192,11 @@ bool Newton::Impl::repair_factor(int attempt) {
   VOILE_PETSC(MatMumpsGetIcntl(factor(), mumps_workspace_percent, &percent));
   const bool lacks_workspace = error == -8 || error == -9;
   if (lacks_workspace) percent = std::max<PetscInt>(100, 2 * percent);
+  // The symbolic factorisation reads the options again: the user's value, found too small, must not come back.
+  PetscBool given = PETSC_FALSE;
+  VOILE_PETSC(PetscOptionsHasName(nullptr, nullptr, "-mat_mumps_icntl_14", &given));
+  if (given)
+    VOILE_PETSC(PetscOptionsSetValue(nullptr, "-mat_mumps_icntl_14", fmt::format("{}", percent).c_str()));
   KSP ksp = nullptr;
   PC pc = nullptr;
   VOILE_PETSC(SNESGetKSP(snes, &ksp));
@@ -201,7 +216,7 @@ SNESConvergedReason Newton::Impl::judge(PetscInt iteration, double increment_nor
   PetscInt max_iterations = 0;
   VOILE_PETSC(SNESGetTolerances(snes, &atol, &rtol, &stol, &max_iterations, nullptr));
   if (!std::isfinite(residual_norm)) return SNES_DIVERGED_FNORM_NAN;
-  const double force = model.force_scale();
+  const double force = model.force_scale(), before = std::exchange(last_residual, residual_norm);
   const bool small_residual = residual_norm <= std::max<double>(atol, rtol * force);
   if (increment_norm < 0.0) {
     // Nothing to do only if the state is in equilibrium to more than the tolerance.
@@ -216,6 +231,8 @@ SNESConvergedReason Newton::Impl::judge(PetscInt iteration, double increment_nor
     if (small_residual && increment_norm <= stol * step_norm) return SNES_CONVERGED_FNORM_RELATIVE;
     if (increment_norm <= 1e-3 * stol * step_norm && std::abs(last_work) <= 1e-3 * rtol * force * step_norm)
       return SNES_CONVERGED_SNORM_RELATIVE;
+    // Round-off that another iteration cannot lower: forces far below the sheet's stiffness, or a start in equilibrium.
+    if (residual_norm <= round_off && residual_norm >= 0.1 * before) return SNES_CONVERGED_SNORM_RELATIVE;
   }
   return iteration >= max_iterations ? SNES_DIVERGED_MAX_IT : SNES_CONVERGED_ITERATING;
 }

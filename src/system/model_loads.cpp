@@ -92,8 +92,7 @@ void Model::add_follower(const Load& load) {
   const auto local = [&](const mesh::Triangle& t) {
     return std::array<Index, 3>{local_of_[t[0]], local_of_[t[1]], local_of_[t[2]]};
   };
-  // As for the other elements: every triangle that touches an owned vertex, the energy-less owner flag for
-  // completeness.
+  // As for the other elements: every triangle that touches an owned vertex.
   const auto evaluated = [&](const std::array<Index, 3>& p) {
     return std::any_of(p.begin(), p.end(), [&](Index i) { return i != no_index && i < owned_; });
   };

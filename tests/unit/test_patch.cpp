@@ -39,8 +39,7 @@ void add_outer_group(mesh::MeshData& d, int rings) {
   d.groups.push_back(g);
 }
 
-/// Error of the discrete solution if the outer vertices follow the exact state `a`: K^-1 r(a) against the largest
-/// displacement.
+/// Error of the discrete solution when the outer vertices follow the exact state `a`: K^-1 r over the largest |a|.
 double solution_error(system::Model& model, Vec a, Vec force, Vec tangent_at) {
   petsc::VecHandle error = model.create_vector(), r = model.create_vector();
   VOILE_PETSC(VecCopy(force, r));

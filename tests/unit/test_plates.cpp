@@ -1,8 +1,8 @@
 // Linear plates under uniform load: second order on every mesh, in order and in magnitude.
 //
 // References, unit square, nu = 0.3, q L^4/D = 1: clamped centre 0.00126532 (Timoshenko & Woinowsky-Krieger, Theory of
-// Plates and Shells, table 35: 0.00126), simply supported centre 0.00406235 (Navier series), cantilever middle of the free
-// edge 0.12908 (Richardson value of this operator on diagonal meshes, see docs/verification.md).
+// Plates and Shells, table 35: 0.00126), simply supported centre 0.00406235 (Navier series), cantilever middle of the
+// free edge 0.12908 (Richardson value of this operator on diagonal meshes, see docs/verification.md).
 #include <doctest/doctest.h>
 #include <fmt/format.h>
 
@@ -57,7 +57,8 @@ double ratio(const Plate& plate, Pattern pattern, int n) {
   if (mpi::rank(PETSC_COMM_WORLD) == 0) {
     Index best = 0;
     for (Index v = 0; v < mesh.vertex_count(); ++v)
-      if ((mesh.positions()[v].head<2>() - plate.point).norm() < (mesh.positions()[best].head<2>() - plate.point).norm())
+      if ((mesh.positions()[v].head<2>() - plate.point).norm() <
+          (mesh.positions()[best].head<2>() - plate.point).norm())
         best = v;
     w = -u[3 * best + 2];
   }

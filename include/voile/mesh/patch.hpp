@@ -1,5 +1,4 @@
-// The patch of a triangle: the triangle, its up to three neighbours, and mirror points beyond clamped or symmetric
-// edges.
+// The patch of a triangle: itself, its up to three neighbours, and mirror points beyond clamped or symmetric edges.
 //
 // Symbols   points     the mesh vertices, numbered as in the mesh, followed by the mirror points
 //           A          vertex of a boundary triangle opposite to the mirrored side (a, b)

@@ -3,17 +3,16 @@
 // Symbols   r residual, K tangent, dx increment, f scale of forces (Model::force_scale), M lumped mass
 // Stepping:      K(S*) dx = -r with S* the linearised stress of the previous iterate ("mixed integration point"
 // tangent,
-//                Magisano, Leonetti & Garcea, Comput. Methods Appl. Mech. Engng 313 (2017) 986-1005) and full steps: few
-//                iterations, independent of the mesh, but the load step must be small enough.
+//                Magisano, Leonetti & Garcea, Comput. Methods Appl. Mech. Engng 313 (2017) 986-1005) and full steps:
+//                few iterations, independent of the mesh, but the load step must be small enough.
 // Continuation:  (K+ + s M) dx = -r, K+ with the tensile part of the stress, backtracking on the energy, s halved after
 //                each full step: pseudo-transient continuation, which finds equilibria across snaps. Close to one the
 //                exact tangent, with s raised while it is indefinite; Newton steps finish it.
 // Converged:     |r| <= rtol f and |dx| <= stol |x - x0|  (-snes_rtol, -snes_stol; also |r| <= -snes_atol), or, where
-// the
-//                residual has reached its round-off, |dx| <= stol/1000 |x - x0| and |r.dx| <= rtol/1000 f |x - x0|.
+//                the residual has reached its round-off, |dx| <= stol/1000 |x - x0| and |r.dx| <= rtol/1000 f |x - x0|,
+//                or |r| <= eps |A| |X| sqrt(unknowns) (A membrane stiffness) and no longer falling.
 // Linear solver: -ksp_type preonly -pc_type cholesky (lu with follower loads) -pc_factor_mat_solver_type mumps unless
-// the
-//                user says otherwise. MUMPS's lack of workspace is answered with twice as much, several times.
+//                the user says otherwise. MUMPS's lack of workspace is answered with twice as much, several times.
 #pragma once
 
 #include <memory>

@@ -1,8 +1,7 @@
 // Quasi-static load path: the load factor grows in steps that adapt to Newton's effort.
 //
-// A step that converges in few iterations lets the next one grow by up to 2; a step that fails is halved. If the
-// half fails too, pseudo-transient continuation is tried there once (if allowed), and stepping goes on from what it
-// finds.
+// A step that converges in few iterations lets the next one grow by up to 2; a step that fails is halved. If the half
+// fails too, pseudo-transient continuation is tried there once (if allowed), and stepping goes on from what it finds.
 #pragma once
 
 #include <functional>

@@ -1,0 +1,217 @@
+#!/usr/bin/python3
+"""Checks that the documentation agrees with the program.
+
+    tests/check_docs.py                       what needs no program: files, links, sources of published figures, no loose ends
+    tests/check_docs.py --voile build/voile   also subcommands, options and keys of the case file
+"""
+
+import argparse
+import re
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "runs" / "lib"))
+
+from solver import environment  # noqa: E402
+
+ROOT = Path(__file__).resolve().parents[1]
+# Folders that a documented command creates.
+CREATED = ("results", "build")
+
+
+def pages():
+    return sorted([ROOT / "README.md", *(ROOT / "docs").rglob("*.md"), *(ROOT / "runs").rglob("README.md")])
+
+
+def name_of(path):
+    return str(path.relative_to(ROOT))
+
+
+def fenced_blocks(path):
+    """(language, line number, text) of every fenced block."""
+    blocks, start, language, lines = [], None, "", []
+    for number, line in enumerate(path.read_text().splitlines(), 1):
+        fence = re.match(r"^\s*```(\w*)\s*$", line)
+        if fence and start is None:
+            start, language, lines = number, fence.group(1), []
+        elif fence:
+            blocks.append((language, start, "\n".join(lines)))
+            start = None
+        elif start is not None:
+            lines.append(line)
+    if start is not None:
+        blocks.append(("unclosed", start, ""))
+    return blocks
+
+
+# --------------------------------------------------------------------------------------------------- without program
+
+def check_loose_ends():
+    pattern = re.compile(r"\b(TODO|FIXME|XXX)\b")
+    for path in [*pages(), *(p for d in ("include", "src", "tests", "runs", "meshes") for p in (ROOT / d).rglob("*"))]:
+        if not path.is_file() or "__pycache__" in path.parts or path.suffix in (".png", ".h5") or path == Path(__file__).resolve():
+            continue
+        for number, line in enumerate(path.read_text(errors="replace").splitlines(), 1):
+            if pattern.search(line):
+                yield f"{name_of(path)}:{number}: loose end: {line.strip()}"
+
+
+def check_sources():
+    for path in sorted((ROOT / "runs" / "reference").glob("*.csv")):
+        if not path.read_text().startswith("# Source: "):
+            yield f"{name_of(path)}: the first line does not name the source (# Source: ...)"
+    for case in sorted((ROOT / "runs").glob("*/case.toml")):
+        if not (case.parent / "README.md").is_file():
+            yield f"{name_of(case.parent)}: there is no README.md"
+
+
+def check_links():
+    for path in pages():
+        for target in re.findall(r"\]\(([^)#\s]+)[^)]*\)", path.read_text()):
+            if not re.match(r"[a-z]+:", target) and not (path.parent / target).exists():
+                yield f"{name_of(path)}: broken link to {target}"
+
+
+def check_fences():
+    for path in pages():
+        for language, line, _ in fenced_blocks(path):
+            if language == "unclosed":
+                yield f"{name_of(path)}:{line}: fenced block is not closed"
+
+
+def commands_of(text):
+    """Command lines of a block: continuation lines joined, prompts and comments removed."""
+    for line in text.replace("\\\n", " ").splitlines():
+        line = re.sub(r"\s#.*$", "", line.strip().removeprefix("$ "))
+        if line and not line.startswith("#"):
+            yield line
+
+
+def is_placeholder(word):
+    return word.isupper() or "CASE" in word or "MESH" in word or "DIR" in word or "<" in word
+
+
+def check_commands(subcommands, options):
+    """`subcommands` and `options` are None without the program."""
+    for path in pages():
+        for language, line, text in fenced_blocks(path):
+            if language in ("toml", "csv", "cpp", "text"):
+                continue
+            for command in commands_of(text):
+                for problem in command_problems(command.split(), subcommands, options):
+                    yield f"{name_of(path)}:{line}: {command}\n    {problem}"
+
+
+def command_problems(words, subcommands, options):
+    if words[0].startswith(("./runs/", "runs/", "./tests/", "tests/")) and not (ROOT / words[0]).is_file():
+        yield f"there is no {words[0]}"
+    if words[0] == "mpirun":
+        at = next((i for i, w in enumerate(words) if Path(w).name == "voile"), None)
+        if at is None:
+            return
+        words = words[at:]
+    if Path(words[0]).name != "voile":
+        return
+    arguments = words[1:]
+    positional = [w for i, w in enumerate(arguments) if not w.startswith("-") and not (i and arguments[i - 1].startswith("-"))]
+    for word in arguments:
+        if word.startswith("--") and options is not None and word.split("=")[0] not in options:
+            yield f"the program has no option {word}"
+    if not positional:
+        return
+    if subcommands is not None and positional[0] not in subcommands:
+        yield f"the program has no command '{positional[0]}'"
+    for file in positional[1:]:
+        if not is_placeholder(file) and file.split("/")[0] not in CREATED and not (ROOT / file).exists():
+            yield f"there is no file {file}"
+
+
+# ----------------------------------------------------------------------------------------------------- with program
+
+def output_of(voile, *arguments):
+    done = subprocess.run([str(voile), *arguments], env=environment(), text=True, capture_output=True)
+    if done.returncode != 0:
+        raise SystemExit(f"{voile} {' '.join(arguments)} ended with code {done.returncode}:\n{done.stdout}{done.stderr}")
+    return done.stdout
+
+
+def check_reference(reference):
+    path = ROOT / "docs" / "case-reference.md"
+    if not path.is_file():
+        yield f"{name_of(path)} does not exist; create it with: voile reference > docs/case-reference.md"
+    elif path.read_text() != reference:
+        yield f"{name_of(path)} differs from the program; renew it with: voile reference > docs/case-reference.md"
+
+
+def reference_keys(reference):
+    """Section -> its keys, from the tables of the reference page. The section "" holds the keys outside all sections."""
+    keys, section = {"": set()}, ""
+    for line in reference.splitlines():
+        heading = re.match(r"^#+\s+`?\[+(\w+)\]+`?", line)
+        row = re.match(r"^\|\s*`(\w+)`", line)
+        if heading:
+            section = heading.group(1)
+            keys.setdefault(section, set())
+        elif row:
+            keys[section].add(row.group(1))
+    return keys
+
+
+def check_toml_blocks(keys):
+    for path in pages():
+        for language, line, text in fenced_blocks(path):
+            if language != "toml":
+                continue
+            where = f"{name_of(path)}:{line}"
+            try:
+                block = tomllib.loads(text)
+            except tomllib.TOMLDecodeError as error:
+                yield f"{where}: {error}"
+                continue
+            yield from (f"{where}: {problem}" for problem in unknown_keys(block, keys))
+
+
+def unknown_keys(block, keys):
+    for name, value in block.items():
+        tables = value if isinstance(value, list) else [value]
+        if not isinstance(tables[0] if tables else None, dict):
+            if name not in keys[""]:
+                yield f"unknown key '{name}'"
+        elif name not in keys:
+            yield f"unknown section '{name}'"
+        else:
+            yield from (f"unknown key '{name}.{key}'" for table in tables for key in table if key not in keys[name])
+
+
+def check_cases(voile):
+    for case in sorted((ROOT / "runs").glob("*/case.toml")):
+        done = subprocess.run([str(voile), "check", str(case)], env=environment(), text=True, capture_output=True)
+        if done.returncode != 0:
+            yield f"{name_of(case)}: voile check: {(done.stdout + done.stderr).strip()}"
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--voile", type=Path, help="the program to compare with")
+    voile = parser.parse_args().voile
+    problems = [*check_loose_ends(), *check_sources(), *check_links(), *check_fences()]
+    subcommands = options = None
+    if voile:
+        voile = voile.resolve()
+        help_text = output_of(voile, "--help")
+        subcommands = set(re.findall(r"^  (\w+)  ", help_text.partition("Subcommands:")[2], re.M))
+        options = set(re.findall(r"--[\w-]+", help_text + "".join(output_of(voile, s, "--help") for s in sorted(subcommands))))
+        reference = output_of(voile, "reference")
+        keys = reference_keys(reference)
+        if not subcommands or not keys.get("mesh"):
+            raise SystemExit("tests/check_docs.py does not understand `voile --help` or `voile reference` any more")
+        problems += [*check_reference(reference), *check_toml_blocks(keys), *check_cases(voile)]
+    problems += check_commands(subcommands, options)
+    print("\n".join(problems) if problems else f"{len(pages())} pages agree with {'the program' if voile else 'the files'}")
+    return 1 if problems else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

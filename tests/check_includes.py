@@ -1,0 +1,122 @@
+#!/usr/bin/python3
+"""Checks that includes point one way through the layers and that each third-party library stays in its place."""
+
+import re
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+
+# A layer may include itself and these.
+LAYERS = {
+    "base": set(),
+    "mesh": {"base"},
+    "energy": {"mesh", "base"},
+    "contact": {"energy", "mesh", "base"},
+    "system": {"contact", "energy", "mesh", "base"},
+    "solve": {"system", "mesh", "base"},
+    "adapt": {"mesh", "base"},
+    "io": {"mesh", "base"},
+    "app": {"base", "mesh", "energy", "contact", "system", "solve", "adapt", "io"},
+}
+
+# Header -> files that may include it, as "<layer>/<file without suffix>" patterns. The first match counts.
+THIRD_PARTY = [
+    (r"petsc.*\.h", r"base/petsc.*|system/.*|solve/.*|app/.*"),
+    (r"slepc.*\.h", r"solve/.*"),
+    (r"metis\.h", r"mesh/partition|.*/mumps.*"),
+    (r"[sd]mumps_c\.h", r".*/mumps.*"),
+    (r"hdf5.*\.h|H5.*\.h", r"io/.*"),
+    (r"gmsh\.h(_cwrap)?", r"io/gmsh|adapt/remesh.*"),
+    (r"toml\+\+/.*", r"app/case.*"),
+    (r"mpi\.h", r"base/mpi.*|app/main"),
+    (r"CLI/.*", r"app/main"),
+    (r"Eigen/.*", r".*"),
+    (r"fmt/.*", r".*"),
+    (r"dlfcn\.h", r".*/mumps.*"),
+    (r"unistd\.h|fcntl\.h|sys/.*\.h", r"io/.*|app/.*|base/.*"),
+    (r"doctest/.*", r"(?!)"),  # tests only
+]
+# It prints the versions of all libraries.
+EXEMPT = {"app/version"}
+
+STANDARD = set(
+    """algorithm any array atomic barrier bit bitset cassert cctype cerrno cfenv cfloat charconv chrono cinttypes climits clocale
+    cmath compare complex concepts condition_variable coroutine csetjmp csignal cstdarg cstddef cstdint cstdio cstdlib cstring
+    ctime cuchar cwchar cwctype deque exception execution filesystem format forward_list fstream functional future
+    initializer_list iomanip ios iosfwd iostream istream iterator latch limits list locale map memory memory_resource mutex new
+    numbers numeric optional ostream queue random ranges ratio regex scoped_allocator semaphore set shared_mutex
+    source_location span sstream stack stdexcept stop_token streambuf string string_view strstream syncstream system_error
+    thread tuple type_traits typeindex typeinfo unordered_map unordered_set utility valarray variant vector version""".split())
+
+INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]')
+# Raw MPI belongs to base/mpi; the program itself starts and ends MPI.
+MPI_CALL = re.compile(r"\bP?MPI_[A-Z][a-z]\w*\s*\(")
+MPI_START = re.compile(r"\bMPI_(Init|Init_thread|Initialized|Finalize|Finalized|Abort)\s*\(")
+
+
+def without_comments(text):
+    keep_lines = lambda m: "\n" * m.group(0).count("\n")
+    return re.sub(r"//[^\n]*", "", re.sub(r"/\*.*?\*/", keep_lines, text, flags=re.S))
+
+
+def check_third_party(header, layer_file):
+    for pattern, allowed in THIRD_PARTY:
+        if re.fullmatch(pattern, header):
+            if re.fullmatch(allowed, layer_file) or layer_file in EXEMPT:
+                return None
+            return f"<{header}> may only be included by {allowed}"
+    if header in STANDARD:
+        return None
+    return f"<{header}> is neither a standard header nor in the table of {Path(__file__).name}"
+
+
+def check_project(header, path, layer):
+    parts = header.split("/")
+    if parts[0] != "voile":  # a private header beside the source
+        if (path.parent / header).is_file():
+            return None
+        return f'"{header}": there is no such file beside it; public headers are included as "voile/<layer>/x.hpp"'
+    if not (ROOT / "include" / header).is_file():
+        return f'"{header}": there is no such file'
+    if len(parts) != 3 or parts[1] not in LAYERS:
+        return f'"{header}": unknown layer'
+    if parts[1] != layer and parts[1] not in LAYERS[layer]:
+        return f"{layer} must not include {parts[1]} ({header})"
+    return None
+
+
+def check_file(path, layer):
+    layer_file = f"{layer}/{path.stem}"
+    for number, line in enumerate(without_comments(path.read_text()).splitlines(), 1):
+        match = INCLUDE.match(line)
+        problem = None
+        if match:
+            bracket, header = match.groups()
+            is_own = bracket == '"' or header.startswith("voile/")
+            problem = check_project(header, path, layer) if is_own else check_third_party(header, layer_file)
+        elif MPI_CALL.search(line) and not layer_file.startswith("base/mpi") and layer_file not in EXEMPT:
+            if not (layer_file == "app/main" and not MPI_CALL.search(MPI_START.sub("", line))):
+                problem = "raw MPI call outside base/mpi: " + line.strip()
+        if problem:
+            yield f"{path.relative_to(ROOT)}:{number}: {problem}"
+
+
+def main():
+    problems, count = [], 0
+    for base in (ROOT / "include" / "voile", ROOT / "src"):
+        for path in sorted(base.rglob("*")):
+            if path.suffix not in (".hpp", ".cpp", ".h"):
+                continue
+            layer = path.relative_to(base).parts[0]
+            count += 1
+            if layer not in LAYERS:
+                problems.append(f"{path.relative_to(ROOT)}: '{layer}' is no layer")
+                continue
+            problems += check_file(path, layer)
+    print("\n".join(problems) if problems else f"{count} files: includes follow the layers")
+    return 1 if problems else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,354 @@
+#!/usr/bin/python3
+"""Runs whole cases with the built program and asserts what comes out.
+
+    tests/regression/run.py               everything
+    tests/regression/run.py annulus ranks some of it; --list names all
+
+Published figures: Sze, Liu & Lo (2004), see runs/reference. Set VOILE to test another binary than build/voile.
+"""
+
+import argparse
+import json
+import math
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import time
+import traceback
+import xml.etree.ElementTree as xml
+from pathlib import Path
+
+import h5py
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "runs" / "lib"))
+
+from benchmarks import BENCHMARKS, compare  # noqa: E402
+from curves import Table, at_load  # noqa: E402
+from solver import ROOT, command, environment, invoke, load_case, run, variant, write_case  # noqa: E402
+
+OUT = ROOT / "results" / "regression"
+TESTS = {}
+
+
+class Failure(Exception):
+    pass
+
+
+def test(function):
+    TESTS[function.__name__] = function
+    return function
+
+
+class Report:
+    """Collects assertions of one test; all of them are evaluated."""
+
+    def __init__(self):
+        self.failures = 0
+
+    def check(self, good, what):
+        print(f"  {'ok  ' if good else 'FAIL'} {what}", flush=True)
+        self.failures += not good
+
+    def below(self, value, limit, what):
+        self.check(abs(value) <= limit, f"{what}: {value:.3g} (limit {limit:g})")
+
+    def near(self, value, expected, tolerance, what):
+        self.check(abs(value - expected) <= tolerance, f"{what}: {value:.8g}, expected {expected:g} within {tolerance:g}")
+
+    def percent(self, ratio, limit, what):
+        self.check(abs(ratio - 1) <= limit, f"{what}: {100 * (ratio - 1):+.3f} % (limit {100 * limit:g} %)")
+
+
+def solve(name, case, ranks=2, options=(), timeout=1800):
+    """Runs a case (dictionaries) in a fresh folder; any exit code but 0 fails the test."""
+    folder = OUT / name
+    shutil.rmtree(folder, ignore_errors=True)
+    result = run(write_case(case, OUT / f"{name}.toml"), folder, ranks, options, timeout)
+    if result.code != 0:
+        raise Failure(f"{name} ended with code {result.code}:\n" + "\n".join(result.text.splitlines()[-15:]))
+    return result
+
+
+def published(report, name, result, end, whole):
+    for c in compare(BENCHMARKS[name], result.history):
+        if abs(c.published) > 0:
+            report.percent(c.ratio, end, f"{c.curve.label} at full load, {c.final:.5g} against {c.published:g}")
+        report.below(c.curve_error, whole, f"{c.curve.label}, whole curve")
+
+
+def base(name, **changes):
+    return variant(load_case(BENCHMARKS[name].case), {k.replace("__", "."): v for k, v in changes.items()})
+
+
+def without_stops(case):
+    return variant(case, {"steps.stops": None, "output": {"fields": ["displacement"], "every": 1000}})
+
+
+# ------------------------------------------------------------------------------------------------ published problems
+
+@test
+def cantilever_shear(report):
+    """40 x 4 cells: 0.2 % at full load against the published element and the elastica, 1 % along the curve."""
+    result = solve("cantilever_shear", base("cantilever_shear"))
+    published(report, "cantilever_shear", result, 0.002, 0.01)
+    reference = BENCHMARKS["cantilever_shear"].reference
+    history = result.history
+    report.percent(-history["tip_x"][-1] / reference["minus_u_tip_elastica"][-1], 0.002, "-u, tip, against the elastica")
+    report.percent(history["tip_z"][-1] / reference["w_tip_elastica"][-1], 0.002, "w, tip, against the elastica")
+    report.near(abs(history["clamp_force_z"][-1]), 4.0, 1e-5, "size of the reaction along z")
+    report.near(history["clamp_force_x"][-1], 0.0, 1e-5, "reaction along x")
+
+
+@test
+def cantilever_moment(report):
+    """Rolled up into a full circle: the tip returns to the clamp within 1 % of the length."""
+    result = solve("cantilever_moment", base("cantilever_moment"))
+    published(report, "cantilever_moment", result, 0.01, 0.01)
+    history, length = result.history, 12.0
+    report.near(history["load_factor"][-1], 1.0, 1e-12, "load factor reached")
+    report.below(math.hypot(history["tip_x"][-1] + length, history["tip_z"][-1]) / length, 0.01, "gap of the circle / length")
+
+
+@test
+def annulus(report):
+    """12 x 120 cells one way, about 2400 vertices unstructured: 0.5 % at full load; union jack: 1 %; curves 1 %."""
+    for name, pattern, end in (("one_way", 0, 0.005), ("unstructured", 2, 0.005), ("union_jack", 1, 0.01)):
+        print(f" {name}")
+        result = solve(f"annulus_{name}", base("slit_annulus", mesh__parameters__pattern=pattern))
+        published(report, "slit_annulus", result, end, 0.01)
+        report.near(abs(result.history["lip_force_z"][-1]), 3.2, 1e-5, "size of the reaction along z")
+        if name == "unstructured":
+            report.near(result.summary["vertices"], 2400, 100, "vertices")
+
+
+@test
+def hemisphere(report):
+    """48 x 48 cells: 0.6 % at full load, 1 % along the curve."""
+    result = solve("hemisphere", base("hemisphere"))
+    published(report, "hemisphere", result, 0.006, 0.01)
+    report.near(result.history["vertical_force_z"][-1], 0.0, 1e-4, "force of the support that only stops a rigid motion")
+
+
+@test
+def newton_cost(report):
+    """With the default steps: hemisphere in at most 25 factorisations at every mesh size, annulus in at most 35."""
+    for n in (16, 32, 48):
+        result = solve(f"cost_hemisphere_{n}", without_stops(base("hemisphere", mesh__parameters__n=n)))
+        report.check(result.summary["factorisations"] <= 25, f"hemisphere {n}: {result.summary['factorisations']} factorisations")
+    result = solve("cost_annulus", without_stops(base("slit_annulus")))
+    report.check(result.summary["factorisations"] <= 35, f"annulus: {result.summary['factorisations']} factorisations")
+    report.below(at_load(np.column_stack([result.history["load_factor"], result.history["B_z"]]), 1.0) / 17.528 - 1, 0.005,
+                 "and w_B with these steps")
+
+
+# ------------------------------------------------------------------------------------------------------------ ranks
+
+def plate(cells, load, final=1.0):
+    return {
+        "title": "Clamped square plate",
+        "mesh": {"file": str(ROOT / "meshes" / "plate.geo"), "parameters": {"n": cells}},
+        "material": [{"type": "isotropic", "young": 210e9, "poisson": 0.3, "thickness": 0.01}],
+        "support": [{"type": "clamped", "group": side} for side in ("left", "right", "bottom", "top")],
+        "load": [{"type": "pressure", "magnitude": load}],
+        "probe": [{"name": "centre", "type": "displacement", "group": "centre", "components": ["z"]}],
+        "steps": {"initial_step": 1.0, "final_load_factor": final},
+        "output": {"fields": ["displacement"], "every": 1000},
+    }
+
+
+def compare_ranks(report, name, case, limit=1e-9):
+    reference = None
+    for ranks in (1, 2, 3, 4):
+        result = solve(f"ranks_{name}_{ranks}", case, ranks)
+        u = result.displacement()
+        if reference is None:
+            reference = u
+            report.check(np.abs(u).max() > 0, f"{name}: {result.summary['triangles']} triangles, largest displacement "
+                                              f"{np.abs(u).max():.6g}")
+        else:
+            report.check(u.shape == reference.shape, f"{name}, {ranks} ranks: same vertices")
+            report.below(np.abs(u - reference).max() / np.abs(reference).max(), limit, f"{name}, {ranks} ranks: difference")
+
+
+@test
+def ranks(report):
+    """Same displacements on 1 to 4 ranks to 1e-9: 1 000 triangles far into the nonlinear range, 50 000 triangles."""
+    annulus = base("slit_annulus", mesh__parameters__n_radial=7, mesh__parameters__n_circ=72)
+    compare_ranks(report, "annulus", without_stops(annulus))
+    compare_ranks(report, "plate", plate(158, 2e5))
+
+
+# --------------------------------------------------------------------------------------------------- files and codes
+
+@test
+def files(report):
+    """The folder of results holds what the documentation says; the bending stiffness is assembled once."""
+    view = OUT / "files.log_view.txt"
+    OUT.mkdir(parents=True, exist_ok=True)
+    view.unlink(missing_ok=True)
+    case = base("hemisphere", mesh__parameters__n=12)
+    result = solve("files", case, 2, ["-log_view", f":{view}"])
+    for name in ("case.toml", "results.h5", "results.xdmf", "history.csv", "summary.json"):
+        report.check((result.folder / name).is_file(), f"{name} exists")
+    summary = result.summary
+    for key in ("unknowns", "vertices", "triangles", "ranks", "steps", "newton_iterations", "factorisations", "cpu_seconds",
+                "wall_seconds", "converged", "load_factor"):
+        report.check(key in summary, f"summary.json has {key}")
+    with h5py.File(result.folder / "results.h5", "r") as data:
+        report.check(data["mesh/positions"].shape == (summary["vertices"], 3), "positions of all vertices")
+        report.check(data["mesh/triangles"].shape == (summary["triangles"], 3), "all triangles")
+        report.check({"load_x", "load_y", "sym_x", "sym_y", "equator", "hole", "shell"} <= set(data["mesh/groups"]),
+                     "groups by name")
+        last = data["steps"][sorted(data["steps"])[-1]]
+        for field in ("displacement", "reaction", "membrane_force", "bending_moment", "curvature"):
+            report.check(field in last and np.isfinite(last[field][...]).all(), f"{field} is there and finite")
+        steps = len(data["steps"])
+    check_xdmf(report, result.folder / "results.xdmf", steps)
+    code, text = invoke(["check", result.folder / "case.toml"])
+    report.check(code == 0, "the echoed case is a valid case" + ("" if code == 0 else f": {text.strip()}"))
+    match = re.search(r"^VoileBendAssemble\s+(\d+)", view.read_text(), re.M)
+    report.check(bool(match) and match.group(1) == "1", "-log_view shows one assembly of the bending stiffness")
+    headers = [line for line in result.text.splitlines() if re.match(r"\s*step\b", line)]
+    report.check(len(headers) == 1, f"only one rank prints ({len(headers)} header lines)")
+
+
+def check_xdmf(report, file, steps):
+    root = xml.parse(file).getroot()
+    missing = []
+    for item in root.iter("DataItem"):
+        place, _, name = (item.text or "").strip().partition(":")
+        if not name:
+            continue
+        with h5py.File(file.parent / place, "r") as data:
+            shape = tuple(int(n) for n in item.get("Dimensions").split())
+            if name not in data or data[name].shape != shape:
+                missing.append(item.text.strip())
+    report.check(not missing, "results.xdmf refers to data of the right shape" + (f"; not {missing[:3]}" if missing else ""))
+    report.check(len(list(root.iter("Time"))) == steps, "results.xdmf lists every step")
+
+
+@test
+def exit_codes(report):
+    """2 for the user's mistakes with a message that names them, 3 for no convergence with everything before on disk."""
+    good = base("slit_annulus", mesh__parameters__n_radial=2, mesh__parameters__n_circ=16)
+    for name, changes, words in (
+        ("misspelt_key", {"material.0.yuong": 1.0, "material.0.young": None}, ["yuong", "young"]),
+        ("unknown_section", {"meterial": {"young": 1.0}}, ["meterial", "material"]),
+        ("unknown_group", {"support.0.group": "clamped_lap"}, ["clamped_lap", "clamped_lip"]),
+        ("negative_thickness", {"material.0.thickness": -0.03}, ["thickness"]),
+        ("wrong_poisson", {"material.0.poisson": 0.7}, ["poisson"]),
+        ("wrong_type", {"material.0.young": "stiff"}, ["young"]),
+        ("unknown_parameter", {"mesh.parameters.n_rdial": 3}, ["n_rdial", "n_radial"]),
+        ("missing_mesh", {"mesh.file": str(ROOT / "meshes" / "no_such.geo")}, ["no_such.geo"]),
+        ("no_material", {"material": []}, ["material"]),
+        ("indefinite_stiffness", {"material": [{
+            "type": "matrices", "membrane": [[1, 2, 0], [2, 1, 0], [0, 0, 1]], "bending": [[1, 0, 0], [0, 1, 0], [0, 0, 1]],
+            "direction": [1, 0, 0]}]}, ["membrane"]),
+        ("descending_stops", {"steps.stops": [0.5, 0.25]}, ["stops"]),
+    ):
+        file = write_case(variant(good, changes), OUT / "bad" / f"{name}.toml")
+        for ranks in (1, 2) if name in ("misspelt_key", "unknown_group") else (1,):
+            code, text = invoke(["check", file], ranks)
+            report.check(code == 2, f"{name} on {ranks} rank(s): code {code}")
+        missing = [w for w in words if w not in text]
+        report.check(not missing, f"{name}: {' '.join(text.split())[:150]}" + (f" [does not name {missing}]" if missing else ""))
+    for arguments in (["run", OUT / "no_such.toml"], ["sun"], ["check"], ["run", file, "--outptu", "x"]):
+        code, text = invoke(arguments)
+        report.check(code == 2, f"voile {' '.join(Path(str(a)).name for a in arguments)}: code {code}")
+    for arguments in (["--help"], ["--version"], ["info", ROOT / "meshes" / "annulus.geo"], ["reference"]):
+        code, text = invoke(arguments)
+        report.check(code == 0 and text.strip() != "", f"voile {' '.join(Path(str(a)).name for a in arguments)}: code {code}")
+
+
+@test
+def not_converged(report):
+    """A step that cannot converge and may not shrink ends the run with code 3, with the step before it on disk."""
+    case = base("slit_annulus", mesh__parameters__n_radial=2, mesh__parameters__n_circ=16)
+    case = variant(case, {"steps": {"initial_step": 1.0, "min_step": 0.9, "stops": [0.001], "fallback": False}})
+    for ranks in (1, 2):
+        folder = OUT / f"not_converged_{ranks}"
+        shutil.rmtree(folder, ignore_errors=True)
+        result = run(write_case(case, OUT / "not_converged.toml"), folder, ranks, ["-snes_max_it", "6"], 300)
+        report.check(result.code == 3, f"{ranks} rank(s): code {result.code}")
+        said = [line for line in result.text.splitlines() if "not converged" in line]
+        report.check(bool(said), f"it says so: {said[0][:120] if said else result.text[-300:]}")
+        if result.code == 3:
+            summary = result.summary
+            report.check(summary["converged"] is False and summary["load_factor"] == 0.001, "summary.json says so")
+            report.near(result.history["load_factor"][-1], 0.001, 0, "last step in history.csv")
+            report.check(np.abs(result.displacement()).max() > 0, "and it is in results.h5")
+
+
+@test
+def options(report):
+    """PETSc's options: the command line beats the case file; unused ones are reported."""
+    case = base("cantilever_shear", mesh__parameters__nx=10, mesh__parameters__ny=1, steps__stops=None)
+    case["petsc"] = {"options": "-snes_max_it 1"}
+    result = solve("options", case, 1, ["-snes_max_it", "40", "-no_such_option", "3"])
+    report.check("no_such_option" in result.text, "an unused option is reported")
+    code, text = invoke(["run", OUT / "options.toml", "--output", OUT / "options_quiet", "--quiet", "-snes_max_it", "40"])
+    report.check(code == 0 and text.strip() == "", f"--quiet prints nothing: code {code} {text.strip()[:100]}")
+
+
+@test
+def killed(report):
+    """kill -9 in mid-run leaves files that can be read, with all steps that history.csv lists."""
+    folder = OUT / "killed"
+    shutil.rmtree(folder, ignore_errors=True)
+    file = write_case(base("hemisphere", mesh__parameters__n=24), OUT / "killed.toml")
+    process = subprocess.Popen(command(["run", file, "--output", folder]), env=environment(), stdout=subprocess.DEVNULL,
+                               stderr=subprocess.DEVNULL)
+    try:
+        history, begin = folder / "history.csv", time.time()
+        while process.poll() is None and time.time() - begin < 300:
+            if history.is_file() and history.read_text().count("\n") >= 5:
+                break
+            time.sleep(0.02)
+        running = process.poll() is None
+    finally:
+        process.send_signal(signal.SIGKILL)
+        process.wait()
+    report.check(running, "the run was still going when it was killed")
+    table = Table(history)
+    with h5py.File(folder / "results.h5", "r") as data:
+        steps = sorted(data["steps"])
+        report.check(len(steps) >= len(table.values) - 1 and len(steps) >= 3,
+                     f"{len(steps)} steps in results.h5, {len(table.values)} in history.csv")
+        report.check(all(np.isfinite(data["steps"][s]["displacement"][...]).all() for s in steps[:-1]), "all are readable")
+    report.check(xml.parse(folder / "results.xdmf").getroot().tag == "Xdmf", "results.xdmf is complete")
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("tests", nargs="*", help="names of tests; all by default")
+    parser.add_argument("--list", action="store_true", help="name the tests and stop")
+    arguments = parser.parse_args()
+    if arguments.list:
+        for name, function in TESTS.items():
+            print(f"{name:20} {function.__doc__}")
+        return 0
+    unknown = [name for name in arguments.tests if name not in TESTS]
+    if unknown:
+        parser.error(f"there is no test {', '.join(unknown)}; there are {', '.join(TESTS)}")
+    OUT.mkdir(parents=True, exist_ok=True)
+    failed = []
+    for name in arguments.tests or TESTS:
+        print(f"{name}: {TESTS[name].__doc__}", flush=True)
+        report, begin = Report(), time.time()
+        try:
+            TESTS[name](report)
+        except (Failure, subprocess.TimeoutExpired, OSError, KeyError, json.JSONDecodeError, SystemExit) as error:
+            report.check(False, str(error) if isinstance(error, Failure) else traceback.format_exc(limit=2))
+        print(f"  {time.time() - begin:.1f} s", flush=True)
+        if report.failures:
+            failed.append(name)
+    total = len(arguments.tests or TESTS)
+    print(f"{total - len(failed)} regression tests passed, {len(failed)} failed" + (": " + ", ".join(failed) if failed else ""))
+    return 1 if failed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
