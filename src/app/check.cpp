@@ -107,15 +107,20 @@ void report(const mesh::SurfaceMesh& mesh, const energy::ElementOptions& element
   print_quality(mesh);
   print_patches(mesh, element);
   print_balance(mesh, mpi::size(PETSC_COMM_WORLD));
-  const double share = union_jack_share(mesh);
-  if (share > 0.5)
-    fmt::print(
-        "note: {:.0f} % of the interior vertices have valence 4 or 8 (a union-jack pattern): bending = "
-        "\"six_node\" does not converge on it, use \"edge_slope\"\n",
-        100.0 * share);
+  print_warnings(mesh, element);
 }
 
 }  // namespace
+
+void print_warnings(const mesh::SurfaceMesh& mesh, const energy::ElementOptions& element) {
+  if (element.bending != energy::BendingOperator::six_node) return;
+  const double share = union_jack_share(mesh);
+  if (share > 0.5)
+    fmt::print(
+        "warning: {:.0f} % of the interior vertices have valence 4 or 8 (alternating diagonals): bending = "
+        "\"six_node\" does not converge on such a mesh, use \"edge_slope\"\n",
+        100.0 * share);
+}
 
 void info(const mesh::SurfaceMesh& mesh, const energy::ElementOptions& element) {
   mpi::on_root(PETSC_COMM_WORLD, [&] { report(mesh, element); });

@@ -152,8 +152,7 @@ void Recorder::print(const solve::StepReport& report) const {
   std::string note = report.by_continuation ? "  by continuation" : "";
   if (report.newton.negative_pivots > 0) note += "  UNSTABLE: the tangent is indefinite";
   fmt::print("{:>5} {:>10.6g} {:>7} {:>10.2e} {:>10} {:>9} {:>9}{}\n", report.step, report.load_factor,
-             report.newton.iterations, report.newton.residual, pivots, duration(elapsed), left,
-             note);
+             report.newton.iterations, report.newton.residual, pivots, duration(elapsed), left, note);
   std::fflush(stdout);
 }
 

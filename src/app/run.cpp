@@ -50,6 +50,7 @@ void print_header(const Case& c, const system::Model& model) {
              model.mesh().triangle_count(), model.unknowns(), mpi::size(model.comm()));
   if (model.mesh().reoriented_count() > 0)
     fmt::print("{} triangles were turned round to orient the surface\n", model.mesh().reoriented_count());
+  print_warnings(model.mesh(), c.element);
 }
 
 /// --verbose shows every Newton iteration, exactly as -snes_monitor does.

@@ -68,6 +68,14 @@ void unscale(Fit& fit, double scale) {
   for (int r = 0; r < 6; ++r) fit.coefficients.row(r) /= power[r];
 }
 
+/// Weights of the columns under which the condition number does not depend on the direction of the axes:
+/// |H|^2 = H11^2 + H22^2 + 2 H12^2 is the norm of a Hessian.
+Eigen::Matrix<double, 6, 1> invariant_columns() {
+  Eigen::Matrix<double, 6, 1> w;
+  w << 1.0, 1.0, 1.0, 1.0, 1.0, std::sqrt(0.5);
+  return w;
+}
+
 double condition_of(const Eigen::VectorXd& singular_values) {
   const double smallest = singular_values.minCoeff();
   return smallest > 0.0 ? singular_values.maxCoeff() / smallest : std::numeric_limits<double>::infinity();
@@ -93,7 +101,7 @@ Fit fit_patch(const mesh::Patch& patch, const Mat3& bending) {
       fit.points.push_back(patch.points[i]);
     }
   }
-  const Eigen::JacobiSVD<Mat6> svd(v);
+  const Eigen::JacobiSVD<Mat6> svd(v * invariant_columns().asDiagonal());
   fit.condition = condition_of(svd.singularValues());
   fit.coefficients.setZero(6, static_cast<Eigen::Index>(fit.points.size()));
   if (!(fit.condition < 1e12)) return fit;
@@ -117,11 +125,12 @@ Fit fit_rings(const std::vector<mesh::PatchMesh::UnfoldedPoint>& points, const V
     v.row(i) = weight[i] * monomials(p);
     fit.points.push_back(points[i].point);
   }
-  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(v, Eigen::ComputeThinU | Eigen::ComputeThinV);
+  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(v * invariant_columns().asDiagonal(),
+                                              Eigen::ComputeThinU | Eigen::ComputeThinV);
   fit.condition = condition_of(svd.singularValues());
   if (!(fit.condition < 1e12)) return fit;
-  fit.coefficients = svd.matrixV() * svd.singularValues().cwiseInverse().asDiagonal() * svd.matrixU().transpose() *
-                     weight.asDiagonal();
+  fit.coefficients = invariant_columns().asDiagonal() * svd.matrixV() *
+                     svd.singularValues().cwiseInverse().asDiagonal() * svd.matrixU().transpose() * weight.asDiagonal();
   unscale(fit, scale);
   return fit;
 }

@@ -25,7 +25,8 @@ double round_off_of(const system::Model& model) {
   double stiffness = 0.0, distance = model.mesh().extent();
   for (const energy::Material& m : model.sheet().materials()) stiffness = std::max(stiffness, m.membrane.norm());
   for (const Vec3& x : model.mesh().positions()) distance = std::max(distance, x.norm());
-  return std::numeric_limits<double>::epsilon() * stiffness * distance * std::sqrt(static_cast<double>(model.unknowns()));
+  return std::numeric_limits<double>::epsilon() * stiffness * distance *
+         std::sqrt(static_cast<double>(model.unknowns()));
 }
 
 }  // namespace
@@ -195,8 +196,7 @@ bool Newton::Impl::repair_factor(int attempt) {
   // The symbolic factorisation reads the options again: the user's value, found too small, must not come back.
   PetscBool given = PETSC_FALSE;
   VOILE_PETSC(PetscOptionsHasName(nullptr, nullptr, "-mat_mumps_icntl_14", &given));
-  if (given)
-    VOILE_PETSC(PetscOptionsSetValue(nullptr, "-mat_mumps_icntl_14", fmt::format("{}", percent).c_str()));
+  if (given) VOILE_PETSC(PetscOptionsSetValue(nullptr, "-mat_mumps_icntl_14", fmt::format("{}", percent).c_str()));
   KSP ksp = nullptr;
   PC pc = nullptr;
   VOILE_PETSC(SNESGetKSP(snes, &ksp));
@@ -313,7 +313,7 @@ NewtonResult Newton::continuation(Vec a) {
   const double cell = std::sqrt(model.total_area() / model.mesh().triangle_count());
   const bool potential = model.symmetric();
   double shift = -1.0, energy = 0.0;
-  double handover = handover_below;
+  double handover = handover_below, refused = std::numeric_limits<double>::infinity();
   int linear_failures = 0;
   for (result.iterations = 0; result.iterations < continuation_iterations; ++result.iterations) {
     double norm = 0.0;
@@ -339,6 +339,7 @@ NewtonResult Newton::continuation(Vec a) {
       VOILE_PETSC(VecCopy(kept, a));
       model.residual(a, n.residual);
       handover = 0.1 * result.residual;
+      refused = result.residual;
     }
     const bool exact = result.residual < exact_tangent_below;
     model.assemble_tangent(a, nullptr, exact ? energy::Tangent::exact : energy::Tangent::positive, shift);
@@ -359,6 +360,9 @@ NewtonResult Newton::continuation(Vec a) {
     if (potential && !moving) length = n.backtrack(a, energy, slope, new_energy);
     if (length == 0.0) {
       shift *= 8.0;
+      // A decrease below the energy's round-off cannot be seen: Newton, who looks at forces, is to try from here.
+      if (exact && slope <= 1e-8 * std::abs(energy) && result.residual < 0.5 * refused)
+        handover = 2.0 * result.residual;
       continue;
     }
     VOILE_PETSC(VecAXPY(a, -length, n.increment));

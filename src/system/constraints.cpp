@@ -83,6 +83,13 @@ void add_symmetry(const mesh::SurfaceMesh& mesh, const Support& support, Constra
   const mesh::Group& group = mesh.group(support.group, 1);
   std::vector<mesh::MirrorSide> sides = boundary_sides(mesh, group, support);
   const Vec3 normal = symmetry_normal(mesh, group, sides, support);
+  const Vec3 origin = mesh.positions()[group.vertices.front()];
+  for (Index v : group.vertices)
+    if (std::abs(normal.dot(mesh.positions()[v] - origin)) > 1e-6 * mesh.extent())
+      throw UserError(
+          fmt::format("{}: vertex {} does not lie in the plane with normal [{:.6g}, {:.6g}, {:.6g}] through "
+                      "the group's first vertex; correct `normal` or the group",
+                      name_of(support), mesh.data().vertex_tags[v], normal.x(), normal.y(), normal.z()));
   for (mesh::MirrorSide& m : sides) {
     m.reflection = Mat3::Identity() - 2.0 * normal * normal.transpose();
     result.mirrors.push_back(m);

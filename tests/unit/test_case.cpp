@@ -153,7 +153,7 @@ TEST_CASE("a minimal case has the defaults") {
   CHECK(c.mesh.file == std::filesystem::absolute("folder/plate.geo"));
   CHECK(c.mesh.options.scale == 1.0);
   CHECK(c.element.bending == energy::BendingOperator::edge_slope);
-  CHECK(c.element.crease_angle == 0.7);
+  CHECK(c.element.crease_angle == doctest::Approx(40.0 * std::numbers::pi / 180.0));
   REQUIRE(c.materials.size() == 1);
   CHECK(c.materials[0].groups.empty());
   CHECK(c.materials[0].membrane == energy::isotropic_membrane(2.1e11, 0.3, 0.01));

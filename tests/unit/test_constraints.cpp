@@ -103,9 +103,16 @@ TEST_CASE("an oblique symmetry plane gives its normal as first axis") {
   }
 }
 
+TEST_CASE("a symmetry plane that does not hold its group is refused by vertex") {
+  const mesh::SurfaceMesh mesh(square(Pattern::diagonal, 4));
+  CHECK_THROWS_WITH_AS((void)system::resolve_supports(mesh, {symmetry("left", Vec3(1.0, 0.5, 0.0))}),
+                       doctest::Contains("does not lie in the plane"), UserError);
+}
+
 TEST_CASE("two oblique planes leave their line, a third direction leaves nothing") {
   const mesh::SurfaceMesh mesh(square(Pattern::diagonal, 4));
-  const Vec3 p = Vec3(1.0, 0.5, 0.2).normalized(), q = Vec3(0.3, 1.0, -0.4).normalized();
+  // Planes through the edges: "left" runs along y, "bottom" along x.
+  const Vec3 p = Vec3(1.0, 0.0, 0.2).normalized(), q = Vec3(0.0, 1.0, -0.4).normalized();
   const auto corner = [&](std::vector<system::Support> supports) {
     return system::resolve_supports(mesh, supports).vertices.at(0);
   };
@@ -116,19 +123,19 @@ TEST_CASE("two oblique planes leave their line, a third direction leaves nothing
   CHECK(std::abs(two.axes.col(2).dot(q)) < 1e-14);
   CHECK(two.value.norm() < 1e-15);
 
-  const system::VertexSupport same = corner({symmetry("left", p), symmetry("bottom", -p)});
+  const system::VertexSupport same = corner({symmetry("left", p), symmetry("left", -p)});
   CHECK(same.fixed == Fixed{true, false, false});
   CHECK(std::abs(std::abs(same.axes.col(0).dot(p)) - 1.0) < 1e-14);
 
-  // A prescribed component meets an oblique plane: u.p = 0 and u_z = 0.7.
+  // A prescribed component meets an oblique plane: u.p = 0 and u_y = 0.7.
   const system::VertexSupport mixed =
-      corner({symmetry("left", p), displacement("bottom", {false, false, true}, {0.0, 0.0, 0.7})});
+      corner({symmetry("left", p), displacement("bottom", {false, true, false}, {0.0, 0.7, 0.0})});
   CHECK(is_rotation(mixed.axes));
   CHECK(mixed.fixed == Fixed{true, true, false});
   for (const double free : {0.0, 1.3}) {  // whatever the free component does
     const Vec3 u = mixed.axes * Vec3(mixed.value[0], mixed.value[1], free);
     CHECK(std::abs(u.dot(p)) < 1e-15);
-    CHECK(std::abs(u.z() - 0.7) < 1e-15);
+    CHECK(std::abs(u.y() - 0.7) < 1e-15);
   }
 
   const system::VertexSupport all = corner({symmetry("left", p), support("bottom", Kind::hinged)});

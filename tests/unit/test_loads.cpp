@@ -194,11 +194,12 @@ TEST_CASE("loads follow the load factor unless they are constant") {
 }
 
 TEST_CASE("loads on vertices with oblique axes are turned into them") {
-  const mesh::SurfaceMesh mesh(curved_sheet(4));
+  const Mat3 turn = Eigen::AngleAxisd(0.6, Vec3(0.1, 0.3, 1.0).normalized()).toRotationMatrix();
+  const mesh::SurfaceMesh mesh(mapped(curved_sheet(4), [&](const Vec3& x) { return Vec3(turn * x); }));
   const Vec3 q(0.3, -0.7, 1.1);
   system::ModelInput input = free_sheet({load(LoadKind::line, "left", q), load(LoadKind::follower_pressure, "", 1.7)});
   system::Support s = support("left", system::Support::Kind::symmetry);
-  s.normal = Vec3(1.0, 0.4, -0.2);
+  s.normal = turn * Vec3::UnitX();
   input.supports = {s};
   system::Model model(PETSC_COMM_WORLD, mesh, input);
   petsc::VecHandle a = model.create_vector();

@@ -70,7 +70,11 @@ double ratio(const Plate& plate, Pattern pattern, int n) {
 TEST_CASE("edge_slope plates converge with second order on four kinds of mesh") {
   const bool root = mpi::rank(PETSC_COMM_WORLD) == 0;
   // The finest level is run on one rank only; the rank comparison has its own test.
+#ifdef __SANITIZE_ADDRESS__
+  const int finest = 16;  // the sanitizers look for errors of memory, not of the element
+#else
   const int finest = mpi::size(PETSC_COMM_WORLD) == 1 ? 64 : 32;
+#endif
   for (const Plate& plate : plates())
     for (const Pattern pattern : {Pattern::diagonal, Pattern::union_jack, Pattern::jittered, Pattern::gmsh}) {
       std::vector<double> error;
@@ -82,7 +86,7 @@ TEST_CASE("edge_slope plates converge with second order on four kinds of mesh") 
       CAPTURE(name_of(pattern));
       const double order = std::log2(std::abs(error[0] / error.back())) / static_cast<double>(error.size() - 1);
       CHECK(order > 1.8);
-      CHECK(std::abs(error[2]) < 0.014);
+      if (finest >= 32) CHECK(std::abs(error[2]) < 0.014);
       if (finest == 64) CHECK(std::abs(error[3]) < 0.0035);
     }
 }

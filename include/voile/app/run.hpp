@@ -26,6 +26,9 @@ void check(const Case& c);
 /// Sizes, groups, quality, partition balance and patch condition numbers of a mesh (.msh, .geo) or of a case's mesh.
 void info(const mesh::SurfaceMesh& mesh, const energy::ElementOptions& element);
 
+/// Prints what about the mesh does not suit the chosen operators. Not collective.
+void print_warnings(const mesh::SurfaceMesh& mesh, const energy::ElementOptions& element);
+
 /// Reads a mesh on rank 0 and distributes it. Collective. Throws UserError on every rank.
 [[nodiscard]] mesh::SurfaceMesh load_mesh(const std::filesystem::path& file, const io::MeshOptions& options);
 
