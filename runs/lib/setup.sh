@@ -93,7 +93,7 @@ set_environment() {
 # Compilers in parallel: one per core, but no more than one per 1.5 GB of memory.
 build_jobs() {
   local cores memory
-  cores=$(nproc)
+  cores=$(env -u OMP_NUM_THREADS nproc)  # nproc obeys that variable
   memory=$(awk '/^MemAvailable/ { print int($2 / 1500000) }' /proc/meminfo 2>/dev/null)
   [ "${memory:-1}" -lt 1 ] && memory=1
   [ "${memory:-$cores}" -lt "$cores" ] && echo "$memory" || echo "$cores"
