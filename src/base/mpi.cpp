@@ -78,9 +78,6 @@ long sum(MPI_Comm comm, long value) {
 double max(MPI_Comm comm, double value) {
   return reduce(comm, value, MPI_DOUBLE, MPI_MAX);
 }
-double min(MPI_Comm comm, double value) {
-  return reduce(comm, value, MPI_DOUBLE, MPI_MIN);
-}
 
 void sum_to_root(MPI_Comm comm, std::vector<double>& values) {
   const bool root = rank(comm) == 0;

@@ -34,7 +34,7 @@ double round_off_of(const system::Model& model) {
 struct Newton::Impl {
   system::Model& model;
   petsc::SnesHandle snes;
-  petsc::VecHandle residual, start, previous, increment, trial, right_hand_side;
+  petsc::VecHandle residual, start, previous, increment, trial;
   bool has_previous = false, mumps = false;
   int factorisations = 0;
   double step_norm = 0.0, last_work = 0.0, last_residual = 0.0;
@@ -43,8 +43,7 @@ struct Newton::Impl {
   std::string linear_failure;  ///< what the linear solver said last
 
   explicit Impl(system::Model& m) : model(m), round_off(round_off_of(m)) {
-    for (petsc::VecHandle* v : {&residual, &start, &previous, &increment, &trial, &right_hand_side})
-      *v = m.create_vector();
+    for (petsc::VecHandle* v : {&residual, &start, &previous, &increment, &trial}) *v = m.create_vector();
   }
 
   void create();
@@ -55,6 +54,8 @@ struct Newton::Impl {
   [[nodiscard]] bool repair_factor(int attempt);
   [[nodiscard]] NewtonResult solve_once(Vec a);
   [[nodiscard]] bool solve_linear(Vec rhs, Vec dx);
+  /// Shift at which the residual moves the fastest vertex by about one cell.
+  [[nodiscard]] double first_shift();
   [[nodiscard]] double backtrack(Vec a, double energy, double slope, double& accepted_energy);
   [[nodiscard]] SNESConvergedReason judge(PetscInt iteration, double increment_norm, double residual_norm);
 
@@ -305,12 +306,19 @@ double Newton::Impl::backtrack(Vec a, double energy, double slope, double& accep
   return 0.0;
 }
 
+double Newton::Impl::first_shift() {
+  const double cell = std::sqrt(model.total_area() / model.mesh().triangle_count());
+  double acceleration = 0.0;
+  VOILE_PETSC(VecPointwiseDivide(trial, residual, model.mass()));
+  VOILE_PETSC(VecNorm(trial, NORM_INFINITY, &acceleration));
+  return std::max(acceleration / cell, 1e-30);
+}
+
 NewtonResult Newton::continuation(Vec a) {
   Impl& n = *impl_;
   system::Model& model = n.model;
   NewtonResult result;
   const int before = n.factorisations;
-  const double cell = std::sqrt(model.total_area() / model.mesh().triangle_count());
   const bool potential = model.symmetric();
   double shift = -1.0, energy = 0.0;
   double handover = handover_below, refused = std::numeric_limits<double>::infinity();
@@ -322,11 +330,8 @@ NewtonResult Newton::continuation(Vec a) {
     VOILE_PETSC(SNESMonitor(n.snes, result.iterations, norm));
     if (!std::isfinite(norm)) break;
     result.residual = model.force_scale() > 0.0 ? norm / model.force_scale() : norm;
-    if (shift < 0.0) {  // the first step is about one cell
-      double acceleration = 0.0;
-      VOILE_PETSC(VecPointwiseDivide(n.trial, n.residual, model.mass()));
-      VOILE_PETSC(VecNorm(n.trial, NORM_INFINITY, &acceleration));
-      shift = std::max(acceleration / cell, 1e-30);
+    if (shift < 0.0) {
+      shift = n.first_shift();
       energy = model.energy(a);
     }
     if (result.residual < handover) {

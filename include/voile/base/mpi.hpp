@@ -21,11 +21,10 @@ void broadcast(MPI_Comm comm, std::vector<double>& values);
 void broadcast(MPI_Comm comm, std::vector<Index>& values);
 void broadcast(MPI_Comm comm, std::vector<std::size_t>& values);
 
-/// Sum, largest and smallest over the ranks, on every rank. Collective.
+/// Sum and largest over the ranks, on every rank. Collective.
 [[nodiscard]] double sum(MPI_Comm comm, double value);
 [[nodiscard]] long sum(MPI_Comm comm, long value);
 [[nodiscard]] double max(MPI_Comm comm, double value);
-[[nodiscard]] double min(MPI_Comm comm, double value);
 
 /// Adds the arrays of all ranks into rank 0's. Collective; every rank passes the same length.
 void sum_to_root(MPI_Comm comm, std::vector<double>& values);
