@@ -168,7 +168,7 @@ std::vector<Key> keys_of(system::Support& s) {
        .required = true},
       {.name = "group",
        .slot = &s.group,
-       .meaning = "Physical point, curve or surface; a curve for `clamped` and `symmetry`.",
+       .meaning = "Physical point, curve or surface; a curve for `symmetry`, a curve or surface for `clamped`.",
        .required = true},
       {.name = "components",
        .slot = &s.components,

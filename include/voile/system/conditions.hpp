@@ -16,7 +16,7 @@ struct Support {
     clamped,       ///< as hinged, and the slope across the group's boundary edges is held
     symmetry       ///< no displacement along `normal`, mirrored slope across the group's boundary edges
   };
-  std::string group;  ///< point, curve or surface group; clamped, symmetry: curve
+  std::string group;  ///< point, curve or surface group; clamped: curve or surface (all of it held); symmetry: curve
   Kind kind = Kind::displacement;
   std::array<bool, 3> components{false, false, false};  ///< displacement only: which of x, y, z
   Vec3 value = Vec3::Zero();                            ///< displacement at load factor 1 [m]
