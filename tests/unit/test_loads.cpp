@@ -20,29 +20,12 @@ mesh::MeshData curved_sheet(int n) {
                 [](const Vec3& x) { return Vec3(x[0], x[1], 0.3 * std::sin(2.0 * x[0]) + 0.2 * x[0] * x[1] * x[1]); });
 }
 
-system::Load load(LoadKind kind, const std::string& group, const Vec3& vector) {
-  system::Load l;
-  l.kind = kind;
-  l.group = group;
-  l.vector = vector;
-  return l;
-}
-
 system::Load load(LoadKind kind, const std::string& group, double magnitude) {
   system::Load l;
   l.kind = kind;
   l.group = group;
   l.magnitude = magnitude;
   return l;
-}
-
-/// Force vector per vertex on every rank, in global axes.
-std::vector<Vec3> per_vertex(const system::Model& model, Vec f) {
-  std::vector<double> values = model.gather(f);
-  mpi::broadcast(model.comm(), values);
-  std::vector<Vec3> result;
-  for (std::size_t i = 0; i < values.size(); i += 3) result.push_back(Eigen::Map<const Vec3>(values.data() + i));
-  return result;
 }
 
 Vec3 sum(const std::vector<Vec3>& forces) {

@@ -24,6 +24,35 @@ inline system::Support support(const std::string& group, system::Support::Kind k
   return s;
 }
 
+/// A PETSc option that is set while it lives.
+class Option {
+ public:
+  Option(const char* name, const char* value) : name_(name) { VOILE_PETSC(PetscOptionsSetValue(nullptr, name, value)); }
+  ~Option() { (void)PetscOptionsClearValue(nullptr, name_); }
+  Option(const Option&) = delete;
+  Option& operator=(const Option&) = delete;
+
+ private:
+  const char* name_;
+};
+
+inline system::Load load(system::Load::Kind kind, const std::string& group, const Vec3& vector) {
+  system::Load l;
+  l.kind = kind;
+  l.group = group;
+  l.vector = vector;
+  return l;
+}
+
+/// A vector of unknowns per vertex, in global axes, on every rank. Collective.
+inline std::vector<Vec3> per_vertex(const system::Model& model, Vec f) {
+  std::vector<double> values = model.gather(f);
+  mpi::broadcast(model.comm(), values);
+  std::vector<Vec3> result;
+  for (std::size_t i = 0; i < values.size(); i += 3) result.push_back(Eigen::Map<const Vec3>(values.data() + i));
+  return result;
+}
+
 /// Sets the unknowns from displacements in global axes given per vertex.
 inline void set_displacement(const system::Model& model, Vec a, const std::function<Vec3(Index)>& u) {
   std::vector<double> values(static_cast<std::size_t>(model.unknowns()));

@@ -18,44 +18,16 @@ using LoadKind = system::Load::Kind;
 
 namespace {
 
-/// A PETSc option that is set while it lives.
-class Option {
- public:
-  Option(const char* name, const char* value) : name_(name) { VOILE_PETSC(PetscOptionsSetValue(nullptr, name, value)); }
-  ~Option() { (void)PetscOptionsClearValue(nullptr, name_); }
-  Option(const Option&) = delete;
-  Option& operator=(const Option&) = delete;
-
- private:
-  const char* name_;
-};
-
 /// Tolerances close to round-off, for comparisons tighter than the defaults of 1e-8 and 1e-6.
 struct Tight {
   Option rtol{"-snes_rtol", "1e-12"}, stol{"-snes_stol", "1e-10"};
 };
-
-system::Load load(LoadKind kind, const std::string& group, const Vec3& vector) {
-  system::Load l;
-  l.kind = kind;
-  l.group = group;
-  l.vector = vector;
-  return l;
-}
 
 system::Support displacement(const std::string& group, std::array<bool, 3> components, const Vec3& value) {
   system::Support s = support(group, Kind::displacement);
   s.components = components;
   s.value = value;
   return s;
-}
-
-std::vector<Vec3> per_vertex(const system::Model& model, Vec f) {
-  std::vector<double> values = model.gather(f);
-  mpi::broadcast(model.comm(), values);
-  std::vector<Vec3> result;
-  for (std::size_t i = 0; i < values.size(); i += 3) result.push_back(Eigen::Map<const Vec3>(values.data() + i));
-  return result;
 }
 
 double largest(const std::vector<Vec3>& u) {

@@ -9,17 +9,6 @@ using namespace voile::testing;
 
 namespace {
 
-class Option {
- public:
-  Option(const char* name, const char* value) : name_(name) { VOILE_PETSC(PetscOptionsSetValue(nullptr, name, value)); }
-  ~Option() { (void)PetscOptionsClearValue(nullptr, name_); }
-  Option(const Option&) = delete;
-  Option& operator=(const Option&) = delete;
-
- private:
-  const char* name_;
-};
-
 /// A curved panel of 968 triangles, clamped at one edge, oblique symmetry at another.
 mesh::MeshData panel() {
   mesh::MeshData d = grid(22, 22, true, 0.2);

@@ -10,14 +10,6 @@ using LoadKind = system::Load::Kind;
 
 namespace {
 
-system::Load load(LoadKind kind, const std::string& group, const Vec3& vector) {
-  system::Load l;
-  l.kind = kind;
-  l.group = group;
-  l.vector = vector;
-  return l;
-}
-
 /// A strip clamped at the left, 10 x 1, h = 0.1, bent by `shear` spread over its right edge. Full scale: 4.
 struct Strip {
   mesh::SurfaceMesh mesh;
