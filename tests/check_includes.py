@@ -29,6 +29,7 @@ THIRD_PARTY = [
     (r"hdf5.*\.h|H5.*\.h", r"io/.*"),
     (r"gmsh\.h(_cwrap)?", r"io/gmsh|adapt/remesh.*"),
     (r"toml\+\+/.*", r"app/case.*"),
+    (r"muParser\.h", r"app/case_expression"),
     (r"mpi\.h", r"base/mpi.*|app/main"),
     (r"CLI/.*", r"app/main"),
     (r"Eigen/.*", r".*"),

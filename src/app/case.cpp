@@ -2,11 +2,15 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "voile/app/case_read.hpp"
 #include "voile/app/command_line.hpp"
+#include "voile/app/expression.hpp"
+#include "voile/app/fabric.hpp"
 #include "voile/base/error.hpp"
 
 namespace voile::app {
@@ -29,16 +33,60 @@ void check_matrix(const SectionPlace& place, const char* key, const Mat3& m) {
     place.fail(key, "the matrix is not positive definite, so some deformation would cost no energy; check its entries");
 }
 
+void check_ortho(const SectionPlace& place, const MaterialInput& in) {
+  if (in.poisson_12 * in.poisson_12 < in.young_1 / in.young_2) return;
+  place.fail("poisson_12", fmt::format("{}: the stiffness is not positive definite; |poisson_12| must be below "
+                                       "sqrt(young_1 / young_2) = {:.6g}",
+                                       in.poisson_12, std::sqrt(in.young_1 / in.young_2)));
+}
+
+void fill_laminate(const SectionPlace& place, const MaterialInput& in, energy::Material& m) {
+  check_ortho(place, in);
+  const std::size_t count = in.angles.size(), given = in.ply_thicknesses.size();
+  if (given != 1 && given != count)
+    place.fail("ply_thicknesses",
+               fmt::format("{} thicknesses for {} plies; give one per ply, or one for all", given, count));
+  std::vector<energy::Ply> plies;
+  for (std::size_t k = 0; k < count; ++k)
+    plies.push_back({in.angles[k] * (std::numbers::pi / 180.0), in.ply_thicknesses[given == 1 ? 0 : k]});
+  const energy::LaminateStiffness l =
+      energy::laminate(energy::orthotropic_membrane(in.young_1, in.young_2, in.poisson_12, in.shear_12, 1.0), plies);
+  const double coupling = l.coupling.cwiseAbs().maxCoeff() / (l.membrane.cwiseAbs().maxCoeff() * l.thickness);
+  if (coupling > 1e-9)
+    place.fail("angles",
+               fmt::format("this stack couples stretching with bending (|B| = {:.3g} of |A| h), which the shell "
+                           "element does not have; make the stack symmetric about its middle",
+                           coupling));
+  m.membrane = l.membrane;
+  m.bending = l.bending;
+  m.areal_density = in.density * l.thickness;
+  if (!energy::is_positive_definite(m.membrane) || !energy::is_positive_definite(m.bending))
+    place.fail("ply_thicknesses", "the stiffness is not positive definite or not finite; check moduli and thicknesses");
+}
+
+/// The file of a fabric states its own mistakes; only a missing file is one of the case.
+void fill_fabric(const SectionPlace& place, const MaterialInput& in, energy::Material& m) {
+  if (!std::filesystem::is_regular_file(in.fabric))
+    place.fail("fabric", fmt::format("there is no fabric file {}", in.fabric.string()));
+  const Fabric fabric = read_fabric(in.fabric);
+  m.membrane = energy::rotated_stiffness(membrane_stiffness(fabric), in.warp_angle);
+  m.bending = energy::rotated_stiffness(bending_stiffness(fabric), in.warp_angle);
+  m.areal_density = fabric.areal_density;
+}
+
 void fill_matrices(const SectionPlace& place, const MaterialInput& in, energy::Material& m) {
   switch (in.type) {
+    case MaterialInput::Type::laminate:
+      fill_laminate(place, in, m);
+      return;
+    case MaterialInput::Type::fabric:
+      fill_fabric(place, in, m);
+      return;
     case MaterialInput::Type::isotropic:
       m.membrane = energy::isotropic_membrane(in.young, in.poisson, in.thickness);
       break;
     case MaterialInput::Type::orthotropic:
-      if (in.poisson_12 * in.poisson_12 >= in.young_1 / in.young_2)
-        place.fail("poisson_12", fmt::format("{}: the stiffness is not positive definite; |poisson_12| must be below "
-                                             "sqrt(young_1 / young_2) = {:.6g}",
-                                             in.poisson_12, std::sqrt(in.young_1 / in.young_2)));
+      check_ortho(place, in);
       m.membrane = energy::orthotropic_membrane(in.young_1, in.young_2, in.poisson_12, in.shear_12, in.thickness);
       break;
     case MaterialInput::Type::matrices:
@@ -57,9 +105,14 @@ void fill_matrices(const SectionPlace& place, const MaterialInput& in, energy::M
     place.fail("thickness", "the stiffness is not positive definite or not finite; check moduli and thickness");
 }
 
-void read_materials(const CaseReader& reader, const std::string& file, Case& c) {
+/// A path as written in a case file. Absolute, so that the echo of the case works from any folder.
+std::filesystem::path beside(const std::filesystem::path& case_file, const std::filesystem::path& path) {
+  return (std::filesystem::absolute(case_file).parent_path() / path).lexically_normal();
+}
+
+void read_materials(const CaseReader& reader, Case& c) {
   if (reader.count("material") == 0)
-    throw UserError(fmt::format("{}: there is no material; add a section [[material]]", file));
+    throw UserError(fmt::format("{}: there is no material; add a section [[material]]", c.file.string()));
   std::vector<std::string> covered;
   bool everywhere = false;
   for (std::size_t n = 0; n < reader.count("material"); ++n) {
@@ -68,6 +121,7 @@ void read_materials(const CaseReader& reader, const std::string& file, Case& c) 
     energy::Material m;
     m.groups = in.groups;
     m.direction = in.direction;
+    in.fabric = beside(c.file, in.fabric);
     fill_matrices(place, in, m);
     if (in.groups.empty() && everywhere)
       place.fail("groups", "the key is missing, and another material has no groups either; say where each applies");
@@ -92,9 +146,42 @@ void check_steps(const SectionPlace& place, solve::StaticOptions& s) {
     if (s.stops[k] <= s.stops[k - 1])
       place.fail("stops", fmt::format("{} follows {}: list the stops in ascending order, each once", s.stops[k],
                                       s.stops[k - 1]));
+  if (!s.stops.empty() && s.control != solve::StaticOptions::Control::load)
+    place.fail("stops", "stops are load factors and belong to control = \"load\"; remove them");
   if (!s.stops.empty() && s.stops.back() > s.final_load_factor)
     place.fail("stops", fmt::format("{} lies beyond final_load_factor = {}: remove it or raise the final load factor",
                                     s.stops.back(), s.final_load_factor));
+}
+
+/// Control and the probe that goes with it. A probe is named before it is read: sections may stand in any order.
+void check_control(const SectionPlace& place, solve::StaticOptions& s, const std::vector<Probe>& probes) {
+  using Control = solve::StaticOptions::Control;
+  if (!place.has("target_iterations") && s.control != Control::load) s.target_iterations = 5;
+  // Beyond a bifurcation the path may be thousands of times softer than at its start.
+  if (!place.has("max_step") && s.control == Control::arc_length) s.max_step = 1e9;
+  if (s.control == Control::displacement && (s.control_probe.empty() || s.final_displacement == 0.0))
+    place.fail(s.control_probe.empty() ? "control_probe" : "final_displacement",
+               "the key is missing (or zero); displacement control needs control_probe and final_displacement");
+  if (s.final_displacement != 0.0 && s.control_probe.empty())
+    place.fail("control_probe", "the key is missing; final_displacement is that of a probe");
+  if (s.control == Control::load && !s.control_probe.empty())
+    place.fail("control_probe", "control = \"load\" has no probe; choose \"displacement\" or \"arc_length\"");
+  using AtCriticalPoint = solve::StaticOptions::AtCriticalPoint;
+  if (s.at_critical_point != AtCriticalPoint::pass && s.control == Control::load)
+    place.fail("at_critical_point", "control = \"load\" cannot stop or branch there; choose \"arc_length\"");
+  if (s.at_critical_point == AtCriticalPoint::switch_branch && s.control != Control::arc_length)
+    place.fail("at_critical_point", "a branch is followed under control = \"arc_length\" only");
+  if (s.branch_step == 0.0) place.fail("branch_step", "0 does not leave the path; give a positive or negative number");
+  if (s.control_probe.empty()) return;
+  std::vector<std::string> names;
+  for (const Probe& p : probes) names.push_back(p.name);
+  const auto at = std::find(names.begin(), names.end(), s.control_probe);
+  if (at == names.end())
+    place.fail("control_probe",
+               fmt::format("there is no probe '{}':{}", s.control_probe, suggestion(s.control_probe, names)));
+  const Probe& probe = probes[static_cast<std::size_t>(at - names.begin())];
+  if (probe.kind != Probe::Kind::displacement || probe.components.size() != 1)
+    place.fail("control_probe", fmt::format("probe '{}' must be of type displacement with one component", probe.name));
 }
 
 void check_probe(const SectionPlace& place, const Probe& probe, const std::vector<Probe>& others) {
@@ -118,6 +205,58 @@ void read_all(const CaseReader& reader, const char* name, std::vector<Section>& 
   }
 }
 
+std::function<double(double)> time_function(const SectionPlace& place, const char* key, const std::string& text) {
+  try {
+    return expression(text);
+  } catch (const UserError& e) {
+    place.fail(key, e.what());
+  }
+}
+
+/// Turns the texts of a motion into a function. A clamp's slope stays that of the rest shape: it must not turn.
+void resolve_motion(const SectionPlace& place, const Case& c, const MotionInput& m, system::Support& s) {
+  if (m.angle.empty() != !m.axis)
+    place.fail(m.axis ? "rotation_angle" : "rotation_axis", "rotation_axis and rotation_angle go together");
+  if (!m.any() && std::isinf(s.release)) return;
+  if (c.analysis != "dynamic")
+    place.fail(m.any() ? "motion" : "release", "a support moves or lets go only with analysis = \"dynamic\"");
+  if (!m.translation.empty() && m.translation.size() != 3)
+    place.fail("motion", fmt::format("{} expressions; three are needed, for x, y and z", m.translation.size()));
+  if (!m.any()) return;
+  std::vector<std::function<double(double)>> u;
+  for (const std::string& text : m.translation) u.push_back(time_function(place, "motion", text));
+  const auto angle = m.angle.empty() ? nullptr : time_function(place, "rotation_angle", m.angle);
+  const Vec3 axis = m.axis ? m.axis->normalized() : Vec3(Vec3::UnitZ()), centre = m.centre;
+  s.motion = [u, angle, axis, centre](const Vec3& x, double t) {
+    Vec3 d = Vec3::Zero();
+    if (angle) d = Eigen::AngleAxisd(angle(t) * (std::numbers::pi / 180.0), axis) * (x - centre) - (x - centre);
+    for (int k = 0; k < 3 && !u.empty(); ++k) d[k] += u[static_cast<std::size_t>(k)](t);
+    return d;
+  };
+}
+
+void read_supports(const CaseReader& reader, Case& c) {
+  for (std::size_t n = 0; n < reader.count("support"); ++n) {
+    system::Support support;
+    MotionInput motion;
+    const SectionPlace place = reader.read("support", n, keys_of(support, motion));
+    resolve_motion(place, c, motion, support);
+    c.supports.push_back(std::move(support));
+    c.motions.push_back(std::move(motion));
+  }
+}
+
+void check_time(const SectionPlace& place, Case& c) {
+  solve::TimeOptions& o = c.time.options;
+  if (o.max_step > 0.0 && o.max_step < o.step)
+    place.fail("max_step", fmt::format("{}: must not be smaller than step = {}", o.max_step, o.step));
+  if (o.min_step > o.step)
+    place.fail("min_step", fmt::format("{}: must not be larger than step = {}", o.min_step, o.step));
+  if (o.method == solve::TimeOptions::Method::central_difference && c.dynamics.mass == system::Mass::consistent)
+    place.fail("mass", "central_difference needs mass = \"lumped\"");
+  if (!c.time.load_history.empty()) c.dynamics.load_history = time_function(place, "load_history", c.time.load_history);
+}
+
 void check_petsc(const SectionPlace& place, const std::string& options) {
   try {
     (void)petsc_pairs(options);
@@ -134,16 +273,22 @@ Case parse_case(const std::string& text, const std::filesystem::path& file) {
   const CaseReader reader(text, file, top_keys(c));
   reader.read_top(top_keys(c));
   reader.read("mesh", 0, keys_of(c.mesh));
-  // Absolute, so that the echo of the case works from any folder.
-  c.mesh.file = (std::filesystem::absolute(file).parent_path() / c.mesh.file).lexically_normal();
+  c.mesh.file = beside(file, c.mesh.file);
   reader.read("element", 0, keys_of(c.element));
-  read_materials(reader, file.string(), c);
+  read_materials(reader, c);
   const auto unchecked = [](const SectionPlace&, const auto&) {};
-  read_all(reader, "support", c.supports, unchecked);
+  read_supports(reader, c);
   read_all(reader, "load", c.loads, unchecked);
-  check_steps(reader.read("steps", 0, keys_of(c.steps)), c.steps);
+  const SectionPlace steps = reader.read("steps", 0, keys_of(c.steps));
+  check_steps(steps, c.steps);
+  reader.read("eigen", 0, keys_of(c.eigen));
+  check_time(reader.read("time", 0, keys_of(c.time, c.dynamics.mass)), c);
+  reader.read("damping", 0, damping_keys(c.dynamics));
+  reader.read("air", 0, keys_of(c.dynamics.drag));
+  reader.read("drape", 0, keys_of(c.drape));
   read_all(reader, "probe", c.probes,
            [&](const SectionPlace& place, const Probe& probe) { check_probe(place, probe, c.probes); });
+  check_control(steps, c.steps, c.probes);
   reader.read("output", 0, keys_of(c.output));
   check_petsc(reader.read("petsc", 0, petsc_keys(c)), c.petsc_options);
   return c;

@@ -58,7 +58,7 @@ std::string vector_text(const Vec3& v) {
 
 /// Writes one alternative of Slot; an empty text means that there is nothing to write.
 struct Printer {
-  std::string operator()(const double* x) const { return number(*x); }
+  std::string operator()(const double* x) const { return std::isfinite(*x) ? number(*x) : ""; }
   std::string operator()(const int* x) const { return fmt::format("{}", *x); }
   std::string operator()(const bool* x) const { return *x ? "true" : "false"; }
   std::string operator()(const std::string* x) const { return quoted(*x); }
@@ -66,6 +66,7 @@ struct Printer {
   std::string operator()(const Degrees& x) const { return number(degrees(*x.radians)); }
   std::string operator()(const Choice& x) const { return quoted(x.names[static_cast<std::size_t>(x.get())]); }
   std::string operator()(const Words& x) const { return x.values->empty() ? "" : list(*x.values, quoted); }
+  std::string operator()(const std::vector<std::string>* x) const { return x->empty() ? "" : list(*x, quoted); }
   std::string operator()(const std::vector<double>* x) const { return x->empty() ? "" : list(*x, number); }
   std::string operator()(const std::vector<int>* x) const {
     return x->empty() ? "" : list(*x, [](int i) { return quoted(std::string(1, "xyz"[i])); });
@@ -98,6 +99,7 @@ struct TypeName {
   std::string operator()(const Degrees&) const { return "number"; }
   std::string operator()(const Choice& x) const { return fmt::format("`\"{}\"`", join(x.names, "\"`, `\"")); }
   std::string operator()(const Words&) const { return "list of texts"; }
+  std::string operator()(const std::vector<std::string>*) const { return "list of texts"; }
   std::string operator()(const std::vector<double>*) const { return "list of numbers"; }
   std::string operator()(const std::vector<int>*) const { return "list of axes"; }
   std::string operator()(const std::array<bool, 3>*) const { return "list of axes"; }
@@ -234,9 +236,15 @@ std::string echo_case(const Case& c) {
   out += "\n[mesh]\n" + echo_keys(keys_of(copy.mesh));
   out += "\n[element]\n" + echo_keys(keys_of(copy.element));
   out += echo_all("material", materials);
-  out += echo_all("support", copy.supports);
+  for (std::size_t i = 0; i < copy.supports.size(); ++i)
+    out += "\n[[support]]\n" + echo_keys(keys_of(copy.supports[i], copy.motions[i]));
   out += echo_all("load", copy.loads);
   out += "\n[steps]\n" + echo_keys(keys_of(copy.steps));
+  out += "\n[eigen]\n" + echo_keys(keys_of(copy.eigen));
+  out += "\n[time]\n" + echo_keys(keys_of(copy.time, copy.dynamics.mass));
+  out += "\n[damping]\n" + echo_keys(damping_keys(copy.dynamics));
+  out += "\n[air]\n" + echo_keys(keys_of(copy.dynamics.drag));
+  out += "\n[drape]\n" + echo_keys(keys_of(copy.drape));
   out += echo_all("probe", copy.probes);
   out += "\n[output]\n" + echo_keys(keys_of(copy.output));
   out += "\n[petsc]\n" + echo_keys(petsc_keys(copy));
@@ -247,12 +255,23 @@ std::string case_reference_markdown() {
   Case c;
   MaterialInput material;
   system::Support support;
+  MotionInput motion;
   system::Load load;
   Probe probe;
-  const std::map<std::string, std::vector<Key>> keys{
-      {"mesh", keys_of(c.mesh)},     {"element", keys_of(c.element)}, {"material", keys_of(material)},
-      {"support", keys_of(support)}, {"load", keys_of(load)},         {"steps", keys_of(c.steps)},
-      {"probe", keys_of(probe)},     {"output", keys_of(c.output)},   {"petsc", petsc_keys(c)}};
+  const std::map<std::string, std::vector<Key>> keys{{"mesh", keys_of(c.mesh)},
+                                                     {"element", keys_of(c.element)},
+                                                     {"material", keys_of(material)},
+                                                     {"support", keys_of(support, motion)},
+                                                     {"load", keys_of(load)},
+                                                     {"steps", keys_of(c.steps)},
+                                                     {"eigen", keys_of(c.eigen)},
+                                                     {"time", keys_of(c.time, c.dynamics.mass)},
+                                                     {"damping", damping_keys(c.dynamics)},
+                                                     {"air", keys_of(c.dynamics.drag)},
+                                                     {"drape", keys_of(c.drape)},
+                                                     {"probe", keys_of(probe)},
+                                                     {"output", keys_of(c.output)},
+                                                     {"petsc", petsc_keys(c)}};
   std::string out = reference_head + reference_table(top_keys(c), false);
   for (const SectionInfo& section : sections()) {
     const std::vector<Key>& list = keys.at(section.name);

@@ -48,7 +48,12 @@ bool is_required(const Key& key, const std::string& type) {
 
 std::vector<Key> top_keys(Case& c) {
   return {{.name = "title", .slot = &c.title, .meaning = "Free text, shown at the start of a run."},
-          {.name = "analysis", .slot = word(c.analysis, {"static"}), .meaning = "Kind of analysis."}};
+          {.name = "analysis",
+           .slot = word(c.analysis, {"static", "linear", "modal", "buckling", "dynamic", "drape"}),
+           .meaning = "`static`: the load path of `steps`. `linear`: one solution for small deflections at "
+                      "`final_load_factor`. `modal`: natural vibrations. `buckling`: critical loads; both about the "
+                      "state that `eigen` names. `dynamic`: motion in time. `drape`: a stable equilibrium at load "
+                      "factor 1 from any start."}};
 }
 
 std::vector<Key> keys_of(MeshSection& s) {
@@ -105,61 +110,90 @@ std::vector<Key> keys_of(energy::ElementOptions& s) {
 }
 
 std::vector<Key> keys_of(MaterialInput& s) {
-  const std::vector<std::string> iso{"isotropic"}, ortho{"orthotropic"}, matrices{"matrices"},
-      plates{"isotropic", "orthotropic"};
-  return {{.name = "type",
-           .slot = choice(s.type, {"isotropic", "orthotropic", "matrices"}),
-           .meaning = "How the stiffness is given.",
-           .required = true},
-          {.name = "groups",
-           .slot = Words{&s.groups, {}},
-           .meaning = "Physical surfaces made of this material.",
-           .absent = "every triangle that no other material covers"},
-          {"young", &s.young, "Young's modulus.", "Pa", positive, iso, true},
-          {.name = "poisson",
-           .slot = &s.poisson,
-           .meaning = "Poisson's ratio.",
-           .range = {-1, 0.5, true},
-           .types = iso,
-           .required = true},
-          {"young_1", &s.young_1, "Young's modulus along the material direction.", "Pa", positive, ortho, true},
-          {"young_2", &s.young_2, "Young's modulus across it, in the surface.", "Pa", positive, ortho, true},
-          {.name = "poisson_12",
-           .slot = &s.poisson_12,
-           .meaning = "Contraction across the material direction per unit of stretch along it.",
-           .types = ortho,
-           .required = true},
-          {"shear_12", &s.shear_12, "Shear modulus in the surface.", "Pa", positive, ortho, true},
-          {"thickness", &s.thickness, "Thickness of the shell.", "m", positive, plates, true},
-          {"density", &s.density, "Mass per volume; used by gravity.", "kg/m^3", not_negative, plates},
-          {.name = "membrane",
-           .slot = &s.membrane,
-           .meaning = "Membrane stiffness A as three rows, order 11, 22, 12 with engineering shear: N = A E.",
-           .unit = "N/m",
-           .types = matrices,
-           .required = true},
-          {.name = "bending",
-           .slot = &s.bending,
-           .meaning = "Bending stiffness D as three rows, M = D (k11, k22, 2 k12).",
-           .unit = "N m",
-           .types = matrices,
-           .required = true},
-          {.name = "areal_density",
-           .slot = &s.areal_density,
-           .meaning = "Mass per area; used by gravity.",
-           .unit = "kg/m^2",
-           .range = not_negative,
-           .types = matrices},
-          {.name = "direction",
-           .slot = &s.direction,
-           .meaning = "Direction of material axis 1 in space, projected into each triangle. `matrices` need it unless "
-                      "both are those of an isotropic material.",
-           .types = {"orthotropic", "matrices"},
-           .required_types = ortho,
-           .absent = "none"}};
+  const std::vector<std::string> iso{"isotropic"}, matrices{"matrices"}, laminate{"laminate"}, fabric{"fabric"},
+      ortho{"orthotropic", "laminate"}, plates{"isotropic", "orthotropic"},
+      solids{"isotropic", "orthotropic", "laminate"};
+  return {
+      {.name = "type",
+       .slot = choice(s.type, {"isotropic", "orthotropic", "matrices", "laminate", "fabric"}),
+       .meaning = "How the stiffness is given. `laminate`: from plies of one orthotropic material. `fabric`: from a "
+                  "file of measured figures.",
+       .required = true},
+      {.name = "groups",
+       .slot = Words{&s.groups, {}},
+       .meaning = "Physical surfaces made of this material.",
+       .absent = "every triangle that no other material covers"},
+      {"young", &s.young, "Young's modulus.", "Pa", positive, iso, true},
+      {.name = "poisson",
+       .slot = &s.poisson,
+       .meaning = "Poisson's ratio.",
+       .range = {-1, 0.5, true},
+       .types = iso,
+       .required = true},
+      {"young_1", &s.young_1, "Young's modulus along the material direction.", "Pa", positive, ortho, true},
+      {"young_2", &s.young_2, "Young's modulus across it, in the surface.", "Pa", positive, ortho, true},
+      {.name = "poisson_12",
+       .slot = &s.poisson_12,
+       .meaning = "Contraction across the material direction per unit of stretch along it.",
+       .types = ortho,
+       .required = true},
+      {"shear_12", &s.shear_12, "Shear modulus in the surface.", "Pa", positive, ortho, true},
+      {"thickness", &s.thickness, "Thickness of the shell.", "m", positive, plates, true},
+      {.name = "angles",
+       .slot = &s.angles,
+       .meaning = "Directions of the plies' fibres against material axis 1, one per ply, along the normal of the "
+                  "triangles from the lowest. The stack must be free of coupling between stretching and bending, as "
+                  "symmetric stacks are.",
+       .unit = "degree",
+       .types = laminate,
+       .required = true},
+      {.name = "ply_thicknesses",
+       .slot = &s.ply_thicknesses,
+       .meaning = "Thickness of each ply, in the order of `angles`, or one for all.",
+       .unit = "m",
+       .range = positive,
+       .types = laminate,
+       .required = true},
+      {"density", &s.density, "Mass per volume; used by gravity and vibration.", "kg/m^3", not_negative, solids},
+      {.name = "membrane",
+       .slot = &s.membrane,
+       .meaning = "Membrane stiffness A as three rows, order 11, 22, 12 with engineering shear: N = A E.",
+       .unit = "N/m",
+       .types = matrices,
+       .required = true},
+      {.name = "bending",
+       .slot = &s.bending,
+       .meaning = "Bending stiffness D as three rows, M = D (k11, k22, 2 k12).",
+       .unit = "N m",
+       .types = matrices,
+       .required = true},
+      {.name = "areal_density",
+       .slot = &s.areal_density,
+       .meaning = "Mass per area; used by gravity and vibration.",
+       .unit = "kg/m^2",
+       .range = not_negative,
+       .types = matrices},
+      {.name = "fabric",
+       .slot = &s.fabric,
+       .meaning = "Fabric file (see [fabrics.md](fabrics.md)), relative to the folder of the case file.",
+       .types = fabric,
+       .required = true},
+      {.name = "warp_angle",
+       .slot = Degrees{&s.warp_angle},
+       .meaning = "Angle from `direction` to the warp, positive about the normal of the triangles.",
+       .unit = "degree",
+       .types = fabric},
+      {.name = "direction",
+       .slot = &s.direction,
+       .meaning = "Direction of material axis 1 in space, projected into each triangle; the warp of a `fabric` lies at "
+                  "`warp_angle` to it. `matrices` need it unless both are those of an isotropic material.",
+       .types = {"orthotropic", "laminate", "matrices", "fabric"},
+       .required_types = {"orthotropic", "laminate", "fabric"},
+       .absent = "none"}};
 }
 
-std::vector<Key> keys_of(system::Support& s) {
+std::vector<Key> keys_of(system::Support& s, MotionInput& m) {
+  const std::vector<std::string> moving{"displacement", "hinged", "clamped"};
   return {
       {.name = "type",
        .slot = choice(s.kind, {"displacement", "hinged", "clamped", "symmetry"}),
@@ -184,7 +218,33 @@ std::vector<Key> keys_of(system::Support& s) {
        .slot = &s.normal,
        .meaning = "Normal of the mirror plane.",
        .types = {"symmetry"},
-       .absent = "found from the mesh"}};
+       .absent = "found from the mesh"},
+      {.name = "motion",
+       .slot = &m.translation,
+       .meaning =
+           "Displacement as three expressions of the time t, e.g. `[\"0.1*sin(2*pi*t)\", \"0\", \"table(t, 0, 0, 1, "
+           "0.05)\"]`; `table` interpolates between pairs of time and value. Needs `analysis = \"dynamic\"`.",
+       .unit = "m",
+       .types = moving,
+       .absent = "none"},
+      {.name = "rotation_axis",
+       .slot = &m.axis,
+       .meaning = "Axis of a rotation of the whole group; goes with `rotation_angle`.",
+       .types = moving,
+       .absent = "none"},
+      {.name = "rotation_centre", .slot = &m.centre, .meaning = "A point on the axis.", .unit = "m", .types = moving},
+      {.name = "rotation_angle",
+       .slot = &m.angle,
+       .meaning = "Angle as an expression of the time t.",
+       .unit = "degree",
+       .types = moving,
+       .absent = "none"},
+      {.name = "release",
+       .slot = &s.release,
+       .meaning = "Time at which the support lets go.",
+       .unit = "s",
+       .range = not_negative,
+       .absent = "never"}};
 }
 
 std::vector<Key> keys_of(system::Load& s) {
@@ -221,31 +281,179 @@ std::vector<Key> keys_of(system::Load& s) {
 
 std::vector<Key> keys_of(solve::StaticOptions& s) {
   return {
+      {.name = "control",
+       .slot = choice(s.control, {"load", "displacement", "arc_length"}),
+       .meaning = "What a step prescribes: `load` the load factor, `displacement` that of `control_probe`, "
+                  "`arc_length` the distance between the states, which follows limit points and snap-back."},
       {.name = "final_load_factor",
        .slot = &s.final_load_factor,
-       .meaning = "Load factor at the end of the run.",
+       .meaning = "Load factor at the end of the run (with `final_displacement` that ends it instead).",
        .range = positive},
+      {.name = "control_probe",
+       .slot = &s.control_probe,
+       .meaning = "Name of a displacement probe with one component. Needed for `displacement`; with `arc_length` it "
+                  "belongs to `final_displacement`.",
+       .absent = "none"},
+      {.name = "final_displacement",
+       .slot = &s.final_displacement,
+       .meaning = "Displacement of `control_probe` at the end of the run, of either sign. 0: the run ends at "
+                  "`final_load_factor`.",
+       .unit = "m"},
       {.name = "initial_step",
        .slot = &s.initial_step,
-       .meaning = "First increment of the load factor; `max_step` if that is smaller and this key is not given.",
+       .meaning = "First increment of the load factor; a share of `final_displacement` under `displacement`; under "
+                  "`arc_length` the length that this increment of the load factor has at the start. `min_step` and "
+                  "`max_step` are in the same unit. `max_step` if that is smaller and this key is not given.",
        .range = positive},
+      {.name = "max_steps",
+       .slot = &s.max_steps,
+       .meaning = "A path that has not ended after so many steps ends with exit code 3.",
+       .range = {1}},
       {.name = "min_step",
        .slot = &s.min_step,
        .meaning = "A step that fails at this size ends the run with exit code 3.",
        .range = positive},
-      {.name = "max_step", .slot = &s.max_step, .meaning = "Largest increment of the load factor.", .range = positive},
+      {.name = "max_step",
+       .slot = &s.max_step,
+       .meaning = "Largest step. Under `arc_length` 1e9, in practice none, if this key is not given.",
+       .range = positive},
       {.name = "stops",
        .slot = &s.stops,
-       .meaning = "Load factors that a step ends on exactly, ascending; results are recorded there.",
+       .meaning = "Load factors that a step ends on exactly, ascending; results are recorded there. `load` only.",
        .range = positive,
        .absent = "none"},
       {.name = "target_iterations",
        .slot = &s.target_iterations,
-       .meaning = "A step that converges in fewer iterations lets the next one grow.",
+       .meaning = "A step that converges in fewer iterations lets the next one grow. Under `displacement` and "
+                  "`arc_length`, 5 if this key is not given.",
        .range = {1}},
       {.name = "fallback",
        .slot = &s.fallback,
-       .meaning = "Try pseudo-transient continuation before a step is made very small."}};
+       .meaning = "Try pseudo-transient continuation before a step is made very small. `load` only."},
+      {.name = "at_critical_point",
+       .slot = choice(s.at_critical_point, {"pass", "stop", "switch_branch"}),
+       .meaning =
+           "At a limit or bifurcation point: only report it, end the run there, or (the first bifurcation, under "
+           "`arc_length`) leave along the lowest mode. `displacement` and `arc_length` only."},
+      {.name = "branch_step",
+       .slot = &s.branch_step,
+       .meaning = "First step along the mode, in units of the step in force; its sign picks the side."}};
+}
+
+std::vector<Key> keys_of(EigenSection& s) {
+  return {
+      {.name = "modes", .slot = &s.modes, .meaning = "How many modes, lowest first.", .range = {1}},
+      {.name = "load_factor",
+       .slot = &s.load_factor,
+       .meaning = "Load factor of the equilibrium about which modes are found; the path of `steps` leads to it. 0: the "
+                  "unloaded state (constant loads act).",
+       .range = not_negative}};
+}
+
+std::vector<Key> keys_of(TimeSection& s, system::Mass& mass) {
+  solve::TimeOptions& o = s.options;
+  return {
+      {.name = "method",
+       .slot = choice(o.method, {"alpha", "central_difference"}),
+       .meaning =
+           "`alpha`: implicit generalised-alpha. `central_difference`: explicit, steps below the stability limit."},
+      {.name = "end", .slot = &o.end_time, .meaning = "End of the run.", .unit = "s", .range = positive},
+      {.name = "step", .slot = &o.step, .meaning = "Size of the first step.", .unit = "s", .range = positive},
+      {.name = "min_step",
+       .slot = &o.min_step,
+       .meaning = "A step that fails at this size ends the run with exit code 3. 0: a thousandth of `step`.",
+       .unit = "s",
+       .range = not_negative},
+      {.name = "max_step",
+       .slot = &o.max_step,
+       .meaning = "Largest step. 0: `step`.",
+       .unit = "s",
+       .range = not_negative},
+      {.name = "step_error",
+       .slot = &o.step_error,
+       .meaning = "Largest local error of any displacement in a step, which then sets the step. 0: not controlled.",
+       .unit = "m",
+       .range = not_negative},
+      {.name = "radius",
+       .slot = &o.radius,
+       .meaning = "Spectral radius at infinite frequency: 1 no numerical dissipation, 0 the most.",
+       .range = {0, 1}},
+      {.name = "forces_at_end",
+       .slot = &o.forces_at_end,
+       .meaning = "Take forces at the end of the step (Wood-Bossak-Zienkiewicz) instead of within it (Chung-Hulbert)."},
+      {.name = "target_iterations",
+       .slot = &o.target_iterations,
+       .meaning = "A step that needs more iterations makes the next one smaller.",
+       .range = {1}},
+      {.name = "velocity_tolerance",
+       .slot = &o.velocity_tolerance,
+       .meaning =
+           "An increment of the iteration below this, as root mean square over the mass and per step, ends the step. "
+           "0: `-snes_rtol` and `-snes_stol` alone decide.",
+       .unit = "m/s",
+       .range = not_negative},
+      {.name = "mass",
+       .slot = choice(mass, {"consistent", "lumped"}),
+       .meaning = "Mass matrix: consistent with linear displacements in the triangles, or lumped at the vertices."},
+      {.name = "load_history",
+       .slot = &s.load_history,
+       .meaning = "Load factor as an expression of the time t.",
+       .absent = "1 throughout"},
+      {.name = "checkpoint_steps",
+       .slot = &s.checkpoint_steps,
+       .meaning = "Write `checkpoint.h5` every so many steps. 0: not by steps.",
+       .range = not_negative},
+      {.name = "checkpoint_minutes",
+       .slot = &s.checkpoint_minutes,
+       .meaning = "Write `checkpoint.h5` after so many minutes. 0: not by time.",
+       .unit = "min",
+       .range = not_negative}};
+}
+
+std::vector<Key> damping_keys(system::DynamicsOptions& s) {
+  return {{.name = "mass",
+           .slot = &s.mass_damping,
+           .meaning = "Damping in proportion to the mass, as by air at rest.",
+           .unit = "1/s",
+           .range = not_negative},
+          {.name = "bending",
+           .slot = &s.bending_damping,
+           .meaning = "Damping in proportion to the constant bending stiffness.",
+           .unit = "s",
+           .range = not_negative},
+          {.name = "membrane",
+           .slot = &s.viscous_time,
+           .meaning = "Relaxation time of the membrane (Kelvin-Voigt).",
+           .unit = "s",
+           .range = not_negative}};
+}
+
+std::vector<Key> keys_of(energy::DragOptions& s) {
+  return {{.name = "density", .slot = &s.air_density, .meaning = "Of the air.", .unit = "kg/m^3", .range = positive},
+          {.name = "normal_drag",
+           .slot = &s.normal,
+           .meaning = "Drag coefficient of the air that moves across the surface; 0: none.",
+           .range = not_negative},
+          {.name = "tangential_drag",
+           .slot = &s.tangential,
+           .meaning = "Drag coefficient of the air that moves along the surface; 0: none.",
+           .range = not_negative},
+          {.name = "wind", .slot = &s.wind, .meaning = "Velocity of the air.", .unit = "m/s"}};
+}
+
+std::vector<Key> keys_of(solve::DrapeOptions& s) {
+  return {{.name = "max_iterations",
+           .slot = &s.max_iterations,
+           .meaning = "Iterations of one search for an equilibrium.",
+           .range = {1}},
+          {.name = "max_escapes",
+           .slot = &s.max_escapes,
+           .meaning = "How often an unstable equilibrium is left along its lowest mode.",
+           .range = not_negative},
+          {.name = "push",
+           .slot = &s.push,
+           .meaning = "Largest displacement of such an escape, in edge lengths.",
+           .range = positive}};
 }
 
 std::vector<Key> keys_of(Probe& s) {
@@ -279,9 +487,11 @@ std::vector<Key> keys_of(OutputSection& s) {
   return {
       {.name = "fields",
        .slot = Words{&s.fields,
-                     {"displacement", "reaction", "membrane_force", "bending_moment", "curvature", "membrane_strain"}},
-       .meaning = "Fields in `results.h5`, any of `displacement`, `reaction`, `membrane_force`, `bending_moment`, "
-                  "`curvature`, `membrane_strain`.",
+                     {"displacement", "reaction", "velocity", "membrane_force", "bending_moment", "curvature",
+                      "membrane_strain"}},
+       .meaning =
+           "Fields in `results.h5`, any of `displacement`, `velocity`, `reaction`, `membrane_force`, `bending_moment`, "
+           "`curvature`, `membrane_strain`.",
        .absent = "all of them"},
       {.name = "every",
        .slot = &s.every,
@@ -302,7 +512,12 @@ const std::vector<SectionInfo>& sections() {
       {"material", true, "Stiffness and mass of the shell. At least one."},
       {"support", true, "Prescribed displacements and slopes."},
       {"load", true, "Loads; each grows with the load factor unless it is `constant`."},
-      {"steps", false, "How the load factor grows from 0."},
+      {"steps", false, "How the path of equilibria is followed from the unloaded state."},
+      {"eigen", false, "Modes of vibration and buckling."},
+      {"time", false, "Motion in time, `analysis = \"dynamic\"`."},
+      {"damping", false, "Damping of `dynamic`."},
+      {"air", false, "Drag by air and wind in `dynamic`. Speed and normal are those of the start of each step."},
+      {"drape", false, "The search of `analysis = \"drape\"`."},
       {"probe", true, "Numbers recorded in `history.csv` after every step."},
       {"output", false, "What is written to `results.h5` and `results.xdmf`."},
       {"petsc", false, "The solver library."}};

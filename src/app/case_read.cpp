@@ -82,6 +82,10 @@ class ValueReader {
       x.values->push_back(word);
     }
   }
+  void operator()(std::vector<std::string>* x) const {
+    x->clear();
+    for (const toml::node& item : array("a list of texts in quotes")) x->push_back(filled(text(item)));
+  }
   void operator()(std::vector<double>* x) const {
     x->clear();
     for (const toml::node& item : array("a list of numbers"))

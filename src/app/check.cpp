@@ -9,6 +9,7 @@
 #include "voile/base/mpi.hpp"
 #include "voile/base/petsc.hpp"
 #include "voile/energy/curvature.hpp"
+#include "voile/system/dynamics.hpp"
 #include "voile/system/model.hpp"
 
 namespace voile::app {
@@ -129,6 +130,7 @@ void info(const mesh::SurfaceMesh& mesh, const energy::ElementOptions& element) 
 void check(const Case& c) {
   const mesh::SurfaceMesh mesh = load_mesh(c.mesh.file, c.mesh.options);
   const system::Model model(PETSC_COMM_WORLD, mesh, {c.element, c.materials, c.supports, c.loads});
+  if (c.analysis == "modal" || c.analysis == "dynamic") system::require_mass(model);
   mpi::on_root(PETSC_COMM_WORLD, [&] {
     for (const Probe& p : c.probes)
       if (!p.group.empty()) (void)mesh.group(p.group);

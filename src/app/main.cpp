@@ -21,6 +21,7 @@
 #include "voile/base/error.hpp"
 #include "voile/base/mpi.hpp"
 #include "voile/base/petsc.hpp"
+#include "voile/solve/eigen.hpp"
 
 namespace {
 
@@ -65,6 +66,11 @@ void declare(CLI::App& cli, Request& request) {
   CLI::App* run = add("run", "Solve a case and write its results", Command::run);
   run->add_option("case", request.file, "Case file (TOML)")->required();
   run->add_option("--output", request.options.output, "Folder of the results [CASE_results]");
+  CLI::Option* restart =
+      run->add_option("--restart", request.options.restart, "Go on from a step of an earlier run: its results.h5");
+  run->add_option("--restart-step", request.options.restart_step, "Number of that step [the last]")
+      ->needs(restart)
+      ->check(CLI::NonNegativeNumber);
   auto& verbosity = request.options.verbosity;
   CLI::Option* quiet = run->add_flag_callback(
       "--quiet", [&] { verbosity = app::Verbosity::quiet; }, "Print warnings and errors only");
@@ -140,8 +146,12 @@ class PetscSession {
     count_ = static_cast<int>(words_.size());
     argv_ = pointers_.data();
     VOILE_PETSC(PetscInitialize(&count_, &argv_, nullptr, nullptr));
+    slepc_.emplace();
   }
-  ~PetscSession() { (void)PetscFinalize(); }
+  ~PetscSession() {
+    slepc_.reset();
+    (void)PetscFinalize();
+  }
   PetscSession(const PetscSession&) = delete;
   PetscSession& operator=(const PetscSession&) = delete;
 
@@ -170,6 +180,7 @@ class PetscSession {
   std::vector<char*> pointers_;
   int count_ = 0;
   char** argv_ = nullptr;
+  std::optional<solve::SlepcSession> slepc_;
 };
 
 /// Ends all ranks: the failure may have hit this rank only.

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
 #include "voile/base/error.hpp"
@@ -30,8 +31,8 @@ std::string duration(double seconds) {
 
 }  // namespace
 
-Recorder::Recorder(const Case& c, const RunOptions& options, system::Model& model)
-    : case_(c), options_(options), model_(model), root_(mpi::rank(model.comm()) == 0) {
+Recorder::Recorder(const Case& c, const RunOptions& options, system::Model& model, const solve::StaticOptions& steps)
+    : case_(c), options_(options), model_(&model), steps_(steps), root_(mpi::rank(model.comm()) == 0) {
   resolve_probes();
   mpi::on_root(model.comm(), [&] {
     const mesh::Partition& p = model.partition();
@@ -39,8 +40,24 @@ Recorder::Recorder(const Case& c, const RunOptions& options, system::Model& mode
     history_.emplace(options.output / "history.csv", columns());
   });
   if (root_ && options.verbosity != Verbosity::quiet)
-    fmt::print("{:>5} {:>10} {:>7} {:>10} {:>10} {:>9} {:>9}\n", "step", "load", "newton", "residual", "neg.pivots",
-               "elapsed", "left");
+    fmt::print("{}", case_.analysis == "dynamic"
+                         ? fmt::format("{:>6} {:>10} {:>9} {:>7} {:>10} {:>10} {:>9} {:>9}\n", "step", "time [s]",
+                                       "taken", "newton", "residual", "kinetic", "elapsed", "left")
+                         : fmt::format("{:>5} {:>10} {:>7} {:>10} {:>10} {:>9} {:>9}\n", "step", "load", "newton",
+                                       "residual", "neg.pivots", "elapsed", "left"));
+}
+
+petsc::VecHandle Recorder::functional(const std::string& name) const {
+  petsc::VecHandle c = model_->create_vector();
+  for (std::size_t p = 0; p < probes_.size(); ++p) {
+    if (case_.probes[p].name != name) continue;
+    std::vector<double> values(static_cast<std::size_t>(model_->unknowns()), 0.0);
+    for (Index v : probes_[p].vertices)
+      values[3 * static_cast<std::size_t>(v) + probes_[p].components.front()] +=
+          1.0 / static_cast<double>(probes_[p].vertices.size());
+    model_->scatter(values, c);
+  }
+  return c;
 }
 
 void Recorder::resolve_probes() {
@@ -49,15 +66,29 @@ void Recorder::resolve_probes() {
     v.components = probe.components;
     if (v.components.empty()) v.components = {0, 1, 2};
     if (probe.kind != Probe::Kind::energy)
-      v.vertices = probe.point ? std::vector<Index>{nearest_vertex(model_.mesh(), *probe.point)}
-                               : model_.mesh().group(probe.group).vertices;
+      v.vertices = probe.point ? std::vector<Index>{nearest_vertex(model_->mesh(), *probe.point)}
+                               : model_->mesh().group(probe.group).vertices;
     probes_.push_back(std::move(v));
   }
 }
 
 std::vector<std::string> Recorder::columns() const {
-  std::vector<std::string> names{"step",     "load_factor",     "newton_iterations", "factorisations",
-                                 "residual", "negative_pivots", "wall_seconds"};
+  std::vector<std::string> names =
+      case_.analysis == "dynamic"
+          ? std::vector<std::string>{"step",
+                                     "time",
+                                     "step_size",
+                                     "load_factor",
+                                     "newton_iterations",
+                                     "factorisations",
+                                     "residual",
+                                     "negative_pivots",
+                                     "rejections",
+                                     "kinetic_energy",
+                                     "wall_seconds"}
+          : std::vector<std::string>{"step",        "load_factor",     "newton_iterations", "factorisations",
+                                     "residual",    "negative_pivots", "critical",          "critical_load_factor",
+                                     "wall_seconds"};
   for (std::size_t p = 0; p < probes_.size(); ++p) {
     if (case_.probes[p].kind == Probe::Kind::energy)
       for (const char* part : {"membrane", "bending", "external"})
@@ -73,69 +104,89 @@ bool Recorder::wants(const std::string& field) const {
   return f.empty() || std::find(f.begin(), f.end(), field) != f.end();
 }
 
-void Recorder::record(const solve::StepReport& report, Vec a) {
-  const petsc::EventScope scope(petsc::events().output);
-  petsc::VecHandle force = model_.create_vector();
-  model_.unbalanced_force(a, force);
-  {  // away from supports the force is only the residual that is left
-    std::vector<char> fixed(static_cast<std::size_t>(model_.partition().owned_count(mpi::rank(model_.comm()))) * 3, 0);
-    const mesh::Partition& p = model_.partition();
-    const Index first = p.owned_begin(mpi::rank(model_.comm()));
-    for (const auto& [v, support] : model_.constraints().vertices)
-      if (p.vertex_rank[v] == mpi::rank(model_.comm()))
-        for (int k = 0; k < 3; ++k) fixed[3 * (p.row_of[v] - first) + k] = support.fixed[k];
-    const petsc::WriteArray f(force);
-    for (std::size_t i = 0; i < fixed.size(); ++i)
-      if (!fixed[i]) f[static_cast<PetscInt>(i)] = 0.0;
-  }
-  std::vector<double> displacement = model_.gather(a), reaction = model_.gather(force);
+Recorder::Snapshot Recorder::snapshot(Vec a) {
+  Snapshot s;
+  petsc::VecHandle force = model_->create_vector();
+  model_->unbalanced_force(a, force);
+  model_->clear_free(force);  // away from supports the force is only the residual that is left
+  s.displacement = model_->gather(a);
+  s.reaction = model_->gather(force);
   const bool energy_wanted = std::any_of(case_.probes.begin(), case_.probes.end(),
                                          [](const Probe& p) { return p.kind == Probe::Kind::energy; });
-  const system::Energies energies = energy_wanted ? model_.energies(a) : system::Energies{};
-  mpi::on_root(model_.comm(), [&] { write_history(report, displacement, reaction, energies); });
-  if (report.step % case_.output.every == 0 || report.last)
-    write_fields(report, a, std::move(displacement), std::move(reaction));
+  if (energy_wanted) s.energies = model_->energies(a);
+  return s;
+}
+
+void Recorder::record(const solve::StepReport& report, Vec a) {
+  const petsc::EventScope scope(petsc::events().output);
+  Snapshot s = snapshot(a);
+  const solve::NewtonResult& n = report.newton;
+  write_history({static_cast<double>(report.step), report.load_factor, static_cast<double>(n.iterations),
+                 static_cast<double>(n.factorisations), n.residual, static_cast<double>(n.negative_pivots),
+                 report.critical ? static_cast<double>(report.critical->kind) : 0.0,
+                 report.critical ? report.critical->load_factor : std::nan(""), wall_seconds()},
+                s);
+  if (report.step % case_.output.every == 0 || report.last || report.mode) {
+    io::StepFields step;
+    step.step = report.step;
+    // Along an arc the load factor goes up and down, but a time must not.
+    step.time = steps_.control == Control::load ? report.load_factor : report.step;
+    step.load_factor = report.load_factor;
+    if (report.mode) step.fields.push_back({"critical_mode", "1", io::Centre::vertex, 3, model_->gather(report.mode)});
+    write_fields(std::move(step), a, std::move(s));
+  }
   if (root_ && options_.verbosity != Verbosity::quiet) print(report);
 }
 
-void Recorder::write_history(const solve::StepReport& report, const std::vector<double>& displacement,
-                             const std::vector<double>& reaction, const system::Energies& energies) {
+void Recorder::record(const solve::TimeReport& report, system::Dynamics& dynamics) {
+  const petsc::EventScope scope(petsc::events().output);
+  const solve::TimeState& at = report.state;
+  const double kinetic = dynamics.kinetic_energy(at.velocity);
+  Snapshot s = snapshot(at.position);
   const solve::NewtonResult& n = report.newton;
-  std::vector<double> values{static_cast<double>(report.step),
-                             report.load_factor,
-                             static_cast<double>(n.iterations),
-                             static_cast<double>(n.factorisations),
-                             n.residual,
-                             static_cast<double>(n.negative_pivots),
-                             wall_seconds()};
-  for (std::size_t p = 0; p < probes_.size(); ++p) {
-    const Probe::Kind kind = case_.probes[p].kind;
-    if (kind == Probe::Kind::energy) {
-      values.insert(values.end(), {energies.membrane, energies.bending, energies.external});
-      continue;
-    }
-    const std::vector<double>& field = kind == Probe::Kind::displacement ? displacement : reaction;
-    for (int k : probes_[p].components) {
-      double sum = 0.0;
-      for (Index v : probes_[p].vertices) sum += field[3 * static_cast<std::size_t>(v) + k];
-      values.push_back(kind == Probe::Kind::displacement ? sum / static_cast<double>(probes_[p].vertices.size()) : sum);
-    }
+  write_history(
+      {static_cast<double>(at.step), at.time, report.taken, model_->load_factor(), static_cast<double>(n.iterations),
+       static_cast<double>(n.factorisations), n.residual, static_cast<double>(n.negative_pivots),
+       static_cast<double>(report.rejections), kinetic, wall_seconds()},
+      s);
+  const double end = case_.time.options.end_time;
+  if (at.step % case_.output.every == 0 || at.time >= end * (1.0 - 1e-12)) {
+    io::StepFields step{at.step, at.time, model_->load_factor(), {}};
+    if (wants("velocity"))
+      step.fields.push_back({"velocity", "m/s", io::Centre::vertex, 3, model_->gather(at.velocity)});
+    write_fields(std::move(step), at.position, std::move(s));
   }
-  history_->write(values);
+  if (root_ && options_.verbosity != Verbosity::quiet) print(report, kinetic);
 }
 
-void Recorder::write_fields(const solve::StepReport& report, Vec a, std::vector<double> displacement,
-                            std::vector<double> reaction) {
-  system::TriangleFields t = model_.triangle_fields(a);
-  mpi::on_root(model_.comm(), [&] {
-    io::StepFields step;
-    step.step = report.step;
-    step.time = report.load_factor;
+void Recorder::write_history(std::vector<double> values, const Snapshot& s) {
+  mpi::on_root(model_->comm(), [&] {
+    for (std::size_t p = 0; p < probes_.size(); ++p) {
+      const Probe::Kind kind = case_.probes[p].kind;
+      if (kind == Probe::Kind::energy) {
+        values.insert(values.end(), {s.energies.membrane, s.energies.bending, s.energies.external});
+        continue;
+      }
+      const std::vector<double>& field = kind == Probe::Kind::displacement ? s.displacement : s.reaction;
+      for (int k : probes_[p].components) {
+        double sum = 0.0;
+        for (Index v : probes_[p].vertices) sum += field[3 * static_cast<std::size_t>(v) + k];
+        values.push_back(kind == Probe::Kind::displacement ? sum / static_cast<double>(probes_[p].vertices.size())
+                                                           : sum);
+      }
+    }
+    history_->write(values);
+  });
+}
+
+void Recorder::write_fields(io::StepFields step, Vec a, Snapshot s) {
+  system::TriangleFields t = model_->triangle_fields(a);
+  mpi::on_root(model_->comm(), [&] {
     const auto add = [&](const char* name, const char* unit, io::Centre centre, std::vector<double>& values) {
       if (wants(name)) step.fields.push_back({name, unit, centre, 3, std::move(values)});
     };
-    add("displacement", "m", io::Centre::vertex, displacement);
-    add("reaction", "N", io::Centre::vertex, reaction);
+    add("displacement", "m", io::Centre::vertex, s.displacement);
+    add("reaction", "N", io::Centre::vertex, s.reaction);
     add("membrane_strain", "1", io::Centre::triangle, t.membrane_strain);
     add("membrane_force", "N/m", io::Centre::triangle, t.membrane_force);
     add("curvature", "1/m", io::Centre::triangle, t.curvature);
@@ -144,13 +195,27 @@ void Recorder::write_fields(const solve::StepReport& report, Vec a, std::vector<
   });
 }
 
+void Recorder::print(const solve::TimeReport& report, double kinetic) const {
+  if (report.taken == 0.0) return;  // the start
+  const double elapsed = wall_seconds(), done = report.state.time / case_.time.options.end_time;
+  const std::string rejected = report.rejections > 0 ? fmt::format("  {} rejected", report.rejections) : "";
+  fmt::print("{:>6} {:>10.6g} {:>9.3g} {:>7} {:>10.2e} {:>10.3e} {:>9} {:>9}{}\n", report.state.step, report.state.time,
+             report.taken, report.newton.iterations, report.newton.residual, kinetic, duration(elapsed),
+             duration(elapsed / done - elapsed), rejected);
+  std::fflush(stdout);
+}
+
 void Recorder::print(const solve::StepReport& report) const {
-  if (report.step == 0) return;
-  const double elapsed = wall_seconds(), done = report.load_factor / case_.steps.final_load_factor;
-  const std::string left = report.last || !(done > 0.0) ? "-" : duration(elapsed / done - elapsed);
+  if (report.newton.iterations == 0 && report.newton.factorisations == 0) return;  // the start
+  const double elapsed = wall_seconds(), done = report.load_factor / steps_.final_load_factor;
+  const std::string left =
+      report.last || !(done > 0.0) || steps_.control != Control::load ? "-" : duration(elapsed / done - elapsed);
   const std::string pivots = report.newton.negative_pivots < 0 ? "-" : fmt::format("{}", report.newton.negative_pivots);
   std::string note = report.by_continuation ? "  by continuation" : "";
-  if (report.newton.negative_pivots > 0) note += "  UNSTABLE: the tangent is indefinite";
+  if (report.critical)
+    note += fmt::format("  {} passed", solve::name(report.critical->kind));
+  else if (report.newton.negative_pivots > 0)
+    note += "  UNSTABLE: the tangent is indefinite";
   fmt::print("{:>5} {:>10.6g} {:>7} {:>10.2e} {:>10} {:>9} {:>9}{}\n", report.step, report.load_factor,
              report.newton.iterations, report.newton.residual, pivots, duration(elapsed), left, note);
   std::fflush(stdout);

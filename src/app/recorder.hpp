@@ -9,18 +9,26 @@
 #include "voile/app/run.hpp"
 #include "voile/io/results.hpp"
 #include "voile/solve/static_path.hpp"
+#include "voile/solve/time_integration.hpp"
 #include "voile/system/model.hpp"
 
 namespace voile::app {
 
 class Recorder {
  public:
+  using Control = solve::StaticOptions::Control;
   /// Creates the files on rank 0. Collective.
-  Recorder(const Case& c, const RunOptions& options, system::Model& model);
+  Recorder(const Case& c, const RunOptions& options, system::Model& model, const solve::StaticOptions& steps);
   /// Collective.
   void record(const solve::StepReport& report, Vec a);
+  /// A step of a motion in time. Collective.
+  void record(const solve::TimeReport& report, system::Dynamics& dynamics);
+  /// The model of later records, of the same mesh.
+  void use(system::Model& model) { model_ = &model; }
   /// A remark of the path follower; printed unless quiet.
   void remark(const std::string& text) const;
+  /// The displacement probe with one component as a linear function of the unknowns. Collective.
+  [[nodiscard]] petsc::VecHandle functional(const std::string& probe) const;
   [[nodiscard]] double wall_seconds() const;
 
  private:
@@ -30,16 +38,22 @@ class Recorder {
   };
   void resolve_probes();
   [[nodiscard]] std::vector<std::string> columns() const;
-  void write_fields(const solve::StepReport& report, Vec a, std::vector<double> displacement,
-                    std::vector<double> reaction);
-  void write_history(const solve::StepReport& report, const std::vector<double>& displacement,
-                     const std::vector<double>& reaction, const system::Energies& energies);
+  /// What probes and fields are taken from, gathered.
+  struct Snapshot {
+    std::vector<double> displacement, reaction;
+    system::Energies energies;
+  };
+  [[nodiscard]] Snapshot snapshot(Vec a);
+  void write_fields(io::StepFields step, Vec a, Snapshot snapshot);
+  void write_history(std::vector<double> values, const Snapshot& snapshot);
+  void print(const solve::TimeReport& report, double kinetic) const;
   void print(const solve::StepReport& report) const;
   [[nodiscard]] bool wants(const std::string& field) const;
 
   const Case& case_;
   const RunOptions& options_;
-  system::Model& model_;
+  system::Model* model_;
+  solve::StaticOptions steps_;
   bool root_;
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
   std::vector<ProbeVertices> probes_;

@@ -1,6 +1,7 @@
 #include "voile/energy/material.hpp"
 
 #include <Eigen/Eigenvalues>
+#include <cmath>
 
 namespace voile::energy {
 
@@ -27,6 +28,31 @@ Mat3 orthotropic_membrane(double e1, double e2, double nu12, double g12, double 
   a(0, 1) = a(1, 0) = c * nu12 * e2;
   a(2, 2) = g12 * thickness;
   return a;
+}
+
+Mat3 rotated_stiffness(const Mat3& stiffness, double angle) {
+  // Strains in the material's axes from those in the axes wanted, engineering shear; energies agree: Q = T^T Q' T.
+  const double c = std::cos(angle), s = std::sin(angle);
+  Mat3 t;
+  t << c * c, s * s, c * s,  //
+      s * s, c * c, -c * s,  //
+      -2 * c * s, 2 * c * s, c * c - s * s;
+  return t.transpose() * stiffness * t;
+}
+
+LaminateStiffness laminate(const Mat3& ply_stiffness, const std::vector<Ply>& plies) {
+  LaminateStiffness sum;
+  for (const Ply& ply : plies) sum.thickness += ply.thickness;
+  double low = -0.5 * sum.thickness;
+  for (const Ply& ply : plies) {
+    const double high = low + ply.thickness;
+    const Mat3 q = rotated_stiffness(ply_stiffness, ply.angle);
+    sum.membrane += q * (high - low);
+    sum.coupling += q * (0.5 * (high * high - low * low));
+    sum.bending += q * ((high * high * high - low * low * low) / 3.0);
+    low = high;
+  }
+  return sum;
 }
 
 bool is_positive_definite(const Mat3& m) {

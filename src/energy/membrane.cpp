@@ -147,25 +147,45 @@ void MembraneTerm::add(const Sheet& sheet, Index t, const std::array<Index, node
   elements_.push_back(el);
 }
 
+MembraneTerm::Samples MembraneTerm::samples(Index e, const Configuration& c) const {
+  const Element& el = elements_[e];
+  Samples f;
+  const Base own = own_base(el.own, c.x, el.points.data());
+  f.own = half_metric(own.a1, own.a2) - el.own_metric;
+  if (kind_ == MembraneOperator::cst) return f;
+  for (int s = 0; s < 3; ++s) {
+    const Base a = side_base(el.side[s], c.x, el.points.data(), s);
+    f.side[s] = half_metric(a.a1, a.a2) - el.side_metric[s];
+  }
+  if (kind_ == MembraneOperator::six_node) f.side[0] = (f.side[0] + f.side[1] + f.side[2]) / 3.0;
+  return f;
+}
+
+void MembraneTerm::start_step(const Configuration& c, double ratio) {
+  viscosity_ = ratio;
+  if (ratio == 0.0) return;
+  start_.resize(elements_.size());
+  for (Index e = 0; e < size(); ++e) start_[e] = samples(e, c);
+}
+
 double MembraneTerm::energy(Index e, const Configuration& c) const {
   const Element& el = elements_[e];
   const Mat3& stiffness = stiffness_[el.material];
-  const auto density = [&](const Vec3& strain) { return 0.5 * strain.dot(stiffness * strain); };
+  const Samples f = samples(e, c);
+  const Samples* before = viscosity_ > 0.0 ? &start_[e] : nullptr;
+  const auto density = [&](const Vec3& strain, const Vec3& start) {
+    const double w = 0.5 * strain.dot(stiffness * strain);
+    return before ? w + 0.5 * viscosity_ * (strain - start).dot(stiffness * (strain - start)) : w;
+  };
+  const Samples& at = before ? *before : f;
+  if (kind_ == MembraneOperator::cst) return el.area * density(f.own, at.own);
+  if (kind_ == MembraneOperator::six_node) {
+    const double own = cst_share_ > 0.0 ? cst_share_ * density(f.own, at.own) : 0.0;
+    return el.area * (own + (1.0 - cst_share_) * density(f.side[0], at.side[0]));
+  }
   double w = 0.0;
-  if (kind_ == MembraneOperator::cst || cst_share_ > 0.0) {
-    const Base a = own_base(el.own, c.x, el.points.data());
-    w += (kind_ == MembraneOperator::cst ? 1.0 : cst_share_) * density(half_metric(a.a1, a.a2) - el.own_metric);
-  }
-  if (kind_ == MembraneOperator::cst) return w * el.area;
-  Vec3 mean = Vec3::Zero();
-  for (int s = 0; s < 3; ++s) {
-    const Base a = side_base(el.side[s], c.x, el.points.data(), s);
-    const Vec3 strain = half_metric(a.a1, a.a2) - el.side_metric[s];
-    if (kind_ == MembraneOperator::six_node_three_point) w += density(strain) / 3.0;
-    mean += strain / 3.0;
-  }
-  if (kind_ == MembraneOperator::six_node) w += (1.0 - cst_share_) * density(mean);
-  return w * el.area;
+  for (int s = 0; s < 3; ++s) w += density(f.side[s], at.side[s]) / 3.0;
+  return el.area * w;
 }
 
 Vec3 MembraneTerm::strain(Index e, const Configuration& c) const {
@@ -185,13 +205,16 @@ Vec3 MembraneTerm::force(Index e, const Configuration& c) const {
   return stiffness_[elements_[e].material] * strain(e, c);
 }
 
-void MembraneTerm::gradient_of(const Element& el, const Configuration& c, std::array<Vec3, nodes>& g) const {
+void MembraneTerm::gradient_of(Index e, const Configuration& c, std::array<Vec3, nodes>& g) const {
   g.fill(Vec3::Zero());
+  const Element& el = elements_[e];
+  static const Samples none{};
+  const Samples& before = viscosity_ > 0.0 ? start_[e] : none;
   const Mat3& stiffness = stiffness_[el.material];
   if (kind_ == MembraneOperator::cst || cst_share_ > 0.0) {
     const Base a = own_base(el.own, c.x, el.points.data());
     const double weight = el.area * (kind_ == MembraneOperator::cst ? 1.0 : cst_share_);
-    const Vec3 n = weight * (stiffness * (half_metric(a.a1, a.a2) - el.own_metric));
+    const Vec3 n = weight * (stiffness * effective(half_metric(a.a1, a.a2) - el.own_metric, before.own));
     for (int k = 0; k < 3; ++k) g[k] += pull(a, n, el.own[0][k], el.own[1][k]);
   }
   if (kind_ == MembraneOperator::cst) return;
@@ -205,22 +228,27 @@ void MembraneTerm::gradient_of(const Element& el, const Configuration& c, std::a
   }
   for (int s = 0; s < 3; ++s) {
     const bool three = kind_ == MembraneOperator::six_node_three_point;
-    const Vec3 n = (el.area * (1.0 - cst_share_) / 3.0) * (stiffness * (three ? strain[s] : mean));
+    const Vec3 n = (el.area * (1.0 - cst_share_) / 3.0) *
+                   (stiffness * effective(three ? strain[s] : mean, before.side[three ? s : 0]));
     for (int k = 0; k < 3; ++k) g[k] += pull(base[s], n, el.side[s][0][k], el.side[s][1][k]);
     g[3 + s] += pull(base[s], n, el.side[s][0][3], el.side[s][1][3]);
   }
 }
 
-void MembraneTerm::prepare(const Element& el, const Configuration& c, Workspace& w) const {
+void MembraneTerm::prepare(Index e, const Configuration& c, Workspace& w) const {
+  const Element& el = elements_[e];
   const Mat3& stiffness = stiffness_[el.material];
+  const Mat3 material = (1.0 + viscosity_) * stiffness;
+  static const Samples none{};
+  const Samples& start = viscosity_ > 0.0 ? start_[e] : none;
   const Index* points = el.points.data();
   for (int i = 0; i < nodes; ++i)
     for (int j = i; j < nodes; ++j) w.k[i][j].setZero();
   // Stress for the geometric part: from the strain at x_k plus its linear change if that tangent is asked for. The
   // strain is quadratic in x: E(x) = E(x_k) + B(x_k) dx + half_metric of the increment.
   const bool linearised = c.tangent == Tangent::linearised_stress && c.previous;
-  const auto stress = [&](const Vec3& strain, const Vec3& quadratic) -> Vec3 {
-    const Vec3 n = stiffness * (linearised ? Vec3(strain - quadratic) : strain);
+  const auto stress = [&](const Vec3& strain, const Vec3& quadratic, const Vec3& before) -> Vec3 {
+    const Vec3 n = stiffness * effective(linearised ? Vec3(strain - quadratic) : strain, before);
     return c.tangent == Tangent::positive ? tensile_part(n) : n;
   };
   if (kind_ == MembraneOperator::cst || cst_share_ > 0.0) {
@@ -233,8 +261,8 @@ void MembraneTerm::prepare(const Element& el, const Configuration& c, Workspace&
     }
     std::array<Mat3, 3> b;
     for (int k = 0; k < 3; ++k) b[k] = strain_rows(a, el.own[0][k], el.own[1][k]);
-    add_material(w.k, b, std::array{0, 1, 2}, weight * stiffness);
-    add_geometric(w.k, weight * stress(half_metric(a.a1, a.a2) - el.own_metric, quadratic), el.own,
+    add_material(w.k, b, std::array{0, 1, 2}, weight * material);
+    add_geometric(w.k, weight * stress(half_metric(a.a1, a.a2) - el.own_metric, quadratic, start.own), el.own,
                   std::array{0, 1, 2});
   }
   if (kind_ == MembraneOperator::cst) return;
@@ -254,8 +282,8 @@ void MembraneTerm::prepare(const Element& el, const Configuration& c, Workspace&
       const std::array<int, 4> node{0, 1, 2, 3 + s};
       std::array<Mat3, 4> b;
       for (int k = 0; k < 4; ++k) b[k] = strain_rows(base[s], el.side[s][0][k], el.side[s][1][k]);
-      add_material(w.k, b, node, weight / 3.0 * stiffness);
-      add_geometric(w.k, weight / 3.0 * stress(strain[s], quadratic[s]), el.side[s], node);
+      add_material(w.k, b, node, weight / 3.0 * material);
+      add_geometric(w.k, weight / 3.0 * stress(strain[s], quadratic[s], start.side[s]), el.side[s], node);
     }
     return;
   }
@@ -265,9 +293,10 @@ void MembraneTerm::prepare(const Element& el, const Configuration& c, Workspace&
     for (int s = 0; s < 3; ++s) b[k] += strain_rows(base[s], el.side[s][0][k], el.side[s][1][k]);
     b[3 + k] = strain_rows(base[k], el.side[k][0][3], el.side[k][1][3]);
   }
-  add_material(w.k, b, std::array{0, 1, 2, 3, 4, 5}, weight / 9.0 * stiffness);
+  add_material(w.k, b, std::array{0, 1, 2, 3, 4, 5}, weight / 9.0 * material);
   const Vec3 n = weight / 3.0 *
-                 stress((strain[0] + strain[1] + strain[2]) / 3.0, (quadratic[0] + quadratic[1] + quadratic[2]) / 3.0);
+                 stress((strain[0] + strain[1] + strain[2]) / 3.0, (quadratic[0] + quadratic[1] + quadratic[2]) / 3.0,
+                        start.side[0]);
   for (int s = 0; s < 3; ++s) add_geometric(w.k, n, el.side[s], std::array{0, 1, 2, 3 + s});
 }
 

@@ -11,6 +11,7 @@
 #include <optional>
 #include <utility>
 
+#include "hdf5_file.hpp"
 #include "voile/base/error.hpp"
 #include "voile/base/text.hpp"
 
@@ -19,120 +20,6 @@ namespace voile::io {
 namespace fs = std::filesystem;
 
 namespace {
-
-[[noreturn]] void fail(const fs::path& file) {
-  throw UserError(fmt::format("{}: writing failed; is the disk full or the folder write-protected?", file.string()));
-}
-
-/// Owns one HDF5 identifier. `close` tells whether closing succeeded: only then the data is in the file.
-class Id {
- public:
-  using Closer = herr_t (*)(hid_t);
-  Id(hid_t id, Closer closer, const fs::path& file) : id_(id), closer_(closer), file_(file) {
-    if (id_ < 0) fail(file_);
-  }
-  ~Id() {
-    if (id_ >= 0) closer_(id_);
-  }
-  Id(const Id&) = delete;
-  Id& operator=(const Id&) = delete;
-  operator hid_t() const { return id_; }
-  void close() {
-    if (closer_(std::exchange(id_, -1)) < 0) fail(file_);
-  }
-
- private:
-  hid_t id_;
-  Closer closer_;
-  const fs::path& file_;
-};
-
-/// While it lives HDF5 does not print its error stack: what fails is reported by an exception.
-class Silence {
- public:
-  Silence() {
-    H5Eget_auto2(H5E_DEFAULT, &function_, &data_);
-    H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
-  }
-  ~Silence() { H5Eset_auto2(H5E_DEFAULT, function_, data_); }
-  Silence(const Silence&) = delete;
-  Silence& operator=(const Silence&) = delete;
-
- private:
-  H5E_auto2_t function_ = nullptr;
-  void* data_ = nullptr;
-};
-
-/// An HDF5 file that appears under its name complete or not at all.
-class NewFile {
- public:
-  /// Starts empty, or as a copy of the present file.
-  NewFile(const fs::path& path, bool copy) : path_(path), temporary_(path.string() + ".part") {
-    if (copy) {
-      std::error_code error;
-      fs::copy_file(path_, temporary_, fs::copy_options::overwrite_existing, error);
-      if (error) fail(temporary_);
-    }
-    const Id access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, temporary_);
-    // Nobody else opens the temporary file, and locks fail on some network drives.
-    H5Pset_file_locking(access, false, true);
-    const std::string name = temporary_.string();
-    file_.emplace(copy ? H5Fopen(name.c_str(), H5F_ACC_RDWR, access)
-                       : H5Fcreate(name.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access),
-                  H5Fclose, temporary_);
-  }
-
-  void finish() {
-    file_->close();
-    std::error_code error;
-    fs::rename(temporary_, path_, error);
-    if (error) fail(path_);
-  }
-
-  void group(const std::string& name) {
-    Id(H5Gcreate2(*file_, name.c_str(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose, temporary_).close();
-  }
-
-  void link(const std::string& name, const std::string& target_file) {
-    if (H5Lcreate_external(target_file.c_str(), "/", *file_, name.c_str(), H5P_DEFAULT, H5P_DEFAULT) < 0)
-      fail(temporary_);
-  }
-
-  void text(const std::string& object, const char* name, const std::string& value) {
-    const Id type(H5Tcopy(H5T_C_S1), H5Tclose, temporary_);
-    H5Tset_size(type, std::max<std::size_t>(1, value.size()));
-    H5Tset_cset(type, H5T_CSET_UTF8);
-    attribute(object, name, type, value.c_str());
-  }
-
-  void number(const std::string& object, const char* name, double value) {
-    attribute(object, name, H5T_NATIVE_DOUBLE, &value);
-  }
-  void number(const std::string& object, const char* name, int value) {
-    attribute(object, name, H5T_NATIVE_INT, &value);
-  }
-
-  /// rows x columns values; one column makes a plain list.
-  void dataset(const std::string& name, hid_t type, std::size_t rows, std::size_t columns, const void* values) {
-    const std::array<hsize_t, 2> size{rows, columns};
-    const Id space(H5Screate_simple(columns == 1 ? 1 : 2, size.data(), nullptr), H5Sclose, temporary_);
-    Id set(H5Dcreate2(*file_, name.c_str(), type, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Dclose, temporary_);
-    if (rows > 0 && H5Dwrite(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values) < 0) fail(temporary_);
-    set.close();
-  }
-
- private:
-  void attribute(const std::string& object, const char* name, hid_t type, const void* value) {
-    const Id space(H5Screate(H5S_SCALAR), H5Sclose, temporary_);
-    Id a(H5Acreate_by_name(*file_, object.c_str(), name, type, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Aclose,
-         temporary_);
-    if (H5Awrite(a, type, value) < 0) fail(temporary_);
-    a.close();
-  }
-
-  fs::path path_, temporary_;
-  std::optional<Id> file_;
-};
 
 std::string xml_text(const std::string& text) {
   std::string out;
@@ -189,7 +76,7 @@ void write_text(const fs::path& file, const std::string& text) {
   out.close();
   std::error_code error;
   if (out) fs::rename(temporary, file, error);
-  if (!out || error) fail(file);
+  if (!out || error) fail_writing(file);
 }
 
 /// Removes the results of an earlier run, and nothing else.
@@ -317,6 +204,7 @@ void ResultsWriter::write(const StepFields& step) {
   NewFile data(impl_->folder / where, false);
   data.number("/", "step", step.step);
   data.number("/", "time", step.time);
+  data.number("/", "load_factor", step.load_factor);
   std::string grid = fmt::format("      <Grid Name=\"step {}\">\n        <Time Value=\"{}\"/>\n{}", step.step,
                                  step.time, impl_->constant_part);
   for (const Field& field : step.fields) grid += impl_->write_field(data, field, where);
@@ -335,7 +223,7 @@ struct HistoryWriter::Impl {
 
   void line(const std::string& text) {
     out << text << '\n' << std::flush;
-    if (!out) fail(file);
+    if (!out) fail_writing(file);
   }
 };
 

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "voile/base/error.hpp"
+
 namespace voile::solve {
 
 namespace {
@@ -14,8 +16,76 @@ constexpr int halvings_before_continuation = 1;
 
 }  // namespace
 
+const char* name(CriticalPoint::Kind kind) {
+  switch (kind) {
+    case CriticalPoint::Kind::limit:
+      return "limit point";
+    case CriticalPoint::Kind::bifurcation:
+      return "bifurcation point";
+    case CriticalPoint::Kind::both:
+      break;
+  }
+  return "limit and bifurcation point";
+}
+
+namespace {
+
+/// The options as PETSc types.
+struct PathOptions {
+  PetscInt control, critical;
+  PetscReal initial, least, most;
+  PetscInt steps, target;
+};
+
+/// PETSc's macros return an error code from the function they stand in.
+PetscErrorCode ask(MPI_Comm comm, PathOptions& o) {
+  static constexpr const char* controls[] = {"load", "displacement", "arc_length"};
+  static constexpr const char* answers[] = {"pass", "stop", "switch_branch"};
+  PetscOptionsBegin(comm, "path_", "Load path", nullptr);
+  // Lists, not enumerations: PetscEnum has no values of its own, and loading another one is undefined.
+  PetscCall(PetscOptionsEList("-control", "What a step prescribes", nullptr, controls, 3, controls[o.control],
+                              &o.control, nullptr));
+  PetscCall(PetscOptionsReal("-initial_step", "First step", nullptr, o.initial, &o.initial, nullptr));
+  PetscCall(PetscOptionsReal("-min_step", "Smallest step", nullptr, o.least, &o.least, nullptr));
+  PetscCall(PetscOptionsReal("-max_step", "Largest step", nullptr, o.most, &o.most, nullptr));
+  PetscCall(PetscOptionsInt("-max_steps", "Largest number of steps", nullptr, o.steps, &o.steps, nullptr));
+  PetscCall(PetscOptionsInt("-target_iterations", "Iterations at which a step keeps its size", nullptr, o.target,
+                            &o.target, nullptr));
+  PetscCall(PetscOptionsEList("-at_critical_point", "At a limit or bifurcation point", nullptr, answers, 3,
+                              answers[o.critical], &o.critical, nullptr));
+  PetscOptionsEnd();
+  return 0;
+}
+
+}  // namespace
+
+void read_path_options(MPI_Comm comm, StaticOptions& options) {
+  PathOptions o{static_cast<PetscInt>(options.control),
+                static_cast<PetscInt>(options.at_critical_point),
+                options.initial_step,
+                options.min_step,
+                options.max_step,
+                options.max_steps,
+                options.target_iterations};
+  VOILE_PETSC(ask(comm, o));
+  if (!(o.least > 0.0 && o.initial >= o.least && o.most >= o.initial && o.steps > 0 && o.target > 0))
+    throw UserError(
+        "options -path_...: 0 < -path_min_step <= -path_initial_step <= -path_max_step, and positive -path_max_steps "
+        "and -path_target_iterations are needed");
+  options.control = static_cast<StaticOptions::Control>(o.control);
+  options.at_critical_point = static_cast<StaticOptions::AtCriticalPoint>(o.critical);
+  options.initial_step = o.initial;
+  options.min_step = o.least;
+  options.max_step = o.most;
+  options.max_steps = static_cast<int>(o.steps);
+  options.target_iterations = static_cast<int>(o.target);
+  if (options.control == StaticOptions::Control::displacement &&
+      (options.control_probe.empty() || options.final_displacement == 0.0))
+    throw UserError("-path_control displacement: the case must give [steps] control_probe and final_displacement");
+}
+
 double StaticPath::next_target(double from, double step) const {
-  const double direction = options_.final_load_factor >= 0.0 ? 1.0 : -1.0;
+  const double direction = options_.final_load_factor >= from ? 1.0 : -1.0;
   const double slack = 1e-9 * std::max(1.0, std::abs(options_.final_load_factor));
   // A remainder of less than a tenth of a step is taken along; the nearest stop within reach wins.
   double nearest = 1.1 * step, target = from + direction * step;
@@ -30,20 +100,25 @@ double StaticPath::next_target(double from, double step) const {
   return target;
 }
 
-PathResult StaticPath::run(Vec a) {
+PathResult StaticPath::run(Vec a, const PathStart& start) {
   Newton newton(model_);
   PathResult result;
   petsc::VecHandle accepted = model_.create_vector();
   VOILE_PETSC(VecCopy(a, accepted));
-  model_.set_load_factor(0.0);
-  if (observer_) observer_({}, a);
-  double factor = 0.0, step = options_.initial_step;
+  result.steps = start.step;
+  model_.set_load_factor(start.load_factor);
+  observe({.step = start.step, .load_factor = start.load_factor, .newton = {}, .critical = {}}, a);
+  double factor = start.load_factor, step = options_.initial_step;
   int halvings = 0;
   const auto tally = [&](const NewtonResult& n) {
     result.newton_iterations += n.iterations;
     result.factorisations += n.factorisations;
   };
   while (std::abs(options_.final_load_factor - factor) > 1e-12 * std::max(1.0, std::abs(options_.final_load_factor))) {
+    if (result.steps - start.step >= options_.max_steps) {
+      result.reason = fmt::format("max_steps = {} steps did not reach the end of the path", options_.max_steps);
+      break;
+    }
     const double target = next_target(factor, step), taken = std::abs(target - factor);
     model_.set_load_factor(target);
     NewtonResult n = newton.step(a);
@@ -77,7 +152,13 @@ PathResult StaticPath::run(Vec a) {
     ++result.steps;
     const bool last =
         std::abs(options_.final_load_factor - factor) <= 1e-12 * std::max(1.0, std::abs(options_.final_load_factor));
-    if (observer_) observer_({result.steps, factor, n, by_continuation, last}, a);
+    observe({.step = result.steps,
+             .load_factor = factor,
+             .newton = n,
+             .by_continuation = by_continuation,
+             .last = last,
+             .critical = {}},
+            a);
     // A step cut short by a stop says nothing against the step size in force; one after a failure does not grow,
     // unless continuation took it, which does not mind long steps.
     const bool easy = by_continuation || (n.iterations <= options_.target_iterations && halvings == 0);

@@ -109,6 +109,19 @@ void BlockMatrix::copy_values_from(const BlockMatrix& twin) const {
   copy_part(twin.off_diagonal_, 3 * row_count_, off_diagonal_rows_, open_values_.off_diagonal);
 }
 
+void BlockMatrix::add_values_from(const BlockMatrix& twin, double factor) const {
+  const auto add_part = [&](Mat from, const PetscInt* rows, double* to) {
+    if (!from) return;
+    const double* values = nullptr;
+    VOILE_PETSC(MatSeqAIJGetArrayRead(from, &values));
+    const PetscInt count = rows[3 * row_count_];
+    for (PetscInt i = 0; i < count; ++i) to[i] += factor * values[i];
+    VOILE_PETSC(MatSeqAIJRestoreArrayRead(from, &values));
+  };
+  add_part(twin.diagonal_, diagonal_rows_, open_values_.diagonal);
+  add_part(twin.off_diagonal_, off_diagonal_rows_, open_values_.off_diagonal);
+}
+
 void BlockMatrix::close() {
   VOILE_PETSC(MatSeqAIJRestoreArray(diagonal_, &open_values_.diagonal));
   if (off_diagonal_) VOILE_PETSC(MatSeqAIJRestoreArray(off_diagonal_, &open_values_.off_diagonal));

@@ -169,6 +169,16 @@ Constraints resolve_supports(const mesh::SurfaceMesh& mesh, const std::vector<Su
       add_fixed(mesh, support, result, conditions);
   }
   for (const auto& [v, list] : conditions) result.vertices.emplace(v, combine(mesh, v, list));
+  for (std::size_t i = 0; i < supports.size(); ++i) {
+    if (!supports[i].motion) continue;
+    for (Index v : mesh.group(supports[i].group).vertices) {
+      int& motion = result.vertices.at(v).motion;
+      if (motion >= 0)
+        throw UserError(fmt::format("{} and {}: both move vertex {}; let one of them do it", name_of(supports[i]),
+                                    name_of(supports[static_cast<std::size_t>(motion)]), mesh.data().vertex_tags[v]));
+      motion = static_cast<int>(i);
+    }
+  }
   return result;
 }
 

@@ -20,6 +20,23 @@ void Model::set_load_factor(double factor) {
   followers_.term.set_load_factor(factor);
 }
 
+void Model::set_time(double time) {
+  if (movers_.empty()) return;
+  const petsc::WriteArray motion(motion_);
+  for (const Mover& m : movers_) {
+    const Vec3 u = supports_[static_cast<std::size_t>(m.support)].motion(rest_[m.local], time);
+    const Index axes = rotated_index_[m.local];
+    const Vec3 own = axes == no_index ? u : Vec3(rotated_[axes].second.transpose() * u);
+    for (int k = 0; k < 3; ++k) motion[3 * m.local + k] = own[k];
+  }
+}
+
+void Model::enforce_supports(Vec a) const {
+  const petsc::ReadArray prescribed(prescribed_), motion(motion_);
+  const petsc::WriteArray values(a);
+  for (PetscInt i : fixed_) values[i] = load_factor_ * prescribed[i] + motion[i];
+}
+
 void Model::update_points(Vec a, std::vector<Vec3>& u, std::vector<Vec3>& x) const {
   VOILE_PETSC(VecScatterBegin(scatter_, a, local_vector_, INSERT_VALUES, SCATTER_FORWARD));
   VOILE_PETSC(VecScatterEnd(scatter_, a, local_vector_, INSERT_VALUES, SCATTER_FORWARD));
@@ -86,64 +103,119 @@ void Model::residual(Vec a, Vec r) {
   VOILE_PETSC(VecNorm(work_, NORM_2, &applied));
   {
     const petsc::WriteArray out(r);
-    const petsc::ReadArray unknown(a), prescribed(prescribed_);
+    const petsc::ReadArray unknown(a), prescribed(prescribed_), motion(motion_);
     for (PetscInt i : fixed_) {
       reaction += out[i] * out[i];
-      out[i] = unknown[i] - load_factor_ * prescribed[i];
+      out[i] = unknown[i] - load_factor_ * prescribed[i] - motion[i];
     }
   }
   force_scale_ = std::max(applied, std::sqrt(mpi::sum(comm_, reaction)));
 }
 
 Energies Model::energies(Vec a) {
+  const double viscosity = membrane_.term.viscosity();
+  membrane_.term.set_viscosity(0.0);
+  const Energies e = energies_of_step(a);
+  membrane_.term.set_viscosity(viscosity);
+  return e;
+}
+
+Energies Model::energies_of_step(Vec a) {
   const petsc::EventScope scope(petsc::events().energy);
   Energies e;
   const energy::Configuration c = configuration(a);
-  double curved = 0.0, membrane = 0.0, bending = 0.0, constant = 0.0, dead = 0.0;
-  for (Index i = 0; i < membrane_.term.size(); ++i)
-    if (membrane_.term.owned(i)) membrane += membrane_.term.energy(i, c);
-  for (Index i = 0; i < curved_.term.size(); ++i)
-    if (curved_.term.owned(i)) curved += curved_.term.energy(i, c);
+  double bending = 0.0, constant = 0.0, dead = 0.0;
   VOILE_PETSC(MatMult(bending_.mat(), a, work_));
   VOILE_PETSC(VecDot(work_, a, &bending));
   VOILE_PETSC(VecDot(constant_, a, &constant));
   VOILE_PETSC(VecDot(dead_, a, &dead));
-  e.membrane = mpi::sum(comm_, membrane);
-  e.bending = 0.5 * bending + mpi::sum(comm_, curved);
+  e.membrane = mpi::sum(comm_, owned_energy(membrane_, c));
+  e.bending = 0.5 * bending + mpi::sum(comm_, owned_energy(curved_, c));
   e.external = -constant - load_factor_ * dead;
   return e;
 }
 
 double Model::energy(Vec a) {
-  const Energies e = energies(a);
+  const Energies e = energies_of_step(a);
   return e.membrane + e.bending + e.external;
 }
 
+void Model::set_drag(const energy::DragOptions& options) {
+  drag_.term = energy::DragTerm(options);
+  velocity_.resize(point_of_.size());
+  drag_force_.resize(point_of_.size());
+  for (Index e = 0; options.active() && e < membrane_.term.size(); ++e) {
+    const Index* p = membrane_.term.stencil(e);
+    drag_.term.add({p[0], p[1], p[2]}, mesh_->area(membrane_triangle_[e]), membrane_.term.owned(e));
+  }
+  locate(drag_);
+}
+
+void Model::start_step(Vec a, Vec v, double viscosity) {
+  const energy::Configuration c = configuration(a);
+  membrane_.term.start_step(c, viscosity);
+  if (drag_.term.size() == 0) return;
+  update_points(v, velocity_, drag_force_);  // the sum with rest positions is not used
+  drag_.term.start_step(c.x, velocity_.data());
+}
+
+void Model::add_drag(Vec v, Vec f) {
+  if (drag_.term.size() == 0) return;
+  update_points(v, velocity_, drag_force_);
+  std::fill(force_.begin(), force_.end(), Vec3::Zero());
+  add_forces(drag_, {velocity_.data(), velocity_.data(), nullptr, energy::Tangent::exact});
+  fold_forces(force_);
+  const petsc::WriteArray out(f);
+  for (Index i = 0; i < owned_; ++i)
+    for (int k = 0; k < 3; ++k) out[3 * i + k] += force_[i][k];
+}
+
+double Model::drag_power(Vec v) {
+  if (drag_.term.size() == 0) return 0.0;
+  update_points(v, velocity_, drag_force_);
+  return mpi::sum(comm_, owned_energy(drag_, {velocity_.data(), velocity_.data(), nullptr, energy::Tangent::exact}));
+}
+
 void Model::assemble_tangent(Vec a, Vec previous, energy::Tangent tangent, double shift) {
+  TangentRequest request;
+  request.kind = tangent;
+  request.previous = previous;
+  request.mass = shift;
+  assemble_tangent(a, request);
+}
+
+void Model::assemble_tangent(Vec a, const TangentRequest& request) {
   const petsc::EventScope scope(petsc::events().tangent);
   energy::Configuration c = configuration(a);
-  c.tangent = tangent;
-  if (previous) {
-    update_points(previous, previous_u_, previous_x_);
+  c.tangent = request.kind;
+  if (request.previous) {
+    update_points(request.previous, previous_u_, previous_x_);
     c.previous = previous_x_.data();
   }
   const BlockMatrix::Values values = tangent_.open();
   {
     const petsc::EventScope copy(petsc::events().bending_copy);
     tangent_.copy_values_from(bending_);
+    if (request.bending != 1.0) tangent_.add_values_from(bending_, request.bending - 1.0);
   }
   add_blocks(membrane_, c, values);
   add_blocks(curved_, c, values);
   add_blocks(followers_, c, values);
-  if (shift > 0.0) {
+  if (request.drag > 0.0) {
+    drag_.term.set_scale(request.drag);
+    add_blocks(drag_, c, values);
+  }
+  if (request.mass > 0.0 && request.mass_matrix) tangent_.add_values_from(*request.mass_matrix, request.mass);
+  if (request.mass > 0.0 && !request.mass_matrix) {
     const petsc::ReadArray mass(mass_);
     for (Index i = 0; i < owned_; ++i)
-      values.add(mass_slots_[i], Mat3(Eigen::Map<const Vec3>(mass.data() + 3 * i).asDiagonal()) * shift);
+      values.add(mass_slots_[i], Mat3(Eigen::Map<const Vec3>(mass.data() + 3 * i).asDiagonal()) * request.mass);
   }
   has_coupling_ = false;
   if (has_prescribed_) {
     tangent_.close();
     find_coupling(a);
+    VOILE_PETSC(MatMult(tangent_.mat(), prescribed_, load_coupling_));
     eliminate(tangent_.open());
   } else {
     eliminate(values);
@@ -151,12 +223,35 @@ void Model::assemble_tangent(Vec a, Vec previous, energy::Tangent tangent, doubl
   tangent_.close();
 }
 
+BlockMatrix Model::consistent_mass() const {
+  BlockMatrix mass = bending_.twin();
+  const BlockMatrix::Values values = mass.open();
+  const auto axes = [&](Index i) {
+    return rotated_index_[i] == no_index ? Mat3(Mat3::Identity()) : rotated_[rotated_index_[i]].second;
+  };
+  for (Index t = 0; t < mesh_->triangle_count(); ++t) {
+    const double part = sheet_->material(t).areal_density * mesh_->area(t) / 12.0;
+    for (Index v : mesh_->triangles()[t]) {
+      const Index i = local_of_[v];
+      if (i == no_index || i >= owned_) continue;
+      for (Index w : mesh_->triangles()[t]) {
+        const Index j = local_of_[w];
+        values.add(mass.slot(i, row_of_local_[j]), (v == w ? 2.0 : 1.0) * part * axes(i).transpose() * axes(j));
+      }
+    }
+  }
+  eliminate(values);
+  for (Index at : unit_diagonal_) values.diagonal[at] = 0.0;
+  mass.close();
+  return mass;
+}
+
 void Model::find_coupling(Vec a) {
   VOILE_PETSC(VecZeroEntries(work_));
   {
     const petsc::WriteArray off(work_);
-    const petsc::ReadArray unknown(a), prescribed(prescribed_);
-    for (PetscInt i : fixed_) off[i] = unknown[i] - load_factor_ * prescribed[i];
+    const petsc::ReadArray unknown(a), prescribed(prescribed_), motion(motion_);
+    for (PetscInt i : fixed_) off[i] = unknown[i] - load_factor_ * prescribed[i] - motion[i];
   }
   double size = 0.0;
   VOILE_PETSC(VecNorm(work_, NORM_INFINITY, &size));
@@ -171,6 +266,42 @@ void Model::eliminate(const BlockMatrix::Values& values) const {
   for (Index at : eliminated_diagonal_) values.diagonal[at] = 0.0;
   for (Index at : eliminated_off_diagonal_) values.off_diagonal[at] = 0.0;
   for (Index at : unit_diagonal_) values.diagonal[at] = 1.0;
+}
+
+void Model::load_direction(Vec a, Vec f) {
+  VOILE_PETSC(VecCopy(dead_, f));
+  if (any_follower_) {
+    // Follower loads are linear in the load factor: a difference over one unit is exact.
+    const energy::Configuration c = configuration(a);
+    for (const double sign : {1.0, -1.0}) {
+      followers_.term.set_load_factor(load_factor_ + (sign > 0.0 ? 1.0 : 0.0));
+      std::fill(force_.begin(), force_.end(), Vec3::Zero());
+      add_forces(followers_, c);
+      fold_forces(force_);
+      const petsc::WriteArray out(f);
+      for (Index i = 0; i < owned_; ++i)
+        for (int k = 0; k < 3; ++k) out[3 * i + k] -= sign * force_[i][k];
+    }
+  }
+  if (has_prescribed_) VOILE_PETSC(VecAXPY(f, -1.0, load_coupling_));
+  const petsc::ReadArray prescribed(prescribed_);
+  const petsc::WriteArray out(f);
+  for (PetscInt i : fixed_) out[i] = prescribed[i];
+}
+
+void Model::clear_fixed(Vec v) const {
+  const petsc::WriteArray values(v);
+  for (PetscInt i : fixed_) values[i] = 0.0;
+}
+
+void Model::clear_free(Vec v) const {
+  const petsc::WriteArray values(v);
+  PetscInt next = 0;
+  for (PetscInt i : fixed_) {
+    for (; next < i; ++next) values[next] = 0.0;
+    next = i + 1;
+  }
+  for (; next < 3 * static_cast<PetscInt>(owned_); ++next) values[next] = 0.0;
 }
 
 std::vector<double> Model::gather(Vec a) const {

@@ -62,6 +62,14 @@ void Model::add_forces(const Assembled<Term>& part, const energy::Configuration&
 }
 
 template <class Term>
+double Model::owned_energy(const Assembled<Term>& part, const energy::Configuration& c) const {
+  double sum = 0.0;
+  for (Index e = 0; e < part.term.size(); ++e)
+    if (part.term.owned(e)) sum += part.term.energy(e, c);
+  return sum;
+}
+
+template <class Term>
 void Model::add_blocks(const Assembled<Term>& part, const energy::Configuration& c,
                        const BlockMatrix::Values& values) const {
   const Term& term = part.term;

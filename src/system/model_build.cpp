@@ -58,11 +58,15 @@ std::vector<Index> stencil_points(const energy::Sheet& sheet, Index t, const ene
 }  // namespace
 
 Model::Model(MPI_Comm comm, const mesh::SurfaceMesh& mesh, ModelInput input)
-    : comm_(comm), mesh_(&mesh), rank_(mpi::rank(comm)), materials_(std::move(input.materials)) {
+    : comm_(comm),
+      mesh_(&mesh),
+      rank_(mpi::rank(comm)),
+      materials_(std::move(input.materials)),
+      supports_(std::move(input.supports)) {
   partition_ = mesh::make_partition(comm, mesh);
   Build build;
   mpi::on_all(comm, [&] {
-    constraints_ = resolve_supports(mesh, input.supports);
+    constraints_ = resolve_supports(mesh, supports_);
     patches_ = std::make_unique<mesh::PatchMesh>(mesh, constraints_.mirrors);
     sheet_ = std::make_unique<energy::Sheet>(*patches_, materials_, energy::assign_materials(mesh, materials_),
                                              input.element);
@@ -202,7 +206,7 @@ void Model::assemble_bending(Build& build) {
 void Model::make_vectors() {
   VOILE_PETSC(VecCreateMPI(comm_, 3 * owned_, PETSC_DETERMINE, work_.out()));
   VOILE_PETSC(VecSetBlockSize(work_, 3));
-  for (petsc::VecHandle* v : {&mass_, &dead_, &constant_, &coupling_, &prescribed_}) {
+  for (petsc::VecHandle* v : {&mass_, &dead_, &constant_, &coupling_, &load_coupling_, &prescribed_, &motion_}) {
     VOILE_PETSC(VecDuplicate(work_, v->out()));
     VOILE_PETSC(VecZeroEntries(*v));
   }
@@ -216,13 +220,15 @@ void Model::make_vectors() {
   for (Index i = 0; i < owned_; ++i) {
     const auto support = constraints_.vertices.find(point_of_[i]);
     if (support == constraints_.vertices.end()) continue;
+    if (support->second.motion >= 0) movers_.push_back({i, support->second.motion});
     for (int k = 0; k < 3; ++k)
       if (support->second.fixed[k]) {
         fixed_.push_back(3 * i + k);
         prescribed[3 * i + k] = support->second.value[k];
       }
   }
-  for (const auto& [v, support] : constraints_.vertices) has_prescribed_ |= support.value.squaredNorm() > 0.0;
+  for (const auto& [v, support] : constraints_.vertices)
+    has_prescribed_ |= support.value.squaredNorm() > 0.0 || support.motion >= 0;
 }
 
 void Model::find_eliminated_entries() {

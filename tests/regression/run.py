@@ -8,6 +8,8 @@ Published figures: Sze, Liu & Lo (2004), see runs/reference. Set VOILE to test a
 """
 
 import argparse
+import importlib.machinery
+import importlib.util
 import json
 import math
 import re
@@ -27,6 +29,8 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "runs" / "lib"))
 
 from benchmarks import BENCHMARKS, compare  # noqa: E402
 from curves import Table, at_load  # noqa: E402
+from linear import LINEAR, answer  # noqa: E402
+from modes import MODES, computed_modes  # noqa: E402
 from solver import ROOT, command, environment, invoke, load_case, run, variant, write_case  # noqa: E402
 
 OUT = ROOT / "results" / "regression"
@@ -83,6 +87,15 @@ def base(name, **changes):
     return variant(load_case(BENCHMARKS[name].case), {k.replace("__", "."): v for k, v in changes.items()})
 
 
+def with_mesh(case, **parameters):
+    return variant(case, {f"mesh.parameters.{k}": v for k, v in parameters.items()}
+                   | {"output": {"fields": ["displacement"], "every": 1}})
+
+
+def mesh_of(name, **parameters):
+    return with_mesh(load_case(BENCHMARKS[name].case), **parameters)
+
+
 def without_stops(case):
     return variant(case, {"steps.stops": None, "output": {"fields": ["displacement"], "every": 1000}})
 
@@ -130,6 +143,109 @@ def hemisphere(report):
     result = solve("hemisphere", base("hemisphere"))
     published(report, "hemisphere", result, 0.006, 0.01)
     report.near(result.history["vertical_force_z"][-1], 0.0, 1e-4, "force of the support that only stops a rigid motion")
+
+
+# Errors in % on the second mesh of runs/lib/linear.py: parallel diagonals, unstructured.
+LINEAR_ERRORS = {
+    "scordelis_lo": (-0.06, 0.04),
+    "pinched_cylinder_diaphragm": (19.60, 20.68),
+    "pinched_cylinder_free_100": (0.48, 0.56),
+    "pinched_cylinder_free_10000": (-93.35, -88.02),
+    "hemisphere_hole": (-3.65, -0.53),
+    "hemisphere_closed": (-4.66, -1.10),
+    "twisted_beam_thick_y": (-4.81, -4.86),
+    "twisted_beam_thick_z": (-0.71, -0.77),
+    "twisted_beam_thin_y": (-5.89, -1.95),
+    "twisted_beam_thin_z": (-6.01, -2.18),
+    "raasch_hook": (-7.12, -6.29),
+    "hypar_100": (-0.74, 1.02),
+    "hypar_1000": (-11.22, 0.72),
+    "hypar_10000": (-91.00, -56.53),
+    "skew_plate": (-0.85, 0.28),
+    "circular_plate_clamped": (1.79, 1.63),
+    "circular_plate_supported": (0.27, 0.20),
+    "triangular_plate": (1.99, 1.43),
+    "square_plate_uniform": (0.54, 0.57),
+    "square_plate_centre": (3.04, 2.91),
+    "cook_membrane": (-0.47, -0.25),
+    "slit_cylinder_torque": (-0.48, -0.06),
+}
+
+# Largest errors in % at 16 cells per side on the three patterns; about a sixth more than measured, half for Gmsh's.
+MODE_LIMITS = {
+    "vibration_supported": (0.13, 0.37, 0.45),
+    "fv12_free": (0.44, 0.05, 0.25),
+    "fv15_rhombic": (4.1, 7.7, 7.5),
+    "fv16_cantilever": (0.6, 0.95, 0.75),
+    "buckling_supported": (0.2, 0.85, 0.6),
+    "buckling_panel": (0.35, 0.4, 0.3),
+}
+
+
+@test
+def roofs(report):
+    """Whole snap-through and snap-back paths at 16 x 16 cells: curves and limit loads within 1 %, on three patterns."""
+    for name in ("roof_isotropic_6.35", "roof_90_0_90_6.35", "roof_0_90_0_12.7"):
+        for pattern in (0, 1, 2) if name == "roof_isotropic_6.35" else (0,):
+            case = mesh_of(name, n_axial=16, n_circ=16, pattern=pattern)
+            result = solve(f"{name}_{pattern}", variant(case, {"steps.max_step": 2 * case["steps"]["max_step"]}))
+            comparison = compare(BENCHMARKS[name], result.history)[0]
+            report.below(comparison.curve_error, 0.01, f"{name}, pattern {pattern}, whole curve")
+            report.check(len(comparison.limits) == 2, f"{len(comparison.limits)} limit loads")
+            for computed, expected in comparison.limits:
+                report.percent(computed / expected, 0.01, f"limit load {computed:.5g} against {expected:.5g}")
+
+
+@test
+def cylinders(report):
+    """Coarse meshes under displacement control: laminate semi-cylinder 20 x 20, cylinder pulled open 20 x 30."""
+    for name, mesh, whole in (("semicylinder_90_0_90", {"n_axial": 20, "n_circ": 20}, 0.02),
+                              ("pullout_cylinder", {"n_axial": 20, "n_circ": 30}, 0.01)):
+        case = mesh_of(name, **mesh)
+        result = solve(name, variant(case, {"steps.max_step": 2 * case["steps"]["max_step"]}))
+        for c in compare(BENCHMARKS[name], result.history):
+            report.below(c.curve_error, whole, f"{name}, {c.curve.label}, whole curve")
+
+
+@test
+def linear_course(report):
+    """Every problem of runs/linear on its second mesh: the error is the one measured when it was entered here."""
+    for name, expected in LINEAR_ERRORS.items():
+        problem = LINEAR[name]
+        mesh = {k: v * problem.factors[1] for k, v in problem.parameters}
+        for pattern, error in zip((0, 2), expected):
+            case = with_mesh(load_case(problem.case), pattern=pattern, **mesh)
+            computed = 100 * (answer(problem, solve(f"linear_{name}_{pattern}", case, 1)) / problem.reference - 1)
+            # Another version of Gmsh makes another unstructured mesh.
+            band = max(0.1, 0.02 * abs(error)) if pattern == 0 else max(0.5, 0.25 * abs(error))
+            report.near(computed, error, band, f"{name}, pattern {pattern}, error in %")
+
+
+@test
+def modes(report):
+    """Vibration and buckling at 16 cells per side on three patterns: the worst mode is off by no more than measured."""
+    for name, limits in MODE_LIMITS.items():
+        problem = MODES[name]
+        for pattern, limit in enumerate(limits):
+            case = with_mesh(load_case(problem.case), pattern=pattern, **{k: 2 * v for k, v in problem.parameters})
+            result = solve(f"{name}_{pattern}", case, 1 + (pattern == 1))
+            error = computed_modes(problem, result) / problem.reference() - 1
+            report.below(100 * float(np.abs(error).max()), limit, f"{name}, pattern {pattern}, worst mode, error in %")
+
+
+@test
+def restart(report):
+    """A roof followed to its end, and again from a middle step on another number of ranks: the same end to 1e-6."""
+    case = mesh_of("roof_isotropic_6.35", n_axial=8, n_circ=8)
+    whole = solve("restart_whole", case, 2)
+    middle = whole.summary["steps"] // 2
+    for ranks in (1, 3):
+        again = solve(f"restart_again_{ranks}", case, ranks,
+                      ["--restart", whole.folder / "results.h5", "--restart-step", str(middle)])
+        difference = np.abs(again.displacement() - whole.displacement()).max() / np.abs(whole.displacement()).max()
+        steps = whole.summary["steps"]
+        report.below(difference, 1e-6, f"from step {middle} of {steps} on {ranks} rank(s), displacements")
+        report.below(again.history["load_factor"][-1] / whole.history["load_factor"][-1] - 1, 1e-6, "load factor")
 
 
 @test
@@ -319,6 +435,64 @@ def killed(report):
                      f"{len(steps)} steps in results.h5, {len(table.values)} in history.csv")
         report.check(all(np.isfinite(data["steps"][s]["displacement"][...]).all() for s in steps[:-1]), "all are readable")
     report.check(xml.parse(folder / "results.xdmf").getroot().tag == "Xdmf", "results.xdmf is complete")
+
+
+# ----------------------------------------------------------------------------------------------------------- draping
+
+def drape_script(name):
+    """A script of runs/drape as a module; the cases of the tests are the ones it documents."""
+    loader = importlib.machinery.SourceFileLoader(f"drape_{name}", str(ROOT / "runs" / "drape" / name))
+    module = importlib.util.module_from_spec(importlib.util.spec_from_loader(loader.name, loader))
+    loader.exec_module(module)
+    return module
+
+
+@test
+def heavy_strip(report):
+    """Draping of a clamped strip: drop over reach within 1 % of the heavy elastica, clamp curvature within 2 %."""
+    script = drape_script("heavy_strip")
+    (OUT / "heavy_strip").mkdir(parents=True, exist_ok=True)
+    for gamma, pattern, material, angle in ((1.0, "one_way", "isotropic", 0), (100.0, "unstructured", "isotropic", 0),
+                                            (100.0, "unstructured", "fabric", 30)):
+        row = script.measure(gamma, pattern, 80, material, angle, OUT / "heavy_strip")
+        what = f"Gamma {gamma:g}, {material}, {pattern}"
+        report.check(row is not None, f"{what}: a stable equilibrium was found")
+        if row:
+            report.below(row["error"], 0.01, f"{what}: H/W")
+            report.below(row["curvature"], 0.02, f"{what}: clamp curvature")
+
+
+@test
+def wrinkling(report):
+    """A plate that overhangs a disc is stable at 0.95 of its critical load and unstable at 1.05, with four waves."""
+    script = drape_script("wrinkling")
+    (OUT / "wrinkling").mkdir(parents=True, exist_ok=True)
+    found = []
+    for factor in (0.95, 1.05):
+        result = script.solve(script.plate_case(0.5, factor, 24, "unstructured"), OUT / "wrinkling" / f"{factor:g}")
+        report.check(result is not None, f"{factor:g} P_c: solved")
+        if result:
+            found.append(script.spectrum(result))
+    if len(found) == 2:
+        report.check(min(found[0].values()) > 0, f"stable at 0.95: lowest eigenvalue {min(found[0].values()):+.3g}")
+        ratio, waves = script.onset(*found)
+        report.check(waves == 4, f"{waves} waves")
+        report.percent(ratio, 0.04, "critical load")
+
+
+@test
+def killed_motion(report):
+    """A motion killed on 2 ranks goes on from its checkpoint to the state of the unbroken run."""
+    script = drape_script("kill")
+    whole = solve("killed_motion", script.strip_case(steps=100))
+    file = OUT / "killed_motion.toml"
+    running = script.run_and_kill(file, OUT / "killed_motion_half", 42)
+    report.check(running, "the run was still going when it was killed")
+    shutil.rmtree(OUT / "killed_motion_again", ignore_errors=True)
+    again = run(file, OUT / "killed_motion_again", 2, ["--restart", str(OUT / "killed_motion_half" / "checkpoint.h5")], 300)
+    report.check(again.code == 0, f"the restart completes: code {again.code}")
+    if again.code == 0:
+        report.below(script.difference(whole, again), script.LIMIT, "relative difference of the final states")
 
 
 def main():

@@ -3,10 +3,16 @@
 #include <doctest/doctest.h>
 #include <petscsys.h>
 
+#include "voile/solve/eigen.hpp"
+
 int main(int argc, char** argv) {
   if (PetscInitialize(nullptr, nullptr, nullptr, nullptr)) return 1;
   doctest::Context context(argc, argv);
-  int failed = context.run(), worst = 0, rank = 0;
+  int failed = 0, worst = 0, rank = 0;
+  {
+    const voile::solve::SlepcSession slepc;
+    failed = context.run();
+  }
   MPI_Comm_rank(PETSC_COMM_WORLD, &rank);
   MPI_Allreduce(&failed, &worst, 1, MPI_INT, MPI_MAX, PETSC_COMM_WORLD);
   PetscFinalize();

@@ -245,7 +245,8 @@ TEST_CASE("misspelt names are reported with line and nearest match") {
   CHECK(has(error_after("bending = \"six_node\"", "bending = \"edge slope\""), "did you mean 'edge_slope'?"));
   CHECK(has(error_after("\"reaction\", ", "\"reactoin\", "), "unknown name 'reactoin': did you mean 'reaction'?"));
   CHECK(has(error_after("[\"z\", \"x\"]", "[\"w\"]"), "unknown axis 'w'"));
-  CHECK(has(error_after("analysis = \"static\"", "analysis = \"modal\""), "case.toml:2: analysis: 'modal'"));
+  CHECK(has(error_after("analysis = \"static\"", "analysis = \"modl\""),
+            "case.toml:2: analysis: 'modl': unknown value: did you mean 'modal'?"));
 }
 
 TEST_CASE("a key of another type is told apart from an unknown one") {

@@ -17,7 +17,9 @@
 
 #include "voile/base/error.hpp"
 #include "voile/base/text.hpp"
+#include "voile/io/checkpoint.hpp"
 #include "voile/io/results.hpp"
+#include "voile/io/stored_step.hpp"
 
 using namespace voile;
 namespace fs = std::filesystem;
@@ -66,6 +68,7 @@ io::StepFields step(const mesh::SurfaceMesh& mesh, int number) {
   };
   return {number,
           0.1 * number,
+          0.2 * number,
           {{"displacement", "m", io::Centre::vertex, 3, values(mesh.vertex_count(), 3)},
            {"membrane_force", "N/m", io::Centre::triangle, 3, values(mesh.triangle_count(), 3)},
            {"thickness", "m", io::Centre::triangle, 1, values(mesh.triangle_count(), 1)},
@@ -271,4 +274,49 @@ TEST_CASE("history numbers read back exactly, each line at once") {
   history.write({2, 1e-300, -2.5});
   CHECK(has(read_text(file), "2,1e-300,-2.5\n"));
   CHECK_THROWS_AS(history.write({1.0}), InternalError);
+}
+
+TEST_CASE("a stored step is read back with the one before it, and only into its own mesh") {
+  const Folder folder;
+  const mesh::SurfaceMesh mesh = plate(3), other = plate(4);
+  io::ResultsWriter writer(folder.path, mesh, ramp(mesh.vertex_count()), ramp(mesh.triangle_count()));
+  for (int n : {0, 2, 7}) writer.write(step(mesh, n));
+  const fs::path file = folder.path / "results.h5";
+  const io::StoredStep last = io::read_step(file, -1, mesh), first = io::read_step(file, 0, mesh);
+  CHECK(last.step == 7);
+  CHECK(last.load_factor == 0.2 * 7);
+  CHECK(last.displacement == step(mesh, 7).fields[0].values);
+  CHECK(last.previous == step(mesh, 2).fields[0].values);
+  CHECK(first.step == 0);
+  CHECK(first.previous.empty());
+  CHECK_THROWS_AS((void)io::read_step(file, 3, mesh), UserError);
+  CHECK_THROWS_AS((void)io::read_step(file, -1, other), UserError);
+  CHECK_THROWS_AS((void)io::read_step(folder.path / "none.h5", -1, mesh), UserError);
+}
+
+TEST_CASE("a checkpoint comes back bit by bit, and only into its own mesh") {
+  const Folder folder;
+  fs::create_directories(folder.path);
+  const mesh::SurfaceMesh mesh = plate(3);
+  const fs::path file = folder.path / "checkpoint.h5";
+  io::Checkpoint c{12, 0.1 + 0.2, 1.0 / 3.0, {}, {}, {}};
+  for (Index i = 0; i < 3 * mesh.vertex_count(); ++i) {
+    c.displacement.push_back(1.0 / (i + 1));
+    c.velocity.push_back(-0.1 * i);
+    c.acceleration.push_back(1e-17 * i);
+  }
+  io::write_checkpoint(file, c, mesh);
+  io::Checkpoint back = io::read_checkpoint(file, mesh);
+  CHECK(back.step == 12);
+  CHECK(back.time == c.time);
+  CHECK(back.next_step == c.next_step);
+  CHECK(back.displacement == c.displacement);
+  CHECK(back.velocity == c.velocity);
+  CHECK(back.acceleration == c.acceleration);
+  c.acceleration.clear();
+  io::write_checkpoint(file, c, mesh);
+  CHECK(io::read_checkpoint(file, mesh).acceleration.empty());
+  CHECK_THROWS_AS((void)io::read_checkpoint(file, plate(4)), UserError);
+  std::ofstream(file) << "not HDF5";
+  CHECK_THROWS_AS((void)io::read_checkpoint(file, mesh), UserError);
 }

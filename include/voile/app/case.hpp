@@ -14,8 +14,12 @@
 #include "voile/energy/element_options.hpp"
 #include "voile/energy/material.hpp"
 #include "voile/io/gmsh.hpp"
+#include "voile/solve/drape.hpp"
+#include "voile/solve/eigen.hpp"
 #include "voile/solve/static_options.hpp"
+#include "voile/solve/time_options.hpp"
 #include "voile/system/conditions.hpp"
+#include "voile/system/dynamics.hpp"
 
 namespace voile::app {
 
@@ -34,6 +38,30 @@ struct Probe {
   std::vector<int> components;  ///< 0, 1, 2; empty: all three
 };
 
+/// How a support moves: texts as written, turned into system::Support::motion.
+struct MotionInput {
+  std::vector<std::string> translation;  ///< three expressions of t [m]
+  std::optional<Vec3> axis;              ///< of a rotation
+  Vec3 centre = Vec3::Zero();            ///< a point on it [m]
+  std::string angle;                     ///< expression of t [degree]
+  [[nodiscard]] bool any() const { return !translation.empty() || !angle.empty(); }
+};
+
+/// Motion in time.
+struct TimeSection {
+  solve::TimeOptions options;
+  std::string load_history;        ///< expression of t for the load factor; empty: 1
+  int checkpoint_steps = 0;        ///< a checkpoint every so many steps; 0: none
+  double checkpoint_minutes = 10;  ///< and after so many minutes; 0: never
+};
+
+/// Modes of vibration and buckling.
+struct EigenSection {
+  int modes = 6;
+  system::Mass mass = system::Mass::consistent;
+  double load_factor = 0.0;  ///< of the equilibrium about which they are found
+};
+
 struct OutputSection {
   std::vector<std::string> fields;  ///< names of fields to write; empty: all
   int every = 1;                    ///< results every so many accepted steps (the last one always)
@@ -47,8 +75,13 @@ struct Case {
   energy::ElementOptions element;
   std::vector<energy::Material> materials;
   std::vector<system::Support> supports;
+  std::vector<MotionInput> motions;  ///< one per support
   std::vector<system::Load> loads;
   solve::StaticOptions steps;
+  EigenSection eigen;
+  TimeSection time;
+  system::DynamicsOptions dynamics;
+  solve::DrapeOptions drape;
   std::vector<Probe> probes;
   OutputSection output;
   std::string petsc_options;  ///< as on PETSc's command line; the real command line wins

@@ -46,7 +46,7 @@ struct Words {
 /// Where a key's value goes; the alternative decides what may be written in the file.
 using Slot = std::variant<double*, int*, bool*, std::string*, std::filesystem::path*, Degrees, Choice, Words,
                           std::vector<double>*, std::vector<int>*, std::array<bool, 3>*, Vec3*, std::optional<Vec3>*,
-                          Mat3*, std::map<std::string, double>*>;
+                          Mat3*, std::map<std::string, double>*, std::vector<std::string>*>;
 
 struct Key {
   std::string name;
@@ -65,22 +65,34 @@ struct Key {
 
 /// A material as it is written in the file.
 struct MaterialInput {
-  enum class Type { isotropic, orthotropic, matrices };
+  enum class Type { isotropic, orthotropic, matrices, laminate, fabric };
   Type type = Type::isotropic;
   std::vector<std::string> groups;
   double young = 0.0, poisson = 0.0;
   double young_1 = 0.0, young_2 = 0.0, poisson_12 = 0.0, shear_12 = 0.0;
   double thickness = 0.0, density = 0.0, areal_density = 0.0;
+  std::vector<double> angles, ply_thicknesses;
   Mat3 membrane = Mat3::Zero(), bending = Mat3::Zero();
+  std::filesystem::path fabric;
+  double warp_angle = 0.0;
   std::optional<Vec3> direction;
 };
 
 [[nodiscard]] std::vector<Key> keys_of(MeshSection& section);
 [[nodiscard]] std::vector<Key> keys_of(energy::ElementOptions& section);
 [[nodiscard]] std::vector<Key> keys_of(MaterialInput& section);
-[[nodiscard]] std::vector<Key> keys_of(system::Support& section);
+/// A support and its motion are one section.
+[[nodiscard]] std::vector<Key> keys_of(system::Support& section, MotionInput& motion);
 [[nodiscard]] std::vector<Key> keys_of(system::Load& section);
 [[nodiscard]] std::vector<Key> keys_of(solve::StaticOptions& section);
+[[nodiscard]] std::vector<Key> keys_of(EigenSection& section);
+/// [time], with the kind of mass.
+[[nodiscard]] std::vector<Key> keys_of(TimeSection& section, system::Mass& mass);
+/// [damping]
+[[nodiscard]] std::vector<Key> damping_keys(system::DynamicsOptions& section);
+/// [air]
+[[nodiscard]] std::vector<Key> keys_of(energy::DragOptions& section);
+[[nodiscard]] std::vector<Key> keys_of(solve::DrapeOptions& section);
 [[nodiscard]] std::vector<Key> keys_of(Probe& section);
 [[nodiscard]] std::vector<Key> keys_of(OutputSection& section);
 /// Keys outside every section.

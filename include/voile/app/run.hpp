@@ -13,7 +13,9 @@ namespace voile::app {
 enum class Verbosity { quiet, normal, verbose };
 
 struct RunOptions {
-  std::filesystem::path output;  ///< folder of the results; created
+  std::filesystem::path output;   ///< folder of the results; created
+  std::filesystem::path restart;  ///< results.h5 of an earlier run to go on from; empty: from the unloaded state
+  int restart_step = -1;          ///< its step; negative: the last one
   Verbosity verbosity = Verbosity::normal;
 };
 

@@ -29,6 +29,24 @@ struct Material {
 [[nodiscard]] Mat3 bending_from_membrane(const Mat3& membrane, double thickness);
 /// A of an orthotropic plate in its own axes: E1, E2 [Pa], nu12, G12 [Pa], h [m].
 [[nodiscard]] Mat3 orthotropic_membrane(double e1, double e2, double nu12, double g12, double thickness);
+/// One ply of a laminate.
+struct Ply {
+  double angle = 0.0;      ///< from material axis 1 to the fibres [rad]
+  double thickness = 0.0;  ///< [m]
+};
+/// Classical lamination theory: A = sum Q t, B = sum Q (z1^2 - z0^2)/2, D = sum Q (z1^3 - z0^3)/3 about the middle of
+/// the stack, Q the ply's plane-stress stiffness turned by its angle (Jones, Mechanics of Composite Materials, 2nd ed.
+/// 1999, chapters 2 and 4).
+struct LaminateStiffness {
+  Mat3 membrane = Mat3::Zero();  ///< A [N/m]
+  Mat3 coupling = Mat3::Zero();  ///< B [N]
+  Mat3 bending = Mat3::Zero();   ///< D [N m]
+  double thickness = 0.0;        ///< of the stack [m]
+};
+/// `ply_stiffness` is that of the ply's material in its own axes per thickness [Pa]; plies from the lowest z up.
+[[nodiscard]] LaminateStiffness laminate(const Mat3& ply_stiffness, const std::vector<Ply>& plies);
+/// Stiffness of a material whose axis 1 lies at `angle` [rad] to the axes wanted.
+[[nodiscard]] Mat3 rotated_stiffness(const Mat3& stiffness, double angle);
 /// True if the symmetric part of m has only positive eigenvalues.
 [[nodiscard]] bool is_positive_definite(const Mat3& m);
 

@@ -8,6 +8,9 @@
 // cst                   W = A/2 E_c.C E_c
 // six_node              W = A/2 [ (1-s_c) Em.C Em + s_c E_c.C E_c ],  Em = mean_s E_s
 // six_node_three_point  W = A/2 mean_s E_s.C E_s
+// Viscosity (Kelvin-Voigt in rest axes, over a time step dt from a state with strains E_n): every W(E) above becomes
+//   W(E) + c W(E - E_n),  c = tau/dt, tau the relaxation time [s]: stress C (E + tau dE/dt), the rate by the backward
+// difference of the step, which keeps a potential.
 // Source: mid-side gradients after Onate & Flores, Comput. Methods Appl. Mech. Engng 194 (2005) 2406-2443 (EBST);
 // six-node membrane of the rotation-free triangle: Sze & Zhou, Int. J. Comput. Methods 13 (2016) 1650021. A side on a
 // free boundary or on a crease uses the triangle's own gradient.
@@ -40,17 +43,22 @@ class MembraneTerm {
   [[nodiscard]] int stencil_size(Index) const { return nodes; }
   [[nodiscard]] bool owned(Index e) const { return elements_[e].owned; }
 
+  /// Starts a time step: viscosity acts against strains other than those of `c`. ratio = tau/dt; 0: no viscosity.
+  void start_step(const Configuration& c, double ratio);
+  [[nodiscard]] double viscosity() const { return viscosity_; }
+  void set_viscosity(double ratio) { viscosity_ = ratio; }
+
   [[nodiscard]] double energy(Index e, const Configuration& c) const;
   template <class Emit>
   void gradient(Index e, const Configuration& c, Emit&& emit) const {
     std::array<Vec3, nodes> g;
-    gradient_of(elements_[e], c, g);
+    gradient_of(e, c, g);
     for (int i = 0; i < nodes; ++i) emit(i, g[i]);
   }
   template <class Emit>
   void hessian(Index e, const Configuration& c, Emit&& emit) const {
     Workspace w;
-    prepare(elements_[e], c, w);
+    prepare(e, c, w);
     for (int i = 0; i < nodes; ++i)
       for (int j = i; j < nodes; ++j) {
         emit(i, j, w.k[i][j]);
@@ -88,13 +96,25 @@ class MembraneTerm {
     std::array<std::array<Mat3, nodes>, nodes> k;
   };
 
-  void gradient_of(const Element& el, const Configuration& c, std::array<Vec3, nodes>& g) const;
-  void prepare(const Element& el, const Configuration& c, Workspace& w) const;
+  void gradient_of(Index e, const Configuration& c, std::array<Vec3, nodes>& g) const;
+  void prepare(Index e, const Configuration& c, Workspace& w) const;
+  /// Strains of the samples that W is made of: the sides' or their mean, and the triangle's own.
+  struct Samples {
+    std::array<Vec3, 3> side;
+    Vec3 own;
+  };
+  [[nodiscard]] Samples samples(Index e, const Configuration& c) const;
+  /// (1 + c) E - c E_n: the strain whose elastic stress is the whole stress.
+  [[nodiscard]] Vec3 effective(const Vec3& strain, const Vec3& before) const {
+    return viscosity_ > 0.0 ? Vec3((1.0 + viscosity_) * strain - viscosity_ * before) : strain;
+  }
 
   std::vector<Element> elements_;
   std::vector<Mat3> stiffness_;
   MembraneOperator kind_ = MembraneOperator::six_node;
   double cst_share_ = 0.0;
+  double viscosity_ = 0.0;      ///< c
+  std::vector<Samples> start_;  ///< E_n of each element; side[0] holds the mean for six_node
 };
 
 }  // namespace voile::energy

@@ -24,7 +24,8 @@ struct Field {
 
 struct StepFields {
   int step = 0;
-  double time = 0.0;  ///< load factor in statics
+  double time = 0.0;         ///< shown by ParaView; never decreasing
+  double load_factor = 0.0;  ///< stored as an attribute
   std::vector<Field> fields;
 };
 

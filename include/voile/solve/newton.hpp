@@ -8,16 +8,14 @@
 // Continuation:  (K+ + s M) dx = -r, K+ with the tensile part of the stress, backtracking on the energy, s halved after
 //                each full step: pseudo-transient continuation, which finds equilibria across snaps. Close to one the
 //                exact tangent, with s raised while it is indefinite; Newton steps finish it.
-// Converged:     |r| <= rtol f and |dx| <= stol |x - x0|  (-snes_rtol, -snes_stol; also |r| <= -snes_atol), or, where
-//                the residual has reached its round-off, |dx| <= stol/1000 |x - x0| and |r.dx| <= rtol/1000 f |x - x0|,
-//                or |r| <= eps |A| |X| sqrt(unknowns) (A membrane stiffness) and no longer falling.
-// Linear solver: -ksp_type preonly -pc_type cholesky (lu with follower loads) -pc_factor_mat_solver_type mumps unless
-//                the user says otherwise. MUMPS's lack of workspace is answered with twice as much, several times.
+// Convergence is judged by convergence.hpp, linear systems are solved by linear_solver.hpp.
 #pragma once
 
 #include <memory>
 #include <string>
 
+#include "voile/solve/convergence.hpp"
+#include "voile/solve/linear_solver.hpp"
 #include "voile/system/model.hpp"
 
 namespace voile::solve {
@@ -43,8 +41,12 @@ class Newton {
   /// Solves r(a) = 0 at the model's load factor, from and into `a`; on failure `a` is the last iterate. Collective.
   [[nodiscard]] NewtonResult step(Vec a);
   /// The same by pseudo-transient continuation. Collective.
-  [[nodiscard]] NewtonResult continuation(Vec a);
+  [[nodiscard]] NewtonResult continuation(Vec a, int max_iterations = 300);
+  /// One linear solution K(a) da = -r(a): small deflections from the state `a`. Collective.
+  [[nodiscard]] NewtonResult linear_step(Vec a);
   [[nodiscard]] SNES snes() const;
+  [[nodiscard]] LinearSolver& linear_solver();
+  [[nodiscard]] const ConvergenceTest& convergence() const;
 
  private:
   struct Impl;

@@ -53,6 +53,8 @@ class BlockMatrix {
   void close();
   /// Overwrites the open value arrays with those of a twin: nothing but two copies of memory.
   void copy_values_from(const BlockMatrix& twin) const;
+  /// Adds a multiple of a twin's values to the open value arrays.
+  void add_values_from(const BlockMatrix& twin, double factor) const;
 
   /// Calls f(is_diagonal_part, offset, scalar row, scalar column) for every stored entry of this rank; global numbers.
   template <class F>

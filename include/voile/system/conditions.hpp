@@ -2,6 +2,8 @@
 #pragma once
 
 #include <array>
+#include <functional>
+#include <limits>
 #include <optional>
 #include <string>
 
@@ -21,6 +23,9 @@ struct Support {
   std::array<bool, 3> components{false, false, false};  ///< displacement only: which of x, y, z
   Vec3 value = Vec3::Zero();                            ///< displacement at load factor 1 [m]
   std::optional<Vec3> normal;                           ///< symmetry: normal of the plane; absent: found from the group
+  double release = std::numeric_limits<double>::infinity();  ///< time at which it lets go [s]
+  /// Displacement [m] of the vertex with rest position X at time t [s], added to `value`; empty: none.
+  std::function<Vec3(const Vec3& rest, double time)> motion;
 };
 
 struct Load {

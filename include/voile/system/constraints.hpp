@@ -18,6 +18,7 @@ struct VertexSupport {
   Mat3 axes = Mat3::Identity();  ///< Q_v
   std::array<bool, 3> fixed{false, false, false};
   Vec3 value = Vec3::Zero();  ///< prescribed components in local axes at load factor 1 [m]
+  int motion = -1;            ///< number of the support that moves the vertex in time; -1: none
   [[nodiscard]] bool rotated() const { return !axes.isIdentity(0.0); }
 };
 

@@ -5,7 +5,7 @@
 //           lambda  load factor;  f_d dead loads that follow it, f_c constant ones                              [N]
 //           K_b   constant bending stiffness, assembled once and copied into each tangent                       [N/m]
 //   r(a)  = K_b a + dE_m/da + dE_c/da - lambda f_d - f_c - f_follower(a, lambda)       free components
-//   r_i   = a_i - lambda abar_i                                                         fixed components
+//   r_i   = a_i - lambda abar_i - motion_i(t)                                           fixed components
 // Elements that touch an owned vertex are evaluated by its rank, so that rows are complete without communication;
 // energies count each triangle once, on its owner.
 #pragma once
@@ -15,6 +15,7 @@
 
 #include "voile/base/petsc.hpp"
 #include "voile/energy/bending.hpp"
+#include "voile/energy/drag.hpp"
 #include "voile/energy/loads.hpp"
 #include "voile/energy/membrane.hpp"
 #include "voile/energy/sheet.hpp"
@@ -47,6 +48,16 @@ struct TriangleFields {
   std::vector<double> bending_moment;   ///< M11, M22, M12 [N]
 };
 
+/// What a tangent is made of besides the membrane and the follower loads.
+struct TangentRequest {
+  energy::Tangent kind = energy::Tangent::exact;
+  Vec previous = nullptr;                    ///< previous iterate for Tangent::linearised_stress; may be null
+  double bending = 1.0;                      ///< factor on the constant bending stiffness
+  double mass = 0.0;                         ///< factor on the mass [1/s^2]
+  const BlockMatrix* mass_matrix = nullptr;  ///< consistent mass; null: the lumped one
+  double drag = 0.0;                         ///< d velocity / d position [1/s]
+};
+
 class Model {
  public:
   /// Builds everything. Collective; the mesh must be the same on all ranks and outlive the model.
@@ -72,6 +83,10 @@ class Model {
   /// Load factor of all later evaluations.
   void set_load_factor(double factor);
   [[nodiscard]] double load_factor() const { return load_factor_; }
+  /// Time of all later evaluations: supports with a motion go where they are then.
+  void set_time(double time);
+  /// Sets the fixed components of a to their prescribed values. Collective.
+  void enforce_supports(Vec a) const;
 
   /// r(a) as above. Collective.
   void residual(Vec a, Vec r);
@@ -79,10 +94,14 @@ class Model {
   void unbalanced_force(Vec a, Vec f);
   /// Norm of the larger of applied forces and reactions of the last residual: what a residual is small against. [N]
   [[nodiscard]] double force_scale() const { return force_scale_; }
-  /// Stored minus external energy; only meaningful for a symmetric model. Collective.
+  /// Stored minus external energy, viscous part of the time step included; only meaningful for a symmetric model.
+  /// Collective.
   [[nodiscard]] double energy(Vec a);
+  /// The same in parts, without viscosity. Collective.
   [[nodiscard]] Energies energies(Vec a);
 
+  /// Tangent at a. Fixed rows and columns are eliminated. Collective.
+  void assemble_tangent(Vec a, const TangentRequest& request);
   /// Tangent at a, with inertia-like shift times the lumped mass on the diagonal. `previous` (may be null) is the
   /// previous iterate for Tangent::linearised_stress. Fixed rows and columns are eliminated. Collective.
   void assemble_tangent(Vec a, Vec previous, energy::Tangent tangent, double shift);
@@ -90,11 +109,30 @@ class Model {
   /// Force on the free components by the part of the last tangent that couples them to fixed components which are still
   /// off their prescribed values; null if there is none. To be subtracted from the right-hand side.
   [[nodiscard]] Vec fixed_coupling() const { return has_coupling_ ? static_cast<Vec>(coupling_) : nullptr; }
+  /// f = -dr/dlambda at a: how the load grows with the load factor. Where displacements are prescribed it needs the
+  /// tangent assembled last, which must be that at a. Collective.
+  void load_direction(Vec a, Vec f);
+  /// Sets the fixed components to zero, or the free ones.
+  void clear_fixed(Vec v) const;
+  void clear_free(Vec v) const;
   /// The constant bending stiffness without elimination.
   [[nodiscard]] Mat bending_matrix() const { return bending_.mat(); }
 
+  // Within a time step (see dynamics.hpp)
+  /// Puts the sheet into moving or still air. Collective, before the first step.
+  void set_drag(const energy::DragOptions& options);
+  /// Remembers the start of a step, state a with velocities v: viscosity = relaxation time / time step. Collective.
+  void start_step(Vec a, Vec v, double viscosity);
+  /// Adds the drag (minus the force) at velocities v to f; fixed components too. Collective.
+  void add_drag(Vec v, Vec f);
+  /// Sum of 1/2 (v - w).B (v - w). Collective.
+  [[nodiscard]] double drag_power(Vec v);
+
   /// Lumped mass per unknown: areal density (1 kg/m^2 where the material has none) times a third of the triangles.
   [[nodiscard]] Vec mass() const { return mass_; }
+  /// Consistent mass of linear triangles, m/12 (1 + delta_ij) per pair of corners, with the density that each material
+  /// has and zero rows and columns where the displacement is fixed. The pattern is the tangent's. Collective.
+  [[nodiscard]] BlockMatrix consistent_mass() const;
   [[nodiscard]] double total_area() const { return total_area_; }
 
   /// Three components per vertex in global axes, mesh order, on rank 0 (empty elsewhere). Collective.
@@ -132,10 +170,13 @@ class Model {
   template <class Term>
   void add_forces(const Assembled<Term>& part, const energy::Configuration& c);
   template <class Term>
+  [[nodiscard]] double owned_energy(const Assembled<Term>& part, const energy::Configuration& c) const;
+  template <class Term>
   void add_blocks(const Assembled<Term>& part, const energy::Configuration& c, const BlockMatrix::Values& values) const;
   void add_special(Index a, Index b, const Mat3& block, const BlockMatrix::Values& values) const;
   [[nodiscard]] energy::Configuration configuration(Vec a);
   void element_forces(Vec a, Vec f);
+  [[nodiscard]] Energies energies_of_step(Vec a);
   void find_coupling(Vec a);
   void eliminate(const BlockMatrix::Values& values) const;
 
@@ -175,6 +216,8 @@ class Model {
   Assembled<energy::MembraneTerm> membrane_;
   Assembled<energy::CurvedBendingTerm> curved_;
   Assembled<energy::FollowerTerm> followers_;
+  Assembled<energy::DragTerm> drag_;
+  std::vector<Vec3> velocity_, drag_force_;
   bool any_follower_ = false;
   struct Recovery {  ///< curvature operator of an owned triangle, local points
     Index triangle;
@@ -190,7 +233,13 @@ class Model {
   BlockMatrix bending_, tangent_;
   std::vector<Index> eliminated_diagonal_, eliminated_off_diagonal_, unit_diagonal_;
   std::vector<Slot> mass_slots_;
-  petsc::VecHandle mass_, dead_, constant_, work_, coupling_, prescribed_;
+  petsc::VecHandle mass_, dead_, constant_, work_, coupling_, load_coupling_, prescribed_, motion_;
+  struct Mover {  ///< an owned vertex whose support moves
+    Index local;
+    int support;
+  };
+  std::vector<Support> supports_;
+  std::vector<Mover> movers_;
   std::vector<PetscInt> fixed_;  ///< owned fixed unknowns, counted from the first of this rank
   bool has_coupling_ = false, has_prescribed_ = false;
   double load_factor_ = 0.0, force_scale_ = 0.0, total_area_ = 0.0;

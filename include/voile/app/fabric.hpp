@@ -1,0 +1,36 @@
+// A fabric: the figures that textile laboratories measure, read from a TOML file of its own.
+//
+// Symbols   A11 A22 A66  membrane stiffness along warp and weft and in shear [N/m],  A12 = nu_A sqrt(A11 A22)
+//           D11 D22 D66  bending stiffness along warp and weft and in twist [N m],   D12 = nu_D sqrt(D11 D22)
+// The Poisson ratios are the geometric means of both directions; |nu| < 1 is what positive definiteness asks for.
+// Without a measured twist, D66 = (1 - nu_D)/2 sqrt(D11 D22), which an isotropic sheet has.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "voile/base/types.hpp"
+
+namespace voile::app {
+
+struct Fabric {
+  std::string name, description;
+  double areal_density = 0.0;       ///< [kg/m^2]
+  std::optional<double> thickness;  ///< [m]
+  double membrane_warp = 0.0, membrane_weft = 0.0, membrane_shear = 0.0;
+  double membrane_poisson = 0.0;
+  double bending_warp = 0.0, bending_weft = 0.0;
+  std::optional<double> bending_twist;
+  double bending_poisson = 0.0;
+};
+
+/// Throws UserError naming file, line and key. Every figure must have its source in the table [sources].
+[[nodiscard]] Fabric parse_fabric(const std::string& text, const std::filesystem::path& file);
+[[nodiscard]] Fabric read_fabric(const std::filesystem::path& file);
+
+/// A and D with the warp as axis 1 and the weft as axis 2.
+[[nodiscard]] Mat3 membrane_stiffness(const Fabric& fabric);
+[[nodiscard]] Mat3 bending_stiffness(const Fabric& fabric);
+
+}  // namespace voile::app

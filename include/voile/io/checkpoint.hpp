@@ -1,0 +1,25 @@
+// The complete state of a motion in time, to go on from on any number of ranks.
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include "voile/mesh/surface_mesh.hpp"
+
+namespace voile::io {
+
+/// Values are vertices x 3, global axes, mesh order.
+struct Checkpoint {
+  int step = 0;
+  double time = 0.0, next_step = 0.0;  ///< [s]
+  std::vector<double> displacement;    ///< [m]
+  std::vector<double> velocity;        ///< [m/s]
+  std::vector<double> acceleration;    ///< [m/s^2]; empty: to be found from the equations
+};
+
+/// Replaces the file in one step: a kill leaves the old or the new one. Not collective: root only. Throws UserError.
+void write_checkpoint(const std::filesystem::path& file, const Checkpoint& c, const mesh::SurfaceMesh& mesh);
+/// Not collective: root only. Throws UserError if the file cannot be read or belongs to another mesh.
+[[nodiscard]] Checkpoint read_checkpoint(const std::filesystem::path& file, const mesh::SurfaceMesh& mesh);
+
+}  // namespace voile::io

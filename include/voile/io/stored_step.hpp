@@ -1,0 +1,22 @@
+// Reads a step of results.h5 back, to go on from it.
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include "voile/mesh/surface_mesh.hpp"
+
+namespace voile::io {
+
+struct StoredStep {
+  int step = 0;
+  double load_factor = 0.0;
+  std::vector<double> displacement;  ///< vertices x 3, global axes, mesh order [m]
+  std::vector<double> previous;      ///< of the step stored before, empty if there is none [m]
+};
+
+/// Reads step number `step`, or the last one if negative. Not collective: root only.
+/// Throws UserError if the file cannot be read, belongs to another mesh, or lacks the step or its displacement.
+[[nodiscard]] StoredStep read_step(const std::filesystem::path& file, int step, const mesh::SurfaceMesh& mesh);
+
+}  // namespace voile::io

@@ -1,0 +1,52 @@
+// Generalised-alpha time stepping as a TS type of PETSc: -ts_type voile_alpha.
+//
+// Symbols   X, V, A   position, velocity, acceleration at the start (0) and the end (1) of a step of size h
+//           F(t, X, V, A) = 0  the equations (TSSetI2Function);  rho spectral radius at infinite frequency
+//   X1 = X0 + h V0 + h^2 ((1/2 - beta) A0 + beta A1),   V1 = V0 + h ((1 - gamma) A0 + gamma A1)
+//   F(t0 + a_f h, X0 + a_f (X1 - X0), V0 + a_f (V1 - V0), A0 + a_m (A1 - A0)) = 0
+//   gamma = 1/2 + a_m - a_f,   beta = (1 + a_m - a_f)^2 / 4
+//   forces at the end (default):  a_f = 1, a_m = 2/(1 + rho)                    (Wood, Bossak & Zienkiewicz)
+//   otherwise:                    a_f = 1/(1 + rho), a_m = (2 - rho)/(1 + rho)  (Chung & Hulbert)
+// Source: J. Chung, G.M. Hulbert, J. Appl. Mech. 60 (1993) 371-375; W.L. Wood, M. Bossak, O.C. Zienkiewicz, Int. J.
+// Numer. Meth. Engng 15 (1980) 1562-1566. Second order, unconditionally stable on linear problems. Start: A0 solves
+// F(t0, X0, V0, A0) = 0, after every restart of the time stepper, unless it is given. Error of a step: (1/12 + (a_m -
+// a_f)^2/4) h^2 (A1 - A0), of third order, for TSAdapt. The unknown of the SNES is X1, its function F/a_f: with an
+// energy E(stage) whose gradient is F, E/a_f^2 is its potential. Options: -ts_voile_radius, -ts_voile_forces_at_end,
+// -ts_voile_predictor position|velocity|acceleration.
+#pragma once
+
+#include <petscts.h>
+
+namespace voile::solve {
+
+inline constexpr const char* alpha_ts_type = "voile_alpha";
+
+/// What the type asks of its user besides TSSetI2Function and TSSetI2Jacobian.
+struct AlphaCallbacks {
+  void* context = nullptr;
+  /// Before the first function of a step: state (X0, V0) and step size.
+  PetscErrorCode (*start_step)(void* context, Vec x, Vec v, PetscReal step) = nullptr;
+  /// Puts prescribed components of a stage position right at time t.
+  PetscErrorCode (*enforce)(void* context, PetscReal t, Vec stage) = nullptr;
+};
+
+/// What of a step tells about X1: stage (Xa, Va, Aa) with dVa/dXa = s_v and dAa/dXa = s_a.
+struct AlphaStage {
+  Vec x, v, a;
+  PetscReal time, s_v, s_a, a_f;
+};
+
+/// Makes the type known to PETSc; once per process is enough.
+void register_alpha_ts();
+/// Callbacks are copied.
+void set_alpha_callbacks(TS ts, const AlphaCallbacks& callbacks);
+/// Spectral radius in [0, 1] and whether forces are taken at the end of the step.
+void set_alpha_parameters(TS ts, double radius, bool forces_at_end);
+/// The stage that belongs to a trial X1. The vectors belong to the TS.
+[[nodiscard]] AlphaStage alpha_stage(TS ts, Vec x1);
+/// Gives the acceleration at the current state, as a checkpoint does; copied.
+void set_acceleration(TS ts, Vec a);
+/// The acceleration at the current state, owned by the TS; null before the first step.
+[[nodiscard]] Vec acceleration(TS ts);
+
+}  // namespace voile::solve

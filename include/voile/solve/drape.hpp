@@ -1,0 +1,33 @@
+// From any start to a stable static equilibrium at the model's load factor.
+//
+// Pseudo-transient continuation (newton.hpp) finds an equilibrium; the negative pivots of its exact tangent say whether
+// it is stable. An unstable one (a flat sheet, a symmetric fold) is left along its lowest mode and the search goes on.
+// What is returned as converged is at rest by definition: no inertia is involved.
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include "voile/solve/newton.hpp"
+
+namespace voile::solve {
+
+struct DrapeOptions {
+  int max_iterations = 2000;  ///< of each search
+  int max_escapes = 10;       ///< from unstable equilibria
+  double push = 0.1;          ///< largest displacement of an escape, in edge lengths
+};
+
+struct DrapeResult {
+  NewtonResult newton;      ///< of the last search; iterations and factorisations of all of them
+  double residual = 0.0;    ///< |r| at the end [N]
+  bool stable = false;      ///< no negative pivot; false too if the linear solver does not tell
+  double eigenvalue = 0.0;  ///< of the tangent in the lumped mass, nearest to zero [1/s^2]
+  int escapes = 0;
+};
+
+/// Drapes from and into `a`. Collective. `remark` is called on every rank after each search.
+[[nodiscard]] DrapeResult drape(system::Model& model, Vec a, const DrapeOptions& options,
+                                const std::function<void(const std::string&)>& remark);
+
+}  // namespace voile::solve

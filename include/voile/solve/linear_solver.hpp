@@ -1,0 +1,55 @@
+// Linear systems K x = b with the tangent of a model, through PETSc's KSP.
+//
+// Defaults, set before the user's options: -ksp_type preonly -pc_type cholesky (lu with follower loads)
+// -pc_factor_mat_solver_type mumps -mat_mumps_icntl_14 100. MUMPS's lack of workspace is answered with twice as much,
+// several times. Negative pivots of the symmetric factor count the negative eigenvalues of K (Sylvester's law of
+// inertia).
+#pragma once
+
+#include <string>
+
+#include "voile/system/model.hpp"
+
+namespace voile::solve {
+
+class LinearSolver {
+ public:
+  /// The model must outlive the solver. Call `set_defaults`, the KSP's options, then `prepare`.
+  explicit LinearSolver(system::Model& model) : model_(model) {}
+
+  /// Takes the KSP (not owned) and gives it the defaults. Collective.
+  void set_defaults(KSP ksp);
+  /// Sees what the user's options chose. Collective.
+  void prepare();
+
+  /// Solves with the model's last tangent; factors it first if it is new. False if that failed, see `failure`.
+  /// Collective.
+  [[nodiscard]] bool solve(Vec rhs, Vec x);
+  /// Factors the model's last tangent now, so that its negative pivots are known before a solution. Collective.
+  [[nodiscard]] bool factorise();
+  /// After a failed solve: makes the factor usable again. True if trying again with more workspace may help.
+  /// Collective.
+  [[nodiscard]] bool repair(int attempt);
+  /// Tells the solver that the tangent was assembled anew, for the count of factorisations.
+  void tangent_changed() { ++factorisations_; }
+
+  [[nodiscard]] int factorisations() const { return factorisations_; }
+  /// Of the last factorisation; -1 if the solver does not tell.
+  [[nodiscard]] long negative_pivots() const;
+  /// What failed last, for the log; emptied by the call.
+  [[nodiscard]] std::string take_failure();
+
+ private:
+  [[nodiscard]] Mat factor() const;
+
+  system::Model& model_;
+  KSP ksp_ = nullptr;
+  bool mumps_ = false;
+  int factorisations_ = 0;
+  std::string failure_;
+};
+
+/// MUMPS's answers that Voile asks for, by number of the arrays ICNTL and INFOG in MUMPS's manual.
+inline constexpr int mumps_workspace_percent = 14, mumps_error = 1, mumps_negative_pivots = 12;
+
+}  // namespace voile::solve

@@ -1,0 +1,39 @@
+// Equilibrium paths with the load factor as an unknown: displacement control and arc length.
+//
+// Symbols   r(a, lambda)  residual;  K = dr/da exact tangent;  f = -dr/dlambda
+//           Da, Dlambda   increment since the last accepted state;  da, dlambda  correction in one iteration
+//           W             lumped mass per unknown;  <x, y> = x.W y,  |x|^2 = <x, x>;  L  length of the step
+//           c             probe, a linear function of the displacements;  q  its prescribed value
+// Iteration   K x_r = r,  K x_f = f   (one factorisation, two back-substitutions),   da = -x_r + dlambda x_f
+//   arc length     <Da, Da> = L^2, linearised:  dlambda = ((L^2 - <Da, Da>)/2 + <Da, x_r>) / <Da, x_f>
+//   displacement   c.(a + da) = q:               dlambda = (q - c.a + c.x_r) / (c.x_f)
+// (cylindrical arc length, consistently linearised: Schweizerhof & Wriggers, Comput. Methods Appl. Mech. Engng 59
+// (1986) 261-279; Crisfield, Non-linear Finite Element Analysis of Solids and Structures 1 (1991), chapter 9.)
+// Predictor   Da = +-L x_f/|x_f|, the sign such that <Da, previous Da> > 0.
+// Step length grows with sqrt(wanted/needed iterations), at most by 2, and is halved when a step fails.
+// Critical points: between two states a limit point changes the sign of dlambda along the path, a bifurcation changes
+// the number of negative pivots without it. The eigenvalue of K (in W) nearest to zero is followed by inverse
+// iteration.
+#pragma once
+
+#include <memory>
+
+#include "voile/solve/static_path.hpp"
+
+namespace voile::solve {
+
+class PathFollower : public PathBase {
+ public:
+  /// `probe` is c in unknowns of the model, null if nothing is controlled or watched; copied. Collective.
+  PathFollower(system::Model& model, StaticOptions options, Vec probe);
+  ~PathFollower();
+
+  /// Follows the path from `a` at start.load_factor. Collective. `a` ends at the last accepted state.
+  [[nodiscard]] PathResult run(Vec a, const PathStart& start = {});
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace voile::solve

@@ -1,0 +1,72 @@
+// Motion in time: inertia, damping, and loads and supports that follow the time.
+//
+// Symbols   u, v, a   unknowns, their velocities and accelerations;  M mass;  K_b constant bending stiffness
+//           lambda(t) load factor;  r static residual (model.hpp)
+//   F(t, u, v, a) = M a + alpha M v + beta K_b v + r_visc(u) + r(u, lambda(t)) + drag(v)  = 0      free components
+//                   u - prescribed(t)                                                            fixed components
+// alpha [1/s] damps with the mass (air), beta [s] with the constant bending stiffness. beta turns against the change of
+// u in space axes, so it also brakes a bent sheet that turns as a whole. Membrane viscosity (relaxation time tau [s])
+// and drag are constant-coefficient within a step, see membrane.hpp and drag.hpp: first order in the step.
+// With v and a affine in u over a step (dv/du = s_v, da/du = s_a), F is the gradient in u of the incremental potential
+//   E(u) = W(u) + 1/2 a.M a/s_a + 1/2 v.(alpha M + beta K_b) v/s_v + drag power/s_v.
+#pragma once
+
+#include <functional>
+#include <optional>
+
+#include "voile/system/model.hpp"
+
+namespace voile::system {
+
+enum class Mass { consistent, lumped };
+
+struct DynamicsOptions {
+  Mass mass = Mass::lumped;
+  double mass_damping = 0.0;     ///< alpha [1/s]
+  double bending_damping = 0.0;  ///< beta [s]
+  double viscous_time = 0.0;     ///< tau [s]
+  energy::DragOptions drag;
+  std::function<double(double time)> load_history;  ///< lambda(t); empty: 1
+};
+
+/// Throws UserError if a material has no mass.
+void require_mass(const Model& model);
+
+class Dynamics {
+ public:
+  /// The model must outlive it. Collective. Throws UserError if a material has no mass.
+  Dynamics(Model& model, DynamicsOptions options);
+
+  [[nodiscard]] Model& model() const { return model_; }
+  [[nodiscard]] const DynamicsOptions& options() const { return options_; }
+
+  /// Time of all later evaluations. Collective.
+  void set_time(double time);
+  /// Remembers the start of a step of size dt. Collective.
+  void start_step(Vec u, Vec v, double dt);
+  /// F. Collective.
+  void residual(Vec u, Vec v, Vec a, Vec f);
+  /// E(u). Collective.
+  [[nodiscard]] double energy(Vec u, Vec v, Vec a, double s_v, double s_a);
+  /// Tangent dF/du at u into the model's tangent matrix. Collective.
+  void assemble_tangent(Vec u, energy::Tangent kind, double s_v, double s_a);
+  /// y = M x on the free components. Collective.
+  void apply_mass(Vec x, Vec y) const;
+  /// What a residual is small against: the largest of applied forces, reactions and inertia of the last residual. [N]
+  [[nodiscard]] double force_scale() const { return force_scale_; }
+
+  [[nodiscard]] double kinetic_energy(Vec v) const;
+  /// Of all vertices, in global axes; supports included. Collective.
+  [[nodiscard]] Vec3 momentum(Vec v) const;
+  /// About the origin of space. Collective.
+  [[nodiscard]] Vec3 angular_momentum(Vec u, Vec v) const;
+
+ private:
+  Model& model_;
+  DynamicsOptions options_;
+  std::optional<BlockMatrix> consistent_;
+  mutable petsc::VecHandle work_, sum_;
+  double force_scale_ = 0.0;
+};
+
+}  // namespace voile::system

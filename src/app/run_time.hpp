@@ -1,0 +1,26 @@
+// Motion in time and draping; private to src/app.
+#pragma once
+
+#include <string>
+
+#include "recorder.hpp"
+#include "summary.hpp"
+#include "voile/app/case.hpp"
+#include "voile/app/run.hpp"
+#include "voile/io/checkpoint.hpp"
+
+namespace voile::app {
+
+/// Collective. `model` has all supports; where supports let go, the run goes on with a model without them.
+/// `start` is what read_start gave.
+[[nodiscard]] Summary run_dynamic(const Case& c, const RunOptions& options, system::Model& model, Recorder& recorder,
+                                  const io::Checkpoint& start, std::string& reason);
+/// The checkpoint that --restart names, arrays on rank 0 only; empty without the option. Collective.
+[[nodiscard]] io::Checkpoint read_start(const RunOptions& options, const system::Model& model);
+/// From and into `a`. Collective.
+[[nodiscard]] Summary run_drape(const Case& c, system::Model& model, Recorder& recorder, Vec a, std::string& reason);
+
+/// Throws UserError if the run would overwrite what it restarts from. Collective.
+void check_restart_folder(MPI_Comm comm, const RunOptions& options);
+
+}  // namespace voile::app

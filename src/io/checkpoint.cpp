@@ -1,0 +1,43 @@
+#include "voile/io/checkpoint.hpp"
+
+#include "hdf5_file.hpp"
+#include "hdf5_read.hpp"
+
+namespace voile::io {
+
+void write_checkpoint(const std::filesystem::path& path, const Checkpoint& c, const mesh::SurfaceMesh& mesh) {
+  const Silence silence;
+  const auto vertices = static_cast<std::size_t>(mesh.vertex_count());
+  NewFile file(path, false);
+  file.group("mesh");
+  std::vector<double> positions;
+  for (const Vec3& x : mesh.positions()) positions.insert(positions.end(), {x[0], x[1], x[2]});
+  file.dataset("mesh/positions", H5T_NATIVE_DOUBLE, vertices, 3, positions.data());
+  file.number("/", "step", c.step);
+  file.number("/", "time", c.time);
+  file.number("/", "next_step", c.next_step);
+  file.number("/", "has_acceleration", c.acceleration.empty() ? 0 : 1);
+  file.dataset("displacement", H5T_NATIVE_DOUBLE, vertices, 3, c.displacement.data());
+  file.dataset("velocity", H5T_NATIVE_DOUBLE, vertices, 3, c.velocity.data());
+  if (!c.acceleration.empty()) file.dataset("acceleration", H5T_NATIVE_DOUBLE, vertices, 3, c.acceleration.data());
+  file.finish();
+}
+
+Checkpoint read_checkpoint(const std::filesystem::path& path, const mesh::SurfaceMesh& mesh) {
+  const Silence silence;
+  const Hdf5Handle file(H5Fopen(path.string().c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
+  if (!file.valid()) fail_restart(path, "this is not a checkpoint that can be read");
+  check_mesh(file, mesh, path);
+  const std::size_t count = 3 * static_cast<std::size_t>(mesh.vertex_count());
+  Checkpoint c;
+  c.step = static_cast<int>(read_number(file, "/", "step", path));
+  c.time = read_number(file, "/", "time", path);
+  c.next_step = read_number(file, "/", "next_step", path);
+  c.displacement = read_values(file, "displacement", count, path);
+  c.velocity = read_values(file, "velocity", count, path);
+  if (read_number(file, "/", "has_acceleration", path) != 0.0)
+    c.acceleration = read_values(file, "acceleration", count, path);
+  return c;
+}
+
+}  // namespace voile::io

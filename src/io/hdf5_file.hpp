@@ -1,0 +1,106 @@
+// HDF5 files that appear complete or not at all; private to src/io.
+#pragma once
+
+#include <fmt/format.h>
+
+#include <array>
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "hdf5_handle.hpp"
+#include "voile/base/error.hpp"
+
+namespace voile::io {
+
+[[noreturn]] inline void fail_writing(const std::filesystem::path& file) {
+  throw UserError(fmt::format("{}: writing failed; is the disk full or the folder write-protected?", file.string()));
+}
+
+/// Owns one HDF5 identifier of a file being written.
+class Id : public Hdf5Handle {
+ public:
+  Id(hid_t id, Closer closer, const std::filesystem::path& file) : Hdf5Handle(id, closer), file_(file) {
+    if (id < 0) fail_writing(file_);
+  }
+  /// Only if closing succeeds is the data in the file.
+  void close() {
+    if (!Hdf5Handle::close()) fail_writing(file_);
+  }
+
+ private:
+  const std::filesystem::path& file_;
+};
+
+/// An HDF5 file that appears under its name complete or not at all.
+class NewFile {
+ public:
+  /// Starts empty, or as a copy of the present file.
+  NewFile(const std::filesystem::path& path, bool copy) : path_(path), temporary_(path.string() + ".part") {
+    if (copy) {
+      std::error_code error;
+      std::filesystem::copy_file(path_, temporary_, std::filesystem::copy_options::overwrite_existing, error);
+      if (error) fail_writing(temporary_);
+    }
+    const Id access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, temporary_);
+    // Nobody else opens the temporary file, and locks fail on some network drives.
+    H5Pset_file_locking(access, false, true);
+    const std::string name = temporary_.string();
+    file_.emplace(copy ? H5Fopen(name.c_str(), H5F_ACC_RDWR, access)
+                       : H5Fcreate(name.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access),
+                  H5Fclose, temporary_);
+  }
+
+  void finish() {
+    file_->close();
+    std::error_code error;
+    std::filesystem::rename(temporary_, path_, error);
+    if (error) fail_writing(path_);
+  }
+
+  void group(const std::string& name) {
+    Id(H5Gcreate2(*file_, name.c_str(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose, temporary_).close();
+  }
+
+  void link(const std::string& name, const std::string& target_file) {
+    if (H5Lcreate_external(target_file.c_str(), "/", *file_, name.c_str(), H5P_DEFAULT, H5P_DEFAULT) < 0)
+      fail_writing(temporary_);
+  }
+
+  void text(const std::string& object, const char* name, const std::string& value) {
+    const Id type(H5Tcopy(H5T_C_S1), H5Tclose, temporary_);
+    H5Tset_size(type, std::max<std::size_t>(1, value.size()));
+    H5Tset_cset(type, H5T_CSET_UTF8);
+    attribute(object, name, type, value.c_str());
+  }
+
+  void number(const std::string& object, const char* name, double value) {
+    attribute(object, name, H5T_NATIVE_DOUBLE, &value);
+  }
+  void number(const std::string& object, const char* name, int value) {
+    attribute(object, name, H5T_NATIVE_INT, &value);
+  }
+
+  /// rows x columns values; one column makes a plain list.
+  void dataset(const std::string& name, hid_t type, std::size_t rows, std::size_t columns, const void* values) {
+    const std::array<hsize_t, 2> size{rows, columns};
+    const Id space(H5Screate_simple(columns == 1 ? 1 : 2, size.data(), nullptr), H5Sclose, temporary_);
+    Id set(H5Dcreate2(*file_, name.c_str(), type, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Dclose, temporary_);
+    if (rows > 0 && H5Dwrite(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values) < 0) fail_writing(temporary_);
+    set.close();
+  }
+
+ private:
+  void attribute(const std::string& object, const char* name, hid_t type, const void* value) {
+    const Id space(H5Screate(H5S_SCALAR), H5Sclose, temporary_);
+    Id a(H5Acreate_by_name(*file_, object.c_str(), name, type, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Aclose,
+         temporary_);
+    if (H5Awrite(a, type, value) < 0) fail_writing(temporary_);
+    a.close();
+  }
+
+  std::filesystem::path path_, temporary_;
+  std::optional<Id> file_;
+};
+
+}  // namespace voile::io

@@ -1,0 +1,339 @@
+#include "voile/solve/alpha_ts.hpp"
+
+#include <petsc/private/tsimpl.h>
+
+#include "voile/base/error.hpp"
+#include "voile/base/petsc.hpp"
+
+namespace voile::solve {
+
+namespace {
+
+enum class Predictor { position, velocity, acceleration };
+
+/// The type's own data (ts->data).
+struct Alpha {
+  double radius = 0.5;
+  bool at_end = true;
+  Predictor predictor = Predictor::acceleration;
+  double a_m = 0, a_f = 0, gamma = 0, beta = 0;
+  AlphaCallbacks callbacks;
+  Vec x0 = nullptr, xa = nullptr, x1 = nullptr, v0 = nullptr, va = nullptr, v1 = nullptr, a0 = nullptr, aa = nullptr,
+      a1 = nullptr;
+  bool has_acceleration = false;  ///< a1 belongs to the current state
+  bool starting = false;          ///< the SNES is solving for the first acceleration
+  double start_scale = 0.0;
+  double stage_time = 0, s_v = 0, s_a = 0;
+
+  void set_parameters() {
+    a_f = at_end ? 1.0 : 1.0 / (1.0 + radius);
+    a_m = at_end ? 2.0 / (1.0 + radius) : (2.0 - radius) / (1.0 + radius);
+    gamma = 0.5 + a_m - a_f;
+    beta = 0.25 * (1.0 + a_m - a_f) * (1.0 + a_m - a_f);
+  }
+};
+
+Alpha& data(TS ts) {
+  return *static_cast<Alpha*>(ts->data);
+}
+
+/// V1, A1 and the stage from a trial X1, which may be th.x1 (the SNES's solution, never written here).
+PetscErrorCode set_stage(TS ts, Vec x1) {
+  Alpha& th = data(ts);
+  const double h = ts->time_step;
+  PetscFunctionBeginUser;
+  // A1 = (X1 - X0 - h V0)/(beta h^2) + (1 - 1/(2 beta)) A0
+  PetscCall(VecWAXPY(th.a1, -1.0, th.x0, x1));
+  PetscCall(VecAXPBYPCZ(th.a1, -1.0 / (h * th.beta), 1.0 - 0.5 / th.beta, 1.0 / (h * h * th.beta), th.v0, th.a0));
+  PetscCall(VecWAXPY(th.v1, h * (1.0 - th.gamma), th.a0, th.v0));
+  PetscCall(VecAXPY(th.v1, h * th.gamma, th.a1));
+  PetscCall(VecAXPBYPCZ(th.xa, 1.0 - th.a_f, th.a_f, 0.0, th.x0, x1));
+  PetscCall(VecAXPBYPCZ(th.va, 1.0 - th.a_f, th.a_f, 0.0, th.v0, th.v1));
+  PetscCall(VecAXPBYPCZ(th.aa, 1.0 - th.a_m, th.a_m, 0.0, th.a0, th.a1));
+  PetscFunctionReturn(0);
+}
+
+PetscErrorCode set_shifts(TS ts) {
+  Alpha& th = data(ts);
+  const double h = ts->time_step;
+  PetscFunctionBeginUser;
+  th.stage_time = ts->ptime + th.a_f * h;
+  th.s_v = th.gamma / (h * th.beta);
+  th.s_a = th.a_m / (th.a_f * h * h * th.beta);
+  PetscFunctionReturn(0);
+}
+
+/// Solves F(t0, X0 + eps A, V0, A) = 0 for A: with eps small against the square of every period that matters, the
+/// Jacobian eps dF/dX + dF/dA needs no mass matrix of its own and holds fixed rows.
+PetscErrorCode start_acceleration(TS ts) {
+  Alpha& th = data(ts);
+  PetscFunctionBeginUser;
+  th.start_scale = 1e-8 * ts->time_step * ts->time_step;
+  th.starting = true;
+  PetscCall(VecZeroEntries(th.a0));
+  PetscCall(VecCopy(th.x0, th.x1));
+  if (th.callbacks.start_step) PetscCall(th.callbacks.start_step(th.callbacks.context, th.x0, th.v0, ts->time_step));
+  Mat j = nullptr, p = nullptr;
+  KSP ksp = nullptr;
+  // X1 = X0 + eps A: the function of X1 is linear in A.
+  PetscCall(SNESGetJacobian(ts->snes, &j, &p, nullptr, nullptr));
+  PetscCall(SNESComputeFunction(ts->snes, th.x1, th.aa));
+  PetscCall(SNESComputeJacobian(ts->snes, th.x1, j, p));
+  PetscCall(SNESGetKSP(ts->snes, &ksp));
+  PetscCall(KSPSetOperators(ksp, j, p));
+  PetscCall(KSPSolve(ksp, th.aa, th.a0));
+  KSPConvergedReason reason = KSP_CONVERGED_ITERATING;
+  PetscCall(KSPGetConvergedReason(ksp, &reason));
+  ts->ksp_its += 1;
+  th.starting = false;
+  if (reason < 0)
+    SETERRQ(PetscObjectComm(reinterpret_cast<PetscObject>(ts)), PETSC_ERR_NOT_CONVERGED,
+            "the linear solver failed at the start");
+  PetscCall(VecScale(th.a0, -1.0 / th.start_scale));
+  PetscCall(VecCopy(th.a0, th.a1));
+  th.has_acceleration = true;
+  PetscFunctionReturn(0);
+}
+
+PetscErrorCode predict(TS ts) {
+  Alpha& th = data(ts);
+  const double h = ts->time_step;
+  PetscFunctionBeginUser;
+  PetscCall(VecCopy(th.x0, th.x1));
+  if (th.predictor != Predictor::position) PetscCall(VecAXPY(th.x1, h, th.v0));
+  if (th.predictor == Predictor::acceleration) PetscCall(VecAXPY(th.x1, 0.5 * h * h, th.a0));
+  if (!th.callbacks.enforce) PetscFunctionReturn(0);
+  // Prescribed components of the stage are known: X1 = X0 + (Xa - X0)/a_f there.
+  PetscCall(VecAXPBYPCZ(th.xa, 1.0 - th.a_f, th.a_f, 0.0, th.x0, th.x1));
+  PetscCall(th.callbacks.enforce(th.callbacks.context, th.stage_time, th.xa));
+  PetscCall(VecAXPBYPCZ(th.x1, 1.0 - 1.0 / th.a_f, 1.0 / th.a_f, 0.0, th.x0, th.xa));
+  PetscFunctionReturn(0);
+}
+
+PetscErrorCode step(TS ts) {
+  Alpha& th = data(ts);
+  PetscInt rejections = 0;
+  PetscBool stage_good = PETSC_FALSE, accepted = PETSC_FALSE;
+  PetscReal next = ts->time_step;
+  PetscFunctionBeginUser;
+  PetscCall(VecCopy(ts->vec_sol, th.x0));
+  PetscCall(VecCopy(ts->vec_dot, th.v0));
+  if (!ts->steprollback) {
+    if (ts->steprestart && !th.has_acceleration) {
+      PetscCall(set_shifts(ts));
+      PetscCall(start_acceleration(ts));
+    }
+    PetscCall(VecCopy(th.a1, th.a0));
+  }
+  while (!ts->reason) {
+    PetscCall(set_shifts(ts));
+    if (th.callbacks.start_step) PetscCall(th.callbacks.start_step(th.callbacks.context, th.x0, th.v0, ts->time_step));
+    PetscCall(predict(ts));
+    PetscInt its = 0, lits = 0;
+    PetscCall(TSPreStage(ts, th.stage_time));
+    PetscCall(SNESSolve(ts->snes, nullptr, th.x1));
+    PetscCall(SNESGetIterationNumber(ts->snes, &its));
+    PetscCall(SNESGetLinearSolveIterations(ts->snes, &lits));
+    ts->snes_its += its;
+    ts->ksp_its += lits;
+    PetscCall(set_stage(ts, th.x1));
+    PetscCall(TSPostStage(ts, th.stage_time, 0, &th.xa));
+    PetscCall(TSAdaptCheckStage(ts->adapt, ts, th.stage_time, th.xa, &stage_good));
+    accepted = stage_good;
+    if (accepted) {
+      PetscCall(VecCopy(th.x1, ts->vec_sol));
+      PetscCall(VecCopy(th.v1, ts->vec_dot));
+      PetscCall(TSAdaptChoose(ts->adapt, ts, ts->time_step, nullptr, &next, &accepted));
+      if (!accepted) {
+        PetscCall(VecCopy(th.x0, ts->vec_sol));
+        PetscCall(VecCopy(th.v0, ts->vec_dot));
+        ts->time_step = next;
+      }
+    }
+    if (accepted) break;
+    ts->reject++;
+    if (!ts->reason && ++rejections > ts->max_reject && ts->max_reject >= 0) ts->reason = TS_DIVERGED_STEP_REJECTED;
+  }
+  if (accepted) {
+    ts->ptime += ts->time_step;
+    ts->time_step = next;
+    th.has_acceleration = true;
+  } else {
+    PetscCall(VecCopy(th.a0, th.a1));
+  }
+  PetscFunctionReturn(0);
+}
+
+PetscErrorCode local_error(TS ts, NormType type, PetscInt* order, PetscReal* error) {
+  Alpha& th = data(ts);
+  PetscFunctionBeginUser;
+  const double h = ts->time_step, c = (1.0 / 12.0 + 0.25 * (th.a_m - th.a_f) * (th.a_m - th.a_f)) * h * h;
+  PetscReal absolute = 0, relative = 0;
+  PetscCall(VecCopy(th.x1, th.aa));
+  PetscCall(VecAXPY(th.aa, c, th.a1));
+  PetscCall(VecAXPY(th.aa, -c, th.a0));
+  PetscCall(TSErrorWeightedNorm(ts, th.x1, th.aa, type, error, &absolute, &relative));
+  if (order) *order = 3;
+  PetscFunctionReturn(0);
+}
+
+PetscErrorCode roll_back(TS ts) {
+  Alpha& th = data(ts);
+  PetscFunctionBeginUser;
+  PetscCall(VecCopy(th.x0, ts->vec_sol));
+  PetscCall(VecCopy(th.v0, ts->vec_dot));
+  PetscCall(VecCopy(th.a0, th.a1));
+  PetscFunctionReturn(0);
+}
+
+/// Cubic Hermite interpolation of the last step.
+PetscErrorCode interpolate(TS ts, PetscReal t, Vec x) {
+  Alpha& th = data(ts);
+  PetscFunctionBeginUser;
+  const double h = ts->ptime - ts->ptime_prev, s = (t - ts->ptime_prev) / h;
+  PetscCall(VecCopy(th.x0, x));
+  PetscCall(
+      VecAXPBYPCZ(x, s * s * (3 - 2 * s), h * s * (1 - s) * (1 - s), 1.0 - s * s * (3 - 2 * s), ts->vec_sol, th.v0));
+  PetscCall(VecAXPY(x, -h * s * s * (1 - s), ts->vec_dot));
+  PetscFunctionReturn(0);
+}
+
+PetscErrorCode snes_function(SNES, Vec x, Vec f, TS ts) {
+  Alpha& th = data(ts);
+  PetscFunctionBeginUser;
+  if (th.starting) {
+    PetscCall(TSComputeI2Function(ts, ts->ptime, x, th.v0, th.a0, f));
+    PetscFunctionReturn(0);
+  }
+  PetscCall(set_stage(ts, x));
+  PetscCall(TSComputeI2Function(ts, th.stage_time, th.xa, th.va, th.aa, f));
+  PetscCall(VecScale(f, 1.0 / th.a_f));
+  PetscFunctionReturn(0);
+}
+
+PetscErrorCode snes_jacobian(SNES, Vec, Mat j, Mat p, TS ts) {
+  Alpha& th = data(ts);
+  PetscFunctionBeginUser;
+  if (th.starting)
+    PetscCall(TSComputeI2Jacobian(ts, ts->ptime, th.x1, th.v0, th.a0, 0.0, 1.0 / th.start_scale, j, p));
+  else
+    PetscCall(TSComputeI2Jacobian(ts, th.stage_time, th.xa, th.va, th.aa, th.s_v, th.s_a, j, p));
+  PetscFunctionReturn(0);
+}
+
+PetscErrorCode set_up(TS ts) {
+  Alpha& th = data(ts);
+  PetscFunctionBeginUser;
+  if (!ts->vec_dot)
+    SETERRQ(PetscObjectComm(reinterpret_cast<PetscObject>(ts)), PETSC_ERR_ARG_WRONGSTATE,
+            "TS2SetSolution must be called first");
+  th.set_parameters();
+  for (Vec* v : {&th.x0, &th.xa, &th.x1, &th.v0, &th.va, &th.v1, &th.a0, &th.aa, &th.a1})
+    if (!*v) PetscCall(VecDuplicate(ts->vec_sol, v));
+  PetscCall(TSGetAdapt(ts, &ts->adapt));
+  PetscCall(TSAdaptCandidatesClear(ts->adapt));
+  PetscCall(TSGetSNES(ts, &ts->snes));
+  PetscFunctionReturn(0);
+}
+
+PetscErrorCode reset(TS ts) {
+  Alpha& th = data(ts);
+  PetscFunctionBeginUser;
+  for (Vec* v : {&th.x0, &th.xa, &th.x1, &th.v0, &th.va, &th.v1, &th.a0, &th.aa, &th.a1}) PetscCall(VecDestroy(v));
+  th.has_acceleration = false;
+  PetscFunctionReturn(0);
+}
+
+PetscErrorCode destroy(TS ts) {
+  PetscFunctionBeginUser;
+  PetscCall(reset(ts));
+  delete static_cast<Alpha*>(ts->data);
+  ts->data = nullptr;
+  PetscFunctionReturn(0);
+}
+
+PetscErrorCode ask_options(TS ts, PetscOptionItems* PetscOptionsObject) {
+  Alpha& th = data(ts);
+  static constexpr const char* predictors[] = {"position", "velocity", "acceleration"};
+  PetscReal radius = th.radius;
+  PetscBool at_end = th.at_end ? PETSC_TRUE : PETSC_FALSE;
+  auto predictor = static_cast<PetscInt>(th.predictor);
+  PetscFunctionBeginUser;
+  PetscOptionsHeadBegin(PetscOptionsObject, "Generalised-alpha for second-order equations");
+  PetscCall(
+      PetscOptionsReal("-ts_voile_radius", "Spectral radius at infinite frequency", nullptr, radius, &radius, nullptr));
+  PetscCall(
+      PetscOptionsBool("-ts_voile_forces_at_end", "Forces at the end of the step", nullptr, at_end, &at_end, nullptr));
+  PetscCall(PetscOptionsEList("-ts_voile_predictor", "First guess of a step", nullptr, predictors, 3,
+                              predictors[predictor], &predictor, nullptr));
+  PetscOptionsHeadEnd();
+  if (radius < 0.0 || radius > 1.0)
+    SETERRQ(PetscObjectComm(reinterpret_cast<PetscObject>(ts)), PETSC_ERR_ARG_OUTOFRANGE,
+            "-ts_voile_radius must be between 0 and 1");
+  th.radius = radius;
+  th.at_end = at_end;
+  th.predictor = static_cast<Predictor>(predictor);
+  PetscFunctionReturn(0);
+}
+
+PetscErrorCode view(TS ts, PetscViewer viewer) {
+  const Alpha& th = data(ts);
+  PetscFunctionBeginUser;
+  PetscCall(PetscViewerASCIIPrintf(viewer, "  radius=%g, alpha_m=%g, alpha_f=%g, gamma=%g, beta=%g\n", th.radius,
+                                   th.a_m, th.a_f, th.gamma, th.beta));
+  PetscFunctionReturn(0);
+}
+
+PetscErrorCode create(TS ts) {
+  PetscFunctionBeginUser;
+  ts->data = new Alpha;
+  ts->ops->setup = set_up;
+  ts->ops->reset = reset;
+  ts->ops->destroy = destroy;
+  ts->ops->view = view;
+  ts->ops->setfromoptions = ask_options;
+  ts->ops->step = step;
+  ts->ops->evaluatewlte = local_error;
+  ts->ops->rollback = roll_back;
+  ts->ops->interpolate = interpolate;
+  ts->ops->snesfunction = snes_function;
+  ts->ops->snesjacobian = snes_jacobian;
+  ts->default_adapt_type = TSADAPTNONE;
+  ts->usessnes = PETSC_TRUE;
+  PetscFunctionReturn(0);
+}
+
+}  // namespace
+
+void register_alpha_ts() {
+  static bool done = false;
+  if (!done) VOILE_PETSC(TSRegister(alpha_ts_type, create));
+  done = true;
+}
+
+void set_alpha_callbacks(TS ts, const AlphaCallbacks& callbacks) {
+  data(ts).callbacks = callbacks;
+}
+
+void set_alpha_parameters(TS ts, double radius, bool forces_at_end) {
+  data(ts).radius = radius;
+  data(ts).at_end = forces_at_end;
+}
+
+AlphaStage alpha_stage(TS ts, Vec x1) {
+  VOILE_PETSC(set_stage(ts, x1));
+  const Alpha& th = data(ts);
+  return {th.xa, th.va, th.aa, th.stage_time, th.s_v, th.s_a, th.a_f};
+}
+
+void set_acceleration(TS ts, Vec a) {
+  VOILE_PETSC(TSSetUp(ts));
+  VOILE_PETSC(VecCopy(a, data(ts).a1));
+  data(ts).has_acceleration = true;
+}
+
+Vec acceleration(TS ts) {
+  return data(ts).has_acceleration ? data(ts).a1 : nullptr;
+}
+
+}  // namespace voile::solve

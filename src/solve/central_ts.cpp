@@ -1,0 +1,98 @@
+#include "voile/solve/central_ts.hpp"
+
+#include <petsc/private/tsimpl.h>
+
+#include "voile/base/petsc.hpp"
+
+namespace voile::solve {
+
+namespace {
+
+struct Central {
+  CentralCallbacks callbacks;
+  Vec a = nullptr;
+  bool has_acceleration = false;
+};
+
+Central& data(TS ts) {
+  return *static_cast<Central*>(ts->data);
+}
+
+PetscErrorCode step(TS ts) {
+  Central& c = data(ts);
+  const double h = ts->time_step;
+  PetscBool accepted = PETSC_TRUE;
+  PetscReal next = h;
+  PetscFunctionBeginUser;
+  if (!c.has_acceleration || ts->steprestart)
+    PetscCall(c.callbacks.accelerate(c.callbacks.context, ts->ptime, ts->vec_sol, ts->vec_dot, c.a));
+  PetscCall(VecAXPY(ts->vec_dot, 0.5 * h, c.a));
+  PetscCall(VecAXPY(ts->vec_sol, h, ts->vec_dot));
+  PetscCall(c.callbacks.enforce(c.callbacks.context, ts->ptime + h, ts->vec_sol));
+  PetscCall(c.callbacks.accelerate(c.callbacks.context, ts->ptime + h, ts->vec_sol, ts->vec_dot, c.a));
+  PetscCall(VecAXPY(ts->vec_dot, 0.5 * h, c.a));
+  c.has_acceleration = true;
+  PetscReal size = 0.0;
+  PetscCall(VecNorm(ts->vec_sol, NORM_2, &size));
+  if (!std::isfinite(size)) {
+    ts->reason = TS_DIVERGED_STEP_REJECTED;
+    PetscFunctionReturn(0);
+  }
+  PetscCall(TSAdaptChoose(ts->adapt, ts, h, nullptr, &next, &accepted));
+  ts->ptime += h;
+  ts->time_step = next;
+  PetscFunctionReturn(0);
+}
+
+PetscErrorCode set_up(TS ts) {
+  Central& c = data(ts);
+  PetscFunctionBeginUser;
+  if (!ts->vec_dot)
+    SETERRQ(PetscObjectComm(reinterpret_cast<PetscObject>(ts)), PETSC_ERR_ARG_WRONGSTATE,
+            "TS2SetSolution must be called first");
+  if (!c.a) PetscCall(VecDuplicate(ts->vec_sol, &c.a));
+  PetscCall(TSGetAdapt(ts, &ts->adapt));
+  PetscCall(TSAdaptCandidatesClear(ts->adapt));
+  PetscFunctionReturn(0);
+}
+
+PetscErrorCode reset(TS ts) {
+  PetscFunctionBeginUser;
+  PetscCall(VecDestroy(&data(ts).a));
+  data(ts).has_acceleration = false;
+  PetscFunctionReturn(0);
+}
+
+PetscErrorCode destroy(TS ts) {
+  PetscFunctionBeginUser;
+  PetscCall(reset(ts));
+  delete static_cast<Central*>(ts->data);
+  ts->data = nullptr;
+  PetscFunctionReturn(0);
+}
+
+PetscErrorCode create(TS ts) {
+  PetscFunctionBeginUser;
+  ts->data = new Central;
+  ts->ops->setup = set_up;
+  ts->ops->reset = reset;
+  ts->ops->destroy = destroy;
+  ts->ops->step = step;
+  ts->default_adapt_type = TSADAPTNONE;
+  ts->usessnes = PETSC_FALSE;
+  PetscFunctionReturn(0);
+}
+
+}  // namespace
+
+void register_central_ts() {
+  static bool done = false;
+  if (!done) VOILE_PETSC(TSRegister(central_ts_type, create));
+  done = true;
+}
+
+void set_central_callbacks(TS ts, const CentralCallbacks& callbacks) {
+  data(ts).callbacks = callbacks;
+}
+
+}  // namespace voile::solve

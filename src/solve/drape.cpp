@@ -1,0 +1,51 @@
+#include "voile/solve/drape.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "voile/solve/inverse_iteration.hpp"
+
+namespace voile::solve {
+
+namespace {
+
+constexpr int inverse_iterations = 20;
+
+}  // namespace
+
+DrapeResult drape(system::Model& model, Vec a, const DrapeOptions& options,
+                  const std::function<void(const std::string&)>& remark) {
+  Newton newton(model);
+  LinearSolver& linear = newton.linear_solver();
+  DrapeResult result;
+  petsc::VecHandle mode = start_mode(model), residual = model.create_vector();
+  const double cell = std::sqrt(model.total_area() / model.mesh().triangle_count());
+  int iterations = 0;
+  const int before = linear.factorisations();
+  for (;; ++result.escapes) {
+    result.newton = newton.continuation(a, options.max_iterations);
+    iterations += result.newton.iterations;
+    model.assemble_tangent(a, nullptr, energy::Tangent::exact, 0.0);
+    linear.tangent_changed();
+    const bool factored = linear.factorise();
+    result.newton.negative_pivots = factored ? linear.negative_pivots() : -1;
+    result.stable = result.newton.negative_pivots == 0;
+    result.eigenvalue = factored ? inverse_iteration(model, linear, mode, inverse_iterations) : 0.0;
+    if (remark)
+      remark(fmt::format("{} after {} iterations, residual {:.2e}, {} negative pivot(s)",
+                         result.newton.converged ? "equilibrium" : "no equilibrium", result.newton.iterations,
+                         result.newton.residual, result.newton.negative_pivots));
+    if (!result.newton.converged || result.newton.negative_pivots <= 0 || result.escapes == options.max_escapes) break;
+    double largest = 0.0;
+    VOILE_PETSC(VecNorm(mode, NORM_INFINITY, &largest));
+    VOILE_PETSC(VecAXPY(a, options.push * cell / largest, mode));
+  }
+  model.residual(a, residual);
+  VOILE_PETSC(VecNorm(residual, NORM_2, &result.residual));
+  result.newton.iterations = iterations;
+  result.newton.factorisations = linear.factorisations() - before;
+  return result;
+}
+
+}  // namespace voile::solve

@@ -1,0 +1,201 @@
+#include "voile/solve/eigen.hpp"
+
+#include <slepceps.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "voile/base/error.hpp"
+#include "voile/base/mpi.hpp"
+
+namespace voile::solve {
+
+using system::Mass;
+
+namespace {
+
+using EpsHandle = petsc::Handle<EPS, EPSDestroy>;
+
+/// MUMPS as the direct solver of the spectral transformation, with the workspace that parallel runs need.
+void use_mumps(EPS eps, bool symmetric) {
+  ST st = nullptr;
+  KSP ksp = nullptr;
+  PC pc = nullptr;
+  VOILE_PETSC(EPSGetST(eps, &st));
+  VOILE_PETSC(STSetMatStructure(st, SUBSET_NONZERO_PATTERN));
+  VOILE_PETSC(STGetKSP(st, &ksp));
+  VOILE_PETSC(KSPSetType(ksp, KSPPREONLY));
+  VOILE_PETSC(KSPGetPC(ksp, &pc));
+  VOILE_PETSC(PCSetType(pc, symmetric ? PCCHOLESKY : PCLU));
+  VOILE_PETSC(PCFactorSetMatSolverType(pc, MATSOLVERMUMPS));
+  PetscBool given = PETSC_FALSE;
+  VOILE_PETSC(PetscOptionsHasName(nullptr, nullptr, "-st_mat_mumps_icntl_14", &given));
+  if (!given) VOILE_PETSC(PetscOptionsSetValue(nullptr, "-st_mat_mumps_icntl_14", "100"));
+}
+
+/// Diagonal matrix of the lumped mass, zero where the displacement is fixed.
+petsc::MatHandle lumped_mass(const system::Model& model) {
+  petsc::VecHandle mass = model.create_vector();
+  VOILE_PETSC(VecCopy(model.mass(), mass));
+  model.clear_fixed(mass);
+  petsc::MatHandle m;
+  PetscInt rows = 0, first = 0;
+  VOILE_PETSC(VecGetLocalSize(mass, &rows));
+  VOILE_PETSC(VecGetOwnershipRange(mass, &first, nullptr));
+  VOILE_PETSC(
+      MatCreateAIJ(model.comm(), rows, rows, PETSC_DETERMINE, PETSC_DETERMINE, 1, nullptr, 0, nullptr, m.out()));
+  {
+    const petsc::ReadArray values(mass);
+    for (PetscInt i = 0; i < rows; ++i) VOILE_PETSC(MatSetValue(m, first + i, first + i, values[i], INSERT_VALUES));
+  }
+  VOILE_PETSC(MatAssemblyBegin(m, MAT_FINAL_ASSEMBLY));
+  VOILE_PETSC(MatAssemblyEnd(m, MAT_FINAL_ASSEMBLY));
+  return m;
+}
+
+/// Largest component of the displacement in global axes becomes 1.
+void normalise(const system::Model& model, Vec shape) {
+  std::vector<double> u = model.gather(shape);
+  std::vector<double> largest(1, 0.0);
+  for (const double x : u)
+    if (std::abs(x) > std::abs(largest[0]) * (1.0 + 1e-9)) largest[0] = x;
+  mpi::broadcast(model.comm(), largest);
+  if (largest[0] != 0.0) VOILE_PETSC(VecScale(shape, 1.0 / largest[0]));
+}
+
+/// Solves and collects the pairs in the order of SLEPc.
+std::vector<Mode> solve(EPS eps, const system::Model& model, int count) {
+  VOILE_PETSC(EPSSolve(eps));
+  PetscInt converged = 0;
+  VOILE_PETSC(EPSGetConverged(eps, &converged));
+  std::vector<Mode> modes;
+  for (PetscInt i = 0; i < std::min<PetscInt>(converged, count); ++i) {
+    Mode mode;
+    mode.shape = model.create_vector();
+    PetscScalar imaginary = 0.0;
+    VOILE_PETSC(EPSGetEigenpair(eps, i, &mode.eigenvalue, &imaginary, mode.shape, nullptr));
+    VOILE_PETSC(EPSComputeError(eps, i, EPS_ERROR_BACKWARD, &mode.residual));
+    model.clear_fixed(mode.shape);
+    normalise(model, mode.shape);
+    modes.push_back(std::move(mode));
+  }
+  return modes;
+}
+
+/// Common part of both problems: A x = theta B x.
+EpsHandle create(const system::Model& model, Mat a, Mat b, int count) {
+  EpsHandle eps;
+  VOILE_PETSC(EPSCreate(model.comm(), eps.out()));
+  VOILE_PETSC(EPSSetOperators(eps, a, b));
+  VOILE_PETSC(EPSSetProblemType(eps, model.symmetric() ? EPS_GHEP : EPS_GNHEP));
+  VOILE_PETSC(EPSSetDimensions(eps, count, PETSC_DEFAULT, PETSC_DEFAULT));
+  VOILE_PETSC(EPSSetTolerances(eps, 1e-9, 1000));
+  use_mumps(eps, model.symmetric());
+  return eps;
+}
+
+int wanted(EPS eps) {
+  PetscInt count = 0;
+  VOILE_PETSC(EPSGetDimensions(eps, &count, nullptr, nullptr));
+  return static_cast<int>(count);
+}
+
+/// A shift below the lowest mode of a plate as large as the model, so that K + shift M can be factored for free bodies.
+double small_shift(const system::Model& model) {
+  double stiffness = 0.0, density = 0.0;
+  for (const energy::Material& m : model.sheet().materials()) {
+    stiffness = std::max(stiffness, m.bending.norm());
+    density = std::max(density, m.areal_density);
+  }
+  return stiffness / (density * std::pow(model.mesh().extent(), 4));
+}
+
+/// K' = d/dmu K(a + mu x_f, lambda + mu) by a central difference with displacements far below an edge length.
+petsc::MatHandle load_stiffness(system::Model& model, Vec a, Vec load_solution) {
+  double size = 0.0;
+  VOILE_PETSC(VecNorm(load_solution, NORM_INFINITY, &size));
+  const double cell = std::sqrt(model.total_area() / model.mesh().triangle_count());
+  const double step = 1e-4 * cell / size, factor = model.load_factor();
+  petsc::VecHandle moved = model.create_vector();
+  petsc::MatHandle difference;
+  for (const double sign : {1.0, -1.0}) {
+    VOILE_PETSC(VecWAXPY(moved, sign * step, load_solution, a));
+    model.set_load_factor(factor + sign * step);
+    model.assemble_tangent(moved, nullptr, energy::Tangent::exact, 0.0);
+    if (sign > 0.0)
+      VOILE_PETSC(MatDuplicate(model.tangent_matrix(), MAT_COPY_VALUES, difference.out()));
+    else
+      VOILE_PETSC(MatAXPY(difference, -1.0, model.tangent_matrix(), SAME_NONZERO_PATTERN));
+  }
+  VOILE_PETSC(MatScale(difference, 0.5 / step));
+  model.set_load_factor(factor);
+  model.assemble_tangent(a, nullptr, energy::Tangent::exact, 0.0);
+  return difference;
+}
+
+}  // namespace
+
+EigenResult vibration_modes(system::Model& model, Vec a, int count, Mass kind) {
+  system::require_mass(model);
+  EigenResult result;
+  model.assemble_tangent(a, nullptr, energy::Tangent::exact, 0.0);
+  petsc::MatHandle lumped;
+  system::BlockMatrix consistent;
+  if (kind == Mass::lumped)
+    lumped = lumped_mass(model);
+  else
+    consistent = model.consistent_mass();
+  const EpsHandle eps =
+      create(model, model.tangent_matrix(), kind == Mass::lumped ? static_cast<Mat>(lumped) : consistent.mat(), count);
+  ST st = nullptr;
+  VOILE_PETSC(EPSGetST(eps, &st));
+  VOILE_PETSC(STSetType(st, STSINVERT));
+  VOILE_PETSC(EPSSetTarget(eps, -small_shift(model)));
+  VOILE_PETSC(EPSSetWhichEigenpairs(eps, EPS_TARGET_MAGNITUDE));
+  VOILE_PETSC(EPSSetFromOptions(eps));
+  result.asked_for = wanted(eps);
+  result.modes = solve(eps, model, result.asked_for);
+  for (Mode& mode : result.modes)
+    mode.value = std::copysign(std::sqrt(std::abs(mode.eigenvalue)), mode.eigenvalue) / (2.0 * std::numbers::pi);
+  std::stable_sort(result.modes.begin(), result.modes.end(),
+                   [](const Mode& x, const Mode& y) { return x.value < y.value; });
+  return result;
+}
+
+EigenResult buckling_modes(Newton& newton, system::Model& model, Vec a, int count) {
+  LinearSolver& linear = newton.linear_solver();
+  EigenResult result;
+  petsc::VecHandle load = model.create_vector(), load_solution = model.create_vector();
+  model.assemble_tangent(a, nullptr, energy::Tangent::exact, 0.0);
+  linear.tangent_changed();
+  model.load_direction(a, load);
+  double size = 0.0;
+  if (linear.solve(load, load_solution)) VOILE_PETSC(VecNorm(load_solution, NORM_INFINITY, &size));
+  if (!(size > 0.0) || !std::isfinite(size))
+    throw UserError(
+        "analysis = \"buckling\" needs a load that grows with the load factor, and supports that stop all rigid "
+        "motions");
+  if (linear.negative_pivots() > 0)
+    throw UserError("the equilibrium is unstable already; choose a lower [eigen] load_factor");
+  const petsc::MatHandle change = load_stiffness(model, a, load_solution);
+  VOILE_PETSC(MatScale(change, -1.0));
+  const EpsHandle eps = create(model, change, model.tangent_matrix(), count);
+  VOILE_PETSC(EPSSetWhichEigenpairs(eps, EPS_LARGEST_REAL));
+  VOILE_PETSC(EPSSetFromOptions(eps));
+  result.asked_for = wanted(eps);
+  result.modes = solve(eps, model, result.asked_for);
+  // Beyond the last positive 1/mu the load only stiffens.
+  std::erase_if(result.modes, [](const Mode& mode) { return !(mode.eigenvalue > 0.0); });
+  for (Mode& mode : result.modes) mode.value = model.load_factor() + 1.0 / mode.eigenvalue;
+  return result;
+}
+
+SlepcSession::SlepcSession() {
+  VOILE_PETSC(SlepcInitialize(nullptr, nullptr, nullptr, nullptr));
+}
+SlepcSession::~SlepcSession() {
+  (void)SlepcFinalize();
+}
+
+}  // namespace voile::solve

@@ -1,0 +1,112 @@
+#include "voile/solve/linear_solver.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+namespace voile::solve {
+
+namespace {
+
+constexpr int workspace_retries = 5;
+
+}  // namespace
+
+void LinearSolver::set_defaults(KSP ksp) {
+  ksp_ = ksp;
+  PC pc = nullptr;
+  VOILE_PETSC(KSPSetType(ksp_, KSPPREONLY));
+  VOILE_PETSC(KSPGetPC(ksp_, &pc));
+  VOILE_PETSC(PCSetType(pc, model_.symmetric() ? PCCHOLESKY : PCLU));
+  VOILE_PETSC(PCFactorSetMatSolverType(pc, MATSOLVERMUMPS));
+}
+
+void LinearSolver::prepare() {
+  PC pc = nullptr;
+  VOILE_PETSC(KSPGetPC(ksp_, &pc));
+  PetscBool cholesky = PETSC_FALSE, lu = PETSC_FALSE, is_mumps = PETSC_FALSE, given = PETSC_FALSE;
+  VOILE_PETSC(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(pc), PCCHOLESKY, &cholesky));
+  VOILE_PETSC(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(pc), PCLU, &lu));
+  if (!cholesky && !lu) return;
+  MatSolverType type = nullptr;
+  VOILE_PETSC(PCFactorGetMatSolverType(pc, &type));
+  VOILE_PETSC(PetscStrcmp(type, MATSOLVERMUMPS, &is_mumps));
+  mumps_ = is_mumps;
+  if (!mumps_) return;
+  VOILE_PETSC(KSPSetOperators(ksp_, model_.tangent_matrix(), model_.tangent_matrix()));
+  VOILE_PETSC(PCFactorSetUpMatSolverType(pc));
+  VOILE_PETSC(PetscOptionsHasName(nullptr, nullptr, "-mat_mumps_icntl_14", &given));
+  // MUMPS's own 20 % fails at random in parallel.
+  if (!given) VOILE_PETSC(MatMumpsSetIcntl(factor(), mumps_workspace_percent, 100));
+}
+
+Mat LinearSolver::factor() const {
+  PC pc = nullptr;
+  Mat f = nullptr;
+  VOILE_PETSC(KSPGetPC(ksp_, &pc));
+  VOILE_PETSC(PCFactorGetMatrix(pc, &f));
+  return f;
+}
+
+long LinearSolver::negative_pivots() const {
+  if (!mumps_ || !model_.symmetric() || factorisations_ == 0) return -1;
+  PetscInt count = 0;
+  VOILE_PETSC(MatMumpsGetInfog(factor(), mumps_negative_pivots, &count));
+  return count;
+}
+
+bool LinearSolver::repair(int attempt) {
+  if (!mumps_ || factorisations_ == 0) return false;
+  PetscInt error = 0, percent = 0;
+  VOILE_PETSC(MatMumpsGetInfog(factor(), mumps_error, &error));
+  if (error >= 0) return false;
+  // PETSc refuses to factor again after an error of MUMPS, without a word: only a new factor object helps.
+  VOILE_PETSC(MatMumpsGetIcntl(factor(), mumps_workspace_percent, &percent));
+  const bool lacks_workspace = error == -8 || error == -9;
+  if (lacks_workspace) percent = std::max<PetscInt>(100, 2 * percent);
+  // The symbolic factorisation reads the options again: the user's value, found too small, must not come back.
+  PetscBool given = PETSC_FALSE;
+  VOILE_PETSC(PetscOptionsHasName(nullptr, nullptr, "-mat_mumps_icntl_14", &given));
+  if (given) VOILE_PETSC(PetscOptionsSetValue(nullptr, "-mat_mumps_icntl_14", fmt::format("{}", percent).c_str()));
+  PC pc = nullptr;
+  VOILE_PETSC(KSPGetPC(ksp_, &pc));
+  VOILE_PETSC(PCReset(pc));
+  VOILE_PETSC(KSPSetOperators(ksp_, model_.tangent_matrix(), model_.tangent_matrix()));
+  VOILE_PETSC(PCFactorSetUpMatSolverType(pc));
+  VOILE_PETSC(MatMumpsSetIcntl(factor(), mumps_workspace_percent, percent));
+  failure_ = fmt::format("MUMPS error {}", error);
+  return lacks_workspace && attempt < workspace_retries;
+}
+
+bool LinearSolver::solve(Vec rhs, Vec x) {
+  for (int attempt = 0;; ++attempt) {
+    VOILE_PETSC(KSPSetOperators(ksp_, model_.tangent_matrix(), model_.tangent_matrix()));
+    VOILE_PETSC(KSPSolve(ksp_, rhs, x));
+    KSPConvergedReason reason = KSP_CONVERGED_ITERATING;
+    VOILE_PETSC(KSPGetConvergedReason(ksp_, &reason));
+    if (reason > 0) return true;
+    if (!repair(attempt)) return false;
+    ++factorisations_;
+  }
+}
+
+bool LinearSolver::factorise() {
+  for (int attempt = 0;; ++attempt) {
+    VOILE_PETSC(KSPSetOperators(ksp_, model_.tangent_matrix(), model_.tangent_matrix()));
+    VOILE_PETSC(KSPSetUp(ksp_));
+    PC pc = nullptr;
+    PCFailedReason reason = PC_NOERROR;
+    VOILE_PETSC(KSPGetPC(ksp_, &pc));
+    VOILE_PETSC(PCGetFailedReason(pc, &reason));
+    if (reason == PC_NOERROR) return true;
+    if (!repair(attempt)) return false;
+    ++factorisations_;
+  }
+}
+
+std::string LinearSolver::take_failure() {
+  return std::exchange(failure_, {});
+}
+
+}  // namespace voile::solve

@@ -1,0 +1,429 @@
+#include "voile/solve/path_following.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "voile/base/error.hpp"
+#include "voile/solve/inverse_iteration.hpp"
+
+namespace voile::solve {
+
+namespace {
+
+using Control = StaticOptions::Control;
+using AtCriticalPoint = StaticOptions::AtCriticalPoint;
+
+constexpr int inverse_iterations = 3;  ///< per step; the mode of the step before is a good start
+constexpr int locating_steps = 12;
+constexpr double located = 1e-5;  ///< critical eigenvalue, relative to those on both sides, at which a point is found
+
+/// Extremum within (0, s) of the cubic with values y0, y1 and slopes d0, d1 of opposite sign at 0 and s.
+double extremum(double s, double y0, double y1, double d0, double d1) {
+  // Coefficients of the derivative in t = x/s: a t^2 + b t + c.
+  const double a = 6.0 * (y0 - y1) + 3.0 * s * (d0 + d1), b = 6.0 * (y1 - y0) - 2.0 * s * (2.0 * d0 + d1), c = s * d0;
+  const double root = std::sqrt(std::max(0.0, b * b - 4.0 * a * c));
+  const double q = -0.5 * (b + (b >= 0.0 ? root : -root));
+  double t = 0.5;
+  for (const double candidate : {a != 0.0 ? q / a : -1.0, q != 0.0 ? c / q : -1.0})
+    if (candidate >= 0.0 && candidate <= 1.0) t = candidate;
+  const double h = t * t * (3.0 - 2.0 * t);
+  return y0 + (y1 - y0) * h + s * (d0 * t * (1.0 - t) * (1.0 - t) - d1 * t * t * (1.0 - t));
+}
+
+}  // namespace
+
+struct PathFollower::Impl {
+  system::Model& model;
+  const StaticOptions& options;
+  Newton newton;
+  LinearSolver& linear;
+  petsc::VecHandle probe;                          ///< c
+  petsc::VecHandle accepted, increment, previous;  ///< accepted state, Da, the increment that led to the accepted state
+  petsc::VecHandle tangent_solution;               ///< x_f of the accepted state
+  petsc::VecHandle load_solution, residual_solution, residual, load, scratch, trial;
+  petsc::VecHandle mode;  ///< eigenvector nearest to singularity, <mode, mode> = 1
+  double factor = 0.0;    ///< load factor of the accepted state
+  double rate = 0.0;      ///< dlambda/ds in the accepted state along the path
+  double force = 0.0;     ///< largest scale of forces accepted: at load factor 0 the present one may vanish
+  PathResult result;
+
+  /// What the tangent at an equilibrium tells.
+  struct Tangent {
+    bool good = false;
+    long negative_pivots = -1;
+    double eigenvalue = 0.0;  ///< of K in W, nearest to zero
+    double speed = 0.0;       ///< |x_f|
+  } tangent;                  ///< at the accepted state
+
+  /// The scalar equation that goes with r = 0.
+  struct Constraint {
+    Control kind;
+    double value;  ///< load: ignored; displacement: q; arc length: L
+  };
+
+  Impl(system::Model& m, const StaticOptions& o, Vec c)
+      : model(m), options(o), newton(m), linear(newton.linear_solver()) {
+    for (petsc::VecHandle* v : {&accepted, &increment, &previous, &tangent_solution, &load_solution, &residual_solution,
+                                &residual, &load, &scratch, &trial})
+      *v = m.create_vector();
+    if (c) {
+      probe = m.create_vector();
+      VOILE_PETSC(VecCopy(c, probe));
+    }
+    mode = start_mode(m);
+  }
+
+  [[nodiscard]] double dot(Vec x, Vec y) const {
+    double value = 0.0;
+    VOILE_PETSC(VecPointwiseMult(scratch, model.mass(), x));
+    VOILE_PETSC(VecDot(scratch, y, &value));
+    return value;
+  }
+  [[nodiscard]] double probed(Vec x) const {
+    double value = 0.0;
+    if (probe) VOILE_PETSC(VecDot(probe, x, &value));
+    return value;
+  }
+  [[nodiscard]] double direction() const {  ///< of the load or the controlled displacement
+    const double end = options.final_displacement != 0.0 ? options.final_displacement : options.final_load_factor;
+    return end >= 0.0 ? 1.0 : -1.0;
+  }
+
+  [[nodiscard]] Tangent tangent_at(Vec a);
+  [[nodiscard]] NewtonResult correct(Vec a, double& lambda, const Constraint& constraint);
+  [[nodiscard]] double load_correction(const Constraint& constraint) const;
+  void predict(const Constraint& constraint, double& lambda);
+  void begin(Vec a, const PathStart& start);
+  [[nodiscard]] Constraint next_constraint(double length) const;
+  [[nodiscard]] Constraint share(const Constraint& whole, double part) const;
+  [[nodiscard]] bool passes_end(Vec a, double lambda) const;
+  [[nodiscard]] bool at_end() const;
+  [[nodiscard]] NewtonResult land(Vec a, double& lambda);
+  [[nodiscard]] NewtonResult attempt(Vec a, double& lambda, const Constraint& constraint);
+  [[nodiscard]] std::optional<CriticalPoint> passed(const Tangent& after, double lambda) const;
+  [[nodiscard]] NewtonResult locate(Vec a, double& lambda, const Constraint& constraint, Tangent& after);
+  [[nodiscard]] NewtonResult branch(Vec a, double& lambda, double length);
+  void accept(Vec a, double lambda, const Tangent& after);
+  struct Attempt {
+    NewtonResult newton;
+    Tangent after;
+    std::optional<CriticalPoint> critical;
+    bool found = false;  ///< it ends at the critical point
+  };
+  [[nodiscard]] Attempt try_step(Vec a, double& lambda, double length, bool branching, bool may_branch);
+  [[nodiscard]] double rate_of(const Tangent& t) const {
+    return std::copysign(1.0 / t.speed, dot(increment, load_solution));
+  }
+};
+
+PathFollower::Impl::Tangent PathFollower::Impl::tangent_at(Vec a) {
+  Tangent t;
+  model.assemble_tangent(a, nullptr, energy::Tangent::exact, 0.0);
+  linear.tangent_changed();
+  model.load_direction(a, load);
+  t.good = linear.solve(load, load_solution);
+  if (!t.good) return t;
+  t.speed = std::sqrt(dot(load_solution, load_solution));
+  t.good = std::isfinite(t.speed) && t.speed > 0.0;
+  t.negative_pivots = linear.negative_pivots();
+  if (t.good) t.eigenvalue = inverse_iteration(model, linear, mode, inverse_iterations);
+  return t;
+}
+
+double PathFollower::Impl::load_correction(const Constraint& constraint) const {
+  switch (constraint.kind) {
+    case Control::load:
+      return 0.0;
+    case Control::displacement:
+      return (constraint.value - probed(accepted) - probed(increment) + probed(residual_solution)) /
+             probed(load_solution);
+    case Control::arc_length:
+      break;
+  }
+  return (0.5 * (constraint.value * constraint.value - dot(increment, increment)) + dot(increment, residual_solution)) /
+         dot(increment, load_solution);
+}
+
+/// Newton's method on (r, constraint), from accepted + increment at `lambda`.
+NewtonResult PathFollower::Impl::correct(Vec a, double& lambda, const Constraint& constraint) {
+  NewtonResult n;
+  const int before = linear.factorisations();
+  Progress p;
+  const ConvergenceTest& test = newton.convergence();
+  for (n.iterations = 0;; ++n.iterations) {
+    VOILE_PETSC(VecWAXPY(a, 1.0, increment, accepted));
+    model.set_load_factor(lambda);
+    model.residual(a, residual);
+    p.residual_before = p.residual;
+    VOILE_PETSC(VecNorm(residual, NORM_2, &p.residual));
+    VOILE_PETSC(SNESMonitor(newton.snes(), n.iterations, p.residual));
+    p.force = std::max(force, model.force_scale());
+    n.residual = p.force > 0.0 ? p.residual / p.force : p.residual;
+    n.factorisations = linear.factorisations() - before;
+    if (!std::isfinite(p.residual) || test.is_wild(p.increment)) {
+      n.reason = "the iteration ran away";
+      return n;
+    }
+    if (n.iterations > 0) {
+      const SNESConvergedReason reason = test.judge(p);
+      n.converged = reason > 0;
+      n.reason = SNESConvergedReasons[reason];
+      if (n.converged) return n;
+    }
+    if (n.iterations >= test.max_iterations()) {
+      n.reason = "too many iterations";
+      return n;
+    }
+    model.assemble_tangent(a, nullptr, energy::Tangent::exact, 0.0);
+    linear.tangent_changed();
+    model.load_direction(a, load);
+    if (!linear.solve(residual, residual_solution) || !linear.solve(load, load_solution)) {
+      n.reason = "the linear solver failed: " + linear.take_failure();
+      return n;
+    }
+    const double change = load_correction(constraint);
+    if (!std::isfinite(change)) {
+      n.reason = "the constraint became singular";
+      return n;
+    }
+    VOILE_PETSC(VecAXPBY(residual_solution, change, -1.0, load_solution));  // da
+    VOILE_PETSC(VecAXPY(increment, 1.0, residual_solution));
+    lambda += change;
+    VOILE_PETSC(VecNorm(residual_solution, NORM_2, &p.increment));
+    VOILE_PETSC(VecNorm(increment, NORM_2, &p.step));
+    VOILE_PETSC(VecDot(residual, residual_solution, &p.work));
+  }
+}
+
+/// Sets the increment, lambda and the rate from the tangent at the accepted state.
+void PathFollower::Impl::predict(const Constraint& constraint, double& lambda) {
+  double change = lambda - factor;
+  if (constraint.kind == Control::displacement)
+    change = (constraint.value - probed(accepted)) / probed(tangent_solution);
+  if (constraint.kind == Control::arc_length) {
+    double sign = dot(previous, tangent_solution);
+    if (sign == 0.0) sign = direction() * (options.final_displacement != 0.0 ? probed(tangent_solution) : 1.0);
+    change = std::copysign(constraint.value / tangent.speed, sign);
+  }
+  rate = std::copysign(1.0 / tangent.speed, change);
+  lambda = factor + change;
+  VOILE_PETSC(VecCopy(tangent_solution, increment));
+  VOILE_PETSC(VecScale(increment, change));
+}
+
+// ---- the path ------------------------------------------------------------------------------------------------------
+
+void PathFollower::Impl::begin(Vec a, const PathStart& start) {
+  VOILE_PETSC(VecCopy(a, accepted));
+  factor = start.load_factor;
+  if (start.previous) VOILE_PETSC(VecWAXPY(previous, -1.0, start.previous, a));
+  model.set_load_factor(factor);
+  model.residual(a, residual);
+  force = model.force_scale();
+  tangent = tangent_at(a);
+  if (!tangent.good)
+    throw UserError(
+        "the tangent at the start of the path is singular or the load does nothing; check supports and loads, or run "
+        "`voile check`");
+  VOILE_PETSC(VecCopy(load_solution, tangent_solution));
+}
+
+PathFollower::Impl::Constraint PathFollower::Impl::next_constraint(double length) const {
+  if (options.control == Control::arc_length) return {Control::arc_length, length};
+  const double rest = options.final_displacement - probed(accepted);
+  // A remainder of less than a tenth of a step is taken along.
+  return {Control::displacement,
+          std::abs(rest) <= 1.1 * length ? options.final_displacement : probed(accepted) + std::copysign(length, rest)};
+}
+
+PathFollower::Impl::Constraint PathFollower::Impl::share(const Constraint& whole, double part) const {
+  if (whole.kind == Control::arc_length) return {whole.kind, part * whole.value};
+  const double from = probed(accepted);
+  return {whole.kind, from + part * (whole.value - from)};
+}
+
+bool PathFollower::Impl::at_end() const {
+  if (options.final_displacement != 0.0)
+    return std::abs(probed(accepted) - options.final_displacement) <= 1e-9 * std::abs(options.final_displacement);
+  return std::abs(factor - options.final_load_factor) <= 1e-12 * std::max(1.0, std::abs(options.final_load_factor));
+}
+
+bool PathFollower::Impl::passes_end(Vec a, double lambda) const {
+  if (options.control != Control::arc_length) return false;
+  if (options.final_displacement != 0.0)
+    return (probed(a) - options.final_displacement) * (probed(accepted) - options.final_displacement) <= 0.0;
+  return (lambda - options.final_load_factor) * (factor - options.final_load_factor) <= 0.0;
+}
+
+/// From a state behind the end to the end itself.
+NewtonResult PathFollower::Impl::land(Vec a, double& lambda) {
+  const bool by_probe = options.final_displacement != 0.0;
+  const double from = by_probe ? probed(accepted) : factor, to = by_probe ? probed(a) : lambda,
+               end = by_probe ? options.final_displacement : options.final_load_factor;
+  const double part = (end - from) / (to - from);
+  VOILE_PETSC(VecScale(increment, part));
+  lambda = by_probe ? factor + part * (lambda - factor) : end;
+  return correct(a, lambda, {by_probe ? Control::displacement : Control::load, end});
+}
+
+/// One step from the accepted state; on the way past the end, the end.
+NewtonResult PathFollower::Impl::attempt(Vec a, double& lambda, const Constraint& constraint) {
+  predict(constraint, lambda);
+  NewtonResult n = correct(a, lambda, constraint);
+  result.newton_iterations += n.iterations;
+  if (!n.converged || !passes_end(a, lambda)) return n;
+  const int iterations = n.iterations;
+  n = land(a, lambda);
+  result.newton_iterations += n.iterations;
+  n.iterations = std::max(n.iterations, iterations);
+  return n;
+}
+
+/// The critical point between the accepted state and the state increment, lambda with the tangent `after`.
+std::optional<CriticalPoint> PathFollower::Impl::passed(const Tangent& after, double lambda) const {
+  const double rate_after = rate_of(after), length = std::sqrt(dot(increment, increment));
+  const bool turned = rate * rate_after < 0.0;
+  const long change = after.negative_pivots - tangent.negative_pivots;
+  if (!turned && change == 0) return std::nullopt;
+  CriticalPoint point;
+  point.step = result.steps + 1;
+  if (turned) {
+    point.kind = std::abs(change) > 1 ? CriticalPoint::Kind::both : CriticalPoint::Kind::limit;
+    point.load_factor = extremum(length, factor, lambda, rate, rate_after);
+  } else {
+    point.kind = CriticalPoint::Kind::bifurcation;
+    const double before = tangent.eigenvalue, behind = after.eigenvalue;
+    const double part = before * behind < 0.0 ? before / (before - behind) : 0.5;
+    point.load_factor = factor + part * (lambda - factor);
+  }
+  return point;
+}
+
+/// Shortens a step across a critical point until it ends there: regula falsi on the critical eigenvalue, held within
+/// the bracket that the negative pivots give. The state that is found is as a failed attempt if no step converges.
+NewtonResult PathFollower::Impl::locate(Vec a, double& lambda, const Constraint& constraint, Tangent& after) {
+  double low = 0.0, high = 1.0, low_value = tangent.eigenvalue, high_value = after.eigenvalue;
+  const double size = std::max(std::abs(low_value), std::abs(high_value));
+  NewtonResult n;
+  for (int k = 0; k < locating_steps; ++k) {
+    const double share_of = low_value * high_value < 0.0 ? low_value / (low_value - high_value) : 0.5;
+    const double part = low + std::clamp(share_of, 0.05, 0.95) * (high - low);
+    predict(share(constraint, part), lambda);
+    n = correct(a, lambda, share(constraint, part));
+    result.newton_iterations += n.iterations;
+    if (!n.converged) return n;
+    after = tangent_at(a);
+    const bool behind = after.negative_pivots != tangent.negative_pivots;
+    (behind ? high : low) = part;
+    (behind ? high_value : low_value) = after.eigenvalue;
+    if (std::abs(after.eigenvalue) <= located * size) break;
+  }
+  return n;
+}
+
+/// Leaves the accepted critical state along its mode.
+NewtonResult PathFollower::Impl::branch(Vec a, double& lambda, double length) {
+  const double size = std::abs(options.branch_step) * length;
+  VOILE_PETSC(VecCopy(mode, increment));
+  VOILE_PETSC(VecScale(increment, std::copysign(size, options.branch_step)));
+  lambda = factor;
+  NewtonResult n = correct(a, lambda, {Control::arc_length, size});
+  result.newton_iterations += n.iterations;
+  if (n.converged && std::abs(dot(increment, mode)) < 0.1 * size) {
+    n.converged = false;
+    n.reason = "the iteration fell back to the path it came from";
+  }
+  return n;
+}
+
+void PathFollower::Impl::accept(Vec a, double lambda, const Tangent& after) {
+  rate = rate_of(after);
+  VOILE_PETSC(VecCopy(increment, previous));
+  VOILE_PETSC(VecCopy(a, accepted));
+  VOILE_PETSC(VecCopy(load_solution, tangent_solution));
+  factor = lambda;
+  tangent = after;
+  force = std::max(force, model.force_scale());
+  ++result.steps;
+}
+
+PathFollower::PathFollower(system::Model& model, StaticOptions options, Vec probe)
+    : PathBase(model, std::move(options)), impl_(std::make_unique<Impl>(model_, options_, probe)) {}
+PathFollower::~PathFollower() = default;
+
+/// A step, or a step along the mode if `branching`; cut to end at a critical point where the path is to stop or branch.
+PathFollower::Impl::Attempt PathFollower::Impl::try_step(Vec a, double& lambda, double length, bool branching,
+                                                         bool may_branch) {
+  Attempt t;
+  const Constraint constraint = next_constraint(length);
+  const int before = linear.factorisations();
+  t.newton = branching ? branch(a, lambda, length) : attempt(a, lambda, constraint);
+  if (t.newton.converged) t.after = tangent_at(a);
+  if (t.newton.converged && t.after.good && !branching) t.critical = passed(t.after, lambda);
+  t.found = t.critical && (options.at_critical_point == AtCriticalPoint::stop ||
+                           (may_branch && t.critical->kind != CriticalPoint::Kind::limit));
+  if (t.found) {
+    t.newton = locate(a, lambda, constraint, t.after);
+    t.critical->load_factor = lambda;
+  }
+  if (t.newton.converged && !t.after.good) {
+    t.newton.converged = false;
+    t.newton.reason = "the tangent is singular";
+  }
+  t.newton.factorisations = linear.factorisations() - before;
+  t.newton.negative_pivots = t.after.negative_pivots;
+  return t;
+}
+
+PathResult PathFollower::run(Vec a, const PathStart& start) {
+  Impl& p = *impl_;
+  PathResult& result = p.result = {};
+  result.steps = start.step;
+  const int before = p.linear.factorisations();
+  p.begin(a, start);
+  observe({.step = start.step, .load_factor = p.factor, .newton = {}, .critical = {}}, a);
+  const bool by_arc = options_.control == Control::arc_length;
+  const double unit = by_arc ? p.tangent.speed : std::abs(options_.final_displacement);
+  double length = options_.initial_step * unit, lambda = p.factor;
+  bool ended = p.at_end(), may_branch = options_.at_critical_point == AtCriticalPoint::switch_branch, branching = false;
+  while (!ended) {
+    if (result.steps - start.step >= options_.max_steps) {
+      result.reason = fmt::format("max_steps = {} steps did not reach the end of the path", options_.max_steps);
+      break;
+    }
+    const Impl::Attempt t = p.try_step(a, lambda, length, branching, may_branch);
+    if (!t.newton.converged) {
+      VOILE_PETSC(VecCopy(p.accepted, a));
+      length *= 0.5;
+      remark(fmt::format("load factor {:.6g}: {}{} after {} iterations; step halved to {:.3g}", p.factor,
+                         branching ? "branching: " : "", t.newton.reason, t.newton.iterations, length / unit));
+      if (length >= options_.min_step * unit) continue;
+      result.reason = fmt::format(
+          "no equilibrium found beyond load factor {:.6g} with steps of {:.3g} or more; the last attempt ended with {}",
+          p.factor, options_.min_step, t.newton.reason);
+      break;
+    }
+    p.accept(a, lambda, t.after);
+    branching = t.found && may_branch;
+    if (branching) may_branch = false;
+    ended = p.at_end() || (t.found && options_.at_critical_point == AtCriticalPoint::stop);
+    if (t.critical) {
+      result.critical.push_back(*t.critical);
+      remark(fmt::format("{} at load factor {:.6g}", name(t.critical->kind), t.critical->load_factor));
+    }
+    observe({result.steps, p.factor, t.newton, false, ended, t.critical, t.found ? static_cast<Vec>(p.mode) : nullptr},
+            a);
+    const double growth = std::sqrt(static_cast<double>(options_.target_iterations) / std::max(1, t.newton.iterations));
+    if (!t.found) length = std::min(options_.max_step * unit, length * std::clamp(growth, 0.5, 2.0));
+  }
+  result.factorisations = p.linear.factorisations() - before;
+  result.load_factor = p.factor;
+  result.completed = result.reason.empty();
+  model_.set_load_factor(p.factor);
+  return result;
+}
+
+}  // namespace voile::solve

@@ -1,0 +1,463 @@
+#include "voile/solve/time_integration.hpp"
+
+#include <fmt/format.h>
+#include <petsc/private/tsimpl.h>
+#include <petscts.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "guarded.hpp"
+#include "voile/base/error.hpp"
+#include "voile/base/mpi.hpp"
+#include "voile/solve/alpha_ts.hpp"
+#include "voile/solve/central_ts.hpp"
+#include "voile/solve/inverse_iteration.hpp"
+
+namespace voile::solve {
+
+namespace {
+
+using TsHandle = petsc::Handle<TS, TSDestroy>;
+
+constexpr const char* adapt_type = "voile";
+constexpr double sufficient_decrease = 1e-4, shortest_length = 1e-6;
+/// Relative size at which a change of the energy is lost in its round-off.
+constexpr double energy_round_off = 1e-12;
+/// After an indefinite tangent so many positive ones are taken before the exact one is tried again.
+constexpr int positive_tangents = 4;
+
+}  // namespace
+
+struct TimeIntegration::Impl {
+  system::Dynamics& dynamics;
+  system::Model& model;
+  TimeOptions options;
+  Observer observer;
+  Remark remark;
+  TsHandle ts;
+  LinearSolver linear;
+  ConvergenceTest test;
+  petsc::VecHandle trial, start, product;
+  std::string failure;  ///< text of an exception in a callback
+  TimeResult result;
+  double residual_before = 0.0, work = 0.0, rms = -1.0, length = 1.0, residual = 0.0;
+  int positive_left = 0, spent_factorisations = 0, spent_rejections = 0, first_step = 0;
+  bool explicit_method = false;
+
+  Impl(system::Dynamics& d, TimeOptions o) : dynamics(d), model(d.model()), options(o), linear(model), test(model) {
+    for (petsc::VecHandle* v : {&trial, &start, &product}) *v = model.create_vector();
+    if (options.max_step == 0.0) options.max_step = options.step;
+    if (options.min_step == 0.0) options.min_step = 1e-3 * options.step;
+  }
+
+  void create(const TimeState& from);
+  void create_snes();
+  void set_explicit_step(Vec u);
+  [[nodiscard]] double objective(Vec x);
+  void search(SNESLineSearch line_search);
+  [[nodiscard]] SNESConvergedReason judge(SNES snes, PetscInt it, double increment, double norm);
+  [[nodiscard]] double next_step(double h, PetscBool* accept, PetscReal* error);
+  void report(PetscInt step, PetscReal time);
+  /// The sum of many steps may miss the end by its round-off.
+  [[nodiscard]] bool is_end(double time) const {
+    return std::abs(time - options.end_time) <= 1e-12 * std::max(1.0, std::abs(options.end_time));
+  }
+
+  static PetscErrorCode function(TS, PetscReal t, Vec u, Vec v, Vec a, Vec f, void* self);
+  static PetscErrorCode jacobian(TS, PetscReal t, Vec u, Vec v, Vec a, PetscReal s_v, PetscReal s_a, Mat, Mat,
+                                 void* self);
+  static PetscErrorCode start_step(void* self, Vec x, Vec v, PetscReal step);
+  static PetscErrorCode enforce(void* self, PetscReal t, Vec stage);
+  static PetscErrorCode accelerate(void* self, PetscReal t, Vec x, Vec v, Vec a);
+  static PetscErrorCode line_search(SNESLineSearch ls, void* self);
+  static PetscErrorCode converged(SNES, PetscInt it, PetscReal, PetscReal snorm, PetscReal fnorm,
+                                  SNESConvergedReason* reason, void* self);
+  static PetscErrorCode post_step(TS ts);
+  static PetscErrorCode choose(TSAdapt adapt, TS ts, PetscReal h, PetscInt* scheme, PetscReal* next, PetscBool* accept,
+                               PetscReal* error, PetscReal* absolute, PetscReal* relative);
+};
+
+// ---- callbacks -----------------------------------------------------------------------------------------------------
+
+PetscErrorCode TimeIntegration::Impl::function(TS, PetscReal t, Vec u, Vec v, Vec a, Vec f, void* self) {
+  auto& n = *static_cast<Impl*>(self);
+  return guarded(n.failure, [&] {
+    n.dynamics.set_time(t);
+    n.dynamics.residual(u, v, a, f);
+  });
+}
+
+PetscErrorCode TimeIntegration::Impl::jacobian(TS, PetscReal t, Vec u, Vec, Vec, PetscReal s_v, PetscReal s_a, Mat, Mat,
+                                               void* self) {
+  auto& n = *static_cast<Impl*>(self);
+  return guarded(n.failure, [&] {
+    n.dynamics.set_time(t);
+    const auto assemble = [&](energy::Tangent kind) {
+      n.dynamics.assemble_tangent(u, kind, s_v, s_a);
+      n.linear.tangent_changed();
+      return n.linear.factorise();
+    };
+    if (n.positive_left > 0) {
+      --n.positive_left;
+      (void)assemble(energy::Tangent::positive);
+    } else if (!assemble(energy::Tangent::exact) || n.linear.negative_pivots() > 0) {
+      n.positive_left = positive_tangents;
+      (void)assemble(energy::Tangent::positive);
+    }
+  });
+}
+
+PetscErrorCode TimeIntegration::Impl::start_step(void* self, Vec x, Vec v, PetscReal step) {
+  auto& n = *static_cast<Impl*>(self);
+  return guarded(n.failure, [&] {
+    n.dynamics.start_step(x, v, step);
+    VOILE_PETSC(VecCopy(x, n.start));
+    n.positive_left = 0;
+  });
+}
+
+PetscErrorCode TimeIntegration::Impl::enforce(void* self, PetscReal t, Vec stage) {
+  auto& n = *static_cast<Impl*>(self);
+  return guarded(n.failure, [&] {
+    n.dynamics.set_time(t);
+    n.model.enforce_supports(stage);
+  });
+}
+
+PetscErrorCode TimeIntegration::Impl::accelerate(void* self, PetscReal t, Vec x, Vec v, Vec a) {
+  auto& n = *static_cast<Impl*>(self);
+  return guarded(n.failure, [&] {
+    double h = 0.0;
+    VOILE_PETSC(TSGetTimeStep(n.ts, &h));
+    n.dynamics.set_time(t);
+    VOILE_PETSC(VecZeroEntries(a));
+    n.dynamics.residual(x, v, a, n.trial);
+    n.dynamics.start_step(x, v, h);  // drag and viscosity of the next half step
+    n.model.clear_fixed(n.trial);
+    VOILE_PETSC(VecPointwiseDivide(a, n.trial, n.model.mass()));
+    VOILE_PETSC(VecScale(a, -1.0));
+  });
+}
+
+double TimeIntegration::Impl::objective(Vec x) {
+  const AlphaStage s = alpha_stage(ts, x);
+  return dynamics.energy(s.x, s.v, s.a, s.s_v, s.s_a) / (s.a_f * s.a_f);
+}
+
+/// Backtracking on the incremental potential; full steps where there is none (follower loads).
+void TimeIntegration::Impl::search(SNESLineSearch ls) {
+  SNES snes = nullptr;
+  Vec x = nullptr, f = nullptr, y = nullptr;
+  VOILE_PETSC(SNESLineSearchGetSNES(ls, &snes));
+  VOILE_PETSC(SNESLineSearchGetVecs(ls, &x, &f, &y, nullptr, nullptr));
+  double slope = 0.0, norm = 0.0;
+  VOILE_PETSC(VecDot(f, y, &slope));
+  VOILE_PETSC(VecNorm(f, NORM_2, &norm));
+  work = slope;
+  length = 1.0;
+  if (model.symmetric()) {
+    const double before = objective(x);
+    for (;; length *= 0.5) {
+      VOILE_PETSC(VecWAXPY(trial, -length, y, x));
+      const double after = objective(trial);
+      if (std::isfinite(after) && after <= before - sufficient_decrease * length * slope) break;
+      if (std::isfinite(after) && std::abs(after - before) <= energy_round_off * std::abs(before)) {
+        // Too small a change to be seen in the energy: the forces decide.
+        VOILE_PETSC(SNESComputeFunction(snes, trial, f));
+        double reduced = 0.0;
+        VOILE_PETSC(VecNorm(f, NORM_2, &reduced));
+        if (reduced <= norm) break;
+      }
+      if (length < shortest_length) {
+        VOILE_PETSC(SNESLineSearchSetReason(ls, SNES_LINESEARCH_FAILED_REDUCT));
+        return;
+      }
+    }
+  }
+  VOILE_PETSC(VecAXPY(x, -length, y));
+  VOILE_PETSC(VecPointwiseMult(product, model.mass(), y));
+  double square = 0.0, mass = 0.0;
+  VOILE_PETSC(VecDot(product, y, &square));
+  VOILE_PETSC(VecSum(model.mass(), &mass));
+  rms = length * std::sqrt(3.0 * square / mass);
+  VOILE_PETSC(SNESComputeFunction(snes, x, f));
+  VOILE_PETSC(SNESLineSearchSetLambda(ls, length));
+  VOILE_PETSC(SNESLineSearchComputeNorms(ls));
+}
+
+PetscErrorCode TimeIntegration::Impl::line_search(SNESLineSearch ls, void* self) {
+  auto& n = *static_cast<Impl*>(self);
+  return guarded(n.failure, [&] { n.search(ls); });
+}
+
+SNESConvergedReason TimeIntegration::Impl::judge(SNES snes, PetscInt it, double increment, double norm) {
+  if (!std::isfinite(norm)) return SNES_DIVERGED_FNORM_NAN;
+  const double force = dynamics.force_scale(), before = std::exchange(residual_before, norm);
+  residual = force > 0.0 ? norm / force : norm;
+  if (it == 0) return test.nothing_to_do(norm, force) ? SNES_CONVERGED_FNORM_ABS : SNES_CONVERGED_ITERATING;
+  Vec x = nullptr;
+  double step = 0.0, h = 0.0;
+  VOILE_PETSC(SNESGetSolution(snes, &x));
+  VOILE_PETSC(VecWAXPY(trial, -1.0, start, x));
+  VOILE_PETSC(VecNorm(trial, NORM_2, &step));
+  VOILE_PETSC(TSGetTimeStep(ts, &h));
+  if (test.is_wild(increment)) return SNES_DIVERGED_DTOL;
+  // A truncated increment says nothing about how far the solution is.
+  if (length == 1.0 && rms <= options.velocity_tolerance * h) return SNES_CONVERGED_SNORM_RELATIVE;
+  const SNESConvergedReason reason = test.judge({norm, before, force, increment, step, work});
+  if (reason != SNES_CONVERGED_ITERATING) return reason;
+  return it >= test.max_iterations() ? SNES_DIVERGED_MAX_IT : SNES_CONVERGED_ITERATING;
+}
+
+PetscErrorCode TimeIntegration::Impl::converged(SNES snes, PetscInt it, PetscReal, PetscReal snorm, PetscReal fnorm,
+                                                SNESConvergedReason* reason, void* self) {
+  auto& n = *static_cast<Impl*>(self);
+  return guarded(n.failure, [&] { *reason = n.judge(snes, it, it > 0 ? snorm : -1.0, fnorm); });
+}
+
+// ---- step size -----------------------------------------------------------------------------------------------------
+
+double TimeIntegration::Impl::next_step(double h, PetscBool* accept, PetscReal* error) {
+  *accept = PETSC_TRUE;
+  *error = -1.0;
+  double factor = 2.0;
+  if (!explicit_method) {
+    SNES snes = nullptr;
+    PetscInt iterations = 0;
+    VOILE_PETSC(TSGetSNES(ts, &snes));
+    VOILE_PETSC(SNESGetIterationNumber(snes, &iterations));
+    factor = std::clamp(static_cast<double>(options.target_iterations) / std::max<PetscInt>(1, iterations), 0.5, 1.5);
+    if (options.step_error > 0.0) {
+      VOILE_PETSC(TSEvaluateWLTE(ts, NORM_INFINITY, nullptr, error));
+      factor = std::min(factor, 0.9 / std::cbrt(std::max(*error, 1e-3)));
+      if (*error > 1.0 && h > options.min_step) *accept = PETSC_FALSE;
+    }
+  }
+  return std::clamp(factor * h, options.min_step, options.max_step);
+}
+
+PetscErrorCode TimeIntegration::Impl::choose(TSAdapt adapt, TS, PetscReal h, PetscInt* scheme, PetscReal* next,
+                                             PetscBool* accept, PetscReal* error, PetscReal* absolute,
+                                             PetscReal* relative) {
+  auto& n = *static_cast<Impl*>(adapt->data);
+  *scheme = 0;
+  *absolute = *relative = -1.0;
+  return guarded(n.failure, [&] { *next = n.next_step(h, accept, error); });
+}
+
+// ---- set-up and run ------------------------------------------------------------------------------------------------
+
+void TimeIntegration::Impl::create_snes() {
+  SNES snes = nullptr;
+  KSP ksp = nullptr;
+  SNESLineSearch ls = nullptr;
+  VOILE_PETSC(TSGetSNES(ts, &snes));
+  VOILE_PETSC(SNESSetType(snes, SNESNEWTONLS));
+  VOILE_PETSC(SNESSetTolerances(snes, PETSC_DEFAULT, 1e-8, 1e-6, 50, PETSC_MAX_INT));
+  VOILE_PETSC(SNESGetLineSearch(snes, &ls));
+  VOILE_PETSC(SNESLineSearchSetType(ls, SNESLINESEARCHSHELL));
+#if PETSC_VERSION_GE(3, 21, 0)
+  VOILE_PETSC(SNESLineSearchShellSetApply(ls, line_search, this));
+#else
+  VOILE_PETSC(SNESLineSearchShellSetUserFunc(ls, line_search, this));
+#endif
+  VOILE_PETSC(SNESSetConvergenceTest(snes, converged, this, nullptr));
+  VOILE_PETSC(SNESGetKSP(snes, &ksp));
+  linear.set_defaults(ksp);
+}
+
+void TimeIntegration::Impl::set_explicit_step(Vec u) {
+  double h = 0.0;
+  VOILE_PETSC(TSGetTimeStep(ts, &h));
+  const double limit = 2.0 / largest_frequency(dynamics, u);
+  if (remark) remark(fmt::format("central differences: stability limit {:.4g} s", limit));
+  options.max_step = std::min(options.max_step, 0.9 * limit);
+  options.min_step = std::min(options.min_step, options.max_step);
+  if (h <= options.max_step) return;
+  if (remark) remark(fmt::format("step reduced from {:.4g} s to {:.4g} s", h, options.max_step));
+  VOILE_PETSC(TSSetTimeStep(ts, options.max_step));
+}
+
+void TimeIntegration::Impl::create(const TimeState& from) {
+  register_alpha_ts();
+  register_central_ts();
+  VOILE_PETSC(TSAdaptRegister(adapt_type, [](TSAdapt adapt) -> PetscErrorCode {
+    adapt->ops->choose = choose;
+    return 0;
+  }));
+  VOILE_PETSC(TSCreate(model.comm(), ts.out()));
+  VOILE_PETSC(TSSetProblemType(ts, TS_NONLINEAR));
+  VOILE_PETSC(
+      TSSetType(ts, options.method == TimeOptions::Method::central_difference ? central_ts_type : alpha_ts_type));
+  VOILE_PETSC(TS2SetSolution(ts, from.position, from.velocity));
+  VOILE_PETSC(TSSetI2Function(ts, nullptr, function, this));
+  VOILE_PETSC(TSSetI2Jacobian(ts, model.tangent_matrix(), model.tangent_matrix(), jacobian, this));
+  VOILE_PETSC(TSSetTime(ts, from.time));
+  VOILE_PETSC(TSSetStepNumber(ts, from.step));
+  VOILE_PETSC(TSSetMaxTime(ts, options.end_time));
+  VOILE_PETSC(TSSetMaxSteps(ts, PETSC_MAX_INT));
+  VOILE_PETSC(TSSetTimeStep(ts, from.next_step > 0.0 ? from.next_step : options.step));
+  VOILE_PETSC(TSSetExactFinalTime(ts, TS_EXACTFINALTIME_MATCHSTEP));
+  VOILE_PETSC(TSSetMaxSNESFailures(ts, -1));
+  VOILE_PETSC(TSSetMaxStepRejections(ts, 20));
+  VOILE_PETSC(TSSetErrorIfStepFails(ts, PETSC_FALSE));
+  if (options.step_error > 0.0) VOILE_PETSC(TSSetTolerances(ts, options.step_error, nullptr, 0.0, nullptr));
+  TSAdapt adapt = nullptr;
+  VOILE_PETSC(TSGetAdapt(ts, &adapt));
+  VOILE_PETSC(TSAdaptSetType(adapt, adapt_type));
+  adapt->data = this;
+  VOILE_PETSC(TSAdaptSetStepLimits(adapt, options.min_step, options.max_step));
+  PetscBool implicit = PETSC_FALSE;
+  VOILE_PETSC(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(static_cast<TS>(ts)), alpha_ts_type, &implicit));
+  if (implicit) set_alpha_parameters(ts, options.radius, options.forces_at_end);
+  create_snes();
+  VOILE_PETSC(TSSetFromOptions(ts));
+  // -ts_max_time is known to the caller (read_time_options), who may want to stop earlier.
+  PetscReal max_time = 0.0;
+  VOILE_PETSC(TSGetMaxTime(ts, &max_time));
+  options.end_time = std::min(options.end_time, static_cast<double>(max_time));
+  VOILE_PETSC(TSSetMaxTime(ts, options.end_time));
+  VOILE_PETSC(TSSetApplicationContext(ts, this));
+  VOILE_PETSC(TSSetPostStep(ts, post_step));
+}
+
+/// What -ts_type finally is decides about callbacks and the start.
+TimeResult TimeIntegration::run(const TimeState& from) {
+  Impl& n = *impl_;
+  n.result = {};
+  n.first_step = from.step;
+  n.dynamics.set_time(from.time);
+  n.model.enforce_supports(from.position);
+  n.create(from);
+  PetscBool alpha = PETSC_FALSE, central = PETSC_FALSE;
+  VOILE_PETSC(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(static_cast<TS>(n.ts)), alpha_ts_type, &alpha));
+  VOILE_PETSC(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(static_cast<TS>(n.ts)), central_ts_type, &central));
+  if (!alpha && !central) throw UserError("-ts_type must be voile_alpha or voile_central");
+  n.explicit_method = central;
+  if (alpha) {
+    set_alpha_callbacks(n.ts, {&n, Impl::start_step, Impl::enforce});
+    n.linear.prepare();
+    SNES snes = nullptr;
+    VOILE_PETSC(TSGetSNES(n.ts, &snes));
+    n.test.read(snes);
+    if (from.acceleration) set_acceleration(n.ts, from.acceleration);
+  } else {
+    if (n.dynamics.options().mass == system::Mass::consistent)
+      throw UserError("the explicit method needs mass = \"lumped\"");
+    set_central_callbacks(n.ts, {&n, Impl::accelerate, Impl::enforce});
+    n.set_explicit_step(from.position);
+    n.dynamics.start_step(from.position, from.velocity, n.options.step);
+  }
+  n.report(from.step, from.time);
+  if (n.result.stopped) return n.result;
+  const PetscErrorCode code = TSSolve(n.ts, nullptr);
+  if (!n.failure.empty()) throw InternalError(n.failure);
+  petsc::check(code, "TSSolve");
+  TSConvergedReason reason = TS_CONVERGED_ITERATING;
+  PetscInt steps = 0;
+  VOILE_PETSC(TSGetConvergedReason(n.ts, &reason));
+  VOILE_PETSC(TSGetStepNumber(n.ts, &steps));
+  VOILE_PETSC(TSGetTime(n.ts, &n.result.state.time));
+  VOILE_PETSC(TSGetTimeStep(n.ts, &n.result.state.next_step));
+  if (n.is_end(n.result.state.time)) n.result.state.time = n.options.end_time;
+  n.result.state.step = static_cast<int>(steps);
+  n.result.steps = static_cast<int>(steps) - from.step;
+  n.result.rejections = n.spent_rejections;
+  n.result.factorisations = n.linear.factorisations();
+  n.result.completed = reason > 0;
+  if (!n.result.completed)
+    n.result.reason = fmt::format("{} at t = {:.6g} s: no step of {:.3g} s or more succeeds",
+                                  TSConvergedReasons[reason], n.result.state.time, n.options.min_step);
+  return n.result;
+}
+
+void TimeIntegration::Impl::report(PetscInt step, PetscReal time) {
+  TimeReport r;
+  r.state.step = static_cast<int>(step);
+  r.state.time = time;
+  VOILE_PETSC(TS2GetSolution(ts, &r.state.position, &r.state.velocity));
+  VOILE_PETSC(TSGetTimeStep(ts, &r.state.next_step));
+  if (is_end(time)) r.state.time = options.end_time;
+  if (step > first_step) {
+    double before = 0.0;
+    VOILE_PETSC(TSGetPrevTime(ts, &before));
+    r.taken = time - before;
+    PetscInt rejections = 0, iterations = 0;
+    VOILE_PETSC(TSGetStepRejections(ts, &rejections));
+    r.rejections = static_cast<int>(rejections) - spent_rejections;
+    spent_rejections = static_cast<int>(rejections);
+    r.newton.converged = true;
+    if (!explicit_method) {
+      r.state.acceleration = acceleration(ts);
+      SNES snes = nullptr;
+      VOILE_PETSC(TSGetSNES(ts, &snes));
+      VOILE_PETSC(SNESGetIterationNumber(snes, &iterations));
+      r.newton.residual = residual;
+      r.newton.negative_pivots = linear.negative_pivots();
+    }
+    r.newton.iterations = static_cast<int>(iterations);
+    r.newton.factorisations = linear.factorisations() - spent_factorisations;
+    spent_factorisations = linear.factorisations();
+    result.newton_iterations += r.newton.iterations;
+  }
+  dynamics.set_time(r.state.time);
+  if (observer && observer(r)) {
+    result.stopped = true;
+    VOILE_PETSC(TSSetConvergedReason(ts, TS_CONVERGED_USER));
+  }
+}
+
+PetscErrorCode TimeIntegration::Impl::post_step(TS ts) {
+  void* self = nullptr;
+  PetscFunctionBeginUser;
+  PetscCall(TSGetApplicationContext(ts, &self));
+  auto& n = *static_cast<Impl*>(self);
+  const PetscErrorCode code = guarded(n.failure, [&] {
+    PetscInt step = 0;
+    PetscReal time = 0.0;
+    VOILE_PETSC(TSGetStepNumber(ts, &step));
+    VOILE_PETSC(TSGetTime(ts, &time));
+    n.report(step, time);
+  });
+  PetscFunctionReturn(code);
+}
+
+TimeIntegration::TimeIntegration(system::Dynamics& dynamics, TimeOptions options)
+    : impl_(std::make_unique<Impl>(dynamics, options)) {}
+TimeIntegration::~TimeIntegration() = default;
+void TimeIntegration::on_step(Observer observer) {
+  impl_->observer = std::move(observer);
+}
+void TimeIntegration::on_remark(Remark remark) {
+  impl_->remark = std::move(remark);
+}
+
+void read_time_options(TimeOptions& options) {
+  PetscReal end = options.end_time;
+  VOILE_PETSC(PetscOptionsGetReal(nullptr, nullptr, "-ts_max_time", &end, nullptr));
+  if (!(end > 0.0)) throw UserError(fmt::format("-ts_max_time {}: must be > 0 s", end));
+  options.end_time = end;
+}
+
+double largest_frequency(system::Dynamics& dynamics, Vec u) {
+  system::Model& model = dynamics.model();
+  model.assemble_tangent(u, nullptr, energy::Tangent::exact, 0.0);
+  petsc::VecHandle x = start_mode(model), y = model.create_vector();
+  double estimate = 0.0;
+  for (int k = 0; k < 100; ++k) {
+    model.clear_fixed(x);
+    double size = 0.0, next = 0.0;
+    VOILE_PETSC(VecNorm(x, NORM_2, &size));
+    VOILE_PETSC(VecScale(x, 1.0 / size));
+    VOILE_PETSC(MatMult(model.tangent_matrix(), x, y));
+    VOILE_PETSC(VecPointwiseDivide(x, y, model.mass()));
+    model.clear_fixed(x);
+    VOILE_PETSC(VecNorm(x, NORM_2, &next));
+    if (k > 10 && std::abs(next - estimate) <= 1e-4 * next) return std::sqrt(1.02 * next);
+    estimate = next;
+  }
+  return std::sqrt(1.02 * estimate);  // the last percent may be missing from below
+}
+
+}  // namespace voile::solve

@@ -1,0 +1,126 @@
+#include "voile/system/dynamics.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+
+#include "voile/base/error.hpp"
+#include "voile/base/mpi.hpp"
+
+namespace voile::system {
+
+void require_mass(const Model& model) {
+  for (const energy::Material& m : model.sheet().materials())
+    if (!(m.areal_density > 0.0))
+      throw UserError(
+          "[[material]]: vibration and motion in time need the mass of every material: give density (or "
+          "areal_density)");
+}
+
+Dynamics::Dynamics(Model& model, DynamicsOptions options)
+    : model_(model), options_(std::move(options)), work_(model.create_vector()), sum_(model.create_vector()) {
+  require_mass(model);
+  if (options_.mass == Mass::consistent) consistent_ = model.consistent_mass();
+  model.set_drag(options_.drag);
+}
+
+void Dynamics::set_time(double time) {
+  model_.set_load_factor(options_.load_history ? options_.load_history(time) : 1.0);
+  model_.set_time(time);
+}
+
+void Dynamics::start_step(Vec u, Vec v, double dt) {
+  model_.start_step(u, v, options_.viscous_time / dt);
+}
+
+void Dynamics::apply_mass(Vec x, Vec y) const {
+  if (consistent_)
+    VOILE_PETSC(MatMult(consistent_->mat(), x, y));
+  else
+    VOILE_PETSC(VecPointwiseMult(y, model_.mass(), x));
+  model_.clear_fixed(y);
+}
+
+void Dynamics::residual(Vec u, Vec v, Vec a, Vec f) {
+  model_.residual(u, f);
+  apply_mass(a, sum_);
+  double inertia = 0.0;
+  VOILE_PETSC(VecNorm(sum_, NORM_2, &inertia));
+  force_scale_ = std::max(model_.force_scale(), inertia);
+  if (options_.mass_damping > 0.0) {
+    apply_mass(v, work_);
+    VOILE_PETSC(VecAXPY(sum_, options_.mass_damping, work_));
+  }
+  if (options_.bending_damping > 0.0) {
+    VOILE_PETSC(MatMult(model_.bending_matrix(), v, work_));
+    VOILE_PETSC(VecAXPY(sum_, options_.bending_damping, work_));
+  }
+  model_.add_drag(v, sum_);
+  model_.clear_fixed(sum_);
+  VOILE_PETSC(VecAXPY(f, 1.0, sum_));
+}
+
+double Dynamics::energy(Vec u, Vec v, Vec a, double s_v, double s_a) {
+  double sum = model_.energy(u), part = 0.0;
+  apply_mass(a, work_);
+  VOILE_PETSC(VecDot(work_, a, &part));
+  sum += 0.5 * part / s_a;
+  if (options_.mass_damping > 0.0) {
+    apply_mass(v, work_);
+    VOILE_PETSC(VecDot(work_, v, &part));
+    sum += 0.5 * options_.mass_damping * part / s_v;
+  }
+  if (options_.bending_damping > 0.0) {
+    VOILE_PETSC(MatMult(model_.bending_matrix(), v, work_));
+    VOILE_PETSC(VecDot(work_, v, &part));
+    sum += 0.5 * options_.bending_damping * part / s_v;
+  }
+  return sum + model_.drag_power(v) / s_v;
+}
+
+void Dynamics::assemble_tangent(Vec u, energy::Tangent kind, double s_v, double s_a) {
+  TangentRequest request;
+  request.kind = kind;
+  request.bending = 1.0 + options_.bending_damping * s_v;
+  request.mass = s_a + options_.mass_damping * s_v;
+  request.mass_matrix = consistent_ ? &*consistent_ : nullptr;
+  request.drag = options_.drag.active() ? s_v : 0.0;
+  model_.assemble_tangent(u, request);
+}
+
+double Dynamics::kinetic_energy(Vec v) const {
+  double twice = 0.0;
+  apply_mass(v, work_);
+  VOILE_PETSC(VecDot(work_, v, &twice));
+  return 0.5 * twice;
+}
+
+namespace {
+
+/// Sum over the vertices of f(position, momentum) in global axes, on every rank.
+template <class F>
+Vec3 sum_over_vertices(const Model& model, Vec u, Vec momentum, const F& f) {
+  const std::vector<double> p = model.gather(momentum);
+  const std::vector<double> x = u ? model.gather(u) : std::vector<double>(p.size(), 0.0);
+  std::vector<double> sum(3, 0.0);
+  for (std::size_t i = 0; i + 2 < p.size(); i += 3) {
+    const Vec3 place = model.mesh().positions()[i / 3] + Vec3(x[i], x[i + 1], x[i + 2]);
+    const Vec3 value = f(place, Vec3(p[i], p[i + 1], p[i + 2]));
+    for (int k = 0; k < 3; ++k) sum[static_cast<std::size_t>(k)] += value[k];
+  }
+  mpi::broadcast(model.comm(), sum);
+  return {sum[0], sum[1], sum[2]};
+}
+
+}  // namespace
+
+Vec3 Dynamics::momentum(Vec v) const {
+  apply_mass(v, work_);
+  return sum_over_vertices(model_, nullptr, work_, [](const Vec3&, const Vec3& p) { return p; });
+}
+
+Vec3 Dynamics::angular_momentum(Vec u, Vec v) const {
+  apply_mass(v, work_);
+  return sum_over_vertices(model_, u, work_, [](const Vec3& x, const Vec3& p) { return Vec3(x.cross(p)); });
+}
+
+}  // namespace voile::system

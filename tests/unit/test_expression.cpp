@@ -1,0 +1,160 @@
+// Expressions of the time and the sections of a case that use them.
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "voile/app/case.hpp"
+#include "voile/app/expression.hpp"
+#include "voile/base/error.hpp"
+
+using namespace voile;
+using app::expression;
+using app::parse_case;
+
+namespace {
+
+const std::string head = R"(analysis = "dynamic"
+[mesh]
+file = "a.geo"
+[[material]]
+type = "isotropic"
+young = 1e6
+poisson = 0.3
+thickness = 0.001
+density = 300
+)";
+
+std::string error_of(const std::string& text) {
+  try {
+    (void)parse_case(text, "case.toml");
+  } catch (const UserError& e) {
+    return e.what();
+  }
+  return "";
+}
+
+std::string error_with(const std::string& more) {
+  return error_of(head + more);
+}
+
+bool has(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+}  // namespace
+
+TEST_CASE("expressions know t, pi, functions and tables") {
+  CHECK(expression("3")(7.0) == 3.0);
+  CHECK(expression("2*t + 1")(3.0) == 7.0);
+  CHECK(expression("sin(2*pi*t)")(0.25) == doctest::Approx(1.0));
+  const auto table = expression("table(t, 0, 1, 2, 5, 3, 4)");
+  CHECK(table(-1.0) == 1.0);
+  CHECK(table(0.5) == 2.0);
+  CHECK(table(2.0) == 5.0);
+  CHECK(table(2.5) == 4.5);
+  CHECK(table(9.0) == 4.0);
+  // Copies go on living when the original is gone, each with its own t.
+  std::function<double(double)> kept;
+  {
+    const auto f = expression("t*t");
+    kept = f;
+    CHECK(f(2.0) == 4.0);
+  }
+  CHECK(kept(3.0) == 9.0);
+}
+
+TEST_CASE("bad expressions say what is wrong") {
+  for (const char* text : {"2*", "speed*t", "table(t, 0, 1, 2)", "table(t, 1, 0, 0, 1)", "", "1/0", "sqrt(-1)"})
+    CHECK_THROWS_AS((void)expression(text), UserError);
+  try {
+    (void)expression("speed*t");
+    FAIL("no error");
+  } catch (const UserError& e) {
+    CHECK(has(e.what(), "'speed*t'"));
+    CHECK(has(e.what(), "write an expression of t"));
+  }
+}
+
+TEST_CASE("a support that moves and lets go") {
+  const app::Case c = parse_case(head + R"toml([[support]]
+type = "hinged"
+group = "edge"
+motion = ["0.1*t", "0", "0"]
+rotation_axis = [0, 0, 2]
+rotation_centre = [1, 0, 0]
+rotation_angle = "90*t"
+release = 2.5
+[time]
+end = 3
+step = 0.01
+load_history = "table(t, 0, 0, 1, 1)"
+mass = "consistent"
+[damping]
+mass = 0.5
+bending = 0.01
+membrane = 0.001
+[air]
+normal_drag = 1.2
+wind = [3, 0, 0]
+)toml",
+                                 "case.toml");
+  REQUIRE(c.supports.size() == 1);
+  CHECK(c.supports[0].release == 2.5);
+  REQUIRE(c.supports[0].motion);
+  // A quarter turn about the z axis through (1, 0, 0), and a shift.
+  const Vec3 u = c.supports[0].motion(Vec3(2.0, 0.0, 0.0), 1.0);
+  CHECK((u - Vec3(-1.0 + 0.1, 1.0, 0.0)).norm() < 1e-14);
+  CHECK(c.dynamics.load_history(0.25) == 0.25);
+  CHECK(c.dynamics.mass == system::Mass::consistent);
+  CHECK(c.dynamics.mass_damping == 0.5);
+  CHECK(c.dynamics.bending_damping == 0.01);
+  CHECK(c.dynamics.viscous_time == 0.001);
+  CHECK(c.dynamics.drag.normal == 1.2);
+  CHECK(c.dynamics.drag.wind == Vec3(3.0, 0.0, 0.0));
+  CHECK(c.time.options.end_time == 3.0);
+  // The echo means the same.
+  const app::Case again = parse_case(echo_case(c), "echo.toml");
+  CHECK(echo_case(again) == echo_case(c));
+  CHECK((again.supports[0].motion(Vec3(0.3, 0.2, 0.1), 0.7) - c.supports[0].motion(Vec3(0.3, 0.2, 0.1), 0.7)).norm() ==
+        0.0);
+}
+
+TEST_CASE("contradictions in time sections are refused") {
+  const std::string support = "[[support]]\ntype = \"hinged\"\ngroup = \"edge\"\n";
+  CHECK(has(error_with(support + "motion = [\"t\", \"0\"]\n"), "three are needed"));
+  CHECK(has(error_with(support + "motion = [\"t\", \"0\", \"q\"]\n"), "case.toml:13: support.motion: 'q'"));
+  CHECK(has(error_with(support + "rotation_angle = \"t\"\n"), "rotation_axis and rotation_angle go together"));
+  CHECK(has(error_with(support + "rotation_axis = [0, 0, 1]\n"), "rotation_axis and rotation_angle go together"));
+  CHECK(has(error_with("[time]\nstep = 0.1\nmax_step = 0.01\n"), "must not be smaller than step"));
+  CHECK(has(error_with("[time]\nstep = 0.1\nmin_step = 0.2\n"), "must not be larger than step"));
+  CHECK(has(error_with("[time]\nmethod = \"central_difference\"\nmass = \"consistent\"\n"), "needs mass = \"lumped\""));
+  CHECK(has(error_with("[time]\nload_history = \"x\"\n"), "time.load_history"));
+  std::string still = head;
+  still.replace(still.find("dynamic"), 7, "static");
+  CHECK(has(error_of(still + support + "motion = [\"t\", \"0\", \"0\"]\n"), "only with analysis = \"dynamic\""));
+  CHECK(has(error_of(still + support + "release = 1\n"), "only with analysis = \"dynamic\""));
+}
+
+TEST_CASE("path control is checked against the probes") {
+  std::string text = head;
+  text.replace(text.find("dynamic"), 7, "static");
+  const std::string probe = "[[probe]]\nname = \"C\"\ntype = \"displacement\"\ngroup = \"C\"\ncomponents = [\"z\"]\n";
+  const app::Case c =
+      parse_case(text + probe + "[steps]\ncontrol = \"arc_length\"\ncontrol_probe = \"C\"\nfinal_displacement = -1\n",
+                 "case.toml");
+  CHECK(c.steps.control == solve::StaticOptions::Control::arc_length);
+  CHECK(c.steps.target_iterations == 5);
+  CHECK(c.steps.max_step == 1e9);
+  const auto error = [&](const std::string& steps) { return error_of(text + probe + "[steps]\n" + steps); };
+  CHECK(has(error("control = \"displacement\"\n"), "control_probe"));
+  CHECK(has(error("control = \"displacement\"\ncontrol_probe = \"C\"\n"), "final_displacement"));
+  CHECK(has(error("control = \"arc_length\"\ncontrol_probe = \"D\"\n"), "there is no probe 'D'"));
+  CHECK(has(error("control = \"arc_length\"\nstops = [0.5]\n"), "belong to control = \"load\""));
+  CHECK(has(error("control_probe = \"C\"\n"), "has no probe"));
+  CHECK(has(error("at_critical_point = \"stop\"\n"), "cannot stop or branch"));
+  CHECK(has(error("control = \"displacement\"\ncontrol_probe = \"C\"\nfinal_displacement = 1\nat_critical_point = "
+                  "\"switch_branch\"\n"),
+            "under control = \"arc_length\" only"));
+  CHECK(has(error("control = \"arc_length\"\nbranch_step = 0\n"), "branch_step"));
+}

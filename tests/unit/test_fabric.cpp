@@ -1,0 +1,282 @@
+// Fabric files: units against figures worked out by hand, every kind of mistake, the shipped fabrics, the warp angle.
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <numbers>
+
+#include "test_meshes.hpp"
+#include "voile/app/case.hpp"
+#include "voile/app/fabric.hpp"
+#include "voile/app/units.hpp"
+#include "voile/base/error.hpp"
+#include "voile/energy/material.hpp"
+
+using namespace voile;
+using app::Dimension;
+
+namespace {
+
+const std::string fabric_text = R"toml(name = "Test"
+description = "A fabric of round figures."
+areal_density = "200 g/m^2"
+membrane_warp = "2 kN/m"
+membrane_weft = 500
+membrane_shear = "1 gf/(cm.deg)"
+bending_warp = "0.1 gf.cm^2/cm"
+bending_weft = "4 uN.m"
+[sources]
+areal_density = "made up"
+membrane_warp = "made up"
+membrane_weft = "made up"
+membrane_shear = "made up"
+bending_warp = "made up"
+bending_weft = "made up"
+)toml";
+
+std::string replaced(std::string text, const std::string& from, const std::string& to) {
+  const std::size_t at = text.find(from);
+  REQUIRE(at != std::string::npos);
+  return text.replace(at, from.size(), to);
+}
+
+template <class Action>
+std::string error_of(const Action& action) {
+  try {
+    action();
+  } catch (const UserError& e) {
+    return e.what();
+  }
+  return "no error";
+}
+
+std::string fabric_error(const std::string& from, const std::string& to) {
+  return error_of([&] { (void)app::parse_fabric(replaced(fabric_text, from, to), "f.toml"); });
+}
+
+bool has(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+double difference(const Mat3& a, const Mat3& b) {
+  return (a - b).cwiseAbs().maxCoeff() / b.cwiseAbs().maxCoeff();
+}
+
+/// A fabric file and a case beside it.
+class FabricCase {
+ public:
+  explicit FabricCase(const std::string& fabric) : file_(".toml", fabric) {}
+  /// `keys` of the material; its fabric is F.
+  [[nodiscard]] app::Case parse(std::string keys) const {
+    if (const std::size_t at = keys.find('F'); at != std::string::npos) keys.replace(at, 1, name());
+    return app::parse_case("[mesh]\nfile = \"a.geo\"\n[[material]]\ntype = \"fabric\"\n" + keys,
+                           file_.path().parent_path() / "case.toml");
+  }
+  [[nodiscard]] std::string name() const { return file_.path().filename().string(); }
+
+ private:
+  testing::TemporaryFile file_;
+};
+
+}  // namespace
+
+TEST_CASE("fabric: every unit against a figure worked out by hand") {
+  struct Example {
+    const char* text;
+    double si;
+    Dimension dimension;
+  };
+  const std::vector<Example> examples{
+      {"0.3 m", 0.3, Dimension::length},
+      {"0.497 mm", 0.000497, Dimension::length},
+      {"250 um", 0.00025, Dimension::length},
+      {"0.2 kg/m^2", 0.2, Dimension::mass_per_area},
+      {"123.8 g/m^2", 0.1238, Dimension::mass_per_area},
+      {"12.38 mg/cm^2", 0.1238, Dimension::mass_per_area},
+      {"11 oz/yd^2", 0.372963, Dimension::mass_per_area},  // 11 x 0.02834952 / 0.83612736
+      {"490 N/m", 490.0, Dimension::force_per_length},
+      {"2.5 kN/m", 2500.0, Dimension::force_per_length},
+      {"500 gf/cm", 490.3325, Dimension::force_per_length},
+      {"1 gf/(cm.deg)", 56.18797, Dimension::shear_rigidity},  // 0.980665 x 57.29578
+      {"3e-6 N.m", 3e-6, Dimension::bending_rigidity},
+      {"14 uN.m", 1.4e-5, Dimension::bending_rigidity},
+      {"0.077 gf.cm^2/cm", 7.5511205e-6, Dimension::bending_rigidity},  // 0.077 x 98.0665e-6
+      {"18.5 mm FAST", 0.0185, Dimension::fast_bending_length},
+  };
+  for (const Example& e : examples) {
+    CAPTURE(e.text);
+    const app::Quantity q = app::parse_quantity(e.text);
+    CHECK(q.value == doctest::Approx(e.si).epsilon(1e-6));
+    CHECK(q.dimension == e.dimension);
+  }
+  // 9.81e-6 x 200 x 18.5^3 = 12.422 uN m
+  CHECK(app::bending_rigidity(0.2, 0.0185) == doctest::Approx(12.4224e-6).epsilon(1e-5));
+}
+
+TEST_CASE("fabric: a unit may be written in several ways") {
+  for (const char* text : {"2gf.cm^2/cm", " 2  gf cm2 / cm ", "2 gf*cm^2/cm", "2 gf\u00b7cm\u00b2/cm"})
+    CHECK(app::parse_quantity(text).value == doctest::Approx(2 * 98.0665e-6).epsilon(1e-12));
+  for (const char* text : {"3 gf/cm.deg", "3 gf/(cm deg)", "3 gf/cm/deg", "3 gf/(cm.degree)"})
+    CHECK(app::parse_quantity(text).value == doctest::Approx(3 * 56.18797).epsilon(1e-6));
+  for (const char* text : {"5 \u00b5N m", "5uNm", "5 uN*m"})
+    CHECK(app::parse_quantity(text).value == doctest::Approx(5e-6));
+  CHECK(app::parse_quantity("5 g / m2").value == doctest::Approx(5e-3));
+  CHECK(app::parse_quantity("5 mm  FAST").dimension == Dimension::fast_bending_length);
+}
+
+TEST_CASE("fabric: figures that are not a number with a known unit") {
+  const auto message = [](const char* text) { return error_of([&] { (void)app::parse_quantity(text); }); };
+  CHECK(message("0.3") == "'0.3': the unit is missing; add it, or write an SI number without quotes");
+  CHECK(has(message("gf/cm"), "a number and a unit are needed"));
+  CHECK(has(message(""), "a number and a unit are needed"));
+  CHECK(has(message("inf N/m"), "a number and a unit are needed"));
+  CHECK(has(message("1,5 N/m"), "unknown unit ',5 N/m'"));
+  CHECK(has(message("0.1 gf.cm^2/m"), "unknown unit 'gf.cm^2/m': did you mean 'gf.cm^2/cm'?"));
+  CHECK(has(message("3 furlong"), "unknown unit 'furlong': valid: m, mm, um, kg/m^2"));
+  CHECK(has(message("1 NM"), "unknown unit 'NM'"));
+  CHECK(has(message("1 m.m"), "unknown unit 'm.m'"));
+}
+
+TEST_CASE("fabric: the stiffness from its figures") {
+  const app::Fabric f = app::parse_fabric(fabric_text, "f.toml");
+  CHECK(f.areal_density == doctest::Approx(0.2));
+  CHECK(!f.thickness);
+  const Mat3 a = app::membrane_stiffness(f), d = app::bending_stiffness(f);
+  CHECK(a(0, 0) == doctest::Approx(2000.0));
+  CHECK(a(1, 1) == 500.0);
+  CHECK(a(2, 2) == doctest::Approx(56.18797).epsilon(1e-6));
+  CHECK(a(0, 1) == 0.0);
+  CHECK(d(0, 0) == doctest::Approx(9.80665e-6));
+  CHECK(d(1, 1) == doctest::Approx(4e-6));
+  CHECK(d(2, 2) == doctest::Approx(0.5 * std::sqrt(9.80665 * 4.0) * 1e-6));
+
+  const std::string more = replaced(replaced(fabric_text, "[sources]\n",
+                                             "bending_poisson = 0.2\nmembrane_poisson = -0.1\nthickness = 3e-4\n"
+                                             "[sources]\nbending_poisson = \"x\"\nmembrane_poisson = \"x\"\n"
+                                             "thickness = \"x\"\n"),
+                                    "\"4 uN.m\"", "\"18.5 mm FAST\"");
+  const app::Fabric g = app::parse_fabric(more, "f.toml");
+  CHECK(g.thickness == doctest::Approx(3e-4));
+  CHECK(app::membrane_stiffness(g)(0, 1) == doctest::Approx(-0.1 * 1000.0));
+  const Mat3 dg = app::bending_stiffness(g);
+  CHECK(dg(1, 1) == doctest::Approx(12.4224e-6).epsilon(1e-5));
+  CHECK(dg(1, 0) == doctest::Approx(0.2 * std::sqrt(dg(0, 0) * dg(1, 1))));
+  CHECK(dg(2, 2) == doctest::Approx(0.4 * std::sqrt(dg(0, 0) * dg(1, 1))));
+  // Of an isotropic sheet the rule makes an isotropic stiffness.
+  app::Fabric i = g;
+  i.bending_weft = i.bending_warp;
+  CHECK(difference(energy::rotated_stiffness(app::bending_stiffness(i), 0.7), app::bending_stiffness(i)) < 1e-14);
+  i.bending_twist = 5e-6;
+  CHECK(app::bending_stiffness(i)(2, 2) == 5e-6);
+}
+
+TEST_CASE("fabric: mistakes in a file are named with line and key") {
+  CHECK(fabric_error("bending_warp = \"0.1", "bending_wrap = \"0.1") ==
+        "f.toml:7: unknown key 'bending_wrap': did you mean 'bending_warp'?");
+  CHECK(fabric_error("bending_weft = \"made", "bending_welt = \"made") ==
+        "f.toml:15: [sources] unknown key 'bending_welt': did you mean 'bending_weft'?");
+  CHECK(
+      has(fabric_error("membrane_weft = 500\n", ""), "f.toml: membrane_weft: the key is missing; a force per length"));
+  CHECK(has(fabric_error("name = \"Test\"\n", ""), "f.toml: name: the key is missing"));
+  CHECK(has(fabric_error("\"Test\"", "\"  \""), "f.toml:1: name: a text in quotes is needed"));
+  CHECK(fabric_error("\"0.1 gf.cm^2/cm\"", "\"120 g/m^2\"") ==
+        "f.toml:7: bending_warp: '120 g/m^2' is a mass per area, a bending rigidity is needed: N.m, uN.m, gf.cm^2/cm, "
+        "mm FAST");
+  CHECK(has(fabric_error("\"2 kN/m\"", "\"2 gf/(cm.deg)\""), "is a shear rigidity per angle, a force per length"));
+  CHECK(has(fabric_error("\"2 kN/m\"", "\"2 kN\""), "f.toml:4: membrane_warp: '2 kN': unknown unit 'kN'"));
+  CHECK(has(fabric_error("500", "0"), "f.toml:5: membrane_weft: the figure must be finite and greater than zero"));
+  CHECK(has(fabric_error("500", "nan"), "must be finite and greater than zero"));
+  CHECK(has(fabric_error("500", "true"), "a number in SI units or a text with a unit is needed"));
+  CHECK(has(fabric_error("500", "500\nmembrane_poisson = 1.0"),
+            "f.toml:6: membrane_poisson: a number between -1 and 1 is needed; beyond, the stiffness is not positive"));
+  const std::string singular = replaced(fabric_text, "[sources]\n",
+                                        "membrane_poisson = 0.999999999999999\n[sources]\nmembrane_poisson = \"x\"\n");
+  CHECK(has(error_of([&] { (void)app::parse_fabric(singular, "f.toml"); }),
+            "f.toml:9: membrane_poisson: the membrane stiffness is not positive definite"));
+  CHECK(has(fabric_error("500", "500\nbending_poisson = \"0.3\""), "f.toml:6: bending_poisson: a number between"));
+  CHECK(has(fabric_error("500", "[500"), "f.toml:6: this is not valid TOML"));
+}
+
+TEST_CASE("fabric: a figure without a source is refused") {
+  CHECK(fabric_error("bending_weft = \"made up\"\n", "") ==
+        "f.toml:8: bending_weft: the source is missing; say in [sources] where this figure comes from: "
+        "bending_weft = \"...\"");
+  CHECK(has(fabric_error("500", "500\nthickness = \"1 mm\""), "f.toml:6: thickness: the source is missing"));
+  CHECK(has(fabric_error("[sources]\n", "[sources]\nthickness = \"x\"\n"),
+            "f.toml:10: sources.thickness: there is no such figure in this file"));
+  CHECK(has(fabric_error("bending_weft = \"made up\"", "bending_weft = \"\""),
+            "f.toml:15: sources.bending_weft: a text in quotes is needed"));
+  const std::string without = fabric_text.substr(0, fabric_text.find("[sources]"));
+  CHECK(has(error_of([&] { (void)app::parse_fabric(without, "f.toml"); }), "f.toml: sources: the table is missing"));
+}
+
+TEST_CASE("fabric: the warp angle turns the stiffness") {
+  const FabricCase fabric_case(fabric_text);
+  const app::Fabric f = app::parse_fabric(fabric_text, "f.toml");
+  const Mat3 a = app::membrane_stiffness(f), d = app::bending_stiffness(f);
+  const std::string keys = "fabric = \"F\"\ndirection = [0, 2, 0]\n";
+  const energy::Material straight = fabric_case.parse(keys).materials.at(0);
+  CHECK(straight.membrane == a);
+  CHECK(straight.bending == d);
+  CHECK(straight.areal_density == doctest::Approx(0.2));
+  CHECK(*straight.direction == Vec3(0, 2, 0));
+
+  const double angle = 30.0 * (std::numbers::pi / 180.0);
+  const app::Case c = fabric_case.parse(keys + "warp_angle = 30\ngroups = [\"sleeve\"]\n");
+  const energy::Material turned = c.materials.at(0);
+  CHECK(difference(turned.membrane, energy::rotated_stiffness(a, angle)) < 1e-14);
+  CHECK(difference(turned.bending, energy::rotated_stiffness(d, angle)) < 1e-14);
+  CHECK(turned.groups == std::vector<std::string>{"sleeve"});
+  // Stretched along the warp, as unit strain along that direction in the axes of `direction`, it has the warp's energy.
+  const double x = std::cos(angle), y = std::sin(angle);
+  const Vec3 along(x * x, y * y, 2 * x * y);
+  CHECK(along.dot(turned.membrane * along) == doctest::Approx(a(0, 0)));
+  const Mat3 quarter = fabric_case.parse(keys + "warp_angle = 90\n").materials.at(0).membrane;
+  CHECK(quarter(0, 0) == doctest::Approx(500.0));
+  CHECK(quarter(1, 1) == doctest::Approx(2000.0));
+
+  const energy::Material echoed = app::parse_case(app::echo_case(c), "case.toml").materials.at(0);
+  CHECK(echoed.membrane == turned.membrane);
+  CHECK(echoed.bending == turned.bending);
+  CHECK(echoed.direction == turned.direction);
+}
+
+TEST_CASE("fabric: mistakes in the case") {
+  const FabricCase fabric_case(replaced(fabric_text, "\"0.1 gf.cm^2/cm\"", "\"0.1\""));
+  const auto message = [&](const std::string& keys) { return error_of([&] { (void)fabric_case.parse(keys); }); };
+  CHECK(has(message("direction = [1, 0, 0]\n"), "case.toml:3: material.fabric: the key is missing; Fabric file"));
+  CHECK(has(message("fabric = \"F\"\n"), "case.toml:3: material.direction: the key is missing"));
+  CHECK(has(message("fabric = \"g.toml\"\ndirection = [1, 0, 0]\n"),
+            "case.toml:5: material.fabric: there is no fabric file "));
+  CHECK(has(message("fabric = \"F\"\ndirection = [1, 0, 0]\n"),
+            fabric_case.name() + ":7: bending_warp: '0.1': the unit"));
+  CHECK(has(message("fabric = \"F\"\ndirection = [1, 0, 0]\nthickness = 1\n"),
+            "key 'thickness' does not belong to type 'fabric'"));
+}
+
+TEST_CASE("fabric: the shipped files are complete and realistic") {
+  const std::filesystem::path folder = std::filesystem::path(VOILE_SOURCE_FOLDER) / "runs" / "fabrics";
+  if (!std::filesystem::is_directory(folder)) {
+    MESSAGE("skipped: there is no folder " << folder.string());
+    return;
+  }
+  int count = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    if (entry.path().extension() != ".toml") continue;
+    const std::string name = entry.path().string();
+    CAPTURE(name);
+    const app::Fabric f = app::read_fabric(entry.path());
+    CHECK(energy::is_positive_definite(app::membrane_stiffness(f)));
+    CHECK(energy::is_positive_definite(app::bending_stiffness(f)));
+    for (const double rigidity : {f.bending_warp, f.bending_weft}) {
+      const double bending_length = std::cbrt(rigidity / (9.81 * f.areal_density));
+      CHECK(bending_length > 0.010);
+      CHECK(bending_length < 0.035);
+    }
+    // Folding must be far cheaper than stretching, as in every sheet thinner than a millimetre or so.
+    CHECK(f.bending_warp / f.membrane_warp < 1e-6);
+    CHECK(f.bending_weft / f.membrane_weft < 1e-6);
+    ++count;
+  }
+  CHECK(count >= 6);
+}

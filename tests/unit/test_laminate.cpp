@@ -1,0 +1,99 @@
+// Classical lamination theory: R.M. Jones, Mechanics of Composite Materials (2nd ed. 1999), chapter 4.
+#include <doctest/doctest.h>
+
+#include <Eigen/LU>
+#include <numbers>
+
+#include "voile/app/case.hpp"
+#include "voile/base/error.hpp"
+#include "voile/energy/material.hpp"
+
+using namespace voile;
+using energy::laminate;
+using energy::Ply;
+
+namespace {
+
+constexpr double right = std::numbers::pi / 2.0;
+
+Mat3 ply() {
+  return energy::orthotropic_membrane(3300.0, 1100.0, 0.25, 660.0, 1.0);
+}
+
+double difference(const Mat3& a, const Mat3& b) {
+  return (a - b).cwiseAbs().maxCoeff() / b.cwiseAbs().maxCoeff();
+}
+
+std::string case_with(const std::string& angles, const std::string& thicknesses) {
+  return "[mesh]\nfile = \"a.geo\"\n[[material]]\ntype = \"laminate\"\nyoung_1 = 3300\nyoung_2 = 1100\n"
+         "poisson_12 = 0.25\nshear_12 = 660\ndensity = 2\ndirection = [0, 1, 0]\nangles = " +
+         angles + "\nply_thicknesses = " + thicknesses + "\n";
+}
+
+}  // namespace
+
+TEST_CASE("one ply is a plate, whatever it is cut into") {
+  const Mat3 q = ply();
+  for (const std::vector<Ply>& plies :
+       {std::vector<Ply>{{0.0, 0.3}}, std::vector<Ply>{{0.0, 0.1}, {0.0, 0.1}, {0.0, 0.1}},
+        std::vector<Ply>{{0.0, 0.05}, {0.0, 0.25}}}) {
+    const energy::LaminateStiffness l = laminate(q, plies);
+    CHECK(l.thickness == doctest::Approx(0.3));
+    CHECK(difference(l.membrane, 0.3 * q) < 1e-14);
+    CHECK(difference(l.bending, 0.3 * 0.3 * 0.3 / 12.0 * q) < 1e-14);
+    CHECK(l.coupling.cwiseAbs().maxCoeff() < 1e-14 * q.cwiseAbs().maxCoeff());
+  }
+}
+
+TEST_CASE("cross-ply 0/90/0: the outer plies bend, all of them stretch") {
+  const Mat3 q = ply();
+  const double h = 0.9, t = h / 3.0;
+  const energy::LaminateStiffness l = laminate(q, {{0.0, t}, {right, t}, {0.0, t}});
+  CHECK(l.membrane(0, 0) == doctest::Approx(t * (2.0 * q(0, 0) + q(1, 1))));
+  CHECK(l.membrane(1, 1) == doctest::Approx(t * (2.0 * q(1, 1) + q(0, 0))));
+  CHECK(l.membrane(2, 2) == doctest::Approx(h * 660.0));
+  // The middle ply holds 1/27 of h^3/12.
+  const double i = h * h * h / 12.0;
+  CHECK(l.bending(0, 0) == doctest::Approx(i * (26.0 * q(0, 0) + q(1, 1)) / 27.0));
+  CHECK(l.bending(1, 1) == doctest::Approx(i * (26.0 * q(1, 1) + q(0, 0)) / 27.0));
+  CHECK(l.bending(0, 1) == doctest::Approx(i * q(0, 1)));
+  CHECK(l.coupling.cwiseAbs().maxCoeff() < 1e-12 * l.membrane.cwiseAbs().maxCoeff());
+}
+
+TEST_CASE("turning a ply: quarter turns, isotropic invariance, Young's modulus off axis") {
+  const Mat3 q = ply();
+  Mat3 swapped = q;
+  std::swap(swapped(0, 0), swapped(1, 1));
+  CHECK(difference(energy::rotated_stiffness(q, right), swapped) < 1e-14);
+  CHECK(difference(energy::rotated_stiffness(energy::rotated_stiffness(q, 0.4), -0.4), q) < 1e-14);
+  const Mat3 isotropic = energy::isotropic_membrane(7.0, 0.3, 1.0);
+  CHECK(difference(energy::rotated_stiffness(isotropic, 0.7), isotropic) < 1e-14);
+  // 1/E_x = c^4/E1 + s^4/E2 + (1/G - 2 nu/E1) c^2 s^2
+  const double angle = 0.5, c = std::cos(angle), s = std::sin(angle);
+  const double compliance =
+      std::pow(c, 4) / 3300.0 + std::pow(s, 4) / 1100.0 + (1.0 / 660.0 - 2.0 * 0.25 / 3300.0) * c * c * s * s;
+  CHECK(energy::rotated_stiffness(q, angle).inverse()(0, 0) == doctest::Approx(compliance).epsilon(1e-12));
+  // Fibres turned towards axis 2 shear to the same side under tension along axis 1: Q16 > 0 for a positive angle.
+  CHECK(energy::rotated_stiffness(q, angle)(0, 2) > 0.0);
+}
+
+TEST_CASE("a laminate in the case file") {
+  const app::Case c = app::parse_case(case_with("[0, 90, 0]", "[0.3]"), "case.toml");
+  const energy::LaminateStiffness l = laminate(ply(), {{0.0, 0.3}, {right, 0.3}, {0.0, 0.3}});
+  CHECK(difference(c.materials.at(0).membrane, l.membrane) < 1e-14);
+  CHECK(difference(c.materials.at(0).bending, l.bending) < 1e-14);
+  CHECK(c.materials.at(0).areal_density == doctest::Approx(2 * 0.9));
+  const auto message = [](const std::string& angles, const std::string& thicknesses) -> std::string {
+    try {
+      (void)app::parse_case(case_with(angles, thicknesses), "case.toml");
+    } catch (const UserError& e) {
+      return e.what();
+    }
+    return "";
+  };
+  CHECK(message("[0, 90]", "[0.3]").find("case.toml:11: material.angles: this stack couples stretching with bending") ==
+        0);
+  CHECK(message("[45, -45]", "[0.3]").find("couples stretching with bending") != std::string::npos);
+  CHECK(message("[0, 90, 0]", "[0.1, 0.2]").find("2 thicknesses for 3 plies") != std::string::npos);
+  CHECK(message("[30, -30, -30, 30]", "[0.1]").empty());
+}

@@ -1,0 +1,411 @@
+// Motion in time: second order from any start and after restarts, momenta, energy, damping, drag, moving supports.
+#include <doctest/doctest.h>
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+
+#include "test_problems.hpp"
+#include "voile/base/error.hpp"
+#include "voile/solve/eigen.hpp"
+#include "voile/solve/time_integration.hpp"
+
+using namespace voile;
+using namespace voile::testing;
+using solve::TimeOptions;
+using system::Dynamics;
+using system::DynamicsOptions;
+using LoadKind = system::Load::Kind;
+using SupportKind = system::Support::Kind;
+
+namespace {
+
+/// A cantilevered strip 1 x 0.25 of light cloth-like shell that begins to fall at t = 0.
+struct Falling {
+  mesh::SurfaceMesh mesh;
+  system::Model model;
+  petsc::VecHandle u, v;
+
+  explicit Falling(const system::ModelInput& in = input())
+      : mesh(data()), model(PETSC_COMM_WORLD, mesh, in), u(model.create_vector()), v(model.create_vector()) {}
+  static mesh::MeshData data() {
+    mesh::MeshData d = grid(8, 2, false, 0.0);
+    add_square_groups(d);
+    return mapped(d, [](const Vec3& x) { return Vec3(x[0], 0.25 * x[1], 0.0); });
+  }
+  static system::ModelInput input() {
+    system::ModelInput in;
+    in.materials = {isotropic(1e5, 0.3, 0.01, 0.5)};
+    in.supports = {support("left", SupportKind::clamped)};
+    in.loads = {load(LoadKind::gravity, "", Vec3(0.0, 0.0, -9.81))};
+    return in;
+  }
+};
+
+TimeOptions options(double end, double step) {
+  TimeOptions o;
+  o.end_time = end;
+  o.step = step;
+  o.target_iterations = 100;
+  return o;
+}
+
+/// Runs to the end; returns the final positions and velocities on every rank.
+template <class Problem>
+std::vector<double> integrate(Problem& p, const DynamicsOptions& d, const TimeOptions& o,
+                              const solve::TimeIntegration::Observer& observer = {}, int steps = -1) {
+  Dynamics dynamics(p.model, d);
+  solve::TimeIntegration time(dynamics, o);
+  if (observer) time.on_step(observer);
+  const solve::TimeResult r = time.run({.position = p.u, .velocity = p.v});
+  CHECK(r.completed);
+  CHECK(r.reason.empty());
+  if (steps >= 0) CHECK(r.steps == steps);
+  std::vector<double> state = values_of(p.model, p.u);
+  const std::vector<double> speed = values_of(p.model, p.v);
+  state.insert(state.end(), speed.begin(), speed.end());
+  return state;
+}
+
+double distance(const std::vector<double>& a, const std::vector<double>& b) {
+  double d = 0.0;
+  for (std::size_t i = 0; i < a.size(); ++i) d += (a[i] - b[i]) * (a[i] - b[i]);
+  return std::sqrt(d);
+}
+
+/// Orders of convergence between three step sizes, from differences of successive solutions.
+double order_of(const std::function<std::vector<double>(int steps)>& solution, int steps) {
+  const std::vector<double> a = solution(steps), b = solution(2 * steps), c = solution(4 * steps);
+  return std::log2(distance(a, b) / distance(b, c));
+}
+
+}  // namespace
+
+TEST_CASE("second order in time from a state with non-zero acceleration, for every member of the family") {
+  for (const bool at_end : {true, false})
+    for (const double radius : {0.5, 1.0}) {
+      CAPTURE(at_end);
+      CAPTURE(radius);
+      const Option rtol("-snes_rtol", "1e-11"), stol("-snes_stol", "1e-9");
+      const double order = order_of(
+          [&](int steps) {
+            Falling f;
+            TimeOptions o = options(0.05, 0.05 / steps);
+            o.radius = radius;
+            o.forces_at_end = at_end;
+            return integrate(f, {}, o, {}, steps);
+          },
+          80);
+      CHECK(order > 1.9);
+      CHECK(order < 2.4);
+    }
+}
+
+TEST_CASE("the first acceleration is that of the equations") {
+  Falling f;
+  Dynamics dynamics(f.model, {});
+  solve::TimeIntegration time(dynamics, options(1e-6, 1e-6));
+  petsc::VecHandle a = f.model.create_vector();
+  time.on_step([&](const solve::TimeReport& r) {
+    if (r.state.acceleration) VOILE_PETSC(VecCopy(r.state.acceleration, a));
+    return false;
+  });
+  REQUIRE(time.run({.position = f.u, .velocity = f.v}).completed);
+  // A free vertex of a sheet at rest falls with g: the sheet has not bent yet.
+  for (const Vec3& x : per_vertex(f.model, a)) {
+    const double size = x.norm();
+    if (size > 0.0) CHECK((x - Vec3(0.0, 0.0, -9.81)).norm() < 1e-3 * 9.81);
+  }
+}
+
+TEST_CASE("a run continued from its middle is the unbroken run") {
+  Falling whole, part;
+  const TimeOptions all = options(0.04, 0.001);
+  std::vector<double> u, v, a;
+  int step = 0;
+  double at = 0.0, next = 0.0;
+  const std::vector<double> end = integrate(whole, {}, all, [&](const solve::TimeReport& r) {
+    if (r.state.step == 17) {
+      u = values_of(whole.model, r.state.position);
+      v = values_of(whole.model, r.state.velocity);
+      a = values_of(whole.model, r.state.acceleration);
+      step = r.state.step;
+      at = r.state.time;
+      next = r.state.next_step;
+    }
+    return false;
+  });
+  REQUIRE(step == 17);
+  petsc::VecHandle acceleration = part.model.create_vector();
+  part.model.scatter(u, part.u);
+  part.model.scatter(v, part.v);
+  part.model.scatter(a, acceleration);
+  Dynamics dynamics(part.model, {});
+  solve::TimeIntegration time(dynamics, all);
+  const solve::TimeResult r = time.run({step, at, next, part.u, part.v, acceleration});
+  REQUIRE(r.completed);
+  CHECK(r.state.step == 40);
+  CHECK(r.steps == 23);
+  std::vector<double> state = values_of(part.model, part.u);
+  const std::vector<double> speed = values_of(part.model, part.v);
+  state.insert(state.end(), speed.begin(), speed.end());
+  CHECK(distance(state, end) < 1e-10 * distance(end, std::vector<double>(end.size(), 0.0)));
+}
+
+TEST_CASE("a free sheet keeps its linear and angular momentum, and loses energy only to dissipation") {
+  system::ModelInput in = Falling::input();
+  in.supports.clear();
+  in.loads.clear();
+  for (const system::Mass mass : {system::Mass::lumped, system::Mass::consistent})
+    for (const double radius : {1.0, 0.5}) {
+      CAPTURE(static_cast<int>(mass));
+      CAPTURE(radius);
+      Falling f(in);
+      // Turning, drifting and bending.
+      set_displacement(f.model, f.v, [&](Index i) {
+        const Vec3 x = f.mesh.positions()[i] - Vec3(0.5, 0.125, 0.0);
+        return Vec3(Vec3(1.0, -2.0, 3.0).cross(x) + Vec3(0.2, 0.1, -0.3) + Vec3(0.0, 0.0, 2.0 * std::sin(7.0 * x[0])));
+      });
+      DynamicsOptions d;
+      d.mass = mass;
+      Dynamics dynamics(f.model, d);
+      TimeOptions o = options(0.05, 0.0005);
+      o.radius = radius;
+      const Option rtol("-snes_rtol", "1e-10"), stol("-snes_stol", "1e-10");
+      solve::TimeIntegration time(dynamics, o);
+      Vec3 momentum, spin;
+      std::vector<double> energy;
+      double worst = 0.0, worst_spin = 0.0;
+      time.on_step([&](const solve::TimeReport& r) {
+        const Vec3 p = dynamics.momentum(r.state.velocity),
+                   l = dynamics.angular_momentum(r.state.position, r.state.velocity);
+        if (r.state.step == 0) {
+          momentum = p;
+          spin = l;
+        }
+        worst = std::max(worst, (p - momentum).norm() / momentum.norm());
+        worst_spin = std::max(worst_spin, (l - spin).norm() / spin.norm());
+        energy.push_back(dynamics.kinetic_energy(r.state.velocity) + f.model.energy(r.state.position));
+        return false;
+      });
+      REQUIRE(time.run({.position = f.u, .velocity = f.v}).completed);
+      CHECK(worst < 1e-9);
+      // Angular momentum is kept to the order of the method only, unless the rule is symmetric in time.
+      CHECK(worst_spin < 1e-3);
+      const double change = energy.back() / energy.front() - 1.0;
+      MESSAGE(fmt::format("radius {}: energy {:+.2e}, angular momentum {:.1e}, momentum {:.1e}", radius, change,
+                          worst_spin, worst));
+      if (radius == 1.0) CHECK(std::abs(change) < 2e-3);
+      if (radius < 1.0) CHECK(change < 1e-6);
+    }
+}
+
+TEST_CASE("a plate in its first mode swings with the frequency of the mode") {
+  Falling f;
+  system::ModelInput in = Falling::input();
+  in.loads.clear();
+  Falling still(in);
+  DynamicsOptions d;
+  d.mass = system::Mass::consistent;
+  const solve::EigenResult modes = solve::vibration_modes(still.model, still.u, 1, d.mass);
+  REQUIRE(modes.modes.size() == 1);
+  const double period = 1.0 / modes.modes[0].value;
+  VOILE_PETSC(VecAXPY(still.u, 1e-4, modes.modes[0].shape));
+  const std::vector<double> begin = values_of(still.model, still.u);
+  TimeOptions o = options(period, period / 200.0);
+  o.radius = 1.0;
+  const Option rtol("-snes_rtol", "1e-10");
+  const std::vector<double> end = integrate(still, d, o);
+  double along = 0.0, square = 0.0;
+  for (std::size_t i = 0; i < begin.size(); ++i) {
+    along += begin[i] * end[i];
+    square += begin[i] * begin[i];
+  }
+  CHECK(along / square == doctest::Approx(1.0).epsilon(2e-3));
+}
+
+TEST_CASE("implicit and explicit motion agree, the explicit step below its stability limit") {
+  Falling implicit_sheet, explicit_sheet;
+  const double end = 0.02;
+  const std::vector<double> a = integrate(implicit_sheet, {}, options(end, end / 200));
+  TimeOptions o = options(end, end);
+  o.method = TimeOptions::Method::central_difference;
+  const std::vector<double> b = integrate(explicit_sheet, {}, o);
+  double largest = 0.0;
+  for (std::size_t i = 0; i < a.size() / 2; ++i) largest = std::max(largest, std::abs(a[i]));
+  for (std::size_t i = 0; i < a.size() / 2; ++i) CHECK(std::abs(a[i] - b[i]) < 2e-3 * largest);
+  Falling sheet;
+  Dynamics dynamics(sheet.model, {});
+  const double limit = 2.0 / solve::largest_frequency(dynamics, sheet.u);
+  // No less than that of the triangle with the smallest altitude: h < altitude / wave speed of the membrane.
+  CHECK(limit > 0.0);
+  CHECK(limit < 2.0 * 0.125 / std::sqrt(1e5 * 0.01 / 0.91 / 0.5));
+}
+
+TEST_CASE("damping: the mass-proportional one slows a drifting sheet as exp(-alpha t)") {
+  system::ModelInput in = Falling::input();
+  in.supports.clear();
+  in.loads.clear();
+  Falling f(in);
+  set_displacement(f.model, f.v, [](Index) { return Vec3(0.0, 0.0, 1.0); });
+  DynamicsOptions d;
+  d.mass_damping = 3.0;
+  const std::vector<double> end = integrate(f, d, options(0.5, 0.005));
+  const double expected = std::exp(-1.5);
+  for (std::size_t i = end.size() / 2 + 2; i < end.size(); i += 3)
+    CHECK(end[i] == doctest::Approx(expected).epsilon(1e-3));
+}
+
+TEST_CASE("damping of bending and membrane takes energy from a vibration") {
+  const auto left = [](const DynamicsOptions& d, bool bending) {
+    system::ModelInput in = Falling::input();
+    in.loads.clear();
+    Falling f(in);
+    set_displacement(f.model, f.v, [&](Index i) {
+      const double x = f.mesh.positions()[i][0];
+      return bending ? Vec3(0.0, 0.0, 0.1 * x * x) : Vec3(0.1 * x, 0.0, 0.0);
+    });
+    Dynamics dynamics(f.model, d);
+    TimeOptions o = options(bending ? 2.0 : 0.01, bending ? 0.02 : 1e-4);
+    o.radius = 1.0;
+    const double before = dynamics.kinetic_energy(f.v);
+    solve::TimeIntegration time(dynamics, o);
+    CHECK(time.run({.position = f.u, .velocity = f.v}).completed);
+    return (dynamics.kinetic_energy(f.v) + f.model.energy(f.u)) / before;
+  };
+  CHECK(left({}, true) == doctest::Approx(1.0).epsilon(0.01));
+  CHECK(left({}, false) == doctest::Approx(1.0).epsilon(0.01));
+  DynamicsOptions bending, membrane;
+  bending.bending_damping = 3.0;
+  membrane.viscous_time = 0.02;
+  CHECK(left(bending, true) < 0.7);
+  CHECK(left(membrane, false) < 0.7);
+  CHECK(left(membrane, true) > 0.9);  // hardly any stretching in bending
+}
+
+TEST_CASE("viscous membrane and drag: the step's residual is the gradient of its potential") {
+  system::ModelInput in = Falling::input();
+  in.supports[0].kind = SupportKind::hinged;
+  Falling f(in);
+  DynamicsOptions d;
+  d.mass_damping = 2.0;
+  d.bending_damping = 0.01;
+  d.viscous_time = 0.02;
+  d.drag.normal = 1.5;
+  d.drag.tangential = 0.3;
+  d.drag.wind = Vec3(1.0, 2.0, -3.0);
+  for (const system::Mass mass : {system::Mass::lumped, system::Mass::consistent}) {
+    d.mass = mass;
+    Dynamics dynamics(f.model, d);
+    petsc::VecHandle u = f.model.create_vector(), x = f.model.create_vector(), v = f.model.create_vector(),
+                     a = f.model.create_vector(), r = f.model.create_vector(), other = f.model.create_vector(),
+                     direction = f.model.create_vector(), difference = f.model.create_vector();
+    set_displacement(f.model, u, noise(0.01, 3));
+    set_displacement(f.model, v, noise(1.0, 4));
+    dynamics.set_time(0.3);
+    dynamics.start_step(u, v, 0.004);
+    const double s_v = 300.0, s_a = 1e5;
+    set_displacement(f.model, direction, noise(1.0, 5));
+    f.model.clear_fixed(direction);
+    // v and a are affine in x.
+    const auto at = [&](double shift) {
+      VOILE_PETSC(VecWAXPY(x, shift, direction, u));
+      VOILE_PETSC(VecAXPY(x, 0.002, v));
+      VOILE_PETSC(VecWAXPY(a, -1.0, u, x));
+      VOILE_PETSC(VecCopy(a, difference));
+      VOILE_PETSC(VecScale(a, s_a));
+      VOILE_PETSC(VecScale(difference, s_v));
+    };
+    at(0.0);
+    dynamics.residual(x, difference, a, r);
+    const double slope = dot(r, direction), step = 1e-5;
+    at(step);
+    const double plus = dynamics.energy(x, difference, a, s_v, s_a);
+    dynamics.residual(x, difference, a, r);
+    at(-step);
+    const double minus = dynamics.energy(x, difference, a, s_v, s_a);
+    dynamics.residual(x, difference, a, other);
+    CHECK((plus - minus) / (2.0 * step) == doctest::Approx(slope).epsilon(1e-6));
+    // And the tangent is the derivative of the residual.
+    VOILE_PETSC(VecAXPY(r, -1.0, other));
+    VOILE_PETSC(VecScale(r, 0.5 / step));
+    at(0.0);
+    dynamics.assemble_tangent(x, energy::Tangent::exact, s_v, s_a);
+    VOILE_PETSC(MatMult(f.model.tangent_matrix(), direction, other));
+    f.model.clear_fixed(r);
+    f.model.clear_fixed(other);
+    VOILE_PETSC(VecAXPY(other, -1.0, r));
+    CHECK(norm(other) < 1e-6 * norm(r));
+  }
+}
+
+TEST_CASE("a sheet in the wind is carried along, a falling one reaches its terminal velocity") {
+  system::ModelInput in = Falling::input();
+  in.supports.clear();
+  Falling f(in);
+  DynamicsOptions d;
+  d.drag.normal = 1.3;
+  d.drag.air_density = 1.2;
+  const std::vector<double> end = integrate(f, d, options(6.0, 0.02));
+  // m g = 1/2 rho C_n w^2 per area
+  const double terminal = std::sqrt(0.5 * 9.81 / (0.5 * 1.2 * 1.3));
+  for (std::size_t i = end.size() / 2 + 2; i < end.size(); i += 3)
+    CHECK(-end[i] == doctest::Approx(terminal).epsilon(0.01));
+}
+
+TEST_CASE("supports move as functions of time say, and the load follows its history") {
+  system::ModelInput in = Falling::input();
+  in.supports[0].kind = SupportKind::hinged;
+  in.supports[0].motion = [](const Vec3& x, double t) { return Vec3(0.1 * t, 0.0, 0.02 * std::sin(20.0 * t) * x[1]); };
+  Falling f(in);
+  DynamicsOptions d;
+  d.load_history = [](double t) { return std::min(1.0, 10.0 * t); };
+  double factor = -1.0;
+  Dynamics dynamics(f.model, d);
+  solve::TimeIntegration time(dynamics, options(0.05, 0.001));
+  time.on_step([&](const solve::TimeReport& r) {
+    const std::vector<Vec3> u = per_vertex(f.model, r.state.position);
+    for (Index v : f.mesh.group("left").vertices) {
+      const Vec3 x = f.mesh.positions()[v];
+      CHECK((u[v] - Vec3(0.1 * r.state.time, 0.0, 0.02 * std::sin(20.0 * r.state.time) * x[1])).norm() < 1e-14);
+    }
+    factor = f.model.load_factor();
+    return r.state.step == 30;
+  });
+  const solve::TimeResult r = time.run({.position = f.u, .velocity = f.v});
+  CHECK(r.stopped);
+  CHECK(r.state.step == 30);
+  CHECK(factor == doctest::Approx(0.3).epsilon(1e-9));
+  in.supports.push_back(in.supports[0]);
+  CHECK_THROWS_AS(Falling twice(in), UserError);
+}
+
+TEST_CASE("the step follows the error that is asked for") {
+  std::vector<int> steps;
+  for (const double tolerance : {1e-5, 1e-6}) {
+    Falling f;
+    TimeOptions o = options(0.3, 1e-3);
+    o.max_step = 0.1;
+    o.step_error = tolerance;
+    o.target_iterations = 1000;
+    Dynamics dynamics(f.model, {});
+    solve::TimeIntegration time(dynamics, o);
+    const solve::TimeResult r = time.run({.position = f.u, .velocity = f.v});
+    CHECK(r.completed);
+    CHECK(r.state.time == doctest::Approx(0.3).epsilon(1e-12));
+    steps.push_back(r.steps);
+  }
+  CHECK(steps[1] > 1.5 * steps[0]);
+  CHECK(steps[1] < 4.0 * steps[0]);
+}
+
+TEST_CASE("options of TS are obeyed") {
+  Falling f;
+  const Option dt("-ts_dt", "0.002"), end("-ts_max_time", "0.01"), adapt("-ts_adapt_type", "none");
+  (void)integrate(f, {}, options(1.0, 0.1), {}, 5);
+  const Option type("-ts_type", "euler");
+  Falling g;
+  Dynamics dynamics(g.model, {});
+  solve::TimeIntegration time(dynamics, options(1.0, 0.1));
+  CHECK_THROWS_AS((void)time.run({.position = g.u, .velocity = g.v}), UserError);
+}
