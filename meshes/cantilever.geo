@@ -25,6 +25,8 @@ Plane Surface(1) = {1};
 Physical Curve("clamp") = {4};
 Physical Curve("tip") = {2};
 Physical Curve("sides") = {1, 3};
+Physical Curve("side_low") = {1};   // y = 0
+Physical Curve("side_high") = {3};  // y = width
 Physical Surface("plate") = {1};
 
 If (pattern < 2)

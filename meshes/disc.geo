@@ -7,7 +7,8 @@ DefineConstant[
   radius = {0.15, Name "Parameters/radius"},
   inner_radius = {0.06, Name "Parameters/inner_radius"},
   n = {12, Name "Parameters/n"},
-  pattern = {2, Name "Parameters/pattern"}
+  pattern = {2, Name "Parameters/pattern"},
+  hole = {0, Name "Parameters/hole"}  // 1: without the inner disc
 ];
 h = radius * Pi / 2 / n;
 
@@ -91,7 +92,12 @@ Else
   EndFor
 EndIf
 
-Physical Point("centre") = {1};
+If (hole == 0)
+  Physical Point("centre") = {1};
+  Physical Surface("disc") = disc[];
+Else
+  Delete { Surface{disc[]}; }
+EndIf
 If (pattern == 2)
   Physical Curve("inner_edge") = {10 : 13};
   Physical Curve("edge") = {20 : 23};
@@ -99,5 +105,4 @@ Else
   Physical Curve("inner_edge") = {100 : 103, 110 : 113};
   Physical Curve("edge") = {120 : 123, 130 : 133};
 EndIf
-Physical Surface("disc") = disc[];
 Physical Surface("ring") = ring[];

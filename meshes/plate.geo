@@ -1,20 +1,23 @@
-// Square plate 0 <= x, y <= side in the plane z = 0. Normals point to +z. The point "centre" exists for even n, and always for
-// pattern 2.
+// Square plate 0 <= x, y <= side in the plane z = 0, or a rhombus: its left and right sides lean by the angle `skew`
+// towards +x. Normals point to +z. The point "centre" exists for even n, and always for pattern 2.
 // pattern  0  n x n cells cut by parallel diagonals
 //          1  the same, diagonals alternating (union jack)
 //          2  unstructured, edge length side / n
 DefineConstant[
   side = {1, Name "Parameters/side"},
+  skew = {0, Name "Parameters/skew"},  // [degrees]
   n = {16, Name "Parameters/n"},
   pattern = {0, Name "Parameters/pattern"}
 ];
 h = side / n;
+lean = Sin(skew * Pi / 180);
+rise = Cos(skew * Pi / 180);
 half = (pattern < 2 && n % 2 == 0) ? 2 : 1;  // blocks per direction; with 2 x 2 blocks the centre is a corner of all
 
 // Points (i, j) of the blocks are numbered 1 + i + 3 j.
 For j In {0 : half}
   For i In {0 : half}
-    Point(1 + i + 3 * j) = {i * side / half, j * side / half, 0, h};
+    Point(1 + i + 3 * j) = {(i + j * lean) * side / half, j * rise * side / half, 0, h};
   EndFor
 EndFor
 // Line (i, j) along x starts at point (i, j) and has its number plus 10; along y plus 20.
@@ -58,7 +61,7 @@ Else
   Physical Curve("right") = {22};
 EndIf
 If (pattern == 2)
-  Point(10) = {side / 2, side / 2, 0, h};
+  Point(10) = {(1 + lean) * side / 2, rise * side / 2, 0, h};
   Point{10} In Surface{1};
   Physical Point("centre") = {10};
   Mesh.Algorithm = 6;

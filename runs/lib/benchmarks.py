@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from pathlib import Path
 
-from curves import Table, at_load, distances
+from curves import Table, at_load, distances, limit_loads
 
 import numpy as np
 
@@ -26,6 +26,7 @@ class Benchmark:
     deflection_label: str
     curves: tuple
     source: str = "Sze, Liu & Lo (2004)"
+    table: str = ""  # file of the published points, where several problems share one
 
     @property
     def case(self):
@@ -33,12 +34,14 @@ class Benchmark:
 
     @property
     def reference(self):
-        return Table(ROOT / "runs" / "reference" / f"{self.name}.csv")
+        return Table(ROOT / "runs" / "reference" / f"{self.table or self.name}.csv")
 
     def points(self, curve):
         table = self.reference
         return np.column_stack([table["load_fraction"], table[curve.reference]])
 
+
+LAYUPS = {"isotropic": "isotropic", "0_90_0": "plies at 0/90/0 degrees", "90_0_90": "plies at 90/0/90 degrees"}
 
 BENCHMARKS = {
     b.name: b
@@ -62,6 +65,24 @@ BENCHMARKS = {
             (Curve("pulled_x", 1, "u_outward_point", "pulled point"),
              Curve("pushed_y", -1, "u_inward_point", "pushed point, inward")),
         ),
+        Benchmark(
+            "pullout_cylinder", "Cylinder with free ends pulled by two forces", "force / largest force", "displacement",
+            (Curve("A_z", 1, "w_a", "w, under the force"), Curve("B_x", -1, "minus_u_b", "−u, B"),
+             Curve("C_x", -1, "minus_u_c", "−u, C")),
+        ),
+        Benchmark(
+            "pinched_cylinder", "Cylinder with end diaphragms pinched by two forces", "force / largest force",
+            "displacement",
+            (Curve("A_z", -1, "minus_w_a", "−w, under the force"), Curve("B_x", 1, "u_b", "u, B")),
+        ),
+        *(Benchmark(
+            f"semicylinder_{name}", f"Semi-cylinder pressed at its free end, {label}", "force / largest force",
+            "deflection under the force", (Curve("A_z", -1, f"w_{name}", "−w, under the force"),), table="semicylinder",
+        ) for name, label in LAYUPS.items()),
+        *(Benchmark(
+            f"roof_{name}_{thickness}", f"Hinged cylindrical roof, {label}, {thickness} thick", "force / largest force",
+            "deflection of the centre", (Curve("C_z", -1, "minus_w_c", "−w, centre"),),
+        ) for thickness in ("12.7", "6.35") for name, label in LAYUPS.items()),
     )
 }
 
@@ -81,6 +102,22 @@ class Comparison:
     published: float       # the published one
     ratio: float
     curve_error: float     # largest distance of a published point from the computed curve, see curves.distances
+    limits: tuple = ()     # pairs (computed, published) of the loads at which the curve turns
+
+
+def computed_limits(history):
+    """Loads of the limit points that the solver found and interpolated, in the order of the path."""
+    if "critical" not in history:
+        return []
+    return [float(load) for kind, load in zip(history["critical"], history["critical_load_factor"]) if kind in (1, 3)]
+
+
+def pair_limits(points, history):
+    """Each published limit load with the computed one: in order if there are as many of both, else the nearest."""
+    published, found = limit_loads(points), computed_limits(history)
+    if len(found) == len(published):
+        return tuple(zip(found, published))
+    return tuple((min(found, key=lambda x: abs(x - load)), load) for load in published) if found else ()
 
 
 def compare(benchmark, history):
@@ -88,8 +125,9 @@ def compare(benchmark, history):
     result = []
     for curve in benchmark.curves:
         points, computed = benchmark.points(curve), computed_points(history, curve)
-        load, published = points[np.argmax(points[:, 0])]
+        load, published = points[-1]
         final = at_load(computed, load)
         ratio = final / published if published != 0 else float("nan")
-        result.append(Comparison(curve, final, published, ratio, float(distances(points, computed).max())))
+        result.append(Comparison(curve, final, published, ratio, float(distances(points, computed).max()),
+                                 pair_limits(points, history)))
     return result

@@ -54,11 +54,32 @@ def distances(published, computed):
 
 
 def at_load(computed, load):
-    """Deflection at a load factor by linear interpolation; nan beyond the last step."""
+    """Deflection at a load factor by linear interpolation, where the curve reaches that load last; nan if it never does."""
     line = np.vstack([np.zeros(2), np.asarray(computed, float)])
-    if load > line[:, 0].max() * (1 + 1e-12):
-        return float("nan")
-    return float(np.interp(load, line[:, 0], line[:, 1]))
+    for (l0, d0), (l1, d1) in zip(line[-2::-1], line[:0:-1]):
+        low, high = min(l0, l1), max(l0, l1)
+        slack = 1e-12 * max(1.0, abs(load))
+        if low - slack <= load <= high + slack:
+            return float(d1 if l1 == l0 else d0 + (d1 - d0) * (load - l0) / (l1 - l0))
+    return float("nan")
+
+
+def limit_loads(curve):
+    """Loads at which the load turns along a tabulated curve: extrema of quartics through the five points around each
+    turn, over the chord length. Fewer points, at the ends of the table, give lower polynomials."""
+    line = np.vstack([np.zeros(2), np.asarray(curve, float)])
+    units = np.abs(line).max(axis=0)
+    s = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(line / units, axis=0), axis=1))])
+    loads = line[:, 0]
+    turns = [i for i in range(1, len(loads) - 1) if (loads[i] - loads[i - 1]) * (loads[i + 1] - loads[i]) < 0]
+    result = []
+    for i in turns:
+        near = slice(max(i - 2, 0), i + 3)
+        law = np.polynomial.Polynomial.fit(s[near], loads[near], len(s[near]) - 1)
+        stationary = law.deriv().roots()
+        stationary = stationary[np.abs(stationary.imag) < 1e-9].real
+        result.append(float(law(stationary[np.argmin(np.abs(stationary - s[i]))])))
+    return result
 
 
 def fitted_order(sizes, errors):

@@ -1,6 +1,7 @@
 """Time and memory of a program and everything it starts."""
 
 import os
+import re
 import subprocess
 import time
 from dataclasses import dataclass
@@ -25,3 +26,18 @@ def measure(command, log, cwd=None, **variables):
         _, status, use = os.wait4(process.pid, 0)
     process.returncode = os.waitstatus_to_exitcode(status)
     return Use(process.returncode, use.ru_utime + use.ru_stime, time.time() - begin, use.ru_maxrss * 1024.0)
+
+
+EVENTS = ("VoileBendAssemble", "VoileBendCopy", "VoileResidual", "VoileTangent", "MatCholFctrSym", "MatCholFctrNum",
+          "MatLUFactorSym", "MatLUFactorNum", "MatSolve", "VoileEnergy", "VoileOutput", "SNESSolve")
+
+
+def read_log_view(text):
+    """Event -> (count, seconds of the slowest rank) from the ASCII output of -log_view."""
+    events = {}
+    for line in text.splitlines():
+        match = re.match(r"^(\w+)\s+(\d+)\S?\s+[\d.]+\s+(\d\.\d+e[+-]\d+)\s", line)
+        if match and match.group(1) in EVENTS:
+            count, seconds = events.get(match.group(1), (0, 0.0))
+            events[match.group(1)] = (count + int(match.group(2)), seconds + float(match.group(3)))
+    return events

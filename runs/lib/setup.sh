@@ -2,8 +2,8 @@
 # Shared by runs/quickstart and tests/run (sourced by bash): packages, BLAS, environment, build.
 # The caller sets `root` to the root of the repository.
 
-PACKAGES_BUILD="build-essential cmake ninja-build pkg-config petsc-dev libmumps-dev libmetis-dev libopenmpi-dev openmpi-bin
-libhdf5-openmpi-dev libgmsh-dev libopenblas0-pthread libeigen3-dev libtomlplusplus-dev libcli11-dev libfmt-dev doctest-dev
+PACKAGES_BUILD="build-essential cmake ninja-build pkg-config petsc-dev libslepc-real-dev libmumps-dev libmetis-dev libopenmpi-dev openmpi-bin
+libhdf5-openmpi-dev libgmsh-dev libopenblas0-pthread libeigen3-dev libtomlplusplus-dev libmuparser-dev libcli11-dev libfmt-dev doctest-dev
 python3-h5py python3-matplotlib python3-numpy"
 PACKAGES_TEST="clang-14 clang-format-14"
 
@@ -80,10 +80,12 @@ use_openblas() {
   done
 }
 
-# One thread per rank; ranks may outnumber cores; containers run as root and do not allow reading other processes' memory.
+# One thread per rank; ranks may outnumber cores and yield them while they wait; containers run as root and do not allow
+# reading other processes' memory.
 set_environment() {
   export OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
   export OMPI_MCA_rmaps_base_oversubscribe=1 OMPI_MCA_hwloc_base_binding_policy=none
+  export OMPI_MCA_mpi_yield_when_idle=1
   export OMPI_MCA_btl_vader_single_copy_mechanism=none
   if [ "$(id -u)" = 0 ]; then
     export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1

@@ -27,6 +27,7 @@ def environment():
     env.setdefault("OMP_NUM_THREADS", "1")
     env.setdefault("OMPI_MCA_rmaps_base_oversubscribe", "1")
     env.setdefault("OMPI_MCA_hwloc_base_binding_policy", "none")
+    env.setdefault("OMPI_MCA_mpi_yield_when_idle", "1")  # waiting ranks would otherwise keep a shared core busy
     if os.geteuid() == 0:
         env["OMPI_ALLOW_RUN_AS_ROOT"] = env["OMPI_ALLOW_RUN_AS_ROOT_CONFIRM"] = "1"
     return env
