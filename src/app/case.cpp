@@ -213,21 +213,21 @@ std::function<double(double)> time_function(const SectionPlace& place, const cha
   }
 }
 
-/// Turns the texts of a motion into a function. A clamp's slope stays that of the rest shape: it must not turn.
-void resolve_motion(const SectionPlace& place, const Case& c, const MotionInput& m, system::Support& s) {
+using Motion = std::function<Vec3(const Vec3& rest, double time)>;
+
+/// Turns the texts of a motion into a function; empty if there is none.
+Motion motion_function(const SectionPlace& place, const Case& c, const MotionInput& m) {
   if (m.angle.empty() != !m.axis)
     place.fail(m.axis ? "rotation_angle" : "rotation_axis", "rotation_axis and rotation_angle go together");
-  if (!m.any() && std::isinf(s.release)) return;
-  if (c.analysis != "dynamic")
-    place.fail(m.any() ? "motion" : "release", "a support moves or lets go only with analysis = \"dynamic\"");
+  if (!m.any()) return {};
+  if (c.analysis != "dynamic") place.fail("motion", "something moves only with analysis = \"dynamic\"");
   if (!m.translation.empty() && m.translation.size() != 3)
     place.fail("motion", fmt::format("{} expressions; three are needed, for x, y and z", m.translation.size()));
-  if (!m.any()) return;
   std::vector<std::function<double(double)>> u;
   for (const std::string& text : m.translation) u.push_back(time_function(place, "motion", text));
   const auto angle = m.angle.empty() ? nullptr : time_function(place, "rotation_angle", m.angle);
   const Vec3 axis = m.axis ? m.axis->normalized() : Vec3(Vec3::UnitZ()), centre = m.centre;
-  s.motion = [u, angle, axis, centre](const Vec3& x, double t) {
+  return [u, angle, axis, centre](const Vec3& x, double t) {
     Vec3 d = Vec3::Zero();
     if (angle) d = Eigen::AngleAxisd(angle(t) * (std::numbers::pi / 180.0), axis) * (x - centre) - (x - centre);
     for (int k = 0; k < 3 && !u.empty(); ++k) d[k] += u[static_cast<std::size_t>(k)](t);
@@ -240,10 +240,47 @@ void read_supports(const CaseReader& reader, Case& c) {
     system::Support support;
     MotionInput motion;
     const SectionPlace place = reader.read("support", n, keys_of(support, motion));
-    resolve_motion(place, c, motion, support);
+    support.motion = motion_function(place, c, motion);
+    if (std::isfinite(support.release) && c.analysis != "dynamic")
+      place.fail("release", "a support lets go only with analysis = \"dynamic\"");
     c.supports.push_back(std::move(support));
     c.motions.push_back(std::move(motion));
   }
+}
+
+void read_obstacle(const SectionPlace& place, Case& c, ObstacleSection& s) {
+  using Shape = system::Obstacle::Shape;
+  system::Obstacle& o = s.shape;
+  for (const ObstacleSection& other : c.obstacles)
+    if (other.shape.name == o.name) place.fail("name", fmt::format("'{}': another obstacle has this name", o.name));
+  if (o.shape == Shape::plane && o.normal.norm() == 0.0) place.fail("normal", "the vector is zero");
+  if (o.shape == Shape::capsule && (s.end - s.point).norm() == 0.0)
+    place.fail("end", "the axis has no length; a ball is type = \"sphere\"");
+  o.motion = motion_function(place, c, s.motion);
+  if (o.shape == Shape::capsule)
+    o.points = {s.point, s.end};
+  else if (o.shape != Shape::mesh)
+    o.points = {s.point};
+  if (!s.file.empty()) s.file = beside(c.file, s.file);
+  if (s.frames.empty()) return;
+  s.frames = beside(c.file, s.frames);
+  if (o.motion) place.fail("frames", "a mesh moves by frames or by motion, not by both");
+  if (c.analysis != "dynamic") place.fail("frames", "something moves only with analysis = \"dynamic\"");
+}
+
+void read_contact(const CaseReader& reader, Case& c) {
+  const SectionPlace place = reader.read("contact", 0, keys_of(c.contact));
+  read_all(reader, "obstacle", c.obstacles,
+           [&](const SectionPlace& at, ObstacleSection& s) { read_obstacle(at, c, s); });
+  read_all(reader, "contact_rule", c.contact_rules, [](const SectionPlace&, const auto&) {});
+  c.contact.input.active = place.line > 0 || !c.obstacles.empty() || !c.contact_rules.empty();
+  if (!c.contact.input.active) return;
+  if (c.analysis != "static" && c.analysis != "dynamic" && c.analysis != "drape")
+    place.fail("", fmt::format("there is no contact with analysis = \"{}\"", c.analysis));
+  if (c.time.options.method == solve::TimeOptions::Method::central_difference)
+    place.fail("", "there is no contact with method = \"central_difference\"");
+  if (c.analysis == "static" && c.steps.control != solve::StaticOptions::Control::load)
+    place.fail("", "contact in a static path needs control = \"load\"");
 }
 
 void check_time(const SectionPlace& place, Case& c) {
@@ -289,6 +326,7 @@ Case parse_case(const std::string& text, const std::filesystem::path& file) {
   read_all(reader, "probe", c.probes,
            [&](const SectionPlace& place, const Probe& probe) { check_probe(place, probe, c.probes); });
   check_control(steps, c.steps, c.probes);
+  read_contact(reader, c);
   reader.read("output", 0, keys_of(c.output));
   check_petsc(reader.read("petsc", 0, petsc_keys(c)), c.petsc_options);
   return c;

@@ -239,6 +239,11 @@ std::string echo_case(const Case& c) {
   for (std::size_t i = 0; i < copy.supports.size(); ++i)
     out += "\n[[support]]\n" + echo_keys(keys_of(copy.supports[i], copy.motions[i]));
   out += echo_all("load", copy.loads);
+  if (copy.contact.input.active) {
+    out += "\n[contact]\n" + echo_keys(keys_of(copy.contact));
+    out += echo_all("obstacle", copy.obstacles);
+    out += echo_all("contact_rule", copy.contact_rules);
+  }
   out += "\n[steps]\n" + echo_keys(keys_of(copy.steps));
   out += "\n[eigen]\n" + echo_keys(keys_of(copy.eigen));
   out += "\n[time]\n" + echo_keys(keys_of(copy.time, copy.dynamics.mass));
@@ -257,12 +262,17 @@ std::string case_reference_markdown() {
   system::Support support;
   MotionInput motion;
   system::Load load;
+  ObstacleSection obstacle;
+  RuleSection rule;
   Probe probe;
   const std::map<std::string, std::vector<Key>> keys{{"mesh", keys_of(c.mesh)},
                                                      {"element", keys_of(c.element)},
                                                      {"material", keys_of(material)},
                                                      {"support", keys_of(support, motion)},
                                                      {"load", keys_of(load)},
+                                                     {"contact", keys_of(c.contact)},
+                                                     {"obstacle", keys_of(obstacle)},
+                                                     {"contact_rule", keys_of(rule)},
                                                      {"steps", keys_of(c.steps)},
                                                      {"eigen", keys_of(c.eigen)},
                                                      {"time", keys_of(c.time, c.dynamics.mass)},

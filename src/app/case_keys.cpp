@@ -192,9 +192,42 @@ std::vector<Key> keys_of(MaterialInput& s) {
        .absent = "none"}};
 }
 
-std::vector<Key> keys_of(system::Support& s, MotionInput& m) {
-  const std::vector<std::string> moving{"displacement", "hinged", "clamped"};
+namespace {
+
+/// Keys of a rigid motion; `types`: of the section that can move.
+std::vector<Key> motion_keys(MotionInput& m, const std::vector<std::string>& types) {
   return {
+      {.name = "motion",
+       .slot = &m.translation,
+       .meaning =
+           "Displacement as three expressions of the time t, e.g. `[\"0.1*sin(2*pi*t)\", \"0\", \"table(t, 0, 0, 1, "
+           "0.05)\"]`; `table` interpolates between pairs of time and value. Needs `analysis = \"dynamic\"`.",
+       .unit = "m",
+       .types = types,
+       .absent = "none"},
+      {.name = "rotation_axis",
+       .slot = &m.axis,
+       .meaning = "Axis of a rotation of the whole group; goes with `rotation_angle`.",
+       .types = types,
+       .absent = "none"},
+      {.name = "rotation_centre", .slot = &m.centre, .meaning = "A point on the axis.", .unit = "m", .types = types},
+      {.name = "rotation_angle",
+       .slot = &m.angle,
+       .meaning = "Angle as an expression of the time t.",
+       .unit = "degree",
+       .types = types,
+       .absent = "none"}};
+}
+
+std::vector<Key> joined(std::vector<Key> first, const std::vector<Key>& second) {
+  first.insert(first.end(), second.begin(), second.end());
+  return first;
+}
+
+}  // namespace
+
+std::vector<Key> keys_of(system::Support& s, MotionInput& m) {
+  std::vector<Key> keys{
       {.name = "type",
        .slot = choice(s.kind, {"displacement", "hinged", "clamped", "symmetry"}),
        .meaning = "`displacement`: the named components are prescribed. `hinged`: all three are, the edge may turn. "
@@ -219,32 +252,126 @@ std::vector<Key> keys_of(system::Support& s, MotionInput& m) {
        .meaning = "Normal of the mirror plane.",
        .types = {"symmetry"},
        .absent = "found from the mesh"},
-      {.name = "motion",
-       .slot = &m.translation,
-       .meaning =
-           "Displacement as three expressions of the time t, e.g. `[\"0.1*sin(2*pi*t)\", \"0\", \"table(t, 0, 0, 1, "
-           "0.05)\"]`; `table` interpolates between pairs of time and value. Needs `analysis = \"dynamic\"`.",
-       .unit = "m",
-       .types = moving,
-       .absent = "none"},
-      {.name = "rotation_axis",
-       .slot = &m.axis,
-       .meaning = "Axis of a rotation of the whole group; goes with `rotation_angle`.",
-       .types = moving,
-       .absent = "none"},
-      {.name = "rotation_centre", .slot = &m.centre, .meaning = "A point on the axis.", .unit = "m", .types = moving},
-      {.name = "rotation_angle",
-       .slot = &m.angle,
-       .meaning = "Angle as an expression of the time t.",
-       .unit = "degree",
-       .types = moving,
-       .absent = "none"},
       {.name = "release",
        .slot = &s.release,
        .meaning = "Time at which the support lets go.",
        .unit = "s",
        .range = not_negative,
        .absent = "never"}};
+  return joined(std::move(keys), motion_keys(m, {"displacement", "hinged", "clamped"}));
+}
+
+std::vector<Key> keys_of(ContactSection& s) {
+  contact::ContactOptions& o = s.input.options;
+  return {
+      {.name = "distance",
+       .slot = &o.distance,
+       .meaning = "Gap below which surfaces push each other away.",
+       .unit = "m",
+       .range = positive},
+      {.name = "stiffness",
+       .slot = &o.stiffness,
+       .meaning = "Of the barrier: the pressure at half the distance is 1.2 times this, and grows without bound as the "
+                  "gap closes.",
+       .unit = "Pa",
+       .range = positive},
+      {.name = "thickness",
+       .slot = &s.input.thickness,
+       .meaning = "Of the sheet: mid-surfaces of its layers stay further apart than this.",
+       .unit = "m",
+       .range = not_negative},
+      {.name = "self", .slot = &s.input.self, .meaning = "Whether the sheet, all pieces of it, touches itself."},
+      {.name = "friction",
+       .slot = &s.input.friction,
+       .meaning = "Coefficient of friction of the sheet against itself.",
+       .range = not_negative},
+      {.name = "slip_speed",
+       .slot = &o.slip_speed,
+       .meaning = "Below this speed friction falls smoothly to zero, so that what sticks creeps slower than this.",
+       .unit = "m/s",
+       .range = positive},
+      {.name = "check",
+       .slot = &s.check,
+       .meaning = "Count intersecting triangles after every step with exact predicates, independently of the solver."}};
+}
+
+std::vector<Key> keys_of(ObstacleSection& s) {
+  const std::vector<std::string> mesh{"mesh"}, plane{"plane"}, sphere{"sphere"}, capsule{"capsule"};
+  system::Obstacle& o = s.shape;
+  std::vector<Key> keys{
+      {.name = "name", .slot = &o.name, .meaning = "Unique; for rules and messages.", .required = true},
+      {.name = "type",
+       .slot = choice(o.shape, {"mesh", "plane", "sphere", "capsule"}),
+       .meaning = "`mesh`: triangles of a file, both sides of which are solid. `plane`: a half-space. `capsule`: all "
+                  "points within `radius` of the line from `point` to `end`; a long one is a cylinder.",
+       .required = true},
+      {.name = "file",
+       .slot = &s.file,
+       .meaning = "Triangles: OBJ, STL, PLY, OFF or `.msh`, relative to the folder of the case file.",
+       .types = mesh,
+       .required = true},
+      {.name = "scale",
+       .slot = &s.scale,
+       .meaning = "Coordinates in files are multiplied by this to become metres.",
+       .range = positive,
+       .types = mesh},
+      {.name = "frames",
+       .slot = &s.frames,
+       .meaning = "Positions of the vertices in time, linear between key frames: PC2, MDD, or OBJ files as "
+                  "`walk_%04d.obj`.",
+       .types = mesh,
+       .absent = "none"},
+      {.name = "frames_per_second",
+       .slot = &s.frames_per_second,
+       .meaning = "Of `frames` that do not say it themselves (PC2, OBJ).",
+       .unit = "1/s",
+       .range = positive,
+       .types = mesh},
+      {.name = "point",
+       .slot = &s.point,
+       .meaning = "A point of the plane, the centre of the sphere, one end of the capsule's axis.",
+       .unit = "m",
+       .types = {"plane", "sphere", "capsule"},
+       .required = true},
+      {.name = "normal",
+       .slot = &o.normal,
+       .meaning = "Points to the free side.",
+       .types = plane,
+       .required = true},
+      {.name = "end",
+       .slot = &s.end,
+       .meaning = "The other end of the axis.",
+       .unit = "m",
+       .types = capsule,
+       .required = true},
+      {.name = "radius",
+       .slot = &o.radius,
+       .meaning = "Of sphere and capsule.",
+       .unit = "m",
+       .range = positive,
+       .types = {"sphere", "capsule"},
+       .required = true},
+      {.name = "thickness",
+       .slot = &o.thickness,
+       .meaning = "The surface lies half of this further out.",
+       .unit = "m",
+       .range = not_negative},
+      {.name = "friction",
+       .slot = &o.friction,
+       .meaning = "Coefficient of friction against the sheet.",
+       .range = not_negative}};
+  return joined(std::move(keys), motion_keys(s.motion, {}));
+}
+
+std::vector<Key> keys_of(RuleSection& s) {
+  return {{.name = "first", .slot = &s.first, .meaning = "An obstacle, or a physical surface.", .required = true},
+          {.name = "second", .slot = &s.second, .meaning = "Another, or the same.", .required = true},
+          {.name = "friction",
+           .slot = &s.friction,
+           .meaning = "Coefficient of friction between the two.",
+           .range = not_negative,
+           .absent = "as for other pairs"},
+          {.name = "ignore", .slot = &s.ignore, .meaning = "The two do not see each other."}};
 }
 
 std::vector<Key> keys_of(system::Load& s) {
@@ -488,10 +615,10 @@ std::vector<Key> keys_of(OutputSection& s) {
       {.name = "fields",
        .slot = Words{&s.fields,
                      {"displacement", "reaction", "velocity", "membrane_force", "bending_moment", "curvature",
-                      "membrane_strain"}},
+                      "membrane_strain", "contact_force", "friction_force", "contact_pressure"}},
        .meaning =
            "Fields in `results.h5`, any of `displacement`, `velocity`, `reaction`, `membrane_force`, `bending_moment`, "
-           "`curvature`, `membrane_strain`.",
+           "`curvature`, `membrane_strain`, `contact_force`, `friction_force`, `contact_pressure`.",
        .absent = "all of them"},
       {.name = "every",
        .slot = &s.every,
@@ -512,6 +639,10 @@ const std::vector<SectionInfo>& sections() {
       {"material", true, "Stiffness and mass of the shell. At least one."},
       {"support", true, "Prescribed displacements and slopes."},
       {"load", true, "Loads; each grows with the load factor unless it is `constant`."},
+      {"contact", false,
+       "Contact without interpenetration, see [contact.md](contact.md). This section, or an obstacle, switches it on."},
+      {"obstacle", true, "What the sheet can touch."},
+      {"contact_rule", true, "What holds between two bodies instead of the general rules."},
       {"steps", false, "How the path of equilibria is followed from the unloaded state."},
       {"eigen", false, "Modes of vibration and buckling."},
       {"time", false, "Motion in time, `analysis = \"dynamic\"`."},

@@ -129,7 +129,7 @@ void info(const mesh::SurfaceMesh& mesh, const energy::ElementOptions& element) 
 
 void check(const Case& c) {
   const mesh::SurfaceMesh mesh = load_mesh(c.mesh.file, c.mesh.options);
-  const system::Model model(PETSC_COMM_WORLD, mesh, {c.element, c.materials, c.supports, c.loads});
+  const system::Model model(PETSC_COMM_WORLD, mesh, {c.element, c.materials, c.supports, c.loads, c.contact});
   if (c.analysis == "modal" || c.analysis == "dynamic") system::require_mass(model);
   mpi::on_root(PETSC_COMM_WORLD, [&] {
     for (const Probe& p : c.probes)

@@ -245,7 +245,7 @@ Exit run(const Case& given, const RunOptions& options) {
   Case c = given;
   const bool root = mpi::rank(PETSC_COMM_WORLD) == 0;
   const mesh::SurfaceMesh mesh = load_mesh(c.mesh.file, c.mesh.options);
-  system::Model model(PETSC_COMM_WORLD, mesh, {c.element, c.materials, c.supports, c.loads});
+  system::Model model(PETSC_COMM_WORLD, mesh, {c.element, c.materials, c.supports, c.loads, c.contact});
   if (root && options.verbosity != Verbosity::quiet) print_header(c, model);
 
   if (options.verbosity == Verbosity::verbose) show_iterations();

@@ -133,7 +133,7 @@ Summary run_dynamic(const Case& c, const RunOptions& options, system::Model& mod
     std::optional<system::Model> rebuilt;
     const std::vector<system::Support> supports = holding(c, state.time);
     if (supports.size() < c.supports.size())
-      rebuilt.emplace(model.comm(), model.mesh(), system::ModelInput{c.element, c.materials, supports, c.loads});
+      rebuilt.emplace(model.comm(), model.mesh(), system::ModelInput{c.element, c.materials, supports, c.loads, c.contact});
     system::Model& now = rebuilt ? *rebuilt : model;
     recorder.use(now);
     if (state.time > first_time)

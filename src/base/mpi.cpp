@@ -56,6 +56,13 @@ int size(MPI_Comm comm) {
   return n;
 }
 
+void broadcast_from(MPI_Comm comm, int root, std::string& text) {
+  unsigned long count = text.size();
+  MPI_Bcast(&count, 1, MPI_UNSIGNED_LONG, root, comm);
+  text.resize(count);
+  MPI_Bcast(text.data(), static_cast<int>(count), MPI_CHAR, root, comm);
+}
+
 void broadcast(MPI_Comm comm, std::string& text) {
   broadcast_items(comm, text, MPI_CHAR);
 }

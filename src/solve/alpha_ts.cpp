@@ -9,6 +9,9 @@ namespace voile::solve {
 
 namespace {
 
+/// A step that cannot even start is repeated with this share of its size.
+constexpr double blocked_step_factor = 0.4;
+
 enum class Predictor { position, velocity, acceleration };
 
 /// The type's own data (ts->data).
@@ -95,10 +98,12 @@ PetscErrorCode start_acceleration(TS ts) {
   PetscFunctionReturn(0);
 }
 
-PetscErrorCode predict(TS ts) {
+/// First guess of a step; `possible` is false if nobody finds a place to start from, so that the step must be smaller.
+PetscErrorCode predict(TS ts, PetscBool* possible) {
   Alpha& th = data(ts);
   const double h = ts->time_step;
   PetscFunctionBeginUser;
+  *possible = PETSC_TRUE;
   PetscCall(VecCopy(th.x0, th.x1));
   if (th.predictor != Predictor::position) PetscCall(VecAXPY(th.x1, h, th.v0));
   if (th.predictor == Predictor::acceleration) PetscCall(VecAXPY(th.x1, 0.5 * h * h, th.a0));
@@ -107,6 +112,7 @@ PetscErrorCode predict(TS ts) {
   PetscCall(VecAXPBYPCZ(th.xa, 1.0 - th.a_f, th.a_f, 0.0, th.x0, th.x1));
   PetscCall(th.callbacks.enforce(th.callbacks.context, th.stage_time, th.xa));
   PetscCall(VecAXPBYPCZ(th.x1, 1.0 - 1.0 / th.a_f, 1.0 / th.a_f, 0.0, th.x0, th.xa));
+  if (th.callbacks.clear) PetscCall(th.callbacks.clear(th.callbacks.context, ts->ptime, th.x0, th.stage_time, th.x1, possible));
   PetscFunctionReturn(0);
 }
 
@@ -128,7 +134,14 @@ PetscErrorCode step(TS ts) {
   while (!ts->reason) {
     PetscCall(set_shifts(ts));
     if (th.callbacks.start_step) PetscCall(th.callbacks.start_step(th.callbacks.context, th.x0, th.v0, ts->time_step));
-    PetscCall(predict(ts));
+    PetscBool possible = PETSC_TRUE;
+    PetscCall(predict(ts, &possible));
+    if (!possible) {
+      ts->time_step *= blocked_step_factor;
+      ts->reject++;
+      if (++rejections > ts->max_reject && ts->max_reject >= 0) ts->reason = TS_DIVERGED_STEP_REJECTED;
+      continue;
+    }
     PetscInt its = 0, lits = 0;
     PetscCall(TSPreStage(ts, th.stage_time));
     PetscCall(SNESSolve(ts->snes, nullptr, th.x1));

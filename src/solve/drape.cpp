@@ -26,7 +26,9 @@ DrapeResult drape(system::Model& model, Vec a, const DrapeOptions& options,
   for (;; ++result.escapes) {
     result.newton = newton.continuation(a, options.max_iterations);
     iterations += result.newton.iterations;
-    model.assemble_tangent(a, nullptr, energy::Tangent::exact, 0.0);
+    system::TangentRequest request;
+    request.exact_contact = true;
+    model.assemble_tangent(a, request);
     linear.tangent_changed();
     const bool factored = linear.factorise();
     result.newton.negative_pivots = factored ? linear.negative_pivots() : -1;
@@ -39,7 +41,8 @@ DrapeResult drape(system::Model& model, Vec a, const DrapeOptions& options,
     if (!result.newton.converged || result.newton.negative_pivots <= 0 || result.escapes == options.max_escapes) break;
     double largest = 0.0;
     VOILE_PETSC(VecNorm(mode, NORM_INFINITY, &largest));
-    VOILE_PETSC(VecAXPY(a, options.push * cell / largest, mode));
+    VOILE_PETSC(VecScale(mode, options.push * cell / largest));
+    VOILE_PETSC(VecAXPY(a, model.contact() ? model.contact()->safe_share(a, mode) : 1.0, mode));
   }
   model.residual(a, residual);
   VOILE_PETSC(VecNorm(residual, NORM_2, &result.residual));

@@ -33,6 +33,7 @@ void LinearSolver::prepare() {
   VOILE_PETSC(PCFactorGetMatSolverType(pc, &type));
   VOILE_PETSC(PetscStrcmp(type, MATSOLVERMUMPS, &is_mumps));
   mumps_ = is_mumps;
+  pattern_version_ = model_.pattern_version();
   if (!mumps_) return;
   VOILE_PETSC(KSPSetOperators(ksp_, model_.tangent_matrix(), model_.tangent_matrix()));
   VOILE_PETSC(PCFactorSetUpMatSolverType(pc));
@@ -69,14 +70,26 @@ bool LinearSolver::repair(int attempt) {
   PetscBool given = PETSC_FALSE;
   VOILE_PETSC(PetscOptionsHasName(nullptr, nullptr, "-mat_mumps_icntl_14", &given));
   if (given) VOILE_PETSC(PetscOptionsSetValue(nullptr, "-mat_mumps_icntl_14", fmt::format("{}", percent).c_str()));
+  renew_factor(percent);
+  failure_ = fmt::format("MUMPS error {}", error);
+  return lacks_workspace && attempt < workspace_retries;
+}
+
+void LinearSolver::renew_factor(PetscInt workspace_percent) {
   PC pc = nullptr;
   VOILE_PETSC(KSPGetPC(ksp_, &pc));
   VOILE_PETSC(PCReset(pc));
   VOILE_PETSC(KSPSetOperators(ksp_, model_.tangent_matrix(), model_.tangent_matrix()));
   VOILE_PETSC(PCFactorSetUpMatSolverType(pc));
-  VOILE_PETSC(MatMumpsSetIcntl(factor(), mumps_workspace_percent, percent));
-  failure_ = fmt::format("MUMPS error {}", error);
-  return lacks_workspace && attempt < workspace_retries;
+  VOILE_PETSC(MatMumpsSetIcntl(factor(), mumps_workspace_percent, workspace_percent));
+}
+
+void LinearSolver::tangent_changed() {
+  ++factorisations_;
+  if (std::exchange(pattern_version_, model_.pattern_version()) == model_.pattern_version() || !mumps_) return;
+  PetscInt percent = 0;
+  VOILE_PETSC(MatMumpsGetIcntl(factor(), mumps_workspace_percent, &percent));
+  renew_factor(percent);
 }
 
 bool LinearSolver::solve(Vec rhs, Vec x) {

@@ -17,6 +17,8 @@ namespace {
 
 /// Relative residual below which continuation uses the exact tangent, and below which it hands over to Newton.
 constexpr double exact_tangent_below = 1e-2, handover_below = 1e-4;
+/// With contact, an iteration moves no vertex by more than so many cells.
+constexpr double trusted_cells = 4.0;
 
 }  // namespace
 
@@ -27,6 +29,7 @@ struct Newton::Impl {
   ConvergenceTest test;
   petsc::VecHandle residual, start, previous, increment, trial;
   bool has_previous = false;
+  double allowed = 1.0;  ///< share of the last increment that contact let pass
   double step_norm = 0.0, last_work = 0.0, last_residual = 0.0;
   std::string failure;  ///< text of an exception in a callback
 
@@ -38,13 +41,16 @@ struct Newton::Impl {
   [[nodiscard]] NewtonResult solve_once(Vec a);
   /// Shift at which the residual moves the fastest vertex by about one cell.
   [[nodiscard]] double first_shift();
-  [[nodiscard]] double backtrack(Vec a, double energy, double slope, double& accepted_energy);
+  [[nodiscard]] double backtrack(Vec a, double longest, double energy, double slope, double& accepted_energy);
+  /// Share of the increment -y that contact lets state a take.
+  [[nodiscard]] double longest(Vec a, Vec y);
   [[nodiscard]] SNESConvergedReason judge(PetscInt iteration, double increment_norm, double residual_norm);
 
   static PetscErrorCode form_function(SNES, Vec a, Vec r, void* self);
   static PetscErrorCode form_jacobian(SNES, Vec a, Mat, Mat, void* self);
   static PetscErrorCode converged(SNES, PetscInt it, PetscReal xnorm, PetscReal snorm, PetscReal fnorm,
                                   SNESConvergedReason* reason, void* self);
+  static PetscErrorCode before_line_search(SNESLineSearch, Vec a, Vec y, PetscBool* changed, void* self);
   static PetscErrorCode before_linear_solve(KSP, Vec rhs, Vec x, void* self);
   static PetscErrorCode after_linear_solve(KSP, Vec rhs, Vec x, void* self);
 };
@@ -59,8 +65,11 @@ PetscErrorCode Newton::Impl::form_function(SNES, Vec a, Vec r, void* self) {
 PetscErrorCode Newton::Impl::form_jacobian(SNES, Vec a, Mat, Mat, void* self) {
   auto& n = *static_cast<Impl*>(self);
   return guarded(n.failure, [&] {
-    n.model.assemble_tangent(a, n.has_previous ? static_cast<Vec>(n.previous) : nullptr,
-                             energy::Tangent::linearised_stress, 0.0);
+    system::TangentRequest request;
+    request.kind = energy::Tangent::linearised_stress;
+    request.previous = n.has_previous ? static_cast<Vec>(n.previous) : nullptr;
+    request.exact_contact = true;
+    n.model.assemble_tangent(a, request);
     VOILE_PETSC(VecCopy(a, n.previous));
     n.has_previous = true;
     n.linear.tangent_changed();
@@ -71,6 +80,15 @@ PetscErrorCode Newton::Impl::converged(SNES, PetscInt it, PetscReal, PetscReal s
                                        SNESConvergedReason* reason, void* self) {
   auto& n = *static_cast<Impl*>(self);
   return guarded(n.failure, [&] { *reason = n.judge(it, it > 0 ? snorm : -1.0, fnorm); });
+}
+
+PetscErrorCode Newton::Impl::before_line_search(SNESLineSearch, Vec a, Vec y, PetscBool* changed, void* self) {
+  auto& n = *static_cast<Impl*>(self);
+  return guarded(n.failure, [&] {
+    n.allowed = n.longest(a, y);
+    *changed = n.allowed < 1.0 ? PETSC_TRUE : PETSC_FALSE;
+    if (*changed) VOILE_PETSC(VecScale(y, n.allowed));
+  });
 }
 
 PetscErrorCode Newton::Impl::before_linear_solve(KSP, Vec rhs, Vec, void* self) {
@@ -100,6 +118,7 @@ void Newton::Impl::create() {
   SNESLineSearch line_search = nullptr;
   VOILE_PETSC(SNESGetLineSearch(snes, &line_search));
   VOILE_PETSC(SNESLineSearchSetType(line_search, SNESLINESEARCHBASIC));
+  if (model.contact()) VOILE_PETSC(SNESLineSearchSetPreCheck(line_search, before_line_search, this));
   KSP ksp = nullptr;
   VOILE_PETSC(SNESGetKSP(snes, &ksp));
   linear.set_defaults(ksp);
@@ -123,6 +142,7 @@ SNESConvergedReason Newton::Impl::judge(PetscInt iteration, double increment_nor
     VOILE_PETSC(VecWAXPY(trial, -1.0, start, a));
     VOILE_PETSC(VecNorm(trial, NORM_2, &step_norm));
     if (test.is_wild(increment_norm)) return SNES_DIVERGED_DTOL;
+    if (allowed < 1.0) return iteration >= test.max_iterations() ? SNES_DIVERGED_MAX_IT : SNES_CONVERGED_ITERATING;
     const SNESConvergedReason reason = test.judge({residual_norm, before, force, increment_norm, step_norm, last_work});
     if (reason != SNES_CONVERGED_ITERATING) return reason;
   }
@@ -131,6 +151,7 @@ SNESConvergedReason Newton::Impl::judge(PetscInt iteration, double increment_nor
 
 NewtonResult Newton::Impl::solve_once(Vec a) {
   has_previous = false;
+  allowed = 1.0;
   failure.clear();
   const int before = linear.factorisations();
   VOILE_PETSC(VecCopy(a, start));
@@ -174,8 +195,19 @@ NewtonResult Newton::step(Vec a) {
 
 // ---- pseudo-transient continuation ---------------------------------------------------------------------------------
 
-double Newton::Impl::backtrack(Vec a, double energy, double slope, double& accepted_energy) {
-  for (double length = 1.0; length > 1e-4; length *= 0.5) {
+double Newton::Impl::longest(Vec a, Vec y) {
+  if (!model.contact()) return 1.0;
+  const double cell = std::sqrt(model.total_area() / model.mesh().triangle_count());
+  double largest = 0.0;
+  VOILE_PETSC(VecNorm(y, NORM_INFINITY, &largest));
+  const double trusted = std::min(1.0, trusted_cells * cell / std::max(largest, 1e-300));
+  VOILE_PETSC(VecCopy(y, trial));
+  VOILE_PETSC(VecScale(trial, -trusted));
+  return trusted * model.contact()->safe_share(a, trial);
+}
+
+double Newton::Impl::backtrack(Vec a, double longest, double energy, double slope, double& accepted_energy) {
+  for (double length = longest; length > 1e-4 * longest; length *= 0.5) {
     VOILE_PETSC(VecWAXPY(trial, -length, increment, a));
     accepted_energy = model.energy(trial);
     const double round_off = 1e-13 * std::abs(energy);
@@ -225,7 +257,11 @@ NewtonResult Newton::continuation(Vec a, int max_iterations) {
       refused = result.residual;
     }
     const bool exact = result.residual < exact_tangent_below;
-    model.assemble_tangent(a, nullptr, exact ? energy::Tangent::exact : energy::Tangent::positive, shift);
+    system::TangentRequest request;
+    request.kind = exact ? energy::Tangent::exact : energy::Tangent::positive;
+    request.mass = shift;
+    request.exact_contact = exact;
+    model.assemble_tangent(a, request);
     n.linear.tangent_changed();
     if (!n.linear.solve(n.residual, n.increment)) {
       shift *= 8.0;
@@ -241,7 +277,8 @@ NewtonResult Newton::continuation(Vec a, int max_iterations) {
     VOILE_PETSC(VecDot(n.residual, n.increment, &slope));
     // Prescribed motion does work that the energy balance does not see: the first step then moves the supports in full.
     const bool moving = model.fixed_coupling() != nullptr;
-    if (potential && !moving) length = n.backtrack(a, energy, slope, new_energy);
+    const double allowed = n.longest(a, n.increment);
+    length = potential && !moving ? n.backtrack(a, allowed, energy, slope, new_energy) : allowed;
     if (length == 0.0) {
       shift *= 8.0;
       // A decrease below the energy's round-off cannot be seen: Newton, who looks at forces, is to try from here.
@@ -251,7 +288,8 @@ NewtonResult Newton::continuation(Vec a, int max_iterations) {
     }
     VOILE_PETSC(VecAXPY(a, -length, n.increment));
     energy = potential && !moving ? new_energy : model.energy(a);
-    shift *= length == 1.0 ? 0.5 : 2.0;
+    // A step that contact cut short says nothing against the shift.
+    shift *= length == 1.0 ? 0.5 : length == allowed ? 1.0 : 2.0;
   }
   result.factorisations = n.linear.factorisations() - before;
   result.negative_pivots = n.linear.negative_pivots();

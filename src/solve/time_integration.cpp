@@ -24,6 +24,8 @@ constexpr const char* adapt_type = "voile";
 constexpr double sufficient_decrease = 1e-4, shortest_length = 1e-6;
 /// Relative size at which a change of the energy is lost in its round-off.
 constexpr double energy_round_off = 1e-12;
+/// With contact, an iteration moves no vertex by more than so many cells.
+constexpr double trusted_cells = 4.0;
 /// After an indefinite tangent so many positive ones are taken before the exact one is tried again.
 constexpr int positive_tangents = 4;
 
@@ -42,6 +44,9 @@ struct TimeIntegration::Impl {
   std::string failure;  ///< text of an exception in a callback
   TimeResult result;
   double residual_before = 0.0, work = 0.0, rms = -1.0, length = 1.0, residual = 0.0;
+  bool cut = false;  ///< contact did not let the last iteration go the whole way
+  int cuts = 0;      ///< iterations of this step for which that holds
+  std::string obstruction;
   int positive_left = 0, spent_factorisations = 0, spent_rejections = 0, first_step = 0;
   bool explicit_method = false;
 
@@ -55,6 +60,8 @@ struct TimeIntegration::Impl {
   void create_snes();
   void set_explicit_step(Vec u);
   [[nodiscard]] double objective(Vec x);
+  [[nodiscard]] double longest(Vec x, Vec y);
+  [[nodiscard]] bool clear_way(double t0, Vec x0, double t1, Vec x1);
   void search(SNESLineSearch line_search);
   [[nodiscard]] SNESConvergedReason judge(SNES snes, PetscInt it, double increment, double norm);
   [[nodiscard]] double next_step(double h, PetscBool* accept, PetscReal* error);
@@ -69,6 +76,7 @@ struct TimeIntegration::Impl {
                                  void* self);
   static PetscErrorCode start_step(void* self, Vec x, Vec v, PetscReal step);
   static PetscErrorCode enforce(void* self, PetscReal t, Vec stage);
+  static PetscErrorCode clear(void* self, PetscReal t0, Vec x0, PetscReal t1, Vec x1, PetscBool* possible);
   static PetscErrorCode accelerate(void* self, PetscReal t, Vec x, Vec v, Vec a);
   static PetscErrorCode line_search(SNESLineSearch ls, void* self);
   static PetscErrorCode converged(SNES, PetscInt it, PetscReal, PetscReal snorm, PetscReal fnorm,
@@ -111,9 +119,13 @@ PetscErrorCode TimeIntegration::Impl::jacobian(TS, PetscReal t, Vec u, Vec, Vec,
 PetscErrorCode TimeIntegration::Impl::start_step(void* self, Vec x, Vec v, PetscReal step) {
   auto& n = *static_cast<Impl*>(self);
   return guarded(n.failure, [&] {
+    double t = 0.0;
+    VOILE_PETSC(TSGetTime(n.ts, &t));
+    n.dynamics.set_time(t);
     n.dynamics.start_step(x, v, step);
     VOILE_PETSC(VecCopy(x, n.start));
     n.positive_left = 0;
+    n.cuts = 0;
   });
 }
 
@@ -140,6 +152,40 @@ PetscErrorCode TimeIntegration::Impl::accelerate(void* self, PetscReal t, Vec x,
   });
 }
 
+bool TimeIntegration::Impl::clear_way(double t0, Vec x0, double t1, Vec x1) {
+  system::Contact& contact = *model.contact();
+  bool clear = contact.make_way(x0, t0, x1, t1);
+  if (!clear) {  // a guess that flies on may be worse than none
+    dynamics.set_time(t1);
+    VOILE_PETSC(VecCopy(x0, x1));
+    model.enforce_supports(x1);
+    clear = contact.make_way(x0, t0, x1, t1);
+  }
+  if (!clear) obstruction = contact.obstruction();
+  dynamics.set_time(t1);
+  return clear;
+}
+
+PetscErrorCode TimeIntegration::Impl::clear(void* self, PetscReal t0, Vec x0, PetscReal t1, Vec x1,
+                                            PetscBool* possible) {
+  auto& n = *static_cast<Impl*>(self);
+  return guarded(n.failure, [&] { *possible = n.clear_way(t0, x0, t1, x1) ? PETSC_TRUE : PETSC_FALSE; });
+}
+
+/// Share of the increment -y that an iteration may take.
+double TimeIntegration::Impl::longest(Vec x, Vec y) {
+  system::Contact* contact = model.contact();
+  if (!contact) return 1.0;
+  // Very long increments are far from the truth, and expensive to look for collisions along.
+  const double cell = std::sqrt(model.total_area() / model.mesh().triangle_count());
+  double largest = 0.0;
+  VOILE_PETSC(VecNorm(y, NORM_INFINITY, &largest));
+  const double trusted = std::min(1.0, trusted_cells * cell / std::max(largest, 1e-300));
+  VOILE_PETSC(VecCopy(y, trial));
+  VOILE_PETSC(VecScale(trial, -trusted));
+  return trusted * contact->safe_share(x, trial);
+}
+
 double TimeIntegration::Impl::objective(Vec x) {
   const AlphaStage s = alpha_stage(ts, x);
   return dynamics.energy(s.x, s.v, s.a, s.s_v, s.s_a) / (s.a_f * s.a_f);
@@ -155,7 +201,9 @@ void TimeIntegration::Impl::search(SNESLineSearch ls) {
   VOILE_PETSC(VecDot(f, y, &slope));
   VOILE_PETSC(VecNorm(f, NORM_2, &norm));
   work = slope;
-  length = 1.0;
+  length = longest(x, y);
+  cut = length < 1.0;
+  cuts += cut ? 1 : 0;
   if (model.symmetric()) {
     const double before = objective(x);
     for (;; length *= 0.5) {
@@ -204,6 +252,7 @@ SNESConvergedReason TimeIntegration::Impl::judge(SNES snes, PetscInt it, double 
   VOILE_PETSC(TSGetTimeStep(ts, &h));
   if (test.is_wild(increment)) return SNES_DIVERGED_DTOL;
   // A truncated increment says nothing about how far the solution is.
+  if (cut) return it >= test.max_iterations() ? SNES_DIVERGED_MAX_IT : SNES_CONVERGED_ITERATING;
   if (length == 1.0 && rms <= options.velocity_tolerance * h) return SNES_CONVERGED_SNORM_RELATIVE;
   const SNESConvergedReason reason = test.judge({norm, before, force, increment, step, work});
   if (reason != SNES_CONVERGED_ITERATING) return reason;
@@ -311,6 +360,8 @@ void TimeIntegration::Impl::create(const TimeState& from) {
   PetscBool implicit = PETSC_FALSE;
   VOILE_PETSC(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(static_cast<TS>(ts)), alpha_ts_type, &implicit));
   if (implicit) set_alpha_parameters(ts, options.radius, options.forces_at_end);
+  if (model.contact() && !(implicit && options.forces_at_end))
+    throw UserError("contact needs the implicit method with forces_at_end = true: its barrier holds at the end of a step");
   create_snes();
   VOILE_PETSC(TSSetFromOptions(ts));
   // -ts_max_time is known to the caller (read_time_options), who may want to stop earlier.
@@ -336,7 +387,7 @@ TimeResult TimeIntegration::run(const TimeState& from) {
   if (!alpha && !central) throw UserError("-ts_type must be voile_alpha or voile_central");
   n.explicit_method = central;
   if (alpha) {
-    set_alpha_callbacks(n.ts, {&n, Impl::start_step, Impl::enforce});
+    set_alpha_callbacks(n.ts, {&n, Impl::start_step, Impl::enforce, n.model.contact() ? Impl::clear : nullptr});
     n.linear.prepare();
     SNES snes = nullptr;
     VOILE_PETSC(TSGetSNES(n.ts, &snes));
@@ -368,7 +419,8 @@ TimeResult TimeIntegration::run(const TimeState& from) {
   n.result.completed = reason > 0;
   if (!n.result.completed)
     n.result.reason = fmt::format("{} at t = {:.6g} s: no step of {:.3g} s or more succeeds",
-                                  TSConvergedReasons[reason], n.result.state.time, n.options.min_step);
+                                  TSConvergedReasons[reason], n.result.state.time, n.options.min_step) +
+                      (n.obstruction.empty() ? "" : "; in the way was " + n.obstruction);
   return n.result;
 }
 
@@ -385,6 +437,7 @@ void TimeIntegration::Impl::report(PetscInt step, PetscReal time) {
     r.taken = time - before;
     PetscInt rejections = 0, iterations = 0;
     VOILE_PETSC(TSGetStepRejections(ts, &rejections));
+    r.cut_short = cuts;
     r.rejections = static_cast<int>(rejections) - spent_rejections;
     spent_rejections = static_cast<int>(rejections);
     r.newton.converged = true;

@@ -16,11 +16,29 @@ const PetscInt* row_starts(Mat part) {
   return start;
 }
 
-void copy_part(Mat from, PetscInt rows, const PetscInt* starts, double* to) {
+/// Adds factor times the values of one part of a matrix to `to`, each at its place there (empty: the same).
+void add_part(Mat from, double factor, const std::vector<Index>& place, double* to) {
   if (!from) return;
   const double* values = nullptr;
+  const PetscInt* starts = row_starts(from);
+  PetscInt rows = 0;
+  VOILE_PETSC(MatGetLocalSize(from, &rows, nullptr));
   VOILE_PETSC(MatSeqAIJGetArrayRead(from, &values));
-  std::copy(values, values + starts[rows], to);
+  const PetscInt count = starts[rows];
+  if (place.empty())
+    for (PetscInt i = 0; i < count; ++i) to[i] += factor * values[i];
+  else
+    for (PetscInt i = 0; i < count; ++i) to[place[i]] += factor * values[i];
+  VOILE_PETSC(MatSeqAIJRestoreArrayRead(from, &values));
+}
+
+void copy_part(Mat from, double* to) {
+  if (!from) return;
+  const double* values = nullptr;
+  PetscInt rows = 0;
+  VOILE_PETSC(MatGetLocalSize(from, &rows, nullptr));
+  VOILE_PETSC(MatSeqAIJGetArrayRead(from, &values));
+  std::copy(values, values + row_starts(from)[rows], to);
   VOILE_PETSC(MatSeqAIJRestoreArrayRead(from, &values));
 }
 
@@ -31,6 +49,14 @@ BlockMatrix::BlockMatrix(MPI_Comm comm, const mesh::Partition& partition, BlockP
   const int rank = mpi::rank(comm);
   first_row_ = partition.owned_begin(rank);
   row_count_ = partition.owned_count(rank);
+  VOILE_PETSC(MatCreate(comm, mat_.out()));
+  VOILE_PETSC(MatSetSizes(mat_, 3 * row_count_, 3 * row_count_, PETSC_DETERMINE, PETSC_DETERMINE));
+  VOILE_PETSC(MatSetBlockSize(mat_, 3));
+  VOILE_PETSC(MatSetType(mat_, MATAIJ));
+  preallocate();
+}
+
+void BlockMatrix::preallocate() {
   std::vector<PetscInt> inside, outside;
   for (const auto& columns : *pattern_) {
     PetscInt in = 0;
@@ -40,10 +66,6 @@ BlockMatrix::BlockMatrix(MPI_Comm comm, const mesh::Partition& partition, BlockP
       outside.push_back(3 * (static_cast<PetscInt>(columns.size()) - in));
     }
   }
-  VOILE_PETSC(MatCreate(comm, mat_.out()));
-  VOILE_PETSC(MatSetSizes(mat_, 3 * row_count_, 3 * row_count_, PETSC_DETERMINE, PETSC_DETERMINE));
-  VOILE_PETSC(MatSetBlockSize(mat_, 3));
-  VOILE_PETSC(MatSetType(mat_, MATAIJ));
   VOILE_PETSC(MatSeqAIJSetPreallocation(mat_, 0, inside.data()));
   VOILE_PETSC(MatMPIAIJSetPreallocation(mat_, 0, inside.data(), 0, outside.data()));
   std::vector<double> zeros;
@@ -104,22 +126,40 @@ BlockMatrix::Values BlockMatrix::open() {
   return v;
 }
 
-void BlockMatrix::copy_values_from(const BlockMatrix& twin) const {
-  copy_part(twin.diagonal_, 3 * row_count_, diagonal_rows_, open_values_.diagonal);
-  copy_part(twin.off_diagonal_, 3 * row_count_, off_diagonal_rows_, open_values_.off_diagonal);
+void BlockMatrix::copy_values_from(const BlockMatrix& other) const {
+  if (!extended_) {
+    copy_part(other.diagonal_, open_values_.diagonal);
+    copy_part(other.off_diagonal_, open_values_.off_diagonal);
+    return;
+  }
+  std::fill_n(open_values_.diagonal, diagonal_rows_[3 * row_count_], 0.0);
+  if (off_diagonal_) std::fill_n(open_values_.off_diagonal, off_diagonal_rows_[3 * row_count_], 0.0);
+  add_values_from(other, 1.0);
 }
 
-void BlockMatrix::add_values_from(const BlockMatrix& twin, double factor) const {
-  const auto add_part = [&](Mat from, const PetscInt* rows, double* to) {
-    if (!from) return;
-    const double* values = nullptr;
-    VOILE_PETSC(MatSeqAIJGetArrayRead(from, &values));
-    const PetscInt count = rows[3 * row_count_];
-    for (PetscInt i = 0; i < count; ++i) to[i] += factor * values[i];
-    VOILE_PETSC(MatSeqAIJRestoreArrayRead(from, &values));
-  };
-  add_part(twin.diagonal_, diagonal_rows_, open_values_.diagonal);
-  add_part(twin.off_diagonal_, off_diagonal_rows_, open_values_.off_diagonal);
+void BlockMatrix::add_values_from(const BlockMatrix& other, double factor) const {
+  add_part(other.diagonal_, factor, diagonal_place_, open_values_.diagonal);
+  add_part(other.off_diagonal_, factor, off_diagonal_place_, open_values_.off_diagonal);
+}
+
+void BlockMatrix::extend(const BlockMatrix& base, BlockPattern pattern) {
+  pattern_ = std::make_shared<const BlockPattern>(std::move(pattern));
+  preallocate();
+  extended_ = true;
+  diagonal_place_.clear();
+  off_diagonal_place_.clear();
+  base.for_each_entry([&](bool inside, Index at, Index row, Index column) {
+    const Slot s = slot(row / 3 - first_row_, column / 3);
+    const Index offset = s.offset >= 0 ? s.offset : ~s.offset;
+    auto& place = inside ? diagonal_place_ : off_diagonal_place_;
+    if (static_cast<std::size_t>(at) >= place.size()) place.resize(static_cast<std::size_t>(at) + 1);
+    place[static_cast<std::size_t>(at)] = offset + row % 3 * s.stride + column % 3;
+  });
+}
+
+bool BlockMatrix::has(Index local_row, Index column) const {
+  const auto& columns = (*pattern_)[local_row];
+  return std::binary_search(columns.begin(), columns.end(), column);
 }
 
 void BlockMatrix::close() {

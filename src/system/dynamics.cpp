@@ -30,6 +30,7 @@ void Dynamics::set_time(double time) {
 
 void Dynamics::start_step(Vec u, Vec v, double dt) {
   model_.start_step(u, v, options_.viscous_time / dt);
+  if (Contact* contact = model_.contact()) contact->start_step(u, contact->input().options.slip_speed * dt);
 }
 
 void Dynamics::apply_mass(Vec x, Vec y) const {

@@ -21,6 +21,7 @@ void Model::set_load_factor(double factor) {
 }
 
 void Model::set_time(double time) {
+  if (contact_) contact_->set_time(time);
   if (movers_.empty()) return;
   const petsc::WriteArray motion(motion_);
   for (const Mover& m : movers_) {
@@ -82,6 +83,7 @@ void Model::element_forces(Vec a, Vec f) {
 void Model::unbalanced_force(Vec a, Vec f) {
   VOILE_PETSC(MatMult(bending_.mat(), a, f));
   element_forces(a, f);
+  if (contact_) contact_->add_gradient(a, f);
   std::fill(force_.begin(), force_.end(), Vec3::Zero());
   add_forces(followers_, {x_.data(), u_.data(), nullptr, energy::Tangent::exact});
   fold_forces(force_);
@@ -132,12 +134,13 @@ Energies Model::energies_of_step(Vec a) {
   e.membrane = mpi::sum(comm_, owned_energy(membrane_, c));
   e.bending = 0.5 * bending + mpi::sum(comm_, owned_energy(curved_, c));
   e.external = -constant - load_factor_ * dead;
+  if (contact_) e.contact = contact_->energy(a);
   return e;
 }
 
 double Model::energy(Vec a) {
   const Energies e = energies_of_step(a);
-  return e.membrane + e.bending + e.external;
+  return e.membrane + e.bending + e.external + e.contact;
 }
 
 void Model::set_drag(const energy::DragOptions& options) {
@@ -186,6 +189,9 @@ void Model::assemble_tangent(Vec a, Vec previous, energy::Tangent tangent, doubl
 
 void Model::assemble_tangent(Vec a, const TangentRequest& request) {
   const petsc::EventScope scope(petsc::events().tangent);
+  if (contact_)
+    if (BlockPattern pattern = bending_.pattern(); contact_->needs(a, tangent_, pattern))
+      extend_tangent(std::move(pattern));
   energy::Configuration c = configuration(a);
   c.tangent = request.kind;
   if (request.previous) {
@@ -211,14 +217,15 @@ void Model::assemble_tangent(Vec a, const TangentRequest& request) {
     for (Index i = 0; i < owned_; ++i)
       values.add(mass_slots_[i], Mat3(Eigen::Map<const Vec3>(mass.data() + 3 * i).asDiagonal()) * request.mass);
   }
+  if (contact_) contact_->add_blocks(tangent_, values, !request.exact_contact);
   has_coupling_ = false;
   if (has_prescribed_) {
     tangent_.close();
     find_coupling(a);
     VOILE_PETSC(MatMult(tangent_.mat(), prescribed_, load_coupling_));
-    eliminate(tangent_.open());
+    eliminate(eliminated_, tangent_.open());
   } else {
-    eliminate(values);
+    eliminate(eliminated_, values);
   }
   tangent_.close();
 }
@@ -240,8 +247,8 @@ BlockMatrix Model::consistent_mass() const {
       }
     }
   }
-  eliminate(values);
-  for (Index at : unit_diagonal_) values.diagonal[at] = 0.0;
+  eliminate(base_eliminated_, values);
+  for (Index at : base_eliminated_.unit) values.diagonal[at] = 0.0;
   mass.close();
   return mass;
 }
@@ -262,10 +269,21 @@ void Model::find_coupling(Vec a) {
   for (PetscInt i : fixed_) coupling[i] = 0.0;
 }
 
-void Model::eliminate(const BlockMatrix::Values& values) const {
-  for (Index at : eliminated_diagonal_) values.diagonal[at] = 0.0;
-  for (Index at : eliminated_off_diagonal_) values.off_diagonal[at] = 0.0;
-  for (Index at : unit_diagonal_) values.diagonal[at] = 1.0;
+void Model::eliminate(const Eliminated& entries, const BlockMatrix::Values& values) {
+  for (Index at : entries.diagonal) values.diagonal[at] = 0.0;
+  for (Index at : entries.off_diagonal) values.off_diagonal[at] = 0.0;
+  for (Index at : entries.unit) values.diagonal[at] = 1.0;
+}
+
+void Model::extend_tangent(BlockPattern pattern) {
+  tangent_.extend(bending_, std::move(pattern));
+  eliminated_ = find_eliminated_entries(tangent_);
+  locate(membrane_);
+  locate(curved_);
+  locate(followers_);
+  locate(drag_);
+  for (Index i = 0; i < owned_; ++i) mass_slots_[i] = tangent_.slot(i, partition_.owned_begin(rank_) + i);
+  ++pattern_version_;
 }
 
 void Model::load_direction(Vec a, Vec f) {

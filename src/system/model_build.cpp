@@ -80,7 +80,7 @@ Model::Model(MPI_Comm comm, const mesh::SurfaceMesh& mesh, ModelInput input)
   mpi::on_all(comm, [&] { add_elements(build); });
   assemble_bending(build);
   make_vectors();
-  find_eliminated_entries();
+  eliminated_ = base_eliminated_ = find_eliminated_entries(tangent_);
   build_mass();
   mpi::on_all(comm, [&] { build_loads(input.loads); });
   VOILE_PETSC(VecAssemblyBegin(dead_));
@@ -88,6 +88,10 @@ Model::Model(MPI_Comm comm, const mesh::SurfaceMesh& mesh, ModelInput input)
   VOILE_PETSC(VecAssemblyBegin(constant_));
   VOILE_PETSC(VecAssemblyEnd(constant_));
   locate(followers_);
+  if (input.contact.active)
+    mpi::on_all(comm, [&] {
+      contact_ = std::make_unique<Contact>(comm, mesh, partition_, constraints_, std::move(input.contact));
+    });
   for (BlockMatrix* m : {&bending_, &tangent_})
     VOILE_PETSC(MatSetOption(m->mat(), MAT_SYMMETRIC, m == &bending_ || symmetric() ? PETSC_TRUE : PETSC_FALSE));
   VOILE_PETSC(MatSetOption(tangent_.mat(), MAT_SYMMETRY_ETERNAL, symmetric() ? PETSC_TRUE : PETSC_FALSE));
@@ -231,17 +235,19 @@ void Model::make_vectors() {
     has_prescribed_ |= support.value.squaredNorm() > 0.0 || support.motion >= 0;
 }
 
-void Model::find_eliminated_entries() {
+Model::Eliminated Model::find_eliminated_entries(const BlockMatrix& matrix) const {
+  Eliminated e;
   std::vector<char> fixed(3 * static_cast<std::size_t>(mesh_->vertex_count()), 0);
   for (const auto& [v, support] : constraints_.vertices)
     for (int k = 0; k < 3; ++k) fixed[3 * partition_.row_of[v] + k] = support.fixed[k];
-  tangent_.for_each_entry([&](bool inside, Index at, Index row, Index column) {
+  matrix.for_each_entry([&](bool inside, Index at, Index row, Index column) {
     if (!fixed[row] && !fixed[column]) return;
     if (row == column)
-      unit_diagonal_.push_back(at);
+      e.unit.push_back(at);
     else
-      (inside ? eliminated_diagonal_ : eliminated_off_diagonal_).push_back(at);
+      (inside ? e.diagonal : e.off_diagonal).push_back(at);
   });
+  return e;
 }
 
 void Model::build_mass() {

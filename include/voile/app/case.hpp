@@ -19,6 +19,7 @@
 #include "voile/solve/static_options.hpp"
 #include "voile/solve/time_options.hpp"
 #include "voile/system/conditions.hpp"
+#include "voile/system/contact.hpp"
 #include "voile/system/dynamics.hpp"
 
 namespace voile::app {
@@ -45,6 +46,29 @@ struct MotionInput {
   Vec3 centre = Vec3::Zero();            ///< a point on it [m]
   std::string angle;                     ///< expression of t [degree]
   [[nodiscard]] bool any() const { return !translation.empty() || !angle.empty(); }
+};
+
+/// An obstacle as written; what its files hold is read with the mesh.
+struct ObstacleSection {
+  system::Obstacle shape;     ///< without what files give
+  std::filesystem::path file;  ///< mesh
+  double scale = 1.0;
+  std::filesystem::path frames;  ///< point cache of a deforming mesh; empty: none
+  double frames_per_second = 25.0;
+  Vec3 point = Vec3::Zero(), end = Vec3::Zero();
+  MotionInput motion;
+};
+
+/// An exception to the rules of contact; NaN: no friction given.
+struct RuleSection {
+  std::string first, second;
+  double friction = std::numeric_limits<double>::quiet_NaN();
+  bool ignore = false;
+};
+
+struct ContactSection {
+  system::ContactInput input;  ///< without obstacles and rules
+  bool check = true;           ///< count intersecting triangles after every step
 };
 
 /// Motion in time.
@@ -77,6 +101,9 @@ struct Case {
   std::vector<system::Support> supports;
   std::vector<MotionInput> motions;  ///< one per support
   std::vector<system::Load> loads;
+  ContactSection contact;
+  std::vector<ObstacleSection> obstacles;
+  std::vector<RuleSection> contact_rules;
   solve::StaticOptions steps;
   EigenSection eigen;
   TimeSection time;

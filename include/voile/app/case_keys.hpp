@@ -84,6 +84,9 @@ struct MaterialInput {
 /// A support and its motion are one section.
 [[nodiscard]] std::vector<Key> keys_of(system::Support& section, MotionInput& motion);
 [[nodiscard]] std::vector<Key> keys_of(system::Load& section);
+[[nodiscard]] std::vector<Key> keys_of(ContactSection& section);
+[[nodiscard]] std::vector<Key> keys_of(ObstacleSection& section);
+[[nodiscard]] std::vector<Key> keys_of(RuleSection& section);
 [[nodiscard]] std::vector<Key> keys_of(solve::StaticOptions& section);
 [[nodiscard]] std::vector<Key> keys_of(EigenSection& section);
 /// [time], with the kind of mass.

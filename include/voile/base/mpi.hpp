@@ -21,6 +21,9 @@ void broadcast(MPI_Comm comm, std::vector<double>& values);
 void broadcast(MPI_Comm comm, std::vector<Index>& values);
 void broadcast(MPI_Comm comm, std::vector<std::size_t>& values);
 
+/// Copies the text of one rank to every rank. Collective.
+void broadcast_from(MPI_Comm comm, int root, std::string& text);
+
 /// Sum and largest over the ranks, on every rank. Collective.
 [[nodiscard]] double sum(MPI_Comm comm, double value);
 [[nodiscard]] long sum(MPI_Comm comm, long value);

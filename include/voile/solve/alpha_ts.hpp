@@ -28,6 +28,9 @@ struct AlphaCallbacks {
   PetscErrorCode (*start_step)(void* context, Vec x, Vec v, PetscReal step) = nullptr;
   /// Puts prescribed components of a stage position right at time t.
   PetscErrorCode (*enforce)(void* context, PetscReal t, Vec stage) = nullptr;
+  /// Moves the first guess X1 at time t1 to where a search may start, coming from X0 at t0; false if there is no such
+  /// place, and the step must be smaller. Needs forces at the end of the step.
+  PetscErrorCode (*clear)(void* context, PetscReal t0, Vec x0, PetscReal t1, Vec x1, PetscBool* possible) = nullptr;
 };
 
 /// What of a step tells about X1: stage (Xa, Va, Aa) with dVa/dXa = s_v and dAa/dXa = s_a.

@@ -30,8 +30,9 @@ class LinearSolver {
   /// After a failed solve: makes the factor usable again. True if trying again with more workspace may help.
   /// Collective.
   [[nodiscard]] bool repair(int attempt);
-  /// Tells the solver that the tangent was assembled anew, for the count of factorisations.
-  void tangent_changed() { ++factorisations_; }
+  /// Tells the solver that the tangent was assembled anew: for the count of factorisations, and so that a factor of
+  /// another pattern goes. Collective.
+  void tangent_changed();
 
   [[nodiscard]] int factorisations() const { return factorisations_; }
   /// Of the last factorisation; -1 if the solver does not tell.
@@ -41,11 +42,12 @@ class LinearSolver {
 
  private:
   [[nodiscard]] Mat factor() const;
+  void renew_factor(PetscInt workspace_percent);
 
   system::Model& model_;
   KSP ksp_ = nullptr;
   bool mumps_ = false;
-  int factorisations_ = 0;
+  int factorisations_ = 0, pattern_version_ = 0;
   std::string failure_;
 };
 

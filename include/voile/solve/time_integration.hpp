@@ -1,7 +1,8 @@
 // Motion in time, driven by a TS of PETSc.
 //
 // Each implicit step minimises the incremental potential of dynamics.hpp by the SNES of the TS: Newton with the exact
-// tangent, or its positive part while the exact one is indefinite, and backtracking on the energy. A step that fails is
+// tangent, or its positive part while the exact one is indefinite, and backtracking on the energy. With contact no
+// iteration goes further than it can without touching, and a step starts from where nothing is hit. A step that fails is
 // repeated at a quarter of its size. The next step follows the number of iterations and, if asked for, the local error.
 // The explicit method (-ts_type voile_central) is the central difference of the velocity-Verlet form with lumped mass;
 // its step stays below 0.9 of the stability limit 2/omega_max, found by power iteration.
@@ -34,6 +35,7 @@ struct TimeReport {
   double taken = 0.0;  ///< size of the step [s]; 0 for the start
   NewtonResult newton;
   int rejections = 0;  ///< attempts that failed before
+  int cut_short = 0;   ///< iterations that contact did not let go the whole way
 };
 
 struct TimeResult {

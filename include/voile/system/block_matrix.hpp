@@ -47,11 +47,17 @@ class BlockMatrix {
   /// Slot of the block (owned block row counted from the first of this rank, global block column).
   /// Throws InternalError if the pattern has no such block.
   [[nodiscard]] Slot slot(Index local_row, Index column) const;
+  [[nodiscard]] bool has(Index local_row, Index column) const;
+  [[nodiscard]] const BlockPattern& pattern() const { return *pattern_; }
+  /// Gives the same PETSc matrix another pattern, which holds that of `base` (a matrix never extended): slots change,
+  /// values are lost, and `base` and its twins can be copied from as before. Collective.
+  void extend(const BlockMatrix& base, BlockPattern pattern);
 
   /// Opens the value arrays; close() ends the assembly. Collective as a pair.
   [[nodiscard]] Values open();
   void close();
-  /// Overwrites the open value arrays with those of a twin: nothing but two copies of memory.
+  /// Overwrites the open value arrays with those of a twin (nothing but two copies of memory) or of the base that this
+  /// matrix extends.
   void copy_values_from(const BlockMatrix& twin) const;
   /// Adds a multiple of a twin's values to the open value arrays.
   void add_values_from(const BlockMatrix& twin, double factor) const;
@@ -71,12 +77,16 @@ class BlockMatrix {
   }
 
  private:
+  void preallocate();
   void find_parts();
 
   petsc::MatHandle mat_;
   Mat diagonal_ = nullptr, off_diagonal_ = nullptr;                         ///< parts of mat_, not owned
   const PetscInt *diagonal_rows_ = nullptr, *off_diagonal_rows_ = nullptr;  ///< their row starts
   Values open_values_;
+  /// After extend(): where each entry of the base's value arrays lies in these.
+  std::vector<Index> diagonal_place_, off_diagonal_place_;
+  bool extended_ = false;
   std::shared_ptr<const BlockPattern> pattern_;
   Index first_row_ = 0, row_count_ = 0;
 };

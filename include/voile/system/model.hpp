@@ -4,7 +4,8 @@
 //           u_v   = Q_v a_v displacement;  mirror points follow from the vertices (see patch.hpp)
 //           lambda  load factor;  f_d dead loads that follow it, f_c constant ones                              [N]
 //           K_b   constant bending stiffness, assembled once and copied into each tangent                       [N/m]
-//   r(a)  = K_b a + dE_m/da + dE_c/da - lambda f_d - f_c - f_follower(a, lambda)       free components
+//           E_b    bending of curved rest shapes beyond K_b;  E_k contact and friction (contact.hpp)            [J]
+//   r(a)  = K_b a + dE_m/da + dE_b/da + dE_k/da - lambda f_d - f_c - f_follower(a, lambda)       free components
 //   r_i   = a_i - lambda abar_i - motion_i(t)                                           fixed components
 // Elements that touch an owned vertex are evaluated by its rank, so that rows are complete without communication;
 // energies count each triangle once, on its owner.
@@ -24,6 +25,7 @@
 #include "voile/system/block_matrix.hpp"
 #include "voile/system/conditions.hpp"
 #include "voile/system/constraints.hpp"
+#include "voile/system/contact.hpp"
 
 namespace voile::system {
 
@@ -33,11 +35,13 @@ struct ModelInput {
   std::vector<energy::Material> materials;
   std::vector<Support> supports;
   std::vector<Load> loads;
+  ContactInput contact;
 };
 
 struct Energies {
   double membrane = 0.0, bending = 0.0;  ///< [J]
   double external = 0.0;                 ///< work potential of dead loads, -f.u [J]
+  double contact = 0.0;                  ///< barriers and lagged friction [J]
 };
 
 /// Fields per triangle in material axes, row-major, mesh order, gathered on rank 0.
@@ -56,6 +60,7 @@ struct TangentRequest {
   double mass = 0.0;                         ///< factor on the mass [1/s^2]
   const BlockMatrix* mass_matrix = nullptr;  ///< consistent mass; null: the lumped one
   double drag = 0.0;                         ///< d velocity / d position [1/s]
+  bool exact_contact = false;                ///< contact with its negative eigenvalues
 };
 
 class Model {
@@ -73,6 +78,10 @@ class Model {
   [[nodiscard]] const mesh::PatchMesh& patches() const { return *patches_; }
   [[nodiscard]] const energy::Sheet& sheet() const { return *sheet_; }
   [[nodiscard]] const Constraints& constraints() const { return constraints_; }
+  /// Contact, or null if the case has none.
+  [[nodiscard]] Contact* contact() const { return contact_.get(); }
+  /// Changes whenever the tangent gets another pattern of entries.
+  [[nodiscard]] int pattern_version() const { return pattern_version_; }
   [[nodiscard]] PetscInt unknowns() const { return 3 * mesh_->vertex_count(); }
   /// False if follower loads make the tangent unsymmetric.
   [[nodiscard]] bool symmetric() const { return !any_follower_; }
@@ -160,6 +169,10 @@ class Model {
     std::vector<std::size_t> first_slot;  ///< per element; special elements have no slots
     std::vector<char> special;            ///< stencil has a mirror point or a rotated vertex
   };
+  /// Entries of fixed rows and columns, in the value arrays of a matrix.
+  struct Eliminated {
+    std::vector<Index> diagonal, off_diagonal, unit;
+  };
   struct Build;
 
   void update_points(Vec a, std::vector<Vec3>& u, std::vector<Vec3>& x) const;
@@ -178,7 +191,7 @@ class Model {
   void element_forces(Vec a, Vec f);
   [[nodiscard]] Energies energies_of_step(Vec a);
   void find_coupling(Vec a);
-  void eliminate(const BlockMatrix::Values& values) const;
+  static void eliminate(const Eliminated& entries, const BlockMatrix::Values& values);
 
   // Construction, in this order.
   void number_points(Build& build);
@@ -186,10 +199,11 @@ class Model {
   void add_elements(Build& build);
   void assemble_bending(Build& build);
   void make_vectors();
-  void find_eliminated_entries();
+  [[nodiscard]] Eliminated find_eliminated_entries(const BlockMatrix& matrix) const;
   void build_loads(const std::vector<Load>& loads);
   void add_follower(const Load& load);
   void build_mass();
+  void extend_tangent(BlockPattern pattern);
 
   MPI_Comm comm_;
   const mesh::SurfaceMesh* mesh_;
@@ -231,7 +245,9 @@ class Model {
   std::vector<Index> membrane_triangle_;
 
   BlockMatrix bending_, tangent_;
-  std::vector<Index> eliminated_diagonal_, eliminated_off_diagonal_, unit_diagonal_;
+  Eliminated eliminated_, base_eliminated_;  ///< of the tangent, and of matrices with the pattern of the elements alone
+  std::unique_ptr<Contact> contact_;
+  int pattern_version_ = 0;
   std::vector<Slot> mass_slots_;
   petsc::VecHandle mass_, dead_, constant_, work_, coupling_, load_coupling_, prescribed_, motion_;
   struct Mover {  ///< an owned vertex whose support moves

@@ -1,0 +1,200 @@
+// Barrier contact and lagged friction of everything that can touch, as terms of the potential.
+//
+// Symbols   d, c_i  distance of a pair and signed weights of its closest points (distance.hpp);  g = d - offset gap [m]
+//           kappa   barrier stiffness [Pa];  A area of the pair [m^2];  m mollifier (barrier.hpp)
+//   E = sum over pairs  kappa A m b(g)       + sum over planes and points  kappa A_i b(n.x_i - level)
+// Friction is that of the start of the step: normal force N = kappa A m |b'|, weights c_i and tangents T stay as they
+// are there, and with the slip s = |T^T sum_i c_i (x_i - x_i^start)|
+//   D = sum mu N f0(s),   f0 = s - e/3 for s > e, else -s^3/(3 e^2) + s^2/e: Coulomb's force, smoothed below the slip
+//   e.
+// A sheet point's area enters with half its size where the other side has points of its own. Nothing here communicates:
+// every rank evaluates the pairs with an own point; energies count on the owner of the lowest sheet point.
+// Source: Li et al. 2020 and 2021 (barrier.hpp), with area weights.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "voile/contact/broad_phase.hpp"
+
+namespace voile::contact {
+
+struct ContactOptions {
+  double distance = 1e-3;    ///< at which the barrier begins [m]
+  double stiffness = 1e4;    ///< kappa [Pa]
+  double slip_speed = 1e-3;  ///< below it friction is smoothed [m/s]
+};
+
+/// A half-space that only points can touch: n.x >= level + offset.
+struct Plane {
+  int body = 0;
+  Vec3 normal = Vec3::UnitZ();
+  double level = 0.0;  ///< [m]
+};
+
+struct ContactState {
+  long pairs = 0;                                        ///< within the contact distance
+  double gap = std::numeric_limits<double>::infinity();  ///< smallest [m]
+  Pair nearest{};                                        ///< one point only: with a plane, which is body_b
+};
+
+class ContactSet {
+ public:
+  /// `owned`: per sheet point, whether it is this rank's.
+  ContactSet(Surface surface, std::vector<Plane> planes, ContactOptions options, std::vector<char> owned);
+
+  [[nodiscard]] const Surface& surface() const { return surface_; }
+  [[nodiscard]] const ContactOptions& options() const { return options_; }
+  std::vector<Plane>& planes() { return planes_; }
+  Rule& rule(int a, int b) { return surface_.rules[a][b]; }
+
+  /// Makes the candidates hold for all positions between `from` and `to` (all points) and some way around; true if they
+  /// were found anew.
+  bool cover(const std::vector<Vec3>& from, const std::vector<Vec3>& to);
+  [[nodiscard]] const std::vector<Pair>& candidates() const { return pairs_; }
+
+  /// Share of the way from `from` to `to` that this rank's pairs may go. Planes move by `planes_to`, if given. The pair
+  /// that limits it goes to `limiting`.
+  [[nodiscard]] double safe_share(const std::vector<Vec3>& from, const std::vector<Vec3>& to,
+                                  const std::vector<Plane>* planes_to = nullptr, Pair* limiting = nullptr) const;
+  /// Every candidate that may not go the whole way or would lose more than half of its gap within the contact distance;
+  /// a plane as a pair of its point alone.
+  void blocked(const std::vector<Vec3>& from, const std::vector<Vec3>& to, const std::vector<Plane>* planes_to,
+               const std::function<void(const Pair&)>& found) const;
+
+  /// Remembers friction from positions at the start of a step; e slip [m].
+  void start_friction(const std::vector<Vec3>& x, double slip);
+  /// Displacement since then of an obstacle's material at a place where it was then; empty: that of its points.
+  using Carrier = std::function<Vec3(int body, const Vec3& place)>;
+  /// Takes over how far surfaces have been carried along, e.g. by a spin that moves no point.
+  void carry(const Carrier& displacement);
+
+  /// Sum over the pairs this rank counts; infinite if one has no gap. [J]
+  [[nodiscard]] double energy(const std::vector<Vec3>& x) const;
+  enum Part { normal = 1, friction = 2, both = 3 };
+  /// Adds the derivative of the energy to f, per sheet point; right for own points only. [N]
+  void add_gradient(const std::vector<Vec3>& x, std::vector<Vec3>& f, Part part = both) const;
+  /// Calls emit(point, point, block) for sheet points; `positive` drops negative eigenvalues pair by pair. [N/m]
+  template <class Emit>
+  void hessian(const std::vector<Vec3>& x, bool positive, Emit&& emit) const;
+  /// Of this rank's pairs.
+  [[nodiscard]] ContactState state(const std::vector<Vec3>& x) const;
+  /// Calls near(pair) for candidates with a gap below `limit`.
+  template <class F>
+  void for_near(const std::vector<Vec3>& x, double limit, F&& near) const;
+  /// Calls f(points) for each pair with friction.
+  template <class F>
+  void for_sliding(F&& f) const {
+    for (const Sliding& s : sliding_) f(s.points);
+  }
+
+ private:
+  /// Friction of one pair or plane.
+  struct Sliding {
+    std::array<Index, 4> points;
+    Vec4 c;
+    Eigen::Matrix<double, 3, 2> tangents;
+    double force;      ///< mu N [N]
+    Vec3 start;        ///< sum of c_i x_i then
+    Vec3 place, axis;  ///< contact point on the sheet, and that of the obstacle's points
+    int carrier;       ///< the obstacle's body, or -1
+    double weight;     ///< sum of the obstacle's c_i
+    Vec3 carried = Vec3::Zero();
+  };
+  struct Near {
+    std::array<Vec3, 4> x;
+    Closest closest;
+    double gap;
+  };
+
+  [[nodiscard]] std::array<Vec3, 4> gather(const Pair& pair, const std::vector<Vec3>& x) const {
+    std::array<Vec3, 4> p;
+    for (int i = 0; i < 4; ++i) p[i] = pair.points[i] == no_index ? Vec3(Vec3::Zero()) : x[pair.points[i]];
+    return p;
+  }
+  [[nodiscard]] double offset(const Pair& p) const { return surface_.offset(p.body_a, p.body_b); }
+  [[nodiscard]] double plane_gap(const Plane& p, Index point, const std::vector<Vec3>& x) const {
+    return p.normal.dot(x[point]) - p.level - surface_.offset(p.body, surface_.body_of_point[point]);
+  }
+  [[nodiscard]] bool plane_acts(const Plane& p, Index point) const {
+    return surface_.rules[p.body][surface_.body_of_point[point]].touch;
+  }
+  /// A point and a plane, as a pair of the point alone.
+  [[nodiscard]] Pair plane_pair(const Plane& p, Index point) const {
+    return {{point, no_index, no_index, no_index}, PairKind::point_edge, surface_.body_of_point[point], p.body, 0, 0};
+  }
+  [[nodiscard]] bool counted(const std::array<Index, 4>& points) const;
+  /// Derivatives of kappa A m b of one pair; false if it does not act.
+  [[nodiscard]] bool pair_gradient(const Pair& pair, const Near& n, Vec12& g) const;
+  void pair_hessian(const Pair& pair, const Near& n, bool positive, Mat12& h) const;
+  [[nodiscard]] Vec3 slip_of(const Sliding& s, const std::vector<Vec3>& x) const;
+  [[nodiscard]] bool near(const Pair& pair, const std::vector<Vec3>& x, double limit, Near& n) const {
+    n.x = gather(pair, x);
+    n.closest = closest(pair.kind, n.x);
+    n.gap = n.closest.distance - offset(pair);
+    return n.gap < limit;
+  }
+  void add_sliding(const Pair& pair, const Vec4& c, const Vec3& n, double normal_force, const std::vector<Vec3>& x);
+
+  Surface surface_;
+  std::vector<Plane> planes_;
+  ContactOptions options_;
+  std::vector<char> owned_;
+  std::vector<Index> own_points_;
+  std::vector<Box> boxes_;
+  std::vector<Pair> pairs_;
+  std::vector<Sliding> sliding_;
+  double slip_ = 1.0;
+};
+
+template <class F>
+void ContactSet::for_near(const std::vector<Vec3>& x, double limit, F&& f) const {
+  Near n;
+  for (const Pair& pair : pairs_)
+    if (near(pair, x, limit, n)) f(pair);
+}
+
+template <class Emit>
+void ContactSet::hessian(const std::vector<Vec3>& x, bool positive, Emit&& emit) const {
+  Near n;
+  Mat12 h;
+  for (const Pair& pair : pairs_) {
+    if (!near(pair, x, options_.distance, n)) continue;
+    pair_hessian(pair, n, positive, h);
+    for (int i = 0; i < 4; ++i) {
+      if (pair.points[i] == no_index || !surface_.is_sheet(pair.points[i])) continue;
+      for (int j = 0; j < 4; ++j)
+        if (pair.points[j] != no_index && surface_.is_sheet(pair.points[j]))
+          emit(pair.points[i], pair.points[j], Mat3(h.template block<3, 3>(3 * i, 3 * j)));
+    }
+  }
+  for (const Plane& p : planes_)
+    for (Index i : own_points_) {
+      if (!plane_acts(p, i)) continue;
+      const double g = plane_gap(p, i, x);
+      if (g < options_.distance)
+        emit(i, i,
+             Mat3(options_.stiffness * surface_.area[i] * barrier(g, options_.distance).second * p.normal *
+                  p.normal.transpose()));
+    }
+  for (const Sliding& s : sliding_) {
+    const Vec2 r = s.tangents.transpose() * slip_of(s, x);
+    const double y = r.norm();
+    Mat2 k;
+    if (y >= slip_)
+      k = (Mat2::Identity() - r * r.transpose() / (y * y)) / y;
+    else
+      k = (2.0 / slip_ - y / (slip_ * slip_)) * Mat2::Identity() -
+          (y > 0.0 ? Mat2(r * r.transpose() / (y * slip_ * slip_)) : Mat2(Mat2::Zero()));
+    const Mat3 block = s.force * s.tangents * k * s.tangents.transpose();
+    for (int i = 0; i < 4; ++i) {
+      if (s.points[i] == no_index || !surface_.is_sheet(s.points[i])) continue;
+      for (int j = 0; j < 4; ++j)
+        if (s.points[j] != no_index && surface_.is_sheet(s.points[j]))
+          emit(s.points[i], s.points[j], Mat3(s.c[i] * s.c[j] * block));
+    }
+  }
+}
+
+}  // namespace voile::contact

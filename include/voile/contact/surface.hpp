@@ -1,0 +1,64 @@
+// Everything that can touch: the sheet's vertices, edges and triangles, and those of the obstacles.
+//
+// Points are numbered through: first the vertices of the mesh, then those of the obstacles, one after the other. An
+// obstacle may have triangles, edges without triangles (the axis of a capsule) or single points (a ball's centre): its
+// offset is then the radius. A body is an obstacle or a part of the sheet that has rules of its own.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "voile/base/types.hpp"
+#include "voile/mesh/surface_mesh.hpp"
+
+namespace voile::contact {
+
+struct Body {
+  std::string name;
+  double thickness = 0.0;  ///< its surface lies half of this before its triangles, edges or points [m]
+};
+
+/// What holds between two bodies.
+struct Rule {
+  bool touch = true;
+  double friction = 0.0;  ///< coefficient
+};
+
+struct Edge {
+  std::array<Index, 2> points;
+  int body = 0;
+  double rest_length_squared = 0.0;  ///< [m^2]
+  bool bare = false;                 ///< of no triangle
+};
+
+struct Face {
+  std::array<Index, 3> points;
+  int body = 0;
+};
+
+struct Surface {
+  Index sheet_points = 0;  ///< how many points are the mesh's
+  std::vector<Vec3> rest;  ///< positions at the start [m]
+  std::vector<int> body_of_point;
+  std::vector<double> area;  ///< per point: a third of its triangles' [m^2]
+  std::vector<Edge> edges;   ///< the sheet's first
+  std::vector<Face> faces;   ///< the sheet's first
+  Index sheet_edges = 0, sheet_faces = 0;
+  std::vector<double> face_area;  ///< [m^2]
+  std::vector<Body> bodies;
+  std::vector<std::vector<Rule>> rules;  ///< symmetric table by body
+
+  [[nodiscard]] Index points() const { return static_cast<Index>(rest.size()); }
+  [[nodiscard]] bool is_sheet(Index point) const { return point < sheet_points; }
+  [[nodiscard]] double offset(int a, int b) const { return 0.5 * (bodies[a].thickness + bodies[b].thickness); }
+};
+
+/// The sheet alone, all of it body 0 (named "sheet"). `body` gives other bodies per triangle; empty: none.
+[[nodiscard]] Surface make_surface(const mesh::SurfaceMesh& mesh, std::vector<Body> bodies,
+                                   const std::vector<int>& body_of_triangle);
+
+/// Appends a rigid or deforming thing: points with triangles, bare edges, or alone. Returns its first point.
+Index append(Surface& surface, int body, const std::vector<Vec3>& points, const std::vector<mesh::Triangle>& triangles,
+             const std::vector<mesh::Segment>& bare_edges);
+
+}  // namespace voile::contact

@@ -1,0 +1,131 @@
+// Contact of a model: obstacles that move, rules between bodies, and the terms of contact on distributed unknowns.
+//
+// Symbols   a      vector of unknowns (model.hpp);  x_v = X_v + Q_v a_v positions, known on every rank       [m]
+//           t      time in force: where the obstacles are                                                   [s]
+// Positions are replicated (24 bytes per vertex), pairs are divided over the ranks: a rank has those that hold one of
+// its vertices, so that its rows are complete without communication.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "voile/base/petsc.hpp"
+#include "voile/contact/contact_set.hpp"
+#include "voile/mesh/partition.hpp"
+#include "voile/system/block_matrix.hpp"
+#include "voile/system/constraints.hpp"
+
+namespace voile::system {
+
+struct Obstacle {
+  enum class Shape { mesh, plane, sphere, capsule };
+  std::string name;
+  Shape shape = Shape::mesh;
+  std::vector<Vec3> points;  ///< mesh: vertices; plane: a point of it; sphere: centre; capsule: ends of its axis [m]
+  std::vector<mesh::Triangle> triangles;  ///< mesh only
+  Vec3 normal = Vec3::UnitZ();            ///< plane: towards the free side
+  double radius = 0.0;                    ///< sphere, capsule [m]
+  double thickness = 0.0;                 ///< its surface lies half of this further out [m]
+  double friction = 0.0;                  ///< against the sheet
+  /// Rigid: displacement of the material point at X at time t; empty: at rest.
+  std::function<Vec3(const Vec3& rest, double time)> motion;
+  /// Deforming mesh: positions of `points` at time t, instead of `motion`.
+  std::function<std::vector<Vec3>(double time)> frames;
+};
+
+/// An exception to the rules between two bodies: obstacles, or surface groups of the mesh.
+struct ContactRule {
+  std::string first, second;
+  std::optional<double> friction;
+  bool ignore = false;
+};
+
+struct ContactInput {
+  bool active = false;
+  contact::ContactOptions options;
+  double thickness = 0.0;  ///< of the sheet: its layers keep this apart [m]
+  bool self = true;        ///< the sheet touches itself
+  double friction = 0.0;   ///< of the sheet against itself
+  std::vector<Obstacle> obstacles;
+  std::vector<ContactRule> rules;
+};
+
+/// What a user wants to know of the contacts in a state.
+struct ContactReport {
+  long pairs = 0;                                        ///< within the contact distance
+  double gap = std::numeric_limits<double>::infinity();  ///< smallest [m]; infinite: nothing within the distance
+  std::string nearest;                                   ///< the pair with the smallest gap, in words; on every rank
+};
+
+class Contact {
+ public:
+  /// The mesh must outlive it. Collective. Throws UserError for unknown names in rules, a contact distance that is too
+  /// large for the mesh, and obstacles that make no sense.
+  Contact(MPI_Comm comm, const mesh::SurfaceMesh& mesh, const mesh::Partition& partition,
+          const Constraints& constraints, ContactInput input);
+
+  /// Puts the obstacles where they are at time t. Not collective.
+  void set_time(double time);
+  /// Remembers friction from state a; `slip`: slip below which friction is smoothed [m]. Collective.
+  void start_step(Vec a, double slip);
+
+  /// Energy of contact and friction, the same on every rank; infinite if something touches. Collective. [J]
+  [[nodiscard]] double energy(Vec a);
+  /// Adds the derivative of the energy to f (all components, fixed ones too). Collective. [N]
+  void add_gradient(Vec a, Vec f, contact::ContactSet::Part part = contact::ContactSet::both);
+  /// Columns that contacts within a few contact distances of state a need, added to a pattern of this rank's rows; true
+  /// if a pair that acts now lacks one on some rank. Collective.
+  [[nodiscard]] bool needs(Vec a, const BlockMatrix& matrix, BlockPattern& pattern);
+  /// Adds the second derivative at the state of the last call of needs(). `positive`: pairs without their negative
+  /// part.
+  void add_blocks(const BlockMatrix& matrix, const BlockMatrix::Values& values, bool positive) const;
+
+  /// Share of the increment da that state a may take with the obstacles where they are. Collective.
+  [[nodiscard]] double safe_share(Vec a, Vec da);
+  /// Changes the free components of `to` until the way is free: whoever would be hit is carried along by what hits it.
+  /// `to` then is a safe place to go to from `from` while the obstacles go from time t0 to t1; false if none is found.
+  /// Sets the time to t1. Collective.
+  [[nodiscard]] bool make_way(Vec from, double t0, Vec to, double t1);
+  /// The pair that stood in the way last, in words. Collective result.
+  [[nodiscard]] const std::string& obstruction() const { return obstruction_; }
+
+  [[nodiscard]] ContactReport report(Vec a);
+  [[nodiscard]] const contact::Surface& surface() const { return set_->surface(); }
+  /// Positions of all points, the obstacles' at the time in force; on every rank. Collective.
+  [[nodiscard]] std::vector<Vec3> positions(Vec a) const;
+  [[nodiscard]] const ContactInput& input() const { return input_; }
+
+ private:
+  void check_room(const mesh::SurfaceMesh& mesh) const;
+  [[nodiscard]] int body(const std::string& name) const;
+  void fill_positions(Vec a, std::vector<Vec3>& x) const;
+  void place_obstacles(double time, std::vector<Vec3>& x, std::vector<contact::Plane>& planes) const;
+  [[nodiscard]] Vec3 displacement(int body, const Vec3& place) const;
+  [[nodiscard]] std::string words(const contact::Pair& pair) const;
+  [[nodiscard]] std::string lowest_rank_text(const std::string& own) const;
+  [[nodiscard]] Mat3 axes(Index v) const {
+    return axes_[v] == no_index ? Mat3(Mat3::Identity()) : rotations_[axes_[v]];
+  }
+
+  MPI_Comm comm_;
+  const mesh::SurfaceMesh* mesh_;
+  const mesh::Partition* partition_;
+  ContactInput input_;
+  Index first_row_ = 0, row_count_ = 0;
+  std::vector<Index> axes_;  ///< per vertex: entry of rotations_, or no_index
+  std::vector<Mat3> rotations_;
+  std::vector<char> fixed_;  ///< per unknown of each vertex, in its axes
+  std::vector<int> body_of_obstacle_;
+  std::vector<Index> first_point_;  ///< of each obstacle; no_index for a plane
+  std::unique_ptr<contact::ContactSet> set_;
+  petsc::ScatterHandle to_all_;
+  petsc::VecHandle all_;
+  std::vector<Vec3> x_, other_, force_;
+  double time_ = 0.0, start_time_ = 0.0;
+  std::string obstruction_;
+};
+
+}  // namespace voile::system

@@ -1,0 +1,241 @@
+#include "voile/contact/broad_phase.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+namespace voile::contact {
+
+namespace {
+
+/// Boxes that span more cells than this are not sorted in but tried against everything.
+constexpr double most_cells = 512.0;
+
+/// Decides whether two figures make a pair, and makes it. Numbers of figures are points, edges or faces.
+class Maker {
+ public:
+  Maker(const Surface& s, const std::vector<Box>& boxes, const std::vector<char>& owned, double distance)
+      : s_(s), boxes_(boxes), owned_(owned), distance_(distance) {}
+
+  void point_face(Index p, Index f, std::vector<Pair>& to) const {
+    const Face& face = s_.faces[f];
+    const auto& q = face.points;
+    if (p == q[0] || p == q[1] || p == q[2]) return;
+    const int body = s_.body_of_point[p];
+    if (!wanted(body, face.body, mine(p) || mine(q[0]) || mine(q[1]) || mine(q[2]))) return;
+    const Box face_box = hull(q);
+    if (!boxes_[p].within(face_box, reach(body, face.body))) return;
+    // Of the two sides of a contact each counts half; where one has no area of its own the other counts in full.
+    const double area = s_.is_sheet(p)      ? 0.5 * s_.area[p]
+                        : s_.area[p] == 0.0 ? s_.face_area[f]
+                                            : 0.5 * std::min(s_.area[p], s_.face_area[f]);
+    to.push_back({{p, q[0], q[1], q[2]}, PairKind::point_triangle, body, face.body, area, 0.0});
+  }
+  void point_edge(Index p, Index e, std::vector<Pair>& to) const {
+    const Edge& edge = s_.edges[e];
+    const int body = s_.body_of_point[p];
+    if (!edge.bare || !s_.is_sheet(p) || !wanted(body, edge.body, mine(p))) return;
+    if (!boxes_[p].within(hull(edge.points), reach(body, edge.body))) return;
+    to.push_back(
+        {{p, edge.points[0], edge.points[1], no_index}, PairKind::point_edge, body, edge.body, s_.area[p], 0.0});
+  }
+  void edge_edge(Index e, Index f, std::vector<Pair>& to) const {
+    if (e > f) std::swap(e, f);
+    const Edge &a = s_.edges[e], &b = s_.edges[f];
+    const auto &p = a.points, &q = b.points;
+    if (p[0] == q[0] || p[0] == q[1] || p[1] == q[0] || p[1] == q[1]) return;
+    if (!wanted(a.body, b.body, mine(p[0]) || mine(p[1]) || mine(q[0]) || mine(q[1]))) return;
+    if (!hull(p).within(hull(q), reach(a.body, b.body))) return;
+    // Two equal triangulations cross about 7.6 times per product of their edge lengths; an axis has no such length.
+    const double lengths = b.bare ? a.rest_length_squared : std::sqrt(a.rest_length_squared * b.rest_length_squared);
+    to.push_back({{p[0], p[1], q[0], q[1]},
+                  PairKind::edge_edge,
+                  a.body,
+                  b.body,
+                  lengths / 8.0,
+                  mollifier_threshold(a.rest_length_squared, b.rest_length_squared)});
+  }
+  template <std::size_t n>
+  [[nodiscard]] Box hull(const std::array<Index, n>& points) const {
+    Box b;
+    for (Index p : points) b.include(boxes_[p]);
+    return b;
+  }
+
+ private:
+  [[nodiscard]] bool mine(Index p) const { return s_.is_sheet(p) && owned_[p]; }
+  [[nodiscard]] bool wanted(int a, int b, bool owned) const { return owned && s_.rules[a][b].touch; }
+  [[nodiscard]] double reach(int a, int b) const { return s_.offset(a, b) + distance_; }
+
+  const Surface& s_;
+  const std::vector<Box>& boxes_;
+  const std::vector<char>& owned_;
+  double distance_;
+};
+
+/// Boxes sorted into the cells of a grid; find() calls back each stored box that shares a cell with the asked one once
+/// per pair at most.
+class Grid {
+ public:
+  Grid(double cell, const Box& domain) : cell_(cell), domain_(domain) {}
+
+  void add(Index item, const Box& box) {
+    if (!box.within(domain_, 0.0)) return;
+    const auto [low, high] = cells(box);
+    const Vec3 span = (high - low).cast<double>() + Vec3::Ones();
+    if (span.prod() > most_cells) {
+      large_.push_back(item);
+      return;
+    }
+    for (int i = low[0]; i <= high[0]; ++i)
+      for (int j = low[1]; j <= high[1]; ++j)
+        for (int k = low[2]; k <= high[2]; ++k) entries_.push_back({key(i, j, k), item, low});
+  }
+  void sort() {
+    std::sort(entries_.begin(), entries_.end(), [](const Entry& a, const Entry& b) { return a.key < b.key; });
+    std::size_t size = 16;
+    while (size < 2 * entries_.size()) size *= 2;
+    mask_ = size - 1;
+    first_.assign(size, 0);
+    for (std::size_t e = entries_.size(); e-- > 0;) {
+      if (e > 0 && entries_[e - 1].key == entries_[e].key) continue;
+      std::size_t at = hash(entries_[e].key);
+      while (first_[at] != 0) at = (at + 1) & mask_;
+      first_[at] = e + 1;
+    }
+  }
+  template <class F>
+  void find(const Box& box, F&& f) const {
+    for (Index item : large_) f(item);
+    const auto [low, high] = cells(box);
+    for (int i = low[0]; i <= high[0]; ++i)
+      for (int j = low[1]; j <= high[1]; ++j)
+        for (int k = low[2]; k <= high[2]; ++k) {
+          const std::uint64_t wanted = key(i, j, k);
+          for (std::size_t e = start(wanted); e < entries_.size() && entries_[e].key == wanted; ++e) {
+            // Both cover a block of cells: the pair is met in the lowest one they share.
+            const Eigen::Vector3i shared = low.cwiseMax(entries_[e].low);
+            if (shared[0] == i && shared[1] == j && shared[2] == k) f(entries_[e].item);
+          }
+        }
+  }
+
+ private:
+  struct Entry {
+    std::uint64_t key;
+    Index item;
+    Eigen::Vector3i low;
+  };
+  [[nodiscard]] std::pair<Eigen::Vector3i, Eigen::Vector3i> cells(const Box& box) const {
+    const Vec3 low = box.low.cwiseMax(domain_.low), high = box.high.cwiseMin(domain_.high);
+    return {place(low), place(high)};
+  }
+  [[nodiscard]] Eigen::Vector3i place(const Vec3& x) const {
+    const Vec3 scaled = (x - domain_.low) / cell_;
+    return scaled.array().floor().cast<int>();
+  }
+  static std::uint64_t key(int i, int j, int k) {
+    return (static_cast<std::uint64_t>(i) << 42) | (static_cast<std::uint64_t>(j) << 21) |
+           static_cast<std::uint64_t>(k);
+  }
+  [[nodiscard]] std::size_t hash(std::uint64_t k) const { return (k * 0x9E3779B97F4A7C15ull >> 20) & mask_; }
+  [[nodiscard]] std::size_t start(std::uint64_t k) const {
+    for (std::size_t at = hash(k); first_[at] != 0; at = (at + 1) & mask_)
+      if (entries_[first_[at] - 1].key == k) return first_[at] - 1;
+    return entries_.size();
+  }
+
+  double cell_;
+  Box domain_;
+  std::vector<Entry> entries_;
+  std::vector<std::size_t> first_;  ///< open addressing: entry + 1, or 0
+  std::size_t mask_ = 0;
+  std::vector<Index> large_;
+};
+
+Box padded(Box b, double by) {
+  b.low.array() -= by;
+  b.high.array() += by;
+  return b;
+}
+
+}  // namespace
+
+std::vector<Pair> find_pairs(const Surface& s, const std::vector<Box>& boxes, const std::vector<char>& owned,
+                             double distance) {
+  const Maker make(s, boxes, owned, distance);
+  const auto has_own = [&](const auto& points) {
+    return std::any_of(points.begin(), points.end(), [&](Index p) { return s.is_sheet(p) && owned[p]; });
+  };
+  // Bare points and edges are few and may reach far (a ball's radius): they are tried against everything of this rank.
+  Box domain;
+  double size = 0.0, reach = distance;
+  Index own_faces = 0;
+  std::vector<Box> face_box(s.faces.size());
+  for (std::size_t f = 0; f < s.faces.size(); ++f) {
+    face_box[f] = make.hull(s.faces[f].points);
+    if (!has_own(s.faces[f].points)) continue;
+    domain.include(face_box[f]);
+    size += (face_box[f].high - face_box[f].low).maxCoeff();
+    ++own_faces;
+  }
+  if (own_faces == 0) return {};
+  std::vector<char> bare_point(static_cast<std::size_t>(s.points()), 0);
+  for (Index p = s.sheet_points; p < s.points(); ++p) bare_point[p] = s.area[p] == 0.0;
+  for (const Face& f : s.faces) reach = std::max(reach, s.bodies[f.body].thickness + distance);
+  domain = padded(domain, reach);
+  const double extent = (domain.high - domain.low).maxCoeff();
+  const double cell = std::max(size / own_faces + reach, extent / 1e6);
+
+  std::vector<Pair> pairs;
+  Grid faces(cell, domain), edges(cell, domain);
+  for (std::size_t f = 0; f < s.faces.size(); ++f) faces.add(static_cast<Index>(f), face_box[f]);
+  faces.sort();
+  std::vector<Box> edge_box(s.edges.size());
+  for (std::size_t e = 0; e < s.edges.size(); ++e) {
+    edge_box[e] = make.hull(s.edges[e].points);
+    if (!s.edges[e].bare) edges.add(static_cast<Index>(e), edge_box[e]);
+  }
+  edges.sort();
+
+  for (Index p = 0; p < s.points(); ++p) {
+    if (bare_point[p]) {
+      for (Index f = 0; f < s.sheet_faces; ++f) make.point_face(p, f, pairs);
+      continue;
+    }
+    if (!boxes[p].within(domain, 0.0)) continue;
+    faces.find(padded(boxes[p], reach), [&](Index f) {
+      if (s.is_sheet(p) || f < s.sheet_faces) make.point_face(p, f, pairs);
+    });
+  }
+  for (Index e = 0; e < static_cast<Index>(s.edges.size()); ++e) {
+    if (s.edges[e].bare) {
+      for (Index f = 0; f < s.sheet_edges; ++f) make.edge_edge(f, e, pairs);
+      for (Index p = 0; p < s.sheet_points; ++p) make.point_edge(p, e, pairs);
+      continue;
+    }
+    if (e >= s.sheet_edges || !edge_box[e].within(domain, 0.0)) continue;
+    edges.find(padded(edge_box[e], reach), [&](Index f) {
+      if (f > e) make.edge_edge(e, f, pairs);
+    });
+  }
+  std::sort(pairs.begin(), pairs.end());
+  return pairs;
+}
+
+std::vector<Pair> find_pairs_by_force(const Surface& s, const std::vector<Box>& boxes, const std::vector<char>& owned,
+                                      double distance) {
+  const Maker make(s, boxes, owned, distance);
+  std::vector<Pair> pairs;
+  for (Index p = 0; p < s.points(); ++p)
+    for (Index f = 0; f < static_cast<Index>(s.faces.size()); ++f)
+      if (s.is_sheet(p) || f < s.sheet_faces) make.point_face(p, f, pairs);
+  for (Index e = 0; e < s.sheet_edges; ++e)
+    for (Index f = e + 1; f < static_cast<Index>(s.edges.size()); ++f) make.edge_edge(e, f, pairs);
+  for (Index e = s.sheet_edges; e < static_cast<Index>(s.edges.size()); ++e)
+    for (Index p = 0; p < s.sheet_points; ++p) make.point_edge(p, e, pairs);
+  std::sort(pairs.begin(), pairs.end());
+  return pairs;
+}
+
+}  // namespace voile::contact

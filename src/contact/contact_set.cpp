@@ -1,0 +1,289 @@
+#include "voile/contact/contact_set.hpp"
+
+#include <Eigen/Dense>
+#include <algorithm>
+
+namespace voile::contact {
+
+namespace {
+
+/// Room that the boxes of candidates leave around the asked path, in contact distances.
+constexpr double slack = 1.0;
+/// Share of the gap to a plane that a step leaves (as ccd.cpp for pairs).
+constexpr double plane_kept = 0.2;
+/// A first guess may lose this share of a gap, or of the contact distance.
+constexpr double lost_share = 0.5;
+
+template <class Matrix>
+Matrix positive_part(const Matrix& h) {
+  const Eigen::SelfAdjointEigenSolver<Matrix> eigen(h);
+  return eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).asDiagonal() * eigen.eigenvectors().transpose();
+}
+
+}  // namespace
+
+ContactSet::ContactSet(Surface surface, std::vector<Plane> planes, ContactOptions options, std::vector<char> owned)
+    : surface_(std::move(surface)), planes_(std::move(planes)), options_(options), owned_(std::move(owned)) {
+  for (Index i = 0; i < surface_.sheet_points; ++i)
+    if (owned_[i]) own_points_.push_back(i);
+}
+
+bool ContactSet::cover(const std::vector<Vec3>& from, const std::vector<Vec3>& to) {
+  bool inside = boxes_.size() == from.size();
+  for (std::size_t i = 0; inside && i < from.size(); ++i)
+    inside = boxes_[i].contains(from[i]) && boxes_[i].contains(to[i]);
+  if (inside) return false;
+  const double room = slack * options_.distance;
+  boxes_.assign(from.size(), Box{});
+  for (std::size_t i = 0; i < from.size(); ++i) {
+    boxes_[i].include(from[i]);
+    boxes_[i].include(to[i]);
+    boxes_[i].low.array() -= room;
+    boxes_[i].high.array() += room;
+  }
+  pairs_ = find_pairs(surface_, boxes_, owned_, options_.distance);
+  return true;
+}
+
+bool ContactSet::counted(const std::array<Index, 4>& points) const {
+  Index lowest = surface_.sheet_points;
+  for (Index p : points)
+    if (p != no_index) lowest = std::min(lowest, p);
+  return lowest < surface_.sheet_points && owned_[lowest];
+}
+
+double ContactSet::safe_share(const std::vector<Vec3>& from, const std::vector<Vec3>& to,
+                              const std::vector<Plane>* planes_to, Pair* limiting) const {
+  double share = 1.0;
+  const auto limit = [&](double s, const Pair& pair) {
+    if (s >= share) return;
+    share = s;
+    if (limiting) *limiting = pair;
+  };
+  for (const Pair& pair : pairs_) {
+    const std::array<Vec3, 4> x = gather(pair, from);
+    std::array<Vec3, 4> p = gather(pair, to);
+    for (int i = 0; i < 4; ++i) p[i] -= x[i];
+    limit(contact::safe_share(pair.kind, x, p, offset(pair), share), pair);
+  }
+  for (std::size_t k = 0; k < planes_.size(); ++k)
+    for (Index i : own_points_) {
+      const Plane& p = planes_[k];
+      if (!plane_acts(p, i)) continue;
+      const double gap = plane_gap(p, i, from), end = plane_gap(planes_to ? (*planes_to)[k] : p, i, to);
+      if (end < plane_kept * gap) limit((1.0 - plane_kept) * gap / (gap - end), plane_pair(p, i));
+    }
+  return share;
+}
+
+void ContactSet::blocked(const std::vector<Vec3>& from, const std::vector<Vec3>& to,
+                         const std::vector<Plane>* planes_to, const std::function<void(const Pair&)>& found) const {
+  const auto lost = [&](double before, double after) {
+    return after < lost_share * std::min(before, options_.distance);
+  };
+  for (const Pair& pair : pairs_) {
+    const std::array<Vec3, 4> x = gather(pair, from), end = gather(pair, to);
+    std::array<Vec3, 4> p;
+    for (int i = 0; i < 4; ++i) p[i] = end[i] - x[i];
+    const double xi = offset(pair);
+    if (lost(closest(pair.kind, x).distance - xi, closest(pair.kind, end).distance - xi) ||
+        contact::safe_share(pair.kind, x, p, xi) < 1.0)
+      found(pair);
+  }
+  for (std::size_t k = 0; k < planes_.size(); ++k)
+    for (Index i : own_points_) {
+      const Plane& p = planes_[k];
+      if (plane_acts(p, i) && lost(plane_gap(p, i, from), plane_gap(planes_to ? (*planes_to)[k] : p, i, to)))
+        found(plane_pair(p, i));
+    }
+}
+
+// ---- normal contact ------------------------------------------------------------------------------------------------
+
+double ContactSet::energy(const std::vector<Vec3>& x) const {
+  double sum = 0.0;
+  Near n;
+  for (const Pair& pair : pairs_) {
+    if (!counted(pair.points) || !near(pair, x, options_.distance, n)) continue;
+    const double m = pair.mollify > 0.0 ? mollifier(cross_squared(n.x), pair.mollify).value : 1.0;
+    if (!(n.gap > 0.0)) return std::numeric_limits<double>::infinity();
+    sum += pair.area * m * barrier(n.gap, options_.distance).value;
+  }
+  for (const Plane& p : planes_)
+    for (Index i : own_points_)
+      if (plane_acts(p, i)) sum += surface_.area[i] * barrier(plane_gap(p, i, x), options_.distance).value;
+  sum *= options_.stiffness;
+  for (const Sliding& s : sliding_) {
+    if (!counted(s.points)) continue;
+    const double y = (s.tangents.transpose() * slip_of(s, x)).norm();
+    sum += s.force * (y >= slip_ ? y - slip_ / 3.0 : y * y / slip_ * (1.0 - y / (3.0 * slip_)));
+  }
+  return sum;
+}
+
+bool ContactSet::pair_gradient(const Pair& pair, const Near& n, Vec12& g) const {
+  const Scalar2 b = barrier(n.gap, options_.distance);
+  const Vec3 normal = n.closest.w / n.closest.distance;
+  const double scale = options_.stiffness * pair.area;
+  for (int i = 0; i < 4; ++i) g.segment<3>(3 * i) = scale * b.first * n.closest.c[i] * normal;
+  if (pair.mollify <= 0.0) return true;
+  Vec12 dx;
+  const double x = cross_squared(n.x);
+  if (x >= pair.mollify) return true;
+  (void)cross_squared(n.x, &dx);
+  const Scalar2 m = mollifier(x, pair.mollify);
+  g = m.value * g + scale * b.value * m.first * dx;
+  return true;
+}
+
+void ContactSet::pair_hessian(const Pair& pair, const Near& n, bool positive, Mat12& h) const {
+  const Scalar2 b = barrier(n.gap, options_.distance);
+  const double scale = options_.stiffness * pair.area, size = n.closest.c.norm();
+  Motions motion;
+  Mat5 h5 = b.first * distance_hessian(n.x, n.closest, motion);
+  h5(0, 0) += b.second * size * size;
+  const double x = pair.mollify > 0.0 ? cross_squared(n.x) : 1.0;
+  const bool mollified = pair.mollify > 0.0 && x < pair.mollify;
+  if (positive && !mollified) h5 = positive_part(h5);
+  Eigen::Matrix<double, 12, 5> q;
+  for (int i = 0; i < 4; ++i)
+    for (int k = 0; k < 5; ++k) q.block<3, 1>(3 * i, k) = motion.weight[k][i] * motion.frame[k];
+  h.noalias() = scale * q * h5 * q.transpose();
+  if (!mollified) return;
+  Vec12 dx, dd;
+  Mat12 dxx;
+  (void)cross_squared(n.x, &dx, &dxx);
+  const Scalar2 m = mollifier(x, pair.mollify);
+  const Vec3 normal = n.closest.w / n.closest.distance;
+  for (int i = 0; i < 4; ++i) dd.segment<3>(3 * i) = n.closest.c[i] * normal;
+  h = m.value * h + scale * (b.first * m.first * (dd * dx.transpose() + dx * dd.transpose()) +
+                             b.value * (m.second * dx * dx.transpose() + m.first * dxx));
+  if (positive) h = positive_part(h);
+}
+
+void ContactSet::add_gradient(const std::vector<Vec3>& x, std::vector<Vec3>& f, Part part) const {
+  Near n;
+  Vec12 g;
+  if (part & normal) {
+    for (const Pair& pair : pairs_) {
+      if (!near(pair, x, options_.distance, n) || !pair_gradient(pair, n, g)) continue;
+      for (int i = 0; i < 4; ++i)
+        if (pair.points[i] != no_index && surface_.is_sheet(pair.points[i])) f[pair.points[i]] += g.segment<3>(3 * i);
+    }
+    for (const Plane& p : planes_)
+      for (Index i : own_points_) {
+        if (!plane_acts(p, i)) continue;
+        const double gap = plane_gap(p, i, x);
+        if (gap < options_.distance)
+          f[i] += options_.stiffness * surface_.area[i] * barrier(gap, options_.distance).first * p.normal;
+      }
+  }
+  if (part & friction)
+    for (const Sliding& s : sliding_) {
+      const Vec2 r = s.tangents.transpose() * slip_of(s, x);
+      const double y = r.norm(), rate = y >= slip_ ? 1.0 / y : 2.0 / slip_ - y / (slip_ * slip_);
+      const Vec3 force = s.force * rate * (s.tangents * r);
+      for (int i = 0; i < 4; ++i)
+        if (s.points[i] != no_index && surface_.is_sheet(s.points[i])) f[s.points[i]] += s.c[i] * force;
+    }
+}
+
+// ---- friction ------------------------------------------------------------------------------------------------------
+
+Vec3 ContactSet::slip_of(const Sliding& s, const std::vector<Vec3>& x) const {
+  Vec3 w = s.carried - s.start;
+  for (int i = 0; i < 4; ++i)
+    if (s.points[i] != no_index) w += s.c[i] * x[s.points[i]];
+  return w;
+}
+
+void ContactSet::add_sliding(const Pair& pair, const Vec4& c, const Vec3& n, double normal_force,
+                             const std::vector<Vec3>& x) {
+  const double mu = surface_.rules[pair.body_a][pair.body_b].friction;
+  if (mu <= 0.0 || normal_force <= 0.0) return;
+  Sliding s{pair.points, c, {}, mu * normal_force, Vec3::Zero(), Vec3::Zero(), Vec3::Zero(), -1, 0.0, Vec3::Zero()};
+  s.tangents.col(0) = n.unitOrthogonal();
+  s.tangents.col(1) = n.cross(s.tangents.col(0));
+  double sheet = 0.0;
+  for (int i = 0; i < 4; ++i) {
+    if (pair.points[i] == no_index) continue;
+    const Vec3 part = c[i] * x[pair.points[i]];
+    s.start += part;
+    if (surface_.is_sheet(pair.points[i])) {
+      s.place += part;
+      sheet += c[i];
+    } else {
+      s.carrier = surface_.body_of_point[pair.points[i]];
+      s.axis += part;
+      s.weight += c[i];
+    }
+  }
+  if (s.weight != 0.0) {
+    s.place /= sheet;
+    s.axis /= s.weight;
+  } else if (pair.points[1] == no_index) {
+    s.carrier = pair.body_b;  // a plane has no points
+  }
+  sliding_.push_back(s);
+}
+
+void ContactSet::start_friction(const std::vector<Vec3>& x, double slip) {
+  sliding_.clear();
+  slip_ = slip;
+  const bool any = std::any_of(surface_.rules.begin(), surface_.rules.end(), [](const auto& row) {
+    return std::any_of(row.begin(), row.end(), [](const Rule& r) { return r.friction > 0.0; });
+  });
+  if (!any) return;
+  (void)cover(x, x);
+  Near n;
+  for (const Pair& pair : pairs_) {
+    if (!near(pair, x, options_.distance, n)) continue;
+    const double m = pair.mollify > 0.0 ? mollifier(cross_squared(n.x), pair.mollify).value : 1.0;
+    const double force = -options_.stiffness * pair.area * m * barrier(n.gap, options_.distance).first;
+    add_sliding(pair, n.closest.c, n.closest.w / n.closest.distance, force, x);
+  }
+  for (const Plane& p : planes_)
+    for (Index i : own_points_) {
+      if (!plane_acts(p, i)) continue;
+      const double g = plane_gap(p, i, x);
+      if (g >= options_.distance) continue;
+      add_sliding(plane_pair(p, i), Vec4::UnitX(), p.normal,
+                  -options_.stiffness * surface_.area[i] * barrier(g, options_.distance).first, x);
+    }
+}
+
+void ContactSet::carry(const Carrier& displacement) {
+  for (Sliding& s : sliding_) {
+    if (s.carrier < 0) continue;
+    // What the obstacle's points have moved is in the slip already; a plane has none.
+    s.carried = s.weight != 0.0 ? Vec3(s.weight * (displacement(s.carrier, s.place) - displacement(s.carrier, s.axis)))
+                                : Vec3(-displacement(s.carrier, s.place));
+  }
+}
+
+ContactState ContactSet::state(const std::vector<Vec3>& x) const {
+  ContactState r;
+  Near n;
+  for (const Pair& pair : pairs_) {
+    if (!counted(pair.points) || !near(pair, x, options_.distance, n)) continue;
+    ++r.pairs;
+    if (n.gap < r.gap) {
+      r.gap = n.gap;
+      r.nearest = pair;
+    }
+  }
+  for (const Plane& p : planes_)
+    for (Index i : own_points_) {
+      if (!plane_acts(p, i)) continue;
+      const double g = plane_gap(p, i, x);
+      if (g >= options_.distance) continue;
+      ++r.pairs;
+      if (g < r.gap) {
+        r.gap = g;
+        r.nearest = plane_pair(p, i);
+      }
+    }
+  return r;
+}
+
+}  // namespace voile::contact

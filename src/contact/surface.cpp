@@ -1,0 +1,65 @@
+#include "voile/contact/surface.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+
+namespace voile::contact {
+
+namespace {
+
+/// Edges of triangles, each once, in ascending order of their points.
+std::vector<mesh::Segment> edges_of(const std::vector<mesh::Triangle>& triangles) {
+  std::vector<mesh::Segment> edges;
+  for (const mesh::Triangle& t : triangles)
+    for (int s = 0; s < 3; ++s) edges.push_back({std::min(t[s], t[(s + 1) % 3]), std::max(t[s], t[(s + 1) % 3])});
+  std::sort(edges.begin(), edges.end());
+  edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+  return edges;
+}
+
+void add_edge(Surface& s, Index a, Index b, int body, bool bare) {
+  s.edges.push_back({{a, b}, body, (s.rest[b] - s.rest[a]).squaredNorm(), bare});
+}
+
+void add_face(Surface& s, const std::array<Index, 3>& p, int body) {
+  const double area = 0.5 * (s.rest[p[1]] - s.rest[p[0]]).cross(s.rest[p[2]] - s.rest[p[0]]).norm();
+  s.faces.push_back({p, body});
+  s.face_area.push_back(area);
+  for (Index i : p) s.area[i] += area / 3.0;
+}
+
+}  // namespace
+
+Surface make_surface(const mesh::SurfaceMesh& mesh, std::vector<Body> bodies,
+                     const std::vector<int>& body_of_triangle) {
+  Surface s;
+  s.sheet_points = mesh.vertex_count();
+  s.rest = mesh.positions();
+  s.bodies = std::move(bodies);
+  s.rules.assign(s.bodies.size(), std::vector<Rule>(s.bodies.size()));
+  s.body_of_point.assign(s.rest.size(), 0);
+  s.area.assign(s.rest.size(), 0.0);
+  for (Index t = mesh.triangle_count(); t-- > 0;)  // a point or edge belongs to the body of its first triangle
+    for (Index v : mesh.triangles()[t]) s.body_of_point[v] = body_of_triangle.empty() ? 0 : body_of_triangle[t];
+  for (Index t = 0; t < mesh.triangle_count(); ++t)
+    add_face(s, mesh.triangles()[t], body_of_triangle.empty() ? 0 : body_of_triangle[t]);
+  for (const mesh::Segment& e : edges_of(mesh.triangles()))
+    add_edge(s, e[0], e[1], s.body_of_point[std::min(e[0], e[1])], false);
+  s.sheet_edges = static_cast<Index>(s.edges.size());
+  s.sheet_faces = static_cast<Index>(s.faces.size());
+  return s;
+}
+
+Index append(Surface& s, int body, const std::vector<Vec3>& points, const std::vector<mesh::Triangle>& triangles,
+             const std::vector<mesh::Segment>& bare_edges) {
+  const Index first = s.points();
+  s.rest.insert(s.rest.end(), points.begin(), points.end());
+  s.body_of_point.resize(s.rest.size(), body);
+  s.area.resize(s.rest.size(), 0.0);
+  for (const mesh::Triangle& t : triangles) add_face(s, {first + t[0], first + t[1], first + t[2]}, body);
+  for (const mesh::Segment& e : edges_of(triangles)) add_edge(s, first + e[0], first + e[1], body, false);
+  for (const mesh::Segment& e : bare_edges) add_edge(s, first + e[0], first + e[1], body, true);
+  return first;
+}
+
+}  // namespace voile::contact

@@ -1,0 +1,379 @@
+#include "voile/system/contact.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Dense>
+#include <algorithm>
+
+#include "voile/base/error.hpp"
+#include "voile/base/mpi.hpp"
+
+namespace voile::system {
+
+namespace {
+
+using contact::ContactSet;
+using contact::Pair;
+using contact::Plane;
+
+/// Pairs within so many contact distances get their place in the matrix, so that it changes rarely.
+constexpr double padding = 4.0;
+/// Rounds in which colliding parts are made to move together.
+constexpr int most_rounds = 30;
+
+/// x -> A x + b of a rigid motion at time t.
+struct RigidMap {
+  Mat3 a = Mat3::Identity();
+  Vec3 b = Vec3::Zero();
+  RigidMap(const std::function<Vec3(const Vec3&, double)>& motion, double t) {
+    if (!motion) return;
+    b = motion(Vec3::Zero(), t);
+    for (int k = 0; k < 3; ++k) a.col(k) = Vec3::Unit(k) + motion(Vec3::Unit(k), t) - b;
+  }
+};
+
+}  // namespace
+
+Contact::Contact(MPI_Comm comm, const mesh::SurfaceMesh& mesh, const mesh::Partition& partition,
+                 const Constraints& constraints, ContactInput input)
+    : comm_(comm), mesh_(&mesh), partition_(&partition), input_(std::move(input)) {
+  const int rank = mpi::rank(comm);
+  first_row_ = partition.owned_begin(rank);
+  row_count_ = partition.owned_count(rank);
+  axes_.assign(static_cast<std::size_t>(mesh.vertex_count()), no_index);
+  fixed_.assign(3 * axes_.size(), 0);
+  for (const auto& [v, support] : constraints.vertices) {
+    for (int k = 0; k < 3; ++k) fixed_[3 * static_cast<std::size_t>(v) + k] = support.fixed[k];
+    if (!support.rotated()) continue;
+    axes_[v] = static_cast<Index>(rotations_.size());
+    rotations_.push_back(support.axes);
+  }
+  check_room(mesh);
+
+  std::vector<contact::Body> bodies{{"sheet", input_.thickness}};
+  std::vector<int> body_of_triangle(static_cast<std::size_t>(mesh.triangle_count()), 0);
+  const auto is_obstacle = [&](const std::string& name) {
+    return std::any_of(input_.obstacles.begin(), input_.obstacles.end(),
+                       [&](const Obstacle& o) { return o.name == name; });
+  };
+  const auto add_group = [&](const std::string& name) {
+    if (is_obstacle(name) || std::any_of(bodies.begin(), bodies.end(), [&](const auto& b) { return b.name == name; }))
+      return;
+    for (Index t : mesh.group(name, 2).triangles) body_of_triangle[t] = static_cast<int>(bodies.size());
+    bodies.push_back({name, input_.thickness});
+  };
+  for (const ContactRule& r : input_.rules) {
+    add_group(r.first);
+    add_group(r.second);
+  }
+  const std::size_t sheets = bodies.size();
+  for (const Obstacle& o : input_.obstacles) {
+    body_of_obstacle_.push_back(static_cast<int>(bodies.size()));
+    bodies.push_back({o.name, o.thickness + 2.0 * o.radius});
+  }
+  contact::Surface surface = contact::make_surface(mesh, std::move(bodies), body_of_triangle);
+  std::vector<Plane> planes;
+  for (std::size_t k = 0; k < input_.obstacles.size(); ++k) {
+    const Obstacle& o = input_.obstacles[k];
+    const int body = body_of_obstacle_[k];
+    first_point_.push_back(no_index);
+    if (o.shape == Obstacle::Shape::plane)
+      planes.push_back({body, o.normal.normalized(), 0.0});
+    else
+      first_point_.back() = contact::append(
+          surface, body, o.points, o.triangles,
+          o.shape == Obstacle::Shape::capsule ? std::vector<mesh::Segment>{{0, 1}} : std::vector<mesh::Segment>{});
+  }
+  for (std::size_t i = 0; i < surface.bodies.size(); ++i)
+    for (std::size_t j = 0; j < surface.bodies.size(); ++j) {
+      contact::Rule& rule = surface.rules[i][j];
+      if (i < sheets && j < sheets)
+        rule = {input_.self, input_.friction};
+      else
+        rule = {i < sheets || j < sheets, input_.obstacles[std::max(i, j) - sheets].friction};
+    }
+  set_ = std::make_unique<ContactSet>(std::move(surface), std::move(planes), input_.options, [&] {
+    std::vector<char> owned(static_cast<std::size_t>(mesh.vertex_count()));
+    for (std::size_t v = 0; v < owned.size(); ++v) owned[v] = partition.vertex_rank[v] == rank;
+    return owned;
+  }());
+  for (const ContactRule& r : input_.rules) {
+    const int i = body(r.first), j = body(r.second);
+    for (contact::Rule* rule : {&set_->rule(i, j), &set_->rule(j, i)}) {
+      if (r.ignore) rule->touch = false;
+      if (r.friction) rule->friction = *r.friction;
+    }
+  }
+
+  petsc::VecHandle unknowns;
+  VOILE_PETSC(VecCreateMPI(comm, 3 * row_count_, PETSC_DETERMINE, unknowns.out()));
+  VOILE_PETSC(VecScatterCreateToAll(unknowns, to_all_.out(), all_.out()));
+  for (std::vector<Vec3>* v : {&x_, &other_}) *v = set_->surface().rest;
+  force_.resize(static_cast<std::size_t>(mesh.vertex_count()));
+  set_time(0.0);
+  start_time_ = 0.0;
+}
+
+void Contact::check_room(const mesh::SurfaceMesh& mesh) const {
+  double least = std::numeric_limits<double>::infinity();
+  Index narrow = 0;
+  for (Index t = 0; t < mesh.triangle_count(); ++t) {
+    double longest = 0.0;
+    for (int s = 0; s < 3; ++s) longest = std::max(longest, (mesh.corner(t, s) - mesh.corner(t, (s + 1) % 3)).norm());
+    const double height = 2.0 * mesh.area(t) / longest;
+    if (height < least) {
+      least = height;
+      narrow = t;
+    }
+  }
+  const double reach = input_.options.distance + input_.thickness;
+  if (!input_.self || reach < 0.5 * least) return;
+  throw UserError(fmt::format(
+      "[contact]: distance + thickness = {:.4g} m is too much for this mesh: triangle {} is only {:.4g} m high, and "
+      "neighbours would push each other; make the sum smaller than half of that, or the mesh coarser",
+      reach, mesh.data().triangle_tags.empty() ? narrow : static_cast<long>(mesh.data().triangle_tags[narrow]), least));
+}
+
+int Contact::body(const std::string& name) const {
+  const auto& bodies = set_->surface().bodies;
+  const auto at = std::find_if(bodies.begin(), bodies.end(), [&](const contact::Body& b) { return b.name == name; });
+  if (at == bodies.end()) throw UserError(fmt::format("[[contact_rule]]: there is no obstacle or surface '{}'", name));
+  return static_cast<int>(at - bodies.begin());
+}
+
+// ---- positions -----------------------------------------------------------------------------------------------------
+
+void Contact::fill_positions(Vec a, std::vector<Vec3>& x) const {
+  VOILE_PETSC(VecScatterBegin(to_all_, a, all_, INSERT_VALUES, SCATTER_FORWARD));
+  VOILE_PETSC(VecScatterEnd(to_all_, a, all_, INSERT_VALUES, SCATTER_FORWARD));
+  const petsc::ReadArray values(all_);
+  for (Index v = 0; v < mesh_->vertex_count(); ++v) {
+    const Vec3 u = Eigen::Map<const Vec3>(values.data() + 3 * partition_->row_of[v]);
+    x[v] = mesh_->positions()[v] + (axes_[v] == no_index ? u : Vec3(rotations_[axes_[v]] * u));
+  }
+}
+
+void Contact::place_obstacles(double time, std::vector<Vec3>& x, std::vector<Plane>& planes) const {
+  std::size_t plane = 0;
+  for (std::size_t k = 0; k < input_.obstacles.size(); ++k) {
+    const Obstacle& o = input_.obstacles[k];
+    if (o.shape == Obstacle::Shape::plane) {
+      const RigidMap map(o.motion, time);
+      Plane& p = planes[plane++];
+      p.normal = (map.a * o.normal).normalized();
+      p.level = p.normal.dot(map.a * o.points.front() + map.b);
+      continue;
+    }
+    const auto at = static_cast<std::size_t>(first_point_[k]);
+    if (o.frames) {
+      const std::vector<Vec3> now = o.frames(time);
+      std::copy(now.begin(), now.end(), x.begin() + static_cast<std::ptrdiff_t>(at));
+      continue;
+    }
+    for (std::size_t i = 0; i < o.points.size(); ++i)
+      x[at + i] = o.motion ? Vec3(o.points[i] + o.motion(o.points[i], time)) : o.points[i];
+  }
+}
+
+void Contact::set_time(double time) {
+  time_ = time;
+  place_obstacles(time, x_, set_->planes());
+  set_->carry([&](int b, const Vec3& place) { return displacement(b, place); });
+}
+
+Vec3 Contact::displacement(int b, const Vec3& place) const {
+  const auto& bodies = body_of_obstacle_;
+  const auto k = static_cast<std::size_t>(std::find(bodies.begin(), bodies.end(), b) - bodies.begin());
+  if (k == bodies.size() || !input_.obstacles[k].motion) return Vec3::Zero();
+  const RigidMap before(input_.obstacles[k].motion, start_time_), now(input_.obstacles[k].motion, time_);
+  return now.a * (before.a.transpose() * (place - before.b)) + now.b - place;
+}
+
+std::vector<Vec3> Contact::positions(Vec a) const {
+  std::vector<Vec3> x = x_;
+  fill_positions(a, x);
+  return x;
+}
+
+// ---- terms ---------------------------------------------------------------------------------------------------------
+
+void Contact::start_step(Vec a, double slip) {
+  fill_positions(a, x_);
+  start_time_ = time_;
+  set_->start_friction(x_, slip);
+}
+
+double Contact::energy(Vec a) {
+  fill_positions(a, x_);
+  (void)set_->cover(x_, x_);
+  return mpi::sum(comm_, set_->energy(x_));
+}
+
+void Contact::add_gradient(Vec a, Vec f, ContactSet::Part part) {
+  fill_positions(a, x_);
+  (void)set_->cover(x_, x_);
+  std::fill(force_.begin(), force_.end(), Vec3::Zero());
+  set_->add_gradient(x_, force_, part);
+  const petsc::WriteArray out(f);
+  for (Index i = 0; i < row_count_; ++i) {
+    const Index v = partition_->vertex_of[first_row_ + i];
+    const Vec3 own = axes_[v] == no_index ? force_[v] : Vec3(rotations_[axes_[v]].transpose() * force_[v]);
+    for (int k = 0; k < 3; ++k) out[3 * i + k] += own[k];
+  }
+}
+
+bool Contact::needs(Vec a, const BlockMatrix& matrix, BlockPattern& pattern) {
+  fill_positions(a, x_);
+  (void)set_->cover(x_, x_);
+  const contact::Surface& s = set_->surface();
+  const auto for_entries = [&](const Pair& pair, const auto& f) {
+    for (Index p : pair.points) {
+      if (p == no_index || !s.is_sheet(p) || partition_->row_of[p] < first_row_ ||
+          partition_->row_of[p] >= first_row_ + row_count_)
+        continue;
+      for (Index q : pair.points)
+        if (q != no_index && s.is_sheet(q)) f(partition_->row_of[p] - first_row_, partition_->row_of[q]);
+    }
+  };
+  bool lacking = false;
+  const auto check = [&](const Pair& pair) {
+    for_entries(pair, [&](Index row, Index column) { lacking = lacking || !matrix.has(row, column); });
+  };
+  set_->for_near(x_, input_.options.distance, check);
+  set_->for_sliding([&](const std::array<Index, 4>& points) {
+    Pair pair{};
+    pair.points = points;
+    check(pair);
+  });
+  if (mpi::max(comm_, lacking ? 1.0 : 0.0) == 0.0) return false;
+  const auto add = [&](const Pair& pair) {
+    for_entries(pair, [&](Index row, Index column) { pattern[row].push_back(column); });
+  };
+  set_->for_near(x_, padding * input_.options.distance, add);
+  set_->for_sliding([&](const std::array<Index, 4>& points) {
+    Pair pair{};
+    pair.points = points;
+    add(pair);
+  });
+  for (auto& row : pattern) {
+    std::sort(row.begin(), row.end());
+    row.erase(std::unique(row.begin(), row.end()), row.end());
+  }
+  return true;
+}
+
+void Contact::add_blocks(const BlockMatrix& matrix, const BlockMatrix::Values& values, bool positive) const {
+  set_->hessian(x_, positive, [&](Index p, Index q, const Mat3& k) {
+    const Index row = partition_->row_of[p] - first_row_;
+    if (row < 0 || row >= row_count_) return;
+    const bool plain = axes_[p] == no_index && axes_[q] == no_index;
+    values.add(matrix.slot(row, partition_->row_of[q]), plain ? k : Mat3(axes(p).transpose() * k * axes(q)));
+  });
+}
+
+// ---- ways ----------------------------------------------------------------------------------------------------------
+
+double Contact::safe_share(Vec a, Vec da) {
+  fill_positions(a, x_);
+  other_ = x_;
+  fill_positions(da, other_);
+  for (Index v = 0; v < mesh_->vertex_count(); ++v) other_[v] += x_[v] - mesh_->positions()[v];
+  (void)set_->cover(x_, other_);
+  return -mpi::max(comm_, -set_->safe_share(x_, other_));
+}
+
+bool Contact::make_way(Vec from, double t0, Vec to, double t1) {
+  set_time(t0);
+  fill_positions(from, x_);
+  const std::vector<Vec3> start = x_;
+  std::vector<Vec3> end = x_;
+  const std::vector<Plane> planes = set_->planes();
+  std::vector<Plane> planes_end = planes;
+  place_obstacles(t1, end, planes_end);
+  fill_positions(to, end);
+  const contact::Surface& s = set_->surface();
+  bool clear = false;
+  for (int round = 0; round < most_rounds && !clear; ++round) {
+    (void)set_->cover(start, end);
+    std::vector<Vec3> sum(force_.size(), Vec3::Zero());
+    std::vector<double> count(force_.size(), 0.0);
+    std::string hit;
+    set_->planes() = planes;
+    set_->blocked(start, end, &planes_end, [&](const Pair& pair) {
+      if (hit.empty()) hit = words(pair);
+      // An obstacle or a support takes the others along; of free parts none has the say.
+      Vec3 obstacle = Vec3::Zero(), all = Vec3::Zero();
+      int obstacles = 0, points = 0;
+      for (Index p : pair.points) {
+        if (p == no_index) continue;
+        const Vec3 move = end[p] - start[p];
+        all += move;
+        ++points;
+        const bool held = s.is_sheet(p) && fixed_[3 * p] && fixed_[3 * p + 1] && fixed_[3 * p + 2];
+        if (s.is_sheet(p) && !held) continue;
+        obstacle += move;
+        ++obstacles;
+      }
+      if (pair.points[1] == no_index) {
+        for (std::size_t k = 0; k < planes.size(); ++k)
+          if (planes[k].body == pair.body_b) obstacle = (planes_end[k].level - planes[k].level) * planes[k].normal;
+        obstacles = 1;
+      }
+      const Vec3 common = obstacles > 0 ? Vec3(obstacle / obstacles) : Vec3(all / points);
+      for (Index p : pair.points)
+        if (p != no_index && s.is_sheet(p)) {
+          sum[p] += common;
+          count[p] += 1.0;
+        }
+    });
+    obstruction_ = lowest_rank_text(hit);
+    clear = obstruction_.empty();
+    if (clear) break;
+    // Each rank speaks for its own vertices.
+    {
+      const petsc::WriteArray out(to);
+      for (Index i = 0; i < row_count_; ++i) {
+        const Index v = partition_->vertex_of[first_row_ + i];
+        if (count[v] == 0.0) continue;
+        const Vec3 u = start[v] + sum[v] / count[v] - mesh_->positions()[v];
+        const Vec3 own = axes_[v] == no_index ? u : Vec3(rotations_[axes_[v]].transpose() * u);
+        for (int k = 0; k < 3; ++k)
+          if (!fixed_[3 * static_cast<std::size_t>(v) + k]) out[3 * i + k] = own[k];
+      }
+    }
+    fill_positions(to, end);
+  }
+  set_time(t1);
+  return clear;
+}
+
+// ---- reports -------------------------------------------------------------------------------------------------------
+
+std::string Contact::words(const Pair& pair) const {
+  const contact::Surface& s = set_->surface();
+  const std::string &a = s.bodies[pair.body_a].name, &b = s.bodies[pair.body_b].name;
+  const Vec3& x = x_[pair.points[0]];
+  return fmt::format("{} against {} near ({:.4g}, {:.4g}, {:.4g})", a, b, x[0], x[1], x[2]);
+}
+
+std::string Contact::lowest_rank_text(const std::string& own) const {
+  const int size = mpi::size(comm_), rank = mpi::rank(comm_);
+  const double lowest = -mpi::max(comm_, own.empty() ? -size : -rank);
+  if (static_cast<int>(lowest) == size) return "";
+  std::string text = own;
+  mpi::broadcast_from(comm_, static_cast<int>(lowest), text);
+  return text;
+}
+
+ContactReport Contact::report(Vec a) {
+  fill_positions(a, x_);
+  (void)set_->cover(x_, x_);
+  const contact::ContactState own = set_->state(x_);
+  ContactReport r;
+  r.pairs = mpi::sum(comm_, own.pairs);
+  r.gap = -mpi::max(comm_, -own.gap);
+  r.nearest = lowest_rank_text(own.pairs > 0 && own.gap == r.gap ? words(own.nearest) : "");
+  return r;
+}
+
+}  // namespace voile::system

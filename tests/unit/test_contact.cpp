@@ -1,0 +1,366 @@
+// Distances, barrier, friction and their derivatives; continuous collision detection; candidates against brute force.
+#include <doctest/doctest.h>
+
+#include <Eigen/Dense>
+#include <random>
+
+#include "test_meshes.hpp"
+#include "voile/contact/contact_set.hpp"
+
+using namespace voile;
+using namespace voile::contact;
+using namespace voile::testing;
+
+namespace {
+
+using Four = std::array<Vec3, 4>;
+
+Vec12 flat(const Four& x) {
+  Vec12 v;
+  for (int i = 0; i < 4; ++i) v.segment<3>(3 * i) = x[i];
+  return v;
+}
+
+Four points(const Vec12& v) {
+  Four x;
+  for (int i = 0; i < 4; ++i) x[i] = v.segment<3>(3 * i);
+  return x;
+}
+
+/// One pair in every case of its closest points.
+struct Case {
+  const char* name;
+  PairKind kind;
+  Four x;
+  int free;
+};
+
+const std::vector<Case>& cases() {
+  static const std::vector<Case> all{
+      {"over the face", PairKind::point_triangle, {Vec3(0.2, 0.25, 0.4), {0, 0, 0}, {1, 0.1, 0}, {0.1, 1, 0.2}}, 2},
+      {"beside an edge", PairKind::point_triangle, {Vec3(0.5, -0.4, 0.3), {0, 0, 0}, {1, 0.1, 0}, {0.1, 1, 0.2}}, 1},
+      {"beside the second edge", PairKind::point_triangle, {Vec3(0.9, 0.9, 0.3), {0, 0, 0}, {1, 0, 0}, {0, 1, 0.1}}, 1},
+      {"beside the third edge", PairKind::point_triangle, {Vec3(-0.4, 0.5, 0.3), {0, 0, 0}, {1, 0, 0}, {0, 1, 0.1}}, 1},
+      {"at a corner", PairKind::point_triangle, {Vec3(-0.3, -0.4, 0.3), {0, 0, 0}, {1, 0.1, 0}, {0.1, 1, 0.2}}, 0},
+      {"crossing edges", PairKind::edge_edge, {Vec3(-0.5, 0, 0.3), {0.6, 0.1, 0.2}, {0, -0.6, 0}, {0.1, 0.7, 0}}, 2},
+      {"end of the first", PairKind::edge_edge, {Vec3(0.3, 0, 0.3), {1.6, 0.1, 0.5}, {0, -0.6, 0}, {0.1, 0.7, 0}}, 1},
+      {"end of the second", PairKind::edge_edge, {Vec3(-0.5, 0, 0.3), {0.6, 0.1, 0.2}, {0, 0.4, 0}, {0.1, 1.7, 0}}, 1},
+      {"two ends", PairKind::edge_edge, {Vec3(0.5, 0, 0.3), {1.6, 0.1, 0.2}, {0, 0.4, 0}, {-0.4, 1.7, 0}}, 0},
+      {"inside the edge", PairKind::point_edge, {Vec3(0.2, 0.5, 0.4), {0, 0, 0}, {1, 0.1, 0}, Vec3::Zero()}, 1},
+      {"beyond the edge", PairKind::point_edge, {Vec3(1.7, 0.5, 0.4), {0, 0, 0}, {1, 0.1, 0}, Vec3::Zero()}, 0}};
+  return all;
+}
+
+Vec12 distance_gradient(PairKind kind, const Four& x) {
+  const Closest r = closest(kind, x);
+  Vec12 g;
+  for (int i = 0; i < 4; ++i) g.segment<3>(3 * i) = r.c[i] * r.w / r.distance;
+  return g;
+}
+
+/// Central differences of a scalar and of a vector function of twelve coordinates.
+template <class F>
+Vec12 gradient_of(const F& f, const Vec12& x, double h) {
+  Vec12 g;
+  for (int k = 0; k < 12; ++k) g[k] = (f(x + h * Vec12::Unit(k)) - f(x - h * Vec12::Unit(k))) / (2.0 * h);
+  return g;
+}
+template <class F>
+Mat12 hessian_of(const F& gradient, const Vec12& x, double h) {
+  Mat12 m;
+  for (int k = 0; k < 12; ++k)
+    m.col(k) = (gradient(x + h * Vec12::Unit(k)) - gradient(x - h * Vec12::Unit(k))) / (2.0 * h);
+  return m;
+}
+
+Mat12 expand(const Mat5& h, const Motions& m) {
+  Eigen::Matrix<double, 12, 5> q;
+  for (int i = 0; i < 4; ++i)
+    for (int k = 0; k < 5; ++k) q.block<3, 1>(3 * i, k) = m.weight[k][i] * m.frame[k];
+  return q * h * q.transpose();
+}
+
+/// Two triangles of a sheet, not connected, or one above an obstacle's.
+Surface two_triangles(const std::array<Vec3, 6>& x, bool obstacle) {
+  mesh::MeshData d;
+  d.source = "two triangles";
+  d.positions.assign(x.begin(), x.begin() + (obstacle ? 3 : 6));
+  d.triangles = {{0, 1, 2}};
+  if (!obstacle) d.triangles.push_back({3, 4, 5});
+  const mesh::SurfaceMesh mesh(d);
+  Surface s = make_surface(mesh, {{"sheet", 0.1}, {"thing", 0.2}}, {});
+  for (auto& row : s.rules)
+    for (Rule& r : row) r.friction = 0.3;
+  if (obstacle) append(s, 1, {x[3], x[4], x[5]}, {{0, 1, 2}}, {});
+  return s;
+}
+
+ContactSet contact_of(const std::array<Vec3, 6>& x, bool obstacle) {
+  Surface s = two_triangles(x, obstacle);
+  const std::vector<char> owned(static_cast<std::size_t>(s.sheet_points), 1);
+  ContactSet set(std::move(s), {{0, Vec3(0.1, 0.2, 1.0).normalized(), -0.35}}, {0.4, 7.0, 1e-3}, owned);
+  return set;
+}
+
+void check_derivatives(ContactSet& set, std::vector<Vec3> x, Index sheet) {
+  (void)set.cover(x, x);
+  std::vector<Vec3> f(x.size(), Vec3::Zero());
+  set.add_gradient(x, f);
+  double size = 0.0;
+  for (const Vec3& v : f) size = std::max(size, v.norm());
+  REQUIRE(size > 0.0);
+  Eigen::MatrixXd h = Eigen::MatrixXd::Zero(3 * sheet, 3 * sheet), positive = h;
+  set.hessian(x, false, [&](Index a, Index b, const Mat3& k) { h.block<3, 3>(3 * a, 3 * b) += k; });
+  set.hessian(x, true, [&](Index a, Index b, const Mat3& k) { positive.block<3, 3>(3 * a, 3 * b) += k; });
+  const double step = 1e-6;
+  for (Index i = 0; i < 3 * sheet; ++i) {
+    std::vector<Vec3> lower(x.size(), Vec3::Zero()), upper = lower;
+    double e[2];
+    for (int s = 0; s < 2; ++s) {
+      x[i / 3][i % 3] += s == 0 ? -step : 2.0 * step;
+      e[s] = set.energy(x);
+      set.add_gradient(x, s == 0 ? lower : upper);
+    }
+    x[i / 3][i % 3] -= step;
+    CHECK((e[1] - e[0]) / (2.0 * step) == doctest::Approx(f[i / 3][i % 3]).epsilon(1e-6).scale(size));
+    for (Index j = 0; j < 3 * sheet; ++j)
+      CHECK((upper[j / 3][j % 3] - lower[j / 3][j % 3]) / (2.0 * step) ==
+            doctest::Approx(h(j, i)).epsilon(1e-6).scale(h.cwiseAbs().maxCoeff()));
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(positive);
+  CHECK(eigen.eigenvalues().minCoeff() > -1e-9 * eigen.eigenvalues().maxCoeff());
+}
+
+}  // namespace
+
+TEST_CASE("distance: first and second derivatives in every case of the closest points") {
+  for (const Case& c : cases()) {
+    CAPTURE(c.name);
+    const Closest r = closest(c.kind, c.x);
+    REQUIRE(r.free == c.free);
+    const auto d = [&](const Vec12& x) { return closest(c.kind, points(x)).distance; };
+    const auto g = [&](const Vec12& x) { return distance_gradient(c.kind, points(x)); };
+    CHECK((gradient_of(d, flat(c.x), 1e-6) - g(flat(c.x))).norm() < 1e-8);
+    Motions m;
+    const Mat12 h = expand(distance_hessian(c.x, r, m), m);
+    CHECK((hessian_of(g, flat(c.x), 1e-6) - h).norm() < 1e-7 * (1.0 + h.norm()));
+  }
+}
+
+TEST_CASE("distance: closest points of degenerate and parallel figures") {
+  CHECK(point_triangle({Vec3(0, 0, 1), {0, 0, 0}, {0, 0, 0}, {0, 0, 0}}).distance == doctest::Approx(1.0));
+  CHECK(point_triangle({Vec3(0.5, 1, 0), {0, 0, 0}, {1, 0, 0}, {2, 0, 0}}).distance == doctest::Approx(1.0));
+  CHECK(edge_edge({Vec3(0, 0, 1), {1, 0, 1}, {0.2, 0, 0}, {0.8, 0, 0}}).distance == doctest::Approx(1.0));
+  CHECK(edge_edge({Vec3(0, 0, 1), {1, 0, 1}, {2, 0, 0}, {3, 0, 0}}).distance == doctest::Approx(std::sqrt(2.0)));
+  CHECK(edge_edge({Vec3(0, 0, 1), {0, 0, 1}, {0, 0, 0}, {0, 0, 0}}).distance == doctest::Approx(1.0));
+}
+
+TEST_CASE("barrier and mollifier: derivatives, and where they begin") {
+  const double h = 1e-6;
+  for (const double g : {0.05, 0.3, 0.7, 0.99}) {
+    const Scalar2 b = barrier(g, 1.0), up = barrier(g + h, 1.0), down = barrier(g - h, 1.0);
+    CHECK((up.value - down.value) / (2 * h) == doctest::Approx(b.first).epsilon(1e-6));
+    CHECK((up.first - down.first) / (2 * h) == doctest::Approx(b.second).epsilon(1e-6));
+    CHECK(b.first < 0.0);
+    CHECK(b.second > 0.0);
+  }
+  CHECK(barrier(0.5, 1.0).first == doctest::Approx(-1.19).epsilon(0.01));
+  CHECK(barrier(1.0, 1.0).value == 0.0);
+  CHECK(std::isinf(barrier(0.0, 1.0).value));
+  const Four x{Vec3(0, 0, 0), {1, 0.2, 0.1}, {0.3, -1, 0.4}, {0.5, 1.1, 0.6}};
+  Vec12 g;
+  Mat12 k;
+  (void)cross_squared(x, &g, &k);
+  const auto value = [](const Vec12& v) { return cross_squared(points(v)); };
+  const auto slope = [](const Vec12& v) {
+    Vec12 d;
+    (void)cross_squared(points(v), &d);
+    return d;
+  };
+  CHECK((gradient_of(value, flat(x), 1e-6) - g).norm() < 1e-8 * g.norm());
+  CHECK((hessian_of(slope, flat(x), 1e-6) - k).norm() < 1e-8 * k.norm());
+  for (const double at : {0.2, 0.9, 1.5}) {
+    const Scalar2 m = mollifier(at, 1.0);
+    CHECK((mollifier(at + h, 1.0).value - mollifier(at - h, 1.0).value) / (2 * h) == doctest::Approx(m.first));
+    CHECK((mollifier(at + h, 1.0).first - mollifier(at - h, 1.0).first) / (2 * h) == doctest::Approx(m.second));
+  }
+}
+
+TEST_CASE("contact energy: gradient and Hessian against differences, with planes, mollifier and friction") {
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> u(-0.3, 0.3);
+  for (int k = 0; k < 40; ++k) {
+    CAPTURE(k);
+    std::array<Vec3, 6> x{Vec3(0, 0, 0),        {1, 0, 0},       {0.2, 1, 0},
+                          Vec3(0.1, 0.1, 0.35), {1.1, 0.2, 0.4}, {0.3, 1.1, 0.42}};
+    if (k % 2 == 1)  // edges within a degree of each other: the mollifier acts
+      for (int i = 0; i < 3; ++i) x[i + 3] = x[i] + Vec3(0.3, 0.2, 0.4) + 0.01 * Vec3(u(random), u(random), u(random));
+    else
+      for (Vec3& p : x) p += 0.4 * Vec3(u(random), u(random), 0.3 * u(random));
+    ContactSet set = contact_of(x, k % 4 >= 2);
+    std::vector<Vec3> at(x.begin(), x.end());
+    (void)set.cover(at, at);
+    if (!std::isfinite(set.energy(at))) continue;
+    check_derivatives(set, at, set.surface().sheet_points);
+    // Friction from here, a little and a lot of slip away.
+    for (const double move : {0.002, 0.05}) {
+      set.start_friction(at, 0.01);
+      std::vector<Vec3> moved = at;
+      for (Index i = 0; i < set.surface().sheet_points; ++i)
+        moved[i] += move * Vec3(u(random), u(random), 0.1 * u(random));
+      if (std::isfinite(set.energy(moved))) check_derivatives(set, moved, set.surface().sheet_points);
+    }
+  }
+}
+
+TEST_CASE("friction: Coulomb's force beyond the slip, none at rest, opposed to the motion") {
+  const std::array<Vec3, 6> x{Vec3(0.1, 0.1, 0.3), {0.6, 0.1, 0.3}, {0.1, 0.6, 0.3},
+                              {-1, -1, 0},         {3, -1, 0},      {-1, 3, 0}};
+  ContactSet set = contact_of(x, true);
+  std::vector<Vec3> at(x.begin(), x.end()), f(6, Vec3::Zero());
+  set.planes().clear();
+  (void)set.cover(at, at);
+  set.add_gradient(at, f, ContactSet::normal);
+  const double normal = -(f[0] + f[1] + f[2])[2];
+  REQUIRE(normal > 0.0);
+  set.start_friction(at, 1e-3);
+  for (int i = 0; i < 3; ++i) at[i] += Vec3(0.01, 0.0, 0.0);
+  f.assign(6, Vec3::Zero());
+  set.add_gradient(at, f, ContactSet::friction);
+  const Vec3 total = f[0] + f[1] + f[2];
+  CHECK(total[0] == doctest::Approx(0.3 * normal));
+  CHECK(std::abs(total[1]) < 1e-12 * normal);
+}
+
+TEST_CASE("continuous collision detection is never later than the contact") {
+#ifdef NDEBUG
+  const int pairs = 1000000, samples = 24;
+#else
+  const int pairs = 20000, samples = 24;
+#endif
+  std::mt19937 random(11);
+  std::uniform_real_distribution<double> u(-1.0, 1.0);
+  const auto vector = [&] { return Vec3(u(random), u(random), u(random)); };
+  int stopped = 0, late = 0;
+  for (int k = 0; k < pairs; ++k) {
+    const PairKind kind = k % 2 == 0 ? PairKind::point_triangle : PairKind::edge_edge;
+    Four x, p;
+    for (int i = 0; i < 4; ++i) {
+      x[i] = vector();
+      p[i] = 2.0 * vector();
+    }
+    switch (k / 2 % 8) {
+      case 1:  // parallel edges, or a point over an edge
+        x[1] = kind == PairKind::edge_edge ? Vec3(x[0] + (x[3] - x[2])) : x[1];
+        p[1] = p[0];
+        p[3] = p[2];
+        break;
+      case 2:  // everything in one plane
+        for (int i = 0; i < 4; ++i) x[i][2] = p[i][2] = 0.0;
+        break;
+      case 3:  // tiny
+        for (int i = 1; i < 4; ++i) x[i] = x[1] + 1e-6 * vector();
+        break;
+      case 4:  // a sliver
+        x[3] = x[2] + 1e-9 * vector();
+        break;
+      case 5:  // aimed at a corner
+        p[0] = 1.5 * (x[1] - x[0]);
+        p[1].setZero();
+        break;
+      case 6:  // aimed at the middle of an edge
+        p[0] = 1.5 * (0.5 * (x[2] + x[3]) - x[0]);
+        p[2].setZero();
+        p[3].setZero();
+        break;
+      case 7:  // near each other, sliding
+        for (int i = 0; i < 4; ++i) p[i] = 0.3 * p[0] + 1e-3 * vector();
+        break;
+      default:
+        break;
+    }
+    const double gap = closest(kind, x).distance;
+    const double xi = k % 3 == 0 ? 0.5 * gap : 0.0;
+    if (!(gap > xi + 1e-12)) continue;  // they touch already, but for round-off
+    const double share = safe_share(kind, x, p, xi);
+    stopped += share < 1.0;
+    // All the way to the share there is a gap left; the sheet has not passed through in between.
+    for (int s = 1; s <= samples; ++s) {
+      Four at;
+      for (int i = 0; i < 4; ++i) at[i] = x[i] + (share * s / samples) * p[i];
+      late += !(closest(kind, at).distance > xi);
+    }
+  }
+  CHECK(late == 0);
+  CHECK(stopped > pairs / 20);
+}
+
+TEST_CASE("continuous collision detection stops before the contact and only where little of the gap is left") {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> u(-1.0, 1.0);
+  int hits = 0;
+  for (int k = 0; k < 2000; ++k) {
+    Four x, p;
+    for (int i = 0; i < 4; ++i) {
+      x[i] = Vec3(u(random), u(random), u(random));
+      p[i] = Vec3(u(random), u(random), u(random));
+    }
+    const auto gap = [&](double t) {
+      Four at;
+      for (int i = 0; i < 4; ++i) at[i] = x[i] + t * p[i];
+      return point_triangle(at).distance - 0.05;
+    };
+    if (gap(0.0) < 0.2) continue;
+    double first = 1.0;
+    for (int s = 1; s <= 1000 && first == 1.0; ++s)
+      if (gap(s * 1e-3) < 0.0) first = s * 1e-3;
+    if (first == 1.0) continue;
+    double low = first - 1e-3, high = first;
+    for (int s = 0; s < 50; ++s) (gap(0.5 * (low + high)) < 0.0 ? high : low) = 0.5 * (low + high);
+    const double share = safe_share(PairKind::point_triangle, x, p, 0.05);
+    ++hits;
+    CHECK(share <= high);
+    CHECK(gap(share) > 0.0);
+    CHECK(gap(share) < 0.2 * gap(0.0));
+  }
+  CHECK(hits > 20);
+}
+
+TEST_CASE("candidates: the grid finds what brute force finds, on any division over ranks") {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> u(0.0, 1.0);
+  mesh::MeshData d = grid(9, 7, true, 0.2);
+  for (Vec3& x : d.positions) x[2] = 0.3 * std::sin(9.0 * x[0]);
+  const mesh::SurfaceMesh mesh(d);
+  Surface s = make_surface(mesh, {{"sheet", 0.01}, {"ball", 0.5}, {"rod", 0.1}, {"floor", 0.02}}, {});
+  append(s, 1, {Vec3(0.5, 0.5, 0.6)}, {}, {});
+  append(s, 2, {Vec3(-0.2, 0.2, 0.2), Vec3(1.2, 0.9, 0.3)}, {}, {{0, 1}});
+  append(s, 3, {Vec3(-5, -5, -0.3), Vec3(7, -5, -0.3), Vec3(0, 9, -0.3), Vec3(0.3, 0.3, -0.2)}, {{0, 1, 2}, {1, 2, 3}},
+         {});
+  std::vector<Box> boxes(static_cast<std::size_t>(s.points()));
+  for (Index i = 0; i < s.points(); ++i) {
+    boxes[i].include(s.rest[i]);
+    boxes[i].include(s.rest[i] + 0.2 * Vec3(u(random), u(random), u(random)));
+  }
+  std::vector<Pair> together;
+  for (int part = 0; part < 3; ++part) {
+    std::vector<char> owned(static_cast<std::size_t>(s.sheet_points));
+    for (std::size_t i = 0; i < owned.size(); ++i) owned[i] = static_cast<int>(i) % 3 == part;
+    const std::vector<Pair> fast = find_pairs(s, boxes, owned, 0.05), slow = find_pairs_by_force(s, boxes, owned, 0.05);
+    REQUIRE(fast.size() == slow.size());
+    REQUIRE(fast.size() > 100);
+    for (std::size_t i = 0; i < fast.size(); ++i) {
+      CHECK(fast[i].points == slow[i].points);
+      CHECK(fast[i].kind == slow[i].kind);
+    }
+    together.insert(together.end(), fast.begin(), fast.end());
+  }
+  std::sort(together.begin(), together.end());
+  together.erase(std::unique(together.begin(), together.end(),
+                             [](const Pair& a, const Pair& b) { return a.points == b.points && a.kind == b.kind; }),
+                 together.end());
+  const std::vector<char> all(static_cast<std::size_t>(s.sheet_points), 1);
+  const std::vector<Pair> one = find_pairs(s, boxes, all, 0.05);
+  REQUIRE(one.size() == together.size());
+  for (std::size_t i = 0; i < one.size(); ++i) CHECK(one[i].points == together[i].points);
+}
