@@ -154,7 +154,7 @@ bool read_format(const fs::path& file, const std::string& extension, PolygonSoup
     std::stringstream kept = obj_vertices_and_faces(file, in);
     return CGAL::IO::read_OBJ(kept, soup.points, soup.polygons);
   }
-  if (extension == ".ply") return CGAL::IO::read_PLY(in, soup.points, soup.polygons);
+  if (extension == ".ply") return CGAL::IO::read_PLY(in, soup.points, soup.polygons, CGAL::parameters::verbose(false));
   if (extension == ".off") return CGAL::IO::read_OFF(in, soup.points, soup.polygons);
   check_stl(file, in);
   return CGAL::IO::read_STL(in, soup.points, soup.polygons);

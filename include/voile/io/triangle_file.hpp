@@ -31,7 +31,7 @@ struct TriangleSoup {
 [[nodiscard]] TriangleSoup read_triangles(const std::filesystem::path& file);
 
 /// An icosahedron inscribed in the sphere (up to round-off), each triangle divided `refinement` times (0 to 8) into
-/// four: 20 x 4^refinement triangles, h about 1.1 r / 2^refinement. Closed, normals outwards.
+/// four: 20 x 4^refinement triangles, h at most 1.33 r / 2^refinement. Closed, normals outwards.
 /// Not collective. Throws InternalError if the radius is not positive or the refinement is out of range.
 [[nodiscard]] TriangleSoup sphere_surface(const Vec3& centre, double radius, int refinement);
 
