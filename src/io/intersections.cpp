@@ -4,6 +4,7 @@
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/box_intersection_d.h>
 #include <CGAL/intersections.h>
+#include <CGAL/version.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -194,6 +195,10 @@ void write_pairs(const std::filesystem::path& file, const std::vector<Vec3>& pos
   out.close();
   if (!out)
     throw UserError(fmt::format("{}: the file cannot be written; check the folder and the disk", file.string()));
+}
+
+std::string cgal_version() {
+  return CGAL_STR(CGAL_VERSION);
 }
 
 }  // namespace voile::io

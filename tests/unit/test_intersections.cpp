@@ -254,4 +254,5 @@ TEST_CASE("the check of intersections refuses what is no triangle") {
   CHECK_THROWS_AS((void)io::intersecting_triangles(x, {{0, 1, 2}}, {}, [](Index, Index) { return false; }),
                   InternalError);
   CHECK(count({}, {}) == 0);
+  CHECK(io::cgal_version().find('.') != std::string::npos);
 }

@@ -90,7 +90,7 @@ std::string stl_ascii_box() {
     for (const auto& x : facet) text += fmt::format("vertex {} {} {}\n", x[0], x[1], x[2]);
     text += "endloop\nendfacet\n";
   }
-  return text + "endsolid box\n";
+  return text + "endsolid\n";
 }
 
 std::string stl_binary_box(const std::string& title, float last = 3.0F) {
@@ -268,6 +268,24 @@ TEST_CASE("what is wrong with a file of triangles is said") {
                 "solid b\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 nan 0\nvertex 0 1 0\nendloop\n"
                 "endfacet\nendsolid b\n"),
       "STL");
+}
+
+TEST_CASE("a file that is cut short anywhere is refused") {
+  const std::vector<std::pair<std::string, std::string>> files{
+      {".off", off_box()},       {".ply", ply_box("ascii")},      {".ply", ply_box("binary_little_endian")},
+      {".stl", stl_ascii_box()}, {".stl", stl_binary_box("box")}, {".stl", stl_binary_box("solid box")}};
+  for (const auto& file : files) {
+    const std::string &extension = file.first, &content = file.second;
+    CAPTURE(extension);
+    int accepted = 0;
+    const std::size_t size = content.back() == '\n' ? content.size() - 1 : content.size();
+    for (std::size_t length = 0; length < size; length += 1 + length / 50)
+      if (complaint(extension, content.substr(0, length)) == "nothing") ++accepted;
+    if (complaint(extension, content.substr(0, size - 1)) == "nothing") ++accepted;
+    CHECK(accepted == 0);
+  }
+  for (std::size_t length = 0; length < obj_box().size(); ++length)
+    (void)complaint(".obj", obj_box().substr(0, length));
 }
 
 TEST_CASE("a sphere is closed, inscribed and as fine as promised") {

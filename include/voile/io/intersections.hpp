@@ -20,6 +20,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -51,5 +52,8 @@ using TrianglePair = std::pair<Index, Index>;
 void write_pairs(const std::filesystem::path& file, const std::vector<Vec3>& positions,
                  const std::vector<mesh::Triangle>& triangles, const std::vector<Index>& body,
                  const std::vector<TrianglePair>& pairs);
+
+/// Version of the CGAL library in use.
+[[nodiscard]] std::string cgal_version();
 
 }  // namespace voile::io
