@@ -28,6 +28,7 @@ THIRD_PARTY = [
     (r"[sd]mumps_c\.h", r".*/mumps.*"),
     (r"hdf5.*\.h|H5.*\.h", r"io/.*"),
     (r"gmsh\.h(_cwrap)?", r"io/gmsh|adapt/remesh.*"),
+    (r"CGAL/.*", r"io/intersections|io/triangle_file"),
     (r"toml\+\+/.*", r"app/case.*"),
     (r"muParser\.h", r"app/case_expression"),
     (r"mpi\.h", r"base/mpi.*|app/main"),
