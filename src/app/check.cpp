@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "obstacles.hpp"
 #include "voile/app/run.hpp"
 #include "voile/base/mpi.hpp"
 #include "voile/base/petsc.hpp"
@@ -129,7 +130,8 @@ void info(const mesh::SurfaceMesh& mesh, const energy::ElementOptions& element) 
 
 void check(const Case& c) {
   const mesh::SurfaceMesh mesh = load_mesh(c.mesh.file, c.mesh.options);
-  const system::Model model(PETSC_COMM_WORLD, mesh, {c.element, c.materials, c.supports, c.loads, c.contact});
+  const system::Model model(PETSC_COMM_WORLD, mesh,
+                            {c.element, c.materials, c.supports, c.loads, contact_input(PETSC_COMM_WORLD, c)});
   if (c.analysis == "modal" || c.analysis == "dynamic") system::require_mass(model);
   mpi::on_root(PETSC_COMM_WORLD, [&] {
     for (const Probe& p : c.probes)

@@ -89,6 +89,8 @@ std::vector<std::string> Recorder::columns() const {
           : std::vector<std::string>{"step",        "load_factor",     "newton_iterations", "factorisations",
                                      "residual",    "negative_pivots", "critical",          "critical_load_factor",
                                      "wall_seconds"};
+  if (case_.contact.input.active)
+    for (const char* name : {"contact_pairs", "smallest_gap", "cut_short", "intersections"}) names.emplace_back(name);
   for (std::size_t p = 0; p < probes_.size(); ++p) {
     if (case_.probes[p].kind == Probe::Kind::energy)
       for (const char* part : {"membrane", "bending", "external"})
@@ -114,18 +116,61 @@ Recorder::Snapshot Recorder::snapshot(Vec a) {
   const bool energy_wanted = std::any_of(case_.probes.begin(), case_.probes.end(),
                                          [](const Probe& p) { return p.kind == Probe::Kind::energy; });
   if (energy_wanted) s.energies = model_->energies(a);
+  if (system::Contact* contact = model_->contact()) {
+    s.contact = contact->report(a);
+    if (case_.contact.check) s.intersections = count_intersections(a);
+  }
   return s;
+}
+
+/// Contact promises that there is none: one that is found is a fault of the program, and nothing after it counts.
+long Recorder::count_intersections(Vec a) const {
+  const std::vector<Vec3> positions = model_->contact()->positions(a);
+  mpi::on_root(model_->comm(), [&] {
+    const IntersectionCheck check(*model_->contact());
+    const std::vector<io::TrianglePair> pairs = check.find(positions);
+    if (pairs.empty()) return;
+    const std::filesystem::path file = options_.output / "intersections.vtk";
+    throw InternalError(fmt::format("contact let triangles intersect: {}; see {}", check.report(positions, pairs, file),
+                                    file.string()));
+  });
+  return 0;
+}
+
+std::string Recorder::contact_note(const Snapshot& s, int cut_short) const {
+  if (s.contact.pairs == 0) return "";
+  return fmt::format("  {} contacts, gap {:.3g} m{}", s.contact.pairs, s.contact.gap,
+                     cut_short > 0 ? fmt::format(", {} cut short", cut_short) : "");
+}
+
+void Recorder::add_contact_fields(io::StepFields& step, Vec a) const {
+  system::Contact* contact = model_->contact();
+  if (!contact) return;
+  const auto forces = [&](contact::ContactSet::Part part) {
+    petsc::VecHandle f = model_->create_vector();
+    contact->add_gradient(a, f, part);
+    VOILE_PETSC(VecScale(f, -1.0));
+    return model_->gather(f);
+  };
+  std::vector<double> normal = forces(contact::ContactSet::normal), pressure(normal.size() / 3);
+  for (std::size_t v = 0; v < pressure.size(); ++v)
+    pressure[v] = std::hypot(normal[3 * v], normal[3 * v + 1], normal[3 * v + 2]) / contact->surface().area[v];
+  if (wants("contact_pressure"))
+    step.fields.push_back({"contact_pressure", "Pa", io::Centre::vertex, 1, std::move(pressure)});
+  if (wants("contact_force")) step.fields.push_back({"contact_force", "N", io::Centre::vertex, 3, std::move(normal)});
+  if (wants("friction_force"))
+    step.fields.push_back({"friction_force", "N", io::Centre::vertex, 3, forces(contact::ContactSet::friction)});
 }
 
 void Recorder::record(const solve::StepReport& report, Vec a) {
   const petsc::EventScope scope(petsc::events().output);
-  Snapshot s = snapshot(a);
+  const Snapshot s = snapshot(a);
   const solve::NewtonResult& n = report.newton;
   write_history({static_cast<double>(report.step), report.load_factor, static_cast<double>(n.iterations),
                  static_cast<double>(n.factorisations), n.residual, static_cast<double>(n.negative_pivots),
                  report.critical ? static_cast<double>(report.critical->kind) : 0.0,
                  report.critical ? report.critical->load_factor : std::nan(""), wall_seconds()},
-                s);
+                0, s);
   if (report.step % case_.output.every == 0 || report.last || report.mode) {
     io::StepFields step;
     step.step = report.step;
@@ -133,33 +178,36 @@ void Recorder::record(const solve::StepReport& report, Vec a) {
     step.time = steps_.control == Control::load ? report.load_factor : report.step;
     step.load_factor = report.load_factor;
     if (report.mode) step.fields.push_back({"critical_mode", "1", io::Centre::vertex, 3, model_->gather(report.mode)});
-    write_fields(std::move(step), a, std::move(s));
+    write_fields(std::move(step), a, s);
   }
-  if (root_ && options_.verbosity != Verbosity::quiet) print(report);
+  if (root_ && options_.verbosity != Verbosity::quiet) print(report, s);
 }
 
 void Recorder::record(const solve::TimeReport& report, system::Dynamics& dynamics) {
   const petsc::EventScope scope(petsc::events().output);
   const solve::TimeState& at = report.state;
   const double kinetic = dynamics.kinetic_energy(at.velocity);
-  Snapshot s = snapshot(at.position);
+  const Snapshot s = snapshot(at.position);
   const solve::NewtonResult& n = report.newton;
   write_history(
       {static_cast<double>(at.step), at.time, report.taken, model_->load_factor(), static_cast<double>(n.iterations),
        static_cast<double>(n.factorisations), n.residual, static_cast<double>(n.negative_pivots),
        static_cast<double>(report.rejections), kinetic, wall_seconds()},
-      s);
+      report.cut_short, s);
   const double end = case_.time.options.end_time;
   if (at.step % case_.output.every == 0 || at.time >= end * (1.0 - 1e-12)) {
     io::StepFields step{at.step, at.time, model_->load_factor(), {}};
     if (wants("velocity"))
       step.fields.push_back({"velocity", "m/s", io::Centre::vertex, 3, model_->gather(at.velocity)});
-    write_fields(std::move(step), at.position, std::move(s));
+    write_fields(std::move(step), at.position, s);
   }
-  if (root_ && options_.verbosity != Verbosity::quiet) print(report, kinetic);
+  if (root_ && options_.verbosity != Verbosity::quiet) print(report, kinetic, s);
 }
 
-void Recorder::write_history(std::vector<double> values, const Snapshot& s) {
+void Recorder::write_history(std::vector<double> values, int cut_short, const Snapshot& s) {
+  if (case_.contact.input.active)
+    values.insert(values.end(), {static_cast<double>(s.contact.pairs), s.contact.gap, static_cast<double>(cut_short),
+                                 static_cast<double>(s.intersections)});
   mpi::on_root(model_->comm(), [&] {
     for (std::size_t p = 0; p < probes_.size(); ++p) {
       const Probe::Kind kind = case_.probes[p].kind;
@@ -179,10 +227,11 @@ void Recorder::write_history(std::vector<double> values, const Snapshot& s) {
   });
 }
 
-void Recorder::write_fields(io::StepFields step, Vec a, Snapshot s) {
+void Recorder::write_fields(io::StepFields step, Vec a, const Snapshot& s) {
   system::TriangleFields t = model_->triangle_fields(a);
+  add_contact_fields(step, a);
   mpi::on_root(model_->comm(), [&] {
-    const auto add = [&](const char* name, const char* unit, io::Centre centre, std::vector<double>& values) {
+    const auto add = [&](const char* name, const char* unit, io::Centre centre, std::vector<double> values) {
       if (wants(name)) step.fields.push_back({name, unit, centre, 3, std::move(values)});
     };
     add("displacement", "m", io::Centre::vertex, s.displacement);
@@ -195,23 +244,25 @@ void Recorder::write_fields(io::StepFields step, Vec a, Snapshot s) {
   });
 }
 
-void Recorder::print(const solve::TimeReport& report, double kinetic) const {
+void Recorder::print(const solve::TimeReport& report, double kinetic, const Snapshot& s) const {
   if (report.taken == 0.0) return;  // the start
   const double elapsed = wall_seconds(), done = report.state.time / case_.time.options.end_time;
-  const std::string rejected = report.rejections > 0 ? fmt::format("  {} rejected", report.rejections) : "";
+  std::string rejected = report.rejections > 0 ? fmt::format("  {} rejected", report.rejections) : "";
+  rejected += contact_note(s, report.cut_short);
   fmt::print("{:>6} {:>10.6g} {:>9.3g} {:>7} {:>10.2e} {:>10.3e} {:>9} {:>9}{}\n", report.state.step, report.state.time,
              report.taken, report.newton.iterations, report.newton.residual, kinetic, duration(elapsed),
              duration(elapsed / done - elapsed), rejected);
   std::fflush(stdout);
 }
 
-void Recorder::print(const solve::StepReport& report) const {
+void Recorder::print(const solve::StepReport& report, const Snapshot& s) const {
   if (report.newton.iterations == 0 && report.newton.factorisations == 0) return;  // the start
   const double elapsed = wall_seconds(), done = report.load_factor / steps_.final_load_factor;
   const std::string left =
       report.last || !(done > 0.0) || steps_.control != Control::load ? "-" : duration(elapsed / done - elapsed);
   const std::string pivots = report.newton.negative_pivots < 0 ? "-" : fmt::format("{}", report.newton.negative_pivots);
   std::string note = report.by_continuation ? "  by continuation" : "";
+  note += contact_note(s, 0);
   if (report.critical)
     note += fmt::format("  {} passed", solve::name(report.critical->kind));
   else if (report.newton.negative_pivots > 0)

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "obstacles.hpp"
 #include "voile/app/run.hpp"
 #include "voile/io/results.hpp"
 #include "voile/solve/static_path.hpp"
@@ -42,12 +43,17 @@ class Recorder {
   struct Snapshot {
     std::vector<double> displacement, reaction;
     system::Energies energies;
+    system::ContactReport contact;
+    long intersections = 0;
   };
   [[nodiscard]] Snapshot snapshot(Vec a);
-  void write_fields(io::StepFields step, Vec a, Snapshot snapshot);
-  void write_history(std::vector<double> values, const Snapshot& snapshot);
-  void print(const solve::TimeReport& report, double kinetic) const;
-  void print(const solve::StepReport& report) const;
+  void write_fields(io::StepFields step, Vec a, const Snapshot& s);
+  void write_history(std::vector<double> values, int cut_short, const Snapshot& s);
+  void print(const solve::TimeReport& report, double kinetic, const Snapshot& s) const;
+  void print(const solve::StepReport& report, const Snapshot& s) const;
+  [[nodiscard]] std::string contact_note(const Snapshot& s, int cut_short) const;
+  void add_contact_fields(io::StepFields& step, Vec a) const;
+  [[nodiscard]] long count_intersections(Vec a) const;
   [[nodiscard]] bool wants(const std::string& field) const;
 
   const Case& case_;

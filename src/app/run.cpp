@@ -8,6 +8,7 @@
 #include <fstream>
 #include <optional>
 
+#include "obstacles.hpp"
 #include "recorder.hpp"
 #include "run_time.hpp"
 #include "voile/base/mpi.hpp"
@@ -241,11 +242,44 @@ void run_modes(const Case& c, const RunOptions& options, system::Model& model, V
 
 }  // namespace
 
+namespace {
+
+void scatter_start(const system::Model& model, const io::Checkpoint& from, Vec a) {
+  std::vector<double> u = from.displacement;
+  u.resize(static_cast<std::size_t>(model.unknowns()), 0.0);
+  model.scatter(u, a);
+}
+
+/// Contact keeps apart what is apart: a start in which something intersects or touches is reported in full.
+void check_start(const RunOptions& options, system::Contact& contact, Vec a, double time) {
+  contact.set_time(time);
+  const std::vector<Vec3> positions = contact.positions(a);
+  mpi::on_root(PETSC_COMM_WORLD, [&] {
+    const IntersectionCheck check(contact);
+    const std::vector<io::TrianglePair> pairs = check.find(positions);
+    if (pairs.empty()) return;
+    const std::filesystem::path file = options.output / "intersections.vtk";
+    throw UserError(fmt::format(
+        "[contact]: the start intersects: {}. The triangles are in {} (ParaView). Move the parts apart, or let them "
+        "ignore each other with a [[contact_rule]]",
+        check.report(positions, pairs, file), file.string()));
+  });
+  const system::ContactReport report = contact.report(a);
+  if (report.gap <= 0.0)
+    throw UserError(fmt::format(
+        "[contact]: at the start {} come nearer than their thicknesses and radii allow (by {:.4g} m); move them apart, "
+        "make them thinner, or let them ignore each other with a [[contact_rule]]",
+        report.nearest, -report.gap));
+}
+
+}  // namespace
+
 Exit run(const Case& given, const RunOptions& options) {
   Case c = given;
   const bool root = mpi::rank(PETSC_COMM_WORLD) == 0;
   const mesh::SurfaceMesh mesh = load_mesh(c.mesh.file, c.mesh.options);
-  system::Model model(PETSC_COMM_WORLD, mesh, {c.element, c.materials, c.supports, c.loads, c.contact});
+  system::Model model(PETSC_COMM_WORLD, mesh,
+                      {c.element, c.materials, c.supports, c.loads, contact_input(PETSC_COMM_WORLD, c)});
   if (root && options.verbosity != Verbosity::quiet) print_header(c, model);
 
   if (options.verbosity == Verbosity::verbose) show_iterations();
@@ -263,6 +297,10 @@ Exit run(const Case& given, const RunOptions& options) {
   const Restart restart = in_time ? Restart{} : read_restart(c, options, model, a);
   const io::Checkpoint checkpoint = in_time ? read_start(options, model) : io::Checkpoint{};
   mpi::on_root(PETSC_COMM_WORLD, [&] { make_output(c, options.output); });
+  if (model.contact()) {
+    if (in_time) scatter_start(model, checkpoint, a);
+    check_start(options, *model.contact(), a, checkpoint.time);
+  }
   Recorder recorder(c, options, model, steps);
 
   Summary summary;

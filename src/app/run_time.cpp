@@ -1,4 +1,5 @@
 #include "run_time.hpp"
+#include "obstacles.hpp"
 
 #include <fmt/format.h>
 
@@ -133,7 +134,9 @@ Summary run_dynamic(const Case& c, const RunOptions& options, system::Model& mod
     std::optional<system::Model> rebuilt;
     const std::vector<system::Support> supports = holding(c, state.time);
     if (supports.size() < c.supports.size())
-      rebuilt.emplace(model.comm(), model.mesh(), system::ModelInput{c.element, c.materials, supports, c.loads, c.contact});
+      rebuilt.emplace(
+          model.comm(), model.mesh(),
+          system::ModelInput{c.element, c.materials, supports, c.loads, contact_input(PETSC_COMM_WORLD, c)});
     system::Model& now = rebuilt ? *rebuilt : model;
     recorder.use(now);
     if (state.time > first_time)

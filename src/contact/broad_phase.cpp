@@ -153,6 +153,11 @@ class Grid {
   std::vector<Index> large_;
 };
 
+/// Bare points have rules of their own; points of an obstacle's file that no triangle uses are nothing.
+bool used_point(const Surface& s, Index p) {
+  return s.is_sheet(p) || s.area[p] > 0.0;
+}
+
 Box padded(Box b, double by) {
   b.low.array() -= by;
   b.high.array() += by;
@@ -164,6 +169,7 @@ Box padded(Box b, double by) {
 std::vector<Pair> find_pairs(const Surface& s, const std::vector<Box>& boxes, const std::vector<char>& owned,
                              double distance) {
   const Maker make(s, boxes, owned, distance);
+  const auto used = [&](Index p) { return used_point(s, p); };
   const auto has_own = [&](const auto& points) {
     return std::any_of(points.begin(), points.end(), [&](Index p) { return s.is_sheet(p) && owned[p]; });
   };
@@ -180,8 +186,6 @@ std::vector<Pair> find_pairs(const Surface& s, const std::vector<Box>& boxes, co
     ++own_faces;
   }
   if (own_faces == 0) return {};
-  std::vector<char> bare_point(static_cast<std::size_t>(s.points()), 0);
-  for (Index p = s.sheet_points; p < s.points(); ++p) bare_point[p] = s.area[p] == 0.0;
   for (const Face& f : s.faces) reach = std::max(reach, s.bodies[f.body].thickness + distance);
   domain = padded(domain, reach);
   const double extent = (domain.high - domain.low).maxCoeff();
@@ -198,12 +202,10 @@ std::vector<Pair> find_pairs(const Surface& s, const std::vector<Box>& boxes, co
   }
   edges.sort();
 
+  for (Index p : s.bare_points)
+    for (Index f = 0; f < s.sheet_faces; ++f) make.point_face(p, f, pairs);
   for (Index p = 0; p < s.points(); ++p) {
-    if (bare_point[p]) {
-      for (Index f = 0; f < s.sheet_faces; ++f) make.point_face(p, f, pairs);
-      continue;
-    }
-    if (!boxes[p].within(domain, 0.0)) continue;
+    if (!used(p) || !boxes[p].within(domain, 0.0)) continue;
     faces.find(padded(boxes[p], reach), [&](Index f) {
       if (s.is_sheet(p) || f < s.sheet_faces) make.point_face(p, f, pairs);
     });
@@ -227,8 +229,10 @@ std::vector<Pair> find_pairs_by_force(const Surface& s, const std::vector<Box>& 
                                       double distance) {
   const Maker make(s, boxes, owned, distance);
   std::vector<Pair> pairs;
+  for (Index p : s.bare_points)
+    for (Index f = 0; f < s.sheet_faces; ++f) make.point_face(p, f, pairs);
   for (Index p = 0; p < s.points(); ++p)
-    for (Index f = 0; f < static_cast<Index>(s.faces.size()); ++f)
+    for (Index f = 0; used_point(s, p) && f < static_cast<Index>(s.faces.size()); ++f)
       if (s.is_sheet(p) || f < s.sheet_faces) make.point_face(p, f, pairs);
   for (Index e = 0; e < s.sheet_edges; ++e)
     for (Index f = e + 1; f < static_cast<Index>(s.edges.size()); ++f) make.edge_edge(e, f, pairs);

@@ -58,6 +58,8 @@ Index append(Surface& s, int body, const std::vector<Vec3>& points, const std::v
   s.area.resize(s.rest.size(), 0.0);
   for (const mesh::Triangle& t : triangles) add_face(s, {first + t[0], first + t[1], first + t[2]}, body);
   for (const mesh::Segment& e : edges_of(triangles)) add_edge(s, first + e[0], first + e[1], body, false);
+  if (triangles.empty())
+    for (std::size_t i = 0; i < points.size(); ++i) s.bare_points.push_back(first + static_cast<Index>(i));
   for (const mesh::Segment& e : bare_edges) add_edge(s, first + e[0], first + e[1], body, true);
   return first;
 }

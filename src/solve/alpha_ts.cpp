@@ -112,7 +112,8 @@ PetscErrorCode predict(TS ts, PetscBool* possible) {
   PetscCall(VecAXPBYPCZ(th.xa, 1.0 - th.a_f, th.a_f, 0.0, th.x0, th.x1));
   PetscCall(th.callbacks.enforce(th.callbacks.context, th.stage_time, th.xa));
   PetscCall(VecAXPBYPCZ(th.x1, 1.0 - 1.0 / th.a_f, 1.0 / th.a_f, 0.0, th.x0, th.xa));
-  if (th.callbacks.clear) PetscCall(th.callbacks.clear(th.callbacks.context, ts->ptime, th.x0, th.stage_time, th.x1, possible));
+  if (th.callbacks.clear)
+    PetscCall(th.callbacks.clear(th.callbacks.context, ts->ptime, th.x0, th.stage_time, th.x1, possible));
   PetscFunctionReturn(0);
 }
 

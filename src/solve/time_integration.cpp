@@ -361,7 +361,8 @@ void TimeIntegration::Impl::create(const TimeState& from) {
   VOILE_PETSC(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(static_cast<TS>(ts)), alpha_ts_type, &implicit));
   if (implicit) set_alpha_parameters(ts, options.radius, options.forces_at_end);
   if (model.contact() && !(implicit && options.forces_at_end))
-    throw UserError("contact needs the implicit method with forces_at_end = true: its barrier holds at the end of a step");
+    throw UserError(
+        "contact needs the implicit method with forces_at_end = true: its barrier holds at the end of a step");
   create_snes();
   VOILE_PETSC(TSSetFromOptions(ts));
   // -ts_max_time is known to the caller (read_time_options), who may want to stop earlier.

@@ -50,7 +50,7 @@ struct MotionInput {
 
 /// An obstacle as written; what its files hold is read with the mesh.
 struct ObstacleSection {
-  system::Obstacle shape;     ///< without what files give
+  system::Obstacle shape;      ///< without what files give
   std::filesystem::path file;  ///< mesh
   double scale = 1.0;
   std::filesystem::path frames;  ///< point cache of a deforming mesh; empty: none

@@ -40,9 +40,10 @@ struct Surface {
   Index sheet_points = 0;  ///< how many points are the mesh's
   std::vector<Vec3> rest;  ///< positions at the start [m]
   std::vector<int> body_of_point;
-  std::vector<double> area;  ///< per point: a third of its triangles' [m^2]
-  std::vector<Edge> edges;   ///< the sheet's first
-  std::vector<Face> faces;   ///< the sheet's first
+  std::vector<double> area;        ///< per point: a third of its triangles' [m^2]
+  std::vector<Edge> edges;         ///< the sheet's first
+  std::vector<Face> faces;         ///< the sheet's first
+  std::vector<Index> bare_points;  ///< of no triangle and no edge but an obstacle, or ends of bare edges
   Index sheet_edges = 0, sheet_faces = 0;
   std::vector<double> face_area;  ///< [m^2]
   std::vector<Body> bodies;

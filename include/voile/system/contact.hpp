@@ -67,7 +67,7 @@ class Contact {
   Contact(MPI_Comm comm, const mesh::SurfaceMesh& mesh, const mesh::Partition& partition,
           const Constraints& constraints, ContactInput input);
 
-  /// Puts the obstacles where they are at time t. Not collective.
+  /// Puts the obstacles where they are at time t. Collective.
   void set_time(double time);
   /// Remembers friction from state a; `slip`: slip below which friction is smoothed [m]. Collective.
   void start_step(Vec a, double slip);

@@ -1,0 +1,143 @@
+#include "obstacles.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <map>
+
+#include "voile/base/error.hpp"
+#include "voile/base/mpi.hpp"
+#include "voile/base/text.hpp"
+#include "voile/io/point_cache.hpp"
+#include "voile/io/triangle_file.hpp"
+
+namespace voile::app {
+
+namespace {
+
+using Shape = system::Obstacle::Shape;
+
+/// Divisions of a tessellated primitive; the check sees it a thousandth of its radius too small.
+constexpr int refinement = 4;
+
+std::vector<double> flat(const std::vector<Vec3>& points) {
+  std::vector<double> values;
+  for (const Vec3& x : points) values.insert(values.end(), x.begin(), x.end());
+  return values;
+}
+
+std::vector<Vec3> points_of(const std::vector<double>& values) {
+  std::vector<Vec3> points;
+  for (std::size_t i = 0; i + 2 < values.size(); i += 3) points.emplace_back(values[i], values[i + 1], values[i + 2]);
+  return points;
+}
+
+void read_shape(MPI_Comm comm, const ObstacleSection& section, system::Obstacle& o) {
+  std::vector<double> coordinates;
+  std::vector<Index> corners;
+  mpi::on_root(comm, [&] {
+    const io::TriangleSoup soup = io::read_triangles(section.file);
+    coordinates = flat(soup.positions);
+    for (const mesh::Triangle& t : soup.triangles) corners.insert(corners.end(), t.begin(), t.end());
+  });
+  mpi::broadcast(comm, coordinates);
+  mpi::broadcast(comm, corners);
+  o.points = points_of(coordinates);
+  for (Vec3& x : o.points) x *= section.scale;
+  for (std::size_t i = 0; i + 2 < corners.size(); i += 3)
+    o.triangles.push_back({corners[i], corners[i + 1], corners[i + 2]});
+}
+
+/// Rank 0 holds the cache; frames are asked for at the same times on every rank.
+void read_frames(MPI_Comm comm, const ObstacleSection& section, system::Obstacle& o) {
+  auto cache = std::make_shared<std::unique_ptr<io::PointCache>>();
+  mpi::on_root(comm, [&] {
+    *cache = std::make_unique<io::PointCache>(section.frames, section.frames_per_second);
+    const auto count = static_cast<std::size_t>((*cache)->vertex_count());
+    if (count != o.points.size())
+      throw UserError(fmt::format("{}: it has {} vertices, but {} has {}; frames must be of the same mesh",
+                                  section.frames.string(), count, section.file.string(), o.points.size()));
+  });
+  const double scale = section.scale;
+  o.frames = [comm, cache, scale](double time) {
+    std::vector<double> coordinates;
+    mpi::on_root(comm, [&] { coordinates = flat((*cache)->positions(time)); });
+    mpi::broadcast(comm, coordinates);
+    std::vector<Vec3> x = points_of(coordinates);
+    for (Vec3& p : x) p *= scale;
+    return x;
+  };
+}
+
+}  // namespace
+
+system::ContactInput contact_input(MPI_Comm comm, const Case& c) {
+  system::ContactInput input = c.contact.input;
+  for (const ObstacleSection& section : c.obstacles) {
+    system::Obstacle o = section.shape;
+    if (o.shape == Shape::mesh) read_shape(comm, section, o);
+    if (!section.frames.empty()) read_frames(comm, section, o);
+    input.obstacles.push_back(std::move(o));
+  }
+  for (const RuleSection& r : c.contact_rules)
+    input.rules.push_back(
+        {r.first, r.second, std::isnan(r.friction) ? std::nullopt : std::optional<double>(r.friction), r.ignore});
+  return input;
+}
+
+IntersectionCheck::IntersectionCheck(const system::Contact& contact) : contact_(contact) {}
+
+IntersectionCheck::Triangles IntersectionCheck::triangles_at(const std::vector<Vec3>& x) const {
+  const contact::Surface& s = contact_.surface();
+  Triangles all;
+  all.positions = x;
+  for (const contact::Face& f : s.faces) {
+    all.triangles.push_back(f.points);
+    all.body.push_back(f.body);
+  }
+  const auto add = [&](const io::TriangleSoup& soup, Index body) {
+    const auto first = static_cast<Index>(all.positions.size());
+    all.positions.insert(all.positions.end(), soup.positions.begin(), soup.positions.end());
+    for (const mesh::Triangle& t : soup.triangles) {
+      all.triangles.push_back({first + t[0], first + t[1], first + t[2]});
+      all.body.push_back(body);
+    }
+  };
+  std::size_t at = static_cast<std::size_t>(s.sheet_points);
+  for (const system::Obstacle& o : contact_.input().obstacles) {
+    if (o.shape == Shape::plane) continue;
+    const Index body = s.body_of_point[at];
+    if (o.shape == Shape::sphere) add(io::sphere_surface(x[at], o.radius, refinement), body);
+    if (o.shape == Shape::capsule) add(io::capsule_surface(x[at], x[at + 1], o.radius, refinement), body);
+    at += o.points.size();
+  }
+  return all;
+}
+
+std::vector<io::TrianglePair> IntersectionCheck::find(const std::vector<Vec3>& positions) const {
+  const Triangles all = triangles_at(positions);
+  const auto& rules = contact_.surface().rules;
+  return io::intersecting_triangles(all.positions, all.triangles, all.body,
+                                    [&](Index a, Index b) { return !rules[a][b].touch; });
+}
+
+std::string IntersectionCheck::report(const std::vector<Vec3>& positions, const std::vector<io::TrianglePair>& pairs,
+                                      const std::filesystem::path& file) const {
+  const Triangles all = triangles_at(positions);
+  io::write_pairs(file, all.positions, all.triangles, all.body, pairs);
+  std::map<std::pair<Index, Index>, std::pair<int, Vec3>> by_bodies;
+  for (const auto& [i, j] : pairs) {
+    const auto bodies = std::minmax(all.body[static_cast<std::size_t>(i)], all.body[static_cast<std::size_t>(j)]);
+    auto& [count, place] = by_bodies[{bodies.first, bodies.second}];
+    if (count++ == 0) place = all.positions[all.triangles[static_cast<std::size_t>(i)][0]];
+  }
+  std::vector<std::string> texts;
+  for (const auto& [bodies, found] : by_bodies)
+    texts.push_back(fmt::format("{} pair(s) of {} and {}, first near ({:.4g}, {:.4g}, {:.4g})", found.first,
+                                contact_.surface().bodies[bodies.first].name,
+                                contact_.surface().bodies[bodies.second].name, found.second[0], found.second[1],
+                                found.second[2]));
+  return join(texts, "; ");
+}
+
+}  // namespace voile::app

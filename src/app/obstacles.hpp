@@ -1,0 +1,42 @@
+// Obstacles of a case and the independent check of contact; private to src/app.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <vector>
+
+#include "voile/app/case.hpp"
+#include "voile/io/intersections.hpp"
+
+namespace voile::app {
+
+/// What a model needs to know of contact: rank 0 reads the files of obstacles, every rank receives them. Collective.
+/// Throws UserError for files that cannot be read and frames that do not fit their mesh.
+[[nodiscard]] system::ContactInput contact_input(MPI_Comm comm, const Case& c);
+
+/// Counts triangles that intersect, by exact predicates (see io/intersections.hpp). Balls and capsules count as
+/// polyhedra inscribed in them, a half-space is compared vertex by vertex.
+class IntersectionCheck {
+ public:
+  /// The contact must outlive it.
+  explicit IntersectionCheck(const system::Contact& contact);
+
+  /// Intersecting pairs of the sheet with itself and with obstacles that it can touch, at positions of all points of
+  /// the contact surface. Not collective, for rank 0.
+  [[nodiscard]] std::vector<io::TrianglePair> find(const std::vector<Vec3>& positions) const;
+  /// What was found, in words, by pairs of bodies; the triangles go to `file` for ParaView.
+  [[nodiscard]] std::string report(const std::vector<Vec3>& positions, const std::vector<io::TrianglePair>& pairs,
+                                   const std::filesystem::path& file) const;
+
+ private:
+  struct Triangles {
+    std::vector<Vec3> positions;
+    std::vector<mesh::Triangle> triangles;
+    std::vector<Index> body;
+  };
+  [[nodiscard]] Triangles triangles_at(const std::vector<Vec3>& positions) const;
+
+  const system::Contact& contact_;
+};
+
+}  // namespace voile::app
