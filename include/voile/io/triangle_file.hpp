@@ -21,7 +21,7 @@ struct TriangleSoup {
   Index degenerate_count = 0;             ///< triangles of exactly zero area that the file had and that were dropped
 };
 
-/// Reads .obj, .stl (binary and ASCII), .ply, .off (ASCII and binary) and Gmsh's .msh; the extension decides, in any
+/// Reads .obj, .stl (binary and ASCII), .ply (both), .off (ASCII) and Gmsh's .msh; the extension decides, in any
 /// case. Polygons of more than three corners are split into triangles. Vertices keep the file's numbers, also those
 /// without a triangle, so that a point cache fits; an STL file has no vertex numbers: there corners of identical
 /// coordinates become one vertex, numbered as they appear; of a .msh only vertices of triangles remain.
