@@ -257,7 +257,8 @@ TriangleSoup read_triangles(const fs::path& file) {
   if (file.extension() == ".msh") return checked(file, read_msh(file));  // Gmsh wants lower case
   constexpr std::array<const char*, 4> known{".obj", ".stl", ".ply", ".off"};
   if (std::find(known.begin(), known.end(), extension) == known.end())
-    fail(file, fmt::format("unknown kind of file '{}'; give .obj, .stl, .ply, .off or .msh", extension));
+    fail(file,
+         fmt::format("unknown kind of file '{}'; give .obj, .stl, .ply, .off or .msh", file.extension().string()));
   const PolygonSoup polygons = read_polygons(file, extension);
   check_faces(file, polygons);
   TriangleSoup soup;
