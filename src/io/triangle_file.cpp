@@ -13,6 +13,7 @@
 #include <cctype>
 #include <cmath>
 #include <cstdint>
+#include <cstdlib>
 #include <cstring>
 #include <fstream>
 #include <limits>
@@ -146,6 +147,24 @@ void check_stl(const fs::path& file, std::istream& in) {
         fail(file, fmt::format("triangle {} (counted from 1) has coordinates that are not finite", t + 1));
 }
 
+/// CGAL reserves memory for what the header of an ASCII file claims before it looks any further.
+void check_off(const fs::path& file, std::istream& in) {
+  std::vector<double> counts;  // vertices, faces
+  std::string line, word;
+  while (counts.size() < 2 && std::getline(in, line)) {
+    std::istringstream words(line.substr(0, line.find('#')));
+    while (counts.size() < 2 && words >> word)
+      if (word.find_first_not_of("0123456789") == std::string::npos)
+        counts.push_back(std::strtod(word.c_str(), nullptr));
+  }
+  in.clear();
+  in.seekg(0);
+  const auto length = static_cast<double>(fs::file_size(file));
+  for (const double count : counts)
+    if (count > length)
+      fail(file, fmt::format("this is no complete OFF file: the header claims {} entries in {} bytes", count, length));
+}
+
 bool read_format(const fs::path& file, const std::string& extension, PolygonSoup& soup) {
   std::ifstream in(file, std::ios::binary);
   if (!in) fail(file, "the file cannot be read; check its permissions");
@@ -155,7 +174,10 @@ bool read_format(const fs::path& file, const std::string& extension, PolygonSoup
     return CGAL::IO::read_OBJ(kept, soup.points, soup.polygons);
   }
   if (extension == ".ply") return CGAL::IO::read_PLY(in, soup.points, soup.polygons, CGAL::parameters::verbose(false));
-  if (extension == ".off") return CGAL::IO::read_OFF(in, soup.points, soup.polygons);
+  if (extension == ".off") {
+    check_off(file, in);
+    return CGAL::IO::read_OFF(in, soup.points, soup.polygons);
+  }
   check_stl(file, in);
   return CGAL::IO::read_STL(in, soup.points, soup.polygons);
 }
@@ -235,7 +257,8 @@ TriangleSoup read_triangles(const fs::path& file) {
   if (file.extension() == ".msh") return checked(file, read_msh(file));  // Gmsh wants lower case
   constexpr std::array<const char*, 4> known{".obj", ".stl", ".ply", ".off"};
   if (std::find(known.begin(), known.end(), extension) == known.end())
-    fail(file, fmt::format("unknown kind of file '{}'; give .obj, .stl, .ply, .off or .msh", extension));
+    fail(file,
+         fmt::format("unknown kind of file '{}'; give .obj, .stl, .ply, .off or .msh", file.extension().string()));
   const PolygonSoup polygons = read_polygons(file, extension);
   check_faces(file, polygons);
   TriangleSoup soup;

@@ -182,6 +182,7 @@ TEST_CASE("a box is read from every format") {
     check_box(read(".obj", obj_box(face)));
   check_box(read(".OBJ", obj_box()));
   check_box(read(".off", off_box()));
+  check_box(read(".off", "OFF 8 6 0\n" + off_box().substr(off_box().find("0\n") + 2)));
   for (const char* format : {"ascii", "binary_little_endian", "binary_big_endian"})
     check_box(read(".ply", ply_box(format)));
   check_box(read(".stl", stl_ascii_box()));
@@ -252,6 +253,7 @@ TEST_CASE("what is wrong with a file of triangles is said") {
   has(complaint(".obj", triangle + "f 1 2 2\n"), "all triangles have zero area");
   has(complaint(".off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n"), "OFF");
   has(complaint(".off", "OFF\n3 1 0\n0 0 0\n1 0 0\n"), "OFF");
+  has(complaint(".off", "OFF # a\n# b\n3000000000 1 0\n0 0 0\n1 0 0\n"), "claims 3000000000 entries in 39 bytes");
   has(complaint(".off", "OFF\n3 1 0\n0 0 0\n1 0 nan\n0 1 0\n3 0 1 2\n"), "OFF");
   for (const char* format : {"ascii", "binary_little_endian", "binary_big_endian"})
     has(complaint(".ply", ply_box(format, true)), "PLY");

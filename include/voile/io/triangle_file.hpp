@@ -21,9 +21,9 @@ struct TriangleSoup {
   Index degenerate_count = 0;             ///< triangles of exactly zero area that the file had and that were dropped
 };
 
-/// Reads .obj, .stl (binary and ASCII), .ply, .off (ASCII and binary) and Gmsh's .msh; the extension decides, in any
-/// case. Polygons of more than three corners are split into triangles. Vertices keep the file's numbers, also those
-/// without a triangle, so that a point cache fits; an STL file has no vertex numbers: there corners of identical
+/// Reads .obj, .stl (binary and ASCII), .ply (both), .off (ASCII) and Gmsh's .msh; the extension decides (.msh in
+/// small letters). Polygons of more than three corners are split into triangles. Vertices keep the file's numbers, also
+/// those without a triangle, so that a point cache fits; an STL file has no vertex numbers: there corners of identical
 /// coordinates become one vertex, numbered as they appear; of a .msh only vertices of triangles remain.
 /// Not collective; the caller owns the result. Throws UserError that names the file if it is missing, unreadable, cut
 /// short or of another kind, has no triangle of non-zero area, coordinates that are not finite, or vertex numbers that
