@@ -26,8 +26,9 @@ constexpr double sufficient_decrease = 1e-4, shortest_length = 1e-6;
 constexpr double energy_round_off = 1e-12;
 /// With contact, an iteration moves no vertex by more than so many cells.
 constexpr double trusted_cells = 4.0;
-/// After an indefinite tangent so many positive ones are taken before the exact one is tried again.
-constexpr int positive_tangents = 4;
+/// After an indefinite tangent so many positive ones are taken before the exact one is tried again. A sheet in contact
+/// is full of wrinkles about to form, and the positive tangent is as good there.
+constexpr int positive_tangents = 4, positive_tangents_in_contact = 40;
 
 }  // namespace
 
@@ -110,7 +111,7 @@ PetscErrorCode TimeIntegration::Impl::jacobian(TS, PetscReal t, Vec u, Vec, Vec,
       --n.positive_left;
       (void)assemble(energy::Tangent::positive);
     } else if (!assemble(energy::Tangent::exact) || n.linear.negative_pivots() > 0) {
-      n.positive_left = positive_tangents;
+      n.positive_left = n.model.contact() ? positive_tangents_in_contact : positive_tangents;
       (void)assemble(energy::Tangent::positive);
     }
   });
@@ -124,7 +125,7 @@ PetscErrorCode TimeIntegration::Impl::start_step(void* self, Vec x, Vec v, Petsc
     n.dynamics.set_time(t);
     n.dynamics.start_step(x, v, step);
     VOILE_PETSC(VecCopy(x, n.start));
-    n.positive_left = 0;
+    if (!n.model.contact()) n.positive_left = 0;
     n.cuts = 0;
   });
 }
