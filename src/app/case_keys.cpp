@@ -290,6 +290,13 @@ std::vector<Key> keys_of(ContactSection& s) {
        .meaning = "Below this speed friction falls smoothly to zero, so that what sticks creeps slower than this.",
        .unit = "m/s",
        .range = positive},
+      {.name = "slip_distance",
+       .slot = &o.slip_distance,
+       .meaning =
+           "The same for a slip within one load step of `static`, or from the start of `drape`. 0: a thousandth of "
+           "a cell.",
+       .unit = "m",
+       .range = not_negative},
       {.name = "check",
        .slot = &s.check,
        .meaning = "Count intersecting triangles after every step with exact predicates, independently of the solver."}};

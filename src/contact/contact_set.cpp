@@ -198,7 +198,7 @@ Vec3 ContactSet::slip_of(const Sliding& s, const std::vector<Vec3>& x) const {
 }
 
 void ContactSet::add_sliding(const Pair& pair, const Vec4& c, const Vec3& n, double normal_force,
-                             const std::vector<Vec3>& x) {
+                             const std::vector<Vec3>& x, const std::vector<Vec3>& start) {
   const double mu = surface_.rules[pair.body_a][pair.body_b].friction;
   if (mu <= 0.0 || normal_force <= 0.0) return;
   Sliding s{pair.points, c, {}, mu * normal_force, Vec3::Zero(), Vec3::Zero(), Vec3::Zero(), -1, 0.0, Vec3::Zero()};
@@ -208,7 +208,7 @@ void ContactSet::add_sliding(const Pair& pair, const Vec4& c, const Vec3& n, dou
   for (int i = 0; i < 4; ++i) {
     if (pair.points[i] == no_index) continue;
     const Vec3 part = c[i] * x[pair.points[i]];
-    s.start += part;
+    s.start += c[i] * start[pair.points[i]];
     if (surface_.is_sheet(pair.points[i])) {
       s.place += part;
       sheet += c[i];
@@ -227,20 +227,23 @@ void ContactSet::add_sliding(const Pair& pair, const Vec4& c, const Vec3& n, dou
   sliding_.push_back(s);
 }
 
-void ContactSet::start_friction(const std::vector<Vec3>& x, double slip) {
+bool ContactSet::has_friction() const {
+  return std::any_of(surface_.rules.begin(), surface_.rules.end(), [](const auto& row) {
+    return std::any_of(row.begin(), row.end(), [](const Rule& r) { return r.touch && r.friction > 0.0; });
+  });
+}
+
+void ContactSet::lag_friction(const std::vector<Vec3>& x, const std::vector<Vec3>& start, double slip) {
   sliding_.clear();
   slip_ = slip;
-  const bool any = std::any_of(surface_.rules.begin(), surface_.rules.end(), [](const auto& row) {
-    return std::any_of(row.begin(), row.end(), [](const Rule& r) { return r.friction > 0.0; });
-  });
-  if (!any) return;
+  if (!has_friction()) return;
   (void)cover(x, x);
   Near n;
   for (const Pair& pair : pairs_) {
     if (!near(pair, x, options_.distance, n)) continue;
     const double m = pair.mollify > 0.0 ? mollifier(cross_squared(n.x), pair.mollify).value : 1.0;
     const double force = -options_.stiffness * pair.area * m * barrier(n.gap, options_.distance).first;
-    add_sliding(pair, n.closest.c, n.closest.w / n.closest.distance, force, x);
+    add_sliding(pair, n.closest.c, n.closest.w / n.closest.distance, force, x, start);
   }
   for (const Plane& p : planes_)
     for (Index i : own_points_) {
@@ -248,7 +251,7 @@ void ContactSet::start_friction(const std::vector<Vec3>& x, double slip) {
       const double g = plane_gap(p, i, x);
       if (g >= options_.distance) continue;
       add_sliding(plane_pair(p, i), Vec4::UnitX(), p.normal,
-                  -options_.stiffness * surface_.area[i] * barrier(g, options_.distance).first, x);
+                  -options_.stiffness * surface_.area[i] * barrier(g, options_.distance).first, x, start);
     }
 }
 

@@ -22,9 +22,11 @@ DrapeResult drape(system::Model& model, Vec a, const DrapeOptions& options,
   petsc::VecHandle mode = start_mode(model), residual = model.create_vector();
   const double cell = std::sqrt(model.total_area() / model.mesh().triangle_count());
   int iterations = 0;
+  newton.start_friction(a);
   const int before = linear.factorisations();
   for (;; ++result.escapes) {
-    result.newton = newton.continuation(a, options.max_iterations);
+    result.newton = newton.settle_friction(a, newton.continuation(a, options.max_iterations),
+                                           [&] { return newton.continuation(a, options.max_iterations); });
     iterations += result.newton.iterations;
     system::TangentRequest request;
     request.exact_contact = true;

@@ -19,6 +19,11 @@ namespace {
 constexpr double exact_tangent_below = 1e-2, handover_below = 1e-4;
 /// With contact, an iteration moves no vertex by more than so many cells.
 constexpr double trusted_cells = 4.0;
+/// Slip below which friction is smoothed in a load step.
+constexpr double slip_in_cells = 1e-3;
+/// Rounds in which friction follows the normal forces, and the residual (of the forces) at which it does.
+constexpr int friction_lags = 30;
+constexpr double friction_settled = 1e-4;
 
 }  // namespace
 
@@ -309,6 +314,37 @@ LinearSolver& Newton::linear_solver() {
 }
 const ConvergenceTest& Newton::convergence() const {
   return impl_->test;
+}
+
+void Newton::start_friction(Vec a) {
+  system::Contact* contact = impl_->model.contact();
+  if (!contact || !contact->has_friction()) return;
+  const double given = contact->input().options.slip_distance;
+  const double cell = std::sqrt(impl_->model.total_area() / impl_->model.mesh().triangle_count());
+  contact->start_step(a, given > 0.0 ? given : slip_in_cells * cell);
+}
+
+NewtonResult Newton::settle_friction(Vec a, NewtonResult first, const std::function<NewtonResult()>& solve) {
+  Impl& n = *impl_;
+  system::Contact* contact = n.model.contact();
+  NewtonResult result = std::move(first);
+  if (!contact || !contact->has_friction()) return result;
+  for (int k = 0; k < friction_lags && result.converged; ++k) {
+    double norm = 0.0;
+    contact->lag_friction(a);
+    n.model.residual(a, n.residual);
+    VOILE_PETSC(VecNorm(n.residual, NORM_2, &norm));
+    if (norm <= friction_settled * n.model.force_scale()) return result;
+    NewtonResult next = solve();
+    next.iterations += result.iterations;
+    next.factorisations += result.factorisations;
+    result = std::move(next);
+  }
+  if (result.converged) {
+    result.converged = false;
+    result.reason = fmt::format("friction did not settle in {} rounds", friction_lags);
+  }
+  return result;
 }
 
 NewtonResult Newton::linear_step(Vec a) {

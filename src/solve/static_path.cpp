@@ -121,14 +121,16 @@ PathResult StaticPath::run(Vec a, const PathStart& start) {
     }
     const double target = next_target(factor, step), taken = std::abs(target - factor);
     model_.set_load_factor(target);
-    NewtonResult n = newton.step(a);
+    newton.start_friction(accepted);
+    NewtonResult n = newton.settle_friction(a, newton.step(a), [&] { return newton.step(a); });
     tally(n);
     bool by_continuation = false;
     if (!n.converged && options_.fallback && halvings == halvings_before_continuation) {
       remark(fmt::format("load factor {:.6g}: {} after {} iterations; trying pseudo-transient continuation", target,
                          n.reason, n.iterations));
       VOILE_PETSC(VecCopy(accepted, a));
-      n = newton.continuation(a);
+      newton.start_friction(accepted);
+      n = newton.settle_friction(a, newton.continuation(a), [&] { return newton.continuation(a); });
       tally(n);
       by_continuation = true;
     }

@@ -18,6 +18,8 @@ using contact::Plane;
 
 /// Pairs within so many contact distances get their place in the matrix, so that it changes rarely.
 constexpr double padding = 4.0;
+/// Share of the smallest height of a triangle that contact may reach, so that a bent sheet does not push itself.
+constexpr double room_in_triangles = 0.7;
 /// Rounds in which colliding parts are made to move together.
 constexpr int most_rounds = 30;
 
@@ -127,11 +129,12 @@ void Contact::check_room(const mesh::SurfaceMesh& mesh) const {
     }
   }
   const double reach = input_.options.distance + input_.thickness;
-  if (!input_.self || reach < 0.5 * least) return;
+  if (!input_.self || reach < room_in_triangles * least) return;
   throw UserError(fmt::format(
       "[contact]: distance + thickness = {:.4g} m is too much for this mesh: triangle {} is only {:.4g} m high, and "
-      "neighbours would push each other; make the sum smaller than half of that, or the mesh coarser",
-      reach, mesh.data().triangle_tags.empty() ? narrow : static_cast<long>(mesh.data().triangle_tags[narrow]), least));
+      "neighbours would push each other; make the sum smaller than {:.4g} m, or the mesh coarser",
+      reach, mesh.data().triangle_tags.empty() ? narrow : static_cast<long>(mesh.data().triangle_tags[narrow]), least,
+      room_in_triangles * least));
 }
 
 int Contact::body(const std::string& name) const {
@@ -200,7 +203,15 @@ std::vector<Vec3> Contact::positions(Vec a) const {
 void Contact::start_step(Vec a, double slip) {
   fill_positions(a, x_);
   start_time_ = time_;
-  set_->start_friction(x_, slip);
+  start_ = x_;
+  slip_ = slip;
+  set_->lag_friction(x_, start_, slip);
+}
+
+void Contact::lag_friction(Vec a) {
+  fill_positions(a, x_);
+  set_->lag_friction(x_, start_, slip_);
+  set_->carry([&](int b, const Vec3& place) { return displacement(b, place); });
 }
 
 double Contact::energy(Vec a) {

@@ -204,7 +204,7 @@ TEST_CASE("contact energy: gradient and Hessian against differences, with planes
     check_derivatives(set, at, set.surface().sheet_points);
     // Friction from here, a little and a lot of slip away.
     for (const double move : {0.002, 0.05}) {
-      set.start_friction(at, 0.01);
+      set.lag_friction(at, at, 0.01);
       std::vector<Vec3> moved = at;
       for (Index i = 0; i < set.surface().sheet_points; ++i)
         moved[i] += move * Vec3(u(random), u(random), 0.1 * u(random));
@@ -223,7 +223,7 @@ TEST_CASE("friction: Coulomb's force beyond the slip, none at rest, opposed to t
   set.add_gradient(at, f, ContactSet::normal);
   const double normal = -(f[0] + f[1] + f[2])[2];
   REQUIRE(normal > 0.0);
-  set.start_friction(at, 1e-3);
+  set.lag_friction(at, at, 1e-3);
   for (int i = 0; i < 3; ++i) at[i] += Vec3(0.01, 0.0, 0.0);
   f.assign(6, Vec3::Zero());
   set.add_gradient(at, f, ContactSet::friction);

@@ -21,9 +21,10 @@
 namespace voile::contact {
 
 struct ContactOptions {
-  double distance = 1e-3;    ///< at which the barrier begins [m]
-  double stiffness = 1e4;    ///< kappa [Pa]
-  double slip_speed = 1e-3;  ///< below it friction is smoothed [m/s]
+  double distance = 1e-3;      ///< at which the barrier begins [m]
+  double stiffness = 1e4;      ///< kappa [Pa]
+  double slip_speed = 1e-3;    ///< below it friction is smoothed [m/s]
+  double slip_distance = 0.0;  ///< the same per load step where there is no time [m]; 0: a thousandth of a cell
 };
 
 /// A half-space that only points can touch: n.x >= level + offset.
@@ -63,8 +64,9 @@ class ContactSet {
   void blocked(const std::vector<Vec3>& from, const std::vector<Vec3>& to, const std::vector<Plane>* planes_to,
                const std::function<void(const Pair&)>& found) const;
 
-  /// Remembers friction from positions at the start of a step; e slip [m].
-  void start_friction(const std::vector<Vec3>& x, double slip);
+  /// Takes normal forces and directions of friction from positions x; slips count from `start`. `slip`: e [m].
+  void lag_friction(const std::vector<Vec3>& x, const std::vector<Vec3>& start, double slip);
+  [[nodiscard]] bool has_friction() const;
   /// Displacement since then of an obstacle's material at a place where it was then; empty: that of its points.
   using Carrier = std::function<Vec3(int body, const Vec3& place)>;
   /// Takes over how far surfaces have been carried along, e.g. by a spin that moves no point.
@@ -135,7 +137,8 @@ class ContactSet {
     n.gap = n.closest.distance - offset(pair);
     return n.gap < limit;
   }
-  void add_sliding(const Pair& pair, const Vec4& c, const Vec3& n, double normal_force, const std::vector<Vec3>& x);
+  void add_sliding(const Pair& pair, const Vec4& c, const Vec3& n, double normal_force, const std::vector<Vec3>& x,
+                   const std::vector<Vec3>& start);
 
   Surface surface_;
   std::vector<Plane> planes_;

@@ -11,6 +11,7 @@
 // Convergence is judged by convergence.hpp, linear systems are solved by linear_solver.hpp.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <string>
 
@@ -42,6 +43,10 @@ class Newton {
   [[nodiscard]] NewtonResult step(Vec a);
   /// The same by pseudo-transient continuation. Collective.
   [[nodiscard]] NewtonResult continuation(Vec a, int max_iterations = 300);
+  /// Begins a load step at state `a`: friction of contact acts against slips from here. Collective.
+  void start_friction(Vec a);
+  /// Solves again with friction that fits the state, until it does; `solve` is step or continuation. Collective.
+  [[nodiscard]] NewtonResult settle_friction(Vec a, NewtonResult first, const std::function<NewtonResult()>& solve);
   /// One linear solution K(a) da = -r(a): small deflections from the state `a`. Collective.
   [[nodiscard]] NewtonResult linear_step(Vec a);
   [[nodiscard]] SNES snes() const;

@@ -71,6 +71,10 @@ class Contact {
   void set_time(double time);
   /// Remembers friction from state a; `slip`: slip below which friction is smoothed [m]. Collective.
   void start_step(Vec a, double slip);
+  /// Takes normal forces and directions of friction from state a, slips still counted from the start of the step.
+  /// Collective.
+  void lag_friction(Vec a);
+  [[nodiscard]] bool has_friction() const { return set_->has_friction(); }
 
   /// Energy of contact and friction, the same on every rank; infinite if something touches. Collective. [J]
   [[nodiscard]] double energy(Vec a);
@@ -123,7 +127,8 @@ class Contact {
   std::unique_ptr<contact::ContactSet> set_;
   petsc::ScatterHandle to_all_;
   petsc::VecHandle all_;
-  std::vector<Vec3> x_, other_, force_;
+  std::vector<Vec3> x_, other_, force_, start_;
+  double slip_ = 1.0;
   double time_ = 0.0, start_time_ = 0.0;
   std::string obstruction_;
 };

@@ -1,0 +1,258 @@
+// Contact as a term of a distributed model: its tangent, the same contacts on any number of ranks, impact, moving
+// obstacles.
+#include <doctest/doctest.h>
+
+#include "test_problems.hpp"
+#include "voile/base/error.hpp"
+#include "voile/io/intersections.hpp"
+#include "voile/solve/drape.hpp"
+#include "voile/solve/time_integration.hpp"
+
+using namespace voile;
+using namespace voile::testing;
+using contact::ContactSet;
+using system::Obstacle;
+using SupportKind = system::Support::Kind;
+using LoadKind = system::Load::Kind;
+
+namespace {
+
+/// Sheets of side 1 at heights k times `distance`, alternately shifted so that their vertices do not match.
+mesh::MeshData sheets(int count, int cells, double distance) {
+  mesh::MeshData all;
+  all.source = "sheets";
+  for (int k = 0; k < count; ++k) {
+    const mesh::MeshData one = grid(cells, cells, k % 2 == 1, 0.1, 3u + static_cast<unsigned>(k));
+    const auto first = static_cast<Index>(all.positions.size());
+    for (const Vec3& x : one.positions) all.positions.emplace_back(x[0] + 0.03 * k, x[1] - 0.02 * k, distance * k);
+    mesh::Group group{"sheet" + std::to_string(k), 2, {}, {}, {}};
+    for (const mesh::Triangle& t : one.triangles) {
+      group.triangles.push_back(static_cast<Index>(all.triangles.size()));
+      all.triangles.push_back({first + t[0], first + t[1], first + t[2]});
+    }
+    for (Index v = first; v < static_cast<Index>(all.positions.size()); ++v) group.vertices.push_back(v);
+    all.groups.push_back(group);
+  }
+  return all;
+}
+
+Obstacle plane(double height, double friction = 0.0) {
+  Obstacle o;
+  o.name = "floor";
+  o.shape = Obstacle::Shape::plane;
+  o.points = {Vec3(0.0, 0.0, height)};
+  o.friction = friction;
+  return o;
+}
+
+Obstacle ball(const Vec3& centre, double radius) {
+  Obstacle o;
+  o.name = "ball";
+  o.shape = Obstacle::Shape::sphere;
+  o.points = {centre};
+  o.radius = radius;
+  return o;
+}
+
+system::ModelInput input(std::vector<Obstacle> obstacles, double distance) {
+  system::ModelInput in;
+  in.materials = {isotropic(1e5, 0.3, 1e-3, 0.3)};
+  in.contact.active = true;
+  in.contact.options = {distance, 1e4, 1e-3};
+  in.contact.obstacles = std::move(obstacles);
+  return in;
+}
+
+struct Problem {
+  mesh::SurfaceMesh mesh;
+  system::Model model;
+  petsc::VecHandle u, v;
+  Problem(const mesh::MeshData& data, const system::ModelInput& in)
+      : mesh(data), model(PETSC_COMM_WORLD, mesh, in), u(model.create_vector()), v(model.create_vector()) {}
+};
+
+/// Intersecting pairs of the sheet's triangles at a state. Collective.
+std::size_t intersections(const system::Model& model, Vec u) {
+  std::vector<Vec3> x = per_vertex(model, u);
+  for (std::size_t i = 0; i < x.size(); ++i) x[i] += model.mesh().positions()[i];
+  return io::intersecting_triangles(x, model.mesh().triangles()).size();
+}
+
+solve::TimeOptions options(double end, double step) {
+  solve::TimeOptions o;
+  o.end_time = end;
+  o.step = step;
+  o.target_iterations = 100;
+  return o;
+}
+
+/// Integrates and counts intersections after every step.
+solve::TimeResult integrate(Problem& p, const system::DynamicsOptions& d, const solve::TimeOptions& o,
+                            const std::function<void(const solve::TimeReport&, system::Dynamics&)>& look = {}) {
+  system::Dynamics dynamics(p.model, d);
+  solve::TimeIntegration time(dynamics, o);
+  std::size_t found = 0;
+  time.on_step([&](const solve::TimeReport& r) {
+    found += intersections(p.model, r.state.position);
+    CHECK(p.model.contact()->report(r.state.position).gap > 0.0);
+    if (look) look(r, dynamics);
+    return false;
+  });
+  solve::TimeResult r = time.run({.position = p.u, .velocity = p.v});
+  CHECK(found == 0);
+  return r;
+}
+
+}  // namespace
+
+TEST_CASE("contact in a model: the tangent is the derivative of the residual, that of the energy") {
+  system::ModelInput in = input({plane(-0.015), ball(Vec3(0.5, 0.5, 0.3), 0.25)}, 0.03);
+  in.supports = {support("sheet0", SupportKind::displacement)};
+  in.supports[0].components = {true, false, false};  // fixed rows and columns
+  Problem p(sheets(2, 6, 0.025), in);
+  const int before = p.model.pattern_version();
+  set_displacement(p.model, p.u, noise(2e-3, 1));
+  p.model.enforce_supports(p.u);
+  petsc::VecHandle r = p.model.create_vector(), up = p.model.create_vector(), down = p.model.create_vector(),
+                   w = p.model.create_vector(), kw = p.model.create_vector(), x = p.model.create_vector();
+  system::TangentRequest request;
+  request.exact_contact = true;
+  p.model.assemble_tangent(p.u, request);
+  CHECK(p.model.pattern_version() == before + 1);
+  set_displacement(p.model, w, noise(1.0, 2));
+  p.model.clear_fixed(w);
+  VOILE_PETSC(MatMult(p.model.tangent_matrix(), w, kw));
+  const double h = 1e-8;
+  VOILE_PETSC(VecWAXPY(x, h, w, p.u));
+  p.model.residual(x, up);
+  const double energy_up = p.model.energy(x);
+  VOILE_PETSC(VecWAXPY(x, -h, w, p.u));
+  p.model.residual(x, down);
+  const double energy_down = p.model.energy(x);
+  VOILE_PETSC(VecAXPY(up, -1.0, down));
+  VOILE_PETSC(VecScale(up, 0.5 / h));
+  p.model.clear_fixed(up);
+  p.model.clear_fixed(kw);
+  VOILE_PETSC(VecAXPY(up, -1.0, kw));
+  CHECK(norm(up) < 1e-5 * norm(kw));
+  p.model.residual(p.u, r);
+  p.model.clear_fixed(r);
+  CHECK((energy_up - energy_down) / (2.0 * h) == doctest::Approx(dot(r, w)).epsilon(1e-6));
+  // The constant bending stiffness was copied, not assembled, into the larger pattern.
+  p.model.assemble_tangent(p.u, request);
+  CHECK(p.model.pattern_version() == before + 1);
+}
+
+TEST_CASE("contact in a model: pairs, energy and forces are those of one rank") {
+  Problem p(sheets(3, 7, 0.025), input({ball(Vec3(0.5, 0.5, -0.29), 0.27)}, 0.03));
+  set_displacement(p.model, p.u, noise(4e-3, 5));
+  const contact::Surface& s = p.model.contact()->surface();
+  ContactSet alone(s, {}, {0.03, 1e4, 1e-3}, std::vector<char>(static_cast<std::size_t>(s.sheet_points), 1));
+  const std::vector<Vec3> x = p.model.contact()->positions(p.u);
+  (void)alone.cover(x, x);
+  const system::ContactReport report = p.model.contact()->report(p.u);
+  const contact::ContactState state = alone.state(x);
+  CHECK(report.pairs == state.pairs);
+  CHECK(report.pairs > 100);
+  CHECK(report.gap == state.gap);
+  CHECK(p.model.contact()->energy(p.u) == doctest::Approx(alone.energy(x)).epsilon(1e-12));
+  petsc::VecHandle f = p.model.create_vector();
+  p.model.contact()->add_gradient(p.u, f);
+  const std::vector<Vec3> forces = per_vertex(p.model, f);
+  std::vector<Vec3> wanted(forces.size(), Vec3::Zero());
+  alone.add_gradient(x, wanted);
+  double difference = 0.0, size = 0.0;
+  for (std::size_t i = 0; i < forces.size(); ++i) {
+    difference = std::max(difference, (forces[i] - wanted[i]).norm());
+    size = std::max(size, wanted[i].norm());
+  }
+  CHECK(difference < 1e-12 * size);
+}
+
+TEST_CASE("free impact of two sheets without friction: momentum stays, nothing intersects") {
+  Problem p(sheets(2, 6, 0.05), input({}, 0.02));
+  set_displacement(p.model, p.v, [&](Index v) { return Vec3(0.2, 0.0, v < p.mesh.vertex_count() / 2 ? 1.0 : -1.5); });
+  Vec3 first = Vec3::Zero();
+  double drift = 0.0;
+  long most = 0;
+  const Option rtol("-snes_rtol", "1e-10");
+  const solve::TimeResult r =
+      integrate(p, {}, options(0.06, 2e-3), [&](const solve::TimeReport& report, system::Dynamics& d) {
+        const Vec3 momentum = d.momentum(report.state.velocity);
+        if (report.taken == 0.0) first = momentum;
+        drift = std::max(drift, (momentum - first).norm());
+        most = std::max(most, p.model.contact()->report(report.state.position).pairs);
+      });
+  CHECK(r.completed);
+  CHECK(most > 50);
+  CHECK(drift < 1e-8 * 0.3);
+}
+
+TEST_CASE("a sheet comes to rest on a floor that then carries its weight") {
+  system::ModelInput in = input({plane(-0.015)}, 0.02);
+  in.loads = {load(LoadKind::gravity, "", Vec3(0.0, 0.0, -9.81))};
+  in.supports = {support("sheet0", SupportKind::displacement)};
+  in.supports[0].components = {true, true, false};
+  Problem p(sheets(1, 6, 0.0), in);
+  p.model.set_load_factor(1.0);
+  const solve::DrapeResult r = solve::drape(p.model, p.u, {}, [](const std::string&) {});
+  CHECK(r.newton.converged);
+  CHECK(r.stable);
+  petsc::VecHandle f = p.model.create_vector();
+  p.model.contact()->add_gradient(p.u, f);
+  Vec3 total = Vec3::Zero();
+  for (const Vec3& v : per_vertex(p.model, f)) total -= v;
+  CHECK(total[2] == doctest::Approx(0.3 * 9.81).epsilon(1e-6));
+}
+
+TEST_CASE("an obstacle that rushes through a resting sheet takes it along") {
+  Obstacle piston = plane(-0.03);
+  piston.motion = [](const Vec3&, double t) { return Vec3(0.0, 0.0, 20.0 * t); };
+  Problem p(sheets(1, 6, 0.0), input({piston}, 0.02));
+  const solve::TimeResult r = integrate(p, {}, options(0.05, 0.01));
+  CHECK(r.completed);
+  double lowest = 1e9;
+  for (const Vec3& u : per_vertex(p.model, p.u)) lowest = std::min(lowest, u[2]);
+  CHECK(lowest > 20.0 * 0.05 - 0.03);  // above the plane, which is there now
+}
+
+TEST_CASE("a ball shot at a sheet does not pass through it") {
+  Obstacle shot = ball(Vec3(0.5, 0.5, -0.4), 0.1);
+  shot.motion = [](const Vec3&, double t) { return Vec3(0.0, 0.0, 40.0 * t); };
+  Problem p(sheets(1, 8, 0.0), input({shot}, 0.02));
+  const solve::TimeResult r = integrate(p, {}, options(0.02, 0.005));
+  CHECK(r.completed);
+  // The middle is still before the ball.
+  double middle = -1e9;
+  const std::vector<Vec3> u = per_vertex(p.model, p.u);
+  for (std::size_t v = 0; v < u.size(); ++v)
+    if ((p.mesh.positions()[v] - Vec3(0.5, 0.5, 0.0)).norm() < 0.1) middle = std::max(middle, u[v][2]);
+  CHECK(middle > -0.4 + 40.0 * 0.02 + 0.1);
+}
+
+TEST_CASE("what cannot be avoided ends the run and is named") {
+  Obstacle above = plane(0.03);
+  above.normal = -Vec3::UnitZ();
+  above.name = "press";
+  above.motion = [](const Vec3&, double t) { return Vec3(0.0, 0.0, -t); };
+  Problem p(sheets(1, 6, 0.0), input({plane(-0.03), above}, 0.02));
+  const solve::TimeResult r = integrate(p, {}, options(0.1, 0.01));
+  CHECK(!r.completed);
+  CHECK(r.state.time < 0.06);
+  CHECK(r.reason.find("in the way was sheet against ") != std::string::npos);
+}
+
+TEST_CASE("contact refuses a distance too large for the mesh and unknown names") {
+  const auto message = [](system::ModelInput in) -> std::string {
+    try {
+      Problem p(sheets(1, 6, 0.0), in);
+    } catch (const UserError& e) {
+      return e.what();
+    }
+    return "";
+  };
+  CHECK(message(input({}, 0.2)).find("too much for this mesh") != std::string::npos);
+  system::ModelInput in = input({plane(-1.0)}, 0.01);
+  in.contact.rules = {{"floor", "celling", {}, true}};
+  CHECK(message(in).find("celling") != std::string::npos);
+}
