@@ -495,6 +495,22 @@ def killed_motion(report):
         report.below(script.difference(whole, again), script.LIMIT, "relative difference of the final states")
 
 
+@test
+def release(report):
+    """A support that lets go does so beyond the case's own end, and a restart from that very moment is the unbroken run."""
+    script = drape_script("kill")
+    case = variant(script.strip_case(steps=20), {"support.0.release": 0.02, "time.end": 0.04, "time.checkpoint_steps": 10})
+    whole = solve("release_whole", case, 1)
+    held = solve("release_held", variant(case, {"support.0.release": None}), 1)
+    moved = script.difference(whole, held)
+    report.check(moved > 0.01, f"it lets go: {moved:.3g} away from the run that holds on")
+    longer = solve("release_longer", variant(case, {"time.end": 0.01}), 1, ["-ts_max_time", "0.04"])
+    report.below(script.difference(whole, longer), 1e-10, "-ts_max_time beyond the end and the release: difference")
+    solve("release_until", variant(case, {"time.end": 0.02}), 1)
+    again = solve("release_again", case, 1, ["--restart", OUT / "release_until" / "checkpoint.h5"])
+    report.below(script.difference(whole, again), 1e-10, "restart at the moment of release: difference")
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("tests", nargs="*", help="names of tests; all by default")
