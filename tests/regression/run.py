@@ -463,6 +463,20 @@ def heavy_strip(report):
 
 
 @test
+def loops(report):
+    """Heart, pear and ring of a heavy strip: drop and width within 1 % of the heavy elastica."""
+    script = drape_script("loops")
+    (OUT / "loops").mkdir(parents=True, exist_ok=True)
+    for shape, gamma, pattern, angle in (("heart", 300, "unstructured", 30), ("pear", 100, "one_way", None),
+                                         ("ring", 10, "one_way", 45)):
+        row = script.measure(shape, gamma, pattern, 160, angle, OUT / "loops")
+        report.check(row is not None, f"{shape}: a stable equilibrium was found")
+        if row:
+            report.below(row["errors"][0], 0.01, f"{shape}: drop")
+            report.below(row["errors"][1], 0.01, f"{shape}: width")
+
+
+@test
 def wrinkling(report):
     """A plate that overhangs a disc is stable at 0.95 of its critical load and unstable at 1.05, with four waves."""
     script = drape_script("wrinkling")
