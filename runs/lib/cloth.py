@@ -27,6 +27,18 @@ def solve(case, folder, ranks=1, options=(), timeout=3600, keep=False):
     return None
 
 
+def start_file(case, displacement, folder):
+    """A results.h5 for --restart whose step has a displacement of one's own, a function of the rest positions (vertices x 3).
+    None if the mesh cannot be made."""
+    flat = solve({**case, "analysis": "linear"}, folder)
+    if flat is None:
+        return None
+    with h5py.File(folder / "results.h5", "r+") as file:
+        step = file["steps"][sorted(file["steps"])[-1]]
+        step["displacement"][...] = displacement(file["mesh/positions"][...])
+    return folder / "results.h5"
+
+
 def rotated(stiffness, degrees):
     """Stiffness (order 11, 22, 12, engineering shear) in axes from which material axis 1 lies at an angle."""
     c, s = np.cos(np.radians(degrees)), np.sin(np.radians(degrees))

@@ -17,11 +17,11 @@ class Use:
     peak_memory: float   # resident memory of the largest process [bytes]
 
 
-def measure(command, log, cwd=None, **variables):
-    """Runs a command with its output in the file `log`."""
+def measure(command, log, cwd=None, ranks=1, **variables):
+    """Runs a command, of so many ranks, with its output in the file `log`."""
     begin = time.time()
     with open(log, "w") as out:
-        process = subprocess.Popen([str(c) for c in command], cwd=cwd, env=environment() | variables, stdout=out,
+        process = subprocess.Popen([str(c) for c in command], cwd=cwd, env=environment(ranks) | variables, stdout=out,
                                    stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL)
         _, status, use = os.wait4(process.pid, 0)
     process.returncode = os.waitstatus_to_exitcode(status)

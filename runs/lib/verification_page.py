@@ -74,23 +74,26 @@ def cost(answers):
     return [sum(r[0] for r in runs), sum(r[1] for r in runs), f"{sum(r[2] for r in runs):.1f}"]
 
 
-def nonlinear_table(names):
-    header = ["problem", "pattern", "finest mesh", "vertices", "at the last load %", "curve distance %, coarse to fine",
-              "limit loads %", "order", "Newton iterations", "factorisations", "CPU s", "`six_node`: distance %"]
-    rows = []
+def by_pattern(names):
+    """Problem, pattern, the answers of the default element and those of `six_node`, where the first were computed."""
     for name in names:
         answers, _ = stored(name)
         for pattern in patterns_of(answers):
             mine = of(answers, EDGE_SLOPE, pattern)
-            if not mine:
-                continue
-            finest = levels(mine)[-1]
-            other = of(answers, SIX_NODE, pattern)
-            rows.append([f"[{name}](../runs/{name}/README.md)", pattern.replace("_", " "), finest[0].mesh,
-                         finest[0].vertices, percent(largest(finest)),
-                         series(worst_curve(level) for level in levels(mine)), number(100 * worst_limit(finest), ".2f"),
-                         orders(name, mine), *cost(finest),
-                         series(worst_curve(level) for level in levels(other))])
+            if mine:
+                yield name, pattern, mine, of(answers, SIX_NODE, pattern)
+
+
+def nonlinear_table(names):
+    header = ["problem", "pattern", "finest mesh", "vertices", "at the last load %", "curve distance %, coarse to fine",
+              "limit loads %", "order", "Newton iterations", "factorisations", "CPU s", "`six_node`: distance %"]
+    rows = []
+    for name, pattern, mine, other in by_pattern(names):
+        finest = levels(mine)[-1]
+        rows.append([f"[{name}](../runs/{name}/README.md)", pattern.replace("_", " "), finest[0].mesh, finest[0].vertices,
+                     percent(largest(finest)), series(worst_curve(level) for level in levels(mine)),
+                     number(100 * worst_limit(finest), ".2f"), orders(name, mine), *cost(finest),
+                     series(worst_curve(level) for level in levels(other))])
     return markdown(header, rows)
 
 
@@ -99,17 +102,11 @@ def value_table(names, several):
     header = ["problem", "source", "pattern", "finest mesh", "vertices",
               ("largest " if several else "") + "error %, coarse to fine", "order", "CPU s", "`six_node`: error %"]
     rows = []
-    for name in names:
-        answers, _ = stored(name)
-        for pattern in patterns_of(answers):
-            mine = of(answers, EDGE_SLOPE, pattern)
-            if not mine:
-                continue
-            finest = levels(mine)[-1]
-            rows.append([name, PROBLEMS[name].source, pattern.replace("_", " "), finest[0].mesh, finest[0].vertices,
-                         series((largest(level) for level in levels(mine)), "+.2f"), orders(name, mine),
-                         cost(finest)[2],
-                         series((largest(level) for level in levels(of(answers, SIX_NODE, pattern))), "+.2f")])
+    for name, pattern, mine, other in by_pattern(names):
+        finest = levels(mine)[-1]
+        rows.append([name, PROBLEMS[name].source, pattern.replace("_", " "), finest[0].mesh, finest[0].vertices,
+                     series((largest(level) for level in levels(mine)), "+.2f"), orders(name, mine), cost(finest)[2],
+                     series((largest(level) for level in levels(other)), "+.2f")])
     return markdown(header, rows)
 
 

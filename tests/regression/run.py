@@ -463,6 +463,20 @@ def heavy_strip(report):
 
 
 @test
+def loops(report):
+    """Heart, pear and ring of a heavy strip: drop and width within 1 % of the heavy elastica."""
+    script = drape_script("loops")
+    (OUT / "loops").mkdir(parents=True, exist_ok=True)
+    for shape, gamma, pattern, angle in (("heart", 300, "unstructured", 30), ("pear", 100, "one_way", None),
+                                         ("ring", 10, "one_way", 45)):
+        row = script.measure(shape, gamma, pattern, 160, angle, OUT / "loops")
+        report.check(row is not None, f"{shape}: a stable equilibrium was found")
+        if row:
+            report.below(row["errors"][0], 0.01, f"{shape}: drop")
+            report.below(row["errors"][1], 0.01, f"{shape}: width")
+
+
+@test
 def wrinkling(report):
     """A plate that overhangs a disc is stable at 0.95 of its critical load and unstable at 1.05, with four waves."""
     script = drape_script("wrinkling")
@@ -493,6 +507,22 @@ def killed_motion(report):
     report.check(again.code == 0, f"the restart completes: code {again.code}")
     if again.code == 0:
         report.below(script.difference(whole, again), script.LIMIT, "relative difference of the final states")
+
+
+@test
+def release(report):
+    """A support that lets go does so beyond the case's own end, and a restart from that very moment is the unbroken run."""
+    script = drape_script("kill")
+    case = variant(script.strip_case(steps=20), {"support.0.release": 0.02, "time.end": 0.04, "time.checkpoint_steps": 10})
+    whole = solve("release_whole", case, 1)
+    held = solve("release_held", variant(case, {"support.0.release": None}), 1)
+    moved = script.difference(whole, held)
+    report.check(moved > 0.01, f"it lets go: {moved:.3g} away from the run that holds on")
+    longer = solve("release_longer", variant(case, {"time.end": 0.01}), 1, ["-ts_max_time", "0.04"])
+    report.below(script.difference(whole, longer), 1e-10, "-ts_max_time beyond the end and the release: difference")
+    solve("release_until", variant(case, {"time.end": 0.02}), 1)
+    again = solve("release_again", case, 1, ["--restart", OUT / "release_until" / "checkpoint.h5"])
+    report.below(script.difference(whole, again), 1e-10, "restart at the moment of release: difference")
 
 
 def main():

@@ -6,12 +6,14 @@
 #include <numbers>
 #include <string>
 
+#include "test_case_kit.hpp"
 #include "voile/app/case.hpp"
 #include "voile/app/case_keys.hpp"
 #include "voile/app/command_line.hpp"
 #include "voile/base/error.hpp"
 
 using namespace voile;
+using namespace voile::testing;
 using app::parse_case;
 
 namespace {
@@ -116,33 +118,14 @@ every = 3
 options = "-snes_rtol 1e-10 -ksp_view"
 )";
 
-std::string error_of(const std::string& text) {
-  try {
-    (void)parse_case(text, "case.toml");
-  } catch (const UserError& e) {
-    return e.what();
-  }
-  return "no error";
-}
-
 /// The error after `line` is added below the minimal case.
 std::string error_with(const std::string& lines) {
   return error_of(minimal + lines);
 }
 
-std::string replaced(std::string text, const std::string& from, const std::string& to) {
-  const std::size_t at = text.find(from);
-  REQUIRE(at != std::string::npos);
-  return text.replace(at, from.size(), to);
-}
-
 /// The error after a piece of the full case is replaced.
 std::string error_after(const std::string& from, const std::string& to) {
   return error_of(replaced(full, from, to));
-}
-
-bool has(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
 }
 
 }  // namespace

@@ -4,11 +4,13 @@
 #include <cmath>
 #include <numbers>
 
+#include "test_case_kit.hpp"
 #include "voile/app/case.hpp"
 #include "voile/app/expression.hpp"
 #include "voile/base/error.hpp"
 
 using namespace voile;
+using namespace voile::testing;
 using app::expression;
 using app::parse_case;
 
@@ -25,21 +27,8 @@ thickness = 0.001
 density = 300
 )";
 
-std::string error_of(const std::string& text) {
-  try {
-    (void)parse_case(text, "case.toml");
-  } catch (const UserError& e) {
-    return e.what();
-  }
-  return "";
-}
-
 std::string error_with(const std::string& more) {
   return error_of(head + more);
-}
-
-bool has(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
 }
 
 }  // namespace

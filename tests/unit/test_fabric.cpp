@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <numbers>
 
+#include "test_case_kit.hpp"
 #include "test_meshes.hpp"
 #include "voile/app/case.hpp"
 #include "voile/app/fabric.hpp"
@@ -13,6 +14,7 @@
 #include "voile/energy/material.hpp"
 
 using namespace voile;
+using namespace voile::testing;
 using app::Dimension;
 
 namespace {
@@ -34,28 +36,8 @@ bending_warp = "made up"
 bending_weft = "made up"
 )toml";
 
-std::string replaced(std::string text, const std::string& from, const std::string& to) {
-  const std::size_t at = text.find(from);
-  REQUIRE(at != std::string::npos);
-  return text.replace(at, from.size(), to);
-}
-
-template <class Action>
-std::string error_of(const Action& action) {
-  try {
-    action();
-  } catch (const UserError& e) {
-    return e.what();
-  }
-  return "no error";
-}
-
 std::string fabric_error(const std::string& from, const std::string& to) {
   return error_of([&] { (void)app::parse_fabric(replaced(fabric_text, from, to), "f.toml"); });
-}
-
-bool has(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
 }
 
 double difference(const Mat3& a, const Mat3& b) {

@@ -11,10 +11,12 @@
 #include <set>
 #include <string>
 
+#include "test_case_kit.hpp"
 #include "voile/base/error.hpp"
 #include "voile/io/gmsh.hpp"
 
 using namespace voile;
+using namespace voile::testing;
 namespace fs = std::filesystem;
 
 namespace {
@@ -39,17 +41,8 @@ class Folder {
   fs::path path_;
 };
 
-bool has(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
-
-std::string error_of(const std::string& file, const io::MeshOptions& options = {}) {
-  try {
-    (void)io::read_gmsh(file, options);
-  } catch (const UserError& e) {
-    return e.what();
-  }
-  return "no error";
+std::string mesh_error(const std::string& file, const io::MeshOptions& options = {}) {
+  return error_of([&] { (void)io::read_gmsh(file, options); });
 }
 
 /// A plate of two surfaces with groups of all kinds, a circle arc (whose centre carries no triangle) and parameters.
@@ -157,7 +150,7 @@ TEST_CASE("meshing is deterministic and nothing is left over from an earlier fil
   const mesh::MeshData first = io::read_gmsh(geo, {});
   const mesh::MeshData finer = io::read_gmsh(geo, {.parameters = {{"n", 9.0}}});
   CHECK(finer.triangles.size() > 3 * first.triangles.size());
-  CHECK(error_of(folder.write("bad.geo", "a = ;\n")) != "no error");
+  CHECK(mesh_error(folder.write("bad.geo", "a = ;\n")) != "no error");
   const mesh::MeshData again = io::read_gmsh(geo, {});
   CHECK(again.positions == first.positions);
   CHECK(again.triangles == first.triangles);
@@ -187,11 +180,11 @@ TEST_CASE("parameters, size, algorithm and scale") {
 TEST_CASE("unknown parameters are named with those there are") {
   const Folder folder;
   const std::string geo = folder.write("plate.geo", plate);
-  CHECK(has(error_of(geo, {.parameters = {{"m", 1.0}}}), "there is no parameter 'm'; the file declares: L, n, w"));
-  CHECK(has(error_of(geo, {.parameters = {{"x", 1.0}}}), "there is no parameter 'x'"));  // in a comment
-  CHECK(has(error_of(folder.write("p.msh", two_triangles("0\n")), {.parameters = {{"m", 1.0}}}),
+  CHECK(has(mesh_error(geo, {.parameters = {{"m", 1.0}}}), "there is no parameter 'm'; the file declares: L, n, w"));
+  CHECK(has(mesh_error(geo, {.parameters = {{"x", 1.0}}}), "there is no parameter 'x'"));  // in a comment
+  CHECK(has(mesh_error(folder.write("p.msh", two_triangles("0\n")), {.parameters = {{"m", 1.0}}}),
             "only be set for a .geo"));
-  CHECK(has(error_of(folder.write("none.geo", "a = 1;\n"), {.parameters = {{"a", 1.0}}}), "declares none"));
+  CHECK(has(mesh_error(folder.write("none.geo", "a = 1;\n"), {.parameters = {{"a", 1.0}}}), "declares none"));
 }
 
 TEST_CASE("a 2.2 file with tagged elements only, repeated elements dropped, loose nodes dropped") {
@@ -220,54 +213,54 @@ TEST_CASE("a 2.2 file with tagged elements only, repeated elements dropped, loos
 TEST_CASE("groups that format 2.2 cannot tell apart are refused, not mixed up") {
   const Folder folder;
   const std::string error =
-      error_of(folder.write("mixed.msh", two_triangles("2\n1 2 2 6 1 10 20 30\n2 2 2 7 1 10 30 40\n")));
+      mesh_error(folder.write("mixed.msh", two_triangles("2\n1 2 2 6 1 10 20 30\n2 2 2 7 1 10 30 40\n")));
   CHECK(has(error, "the elements of elementary surface 1 belong to different physical groups ('a', 'b')"));
 }
 
 TEST_CASE("elements other than 3-node triangles are refused by name") {
   const Folder folder;
-  const std::string quad = error_of(folder.write("quad.msh", two_triangles("1\n8 3 2 6 1 10 20 30 40\n")));
+  const std::string quad = mesh_error(folder.write("quad.msh", two_triangles("1\n8 3 2 6 1 10 20 30 40\n")));
   CHECK(has(quad, "quad.msh: 1 element(s) of type 'Quadrilateral 4' (4 nodes), the first is element 8; use 3-node"));
-  const std::string six = error_of(folder.write("six.geo", plate + "Mesh.ElementOrder = 2;\n"));
+  const std::string six = mesh_error(folder.write("six.geo", plate + "Mesh.ElementOrder = 2;\n"));
   CHECK(has(six, "'Triangle 6' (6 nodes), the first is element"));
   CHECK(has(six, "Mesh.ElementOrder = 1"));
-  CHECK(has(error_of(folder.write("recombined.geo", plate + "Recombine Surface{1};\n")), "Quadrilateral 4"));
+  CHECK(has(mesh_error(folder.write("recombined.geo", plate + "Recombine Surface{1};\n")), "Quadrilateral 4"));
   const std::string solid =
-      error_of(folder.write("solid.msh", two_triangles("2\n1 2 2 6 1 10 20 30\n9 4 2 8 1 10 20 30 50\n")));
+      mesh_error(folder.write("solid.msh", two_triangles("2\n1 2 2 6 1 10 20 30\n9 4 2 8 1 10 20 30 50\n")));
   CHECK(has(solid, "1 element(s) of type 'Tetrahedron 4' (4 nodes), the first is element 9; delete the volume mesh"));
 }
 
 TEST_CASE("points and lines of a group must lie on the surface") {
   const Folder folder;
-  CHECK(has(error_of(folder.write("centre.geo", plate + "Physical Point(\"centre\") = {5};\n")),
+  CHECK(has(mesh_error(folder.write("centre.geo", plate + "Physical Point(\"centre\") = {5};\n")),
             "physical point 'centre': node 5 belongs to no triangle"));
-  CHECK(has(error_of(folder.write("line.msh", two_triangles("2\n1 1 2 5 1 10 50\n2 2 2 6 1 10 20 30\n"))),
+  CHECK(has(mesh_error(folder.write("line.msh", two_triangles("2\n1 1 2 5 1 10 50\n2 2 2 6 1 10 20 30\n"))),
             "physical curve 'edge': node 50 belongs to no triangle"));
 }
 
 TEST_CASE("bad files give a message and do not end the program") {
   const Folder folder;
   fs::create_directories(folder / "folder.msh");
-  CHECK(has(error_of(folder / "missing.msh"), "missing.msh: there is no such mesh file"));
-  CHECK(has(error_of(folder / "folder.msh"), "this is not a file"));
-  CHECK(has(error_of(folder.write("empty.msh", "")), "the file is empty"));
-  CHECK(has(error_of(folder.write("mesh.stl", "solid")), "unknown kind of mesh file '.stl'"));
+  CHECK(has(mesh_error(folder / "missing.msh"), "missing.msh: there is no such mesh file"));
+  CHECK(has(mesh_error(folder / "folder.msh"), "this is not a file"));
+  CHECK(has(mesh_error(folder.write("empty.msh", "")), "the file is empty"));
+  CHECK(has(mesh_error(folder.write("mesh.stl", "solid")), "unknown kind of mesh file '.stl'"));
   std::string noise;
   for (int i = 0; i < 3000; ++i) noise += static_cast<char>((i * 7919 + i * i * 31) % 251);
-  CHECK(has(error_of(folder.write("noise.msh", noise)), "this is no Gmsh mesh"));
-  CHECK(error_of(folder.write("noise2.msh", "$MeshFormat\n" + noise)) != "no error");
-  CHECK(error_of(folder.write("noise.geo", noise)) != "no error");
-  CHECK(has(error_of(folder.write("syntax.geo", "a = 1;\nPoint(1) = {0, 0;\n")), "Gmsh failed while reading it: "));
-  CHECK(has(error_of(folder.write("syntax.geo", "a = 1;\nPoint(1) = {0, 0;\n")), "line 2: syntax error"));
-  CHECK(has(error_of(folder.write("exit.geo", "Exit;\n")), "the command 'Exit' would end the program"));
-  CHECK(has(error_of(folder.write("curve.geo", "Point(1) = {0,0,0}; Point(2) = {1,0,0}; Line(1) = {1,2};\n")),
+  CHECK(has(mesh_error(folder.write("noise.msh", noise)), "this is no Gmsh mesh"));
+  CHECK(mesh_error(folder.write("noise2.msh", "$MeshFormat\n" + noise)) != "no error");
+  CHECK(mesh_error(folder.write("noise.geo", noise)) != "no error");
+  CHECK(has(mesh_error(folder.write("syntax.geo", "a = 1;\nPoint(1) = {0, 0;\n")), "Gmsh failed while reading it: "));
+  CHECK(has(mesh_error(folder.write("syntax.geo", "a = 1;\nPoint(1) = {0, 0;\n")), "line 2: syntax error"));
+  CHECK(has(mesh_error(folder.write("exit.geo", "Exit;\n")), "the command 'Exit' would end the program"));
+  CHECK(has(mesh_error(folder.write("curve.geo", "Point(1) = {0,0,0}; Point(2) = {1,0,0}; Line(1) = {1,2};\n")),
             "there are no triangles"));
   const std::string good = two_triangles("2\n1 2 2 6 1 10 20 30\n2 2 2 7 2 10 30 40\n");
   for (std::size_t length = 1; length + 14 < good.size(); length += 7) {
     CAPTURE(length);
-    CHECK(error_of(folder.write("cut.msh", good.substr(0, length))) != "no error");
+    CHECK(mesh_error(folder.write("cut.msh", good.substr(0, length))) != "no error");
   }
-  CHECK(error_of(folder.write("good.msh", good)) == "no error");
+  CHECK(mesh_error(folder.write("good.msh", good)) == "no error");
 }
 
 TEST_CASE("cut binary files give a message and do not end the program") {
@@ -280,7 +273,7 @@ TEST_CASE("cut binary files give a message and do not end the program") {
       CAPTURE(name);
       CAPTURE(part);
       const std::size_t length = whole.size() * static_cast<std::size_t>(part) / 20;
-      CHECK(error_of(folder.write("cut.msh", whole.substr(0, length))) != "no error");
+      CHECK(mesh_error(folder.write("cut.msh", whole.substr(0, length))) != "no error");
     }
   }
 }

@@ -15,6 +15,7 @@
 #include <string>
 #include <thread>
 
+#include "test_case_kit.hpp"
 #include "voile/base/error.hpp"
 #include "voile/base/text.hpp"
 #include "voile/io/checkpoint.hpp"
@@ -22,6 +23,7 @@
 #include "voile/io/stored_step.hpp"
 
 using namespace voile;
+using namespace voile::testing;
 namespace fs = std::filesystem;
 
 namespace {
@@ -143,10 +145,6 @@ int check_xdmf(const fs::path& folder) {
   };
   CHECK(occurrences("<Grid") == occurrences("</Grid>"));
   return count;
-}
-
-bool has(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
 }
 
 }  // namespace
