@@ -27,6 +27,9 @@ const Events& events() {
     add("VoileBendCopy", e.bending_copy);
     add("VoileEnergy", e.energy);
     add("VoileOutput", e.output);
+    add("VoileContactFind", e.contact_find);
+    add("VoileContactWay", e.contact_way);
+    add("VoileContactTerm", e.contact_term);
     return e;
   }();
   return registered;

@@ -8,10 +8,12 @@ namespace voile::solve {
 
 namespace {
 
-/// Positions are known to eps |X|, membrane forces per vertex to eps |X| times the membrane stiffness.
+/// Positions are known to eps |X|, forces per vertex to eps |X| times the stiffness of a cell against stretching, and
+/// against bending within it.
 double round_off_of(const system::Model& model) {
+  const double cell = model.total_area() / model.mesh().triangle_count();
   double stiffness = 0.0, distance = model.mesh().extent();
-  for (const energy::Material& m : model.sheet().materials()) stiffness = std::max(stiffness, m.membrane.norm());
+  for (const energy::Material& m : model.sheet().materials()) stiffness = std::max(stiffness, m.membrane.norm() + m.bending.norm() / cell);
   for (const Vec3& x : model.mesh().positions()) distance = std::max(distance, x.norm());
   return std::numeric_limits<double>::epsilon() * stiffness * distance *
          std::sqrt(static_cast<double>(model.unknowns()));

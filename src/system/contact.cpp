@@ -200,6 +200,12 @@ std::vector<Vec3> Contact::positions(Vec a) const {
 
 // ---- terms ---------------------------------------------------------------------------------------------------------
 
+/// Candidates for all positions between two states.
+void Contact::cover(const std::vector<Vec3>& from, const std::vector<Vec3>& to) {
+  const petsc::EventScope scope(petsc::events().contact_find);
+  (void)set_->cover(from, to);
+}
+
 void Contact::start_step(Vec a, double slip) {
   fill_positions(a, x_);
   start_time_ = time_;
@@ -215,14 +221,16 @@ void Contact::lag_friction(Vec a) {
 }
 
 double Contact::energy(Vec a) {
+  const petsc::EventScope scope(petsc::events().contact_term);
   fill_positions(a, x_);
-  (void)set_->cover(x_, x_);
+  cover(x_, x_);
   return mpi::sum(comm_, set_->energy(x_));
 }
 
 void Contact::add_gradient(Vec a, Vec f, ContactSet::Part part) {
+  const petsc::EventScope scope(petsc::events().contact_term);
   fill_positions(a, x_);
-  (void)set_->cover(x_, x_);
+  cover(x_, x_);
   std::fill(force_.begin(), force_.end(), Vec3::Zero());
   set_->add_gradient(x_, force_, part);
   const petsc::WriteArray out(f);
@@ -235,7 +243,7 @@ void Contact::add_gradient(Vec a, Vec f, ContactSet::Part part) {
 
 bool Contact::needs(Vec a, const BlockMatrix& matrix, BlockPattern& pattern) {
   fill_positions(a, x_);
-  (void)set_->cover(x_, x_);
+  cover(x_, x_);
   const contact::Surface& s = set_->surface();
   const auto for_entries = [&](const Pair& pair, const auto& f) {
     for (Index p : pair.points) {
@@ -274,6 +282,7 @@ bool Contact::needs(Vec a, const BlockMatrix& matrix, BlockPattern& pattern) {
 }
 
 void Contact::add_blocks(const BlockMatrix& matrix, const BlockMatrix::Values& values, bool positive) const {
+  const petsc::EventScope scope(petsc::events().contact_term);
   set_->hessian(x_, positive, [&](Index p, Index q, const Mat3& k) {
     const Index row = partition_->row_of[p] - first_row_;
     if (row < 0 || row >= row_count_) return;
@@ -285,15 +294,17 @@ void Contact::add_blocks(const BlockMatrix& matrix, const BlockMatrix::Values& v
 // ---- ways ----------------------------------------------------------------------------------------------------------
 
 double Contact::safe_share(Vec a, Vec da) {
+  const petsc::EventScope scope(petsc::events().contact_way);
   fill_positions(a, x_);
   other_ = x_;
   fill_positions(da, other_);
   for (Index v = 0; v < mesh_->vertex_count(); ++v) other_[v] += x_[v] - mesh_->positions()[v];
-  (void)set_->cover(x_, other_);
+  cover(x_, other_);
   return -mpi::max(comm_, -set_->safe_share(x_, other_));
 }
 
 bool Contact::make_way(Vec from, double t0, Vec to, double t1) {
+  const petsc::EventScope scope(petsc::events().contact_way);
   set_time(t0);
   fill_positions(from, x_);
   const std::vector<Vec3> start = x_;
@@ -305,7 +316,7 @@ bool Contact::make_way(Vec from, double t0, Vec to, double t1) {
   const contact::Surface& s = set_->surface();
   bool clear = false;
   for (int round = 0; round < most_rounds && !clear; ++round) {
-    (void)set_->cover(start, end);
+    cover(start, end);
     std::vector<Vec3> sum(force_.size(), Vec3::Zero());
     std::vector<double> count(force_.size(), 0.0);
     std::string hit;
@@ -378,7 +389,7 @@ std::string Contact::lowest_rank_text(const std::string& own) const {
 
 ContactReport Contact::report(Vec a) {
   fill_positions(a, x_);
-  (void)set_->cover(x_, x_);
+  cover(x_, x_);
   const contact::ContactState own = set_->state(x_);
   ContactReport r;
   r.pairs = mpi::sum(comm_, own.pairs);

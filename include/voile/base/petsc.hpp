@@ -79,7 +79,8 @@ class WriteArray {
 
 /// Events shown by -log_view under their names. Registered once per process.
 struct Events {
-  PetscLogEvent residual, tangent, bending_assemble, bending_copy, energy, output;
+  PetscLogEvent residual, tangent, bending_assemble, bending_copy, energy, output, contact_find, contact_way,
+      contact_term;
 };
 [[nodiscard]] const Events& events();
 

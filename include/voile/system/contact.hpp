@@ -105,6 +105,7 @@ class Contact {
  private:
   void check_room(const mesh::SurfaceMesh& mesh) const;
   [[nodiscard]] int body(const std::string& name) const;
+  void cover(const std::vector<Vec3>& from, const std::vector<Vec3>& to);
   void fill_positions(Vec a, std::vector<Vec3>& x) const;
   void place_obstacles(double time, std::vector<Vec3>& x, std::vector<contact::Plane>& planes) const;
   [[nodiscard]] Vec3 displacement(int body, const Vec3& place) const;
