@@ -9,6 +9,7 @@
 #include <array>
 
 #include "voile/io/gmsh.hpp"
+#include "voile/io/intersections.hpp"
 #include "voile/io/results.hpp"
 
 namespace voile::app {
@@ -39,9 +40,10 @@ std::string version_text() {
       "METIS {}.{}.{}\n"
       "HDF5  {}\n"
       "Gmsh  {}\n"
+      "CGAL  {}\n"
       "MPI   {}\n",
       VOILE_VERSION, petsc_version(), MUMPS_VERSION, METIS_VER_MAJOR, METIS_VER_MINOR, METIS_VER_SUBMINOR,
-      io::hdf5_version(), io::gmsh_version(), mpi_version());
+      io::hdf5_version(), io::gmsh_version(), io::cgal_version(), mpi_version());
 }
 
 }  // namespace voile::app

@@ -439,9 +439,9 @@ def killed(report):
 
 # ----------------------------------------------------------------------------------------------------------- draping
 
-def drape_script(name):
+def drape_script(name, folder="drape"):
     """A script of runs/drape as a module; the cases of the tests are the ones it documents."""
-    loader = importlib.machinery.SourceFileLoader(f"drape_{name}", str(ROOT / "runs" / "drape" / name))
+    loader = importlib.machinery.SourceFileLoader(f"{folder}_{name}", str(ROOT / "runs" / folder / name))
     module = importlib.util.module_from_spec(importlib.util.spec_from_loader(loader.name, loader))
     loader.exec_module(module)
     return module
@@ -523,6 +523,83 @@ def release(report):
     solve("release_until", variant(case, {"time.end": 0.02}), 1)
     again = solve("release_again", case, 1, ["--restart", OUT / "release_until" / "checkpoint.h5"])
     report.below(script.difference(whole, again), 1e-10, "restart at the moment of release: difference")
+
+
+# ----------------------------------------------------------------------------------------------------------- contact
+
+@test
+def contact_exact(report):
+    """Touchdown on a floor, wrap of a drum and a slope against exact answers: 0.5 %, the wrap 2 % (tight drum)."""
+    script = drape_script("exact", "contact")
+    script.FOLDER = OUT / "contact_exact"
+    script.FOLDER.mkdir(parents=True, exist_ok=True)
+    for name, rows, limit in (("touchdown", 15, 0.5), ("drum", 18, 0.5), ("slope", 3, 0.5)):
+        found = getattr(script, name)()
+        report.check(len(found) == rows, f"{name}: {len(found)} of {rows} figures")
+        for _, case, what, computed, exact, error in found:
+            if error != "-":
+                report.below(float(error), 2.0 if case.startswith("r = 0.5") else limit, f"{name}, {case}, {what}: error in %")
+            else:
+                report.below(float(computed), 2e-3, f"{name}, {case}, {what}")
+
+
+def sheet_on_ball(**changes):
+    return variant(load_case(ROOT / "runs" / "contact" / "ball" / "case.toml"), {
+        "mesh.parameters.n": 20, "contact.distance": 2e-3, "time.end": 0.25, **{k.replace("__", "."): v for k, v in changes.items()}})
+
+
+@test
+def contact_ball(report):
+    """A sheet falls on a ball: the same contacts and path on 1 and 2 ranks, no intersection, never a gap closed."""
+    one, two = (solve(f"contact_ball_{n}", sheet_on_ball(), n) for n in (1, 2))
+    for n, result in ((1, one), (2, two)):
+        h = result.history
+        report.check(sum(h["intersections"]) == 0, f"{n} rank(s): no intersection in {len(h['time'])} states")
+        report.check(min(h["smallest_gap"]) > 0, f"{n} rank(s): smallest gap {min(h['smallest_gap']):.3g} m")
+        report.check(max(h["contact_pairs"]) > 20, f"{n} rank(s): up to {max(h['contact_pairs']):.0f} contacts")
+    same = min(len(one.history["time"]), len(two.history["time"]), 12)
+    report.check(list(one.history["contact_pairs"][:same]) == list(two.history["contact_pairs"][:same]),
+                 f"the same number of contacts in the first {same} states")
+    report.below(np.max(np.abs(one.history["corner_z"][:same] - two.history["corner_z"][:same])), 1e-6, "corner, difference [m]")
+
+
+@test
+def contact_starts(report):
+    """A start that intersects is reported in full; what ignores each other may; a missing obstacle file is a user's error."""
+    case = sheet_on_ball(time__end=0.02)
+    case["obstacle"][0]["point"] = [0.5, 0.5, -0.2]
+    result = run(write_case(case, OUT / "contact_start.toml"), OUT / "contact_start")
+    report.check(result.code == 2 and "sheet and ball" in result.text, f"exit code {result.code}: {result.text.strip()[-200:]}")
+    report.check((OUT / "contact_start" / "intersections.vtk").is_file(), "the triangles are in intersections.vtk")
+    case["contact_rule"] = [{"first": "sheet", "second": "ball", "ignore": True}]
+    case["contact"]["check"] = True
+    ignored = run(write_case(case, OUT / "contact_ignored.toml"), OUT / "contact_ignored")
+    report.check(ignored.code == 0, f"ignored: exit code {ignored.code}")
+    case["obstacle"] = [{"name": "body", "type": "mesh", "file": "nobody.obj"}]
+    case["contact_rule"] = []
+    missing = run(write_case(case, OUT / "contact_missing.toml"), OUT / "contact_missing", 2)
+    report.check(missing.code == 2 and "nobody.obj" in missing.text, f"missing file: exit code {missing.code}")
+
+
+@test
+def contact_frames(report):
+    """A tetrahedron that rises by key frames lifts a sheet off a floor, and takes it along without piercing it."""
+    folder = OUT / "contact_frames"
+    folder.mkdir(parents=True, exist_ok=True)
+    corners = np.array([[0.35, 0.35, -0.3], [0.65, 0.35, -0.3], [0.5, 0.65, -0.3], [0.5, 0.45, -0.05]])
+    for frame in range(6):
+        lines = [f"v {x:.9g} {y:.9g} {z + 0.1 * frame:.9g}" for x, y, z in corners]
+        lines += ["f 1 3 2", "f 1 2 4", "f 2 3 4", "f 3 1 4"]
+        (folder / f"spike_{frame:04d}.obj").write_text("\n".join(lines) + "\n")
+    case = sheet_on_ball(time__end=0.2, contact__distance=4e-3)
+    case["obstacle"] = [{"name": "spike", "type": "mesh", "file": str(folder / "spike_0000.obj"),
+                         "frames": str(folder / "spike_%04d.obj"), "frames_per_second": 25, "friction": 0.3}]
+    result = solve("contact_frames_run", case, 2)
+    h = result.history
+    report.check(sum(h["intersections"]) == 0, f"no intersection in {len(h['time'])} states")
+    tip = -0.05 + 0.1 * 0.2 * 25
+    top = (result.displacement()[:, 2]).max()
+    report.check(top > tip - 0.02, f"the sheet reaches {top:.3f} m, the tip {tip:.3f} m")
 
 
 def main():
