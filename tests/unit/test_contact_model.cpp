@@ -256,3 +256,18 @@ TEST_CASE("contact refuses a distance too large for the mesh and unknown names")
   in.contact.rules = {{"floor", "celling", {}, true}};
   CHECK(message(in).find("celling") != std::string::npos);
 }
+
+TEST_CASE("the energy of two parallel sheets hardly depends on their meshes") {
+  // Half of kappa b(g) per area comes from the points of each side, the rest from edges that cross.
+  const double gap = 0.01, distance = 0.02, exact = 1e4 * contact::barrier(gap, distance).value;
+  double least = 1e9, most = 0.0;
+  for (const int cells : {6, 9, 14}) {
+    Problem p(sheets(2, cells, gap), input({}, distance));
+    const double ratio = p.model.contact()->energy(p.u) / (0.97 * 0.98 * exact);
+    least = std::min(least, ratio);
+    most = std::max(most, ratio);
+  }
+  CHECK(least > 2.0);
+  CHECK(most < 3.0);
+  CHECK(most < 1.1 * least);
+}
