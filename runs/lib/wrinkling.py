@@ -10,7 +10,7 @@ from curves import Table
 from solver import ROOT
 
 REFERENCE = {0.5: (1526.7, 4), 0.6: (3884.9, 5), 0.75: (28954.0, 8)}  # a/R: P_c, waves
-POISSON, THICKNESS, YOUNG = 0.3, 1e-3, 1e9
+POISSON, THICKNESS, YOUNG, DENSITY = 0.3, 1e-3, 1e9, 1000.0
 CELLS = {0.5: 32, 0.6: 36, 0.75: 60}  # edges along a quarter of the circumference
 
 
@@ -23,7 +23,7 @@ def plate_case(inner, factor, cells, pattern):
         "mesh": {"file": str(ROOT / "meshes" / "disc.geo"),
                  "parameters": {"radius": 1.0, "inner_radius": inner, "n": cells, "pattern": PATTERNS[pattern],
                                 "hole": 1}},
-        "material": [{"type": "isotropic", "young": YOUNG, "poisson": POISSON, "thickness": THICKNESS, "density": 1000.0}],
+        "material": [{"type": "isotropic", "young": YOUNG, "poisson": POISSON, "thickness": THICKNESS, "density": DENSITY}],
         "support": [{"type": "clamped", "group": "inner_edge"}],
         "load": [{"type": "area", "vector": [0, 0, -weight]}],
         "steps": {"fallback": False},
