@@ -117,6 +117,18 @@ PetscErrorCode predict(TS ts, PetscBool* possible) {
   PetscFunctionReturn(0);
 }
 
+/// After a rejection, with the next size set: ends the run after too many, or when the step has become too small.
+PetscErrorCode count_rejection(TS ts, PetscInt* rejections) {
+  PetscReal least = 0.0;
+  PetscFunctionBeginUser;
+  PetscCall(TSAdaptGetStepLimits(ts->adapt, &least, nullptr));
+  ts->reject++;
+  if (ts->reason) PetscFunctionReturn(0);
+  const PetscBool many = (++*rejections > ts->max_reject && ts->max_reject >= 0) ? PETSC_TRUE : PETSC_FALSE;
+  if (many || ts->time_step < least * (1.0 - 1e-12)) ts->reason = TS_DIVERGED_STEP_REJECTED;
+  PetscFunctionReturn(0);
+}
+
 PetscErrorCode step(TS ts) {
   Alpha& th = data(ts);
   PetscInt rejections = 0;
@@ -139,8 +151,7 @@ PetscErrorCode step(TS ts) {
     PetscCall(predict(ts, &possible));
     if (!possible) {
       ts->time_step *= blocked_step_factor;
-      ts->reject++;
-      if (++rejections > ts->max_reject && ts->max_reject >= 0) ts->reason = TS_DIVERGED_STEP_REJECTED;
+      PetscCall(count_rejection(ts, &rejections));
       continue;
     }
     PetscInt its = 0, lits = 0;
@@ -165,8 +176,7 @@ PetscErrorCode step(TS ts) {
       }
     }
     if (accepted) break;
-    ts->reject++;
-    if (!ts->reason && ++rejections > ts->max_reject && ts->max_reject >= 0) ts->reason = TS_DIVERGED_STEP_REJECTED;
+    PetscCall(count_rejection(ts, &rejections));
   }
   if (accepted) {
     ts->ptime += ts->time_step;
