@@ -142,7 +142,7 @@ def fill(axes, case, surface, t, view, limits, floor, cut, pixels):
     low, high = seen.min(axis=0), seen.max(axis=0)
     image = paint(camera, corners, face, low, high, 2 * pixels)
     axes.imshow(image, origin="lower", extent=(low[0], high[0], low[1], high[1]), interpolation="antialiased")
-    axes.set_title(f"t = {t:.3g} s")
+    axes.set_title(f"t = {t:.3g} s", pad=3)
     axes.set_axis_off()
 
 
