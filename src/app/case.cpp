@@ -277,14 +277,18 @@ void read_contact(const CaseReader& reader, Case& c) {
   if (!c.contact.input.active) return;
   if (c.analysis != "static" && c.analysis != "dynamic" && c.analysis != "drape")
     place.fail("", fmt::format("there is no contact with analysis = \"{}\"", c.analysis));
-  if (c.time.options.method == solve::TimeOptions::Method::central_difference)
-    place.fail("", "there is no contact with method = \"central_difference\"");
   if (c.analysis == "static" && c.steps.control != solve::StaticOptions::Control::load)
     place.fail("", "contact in a static path needs control = \"load\"");
 }
 
 void check_time(const SectionPlace& place, Case& c) {
   solve::TimeOptions& o = c.time.options;
+  // Contact makes long iterations at every step size: smaller steps would not make them shorter.
+  if (c.contact.input.active && !place.has("target_iterations")) o.target_iterations = 25;
+  if (c.contact.input.active && o.method == solve::TimeOptions::Method::central_difference)
+    place.fail("method", "there is no contact with \"central_difference\"; choose \"alpha\"");
+  if (c.contact.input.active && !o.forces_at_end)
+    place.fail("forces_at_end", "contact needs forces at the end of the step; remove the key");
   if (o.max_step > 0.0 && o.max_step < o.step)
     place.fail("max_step", fmt::format("{}: must not be smaller than step = {}", o.max_step, o.step));
   if (o.min_step > o.step)
@@ -319,6 +323,7 @@ Case parse_case(const std::string& text, const std::filesystem::path& file) {
   const SectionPlace steps = reader.read("steps", 0, keys_of(c.steps));
   check_steps(steps, c.steps);
   reader.read("eigen", 0, keys_of(c.eigen));
+  read_contact(reader, c);
   check_time(reader.read("time", 0, keys_of(c.time, c.dynamics.mass)), c);
   reader.read("damping", 0, damping_keys(c.dynamics));
   reader.read("air", 0, keys_of(c.dynamics.drag));
@@ -326,7 +331,6 @@ Case parse_case(const std::string& text, const std::filesystem::path& file) {
   read_all(reader, "probe", c.probes,
            [&](const SectionPlace& place, const Probe& probe) { check_probe(place, probe, c.probes); });
   check_control(steps, c.steps, c.probes);
-  read_contact(reader, c);
   reader.read("output", 0, keys_of(c.output));
   check_petsc(reader.read("petsc", 0, petsc_keys(c)), c.petsc_options);
   return c;

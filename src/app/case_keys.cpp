@@ -506,14 +506,17 @@ std::vector<Key> keys_of(TimeSection& s, system::Mass& mass) {
        .range = not_negative},
       {.name = "radius",
        .slot = &o.radius,
-       .meaning = "Spectral radius at infinite frequency: 1 no numerical dissipation, 0 the most.",
+       .meaning =
+           "Spectral radius at infinite frequency: 1 no numerical dissipation, 0 the most. With contact not more than "
+           "0.5: impacts can feed energy into what is hardly damped.",
        .range = {0, 1}},
       {.name = "forces_at_end",
        .slot = &o.forces_at_end,
        .meaning = "Take forces at the end of the step (Wood-Bossak-Zienkiewicz) instead of within it (Chung-Hulbert)."},
       {.name = "target_iterations",
        .slot = &o.target_iterations,
-       .meaning = "A step that needs more iterations makes the next one smaller.",
+       .meaning =
+           "A step that needs more iterations makes the next one smaller. With contact 25 if this key is not given.",
        .range = {1}},
       {.name = "velocity_tolerance",
        .slot = &o.velocity_tolerance,

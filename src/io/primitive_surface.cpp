@@ -65,8 +65,6 @@ std::vector<Vec2> capsule_circles(double length, double radius, int n) {
   }
   if (length > 0.0) {
     circles.back()[0] = 0.0;
-    const int pieces = static_cast<int>(std::clamp(std::round(length * n / (2.0 * pi * radius)), 1.0, 100.0 * n));
-    for (int k = 1; k < pieces; ++k) circles.emplace_back(length * k / pieces, radius);
     circles.emplace_back(length, radius);
   }
   for (int k = n / 4 - 1; k >= 1; --k) {

@@ -13,7 +13,8 @@ namespace {
 double round_off_of(const system::Model& model) {
   const double cell = model.total_area() / model.mesh().triangle_count();
   double stiffness = 0.0, distance = model.mesh().extent();
-  for (const energy::Material& m : model.sheet().materials()) stiffness = std::max(stiffness, m.membrane.norm() + m.bending.norm() / cell);
+  for (const energy::Material& m : model.sheet().materials())
+    stiffness = std::max(stiffness, m.membrane.norm() + m.bending.norm() / cell);
   for (const Vec3& x : model.mesh().positions()) distance = std::max(distance, x.norm());
   return std::numeric_limits<double>::epsilon() * stiffness * distance *
          std::sqrt(static_cast<double>(model.unknowns()));

@@ -394,6 +394,11 @@ TimeResult TimeIntegration::run(const TimeState& from) {
     SNES snes = nullptr;
     VOILE_PETSC(TSGetSNES(n.ts, &snes));
     n.test.read(snes);
+    if (n.model.contact() && n.options.radius > 0.5 && n.remark)
+      n.remark(
+          fmt::format("warning: radius = {:g} with contact: impacts can feed energy into what is hardly damped; 0.5 "
+                      "or less is safe",
+                      n.options.radius));
     if (from.acceleration) set_acceleration(n.ts, from.acceleration);
   } else {
     if (n.dynamics.options().mass == system::Mass::consistent)

@@ -185,7 +185,9 @@ void ContactSet::hessian(const std::vector<Vec3>& x, bool positive, Emit&& emit)
     const Vec2 r = s.tangents.transpose() * slip_of(s, x);
     const double y = r.norm();
     Mat2 k;
-    if (y >= slip_)
+    if (positive)  // the secant: the true second derivative lets what slips overshoot and stick again
+      k = (y >= slip_ ? 1.0 / y : 2.0 / slip_ - y / (slip_ * slip_)) * Mat2::Identity();
+    else if (y >= slip_)
       k = (Mat2::Identity() - r * r.transpose() / (y * y)) / y;
     else
       k = (2.0 / slip_ - y / (slip_ * slip_)) * Mat2::Identity() -

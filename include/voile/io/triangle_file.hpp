@@ -36,8 +36,8 @@ struct TriangleSoup {
 [[nodiscard]] TriangleSoup sphere_surface(const Vec3& centre, double radius, int refinement);
 
 /// A capsule (all points at the distance r from the segment a b), inscribed up to round-off: n = 8 x 2^refinement
-/// (0 to 7) corners around the axis, n/4 rings on each hemisphere, the cylinder divided into pieces about as long as
-/// wide (100 n at most). Closed, normals outwards. a = b gives a sphere. Not collective. Throws as sphere_surface does.
+/// (0 to 7) corners around the axis, n/4 rings on each hemisphere, the cylinder in between of triangles as long as it.
+/// Closed, normals outwards. a = b gives a sphere. Not collective. Throws as sphere_surface does.
 [[nodiscard]] TriangleSoup capsule_surface(const Vec3& a, const Vec3& b, double radius, int refinement);
 
 }  // namespace voile::io
