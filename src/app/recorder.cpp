@@ -90,7 +90,8 @@ std::vector<std::string> Recorder::columns() const {
                                      "residual",    "negative_pivots", "critical",          "critical_load_factor",
                                      "wall_seconds"};
   if (case_.contact.input.active)
-    for (const char* name : {"contact_pairs", "smallest_gap", "cut_short", "intersections"}) names.emplace_back(name);
+    for (const char* name : {"contact_pairs", "smallest_gap", "cut_short", "shortest_iteration", "intersections"})
+      names.emplace_back(name);
   for (std::size_t p = 0; p < probes_.size(); ++p) {
     if (case_.probes[p].kind == Probe::Kind::energy)
       for (const char* part : {"membrane", "bending", "external"})
@@ -137,10 +138,11 @@ long Recorder::count_intersections(Vec a) const {
   return 0;
 }
 
-std::string Recorder::contact_note(const Snapshot& s, int cut_short) const {
+std::string Recorder::contact_note(const Snapshot& s, const ContactEffort& effort) const {
   if (s.contact.pairs == 0) return "";
-  return fmt::format("  {} contacts, gap {:.3g} m{}", s.contact.pairs, s.contact.gap,
-                     cut_short > 0 ? fmt::format(", {} cut short", cut_short) : "");
+  return fmt::format(
+      "  {} contacts, gap {:.3g} m{}", s.contact.pairs, s.contact.gap,
+      effort.cut_short > 0 ? fmt::format(", {} cut short (to {:.2g})", effort.cut_short, effort.shortest) : "");
 }
 
 void Recorder::add_contact_fields(io::StepFields& step, Vec a) const {
@@ -170,7 +172,7 @@ void Recorder::record(const solve::StepReport& report, Vec a) {
                  static_cast<double>(n.factorisations), n.residual, static_cast<double>(n.negative_pivots),
                  report.critical ? static_cast<double>(report.critical->kind) : 0.0,
                  report.critical ? report.critical->load_factor : std::nan(""), wall_seconds()},
-                0, s);
+                {}, s);
   if (report.step % case_.output.every == 0 || report.last || report.mode) {
     io::StepFields step;
     step.step = report.step;
@@ -193,7 +195,7 @@ void Recorder::record(const solve::TimeReport& report, system::Dynamics& dynamic
       {static_cast<double>(at.step), at.time, report.taken, model_->load_factor(), static_cast<double>(n.iterations),
        static_cast<double>(n.factorisations), n.residual, static_cast<double>(n.negative_pivots),
        static_cast<double>(report.rejections), kinetic, wall_seconds()},
-      report.cut_short, s);
+      {report.cut_short, report.shortest}, s);
   const double end = case_.time.options.end_time;
   if (at.step % case_.output.every == 0 || at.time >= end * (1.0 - 1e-12)) {
     io::StepFields step{at.step, at.time, model_->load_factor(), {}};
@@ -204,10 +206,11 @@ void Recorder::record(const solve::TimeReport& report, system::Dynamics& dynamic
   if (root_ && options_.verbosity != Verbosity::quiet) print(report, kinetic, s);
 }
 
-void Recorder::write_history(std::vector<double> values, int cut_short, const Snapshot& s) {
+void Recorder::write_history(std::vector<double> values, const ContactEffort& effort, const Snapshot& s) {
   if (case_.contact.input.active)
-    values.insert(values.end(), {static_cast<double>(s.contact.pairs), s.contact.gap, static_cast<double>(cut_short),
-                                 static_cast<double>(s.intersections)});
+    values.insert(values.end(),
+                  {static_cast<double>(s.contact.pairs), s.contact.gap, static_cast<double>(effort.cut_short),
+                   effort.shortest, static_cast<double>(s.intersections)});
   mpi::on_root(model_->comm(), [&] {
     for (std::size_t p = 0; p < probes_.size(); ++p) {
       const Probe::Kind kind = case_.probes[p].kind;
@@ -248,7 +251,7 @@ void Recorder::print(const solve::TimeReport& report, double kinetic, const Snap
   if (report.taken == 0.0) return;  // the start
   const double elapsed = wall_seconds(), done = report.state.time / case_.time.options.end_time;
   std::string rejected = report.rejections > 0 ? fmt::format("  {} rejected", report.rejections) : "";
-  rejected += contact_note(s, report.cut_short);
+  rejected += contact_note(s, {report.cut_short, report.shortest});
   fmt::print("{:>6} {:>10.6g} {:>9.3g} {:>7} {:>10.2e} {:>10.3e} {:>9} {:>9}{}\n", report.state.step, report.state.time,
              report.taken, report.newton.iterations, report.newton.residual, kinetic, duration(elapsed),
              duration(elapsed / done - elapsed), rejected);
@@ -262,7 +265,7 @@ void Recorder::print(const solve::StepReport& report, const Snapshot& s) const {
       report.last || !(done > 0.0) || steps_.control != Control::load ? "-" : duration(elapsed / done - elapsed);
   const std::string pivots = report.newton.negative_pivots < 0 ? "-" : fmt::format("{}", report.newton.negative_pivots);
   std::string note = report.by_continuation ? "  by continuation" : "";
-  note += contact_note(s, 0);
+  note += contact_note(s, {});
   if (report.critical)
     note += fmt::format("  {} passed", solve::name(report.critical->kind));
   else if (report.newton.negative_pivots > 0)

@@ -46,12 +46,17 @@ class Recorder {
     system::ContactReport contact;
     long intersections = 0;
   };
+  /// How contact hindered the iterations of a step.
+  struct ContactEffort {
+    int cut_short = 0;
+    double shortest = 1.0;
+  };
   [[nodiscard]] Snapshot snapshot(Vec a);
   void write_fields(io::StepFields step, Vec a, const Snapshot& s);
-  void write_history(std::vector<double> values, int cut_short, const Snapshot& s);
+  void write_history(std::vector<double> values, const ContactEffort& effort, const Snapshot& s);
   void print(const solve::TimeReport& report, double kinetic, const Snapshot& s) const;
   void print(const solve::StepReport& report, const Snapshot& s) const;
-  [[nodiscard]] std::string contact_note(const Snapshot& s, int cut_short) const;
+  [[nodiscard]] std::string contact_note(const Snapshot& s, const ContactEffort& effort) const;
   void add_contact_fields(io::StepFields& step, Vec a) const;
   [[nodiscard]] long count_intersections(Vec a) const;
   [[nodiscard]] bool wants(const std::string& field) const;

@@ -47,6 +47,7 @@ struct TimeIntegration::Impl {
   double residual_before = 0.0, work = 0.0, rms = -1.0, length = 1.0, residual = 0.0;
   bool cut = false;  ///< contact did not let the last iteration go the whole way
   int cuts = 0;      ///< iterations of this step for which that holds
+  double shortest = 1.0;
   std::string obstruction;
   int positive_left = 0, spent_factorisations = 0, spent_rejections = 0, first_step = 0;
   bool explicit_method = false;
@@ -127,6 +128,7 @@ PetscErrorCode TimeIntegration::Impl::start_step(void* self, Vec x, Vec v, Petsc
     VOILE_PETSC(VecCopy(x, n.start));
     if (!n.model.contact()) n.positive_left = 0;
     n.cuts = 0;
+    n.shortest = 1.0;
   });
 }
 
@@ -224,6 +226,7 @@ void TimeIntegration::Impl::search(SNESLineSearch ls) {
       }
     }
   }
+  shortest = std::min(shortest, length);
   VOILE_PETSC(VecAXPY(x, -length, y));
   VOILE_PETSC(VecPointwiseMult(product, model.mass(), y));
   double square = 0.0, mass = 0.0;
@@ -445,6 +448,7 @@ void TimeIntegration::Impl::report(PetscInt step, PetscReal time) {
     PetscInt rejections = 0, iterations = 0;
     VOILE_PETSC(TSGetStepRejections(ts, &rejections));
     r.cut_short = cuts;
+    r.shortest = shortest;
     r.rejections = static_cast<int>(rejections) - spent_rejections;
     spent_rejections = static_cast<int>(rejections);
     r.newton.converged = true;

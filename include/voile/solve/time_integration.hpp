@@ -34,8 +34,9 @@ struct TimeReport {
   TimeState state;
   double taken = 0.0;  ///< size of the step [s]; 0 for the start
   NewtonResult newton;
-  int rejections = 0;  ///< attempts that failed before
-  int cut_short = 0;   ///< iterations that contact did not let go the whole way
+  int rejections = 0;     ///< attempts that failed before
+  int cut_short = 0;      ///< iterations that contact did not let go the whole way
+  double shortest = 1.0;  ///< share of its increment that the most hindered iteration went
 };
 
 struct TimeResult {
