@@ -52,32 +52,25 @@ bool ContactSet::counted(const std::array<Index, 4>& points) const {
   return lowest < surface_.sheet_points && owned_[lowest];
 }
 
-double ContactSet::safe_share(const std::vector<Vec3>& from, const std::vector<Vec3>& to,
-                              const std::vector<Plane>* planes_to, Pair* limiting) const {
+double ContactSet::safe_share(const std::vector<Vec3>& from, const std::vector<Vec3>& to) const {
   double share = 1.0;
-  const auto limit = [&](double s, const Pair& pair) {
-    if (s >= share) return;
-    share = s;
-    if (limiting) *limiting = pair;
-  };
   for (const Pair& pair : pairs_) {
     const std::array<Vec3, 4> x = gather(pair, from);
     std::array<Vec3, 4> p = gather(pair, to);
     for (int i = 0; i < 4; ++i) p[i] -= x[i];
-    limit(contact::safe_share(pair.kind, x, p, offset(pair), share), pair);
+    share = contact::safe_share(pair.kind, x, p, offset(pair), share);
   }
-  for (std::size_t k = 0; k < planes_.size(); ++k)
+  for (const Plane& p : planes_)
     for (Index i : own_points_) {
-      const Plane& p = planes_[k];
       if (!plane_acts(p, i)) continue;
-      const double gap = plane_gap(p, i, from), end = plane_gap(planes_to ? (*planes_to)[k] : p, i, to);
-      if (end < plane_kept * gap) limit((1.0 - plane_kept) * gap / (gap - end), plane_pair(p, i));
+      const double gap = plane_gap(p, i, from), end = plane_gap(p, i, to);
+      if (end < plane_kept * gap) share = std::min(share, (1.0 - plane_kept) * gap / (gap - end));
     }
   return share;
 }
 
 void ContactSet::blocked(const std::vector<Vec3>& from, const std::vector<Vec3>& to,
-                         const std::vector<Plane>* planes_to, const std::function<void(const Pair&)>& found) const {
+                         const std::vector<Plane>& planes_to, const std::function<void(const Pair&)>& found) const {
   const auto lost = [&](double before, double after) {
     return after < lost_share * std::min(before, options_.distance);
   };
@@ -93,8 +86,7 @@ void ContactSet::blocked(const std::vector<Vec3>& from, const std::vector<Vec3>&
   for (std::size_t k = 0; k < planes_.size(); ++k)
     for (Index i : own_points_) {
       const Plane& p = planes_[k];
-      if (plane_acts(p, i) && lost(plane_gap(p, i, from), plane_gap(planes_to ? (*planes_to)[k] : p, i, to)))
-        found(plane_pair(p, i));
+      if (plane_acts(p, i) && lost(plane_gap(p, i, from), plane_gap(planes_to[k], i, to))) found(plane_pair(p, i));
     }
 }
 
@@ -121,19 +113,18 @@ double ContactSet::energy(const std::vector<Vec3>& x) const {
   return sum;
 }
 
-bool ContactSet::pair_gradient(const Pair& pair, const Near& n, Vec12& g) const {
+void ContactSet::pair_gradient(const Pair& pair, const Near& n, Vec12& g) const {
   const Scalar2 b = barrier(n.gap, options_.distance);
   const Vec3 normal = n.closest.w / n.closest.distance;
   const double scale = options_.stiffness * pair.area;
   for (int i = 0; i < 4; ++i) g.segment<3>(3 * i) = scale * b.first * n.closest.c[i] * normal;
-  if (pair.mollify <= 0.0) return true;
-  Vec12 dx;
+  if (pair.mollify <= 0.0) return;
   const double x = cross_squared(n.x);
-  if (x >= pair.mollify) return true;
+  if (x >= pair.mollify) return;
+  Vec12 dx;
   (void)cross_squared(n.x, &dx);
   const Scalar2 m = mollifier(x, pair.mollify);
   g = m.value * g + scale * b.value * m.first * dx;
-  return true;
 }
 
 void ContactSet::pair_hessian(const Pair& pair, const Near& n, bool positive, Mat12& h) const {
@@ -166,7 +157,8 @@ void ContactSet::add_gradient(const std::vector<Vec3>& x, std::vector<Vec3>& f, 
   Vec12 g;
   if (part & normal) {
     for (const Pair& pair : pairs_) {
-      if (!near(pair, x, options_.distance, n) || !pair_gradient(pair, n, g)) continue;
+      if (!near(pair, x, options_.distance, n)) continue;
+      pair_gradient(pair, n, g);
       for (int i = 0; i < 4; ++i)
         if (pair.points[i] != no_index && surface_.is_sheet(pair.points[i])) f[pair.points[i]] += g.segment<3>(3 * i);
     }

@@ -321,7 +321,7 @@ bool Contact::make_way(Vec from, double t0, Vec to, double t1) {
     std::vector<double> count(force_.size(), 0.0);
     std::string hit;
     set_->planes() = planes;
-    set_->blocked(start, end, &planes_end, [&](const Pair& pair) {
+    set_->blocked(start, end, planes_end, [&](const Pair& pair) {
       if (hit.empty()) hit = words(pair);
       // An obstacle or a support takes the others along; of free parts none has the say.
       Vec3 obstacle = Vec3::Zero(), all = Vec3::Zero();

@@ -55,13 +55,11 @@ class ContactSet {
   bool cover(const std::vector<Vec3>& from, const std::vector<Vec3>& to);
   [[nodiscard]] const std::vector<Pair>& candidates() const { return pairs_; }
 
-  /// Share of the way from `from` to `to` that this rank's pairs may go. Planes move by `planes_to`, if given. The pair
-  /// that limits it goes to `limiting`.
-  [[nodiscard]] double safe_share(const std::vector<Vec3>& from, const std::vector<Vec3>& to,
-                                  const std::vector<Plane>* planes_to = nullptr, Pair* limiting = nullptr) const;
-  /// Every candidate that may not go the whole way or would lose more than half of its gap within the contact distance;
-  /// a plane as a pair of its point alone.
-  void blocked(const std::vector<Vec3>& from, const std::vector<Vec3>& to, const std::vector<Plane>* planes_to,
+  /// Share of the way from `from` to `to` that this rank's pairs may go, planes staying where they are.
+  [[nodiscard]] double safe_share(const std::vector<Vec3>& from, const std::vector<Vec3>& to) const;
+  /// Every candidate that may not go the whole way or would lose more than half of its gap within the contact distance,
+  /// while planes go to `planes_to`; a plane as a pair of its point alone.
+  void blocked(const std::vector<Vec3>& from, const std::vector<Vec3>& to, const std::vector<Plane>& planes_to,
                const std::function<void(const Pair&)>& found) const;
 
   /// Takes normal forces and directions of friction from positions x; slips count from `start`. `slip`: e [m].
@@ -77,7 +75,8 @@ class ContactSet {
   enum Part { normal = 1, friction = 2, both = 3 };
   /// Adds the derivative of the energy to f, per sheet point; right for own points only. [N]
   void add_gradient(const std::vector<Vec3>& x, std::vector<Vec3>& f, Part part = both) const;
-  /// Calls emit(point, point, block) for sheet points; `positive` drops negative eigenvalues pair by pair. [N/m]
+  /// Calls emit(point, point, block) for sheet points; `positive` drops negative eigenvalues pair by pair and takes
+  /// the secant of friction. [N/m]
   template <class Emit>
   void hessian(const std::vector<Vec3>& x, bool positive, Emit&& emit) const;
   /// Of this rank's pairs.
@@ -127,8 +126,8 @@ class ContactSet {
     return {{point, no_index, no_index, no_index}, PairKind::point_edge, surface_.body_of_point[point], p.body, 0, 0};
   }
   [[nodiscard]] bool counted(const std::array<Index, 4>& points) const;
-  /// Derivatives of kappa A m b of one pair; false if it does not act.
-  [[nodiscard]] bool pair_gradient(const Pair& pair, const Near& n, Vec12& g) const;
+  /// Derivatives of kappa A m b of one pair.
+  void pair_gradient(const Pair& pair, const Near& n, Vec12& g) const;
   void pair_hessian(const Pair& pair, const Near& n, bool positive, Mat12& h) const;
   [[nodiscard]] Vec3 slip_of(const Sliding& s, const std::vector<Vec3>& x) const;
   [[nodiscard]] bool near(const Pair& pair, const std::vector<Vec3>& x, double limit, Near& n) const {
