@@ -276,9 +276,12 @@ void read_contact(const CaseReader& reader, Case& c) {
   c.contact.input.active = place.line > 0 || !c.obstacles.empty() || !c.contact_rules.empty();
   if (!c.contact.input.active) return;
   if (c.analysis != "static" && c.analysis != "dynamic" && c.analysis != "drape")
-    place.fail("", fmt::format("there is no contact with analysis = \"{}\"", c.analysis));
+    throw UserError(
+        fmt::format("{}: [contact], [[obstacle]]: there is no contact with analysis = \"{}\"; remove the "
+                    "sections, or choose static, dynamic or drape",
+                    place.file, c.analysis));
   if (c.analysis == "static" && c.steps.control != solve::StaticOptions::Control::load)
-    place.fail("", "contact in a static path needs control = \"load\"");
+    throw UserError(fmt::format("{}: steps.control: contact in a static path needs \"load\"", place.file));
 }
 
 void check_time(const SectionPlace& place, Case& c) {

@@ -7,6 +7,7 @@
 #include <limits>
 #include <utility>
 
+#include "contact_way.hpp"
 #include "guarded.hpp"
 #include "voile/base/error.hpp"
 #include "voile/base/mpi.hpp"
@@ -17,8 +18,6 @@ namespace {
 
 /// Relative residual below which continuation uses the exact tangent, and below which it hands over to Newton.
 constexpr double exact_tangent_below = 1e-2, handover_below = 1e-4;
-/// With contact, an iteration moves no vertex by more than so many cells.
-constexpr double trusted_cells = 4.0;
 /// Slip below which friction is smoothed in a load step.
 constexpr double slip_in_cells = 1e-3;
 /// Rounds in which friction follows the normal forces, and the residual (of the forces) at which it does.
@@ -47,8 +46,6 @@ struct Newton::Impl {
   /// Shift at which the residual moves the fastest vertex by about one cell.
   [[nodiscard]] double first_shift();
   [[nodiscard]] double backtrack(Vec a, double longest, double energy, double slope, double& accepted_energy);
-  /// Share of the increment -y that contact lets state a take.
-  [[nodiscard]] double longest(Vec a, Vec y);
   [[nodiscard]] SNESConvergedReason judge(PetscInt iteration, double increment_norm, double residual_norm);
 
   static PetscErrorCode form_function(SNES, Vec a, Vec r, void* self);
@@ -90,7 +87,7 @@ PetscErrorCode Newton::Impl::converged(SNES, PetscInt it, PetscReal, PetscReal s
 PetscErrorCode Newton::Impl::before_line_search(SNESLineSearch, Vec a, Vec y, PetscBool* changed, void* self) {
   auto& n = *static_cast<Impl*>(self);
   return guarded(n.failure, [&] {
-    n.allowed = n.longest(a, y);
+    n.allowed = longest_share(n.model, a, y, n.trial);
     *changed = n.allowed < 1.0 ? PETSC_TRUE : PETSC_FALSE;
     if (*changed) VOILE_PETSC(VecScale(y, n.allowed));
   });
@@ -200,17 +197,6 @@ NewtonResult Newton::step(Vec a) {
 
 // ---- pseudo-transient continuation ---------------------------------------------------------------------------------
 
-double Newton::Impl::longest(Vec a, Vec y) {
-  if (!model.contact()) return 1.0;
-  const double cell = std::sqrt(model.total_area() / model.mesh().triangle_count());
-  double largest = 0.0;
-  VOILE_PETSC(VecNorm(y, NORM_INFINITY, &largest));
-  const double trusted = std::min(1.0, trusted_cells * cell / std::max(largest, 1e-300));
-  VOILE_PETSC(VecCopy(y, trial));
-  VOILE_PETSC(VecScale(trial, -trusted));
-  return trusted * model.contact()->safe_share(a, trial);
-}
-
 double Newton::Impl::backtrack(Vec a, double longest, double energy, double slope, double& accepted_energy) {
   for (double length = longest; length > 1e-4 * longest; length *= 0.5) {
     VOILE_PETSC(VecWAXPY(trial, -length, increment, a));
@@ -282,7 +268,7 @@ NewtonResult Newton::continuation(Vec a, int max_iterations) {
     VOILE_PETSC(VecDot(n.residual, n.increment, &slope));
     // Prescribed motion does work that the energy balance does not see: the first step then moves the supports in full.
     const bool moving = model.fixed_coupling() != nullptr;
-    const double allowed = n.longest(a, n.increment);
+    const double allowed = longest_share(model, a, n.increment, n.trial);
     length = potential && !moving ? n.backtrack(a, allowed, energy, slope, new_energy) : allowed;
     if (length == 0.0) {
       shift *= 8.0;

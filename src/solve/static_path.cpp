@@ -100,6 +100,18 @@ double StaticPath::next_target(double from, double step) const {
   return target;
 }
 
+namespace {
+
+/// From the accepted state to equilibrium at the model's load factor, friction included.
+NewtonResult settle(Newton& newton, Vec a, Vec accepted, bool by_continuation) {
+  const auto solve = [&] { return by_continuation ? newton.continuation(a) : newton.step(a); };
+  VOILE_PETSC(VecCopy(accepted, a));
+  newton.start_friction(accepted);
+  return newton.settle_friction(a, solve(), solve);
+}
+
+}  // namespace
+
 PathResult StaticPath::run(Vec a, const PathStart& start) {
   Newton newton(model_);
   PathResult result;
@@ -121,16 +133,13 @@ PathResult StaticPath::run(Vec a, const PathStart& start) {
     }
     const double target = next_target(factor, step), taken = std::abs(target - factor);
     model_.set_load_factor(target);
-    newton.start_friction(accepted);
-    NewtonResult n = newton.settle_friction(a, newton.step(a), [&] { return newton.step(a); });
+    NewtonResult n = settle(newton, a, accepted, false);
     tally(n);
     bool by_continuation = false;
     if (!n.converged && options_.fallback && halvings == halvings_before_continuation) {
       remark(fmt::format("load factor {:.6g}: {} after {} iterations; trying pseudo-transient continuation", target,
                          n.reason, n.iterations));
-      VOILE_PETSC(VecCopy(accepted, a));
-      newton.start_friction(accepted);
-      n = newton.settle_friction(a, newton.continuation(a), [&] { return newton.continuation(a); });
+      n = settle(newton, a, accepted, true);
       tally(n);
       by_continuation = true;
     }

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "contact_way.hpp"
 #include "guarded.hpp"
 #include "voile/base/error.hpp"
 #include "voile/base/mpi.hpp"
@@ -24,8 +25,6 @@ constexpr const char* adapt_type = "voile";
 constexpr double sufficient_decrease = 1e-4, shortest_length = 1e-6;
 /// Relative size at which a change of the energy is lost in its round-off.
 constexpr double energy_round_off = 1e-12;
-/// With contact, an iteration moves no vertex by more than so many cells.
-constexpr double trusted_cells = 4.0;
 /// After an indefinite tangent so many positive ones are taken before the exact one is tried again. A sheet in contact
 /// is full of wrinkles about to form, and the positive tangent is as good there.
 constexpr int positive_tangents = 4, positive_tangents_in_contact = 40;
@@ -62,7 +61,6 @@ struct TimeIntegration::Impl {
   void create_snes();
   void set_explicit_step(Vec u);
   [[nodiscard]] double objective(Vec x);
-  [[nodiscard]] double longest(Vec x, Vec y);
   [[nodiscard]] bool clear_way(double t0, Vec x0, double t1, Vec x1);
   void search(SNESLineSearch line_search);
   [[nodiscard]] SNESConvergedReason judge(SNES snes, PetscInt it, double increment, double norm);
@@ -175,20 +173,6 @@ PetscErrorCode TimeIntegration::Impl::clear(void* self, PetscReal t0, Vec x0, Pe
   return guarded(n.failure, [&] { *possible = n.clear_way(t0, x0, t1, x1) ? PETSC_TRUE : PETSC_FALSE; });
 }
 
-/// Share of the increment -y that an iteration may take.
-double TimeIntegration::Impl::longest(Vec x, Vec y) {
-  system::Contact* contact = model.contact();
-  if (!contact) return 1.0;
-  // Very long increments are far from the truth, and expensive to look for collisions along.
-  const double cell = std::sqrt(model.total_area() / model.mesh().triangle_count());
-  double largest = 0.0;
-  VOILE_PETSC(VecNorm(y, NORM_INFINITY, &largest));
-  const double trusted = std::min(1.0, trusted_cells * cell / std::max(largest, 1e-300));
-  VOILE_PETSC(VecCopy(y, trial));
-  VOILE_PETSC(VecScale(trial, -trusted));
-  return trusted * contact->safe_share(x, trial);
-}
-
 double TimeIntegration::Impl::objective(Vec x) {
   const AlphaStage s = alpha_stage(ts, x);
   return dynamics.energy(s.x, s.v, s.a, s.s_v, s.s_a) / (s.a_f * s.a_f);
@@ -204,7 +188,7 @@ void TimeIntegration::Impl::search(SNESLineSearch ls) {
   VOILE_PETSC(VecDot(f, y, &slope));
   VOILE_PETSC(VecNorm(f, NORM_2, &norm));
   work = slope;
-  length = longest(x, y);
+  length = longest_share(model, x, y, trial);
   cut = length < 1.0;
   cuts += cut ? 1 : 0;
   if (model.symmetric()) {

@@ -34,6 +34,39 @@ struct RigidMap {
   }
 };
 
+/// Parts of the sheet that rules name, then the obstacles.
+struct Bodies {
+  std::vector<contact::Body> list;
+  std::size_t sheets = 0;
+  std::vector<int> of_triangle;
+};
+
+Bodies make_bodies(const mesh::SurfaceMesh& mesh, const ContactInput& input) {
+  Bodies b{{{"sheet", input.thickness}}, 0, std::vector<int>(static_cast<std::size_t>(mesh.triangle_count()), 0)};
+  const auto named = [](const std::string& name) { return [&name](const auto& x) { return x.name == name; }; };
+  for (const ContactRule& r : input.rules)
+    for (const std::string* name : {&r.first, &r.second}) {
+      if (std::any_of(input.obstacles.begin(), input.obstacles.end(), named(*name)) ||
+          std::any_of(b.list.begin(), b.list.end(), named(*name)))
+        continue;
+      if (!mesh.has_group(*name))
+        throw UserError(fmt::format("[[contact_rule]]: there is no obstacle or physical surface '{}'", *name));
+      for (Index t : mesh.group(*name, 2).triangles) b.of_triangle[t] = static_cast<int>(b.list.size());
+      b.list.push_back({*name, input.thickness});
+    }
+  b.sheets = b.list.size();
+  for (const Obstacle& o : input.obstacles) b.list.push_back({o.name, o.thickness + 2.0 * o.radius});
+  return b;
+}
+
+void set_general_rules(const ContactInput& input, std::size_t sheets, contact::Surface& s) {
+  for (std::size_t i = 0; i < s.bodies.size(); ++i)
+    for (std::size_t j = 0; j < s.bodies.size(); ++j)
+      s.rules[i][j] = i < sheets && j < sheets
+                          ? contact::Rule{input.self, input.friction}
+                          : contact::Rule{i < sheets || j < sheets, input.obstacles[std::max(i, j) - sheets].friction};
+}
+
 }  // namespace
 
 Contact::Contact(MPI_Comm comm, const mesh::SurfaceMesh& mesh, const mesh::Partition& partition,
@@ -52,28 +85,10 @@ Contact::Contact(MPI_Comm comm, const mesh::SurfaceMesh& mesh, const mesh::Parti
   }
   check_room(mesh);
 
-  std::vector<contact::Body> bodies{{"sheet", input_.thickness}};
-  std::vector<int> body_of_triangle(static_cast<std::size_t>(mesh.triangle_count()), 0);
-  const auto is_obstacle = [&](const std::string& name) {
-    return std::any_of(input_.obstacles.begin(), input_.obstacles.end(),
-                       [&](const Obstacle& o) { return o.name == name; });
-  };
-  const auto add_group = [&](const std::string& name) {
-    if (is_obstacle(name) || std::any_of(bodies.begin(), bodies.end(), [&](const auto& b) { return b.name == name; }))
-      return;
-    for (Index t : mesh.group(name, 2).triangles) body_of_triangle[t] = static_cast<int>(bodies.size());
-    bodies.push_back({name, input_.thickness});
-  };
-  for (const ContactRule& r : input_.rules) {
-    add_group(r.first);
-    add_group(r.second);
-  }
-  const std::size_t sheets = bodies.size();
-  for (const Obstacle& o : input_.obstacles) {
-    body_of_obstacle_.push_back(static_cast<int>(bodies.size()));
-    bodies.push_back({o.name, o.thickness + 2.0 * o.radius});
-  }
-  contact::Surface surface = contact::make_surface(mesh, std::move(bodies), body_of_triangle);
+  Bodies bodies = make_bodies(mesh, input_);
+  const std::size_t sheets = bodies.sheets;
+  for (std::size_t k = 0; k < input_.obstacles.size(); ++k) body_of_obstacle_.push_back(static_cast<int>(sheets + k));
+  contact::Surface surface = contact::make_surface(mesh, std::move(bodies.list), bodies.of_triangle);
   std::vector<Plane> planes;
   for (std::size_t k = 0; k < input_.obstacles.size(); ++k) {
     const Obstacle& o = input_.obstacles[k];
@@ -86,14 +101,7 @@ Contact::Contact(MPI_Comm comm, const mesh::SurfaceMesh& mesh, const mesh::Parti
           surface, body, o.points, o.triangles,
           o.shape == Obstacle::Shape::capsule ? std::vector<mesh::Segment>{{0, 1}} : std::vector<mesh::Segment>{});
   }
-  for (std::size_t i = 0; i < surface.bodies.size(); ++i)
-    for (std::size_t j = 0; j < surface.bodies.size(); ++j) {
-      contact::Rule& rule = surface.rules[i][j];
-      if (i < sheets && j < sheets)
-        rule = {input_.self, input_.friction};
-      else
-        rule = {i < sheets || j < sheets, input_.obstacles[std::max(i, j) - sheets].friction};
-    }
+  set_general_rules(input_, sheets, surface);
   set_ = std::make_unique<ContactSet>(std::move(surface), std::move(planes), input_.options, [&] {
     std::vector<char> owned(static_cast<std::size_t>(mesh.vertex_count()));
     for (std::size_t v = 0; v < owned.size(); ++v) owned[v] = partition.vertex_rank[v] == rank;
@@ -140,7 +148,7 @@ void Contact::check_room(const mesh::SurfaceMesh& mesh) const {
 int Contact::body(const std::string& name) const {
   const auto& bodies = set_->surface().bodies;
   const auto at = std::find_if(bodies.begin(), bodies.end(), [&](const contact::Body& b) { return b.name == name; });
-  if (at == bodies.end()) throw UserError(fmt::format("[[contact_rule]]: there is no obstacle or surface '{}'", name));
+  if (at == bodies.end()) throw InternalError("a contact rule names no body");
   return static_cast<int>(at - bodies.begin());
 }
 

@@ -559,7 +559,7 @@ def contact_ball(report):
         report.check(max(h["contact_pairs"]) > 20, f"{n} rank(s): up to {max(h['contact_pairs']):.0f} contacts")
     same = min(len(one.history["time"]), len(two.history["time"]), 12)
     report.check(list(one.history["contact_pairs"][:same]) == list(two.history["contact_pairs"][:same]),
-                 f"the same number of contacts in the first {same} states")
+                 f"the same number of contacts, {one.history['contact_pairs'][same - 1]:.0f} at last, in the first {same} states")
     report.below(np.max(np.abs(one.history["corner_z"][:same] - two.history["corner_z"][:same])), 1e-6, "corner, difference [m]")
 
 
@@ -578,6 +578,11 @@ def contact_starts(report):
     case["obstacle"] = [{"name": "body", "type": "mesh", "file": "nobody.obj"}]
     case["contact_rule"] = []
     missing = run(write_case(case, OUT / "contact_missing.toml"), OUT / "contact_missing", 2)
+    wrong = sheet_on_ball(contact_rule=[{"first": "ball", "second": "celling"}])
+    code, text = invoke(["check", write_case(wrong, OUT / "contact_wrong.toml")])
+    report.check(code == 2 and "'celling'" in text and "contact_rule" in text, f"a rule without a body: exit code {code}")
+    code, text = invoke(["check", write_case(sheet_on_ball(analysis="modal"), OUT / "contact_wrong.toml")])
+    report.check(code == 2 and "no contact with analysis" in text, f"contact in modal: exit code {code}: {text.strip()[-90:]}")
     report.check(missing.code == 2 and "nobody.obj" in missing.text, f"missing file: exit code {missing.code}")
 
 
