@@ -29,7 +29,8 @@ def measure(command, log, cwd=None, ranks=1, **variables):
 
 
 EVENTS = ("VoileBendAssemble", "VoileBendCopy", "VoileResidual", "VoileTangent", "MatCholFctrSym", "MatCholFctrNum",
-          "MatLUFactorSym", "MatLUFactorNum", "MatSolve", "VoileEnergy", "VoileOutput", "VoileContactFind", "VoileContactWay", "VoileContactTerm", "SNESSolve")
+          "MatLUFactorSym", "MatLUFactorNum", "MatSolve", "VoileFactorSingle", "VoileRefine", "VoileEnergy", "VoileOutput", "VoileContactFind", "VoileContactWay",
+          "VoileContactTerm", "SNESSolve")
 
 
 def read_log_view(text):

@@ -92,6 +92,20 @@ void sum_to_root(MPI_Comm comm, std::vector<double>& values) {
              MPI_DOUBLE, MPI_SUM, 0, comm);
 }
 
+std::vector<Index> gather_to_root(MPI_Comm comm, const std::vector<Index>& values) {
+  const int own = static_cast<int>(values.size()), ranks = size(comm);
+  std::vector<int> counts(static_cast<std::size_t>(ranks)), starts(counts.size() + 1, 0);
+  MPI_Gather(&own, 1, MPI_INT, counts.data(), 1, MPI_INT, 0, comm);
+  for (std::size_t r = 0; r < counts.size(); ++r) starts[r + 1] = starts[r] + counts[r];
+  std::vector<Index> all(rank(comm) == 0 ? static_cast<std::size_t>(starts.back()) : 0);
+  MPI_Gatherv(values.data(), own, MPI_INT32_T, all.data(), counts.data(), starts.data(), MPI_INT32_T, 0, comm);
+  return all;
+}
+
+int fortran_handle(MPI_Comm comm) {
+  return static_cast<int>(MPI_Comm_c2f(comm));
+}
+
 void on_root(MPI_Comm comm, const std::function<void()>& work) {
   std::string message;
   int failure = none;

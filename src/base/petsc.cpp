@@ -30,6 +30,8 @@ const Events& events() {
     add("VoileContactFind", e.contact_find);
     add("VoileContactWay", e.contact_way);
     add("VoileContactTerm", e.contact_term);
+    add("VoileFactorSingle", e.factor_single);
+    add("VoileRefine", e.refine);
     return e;
   }();
   return registered;

@@ -39,12 +39,24 @@ Closest closest(PairKind kind, const std::array<Vec3, 4>& x) {
   }
 }
 
+double axis_distance(PairKind kind, const std::array<Vec3, 4>& x) {
+  const int first = kind == PairKind::edge_edge ? 2 : 1, count = kind == PairKind::point_edge ? 3 : 4;
+  Vec3 low[2] = {x[0], x[first]}, high[2] = {x[0], x[first]};
+  for (int i = 1; i < count; ++i) {
+    Vec3 &l = low[i >= first], &h = high[i >= first];
+    l = l.cwiseMin(x[i]);
+    h = h.cwiseMax(x[i]);
+  }
+  return (low[0] - high[1]).cwiseMax(low[1] - high[0]).maxCoeff();
+}
+
 double safe_share(PairKind kind, std::array<Vec3, 4> x, std::array<Vec3, 4> p, double xi, double limit) {
   const int count = kind == PairKind::point_edge ? 3 : 4;
   Vec3 mean = Vec3::Zero();
   for (int i = 0; i < count; ++i) mean += p[i] / count;
   for (int i = 0; i < count; ++i) p[i] -= mean;
   const double speed = speed_bound(kind, p);
+  if (axis_distance(kind, x) - xi > speed * limit) return limit;
   double gap = closest(kind, x).distance - xi;
   double size = xi;
   for (int i = 1; i < count; ++i) size = std::max(size, (x[i] - x[0]).norm());

@@ -8,7 +8,7 @@ namespace voile::contact {
 namespace {
 
 /// Room that the boxes of candidates leave around the asked path, in contact distances.
-constexpr double slack = 1.0;
+constexpr double slack = 2.0;
 /// Share of the gap to a plane that a step leaves (as ccd.cpp for pairs).
 constexpr double plane_kept = 0.2;
 /// A first guess may lose this share of a gap, or of the contact distance.

@@ -22,7 +22,7 @@ struct Alpha {
   double a_m = 0, a_f = 0, gamma = 0, beta = 0;
   AlphaCallbacks callbacks;
   Vec x0 = nullptr, xa = nullptr, x1 = nullptr, v0 = nullptr, va = nullptr, v1 = nullptr, a0 = nullptr, aa = nullptr,
-      a1 = nullptr;
+      a1 = nullptr, best = nullptr;
   bool has_acceleration = false;  ///< a1 belongs to the current state
   bool starting = false;          ///< the SNES is solving for the first acceleration
   double start_scale = 0.0;
@@ -98,15 +98,15 @@ PetscErrorCode start_acceleration(TS ts) {
   PetscFunctionReturn(0);
 }
 
-/// First guess of a step; `possible` is false if nobody finds a place to start from, so that the step must be smaller.
-PetscErrorCode predict(TS ts, PetscBool* possible) {
+/// X1 of one kind of predictor, prescribed components set, the way there free; `possible` is false if there is none.
+PetscErrorCode guess(TS ts, Predictor predictor, PetscBool* possible) {
   Alpha& th = data(ts);
   const double h = ts->time_step;
   PetscFunctionBeginUser;
   *possible = PETSC_TRUE;
   PetscCall(VecCopy(th.x0, th.x1));
-  if (th.predictor != Predictor::position) PetscCall(VecAXPY(th.x1, h, th.v0));
-  if (th.predictor == Predictor::acceleration) PetscCall(VecAXPY(th.x1, 0.5 * h * h, th.a0));
+  if (predictor != Predictor::position) PetscCall(VecAXPY(th.x1, h, th.v0));
+  if (predictor == Predictor::acceleration) PetscCall(VecAXPY(th.x1, 0.5 * h * h, th.a0));
   if (!th.callbacks.enforce) PetscFunctionReturn(0);
   // Prescribed components of the stage are known: X1 = X0 + (Xa - X0)/a_f there.
   PetscCall(VecAXPBYPCZ(th.xa, 1.0 - th.a_f, th.a_f, 0.0, th.x0, th.x1));
@@ -114,6 +114,31 @@ PetscErrorCode predict(TS ts, PetscBool* possible) {
   PetscCall(VecAXPBYPCZ(th.x1, 1.0 - 1.0 / th.a_f, 1.0 / th.a_f, 0.0, th.x0, th.xa));
   if (th.callbacks.clear)
     PetscCall(th.callbacks.clear(th.callbacks.context, ts->ptime, th.x0, th.stage_time, th.x1, possible));
+  PetscFunctionReturn(0);
+}
+
+/// First guess of a step; `possible` is false if nobody finds a place to start from, so that the step must be smaller.
+/// With contact the motion gone on with may end in a wall: the guess of the least energy counts.
+PetscErrorCode predict(TS ts, PetscBool* possible) {
+  Alpha& th = data(ts);
+  PetscFunctionBeginUser;
+  PetscCall(guess(ts, th.predictor, possible));
+  if (!th.callbacks.energy) PetscFunctionReturn(0);
+  PetscReal least = 0.0;
+  if (*possible) PetscCall(th.callbacks.energy(th.callbacks.context, th.x1, &least));
+  for (int p = static_cast<int>(th.predictor) - 1; p >= 0; --p) {
+    PetscBool free = PETSC_FALSE;
+    PetscReal energy = 0.0;
+    PetscCall(VecCopy(th.x1, th.best));
+    PetscCall(guess(ts, static_cast<Predictor>(p), &free));
+    if (free) PetscCall(th.callbacks.energy(th.callbacks.context, th.x1, &energy));
+    if (!free || (*possible && !(energy < least))) {
+      PetscCall(VecCopy(th.best, th.x1));
+      continue;
+    }
+    least = energy;
+    *possible = PETSC_TRUE;
+  }
   PetscFunctionReturn(0);
 }
 
@@ -252,7 +277,7 @@ PetscErrorCode set_up(TS ts) {
     SETERRQ(PetscObjectComm(reinterpret_cast<PetscObject>(ts)), PETSC_ERR_ARG_WRONGSTATE,
             "TS2SetSolution must be called first");
   th.set_parameters();
-  for (Vec* v : {&th.x0, &th.xa, &th.x1, &th.v0, &th.va, &th.v1, &th.a0, &th.aa, &th.a1})
+  for (Vec* v : {&th.x0, &th.xa, &th.x1, &th.v0, &th.va, &th.v1, &th.a0, &th.aa, &th.a1, &th.best})
     if (!*v) PetscCall(VecDuplicate(ts->vec_sol, v));
   PetscCall(TSGetAdapt(ts, &ts->adapt));
   PetscCall(TSAdaptCandidatesClear(ts->adapt));
@@ -263,7 +288,8 @@ PetscErrorCode set_up(TS ts) {
 PetscErrorCode reset(TS ts) {
   Alpha& th = data(ts);
   PetscFunctionBeginUser;
-  for (Vec* v : {&th.x0, &th.xa, &th.x1, &th.v0, &th.va, &th.v1, &th.a0, &th.aa, &th.a1}) PetscCall(VecDestroy(v));
+  for (Vec* v : {&th.x0, &th.xa, &th.x1, &th.v0, &th.va, &th.v1, &th.a0, &th.aa, &th.a1, &th.best})
+    PetscCall(VecDestroy(v));
   th.has_acceleration = false;
   PetscFunctionReturn(0);
 }

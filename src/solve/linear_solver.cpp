@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "voile/solve/mixed_pc.hpp"
+
 namespace voile::solve {
 
 namespace {
@@ -13,23 +15,30 @@ constexpr int workspace_retries = 5;
 
 }  // namespace
 
-void LinearSolver::set_defaults(KSP ksp) {
+void LinearSolver::set_defaults(KSP ksp, Precision precision) {
+  register_mixed_pc();
   ksp_ = ksp;
   PC pc = nullptr;
   VOILE_PETSC(KSPSetType(ksp_, KSPPREONLY));
   VOILE_PETSC(KSPGetPC(ksp_, &pc));
-  VOILE_PETSC(PCSetType(pc, model_.symmetric() ? PCCHOLESKY : PCLU));
-  VOILE_PETSC(PCFactorSetMatSolverType(pc, MATSOLVERMUMPS));
+  if (model_.symmetric() && precision == Precision::mixed)
+    VOILE_PETSC(PCSetType(pc, mixed_pc_type));
+  else
+    VOILE_PETSC(PCSetType(pc, model_.symmetric() ? PCCHOLESKY : PCLU));
 }
 
 void LinearSolver::prepare() {
   PC pc = nullptr;
   VOILE_PETSC(KSPGetPC(ksp_, &pc));
-  PetscBool cholesky = PETSC_FALSE, lu = PETSC_FALSE, is_mumps = PETSC_FALSE, given = PETSC_FALSE;
+  PetscBool cholesky = PETSC_FALSE, lu = PETSC_FALSE, is_mumps = PETSC_FALSE, given = PETSC_FALSE, mixed = PETSC_FALSE;
   VOILE_PETSC(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(pc), PCCHOLESKY, &cholesky));
   VOILE_PETSC(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(pc), PCLU, &lu));
+  VOILE_PETSC(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(pc), mixed_pc_type, &mixed));
+  mixed_ = mixed;
   if (!cholesky && !lu) return;
   MatSolverType type = nullptr;
+  VOILE_PETSC(PCFactorGetMatSolverType(pc, &type));
+  if (!type) VOILE_PETSC(PCFactorSetMatSolverType(pc, MATSOLVERMUMPS));
   VOILE_PETSC(PCFactorGetMatSolverType(pc, &type));
   VOILE_PETSC(PetscStrcmp(type, MATSOLVERMUMPS, &is_mumps));
   mumps_ = is_mumps;
@@ -51,6 +60,11 @@ Mat LinearSolver::factor() const {
 }
 
 long LinearSolver::negative_pivots() const {
+  if (mixed_ && factorisations_ > 0) {
+    PC pc = nullptr;
+    VOILE_PETSC(KSPGetPC(ksp_, &pc));
+    return mixed_negative_pivots(pc);
+  }
   if (!mumps_ || !model_.symmetric() || factorisations_ == 0) return -1;
   PetscInt count = 0;
   VOILE_PETSC(MatMumpsGetInfog(factor(), mumps_negative_pivots, &count));

@@ -77,6 +77,7 @@ struct TimeIntegration::Impl {
   static PetscErrorCode start_step(void* self, Vec x, Vec v, PetscReal step);
   static PetscErrorCode enforce(void* self, PetscReal t, Vec stage);
   static PetscErrorCode clear(void* self, PetscReal t0, Vec x0, PetscReal t1, Vec x1, PetscBool* possible);
+  static PetscErrorCode energy(void* self, Vec x1, PetscReal* value);
   static PetscErrorCode accelerate(void* self, PetscReal t, Vec x, Vec v, Vec a);
   static PetscErrorCode line_search(SNESLineSearch ls, void* self);
   static PetscErrorCode converged(SNES, PetscInt it, PetscReal, PetscReal snorm, PetscReal fnorm,
@@ -171,6 +172,11 @@ PetscErrorCode TimeIntegration::Impl::clear(void* self, PetscReal t0, Vec x0, Pe
                                             PetscBool* possible) {
   auto& n = *static_cast<Impl*>(self);
   return guarded(n.failure, [&] { *possible = n.clear_way(t0, x0, t1, x1) ? PETSC_TRUE : PETSC_FALSE; });
+}
+
+PetscErrorCode TimeIntegration::Impl::energy(void* self, Vec x1, PetscReal* value) {
+  auto& n = *static_cast<Impl*>(self);
+  return guarded(n.failure, [&] { *value = n.objective(x1); });
 }
 
 double TimeIntegration::Impl::objective(Vec x) {
@@ -301,7 +307,7 @@ void TimeIntegration::Impl::create_snes() {
 #endif
   VOILE_PETSC(SNESSetConvergenceTest(snes, converged, this, nullptr));
   VOILE_PETSC(SNESGetKSP(snes, &ksp));
-  linear.set_defaults(ksp);
+  linear.set_defaults(ksp, model.contact() ? LinearSolver::Precision::mixed : LinearSolver::Precision::full);
 }
 
 void TimeIntegration::Impl::set_explicit_step(Vec u) {
@@ -376,7 +382,9 @@ TimeResult TimeIntegration::run(const TimeState& from) {
   if (!alpha && !central) throw UserError("-ts_type must be voile_alpha or voile_central");
   n.explicit_method = central;
   if (alpha) {
-    set_alpha_callbacks(n.ts, {&n, Impl::start_step, Impl::enforce, n.model.contact() ? Impl::clear : nullptr});
+    const bool contact = n.model.contact() != nullptr;
+    set_alpha_callbacks(n.ts, {&n, Impl::start_step, Impl::enforce, contact ? Impl::clear : nullptr,
+                               contact && n.model.symmetric() ? Impl::energy : nullptr});
     n.linear.prepare();
     SNES snes = nullptr;
     VOILE_PETSC(TSGetSNES(n.ts, &snes));

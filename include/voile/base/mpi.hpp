@@ -32,6 +32,12 @@ void broadcast_from(MPI_Comm comm, int root, std::string& text);
 /// Adds the arrays of all ranks into rank 0's. Collective; every rank passes the same length.
 void sum_to_root(MPI_Comm comm, std::vector<double>& values);
 
+/// The arrays of all ranks one after another on rank 0; empty elsewhere. Collective.
+[[nodiscard]] std::vector<Index> gather_to_root(MPI_Comm comm, const std::vector<Index>& values);
+
+/// For libraries that are written in Fortran.
+[[nodiscard]] int fortran_handle(MPI_Comm comm);
+
 /// Runs `work` on rank 0 only. If it throws, every rank throws the same UserError or InternalError. Collective.
 void on_root(MPI_Comm comm, const std::function<void()>& work);
 

@@ -132,6 +132,7 @@ class ContactSet {
   [[nodiscard]] Vec3 slip_of(const Sliding& s, const std::vector<Vec3>& x) const;
   [[nodiscard]] bool near(const Pair& pair, const std::vector<Vec3>& x, double limit, Near& n) const {
     n.x = gather(pair, x);
+    if (axis_distance(pair.kind, n.x) >= limit + offset(pair)) return false;  // most candidates
     n.closest = closest(pair.kind, n.x);
     n.gap = n.closest.distance - offset(pair);
     return n.gap < limit;

@@ -1,9 +1,10 @@
 // Linear systems K x = b with the tangent of a model, through PETSc's KSP.
 //
 // Defaults, set before the user's options: -ksp_type preonly -pc_type cholesky (lu with follower loads)
-// -pc_factor_mat_solver_type mumps -mat_mumps_icntl_14 100. MUMPS's lack of workspace is answered with twice as much,
-// several times. Negative pivots of the symmetric factor count the negative eigenvalues of K (Sylvester's law of
-// inertia).
+// -pc_factor_mat_solver_type mumps -mat_mumps_icntl_14 100; or, in motion with contact, where factors are many and
+// inertia makes K well conditioned, if K is symmetric, -pc_type voile_mixed (mixed_pc.hpp). MUMPS's lack of workspace
+// is answered with twice as much, several times. Negative pivots of the symmetric factor count the negative eigenvalues
+// of K (Sylvester's law of inertia).
 #pragma once
 
 #include <string>
@@ -17,8 +18,9 @@ class LinearSolver {
   /// The model must outlive the solver. Call `set_defaults`, the KSP's options, then `prepare`.
   explicit LinearSolver(system::Model& model) : model_(model) {}
 
+  enum class Precision { full, mixed };
   /// Takes the KSP (not owned) and gives it the defaults. Collective.
-  void set_defaults(KSP ksp);
+  void set_defaults(KSP ksp, Precision precision = Precision::full);
   /// Sees what the user's options chose. Collective.
   void prepare();
 
@@ -46,7 +48,7 @@ class LinearSolver {
 
   system::Model& model_;
   KSP ksp_ = nullptr;
-  bool mumps_ = false;
+  bool mumps_ = false, mixed_ = false;
   int factorisations_ = 0, pattern_version_ = 0;
   std::string failure_;
 };

@@ -1,0 +1,22 @@
+// PC type "voile_mixed": a direct solver for symmetric matrices that factors in single precision and answers in double.
+//
+// K ~ L L^T by MUMPS in single precision, in nested-dissection order; K x = b by conjugate gradients on the double
+// matrix with that factor as preconditioner: two to four iterations where inertia makes K well conditioned. Where they
+// do not converge, K is factored in double, and so are the next ones. Tuned by -mixed_ksp_rtol, -mixed_ksp_max_it
+// and so on; the double factor by -mixed_double_mat_mumps_icntl_...
+#pragma once
+
+#include <petscksp.h>
+
+namespace voile::solve {
+
+inline constexpr const char* mixed_pc_type = "voile_mixed";
+
+/// Makes the type known to PETSc; again does nothing.
+void register_mixed_pc();
+/// Of the last factorisation, in whichever precision; -1 if unknown.
+[[nodiscard]] long mixed_negative_pivots(PC pc);
+/// How often single precision was not enough, so far.
+[[nodiscard]] long mixed_double_factors(PC pc);
+
+}  // namespace voile::solve

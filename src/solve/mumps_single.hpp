@@ -1,0 +1,36 @@
+// Symmetric factor in single precision, by MUMPS; private to src/solve.
+//
+// Half the time and memory of a double factor. Its solutions have about seven digits less the condition number's:
+// something to refine (mixed_pc.hpp). Ordering: nested dissection of METIS on the graph of the blocks.
+#pragma once
+
+#include <petscmat.h>
+
+#include <memory>
+
+namespace voile::solve {
+
+class SingleFactor {
+ public:
+  /// Collective.
+  explicit SingleFactor(MPI_Comm comm);
+  ~SingleFactor();
+  SingleFactor(const SingleFactor&) = delete;
+  SingleFactor& operator=(const SingleFactor&) = delete;
+
+  /// Factors an AIJ matrix, of which it reads the lower triangle; `new_pattern`: not that of the last one. False if
+  /// MUMPS gives up, also with more workspace. Collective.
+  [[nodiscard]] bool factor(Mat k, bool new_pattern);
+  /// x = K^-1 b to single precision. Collective.
+  void solve(Vec b, Vec x);
+  /// Negative eigenvalues of the last matrix (Sylvester's law of inertia).
+  [[nodiscard]] long negative_pivots() const;
+  /// Of the last factorisation or solution, in the numbers of MUMPS's manual; >= 0: none.
+  [[nodiscard]] int error() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace voile::solve

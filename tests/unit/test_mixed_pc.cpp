@@ -1,0 +1,133 @@
+// The direct solver that factors in single precision: answers in double, inertia, fallback, change of pattern.
+#include <doctest/doctest.h>
+
+#include <array>
+#include <cmath>
+
+#include "voile/base/petsc.hpp"
+#include "voile/solve/mixed_pc.hpp"
+
+namespace {
+
+using namespace voile;
+using KspHandle = petsc::Handle<KSP, KSPDestroy>;
+
+/// Three unknowns per node of an n x n grid, neighbours joined by a full 3 x 3 block of rank one plus `weak` times
+/// the identity, `shift` on the diagonal; `bridge` joins the first node with the last.
+struct Grid {
+  int n;
+  double weak, shift;
+  petsc::MatHandle k;
+
+  Grid(int size, double weak_part, double diagonal) : n(size), weak(weak_part), shift(diagonal) { build(false); }
+
+  void build(bool bridge) {
+    const PetscInt rows = 3 * n * n;
+    VOILE_PETSC(MatCreate(PETSC_COMM_WORLD, k.out()));
+    VOILE_PETSC(MatSetSizes(k, PETSC_DECIDE, PETSC_DECIDE, rows, rows));
+    VOILE_PETSC(MatSetBlockSize(k, 3));
+    VOILE_PETSC(MatSetType(k, MATAIJ));
+    VOILE_PETSC(MatSetUp(k));
+    PetscInt begin = 0, end = 0;
+    VOILE_PETSC(MatGetOwnershipRange(k, &begin, &end));
+    for (PetscInt node = begin / 3; node < end / 3; ++node) {
+      add(node, node, shift, 0.0);
+      for (const auto& [di, dj] : {std::array{1, 0}, {0, 1}, {-1, 0}, {0, -1}}) {
+        const int i = static_cast<int>(node) / n + di, j = static_cast<int>(node) % n + dj;
+        if (i >= 0 && i < n && j >= 0 && j < n) join(node, i * n + j);
+      }
+      if (bridge && node == 0) join(0, n * n - 1);
+      if (bridge && node == n * n - 1) join(node, 0);
+    }
+    VOILE_PETSC(MatAssemblyBegin(k, MAT_FINAL_ASSEMBLY));
+    VOILE_PETSC(MatAssemblyEnd(k, MAT_FINAL_ASSEMBLY));
+  }
+  /// Row of blocks of a bond.
+  void join(PetscInt a, PetscInt b) {
+    add(a, a, weak, 1.0);
+    add(a, b, -weak, -1.0);
+  }
+  void add(PetscInt a, PetscInt b, double identity, double stiff) {
+    const std::array<double, 3> d{0.6, 0.0, 0.8};
+    for (int r = 0; r < 3; ++r)
+      for (int c = 0; c < 3; ++c) {
+        const PetscInt row = 3 * a + r, column = 3 * b + c;
+        VOILE_PETSC(MatSetValue(k, row, column, stiff * d[r] * d[c] + (r == c ? identity : 0.0), ADD_VALUES));
+      }
+  }
+};
+
+struct Solver {
+  KspHandle ksp;
+  PC pc = nullptr;
+
+  Solver() {
+    solve::register_mixed_pc();
+    VOILE_PETSC(KSPCreate(PETSC_COMM_WORLD, ksp.out()));
+    VOILE_PETSC(KSPSetType(ksp, KSPPREONLY));
+    VOILE_PETSC(KSPGetPC(ksp, &pc));
+    VOILE_PETSC(PCSetType(pc, solve::mixed_pc_type));
+  }
+  /// |b - K x| / |b| with K x = b solved for a b that varies over the grid.
+  [[nodiscard]] double residual(Mat k) {
+    petsc::VecHandle b, x, r;
+    VOILE_PETSC(MatCreateVecs(k, b.out(), x.out()));
+    VOILE_PETSC(VecDuplicate(b, r.out()));
+    PetscInt begin = 0, end = 0;
+    VOILE_PETSC(VecGetOwnershipRange(b, &begin, &end));
+    for (PetscInt i = begin; i < end; ++i)
+      VOILE_PETSC(VecSetValue(b, i, std::sin(static_cast<double>(i * i)), INSERT_VALUES));
+    VOILE_PETSC(VecAssemblyBegin(b));
+    VOILE_PETSC(VecAssemblyEnd(b));
+    VOILE_PETSC(KSPSetOperators(ksp, k, k));
+    VOILE_PETSC(KSPSolve(ksp, b, x));
+    VOILE_PETSC(MatMult(k, x, r));
+    VOILE_PETSC(VecAXPY(r, -1.0, b));
+    double size = 0.0, left = 0.0;
+    VOILE_PETSC(VecNorm(b, NORM_2, &size));
+    VOILE_PETSC(VecNorm(r, NORM_2, &left));
+    return left / size;
+  }
+};
+
+}  // namespace
+
+TEST_CASE("mixed precision: solutions are those of double precision, also after a change of pattern") {
+  Grid grid(12, 1e-3, 1e-2);
+  Solver solver;
+  CHECK(solver.residual(grid.k) < 1e-8);
+  CHECK(solve::mixed_negative_pivots(solver.pc) == 0);
+  CHECK(solve::mixed_double_factors(solver.pc) == 0);
+  grid.build(true);
+  CHECK(solver.residual(grid.k) < 1e-8);
+  CHECK(solve::mixed_negative_pivots(solver.pc) == 0);
+}
+
+TEST_CASE("mixed precision: negative pivots are negative eigenvalues") {
+  // A negative definite matrix, and one whose only negative eigenvalue is that of the three translations.
+  Grid negative(6, 1e-3, -100.0);
+  Solver first;
+  VOILE_PETSC(KSPSetOperators(first.ksp, negative.k, negative.k));
+  VOILE_PETSC(KSPSetUp(first.ksp));
+  CHECK(solve::mixed_negative_pivots(first.pc) == 3 * 36);
+  Grid loose(6, 1.0, -1e-2);  // the next eigenvalue is 1 - 2 cos(pi/6) + 1 = 0.27
+  Solver second;
+  VOILE_PETSC(KSPSetOperators(second.ksp, loose.k, loose.k));
+  VOILE_PETSC(KSPSetUp(second.ksp));
+  CHECK(solve::mixed_negative_pivots(second.pc) == 3);
+}
+
+TEST_CASE("mixed precision: what single precision cannot do is done in double") {
+  // Condition number 1e10: the weak directions are lost in the round-off of floats, and six digits of K x in that of
+  // doubles.
+  Grid grid(12, 1e-8, 1e-10);
+  Solver solver;
+  CHECK(solver.residual(grid.k) < 1e-6);
+  CHECK(solve::mixed_negative_pivots(solver.pc) == 0);
+  CHECK(solve::mixed_double_factors(solver.pc) == 1);
+  // An indefinite matrix is no matter for conjugate gradients.
+  Grid indefinite(6, 1.0, -1e-2);
+  Solver other;
+  CHECK(other.residual(indefinite.k) < 1e-10);
+  CHECK(solve::mixed_negative_pivots(other.pc) == 3);
+}
