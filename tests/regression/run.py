@@ -564,6 +564,23 @@ def contact_ball(report):
 
 
 @test
+def contact_cylinder(report):
+    """A sheet falls across a turning cylinder, over its flat ends too, without piercing it; an axis needs a length."""
+    case = sheet_on_ball(time__end=0.25)
+    case["obstacle"] = [{"name": "roll", "type": "cylinder", "point": [0.25, 0.5, -0.12], "end": [0.7, 0.5, -0.12], "radius": 0.1,
+                         "friction": 0.3, "rotation_axis": [1, 0, 0], "rotation_centre": [0, 0.5, -0.12], "rotation_angle": "90*t"}]
+    result = solve("contact_cylinder", case, 2)
+    h = result.history
+    report.check(sum(h["intersections"]) == 0, f"no intersection in {len(h['time'])} states")
+    report.check(min(h["smallest_gap"]) > 0 and max(h["contact_pairs"]) > 20, f"up to {max(h['contact_pairs']):.0f} contacts")
+    top = result.displacement()[:, 2].max()
+    report.check(-0.03 < top < 0.02, f"it lies on the top at -0.02 m: highest point {top:.4f} m")
+    case["obstacle"][0]["end"] = case["obstacle"][0]["point"]
+    code, text = invoke(["check", write_case(case, OUT / "contact_cylinder_wrong.toml")])
+    report.check(code == 2 and "obstacle" in text and "end" in text, f"no length: exit code {code}: {text.strip()[-110:]}")
+
+
+@test
 def contact_starts(report):
     """A start that intersects is reported in full; what ignores each other may; a missing obstacle file is a user's error."""
     case = sheet_on_ball(time__end=0.02)
