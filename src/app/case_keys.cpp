@@ -299,7 +299,11 @@ std::vector<Key> keys_of(ContactSection& s) {
        .range = not_negative},
       {.name = "check",
        .slot = &s.check,
-       .meaning = "Count intersecting triangles after every step with exact predicates, independently of the solver."}};
+       .meaning = "Count intersecting triangles after every step with exact predicates, independently of the solver."},
+      {.name = "untangle",
+       .slot = &s.untangle,
+       .meaning = "Repair shallow intersections of the start: vertices move, by at most five cells, until nothing "
+                  "intersects. Not with `--restart`."}};
 }
 
 std::vector<Key> keys_of(ObstacleSection& s) {

@@ -71,6 +71,7 @@ struct RuleSection {
 struct ContactSection {
   system::ContactInput input;  ///< without obstacles and rules
   bool check = true;           ///< count intersecting triangles after every step
+  bool untangle = false;       ///< repair a start that intersects
 };
 
 /// Motion in time.
