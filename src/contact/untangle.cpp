@@ -73,6 +73,14 @@ bool is_closed(const std::vector<Triangle>& triangles) {
   return std::all_of(edges.begin(), edges.end(), [&](const auto& e) { return edges.count({e.second, e.first}) > 0; });
 }
 
+/// Regions of a sheet on the two sides of what pierces it.
+struct Sides {
+  Sets regions;
+  std::map<Index, double> areas;     ///< of each region [m^2]
+  std::map<Index, int> side;         ///< 0 or 1, of the regions at pierced edges
+  std::array<double, 2> side_areas;  ///< [m^2]
+};
+
 /// A closed mesh among the obstacles.
 struct Solid {
   int body;
@@ -93,6 +101,12 @@ class Untangler {
       for (int k = 0; k < 3; ++k)
         faces_of_edge_[ascending(face.points[k], face.points[(k + 1) % 3])].push_back(static_cast<Index>(f));
     }
+    faces_of_point_.resize(static_cast<std::size_t>(s_.sheet_points));
+    on_border_.assign(faces_of_point_.size(), false);
+    for (Index f = 0; f < s_.sheet_faces; ++f)
+      for (const Index v : s_.faces[f].points) faces_of_point_[v].push_back(f);
+    for (const auto& [edge, faces] : faces_of_edge_)
+      if (s_.is_sheet(edge[0]) && faces.size() == 1) on_border_[edge[0]] = on_border_[edge[1]] = true;
     find_solids();
   }
 
@@ -119,8 +133,14 @@ class Untangler {
   [[nodiscard]] Vec3 back_through(const Piercing& p, Index end) const;
   [[nodiscard]] Vec3 along_contour(const Piercing& p) const;
   [[nodiscard]] std::vector<Pair> near_pairs() const;
-  /// The end of a pierced edge that lies in the smaller of two regions; no_index: both are in the same.
-  [[nodiscard]] static Index wrong_end(const Piercing& p, Sets& regions, const std::map<Index, double>& sizes);
+  [[nodiscard]] std::set<Segment> border_gaps(const std::vector<Piercing>& found) const;
+  [[nodiscard]] Sides sides_of(const std::vector<Piercing>& group, std::set<Segment> cut) const;
+  /// The end of a pierced edge that lies on the side of less area; no_index: both are in the same region.
+  [[nodiscard]] static Index wrong_end(const Piercing& p, Sides& sides);
+  /// What pierces: a piece of the sheet, or an obstacle.
+  [[nodiscard]] Index origin(Index face) const {
+    return face < s_.sheet_faces ? pieces_.of(s_.faces[face].points[0]) : s_.sheet_points + s_.faces[face].body;
+  }
 
   [[nodiscard]] Vec3 normal(Index face) const {
     const auto& [a, b, c] = s_.faces[face].points;
@@ -143,6 +163,8 @@ class Untangler {
   mutable Sets pieces_;  ///< connected parts of the sheet
   std::vector<char> has_faces_;
   std::map<Segment, std::vector<Index>> faces_of_edge_;
+  std::vector<std::vector<Index>> faces_of_point_;  ///< of the sheet
+  std::vector<char> on_border_;                     ///< per sheet point
   std::vector<Solid> solids_;
   std::vector<char> is_solid_;            ///< by body
   std::set<std::pair<int, Index>> deep_;  ///< solids and pieces too deep in them to be moved out
@@ -283,10 +305,60 @@ std::vector<Piercing> Untangler::piercings(const Pairs& pairs) const {
   return found;
 }
 
-Index Untangler::wrong_end(const Piercing& p, Sets& regions, const std::map<Index, double>& sizes) {
-  const Index a = regions.of(p.edge[0]), b = regions.of(p.edge[1]);
+Index Untangler::wrong_end(const Piercing& p, Sides& sides) {
+  const Index a = sides.regions.of(p.edge[0]), b = sides.regions.of(p.edge[1]);
   if (a == b) return no_index;
-  return sizes.at(a) < sizes.at(b) ? p.edge[0] : p.edge[1];
+  const int side_a = sides.side.at(a), side_b = sides.side.at(b);
+  const bool first =
+      side_a == side_b ? sides.areas.at(a) < sides.areas.at(b) : sides.side_areas[side_a] < sides.side_areas[side_b];
+  return first ? p.edge[0] : p.edge[1];
+}
+
+/// Where the border of one sheet ends a line of intersection on another close to the border of that: the two sides of
+/// the line must not count as one region for the sake of the strip in between.
+std::set<Segment> Untangler::border_gaps(const std::vector<Piercing>& found) const {
+  std::set<Segment> cut;
+  for (const Piercing& p : found) {
+    if (p.face >= s_.sheet_faces || faces_of_edge_.at(p.edge).size() != 1) continue;
+    std::set<Segment> patch;
+    bool reaches_border = false;
+    for (const Index v : s_.faces[p.face].points)
+      for (const Index f : faces_of_point_[v])
+        for (int k = 0; k < 3; ++k) {
+          const auto& q = s_.faces[f].points;
+          patch.insert(ascending(q[k], q[(k + 1) % 3]));
+          reaches_border = reaches_border || on_border_[q[k]];
+        }
+    if (reaches_border) cut.merge(patch);
+  }
+  return cut;
+}
+
+/// Piercings of edges of one piece by one other thing: waves through a layer make many regions, which lie on two sides.
+/// `cut`: further edges across which nothing belongs together.
+Sides Untangler::sides_of(const std::vector<Piercing>& group, std::set<Segment> cut) const {
+  std::set<Segment> pierced;
+  for (const Piercing& p : group) pierced.insert(p.edge);
+  cut.insert(pierced.begin(), pierced.end());
+  Sides s{sheet_without(cut), {}, {}, {0.0, 0.0}};
+  for (Index v = 0; v < s_.sheet_points; ++v) s.areas[s.regions.of(v)] += s_.area[v];
+  std::map<Index, std::vector<Index>> beside;
+  for (const Segment& e : pierced) {
+    const Index a = s.regions.of(e[0]), b = s.regions.of(e[1]);
+    beside[a].push_back(b);
+    beside[b].push_back(a);
+  }
+  for (const auto& [first, ignored] : beside) {
+    if (!s.side.try_emplace(first, 0).second) continue;
+    for (std::vector<Index> next{first}; !next.empty();) {
+      const Index at = next.back();
+      next.pop_back();
+      for (const Index other : beside[at])
+        if (s.side.try_emplace(other, 1 - s.side[at]).second) next.push_back(other);
+    }
+  }
+  for (const auto& [region, side] : s.side) s.side_areas[side] += s.areas[region];
+  return s;
 }
 
 /// Whether an edge of the sheet passes through a solid that the sheet has left: both its ends are on the right side.
@@ -358,33 +430,39 @@ void Untangler::lift_edges(const std::vector<Piercing>& found, Add&& add) const 
 }
 
 std::vector<Vec3> Untangler::corrections(const std::vector<Piercing>& found) const {
-  std::set<Segment> cut;
-  for (const Piercing& p : found)
-    if (s_.is_sheet(p.edge[0]) && !passes_solid(p)) cut.insert(p.edge);
-  Sets regions = sheet_without(cut);
-  std::map<Index, double> sizes;
-  for (Index v = 0; v < s_.sheet_points; ++v) sizes[regions.of(v)] += s_.area[v];
-
   std::vector<Vec3> sum(static_cast<std::size_t>(s_.sheet_points), Vec3::Zero());
   std::vector<double> count(sum.size(), 0.0);
   const auto add = [&](Index v, const Vec3& d) {
     sum[v] += d;
     count[v] += 1.0;
   };
-  lift_edges(found, add);
-  for (const Piercing& p : found) {
-    if (passes_solid(p)) continue;
+  const auto shorten = [&](const Piercing& p) {
     const auto& q = s_.faces[p.face].points;
-    const Vec3& b = p.weights;
-    const Index end = cut.count(p.edge) > 0 ? wrong_end(p, regions, sizes) : no_index;
-    if (end != no_index) {
-      share({end, q[0], q[1], q[2]}, Vec4(1.0, -b[0], -b[1], -b[2]), back_through(p, end), add);
-      continue;
-    }
     // The edge moves by half, the triangle by half the other way, or what alone may move by all.
     const Vec3 d = (s_.is_sheet(p.edge[0]) && s_.is_sheet(q[0]) ? 0.5 : 1.0) * along_contour(p);
     share({p.edge[0], p.edge[1], no_index, no_index}, Vec4(1.0 - p.t, p.t, 0.0, 0.0), d, add);
-    share({q[0], q[1], q[2], no_index}, Vec4(b[0], b[1], b[2], 0.0), -d, add);
+    share({q[0], q[1], q[2], no_index}, Vec4(p.weights[0], p.weights[1], p.weights[2], 0.0), -d, add);
+  };
+  lift_edges(found, add);
+  std::map<std::pair<Index, Index>, std::vector<Piercing>> groups;
+  for (const Piercing& p : found) {
+    if (!s_.is_sheet(p.edge[0]))
+      shorten(p);
+    else if (!passes_solid(p))
+      groups[{pieces_.of(p.edge[0]), origin(p.face)}].push_back(p);
+  }
+  const std::set<Segment> gaps = border_gaps(found);
+  for (const auto& [parts, group] : groups) {
+    Sides sides = sides_of(group, gaps);
+    for (const Piercing& p : group) {
+      const auto& q = s_.faces[p.face].points;
+      const Vec3& b = p.weights;
+      const Index end = wrong_end(p, sides);
+      if (end == no_index)
+        shorten(p);
+      else
+        share({end, q[0], q[1], q[2]}, Vec4(1.0, -b[0], -b[1], -b[2]), back_through(p, end), add);
+    }
   }
   for (std::size_t v = 0; v < sum.size(); ++v)
     if (count[v] > 0.0) sum[v] /= count[v];

@@ -124,6 +124,18 @@ TEST_CASE("untangle: a border that dips through another sheet, by one cell and b
   }
 }
 
+TEST_CASE("untangle: waves of three sheets through each other, borders not quite above each other") {
+  const auto wave = [](double height, double k, double shift) {
+    return [=](const Vec3& x) {
+      return Vec3(x[0] + shift, x[1] - 0.5 * shift,
+                  height + 0.012 * (std::sin(k * x[0] + 5.0 * x[1]) + std::cos(7.0 * x[0] - k * x[1])));
+    };
+  };
+  Scene scene(sheets(24, {wave(0.0, 4.0, 0.0), wave(0.02, 7.0, 0.012), wave(0.04, 5.5, -0.009)}));
+  CHECK(scene.find(scene.x).size() > 100);
+  CHECK(scene.untangle(0.2).done);
+}
+
 TEST_CASE("untangle: sheets that cross in their middle are not shallow") {
   const auto upright = [](const Vec3& x) { return Vec3(0.5 + 0.013 * x[0], x[1], x[0] - 0.49); };
   Scene scene(sheets(12, {same, upright}));

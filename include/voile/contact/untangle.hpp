@@ -5,8 +5,8 @@
 // A correction that shall change w by D along n = D/|D| moves point i by c_i P_i n |D| / sum_j c_j^2 n.P_j n.
 // Rounds, each begun with a list of intersecting triangles from outside, alternate
 //   solids     what is in a closed mesh goes the shortest way out; balls, capsules and half-spaces push by distance
-//   regions    edges that pierce a triangle cut a sheet into regions; of the two that an edge joins the smaller one is
-//              on the wrong side, and its end of the edge goes back through the triangle
+//   regions    edges that pierce another piece of the sheet, or an obstacle, cut theirs into regions on two sides; the
+//              side of less area is the wrong one, and its end of such an edge goes back through the triangle
 //   contours   other piercing edges move so that the line of intersection becomes shorter: with the unit vectors
 //              E of the edge, N of the triangle, R_k of the line into each face of the edge, relative to the triangle
 //              along  G = sum_k R_k - (E.R_k)/(E.N) N
