@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+
 #include "obstacles.hpp"
 #include "voile/base/error.hpp"
 #include "voile/base/mpi.hpp"
@@ -20,7 +22,7 @@ double mean_edge(const contact::Surface& s) {
   return sum / s.sheet_edges;
 }
 
-/// What an attempt to untangle says if it fails; empty: there was none.
+/// What an attempt to untangle says if it fails.
 std::string attempt(const contact::UntangleResult& r, double limit) {
   return r.farthest > limit
              ? fmt::format(
@@ -47,7 +49,7 @@ void check_start(const RunOptions& options, system::Contact& contact, Vec a, con
   const system::ContactReport report = contact.report(a);
   if (report.gap <= 0.0)
     throw UserError(fmt::format(
-        "[contact]: at the start {} come nearer than their thicknesses and radii allow (by {:.4g} m);{} move them "
+        "[contact]: at the start {} come nearer than their thicknesses and radii allow (by {:.4g} m).{} Move them "
         "apart, make them thinner, or let them ignore each other with a [[contact_rule]]",
         report.nearest, -report.gap, tried));
 }
