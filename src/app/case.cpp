@@ -4,6 +4,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -249,13 +250,18 @@ void read_supports(const CaseReader& reader, Case& c) {
 }
 
 void read_obstacle(const SectionPlace& place, Case& c, ObstacleSection& s) {
+  using Type = ObstacleSection::Type;
   using Shape = system::Obstacle::Shape;
   system::Obstacle& o = s.shape;
+  constexpr std::array shapes{Shape::mesh, Shape::plane, Shape::sphere, Shape::capsule, Shape::mesh};
+  o.shape = shapes[static_cast<std::size_t>(s.type)];
   for (const ObstacleSection& other : c.obstacles)
     if (other.shape.name == o.name) place.fail("name", fmt::format("'{}': another obstacle has this name", o.name));
   if (o.shape == Shape::plane && o.normal.norm() == 0.0) place.fail("normal", "the vector is zero");
   if (o.shape == Shape::capsule && (s.end - s.point).norm() == 0.0)
     place.fail("end", "the axis has no length; a ball is type = \"sphere\"");
+  if (s.type == Type::cylinder && (s.end - s.point).norm() == 0.0)
+    place.fail("end", "the same as point, so that the axis has no length; move one of the two");
   o.motion = motion_function(place, c, s.motion);
   if (o.shape == Shape::capsule)
     o.points = {s.point, s.end};

@@ -299,18 +299,23 @@ std::vector<Key> keys_of(ContactSection& s) {
        .range = not_negative},
       {.name = "check",
        .slot = &s.check,
-       .meaning = "Count intersecting triangles after every step with exact predicates, independently of the solver."}};
+       .meaning = "Count intersecting triangles after every step with exact predicates, independently of the solver."},
+      {.name = "untangle",
+       .slot = &s.untangle,
+       .meaning = "Repair shallow intersections of the start: vertices move, by at most five cells, until nothing "
+                  "intersects. Not with `--restart`."}};
 }
 
 std::vector<Key> keys_of(ObstacleSection& s) {
-  const std::vector<std::string> mesh{"mesh"}, plane{"plane"}, sphere{"sphere"}, capsule{"capsule"};
+  const std::vector<std::string> mesh{"mesh"}, plane{"plane"}, sphere{"sphere"}, axis{"capsule", "cylinder"};
   system::Obstacle& o = s.shape;
   std::vector<Key> keys{
       {.name = "name", .slot = &o.name, .meaning = "Unique; for rules and messages.", .required = true},
       {.name = "type",
-       .slot = choice(o.shape, {"mesh", "plane", "sphere", "capsule"}),
+       .slot = choice(s.type, {"mesh", "plane", "sphere", "capsule", "cylinder"}),
        .meaning = "`mesh`: triangles of a file, both sides of which are solid. `plane`: a half-space. `capsule`: all "
-                  "points within `radius` of the line from `point` to `end`; a long one is a cylinder.",
+                  "points within `radius` of the line from `point` to `end`. `cylinder`: with flat ends at `point` and "
+                  "`end`, as triangles.",
        .required = true},
       {.name = "file",
        .slot = &s.file,
@@ -336,23 +341,23 @@ std::vector<Key> keys_of(ObstacleSection& s) {
        .types = mesh},
       {.name = "point",
        .slot = &s.point,
-       .meaning = "A point of the plane, the centre of the sphere, one end of the capsule's axis.",
+       .meaning = "A point of the plane, the centre of the sphere, one end of the axis of capsule or cylinder.",
        .unit = "m",
-       .types = {"plane", "sphere", "capsule"},
+       .types = {"plane", "sphere", "capsule", "cylinder"},
        .required = true},
       {.name = "normal", .slot = &o.normal, .meaning = "Points to the free side.", .types = plane, .required = true},
       {.name = "end",
        .slot = &s.end,
        .meaning = "The other end of the axis.",
        .unit = "m",
-       .types = capsule,
+       .types = axis,
        .required = true},
       {.name = "radius",
        .slot = &o.radius,
-       .meaning = "Of sphere and capsule.",
+       .meaning = "Of sphere, capsule and cylinder.",
        .unit = "m",
        .range = positive,
-       .types = {"sphere", "capsule"},
+       .types = {"sphere", "capsule", "cylinder"},
        .required = true},
       {.name = "thickness",
        .slot = &o.thickness,

@@ -19,6 +19,8 @@ using Shape = system::Obstacle::Shape;
 
 /// Divisions of a tessellated primitive; the check sees it a thousandth of its radius too small.
 constexpr int refinement = 4;
+/// Of a cylinder's facets, in contact distances.
+constexpr double largest_sagitta = 0.1;
 
 std::vector<double> flat(const std::vector<Vec3>& points) {
   std::vector<double> values;
@@ -48,6 +50,15 @@ void read_shape(MPI_Comm comm, const ObstacleSection& section, system::Obstacle&
     o.triangles.push_back({corners[i], corners[i + 1], corners[i + 2]});
 }
 
+/// A cylinder that deviates from the true one by less than contact can tell.
+void tessellate(const ObstacleSection& section, double contact_distance, system::Obstacle& o) {
+  io::TriangleSoup soup =
+      io::cylinder_surface(section.point, section.end, o.radius, largest_sagitta * contact_distance);
+  o.points = std::move(soup.positions);
+  o.triangles = std::move(soup.triangles);
+  o.radius = 0.0;  // the triangles are where the surface is
+}
+
 /// Rank 0 holds the cache; frames are asked for at the same times on every rank.
 void read_frames(MPI_Comm comm, const ObstacleSection& section, system::Obstacle& o) {
   auto cache = std::make_shared<std::unique_ptr<io::PointCache>>();
@@ -75,7 +86,8 @@ system::ContactInput contact_input(MPI_Comm comm, const Case& c) {
   system::ContactInput input = c.contact.input;
   for (const ObstacleSection& section : c.obstacles) {
     system::Obstacle o = section.shape;
-    if (o.shape == Shape::mesh) read_shape(comm, section, o);
+    if (section.type == ObstacleSection::Type::mesh) read_shape(comm, section, o);
+    if (section.type == ObstacleSection::Type::cylinder) tessellate(section, input.options.distance, o);
     if (!section.frames.empty()) read_frames(comm, section, o);
     input.obstacles.push_back(std::move(o));
   }

@@ -8,6 +8,7 @@
 #include <fstream>
 #include <optional>
 
+#include "contact_start.hpp"
 #include "obstacles.hpp"
 #include "recorder.hpp"
 #include "run_time.hpp"
@@ -250,28 +251,6 @@ void scatter_start(const system::Model& model, const io::Checkpoint& from, Vec a
   model.scatter(u, a);
 }
 
-/// Contact keeps apart what is apart: a start in which something intersects or touches is reported in full.
-void check_start(const RunOptions& options, system::Contact& contact, Vec a, double time) {
-  contact.set_time(time);
-  const std::vector<Vec3> positions = contact.positions(a);
-  mpi::on_root(PETSC_COMM_WORLD, [&] {
-    const IntersectionCheck check(contact);
-    const std::vector<io::TrianglePair> pairs = check.find(positions);
-    if (pairs.empty()) return;
-    const std::filesystem::path file = options.output / "intersections.vtk";
-    throw UserError(fmt::format(
-        "[contact]: the start intersects: {}. The triangles are in {} (ParaView). Move the parts apart, or let them "
-        "ignore each other with a [[contact_rule]]",
-        check.report(positions, pairs, file), file.string()));
-  });
-  const system::ContactReport report = contact.report(a);
-  if (report.gap <= 0.0)
-    throw UserError(fmt::format(
-        "[contact]: at the start {} come nearer than their thicknesses and radii allow (by {:.4g} m); move them apart, "
-        "make them thinner, or let them ignore each other with a [[contact_rule]]",
-        report.nearest, -report.gap));
-}
-
 }  // namespace
 
 Exit run(const Case& given, const RunOptions& options) {
@@ -295,11 +274,12 @@ Exit run(const Case& given, const RunOptions& options) {
   // Whatever is wrong with a restart must show before old results in the output folder go.
   petsc::VecHandle a = model.create_vector();
   const Restart restart = in_time ? Restart{} : read_restart(c, options, model, a);
-  const io::Checkpoint checkpoint = in_time ? read_start(options, model) : io::Checkpoint{};
+  io::Checkpoint checkpoint = in_time ? read_start(options, model) : io::Checkpoint{};
   mpi::on_root(PETSC_COMM_WORLD, [&] { make_output(c, options.output); });
   if (model.contact()) {
     if (in_time) scatter_start(model, checkpoint, a);
-    check_start(options, *model.contact(), a, checkpoint.time);
+    const bool moved = settle_start(c, options, *model.contact(), a, checkpoint.time);
+    if (moved && in_time) checkpoint.displacement = model.gather(a);
   }
   Recorder recorder(c, options, model, steps);
 

@@ -1,4 +1,4 @@
-// Tessellations of a sphere and of a capsule.
+// Tessellations of a sphere, a capsule and a cylinder.
 #include <fmt/format.h>
 #include <Eigen/Geometry>
 
@@ -74,6 +74,45 @@ std::vector<Vec2> capsule_circles(double length, double radius, int n) {
   return circles;
 }
 
+/// A circle of a surface of revolution: where on the axis [from a], how wide, and with how many corners.
+struct Circle {
+  double height, radius;
+  Index corners;
+};
+
+/// Width of a facet times this is the longest that a triangle of a cylinder may be.
+constexpr double longest_ratio = 8.0;
+constexpr double most_side_triangles = 200000.0;
+
+/// From the middle of the end at a to that at b.
+std::vector<Circle> cylinder_circles(double length, double radius, Index n) {
+  const double longest = longest_ratio * 2.0 * pi * radius / n;
+  const int rings = std::max(1, static_cast<int>(std::ceil(radius / longest)));
+  const int most_bands = static_cast<int>(most_side_triangles) / (2 * n);
+  const int bands = static_cast<int>(std::clamp(std::ceil(length / longest), 1.0, static_cast<double>(most_bands)));
+  const auto ring = [&](double height, int k) {
+    return Circle{height, radius * k / rings, std::max<Index>(3, n * k / rings)};
+  };
+  std::vector<Circle> circles;
+  for (int k = 1; k < rings; ++k) circles.push_back(ring(0.0, k));
+  for (int k = 0; k <= bands; ++k) circles.push_back({length * k / bands, radius, n});
+  for (int k = rings - 1; k >= 1; --k) circles.push_back(ring(length, k));
+  return circles;
+}
+
+/// Triangles between two circles, whose corners begin at `low` and `high`: always on to the nearer next corner.
+void join_circles(Index low, Index low_count, Index high, Index high_count, std::vector<mesh::Triangle>& triangles) {
+  Index i = 0, j = 0;
+  while (i < low_count || j < high_count) {
+    const Index p = low + i % low_count, q = high + j % high_count;
+    const bool along_low = j == high_count || (i < low_count && (i + 1) * high_count <= (j + 1) * low_count);
+    if (along_low)
+      triangles.push_back({p, low + ++i % low_count, q});
+    else
+      triangles.push_back({p, high + ++j % high_count, q});
+  }
+}
+
 }  // namespace
 
 TriangleSoup sphere_surface(const Vec3& centre, double radius, int refinement) {
@@ -111,6 +150,37 @@ TriangleSoup capsule_surface(const Vec3& a, const Vec3& b, double radius, int re
     }
     s.triangles.push_back({last, (rings - 1) * n + i, (rings - 1) * n + j});
   }
+  return s;
+}
+
+TriangleSoup cylinder_surface(const Vec3& a, const Vec3& b, double radius, double sagitta) {
+  check("cylinder", radius, 0, 0);
+  const double length = (b - a).norm();
+  if (!(sagitta > 0.0)) throw InternalError(fmt::format("cylinder: the sagitta is {}, but must be positive", sagitta));
+  if (!(length > 0.0)) throw InternalError("cylinder: its axis has no length");
+  // s = R (1 - cos(pi/n)) with corners at R; r lies in the middle between R and R cos(pi/n).
+  const double needed = pi / std::acos(std::max(-1.0, (2.0 * radius - sagitta) / (2.0 * radius + sagitta)));
+  const auto n = static_cast<Index>(std::ceil(std::clamp(needed, 12.0, 720.0)));
+  const std::vector<Circle> circles =
+      cylinder_circles(length, 2.0 * radius / (1.0 + std::cos(pi / static_cast<double>(n))), n);
+  const Vec3 axis = (b - a) / length, u = axis.unitOrthogonal(), v = axis.cross(u);
+  TriangleSoup s;
+  s.positions = {a, b};
+  std::vector<Index> first;
+  for (const Circle& c : circles) {
+    first.push_back(static_cast<Index>(s.positions.size()));
+    for (Index i = 0; i < c.corners; ++i) {
+      const double angle = 2.0 * pi * i / c.corners;
+      s.positions.emplace_back(a + c.height * axis + c.radius * (std::cos(angle) * u + std::sin(angle) * v));
+    }
+  }
+  const Circle &front = circles.front(), &back = circles.back();
+  for (Index i = 0; i < front.corners; ++i)
+    s.triangles.push_back({0, first.front() + (i + 1) % front.corners, first.front() + i});
+  for (std::size_t k = 0; k + 1 < circles.size(); ++k)
+    join_circles(first[k], circles[k].corners, first[k + 1], circles[k + 1].corners, s.triangles);
+  for (Index i = 0; i < back.corners; ++i)
+    s.triangles.push_back({1, first.back() + i, first.back() + (i + 1) % back.corners});
   return s;
 }
 

@@ -206,6 +206,30 @@ std::vector<Vec3> Contact::positions(Vec a) const {
   return x;
 }
 
+void Contact::place_vertex(Index i, const Vec3& x, const petsc::WriteArray& a) const {
+  const Index v = partition_->vertex_of[first_row_ + i];
+  const Vec3 u = x - mesh_->positions()[v];
+  const Vec3 own = axes_[v] == no_index ? u : Vec3(rotations_[axes_[v]].transpose() * u);
+  for (int k = 0; k < 3; ++k)
+    if (!fixed_[3 * static_cast<std::size_t>(v) + k]) a[3 * i + k] = own[k];
+}
+
+void Contact::set_positions(const std::vector<Vec3>& x, Vec a) const {
+  const petsc::WriteArray out(a);
+  for (Index i = 0; i < row_count_; ++i) place_vertex(i, x[partition_->vertex_of[first_row_ + i]], out);
+}
+
+std::vector<Mat3> Contact::free_directions() const {
+  std::vector<Mat3> free(axes_.size());
+  for (std::size_t v = 0; v < free.size(); ++v) {
+    Vec3 keep;
+    for (int k = 0; k < 3; ++k) keep[k] = fixed_[3 * v + static_cast<std::size_t>(k)] ? 0.0 : 1.0;
+    const Mat3 q = axes(static_cast<Index>(v));
+    free[v] = q * keep.asDiagonal() * q.transpose();
+  }
+  return free;
+}
+
 // ---- terms ---------------------------------------------------------------------------------------------------------
 
 /// Candidates for all positions between two states.
@@ -364,11 +388,7 @@ bool Contact::make_way(Vec from, double t0, Vec to, double t1) {
       const petsc::WriteArray out(to);
       for (Index i = 0; i < row_count_; ++i) {
         const Index v = partition_->vertex_of[first_row_ + i];
-        if (count[v] == 0.0) continue;
-        const Vec3 u = start[v] + sum[v] / count[v] - mesh_->positions()[v];
-        const Vec3 own = axes_[v] == no_index ? u : Vec3(rotations_[axes_[v]].transpose() * u);
-        for (int k = 0; k < 3; ++k)
-          if (!fixed_[3 * static_cast<std::size_t>(v) + k]) out[3 * i + k] = own[k];
+        if (count[v] > 0.0) place_vertex(i, start[v] + sum[v] / count[v], out);
       }
     }
     fill_positions(to, end);

@@ -564,6 +564,23 @@ def contact_ball(report):
 
 
 @test
+def contact_cylinder(report):
+    """A sheet falls across a turning cylinder, over its flat ends too, without piercing it; an axis needs a length."""
+    case = sheet_on_ball(time__end=0.25)
+    case["obstacle"] = [{"name": "roll", "type": "cylinder", "point": [0.25, 0.5, -0.12], "end": [0.7, 0.5, -0.12], "radius": 0.1,
+                         "friction": 0.3, "rotation_axis": [1, 0, 0], "rotation_centre": [0, 0.5, -0.12], "rotation_angle": "90*t"}]
+    result = solve("contact_cylinder", case, 2)
+    h = result.history
+    report.check(sum(h["intersections"]) == 0, f"no intersection in {len(h['time'])} states")
+    report.check(min(h["smallest_gap"]) > 0 and max(h["contact_pairs"]) > 20, f"up to {max(h['contact_pairs']):.0f} contacts")
+    top = result.displacement()[:, 2].max()
+    report.check(-0.03 < top < 0.02, f"it lies on the top at -0.02 m: highest point {top:.4f} m")
+    case["obstacle"][0]["end"] = case["obstacle"][0]["point"]
+    code, text = invoke(["check", write_case(case, OUT / "contact_cylinder_wrong.toml")])
+    report.check(code == 2 and "obstacle" in text and "end" in text, f"no length: exit code {code}: {text.strip()[-110:]}")
+
+
+@test
 def contact_starts(report):
     """A start that intersects is reported in full; what ignores each other may; a missing obstacle file is a user's error."""
     case = sheet_on_ball(time__end=0.02)
@@ -584,6 +601,43 @@ def contact_starts(report):
     code, text = invoke(["check", write_case(sheet_on_ball(analysis="modal"), OUT / "contact_wrong.toml")])
     report.check(code == 2 and "no contact with analysis" in text, f"contact in modal: exit code {code}: {text.strip()[-90:]}")
     report.check(missing.code == 2 and "nobody.obj" in missing.text, f"missing file: exit code {missing.code}")
+
+
+def bulging_sheets(file):
+    """Two sheets of side 1, the upper one flat, the lower one with a bulge that passes through it; and their mesh's groups."""
+    sys.path.insert(0, str(ROOT / "runs" / "contact" / "lib"))
+    from shapes import strip, write_msh
+    n = 17
+    x, y = (g.ravel() for g in np.meshgrid(np.linspace(0, 1, n), np.linspace(0, 1, n), indexing="ij"))
+    bulge = -0.02 + 0.05 * np.exp(-((x - 0.52)**2 + (y - 0.47)**2) / 0.02)
+    points = np.vstack([np.column_stack([x, y, 0 * x]), np.column_stack([x + 0.013, y - 0.017, bulge])])
+    return write_msh(file, points, [("upper", 2, strip(n, n)), ("lower", 2, strip(n, n) + n * n)])
+
+
+@test
+def contact_untangle(report):
+    """Shallow intersections with a ball and of two sheets are repaired, alike on 1 and 2 ranks; a deep one still exits with 2."""
+    case = sheet_on_ball(time__end=0.05, time__checkpoint_steps=1, contact__untangle=True)
+    case["obstacle"][0]["point"] = [0.5, 0.5, -0.22]
+    pair = variant(case, {"mesh.file": str(bulging_sheets(OUT / "contact_bulge.msh"))})
+    del pair["mesh"]["parameters"]
+    pair["obstacle"][0]["point"] = [0.5, 0.5, -0.4]
+    for name, start in (("ball", case), ("pair", pair)):
+        one, two = (solve(f"contact_untangle_{name}_{n}", start, n) for n in (1, 2))
+        for n, result in ((1, one), (2, two)):
+            said = [line for line in result.text.splitlines() if line.startswith("untangled:")]
+            h = result.history
+            report.check(len(said) == 1, f"{name}, {n} rank(s): {said}")
+            report.check(sum(h["intersections"]) == 0 and min(h["smallest_gap"]) > 0, f"no intersection in {len(h['time'])} states")
+        report.check(one.history["smallest_gap"][0] == two.history["smallest_gap"][0], "the same start on 1 and 2 ranks")
+    again = solve("contact_untangle_again", variant(case, {"time.end": 0.06}), 1,
+                  ["--restart", OUT / "contact_untangle_ball_1" / "checkpoint.h5"])
+    report.check("untangled" not in again.text, "a restart goes on without it")
+    case["obstacle"][0] |= {"point": [0.5, 0.5, -0.05], "radius": 0.4}
+    deep = run(write_case(case, OUT / "contact_untangle_deep.toml"), OUT / "contact_untangle_deep")
+    report.check(deep.code == 2 and "more than five cells" in deep.text and "sheet and ball" in deep.text,
+                 f"too deep: exit code {deep.code}")
+    report.check((OUT / "contact_untangle_deep" / "intersections.vtk").is_file(), "the triangles are in intersections.vtk")
 
 
 @test

@@ -332,3 +332,39 @@ TEST_CASE("a capsule is closed and inscribed") {
   CHECK_THROWS_AS((void)io::capsule_surface(a, a, 0.0, 1), InternalError);
   CHECK_THROWS_AS((void)io::capsule_surface(a, a, 1.0, 8), InternalError);
 }
+
+TEST_CASE("a cylinder is closed, straddles the true one and has no long triangles") {
+  const Vec3 a(1.0, 2.0, 3.0);
+  struct Size {
+    double length, radius, sagitta;
+  };
+  for (const Size& size : {Size{1.0, 0.25, 1e-4}, {0.01, 0.5, 1e-3}, {5.0, 0.1, 1e-3}, {0.3, 0.2, 0.1}}) {
+    CAPTURE(size.length);
+    const Vec3 axis = Vec3(2.0, -1.0, 0.5).normalized(), b = a + size.length * axis;
+    const io::TriangleSoup s = io::cylinder_surface(a, b, size.radius, size.sagitta);
+    (void)check_closed(s);
+    double widest = 0.0, narrowest = size.radius, slender = 0.0;
+    for (const mesh::Triangle& t : s.triangles) {
+      const std::array<Vec3, 3> x{s.positions[t[0]], s.positions[t[1]], s.positions[t[2]]};
+      const double h = std::max({(x[1] - x[0]).norm(), (x[2] - x[1]).norm(), (x[0] - x[2]).norm()});
+      const Vec3 n = (x[1] - x[0]).cross(x[2] - x[0]);
+      slender = std::max(slender, h * h / n.norm());
+      if (std::abs(n.normalized().dot(axis)) > 0.5) continue;
+      for (int k = 0; k < 3; ++k) {
+        const Vec3 middle = 0.5 * (x[k] + x[(k + 1) % 3]) - a, corner = x[k] - a;
+        narrowest = std::min(narrowest, (middle - middle.dot(axis) * axis).norm());
+        widest = std::max(widest, (corner - corner.dot(axis) * axis).norm());
+      }
+    }
+    CHECK(widest - narrowest <= size.sagitta * (1.0 + 1e-9));
+    CHECK(0.5 * (widest + narrowest) == doctest::Approx(size.radius).epsilon(1e-12));
+    CHECK(slender < 20.0);
+    const double exact = std::numbers::pi * size.radius * size.radius * size.length;
+    CHECK(volume(s) == doctest::Approx(exact).epsilon(2.0 * (widest - narrowest) / size.radius));
+    CHECK(s.triangles.size() < 20000);
+  }
+  CHECK(io::cylinder_surface(a, a + Vec3(0, 0, 1e5), 0.1, 1e-9).triangles.size() < 250000);
+  CHECK_THROWS_AS((void)io::cylinder_surface(a, a, 1.0, 0.1), InternalError);
+  CHECK_THROWS_AS((void)io::cylinder_surface(a, Vec3::Zero(), 0.0, 0.1), InternalError);
+  CHECK_THROWS_AS((void)io::cylinder_surface(a, Vec3::Zero(), 1.0, 0.0), InternalError);
+}

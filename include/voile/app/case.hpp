@@ -50,7 +50,9 @@ struct MotionInput {
 
 /// An obstacle as written; what its files hold is read with the mesh.
 struct ObstacleSection {
-  system::Obstacle shape;      ///< without what files give
+  enum class Type { mesh, plane, sphere, capsule, cylinder };
+  Type type = Type::mesh;
+  system::Obstacle shape;      ///< without what files give; a cylinder gets its triangles with the mesh
   std::filesystem::path file;  ///< mesh
   double scale = 1.0;
   std::filesystem::path frames;  ///< point cache of a deforming mesh; empty: none
@@ -69,6 +71,7 @@ struct RuleSection {
 struct ContactSection {
   system::ContactInput input;  ///< without obstacles and rules
   bool check = true;           ///< count intersecting triangles after every step
+  bool untangle = false;       ///< repair a start that intersects
 };
 
 /// Motion in time.

@@ -100,6 +100,13 @@ class Contact {
   [[nodiscard]] const contact::Surface& surface() const { return set_->surface(); }
   /// Positions of all points, the obstacles' at the time in force; on every rank. Collective.
   [[nodiscard]] std::vector<Vec3> positions(Vec a) const;
+  /// Sets the free components of a so that the sheet's points are at x (all points, the same on every rank). Every rank
+  /// sets its own.
+  void set_positions(const std::vector<Vec3>& x, Vec a) const;
+  /// Projector onto the directions in which a point of the sheet may move, for each.
+  [[nodiscard]] std::vector<Mat3> free_directions() const;
+  /// Half-spaces at the time in force.
+  [[nodiscard]] const std::vector<contact::Plane>& planes() const { return set_->planes(); }
   [[nodiscard]] const ContactInput& input() const { return input_; }
 
  private:
@@ -107,6 +114,8 @@ class Contact {
   [[nodiscard]] int body(const std::string& name) const;
   void cover(const std::vector<Vec3>& from, const std::vector<Vec3>& to);
   void fill_positions(Vec a, std::vector<Vec3>& x) const;
+  /// Sets the free components of row i of this rank so that its vertex is at x.
+  void place_vertex(Index i, const Vec3& x, const petsc::WriteArray& a) const;
   void place_obstacles(double time, std::vector<Vec3>& x, std::vector<contact::Plane>& planes) const;
   [[nodiscard]] Vec3 displacement(int body, const Vec3& place) const;
   [[nodiscard]] std::string words(const contact::Pair& pair) const;

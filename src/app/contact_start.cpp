@@ -1,0 +1,102 @@
+#include "contact_start.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "obstacles.hpp"
+#include "voile/base/error.hpp"
+#include "voile/base/mpi.hpp"
+#include "voile/contact/untangle.hpp"
+
+namespace voile::app {
+
+namespace {
+
+/// A vertex that would have to move further than so many mean edges is not in a shallow intersection.
+constexpr double most_cells = 5.0;
+
+double mean_edge(const contact::Surface& s) {
+  double sum = 0.0;
+  for (Index e = 0; e < s.sheet_edges; ++e) sum += std::sqrt(s.edges[e].rest_length_squared);
+  return sum / s.sheet_edges;
+}
+
+/// What an attempt to untangle says if it fails.
+std::string attempt(const contact::UntangleResult& r, double limit) {
+  return r.farthest > limit
+             ? fmt::format(
+                   " Untangling ended after {} rounds with {} intersecting pairs: a vertex would move {:.3g} m, "
+                   "more than five cells ({:.3g} m).",
+                   r.rounds, r.left, r.farthest, limit)
+             : fmt::format(" Untangling left {} intersecting pairs and a smallest gap of {:.3g} m after {} rounds.",
+                           r.left, r.gap, r.rounds);
+}
+
+/// Throws if the state is no start. Collective.
+void check_start(const RunOptions& options, system::Contact& contact, Vec a, const std::string& tried) {
+  const std::vector<Vec3> positions = contact.positions(a);
+  mpi::on_root(PETSC_COMM_WORLD, [&] {
+    const IntersectionCheck check(contact);
+    const std::vector<io::TrianglePair> pairs = check.find(positions);
+    if (pairs.empty()) return;
+    const std::filesystem::path file = options.output / "intersections.vtk";
+    throw UserError(fmt::format(
+        "[contact]: the start intersects: {}. The triangles are in {} (ParaView).{} Move the parts apart, or let them "
+        "ignore each other with a [[contact_rule]]",
+        check.report(positions, pairs, file), file.string(), tried));
+  });
+  const system::ContactReport report = contact.report(a);
+  if (report.gap <= 0.0)
+    throw UserError(fmt::format(
+        "[contact]: at the start {} come nearer than their thicknesses and radii allow (by {:.4g} m).{} Move them "
+        "apart, make them thinner, or let them ignore each other with a [[contact_rule]]",
+        report.nearest, -report.gap, tried));
+}
+
+/// Whether a start needs repair. Collective.
+bool is_tangled(system::Contact& contact, Vec a) {
+  const std::vector<Vec3> positions = contact.positions(a);
+  double pairs = 0.0;
+  mpi::on_root(PETSC_COMM_WORLD,
+               [&] { pairs = static_cast<double>(IntersectionCheck(contact).find(positions).size()); });
+  return mpi::max(PETSC_COMM_WORLD, pairs) > 0.0 || contact.report(a).gap <= 0.0;
+}
+
+/// Moves a if that repairs it; says what was tried if it does not. Rank 0 works for all, so that the result does not
+/// depend on their number. Collective.
+std::string repair(const RunOptions& options, system::Contact& contact, Vec a) {
+  std::vector<Vec3> x = contact.positions(a);
+  std::string tried;
+  std::vector<double> values;
+  mpi::on_root(PETSC_COMM_WORLD, [&] {
+    const IntersectionCheck check(contact);
+    const double limit = most_cells * mean_edge(contact.surface());
+    const contact::UntangleResult r = contact::untangle(
+        contact.surface(), contact.planes(), contact.free_directions(),
+        [&](const std::vector<Vec3>& at) { return check.find(at); },
+        {.contact_distance = contact.input().options.distance, .limit = limit}, x);
+    if (!r.done) tried = attempt(r, limit);
+    if (r.done && options.verbosity != Verbosity::quiet)
+      fmt::print("untangled: {} vertices moved, at most {:.3g} m, in {} rounds\n", r.moved, r.farthest, r.rounds);
+    for (const Vec3& p : x) values.insert(values.end(), p.begin(), p.end());
+  });
+  mpi::broadcast(PETSC_COMM_WORLD, tried);
+  mpi::broadcast(PETSC_COMM_WORLD, values);
+  if (!tried.empty()) return tried;
+  for (std::size_t i = 0; i < x.size(); ++i) x[i] = Eigen::Map<const Vec3>(values.data() + 3 * i);
+  contact.set_positions(x, a);
+  return tried;
+}
+
+}  // namespace
+
+bool settle_start(const Case& c, const RunOptions& options, system::Contact& contact, Vec a, double time) {
+  contact.set_time(time);
+  const bool repairs = c.contact.untangle && options.restart.empty() && is_tangled(contact, a);
+  const std::string tried = repairs ? repair(options, contact, a) : "";
+  check_start(options, contact, a, tried);
+  return repairs;
+}
+
+}  // namespace voile::app
