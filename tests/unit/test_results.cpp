@@ -292,6 +292,24 @@ TEST_CASE("a stored step is read back with the one before it, and only into its 
   CHECK_THROWS_AS((void)io::read_step(folder.path / "none.h5", -1, mesh), UserError);
 }
 
+TEST_CASE("a results.h5 without its steps/ names the file that is missing") {
+  const Folder folder;
+  const mesh::SurfaceMesh mesh = plate(1);
+  io::ResultsWriter writer(folder.path, mesh, ramp(4), ramp(2));
+  for (int n : {1, 2}) writer.write(step(mesh, n));
+  const fs::path copy = folder.path / "copy";
+  fs::create_directories(copy / "steps");
+  fs::copy_file(folder.path / "results.h5", copy / "results.h5");
+  const auto error = [&](int n) { return error_of([&] { (void)io::read_step(copy / "results.h5", n, mesh); }); };
+  CHECK(has(error(1), "'steps/000001' is a link to steps/000001.h5 beside it, which is missing"));
+  CHECK(has(error(-1), "'steps/000002' is a link to steps/000002.h5 beside it"));
+  CHECK(has(error(1), "copy the folder steps/ together with results.h5"));
+  fs::copy_file(folder.path / "steps" / "000002.h5", copy / "steps" / "000002.h5");
+  CHECK(has(error(2), "'steps/000001' is a link to steps/000001.h5"));  // the step before is needed, too
+  fs::copy_file(folder.path / "steps" / "000001.h5", copy / "steps" / "000001.h5");
+  CHECK(error(2) == "no error");
+}
+
 TEST_CASE("a checkpoint comes back bit by bit, and only into its own mesh") {
   const Folder folder;
   fs::create_directories(folder.path);
