@@ -101,6 +101,10 @@ class Contact {
   /// Positions of all points, the obstacles' at the time in force; on every rank. Collective.
   [[nodiscard]] std::vector<Vec3> positions(Vec a) const;
   [[nodiscard]] const ContactInput& input() const { return input_; }
+  /// The time in force [s]. Not collective.
+  [[nodiscard]] double time() const { return time_; }
+  /// Positions of the points of obstacle k at the time in force [m]; none for a plane. Not collective.
+  [[nodiscard]] std::vector<Vec3> obstacle_points(std::size_t k) const;
 
  private:
   void check_room(const mesh::SurfaceMesh& mesh) const;
