@@ -8,6 +8,8 @@ MOST_WITH_EDGES = 20_000  # edges of larger meshes are not drawn
 MOST_TRIANGLES = 150_000  # larger meshes are coarsened
 SHEET = colors.LinearSegmentedColormap.from_list("sheet", ["#e4ebef", "#9cc5cf", "#4d97bf", "#4f62a8", "#8a3f8c"])
 
+GREY = np.array([0.72, 0.72, 0.72, 1.0])
+
 
 def boundary_edges(triangles):
     """Vertex pairs of the edges that belong to one triangle only."""
@@ -39,6 +41,19 @@ def coarsen(points, triangles, values, most=MOST_TRIANGLES):
         if len(kept) <= most:
             return np.column_stack(means[:3]), kept, means[3]
         cube *= 1.2
+
+
+def split(corners, longest):
+    """Triangles (n x 3 x 3) cut into four until no edge is longer than this: near and far parts of large ones then sort."""
+    done = []
+    while len(corners):
+        edges = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2)
+        large = edges.max(axis=1) > longest
+        done.append(corners[~large])
+        a, b, c = corners[large].transpose(1, 0, 2)
+        ab, bc, ca = (a + b) / 2, (b + c) / 2, (c + a) / 2
+        corners = np.concatenate([np.stack(t, axis=1) for t in ((a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca))])
+    return np.concatenate(done)
 
 
 class Camera:
@@ -78,22 +93,26 @@ def _triad(figure, camera):
     inset.set(xlim=(-1.4, 1.4), ylim=(-1.4, 1.4))
 
 
-def draw_surface(axes, points, triangles, values, outline, view):
-    """Draws a surface coloured by `values` at its vertices. `outline`: line segments (n x 2 x 3) of the shape at rest;
-    `view`: elevation and azimuth of the camera in degrees. Returns what a colour bar needs, or None if all values are zero."""
+def draw_surface(axes, points, triangles, values, outline, view, others=()):
+    """Draws a surface coloured by `values` at its vertices, and `others` (triangles, n x 3 x 3) in grey. `outline`: line
+    segments (n x 2 x 3) of the shape at rest; `view`: elevation and azimuth of the camera in degrees. Returns what a colour
+    bar needs, or None if all values are zero."""
     if len(triangles) > MOST_TRIANGLES:
         points, triangles, values = coarsen(points, triangles, values)
-    everything = points if not len(outline) else np.vstack([points, np.reshape(outline, (-1, 3))])
+    everything = np.vstack([points, np.reshape(outline, (-1, 3)), np.reshape(others, (-1, 3))])
     camera = Camera(everything, *view)
     corners = points[triangles]
+    if len(others):
+        corners = np.concatenate([corners, split(others, np.linalg.norm(np.ptp(everything, axis=0)) / 60)])
     normals, _ = normals_and_areas(corners)
     high = float(values.max(initial=0.0))
     norm = colors.Normalize(0.0, high if high > 0 else 1.0)
-    face = SHEET(norm(values[triangles].mean(axis=1)))
+    face = np.tile(GREY, (len(corners), 1))
+    face[: len(triangles)] = SHEET(norm(values[triangles].mean(axis=1)))
     face[:, :3] *= (0.58 + 0.42 * np.abs(normals @ camera.lamp()))[:, None]  # a thin shell is lit on both sides
     edge = face.copy()
     if len(triangles) <= MOST_WITH_EDGES:
-        edge[:, :3] = 0.75 * face[:, :3] + 0.25
+        edge[: len(triangles), :3] = 0.75 * face[: len(triangles), :3] + 0.25
     flat, near = camera.project(corners)
     order = np.argsort(near.mean(axis=1))
 

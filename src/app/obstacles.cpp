@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <map>
 
@@ -21,6 +23,8 @@ using Shape = system::Obstacle::Shape;
 constexpr int refinement = 4;
 /// Of a cylinder's facets, in contact distances.
 constexpr double largest_sagitta = 0.1;
+/// Side of the square that stands for a half-space, in extents of the sheet.
+constexpr double square_side = 1.5;
 
 std::vector<double> flat(const std::vector<Vec3>& points) {
   std::vector<double> values;
@@ -78,6 +82,33 @@ void read_frames(MPI_Comm comm, const ObstacleSection& section, system::Obstacle
     for (Vec3& p : x) p *= scale;
     return x;
   };
+}
+
+/// A part of a plane, below the middle of the sheet.
+io::TriangleSoup square(const system::Obstacle& plane, const mesh::SurfaceMesh& sheet) {
+  Vec3 low = sheet.positions().front(), high = low;
+  for (const Vec3& x : sheet.positions()) {
+    low = low.cwiseMin(x);
+    high = high.cwiseMax(x);
+  }
+  const Vec3 normal = plane.normal.normalized(), middle = 0.5 * (low + high);
+  const Vec3 centre = middle - normal.dot(middle - plane.points.front()) * normal;
+  const double half = 0.5 * square_side * sheet.extent();
+  const Vec3 u = half * normal.unitOrthogonal(), v = normal.cross(u);
+  return {{centre - u - v, centre + u - v, centre + u + v, centre - u + v}, {{0, 1, 2}, {0, 2, 3}}};
+}
+
+io::TriangleSoup surface_at_rest(const system::Obstacle& o, const mesh::SurfaceMesh& sheet) {
+  switch (o.shape) {
+    case Shape::sphere:
+      return io::sphere_surface(o.points[0], o.radius, refinement);
+    case Shape::capsule:
+      return io::capsule_surface(o.points[0], o.points[1], o.radius, refinement);
+    case Shape::plane:
+      return square(o, sheet);
+    default:
+      return {o.points, o.triangles};
+  }
 }
 
 }  // namespace
@@ -150,6 +181,35 @@ std::string IntersectionCheck::report(const std::vector<Vec3>& positions, const 
                                 contact_.surface().bodies[bodies.second].name, found.second[0], found.second[1],
                                 found.second[2]));
   return join(texts, "; ");
+}
+
+ObstaclePicture::ObstaclePicture(const system::ContactInput& input, const mesh::SurfaceMesh& sheet) {
+  for (const system::Obstacle& o : input.obstacles) {
+    const io::TriangleSoup soup = surface_at_rest(o, sheet);
+    const auto first = static_cast<Index>(rest_.positions.size());
+    first_.push_back(rest_.positions.size());
+    rest_.positions.insert(rest_.positions.end(), soup.positions.begin(), soup.positions.end());
+    for (const mesh::Triangle& t : soup.triangles)
+      rest_.triangles.push_back({first + t[0], first + t[1], first + t[2]});
+    rest_.obstacle.resize(rest_.triangles.size(), static_cast<int>(rest_.names.size()));
+    rest_.names.push_back(o.name);
+    rest_.moves = rest_.moves || o.motion || o.frames;
+  }
+  first_.push_back(rest_.positions.size());
+}
+
+std::vector<Vec3> ObstaclePicture::positions(const system::Contact& contact) const {
+  std::vector<Vec3> x = rest_.positions;
+  for (std::size_t k = 0; k + 1 < first_.size(); ++k) {
+    const system::Obstacle& o = contact.input().obstacles[k];
+    if (o.shape == Shape::mesh) {
+      const std::vector<Vec3> now = contact.obstacle_points(k);
+      std::copy(now.begin(), now.end(), x.begin() + static_cast<std::ptrdiff_t>(first_[k]));
+    } else if (o.motion) {
+      for (std::size_t i = first_[k]; i < first_[k + 1]; ++i) x[i] += o.motion(rest_.positions[i], contact.time());
+    }
+  }
+  return x;
 }
 
 }  // namespace voile::app

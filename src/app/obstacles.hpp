@@ -7,6 +7,7 @@
 
 #include "voile/app/case.hpp"
 #include "voile/io/intersections.hpp"
+#include "voile/io/results.hpp"
 
 namespace voile::app {
 
@@ -37,6 +38,22 @@ class IntersectionCheck {
   [[nodiscard]] Triangles triangles_at(const std::vector<Vec3>& positions) const;
 
   const system::Contact& contact_;
+};
+
+/// Obstacles to look at: balls and capsules as the polyhedra of the check, which turn with them, a half-space as a
+/// square near the sheet.
+class ObstaclePicture {
+ public:
+  /// Not collective.
+  ObstaclePicture(const system::ContactInput& input, const mesh::SurfaceMesh& sheet);
+
+  [[nodiscard]] const io::ObstacleTriangles& at_rest() const { return rest_; }
+  /// Vertices at the time in force of a contact with the same obstacles [m]. Not collective.
+  [[nodiscard]] std::vector<Vec3> positions(const system::Contact& contact) const;
+
+ private:
+  io::ObstacleTriangles rest_;
+  std::vector<std::size_t> first_;  ///< vertex of each obstacle
 };
 
 }  // namespace voile::app

@@ -36,7 +36,9 @@ Recorder::Recorder(const Case& c, const RunOptions& options, system::Model& mode
   resolve_probes();
   mpi::on_root(model.comm(), [&] {
     const mesh::Partition& p = model.partition();
-    results_.emplace(options.output, model.mesh(), p.vertex_rank, p.triangle_rank);
+    if (model.contact()) obstacles_.emplace(model.contact()->input(), model.mesh());
+    results_.emplace(options.output, model.mesh(), p.vertex_rank, p.triangle_rank,
+                     obstacles_ ? obstacles_->at_rest() : io::ObstacleTriangles{});
     history_.emplace(options.output / "history.csv", columns());
   });
   if (root_ && options.verbosity != Verbosity::quiet)
@@ -243,6 +245,7 @@ void Recorder::write_fields(io::StepFields step, Vec a, const Snapshot& s) {
     add("membrane_force", "N/m", io::Centre::triangle, t.membrane_force);
     add("curvature", "1/m", io::Centre::triangle, t.curvature);
     add("bending_moment", "N", io::Centre::triangle, t.bending_moment);
+    if (obstacles_ && obstacles_->at_rest().moves) step.obstacles = obstacles_->positions(*model_->contact());
     results_->write(step);
   });
 }

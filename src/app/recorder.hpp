@@ -68,6 +68,7 @@ class Recorder {
   bool root_;
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
   std::vector<ProbeVertices> probes_;
+  std::optional<ObstaclePicture> obstacles_;  ///< rank 0, with contact
   std::optional<io::ResultsWriter> results_;
   std::optional<io::HistoryWriter> history_;
 };

@@ -3,10 +3,12 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "hdf5_handle.hpp"
 #include "voile/base/error.hpp"
@@ -68,10 +70,16 @@ class NewFile {
   }
 
   void text(const std::string& object, const char* name, const std::string& value) {
-    const Id type(H5Tcopy(H5T_C_S1), H5Tclose, temporary_);
-    H5Tset_size(type, std::max<std::size_t>(1, value.size()));
-    H5Tset_cset(type, H5T_CSET_UTF8);
-    attribute(object, name, type, value.c_str());
+    attribute(object, name, Text(value.size(), temporary_), value.c_str());
+  }
+
+  /// A list of texts, each filled up with zeros to the longest.
+  void texts(const std::string& name, const std::vector<std::string>& values) {
+    std::size_t width = 1;
+    for (const std::string& v : values) width = std::max(width, v.size());
+    std::string all;
+    for (const std::string& v : values) all += v + std::string(width - v.size(), '\0');
+    dataset(name, Text(width, temporary_), values.size(), 1, all.data());
   }
 
   void number(const std::string& object, const char* name, double value) {
@@ -91,6 +99,16 @@ class NewFile {
   }
 
  private:
+  /// Type of texts of so many bytes.
+  class Text : public Id {
+   public:
+    Text(std::size_t bytes, const std::filesystem::path& file) : Id(H5Tcopy(H5T_C_S1), H5Tclose, file) {
+      H5Tset_size(*this, std::max<std::size_t>(1, bytes));
+      H5Tset_cset(*this, H5T_CSET_UTF8);
+      H5Tset_strpad(*this, H5T_STR_NULLPAD);
+    }
+  };
+
   void attribute(const std::string& object, const char* name, hid_t type, const void* value) {
     const Id space(H5Screate(H5S_SCALAR), H5Sclose, temporary_);
     Id a(H5Acreate_by_name(*file_, object.c_str(), name, type, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Aclose,

@@ -68,6 +68,37 @@ const char* attribute_type(const Field& field) {
   return field.components == 3 && field.centre == Centre::vertex ? "Vector" : "Matrix";
 }
 
+/// An XDMF file of one grid, or of one per step.
+std::string xdmf(const char* name, const std::string& grids, bool steps) {
+  const std::string body =
+      steps ? fmt::format("    <Grid Name=\"{}\" GridType=\"Collection\" CollectionType=\"Temporal\">\n{}    </Grid>\n",
+                          name, grids)
+            : grids;
+  return fmt::format("<?xml version=\"1.0\"?>\n<Xdmf Version=\"3.0\">\n  <Domain>\n{}  </Domain>\n</Xdmf>\n", body);
+}
+
+/// `time`: empty, or a <Time> element.
+std::string grid(const std::string& name, const std::string& time, const std::string& content) {
+  return fmt::format("      <Grid Name=\"{}\">\n{}{}      </Grid>\n", name, time, content);
+}
+
+std::string topology_and_geometry(const std::string& triangles, std::size_t triangle_count,
+                                  const std::string& positions, int bytes, std::size_t vertex_count) {
+  return fmt::format(
+      "        <Topology TopologyType=\"Triangle\" NumberOfElements=\"{}\">{}</Topology>\n"
+      "        <Geometry GeometryType=\"XYZ\">{}</Geometry>\n",
+      triangle_count, data_item(triangles, "Int", 4, triangle_count, 3),
+      data_item(positions, "Float", bytes, vertex_count, 3));
+}
+
+std::vector<float> single(const std::vector<Vec3>& points) {
+  std::vector<float> values;
+  values.reserve(3 * points.size());
+  for (const Vec3& x : points)
+    for (int k = 0; k < 3; ++k) values.push_back(static_cast<float>(x[k]));
+  return values;
+}
+
 /// Replaces `file` in one step.
 void write_text(const fs::path& file, const std::string& text) {
   const fs::path temporary = file.string() + ".part";
@@ -82,7 +113,7 @@ void write_text(const fs::path& file, const std::string& text) {
 /// Removes the results of an earlier run, and nothing else.
 void remove_old(const fs::path& folder) {
   std::error_code ignored;
-  for (const char* name : {"results.xdmf", "results.h5"}) fs::remove(folder / name, ignored);
+  for (const char* name : {"results.xdmf", "results.h5", "obstacles.xdmf"}) fs::remove(folder / name, ignored);
   for (const auto& entry : fs::directory_iterator(folder / "steps", ignored)) {
     const std::string stem = entry.path().stem().string();
     if (entry.path().extension() == ".h5" &&
@@ -98,29 +129,43 @@ struct ResultsWriter::Impl {
   std::size_t vertices = 0, triangles = 0;
   std::string constant_part;         ///< XDMF of mesh, groups and partition, the same in each step
   std::vector<std::string> grids{};  ///< XDMF of each step
+  std::size_t obstacle_vertices = 0, obstacle_triangles = 0;
+  bool obstacles_move = false;
+  std::vector<std::string> obstacle_grids{};  ///< XDMF of each step if they move
 
-  void write_mesh(const mesh::SurfaceMesh& mesh, const std::vector<int>& vertex_rank,
+  void write_constant(const mesh::SurfaceMesh& mesh, const std::vector<int>& vertex_rank,
+                      const std::vector<int>& triangle_rank, const ObstacleTriangles& obstacles);
+  void write_mesh(NewFile& file, const mesh::SurfaceMesh& mesh, const std::vector<int>& vertex_rank,
                   const std::vector<int>& triangle_rank);
   void write_groups(NewFile& file, const mesh::SurfaceMesh& mesh);
+  void write_obstacles(NewFile& file, const ObstacleTriangles& obstacles);
+  void move_obstacles(NewFile& file, const StepFields& step, const std::string& where, const std::string& time);
+  [[nodiscard]] std::string obstacle_content(const std::string& positions) const;
   void write_xdmf() const;
   [[nodiscard]] std::string write_field(NewFile& file, const Field& field, const std::string& where) const;
   [[nodiscard]] std::size_t count(Centre centre) const { return centre == Centre::vertex ? vertices : triangles; }
 };
 
-void ResultsWriter::Impl::write_mesh(const mesh::SurfaceMesh& mesh, const std::vector<int>& vertex_rank,
-                                     const std::vector<int>& triangle_rank) {
+void ResultsWriter::Impl::write_constant(const mesh::SurfaceMesh& mesh, const std::vector<int>& vertex_rank,
+                                         const std::vector<int>& triangle_rank, const ObstacleTriangles& obstacles) {
   NewFile file(folder / "results.h5", false);
+  write_mesh(file, mesh, vertex_rank, triangle_rank);
+  write_groups(file, mesh);
+  if (!obstacles.names.empty()) write_obstacles(file, obstacles);
+  file.group("steps");
+  file.finish();
+}
+
+void ResultsWriter::Impl::write_mesh(NewFile& file, const mesh::SurfaceMesh& mesh, const std::vector<int>& vertex_rank,
+                                     const std::vector<int>& triangle_rank) {
   std::vector<double> positions;
   for (const Vec3& x : mesh.positions()) positions.insert(positions.end(), {x[0], x[1], x[2]});
   file.group("mesh");
   file.dataset("mesh/positions", H5T_NATIVE_DOUBLE, vertices, 3, positions.data());
   file.text("mesh/positions", "unit", "m");
   file.dataset("mesh/triangles", H5T_NATIVE_INT32, triangles, 3, mesh.triangles().data());
-  constant_part = fmt::format(
-      "        <Topology TopologyType=\"Triangle\" NumberOfElements=\"{}\">{}</Topology>\n"
-      "        <Geometry GeometryType=\"XYZ\">{}</Geometry>\n",
-      triangles, data_item("results.h5:/mesh/triangles", "Int", 4, triangles, 3),
-      data_item("results.h5:/mesh/positions", "Float", 8, vertices, 3));
+  constant_part =
+      topology_and_geometry("results.h5:/mesh/triangles", triangles, "results.h5:/mesh/positions", 8, vertices);
   file.group("mesh/partition");
   file.dataset("mesh/partition/vertices", H5T_NATIVE_INT, vertices, 1, vertex_rank.data());
   file.dataset("mesh/partition/triangles", H5T_NATIVE_INT, triangles, 1, triangle_rank.data());
@@ -128,9 +173,6 @@ void ResultsWriter::Impl::write_mesh(const mesh::SurfaceMesh& mesh, const std::v
                              data_item("results.h5:/mesh/partition/vertices", "Int", 4, vertices, 1));
   constant_part += attribute("partition", "Scalar", Centre::triangle,
                              data_item("results.h5:/mesh/partition/triangles", "Int", 4, triangles, 1));
-  write_groups(file, mesh);
-  file.group("steps");
-  file.finish();
 }
 
 void ResultsWriter::Impl::write_groups(NewFile& file, const mesh::SurfaceMesh& mesh) {
@@ -165,19 +207,54 @@ std::string ResultsWriter::Impl::write_field(NewFile& file, const Field& field, 
                    data_item(fmt::format("{}:/{}", where, field.name), "Float", 8, rows, columns));
 }
 
+void ResultsWriter::Impl::write_obstacles(NewFile& file, const ObstacleTriangles& obstacles) {
+  obstacle_vertices = obstacles.positions.size();
+  obstacle_triangles = obstacles.triangles.size();
+  obstacles_move = obstacles.moves;
+  if (obstacles.obstacle.size() != obstacle_triangles)
+    throw InternalError(
+        fmt::format("{} of {} triangles have an obstacle", obstacles.obstacle.size(), obstacle_triangles));
+  file.group("obstacles");
+  file.texts("obstacles/names", obstacles.names);
+  file.dataset("obstacles/positions", H5T_NATIVE_FLOAT, obstacle_vertices, 3, single(obstacles.positions).data());
+  file.text("obstacles/positions", "unit", "m");
+  file.dataset("obstacles/triangles", H5T_NATIVE_INT32, obstacle_triangles, 3, obstacles.triangles.data());
+  file.dataset("obstacles/obstacle", H5T_NATIVE_INT, obstacle_triangles, 1, obstacles.obstacle.data());
+}
+
+/// Adds the positions of obstacles to the file of a step.
+void ResultsWriter::Impl::move_obstacles(NewFile& file, const StepFields& step, const std::string& where,
+                                         const std::string& time) {
+  const char* name = "obstacle_positions";
+  if (step.obstacles.size() != obstacle_vertices)
+    throw InternalError(
+        fmt::format("{} positions for {} vertices of obstacles", step.obstacles.size(), obstacle_vertices));
+  file.dataset(name, H5T_NATIVE_FLOAT, obstacle_vertices, 3, single(step.obstacles).data());
+  file.text(name, "unit", "m");
+  obstacle_grids.push_back(
+      grid(fmt::format("step {}", step.step), time, obstacle_content(fmt::format("{}:/{}", where, name))));
+}
+
+std::string ResultsWriter::Impl::obstacle_content(const std::string& positions) const {
+  return topology_and_geometry("results.h5:/obstacles/triangles", obstacle_triangles, positions, 4, obstacle_vertices) +
+         attribute("obstacle", "Scalar", Centre::triangle,
+                   data_item("results.h5:/obstacles/obstacle", "Int", 4, obstacle_triangles, 1));
+}
+
 void ResultsWriter::Impl::write_xdmf() const {
   // Without steps the mesh alone is shown, so that the file opens from the start.
-  const std::string body =
-      grids.empty() ? fmt::format("      <Grid Name=\"mesh\">\n{}      </Grid>\n", constant_part) : join(grids, "");
   write_text(folder / "results.xdmf",
-             fmt::format("<?xml version=\"1.0\"?>\n<Xdmf Version=\"3.0\">\n  <Domain>\n"
-                         "    <Grid Name=\"steps\" GridType=\"Collection\" CollectionType=\"Temporal\">\n"
-                         "{}    </Grid>\n  </Domain>\n</Xdmf>\n",
-                         body));
+             xdmf("steps", grids.empty() ? grid("mesh", "", constant_part) : join(grids, ""), true));
+  if (obstacle_triangles == 0 || (!obstacles_move && !grids.empty())) return;
+  // What never moves is one grid without a time, which ParaView shows at all times.
+  write_text(folder / "obstacles.xdmf",
+             obstacle_grids.empty()
+                 ? xdmf("obstacles", grid("obstacles", "", obstacle_content("results.h5:/obstacles/positions")), false)
+                 : xdmf("obstacles", join(obstacle_grids, ""), true));
 }
 
 ResultsWriter::ResultsWriter(const fs::path& folder, const mesh::SurfaceMesh& mesh, const std::vector<int>& vertex_rank,
-                             const std::vector<int>& triangle_rank)
+                             const std::vector<int>& triangle_rank, const ObstacleTriangles& obstacles)
     : impl_(std::make_unique<Impl>()) {
   const Silence silence;
   impl_->folder = folder;
@@ -190,7 +267,7 @@ ResultsWriter::ResultsWriter(const fs::path& folder, const mesh::SurfaceMesh& me
   if (error)
     throw UserError(fmt::format("{}: the folder for results cannot be created: {}", folder.string(), error.message()));
   remove_old(folder);
-  impl_->write_mesh(mesh, vertex_rank, triangle_rank);
+  impl_->write_constant(mesh, vertex_rank, triangle_rank, obstacles);
   impl_->write_xdmf();
 }
 
@@ -201,18 +278,19 @@ ResultsWriter& ResultsWriter::operator=(ResultsWriter&&) noexcept = default;
 void ResultsWriter::write(const StepFields& step) {
   const Silence silence;
   const std::string number = fmt::format("{:06d}", step.step), where = fmt::format("steps/{}.h5", number);
+  const std::string time = fmt::format("        <Time Value=\"{}\"/>\n", step.time);
   NewFile data(impl_->folder / where, false);
   data.number("/", "step", step.step);
   data.number("/", "time", step.time);
   data.number("/", "load_factor", step.load_factor);
-  std::string grid = fmt::format("      <Grid Name=\"step {}\">\n        <Time Value=\"{}\"/>\n{}", step.step,
-                                 step.time, impl_->constant_part);
-  for (const Field& field : step.fields) grid += impl_->write_field(data, field, where);
+  std::string content = impl_->constant_part;
+  for (const Field& field : step.fields) content += impl_->write_field(data, field, where);
+  if (impl_->obstacles_move) impl_->move_obstacles(data, step, where, time);
   data.finish();
   NewFile index(impl_->folder / "results.h5", true);
   index.link("steps/" + number, where);
   index.finish();
-  impl_->grids.push_back(grid + "      </Grid>\n");
+  impl_->grids.push_back(grid(fmt::format("step {}", step.step), time, content));
   impl_->write_xdmf();
 }
 

@@ -27,6 +27,24 @@ std::vector<std::string> step_names(hid_t file) {
   return names;
 }
 
+/// Steps are links to files of their own, which a copy of results.h5 alone leaves behind.
+void check_link(hid_t file, const std::string& place, const fs::path& path) {
+  if (H5Oexists_by_name(file, place.c_str(), H5P_DEFAULT) > 0) return;
+  H5L_info_t info{};
+  std::string value, target = "another file";
+  if (H5Lget_info(file, place.c_str(), &info, H5P_DEFAULT) >= 0 && info.type == H5L_TYPE_EXTERNAL) {
+    value.resize(info.u.val_size);
+    const char* name = nullptr;
+    if (H5Lget_val(file, place.c_str(), value.data(), value.size(), H5P_DEFAULT) >= 0 &&
+        H5Lunpack_elink_val(value.data(), value.size(), nullptr, &name, nullptr) >= 0)
+      target = name;
+  }
+  fail_restart(path,
+               fmt::format("its '{}' is a link to {} beside it, which is missing or cannot be read; copy the folder "
+                           "steps/ together with results.h5",
+                           place, target));
+}
+
 }  // namespace
 
 StoredStep read_step(const fs::path& path, int step, const mesh::SurfaceMesh& mesh) {
@@ -40,11 +58,13 @@ StoredStep read_step(const fs::path& path, int step, const mesh::SurfaceMesh& me
   if (at == names.end()) fail_restart(path, fmt::format("it has no step {}; it has {}", step, join(names, ", ")));
   const std::size_t count = 3 * static_cast<std::size_t>(mesh.vertex_count());
   StoredStep stored;
-  const std::string place = "steps/" + *at;
+  const std::string place = "steps/" + *at, before = at == names.begin() ? "" : "steps/" + *(at - 1);
+  check_link(file, place, path);
+  if (!before.empty()) check_link(file, before, path);
   stored.step = static_cast<int>(read_number(file, place, "step", path));
   stored.load_factor = read_number(file, place, "load_factor", path);
   stored.displacement = read_values(file, place + "/displacement", count, path);
-  if (at != names.begin()) stored.previous = read_values(file, "steps/" + *(at - 1) + "/displacement", count, path);
+  if (!before.empty()) stored.previous = read_values(file, before + "/displacement", count, path);
   return stored;
 }
 

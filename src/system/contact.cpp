@@ -230,6 +230,12 @@ std::vector<Mat3> Contact::free_directions() const {
   return free;
 }
 
+std::vector<Vec3> Contact::obstacle_points(std::size_t k) const {
+  if (first_point_[k] == no_index) return {};
+  const auto first = x_.begin() + first_point_[k];
+  return {first, first + static_cast<std::ptrdiff_t>(input_.obstacles[k].points.size())};
+}
+
 // ---- terms ---------------------------------------------------------------------------------------------------------
 
 /// Candidates for all positions between two states.

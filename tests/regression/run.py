@@ -342,8 +342,8 @@ def check_xdmf(report, file, steps):
             shape = tuple(int(n) for n in item.get("Dimensions").split())
             if name not in data or data[name].shape != shape:
                 missing.append(item.text.strip())
-    report.check(not missing, "results.xdmf refers to data of the right shape" + (f"; not {missing[:3]}" if missing else ""))
-    report.check(len(list(root.iter("Time"))) == steps, "results.xdmf lists every step")
+    report.check(not missing, f"{file.name} refers to data of the right shape" + (f"; not {missing[:3]}" if missing else ""))
+    report.check(len(list(root.iter("Time"))) == steps, f"{file.name} lists every step")
 
 
 @test
@@ -659,6 +659,46 @@ def contact_frames(report):
     tip = -0.05 + 0.1 * 0.2 * 25
     top = (result.displacement()[:, 2]).max()
     report.check(top > tip - 0.02, f"the sheet reaches {top:.3f} m, the tip {tip:.3f} m")
+    with h5py.File(result.folder / "results.h5", "r") as data:
+        report.near(data["steps"][sorted(data["steps"])[-1]]["obstacle_positions"][:, 2].max(), tip, 1e-6, "tip in the results [m]")
+
+
+@test
+def contact_pictures(report):
+    """Obstacles of every kind are in the results as triangles that move, a ball turns; those at rest are stored once."""
+    folder = OUT / "contact_pictures"
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / "body.obj").write_text("v 0 0 -2\nv 1 0 -2\nv 0 1 -2\nf 1 2 3\n")
+    case = sheet_on_ball(time__end=0.02, mesh__parameters__n=8)
+    case["obstacle"] = [
+        {"name": "body", "type": "mesh", "file": str(folder / "body.obj"), "motion": ["0", "0", "-t"]},
+        {"name": "ball", "type": "sphere", "point": [0.5, 0.5, -0.3], "radius": 0.25, "rotation_axis": [0, 0, 1],
+         "rotation_centre": [0.5, 0.5, 0], "rotation_angle": "4500*t"},
+        {"name": "rod", "type": "capsule", "point": [0, 0, -1], "end": [1, 0, -1], "radius": 0.1},
+        {"name": "floor", "type": "plane", "point": [0, 0, -3], "normal": [0, 0, 1], "motion": ["0", "0", "-2*t"]}]
+    result = solve("contact_pictures_run", case, 2)
+    with h5py.File(result.folder / "results.h5", "r") as data:
+        steps, last = len(data["steps"]), data["steps"][sorted(data["steps"])[-1]]
+        time, now = last.attrs["time"], last["obstacle_positions"][...]
+        rest, triangles, body = (data[f"obstacles/{name}"][...] for name in ("positions", "triangles", "obstacle"))
+        names = [name.decode() for name in data["obstacles/names"][...]]
+    check_xdmf(report, result.folder / "obstacles.xdmf", steps)
+    report.check(names == ["body", "ball", "rod", "floor"], f"names: {names}")
+    vertices = [np.unique(triangles[body == k]) for k in range(4)]
+    by_time = [np.full((len(v), 3), [0, 0, z]) for v, z in zip(vertices, (-time, 0, 0, -2 * time))]
+    turned = rest[vertices[1]] - [0.5, 0.5, 0]
+    angle = math.radians(4500 * time)
+    turned = np.column_stack([math.cos(angle) * turned[:, 0] - math.sin(angle) * turned[:, 1],
+                              math.sin(angle) * turned[:, 0] + math.cos(angle) * turned[:, 1], turned[:, 2]]) + [0.5, 0.5, 0]
+    by_time[1] = turned - rest[vertices[1]]
+    for name, v, move in zip(names, vertices, by_time):
+        report.below(np.abs(now[v] - rest[v] - move).max(), 1e-6, f"{name}, {len(v)} vertices: error of the positions [m]")
+    report.below(np.abs(np.linalg.norm(now[vertices[1]] - [0.5, 0.5, -0.3], axis=1) - 0.25).max(), 1e-6, "ball: radius [m]")
+    report.near(np.ptp(rest[vertices[3]][:, 0]), 1.5 * math.sqrt(2), 1e-5, "floor: side [m]")
+    still = solve("contact_pictures_still", sheet_on_ball(time__end=0.02, mesh__parameters__n=8), 1)
+    check_xdmf(report, still.folder / "obstacles.xdmf", 0)
+    picture = subprocess.run([ROOT / "runs" / "plot" / "shape", result.folder], capture_output=True, text=True)
+    report.check(picture.returncode == 0, "runs/plot/shape draws it" + picture.stderr[-300:])
 
 
 def main():

@@ -114,6 +114,22 @@ std::string text_attribute(const fs::path& file, const std::string& object, cons
   return text;
 }
 
+/// A list of texts of one length.
+std::vector<std::string> texts(const fs::path& file, const std::string& name) {
+  const hid_t f = H5Fopen(file.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), set = H5Dopen2(f, name.c_str(), H5P_DEFAULT);
+  const hid_t type = H5Dget_type(set), space = H5Dget_space(set);
+  const std::size_t width = H5Tget_size(type);
+  std::string all(width * static_cast<std::size_t>(H5Sget_simple_extent_npoints(space)), ' ');
+  H5Dread(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, all.data());
+  H5Sclose(space);
+  H5Tclose(type);
+  H5Dclose(set);
+  H5Fclose(f);
+  std::vector<std::string> list;
+  for (std::size_t at = 0; at < all.size(); at += width) list.emplace_back(all.substr(at, width).c_str());
+  return list;
+}
+
 std::string read_text(const fs::path& file) {
   std::ifstream in(file);
   std::stringstream text;
@@ -122,8 +138,8 @@ std::string read_text(const fs::path& file) {
 }
 
 /// Every data item of the XDMF exists with the dimensions it claims. Returns how many there are.
-int check_xdmf(const fs::path& folder) {
-  const std::string text = read_text(folder / "results.xdmf");
+int check_xdmf(const fs::path& folder, const char* name = "results.xdmf") {
+  const std::string text = read_text(folder / name);
   int count = 0;
   const auto between = [&](const char* open, const char* close, std::size_t from) {
     const std::size_t begin = text.find(open, from) + std::string(open).size();
@@ -145,6 +161,29 @@ int check_xdmf(const fs::path& folder) {
   };
   CHECK(occurrences("<Grid") == occurrences("</Grid>"));
   return count;
+}
+
+/// A triangle and a square.
+io::ObstacleTriangles obstacles(bool move) {
+  return {{"body", "floor & \xc3\xb6"},
+          {{0, 0, 0}, {1, 0, 0.1}, {0, 1, 0}, {-1, -1, -1}, {1, -1, -1}, {1, 1, -1}, {-1, 1, -1}},
+          {{0, 1, 2}, {3, 4, 5}, {3, 5, 6}},
+          {0, 1, 1},
+          move};
+}
+
+/// Those at a step: everything lies higher by its number.
+std::vector<Vec3> raised(int number) {
+  std::vector<Vec3> points = obstacles(true).positions;
+  for (Vec3& x : points) x[2] += number;
+  return points;
+}
+
+std::vector<double> single(const std::vector<Vec3>& points) {
+  std::vector<double> values;
+  for (const Vec3& x : points)
+    for (int k = 0; k < 3; ++k) values.push_back(static_cast<float>(x[k]));
+  return values;
 }
 
 }  // namespace
@@ -212,6 +251,47 @@ TEST_CASE("the results folder can be moved, and a new run removes the old steps"
   CHECK(read(folder.path / "b" / "results.h5", "/steps/000002/thickness").shape.empty());
 }
 
+TEST_CASE("obstacles that move have positions in every step and an XDMF of their own") {
+  const Folder folder;
+  const mesh::SurfaceMesh mesh = plate(1);
+  const fs::path h5 = folder.path / "results.h5";
+  io::ResultsWriter writer(folder.path, mesh, ramp(4), ramp(2), obstacles(true));
+  CHECK(check_xdmf(folder.path, "obstacles.xdmf") == 3);
+  CHECK(read(h5, "/obstacles/triangles").values == std::vector<double>{0, 1, 2, 3, 4, 5, 3, 5, 6});
+  CHECK(read(h5, "/obstacles/obstacle").values == std::vector<double>{0, 1, 1});
+  CHECK(read(h5, "/obstacles/positions").values == single(obstacles(true).positions));
+  CHECK(text_attribute(h5, "/obstacles/positions", "unit") == "m");
+  CHECK(texts(h5, "/obstacles/names") == obstacles(true).names);
+  for (int number = 1; number <= 3; ++number) {
+    io::StepFields fields = step(mesh, number);
+    fields.obstacles = raised(number);
+    writer.write(fields);
+    CHECK(check_xdmf(folder.path, "obstacles.xdmf") == 3 * number);
+    CHECK(read(h5, fmt::format("/steps/{:06d}/obstacle_positions", number)).values == single(raised(number)));
+  }
+  check_xdmf(folder.path);
+  const std::string xdmf = read_text(folder.path / "obstacles.xdmf");
+  CHECK(has(xdmf, "CollectionType=\"Temporal\""));
+  CHECK(has(xdmf, "<Time Value=\"0.2\"/>"));
+  CHECK(has(xdmf, "Name=\"obstacle\" AttributeType=\"Scalar\" Center=\"Cell\""));
+  CHECK_THROWS_WITH_AS(writer.write(step(mesh, 4)), "0 positions for 7 vertices of obstacles", InternalError);
+}
+
+TEST_CASE("obstacles at rest are stored once; a run without them leaves none behind") {
+  const Folder folder;
+  const mesh::SurfaceMesh mesh = plate(1);
+  {
+    io::ResultsWriter writer(folder.path, mesh, ramp(4), ramp(2), obstacles(false));
+    writer.write(step(mesh, 1));
+    CHECK(read(folder.path / "results.h5", "/steps/000001/obstacle_positions").shape.empty());
+    CHECK(check_xdmf(folder.path, "obstacles.xdmf") == 3);
+    CHECK(!has(read_text(folder.path / "obstacles.xdmf"), "<Time"));
+  }
+  const io::ResultsWriter again(folder.path, mesh, ramp(4), ramp(2));
+  CHECK(!fs::exists(folder.path / "obstacles.xdmf"));
+  CHECK(read(folder.path / "results.h5", "/obstacles/positions").shape.empty());
+}
+
 TEST_CASE("failures have a message") {
   const Folder folder;
   const mesh::SurfaceMesh mesh = plate(1);
@@ -237,9 +317,12 @@ TEST_CASE("a killed process leaves every finished step readable") {
     const pid_t child = fork();
     REQUIRE(child >= 0);
     if (child == 0) {
-      io::ResultsWriter writer(folder.path, mesh, ramp(mesh.vertex_count()), ramp(mesh.triangle_count()));
+      io::ResultsWriter writer(folder.path, mesh, ramp(mesh.vertex_count()), ramp(mesh.triangle_count()),
+                               obstacles(true));
       for (int number = 1;; ++number) {
-        writer.write(step(mesh, number));
+        io::StepFields fields = step(mesh, number);
+        fields.obstacles = raised(number);
+        writer.write(fields);
         if (::write(pipe_ends[1], &number, sizeof number) < 0) _exit(1);
       }
     }
@@ -254,6 +337,7 @@ TEST_CASE("a killed process leaves every finished step readable") {
     close(pipe_ends[0]);
     CAPTURE(last);
     check_xdmf(folder.path);
+    CHECK(check_xdmf(folder.path, "obstacles.xdmf") >= 3 * last);
     for (int k = 1; k <= last; ++k)
       CHECK(read(folder.path / "results.h5", fmt::format("/steps/{:06d}/displacement", k)).values ==
             step(mesh, k).fields[0].values);
@@ -290,6 +374,24 @@ TEST_CASE("a stored step is read back with the one before it, and only into its 
   CHECK_THROWS_AS((void)io::read_step(file, 3, mesh), UserError);
   CHECK_THROWS_AS((void)io::read_step(file, -1, other), UserError);
   CHECK_THROWS_AS((void)io::read_step(folder.path / "none.h5", -1, mesh), UserError);
+}
+
+TEST_CASE("a results.h5 without its steps/ names the file that is missing") {
+  const Folder folder;
+  const mesh::SurfaceMesh mesh = plate(1);
+  io::ResultsWriter writer(folder.path, mesh, ramp(4), ramp(2));
+  for (int n : {1, 2}) writer.write(step(mesh, n));
+  const fs::path copy = folder.path / "copy";
+  fs::create_directories(copy / "steps");
+  fs::copy_file(folder.path / "results.h5", copy / "results.h5");
+  const auto error = [&](int n) { return error_of([&] { (void)io::read_step(copy / "results.h5", n, mesh); }); };
+  CHECK(has(error(1), "'steps/000001' is a link to steps/000001.h5 beside it, which is missing"));
+  CHECK(has(error(-1), "'steps/000002' is a link to steps/000002.h5 beside it"));
+  CHECK(has(error(1), "copy the folder steps/ together with results.h5"));
+  fs::copy_file(folder.path / "steps" / "000002.h5", copy / "steps" / "000002.h5");
+  CHECK(has(error(2), "'steps/000001' is a link to steps/000001.h5"));  // the step before is needed, too
+  fs::copy_file(folder.path / "steps" / "000001.h5", copy / "steps" / "000001.h5");
+  CHECK(error(2) == "no error");
 }
 
 TEST_CASE("a checkpoint comes back bit by bit, and only into its own mesh") {

@@ -27,6 +27,16 @@ struct StepFields {
   double time = 0.0;         ///< shown by ParaView; never decreasing
   double load_factor = 0.0;  ///< stored as an attribute
   std::vector<Field> fields;
+  std::vector<Vec3> obstacles{};  ///< where the vertices of obstacles are [m]; only if they move
+};
+
+/// What the sheet can touch, as triangles to look at.
+struct ObstacleTriangles {
+  std::vector<std::string> names;         ///< of the obstacles; empty: there are none
+  std::vector<Vec3> positions;            ///< at rest [m]
+  std::vector<mesh::Triangle> triangles;  ///< vertices of all obstacles are numbered through
+  std::vector<int> obstacle;              ///< per triangle: entry of `names`
+  bool moves = false;                     ///< each step then has positions of its own
 };
 
 /// results.h5 + results.xdmf + steps/<nnnnnn>.h5 in a folder. Not collective: root only.
@@ -35,6 +45,8 @@ struct StepFields {
 /// follows by itself. In group names every character but letters, digits, '_', '-' and '.' is replaced by '_'
 /// (attribute `name`: the original). In the XDMF a field of 3 components on triangles appears as <field>_11_22_12:
 /// ParaView's X, Y, Z then mean 11, 22, 12.
+/// With obstacles also obstacles.xdmf, /obstacles/{names,triangles,obstacle,positions} in results.h5 and, if they move,
+/// /steps/<nnnnnn>/obstacle_positions. Their positions are single precision: they are looked at, not computed with.
 ///
 /// A process killed at any moment, inside write() too, leaves all steps readable whose write() had returned: every file
 /// is written under another name and then renamed. (One growing HDF5 file would not do: a kill while HDF5 updates its
@@ -42,9 +54,9 @@ struct StepFields {
 /// so a power failure can lose the latest steps.
 class ResultsWriter {
  public:
-  /// Creates both files (replacing old ones). Throws UserError if the folder cannot be written.
+  /// Creates the files (replacing old ones). Throws UserError if the folder cannot be written.
   ResultsWriter(const std::filesystem::path& folder, const mesh::SurfaceMesh& mesh, const std::vector<int>& vertex_rank,
-                const std::vector<int>& triangle_rank);
+                const std::vector<int>& triangle_rank, const ObstacleTriangles& obstacles = {});
   ~ResultsWriter();
   ResultsWriter(ResultsWriter&&) noexcept;
   ResultsWriter& operator=(ResultsWriter&&) noexcept;

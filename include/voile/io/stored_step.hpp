@@ -16,7 +16,8 @@ struct StoredStep {
 };
 
 /// Reads step number `step`, or the last one if negative. Not collective: root only.
-/// Throws UserError if the file cannot be read, belongs to another mesh, or lacks the step or its displacement.
+/// Throws UserError if the file cannot be read, belongs to another mesh, or lacks the step or its displacement, also
+/// because the file in steps/ that it links to is missing.
 [[nodiscard]] StoredStep read_step(const std::filesystem::path& file, int step, const mesh::SurfaceMesh& mesh);
 
 }  // namespace voile::io

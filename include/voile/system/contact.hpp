@@ -108,6 +108,10 @@ class Contact {
   /// Half-spaces at the time in force.
   [[nodiscard]] const std::vector<contact::Plane>& planes() const { return set_->planes(); }
   [[nodiscard]] const ContactInput& input() const { return input_; }
+  /// The time in force [s]. Not collective.
+  [[nodiscard]] double time() const { return time_; }
+  /// Positions of the points of obstacle k at the time in force [m]; none for a plane. Not collective.
+  [[nodiscard]] std::vector<Vec3> obstacle_points(std::size_t k) const;
 
  private:
   void check_room(const mesh::SurfaceMesh& mesh) const;
