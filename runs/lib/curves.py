@@ -82,6 +82,28 @@ def limit_loads(curve):
     return result
 
 
+def sampled(published, computed, window=0.15):
+    """The computed curve at the places of the published points: for each the nearest point of the polyline that lies as
+    far along the path as the published one, give or take `window` (in units of `distances`)."""
+    published, computed = np.asarray(published, float), np.asarray(computed, float)
+    units = np.abs(published).max(axis=0)
+    points, line = published / units, np.vstack([np.zeros(2), computed / units])
+    start, along = line[:-1], np.diff(line, axis=0)
+    length = np.maximum(np.linalg.norm(along, axis=1), 1e-150)
+    begin = np.concatenate([[0.0], np.cumsum(length)])[:-1]
+    steps = np.linalg.norm(np.diff(np.vstack([np.zeros(2), points]), axis=0), axis=1)
+    place, result = 0.0, []
+    for p, step in zip(points, steps):
+        t = np.clip(((p - start) * along).sum(axis=1) / length**2, 0.0, 1.0)
+        nearest = start + t[:, None] * along
+        path = begin + t * length
+        far = np.linalg.norm(nearest - p, axis=1) + np.where(np.abs(path - place - step) < window, 0.0, np.inf)
+        best = np.argmin(far)
+        place = path[best]
+        result.append(nearest[best] * units)
+    return np.array(result)
+
+
 def fitted_order(sizes, errors):
     """Slope of log(error) over log(size) by least squares."""
     sizes, errors = np.asarray(sizes, float), np.abs(np.asarray(errors, float))
