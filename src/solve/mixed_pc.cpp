@@ -25,7 +25,7 @@ struct Mixed {
   bool use_exact = false;     ///< for the matrix in force
   bool pattern_read = false;  ///< by `single`
   int exact_left = 0;
-  long factors = 0, exact_factors = 0, solutions = 0, iterations = 0;
+  long factors = 0, patterns = 0, exact_factors = 0, solutions = 0, iterations = 0;
 };
 
 Mixed& data(PC pc) {
@@ -102,6 +102,7 @@ PetscErrorCode set_up(PC pc) {
   const PetscErrorCode code = guarded(failure, [&] {
     const petsc::EventScope scope(petsc::events().factor_single);
     if (!m.single) m.single = std::make_unique<SingleFactor>(PetscObjectComm(reinterpret_cast<PetscObject>(pc)));
+    m.patterns += m.pattern_read ? 0 : 1;
     good = m.single->factor(pc->pmat, !m.pattern_read);
     m.pattern_read = good;
   });
@@ -158,8 +159,9 @@ PetscErrorCode view(PC pc, PetscViewer viewer) {
   PetscFunctionBeginUser;
   PetscCall(PetscViewerASCIIPrintf(viewer, "  MUMPS in single precision, refined by conjugate gradients\n"));
   PetscCall(PetscViewerASCIIPrintf(
-      viewer, "  matrices %ld, of them %ld in double; solutions refined %ld, with %.1f iterations each\n", m.factors,
-      m.exact_factors, m.solutions,
+      viewer,
+      "  matrices %ld with %ld patterns, of them %ld in double; solutions refined %ld, with %.1f iterations each\n",
+      m.factors, m.patterns, m.exact_factors, m.solutions,
       m.solutions > 0 ? static_cast<double>(m.iterations) / static_cast<double>(m.solutions) : 0.0));
   PetscFunctionReturn(0);
 }
