@@ -5,7 +5,7 @@ DefineConstant[
   length = {0.6, Name "Parameters/length"},  // of the cloth, along x
   width = {0.4, Name "Parameters/width"},    // along y
   side = {0.2, Name "Parameters/side"},      // of the squares
-  gap = {0.0019, Name "Parameters/gap"},     // between neighbours
+  gap = {0.002, Name "Parameters/gap"},     // between neighbours
   h = {0.0166667, Name "Parameters/h"}       // edge length
 ];
 For k In {1 : 3}

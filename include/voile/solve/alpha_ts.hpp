@@ -12,8 +12,8 @@
 // F(t0, X0, V0, A0) = 0, after every restart of the time stepper, unless it is given. Error of a step: (1/12 + (a_m -
 // a_f)^2/4) h^2 (A1 - A0), of third order, for TSAdapt. The unknown of the SNES is X1, its function F/a_f: with an
 // energy E(stage) whose gradient is F, E/a_f^2 is its potential. Options: -ts_voile_radius, -ts_voile_forces_at_end,
-// -ts_voile_predictor position|velocity|acceleration: the first guess of X1 goes on with this and what is before it in
-// the list; with the callback `energy` it is the one of all these guesses that has the least.
+// -ts_voile_predictor position|velocity|acceleration: what the first guess of X1 goes on with; with the callback
+// `energy`, the acceleration only where that has less of it than the velocity alone.
 #pragma once
 
 #include <petscts.h>
@@ -32,7 +32,7 @@ struct AlphaCallbacks {
   /// Moves the first guess X1 at time t1 to where a search may start, coming from X0 at t0; false if there is no such
   /// place, and the step must be smaller. Needs forces at the end of the step.
   PetscErrorCode (*clear)(void* context, PetscReal t0, Vec x0, PetscReal t1, Vec x1, PetscBool* possible) = nullptr;
-  /// Potential whose minimum over X1 is looked for; with it the best of several first guesses is taken.
+  /// Potential whose minimum over X1 is looked for; with it the better of two first guesses is taken.
   PetscErrorCode (*energy)(void* context, Vec x1, PetscReal* energy) = nullptr;
 };
 
