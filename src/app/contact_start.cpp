@@ -42,9 +42,10 @@ void check_start(const RunOptions& options, system::Contact& contact, Vec a, con
     if (pairs.empty()) return;
     const std::filesystem::path file = options.output / "intersections.vtk";
     throw UserError(fmt::format(
-        "[contact]: the start intersects: {}. The triangles are in {} (ParaView).{} Move the parts apart, or let them "
+        "[contact]: the start intersects: {}. The triangles are in {} (ParaView).{} Move the parts apart, {}let them "
         "ignore each other with a [[contact_rule]]",
-        check.report(positions, pairs, file), file.string(), tried));
+        check.report(positions, pairs, file), file.string(), tried,
+        tried.empty() ? "repair shallow intersections with untangle = true, or " : "or "));
   });
   const system::ContactReport report = contact.report(a);
   if (report.gap <= 0.0)

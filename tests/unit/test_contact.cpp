@@ -232,6 +232,28 @@ TEST_CASE("friction: Coulomb's force beyond the slip, none at rest, opposed to t
   CHECK(std::abs(total[1]) < 1e-12 * normal);
 }
 
+TEST_CASE("the distance along an axis is a lower bound, and sharp for figures across it") {
+  std::mt19937 random(17);
+  std::uniform_real_distribution<double> u(-1.0, 1.0);
+  int apart = 0;
+  for (int k = 0; k < 30000; ++k) {
+    const PairKind kind = std::array{PairKind::point_triangle, PairKind::edge_edge, PairKind::point_edge}[k % 3];
+    Four x;
+    for (Vec3& v : x) v = Vec3(u(random), u(random), u(random));
+    const double bound = axis_distance(kind, x);
+    apart += bound > 0.0;
+    CHECK(bound <= closest(kind, x).distance);
+  }
+  CHECK(apart > 3000);
+  for (const double sign : {1.0, -1.0})
+    for (int axis = 0; axis < 3; ++axis) {
+      Four x{Vec3::Zero(), Vec3(-1, -1, -1), Vec3(2, -1, 1),
+             Vec3(-1, 2, 0)};  // a point before a triangle, an axis apart
+      for (int i = 1; i < 4; ++i) x[i][axis] = sign * 0.7;
+      CHECK(axis_distance(PairKind::point_triangle, x) == doctest::Approx(0.7));
+    }
+}
+
 TEST_CASE("continuous collision detection is never later than the contact") {
 #ifdef NDEBUG
   const int pairs = 1000000, samples = 24;
