@@ -189,6 +189,24 @@ Vec3 ContactSet::slip_of(const Sliding& s, const std::vector<Vec3>& x) const {
   return w;
 }
 
+void ContactSet::follow_slips(const std::vector<Vec3>& x) {
+  for (Sliding& s : sliding_) {
+    const Vec2 r = s.tangents.transpose() * slip_of(s, x);
+    if (slips_known_ && r != s.slip) s.change = (r - s.slip).norm();
+    s.slip = r;
+  }
+  slips_known_ = true;
+}
+
+/// With the true second derivative what slips overshoots, sticks and slips in turns as long as iterates are far from
+/// the solution; near it the secant converges only linearly, and at the limit of sticking hardly at all.
+Mat2 ContactSet::friction_stiffness(const Vec2& r, bool secant) const {
+  const double y = r.norm(), rate = y >= slip_ ? 1.0 / y : 2.0 / slip_ - y / (slip_ * slip_);
+  Mat2 k = rate * Mat2::Identity();
+  if (!secant && y > 0.0) k -= r * r.transpose() / (y * std::pow(std::max(y, slip_), 2));
+  return k;
+}
+
 void ContactSet::add_sliding(const Pair& pair, const Vec4& c, const Vec3& n, double normal_force,
                              const std::vector<Vec3>& x, const std::vector<Vec3>& start) {
   const double mu = surface_.rules[pair.body_a][pair.body_b].friction;
@@ -227,6 +245,7 @@ bool ContactSet::has_friction() const {
 
 void ContactSet::lag_friction(const std::vector<Vec3>& x, const std::vector<Vec3>& start, double slip) {
   sliding_.clear();
+  slips_known_ = false;
   slip_ = slip;
   if (!has_friction()) return;
   (void)cover(x, x);

@@ -319,8 +319,9 @@ bool Contact::needs(Vec a, const BlockMatrix& matrix, BlockPattern& pattern) {
   return true;
 }
 
-void Contact::add_blocks(const BlockMatrix& matrix, const BlockMatrix::Values& values, bool positive) const {
+void Contact::add_blocks(const BlockMatrix& matrix, const BlockMatrix::Values& values, bool positive) {
   const petsc::EventScope scope(petsc::events().contact_term);
+  if (positive) set_->follow_slips(x_);
   set_->hessian(x_, positive, [&](Index p, Index q, const Mat3& k) {
     const Index row = partition_->row_of[p] - first_row_;
     if (row < 0 || row >= row_count_) return;

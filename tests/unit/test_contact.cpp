@@ -232,6 +232,42 @@ TEST_CASE("friction: Coulomb's force beyond the slip, none at rest, opposed to t
   CHECK(std::abs(total[1]) < 1e-12 * normal);
 }
 
+TEST_CASE("friction: the secant where a slip has changed much since the last tangent, else the second derivative") {
+  const std::array<Vec3, 6> x{Vec3(0.1, 0.1, 0.3), {0.6, 0.1, 0.3}, {0.1, 0.6, 0.3},
+                              {-1, -1, 0},         {3, -1, 0},      {-1, 3, 0}};
+  ContactSet set = contact_of(x, true);
+  std::vector<Vec3> at(x.begin(), x.end()), f(6, Vec3::Zero());
+  set.planes().clear();
+  (void)set.cover(at, at);
+  set.add_gradient(at, f, ContactSet::normal);
+  const double force = -0.3 * (f[0] + f[1] + f[2])[2], e = 1e-3;
+  // Against a translation of the sheet along and across its slip.
+  const auto stiffness = [&](double slip) {
+    std::vector<Vec3> moved = at;
+    for (int i = 0; i < 3; ++i) moved[i][0] += slip;
+    set.follow_slips(moved);
+    Mat3 sum = Mat3::Zero();
+    set.hessian(moved, true, [&](Index, Index, const Mat3& k) { sum += k; });
+    return Vec2(sum(0, 0), sum(1, 1));
+  };
+  const Vec2 normal = stiffness(0.0);  // edges that are nearly parallel
+  const auto check = [&](double slip, double along, double across) {
+    CAPTURE(slip);
+    const Vec2 k = (stiffness(slip) - normal) / force;
+    CHECK(k[0] == doctest::Approx(along).scale(1.0 / e));
+    CHECK(k[1] == doctest::Approx(across).scale(1.0 / e));
+  };
+  set.lag_friction(at, at, e);
+  check(0.5 * e, 1.0 / e, 1.5 / e);  // the first tangent of a step trusts the first guess
+  check(10.0 * e, 0.1 / e, 0.1 / e);
+  check(10.0 * e, 0.1 / e, 0.1 / e);  // assembled again at the same place
+  check(12.5 * e, 0.0, 0.08 / e);
+  check(0.8 * e, 1.2 / e, 1.2 / e);
+  check(0.5 * e, 1.0 / e, 1.5 / e);
+  set.lag_friction(at, at, e);
+  check(10.0 * e, 0.0, 0.1 / e);
+}
+
 TEST_CASE("the distance along an axis is a lower bound, and sharp for figures across it") {
   std::mt19937 random(17);
   std::uniform_real_distribution<double> u(-1.0, 1.0);

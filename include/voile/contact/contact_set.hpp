@@ -75,8 +75,10 @@ class ContactSet {
   enum Part { normal = 1, friction = 2, both = 3 };
   /// Adds the derivative of the energy to f, per sheet point; right for own points only. [N]
   void add_gradient(const std::vector<Vec3>& x, std::vector<Vec3>& f, Part part = both) const;
+  /// Takes over how much each slip has changed since the last call with other positions; before hessian(x, true, ...).
+  void follow_slips(const std::vector<Vec3>& x);
   /// Calls emit(point, point, block) for sheet points; `positive` drops negative eigenvalues pair by pair and takes
-  /// the secant of friction. [N/m]
+  /// the secant of friction where the slip has changed much since the last tangent. [N/m]
   template <class Emit>
   void hessian(const std::vector<Vec3>& x, bool positive, Emit&& emit) const;
   /// Of this rank's pairs.
@@ -102,7 +104,11 @@ class ContactSet {
     int carrier;       ///< the obstacle's body, or -1
     double weight;     ///< sum of the obstacle's c_i
     Vec3 carried = Vec3::Zero();
+    Vec2 slip = Vec2::Zero();  ///< at the last tangent
+    double change = 0.0;       ///< of the slip between the last two tangents [m]
   };
+  /// Of a slip, as a share of itself or of e, up to which the true second derivative is taken.
+  static constexpr double trusted_change = 0.5;
   struct Near {
     std::array<Vec3, 4> x;
     Closest closest;
@@ -130,6 +136,8 @@ class ContactSet {
   void pair_gradient(const Pair& pair, const Near& n, Vec12& g) const;
   void pair_hessian(const Pair& pair, const Near& n, bool positive, Mat12& h) const;
   [[nodiscard]] Vec3 slip_of(const Sliding& s, const std::vector<Vec3>& x) const;
+  /// Derivative of the friction force by the slip r over mu N, true or its secant. [1/m]
+  [[nodiscard]] Mat2 friction_stiffness(const Vec2& r, bool secant) const;
   [[nodiscard]] bool near(const Pair& pair, const std::vector<Vec3>& x, double limit, Near& n) const {
     n.x = gather(pair, x);
     if (axis_distance(pair.kind, n.x) >= limit + offset(pair)) return false;  // most candidates
@@ -149,6 +157,7 @@ class ContactSet {
   std::vector<Pair> pairs_;
   std::vector<Sliding> sliding_;
   double slip_ = 1.0;
+  bool slips_known_ = false;
 };
 
 template <class F>
@@ -183,16 +192,8 @@ void ContactSet::hessian(const std::vector<Vec3>& x, bool positive, Emit&& emit)
     }
   for (const Sliding& s : sliding_) {
     const Vec2 r = s.tangents.transpose() * slip_of(s, x);
-    const double y = r.norm();
-    Mat2 k;
-    if (positive)  // the secant: the true second derivative lets what slips overshoot and stick again
-      k = (y >= slip_ ? 1.0 / y : 2.0 / slip_ - y / (slip_ * slip_)) * Mat2::Identity();
-    else if (y >= slip_)
-      k = (Mat2::Identity() - r * r.transpose() / (y * y)) / y;
-    else
-      k = (2.0 / slip_ - y / (slip_ * slip_)) * Mat2::Identity() -
-          (y > 0.0 ? Mat2(r * r.transpose() / (y * slip_ * slip_)) : Mat2(Mat2::Zero()));
-    const Mat3 block = s.force * s.tangents * k * s.tangents.transpose();
+    const bool secant = positive && s.change > trusted_change * std::max(slip_, r.norm());
+    const Mat3 block = s.force * s.tangents * friction_stiffness(r, secant) * s.tangents.transpose();
     for (int i = 0; i < 4; ++i) {
       if (s.points[i] == no_index || !surface_.is_sheet(s.points[i])) continue;
       for (int j = 0; j < 4; ++j)

@@ -85,7 +85,7 @@ class Contact {
   [[nodiscard]] bool needs(Vec a, const BlockMatrix& matrix, BlockPattern& pattern);
   /// Adds the second derivative at the state of the last call of needs(). `positive`: pairs without their negative
   /// part.
-  void add_blocks(const BlockMatrix& matrix, const BlockMatrix::Values& values, bool positive) const;
+  void add_blocks(const BlockMatrix& matrix, const BlockMatrix::Values& values, bool positive);
 
   /// Share of the increment da that state a may take with the obstacles where they are. Collective.
   [[nodiscard]] double safe_share(Vec a, Vec da);
