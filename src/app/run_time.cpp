@@ -154,7 +154,7 @@ Summary run_dynamic(const Case& c, const RunOptions& options, system::Model& mod
       const bool ends = r.state.time >= end;
       if (r.taken > 0.0) {
         stop = checkpoints.after_step(r, now);
-        if (stop) checkpoints.write(r, now);
+        if (stop || r.state.time >= c.time.options.end_time) checkpoints.write(r, now);
         summary.residual = r.newton.residual;
         summary.negative_pivots = r.newton.negative_pivots;
         if (ends || stop) state = carry(r, now);

@@ -28,6 +28,10 @@ Checkpoint read_checkpoint(const std::filesystem::path& path, const mesh::Surfac
   const Hdf5Handle file(H5Fopen(path.string().c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
   if (!file.valid()) fail_restart(path, "this is not a checkpoint that can be read");
   check_mesh(file, mesh, path);
+  if (H5Aexists(file, "has_acceleration") <= 0)
+    fail_restart(path,
+                 "it is not a checkpoint; a motion goes on from checkpoint.h5 of an earlier run, written every [time] "
+                 "checkpoint_steps or checkpoint_minutes and at [time] end");
   const std::size_t count = 3 * static_cast<std::size_t>(mesh.vertex_count());
   Checkpoint c;
   c.step = static_cast<int>(read_number(file, "/", "step", path));

@@ -37,9 +37,10 @@ double read_number(hid_t file, const std::string& object, const char* name, cons
 void check_mesh(hid_t file, const mesh::SurfaceMesh& mesh, const fs::path& path) {
   const std::vector<double> x =
       read_values(file, "mesh/positions", 3 * static_cast<std::size_t>(mesh.vertex_count()), path);
+  const double tolerance = 1e-9 * mesh.extent();
   for (Index v = 0; v < mesh.vertex_count(); ++v)
     for (int k = 0; k < 3; ++k)
-      if (std::abs(x[3 * static_cast<std::size_t>(v) + k] - mesh.positions()[v][k]) > 1e-9 * mesh.extent())
+      if (std::abs(x[3 * static_cast<std::size_t>(v) + k] - mesh.positions()[v][k]) > tolerance)
         fail_restart(path, fmt::format("vertex {} lies elsewhere than in the mesh of this case", v));
 }
 

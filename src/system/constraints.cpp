@@ -84,8 +84,9 @@ void add_symmetry(const mesh::SurfaceMesh& mesh, const Support& support, Constra
   std::vector<mesh::MirrorSide> sides = boundary_sides(mesh, group, support);
   const Vec3 normal = symmetry_normal(mesh, group, sides, support);
   const Vec3 origin = mesh.positions()[group.vertices.front()];
+  const double tolerance = 1e-6 * mesh.extent();
   for (Index v : group.vertices)
-    if (std::abs(normal.dot(mesh.positions()[v] - origin)) > 1e-6 * mesh.extent())
+    if (std::abs(normal.dot(mesh.positions()[v] - origin)) > tolerance)
       throw UserError(
           fmt::format("{}: vertex {} does not lie in the plane with normal [{:.6g}, {:.6g}, {:.6g}] through "
                       "the group's first vertex; correct `normal` or the group",

@@ -507,6 +507,9 @@ def killed_motion(report):
     report.check(again.code == 0, f"the restart completes: code {again.code}")
     if again.code == 0:
         report.below(script.difference(whole, again), script.LIMIT, "relative difference of the final states")
+    wrong = run(file, OUT / "killed_motion_wrong", 2, ["--restart", str(whole.folder / "results.h5")], 300)
+    report.check(wrong.code == 2 and "goes on from checkpoint.h5" in wrong.text,
+                 f"results.h5 as a restart: code {wrong.code}, the message names checkpoint.h5")
 
 
 @test
@@ -515,7 +518,8 @@ def release(report):
     script = drape_script("kill")
     case = variant(script.strip_case(steps=20), {"support.0.release": 0.02, "time.end": 0.04, "time.checkpoint_steps": 10})
     whole = solve("release_whole", case, 1)
-    held = solve("release_held", variant(case, {"support.0.release": None}), 1)
+    held = solve("release_held", variant(case, {"support.0.release": None, "time.checkpoint_steps": None}), 1)
+    report.check((held.folder / "checkpoint.h5").is_file(), "a run that is complete leaves a checkpoint")
     moved = script.difference(whole, held)
     report.check(moved > 0.01, f"it lets go: {moved:.3g} away from the run that holds on")
     longer = solve("release_longer", variant(case, {"time.end": 0.01}), 1, ["-ts_max_time", "0.04"])
@@ -529,11 +533,11 @@ def release(report):
 
 @test
 def contact_exact(report):
-    """Touchdown on a floor, wrap of a drum and a slope against exact answers: 0.5 %, the wrap 2 % (tight drum)."""
+    """Touchdown, drum, slope, capstan and the pushed strip against exact answers: 0.5 %, the wrap 2 % (tight drum)."""
     script = drape_script("exact", "contact")
     script.FOLDER = OUT / "contact_exact"
     script.FOLDER.mkdir(parents=True, exist_ok=True)
-    for name, rows, limit in (("touchdown", 15, 0.5), ("drum", 18, 0.5), ("slope", 3, 0.5)):
+    for name, rows, limit in (("touchdown", 15, 0.5), ("drum", 18, 0.5), ("slope", 3, 0.5), ("capstan", 2, 0.5), ("push", 9, 0.5)):
         found = getattr(script, name)()
         report.check(len(found) == rows, f"{name}: {len(found)} of {rows} figures")
         for _, case, what, computed, exact, error in found:
