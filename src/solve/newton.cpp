@@ -45,7 +45,12 @@ struct Newton::Impl {
   [[nodiscard]] NewtonResult solve_once(Vec a);
   /// Shift at which the residual moves the fastest vertex by about one cell.
   [[nodiscard]] double first_shift();
-  [[nodiscard]] double backtrack(Vec a, double longest, double energy, double slope, double& accepted_energy);
+  /// Energy of a, from which those of later states are counted.
+  [[nodiscard]] double energy_at(Vec a) {
+    model.count_energy_from(a);
+    return model.energy(a);
+  }
+  [[nodiscard]] double backtrack(Vec a, double longest, double energy, double slope);
   [[nodiscard]] SNESConvergedReason judge(PetscInt iteration, double increment_norm, double residual_norm);
 
   static PetscErrorCode form_function(SNES, Vec a, Vec r, void* self);
@@ -197,12 +202,12 @@ NewtonResult Newton::step(Vec a) {
 
 // ---- pseudo-transient continuation ---------------------------------------------------------------------------------
 
-double Newton::Impl::backtrack(Vec a, double longest, double energy, double slope, double& accepted_energy) {
+double Newton::Impl::backtrack(Vec a, double longest, double energy, double slope) {
   for (double length = longest; length > 1e-4 * longest; length *= 0.5) {
     VOILE_PETSC(VecWAXPY(trial, -length, increment, a));
-    accepted_energy = model.energy(trial);
+    const double new_energy = model.energy(trial);
     const double round_off = 1e-13 * std::abs(energy);
-    if (std::isfinite(accepted_energy) && accepted_energy <= energy - 1e-4 * length * slope + round_off) return length;
+    if (std::isfinite(new_energy) && new_energy <= energy - 1e-4 * length * slope + round_off) return length;
   }
   return 0.0;
 }
@@ -222,7 +227,7 @@ NewtonResult Newton::continuation(Vec a, int max_iterations) {
   const int before = n.linear.factorisations();
   const bool potential = model.symmetric();
   double shift = -1.0, energy = 0.0;
-  double handover = handover_below, refused = std::numeric_limits<double>::infinity();
+  double handover = handover_below;
   int linear_failures = 0;
   for (result.iterations = 0; result.iterations < max_iterations; ++result.iterations) {
     double norm = 0.0;
@@ -233,7 +238,7 @@ NewtonResult Newton::continuation(Vec a, int max_iterations) {
     result.residual = model.force_scale() > 0.0 ? norm / model.force_scale() : norm;
     if (shift < 0.0) {
       shift = n.first_shift();
-      energy = model.energy(a);
+      energy = n.energy_at(a);
     }
     if (result.residual < handover) {
       petsc::VecHandle kept = model.create_vector();
@@ -245,7 +250,6 @@ NewtonResult Newton::continuation(Vec a, int max_iterations) {
       VOILE_PETSC(VecCopy(kept, a));
       model.residual(a, n.residual);
       handover = 0.1 * result.residual;
-      refused = result.residual;
     }
     const bool exact = result.residual < exact_tangent_below;
     system::TangentRequest request;
@@ -264,21 +268,18 @@ NewtonResult Newton::continuation(Vec a, int max_iterations) {
       shift *= 4.0;
       continue;
     }
-    double slope = 0.0, length = 1.0, new_energy = 0.0;
+    double slope = 0.0, length = 1.0;
     VOILE_PETSC(VecDot(n.residual, n.increment, &slope));
     // Prescribed motion does work that the energy balance does not see: the first step then moves the supports in full.
     const bool moving = model.fixed_coupling() != nullptr;
     const double allowed = longest_share(model, a, n.increment, n.trial);
-    length = potential && !moving ? n.backtrack(a, allowed, energy, slope, new_energy) : allowed;
+    length = potential && !moving ? n.backtrack(a, allowed, energy, slope) : allowed;
     if (length == 0.0) {
       shift *= 8.0;
-      // A decrease below the energy's round-off cannot be seen: Newton, who looks at forces, is to try from here.
-      if (exact && slope <= 1e-8 * std::abs(energy) && result.residual < 0.5 * refused)
-        handover = 2.0 * result.residual;
       continue;
     }
     VOILE_PETSC(VecAXPY(a, -length, n.increment));
-    energy = potential && !moving ? new_energy : model.energy(a);
+    energy = n.energy_at(a);
     // A step that contact cut short says nothing against the shift.
     shift *= length == 1.0 ? 0.5 : length == allowed ? 1.0 : 2.0;
   }

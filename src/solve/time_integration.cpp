@@ -198,6 +198,7 @@ void TimeIntegration::Impl::search(SNESLineSearch ls) {
   cut = length < 1.0;
   cuts += cut ? 1 : 0;
   if (model.symmetric()) {
+    model.count_energy_from(alpha_stage(ts, x).x);
     const double before = objective(x);
     for (;; length *= 0.5) {
       VOILE_PETSC(VecWAXPY(trial, -length, y, x));

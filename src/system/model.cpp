@@ -122,17 +122,25 @@ Energies Model::energies(Vec a) {
   return e;
 }
 
+void Model::count_energy_from(Vec a) {
+  VOILE_PETSC(VecCopy(a, reference_));
+  VOILE_PETSC(MatMult(bending_.mat(), a, work_));
+  VOILE_PETSC(VecDot(work_, a, &reference_bending_));
+}
+
 Energies Model::energies_of_step(Vec a) {
   const petsc::EventScope scope(petsc::events().energy);
   Energies e;
   const energy::Configuration c = configuration(a);
   double bending = 0.0, constant = 0.0, dead = 0.0;
-  VOILE_PETSC(MatMult(bending_.mat(), a, work_));
-  VOILE_PETSC(VecDot(work_, a, &bending));
+  VOILE_PETSC(VecWAXPY(sum_, 1.0, reference_, a));
+  VOILE_PETSC(MatMult(bending_.mat(), sum_, work_));
+  VOILE_PETSC(VecWAXPY(sum_, -1.0, reference_, a));
+  VOILE_PETSC(VecDot(work_, sum_, &bending));
   VOILE_PETSC(VecDot(constant_, a, &constant));
   VOILE_PETSC(VecDot(dead_, a, &dead));
   e.membrane = mpi::sum(comm_, owned_energy(membrane_, c));
-  e.bending = 0.5 * bending + mpi::sum(comm_, owned_energy(curved_, c));
+  e.bending = 0.5 * (reference_bending_ + bending) + mpi::sum(comm_, owned_energy(curved_, c));
   e.external = -constant - load_factor_ * dead;
   if (contact_) e.contact = contact_->energy(a);
   return e;

@@ -210,7 +210,8 @@ void Model::assemble_bending(Build& build) {
 void Model::make_vectors() {
   VOILE_PETSC(VecCreateMPI(comm_, 3 * owned_, PETSC_DETERMINE, work_.out()));
   VOILE_PETSC(VecSetBlockSize(work_, 3));
-  for (petsc::VecHandle* v : {&mass_, &dead_, &constant_, &coupling_, &load_coupling_, &prescribed_, &motion_}) {
+  for (petsc::VecHandle* v :
+       {&mass_, &dead_, &constant_, &sum_, &reference_, &coupling_, &load_coupling_, &prescribed_, &motion_}) {
     VOILE_PETSC(VecDuplicate(work_, v->out()));
     VOILE_PETSC(VecZeroEntries(*v));
   }

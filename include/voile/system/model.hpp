@@ -103,6 +103,9 @@ class Model {
   void unbalanced_force(Vec a, Vec f);
   /// Norm of the larger of applied forces and reactions of the last residual: what a residual is small against. [N]
   [[nodiscard]] double force_scale() const { return force_scale_; }
+  /// From now on bending energies are found by the change since a: K_b u sums stiff forces that nearly cancel, and near
+  /// a the differences of energies would be lost in its round-off. Collective.
+  void count_energy_from(Vec a);
   /// Stored minus external energy, viscous part of the time step included; only meaningful for a symmetric model.
   /// Collective.
   [[nodiscard]] double energy(Vec a);
@@ -249,8 +252,9 @@ class Model {
   std::unique_ptr<Contact> contact_;
   int pattern_version_ = 0;
   std::vector<Slot> mass_slots_;
-  petsc::VecHandle mass_, dead_, constant_, work_, coupling_, load_coupling_, prescribed_, motion_;
-  struct Mover {  ///< an owned vertex whose support moves
+  petsc::VecHandle mass_, dead_, constant_, work_, sum_, reference_, coupling_, load_coupling_, prescribed_, motion_;
+  double reference_bending_ = 0.0;  ///< twice the bending energy of reference_ [J]
+  struct Mover {                    ///< an owned vertex whose support moves
     Index local;
     int support;
   };
