@@ -164,65 +164,120 @@ Box padded(Box b, double by) {
   return b;
 }
 
+/// Searches the pairs with a point that is `asked`: figures that have one are sorted into grids, everything is looked
+/// up.
+class Search {
+ public:
+  Search(const Surface& s, const std::vector<Box>& boxes, const std::vector<char>& owned, double distance,
+         const std::vector<char>& asked)
+      : s_(s), boxes_(boxes), asked_(asked), make_(s, boxes, owned, distance), reach_(distance) {
+    for (const Face& f : s.faces) reach_ = std::max(reach_, s.bodies[f.body].thickness + distance);
+    Box own, wanted;
+    double size = 0.0;
+    Index own_faces = 0;
+    face_box_.reserve(s.faces.size());
+    for (const Face& f : s.faces) {
+      const Box& box = face_box_.emplace_back(make_.hull(f.points));
+      if (any_asked(f.points)) wanted.include(box);
+      const auto mine = [&](Index p) { return s.is_sheet(p) && owned[p]; };
+      if (!std::any_of(f.points.begin(), f.points.end(), mine)) continue;
+      own.include(box);
+      size += (box.high - box.low).maxCoeff();
+      ++own_faces;
+    }
+    for (const Edge& e : s.edges) edge_box_.push_back(make_.hull(e.points));
+    // A pair has a figure in each hull, and they are within reach of each other.
+    domain_.low = (own.low.cwiseMax(wanted.low)).array() - reach_;
+    domain_.high = (own.high.cwiseMin(wanted.high)).array() + reach_;
+    empty_ = own_faces == 0 || (domain_.low.array() > domain_.high.array()).any();
+    if (!empty_) cell_ = std::max(size / own_faces + reach_, (domain_.high - domain_.low).maxCoeff() / 1e6);
+  }
+
+  std::vector<Pair> run() && {
+    bare_figures();
+    if (!empty_) {
+      points_of_asked_faces();
+      faces_of_asked_points();
+      edges_of_asked_edges();
+    }
+    std::sort(pairs_.begin(), pairs_.end());
+    return std::move(pairs_);
+  }
+
+ private:
+  [[nodiscard]] bool is_asked(Index p) const { return asked_.empty() || asked_[p]; }
+  template <std::size_t n>
+  [[nodiscard]] bool any_asked(const std::array<Index, n>& points) const {
+    return std::any_of(points.begin(), points.end(), [&](Index p) { return is_asked(p); });
+  }
+  /// They are few and may reach far (a ball's radius): tried against everything of this rank.
+  void bare_figures() {
+    for (Index p : s_.bare_points)
+      for (Index f = 0; f < s_.sheet_faces; ++f)
+        if (is_asked(p) || any_asked(s_.faces[f].points)) make_.point_face(p, f, pairs_);
+    for (Index e = s_.sheet_edges; e < static_cast<Index>(s_.edges.size()); ++e) {
+      if (!s_.edges[e].bare) continue;
+      const bool asked = any_asked(s_.edges[e].points);
+      for (Index f = 0; f < s_.sheet_edges; ++f)
+        if (asked || any_asked(s_.edges[f].points)) make_.edge_edge(f, e, pairs_);
+      for (Index p = 0; p < s_.sheet_points; ++p)
+        if (asked || is_asked(p)) make_.point_edge(p, e, pairs_);
+    }
+  }
+  void points_of_asked_faces() {
+    Grid faces(cell_, domain_);
+    for (std::size_t f = 0; f < s_.faces.size(); ++f)
+      if (any_asked(s_.faces[f].points)) faces.add(static_cast<Index>(f), face_box_[f]);
+    faces.sort();
+    for (Index p = 0; p < s_.points(); ++p) {
+      if (!used_point(s_, p) || !boxes_[p].within(domain_, 0.0)) continue;
+      faces.find(padded(boxes_[p], reach_), [&](Index f) { point_face(p, f); });
+    }
+  }
+  void faces_of_asked_points() {
+    if (asked_.empty()) return;  // met above
+    Grid points(cell_, domain_);
+    for (Index p = 0; p < s_.points(); ++p)
+      if (is_asked(p) && used_point(s_, p)) points.add(p, boxes_[p]);
+    points.sort();
+    for (std::size_t f = 0; f < s_.faces.size(); ++f) {
+      if (any_asked(s_.faces[f].points) || !face_box_[f].within(domain_, 0.0)) continue;
+      points.find(padded(face_box_[f], reach_), [&](Index p) { point_face(p, static_cast<Index>(f)); });
+    }
+  }
+  void edges_of_asked_edges() {
+    Grid edges(cell_, domain_);
+    for (std::size_t e = 0; e < s_.edges.size(); ++e)
+      if (!s_.edges[e].bare && any_asked(s_.edges[e].points)) edges.add(static_cast<Index>(e), edge_box_[e]);
+    edges.sort();
+    for (Index e = 0; e < static_cast<Index>(s_.edges.size()); ++e) {
+      const bool asked = any_asked(s_.edges[e].points);  // then both edges of a pair may find each other
+      if (s_.edges[e].bare || (asked && e >= s_.sheet_edges) || !edge_box_[e].within(domain_, 0.0)) continue;
+      edges.find(padded(edge_box_[e], reach_), [&](Index f) {
+        if (asked ? f > e : e < s_.sheet_edges || f < s_.sheet_edges) make_.edge_edge(e, f, pairs_);
+      });
+    }
+  }
+  void point_face(Index p, Index f) {
+    if (s_.is_sheet(p) || f < s_.sheet_faces) make_.point_face(p, f, pairs_);
+  }
+
+  const Surface& s_;
+  const std::vector<Box>& boxes_;
+  const std::vector<char>& asked_;
+  Maker make_;
+  double reach_, cell_ = 0.0;
+  std::vector<Box> face_box_, edge_box_;
+  Box domain_;
+  bool empty_ = false;
+  std::vector<Pair> pairs_;
+};
+
 }  // namespace
 
 std::vector<Pair> find_pairs(const Surface& s, const std::vector<Box>& boxes, const std::vector<char>& owned,
-                             double distance) {
-  const Maker make(s, boxes, owned, distance);
-  const auto used = [&](Index p) { return used_point(s, p); };
-  const auto has_own = [&](const auto& points) {
-    return std::any_of(points.begin(), points.end(), [&](Index p) { return s.is_sheet(p) && owned[p]; });
-  };
-  // Bare points and edges are few and may reach far (a ball's radius): they are tried against everything of this rank.
-  Box domain;
-  double size = 0.0, reach = distance;
-  Index own_faces = 0;
-  std::vector<Box> face_box(s.faces.size());
-  for (std::size_t f = 0; f < s.faces.size(); ++f) {
-    face_box[f] = make.hull(s.faces[f].points);
-    if (!has_own(s.faces[f].points)) continue;
-    domain.include(face_box[f]);
-    size += (face_box[f].high - face_box[f].low).maxCoeff();
-    ++own_faces;
-  }
-  if (own_faces == 0) return {};
-  for (const Face& f : s.faces) reach = std::max(reach, s.bodies[f.body].thickness + distance);
-  domain = padded(domain, reach);
-  const double extent = (domain.high - domain.low).maxCoeff();
-  const double cell = std::max(size / own_faces + reach, extent / 1e6);
-
-  std::vector<Pair> pairs;
-  Grid faces(cell, domain), edges(cell, domain);
-  for (std::size_t f = 0; f < s.faces.size(); ++f) faces.add(static_cast<Index>(f), face_box[f]);
-  faces.sort();
-  std::vector<Box> edge_box(s.edges.size());
-  for (std::size_t e = 0; e < s.edges.size(); ++e) {
-    edge_box[e] = make.hull(s.edges[e].points);
-    if (!s.edges[e].bare) edges.add(static_cast<Index>(e), edge_box[e]);
-  }
-  edges.sort();
-
-  for (Index p : s.bare_points)
-    for (Index f = 0; f < s.sheet_faces; ++f) make.point_face(p, f, pairs);
-  for (Index p = 0; p < s.points(); ++p) {
-    if (!used(p) || !boxes[p].within(domain, 0.0)) continue;
-    faces.find(padded(boxes[p], reach), [&](Index f) {
-      if (s.is_sheet(p) || f < s.sheet_faces) make.point_face(p, f, pairs);
-    });
-  }
-  for (Index e = 0; e < static_cast<Index>(s.edges.size()); ++e) {
-    if (s.edges[e].bare) {
-      for (Index f = 0; f < s.sheet_edges; ++f) make.edge_edge(f, e, pairs);
-      for (Index p = 0; p < s.sheet_points; ++p) make.point_edge(p, e, pairs);
-      continue;
-    }
-    if (e >= s.sheet_edges || !edge_box[e].within(domain, 0.0)) continue;
-    edges.find(padded(edge_box[e], reach), [&](Index f) {
-      if (f > e) make.edge_edge(e, f, pairs);
-    });
-  }
-  std::sort(pairs.begin(), pairs.end());
-  return pairs;
+                             double distance, const std::vector<char>& asked) {
+  return Search(s, boxes, owned, distance, asked).run();
 }
 
 std::vector<Pair> find_pairs_by_force(const Surface& s, const std::vector<Box>& boxes, const std::vector<char>& owned,

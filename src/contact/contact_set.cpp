@@ -9,6 +9,9 @@ namespace {
 
 /// Room that the boxes of candidates leave around the asked path, in contact distances.
 constexpr double slack = 2.0;
+/// Candidates are found anew only for points that left their boxes, unless these are more than this share, or boxes of
+/// earlier, longer paths are on average longer than needed now by this share of the room.
+constexpr double most_left = 0.3, most_excess = 0.5;
 /// Share of the gap to a plane that a step leaves (as ccd.cpp for pairs).
 constexpr double plane_kept = 0.2;
 /// A first guess may lose this share of a gap, or of the contact distance.
@@ -29,20 +32,46 @@ ContactSet::ContactSet(Surface surface, std::vector<Plane> planes, ContactOption
 }
 
 bool ContactSet::cover(const std::vector<Vec3>& from, const std::vector<Vec3>& to) {
-  bool inside = boxes_.size() == from.size();
-  for (std::size_t i = 0; inside && i < from.size(); ++i)
-    inside = boxes_[i].contains(from[i]) && boxes_[i].contains(to[i]);
-  if (inside) return false;
   const double room = slack * options_.distance;
-  boxes_.assign(from.size(), Box{});
+  std::vector<char> outside(from.size(), 1);
+  std::size_t left = from.size();
+  double excess = 0.0;
+  for (std::size_t i = 0; i < from.size() && !boxes_.empty(); ++i) {
+    const bool inside = boxes_[i].contains(from[i]) && boxes_[i].contains(to[i]);
+    outside[i] = !inside;
+    left -= inside;
+    excess += (boxes_[i].high - boxes_[i].low).sum() - 6.0 * room - (to[i] - from[i]).lpNorm<1>();
+  }
+  if (left == 0) return false;
+  const auto points = static_cast<double>(from.size());
+  if (static_cast<double>(left) > most_left * points || excess > most_excess * 6.0 * room * points) {
+    outside.assign(from.size(), 1);
+    left = from.size();
+    boxes_.resize(from.size());
+  }
   for (std::size_t i = 0; i < from.size(); ++i) {
+    if (!outside[i]) continue;
+    boxes_[i] = Box{};
     boxes_[i].include(from[i]);
     boxes_[i].include(to[i]);
     boxes_[i].low.array() -= room;
     boxes_[i].high.array() += room;
   }
-  pairs_ = find_pairs(surface_, boxes_, owned_, options_.distance);
+  if (left == from.size())
+    pairs_ = find_pairs(surface_, boxes_, owned_, options_.distance);
+  else
+    renew_pairs(outside);
   return true;
+}
+
+void ContactSet::renew_pairs(const std::vector<char>& points) {
+  std::erase_if(pairs_, [&](const Pair& pair) {
+    return std::any_of(pair.points.begin(), pair.points.end(), [&](Index p) { return p != no_index && points[p]; });
+  });
+  const auto kept = static_cast<std::ptrdiff_t>(pairs_.size());
+  const std::vector<Pair> found = find_pairs(surface_, boxes_, owned_, options_.distance, points);
+  pairs_.insert(pairs_.end(), found.begin(), found.end());
+  std::inplace_merge(pairs_.begin(), pairs_.begin() + kept, pairs_.end());
 }
 
 bool ContactSet::counted(const std::array<Index, 4>& points) const {
@@ -70,23 +99,27 @@ double ContactSet::safe_share(const std::vector<Vec3>& from, const std::vector<V
 }
 
 void ContactSet::blocked(const std::vector<Vec3>& from, const std::vector<Vec3>& to,
-                         const std::vector<Plane>& planes_to, const std::function<void(const Pair&)>& found) const {
-  const auto lost = [&](double before, double after) {
-    return after < lost_share * std::min(before, options_.distance);
-  };
+                         const std::vector<Plane>& planes_to, const std::vector<char>& asked,
+                         const std::function<void(const Pair&)>& found) const {
+  const double room = lost_share * options_.distance;
+  const auto lost = [&](double before, double after) { return after < std::min(lost_share * before, room); };
   for (const Pair& pair : pairs_) {
+    if (std::none_of(pair.points.begin(), pair.points.end(), [&](Index p) { return p != no_index && asked[p]; }))
+      continue;
     const std::array<Vec3, 4> x = gather(pair, from), end = gather(pair, to);
     std::array<Vec3, 4> p;
     for (int i = 0; i < 4; ++i) p[i] = end[i] - x[i];
     const double xi = offset(pair);
-    if (lost(closest(pair.kind, x).distance - xi, closest(pair.kind, end).distance - xi) ||
+    const bool near_at_end = axis_distance(pair.kind, end) - xi < room;  // false for most candidates
+    if ((near_at_end && lost(closest(pair.kind, x).distance - xi, closest(pair.kind, end).distance - xi)) ||
         contact::safe_share(pair.kind, x, p, xi) < 1.0)
       found(pair);
   }
   for (std::size_t k = 0; k < planes_.size(); ++k)
     for (Index i : own_points_) {
       const Plane& p = planes_[k];
-      if (plane_acts(p, i) && lost(plane_gap(p, i, from), plane_gap(planes_to[k], i, to))) found(plane_pair(p, i));
+      if (asked[i] && plane_acts(p, i) && lost(plane_gap(p, i, from), plane_gap(planes_to[k], i, to)))
+        found(plane_pair(p, i));
     }
 }
 

@@ -354,13 +354,14 @@ bool Contact::make_way(Vec from, double t0, Vec to, double t1) {
   fill_positions(to, end);
   const contact::Surface& s = set_->surface();
   bool clear = false;
+  std::vector<char> asked(end.size(), 1);  // once a pair is found clear it stays so until one of its points is moved
   for (int round = 0; round < most_rounds && !clear; ++round) {
     cover(start, end);
     std::vector<Vec3> sum(force_.size(), Vec3::Zero());
     std::vector<double> count(force_.size(), 0.0);
     std::string hit;
     set_->planes() = planes;
-    set_->blocked(start, end, planes_end, [&](const Pair& pair) {
+    set_->blocked(start, end, planes_end, asked, [&](const Pair& pair) {
       if (hit.empty()) hit = words(pair);
       // An obstacle or a support takes the others along; of free parts none has the say.
       Vec3 obstacle = Vec3::Zero(), all = Vec3::Zero();
@@ -398,7 +399,9 @@ bool Contact::make_way(Vec from, double t0, Vec to, double t1) {
         if (count[v] > 0.0) place_vertex(i, start[v] + sum[v] / count[v], out);
       }
     }
+    const std::vector<Vec3> before = end;
     fill_positions(to, end);
+    for (std::size_t p = 0; p < end.size(); ++p) asked[p] = end[p] != before[p];
   }
   set_time(t1);
   return clear;

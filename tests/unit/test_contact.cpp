@@ -421,4 +421,55 @@ TEST_CASE("candidates: the grid finds what brute force finds, on any division ov
   const std::vector<Pair> one = find_pairs(s, boxes, all, 0.05);
   REQUIRE(one.size() == together.size());
   for (std::size_t i = 0; i < one.size(); ++i) CHECK(one[i].points == together[i].points);
+  // Only those of some points: of the sheet, of an obstacle, of all kinds.
+  for (const double share : {0.0, 0.02, 0.3, 0.9}) {
+    CAPTURE(share);
+    std::vector<char> asked(boxes.size());
+    for (char& a : asked) a = u(random) < share;
+    std::vector<Pair> wanted = one;
+    std::erase_if(wanted, [&](const Pair& p) {
+      return std::none_of(p.points.begin(), p.points.end(), [&](Index i) { return i != no_index && asked[i]; });
+    });
+    const std::vector<Pair> some = find_pairs(s, boxes, all, 0.05, asked);
+    REQUIRE(some.size() == wanted.size());
+    for (std::size_t i = 0; i < some.size(); ++i) CHECK(some[i].points == wanted[i].points);
+  }
+}
+
+TEST_CASE("candidates kept over many small moves are those found at once") {
+  std::mt19937 random(23);
+  std::uniform_real_distribution<double> u(-1.0, 1.0);
+  mesh::MeshData d = grid(9, 7, true, 0.2);
+  const mesh::SurfaceMesh mesh(d);
+  const auto make = [&] {
+    Surface s = make_surface(mesh, {{"sheet", 0.0}, {"ball", 0.2}, {"plate", 0.0}}, {});
+    append(s, 1, {Vec3(0.5, 0.5, 0.3)}, {}, {});
+    append(s, 2, {Vec3(-1, -1, -0.1), Vec3(3, -1, -0.1), Vec3(0, 3, -0.1)}, {{0, 1, 2}}, {});
+    const std::vector<char> owned(static_cast<std::size_t>(s.sheet_points), 1);
+    return ContactSet(std::move(s), {}, {0.02, 1e3, 1e-3}, owned);
+  };
+  ContactSet kept = make();
+  std::vector<Vec3> x = kept.surface().rest;
+  int found = 0;
+  long contacts = 0;
+  for (int k = 0; k < 60; ++k) {
+    CAPTURE(k);
+    std::vector<Vec3> to = x;
+    // In turns a few points go far, all go a little, and all go far: into boxes and out of them.
+    for (Vec3& p : to)
+      p += (k % 3 == 0   ? (u(random) > 0.9 ? 0.1 : 0.0)
+            : k % 3 == 1 ? 0.005
+                         : 0.06) *
+           Vec3(u(random), u(random), u(random));
+    found += kept.cover(x, to);
+    ContactSet fresh = make();
+    (void)fresh.cover(to, to);
+    const ContactState a = kept.state(to), b = fresh.state(to);
+    CHECK(a.pairs == b.pairs);
+    CHECK(a.gap == b.gap);
+    contacts += b.pairs;
+    x = std::move(to);
+  }
+  CHECK(found > 30);
+  CHECK(contacts > 1000);
 }

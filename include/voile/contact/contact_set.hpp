@@ -50,17 +50,17 @@ class ContactSet {
   std::vector<Plane>& planes() { return planes_; }
   Rule& rule(int a, int b) { return surface_.rules[a][b]; }
 
-  /// Makes the candidates hold for all positions between `from` and `to` (all points) and some way around; true if they
+  /// Makes the candidates hold for all positions between `from` and `to` (all points) and some way around; true if some
   /// were found anew.
   bool cover(const std::vector<Vec3>& from, const std::vector<Vec3>& to);
   [[nodiscard]] const std::vector<Pair>& candidates() const { return pairs_; }
 
   /// Share of the way from `from` to `to` that this rank's pairs may go, planes staying where they are.
   [[nodiscard]] double safe_share(const std::vector<Vec3>& from, const std::vector<Vec3>& to) const;
-  /// Every candidate that may not go the whole way or would lose more than half of its gap within the contact distance,
-  /// while planes go to `planes_to`; a plane as a pair of its point alone.
+  /// Every candidate with a point in `asked` that may not go the whole way or would lose more than half of its gap
+  /// within the contact distance, while planes go to `planes_to`; a plane as a pair of its point alone.
   void blocked(const std::vector<Vec3>& from, const std::vector<Vec3>& to, const std::vector<Plane>& planes_to,
-               const std::function<void(const Pair&)>& found) const;
+               const std::vector<char>& asked, const std::function<void(const Pair&)>& found) const;
 
   /// Takes normal forces and directions of friction from positions x; slips count from `start`. `slip`: e [m].
   void lag_friction(const std::vector<Vec3>& x, const std::vector<Vec3>& start, double slip);
@@ -131,6 +131,8 @@ class ContactSet {
   [[nodiscard]] Pair plane_pair(const Plane& p, Index point) const {
     return {{point, no_index, no_index, no_index}, PairKind::point_edge, surface_.body_of_point[point], p.body, 0, 0};
   }
+  /// Finds the candidates anew that hold one of these points.
+  void renew_pairs(const std::vector<char>& points);
   [[nodiscard]] bool counted(const std::array<Index, 4>& points) const;
   /// Derivatives of kappa A m b of one pair.
   void pair_gradient(const Pair& pair, const Near& n, Vec12& g) const;
