@@ -102,6 +102,26 @@ ContactSet contact_of(const std::array<Vec3, 6>& x, bool obstacle) {
   return set;
 }
 
+struct OnPlate {
+  ContactSet set;
+  std::vector<Vec3> at;
+  double force;  ///< by which the triangle is pressed off
+};
+
+/// A triangle above a large one, with friction 0.3.
+OnPlate triangle_on_plate() {
+  const std::array<Vec3, 6> x{Vec3(0.1, 0.1, 0.3), {0.6, 0.1, 0.3}, {0.1, 0.6, 0.3},
+                              {-1, -1, 0},         {3, -1, 0},      {-1, 3, 0}};
+  OnPlate r{contact_of(x, true), {x.begin(), x.end()}, 0.0};
+  std::vector<Vec3> f(6, Vec3::Zero());
+  r.set.planes().clear();
+  (void)r.set.cover(r.at, r.at);
+  r.set.add_gradient(r.at, f, ContactSet::normal);
+  r.force = -(f[0] + f[1] + f[2])[2];
+  REQUIRE(r.force > 0.0);
+  return r;
+}
+
 void check_derivatives(ContactSet& set, std::vector<Vec3> x, Index sheet) {
   (void)set.cover(x, x);
   std::vector<Vec3> f(x.size(), Vec3::Zero());
@@ -214,18 +234,10 @@ TEST_CASE("contact energy: gradient and Hessian against differences, with planes
 }
 
 TEST_CASE("friction: Coulomb's force beyond the slip, none at rest, opposed to the motion") {
-  const std::array<Vec3, 6> x{Vec3(0.1, 0.1, 0.3), {0.6, 0.1, 0.3}, {0.1, 0.6, 0.3},
-                              {-1, -1, 0},         {3, -1, 0},      {-1, 3, 0}};
-  ContactSet set = contact_of(x, true);
-  std::vector<Vec3> at(x.begin(), x.end()), f(6, Vec3::Zero());
-  set.planes().clear();
-  (void)set.cover(at, at);
-  set.add_gradient(at, f, ContactSet::normal);
-  const double normal = -(f[0] + f[1] + f[2])[2];
-  REQUIRE(normal > 0.0);
+  auto [set, at, normal] = triangle_on_plate();
   set.lag_friction(at, at, 1e-3);
   for (int i = 0; i < 3; ++i) at[i] += Vec3(0.01, 0.0, 0.0);
-  f.assign(6, Vec3::Zero());
+  std::vector<Vec3> f(6, Vec3::Zero());
   set.add_gradient(at, f, ContactSet::friction);
   const Vec3 total = f[0] + f[1] + f[2];
   CHECK(total[0] == doctest::Approx(0.3 * normal));
@@ -233,14 +245,10 @@ TEST_CASE("friction: Coulomb's force beyond the slip, none at rest, opposed to t
 }
 
 TEST_CASE("friction: the secant where a slip has changed much since the last tangent, else the second derivative") {
-  const std::array<Vec3, 6> x{Vec3(0.1, 0.1, 0.3), {0.6, 0.1, 0.3}, {0.1, 0.6, 0.3},
-                              {-1, -1, 0},         {3, -1, 0},      {-1, 3, 0}};
-  ContactSet set = contact_of(x, true);
-  std::vector<Vec3> at(x.begin(), x.end()), f(6, Vec3::Zero());
-  set.planes().clear();
-  (void)set.cover(at, at);
-  set.add_gradient(at, f, ContactSet::normal);
-  const double force = -0.3 * (f[0] + f[1] + f[2])[2], e = 1e-3;
+  OnPlate plate = triangle_on_plate();
+  ContactSet& set = plate.set;
+  const std::vector<Vec3>& at = plate.at;
+  const double force = 0.3 * plate.force, e = 1e-3;
   // Against a translation of the sheet along and across its slip.
   const auto stiffness = [&](double slip) {
     std::vector<Vec3> moved = at;
