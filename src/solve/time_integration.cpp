@@ -125,6 +125,7 @@ PetscErrorCode TimeIntegration::Impl::start_step(void* self, Vec x, Vec v, Petsc
     n.dynamics.set_time(t);
     n.dynamics.start_step(x, v, step);
     VOILE_PETSC(VecCopy(x, n.start));
+    n.model.count_energy_from(x);  // so that a restart chooses its first guess by the same figures
     if (!n.model.contact()) n.positive_left = 0;
     n.cuts = 0;
     n.shortest = 1.0;

@@ -354,7 +354,7 @@ bool Contact::make_way(Vec from, double t0, Vec to, double t1) {
   fill_positions(to, end);
   const contact::Surface& s = set_->surface();
   bool clear = false;
-  std::vector<char> asked(end.size(), 1);  // once a pair is found clear it stays so until one of its points is moved
+  std::vector<char> asked(end.size(), 1);  // a pair found clear stays so until one of its points is moved
   for (int round = 0; round < most_rounds && !clear; ++round) {
     cover(start, end);
     std::vector<Vec3> sum(force_.size(), Vec3::Zero());
@@ -401,7 +401,8 @@ bool Contact::make_way(Vec from, double t0, Vec to, double t1) {
     }
     const std::vector<Vec3> before = end;
     fill_positions(to, end);
-    for (std::size_t p = 0; p < end.size(); ++p) asked[p] = end[p] != before[p];
+    for (std::size_t p = 0; p < end.size(); ++p)
+      asked[p] = end[p] != before[p] || (p < count.size() && count[p] > 0.0);  // what was hit may not have moved
   }
   set_time(t1);
   return clear;
