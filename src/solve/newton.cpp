@@ -45,6 +45,8 @@ struct Newton::Impl {
   [[nodiscard]] NewtonResult solve_once(Vec a);
   /// Shift at which the residual moves the fastest vertex by about one cell.
   [[nodiscard]] double first_shift();
+  /// Tangent with inertia-like shift: the exact one, or with membrane and contact made positive.
+  void assemble_shifted(Vec a, bool exact, double shift);
   /// Energy of a, from which those of later states are counted.
   [[nodiscard]] double energy_at(Vec a) {
     model.count_energy_from(a);
@@ -220,14 +222,33 @@ double Newton::Impl::first_shift() {
   return std::max(acceleration / cell, 1e-30);
 }
 
+void Newton::Impl::assemble_shifted(Vec a, bool exact, double shift) {
+  system::TangentRequest request;
+  request.kind = exact ? energy::Tangent::exact : energy::Tangent::positive;
+  request.mass = shift;
+  request.exact_contact = exact;
+  model.assemble_tangent(a, request);
+  linear.tangent_changed();
+}
+
+NewtonResult Newton::polish(Vec a) {
+  Impl& n = *impl_;
+  petsc::VecHandle kept = n.model.create_vector();
+  VOILE_PETSC(VecCopy(a, kept));
+  NewtonResult result = step(a);
+  if (result.converged) return result;
+  VOILE_PETSC(VecCopy(kept, a));
+  n.model.residual(a, n.residual);
+  return result;
+}
+
 NewtonResult Newton::continuation(Vec a, int max_iterations) {
   Impl& n = *impl_;
   system::Model& model = n.model;
   NewtonResult result;
   const int before = n.linear.factorisations();
   const bool potential = model.symmetric();
-  double shift = -1.0, energy = 0.0;
-  double handover = handover_below;
+  double shift = -1.0, energy = 0.0, handover = handover_below;
   int linear_failures = 0;
   for (result.iterations = 0; result.iterations < max_iterations; ++result.iterations) {
     double norm = 0.0;
@@ -241,23 +262,14 @@ NewtonResult Newton::continuation(Vec a, int max_iterations) {
       energy = n.energy_at(a);
     }
     if (result.residual < handover) {
-      petsc::VecHandle kept = model.create_vector();
-      VOILE_PETSC(VecCopy(a, kept));
-      NewtonResult polished = step(a);
+      NewtonResult polished = polish(a);
       polished.iterations += result.iterations;
       polished.factorisations = n.linear.factorisations() - before;
       if (polished.converged) return polished;
-      VOILE_PETSC(VecCopy(kept, a));
-      model.residual(a, n.residual);
       handover = 0.1 * result.residual;
     }
     const bool exact = result.residual < exact_tangent_below;
-    system::TangentRequest request;
-    request.kind = exact ? energy::Tangent::exact : energy::Tangent::positive;
-    request.mass = shift;
-    request.exact_contact = exact;
-    model.assemble_tangent(a, request);
-    n.linear.tangent_changed();
+    n.assemble_shifted(a, exact, shift);
     if (!n.linear.solve(n.residual, n.increment)) {
       shift *= 8.0;
       if (++linear_failures < 10) continue;
@@ -268,12 +280,12 @@ NewtonResult Newton::continuation(Vec a, int max_iterations) {
       shift *= 4.0;
       continue;
     }
-    double slope = 0.0, length = 1.0;
+    double slope = 0.0;
     VOILE_PETSC(VecDot(n.residual, n.increment, &slope));
     // Prescribed motion does work that the energy balance does not see: the first step then moves the supports in full.
     const bool moving = model.fixed_coupling() != nullptr;
     const double allowed = longest_share(model, a, n.increment, n.trial);
-    length = potential && !moving ? n.backtrack(a, allowed, energy, slope) : allowed;
+    const double length = potential && !moving ? n.backtrack(a, allowed, energy, slope) : allowed;
     if (length == 0.0) {
       shift *= 8.0;
       continue;

@@ -342,6 +342,27 @@ double Contact::safe_share(Vec a, Vec da) {
   return -mpi::max(comm_, -set_->safe_share(x_, other_));
 }
 
+Vec3 Contact::common_motion(const Pair& pair, const std::vector<Vec3>& start, const std::vector<Vec3>& end,
+                            const std::vector<Plane>& planes, const std::vector<Plane>& planes_end) const {
+  if (pair.points[1] == no_index) {  // of a point and a plane
+    for (std::size_t k = 0; k < planes.size(); ++k)
+      if (planes[k].body == pair.body_b) return (planes_end[k].level - planes[k].level) * planes[k].normal;
+  }
+  const contact::Surface& s = set_->surface();
+  Vec3 leading = Vec3::Zero(), all = Vec3::Zero();
+  int leaders = 0, points = 0;
+  for (Index p : pair.points) {
+    if (p == no_index) continue;
+    const Vec3 move = end[p] - start[p];
+    all += move;
+    ++points;
+    if (s.is_sheet(p) && !(fixed_[3 * p] && fixed_[3 * p + 1] && fixed_[3 * p + 2])) continue;
+    leading += move;
+    ++leaders;
+  }
+  return leaders > 0 ? Vec3(leading / leaders) : Vec3(all / points);
+}
+
 bool Contact::make_way(Vec from, double t0, Vec to, double t1) {
   const petsc::EventScope scope(petsc::events().contact_way);
   set_time(t0);
@@ -363,25 +384,7 @@ bool Contact::make_way(Vec from, double t0, Vec to, double t1) {
     set_->planes() = planes;
     set_->blocked(start, end, planes_end, asked, [&](const Pair& pair) {
       if (hit.empty()) hit = words(pair);
-      // An obstacle or a support takes the others along; of free parts none has the say.
-      Vec3 obstacle = Vec3::Zero(), all = Vec3::Zero();
-      int obstacles = 0, points = 0;
-      for (Index p : pair.points) {
-        if (p == no_index) continue;
-        const Vec3 move = end[p] - start[p];
-        all += move;
-        ++points;
-        const bool held = s.is_sheet(p) && fixed_[3 * p] && fixed_[3 * p + 1] && fixed_[3 * p + 2];
-        if (s.is_sheet(p) && !held) continue;
-        obstacle += move;
-        ++obstacles;
-      }
-      if (pair.points[1] == no_index) {
-        for (std::size_t k = 0; k < planes.size(); ++k)
-          if (planes[k].body == pair.body_b) obstacle = (planes_end[k].level - planes[k].level) * planes[k].normal;
-        obstacles = 1;
-      }
-      const Vec3 common = obstacles > 0 ? Vec3(obstacle / obstacles) : Vec3(all / points);
+      const Vec3 common = common_motion(pair, start, end, planes, planes_end);
       for (Index p : pair.points)
         if (p != no_index && s.is_sheet(p)) {
           sum[p] += common;

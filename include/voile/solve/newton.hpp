@@ -55,6 +55,8 @@ class Newton {
 
  private:
   struct Impl;
+  /// step() from a state near the solution; on failure `a` and its residual are as before.
+  [[nodiscard]] NewtonResult polish(Vec a);
   std::unique_ptr<Impl> impl_;
 };
 

@@ -114,6 +114,11 @@ class Contact {
   [[nodiscard]] std::vector<Vec3> obstacle_points(std::size_t k) const;
 
  private:
+  /// What the points of a pair that would collide shall move together: an obstacle or a support takes the others along,
+  /// of free parts none has the say. [m]
+  [[nodiscard]] Vec3 common_motion(const contact::Pair& pair, const std::vector<Vec3>& start,
+                                   const std::vector<Vec3>& end, const std::vector<contact::Plane>& planes,
+                                   const std::vector<contact::Plane>& planes_end) const;
   void check_room(const mesh::SurfaceMesh& mesh) const;
   [[nodiscard]] int body(const std::string& name) const;
   void cover(const std::vector<Vec3>& from, const std::vector<Vec3>& to);
