@@ -185,6 +185,15 @@ def unknown_keys(block, keys):
             yield from (f"unknown key '{name}.{key}'" for table in tables for key in table if key not in keys[name])
 
 
+def check_man_and_completion(subcommands, options):
+    man = (ROOT / "docs" / "man" / "voile.1").read_text().replace("\\-", "-")
+    completion = (ROOT / "docs" / "completion" / "voile.bash").read_text()
+    for word in sorted(subcommands | options):
+        for name, text in (("docs/man/voile.1", man), ("docs/completion/voile.bash", completion)):
+            if word != "--help" and not re.search(rf"(?<![\w-]){re.escape(word)}(?![\w-])", text):
+                yield f"{name} does not know {word}"
+
+
 def check_cases(voile):
     # Fabrics are TOML as well, but no cases.
     for case in sorted(p for p in (ROOT / "runs").glob("*/*.toml") if p.parent.name != "fabrics"):
@@ -208,7 +217,8 @@ def main():
         keys = reference_keys(reference)
         if not subcommands or not keys.get("mesh"):
             raise SystemExit("tests/check_docs.py does not understand `voile --help` or `voile reference` any more")
-        problems += [*check_reference(reference), *check_toml_blocks(keys), *check_cases(voile)]
+        problems += [*check_reference(reference), *check_toml_blocks(keys), *check_cases(voile),
+                     *check_man_and_completion(subcommands, options)]
     problems += check_commands(subcommands, options)
     print("\n".join(problems) if problems else f"{len(pages())} pages agree with {'the program' if voile else 'the files'}")
     return 1 if problems else 0

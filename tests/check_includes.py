@@ -32,6 +32,7 @@ THIRD_PARTY = [
     (r"toml\+\+/.*", r"app/case.*"),
     (r"muParser\.h", r"app/case_expression"),
     (r"mpi\.h", r"base/mpi.*|app/main"),
+    (r"nlohmann/.*", r"app/.*"),
     (r"CLI/.*", r"app/main"),
     (r"Eigen/.*", r".*"),
     (r"fmt/.*", r".*"),

@@ -26,8 +26,13 @@ class Table:
             raise SystemExit(f"{path}: the table is empty")
         self.names = [name.strip() for name in rows[0]]
         # A run that was killed may leave half a line at the end.
-        values = [[float(x) for x in row] for row in rows[1:] if len(row) == len(self.names)]
+        # A value that does not exist is empty.
+        values = [[float(x or "nan") for x in row] for row in rows[1:] if len(row) == len(self.names)]
         self.values = np.array(values).reshape(len(values), len(self.names))
+
+    def smallest(self, name):
+        """Of the values that exist; inf if there are none (a gap is empty where nothing is near)."""
+        return float(np.fmin.reduce(self[name], initial=np.inf))
 
     def __contains__(self, name):
         return name in self.names

@@ -55,7 +55,7 @@ def solved(case, changes, pattern, operator, parameters, folder, ranks):
                    | {"mesh.parameters.pattern": PATTERNS[pattern], "element": element(operator),
                       "output": {"fields": ["displacement"], "every": 1000}} | changes)
     try:
-        result = run(write_case(case, folder / "case.toml"), folder, ranks, timeout=TIMEOUT)
+        result = run(write_case(case, folder.with_name(folder.name + ".toml")), folder, ranks, timeout=TIMEOUT)
     except subprocess.TimeoutExpired:
         print(f"  stopped after {TIMEOUT} s")
         return None

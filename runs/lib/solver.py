@@ -66,7 +66,7 @@ class Result:
 def run(case, output, ranks=1, options=(), timeout=3600):
     """Runs a case file. Never raises for a failed run: look at `code`."""
     begin = time.time()
-    done = subprocess.run(command(["run", case, "--output", output, *options], ranks), env=environment(ranks), text=True,
+    done = subprocess.run(command(["run", case, "--output", output, "--overwrite", *options], ranks), env=environment(ranks), text=True,
                           stdout=subprocess.PIPE, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL, timeout=timeout)
     return Result(output, done.returncode, done.stdout, time.time() - begin)
 

@@ -60,6 +60,7 @@ void fill_laminate(const SectionPlace& place, const MaterialInput& in, energy::M
                            coupling));
   m.membrane = l.membrane;
   m.bending = l.bending;
+  m.layers = l.layers;
   m.areal_density = in.density * l.thickness;
   if (!energy::is_positive_definite(m.membrane) || !energy::is_positive_definite(m.bending))
     place.fail("ply_thicknesses", "the stiffness is not positive definite or not finite; check moduli and thicknesses");
@@ -96,11 +97,12 @@ void fill_matrices(const SectionPlace& place, const MaterialInput& in, energy::M
       m.membrane = in.membrane;
       m.bending = in.bending;
       m.areal_density = in.areal_density;
-      if (!in.direction && !(is_isotropic(m.membrane) && is_isotropic(m.bending)))
+      if (!in.direction && in.texture_direction.empty() && !(is_isotropic(m.membrane) && is_isotropic(m.bending)))
         place.fail("direction", "the key is missing; these matrices depend on the direction of material axis 1");
       return;
   }
   m.bending = energy::bending_from_membrane(m.membrane, in.thickness);
+  m.layers = {{-0.5 * in.thickness, 0.5 * in.thickness, m.membrane / in.thickness}};
   m.areal_density = in.density * in.thickness;
   if (!energy::is_positive_definite(m.membrane) || !energy::is_positive_definite(m.bending))
     place.fail("thickness", "the stiffness is not positive definite or not finite; check moduli and thickness");
@@ -109,6 +111,19 @@ void fill_matrices(const SectionPlace& place, const MaterialInput& in, energy::M
 /// A path as written in a case file. Absolute, so that the echo of the case works from any folder.
 std::filesystem::path beside(const std::filesystem::path& case_file, const std::filesystem::path& path) {
   return (std::filesystem::absolute(case_file).parent_path() / path).lexically_normal();
+}
+
+void fill_direction(const SectionPlace& place, const MaterialInput& in, energy::Material& m) {
+  using Type = MaterialInput::Type;
+  const bool textured = !in.texture_direction.empty();
+  if (textured && in.direction) place.fail("texture_direction", "there is a 'direction' too; keep one of them");
+  if (!textured && !in.direction && in.type != Type::isotropic && in.type != Type::matrices)
+    place.fail("direction", "the key is missing; give the direction of material axis 1, or texture_direction");
+  m.direction = in.direction;
+  if (!textured) return;
+  if (in.texture_direction.size() != 2 || (in.texture_direction[0] == 0.0 && in.texture_direction[1] == 0.0))
+    place.fail("texture_direction", "two numbers [u, v] are needed that are not both zero");
+  m.texture_direction = Vec2(in.texture_direction[0], in.texture_direction[1]).normalized();
 }
 
 void read_materials(const CaseReader& reader, Case& c) {
@@ -121,7 +136,7 @@ void read_materials(const CaseReader& reader, Case& c) {
     const SectionPlace place = reader.read("material", n, keys_of(in));
     energy::Material m;
     m.groups = in.groups;
-    m.direction = in.direction;
+    fill_direction(place, in, m);
     in.fabric = beside(c.file, in.fabric);
     fill_matrices(place, in, m);
     if (in.groups.empty() && everywhere)
@@ -236,12 +251,23 @@ Motion motion_function(const SectionPlace& place, const Case& c, const MotionInp
   };
 }
 
+void read_load_history(const SectionPlace& place, const Case& c, system::Load& load) {
+  if (load.history_text.empty()) return;
+  if (c.analysis != "dynamic") place.fail("history", "a load has a time only with analysis = \"dynamic\"");
+  if (load.constant) place.fail("constant", "a load with a history of its own is not constant; remove one of the keys");
+  load.history = time_function(place, "history", load.history_text);
+}
+
 void read_supports(const CaseReader& reader, Case& c) {
   for (std::size_t n = 0; n < reader.count("support"); ++n) {
     system::Support support;
     MotionInput motion;
     const SectionPlace place = reader.read("support", n, keys_of(support, motion));
     support.motion = motion_function(place, c, motion);
+    if (support.cylinder_axis && support.x_axis)
+      place.fail("cylinder_axis",
+                 "local axes are either x_axis and y_axis, or those of a cylinder; remove one of them");
+    if (support.y_axis && !support.x_axis) place.fail("x_axis", "the key is missing; y_axis is made square to it");
     if (std::isfinite(support.release) && c.analysis != "dynamic")
       place.fail("release", "a support lets go only with analysis = \"dynamic\"");
     c.supports.push_back(std::move(support));
@@ -255,6 +281,7 @@ void read_obstacle(const SectionPlace& place, Case& c, ObstacleSection& s) {
   system::Obstacle& o = s.shape;
   constexpr std::array shapes{Shape::mesh, Shape::plane, Shape::sphere, Shape::capsule, Shape::mesh};
   o.shape = shapes[static_cast<std::size_t>(s.type)];
+  o.yields = s.on_pinch == ObstacleSection::OnPinch::yield;
   for (const ObstacleSection& other : c.obstacles)
     if (other.shape.name == o.name) place.fail("name", fmt::format("'{}': another obstacle has this name", o.name));
   if (o.shape == Shape::plane && o.normal.norm() == 0.0) place.fail("normal", "the vector is zero");
@@ -317,10 +344,10 @@ void check_petsc(const SectionPlace& place, const std::string& options) {
 
 }  // namespace
 
-Case parse_case(const std::string& text, const std::filesystem::path& file) {
+Case parse_case(const std::string& text, const std::filesystem::path& file, const std::vector<std::string>& settings) {
   Case c;
   c.file = file;
-  const CaseReader reader(text, file, top_keys(c));
+  const CaseReader reader(text, file, top_keys(c), settings);
   reader.read_top(top_keys(c));
   reader.read("mesh", 0, keys_of(c.mesh));
   c.mesh.file = beside(file, c.mesh.file);
@@ -328,12 +355,18 @@ Case parse_case(const std::string& text, const std::filesystem::path& file) {
   read_materials(reader, c);
   const auto unchecked = [](const SectionPlace&, const auto&) {};
   read_supports(reader, c);
-  read_all(reader, "load", c.loads, unchecked);
+  read_all(reader, "load", c.loads,
+           [&](const SectionPlace& place, system::Load& load) { read_load_history(place, c, load); });
+  read_all(reader, "mass", c.masses, unchecked);
+  read_all(reader, "spring", c.springs, unchecked);
   const SectionPlace steps = reader.read("steps", 0, keys_of(c.steps));
   check_steps(steps, c.steps);
   reader.read("eigen", 0, keys_of(c.eigen));
   read_contact(reader, c);
   check_time(reader.read("time", 0, keys_of(c.time, c.dynamics.mass)), c);
+  read_all(reader, "initial_velocity", c.initial_velocities, [&](const SectionPlace& place, const InitialVelocity&) {
+    if (c.analysis != "dynamic") place.fail("velocity", "only analysis = \"dynamic\" has one; remove the section");
+  });
   reader.read("damping", 0, damping_keys(c.dynamics));
   reader.read("air", 0, keys_of(c.dynamics.drag));
   reader.read("drape", 0, keys_of(c.drape));

@@ -61,7 +61,9 @@ std::vector<Key> keys_of(MeshSection& s) {
   return {
       {.name = "file",
        .slot = &s.file,
-       .meaning = "Gmsh mesh (`.msh`) or geometry (`.geo`), relative to the folder of the case file.",
+       .meaning =
+           "Gmsh mesh (`.msh`) or geometry (`.geo`), or a mesh as `.obj`, `.inp` (Abaqus), `.vtk` (legacy), `.stl`, "
+           "`.ply` or `.off` (see [meshes.md](meshes.md)), relative to the folder of the case file.",
        .required = true},
       {.name = "scale",
        .slot = &o.scale,
@@ -77,6 +79,18 @@ std::vector<Key> keys_of(MeshSection& s) {
        .meaning = "Gmsh's number of the 2-D meshing algorithm, for a `.geo` (5 Delaunay, 6 Frontal-Delaunay, ...). "
                   "0: as the `.geo` says.",
        .range = {0, 9}},
+      {.name = "merge",
+       .slot = &o.merge,
+       .meaning =
+           "Whether vertices on the boundary that lie at the same place become one. Without it they are a slit, as "
+           "they are in a mesh that was exported part by part."},
+      {.name = "merge_tolerance",
+       .slot = &o.merge_tolerance,
+       .meaning =
+           "How close such vertices lie, after `scale`. 0: a millionth of the mesh's extent, but at most a tenth of "
+           "its shortest edge.",
+       .unit = "m",
+       .range = not_negative},
       {.name = "parameters",
        .slot = &o.parameters,
        .meaning = "Numbers that a `.geo` declares with `DefineConstant` (or `DefineNumber`), by name of the variable.",
@@ -185,10 +199,19 @@ std::vector<Key> keys_of(MaterialInput& s) {
        .types = fabric},
       {.name = "direction",
        .slot = &s.direction,
-       .meaning = "Direction of material axis 1 in space, projected into each triangle; the warp of a `fabric` lies at "
-                  "`warp_angle` to it. `matrices` need it unless both are those of an isotropic material.",
+       .meaning =
+           "Direction of material axis 1 in space, projected into each triangle; the warp of a `fabric` lies at "
+           "`warp_angle` to it. Triangles that are normal to it continue it from their neighbours; another direction "
+           "for some `groups` is another `[[material]]`. Either this or `texture_direction` is needed, by `matrices` "
+           "unless both are those of an isotropic material.",
        .types = {"orthotropic", "laminate", "matrices", "fabric"},
-       .required_types = {"orthotropic", "laminate", "fabric"},
+       .absent = "none"},
+      {.name = "texture_direction",
+       .slot = &s.texture_direction,
+       .meaning =
+           "Direction of material axis 1 in the texture coordinates (u, v) of an OBJ mesh, e.g. `[0, 1]`: the grain "
+           "line of the flat piece that a part of a garment is cut from.",
+       .types = {"orthotropic", "laminate", "matrices", "fabric"},
        .absent = "none"}};
 }
 
@@ -247,6 +270,27 @@ std::vector<Key> keys_of(system::Support& s, MotionInput& m) {
        .meaning = "Displacement at load factor 1, in proportion to the load factor.",
        .unit = "m",
        .types = {"displacement", "hinged", "clamped"}},
+      {.name = "x_axis",
+       .slot = &s.x_axis,
+       .meaning = "Direction that `\"x\"` means in `components` and `value`; `y_axis` and the normal of both follow.",
+       .types = {"displacement"},
+       .absent = "the global axes"},
+      {.name = "y_axis",
+       .slot = &s.y_axis,
+       .meaning = "Direction that `\"y\"` means, made square to `x_axis`.",
+       .types = {"displacement"},
+       .absent = "any direction square to `x_axis`"},
+      {.name = "cylinder_axis",
+       .slot = &s.cylinder_axis,
+       .meaning = "`\"x\"`, `\"y\"`, `\"z\"` mean radial, circumferential and axial about this axis, at each vertex's "
+                  "place at rest.",
+       .types = {"displacement"},
+       .absent = "none"},
+      {.name = "cylinder_centre",
+       .slot = &s.cylinder_centre,
+       .meaning = "A point on `cylinder_axis`.",
+       .unit = "m",
+       .types = {"displacement"}},
       {.name = "normal",
        .slot = &s.normal,
        .meaning = "Normal of the mirror plane.",
@@ -266,7 +310,9 @@ std::vector<Key> keys_of(ContactSection& s) {
   return {
       {.name = "distance",
        .slot = &o.distance,
-       .meaning = "Gap below which surfaces push each other away.",
+       .meaning =
+           "Gap below which surfaces push each other away. This and the other defaults of contact are in SI units: "
+           "give them all in another set.",
        .unit = "m",
        .range = positive},
       {.name = "stiffness",
@@ -297,13 +343,20 @@ std::vector<Key> keys_of(ContactSection& s) {
            "a cell.",
        .unit = "m",
        .range = not_negative},
+      {.name = "settle_time",
+       .slot = &o.settle_time,
+       .meaning = "In `dynamic`, a start nearer than `distance` is let out to it within this time. 0: the barrier acts "
+                  "in full at once, and throws the sheet away.",
+       .unit = "s",
+       .range = not_negative},
       {.name = "check",
        .slot = &s.check,
        .meaning = "Count intersecting triangles after every step with exact predicates, independently of the solver."},
       {.name = "untangle",
        .slot = &s.untangle,
-       .meaning = "Repair shallow intersections of the start: vertices move, by at most five cells, until nothing "
-                  "intersects. Not with `--restart`."}};
+       .meaning =
+           "Repair shallow intersections of the start, and gaps below `distance`: vertices move, by at most five "
+           "cells, until nothing intersects. Not with `--restart`."}};
 }
 
 std::vector<Key> keys_of(ObstacleSection& s) {
@@ -367,7 +420,12 @@ std::vector<Key> keys_of(ObstacleSection& s) {
       {.name = "friction",
        .slot = &o.friction,
        .meaning = "Coefficient of friction against the sheet.",
-       .range = not_negative}};
+       .range = not_negative},
+      {.name = "on_pinch",
+       .slot = choice(s.on_pinch, {"stop", "yield"}),
+       .meaning =
+           "When it closes on the sheet and leaves no room: `stop` ends the run, `yield` lets its surface give way "
+           "to the vertices that are pinched until they are free again (`dynamic` only)."}};
   return joined(std::move(keys), motion_keys(s.motion, {}));
 }
 
@@ -409,9 +467,47 @@ std::vector<Key> keys_of(system::Load& s) {
        .unit = "pressures Pa, moment N",
        .types = magnitudes,
        .required = true},
-      {.name = "constant",
-       .slot = &s.constant,
-       .meaning = "Acts in full at every load factor, as a dead weight does."}};
+      {.name = "constant", .slot = &s.constant, .meaning = "Acts in full at every load factor, as a dead weight does."},
+      {.name = "history",
+       .slot = &s.history_text,
+       .meaning = "Factor as an expression of the time t, in place of the load factor. Needs `analysis = \"dynamic\"`.",
+       .absent = "none"}};
+}
+
+std::vector<Key> keys_of(system::PointMass& s) {
+  return {
+      {.name = "group", .slot = &s.group, .meaning = "Any group.", .required = true},
+      {.name = "mass",
+       .slot = &s.mass,
+       .meaning = "Of each vertex of the group, besides the sheet's. `gravity` on the whole surface, or on the same "
+                  "group, acts on it.",
+       .unit = "kg",
+       .range = positive,
+       .required = true}};
+}
+
+std::vector<Key> keys_of(system::Spring& s) {
+  return {
+      {.name = "type",
+       .slot = choice(s.kind, {"point", "line", "area"}),
+       .meaning = "`point`: on every vertex of a group. `line`: per rest length of a curve. `area`: per rest area, an "
+                  "elastic foundation.",
+       .required = true},
+      {.name = "group",
+       .slot = &s.group,
+       .meaning = "Any group for `point`, a curve for `line`, a surface for `area`.",
+       .required_types = {"point", "line"},
+       .absent = "the whole surface"},
+      {.name = "stiffness",
+       .slot = &s.stiffness,
+       .meaning = "Force per displacement from the place at rest.",
+       .unit = "point N/m, line N/m^2, area N/m^3",
+       .range = positive,
+       .required = true},
+      {.name = "direction",
+       .slot = &s.direction,
+       .meaning = "It acts along this direction only.",
+       .absent = "it acts in all directions"}};
 }
 
 std::vector<Key> keys_of(solve::StaticOptions& s) {
@@ -548,6 +644,16 @@ std::vector<Key> keys_of(TimeSection& s, system::Mass& mass) {
        .range = not_negative}};
 }
 
+std::vector<Key> keys_of(InitialVelocity& s) {
+  return {{.name = "group", .slot = &s.group, .meaning = "Any group.", .absent = "the whole surface"},
+          {.name = "velocity", .slot = &s.velocity, .meaning = "Velocity of every vertex of the group.", .unit = "m/s"},
+          {.name = "angular_velocity",
+           .slot = &s.angular_velocity,
+           .meaning = "Added turning: axis times speed, right-handed.",
+           .unit = "rad/s"},
+          {.name = "centre", .slot = &s.centre, .meaning = "A point on that axis.", .unit = "m"}};
+}
+
 std::vector<Key> damping_keys(system::DynamicsOptions& s) {
   return {{.name = "mass",
            .slot = &s.mass_damping,
@@ -626,11 +732,17 @@ std::vector<Key> keys_of(OutputSection& s) {
       {.name = "fields",
        .slot = Words{&s.fields,
                      {"displacement", "reaction", "velocity", "membrane_force", "bending_moment", "curvature",
-                      "membrane_strain", "contact_force", "friction_force", "contact_pressure"}},
+                      "membrane_strain", "contact_force", "friction_force", "contact_pressure", "gives_way"}},
        .meaning =
            "Fields in `results.h5`, any of `displacement`, `velocity`, `reaction`, `membrane_force`, `bending_moment`, "
-           "`curvature`, `membrane_strain`, `contact_force`, `friction_force`, `contact_pressure`.",
+           "`curvature`, `membrane_strain`, `contact_force`, `friction_force`, `contact_pressure`, "
+           "`gives_way` (1 where an obstacle does).",
        .absent = "all of them"},
+      {.name = "stresses",
+       .slot = choice(s.stresses, {"none", "surface", "plies"}),
+       .meaning = "Stresses besides these fields: `surface`: 11, 22, 12 in material axes, principal and von Mises at "
+                  "the top (where the normal points to) and the bottom; `plies`: also at both faces of every ply. For "
+                  "`isotropic`, `orthotropic` and `laminate`."},
       {.name = "every",
        .slot = &s.every,
        .meaning = "Results every so many steps; stops and the last step always.",
@@ -650,6 +762,8 @@ const std::vector<SectionInfo>& sections() {
       {"material", true, "Stiffness and mass of the shell. At least one."},
       {"support", true, "Prescribed displacements and slopes."},
       {"load", true, "Loads; each grows with the load factor unless it is `constant`."},
+      {"mass", true, "Masses at vertices."},
+      {"spring", true, "Linear springs to where vertices are at rest."},
       {"contact", false,
        "Contact without interpenetration, see [contact.md](contact.md). This section, or an obstacle, switches it on."},
       {"obstacle", true, "What the sheet can touch."},
@@ -657,6 +771,8 @@ const std::vector<SectionInfo>& sections() {
       {"steps", false, "How the path of equilibria is followed from the unloaded state."},
       {"eigen", false, "Modes of vibration and buckling."},
       {"time", false, "Motion in time, `analysis = \"dynamic\"`."},
+      {"initial_velocity", true,
+       "How a motion starts, unless `--restart` goes on from another; where groups overlap the last one counts."},
       {"damping", false, "Damping of `dynamic`."},
       {"air", false, "Drag by air and wind in `dynamic`. Speed and normal are those of the start of each step."},
       {"drape", false, "The search of `analysis = \"drape\"`."},

@@ -15,6 +15,8 @@ namespace {
 
 /// A vertex that would have to move further than so many mean edges is not in a shallow intersection.
 constexpr double most_cells = 5.0;
+/// Share of the contact distance below which two things touch rather than overlap.
+constexpr double touching = 1e-6;
 
 double mean_edge(const contact::Surface& s) {
   double sum = 0.0;
@@ -34,34 +36,56 @@ std::string attempt(const contact::UntangleResult& r, double limit) {
 }
 
 /// Throws if the state is no start. Collective.
-void check_start(const RunOptions& options, system::Contact& contact, Vec a, const std::string& tried) {
+/// `file`: for the triangles; empty: none.
+void check_start(const std::filesystem::path& file, system::Contact& contact, Vec a, const std::string& tried) {
   const std::vector<Vec3> positions = contact.positions(a);
   mpi::on_root(PETSC_COMM_WORLD, [&] {
     const IntersectionCheck check(contact);
     const std::vector<io::TrianglePair> pairs = check.find(positions);
     if (pairs.empty()) return;
-    const std::filesystem::path file = options.output / "intersections.vtk";
     throw UserError(fmt::format(
-        "[contact]: the start intersects: {}. The triangles are in {} (ParaView).{} Move the parts apart, {}let them "
-        "ignore each other with a [[contact_rule]]",
-        check.report(positions, pairs, file), file.string(), tried,
+        "[contact]: the start intersects: {}.{}{} Move the parts apart, {}let them ignore each other with a "
+        "[[contact_rule]]",
+        check.report(positions, pairs, file),
+        file.empty() ? "" : fmt::format(" The triangles are in {} (ParaView).", file.string()), tried,
         tried.empty() ? "repair shallow intersections with untangle = true, or " : "or "));
   });
   const system::ContactReport report = contact.report(a);
-  if (report.gap <= 0.0)
-    throw UserError(fmt::format(
-        "[contact]: at the start {} come nearer than their thicknesses and radii allow (by {:.4g} m).{} Move them "
-        "apart, make them thinner, or let them ignore each other with a [[contact_rule]]",
-        report.nearest, -report.gap, tried));
+  if (report.gap > 0.0) return;
+  const bool touch = report.gap > -touching * contact.input().options.distance;
+  throw UserError(fmt::format(
+      "[contact]: at the start {}.{} Move them apart, make them thinner, let untangle = true part them, or let them "
+      "ignore each other with a [[contact_rule]]",
+      touch ? fmt::format("{} touch exactly", report.nearest)
+            : fmt::format("{} come nearer than their thicknesses and radii allow (by {:.4g} m)", report.nearest,
+                          -report.gap),
+      tried));
 }
 
-/// Whether a start needs repair. Collective.
+/// Says what a user should know of a start that is none the worse for it. Collective.
+void print_notes(const Case& c, system::Contact& contact, Vec a) {
+  const system::ContactReport report = contact.report(a);
+  const double settle_time = contact.input().options.settle_time;
+  mpi::on_root(PETSC_COMM_WORLD, [&] {
+    for (const std::string& note : contact.notes()) fmt::print("note: {}\n", note);
+    if (report.pairs == 0) return;
+    fmt::print(
+        "note: [contact]: the start lies inside the contact distance of {:.4g} m: {} pair(s), smallest gap {:.4g} m, "
+        "{}; {}\n",
+        contact.input().options.distance, report.pairs, report.gap, report.nearest,
+        c.analysis != "dynamic" ? "the search moves them apart"
+        : settle_time > 0.0     ? fmt::format("they are let out within settle_time = {:g} s", settle_time)
+                                : "settle_time = 0 lets the barrier throw them apart");
+  });
+}
+
+/// Whether a start needs repair: it intersects or lies inside the contact distance. Collective.
 bool is_tangled(system::Contact& contact, Vec a) {
   const std::vector<Vec3> positions = contact.positions(a);
   double pairs = 0.0;
   mpi::on_root(PETSC_COMM_WORLD,
                [&] { pairs = static_cast<double>(IntersectionCheck(contact).find(positions).size()); });
-  return mpi::max(PETSC_COMM_WORLD, pairs) > 0.0 || contact.report(a).gap <= 0.0;
+  return mpi::max(PETSC_COMM_WORLD, pairs) > 0.0 || contact.report(a).pairs > 0;
 }
 
 /// Moves a if that repairs it; says what was tried if it does not. Rank 0 works for all, so that the result does not
@@ -92,11 +116,24 @@ std::string repair(const RunOptions& options, system::Contact& contact, Vec a) {
 
 }  // namespace
 
+void examine_start(const Case& c, system::Contact& contact, Vec a) {
+  contact.set_time(0.0);
+  if (c.contact.untangle && is_tangled(contact, a))
+    mpi::on_root(PETSC_COMM_WORLD, [] {
+      fmt::print(
+          "note: [contact]: the start intersects or lies inside the contact distance; a run begins with untangling\n");
+    });
+  else
+    check_start({}, contact, a, "");
+  print_notes(c, contact, a);
+}
+
 bool settle_start(const Case& c, const RunOptions& options, system::Contact& contact, Vec a, double time) {
   contact.set_time(time);
   const bool repairs = c.contact.untangle && options.restart.empty() && is_tangled(contact, a);
   const std::string tried = repairs ? repair(options, contact, a) : "";
-  check_start(options, contact, a, tried);
+  check_start(options.output / "intersections.vtk", contact, a, tried);
+  if (options.verbosity != Verbosity::quiet && options.restart.empty()) print_notes(c, contact, a);
   return repairs;
 }
 

@@ -1,4 +1,4 @@
-// voile run | check | info | reference
+// voile run | check | info | reference | init
 //
 // Start-up order: MPI, the command line, the case file, then PETSc. The case's PETSc options are set before PETSc
 // starts, so that PETSc's own sources (.petscrc, PETSC_OPTIONS, command line) override them and options that only count
@@ -6,15 +6,18 @@
 #include <fmt/format.h>
 #include <mpi.h>
 #include <petscsys.h>
+#include <sys/resource.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <array>
 #include <cstdio>
 #include <fstream>
 #include <optional>
 #include <sstream>
 
 #include "voile/app/case.hpp"
+#include "voile/app/case_declarations.hpp"
 #include "voile/app/command_line.hpp"
 #include "voile/app/run.hpp"
 #include "voile/app/version.hpp"
@@ -29,11 +32,15 @@ using namespace voile;
 
 /// What the user asked for.
 struct Request {
-  enum class Command { nothing, run, check, info, reference, version };
+  enum class Command { nothing, run, check, info, reference, init, version };
   Command command = Command::nothing;
   std::string file;
   app::RunOptions options;
-  std::vector<std::string> petsc;  ///< PETSc's words of the command line
+  bool allow_system_call = false;     ///< for scripts of Gmsh
+  std::vector<std::string> settings;  ///< --set
+  bool schema = false;
+  std::string analysis = "static";  ///< of `init`
+  std::vector<std::string> petsc;   ///< PETSc's words of the command line
 };
 
 bool is_root() {
@@ -66,6 +73,7 @@ void declare(CLI::App& cli, Request& request) {
   CLI::App* run = add("run", "Solve a case and write its results", Command::run);
   run->add_option("case", request.file, "Case file (TOML)")->required();
   run->add_option("--output", request.options.output, "Folder of the results [CASE_results]");
+  run->add_flag("--overwrite", request.options.overwrite, "Replace an earlier run in that folder");
   CLI::Option* restart =
       run->add_option("--restart", request.options.restart, "Go on from a step of an earlier run: its results.h5");
   run->add_option("--restart-step", request.options.restart_step, "Number of that step [the last]")
@@ -77,13 +85,22 @@ void declare(CLI::App& cli, Request& request) {
   run->add_flag_callback(
          "--verbose", [&] { verbosity = app::Verbosity::verbose; }, "Print every iteration")
       ->excludes(quiet);
-  add("check", "Validate a case without solving it", Command::check)
-      ->add_option("case", request.file, "Case file (TOML)")
+  CLI::App* check = add("check", "Validate a case without solving it", Command::check);
+  check->add_option("case", request.file, "Case file (TOML)")->required();
+  CLI::App* info = add("info", "Describe a mesh: sizes, groups, quality", Command::info);
+  info->add_option("file", request.file, "Case file (TOML) or mesh (.msh, .geo, .obj, .stl, .ply, .off, .vtk, .inp)")
       ->required();
-  add("info", "Describe a mesh: sizes, groups, quality", Command::info)
-      ->add_option("file", request.file, "Case file (TOML) or mesh (.msh, .geo)")
-      ->required();
-  add("reference", "Print the reference of the case file", Command::reference);
+  for (CLI::App* sub : {run, check, info})
+    sub->add_flag("--allow-system-call", request.allow_system_call,
+                  "Let a .geo run programs and write files (SystemCall, Save, ...)");
+  for (CLI::App* sub : {run, check, info})
+    sub->add_option("--set", request.settings, "Values that win over the case file, e.g. --set mesh.parameters.n=40")
+        ->allow_extra_args(false);
+  add("reference", "Print the reference of the case file", Command::reference)
+      ->add_flag("--schema", request.schema, "Print it as a JSON schema, for editors");
+  CLI::App* init = add("init", "Begin a new case: writes case.toml and plate.geo", Command::init);
+  init->add_option("folder", request.file, "Folder for the two files")->required();
+  init->add_option("--analysis", request.analysis, "static, linear, modal, buckling, dynamic or drape [static]");
 }
 
 /// Parses the command line. Prints help and returns Command::nothing if that is all there is to do.
@@ -103,7 +120,7 @@ Request parse_command_line(int argc, char** argv) {
     cli.parse(words);
   } catch (const CLI::CallForHelp&) {
     const auto chosen = cli.get_subcommands();
-    print_on_root(chosen.empty() ? cli.help() : chosen.front()->help());
+    print_on_root(chosen.empty() ? cli.help() : chosen.front()->help("voile"));
     return {};
   } catch (const CLI::ParseError& e) {
     throw UserError(fmt::format("{}{}; see voile --help", e.what(), swallowed_hint(split.petsc)));
@@ -111,14 +128,14 @@ Request parse_command_line(int argc, char** argv) {
   if (request.command == Request::Command::nothing) {
     // PETSc's users ask a program for its options with -help.
     const bool asks = std::find(split.petsc.begin(), split.petsc.end(), "-help") != split.petsc.end();
-    if (!split.own.empty() || !(split.petsc.empty() || asks)) throw UserError("no command is given; see voile --help");
+    if (!asks) throw UserError("no command is given; see voile --help");
     print_on_root(cli.help());
   }
   return request;
 }
 
 /// Reads the case on rank 0 and parses it everywhere. Collective.
-app::Case read_case(const std::string& file) {
+app::Case read_case(const std::string& file, const std::vector<std::string>& settings) {
   std::string text;
   mpi::on_root(MPI_COMM_WORLD, [&] {
     std::error_code ignored;
@@ -130,7 +147,24 @@ app::Case read_case(const std::string& file) {
     text = buffer.str();
   });
   mpi::broadcast(MPI_COMM_WORLD, text);
-  return app::parse_case(text, file);
+  return app::parse_case(text, file, settings);
+}
+
+/// Writes a case to begin with; replaces nothing.
+void begin_case(const std::filesystem::path& folder, const std::string& analysis) {
+  mpi::on_root(MPI_COMM_WORLD, [&] {
+    const std::array files{std::pair{folder / "case.toml", app::case_template(analysis)},
+                           std::pair{folder / "plate.geo", app::template_geometry()}};
+    for (const auto& [file, text] : files)
+      if (std::filesystem::exists(file)) throw UserError(fmt::format("{}: the file exists already", file.string()));
+    std::error_code ignored;
+    std::filesystem::create_directories(folder, ignored);
+    for (const auto& [file, text] : files)
+      if (!(std::ofstream(file) << text << std::flush))
+        throw UserError(fmt::format("{}: cannot be written", file.string()));
+    fmt::print("wrote {} and {}; try: voile run {}\n", files[0].first.string(), files[1].first.string(),
+               files[0].first.string());
+  });
 }
 
 /// PETSc between construction and destruction.
@@ -146,11 +180,16 @@ class PetscSession {
     count_ = static_cast<int>(words_.size());
     argv_ = pointers_.data();
     VOILE_PETSC(PetscInitialize(&count_, &argv_, nullptr, nullptr));
+    petsc::collect_errors();
     slepc_.emplace();
   }
   ~PetscSession() {
     slepc_.reset();
-    (void)PetscFinalize();
+    try {
+      VOILE_PETSC(PetscFinalize());  // the last options are looked up here
+    } catch (const std::exception& e) {
+      if (is_root()) fmt::print(stderr, "voile: error: {}\n", e.what());
+    }
   }
   PetscSession(const PetscSession&) = delete;
   PetscSession& operator=(const PetscSession&) = delete;
@@ -184,11 +223,21 @@ class PetscSession {
 };
 
 /// Ends all ranks: the failure may have hit this rank only.
-[[noreturn]] void abort_all(const char* what) {
-  fmt::print(stderr, "voile: internal error on rank {}: {}\n", mpi::rank(MPI_COMM_WORLD), what);
+[[noreturn]] void abort_all(const char* kind, const std::string& what, Exit code) {
+  fmt::print(stderr, "voile: {} on rank {}: {}\n", kind, mpi::rank(MPI_COMM_WORLD), what);
   std::fflush(nullptr);
-  MPI_Abort(MPI_COMM_WORLD, static_cast<int>(Exit::internal_error));
+  MPI_Abort(MPI_COMM_WORLD, static_cast<int>(code));
   std::abort();
+}
+
+[[noreturn]] void abort_for_memory(const std::string& what) {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  abort_all("error: out of memory",
+            fmt::format("{}; the process held {:.2f} GB. More ranks or a coarser mesh need less per rank; so does "
+                        "-pc_type voile_mixed (single precision) and -mat_mumps_icntl_22 1 (factor on disk)",
+                        what, 1e-6 * static_cast<double>(usage.ru_maxrss)),
+            Exit::user_error);
 }
 
 /// Calls `work`; anything but a UserError ends the program here, before PETSc is left collectively.
@@ -198,10 +247,14 @@ auto or_abort(const Work& work) {
     return work();
   } catch (const UserError&) {
     throw;
+  } catch (const OutOfMemory& e) {
+    abort_for_memory(e.what());
+  } catch (const std::bad_alloc&) {
+    abort_for_memory("an array could not be had");
   } catch (const std::exception& e) {
-    abort_all(e.what());
+    abort_all("internal error", e.what(), Exit::internal_error);
   } catch (...) {
-    abort_all("unknown exception");
+    abort_all("internal error", "unknown exception", Exit::internal_error);
   }
 }
 
@@ -212,25 +265,33 @@ Exit run_case(const app::Case& c, app::RunOptions options) {
   return result;
 }
 
-void show_info(const std::string& file, const std::optional<app::Case>& c) {
-  const std::filesystem::path mesh_file = c ? c->mesh.file : std::filesystem::path(file);
-  const mesh::SurfaceMesh mesh = app::load_mesh(mesh_file, c ? c->mesh.options : io::MeshOptions{});
+void show_info(const Request& request, const std::optional<app::Case>& c) {
+  const std::filesystem::path mesh_file = c ? c->mesh.file : std::filesystem::path(request.file);
+  io::MeshOptions options = c ? c->mesh.options : io::MeshOptions{};
+  options.allow_system_call = request.allow_system_call;
+  const mesh::SurfaceMesh mesh = app::load_mesh(mesh_file, options);
   app::info(mesh, c ? c->element : energy::ElementOptions{});
 }
 
 Exit execute(const Request& request, const char* program) {
   using Command = Request::Command;
   if (request.command == Command::version && is_root()) fmt::print("{}", app::version_text());
-  if (request.command == Command::reference) print_on_root(app::case_reference_markdown());
+  if (request.command == Command::reference)
+    print_on_root(request.schema ? app::case_schema() : app::case_reference_markdown());
+  if (request.command == Command::init) {
+    begin_case(request.file, request.analysis);
+    return Exit::done;
+  }
   const bool is_mesh = request.command == Command::info && !request.file.ends_with(".toml");
   if (request.file.empty()) return Exit::done;
   std::optional<app::Case> c;
-  if (!is_mesh) c = read_case(request.file);
+  if (!is_mesh) c = read_case(request.file, request.settings);
+  if (c) c->mesh.options.allow_system_call = request.allow_system_call;
   const PetscSession petsc(program, request.petsc, c ? c->petsc_options : "");
   return or_abort([&] {
     if (request.command == Command::run) return run_case(*c, request.options);
     if (request.command == Command::check) app::check(*c);
-    if (request.command == Command::info) show_info(request.file, c);
+    if (request.command == Command::info) show_info(request, c);
     return Exit::done;
   });
 }

@@ -1,7 +1,11 @@
 // load_mesh(): rank 0 reads, every rank receives the whole surface.
+#include <fmt/format.h>
+
 #include "voile/app/run.hpp"
 #include "voile/base/mpi.hpp"
 #include "voile/base/petsc.hpp"
+#include "voile/io/mesh_file.hpp"
+#include "voile/mesh/coincident.hpp"
 
 namespace voile::app {
 
@@ -34,6 +38,12 @@ void broadcast_mesh(MPI_Comm comm, mesh::MeshData& data) {
   mpi::broadcast(comm, corners);
   mpi::broadcast(comm, data.vertex_tags);
   mpi::broadcast(comm, data.triangle_tags);
+  std::vector<double> texture;
+  for (const auto& corners_of : data.texture)
+    for (const Vec2& uv : corners_of) texture.insert(texture.end(), {uv[0], uv[1]});
+  mpi::broadcast(comm, texture);
+  data.texture.resize(texture.size() / 6);
+  for (std::size_t i = 0; i < texture.size(); i += 2) data.texture[i / 6][i / 2 % 3] = {texture[i], texture[i + 1]};
   broadcast_groups(comm, data.groups);
   data.positions.resize(coordinates.size() / 3);
   data.triangles.resize(corners.size() / 3);
@@ -46,7 +56,13 @@ void broadcast_mesh(MPI_Comm comm, mesh::MeshData& data) {
 
 mesh::SurfaceMesh load_mesh(const std::filesystem::path& file, const io::MeshOptions& options) {
   mesh::MeshData data;
-  mpi::on_root(PETSC_COMM_WORLD, [&] { data = io::read_gmsh(file.string(), options); });
+  mpi::on_root(PETSC_COMM_WORLD, [&] {
+    data = io::read_mesh(file.string(), options);
+    if (!options.merge) return;
+    const double given = options.merge_tolerance;
+    const Index gone = mesh::merge_coincident(data, given > 0.0 ? given : mesh::default_merge_tolerance(data));
+    data.notes.push_back(fmt::format("{} vertices were merged with others at the same place", gone));
+  });
   broadcast_mesh(PETSC_COMM_WORLD, data);
   // The same data give the same verdict on every rank, so this throws everywhere or nowhere.
   return mesh::SurfaceMesh(std::move(data));

@@ -10,6 +10,7 @@
 #include "voile/base/error.hpp"
 #include "voile/base/mpi.hpp"
 #include "voile/base/text.hpp"
+#include "voile/io/mesh_file.hpp"
 #include "voile/io/point_cache.hpp"
 #include "voile/io/triangle_file.hpp"
 
@@ -50,6 +51,7 @@ void read_shape(MPI_Comm comm, const ObstacleSection& section, system::Obstacle&
   mpi::broadcast(comm, corners);
   o.points = points_of(coordinates);
   for (Vec3& x : o.points) x *= section.scale;
+  io::check_coordinates(section.file.string(), o.points);
   for (std::size_t i = 0; i + 2 < corners.size(); i += 3)
     o.triangles.push_back({corners[i], corners[i + 1], corners[i + 2]});
 }
@@ -72,6 +74,8 @@ void read_frames(MPI_Comm comm, const ObstacleSection& section, system::Obstacle
     if (count != o.points.size())
       throw UserError(fmt::format("{}: it has {} vertices, but {} has {}; frames must be of the same mesh",
                                   section.frames.string(), count, section.file.string(), o.points.size()));
+    const double largest = section.scale * (*cache)->largest_coordinate();
+    io::check_coordinates(section.frames.string(), {Vec3::Zero(), Vec3::Constant(largest)});
   });
   const double scale = section.scale;
   o.frames = [comm, cache, scale](double time) {
@@ -111,6 +115,16 @@ io::TriangleSoup surface_at_rest(const system::Obstacle& o, const mesh::SurfaceM
   }
 }
 
+/// Powers of what describes a primitive must be numbers; those read from files are checked there.
+void check_size(const system::Obstacle& o) {
+  constexpr double largest = 1e100;
+  double size = std::max(o.radius, o.thickness);
+  for (const Vec3& x : o.points) size = std::max(size, x.cwiseAbs().maxCoeff());
+  if (!(size <= largest))
+    throw UserError(fmt::format(
+        "[[obstacle]] '{}': {:g} m is no number to compute with; check its point, end and radius", o.name, size));
+}
+
 }  // namespace
 
 system::ContactInput contact_input(MPI_Comm comm, const Case& c) {
@@ -120,6 +134,7 @@ system::ContactInput contact_input(MPI_Comm comm, const Case& c) {
     if (section.type == ObstacleSection::Type::mesh) read_shape(comm, section, o);
     if (section.type == ObstacleSection::Type::cylinder) tessellate(section, input.options.distance, o);
     if (!section.frames.empty()) read_frames(comm, section, o);
+    check_size(o);
     input.obstacles.push_back(std::move(o));
   }
   for (const RuleSection& r : c.contact_rules)
@@ -160,14 +175,20 @@ IntersectionCheck::Triangles IntersectionCheck::triangles_at(const std::vector<V
 std::vector<io::TrianglePair> IntersectionCheck::find(const std::vector<Vec3>& positions) const {
   const Triangles all = triangles_at(positions);
   const auto& rules = contact_.surface().rules;
-  return io::intersecting_triangles(all.positions, all.triangles, all.body,
-                                    [&](Index a, Index b) { return !rules[a][b].touch; });
+  std::vector<io::TrianglePair> pairs = io::intersecting_triangles(
+      all.positions, all.triangles, all.body, [&](Index a, Index b) { return !rules[a][b].touch; });
+  const auto is_given_way = [&](Index i, Index j) {
+    return contact_.gives_way(all.triangles[static_cast<std::size_t>(i)], all.body[static_cast<std::size_t>(j)]);
+  };
+  std::erase_if(pairs,
+                [&](const auto& p) { return is_given_way(p.first, p.second) || is_given_way(p.second, p.first); });
+  return pairs;
 }
 
 std::string IntersectionCheck::report(const std::vector<Vec3>& positions, const std::vector<io::TrianglePair>& pairs,
                                       const std::filesystem::path& file) const {
   const Triangles all = triangles_at(positions);
-  io::write_pairs(file, all.positions, all.triangles, all.body, pairs);
+  if (!file.empty()) io::write_pairs(file, all.positions, all.triangles, all.body, pairs);
   std::map<std::pair<Index, Index>, std::pair<int, Vec3>> by_bodies;
   for (const auto& [i, j] : pairs) {
     const auto bodies = std::minmax(all.body[static_cast<std::size_t>(i)], all.body[static_cast<std::size_t>(j)]);

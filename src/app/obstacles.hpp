@@ -23,9 +23,9 @@ class IntersectionCheck {
   explicit IntersectionCheck(const system::Contact& contact);
 
   /// Intersecting pairs of the sheet with itself and with obstacles that it can touch, at positions of all points of
-  /// the contact surface. Not collective, for rank 0.
+  /// the contact surface; those to which an obstacle gives way do not count. Not collective, for rank 0.
   [[nodiscard]] std::vector<io::TrianglePair> find(const std::vector<Vec3>& positions) const;
-  /// What was found, in words, by pairs of bodies; the triangles go to `file` for ParaView.
+  /// What was found, in words, by pairs of bodies; the triangles go to `file` for ParaView, unless that is empty.
   [[nodiscard]] std::string report(const std::vector<Vec3>& positions, const std::vector<io::TrianglePair>& pairs,
                                    const std::filesystem::path& file) const;
 

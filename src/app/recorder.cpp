@@ -4,10 +4,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
+#include <numbers>
+#include <utility>
 
+#include "stresses.hpp"
 #include "voile/base/error.hpp"
+#include "voile/base/interrupt.hpp"
 #include "voile/base/mpi.hpp"
+#include "voile/base/text.hpp"
 
 namespace voile::app {
 
@@ -40,6 +44,8 @@ Recorder::Recorder(const Case& c, const RunOptions& options, system::Model& mode
     results_.emplace(options.output, model.mesh(), p.vertex_rank, p.triangle_rank,
                      obstacles_ ? obstacles_->at_rest() : io::ObstacleTriangles{});
     history_.emplace(options.output / "history.csv", columns());
+    if (const std::vector<std::string> renamed = results_->renamed_groups(); !renamed.empty())
+      remark("names of groups in results.h5: " + join(renamed, ", "));
   });
   if (root_ && options.verbosity != Verbosity::quiet)
     fmt::print("{}", case_.analysis == "dynamic"
@@ -91,9 +97,11 @@ std::vector<std::string> Recorder::columns() const {
           : std::vector<std::string>{"step",        "load_factor",     "newton_iterations", "factorisations",
                                      "residual",    "negative_pivots", "critical",          "critical_load_factor",
                                      "wall_seconds"};
+  names.insert(names.end(), {"largest_strain", "largest_turn"});
   if (case_.contact.input.active)
     for (const char* name : {"contact_pairs", "smallest_gap", "cut_short", "shortest_iteration", "intersections"})
       names.emplace_back(name);
+  if (model_->contact() && model_->contact()->has_yielding_obstacles()) names.emplace_back("gives_way");
   for (std::size_t p = 0; p < probes_.size(); ++p) {
     if (case_.probes[p].kind == Probe::Kind::energy)
       for (const char* part : {"membrane", "bending", "external"})
@@ -116,6 +124,8 @@ Recorder::Snapshot Recorder::snapshot(Vec a) {
   model_->clear_free(force);  // away from supports the force is only the residual that is left
   s.displacement = model_->gather(a);
   s.reaction = model_->gather(force);
+  if (root_) s.validity = assess(model_->mesh(), s.displacement);
+  if (root_ && case_.analysis != "linear") warn_of_range(s.validity);
   const bool energy_wanted = std::any_of(case_.probes.begin(), case_.probes.end(),
                                          [](const Probe& p) { return p.kind == Probe::Kind::energy; });
   if (energy_wanted) s.energies = model_->energies(a);
@@ -124,6 +134,27 @@ Recorder::Snapshot Recorder::snapshot(Vec a) {
     if (case_.contact.check) s.intersections = count_intersections(a);
   }
   return s;
+}
+
+/// Said once each: results beyond go on, but the law no longer holds.
+void Recorder::warn_of_range(const Validity& v) {
+  const auto place = [&](const Vec3& x) { return fmt::format("({:.4g}, {:.4g}, {:.4g}) m at rest", x[0], x[1], x[2]); };
+  const mesh::SurfaceMesh& mesh = model_->mesh();
+  if (v.strain > strain_limit && !std::exchange(warned_of_strain_, true))
+    fmt::print(
+        stderr,
+        "voile: warning: a membrane strain of {:.0f} % at {}: the law is linear in the strain and meant for less "
+        "than {:.0f} % (history: largest_strain)\n",
+        100.0 * v.strain,
+        place((mesh.corner(v.triangle, 0) + mesh.corner(v.triangle, 1) + mesh.corner(v.triangle, 2)) / 3.0),
+        100.0 * strain_limit);
+  if (v.turn > turn_limit && !std::exchange(warned_of_turn_, true))
+    fmt::print(stderr,
+               "voile: warning: the surface turns by {:.0f} degrees across one edge at {}: bending is too soft beyond "
+               "{:.0f} degrees; a finer mesh there is needed (history: largest_turn)\n",
+               v.turn * 180.0 / std::numbers::pi,
+               place(0.5 * (mesh.positions()[v.vertex_a] + mesh.positions()[v.vertex_b])),
+               turn_limit * 180.0 / std::numbers::pi);
 }
 
 /// Contact promises that there is none: one that is found is a fault of the program, and nothing after it counts.
@@ -141,10 +172,13 @@ long Recorder::count_intersections(Vec a) const {
 }
 
 std::string Recorder::contact_note(const Snapshot& s, const ContactEffort& effort) const {
-  if (s.contact.pairs == 0) return "";
-  return fmt::format(
-      "  {} contacts, gap {:.3g} m{}", s.contact.pairs, s.contact.gap,
-      effort.cut_short > 0 ? fmt::format(", {} cut short (to {:.2g})", effort.cut_short, effort.shortest) : "");
+  const long yielding = model_->contact() ? model_->contact()->yielding_count() : 0;
+  const std::string given = yielding > 0 ? fmt::format("  obstacles give way to {} vertices", yielding) : "";
+  if (s.contact.pairs == 0) return given;
+  return given + fmt::format("  {} contacts, gap {:.3g} m{}", s.contact.pairs, s.contact.gap,
+                             effort.cut_short > 0
+                                 ? fmt::format(", {} cut short (to {:.2g})", effort.cut_short, effort.shortest)
+                                 : "");
 }
 
 void Recorder::add_contact_fields(io::StepFields& step, Vec a) const {
@@ -161,6 +195,12 @@ void Recorder::add_contact_fields(io::StepFields& step, Vec a) const {
     pressure[v] = std::hypot(normal[3 * v], normal[3 * v + 1], normal[3 * v + 2]) / contact->surface().area[v];
   if (wants("contact_pressure"))
     step.fields.push_back({"contact_pressure", "Pa", io::Centre::vertex, 1, std::move(pressure)});
+  if (contact->has_yielding_obstacles() && wants("gives_way")) {
+    std::vector<double> given(normal.size() / 3);
+    const std::vector<double>& yielding = contact->memory().yielding;
+    for (std::size_t v = 0; v < yielding.size(); ++v) given[v] = yielding[v] != 0.0 ? 1.0 : 0.0;
+    step.fields.push_back({"gives_way", "1", io::Centre::vertex, 1, std::move(given)});
+  }
   if (wants("contact_force")) step.fields.push_back({"contact_force", "N", io::Centre::vertex, 3, std::move(normal)});
   if (wants("friction_force"))
     step.fields.push_back({"friction_force", "N", io::Centre::vertex, 3, forces(contact::ContactSet::friction)});
@@ -175,15 +215,15 @@ void Recorder::record(const solve::StepReport& report, Vec a) {
                  report.critical ? static_cast<double>(report.critical->kind) : 0.0,
                  report.critical ? report.critical->load_factor : std::nan(""), wall_seconds()},
                 {}, s);
-  if (report.step % case_.output.every == 0 || report.last || report.mode) {
-    io::StepFields step;
-    step.step = report.step;
-    // Along an arc the load factor goes up and down, but a time must not.
-    step.time = steps_.control == Control::load ? report.load_factor : report.step;
-    step.load_factor = report.load_factor;
-    if (report.mode) step.fields.push_back({"critical_mode", "1", io::Centre::vertex, 3, model_->gather(report.mode)});
-    write_fields(std::move(step), a, s);
-  }
+  io::StepFields step;
+  step.step = report.step;
+  // Along an arc the load factor goes up and down, but a time must not.
+  step.time = steps_.control == Control::load ? report.load_factor : report.step;
+  step.load_factor = report.load_factor;
+  if (report.mode) step.fields.push_back({"critical_mode", "1", io::Centre::vertex, 3, model_->gather(report.mode)});
+  const bool asked = SignalScope::take_checkpoint(model_->comm());
+  write_or_keep(report.step % case_.output.every == 0 || report.last || report.mode || asked, std::move(step), a,
+                nullptr, s);
   if (root_ && options_.verbosity != Verbosity::quiet) print(report, s);
 }
 
@@ -199,20 +239,45 @@ void Recorder::record(const solve::TimeReport& report, system::Dynamics& dynamic
        static_cast<double>(report.rejections), kinetic, wall_seconds()},
       {report.cut_short, report.shortest}, s);
   const double end = case_.time.options.end_time;
-  if (at.step % case_.output.every == 0 || at.time >= end * (1.0 - 1e-12)) {
-    io::StepFields step{at.step, at.time, model_->load_factor(), {}};
-    if (wants("velocity"))
-      step.fields.push_back({"velocity", "m/s", io::Centre::vertex, 3, model_->gather(at.velocity)});
-    write_fields(std::move(step), at.position, s);
-  }
+  write_or_keep(at.step % case_.output.every == 0 || at.time >= end * (1.0 - 1e-12),
+                {at.step, at.time, model_->load_factor(), {}}, at.position, at.velocity, s);
   if (root_ && options_.verbosity != Verbosity::quiet) print(report, kinetic, s);
 }
 
+void Recorder::write_or_keep(bool write, io::StepFields step, Vec position, Vec velocity, const Snapshot& s) {
+  pending_.reset();
+  if (write) {
+    if (velocity && wants("velocity"))
+      step.fields.push_back({"velocity", "m/s", io::Centre::vertex, 3, model_->gather(velocity)});
+    write_fields(std::move(step), position, s);
+    return;
+  }
+  const auto copy = [&](Vec from) {
+    petsc::VecHandle to;
+    if (!from) return to;
+    to = model_->create_vector();
+    VOILE_PETSC(VecCopy(from, to));
+    return to;
+  };
+  pending_ = Pending{std::move(step), copy(position), copy(velocity)};
+}
+
+void Recorder::finish() {
+  if (pending_) {
+    const Pending p = std::move(*pending_);
+    write_or_keep(true, p.step, p.position, p.velocity, snapshot(p.position));
+  }
+  mpi::on_root(model_->comm(), [&] { results_->finish(); });
+}
+
 void Recorder::write_history(std::vector<double> values, const ContactEffort& effort, const Snapshot& s) {
+  values.insert(values.end(), {s.validity.strain, s.validity.turn});
   if (case_.contact.input.active)
     values.insert(values.end(),
                   {static_cast<double>(s.contact.pairs), s.contact.gap, static_cast<double>(effort.cut_short),
                    effort.shortest, static_cast<double>(s.intersections)});
+  if (model_->contact() && model_->contact()->has_yielding_obstacles())
+    values.push_back(static_cast<double>(model_->contact()->yielding_count()));
   mpi::on_root(model_->comm(), [&] {
     for (std::size_t p = 0; p < probes_.size(); ++p) {
       const Probe::Kind kind = case_.probes[p].kind;
@@ -233,11 +298,11 @@ void Recorder::write_history(std::vector<double> values, const ContactEffort& ef
 }
 
 void Recorder::write_fields(io::StepFields step, Vec a, const Snapshot& s) {
-  system::TriangleFields t = model_->triangle_fields(a);
+  const system::TriangleFields t = model_->triangle_fields(a);
   add_contact_fields(step, a);
   mpi::on_root(model_->comm(), [&] {
-    const auto add = [&](const char* name, const char* unit, io::Centre centre, std::vector<double> values) {
-      if (wants(name)) step.fields.push_back({name, unit, centre, 3, std::move(values)});
+    const auto add = [&](const char* name, const char* unit, io::Centre centre, const std::vector<double>& values) {
+      if (wants(name)) step.fields.push_back({name, unit, centre, 3, values});
     };
     add("displacement", "m", io::Centre::vertex, s.displacement);
     add("reaction", "N", io::Centre::vertex, s.reaction);
@@ -245,6 +310,9 @@ void Recorder::write_fields(io::StepFields step, Vec a, const Snapshot& s) {
     add("membrane_force", "N/m", io::Centre::triangle, t.membrane_force);
     add("curvature", "1/m", io::Centre::triangle, t.curvature);
     add("bending_moment", "N", io::Centre::triangle, t.bending_moment);
+    if (case_.output.stresses != OutputSection::Stresses::none)
+      for (io::Field& f : stress_fields(model_->sheet(), t, case_.output.stresses == OutputSection::Stresses::plies))
+        step.fields.push_back(std::move(f));
     if (obstacles_ && obstacles_->at_rest().moves) step.obstacles = obstacles_->positions(*model_->contact());
     results_->write(step);
   });
@@ -279,7 +347,9 @@ void Recorder::print(const solve::StepReport& report, const Snapshot& s) const {
 }
 
 void Recorder::remark(const std::string& text) const {
-  if (root_ && options_.verbosity != Verbosity::quiet) fmt::print("      {}\n", text);
+  if (!root_ || options_.verbosity == Verbosity::quiet) return;
+  fmt::print("      {}\n", text);
+  std::fflush(stdout);
 }
 
 double Recorder::wall_seconds() const {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "obstacles.hpp"
+#include "validity.hpp"
 #include "voile/app/run.hpp"
 #include "voile/io/results.hpp"
 #include "voile/solve/static_path.hpp"
@@ -24,6 +25,9 @@ class Recorder {
   void record(const solve::StepReport& report, Vec a);
   /// A step of a motion in time. Collective.
   void record(const solve::TimeReport& report, system::Dynamics& dynamics);
+  /// Writes the fields of the last recorded state if `every` has left them out, and closes the results. Collective; the
+  /// model must be that of the last record.
+  void finish();
   /// The model of later records, of the same mesh.
   void use(system::Model& model) { model_ = &model; }
   /// A remark of the path follower; printed unless quiet.
@@ -45,6 +49,12 @@ class Recorder {
     system::Energies energies;
     system::ContactReport contact;
     long intersections = 0;
+    Validity validity;  ///< rank 0
+  };
+  /// A recorded state whose fields are not written.
+  struct Pending {
+    io::StepFields step;
+    petsc::VecHandle position, velocity;
   };
   /// How contact hindered the iterations of a step.
   struct ContactEffort {
@@ -53,6 +63,8 @@ class Recorder {
   };
   [[nodiscard]] Snapshot snapshot(Vec a);
   void write_fields(io::StepFields step, Vec a, const Snapshot& s);
+  void write_or_keep(bool write, io::StepFields step, Vec position, Vec velocity, const Snapshot& s);
+  void warn_of_range(const Validity& v);
   void write_history(std::vector<double> values, const ContactEffort& effort, const Snapshot& s);
   void print(const solve::TimeReport& report, double kinetic, const Snapshot& s) const;
   void print(const solve::StepReport& report, const Snapshot& s) const;
@@ -71,6 +83,8 @@ class Recorder {
   std::optional<ObstaclePicture> obstacles_;  ///< rank 0, with contact
   std::optional<io::ResultsWriter> results_;
   std::optional<io::HistoryWriter> history_;
+  std::optional<Pending> pending_;
+  bool warned_of_strain_ = false, warned_of_turn_ = false;
 };
 
 }  // namespace voile::app

@@ -9,13 +9,17 @@
 #include <optional>
 
 #include "contact_start.hpp"
-#include "obstacles.hpp"
+#include "free_motions.hpp"
+#include "mesh_report.hpp"
+#include "model_input.hpp"
+#include "output_folder.hpp"
 #include "recorder.hpp"
+#include "restart.hpp"
 #include "run_time.hpp"
+#include "voile/base/interrupt.hpp"
 #include "voile/base/mpi.hpp"
 #include "voile/base/petsc.hpp"
 #include "voile/base/text.hpp"
-#include "voile/io/stored_step.hpp"
 #include "voile/solve/eigen.hpp"
 #include "voile/solve/path_following.hpp"
 
@@ -51,21 +55,26 @@ void write_summary(const std::filesystem::path& file, const system::Model& model
   if (!out) throw UserError(fmt::format("{}: cannot be written", file.string()));
 }
 
-void make_output(const Case& c, const std::filesystem::path& folder) {
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  std::ofstream echo(folder / "case.toml");
-  echo << echo_case(c);
-  if (error || !echo) throw UserError(fmt::format("--output {}: the folder cannot be written", folder.string()));
-}
-
 void print_header(const Case& c, const system::Model& model) {
   fmt::print("{}: {}\n", c.file.filename().string(), c.title);
   fmt::print("{} vertices, {} triangles, {} unknowns on {} rank(s)\n", model.mesh().vertex_count(),
              model.mesh().triangle_count(), model.unknowns(), mpi::size(model.comm()));
   if (model.mesh().reoriented_count() > 0)
     fmt::print("{} triangles were turned round to orient the surface\n", model.mesh().reoriented_count());
-  print_warnings(model.mesh(), c.element);
+}
+
+/// What the mesh lets expect; with --quiet only if it is bad. Collective.
+void report_mesh(const Case& c, const RunOptions& options, const system::Model& model) {
+  const mesh::SurfaceMesh& mesh = model.mesh();
+  const MeshQuality quality = measure_quality(PETSC_COMM_WORLD, mesh, c.element);
+  mpi::on_root(PETSC_COMM_WORLD, [&] {
+    if (options.verbosity != Verbosity::quiet) {
+      fmt::print("{}", quality_text(mesh, quality, c.element));
+      for (const std::string& text : mesh_notes(mesh)) fmt::print("note: {}\n", text);
+      for (const std::string& text : sheet_notes(model.sheet())) fmt::print("note: {}\n", text);
+    }
+    for (const std::string& text : quality_warnings(mesh, quality, c.element)) fmt::print("warning: {}\n", text);
+  });
 }
 
 /// --verbose shows every Newton iteration, exactly as -snes_monitor does.
@@ -74,52 +83,6 @@ void show_iterations() {
   VOILE_PETSC(PetscOptionsHasName(nullptr, nullptr, "-snes_monitor", &given));
   if (!given) VOILE_PETSC(PetscOptionsSetValue(nullptr, "-snes_monitor", nullptr));
 }
-
-/// The state that --restart names, scattered into unknowns.
-struct Restart {
-  bool given = false;
-  petsc::VecHandle previous;
-  solve::PathStart start;
-};
-
-Restart read_restart(const Case& c, const RunOptions& options, const system::Model& model, Vec a) {
-  Restart r;
-  if (options.restart.empty()) return r;
-  if (c.analysis == "linear")
-    throw UserError("--restart: analysis = \"linear\" starts from the unloaded state; leave the option out");
-  check_restart_folder(model.comm(), options);
-  io::StoredStep stored;
-  std::vector<double> numbers(3);
-  mpi::on_root(model.comm(), [&] {
-    stored = io::read_step(options.restart, options.restart_step, model.mesh());
-    numbers = {static_cast<double>(stored.step), stored.load_factor, stored.previous.empty() ? 0.0 : 1.0};
-  });
-  mpi::broadcast(model.comm(), numbers);
-  r.given = true;
-  r.start.step = static_cast<int>(numbers[0]);
-  r.start.load_factor = numbers[1];
-  model.scatter(stored.displacement, a);
-  if (numbers[2] > 0.0) {
-    r.previous = model.create_vector();
-    model.scatter(stored.previous, r.previous);
-    r.start.previous = r.previous;
-  }
-  return r;
-}
-
-}  // namespace
-
-void check_restart_folder(MPI_Comm comm, const RunOptions& options) {
-  mpi::on_root(comm, [&] {
-    std::error_code ignored;
-    const std::filesystem::path folder = options.restart.parent_path().empty() ? "." : options.restart.parent_path();
-    if (std::filesystem::equivalent(folder, options.output, ignored))
-      throw UserError(
-          fmt::format("--restart {}: this run would overwrite it; choose another --output", options.restart.string()));
-  });
-}
-
-namespace {
 
 /// Runs one way of following a path, with every accepted state recorded.
 template <class Path>
@@ -138,15 +101,6 @@ Summary follow(Path path, Recorder& recorder, Vec a, const solve::PathStart& sta
   return s;
 }
 
-Summary run_static(system::Model& model, const solve::StaticOptions& steps, Recorder& recorder, Vec a,
-                   const solve::PathStart& start, std::string& reason) {
-  if (steps.control == solve::StaticOptions::Control::load)
-    return follow(solve::StaticPath(model, steps), recorder, a, start, reason);
-  const petsc::VecHandle probe =
-      steps.control_probe.empty() ? petsc::VecHandle{} : recorder.functional(steps.control_probe);
-  return follow(solve::PathFollower(model, steps, probe), recorder, a, start, reason);
-}
-
 Summary summary_of(const solve::NewtonResult& n, double load_factor, int steps) {
   Summary s;
   s.converged = n.converged;
@@ -157,6 +111,25 @@ Summary summary_of(const solve::NewtonResult& n, double load_factor, int steps) 
   s.negative_pivots = n.negative_pivots;
   s.residual = n.residual;
   return s;
+}
+
+Summary run_static(system::Model& model, const solve::StaticOptions& steps, Recorder& recorder, Vec a,
+                   const Restart& restart, std::string& reason) {
+  const solve::PathStart& start = restart.start;
+  if (restart.from_motion) {  // a path begins in equilibrium
+    model.set_load_factor(start.load_factor);
+    solve::Newton newton(model);
+    const solve::NewtonResult n = newton.continuation(a);
+    if (!n.converged) {
+      reason = "no equilibrium found near the state of --restart: " + n.reason;
+      return summary_of(n, start.load_factor, 0);
+    }
+  }
+  if (steps.control == solve::StaticOptions::Control::load)
+    return follow(solve::StaticPath(model, steps), recorder, a, start, reason);
+  const petsc::VecHandle probe =
+      steps.control_probe.empty() ? petsc::VecHandle{} : recorder.functional(steps.control_probe);
+  return follow(solve::PathFollower(model, steps, probe), recorder, a, start, reason);
 }
 
 Summary run_linear(system::Model& model, double load_factor, Recorder& recorder, Vec a, std::string& reason) {
@@ -174,7 +147,7 @@ Summary run_linear(system::Model& model, double load_factor, Recorder& recorder,
 /// constant loads.
 Summary run_base_state(const Case& c, system::Model& model, const solve::StaticOptions& steps, Recorder& recorder,
                        Vec a, const Restart& restart, std::string& reason) {
-  if (!restart.given && c.eigen.load_factor > 0.0) return run_static(model, steps, recorder, a, {}, reason);
+  if (!restart.given && c.eigen.load_factor > 0.0) return run_static(model, steps, recorder, a, restart, reason);
   solve::NewtonResult n;
   n.converged = true;
   model.set_load_factor(restart.start.load_factor);
@@ -239,6 +212,11 @@ void run_modes(const Case& c, const RunOptions& options, system::Model& model, V
   if (!summary.converged)
     reason = fmt::format("{} of {} modes found{}", result.modes.size(), result.asked_for,
                          vibration ? "" : " (a load can have fewer critical factors)");
+  if (SignalScope::stop_asked(model.comm())) {
+    summary.converged = false;
+    reason =
+        fmt::format("{}; {} of {} modes had been found", Interrupted().what(), result.modes.size(), result.asked_for);
+  }
 }
 
 }  // namespace
@@ -255,11 +233,14 @@ void scatter_start(const system::Model& model, const io::Checkpoint& from, Vec a
 
 Exit run(const Case& given, const RunOptions& options) {
   Case c = given;
+  const SignalScope signals;
   const bool root = mpi::rank(PETSC_COMM_WORLD) == 0;
   const mesh::SurfaceMesh mesh = load_mesh(c.mesh.file, c.mesh.options);
-  system::Model model(PETSC_COMM_WORLD, mesh,
-                      {c.element, c.materials, c.supports, c.loads, contact_input(PETSC_COMM_WORLD, c)});
+  system::Model model(PETSC_COMM_WORLD, mesh, model_input(c, c.supports));
   if (root && options.verbosity != Verbosity::quiet) print_header(c, model);
+  report_mesh(c, options, model);
+  for (const std::string& text : check_free_motions(c, model))
+    if (root && options.verbosity != Verbosity::quiet && c.analysis != "dynamic") fmt::print("note: {}\n", text);
 
   if (options.verbosity == Verbosity::verbose) show_iterations();
   solve::StaticOptions steps = c.steps;
@@ -274,10 +255,12 @@ Exit run(const Case& given, const RunOptions& options) {
   // Whatever is wrong with a restart must show before old results in the output folder go.
   petsc::VecHandle a = model.create_vector();
   const Restart restart = in_time ? Restart{} : read_restart(c, options, model, a);
-  io::Checkpoint checkpoint = in_time ? read_start(options, model) : io::Checkpoint{};
-  mpi::on_root(PETSC_COMM_WORLD, [&] { make_output(c, options.output); });
+  io::Checkpoint checkpoint = in_time ? read_start(c, options, model) : io::Checkpoint{};
+  std::optional<OutputFolder> folder;
+  mpi::on_root(PETSC_COMM_WORLD, [&] { folder.emplace(c, options); });
   if (model.contact()) {
     if (in_time) scatter_start(model, checkpoint, a);
+    model.contact()->restore({checkpoint.contact_gaps, checkpoint.contact_start, checkpoint.yielding});
     const bool moved = settle_start(c, options, *model.contact(), a, checkpoint.time);
     if (moved && in_time) checkpoint.displacement = model.gather(a);
   }
@@ -285,17 +268,23 @@ Exit run(const Case& given, const RunOptions& options) {
 
   Summary summary;
   std::string reason;
-  if (c.analysis == "static")
-    summary = run_static(model, steps, recorder, a, restart.start, reason);
-  else if (c.analysis == "linear")
-    summary = run_linear(model, c.steps.final_load_factor, recorder, a, reason);
-  else if (in_time)
-    summary = run_dynamic(c, options, model, recorder, checkpoint, reason);
-  else if (c.analysis == "drape")
-    summary = run_drape(c, model, recorder, a, reason);
-  else
-    summary = run_base_state(c, model, steps, recorder, a, restart, reason);
-  if (summary.converged && modes) run_modes(c, options, model, a, summary, reason);
+  try {
+    if (c.analysis == "static")
+      summary = run_static(model, steps, recorder, a, restart, reason);
+    else if (c.analysis == "linear")
+      summary = run_linear(model, c.steps.final_load_factor, recorder, a, reason);
+    else if (in_time)
+      summary = run_dynamic(c, options, model, recorder, checkpoint, reason);
+    else if (c.analysis == "drape")
+      summary = run_drape(c, model, recorder, a, reason);
+    else
+      summary = run_base_state(c, model, steps, recorder, a, restart, reason);
+    if (summary.converged && modes) run_modes(c, options, model, a, summary, reason);
+  } catch (const Interrupted& e) {
+    summary.converged = false;
+    reason = e.what();
+  }
+  recorder.finish();
 
   const double cpu = mpi::sum(PETSC_COMM_WORLD, process_cpu_seconds());
   mpi::on_root(PETSC_COMM_WORLD,

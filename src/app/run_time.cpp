@@ -1,5 +1,5 @@
 #include "run_time.hpp"
-#include "obstacles.hpp"
+#include "model_input.hpp"
 
 #include <fmt/format.h>
 
@@ -9,8 +9,8 @@
 #include <set>
 #include <utility>
 
-#include "signals.hpp"
 #include "voile/base/error.hpp"
+#include "voile/base/interrupt.hpp"
 #include "voile/base/mpi.hpp"
 #include "voile/io/checkpoint.hpp"
 #include "voile/solve/time_integration.hpp"
@@ -24,14 +24,15 @@ using Clock = std::chrono::steady_clock;
 /// A state between models: global axes, mesh order, on rank 0.
 using Carried = io::Checkpoint;
 
-Carried carry(const solve::TimeReport& r, const system::Model& model) {
-  Carried c{r.state.step,
-            r.state.time,
-            r.state.next_step,
-            model.gather(r.state.position),
-            model.gather(r.state.velocity),
-            {}};
-  if (r.state.acceleration) c.acceleration = model.gather(r.state.acceleration);
+Carried carry(const solve::TimeState& s, const system::Model& model) {
+  Carried c{s.step, s.time, s.next_step, model.gather(s.position), model.gather(s.velocity), {}};
+  if (s.acceleration) c.acceleration = model.gather(s.acceleration);
+  if (model.contact()) {
+    const system::ContactMemory& memory = model.contact()->memory();
+    c.contact_gaps = memory.gaps;
+    c.contact_start = memory.start;
+    c.yielding = memory.yielding;
+  }
   return c;
 }
 
@@ -57,18 +58,18 @@ class Checkpoints {
   Checkpoints(const Case& c, const RunOptions& options, const mesh::SurfaceMesh& mesh)
       : section_(c.time), file_(options.output / "checkpoint.h5"), mesh_(mesh) {}
 
-  /// True if the run shall stop. Collective.
-  bool after_step(const solve::TimeReport& r, const system::Model& model) {
-    const Requests asked = SignalScope::take();
+  /// Collective.
+  void after_step(const solve::TimeState& s, const system::Model& model) {
     const double minutes = std::chrono::duration<double>(Clock::now() - last_).count() / 60.0;
     const bool by_time = section_.checkpoint_minutes > 0.0 && minutes >= section_.checkpoint_minutes;
-    const bool by_step = section_.checkpoint_steps > 0 && r.state.step % section_.checkpoint_steps == 0;
+    const bool by_step = section_.checkpoint_steps > 0 && s.step % section_.checkpoint_steps == 0;
     const bool due = mpi::max(model.comm(), by_time ? 1.0 : 0.0) > 0.0;  // clocks differ between ranks
-    if (due || by_step || asked.checkpoint) write(r, model);
-    return asked.stop;
+    const bool asked = SignalScope::take_checkpoint(model.comm());
+    if (due || by_step || asked) write(s, model);
   }
-  void write(const solve::TimeReport& r, const system::Model& model) {
-    const Carried c = carry(r, model);
+  /// Collective.
+  void write(const solve::TimeState& s, const system::Model& model) {
+    const Carried c = carry(s, model);
     mpi::on_root(model.comm(), [&] { io::write_checkpoint(file_, c, mesh_); });
     last_ = Clock::now();
   }
@@ -103,90 +104,109 @@ bool has_acceleration(const Case& c, const Carried& start) {
                                                      [&](const system::Support& s) { return s.release == start.time; });
 }
 
-}  // namespace
+/// One model's part of a motion: from `state`, to where its supports change.
+class Epoch {
+ public:
+  Epoch(const Case& c, system::Model& model, const Carried& state, double end)
+      : dynamics_(model, c.dynamics), time_(dynamics_, until(c, end)), x_(state, model), start_(state) {}
 
-io::Checkpoint read_start(const RunOptions& options, const system::Model& model) {
-  io::Checkpoint c;
-  std::vector<double> numbers(4, 0.0);
-  if (options.restart.empty()) return c;
-  check_restart_folder(model.comm(), options);
-  mpi::on_root(model.comm(), [&] {
-    c = io::read_checkpoint(options.restart, model.mesh());
-    numbers = {static_cast<double>(c.step), c.time, c.next_step, c.acceleration.empty() ? 0.0 : 1.0};
-  });
-  mpi::broadcast(model.comm(), numbers);
-  c.step = static_cast<int>(numbers[0]);
-  c.time = numbers[1];
-  c.next_step = numbers[2];
-  if (numbers[3] > 0.0 && c.acceleration.empty()) c.acceleration.resize(1);  // known to rank 0: marks that there is one
-  return c;
+  /// Contact lets out what starts within its distance; `is_new`: nothing has run before.
+  void settle_contact(bool is_new) {
+    system::Contact* contact = dynamics_.model().contact();
+    if (!contact) return;
+    if (is_new)
+      contact->begin_settling(x_.u, start_.time);
+    else
+      contact->restore({start_.contact_gaps, start_.contact_start, start_.yielding});
+  }
+
+  solve::TimeResult run(Recorder& recorder, Checkpoints& checkpoints, bool is_first, bool has_acceleration) {
+    bool first = true;
+    time_.on_remark([&](const std::string& text) { recorder.remark(text); });
+    time_.on_step([&](const solve::TimeReport& r) {
+      // A new epoch begins with the state that the last one recorded.
+      if (!std::exchange(first, false) || is_first) recorder.record(r, dynamics_);
+      if (r.taken > 0.0) checkpoints.after_step(r.state, dynamics_.model());
+      return SignalScope::stop_asked(dynamics_.model().comm());
+    });
+    return time_.run(
+        {start_.step, start_.time, start_.next_step, x_.u, x_.v, has_acceleration ? static_cast<Vec>(x_.a) : nullptr});
+  }
+
+ private:
+  static solve::TimeOptions until(const Case& c, double end) {
+    solve::TimeOptions options = c.time.options;
+    options.end_time = end;
+    return options;
+  }
+  system::Dynamics dynamics_;
+  solve::TimeIntegration time_;
+  State x_;
+  const Carried& start_;
+};
+
+void add(Summary& summary, const solve::TimeResult& r, const system::Model& model) {
+  summary.steps += r.steps;
+  summary.newton_iterations += r.newton_iterations;
+  summary.factorisations += r.factorisations;
+  summary.time = r.state.time;
+  summary.load_factor = model.load_factor();
+  summary.residual = r.newton.residual;
+  summary.negative_pivots = r.newton.negative_pivots;
 }
+
+}  // namespace
 
 Summary run_dynamic(const Case& c, const RunOptions& options, system::Model& model, Recorder& recorder,
                     const io::Checkpoint& start, std::string& reason) {
-  const SignalScope signals;
   Carried state = start;
   Checkpoints checkpoints(c, options, model.mesh());
   Summary summary;
-  summary.converged = true;
   const double first_time = state.time;
   for (const double end : epoch_ends(c, state.time)) {
     std::optional<system::Model> rebuilt;
     const std::vector<system::Support> supports = holding(c, state.time);
-    if (supports.size() < c.supports.size())
-      rebuilt.emplace(
-          model.comm(), model.mesh(),
-          system::ModelInput{c.element, c.materials, supports, c.loads, contact_input(PETSC_COMM_WORLD, c)});
+    if (supports.size() < c.supports.size()) rebuilt.emplace(model.comm(), model.mesh(), model_input(c, supports));
     system::Model& now = rebuilt ? *rebuilt : model;
     recorder.use(now);
-    if (state.time > first_time)
-      recorder.remark(fmt::format("t = {:.6g} s: {} support(s) hold", state.time, supports.size()));
-    system::Dynamics dynamics(now, c.dynamics);
-    solve::TimeOptions steps = c.time.options;
-    steps.end_time = end;
-    solve::TimeIntegration time(dynamics, steps);
-    State x(state, now);
-    bool first = true, stop = false;
-    time.on_remark([&](const std::string& text) { recorder.remark(text); });
-    time.on_step([&](const solve::TimeReport& r) {
-      // A new epoch begins with the state that the last one recorded.
-      if (!std::exchange(first, false) || state.time == first_time) recorder.record(r, dynamics);
-      const bool ends = r.state.time >= end;
-      if (r.taken > 0.0) {
-        stop = checkpoints.after_step(r, now);
-        if (stop || r.state.time >= c.time.options.end_time) checkpoints.write(r, now);
-        summary.residual = r.newton.residual;
-        summary.negative_pivots = r.newton.negative_pivots;
-        if (ends || stop) state = carry(r, now);
-      }
-      return stop;
-    });
-    const bool given = state.time == first_time && has_acceleration(c, state);
-    const solve::TimeResult r =
-        time.run({state.step, state.time, state.next_step, x.u, x.v, given ? static_cast<Vec>(x.a) : nullptr});
-    summary.steps += r.steps;
-    summary.newton_iterations += r.newton_iterations;
-    summary.factorisations += r.factorisations;
-    summary.time = r.state.time;
-    summary.load_factor = now.load_factor();
-    // The vectors went with the model; numbers are the same on all ranks.
-    state.step = r.state.step;
-    state.time = r.state.time;
-    state.next_step = steps.step;
+    const bool is_first = state.time == first_time;
+    if (!is_first) recorder.remark(fmt::format("t = {:.6g} s: {} support(s) hold", state.time, supports.size()));
+    Epoch epoch(c, now, state, end);
+    epoch.settle_contact(is_first && options.restart.empty());
+    const solve::TimeResult r = epoch.run(recorder, checkpoints, is_first, is_first && has_acceleration(c, state));
+    add(summary, r, now);
+    reason = r.stopped ? "" : r.reason;
+    const bool at_release = r.completed && !r.stopped && r.state.time >= end && end < c.time.options.end_time;
+    if (at_release) {
+      state = carry(r.state, now);
+      state.next_step = c.time.options.step;
+    } else {  // the end, a failure, a signal or -ts_max_steps: it can be gone on from here
+      checkpoints.write(r.state, now);
+    }
+    recorder.finish();
     recorder.use(model);
-    if (stop) reason = fmt::format("stopped by SIGTERM; go on with --restart {}", checkpoints.file().string());
-    if (!r.completed) reason = r.reason;
-    summary.converged = reason.empty();
-    if (!summary.converged || state.time < end) break;  // -ts_max_steps may end it early
+    if (r.stopped && r.state.time < c.time.options.end_time)
+      reason = fmt::format("stopped by a signal; go on with --restart {}", checkpoints.file().string());
+    if (!at_release) break;
   }
+  summary.converged = reason.empty();
   return summary;
 }
 
 Summary run_drape(const Case& c, system::Model& model, Recorder& recorder, Vec a, std::string& reason) {
   model.set_load_factor(1.0);
   recorder.record({.step = 0, .load_factor = 0.0, .newton = {}, .critical = {}}, a);
-  const solve::DrapeResult r = solve::drape(model, a, c.drape, [&](const std::string& text) { recorder.remark(text); });
-  recorder.record({.step = 1, .load_factor = 1.0, .newton = r.newton, .last = true, .critical = {}}, a);
+  const auto record = [&](const solve::NewtonResult& n) {
+    recorder.record({.step = 1, .load_factor = 1.0, .newton = n, .last = true, .critical = {}}, a);
+  };
+  solve::DrapeResult r;
+  try {
+    r = solve::drape(model, a, c.drape, [&](const std::string& text) { recorder.remark(text); });
+  } catch (const Interrupted&) {
+    record({});  // not in equilibrium, but --restart goes on from there
+    throw;
+  }
+  record(r.newton);
   recorder.remark(fmt::format("residual {:.3e} N ({:.1e} of the forces); {}; eigenvalue nearest to zero {:.4g} 1/s^2",
                               r.residual, r.newton.residual,
                               r.stable                       ? "stable"

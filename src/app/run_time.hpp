@@ -15,12 +15,7 @@ namespace voile::app {
 /// `start` is what read_start gave.
 [[nodiscard]] Summary run_dynamic(const Case& c, const RunOptions& options, system::Model& model, Recorder& recorder,
                                   const io::Checkpoint& start, std::string& reason);
-/// The checkpoint that --restart names, arrays on rank 0 only; empty without the option. Collective.
-[[nodiscard]] io::Checkpoint read_start(const RunOptions& options, const system::Model& model);
 /// From and into `a`. Collective.
 [[nodiscard]] Summary run_drape(const Case& c, system::Model& model, Recorder& recorder, Vec a, std::string& reason);
-
-/// Throws UserError if the run would overwrite what it restarts from. Collective.
-void check_restart_folder(MPI_Comm comm, const RunOptions& options);
 
 }  // namespace voile::app

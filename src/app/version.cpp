@@ -34,7 +34,7 @@ std::string mpi_version() {
 
 std::string version_text() {
   return fmt::format(
-      "Voile {}\n"
+      "Voile {} ({})\n"
       "PETSc {}\n"
       "MUMPS {}\n"
       "METIS {}.{}.{}\n"
@@ -42,7 +42,7 @@ std::string version_text() {
       "Gmsh  {}\n"
       "CGAL  {}\n"
       "MPI   {}\n",
-      VOILE_VERSION, petsc_version(), MUMPS_VERSION, METIS_VER_MAJOR, METIS_VER_MINOR, METIS_VER_SUBMINOR,
+      VOILE_VERSION, VOILE_COMMIT, petsc_version(), MUMPS_VERSION, METIS_VER_MAJOR, METIS_VER_MINOR, METIS_VER_SUBMINOR,
       io::hdf5_version(), io::gmsh_version(), io::cgal_version(), mpi_version());
 }
 

@@ -1,5 +1,7 @@
 #include "voile/base/mpi.hpp"
 
+#include <new>
+
 #include "voile/base/error.hpp"
 
 namespace voile::mpi {
@@ -21,7 +23,7 @@ T reduce(MPI_Comm comm, T value, MPI_Datatype type, MPI_Op op) {
   return result;
 }
 
-enum Failure : int { none = 0, user = 1, internal = 2 };
+enum Failure : int { none = 0, user = 1, internal = 2, memory = 3 };
 
 /// What `work` threw, as a value.
 Failure outcome(const std::function<void()>& work, std::string& message) {
@@ -30,6 +32,12 @@ Failure outcome(const std::function<void()>& work, std::string& message) {
   } catch (const UserError& e) {
     message = e.what();
     return user;
+  } catch (const OutOfMemory& e) {
+    message = e.what();
+    return memory;
+  } catch (const std::bad_alloc&) {
+    message = "an array could not be had";
+    return memory;
   } catch (const std::exception& e) {
     message = e.what();
     return internal;
@@ -40,6 +48,7 @@ Failure outcome(const std::function<void()>& work, std::string& message) {
 void throw_on_failure(int failure, const std::string& message) {
   if (failure == user) throw UserError(message);
   if (failure == internal) throw InternalError(message);
+  if (failure == memory) throw OutOfMemory(message);
 }
 
 }  // namespace
@@ -84,6 +93,10 @@ long sum(MPI_Comm comm, long value) {
 }
 double max(MPI_Comm comm, double value) {
   return reduce(comm, value, MPI_DOUBLE, MPI_MAX);
+}
+
+void min(MPI_Comm comm, std::vector<double>& values) {
+  MPI_Allreduce(MPI_IN_PLACE, values.data(), static_cast<int>(values.size()), MPI_DOUBLE, MPI_MIN, comm);
 }
 
 void sum_to_root(MPI_Comm comm, std::vector<double>& values) {

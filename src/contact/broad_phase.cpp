@@ -29,7 +29,9 @@ class Maker {
     const double area = s_.is_sheet(p)      ? 0.5 * s_.area[p]
                         : s_.area[p] == 0.0 ? s_.face_area[f]
                                             : 0.5 * std::min(s_.area[p], s_.face_area[f]);
-    to.push_back({{p, q[0], q[1], q[2]}, PairKind::point_triangle, body, face.body, area, 0.0});
+    const std::array<Index, 4> points{p, q[0], q[1], q[2]};
+    to.push_back(
+        {points, PairKind::point_triangle, body, face.body, area, 0.0, share_of(s_.neighbours.of_faces, points)});
   }
   void point_edge(Index p, Index e, std::vector<Pair>& to) const {
     const Edge& edge = s_.edges[e];
@@ -48,12 +50,10 @@ class Maker {
     if (!hull(p).within(hull(q), reach(a.body, b.body))) return;
     // Two equal triangulations cross about 7.6 times per product of their edge lengths; an axis has no such length.
     const double lengths = b.bare ? a.rest_length_squared : std::sqrt(a.rest_length_squared * b.rest_length_squared);
-    to.push_back({{p[0], p[1], q[0], q[1]},
-                  PairKind::edge_edge,
-                  a.body,
-                  b.body,
-                  lengths / 8.0,
-                  mollifier_threshold(a.rest_length_squared, b.rest_length_squared)});
+    const std::array<Index, 4> points{p[0], p[1], q[0], q[1]};
+    to.push_back({points, PairKind::edge_edge, a.body, b.body, lengths / 8.0,
+                  mollifier_threshold(a.rest_length_squared, b.rest_length_squared),
+                  share_of(s_.neighbours.of_edges, points)});
   }
   template <std::size_t n>
   [[nodiscard]] Box hull(const std::array<Index, n>& points) const {
@@ -66,6 +66,13 @@ class Maker {
   [[nodiscard]] bool mine(Index p) const { return s_.is_sheet(p) && owned_[p]; }
   [[nodiscard]] bool wanted(int a, int b, bool owned) const { return owned && s_.rules[a][b].touch; }
   [[nodiscard]] double reach(int a, int b) const { return s_.offset(a, b) + distance_; }
+  [[nodiscard]] double share_of(const std::map<std::array<Index, 4>, double>& list,
+                                const std::array<Index, 4>& points) const {
+    const std::vector<char>& concerned = s_.neighbours.concerned;
+    if (concerned.empty() || !s_.is_sheet(points[0]) || !concerned[points[0]]) return 1.0;
+    const auto at = list.find(points);
+    return at == list.end() ? 1.0 : at->second;
+  }
 
   const Surface& s_;
   const std::vector<Box>& boxes_;

@@ -84,6 +84,7 @@ bool ContactSet::counted(const std::array<Index, 4>& points) const {
 double ContactSet::safe_share(const std::vector<Vec3>& from, const std::vector<Vec3>& to) const {
   double share = 1.0;
   for (const Pair& pair : pairs_) {
+    if (!acts(pair)) continue;
     const std::array<Vec3, 4> x = gather(pair, from);
     std::array<Vec3, 4> p = gather(pair, to);
     for (int i = 0; i < 4; ++i) p[i] -= x[i];
@@ -101,24 +102,27 @@ double ContactSet::safe_share(const std::vector<Vec3>& from, const std::vector<V
 void ContactSet::blocked(const std::vector<Vec3>& from, const std::vector<Vec3>& to,
                          const std::vector<Plane>& planes_to, const std::vector<char>& asked,
                          const std::function<void(const Pair&)>& found) const {
-  const double room = lost_share * options_.distance;
-  const auto lost = [&](double before, double after) { return after < std::min(lost_share * before, room); };
+  const auto lost = [&](double before, double after, double room) {
+    return after < std::min(lost_share * before, room);
+  };
   for (const Pair& pair : pairs_) {
-    if (std::none_of(pair.points.begin(), pair.points.end(), [&](Index p) { return p != no_index && asked[p]; }))
+    if (std::none_of(pair.points.begin(), pair.points.end(), [&](Index p) { return p != no_index && asked[p]; }) ||
+        !acts(pair))
       continue;
     const std::array<Vec3, 4> x = gather(pair, from), end = gather(pair, to);
     std::array<Vec3, 4> p;
     for (int i = 0; i < 4; ++i) p[i] = end[i] - x[i];
-    const double xi = offset(pair);
+    const double xi = offset(pair), room = lost_share * pair.share * options_.distance;
     const bool near_at_end = axis_distance(pair.kind, end) - xi < room;  // false for most candidates
-    if ((near_at_end && lost(closest(pair.kind, x).distance - xi, closest(pair.kind, end).distance - xi)) ||
+    if ((near_at_end && lost(closest(pair.kind, x).distance - xi, closest(pair.kind, end).distance - xi, room)) ||
         contact::safe_share(pair.kind, x, p, xi) < 1.0)
       found(pair);
   }
   for (std::size_t k = 0; k < planes_.size(); ++k)
     for (Index i : own_points_) {
       const Plane& p = planes_[k];
-      if (asked[i] && plane_acts(p, i) && lost(plane_gap(p, i, from), plane_gap(planes_to[k], i, to)))
+      if (asked[i] && plane_acts(p, i) &&
+          lost(plane_gap(p, i, from), plane_gap(planes_to[k], i, to), lost_share * options_.distance))
         found(plane_pair(p, i));
     }
 }
@@ -129,14 +133,15 @@ double ContactSet::energy(const std::vector<Vec3>& x) const {
   double sum = 0.0;
   Near n;
   for (const Pair& pair : pairs_) {
-    if (!counted(pair.points) || !near(pair, x, options_.distance, n)) continue;
+    const double d = reach(pair);
+    if (!counted(pair.points) || !near(pair, x, d, n)) continue;
     const double m = pair.mollify > 0.0 ? mollifier(cross_squared(n.x), pair.mollify).value : 1.0;
     if (!(n.gap > 0.0)) return std::numeric_limits<double>::infinity();
-    sum += pair.area * m * barrier(n.gap, options_.distance).value;
+    sum += pair.area * m * barrier(n.gap, d).value;
   }
   for (const Plane& p : planes_)
     for (Index i : own_points_)
-      if (plane_acts(p, i)) sum += surface_.area[i] * barrier(plane_gap(p, i, x), options_.distance).value;
+      if (plane_acts(p, i)) sum += surface_.area[i] * barrier(plane_gap(p, i, x), reach(i)).value;
   sum *= options_.stiffness;
   for (const Sliding& s : sliding_) {
     if (!counted(s.points)) continue;
@@ -147,7 +152,7 @@ double ContactSet::energy(const std::vector<Vec3>& x) const {
 }
 
 void ContactSet::pair_gradient(const Pair& pair, const Near& n, Vec12& g) const {
-  const Scalar2 b = barrier(n.gap, options_.distance);
+  const Scalar2 b = barrier(n.gap, reach(pair));
   const Vec3 normal = n.closest.w / n.closest.distance;
   const double scale = options_.stiffness * pair.area;
   for (int i = 0; i < 4; ++i) g.segment<3>(3 * i) = scale * b.first * n.closest.c[i] * normal;
@@ -161,7 +166,7 @@ void ContactSet::pair_gradient(const Pair& pair, const Near& n, Vec12& g) const 
 }
 
 void ContactSet::pair_hessian(const Pair& pair, const Near& n, bool positive, Mat12& h) const {
-  const Scalar2 b = barrier(n.gap, options_.distance);
+  const Scalar2 b = barrier(n.gap, reach(pair));
   const double scale = options_.stiffness * pair.area, size = n.closest.c.norm();
   Motions motion;
   Mat5 h5 = b.first * distance_hessian(n.x, n.closest, motion);
@@ -190,7 +195,7 @@ void ContactSet::add_gradient(const std::vector<Vec3>& x, std::vector<Vec3>& f, 
   Vec12 g;
   if (part & normal) {
     for (const Pair& pair : pairs_) {
-      if (!near(pair, x, options_.distance, n)) continue;
+      if (!near(pair, x, reach(pair), n)) continue;
       pair_gradient(pair, n, g);
       for (int i = 0; i < 4; ++i)
         if (pair.points[i] != no_index && surface_.is_sheet(pair.points[i])) f[pair.points[i]] += g.segment<3>(3 * i);
@@ -198,9 +203,8 @@ void ContactSet::add_gradient(const std::vector<Vec3>& x, std::vector<Vec3>& f, 
     for (const Plane& p : planes_)
       for (Index i : own_points_) {
         if (!plane_acts(p, i)) continue;
-        const double gap = plane_gap(p, i, x);
-        if (gap < options_.distance)
-          f[i] += options_.stiffness * surface_.area[i] * barrier(gap, options_.distance).first * p.normal;
+        const double gap = plane_gap(p, i, x), d = reach(i);
+        if (gap < d) f[i] += options_.stiffness * surface_.area[i] * barrier(gap, d).first * p.normal;
       }
   }
   if (part & friction)
@@ -284,18 +288,19 @@ void ContactSet::lag_friction(const std::vector<Vec3>& x, const std::vector<Vec3
   (void)cover(x, x);
   Near n;
   for (const Pair& pair : pairs_) {
-    if (!near(pair, x, options_.distance, n)) continue;
+    const double d = reach(pair);
+    if (!near(pair, x, d, n)) continue;
     const double m = pair.mollify > 0.0 ? mollifier(cross_squared(n.x), pair.mollify).value : 1.0;
-    const double force = -options_.stiffness * pair.area * m * barrier(n.gap, options_.distance).first;
+    const double force = -options_.stiffness * pair.area * m * barrier(n.gap, d).first;
     add_sliding(pair, n.closest.c, n.closest.w / n.closest.distance, force, x, start);
   }
   for (const Plane& p : planes_)
     for (Index i : own_points_) {
       if (!plane_acts(p, i)) continue;
-      const double g = plane_gap(p, i, x);
-      if (g >= options_.distance) continue;
+      const double g = plane_gap(p, i, x), d = reach(i);
+      if (g >= d) continue;
       add_sliding(plane_pair(p, i), Vec4::UnitX(), p.normal,
-                  -options_.stiffness * surface_.area[i] * barrier(g, options_.distance).first, x, start);
+                  -options_.stiffness * surface_.area[i] * barrier(g, d).first, x, start);
     }
 }
 
@@ -308,11 +313,25 @@ void ContactSet::carry(const Carrier& displacement) {
   }
 }
 
+std::vector<double> ContactSet::smallest_gaps(const std::vector<Vec3>& x) const {
+  std::vector<double> gaps(static_cast<std::size_t>(surface_.sheet_points), options_.distance);
+  Near n;
+  for (const Pair& pair : pairs_) {
+    if (!near(pair, x, pair.share * options_.distance, n)) continue;
+    for (Index i : pair.points)
+      if (i != no_index && surface_.is_sheet(i)) gaps[i] = std::min(gaps[i], n.gap);
+  }
+  for (const Plane& p : planes_)
+    for (Index i : own_points_)
+      if (plane_acts(p, i)) gaps[i] = std::min(gaps[i], plane_gap(p, i, x));
+  return gaps;
+}
+
 ContactState ContactSet::state(const std::vector<Vec3>& x) const {
   ContactState r;
   Near n;
   for (const Pair& pair : pairs_) {
-    if (!counted(pair.points) || !near(pair, x, options_.distance, n)) continue;
+    if (!counted(pair.points) || !near(pair, x, pair.share * options_.distance, n)) continue;
     ++r.pairs;
     if (n.gap < r.gap) {
       r.gap = n.gap;

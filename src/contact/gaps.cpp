@@ -56,9 +56,9 @@ void Gaps::widen_planes() {
 
 void Gaps::widen_pair(const Pair& pair) {
   const Closest near = closest_of(pair);
-  const double gap = near.distance - tangle_.surface.offset(pair.body_a, pair.body_b);
-  if (gap < least_ && near.distance > 0.0)
-    tangle_.share(pair.points, near.c, (wanted_ - gap) / near.distance * near.w,
+  const double gap = near.distance - pair.share * tangle_.surface.offset(pair.body_a, pair.body_b);
+  if (gap < pair.share * least_ && near.distance > 0.0)
+    tangle_.share(pair.points, near.c, (pair.share * wanted_ - gap) / near.distance * near.w,
                   [&](Index v, const Vec3& d) { tangle_.x[v] += d; });
 }
 
@@ -73,8 +73,10 @@ void Gaps::widen(bool all) {
 
 double Gaps::smallest() const {
   double smallest = std::numeric_limits<double>::infinity();
-  for (const Pair& pair : near_pairs())
-    smallest = std::min(smallest, closest_of(pair).distance - tangle_.surface.offset(pair.body_a, pair.body_b));
+  for (const Pair& pair : near_pairs()) {
+    const double offset = pair.share * tangle_.surface.offset(pair.body_a, pair.body_b);
+    smallest = std::min(smallest, (closest_of(pair).distance - offset) / pair.share);
+  }
   for (const Plane& p : planes_)
     for (Index i = 0; i < tangle_.surface.sheet_points; ++i)
       if (plane_acts(p, i)) smallest = std::min(smallest, plane_gap(p, i));

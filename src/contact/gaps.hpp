@@ -10,9 +10,8 @@
 
 namespace voile::contact {
 
-/// Share of the contact distance: smaller gaps are widened. From a smaller gap the barrier would throw the sheet away:
-/// at half the distance with a hundred times the force.
-inline constexpr double least_gap = 0.9;
+/// Share of the contact distance: smaller gaps are widened, so that no barrier acts at the start.
+inline constexpr double least_gap = 1.0;
 
 class Gaps {
  public:
@@ -21,7 +20,7 @@ class Gaps {
   /// Widens gaps that are too small: those of pairs with planes, balls and capsules, whose distance tells inside from
   /// outside, or all.
   void widen(bool all);
-  /// Infinite: none is below the contact distance. [m]
+  /// Infinite: none is below the contact distance. That of neighbours (neighbours.hpp) counts over its share. [m]
   [[nodiscard]] double smallest() const;
 
  private:

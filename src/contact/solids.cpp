@@ -13,14 +13,6 @@ namespace {
 
 using mesh::Triangle;
 
-bool is_closed(const std::vector<Triangle>& triangles) {
-  std::set<std::pair<Index, Index>> edges;
-  for (const Triangle& t : triangles)
-    for (int k = 0; k < 3; ++k)
-      if (!edges.emplace(t[k], t[(k + 1) % 3]).second) return false;
-  return std::all_of(edges.begin(), edges.end(), [&](const auto& e) { return edges.count({e.second, e.first}) > 0; });
-}
-
 /// Triangles of the sheet that intersect those of a body.
 std::set<Index> crossing_triangles(const Tangle& tangle, const FacePairs& pairs, int body) {
   const Surface& s = tangle.surface;
@@ -70,6 +62,14 @@ Vec3 way_out(const Tangle& tangle, const Solid& solid, const Vec3& p) {
 }
 
 }  // namespace
+
+bool is_closed(const std::vector<Triangle>& triangles) {
+  std::set<std::pair<Index, Index>> edges;
+  for (const Triangle& t : triangles)
+    for (int k = 0; k < 3; ++k)
+      if (!edges.emplace(t[k], t[(k + 1) % 3]).second) return false;
+  return std::all_of(edges.begin(), edges.end(), [&](const auto& e) { return edges.count({e.second, e.first}) > 0; });
+}
 
 double winding_number(const Vec3& point, const std::vector<Vec3>& x, const std::vector<Triangle>& triangles) {
   double angle = 0.0;

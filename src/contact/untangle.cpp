@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "coincident.hpp"
 #include "gaps.hpp"
 #include "piercing.hpp"
 #include "regions.hpp"
@@ -131,7 +132,7 @@ UntangleResult untangle(const Surface& surface, const std::vector<Plane>& planes
   Solids solids(surface);
   Gaps gaps(tangle, planes);
   UntangleResult r, best;
-  std::vector<Vec3> best_x;
+  std::vector<Vec3> best_x, before;
   for (;; ++r.rounds) {
     const auto pairs = find(x);
     r.left = pairs.size();
@@ -143,7 +144,10 @@ UntangleResult untangle(const Surface& surface, const std::vector<Plane>& planes
       best_x = x;
     }
     const bool wide = r.gap >= least_gap * options.contact_distance;
-    if ((r.done && wide) || r.rounds == options.rounds || r.farthest > options.limit) break;
+    // A round that moved nothing is the last: so would be all others.
+    if ((r.done && wide) || r.rounds == options.rounds || r.farthest > options.limit || x == before) break;
+    before = x;
+    part_coincident(tangle);
     if (!pairs.empty()) {
       solids.leave(tangle, pairs);
       uncross(tangle, solids, pairs);

@@ -20,13 +20,13 @@ std::array<Mat3, 3> area_vector_derivative(const Vec3& x0, const Vec3& x1, const
 
 }  // namespace
 
-void FollowerTerm::add_pressure(const std::array<Index, 3>& points, double pressure, bool constant, bool owned) {
-  elements_.push_back({points, pressure, false, constant, owned});
+void FollowerTerm::add_pressure(const std::array<Index, 3>& points, double pressure, int factor, bool owned) {
+  elements_.push_back({points, pressure, false, owned, factor});
 }
 
-void FollowerTerm::add_moment(const std::array<Index, 3>& points, double moment, double rest_length, bool constant,
+void FollowerTerm::add_moment(const std::array<Index, 3>& points, double moment, double rest_length, int factor,
                               bool owned) {
-  elements_.push_back({points, moment * rest_length, true, constant, owned});
+  elements_.push_back({points, moment * rest_length, true, owned, factor});
 }
 
 std::array<Vec3, 3> FollowerTerm::force(const Element& el, const Configuration& c) const {

@@ -2,6 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Geometry>
+#include <array>
+#include <cmath>
+#include <utility>
+
 #include "voile/base/error.hpp"
 
 namespace voile::energy {
@@ -33,6 +38,104 @@ std::vector<int> assign_materials(const mesh::SurfaceMesh& mesh, const std::vect
                       mesh.data().triangle_tags[t], mesh.source()));
   }
   return of;
+}
+
+namespace {
+
+/// Sine of the angle between a direction and the normal of a triangle below which its projection says nothing.
+constexpr double smallest_projection = 0.05;
+
+/// Direction in space of a direction in texture coordinates; zero where those of the triangle span no area.
+Vec3 from_texture(const mesh::SurfaceMesh& mesh, Index t, const Vec2& wanted) {
+  const std::array<Vec2, 3>& uv = mesh.data().texture[static_cast<std::size_t>(t)];
+  const Vec2 a = uv[1] - uv[0], b = uv[2] - uv[0];
+  const double area = a[0] * b[1] - a[1] * b[0];
+  if (!(std::abs(area) > 1e-12 * (a.squaredNorm() + b.squaredNorm()))) return Vec3::Zero();
+  const double first = (wanted[0] * b[1] - wanted[1] * b[0]) / area,
+               second = (a[0] * wanted[1] - a[1] * wanted[0]) / area;
+  return (first * (mesh.corner(t, 1) - mesh.corner(t, 0)) + second * (mesh.corner(t, 2) - mesh.corner(t, 0)))
+      .normalized();
+}
+
+/// The axis of neighbour n turned about the common side into the plane of t.
+Vec3 unfolded_axis(const mesh::SurfaceMesh& mesh, Index t, int side, Index n, const Vec3& axis) {
+  const Vec3 along = (mesh.corner(t, (side + 2) % 3) - mesh.corner(t, (side + 1) % 3)).normalized();
+  return axis.dot(along) * along + axis.dot(mesh.unit_normal(n).cross(along)) * mesh.unit_normal(t).cross(along);
+}
+
+/// Axes of the triangles that wait, ring by ring from those that have one. Returns those that nobody reaches.
+std::vector<Index> continue_axes(const mesh::SurfaceMesh& mesh, const std::vector<int>& material_of,
+                                 std::vector<Index> waiting, std::vector<Vec3>& axes) {
+  while (!waiting.empty()) {
+    std::vector<std::pair<Index, Vec3>> found;
+    std::vector<Index> left;
+    for (const Index t : waiting) {
+      Vec3 sum = Vec3::Zero(), first = Vec3::Zero();
+      for (int s = 0; s < 3; ++s) {
+        const Index n = mesh.neighbour(t, s);
+        if (n == no_index || material_of[n] != material_of[t] || axes[n] == Vec3::Zero()) continue;
+        const Vec3 axis = unfolded_axis(mesh, t, s, n, axes[n]);
+        if (first == Vec3::Zero()) first = axis;
+        sum += axis;
+      }
+      if (first == Vec3::Zero())
+        left.push_back(t);
+      else
+        found.emplace_back(t, (sum.norm() > 0.1 ? sum : first).normalized());
+    }
+    if (found.empty()) return left;
+    for (const auto& [t, axis] : found) axes[t] = axis;
+    waiting.swap(left);
+  }
+  return {};
+}
+
+/// What the file or the material itself says of the axis of triangle t; zero where that is nothing.
+Vec3 own_axis(const mesh::SurfaceMesh& mesh, Index t, const Material& m) {
+  if (m.texture_direction) return from_texture(mesh, t, *m.texture_direction);
+  const Vec3 normal = mesh.unit_normal(t), wanted = m.direction->normalized();
+  const Vec3 projected = wanted - wanted.dot(normal) * normal;
+  return projected.norm() < smallest_projection ? Vec3::Zero() : projected.normalized();
+}
+
+}  // namespace
+
+MaterialAxes material_axes(const mesh::SurfaceMesh& mesh, const std::vector<Material>& materials,
+                           const std::vector<int>& material_of) {
+  MaterialAxes result;
+  std::vector<Vec3> axes(material_of.size(), Vec3::Zero());
+  std::vector<Index> waiting;
+  bool textured = false;
+  for (Index t = 0; t < mesh.triangle_count(); ++t) {
+    const Material& m = materials[material_of[t]];
+    if (!m.direction && !m.texture_direction) continue;
+    if (m.texture_direction && mesh.data().texture.empty())
+      throw UserError(
+          fmt::format("[[material]] texture_direction: {} has no texture coordinates; give an OBJ file that "
+                      "has them ('vt'), or 'direction'",
+                      mesh.source()));
+    textured = textured || m.texture_direction;
+    axes[t] = own_axis(mesh, t, m);
+    if (axes[t] == Vec3::Zero()) waiting.push_back(t);
+  }
+  if (waiting.empty() && !textured) return result;
+  const std::vector<Index> lost = continue_axes(mesh, material_of, waiting, axes);
+  if (!lost.empty())
+    throw UserError(
+        fmt::format("{}: the material direction says nothing about triangle {} and {} other(s) that no triangle with a "
+                    "direction is "
+                    "next to: it is normal to them, or they have no texture coordinates; give them a [[material]] of "
+                    "their own group "
+                    "with a 'direction' in their surface",
+                    mesh.source(), mesh.data().triangle_tags[lost.front()], lost.size() - 1));
+  result.continued = static_cast<Index>(waiting.size());
+  // Where the direction itself serves, its projection stays to the last digit what it was.
+  std::vector<char> continued(axes.size(), 0);
+  for (const Index t : waiting) continued[t] = 1;
+  for (std::size_t t = 0; t < axes.size(); ++t)
+    if (!continued[t] && !materials[material_of[t]].texture_direction) axes[t].setZero();
+  result.of = std::move(axes);
+  return result;
 }
 
 }  // namespace voile::energy

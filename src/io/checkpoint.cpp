@@ -2,6 +2,7 @@
 
 #include "hdf5_file.hpp"
 #include "hdf5_read.hpp"
+#include "voile/base/child_process.hpp"
 
 namespace voile::io {
 
@@ -20,10 +21,17 @@ void write_checkpoint(const std::filesystem::path& path, const Checkpoint& c, co
   file.dataset("displacement", H5T_NATIVE_DOUBLE, vertices, 3, c.displacement.data());
   file.dataset("velocity", H5T_NATIVE_DOUBLE, vertices, 3, c.velocity.data());
   if (!c.acceleration.empty()) file.dataset("acceleration", H5T_NATIVE_DOUBLE, vertices, 3, c.acceleration.data());
+  if (!c.contact_gaps.empty()) {
+    file.number("/", "contact_start", c.contact_start);
+    file.dataset("contact_gaps", H5T_NATIVE_DOUBLE, vertices, 1, c.contact_gaps.data());
+  }
+  if (!c.yielding.empty()) file.dataset("yielding", H5T_NATIVE_DOUBLE, vertices, 1, c.yielding.data());
   file.finish();
 }
 
-Checkpoint read_checkpoint(const std::filesystem::path& path, const mesh::SurfaceMesh& mesh) {
+namespace {
+
+Checkpoint read_unguarded(const std::filesystem::path& path, const mesh::SurfaceMesh& mesh) {
   const Silence silence;
   const Hdf5Handle file(H5Fopen(path.string().c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
   if (!file.valid()) fail_restart(path, "this is not a checkpoint that can be read");
@@ -41,7 +49,20 @@ Checkpoint read_checkpoint(const std::filesystem::path& path, const mesh::Surfac
   c.velocity = read_values(file, "velocity", count, path);
   if (read_number(file, "/", "has_acceleration", path) != 0.0)
     c.acceleration = read_values(file, "acceleration", count, path);
+  if (H5Lexists(file, "contact_gaps", H5P_DEFAULT) > 0) {
+    c.contact_start = read_number(file, "/", "contact_start", path);
+    c.contact_gaps = read_values(file, "contact_gaps", static_cast<std::size_t>(mesh.vertex_count()), path);
+  }
+  if (H5Lexists(file, "yielding", H5P_DEFAULT) > 0)
+    c.yielding = read_values(file, "yielding", static_cast<std::size_t>(mesh.vertex_count()), path);
   return c;
+}
+
+}  // namespace
+
+Checkpoint read_checkpoint(const std::filesystem::path& path, const mesh::SurfaceMesh& mesh) {
+  try_in_child(path.string(), [&] { (void)read_unguarded(path, mesh); });
+  return read_unguarded(path, mesh);
 }
 
 }  // namespace voile::io

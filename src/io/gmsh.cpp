@@ -6,15 +6,19 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <set>
 
+#include "mesh_bytes.hpp"
+#include "voile/base/child_process.hpp"
 #include "voile/base/error.hpp"
 #include "voile/base/text.hpp"
 #include "voile/io/geo_parameters.hpp"
+#include "voile/io/geo_safety.hpp"
 
 namespace voile::io {
 
@@ -78,16 +82,38 @@ bool check_file(const std::string& file) {
   const std::string extension = fs::path(file).extension().string();
   if (extension != ".msh" && extension != ".geo")
     throw UserError(
-        fmt::format("{}: unknown kind of mesh file '{}'; give a Gmsh mesh (.msh) or geometry (.geo)", file, extension));
+        fmt::format("{}: unknown kind of mesh file '{}'; give a Gmsh mesh (.msh) or geometry (.geo), or .obj, .inp, "
+                    ".vtk, .stl, .ply, .off",
+                    file, extension));
   std::ifstream in(file, std::ios::binary);
   const int first = in.get();
   if (!in.is_open()) throw UserError(fmt::format("{}: the file cannot be read; check its permissions", file));
   if (first == std::char_traits<char>::eof()) throw UserError(fmt::format("{}: the file is empty", file));
   // Gmsh takes a file without a header for a .geo script.
-  if (extension == ".msh" && first != '$')
+  std::string header(1, static_cast<char>(first));
+  while (header.size() < 20 && std::isprint(in.peek())) header += static_cast<char>(in.get());
+  const bool is_mesh =
+      header.starts_with("$MeshFormat") || header.starts_with("$Comments") || header.starts_with("$NOD");
+  if (extension == ".msh" && !is_mesh)
     throw UserError(
         fmt::format("{}: this is no Gmsh mesh (it does not start with $MeshFormat); export it again", file));
   return extension == ".geo";
+}
+
+/// Gmsh counts physical names by dimension without looking whether it is one.
+void check_physical_names(const std::string& file) {
+  std::ifstream in(file, std::ios::binary);
+  std::string line;
+  while (std::getline(in, line) && !line.starts_with("$PhysicalNames"))
+    if (line.starts_with("$Nodes") || line.starts_with("$Elements")) return;  // they come before
+  long dimension = 0, tag = 0, count = 0;
+  in >> count;
+  for (long k = 0; k < count && in >> dimension >> tag && std::getline(in, line); ++k)
+    if (dimension < 0 || dimension > 3)
+      throw UserError(
+          fmt::format("{}: physical name{} has the dimension {}, which there is not; it must be 0 (points), 1 "
+                      "(curves), 2 (surfaces) or 3",
+                      file, printable(line), dimension));
 }
 
 /// Throws if a parameter is not among the known ones or not finite.
@@ -351,18 +377,22 @@ mesh::MeshData read_gmsh(const std::string& file, const MeshOptions& options) {
   const bool is_geo = check_file(file);
   if (!is_geo && !options.parameters.empty())
     throw UserError(fmt::format("{}: parameters can only be set for a .geo file, not for a finished mesh", file));
-  try {
-    const Session session;
-    if (is_geo) {
-      mesh_geo(file, options);
-    } else {
-      gmsh::open(file);
-      check_log(file, "reading");
+  if (is_geo && !options.allow_system_call) refuse_dangerous_commands(file);
+  return mesh_from_bytes(run_in_child(file, [&] {
+    try {
+      const Session session;
+      if (is_geo) {
+        mesh_geo(file, options);
+      } else {
+        check_physical_names(file);
+        gmsh::open(file);
+        check_log(file, "reading");
+      }
+      return to_bytes(Converter(file, options.scale).run());
+    } catch (const std::string& message) {  // what Gmsh throws
+      throw UserError(fmt::format("{}: Gmsh: {}", file, printable(message)));
     }
-    return Converter(file, options.scale).run();
-  } catch (const std::string& message) {  // what Gmsh throws
-    throw UserError(fmt::format("{}: Gmsh: {}", file, printable(message)));
-  }
+  }));
 }
 
 std::string gmsh_version() {

@@ -5,9 +5,15 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
+#include <cstdlib>
+#include <cstring>
 #include <filesystem>
+#include <fstream>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "hdf5_handle.hpp"
@@ -34,30 +40,75 @@ class Id : public Hdf5Handle {
   const std::filesystem::path& file_;
 };
 
-/// An HDF5 file that appears under its name complete or not at all.
+/// What a file in memory consists of once HDF5 has closed it.
+class Image {
+ public:
+  Image() = default;
+  ~Image() { std::free(closed_); }
+  Image(const Image&) = delete;
+  Image& operator=(const Image&) = delete;
+  /// Makes files of this access property list live in memory and end here.
+  void catch_file(hid_t access) {
+    H5Pset_fapl_core(access, 1 << 20, false);
+    H5FD_file_image_callbacks_t calls{get, nullptr, resize, release, share, leave, this};
+    H5Pset_file_image_callbacks(access, &calls);
+  }
+  /// Memory grows in larger pieces; where the file ends is at byte 28 of the superblock of format 1.8.
+  [[nodiscard]] std::string_view bytes() const {
+    std::uint64_t end = 0;
+    if (size_ >= 36) std::memcpy(&end, static_cast<const char*>(closed_) + 28, sizeof end);
+    return {static_cast<const char*>(closed_), std::min<std::size_t>(size_, end)};
+  }
+
+ private:
+  static void* get(std::size_t size, H5FD_file_image_op_t, void* self) {
+    static_cast<Image*>(self)->size_ = size;
+    return std::calloc(1, size);
+  }
+  static void* resize(void* memory, std::size_t size, H5FD_file_image_op_t, void* self) {
+    static_cast<Image*>(self)->size_ = size;
+    return std::realloc(memory, size);
+  }
+  static herr_t release(void* memory, H5FD_file_image_op_t when, void* self) {
+    if (when == H5FD_FILE_IMAGE_OP_FILE_CLOSE)
+      std::free(std::exchange(static_cast<Image*>(self)->closed_, memory));
+    else
+      std::free(memory);
+    return 0;
+  }
+  static void* share(void* self) { return self; }
+  static herr_t leave(void*) { return 0; }
+
+  void* closed_ = nullptr;
+  std::size_t size_ = 0;
+};
+
+/// An HDF5 file that appears under its name complete or not at all. It is made in memory and written in one go: over a
+/// file that it could not write, on a full disk for one, HDF5 crashes at the end of the process.
 class NewFile {
  public:
   /// Starts empty, or as a copy of the present file.
   NewFile(const std::filesystem::path& path, bool copy) : path_(path), temporary_(path.string() + ".part") {
-    if (copy) {
-      std::error_code error;
-      std::filesystem::copy_file(path_, temporary_, std::filesystem::copy_options::overwrite_existing, error);
-      if (error) fail_writing(temporary_);
-    }
     const Id access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, temporary_);
-    // Nobody else opens the temporary file, and locks fail on some network drives.
-    H5Pset_file_locking(access, false, true);
-    const std::string name = temporary_.string();
-    file_.emplace(copy ? H5Fopen(name.c_str(), H5F_ACC_RDWR, access)
-                       : H5Fcreate(name.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access),
+    image_.catch_file(access);
+    H5Pset_file_locking(access, false, true);  // locks fail on some network drives
+    // Since version 1.8 of the format the library checks sums over its own structures.
+    H5Pset_libver_bounds(access, H5F_LIBVER_V18, H5F_LIBVER_V18);
+    file_.emplace(copy ? H5Fopen(path_.c_str(), H5F_ACC_RDWR, access)
+                       : H5Fcreate(temporary_.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access),
                   H5Fclose, temporary_);
   }
 
   void finish() {
     file_->close();
+    std::ofstream out(temporary_, std::ios::binary);
+    out << image_.bytes();
+    out.close();
     std::error_code error;
-    std::filesystem::rename(temporary_, path_, error);
-    if (error) fail_writing(path_);
+    if (out) std::filesystem::rename(temporary_, path_, error);
+    if (out && !error) return;
+    std::filesystem::remove(temporary_, error);
+    fail_writing(path_);
   }
 
   void group(const std::string& name) {
@@ -89,11 +140,17 @@ class NewFile {
     attribute(object, name, H5T_NATIVE_INT, &value);
   }
 
-  /// rows x columns values; one column makes a plain list.
+  /// rows x columns values; one column makes a plain list. A checksum (Fletcher 32) shows damage when it is read.
   void dataset(const std::string& name, hid_t type, std::size_t rows, std::size_t columns, const void* values) {
     const std::array<hsize_t, 2> size{rows, columns};
     const Id space(H5Screate_simple(columns == 1 ? 1 : 2, size.data(), nullptr), H5Sclose, temporary_);
-    Id set(H5Dcreate2(*file_, name.c_str(), type, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Dclose, temporary_);
+    const Id how(H5Pcreate(H5P_DATASET_CREATE), H5Pclose, temporary_);
+    if (rows > 0) {  // a checksum belongs to a chunk; some 8 MB each
+      const std::array<hsize_t, 2> chunk{std::min<hsize_t>(rows, std::max<hsize_t>(1, 1000000 / columns)), columns};
+      if (H5Pset_chunk(how, columns == 1 ? 1 : 2, chunk.data()) < 0 || H5Pset_fletcher32(how) < 0)
+        fail_writing(temporary_);
+    }
+    Id set(H5Dcreate2(*file_, name.c_str(), type, space, H5P_DEFAULT, how, H5P_DEFAULT), H5Dclose, temporary_);
     if (rows > 0 && H5Dwrite(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values) < 0) fail_writing(temporary_);
     set.close();
   }
@@ -118,6 +175,7 @@ class NewFile {
   }
 
   std::filesystem::path path_, temporary_;
+  Image image_;  ///< outlives the file
   std::optional<Id> file_;
 };
 

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "voile/base/error.hpp"
@@ -22,7 +23,11 @@ std::vector<double> read_values(hid_t file, const std::string& name, std::size_t
     fail_restart(path, "it belongs to another mesh; use the mesh and the parameters of the run that wrote it");
   std::vector<double> values(count);
   if (H5Dread(set, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) < 0)
-    fail_restart(path, "reading failed");
+    fail_restart(path, fmt::format("'{}' cannot be read: the file is damaged (its checksum does not fit); use another "
+                                   "step or checkpoint",
+                                   name));
+  if (!std::all_of(values.begin(), values.end(), [](double x) { return std::isfinite(x); }))
+    fail_restart(path, fmt::format("'{}' holds numbers that are not finite; use another step or checkpoint", name));
   return values;
 }
 
@@ -30,7 +35,9 @@ double read_number(hid_t file, const std::string& object, const char* name, cons
   const Hdf5Handle a(H5Aopen_by_name(file, object.c_str(), name, H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
   double value = 0.0;
   if (!a.valid() || H5Aread(a, H5T_NATIVE_DOUBLE, &value) < 0)
-    fail_restart(path, fmt::format("'{}' has no {}", object, name));
+    fail_restart(path, fmt::format("it has no number '{}'", name));
+  if (!std::isfinite(value))
+    fail_restart(path, fmt::format("its number '{}' is not finite: the file is damaged", name));
   return value;
 }
 

@@ -247,6 +247,7 @@ struct PointCache::Impl {
   std::unique_ptr<Frames> frames;
   std::array<std::pair<std::size_t, Positions>, 2> recent;  ///< key frames read last, by number
   std::size_t oldest = 0;                                   ///< which of them to replace next
+  double largest = 0.0;                                     ///< coordinate of all
 
   /// Stays valid until the frame after next is asked for.
   const Positions& frame(std::size_t k) {
@@ -264,7 +265,8 @@ struct PointCache::Impl {
 
 PointCache::PointCache(const fs::path& file, double frames_per_second) : impl_(std::make_unique<Impl>()) {
   impl_->frames = open(file, frames_per_second);
-  for (std::size_t k = 0; k < impl_->frames->times.size(); ++k) (void)impl_->frame(k);
+  for (std::size_t k = 0; k < impl_->frames->times.size(); ++k)
+    for (const Vec3& x : impl_->frame(k)) impl_->largest = std::max(impl_->largest, x.cwiseAbs().maxCoeff());
 }
 PointCache::~PointCache() = default;
 PointCache::PointCache(PointCache&&) noexcept = default;
@@ -276,6 +278,10 @@ Index PointCache::vertex_count() const {
 
 Index PointCache::frame_count() const {
   return static_cast<Index>(impl_->frames->times.size());
+}
+
+double PointCache::largest_coordinate() const {
+  return impl_->largest;
 }
 
 double PointCache::start() const {

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <chrono>
+#include <cmath>
 #include <cstdint>
 #include <fstream>
 #include <optional>
@@ -99,6 +101,15 @@ std::vector<float> single(const std::vector<Vec3>& points) {
   return values;
 }
 
+/// So many steps are named at once each.
+constexpr std::size_t always_named = 64;
+/// The index names every step after so long at the latest.
+constexpr std::chrono::seconds longest_wait{2};
+
+std::string step_file(const std::string& number) {
+  return fmt::format("steps/{}.h5", number);
+}
+
 /// Replaces `file` in one step.
 void write_text(const fs::path& file, const std::string& text) {
   const fs::path temporary = file.string() + ".part";
@@ -132,7 +143,13 @@ struct ResultsWriter::Impl {
   std::size_t obstacle_vertices = 0, obstacle_triangles = 0;
   bool obstacles_move = false;
   std::vector<std::string> obstacle_grids{};  ///< XDMF of each step if they move
+  std::vector<std::string> renamed{};         ///< groups with another name in the file
+  std::vector<std::string> unlinked{};        ///< numbers of steps that results.h5 does not name yet
+  std::size_t unlinked_bytes = 0;             ///< of their files
+  std::chrono::steady_clock::time_point last_index{};
 
+  [[nodiscard]] bool index_is_due() const;
+  void write_index();
   void write_constant(const mesh::SurfaceMesh& mesh, const std::vector<int>& vertex_rank,
                       const std::vector<int>& triangle_rank, const ObstacleTriangles& obstacles);
   void write_mesh(NewFile& file, const mesh::SurfaceMesh& mesh, const std::vector<int>& vertex_rank,
@@ -186,6 +203,7 @@ void ResultsWriter::Impl::write_groups(NewFile& file, const mesh::SurfaceMesh& m
     while (std::find(taken.begin(), taken.end(), name) != taken.end()) name += "_";
     taken.push_back(name);
     const std::string path = "mesh/groups/" + name;
+    if (name != group.name) renamed.push_back(fmt::format("'{}' is /{}", group.name, path));
     file.dataset(path, H5T_NATIVE_UINT8, mask.size(), 1, mask.data());
     file.text(path, "name", group.name);
     file.number(path, "dimension", group.dimension);
@@ -271,13 +289,40 @@ ResultsWriter::ResultsWriter(const fs::path& folder, const mesh::SurfaceMesh& me
   impl_->write_xdmf();
 }
 
-ResultsWriter::~ResultsWriter() = default;
+ResultsWriter::~ResultsWriter() {
+  if (!impl_) return;
+  try {
+    finish();
+  } catch (const std::exception&) {  // the steps themselves are on disk
+  }
+}
 ResultsWriter::ResultsWriter(ResultsWriter&&) noexcept = default;
 ResultsWriter& ResultsWriter::operator=(ResultsWriter&&) noexcept = default;
 
+/// Rewriting what names the steps costs as much as there are steps: it waits until the steps that it does not name hold
+/// as many bytes, or a while has passed.
+bool ResultsWriter::Impl::index_is_due() const {
+  std::error_code ignored;
+  const std::uintmax_t size = fs::file_size(folder / "results.h5", ignored) + grids.size() * grids.front().size();
+  return grids.size() <= always_named || unlinked_bytes >= size ||
+         std::chrono::steady_clock::now() - last_index >= longest_wait;
+}
+
+void ResultsWriter::Impl::write_index() {
+  if (!unlinked.empty()) {
+    NewFile index(folder / "results.h5", true);
+    for (const std::string& number : unlinked) index.link("steps/" + number, step_file(number));
+    index.finish();
+    unlinked.clear();
+    unlinked_bytes = 0;
+  }
+  write_xdmf();
+  last_index = std::chrono::steady_clock::now();
+}
+
 void ResultsWriter::write(const StepFields& step) {
   const Silence silence;
-  const std::string number = fmt::format("{:06d}", step.step), where = fmt::format("steps/{}.h5", number);
+  const std::string number = fmt::format("{:06d}", step.step), where = step_file(number);
   const std::string time = fmt::format("        <Time Value=\"{}\"/>\n", step.time);
   NewFile data(impl_->folder / where, false);
   data.number("/", "step", step.step);
@@ -287,11 +332,20 @@ void ResultsWriter::write(const StepFields& step) {
   for (const Field& field : step.fields) content += impl_->write_field(data, field, where);
   if (impl_->obstacles_move) impl_->move_obstacles(data, step, where, time);
   data.finish();
-  NewFile index(impl_->folder / "results.h5", true);
-  index.link("steps/" + number, where);
-  index.finish();
   impl_->grids.push_back(grid(fmt::format("step {}", step.step), time, content));
-  impl_->write_xdmf();
+  std::error_code ignored;
+  impl_->unlinked.push_back(number);
+  impl_->unlinked_bytes += fs::file_size(impl_->folder / where, ignored);
+  if (impl_->index_is_due()) impl_->write_index();
+}
+
+std::vector<std::string> ResultsWriter::renamed_groups() const {
+  return impl_->renamed;
+}
+
+void ResultsWriter::finish() {
+  const Silence silence;
+  if (!impl_->unlinked.empty()) impl_->write_index();
 }
 
 struct HistoryWriter::Impl {
@@ -318,7 +372,10 @@ void HistoryWriter::write(const std::vector<double>& values) {
   if (values.size() != impl_->columns)
     throw InternalError(
         fmt::format("{}: {} values for {} columns", impl_->file.string(), values.size(), impl_->columns));
-  impl_->line(join(values, ","));  // fmt writes the shortest text that reads back the same
+  std::vector<std::string> texts;  // a value that does not exist stays empty
+  for (const double x : values)
+    texts.push_back(std::isfinite(x) ? fmt::format("{}", x) : "");  // the shortest text that reads back the same
+  impl_->line(join(texts, ","));
 }
 
 std::string hdf5_version() {

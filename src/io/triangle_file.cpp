@@ -20,6 +20,8 @@
 #include <sstream>
 #include <string>
 
+#include "voile/base/bytes.hpp"
+#include "voile/base/child_process.hpp"
 #include "voile/base/error.hpp"
 #include "voile/io/gmsh.hpp"
 
@@ -245,6 +247,15 @@ TriangleSoup read_msh(const fs::path& file) {
   return {std::move(data.positions), std::move(data.triangles)};
 }
 
+TriangleSoup read_soup(const fs::path& file, const std::string& extension) {
+  const PolygonSoup polygons = read_polygons(file, extension);
+  check_faces(file, polygons);
+  TriangleSoup soup;
+  for (const Point& p : polygons.points) soup.positions.emplace_back(p.x(), p.y(), p.z());
+  for (const Polygon& p : polygons.polygons) split(p, soup.positions, soup.triangles);
+  return checked(file, std::move(soup));
+}
+
 }  // namespace
 
 TriangleSoup read_triangles(const fs::path& file) {
@@ -259,12 +270,19 @@ TriangleSoup read_triangles(const fs::path& file) {
   if (std::find(known.begin(), known.end(), extension) == known.end())
     fail(file,
          fmt::format("unknown kind of file '{}'; give .obj, .stl, .ply, .off or .msh", file.extension().string()));
-  const PolygonSoup polygons = read_polygons(file, extension);
-  check_faces(file, polygons);
+  ByteReader bytes(run_in_child(file.string(), [&] {
+    const TriangleSoup soup = read_soup(file, extension);
+    ByteWriter out;
+    out.put(soup.positions);
+    out.put(soup.triangles);
+    out.put(soup.degenerate_count);
+    return out.take();
+  }));
   TriangleSoup soup;
-  for (const Point& p : polygons.points) soup.positions.emplace_back(p.x(), p.y(), p.z());
-  for (const Polygon& p : polygons.polygons) split(p, soup.positions, soup.triangles);
-  return checked(file, std::move(soup));
+  bytes.get(soup.positions);
+  bytes.get(soup.triangles);
+  bytes.get(soup.degenerate_count);
+  return soup;
 }
 
 }  // namespace voile::io

@@ -135,6 +135,7 @@ void SurfaceMesh::orient() {
     for (Index t : members)
       if (flip[t] == turn) {
         std::swap(data_.triangles[t][1], data_.triangles[t][2]);
+        if (!data_.texture.empty()) std::swap(data_.texture[t][1], data_.texture[t][2]);
         ++reoriented_;
       }
     ++components_;

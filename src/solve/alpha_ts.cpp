@@ -376,6 +376,10 @@ void set_acceleration(TS ts, Vec a) {
   data(ts).has_acceleration = true;
 }
 
+void abandon_step(TS ts) {
+  if (data(ts).has_acceleration) VOILE_PETSC(roll_back(ts));
+}
+
 Vec acceleration(TS ts) {
   return data(ts).has_acceleration ? data(ts).a1 : nullptr;
 }

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "voile/base/error.hpp"
+#include "voile/base/interrupt.hpp"
 #include "voile/base/mpi.hpp"
 
 namespace voile::solve {
@@ -64,8 +65,18 @@ void normalise(const system::Model& model, Vec shape) {
   if (largest[0] != 0.0) VOILE_PETSC(VecScale(shape, 1.0 / largest[0]));
 }
 
+/// SLEPc's own test, and the end of the iteration where a signal asks for it.
+PetscErrorCode stop_test(EPS eps, PetscInt its, PetscInt most, PetscInt converged, PetscInt wanted,
+                         EPSConvergedReason* reason, void*) {
+  PetscFunctionBeginUser;
+  PetscCall(EPSStoppingBasic(eps, its, most, converged, wanted, reason, nullptr));
+  if (SignalScope::stop_asked(PetscObjectComm(reinterpret_cast<PetscObject>(eps)))) *reason = EPS_CONVERGED_USER;
+  PetscFunctionReturn(0);
+}
+
 /// Solves and collects the pairs in the order of SLEPc.
 std::vector<Mode> solve(EPS eps, const system::Model& model, int count) {
+  VOILE_PETSC(EPSSetStoppingTestFunction(eps, stop_test, nullptr, nullptr));
   VOILE_PETSC(EPSSolve(eps));
   PetscInt converged = 0;
   VOILE_PETSC(EPSGetConverged(eps, &converged));

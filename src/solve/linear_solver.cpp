@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "voile/base/error.hpp"
 #include "voile/solve/mixed_pc.hpp"
 
 namespace voile::solve {
@@ -45,6 +46,10 @@ void LinearSolver::prepare() {
   pattern_version_ = model_.pattern_version();
   if (!mumps_) return;
   VOILE_PETSC(KSPSetOperators(ksp_, model_.tangent_matrix(), model_.tangent_matrix()));
+  // On one rank PETSc would hand its own ordering to MUMPS's LU, inverted, and for small matrices one that MUMPS
+  // refuses.
+  VOILE_PETSC(PetscOptionsHasName(nullptr, nullptr, "-pc_factor_mat_ordering_type", &given));
+  if (lu && !given) VOILE_PETSC(PCFactorSetMatOrderingType(pc, MATORDERINGEXTERNAL));
   VOILE_PETSC(PCFactorSetUpMatSolverType(pc));
   VOILE_PETSC(PetscOptionsHasName(nullptr, nullptr, "-mat_mumps_icntl_14", &given));
   // MUMPS's own 20 % fails at random in parallel.
@@ -71,11 +76,34 @@ long LinearSolver::negative_pivots() const {
   return count;
 }
 
+void check_mumps_memory(int error, int size) {
+  switch (error) {
+    case -5:   // analysis, reals
+    case -7:   // analysis, integers
+    case -13:  // factorisation
+    case -19:  // beyond -mat_mumps_icntl_23
+      break;
+    default:
+      return;
+  }
+  // MUMPS gives what it asked for in entries, or, where negative, in millions of them.
+  const double entries = size >= 0 ? size : -1e6 * size;
+  throw UserError(fmt::format(
+      "out of memory: the direct solver MUMPS asked for another {:.3g} GB (INFOG(1) = {}) and did not get it. More "
+      "ranks "
+      "on more machines, or a coarser mesh, need less per process; -pc_type voile_mixed (single precision) halves the "
+      "factor; -mat_mumps_icntl_22 1 keeps it on disk",
+      8e-9 * entries, error));
+}
+
 bool LinearSolver::repair(int attempt) {
   if (!mumps_ || factorisations_ == 0) return false;
   PetscInt error = 0, percent = 0;
   VOILE_PETSC(MatMumpsGetInfog(factor(), mumps_error, &error));
   if (error >= 0) return false;
+  PetscInt size = 0;
+  VOILE_PETSC(MatMumpsGetInfog(factor(), mumps_error + 1, &size));
+  check_mumps_memory(error, size);
   // PETSc refuses to factor again after an error of MUMPS, without a word: only a new factor object helps.
   VOILE_PETSC(MatMumpsGetIcntl(factor(), mumps_workspace_percent, &percent));
   const bool lacks_workspace = error == -8 || error == -9;
@@ -133,7 +161,18 @@ bool LinearSolver::factorise() {
 }
 
 std::string LinearSolver::take_failure() {
-  return std::exchange(failure_, {});
+  KSPConvergedReason reason = KSP_CONVERGED_ITERATING;
+  VOILE_PETSC(KSPGetConvergedReason(ksp_, &reason));
+  if (!failure_.empty() || reason >= 0) return std::exchange(failure_, {});
+  std::string text = KSPConvergedReasons[reason];
+  // Far from equilibrium the tangent of a thin shell has negative eigenvalues even where the equilibrium is stable.
+  if (reason == KSP_DIVERGED_INDEFINITE_PC || reason == KSP_DIVERGED_INDEFINITE_MAT)
+    text +=
+        ": the tangent is indefinite there, which conjugate gradients cannot solve; the direct solver (the default) "
+        "and -ksp_type gmres or minres can";
+  else if (reason == KSP_DIVERGED_ITS)
+    text += ": not enough iterations; raise -ksp_max_it, or use the direct solver (the default)";
+  return text;
 }
 
 }  // namespace voile::solve

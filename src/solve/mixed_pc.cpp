@@ -3,9 +3,7 @@
 #include <petsc/private/pcimpl.h>
 
 #include <memory>
-#include <string>
 
-#include "guarded.hpp"
 #include "mumps_single.hpp"
 #include "voile/base/petsc.hpp"
 #include "voile/solve/linear_solver.hpp"
@@ -36,9 +34,7 @@ PetscErrorCode apply_single(PC shell, Vec b, Vec x) {
   void* context = nullptr;
   PetscFunctionBeginUser;
   PetscCall(PCShellGetContext(shell, &context));
-  std::string failure;
-  if (guarded(failure, [&] { static_cast<Mixed*>(context)->single->solve(b, x); }) != 0)
-    SETERRQ(PETSC_COMM_SELF, PETSC_ERR_LIB, "%s", failure.c_str());
+  PetscCall(petsc::guarded([&] { static_cast<Mixed*>(context)->single->solve(b, x); }));
   PetscFunctionReturn(0);
 }
 
@@ -80,6 +76,12 @@ PetscErrorCode factor_exactly(PC pc) {
   PetscCall(MatMumpsSetIcntl(factor, mumps_workspace_percent, 300));
   PetscCall(PCSetUp(m.exact));
   PetscCall(PCGetFailedReason(m.exact, &pc->failedreason));
+  PetscCall(petsc::guarded([&] {
+    PetscInt error = 0, size = 0;
+    VOILE_PETSC(MatMumpsGetInfog(factor, mumps_error, &error));
+    VOILE_PETSC(MatMumpsGetInfog(factor, mumps_error + 1, &size));
+    check_mumps_memory(error, size);
+  }));
   m.use_exact = true;
   ++m.exact_factors;
   PetscFunctionReturn(0);
@@ -98,15 +100,13 @@ PetscErrorCode set_up(PC pc) {
     PetscFunctionReturn(0);
   }
   bool good = false;
-  std::string failure;
-  const PetscErrorCode code = guarded(failure, [&] {
+  PetscCall(petsc::guarded([&] {
     const petsc::EventScope scope(petsc::events().factor_single);
     if (!m.single) m.single = std::make_unique<SingleFactor>(PetscObjectComm(reinterpret_cast<PetscObject>(pc)));
     m.patterns += m.pattern_read ? 0 : 1;
     good = m.single->factor(pc->pmat, !m.pattern_read);
     m.pattern_read = good;
-  });
-  if (code != 0) SETERRQ(PETSC_COMM_SELF, PETSC_ERR_LIB, "%s", failure.c_str());
+  }));
   m.use_exact = false;
   if (!good) {
     m.exact_left = double_factors_after_failure;

@@ -9,6 +9,7 @@
 #include "voile/base/error.hpp"
 #include "voile/base/mpi.hpp"
 #include "voile/base/petsc.hpp"
+#include "voile/solve/linear_solver.hpp"
 
 namespace voile::solve {
 
@@ -161,11 +162,13 @@ SingleFactor::~SingleFactor() = default;
 bool SingleFactor::factor(Mat k, bool new_pattern) {
   Impl& f = *impl_;
   if (new_pattern) f.read_pattern(k);
+  check_mumps_memory(f.answer(1), f.answer(2));
   if (f.answer(1) < 0 && new_pattern) return false;
   f.read_values(k);
   for (;;) {
     f.run(factorise);
     const int code = f.answer(1);
+    check_mumps_memory(code, f.answer(2));
     if (code != lacks_integers && code != lacks_reals) return code >= 0;
     if (f.control(14) >= most_workspace) return false;
     f.control(14) *= 2;

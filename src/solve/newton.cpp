@@ -8,8 +8,8 @@
 #include <utility>
 
 #include "contact_way.hpp"
-#include "guarded.hpp"
 #include "voile/base/error.hpp"
+#include "voile/base/interrupt.hpp"
 #include "voile/base/mpi.hpp"
 
 namespace voile::solve {
@@ -23,6 +23,8 @@ constexpr double slip_in_cells = 1e-3;
 /// Rounds in which friction follows the normal forces, and the residual (of the forces) at which it does.
 constexpr int friction_lags = 30;
 constexpr double friction_settled = 1e-4;
+/// Iterations of continuation between two words on its progress.
+constexpr int progress_every = 100;
 
 }  // namespace
 
@@ -35,7 +37,7 @@ struct Newton::Impl {
   bool has_previous = false;
   double allowed = 1.0;  ///< share of the last increment that contact let pass
   double step_norm = 0.0, last_work = 0.0, last_residual = 0.0;
-  std::string failure;  ///< text of an exception in a callback
+  std::function<void(int, double)> progress;
 
   explicit Impl(system::Model& m) : model(m), linear(m), test(m) {
     for (petsc::VecHandle* v : {&residual, &start, &previous, &increment, &trial}) *v = m.create_vector();
@@ -68,12 +70,12 @@ struct Newton::Impl {
 
 PetscErrorCode Newton::Impl::form_function(SNES, Vec a, Vec r, void* self) {
   auto& n = *static_cast<Impl*>(self);
-  return guarded(n.failure, [&] { n.model.residual(a, r); });
+  return petsc::guarded([&] { n.model.residual(a, r); });
 }
 
 PetscErrorCode Newton::Impl::form_jacobian(SNES, Vec a, Mat, Mat, void* self) {
   auto& n = *static_cast<Impl*>(self);
-  return guarded(n.failure, [&] {
+  return petsc::guarded([&] {
     system::TangentRequest request;
     request.kind = energy::Tangent::linearised_stress;
     request.previous = n.has_previous ? static_cast<Vec>(n.previous) : nullptr;
@@ -88,12 +90,12 @@ PetscErrorCode Newton::Impl::form_jacobian(SNES, Vec a, Mat, Mat, void* self) {
 PetscErrorCode Newton::Impl::converged(SNES, PetscInt it, PetscReal, PetscReal snorm, PetscReal fnorm,
                                        SNESConvergedReason* reason, void* self) {
   auto& n = *static_cast<Impl*>(self);
-  return guarded(n.failure, [&] { *reason = n.judge(it, it > 0 ? snorm : -1.0, fnorm); });
+  return petsc::guarded([&] { *reason = n.judge(it, it > 0 ? snorm : -1.0, fnorm); });
 }
 
 PetscErrorCode Newton::Impl::before_line_search(SNESLineSearch, Vec a, Vec y, PetscBool* changed, void* self) {
   auto& n = *static_cast<Impl*>(self);
-  return guarded(n.failure, [&] {
+  return petsc::guarded([&] {
     n.allowed = longest_share(n.model, a, y, n.trial);
     *changed = n.allowed < 1.0 ? PETSC_TRUE : PETSC_FALSE;
     if (*changed) VOILE_PETSC(VecScale(y, n.allowed));
@@ -102,14 +104,14 @@ PetscErrorCode Newton::Impl::before_line_search(SNESLineSearch, Vec a, Vec y, Pe
 
 PetscErrorCode Newton::Impl::before_linear_solve(KSP, Vec rhs, Vec, void* self) {
   auto& n = *static_cast<Impl*>(self);
-  return guarded(n.failure, [&] {
+  return petsc::guarded([&] {
     if (n.model.fixed_coupling()) VOILE_PETSC(VecAXPY(rhs, -1.0, n.model.fixed_coupling()));
   });
 }
 
 PetscErrorCode Newton::Impl::after_linear_solve(KSP, Vec rhs, Vec x, void* self) {
   auto& n = *static_cast<Impl*>(self);
-  return guarded(n.failure, [&] {
+  return petsc::guarded([&] {
     if (n.model.fixed_coupling()) VOILE_PETSC(VecAXPY(rhs, 1.0, n.model.fixed_coupling()));
     VOILE_PETSC(VecDot(rhs, x, &n.last_work));
   });
@@ -141,6 +143,7 @@ void Newton::Impl::create() {
 // ---- Newton --------------------------------------------------------------------------------------------------------
 
 SNESConvergedReason Newton::Impl::judge(PetscInt iteration, double increment_norm, double residual_norm) {
+  stop_if_asked(model.comm());
   if (!std::isfinite(residual_norm)) return SNES_DIVERGED_FNORM_NAN;
   const double force = model.force_scale(), before = std::exchange(last_residual, residual_norm);
   if (increment_norm < 0.0) {
@@ -161,11 +164,9 @@ SNESConvergedReason Newton::Impl::judge(PetscInt iteration, double increment_nor
 NewtonResult Newton::Impl::solve_once(Vec a) {
   has_previous = false;
   allowed = 1.0;
-  failure.clear();
   const int before = linear.factorisations();
   VOILE_PETSC(VecCopy(a, start));
   const PetscErrorCode code = SNESSolve(snes, nullptr, a);
-  if (!failure.empty()) throw InternalError(failure);
   petsc::check(code, "SNESSolve");
   NewtonResult result;
   SNESConvergedReason reason = SNES_CONVERGED_ITERATING;
@@ -251,12 +252,15 @@ NewtonResult Newton::continuation(Vec a, int max_iterations) {
   double shift = -1.0, energy = 0.0, handover = handover_below;
   int linear_failures = 0;
   for (result.iterations = 0; result.iterations < max_iterations; ++result.iterations) {
+    stop_if_asked(model.comm());
     double norm = 0.0;
     model.residual(a, n.residual);
     VOILE_PETSC(VecNorm(n.residual, NORM_2, &norm));
     VOILE_PETSC(SNESMonitor(n.snes, result.iterations, norm));
     if (!std::isfinite(norm)) break;
     result.residual = model.force_scale() > 0.0 ? norm / model.force_scale() : norm;
+    if (n.progress && result.iterations > 0 && result.iterations % progress_every == 0)
+      n.progress(result.iterations, result.residual);
     if (shift < 0.0) {
       shift = n.first_shift();
       energy = n.energy_at(a);
@@ -313,6 +317,10 @@ LinearSolver& Newton::linear_solver() {
 }
 const ConvergenceTest& Newton::convergence() const {
   return impl_->test;
+}
+
+void Newton::on_progress(std::function<void(int, double)> progress) {
+  impl_->progress = std::move(progress);
 }
 
 void Newton::start_friction(Vec a) {

@@ -7,7 +7,9 @@
 #include <optional>
 
 #include "voile/base/error.hpp"
+#include "voile/base/interrupt.hpp"
 #include "voile/solve/inverse_iteration.hpp"
+#include "voile/solve/stall.hpp"
 
 namespace voile::solve {
 
@@ -154,6 +156,7 @@ NewtonResult PathFollower::Impl::correct(Vec a, double& lambda, const Constraint
   Progress p;
   const ConvergenceTest& test = newton.convergence();
   for (n.iterations = 0;; ++n.iterations) {
+    stop_if_asked(model.comm());
     VOILE_PETSC(VecWAXPY(a, 1.0, increment, accepted));
     model.set_load_factor(lambda);
     model.residual(a, residual);
@@ -378,6 +381,40 @@ PathFollower::Impl::Attempt PathFollower::Impl::try_step(Vec a, double& lambda, 
   return t;
 }
 
+/// One step, or a failed attempt at it. False if the path ends here.
+bool PathFollower::advance(Vec a, Walk& w) {
+  Impl& p = *impl_;
+  PathResult& result = p.result;
+  double lambda = p.factor;
+  const Impl::Attempt t = p.try_step(a, lambda, w.length, w.branching, w.may_branch);
+  if (!t.newton.converged) {
+    const bool last = 0.5 * w.length < options_.min_step * w.unit;
+    const std::string place = last ? "; " + largest_residuals_at(model_, a) : "";
+    VOILE_PETSC(VecCopy(p.accepted, a));
+    w.length *= 0.5;
+    remark(fmt::format("load factor {:.6g}: {}{} after {} iterations; step halved to {:.3g}", p.factor,
+                       w.branching ? "branching: " : "", t.newton.reason, t.newton.iterations, w.length / w.unit));
+    if (w.length >= options_.min_step * w.unit) return true;
+    result.reason = fmt::format(
+        "no equilibrium found beyond load factor {:.6g} with steps of {:.3g} or more; the last attempt ended with {}{}",
+        p.factor, options_.min_step, t.newton.reason, place);
+    return false;
+  }
+  p.accept(a, lambda, t.after);
+  w.branching = t.found && w.may_branch;
+  if (w.branching) w.may_branch = false;
+  const bool ended = p.at_end() || (t.found && options_.at_critical_point == AtCriticalPoint::stop);
+  if (t.critical) {
+    result.critical.push_back(*t.critical);
+    remark(fmt::format("{} at load factor {:.6g}", name(t.critical->kind), t.critical->load_factor));
+  }
+  observe({result.steps, p.factor, t.newton, false, ended, t.critical, t.found ? static_cast<Vec>(p.mode) : nullptr},
+          a);
+  const double growth = std::sqrt(static_cast<double>(options_.target_iterations) / std::max(1, t.newton.iterations));
+  if (!t.found) w.length = std::min(options_.max_step * w.unit, w.length * std::clamp(growth, 0.5, 2.0));
+  return !ended;
+}
+
 PathResult PathFollower::run(Vec a, const PathStart& start) {
   Impl& p = *impl_;
   PathResult& result = p.result = {};
@@ -387,37 +424,16 @@ PathResult PathFollower::run(Vec a, const PathStart& start) {
   observe({.step = start.step, .load_factor = p.factor, .newton = {}, .critical = {}}, a);
   const bool by_arc = options_.control == Control::arc_length;
   const double unit = by_arc ? p.tangent.speed : std::abs(options_.final_displacement);
-  double length = options_.initial_step * unit, lambda = p.factor;
-  bool ended = p.at_end(), may_branch = options_.at_critical_point == AtCriticalPoint::switch_branch, branching = false;
-  while (!ended) {
-    if (result.steps - start.step >= options_.max_steps) {
-      result.reason = fmt::format("max_steps = {} steps did not reach the end of the path", options_.max_steps);
-      break;
-    }
-    const Impl::Attempt t = p.try_step(a, lambda, length, branching, may_branch);
-    if (!t.newton.converged) {
-      VOILE_PETSC(VecCopy(p.accepted, a));
-      length *= 0.5;
-      remark(fmt::format("load factor {:.6g}: {}{} after {} iterations; step halved to {:.3g}", p.factor,
-                         branching ? "branching: " : "", t.newton.reason, t.newton.iterations, length / unit));
-      if (length >= options_.min_step * unit) continue;
-      result.reason = fmt::format(
-          "no equilibrium found beyond load factor {:.6g} with steps of {:.3g} or more; the last attempt ended with {}",
-          p.factor, options_.min_step, t.newton.reason);
-      break;
-    }
-    p.accept(a, lambda, t.after);
-    branching = t.found && may_branch;
-    if (branching) may_branch = false;
-    ended = p.at_end() || (t.found && options_.at_critical_point == AtCriticalPoint::stop);
-    if (t.critical) {
-      result.critical.push_back(*t.critical);
-      remark(fmt::format("{} at load factor {:.6g}", name(t.critical->kind), t.critical->load_factor));
-    }
-    observe({result.steps, p.factor, t.newton, false, ended, t.critical, t.found ? static_cast<Vec>(p.mode) : nullptr},
-            a);
-    const double growth = std::sqrt(static_cast<double>(options_.target_iterations) / std::max(1, t.newton.iterations));
-    if (!t.found) length = std::min(options_.max_step * unit, length * std::clamp(growth, 0.5, 2.0));
+  Walk w{unit, options_.initial_step * unit, false, options_.at_critical_point == AtCriticalPoint::switch_branch};
+  try {
+    for (bool on = !p.at_end(); on; on = advance(a, w))
+      if (result.steps - start.step >= options_.max_steps) {
+        result.reason = fmt::format("max_steps = {} steps did not reach the end of the path", options_.max_steps);
+        break;
+      }
+  } catch (const Interrupted& e) {
+    VOILE_PETSC(VecCopy(p.accepted, a));
+    result.reason = e.what();
   }
   result.factorisations = p.linear.factorisations() - before;
   result.load_factor = p.factor;

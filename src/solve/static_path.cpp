@@ -6,6 +6,8 @@
 #include <cmath>
 
 #include "voile/base/error.hpp"
+#include "voile/base/interrupt.hpp"
+#include "voile/solve/stall.hpp"
 
 namespace voile::solve {
 
@@ -112,74 +114,101 @@ NewtonResult settle(Newton& newton, Vec a, Vec accepted, bool by_continuation) {
 
 }  // namespace
 
-PathResult StaticPath::run(Vec a, const PathStart& start) {
-  Newton newton(model_);
+/// Where a run along the path stands.
+struct StaticPath::Walk {
+  Newton newton;
+  petsc::VecHandle accepted;
   PathResult result;
-  petsc::VecHandle accepted = model_.create_vector();
-  VOILE_PETSC(VecCopy(a, accepted));
-  result.steps = start.step;
-  model_.set_load_factor(start.load_factor);
-  observe({.step = start.step, .load_factor = start.load_factor, .newton = {}, .critical = {}}, a);
-  double factor = start.load_factor, step = options_.initial_step;
-  int halvings = 0;
-  const auto tally = [&](const NewtonResult& n) {
+  double factor, step;
+  int first_step, halvings = 0;
+
+  Walk(system::Model& model, Vec a, const PathStart& start, double initial_step)
+      : newton(model),
+        accepted(model.create_vector()),
+        factor(start.load_factor),
+        step(initial_step),
+        first_step(start.step) {
+    VOILE_PETSC(VecCopy(a, accepted));
+    result.steps = start.step;
+  }
+  void tally(const NewtonResult& n) {
     result.newton_iterations += n.iterations;
     result.factorisations += n.factorisations;
-  };
-  while (std::abs(options_.final_load_factor - factor) > 1e-12 * std::max(1.0, std::abs(options_.final_load_factor))) {
-    if (result.steps - start.step >= options_.max_steps) {
-      result.reason = fmt::format("max_steps = {} steps did not reach the end of the path", options_.max_steps);
-      break;
-    }
-    const double target = next_target(factor, step), taken = std::abs(target - factor);
-    model_.set_load_factor(target);
-    NewtonResult n = settle(newton, a, accepted, false);
-    tally(n);
-    bool by_continuation = false;
-    if (!n.converged && options_.fallback && halvings == halvings_before_continuation) {
-      remark(fmt::format("load factor {:.6g}: {} after {} iterations; trying pseudo-transient continuation", target,
-                         n.reason, n.iterations));
-      n = settle(newton, a, accepted, true);
-      tally(n);
-      by_continuation = true;
-    }
-    if (!n.converged) {
-      VOILE_PETSC(VecCopy(accepted, a));
-      ++halvings;
-      step = 0.5 * taken;
-      remark(fmt::format("load factor {:.6g}: {} after {} iterations; step halved to {:.3g}", target, n.reason,
-                         n.iterations, step));
-      if (step < options_.min_step) {
-        result.reason = fmt::format(
-            "no equilibrium found beyond load factor {:.6g} with steps of {:.3g} or more; the "
-            "last attempt ended with {}",
-            factor, options_.min_step, n.reason);
+  }
+};
+
+bool StaticPath::is_final(double factor) const {
+  return std::abs(options_.final_load_factor - factor) <= 1e-12 * std::max(1.0, std::abs(options_.final_load_factor));
+}
+
+/// One step, tried as Newton's method and, after a halving, by continuation. False if the path ends here.
+bool StaticPath::advance(Walk& w, Vec a) {
+  const double target = next_target(w.factor, w.step), taken = std::abs(target - w.factor);
+  model_.set_load_factor(target);
+  NewtonResult n = settle(w.newton, a, w.accepted, false);
+  w.tally(n);
+  bool by_continuation = false;
+  if (!n.converged && options_.fallback && w.halvings == halvings_before_continuation) {
+    remark(fmt::format("load factor {:.6g}: {} after {} iterations; trying pseudo-transient continuation", target,
+                       n.reason, n.iterations));
+    n = settle(w.newton, a, w.accepted, true);
+    w.tally(n);
+    by_continuation = true;
+  }
+  if (!n.converged) return halve(w, a, n, target, taken);
+  VOILE_PETSC(VecCopy(a, w.accepted));
+  w.factor = target;
+  ++w.result.steps;
+  observe({.step = w.result.steps,
+           .load_factor = w.factor,
+           .newton = n,
+           .by_continuation = by_continuation,
+           .last = is_final(w.factor),
+           .critical = {}},
+          a);
+  // A step cut short by a stop says nothing against the step size in force; one after a failure does not grow,
+  // unless continuation took it, which does not mind long steps.
+  const bool easy = by_continuation || (n.iterations <= options_.target_iterations && w.halvings == 0);
+  if (easy && taken > 0.9 * w.step) w.step = std::min(options_.max_step, 2.0 * w.step);
+  w.halvings = 0;
+  return true;
+}
+
+/// After a step that failed. False if the next one would be too small.
+bool StaticPath::halve(Walk& w, Vec a, const NewtonResult& n, double target, double taken) {
+  const std::string place = 0.5 * taken < options_.min_step ? "; " + largest_residuals_at(model_, a) : "";
+  VOILE_PETSC(VecCopy(w.accepted, a));
+  ++w.halvings;
+  w.step = 0.5 * taken;
+  remark(fmt::format("load factor {:.6g}: {} after {} iterations; step halved to {:.3g}", target, n.reason,
+                     n.iterations, w.step));
+  if (w.step >= options_.min_step) return true;
+  w.result.reason = fmt::format(
+      "no equilibrium found beyond load factor {:.6g} with steps of {:.3g} or more; the last attempt ended with {}{}",
+      w.factor, options_.min_step, n.reason, place);
+  return false;
+}
+
+PathResult StaticPath::run(Vec a, const PathStart& start) {
+  Walk w(model_, a, start, options_.initial_step);
+  model_.set_load_factor(w.factor);
+  observe({.step = start.step, .load_factor = w.factor, .newton = {}, .critical = {}}, a);
+  try {
+    while (!is_final(w.factor)) {
+      if (w.result.steps - w.first_step >= options_.max_steps) {
+        w.result.reason = fmt::format("max_steps = {} steps did not reach the end of the path", options_.max_steps);
         break;
       }
-      continue;
+      if (!advance(w, a)) break;
     }
-    VOILE_PETSC(VecCopy(a, accepted));
-    factor = target;
-    ++result.steps;
-    const bool last =
-        std::abs(options_.final_load_factor - factor) <= 1e-12 * std::max(1.0, std::abs(options_.final_load_factor));
-    observe({.step = result.steps,
-             .load_factor = factor,
-             .newton = n,
-             .by_continuation = by_continuation,
-             .last = last,
-             .critical = {}},
-            a);
-    // A step cut short by a stop says nothing against the step size in force; one after a failure does not grow,
-    // unless continuation took it, which does not mind long steps.
-    const bool easy = by_continuation || (n.iterations <= options_.target_iterations && halvings == 0);
-    if (easy && taken > 0.9 * step) step = std::min(options_.max_step, 2.0 * step);
-    halvings = 0;
+  } catch (const Interrupted& e) {
+    VOILE_PETSC(VecCopy(w.accepted, a));
+    w.result.reason = e.what();
   }
-  result.load_factor = factor;
-  result.completed = result.reason.empty();
-  model_.set_load_factor(factor);
-  return result;
+  w.result.load_factor = w.factor;
+  w.result.completed = w.result.reason.empty();
+  model_.set_load_factor(w.factor);
+  return w.result;
 }
 
 }  // namespace voile::solve

@@ -8,12 +8,13 @@
 #include <cmath>
 
 #include "contact_way.hpp"
-#include "guarded.hpp"
 #include "voile/base/error.hpp"
+#include "voile/base/interrupt.hpp"
 #include "voile/base/mpi.hpp"
 #include "voile/solve/alpha_ts.hpp"
 #include "voile/solve/central_ts.hpp"
 #include "voile/solve/inverse_iteration.hpp"
+#include "voile/solve/stall.hpp"
 
 namespace voile::solve {
 
@@ -23,6 +24,8 @@ using TsHandle = petsc::Handle<TS, TSDestroy>;
 
 constexpr const char* adapt_type = "voile";
 constexpr double sufficient_decrease = 1e-4, shortest_length = 1e-6;
+/// Share of the first step below which an obstacle may give way to what it pinches.
+constexpr double pinched_step = 0.1;
 /// Relative size at which a change of the energy is lost in its round-off.
 constexpr double energy_round_off = 1e-12;
 /// After an indefinite tangent so many positive ones are taken before the exact one is tried again. A sheet in contact
@@ -41,13 +44,13 @@ struct TimeIntegration::Impl {
   LinearSolver linear;
   ConvergenceTest test;
   petsc::VecHandle trial, start, product;
-  std::string failure;  ///< text of an exception in a callback
   TimeResult result;
   double residual_before = 0.0, work = 0.0, rms = -1.0, length = 1.0, residual = 0.0;
   bool cut = false;  ///< contact did not let the last iteration go the whole way
   int cuts = 0;      ///< iterations of this step for which that holds
   double shortest = 1.0;
   std::string obstruction;
+  double last_taken = 0.0;  ///< size of the last accepted step [s]
   int positive_left = 0, spent_factorisations = 0, spent_rejections = 0, first_step = 0;
   bool explicit_method = false;
 
@@ -63,9 +66,12 @@ struct TimeIntegration::Impl {
   [[nodiscard]] double objective(Vec x);
   [[nodiscard]] bool clear_way(double t0, Vec x0, double t1, Vec x1);
   void search(SNESLineSearch line_search);
+  /// Where the last solve left the largest residuals, in words. Collective.
+  [[nodiscard]] std::string place_of_failure();
   [[nodiscard]] SNESConvergedReason judge(SNES snes, PetscInt it, double increment, double norm);
   [[nodiscard]] double next_step(double h, PetscBool* accept, PetscReal* error);
   void report(PetscInt step, PetscReal time);
+  void finish(const TimeState& from);
   /// The sum of many steps may miss the end by its round-off.
   [[nodiscard]] bool is_end(double time) const {
     return std::abs(time - options.end_time) <= 1e-12 * std::max(1.0, std::abs(options.end_time));
@@ -91,7 +97,7 @@ struct TimeIntegration::Impl {
 
 PetscErrorCode TimeIntegration::Impl::function(TS, PetscReal t, Vec u, Vec v, Vec a, Vec f, void* self) {
   auto& n = *static_cast<Impl*>(self);
-  return guarded(n.failure, [&] {
+  return petsc::guarded([&] {
     n.dynamics.set_time(t);
     n.dynamics.residual(u, v, a, f);
   });
@@ -100,7 +106,7 @@ PetscErrorCode TimeIntegration::Impl::function(TS, PetscReal t, Vec u, Vec v, Ve
 PetscErrorCode TimeIntegration::Impl::jacobian(TS, PetscReal t, Vec u, Vec, Vec, PetscReal s_v, PetscReal s_a, Mat, Mat,
                                                void* self) {
   auto& n = *static_cast<Impl*>(self);
-  return guarded(n.failure, [&] {
+  return petsc::guarded([&] {
     n.dynamics.set_time(t);
     const auto assemble = [&](energy::Tangent kind) {
       n.dynamics.assemble_tangent(u, kind, s_v, s_a);
@@ -119,7 +125,7 @@ PetscErrorCode TimeIntegration::Impl::jacobian(TS, PetscReal t, Vec u, Vec, Vec,
 
 PetscErrorCode TimeIntegration::Impl::start_step(void* self, Vec x, Vec v, PetscReal step) {
   auto& n = *static_cast<Impl*>(self);
-  return guarded(n.failure, [&] {
+  return petsc::guarded([&] {
     double t = 0.0;
     VOILE_PETSC(TSGetTime(n.ts, &t));
     n.dynamics.set_time(t);
@@ -134,7 +140,7 @@ PetscErrorCode TimeIntegration::Impl::start_step(void* self, Vec x, Vec v, Petsc
 
 PetscErrorCode TimeIntegration::Impl::enforce(void* self, PetscReal t, Vec stage) {
   auto& n = *static_cast<Impl*>(self);
-  return guarded(n.failure, [&] {
+  return petsc::guarded([&] {
     n.dynamics.set_time(t);
     n.model.enforce_supports(stage);
   });
@@ -142,7 +148,7 @@ PetscErrorCode TimeIntegration::Impl::enforce(void* self, PetscReal t, Vec stage
 
 PetscErrorCode TimeIntegration::Impl::accelerate(void* self, PetscReal t, Vec x, Vec v, Vec a) {
   auto& n = *static_cast<Impl*>(self);
-  return guarded(n.failure, [&] {
+  return petsc::guarded([&] {
     double h = 0.0;
     VOILE_PETSC(TSGetTimeStep(n.ts, &h));
     n.dynamics.set_time(t);
@@ -162,7 +168,13 @@ bool TimeIntegration::Impl::clear_way(double t0, Vec x0, double t1, Vec x1) {
     dynamics.set_time(t1);
     VOILE_PETSC(VecCopy(x0, x1));
     model.enforce_supports(x1);
-    clear = contact.make_way(x0, t0, x1, t1);
+    // Only what is still blocked in small steps is pinched.
+    const bool may_yield = t1 - t0 <= std::max(pinched_step * options.step, 2.0 * options.min_step);
+    const long before = contact.yielding_count();
+    clear = contact.make_way(x0, t0, x1, t1, may_yield);
+    if (clear && contact.yielding_count() > before && before == 0 && remark)
+      remark(fmt::format("t = {:.6g} s: an obstacle gives way to {} vertices; {} was pinched", t0,
+                         contact.yielding_count(), contact.obstruction()));
   }
   if (!clear) obstruction = contact.obstruction();
   dynamics.set_time(t1);
@@ -172,12 +184,12 @@ bool TimeIntegration::Impl::clear_way(double t0, Vec x0, double t1, Vec x1) {
 PetscErrorCode TimeIntegration::Impl::clear(void* self, PetscReal t0, Vec x0, PetscReal t1, Vec x1,
                                             PetscBool* possible) {
   auto& n = *static_cast<Impl*>(self);
-  return guarded(n.failure, [&] { *possible = n.clear_way(t0, x0, t1, x1) ? PETSC_TRUE : PETSC_FALSE; });
+  return petsc::guarded([&] { *possible = n.clear_way(t0, x0, t1, x1) ? PETSC_TRUE : PETSC_FALSE; });
 }
 
 PetscErrorCode TimeIntegration::Impl::energy(void* self, Vec x1, PetscReal* value) {
   auto& n = *static_cast<Impl*>(self);
-  return guarded(n.failure, [&] { *value = n.objective(x1); });
+  return petsc::guarded([&] { *value = n.objective(x1); });
 }
 
 double TimeIntegration::Impl::objective(Vec x) {
@@ -232,10 +244,11 @@ void TimeIntegration::Impl::search(SNESLineSearch ls) {
 
 PetscErrorCode TimeIntegration::Impl::line_search(SNESLineSearch ls, void* self) {
   auto& n = *static_cast<Impl*>(self);
-  return guarded(n.failure, [&] { n.search(ls); });
+  return petsc::guarded([&] { n.search(ls); });
 }
 
 SNESConvergedReason TimeIntegration::Impl::judge(SNES snes, PetscInt it, double increment, double norm) {
+  stop_if_asked(model.comm());
   if (!std::isfinite(norm)) return SNES_DIVERGED_FNORM_NAN;
   const double force = dynamics.force_scale(), before = std::exchange(residual_before, norm);
   residual = force > 0.0 ? norm / force : norm;
@@ -258,7 +271,7 @@ SNESConvergedReason TimeIntegration::Impl::judge(SNES snes, PetscInt it, double 
 PetscErrorCode TimeIntegration::Impl::converged(SNES snes, PetscInt it, PetscReal, PetscReal snorm, PetscReal fnorm,
                                                 SNESConvergedReason* reason, void* self) {
   auto& n = *static_cast<Impl*>(self);
-  return guarded(n.failure, [&] { *reason = n.judge(snes, it, it > 0 ? snorm : -1.0, fnorm); });
+  return petsc::guarded([&] { *reason = n.judge(snes, it, it > 0 ? snorm : -1.0, fnorm); });
 }
 
 // ---- step size -----------------------------------------------------------------------------------------------------
@@ -288,7 +301,7 @@ PetscErrorCode TimeIntegration::Impl::choose(TSAdapt adapt, TS, PetscReal h, Pet
   auto& n = *static_cast<Impl*>(adapt->data);
   *scheme = 0;
   *absolute = *relative = -1.0;
-  return guarded(n.failure, [&] { *next = n.next_step(h, accept, error); });
+  return petsc::guarded([&] { *next = n.next_step(h, accept, error); });
 }
 
 // ---- set-up and run ------------------------------------------------------------------------------------------------
@@ -352,7 +365,8 @@ void TimeIntegration::Impl::create(const TimeState& from) {
   VOILE_PETSC(TSGetAdapt(ts, &adapt));
   VOILE_PETSC(TSAdaptSetType(adapt, adapt_type));
   adapt->data = this;
-  VOILE_PETSC(TSAdaptSetStepLimits(adapt, options.min_step, options.max_step));
+  // PETSc wants the two to differ, but a fixed step is legal.
+  VOILE_PETSC(TSAdaptSetStepLimits(adapt, options.min_step * (1.0 - 1e-9), options.max_step));
   PetscBool implicit = PETSC_FALSE;
   VOILE_PETSC(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(static_cast<TS>(ts)), alpha_ts_type, &implicit));
   if (implicit) set_alpha_parameters(ts, options.radius, options.forces_at_end);
@@ -405,27 +419,49 @@ TimeResult TimeIntegration::run(const TimeState& from) {
     n.dynamics.start_step(from.position, from.velocity, n.options.step);
   }
   n.report(from.step, from.time);
-  if (n.result.stopped) return n.result;
-  const PetscErrorCode code = TSSolve(n.ts, nullptr);
-  if (!n.failure.empty()) throw InternalError(n.failure);
-  petsc::check(code, "TSSolve");
+  try {
+    if (!n.result.stopped) VOILE_PETSC(TSSolve(n.ts, nullptr));
+  } catch (const Interrupted& e) {
+    if (alpha) abandon_step(n.ts);
+    n.result.stopped = true;
+    n.result.reason = e.what();
+  }
+  n.finish(from);
+  return n.result;
+}
+
+/// The last accepted state, and why there is none after it.
+void TimeIntegration::Impl::finish(const TimeState& from) {
   TSConvergedReason reason = TS_CONVERGED_ITERATING;
   PetscInt steps = 0;
-  VOILE_PETSC(TSGetConvergedReason(n.ts, &reason));
-  VOILE_PETSC(TSGetStepNumber(n.ts, &steps));
-  VOILE_PETSC(TSGetTime(n.ts, &n.result.state.time));
-  VOILE_PETSC(TSGetTimeStep(n.ts, &n.result.state.next_step));
-  if (n.is_end(n.result.state.time)) n.result.state.time = n.options.end_time;
-  n.result.state.step = static_cast<int>(steps);
-  n.result.steps = static_cast<int>(steps) - from.step;
-  n.result.rejections = n.spent_rejections;
-  n.result.factorisations = n.linear.factorisations();
-  n.result.completed = reason > 0;
-  if (!n.result.completed)
-    n.result.reason = fmt::format("{} at t = {:.6g} s: no step of {:.3g} s or more succeeds",
-                                  TSConvergedReasons[reason], n.result.state.time, n.options.min_step) +
-                      (n.obstruction.empty() ? "" : "; in the way was " + n.obstruction);
-  return n.result;
+  VOILE_PETSC(TSGetConvergedReason(ts, &reason));
+  VOILE_PETSC(TSGetStepNumber(ts, &steps));
+  TimeState& state = result.state;
+  VOILE_PETSC(TSGetTime(ts, &state.time));
+  VOILE_PETSC(TSGetTimeStep(ts, &state.next_step));
+  VOILE_PETSC(TS2GetSolution(ts, &state.position, &state.velocity));
+  if (!explicit_method) state.acceleration = acceleration(ts);
+  if (is_end(state.time)) state.time = options.end_time;
+  state.step = static_cast<int>(steps);
+  result.steps = static_cast<int>(steps) - from.step;
+  result.rejections = spent_rejections;
+  result.factorisations = linear.factorisations();
+  result.completed = reason > 0;
+  if (result.completed || result.stopped) return;
+  // The size that failed is no size to go on with.
+  state.next_step = last_taken > 0.0 ? last_taken : options.step;
+  result.reason = fmt::format("{} at t = {:.6g} s: no step of {:.3g} s or more succeeds", TSConvergedReasons[reason],
+                              state.time, options.min_step) +
+                  (obstruction.empty() ? "" : "; in the way was " + obstruction) + place_of_failure();
+}
+
+std::string TimeIntegration::Impl::place_of_failure() {
+  if (explicit_method) return "";
+  SNES snes = nullptr;
+  Vec r = nullptr;
+  VOILE_PETSC(TSGetSNES(ts, &snes));
+  VOILE_PETSC(SNESGetFunction(snes, &r, nullptr, nullptr));
+  return r ? "; " + largest_residuals(dynamics.model(), r) : "";
 }
 
 void TimeIntegration::Impl::report(PetscInt step, PetscReal time) {
@@ -438,7 +474,7 @@ void TimeIntegration::Impl::report(PetscInt step, PetscReal time) {
   if (step > first_step) {
     double before = 0.0;
     VOILE_PETSC(TSGetPrevTime(ts, &before));
-    r.taken = time - before;
+    r.taken = last_taken = time - before;
     PetscInt rejections = 0, iterations = 0;
     VOILE_PETSC(TSGetStepRejections(ts, &rejections));
     r.cut_short = cuts;
@@ -458,6 +494,7 @@ void TimeIntegration::Impl::report(PetscInt step, PetscReal time) {
     r.newton.factorisations = linear.factorisations() - spent_factorisations;
     spent_factorisations = linear.factorisations();
     result.newton_iterations += r.newton.iterations;
+    result.newton = r.newton;
   }
   dynamics.set_time(r.state.time);
   if (observer && observer(r)) {
@@ -471,9 +508,12 @@ PetscErrorCode TimeIntegration::Impl::post_step(TS ts) {
   PetscFunctionBeginUser;
   PetscCall(TSGetApplicationContext(ts, &self));
   auto& n = *static_cast<Impl*>(self);
-  const PetscErrorCode code = guarded(n.failure, [&] {
+  const PetscErrorCode code = petsc::guarded([&] {
     PetscInt step = 0;
     PetscReal time = 0.0;
+    TSConvergedReason reason = TS_CONVERGED_ITERATING;
+    VOILE_PETSC(TSGetConvergedReason(ts, &reason));
+    if (reason < 0) return;  // PETSc calls this after a step that failed, too
     VOILE_PETSC(TSGetStepNumber(ts, &step));
     VOILE_PETSC(TSGetTime(ts, &time));
     n.report(step, time);

@@ -98,6 +98,33 @@ void add_symmetry(const mesh::SurfaceMesh& mesh, const Support& support, Constra
   for (Index v : group.vertices) conditions[v].push_back({normal, 0.0});
 }
 
+/// Columns: the directions that x, y and z of a displacement support mean at vertex v.
+Mat3 support_axes(const mesh::SurfaceMesh& mesh, const Support& support, Index v) {
+  Mat3 axes = Mat3::Identity();
+  const double tolerance = 1e-9;
+  if (support.cylinder_axis) {
+    axes.col(2) = support.cylinder_axis->normalized();
+    const Vec3 from_centre = mesh.positions()[v] - support.cylinder_centre;
+    const Vec3 radial = from_centre - from_centre.dot(axes.col(2)) * axes.col(2);
+    if (radial.norm() <= tolerance * mesh.extent())
+      throw UserError(
+          fmt::format("{}: vertex {} lies on the axis of the cylinder, where nothing is radial; move the "
+                      "axis, or support that vertex in global axes",
+                      name_of(support), mesh.data().vertex_tags[v]));
+    axes.col(0) = radial.normalized();
+    axes.col(1) = Vec3(axes.col(2)).cross(Vec3(axes.col(0)));
+  } else if (support.x_axis) {
+    axes.col(0) = support.x_axis->normalized();
+    const Vec3 second = support.y_axis ? *support.y_axis : Vec3(axes.col(0)).unitOrthogonal();
+    const Vec3 across = second - second.dot(axes.col(0)) * axes.col(0);
+    if (across.norm() <= tolerance * second.norm())
+      throw UserError(name_of(support) + ": y_axis is parallel to x_axis; give another direction");
+    axes.col(1) = across.normalized();
+    axes.col(2) = Vec3(axes.col(0)).cross(Vec3(axes.col(1)));
+  }
+  return axes;
+}
+
 void add_fixed(const mesh::SurfaceMesh& mesh, const Support& support, Constraints& result, Conditions& conditions) {
   const mesh::Group& group = mesh.group(support.group);
   if (support.kind == Support::Kind::clamped && group.dimension == 1)
@@ -109,9 +136,11 @@ void add_fixed(const mesh::SurfaceMesh& mesh, const Support& support, Constraint
   if (support.kind == Support::Kind::clamped && group.dimension == 0)
     throw UserError(name_of(support) + ": a point has no slope to clamp; use `hinged`, or name a curve group");
   const bool all = support.kind != Support::Kind::displacement;
-  for (Index v : group.vertices)
+  for (Index v : group.vertices) {
+    const Mat3 axes = all ? Mat3(Mat3::Identity()) : support_axes(mesh, support, v);
     for (int i = 0; i < 3; ++i)
-      if (all || support.components[i]) conditions[v].push_back({Vec3::Unit(i), support.value[i]});
+      if (all || support.components[i]) conditions[v].push_back({axes.col(i), support.value[i]});
+  }
 }
 
 /// Axes of a vertex: an orthonormal basis whose first columns span the directions, the global axes where they fit.

@@ -7,6 +7,7 @@
 
 #include "voile/base/error.hpp"
 #include "voile/base/mpi.hpp"
+#include "voile/contact/neighbours.hpp"
 
 namespace voile::system {
 
@@ -18,10 +19,12 @@ using contact::Plane;
 
 /// Pairs within so many contact distances get their place in the matrix, so that it changes rarely.
 constexpr double padding = 4.0;
-/// Share of the smallest height of a triangle that contact may reach, so that a bent sheet does not push itself.
-constexpr double room_in_triangles = 0.7;
+/// Of the triangles that may be too low for the contact distance: a few slivers are exempt, a whole mesh is not.
+constexpr double most_narrow = 0.5;
 /// Rounds in which colliding parts are made to move together.
 constexpr int most_rounds = 30;
+/// Of these, the last ones, which tell what is pinched.
+constexpr int last_rounds = 4;
 
 /// x -> A x + b of a rigid motion at time t.
 struct RigidMap {
@@ -83,7 +86,6 @@ Contact::Contact(MPI_Comm comm, const mesh::SurfaceMesh& mesh, const mesh::Parti
     axes_[v] = static_cast<Index>(rotations_.size());
     rotations_.push_back(support.axes);
   }
-  check_room(mesh);
 
   Bodies bodies = make_bodies(mesh, input_);
   const std::size_t sheets = bodies.sheets;
@@ -102,6 +104,7 @@ Contact::Contact(MPI_Comm comm, const mesh::SurfaceMesh& mesh, const mesh::Parti
           o.shape == Obstacle::Shape::capsule ? std::vector<mesh::Segment>{{0, 1}} : std::vector<mesh::Segment>{});
   }
   set_general_rules(input_, sheets, surface);
+  if (lacks_room(mesh)) surface.neighbours = contact::find_neighbours(surface, input_.options.distance);
   set_ = std::make_unique<ContactSet>(std::move(surface), std::move(planes), input_.options, [&] {
     std::vector<char> owned(static_cast<std::size_t>(mesh.vertex_count()));
     for (std::size_t v = 0; v < owned.size(); ++v) owned[v] = partition.vertex_rank[v] == rank;
@@ -124,25 +127,38 @@ Contact::Contact(MPI_Comm comm, const mesh::SurfaceMesh& mesh, const mesh::Parti
   start_time_ = 0.0;
 }
 
-void Contact::check_room(const mesh::SurfaceMesh& mesh) const {
+bool Contact::lacks_room(const mesh::SurfaceMesh& mesh) {
   double least = std::numeric_limits<double>::infinity();
-  Index narrow = 0;
+  Index narrow = 0, count = 0;
+  const double reach = input_.options.distance + input_.thickness;
   for (Index t = 0; t < mesh.triangle_count(); ++t) {
     double longest = 0.0;
     for (int s = 0; s < 3; ++s) longest = std::max(longest, (mesh.corner(t, s) - mesh.corner(t, (s + 1) % 3)).norm());
     const double height = 2.0 * mesh.area(t) / longest;
+    count += reach < contact::room_between_neighbours * height ? 0 : 1;
     if (height < least) {
       least = height;
       narrow = t;
     }
   }
-  const double reach = input_.options.distance + input_.thickness;
-  if (!input_.self || reach < room_in_triangles * least) return;
-  throw UserError(fmt::format(
-      "[contact]: distance + thickness = {:.4g} m is too much for this mesh: triangle {} is only {:.4g} m high, and "
-      "neighbours would push each other; make the sum smaller than {:.4g} m, or the mesh coarser",
-      reach, mesh.data().triangle_tags.empty() ? narrow : static_cast<long>(mesh.data().triangle_tags[narrow]), least,
-      room_in_triangles * least));
+  if (!input_.self || count == 0) return false;
+  const long tag = mesh.data().triangle_tags.empty() ? narrow : static_cast<long>(mesh.data().triangle_tags[narrow]);
+  if (static_cast<double>(count) > most_narrow * mesh.triangle_count())
+    throw UserError(fmt::format(
+        "[contact]: distance + thickness = {:.4g} m is too much for this mesh: {} of {} triangles are less high than "
+        "{:.4g} m, triangle {} only {:.4g} m, and neighbours would push each other; make the sum smaller (less than "
+        "{:.4g} m keeps it whole everywhere), or the mesh coarser",
+        reach, count, mesh.triangle_count(), reach / contact::room_between_neighbours, tag, least,
+        contact::room_between_neighbours * least));
+  const Vec3 place = (mesh.corner(narrow, 0) + mesh.corner(narrow, 1) + mesh.corner(narrow, 2)) / 3.0;
+  notes_.push_back(fmt::format(
+      "[contact]: {} of {} triangles are less high than distance + thickness = {:.4g} m asks for ({:.4g} m), the "
+      "lowest "
+      "is triangle {} near ({:.4g}, {:.4g}, {:.4g}) with {:.4g} m: neighbours there feel each other from {} of their "
+      "distance at rest only",
+      count, mesh.triangle_count(), reach, reach / contact::room_between_neighbours, tag, place[0], place[1], place[2],
+      least, contact::room_between_neighbours));
+  return true;
 }
 
 int Contact::body(const std::string& name) const {
@@ -188,6 +204,7 @@ void Contact::place_obstacles(double time, std::vector<Vec3>& x, std::vector<Pla
 
 void Contact::set_time(double time) {
   time_ = time;
+  settle();
   place_obstacles(time, x_, set_->planes());
   set_->carry([&](int b, const Vec3& place) { return displacement(b, place); });
 }
@@ -246,6 +263,7 @@ void Contact::cover(const std::vector<Vec3>& from, const std::vector<Vec3>& to) 
 
 void Contact::start_step(Vec a, double slip) {
   fill_positions(a, x_);
+  end_yielding(x_);
   start_time_ = time_;
   start_ = x_;
   slip_ = slip;
@@ -363,7 +381,7 @@ Vec3 Contact::common_motion(const Pair& pair, const std::vector<Vec3>& start, co
   return leaders > 0 ? Vec3(leading / leaders) : Vec3(all / points);
 }
 
-bool Contact::make_way(Vec from, double t0, Vec to, double t1) {
+bool Contact::find_way(Vec from, double t0, Vec to, double t1) {
   const petsc::EventScope scope(petsc::events().contact_way);
   set_time(t0);
   fill_positions(from, x_);
@@ -382,8 +400,11 @@ bool Contact::make_way(Vec from, double t0, Vec to, double t1) {
     std::vector<double> count(force_.size(), 0.0);
     std::string hit;
     set_->planes() = planes;
+    // What two obstacles pinch is thrown from one to the other, round by round.
+    if (round <= most_rounds - last_rounds) blocked_.assign(force_.size(), 0.0);
     set_->blocked(start, end, planes_end, asked, [&](const Pair& pair) {
       if (hit.empty()) hit = words(pair);
+      note_blocked(pair);
       const Vec3 common = common_motion(pair, start, end, planes, planes_end);
       for (Index p : pair.points)
         if (p != no_index && s.is_sheet(p)) {

@@ -17,11 +17,17 @@ petsc::VecHandle Model::create_vector() const {
 
 void Model::set_load_factor(double factor) {
   load_factor_ = factor;
-  followers_.term.set_load_factor(factor);
+  followers_.term.set_factor(energy::FollowerTerm::load_factor, factor);
 }
 
 void Model::set_time(double time) {
   if (contact_) contact_->set_time(time);
+  if (!timed_.empty()) VOILE_PETSC(VecCopy(always_, constant_));
+  for (const TimedLoad& load : timed_) {
+    const double factor = load.history(time);
+    VOILE_PETSC(VecAXPY(constant_, factor, load.force));
+    followers_.term.set_factor(load.factor, factor);
+  }
   if (movers_.empty()) return;
   const petsc::WriteArray motion(motion_);
   for (const Mover& m : movers_) {
@@ -141,6 +147,8 @@ Energies Model::energies_of_step(Vec a) {
   VOILE_PETSC(VecDot(dead_, a, &dead));
   e.membrane = mpi::sum(comm_, owned_energy(membrane_, c));
   e.bending = 0.5 * (reference_bending_ + bending) + mpi::sum(comm_, owned_energy(curved_, c));
+  e.springs = spring_energy(a);
+  e.bending -= e.springs;  // they are part of the constant matrix
   e.external = -constant - load_factor_ * dead;
   if (contact_) e.contact = contact_->energy(a);
   return e;
@@ -148,7 +156,7 @@ Energies Model::energies_of_step(Vec a) {
 
 double Model::energy(Vec a) {
   const Energies e = energies_of_step(a);
-  return e.membrane + e.bending + e.external + e.contact;
+  return e.membrane + e.bending + e.springs + e.external + e.contact;
 }
 
 void Model::set_drag(const energy::DragOptions& options) {
@@ -255,6 +263,7 @@ BlockMatrix Model::consistent_mass() const {
       }
     }
   }
+  for (const auto& [i, m] : masses_) values.add(mass.slot(i, partition_.owned_begin(rank_) + i), m * Mat3::Identity());
   eliminate(base_eliminated_, values);
   for (Index at : base_eliminated_.unit) values.diagonal[at] = 0.0;
   mass.close();
@@ -300,7 +309,7 @@ void Model::load_direction(Vec a, Vec f) {
     // Follower loads are linear in the load factor: a difference over one unit is exact.
     const energy::Configuration c = configuration(a);
     for (const double sign : {1.0, -1.0}) {
-      followers_.term.set_load_factor(load_factor_ + (sign > 0.0 ? 1.0 : 0.0));
+      followers_.term.set_factor(energy::FollowerTerm::load_factor, load_factor_ + (sign > 0.0 ? 1.0 : 0.0));
       std::fill(force_.begin(), force_.end(), Vec3::Zero());
       add_forces(followers_, c);
       fold_forces(force_);

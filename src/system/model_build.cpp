@@ -78,15 +78,17 @@ Model::Model(MPI_Comm comm, const mesh::SurfaceMesh& mesh, ModelInput input)
   tangent_ = bending_.twin();
   membrane_.term = energy::MembraneTerm(*sheet_);
   mpi::on_all(comm, [&] { add_elements(build); });
-  assemble_bending(build);
+  assemble_bending(build, input.springs);
   make_vectors();
   eliminated_ = base_eliminated_ = find_eliminated_entries(tangent_);
-  build_mass();
-  mpi::on_all(comm, [&] { build_loads(input.loads); });
+  build_mass(input.masses);
+  mpi::on_all(comm, [&] { build_loads(input.loads, input.masses); });
   VOILE_PETSC(VecAssemblyBegin(dead_));
   VOILE_PETSC(VecAssemblyEnd(dead_));
   VOILE_PETSC(VecAssemblyBegin(constant_));
   VOILE_PETSC(VecAssemblyEnd(constant_));
+  VOILE_PETSC(VecDuplicate(constant_, always_.out()));
+  VOILE_PETSC(VecCopy(constant_, always_));
   locate(followers_);
   if (input.contact.active)
     mpi::on_all(comm, [&] {
@@ -190,7 +192,7 @@ void Model::add_elements(Build& build) {
   locate(curved_);
 }
 
-void Model::assemble_bending(Build& build) {
+void Model::assemble_bending(Build& build, const std::vector<Spring>& springs) {
   const petsc::EventScope scope(petsc::events().bending_assemble);
   const BlockMatrix::Values values = bending_.open();
   mpi::on_all(comm_, [&] {
@@ -202,6 +204,8 @@ void Model::assemble_bending(Build& build) {
                       el.stiffness(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) * Mat3::Identity(),
                       values);
     }
+    any_spring_ = !springs.empty();
+    add_springs(springs, values);
   });
   bending_.close();
   build.items.clear();
@@ -251,7 +255,7 @@ Model::Eliminated Model::find_eliminated_entries(const BlockMatrix& matrix) cons
   return e;
 }
 
-void Model::build_mass() {
+void Model::build_mass(const std::vector<PointMass>& masses) {
   {
     const petsc::WriteArray mass(mass_);
     for (Index t = 0; t < mesh_->triangle_count(); ++t) {
@@ -264,6 +268,16 @@ void Model::build_mass() {
       }
     }
   }
+  mpi::on_all(comm_, [&] {
+    const petsc::WriteArray mass(mass_);
+    for (const PointMass& m : masses)
+      for (Index v : mesh_->group(m.group).vertices) {
+        const Index i = local_of_[v];
+        if (i == no_index || i >= owned_) continue;
+        for (int k = 0; k < 3; ++k) mass[3 * i + k] += m.mass;
+        masses_.emplace_back(i, m.mass);
+      }
+  });
   const Index first = partition_.owned_begin(rank_);
   for (Index i = 0; i < owned_; ++i) mass_slots_.push_back(tangent_.slot(i, first + i));
 }

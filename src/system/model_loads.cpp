@@ -5,6 +5,7 @@
 
 #include "model_build.hpp"
 #include "voile/base/error.hpp"
+#include "voile/base/mpi.hpp"
 
 namespace voile::system {
 
@@ -55,9 +56,16 @@ void check_gravity(const energy::Sheet& sheet, const Load& load) {
 
 }  // namespace
 
-void Model::build_loads(const std::vector<Load>& loads) {
+Vec Model::force_of(const Load& load) {
+  if (!load.history) return load.constant ? constant_ : dead_;
+  TimedLoad timed{load.history, followers_.term.add_factor(), create_vector()};
+  timed_.push_back(std::move(timed));
+  return timed_.back().force;
+}
+
+void Model::build_loads(const std::vector<Load>& loads, const std::vector<PointMass>& masses) {
   for (const Load& load : loads) {
-    const petsc::WriteArray force(load.constant ? constant_ : dead_);
+    const petsc::WriteArray force(force_of(load));
     const AddForce add = [&](Index v, const Vec3& f) {
       const Index i = local_of_[v];
       if (i == no_index || i >= owned_) return;
@@ -73,8 +81,12 @@ void Model::build_loads(const std::vector<Load>& loads) {
         add_line_load(*mesh_, load, add);
         break;
       case Load::Kind::gravity:
-        check_gravity(*sheet_, load);
-        [[fallthrough]];
+        if (masses.empty()) check_gravity(*sheet_, load);
+        for (const PointMass& m : masses)
+          if (load.group.empty() || load.group == m.group)
+            for (Index v : mesh_->group(m.group).vertices) add(v, m.mass * load.vector);
+        add_surface_load(*sheet_, load, add);
+        break;
       case Load::Kind::pressure:
       case Load::Kind::area:
         add_surface_load(*sheet_, load, add);
@@ -89,6 +101,9 @@ void Model::build_loads(const std::vector<Load>& loads) {
 }
 
 void Model::add_follower(const Load& load) {
+  const int factor = load.history    ? timed_.back().factor
+                     : load.constant ? energy::FollowerTerm::constant
+                                     : energy::FollowerTerm::load_factor;
   const auto local = [&](const mesh::Triangle& t) {
     return std::array<Index, 3>{local_of_[t[0]], local_of_[t[1]], local_of_[t[2]]};
   };
@@ -100,7 +115,7 @@ void Model::add_follower(const Load& load) {
     for (Index t : loaded_triangles(*mesh_, load)) {
       const auto points = local(mesh_->triangles()[t]);
       if (evaluated(points))
-        followers_.term.add_pressure(points, load.magnitude, load.constant, partition_.triangle_rank[t] == rank_);
+        followers_.term.add_pressure(points, load.magnitude, factor, partition_.triangle_rank[t] == rank_);
     }
     return;
   }
@@ -117,8 +132,50 @@ void Model::add_follower(const Load& load) {
       const auto points = local({v[(side + 1) % 3], v[(side + 2) % 3], v[side]});
       const double length = (mesh_->positions()[s[1]] - mesh_->positions()[s[0]]).norm();
       if (evaluated(points))
-        followers_.term.add_moment(points, load.magnitude, length, load.constant, partition_.triangle_rank[t] == rank_);
+        followers_.term.add_moment(points, load.magnitude, length, factor, partition_.triangle_rank[t] == rank_);
     }
+}
+
+void Model::add_springs(const std::vector<Spring>& springs, const BlockMatrix::Values& values) {
+  const Index first = partition_.owned_begin(rank_);
+  for (const Spring& s : springs) {
+    const Mat3 unit =
+        s.direction ? Mat3(s.direction->normalized() * s.direction->normalized().transpose()) : Mat3(Mat3::Identity());
+    const auto add = [&](Index v, double stiffness) {
+      const Index i = local_of_[v];
+      if (i == no_index || i >= owned_) return;
+      const Mat3 q = rotated_index_[i] == no_index ? Mat3(Mat3::Identity()) : rotated_[rotated_index_[i]].second;
+      springs_.push_back({i, stiffness * q.transpose() * unit * q});
+      values.add(bending_.slot(i, first + i), springs_.back().stiffness);
+    };
+    Load like;  // the same lumping as that of loads
+    like.group = s.group;
+    switch (s.kind) {
+      case Spring::Kind::point:
+        for (Index v : mesh_->group(s.group).vertices) add(v, s.stiffness);
+        break;
+      case Spring::Kind::line:
+        like.vector = s.stiffness * Vec3::UnitX();
+        add_line_load(*mesh_, like, [&](Index v, const Vec3& share) { add(v, share.x()); });
+        break;
+      case Spring::Kind::area:
+        like.kind = Load::Kind::area;
+        like.vector = s.stiffness * Vec3::UnitX();
+        add_surface_load(*sheet_, like, [&](Index v, const Vec3& share) { add(v, share.x()); });
+        break;
+    }
+  }
+}
+
+double Model::spring_energy(Vec a) const {
+  if (!any_spring_) return 0.0;
+  double sum = 0.0;
+  const petsc::ReadArray u(a);
+  for (const NodalSpring& s : springs_) {
+    const Vec3 d = Eigen::Map<const Vec3>(u.data() + 3 * s.vertex);
+    sum += 0.5 * d.dot(s.stiffness * d);
+  }
+  return mpi::sum(comm_, sum);
 }
 
 }  // namespace voile::system

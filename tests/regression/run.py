@@ -27,54 +27,13 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "runs" / "lib"))
 
+import robustness  # noqa: E402, F401: adds its tests
 from benchmarks import BENCHMARKS, compare  # noqa: E402
 from curves import Table, at_load  # noqa: E402
+from harness import OUT, TESTS, Failure, Report, solve, test  # noqa: E402
 from linear import LINEAR, answer  # noqa: E402
 from modes import MODES, computed_modes  # noqa: E402
 from solver import ROOT, command, environment, invoke, load_case, run, variant, write_case  # noqa: E402
-
-OUT = ROOT / "results" / "regression"
-TESTS = {}
-
-
-class Failure(Exception):
-    pass
-
-
-def test(function):
-    TESTS[function.__name__] = function
-    return function
-
-
-class Report:
-    """Collects assertions of one test; all of them are evaluated."""
-
-    def __init__(self):
-        self.failures = 0
-
-    def check(self, good, what):
-        print(f"  {'ok  ' if good else 'FAIL'} {what}", flush=True)
-        self.failures += not good
-
-    def below(self, value, limit, what):
-        self.check(abs(value) <= limit, f"{what}: {value:.3g} (limit {limit:g})")
-
-    def near(self, value, expected, tolerance, what):
-        self.check(abs(value - expected) <= tolerance, f"{what}: {value:.8g}, expected {expected:g} within {tolerance:g}")
-
-    def percent(self, ratio, limit, what):
-        self.check(abs(ratio - 1) <= limit, f"{what}: {100 * (ratio - 1):+.3f} % (limit {100 * limit:g} %)")
-
-
-def solve(name, case, ranks=2, options=(), timeout=1800):
-    """Runs a case (dictionaries) in a fresh folder; any exit code but 0 fails the test."""
-    folder = OUT / name
-    shutil.rmtree(folder, ignore_errors=True)
-    result = run(write_case(case, OUT / f"{name}.toml"), folder, ranks, options, timeout)
-    if result.code != 0:
-        raise Failure(f"{name} ended with code {result.code}:\n" + "\n".join(result.text.splitlines()[-15:]))
-    return result
-
 
 def published(report, name, result, end, whole):
     for c in compare(BENCHMARKS[name], result.history):
@@ -260,6 +219,173 @@ def newton_cost(report):
                  "and w_B with these steps")
 
 
+# ------------------------------------------------------------------------------------------------------------- meshes
+
+def strip_mesh(file, nx, ny, jitter, split=None):
+    """A strip of 10 x 1 of nx x ny cells, inner vertices moved at random by up to a share of a cell; `split`: column of vertices
+    that is doubled."""
+    sys.path.insert(0, str(ROOT / "runs" / "contact" / "lib"))
+    from shapes import write_msh
+    rng = np.random.default_rng(1)
+    x, y = (g.astype(float) for g in np.meshgrid(np.arange(nx + 1), np.arange(ny + 1), indexing="ij"))
+    inside = (x > 0) & (x < nx) & (y > 0) & (y < ny)
+    x += inside * rng.uniform(-jitter, jitter, x.shape)
+    y += inside * rng.uniform(-jitter, jitter, y.shape)
+    points = np.column_stack([(10 * x / nx).ravel(), (y / ny).ravel(), 0 * x.ravel()])
+    at = lambda i, j: i * (ny + 1) + j
+    double = lambda i, j: len(points) + j if i == split else at(i, j)  # vertices of the cells to the right
+    cells = []
+    for i in range(nx):
+        for j in range(ny):
+            a, b, c, d = double(i, j), at(i + 1, j), at(i + 1, j + 1), double(i, j + 1)
+            cells += [(a, b, c), (a, c, d)]
+    if split is not None:
+        points = np.vstack([points, points[[at(split, j) for j in range(ny + 1)]]])
+    edge = lambda i: [(at(i, j), at(i, j + 1)) for j in range(ny)]
+    return write_msh(file, points, [("clamp", 1, edge(0)), ("tip", 1, edge(nx)), ("plate", 2, np.array(cells))])
+
+
+def strip_case(file, **changes):
+    case = variant(load_case(BENCHMARKS["cantilever_shear"].case), {k.replace("__", "."): v for k, v in changes.items()})
+    return without_stops(case) | {"mesh": {"file": str(file)}}
+
+
+@test
+def poor_meshes(report):
+    """Meshes that lock or stall are called so by info, check and run, also quietly; good ones are not."""
+    for name, nx, ny, jitter, poor in (("stretched", 20, 16, 0.25, True), ("narrow", 20, 40, 0.0, True), ("even", 40, 4, 0.25, False)):
+        mesh = strip_mesh(OUT / f"poor_{name}.msh", nx, ny, jitter)
+        case = write_case(strip_case(mesh, load__0__vector=[0, 0, 1e-3]), OUT / f"poor_{name}.toml")
+        texts = {command: invoke([command, file]) for command, file in (("info", mesh), ("check", case))}
+        shutil.rmtree(OUT / f"poor_{name}_run", ignore_errors=True)
+        texts["run"] = invoke(["run", case, "--output", OUT / f"poor_{name}_run", "--quiet"])
+        for command, (code, text) in texts.items():
+            said = "warning:" in text and "the membrane can lock" in text
+            report.check(code == 0 and said == poor, f"{name}, {command}: code {code}, {'a' if said else 'no'} warning of locking")
+    mesh = strip_mesh(OUT / "poor_sliver.msh", 20, 2, 0.0)
+    text = mesh.read_text().replace("\n14 2 0.5 0\n", "\n14 2.4995 0.499 0\n")  # next to a neighbour
+    mesh.write_text(text)
+    code, text = invoke(["info", mesh])
+    report.check("below 2 degrees" in text and "Newton" in text, f"sliver: {[t for t in text.splitlines() if 'warning' in t]}")
+
+
+@test
+def stalled(report):
+    """A run that ends without convergence names the triangles where the residual is largest, alike on 1 and 2 ranks."""
+    case = strip_case(strip_mesh(OUT / "stalled.msh", 20, 2, 0.0), load__0__vector=[0, 0, 400.0])
+    case["steps"] = {"initial_step": 1.0, "min_step": 0.9, "fallback": False}
+    said = []
+    for ranks in (1, 2):
+        shutil.rmtree(OUT / f"stalled_{ranks}", ignore_errors=True)
+        result = run(write_case(case, OUT / "stalled.toml"), OUT / f"stalled_{ranks}", ranks, ["-snes_max_it", "2"], 300)
+        found = re.findall(r"the residual is largest at triangle \d+ at \([^)]*\), smallest angle [\d.e+]+ degrees", result.text)
+        report.check(result.code == 3 and len(found) == 1, f"{ranks} rank(s): code {result.code}: {found}")
+        said += found
+    report.check(len(set(said)) == 1, "the same place")
+
+
+@test
+def coincident_vertices(report):
+    """A plate with its middle line doubled bends like two plates; with mesh.merge it is the plate that was meant."""
+    whole = strip_mesh(OUT / "coincident_whole.msh", 20, 2, 0.0)
+    double = strip_mesh(OUT / "coincident_double.msh", 20, 2, 0.0, split=10)
+    base_case = strip_case(whole, load__0__vector=[0, 0, 0.04])
+    good = solve("coincident_whole", base_case, 1)
+    case = variant(base_case, {"mesh.file": str(double), "mesh.merge": True})
+    merged = solve("coincident_merged", case, 2)
+    report.near(merged.history["tip_z"][-1] / good.history["tip_z"][-1], 1.0, 1e-9, "merged against whole, deflection")
+    report.check("3 vertices were merged" in merged.text, "the run says how many were merged")
+    code, text = invoke(["info", double])
+    report.check(code == 0 and "6 vertices lie at 3 places" in text and "(5, 0, 0) to (5, 1, 0)" in text, "info counts them and says where")
+    case["mesh"].pop("merge")
+    code, text = invoke(["check", write_case(case, OUT / "coincident.toml")])
+    report.check(code == 2 and "nothing holds it" in text and "20 triangles" not in text and "40 triangles" in text,
+                 f"the loose half is refused: code {code}: {text.strip()[-160:]}")
+
+
+@test
+def sheet_formats(report):
+    """One orthotropic sheet from OBJ (axis by texture), Abaqus, VTK and Gmsh (axis by direction): the same bending."""
+    seeds = ROOT / "tests" / "fuzz" / "seeds"
+    material = {"type": "orthotropic", "young_1": 1.2e6, "young_2": 1e5, "poisson_12": 0.2, "shear_12": 4e4, "thickness": 0.1}
+    found = []
+    for name, clamp, axis in (("square.obj", "rim", {"texture_direction": [2.0, 1.0]}), ("square.obj", "rim", {"direction": [2, 1, 0]}),
+                              ("square.inp", "LEFT", {"direction": [2, 1, 0]}), ("square.vtk", "group-3", {"direction": [2, 1, 0]}),
+                              ("square.obj", "rim", {"texture_direction": [1.0, 2.0]})):
+        case = {"title": name, "mesh": {"file": str(seeds / name)}, "material": [material | axis],
+                "support": [{"type": "clamped", "group": clamp}], "load": [{"type": "pressure", "magnitude": 2.0}],
+                "probe": [{"name": "inside", "type": "displacement", "point": [1 / 3, 1 / 3, 0], "components": ["z"]}]}
+        result = solve(f"sheet_formats_{len(found)}", case, 1 + len(found) % 2)
+        found.append(result.history["inside_z"][-1])
+        echo, text = invoke(["check", result.folder / "resolved_case.toml"])
+        report.check(echo == 0, f"{name}: the echoed case is a valid case" + ("" if echo == 0 else f": {text.strip()}"))
+    *found, other = found
+    for value, name in zip(found[1:], ("OBJ by direction", "Abaqus", "VTK")):
+        report.near(value / found[0], 1.0, 1e-9, f"{name} against OBJ by texture, deflection")
+    report.check(abs(other / found[0]) > 1.2, f"it bends by {found[0]:.4g} m, with another axis by {other:.4g} m")
+
+
+@test
+def nothing_held(report):
+    """Statics of a sheet that nothing holds ends with code 2 before anything is factorised; motion and modes take it."""
+    case = plate(6, 1.0)
+    case["support"] = []
+    code, text = invoke(["check", write_case(case, OUT / "nothing_held.toml")], 2)
+    report.check(code == 2 and "6 free rigid-body motions" in text, f"check: code {code}: {text.strip()[-150:]}")
+    code, text = invoke(["run", OUT / "nothing_held.toml", "--output", OUT / "nothing_held"])
+    report.check(code == 2 and "nothing holds it" in text, f"run: code {code}")
+    case["support"] = [{"type": "displacement", "group": "left", "components": ["x", "z"]}]
+    code, text = invoke(["check", write_case(case, OUT / "sliding.toml")])
+    report.check(code == 2 and "1 translation(s) along (0, 1, 0)" in text, f"free to slide: code {code}: {text.strip()[-150:]}")
+    case["support"] = [{"type": "hinged", "group": "left"}]
+    code, text = invoke(["check", write_case(case, OUT / "hinged.toml")])
+    report.check(code == 0 and "1 free rigid-body motion(s), 1 rotation(s)" in text, f"hung by one edge: code {code}, a note")
+    case |= {"support": [], "analysis": "modal"}
+    case["material"][0]["density"] = 7800
+    code, text = invoke(["check", write_case(case, OUT / "free_modes.toml")])
+    report.check(code == 0 and "nothing holds it" in text, f"modes of a free plate: code {code}")
+
+
+@test
+def absurd_numbers(report):
+    """Sizes that no power of is a number end with code 2 on reading, whatever file or key they come from."""
+    seeds = ROOT / "tests" / "fuzz" / "seeds"
+    body = {"name": "body", "type": "mesh", "file": str(seeds / "body.obj")}
+    huge = OUT / "absurd.obj"
+    OUT.mkdir(parents=True, exist_ok=True)
+    huge.write_text((seeds / "body.obj").read_text().replace("v 0.3 0.3 -0.3", "v 0.3 1e200 -0.3"))
+    for k in range(2):
+        (OUT / f"absurd_{k}.obj").write_text((seeds / "body.obj").read_text().replace("-0.3", "1e120" if k else "-0.3"))
+    frames = {"frames": str(OUT / "absurd_*.obj"), "frames_per_second": 25}
+    for name, changes, word in (
+        ("sheet scaled up", {"mesh.scale": 1e300}, "scale"), ("sheet scaled down", {"mesh.scale": 1e-300}, "scale"),
+        ("sheet with one far vertex", {"mesh.file": str(huge), "mesh.parameters": None}, "absurd.obj"),
+        ("obstacle scaled up", {"obstacle": [body | {"scale": 1e300}]}, "body.obj"),
+        ("obstacle with one far vertex", {"obstacle": [body | {"file": str(huge)}]}, "absurd.obj"),
+        ("key frame far away", {"obstacle": [body | frames]}, "absurd_*.obj"),
+        ("ball far away", {"obstacle.0.point": [0, 1e200, 0]}, "'ball'"), ("huge ball", {"obstacle.0.radius": 1e300}, "'ball'"),
+    ):
+        code, text = invoke(["check", write_case(variant(sheet_on_ball(), changes), OUT / "absurd.toml")])
+        report.check(code == 2 and word in text, f"{name}: code {code}: {' '.join(text.split())[-130:]}")
+
+
+@test
+def foreign_scripts(report):
+    """A .geo that runs a command does so under no subcommand unless it is allowed to; n = 1e9 is a user's mistake."""
+    script, made = OUT / "foreign.geo", OUT / "foreign_was_here"
+    made.unlink(missing_ok=True)
+    script.write_text(f'SystemCall "touch {made}";\nInclude "{ROOT / "meshes" / "plate.geo"}";\n')
+    case = variant(plate(4, 1.0), {"mesh": {"file": str(script)}})
+    write_case(case, OUT / "foreign.toml")
+    for arguments in (["info", script], ["check", OUT / "foreign.toml"], ["run", OUT / "foreign.toml", "--output", OUT / "foreign"]):
+        code, text = invoke(arguments)
+        report.check(code == 2 and "foreign.geo:1: 'SystemCall'" in text and not made.exists(), f"{arguments[0]}: code {code}")
+    code, text = invoke(["info", script, "--allow-system-call"])
+    report.check(code == 0 and made.exists(), f"info --allow-system-call: code {code}")
+    code, text = invoke(["check", write_case(plate(1e9, 1.0), OUT / "huge.toml")], timeout=300)
+    report.check(code == 2 and "plate.geo" in text and "memory" in text, f"n = 1e9: code {code}: {text.strip()[-150:]}")
+
+
 # ------------------------------------------------------------------------------------------------------------ ranks
 
 def plate(cells, load, final=1.0):
@@ -307,7 +433,7 @@ def files(report):
     view.unlink(missing_ok=True)
     case = base("hemisphere", mesh__parameters__n=12)
     result = solve("files", case, 2, ["-log_view", f":{view}"])
-    for name in ("case.toml", "results.h5", "results.xdmf", "history.csv", "summary.json"):
+    for name in ("resolved_case.toml", "results.h5", "results.xdmf", "history.csv", "summary.json"):
         report.check((result.folder / name).is_file(), f"{name} exists")
     summary = result.summary
     for key in ("unknowns", "vertices", "triangles", "ranks", "steps", "newton_iterations", "factorisations", "cpu_seconds",
@@ -323,7 +449,7 @@ def files(report):
             report.check(field in last and np.isfinite(last[field][...]).all(), f"{field} is there and finite")
         steps = len(data["steps"])
     check_xdmf(report, result.folder / "results.xdmf", steps)
-    code, text = invoke(["check", result.folder / "case.toml"])
+    code, text = invoke(["check", result.folder / "resolved_case.toml"])
     report.check(code == 0, "the echoed case is a valid case" + ("" if code == 0 else f": {text.strip()}"))
     match = re.search(r"^VoileBendAssemble\s+(\d+)", view.read_text(), re.M)
     report.check(bool(match) and match.group(1) == "1", "-log_view shows one assembly of the bending stiffness")
@@ -405,8 +531,10 @@ def options(report):
     case["petsc"] = {"options": "-snes_max_it 1"}
     result = solve("options", case, 1, ["-snes_max_it", "40", "-no_such_option", "3"])
     report.check("no_such_option" in result.text, "an unused option is reported")
-    code, text = invoke(["run", OUT / "options.toml", "--output", OUT / "options_quiet", "--quiet", "-snes_max_it", "40"])
-    report.check(code == 0 and text.strip() == "", f"--quiet prints nothing: code {code} {text.strip()[:100]}")
+    code, text = invoke(["run", OUT / "options.toml", "--output", OUT / "options_quiet", "--overwrite", "--quiet", "-snes_max_it",
+                         "40"])
+    said = "\n".join(line for line in text.splitlines() if "voile" in line)  # other libraries may speak on stderr
+    report.check(code == 0 and said == "" and " steps, " not in text, f"--quiet prints nothing: code {code} {text.strip()[:100]}")
 
 
 @test
@@ -431,8 +559,9 @@ def killed(report):
     table = Table(history)
     with h5py.File(folder / "results.h5", "r") as data:
         steps = sorted(data["steps"])
-        report.check(len(steps) >= len(table.values) - 1 and len(steps) >= 3,
-                     f"{len(steps)} steps in results.h5, {len(table.values)} in history.csv")
+        files = len(list((folder / "steps").glob("*.h5")))
+        report.check(files >= len(table.values) - 1 and files >= 3 and len(steps) >= 1,
+                     f"{files} steps on disk, {len(steps)} of them in results.h5, {len(table.values)} in history.csv")
         report.check(all(np.isfinite(data["steps"][s]["displacement"][...]).all() for s in steps[:-1]), "all are readable")
     report.check(xml.parse(folder / "results.xdmf").getroot().tag == "Xdmf", "results.xdmf is complete")
 
@@ -507,9 +636,12 @@ def killed_motion(report):
     report.check(again.code == 0, f"the restart completes: code {again.code}")
     if again.code == 0:
         report.below(script.difference(whole, again), script.LIMIT, "relative difference of the final states")
-    wrong = run(file, OUT / "killed_motion_wrong", 2, ["--restart", str(whole.folder / "results.h5")], 300)
-    report.check(wrong.code == 2 and "goes on from checkpoint.h5" in wrong.text,
-                 f"results.h5 as a restart: code {wrong.code}, the message names checkpoint.h5")
+    steps = solve("killed_motion_steps", variant(script.strip_case(steps=100),
+                                                 {"output": {"fields": ["displacement", "velocity"], "every": 50}}))
+    middle = run(file, OUT / "killed_motion_step", 2, ["--restart", str(steps.folder / "results.h5"), "--restart-step", "50"], 300)
+    report.check(middle.code == 0 and middle.history["step"][0] == 50, f"from step 50 of results.h5: code {middle.code}")
+    # The strip folds, which amplifies the step that begins with another acceleration: 3 % was measured.
+    report.below(script.difference(whole, middle), 0.2, "its accelerations are found anew: relative difference")
 
 
 @test
@@ -560,7 +692,7 @@ def contact_ball(report):
     for n, result in ((1, one), (2, two)):
         h = result.history
         report.check(sum(h["intersections"]) == 0, f"{n} rank(s): no intersection in {len(h['time'])} states")
-        report.check(min(h["smallest_gap"]) > 0, f"{n} rank(s): smallest gap {min(h['smallest_gap']):.3g} m")
+        report.check(h.smallest("smallest_gap") > 0, f"{n} rank(s): smallest gap {h.smallest('smallest_gap'):.3g} m")
         report.check(max(h["contact_pairs"]) > 20, f"{n} rank(s): up to {max(h['contact_pairs']):.0f} contacts")
     same = min(len(one.history["time"]), len(two.history["time"]), 12)
     report.check(list(one.history["contact_pairs"][:same]) == list(two.history["contact_pairs"][:same]),
@@ -577,7 +709,7 @@ def contact_cylinder(report):
     result = solve("contact_cylinder", case, 2)
     h = result.history
     report.check(sum(h["intersections"]) == 0, f"no intersection in {len(h['time'])} states")
-    report.check(min(h["smallest_gap"]) > 0 and max(h["contact_pairs"]) > 20, f"up to {max(h['contact_pairs']):.0f} contacts")
+    report.check(h.smallest("smallest_gap") > 0 and max(h["contact_pairs"]) > 20, f"up to {max(h['contact_pairs']):.0f} contacts")
     top = result.displacement()[:, 2].max()
     report.check(-0.03 < top < 0.02, f"it lies on the top at -0.02 m: highest point {top:.4f} m")
     case["obstacle"][0]["end"] = case["obstacle"][0]["point"]
@@ -633,8 +765,9 @@ def contact_untangle(report):
             said = [line for line in result.text.splitlines() if line.startswith("untangled:")]
             h = result.history
             report.check(len(said) == 1, f"{name}, {n} rank(s): {said}")
-            report.check(sum(h["intersections"]) == 0 and min(h["smallest_gap"]) > 0, f"no intersection in {len(h['time'])} states")
-        report.check(one.history["smallest_gap"][0] == two.history["smallest_gap"][0], "the same start on 1 and 2 ranks")
+            report.check(sum(h["intersections"]) == 0 and h.smallest("smallest_gap") > 0, f"no intersection in {len(h['time'])} states")
+        difference = np.abs(one.displacement(0) - two.displacement(0)).max()
+        report.check(difference == 0 and np.abs(one.displacement(0)).max() > 0, f"the same start on 1 and 2 ranks: {difference:g}")
     again = solve("contact_untangle_again", variant(case, {"time.end": 0.06}), 1,
                   ["--restart", OUT / "contact_untangle_ball_1" / "checkpoint.h5"])
     report.check("untangled" not in again.text, "a restart goes on without it")

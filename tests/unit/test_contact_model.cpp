@@ -2,6 +2,8 @@
 // obstacles.
 #include <doctest/doctest.h>
 
+#include <numbers>
+
 #include "test_problems.hpp"
 #include "voile/base/error.hpp"
 #include "voile/io/intersections.hpp"
@@ -242,6 +244,126 @@ TEST_CASE("what cannot be avoided ends the run and is named") {
   CHECK(!r.completed);
   CHECK(r.state.time < 0.06);
   CHECK(r.reason.find("in the way was sheet against ") != std::string::npos);
+}
+
+TEST_CASE("a start inside the contact distance is let out gently") {
+  const double d = 0.01, settle_time = 0.1, mass = 0.3;
+  for (const int count : {1, 2})
+    for (const double share : {0.99, 0.5, 0.3})
+      for (const double step : {1e-3, 1e-2, 4e-2}) {
+        CAPTURE(count);
+        CAPTURE(share);
+        CAPTURE(step);
+        system::ModelInput in =
+            input(count == 1 ? std::vector<Obstacle>{plane(-share * d)} : std::vector<Obstacle>{}, d);
+        in.contact.options.settle_time = settle_time;
+        Problem p(sheets(count, 6, share * d), in);
+        const double barrier = p.model.contact()->energy(p.u);
+        p.model.contact()->begin_settling(p.u, 0.0);
+        CHECK(p.model.contact()->energy(p.u) == 0.0);
+        double kinetic = 0.0, gap = 0.0;
+        const solve::TimeResult r = integrate(p, {}, options(step < 0.01 ? 0.02 : 0.2, step),
+                                              [&](const solve::TimeReport& report, system::Dynamics& dynamics) {
+                                                kinetic =
+                                                    std::max(kinetic, dynamics.kinetic_energy(report.state.velocity));
+                                                gap = p.model.contact()->report(report.state.position).gap;
+                                              });
+        CHECK(r.completed);
+        const double speed = (1.0 - share) * d / settle_time;
+        CHECK(kinetic > 0.0);
+        CHECK(kinetic < barrier);
+        CHECK(kinetic < 0.5 * mass * std::pow(3.0 * speed, 2));
+        if (step >= 0.01) CHECK(gap > 0.98 * d);
+      }
+}
+
+TEST_CASE("what is being let out goes on where it was") {
+  const double d = 0.01;
+  Problem p(sheets(2, 6, 0.5 * d), input({}, d)), q(sheets(2, 6, 0.5 * d), input({}, d));
+  p.model.contact()->begin_settling(p.u, 1.0);
+  CHECK(p.model.contact()->memory().gaps.size() == static_cast<std::size_t>(p.mesh.vertex_count()));
+  q.model.contact()->restore(p.model.contact()->memory());
+  for (const double t : {1.02, 1.05, 1.2}) {
+    p.model.contact()->set_time(t);
+    q.model.contact()->set_time(t);
+    CHECK(p.model.contact()->energy(p.u) > 0.0);
+    CHECK(p.model.contact()->energy(p.u) == q.model.contact()->energy(q.u));
+  }
+  Problem whole(sheets(2, 6, 0.5 * d), input({}, d));
+  CHECK(whole.model.contact()->energy(whole.u) == p.model.contact()->energy(p.u));
+}
+
+/// A sheet with slivers: one vertex of a grid lies 2 % of a cell beside an edge.
+mesh::MeshData with_sliver(int count, double distance) {
+  mesh::MeshData all = sheets(count, 6, distance);
+  const mesh::Triangle t = all.triangles[30];
+  const Vec3 a = all.positions[t[0]], b = all.positions[t[1]], c = all.positions[t[2]];
+  const Vec3 foot = a + (c - a).dot(b - a) / (b - a).squaredNorm() * (b - a);
+  all.positions[t[2]] = foot + 0.02 * (c - foot);
+  return all;
+}
+
+TEST_CASE("slivers: neighbours nearer than the contact distance are at rest, and other sheets are still felt") {
+  const double d = 0.02;
+  Problem one(with_sliver(1, 0.0), input({}, d));
+  CHECK(one.model.contact()->notes().size() == 1);
+  CHECK(one.model.contact()->notes()[0].find("less high") != std::string::npos);
+  CHECK(one.model.contact()->energy(one.u) == 0.0);
+  CHECK(!one.model.contact()->surface().neighbours.of_faces.empty());
+  for (const auto& [points, share] : one.model.contact()->surface().neighbours.of_edges)
+    CHECK((share > 0.0 && share < 1.0));
+  // Crushed to a third of its width the sliver is felt.
+  set_displacement(one.model, one.u, [&](Index v) {
+    const mesh::Triangle& t = one.mesh.triangles()[30];
+    if (v != t[2]) return Vec3(Vec3::Zero());
+    const Vec3 &a = one.mesh.positions()[t[0]], &b = one.mesh.positions()[t[1]], &c = one.mesh.positions()[t[2]];
+    const Vec3 foot = a + (c - a).dot(b - a) / (b - a).squaredNorm() * (b - a);
+    return Vec3(0.67 * (foot - c));
+  });
+  CHECK(one.model.contact()->energy(one.u) > 0.0);
+  // Two layers one above the other are no neighbours, slivers or not.
+  Problem with(with_sliver(2, 0.5 * d), input({}, d)), without(sheets(2, 6, 0.5 * d), input({}, d));
+  const double e = with.model.contact()->energy(with.u), whole = without.model.contact()->energy(without.u);
+  CHECK(e == doctest::Approx(whole).epsilon(0.1));
+}
+
+TEST_CASE("an obstacle that yields gives way to what it pinches, until that is free again") {
+  const auto run = [](bool yields, Obstacle above, const Obstacle& below) {
+    above.name = "press";
+    above.yields = yields;
+    system::ModelInput in = input({below, above}, 0.01);
+    in.loads = {load(LoadKind::gravity, "", Vec3(0.0, 0.0, -9.81))};
+    Problem p(sheets(1, 8, 0.0), in);
+    long most = 0, last = 0;
+    solve::TimeOptions o = options(0.3, 0.01);
+    o.velocity_tolerance = 1e-3;
+    const solve::TimeResult r = integrate(p, {}, o, [&](const solve::TimeReport&, system::Dynamics&) {
+      last = p.model.contact()->yielding_count();
+      most = std::max(most, last);
+      if (last == 0) return;
+      Problem q(sheets(1, 8, 0.0), input({below, above}, 0.01));
+      q.model.contact()->restore(p.model.contact()->memory());
+      CHECK(q.model.contact()->yielding_count() == last);
+    });
+    double lowest = 1e9;
+    for (const Vec3& u : per_vertex(p.model, p.u)) lowest = std::min(lowest, u[2]);
+    CHECK(r.completed == yields);
+    CHECK((most > 0) == yields);
+    CHECK(last == 0);
+    return lowest;
+  };
+  const auto motion = [](double sign, double depth) {
+    return [=](const Vec3&, double t) { return Vec3(0.0, 0.0, -sign * depth * std::sin(t * std::numbers::pi / 0.2)); };
+  };
+  Obstacle press = plane(0.03);
+  press.normal = -Vec3::UnitZ();
+  press.motion = motion(1.0, 0.08);
+  for (const bool yields : {false, true}) CHECK(run(yields, press, plane(-0.03)) > -0.03);
+  Obstacle upper = ball(Vec3(0.5, 0.5, 0.34), 0.3), lower = ball(Vec3(0.5, 0.5, -0.34), 0.3);
+  upper.motion = motion(1.0, 0.06);
+  lower.motion = motion(-1.0, 0.06);
+  lower.name = "lower";
+  for (const bool yields : {false, true}) (void)run(yields, upper, lower);
 }
 
 TEST_CASE("contact refuses a distance too large for the mesh and unknown names") {

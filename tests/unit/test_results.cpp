@@ -3,12 +3,14 @@
 #include <fmt/format.h>
 #include <hdf5.h>
 #include <signal.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
@@ -344,6 +346,36 @@ TEST_CASE("a killed process leaves every finished step readable") {
   }
 }
 
+TEST_CASE("naming steps costs no more than writing them, and a restart finds those not named yet") {
+  const Folder folder;
+  const mesh::SurfaceMesh mesh = plate(2);
+  const fs::path index = folder.path / "results.h5";
+  const auto inode = [&] {
+    struct stat s {};
+    REQUIRE(stat(index.c_str(), &s) == 0);
+    return s.st_ino;
+  };
+  std::size_t rewritten = 0;
+  constexpr int steps = 600;
+  {
+    io::ResultsWriter writer(folder.path, mesh, ramp(mesh.vertex_count()), ramp(mesh.triangle_count()));
+    for (int n = 0; n < steps; ++n) {
+      const auto before = inode();
+      writer.write(step(mesh, n));
+      rewritten += inode() != before ? 1 : 0;
+      const io::StoredStep last = io::read_step(index, -1, mesh);
+      CHECK(last.step == n);
+      CHECK(last.displacement == step(mesh, n).fields[0].values);
+    }
+  }
+  MESSAGE(rewritten << " times for " << steps << " steps");
+  CHECK(rewritten >= 64);
+  CHECK(rewritten < 64 + steps / 6);
+  CHECK(check_xdmf(folder.path) >= steps);
+  CHECK(read(index, fmt::format("/steps/{:06d}/displacement", steps - 1)).values ==
+        step(mesh, steps - 1).fields[0].values);
+}
+
 TEST_CASE("history numbers read back exactly, each line at once") {
   const Folder folder;
   fs::create_directories(folder.path);
@@ -355,6 +387,8 @@ TEST_CASE("history numbers read back exactly, each line at once") {
   CHECK(std::stod("0.3333333333333333") == 1.0 / 3.0);
   history.write({2, 1e-300, -2.5});
   CHECK(has(read_text(file), "2,1e-300,-2.5\n"));
+  history.write({3, std::nan(""), INFINITY});
+  CHECK(has(read_text(file), "\n3,,\n"));
   CHECK_THROWS_AS(history.write({1.0}), InternalError);
 }
 
@@ -413,6 +447,19 @@ TEST_CASE("a checkpoint comes back bit by bit, and only into its own mesh") {
   CHECK(back.displacement == c.displacement);
   CHECK(back.velocity == c.velocity);
   CHECK(back.acceleration == c.acceleration);
+  {  // one bit in the middle of the velocities
+    std::string bytes = read_text(file);
+    const std::string value(reinterpret_cast<const char*>(&c.velocity[7]), sizeof(double));
+    const std::size_t at = bytes.find(value);
+    REQUIRE(at != std::string::npos);
+    bytes[at + 6] = static_cast<char>(bytes[at + 6] ^ 0x10);
+    std::ofstream(file, std::ios::binary) << bytes;
+    CHECK(has(error_of([&] { (void)io::read_checkpoint(file, mesh); }), "its checksum does not fit"));
+  }
+  c.velocity[3] = INFINITY;
+  io::write_checkpoint(file, c, mesh);
+  CHECK(has(error_of([&] { (void)io::read_checkpoint(file, mesh); }), "'velocity' holds numbers that are not finite"));
+  c.velocity[3] = 0.0;
   c.acceleration.clear();
   io::write_checkpoint(file, c, mesh);
   CHECK(io::read_checkpoint(file, mesh).acceleration.empty());

@@ -201,6 +201,29 @@ TEST_CASE("untangle: out of a ball, a half-space and closed meshes") {
   }
 }
 
+TEST_CASE("untangle: what lies exactly in one another is parted by half the distance each") {
+  Scene scene(sheets(8, {same, same}));
+  const std::vector<Vec3> start = scene.x;
+  CHECK(scene.find(scene.x).size() > 50);
+  const contact::UntangleResult r = scene.untangle(0.25);
+  CHECK(r.done);
+  CHECK(r.gap >= d);
+  CHECK(r.farthest < 0.6 * d);
+  CHECK(r.rounds < 5);
+}
+
+TEST_CASE("untangle: gaps below the contact distance are widened where nothing intersects") {
+  for (const double gap : {0.95, 0.92, 0.5}) {
+    CAPTURE(gap);
+    const auto above = [&](const Vec3& x) { return Vec3(x[0] + 0.013, x[1] - 0.017, gap * d); };
+    Scene scene(sheets(8, {same, above}));
+    const contact::UntangleResult r = scene.untangle(0.25);
+    CHECK(r.done);
+    CHECK(r.gap >= d);
+    CHECK(r.farthest < (1.1 - gap) * d);
+  }
+}
+
 TEST_CASE("untangle: what is fixed does not move, and what may only slide slides") {
   const Vec3 centre(0.5, 0.5, -0.26);
   Scene scene(sheets(20, {same}));

@@ -58,6 +58,8 @@ struct ObstacleSection {
   std::filesystem::path frames;  ///< point cache of a deforming mesh; empty: none
   double frames_per_second = 25.0;
   Vec3 point = Vec3::Zero(), end = Vec3::Zero();
+  enum class OnPinch { stop, yield };
+  OnPinch on_pinch = OnPinch::stop;
   MotionInput motion;
 };
 
@@ -82,6 +84,13 @@ struct TimeSection {
   double checkpoint_minutes = 10;  ///< and after so many minutes; 0: never
 };
 
+/// Velocity at the start of a motion, v + omega x (X - c).
+struct InitialVelocity {
+  std::string group;                                              ///< empty: everything
+  Vec3 velocity = Vec3::Zero(), angular_velocity = Vec3::Zero();  ///< v [m/s], omega [rad/s]
+  Vec3 centre = Vec3::Zero();                                     ///< c [m]
+};
+
 /// Modes of vibration and buckling.
 struct EigenSection {
   int modes = 6;
@@ -92,6 +101,8 @@ struct EigenSection {
 struct OutputSection {
   std::vector<std::string> fields;  ///< names of fields to write; empty: all
   int every = 1;                    ///< results every so many accepted steps (the last one always)
+  enum class Stresses { none, surface, plies };
+  Stresses stresses = Stresses::none;  ///< which stresses through the thickness are written besides
 };
 
 struct Case {
@@ -104,12 +115,15 @@ struct Case {
   std::vector<system::Support> supports;
   std::vector<MotionInput> motions;  ///< one per support
   std::vector<system::Load> loads;
+  std::vector<system::PointMass> masses;
+  std::vector<system::Spring> springs;
   ContactSection contact;
   std::vector<ObstacleSection> obstacles;
   std::vector<RuleSection> contact_rules;
   solve::StaticOptions steps;
   EigenSection eigen;
   TimeSection time;
+  std::vector<InitialVelocity> initial_velocities;
   system::DynamicsOptions dynamics;
   solve::DrapeOptions drape;
   std::vector<Probe> probes;
@@ -118,8 +132,11 @@ struct Case {
 };
 
 /// Parses and checks everything that needs no mesh. Not collective.
+/// `settings` are texts "key=value" that win over the file, e.g. "mesh.parameters.n=40" or "load.0.vector=[0, 0, 1]";
+/// a value that is no TOML is a text.
 /// Throws UserError naming file, line, key and the nearest valid key or value.
-[[nodiscard]] Case parse_case(const std::string& text, const std::filesystem::path& file);
+[[nodiscard]] Case parse_case(const std::string& text, const std::filesystem::path& file,
+                              const std::vector<std::string>& settings = {});
 
 /// The resolved case as TOML: every key with the value in force.
 [[nodiscard]] std::string echo_case(const Case& c);

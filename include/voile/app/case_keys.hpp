@@ -76,6 +76,7 @@ struct MaterialInput {
   std::filesystem::path fabric;
   double warp_angle = 0.0;
   std::optional<Vec3> direction;
+  std::vector<double> texture_direction;  ///< empty, or u and v
 };
 
 [[nodiscard]] std::vector<Key> keys_of(MeshSection& section);
@@ -84,6 +85,8 @@ struct MaterialInput {
 /// A support and its motion are one section.
 [[nodiscard]] std::vector<Key> keys_of(system::Support& section, MotionInput& motion);
 [[nodiscard]] std::vector<Key> keys_of(system::Load& section);
+[[nodiscard]] std::vector<Key> keys_of(system::PointMass& section);
+[[nodiscard]] std::vector<Key> keys_of(system::Spring& section);
 [[nodiscard]] std::vector<Key> keys_of(ContactSection& section);
 [[nodiscard]] std::vector<Key> keys_of(ObstacleSection& section);
 [[nodiscard]] std::vector<Key> keys_of(RuleSection& section);
@@ -91,6 +94,7 @@ struct MaterialInput {
 [[nodiscard]] std::vector<Key> keys_of(EigenSection& section);
 /// [time], with the kind of mass.
 [[nodiscard]] std::vector<Key> keys_of(TimeSection& section, system::Mass& mass);
+[[nodiscard]] std::vector<Key> keys_of(InitialVelocity& section);
 /// [damping]
 [[nodiscard]] std::vector<Key> damping_keys(system::DynamicsOptions& section);
 /// [air]

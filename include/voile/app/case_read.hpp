@@ -26,7 +26,9 @@ struct SectionPlace {
 class CaseReader {
  public:
   /// Throws UserError if the text is not TOML or has sections or keys outside sections that do not exist.
-  CaseReader(const std::string& text, const std::filesystem::path& file, const std::vector<Key>& top);
+  /// `settings`: see parse_case.
+  CaseReader(const std::string& text, const std::filesystem::path& file, const std::vector<Key>& top,
+             const std::vector<std::string>& settings);
   ~CaseReader();
   CaseReader(const CaseReader&) = delete;
   CaseReader& operator=(const CaseReader&) = delete;

@@ -14,6 +14,7 @@ enum class Verbosity { quiet, normal, verbose };
 
 struct RunOptions {
   std::filesystem::path output;   ///< folder of the results; created
+  bool overwrite = false;         ///< an earlier run in that folder may be replaced
   std::filesystem::path restart;  ///< results.h5 of an earlier run to go on from; empty: from the unloaded state
   int restart_step = -1;          ///< its step; negative: the last one
   Verbosity verbosity = Verbosity::normal;
@@ -27,9 +28,6 @@ void check(const Case& c);
 
 /// Sizes, groups, quality, partition balance and patch condition numbers of a mesh (.msh, .geo) or of a case's mesh.
 void info(const mesh::SurfaceMesh& mesh, const energy::ElementOptions& element);
-
-/// Prints what about the mesh does not suit the chosen operators. Not collective.
-void print_warnings(const mesh::SurfaceMesh& mesh, const energy::ElementOptions& element);
 
 /// Reads a mesh on rank 0 and distributes it. Collective. Throws UserError on every rank.
 [[nodiscard]] mesh::SurfaceMesh load_mesh(const std::filesystem::path& file, const io::MeshOptions& options);

@@ -1,4 +1,4 @@
-// The two kinds of failure that end a run. Non-convergence is neither: it is a value (see solve/).
+// The kinds of failure that end a run. Non-convergence is none of them: it is a value (see solve/).
 #pragma once
 
 #include <stdexcept>
@@ -17,6 +17,12 @@ class UserError : public std::runtime_error {
 
 /// A broken invariant or a failing library: the user cannot mend it in the input.
 class InternalError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// Memory that could not be had, on this rank at least.
+class OutOfMemory : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };

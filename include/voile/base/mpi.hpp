@@ -29,6 +29,9 @@ void broadcast_from(MPI_Comm comm, int root, std::string& text);
 [[nodiscard]] long sum(MPI_Comm comm, long value);
 [[nodiscard]] double max(MPI_Comm comm, double value);
 
+/// Smallest over the ranks, entry by entry, on every rank. Collective; every rank passes the same length.
+void min(MPI_Comm comm, std::vector<double>& values);
+
 /// Adds the arrays of all ranks into rank 0's. Collective; every rank passes the same length.
 void sum_to_root(MPI_Comm comm, std::vector<double>& values);
 

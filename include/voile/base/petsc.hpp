@@ -3,12 +3,32 @@
 
 #include <petscsnes.h>
 
+#include <exception>
 #include <utility>
 
 namespace voile::petsc {
 
-/// Throws InternalError with PETSc's text if `code` is not zero. Not collective.
+/// Throws if `code` is not zero: what a callback threw (see guarded), else UserError where PETSc refuses an option,
+/// else OutOfMemory or InternalError, each with PETSc's text. Not collective; options are the same on all ranks.
 void check(PetscErrorCode code, const char* where);
+
+/// From now on PETSc prints no error stack: `check` reports what went wrong. Once, after PetscInitialize.
+void collect_errors();
+
+/// Keeps the exception in flight for `check` and returns PETSc's code for it.
+[[nodiscard]] PetscErrorCode keep_exception() noexcept;
+
+/// Runs the work of a callback. An exception must not cross PETSc's C frames: it becomes an error code, and `check`
+/// throws it again, unchanged, once they are left.
+template <class Work>
+[[nodiscard]] PetscErrorCode guarded(Work&& work) noexcept {
+  try {
+    work();
+  } catch (...) {
+    return keep_exception();
+  }
+  return 0;
+}
 
 /// Owns one PETSc object; destroys it collectively on the object's communicator.
 template <class Object, PetscErrorCode (*destroy)(Object*)>
@@ -98,5 +118,5 @@ class EventScope {
 
 }  // namespace voile::petsc
 
-/// Calls a PETSc function and throws InternalError if it fails.
+/// Calls a PETSc function and throws if it fails, see petsc::check.
 #define VOILE_PETSC(call) ::voile::petsc::check((call), #call)

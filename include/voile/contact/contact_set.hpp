@@ -7,11 +7,14 @@
 // are there, and with the slip s = |T^T sum_i c_i (x_i - x_i^start)|
 //   D = sum mu N f0(s),   f0 = s - e/3 for s > e, else -s^3/(3 e^2) + s^2/e: Coulomb's force, smoothed below the slip
 //   e.
-// A sheet point's area enters with half its size where the other side has points of its own. Nothing here communicates:
-// every rank evaluates the pairs with an own point; energies count on the owner of the lowest sheet point.
-// Source: Li et al. 2020 and 2021 (barrier.hpp), with area weights.
+// The barrier of a pair begins at dh, or nearer while a start is let out (set_reaches) and between neighbours
+// (neighbours.hpp). A sheet point's area enters with half its size where the other side has points of its own. Nothing
+// here communicates: every rank evaluates the pairs with an own point; energies count on the owner of the lowest sheet
+// point. Source: Li et al. 2020 and 2021 (barrier.hpp), with area weights.
 #pragma once
 
+#include <algorithm>
+#include <cstdint>
 #include <functional>
 #include <optional>
 #include <string>
@@ -25,6 +28,7 @@ struct ContactOptions {
   double stiffness = 1e4;      ///< kappa [Pa]
   double slip_speed = 1e-3;    ///< below it friction is smoothed [m/s]
   double slip_distance = 0.0;  ///< the same per load step where there is no time [m]; 0: a thousandth of a cell
+  double settle_time = 0.1;    ///< in which a motion lets out what is nearer than `distance` at its start [s]
 };
 
 /// A half-space that only points can touch: n.x >= level + offset.
@@ -69,6 +73,18 @@ class ContactSet {
   using Carrier = std::function<Vec3(int body, const Vec3& place)>;
   /// Takes over how far surfaces have been carried along, e.g. by a spin that moves no point.
   void carry(const Carrier& displacement);
+
+  /// Barriers of pairs and planes with sheet point i begin at a gap of reach[i] at most [m]; empty: at the distance.
+  void set_reaches(std::vector<double> reach) { reach_ = std::move(reach); }
+  [[nodiscard]] const std::vector<double>& reaches() const { return reach_; }
+  /// What gives way: bit k of `points` (per sheet point; empty: nothing) says that the point does not see the bodies
+  /// with bit k in `bodies` (per body).
+  void set_yielding(std::vector<std::uint64_t> points, std::vector<std::uint64_t> bodies) {
+    yielding_ = std::move(points);
+    yield_bits_ = std::move(bodies);
+  }
+  /// The smallest gap of each sheet point over this rank's pairs, or the contact distance if that is less. [m]
+  [[nodiscard]] std::vector<double> smallest_gaps(const std::vector<Vec3>& x) const;
 
   /// Sum over the pairs this rank counts; infinite if one has no gap. [J]
   [[nodiscard]] double energy(const std::vector<Vec3>& x) const;
@@ -120,12 +136,30 @@ class ContactSet {
     for (int i = 0; i < 4; ++i) p[i] = pair.points[i] == no_index ? Vec3(Vec3::Zero()) : x[pair.points[i]];
     return p;
   }
-  [[nodiscard]] double offset(const Pair& p) const { return surface_.offset(p.body_a, p.body_b); }
+  [[nodiscard]] double offset(const Pair& p) const { return p.share * surface_.offset(p.body_a, p.body_b); }
+  /// Gap at which the barrier of a pair, or of a point against a plane, begins. [m]
+  [[nodiscard]] double reach(const Pair& p) const {
+    double gap = p.share * options_.distance;
+    if (reach_.empty()) return gap;
+    for (Index i : p.points)
+      if (i != no_index && surface_.is_sheet(i)) gap = std::min(gap, reach_[i]);
+    return gap;
+  }
+  [[nodiscard]] double reach(Index point) const { return reach_.empty() ? options_.distance : reach_[point]; }
   [[nodiscard]] double plane_gap(const Plane& p, Index point, const std::vector<Vec3>& x) const {
     return p.normal.dot(x[point]) - p.level - surface_.offset(p.body, surface_.body_of_point[point]);
   }
   [[nodiscard]] bool plane_acts(const Plane& p, Index point) const {
-    return surface_.rules[p.body][surface_.body_of_point[point]].touch;
+    return surface_.rules[p.body][surface_.body_of_point[point]].touch &&
+           (yielding_.empty() || !(yielding_[point] & yield_bits_[p.body]));
+  }
+  /// False if an obstacle gives way to a point of the pair.
+  [[nodiscard]] bool acts(const Pair& p) const {
+    if (yielding_.empty()) return true;
+    const std::uint64_t bits = yield_bits_[p.body_a] | yield_bits_[p.body_b];
+    return bits == 0 || std::none_of(p.points.begin(), p.points.end(), [&](Index i) {
+             return i != no_index && surface_.is_sheet(i) && (yielding_[i] & bits);
+           });
   }
   /// A point and a plane, as a pair of the point alone.
   [[nodiscard]] Pair plane_pair(const Plane& p, Index point) const {
@@ -143,6 +177,7 @@ class ContactSet {
   [[nodiscard]] bool near(const Pair& pair, const std::vector<Vec3>& x, double limit, Near& n) const {
     n.x = gather(pair, x);
     if (axis_distance(pair.kind, n.x) >= limit + offset(pair)) return false;  // most candidates
+    if (!acts(pair)) return false;
     n.closest = closest(pair.kind, n.x);
     n.gap = n.closest.distance - offset(pair);
     return n.gap < limit;
@@ -158,6 +193,8 @@ class ContactSet {
   std::vector<Box> boxes_;
   std::vector<Pair> pairs_;
   std::vector<Sliding> sliding_;
+  std::vector<double> reach_;
+  std::vector<std::uint64_t> yielding_, yield_bits_;
   double slip_ = 1.0;
   bool slips_known_ = false;
 };
@@ -174,7 +211,7 @@ void ContactSet::hessian(const std::vector<Vec3>& x, bool positive, Emit&& emit)
   Near n;
   Mat12 h;
   for (const Pair& pair : pairs_) {
-    if (!near(pair, x, options_.distance, n)) continue;
+    if (!near(pair, x, reach(pair), n)) continue;
     pair_hessian(pair, n, positive, h);
     for (int i = 0; i < 4; ++i) {
       if (pair.points[i] == no_index || !surface_.is_sheet(pair.points[i])) continue;
@@ -186,11 +223,10 @@ void ContactSet::hessian(const std::vector<Vec3>& x, bool positive, Emit&& emit)
   for (const Plane& p : planes_)
     for (Index i : own_points_) {
       if (!plane_acts(p, i)) continue;
-      const double g = plane_gap(p, i, x);
-      if (g < options_.distance)
+      const double g = plane_gap(p, i, x), d = reach(i);
+      if (g < d)
         emit(i, i,
-             Mat3(options_.stiffness * surface_.area[i] * barrier(g, options_.distance).second * p.normal *
-                  p.normal.transpose()));
+             Mat3(options_.stiffness * surface_.area[i] * barrier(g, d).second * p.normal * p.normal.transpose()));
     }
   for (const Sliding& s : sliding_) {
     const Vec2 r = s.tangents.transpose() * slip_of(s, x);

@@ -5,6 +5,8 @@
 // offset is then the radius. A body is an obstacle or a part of the sheet that has rules of its own.
 #pragma once
 
+#include <array>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -36,6 +38,13 @@ struct Face {
   int body = 0;
 };
 
+/// Pairs of neighbours of the sheet, see neighbours.hpp.
+struct Neighbours {
+  std::vector<char> concerned;  ///< per sheet point: it is in such a pair; empty: there are none
+  /// Share of offset and contact distance that holds, by the points of a pair: of points and triangles, of edges.
+  std::map<std::array<Index, 4>, double> of_faces, of_edges;
+};
+
 struct Surface {
   Index sheet_points = 0;  ///< how many points are the mesh's
   std::vector<Vec3> rest;  ///< positions at the start [m]
@@ -48,6 +57,7 @@ struct Surface {
   std::vector<double> face_area;  ///< [m^2]
   std::vector<Body> bodies;
   std::vector<std::vector<Rule>> rules;  ///< symmetric table by body
+  Neighbours neighbours;
 
   [[nodiscard]] Index points() const { return static_cast<Index>(rest.size()); }
   [[nodiscard]] bool is_sheet(Index point) const { return point < sheet_points; }

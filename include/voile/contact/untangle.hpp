@@ -11,6 +11,9 @@
 //              E of the edge, N of the triangle, R_k of the line into each face of the edge, relative to the triangle
 //              along  G = sum_k R_k - (E.R_k)/(E.N) N
 //   gaps       once nothing intersects, pairs that are too near are pushed apart
+//   coincident pieces of the sheet that lie exactly in one another have no sides: the later one in the mesh goes half
+//   the
+//              distance along the normal of the earlier one, which goes half the other way
 // Sources: Baraff, Witkin, Kass, Untangling Cloth, ACM TOG 22 (2003); Volino, Magnenat-Thalmann, Resolving surface
 // collisions through intersection contour minimization, ACM TOG 25 (2006).
 #pragma once
@@ -50,6 +53,9 @@ using FindIntersections = std::function<std::vector<std::pair<Index, Index>>(con
 [[nodiscard]] UntangleResult untangle(const Surface& surface, const std::vector<Plane>& planes,
                                       const std::vector<Mat3>& free, const FindIntersections& find,
                                       const UntangleOptions& options, std::vector<Vec3>& x);
+
+/// Whether every directed edge of the triangles has its reverse exactly once, so that inside has a meaning.
+[[nodiscard]] bool is_closed(const std::vector<mesh::Triangle>& triangles);
 
 /// How often triangles wind around a point: 1 inside a closed surface with normals outwards, 0 outside, the share of
 /// the solid angle for an open one. Not collective.

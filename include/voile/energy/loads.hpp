@@ -19,11 +19,17 @@ namespace voile::energy {
 class FollowerTerm {
  public:
   /// Pressure [Pa] at load factor 1 on the triangle with these local points.
-  void add_pressure(const std::array<Index, 3>& points, double pressure, bool constant, bool owned);
+  void add_pressure(const std::array<Index, 3>& points, double pressure, int factor, bool owned);
   /// Moment per rest length [N] on side (points[0], points[1]) with interior vertex points[2].
-  void add_moment(const std::array<Index, 3>& points, double moment, double rest_length, bool constant, bool owned);
-  /// Load factor by which loads that are not constant are multiplied.
-  void set_load_factor(double factor) { load_factor_ = factor; }
+  void add_moment(const std::array<Index, 3>& points, double moment, double rest_length, int factor, bool owned);
+  /// Factors by number: 0 the load factor, 1 that of constant loads, more with a history of their own.
+  static constexpr int load_factor = 0, constant = 1;
+  /// Number of a new factor.
+  [[nodiscard]] int add_factor() {
+    factors_.push_back(0.0);
+    return static_cast<int>(factors_.size()) - 1;
+  }
+  void set_factor(int number, double value) { factors_[static_cast<std::size_t>(number)] = value; }
 
   [[nodiscard]] Index size() const { return static_cast<Index>(elements_.size()); }
   [[nodiscard]] const Index* stencil(Index e) const { return elements_[e].points.data(); }
@@ -52,15 +58,18 @@ class FollowerTerm {
   struct Element {
     std::array<Index, 3> points;
     double value;  ///< pressure, or moment times rest length
-    bool is_moment, constant, owned;
+    bool is_moment, owned;
+    int factor;
   };
-  [[nodiscard]] double scaled(const Element& el) const { return el.constant ? el.value : load_factor_ * el.value; }
+  [[nodiscard]] double scaled(const Element& el) const {
+    return factors_[static_cast<std::size_t>(el.factor)] * el.value;
+  }
   [[nodiscard]] std::array<Vec3, 3> force(const Element& el, const Configuration& c) const;
   /// k[i][j] = d f_i / d x_j.
   void stiffness(const Element& el, const Configuration& c, std::array<std::array<Mat3, 3>, 3>& k) const;
 
   std::vector<Element> elements_;
-  double load_factor_ = 1.0;
+  std::vector<double> factors_{1.0, 1.0};
 };
 
 }  // namespace voile::energy

@@ -14,14 +14,23 @@
 
 namespace voile::energy {
 
+/// A layer through the thickness, for stresses.
+struct Layer {
+  double low = 0.0, high = 0.0;   ///< distances from the middle along the normal [m]
+  Mat3 stiffness = Mat3::Zero();  ///< plane stress Q in material axes [Pa]
+};
+
 struct Material {
   std::vector<std::string> groups;  ///< surface groups it covers; empty: every triangle not covered by another
   Mat3 membrane = Mat3::Zero();     ///< A [N/m]
   Mat3 bending = Mat3::Zero();      ///< D [N m]
   double areal_density = 0.0;       ///< rho_s [kg/m^2]
+  std::vector<Layer> layers{};      ///< from the lowest up; empty where the inside is not known
   /// Direction of material axis 1 in space, projected into each triangle. Without it the axis is arbitrary, which only
   /// an isotropic material allows.
   std::optional<Vec3> direction;
+  /// The same in the texture coordinates (u, v) of the mesh, for garments cut from flat pieces; instead of `direction`.
+  std::optional<Vec2> texture_direction;
 };
 
 /// A and D of an isotropic plate. E [Pa], nu, h [m].
@@ -42,6 +51,7 @@ struct LaminateStiffness {
   Mat3 coupling = Mat3::Zero();  ///< B [N]
   Mat3 bending = Mat3::Zero();   ///< D [N m]
   double thickness = 0.0;        ///< of the stack [m]
+  std::vector<Layer> layers;
 };
 /// `ply_stiffness` is that of the ply's material in its own axes per thickness [Pa]; plies from the lowest z up.
 [[nodiscard]] LaminateStiffness laminate(const Mat3& ply_stiffness, const std::vector<Ply>& plies);

@@ -12,12 +12,29 @@ namespace voile::energy {
 /// Which material covers which triangle. Throws UserError for triangles covered by none or by two materials.
 [[nodiscard]] std::vector<int> assign_materials(const mesh::SurfaceMesh& mesh, const std::vector<Material>& materials);
 
-/// References patches and materials, which must outlive it.
+/// Material axis 1 where it is not the projection of the material's direction: from texture coordinates, or where the
+/// direction is nearly normal to the triangle (within 3 degrees) continued from neighbours of the same material,
+/// unfolded across their common side.
+struct MaterialAxes {
+  std::vector<Vec3> of;  ///< per triangle, zero: project the material's direction; empty: all do
+  Index continued = 0;   ///< triangles that take it from neighbours
+};
+
+/// Throws UserError where a material has a direction in texture coordinates but the mesh has none, and where a whole
+/// connected part of a material is normal to its direction.
+[[nodiscard]] MaterialAxes material_axes(const mesh::SurfaceMesh& mesh, const std::vector<Material>& materials,
+                                         const std::vector<int>& material_of);
+
+/// References patches and materials, which must outlive it. Throws as material_axes() does.
 class Sheet {
  public:
   Sheet(const mesh::PatchMesh& patches, const std::vector<Material>& materials, std::vector<int> material_of,
         const ElementOptions& options)
-      : patches_(&patches), materials_(&materials), material_of_(std::move(material_of)), options_(options) {}
+      : patches_(&patches),
+        materials_(&materials),
+        material_of_(std::move(material_of)),
+        axes_(material_axes(patches.mesh(), materials, material_of_)),
+        options_(options) {}
 
   [[nodiscard]] const mesh::PatchMesh& patches() const { return *patches_; }
   [[nodiscard]] const mesh::SurfaceMesh& mesh() const { return patches_->mesh(); }
@@ -26,12 +43,18 @@ class Sheet {
   [[nodiscard]] int material_index(Index t) const { return material_of_[t]; }
   [[nodiscard]] const Material& material(Index t) const { return (*materials_)[material_of_[t]]; }
   /// Material axes of triangle t; stresses and curvatures refer to them.
-  [[nodiscard]] mesh::Frame frame(Index t) const { return patches_->frame(t, material(t).direction); }
+  [[nodiscard]] mesh::Frame frame(Index t) const {
+    const bool own = !axes_.of.empty() && axes_.of[static_cast<std::size_t>(t)] != Vec3::Zero();
+    return patches_->frame(t, own ? std::optional<Vec3>(axes_.of[static_cast<std::size_t>(t)]) : material(t).direction);
+  }
+  /// Triangles whose material axis is continued from neighbours.
+  [[nodiscard]] Index continued_axes() const { return axes_.continued; }
 
  private:
   const mesh::PatchMesh* patches_;
   const std::vector<Material>* materials_;
   std::vector<int> material_of_;
+  MaterialAxes axes_;
   ElementOptions options_;
 };
 

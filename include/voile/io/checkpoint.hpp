@@ -15,6 +15,11 @@ struct Checkpoint {
   std::vector<double> displacement;    ///< [m]
   std::vector<double> velocity;        ///< [m/s]
   std::vector<double> acceleration;    ///< [m/s^2]; empty: to be found from the equations
+  /// Smallest gap of each vertex where contact is let out from, and since when; empty: nothing is let out.
+  std::vector<double> contact_gaps{};  ///< [m]
+  double contact_start = 0.0;          ///< [s]
+  /// Obstacles that give way to each vertex, see system::ContactMemory; empty: none.
+  std::vector<double> yielding{};
 };
 
 /// Replaces the file in one step: a kill leaves the old or the new one. Not collective: root only. Throws UserError.

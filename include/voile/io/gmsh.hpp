@@ -14,6 +14,9 @@ struct MeshOptions {
   double size = 0.0;                         ///< uniform target edge length [m in file units]; 0: as the .geo says
   int algorithm = 0;                         ///< Gmsh's 2-D algorithm number; 0: as the .geo says
   double scale = 1.0;                        ///< file coordinates are multiplied by this to become metres
+  bool merge = false;                        ///< make one of vertices that coincide (mesh/coincident.hpp)
+  bool allow_system_call = false;            ///< let a .geo run programs and write files (geo_safety.hpp)
+  double merge_tolerance = 0.0;              ///< how close they must lie [m]; 0: mesh::default_merge_tolerance()
 };
 
 /// Reads (or generates) a triangle mesh. Not collective: call on one rank. The surface is every triangle of the file;

@@ -44,6 +44,8 @@ class PointCache {
   /// Times of the first and last key frame [s].
   [[nodiscard]] double start() const;
   [[nodiscard]] double end() const;
+  /// Largest size of a coordinate in all key frames [m].
+  [[nodiscard]] double largest_coordinate() const;
   /// Positions at a time [s], in the order of the file [m]; the caller owns them.
   /// Throws UserError if the file has gone or changed its length since it was opened.
   [[nodiscard]] std::vector<Vec3> positions(double time) const;

@@ -48,7 +48,8 @@ struct ObstacleTriangles {
 /// With obstacles also obstacles.xdmf, /obstacles/{names,triangles,obstacle,positions} in results.h5 and, if they move,
 /// /steps/<nnnnnn>/obstacle_positions. Their positions are single precision: they are looked at, not computed with.
 ///
-/// A process killed at any moment, inside write() too, leaves all steps readable whose write() had returned: every file
+/// A process killed at any moment, inside write() too, leaves all steps readable whose write() had returned, the latest
+/// of them perhaps in steps/ only: naming each step at once would cost as much as there are steps. Every file
 /// is written under another name and then renamed. (One growing HDF5 file would not do: a kill while HDF5 updates its
 /// index makes the whole file unreadable, about once in a hundred kills during a write.) Nothing is forced to the disk,
 /// so a power failure can lose the latest steps.
@@ -61,8 +62,14 @@ class ResultsWriter {
   ResultsWriter(ResultsWriter&&) noexcept;
   ResultsWriter& operator=(ResultsWriter&&) noexcept;
 
-  /// Adds one step; all files are closed and readable when it returns. Throws UserError if the disk is full.
+  /// Groups whose names HDF5 paths do not allow, as "name -> path".
+  [[nodiscard]] std::vector<std::string> renamed_groups() const;
+  /// Adds one step; all files are closed and readable when it returns. Beyond 64 steps results.h5 and
+  /// results.xdmf name it after two seconds at the latest, once further steps come, or by finish(). Throws UserError if
+  /// the disk is full.
   void write(const StepFields& step);
+  /// Makes results.h5 and results.xdmf name every step. The destructor does so too, but tells nobody if it cannot.
+  void finish();
 
  private:
   struct Impl;

@@ -35,6 +35,10 @@ struct MeshData {
   std::vector<Group> groups;
   std::vector<std::size_t> vertex_tags;    ///< number of each vertex in the file, for messages
   std::vector<std::size_t> triangle_tags;  ///< number of each triangle in the file, for messages
+  /// Texture coordinates of each corner, where the file has them: the flat piece that a garment is cut from. Empty:
+  /// none.
+  std::vector<std::array<Vec2, 3>> texture;
+  std::vector<std::string> notes;  ///< what the reader changed or made up, for the user; on the rank that read
 };
 
 /// Immutable, oriented, manifold triangulation with boundary. Replicated on every rank.

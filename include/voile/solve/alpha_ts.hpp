@@ -42,6 +42,9 @@ struct AlphaStage {
   PetscReal time, s_v, s_a, a_f;
 };
 
+/// Back to the start of a step that an exception ended.
+void abandon_step(TS ts);
+
 /// Makes the type known to PETSc; once per process is enough.
 void register_alpha_ts();
 /// Callbacks are copied.

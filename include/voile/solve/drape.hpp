@@ -2,7 +2,9 @@
 //
 // Pseudo-transient continuation (newton.hpp) finds an equilibrium; the negative pivots of its exact tangent say whether
 // it is stable. An unstable one (a flat sheet, a symmetric fold) is left along its lowest mode and the search goes on.
-// What is returned as converged is at rest by definition: no inertia is involved.
+// Without contact and from the unloaded state the cheap way comes first: a few load steps of Newton's method, which
+// count if no tangent on the way is indefinite. What is returned as converged is at rest by definition: no inertia is
+// involved.
 #pragma once
 
 #include <functional>

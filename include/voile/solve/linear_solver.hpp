@@ -13,6 +13,10 @@
 
 namespace voile::solve {
 
+/// Throws UserError if INFOG(1) of MUMPS says that memory was lacking; `size` is INFOG(2). Both are the same on all
+/// ranks.
+void check_mumps_memory(int error, int size);
+
 class LinearSolver {
  public:
   /// The model must outlive the solver. Call `set_defaults`, the KSP's options, then `prepare`.

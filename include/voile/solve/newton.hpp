@@ -43,6 +43,8 @@ class Newton {
   [[nodiscard]] NewtonResult step(Vec a);
   /// The same by pseudo-transient continuation. Collective.
   [[nodiscard]] NewtonResult continuation(Vec a, int max_iterations = 300);
+  /// Called on every rank every few iterations of continuation with its number and |r|/f.
+  void on_progress(std::function<void(int iteration, double residual)> progress);
   /// Begins a load step at state `a`: friction of contact acts against slips from here. Collective.
   void start_friction(Vec a);
   /// Solves again with friction that fits the state, until it does; `solve` is step or continuation. Collective.

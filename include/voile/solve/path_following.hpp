@@ -28,11 +28,19 @@ class PathFollower : public PathBase {
   PathFollower(system::Model& model, StaticOptions options, Vec probe);
   ~PathFollower();
 
-  /// Follows the path from `a` at start.load_factor. Collective. `a` ends at the last accepted state.
+  /// Follows the path from `a` at start.load_factor. Collective. `a` ends at the last accepted state, after a
+  /// signal too (see base/interrupt.hpp).
   [[nodiscard]] PathResult run(Vec a, const PathStart& start = {});
 
  private:
   struct Impl;
+  /// How the next step is tried.
+  struct Walk {
+    double unit;    ///< length of the step whose size is 1
+    double length;  ///< of the next step
+    bool branching, may_branch;
+  };
+  [[nodiscard]] bool advance(Vec a, Walk& w);
   std::unique_ptr<Impl> impl_;
 };
 

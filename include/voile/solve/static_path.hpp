@@ -86,11 +86,16 @@ class PathBase {
 class StaticPath : public PathBase {
  public:
   using PathBase::PathBase;
-  /// Follows the path from `a` at start.load_factor. Collective. `a` ends at the last accepted state.
+  /// Follows the path from `a` at start.load_factor. Collective. `a` ends at the last accepted state, after a signal
+  /// too (see base/interrupt.hpp).
   [[nodiscard]] PathResult run(Vec a, const PathStart& start = {});
 
  private:
+  struct Walk;
   [[nodiscard]] double next_target(double from, double step) const;
+  [[nodiscard]] bool is_final(double factor) const;
+  [[nodiscard]] bool advance(Walk& w, Vec a);
+  [[nodiscard]] bool halve(Walk& w, Vec a, const NewtonResult& n, double target, double taken);
 };
 
 }  // namespace voile::solve

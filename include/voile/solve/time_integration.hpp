@@ -41,9 +41,10 @@ struct TimeReport {
 
 struct TimeResult {
   bool completed = false;
-  bool stopped = false;  ///< by the observer
+  bool stopped = false;  ///< by the observer, or by a signal (then with a reason)
   int steps = 0, newton_iterations = 0, factorisations = 0, rejections = 0;
-  TimeState state;  ///< the last accepted one; vectors null
+  TimeState state;      ///< the last accepted one; vectors live as long as the TimeIntegration
+  NewtonResult newton;  ///< of the last accepted step
   std::string reason;
 };
 

@@ -21,8 +21,12 @@ struct Support {
   std::string group;  ///< point, curve or surface group; clamped: curve or surface (all of it held); symmetry: curve
   Kind kind = Kind::displacement;
   std::array<bool, 3> components{false, false, false};  ///< displacement only: which of x, y, z
-  Vec3 value = Vec3::Zero();                            ///< displacement at load factor 1 [m]
-  std::optional<Vec3> normal;                           ///< symmetry: normal of the plane; absent: found from the group
+  Vec3 value = Vec3::Zero();                            ///< displacement at load factor 1, in the axes below [m]
+  /// displacement only: own axes x, y (made square to x) and z = x cross y; or x radial, y circumferential and z along
+  /// the axis of a cylinder, at each vertex's rest position. Absent: the global axes.
+  std::optional<Vec3> x_axis, y_axis, cylinder_axis;
+  Vec3 cylinder_centre = Vec3::Zero();  ///< a point on that axis [m]
+  std::optional<Vec3> normal;           ///< symmetry: normal of the plane; absent: found from the group
   double release = std::numeric_limits<double>::infinity();  ///< time at which it lets go [s]
   /// Displacement [m] of the vertex with rest position X at time t [s], added to `value`; empty: none.
   std::function<Vec3(const Vec3& rest, double time)> motion;
@@ -43,6 +47,28 @@ struct Load {
   Vec3 vector = Vec3::Zero();  ///< point, line, area, gravity, at load factor 1
   double magnitude = 0.0;      ///< pressure, follower_pressure, follower_moment, at load factor 1
   bool constant = false;       ///< true: acts in full at every load factor (e.g. dead weight)
+  /// Factor at time t [s] in place of the load factor; empty: none. The text it was written as, for the echo of a case.
+  std::function<double(double time)> history;
+  std::string history_text;
+};
+
+/// Mass at vertices, besides that of the sheet. It has weight where gravity acts on the whole model or on its group.
+struct PointMass {
+  std::string group;
+  double mass = 0.0;  ///< of each vertex of the group [kg]
+};
+
+/// Linear springs from vertices to where they are at rest.
+struct Spring {
+  enum class Kind {
+    point,  ///< on every vertex of the group [N/m]
+    line,   ///< per rest length of a curve group [N/m^2]
+    area    ///< per rest area, an elastic foundation [N/m^3]
+  };
+  Kind kind = Kind::point;
+  std::string group;  ///< empty: the whole surface (area)
+  double stiffness = 0.0;
+  std::optional<Vec3> direction;  ///< acts along this direction only; absent: in all
 };
 
 }  // namespace voile::system

@@ -6,6 +6,7 @@
 // its vertices, so that its rows are complete without communication.
 #pragma once
 
+#include <array>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -34,6 +35,8 @@ struct Obstacle {
   std::function<Vec3(const Vec3& rest, double time)> motion;
   /// Deforming mesh: positions of `points` at time t, instead of `motion`.
   std::function<std::vector<Vec3>(double time)> frames;
+  /// Gives way to cloth that it pinches: see Contact::make_way.
+  bool yields = false;
 };
 
 /// An exception to the rules between two bodies: obstacles, or surface groups of the mesh.
@@ -60,6 +63,15 @@ struct ContactReport {
   std::string nearest;                                   ///< the pair with the smallest gap, in words; on every rank
 };
 
+/// What contact carries from step to step besides positions, alike on all ranks.
+struct ContactMemory {
+  /// How a start nearer than the contact distance is let out: smallest gap of each vertex then [m]; empty: not at all.
+  std::vector<double> gaps;
+  double start = 0.0;  ///< [s]
+  /// Which obstacles give way to each vertex: a sum of 2^k over them, k their number; empty: none do.
+  std::vector<double> yielding;
+};
+
 class Contact {
  public:
   /// The mesh must outlive it. Collective. Throws UserError for unknown names in rules, a contact distance that is too
@@ -74,6 +86,13 @@ class Contact {
   /// Takes normal forces and directions of friction from state a, slips still counted from the start of the step.
   /// Collective.
   void lag_friction(Vec a);
+  /// Begins a motion at state a and time t. What is nearer than the contact distance would be thrown away: pairs with a
+  /// point begin to act at the point's smallest gap, so that nothing does at first, and from there at a distance that
+  /// grows to the whole one within options.settle_time. Collective.
+  void begin_settling(Vec a, double time);
+  [[nodiscard]] const ContactMemory& memory() const { return memory_; }
+  /// Takes over where another contact of the same mesh, or a checkpoint, was. Not collective.
+  void restore(ContactMemory memory);
   [[nodiscard]] bool has_friction() const { return set_->has_friction(); }
 
   /// Energy of contact and friction, the same on every rank; infinite if something touches. Collective. [J]
@@ -91,12 +110,21 @@ class Contact {
   [[nodiscard]] double safe_share(Vec a, Vec da);
   /// Changes the free components of `to` until the way is free: whoever would be hit is carried along by what hits it.
   /// `to` then is a safe place to go to from `from` while the obstacles go from time t0 to t1; false if none is found.
-  /// Sets the time to t1. Collective.
-  [[nodiscard]] bool make_way(Vec from, double t0, Vec to, double t1);
+  /// Sets the time to t1. If `may_yield` and obstacles that yield are in the way, vertices that cannot evade them do
+  /// not see them from now on, until their triangles are free of the obstacle again by the contact distance at the
+  /// start of a step. Collective.
+  [[nodiscard]] bool make_way(Vec from, double t0, Vec to, double t1, bool may_yield = false);
+  [[nodiscard]] bool has_yielding_obstacles() const;
+  /// How many vertices some obstacle gives way to.
+  [[nodiscard]] long yielding_count() const;
+  /// Whether an obstacle gives way to a vertex of this triangle of the sheet.
+  [[nodiscard]] bool gives_way(const std::array<Index, 3>& triangle, int body) const;
   /// The pair that stood in the way last, in words. Collective result.
   [[nodiscard]] const std::string& obstruction() const { return obstruction_; }
 
   [[nodiscard]] ContactReport report(Vec a);
+  /// What a user should know of the mesh and the contact distance.
+  [[nodiscard]] const std::vector<std::string>& notes() const { return notes_; }
   [[nodiscard]] const contact::Surface& surface() const { return set_->surface(); }
   /// Positions of all points, the obstacles' at the time in force; on every rank. Collective.
   [[nodiscard]] std::vector<Vec3> positions(Vec a) const;
@@ -119,7 +147,21 @@ class Contact {
   [[nodiscard]] Vec3 common_motion(const contact::Pair& pair, const std::vector<Vec3>& start,
                                    const std::vector<Vec3>& end, const std::vector<contact::Plane>& planes,
                                    const std::vector<contact::Plane>& planes_end) const;
-  void check_room(const mesh::SurfaceMesh& mesh) const;
+  /// Whether neighbours must be exempt; notes which. Throws UserError if that holds for much of the mesh.
+  [[nodiscard]] bool lacks_room(const mesh::SurfaceMesh& mesh);
+  /// Puts the reach of barriers where it is at the time in force.
+  void settle();
+  /// One attempt of make_way.
+  [[nodiscard]] bool find_way(Vec from, double t0, Vec to, double t1);
+  void note_blocked(const contact::Pair& pair);
+  /// Lets obstacles give way to what find_way found blocked; false if none of them does. Collective.
+  bool yield_to_blocked();
+  /// Begins to let out, from state a, what obstacles have come to give way to since `before`. Collective.
+  void let_out_yielding(Vec a, double time, const std::vector<double>& before);
+  /// Vertices that are free again see the obstacles again.
+  void end_yielding(const std::vector<Vec3>& x);
+  [[nodiscard]] bool is_free(const mesh::Triangle& t, std::size_t obstacle, const std::vector<Vec3>& x) const;
+  void tell_yielding();
   [[nodiscard]] int body(const std::string& name) const;
   void cover(const std::vector<Vec3>& from, const std::vector<Vec3>& to);
   void fill_positions(Vec a, std::vector<Vec3>& x) const;
@@ -150,6 +192,9 @@ class Contact {
   double slip_ = 1.0;
   double time_ = 0.0, start_time_ = 0.0;
   std::string obstruction_;
+  ContactMemory memory_;
+  std::vector<double> blocked_;  ///< as ContactMemory::yielding, for what the last attempt found in its way
+  std::vector<std::string> notes_;
 };
 
 }  // namespace voile::system

@@ -4,6 +4,7 @@
 //           u_v   = Q_v a_v displacement;  mirror points follow from the vertices (see patch.hpp)
 //           lambda  load factor;  f_d dead loads that follow it, f_c constant ones                              [N]
 //           K_b   constant bending stiffness, assembled once and copied into each tangent                       [N/m]
+//                 (with the springs, which are constant too)
 //           E_b    bending of curved rest shapes beyond K_b;  E_k contact and friction (contact.hpp)            [J]
 //   r(a)  = K_b a + dE_m/da + dE_b/da + dE_k/da - lambda f_d - f_c - f_follower(a, lambda)       free components
 //   r_i   = a_i - lambda abar_i - motion_i(t)                                           fixed components
@@ -36,12 +37,15 @@ struct ModelInput {
   std::vector<Support> supports;
   std::vector<Load> loads;
   ContactInput contact;
+  std::vector<PointMass> masses = {};
+  std::vector<Spring> springs = {};
 };
 
 struct Energies {
   double membrane = 0.0, bending = 0.0;  ///< [J]
   double external = 0.0;                 ///< work potential of dead loads, -f.u [J]
   double contact = 0.0;                  ///< barriers and lagged friction [J]
+  double springs = 0.0;                  ///< [J]
 };
 
 /// Fields per triangle in material axes, row-major, mesh order, gathered on rank 0.
@@ -92,7 +96,7 @@ class Model {
   /// Load factor of all later evaluations.
   void set_load_factor(double factor);
   [[nodiscard]] double load_factor() const { return load_factor_; }
-  /// Time of all later evaluations: supports with a motion go where they are then.
+  /// Time of all later evaluations: supports with a motion go where they are then, loads with a history change.
   void set_time(double time);
   /// Sets the fixed components of a to their prescribed values. Collective.
   void enforce_supports(Vec a) const;
@@ -200,12 +204,15 @@ class Model {
   void number_points(Build& build);
   [[nodiscard]] BlockPattern make_pattern(const Build& build) const;
   void add_elements(Build& build);
-  void assemble_bending(Build& build);
+  void assemble_bending(Build& build, const std::vector<Spring>& springs);
   void make_vectors();
   [[nodiscard]] Eliminated find_eliminated_entries(const BlockMatrix& matrix) const;
-  void build_loads(const std::vector<Load>& loads);
+  void build_loads(const std::vector<Load>& loads, const std::vector<PointMass>& masses);
+  [[nodiscard]] Vec force_of(const Load& load);
+  void add_springs(const std::vector<Spring>& springs, const BlockMatrix::Values& values);
+  [[nodiscard]] double spring_energy(Vec a) const;
   void add_follower(const Load& load);
-  void build_mass();
+  void build_mass(const std::vector<PointMass>& masses);
   void extend_tangent(BlockPattern pattern);
 
   MPI_Comm comm_;
@@ -260,7 +267,21 @@ class Model {
   };
   std::vector<Support> supports_;
   std::vector<Mover> movers_;
-  std::vector<PetscInt> fixed_;  ///< owned fixed unknowns, counted from the first of this rank
+  struct TimedLoad {  ///< with a history of its own
+    std::function<double(double)> history;
+    int factor;  ///< number among the follower term's
+    petsc::VecHandle force;
+  };
+  std::vector<TimedLoad> timed_;
+  petsc::VecHandle always_;  ///< the part of constant_ that does not change with time
+  struct NodalSpring {
+    Index vertex;    ///< owned, local
+    Mat3 stiffness;  ///< in the vertex's own axes [N/m]
+  };
+  std::vector<NodalSpring> springs_;
+  bool any_spring_ = false;
+  std::vector<std::pair<Index, double>> masses_;  ///< of owned vertices, besides the sheet's [kg]
+  std::vector<PetscInt> fixed_;                   ///< owned fixed unknowns, counted from the first of this rank
   bool has_coupling_ = false, has_prescribed_ = false;
   double load_factor_ = 0.0, force_scale_ = 0.0, total_area_ = 0.0;
 };

@@ -1,0 +1,25 @@
+# Completion of voile's commands and options for bash.
+_voile() {
+  local word="${COMP_WORDS[COMP_CWORD]}" previous="${COMP_WORDS[COMP_CWORD - 1]}" command="" options i
+  for ((i = 1; i < COMP_CWORD; ++i)); do
+    case "${COMP_WORDS[i]}" in run | check | info | reference | init) command="${COMP_WORDS[i]}" ;; esac
+  done
+  case "$previous" in
+    --output) mapfile -t COMPREPLY < <(compgen -d -- "$word") && return ;;
+    --restart) mapfile -t COMPREPLY < <(compgen -f -X '!*.h5' -- "$word"; compgen -d -- "$word") && return ;;
+    --analysis) mapfile -t COMPREPLY < <(compgen -W "static linear modal buckling dynamic drape" -- "$word") && return ;;
+  esac
+  case "$command" in
+    run) options="--output --overwrite --restart --restart-step --set --allow-system-call --quiet --verbose --help" ;;
+    check | info) options="--set --allow-system-call --help" ;;
+    reference) options="--schema --help" ;;
+    init) options="--analysis --help" ;;
+    *) options="run check info reference init --help --version" ;;
+  esac
+  if [[ "$word" == -* || -z "$command" ]]; then
+    mapfile -t COMPREPLY < <(compgen -W "$options" -- "$word")
+  else
+    mapfile -t COMPREPLY < <(compgen -f -X '!*.@(toml|msh|geo)' -- "$word"; compgen -d -- "$word")
+  fi
+}
+complete -o filenames -F _voile voile

@@ -1,0 +1,21 @@
+// Work on foreign data in a process of its own: what crashes there does not take the program with it.
+#pragma once
+
+#include <functional>
+#include <string>
+
+namespace voile {
+
+/// Runs `work` in a forked child process and returns the bytes that it made; they may be of any length.
+/// The child has neither standard output nor the parent's signal handlers, gets half of the memory that the
+/// machine has available, must not call MPI and ends without cleaning up. `file` is what it reads, for messages.
+/// Throws UserError: what `work` threw as such; and if the child runs out of memory, dies of a signal or ends without a
+/// result, that the file is damaged or too large. Other exceptions of `work` become UserErrors too: a foreign file made
+/// its reader fail. With VOILE_READ_HERE in the environment the work is done in this process, for debuggers and
+/// sanitizers. Throws InternalError if no process can be started. Not collective.
+[[nodiscard]] std::string run_in_child(const std::string& file, const std::function<std::string()>& work);
+
+/// The same for work whose result is not needed: whether it can be done at all. What passes is then done again here.
+void try_in_child(const std::string& file, const std::function<void()>& work);
+
+}  // namespace voile

@@ -1,0 +1,18 @@
+// Rigid-body motions that nothing holds, said to the user; private to src/app.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "voile/app/case.hpp"
+#include "voile/system/model.hpp"
+
+namespace voile::app {
+
+/// Notes about pieces that the supports do not hold, for the user; empty if all are held. Not collective: the same on
+/// every rank.
+/// Throws UserError where no equilibrium can be unique: free translations in statics without contact, and any free
+/// motion with analysis = "linear" or "buckling".
+[[nodiscard]] std::vector<std::string> check_free_motions(const Case& c, const system::Model& model);
+
+}  // namespace voile::app

@@ -1,0 +1,43 @@
+// What is said of a mesh before anything is computed on it; private to src/app.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "voile/app/case.hpp"
+#include "voile/base/mpi.hpp"
+#include "voile/energy/element_options.hpp"
+#include "voile/mesh/surface_mesh.hpp"
+
+namespace voile::app {
+
+/// One value per triangle, on rank 0.
+struct MeshQuality {
+  std::vector<double> angle;               ///< smallest [degree]
+  std::vector<double> aspect, unevenness;  ///< see mesh/quality.hpp
+  std::vector<double> condition;           ///< of the six-point fit (energy/curvature.hpp)
+  std::vector<double> area;                ///< [m^2]
+};
+
+/// Measured by all ranks, each a part of the triangles. Collective.
+[[nodiscard]] MeshQuality measure_quality(MPI_Comm comm, const mesh::SurfaceMesh& mesh,
+                                          const energy::ElementOptions& element);
+
+/// The lines "worst angle, aspect, condition" with places and a verdict.
+[[nodiscard]] std::string quality_text(const mesh::SurfaceMesh& mesh, const MeshQuality& quality,
+                                       const energy::ElementOptions& element);
+
+/// What of it spoils results or convergence, with cause, place and remedy; empty for a good mesh.
+[[nodiscard]] std::vector<std::string> quality_warnings(const mesh::SurfaceMesh& mesh, const MeshQuality& quality,
+                                                        const energy::ElementOptions& element);
+
+/// What is legal but perhaps not meant: vertices that coincide, vertices that were merged.
+[[nodiscard]] std::vector<std::string> mesh_notes(const mesh::SurfaceMesh& mesh);
+
+/// What was made up about the materials' directions.
+[[nodiscard]] std::vector<std::string> sheet_notes(const energy::Sheet& sheet);
+
+/// "(x, y, z)" with four digits.
+[[nodiscard]] std::string place_text(const Vec3& x);
+
+}  // namespace voile::app

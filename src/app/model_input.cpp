@@ -1,0 +1,11 @@
+#include "model_input.hpp"
+
+#include "obstacles.hpp"
+
+namespace voile::app {
+
+system::ModelInput model_input(const Case& c, const std::vector<system::Support>& supports) {
+  return {c.element, c.materials, supports, c.loads, contact_input(PETSC_COMM_WORLD, c), c.masses, c.springs};
+}
+
+}  // namespace voile::app

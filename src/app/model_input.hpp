@@ -1,0 +1,14 @@
+// From the case to what a model is built from; private to src/app.
+#pragma once
+
+#include <vector>
+
+#include "voile/app/case.hpp"
+#include "voile/system/model.hpp"
+
+namespace voile::app {
+
+/// With these supports in place of the case's. Reads the files of obstacles. Collective. Throws UserError.
+[[nodiscard]] system::ModelInput model_input(const Case& c, const std::vector<system::Support>& supports);
+
+}  // namespace voile::app

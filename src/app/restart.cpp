@@ -1,0 +1,106 @@
+#include "restart.hpp"
+
+#include <Eigen/Geometry>
+
+#include "voile/base/error.hpp"
+#include "voile/base/mpi.hpp"
+#include "voile/io/stored_step.hpp"
+
+namespace voile::app {
+
+namespace {
+
+/// Rank 0 only.
+io::StoredStep read_any_step(const RunOptions& options, const mesh::SurfaceMesh& mesh) {
+  if (io::is_results(options.restart)) return io::read_step(options.restart, options.restart_step, mesh);
+  io::Checkpoint c = io::read_checkpoint(options.restart, mesh);
+  io::StoredStep stored;
+  stored.step = c.step;
+  stored.time = c.time;
+  stored.load_factor = 1.0;
+  stored.displacement = std::move(c.displacement);
+  stored.velocity = std::move(c.velocity);
+  return stored;
+}
+
+/// Rank 0 only.
+io::Checkpoint read_motion(const RunOptions& options, const mesh::SurfaceMesh& mesh) {
+  if (!io::is_results(options.restart)) return io::read_checkpoint(options.restart, mesh);
+  io::StoredStep stored = io::read_step(options.restart, options.restart_step, mesh);
+  io::Checkpoint c;
+  c.displacement = std::move(stored.displacement);
+  if (stored.velocity.empty()) return c;
+  c.step = stored.step;
+  c.time = stored.time;
+  c.velocity = std::move(stored.velocity);
+  return c;
+}
+
+/// v + omega x (x - c) at the vertices of each group; where groups overlap the last one counts. Rank 0 only.
+std::vector<double> initial_velocities(const Case& c, const mesh::SurfaceMesh& mesh) {
+  std::vector<double> velocity;
+  if (c.initial_velocities.empty()) return velocity;
+  velocity.resize(3 * static_cast<std::size_t>(mesh.vertex_count()), 0.0);
+  const auto set = [&](const InitialVelocity& given, Index v) {
+    const Vec3 at = given.velocity + given.angular_velocity.cross(mesh.positions()[v] - given.centre);
+    Eigen::Map<Vec3>(velocity.data() + 3 * static_cast<std::size_t>(v)) = at;
+  };
+  for (const InitialVelocity& given : c.initial_velocities) {
+    if (given.group.empty())
+      for (Index v = 0; v < mesh.vertex_count(); ++v) set(given, v);
+    else
+      for (const Index v : mesh.group(given.group).vertices) set(given, v);
+  }
+  return velocity;
+}
+
+}  // namespace
+
+Restart read_restart(const Case& c, const RunOptions& options, const system::Model& model, Vec a) {
+  Restart r;
+  if (options.restart.empty()) return r;
+  if (c.analysis == "linear")
+    throw UserError("--restart: analysis = \"linear\" starts from the unloaded state; leave the option out");
+  io::StoredStep stored;
+  std::vector<double> numbers(4);
+  mpi::on_root(model.comm(), [&] {
+    stored = read_any_step(options, model.mesh());
+    numbers = {static_cast<double>(stored.step), stored.load_factor, stored.previous.empty() ? 0.0 : 1.0,
+               stored.velocity.empty() ? 0.0 : 1.0};
+  });
+  mpi::broadcast(model.comm(), numbers);
+  r.given = true;
+  r.from_motion = numbers[3] > 0.0;
+  r.start.step = r.from_motion ? 0 : static_cast<int>(numbers[0]);
+  r.start.load_factor = numbers[1];
+  model.scatter(stored.displacement, a);
+  if (numbers[2] > 0.0 && !r.from_motion) {
+    r.previous = model.create_vector();
+    model.scatter(stored.previous, r.previous);
+    r.start.previous = r.previous;
+  }
+  return r;
+}
+
+io::Checkpoint read_start(const Case& c, const RunOptions& options, const system::Model& model) {
+  io::Checkpoint start;
+  std::vector<double> numbers(5, 0.0);
+  mpi::on_root(model.comm(), [&] {
+    if (!options.restart.empty()) start = read_motion(options, model.mesh());
+    if (start.velocity.empty()) start.velocity = initial_velocities(c, model.mesh());
+    numbers = {static_cast<double>(start.step), start.time, start.next_step, start.acceleration.empty() ? 0.0 : 1.0,
+               start.contact_start};
+  });
+  mpi::broadcast(model.comm(), numbers);
+  start.step = static_cast<int>(numbers[0]);
+  start.time = numbers[1];
+  start.next_step = numbers[2];
+  start.contact_start = numbers[4];
+  mpi::broadcast(model.comm(), start.contact_gaps);
+  mpi::broadcast(model.comm(), start.yielding);
+  // Known to rank 0: marks that there is one.
+  if (numbers[3] > 0.0 && start.acceleration.empty()) start.acceleration.resize(1);
+  return start;
+}
+
+}  // namespace voile::app

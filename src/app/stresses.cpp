@@ -1,0 +1,83 @@
+#include "stresses.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace voile::app {
+
+namespace {
+
+using Stress = Vec3;  // 11, 22, 12
+
+/// s1 >= s2 and the angle of s1.
+Vec3 principal(const Stress& s) {
+  const double mean = 0.5 * (s[0] + s[1]), radius = std::hypot(0.5 * (s[0] - s[1]), s[2]);
+  return {mean + radius, mean - radius, 0.5 * std::atan2(2.0 * s[2], s[0] - s[1])};
+}
+
+double von_mises(const Stress& s) {
+  return std::sqrt(std::max(0.0, s[0] * s[0] - s[0] * s[1] + s[1] * s[1] + 3.0 * s[2] * s[2]));
+}
+
+/// A field of stresses at one place in the thickness.
+class Face {
+ public:
+  Face(std::string name, std::size_t triangles) : name_(std::move(name)), stress_(triangles, Stress::Zero()) {}
+  void set(std::size_t t, const Stress& s) { stress_[t] = s; }
+  void add_to(std::vector<io::Field>& fields, bool derived) const {
+    fields.push_back(field("stress_", "Pa", 3, [](const Stress& s) { return s; }));
+    if (!derived) return;
+    fields.push_back(field("principal_stress_", "Pa, Pa, rad", 3, principal));
+    fields.push_back(field("von_mises_", "Pa", 1, [](const Stress& s) { return Vec3(von_mises(s), 0.0, 0.0); }));
+  }
+
+ private:
+  template <class Value>
+  [[nodiscard]] io::Field field(const char* prefix, const char* unit, int components, const Value& value) const {
+    io::Field f{prefix + name_, unit, io::Centre::triangle, components, {}};
+    f.values.reserve(stress_.size() * static_cast<std::size_t>(components));
+    for (const Stress& s : stress_) {
+      const Vec3 v = value(s);
+      for (int k = 0; k < components; ++k) f.values.push_back(v[k]);
+    }
+    return f;
+  }
+  std::string name_;
+  std::vector<Stress> stress_;
+};
+
+}  // namespace
+
+std::vector<io::Field> stress_fields(const energy::Sheet& sheet, const system::TriangleFields& fields, bool plies) {
+  const std::size_t triangles = fields.membrane_strain.size() / 3;
+  std::size_t most_layers = 0;
+  for (const energy::Material& m : sheet.materials()) most_layers = std::max(most_layers, m.layers.size());
+  Face bottom("bottom", triangles), top("top", triangles);
+  std::vector<Face> inner;
+  for (std::size_t k = 1; plies && k <= most_layers; ++k)
+    for (const char* side : {"bottom", "top"}) inner.emplace_back(fmt::format("ply_{}_{}", k, side), triangles);
+  for (std::size_t t = 0; t < triangles; ++t) {
+    const std::vector<energy::Layer>& layers = sheet.material(static_cast<Index>(t)).layers;
+    if (layers.empty()) continue;
+    const Vec3 strain = Eigen::Map<const Vec3>(fields.membrane_strain.data() + 3 * t);
+    const Vec3 curvature = Eigen::Map<const Vec3>(fields.curvature.data() + 3 * t);
+    const auto at = [&](const energy::Layer& layer, double z) -> Stress {
+      return layer.stiffness * (strain - z * curvature);
+    };
+    bottom.set(t, at(layers.front(), layers.front().low));
+    top.set(t, at(layers.back(), layers.back().high));
+    for (std::size_t k = 0; plies && k < layers.size(); ++k) {
+      inner[2 * k].set(t, at(layers[k], layers[k].low));
+      inner[2 * k + 1].set(t, at(layers[k], layers[k].high));
+    }
+  }
+  std::vector<io::Field> out;
+  bottom.add_to(out, true);
+  top.add_to(out, true);
+  for (const Face& f : inner) f.add_to(out, false);
+  return out;
+}
+
+}  // namespace voile::app

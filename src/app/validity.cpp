@@ -1,0 +1,64 @@
+#include "validity.hpp"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace voile::app {
+
+namespace {
+
+/// Larger of |E_1|, |E_2| of a triangle with edges a, b that were A, B at rest.
+double principal_strain(const Vec3& rest_a, const Vec3& rest_b, const Vec3& a, const Vec3& b) {
+  // Metric differences in an orthonormal frame of the rest triangle: rest_a along axis 1.
+  const double length = rest_a.norm(), along = rest_b.dot(rest_a) / length;
+  const double height = rest_a.cross(rest_b).norm() / length;
+  if (!(length > 0.0 && height > 0.0)) return 0.0;
+  const Vec3 f1 = a / length, f2 = (b - along * f1) / height;
+  const double e11 = 0.5 * (f1.squaredNorm() - 1.0), e22 = 0.5 * (f2.squaredNorm() - 1.0), e12 = 0.5 * f1.dot(f2);
+  return std::abs(0.5 * (e11 + e22)) + std::hypot(0.5 * (e11 - e22), e12);
+}
+
+/// Signed angle about the common edge from one normal to the other.
+double turn_about(const Vec3& edge, const Vec3& n, const Vec3& m) {
+  return std::atan2(edge.normalized().dot(n.cross(m)), n.dot(m));
+}
+
+}  // namespace
+
+Validity assess(const mesh::SurfaceMesh& mesh, const std::vector<double>& displacement) {
+  Validity v;
+  const auto rest = [&](Index i) -> const Vec3& { return mesh.positions()[i]; };
+  const auto now = [&](Index i) -> Vec3 {
+    return rest(i) + Eigen::Map<const Vec3>(displacement.data() + 3 * static_cast<std::size_t>(i));
+  };
+  const auto normal = [](const Vec3& a, const Vec3& b, const Vec3& c) -> Vec3 { return (b - a).cross(c - a); };
+  for (Index t = 0; t < mesh.triangle_count(); ++t) {
+    const mesh::Triangle& i = mesh.triangles()[t];
+    const Vec3 x0 = now(i[0]), x1 = now(i[1]), x2 = now(i[2]);
+    const double strain = principal_strain(rest(i[1]) - rest(i[0]), rest(i[2]) - rest(i[0]), x1 - x0, x2 - x0);
+    if (strain > v.strain) {
+      v.strain = strain;
+      v.triangle = t;
+    }
+    const Vec3 n = normal(x0, x1, x2), rest_n = normal(rest(i[0]), rest(i[1]), rest(i[2]));
+    for (int s = 0; s < 3; ++s) {
+      const Index other = mesh.neighbour(t, s);
+      if (other == no_index || other < t) continue;
+      const mesh::Triangle& j = mesh.triangles()[other];
+      const Index a = i[static_cast<std::size_t>((s + 1) % 3)], b = i[static_cast<std::size_t>((s + 2) % 3)];
+      const double turn =
+          std::remainder(turn_about(now(b) - now(a), n, normal(now(j[0]), now(j[1]), now(j[2]))) -
+                             turn_about(rest(b) - rest(a), rest_n, normal(rest(j[0]), rest(j[1]), rest(j[2]))),
+                         2.0 * std::numbers::pi);
+      if (std::abs(turn) <= v.turn) continue;
+      v.turn = std::abs(turn);
+      v.vertex_a = a;
+      v.vertex_b = b;
+    }
+  }
+  return v;
+}
+
+}  // namespace voile::app

@@ -1,0 +1,28 @@
+// How far a state is within what the element was made for; private to src/app.
+//
+// Symbols   F in-plane deformation gradient of the triangle's three vertices, E = (F^T F - I)/2; E_1, E_2 principal
+//           theta_e   angle between the normals of the two triangles of edge e, less that at rest
+// The law is linear in E (St. Venant-Kirchhoff), which stands for small strains; bending acts as D sin(theta) instead
+// of D theta per edge (docs/limits.md).
+#pragma once
+
+#include <vector>
+
+#include "voile/mesh/surface_mesh.hpp"
+
+namespace voile::app {
+
+/// Largest strain that the law is meant for, and largest turn of an edge that bending follows [rad].
+inline constexpr double strain_limit = 0.1, turn_limit = 1.0471975511965976;
+
+struct Validity {
+  double strain = 0.0;                             ///< largest |E_1|, |E_2|
+  Index triangle = no_index;                       ///< where
+  double turn = 0.0;                               ///< largest |theta_e| [rad]
+  Index vertex_a = no_index, vertex_b = no_index;  ///< ends of that edge
+};
+
+/// `displacement`: three components per vertex in global axes, mesh order [m]. Not collective.
+[[nodiscard]] Validity assess(const mesh::SurfaceMesh& mesh, const std::vector<double>& displacement);
+
+}  // namespace voile::app

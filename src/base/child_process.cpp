@@ -1,0 +1,164 @@
+#include "voile/base/child_process.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <csignal>
+#include <cstdlib>
+#include <cstring>
+#include <fstream>
+#include <limits>
+#include <new>
+#include <stdexcept>
+
+#include "voile/base/error.hpp"
+
+namespace voile {
+
+namespace {
+
+/// First byte of what the child sends.
+enum class Answer : char { done = 'd', user_error = 'u', no_memory = 'm', failed = 'f' };
+
+/// A number of kB in a file of /proc, in bytes; 0 if it is not there.
+std::size_t kilobytes_of(const char* file, const std::string& name) {
+  std::ifstream in(file);
+  std::string word;
+  while (in >> word) {
+    std::size_t kilobytes = 0;
+    if (word == name && in >> kilobytes) return 1024 * kilobytes;
+  }
+  return 0;
+}
+
+/// The child may take half of what the machine has left, so that a wrong number in a file does not stop the machine;
+/// what needs more for its mesh cannot be solved on it either.
+void limit_memory() {
+  const std::size_t have = kilobytes_of("/proc/self/status", "VmSize:"),
+                    left = kilobytes_of("/proc/meminfo", "MemAvailable:");
+  rlimit limit{};
+  if (have == 0 || left == 0 || getrlimit(RLIMIT_AS, &limit) != 0) return;
+  limit.rlim_cur = std::min<rlim_t>(limit.rlim_max, have + left / 2);
+  (void)setrlimit(RLIMIT_AS, &limit);
+}
+
+/// Nothing of the parent's is touched: no handlers, no output, no core file, no life of its own.
+void become_child() {
+  (void)prctl(PR_SET_PDEATHSIG, SIGKILL);
+  for (const int number : {SIGSEGV, SIGBUS, SIGILL, SIGFPE, SIGABRT, SIGTERM, SIGINT, SIGHUP, SIGUSR1, SIGUSR2})
+    (void)std::signal(number, SIG_DFL);
+  const rlimit no_core{0, 0};
+  (void)setrlimit(RLIMIT_CORE, &no_core);
+  limit_memory();
+  const int nowhere = open("/dev/null", O_RDWR);
+  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) (void)dup2(nowhere, stream);
+}
+
+void write_all(int descriptor, const char* bytes, std::size_t count) {
+  while (count > 0) {
+    const ssize_t written = write(descriptor, bytes, count);
+    if (written < 0 && errno == EINTR) continue;
+    if (written <= 0) return;  // the parent has gone
+    bytes += written;
+    count -= static_cast<std::size_t>(written);
+  }
+}
+
+void send(int descriptor, Answer answer, const std::string& bytes) {
+  const char first = static_cast<char>(answer);
+  write_all(descriptor, &first, 1);
+  write_all(descriptor, bytes.data(), bytes.size());
+}
+
+int answer_descriptor = -1;  // of the child, for its handler below
+
+/// Before bad_alloc: libraries run into std::terminate with it.
+void out_of_memory() {
+  const char answer = static_cast<char>(Answer::no_memory);
+  write_all(answer_descriptor, &answer, 1);
+  _exit(0);
+}
+
+[[noreturn]] void child(int descriptor, const std::function<std::string()>& work) {
+  become_child();
+  answer_descriptor = descriptor;
+  std::set_new_handler(out_of_memory);
+  try {
+    send(descriptor, Answer::done, work());
+  } catch (const UserError& e) {
+    send(descriptor, Answer::user_error, e.what());
+  } catch (const std::bad_alloc&) {
+    send(descriptor, Answer::no_memory, "");
+  } catch (const std::length_error&) {
+    send(descriptor, Answer::no_memory, "");
+  } catch (const std::exception& e) {
+    send(descriptor, Answer::failed, e.what());
+  } catch (...) {
+    send(descriptor, Answer::failed, "unknown exception");
+  }
+  _exit(0);
+}
+
+std::string read_all(int descriptor) {
+  std::string bytes;
+  std::string part(1 << 16, '\0');
+  for (;;) {
+    const ssize_t count = read(descriptor, part.data(), part.size());
+    if (count < 0 && errno == EINTR) continue;
+    if (count <= 0) return bytes;
+    bytes.append(part, 0, static_cast<std::size_t>(count));
+  }
+}
+
+}  // namespace
+
+std::string run_in_child(const std::string& file, const std::function<std::string()>& work) {
+  if (std::getenv("VOILE_READ_HERE")) return work();
+  int ends[2] = {-1, -1};
+  if (pipe2(ends, O_CLOEXEC) != 0) throw InternalError(fmt::format("{}: no pipe for reading it", file));
+  const pid_t pid = fork();
+  if (pid < 0) {
+    close(ends[0]);
+    close(ends[1]);
+    throw InternalError(fmt::format("{}: no process for reading it: {}", file, std::strerror(errno)));
+  }
+  if (pid == 0) {
+    close(ends[0]);
+    child(ends[1], work);
+  }
+  close(ends[1]);
+  std::string bytes = read_all(ends[0]);
+  close(ends[0]);
+  int status = 0;
+  while (waitpid(pid, &status, 0) < 0 && errno == EINTR) continue;
+  if (WIFSIGNALED(status) || bytes.empty())
+    throw UserError(
+        fmt::format("{}: reading it failed ({}): the file is damaged, or asks for something that its reader cannot do; "
+                    "export it again",
+                    file, WIFSIGNALED(status) ? strsignal(WTERMSIG(status)) : "without an answer"));
+  const auto answer = static_cast<Answer>(bytes.front());
+  bytes.erase(0, 1);
+  if (answer == Answer::done) return bytes;
+  if (answer == Answer::user_error) throw UserError(bytes);
+  if (answer == Answer::no_memory)
+    throw UserError(fmt::format(
+        "{}: reading or meshing it needs more memory than there is: a count or a parameter in it is too large, "
+        "or it is damaged; make the mesh coarser or export it again",
+        file));
+  throw UserError(fmt::format("{}: reading it failed ({}); is the file damaged? export it again", file, bytes));
+}
+
+void try_in_child(const std::string& file, const std::function<void()>& work) {
+  (void)run_in_child(file, [&] {
+    work();
+    return std::string();
+  });
+}
+
+}  // namespace voile

@@ -1,0 +1,157 @@
+#include "voile/mesh/coincident.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+#include <numeric>
+#include <set>
+#include <utility>
+
+#include "voile/base/error.hpp"
+
+namespace voile::mesh {
+
+namespace {
+
+/// Calls f(v, w) for every pair of the given vertices within the tolerance. They are sorted along a line in no special
+/// direction, so that rows of a regular mesh do not fall together.
+template <class F>
+void each_near_pair(const std::vector<Vec3>& x, const std::vector<Index>& vertices, double tolerance, const F& f) {
+  const Vec3 line(0.4867, 0.6314, 0.6037);  // not longer than 1: what is near is near along it
+  std::vector<std::pair<double, Index>> sorted;
+  for (const Index v : vertices) sorted.emplace_back(line.dot(x[v]), v);
+  std::sort(sorted.begin(), sorted.end());
+  for (std::size_t i = 0; i < sorted.size(); ++i)
+    for (std::size_t j = i + 1; j < sorted.size() && sorted[j].first - sorted[i].first <= tolerance; ++j)
+      if ((x[sorted[i].second] - x[sorted[j].second]).norm() <= tolerance) f(sorted[i].second, sorted[j].second);
+}
+
+/// Vertices on edges of a single triangle.
+std::vector<Index> boundary_vertices(const MeshData& data) {
+  std::vector<Segment> edges;
+  for (const Triangle& t : data.triangles)
+    for (int s = 0; s < 3; ++s) {
+      const Index a = t[(s + 1) % 3], b = t[(s + 2) % 3];
+      edges.push_back({std::min(a, b), std::max(a, b)});
+    }
+  std::sort(edges.begin(), edges.end());
+  std::vector<char> on(data.positions.size(), 0);
+  for (std::size_t i = 0; i < edges.size();) {
+    std::size_t end = i + 1;
+    while (end < edges.size() && edges[end] == edges[i]) ++end;
+    if (end == i + 1) on[edges[i][0]] = on[edges[i][1]] = 1;
+    i = end;
+  }
+  std::vector<Index> vertices;
+  for (Index v = 0; v < static_cast<Index>(on.size()); ++v)
+    if (on[v]) vertices.push_back(v);
+  return vertices;
+}
+
+/// The vertex that each one becomes: the lowest of those that hang together.
+std::vector<Index> targets(const MeshData& data, double tolerance) {
+  std::vector<Index> target(data.positions.size());
+  std::iota(target.begin(), target.end(), Index{0});
+  const auto root = [&](Index v) {
+    while (target[v] != v) v = target[v] = target[target[v]];
+    return v;
+  };
+  each_near_pair(data.positions, boundary_vertices(data), tolerance, [&](Index v, Index w) {
+    const Index a = root(v), b = root(w);
+    target[std::max(a, b)] = std::min(a, b);
+  });
+  for (Index v = 0; v < static_cast<Index>(target.size()); ++v) target[v] = root(v);
+  return target;
+}
+
+template <class T>
+void sort_unique(std::vector<T>& values) {
+  std::sort(values.begin(), values.end());
+  values.erase(std::unique(values.begin(), values.end()), values.end());
+}
+
+/// Groups in the new numbers.
+void renumber_groups(std::vector<Group>& groups, const std::vector<Index>& number) {
+  for (Group& g : groups) {
+    for (Index& v : g.vertices) v = number[v];
+    sort_unique(g.vertices);
+    std::vector<Segment> kept;
+    std::set<Segment> seen;
+    for (const Segment& s : g.segments) {
+      const Index a = number[s[0]], b = number[s[1]];
+      if (a != b && seen.insert({std::min(a, b), std::max(a, b)}).second) kept.push_back({a, b});
+    }
+    g.segments = std::move(kept);
+  }
+}
+
+}  // namespace
+
+double default_merge_tolerance(const MeshData& data) {
+  if (data.positions.empty()) return 0.0;
+  Vec3 low = data.positions.front(), high = low;
+  double shortest = std::numeric_limits<double>::infinity();
+  for (const Triangle& t : data.triangles)
+    for (int s = 0; s < 3; ++s) {
+      const Vec3 &a = data.positions[t[s]], &b = data.positions[t[(s + 1) % 3]];
+      low = low.cwiseMin(a);
+      high = high.cwiseMax(a);
+      shortest = std::min(shortest, (b - a).norm());
+    }
+  return std::min(1e-6 * (high - low).norm(), 0.1 * shortest);
+}
+
+Coincidence find_coincident(const MeshData& data, double tolerance) {
+  Coincidence c;
+  if (!(tolerance > 0.0)) return c;
+  std::vector<Index> all(data.positions.size()), lowest(all.size());
+  std::iota(all.begin(), all.end(), Index{0});
+  lowest = all;
+  std::vector<char> alone(all.size(), 1);
+  each_near_pair(data.positions, all, tolerance, [&](Index v, Index w) {
+    alone[v] = alone[w] = 0;
+    lowest[v] = lowest[w] = std::min(lowest[v], lowest[w]);
+  });
+  for (const Index v : all) {
+    if (alone[v]) continue;
+    const Vec3& x = data.positions[v];
+    if (c.vertices++ == 0) c.first = c.low = c.high = x;
+    c.low = c.low.cwiseMin(x);
+    c.high = c.high.cwiseMax(x);
+    c.places += lowest[v] == v ? 1 : 0;
+  }
+  return c;
+}
+
+Index merge_coincident(MeshData& data, double tolerance) {
+  if (!(tolerance > 0.0)) return 0;
+  const std::vector<Index> target = targets(data, tolerance);
+  std::vector<Index> number(target.size(), no_index);
+  std::vector<Vec3> positions;
+  std::vector<std::size_t> tags;
+  for (std::size_t v = 0; v < target.size(); ++v) {
+    if (target[v] != static_cast<Index>(v)) continue;
+    number[v] = static_cast<Index>(positions.size());
+    positions.push_back(data.positions[v]);
+    if (v < data.vertex_tags.size()) tags.push_back(data.vertex_tags[v]);
+  }
+  for (std::size_t v = 0; v < target.size(); ++v) number[v] = number[target[v]];
+  for (std::size_t k = 0; k < data.triangles.size(); ++k) {
+    Triangle& t = data.triangles[k];
+    for (Index& v : t) v = number[v];
+    if (t[0] != t[1] && t[1] != t[2] && t[2] != t[0]) continue;
+    const Vec3& x = positions[t[0]];
+    throw UserError(fmt::format(
+        "{}: mesh.merge: vertices closer than {:.4g} m become one, and then triangle {} at ({:.6g}, {:.6g}, "
+        "{:.6g}) has no area; make merge_tolerance smaller than its sides",
+        data.source, tolerance, k < data.triangle_tags.size() ? data.triangle_tags[k] : k + 1, x[0], x[1], x[2]));
+  }
+  renumber_groups(data.groups, number);
+  const auto gone = static_cast<Index>(data.positions.size() - positions.size());
+  data.positions = std::move(positions);
+  data.vertex_tags = std::move(tags);
+  return gone;
+}
+
+}  // namespace voile::mesh

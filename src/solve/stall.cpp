@@ -1,0 +1,76 @@
+#include "voile/solve/stall.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "voile/base/mpi.hpp"
+#include "voile/base/text.hpp"
+#include "voile/mesh/quality.hpp"
+
+namespace voile::solve {
+
+namespace {
+
+constexpr std::size_t shown = 3;
+
+/// Sum of |r| over the corners of each triangle.
+std::vector<double> by_triangle(const mesh::SurfaceMesh& mesh, const std::vector<double>& r) {
+  std::vector<double> sums;
+  for (const mesh::Triangle& t : mesh.triangles()) {
+    double sum = 0.0;
+    for (const Index v : t) {
+      const double size = Vec3(r[3 * v], r[3 * v + 1], r[3 * v + 2]).norm();
+      sum += std::isfinite(size) ? size : std::numeric_limits<double>::infinity();
+    }
+    sums.push_back(sum);
+  }
+  return sums;
+}
+
+bool share_a_vertex(const mesh::Triangle& s, const mesh::Triangle& t) {
+  return std::any_of(s.begin(), s.end(), [&](Index v) { return std::find(t.begin(), t.end(), v) != t.end(); });
+}
+
+std::string describe(const mesh::SurfaceMesh& mesh, const std::vector<double>& r) {
+  std::vector<double> sums = by_triangle(mesh, r);
+  std::vector<Index> worst;
+  std::vector<std::string> texts;
+  while (worst.size() < shown) {
+    const auto t = static_cast<Index>(std::max_element(sums.begin(), sums.end()) - sums.begin());
+    if (!(sums[t] > 0.0)) break;
+    sums[t] = 0.0;
+    // Triangles around one vertex would all say the same.
+    if (std::any_of(worst.begin(), worst.end(),
+                    [&](Index w) { return share_a_vertex(mesh.triangles()[w], mesh.triangles()[t]); }))
+      continue;
+    worst.push_back(t);
+    const Vec3 x = mesh::centroid(mesh, t);
+    texts.push_back(fmt::format("triangle {} at ({:.4g}, {:.4g}, {:.4g}), smallest angle {:.2g} degrees",
+                                mesh.data().triangle_tags[t], x[0], x[1], x[2],
+                                mesh::shape_of(mesh, t).smallest_angle * (180.0 / std::numbers::pi)));
+  }
+  return texts.empty() ? "" : "the residual is largest at " + join(texts, "; ");
+}
+
+}  // namespace
+
+std::string largest_residuals(const system::Model& model, Vec r) {
+  const std::vector<double> values = model.gather(r);
+  std::string text;
+  mpi::on_root(model.comm(), [&] { text = describe(model.mesh(), values); });
+  mpi::broadcast(model.comm(), text);
+  return text;
+}
+
+std::string largest_residuals_at(system::Model& model, Vec a) {
+  const petsc::VecHandle r = model.create_vector();
+  model.residual(a, r);
+  model.clear_fixed(r);
+  return largest_residuals(model, r);
+}
+
+}  // namespace voile::solve

@@ -1,0 +1,16 @@
+DefineConstant[ n = {3, Name "Parameters/n"}, side = 1 ];
+h = side / n;
+Point(1) = {0, 0, 0, h};
+Point(2) = {side, 0, 0, h};
+Point(3) = {side, side, 0, h};
+Point(4) = {0, side, 0, h};
+Line(1) = {1, 2};
+Line(2) = {2, 3};
+Line(3) = {3, 4};
+Line(4) = {4, 1};
+Curve Loop(1) = {1, 2, 3, 4};
+Plane Surface(1) = {1};
+Transfinite Curve{1, 2, 3, 4} = n + 1;
+Transfinite Surface{1};
+Physical Curve("left") = {4};
+Physical Surface("sheet") = {1};

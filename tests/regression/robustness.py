@@ -1,0 +1,440 @@
+"""What goes wrong: signals, folders, options, damage, memory; and what users ask for besides solving."""
+
+import json
+import os
+import shutil
+import signal
+import subprocess
+import time
+import tomllib
+
+import h5py
+import numpy as np
+
+from harness import OUT, solve, test
+from solver import ROOT, command, environment, invoke, run, variant, write_case
+
+
+def strip(analysis="static", nx=20, ny=2, **changes):
+    """A cantilever strip 10 x 1 x 0.1 under a load at its end."""
+    return variant({
+        "title": "Strip", "analysis": analysis,
+        "mesh": {"file": str(ROOT / "meshes" / "cantilever.geo"), "parameters": {"nx": nx, "ny": ny}},
+        "material": [{"type": "isotropic", "young": 1.2e6, "poisson": 0.0, "thickness": 0.1, "density": 100.0}],
+        "support": [{"type": "clamped", "group": "clamp"}],
+        "load": [{"type": "line", "group": "tip", "vector": [0, 0, 0.4]}],
+        "probe": [{"name": "tip", "type": "displacement", "group": "tip"}],
+        "time": {"end": 0.2, "step": 0.01},
+    }, {k.replace("__", "."): v for k, v in changes.items()})
+
+
+def fresh(name):
+    shutil.rmtree(OUT / name, ignore_errors=True)
+    return OUT / name
+
+
+def started(file, folder, options=(), ranks=1):
+    return subprocess.Popen(command(["run", file, "--output", folder, *options], ranks), env=environment(ranks), text=True,
+                            stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+
+
+def wait_for(condition, process, seconds=120):
+    begin = time.time()
+    while process.poll() is None and time.time() - begin < seconds and not condition():
+        time.sleep(0.01)
+    return process.poll() is None
+
+
+def lines(file):
+    return file.read_text().count("\n") if file.is_file() else 0
+
+
+@test
+def signals(report):
+    """SIGINT, SIGTERM and SIGUSR1 in every analysis: the last good state is on disk, exit code 3, and a restart goes on."""
+    for analysis, name, number in (("static", "static", signal.SIGINT), ("dynamic", "dynamic", signal.SIGTERM),
+                                   ("dynamic", "interrupted", signal.SIGINT)):
+        case = strip(analysis, nx=160, ny=16, steps__max_step=0.002, steps__initial_step=0.002, time__end=10.0,
+                     output={"fields": ["displacement", "velocity"], "every": 1000})
+        if analysis == "dynamic":
+            del case["steps"]
+        folder = fresh(f"signals_{name}")
+        process = started(write_case(case, OUT / f"signals_{name}.toml"), folder)
+        running = wait_for(lambda: lines(folder / "history.csv") >= 5, process)
+        process.send_signal(number)
+        text = process.communicate(timeout=60)[0]
+        report.check(running and process.returncode == 3 and "stopped by a signal" in text,
+                     f"{name}: code {process.returncode}: {text.splitlines()[-1][:110] if text else ''}")
+        done = lines(folder / "history.csv") - 2
+        with h5py.File(folder / "results.h5") as data:
+            report.check(int(sorted(data["steps"])[-1]) == done, f"the last step, {done}, is in results.h5 though every = 1000")
+        report.check(json.loads((folder / "summary.json").read_text())["converged"] is False, "summary.json says so")
+        restart = folder / ("results.h5" if analysis == "static" else "checkpoint.h5")
+        again = variant(case, {"time.end": 0.01 * (done + 2)} if analysis == "dynamic" else {"steps.final_load_factor": 0.002 * (done + 2)})
+        result = run(write_case(again, OUT / f"signals_{name}_again.toml"), fresh(f"signals_{name}_again"), 1, ["--restart", restart])
+        report.check(result.code == 0 and result.summary["steps"] in (2, done + 2), f"a restart goes on: code {result.code}")
+    case = strip("drape", nx=300, ny=30, load=[{"type": "gravity", "vector": [0, 0, -0.5]}])
+    folder = fresh("signals_drape")
+    process = started(write_case(case, OUT / "signals_drape.toml"), folder, ["-snes_monitor"])
+    for count, line in enumerate(process.stdout):
+        if "SNES Function norm" in line and count > 12:
+            break
+    process.send_signal(signal.SIGTERM)
+    text = process.communicate(timeout=120)[0]
+    report.check(process.returncode == 3 and "stopped by a signal" in text, f"drape: code {process.returncode}")
+    with h5py.File(folder / "results.h5") as data:
+        report.check(np.abs(data["steps/000001/displacement"][...]).max() > 0, "what it had reached is in results.h5")
+
+
+@test
+def signal_twice(report):
+    """A second SIGINT ends a run at once; SIGUSR1 writes what `every` would have left out."""
+    case = strip("static", nx=160, ny=16, steps__max_step=0.002, steps__initial_step=0.002,
+                 output={"fields": ["displacement"], "every": 1000})
+    folder = fresh("signal_twice")
+    process = started(write_case(case, OUT / "signal_twice.toml"), folder)
+    running = wait_for(lambda: lines(folder / "history.csv") >= 3, process)
+    before = set((folder / "steps").glob("*.h5"))
+    process.send_signal(signal.SIGUSR1)
+    came = wait_for(lambda: set((folder / "steps").glob("*.h5")) > before, process, 30)
+    report.check(running and came, "SIGUSR1: one more step is written, and the run goes on")
+    process.send_signal(signal.SIGSTOP)
+    process.send_signal(signal.SIGINT)
+    process.send_signal(signal.SIGCONT)
+    process.send_signal(signal.SIGINT)
+    process.communicate(timeout=60)
+    report.check(process.returncode in (3, -signal.SIGINT), f"two SIGINT: code {process.returncode}")
+
+
+@test
+def failed_motion(report):
+    """A motion that does not converge: exit code 3, a summary, the reason, no step twice, a checkpoint of the last good state."""
+    for name, case, options in (("first", strip("dynamic", time__min_step=0.01), ["-snes_max_it", "1", "-snes_rtol", "1e-14", "-snes_stol", "1e-14"]),
+                                ("later", strip("dynamic", load=[{"type": "line", "group": "tip", "vector": [0, 0, 1.0],
+                                                                  "history": "t > 0.055 ? 1e12 : 1"}], time__min_step=0.005), ["-snes_max_it", "3"])):
+        folder = fresh(f"failed_motion_{name}")
+        result = run(write_case(case, OUT / f"failed_motion_{name}.toml"), folder, 1, options)
+        report.check(result.code == 3 and "no step of" in result.text, f"{name}: code {result.code}: {result.text.splitlines()[-1][:120]}")
+        steps = list(result.history["step"])
+        report.check(len(steps) == len(set(steps)), f"{name}: every step once: {len(steps)} lines")
+        report.check(result.summary["converged"] is False, f"{name}: summary.json says so")
+        report.check((folder / "checkpoint.h5").is_file(), f"{name}: checkpoint.h5 is there")
+        with h5py.File(folder / "checkpoint.h5") as data:
+            report.check(data.attrs["step"] == steps[-1], f"{name}: it is step {int(data.attrs['step'])}, the last good one")
+    fixed = run(write_case(strip("dynamic", time__min_step=0.01), OUT / "fixed_step.toml"), fresh("fixed_step"), 1)
+    report.check(fixed.code == 0 and fixed.summary["steps"] == 20, f"min_step = step is a fixed step: code {fixed.code}")
+    short = run(write_case(strip("dynamic"), OUT / "max_steps.toml"), fresh("max_steps"), 1, ["-ts_max_steps", "7"])
+    with h5py.File(OUT / "max_steps" / "checkpoint.h5") as data:
+        report.check(short.code == 0 and data.attrs["step"] == 7, f"-ts_max_steps 7 leaves step {int(data.attrs['step'])} as a checkpoint")
+
+
+@test
+def user_mistakes(report):
+    """Mistakes in PETSc's options are the user's: exit code 2 and PETSc's words, without its stack, on 1 and 2 ranks."""
+    file = write_case(strip(), OUT / "user_mistakes.toml")
+    for options, word in ((["-snes_type", "foo"], "foo"), (["-pc_factor_mat_solver_type", "foo"], "foo"),
+                          (["-snes_rtol", "small"], "small"), (["-ksp_type", "foo"], "foo")):
+        for ranks in (1, 2):
+            result = run(file, OUT / "user_mistakes", ranks, options)
+            report.check(result.code == 2 and word in result.text and "PETSC ERROR" not in result.text,
+                         f"{' '.join(options)} on {ranks} rank(s): code {result.code}")
+    for arguments, code in (([], 2), (["--help"], 0), (["run", "--help"], 0)):
+        got, text = invoke(arguments)
+        report.check(got == code, f"voile {' '.join(arguments)}: code {got}")
+    report.check("voile run" in text, "the help of `run` shows how it is called")
+    code, text = invoke(["--version"])
+    report.check(code == 0 and text.splitlines()[0].count("(") == 1, f"--version: {text.splitlines()[0]}")
+
+
+@test
+def full_disk(report):
+    """A disk that fills up is the user's matter too: exit code 2, what was written stays readable."""
+    limit = "ulimit -f 60; exec \"$0\" \"$@\""  # no file larger than 60 kB
+    file = write_case(strip("dynamic", nx=100, ny=10), OUT / "full_disk.toml")
+    folder = fresh("full_disk")
+    done = subprocess.run(["bash", "-c", "trap '' XFSZ; " + limit, *command(["run", file, "--output", folder])], env=environment(1) | {"PMIX_MCA_gds": "hash"},
+                          text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+    report.check(done.returncode == 2 and "writing failed" in done.stdout, f"code {done.returncode}: {done.stdout.strip()[-120:]}")
+
+
+@test
+def lacking_memory(report):
+    """A matrix that memory cannot hold: exit code 2, how much was asked for and what helps."""
+    file = write_case(strip("static", nx=900, ny=90), OUT / "lacking_memory.toml")
+    done = subprocess.run(["bash", "-c", "ulimit -v 1100000; exec \"$0\" \"$@\"", *command(["run", file, "--output", OUT / "lacking_memory", "--overwrite"])],
+                          env=environment(1), text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+    report.check(done.returncode == 2 and "out of memory" in done.stdout and "voile_mixed" in done.stdout,
+                 f"code {done.returncode}: {done.stdout.strip()[-250:]}")
+
+
+@test
+def folders(report):
+    """Nobody's files are lost: no foreign folder, no earlier run unless asked, no input, one run at a time."""
+    folder = fresh("folders")
+    folder.mkdir()
+    file = write_case(strip(), folder / "case.toml")
+    text = file.read_text()
+
+    def start(output, *options, cwd=folder, case="case.toml"):
+        done = subprocess.run(command(["run", case, "--output", output, *options]), env=environment(1), cwd=cwd, text=True,
+                              stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+        return done.returncode, " ".join(done.stdout.split())
+
+    for options in ([], ["--overwrite"]):
+        code, said = start(".", *options)
+        report.check(code == 2 and "not empty" in said and file.read_text() == text, f"--output . {options}: code {code}, the case is as it was")
+    report.check(start("out")[0] == 0 and (folder / "out" / "resolved_case.toml").is_file(), "a new folder")
+    (folder / "out" / "notes.txt").write_text("mine")
+    (folder / "out" / "steps" / "000900.h5").write_text("old")
+    code, said = start("out")
+    report.check(code == 2 and "--overwrite" in said, f"again: code {code}: {said[-90:]}")
+    code, said = start("out", "--overwrite")
+    report.check(code == 0 and (folder / "out" / "notes.txt").read_text() == "mine", f"--overwrite: code {code}, other files stay")
+    report.check(not (folder / "out" / "steps" / "000900.h5").exists(), "steps of earlier runs go")
+    code, said = start("out", "--overwrite", case="out/resolved_case.toml")
+    report.check(code == 2 and "its own input" in said, f"from its own echo: code {code}")
+    code, said = start("out", "--overwrite", "--restart", "out/results.h5")
+    report.check(code == 2 and "its own input" in said, f"over what it restarts from: code {code}")
+    slow = write_case(strip("static", nx=160, ny=16, steps__max_step=0.002, steps__initial_step=0.002), OUT / "folders_slow.toml")
+    process = started(slow, fresh("folders_slow"))
+    wait_for(lambda: lines(OUT / "folders_slow" / "history.csv") >= 3, process)
+    code, said = start(OUT / "folders_slow", "--overwrite")
+    report.check(code == 2 and f"process {process.pid}" in said, f"two at once: code {code}: {said[-120:]}")
+    process.kill()
+    process.wait()
+    report.check(start(OUT / "folders_slow", "--overwrite")[0] == 0, "a lock left by kill -9 holds nobody up")
+
+
+@test
+def damaged_restart(report):
+    """One flipped bit anywhere in a checkpoint or a step: exit code 2 or the same run, never a wrong one or a crash."""
+    case = strip("dynamic", time__end=0.1)
+    whole = solve("damaged_whole", case, 1)
+    longer = write_case(strip("dynamic", time__end=0.12), OUT / "damaged.toml")
+    right = run(longer, fresh("damaged_right"), 1, ["--restart", whole.folder / "checkpoint.h5"])
+    report.check(right.code == 0, "the undamaged one goes on")
+    data = (whole.folder / "checkpoint.h5").read_bytes()
+    random, codes, wrong = np.random.default_rng(7), [], 0
+    for k in range(60):
+        bytes_ = bytearray(data)
+        at = int(random.integers(len(data)))
+        bytes_[at] ^= 1 << int(random.integers(8))
+        damaged = OUT / "damaged.h5"
+        damaged.write_bytes(bytes_)
+        result = run(longer, OUT / "damaged_run", 1, ["--restart", damaged])
+        codes.append(result.code)
+        if result.code == 0:
+            wrong += float(np.abs(result.displacement() - right.displacement()).max()) > 1e-9
+        elif result.code != 2:
+            report.check(False, f"bit at byte {at}: code {result.code}: {result.text.strip()[-150:]}")
+    report.check(wrong == 0 and codes.count(2) > 20, f"{codes.count(2)} refused, {codes.count(0)} had hit nothing, {wrong} wrong")
+    with h5py.File(OUT / "damaged.h5", "w") as file, h5py.File(whole.folder / "checkpoint.h5") as good:
+        for name in good:
+            good.copy(name, file)
+        for name, value in good.attrs.items():
+            file.attrs[name] = value
+        file["velocity"][0, 0] = np.inf
+    result = run(longer, OUT / "damaged_run", 1, ["--restart", OUT / "damaged.h5"])
+    report.check(result.code == 2 and "not finite" in result.text, f"an infinite velocity: code {result.code}")
+
+
+@test
+def out_of_range(report):
+    """A strip stretched by 80 %, and one folded at an edge: one warning each with the place; the history has the figures."""
+    stretched = solve("range_stretched", strip(load=[{"type": "line", "group": "tip", "vector": [1.2e5, 0, 0]}]), 2)
+    said = [line for line in stretched.text.splitlines() if "membrane strain" in line]
+    report.check(len(said) == 1 and " m at rest" in said[0], f"{said}")
+    stretch = 1 + stretched.history["tip_x"][-1] / 10
+    report.near(stretched.history["largest_strain"][-1], 0.5 * (stretch**2 - 1), 0.02, f"strain at a stretch of {stretch:.3f}")
+    report.check(stretched.history["largest_turn"][-1] < 1e-6, "no edge turns")
+    # Two cells pushed together by 7 of their 10 m, while a pressure lifts their middle.
+    folded = strip(nx=2, ny=1, load=[{"type": "area", "vector": [0, 0, 2.0], "constant": True}],
+                   support=[{"type": "hinged", "group": "clamp"}, {"type": "hinged", "group": "tip", "value": [-7, 0, 1]}],
+                   steps={"initial_step": 0.02, "max_step": 0.05})
+    bent = solve("range_folded", folded, 1)
+    said = [line for line in bent.text.splitlines() if "across one edge" in line]
+    report.check(len(said) == 1 and "(5, 0.5, 0) m at rest" in said[0], f"{said}")
+    report.check(bent.history["largest_turn"][-1] > np.pi / 3, f"an edge turns by {np.degrees(bent.history['largest_turn'][-1]):.0f} degrees")
+    small = solve("range_small", strip(), 1)
+    report.check("warning" not in small.text, "no warning within the range")
+
+
+@test
+def linear_output(report):
+    """The cost of output grows with the number of steps, not with its square: results.h5 is not rewritten in every step."""
+    case = strip("dynamic", nx=4, ny=1, time__end=2.0, time__step=0.002, load=[{"type": "line", "group": "tip", "vector": [0, 0, 0.01]}])
+    result = solve("linear_output", case, 1)
+    with h5py.File(result.folder / "results.h5") as data:
+        report.check(len(data["steps"]) == 1001, f"{len(data['steps'])} steps in results.h5")
+    wall = result.history["wall_seconds"]
+    first, last = wall[200] - wall[0], wall[1000] - wall[800]
+    report.check(last < 4 * first, f"first 200 steps {first:.2f} s, last 200 steps {last:.2f} s (they took 10 times as long)")
+
+
+@test
+def chains(report):
+    """A motion from a static equilibrium stays there; a drape from a motion; initial velocities; --set; init; the schema."""
+    static = solve("chain_static", strip(), 2)
+    moved = strip("dynamic", time__load_history="1")
+    result = run(write_case(moved, OUT / "chain_motion.toml"), fresh("chain_motion"), 2, ["--restart", static.folder / "results.h5"])
+    tip = static.history["tip_z"][-1]
+    report.check(result.code == 0 and result.history["time"][0] == 0, f"a motion begins at the equilibrium: code {result.code}")
+    report.below((np.abs(result.history["tip_z"] - tip) / tip).max(), 1e-6, "it stays there: change of the tip")
+    back = run(write_case(strip(), OUT / "chain_back.toml"), fresh("chain_back"), 1, ["--restart", OUT / "chain_motion" / "checkpoint.h5"])
+    report.check(back.code == 0, f"a static path from a motion: code {back.code}")
+    report.below(back.history["tip_z"][-1] / tip - 1, 1e-6, "it finds the same equilibrium")
+    thrown = strip("dynamic", support=[], load=[], initial_velocity=[{"velocity": [1, 2, 3], "angular_velocity": [0, 0, 2], "centre": [5, 0.5, 0]}],
+                   time__end=0.1)
+    result = solve("chain_thrown", thrown, 2)
+    u = result.displacement()
+    report.below(np.abs(u.mean(axis=0) - 0.1 * np.array([1, 2, 3])).max(), 1e-3, "a thrown sheet flies on: error of the middle [m]")
+    with h5py.File(result.folder / "results.h5") as data:
+        x = data["mesh/positions"][...] + u
+    turned = np.arctan2(*(x[np.argmax(data_x(result))] - x.mean(axis=0))[[1, 0]]) - np.arctan2(*(rest(result)[np.argmax(data_x(result))] - rest(result).mean(axis=0))[[1, 0]])
+    report.near(turned, 0.2, 2e-3, "and turns [rad]")
+    file = write_case(strip(), OUT / "chain_set.toml")
+    code, text = invoke(["check", file, "--set", "mesh.parameters.nx=7", "--set", "load.0.vector=[0, 0, 1]"])
+    report.check(code == 0 and "24 vertices" in text, f"--set: code {code}: {text.splitlines()[0]}")
+    for wrong, word in (("load.3.vector=[0,0,1]", "load"), ("mesh.paramters.n=3", "paramters"), ("nonsense", "key=value"), ("title.x=1", "title")):
+        code, text = invoke(["check", file, "--set", wrong])
+        report.check(code == 2 and word in text, f"--set {wrong}: code {code}: {text.strip()[-90:]}")
+    for analysis in ("static", "linear", "modal", "buckling", "dynamic", "drape"):
+        folder = fresh(f"init_{analysis}")
+        code, text = invoke(["init", folder, "--analysis", analysis])
+        result = run(folder / "case.toml", folder / "out", 1)
+        report.check(code == 0 and result.code == 0, f"init --analysis {analysis}: codes {code}, {result.code} {result.text.strip()[-100:] if result.code else ''}")
+    code, text = invoke(["init", folder])
+    report.check(code == 2 and "exists already" in text, f"init over a case: code {code}")
+    schema = json.loads(invoke(["reference", "--schema"])[1])
+    template = tomllib.loads((OUT / "init_dynamic" / "case.toml").read_text())
+    report.check(set(template) <= set(schema["properties"]) and not schema["additionalProperties"], "the schema knows the template's sections")
+    report.check(schema["properties"]["material"]["items"]["properties"]["poisson"]["maximum"] == 0.5, "and ranges")
+
+
+def rest(result):
+    with h5py.File(result.folder / "results.h5") as data:
+        return data["mesh/positions"][...]
+
+
+def data_x(result):
+    return rest(result)[:, 0]
+
+
+@test
+def springs_and_masses(report):
+    """A plate strip on springs sinks by force / stiffness; a point mass at the tip lowers the frequency as beam theory says."""
+    length, width, pressure, k = 10.0, 1.0, 3.0, 50.0
+    case = strip(support=[{"type": "displacement", "group": "plate", "components": ["x", "y"]}], load=[{"type": "pressure", "magnitude": pressure}],
+                 spring=[{"type": "area", "stiffness": k}])
+    sunk = solve("springs_area", case, 2)
+    report.near(sunk.history["tip_z"][-1], pressure / k, 1e-9, "elastic foundation: deflection [m]")
+    case = strip(support=[{"type": "clamped", "group": "clamp"}], spring=[{"type": "line", "group": "tip", "stiffness": 1e7, "direction": [0, 0, 1]}])
+    held = solve("springs_line", case, 1)
+    report.below(held.history["tip_z"][-1], 1e-6, "a stiff spring line holds the tip [m]")
+    mass, density, h = 200.0, 100.0, 0.1
+    case = strip("modal", nx=40, ny=4, load=[], mass=[{"group": "tip", "mass": mass / 5}])
+    first = float((solve("masses", case, 2).folder / "modes.csv").read_text().splitlines()[1].split(",")[1])
+    ei = 1.2e6 * width * h**3 / 12
+    # Rayleigh's quotient with the static deflection under the tip mass: 33/140 of the beam's mass counts.
+    expected = np.sqrt(3 * ei / length**3 / (mass + 33 / 140 * density * h * width * length)) / (2 * np.pi)
+    report.below(first / expected - 1, 0.01, f"frequency with a mass at the tip, {first:.5f} Hz: difference from beam theory")
+    weight = strip("static", load=[{"type": "gravity", "vector": [0, 0, -1e-3]}], mass=[{"group": "tip", "mass": mass / 3}])
+    tip = solve("masses_weight", weight, 1).history["tip_z"][-1]
+    expected = -1e-3 * length**3 / ei * (mass / 3 + density * h * width * length / 8)
+    report.below(tip / expected - 1, 0.02, "weight of the mass: difference from beam theory")
+
+
+@test
+def stresses(report):
+    """A bent strip: top and bottom stress are -+6 M/h^2; of a laminate, each ply carries what its stiffness gives it."""
+    load, length, h = 1e-4, 10.0, 0.1
+    case = strip("linear", nx=80, ny=8, load=[{"type": "line", "group": "tip", "vector": [0, 0, load]}],
+                 output={"fields": ["displacement"], "every": 1, "stresses": "surface"})
+    result = solve("stresses", case, 2)
+    with h5py.File(result.folder / "results.h5") as data:
+        step = data["steps/000001"]
+        triangles, x = data["mesh/triangles"][...], data["mesh/positions"][...]
+        centre = x[triangles].mean(axis=1)
+        middle = (np.abs(centre[:, 0] - 4) < 1) & (np.abs(centre[:, 1] - 0.5) < 0.3)
+        expected = 6 * load * (length - centre[middle, 0]) / h**2
+        for side, sign in (("top", -1), ("bottom", 1)):
+            principal = step[f"principal_stress_{side}"][middle, 0 if sign > 0 else 1]
+            report.below(np.abs(principal / (sign * expected) - 1).max(), 0.02, f"{side}: principal stress against 6 M / h^2")
+            report.below(np.abs(step[f"von_mises_{side}"][middle] / expected - 1).max(), 0.02, f"{side}: von Mises")
+    ply = {"type": "laminate", "young_1": 1e7, "young_2": 1e6, "poisson_12": 0.0, "shear_12": 5e5, "angles": [0, 90, 0],
+           "ply_thicknesses": [h / 3], "direction": [1, 0, 0]}
+    pulled = strip("linear", nx=20, ny=4, material=[ply], load=[{"type": "line", "group": "tip", "vector": [0.003, 0, 0]}],
+                   output={"fields": ["displacement"], "every": 1, "stresses": "plies"})
+    with h5py.File(solve("stresses_plies", pulled, 1).folder / "results.h5") as data:
+        step = data["steps/000001"]
+        strain = 0.003 / ((2 * 1e7 + 1e6) * h / 3)
+        for number, modulus in ((1, 1e7), (2, 1e6), (3, 1e7)):
+            report.below(np.abs(step[f"stress_ply_{number}_top"][:, 0] / (modulus * strain) - 1).max(), 1e-6, f"ply {number}: stress along the strip")
+
+
+@test
+def local_axes(report):
+    """A support in turned axes is the turned support; a tube under pressure free to grow radially only."""
+    angle = np.radians(30)
+    direction = [float(np.cos(angle)), float(np.sin(angle)), 0.0]
+    case = strip("linear", load=[{"type": "area", "vector": [2.0, 0.5, 0.0]}],
+                 support=[{"type": "hinged", "group": "clamp"},
+                          {"type": "displacement", "group": "tip", "components": ["x"], "x_axis": direction, "value": [0.01, 0, 0]},
+                          {"type": "displacement", "group": "plate", "components": ["z"]}])
+    result = solve("local_axes", case, 2)
+    u = np.array([result.history[f"tip_{k}"][-1] for k in "xy"])
+    report.near(float(u @ direction[:2]), 0.01, 1e-12, "displacement along the local x [m]")
+    report.check(abs(float(u @ [-direction[1], direction[0]])) > 1e-6, "free across it")
+    wrong = strip(support=[{"type": "displacement", "group": "clamp", "components": ["x"], "y_axis": [0, 1, 0]}])
+    code, text = invoke(["check", write_case(wrong, OUT / "local_axes_wrong.toml")])
+    report.check(code == 2 and "x_axis" in text, f"y_axis alone: code {code}")
+    poisson, inner, outer = 0.3, 6.0, 10.0
+    ring = {"title": "Ring", "analysis": "linear",
+            "mesh": {"file": str(ROOT / "meshes" / "annulus.geo"), "parameters": {"n_radial": 16, "n_circ": 160}},
+            "material": [{"type": "isotropic", "young": 1e6, "poisson": poisson, "thickness": 0.03}],
+            "support": [{"type": "displacement", "group": "plate", "components": ["y", "z"], "cylinder_axis": [0, 0, 1]},
+                        {"type": "displacement", "group": "inner", "components": ["x"], "cylinder_axis": [0, 0, 1], "value": [0.1, 0, 0]}]}
+    result = solve("local_axes_ring", ring, 2)
+    x, u = rest(result), result.displacement()
+    radius = np.hypot(x[:, 0], x[:, 1])
+    radial = (u[:, :2] * x[:, :2]).sum(axis=1) / radius
+    # Lame's ring in plane stress: u = A r + B / r, no stress at the outer edge.
+    b = 0.1 / ((1 - poisson) / (1 + poisson) * inner / outer**2 + 1 / inner)
+    exact = b * ((1 - poisson) / (1 + poisson) * radius / outer**2 + 1 / radius)
+    report.below(np.abs(radial - exact).max() / 0.1, 2e-3, "ring in cylindrical axes: error of the radial displacement")
+    report.below(np.abs(u[:, 0] * x[:, 1] - u[:, 1] * x[:, 0]).max(), 1e-12, "nothing turns")
+
+
+@test
+def own_histories(report):
+    """A load with a history of its own moves the strip as the same history of the load factor does."""
+    load = {"type": "line", "group": "tip", "vector": [0, 0, 0.4]}
+    one = solve("history_factor", strip("dynamic", time__load_history="sin(20*t)"), 1)
+    two = solve("history_own", strip("dynamic", load=[load | {"history": "sin(20*t)"}]), 2)
+    report.below(np.abs(one.history["tip_z"] - two.history["tip_z"]).max() / np.abs(one.history["tip_z"]).max(), 1e-8, "difference")
+    pressure = {"type": "follower_pressure", "magnitude": 0.04}
+    one = solve("history_follower_factor", strip("dynamic", time__load_history="t/0.2", load=[pressure]), 1)
+    two = solve("history_follower_own", strip("dynamic", load=[pressure | {"history": "t/0.2"}]), 1)
+    report.below(np.abs(one.history["tip_z"] - two.history["tip_z"]).max() / np.abs(one.history["tip_z"]).max(), 1e-8, "follower: difference")
+
+
+@test
+def few_unknowns(report):
+    """Follower loads on a mesh of eight triangles, on one rank: MUMPS orders the unknowns itself."""
+    case = strip(nx=4, ny=1, load=[{"type": "follower_moment", "group": "tip", "magnitude": -60.0}])
+    one, two = (solve(f"few_unknowns_{n}", case, n) for n in (1, 2))
+    report.below(np.abs(one.displacement() - two.displacement()).max(), 1e-9, "1 and 2 ranks: difference [m]")
+    report.check(one.history["tip_z"][-1] != 0, f"the tip moves by {one.history['tip_z'][-1]:.4g} m")
+
+
+@test
+def installed(report):
+    """cmake --install brings the program, its manual page, completion and documentation."""
+    prefix = fresh("installed")
+    done = subprocess.run(["cmake", "--install", ROOT / "build", "--prefix", prefix], text=True, capture_output=True)
+    report.check(done.returncode == 0, f"code {done.returncode} {done.stderr[-200:]}")
+    for file in ("bin/voile", "share/man/man1/voile.1", "share/bash-completion/completions/voile"):
+        report.check((prefix / file).is_file(), file)
+    script = f"source {prefix}/share/bash-completion/completions/voile; COMP_WORDS=(voile run --ov); COMP_CWORD=2; _voile; echo ${{COMPREPLY[@]}}"
+    text = subprocess.run(["bash", "-c", script], text=True, capture_output=True, env=os.environ).stdout
+    report.check(text.strip() == "--overwrite", f"completion of --ov: {text.strip()}")
