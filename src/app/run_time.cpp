@@ -114,10 +114,13 @@ class Epoch {
   void settle_contact(bool is_new) {
     system::Contact* contact = dynamics_.model().contact();
     if (!contact) return;
-    if (is_new)
-      contact->begin_settling(x_.u, start_.time);
-    else
-      contact->restore({start_.contact_gaps, start_.contact_start, start_.yielding});
+    if (!is_new) return contact->restore({start_.contact_gaps, start_.contact_start, start_.yielding});
+    system::Model& model = dynamics_.model();
+    const petsc::VecHandle residual = model.create_vector();
+    dynamics_.set_time(start_.time);
+    model.residual(x_.u, residual);
+    model.clear_fixed(residual);
+    contact->begin_settling(x_.u, residual, start_.time);
   }
 
   solve::TimeResult run(Recorder& recorder, Checkpoints& checkpoints, bool is_first, bool has_acceleration) {

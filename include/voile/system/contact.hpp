@@ -88,8 +88,9 @@ class Contact {
   void lag_friction(Vec a);
   /// Begins a motion at state a and time t. What is nearer than the contact distance would be thrown away: pairs with a
   /// point begin to act at the point's smallest gap, so that nothing does at first, and from there at a distance that
-  /// grows to the whole one within options.settle_time. Collective.
-  void begin_settling(Vec a, double time);
+  /// grows to the whole one within options.settle_time. `residual`: static residual at a (model.hpp) [N]; where it
+  /// leaves less than half of the contact force, the point rests on its contact and keeps it. Collective.
+  void begin_settling(Vec a, Vec residual, double time);
   [[nodiscard]] const ContactMemory& memory() const { return memory_; }
   /// Takes over where another contact of the same mesh, or a checkpoint, was. Not collective.
   void restore(ContactMemory memory);
@@ -149,6 +150,8 @@ class Contact {
                                    const std::vector<contact::Plane>& planes_end) const;
   /// Whether neighbours must be exempt; notes which. Throws UserError if that holds for much of the mesh.
   [[nodiscard]] bool lacks_room(const mesh::SurfaceMesh& mesh);
+  /// 1 for each vertex whose normal contact force the others balance, or that has none; on every rank. Collective.
+  [[nodiscard]] std::vector<double> balanced_points(Vec a, Vec residual);
   /// Puts the reach of barriers where it is at the time in force.
   void settle();
   /// One attempt of make_way.
