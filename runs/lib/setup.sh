@@ -109,6 +109,8 @@ build_in() {
     command -v ninja >/dev/null && generator=(-G Ninja)
     command -v ccache >/dev/null && generator+=(-DCMAKE_C_COMPILER_LAUNCHER=ccache -DCMAKE_CXX_COMPILER_LAUNCHER=ccache)
   fi
+  # Without these, ccache does not serve files that use precompiled headers.
+  export CCACHE_SLOPPINESS="${CCACHE_SLOPPINESS:-pch_defines,time_macros,include_file_mtime,include_file_ctime}"
   mkdir -p "$folder"
   cmake -S "$root" -B "$folder" "${generator[@]}" "$@" >"$folder/configure.log" 2>&1 || {
     cat "$folder/configure.log" >&2
