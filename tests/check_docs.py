@@ -22,7 +22,7 @@ CREATED = ("results", "build")
 
 
 def pages():
-    return sorted([ROOT / "README.md", *(ROOT / "docs").rglob("*.md"), *(ROOT / "runs").rglob("README.md")])
+    return sorted([*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md"), *(ROOT / "runs").rglob("README.md")])
 
 
 def name_of(path):

@@ -487,27 +487,40 @@ std::vector<Key> keys_of(system::PointMass& s) {
 }
 
 std::vector<Key> keys_of(system::Spring& s) {
-  return {
-      {.name = "type",
-       .slot = choice(s.kind, {"point", "line", "area"}),
-       .meaning = "`point`: on every vertex of a group. `line`: per rest length of a curve. `area`: per rest area, an "
-                  "elastic foundation.",
-       .required = true},
-      {.name = "group",
-       .slot = &s.group,
-       .meaning = "Any group for `point`, a curve for `line`, a surface for `area`.",
-       .required_types = {"point", "line"},
-       .absent = "the whole surface"},
-      {.name = "stiffness",
-       .slot = &s.stiffness,
-       .meaning = "Force per displacement from the place at rest.",
-       .unit = "point N/m, line N/m^2, area N/m^3",
-       .range = positive,
-       .required = true},
-      {.name = "direction",
-       .slot = &s.direction,
-       .meaning = "It acts along this direction only.",
-       .absent = "it acts in all directions"}};
+  return {{.name = "type",
+           .slot = choice(s.kind, {"point", "line", "area", "pair"}),
+           .meaning = "From the place at rest: `point` on every vertex of a group, `line` per rest length of a curve, "
+                      "`area` per rest area, an elastic foundation. `pair`: between every vertex of a group and the "
+                      "nearest one of `to` at rest.",
+           .required = true},
+          {.name = "group",
+           .slot = &s.group,
+           .meaning = "Any group for `point` and `pair`, a curve for `line`, a surface for `area`.",
+           .required_types = {"point", "line", "pair"},
+           .absent = "the whole surface"},
+          {.name = "stiffness",
+           .slot = &s.stiffness,
+           .meaning = "Force per displacement from the place at rest; of each pair, force per change of length.",
+           .unit = "point, pair N/m, line N/m^2, area N/m^3",
+           .range = positive,
+           .required = true},
+          {.name = "direction",
+           .slot = &s.direction,
+           .meaning = "It acts along this direction only.",
+           .types = {"point", "line", "area"},
+           .absent = "it acts in all directions"},
+          {.name = "to",
+           .slot = &s.to,
+           .meaning = "The group of the other ends.",
+           .types = {"pair"},
+           .required_types = {"pair"}},
+          {.name = "length",
+           .slot = &s.length,
+           .meaning = "Length without force. 0 pulls the pair together from any distance.",
+           .unit = "m",
+           .range = not_negative,
+           .types = {"pair"},
+           .absent = "the distance at rest"}};
 }
 
 std::vector<Key> keys_of(solve::StaticOptions& s) {

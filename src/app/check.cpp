@@ -79,7 +79,7 @@ void check(const Case& c) {
   if (c.analysis == "modal" || c.analysis == "dynamic") system::require_mass(model);
   const std::vector<std::string> free = check_free_motions(c, model);
   const MeshQuality quality = measure_quality(PETSC_COMM_WORLD, mesh, c.element);
-  if (model.contact()) examine_start(c, *model.contact(), model.create_vector());
+  if (model.contact()) examine_start(c, *model.contact(), model.dofs().create_vector());
   mpi::on_root(PETSC_COMM_WORLD, [&] {
     for (const Probe& p : c.probes)
       if (!p.group.empty()) (void)mesh.group(p.group);

@@ -39,7 +39,7 @@ Recorder::Recorder(const Case& c, const RunOptions& options, system::Model& mode
     : case_(c), options_(options), model_(&model), steps_(steps), root_(mpi::rank(model.comm()) == 0) {
   resolve_probes();
   mpi::on_root(model.comm(), [&] {
-    const mesh::Partition& p = model.partition();
+    const mesh::Partition& p = model.dofs().partition();
     if (model.contact()) obstacles_.emplace(model.contact()->input(), model.mesh());
     results_.emplace(options.output, model.mesh(), p.vertex_rank, p.triangle_rank,
                      obstacles_ ? obstacles_->at_rest() : io::ObstacleTriangles{});
@@ -56,14 +56,14 @@ Recorder::Recorder(const Case& c, const RunOptions& options, system::Model& mode
 }
 
 petsc::VecHandle Recorder::functional(const std::string& name) const {
-  petsc::VecHandle c = model_->create_vector();
+  petsc::VecHandle c = model_->dofs().create_vector();
   for (std::size_t p = 0; p < probes_.size(); ++p) {
     if (case_.probes[p].name != name) continue;
-    std::vector<double> values(static_cast<std::size_t>(model_->unknowns()), 0.0);
+    std::vector<double> values(static_cast<std::size_t>(model_->dofs().unknowns()), 0.0);
     for (Index v : probes_[p].vertices)
       values[3 * static_cast<std::size_t>(v) + probes_[p].components.front()] +=
           1.0 / static_cast<double>(probes_[p].vertices.size());
-    model_->scatter(values, c);
+    model_->dofs().scatter(values, c);
   }
   return c;
 }
@@ -119,11 +119,11 @@ bool Recorder::wants(const std::string& field) const {
 
 Recorder::Snapshot Recorder::snapshot(Vec a) {
   Snapshot s;
-  petsc::VecHandle force = model_->create_vector();
+  petsc::VecHandle force = model_->dofs().create_vector();
   model_->unbalanced_force(a, force);
-  model_->clear_free(force);  // away from supports the force is only the residual that is left
-  s.displacement = model_->gather(a);
-  s.reaction = model_->gather(force);
+  model_->dofs().clear_free(force);  // away from supports the force is only the residual that is left
+  s.displacement = model_->dofs().gather(a);
+  s.reaction = model_->dofs().gather(force);
   if (root_) s.validity = assess(model_->mesh(), s.displacement);
   if (root_ && case_.analysis != "linear") warn_of_range(s.validity);
   const bool energy_wanted = std::any_of(case_.probes.begin(), case_.probes.end(),
@@ -185,10 +185,10 @@ void Recorder::add_contact_fields(io::StepFields& step, Vec a) const {
   system::Contact* contact = model_->contact();
   if (!contact) return;
   const auto forces = [&](contact::ContactSet::Part part) {
-    petsc::VecHandle f = model_->create_vector();
+    petsc::VecHandle f = model_->dofs().create_vector();
     contact->add_gradient(a, f, part);
     VOILE_PETSC(VecScale(f, -1.0));
-    return model_->gather(f);
+    return model_->dofs().gather(f);
   };
   std::vector<double> normal = forces(contact::ContactSet::normal), pressure(normal.size() / 3);
   for (std::size_t v = 0; v < pressure.size(); ++v)
@@ -220,7 +220,8 @@ void Recorder::record(const solve::StepReport& report, Vec a) {
   // Along an arc the load factor goes up and down, but a time must not.
   step.time = steps_.control == Control::load ? report.load_factor : report.step;
   step.load_factor = report.load_factor;
-  if (report.mode) step.fields.push_back({"critical_mode", "1", io::Centre::vertex, 3, model_->gather(report.mode)});
+  if (report.mode)
+    step.fields.push_back({"critical_mode", "1", io::Centre::vertex, 3, model_->dofs().gather(report.mode)});
   const bool asked = SignalScope::take_checkpoint(model_->comm());
   write_or_keep(report.step % case_.output.every == 0 || report.last || report.mode || asked, std::move(step), a,
                 nullptr, s);
@@ -248,14 +249,14 @@ void Recorder::write_or_keep(bool write, io::StepFields step, Vec position, Vec 
   pending_.reset();
   if (write) {
     if (velocity && wants("velocity"))
-      step.fields.push_back({"velocity", "m/s", io::Centre::vertex, 3, model_->gather(velocity)});
+      step.fields.push_back({"velocity", "m/s", io::Centre::vertex, 3, model_->dofs().gather(velocity)});
     write_fields(std::move(step), position, s);
     return;
   }
   const auto copy = [&](Vec from) {
     petsc::VecHandle to;
     if (!from) return to;
-    to = model_->create_vector();
+    to = model_->dofs().create_vector();
     VOILE_PETSC(VecCopy(from, to));
     return to;
   };

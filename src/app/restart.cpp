@@ -73,10 +73,10 @@ Restart read_restart(const Case& c, const RunOptions& options, const system::Mod
   r.from_motion = numbers[3] > 0.0;
   r.start.step = r.from_motion ? 0 : static_cast<int>(numbers[0]);
   r.start.load_factor = numbers[1];
-  model.scatter(stored.displacement, a);
+  model.dofs().scatter(stored.displacement, a);
   if (numbers[2] > 0.0 && !r.from_motion) {
-    r.previous = model.create_vector();
-    model.scatter(stored.previous, r.previous);
+    r.previous = model.dofs().create_vector();
+    model.dofs().scatter(stored.previous, r.previous);
     r.start.previous = r.previous;
   }
   return r;

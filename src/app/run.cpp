@@ -50,7 +50,7 @@ void write_summary(const std::filesystem::path& file, const system::Model& model
       "  \"vertices\": {},\n  \"triangles\": {},\n  \"ranks\": {},\n  \"cpu_seconds\": {:.3f},\n"
       "  \"wall_seconds\": {:.3f}\n}}\n",
       s.converged, s.load_factor, s.steps, s.newton_iterations, s.factorisations, join(critical, ", "),
-      join(s.eigen, ", "), s.time, s.negative_pivots, s.residual, model.unknowns(), model.mesh().vertex_count(),
+      join(s.eigen, ", "), s.time, s.negative_pivots, s.residual, model.dofs().unknowns(), model.mesh().vertex_count(),
       model.mesh().triangle_count(), mpi::size(model.comm()), cpu, wall);
   if (!out) throw UserError(fmt::format("{}: cannot be written", file.string()));
 }
@@ -58,7 +58,7 @@ void write_summary(const std::filesystem::path& file, const system::Model& model
 void print_header(const Case& c, const system::Model& model) {
   fmt::print("{}: {}\n", c.file.filename().string(), c.title);
   fmt::print("{} vertices, {} triangles, {} unknowns on {} rank(s)\n", model.mesh().vertex_count(),
-             model.mesh().triangle_count(), model.unknowns(), mpi::size(model.comm()));
+             model.mesh().triangle_count(), model.dofs().unknowns(), mpi::size(model.comm()));
   if (model.mesh().reoriented_count() > 0)
     fmt::print("{} triangles were turned round to orient the surface\n", model.mesh().reoriented_count());
 }
@@ -173,7 +173,7 @@ void write_modes(const Case& c, const RunOptions& options, const system::Model& 
   std::optional<io::ResultsWriter> fields;
   std::optional<io::HistoryWriter> table;
   mpi::on_root(model.comm(), [&] {
-    const mesh::Partition& p = model.partition();
+    const mesh::Partition& p = model.dofs().partition();
     fields.emplace(options.output / "modes", model.mesh(), p.vertex_rank, p.triangle_rank);
     table.emplace(options.output / "modes.csv",
                   std::vector<std::string>{"mode", vibration ? "frequency_hz" : "critical_load_factor", "eigenvalue",
@@ -181,7 +181,7 @@ void write_modes(const Case& c, const RunOptions& options, const system::Model& 
   });
   for (std::size_t i = 0; i < result.modes.size(); ++i) {
     const solve::Mode& mode = result.modes[i];
-    std::vector<double> shape = model.gather(mode.shape);
+    std::vector<double> shape = model.dofs().gather(mode.shape);
     mpi::on_root(model.comm(), [&] {
       const int number = static_cast<int>(i) + 1;
       table->write({static_cast<double>(number), mode.value, mode.eigenvalue, mode.residual});
@@ -225,8 +225,8 @@ namespace {
 
 void scatter_start(const system::Model& model, const io::Checkpoint& from, Vec a) {
   std::vector<double> u = from.displacement;
-  u.resize(static_cast<std::size_t>(model.unknowns()), 0.0);
-  model.scatter(u, a);
+  u.resize(static_cast<std::size_t>(model.dofs().unknowns()), 0.0);
+  model.dofs().scatter(u, a);
 }
 
 }  // namespace
@@ -253,7 +253,7 @@ Exit run(const Case& given, const RunOptions& options) {
   if (in_time) solve::read_time_options(c.time.options);
   if (in_time || c.analysis == "modal") system::require_mass(model);
   // Whatever is wrong with a restart must show before old results in the output folder go.
-  petsc::VecHandle a = model.create_vector();
+  petsc::VecHandle a = model.dofs().create_vector();
   const Restart restart = in_time ? Restart{} : read_restart(c, options, model, a);
   io::Checkpoint checkpoint = in_time ? read_start(c, options, model) : io::Checkpoint{};
   std::optional<OutputFolder> folder;
@@ -262,7 +262,7 @@ Exit run(const Case& given, const RunOptions& options) {
     if (in_time) scatter_start(model, checkpoint, a);
     model.contact()->restore({checkpoint.contact_gaps, checkpoint.contact_start, checkpoint.yielding});
     const bool moved = settle_start(c, options, *model.contact(), a, checkpoint.time);
-    if (moved && in_time) checkpoint.displacement = model.gather(a);
+    if (moved && in_time) checkpoint.displacement = model.dofs().gather(a);
   }
   Recorder recorder(c, options, model, steps);
 

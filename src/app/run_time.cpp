@@ -25,8 +25,8 @@ using Clock = std::chrono::steady_clock;
 using Carried = io::Checkpoint;
 
 Carried carry(const solve::TimeState& s, const system::Model& model) {
-  Carried c{s.step, s.time, s.next_step, model.gather(s.position), model.gather(s.velocity), {}};
-  if (s.acceleration) c.acceleration = model.gather(s.acceleration);
+  Carried c{s.step, s.time, s.next_step, model.dofs().gather(s.position), model.dofs().gather(s.velocity), {}};
+  if (s.acceleration) c.acceleration = model.dofs().gather(s.acceleration);
   if (model.contact()) {
     const system::ContactMemory& memory = model.contact()->memory();
     c.contact_gaps = memory.gaps;
@@ -41,14 +41,14 @@ struct State {
   petsc::VecHandle u, v, a;
 
   State(const Carried& from, const system::Model& model)
-      : u(model.create_vector()), v(model.create_vector()), a(model.create_vector()) {
+      : u(model.dofs().create_vector()), v(model.dofs().create_vector()), a(model.dofs().create_vector()) {
     scatter(from.displacement, u, model);
     scatter(from.velocity, v, model);
     scatter(from.acceleration, a, model);
   }
   static void scatter(std::vector<double> values, Vec to, const system::Model& model) {
-    values.resize(static_cast<std::size_t>(model.unknowns()), 0.0);  // nothing given: zero
-    model.scatter(values, to);
+    values.resize(static_cast<std::size_t>(model.dofs().unknowns()), 0.0);  // nothing given: zero
+    model.dofs().scatter(values, to);
   }
 };
 
@@ -116,10 +116,10 @@ class Epoch {
     if (!contact) return;
     if (!is_new) return contact->restore({start_.contact_gaps, start_.contact_start, start_.yielding});
     system::Model& model = dynamics_.model();
-    const petsc::VecHandle residual = model.create_vector();
+    const petsc::VecHandle residual = model.dofs().create_vector();
     dynamics_.set_time(start_.time);
     model.residual(x_.u, residual);
-    model.clear_fixed(residual);
+    model.dofs().clear_fixed(residual);
     contact->begin_settling(x_.u, residual, start_.time);
   }
 

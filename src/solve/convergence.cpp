@@ -17,14 +17,14 @@ double round_off_of(const system::Model& model) {
     stiffness = std::max(stiffness, m.membrane.norm() + m.bending.norm() / cell);
   for (const Vec3& x : model.mesh().positions()) distance = std::max(distance, x.norm());
   return std::numeric_limits<double>::epsilon() * stiffness * distance *
-         std::sqrt(static_cast<double>(model.unknowns()));
+         std::sqrt(static_cast<double>(model.dofs().unknowns()));
 }
 
 }  // namespace
 
 ConvergenceTest::ConvergenceTest(const system::Model& model)
     : round_off_(round_off_of(model)),
-      wild_(20.0 * model.mesh().extent() * std::sqrt(static_cast<double>(model.unknowns()))) {}
+      wild_(20.0 * model.mesh().extent() * std::sqrt(static_cast<double>(model.dofs().unknowns()))) {}
 
 void ConvergenceTest::read(SNES snes) {
   PetscInt iterations = 0;

@@ -23,7 +23,7 @@ bool ramp(Newton& newton, system::Model& model, Vec a, NewtonResult& result) {
   VOILE_PETSC(VecNorm(a, NORM_2, &norm));
   const double full = model.load_factor();
   if (model.contact() || !model.symmetric() || norm > 0.0 || full == 0.0) return false;
-  petsc::VecHandle accepted = model.create_vector();
+  petsc::VecHandle accepted = model.dofs().create_vector();
   VOILE_PETSC(VecCopy(a, accepted));
   double done = 0.0, step = first_load_step;
   bool stable = true;
@@ -57,7 +57,7 @@ DrapeResult drape(system::Model& model, Vec a, const DrapeOptions& options,
   Newton newton(model);
   LinearSolver& linear = newton.linear_solver();
   DrapeResult result;
-  petsc::VecHandle mode = start_mode(model), residual = model.create_vector();
+  petsc::VecHandle mode = start_mode(model), residual = model.dofs().create_vector();
   const double cell = std::sqrt(model.total_area() / model.mesh().triangle_count());
   int iterations = 0;
   newton.start_friction(a);
@@ -93,7 +93,7 @@ DrapeResult drape(system::Model& model, Vec a, const DrapeOptions& options,
   model.residual(a, residual);
   VOILE_PETSC(VecNorm(residual, NORM_2, &result.residual));
   if (!result.newton.converged) {
-    model.clear_fixed(residual);
+    model.dofs().clear_fixed(residual);
     result.newton.reason += "; " + largest_residuals(model, residual);
   }
   result.newton.iterations = iterations;

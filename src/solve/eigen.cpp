@@ -37,9 +37,9 @@ void use_mumps(EPS eps, bool symmetric) {
 
 /// Diagonal matrix of the lumped mass, zero where the displacement is fixed.
 petsc::MatHandle lumped_mass(const system::Model& model) {
-  petsc::VecHandle mass = model.create_vector();
+  petsc::VecHandle mass = model.dofs().create_vector();
   VOILE_PETSC(VecCopy(model.mass(), mass));
-  model.clear_fixed(mass);
+  model.dofs().clear_fixed(mass);
   petsc::MatHandle m;
   PetscInt rows = 0, first = 0;
   VOILE_PETSC(VecGetLocalSize(mass, &rows));
@@ -57,7 +57,7 @@ petsc::MatHandle lumped_mass(const system::Model& model) {
 
 /// Largest component of the displacement in global axes becomes 1.
 void normalise(const system::Model& model, Vec shape) {
-  std::vector<double> u = model.gather(shape);
+  std::vector<double> u = model.dofs().gather(shape);
   std::vector<double> largest(1, 0.0);
   for (const double x : u)
     if (std::abs(x) > std::abs(largest[0]) * (1.0 + 1e-9)) largest[0] = x;
@@ -83,11 +83,11 @@ std::vector<Mode> solve(EPS eps, const system::Model& model, int count) {
   std::vector<Mode> modes;
   for (PetscInt i = 0; i < std::min<PetscInt>(converged, count); ++i) {
     Mode mode;
-    mode.shape = model.create_vector();
+    mode.shape = model.dofs().create_vector();
     PetscScalar imaginary = 0.0;
     VOILE_PETSC(EPSGetEigenpair(eps, i, &mode.eigenvalue, &imaginary, mode.shape, nullptr));
     VOILE_PETSC(EPSComputeError(eps, i, EPS_ERROR_BACKWARD, &mode.residual));
-    model.clear_fixed(mode.shape);
+    model.dofs().clear_fixed(mode.shape);
     normalise(model, mode.shape);
     modes.push_back(std::move(mode));
   }
@@ -128,7 +128,7 @@ petsc::MatHandle load_stiffness(system::Model& model, Vec a, Vec load_solution) 
   VOILE_PETSC(VecNorm(load_solution, NORM_INFINITY, &size));
   const double cell = std::sqrt(model.total_area() / model.mesh().triangle_count());
   const double step = 1e-4 * cell / size, factor = model.load_factor();
-  petsc::VecHandle moved = model.create_vector();
+  petsc::VecHandle moved = model.dofs().create_vector();
   petsc::MatHandle difference;
   for (const double sign : {1.0, -1.0}) {
     VOILE_PETSC(VecWAXPY(moved, sign * step, load_solution, a));
@@ -177,7 +177,7 @@ EigenResult vibration_modes(system::Model& model, Vec a, int count, Mass kind) {
 EigenResult buckling_modes(Newton& newton, system::Model& model, Vec a, int count) {
   LinearSolver& linear = newton.linear_solver();
   EigenResult result;
-  petsc::VecHandle load = model.create_vector(), load_solution = model.create_vector();
+  petsc::VecHandle load = model.dofs().create_vector(), load_solution = model.dofs().create_vector();
   model.assemble_tangent(a, nullptr, energy::Tangent::exact, 0.0);
   linear.tangent_changed();
   model.load_direction(a, load);

@@ -40,7 +40,7 @@ struct Newton::Impl {
   std::function<void(int, double)> progress;
 
   explicit Impl(system::Model& m) : model(m), linear(m), test(m) {
-    for (petsc::VecHandle* v : {&residual, &start, &previous, &increment, &trial}) *v = m.create_vector();
+    for (petsc::VecHandle* v : {&residual, &start, &previous, &increment, &trial}) *v = m.dofs().create_vector();
   }
 
   void create();
@@ -187,7 +187,7 @@ NewtonResult Newton::Impl::solve_once(Vec a) {
 }
 
 NewtonResult Newton::step(Vec a) {
-  petsc::VecHandle origin = impl_->model.create_vector();
+  petsc::VecHandle origin = impl_->model.dofs().create_vector();
   VOILE_PETSC(VecCopy(a, origin));
   int spent = 0;
   for (int attempt = 0;; ++attempt) {
@@ -234,7 +234,7 @@ void Newton::Impl::assemble_shifted(Vec a, bool exact, double shift) {
 
 NewtonResult Newton::polish(Vec a) {
   Impl& n = *impl_;
-  petsc::VecHandle kept = n.model.create_vector();
+  petsc::VecHandle kept = n.model.dofs().create_vector();
   VOILE_PETSC(VecCopy(a, kept));
   NewtonResult result = step(a);
   if (result.converged) return result;

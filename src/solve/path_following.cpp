@@ -70,9 +70,9 @@ struct PathFollower::Impl {
       : model(m), options(o), newton(m), linear(newton.linear_solver()) {
     for (petsc::VecHandle* v : {&accepted, &increment, &previous, &tangent_solution, &load_solution, &residual_solution,
                                 &residual, &load, &scratch, &trial})
-      *v = m.create_vector();
+      *v = m.dofs().create_vector();
     if (c) {
-      probe = m.create_vector();
+      probe = m.dofs().create_vector();
       VOILE_PETSC(VecCopy(c, probe));
     }
     mode = start_mode(m);

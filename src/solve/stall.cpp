@@ -59,7 +59,7 @@ std::string describe(const mesh::SurfaceMesh& mesh, const std::vector<double>& r
 }  // namespace
 
 std::string largest_residuals(const system::Model& model, Vec r) {
-  const std::vector<double> values = model.gather(r);
+  const std::vector<double> values = model.dofs().gather(r);
   std::string text;
   mpi::on_root(model.comm(), [&] { text = describe(model.mesh(), values); });
   mpi::broadcast(model.comm(), text);
@@ -67,9 +67,9 @@ std::string largest_residuals(const system::Model& model, Vec r) {
 }
 
 std::string largest_residuals_at(system::Model& model, Vec a) {
-  const petsc::VecHandle r = model.create_vector();
+  const petsc::VecHandle r = model.dofs().create_vector();
   model.residual(a, r);
-  model.clear_fixed(r);
+  model.dofs().clear_fixed(r);
   return largest_residuals(model, r);
 }
 

@@ -124,7 +124,7 @@ struct StaticPath::Walk {
 
   Walk(system::Model& model, Vec a, const PathStart& start, double initial_step)
       : newton(model),
-        accepted(model.create_vector()),
+        accepted(model.dofs().create_vector()),
         factor(start.load_factor),
         step(initial_step),
         first_step(start.step) {

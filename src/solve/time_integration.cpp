@@ -55,7 +55,7 @@ struct TimeIntegration::Impl {
   bool explicit_method = false;
 
   Impl(system::Dynamics& d, TimeOptions o) : dynamics(d), model(d.model()), options(o), linear(model), test(model) {
-    for (petsc::VecHandle* v : {&trial, &start, &product}) *v = model.create_vector();
+    for (petsc::VecHandle* v : {&trial, &start, &product}) *v = model.dofs().create_vector();
     if (options.max_step == 0.0) options.max_step = options.step;
     if (options.min_step == 0.0) options.min_step = 1e-3 * options.step;
   }
@@ -155,7 +155,7 @@ PetscErrorCode TimeIntegration::Impl::accelerate(void* self, PetscReal t, Vec x,
     VOILE_PETSC(VecZeroEntries(a));
     n.dynamics.residual(x, v, a, n.trial);
     n.dynamics.start_step(x, v, h);  // drag and viscosity of the next half step
-    n.model.clear_fixed(n.trial);
+    n.model.dofs().clear_fixed(n.trial);
     VOILE_PETSC(VecPointwiseDivide(a, n.trial, n.model.mass()));
     VOILE_PETSC(VecScale(a, -1.0));
   });
@@ -541,16 +541,16 @@ void read_time_options(TimeOptions& options) {
 double largest_frequency(system::Dynamics& dynamics, Vec u) {
   system::Model& model = dynamics.model();
   model.assemble_tangent(u, nullptr, energy::Tangent::exact, 0.0);
-  petsc::VecHandle x = start_mode(model), y = model.create_vector();
+  petsc::VecHandle x = start_mode(model), y = model.dofs().create_vector();
   double estimate = 0.0;
   for (int k = 0; k < 100; ++k) {
-    model.clear_fixed(x);
+    model.dofs().clear_fixed(x);
     double size = 0.0, next = 0.0;
     VOILE_PETSC(VecNorm(x, NORM_2, &size));
     VOILE_PETSC(VecScale(x, 1.0 / size));
     VOILE_PETSC(MatMult(model.tangent_matrix(), x, y));
     VOILE_PETSC(VecPointwiseDivide(x, y, model.mass()));
-    model.clear_fixed(x);
+    model.dofs().clear_fixed(x);
     VOILE_PETSC(VecNorm(x, NORM_2, &next));
     if (k > 10 && std::abs(next - estimate) <= 1e-4 * next) return std::sqrt(1.02 * next);
     estimate = next;

@@ -212,4 +212,21 @@ Constraints resolve_supports(const mesh::SurfaceMesh& mesh, const std::vector<Su
   return result;
 }
 
+std::vector<std::array<Index, 2>> pairs_of(const mesh::SurfaceMesh& mesh, const Spring& spring) {
+  std::vector<std::array<Index, 2>> pairs;
+  if (spring.kind != Spring::Kind::pair) return pairs;
+  const auto& x = mesh.positions();
+  const std::vector<Index>& others = mesh.group(spring.to).vertices;
+  for (Index v : mesh.group(spring.group).vertices) {
+    const Index nearest = *std::min_element(others.begin(), others.end(), [&](Index a, Index b) {
+      return (x[a] - x[v]).squaredNorm() < (x[b] - x[v]).squaredNorm();
+    });
+    if (nearest == v)
+      throw UserError(fmt::format("[[spring]] type 'pair': vertex {} is in '{}' and in '{}': it cannot pull at itself",
+                                  mesh.data().vertex_tags[v], spring.group, spring.to));
+    pairs.push_back({v, nearest});
+  }
+  return pairs;
+}
+
 }  // namespace voile::system

@@ -72,21 +72,15 @@ void set_general_rules(const ContactInput& input, std::size_t sheets, contact::S
 
 }  // namespace
 
-Contact::Contact(MPI_Comm comm, const mesh::SurfaceMesh& mesh, const mesh::Partition& partition,
-                 const Constraints& constraints, ContactInput input)
-    : comm_(comm), mesh_(&mesh), partition_(&partition), input_(std::move(input)) {
-  const int rank = mpi::rank(comm);
-  first_row_ = partition.owned_begin(rank);
-  row_count_ = partition.owned_count(rank);
-  axes_.assign(static_cast<std::size_t>(mesh.vertex_count()), no_index);
-  fixed_.assign(3 * axes_.size(), 0);
-  for (const auto& [v, support] : constraints.vertices) {
-    for (int k = 0; k < 3; ++k) fixed_[3 * static_cast<std::size_t>(v) + k] = support.fixed[k];
-    if (!support.rotated()) continue;
-    axes_[v] = static_cast<Index>(rotations_.size());
-    rotations_.push_back(support.axes);
-  }
-
+Contact::Contact(const Dofs& dofs, ContactInput input)
+    : dofs_(&dofs),
+      comm_(dofs.comm()),
+      mesh_(&dofs.mesh()),
+      partition_(&dofs.partition()),
+      input_(std::move(input)),
+      first_row_(dofs.first_row()),
+      row_count_(dofs.local().owned) {
+  const mesh::SurfaceMesh& mesh = *mesh_;
   Bodies bodies = make_bodies(mesh, input_);
   const std::size_t sheets = bodies.sheets;
   for (std::size_t k = 0; k < input_.obstacles.size(); ++k) body_of_obstacle_.push_back(static_cast<int>(sheets + k));
@@ -107,7 +101,7 @@ Contact::Contact(MPI_Comm comm, const mesh::SurfaceMesh& mesh, const mesh::Parti
   if (lacks_room(mesh)) surface.neighbours = contact::find_neighbours(surface, input_.options.distance);
   set_ = std::make_unique<ContactSet>(std::move(surface), std::move(planes), input_.options, [&] {
     std::vector<char> owned(static_cast<std::size_t>(mesh.vertex_count()));
-    for (std::size_t v = 0; v < owned.size(); ++v) owned[v] = partition.vertex_rank[v] == rank;
+    for (Index i = 0; i < row_count_; ++i) owned[partition_->vertex_of[first_row_ + i]] = 1;
     return owned;
   }());
   for (const ContactRule& r : input_.rules) {
@@ -119,7 +113,7 @@ Contact::Contact(MPI_Comm comm, const mesh::SurfaceMesh& mesh, const mesh::Parti
   }
 
   petsc::VecHandle unknowns;
-  VOILE_PETSC(VecCreateMPI(comm, 3 * row_count_, PETSC_DETERMINE, unknowns.out()));
+  VOILE_PETSC(VecCreateMPI(comm_, 3 * row_count_, PETSC_DETERMINE, unknowns.out()));
   VOILE_PETSC(VecScatterCreateToAll(unknowns, to_all_.out(), all_.out()));
   for (std::vector<Vec3>* v : {&x_, &other_}) *v = set_->surface().rest;
   force_.resize(static_cast<std::size_t>(mesh.vertex_count()));
@@ -176,7 +170,7 @@ void Contact::fill_positions(Vec a, std::vector<Vec3>& x) const {
   const petsc::ReadArray values(all_);
   for (Index v = 0; v < mesh_->vertex_count(); ++v) {
     const Vec3 u = Eigen::Map<const Vec3>(values.data() + 3 * partition_->row_of[v]);
-    x[v] = mesh_->positions()[v] + (axes_[v] == no_index ? u : Vec3(rotations_[axes_[v]] * u));
+    x[v] = mesh_->positions()[v] + dofs_->to_global(v, u);
   }
 }
 
@@ -225,10 +219,9 @@ std::vector<Vec3> Contact::positions(Vec a) const {
 
 void Contact::place_vertex(Index i, const Vec3& x, const petsc::WriteArray& a) const {
   const Index v = partition_->vertex_of[first_row_ + i];
-  const Vec3 u = x - mesh_->positions()[v];
-  const Vec3 own = axes_[v] == no_index ? u : Vec3(rotations_[axes_[v]].transpose() * u);
+  const Vec3 own = dofs_->to_own(v, x - mesh_->positions()[v]);
   for (int k = 0; k < 3; ++k)
-    if (!fixed_[3 * static_cast<std::size_t>(v) + k]) a[3 * i + k] = own[k];
+    if (!dofs_->is_fixed(v, k)) a[3 * i + k] = own[k];
 }
 
 void Contact::set_positions(const std::vector<Vec3>& x, Vec a) const {
@@ -237,11 +230,11 @@ void Contact::set_positions(const std::vector<Vec3>& x, Vec a) const {
 }
 
 std::vector<Mat3> Contact::free_directions() const {
-  std::vector<Mat3> free(axes_.size());
-  for (std::size_t v = 0; v < free.size(); ++v) {
+  std::vector<Mat3> free(static_cast<std::size_t>(mesh_->vertex_count()));
+  for (Index v = 0; v < mesh_->vertex_count(); ++v) {
     Vec3 keep;
-    for (int k = 0; k < 3; ++k) keep[k] = fixed_[3 * v + static_cast<std::size_t>(k)] ? 0.0 : 1.0;
-    const Mat3 q = axes(static_cast<Index>(v));
+    for (int k = 0; k < 3; ++k) keep[k] = dofs_->is_fixed(v, k) ? 0.0 : 1.0;
+    const Mat3 q = dofs_->axes(v);
     free[v] = q * keep.asDiagonal() * q.transpose();
   }
   return free;
@@ -292,7 +285,7 @@ void Contact::add_gradient(Vec a, Vec f, ContactSet::Part part) {
   const petsc::WriteArray out(f);
   for (Index i = 0; i < row_count_; ++i) {
     const Index v = partition_->vertex_of[first_row_ + i];
-    const Vec3 own = axes_[v] == no_index ? force_[v] : Vec3(rotations_[axes_[v]].transpose() * force_[v]);
+    const Vec3 own = dofs_->to_own(v, force_[v]);
     for (int k = 0; k < 3; ++k) out[3 * i + k] += own[k];
   }
 }
@@ -343,8 +336,9 @@ void Contact::add_blocks(const BlockMatrix& matrix, const BlockMatrix::Values& v
   set_->hessian(x_, positive, [&](Index p, Index q, const Mat3& k) {
     const Index row = partition_->row_of[p] - first_row_;
     if (row < 0 || row >= row_count_) return;
-    const bool plain = axes_[p] == no_index && axes_[q] == no_index;
-    values.add(matrix.slot(row, partition_->row_of[q]), plain ? k : Mat3(axes(p).transpose() * k * axes(q)));
+    const bool plain = !dofs_->has_axes(p) && !dofs_->has_axes(q);
+    values.add(matrix.slot(row, partition_->row_of[q]),
+               plain ? k : Mat3(dofs_->axes(p).transpose() * k * dofs_->axes(q)));
   });
 }
 
@@ -374,7 +368,7 @@ Vec3 Contact::common_motion(const Pair& pair, const std::vector<Vec3>& start, co
     const Vec3 move = end[p] - start[p];
     all += move;
     ++points;
-    if (s.is_sheet(p) && !(fixed_[3 * p] && fixed_[3 * p + 1] && fixed_[3 * p + 2])) continue;
+    if (s.is_sheet(p) && !dofs_->is_held(p)) continue;
     leading += move;
     ++leaders;
   }

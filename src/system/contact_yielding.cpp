@@ -98,10 +98,10 @@ void Contact::note_blocked(const contact::Pair& pair) {
 bool Contact::yield_to_blocked() {
   bool more = false;
   std::vector<double> all = memory_.yielding;
-  all.resize(axes_.size(), 0.0);
+  all.resize(static_cast<std::size_t>(mesh_->vertex_count()), 0.0);
   for (std::size_t k = 0; k < input_.obstacles.size() && !more; ++k) {
     if (!input_.obstacles[k].yields) continue;
-    std::vector<double> hit(axes_.size());  // -1: on some rank
+    std::vector<double> hit(static_cast<std::size_t>(mesh_->vertex_count()));  // -1: on some rank
     for (std::size_t v = 0; v < hit.size(); ++v) hit[v] = bits(blocked_[v]) & bits(bit(k)) ? -1.0 : 0.0;
     mpi::min(comm_, hit);
     for (std::size_t v = 0; v < hit.size(); ++v) {

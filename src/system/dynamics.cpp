@@ -17,10 +17,27 @@ void require_mass(const Model& model) {
 }
 
 Dynamics::Dynamics(Model& model, DynamicsOptions options)
-    : model_(model), options_(std::move(options)), work_(model.create_vector()), sum_(model.create_vector()) {
+    : model_(model),
+      options_(std::move(options)),
+      work_(model.dofs().create_vector()),
+      sum_(model.dofs().create_vector()) {
   require_mass(model);
   if (options_.mass == Mass::consistent) consistent_ = model.consistent_mass();
-  model.set_drag(options_.drag);
+  build_drag();
+}
+
+/// Air acts on the triangles of the membrane.
+void Dynamics::build_drag() {
+  drag_.kernel = energy::DragTerm(options_.drag);
+  if (!options_.drag.active()) return;
+  for (const Model::Element& e : model_.elements()) drag_.kernel.add(e.points, model_.mesh().area(e.triangle), e.owned);
+  const auto points = static_cast<std::size_t>(model_.dofs().local().count());
+  for (auto* v : {&velocity_, &position_, &force_}) v->resize(points);
+}
+
+energy::Configuration Dynamics::moving(Vec v) const {
+  model_.dofs().update_points(v, velocity_, force_);  // the sum with rest positions is not used
+  return {velocity_.data(), velocity_.data(), nullptr, energy::Tangent::exact};
 }
 
 void Dynamics::set_time(double time) {
@@ -29,7 +46,11 @@ void Dynamics::set_time(double time) {
 }
 
 void Dynamics::start_step(Vec u, Vec v, double dt) {
-  model_.start_step(u, v, options_.viscous_time / dt);
+  model_.start_step(u, options_.viscous_time / dt);
+  if (options_.drag.active()) {
+    model_.dofs().update_points(u, force_, position_);
+    drag_.kernel.start_step(position_.data(), moving(v).x);
+  }
   if (Contact* contact = model_.contact()) contact->start_step(u, contact->input().options.slip_speed * dt);
 }
 
@@ -38,7 +59,7 @@ void Dynamics::apply_mass(Vec x, Vec y) const {
     VOILE_PETSC(MatMult(consistent_->mat(), x, y));
   else
     VOILE_PETSC(VecPointwiseMult(y, model_.mass(), x));
-  model_.clear_fixed(y);
+  model_.dofs().clear_fixed(y);
 }
 
 void Dynamics::residual(Vec u, Vec v, Vec a, Vec f) {
@@ -55,8 +76,13 @@ void Dynamics::residual(Vec u, Vec v, Vec a, Vec f) {
     VOILE_PETSC(MatMult(model_.bending_matrix(), v, work_));
     VOILE_PETSC(VecAXPY(sum_, options_.bending_damping, work_));
   }
-  model_.add_drag(v, sum_);
-  model_.clear_fixed(sum_);
+  if (options_.drag.active()) {
+    const energy::Configuration c = moving(v);
+    std::fill(force_.begin(), force_.end(), Vec3::Zero());
+    drag_.add_forces(c, force_);
+    model_.dofs().add_forces(force_, sum_);
+  }
+  model_.dofs().clear_fixed(sum_);
   VOILE_PETSC(VecAXPY(f, 1.0, sum_));
 }
 
@@ -75,7 +101,8 @@ double Dynamics::energy(Vec u, Vec v, Vec a, double s_v, double s_a) {
     VOILE_PETSC(VecDot(work_, v, &part));
     sum += 0.5 * options_.bending_damping * part / s_v;
   }
-  return sum + model_.drag_power(v) / s_v;
+  if (options_.drag.active()) sum += mpi::sum(model_.comm(), drag_.energy(moving(v))) / s_v;
+  return sum;
 }
 
 void Dynamics::assemble_tangent(Vec u, energy::Tangent kind, double s_v, double s_a) {
@@ -84,7 +111,8 @@ void Dynamics::assemble_tangent(Vec u, energy::Tangent kind, double s_v, double 
   request.bending = 1.0 + options_.bending_damping * s_v;
   request.mass = s_a + options_.mass_damping * s_v;
   request.mass_matrix = consistent_ ? &*consistent_ : nullptr;
-  request.drag = options_.drag.active() ? s_v : 0.0;
+  drag_.kernel.set_scale(s_v);
+  if (options_.drag.active()) request.extra = &drag_;
   model_.assemble_tangent(u, request);
 }
 
@@ -100,8 +128,8 @@ namespace {
 /// Sum over the vertices of f(position, momentum) in global axes, on every rank.
 template <class F>
 Vec3 sum_over_vertices(const Model& model, Vec u, Vec momentum, const F& f) {
-  const std::vector<double> p = model.gather(momentum);
-  const std::vector<double> x = u ? model.gather(u) : std::vector<double>(p.size(), 0.0);
+  const std::vector<double> p = model.dofs().gather(momentum);
+  const std::vector<double> x = u ? model.dofs().gather(u) : std::vector<double>(p.size(), 0.0);
   std::vector<double> sum(3, 0.0);
   for (std::size_t i = 0; i + 2 < p.size(); i += 3) {
     const Vec3 place = model.mesh().positions()[i / 3] + Vec3(x[i], x[i + 1], x[i + 2]);

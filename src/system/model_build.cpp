@@ -1,11 +1,12 @@
 #include "model_build.hpp"
-#include "model_assembly.hpp"
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <set>
 
 #include "voile/base/error.hpp"
+#include "voile/base/mpi.hpp"
 
 namespace voile::system {
 
@@ -58,26 +59,28 @@ std::vector<Index> stencil_points(const energy::Sheet& sheet, Index t, const ene
 }  // namespace
 
 Model::Model(MPI_Comm comm, const mesh::SurfaceMesh& mesh, ModelInput input)
-    : comm_(comm),
-      mesh_(&mesh),
+    : mesh_(&mesh),
       rank_(mpi::rank(comm)),
       materials_(std::move(input.materials)),
       supports_(std::move(input.supports)) {
   partition_ = mesh::make_partition(comm, mesh);
   Build build;
+  std::vector<char> needed;
   mpi::on_all(comm, [&] {
     constraints_ = resolve_supports(mesh, supports_);
     patches_ = std::make_unique<mesh::PatchMesh>(mesh, constraints_.mirrors);
     sheet_ = std::make_unique<energy::Sheet>(*patches_, materials_, energy::assign_materials(mesh, materials_),
                                              input.element);
-    number_points(build);
+    needed = find_elements(build, input.springs);
   });
+  dofs_ = std::make_unique<Dofs>(comm, *patches_, partition_, constraints_, needed);
   BlockPattern pattern;
-  mpi::on_all(comm, [&] { pattern = make_pattern(build); });
+  mpi::on_all(comm, [&] {
+    build_terms(build, input.springs);
+    pattern = make_pattern(build);
+  });
   bending_ = BlockMatrix(comm, partition_, std::move(pattern));
   tangent_ = bending_.twin();
-  membrane_.term = energy::MembraneTerm(*sheet_);
-  mpi::on_all(comm, [&] { add_elements(build); });
   assemble_bending(build, input.springs);
   make_vectors();
   eliminated_ = base_eliminated_ = find_eliminated_entries(tangent_);
@@ -89,11 +92,8 @@ Model::Model(MPI_Comm comm, const mesh::SurfaceMesh& mesh, ModelInput input)
   VOILE_PETSC(VecAssemblyEnd(constant_));
   VOILE_PETSC(VecDuplicate(constant_, always_.out()));
   VOILE_PETSC(VecCopy(constant_, always_));
-  locate(followers_);
   if (input.contact.active)
-    mpi::on_all(comm, [&] {
-      contact_ = std::make_unique<Contact>(comm, mesh, partition_, constraints_, std::move(input.contact));
-    });
+    mpi::on_all(comm, [&] { contact_ = std::make_unique<Contact>(*dofs_, std::move(input.contact)); });
   for (BlockMatrix* m : {&bending_, &tangent_})
     VOILE_PETSC(MatSetOption(m->mat(), MAT_SYMMETRIC, m == &bending_ || symmetric() ? PETSC_TRUE : PETSC_FALSE));
   VOILE_PETSC(MatSetOption(tangent_.mat(), MAT_SYMMETRY_ETERNAL, symmetric() ? PETSC_TRUE : PETSC_FALSE));
@@ -101,7 +101,8 @@ Model::Model(MPI_Comm comm, const mesh::SurfaceMesh& mesh, ModelInput input)
 
 Model::~Model() = default;
 
-void Model::number_points(Build& build) {
+/// The elements of this rank, and the points that they use.
+std::vector<char> Model::find_elements(Build& build, const std::vector<Spring>& springs) {
   const std::vector<char> candidate = candidate_triangles(*mesh_, partition_.vertex_rank, rank_);
   energy::CurvatureBuilder curvature(*sheet_);
   std::vector<char> needed(static_cast<std::size_t>(patches_->point_count()), 0);
@@ -118,91 +119,97 @@ void Model::number_points(Build& build) {
     for (Index v : vertices) needed[v] = 1;
     build.items.push_back({t, std::move(op)});
   }
-  local_of_.assign(needed.size(), no_index);
-  const auto append = [&](Index point) {
-    local_of_[point] = static_cast<Index>(point_of_.size());
-    point_of_.push_back(point);
-    rest_.push_back(patches_->rest(point));
-  };
-  owned_ = partition_.owned_count(rank_);
-  for (Index r = 0; r < owned_; ++r) append(partition_.vertex_of[partition_.owned_begin(rank_) + r]);
-  for (Index v = 0; v < mesh_->vertex_count(); ++v)
-    if (needed[v] && local_of_[v] == no_index) append(v);
-  local_vertices_ = static_cast<Index>(point_of_.size());
-  for (Index p = mesh_->vertex_count(); p < patches_->point_count(); ++p)
-    if (needed[p]) {
-      append(p);
-      const mesh::MirrorPoint& m = patches_->mirror(p);
-      mirrors_.push_back({local_of_[m.apex], local_of_[m.a], local_of_[m.b], m.foot, m.reflection});
-    }
-  rotated_index_.assign(static_cast<std::size_t>(local_vertices_), no_index);
-  for (Index i = 0; i < local_vertices_; ++i) {
-    row_of_local_.push_back(partition_.row_of[point_of_[i]]);
-    const auto support = constraints_.vertices.find(point_of_[i]);
-    if (support == constraints_.vertices.end() || !support->second.rotated()) continue;
-    rotated_index_[i] = static_cast<Index>(rotated_.size());
-    rotated_.emplace_back(i, support->second.axes);
-  }
+  for (const Spring& spring : springs)
+    for (const auto& [v, w] : pairs_of(*mesh_, spring))
+      if (partition_.vertex_rank[v] == rank_ || partition_.vertex_rank[w] == rank_) needed[v] = needed[w] = 1;
+  return needed;
 }
 
-BlockPattern Model::make_pattern(const Build& build) const {
-  BlockPattern pattern(static_cast<std::size_t>(owned_));
-  const auto tidy = [](std::vector<Index>& row) {
-    std::sort(row.begin(), row.end());
-    row.erase(std::unique(row.begin(), row.end()), row.end());
-  };
-  for (Index i = 0; i < owned_; ++i) pattern[i].push_back(row_of_local_[i]);
-  for (const Build::Item& item : build.items) {
-    const std::vector<Index> vertices = vertices_of(*patches_, stencil_points(*sheet_, item.triangle, item.curvature));
-    for (Index v : vertices) {
-      const Index local = local_of_[v];
-      if (local >= owned_) continue;
-      std::vector<Index>& row = pattern[local];
-      for (Index w : vertices) row.push_back(partition_.row_of[w]);
-      if (row.size() > 400) tidy(row);
-    }
-  }
-  for (auto& row : pattern) tidy(row);
-  return pattern;
+template <class Kernel>
+ElementTerm<Kernel>& Model::add_term(double Energies::*part) {
+  auto term = std::make_unique<ElementTerm<Kernel>>();
+  ElementTerm<Kernel>& reference = *term;
+  terms_.push_back({std::move(term), part});
+  return reference;
 }
 
-void Model::add_elements(Build& build) {
+/// Here a new term joins the potential.
+void Model::build_terms(Build& build, const std::vector<Spring>& springs) {
+  membrane_ = &add_term<energy::MembraneTerm>(&Energies::membrane);
+  membrane_->kernel = energy::MembraneTerm(*sheet_);
+  auto& curved = add_term<energy::CurvedBendingTerm>(&Energies::bending);
+  const std::vector<Index>& local_of = dofs_->local().local_of;
   const auto to_local = [&](const auto& points, auto& local) {
-    std::transform(points.begin(), points.end(), local.begin(), [&](Index p) { return local_of_[p]; });
+    std::transform(points.begin(), points.end(), local.begin(), [&](Index p) { return local_of[p]; });
   };
   for (Build::Item& item : build.items) {
     const bool owned = partition_.triangle_rank[item.triangle] == rank_;
     std::array<Index, energy::MembraneTerm::nodes> stencil{};
     to_local(energy::MembraneTerm::stencil_of(*sheet_, item.triangle), stencil);
-    membrane_.term.add(*sheet_, item.triangle, stencil, owned);
-    membrane_triangle_.push_back(item.triangle);
+    membrane_->kernel.add(*sheet_, item.triangle, stencil, owned);
+    elements_.push_back({item.triangle, {stencil[0], stencil[1], stencil[2]}, owned});
     const energy::BendingElement el = energy::make_bending_element(*sheet_, item.triangle, item.curvature);
     std::vector<Index> local(el.points.size());
     to_local(el.points, local);
-    if (el.coupling.size() > 0) curved_.term.add(el, local, owned);
-    if (!owned) continue;
-    recovery_.push_back({item.triangle, recovery_points_.size(), static_cast<int>(local.size()), el.rest_curvature});
-    for (std::size_t i = 0; i < local.size(); ++i) {
-      recovery_points_.push_back(local[i]);
-      recovery_weights_.push_back(el.operator_.col(static_cast<Eigen::Index>(i)));
-    }
+    if (el.coupling.size() > 0) curved.kernel.add(el, local, owned);
+    if (owned) recovery_.add(item.triangle, el, local, membrane_->kernel.size() - 1);
   }
-  force_.resize(point_of_.size());
-  locate(membrane_);
-  locate(curved_);
+  auto& ties = add_term<energy::SpringTerm>(&Energies::springs);
+  for (const Spring& spring : springs) tie(spring, ties);
+  for (auto* v : {&u_, &x_, &previous_u_, &previous_x_, &force_})
+    v->resize(static_cast<std::size_t>(dofs_->local().count()));
+}
+
+void Model::tie(const Spring& spring, ElementTerm<energy::SpringTerm>& ties) const {
+  const LocalPoints& local = dofs_->local();
+  for (const auto& [v, w] : pairs_of(*mesh_, spring)) {
+    if (owned(v) == no_index && owned(w) == no_index) continue;
+    const double length =
+        std::isnan(spring.length) ? (mesh_->positions()[w] - mesh_->positions()[v]).norm() : spring.length;
+    ties.kernel.add({local.local_of[v], local.local_of[w]}, spring.stiffness, length, owned(v) != no_index);
+  }
+}
+
+BlockPattern Model::make_pattern(const Build& build) const {
+  const LocalPoints& local = dofs_->local();
+  BlockPattern pattern(static_cast<std::size_t>(local.owned));
+  const auto tidy = [](std::vector<Index>& row) {
+    std::sort(row.begin(), row.end());
+    row.erase(std::unique(row.begin(), row.end()), row.end());
+  };
+  for (Index i = 0; i < local.owned; ++i) pattern[i].push_back(local.row_of[i]);
+  const auto couple = [&](const std::vector<Index>& vertices) {
+    for (Index v : vertices) {
+      if (owned(v) == no_index) continue;
+      std::vector<Index>& row = pattern[owned(v)];
+      for (Index w : vertices) row.push_back(partition_.row_of[w]);
+      if (row.size() > 400) tidy(row);
+    }
+  };
+  for (const Build::Item& item : build.items)
+    couple(vertices_of(*patches_, stencil_points(*sheet_, item.triangle, item.curvature)));
+  for (const Counted& t : terms_)
+    t.term->for_stencils([&](const Index* points, int count) {
+      std::vector<Index> of(static_cast<std::size_t>(count));
+      std::transform(points, points + count, of.begin(), [&](Index p) { return local.point_of[p]; });
+      couple(vertices_of(*patches_, of));
+    });
+  for (auto& row : pattern) tidy(row);
+  return pattern;
 }
 
 void Model::assemble_bending(Build& build, const std::vector<Spring>& springs) {
   const petsc::EventScope scope(petsc::events().bending_assemble);
+  const std::vector<Index>& local_of = dofs_->local().local_of;
   const BlockMatrix::Values values = bending_.open();
-  mpi::on_all(comm_, [&] {
+  mpi::on_all(comm(), [&] {
     for (const Build::Item& item : build.items) {
       const energy::BendingElement el = energy::make_bending_element(*sheet_, item.triangle, item.curvature);
       for (std::size_t i = 0; i < el.points.size(); ++i)
         for (std::size_t j = 0; j < el.points.size(); ++j)
-          add_special(local_of_[el.points[i]], local_of_[el.points[j]],
-                      el.stiffness(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) * Mat3::Identity(),
-                      values);
+          add_block(*dofs_, bending_, local_of[el.points[i]], local_of[el.points[j]],
+                    el.stiffness(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) * Mat3::Identity(),
+                    values);
     }
     any_spring_ = !springs.empty();
     add_springs(springs, values);
@@ -212,29 +219,17 @@ void Model::assemble_bending(Build& build, const std::vector<Spring>& springs) {
 }
 
 void Model::make_vectors() {
-  VOILE_PETSC(VecCreateMPI(comm_, 3 * owned_, PETSC_DETERMINE, work_.out()));
-  VOILE_PETSC(VecSetBlockSize(work_, 3));
   for (petsc::VecHandle* v :
-       {&mass_, &dead_, &constant_, &sum_, &reference_, &coupling_, &load_coupling_, &prescribed_, &motion_}) {
-    VOILE_PETSC(VecDuplicate(work_, v->out()));
-    VOILE_PETSC(VecZeroEntries(*v));
-  }
-  VOILE_PETSC(VecCreateSeq(PETSC_COMM_SELF, 3 * local_vertices_, local_vector_.out()));
-  petsc::IndexSetHandle from, to;
-  VOILE_PETSC(ISCreateBlock(PETSC_COMM_SELF, 3, local_vertices_, row_of_local_.data(), PETSC_COPY_VALUES, from.out()));
-  VOILE_PETSC(ISCreateStride(PETSC_COMM_SELF, 3 * local_vertices_, 0, 1, to.out()));
-  VOILE_PETSC(VecScatterCreate(work_, from, local_vector_, to, scatter_.out()));
-  for (auto* v : {&u_, &x_, &previous_u_, &previous_x_}) v->resize(point_of_.size());
+       {&work_, &mass_, &dead_, &constant_, &sum_, &reference_, &coupling_, &load_coupling_, &prescribed_, &motion_})
+    *v = dofs_->create_vector();
+  const LocalPoints& local = dofs_->local();
   const petsc::WriteArray prescribed(prescribed_);
-  for (Index i = 0; i < owned_; ++i) {
-    const auto support = constraints_.vertices.find(point_of_[i]);
+  for (Index i = 0; i < local.owned; ++i) {
+    const auto support = constraints_.vertices.find(local.point_of[i]);
     if (support == constraints_.vertices.end()) continue;
     if (support->second.motion >= 0) movers_.push_back({i, support->second.motion});
     for (int k = 0; k < 3; ++k)
-      if (support->second.fixed[k]) {
-        fixed_.push_back(3 * i + k);
-        prescribed[3 * i + k] = support->second.value[k];
-      }
+      if (support->second.fixed[k]) prescribed[3 * i + k] = support->second.value[k];
   }
   for (const auto& [v, support] : constraints_.vertices)
     has_prescribed_ |= support.value.squaredNorm() > 0.0 || support.motion >= 0;
@@ -262,24 +257,23 @@ void Model::build_mass(const std::vector<PointMass>& masses) {
       const double area = mesh_->area(t), density = sheet_->material(t).areal_density;
       total_area_ += area;
       for (Index v : mesh_->triangles()[t]) {
-        const Index i = local_of_[v];
-        if (i == no_index || i >= owned_) continue;
+        const Index i = owned(v);
+        if (i == no_index) continue;
         for (int k = 0; k < 3; ++k) mass[3 * i + k] += (density > 0.0 ? density : 1.0) * area / 3.0;
       }
     }
   }
-  mpi::on_all(comm_, [&] {
+  mpi::on_all(comm(), [&] {
     const petsc::WriteArray mass(mass_);
     for (const PointMass& m : masses)
       for (Index v : mesh_->group(m.group).vertices) {
-        const Index i = local_of_[v];
-        if (i == no_index || i >= owned_) continue;
+        const Index i = owned(v);
+        if (i == no_index) continue;
         for (int k = 0; k < 3; ++k) mass[3 * i + k] += m.mass;
         masses_.emplace_back(i, m.mass);
       }
   });
-  const Index first = partition_.owned_begin(rank_);
-  for (Index i = 0; i < owned_; ++i) mass_slots_.push_back(tangent_.slot(i, first + i));
+  for (Index i = 0; i < dofs_->local().owned; ++i) mass_slots_.push_back(tangent_.slot(i, dofs_->first_row() + i));
 }
 
 }  // namespace voile::system

@@ -3,9 +3,9 @@
 
 #include <functional>
 
-#include "model_build.hpp"
 #include "voile/base/error.hpp"
 #include "voile/base/mpi.hpp"
+#include "voile/system/model.hpp"
 
 namespace voile::system {
 
@@ -58,7 +58,7 @@ void check_gravity(const energy::Sheet& sheet, const Load& load) {
 
 Vec Model::force_of(const Load& load) {
   if (!load.history) return load.constant ? constant_ : dead_;
-  TimedLoad timed{load.history, followers_.term.add_factor(), create_vector()};
+  TimedLoad timed{load.history, followers_.kernel.add_factor(), dofs_->create_vector()};
   timed_.push_back(std::move(timed));
   return timed_.back().force;
 }
@@ -67,10 +67,9 @@ void Model::build_loads(const std::vector<Load>& loads, const std::vector<PointM
   for (const Load& load : loads) {
     const petsc::WriteArray force(force_of(load));
     const AddForce add = [&](Index v, const Vec3& f) {
-      const Index i = local_of_[v];
-      if (i == no_index || i >= owned_) return;
-      const Index own_axes = rotated_index_[i];
-      const Vec3 g = own_axes == no_index ? f : Vec3(rotated_[own_axes].second.transpose() * f);
+      const Index i = owned(v);
+      if (i == no_index) return;
+      const Vec3 g = dofs_->to_own(v, f);
       for (int k = 0; k < 3; ++k) force[3 * i + k] += g[k];
     };
     switch (load.kind) {
@@ -105,17 +104,18 @@ void Model::add_follower(const Load& load) {
                      : load.constant ? energy::FollowerTerm::constant
                                      : energy::FollowerTerm::load_factor;
   const auto local = [&](const mesh::Triangle& t) {
-    return std::array<Index, 3>{local_of_[t[0]], local_of_[t[1]], local_of_[t[2]]};
+    const std::vector<Index>& of = dofs_->local().local_of;
+    return std::array<Index, 3>{of[t[0]], of[t[1]], of[t[2]]};
   };
   // As for the other elements: every triangle that touches an owned vertex.
   const auto evaluated = [&](const std::array<Index, 3>& p) {
-    return std::any_of(p.begin(), p.end(), [&](Index i) { return i != no_index && i < owned_; });
+    return std::any_of(p.begin(), p.end(), [&](Index i) { return i != no_index && i < dofs_->local().owned; });
   };
   if (load.kind == Load::Kind::follower_pressure) {
     for (Index t : loaded_triangles(*mesh_, load)) {
       const auto points = local(mesh_->triangles()[t]);
       if (evaluated(points))
-        followers_.term.add_pressure(points, load.magnitude, factor, partition_.triangle_rank[t] == rank_);
+        followers_.kernel.add_pressure(points, load.magnitude, factor, partition_.triangle_rank[t] == rank_);
     }
     return;
   }
@@ -132,21 +132,20 @@ void Model::add_follower(const Load& load) {
       const auto points = local({v[(side + 1) % 3], v[(side + 2) % 3], v[side]});
       const double length = (mesh_->positions()[s[1]] - mesh_->positions()[s[0]]).norm();
       if (evaluated(points))
-        followers_.term.add_moment(points, load.magnitude, length, factor, partition_.triangle_rank[t] == rank_);
+        followers_.kernel.add_moment(points, load.magnitude, length, factor, partition_.triangle_rank[t] == rank_);
     }
 }
 
 void Model::add_springs(const std::vector<Spring>& springs, const BlockMatrix::Values& values) {
-  const Index first = partition_.owned_begin(rank_);
   for (const Spring& s : springs) {
     const Mat3 unit =
         s.direction ? Mat3(s.direction->normalized() * s.direction->normalized().transpose()) : Mat3(Mat3::Identity());
     const auto add = [&](Index v, double stiffness) {
-      const Index i = local_of_[v];
-      if (i == no_index || i >= owned_) return;
-      const Mat3 q = rotated_index_[i] == no_index ? Mat3(Mat3::Identity()) : rotated_[rotated_index_[i]].second;
+      const Index i = owned(v);
+      if (i == no_index) return;
+      const Mat3 q = dofs_->axes(v);
       springs_.push_back({i, stiffness * q.transpose() * unit * q});
-      values.add(bending_.slot(i, first + i), springs_.back().stiffness);
+      values.add(bending_.slot(i, dofs_->first_row() + i), springs_.back().stiffness);
     };
     Load like;  // the same lumping as that of loads
     like.group = s.group;
@@ -163,6 +162,8 @@ void Model::add_springs(const std::vector<Spring>& springs, const BlockMatrix::V
         like.vector = s.stiffness * Vec3::UnitX();
         add_surface_load(*sheet_, like, [&](Index v, const Vec3& share) { add(v, share.x()); });
         break;
+      case Spring::Kind::pair:  // a term of its own
+        break;
     }
   }
 }
@@ -175,7 +176,7 @@ double Model::spring_energy(Vec a) const {
     const Vec3 d = Eigen::Map<const Vec3>(u.data() + 3 * s.vertex);
     sum += 0.5 * d.dot(s.stiffness * d);
   }
-  return mpi::sum(comm_, sum);
+  return mpi::sum(comm(), sum);
 }
 
 }  // namespace voile::system

@@ -117,6 +117,7 @@ class Counter {
   template <class Work>
   void each_spring(const Work& work) const {
     for (const Spring& s : springs_) {
+      if (s.kind == Spring::Kind::pair) continue;
       const auto at = [&](Index v) {
         if (s.direction) return work(v, s.direction->normalized());
         for (int k = 0; k < 3; ++k) work(v, Vec3::Unit(k));
@@ -137,6 +138,12 @@ class Counter {
         joints_.push_back({v, here[0], here[k]});
       }
     }
+    for (const Spring& s : springs_)
+      for (const auto& [v, w] : pairs_of(mesh_, s)) {
+        const Index first = bodies_of(v).front(), second = bodies_of(w).front();
+        touching.join(first, second);
+        ties_.push_back({v, w, first, second, s.length != 0.0});
+      }
     std::map<Index, std::vector<Index>> members;
     for (Index b = 0; b < static_cast<Index>(bodies_.size()); ++b) members[touching.find(b)].push_back(b);
     for (const auto& entry : members) {
@@ -194,6 +201,18 @@ class Counter {
         finish();
       }
     }
+    for (const Tie& tie : ties_) {
+      if (!inside(tie.first)) continue;
+      const Vec3 between = mesh_.positions()[tie.to] - mesh_.positions()[tie.from];
+      const bool directed = tie.directed && between.squaredNorm() > 0.0;
+      for (int k = 0; k < (directed ? 1 : 3); ++k) {
+        const Vec3 d = directed ? Vec3(between.normalized()) : Vec3(Vec3::Unit(k));
+        row.setZero();
+        add_held(row, tie.first, tie.from, d);
+        add_held(row, tie.second, tie.to, d, -1.0);
+        finish();
+      }
+    }
     return stacked;
   }
 
@@ -230,6 +249,10 @@ class Counter {
   struct Joint {
     Index vertex, first, second;
   };
+  struct Tie {  ///< a spring between two vertices; without a length it holds all components together
+    Index from, to, first, second;
+    bool directed;
+  };
 
   const mesh::SurfaceMesh& mesh_;
   const Constraints& constraints_;
@@ -238,6 +261,7 @@ class Counter {
   std::vector<Body> bodies_;
   std::vector<std::vector<Index>> groups_;  ///< bodies that share vertices, ascending
   std::vector<Joint> joints_;
+  std::vector<Tie> ties_;
 };
 
 }  // namespace

@@ -233,6 +233,21 @@ TEST_CASE("contact energy: gradient and Hessian against differences, with planes
   }
 }
 
+TEST_CASE("the barrier of two crossing edges counts for an eighth of the product of their lengths") {
+  // Two long triangles whose longest sides cross at a distance; everything else is far apart.
+  mesh::MeshData data;
+  data.source = "crossed";
+  data.positions = {Vec3(-1, 0, 0),      Vec3(1, 0, 0),      Vec3(0, 0.5, -2),
+                    Vec3(0, -1.5, 0.05), Vec3(0, 1.5, 0.05), Vec3(0.5, 0, 2)};
+  data.triangles = {{0, 1, 2}, {3, 4, 5}};
+  const mesh::SurfaceMesh mesh(data);
+  const double distance = 0.1, stiffness = 7.0;
+  ContactSet set(make_surface(mesh, {{"sheet", 0.0}}, {}), {}, {distance, stiffness, 1e-3}, std::vector<char>(6, 1));
+  const std::vector<Vec3>& x = data.positions;
+  (void)set.cover(x, x);
+  CHECK(set.energy(x) == doctest::Approx(stiffness * 2.0 * 3.0 / 8.0 * barrier(0.05, distance).value).epsilon(1e-12));
+}
+
 TEST_CASE("friction: Coulomb's force beyond the slip, none at rest, opposed to the motion") {
   auto [set, at, normal] = triangle_on_plate();
   set.lag_friction(at, at, 1e-3);

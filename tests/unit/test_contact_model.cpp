@@ -2,6 +2,7 @@
 // obstacles.
 #include <doctest/doctest.h>
 
+#include <Eigen/Geometry>
 #include <numbers>
 
 #include "test_problems.hpp"
@@ -70,7 +71,10 @@ struct Problem {
   system::Model model;
   petsc::VecHandle u, v;
   Problem(const mesh::MeshData& data, const system::ModelInput& in)
-      : mesh(data), model(PETSC_COMM_WORLD, mesh, in), u(model.create_vector()), v(model.create_vector()) {}
+      : mesh(data),
+        model(PETSC_COMM_WORLD, mesh, in),
+        u(model.dofs().create_vector()),
+        v(model.dofs().create_vector()) {}
 };
 
 /// Intersecting pairs of the sheet's triangles at a state. Collective.
@@ -115,14 +119,15 @@ TEST_CASE("contact in a model: the tangent is the derivative of the residual, th
   const int before = p.model.pattern_version();
   set_displacement(p.model, p.u, noise(2e-3, 1));
   p.model.enforce_supports(p.u);
-  petsc::VecHandle r = p.model.create_vector(), up = p.model.create_vector(), down = p.model.create_vector(),
-                   w = p.model.create_vector(), kw = p.model.create_vector(), x = p.model.create_vector();
+  petsc::VecHandle r = p.model.dofs().create_vector(), up = p.model.dofs().create_vector(),
+                   down = p.model.dofs().create_vector(), w = p.model.dofs().create_vector(),
+                   kw = p.model.dofs().create_vector(), x = p.model.dofs().create_vector();
   system::TangentRequest request;
   request.exact_contact = true;
   p.model.assemble_tangent(p.u, request);
   CHECK(p.model.pattern_version() == before + 1);
   set_displacement(p.model, w, noise(1.0, 2));
-  p.model.clear_fixed(w);
+  p.model.dofs().clear_fixed(w);
   VOILE_PETSC(MatMult(p.model.tangent_matrix(), w, kw));
   const double h = 1e-8;
   VOILE_PETSC(VecWAXPY(x, h, w, p.u));
@@ -133,12 +138,12 @@ TEST_CASE("contact in a model: the tangent is the derivative of the residual, th
   const double energy_down = p.model.energy(x);
   VOILE_PETSC(VecAXPY(up, -1.0, down));
   VOILE_PETSC(VecScale(up, 0.5 / h));
-  p.model.clear_fixed(up);
-  p.model.clear_fixed(kw);
+  p.model.dofs().clear_fixed(up);
+  p.model.dofs().clear_fixed(kw);
   VOILE_PETSC(VecAXPY(up, -1.0, kw));
   CHECK(norm(up) < 1e-5 * norm(kw));
   p.model.residual(p.u, r);
-  p.model.clear_fixed(r);
+  p.model.dofs().clear_fixed(r);
   CHECK((energy_up - energy_down) / (2.0 * h) == doctest::Approx(dot(r, w)).epsilon(1e-6));
   // The constant bending stiffness was copied, not assembled, into the larger pattern.
   p.model.assemble_tangent(p.u, request);
@@ -158,7 +163,7 @@ TEST_CASE("contact in a model: pairs, energy and forces are those of one rank") 
   CHECK(report.pairs > 100);
   CHECK(report.gap == state.gap);
   CHECK(p.model.contact()->energy(p.u) == doctest::Approx(alone.energy(x)).epsilon(1e-12));
-  petsc::VecHandle f = p.model.create_vector();
+  petsc::VecHandle f = p.model.dofs().create_vector();
   p.model.contact()->add_gradient(p.u, f);
   const std::vector<Vec3> forces = per_vertex(p.model, f);
   std::vector<Vec3> wanted(forces.size(), Vec3::Zero());
@@ -200,7 +205,7 @@ TEST_CASE("a sheet comes to rest on a floor that then carries its weight") {
   const solve::DrapeResult r = solve::drape(p.model, p.u, {}, [](const std::string&) {});
   CHECK(r.newton.converged);
   CHECK(r.stable);
-  petsc::VecHandle f = p.model.create_vector();
+  petsc::VecHandle f = p.model.dofs().create_vector();
   p.model.contact()->add_gradient(p.u, f);
   Vec3 total = Vec3::Zero();
   for (const Vec3& v : per_vertex(p.model, f)) total -= v;
@@ -248,11 +253,77 @@ TEST_CASE("what cannot be avoided ends the run and is named") {
 
 /// Static residual of the start, free components only.
 petsc::VecHandle residual(Problem& p) {
-  petsc::VecHandle r = p.model.create_vector();
+  petsc::VecHandle r = p.model.dofs().create_vector();
   p.model.set_load_factor(1.0);
   p.model.residual(p.u, r);
-  p.model.clear_fixed(r);
+  p.model.dofs().clear_fixed(r);
   return r;
+}
+
+TEST_CASE("a way through something that is held is no way") {
+  for (const bool held : {true, false}) {
+    system::ModelInput in = input({plane(-0.03)}, 0.02);
+    in.contact.obstacles[0].motion = [](const Vec3&, double t) { return Vec3(0.0, 0.0, t); };
+    if (held) in.supports = {support("sheet0", SupportKind::hinged)};
+    Problem p(sheets(1, 4, 0.0), in);
+    petsc::VecHandle to = p.model.dofs().create_vector();
+    CHECK(p.model.contact()->make_way(p.u, 0.0, to, 0.06) == !held);
+    CHECK((norm(to) > 0.0) == !held);
+    CAPTURE(p.model.contact()->obstruction());
+    CHECK((p.model.contact()->obstruction().find("floor") != std::string::npos) == held);
+  }
+}
+
+TEST_CASE("a sheet that turns with what it lies on does not slip, whatever the angle at the start") {
+  const double d = 0.01, speed = 2.0;  // rad/s about an axis off the sheet
+  const Vec3 centre(0.3, -0.4, 0.0);
+  const auto turned = [&](const Vec3& x, double t) {
+    return Vec3(Eigen::AngleAxisd(speed * t, Vec3::UnitZ()) * (x - centre) + centre);
+  };
+  Obstacle table = plane(-0.7 * d, 0.5);
+  table.motion = [&](const Vec3& x, double t) { return Vec3(turned(x, t) - x); };
+  Problem p(sheets(1, 4, 0.0), input({table}, d));
+  system::Contact& contact = *p.model.contact();
+  const auto forces_after = [&](double start, double dt) {
+    petsc::VecHandle now = p.model.dofs().create_vector(), f = p.model.dofs().create_vector();
+    const auto& x = p.mesh.positions();
+    set_displacement(p.model, now, [&](Index v) { return Vec3(turned(x[v], start) - x[v]); });
+    contact.set_time(start);
+    contact.start_step(now, 1e-4);
+    set_displacement(p.model, now, [&](Index v) { return Vec3(turned(x[v], start + dt) - x[v]); });
+    contact.set_time(start + dt);
+    contact.add_gradient(now, f, ContactSet::friction);
+    return norm(f);
+  };
+  petsc::VecHandle pressed = p.model.dofs().create_vector();
+  contact.add_gradient(p.u, pressed, ContactSet::normal);
+  for (const double start : {0.0, 0.4, 1.3}) {
+    CAPTURE(start);
+    CHECK(forces_after(start, 0.01) < 1e-8 * norm(pressed));
+  }
+}
+
+TEST_CASE("the positive tangent takes friction's secant where slips have grown") {
+  const double d = 0.01, friction = 0.4, slip = 1e-4, moved = 20.0 * slip;
+  Problem p(sheets(1, 4, 0.0), input({plane(-0.7 * d, friction)}, d));
+  system::Contact& contact = *p.model.contact();
+  petsc::VecHandle pressed = p.model.dofs().create_vector(), a = p.model.dofs().create_vector(),
+                   along = p.model.dofs().create_vector(), k = p.model.dofs().create_vector();
+  contact.add_gradient(p.u, pressed, ContactSet::normal);
+  double normal = 0.0;
+  VOILE_PETSC(VecSum(pressed, &normal));
+  set_displacement(p.model, along, [](Index) { return Vec3(Vec3::UnitX()); });
+  const auto stiffness = [&](double displacement) {  // against a translation along the slip; the sheet itself has none
+    VOILE_PETSC(VecCopy(along, a));
+    VOILE_PETSC(VecScale(a, displacement));
+    p.model.assemble_tangent(a, nullptr, energy::Tangent::positive, 0.0);
+    VOILE_PETSC(MatMult(p.model.tangent_matrix(), along, k));
+    return dot(along, k);
+  };
+  contact.start_step(p.u, slip);
+  (void)stiffness(0.0);  // the first tangent of a step trusts the first guess
+  CHECK(stiffness(moved) == doctest::Approx(friction * std::abs(normal) / moved).epsilon(1e-6));
+  CHECK(std::abs(stiffness(1.2 * moved)) < 1e-3 * friction * std::abs(normal) / moved);  // no longer growing much
 }
 
 TEST_CASE("a start inside the contact distance is let out gently") {

@@ -41,7 +41,7 @@ double stored_energy(energy::MembraneOperator op, double share) {
   }
   system::Model model(PETSC_COMM_WORLD, mesh, input);
   solve::Newton newton(model);
-  petsc::VecHandle a = model.create_vector();
+  petsc::VecHandle a = model.dofs().create_vector();
   set_displacement(model, a, [&](Index v) {
     return mesh.positions()[v].y() == 0.0 ? Vec3(Vec3::Zero()) : Vec3(noise(0.3 / cells, 17)(v));
   });

@@ -43,12 +43,12 @@ system::ModelInput input_for(energy::BendingOperator bending, energy::MembraneOp
 
 /// Zeroes the fixed unknowns of a perturbation and sets the fixed ones of a state to their values.
 void respect_supports(system::Model& model, Vec a) {
-  const Index first = model.partition().owned_begin(mpi::rank(model.comm()));
+  const Index first = model.dofs().partition().owned_begin(mpi::rank(model.comm()));
   const petsc::WriteArray values(a);
   for (const auto& [v, s] : model.constraints().vertices)
-    if (model.partition().vertex_rank[v] == mpi::rank(model.comm()))
+    if (model.dofs().partition().vertex_rank[v] == mpi::rank(model.comm()))
       for (int k = 0; k < 3; ++k)
-        if (s.fixed[k]) values[3 * (model.partition().row_of[v] - first) + k] = 0.0;
+        if (s.fixed[k]) values[3 * (model.dofs().partition().row_of[v] - first) + k] = 0.0;
 }
 
 struct Slope {
@@ -74,8 +74,9 @@ Slope compare(double exact, const std::function<double(double)>& value) {
 void check_derivatives(const mesh::SurfaceMesh& mesh, const system::ModelInput& input) {
   system::Model model(PETSC_COMM_WORLD, mesh, input);
   model.set_load_factor(0.7);
-  petsc::VecHandle a = model.create_vector(), d = model.create_vector(), e = model.create_vector();
-  petsc::VecHandle moved = model.create_vector(), r = model.create_vector(), kd = model.create_vector();
+  petsc::VecHandle a = model.dofs().create_vector(), d = model.dofs().create_vector(), e = model.dofs().create_vector();
+  petsc::VecHandle moved = model.dofs().create_vector(), r = model.dofs().create_vector(),
+                   kd = model.dofs().create_vector();
   set_displacement(model, a, noise(0.04, 3));
   set_displacement(model, d, noise(1.0, 5));
   set_displacement(model, e, noise(1.0, 11));
@@ -102,7 +103,7 @@ void check_derivatives(const mesh::SurfaceMesh& mesh, const system::ModelInput& 
   CHECK(hessian.best < 1e-8);
   CHECK(hessian.order > 1.7);
   // With x_k = x the linearised stress is the stress.
-  petsc::VecHandle other = model.create_vector();
+  petsc::VecHandle other = model.dofs().create_vector();
   model.assemble_tangent(a, a, energy::Tangent::linearised_stress, 0.0);
   VOILE_PETSC(MatMult(model.tangent_matrix(), d, other));
   VOILE_PETSC(VecAXPY(other, -1.0, kd));
@@ -150,7 +151,7 @@ TEST_CASE("a rigid motion costs nothing, however large") {
                       input_for(energy::BendingOperator::edge_slope, energy::MembraneOperator::six_node, false));
   model.set_load_factor(0.0);
   const Eigen::AngleAxisd turn(2.0, Vec3(1.0, 2.0, -0.5).normalized());
-  petsc::VecHandle a = model.create_vector(), r = model.create_vector();
+  petsc::VecHandle a = model.dofs().create_vector(), r = model.dofs().create_vector();
   set_displacement(
       model, a, [&](Index v) { return Vec3(turn * mesh.positions()[v] + Vec3(3.0, -1.0, 2.0) - mesh.positions()[v]); });
   model.residual(a, r);
@@ -163,8 +164,8 @@ TEST_CASE("differences of energies near the state they are counted from are not 
   const mesh::SurfaceMesh mesh(square(Pattern::diagonal, 40));
   system::Model model(PETSC_COMM_WORLD, mesh,
                       input_for(energy::BendingOperator::edge_slope, energy::MembraneOperator::six_node, false));
-  petsc::VecHandle a = model.create_vector(), d = model.create_vector(), moved = model.create_vector(),
-                   r = model.create_vector();
+  petsc::VecHandle a = model.dofs().create_vector(), d = model.dofs().create_vector(),
+                   moved = model.dofs().create_vector(), r = model.dofs().create_vector();
   set_displacement(model, a, [&](Index v) {
     const Vec3& x = mesh.positions()[v];
     return Vec3(Vec3(std::sin(3.0 * x[0]) / 3.0, x[1], (1.0 - std::cos(3.0 * x[0])) / 3.0) - x + Vec3(5.0, -3.0, 4.0));
@@ -183,13 +184,46 @@ TEST_CASE("differences of energies near the state they are counted from are not 
   CHECK(kept < 1e-4 * std::abs(expected));
 }
 
+TEST_CASE("the projected tangent keeps the tensile principal force alone") {
+  const mesh::SurfaceMesh mesh(square(Pattern::diagonal, 4));
+  system::ModelInput input;
+  input.materials = {isotropic(100.0, 0.0, 0.1, 1.0)};
+  const double thickness = 0.1, young = 100.0, turned = 0.5;
+  const Mat3 turn = Eigen::AngleAxisd(turned, Vec3::UnitZ()).toRotationMatrix();
+  for (const auto membrane : {energy::MembraneOperator::cst, energy::MembraneOperator::six_node,
+                              energy::MembraneOperator::six_node_three_point})
+    for (const auto& [first, second] : {std::pair{0.1, 0.05}, {0.1, -0.05}, {-0.1, 0.05}, {-0.1, -0.05}}) {
+      CAPTURE(static_cast<int>(membrane));
+      CAPTURE(first);
+      CAPTURE(second);
+      input.element.membrane = membrane;
+      system::Model model(PETSC_COMM_WORLD, mesh, input);
+      petsc::VecHandle a = model.dofs().create_vector(), w = model.dofs().create_vector(),
+                       k = model.dofs().create_vector();
+      // Stretched along axes turned in the plane; Green strains e (1 + e/2), forces E t times that.
+      const Vec3 stretch(first, second, 0.0);
+      set_displacement(model, a, [&](Index v) {
+        return Vec3(turn * stretch.asDiagonal() * turn.transpose() * mesh.positions()[v]);
+      });
+      model.assemble_tangent(a, nullptr, energy::Tangent::positive, 0.0);
+      for (const bool along_first : {true, false}) {
+        const Vec3 axis = turn.col(along_first ? 0 : 1);
+        const double e = along_first ? first : second, force = young * thickness * e * (1.0 + 0.5 * e);
+        set_displacement(model, w, [&](Index v) { return Vec3(axis.dot(mesh.positions()[v]) * Vec3::UnitZ()); });
+        VOILE_PETSC(MatMult(model.tangent_matrix(), w, k));
+        CHECK(dot(w, k) == doctest::Approx(std::max(force, 0.0)).epsilon(1e-10).scale(1.0));
+      }
+    }
+}
+
 TEST_CASE("the projected tangent is positive where the exact one is not") {
   // A flat square compressed in its plane: buckling modes make the exact tangent indefinite.
   const mesh::SurfaceMesh mesh(square(Pattern::diagonal, 6));
   system::ModelInput input;
   input.materials = {isotropic(100.0, 0.3, 0.01)};
   system::Model model(PETSC_COMM_WORLD, mesh, input);
-  petsc::VecHandle a = model.create_vector(), d = model.create_vector(), kd = model.create_vector();
+  petsc::VecHandle a = model.dofs().create_vector(), d = model.dofs().create_vector(),
+                   kd = model.dofs().create_vector();
   set_displacement(model, a, [&](Index v) { return Vec3(-0.05 * mesh.positions()[v][0], 0.0, 0.0); });
   set_displacement(model, d, [&](Index v) { return Vec3(0.0, 0.0, std::sin(3.0 * mesh.positions()[v][0])); });
   model.assemble_tangent(a, nullptr, energy::Tangent::exact, 0.0);

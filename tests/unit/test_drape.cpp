@@ -21,7 +21,7 @@ struct HeavyStrip {
   petsc::VecHandle a;
 
   HeavyStrip(double gamma, int cells, bool alternate)
-      : mesh(data(cells, alternate)), model(PETSC_COMM_WORLD, mesh, input(gamma)), a(model.create_vector()) {}
+      : mesh(data(cells, alternate)), model(PETSC_COMM_WORLD, mesh, input(gamma)), a(model.dofs().create_vector()) {}
   static mesh::MeshData data(int cells, bool alternate) {
     mesh::MeshData d = grid(cells, 2, alternate, 0.0);
     add_square_groups(d);
@@ -86,7 +86,7 @@ TEST_CASE("an unstable equilibrium is left for a stable one") {
   in.loads = {load(LoadKind::line, "right", Vec3(-1.1 * euler, 0.0, 0.0))};
   system::Model model(PETSC_COMM_WORLD, mesh, in);
   model.set_load_factor(1.0);
-  petsc::VecHandle a = model.create_vector();
+  petsc::VecHandle a = model.dofs().create_vector();
   std::vector<std::string> remarks;
   const solve::DrapeResult r = solve::drape(model, a, {}, [&](const std::string& text) { remarks.push_back(text); });
   REQUIRE(r.newton.converged);
@@ -98,7 +98,7 @@ TEST_CASE("an unstable equilibrium is left for a stable one") {
   for (const Vec3& u : per_vertex(model, a)) largest = std::max(largest, std::abs(u[2]));
   CHECK(largest == doctest::Approx(0.255).epsilon(0.05));  // elastica at 1.1 of Euler's load
   // Without escapes the truth is told.
-  petsc::VecHandle b = model.create_vector();
+  petsc::VecHandle b = model.dofs().create_vector();
   solve::DrapeOptions none;
   none.max_escapes = 0;
   const solve::DrapeResult straight = solve::drape(model, b, none, {});
@@ -112,13 +112,13 @@ TEST_CASE("inverse iteration finds the eigenvalue nearest to zero") {
   solve::Newton newton(strip.model);
   strip.model.assemble_tangent(strip.a, nullptr, energy::Tangent::exact, 0.0);
   newton.linear_solver().tangent_changed();
-  petsc::VecHandle mode = solve::start_mode(strip.model), product = strip.model.create_vector(),
-                   inertia = strip.model.create_vector();
+  petsc::VecHandle mode = solve::start_mode(strip.model), product = strip.model.dofs().create_vector(),
+                   inertia = strip.model.dofs().create_vector();
   const double value = solve::inverse_iteration(strip.model, newton.linear_solver(), mode, 60);
   CHECK(value > 0.0);
   VOILE_PETSC(MatMult(strip.model.tangent_matrix(), mode, product));
   VOILE_PETSC(VecPointwiseMult(inertia, strip.model.mass(), mode));
-  strip.model.clear_fixed(inertia);
+  strip.model.dofs().clear_fixed(inertia);
   VOILE_PETSC(VecAXPY(product, -value, inertia));
   CHECK(norm(product) < 1e-6 * value * norm(inertia));
 }

@@ -34,7 +34,7 @@ struct Plate {
   Plate(mesh::MeshData d, bool supported, double press = 0.0)
       : mesh((add_square_groups(d), d)),
         model(PETSC_COMM_WORLD, mesh, input(supported, press)),
-        a(model.create_vector()) {}
+        a(model.dofs().create_vector()) {}
   static system::ModelInput input(bool supported, double press) {
     system::ModelInput in;
     in.materials = {isotropic(2e9, 0.3, thickness, density)};
@@ -102,7 +102,8 @@ TEST_CASE("the mass matrix knows the mass, its first moment, supports and obliqu
   in.materials = {isotropic(1e3, 0.3, 0.05, 7.0)};
   system::Model free(PETSC_COMM_WORLD, mesh, in);
   const system::BlockMatrix mass = free.consistent_mass();
-  petsc::VecHandle x = free.create_vector(), y = free.create_vector(), product = free.create_vector();
+  petsc::VecHandle x = free.dofs().create_vector(), y = free.dofs().create_vector(),
+                   product = free.dofs().create_vector();
   set_displacement(free, x, [](Index) { return Vec3(1.0, 2.0, -2.0); });
   VOILE_PETSC(MatMult(mass.mat(), x, product));
   CHECK(dot(x, product) == doctest::Approx(9.0 * 7.0).epsilon(1e-12));  // |v|^2 times density times area 1
@@ -116,13 +117,13 @@ TEST_CASE("the mass matrix knows the mass, its first moment, supports and obliqu
   in.supports = {plane};
   system::Model held(PETSC_COMM_WORLD, mesh, in);
   const system::BlockMatrix held_mass = held.consistent_mass();
-  petsc::VecHandle z = held.create_vector(), held_product = held.create_vector();
+  petsc::VecHandle z = held.dofs().create_vector(), held_product = held.dofs().create_vector();
   const Vec3 along(0.3, 0.6, -0.8);  // in the plane of symmetry
   set_displacement(held, z, [&](Index) { return along; });
   VOILE_PETSC(MatMult(held_mass.mat(), z, held_product));
   CHECK(dot(z, held_product) == doctest::Approx(7.0 * along.squaredNorm()).epsilon(1e-12));
   VOILE_PETSC(VecSet(z, 1.0));
-  held.clear_free(z);
+  held.dofs().clear_free(z);
   CHECK(norm(z) > 0.0);
   VOILE_PETSC(MatMult(held_mass.mat(), z, held_product));
   CHECK(norm(held_product) == 0.0);
@@ -174,6 +175,6 @@ TEST_CASE("what has no modes is refused with the reason") {
   system::ModelInput in = Plate::input(true, 0.0);
   in.materials = {isotropic(2e9, 0.3, thickness, 0.0)};
   system::Model weightless(PETSC_COMM_WORLD, unloaded.mesh, in);
-  petsc::VecHandle a = weightless.create_vector();
+  petsc::VecHandle a = weightless.dofs().create_vector();
   CHECK_THROWS_AS((void)solve::vibration_modes(weightless, a, 1, Mass::lumped), UserError);
 }

@@ -42,7 +42,7 @@ Vec3 moment(const std::vector<Vec3>& x, const std::vector<Vec3>& forces) {
 
 /// Applied force per vertex in the state `a` (minus what the unbalanced force gains by the load factor).
 std::vector<Vec3> applied(system::Model& model, Vec a, double factor) {
-  petsc::VecHandle with = model.create_vector(), without = model.create_vector();
+  petsc::VecHandle with = model.dofs().create_vector(), without = model.dofs().create_vector();
   model.set_load_factor(factor);
   model.unbalanced_force(a, with);
   model.set_load_factor(0.0);
@@ -61,7 +61,7 @@ system::ModelInput free_sheet(std::vector<system::Load> loads) {
 /// Applied forces at rest, from the residual of a free sheet.
 std::vector<Vec3> at_rest(const mesh::SurfaceMesh& mesh, const system::ModelInput& input, double factor = 1.0) {
   system::Model model(PETSC_COMM_WORLD, mesh, input);
-  petsc::VecHandle a = model.create_vector(), r = model.create_vector();
+  petsc::VecHandle a = model.dofs().create_vector(), r = model.dofs().create_vector();
   model.set_load_factor(factor);
   model.residual(a, r);
   std::vector<Vec3> f = per_vertex(model, r);
@@ -110,7 +110,8 @@ mesh::MeshData sphere(int levels) {
 
 /// |K^T x - K x| / |K x| for a rough x.
 double asymmetry(system::Model& model, Vec a) {
-  petsc::VecHandle x = model.create_vector(), kx = model.create_vector(), ktx = model.create_vector();
+  petsc::VecHandle x = model.dofs().create_vector(), kx = model.dofs().create_vector(),
+                   ktx = model.dofs().create_vector();
   set_displacement(model, x, noise(1.0, 23));
   model.assemble_tangent(a, nullptr, energy::Tangent::exact, 0.0);
   VOILE_PETSC(MatMult(model.tangent_matrix(), x, kx));
@@ -185,7 +186,7 @@ TEST_CASE("loads on vertices with oblique axes are turned into them") {
   s.normal = turn * Vec3::UnitX();
   input.supports = {s};
   system::Model model(PETSC_COMM_WORLD, mesh, input);
-  petsc::VecHandle a = model.create_vector();
+  petsc::VecHandle a = model.dofs().create_vector();
   CHECK((sum(applied(model, a, 1.0)) - q - 1.7 * area_vector(mesh)).norm() < 1e-13);
 }
 
@@ -203,7 +204,7 @@ TEST_CASE("pressure in a closed surface: no resultant, the work of the volume, a
   const double p = 3.0;
   system::ModelInput input = free_sheet({load(LoadKind::follower_pressure, "", p)});
   system::Model model(PETSC_COMM_WORLD, mesh, input);
-  petsc::VecHandle a = model.create_vector();
+  petsc::VecHandle a = model.dofs().create_vector();
   set_displacement(model, a, noise(0.05, 9));
   std::vector<Vec3> x = mesh.positions();
   for (Index v = 0; v < mesh.vertex_count(); ++v) x[v] += noise(0.05, 9)(v);
@@ -228,7 +229,7 @@ TEST_CASE("pressure on an open surface has an unsymmetric stiffness") {
   // Shows that the symmetry of the closed surface is no property of the test.
   const mesh::SurfaceMesh mesh(curved_sheet(6));
   system::Model model(PETSC_COMM_WORLD, mesh, free_sheet({load(LoadKind::follower_pressure, "", 3.0)}));
-  petsc::VecHandle a = model.create_vector();
+  petsc::VecHandle a = model.dofs().create_vector();
   CHECK_FALSE(model.symmetric());
   model.set_load_factor(1.0);
   CHECK(asymmetry(model, a) > 1e-2);
@@ -238,7 +239,7 @@ TEST_CASE("a follower moment is a pure couple about the edge") {
   const double m = 2.0;
   const auto check = [&](const mesh::SurfaceMesh& mesh, const std::function<Vec3(Index)>& u) {
     system::Model model(PETSC_COMM_WORLD, mesh, free_sheet({load(LoadKind::follower_moment, "right", m)}));
-    petsc::VecHandle a = model.create_vector();
+    petsc::VecHandle a = model.dofs().create_vector();
     set_displacement(model, a, u);
     std::vector<Vec3> x = mesh.positions();
     for (Index v = 0; v < mesh.vertex_count(); ++v) x[v] += u(v);
@@ -286,7 +287,7 @@ TEST_CASE("the reactions of a deformed shell balance its loads in force and mome
   input.supports = {support("left", system::Support::Kind::hinged), support("right", system::Support::Kind::hinged)};
   system::Model model(PETSC_COMM_WORLD, mesh, input);
   solve::StaticPath path(model, {});
-  petsc::VecHandle a = model.create_vector(), r = model.create_vector();
+  petsc::VecHandle a = model.dofs().create_vector(), r = model.dofs().create_vector();
   REQUIRE(path.run(a).completed);
   model.unbalanced_force(a, r);
   const std::vector<Vec3> unbalanced = per_vertex(model, r), u = per_vertex(model, a);

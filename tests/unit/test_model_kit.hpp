@@ -46,7 +46,7 @@ inline system::Load load(system::Load::Kind kind, const std::string& group, cons
 
 /// A vector of unknowns per vertex, in global axes, on every rank. Collective.
 inline std::vector<Vec3> per_vertex(const system::Model& model, Vec f) {
-  std::vector<double> values = model.gather(f);
+  std::vector<double> values = model.dofs().gather(f);
   mpi::broadcast(model.comm(), values);
   std::vector<Vec3> result;
   for (std::size_t i = 0; i < values.size(); i += 3) result.push_back(Eigen::Map<const Vec3>(values.data() + i));
@@ -55,10 +55,10 @@ inline std::vector<Vec3> per_vertex(const system::Model& model, Vec f) {
 
 /// Sets the unknowns from displacements in global axes given per vertex.
 inline void set_displacement(const system::Model& model, Vec a, const std::function<Vec3(Index)>& u) {
-  std::vector<double> values(static_cast<std::size_t>(model.unknowns()));
+  std::vector<double> values(static_cast<std::size_t>(model.dofs().unknowns()));
   for (Index v = 0; v < model.mesh().vertex_count(); ++v)
     for (int k = 0; k < 3; ++k) values[3 * static_cast<std::size_t>(v) + k] = u(v)[k];
-  model.scatter(values, a);
+  model.dofs().scatter(values, a);
 }
 
 /// Reproducible noise per vertex, independent of the number of ranks.

@@ -98,7 +98,7 @@ struct TurnedPanel {
                       return Vec3(t * Vec3(x[0], x[1], 0.2 * std::cos(1.2 * (1.0 - x[0])) + 0.15 * x[1] * x[1]));
                     })),
         model(PETSC_COMM_WORLD, mesh, input(t)),
-        a(model.create_vector()) {
+        a(model.dofs().create_vector()) {
     model.set_load_factor(1.0);
   }
 
@@ -157,7 +157,8 @@ TEST_CASE("a stretched and carried sheet is exact, reactions included, and its s
   system::Model model(PETSC_COMM_WORLD, mesh, input);
   solve::Newton newton(model);
   model.set_load_factor(1.0);
-  petsc::VecHandle a = model.create_vector(), r = model.create_vector(), moved = model.create_vector();
+  petsc::VecHandle a = model.dofs().create_vector(), r = model.dofs().create_vector(),
+                   moved = model.dofs().create_vector();
   // What the residual would be if the supports moved alone.
   set_displacement(model, moved, [&](Index v) {
     const double x = mesh.positions()[v].x();
@@ -200,7 +201,7 @@ TEST_CASE("a start in equilibrium is accepted, whatever its round-off") {
   const mesh::SurfaceMesh mesh(strip(8, 2));
   system::Model model(PETSC_COMM_WORLD, mesh, cantilever());
   solve::Newton newton(model);
-  petsc::VecHandle a = model.create_vector();
+  petsc::VecHandle a = model.dofs().create_vector();
   // No load at all: the residual is nothing but round-off, and there is nothing to compare it with.
   const solve::NewtonResult idle = newton.step(a);
   CHECK(idle.converged);
@@ -227,7 +228,7 @@ TEST_CASE("supports that carry a sheet without straining it need no force") {
   input.supports[0].value = Vec3(0.3, -0.2, 4.0);
   system::Model model(PETSC_COMM_WORLD, mesh, input);
   solve::Newton newton(model);
-  petsc::VecHandle a = model.create_vector();
+  petsc::VecHandle a = model.dofs().create_vector();
   model.set_load_factor(0.0);
   CHECK(newton.step(a).converged);
   input.loads.clear();
@@ -245,18 +246,19 @@ TEST_CASE("the coupling to prescribed components is the derivative of the residu
   TurnedPanel panel(oblique_turn());
   system::Model& model = panel.model;
   const int rank = mpi::rank(model.comm());
-  const Index first = model.partition().owned_begin(rank);
+  const Index first = model.dofs().partition().owned_begin(rank);
   int rotated = 0;
   for (const auto& [v, s] : model.constraints().vertices) rotated += s.rotated() ? 1 : 0;
   REQUIRE(rotated > 5);
   set_displacement(model, panel.a, noise(0.02, 3));
-  petsc::VecHandle off = model.create_vector(), moved = model.create_vector(), plus = model.create_vector(),
-                   minus = model.create_vector(), coupling = model.create_vector();
+  petsc::VecHandle off = model.dofs().create_vector(), moved = model.dofs().create_vector(),
+                   plus = model.dofs().create_vector(), minus = model.dofs().create_vector(),
+                   coupling = model.dofs().create_vector();
   const auto for_fixed = [&](const std::function<void(PetscInt, double)>& f) {
     for (const auto& [v, s] : model.constraints().vertices)
-      if (model.partition().vertex_rank[v] == rank)
+      if (model.dofs().partition().vertex_rank[v] == rank)
         for (int k = 0; k < 3; ++k)
-          if (s.fixed[k]) f(3 * (model.partition().row_of[v] - first) + k, model.load_factor() * s.value[k]);
+          if (s.fixed[k]) f(3 * (model.dofs().partition().row_of[v] - first) + k, model.load_factor() * s.value[k]);
   };
   model.residual(panel.a, minus);
   {
@@ -331,7 +333,7 @@ TEST_CASE("the cantilever takes its full end shear in one step of few iterations
   system::Model model(PETSC_COMM_WORLD, mesh, cantilever());
   solve::Newton newton(model);
   model.set_load_factor(1.0);
-  petsc::VecHandle a = model.create_vector();
+  petsc::VecHandle a = model.dofs().create_vector();
   const solve::NewtonResult result = newton.step(a);
   CHECK(result.converged);
   CHECK(result.iterations <= 8);
@@ -347,7 +349,7 @@ TEST_CASE("a diverging step says so and leaves the solver usable") {
   const mesh::SurfaceMesh mesh(strip(16, 2));
   system::Model model(PETSC_COMM_WORLD, mesh, cantilever());
   solve::Newton newton(model), fresh(model);
-  petsc::VecHandle a = model.create_vector();
+  petsc::VecHandle a = model.dofs().create_vector();
   const auto small_load = [&](solve::Newton& solver) {
     model.set_load_factor(0.05);
     VOILE_PETSC(VecZeroEntries(a));
@@ -375,7 +377,7 @@ TEST_CASE("a sheet without supports is not reported as solved") {
   system::Model model(PETSC_COMM_WORLD, mesh, input);
   solve::Newton newton(model);
   model.set_load_factor(1.0);
-  petsc::VecHandle a = model.create_vector();
+  petsc::VecHandle a = model.dofs().create_vector();
   const solve::NewtonResult result = newton.step(a);
   CHECK_FALSE(result.converged);
   CHECK_FALSE(result.reason.empty());
@@ -386,7 +388,7 @@ TEST_CASE("continuation finds the equilibrium that stepping finds") {
   const Tight tight;
   system::Model model(PETSC_COMM_WORLD, mesh, cantilever());
   solve::Newton newton(model);
-  petsc::VecHandle a = model.create_vector(), b = model.create_vector();
+  petsc::VecHandle a = model.dofs().create_vector(), b = model.dofs().create_vector();
   model.set_load_factor(0.5);
   REQUIRE(newton.step(a).converged);
   const solve::NewtonResult result = newton.continuation(b);
@@ -403,7 +405,7 @@ TEST_CASE("continuation settles where the decrease of the energy drowns in its r
   const mesh::SurfaceMesh mesh(strip(40, 16));
   system::Model model(PETSC_COMM_WORLD, mesh, cantilever());
   solve::Newton newton(model);
-  petsc::VecHandle a = model.create_vector(), b = model.create_vector();
+  petsc::VecHandle a = model.dofs().create_vector(), b = model.dofs().create_vector();
   for (const double factor : {0.02, 0.05, 0.08}) {
     CAPTURE(factor);
     model.set_load_factor(factor);
@@ -422,7 +424,7 @@ TEST_CASE("continuation passes a snap that one step does not") {
   const mesh::SurfaceMesh mesh(arch());
   system::Model model(PETSC_COMM_WORLD, mesh, pressed_arch());
   solve::Newton newton(model);
-  petsc::VecHandle a = model.create_vector(), r = model.create_vector();
+  petsc::VecHandle a = model.dofs().create_vector(), r = model.dofs().create_vector();
   model.set_load_factor(1.0);
   const double before = model.energy(a);
   CHECK_FALSE(newton.step(a).converged);
@@ -445,7 +447,7 @@ TEST_CASE("MUMPS's lack of workspace is answered with more of it") {
     system::Model model(PETSC_COMM_WORLD, mesh, cantilever());
     solve::Newton newton(model);
     model.set_load_factor(0.05);
-    petsc::VecHandle a = model.create_vector();
+    petsc::VecHandle a = model.dofs().create_vector();
     const solve::NewtonResult result = continuation ? newton.continuation(a) : newton.step(a);
     CAPTURE(result.reason);
     CHECK(result.converged);
@@ -468,7 +470,7 @@ TEST_CASE("an unstable equilibrium is reported by its negative pivots") {
   input.supports = {support("left", Kind::hinged), displacement("right", {true, true, true}, Vec3(-1e-3, 0.0, 0.0))};
   system::Model model(PETSC_COMM_WORLD, mesh, input);
   solve::Newton newton(model);
-  petsc::VecHandle a = model.create_vector();
+  petsc::VecHandle a = model.dofs().create_vector();
   // A wide column buckles near the strain pi^2 h^2/(12 (1 - nu^2)) = 9e-5.
   model.set_load_factor(0.03);
   const solve::NewtonResult stable = newton.step(a);
@@ -513,7 +515,7 @@ TEST_CASE("a quarter between oblique symmetry planes is the whole") {
     part.supports[3].normal = turn * Vec3::UnitY();
     const auto solved = [&](const mesh::SurfaceMesh& mesh, const system::ModelInput& in) {
       system::Model model(PETSC_COMM_WORLD, mesh, in);
-      petsc::VecHandle a = model.create_vector();
+      petsc::VecHandle a = model.dofs().create_vector();
       solve::StaticPath path(model, {});
       CHECK(path.run(a).completed);
       return per_vertex(model, a);

@@ -105,8 +105,8 @@ TEST_CASE("a mesh of two triangles can be solved on as many ranks as there are")
   system::ModelInput input;
   input.materials = {isotropic(1.0, 0.3, 0.1)};
   system::Model model(PETSC_COMM_WORLD, mesh, input);
-  petsc::VecHandle a = model.create_vector(), r = model.create_vector(), f = model.create_vector(),
-                   x = model.create_vector();
+  petsc::VecHandle a = model.dofs().create_vector(), r = model.dofs().create_vector(), f = model.dofs().create_vector(),
+                   x = model.dofs().create_vector();
   set_displacement(model, a, noise(0.1, 3));
   model.residual(a, r);
   model.assemble_tangent(a, nullptr, energy::Tangent::positive, 1.0);

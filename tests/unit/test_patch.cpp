@@ -41,14 +41,14 @@ void add_outer_group(mesh::MeshData& d, int rings) {
 
 /// Error of the discrete solution when the outer vertices follow the exact state `a`: K^-1 r over the largest |a|.
 double solution_error(system::Model& model, Vec a, Vec force, Vec tangent_at) {
-  petsc::VecHandle error = model.create_vector(), r = model.create_vector();
+  petsc::VecHandle error = model.dofs().create_vector(), r = model.dofs().create_vector();
   VOILE_PETSC(VecCopy(force, r));
   {
     const petsc::WriteArray values(r);
-    const Index first = model.partition().owned_begin(mpi::rank(model.comm()));
+    const Index first = model.dofs().partition().owned_begin(mpi::rank(model.comm()));
     for (const auto& [v, s] : model.constraints().vertices)
-      if (model.partition().vertex_rank[v] == mpi::rank(model.comm()))
-        for (int k = 0; k < 3; ++k) values[3 * (model.partition().row_of[v] - first) + k] = 0.0;
+      if (model.dofs().partition().vertex_rank[v] == mpi::rank(model.comm()))
+        for (int k = 0; k < 3; ++k) values[3 * (model.dofs().partition().row_of[v] - first) + k] = 0.0;
   }
   model.assemble_tangent(tangent_at, nullptr, energy::Tangent::exact, 0.0);
   solve_linear(model, r, error);
@@ -81,7 +81,8 @@ double bending_patch_error(Pattern p, energy::BendingOperator op, const energy::
   system::ModelInput input = held_outside(material);
   input.element.bending = op;
   system::Model model(PETSC_COMM_WORLD, mesh, input);
-  petsc::VecHandle a = model.create_vector(), f = model.create_vector(), flat = model.create_vector();
+  petsc::VecHandle a = model.dofs().create_vector(), f = model.dofs().create_vector(),
+                   flat = model.dofs().create_vector();
   set_displacement(model, a, [&](Index v) {
     const Vec3 x = mesh.positions()[v];
     return Vec3(0.0, 0.0, 0.5 * k[0] * x[0] * x[0] + 0.5 * k[1] * x[1] * x[1] + 0.5 * k[2] * x[0] * x[1]);
@@ -155,7 +156,7 @@ TEST_CASE("membranes pass the constant-strain patch test on every mesh") {
       system::ModelInput input = held_outside(anisotropic());
       input.element.membrane = op;
       system::Model model(PETSC_COMM_WORLD, mesh, input);
-      petsc::VecHandle a = model.create_vector(), f = model.create_vector();
+      petsc::VecHandle a = model.dofs().create_vector(), f = model.dofs().create_vector();
       Mat3 gradient;  // a finite stretch, shear and rotation
       gradient << 1.3, 0.3, 0.0, -0.1, 1.2, 0.0, 0.4, -0.2, 0.0;
       set_displacement(model, a, [&](Index v) { return Vec3(gradient * mesh.positions()[v] - mesh.positions()[v]); });
@@ -176,16 +177,16 @@ TEST_CASE("a free curved shell has exactly six rigid-body modes and no stress at
       input.element.membrane = membrane;
       input.materials = {isotropic(1.0, 0.3, 0.1)};
       system::Model model(PETSC_COMM_WORLD, mesh, input);
-      petsc::VecHandle a = model.create_vector(), f = model.create_vector();
+      petsc::VecHandle a = model.dofs().create_vector(), f = model.dofs().create_vector();
       model.residual(a, f);
       CHECK(norm(f) < 1e-13);
       CHECK(std::abs(model.energy(a)) < 1e-14);
       model.assemble_tangent(a, nullptr, energy::Tangent::exact, 0.0);
-      Eigen::MatrixXd k(model.unknowns(), model.unknowns());
-      std::vector<PetscInt> all(static_cast<std::size_t>(model.unknowns()));
+      Eigen::MatrixXd k(model.dofs().unknowns(), model.dofs().unknowns());
+      std::vector<PetscInt> all(static_cast<std::size_t>(model.dofs().unknowns()));
       for (std::size_t i = 0; i < all.size(); ++i) all[i] = static_cast<PetscInt>(i);
-      VOILE_PETSC(
-          MatGetValues(model.tangent_matrix(), model.unknowns(), all.data(), model.unknowns(), all.data(), k.data()));
+      VOILE_PETSC(MatGetValues(model.tangent_matrix(), model.dofs().unknowns(), all.data(), model.dofs().unknowns(),
+                               all.data(), k.data()));
       const Eigen::VectorXd e = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(k).eigenvalues();
       CHECK(std::abs(e[0]) < 1e-13 * e.maxCoeff());
       CHECK(std::abs(e[5]) < 1e-13 * e.maxCoeff());

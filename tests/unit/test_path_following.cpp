@@ -36,7 +36,7 @@ Record follow(system::Model& model, Vec a, const solve::StaticOptions& options, 
 
 /// Mean displacement of a group along one axis, as a linear function of the unknowns.
 petsc::VecHandle probe_of(const system::Model& model, const std::string& group, int axis) {
-  petsc::VecHandle c = model.create_vector();
+  petsc::VecHandle c = model.dofs().create_vector();
   const std::vector<Index>& vertices = model.mesh().group(group).vertices;
   set_displacement(model, c, [&](Index v) {
     const bool in = std::find(vertices.begin(), vertices.end(), v) != vertices.end();
@@ -66,7 +66,7 @@ struct ShallowArch {
   system::Model model;
   petsc::VecHandle a;
 
-  ShallowArch() : mesh(data()), model(PETSC_COMM_WORLD, mesh, input()), a(model.create_vector()) {}
+  ShallowArch() : mesh(data()), model(PETSC_COMM_WORLD, mesh, input()), a(model.dofs().create_vector()) {}
   static mesh::MeshData data() {
     mesh::MeshData d = grid(12, 2, true, 0.0);
     add_square_groups(d);
@@ -88,7 +88,7 @@ struct Column {
   petsc::VecHandle a;
 
   explicit Column(int cells = 20)
-      : mesh(data(cells)), model(PETSC_COMM_WORLD, mesh, input()), a(model.create_vector()) {}
+      : mesh(data(cells)), model(PETSC_COMM_WORLD, mesh, input()), a(model.dofs().create_vector()) {}
   static mesh::MeshData data(int cells) {
     mesh::MeshData d = grid(cells, 2, false, 0.0);
     add_square_groups(d);
@@ -128,8 +128,9 @@ TEST_CASE("the load direction is the derivative of the residual with respect to 
   follower.group = "top";
   in.loads.push_back(follower);
   system::Model model(PETSC_COMM_WORLD, mesh, in);
-  petsc::VecHandle a = model.create_vector(), f = model.create_vector(), plus = model.create_vector(),
-                   minus = model.create_vector(), shifted = model.create_vector(), prescribed = model.create_vector();
+  petsc::VecHandle a = model.dofs().create_vector(), f = model.dofs().create_vector(),
+                   plus = model.dofs().create_vector(), minus = model.dofs().create_vector(),
+                   shifted = model.dofs().create_vector(), prescribed = model.dofs().create_vector();
   set_displacement(model, a, noise(0.01, 3));
   const double factor = 0.4, step = 1e-4;
   set_displacement(model, prescribed, [&](Index v) {
@@ -145,7 +146,7 @@ TEST_CASE("the load direction is the derivative of the residual with respect to 
     VOILE_PETSC(VecWAXPY(shifted, sign * step, prescribed, a));
     model.set_load_factor(factor + sign * step);
     model.residual(shifted, r);
-    model.clear_fixed(r);
+    model.dofs().clear_fixed(r);
   };
   moved_residual(1.0, plus);
   moved_residual(-1.0, minus);
@@ -160,14 +161,14 @@ TEST_CASE("the load direction is the derivative of the residual with respect to 
 
 TEST_CASE("clearing fixed and free components splits a vector") {
   Strip strip(1.0);
-  petsc::VecHandle free = strip.model.create_vector(), fixed = strip.model.create_vector();
+  petsc::VecHandle free = strip.model.dofs().create_vector(), fixed = strip.model.dofs().create_vector();
   VOILE_PETSC(VecSet(free, 1.0));
   VOILE_PETSC(VecSet(fixed, 1.0));
-  strip.model.clear_fixed(free);
-  strip.model.clear_free(fixed);
+  strip.model.dofs().clear_fixed(free);
+  strip.model.dofs().clear_free(fixed);
   CHECK(dot(free, fixed) == 0.0);
   CHECK(dot(fixed, fixed) == 3.0 * static_cast<double>(strip.mesh.group("left").vertices.size()));
-  CHECK(dot(free, free) + dot(fixed, fixed) == static_cast<double>(strip.model.unknowns()));
+  CHECK(dot(free, free) + dot(fixed, fixed) == static_cast<double>(strip.model.dofs().unknowns()));
 }
 
 TEST_CASE("arc length and displacement control find the same path through a snap") {
@@ -206,8 +207,8 @@ TEST_CASE("every state on the arc is in equilibrium and an arc length from the o
   solve::StaticOptions options = arc(0.1, 0.1);
   options.target_iterations = 100;  // constant length
   options.final_displacement = -0.04;
-  petsc::VecHandle residual = arch.model.create_vector(), before = arch.model.create_vector(),
-                   step = arch.model.create_vector(), weighted = arch.model.create_vector();
+  petsc::VecHandle residual = arch.model.dofs().create_vector(), before = arch.model.dofs().create_vector(),
+                   step = arch.model.dofs().create_vector(), weighted = arch.model.dofs().create_vector();
   double length = 0.0;
   solve::PathFollower path(arch.model, options, probe);
   path.on_step([&](const solve::StepReport& report, Vec a) {
@@ -257,7 +258,7 @@ TEST_CASE("prescribed displacements and follower moments can be followed along a
       in.supports.push_back(lift);
     }
     system::Model arc_model(PETSC_COMM_WORLD, mesh, in), load_model(PETSC_COMM_WORLD, mesh, in);
-    petsc::VecHandle a = arc_model.create_vector(), b = load_model.create_vector();
+    petsc::VecHandle a = arc_model.dofs().create_vector(), b = load_model.dofs().create_vector();
     const Record r = follow(arc_model, a, arc(0.1, 0.5), nullptr);
     REQUIRE(r.result.completed);
     solve::StaticOptions steps;
@@ -277,8 +278,8 @@ TEST_CASE("a path goes on from a state in its middle as if it had never stopped"
   REQUIRE(all.result.completed);
   // Between the limit points, where only the previous state tells the direction.
   const auto middle = static_cast<std::size_t>((all.result.critical[0].step + all.result.critical[1].step) / 2);
-  petsc::VecHandle previous = part.model.create_vector();
-  const auto set = [&](Vec v, const std::vector<double>& values) { part.model.scatter(values, v); };
+  petsc::VecHandle previous = part.model.dofs().create_vector();
+  const auto set = [&](Vec v, const std::vector<double>& values) { part.model.dofs().scatter(values, v); };
   set(part.a, all.states[middle]);
   set(previous, all.states[middle - 1]);
   const Record rest =
@@ -316,7 +317,7 @@ TEST_CASE("a perfect column: Euler's load is a bifurcation where the path stops 
   const Record down = follow(right.model, right.a, options, nullptr);
   REQUIRE(up.result.completed);
   REQUIRE(down.result.completed);
-  const petsc::VecHandle mean = left.model.create_vector();
+  const petsc::VecHandle mean = left.model.dofs().create_vector();
   set_displacement(left.model, mean, [](Index) { return Vec3(Vec3::UnitZ() / 63.0); });
   const double w = dot(mean, left.a), opposite = dot(mean, right.a);
   // The elastica at 1.1 of Euler's load: amplitude 0.25 L (Timoshenko & Gere, table 2-4, interpolated), mean of a half

@@ -48,11 +48,12 @@ double ratio(const Plate& plate, Pattern pattern, int n) {
   input.loads = {load};
   system::Model model(PETSC_COMM_WORLD, mesh, input);
   model.set_load_factor(1.0);
-  petsc::VecHandle zero = model.create_vector(), r = model.create_vector(), a = model.create_vector();
+  petsc::VecHandle zero = model.dofs().create_vector(), r = model.dofs().create_vector(),
+                   a = model.dofs().create_vector();
   model.residual(zero, r);
   model.assemble_tangent(zero, nullptr, energy::Tangent::exact, 0.0);
   solve_linear(model, r, a);
-  const std::vector<double> u = model.gather(a);
+  const std::vector<double> u = model.dofs().gather(a);
   double w = 0.0;
   if (mpi::rank(PETSC_COMM_WORLD) == 0) {
     Index best = 0;

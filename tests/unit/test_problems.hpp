@@ -14,7 +14,7 @@ struct Strip {
   explicit Strip(double shear)
       : mesh(mapped(square_strip(), [](const Vec3& x) { return Vec3(10.0 * x[0], x[1], 0.0); })),
         model(PETSC_COMM_WORLD, mesh, input(shear)),
-        a(model.create_vector()) {}
+        a(model.dofs().create_vector()) {}
 
   static mesh::MeshData square_strip() {
     mesh::MeshData d = grid(16, 2, false, 0.0);
@@ -36,7 +36,7 @@ struct Arch {
   system::Model model;
   petsc::VecHandle a;
 
-  Arch() : mesh(data()), model(PETSC_COMM_WORLD, mesh, input()), a(model.create_vector()) {}
+  Arch() : mesh(data()), model(PETSC_COMM_WORLD, mesh, input()), a(model.dofs().create_vector()) {}
 
   static mesh::MeshData data() {
     mesh::MeshData d = grid(12, 2, true, 0.0);
@@ -55,7 +55,7 @@ struct Arch {
 };
 
 inline std::vector<double> values_of(const system::Model& model, Vec a) {
-  std::vector<double> u = model.gather(a);
+  std::vector<double> u = model.dofs().gather(a);
   mpi::broadcast(model.comm(), u);
   return u;
 }

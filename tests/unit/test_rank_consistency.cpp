@@ -57,13 +57,13 @@ std::vector<double> everywhere(MPI_Comm comm, std::vector<double> values) {
 
 Answer answer(MPI_Comm comm, const mesh::SurfaceMesh& mesh, bool follower) {
   system::Model model(comm, mesh, problem(follower));
-  petsc::VecHandle a = model.create_vector(), f = model.create_vector(), x = model.create_vector();
+  petsc::VecHandle a = model.dofs().create_vector(), f = model.dofs().create_vector(), x = model.dofs().create_vector();
   solve::StaticPath path(model, {});
   const solve::PathResult result = path.run(a);
   REQUIRE(result.completed);
   Answer r;
   r.steps = result.steps;
-  const auto all = [&](Vec v) { return everywhere(comm, model.gather(v)); };
+  const auto all = [&](Vec v) { return everywhere(comm, model.dofs().gather(v)); };
   r.displacement = all(a);
   model.residual(a, f);
   r.force_scale = model.force_scale();
@@ -131,7 +131,7 @@ TEST_CASE("models on different communicators live side by side") {
   const mesh::SurfaceMesh mesh(panel());
   if (mpi::rank(PETSC_COMM_WORLD) == 0) {
     system::Model model(MPI_COMM_SELF, mesh, problem(false));
-    petsc::VecHandle a = model.create_vector();
+    petsc::VecHandle a = model.dofs().create_vector();
     model.set_load_factor(0.1);
     solve::Newton newton(model);
     CHECK(newton.step(a).converged);

@@ -146,7 +146,7 @@ TEST_CASE("a path that cannot go on ends with the last accepted state and says w
   CHECK_FALSE(r.reports.back().last);
   CHECK(r.states.back() == values_of(arch.model, arch.a));
   // It is an equilibrium at the load factor that the model is left with.
-  petsc::VecHandle residual = arch.model.create_vector();
+  petsc::VecHandle residual = arch.model.dofs().create_vector();
   arch.model.residual(arch.a, residual);
   CHECK(norm(residual) < 1e-7 * arch.model.force_scale());
 }

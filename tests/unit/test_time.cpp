@@ -28,7 +28,10 @@ struct Falling {
   petsc::VecHandle u, v;
 
   explicit Falling(const system::ModelInput& in = input())
-      : mesh(data()), model(PETSC_COMM_WORLD, mesh, in), u(model.create_vector()), v(model.create_vector()) {}
+      : mesh(data()),
+        model(PETSC_COMM_WORLD, mesh, in),
+        u(model.dofs().create_vector()),
+        v(model.dofs().create_vector()) {}
   static mesh::MeshData data() {
     mesh::MeshData d = grid(8, 2, false, 0.0);
     add_square_groups(d);
@@ -106,7 +109,7 @@ TEST_CASE("the first acceleration is that of the equations") {
   Falling f;
   Dynamics dynamics(f.model, {});
   solve::TimeIntegration time(dynamics, options(1e-6, 1e-6));
-  petsc::VecHandle a = f.model.create_vector();
+  petsc::VecHandle a = f.model.dofs().create_vector();
   time.on_step([&](const solve::TimeReport& r) {
     if (r.state.acceleration) VOILE_PETSC(VecCopy(r.state.acceleration, a));
     return false;
@@ -137,10 +140,10 @@ TEST_CASE("a run continued from its middle is the unbroken run") {
     return false;
   });
   REQUIRE(step == 17);
-  petsc::VecHandle acceleration = part.model.create_vector();
-  part.model.scatter(u, part.u);
-  part.model.scatter(v, part.v);
-  part.model.scatter(a, acceleration);
+  petsc::VecHandle acceleration = part.model.dofs().create_vector();
+  part.model.dofs().scatter(u, part.u);
+  part.model.dofs().scatter(v, part.v);
+  part.model.dofs().scatter(a, acceleration);
   Dynamics dynamics(part.model, {});
   solve::TimeIntegration time(dynamics, all);
   const solve::TimeResult r = time.run({step, at, next, part.u, part.v, acceleration});
@@ -243,13 +246,13 @@ TEST_CASE("the largest frequency is that of the full eigenvalue problem, from ab
   Dynamics dynamics(f.model, {});
   const double found = solve::largest_frequency(dynamics, f.u);
   f.model.assemble_tangent(f.u, nullptr, energy::Tangent::exact, 0.0);
-  const PetscInt n = f.model.unknowns();
-  petsc::VecHandle x = f.model.create_vector(), y = f.model.create_vector();
+  const PetscInt n = f.model.dofs().unknowns();
+  petsc::VecHandle x = f.model.dofs().create_vector(), y = f.model.dofs().create_vector();
   const auto column = [&](PetscInt j) {
     set_displacement(f.model, x, [&](Index v) { return j / 3 == v ? Vec3(Vec3::Unit(j % 3)) : Vec3(Vec3::Zero()); });
-    f.model.clear_fixed(x);
+    f.model.dofs().clear_fixed(x);
     VOILE_PETSC(MatMult(f.model.tangent_matrix(), x, y));
-    f.model.clear_fixed(y);
+    f.model.dofs().clear_fixed(y);
     const std::vector<double> values = values_of(f.model, y);
     return Eigen::VectorXd(Eigen::Map<const Eigen::VectorXd>(values.data(), n));
   };
@@ -319,16 +322,17 @@ TEST_CASE("viscous membrane and drag: the step's residual is the gradient of its
   for (const system::Mass mass : {system::Mass::lumped, system::Mass::consistent}) {
     d.mass = mass;
     Dynamics dynamics(f.model, d);
-    petsc::VecHandle u = f.model.create_vector(), x = f.model.create_vector(), v = f.model.create_vector(),
-                     a = f.model.create_vector(), r = f.model.create_vector(), other = f.model.create_vector(),
-                     direction = f.model.create_vector(), difference = f.model.create_vector();
+    petsc::VecHandle u = f.model.dofs().create_vector(), x = f.model.dofs().create_vector(),
+                     v = f.model.dofs().create_vector(), a = f.model.dofs().create_vector(),
+                     r = f.model.dofs().create_vector(), other = f.model.dofs().create_vector(),
+                     direction = f.model.dofs().create_vector(), difference = f.model.dofs().create_vector();
     set_displacement(f.model, u, noise(0.01, 3));
     set_displacement(f.model, v, noise(1.0, 4));
     dynamics.set_time(0.3);
     dynamics.start_step(u, v, 0.004);
     const double s_v = 300.0, s_a = 1e5;
     set_displacement(f.model, direction, noise(1.0, 5));
-    f.model.clear_fixed(direction);
+    f.model.dofs().clear_fixed(direction);
     // v and a are affine in x.
     const auto at = [&](double shift) {
       VOILE_PETSC(VecWAXPY(x, shift, direction, u));
@@ -354,8 +358,8 @@ TEST_CASE("viscous membrane and drag: the step's residual is the gradient of its
     at(0.0);
     dynamics.assemble_tangent(x, energy::Tangent::exact, s_v, s_a);
     VOILE_PETSC(MatMult(f.model.tangent_matrix(), direction, other));
-    f.model.clear_fixed(r);
-    f.model.clear_fixed(other);
+    f.model.dofs().clear_fixed(r);
+    f.model.dofs().clear_fixed(other);
     VOILE_PETSC(VecAXPY(other, -1.0, r));
     CHECK(norm(other) < 1e-6 * norm(r));
   }
@@ -433,6 +437,38 @@ TEST_CASE("the step follows the error that is asked for") {
   }
   CHECK(steps[1] > 1.5 * steps[0]);
   CHECK(steps[1] < 4.0 * steps[0]);
+}
+
+TEST_CASE("the estimated error of a step is the error that it makes") {
+  // A sheet as a whole under the force m j t: x = j t^3/6. The trapezoidal rule (radius 1) errs by j h^3/12 a step.
+  const double jerk = 2.0, tolerance = 1e-5, end = 4.0;
+  system::ModelInput in = Falling::input();
+  in.supports.clear();
+  in.loads = {load(LoadKind::gravity, "", Vec3(0.0, 0.0, jerk))};
+  Falling f(in);
+  TimeOptions o = options(end, 1e-3);
+  o.max_step = 1.0;
+  o.step_error = tolerance;
+  o.target_iterations = 1000;
+  o.radius = 1.0;
+  DynamicsOptions d;
+  d.load_history = [](double t) { return t; };
+  Dynamics dynamics(f.model, d);
+  solve::TimeIntegration time(dynamics, o);
+  std::vector<double> taken;
+  time.on_step([&](const solve::TimeReport& r) {
+    if (r.taken > 0.0) taken.push_back(r.taken);
+    return false;
+  });
+  REQUIRE(time.run({.position = f.u, .velocity = f.v}).completed);
+  // Sizes settle where the estimate is the 0.9^3 of the tolerance that next_step aims at.
+  const double settled = std::cbrt(std::pow(0.9, 3) * tolerance * 12.0 / jerk);
+  REQUIRE(taken.size() > 30);
+  for (std::size_t i = 20; i + 2 < taken.size(); ++i) CHECK(taken[i] == doctest::Approx(settled).epsilon(0.01));
+  double error = 0.0;
+  for (const double h : taken) error += jerk * h * h * h / 12.0;
+  const double reached = per_vertex(f.model, f.u).front()[2], exact = jerk * end * end * end / 6.0;
+  CHECK(std::abs(reached - exact) == doctest::Approx(error).epsilon(0.05));
 }
 
 TEST_CASE("options of TS are obeyed") {

@@ -58,17 +58,20 @@ struct PointMass {
   double mass = 0.0;  ///< of each vertex of the group [kg]
 };
 
-/// Linear springs from vertices to where they are at rest.
+/// Linear springs from vertices to where they are at rest, or between two vertices.
 struct Spring {
   enum class Kind {
     point,  ///< on every vertex of the group [N/m]
     line,   ///< per rest length of a curve group [N/m^2]
-    area    ///< per rest area, an elastic foundation [N/m^3]
+    area,   ///< per rest area, an elastic foundation [N/m^3]
+    pair    ///< between every vertex of the group and the nearest one of `to` [N/m]
   };
   Kind kind = Kind::point;
   std::string group;  ///< empty: the whole surface (area)
   double stiffness = 0.0;
-  std::optional<Vec3> direction;  ///< acts along this direction only; absent: in all
+  std::optional<Vec3> direction;  ///< acts along this direction only; absent: in all; none for pair
+  std::string to = {};            ///< pair: the other group
+  double length = std::numeric_limits<double>::quiet_NaN();  ///< pair: without force [m]; NaN: the distance at rest
 };
 
 }  // namespace voile::system

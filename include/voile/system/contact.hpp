@@ -15,9 +15,8 @@
 
 #include "voile/base/petsc.hpp"
 #include "voile/contact/contact_set.hpp"
-#include "voile/mesh/partition.hpp"
 #include "voile/system/block_matrix.hpp"
-#include "voile/system/constraints.hpp"
+#include "voile/system/dofs.hpp"
 
 namespace voile::system {
 
@@ -74,10 +73,9 @@ struct ContactMemory {
 
 class Contact {
  public:
-  /// The mesh must outlive it. Collective. Throws UserError for unknown names in rules, a contact distance that is too
+  /// `dofs` must outlive it. Collective. Throws UserError for unknown names in rules, a contact distance that is too
   /// large for the mesh, and obstacles that make no sense.
-  Contact(MPI_Comm comm, const mesh::SurfaceMesh& mesh, const mesh::Partition& partition,
-          const Constraints& constraints, ContactInput input);
+  Contact(const Dofs& dofs, ContactInput input);
 
   /// Puts the obstacles where they are at time t. Collective.
   void set_time(double time);
@@ -174,18 +172,13 @@ class Contact {
   [[nodiscard]] Vec3 displacement(int body, const Vec3& place) const;
   [[nodiscard]] std::string words(const contact::Pair& pair) const;
   [[nodiscard]] std::string lowest_rank_text(const std::string& own) const;
-  [[nodiscard]] Mat3 axes(Index v) const {
-    return axes_[v] == no_index ? Mat3(Mat3::Identity()) : rotations_[axes_[v]];
-  }
 
+  const Dofs* dofs_;
   MPI_Comm comm_;
   const mesh::SurfaceMesh* mesh_;
   const mesh::Partition* partition_;
   ContactInput input_;
   Index first_row_ = 0, row_count_ = 0;
-  std::vector<Index> axes_;  ///< per vertex: entry of rotations_, or no_index
-  std::vector<Mat3> rotations_;
-  std::vector<char> fixed_;  ///< per unknown of each vertex, in its axes
   std::vector<int> body_of_obstacle_;
   std::vector<Index> first_point_;  ///< of each obstacle; no_index for a plane
   std::unique_ptr<contact::ContactSet> set_;

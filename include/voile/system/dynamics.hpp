@@ -14,6 +14,7 @@
 #include <functional>
 #include <optional>
 
+#include "voile/energy/drag.hpp"
 #include "voile/system/model.hpp"
 
 namespace voile::system {
@@ -62,9 +63,15 @@ class Dynamics {
   [[nodiscard]] Vec3 angular_momentum(Vec u, Vec v) const;
 
  private:
+  void build_drag();
+  /// Velocities of the local points in place of positions, for the drag.
+  [[nodiscard]] energy::Configuration moving(Vec v) const;
+
   Model& model_;
   DynamicsOptions options_;
   std::optional<BlockMatrix> consistent_;
+  ElementTerm<energy::DragTerm> drag_;
+  mutable std::vector<Vec3> velocity_, position_, force_;  ///< of the local points, for the drag
   mutable petsc::VecHandle work_, sum_;
   double force_scale_ = 0.0;
 };

@@ -4,9 +4,10 @@
 //           u_v   = Q_v a_v displacement;  mirror points follow from the vertices (see patch.hpp)
 //           lambda  load factor;  f_d dead loads that follow it, f_c constant ones                              [N]
 //           K_b   constant bending stiffness, assembled once and copied into each tangent                       [N/m]
-//                 (with the springs, which are constant too)
-//           E_b    bending of curved rest shapes beyond K_b;  E_k contact and friction (contact.hpp)            [J]
-//   r(a)  = K_b a + dE_m/da + dE_b/da + dE_k/da - lambda f_d - f_c - f_follower(a, lambda)       free components
+//                 (with the springs to the ground, which are constant too)
+//           E_t    terms of the potential (term.hpp): membrane, bending of curved rest shapes beyond K_b, ties  [J]
+//           E_k    contact and friction (contact.hpp)                                                           [J]
+//   r(a)  = K_b a + sum_t dE_t/da + dE_k/da - lambda f_d - f_c - f_follower(a, lambda)       free components
 //   r_i   = a_i - lambda abar_i - motion_i(t)                                           fixed components
 // Elements that touch an owned vertex are evaluated by its rank, so that rows are complete without communication;
 // energies count each triangle once, on its owner.
@@ -17,16 +18,19 @@
 
 #include "voile/base/petsc.hpp"
 #include "voile/energy/bending.hpp"
-#include "voile/energy/drag.hpp"
 #include "voile/energy/loads.hpp"
 #include "voile/energy/membrane.hpp"
 #include "voile/energy/sheet.hpp"
+#include "voile/energy/spring.hpp"
 #include "voile/mesh/partition.hpp"
 #include "voile/mesh/patch.hpp"
 #include "voile/system/block_matrix.hpp"
 #include "voile/system/conditions.hpp"
 #include "voile/system/constraints.hpp"
 #include "voile/system/contact.hpp"
+#include "voile/system/dofs.hpp"
+#include "voile/system/recovery.hpp"
+#include "voile/system/term.hpp"
 
 namespace voile::system {
 
@@ -48,14 +52,6 @@ struct Energies {
   double springs = 0.0;                  ///< [J]
 };
 
-/// Fields per triangle in material axes, row-major, mesh order, gathered on rank 0.
-struct TriangleFields {
-  std::vector<double> membrane_strain;  ///< E11, E22, 2 E12
-  std::vector<double> membrane_force;   ///< N11, N22, N12 [N/m]
-  std::vector<double> curvature;        ///< k11, k22, 2 k12, change from rest [1/m]
-  std::vector<double> bending_moment;   ///< M11, M22, M12 [N]
-};
-
 /// What a tangent is made of besides the membrane and the follower loads.
 struct TangentRequest {
   energy::Tangent kind = energy::Tangent::exact;
@@ -63,7 +59,7 @@ struct TangentRequest {
   double bending = 1.0;                      ///< factor on the constant bending stiffness
   double mass = 0.0;                         ///< factor on the mass [1/s^2]
   const BlockMatrix* mass_matrix = nullptr;  ///< consistent mass; null: the lumped one
-  double drag = 0.0;                         ///< d velocity / d position [1/s]
+  Term* extra = nullptr;                     ///< one more term, at the same configuration; null: none
   bool exact_contact = false;                ///< contact with its negative eigenvalues
 };
 
@@ -76,22 +72,18 @@ class Model {
   Model(const Model&) = delete;
   Model& operator=(const Model&) = delete;
 
-  [[nodiscard]] MPI_Comm comm() const { return comm_; }
+  [[nodiscard]] MPI_Comm comm() const { return dofs_->comm(); }
   [[nodiscard]] const mesh::SurfaceMesh& mesh() const { return *mesh_; }
-  [[nodiscard]] const mesh::Partition& partition() const { return partition_; }
-  [[nodiscard]] const mesh::PatchMesh& patches() const { return *patches_; }
+  /// Numbering, halo, fixed components, and what needs nothing but these.
+  [[nodiscard]] const Dofs& dofs() const { return *dofs_; }
   [[nodiscard]] const energy::Sheet& sheet() const { return *sheet_; }
   [[nodiscard]] const Constraints& constraints() const { return constraints_; }
   /// Contact, or null if the case has none.
   [[nodiscard]] Contact* contact() const { return contact_.get(); }
   /// Changes whenever the tangent gets another pattern of entries.
   [[nodiscard]] int pattern_version() const { return pattern_version_; }
-  [[nodiscard]] PetscInt unknowns() const { return 3 * mesh_->vertex_count(); }
   /// False if follower loads make the tangent unsymmetric.
   [[nodiscard]] bool symmetric() const { return !any_follower_; }
-
-  /// A zero vector of unknowns. Collective.
-  [[nodiscard]] petsc::VecHandle create_vector() const;
 
   /// Load factor of all later evaluations.
   void set_load_factor(double factor);
@@ -128,21 +120,18 @@ class Model {
   /// f = -dr/dlambda at a: how the load grows with the load factor. Where displacements are prescribed it needs the
   /// tangent assembled last, which must be that at a. Collective.
   void load_direction(Vec a, Vec f);
-  /// Sets the fixed components to zero, or the free ones.
-  void clear_fixed(Vec v) const;
-  void clear_free(Vec v) const;
   /// The constant bending stiffness without elimination.
   [[nodiscard]] Mat bending_matrix() const { return bending_.mat(); }
 
-  // Within a time step (see dynamics.hpp)
-  /// Puts the sheet into moving or still air. Collective, before the first step.
-  void set_drag(const energy::DragOptions& options);
-  /// Remembers the start of a step, state a with velocities v: viscosity = relaxation time / time step. Collective.
-  void start_step(Vec a, Vec v, double viscosity);
-  /// Adds the drag (minus the force) at velocities v to f; fixed components too. Collective.
-  void add_drag(Vec v, Vec f);
-  /// Sum of 1/2 (v - w).B (v - w). Collective.
-  [[nodiscard]] double drag_power(Vec v);
+  /// Remembers state a as the start of a time step: viscosity = relaxation time / time step. Collective.
+  void start_step(Vec a, double viscosity);
+  /// The triangles whose elements this rank evaluates, and whether it counts them.
+  struct Element {
+    Index triangle;
+    std::array<Index, 3> points;  ///< local
+    bool owned;
+  };
+  [[nodiscard]] const std::vector<Element>& elements() const { return elements_; }
 
   /// Lumped mass per unknown: areal density (1 kg/m^2 where the material has none) times a third of the triangles.
   [[nodiscard]] Vec mass() const { return mass_; }
@@ -151,59 +140,34 @@ class Model {
   [[nodiscard]] BlockMatrix consistent_mass() const;
   [[nodiscard]] double total_area() const { return total_area_; }
 
-  /// Three components per vertex in global axes, mesh order, on rank 0 (empty elsewhere). Collective.
-  [[nodiscard]] std::vector<double> gather(Vec a) const;
-  /// The other way round, from rank 0: components in global axes to unknowns. Collective.
-  void scatter(const std::vector<double>& values, Vec a) const;
   /// Collective; values on rank 0.
   [[nodiscard]] TriangleFields triangle_fields(Vec a);
 
  private:
-  struct LocalMirror {
-    Index apex, a, b;
-    double foot;
-    Mat3 reflection;
-  };
-  /// A vertex in whose motion a point takes part: dx_point = map * da_vertex.
-  struct Share {
-    Index vertex;  ///< local
-    Mat3 map;
-  };
-  template <class Term>
-  struct Assembled {
-    Term term;
-    std::vector<Slot> slots;              ///< in the order of Term::blocks, for plain elements
-    std::vector<std::size_t> first_slot;  ///< per element; special elements have no slots
-    std::vector<char> special;            ///< stencil has a mirror point or a rotated vertex
-  };
   /// Entries of fixed rows and columns, in the value arrays of a matrix.
   struct Eliminated {
     std::vector<Index> diagonal, off_diagonal, unit;
   };
   struct Build;
+  /// A term of the potential and the name under which its energy is counted.
+  struct Counted {
+    std::unique_ptr<Term> term;
+    double Energies::*part;
+  };
 
-  void update_points(Vec a, std::vector<Vec3>& u, std::vector<Vec3>& x) const;
-  void fold_forces(std::vector<Vec3>& f) const;
-  [[nodiscard]] std::vector<Share> shares(Index point) const;
-  template <class Term>
-  void locate(Assembled<Term>& part);
-  template <class Term>
-  void add_forces(const Assembled<Term>& part, const energy::Configuration& c);
-  template <class Term>
-  [[nodiscard]] double owned_energy(const Assembled<Term>& part, const energy::Configuration& c) const;
-  template <class Term>
-  void add_blocks(const Assembled<Term>& part, const energy::Configuration& c, const BlockMatrix::Values& values) const;
-  void add_special(Index a, Index b, const Mat3& block, const BlockMatrix::Values& values) const;
   [[nodiscard]] energy::Configuration configuration(Vec a);
-  void element_forces(Vec a, Vec f);
+  void add_term_forces(const Term& term, const energy::Configuration& c, Vec f);
   [[nodiscard]] Energies energies_of_step(Vec a);
   void find_coupling(Vec a);
   static void eliminate(const Eliminated& entries, const BlockMatrix::Values& values);
 
   // Construction, in this order.
-  void number_points(Build& build);
+  [[nodiscard]] std::vector<char> find_elements(Build& build, const std::vector<Spring>& springs);
+  void build_terms(Build& build, const std::vector<Spring>& springs);
+  void tie(const Spring& spring, ElementTerm<energy::SpringTerm>& ties) const;
+  template <class Kernel>
+  ElementTerm<Kernel>& add_term(double Energies::*part);
   [[nodiscard]] BlockPattern make_pattern(const Build& build) const;
-  void add_elements(Build& build);
   void assemble_bending(Build& build, const std::vector<Spring>& springs);
   void make_vectors();
   [[nodiscard]] Eliminated find_eliminated_entries(const BlockMatrix& matrix) const;
@@ -214,8 +178,12 @@ class Model {
   void add_follower(const Load& load);
   void build_mass(const std::vector<PointMass>& masses);
   void extend_tangent(BlockPattern pattern);
+  /// Owned local vertex of a vertex of the mesh, or no_index.
+  [[nodiscard]] Index owned(Index v) const {
+    const Index i = dofs_->local().local_of[v];
+    return i < dofs_->local().owned ? i : no_index;
+  }
 
-  MPI_Comm comm_;
   const mesh::SurfaceMesh* mesh_;
   int rank_ = 0;
   std::vector<energy::Material> materials_;
@@ -223,36 +191,15 @@ class Model {
   Constraints constraints_;
   std::unique_ptr<mesh::PatchMesh> patches_;
   std::unique_ptr<energy::Sheet> sheet_;
+  std::unique_ptr<Dofs> dofs_;
+  std::vector<Vec3> u_, x_, previous_u_, previous_x_, force_;  ///< of the local points
 
-  // Local points: owned vertices in row order, halo vertices, mirror points.
-  Index owned_ = 0, local_vertices_ = 0;
-  std::vector<Index> point_of_;      ///< mesh point of each local point
-  std::vector<Index> local_of_;      ///< local point of each mesh point, or no_index
-  std::vector<Index> row_of_local_;  ///< block row of each local vertex
-  std::vector<Vec3> rest_;
-  std::vector<LocalMirror> mirrors_;
-  std::vector<std::pair<Index, Mat3>> rotated_;  ///< local vertices with their own axes
-  std::vector<Index> rotated_index_;             ///< per local vertex: entry of rotated_, or no_index
-  petsc::ScatterHandle scatter_;
-  petsc::VecHandle local_vector_;
-  std::vector<Vec3> u_, x_, previous_u_, previous_x_, force_;
-
-  Assembled<energy::MembraneTerm> membrane_;
-  Assembled<energy::CurvedBendingTerm> curved_;
-  Assembled<energy::FollowerTerm> followers_;
-  Assembled<energy::DragTerm> drag_;
-  std::vector<Vec3> velocity_, drag_force_;
+  std::vector<Element> elements_;
+  std::vector<Counted> terms_;
+  ElementTerm<energy::MembraneTerm>* membrane_ = nullptr;  ///< one of terms_
+  ElementTerm<energy::FollowerTerm> followers_;
   bool any_follower_ = false;
-  struct Recovery {  ///< curvature operator of an owned triangle, local points
-    Index triangle;
-    std::size_t start;
-    int count;
-    Vec3 rest_curvature;
-  };
-  std::vector<Recovery> recovery_;
-  std::vector<Index> recovery_points_;
-  std::vector<Vec3> recovery_weights_;
-  std::vector<Index> membrane_triangle_;
+  Recovery recovery_;
 
   BlockMatrix bending_, tangent_;
   Eliminated eliminated_, base_eliminated_;  ///< of the tangent, and of matrices with the pattern of the elements alone
@@ -281,7 +228,6 @@ class Model {
   std::vector<NodalSpring> springs_;
   bool any_spring_ = false;
   std::vector<std::pair<Index, double>> masses_;  ///< of owned vertices, besides the sheet's [kg]
-  std::vector<PetscInt> fixed_;                   ///< owned fixed unknowns, counted from the first of this rank
   bool has_coupling_ = false, has_prescribed_ = false;
   double load_factor_ = 0.0, force_scale_ = 0.0, total_area_ = 0.0;
 };

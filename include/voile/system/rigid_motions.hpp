@@ -5,8 +5,10 @@
 //           d        direction in which a vertex is held, or a spring acts on it: d . u = 0
 //           t        tangent of a clamped or mirrored edge, about which nothing turns: t . w = 0
 //           j        vertex that two pieces share without sharing an edge: u_1(X_j) = u_2(X_j)
+//           n        direction of a spring between vertices i and j: n . (u(X_i) - u(X_j)) = 0, for all n if it has no
+//                    length
 // The free motions are the null space of these equations, found by singular values. Pieces that hang together by single
-// vertices are counted together. Contact and loads do not enter.
+// vertices or by springs are counted together. Contact and loads do not enter.
 #pragma once
 
 #include <vector>

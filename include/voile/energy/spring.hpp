@@ -1,0 +1,77 @@
+// Linear springs between two points.
+//
+// Symbols   k   stiffness [N/m];  L  length without force [m];  l = |x_1 - x_0|,  n = (x_1 - x_0)/l
+//   W   = k/2 (l - L)^2,    dW/dx_1 = k (l - L) n = -dW/dx_0
+//   d2W/dx_1^2 = k [ n n^T + (1 - L/l) (I - n n^T) ];   the positive tangent leaves out a negative 1 - L/l
+// Source: any textbook on trusses, e.g. Crisfield, Non-linear Finite Element Analysis of Solids and Structures 1
+// (1991), chapter 3 (engineering strain). With L = 0 the energy is quadratic and n is not needed.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "voile/energy/term.hpp"
+
+namespace voile::energy {
+
+class SpringTerm {
+ public:
+  /// Between two local points; stiffness >= 0 [N/m], length >= 0 [m].
+  void add(const std::array<Index, 2>& points, double stiffness, double length, bool owned) {
+    elements_.push_back({points, stiffness, length, owned});
+  }
+
+  [[nodiscard]] Index size() const { return static_cast<Index>(elements_.size()); }
+  [[nodiscard]] const Index* stencil(Index e) const { return elements_[e].points.data(); }
+  [[nodiscard]] int stencil_size(Index) const { return 2; }
+  [[nodiscard]] bool owned(Index e) const { return elements_[e].owned; }
+
+  [[nodiscard]] double energy(Index e, const Configuration& c) const {
+    const double stretch = between(e, c).norm() - elements_[e].length;
+    return 0.5 * elements_[e].stiffness * stretch * stretch;
+  }
+  template <class Emit>
+  void gradient(Index e, const Configuration& c, Emit&& emit) const {
+    const Element& el = elements_[e];
+    const Vec3 d = between(e, c), f = el.stiffness * across(el, d) * d;
+    emit(0, Vec3(-f));
+    emit(1, f);
+  }
+  template <class Emit>
+  void hessian(Index e, const Configuration& c, Emit&& emit) const {
+    const Element& el = elements_[e];
+    const Vec3 d = between(e, c);
+    double side = across(el, d);
+    if (c.tangent == Tangent::positive && side < 0.0) side = 0.0;
+    Mat3 k = side * Mat3::Identity();
+    if (el.length > 0.0 && d.squaredNorm() > 0.0) k += (1.0 - side) / d.squaredNorm() * d * d.transpose();
+    k *= el.stiffness;
+    for (int i = 0; i < 2; ++i)
+      for (int j = 0; j < 2; ++j) emit(i, j, i == j ? k : Mat3(-k));
+  }
+  template <class Emit>
+  void blocks(Index, Emit&& emit) const {
+    for (int i = 0; i < 2; ++i)
+      for (int j = 0; j < 2; ++j) emit(i, j);
+  }
+
+ private:
+  struct Element {
+    std::array<Index, 2> points;
+    double stiffness, length;
+    bool owned;
+  };
+  [[nodiscard]] Vec3 between(Index e, const Configuration& c) const {
+    return c.x[elements_[e].points[1]] - c.x[elements_[e].points[0]];
+  }
+  /// 1 - L/l; a spring of no length that should have one has no direction, and no force.
+  [[nodiscard]] static double across(const Element& el, const Vec3& d) {
+    if (el.length == 0.0) return 1.0;
+    const double l = d.norm();
+    return l > 0.0 ? 1.0 - el.length / l : 0.0;
+  }
+
+  std::vector<Element> elements_;
+};
+
+}  // namespace voile::energy

@@ -1,0 +1,44 @@
+// Strains, curvatures and stress resultants of a state, per triangle.
+//
+// Symbols   B'      curvature operator of a triangle,  kappa0 its rest curvature,  N, n rest and current unit normal
+//           D       bending stiffness [N m];  kappa = (n.N - 1) kappa0 + sum_i (n.u_i) B'_i   (bending.hpp)
+#pragma once
+
+#include <vector>
+
+#include "voile/energy/bending.hpp"
+#include "voile/energy/membrane.hpp"
+#include "voile/energy/sheet.hpp"
+
+namespace voile::system {
+
+/// Fields per triangle in material axes, row-major, mesh order, gathered on rank 0.
+struct TriangleFields {
+  std::vector<double> membrane_strain;  ///< E11, E22, 2 E12
+  std::vector<double> membrane_force;   ///< N11, N22, N12 [N/m]
+  std::vector<double> curvature;        ///< k11, k22, 2 k12, change from rest [1/m]
+  std::vector<double> bending_moment;   ///< M11, M22, M12 [N]
+};
+
+class Recovery {
+ public:
+  /// A triangle that this rank owns: its bending element with its points in local numbering, and the number of its
+  /// membrane element.
+  void add(Index triangle, const energy::BendingElement& element, const std::vector<Index>& local, Index membrane);
+  /// At configuration c of the local points. Collective; values on rank 0.
+  [[nodiscard]] TriangleFields fields(MPI_Comm comm, const energy::Sheet& sheet, const energy::MembraneTerm& membrane,
+                                      const energy::Configuration& c) const;
+
+ private:
+  struct Item {
+    Index triangle, membrane;
+    std::size_t start;
+    int count;
+    Vec3 rest_curvature;
+  };
+  std::vector<Item> items_;
+  std::vector<Index> points_;
+  std::vector<Vec3> weights_;
+};
+
+}  // namespace voile::system

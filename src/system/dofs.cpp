@@ -1,0 +1,158 @@
+#include "voile/system/dofs.hpp"
+
+#include "voile/base/mpi.hpp"
+
+namespace voile::system {
+
+Dofs::Dofs(MPI_Comm comm, const mesh::PatchMesh& patches, const mesh::Partition& partition,
+           const Constraints& constraints, const std::vector<char>& needed)
+    : comm_(comm),
+      mesh_(&patches.mesh()),
+      partition_(&partition),
+      rank_(mpi::rank(comm)),
+      first_row_(partition.owned_begin(rank_)) {
+  number(patches, needed);
+  take_constraints(constraints);
+  create_scatter();
+}
+
+void Dofs::number(const mesh::PatchMesh& patches, const std::vector<char>& needed) {
+  local_.local_of.assign(needed.size(), no_index);
+  const auto append = [&](Index point) {
+    local_.local_of[point] = local_.count();
+    local_.point_of.push_back(point);
+    local_.rest.push_back(patches.rest(point));
+  };
+  local_.owned = partition_->owned_count(rank_);
+  for (Index r = 0; r < local_.owned; ++r) append(partition_->vertex_of[first_row_ + r]);
+  for (Index v = 0; v < mesh_->vertex_count(); ++v)
+    if (needed[v] && local_.local_of[v] == no_index) append(v);
+  local_.vertices = local_.count();
+  for (Index i = 0; i < local_.vertices; ++i) local_.row_of.push_back(partition_->row_of[local_.point_of[i]]);
+  for (Index p = mesh_->vertex_count(); p < patches.point_count(); ++p)
+    if (needed[p]) {
+      append(p);
+      const mesh::MirrorPoint& m = patches.mirror(p);
+      mirrors_.push_back({local_.local_of[m.apex], local_.local_of[m.a], local_.local_of[m.b], m.foot, m.reflection});
+    }
+}
+
+void Dofs::take_constraints(const Constraints& constraints) {
+  axes_of_.assign(static_cast<std::size_t>(mesh_->vertex_count()), no_index);
+  fixed_flags_.assign(3 * axes_of_.size(), 0);
+  for (const auto& [v, support] : constraints.vertices) {
+    for (int k = 0; k < 3; ++k) fixed_flags_[3 * static_cast<std::size_t>(v) + k] = support.fixed[k];
+    if (!support.rotated()) continue;
+    axes_of_[v] = static_cast<Index>(axes_.size());
+    axes_.push_back(support.axes);
+  }
+  for (Index i = 0; i < local_.vertices; ++i) {
+    if (has_axes(local_.point_of[i])) rotated_.push_back(i);
+    for (int k = 0; k < 3 && i < local_.owned; ++k)
+      if (is_fixed(local_.point_of[i], k)) fixed_.push_back(3 * i + k);
+  }
+}
+
+void Dofs::create_scatter() {
+  VOILE_PETSC(VecCreateMPI(comm_, 3 * local_.owned, PETSC_DETERMINE, pattern_.out()));
+  VOILE_PETSC(VecSetBlockSize(pattern_, 3));
+  VOILE_PETSC(VecCreateSeq(PETSC_COMM_SELF, 3 * local_.vertices, halo_.out()));
+  petsc::IndexSetHandle from, to;
+  VOILE_PETSC(ISCreateBlock(PETSC_COMM_SELF, 3, local_.vertices, local_.row_of.data(), PETSC_COPY_VALUES, from.out()));
+  VOILE_PETSC(ISCreateStride(PETSC_COMM_SELF, 3 * local_.vertices, 0, 1, to.out()));
+  VOILE_PETSC(VecScatterCreate(pattern_, from, halo_, to, scatter_.out()));
+}
+
+// ---- local points --------------------------------------------------------------------------------------------------
+
+std::vector<Dofs::Share> Dofs::shares(Index point) const {
+  const auto own_map = [&](Index vertex, const Mat3& map) -> Share {
+    const Index v = local_.point_of[vertex];
+    return {vertex, has_axes(v) ? Mat3(map * axes_[axes_of_[v]]) : map};
+  };
+  if (point < local_.vertices) return {own_map(point, Mat3::Identity())};
+  const Mirror& g = mirrors_[point - local_.vertices];
+  const Mat3 rest = Mat3::Identity() - g.reflection;
+  return {own_map(g.apex, g.reflection), own_map(g.a, (1.0 - g.foot) * rest), own_map(g.b, g.foot * rest)};
+}
+
+void Dofs::update_points(Vec a, std::vector<Vec3>& u, std::vector<Vec3>& x) const {
+  VOILE_PETSC(VecScatterBegin(scatter_, a, halo_, INSERT_VALUES, SCATTER_FORWARD));
+  VOILE_PETSC(VecScatterEnd(scatter_, a, halo_, INSERT_VALUES, SCATTER_FORWARD));
+  const petsc::ReadArray values(halo_);
+  for (Index i = 0; i < local_.vertices; ++i) u[i] = Eigen::Map<const Vec3>(values.data() + 3 * i);
+  for (Index i : rotated_) u[i] = axes_[axes_of_[local_.point_of[i]]] * u[i];
+  for (std::size_t m = 0; m < mirrors_.size(); ++m) {
+    const Mirror& g = mirrors_[m];
+    const Vec3 foot = (1.0 - g.foot) * u[g.a] + g.foot * u[g.b];
+    u[static_cast<std::size_t>(local_.vertices) + m] = foot + g.reflection * (u[g.apex] - foot);
+  }
+  for (std::size_t i = 0; i < u.size(); ++i) x[i] = local_.rest[i] + u[i];
+}
+
+void Dofs::add_forces(std::vector<Vec3>& force, Vec f) const {
+  for (std::size_t m = 0; m < mirrors_.size(); ++m) {
+    const Mirror& g = mirrors_[m];
+    const Vec3 on_mirror = force[static_cast<std::size_t>(local_.vertices) + m];
+    const Vec3 mirrored = g.reflection.transpose() * on_mirror;
+    force[g.apex] += mirrored;
+    force[g.a] += (1.0 - g.foot) * (on_mirror - mirrored);
+    force[g.b] += g.foot * (on_mirror - mirrored);
+  }
+  for (Index i : rotated_) force[i] = to_own(local_.point_of[i], force[i]);
+  const petsc::WriteArray out(f);
+  for (Index i = 0; i < local_.owned; ++i)
+    for (int k = 0; k < 3; ++k) out[3 * i + k] += force[i][k];
+}
+
+// ---- vectors -------------------------------------------------------------------------------------------------------
+
+petsc::VecHandle Dofs::create_vector() const {
+  petsc::VecHandle v;
+  VOILE_PETSC(VecDuplicate(pattern_, v.out()));
+  VOILE_PETSC(VecZeroEntries(v));
+  return v;
+}
+
+void Dofs::clear_fixed(Vec v) const {
+  const petsc::WriteArray values(v);
+  for (PetscInt i : fixed_) values[i] = 0.0;
+}
+
+void Dofs::clear_free(Vec v) const {
+  const petsc::WriteArray values(v);
+  PetscInt next = 0;
+  for (PetscInt i : fixed_) {
+    for (; next < i; ++next) values[next] = 0.0;
+    next = i + 1;
+  }
+  for (; next < 3 * static_cast<PetscInt>(local_.owned); ++next) values[next] = 0.0;
+}
+
+std::vector<double> Dofs::gather(Vec a) const {
+  std::vector<double> values(static_cast<std::size_t>(unknowns()), 0.0);
+  {
+    const petsc::ReadArray in(a);
+    for (Index i = 0; i < local_.owned; ++i) {
+      const Index v = local_.point_of[i];
+      const Vec3 u = to_global(v, Eigen::Map<const Vec3>(in.data() + 3 * i));
+      for (int k = 0; k < 3; ++k) values[3 * static_cast<std::size_t>(v) + k] = u[k];
+    }
+  }
+  mpi::sum_to_root(comm_, values);
+  if (rank_ != 0) values.clear();
+  return values;
+}
+
+void Dofs::scatter(const std::vector<double>& values, Vec a) const {
+  std::vector<double> all = values;
+  mpi::broadcast(comm_, all);
+  const petsc::WriteArray out(a);
+  for (Index i = 0; i < local_.owned; ++i) {
+    const Index v = local_.point_of[i];
+    const Vec3 own = to_own(v, Eigen::Map<const Vec3>(all.data() + 3 * static_cast<std::size_t>(v)));
+    for (int k = 0; k < 3; ++k) out[3 * i + k] = own[k];
+  }
+}
+
+}  // namespace voile::system

@@ -1,0 +1,45 @@
+#include "voile/system/recovery.hpp"
+
+#include <Eigen/Geometry>
+
+#include "voile/base/mpi.hpp"
+
+namespace voile::system {
+
+void Recovery::add(Index triangle, const energy::BendingElement& element, const std::vector<Index>& local,
+                   Index membrane) {
+  items_.push_back({triangle, membrane, points_.size(), static_cast<int>(local.size()), element.rest_curvature});
+  for (std::size_t i = 0; i < local.size(); ++i) {
+    points_.push_back(local[i]);
+    weights_.push_back(element.operator_.col(static_cast<Eigen::Index>(i)));
+  }
+}
+
+TriangleFields Recovery::fields(MPI_Comm comm, const energy::Sheet& sheet, const energy::MembraneTerm& membrane,
+                                const energy::Configuration& c) const {
+  const auto size = 3 * static_cast<std::size_t>(sheet.mesh().triangle_count());
+  TriangleFields f;
+  for (auto* v : {&f.membrane_strain, &f.membrane_force, &f.curvature, &f.bending_moment}) v->assign(size, 0.0);
+  const auto store = [](std::vector<double>& to, Index t, const Vec3& value) {
+    for (int k = 0; k < 3; ++k) to[3 * static_cast<std::size_t>(t) + k] = value[k];
+  };
+  for (const Item& r : items_) {
+    store(f.membrane_strain, r.triangle, membrane.strain(r.membrane, c));
+    store(f.membrane_force, r.triangle, membrane.force(r.membrane, c));
+    const Index* p = points_.data() + r.start;
+    const Vec3 edge = c.x[p[1]] - c.x[p[0]], normal = edge.cross(Vec3(c.x[p[2]] - c.x[p[0]])).normalized();
+    const Vec3 rest_normal = sheet.mesh().unit_normal(r.triangle);
+    // n.k'(x) - kappa0 with k'(x) = kappa0 N + B'u.
+    Vec3 kappa = (normal.dot(rest_normal) - 1.0) * r.rest_curvature;
+    for (int i = 0; i < r.count; ++i) kappa += normal.dot(c.u[p[i]]) * weights_[r.start + i];
+    store(f.curvature, r.triangle, kappa);
+    store(f.bending_moment, r.triangle, sheet.material(r.triangle).bending * kappa);
+  }
+  for (auto* v : {&f.membrane_strain, &f.membrane_force, &f.curvature, &f.bending_moment}) {
+    mpi::sum_to_root(comm, *v);
+    if (mpi::rank(comm) != 0) v->clear();
+  }
+  return f;
+}
+
+}  // namespace voile::system
