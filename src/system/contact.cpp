@@ -76,6 +76,7 @@ Contact::Contact(MPI_Comm comm, const mesh::SurfaceMesh& mesh, const mesh::Parti
                  const Constraints& constraints, ContactInput input)
     : comm_(comm), mesh_(&mesh), partition_(&partition), input_(std::move(input)) {
   const int rank = mpi::rank(comm);
+  notes_ = input_.notes;
   first_row_ = partition.owned_begin(rank);
   row_count_ = partition.owned_count(rank);
   axes_.assign(static_cast<std::size_t>(mesh.vertex_count()), no_index);
