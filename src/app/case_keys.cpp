@@ -60,21 +60,22 @@ namespace {
 
 /// Keys that put the points of a file in place; `types`: of the section that has files.
 std::vector<Key> placement_keys(io::Placement& p, const std::vector<std::string>& types) {
-  return {{.name = "up_axis",
-           .slot = choice(p.up_axis, {"y", "z"}),
-           .meaning = "Axis that points up in files. From `y` it is turned to z: (x, y, z) becomes (x, -z, y).",
-           .types = types},
-          {.name = "rotate",
-           .slot = &p.rotate,
-           .meaning = "Then files are turned about the axes x, y and z of the scene, in this order, through its origin.",
-           .unit = "degree",
-           .types = types},
-          {.name = "translate",
-           .slot = &p.translate,
-           .meaning = "Then they are moved by this. Everything else in the case (points, directions, loads, motions) "
-                      "refers to the scene.",
-           .unit = "m",
-           .types = types}};
+  return {
+      {.name = "up_axis",
+       .slot = choice(p.up_axis, {"y", "z"}),
+       .meaning = "Axis that points up in files. From `y` it is turned to z: (x, y, z) becomes (x, -z, y).",
+       .types = types},
+      {.name = "rotate",
+       .slot = &p.rotate,
+       .meaning = "Then files are turned about the axes x, y and z of the scene, in this order, through its origin.",
+       .unit = "degree",
+       .types = types},
+      {.name = "translate",
+       .slot = &p.translate,
+       .meaning = "Then they are moved by this. Everything else in the case (points, directions, loads, motions) "
+                  "refers to the scene.",
+       .unit = "m",
+       .types = types}};
 }
 
 std::vector<Key> joined(std::vector<Key> first, const std::vector<Key>& second) {
@@ -260,13 +261,16 @@ std::vector<Key> motion_keys(MotionInput& m, const std::vector<std::string>& typ
        .slot = &m.translation,
        .meaning =
            "Displacement as three expressions of the time t, e.g. `[\"0.1*sin(2*pi*t)\", \"0\", \"table(t, 0, 0, 1, "
-           "0.05)\"]`; `table` interpolates between pairs of time and value. Needs `analysis = \"dynamic\"`.",
+           "0.05)\"]`; `table` interpolates between pairs of time and value. Needs `analysis = \"dynamic\"`; supports "
+           "move in `static` with `control = \"load\"` too, where t is the load factor.",
        .unit = "m",
        .types = types,
        .absent = "none"},
       {.name = "rotation_axis",
        .slot = &m.axis,
-       .meaning = "Axis of a rotation of the whole group; goes with `rotation_angle`.",
+       .meaning =
+           "Axis of a rotation of the whole group; goes with `rotation_angle`. The slope that a `clamped` support "
+           "holds turns with it.",
        .types = types,
        .absent = "none"},
       {.name = "rotation_centre", .slot = &m.centre, .meaning = "A point on the axis.", .unit = "m", .types = types},
@@ -468,11 +472,16 @@ std::vector<Key> keys_of(ObstacleSection& s) {
        .meaning =
            "When it closes on the sheet and leaves no room: `stop` ends the run, `yield` lets its surface give way "
            "to the vertices that are pinched until they are free again (`dynamic` only)."}};
-  return joined(with_keys_after("scale", std::move(keys), placement_keys(s.placement, mesh)), motion_keys(s.motion, {}));
+  return joined(with_keys_after("scale", std::move(keys), placement_keys(s.placement, mesh)),
+                motion_keys(s.motion, {}));
 }
 
 std::vector<Key> keys_of(RuleSection& s) {
-  return {{.name = "first", .slot = &s.first, .meaning = "An obstacle, or a physical surface.", .required = true},
+  return {{.name = "first",
+           .slot = &s.first,
+           .meaning = "An obstacle, a physical surface, or a physical curve: its vertices with all edges and triangles "
+                      "that touch them.",
+           .required = true},
           {.name = "second", .slot = &s.second, .meaning = "Another, or the same.", .required = true},
           {.name = "friction",
            .slot = &s.friction,

@@ -1,5 +1,5 @@
-#include "key_frames.hpp"
 #include "obstacles.hpp"
+#include "key_frames.hpp"
 
 #include <fmt/format.h>
 

@@ -15,29 +15,6 @@ petsc::VecHandle Model::create_vector() const {
   return v;
 }
 
-void Model::set_load_factor(double factor) {
-  load_factor_ = factor;
-  followers_.term.set_factor(energy::FollowerTerm::load_factor, factor);
-}
-
-void Model::set_time(double time) {
-  if (contact_) contact_->set_time(time);
-  if (!timed_.empty()) VOILE_PETSC(VecCopy(always_, constant_));
-  for (const TimedLoad& load : timed_) {
-    const double factor = load.history(time);
-    VOILE_PETSC(VecAXPY(constant_, factor, load.force));
-    followers_.term.set_factor(load.factor, factor);
-  }
-  if (movers_.empty()) return;
-  const petsc::WriteArray motion(motion_);
-  for (const Mover& m : movers_) {
-    const Vec3 u = supports_[static_cast<std::size_t>(m.support)].motion(rest_[m.local], time);
-    const Index axes = rotated_index_[m.local];
-    const Vec3 own = axes == no_index ? u : Vec3(rotated_[axes].second.transpose() * u);
-    for (int k = 0; k < 3; ++k) motion[3 * m.local + k] = own[k];
-  }
-}
-
 void Model::enforce_supports(Vec a) const {
   const petsc::ReadArray prescribed(prescribed_), motion(motion_);
   const petsc::WriteArray values(a);
@@ -53,7 +30,7 @@ void Model::update_points(Vec a, std::vector<Vec3>& u, std::vector<Vec3>& x) con
   for (std::size_t m = 0; m < mirrors_.size(); ++m) {
     const LocalMirror& g = mirrors_[m];
     const Vec3 foot = (1.0 - g.foot) * u[g.a] + g.foot * u[g.b];
-    u[static_cast<std::size_t>(local_vertices_) + m] = foot + g.reflection * (u[g.apex] - foot);
+    u[static_cast<std::size_t>(local_vertices_) + m] = foot + g.reflection * (u[g.apex] - foot) + g.offset;
   }
   for (std::size_t i = 0; i < u.size(); ++i) x[i] = rest_[i] + u[i];
 }
@@ -87,7 +64,7 @@ void Model::element_forces(Vec a, Vec f) {
 }
 
 void Model::unbalanced_force(Vec a, Vec f) {
-  VOILE_PETSC(MatMult(bending_.mat(), a, f));
+  VOILE_PETSC(MatMultAdd(bending_.mat(), a, turning_force_, f));
   element_forces(a, f);
   if (contact_) contact_->add_gradient(a, f);
   std::fill(force_.begin(), force_.end(), Vec3::Zero());
@@ -131,7 +108,9 @@ Energies Model::energies(Vec a) {
 void Model::count_energy_from(Vec a) {
   VOILE_PETSC(VecCopy(a, reference_));
   VOILE_PETSC(MatMult(bending_.mat(), a, work_));
+  VOILE_PETSC(VecAXPY(work_, 2.0, turning_force_));
   VOILE_PETSC(VecDot(work_, a, &reference_bending_));
+  reference_bending_ += turning_energy_;
 }
 
 Energies Model::energies_of_step(Vec a) {
@@ -141,6 +120,7 @@ Energies Model::energies_of_step(Vec a) {
   double bending = 0.0, constant = 0.0, dead = 0.0;
   VOILE_PETSC(VecWAXPY(sum_, 1.0, reference_, a));
   VOILE_PETSC(MatMult(bending_.mat(), sum_, work_));
+  VOILE_PETSC(VecAXPY(work_, 2.0, turning_force_));
   VOILE_PETSC(VecWAXPY(sum_, -1.0, reference_, a));
   VOILE_PETSC(VecDot(work_, sum_, &bending));
   VOILE_PETSC(VecDot(constant_, a, &constant));

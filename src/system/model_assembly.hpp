@@ -18,17 +18,18 @@ inline std::vector<Model::Share> Model::shares(Index point) const {
   return {own_map(g.apex, g.reflection), own_map(g.a, (1.0 - g.foot) * rest), own_map(g.b, g.foot * rest)};
 }
 
-inline void Model::add_special(Index a, Index b, const Mat3& block, const BlockMatrix::Values& values) const {
+inline void Model::add_special(Index a, Index b, const Mat3& block, const BlockMatrix& matrix,
+                               const BlockMatrix::Values& values) const {
   const auto plain = [&](Index p) { return p < local_vertices_ && rotated_index_[p] == no_index; };
   if (plain(a) && plain(b)) {
-    if (a < owned_) values.add(tangent_.slot(a, row_of_local_[b]), block);
+    if (a < owned_) values.add(matrix.slot(a, row_of_local_[b]), block);
     return;
   }
   const std::vector<Share> columns = shares(b);
   for (const Share& row : shares(a)) {
     if (row.vertex >= owned_) continue;
     for (const Share& column : columns)
-      values.add(tangent_.slot(row.vertex, row_of_local_[column.vertex]), row.map.transpose() * block * column.map);
+      values.add(matrix.slot(row.vertex, row_of_local_[column.vertex]), row.map.transpose() * block * column.map);
   }
 }
 
@@ -76,7 +77,7 @@ void Model::add_blocks(const Assembled<Term>& part, const energy::Configuration&
   for (Index e = 0; e < term.size(); ++e) {
     if (part.special[e]) {
       const Index* stencil = term.stencil(e);
-      term.hessian(e, c, [&](int a, int b, const Mat3& k) { add_special(stencil[a], stencil[b], k, values); });
+      term.hessian(e, c, [&](int a, int b, const Mat3& k) { add_special(stencil[a], stencil[b], k, tangent_, values); });
     } else {
       const Slot* slot = part.slots.data() + part.first_slot[e];
       term.hessian(e, c, [&](int, int, const Mat3& k) { values.add(*slot++, k); });

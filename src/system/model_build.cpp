@@ -62,7 +62,9 @@ Model::Model(MPI_Comm comm, const mesh::SurfaceMesh& mesh, ModelInput input)
       mesh_(&mesh),
       rank_(mpi::rank(comm)),
       materials_(std::move(input.materials)),
-      supports_(std::move(input.supports)) {
+      supports_(std::move(input.supports)),
+      motion_by_load_(input.motion_by_load),
+      turns_now_(supports_.size(), Mat3::Identity()) {
   partition_ = mesh::make_partition(comm, mesh);
   Build build;
   mpi::on_all(comm, [&] {
@@ -80,6 +82,13 @@ Model::Model(MPI_Comm comm, const mesh::SurfaceMesh& mesh, ModelInput input)
   mpi::on_all(comm, [&] { add_elements(build); });
   assemble_bending(build, input.springs);
   make_vectors();
+  if (turns_) {
+    steady_bending_ = bending_.twin();
+    (void)steady_bending_.open();
+    steady_bending_.copy_values_from(bending_);
+    steady_bending_.close();
+    assemble_turning();
+  }
   eliminated_ = base_eliminated_ = find_eliminated_entries(tangent_);
   build_mass(input.masses);
   mpi::on_all(comm, [&] { build_loads(input.loads, input.masses); });
@@ -133,7 +142,8 @@ void Model::number_points(Build& build) {
     if (needed[p]) {
       append(p);
       const mesh::MirrorPoint& m = patches_->mirror(p);
-      mirrors_.push_back({local_of_[m.apex], local_of_[m.a], local_of_[m.b], m.foot, m.reflection});
+      mirrors_.push_back({local_of_[m.apex], local_of_[m.a], local_of_[m.b], m.foot, m.reflection,
+                          constraints_.turned_by[p - mesh_->vertex_count()]});
     }
   rotated_index_.assign(static_cast<std::size_t>(local_vertices_), no_index);
   for (Index i = 0; i < local_vertices_; ++i) {
@@ -195,27 +205,38 @@ void Model::add_elements(Build& build) {
 void Model::assemble_bending(Build& build, const std::vector<Spring>& springs) {
   const petsc::EventScope scope(petsc::events().bending_assemble);
   const BlockMatrix::Values values = bending_.open();
+  const auto is_turned = [&](Index p) {
+    return patches_->is_mirror(p) && constraints_.turned_by[p - mesh_->vertex_count()] >= 0;
+  };
   mpi::on_all(comm_, [&] {
     for (const Build::Item& item : build.items) {
       const energy::BendingElement el = energy::make_bending_element(*sheet_, item.triangle, item.curvature);
+      if (std::any_of(el.points.begin(), el.points.end(), is_turned)) {
+        TurningElement& turning = turning_.emplace_back();
+        for (Index p : el.points) turning.points.push_back(local_of_[p]);
+        turning.stiffness = el.stiffness;
+        turning.owned = partition_.triangle_rank[item.triangle] == rank_;
+        continue;
+      }
       for (std::size_t i = 0; i < el.points.size(); ++i)
         for (std::size_t j = 0; j < el.points.size(); ++j)
           add_special(local_of_[el.points[i]], local_of_[el.points[j]],
                       el.stiffness(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) * Mat3::Identity(),
-                      values);
+                      bending_, values);
     }
     any_spring_ = !springs.empty();
     add_springs(springs, values);
   });
   bending_.close();
+  turns_ = std::any_of(constraints_.turned_by.begin(), constraints_.turned_by.end(), [](int s) { return s >= 0; });
   build.items.clear();
 }
 
 void Model::make_vectors() {
   VOILE_PETSC(VecCreateMPI(comm_, 3 * owned_, PETSC_DETERMINE, work_.out()));
   VOILE_PETSC(VecSetBlockSize(work_, 3));
-  for (petsc::VecHandle* v :
-       {&mass_, &dead_, &constant_, &sum_, &reference_, &coupling_, &load_coupling_, &prescribed_, &motion_}) {
+  for (petsc::VecHandle* v : {&mass_, &dead_, &constant_, &sum_, &reference_, &coupling_, &load_coupling_, &prescribed_,
+                              &motion_, &turning_force_}) {
     VOILE_PETSC(VecDuplicate(work_, v->out()));
     VOILE_PETSC(VecZeroEntries(*v));
   }

@@ -28,11 +28,12 @@ def write_pc2(file, frames, first=0.0):
 
 
 def sheet(obstacles, end=0.2, step=0.01, **changes):
-    """A square sheet of 1 m with its lower left corner in the origin, without weight, and what it might touch."""
+    """A square sheet of 1 m with its lower left corner in the origin, its weight, and what it might touch."""
     return variant({
         "title": "Sheet", "analysis": "dynamic",
         "mesh": {"file": str(ROOT / "meshes" / "plate.geo"), "parameters": {"side": 1, "n": 4, "pattern": 0}},
         "material": [{"type": "isotropic", "young": 1e6, "poisson": 0.3, "thickness": 5e-4, "density": 400}],
+        "load": [{"type": "gravity", "vector": [0, 0, -9.81]}],
         "contact": {"distance": 1e-3},
         "obstacle": obstacles,
         "time": {"end": end, "step": step},
@@ -253,3 +254,40 @@ def starts(report):
     report.check(code == 2 and "by 0.0005 m" in text, f"0.5 mm apart and 1 mm thick: code {code}: {text[-250:]}")
     code, text = check_start("double_apart", [], mesh__file=two_sheets(5e-3), **mesh)
     report.check(code == 0 and "contact distance" not in text, f"5 mm apart: code {code}")
+
+
+# ----------------------------------------------------------------------------------------------------------- clamps
+
+@test
+def turned_clamp(report):
+    """A clamp that turns takes a strip along as a rigid body: step by step, and in time until it is at rest; in between it bends."""
+    def strip(**keys):
+        return {"title": "Strip", "mesh": {"file": str(ROOT / "meshes" / "cantilever.geo"), "parameters": {"nx": 20, "ny": 2}},
+                "material": [{"type": "isotropic", "young": 1.2e6, "poisson": 0.3, "thickness": 0.1, "density": 100}],
+                "probe": [{"name": "tip", "type": "displacement", "group": "tip"}, {"name": "energy", "type": "energy"}]} | keys
+
+    def stored(h):
+        return np.abs(np.array(h["energy_membrane"]) + np.array(h["energy_bending"]))
+
+    clamp = {"type": "clamped", "group": "clamp", "rotation_centre": [0, 0.5, 0.2]}
+    axis = np.array([0.2, 1.0, 0.1]) / np.linalg.norm([0.2, 1.0, 0.1])
+    cross = np.array([[0, -axis[2], axis[1]], [axis[2], 0, -axis[0]], [-axis[1], axis[0], 0]])
+    angle = np.radians(150)
+    turn = np.eye(3) + np.sin(angle) * cross + (1 - np.cos(angle)) * cross @ cross
+    still = strip(analysis="static", steps={"initial_step": 0.1, "max_step": 0.1},
+                  support=[clamp | {"rotation_axis": list(axis), "rotation_angle": "150*t", "motion": ["t", "0", "-2*t"]}])
+    for ranks in (1, 2, 3):
+        result = solve("turned_clamp", still, ranks)
+        with h5py.File(result.folder / "results.h5", "r") as data:
+            rest = data["mesh/positions"][...]
+        centre = np.array([0, 0.5, 0.2])
+        rigid = (rest - centre) @ turn.T + centre + [1, 0, -2] - rest
+        report.below(np.abs(result.displacement() - rigid).max(), 1e-7, f"{ranks} rank(s): distance from the rigid body [m]")
+        report.below(stored(result.history).max(), 1e-7, f"{ranks} rank(s): energy [J]")
+    moving = strip(analysis="dynamic", time={"end": 400, "step": 1.0}, damping={"mass": 0.2},
+                   support=[clamp | {"rotation_axis": [0, 1, 0], "rotation_centre": [0, 0, 0], "rotation_angle": "t < 100 ? 0.6*t : 60"}])
+    for ranks in (1, 2):
+        h = solve("turned_clamp_in_time", moving, ranks).history
+        report.near(h["tip_z"][-1], -10 * np.sin(np.radians(60)), 0.02, f"{ranks} rank(s): the tip, at rest again [m]")
+        report.near(h["tip_x"][-1], 10 * np.cos(np.radians(60)) - 10, 0.02, f"{ranks} rank(s): the tip, at rest again [m]")
+        report.check(stored(h).max() > 1e-2 > 1e3 * stored(h)[-1], f"it bends on the way: {stored(h).max():.3g} J, {stored(h)[-1]:.2g} J at the end")

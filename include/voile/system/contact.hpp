@@ -39,7 +39,7 @@ struct Obstacle {
   bool yields = false;
 };
 
-/// An exception to the rules between two bodies: obstacles, or surface groups of the mesh.
+/// An exception to the rules between two bodies: obstacles, or surface or curve groups of the mesh (surface.hpp).
 struct ContactRule {
   std::string first, second;
   std::optional<double> friction;

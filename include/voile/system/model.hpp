@@ -4,9 +4,9 @@
 //           u_v   = Q_v a_v displacement;  mirror points follow from the vertices (see patch.hpp)
 //           lambda  load factor;  f_d dead loads that follow it, f_c constant ones                              [N]
 //           K_b   constant bending stiffness, assembled once and copied into each tangent                       [N/m]
-//                 (with the springs, which are constant too)
+//                 (with the springs, which are constant too); f_t force of clamps that turn (model_motion.cpp)
 //           E_b    bending of curved rest shapes beyond K_b;  E_k contact and friction (contact.hpp)            [J]
-//   r(a)  = K_b a + dE_m/da + dE_b/da + dE_k/da - lambda f_d - f_c - f_follower(a, lambda)       free components
+//   r(a)  = K_b a + f_t + dE_m/da + dE_b/da + dE_k/da - lambda f_d - f_c - f_follower(a, lambda)       free components
 //   r_i   = a_i - lambda abar_i - motion_i(t)                                           fixed components
 // Elements that touch an owned vertex are evaluated by its rank, so that rows are complete without communication;
 // energies count each triangle once, on its owner.
@@ -39,6 +39,7 @@ struct ModelInput {
   ContactInput contact;
   std::vector<PointMass> masses = {};
   std::vector<Spring> springs = {};
+  bool motion_by_load = false;  ///< supports move with the load factor in place of the time
 };
 
 struct Energies {
@@ -93,10 +94,11 @@ class Model {
   /// A zero vector of unknowns. Collective.
   [[nodiscard]] petsc::VecHandle create_vector() const;
 
-  /// Load factor of all later evaluations.
+  /// Load factor of all later evaluations; supports go with it if the input says so. Collective.
   void set_load_factor(double factor);
   [[nodiscard]] double load_factor() const { return load_factor_; }
   /// Time of all later evaluations: supports with a motion go where they are then, loads with a history change.
+  /// Collective.
   void set_time(double time);
   /// Sets the fixed components of a to their prescribed values. Collective.
   void enforce_supports(Vec a) const;
@@ -162,7 +164,9 @@ class Model {
   struct LocalMirror {
     Index apex, a, b;
     double foot;
-    Mat3 reflection;
+    Mat3 reflection;             ///< as turned now
+    int support = -1;            ///< that turns it; -1: none
+    Vec3 offset = Vec3::Zero();  ///< displacement that the turn alone makes [m]
   };
   /// A vertex in whose motion a point takes part: dx_point = map * da_vertex.
   struct Share {
@@ -193,7 +197,9 @@ class Model {
   [[nodiscard]] double owned_energy(const Assembled<Term>& part, const energy::Configuration& c) const;
   template <class Term>
   void add_blocks(const Assembled<Term>& part, const energy::Configuration& c, const BlockMatrix::Values& values) const;
-  void add_special(Index a, Index b, const Mat3& block, const BlockMatrix::Values& values) const;
+  /// `values`: the open ones of `matrix`.
+  void add_special(Index a, Index b, const Mat3& block, const BlockMatrix& matrix,
+                   const BlockMatrix::Values& values) const;
   [[nodiscard]] energy::Configuration configuration(Vec a);
   void element_forces(Vec a, Vec f);
   [[nodiscard]] Energies energies_of_step(Vec a);
@@ -214,6 +220,9 @@ class Model {
   void add_follower(const Load& load);
   void build_mass(const std::vector<PointMass>& masses);
   void extend_tangent(BlockPattern pattern);
+  void move_supports(double time);
+  void turn_clamps(double time);
+  void assemble_turning();
 
   MPI_Comm comm_;
   const mesh::SurfaceMesh* mesh_;
@@ -267,7 +276,19 @@ class Model {
   };
   std::vector<Support> supports_;
   std::vector<Mover> movers_;
-  struct TimedLoad {  ///< with a history of its own
+  bool motion_by_load_ = false;
+  struct TurningElement {  ///< bending of a triangle whose stencil has a mirror point that turns; local points
+    std::vector<Index> points;
+    Eigen::MatrixXd stiffness;
+    bool owned;
+  };
+  std::vector<TurningElement> turning_;
+  bool turns_ = false;              ///< on some rank there are such elements
+  std::vector<Mat3> turns_now_;     ///< rotation of each support
+  BlockMatrix steady_bending_;      ///< K_b without them
+  petsc::VecHandle turning_force_;  ///< f_t [N]
+  double turning_energy_ = 0.0;     ///< twice the bending energy of the offsets [J]
+  struct TimedLoad {                ///< with a history of its own
     std::function<double(double)> history;
     int factor;  ///< number among the follower term's
     petsc::VecHandle force;
