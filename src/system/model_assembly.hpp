@@ -77,7 +77,8 @@ void Model::add_blocks(const Assembled<Term>& part, const energy::Configuration&
   for (Index e = 0; e < term.size(); ++e) {
     if (part.special[e]) {
       const Index* stencil = term.stencil(e);
-      term.hessian(e, c, [&](int a, int b, const Mat3& k) { add_special(stencil[a], stencil[b], k, tangent_, values); });
+      term.hessian(e, c,
+                   [&](int a, int b, const Mat3& k) { add_special(stencil[a], stencil[b], k, tangent_, values); });
     } else {
       const Slot* slot = part.slots.data() + part.first_slot[e];
       term.hessian(e, c, [&](int, int, const Mat3& k) { values.add(*slot++, k); });
