@@ -231,12 +231,14 @@ std::function<double(double)> time_function(const SectionPlace& place, const cha
 
 using Motion = std::function<Vec3(const Vec3& rest, double time)>;
 
-/// Turns the texts of a motion into a function; empty if there is none.
-Motion motion_function(const SectionPlace& place, const Case& c, const MotionInput& m) {
+/// Turns the texts of a motion into a function; empty if there is none. `analyses`: that have one.
+Motion motion_function(const SectionPlace& place, const MotionInput& m, bool possible, const char* analyses) {
   if (m.angle.empty() != !m.axis)
     place.fail(m.axis ? "rotation_angle" : "rotation_axis", "rotation_axis and rotation_angle go together");
   if (!m.any()) return {};
-  if (c.analysis != "dynamic") place.fail("motion", "something moves only with analysis = \"dynamic\"");
+  if (!possible)
+    place.fail(m.translation.empty() ? "rotation_angle" : "motion",
+               fmt::format("something moves only with analysis = {}", analyses));
   if (!m.translation.empty() && m.translation.size() != 3)
     place.fail("motion", fmt::format("{} expressions; three are needed, for x, y and z", m.translation.size()));
   std::vector<std::function<double(double)>> u;
@@ -263,7 +265,12 @@ void read_supports(const CaseReader& reader, Case& c) {
     system::Support support;
     MotionInput motion;
     const SectionPlace place = reader.read("support", n, keys_of(support, motion));
-    support.motion = motion_function(place, c, motion);
+    support.motion =
+        motion_function(place, motion, c.analysis == "dynamic" || c.analysis == "static", "\"dynamic\" or \"static\"");
+    if (support.kind == system::Support::Kind::clamped && motion.axis)
+      support.rotation = [angle = expression(motion.angle), axis = Vec3(motion.axis->normalized())](double t) {
+        return Mat3(Eigen::AngleAxisd(angle(t) * (std::numbers::pi / 180.0), axis));
+      };
     if (support.cylinder_axis && support.x_axis)
       place.fail("cylinder_axis",
                  "local axes are either x_axis and y_axis, or those of a cylinder; remove one of them");
@@ -289,12 +296,14 @@ void read_obstacle(const SectionPlace& place, Case& c, ObstacleSection& s) {
     place.fail("end", "the axis has no length; a ball is type = \"sphere\"");
   if (s.type == Type::cylinder && (s.end - s.point).norm() == 0.0)
     place.fail("end", "the same as point, so that the axis has no length; move one of the two");
-  o.motion = motion_function(place, c, s.motion);
+  o.motion = motion_function(place, s.motion, c.analysis == "dynamic", "\"dynamic\"");
   if (o.shape == Shape::capsule)
     o.points = {s.point, s.end};
   else if (o.shape != Shape::mesh)
     o.points = {s.point};
   if (!s.file.empty()) s.file = beside(c.file, s.file);
+  if (s.frames.empty() && (s.frames_loop || s.frames_start != 0.0))
+    place.fail(s.frames_loop ? "frames_loop" : "frames_start", "there are no frames; give them, or remove the key");
   if (s.frames.empty()) return;
   s.frames = beside(c.file, s.frames);
   if (o.motion) place.fail("frames", "a mesh moves by frames or by motion, not by both");
@@ -361,6 +370,9 @@ Case parse_case(const std::string& text, const std::filesystem::path& file, cons
   read_all(reader, "spring", c.springs, unchecked);
   const SectionPlace steps = reader.read("steps", 0, keys_of(c.steps));
   check_steps(steps, c.steps);
+  if (c.analysis == "static" && c.steps.control != solve::StaticOptions::Control::load &&
+      std::any_of(c.motions.begin(), c.motions.end(), [](const MotionInput& m) { return m.any(); }))
+    steps.fail("control", "supports with a motion or rotation need \"load\": they move with the load factor");
   reader.read("eigen", 0, keys_of(c.eigen));
   read_contact(reader, c);
   check_time(reader.read("time", 0, keys_of(c.time, c.dynamics.mass)), c);

@@ -56,9 +56,45 @@ std::vector<Key> top_keys(Case& c) {
                       "factor 1 from any start."}};
 }
 
+namespace {
+
+/// Keys that put the points of a file in place; `types`: of the section that has files.
+std::vector<Key> placement_keys(io::Placement& p, const std::vector<std::string>& types) {
+  return {
+      {.name = "up_axis",
+       .slot = choice(p.up_axis, {"y", "z"}),
+       .meaning = "Axis that points up in files. From `y` it is turned to z: (x, y, z) becomes (x, -z, y).",
+       .types = types},
+      {.name = "rotate",
+       .slot = &p.rotate,
+       .meaning = "Then files are turned about the axes x, y and z of the scene, in this order, through its origin.",
+       .unit = "degree",
+       .types = types},
+      {.name = "translate",
+       .slot = &p.translate,
+       .meaning = "Then they are moved by this. Everything else in the case (points, directions, loads, motions) "
+                  "refers to the scene.",
+       .unit = "m",
+       .types = types}};
+}
+
+std::vector<Key> joined(std::vector<Key> first, const std::vector<Key>& second) {
+  first.insert(first.end(), second.begin(), second.end());
+  return first;
+}
+
+/// `first` with `second` after the key `name`.
+std::vector<Key> with_keys_after(const std::string& name, std::vector<Key> first, const std::vector<Key>& second) {
+  const auto at = std::find_if(first.begin(), first.end(), [&](const Key& k) { return k.name == name; });
+  first.insert(at + 1, second.begin(), second.end());
+  return first;
+}
+
+}  // namespace
+
 std::vector<Key> keys_of(MeshSection& s) {
   io::MeshOptions& o = s.options;
-  return {
+  std::vector<Key> keys{
       {.name = "file",
        .slot = &s.file,
        .meaning =
@@ -95,6 +131,7 @@ std::vector<Key> keys_of(MeshSection& s) {
        .slot = &o.parameters,
        .meaning = "Numbers that a `.geo` declares with `DefineConstant` (or `DefineNumber`), by name of the variable.",
        .absent = "as the `.geo` says"}};
+  return with_keys_after("scale", std::move(keys), placement_keys(o.placement, {}));
 }
 
 std::vector<Key> keys_of(energy::ElementOptions& s) {
@@ -224,13 +261,16 @@ std::vector<Key> motion_keys(MotionInput& m, const std::vector<std::string>& typ
        .slot = &m.translation,
        .meaning =
            "Displacement as three expressions of the time t, e.g. `[\"0.1*sin(2*pi*t)\", \"0\", \"table(t, 0, 0, 1, "
-           "0.05)\"]`; `table` interpolates between pairs of time and value. Needs `analysis = \"dynamic\"`.",
+           "0.05)\"]`; `table` interpolates between pairs of time and value. Needs `analysis = \"dynamic\"`; supports "
+           "move in `static` with `control = \"load\"` too, where t is the load factor.",
        .unit = "m",
        .types = types,
        .absent = "none"},
       {.name = "rotation_axis",
        .slot = &m.axis,
-       .meaning = "Axis of a rotation of the whole group; goes with `rotation_angle`.",
+       .meaning =
+           "Axis of a rotation of the whole group; goes with `rotation_angle`. The slope that a `clamped` support "
+           "holds turns with it.",
        .types = types,
        .absent = "none"},
       {.name = "rotation_centre", .slot = &m.centre, .meaning = "A point on the axis.", .unit = "m", .types = types},
@@ -240,11 +280,6 @@ std::vector<Key> motion_keys(MotionInput& m, const std::vector<std::string>& typ
        .unit = "degree",
        .types = types,
        .absent = "none"}};
-}
-
-std::vector<Key> joined(std::vector<Key> first, const std::vector<Key>& second) {
-  first.insert(first.end(), second.begin(), second.end());
-  return first;
 }
 
 }  // namespace
@@ -383,7 +418,7 @@ std::vector<Key> keys_of(ObstacleSection& s) {
       {.name = "frames",
        .slot = &s.frames,
        .meaning = "Positions of the vertices in time, linear between key frames: PC2, MDD, or OBJ files as "
-                  "`walk_%04d.obj`.",
+                  "`walk_%04d.obj`. They are scaled and put in place as the mesh is.",
        .types = mesh,
        .absent = "none"},
       {.name = "frames_per_second",
@@ -391,6 +426,17 @@ std::vector<Key> keys_of(ObstacleSection& s) {
        .meaning = "Of `frames` that do not say it themselves (PC2, OBJ).",
        .unit = "1/s",
        .range = positive,
+       .types = mesh},
+      {.name = "frames_start",
+       .slot = &s.frames_start,
+       .meaning = "Time of the first key frame, whatever the file says of it. Before it the body is held in the first "
+                  "frame, after the last one in the last; below 0 the run begins within the frames.",
+       .unit = "s",
+       .types = mesh},
+      {.name = "frames_loop",
+       .slot = &s.frames_loop,
+       .meaning = "Whether the frames repeat: where the last one is the first again, at once, else the body goes from "
+                  "the last to the first within one more frame.",
        .types = mesh},
       {.name = "point",
        .slot = &s.point,
@@ -426,11 +472,16 @@ std::vector<Key> keys_of(ObstacleSection& s) {
        .meaning =
            "When it closes on the sheet and leaves no room: `stop` ends the run, `yield` lets its surface give way "
            "to the vertices that are pinched until they are free again (`dynamic` only)."}};
-  return joined(std::move(keys), motion_keys(s.motion, {}));
+  return joined(with_keys_after("scale", std::move(keys), placement_keys(s.placement, mesh)),
+                motion_keys(s.motion, {}));
 }
 
 std::vector<Key> keys_of(RuleSection& s) {
-  return {{.name = "first", .slot = &s.first, .meaning = "An obstacle, or a physical surface.", .required = true},
+  return {{.name = "first",
+           .slot = &s.first,
+           .meaning = "An obstacle, a physical surface, or a physical curve: its vertices with all edges and triangles "
+                      "that touch them.",
+           .required = true},
           {.name = "second", .slot = &s.second, .meaning = "Another, or the same.", .required = true},
           {.name = "friction",
            .slot = &s.friction,

@@ -5,7 +5,8 @@
 namespace voile::app {
 
 system::ModelInput model_input(const Case& c, const std::vector<system::Support>& supports) {
-  return {c.element, c.materials, supports, c.loads, contact_input(PETSC_COMM_WORLD, c), c.masses, c.springs};
+  return {c.element, c.materials,           supports, c.loads, contact_input(PETSC_COMM_WORLD, c), c.masses,
+          c.springs, c.analysis == "static"};
 }
 
 }  // namespace voile::app

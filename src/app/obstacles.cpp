@@ -1,4 +1,5 @@
 #include "obstacles.hpp"
+#include "key_frames.hpp"
 
 #include <fmt/format.h>
 
@@ -11,7 +12,6 @@
 #include "voile/base/mpi.hpp"
 #include "voile/base/text.hpp"
 #include "voile/io/mesh_file.hpp"
-#include "voile/io/point_cache.hpp"
 #include "voile/io/triangle_file.hpp"
 
 namespace voile::app {
@@ -52,6 +52,8 @@ void read_shape(MPI_Comm comm, const ObstacleSection& section, system::Obstacle&
   o.points = points_of(coordinates);
   for (Vec3& x : o.points) x *= section.scale;
   io::check_coordinates(section.file.string(), o.points);
+  section.placement.apply(o.points);
+  io::check_coordinates(section.file.string() + ", put in place by rotate and translate", o.points);
   for (std::size_t i = 0; i + 2 < corners.size(); i += 3)
     o.triangles.push_back({corners[i], corners[i + 1], corners[i + 2]});
 }
@@ -63,29 +65,6 @@ void tessellate(const ObstacleSection& section, double contact_distance, system:
   o.points = std::move(soup.positions);
   o.triangles = std::move(soup.triangles);
   o.radius = 0.0;  // the triangles are where the surface is
-}
-
-/// Rank 0 holds the cache; frames are asked for at the same times on every rank.
-void read_frames(MPI_Comm comm, const ObstacleSection& section, system::Obstacle& o) {
-  auto cache = std::make_shared<std::unique_ptr<io::PointCache>>();
-  mpi::on_root(comm, [&] {
-    *cache = std::make_unique<io::PointCache>(section.frames, section.frames_per_second);
-    const auto count = static_cast<std::size_t>((*cache)->vertex_count());
-    if (count != o.points.size())
-      throw UserError(fmt::format("{}: it has {} vertices, but {} has {}; frames must be of the same mesh",
-                                  section.frames.string(), count, section.file.string(), o.points.size()));
-    const double largest = section.scale * (*cache)->largest_coordinate();
-    io::check_coordinates(section.frames.string(), {Vec3::Zero(), Vec3::Constant(largest)});
-  });
-  const double scale = section.scale;
-  o.frames = [comm, cache, scale](double time) {
-    std::vector<double> coordinates;
-    mpi::on_root(comm, [&] { coordinates = flat((*cache)->positions(time)); });
-    mpi::broadcast(comm, coordinates);
-    std::vector<Vec3> x = points_of(coordinates);
-    for (Vec3& p : x) p *= scale;
-    return x;
-  };
 }
 
 /// A part of a plane, below the middle of the sheet.
@@ -133,7 +112,7 @@ system::ContactInput contact_input(MPI_Comm comm, const Case& c) {
     system::Obstacle o = section.shape;
     if (section.type == ObstacleSection::Type::mesh) read_shape(comm, section, o);
     if (section.type == ObstacleSection::Type::cylinder) tessellate(section, input.options.distance, o);
-    if (!section.frames.empty()) read_frames(comm, section, o);
+    if (!section.frames.empty()) read_frames(comm, section, c.time.options.end_time, o, input.notes);
     check_size(o);
     input.obstacles.push_back(std::move(o));
   }

@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 
 namespace voile::contact {
 
@@ -30,8 +31,13 @@ void add_face(Surface& s, const std::array<Index, 3>& p, int body) {
 
 }  // namespace
 
-Surface make_surface(const mesh::SurfaceMesh& mesh, std::vector<Body> bodies,
-                     const std::vector<int>& body_of_triangle) {
+Surface make_surface(const mesh::SurfaceMesh& mesh, std::vector<Body> bodies, const std::vector<int>& body_of_triangle,
+                     const std::vector<int>& body_of_vertex) {
+  const auto curve_through = [&](const auto& points) {
+    int last = -1;
+    for (Index v : points) last = std::max(last, body_of_vertex.empty() ? -1 : body_of_vertex[v]);
+    return last;
+  };
   Surface s;
   s.sheet_points = mesh.vertex_count();
   s.rest = mesh.positions();
@@ -41,10 +47,16 @@ Surface make_surface(const mesh::SurfaceMesh& mesh, std::vector<Body> bodies,
   s.area.assign(s.rest.size(), 0.0);
   for (Index t = mesh.triangle_count(); t-- > 0;)  // a point or edge belongs to the body of its first triangle
     for (Index v : mesh.triangles()[t]) s.body_of_point[v] = body_of_triangle.empty() ? 0 : body_of_triangle[t];
-  for (Index t = 0; t < mesh.triangle_count(); ++t)
-    add_face(s, mesh.triangles()[t], body_of_triangle.empty() ? 0 : body_of_triangle[t]);
-  for (const mesh::Segment& e : edges_of(mesh.triangles()))
-    add_edge(s, e[0], e[1], s.body_of_point[std::min(e[0], e[1])], false);
+  for (Index v = 0; v < mesh.vertex_count(); ++v)
+    if (const int curve = curve_through(std::array{v}); curve >= 0) s.body_of_point[v] = curve;
+  for (Index t = 0; t < mesh.triangle_count(); ++t) {
+    const int curve = curve_through(mesh.triangles()[t]);
+    add_face(s, mesh.triangles()[t], curve >= 0 ? curve : body_of_triangle.empty() ? 0 : body_of_triangle[t]);
+  }
+  for (const mesh::Segment& e : edges_of(mesh.triangles())) {
+    const int curve = curve_through(e);
+    add_edge(s, e[0], e[1], curve >= 0 ? curve : s.body_of_point[std::min(e[0], e[1])], false);
+  }
   s.sheet_edges = static_cast<Index>(s.edges.size());
   s.sheet_faces = static_cast<Index>(s.faces.size());
   return s;

@@ -177,6 +177,9 @@ mesh::MeshData read_mesh(const std::string& file, const MeshOptions& options) {
     for (Vec3& x : data.positions) x *= options.scale;
   }
   check_coordinates(file, data.positions);
+  if (options.placement.is_identity()) return data;
+  options.placement.apply(data.positions);
+  check_coordinates(file + ", put in place by rotate and translate", data.positions);
   return data;
 }
 

@@ -248,6 +248,7 @@ struct PointCache::Impl {
   std::array<std::pair<std::size_t, Positions>, 2> recent;  ///< key frames read last, by number
   std::size_t oldest = 0;                                   ///< which of them to replace next
   double largest = 0.0;                                     ///< coordinate of all
+  double largest_step = 0.0;                                ///< way of a vertex between frames
 
   /// Stays valid until the frame after next is asked for.
   const Positions& frame(std::size_t k) {
@@ -265,8 +266,13 @@ struct PointCache::Impl {
 
 PointCache::PointCache(const fs::path& file, double frames_per_second) : impl_(std::make_unique<Impl>()) {
   impl_->frames = open(file, frames_per_second);
-  for (std::size_t k = 0; k < impl_->frames->times.size(); ++k)
-    for (const Vec3& x : impl_->frame(k)) impl_->largest = std::max(impl_->largest, x.cwiseAbs().maxCoeff());
+  for (std::size_t k = 0; k < impl_->frames->times.size(); ++k) {
+    const Positions &before = impl_->frame(k > 0 ? k - 1 : 0), &x = impl_->frame(k);
+    for (std::size_t v = 0; v < x.size(); ++v) {
+      impl_->largest = std::max(impl_->largest, x[v].cwiseAbs().maxCoeff());
+      impl_->largest_step = std::max(impl_->largest_step, (x[v] - before[v]).norm());
+    }
+  }
 }
 PointCache::~PointCache() = default;
 PointCache::PointCache(PointCache&&) noexcept = default;
@@ -282,6 +288,10 @@ Index PointCache::frame_count() const {
 
 double PointCache::largest_coordinate() const {
   return impl_->largest;
+}
+
+double PointCache::largest_step() const {
+  return impl_->largest_step;
 }
 
 double PointCache::start() const {

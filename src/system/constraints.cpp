@@ -94,6 +94,7 @@ void add_symmetry(const mesh::SurfaceMesh& mesh, const Support& support, Constra
   for (mesh::MirrorSide& m : sides) {
     m.reflection = Mat3::Identity() - 2.0 * normal * normal.transpose();
     result.mirrors.push_back(m);
+    result.turned_by.push_back(-1);
   }
   for (Index v : group.vertices) conditions[v].push_back({normal, 0.0});
 }
@@ -125,13 +126,16 @@ Mat3 support_axes(const mesh::SurfaceMesh& mesh, const Support& support, Index v
   return axes;
 }
 
-void add_fixed(const mesh::SurfaceMesh& mesh, const Support& support, Constraints& result, Conditions& conditions) {
+/// `number`: of the support.
+void add_fixed(const mesh::SurfaceMesh& mesh, const Support& support, int number, Constraints& result,
+               Conditions& conditions) {
   const mesh::Group& group = mesh.group(support.group);
   if (support.kind == Support::Kind::clamped && group.dimension == 1)
     for (mesh::MirrorSide& m : boundary_sides(mesh, group, support)) {
       const Vec3 normal = mesh.unit_normal(m.triangle);
       m.reflection = 2.0 * normal * normal.transpose() - Mat3::Identity();
       result.mirrors.push_back(m);
+      result.turned_by.push_back(support.rotation ? number : -1);
     }
   if (support.kind == Support::Kind::clamped && group.dimension == 0)
     throw UserError(name_of(support) + ": a point has no slope to clamp; use `hinged`, or name a curve group");
@@ -192,11 +196,11 @@ VertexSupport combine(const mesh::SurfaceMesh& mesh, Index v, const std::vector<
 Constraints resolve_supports(const mesh::SurfaceMesh& mesh, const std::vector<Support>& supports) {
   Constraints result;
   Conditions conditions;
-  for (const Support& support : supports) {
-    if (support.kind == Support::Kind::symmetry)
-      add_symmetry(mesh, support, result, conditions);
+  for (std::size_t i = 0; i < supports.size(); ++i) {
+    if (supports[i].kind == Support::Kind::symmetry)
+      add_symmetry(mesh, supports[i], result, conditions);
     else
-      add_fixed(mesh, support, result, conditions);
+      add_fixed(mesh, supports[i], static_cast<int>(i), result, conditions);
   }
   for (const auto& [v, list] : conditions) result.vertices.emplace(v, combine(mesh, v, list));
   for (std::size_t i = 0; i < supports.size(); ++i) {

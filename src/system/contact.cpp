@@ -41,11 +41,14 @@ struct RigidMap {
 struct Bodies {
   std::vector<contact::Body> list;
   std::size_t sheets = 0;
-  std::vector<int> of_triangle;
+  std::vector<int> of_triangle, of_vertex;
 };
 
 Bodies make_bodies(const mesh::SurfaceMesh& mesh, const ContactInput& input) {
-  Bodies b{{{"sheet", input.thickness}}, 0, std::vector<int>(static_cast<std::size_t>(mesh.triangle_count()), 0)};
+  Bodies b{{{"sheet", input.thickness}},
+           0,
+           std::vector<int>(static_cast<std::size_t>(mesh.triangle_count()), 0),
+           std::vector<int>(static_cast<std::size_t>(mesh.vertex_count()), -1)};
   const auto named = [](const std::string& name) { return [&name](const auto& x) { return x.name == name; }; };
   for (const ContactRule& r : input.rules)
     for (const std::string* name : {&r.first, &r.second}) {
@@ -53,8 +56,16 @@ Bodies make_bodies(const mesh::SurfaceMesh& mesh, const ContactInput& input) {
           std::any_of(b.list.begin(), b.list.end(), named(*name)))
         continue;
       if (!mesh.has_group(*name))
-        throw UserError(fmt::format("[[contact_rule]]: there is no obstacle or physical surface '{}'", *name));
-      for (Index t : mesh.group(*name, 2).triangles) b.of_triangle[t] = static_cast<int>(b.list.size());
+        throw UserError(
+            fmt::format("[[contact_rule]]: there is no obstacle, physical surface or curve '{}'; correct the name, or "
+                        "name the group in the mesh",
+                        *name));
+      const mesh::Group& group = mesh.group(*name);
+      if (group.dimension == 0)
+        throw UserError(fmt::format("[[contact_rule]]: '{}' is a physical point; name a surface or a curve", *name));
+      for (Index t : group.triangles) b.of_triangle[t] = static_cast<int>(b.list.size());
+      if (group.dimension == 1)
+        for (Index v : group.vertices) b.of_vertex[v] = static_cast<int>(b.list.size());
       b.list.push_back({*name, input.thickness});
     }
   b.sheets = b.list.size();
@@ -81,10 +92,11 @@ Contact::Contact(const Dofs& dofs, ContactInput input)
       first_row_(dofs.first_row()),
       row_count_(dofs.local().owned) {
   const mesh::SurfaceMesh& mesh = *mesh_;
+  notes_ = input_.notes;
   Bodies bodies = make_bodies(mesh, input_);
   const std::size_t sheets = bodies.sheets;
   for (std::size_t k = 0; k < input_.obstacles.size(); ++k) body_of_obstacle_.push_back(static_cast<int>(sheets + k));
-  contact::Surface surface = contact::make_surface(mesh, std::move(bodies.list), bodies.of_triangle);
+  contact::Surface surface = contact::make_surface(mesh, std::move(bodies.list), bodies.of_triangle, bodies.of_vertex);
   std::vector<Plane> planes;
   for (std::size_t k = 0; k < input_.obstacles.size(); ++k) {
     const Obstacle& o = input_.obstacles[k];

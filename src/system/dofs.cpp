@@ -11,12 +11,12 @@ Dofs::Dofs(MPI_Comm comm, const mesh::PatchMesh& patches, const mesh::Partition&
       partition_(&partition),
       rank_(mpi::rank(comm)),
       first_row_(partition.owned_begin(rank_)) {
-  number(patches, needed);
+  number(patches, needed, constraints.turned_by);
   take_constraints(constraints);
   create_scatter();
 }
 
-void Dofs::number(const mesh::PatchMesh& patches, const std::vector<char>& needed) {
+void Dofs::number(const mesh::PatchMesh& patches, const std::vector<char>& needed, const std::vector<int>& turned_by) {
   local_.local_of.assign(needed.size(), no_index);
   const auto append = [&](Index point) {
     local_.local_of[point] = local_.count();
@@ -33,7 +33,10 @@ void Dofs::number(const mesh::PatchMesh& patches, const std::vector<char>& neede
     if (needed[p]) {
       append(p);
       const mesh::MirrorPoint& m = patches.mirror(p);
-      mirrors_.push_back({local_.local_of[m.apex], local_.local_of[m.a], local_.local_of[m.b], m.foot, m.reflection});
+      const auto number = static_cast<std::size_t>(p - mesh_->vertex_count());
+      const Vec3 foot = (1.0 - m.foot) * patches.rest(m.a) + m.foot * patches.rest(m.b);
+      mirrors_.push_back({local_.local_of[m.apex], local_.local_of[m.a], local_.local_of[m.b], m.foot, m.reflection,
+                          m.reflection, patches.rest(m.apex) - foot, turned_by[number]});
     }
 }
 
@@ -76,6 +79,15 @@ std::vector<Dofs::Share> Dofs::shares(Index point) const {
   return {own_map(g.apex, g.reflection), own_map(g.a, (1.0 - g.foot) * rest), own_map(g.b, g.foot * rest)};
 }
 
+void Dofs::turn_mirrors(const std::vector<Mat3>& rotation) {
+  for (Mirror& g : mirrors_) {
+    if (g.support < 0) continue;
+    const Mat3& q = rotation[static_cast<std::size_t>(g.support)];
+    g.reflection = q * g.rest_reflection * q.transpose();
+    g.offset = (g.reflection - g.rest_reflection) * g.arm;
+  }
+}
+
 void Dofs::update_points(Vec a, std::vector<Vec3>& u, std::vector<Vec3>& x) const {
   VOILE_PETSC(VecScatterBegin(scatter_, a, halo_, INSERT_VALUES, SCATTER_FORWARD));
   VOILE_PETSC(VecScatterEnd(scatter_, a, halo_, INSERT_VALUES, SCATTER_FORWARD));
@@ -85,7 +97,7 @@ void Dofs::update_points(Vec a, std::vector<Vec3>& u, std::vector<Vec3>& x) cons
   for (std::size_t m = 0; m < mirrors_.size(); ++m) {
     const Mirror& g = mirrors_[m];
     const Vec3 foot = (1.0 - g.foot) * u[g.a] + g.foot * u[g.b];
-    u[static_cast<std::size_t>(local_.vertices) + m] = foot + g.reflection * (u[g.apex] - foot);
+    u[static_cast<std::size_t>(local_.vertices) + m] = foot + g.reflection * (u[g.apex] - foot) + g.offset;
   }
   for (std::size_t i = 0; i < u.size(); ++i) x[i] = local_.rest[i] + u[i];
 }

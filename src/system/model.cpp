@@ -8,29 +8,6 @@
 
 namespace voile::system {
 
-void Model::set_load_factor(double factor) {
-  load_factor_ = factor;
-  followers_.kernel.set_factor(energy::FollowerTerm::load_factor, factor);
-}
-
-void Model::set_time(double time) {
-  if (contact_) contact_->set_time(time);
-  if (!timed_.empty()) VOILE_PETSC(VecCopy(always_, constant_));
-  for (const TimedLoad& load : timed_) {
-    const double factor = load.history(time);
-    VOILE_PETSC(VecAXPY(constant_, factor, load.force));
-    followers_.kernel.set_factor(load.factor, factor);
-  }
-  if (movers_.empty()) return;
-  const petsc::WriteArray motion(motion_);
-  for (const Mover& m : movers_) {
-    const LocalPoints& local = dofs_->local();
-    const Vec3 u = supports_[static_cast<std::size_t>(m.support)].motion(local.rest[m.local], time);
-    const Vec3 own = dofs_->to_own(local.point_of[m.local], u);
-    for (int k = 0; k < 3; ++k) motion[3 * m.local + k] = own[k];
-  }
-}
-
 void Model::enforce_supports(Vec a) const {
   const petsc::ReadArray prescribed(prescribed_), motion(motion_);
   const petsc::WriteArray values(a);
@@ -49,7 +26,7 @@ void Model::add_term_forces(const Term& term, const energy::Configuration& c, Ve
 }
 
 void Model::unbalanced_force(Vec a, Vec f) {
-  VOILE_PETSC(MatMult(bending_.mat(), a, f));
+  VOILE_PETSC(MatMultAdd(bending_.mat(), a, turning_force_, f));
   const energy::Configuration c = configuration(a);
   std::fill(force_.begin(), force_.end(), Vec3::Zero());
   for (const Counted& t : terms_) t.term->add_forces(c, force_);
@@ -91,7 +68,9 @@ Energies Model::energies(Vec a) {
 void Model::count_energy_from(Vec a) {
   VOILE_PETSC(VecCopy(a, reference_));
   VOILE_PETSC(MatMult(bending_.mat(), a, work_));
+  VOILE_PETSC(VecAXPY(work_, 2.0, turning_force_));
   VOILE_PETSC(VecDot(work_, a, &reference_bending_));
+  reference_bending_ += turning_energy_;
 }
 
 Energies Model::energies_of_step(Vec a) {
@@ -101,6 +80,7 @@ Energies Model::energies_of_step(Vec a) {
   double bending = 0.0, constant = 0.0, dead = 0.0;
   VOILE_PETSC(VecWAXPY(sum_, 1.0, reference_, a));
   VOILE_PETSC(MatMult(bending_.mat(), sum_, work_));
+  VOILE_PETSC(VecAXPY(work_, 2.0, turning_force_));
   VOILE_PETSC(VecWAXPY(sum_, -1.0, reference_, a));
   VOILE_PETSC(VecDot(work_, sum_, &bending));
   VOILE_PETSC(VecDot(constant_, a, &constant));

@@ -62,7 +62,9 @@ Model::Model(MPI_Comm comm, const mesh::SurfaceMesh& mesh, ModelInput input)
     : mesh_(&mesh),
       rank_(mpi::rank(comm)),
       materials_(std::move(input.materials)),
-      supports_(std::move(input.supports)) {
+      supports_(std::move(input.supports)),
+      motion_by_load_(input.motion_by_load),
+      turns_now_(supports_.size(), Mat3::Identity()) {
   partition_ = mesh::make_partition(comm, mesh);
   Build build;
   std::vector<char> needed;
@@ -83,6 +85,13 @@ Model::Model(MPI_Comm comm, const mesh::SurfaceMesh& mesh, ModelInput input)
   tangent_ = bending_.twin();
   assemble_bending(build, input.springs);
   make_vectors();
+  if (turns_) {
+    steady_bending_ = bending_.twin();
+    (void)steady_bending_.open();
+    steady_bending_.copy_values_from(bending_);
+    steady_bending_.close();
+    assemble_turning();
+  }
   eliminated_ = base_eliminated_ = find_eliminated_entries(tangent_);
   build_mass(input.masses);
   mpi::on_all(comm, [&] { build_loads(input.loads, input.masses); });
@@ -202,9 +211,19 @@ void Model::assemble_bending(Build& build, const std::vector<Spring>& springs) {
   const petsc::EventScope scope(petsc::events().bending_assemble);
   const std::vector<Index>& local_of = dofs_->local().local_of;
   const BlockMatrix::Values values = bending_.open();
+  const auto is_turned = [&](Index p) {
+    return patches_->is_mirror(p) && constraints_.turned_by[p - mesh_->vertex_count()] >= 0;
+  };
   mpi::on_all(comm(), [&] {
     for (const Build::Item& item : build.items) {
       const energy::BendingElement el = energy::make_bending_element(*sheet_, item.triangle, item.curvature);
+      if (std::any_of(el.points.begin(), el.points.end(), is_turned)) {
+        TurningElement& turning = turning_.emplace_back();
+        for (Index p : el.points) turning.points.push_back(local_of[p]);
+        turning.stiffness = el.stiffness;
+        turning.owned = partition_.triangle_rank[item.triangle] == rank_;
+        continue;
+      }
       for (std::size_t i = 0; i < el.points.size(); ++i)
         for (std::size_t j = 0; j < el.points.size(); ++j)
           add_block(*dofs_, bending_, local_of[el.points[i]], local_of[el.points[j]],
@@ -215,12 +234,13 @@ void Model::assemble_bending(Build& build, const std::vector<Spring>& springs) {
     add_springs(springs, values);
   });
   bending_.close();
+  turns_ = std::any_of(constraints_.turned_by.begin(), constraints_.turned_by.end(), [](int s) { return s >= 0; });
   build.items.clear();
 }
 
 void Model::make_vectors() {
-  for (petsc::VecHandle* v :
-       {&work_, &mass_, &dead_, &constant_, &sum_, &reference_, &coupling_, &load_coupling_, &prescribed_, &motion_})
+  for (petsc::VecHandle* v : {&work_, &mass_, &dead_, &constant_, &sum_, &reference_, &coupling_, &load_coupling_,
+                              &prescribed_, &motion_, &turning_force_})
     *v = dofs_->create_vector();
   const LocalPoints& local = dofs_->local();
   const petsc::WriteArray prescribed(prescribed_);

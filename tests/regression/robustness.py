@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import shutil
 import signal
 import subprocess
@@ -126,6 +127,29 @@ def failed_motion(report):
     short = run(write_case(strip("dynamic"), OUT / "max_steps.toml"), fresh("max_steps"), 1, ["-ts_max_steps", "7"])
     with h5py.File(OUT / "max_steps" / "checkpoint.h5") as data:
         report.check(short.code == 0 and data.attrs["step"] == 7, f"-ts_max_steps 7 leaves step {int(data.attrs['step'])} as a checkpoint")
+
+
+@test
+def named_failures(report):
+    """What ends without convergence names the triangles where the residual is largest: in motion, and along every kind of path."""
+    tip = {"type": "displacement", "name": "tip", "group": "tip", "components": ["z"]}
+    late = [{"type": "line", "group": "tip", "vector": [0, 0, 1.0], "history": "t > 0.055 ? 1e12 : 1"}]
+    path = {"initial_step": 0.5, "min_step": 0.4}
+    for name, case, options in (
+        ("motion", strip("dynamic", load=late, time__min_step=0.005), ["-snes_max_it", "3"]),
+        ("load", strip(steps=path | {"fallback": False}), ["-snes_max_it", "1"]),
+        ("displacement", strip(steps=path | {"control": "displacement", "control_probe": "tip", "final_displacement": 5.0}, probe=[tip]), ["-snes_max_it", "1"]),
+        ("arc_length", strip(steps=path | {"control": "arc_length"}), ["-snes_max_it", "1"])):
+        for ranks in (1, 2, 3):
+            result = run(write_case(case, OUT / f"named_{name}.toml"), fresh(f"named_{name}"), ranks, options)
+            text = " ".join(result.text.split())
+            found = re.findall(r"triangle (\d+) at \(([-0-9.e, ]+)\), smallest angle ([0-9.]+) degrees", text)
+            report.check(result.code == 3 and "the residual is largest at triangle" in text and 1 <= len(found) <= 5,
+                         f"{name} on {ranks} rank(s): code {result.code}, {len(found)} triangles: {text[-200:]}")
+            places = [[float(c) for c in place.split(",")] for _, place, _ in found]
+            report.check(all(0 <= x <= 10 and 0 <= y <= 1 and z == 0 for x, y, z in places), f"{name}: they lie on the strip: {places}")
+            if name == "motion":
+                report.check(places[0][0] > 9, f"the first is where the load tears: x = {places[0][0]}")
 
 
 @test

@@ -27,6 +27,7 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "runs" / "lib"))
 
+import placing  # noqa: E402, F401: adds its tests
 import robustness  # noqa: E402, F401: adds its tests
 from benchmarks import BENCHMARKS, compare  # noqa: E402
 from curves import Table, at_load  # noqa: E402

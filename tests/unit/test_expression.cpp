@@ -121,7 +121,23 @@ TEST_CASE("contradictions in time sections are refused") {
   CHECK(has(error_with("[time]\nload_history = \"x\"\n"), "time.load_history"));
   std::string still = head;
   still.replace(still.find("dynamic"), 7, "static");
-  CHECK(has(error_of(still + support + "motion = [\"t\", \"0\", \"0\"]\n"), "only with analysis = \"dynamic\""));
+  const std::string moving = support + "motion = [\"t\", \"0\", \"0\"]\n";
+  CHECK(error_of(still + moving) == "no error");  // t is the load factor then
+  CHECK(has(error_of(still + moving + "[steps]\ncontrol = \"arc_length\"\n"), "steps.control: supports with a motion"));
+  for (const char* other : {"linear", "drape", "modal"}) {
+    std::string text = head;
+    text.replace(text.find("dynamic"), 7, other);
+    CHECK(
+        has(error_of(text + moving), "support.motion: something moves only with analysis = \"dynamic\" or \"static\""));
+  }
+  CHECK(has(error_of(still + "[[obstacle]]\nname = \"floor\"\ntype = \"plane\"\npoint = [0, 0, 0]\nnormal = [0, 0, 1]\n"
+                             "rotation_axis = [1, 0, 0]\nrotation_angle = \"t\"\n"),
+            "obstacle.rotation_angle: something moves only with analysis = \"dynamic\""));
+  const std::string clamp =
+      replaced(moving, "hinged", "clamped") + "rotation_axis = [0, 2, 0]\nrotation_angle = \"90*t\"\n";
+  const app::Case turning = parse_case(still + clamp, "case.toml");
+  REQUIRE(turning.supports[0].rotation);
+  CHECK((turning.supports[0].rotation(1.0) * Vec3::UnitX() + Vec3::UnitZ()).norm() < 1e-15);
   CHECK(has(error_of(still + support + "release = 1\n"), "only with analysis = \"dynamic\""));
 }
 

@@ -1,6 +1,7 @@
 // Sheets from files that are not Gmsh's: OBJ, Abaqus, VTK, STL, PLY, OFF.
 #include <doctest/doctest.h>
 
+#include <Eigen/LU>
 #include <bit>
 #include <cmath>
 
@@ -53,6 +54,24 @@ TEST_CASE("the same square from OBJ, Abaqus, VTK and Gmsh") {
     CHECK(mesh.group("boundary", 1).segments.size() == 12);
     CHECK(!mesh.has_group("boundary-1"));
   }
+}
+
+TEST_CASE("a mesh is scaled, set upright, turned about x, y, z in turn, and moved") {
+  const std::string text = "v 0 0 0\nv 1 0 0\nv 0 2 3\nf 1 2 3\n";
+  io::MeshOptions options;
+  options.scale = 2.0;
+  options.placement.up_axis = io::Placement::UpAxis::y;
+  CHECK(read(".obj", text, options).positions[2] == Vec3(0.0, -6.0, 4.0));  // exactly
+  options.placement.rotate = {90.0, 0.0, 90.0};
+  options.placement.translate = {10.0, 20.0, 30.0};
+  // about x: (0, -4, -6); about z: (4, 0, -6)
+  CHECK(read(".obj", text, options).positions[2] == Vec3(14.0, 20.0, 24.0));
+  options.placement = {io::Placement::UpAxis::z, {0.0, 0.0, 30.0}, {0.0, 0.0, 0.0}};
+  CHECK((read(".obj", text, options).positions[1] - Vec3(std::sqrt(3.0), 1.0, 0.0)).norm() < 1e-15);
+  CHECK((options.placement.rotation() * options.placement.rotation().transpose()).isIdentity(1e-15));
+  CHECK(options.placement.rotation().determinant() == doctest::Approx(1.0));
+  options.placement.translate = {0.0, 1e200, 0.0};
+  CHECK(message(".obj", text, options).find("put in place by rotate and translate") != std::string::npos);
 }
 
 TEST_CASE("groups of OBJ, Abaqus and VTK") {

@@ -55,8 +55,11 @@ struct ObstacleSection {
   system::Obstacle shape;      ///< without what files give; a cylinder gets its triangles with the mesh
   std::filesystem::path file;  ///< mesh
   double scale = 1.0;
+  io::Placement placement;       ///< of mesh and frames
   std::filesystem::path frames;  ///< point cache of a deforming mesh; empty: none
   double frames_per_second = 25.0;
+  double frames_start = 0.0;  ///< time of the first frame [s]
+  bool frames_loop = false;   ///< from the last frame on to the first
   Vec3 point = Vec3::Zero(), end = Vec3::Zero();
   enum class OnPinch { stop, yield };
   OnPinch on_pinch = OnPinch::stop;

@@ -2,7 +2,8 @@
 //
 // Points are numbered through: first the vertices of the mesh, then those of the obstacles, one after the other. An
 // obstacle may have triangles, edges without triangles (the axis of a capsule) or single points (a ball's centre): its
-// offset is then the radius. A body is an obstacle or a part of the sheet that has rules of its own.
+// offset is then the radius. A body is an obstacle or a part of the sheet that has rules of its own: triangles with
+// what belongs to them, or a curve, which is its points with all edges and triangles that touch them.
 #pragma once
 
 #include <array>
@@ -64,9 +65,12 @@ struct Surface {
   [[nodiscard]] double offset(int a, int b) const { return 0.5 * (bodies[a].thickness + bodies[b].thickness); }
 };
 
-/// The sheet alone, all of it body 0 (named "sheet"). `body` gives other bodies per triangle; empty: none.
+/// The sheet alone, all of it body 0 (named "sheet"), unless `body_of_triangle` (empty: none) gives other bodies.
+/// `body_of_vertex` (empty: none): of a curve through the vertex, or -1. It goes before that of triangles; an edge or
+/// triangle that touches several curves belongs to the last of these bodies.
 [[nodiscard]] Surface make_surface(const mesh::SurfaceMesh& mesh, std::vector<Body> bodies,
-                                   const std::vector<int>& body_of_triangle);
+                                   const std::vector<int>& body_of_triangle,
+                                   const std::vector<int>& body_of_vertex = {});
 
 /// Appends a rigid or deforming thing: points with triangles, bare edges, or alone. Returns its first point.
 Index append(Surface& surface, int body, const std::vector<Vec3>& points, const std::vector<mesh::Triangle>& triangles,

@@ -4,16 +4,18 @@
 #include <map>
 #include <string>
 
+#include "voile/io/placement.hpp"
 #include "voile/mesh/surface_mesh.hpp"
 
 namespace voile::io {
 
-/// How a .geo file is meshed; ignored for .msh except `scale`.
+/// How a .geo file is meshed, and what becomes of the coordinates of any file.
 struct MeshOptions {
   std::map<std::string, double> parameters;  ///< named numbers of the .geo (DefineConstant) set before meshing
   double size = 0.0;                         ///< uniform target edge length [m in file units]; 0: as the .geo says
   int algorithm = 0;                         ///< Gmsh's 2-D algorithm number; 0: as the .geo says
   double scale = 1.0;                        ///< file coordinates are multiplied by this to become metres
+  Placement placement = {};                  ///< then put in place by read_mesh(); read_gmsh() does not
   bool merge = false;                        ///< make one of vertices that coincide (mesh/coincident.hpp)
   bool allow_system_call = false;            ///< let a .geo run programs and write files (geo_safety.hpp)
   double merge_tolerance = 0.0;              ///< how close they must lie [m]; 0: mesh::default_merge_tolerance()

@@ -46,6 +46,8 @@ class PointCache {
   [[nodiscard]] double end() const;
   /// Largest size of a coordinate in all key frames [m].
   [[nodiscard]] double largest_coordinate() const;
+  /// Longest way of a vertex from one key frame to the next [m].
+  [[nodiscard]] double largest_step() const;
   /// Positions at a time [s], in the order of the file [m]; the caller owns them.
   /// Throws UserError if the file has gone or changed its length since it was opened.
   [[nodiscard]] std::vector<Vec3> positions(double time) const;

@@ -30,6 +30,8 @@ struct Support {
   double release = std::numeric_limits<double>::infinity();  ///< time at which it lets go [s]
   /// Displacement [m] of the vertex with rest position X at time t [s], added to `value`; empty: none.
   std::function<Vec3(const Vec3& rest, double time)> motion;
+  /// clamped: the rotation within `motion` at time t, with which the slope turns; empty: none.
+  std::function<Mat3(double time)> rotation;
 };
 
 struct Load {

@@ -25,6 +25,7 @@ struct VertexSupport {
 struct Constraints {
   std::map<Index, VertexSupport> vertices;
   std::vector<mesh::MirrorSide> mirrors;
+  std::vector<int> turned_by;  ///< per mirror: number of the support that turns it in time, or -1
 };
 
 /// Throws UserError for unknown groups, clamped or symmetric curves that are not boundary edges, a symmetry plane that

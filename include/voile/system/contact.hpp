@@ -38,7 +38,7 @@ struct Obstacle {
   bool yields = false;
 };
 
-/// An exception to the rules between two bodies: obstacles, or surface groups of the mesh.
+/// An exception to the rules between two bodies: obstacles, or surface or curve groups of the mesh (surface.hpp).
 struct ContactRule {
   std::string first, second;
   std::optional<double> friction;
@@ -53,6 +53,7 @@ struct ContactInput {
   double friction = 0.0;   ///< of the sheet against itself
   std::vector<Obstacle> obstacles;
   std::vector<ContactRule> rules;
+  std::vector<std::string> notes;  ///< what a user should know of the obstacles
 };
 
 /// What a user wants to know of the contacts in a state.
@@ -122,7 +123,7 @@ class Contact {
   [[nodiscard]] const std::string& obstruction() const { return obstruction_; }
 
   [[nodiscard]] ContactReport report(Vec a);
-  /// What a user should know of the mesh and the contact distance.
+  /// What a user should know of the mesh, the contact distance and the obstacles.
   [[nodiscard]] const std::vector<std::string>& notes() const { return notes_; }
   [[nodiscard]] const contact::Surface& surface() const { return set_->surface(); }
   /// Positions of all points, the obstacles' at the time in force; on every rank. Collective.

@@ -2,7 +2,9 @@
 //
 // Symbols   a     vector of unknowns, three per vertex in the vertex's own axes Q_v (constraints.hpp)           [m]
 //           u_v   = Q_v a_v displacement in global axes;  x = X + u position
-//           g     mirror point, x_g = f + R (x_A - f), f = (1 - alpha) x_a + alpha x_b (patch.hpp)
+//           g     mirror point, x_g = f + R (x_A - f), f = (1 - alpha) x_a + alpha x_b (patch.hpp);  where the clamp
+//           has
+//                 turned by Q, R = Q R_0 Q^T and u_g = u_f + R (u_A - u_f) + d, d = (R - R_0)(X_A - X_f)
 // Local points of a rank: its own vertices in the order of their rows, then halo vertices, then mirror points.
 #pragma once
 
@@ -66,6 +68,12 @@ class Dofs {
     return point < local_.vertices && !has_axes(local_.point_of[point]);
   }
   [[nodiscard]] std::vector<Share> shares(Index point) const;
+  /// Turns the mirror points of clamps: the rotation of each support, by number. Not collective.
+  void turn_mirrors(const std::vector<Mat3>& rotation);
+  /// d: the displacement of a local point that turned clamps alone make [m].
+  [[nodiscard]] Vec3 offset(Index point) const {
+    return point < local_.vertices ? Vec3(Vec3::Zero()) : mirrors_[point - local_.vertices].offset;
+  }
   /// Displacements u and positions x of the local points, in global axes; both of size local().count(). Collective.
   void update_points(Vec a, std::vector<Vec3>& u, std::vector<Vec3>& x) const;
   /// Adds forces on the local points, in global axes, to the rows of this rank; `force` is used up. Not collective.
@@ -86,9 +94,12 @@ class Dofs {
   struct Mirror {  ///< local points
     Index apex, a, b;
     double foot;
-    Mat3 reflection;
+    Mat3 rest_reflection, reflection;  ///< R_0, R
+    Vec3 arm;                          ///< X_A - X_f [m]
+    int support;                       ///< that turns it, or -1
+    Vec3 offset = Vec3::Zero();        ///< d [m]
   };
-  void number(const mesh::PatchMesh& patches, const std::vector<char>& needed);
+  void number(const mesh::PatchMesh& patches, const std::vector<char>& needed, const std::vector<int>& turned_by);
   void take_constraints(const Constraints& constraints);
   void create_scatter();
 

@@ -4,10 +4,11 @@
 //           u_v   = Q_v a_v displacement;  mirror points follow from the vertices (see patch.hpp)
 //           lambda  load factor;  f_d dead loads that follow it, f_c constant ones                              [N]
 //           K_b   constant bending stiffness, assembled once and copied into each tangent                       [N/m]
-//                 (with the springs to the ground, which are constant too)
+//                 (with the springs to the ground, which are constant too); f_t force of clamps that turn
+//                 (model_motion.cpp)
 //           E_t    terms of the potential (term.hpp): membrane, bending of curved rest shapes beyond K_b, ties  [J]
 //           E_k    contact and friction (contact.hpp)                                                           [J]
-//   r(a)  = K_b a + sum_t dE_t/da + dE_k/da - lambda f_d - f_c - f_follower(a, lambda)       free components
+//   r(a)  = K_b a + f_t + sum_t dE_t/da + dE_k/da - lambda f_d - f_c - f_follower(a, lambda)       free components
 //   r_i   = a_i - lambda abar_i - motion_i(t)                                           fixed components
 // Elements that touch an owned vertex are evaluated by its rank, so that rows are complete without communication;
 // energies count each triangle once, on its owner.
@@ -43,6 +44,7 @@ struct ModelInput {
   ContactInput contact;
   std::vector<PointMass> masses = {};
   std::vector<Spring> springs = {};
+  bool motion_by_load = false;  ///< supports move with the load factor in place of the time
 };
 
 struct Energies {
@@ -85,10 +87,11 @@ class Model {
   /// False if follower loads make the tangent unsymmetric.
   [[nodiscard]] bool symmetric() const { return !any_follower_; }
 
-  /// Load factor of all later evaluations.
+  /// Load factor of all later evaluations; supports go with it if the input says so. Collective.
   void set_load_factor(double factor);
   [[nodiscard]] double load_factor() const { return load_factor_; }
   /// Time of all later evaluations: supports with a motion go where they are then, loads with a history change.
+  /// Collective.
   void set_time(double time);
   /// Sets the fixed components of a to their prescribed values. Collective.
   void enforce_supports(Vec a) const;
@@ -178,6 +181,9 @@ class Model {
   void add_follower(const Load& load);
   void build_mass(const std::vector<PointMass>& masses);
   void extend_tangent(BlockPattern pattern);
+  void move_supports(double time);
+  void turn_clamps(double time);
+  void assemble_turning();
   /// Owned local vertex of a vertex of the mesh, or no_index.
   [[nodiscard]] Index owned(Index v) const {
     const Index i = dofs_->local().local_of[v];
@@ -214,7 +220,19 @@ class Model {
   };
   std::vector<Support> supports_;
   std::vector<Mover> movers_;
-  struct TimedLoad {  ///< with a history of its own
+  bool motion_by_load_ = false;
+  struct TurningElement {  ///< bending of a triangle whose stencil has a mirror point that turns; local points
+    std::vector<Index> points;
+    Eigen::MatrixXd stiffness;
+    bool owned;
+  };
+  std::vector<TurningElement> turning_;
+  bool turns_ = false;              ///< on some rank there are such elements
+  std::vector<Mat3> turns_now_;     ///< rotation of each support
+  BlockMatrix steady_bending_;      ///< K_b without them
+  petsc::VecHandle turning_force_;  ///< f_t [N]
+  double turning_energy_ = 0.0;     ///< twice the bending energy of the offsets [J]
+  struct TimedLoad {                ///< with a history of its own
     std::function<double(double)> history;
     int factor;  ///< number among the follower term's
     petsc::VecHandle force;
