@@ -688,7 +688,7 @@ std::vector<Key> keys_of(energy::DragOptions& s) {
 std::vector<Key> keys_of(solve::DrapeOptions& s) {
   return {{.name = "max_iterations",
            .slot = &s.max_iterations,
-           .meaning = "Iterations of one search for an equilibrium.",
+           .meaning = "Iterations of one search for an equilibrium, falls included.",
            .range = {1}},
           {.name = "max_escapes",
            .slot = &s.max_escapes,
@@ -697,7 +697,11 @@ std::vector<Key> keys_of(solve::DrapeOptions& s) {
           {.name = "push",
            .slot = &s.push,
            .meaning = "Largest displacement of such an escape, in edge lengths.",
-           .range = positive}};
+           .range = positive},
+          {.name = "fall",
+           .slot = &s.fall,
+           .meaning = "With contact: the sheet first falls, damped, until it nearly rests, then the search begins. "
+                      "`false`: the search begins at once."}};
 }
 
 std::vector<Key> keys_of(Probe& s) {

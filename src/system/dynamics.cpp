@@ -18,7 +18,7 @@ void require_mass(const Model& model) {
 
 Dynamics::Dynamics(Model& model, DynamicsOptions options)
     : model_(model), options_(std::move(options)), work_(model.create_vector()), sum_(model.create_vector()) {
-  require_mass(model);
+  if (!options_.any_mass) require_mass(model);
   if (options_.mass == Mass::consistent) consistent_ = model.consistent_mass();
   model.set_drag(options_.drag);
 }
