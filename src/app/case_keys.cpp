@@ -212,7 +212,18 @@ std::vector<Key> keys_of(MaterialInput& s) {
            "Direction of material axis 1 in the texture coordinates (u, v) of an OBJ mesh, e.g. `[0, 1]`: the grain "
            "line of the flat piece that a part of a garment is cut from.",
        .types = {"orthotropic", "laminate", "matrices", "fabric"},
-       .absent = "none"}};
+       .absent = "none"},
+      {.name = "bending_damping",
+       .slot = &s.bending_damping,
+       .meaning = "Damping in proportion to the bending stiffness of this material, in `dynamic`, besides that of "
+                  "`[damping]`. A `fabric` has its own if the key is missing, see [fabrics.md](fabrics.md).",
+       .unit = "s",
+       .range = not_negative},
+      {.name = "membrane_damping",
+       .slot = &s.membrane_damping,
+       .meaning = "Relaxation time of the membrane of this material (Kelvin-Voigt), likewise besides `[damping]`.",
+       .unit = "s",
+       .range = not_negative}};
 }
 
 namespace {
@@ -669,7 +680,11 @@ std::vector<Key> damping_keys(system::DynamicsOptions& s) {
            .slot = &s.viscous_time,
            .meaning = "Relaxation time of the membrane (Kelvin-Voigt).",
            .unit = "s",
-           .range = not_negative}};
+           .range = not_negative},
+          {.name = "materials",
+           .slot = &s.material_damping,
+           .meaning = "Whether the materials' own damping (`bending_damping` and `membrane_damping` of `[[material]]`, "
+                      "which a `fabric` always has) acts besides."}};
 }
 
 std::vector<Key> keys_of(energy::DragOptions& s) {

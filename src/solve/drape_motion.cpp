@@ -46,6 +46,7 @@ double time_of_a_cell(system::Model& model, Vec a) {
 system::DynamicsOptions at_load(double factor) {
   system::DynamicsOptions options;
   options.any_mass = true;
+  options.material_damping = false;
   options.load_history = [factor](double) { return factor; };
   return options;
 }

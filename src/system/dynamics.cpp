@@ -29,7 +29,7 @@ void Dynamics::set_time(double time) {
 }
 
 void Dynamics::start_step(Vec u, Vec v, double dt) {
-  model_.start_step(u, v, options_.viscous_time / dt);
+  model_.start_step(u, v, options_.viscous_time / dt, options_.material_damping ? 1.0 / dt : 0.0);
   if (Contact* contact = model_.contact()) contact->start_step(u, contact->input().options.slip_speed * dt);
 }
 
@@ -55,6 +55,10 @@ void Dynamics::residual(Vec u, Vec v, Vec a, Vec f) {
     VOILE_PETSC(MatMult(model_.bending_matrix(), v, work_));
     VOILE_PETSC(VecAXPY(sum_, options_.bending_damping, work_));
   }
+  if (Mat damping = material_damping()) {
+    VOILE_PETSC(MatMult(damping, v, work_));
+    VOILE_PETSC(VecAXPY(sum_, 1.0, work_));
+  }
   model_.add_drag(v, sum_);
   model_.clear_fixed(sum_);
   VOILE_PETSC(VecAXPY(f, 1.0, sum_));
@@ -75,6 +79,11 @@ double Dynamics::energy(Vec u, Vec v, Vec a, double s_v, double s_a) {
     VOILE_PETSC(VecDot(work_, v, &part));
     sum += 0.5 * options_.bending_damping * part / s_v;
   }
+  if (Mat damping = material_damping()) {
+    VOILE_PETSC(MatMult(damping, v, work_));
+    VOILE_PETSC(VecDot(work_, v, &part));
+    sum += 0.5 * part / s_v;
+  }
   return sum + model_.drag_power(v) / s_v;
 }
 
@@ -82,6 +91,7 @@ void Dynamics::assemble_tangent(Vec u, energy::Tangent kind, double s_v, double 
   TangentRequest request;
   request.kind = kind;
   request.bending = 1.0 + options_.bending_damping * s_v;
+  request.damping = options_.material_damping ? s_v : 0.0;
   request.mass = s_a + options_.mass_damping * s_v;
   request.mass_matrix = consistent_ ? &*consistent_ : nullptr;
   request.drag = options_.drag.active() ? s_v : 0.0;

@@ -121,8 +121,8 @@ void Model::residual(Vec a, Vec r) {
 }
 
 Energies Model::energies(Vec a) {
-  const double viscosity = membrane_.term.viscosity();
-  membrane_.term.set_viscosity(0.0);
+  const std::vector<double> viscosity = membrane_.term.viscosity();
+  membrane_.term.set_viscosity({});
   const Energies e = energies_of_step(a);
   membrane_.term.set_viscosity(viscosity);
   return e;
@@ -170,9 +170,9 @@ void Model::set_drag(const energy::DragOptions& options) {
   locate(drag_);
 }
 
-void Model::start_step(Vec a, Vec v, double viscosity) {
+void Model::start_step(Vec a, Vec v, double viscosity, double inverse_step) {
   const energy::Configuration c = configuration(a);
-  membrane_.term.start_step(c, viscosity);
+  membrane_.term.start_step(c, viscosity, inverse_step);
   if (drag_.term.size() == 0) return;
   update_points(v, velocity_, drag_force_);  // the sum with rest positions is not used
   drag_.term.start_step(c.x, velocity_.data());
@@ -219,6 +219,7 @@ void Model::assemble_tangent(Vec a, const TangentRequest& request) {
     const petsc::EventScope copy(petsc::events().bending_copy);
     tangent_.copy_values_from(bending_);
     if (request.bending != 1.0) tangent_.add_values_from(bending_, request.bending - 1.0);
+    if (damping_ && request.damping > 0.0) tangent_.add_values_from(*damping_, request.damping);
   }
   add_blocks(membrane_, c, values);
   add_blocks(curved_, c, values);

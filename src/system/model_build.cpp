@@ -194,20 +194,29 @@ void Model::add_elements(Build& build) {
 
 void Model::assemble_bending(Build& build, const std::vector<Spring>& springs) {
   const petsc::EventScope scope(petsc::events().bending_assemble);
+  if (std::any_of(materials_.begin(), materials_.end(), [](const auto& m) { return m.bending_damping > 0.0; }))
+    damping_ = bending_.twin();
   const BlockMatrix::Values values = bending_.open();
+  std::optional<BlockMatrix::Values> damping;
+  if (damping_) damping.emplace(damping_->open());
   mpi::on_all(comm_, [&] {
     for (const Build::Item& item : build.items) {
       const energy::BendingElement el = energy::make_bending_element(*sheet_, item.triangle, item.curvature);
+      const double own_damping = sheet_->material(item.triangle).bending_damping;
       for (std::size_t i = 0; i < el.points.size(); ++i)
-        for (std::size_t j = 0; j < el.points.size(); ++j)
-          add_special(local_of_[el.points[i]], local_of_[el.points[j]],
-                      el.stiffness(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) * Mat3::Identity(),
-                      values);
+        for (std::size_t j = 0; j < el.points.size(); ++j) {
+          const Index p = local_of_[el.points[i]], q = local_of_[el.points[j]];
+          const Mat3 block =
+              el.stiffness(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) * Mat3::Identity();
+          add_special(p, q, block, values);
+          if (own_damping > 0.0) add_special(p, q, own_damping * block, *damping);
+        }
     }
     any_spring_ = !springs.empty();
     add_springs(springs, values);
   });
   bending_.close();
+  if (damping_) damping_->close();
   build.items.clear();
 }
 

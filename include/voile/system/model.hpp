@@ -61,6 +61,7 @@ struct TangentRequest {
   energy::Tangent kind = energy::Tangent::exact;
   Vec previous = nullptr;                    ///< previous iterate for Tangent::linearised_stress; may be null
   double bending = 1.0;                      ///< factor on the constant bending stiffness
+  double damping = 0.0;                      ///< factor on the materials' own damping of bending [1/s]
   double mass = 0.0;                         ///< factor on the mass [1/s^2]
   const BlockMatrix* mass_matrix = nullptr;  ///< consistent mass; null: the lumped one
   double drag = 0.0;                         ///< d velocity / d position [1/s]
@@ -133,12 +134,16 @@ class Model {
   void clear_free(Vec v) const;
   /// The constant bending stiffness without elimination.
   [[nodiscard]] Mat bending_matrix() const { return bending_.mat(); }
+  /// Sum over the materials of their bending damping times their bending stiffness [N s/m], constant, without
+  /// elimination; null if no material damps bending.
+  [[nodiscard]] Mat damping_matrix() const { return damping_ ? damping_->mat() : nullptr; }
 
   // Within a time step (see dynamics.hpp)
   /// Puts the sheet into moving or still air. Collective, before the first step.
   void set_drag(const energy::DragOptions& options);
-  /// Remembers the start of a step, state a with velocities v: viscosity = relaxation time / time step. Collective.
-  void start_step(Vec a, Vec v, double viscosity);
+  /// Remembers the start of a step, state a with velocities v: viscosity = relaxation time / time step; the materials'
+  /// own relaxation times count with inverse_step = 1 / time step. Collective.
+  void start_step(Vec a, Vec v, double viscosity, double inverse_step = 0.0);
   /// Adds the drag (minus the force) at velocities v to f; fixed components too. Collective.
   void add_drag(Vec v, Vec f);
   /// Sum of 1/2 (v - w).B (v - w). Collective.
@@ -255,6 +260,7 @@ class Model {
   std::vector<Index> membrane_triangle_;
 
   BlockMatrix bending_, tangent_;
+  std::optional<BlockMatrix> damping_;
   Eliminated eliminated_, base_eliminated_;  ///< of the tangent, and of matrices with the pattern of the elements alone
   std::unique_ptr<Contact> contact_;
   int pattern_version_ = 0;
