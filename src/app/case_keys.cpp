@@ -350,7 +350,7 @@ std::vector<Key> keys_of(ContactSection& s) {
       {.name = "slip_distance",
        .slot = &o.slip_distance,
        .meaning =
-           "The same for a slip within one load step of `static`, or from the start of `drape`. 0: a thousandth of "
+           "The same for a slip within one load step of `static`, or from the end of the fall of `drape`. 0: a thousandth of "
            "a cell.",
        .unit = "m",
        .range = not_negative},
