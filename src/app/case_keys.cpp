@@ -349,9 +349,9 @@ std::vector<Key> keys_of(ContactSection& s) {
        .range = positive},
       {.name = "slip_distance",
        .slot = &o.slip_distance,
-       .meaning =
-           "The same for a slip within one load step of `static`, or from the end of the fall of `drape`. 0: a thousandth of "
-           "a cell.",
+       .meaning = "The same for a slip within one load step of `static`, or from the end of the fall of `drape`. 0: a "
+                  "thousandth of "
+                  "a cell.",
        .unit = "m",
        .range = not_negative},
       {.name = "settle_time",

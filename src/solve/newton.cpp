@@ -24,7 +24,7 @@ constexpr double slip_in_cells = 1e-3;
 constexpr int friction_lags = 30;
 constexpr double friction_settled = 1e-4;
 /// Iterations of continuation between two words on its progress.
-constexpr int progress_every = 50;
+constexpr int progress_every = 100;
 
 }  // namespace
 

@@ -157,9 +157,8 @@ TEST_CASE("fabric: damping from the loop of bending") {
   const app::Fabric f = app::parse_fabric(fabric_text, "f.toml");
   const double unit = 2.0 * 0.0147242 * 0.0387487 / M_PI;
   CHECK(app::bending_damping(f) == doctest::Approx(unit * app::typical_hysteresis).epsilon(1e-4));
-  const std::string measured =
-      replaced(fabric_text, "[sources]\n",
-               "bending_hysteresis = \"0.02 gf.cm/cm\"\n[sources]\nbending_hysteresis = \"x\"\n");
+  const std::string measured = replaced(
+      fabric_text, "[sources]\n", "bending_hysteresis = \"0.02 gf.cm/cm\"\n[sources]\nbending_hysteresis = \"x\"\n");
   const double loop = 0.02 * 9.80665e-3 / (std::sqrt(9.80665 * 4.0) * 1e-6);
   CHECK(app::bending_damping(app::parse_fabric(measured, "f.toml")) == doctest::Approx(unit * loop).epsilon(1e-4));
   // In a case: the fabric's, unless the material says its own.
