@@ -74,9 +74,12 @@ void fill_fabric(const SectionPlace& place, const MaterialInput& in, energy::Mat
   m.membrane = energy::rotated_stiffness(membrane_stiffness(fabric), in.warp_angle);
   m.bending = energy::rotated_stiffness(bending_stiffness(fabric), in.warp_angle);
   m.areal_density = fabric.areal_density;
+  if (!place.has("bending_damping")) m.bending_damping = bending_damping(fabric);
 }
 
 void fill_matrices(const SectionPlace& place, const MaterialInput& in, energy::Material& m) {
+  m.bending_damping = in.bending_damping;
+  m.viscous_time = in.membrane_damping;
   switch (in.type) {
     case MaterialInput::Type::laminate:
       fill_laminate(place, in, m);

@@ -146,6 +146,8 @@ MaterialInput as_input(const energy::Material& m) {
   input.membrane = m.membrane;
   input.bending = m.bending;
   input.areal_density = m.areal_density;
+  input.bending_damping = m.bending_damping;
+  input.membrane_damping = m.viscous_time;
   input.direction = m.direction;
   if (m.texture_direction) input.texture_direction = {(*m.texture_direction)[0], (*m.texture_direction)[1]};
   return input;

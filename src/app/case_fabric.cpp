@@ -5,6 +5,7 @@
 #include <cmath>
 #include <fstream>
 #include <functional>
+#include <numbers>
 #include <sstream>
 
 #include "voile/app/case_read.hpp"
@@ -41,6 +42,7 @@ const std::vector<Figure>& figures() {
       {"bending_weft", rigidity, true, [](Fabric& f, double x) { f.bending_weft = x; }},
       {"bending_twist", {bending_rigidity}, false, [](Fabric& f, double x) { f.bending_twist = x; }},
       {"bending_poisson", {}, false, [](Fabric& f, double x) { f.bending_poisson = x; }},
+      {"bending_hysteresis", {moment_per_width}, false, [](Fabric& f, double x) { f.bending_hysteresis = x; }},
   };
   return all;
 }
@@ -147,6 +149,14 @@ Mat3 membrane_stiffness(const Fabric& f) {
 Mat3 bending_stiffness(const Fabric& f) {
   const double isotropic_twist = 0.5 * (1.0 - f.bending_poisson) * std::sqrt(f.bending_warp * f.bending_weft);
   return orthotropic(f.bending_warp, f.bending_weft, f.bending_twist.value_or(isotropic_twist), f.bending_poisson);
+}
+
+double bending_damping(const Fabric& f) {
+  constexpr double gravity = 9.80665;
+  const double rigidity = std::sqrt(f.bending_warp * f.bending_weft);
+  const double length = std::cbrt(rigidity / (f.areal_density * gravity));
+  const double loop = f.bending_hysteresis ? *f.bending_hysteresis / rigidity : typical_hysteresis;
+  return 2.0 * loop * length / std::numbers::pi * std::sqrt(length / gravity);
 }
 
 Fabric parse_fabric(const std::string& text, const std::filesystem::path& file) {

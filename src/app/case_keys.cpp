@@ -249,7 +249,18 @@ std::vector<Key> keys_of(MaterialInput& s) {
            "Direction of material axis 1 in the texture coordinates (u, v) of an OBJ mesh, e.g. `[0, 1]`: the grain "
            "line of the flat piece that a part of a garment is cut from.",
        .types = {"orthotropic", "laminate", "matrices", "fabric"},
-       .absent = "none"}};
+       .absent = "none"},
+      {.name = "bending_damping",
+       .slot = &s.bending_damping,
+       .meaning = "Damping in proportion to the bending stiffness of this material, in `dynamic`, besides that of "
+                  "`[damping]`. A `fabric` has its own if the key is missing, see [fabrics.md](fabrics.md).",
+       .unit = "s",
+       .range = not_negative},
+      {.name = "membrane_damping",
+       .slot = &s.membrane_damping,
+       .meaning = "Relaxation time of the membrane of this material (Kelvin-Voigt), likewise besides `[damping]`.",
+       .unit = "s",
+       .range = not_negative}};
 }
 
 namespace {
@@ -373,9 +384,9 @@ std::vector<Key> keys_of(ContactSection& s) {
        .range = positive},
       {.name = "slip_distance",
        .slot = &o.slip_distance,
-       .meaning =
-           "The same for a slip within one load step of `static`, or from the start of `drape`. 0: a thousandth of "
-           "a cell.",
+       .meaning = "The same for a slip within one load step of `static`, or from the end of the fall of `drape`. 0: a "
+                  "thousandth of "
+                  "a cell.",
        .unit = "m",
        .range = not_negative},
       {.name = "settle_time",
@@ -733,7 +744,11 @@ std::vector<Key> damping_keys(system::DynamicsOptions& s) {
            .slot = &s.viscous_time,
            .meaning = "Relaxation time of the membrane (Kelvin-Voigt).",
            .unit = "s",
-           .range = not_negative}};
+           .range = not_negative},
+          {.name = "materials",
+           .slot = &s.material_damping,
+           .meaning = "Whether the materials' own damping (`bending_damping` and `membrane_damping` of `[[material]]`, "
+                      "which a `fabric` always has) acts besides."}};
 }
 
 std::vector<Key> keys_of(energy::DragOptions& s) {
@@ -752,7 +767,7 @@ std::vector<Key> keys_of(energy::DragOptions& s) {
 std::vector<Key> keys_of(solve::DrapeOptions& s) {
   return {{.name = "max_iterations",
            .slot = &s.max_iterations,
-           .meaning = "Iterations of one search for an equilibrium.",
+           .meaning = "Iterations of one search for an equilibrium, falls included.",
            .range = {1}},
           {.name = "max_escapes",
            .slot = &s.max_escapes,
@@ -761,7 +776,11 @@ std::vector<Key> keys_of(solve::DrapeOptions& s) {
           {.name = "push",
            .slot = &s.push,
            .meaning = "Largest displacement of such an escape, in edge lengths.",
-           .range = positive}};
+           .range = positive},
+          {.name = "fall",
+           .slot = &s.fall,
+           .meaning = "With contact: the sheet first falls, damped, until it nearly rests, then the search begins. "
+                      "`false`: the search begins at once."}};
 }
 
 std::vector<Key> keys_of(Probe& s) {

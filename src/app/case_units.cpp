@@ -41,6 +41,9 @@ const std::vector<Unit>& units() {
       {"N.m", 1.0, Dimension::bending_rigidity},
       {"uN.m", 1e-6, Dimension::bending_rigidity},
       {"gf.cm^2/cm", gram_force * 1e-2, Dimension::bending_rigidity},
+      {"N", 1.0, Dimension::moment_per_width},
+      {"mN", 1e-3, Dimension::moment_per_width},
+      {"gf.cm/cm", gram_force, Dimension::moment_per_width},
       {"mm FAST", 1e-3, Dimension::fast_bending_length},
   };
   return all;
@@ -83,6 +86,8 @@ std::string name_of(Dimension dimension) {
       return "a shear rigidity per angle";
     case Dimension::bending_rigidity:
       return "a bending rigidity";
+    case Dimension::moment_per_width:
+      return "a moment per width";
     case Dimension::fast_bending_length:
       return "a bending length of FAST";
   }

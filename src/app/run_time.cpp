@@ -115,12 +115,8 @@ class Epoch {
     system::Contact* contact = dynamics_.model().contact();
     if (!contact) return;
     if (!is_new) return contact->restore({start_.contact_gaps, start_.contact_start, start_.yielding});
-    system::Model& model = dynamics_.model();
-    const petsc::VecHandle residual = model.dofs().create_vector();
     dynamics_.set_time(start_.time);
-    model.residual(x_.u, residual);
-    model.dofs().clear_fixed(residual);
-    contact->begin_settling(x_.u, residual, start_.time);
+    system::settle_contact(dynamics_.model(), x_.u, start_.time);
   }
 
   solve::TimeResult run(Recorder& recorder, Checkpoints& checkpoints, bool is_first, bool has_acceleration) {

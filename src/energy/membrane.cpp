@@ -98,7 +98,10 @@ void add_geometric(Blocks& k, const Vec3& stress, const Weights& d, const std::a
 MembraneTerm::MembraneTerm(const Sheet& sheet)
     : kind_(sheet.options().membrane),
       cst_share_(sheet.options().membrane == MembraneOperator::six_node ? sheet.options().cst_share : 0.0) {
-  for (const Material& m : sheet.materials()) stiffness_.push_back(m.membrane);
+  for (const Material& m : sheet.materials()) {
+    stiffness_.push_back(m.membrane);
+    viscous_time_.push_back(m.viscous_time);
+  }
 }
 
 std::array<Index, MembraneTerm::nodes> MembraneTerm::stencil_of(const Sheet& sheet, Index t) {
@@ -161,9 +164,13 @@ MembraneTerm::Samples MembraneTerm::samples(Index e, const Configuration& c) con
   return f;
 }
 
-void MembraneTerm::start_step(const Configuration& c, double ratio) {
-  viscosity_ = ratio;
-  if (ratio == 0.0) return;
+void MembraneTerm::start_step(const Configuration& c, double ratio, double inverse_step) {
+  viscosity_.clear();
+  for (const double time : viscous_time_) viscosity_.push_back(ratio + time * inverse_step);
+  if (std::all_of(viscosity_.begin(), viscosity_.end(), [](double v) { return v == 0.0; })) {
+    viscosity_.clear();
+    return;
+  }
   start_.resize(elements_.size());
   for (Index e = 0; e < size(); ++e) start_[e] = samples(e, c);
 }
@@ -172,10 +179,11 @@ double MembraneTerm::energy(Index e, const Configuration& c) const {
   const Element& el = elements_[e];
   const Mat3& stiffness = stiffness_[el.material];
   const Samples f = samples(e, c);
-  const Samples* before = viscosity_ > 0.0 ? &start_[e] : nullptr;
+  const double viscosity = viscosity_of(el);
+  const Samples* before = viscosity > 0.0 ? &start_[e] : nullptr;
   const auto density = [&](const Vec3& strain, const Vec3& start) {
     const double w = 0.5 * strain.dot(stiffness * strain);
-    return before ? w + 0.5 * viscosity_ * (strain - start).dot(stiffness * (strain - start)) : w;
+    return before ? w + 0.5 * viscosity * (strain - start).dot(stiffness * (strain - start)) : w;
   };
   const Samples& at = before ? *before : f;
   if (kind_ == MembraneOperator::cst) return el.area * density(f.own, at.own);
@@ -209,12 +217,13 @@ void MembraneTerm::gradient_of(Index e, const Configuration& c, std::array<Vec3,
   g.fill(Vec3::Zero());
   const Element& el = elements_[e];
   static const Samples none{};
-  const Samples& before = viscosity_ > 0.0 ? start_[e] : none;
+  const double viscosity = viscosity_of(el);
+  const Samples& before = viscosity > 0.0 ? start_[e] : none;
   const Mat3& stiffness = stiffness_[el.material];
   if (kind_ == MembraneOperator::cst || cst_share_ > 0.0) {
     const Base a = own_base(el.own, c.x, el.points.data());
     const double weight = el.area * (kind_ == MembraneOperator::cst ? 1.0 : cst_share_);
-    const Vec3 n = weight * (stiffness * effective(half_metric(a.a1, a.a2) - el.own_metric, before.own));
+    const Vec3 n = weight * (stiffness * effective(half_metric(a.a1, a.a2) - el.own_metric, before.own, viscosity));
     for (int k = 0; k < 3; ++k) g[k] += pull(a, n, el.own[0][k], el.own[1][k]);
   }
   if (kind_ == MembraneOperator::cst) return;
@@ -229,7 +238,7 @@ void MembraneTerm::gradient_of(Index e, const Configuration& c, std::array<Vec3,
   for (int s = 0; s < 3; ++s) {
     const bool three = kind_ == MembraneOperator::six_node_three_point;
     const Vec3 n = (el.area * (1.0 - cst_share_) / 3.0) *
-                   (stiffness * effective(three ? strain[s] : mean, before.side[three ? s : 0]));
+                   (stiffness * effective(three ? strain[s] : mean, before.side[three ? s : 0], viscosity));
     for (int k = 0; k < 3; ++k) g[k] += pull(base[s], n, el.side[s][0][k], el.side[s][1][k]);
     g[3 + s] += pull(base[s], n, el.side[s][0][3], el.side[s][1][3]);
   }
@@ -238,9 +247,10 @@ void MembraneTerm::gradient_of(Index e, const Configuration& c, std::array<Vec3,
 void MembraneTerm::prepare(Index e, const Configuration& c, Workspace& w) const {
   const Element& el = elements_[e];
   const Mat3& stiffness = stiffness_[el.material];
-  const Mat3 material = (1.0 + viscosity_) * stiffness;
+  const double viscosity = viscosity_of(el);
+  const Mat3 material = (1.0 + viscosity) * stiffness;
   static const Samples none{};
-  const Samples& start = viscosity_ > 0.0 ? start_[e] : none;
+  const Samples& start = viscosity > 0.0 ? start_[e] : none;
   const Index* points = el.points.data();
   for (int i = 0; i < nodes; ++i)
     for (int j = i; j < nodes; ++j) w.k[i][j].setZero();
@@ -248,7 +258,7 @@ void MembraneTerm::prepare(Index e, const Configuration& c, Workspace& w) const 
   // strain is quadratic in x: E(x) = E(x_k) + B(x_k) dx + half_metric of the increment.
   const bool linearised = c.tangent == Tangent::linearised_stress && c.previous;
   const auto stress = [&](const Vec3& strain, const Vec3& quadratic, const Vec3& before) -> Vec3 {
-    const Vec3 n = stiffness * effective(linearised ? Vec3(strain - quadratic) : strain, before);
+    const Vec3 n = stiffness * effective(linearised ? Vec3(strain - quadratic) : strain, before, viscosity);
     return c.tangent == Tangent::positive ? tensile_part(n) : n;
   };
   if (kind_ == MembraneOperator::cst || cst_share_ > 0.0) {

@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 
+#include "drape_motion.hpp"
 #include "voile/solve/inverse_iteration.hpp"
 #include "voile/solve/stall.hpp"
 
@@ -50,45 +52,135 @@ bool ramp(Newton& newton, system::Model& model, Vec a, NewtonResult& result) {
   return result.converged;
 }
 
+using Remark = std::function<void(const std::string&)>;
+
+/// One drape: the solver, and the search from where things stand.
+class Search {
+ public:
+  Search(system::Model& model, const DrapeOptions& options, const Remark& remark)
+      : model_(model), options_(options), remark_(remark) {
+    renew();
+  }
+  [[nodiscard]] Newton& newton() { return *newton_; }
+  [[nodiscard]] int factorisations() const { return spent_ + newton_->linear_solver().factorisations(); }
+  /// Iterations of falls so far.
+  [[nodiscard]] int fall_iterations() const { return fall_iterations_; }
+
+  /// An equilibrium near or far; iterations are those of this call, falls included. Collective.
+  [[nodiscard]] NewtonResult run(Vec a) {
+    if (!model_.contact() || !options_.fall) {
+      newton_->start_friction(a);
+      return settle(a, options_.max_iterations);
+    }
+    NewtonResult result;
+    int spent = 0, budget = least_search;
+    double rest_speed = first_rest_speed;
+    while (spent < options_.max_iterations && !result.converged) {
+      if (supports_are_right(a)) {
+        const FallResult fall = fall_to_rest(model_, a, rest_speed, options_.max_iterations - spent, remark_);
+        spent_ += fall.factorisations;
+        spent += fall.iterations;
+        fall_iterations_ += fall.iterations;
+        tell(fall);
+        if (fall.endless) {
+          result.reason = fall.reason;
+          break;
+        }
+        budget = std::max(budget, fall.iterations);
+      }
+      renew();
+      newton_->start_friction(a);
+      result = settle(a, std::min(budget, std::max(options_.max_iterations - spent, 1)));
+      spent += result.iterations;
+      budget *= 2;
+      rest_speed *= next_rest_speed;
+    }
+    result.iterations = spent;
+    return result;
+  }
+
+ private:
+  /// Iterations of the first search after a fall, if the fall took fewer.
+  static constexpr int least_search = 100;
+  /// Cells per unit of time (drape_motion.hpp) at which a search takes over from the first fall, and the factor on it
+  /// for the falls after searches that failed.
+  static constexpr double first_rest_speed = 0.05, next_rest_speed = 0.2;
+
+  /// A solver for the matrix as it is now: falls change its pattern.
+  void renew() {
+    if (newton_) spent_ += newton_->linear_solver().factorisations();
+    newton_ = std::make_unique<Newton>(model_);
+    if (remark_)
+      newton_->on_progress([this](int iteration, double norm) {
+        remark_(fmt::format("search: {} iterations, residual {:.2e}", iteration, norm));
+      });
+  }
+  [[nodiscard]] NewtonResult settle(Vec a, int most) {
+    const auto search = [&] { return newton_->continuation(a, most); };
+    return newton_->settle_friction(a, search(), search);
+  }
+  void tell(const FallResult& fall) const {
+    if (!remark_) return;
+    remark_(fmt::format("fall: {} steps, {} iterations, {}", fall.steps, fall.iterations,
+                        fall.rested ? "nearly at rest" : fall.reason));
+  }
+  /// Supports that are still to be moved would jump at the start of a motion.
+  [[nodiscard]] bool supports_are_right(Vec a) const {
+    petsc::VecHandle moved = model_.dofs().create_vector();
+    double distance = 0.0;
+    VOILE_PETSC(VecCopy(a, moved));
+    model_.enforce_supports(moved);
+    VOILE_PETSC(VecAXPY(moved, -1.0, a));
+    VOILE_PETSC(VecNorm(moved, NORM_INFINITY, &distance));
+    return distance <= 1e-12 * model_.mesh().extent();
+  }
+
+  system::Model& model_;
+  const DrapeOptions& options_;
+  const Remark& remark_;
+  std::unique_ptr<Newton> newton_;
+  int spent_ = 0, fall_iterations_ = 0;
+};
+
+/// Stability of the state a, with its lowest mode. Collective.
+void judge(system::Model& model, LinearSolver& linear, Vec a, Vec mode, DrapeResult& result) {
+  system::TangentRequest request;
+  request.exact_contact = true;
+  model.assemble_tangent(a, request);
+  linear.tangent_changed();
+  const bool factored = linear.factorise();
+  result.newton.negative_pivots = factored ? linear.negative_pivots() : -1;
+  result.stable = result.newton.negative_pivots == 0;
+  result.eigenvalue = factored ? inverse_iteration(model, linear, mode, inverse_iterations) : 0.0;
+}
+
+/// Leaves the state a along the mode, scaled to `push`. Collective.
+void escape(system::Model& model, Vec a, Vec mode, double push) {
+  double largest = 0.0;
+  VOILE_PETSC(VecNorm(mode, NORM_INFINITY, &largest));
+  VOILE_PETSC(VecScale(mode, push / largest));
+  VOILE_PETSC(VecAXPY(a, model.contact() ? model.contact()->safe_share(a, mode) : 1.0, mode));
+}
+
 }  // namespace
 
-DrapeResult drape(system::Model& model, Vec a, const DrapeOptions& options,
-                  const std::function<void(const std::string&)>& remark) {
-  Newton newton(model);
-  LinearSolver& linear = newton.linear_solver();
+DrapeResult drape(system::Model& model, Vec a, const DrapeOptions& options, const Remark& remark) {
+  Search search(model, options, remark);
   DrapeResult result;
   petsc::VecHandle mode = start_mode(model), residual = model.dofs().create_vector();
   const double cell = std::sqrt(model.total_area() / model.mesh().triangle_count());
   int iterations = 0;
-  newton.start_friction(a);
-  if (remark)
-    newton.on_progress([&](int iteration, double norm) {
-      remark(fmt::format("search: {} iterations, residual {:.2e}", iteration, norm));
-    });
-  const int before = linear.factorisations();
   for (;; ++result.escapes) {
-    const auto search = [&] { return newton.continuation(a, options.max_iterations); };
     result.newton = {};
-    if (result.escapes > 0 || !ramp(newton, model, a, result.newton))
-      result.newton = newton.settle_friction(a, search(), search);
+    if (result.escapes > 0 || !ramp(search.newton(), model, a, result.newton)) result.newton = search.run(a);
     iterations += result.newton.iterations;
-    system::TangentRequest request;
-    request.exact_contact = true;
-    model.assemble_tangent(a, request);
-    linear.tangent_changed();
-    const bool factored = linear.factorise();
-    result.newton.negative_pivots = factored ? linear.negative_pivots() : -1;
-    result.stable = result.newton.negative_pivots == 0;
-    result.eigenvalue = factored ? inverse_iteration(model, linear, mode, inverse_iterations) : 0.0;
+    judge(model, search.newton().linear_solver(), a, mode, result);
     if (remark)
       remark(fmt::format("{} after {} iterations, residual {:.2e}, {} negative pivot(s)",
                          result.newton.converged ? "equilibrium" : "no equilibrium", result.newton.iterations,
                          result.newton.residual, result.newton.negative_pivots));
     if (!result.newton.converged || result.newton.negative_pivots <= 0 || result.escapes == options.max_escapes) break;
-    double largest = 0.0;
-    VOILE_PETSC(VecNorm(mode, NORM_INFINITY, &largest));
-    VOILE_PETSC(VecScale(mode, options.push * cell / largest));
-    VOILE_PETSC(VecAXPY(a, model.contact() ? model.contact()->safe_share(a, mode) : 1.0, mode));
+    escape(model, a, mode, options.push * cell);
   }
   model.residual(a, residual);
   VOILE_PETSC(VecNorm(residual, NORM_2, &result.residual));
@@ -97,7 +189,8 @@ DrapeResult drape(system::Model& model, Vec a, const DrapeOptions& options,
     result.newton.reason += "; " + largest_residuals(model, residual);
   }
   result.newton.iterations = iterations;
-  result.newton.factorisations = linear.factorisations() - before;
+  result.newton.factorisations = search.factorisations();
+  result.fall_iterations = search.fall_iterations();
   return result;
 }
 

@@ -16,12 +16,20 @@ void require_mass(const Model& model) {
           "areal_density)");
 }
 
+void settle_contact(Model& model, Vec u, double time) {
+  if (!model.contact()) return;
+  const petsc::VecHandle residual = model.dofs().create_vector();
+  model.residual(u, residual);
+  model.dofs().clear_fixed(residual);
+  model.contact()->begin_settling(u, residual, time);
+}
+
 Dynamics::Dynamics(Model& model, DynamicsOptions options)
     : model_(model),
       options_(std::move(options)),
       work_(model.dofs().create_vector()),
       sum_(model.dofs().create_vector()) {
-  require_mass(model);
+  if (!options_.any_mass) require_mass(model);
   if (options_.mass == Mass::consistent) consistent_ = model.consistent_mass();
   build_drag();
 }
@@ -46,7 +54,7 @@ void Dynamics::set_time(double time) {
 }
 
 void Dynamics::start_step(Vec u, Vec v, double dt) {
-  model_.start_step(u, options_.viscous_time / dt);
+  model_.start_step(u, options_.viscous_time / dt, options_.material_damping ? 1.0 / dt : 0.0);
   if (options_.drag.active()) {
     model_.dofs().update_points(u, force_, position_);
     drag_.kernel.start_step(position_.data(), moving(v).x);
@@ -76,6 +84,10 @@ void Dynamics::residual(Vec u, Vec v, Vec a, Vec f) {
     VOILE_PETSC(MatMult(model_.bending_matrix(), v, work_));
     VOILE_PETSC(VecAXPY(sum_, options_.bending_damping, work_));
   }
+  if (Mat damping = material_damping()) {
+    VOILE_PETSC(MatMult(damping, v, work_));
+    VOILE_PETSC(VecAXPY(sum_, 1.0, work_));
+  }
   if (options_.drag.active()) {
     const energy::Configuration c = moving(v);
     std::fill(force_.begin(), force_.end(), Vec3::Zero());
@@ -101,6 +113,11 @@ double Dynamics::energy(Vec u, Vec v, Vec a, double s_v, double s_a) {
     VOILE_PETSC(VecDot(work_, v, &part));
     sum += 0.5 * options_.bending_damping * part / s_v;
   }
+  if (Mat damping = material_damping()) {
+    VOILE_PETSC(MatMult(damping, v, work_));
+    VOILE_PETSC(VecDot(work_, v, &part));
+    sum += 0.5 * part / s_v;
+  }
   if (options_.drag.active()) sum += mpi::sum(model_.comm(), drag_.energy(moving(v))) / s_v;
   return sum;
 }
@@ -109,6 +126,7 @@ void Dynamics::assemble_tangent(Vec u, energy::Tangent kind, double s_v, double 
   TangentRequest request;
   request.kind = kind;
   request.bending = 1.0 + options_.bending_damping * s_v;
+  request.damping = options_.material_damping ? s_v : 0.0;
   request.mass = s_a + options_.mass_damping * s_v;
   request.mass_matrix = consistent_ ? &*consistent_ : nullptr;
   drag_.kernel.set_scale(s_v);

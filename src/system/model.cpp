@@ -58,8 +58,8 @@ void Model::residual(Vec a, Vec r) {
 }
 
 Energies Model::energies(Vec a) {
-  const double viscosity = membrane_->kernel.viscosity();
-  membrane_->kernel.set_viscosity(0.0);
+  const std::vector<double> viscosity = membrane_->kernel.viscosity();
+  membrane_->kernel.set_viscosity({});
   const Energies e = energies_of_step(a);
   membrane_->kernel.set_viscosity(viscosity);
   return e;
@@ -99,8 +99,8 @@ double Model::energy(Vec a) {
   return e.membrane + e.bending + e.springs + e.external + e.contact;
 }
 
-void Model::start_step(Vec a, double viscosity) {
-  membrane_->kernel.start_step(configuration(a), viscosity);
+void Model::start_step(Vec a, double viscosity, double inverse_step) {
+  membrane_->kernel.start_step(configuration(a), viscosity, inverse_step);
 }
 
 void Model::assemble_tangent(Vec a, Vec previous, energy::Tangent tangent, double shift) {
@@ -127,6 +127,7 @@ void Model::assemble_tangent(Vec a, const TangentRequest& request) {
     const petsc::EventScope copy(petsc::events().bending_copy);
     tangent_.copy_values_from(bending_);
     if (request.bending != 1.0) tangent_.add_values_from(bending_, request.bending - 1.0);
+    if (damping_ && request.damping > 0.0) tangent_.add_values_from(*damping_, request.damping);
   }
   const auto add = [&](Term& term) { term.add_blocks(c, *dofs_, tangent_, pattern_version_, values); };
   for (const Counted& t : terms_) add(*t.term);

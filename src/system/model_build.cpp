@@ -210,30 +210,39 @@ BlockPattern Model::make_pattern(const Build& build) const {
 void Model::assemble_bending(Build& build, const std::vector<Spring>& springs) {
   const petsc::EventScope scope(petsc::events().bending_assemble);
   const std::vector<Index>& local_of = dofs_->local().local_of;
+  if (std::any_of(materials_.begin(), materials_.end(), [](const auto& m) { return m.bending_damping > 0.0; }))
+    damping_ = bending_.twin();
   const BlockMatrix::Values values = bending_.open();
+  std::optional<BlockMatrix::Values> damping;
+  if (damping_) damping.emplace(damping_->open());
   const auto is_turned = [&](Index p) {
     return patches_->is_mirror(p) && constraints_.turned_by[p - mesh_->vertex_count()] >= 0;
   };
   mpi::on_all(comm(), [&] {
     for (const Build::Item& item : build.items) {
       const energy::BendingElement el = energy::make_bending_element(*sheet_, item.triangle, item.curvature);
-      if (std::any_of(el.points.begin(), el.points.end(), is_turned)) {
+      if (std::any_of(el.points.begin(), el.points.end(), is_turned)) {  // without damping of their own
         TurningElement& turning = turning_.emplace_back();
         for (Index p : el.points) turning.points.push_back(local_of[p]);
         turning.stiffness = el.stiffness;
         turning.owned = partition_.triangle_rank[item.triangle] == rank_;
         continue;
       }
+      const double own_damping = sheet_->material(item.triangle).bending_damping;
       for (std::size_t i = 0; i < el.points.size(); ++i)
-        for (std::size_t j = 0; j < el.points.size(); ++j)
-          add_block(*dofs_, bending_, local_of[el.points[i]], local_of[el.points[j]],
-                    el.stiffness(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) * Mat3::Identity(),
-                    values);
+        for (std::size_t j = 0; j < el.points.size(); ++j) {
+          const Index p = local_of[el.points[i]], q = local_of[el.points[j]];
+          const Mat3 block =
+              el.stiffness(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) * Mat3::Identity();
+          add_block(*dofs_, bending_, p, q, block, values);
+          if (own_damping > 0.0) add_block(*dofs_, *damping_, p, q, own_damping * block, *damping);
+        }
     }
     any_spring_ = !springs.empty();
     add_springs(springs, values);
   });
   bending_.close();
+  if (damping_) damping_->close();
   turns_ = std::any_of(constraints_.turned_by.begin(), constraints_.turned_by.end(), [](int s) { return s >= 0; });
   build.items.clear();
 }

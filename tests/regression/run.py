@@ -8,6 +8,7 @@ Published figures: Sze, Liu & Lo (2004), see runs/reference. Set VOILE to test a
 """
 
 import argparse
+import copy
 import importlib.machinery
 import importlib.util
 import json
@@ -699,6 +700,73 @@ def contact_ball(report):
     report.check(list(one.history["contact_pairs"][:same]) == list(two.history["contact_pairs"][:same]),
                  f"the same number of contacts, {one.history['contact_pairs'][same - 1]:.0f} at last, in the first {same} states")
     report.below(np.max(np.abs(one.history["corner_z"][:same] - two.history["corner_z"][:same])), 1e-6, "corner, difference [m]")
+
+
+BOX = """v -0.1 -0.1 -0.5\nv 0.65 -0.1 -0.5\nv -0.1 1.1 -0.5\nv 0.65 1.1 -0.5
+v -0.1 -0.1 -0.02\nv 0.65 -0.1 -0.02\nv -0.1 1.1 -0.02\nv 0.65 1.1 -0.02
+f 1 3 4\nf 1 4 2\nf 5 6 8\nf 5 8 7\nf 1 2 6\nf 1 6 5\nf 3 7 8\nf 3 8 4\nf 1 5 7\nf 1 7 3\nf 2 4 8\nf 2 8 6
+"""
+
+
+def check_fall(report, name, case, ranks):
+    """A drape that begins with a fall: in equilibrium, stable, without intersection, at most at twice the fall's cost."""
+    result = solve(name, case, ranks)
+    falls = [int(n) for n in re.findall(r"fall: \d+ steps, (\d+) iterations, nearly at rest", result.text)]
+    cost = result.summary["newton_iterations"]
+    what = f"{name}, {ranks} rank(s)"
+    report.check(result.summary["converged"] and result.summary["residual"] < 1e-6 and "; stable;" in result.text,
+                 f"{what}: a stable equilibrium, residual {result.summary['residual']:.1e}")
+    report.check(sum(falls) > 0 and cost <= 2 * sum(falls), f"{what}: {cost} iterations, {sum(falls)} of them falling")
+    report.check(sum(result.history["intersections"]) == 0 and result.history["smallest_gap"][-1] > 0, f"{what}: nothing intersects")
+
+
+@test
+def drape_fall(report):
+    """Sheets fall on a ball, over the edge of a box, and a skirt on a body: drape finds a stable equilibrium at once."""
+    OUT.mkdir(parents=True, exist_ok=True)
+    (OUT / "box.obj").write_text(BOX)
+    ball = sheet_on_ball(analysis="drape", mesh__parameters__n=18)
+    del ball["time"]
+    box = copy.deepcopy(ball)
+    box["obstacle"] = [{"name": "box", "type": "mesh", "file": str(OUT / "box.obj"), "friction": 0.3}]
+    no_mass = copy.deepcopy(box)  # the weight as a load on an area, and no density
+    del no_mass["material"][0]["density"]
+    no_mass["load"] = [{"type": "area", "vector": [0, 0, -1.962]}]
+    for ranks in (1, 2):
+        check_fall(report, f"drape_ball_{ranks}", ball, ranks)
+        check_fall(report, f"drape_box_{ranks}", box, ranks)
+    check_fall(report, "drape_no_mass", no_mass, 1)
+    endless = copy.deepcopy(ball)
+    endless["obstacle"][0]["point"] = [3, 3, -0.26]
+    result = run(write_case(endless, OUT / "drape_endless.toml"), OUT / "drape_endless", 1, ["--overwrite"])
+    report.check(result.code == 3 and "nothing holds it" in result.text, "a sheet that falls past the ball ends with code 3 and says so")
+    assets = ROOT.parent / "shared" / "assets"
+    if not assets.is_dir():
+        print(f"  skip the skirt: no folder {assets}")
+        return
+    check_fall(report, "drape_skirt", {
+        "analysis": "drape", "mesh": {"file": str(assets / "skirt_halfcircle.obj")}, "element": {"cst_share": 0.3},
+        "material": [{"type": "fabric", "fabric": str(ROOT / "runs" / "fabrics" / "wool_plain.toml"), "texture_direction": [0, 1]}],
+        "support": [{"type": "hinged", "group": "boundary-2"}], "load": [{"type": "gravity", "vector": [0, 0, -9.81]}],
+        "contact": {"distance": 1e-3, "stiffness": 1e4, "friction": 0.3},
+        "obstacle": [{"name": "body", "type": "mesh", "file": str(assets / "manikin_static.obj"), "friction": 0.3}]}, 1)
+
+
+@test
+def fabric_damping(report):
+    """A flap of wool, three bending lengths long, let go flat: its own damping ends its swinging; without it, it swings on."""
+    case = {
+        "analysis": "dynamic", "mesh": {"file": str(ROOT / "meshes" / "plate.geo"), "parameters": {"side": 0.04, "n": 8, "pattern": 1}},
+        "material": [{"type": "fabric", "fabric": str(ROOT / "runs" / "fabrics" / "wool_tropical.toml"), "direction": [1, 0, 0]}],
+        "support": [{"type": "clamped", "group": "left"}], "load": [{"type": "gravity", "vector": [0, 0, -9.81]}],
+        "time": {"end": 4, "step": 0.01, "velocity_tolerance": 3e-3}, "output": {"every": 100}}
+    speed = {}
+    for damped in (True, False):
+        h = solve(f"fabric_damping_{damped}", variant(case, {"damping.materials": damped}), 1).history
+        late = np.asarray(h["time"]) > 3
+        speed[damped] = math.sqrt(2 * np.mean(np.asarray(h["kinetic_energy"])[late]) / (0.1629 * 0.0016))
+    report.check(speed[True] < 0.1 * speed[False],
+                 f"root mean square speed in the fourth second: {100 * speed[True]:.2f} cm/s, without damping {100 * speed[False]:.2f}")
 
 
 @test

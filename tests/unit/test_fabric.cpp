@@ -152,6 +152,24 @@ TEST_CASE("fabric: the stiffness from its figures") {
   CHECK(app::bending_stiffness(i)(2, 2) == 5e-6);
 }
 
+TEST_CASE("fabric: damping from the loop of bending") {
+  // B = sqrt(9.80665 * 4) uN m, 0.2 kg/m^2: the bending length is 14.7242 mm and sqrt(l/g) 38.7487 ms.
+  const app::Fabric f = app::parse_fabric(fabric_text, "f.toml");
+  const double unit = 2.0 * 0.0147242 * 0.0387487 / M_PI;
+  CHECK(app::bending_damping(f) == doctest::Approx(unit * app::typical_hysteresis).epsilon(1e-4));
+  const std::string measured = replaced(
+      fabric_text, "[sources]\n", "bending_hysteresis = \"0.02 gf.cm/cm\"\n[sources]\nbending_hysteresis = \"x\"\n");
+  const double loop = 0.02 * 9.80665e-3 / (std::sqrt(9.80665 * 4.0) * 1e-6);
+  CHECK(app::bending_damping(app::parse_fabric(measured, "f.toml")) == doctest::Approx(unit * loop).epsilon(1e-4));
+  // In a case: the fabric's, unless the material says its own.
+  const FabricCase plain(fabric_text);
+  const std::string keys = "fabric = \"F\"\ndirection = [1, 0, 0]\n";
+  CHECK(plain.parse(keys).materials.at(0).bending_damping == doctest::Approx(app::bending_damping(f)));
+  CHECK(plain.parse(keys + "bending_damping = 0\n").materials.at(0).bending_damping == 0.0);
+  CHECK(plain.parse(keys + "bending_damping = 0.1\nmembrane_damping = 0.2\n").materials.at(0).bending_damping == 0.1);
+  CHECK(plain.parse(keys + "membrane_damping = 0.2\n").materials.at(0).viscous_time == 0.2);
+}
+
 TEST_CASE("fabric: mistakes in a file are named with line and key") {
   CHECK(fabric_error("bending_warp = \"0.1", "bending_wrap = \"0.1") ==
         "f.toml:7: unknown key 'bending_wrap': did you mean 'bending_warp'?");

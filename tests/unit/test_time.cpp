@@ -281,6 +281,52 @@ TEST_CASE("damping: the mass-proportional one slows a drifting sheet as exp(-alp
     CHECK(end[i] == doctest::Approx(expected).epsilon(1e-3));
 }
 
+TEST_CASE("a sheet that hangs and swings loses amplitude as its material's damping of bending says") {
+  // Damped by a matrix C, a mode phi of mass 1 decays as exp(-phi.C phi t / 2) while that is slow. Without gravity C is
+  // beta times the stiffness of the mode, and the damping ratio beta omega / 2; with it a part of beta only counts.
+  for (const double gravity : {0.0, 9.81}) {
+    CAPTURE(gravity);
+    system::ModelInput in = Falling::input();
+    in.materials[0].bending_damping = gravity > 0.0 ? 0.2 : 0.05;
+    in.loads = {load(LoadKind::gravity, "", Vec3(gravity, 0.0, 0.0))};  // along the strip: it hangs straight
+    Falling f(in);
+    f.model.set_load_factor(1.0);
+    solve::Newton newton(f.model);
+    REQUIRE(newton.step(f.u).converged);
+    DynamicsOptions d;
+    d.mass = system::Mass::consistent;
+    const Dynamics weighing(f.model, d);
+    const solve::EigenResult modes = solve::vibration_modes(f.model, f.u, 1, d.mass);
+    REQUIRE(modes.modes.size() == 1);
+    const Vec mode = modes.modes[0].shape;
+    petsc::VecHandle product = f.model.dofs().create_vector(), rest = f.model.dofs().create_vector();
+    VOILE_PETSC(VecCopy(f.u, rest));
+    VOILE_PETSC(MatMult(f.model.damping_matrix(), mode, product));
+    const double omega = 2.0 * M_PI * modes.modes[0].value;
+    const double rate = 0.25 * dot(product, mode) / weighing.kinetic_energy(mode);
+    CAPTURE(rate / omega);
+    if (gravity == 0.0) CHECK(rate / omega == doctest::Approx(0.5 * 0.05 * omega).epsilon(1e-3));
+    REQUIRE(rate / omega > 0.01);
+    REQUIRE(rate / omega < 0.1);
+    const double period = 2.0 * M_PI / std::sqrt(omega * omega - rate * rate);
+    TimeOptions o = options(period, period / 200.0);
+    o.radius = 1.0;
+    const Option rtol("-snes_rtol", "1e-10");
+    /// What is left of the mode after a period.
+    const auto left = [&](bool damped) {
+      d.material_damping = damped;
+      VOILE_PETSC(VecWAXPY(f.u, 1e-4, mode, rest));
+      // At the crest of a damped swing the mode is at rest.
+      VOILE_PETSC(VecZeroEntries(f.v));
+      (void)integrate(f, d, o);
+      VOILE_PETSC(VecAXPY(f.u, -1.0, rest));
+      return dot(f.u, mode) / (1e-4 * dot(mode, mode));
+    };
+    CHECK(left(true) == doctest::Approx(std::exp(-rate * period)).epsilon(3e-3));
+    CHECK(left(false) == doctest::Approx(std::cos(omega * period)).epsilon(3e-3));
+  }
+}
+
 TEST_CASE("damping of bending and membrane takes energy from a vibration") {
   const auto left = [](const DynamicsOptions& d, bool bending) {
     system::ModelInput in = Falling::input();
@@ -311,6 +357,8 @@ TEST_CASE("damping of bending and membrane takes energy from a vibration") {
 TEST_CASE("viscous membrane and drag: the step's residual is the gradient of its potential") {
   system::ModelInput in = Falling::input();
   in.supports[0].kind = SupportKind::hinged;
+  in.materials[0].bending_damping = 0.02;
+  in.materials[0].viscous_time = 0.03;
   Falling f(in);
   DynamicsOptions d;
   d.mass_damping = 2.0;

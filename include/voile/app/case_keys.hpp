@@ -71,6 +71,7 @@ struct MaterialInput {
   double young = 0.0, poisson = 0.0;
   double young_1 = 0.0, young_2 = 0.0, poisson_12 = 0.0, shear_12 = 0.0;
   double thickness = 0.0, density = 0.0, areal_density = 0.0;
+  double bending_damping = 0.0, membrane_damping = 0.0;  ///< [s]
   std::vector<double> angles, ply_thicknesses;
   Mat3 membrane = Mat3::Zero(), bending = Mat3::Zero();
   std::filesystem::path fabric;

@@ -23,6 +23,7 @@ struct Fabric {
   double bending_warp = 0.0, bending_weft = 0.0;
   std::optional<double> bending_twist;
   double bending_poisson = 0.0;
+  std::optional<double> bending_hysteresis;  ///< 2HB, width of the loop of moment per width over curvature [N]
 };
 
 /// Throws UserError naming file, line and key. Every figure must have its source in the table [sources].
@@ -32,5 +33,11 @@ struct Fabric {
 /// A and D with the warp as axis 1 and the weft as axis 2.
 [[nodiscard]] Mat3 membrane_stiffness(const Fabric& fabric);
 [[nodiscard]] Mat3 bending_stiffness(const Fabric& fabric);
+/// beta [s] that loses in a cycle, at the curvature 1/l and the circular frequency sqrt(g/l) with which the fabric
+/// hangs under its own weight, what the loop of its hysteresis encloses: beta = 4 HB l^(3/2) / (pi B sqrt(g)), with the
+/// bending length l = (B / (rho_s g))^(1/3) and B the geometric mean of both directions. Without a measured loop, 2HB/B
+/// is typical_hysteresis.
+[[nodiscard]] double bending_damping(const Fabric& fabric);
+inline constexpr double typical_hysteresis = 46.0;  ///< [1/m], see docs/fabrics.md
 
 }  // namespace voile::app

@@ -13,6 +13,7 @@ enum class Dimension {
   force_per_length,    ///< N/m
   shear_rigidity,      ///< N/m per radian; KES gives it per degree
   bending_rigidity,    ///< N m: moment per width over curvature
+  moment_per_width,    ///< N: moment over width
   fast_bending_length  ///< m: FAST's measure of bending rigidity, see bending_rigidity()
 };
 

@@ -25,6 +25,8 @@ struct Material {
   Mat3 membrane = Mat3::Zero();     ///< A [N/m]
   Mat3 bending = Mat3::Zero();      ///< D [N m]
   double areal_density = 0.0;       ///< rho_s [kg/m^2]
+  double bending_damping = 0.0;     ///< damping in proportion to D, besides what holds for all materials [s]
+  double viscous_time = 0.0;        ///< relaxation time of the membrane, likewise [s]
   std::vector<Layer> layers{};      ///< from the lowest up; empty where the inside is not known
   /// Direction of material axis 1 in space, projected into each triangle. Without it the axis is arbitrary, which only
   /// an isotropic material allows.

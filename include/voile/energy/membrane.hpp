@@ -43,10 +43,12 @@ class MembraneTerm {
   [[nodiscard]] int stencil_size(Index) const { return nodes; }
   [[nodiscard]] bool owned(Index e) const { return elements_[e].owned; }
 
-  /// Starts a time step: viscosity acts against strains other than those of `c`. ratio = tau/dt; 0: no viscosity.
-  void start_step(const Configuration& c, double ratio);
-  [[nodiscard]] double viscosity() const { return viscosity_; }
-  void set_viscosity(double ratio) { viscosity_ = ratio; }
+  /// Starts a time step: viscosity acts against strains other than those of `c`. ratio = tau/dt for all materials, to
+  /// which each adds its own relaxation time over dt; inverse_step = 1/dt, 0: they do not.
+  void start_step(const Configuration& c, double ratio, double inverse_step = 0.0);
+  /// c of each material; empty: no viscosity.
+  [[nodiscard]] const std::vector<double>& viscosity() const { return viscosity_; }
+  void set_viscosity(std::vector<double> ratios) { viscosity_ = std::move(ratios); }
 
   [[nodiscard]] double energy(Index e, const Configuration& c) const;
   template <class Emit>
@@ -105,16 +107,19 @@ class MembraneTerm {
   };
   [[nodiscard]] Samples samples(Index e, const Configuration& c) const;
   /// (1 + c) E - c E_n: the strain whose elastic stress is the whole stress.
-  [[nodiscard]] Vec3 effective(const Vec3& strain, const Vec3& before) const {
-    return viscosity_ > 0.0 ? Vec3((1.0 + viscosity_) * strain - viscosity_ * before) : strain;
+  [[nodiscard]] double viscosity_of(const Element& el) const {
+    return viscosity_.empty() ? 0.0 : viscosity_[static_cast<std::size_t>(el.material)];
+  }
+  [[nodiscard]] static Vec3 effective(const Vec3& strain, const Vec3& before, double viscosity) {
+    return viscosity > 0.0 ? Vec3((1.0 + viscosity) * strain - viscosity * before) : strain;
   }
 
   std::vector<Element> elements_;
   std::vector<Mat3> stiffness_;
   MembraneOperator kind_ = MembraneOperator::six_node;
   double cst_share_ = 0.0;
-  double viscosity_ = 0.0;      ///< c
-  std::vector<Samples> start_;  ///< E_n of each element; side[0] holds the mean for six_node
+  std::vector<double> viscous_time_, viscosity_;  ///< tau and c of each material; c is empty where all are 0
+  std::vector<Samples> start_;                    ///< E_n of each element; side[0] holds the mean for six_node
 };
 
 }  // namespace voile::energy

@@ -3,8 +3,10 @@
 // Pseudo-transient continuation (newton.hpp) finds an equilibrium; the negative pivots of its exact tangent say whether
 // it is stable. An unstable one (a flat sheet, a symmetric fold) is left along its lowest mode and the search goes on.
 // Without contact and from the unloaded state the cheap way comes first: a few load steps of Newton's method, which
-// count if no tangent on the way is indefinite. What is returned as converged is at rest by definition: no inertia is
-// involved.
+// count if no tangent on the way is indefinite. With contact the sheet first falls, with inertia and kinetic damping,
+// until it nearly rests; friction then acts against slips from there. A search that takes much longer than the fall is
+// given up for another fall to a lower speed, and so on. What is returned as converged is at rest by definition: in the
+// search there is no inertia.
 #pragma once
 
 #include <functional>
@@ -18,6 +20,7 @@ struct DrapeOptions {
   int max_iterations = 2000;  ///< of each search
   int max_escapes = 10;       ///< from unstable equilibria
   double push = 0.1;          ///< largest displacement of an escape, in edge lengths
+  bool fall = true;           ///< with contact: a damped fall first, then the search
 };
 
 struct DrapeResult {
@@ -26,6 +29,7 @@ struct DrapeResult {
   bool stable = false;      ///< no negative pivot; false too if the linear solver does not tell
   double eigenvalue = 0.0;  ///< of the tangent in the lumped mass, nearest to zero [1/s^2]
   int escapes = 0;
+  int fall_iterations = 0;  ///< of Newton's method, in falls; those of `newton` include them
 };
 
 /// Drapes from and into `a`. Collective. `remark` is called on every rank after each search.

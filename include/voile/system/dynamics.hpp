@@ -2,13 +2,15 @@
 //
 // Symbols   u, v, a   unknowns, their velocities and accelerations;  M mass;  K_b constant bending stiffness
 //           lambda(t) load factor;  r static residual (model.hpp)
-//   F(t, u, v, a) = M a + alpha M v + beta K_b v + r_visc(u) + r(u, lambda(t)) + drag(v)  = 0      free components
+//   F(t, u, v, a) = M a + alpha M v + beta K_b v + C_b v + r_visc(u) + r(u, lambda(t)) + drag(v)  = 0      free
+//   components
 //                   u - prescribed(t)                                                            fixed components
-// alpha [1/s] damps with the mass (air), beta [s] with the constant bending stiffness. beta turns against the change of
-// u in space axes, so it also brakes a bent sheet that turns as a whole. Membrane viscosity (relaxation time tau [s])
-// and drag are constant-coefficient within a step, see membrane.hpp and drag.hpp: first order in the step.
-// With v and a affine in u over a step (dv/du = s_v, da/du = s_a), F is the gradient in u of the incremental potential
-//   E(u) = W(u) + 1/2 a.M a/s_a + 1/2 v.(alpha M + beta K_b) v/s_v + drag power/s_v.
+// C_b is the sum of each material's own beta times its K_b, and its own tau adds to tau. alpha [1/s] damps with the
+// mass (air), beta [s] with the constant bending stiffness. beta turns against the change of u in space axes, so it
+// also brakes a bent sheet that turns as a whole. Membrane viscosity (relaxation time tau [s]) and drag are
+// constant-coefficient within a step, see membrane.hpp and drag.hpp: first order in the step. With v and a affine in u
+// over a step (dv/du = s_v, da/du = s_a), F is the gradient in u of the incremental potential
+//   E(u) = W(u) + 1/2 a.M a/s_a + 1/2 v.(alpha M + beta K_b + C_b) v/s_v + drag power/s_v.
 #pragma once
 
 #include <functional>
@@ -23,15 +25,21 @@ enum class Mass { consistent, lumped };
 
 struct DynamicsOptions {
   Mass mass = Mass::lumped;
+  bool any_mass = false;         ///< materials without a mass move with that of Model::mass()
   double mass_damping = 0.0;     ///< alpha [1/s]
   double bending_damping = 0.0;  ///< beta [s]
   double viscous_time = 0.0;     ///< tau [s]
+  bool material_damping = true;  ///< materials damp as they say, besides
   energy::DragOptions drag;
   std::function<double(double time)> load_history;  ///< lambda(t); empty: 1
 };
 
 /// Throws UserError if a material has no mass.
 void require_mass(const Model& model);
+
+/// Before a motion that begins at state u and this time, at the model's load factor: contact lets out what starts nearer
+/// than its distance and is not at rest there (Contact::begin_settling). Collective.
+void settle_contact(Model& model, Vec u, double time);
 
 class Dynamics {
  public:
@@ -66,6 +74,8 @@ class Dynamics {
   void build_drag();
   /// Velocities of the local points in place of positions, for the drag.
   [[nodiscard]] energy::Configuration moving(Vec v) const;
+  /// C_b, or null if it is not to act or there is none.
+  [[nodiscard]] Mat material_damping() const { return options_.material_damping ? model_.damping_matrix() : nullptr; }
 
   Model& model_;
   DynamicsOptions options_;

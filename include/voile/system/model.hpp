@@ -59,6 +59,7 @@ struct TangentRequest {
   energy::Tangent kind = energy::Tangent::exact;
   Vec previous = nullptr;                    ///< previous iterate for Tangent::linearised_stress; may be null
   double bending = 1.0;                      ///< factor on the constant bending stiffness
+  double damping = 0.0;                      ///< factor on the materials' own damping of bending [1/s]
   double mass = 0.0;                         ///< factor on the mass [1/s^2]
   const BlockMatrix* mass_matrix = nullptr;  ///< consistent mass; null: the lumped one
   Term* extra = nullptr;                     ///< one more term, at the same configuration; null: none
@@ -125,9 +126,13 @@ class Model {
   void load_direction(Vec a, Vec f);
   /// The constant bending stiffness without elimination.
   [[nodiscard]] Mat bending_matrix() const { return bending_.mat(); }
+  /// Sum over the materials of their bending damping times their bending stiffness [N s/m], constant, without
+  /// elimination; null if no material damps bending.
+  [[nodiscard]] Mat damping_matrix() const { return damping_ ? damping_->mat() : nullptr; }
 
-  /// Remembers state a as the start of a time step: viscosity = relaxation time / time step. Collective.
-  void start_step(Vec a, double viscosity);
+  /// Remembers state a as the start of a time step: viscosity = relaxation time / time step; the materials' own
+  /// relaxation times count with inverse_step = 1 / time step. Collective.
+  void start_step(Vec a, double viscosity, double inverse_step = 0.0);
   /// The triangles whose elements this rank evaluates, and whether it counts them.
   struct Element {
     Index triangle;
@@ -208,6 +213,7 @@ class Model {
   Recovery recovery_;
 
   BlockMatrix bending_, tangent_;
+  std::optional<BlockMatrix> damping_;
   Eliminated eliminated_, base_eliminated_;  ///< of the tangent, and of matrices with the pattern of the elements alone
   std::unique_ptr<Contact> contact_;
   int pattern_version_ = 0;

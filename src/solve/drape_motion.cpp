@@ -1,0 +1,142 @@
+#include "drape_motion.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "voile/base/interrupt.hpp"
+#include "voile/solve/time_integration.hpp"
+#include "voile/system/dynamics.hpp"
+
+namespace voile::solve {
+
+namespace {
+
+/// Steps, in T: the first, the largest and the smallest; and the tolerance of a step's velocities, in cells per T.
+constexpr double first_step = 0.2, largest_step = 1.0, smallest_step = 1e-4, velocity_tolerance = 0.01;
+/// So many slow peaks in a row are rest.
+constexpr int peaks_of_rest = 2;
+/// What has flown so many extents of the sheet is held by nothing.
+constexpr double far_away = 50.0;
+/// Steps between two words on the progress.
+constexpr int remark_every = 20;
+
+/// T of drape_motion.hpp; 0 if no force acts. Collective.
+double time_of_a_cell(system::Model& model, Vec a) {
+  petsc::VecHandle force = model.dofs().create_vector(), acceleration = model.dofs().create_vector();
+  const auto mean_square = [&] {
+    double square = 0.0, mass = 0.0;
+    model.dofs().clear_fixed(force);
+    VOILE_PETSC(VecPointwiseDivide(acceleration, force, model.mass()));
+    VOILE_PETSC(VecDot(acceleration, force, &square));
+    VOILE_PETSC(VecSum(model.mass(), &mass));
+    return 3.0 * square / mass;
+  };
+  model.load_direction(a, force);
+  double square = mean_square();
+  if (!(square > 0.0)) {  // only what is there at any load factor
+    model.residual(a, force);
+    square = mean_square();
+  }
+  const double cell = std::sqrt(model.total_area() / model.mesh().triangle_count());
+  return square > 0.0 ? std::sqrt(2.0 * cell / std::sqrt(square)) : 0.0;
+}
+
+system::DynamicsOptions at_load(double factor) {
+  system::DynamicsOptions options;
+  options.any_mass = true;
+  options.material_damping = false;
+  options.load_history = [factor](double) { return factor; };
+  return options;
+}
+
+TimeOptions steps_of(double unit, double cell) {
+  TimeOptions options;
+  options.step = first_step * unit;
+  options.max_step = largest_step * unit;
+  options.min_step = smallest_step * unit;
+  options.end_time = 1e9 * unit;
+  options.radius = 0.0;
+  options.velocity_tolerance = velocity_tolerance * cell / unit;
+  return options;
+}
+
+/// Follows the motion, stops it at its peaks and tells when it is over.
+class KineticDamping {
+ public:
+  KineticDamping(const system::Model& model, const system::Dynamics& dynamics, double unit)
+      : model_(model),
+        dynamics_(dynamics),
+        unit_(unit),
+        cell_(std::sqrt(model.total_area() / model.mesh().triangle_count())) {
+    VOILE_PETSC(VecSum(model.mass(), &mass_));
+    mass_ /= 3.0;
+  }
+  /// True if the motion is over. Collective.
+  bool step(const TimeReport& r, double rest_speed) {
+    const double kinetic = dynamics_.kinetic_energy(r.state.velocity);
+    speed = std::sqrt(2.0 * kinetic / mass_) * unit_ / cell_;
+    const bool peak = kinetic < last_;
+    last_ = peak ? 0.0 : kinetic;
+    if (peak) {
+      VOILE_PETSC(VecZeroEntries(r.state.velocity));
+      slow_ = speed < rest_speed ? slow_ + 1 : 0;
+    }
+    double distance = 0.0;
+    VOILE_PETSC(VecNorm(r.state.position, NORM_INFINITY, &distance));
+    endless = distance > far_away * model_.mesh().extent();
+    return endless || slow_ == peaks_of_rest;
+  }
+  double speed = 0.0;  ///< root mean square over the mass [cells per T]
+  bool endless = false;
+
+ private:
+  const system::Model& model_;
+  const system::Dynamics& dynamics_;
+  double unit_, cell_, mass_ = 0.0, last_ = 0.0;
+  int slow_ = 0;
+};
+
+}  // namespace
+
+FallResult fall_to_rest(system::Model& model, Vec a, double rest_speed, int max_iterations,
+                        const std::function<void(const std::string&)>& remark) {
+  FallResult result;
+  system::Contact* contact = model.contact();
+  const double now = contact ? contact->time() : 0.0;
+  system::settle_contact(model, a, now);
+  const double unit = time_of_a_cell(model, a), factor = model.load_factor();
+  result.rested = unit == 0.0;
+  if (result.rested) return result;
+  petsc::VecHandle velocity = model.dofs().create_vector();
+  system::Dynamics dynamics(model, at_load(factor));
+  TimeIntegration motion(dynamics, steps_of(unit, std::sqrt(model.total_area() / model.mesh().triangle_count())));
+  KineticDamping damping(model, dynamics, unit);
+  int iterations = 0;
+  motion.on_step([&](const TimeReport& r) {
+    if (r.taken == 0.0) return false;
+    iterations += r.newton.iterations;
+    result.rested = damping.step(r, rest_speed) && !damping.endless;
+    if (remark && r.state.step % remark_every == 0)
+      remark(fmt::format("fall: {} steps, {} iterations, {:.2e} cells per step of full size", r.state.step, iterations,
+                         damping.speed));
+    return result.rested || damping.endless || iterations >= max_iterations;
+  });
+  const TimeResult done = motion.run({0, now, 0.0, a, velocity, nullptr});
+  model.set_load_factor(factor);
+  model.set_time(now);
+  if (contact) contact->restore({});
+  if (done.stopped && !done.reason.empty()) throw Interrupted();
+  result.endless = damping.endless;
+  result.steps = done.steps;
+  result.iterations = done.newton_iterations;
+  result.factorisations = done.factorisations;
+  if (result.endless)
+    result.reason = fmt::format("the sheet has flown {:g} of its extents: nothing holds it", far_away);
+  else if (!result.rested)
+    result.reason = done.reason.empty() ? fmt::format("the fall goes on after {} iterations", iterations) : done.reason;
+  return result;
+}
+
+}  // namespace voile::solve
