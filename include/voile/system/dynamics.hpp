@@ -37,8 +37,8 @@ struct DynamicsOptions {
 /// Throws UserError if a material has no mass.
 void require_mass(const Model& model);
 
-/// Before a motion that begins at state u and this time, at the model's load factor: contact lets out what starts nearer
-/// than its distance and is not at rest there (Contact::begin_settling). Collective.
+/// Before a motion that begins at state u and this time, at the model's load factor: contact lets out what starts
+/// nearer than its distance and is not at rest there (Contact::begin_settling). Collective.
 void settle_contact(Model& model, Vec u, double time);
 
 class Dynamics {
