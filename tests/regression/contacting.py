@@ -1,0 +1,127 @@
+"""Regression tests of contact that look at the recorded states themselves: what pierces what, and the signs of forces."""
+
+import math
+
+import h5py
+import numpy as np
+
+from cloth import Surface
+from harness import OUT, solve, test
+from solver import ROOT
+
+GRAVITY = 9.81
+
+
+def pierced(points, triangles, others=None, other_triangles=None):
+    """How many edges of the first mesh go through triangles of the second (by default the first itself, without those that
+    share a vertex). Edges and triangles in floating point: what just touches is not asked for."""
+    same = others is None
+    if same:
+        others, other_triangles = points, triangles
+    edges = np.unique(np.sort(np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]), axis=1), axis=0)
+    a, b, c = (others[other_triangles[:, k]] for k in range(3))
+    normal, low, high = np.cross(b - a, c - a), np.minimum(np.minimum(a, b), c), np.maximum(np.maximum(a, b), c)
+    count = 0
+    for i, j in edges:
+        p, q = points[i], points[j]
+        near = np.all((np.minimum(p, q) <= high) & (np.maximum(p, q) >= low), axis=1)
+        if same:
+            near &= ~np.any((other_triangles == i) | (other_triangles == j), axis=1)
+        if not near.any():
+            continue
+        u, v, w, n = a[near], b[near], c[near], normal[near]
+        below, above = np.einsum("ij,ij->i", n, p - u), np.einsum("ij,ij->i", n, q - u)
+        sides = [np.einsum("j,ij->i", q - p, np.cross(s - p, t - p)) for s, t in ((u, v), (v, w), (w, u))]
+        inside = np.all(np.array(sides) > 0, axis=0) | np.all(np.array(sides) < 0, axis=0)
+        count += int(np.sum(inside & (below * above < 0)))
+    return count
+
+
+def pierced_in_states(result, every=1):
+    """Piercings of the sheet by itself in the recorded states, found independently of the program; and how many states."""
+    with h5py.File(result.folder / "results.h5") as file:
+        rest, triangles = file["mesh/positions"][...], file["mesh/triangles"][...]
+        names = sorted(file["steps"])[::every]
+        return sum(pierced(rest + file["steps"][n]["displacement"][...], triangles) for n in names), len(names)
+
+
+@test
+def piercing_is_seen(report):
+    """The count of intersections that other tests rely on finds them where a sheet is folded through itself."""
+    x, y = np.meshgrid(np.linspace(0, 1, 9), np.linspace(0, 1, 9), indexing="ij")
+    number = np.arange(81).reshape(9, 9)
+    quads = np.stack([number[:-1, :-1], number[1:, :-1], number[1:, 1:], number[:-1, 1:]], axis=-1).reshape(-1, 4)
+    triangles = np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]])
+    angle = 1.5 * np.pi * x.ravel()
+    spiral = np.stack([(1 + 0.5 * angle) * np.cos(2 * angle), y.ravel(), (1 + 0.5 * angle) * np.sin(2 * angle)], axis=1)
+    report.check(pierced(spiral, triangles) == 0, "a spiral that passes itself at a distance: 0")
+    circle = np.stack([(1 + 0.1 * np.sin(y.ravel() * 3)) * np.cos(2 * angle), y.ravel() + 0.01 * angle, np.sin(2 * angle)], axis=1)
+    report.check(pierced(circle, triangles) > 0, f"one that passes through itself: {pierced(circle, triangles)}")
+    flat = np.stack([x.ravel(), y.ravel(), 0 * x.ravel()], axis=1)
+    report.check(pierced(flat, triangles, flat[:, [0, 2, 1]] + [0.03, 0.52, -0.43], triangles) > 0, "two crossing sheets")
+
+
+@test
+def contact_forces(report):
+    """A sheet held by friction on a slope: contact carries its weight across the slope, friction along it, with their signs."""
+    angle, mu, density = math.atan(0.3), 0.6, 0.3
+    weight = density * GRAVITY * 0.1**2
+    case = {
+        "analysis": "dynamic",
+        "mesh": {"file": str(ROOT / "meshes" / "plate.geo"), "parameters": {"side": 0.1, "n": 4, "pattern": 0}},
+        "material": [{"type": "isotropic", "young": 1e6, "poisson": 0.3, "thickness": 1e-3, "density": 1e3 * density}],
+        "load": [{"type": "gravity", "vector": [GRAVITY * math.sin(angle), 0, -GRAVITY * math.cos(angle)]}],
+        "contact": {"distance": 1e-3, "stiffness": 1e4, "self": False, "slip_speed": 1e-4},
+        "obstacle": [{"name": "slope", "type": "plane", "normal": [0, 0, 1], "friction": mu, "point": [0, 0, -0.9e-3]}],
+        "damping": {"mass": 20.0},
+        "time": {"end": 1.0, "step": 0.005}, "output": {"every": 1000},
+    }
+    for ranks in (1, 2):
+        surface = Surface(solve(f"contact_forces_{ranks}", case, ranks))
+        normal, friction, pressure = (surface.fields[name] for name in ("contact_force", "friction_force", "contact_pressure"))
+        what = f"{ranks} rank(s): "
+        report.percent(normal.sum(axis=0)[2] / (weight * math.cos(angle)), 0.01, what + "contact force upwards, of the weight across")
+        report.below(np.abs(normal[:, :2]).max() / weight, 1e-9, what + "and nothing along the slope")
+        report.percent(friction.sum(axis=0)[0] / (-weight * math.sin(angle)), 0.01, what + "friction up the slope, of the weight along")
+        report.check(pressure.min() >= 0, what + f"pressures of {pressure.min():.3g} to {pressure.max():.3g} Pa")
+        corners, area = surface.rest[surface.triangles], np.zeros(len(pressure))
+        size = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1) / 2
+        np.add.at(area, surface.triangles.ravel(), np.repeat(size / 3, 3))
+        report.percent((pressure * area).sum() / (weight * math.cos(angle)), 0.01, what + "pressure times area, of the weight across")
+
+
+@test
+def tied_sheets(report):
+    """A strip cut in two and joined again by springs between the cuts carries the load of the whole one."""
+    lines = ['SetFactory("Built-in");']
+    for k in (0, 1):
+        x, p = 1.0 * k + (0.0 if k == 0 else 1e-3), 10 * k
+        for n, (dx, y) in enumerate(((0, 0), (1, 0), (1, 0.2), (0, 0.2)), 1):
+            lines.append(f"Point({p + n}) = {{{x + dx}, {y}, 0}};")
+        for n in range(1, 5):
+            lines.append(f"Line({p + n}) = {{{p + n}, {p + n % 4 + 1}}}; ")
+        lines += [f"Curve Loop({p + 1}) = {{{p + 1}, {p + 2}, {p + 3}, {p + 4}}};", f"Plane Surface({p + 1}) = {{{p + 1}}};",
+                  f"Transfinite Curve {{{p + 1}, {p + 3}}} = 11; Transfinite Curve {{{p + 2}, {p + 4}}} = 3;",
+                  f"Transfinite Surface {{{p + 1}}};"]
+    lines += ['Physical Surface("sheet") = {1, 11};', 'Physical Curve("clamp") = {4};', 'Physical Curve("cut") = {2};',
+              'Physical Curve("other") = {14};', 'Physical Curve("tip") = {12};', "Mesh.MeshSizeMax = 1;"]
+    OUT.mkdir(parents=True, exist_ok=True)
+    (OUT / "tied.geo").write_text("\n".join(lines) + "\n")
+    case = {
+        "analysis": "static", "mesh": {"file": str(OUT / "tied.geo")},
+        "material": [{"type": "isotropic", "young": 1e6, "poisson": 0.0, "thickness": 1e-2}],
+        "support": [{"type": "clamped", "group": "clamp"}],
+        "load": [{"type": "line", "group": "tip", "vector": [50.0, 0, 0]}],
+        "spring": [{"type": "pair", "group": "cut", "to": "other", "stiffness": 1e5}],
+        "probe": [{"name": "tip", "type": "displacement", "group": "tip"}],
+    }
+    # Out of plane the second piece hangs on its springs: the pull holds it.
+    case["support"].append({"type": "displacement", "group": "tip", "components": ["y", "z"]})
+    ends = []
+    for ranks in (1, 2, 3):
+        ends.append(solve(f"tied_{ranks}", case, ranks).history["tip_x"][-1])
+    force, stiffness = 50.0 * 0.2, 3 * 1e5
+    # Two strips in series with three springs; the forces of the ends spread like those of a uniform pull only nearly.
+    expected = 2 * 50.0 / (1e6 * 1e-2) + force / stiffness
+    report.below(ends[0] / expected - 1, 0.02, f"{ends[0]:.6f} m, strips and springs in series {expected:.6f} m, relative difference")
+    report.below(max(abs(e / ends[0] - 1) for e in ends), 1e-8, "the same on 1, 2 and 3 ranks")
