@@ -1,5 +1,4 @@
-// A damped fall until the sheet nearly rests, ahead of the search for an equilibrium with contact; private to
-// src/solve.
+// A damped fall until the sheet nearly rests, before the search for an equilibrium with contact; private to src/solve.
 //
 // Symbols   c cell: square root of the mean area of a triangle;  g root mean square of the acceleration by the loads
 //           T = sqrt(2 c/g): time in which a free sheet falls by one cell

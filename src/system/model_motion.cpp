@@ -1,7 +1,6 @@
 // Supports that move, and clamps that turn.
 //
-// Symbols   Q(t)    rotation of a clamp         R_0, R(t) = Q R_0 Q^T   reflection of its mirror points, at rest and
-// now
+// Symbols   Q(t)    rotation of a clamp;  R_0, R(t) = Q R_0 Q^T reflection of its mirror points, at rest and now
 //           A, f    apex and foot of a mirror point (patch.hpp), at rest A - f = p                              [m]
 //           C(t)    displacements of all points of an element from those of vertices;  k its stiffness
 //   x_g = f + R (x_A - f)   gives   u_g = u_f + R (u_A - u_f) + d,   d = (R - R_0) p

@@ -1,14 +1,15 @@
 // Bending energy: a constant quadratic form, plus a normal-dependent term where the rest shape is curved.
 //
 // Symbols   B        constant curvature operator (see curvature.hpp), k(x) = B x, three vectors
-//           N, n     rest and current unit normal of the triangle;  e_a its rest axes;  G_a x its convected base
-//           vectors kappa0   N.k(X), rest curvature;  tau^a = e_a.k(X), spurious in-plane part D, A     bending
-//           stiffness [N m], rest area [m^2]
+//           N, n     rest and current unit normal of the triangle
+//           e_a      its rest axes;  G_a x its convected base vectors
+//           kappa0   N.k(X), rest curvature;  tau^a = e_a.k(X), spurious in-plane part
+//           D, A     bending stiffness [N m], rest area [m^2]
 //   k'(x) = k(x) - tau^a G_a x                                   (at rest k' = kappa0 N exactly)
 //   E     = A/2 [ k'.D k' - 2 kappa0.D (n.k') + kappa0.D kappa0 ]
 // With u = x - X and c_i = A kappa0.D B'_i this is
-//   E     = 1/2 u.K u  +  e0 (1 - n.N) + (N - n).sum_i c_i u_i,   K = A B'^T D B' (x) I3 constant,  e0 = A kappa0.D
-//   kappa0
+//   E     = 1/2 u.K u  +  e0 (1 - n.N) + (N - n).sum_i c_i u_i
+//   K     = A B'^T D B' (x) I3 constant,  e0 = A kappa0.D kappa0
 // so a flat sheet needs nothing but K, assembled once. Source of the flat form: Zhou & Sze, Int. J. Numer. Meth. Engng
 // 89 (2012) 509-536, eq. (3) of the abstract; the curved form is rotation invariant and free of stress at rest.
 #pragma once

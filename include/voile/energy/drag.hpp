@@ -1,11 +1,11 @@
 // Air drag of a sheet in wind, linear within a time step.
 //
-// Symbols   v      mean velocity of a triangle's vertices at the end of the step;  v_n, n_n velocity and unit normal at
-// its
-//                  start;  w wind [m/s];  A rest area [m^2];  rho density of air [kg/m^3]
+// Symbols   v         mean velocity of a triangle's vertices at the end of the step                          [m/s]
+//           v_n, n_n  velocity and unit normal at its start;  w wind                                         [m/s]
+//           A         rest area [m^2];  rho density of air [kg/m^3]
 //           C_n, C_t  drag coefficients across and along the surface
-//   force on the triangle  f = -B (v - w),   B = rho A/2 [ C_n |(w - v_n).n_n| n_n n_n^T + C_t |w - v_n| (I - n_n
-//   n_n^T) ]
+//   force on the triangle  f = -B (v - w)
+//   B = rho A/2 [ C_n |(w - v_n).n_n| n_n n_n^T + C_t |w - v_n| (I - n_n n_n^T) ]
 // a third of it on each vertex. Speed and normal are those of the start of the step, so that the force has the
 // potential 1/2 (v - w).B (v - w) over the step and can only take energy from a sheet in still air.
 #pragma once

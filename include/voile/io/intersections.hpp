@@ -10,8 +10,7 @@
 //                   leaves one of them through that edge
 //   S_ij an edge    they are coplanar and on the same side of the edge (folded exactly onto each other)
 //   all three       always (two triangles on the same vertices)
-// Triangles of zero area count as the segment or point that they are. Only two of these that share an edge are not
-// compared.
+// Triangles of zero area count as the segment or point that they are; two of these that share an edge are not compared.
 //
 // Candidates are pairs of overlapping bounding boxes, by Zomorodian and Edelsbrunner, Fast software for box
 // intersections, International Journal of Computational Geometry and Applications 12 (2002) 143-172, as implemented in

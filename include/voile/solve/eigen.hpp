@@ -1,8 +1,8 @@
 // Modes of vibration and of linear buckling about an equilibrium, through SLEPc's EPS.
 //
-// Symbols   K exact tangent at the equilibrium (a, lambda);  M mass, consistent or lumped;  x_f = K^-1 f, f =
-// -dr/dlambda Vibration   K phi = omega^2 M phi;  frequency = omega/(2 pi), from the smallest omega^2 up (negative:
-// unstable, then
+// Symbols     K exact tangent at the equilibrium (a, lambda);  M mass, consistent or lumped;
+//             x_f = K^-1 f, f = -dr/dlambda
+// Vibration   K phi = omega^2 M phi;  frequency = omega/(2 pi), from the smallest omega^2 up (negative: unstable, then
 //             the frequency is given as negative: -sqrt(-omega^2)/(2 pi))
 // Buckling    (K + mu K') phi = 0,  K' = d/dmu K(a + mu x_f, lambda + mu),  critical load factor lambda + mu, from the
 //             smallest mu > 0 up; solved as -K' phi = (1/mu) K phi, so that only K is factored. K' is a central

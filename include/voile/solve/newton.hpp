@@ -1,10 +1,9 @@
 // Newton's method on a model at a fixed load factor, through PETSc's SNES.
 //
 // Symbols   r residual, K tangent, dx increment, f scale of forces (Model::force_scale), M lumped mass
-// Stepping:      K(S*) dx = -r with S* the linearised stress of the previous iterate ("mixed integration point"
-// tangent,
-//                Magisano, Leonetti & Garcea, Comput. Methods Appl. Mech. Engng 313 (2017) 986-1005) and full steps:
-//                few iterations, independent of the mesh, but the load step must be small enough.
+// Stepping:      K(S*) dx = -r with S* the linearised stress of the previous iterate (tangent of "mixed
+//                integration points", Magisano, Leonetti & Garcea, Comput. Methods Appl. Mech. Engng 313 (2017)
+//                986-1005) and full steps: few iterations, independent of the mesh, but the load step must be small.
 // Continuation:  (K+ + s M) dx = -r, K+ with the tensile part of the stress, backtracking on the energy, s halved after
 //                each full step: pseudo-transient continuation, which finds equilibria across snaps. Close to one the
 //                exact tangent, with s raised while it is indefinite; Newton steps finish it.
