@@ -73,7 +73,7 @@ void info(const mesh::SurfaceMesh& mesh, const energy::ElementOptions& element) 
   mpi::on_root(PETSC_COMM_WORLD, [&] { report(mesh, quality, element); });
 }
 
-void check(const Case& c) {
+void check(const input::Case& c) {
   const mesh::SurfaceMesh mesh = load_mesh(c.mesh.file, c.mesh.options);
   system::Model model(PETSC_COMM_WORLD, mesh, model_input(c, c.supports));
   if (c.analysis == "modal" || c.analysis == "dynamic") system::require_mass(model);
@@ -81,7 +81,7 @@ void check(const Case& c) {
   const MeshQuality quality = measure_quality(PETSC_COMM_WORLD, mesh, c.element);
   if (model.contact()) examine_start(c, *model.contact(), model.dofs().create_vector());
   mpi::on_root(PETSC_COMM_WORLD, [&] {
-    for (const Probe& p : c.probes)
+    for (const input::Probe& p : c.probes)
       if (!p.group.empty()) (void)mesh.group(p.group);
     report(mesh, quality, c.element);
     std::size_t fixed = 0;

@@ -7,7 +7,7 @@
 #include "obstacles.hpp"
 #include "voile/base/error.hpp"
 #include "voile/base/mpi.hpp"
-#include "voile/contact/untangle.hpp"
+#include "voile/untangle/untangle.hpp"
 
 namespace voile::app {
 
@@ -25,7 +25,7 @@ double mean_edge(const contact::Surface& s) {
 }
 
 /// What an attempt to untangle says if it fails.
-std::string attempt(const contact::UntangleResult& r, double limit) {
+std::string attempt(const untangle::UntangleResult& r, double limit) {
   return r.farthest > limit
              ? fmt::format(
                    " Untangling ended after {} rounds with {} intersecting pairs: a vertex would move {:.3g} m, "
@@ -41,7 +41,7 @@ void check_start(const std::filesystem::path& file, system::Contact& contact, Ve
   const std::vector<Vec3> positions = contact.positions(a);
   mpi::on_root(PETSC_COMM_WORLD, [&] {
     const IntersectionCheck check(contact);
-    const std::vector<io::TrianglePair> pairs = check.find(positions);
+    const std::vector<geometry::TrianglePair> pairs = check.find(positions);
     if (pairs.empty()) return;
     throw UserError(fmt::format(
         "[contact]: the start intersects: {}.{}{} Move the parts apart, {}let them ignore each other with a "
@@ -63,7 +63,7 @@ void check_start(const std::filesystem::path& file, system::Contact& contact, Ve
 }
 
 /// Says what a user should know of a start that is none the worse for it. Collective.
-void print_notes(const Case& c, system::Contact& contact, Vec a) {
+void print_notes(const input::Case& c, system::Contact& contact, Vec a) {
   const system::ContactReport report = contact.report(a);
   const double settle_time = contact.input().options.settle_time;
   mpi::on_root(PETSC_COMM_WORLD, [&] {
@@ -97,7 +97,7 @@ std::string repair(const RunOptions& options, system::Contact& contact, Vec a) {
   mpi::on_root(PETSC_COMM_WORLD, [&] {
     const IntersectionCheck check(contact);
     const double limit = most_cells * mean_edge(contact.surface());
-    const contact::UntangleResult r = contact::untangle(
+    const untangle::UntangleResult r = untangle::untangle(
         contact.surface(), contact.planes(), contact.free_directions(),
         [&](const std::vector<Vec3>& at) { return check.find(at); },
         {.contact_distance = contact.input().options.distance, .limit = limit}, x);
@@ -116,7 +116,7 @@ std::string repair(const RunOptions& options, system::Contact& contact, Vec a) {
 
 }  // namespace
 
-void examine_start(const Case& c, system::Contact& contact, Vec a) {
+void examine_start(const input::Case& c, system::Contact& contact, Vec a) {
   contact.set_time(0.0);
   if (c.contact.untangle && is_tangled(contact, a))
     mpi::on_root(PETSC_COMM_WORLD, [] {
@@ -128,7 +128,7 @@ void examine_start(const Case& c, system::Contact& contact, Vec a) {
   print_notes(c, contact, a);
 }
 
-bool settle_start(const Case& c, const RunOptions& options, system::Contact& contact, Vec a, double time) {
+bool settle_start(const input::Case& c, const RunOptions& options, system::Contact& contact, Vec a, double time) {
   contact.set_time(time);
   const bool repairs = c.contact.untangle && options.restart.empty() && is_tangled(contact, a);
   const std::string tried = repairs ? repair(options, contact, a) : "";

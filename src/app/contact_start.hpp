@@ -1,18 +1,18 @@
 // The start of a run with contact: nothing may intersect in it; private to src/app.
 #pragma once
 
-#include "voile/app/case.hpp"
+#include "voile/input/case.hpp"
 #include "voile/app/run.hpp"
 
 namespace voile::app {
 
 /// What `check` finds of the start: throws UserError as settle_start does, but only says what untangle is there for,
 /// and prints notes. Collective.
-void examine_start(const Case& c, system::Contact& contact, Vec a);
+void examine_start(const input::Case& c, system::Contact& contact, Vec a);
 
 /// Checks the state a with the obstacles where they are at `time` [s]. With [contact] untangle, and unless the run goes
 /// on from another, a start that intersects is repaired first: the free components of a change, and the result is true.
 /// Collective. Throws UserError with a full report if something intersects, or is nearer than thicknesses allow.
-[[nodiscard]] bool settle_start(const Case& c, const RunOptions& options, system::Contact& contact, Vec a, double time);
+[[nodiscard]] bool settle_start(const input::Case& c, const RunOptions& options, system::Contact& contact, Vec a, double time);
 
 }  // namespace voile::app

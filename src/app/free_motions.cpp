@@ -38,7 +38,7 @@ std::string list(const std::vector<system::FreePiece>& pieces, Index all) {
 
 }  // namespace
 
-std::vector<std::string> check_free_motions(const Case& c, const system::Model& model) {
+std::vector<std::string> check_free_motions(const input::Case& c, const system::Model& model) {
   const std::vector<system::FreePiece> free = system::free_pieces(model.mesh(), model.constraints(), c.springs);
   if (free.empty()) return {};
   const std::string what = list(free, model.mesh().triangle_count());

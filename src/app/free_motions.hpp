@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "voile/app/case.hpp"
+#include "voile/input/case.hpp"
 #include "voile/system/model.hpp"
 
 namespace voile::app {
@@ -13,6 +13,6 @@ namespace voile::app {
 /// every rank.
 /// Throws UserError where no equilibrium can be unique: free translations in statics without contact, and any free
 /// motion with analysis = "linear" or "buckling".
-[[nodiscard]] std::vector<std::string> check_free_motions(const Case& c, const system::Model& model);
+[[nodiscard]] std::vector<std::string> check_free_motions(const input::Case& c, const system::Model& model);
 
 }  // namespace voile::app

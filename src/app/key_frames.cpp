@@ -44,7 +44,7 @@ double extent(const std::vector<Vec3>& points) {
 /// A point cache on the clock of the run, in metres and in place. For the rank that has the file.
 class PlacedFrames {
  public:
-  PlacedFrames(const ObstacleSection& section, std::size_t vertices)
+  PlacedFrames(const input::ObstacleSection& section, std::size_t vertices)
       : cache_(section.frames, section.frames_per_second),
         placement_(section.placement),
         scale_(section.scale),
@@ -74,7 +74,7 @@ class PlacedFrames {
     return x;
   }
 
-  [[nodiscard]] std::vector<std::string> notes(const ObstacleSection& section, const std::vector<Vec3>& mesh,
+  [[nodiscard]] std::vector<std::string> notes(const input::ObstacleSection& section, const std::vector<Vec3>& mesh,
                                                double run_end) const {
     std::vector<std::string> all;
     const std::string name = fmt::format("[[obstacle]] '{}': ", section.shape.name), file = section.frames.string();
@@ -120,7 +120,7 @@ class PlacedFrames {
 
 }  // namespace
 
-void read_frames(MPI_Comm comm, const ObstacleSection& section, double end, system::Obstacle& o,
+void read_frames(MPI_Comm comm, const input::ObstacleSection& section, double end, system::Obstacle& o,
                  std::vector<std::string>& notes) {
   std::shared_ptr<PlacedFrames> frames;  // on rank 0, which reads the file
   std::vector<std::string> said;

@@ -16,9 +16,9 @@
 #include <optional>
 #include <sstream>
 
-#include "voile/app/case.hpp"
-#include "voile/app/case_declarations.hpp"
-#include "voile/app/command_line.hpp"
+#include "voile/input/case.hpp"
+#include "voile/input/case_declarations.hpp"
+#include "voile/input/command_line.hpp"
 #include "voile/app/run.hpp"
 #include "voile/app/version.hpp"
 #include "voile/base/error.hpp"
@@ -105,7 +105,7 @@ void declare(CLI::App& cli, Request& request) {
 
 /// Parses the command line. Prints help and returns Command::nothing if that is all there is to do.
 Request parse_command_line(int argc, char** argv) {
-  const app::SplitArguments split = app::split_arguments({argv + 1, argv + argc});
+  const input::SplitArguments split = input::split_arguments({argv + 1, argv + argc});
   Request request;
   request.petsc = split.petsc;
   CLI::App cli(
@@ -135,7 +135,7 @@ Request parse_command_line(int argc, char** argv) {
 }
 
 /// Reads the case on rank 0 and parses it everywhere. Collective.
-app::Case read_case(const std::string& file, const std::vector<std::string>& settings) {
+input::Case read_case(const std::string& file, const std::vector<std::string>& settings) {
   std::string text;
   mpi::on_root(MPI_COMM_WORLD, [&] {
     std::error_code ignored;
@@ -147,14 +147,14 @@ app::Case read_case(const std::string& file, const std::vector<std::string>& set
     text = buffer.str();
   });
   mpi::broadcast(MPI_COMM_WORLD, text);
-  return app::parse_case(text, file, settings);
+  return input::parse_case(text, file, settings);
 }
 
 /// Writes a case to begin with; replaces nothing.
 void begin_case(const std::filesystem::path& folder, const std::string& analysis) {
   mpi::on_root(MPI_COMM_WORLD, [&] {
-    const std::array files{std::pair{folder / "case.toml", app::case_template(analysis)},
-                           std::pair{folder / "plate.geo", app::template_geometry()}};
+    const std::array files{std::pair{folder / "case.toml", input::case_template(analysis)},
+                           std::pair{folder / "plate.geo", input::template_geometry()}};
     for (const auto& [file, text] : files)
       if (std::filesystem::exists(file)) throw UserError(fmt::format("{}: the file exists already", file.string()));
     std::error_code ignored;
@@ -171,7 +171,7 @@ void begin_case(const std::filesystem::path& folder, const std::string& analysis
 class PetscSession {
  public:
   PetscSession(const char* program, const std::vector<std::string>& words, const std::string& case_options) {
-    for (const auto& [name, value] : app::petsc_pairs(case_options))
+    for (const auto& [name, value] : input::petsc_pairs(case_options))
       VOILE_PETSC(PetscOptionsSetValue(nullptr, name.c_str(), value.empty() ? nullptr : value.c_str()));
     words_.emplace_back(program);
     words_.insert(words_.end(), words.begin(), words.end());
@@ -258,14 +258,14 @@ auto or_abort(const Work& work) {
   }
 }
 
-Exit run_case(const app::Case& c, app::RunOptions options) {
+Exit run_case(const input::Case& c, app::RunOptions options) {
   if (options.output.empty()) options.output = c.file.stem().string() + "_results";
   const Exit result = app::run(c, options);
   PetscSession::report_unused_options();
   return result;
 }
 
-void show_info(const Request& request, const std::optional<app::Case>& c) {
+void show_info(const Request& request, const std::optional<input::Case>& c) {
   const std::filesystem::path mesh_file = c ? c->mesh.file : std::filesystem::path(request.file);
   io::MeshOptions options = c ? c->mesh.options : io::MeshOptions{};
   options.allow_system_call = request.allow_system_call;
@@ -277,14 +277,14 @@ Exit execute(const Request& request, const char* program) {
   using Command = Request::Command;
   if (request.command == Command::version && is_root()) fmt::print("{}", app::version_text());
   if (request.command == Command::reference)
-    print_on_root(request.schema ? app::case_schema() : app::case_reference_markdown());
+    print_on_root(request.schema ? input::case_schema() : input::case_reference_markdown());
   if (request.command == Command::init) {
     begin_case(request.file, request.analysis);
     return Exit::done;
   }
   const bool is_mesh = request.command == Command::info && !request.file.ends_with(".toml");
   if (request.file.empty()) return Exit::done;
-  std::optional<app::Case> c;
+  std::optional<input::Case> c;
   if (!is_mesh) c = read_case(request.file, request.settings);
   if (c) c->mesh.options.allow_system_call = request.allow_system_call;
   const PetscSession petsc(program, request.petsc, c ? c->petsc_options : "");

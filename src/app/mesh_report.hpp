@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "voile/app/case.hpp"
+#include "voile/input/case.hpp"
 #include "voile/base/mpi.hpp"
 #include "voile/energy/element_options.hpp"
 #include "voile/mesh/surface_mesh.hpp"

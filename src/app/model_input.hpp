@@ -3,12 +3,12 @@
 
 #include <vector>
 
-#include "voile/app/case.hpp"
+#include "voile/input/case.hpp"
 #include "voile/system/model.hpp"
 
 namespace voile::app {
 
 /// With these supports in place of the case's. Reads the files of obstacles. Collective. Throws UserError.
-[[nodiscard]] system::ModelInput model_input(const Case& c, const std::vector<system::Support>& supports);
+[[nodiscard]] system::ModelInput model_input(const input::Case& c, const std::vector<system::Support>& supports);
 
 }  // namespace voile::app

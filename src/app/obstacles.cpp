@@ -39,11 +39,11 @@ std::vector<Vec3> points_of(const std::vector<double>& values) {
   return points;
 }
 
-void read_shape(MPI_Comm comm, const ObstacleSection& section, system::Obstacle& o) {
+void read_shape(MPI_Comm comm, const input::ObstacleSection& section, system::Obstacle& o) {
   std::vector<double> coordinates;
   std::vector<Index> corners;
   mpi::on_root(comm, [&] {
-    const io::TriangleSoup soup = io::read_triangles(section.file);
+    const geometry::TriangleSoup soup = io::read_triangles(section.file);
     coordinates = flat(soup.positions);
     for (const mesh::Triangle& t : soup.triangles) corners.insert(corners.end(), t.begin(), t.end());
   });
@@ -59,16 +59,16 @@ void read_shape(MPI_Comm comm, const ObstacleSection& section, system::Obstacle&
 }
 
 /// A cylinder that deviates from the true one by less than contact can tell.
-void tessellate(const ObstacleSection& section, double contact_distance, system::Obstacle& o) {
-  io::TriangleSoup soup =
-      io::cylinder_surface(section.point, section.end, o.radius, largest_sagitta * contact_distance);
+void tessellate(const input::ObstacleSection& section, double contact_distance, system::Obstacle& o) {
+  geometry::TriangleSoup soup =
+      geometry::cylinder_surface(section.point, section.end, o.radius, largest_sagitta * contact_distance);
   o.points = std::move(soup.positions);
   o.triangles = std::move(soup.triangles);
   o.radius = 0.0;  // the triangles are where the surface is
 }
 
 /// A part of a plane, below the middle of the sheet.
-io::TriangleSoup square(const system::Obstacle& plane, const mesh::SurfaceMesh& sheet) {
+geometry::TriangleSoup square(const system::Obstacle& plane, const mesh::SurfaceMesh& sheet) {
   Vec3 low = sheet.positions().front(), high = low;
   for (const Vec3& x : sheet.positions()) {
     low = low.cwiseMin(x);
@@ -81,12 +81,12 @@ io::TriangleSoup square(const system::Obstacle& plane, const mesh::SurfaceMesh& 
   return {{centre - u - v, centre + u - v, centre + u + v, centre - u + v}, {{0, 1, 2}, {0, 2, 3}}};
 }
 
-io::TriangleSoup surface_at_rest(const system::Obstacle& o, const mesh::SurfaceMesh& sheet) {
+geometry::TriangleSoup surface_at_rest(const system::Obstacle& o, const mesh::SurfaceMesh& sheet) {
   switch (o.shape) {
     case Shape::sphere:
-      return io::sphere_surface(o.points[0], o.radius, refinement);
+      return geometry::sphere_surface(o.points[0], o.radius, refinement);
     case Shape::capsule:
-      return io::capsule_surface(o.points[0], o.points[1], o.radius, refinement);
+      return geometry::capsule_surface(o.points[0], o.points[1], o.radius, refinement);
     case Shape::plane:
       return square(o, sheet);
     default:
@@ -106,17 +106,17 @@ void check_size(const system::Obstacle& o) {
 
 }  // namespace
 
-system::ContactInput contact_input(MPI_Comm comm, const Case& c) {
+system::ContactInput contact_input(MPI_Comm comm, const input::Case& c) {
   system::ContactInput input = c.contact.input;
-  for (const ObstacleSection& section : c.obstacles) {
+  for (const input::ObstacleSection& section : c.obstacles) {
     system::Obstacle o = section.shape;
-    if (section.type == ObstacleSection::Type::mesh) read_shape(comm, section, o);
-    if (section.type == ObstacleSection::Type::cylinder) tessellate(section, input.options.distance, o);
+    if (section.type == input::ObstacleSection::Type::mesh) read_shape(comm, section, o);
+    if (section.type == input::ObstacleSection::Type::cylinder) tessellate(section, input.options.distance, o);
     if (!section.frames.empty()) read_frames(comm, section, c.time.options.end_time, o, input.notes);
     check_size(o);
     input.obstacles.push_back(std::move(o));
   }
-  for (const RuleSection& r : c.contact_rules)
+  for (const input::RuleSection& r : c.contact_rules)
     input.rules.push_back(
         {r.first, r.second, std::isnan(r.friction) ? std::nullopt : std::optional<double>(r.friction), r.ignore});
   return input;
@@ -132,7 +132,7 @@ IntersectionCheck::Triangles IntersectionCheck::triangles_at(const std::vector<V
     all.triangles.push_back(f.points);
     all.body.push_back(f.body);
   }
-  const auto add = [&](const io::TriangleSoup& soup, Index body) {
+  const auto add = [&](const geometry::TriangleSoup& soup, Index body) {
     const auto first = static_cast<Index>(all.positions.size());
     all.positions.insert(all.positions.end(), soup.positions.begin(), soup.positions.end());
     for (const mesh::Triangle& t : soup.triangles) {
@@ -144,17 +144,17 @@ IntersectionCheck::Triangles IntersectionCheck::triangles_at(const std::vector<V
   for (const system::Obstacle& o : contact_.input().obstacles) {
     if (o.shape == Shape::plane) continue;
     const Index body = s.body_of_point[at];
-    if (o.shape == Shape::sphere) add(io::sphere_surface(x[at], o.radius, refinement), body);
-    if (o.shape == Shape::capsule) add(io::capsule_surface(x[at], x[at + 1], o.radius, refinement), body);
+    if (o.shape == Shape::sphere) add(geometry::sphere_surface(x[at], o.radius, refinement), body);
+    if (o.shape == Shape::capsule) add(geometry::capsule_surface(x[at], x[at + 1], o.radius, refinement), body);
     at += o.points.size();
   }
   return all;
 }
 
-std::vector<io::TrianglePair> IntersectionCheck::find(const std::vector<Vec3>& positions) const {
+std::vector<geometry::TrianglePair> IntersectionCheck::find(const std::vector<Vec3>& positions) const {
   const Triangles all = triangles_at(positions);
   const auto& rules = contact_.surface().rules;
-  std::vector<io::TrianglePair> pairs = io::intersecting_triangles(
+  std::vector<geometry::TrianglePair> pairs = geometry::intersecting_triangles(
       all.positions, all.triangles, all.body, [&](Index a, Index b) { return !rules[a][b].touch; });
   const auto is_given_way = [&](Index i, Index j) {
     return contact_.gives_way(all.triangles[static_cast<std::size_t>(i)], all.body[static_cast<std::size_t>(j)]);
@@ -164,10 +164,10 @@ std::vector<io::TrianglePair> IntersectionCheck::find(const std::vector<Vec3>& p
   return pairs;
 }
 
-std::string IntersectionCheck::report(const std::vector<Vec3>& positions, const std::vector<io::TrianglePair>& pairs,
+std::string IntersectionCheck::report(const std::vector<Vec3>& positions, const std::vector<geometry::TrianglePair>& pairs,
                                       const std::filesystem::path& file) const {
   const Triangles all = triangles_at(positions);
-  if (!file.empty()) io::write_pairs(file, all.positions, all.triangles, all.body, pairs);
+  if (!file.empty()) geometry::write_pairs(file, all.positions, all.triangles, all.body, pairs);
   std::map<std::pair<Index, Index>, std::pair<int, Vec3>> by_bodies;
   for (const auto& [i, j] : pairs) {
     const auto bodies = std::minmax(all.body[static_cast<std::size_t>(i)], all.body[static_cast<std::size_t>(j)]);
@@ -185,7 +185,7 @@ std::string IntersectionCheck::report(const std::vector<Vec3>& positions, const 
 
 ObstaclePicture::ObstaclePicture(const system::ContactInput& input, const mesh::SurfaceMesh& sheet) {
   for (const system::Obstacle& o : input.obstacles) {
-    const io::TriangleSoup soup = surface_at_rest(o, sheet);
+    const geometry::TriangleSoup soup = surface_at_rest(o, sheet);
     const auto first = static_cast<Index>(rest_.positions.size());
     first_.push_back(rest_.positions.size());
     rest_.positions.insert(rest_.positions.end(), soup.positions.begin(), soup.positions.end());

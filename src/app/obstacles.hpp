@@ -5,15 +5,15 @@
 #include <memory>
 #include <vector>
 
-#include "voile/app/case.hpp"
-#include "voile/io/intersections.hpp"
+#include "voile/input/case.hpp"
+#include "voile/geometry/intersections.hpp"
 #include "voile/io/results.hpp"
 
 namespace voile::app {
 
 /// What a model needs to know of contact: rank 0 reads the files of obstacles, every rank receives them. Collective.
 /// Throws UserError for files that cannot be read and frames that do not fit their mesh.
-[[nodiscard]] system::ContactInput contact_input(MPI_Comm comm, const Case& c);
+[[nodiscard]] system::ContactInput contact_input(MPI_Comm comm, const input::Case& c);
 
 /// Counts triangles that intersect, by exact predicates (see io/intersections.hpp). Balls and capsules count as
 /// polyhedra inscribed in them, a half-space is compared vertex by vertex.
@@ -24,9 +24,9 @@ class IntersectionCheck {
 
   /// Intersecting pairs of the sheet with itself and with obstacles that it can touch, at positions of all points of
   /// the contact surface; those to which an obstacle gives way do not count. Not collective, for rank 0.
-  [[nodiscard]] std::vector<io::TrianglePair> find(const std::vector<Vec3>& positions) const;
+  [[nodiscard]] std::vector<geometry::TrianglePair> find(const std::vector<Vec3>& positions) const;
   /// What was found, in words, by pairs of bodies; the triangles go to `file` for ParaView, unless that is empty.
-  [[nodiscard]] std::string report(const std::vector<Vec3>& positions, const std::vector<io::TrianglePair>& pairs,
+  [[nodiscard]] std::string report(const std::vector<Vec3>& positions, const std::vector<geometry::TrianglePair>& pairs,
                                    const std::filesystem::path& file) const;
 
  private:

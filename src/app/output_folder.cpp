@@ -53,7 +53,7 @@ void remove_results(const fs::path& folder) {
 
 }  // namespace
 
-OutputFolder::OutputFolder(const Case& c, const RunOptions& options)
+OutputFolder::OutputFolder(const input::Case& c, const RunOptions& options)
     : folder_(options.output), lock_file_(folder_ / lock_name) {
   create();
   for (const fs::path& input : {c.file, options.restart}) refuse_input(input);
@@ -61,7 +61,7 @@ OutputFolder::OutputFolder(const Case& c, const RunOptions& options)
   try {
     replace(options.overwrite);
     std::ofstream echo(folder_ / echo_name);
-    echo << echo_case(c) << std::flush;
+    echo << input::echo_case(c) << std::flush;
     if (!echo) throw UserError(fmt::format("--output {}: the folder cannot be written", folder_.string()));
   } catch (...) {
     unlock();

@@ -19,7 +19,7 @@ class OutputFolder {
 
   /// Creates and locks the folder. Throws UserError if another run writes into it, if it holds what is not ours, or an
   /// earlier run that may not be replaced, or if it cannot be written.
-  OutputFolder(const Case& c, const RunOptions& options);
+  OutputFolder(const input::Case& c, const RunOptions& options);
   ~OutputFolder();
   OutputFolder(const OutputFolder&) = delete;
   OutputFolder& operator=(const OutputFolder&) = delete;

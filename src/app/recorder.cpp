@@ -35,7 +35,7 @@ std::string duration(double seconds) {
 
 }  // namespace
 
-Recorder::Recorder(const Case& c, const RunOptions& options, system::Model& model, const solve::StaticOptions& steps)
+Recorder::Recorder(const input::Case& c, const RunOptions& options, system::Model& model, const solve::StaticOptions& steps)
     : case_(c), options_(options), model_(&model), steps_(steps), root_(mpi::rank(model.comm()) == 0) {
   resolve_probes();
   mpi::on_root(model.comm(), [&] {
@@ -69,11 +69,11 @@ petsc::VecHandle Recorder::functional(const std::string& name) const {
 }
 
 void Recorder::resolve_probes() {
-  for (const Probe& probe : case_.probes) {
+  for (const input::Probe& probe : case_.probes) {
     ProbeVertices v;
     v.components = probe.components;
     if (v.components.empty()) v.components = {0, 1, 2};
-    if (probe.kind != Probe::Kind::energy)
+    if (probe.kind != input::Probe::Kind::energy)
       v.vertices = probe.point ? std::vector<Index>{nearest_vertex(model_->mesh(), *probe.point)}
                                : model_->mesh().group(probe.group).vertices;
     probes_.push_back(std::move(v));
@@ -103,7 +103,7 @@ std::vector<std::string> Recorder::columns() const {
       names.emplace_back(name);
   if (model_->contact() && model_->contact()->has_yielding_obstacles()) names.emplace_back("gives_way");
   for (std::size_t p = 0; p < probes_.size(); ++p) {
-    if (case_.probes[p].kind == Probe::Kind::energy)
+    if (case_.probes[p].kind == input::Probe::Kind::energy)
       for (const char* part : {"membrane", "bending", "external"})
         names.push_back(fmt::format("{}_{}", case_.probes[p].name, part));
     else
@@ -127,7 +127,7 @@ Recorder::Snapshot Recorder::snapshot(Vec a) {
   if (root_) s.validity = assess(model_->mesh(), s.displacement);
   if (root_ && case_.analysis != "linear") warn_of_range(s.validity);
   const bool energy_wanted = std::any_of(case_.probes.begin(), case_.probes.end(),
-                                         [](const Probe& p) { return p.kind == Probe::Kind::energy; });
+                                         [](const input::Probe& p) { return p.kind == input::Probe::Kind::energy; });
   if (energy_wanted) s.energies = model_->energies(a);
   if (system::Contact* contact = model_->contact()) {
     s.contact = contact->report(a);
@@ -162,7 +162,7 @@ long Recorder::count_intersections(Vec a) const {
   const std::vector<Vec3> positions = model_->contact()->positions(a);
   mpi::on_root(model_->comm(), [&] {
     const IntersectionCheck check(*model_->contact());
-    const std::vector<io::TrianglePair> pairs = check.find(positions);
+    const std::vector<geometry::TrianglePair> pairs = check.find(positions);
     if (pairs.empty()) return;
     const std::filesystem::path file = options_.output / "intersections.vtk";
     throw InternalError(fmt::format("contact let triangles intersect: {}; see {}", check.report(positions, pairs, file),
@@ -281,16 +281,16 @@ void Recorder::write_history(std::vector<double> values, const ContactEffort& ef
     values.push_back(static_cast<double>(model_->contact()->yielding_count()));
   mpi::on_root(model_->comm(), [&] {
     for (std::size_t p = 0; p < probes_.size(); ++p) {
-      const Probe::Kind kind = case_.probes[p].kind;
-      if (kind == Probe::Kind::energy) {
+      const input::Probe::Kind kind = case_.probes[p].kind;
+      if (kind == input::Probe::Kind::energy) {
         values.insert(values.end(), {s.energies.membrane, s.energies.bending, s.energies.external});
         continue;
       }
-      const std::vector<double>& field = kind == Probe::Kind::displacement ? s.displacement : s.reaction;
+      const std::vector<double>& field = kind == input::Probe::Kind::displacement ? s.displacement : s.reaction;
       for (int k : probes_[p].components) {
         double sum = 0.0;
         for (Index v : probes_[p].vertices) sum += field[3 * static_cast<std::size_t>(v) + k];
-        values.push_back(kind == Probe::Kind::displacement ? sum / static_cast<double>(probes_[p].vertices.size())
+        values.push_back(kind == input::Probe::Kind::displacement ? sum / static_cast<double>(probes_[p].vertices.size())
                                                            : sum);
       }
     }
@@ -311,8 +311,8 @@ void Recorder::write_fields(io::StepFields step, Vec a, const Snapshot& s) {
     add("membrane_force", "N/m", io::Centre::triangle, t.membrane_force);
     add("curvature", "1/m", io::Centre::triangle, t.curvature);
     add("bending_moment", "N", io::Centre::triangle, t.bending_moment);
-    if (case_.output.stresses != OutputSection::Stresses::none)
-      for (io::Field& f : stress_fields(model_->sheet(), t, case_.output.stresses == OutputSection::Stresses::plies))
+    if (case_.output.stresses != input::OutputSection::Stresses::none)
+      for (io::Field& f : stress_fields(model_->sheet(), t, case_.output.stresses == input::OutputSection::Stresses::plies))
         step.fields.push_back(std::move(f));
     if (obstacles_ && obstacles_->at_rest().moves) step.obstacles = obstacles_->positions(*model_->contact());
     results_->write(step);

@@ -20,7 +20,7 @@ class Recorder {
  public:
   using Control = solve::StaticOptions::Control;
   /// Creates the files on rank 0. Collective.
-  Recorder(const Case& c, const RunOptions& options, system::Model& model, const solve::StaticOptions& steps);
+  Recorder(const input::Case& c, const RunOptions& options, system::Model& model, const solve::StaticOptions& steps);
   /// Collective.
   void record(const solve::StepReport& report, Vec a);
   /// A step of a motion in time. Collective.
@@ -73,7 +73,7 @@ class Recorder {
   [[nodiscard]] long count_intersections(Vec a) const;
   [[nodiscard]] bool wants(const std::string& field) const;
 
-  const Case& case_;
+  const input::Case& case_;
   const RunOptions& options_;
   system::Model* model_;
   solve::StaticOptions steps_;

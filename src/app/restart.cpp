@@ -37,15 +37,15 @@ io::Checkpoint read_motion(const RunOptions& options, const mesh::SurfaceMesh& m
 }
 
 /// v + omega x (x - c) at the vertices of each group; where groups overlap the last one counts. Rank 0 only.
-std::vector<double> initial_velocities(const Case& c, const mesh::SurfaceMesh& mesh) {
+std::vector<double> initial_velocities(const input::Case& c, const mesh::SurfaceMesh& mesh) {
   std::vector<double> velocity;
   if (c.initial_velocities.empty()) return velocity;
   velocity.resize(3 * static_cast<std::size_t>(mesh.vertex_count()), 0.0);
-  const auto set = [&](const InitialVelocity& given, Index v) {
+  const auto set = [&](const input::InitialVelocity& given, Index v) {
     const Vec3 at = given.velocity + given.angular_velocity.cross(mesh.positions()[v] - given.centre);
     Eigen::Map<Vec3>(velocity.data() + 3 * static_cast<std::size_t>(v)) = at;
   };
-  for (const InitialVelocity& given : c.initial_velocities) {
+  for (const input::InitialVelocity& given : c.initial_velocities) {
     if (given.group.empty())
       for (Index v = 0; v < mesh.vertex_count(); ++v) set(given, v);
     else
@@ -56,7 +56,7 @@ std::vector<double> initial_velocities(const Case& c, const mesh::SurfaceMesh& m
 
 }  // namespace
 
-Restart read_restart(const Case& c, const RunOptions& options, const system::Model& model, Vec a) {
+Restart read_restart(const input::Case& c, const RunOptions& options, const system::Model& model, Vec a) {
   Restart r;
   if (options.restart.empty()) return r;
   if (c.analysis == "linear")
@@ -82,7 +82,7 @@ Restart read_restart(const Case& c, const RunOptions& options, const system::Mod
   return r;
 }
 
-io::Checkpoint read_start(const Case& c, const RunOptions& options, const system::Model& model) {
+io::Checkpoint read_start(const input::Case& c, const RunOptions& options, const system::Model& model) {
   io::Checkpoint start;
   std::vector<double> numbers(5, 0.0);
   mpi::on_root(model.comm(), [&] {

@@ -1,7 +1,7 @@
 // States to go on from; private to src/app.
 #pragma once
 
-#include "voile/app/case.hpp"
+#include "voile/input/case.hpp"
 #include "voile/app/run.hpp"
 #include "voile/io/checkpoint.hpp"
 #include "voile/solve/static_path.hpp"
@@ -19,11 +19,11 @@ struct Restart {
 
 /// Start of everything but a motion, from a results.h5 or a checkpoint.h5; `a` becomes its state. Collective. Throws
 /// UserError if the file does not fit.
-[[nodiscard]] Restart read_restart(const Case& c, const RunOptions& options, const system::Model& model, Vec a);
+[[nodiscard]] Restart read_restart(const input::Case& c, const RunOptions& options, const system::Model& model, Vec a);
 
 /// Start of a motion, arrays on rank 0 only. A checkpoint.h5, or a step of a motion's results.h5, is gone on from at
 /// its time; from a step without velocities, an equilibrium, a motion begins at time 0. Without the option: at rest, or
 /// with the case's initial velocities. Collective. Throws UserError if the file does not fit.
-[[nodiscard]] io::Checkpoint read_start(const Case& c, const RunOptions& options, const system::Model& model);
+[[nodiscard]] io::Checkpoint read_start(const input::Case& c, const RunOptions& options, const system::Model& model);
 
 }  // namespace voile::app

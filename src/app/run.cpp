@@ -4,6 +4,8 @@
 #include <fmt/format.h>
 #include <sys/resource.h>
 
+#include <nlohmann/json.hpp>
+
 #include <algorithm>
 #include <fstream>
 #include <optional>
@@ -38,24 +40,32 @@ double process_cpu_seconds() {
 
 void write_summary(const std::filesystem::path& file, const system::Model& model, const Summary& s, double cpu,
                    double wall) {
-  std::vector<std::string> critical;
+  using Json = nlohmann::ordered_json;
+  Json critical = Json::array();
   for (const solve::CriticalPoint& p : s.critical)
-    critical.push_back(fmt::format("{{\"kind\": \"{}\", \"step\": {}, \"load_factor\": {}}}", solve::name(p.kind),
-                                   p.step, p.load_factor));
+    critical.push_back({{"kind", solve::name(p.kind)}, {"step", p.step}, {"load_factor", p.load_factor}});
+  const Json summary{{"converged", s.converged},
+                     {"load_factor", s.load_factor},
+                     {"steps", s.steps},
+                     {"newton_iterations", s.newton_iterations},
+                     {"factorisations", s.factorisations},
+                     {"critical_points", critical},
+                     {"eigenvalues", s.eigen},
+                     {"time", s.time},
+                     {"negative_pivots", s.negative_pivots},
+                     {"residual", s.residual},
+                     {"unknowns", model.dofs().unknowns()},
+                     {"vertices", model.mesh().vertex_count()},
+                     {"triangles", model.mesh().triangle_count()},
+                     {"ranks", mpi::size(model.comm())},
+                     {"cpu_seconds", cpu},
+                     {"wall_seconds", wall}};
   std::ofstream out(file);
-  out << fmt::format(
-      "{{\n  \"converged\": {},\n  \"load_factor\": {},\n  \"steps\": {},\n  \"newton_iterations\": {},\n"
-      "  \"factorisations\": {},\n  \"critical_points\": [{}],\n  \"eigenvalues\": [{}],\n"
-      "  \"time\": {},\n  \"negative_pivots\": {},\n  \"residual\": {:.6g},\n  \"unknowns\": {},\n"
-      "  \"vertices\": {},\n  \"triangles\": {},\n  \"ranks\": {},\n  \"cpu_seconds\": {:.3f},\n"
-      "  \"wall_seconds\": {:.3f}\n}}\n",
-      s.converged, s.load_factor, s.steps, s.newton_iterations, s.factorisations, join(critical, ", "),
-      join(s.eigen, ", "), s.time, s.negative_pivots, s.residual, model.dofs().unknowns(), model.mesh().vertex_count(),
-      model.mesh().triangle_count(), mpi::size(model.comm()), cpu, wall);
+  out << summary.dump(2) << '\n';
   if (!out) throw UserError(fmt::format("{}: cannot be written", file.string()));
 }
 
-void print_header(const Case& c, const system::Model& model) {
+void print_header(const input::Case& c, const system::Model& model) {
   fmt::print("{}: {}\n", c.file.filename().string(), c.title);
   fmt::print("{} vertices, {} triangles, {} unknowns on {} rank(s)\n", model.mesh().vertex_count(),
              model.mesh().triangle_count(), model.dofs().unknowns(), mpi::size(model.comm()));
@@ -64,7 +74,7 @@ void print_header(const Case& c, const system::Model& model) {
 }
 
 /// What the mesh lets expect; with --quiet only if it is bad. Collective.
-void report_mesh(const Case& c, const RunOptions& options, const system::Model& model) {
+void report_mesh(const input::Case& c, const RunOptions& options, const system::Model& model) {
   const mesh::SurfaceMesh& mesh = model.mesh();
   const MeshQuality quality = measure_quality(PETSC_COMM_WORLD, mesh, c.element);
   mpi::on_root(PETSC_COMM_WORLD, [&] {
@@ -145,8 +155,8 @@ Summary run_linear(system::Model& model, double load_factor, Recorder& recorder,
 
 /// The equilibrium about which modes are found: that of --restart, the end of the path, or the unloaded state under
 /// constant loads.
-Summary run_base_state(const Case& c, system::Model& model, const solve::StaticOptions& steps, Recorder& recorder,
-                       Vec a, const Restart& restart, std::string& reason) {
+Summary run_base_state(const input::Case& c, system::Model& model, const solve::StaticOptions& steps,
+                       Recorder& recorder, Vec a, const Restart& restart, std::string& reason) {
   if (!restart.given && c.eigen.load_factor > 0.0) return run_static(model, steps, recorder, a, restart, reason);
   solve::NewtonResult n;
   n.converged = true;
@@ -167,7 +177,7 @@ Summary run_base_state(const Case& c, system::Model& model, const solve::StaticO
   return summary_of(n, restart.start.load_factor, 0);
 }
 
-void write_modes(const Case& c, const RunOptions& options, const system::Model& model,
+void write_modes(const input::Case& c, const RunOptions& options, const system::Model& model,
                  const solve::EigenResult& result) {
   const bool vibration = c.analysis == "modal";
   std::optional<io::ResultsWriter> fields;
@@ -195,7 +205,7 @@ void write_modes(const Case& c, const RunOptions& options, const system::Model& 
 }
 
 /// Modes about the state `a`; appends them to the summary.
-void run_modes(const Case& c, const RunOptions& options, system::Model& model, Vec a, Summary& summary,
+void run_modes(const input::Case& c, const RunOptions& options, system::Model& model, Vec a, Summary& summary,
                std::string& reason) {
   const bool vibration = c.analysis == "modal", root = mpi::rank(model.comm()) == 0;
   const auto find = [&] {
@@ -231,8 +241,8 @@ void scatter_start(const system::Model& model, const io::Checkpoint& from, Vec a
 
 }  // namespace
 
-Exit run(const Case& given, const RunOptions& options) {
-  Case c = given;
+Exit run(const input::Case& given, const RunOptions& options) {
+  input::Case c = given;
   const SignalScope signals;
   const bool root = mpi::rank(PETSC_COMM_WORLD) == 0;
   const mesh::SurfaceMesh mesh = load_mesh(c.mesh.file, c.mesh.options);

@@ -55,7 +55,7 @@ struct State {
 /// Writes checkpoints when they are due or asked for.
 class Checkpoints {
  public:
-  Checkpoints(const Case& c, const RunOptions& options, const mesh::SurfaceMesh& mesh)
+  Checkpoints(const input::Case& c, const RunOptions& options, const mesh::SurfaceMesh& mesh)
       : section_(c.time), file_(options.output / "checkpoint.h5"), mesh_(mesh) {}
 
   /// Collective.
@@ -76,14 +76,14 @@ class Checkpoints {
   [[nodiscard]] const std::filesystem::path& file() const { return file_; }
 
  private:
-  const TimeSection& section_;
+  const input::TimeSection& section_;
   std::filesystem::path file_;
   const mesh::SurfaceMesh& mesh_;
   Clock::time_point last_ = Clock::now();
 };
 
 /// Times within the run at which a support lets go, and its end.
-std::vector<double> epoch_ends(const Case& c, double start) {
+std::vector<double> epoch_ends(const input::Case& c, double start) {
   std::set<double> ends{c.time.options.end_time};
   for (const system::Support& s : c.supports)
     if (s.release > start && s.release < c.time.options.end_time) ends.insert(s.release);
@@ -91,7 +91,7 @@ std::vector<double> epoch_ends(const Case& c, double start) {
 }
 
 /// Supports that still hold after time t.
-std::vector<system::Support> holding(const Case& c, double t) {
+std::vector<system::Support> holding(const input::Case& c, double t) {
   std::vector<system::Support> supports;
   for (const system::Support& s : c.supports)
     if (s.release > t) supports.push_back(s);
@@ -99,7 +99,7 @@ std::vector<system::Support> holding(const Case& c, double t) {
 }
 
 /// The acceleration of a checkpoint is that of the supports which held before; where one lets go it is found anew.
-bool has_acceleration(const Case& c, const Carried& start) {
+bool has_acceleration(const input::Case& c, const Carried& start) {
   return !start.acceleration.empty() && std::none_of(c.supports.begin(), c.supports.end(),
                                                      [&](const system::Support& s) { return s.release == start.time; });
 }
@@ -107,7 +107,7 @@ bool has_acceleration(const Case& c, const Carried& start) {
 /// One model's part of a motion: from `state`, to where its supports change.
 class Epoch {
  public:
-  Epoch(const Case& c, system::Model& model, const Carried& state, double end)
+  Epoch(const input::Case& c, system::Model& model, const Carried& state, double end)
       : dynamics_(model, c.dynamics), time_(dynamics_, until(c, end)), x_(state, model), start_(state) {}
 
   /// Contact lets out what starts within its distance; `is_new`: nothing has run before.
@@ -133,7 +133,7 @@ class Epoch {
   }
 
  private:
-  static solve::TimeOptions until(const Case& c, double end) {
+  static solve::TimeOptions until(const input::Case& c, double end) {
     solve::TimeOptions options = c.time.options;
     options.end_time = end;
     return options;
@@ -156,7 +156,7 @@ void add(Summary& summary, const solve::TimeResult& r, const system::Model& mode
 
 }  // namespace
 
-Summary run_dynamic(const Case& c, const RunOptions& options, system::Model& model, Recorder& recorder,
+Summary run_dynamic(const input::Case& c, const RunOptions& options, system::Model& model, Recorder& recorder,
                     const io::Checkpoint& start, std::string& reason) {
   Carried state = start;
   Checkpoints checkpoints(c, options, model.mesh());
@@ -192,7 +192,7 @@ Summary run_dynamic(const Case& c, const RunOptions& options, system::Model& mod
   return summary;
 }
 
-Summary run_drape(const Case& c, system::Model& model, Recorder& recorder, Vec a, std::string& reason) {
+Summary run_drape(const input::Case& c, system::Model& model, Recorder& recorder, Vec a, std::string& reason) {
   model.set_load_factor(1.0);
   recorder.record({.step = 0, .load_factor = 0.0, .newton = {}, .critical = {}}, a);
   const auto record = [&](const solve::NewtonResult& n) {

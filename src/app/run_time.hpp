@@ -5,7 +5,7 @@
 
 #include "recorder.hpp"
 #include "summary.hpp"
-#include "voile/app/case.hpp"
+#include "voile/input/case.hpp"
 #include "voile/app/run.hpp"
 #include "voile/io/checkpoint.hpp"
 
@@ -13,9 +13,9 @@ namespace voile::app {
 
 /// Collective. `model` has all supports; where supports let go, the run goes on with a model without them.
 /// `start` is what read_start gave.
-[[nodiscard]] Summary run_dynamic(const Case& c, const RunOptions& options, system::Model& model, Recorder& recorder,
+[[nodiscard]] Summary run_dynamic(const input::Case& c, const RunOptions& options, system::Model& model, Recorder& recorder,
                                   const io::Checkpoint& start, std::string& reason);
 /// From and into `a`. Collective.
-[[nodiscard]] Summary run_drape(const Case& c, system::Model& model, Recorder& recorder, Vec a, std::string& reason);
+[[nodiscard]] Summary run_drape(const input::Case& c, system::Model& model, Recorder& recorder, Vec a, std::string& reason);
 
 }  // namespace voile::app

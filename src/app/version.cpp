@@ -9,7 +9,7 @@
 #include <array>
 
 #include "voile/io/gmsh.hpp"
-#include "voile/io/intersections.hpp"
+#include "voile/geometry/intersections.hpp"
 #include "voile/io/results.hpp"
 
 namespace voile::app {
@@ -43,7 +43,7 @@ std::string version_text() {
       "CGAL  {}\n"
       "MPI   {}\n",
       VOILE_VERSION, VOILE_COMMIT, petsc_version(), MUMPS_VERSION, METIS_VER_MAJOR, METIS_VER_MINOR, METIS_VER_SUBMINOR,
-      io::hdf5_version(), io::gmsh_version(), io::cgal_version(), mpi_version());
+      io::hdf5_version(), io::gmsh_version(), geometry::cgal_version(), mpi_version());
 }
 
 }  // namespace voile::app

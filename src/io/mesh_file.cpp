@@ -36,7 +36,7 @@ std::string lower_extension(const fs::path& file) {
 }
 
 mesh::MeshData from_soup(const std::string& file) {
-  TriangleSoup soup = read_triangles(file);
+  geometry::TriangleSoup soup = read_triangles(file);
   mesh::MeshData data;
   data.positions = std::move(soup.positions);
   data.triangles = std::move(soup.triangles);

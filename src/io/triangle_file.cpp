@@ -225,7 +225,7 @@ void check_faces(const fs::path& file, const PolygonSoup& soup) {
 }
 
 /// Finite coordinates, no triangles of zero area, something left.
-TriangleSoup checked(const fs::path& file, TriangleSoup soup) {
+geometry::TriangleSoup checked(const fs::path& file, geometry::TriangleSoup soup) {
   for (std::size_t v = 0; v < soup.positions.size(); ++v)
     if (!soup.positions[v].allFinite())
       fail(file,
@@ -242,15 +242,15 @@ TriangleSoup checked(const fs::path& file, TriangleSoup soup) {
   return soup;
 }
 
-TriangleSoup read_msh(const fs::path& file) {
+geometry::TriangleSoup read_msh(const fs::path& file) {
   mesh::MeshData data = read_gmsh(file.string(), {});
   return {std::move(data.positions), std::move(data.triangles)};
 }
 
-TriangleSoup read_soup(const fs::path& file, const std::string& extension) {
+geometry::TriangleSoup read_soup(const fs::path& file, const std::string& extension) {
   const PolygonSoup polygons = read_polygons(file, extension);
   check_faces(file, polygons);
-  TriangleSoup soup;
+  geometry::TriangleSoup soup;
   for (const Point& p : polygons.points) soup.positions.emplace_back(p.x(), p.y(), p.z());
   for (const Polygon& p : polygons.polygons) split(p, soup.positions, soup.triangles);
   return checked(file, std::move(soup));
@@ -258,7 +258,7 @@ TriangleSoup read_soup(const fs::path& file, const std::string& extension) {
 
 }  // namespace
 
-TriangleSoup read_triangles(const fs::path& file) {
+geometry::TriangleSoup read_triangles(const fs::path& file) {
   std::string extension = file.extension().string();
   std::transform(extension.begin(), extension.end(), extension.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
@@ -271,14 +271,14 @@ TriangleSoup read_triangles(const fs::path& file) {
     fail(file,
          fmt::format("unknown kind of file '{}'; give .obj, .stl, .ply, .off or .msh", file.extension().string()));
   ByteReader bytes(run_in_child(file.string(), [&] {
-    const TriangleSoup soup = read_soup(file, extension);
+    const geometry::TriangleSoup soup = read_soup(file, extension);
     ByteWriter out;
     out.put(soup.positions);
     out.put(soup.triangles);
     out.put(soup.degenerate_count);
     return out.take();
   }));
-  TriangleSoup soup;
+  geometry::TriangleSoup soup;
   bytes.get(soup.positions);
   bytes.get(soup.triangles);
   bytes.get(soup.degenerate_count);

@@ -5,7 +5,7 @@
 #include <cstdint>
 
 #include "voile/base/mpi.hpp"
-#include "voile/contact/untangle.hpp"
+#include "voile/geometry/winding.hpp"
 #include "voile/system/contact.hpp"
 
 namespace voile::system {
@@ -176,7 +176,7 @@ bool Contact::is_free(const mesh::Triangle& t, std::size_t k, const std::vector<
     const Corners other{x[f[0]], x[f[1]], x[f[2]]};
     if (box.within(box_of(other), apart) && distance(own, other) < apart) return false;
   }
-  return !contact::is_closed(triangles) || std::abs(contact::winding_number(own[0], x, triangles)) < 0.5;
+  return !geometry::is_closed(triangles) || std::abs(geometry::winding_number(own[0], x, triangles)) < 0.5;
 }
 
 void Contact::end_yielding(const std::vector<Vec3>& x) {

@@ -7,14 +7,14 @@
 #include <string>
 
 #include "test_case_kit.hpp"
-#include "voile/app/case.hpp"
-#include "voile/app/case_keys.hpp"
-#include "voile/app/command_line.hpp"
+#include "voile/input/case.hpp"
+#include "voile/input/case_keys.hpp"
+#include "voile/input/command_line.hpp"
 #include "voile/base/error.hpp"
 
 using namespace voile;
 using namespace voile::testing;
-using app::parse_case;
+using input::parse_case;
 
 namespace {
 
@@ -131,7 +131,7 @@ std::string error_after(const std::string& from, const std::string& to) {
 }  // namespace
 
 TEST_CASE("a minimal case has the defaults") {
-  const app::Case c = parse_case(minimal, "folder/case.toml");
+  const input::Case c = parse_case(minimal, "folder/case.toml");
   CHECK(c.analysis == "static");
   CHECK(c.mesh.file == std::filesystem::absolute("folder/plate.geo"));
   CHECK(c.mesh.options.scale == 1.0);
@@ -149,7 +149,7 @@ TEST_CASE("a minimal case has the defaults") {
 }
 
 TEST_CASE("every key is read") {
-  const app::Case c = parse_case(full, "/cases/case.toml");
+  const input::Case c = parse_case(full, "/cases/case.toml");
   CHECK(c.title == "All \"keys\"");
   CHECK(c.mesh.file == "/cases/meshes/plate.geo");
   CHECK(c.mesh.options.scale == 0.001);
@@ -188,7 +188,7 @@ TEST_CASE("every key is read") {
   CHECK(*c.probes[0].point == Vec3::Zero());
   CHECK(c.probes[0].components == std::vector<int>{2});
   CHECK(c.probes[1].group == "left");
-  CHECK(c.probes[2].kind == app::Probe::Kind::energy);
+  CHECK(c.probes[2].kind == input::Probe::Kind::energy);
   CHECK(c.output.fields == std::vector<std::string>{"reaction", "displacement"});
   CHECK(c.output.every == 3);
   CHECK(c.petsc_options == "-snes_rtol 1e-10 -ksp_view");
@@ -208,7 +208,7 @@ TEST_CASE("each load type is the enumerator of its name") {
     const Kind kind = entry.second;
     CAPTURE(name);
     const bool vector = kind == Kind::point || kind == Kind::line || kind == Kind::area || kind == Kind::gravity;
-    const app::Case c = parse_case(minimal + "[[load]]\ngroup = \"g\"\ntype = \"" + name + "\"\n" +
+    const input::Case c = parse_case(minimal + "[[load]]\ngroup = \"g\"\ntype = \"" + name + "\"\n" +
                                        (vector ? "vector = [1, 2, 3]\n" : "magnitude = 5\n"),
                                    "case.toml");
     CHECK(c.loads.at(0).kind == kind);
@@ -323,7 +323,7 @@ TEST_CASE("steps fit each other") {
             "steps.initial_step: 0.6: must not be larger than max_step = 0.5"));
   CHECK(has(error_after("min_step = 1e-5", "min_step = 0.2"),
             "steps.min_step: 0.2: must not be larger than initial_step = 0.1"));
-  const app::Case c = parse_case(minimal + "[steps]\nmax_step = 0.1\n", "case.toml");
+  const input::Case c = parse_case(minimal + "[steps]\nmax_step = 0.1\n", "case.toml");
   CHECK(c.steps.initial_step == 0.1);
 }
 
@@ -343,7 +343,7 @@ TEST_CASE("probes and loads need what they observe or act on") {
 
 namespace {
 
-void check_equal(const app::Case& a, const app::Case& b) {
+void check_equal(const input::Case& a, const input::Case& b) {
   CHECK(a.title == b.title);
   CHECK(a.analysis == b.analysis);
   CHECK(a.mesh.file == b.mesh.file);
@@ -368,7 +368,7 @@ void check_equal(const app::Case& a, const app::Case& b) {
   CHECK(a.petsc_options == b.petsc_options);
 }
 
-void check_equal_lists(const app::Case& a, const app::Case& b) {
+void check_equal_lists(const input::Case& a, const input::Case& b) {
   REQUIRE(a.materials.size() == b.materials.size());
   for (std::size_t i = 0; i < a.materials.size(); ++i) {
     CHECK(a.materials[i].groups == b.materials[i].groups);
@@ -407,62 +407,62 @@ void check_equal_lists(const app::Case& a, const app::Case& b) {
 
 TEST_CASE("the echo reads back as the same case, from another folder") {
   for (const std::string& text : {minimal, full}) {
-    const app::Case a = parse_case(text, "here/case.toml");
-    const std::string echo = app::echo_case(a);
+    const input::Case a = parse_case(text, "here/case.toml");
+    const std::string echo = input::echo_case(a);
     CAPTURE(echo);
-    const app::Case b = parse_case(echo, "/elsewhere/case.toml");
+    const input::Case b = parse_case(echo, "/elsewhere/case.toml");
     check_equal(a, b);
     check_equal_lists(a, b);
-    CHECK(app::echo_case(b) == echo);
+    CHECK(input::echo_case(b) == echo);
   }
 }
 
 TEST_CASE("angles survive the echo to the last bit") {
-  app::Case c = parse_case(minimal, "case.toml");
+  input::Case c = parse_case(minimal, "case.toml");
   for (int i = 0; i < 500; ++i) {
     c.element.crease_angle = (0.5 + i) / 500 * std::numbers::pi / 180 * (1 + i % 170);
     // Only angles that some number of degrees gives can be asked for.
     c.element.crease_angle = c.element.crease_angle / (std::numbers::pi / 180) * (std::numbers::pi / 180);
-    CHECK(parse_case(app::echo_case(c), "case.toml").element.crease_angle == c.element.crease_angle);
+    CHECK(parse_case(input::echo_case(c), "case.toml").element.crease_angle == c.element.crease_angle);
   }
 }
 
 TEST_CASE("texts with quotes, control characters and umlauts survive the echo") {
-  app::Case c = parse_case(minimal, "case.toml");
+  input::Case c = parse_case(minimal, "case.toml");
   c.title = "a\\b \"c\"\n\t\x01 \xc3\xa4";
-  CHECK(parse_case(app::echo_case(c), "case.toml").title == c.title);
+  CHECK(parse_case(input::echo_case(c), "case.toml").title == c.title);
 }
 
 TEST_CASE("the reference page has every section and key, and its example is valid") {
-  const std::string page = app::case_reference_markdown();
-  for (const app::SectionInfo& section : app::sections()) CHECK(has(page, "[" + section.name + "]"));
+  const std::string page = input::case_reference_markdown();
+  for (const input::SectionInfo& section : input::sections()) CHECK(has(page, "[" + section.name + "]"));
   for (const char* key :
        {"young_1", "crease_angle", "target_iterations", "areal_density", "parameters", "analysis", "every"})
     CHECK(has(page, std::string("| `") + key + "` |"));
   CHECK(has(page, "| `max_step` | number, > 0 | - | `1.0` |"));
   const std::size_t begin = page.find("```toml\n") + 8, end = page.find("```", begin);
-  const app::Case c = parse_case(page.substr(begin, end - begin), "case.toml");
+  const input::Case c = parse_case(page.substr(begin, end - begin), "case.toml");
   CHECK(c.supports.at(0).group == "fixed edge");
 }
 
 TEST_CASE("nearest names") {
-  CHECK(app::nearest("yuong", {"young", "poisson"}) == "young");
-  CHECK(app::nearest("thicknes", {"thickness"}) == "thickness");
-  CHECK(app::nearest("zzz", {"young", "poisson"}).empty());
-  CHECK(app::nearest("ab", {"xy"}).empty());
+  CHECK(input::nearest("yuong", {"young", "poisson"}) == "young");
+  CHECK(input::nearest("thicknes", {"thickness"}) == "thickness");
+  CHECK(input::nearest("zzz", {"young", "poisson"}).empty());
+  CHECK(input::nearest("ab", {"xy"}).empty());
 }
 
 TEST_CASE("the command line is shared with PETSc") {
   using Words = std::vector<std::string>;
-  const auto split = app::split_arguments({"run", "case.toml", "-snes_monitor", "-ksp_type", "cg", "--output", "out",
+  const auto split = input::split_arguments({"run", "case.toml", "-snes_monitor", "-ksp_type", "cg", "--output", "out",
                                            "-mat_mumps_icntl_14", "200", "-ksp_shift", "-1.5", "-options_left", "-h"});
   CHECK(split.own == Words{"run", "case.toml", "--output", "out", "-h"});
   CHECK(split.petsc ==
         Words{"-snes_monitor", "-ksp_type", "cg", "-mat_mumps_icntl_14", "200", "-ksp_shift", "-1.5", "-options_left"});
-  const auto pairs = app::petsc_pairs("  -snes_rtol 1e-10\n-ksp_view -shift -2 ");
+  const auto pairs = input::petsc_pairs("  -snes_rtol 1e-10\n-ksp_view -shift -2 ");
   REQUIRE(pairs.size() == 3);
   CHECK(pairs[0] == std::pair<std::string, std::string>("-snes_rtol", "1e-10"));
   CHECK(pairs[1].second.empty());
   CHECK(pairs[2].second == "-2");
-  CHECK_THROWS_AS((void)app::petsc_pairs("-a1 1 2"), UserError);
+  CHECK_THROWS_AS((void)input::petsc_pairs("-a1 1 2"), UserError);
 }

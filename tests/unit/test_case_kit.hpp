@@ -6,7 +6,7 @@
 #include <concepts>
 #include <string>
 
-#include "voile/app/case.hpp"
+#include "voile/input/case.hpp"
 #include "voile/base/error.hpp"
 
 namespace voile::testing {
@@ -34,7 +34,7 @@ std::string error_of(const Action& action) {
 
 /// The same of the text of a case file.
 inline std::string error_of(const std::string& text) {
-  return error_of([&] { (void)app::parse_case(text, "case.toml"); });
+  return error_of([&] { (void)input::parse_case(text, "case.toml"); });
 }
 
 }  // namespace voile::testing

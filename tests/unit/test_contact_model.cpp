@@ -7,7 +7,7 @@
 
 #include "test_problems.hpp"
 #include "voile/base/error.hpp"
-#include "voile/io/intersections.hpp"
+#include "voile/geometry/intersections.hpp"
 #include "voile/solve/drape.hpp"
 #include "voile/solve/time_integration.hpp"
 
@@ -81,7 +81,7 @@ struct Problem {
 std::size_t intersections(const system::Model& model, Vec u) {
   std::vector<Vec3> x = per_vertex(model, u);
   for (std::size_t i = 0; i < x.size(); ++i) x[i] += model.mesh().positions()[i];
-  return io::intersecting_triangles(x, model.mesh().triangles()).size();
+  return geometry::intersecting_triangles(x, model.mesh().triangles()).size();
 }
 
 solve::TimeOptions options(double end, double step) {

@@ -5,14 +5,14 @@
 #include <numbers>
 
 #include "test_case_kit.hpp"
-#include "voile/app/case.hpp"
-#include "voile/app/expression.hpp"
+#include "voile/input/case.hpp"
+#include "voile/input/expression.hpp"
 #include "voile/base/error.hpp"
 
 using namespace voile;
 using namespace voile::testing;
-using app::expression;
-using app::parse_case;
+using input::expression;
+using input::parse_case;
 
 namespace {
 
@@ -66,7 +66,7 @@ TEST_CASE("bad expressions say what is wrong") {
 }
 
 TEST_CASE("a support that moves and lets go") {
-  const app::Case c = parse_case(head + R"toml([[support]]
+  const input::Case c = parse_case(head + R"toml([[support]]
 type = "hinged"
 group = "edge"
 motion = ["0.1*t", "0", "0"]
@@ -103,7 +103,7 @@ wind = [3, 0, 0]
   CHECK(c.dynamics.drag.wind == Vec3(3.0, 0.0, 0.0));
   CHECK(c.time.options.end_time == 3.0);
   // The echo means the same.
-  const app::Case again = parse_case(echo_case(c), "echo.toml");
+  const input::Case again = parse_case(echo_case(c), "echo.toml");
   CHECK(echo_case(again) == echo_case(c));
   CHECK((again.supports[0].motion(Vec3(0.3, 0.2, 0.1), 0.7) - c.supports[0].motion(Vec3(0.3, 0.2, 0.1), 0.7)).norm() ==
         0.0);
@@ -135,7 +135,7 @@ TEST_CASE("contradictions in time sections are refused") {
             "obstacle.rotation_angle: something moves only with analysis = \"dynamic\""));
   const std::string clamp =
       replaced(moving, "hinged", "clamped") + "rotation_axis = [0, 2, 0]\nrotation_angle = \"90*t\"\n";
-  const app::Case turning = parse_case(still + clamp, "case.toml");
+  const input::Case turning = parse_case(still + clamp, "case.toml");
   REQUIRE(turning.supports[0].rotation);
   CHECK((turning.supports[0].rotation(1.0) * Vec3::UnitX() + Vec3::UnitZ()).norm() < 1e-15);
   CHECK(has(error_of(still + support + "release = 1\n"), "only with analysis = \"dynamic\""));
@@ -145,7 +145,7 @@ TEST_CASE("path control is checked against the probes") {
   std::string text = head;
   text.replace(text.find("dynamic"), 7, "static");
   const std::string probe = "[[probe]]\nname = \"C\"\ntype = \"displacement\"\ngroup = \"C\"\ncomponents = [\"z\"]\n";
-  const app::Case c =
+  const input::Case c =
       parse_case(text + probe + "[steps]\ncontrol = \"arc_length\"\ncontrol_probe = \"C\"\nfinal_displacement = -1\n",
                  "case.toml");
   CHECK(c.steps.control == solve::StaticOptions::Control::arc_length);

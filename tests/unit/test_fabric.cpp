@@ -7,15 +7,15 @@
 
 #include "test_case_kit.hpp"
 #include "test_meshes.hpp"
-#include "voile/app/case.hpp"
-#include "voile/app/fabric.hpp"
-#include "voile/app/units.hpp"
+#include "voile/input/case.hpp"
+#include "voile/input/fabric.hpp"
+#include "voile/input/units.hpp"
 #include "voile/base/error.hpp"
 #include "voile/energy/material.hpp"
 
 using namespace voile;
 using namespace voile::testing;
-using app::Dimension;
+using input::Dimension;
 
 namespace {
 
@@ -37,7 +37,7 @@ bending_weft = "made up"
 )toml";
 
 std::string fabric_error(const std::string& from, const std::string& to) {
-  return error_of([&] { (void)app::parse_fabric(replaced(fabric_text, from, to), "f.toml"); });
+  return error_of([&] { (void)input::parse_fabric(replaced(fabric_text, from, to), "f.toml"); });
 }
 
 double difference(const Mat3& a, const Mat3& b) {
@@ -49,9 +49,9 @@ class FabricCase {
  public:
   explicit FabricCase(const std::string& fabric) : file_(".toml", fabric) {}
   /// `keys` of the material; its fabric is F.
-  [[nodiscard]] app::Case parse(std::string keys) const {
+  [[nodiscard]] input::Case parse(std::string keys) const {
     if (const std::size_t at = keys.find('F'); at != std::string::npos) keys.replace(at, 1, name());
-    return app::parse_case("[mesh]\nfile = \"a.geo\"\n[[material]]\ntype = \"fabric\"\n" + keys,
+    return input::parse_case("[mesh]\nfile = \"a.geo\"\n[[material]]\ntype = \"fabric\"\n" + keys,
                            file_.path().parent_path() / "case.toml");
   }
   [[nodiscard]] std::string name() const { return file_.path().filename().string(); }
@@ -87,27 +87,27 @@ TEST_CASE("fabric: every unit against a figure worked out by hand") {
   };
   for (const Example& e : examples) {
     CAPTURE(e.text);
-    const app::Quantity q = app::parse_quantity(e.text);
+    const input::Quantity q = input::parse_quantity(e.text);
     CHECK(q.value == doctest::Approx(e.si).epsilon(1e-6));
     CHECK(q.dimension == e.dimension);
   }
   // 9.81e-6 x 200 x 18.5^3 = 12.422 uN m
-  CHECK(app::bending_rigidity(0.2, 0.0185) == doctest::Approx(12.4224e-6).epsilon(1e-5));
+  CHECK(input::bending_rigidity(0.2, 0.0185) == doctest::Approx(12.4224e-6).epsilon(1e-5));
 }
 
 TEST_CASE("fabric: a unit may be written in several ways") {
   for (const char* text : {"2gf.cm^2/cm", " 2  gf cm2 / cm ", "2 gf*cm^2/cm", "2 gf\u00b7cm\u00b2/cm"})
-    CHECK(app::parse_quantity(text).value == doctest::Approx(2 * 98.0665e-6).epsilon(1e-12));
+    CHECK(input::parse_quantity(text).value == doctest::Approx(2 * 98.0665e-6).epsilon(1e-12));
   for (const char* text : {"3 gf/cm.deg", "3 gf/(cm deg)", "3 gf/cm/deg", "3 gf/(cm.degree)"})
-    CHECK(app::parse_quantity(text).value == doctest::Approx(3 * 56.18797).epsilon(1e-6));
+    CHECK(input::parse_quantity(text).value == doctest::Approx(3 * 56.18797).epsilon(1e-6));
   for (const char* text : {"5 \u00b5N m", "5uNm", "5 uN*m"})
-    CHECK(app::parse_quantity(text).value == doctest::Approx(5e-6));
-  CHECK(app::parse_quantity("5 g / m2").value == doctest::Approx(5e-3));
-  CHECK(app::parse_quantity("5 mm  FAST").dimension == Dimension::fast_bending_length);
+    CHECK(input::parse_quantity(text).value == doctest::Approx(5e-6));
+  CHECK(input::parse_quantity("5 g / m2").value == doctest::Approx(5e-3));
+  CHECK(input::parse_quantity("5 mm  FAST").dimension == Dimension::fast_bending_length);
 }
 
 TEST_CASE("fabric: figures that are not a number with a known unit") {
-  const auto message = [](const char* text) { return error_of([&] { (void)app::parse_quantity(text); }); };
+  const auto message = [](const char* text) { return error_of([&] { (void)input::parse_quantity(text); }); };
   CHECK(message("0.3") == "'0.3': the unit is missing; add it, or write an SI number without quotes");
   CHECK(has(message("gf/cm"), "a number and a unit are needed"));
   CHECK(has(message(""), "a number and a unit are needed"));
@@ -120,10 +120,10 @@ TEST_CASE("fabric: figures that are not a number with a known unit") {
 }
 
 TEST_CASE("fabric: the stiffness from its figures") {
-  const app::Fabric f = app::parse_fabric(fabric_text, "f.toml");
+  const input::Fabric f = input::parse_fabric(fabric_text, "f.toml");
   CHECK(f.areal_density == doctest::Approx(0.2));
   CHECK(!f.thickness);
-  const Mat3 a = app::membrane_stiffness(f), d = app::bending_stiffness(f);
+  const Mat3 a = input::membrane_stiffness(f), d = input::bending_stiffness(f);
   CHECK(a(0, 0) == doctest::Approx(2000.0));
   CHECK(a(1, 1) == 500.0);
   CHECK(a(2, 2) == doctest::Approx(56.18797).epsilon(1e-6));
@@ -137,34 +137,34 @@ TEST_CASE("fabric: the stiffness from its figures") {
                                              "[sources]\nbending_poisson = \"x\"\nmembrane_poisson = \"x\"\n"
                                              "thickness = \"x\"\n"),
                                     "\"4 uN.m\"", "\"18.5 mm FAST\"");
-  const app::Fabric g = app::parse_fabric(more, "f.toml");
+  const input::Fabric g = input::parse_fabric(more, "f.toml");
   CHECK(g.thickness == doctest::Approx(3e-4));
-  CHECK(app::membrane_stiffness(g)(0, 1) == doctest::Approx(-0.1 * 1000.0));
-  const Mat3 dg = app::bending_stiffness(g);
+  CHECK(input::membrane_stiffness(g)(0, 1) == doctest::Approx(-0.1 * 1000.0));
+  const Mat3 dg = input::bending_stiffness(g);
   CHECK(dg(1, 1) == doctest::Approx(12.4224e-6).epsilon(1e-5));
   CHECK(dg(1, 0) == doctest::Approx(0.2 * std::sqrt(dg(0, 0) * dg(1, 1))));
   CHECK(dg(2, 2) == doctest::Approx(0.4 * std::sqrt(dg(0, 0) * dg(1, 1))));
   // Of an isotropic sheet the rule makes an isotropic stiffness.
-  app::Fabric i = g;
+  input::Fabric i = g;
   i.bending_weft = i.bending_warp;
-  CHECK(difference(energy::rotated_stiffness(app::bending_stiffness(i), 0.7), app::bending_stiffness(i)) < 1e-14);
+  CHECK(difference(energy::rotated_stiffness(input::bending_stiffness(i), 0.7), input::bending_stiffness(i)) < 1e-14);
   i.bending_twist = 5e-6;
-  CHECK(app::bending_stiffness(i)(2, 2) == 5e-6);
+  CHECK(input::bending_stiffness(i)(2, 2) == 5e-6);
 }
 
 TEST_CASE("fabric: damping from the loop of bending") {
   // B = sqrt(9.80665 * 4) uN m, 0.2 kg/m^2: the bending length is 14.7242 mm and sqrt(l/g) 38.7487 ms.
-  const app::Fabric f = app::parse_fabric(fabric_text, "f.toml");
+  const input::Fabric f = input::parse_fabric(fabric_text, "f.toml");
   const double unit = 2.0 * 0.0147242 * 0.0387487 / M_PI;
-  CHECK(app::bending_damping(f) == doctest::Approx(unit * app::typical_hysteresis).epsilon(1e-4));
+  CHECK(input::bending_damping(f) == doctest::Approx(unit * input::typical_hysteresis).epsilon(1e-4));
   const std::string measured = replaced(
       fabric_text, "[sources]\n", "bending_hysteresis = \"0.02 gf.cm/cm\"\n[sources]\nbending_hysteresis = \"x\"\n");
   const double loop = 0.02 * 9.80665e-3 / (std::sqrt(9.80665 * 4.0) * 1e-6);
-  CHECK(app::bending_damping(app::parse_fabric(measured, "f.toml")) == doctest::Approx(unit * loop).epsilon(1e-4));
+  CHECK(input::bending_damping(input::parse_fabric(measured, "f.toml")) == doctest::Approx(unit * loop).epsilon(1e-4));
   // In a case: the fabric's, unless the material says its own.
   const FabricCase plain(fabric_text);
   const std::string keys = "fabric = \"F\"\ndirection = [1, 0, 0]\n";
-  CHECK(plain.parse(keys).materials.at(0).bending_damping == doctest::Approx(app::bending_damping(f)));
+  CHECK(plain.parse(keys).materials.at(0).bending_damping == doctest::Approx(input::bending_damping(f)));
   CHECK(plain.parse(keys + "bending_damping = 0\n").materials.at(0).bending_damping == 0.0);
   CHECK(plain.parse(keys + "bending_damping = 0.1\nmembrane_damping = 0.2\n").materials.at(0).bending_damping == 0.1);
   CHECK(plain.parse(keys + "membrane_damping = 0.2\n").materials.at(0).viscous_time == 0.2);
@@ -191,7 +191,7 @@ TEST_CASE("fabric: mistakes in a file are named with line and key") {
             "f.toml:6: membrane_poisson: a number between -1 and 1 is needed; beyond, the stiffness is not positive"));
   const std::string singular = replaced(fabric_text, "[sources]\n",
                                         "membrane_poisson = 0.999999999999999\n[sources]\nmembrane_poisson = \"x\"\n");
-  CHECK(has(error_of([&] { (void)app::parse_fabric(singular, "f.toml"); }),
+  CHECK(has(error_of([&] { (void)input::parse_fabric(singular, "f.toml"); }),
             "f.toml:9: membrane_poisson: the membrane stiffness is not positive definite"));
   CHECK(has(fabric_error("500", "500\nbending_poisson = \"0.3\""), "f.toml:6: bending_poisson: a number between"));
   CHECK(has(fabric_error("500", "[500"), "f.toml:6: this is not valid TOML"));
@@ -207,13 +207,13 @@ TEST_CASE("fabric: a figure without a source is refused") {
   CHECK(has(fabric_error("bending_weft = \"made up\"", "bending_weft = \"\""),
             "f.toml:15: sources.bending_weft: a text in quotes is needed"));
   const std::string without = fabric_text.substr(0, fabric_text.find("[sources]"));
-  CHECK(has(error_of([&] { (void)app::parse_fabric(without, "f.toml"); }), "f.toml: sources: the table is missing"));
+  CHECK(has(error_of([&] { (void)input::parse_fabric(without, "f.toml"); }), "f.toml: sources: the table is missing"));
 }
 
 TEST_CASE("fabric: the warp angle turns the stiffness") {
   const FabricCase fabric_case(fabric_text);
-  const app::Fabric f = app::parse_fabric(fabric_text, "f.toml");
-  const Mat3 a = app::membrane_stiffness(f), d = app::bending_stiffness(f);
+  const input::Fabric f = input::parse_fabric(fabric_text, "f.toml");
+  const Mat3 a = input::membrane_stiffness(f), d = input::bending_stiffness(f);
   const std::string keys = "fabric = \"F\"\ndirection = [0, 2, 0]\n";
   const energy::Material straight = fabric_case.parse(keys).materials.at(0);
   CHECK(straight.membrane == a);
@@ -222,7 +222,7 @@ TEST_CASE("fabric: the warp angle turns the stiffness") {
   CHECK(*straight.direction == Vec3(0, 2, 0));
 
   const double angle = 30.0 * (std::numbers::pi / 180.0);
-  const app::Case c = fabric_case.parse(keys + "warp_angle = 30\ngroups = [\"sleeve\"]\n");
+  const input::Case c = fabric_case.parse(keys + "warp_angle = 30\ngroups = [\"sleeve\"]\n");
   const energy::Material turned = c.materials.at(0);
   CHECK(difference(turned.membrane, energy::rotated_stiffness(a, angle)) < 1e-14);
   CHECK(difference(turned.bending, energy::rotated_stiffness(d, angle)) < 1e-14);
@@ -235,7 +235,7 @@ TEST_CASE("fabric: the warp angle turns the stiffness") {
   CHECK(quarter(0, 0) == doctest::Approx(500.0));
   CHECK(quarter(1, 1) == doctest::Approx(2000.0));
 
-  const energy::Material echoed = app::parse_case(app::echo_case(c), "case.toml").materials.at(0);
+  const energy::Material echoed = input::parse_case(input::echo_case(c), "case.toml").materials.at(0);
   CHECK(echoed.membrane == turned.membrane);
   CHECK(echoed.bending == turned.bending);
   CHECK(echoed.direction == turned.direction);
@@ -265,9 +265,9 @@ TEST_CASE("fabric: the shipped files are complete and realistic") {
     if (entry.path().extension() != ".toml") continue;
     const std::string name = entry.path().string();
     CAPTURE(name);
-    const app::Fabric f = app::read_fabric(entry.path());
-    CHECK(energy::is_positive_definite(app::membrane_stiffness(f)));
-    CHECK(energy::is_positive_definite(app::bending_stiffness(f)));
+    const input::Fabric f = input::read_fabric(entry.path());
+    CHECK(energy::is_positive_definite(input::membrane_stiffness(f)));
+    CHECK(energy::is_positive_definite(input::bending_stiffness(f)));
     for (const double rigidity : {f.bending_warp, f.bending_weft}) {
       const double bending_length = std::cbrt(rigidity / (9.81 * f.areal_density));
       CHECK(bending_length > 0.010);

@@ -16,7 +16,7 @@
 #include <string>
 
 #include "voile/base/error.hpp"
-#include "voile/io/intersections.hpp"
+#include "voile/geometry/intersections.hpp"
 #include "voile/io/triangle_file.hpp"
 
 using namespace voile;
@@ -124,7 +124,7 @@ Random random_triangles(unsigned seed, int vertices, int triangles, int cells, i
 }
 
 std::size_t compare_with_oracle(const Random& r) {
-  const auto found = io::intersecting_triangles(r.positions, r.triangles);
+  const auto found = geometry::intersecting_triangles(r.positions, r.triangles);
   CHECK(std::is_sorted(found.begin(), found.end()));
   CHECK(std::adjacent_find(found.begin(), found.end()) == found.end());
   int wrong = 0;
@@ -140,7 +140,7 @@ std::size_t compare_with_oracle(const Random& r) {
 }
 
 std::size_t count(const std::vector<Vec3>& x, const std::vector<mesh::Triangle>& triangles) {
-  return io::intersecting_triangles(x, triangles).size();
+  return geometry::intersecting_triangles(x, triangles).size();
 }
 
 }  // namespace
@@ -162,7 +162,7 @@ TEST_CASE("the scale makes no difference, nor does the last digit go unnoticed")
   for (const double scale : {0x1p-300, 0x1p300}) {
     std::vector<Vec3> x = r.positions;
     for (Vec3& p : x) p *= scale;
-    CHECK(io::intersecting_triangles(x, r.triangles) == io::intersecting_triangles(r.positions, r.triangles));
+    CHECK(geometry::intersecting_triangles(x, r.triangles) == geometry::intersecting_triangles(r.positions, r.triangles));
   }
   const double z = 0.1, above = std::nextafter(z, 1.0);
   const std::vector<mesh::Triangle> two{{0, 1, 2}, {3, 4, 5}};
@@ -201,8 +201,8 @@ TEST_CASE("neighbours in a sheet do not intersect, however it is bent, until it 
 }
 
 TEST_CASE("pairs of bodies that need no look are left out") {
-  const io::TriangleSoup one = io::sphere_surface(Vec3(0, 0, 0), 1.0, 1),
-                         other = io::sphere_surface(Vec3(1, 0, 0), 1.0, 2);
+  const geometry::TriangleSoup one = geometry::sphere_surface(Vec3(0, 0, 0), 1.0, 1),
+                         other = geometry::sphere_surface(Vec3(1, 0, 0), 1.0, 2);
   std::vector<Vec3> x = one.positions;
   std::vector<mesh::Triangle> triangles = one.triangles;
   std::vector<Index> body(triangles.size(), 4);
@@ -212,36 +212,36 @@ TEST_CASE("pairs of bodies that need no look are left out") {
   triangles.insert(triangles.end(), 2, {0, 1, 2});  // twice the same: a pair inside body 9
   body.resize(triangles.size() - 2, 9);
   body.resize(triangles.size(), 7);
-  const auto all = io::intersecting_triangles(x, triangles);
-  const auto across = io::intersecting_triangles(x, triangles, body, [](Index a, Index b) { return a == b; });
+  const auto all = geometry::intersecting_triangles(x, triangles);
+  const auto across = geometry::intersecting_triangles(x, triangles, body, [](Index a, Index b) { return a == b; });
   CHECK(across.size() > 10);
   CHECK(all.size() > across.size());
-  std::vector<io::TrianglePair> expected;
+  std::vector<geometry::TrianglePair> expected;
   for (const auto& [i, j] : all)
     if (body[i] != body[j]) expected.emplace_back(i, j);
   CHECK(across == expected);
-  CHECK(io::intersecting_triangles(x, triangles, body, [](Index, Index) { return true; }).empty());
+  CHECK(geometry::intersecting_triangles(x, triangles, body, [](Index, Index) { return true; }).empty());
 }
 
 TEST_CASE("the triangles of the pairs are written for ParaView") {
   const fs::path file = fs::temp_directory_path() / fmt::format("voile_pairs_{}.vtk", ::getpid());
   const std::vector<Vec3> x{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0.25, 0.25, -1}, {0.25, 0.25, 0.5}, {0.1, 0.2, 0.7}};
   const std::vector<mesh::Triangle> triangles{{0, 1, 2}, {3, 4, 5}};
-  const auto pairs = io::intersecting_triangles(x, triangles);
-  CHECK(pairs == std::vector<io::TrianglePair>{{0, 1}});
-  io::write_pairs(file, x, triangles, {3, 8}, pairs);
+  const auto pairs = geometry::intersecting_triangles(x, triangles);
+  CHECK(pairs == std::vector<geometry::TrianglePair>{{0, 1}});
+  geometry::write_pairs(file, x, triangles, {3, 8}, pairs);
   std::stringstream text;
   text << std::ifstream(file).rdbuf();
   CHECK(text.str() ==
         "# vtk DataFile Version 3.0\nintersecting triangles\nASCII\nDATASET POLYDATA\nPOINTS 6 double\n"
         "0 0 0\n1 0 0\n0 1 0\n0.25 0.25 -1\n0.25 0.25 0.5\n0.1 0.2 0.7\nPOLYGONS 2 8\n3 0 1 2\n3 3 4 5\n"
         "CELL_DATA 2\nFIELD fields 3\npair 1 2 int\n0\n0\ntriangle 1 2 int\n0\n1\nbody 1 2 int\n3\n8\n");
-  io::write_pairs(file, x, triangles, {}, {});
+  geometry::write_pairs(file, x, triangles, {}, {});
   CHECK(fs::file_size(file) > 0);
   fs::remove(file);
-  CHECK_THROWS_AS(io::write_pairs(file, x, triangles, {3}, pairs), InternalError);
-  CHECK_THROWS_AS(io::write_pairs(file, x, triangles, {}, {{0, 2}}), InternalError);
-  CHECK_THROWS_AS(io::write_pairs(fs::temp_directory_path() / "voile_no_folder" / "x.vtk", x, triangles, {}, pairs),
+  CHECK_THROWS_AS(geometry::write_pairs(file, x, triangles, {3}, pairs), InternalError);
+  CHECK_THROWS_AS(geometry::write_pairs(file, x, triangles, {}, {{0, 2}}), InternalError);
+  CHECK_THROWS_AS(geometry::write_pairs(fs::temp_directory_path() / "voile_no_folder" / "x.vtk", x, triangles, {}, pairs),
                   UserError);
 }
 
@@ -251,8 +251,8 @@ TEST_CASE("the check of intersections refuses what is no triangle") {
   CHECK_THROWS_AS((void)count(x, {{0, 1, 3}}), InternalError);
   CHECK_THROWS_AS((void)count(x, {{0, -1, 2}}), InternalError);
   CHECK_THROWS_AS((void)count({{0, 0, 0}, {1, nan, 0}, {0, 1, 0}}, {{0, 1, 2}}), InternalError);
-  CHECK_THROWS_AS((void)io::intersecting_triangles(x, {{0, 1, 2}}, {}, [](Index, Index) { return false; }),
+  CHECK_THROWS_AS((void)geometry::intersecting_triangles(x, {{0, 1, 2}}, {}, [](Index, Index) { return false; }),
                   InternalError);
   CHECK(count({}, {}) == 0);
-  CHECK(io::cgal_version().find('.') != std::string::npos);
+  CHECK(geometry::cgal_version().find('.') != std::string::npos);
 }

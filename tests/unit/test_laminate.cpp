@@ -4,7 +4,7 @@
 #include <Eigen/LU>
 #include <numbers>
 
-#include "voile/app/case.hpp"
+#include "voile/input/case.hpp"
 #include "voile/base/error.hpp"
 #include "voile/energy/material.hpp"
 
@@ -78,14 +78,14 @@ TEST_CASE("turning a ply: quarter turns, isotropic invariance, Young's modulus o
 }
 
 TEST_CASE("a laminate in the case file") {
-  const app::Case c = app::parse_case(case_with("[0, 90, 0]", "[0.3]"), "case.toml");
+  const input::Case c = input::parse_case(case_with("[0, 90, 0]", "[0.3]"), "case.toml");
   const energy::LaminateStiffness l = laminate(ply(), {{0.0, 0.3}, {right, 0.3}, {0.0, 0.3}});
   CHECK(difference(c.materials.at(0).membrane, l.membrane) < 1e-14);
   CHECK(difference(c.materials.at(0).bending, l.bending) < 1e-14);
   CHECK(c.materials.at(0).areal_density == doctest::Approx(2 * 0.9));
   const auto message = [](const std::string& angles, const std::string& thicknesses) -> std::string {
     try {
-      (void)app::parse_case(case_with(angles, thicknesses), "case.toml");
+      (void)input::parse_case(case_with(angles, thicknesses), "case.toml");
     } catch (const UserError& e) {
       return e.what();
     }

@@ -104,25 +104,25 @@ std::string stl_binary_box(const std::string& title, float last = 3.0F) {
   return text;
 }
 
-io::TriangleSoup read(const std::string& extension, const std::string& content) {
+geometry::TriangleSoup read(const std::string& extension, const std::string& content) {
   const TemporaryFile file(extension, content);
   return io::read_triangles(file.path());
 }
 
-double area(const io::TriangleSoup& s) {
+double area(const geometry::TriangleSoup& s) {
   double sum = 0.0;
   for (const auto& [a, b, c] : s.triangles)
     sum += 0.5 * (s.positions[b] - s.positions[a]).cross(s.positions[c] - s.positions[a]).norm();
   return sum;
 }
 
-double volume(const io::TriangleSoup& s) {
+double volume(const geometry::TriangleSoup& s) {
   double sum = 0.0;
   for (const auto& [a, b, c] : s.triangles) sum += s.positions[a].dot(s.positions[b].cross(s.positions[c])) / 6.0;
   return sum;
 }
 
-void check_box(const io::TriangleSoup& s) {
+void check_box(const geometry::TriangleSoup& s) {
   CHECK(s.positions.size() == 8);
   CHECK(s.triangles.size() == 12);
   CHECK(s.degenerate_count == 0);
@@ -151,7 +151,7 @@ bool has(const std::string& text, const std::string& part) {
 }
 
 /// Closed and consistently oriented: SurfaceMesh needs to repair nothing. Returns its longest edge.
-double check_closed(const io::TriangleSoup& s) {
+double check_closed(const geometry::TriangleSoup& s) {
   mesh::MeshData data;
   data.source = "primitive";
   data.positions = s.positions;
@@ -188,12 +188,12 @@ TEST_CASE("a box is read from every format") {
   check_box(read(".stl", stl_ascii_box()));
   check_box(read(".stl", stl_binary_box("box")));
   check_box(read(".stl", stl_binary_box("solid box")));  // many programs write that
-  const io::TriangleSoup s = read(".obj", obj_box());
+  const geometry::TriangleSoup s = read(".obj", obj_box());
   for (int v = 0; v < 8; ++v) CHECK(s.positions[v] == Vec3(box_vertex(v).data()));
 }
 
 TEST_CASE("a Gmsh mesh is read as triangles") {
-  const io::TriangleSoup s = read(".msh",
+  const geometry::TriangleSoup s = read(".msh",
                                   "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n4\n1 0 0 0\n2 1 0 0\n3 1 1 0\n"
                                   "4 0 1 0\n$EndNodes\n$Elements\n2\n1 2 2 1 1 1 2 3\n2 2 2 1 1 1 3 4\n$EndElements\n");
   CHECK(s.positions.size() == 4);
@@ -203,12 +203,12 @@ TEST_CASE("a Gmsh mesh is read as triangles") {
 
 TEST_CASE("a polygon that is not convex is split without covering its bay") {
   // an L in the plane x + y + z = const, then a comb with a corner in the middle of an edge, in both directions
-  const io::TriangleSoup bent =
+  const geometry::TriangleSoup bent =
       read(".obj", "v 0 0 0\nv 2 0 -2\nv 2 1 -3\nv 1 1 -2\nv 1 2 -3\nv 0 2 -2\nf 1 2 3 4 5 6\n");
   CHECK(bent.triangles.size() == 4);
   CHECK(area(bent) == doctest::Approx(3.0 * std::numbers::sqrt3));
   for (const char* face : {"f 1 2 3 4 5 6 7 8 9\n", "f 9 8 7 6 5 4 3 2 1\n", "f -9 -8 -7 -6 -5 -4 -3 -2 -1\n"}) {
-    const io::TriangleSoup comb =
+    const geometry::TriangleSoup comb =
         read(".obj",
              std::string("v 0 0 0\nv 2 0 0\nv 4 0 0\nv 4 3 0\nv 3 1 0\nv 2 3 0\nv 1 1 0\nv 0 3 0\nv 0 1 0\n") + face);
     CHECK(comb.triangles.size() == 7);
@@ -219,7 +219,7 @@ TEST_CASE("a polygon that is not convex is split without covering its bay") {
 
 TEST_CASE("vertex numbers stay, triangles of zero area go, nothing needs to be a manifold") {
   // a vertex without a face, coinciding vertices, an edge of three triangles, one bent back, two of zero area
-  const io::TriangleSoup s = read(".obj",
+  const geometry::TriangleSoup s = read(".obj",
                                   "v 9 9 9\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nv 0 -1 0\nv 0 1 0\nv 2 0 0\n"
                                   "f 2 3 4\nf 2 3 5\nf 3 2 6\nf 2 3 7\nf 2 3 8\nf 2 2 4\n");
   CHECK(s.positions.size() == 8);
@@ -295,7 +295,7 @@ TEST_CASE("a sphere is closed, inscribed and as fine as promised") {
   const double r = 0.7;
   for (int refinement = 0; refinement <= 4; ++refinement) {
     CAPTURE(refinement);
-    const io::TriangleSoup s = io::sphere_surface(centre, r, refinement);
+    const geometry::TriangleSoup s = geometry::sphere_surface(centre, r, refinement);
     CHECK(s.triangles.size() == 20U << (2 * refinement));
     const double h = check_closed(s);
     CHECK(h < 1.33 * r / (1 << refinement));
@@ -310,9 +310,9 @@ TEST_CASE("a sphere is closed, inscribed and as fine as promised") {
     CHECK(volume(s) > exact * (1.0 - 0.6 * h * h / (r * r)));
   }
   for (const double radius : {0.0, -1.0, std::numeric_limits<double>::quiet_NaN()})
-    CHECK_THROWS_AS((void)io::sphere_surface(centre, radius, 1), InternalError);
-  CHECK_THROWS_AS((void)io::sphere_surface(centre, 1.0, 9), InternalError);
-  CHECK_THROWS_AS((void)io::sphere_surface(centre, 1.0, -1), InternalError);
+    CHECK_THROWS_AS((void)geometry::sphere_surface(centre, radius, 1), InternalError);
+  CHECK_THROWS_AS((void)geometry::sphere_surface(centre, 1.0, 9), InternalError);
+  CHECK_THROWS_AS((void)geometry::sphere_surface(centre, 1.0, -1), InternalError);
 }
 
 TEST_CASE("a capsule is closed and inscribed") {
@@ -321,7 +321,7 @@ TEST_CASE("a capsule is closed and inscribed") {
   for (const Vec3& b : {Vec3(3.0, 1.0, 2.5), Vec3(1.0, 2.0, 3.1), Vec3(1.0, 2.0, 3.0)})
     for (int refinement = 0; refinement <= 3; ++refinement) {
       CAPTURE(refinement);
-      const io::TriangleSoup s = io::capsule_surface(a, b, r, refinement);
+      const geometry::TriangleSoup s = geometry::capsule_surface(a, b, r, refinement);
       (void)check_closed(s);
       for (const Vec3& x : s.positions) CHECK(distance_to_segment(x, a, b) == doctest::Approx(r).epsilon(1e-14));
       const double exact = std::numbers::pi * r * r * ((b - a).norm() + 4.0 / 3.0 * r);
@@ -329,8 +329,8 @@ TEST_CASE("a capsule is closed and inscribed") {
       CHECK(loss > 0.0);
       CHECK(loss < 0.26 / (1 << (2 * refinement)));
     }
-  CHECK_THROWS_AS((void)io::capsule_surface(a, a, 0.0, 1), InternalError);
-  CHECK_THROWS_AS((void)io::capsule_surface(a, a, 1.0, 8), InternalError);
+  CHECK_THROWS_AS((void)geometry::capsule_surface(a, a, 0.0, 1), InternalError);
+  CHECK_THROWS_AS((void)geometry::capsule_surface(a, a, 1.0, 8), InternalError);
 }
 
 TEST_CASE("a cylinder is closed, straddles the true one and has no long triangles") {
@@ -341,7 +341,7 @@ TEST_CASE("a cylinder is closed, straddles the true one and has no long triangle
   for (const Size& size : {Size{1.0, 0.25, 1e-4}, {0.01, 0.5, 1e-3}, {5.0, 0.1, 1e-3}, {0.3, 0.2, 0.1}}) {
     CAPTURE(size.length);
     const Vec3 axis = Vec3(2.0, -1.0, 0.5).normalized(), b = a + size.length * axis;
-    const io::TriangleSoup s = io::cylinder_surface(a, b, size.radius, size.sagitta);
+    const geometry::TriangleSoup s = geometry::cylinder_surface(a, b, size.radius, size.sagitta);
     (void)check_closed(s);
     double widest = 0.0, narrowest = size.radius, slender = 0.0;
     for (const mesh::Triangle& t : s.triangles) {
@@ -363,8 +363,8 @@ TEST_CASE("a cylinder is closed, straddles the true one and has no long triangle
     CHECK(volume(s) == doctest::Approx(exact).epsilon(2.0 * (widest - narrowest) / size.radius));
     CHECK(s.triangles.size() < 20000);
   }
-  CHECK(io::cylinder_surface(a, a + Vec3(0, 0, 1e5), 0.1, 1e-9).triangles.size() < 250000);
-  CHECK_THROWS_AS((void)io::cylinder_surface(a, a, 1.0, 0.1), InternalError);
-  CHECK_THROWS_AS((void)io::cylinder_surface(a, Vec3::Zero(), 0.0, 0.1), InternalError);
-  CHECK_THROWS_AS((void)io::cylinder_surface(a, Vec3::Zero(), 1.0, 0.0), InternalError);
+  CHECK(geometry::cylinder_surface(a, a + Vec3(0, 0, 1e5), 0.1, 1e-9).triangles.size() < 250000);
+  CHECK_THROWS_AS((void)geometry::cylinder_surface(a, a, 1.0, 0.1), InternalError);
+  CHECK_THROWS_AS((void)geometry::cylinder_surface(a, Vec3::Zero(), 0.0, 0.1), InternalError);
+  CHECK_THROWS_AS((void)geometry::cylinder_surface(a, Vec3::Zero(), 1.0, 0.0), InternalError);
 }

@@ -6,8 +6,9 @@
 
 #include "test_meshes.hpp"
 #include "voile/base/error.hpp"
-#include "voile/contact/untangle.hpp"
-#include "voile/io/intersections.hpp"
+#include "voile/untangle/untangle.hpp"
+#include "voile/geometry/intersections.hpp"
+#include "voile/geometry/winding.hpp"
 #include "voile/io/triangle_file.hpp"
 
 using namespace voile;
@@ -55,18 +56,18 @@ struct Scene {
     contact::append(surface, add_body(thickness), points, triangles, {});
     x = surface.rest;
   }
-  [[nodiscard]] std::vector<io::TrianglePair> find(const std::vector<Vec3>& at) const {
+  [[nodiscard]] std::vector<geometry::TrianglePair> find(const std::vector<Vec3>& at) const {
     std::vector<mesh::Triangle> triangles;
     std::vector<Index> body;
     for (const contact::Face& f : surface.faces) {
       triangles.push_back(f.points);
       body.push_back(f.body);
     }
-    return io::intersecting_triangles(at, triangles, body,
+    return geometry::intersecting_triangles(at, triangles, body,
                                       [&](Index a, Index b) { return !surface.rules[a][b].touch; });
   }
-  contact::UntangleResult untangle(double limit, int rounds = 100) {
-    const contact::UntangleResult r = contact::untangle(
+  untangle::UntangleResult untangle(double limit, int rounds = 100) {
+    const untangle::UntangleResult r = untangle::untangle(
         surface, planes, free, [&](const std::vector<Vec3>& at) { return find(at); },
         {.contact_distance = d, .limit = limit, .rounds = rounds}, x);
     CAPTURE(r.rounds);
@@ -79,8 +80,8 @@ struct Scene {
 };
 
 /// A cube of half the side h around c, turned onto a corner if asked for.
-io::TriangleSoup cube(const Vec3& c, double h, bool on_corner) {
-  io::TriangleSoup s;
+geometry::TriangleSoup cube(const Vec3& c, double h, bool on_corner) {
+  geometry::TriangleSoup s;
   const Mat3 turn = on_corner
                         ? Eigen::Quaterniond::FromTwoVectors(Vec3(1, 1, 1), Vec3(0.02, 0.01, 1)).toRotationMatrix()
                         : Mat3(Mat3::Identity());
@@ -98,9 +99,9 @@ Vec3 same(const Vec3& x) {
 }  // namespace
 
 TEST_CASE("winding number: 1 inside, 0 outside, a half in the plane of an open face") {
-  const io::TriangleSoup s = cube(Vec3(1, 2, 3), 0.5, true);
-  CHECK(contact::winding_number(Vec3(1.1, 2.2, 3.1), s.positions, s.triangles) == doctest::Approx(1.0));
-  CHECK(std::abs(contact::winding_number(Vec3(1.1, 2.2, 4.1), s.positions, s.triangles)) < 1e-12);
+  const geometry::TriangleSoup s = cube(Vec3(1, 2, 3), 0.5, true);
+  CHECK(geometry::winding_number(Vec3(1.1, 2.2, 3.1), s.positions, s.triangles) == doctest::Approx(1.0));
+  CHECK(std::abs(geometry::winding_number(Vec3(1.1, 2.2, 4.1), s.positions, s.triangles)) < 1e-12);
 }
 
 TEST_CASE("untangle: a bulge of one sheet through another") {
@@ -139,7 +140,7 @@ TEST_CASE("untangle: waves of three sheets through each other, borders not quite
 TEST_CASE("untangle: sheets that cross in their middle are not shallow") {
   const auto upright = [](const Vec3& x) { return Vec3(0.5 + 0.013 * x[0], x[1], x[0] - 0.49); };
   Scene scene(sheets(12, {same, upright}));
-  const contact::UntangleResult r = scene.untangle(0.2);
+  const untangle::UntangleResult r = scene.untangle(0.2);
   CHECK(!r.done);
   CHECK(r.left > 0);
 }
@@ -148,7 +149,7 @@ TEST_CASE("untangle: out of a ball, a half-space and closed meshes") {
   SUBCASE("ball") {
     Scene scene(sheets(20, {same}));
     scene.add({Vec3(0.5, 0.5, -0.26)}, {}, 0.6);
-    const contact::UntangleResult r = scene.untangle(0.25);
+    const untangle::UntangleResult r = scene.untangle(0.25);
     CHECK(r.done);
     CHECK(r.farthest < 0.08);
     for (Index v = 0; v < scene.surface.sheet_points; ++v) CHECK((scene.x[v] - Vec3(0.5, 0.5, -0.26)).norm() > 0.3);
@@ -161,28 +162,28 @@ TEST_CASE("untangle: out of a ball, a half-space and closed meshes") {
   }
   SUBCASE("cube face") {
     Scene scene(sheets(20, {same}));
-    const io::TriangleSoup s = cube(Vec3(0.51, 0.48, -0.23), 0.25, false);
+    const geometry::TriangleSoup s = cube(Vec3(0.51, 0.48, -0.23), 0.25, false);
     scene.add(s.positions, s.triangles);
-    const contact::UntangleResult r = scene.untangle(0.25);
+    const untangle::UntangleResult r = scene.untangle(0.25);
     CHECK(r.done);
     CHECK(r.farthest < 0.06);
   }
   SUBCASE("corner of a cube in the middle of a triangle") {
     Scene scene(sheets(5, {same}));
-    const io::TriangleSoup s = cube(Vec3(0.53, 0.46, 0.02 - 0.1 * std::sqrt(3.0)), 0.1, true);
+    const geometry::TriangleSoup s = cube(Vec3(0.53, 0.46, 0.02 - 0.1 * std::sqrt(3.0)), 0.1, true);
     scene.add(s.positions, s.triangles);
     CHECK(!scene.find(scene.x).empty());
     CHECK(scene.untangle(0.5).done);
   }
   SUBCASE("sphere mesh") {
     Scene scene(sheets(20, {same}));
-    const io::TriangleSoup s = io::sphere_surface(Vec3(0.5, 0.5, -0.26), 0.3, 3);
+    const geometry::TriangleSoup s = geometry::sphere_surface(Vec3(0.5, 0.5, -0.26), 0.3, 3);
     scene.add(s.positions, s.triangles, 2e-3);
     CHECK(scene.untangle(0.25).done);
   }
   SUBCASE("cylinder mesh across the sheet") {
     Scene scene(sheets(20, {same}));
-    const io::TriangleSoup s = io::cylinder_surface(Vec3(0.3, 0.45, -0.17), Vec3(0.7, 0.55, -0.17), 0.2, 1e-3);
+    const geometry::TriangleSoup s = geometry::cylinder_surface(Vec3(0.3, 0.45, -0.17), Vec3(0.7, 0.55, -0.17), 0.2, 1e-3);
     scene.add(s.positions, s.triangles);
     CHECK(scene.untangle(0.25).done);
   }
@@ -192,9 +193,9 @@ TEST_CASE("untangle: out of a ball, a half-space and closed meshes") {
                            return Vec3(0.8 * x[0], 0.8 * x[1],
                                        height * std::exp(-20.0 * (x - Vec3(0.5, 0.5, 0)).squaredNorm()));
                          }}));
-      const io::TriangleSoup s = cube(Vec3(0.4, 0.4, -0.04), 0.5, false);
+      const geometry::TriangleSoup s = cube(Vec3(0.4, 0.4, -0.04), 0.5, false);
       scene.add(s.positions, s.triangles);
-      const contact::UntangleResult r = scene.untangle(0.2);
+      const untangle::UntangleResult r = scene.untangle(0.2);
       CHECK(r.done);
       CHECK((r.moved == 0) == (height < 0.4));
     }
@@ -205,7 +206,7 @@ TEST_CASE("untangle: what lies exactly in one another is parted by half the dist
   Scene scene(sheets(8, {same, same}));
   const std::vector<Vec3> start = scene.x;
   CHECK(scene.find(scene.x).size() > 50);
-  const contact::UntangleResult r = scene.untangle(0.25);
+  const untangle::UntangleResult r = scene.untangle(0.25);
   CHECK(r.done);
   CHECK(r.gap >= d);
   CHECK(r.farthest < 0.6 * d);
@@ -217,7 +218,7 @@ TEST_CASE("untangle: gaps below the contact distance are widened where nothing i
     CAPTURE(gap);
     const auto above = [&](const Vec3& x) { return Vec3(x[0] + 0.013, x[1] - 0.017, gap * d); };
     Scene scene(sheets(8, {same, above}));
-    const contact::UntangleResult r = scene.untangle(0.25);
+    const untangle::UntangleResult r = scene.untangle(0.25);
     CHECK(r.done);
     CHECK(r.gap >= d);
     CHECK(r.farthest < (1.1 - gap) * d);
@@ -230,7 +231,7 @@ TEST_CASE("untangle: what is fixed does not move, and what may only slide slides
   scene.add({centre}, {}, 0.54);
   for (Mat3& p : scene.free) p.setZero();
   const std::vector<Vec3> before = scene.x;
-  const contact::UntangleResult r = scene.untangle(0.25, 10);
+  const untangle::UntangleResult r = scene.untangle(0.25, 10);
   CHECK(!r.done);
   CHECK(r.moved == 0);
   CHECK(scene.x == before);

@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <string>
 
-#include "voile/app/case.hpp"
+#include "voile/input/case.hpp"
 #include "voile/base/error.hpp"
 
 namespace voile::app {
@@ -21,10 +21,10 @@ struct RunOptions {
 };
 
 /// Solves the case and writes its results. Returns done or not_converged.
-[[nodiscard]] Exit run(const Case& c, const RunOptions& options);
+[[nodiscard]] Exit run(const input::Case& c, const RunOptions& options);
 
 /// Builds everything that a run would build and reports it, without solving. Throws UserError if anything is wrong.
-void check(const Case& c);
+void check(const input::Case& c);
 
 /// Sizes, groups, quality, partition balance and patch condition numbers of a mesh (.msh, .geo) or of a case's mesh.
 void info(const mesh::SurfaceMesh& mesh, const energy::ElementOptions& element);

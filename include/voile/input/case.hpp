@@ -1,0 +1,150 @@
+// The case file: what a user asks for, parsed strictly from TOML, in SI units.
+//
+// Every key is declared once, in case_keys.cpp, with its unit, default and meaning; parsing, the echo of the resolved
+// case and docs/case-reference.md all come from that declaration.
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "voile/base/types.hpp"
+#include "voile/energy/element_options.hpp"
+#include "voile/energy/material.hpp"
+#include "voile/io/gmsh.hpp"
+#include "voile/solve/drape.hpp"
+#include "voile/solve/eigen.hpp"
+#include "voile/solve/static_options.hpp"
+#include "voile/solve/time_options.hpp"
+#include "voile/system/conditions.hpp"
+#include "voile/system/contact.hpp"
+#include "voile/system/dynamics.hpp"
+
+namespace voile::input {
+
+struct MeshSection {
+  std::filesystem::path file;  ///< resolved relative to the case file
+  io::MeshOptions options;
+};
+
+/// One named number recorded in history.csv after every accepted step.
+struct Probe {
+  enum class Kind { displacement, reaction, energy };
+  std::string name;  ///< column name; a vector quantity gets suffixes _x _y _z
+  Kind kind = Kind::displacement;
+  std::string group;            ///< displacement: mean over the group's vertices; reaction: total over them
+  std::optional<Vec3> point;    ///< displacement of the vertex nearest to this rest position, instead of `group`
+  std::vector<int> components;  ///< 0, 1, 2; empty: all three
+};
+
+/// How a support moves: texts as written, turned into system::Support::motion.
+struct MotionInput {
+  std::vector<std::string> translation;  ///< three expressions of t [m]
+  std::optional<Vec3> axis;              ///< of a rotation
+  Vec3 centre = Vec3::Zero();            ///< a point on it [m]
+  std::string angle;                     ///< expression of t [degree]
+  [[nodiscard]] bool any() const { return !translation.empty() || !angle.empty(); }
+};
+
+/// An obstacle as written; what its files hold is read with the mesh.
+struct ObstacleSection {
+  enum class Type { mesh, plane, sphere, capsule, cylinder };
+  Type type = Type::mesh;
+  system::Obstacle shape;      ///< without what files give; a cylinder gets its triangles with the mesh
+  std::filesystem::path file;  ///< mesh
+  double scale = 1.0;
+  io::Placement placement;       ///< of mesh and frames
+  std::filesystem::path frames;  ///< point cache of a deforming mesh; empty: none
+  double frames_per_second = 25.0;
+  double frames_start = 0.0;  ///< time of the first frame [s]
+  bool frames_loop = false;   ///< from the last frame on to the first
+  Vec3 point = Vec3::Zero(), end = Vec3::Zero();
+  enum class OnPinch { stop, yield };
+  OnPinch on_pinch = OnPinch::stop;
+  MotionInput motion;
+};
+
+/// An exception to the rules of contact; NaN: no friction given.
+struct RuleSection {
+  std::string first, second;
+  double friction = std::numeric_limits<double>::quiet_NaN();
+  bool ignore = false;
+};
+
+struct ContactSection {
+  system::ContactInput input;  ///< without obstacles and rules
+  bool check = true;           ///< count intersecting triangles after every step
+  bool untangle = false;       ///< repair a start that intersects
+};
+
+/// Motion in time.
+struct TimeSection {
+  solve::TimeOptions options;
+  std::string load_history;        ///< expression of t for the load factor; empty: 1
+  int checkpoint_steps = 0;        ///< a checkpoint every so many steps; 0: none
+  double checkpoint_minutes = 10;  ///< and after so many minutes; 0: never
+};
+
+/// Velocity at the start of a motion, v + omega x (X - c).
+struct InitialVelocity {
+  std::string group;                                              ///< empty: everything
+  Vec3 velocity = Vec3::Zero(), angular_velocity = Vec3::Zero();  ///< v [m/s], omega [rad/s]
+  Vec3 centre = Vec3::Zero();                                     ///< c [m]
+};
+
+/// Modes of vibration and buckling.
+struct EigenSection {
+  int modes = 6;
+  system::Mass mass = system::Mass::consistent;
+  double load_factor = 0.0;  ///< of the equilibrium about which they are found
+};
+
+struct OutputSection {
+  std::vector<std::string> fields;  ///< names of fields to write; empty: all
+  int every = 1;                    ///< results every so many accepted steps (the last one always)
+  enum class Stresses { none, surface, plies };
+  Stresses stresses = Stresses::none;  ///< which stresses through the thickness are written besides
+};
+
+struct Case {
+  std::filesystem::path file;
+  std::string title;
+  std::string analysis = "static";
+  MeshSection mesh;
+  energy::ElementOptions element;
+  std::vector<energy::Material> materials;
+  std::vector<system::Support> supports;
+  std::vector<MotionInput> motions;  ///< one per support
+  std::vector<system::Load> loads;
+  std::vector<system::PointMass> masses;
+  std::vector<system::Spring> springs;
+  ContactSection contact;
+  std::vector<ObstacleSection> obstacles;
+  std::vector<RuleSection> contact_rules;
+  solve::StaticOptions steps;
+  EigenSection eigen;
+  TimeSection time;
+  std::vector<InitialVelocity> initial_velocities;
+  system::DynamicsOptions dynamics;
+  solve::DrapeOptions drape;
+  std::vector<Probe> probes;
+  OutputSection output;
+  std::string petsc_options;  ///< as on PETSc's command line; the real command line wins
+};
+
+/// Parses and checks everything that needs no mesh. Not collective.
+/// `settings` are texts "key=value" that win over the file, e.g. "mesh.parameters.n=40" or "load.0.vector=[0, 0, 1]";
+/// a value that is no TOML is a text.
+/// Throws UserError naming file, line, key and the nearest valid key or value.
+[[nodiscard]] Case parse_case(const std::string& text, const std::filesystem::path& file,
+                              const std::vector<std::string>& settings = {});
+
+/// The resolved case as TOML: every key with the value in force.
+[[nodiscard]] std::string echo_case(const Case& c);
+
+/// docs/case-reference.md, generated from the declarations of the keys.
+[[nodiscard]] std::string case_reference_markdown();
+
+}  // namespace voile::input

@@ -1,0 +1,48 @@
+// Every section of the case file with its declared keys, at their defaults: what the reference page, the schema for
+// editors and the template of a new case are made from.
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "voile/input/case_keys.hpp"
+
+namespace voile::input {
+
+/// Owns one section of every kind, to which the keys are bound.
+class Declarations {
+ public:
+  Declarations();
+  Declarations(const Declarations&) = delete;
+  Declarations& operator=(const Declarations&) = delete;
+  [[nodiscard]] const std::vector<Key>& top() const { return top_; }
+  /// Keys of a section that sections() names.
+  [[nodiscard]] const std::vector<Key>& of(const std::string& section) const { return keys_.at(section); }
+
+ private:
+  Case case_;
+  MaterialInput material_;
+  system::Support support_;
+  MotionInput motion_;
+  system::Load load_;
+  system::PointMass mass_;
+  system::Spring spring_;
+  ObstacleSection obstacle_;
+  RuleSection rule_;
+  Probe probe_;
+  InitialVelocity initial_velocity_;
+  std::vector<Key> top_;
+  std::map<std::string, std::vector<Key>> keys_;
+};
+
+/// A JSON schema (draft 7) of the case file, by which editors complete and check it.
+[[nodiscard]] std::string case_schema();
+
+/// A case to begin with for an analysis: it runs as it is with a geometry "plate.geo" beside it; all other keys that it
+/// can have stand in comments with their defaults and meanings. Throws UserError for an unknown analysis.
+[[nodiscard]] std::string case_template(const std::string& analysis);
+/// That geometry.
+[[nodiscard]] std::string template_geometry();
+
+}  // namespace voile::input

@@ -1,0 +1,14 @@
+// Expressions of the time t as users write them: muParser's operators and functions, pi, and
+// table(t, t0, v0, t1, v1, ...), which interpolates linearly between its pairs and is constant outside them.
+#pragma once
+
+#include <functional>
+#include <string>
+
+namespace voile::input {
+
+/// Parses an expression of t; the function may be copied and outlives everything. Throws UserError that says what is
+/// wrong.
+[[nodiscard]] std::function<double(double t)> expression(const std::string& text);
+
+}  // namespace voile::input

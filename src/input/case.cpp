@@ -1,0 +1,396 @@
+#include "voile/input/case.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "voile/base/error.hpp"
+#include "voile/input/case_read.hpp"
+#include "voile/input/command_line.hpp"
+#include "voile/input/expression.hpp"
+#include "voile/input/fabric.hpp"
+
+namespace voile::input {
+
+namespace {
+
+/// True for the stiffness of a material that is the same in every direction.
+bool is_isotropic(const Mat3& m) {
+  const double tolerance = 1e-9 * m.cwiseAbs().maxCoeff();
+  const auto zero = [&](double x) { return std::abs(x) <= tolerance; };
+  return zero(m(0, 0) - m(1, 1)) && zero(m(0, 2)) && zero(m(1, 2)) && zero(m(2, 2) - 0.5 * (m(0, 0) - m(0, 1)));
+}
+
+void check_matrix(const SectionPlace& place, const char* key, const Mat3& m) {
+  const double asymmetry = (m - m.transpose()).cwiseAbs().maxCoeff();
+  if (asymmetry > 1e-12 * m.cwiseAbs().maxCoeff())
+    place.fail(key, fmt::format("the matrix is not symmetric (difference {:.3g}); make entry (i, j) equal to (j, i)",
+                                asymmetry));
+  if (!energy::is_positive_definite(m))
+    place.fail(key, "the matrix is not positive definite, so some deformation would cost no energy; check its entries");
+}
+
+void check_ortho(const SectionPlace& place, const MaterialInput& in) {
+  if (in.poisson_12 * in.poisson_12 < in.young_1 / in.young_2) return;
+  place.fail("poisson_12", fmt::format("{}: the stiffness is not positive definite; |poisson_12| must be below "
+                                       "sqrt(young_1 / young_2) = {:.6g}",
+                                       in.poisson_12, std::sqrt(in.young_1 / in.young_2)));
+}
+
+void fill_laminate(const SectionPlace& place, const MaterialInput& in, energy::Material& m) {
+  check_ortho(place, in);
+  const std::size_t count = in.angles.size(), given = in.ply_thicknesses.size();
+  if (given != 1 && given != count)
+    place.fail("ply_thicknesses",
+               fmt::format("{} thicknesses for {} plies; give one per ply, or one for all", given, count));
+  std::vector<energy::Ply> plies;
+  for (std::size_t k = 0; k < count; ++k)
+    plies.push_back({in.angles[k] * (std::numbers::pi / 180.0), in.ply_thicknesses[given == 1 ? 0 : k]});
+  const energy::LaminateStiffness l =
+      energy::laminate(energy::orthotropic_membrane(in.young_1, in.young_2, in.poisson_12, in.shear_12, 1.0), plies);
+  const double coupling = l.coupling.cwiseAbs().maxCoeff() / (l.membrane.cwiseAbs().maxCoeff() * l.thickness);
+  if (coupling > 1e-9)
+    place.fail("angles",
+               fmt::format("this stack couples stretching with bending (|B| = {:.3g} of |A| h), which the shell "
+                           "element does not have; make the stack symmetric about its middle",
+                           coupling));
+  m.membrane = l.membrane;
+  m.bending = l.bending;
+  m.layers = l.layers;
+  m.areal_density = in.density * l.thickness;
+  if (!energy::is_positive_definite(m.membrane) || !energy::is_positive_definite(m.bending))
+    place.fail("ply_thicknesses", "the stiffness is not positive definite or not finite; check moduli and thicknesses");
+}
+
+/// The file of a fabric states its own mistakes; only a missing file is one of the case.
+void fill_fabric(const SectionPlace& place, const MaterialInput& in, energy::Material& m) {
+  if (!std::filesystem::is_regular_file(in.fabric))
+    place.fail("fabric", fmt::format("there is no fabric file {}", in.fabric.string()));
+  const Fabric fabric = read_fabric(in.fabric);
+  m.membrane = energy::rotated_stiffness(membrane_stiffness(fabric), in.warp_angle);
+  m.bending = energy::rotated_stiffness(bending_stiffness(fabric), in.warp_angle);
+  m.areal_density = fabric.areal_density;
+  if (!place.has("bending_damping")) m.bending_damping = bending_damping(fabric);
+}
+
+void fill_matrices(const SectionPlace& place, const MaterialInput& in, energy::Material& m) {
+  m.bending_damping = in.bending_damping;
+  m.viscous_time = in.membrane_damping;
+  switch (in.type) {
+    case MaterialInput::Type::laminate:
+      fill_laminate(place, in, m);
+      return;
+    case MaterialInput::Type::fabric:
+      fill_fabric(place, in, m);
+      return;
+    case MaterialInput::Type::isotropic:
+      m.membrane = energy::isotropic_membrane(in.young, in.poisson, in.thickness);
+      break;
+    case MaterialInput::Type::orthotropic:
+      check_ortho(place, in);
+      m.membrane = energy::orthotropic_membrane(in.young_1, in.young_2, in.poisson_12, in.shear_12, in.thickness);
+      break;
+    case MaterialInput::Type::matrices:
+      check_matrix(place, "membrane", in.membrane);
+      check_matrix(place, "bending", in.bending);
+      m.membrane = in.membrane;
+      m.bending = in.bending;
+      m.areal_density = in.areal_density;
+      if (!in.direction && in.texture_direction.empty() && !(is_isotropic(m.membrane) && is_isotropic(m.bending)))
+        place.fail("direction", "the key is missing; these matrices depend on the direction of material axis 1");
+      return;
+  }
+  m.bending = energy::bending_from_membrane(m.membrane, in.thickness);
+  m.layers = {{-0.5 * in.thickness, 0.5 * in.thickness, m.membrane / in.thickness}};
+  m.areal_density = in.density * in.thickness;
+  if (!energy::is_positive_definite(m.membrane) || !energy::is_positive_definite(m.bending))
+    place.fail("thickness", "the stiffness is not positive definite or not finite; check moduli and thickness");
+}
+
+/// A path as written in a case file. Absolute, so that the echo of the case works from any folder.
+std::filesystem::path beside(const std::filesystem::path& case_file, const std::filesystem::path& path) {
+  return (std::filesystem::absolute(case_file).parent_path() / path).lexically_normal();
+}
+
+void fill_direction(const SectionPlace& place, const MaterialInput& in, energy::Material& m) {
+  using Type = MaterialInput::Type;
+  const bool textured = !in.texture_direction.empty();
+  if (textured && in.direction) place.fail("texture_direction", "there is a 'direction' too; keep one of them");
+  if (!textured && !in.direction && in.type != Type::isotropic && in.type != Type::matrices)
+    place.fail("direction", "the key is missing; give the direction of material axis 1, or texture_direction");
+  m.direction = in.direction;
+  if (!textured) return;
+  if (in.texture_direction.size() != 2 || (in.texture_direction[0] == 0.0 && in.texture_direction[1] == 0.0))
+    place.fail("texture_direction", "two numbers [u, v] are needed that are not both zero");
+  m.texture_direction = Vec2(in.texture_direction[0], in.texture_direction[1]).normalized();
+}
+
+void read_materials(const CaseReader& reader, Case& c) {
+  if (reader.count("material") == 0)
+    throw UserError(fmt::format("{}: there is no material; add a section [[material]]", c.file.string()));
+  std::vector<std::string> covered;
+  bool everywhere = false;
+  for (std::size_t n = 0; n < reader.count("material"); ++n) {
+    MaterialInput in;
+    const SectionPlace place = reader.read("material", n, keys_of(in));
+    energy::Material m;
+    m.groups = in.groups;
+    fill_direction(place, in, m);
+    in.fabric = beside(c.file, in.fabric);
+    fill_matrices(place, in, m);
+    if (in.groups.empty() && everywhere)
+      place.fail("groups", "the key is missing, and another material has no groups either; say where each applies");
+    everywhere = everywhere || in.groups.empty();
+    for (const std::string& group : in.groups) {
+      if (std::find(covered.begin(), covered.end(), group) != covered.end())
+        place.fail("groups", fmt::format("group '{}' has a material already; remove it from one of them", group));
+      covered.push_back(group);
+    }
+    c.materials.push_back(std::move(m));
+  }
+}
+
+void check_steps(const SectionPlace& place, solve::StaticOptions& s) {
+  if (!place.has("initial_step")) s.initial_step = std::min(s.initial_step, s.max_step);
+  if (!place.has("min_step")) s.min_step = std::min(s.min_step, s.initial_step);
+  if (s.initial_step > s.max_step)
+    place.fail("initial_step", fmt::format("{}: must not be larger than max_step = {}", s.initial_step, s.max_step));
+  if (s.min_step > s.initial_step)
+    place.fail("min_step", fmt::format("{}: must not be larger than initial_step = {}", s.min_step, s.initial_step));
+  for (std::size_t k = 1; k < s.stops.size(); ++k)
+    if (s.stops[k] <= s.stops[k - 1])
+      place.fail("stops", fmt::format("{} follows {}: list the stops in ascending order, each once", s.stops[k],
+                                      s.stops[k - 1]));
+  if (!s.stops.empty() && s.control != solve::StaticOptions::Control::load)
+    place.fail("stops", "stops are load factors and belong to control = \"load\"; remove them");
+  if (!s.stops.empty() && s.stops.back() > s.final_load_factor)
+    place.fail("stops", fmt::format("{} lies beyond final_load_factor = {}: remove it or raise the final load factor",
+                                    s.stops.back(), s.final_load_factor));
+}
+
+/// Control and the probe that goes with it. A probe is named before it is read: sections may stand in any order.
+void check_control(const SectionPlace& place, solve::StaticOptions& s, const std::vector<Probe>& probes) {
+  using Control = solve::StaticOptions::Control;
+  if (!place.has("target_iterations") && s.control != Control::load) s.target_iterations = 5;
+  // Beyond a bifurcation the path may be thousands of times softer than at its start.
+  if (!place.has("max_step") && s.control == Control::arc_length) s.max_step = 1e9;
+  if (s.control == Control::displacement && (s.control_probe.empty() || s.final_displacement == 0.0))
+    place.fail(s.control_probe.empty() ? "control_probe" : "final_displacement",
+               "the key is missing (or zero); displacement control needs control_probe and final_displacement");
+  if (s.final_displacement != 0.0 && s.control_probe.empty())
+    place.fail("control_probe", "the key is missing; final_displacement is that of a probe");
+  if (s.control == Control::load && !s.control_probe.empty())
+    place.fail("control_probe", "control = \"load\" has no probe; choose \"displacement\" or \"arc_length\"");
+  using AtCriticalPoint = solve::StaticOptions::AtCriticalPoint;
+  if (s.at_critical_point != AtCriticalPoint::pass && s.control == Control::load)
+    place.fail("at_critical_point", "control = \"load\" cannot stop or branch there; choose \"arc_length\"");
+  if (s.at_critical_point == AtCriticalPoint::switch_branch && s.control != Control::arc_length)
+    place.fail("at_critical_point", "a branch is followed under control = \"arc_length\" only");
+  if (s.branch_step == 0.0) place.fail("branch_step", "0 does not leave the path; give a positive or negative number");
+  if (s.control_probe.empty()) return;
+  std::vector<std::string> names;
+  for (const Probe& p : probes) names.push_back(p.name);
+  const auto at = std::find(names.begin(), names.end(), s.control_probe);
+  if (at == names.end())
+    place.fail("control_probe",
+               fmt::format("there is no probe '{}':{}", s.control_probe, suggestion(s.control_probe, names)));
+  const Probe& probe = probes[static_cast<std::size_t>(at - names.begin())];
+  if (probe.kind != Probe::Kind::displacement || probe.components.size() != 1)
+    place.fail("control_probe", fmt::format("probe '{}' must be of type displacement with one component", probe.name));
+}
+
+void check_probe(const SectionPlace& place, const Probe& probe, const std::vector<Probe>& others) {
+  for (const char c : probe.name)
+    if (c == ',' || c == '"' || static_cast<unsigned char>(c) < 32)
+      place.fail("name", fmt::format("'{}': a column name must not contain commas, quotes or line breaks", probe.name));
+  for (const Probe& other : others)
+    if (other.name == probe.name) place.fail("name", fmt::format("'{}': another probe has this name", probe.name));
+  if (probe.kind != Probe::Kind::displacement) return;
+  if (place.has("group") == place.has("point"))
+    place.fail(place.has("point") ? "point" : "group", "a displacement probe needs either 'group' or 'point'");
+}
+
+template <class Section, class Check>
+void read_all(const CaseReader& reader, const char* name, std::vector<Section>& items, const Check& check) {
+  for (std::size_t n = 0; n < reader.count(name); ++n) {
+    Section item;
+    const SectionPlace place = reader.read(name, n, keys_of(item));
+    check(place, item);
+    items.push_back(std::move(item));
+  }
+}
+
+std::function<double(double)> time_function(const SectionPlace& place, const char* key, const std::string& text) {
+  try {
+    return expression(text);
+  } catch (const UserError& e) {
+    place.fail(key, e.what());
+  }
+}
+
+using Motion = std::function<Vec3(const Vec3& rest, double time)>;
+
+/// Turns the texts of a motion into a function; empty if there is none. `analyses`: that have one.
+Motion motion_function(const SectionPlace& place, const MotionInput& m, bool possible, const char* analyses) {
+  if (m.angle.empty() != !m.axis)
+    place.fail(m.axis ? "rotation_angle" : "rotation_axis", "rotation_axis and rotation_angle go together");
+  if (!m.any()) return {};
+  if (!possible)
+    place.fail(m.translation.empty() ? "rotation_angle" : "motion",
+               fmt::format("something moves only with analysis = {}", analyses));
+  if (!m.translation.empty() && m.translation.size() != 3)
+    place.fail("motion", fmt::format("{} expressions; three are needed, for x, y and z", m.translation.size()));
+  std::vector<std::function<double(double)>> u;
+  for (const std::string& text : m.translation) u.push_back(time_function(place, "motion", text));
+  const auto angle = m.angle.empty() ? nullptr : time_function(place, "rotation_angle", m.angle);
+  const Vec3 axis = m.axis ? m.axis->normalized() : Vec3(Vec3::UnitZ()), centre = m.centre;
+  return [u, angle, axis, centre](const Vec3& x, double t) {
+    Vec3 d = Vec3::Zero();
+    if (angle) d = Eigen::AngleAxisd(angle(t) * (std::numbers::pi / 180.0), axis) * (x - centre) - (x - centre);
+    for (int k = 0; k < 3 && !u.empty(); ++k) d[k] += u[static_cast<std::size_t>(k)](t);
+    return d;
+  };
+}
+
+void read_load_history(const SectionPlace& place, const Case& c, system::Load& load) {
+  if (load.history_text.empty()) return;
+  if (c.analysis != "dynamic") place.fail("history", "a load has a time only with analysis = \"dynamic\"");
+  if (load.constant) place.fail("constant", "a load with a history of its own is not constant; remove one of the keys");
+  load.history = time_function(place, "history", load.history_text);
+}
+
+void read_supports(const CaseReader& reader, Case& c) {
+  for (std::size_t n = 0; n < reader.count("support"); ++n) {
+    system::Support support;
+    MotionInput motion;
+    const SectionPlace place = reader.read("support", n, keys_of(support, motion));
+    support.motion =
+        motion_function(place, motion, c.analysis == "dynamic" || c.analysis == "static", "\"dynamic\" or \"static\"");
+    if (support.kind == system::Support::Kind::clamped && motion.axis)
+      support.rotation = [angle = expression(motion.angle), axis = Vec3(motion.axis->normalized())](double t) {
+        return Mat3(Eigen::AngleAxisd(angle(t) * (std::numbers::pi / 180.0), axis));
+      };
+    if (support.cylinder_axis && support.x_axis)
+      place.fail("cylinder_axis",
+                 "local axes are either x_axis and y_axis, or those of a cylinder; remove one of them");
+    if (support.y_axis && !support.x_axis) place.fail("x_axis", "the key is missing; y_axis is made square to it");
+    if (std::isfinite(support.release) && c.analysis != "dynamic")
+      place.fail("release", "a support lets go only with analysis = \"dynamic\"");
+    c.supports.push_back(std::move(support));
+    c.motions.push_back(std::move(motion));
+  }
+}
+
+void read_obstacle(const SectionPlace& place, Case& c, ObstacleSection& s) {
+  using Type = ObstacleSection::Type;
+  using Shape = system::Obstacle::Shape;
+  system::Obstacle& o = s.shape;
+  constexpr std::array shapes{Shape::mesh, Shape::plane, Shape::sphere, Shape::capsule, Shape::mesh};
+  o.shape = shapes[static_cast<std::size_t>(s.type)];
+  o.yields = s.on_pinch == ObstacleSection::OnPinch::yield;
+  for (const ObstacleSection& other : c.obstacles)
+    if (other.shape.name == o.name) place.fail("name", fmt::format("'{}': another obstacle has this name", o.name));
+  if (o.shape == Shape::plane && o.normal.norm() == 0.0) place.fail("normal", "the vector is zero");
+  if (o.shape == Shape::capsule && (s.end - s.point).norm() == 0.0)
+    place.fail("end", "the axis has no length; a ball is type = \"sphere\"");
+  if (s.type == Type::cylinder && (s.end - s.point).norm() == 0.0)
+    place.fail("end", "the same as point, so that the axis has no length; move one of the two");
+  o.motion = motion_function(place, s.motion, c.analysis == "dynamic", "\"dynamic\"");
+  if (o.shape == Shape::capsule)
+    o.points = {s.point, s.end};
+  else if (o.shape != Shape::mesh)
+    o.points = {s.point};
+  if (!s.file.empty()) s.file = beside(c.file, s.file);
+  if (s.frames.empty() && (s.frames_loop || s.frames_start != 0.0))
+    place.fail(s.frames_loop ? "frames_loop" : "frames_start", "there are no frames; give them, or remove the key");
+  if (s.frames.empty()) return;
+  s.frames = beside(c.file, s.frames);
+  if (o.motion) place.fail("frames", "a mesh moves by frames or by motion, not by both");
+  if (c.analysis != "dynamic") place.fail("frames", "something moves only with analysis = \"dynamic\"");
+}
+
+void read_contact(const CaseReader& reader, Case& c) {
+  const SectionPlace place = reader.read("contact", 0, keys_of(c.contact));
+  read_all(reader, "obstacle", c.obstacles,
+           [&](const SectionPlace& at, ObstacleSection& s) { read_obstacle(at, c, s); });
+  read_all(reader, "contact_rule", c.contact_rules, [](const SectionPlace&, const auto&) {});
+  c.contact.input.active = place.line > 0 || !c.obstacles.empty() || !c.contact_rules.empty();
+  if (!c.contact.input.active) return;
+  if (c.analysis != "static" && c.analysis != "dynamic" && c.analysis != "drape")
+    throw UserError(
+        fmt::format("{}: [contact], [[obstacle]]: there is no contact with analysis = \"{}\"; remove the "
+                    "sections, or choose static, dynamic or drape",
+                    place.file, c.analysis));
+  if (c.analysis == "static" && c.steps.control != solve::StaticOptions::Control::load)
+    throw UserError(fmt::format("{}: steps.control: contact in a static path needs \"load\"", place.file));
+}
+
+void check_time(const SectionPlace& place, Case& c) {
+  solve::TimeOptions& o = c.time.options;
+  // Contact makes long iterations at every step size: smaller steps would not make them shorter.
+  if (c.contact.input.active && !place.has("target_iterations")) o.target_iterations = 25;
+  if (c.contact.input.active && o.method == solve::TimeOptions::Method::central_difference)
+    place.fail("method", "there is no contact with \"central_difference\"; choose \"alpha\"");
+  if (c.contact.input.active && !o.forces_at_end)
+    place.fail("forces_at_end", "contact needs forces at the end of the step; remove the key");
+  if (o.max_step > 0.0 && o.max_step < o.step)
+    place.fail("max_step", fmt::format("{}: must not be smaller than step = {}", o.max_step, o.step));
+  if (o.min_step > o.step)
+    place.fail("min_step", fmt::format("{}: must not be larger than step = {}", o.min_step, o.step));
+  if (o.method == solve::TimeOptions::Method::central_difference && c.dynamics.mass == system::Mass::consistent)
+    place.fail("mass", "central_difference needs mass = \"lumped\"");
+  if (!c.time.load_history.empty()) c.dynamics.load_history = time_function(place, "load_history", c.time.load_history);
+}
+
+void check_petsc(const SectionPlace& place, const std::string& options) {
+  try {
+    (void)petsc_pairs(options);
+  } catch (const UserError& e) {
+    place.fail("options", e.what());
+  }
+}
+
+}  // namespace
+
+Case parse_case(const std::string& text, const std::filesystem::path& file, const std::vector<std::string>& settings) {
+  Case c;
+  c.file = file;
+  const CaseReader reader(text, file, top_keys(c), settings);
+  reader.read_top(top_keys(c));
+  reader.read("mesh", 0, keys_of(c.mesh));
+  c.mesh.file = beside(file, c.mesh.file);
+  reader.read("element", 0, keys_of(c.element));
+  read_materials(reader, c);
+  const auto unchecked = [](const SectionPlace&, const auto&) {};
+  read_supports(reader, c);
+  read_all(reader, "load", c.loads,
+           [&](const SectionPlace& place, system::Load& load) { read_load_history(place, c, load); });
+  read_all(reader, "mass", c.masses, unchecked);
+  read_all(reader, "spring", c.springs, unchecked);
+  const SectionPlace steps = reader.read("steps", 0, keys_of(c.steps));
+  check_steps(steps, c.steps);
+  if (c.analysis == "static" && c.steps.control != solve::StaticOptions::Control::load &&
+      std::any_of(c.motions.begin(), c.motions.end(), [](const MotionInput& m) { return m.any(); }))
+    steps.fail("control", "supports with a motion or rotation need \"load\": they move with the load factor");
+  reader.read("eigen", 0, keys_of(c.eigen));
+  read_contact(reader, c);
+  check_time(reader.read("time", 0, keys_of(c.time, c.dynamics.mass)), c);
+  read_all(reader, "initial_velocity", c.initial_velocities, [&](const SectionPlace& place, const InitialVelocity&) {
+    if (c.analysis != "dynamic") place.fail("velocity", "only analysis = \"dynamic\" has one; remove the section");
+  });
+  reader.read("damping", 0, damping_keys(c.dynamics));
+  reader.read("air", 0, keys_of(c.dynamics.drag));
+  reader.read("drape", 0, keys_of(c.drape));
+  read_all(reader, "probe", c.probes,
+           [&](const SectionPlace& place, const Probe& probe) { check_probe(place, probe, c.probes); });
+  check_control(steps, c.steps, c.probes);
+  reader.read("output", 0, keys_of(c.output));
+  check_petsc(reader.read("petsc", 0, petsc_keys(c)), c.petsc_options);
+  return c;
+}
+
+}  // namespace voile::input

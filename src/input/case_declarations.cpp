@@ -1,0 +1,28 @@
+#include "voile/input/case_declarations.hpp"
+
+namespace voile::input {
+
+Declarations::Declarations()
+    : top_(top_keys(case_)),
+      keys_{{"mesh", keys_of(case_.mesh)},
+            {"element", keys_of(case_.element)},
+            {"material", keys_of(material_)},
+            {"support", keys_of(support_, motion_)},
+            {"load", keys_of(load_)},
+            {"mass", keys_of(mass_)},
+            {"spring", keys_of(spring_)},
+            {"contact", keys_of(case_.contact)},
+            {"obstacle", keys_of(obstacle_)},
+            {"contact_rule", keys_of(rule_)},
+            {"steps", keys_of(case_.steps)},
+            {"eigen", keys_of(case_.eigen)},
+            {"time", keys_of(case_.time, case_.dynamics.mass)},
+            {"initial_velocity", keys_of(initial_velocity_)},
+            {"damping", damping_keys(case_.dynamics)},
+            {"air", keys_of(case_.dynamics.drag)},
+            {"drape", keys_of(case_.drape)},
+            {"probe", keys_of(probe_)},
+            {"output", keys_of(case_.output)},
+            {"petsc", petsc_keys(case_)}} {}
+
+}  // namespace voile::input

@@ -1,0 +1,278 @@
+// The case as text: values in TOML, the echo of a resolved case, the reference page.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "voile/base/text.hpp"
+#include "voile/input/case_declarations.hpp"
+
+namespace voile::input {
+
+namespace {
+
+constexpr double radian = std::numbers::pi / 180.0;  // of one degree, as the reader multiplies
+
+std::string quoted(const std::string& text) {
+  std::string out = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\')
+      out += fmt::format("\\{}", c);
+    else if (static_cast<unsigned char>(c) < 32 || c == 127)
+      out += fmt::format("\\u{:04X}", static_cast<int>(c));
+    else
+      out += c;
+  }
+  return out + '"';
+}
+
+/// Shortest text that reads back as the same number, with a point or exponent so that TOML takes it for a float.
+std::string number(double x) {
+  const std::string text = fmt::format("{}", x);
+  return text.find_first_of(".en") == std::string::npos ? text + ".0" : text;
+}
+
+/// The angle in degrees, chosen among its neighbours so that reading it gives exactly `radians` back.
+double degrees(double radians) {
+  const double guess = radians / radian;
+  double best = guess;
+  for (double low = guess, high = guess; best * radian != radians && high < guess * (1 + 1e-14);) {
+    low = std::nextafter(low, 0.0);
+    high = std::nextafter(high, 1e3);
+    best = low * radian == radians ? low : high;
+  }
+  return best * radian == radians ? best : guess;
+}
+
+template <class List, class Print>
+std::string list(const List& items, const Print& print) {
+  std::vector<std::string> texts;
+  for (const auto& item : items) texts.push_back(print(item));
+  return fmt::format("[{}]", join(texts, ", "));
+}
+
+std::string vector_text(const Vec3& v) {
+  return list(v, number);
+}
+
+/// Writes one alternative of Slot; an empty text means that there is nothing to write.
+struct Printer {
+  std::string operator()(const double* x) const { return std::isfinite(*x) ? number(*x) : ""; }
+  std::string operator()(const int* x) const { return fmt::format("{}", *x); }
+  std::string operator()(const bool* x) const { return *x ? "true" : "false"; }
+  std::string operator()(const std::string* x) const { return quoted(*x); }
+  std::string operator()(const std::filesystem::path* x) const { return quoted(x->string()); }
+  std::string operator()(const Degrees& x) const { return number(degrees(*x.radians)); }
+  std::string operator()(const Choice& x) const { return quoted(x.names[static_cast<std::size_t>(x.get())]); }
+  std::string operator()(const Words& x) const { return x.values->empty() ? "" : list(*x.values, quoted); }
+  std::string operator()(const std::vector<std::string>* x) const { return x->empty() ? "" : list(*x, quoted); }
+  std::string operator()(const std::vector<double>* x) const { return x->empty() ? "" : list(*x, number); }
+  std::string operator()(const std::vector<int>* x) const {
+    return x->empty() ? "" : list(*x, [](int i) { return quoted(std::string(1, "xyz"[i])); });
+  }
+  std::string operator()(const std::array<bool, 3>* x) const {
+    std::vector<int> axes;
+    for (int i = 0; i < 3; ++i)
+      if ((*x)[static_cast<std::size_t>(i)]) axes.push_back(i);
+    return (*this)(&axes);
+  }
+  std::string operator()(const Vec3* x) const { return vector_text(*x); }
+  std::string operator()(const std::optional<Vec3>* x) const { return *x ? vector_text(**x) : ""; }
+  std::string operator()(const Mat3* x) const {
+    return list(std::array{0, 1, 2}, [&](int i) { return vector_text(x->row(i)); });
+  }
+  std::string operator()(const std::map<std::string, double>* x) const {
+    std::vector<std::string> texts;
+    for (const auto& [name, value] : *x) texts.push_back(fmt::format("{} = {}", quoted(name), number(value)));
+    return texts.empty() ? "" : fmt::format("{{ {} }}", join(texts, ", "));
+  }
+};
+
+/// What may be written for a key, in words.
+struct TypeName {
+  std::string operator()(const double*) const { return "number"; }
+  std::string operator()(const int*) const { return "whole number"; }
+  std::string operator()(const bool*) const { return "`true` or `false`"; }
+  std::string operator()(const std::string*) const { return "text"; }
+  std::string operator()(const std::filesystem::path*) const { return "file name"; }
+  std::string operator()(const Degrees&) const { return "number"; }
+  std::string operator()(const Choice& x) const { return fmt::format("`\"{}\"`", join(x.names, "\"`, `\"")); }
+  std::string operator()(const Words&) const { return "list of texts"; }
+  std::string operator()(const std::vector<std::string>*) const { return "list of texts"; }
+  std::string operator()(const std::vector<double>*) const { return "list of numbers"; }
+  std::string operator()(const std::vector<int>*) const { return "list of axes"; }
+  std::string operator()(const std::array<bool, 3>*) const { return "list of axes"; }
+  std::string operator()(const Vec3*) const { return "3 numbers"; }
+  std::string operator()(const std::optional<Vec3>*) const { return "3 numbers"; }
+  std::string operator()(const Mat3*) const { return "3 rows of 3 numbers"; }
+  std::string operator()(const std::map<std::string, double>*) const { return "table of numbers"; }
+};
+
+/// The name of the section's type in force, "" if it has no key `type`.
+std::string type_of(const std::vector<Key>& keys) {
+  for (const Key& key : keys)
+    if (key.name == "type")
+      return std::get<Choice>(key.slot).names[static_cast<std::size_t>(std::get<Choice>(key.slot).get())];
+  return "";
+}
+
+std::string echo_keys(const std::vector<Key>& keys) {
+  const std::string type = type_of(keys);
+  std::string out;
+  for (const Key& key : keys) {
+    if (!applies(key, type)) continue;
+    std::string value = toml_value(key.slot);
+    if (!key.absent.empty() && value == "\"\"") value.clear();
+    const std::string unit = key.unit.empty() ? "" : fmt::format("  # [{}]", key.unit);
+    out += value.empty() ? fmt::format("# {}: {}\n", key.name, key.absent)
+                         : fmt::format("{} = {}{}\n", key.name, value, unit);
+  }
+  return out;
+}
+
+template <class Section>
+std::string echo_all(const char* name, std::vector<Section> items) {
+  std::string out;
+  for (Section& item : items) out += fmt::format("\n[[{}]]\n{}", name, echo_keys(keys_of(item)));
+  return out;
+}
+
+/// Every stored material is a pair of matrices, whatever it was given as.
+MaterialInput as_input(const energy::Material& m) {
+  MaterialInput input;
+  input.type = MaterialInput::Type::matrices;
+  input.groups = m.groups;
+  input.membrane = m.membrane;
+  input.bending = m.bending;
+  input.areal_density = m.areal_density;
+  input.bending_damping = m.bending_damping;
+  input.membrane_damping = m.viscous_time;
+  input.direction = m.direction;
+  if (m.texture_direction) input.texture_direction = {(*m.texture_direction)[0], (*m.texture_direction)[1]};
+  return input;
+}
+
+std::string default_text(const Key& key) {
+  if (key.required) return "required";
+  std::string value = toml_value(key.slot);
+  if (value == "\"\"" || value.empty())
+    value = key.absent.empty() ? "empty" : key.absent;
+  else
+    value = fmt::format("`{}`", value);
+  if (key.required_types.empty()) return value;
+  const bool only_those = key.types == key.required_types;
+  return only_those ? "required" : fmt::format("required for {}; else {}", join(key.required_types, ", "), value);
+}
+
+std::string reference_table(const std::vector<Key>& keys, bool by_type) {
+  std::string out = by_type ? "| key | for `type` | value | unit | default | meaning |\n|---|---|---|---|---|---|\n"
+                            : "| key | value | unit | default | meaning |\n|---|---|---|---|---|\n";
+  for (const Key& key : keys) {
+    std::string value = std::visit(TypeName{}, key.slot);
+    if (const std::string range = key.range.text(); !range.empty()) value += ", " + range;
+    const std::string types = key.types.empty() ? "all" : join(key.types, ", ");
+    out += fmt::format("| `{}` |{} {} | {} | {} | {} |\n", key.name, by_type ? fmt::format(" {} |", types) : "", value,
+                       key.unit.empty() ? "-" : key.unit, default_text(key), key.meaning);
+  }
+  return out;
+}
+
+constexpr const char* reference_head = R"(# Case file reference
+
+Generated by `voile reference`; do not edit by hand.
+
+A case is a [TOML](https://toml.io) file. Numbers are in SI units. A key that is not listed here is an error, so is a value
+of another type or outside its range. A run writes the case with every value in force to `resolved_case.toml` in its output
+folder; materials appear there as `matrices`, paths as absolute paths.
+
+```toml
+title = "Plate strip bent by a line load"
+
+[mesh]
+file = "strip.geo"
+parameters = { n = 40 }
+
+[[material]]
+type = "isotropic"
+young = 1.2e6
+poisson = 0.0
+thickness = 0.1
+
+[[support]]
+group = "fixed edge"
+type = "clamped"
+
+[[load]]
+group = "free edge"
+type = "line"
+vector = [0, 0, 4.0]
+
+[[probe]]
+name = "tip"
+type = "displacement"
+group = "free edge"
+```
+
+## Outside all sections
+
+)";
+
+constexpr const char* reference_tail = R"(
+Where an option is given more than once, the first of these wins: the command line, the environment variable
+`PETSC_OPTIONS`, the file `.petscrc`, the case file, Voile's own default. Everything on the command line that starts with a
+single dash and at least two characters belongs to PETSc; the word after it is its value unless it starts with a dash and a
+letter. Options that nothing used are reported at the end of a run.
+)";
+
+}  // namespace
+
+std::string toml_value(const Slot& slot) {
+  return std::visit(Printer{}, slot);
+}
+
+std::string echo_case(const Case& c) {
+  Case copy = c;
+  std::vector<MaterialInput> materials;
+  for (const energy::Material& m : c.materials) materials.push_back(as_input(m));
+  std::string out = "# The case with every value in force.\n" + echo_keys(top_keys(copy));
+  out += "\n[mesh]\n" + echo_keys(keys_of(copy.mesh));
+  out += "\n[element]\n" + echo_keys(keys_of(copy.element));
+  out += echo_all("material", materials);
+  for (std::size_t i = 0; i < copy.supports.size(); ++i)
+    out += "\n[[support]]\n" + echo_keys(keys_of(copy.supports[i], copy.motions[i]));
+  out += echo_all("load", copy.loads);
+  out += echo_all("mass", copy.masses);
+  out += echo_all("spring", copy.springs);
+  if (copy.contact.input.active) {
+    out += "\n[contact]\n" + echo_keys(keys_of(copy.contact));
+    out += echo_all("obstacle", copy.obstacles);
+    out += echo_all("contact_rule", copy.contact_rules);
+  }
+  out += "\n[steps]\n" + echo_keys(keys_of(copy.steps));
+  out += "\n[eigen]\n" + echo_keys(keys_of(copy.eigen));
+  out += "\n[time]\n" + echo_keys(keys_of(copy.time, copy.dynamics.mass));
+  out += echo_all("initial_velocity", copy.initial_velocities);
+  out += "\n[damping]\n" + echo_keys(damping_keys(copy.dynamics));
+  out += "\n[air]\n" + echo_keys(keys_of(copy.dynamics.drag));
+  out += "\n[drape]\n" + echo_keys(keys_of(copy.drape));
+  out += echo_all("probe", copy.probes);
+  out += "\n[output]\n" + echo_keys(keys_of(copy.output));
+  out += "\n[petsc]\n" + echo_keys(petsc_keys(copy));
+  return out;
+}
+
+std::string case_reference_markdown() {
+  const Declarations declared;
+  std::string out = reference_head + reference_table(declared.top(), false);
+  for (const SectionInfo& section : sections()) {
+    const std::vector<Key>& list = declared.of(section.name);
+    const bool by_type = std::any_of(list.begin(), list.end(), [](const Key& k) { return k.name == "type"; });
+    const std::string title =
+        section.repeated ? fmt::format("[[{}]]", section.name) : fmt::format("[{}]", section.name);
+    out += fmt::format("\n## `{}`\n\n{}\n\n{}", title, section.meaning, reference_table(list, by_type));
+  }
+  return out + reference_tail;
+}
+
+}  // namespace voile::input

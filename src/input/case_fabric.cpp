@@ -1,0 +1,199 @@
+#include <fmt/format.h>
+#include <toml++/toml.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <functional>
+#include <numbers>
+#include <sstream>
+
+#include "voile/base/error.hpp"
+#include "voile/base/text.hpp"
+#include "voile/energy/material.hpp"
+#include "voile/input/case_read.hpp"
+#include "voile/input/fabric.hpp"
+#include "voile/input/units.hpp"
+
+namespace voile::input {
+
+namespace {
+
+/// A figure of a fabric file.
+struct Figure {
+  std::string name;
+  std::vector<Dimension> dimensions;  ///< that it may be given in, the first one named in messages; empty: a ratio
+  bool required;
+  std::function<void(Fabric&, double)> set;
+};
+
+/// Areal density first: bending lengths need it.
+const std::vector<Figure>& figures() {
+  using enum Dimension;
+  const std::vector<Dimension> rigidity{bending_rigidity, fast_bending_length};
+  static const std::vector<Figure> all{
+      {"areal_density", {mass_per_area}, true, [](Fabric& f, double x) { f.areal_density = x; }},
+      {"thickness", {length}, false, [](Fabric& f, double x) { f.thickness = x; }},
+      {"membrane_warp", {force_per_length}, true, [](Fabric& f, double x) { f.membrane_warp = x; }},
+      {"membrane_weft", {force_per_length}, true, [](Fabric& f, double x) { f.membrane_weft = x; }},
+      {"membrane_shear", {shear_rigidity, force_per_length}, true, [](Fabric& f, double x) { f.membrane_shear = x; }},
+      {"membrane_poisson", {}, false, [](Fabric& f, double x) { f.membrane_poisson = x; }},
+      {"bending_warp", rigidity, true, [](Fabric& f, double x) { f.bending_warp = x; }},
+      {"bending_weft", rigidity, true, [](Fabric& f, double x) { f.bending_weft = x; }},
+      {"bending_twist", {bending_rigidity}, false, [](Fabric& f, double x) { f.bending_twist = x; }},
+      {"bending_poisson", {}, false, [](Fabric& f, double x) { f.bending_poisson = x; }},
+      {"bending_hysteresis", {moment_per_width}, false, [](Fabric& f, double x) { f.bending_hysteresis = x; }},
+  };
+  return all;
+}
+
+std::vector<std::string> figure_names() {
+  std::vector<std::string> names;
+  for (const Figure& figure : figures()) names.push_back(figure.name);
+  return names;
+}
+
+int line_of(const toml::source_region& source) {
+  return static_cast<int>(source.begin.line);
+}
+
+std::string text_of(const SectionPlace& place, const std::string& key, const toml::node& node) {
+  const std::string text = node.value<std::string>().value_or("");
+  if (!node.is_string() || text.find_first_not_of(' ') == std::string::npos)
+    place.fail(key, "a text in quotes is needed");
+  return text;
+}
+
+SectionPlace place_of(const std::string& file, const std::string& name, const toml::table& table, int line,
+                      const std::vector<std::string>& valid) {
+  SectionPlace place{file, name, line, {}};
+  for (const auto& [key, node] : table) place.key_lines[std::string(key.str())] = line_of(key.source());
+  for (const auto& [key, key_line] : place.key_lines)
+    if (std::find(valid.begin(), valid.end(), key) == valid.end())
+      throw UserError(fmt::format("{}:{}: {}unknown key '{}':{}", file, key_line,
+                                  name.empty() ? "" : fmt::format("[{}] ", name), key, suggestion(key, valid)));
+  return place;
+}
+
+double ratio(const SectionPlace& place, const Figure& figure, const toml::node& node) {
+  const double x = node.is_number() ? *node.value<double>() : std::nan("");
+  if (!(std::abs(x) < 1.0))
+    place.fail(figure.name, "a number between -1 and 1 is needed; beyond, the stiffness is not positive definite");
+  return x;
+}
+
+double quantity(const SectionPlace& place, const Figure& figure, const std::string& text, double areal_density) {
+  Quantity q;
+  try {
+    q = parse_quantity(text);
+  } catch (const UserError& e) {
+    place.fail(figure.name, e.what());
+  }
+  if (std::find(figure.dimensions.begin(), figure.dimensions.end(), q.dimension) == figure.dimensions.end()) {
+    std::vector<std::string> valid;
+    for (const Dimension d : figure.dimensions)
+      for (const std::string& unit : units_of(d)) valid.push_back(unit);
+    place.fail(figure.name, fmt::format("'{}' is {}, {} is needed: {}", text, name_of(q.dimension),
+                                        name_of(figure.dimensions.front()), join(valid, ", ")));
+  }
+  return q.dimension == Dimension::fast_bending_length ? bending_rigidity(areal_density, q.value) : q.value;
+}
+
+double value_of(const SectionPlace& place, const Figure& figure, const toml::node& node, double areal_density) {
+  if (figure.dimensions.empty()) return ratio(place, figure, node);
+  if (!node.is_number() && !node.is_string())
+    place.fail(figure.name, "a number in SI units or a text with a unit is needed");
+  const double x =
+      node.is_number() ? *node.value<double>() : quantity(place, figure, *node.value<std::string>(), areal_density);
+  if (!(x > 0.0 && std::isfinite(x))) place.fail(figure.name, "the figure must be finite and greater than zero");
+  return x;
+}
+
+/// A figure nobody can trace is worth nothing: each needs its source, and each source its figure.
+void check_sources(const SectionPlace& top, const toml::table& root) {
+  const toml::node* node = root.get("sources");
+  if (!node || !node->is_table())
+    top.fail("sources", "the table is missing; add [sources] with a text for every figure");
+  const SectionPlace place = place_of(top.file, "sources", *node->as_table(), line_of(node->source()), figure_names());
+  for (const auto& [key, source] : *node->as_table()) (void)text_of(place, std::string(key.str()), source);
+  for (const std::string& name : figure_names()) {
+    if (top.has(name) && !place.has(name))
+      top.fail(name,
+               fmt::format("the source is missing; say in [sources] where this figure comes from: {} = \"...\"", name));
+    if (!top.has(name) && place.has(name)) place.fail(name, "there is no such figure in this file");
+  }
+}
+
+void check_stiffness(const SectionPlace& place, const Fabric& fabric) {
+  if (!energy::is_positive_definite(membrane_stiffness(fabric)))
+    place.fail("membrane_poisson", "the membrane stiffness is not positive definite; check the membrane figures");
+  if (!energy::is_positive_definite(bending_stiffness(fabric)))
+    place.fail("bending_poisson", "the bending stiffness is not positive definite; check the bending figures");
+}
+
+Mat3 orthotropic(double s11, double s22, double s66, double poisson) {
+  Mat3 s = Mat3::Zero();
+  s(0, 0) = s11;
+  s(1, 1) = s22;
+  s(2, 2) = s66;
+  s(0, 1) = s(1, 0) = poisson * std::sqrt(s11 * s22);
+  return s;
+}
+
+}  // namespace
+
+Mat3 membrane_stiffness(const Fabric& f) {
+  return orthotropic(f.membrane_warp, f.membrane_weft, f.membrane_shear, f.membrane_poisson);
+}
+
+Mat3 bending_stiffness(const Fabric& f) {
+  const double isotropic_twist = 0.5 * (1.0 - f.bending_poisson) * std::sqrt(f.bending_warp * f.bending_weft);
+  return orthotropic(f.bending_warp, f.bending_weft, f.bending_twist.value_or(isotropic_twist), f.bending_poisson);
+}
+
+double bending_damping(const Fabric& f) {
+  constexpr double gravity = 9.80665;
+  const double rigidity = std::sqrt(f.bending_warp * f.bending_weft);
+  const double length = std::cbrt(rigidity / (f.areal_density * gravity));
+  const double loop = f.bending_hysteresis ? *f.bending_hysteresis / rigidity : typical_hysteresis;
+  return 2.0 * loop * length / std::numbers::pi * std::sqrt(length / gravity);
+}
+
+Fabric parse_fabric(const std::string& text, const std::filesystem::path& file) {
+  toml::table root;
+  try {
+    root = toml::parse(text);
+  } catch (const toml::parse_error& e) {
+    throw UserError(
+        fmt::format("{}:{}: this is not valid TOML: {}", file.string(), line_of(e.source()), e.description()));
+  }
+  std::vector<std::string> valid{"name", "description", "sources"};
+  for (const std::string& name : figure_names()) valid.push_back(name);
+  const SectionPlace place = place_of(file.string(), "", root, 0, valid);
+  for (const char* key : {"name", "description"})
+    if (!place.has(key)) place.fail(key, "the key is missing; say in words what the fabric is");
+  Fabric fabric;
+  fabric.name = text_of(place, "name", *root.get("name"));
+  fabric.description = text_of(place, "description", *root.get("description"));
+  for (const Figure& figure : figures()) {
+    if (const toml::node* node = root.get(figure.name))
+      figure.set(fabric, value_of(place, figure, *node, fabric.areal_density));
+    else if (figure.required)
+      place.fail(figure.name, fmt::format("the key is missing; {} is needed", name_of(figure.dimensions.front())));
+  }
+  check_sources(place, root);
+  check_stiffness(place, fabric);
+  return fabric;
+}
+
+Fabric read_fabric(const std::filesystem::path& file) {
+  std::error_code ignored;
+  std::ifstream in(file, std::ios::binary);
+  if (!in || std::filesystem::is_directory(file, ignored))
+    throw UserError(fmt::format("{}: there is no such fabric file", file.string()));
+  std::ostringstream buffer;
+  buffer << in.rdbuf();
+  return parse_fabric(buffer.str(), file);
+}
+
+}  // namespace voile::input

@@ -1,0 +1,108 @@
+#include "voile/input/case_keys.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "keys_common.hpp"
+
+namespace voile::input {
+
+namespace {
+
+/// Binds a string that may only take one of `names`.
+Choice word(std::string& value, std::vector<std::string> names) {
+  return {names,
+          [&value, names] { return static_cast<int>(std::find(names.begin(), names.end(), value) - names.begin()); },
+          [&value, names](int i) { value = names[static_cast<std::size_t>(i)]; }};
+}
+
+bool contains(const std::vector<std::string>& list, const std::string& item) {
+  return std::find(list.begin(), list.end(), item) != list.end();
+}
+
+}  // namespace
+
+std::string Range::text() const {
+  std::string lower =
+      low > -std::numeric_limits<double>::infinity() ? fmt::format("{} {}", low_open ? ">" : ">=", low) : "";
+  std::string upper = high < std::numeric_limits<double>::infinity() ? fmt::format("<= {}", high) : "";
+  return lower + (lower.empty() || upper.empty() ? "" : " and ") + upper;
+}
+
+bool applies(const Key& key, const std::string& type) {
+  return key.types.empty() || contains(key.types, type);
+}
+
+bool is_required(const Key& key, const std::string& type) {
+  return applies(key, type) && (key.required || contains(key.required_types, type));
+}
+
+std::vector<Key> top_keys(Case& c) {
+  return {{.name = "title", .slot = &c.title, .meaning = "Free text, shown at the start of a run."},
+          {.name = "analysis",
+           .slot = word(c.analysis, {"static", "linear", "modal", "buckling", "dynamic", "drape"}),
+           .meaning = "`static`: the load path of `steps`. `linear`: one solution for small deflections at "
+                      "`final_load_factor`. `modal`: natural vibrations. `buckling`: critical loads; both about the "
+                      "state that `eigen` names. `dynamic`: motion in time. `drape`: a stable equilibrium at load "
+                      "factor 1 from any start."}};
+}
+
+std::vector<Key> placement_keys(io::Placement& p, const std::vector<std::string>& types) {
+  return {
+      {.name = "up_axis",
+       .slot = choice(p.up_axis, {{"y", io::Placement::UpAxis::y}, {"z", io::Placement::UpAxis::z}}),
+       .meaning = "Axis that points up in files. From `y` it is turned to z: (x, y, z) becomes (x, -z, y).",
+       .types = types},
+      {.name = "rotate",
+       .slot = &p.rotate,
+       .meaning = "Then files are turned about the axes x, y and z of the scene, in this order, through its origin.",
+       .unit = "degree",
+       .types = types},
+      {.name = "translate",
+       .slot = &p.translate,
+       .meaning = "Then they are moved by this. Everything else in the case (points, directions, loads, motions) "
+                  "refers to the scene.",
+       .unit = "m",
+       .types = types}};
+}
+
+std::vector<Key> joined(std::vector<Key> first, const std::vector<Key>& second) {
+  first.insert(first.end(), second.begin(), second.end());
+  return first;
+}
+
+std::vector<Key> with_keys_after(const std::string& name, std::vector<Key> first, const std::vector<Key>& second) {
+  const auto at = std::find_if(first.begin(), first.end(), [&](const Key& k) { return k.name == name; });
+  first.insert(at + 1, second.begin(), second.end());
+  return first;
+}
+
+const std::vector<SectionInfo>& sections() {
+  static const std::vector<SectionInfo> all{
+      {"mesh", false, "The surface. Required."},
+      {"element", false, "Operators of the shell element."},
+      {"material", true, "Stiffness and mass of the shell. At least one."},
+      {"support", true, "Prescribed displacements and slopes."},
+      {"load", true, "Loads; each grows with the load factor unless it is `constant`."},
+      {"mass", true, "Masses at vertices."},
+      {"spring", true, "Linear springs to where vertices are at rest."},
+      {"contact", false,
+       "Contact without interpenetration, see [contact.md](contact.md). This section, or an obstacle, switches it on."},
+      {"obstacle", true, "What the sheet can touch."},
+      {"contact_rule", true, "What holds between two bodies instead of the general rules."},
+      {"steps", false, "How the path of equilibria is followed from the unloaded state."},
+      {"eigen", false, "Modes of vibration and buckling."},
+      {"time", false, "Motion in time, `analysis = \"dynamic\"`."},
+      {"initial_velocity", true,
+       "How a motion starts, unless `--restart` goes on from another; where groups overlap the last one counts."},
+      {"damping", false, "Damping of `dynamic`."},
+      {"air", false, "Drag by air and wind in `dynamic`. Speed and normal are those of the start of each step."},
+      {"drape", false, "The search of `analysis = \"drape\"`."},
+      {"probe", true, "Numbers recorded in `history.csv` after every step."},
+      {"output", false, "What is written to `results.h5` and `results.xdmf`."},
+      {"petsc", false, "The solver library."}};
+  return all;
+}
+
+}  // namespace voile::input

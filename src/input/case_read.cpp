@@ -1,0 +1,358 @@
+#include "voile/input/case_read.hpp"
+
+#include <fmt/format.h>
+#include <toml++/toml.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <sstream>
+
+#include "voile/base/error.hpp"
+#include "voile/base/text.hpp"
+
+namespace voile::input {
+
+namespace {
+
+int line_of(const toml::source_region& source) {
+  return static_cast<int>(source.begin.line);
+}
+
+/// Edit distance in which swapping two neighbouring letters counts once.
+int distance(const std::string& a, const std::string& b) {
+  std::vector<std::vector<int>> d(a.size() + 1, std::vector<int>(b.size() + 1, 0));
+  for (std::size_t i = 0; i <= a.size(); ++i) d[i][0] = static_cast<int>(i);
+  for (std::size_t j = 0; j <= b.size(); ++j) d[0][j] = static_cast<int>(j);
+  for (std::size_t i = 1; i <= a.size(); ++i)
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      d[i][j] = std::min({d[i - 1][j] + 1, d[i][j - 1] + 1, d[i - 1][j - 1] + (a[i - 1] != b[j - 1])});
+      if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1])
+        d[i][j] = std::min(d[i][j], d[i - 2][j - 2] + 1);
+    }
+  return d[a.size()][b.size()];
+}
+
+/// A value as the user wrote it, or nearly so, kept short.
+std::string text_of(const toml::node& node) {
+  if (node.is_floating_point()) return fmt::format("{}", *node.value<double>());
+  std::ostringstream out;
+  node.visit([&](const auto& n) { out << n; });
+  std::string text = out.str();
+  std::replace(text.begin(), text.end(), '\n', ' ');
+  return text.size() <= 60 ? text : text.substr(0, 57) + "...";
+}
+
+/// Reads one value into one alternative of Slot.
+class ValueReader {
+ public:
+  ValueReader(const SectionPlace& place, const Key& key, const toml::node& node)
+      : place_(place), key_(key), node_(node) {}
+
+  void operator()(double* x) const { *x = in_range(number(node_, number_hint())); }
+  void operator()(const Degrees& x) const {
+    *x.radians = in_range(number(node_, number_hint())) * (std::numbers::pi / 180.0);
+  }
+  void operator()(int* x) const {
+    const auto value = node_.is_integer() ? node_.value<std::int64_t>() : std::nullopt;
+    if (!value) refuse("a whole number is needed");
+    (void)in_range(static_cast<double>(*value));
+    if (std::abs(*value) > std::numeric_limits<int>::max()) refuse("the number is too large");
+    *x = static_cast<int>(*value);
+  }
+  void operator()(bool* x) const {
+    if (!node_.is_boolean()) refuse("write true or false, without quotes");
+    *x = *node_.value<bool>();
+  }
+  void operator()(std::string* x) const { *x = filled(text(node_)); }
+  void operator()(std::filesystem::path* x) const { *x = filled(text(node_)); }
+  void operator()(const Choice& x) const {
+    const auto at = std::find(x.names.begin(), x.names.end(), text(node_));
+    if (at == x.names.end()) refuse(fmt::format("unknown value:{}", suggestion(text(node_), x.names)));
+    x.set(static_cast<int>(at - x.names.begin()));
+  }
+  void operator()(const Words& x) const {
+    x.values->clear();
+    for (const toml::node& item : array("a list of texts in quotes")) {
+      const std::string word = filled(text(item));
+      if (!x.allowed.empty() && std::find(x.allowed.begin(), x.allowed.end(), word) == x.allowed.end())
+        refuse(fmt::format("unknown name '{}':{}", word, suggestion(word, x.allowed)));
+      if (std::find(x.values->begin(), x.values->end(), word) != x.values->end())
+        refuse(fmt::format("'{}' is there twice; keep one", word));
+      x.values->push_back(word);
+    }
+  }
+  void operator()(std::vector<std::string>* x) const {
+    x->clear();
+    for (const toml::node& item : array("a list of texts in quotes")) x->push_back(filled(text(item)));
+  }
+  void operator()(std::vector<double>* x) const {
+    x->clear();
+    for (const toml::node& item : array("a list of numbers"))
+      x->push_back(in_range(number(item, "a list of numbers is needed")));
+  }
+  void operator()(std::vector<int>* x) const { *x = axes(); }
+  void operator()(std::array<bool, 3>* x) const {
+    *x = {false, false, false};
+    for (const int axis : axes()) (*x)[static_cast<std::size_t>(axis)] = true;
+  }
+  void operator()(Vec3* x) const { *x = vector(node_, "three numbers [x, y, z] are needed"); }
+  void operator()(std::optional<Vec3>* x) const {
+    *x = vector(node_, "three numbers [x, y, z] are needed");
+    // All optional vectors are directions but the point of a probe, which may be the origin.
+    if (key_.unit.empty() && (*x)->norm() == 0.0) refuse("a direction must not be zero");
+  }
+  void operator()(Mat3* x) const {
+    constexpr const char* wanted = "three rows of three numbers are needed: [[a, b, c], [b, d, e], [c, e, f]]";
+    const toml::array& rows = array(wanted);
+    if (rows.size() != 3) refuse(wanted);
+    for (int i = 0; i < 3; ++i) x->row(i) = vector(rows[static_cast<std::size_t>(i)], wanted);
+  }
+  void operator()(std::map<std::string, double>* x) const {
+    const toml::table* table = node_.as_table();
+    if (!table) refuse("a table of numbers is needed: { name = 1.0 }");
+    if (table->empty()) refuse("the table is empty; leave the key out");
+    x->clear();
+    for (const auto& [name, value] : *table)
+      (*x)[std::string(name.str())] = number(value, fmt::format("'{}' must be a number", name.str()));
+  }
+
+ private:
+  [[noreturn]] void refuse(const std::string& remedy) const {
+    place_.fail(key_.name, fmt::format("{}: {}", text_of(node_), remedy));
+  }
+  [[nodiscard]] std::string number_hint() const {
+    const std::string range = key_.range.text();
+    return fmt::format("a number{}{} is needed{}", key_.unit.empty() ? "" : fmt::format(" in {}", key_.unit),
+                       range.empty() ? "" : " " + range, node_.is_string() ? "; write it without quotes" : "");
+  }
+  [[nodiscard]] double number(const toml::node& node, const std::string& remedy) const {
+    if (!node.is_number()) refuse(remedy);
+    const double x = *node.value<double>();
+    if (!std::isfinite(x)) refuse("the number must be finite");
+    return x;
+  }
+  [[nodiscard]] double in_range(double x) const {
+    if (!key_.range.contains(x))
+      refuse(fmt::format("must be {}{}", key_.range.text(), key_.unit.empty() ? "" : fmt::format(" [{}]", key_.unit)));
+    return x;
+  }
+  [[nodiscard]] std::string text(const toml::node& node) const {
+    if (!node.is_string()) refuse("a text in quotes is needed");
+    return *node.value<std::string>();
+  }
+  /// Optional texts may be empty in the echo of a case; names and files may not.
+  [[nodiscard]] std::string filled(std::string value) const {
+    const bool free_text = key_.name == "title" || key_.name == "options";
+    if (value.empty() && !free_text) refuse("the text is empty");
+    return value;
+  }
+  [[nodiscard]] const toml::array& array(const std::string& what) const {
+    const toml::array* items = node_.as_array();
+    if (!items) refuse(fmt::format("{} is needed, in square brackets", what));
+    if (items->empty()) refuse("the list is empty; fill it or leave the key out");
+    return *items;
+  }
+  [[nodiscard]] Vec3 vector(const toml::node& node, const char* wanted) const {
+    const toml::array* items = node.as_array();
+    if (!items || items->size() != 3) refuse(wanted);
+    return {number((*items)[0], wanted), number((*items)[1], wanted), number((*items)[2], wanted)};
+  }
+  [[nodiscard]] std::vector<int> axes() const {
+    std::vector<int> found;
+    for (const toml::node& item : array("a list of \"x\", \"y\", \"z\"")) {
+      const std::string name = text(item);
+      const std::size_t axis = name.size() == 1 ? std::string("xyz").find(name) : std::string::npos;
+      if (axis == std::string::npos) refuse(fmt::format("unknown axis '{}'; use \"x\", \"y\", \"z\"", name));
+      if (std::find(found.begin(), found.end(), static_cast<int>(axis)) != found.end())
+        refuse(fmt::format("axis '{}' is there twice; keep one", name));
+      found.push_back(static_cast<int>(axis));
+    }
+    std::sort(found.begin(), found.end());
+    return found;
+  }
+
+  const SectionPlace& place_;
+  const Key& key_;
+  const toml::node& node_;
+};
+
+std::vector<std::string> names_of(const std::vector<Key>& keys, const std::string& type) {
+  std::vector<std::string> names;
+  for (const Key& key : keys)
+    if (applies(key, type)) names.push_back(key.name);
+  return names;
+}
+
+[[noreturn]] void fail_at(const std::string& file, int line, const std::string& message) {
+  throw UserError(fmt::format("{}:{}: {}", file, line, message));
+}
+
+const Key* find_key(const std::vector<Key>& keys, std::string_view name) {
+  const auto at = std::find_if(keys.begin(), keys.end(), [&](const Key& k) { return k.name == name; });
+  return at == keys.end() ? nullptr : &*at;
+}
+
+/// Reads the section's type, on which the meaning of its other keys depends. "" if it has none.
+std::string read_type(const SectionPlace& place, const std::vector<Key>& keys, const toml::table& table) {
+  const Key* key = find_key(keys, "type");
+  if (!key) return "";
+  const Choice& choice = std::get<Choice>(key->slot);
+  const toml::node* node = table.get("type");
+  if (!node) place.fail("type", fmt::format("the key is missing; choose one of: {}", join(choice.names, ", ")));
+  ValueReader(place, *key, *node)(choice);
+  return choice.names[static_cast<std::size_t>(choice.get())];
+}
+
+SectionPlace read_table(SectionPlace place, const toml::table& table, const std::vector<Key>& keys) {
+  for (const auto& [name, node] : table) place.key_lines[std::string(name.str())] = line_of(name.source());
+  const std::string type = read_type(place, keys, table);
+  for (const auto& [name, node] : table) {
+    const Key* key = find_key(keys, name.str());
+    const std::vector<std::string> valid = names_of(keys, type);
+    const std::string section = place.name.empty() ? "" : fmt::format("[{}] ", place.name);
+    if (!key)
+      fail_at(place.file, line_of(name.source()),
+              fmt::format("{}unknown key '{}':{}", section, name.str(), suggestion(std::string(name.str()), valid)));
+    if (!applies(*key, type))
+      fail_at(place.file, line_of(name.source()),
+              fmt::format("{}key '{}' does not belong to type '{}'; that has: {}", section, name.str(), type,
+                          join(valid, ", ")));
+    std::visit(ValueReader(place, *key, node), key->slot);
+  }
+  for (const Key& key : keys)
+    if (is_required(key, type) && !place.has(key.name))
+      place.fail(key.name, fmt::format("the key is missing; {}", key.meaning));
+  return place;
+}
+
+}  // namespace
+
+std::string nearest(const std::string& word, const std::vector<std::string>& names) {
+  std::string best;
+  int best_distance = std::max(2, static_cast<int>(word.size()) / 3) + 1;
+  for (const std::string& name : names)
+    if (const int d = distance(word, name); d < best_distance && d < static_cast<int>(name.size())) {
+      best = name;
+      best_distance = d;
+    }
+  return best;
+}
+
+std::string suggestion(const std::string& word, const std::vector<std::string>& names) {
+  const std::string near = nearest(word, names);
+  return near.empty() ? fmt::format(" valid: {}", join(names, ", ")) : fmt::format(" did you mean '{}'?", near);
+}
+
+void SectionPlace::fail(const std::string& key, const std::string& message) const {
+  const auto at = key_lines.find(key);
+  const int where = at == key_lines.end() ? line : at->second;
+  throw UserError(fmt::format("{}{}: {}{}: {}", file, where > 0 ? fmt::format(":{}", where) : "", name,
+                              name.empty() ? key : "." + key, message));
+}
+
+struct CaseReader::Impl {
+  std::string file;
+  toml::table root;
+
+  [[nodiscard]] const toml::table* section(const std::string& name, std::size_t n) const {
+    const toml::node* node = root.get(name);
+    if (!node) return nullptr;
+    return node->is_table() ? node->as_table() : (*node->as_array())[n].as_table();
+  }
+};
+
+namespace {
+
+/// Puts "mesh.parameters.n=40" into the tables.
+void apply_setting(toml::table& root, const std::string& setting) {
+  const auto fail = [&](const std::string& why) { throw UserError(fmt::format("--set {}: {}", setting, why)); };
+  const std::size_t equals = setting.find('=');
+  if (equals == std::string::npos || equals == 0) fail("write key=value, e.g. mesh.parameters.n=40");
+  std::vector<std::string> path;
+  std::istringstream words(setting.substr(0, equals));
+  for (std::string word; std::getline(words, word, '.');) path.push_back(word);
+  const std::string written = setting.substr(equals + 1);
+  toml::table value;
+  try {
+    value = toml::parse("value = " + written);
+  } catch (const toml::parse_error&) {
+    value.insert_or_assign("value", written);
+  }
+  toml::node* node = &root;
+  for (std::size_t k = 0; k + 1 < path.size(); ++k) {
+    if (toml::array* list = node->as_array()) {
+      const bool number = !path[k].empty() && std::all_of(path[k].begin(), path[k].end(), ::isdigit);
+      const std::size_t n = number ? std::stoul(path[k]) : list->size();
+      if (n >= list->size())
+        fail(fmt::format("'{}' is not the number of one of its {} sections, counted from 0", path[k], list->size()));
+      node = list->get(n);
+    } else if (toml::table* table = node->as_table()) {
+      if (!table->contains(path[k])) table->insert(path[k], toml::table{});
+      node = table->get(path[k]);
+    } else {
+      fail(fmt::format("'{}' lies in a plain value", path[k]));
+    }
+  }
+  toml::table* table = node->as_table();
+  if (!table)
+    fail(fmt::format("'{}' has no keys; a section that can repeat needs its number, counted from 0", path.front()));
+  value.get("value")->visit([&](auto& v) { table->insert_or_assign(path.back(), v); });
+}
+
+}  // namespace
+
+CaseReader::CaseReader(const std::string& text, const std::filesystem::path& file, const std::vector<Key>& top,
+                       const std::vector<std::string>& settings)
+    : impl_(std::make_unique<Impl>()) {
+  impl_->file = file.string();
+  try {
+    impl_->root = toml::parse(text);
+  } catch (const toml::parse_error& e) {
+    fail_at(impl_->file, line_of(e.source()), fmt::format("this is not valid TOML: {}", e.description()));
+  }
+  for (const std::string& setting : settings) apply_setting(impl_->root, setting);
+  std::vector<std::string> known;
+  for (const SectionInfo& info : sections()) known.push_back(info.name);
+  for (const Key& key : top) known.push_back(key.name);
+  for (const auto& [name, node] : impl_->root) {
+    const int line = line_of(name.source());
+    const std::string key(name.str());
+    if (find_key(top, key)) continue;
+    const auto info = std::find_if(sections().begin(), sections().end(), [&](const auto& s) { return s.name == key; });
+    if (info == sections().end())
+      fail_at(impl_->file, line,
+              fmt::format("unknown {} '{}':{}", node.is_value() ? "key" : "section", key, suggestion(key, known)));
+    const bool right = info->repeated ? node.is_array_of_tables() : node.is_table();
+    if (!right)
+      fail_at(
+          impl_->file, line,
+          fmt::format("section '{}' must be written {}", key, info->repeated ? "[[" + key + "]]" : "[" + key + "]"));
+  }
+}
+
+CaseReader::~CaseReader() = default;
+
+std::size_t CaseReader::count(const std::string& section) const {
+  const toml::node* node = impl_->root.get(section);
+  return !node ? 0 : node->is_table() ? 1 : node->as_array()->size();
+}
+
+SectionPlace CaseReader::read(const std::string& section, std::size_t n, const std::vector<Key>& keys) const {
+  static const toml::table none;
+  const toml::table* table = impl_->section(section, n);
+  return read_table({impl_->file, section, table ? line_of(table->source()) : 0, {}}, table ? *table : none, keys);
+}
+
+SectionPlace CaseReader::read_top(const std::vector<Key>& keys) const {
+  toml::table table;
+  SectionPlace place{impl_->file, "", 0, {}};
+  for (const Key& key : keys)
+    if (const toml::node* node = impl_->root.get(key.name)) {
+      place.key_lines[key.name] = line_of(node->source());
+      std::visit(ValueReader(place, key, *node), key.slot);
+    }
+  return place;
+}
+
+}  // namespace voile::input

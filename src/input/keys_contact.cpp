@@ -1,0 +1,162 @@
+// Keys of contact, obstacles and rules.
+#include "keys_common.hpp"
+
+namespace voile::input {
+
+std::vector<Key> keys_of(ContactSection& s) {
+  contact::ContactOptions& o = s.input.options;
+  return {
+      {.name = "distance",
+       .slot = &o.distance,
+       .meaning =
+           "Gap below which surfaces push each other away. This and the other defaults of contact are in SI units: "
+           "give them all in another set.",
+       .unit = "m",
+       .range = positive},
+      {.name = "stiffness",
+       .slot = &o.stiffness,
+       .meaning = "Of the barrier: the pressure at half the distance is 1.2 times this, and grows without bound as the "
+                  "gap closes.",
+       .unit = "Pa",
+       .range = positive},
+      {.name = "thickness",
+       .slot = &s.input.thickness,
+       .meaning = "Of the sheet: mid-surfaces of its layers stay further apart than this.",
+       .unit = "m",
+       .range = not_negative},
+      {.name = "self", .slot = &s.input.self, .meaning = "Whether the sheet, all pieces of it, touches itself."},
+      {.name = "friction",
+       .slot = &s.input.friction,
+       .meaning = "Coefficient of friction of the sheet against itself.",
+       .range = not_negative},
+      {.name = "slip_speed",
+       .slot = &o.slip_speed,
+       .meaning = "Below this speed friction falls smoothly to zero, so that what sticks creeps slower than this.",
+       .unit = "m/s",
+       .range = positive},
+      {.name = "slip_distance",
+       .slot = &o.slip_distance,
+       .meaning = "The same for a slip within one load step of `static`, or from the end of the fall of `drape`. 0: a "
+                  "thousandth of "
+                  "a cell.",
+       .unit = "m",
+       .range = not_negative},
+      {.name = "settle_time",
+       .slot = &o.settle_time,
+       .meaning = "In `dynamic`, a start nearer than `distance` is let out to it within this time. 0: the barrier acts "
+                  "in full at once, and throws the sheet away.",
+       .unit = "s",
+       .range = not_negative},
+      {.name = "check",
+       .slot = &s.check,
+       .meaning = "Count intersecting triangles after every step with exact predicates, independently of the solver."},
+      {.name = "untangle",
+       .slot = &s.untangle,
+       .meaning =
+           "Repair shallow intersections of the start, and gaps below `distance`: vertices move, by at most five "
+           "cells, until nothing intersects. Not with `--restart`."}};
+}
+
+std::vector<Key> keys_of(ObstacleSection& s) {
+  const std::vector<std::string> mesh{"mesh"}, plane{"plane"}, sphere{"sphere"}, axis{"capsule", "cylinder"};
+  system::Obstacle& o = s.shape;
+  std::vector<Key> keys{
+      {.name = "name", .slot = &o.name, .meaning = "Unique; for rules and messages.", .required = true},
+      {.name = "type",
+       .slot = choice(s.type, {{"mesh", ObstacleSection::Type::mesh},
+                               {"plane", ObstacleSection::Type::plane},
+                               {"sphere", ObstacleSection::Type::sphere},
+                               {"capsule", ObstacleSection::Type::capsule},
+                               {"cylinder", ObstacleSection::Type::cylinder}}),
+       .meaning = "`mesh`: triangles of a file, both sides of which are solid. `plane`: a half-space. `capsule`: all "
+                  "points within `radius` of the line from `point` to `end`. `cylinder`: with flat ends at `point` and "
+                  "`end`, as triangles.",
+       .required = true},
+      {.name = "file",
+       .slot = &s.file,
+       .meaning = "Triangles: OBJ, STL, PLY, OFF or `.msh`, relative to the folder of the case file.",
+       .types = mesh,
+       .required = true},
+      {.name = "scale",
+       .slot = &s.scale,
+       .meaning = "Coordinates in files are multiplied by this to become metres.",
+       .range = positive,
+       .types = mesh},
+      {.name = "frames",
+       .slot = &s.frames,
+       .meaning = "Positions of the vertices in time, linear between key frames: PC2, MDD, or OBJ files as "
+                  "`walk_%04d.obj`. They are scaled and put in place as the mesh is.",
+       .types = mesh,
+       .absent = "none"},
+      {.name = "frames_per_second",
+       .slot = &s.frames_per_second,
+       .meaning = "Of `frames` that do not say it themselves (PC2, OBJ).",
+       .unit = "1/s",
+       .range = positive,
+       .types = mesh},
+      {.name = "frames_start",
+       .slot = &s.frames_start,
+       .meaning = "Time of the first key frame, whatever the file says of it. Before it the body is held in the first "
+                  "frame, after the last one in the last; below 0 the run begins within the frames.",
+       .unit = "s",
+       .types = mesh},
+      {.name = "frames_loop",
+       .slot = &s.frames_loop,
+       .meaning = "Whether the frames repeat: where the last one is the first again, at once, else the body goes from "
+                  "the last to the first within one more frame.",
+       .types = mesh},
+      {.name = "point",
+       .slot = &s.point,
+       .meaning = "A point of the plane, the centre of the sphere, one end of the axis of capsule or cylinder.",
+       .unit = "m",
+       .types = {"plane", "sphere", "capsule", "cylinder"},
+       .required = true},
+      {.name = "normal", .slot = &o.normal, .meaning = "Points to the free side.", .types = plane, .required = true},
+      {.name = "end",
+       .slot = &s.end,
+       .meaning = "The other end of the axis.",
+       .unit = "m",
+       .types = axis,
+       .required = true},
+      {.name = "radius",
+       .slot = &o.radius,
+       .meaning = "Of sphere, capsule and cylinder.",
+       .unit = "m",
+       .range = positive,
+       .types = {"sphere", "capsule", "cylinder"},
+       .required = true},
+      {.name = "thickness",
+       .slot = &o.thickness,
+       .meaning = "The surface lies half of this further out.",
+       .unit = "m",
+       .range = not_negative},
+      {.name = "friction",
+       .slot = &o.friction,
+       .meaning = "Coefficient of friction against the sheet.",
+       .range = not_negative},
+      {.name = "on_pinch",
+       .slot =
+           choice(s.on_pinch, {{"stop", ObstacleSection::OnPinch::stop}, {"yield", ObstacleSection::OnPinch::yield}}),
+       .meaning =
+           "When it closes on the sheet and leaves no room: `stop` ends the run, `yield` lets its surface give way "
+           "to the vertices that are pinched until they are free again (`dynamic` only)."}};
+  return joined(with_keys_after("scale", std::move(keys), placement_keys(s.placement, mesh)),
+                motion_keys(s.motion, {}));
+}
+
+std::vector<Key> keys_of(RuleSection& s) {
+  return {{.name = "first",
+           .slot = &s.first,
+           .meaning = "An obstacle, a physical surface, or a physical curve: its vertices with all edges and triangles "
+                      "that touch them.",
+           .required = true},
+          {.name = "second", .slot = &s.second, .meaning = "Another, or the same.", .required = true},
+          {.name = "friction",
+           .slot = &s.friction,
+           .meaning = "Coefficient of friction between the two.",
+           .range = not_negative,
+           .absent = "as for other pairs"},
+          {.name = "ignore", .slot = &s.ignore, .meaning = "The two do not see each other."}};
+}
+
+}  // namespace voile::input

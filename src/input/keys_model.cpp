@@ -1,0 +1,362 @@
+// Keys of the sheet and what acts on it: mesh, element, materials, supports, loads, masses, springs.
+#include "keys_common.hpp"
+
+namespace voile::input {
+
+std::vector<Key> keys_of(MeshSection& s) {
+  io::MeshOptions& o = s.options;
+  std::vector<Key> keys{
+      {.name = "file",
+       .slot = &s.file,
+       .meaning =
+           "Gmsh mesh (`.msh`) or geometry (`.geo`), or a mesh as `.obj`, `.inp` (Abaqus), `.vtk` (legacy), `.stl`, "
+           "`.ply` or `.off` (see [meshes.md](meshes.md)), relative to the folder of the case file.",
+       .required = true},
+      {.name = "scale",
+       .slot = &o.scale,
+       .meaning = "The file's coordinates are multiplied by this to become metres.",
+       .range = positive},
+      {.name = "size",
+       .slot = &o.size,
+       .meaning = "Target edge length everywhere, for a `.geo`, in its own unit of length. 0: as the `.geo` says.",
+       .unit = "file unit",
+       .range = not_negative},
+      {.name = "algorithm",
+       .slot = &o.algorithm,
+       .meaning = "Gmsh's number of the 2-D meshing algorithm, for a `.geo` (5 Delaunay, 6 Frontal-Delaunay, ...). "
+                  "0: as the `.geo` says.",
+       .range = {0, 9}},
+      {.name = "merge",
+       .slot = &o.merge,
+       .meaning =
+           "Whether vertices on the boundary that lie at the same place become one. Without it they are a slit, as "
+           "they are in a mesh that was exported part by part."},
+      {.name = "merge_tolerance",
+       .slot = &o.merge_tolerance,
+       .meaning =
+           "How close such vertices lie, after `scale`. 0: a millionth of the mesh's extent, but at most a tenth of "
+           "its shortest edge.",
+       .unit = "m",
+       .range = not_negative},
+      {.name = "parameters",
+       .slot = &o.parameters,
+       .meaning = "Numbers that a `.geo` declares with `DefineConstant` (or `DefineNumber`), by name of the variable.",
+       .absent = "as the `.geo` says"}};
+  return with_keys_after("scale", std::move(keys), placement_keys(o.placement, {}));
+}
+
+std::vector<Key> keys_of(energy::ElementOptions& s) {
+  return {{.name = "bending",
+           .slot = choice(s.bending, {{"edge_slope", energy::BendingOperator::edge_slope},
+                                      {"six_node", energy::BendingOperator::six_node}}),
+           .meaning = "Curvature of a triangle: from one normal slope per edge, or from the quadratic through the "
+                      "triangle and its three neighbours (accurate on regular meshes only)."},
+          {.name = "membrane",
+           .slot = choice(s.membrane, {{"cst", energy::MembraneOperator::cst},
+                                       {"six_node", energy::MembraneOperator::six_node},
+                                       {"six_node_three_point", energy::MembraneOperator::six_node_three_point}}),
+           .meaning = "Membrane strain: constant-strain triangle, mid-side strains of the six-node patch averaged, or "
+                      "the energies of the three mid-side strains averaged."},
+          {.name = "cst_share",
+           .slot = &s.cst_share,
+           .meaning = "Share of constant-strain energy in `six_node`. Without it free edges can crumple; much of it "
+                      "makes the element stiff in folding.",
+           .range = {0, 1}},
+          {.name = "max_patch_condition",
+           .slot = &s.max_patch_condition,
+           .meaning = "A patch quadratic with a larger condition number is replaced by a fit over more neighbours.",
+           .range = {1, std::numeric_limits<double>::infinity(), true}},
+          {.name = "crease_angle",
+           .slot = Degrees{&s.crease_angle},
+           .meaning = "Dihedral angle at rest above which an edge is a crease that membrane strains are not averaged "
+                      "across.",
+           .unit = "degree",
+           .range = {0, 180}}};
+}
+
+std::vector<Key> keys_of(MaterialInput& s) {
+  const std::vector<std::string> iso{"isotropic"}, matrices{"matrices"}, laminate{"laminate"}, fabric{"fabric"},
+      ortho{"orthotropic", "laminate"}, plates{"isotropic", "orthotropic"},
+      solids{"isotropic", "orthotropic", "laminate"};
+  return {
+      {.name = "type",
+       .slot = choice(s.type, {{"isotropic", MaterialInput::Type::isotropic},
+                               {"orthotropic", MaterialInput::Type::orthotropic},
+                               {"matrices", MaterialInput::Type::matrices},
+                               {"laminate", MaterialInput::Type::laminate},
+                               {"fabric", MaterialInput::Type::fabric}}),
+       .meaning = "How the stiffness is given. `laminate`: from plies of one orthotropic material. `fabric`: from a "
+                  "file of measured figures.",
+       .required = true},
+      {.name = "groups",
+       .slot = Words{&s.groups, {}},
+       .meaning = "Physical surfaces made of this material.",
+       .absent = "every triangle that no other material covers"},
+      {"young", &s.young, "Young's modulus.", "Pa", positive, iso, true},
+      {.name = "poisson",
+       .slot = &s.poisson,
+       .meaning = "Poisson's ratio.",
+       .range = {-1, 0.5, true},
+       .types = iso,
+       .required = true},
+      {"young_1", &s.young_1, "Young's modulus along the material direction.", "Pa", positive, ortho, true},
+      {"young_2", &s.young_2, "Young's modulus across it, in the surface.", "Pa", positive, ortho, true},
+      {.name = "poisson_12",
+       .slot = &s.poisson_12,
+       .meaning = "Contraction across the material direction per unit of stretch along it.",
+       .types = ortho,
+       .required = true},
+      {"shear_12", &s.shear_12, "Shear modulus in the surface.", "Pa", positive, ortho, true},
+      {"thickness", &s.thickness, "Thickness of the shell.", "m", positive, plates, true},
+      {.name = "angles",
+       .slot = &s.angles,
+       .meaning = "Directions of the plies' fibres against material axis 1, one per ply, along the normal of the "
+                  "triangles from the lowest. The stack must be free of coupling between stretching and bending, as "
+                  "symmetric stacks are.",
+       .unit = "degree",
+       .types = laminate,
+       .required = true},
+      {.name = "ply_thicknesses",
+       .slot = &s.ply_thicknesses,
+       .meaning = "Thickness of each ply, in the order of `angles`, or one for all.",
+       .unit = "m",
+       .range = positive,
+       .types = laminate,
+       .required = true},
+      {"density", &s.density, "Mass per volume; used by gravity and vibration.", "kg/m^3", not_negative, solids},
+      {.name = "membrane",
+       .slot = &s.membrane,
+       .meaning = "Membrane stiffness A as three rows, order 11, 22, 12 with engineering shear: N = A E.",
+       .unit = "N/m",
+       .types = matrices,
+       .required = true},
+      {.name = "bending",
+       .slot = &s.bending,
+       .meaning = "Bending stiffness D as three rows, M = D (k11, k22, 2 k12).",
+       .unit = "N m",
+       .types = matrices,
+       .required = true},
+      {.name = "areal_density",
+       .slot = &s.areal_density,
+       .meaning = "Mass per area; used by gravity and vibration.",
+       .unit = "kg/m^2",
+       .range = not_negative,
+       .types = matrices},
+      {.name = "fabric",
+       .slot = &s.fabric,
+       .meaning = "Fabric file (see [fabrics.md](fabrics.md)), relative to the folder of the case file.",
+       .types = fabric,
+       .required = true},
+      {.name = "warp_angle",
+       .slot = Degrees{&s.warp_angle},
+       .meaning = "Angle from `direction` to the warp, positive about the normal of the triangles.",
+       .unit = "degree",
+       .types = fabric},
+      {.name = "direction",
+       .slot = &s.direction,
+       .meaning =
+           "Direction of material axis 1 in space, projected into each triangle; the warp of a `fabric` lies at "
+           "`warp_angle` to it. Triangles that are normal to it continue it from their neighbours; another direction "
+           "for some `groups` is another `[[material]]`. Either this or `texture_direction` is needed, by `matrices` "
+           "unless both are those of an isotropic material.",
+       .types = {"orthotropic", "laminate", "matrices", "fabric"},
+       .absent = "none"},
+      {.name = "texture_direction",
+       .slot = &s.texture_direction,
+       .meaning =
+           "Direction of material axis 1 in the texture coordinates (u, v) of an OBJ mesh, e.g. `[0, 1]`: the grain "
+           "line of the flat piece that a part of a garment is cut from.",
+       .types = {"orthotropic", "laminate", "matrices", "fabric"},
+       .absent = "none"},
+      {.name = "bending_damping",
+       .slot = &s.bending_damping,
+       .meaning = "Damping in proportion to the bending stiffness of this material, in `dynamic`, besides that of "
+                  "`[damping]`. A `fabric` has its own if the key is missing, see [fabrics.md](fabrics.md).",
+       .unit = "s",
+       .range = not_negative},
+      {.name = "membrane_damping",
+       .slot = &s.membrane_damping,
+       .meaning = "Relaxation time of the membrane of this material (Kelvin-Voigt), likewise besides `[damping]`.",
+       .unit = "s",
+       .range = not_negative}};
+}
+
+std::vector<Key> motion_keys(MotionInput& m, const std::vector<std::string>& types) {
+  return {
+      {.name = "motion",
+       .slot = &m.translation,
+       .meaning =
+           "Displacement as three expressions of the time t, e.g. `[\"0.1*sin(2*pi*t)\", \"0\", \"table(t, 0, 0, 1, "
+           "0.05)\"]`; `table` interpolates between pairs of time and value. Needs `analysis = \"dynamic\"`; supports "
+           "move in `static` with `control = \"load\"` too, where t is the load factor.",
+       .unit = "m",
+       .types = types,
+       .absent = "none"},
+      {.name = "rotation_axis",
+       .slot = &m.axis,
+       .meaning =
+           "Axis of a rotation of the whole group; goes with `rotation_angle`. The slope that a `clamped` support "
+           "holds turns with it.",
+       .types = types,
+       .absent = "none"},
+      {.name = "rotation_centre", .slot = &m.centre, .meaning = "A point on the axis.", .unit = "m", .types = types},
+      {.name = "rotation_angle",
+       .slot = &m.angle,
+       .meaning = "Angle as an expression of the time t.",
+       .unit = "degree",
+       .types = types,
+       .absent = "none"}};
+}
+
+std::vector<Key> keys_of(system::Support& s, MotionInput& m) {
+  std::vector<Key> keys{
+      {.name = "type",
+       .slot = choice(s.kind, {{"displacement", system::Support::Kind::displacement},
+                               {"hinged", system::Support::Kind::hinged},
+                               {"clamped", system::Support::Kind::clamped},
+                               {"symmetry", system::Support::Kind::symmetry}}),
+       .meaning = "`displacement`: the named components are prescribed. `hinged`: all three are, the edge may turn. "
+                  "`clamped`: as hinged, and the slope across the edge is held. `symmetry`: mirror plane.",
+       .required = true},
+      {.name = "group",
+       .slot = &s.group,
+       .meaning = "Physical point, curve or surface; a curve for `symmetry`, a curve or surface for `clamped`.",
+       .required = true},
+      {.name = "components",
+       .slot = &s.components,
+       .meaning = "Which of `\"x\"`, `\"y\"`, `\"z\"` are prescribed.",
+       .types = {"displacement"},
+       .required = true},
+      {.name = "value",
+       .slot = &s.value,
+       .meaning = "Displacement at load factor 1, in proportion to the load factor.",
+       .unit = "m",
+       .types = {"displacement", "hinged", "clamped"}},
+      {.name = "x_axis",
+       .slot = &s.x_axis,
+       .meaning = "Direction that `\"x\"` means in `components` and `value`; `y_axis` and the normal of both follow.",
+       .types = {"displacement"},
+       .absent = "the global axes"},
+      {.name = "y_axis",
+       .slot = &s.y_axis,
+       .meaning = "Direction that `\"y\"` means, made square to `x_axis`.",
+       .types = {"displacement"},
+       .absent = "any direction square to `x_axis`"},
+      {.name = "cylinder_axis",
+       .slot = &s.cylinder_axis,
+       .meaning = "`\"x\"`, `\"y\"`, `\"z\"` mean radial, circumferential and axial about this axis, at each vertex's "
+                  "place at rest.",
+       .types = {"displacement"},
+       .absent = "none"},
+      {.name = "cylinder_centre",
+       .slot = &s.cylinder_centre,
+       .meaning = "A point on `cylinder_axis`.",
+       .unit = "m",
+       .types = {"displacement"}},
+      {.name = "normal",
+       .slot = &s.normal,
+       .meaning = "Normal of the mirror plane.",
+       .types = {"symmetry"},
+       .absent = "found from the mesh"},
+      {.name = "release",
+       .slot = &s.release,
+       .meaning = "Time at which the support lets go.",
+       .unit = "s",
+       .range = not_negative,
+       .absent = "never"}};
+  return joined(std::move(keys), motion_keys(m, {"displacement", "hinged", "clamped"}));
+}
+
+std::vector<Key> keys_of(system::Load& s) {
+  const std::vector<std::string> vectors{"point", "line", "area", "gravity"},
+      magnitudes{"pressure", "follower_pressure", "follower_moment"};
+  return {
+      {.name = "type",
+       .slot = choice(s.kind, {{"point", system::Load::Kind::point},
+                               {"line", system::Load::Kind::line},
+                               {"pressure", system::Load::Kind::pressure},
+                               {"follower_pressure", system::Load::Kind::follower_pressure},
+                               {"area", system::Load::Kind::area},
+                               {"gravity", system::Load::Kind::gravity},
+                               {"follower_moment", system::Load::Kind::follower_moment}}),
+       .meaning = "`point`: force on every vertex of a group. `line`: force per rest length of a curve. `area`: force "
+                  "per rest area. `gravity`: acceleration. `pressure`: along the rest normal. `follower_pressure`: "
+                  "along the current normal. `follower_moment`: moment per rest length about a boundary edge.",
+       .required = true},
+      {.name = "group",
+       .slot = &s.group,
+       .meaning = "Where it acts: any group for `point`, a curve for `line` and `follower_moment`, else a surface.",
+       .required_types = {"point", "line", "follower_moment"},
+       .absent = "the whole surface"},
+      {.name = "vector",
+       .slot = &s.vector,
+       .meaning = "Size and direction at load factor 1.",
+       .unit = "point N, line N/m, area N/m^2, gravity m/s^2",
+       .types = vectors,
+       .required = true},
+      {.name = "magnitude",
+       .slot = &s.magnitude,
+       .meaning = "Size at load factor 1; a pressure is positive along the normal of the triangles.",
+       .unit = "pressures Pa, moment N",
+       .types = magnitudes,
+       .required = true},
+      {.name = "constant", .slot = &s.constant, .meaning = "Acts in full at every load factor, as a dead weight does."},
+      {.name = "history",
+       .slot = &s.history_text,
+       .meaning = "Factor as an expression of the time t, in place of the load factor. Needs `analysis = \"dynamic\"`.",
+       .absent = "none"}};
+}
+
+std::vector<Key> keys_of(system::PointMass& s) {
+  return {
+      {.name = "group", .slot = &s.group, .meaning = "Any group.", .required = true},
+      {.name = "mass",
+       .slot = &s.mass,
+       .meaning = "Of each vertex of the group, besides the sheet's. `gravity` on the whole surface, or on the same "
+                  "group, acts on it.",
+       .unit = "kg",
+       .range = positive,
+       .required = true}};
+}
+
+std::vector<Key> keys_of(system::Spring& s) {
+  return {{.name = "type",
+           .slot = choice(s.kind, {{"point", system::Spring::Kind::point},
+                                   {"line", system::Spring::Kind::line},
+                                   {"area", system::Spring::Kind::area},
+                                   {"pair", system::Spring::Kind::pair}}),
+           .meaning = "From the place at rest: `point` on every vertex of a group, `line` per rest length of a curve, "
+                      "`area` per rest area, an elastic foundation. `pair`: between every vertex of a group and the "
+                      "nearest one of `to` at rest.",
+           .required = true},
+          {.name = "group",
+           .slot = &s.group,
+           .meaning = "Any group for `point` and `pair`, a curve for `line`, a surface for `area`.",
+           .required_types = {"point", "line", "pair"},
+           .absent = "the whole surface"},
+          {.name = "stiffness",
+           .slot = &s.stiffness,
+           .meaning = "Force per displacement from the place at rest; of each pair, force per change of length.",
+           .unit = "point, pair N/m, line N/m^2, area N/m^3",
+           .range = positive,
+           .required = true},
+          {.name = "direction",
+           .slot = &s.direction,
+           .meaning = "It acts along this direction only.",
+           .types = {"point", "line", "area"},
+           .absent = "it acts in all directions"},
+          {.name = "to",
+           .slot = &s.to,
+           .meaning = "The group of the other ends.",
+           .types = {"pair"},
+           .required_types = {"pair"}},
+          {.name = "length",
+           .slot = &s.length,
+           .meaning = "Length without force. 0 pulls the pair together from any distance.",
+           .unit = "m",
+           .range = not_negative,
+           .types = {"pair"},
+           .absent = "the distance at rest"}};
+}
+
+}  // namespace voile::input
