@@ -1,8 +1,8 @@
 // The start of a run with contact: nothing may intersect in it; private to src/app.
 #pragma once
 
-#include "voile/input/case.hpp"
 #include "voile/app/run.hpp"
+#include "voile/input/case.hpp"
 
 namespace voile::app {
 
@@ -13,6 +13,7 @@ void examine_start(const input::Case& c, system::Contact& contact, Vec a);
 /// Checks the state a with the obstacles where they are at `time` [s]. With [contact] untangle, and unless the run goes
 /// on from another, a start that intersects is repaired first: the free components of a change, and the result is true.
 /// Collective. Throws UserError with a full report if something intersects, or is nearer than thicknesses allow.
-[[nodiscard]] bool settle_start(const input::Case& c, const RunOptions& options, system::Contact& contact, Vec a, double time);
+[[nodiscard]] bool settle_start(const input::Case& c, const RunOptions& options, system::Contact& contact, Vec a,
+                                double time);
 
 }  // namespace voile::app

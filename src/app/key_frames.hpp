@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
-#include "voile/input/case.hpp"
 #include "voile/base/mpi.hpp"
+#include "voile/input/case.hpp"
 
 namespace voile::app {
 

@@ -16,14 +16,14 @@
 #include <optional>
 #include <sstream>
 
-#include "voile/input/case.hpp"
-#include "voile/input/case_declarations.hpp"
-#include "voile/input/command_line.hpp"
 #include "voile/app/run.hpp"
 #include "voile/app/version.hpp"
 #include "voile/base/error.hpp"
 #include "voile/base/mpi.hpp"
 #include "voile/base/petsc.hpp"
+#include "voile/input/case.hpp"
+#include "voile/input/case_declarations.hpp"
+#include "voile/input/command_line.hpp"
 #include "voile/solve/eigen.hpp"
 
 namespace {

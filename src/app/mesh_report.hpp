@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "voile/input/case.hpp"
 #include "voile/base/mpi.hpp"
 #include "voile/energy/element_options.hpp"
+#include "voile/input/case.hpp"
 #include "voile/mesh/surface_mesh.hpp"
 
 namespace voile::app {

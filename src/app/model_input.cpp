@@ -4,8 +4,8 @@
 
 namespace voile::app {
 
-system::ModelInput model_input(const input::Case& c, const std::vector<system::Support>& supports) {
-  return {c.element, c.materials,           supports, c.loads, contact_input(PETSC_COMM_WORLD, c), c.masses,
+system::ModelInput model_input(const input::Case& c) {
+  return {c.element, c.materials,           c.supports, c.loads, contact_input(PETSC_COMM_WORLD, c), c.masses,
           c.springs, c.analysis == "static"};
 }
 

@@ -8,7 +8,7 @@
 
 namespace voile::app {
 
-/// With these supports in place of the case's. Reads the files of obstacles. Collective. Throws UserError.
-[[nodiscard]] system::ModelInput model_input(const input::Case& c, const std::vector<system::Support>& supports);
+/// Reads the files of obstacles. Collective. Throws UserError.
+[[nodiscard]] system::ModelInput model_input(const input::Case& c);
 
 }  // namespace voile::app

@@ -164,7 +164,8 @@ std::vector<geometry::TrianglePair> IntersectionCheck::find(const std::vector<Ve
   return pairs;
 }
 
-std::string IntersectionCheck::report(const std::vector<Vec3>& positions, const std::vector<geometry::TrianglePair>& pairs,
+std::string IntersectionCheck::report(const std::vector<Vec3>& positions,
+                                      const std::vector<geometry::TrianglePair>& pairs,
                                       const std::filesystem::path& file) const {
   const Triangles all = triangles_at(positions);
   if (!file.empty()) geometry::write_pairs(file, all.positions, all.triangles, all.body, pairs);

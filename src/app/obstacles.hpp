@@ -5,8 +5,8 @@
 #include <memory>
 #include <vector>
 
-#include "voile/input/case.hpp"
 #include "voile/geometry/intersections.hpp"
+#include "voile/input/case.hpp"
 #include "voile/io/results.hpp"
 
 namespace voile::app {

@@ -35,7 +35,8 @@ std::string duration(double seconds) {
 
 }  // namespace
 
-Recorder::Recorder(const input::Case& c, const RunOptions& options, system::Model& model, const solve::StaticOptions& steps)
+Recorder::Recorder(const input::Case& c, const RunOptions& options, system::Model& model,
+                   const solve::StaticOptions& steps)
     : case_(c), options_(options), model_(&model), steps_(steps), root_(mpi::rank(model.comm()) == 0) {
   resolve_probes();
   mpi::on_root(model.comm(), [&] {
@@ -290,8 +291,8 @@ void Recorder::write_history(std::vector<double> values, const ContactEffort& ef
       for (int k : probes_[p].components) {
         double sum = 0.0;
         for (Index v : probes_[p].vertices) sum += field[3 * static_cast<std::size_t>(v) + k];
-        values.push_back(kind == input::Probe::Kind::displacement ? sum / static_cast<double>(probes_[p].vertices.size())
-                                                           : sum);
+        values.push_back(
+            kind == input::Probe::Kind::displacement ? sum / static_cast<double>(probes_[p].vertices.size()) : sum);
       }
     }
     history_->write(values);
@@ -312,7 +313,8 @@ void Recorder::write_fields(io::StepFields step, Vec a, const Snapshot& s) {
     add("curvature", "1/m", io::Centre::triangle, t.curvature);
     add("bending_moment", "N", io::Centre::triangle, t.bending_moment);
     if (case_.output.stresses != input::OutputSection::Stresses::none)
-      for (io::Field& f : stress_fields(model_->sheet(), t, case_.output.stresses == input::OutputSection::Stresses::plies))
+      for (io::Field& f :
+           stress_fields(model_->sheet(), t, case_.output.stresses == input::OutputSection::Stresses::plies))
         step.fields.push_back(std::move(f));
     if (obstacles_ && obstacles_->at_rest().moves) step.obstacles = obstacles_->positions(*model_->contact());
     results_->write(step);

@@ -1,8 +1,8 @@
 // States to go on from; private to src/app.
 #pragma once
 
-#include "voile/input/case.hpp"
 #include "voile/app/run.hpp"
+#include "voile/input/case.hpp"
 #include "voile/io/checkpoint.hpp"
 #include "voile/solve/static_path.hpp"
 #include "voile/system/model.hpp"

@@ -246,7 +246,8 @@ Exit run(const input::Case& given, const RunOptions& options) {
   const SignalScope signals;
   const bool root = mpi::rank(PETSC_COMM_WORLD) == 0;
   const mesh::SurfaceMesh mesh = load_mesh(c.mesh.file, c.mesh.options);
-  system::Model model(PETSC_COMM_WORLD, mesh, model_input(c, c.supports));
+  const system::ModelInput input = model_input(c);
+  system::Model model(PETSC_COMM_WORLD, mesh, input);
   if (root && options.verbosity != Verbosity::quiet) print_header(c, model);
   report_mesh(c, options, model);
   for (const std::string& text : check_free_motions(c, model))
@@ -284,7 +285,7 @@ Exit run(const input::Case& given, const RunOptions& options) {
     else if (c.analysis == "linear")
       summary = run_linear(model, c.steps.final_load_factor, recorder, a, reason);
     else if (in_time)
-      summary = run_dynamic(c, options, model, recorder, checkpoint, reason);
+      summary = run_dynamic(c, options, input, model, recorder, checkpoint, reason);
     else if (c.analysis == "drape")
       summary = run_drape(c, model, recorder, a, reason);
     else

@@ -1,5 +1,4 @@
 #include "run_time.hpp"
-#include "model_input.hpp"
 
 #include <fmt/format.h>
 
@@ -156,20 +155,22 @@ void add(Summary& summary, const solve::TimeResult& r, const system::Model& mode
 
 }  // namespace
 
-Summary run_dynamic(const input::Case& c, const RunOptions& options, system::Model& model, Recorder& recorder,
-                    const io::Checkpoint& start, std::string& reason) {
+Summary run_dynamic(const input::Case& c, const RunOptions& options, const system::ModelInput& input,
+                    system::Model& model, Recorder& recorder, const io::Checkpoint& start, std::string& reason) {
   Carried state = start;
   Checkpoints checkpoints(c, options, model.mesh());
   Summary summary;
   const double first_time = state.time;
   for (const double end : epoch_ends(c, state.time)) {
     std::optional<system::Model> rebuilt;
-    const std::vector<system::Support> supports = holding(c, state.time);
-    if (supports.size() < c.supports.size()) rebuilt.emplace(model.comm(), model.mesh(), model_input(c, supports));
+    system::ModelInput held = input;
+    held.supports = holding(c, state.time);
+    const std::size_t count = held.supports.size();
+    if (count < c.supports.size()) rebuilt.emplace(model.comm(), model.mesh(), std::move(held));
     system::Model& now = rebuilt ? *rebuilt : model;
     recorder.use(now);
     const bool is_first = state.time == first_time;
-    if (!is_first) recorder.remark(fmt::format("t = {:.6g} s: {} support(s) hold", state.time, supports.size()));
+    if (!is_first) recorder.remark(fmt::format("t = {:.6g} s: {} support(s) hold", state.time, count));
     Epoch epoch(c, now, state, end);
     epoch.settle_contact(is_first && options.restart.empty());
     const solve::TimeResult r = epoch.run(recorder, checkpoints, is_first, is_first && has_acceleration(c, state));
@@ -178,7 +179,6 @@ Summary run_dynamic(const input::Case& c, const RunOptions& options, system::Mod
     const bool at_release = r.completed && !r.stopped && r.state.time >= end && end < c.time.options.end_time;
     if (at_release) {
       state = carry(r.state, now);
-      state.next_step = c.time.options.step;
     } else {  // the end, a failure, a signal or -ts_max_steps: it can be gone on from here
       checkpoints.write(r.state, now);
     }

@@ -8,8 +8,8 @@
 
 #include <array>
 
-#include "voile/io/gmsh.hpp"
 #include "voile/geometry/intersections.hpp"
+#include "voile/io/gmsh.hpp"
 #include "voile/io/results.hpp"
 
 namespace voile::app {

@@ -51,6 +51,7 @@ struct TimeIntegration::Impl {
   double shortest = 1.0;
   std::string obstruction;
   double last_taken = 0.0;  ///< size of the last accepted step [s]
+  double wanted = 0.0;      ///< size of the next step, which PETSc may cut to meet the end [s]
   int positive_left = 0, spent_factorisations = 0, spent_rejections = 0, first_step = 0;
   bool explicit_method = false;
 
@@ -292,7 +293,12 @@ double TimeIntegration::Impl::next_step(double h, PetscBool* accept, PetscReal* 
       if (*error > 1.0 && h > options.min_step) *accept = PETSC_FALSE;
     }
   }
-  return std::clamp(factor * h, options.min_step, options.max_step);
+  PetscInt rejections = 0;
+  VOILE_PETSC(TSGetStepRejections(ts, &rejections));
+  // A step that was only cut to meet the end says nothing against the size that was wanted.
+  const bool only_cut = *accept && h < 0.999 * wanted && rejections == spent_rejections;
+  const double next = std::clamp(factor * h, options.min_step, options.max_step);
+  return wanted = only_cut ? std::max(next, wanted) : next;
 }
 
 PetscErrorCode TimeIntegration::Impl::choose(TSAdapt adapt, TS, PetscReal h, PetscInt* scheme, PetscReal* next,
@@ -447,6 +453,7 @@ void TimeIntegration::Impl::finish(const TimeState& from) {
   result.rejections = spent_rejections;
   result.factorisations = linear.factorisations();
   result.completed = reason > 0;
+  if (result.completed && wanted > 0.0) state.next_step = wanted;
   if (result.completed || result.stopped) return;
   // The size that failed is no size to go on with.
   state.next_step = last_taken > 0.0 ? last_taken : options.step;

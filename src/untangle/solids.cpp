@@ -39,7 +39,8 @@ std::vector<char> inside(const Tangle& tangle, const Solid& solid, const std::se
   for (Index v = 0; v < s.sheet_points; ++v) {
     if (concerned.count(tangle.pieces[v]) == 0 || !s.rules[solid.body][s.body_of_point[v]].touch) continue;
     const Index first = region[v];
-    result[v] = first == v ? std::abs(geometry::winding_number(tangle.x[v], tangle.x, solid.triangles)) > 0.5 : result[first];
+    result[v] =
+        first == v ? std::abs(geometry::winding_number(tangle.x[v], tangle.x, solid.triangles)) > 0.5 : result[first];
   }
   return result;
 }

@@ -662,6 +662,12 @@ def release(report):
     solve("release_until", variant(case, {"time.end": 0.02}), 1)
     again = solve("release_again", case, 1, ["--restart", OUT / "release_until" / "checkpoint.h5"])
     report.below(script.difference(whole, again), 1e-10, "restart at the moment of release: difference")
+    grown = variant(case, {"support.0.release": 0.0207, "time.end": 0.04, "time.step": 2e-4, "time.max_step": 1e-3,
+                           "time.target_iterations": 1000, "time.checkpoint_steps": None})
+    times = solve("release_grown", grown, 1).history["time"]
+    sizes, at = np.diff(times), int(np.argmin(np.abs(times - 0.0207)))
+    report.check(abs(times[at] - 0.0207) < 1e-12 and sizes[at] > 0.9e-3,
+                 f"the step after the release is as long as before: {sizes[at - 2]:.2g}, {sizes[at - 1]:.2g}, then {sizes[at]:.2g} s")
 
 
 # ----------------------------------------------------------------------------------------------------------- contact

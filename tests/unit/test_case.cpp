@@ -7,10 +7,10 @@
 #include <string>
 
 #include "test_case_kit.hpp"
+#include "voile/base/error.hpp"
 #include "voile/input/case.hpp"
 #include "voile/input/case_keys.hpp"
 #include "voile/input/command_line.hpp"
-#include "voile/base/error.hpp"
 
 using namespace voile;
 using namespace voile::testing;
@@ -209,8 +209,8 @@ TEST_CASE("each load type is the enumerator of its name") {
     CAPTURE(name);
     const bool vector = kind == Kind::point || kind == Kind::line || kind == Kind::area || kind == Kind::gravity;
     const input::Case c = parse_case(minimal + "[[load]]\ngroup = \"g\"\ntype = \"" + name + "\"\n" +
-                                       (vector ? "vector = [1, 2, 3]\n" : "magnitude = 5\n"),
-                                   "case.toml");
+                                         (vector ? "vector = [1, 2, 3]\n" : "magnitude = 5\n"),
+                                     "case.toml");
     CHECK(c.loads.at(0).kind == kind);
   }
 }
@@ -454,8 +454,9 @@ TEST_CASE("nearest names") {
 
 TEST_CASE("the command line is shared with PETSc") {
   using Words = std::vector<std::string>;
-  const auto split = input::split_arguments({"run", "case.toml", "-snes_monitor", "-ksp_type", "cg", "--output", "out",
-                                           "-mat_mumps_icntl_14", "200", "-ksp_shift", "-1.5", "-options_left", "-h"});
+  const auto split =
+      input::split_arguments({"run", "case.toml", "-snes_monitor", "-ksp_type", "cg", "--output", "out",
+                              "-mat_mumps_icntl_14", "200", "-ksp_shift", "-1.5", "-options_left", "-h"});
   CHECK(split.own == Words{"run", "case.toml", "--output", "out", "-h"});
   CHECK(split.petsc ==
         Words{"-snes_monitor", "-ksp_type", "cg", "-mat_mumps_icntl_14", "200", "-ksp_shift", "-1.5", "-options_left"});

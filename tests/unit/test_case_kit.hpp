@@ -6,8 +6,8 @@
 #include <concepts>
 #include <string>
 
-#include "voile/input/case.hpp"
 #include "voile/base/error.hpp"
+#include "voile/input/case.hpp"
 
 namespace voile::testing {
 

@@ -192,7 +192,9 @@ TEST_CASE("the projected tangent keeps the tensile principal force alone") {
   const Mat3 turn = Eigen::AngleAxisd(turned, Vec3::UnitZ()).toRotationMatrix();
   for (const auto membrane : {energy::MembraneOperator::cst, energy::MembraneOperator::six_node,
                               energy::MembraneOperator::six_node_three_point})
-    for (const auto& [first, second] : {std::pair{0.1, 0.05}, {0.1, -0.05}, {-0.1, 0.05}, {-0.1, -0.05}}) {
+    for (const std::pair<double, double>& strains :
+         {std::pair{0.1, 0.05}, std::pair{0.1, -0.05}, std::pair{-0.1, 0.05}, std::pair{-0.1, -0.05}}) {
+      const double first = strains.first, second = strains.second;
       CAPTURE(static_cast<int>(membrane));
       CAPTURE(first);
       CAPTURE(second);

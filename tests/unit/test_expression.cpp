@@ -5,9 +5,9 @@
 #include <numbers>
 
 #include "test_case_kit.hpp"
+#include "voile/base/error.hpp"
 #include "voile/input/case.hpp"
 #include "voile/input/expression.hpp"
-#include "voile/base/error.hpp"
 
 using namespace voile;
 using namespace voile::testing;
@@ -87,7 +87,7 @@ membrane = 0.001
 normal_drag = 1.2
 wind = [3, 0, 0]
 )toml",
-                                 "case.toml");
+                                   "case.toml");
   REQUIRE(c.supports.size() == 1);
   CHECK(c.supports[0].release == 2.5);
   REQUIRE(c.supports[0].motion);

@@ -7,11 +7,11 @@
 
 #include "test_case_kit.hpp"
 #include "test_meshes.hpp"
+#include "voile/base/error.hpp"
+#include "voile/energy/material.hpp"
 #include "voile/input/case.hpp"
 #include "voile/input/fabric.hpp"
 #include "voile/input/units.hpp"
-#include "voile/base/error.hpp"
-#include "voile/energy/material.hpp"
 
 using namespace voile;
 using namespace voile::testing;
@@ -52,7 +52,7 @@ class FabricCase {
   [[nodiscard]] input::Case parse(std::string keys) const {
     if (const std::size_t at = keys.find('F'); at != std::string::npos) keys.replace(at, 1, name());
     return input::parse_case("[mesh]\nfile = \"a.geo\"\n[[material]]\ntype = \"fabric\"\n" + keys,
-                           file_.path().parent_path() / "case.toml");
+                             file_.path().parent_path() / "case.toml");
   }
   [[nodiscard]] std::string name() const { return file_.path().filename().string(); }
 

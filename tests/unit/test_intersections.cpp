@@ -162,7 +162,8 @@ TEST_CASE("the scale makes no difference, nor does the last digit go unnoticed")
   for (const double scale : {0x1p-300, 0x1p300}) {
     std::vector<Vec3> x = r.positions;
     for (Vec3& p : x) p *= scale;
-    CHECK(geometry::intersecting_triangles(x, r.triangles) == geometry::intersecting_triangles(r.positions, r.triangles));
+    CHECK(geometry::intersecting_triangles(x, r.triangles) ==
+          geometry::intersecting_triangles(r.positions, r.triangles));
   }
   const double z = 0.1, above = std::nextafter(z, 1.0);
   const std::vector<mesh::Triangle> two{{0, 1, 2}, {3, 4, 5}};
@@ -202,7 +203,7 @@ TEST_CASE("neighbours in a sheet do not intersect, however it is bent, until it 
 
 TEST_CASE("pairs of bodies that need no look are left out") {
   const geometry::TriangleSoup one = geometry::sphere_surface(Vec3(0, 0, 0), 1.0, 1),
-                         other = geometry::sphere_surface(Vec3(1, 0, 0), 1.0, 2);
+                               other = geometry::sphere_surface(Vec3(1, 0, 0), 1.0, 2);
   std::vector<Vec3> x = one.positions;
   std::vector<mesh::Triangle> triangles = one.triangles;
   std::vector<Index> body(triangles.size(), 4);
@@ -241,8 +242,9 @@ TEST_CASE("the triangles of the pairs are written for ParaView") {
   fs::remove(file);
   CHECK_THROWS_AS(geometry::write_pairs(file, x, triangles, {3}, pairs), InternalError);
   CHECK_THROWS_AS(geometry::write_pairs(file, x, triangles, {}, {{0, 2}}), InternalError);
-  CHECK_THROWS_AS(geometry::write_pairs(fs::temp_directory_path() / "voile_no_folder" / "x.vtk", x, triangles, {}, pairs),
-                  UserError);
+  CHECK_THROWS_AS(
+      geometry::write_pairs(fs::temp_directory_path() / "voile_no_folder" / "x.vtk", x, triangles, {}, pairs),
+      UserError);
 }
 
 TEST_CASE("the check of intersections refuses what is no triangle") {

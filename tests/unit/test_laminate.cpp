@@ -4,9 +4,9 @@
 #include <Eigen/LU>
 #include <numbers>
 
-#include "voile/input/case.hpp"
 #include "voile/base/error.hpp"
 #include "voile/energy/material.hpp"
+#include "voile/input/case.hpp"
 
 using namespace voile;
 using energy::laminate;

@@ -193,9 +193,10 @@ TEST_CASE("a box is read from every format") {
 }
 
 TEST_CASE("a Gmsh mesh is read as triangles") {
-  const geometry::TriangleSoup s = read(".msh",
-                                  "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n4\n1 0 0 0\n2 1 0 0\n3 1 1 0\n"
-                                  "4 0 1 0\n$EndNodes\n$Elements\n2\n1 2 2 1 1 1 2 3\n2 2 2 1 1 1 3 4\n$EndElements\n");
+  const geometry::TriangleSoup s =
+      read(".msh",
+           "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n4\n1 0 0 0\n2 1 0 0\n3 1 1 0\n"
+           "4 0 1 0\n$EndNodes\n$Elements\n2\n1 2 2 1 1 1 2 3\n2 2 2 1 1 1 3 4\n$EndElements\n");
   CHECK(s.positions.size() == 4);
   CHECK(s.triangles.size() == 2);
   CHECK(area(s) == doctest::Approx(1.0));
@@ -220,8 +221,8 @@ TEST_CASE("a polygon that is not convex is split without covering its bay") {
 TEST_CASE("vertex numbers stay, triangles of zero area go, nothing needs to be a manifold") {
   // a vertex without a face, coinciding vertices, an edge of three triangles, one bent back, two of zero area
   const geometry::TriangleSoup s = read(".obj",
-                                  "v 9 9 9\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nv 0 -1 0\nv 0 1 0\nv 2 0 0\n"
-                                  "f 2 3 4\nf 2 3 5\nf 3 2 6\nf 2 3 7\nf 2 3 8\nf 2 2 4\n");
+                                        "v 9 9 9\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nv 0 -1 0\nv 0 1 0\nv 2 0 0\n"
+                                        "f 2 3 4\nf 2 3 5\nf 3 2 6\nf 2 3 7\nf 2 3 8\nf 2 2 4\n");
   CHECK(s.positions.size() == 8);
   CHECK(s.triangles.size() == 4);
   CHECK(s.degenerate_count == 2);

@@ -6,10 +6,10 @@
 
 #include "test_meshes.hpp"
 #include "voile/base/error.hpp"
-#include "voile/untangle/untangle.hpp"
 #include "voile/geometry/intersections.hpp"
 #include "voile/geometry/winding.hpp"
 #include "voile/io/triangle_file.hpp"
+#include "voile/untangle/untangle.hpp"
 
 using namespace voile;
 using namespace voile::testing;
@@ -64,7 +64,7 @@ struct Scene {
       body.push_back(f.body);
     }
     return geometry::intersecting_triangles(at, triangles, body,
-                                      [&](Index a, Index b) { return !surface.rules[a][b].touch; });
+                                            [&](Index a, Index b) { return !surface.rules[a][b].touch; });
   }
   untangle::UntangleResult untangle(double limit, int rounds = 100) {
     const untangle::UntangleResult r = untangle::untangle(
@@ -183,7 +183,8 @@ TEST_CASE("untangle: out of a ball, a half-space and closed meshes") {
   }
   SUBCASE("cylinder mesh across the sheet") {
     Scene scene(sheets(20, {same}));
-    const geometry::TriangleSoup s = geometry::cylinder_surface(Vec3(0.3, 0.45, -0.17), Vec3(0.7, 0.55, -0.17), 0.2, 1e-3);
+    const geometry::TriangleSoup s =
+        geometry::cylinder_surface(Vec3(0.3, 0.45, -0.17), Vec3(0.7, 0.55, -0.17), 0.2, 1e-3);
     scene.add(s.positions, s.triangles);
     CHECK(scene.untangle(0.25).done);
   }

@@ -5,8 +5,8 @@
 #include <filesystem>
 #include <string>
 
-#include "voile/input/case.hpp"
 #include "voile/base/error.hpp"
+#include "voile/input/case.hpp"
 
 namespace voile::app {
 
