@@ -39,14 +39,14 @@ struct ObstacleTriangles {
   bool moves = false;                     ///< each step then has positions of its own
 };
 
-/// results.h5 + results.xdmf + steps/<nnnnnn>.h5 in a folder. Not collective: root only.
-/// Layout of results.h5: /mesh/{positions,triangles}, /mesh/groups/<name> (0/1 masks),
-/// /mesh/partition/{vertices,triangles}, /steps/<nnnnnn>/<field>. Each step is a link to a file of its own, which HDF5
+/// results.h5 + results.xdmf + steps/NNNNNN.h5 in a folder. Not collective: root only.
+/// Layout of results.h5: /mesh/{positions,triangles}, /mesh/groups/NAME (0/1 masks),
+/// /mesh/partition/{vertices,triangles}, /steps/NNNNNN/FIELD. Each step is a link to a file of its own, which HDF5
 /// follows by itself. In group names every character but letters, digits, '_', '-' and '.' is replaced by '_'
-/// (attribute `name`: the original). In the XDMF a field of 3 components on triangles appears as <field>_11_22_12:
+/// (attribute `name`: the original). In the XDMF a field of 3 components on triangles appears as FIELD_11_22_12:
 /// ParaView's X, Y, Z then mean 11, 22, 12.
 /// With obstacles also obstacles.xdmf, /obstacles/{names,triangles,obstacle,positions} in results.h5 and, if they move,
-/// /steps/<nnnnnn>/obstacle_positions. Their positions are single precision: they are looked at, not computed with.
+/// /steps/NNNNNN/obstacle_positions. Their positions are single precision: they are looked at, not computed with.
 ///
 /// A process killed at any moment, inside write() too, leaves all steps readable whose write() had returned, the latest
 /// of them perhaps in steps/ only: naming each step at once would cost as much as there are steps. Every file
