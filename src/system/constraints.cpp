@@ -22,8 +22,20 @@ struct Condition {
 using Conditions = std::map<Index, std::vector<Condition>>;
 
 std::string name_of(const Support& s) {
-  static const std::array<const char*, 4> kinds{"displacement", "hinged", "clamped", "symmetry"};
-  return fmt::format("[[support]] group '{}' ({})", s.group, kinds[static_cast<std::size_t>(s.kind)]);
+  const auto kind = [&] {
+    switch (s.kind) {
+      case Support::Kind::displacement:
+        return "displacement";
+      case Support::Kind::hinged:
+        return "hinged";
+      case Support::Kind::clamped:
+        return "clamped";
+      case Support::Kind::symmetry:
+        break;
+    }
+    return "symmetry";
+  };
+  return fmt::format("[[support]] group '{}' ({})", s.group, kind());
 }
 
 /// Boundary sides of a curve group, as (triangle, side).

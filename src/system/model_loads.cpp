@@ -13,12 +13,6 @@ namespace {
 
 using AddForce = std::function<void(Index vertex, const Vec3& force)>;
 
-const char* kind_name(Load::Kind kind) {
-  static const std::array<const char*, 7> names{"point", "line",    "pressure",       "follower_pressure",
-                                                "area",  "gravity", "follower_moment"};
-  return names[static_cast<std::size_t>(kind)];
-}
-
 std::vector<Index> loaded_triangles(const mesh::SurfaceMesh& mesh, const Load& load) {
   if (!load.group.empty()) return mesh.group(load.group, 2).triangles;
   std::vector<Index> all(static_cast<std::size_t>(mesh.triangle_count()));
@@ -124,10 +118,11 @@ void Model::add_follower(const Load& load) {
       const int side = mesh_->side_of(t, s[0], s[1]);
       if (side < 0) continue;
       if (mesh_->neighbour(t, side) != no_index)
-        throw UserError(fmt::format(
-            "[[load]] group '{}' ({}): the edge {}-{} lies inside the surface; a moment acts on "
-            "a boundary edge",
-            load.group, kind_name(load.kind), mesh_->data().vertex_tags[s[0]], mesh_->data().vertex_tags[s[1]]));
+        throw UserError(
+            fmt::format("[[load]] group '{}' (follower_moment): the edge {}-{} lies inside the surface; a moment acts "
+                        "on a boundary "
+                        "edge",
+                        load.group, mesh_->data().vertex_tags[s[0]], mesh_->data().vertex_tags[s[1]]));
       const mesh::Triangle& v = mesh_->triangles()[t];
       const auto points = local({v[(side + 1) % 3], v[(side + 2) % 3], v[side]});
       const double length = (mesh_->positions()[s[1]] - mesh_->positions()[s[0]]).norm();
