@@ -7,6 +7,7 @@
 #include "free_motions.hpp"
 #include "mesh_report.hpp"
 #include "model_input.hpp"
+#include "restart.hpp"
 #include "voile/app/run.hpp"
 #include "voile/base/mpi.hpp"
 #include "voile/base/petsc.hpp"
@@ -79,7 +80,9 @@ void check(const input::Case& c) {
   if (c.analysis == "modal" || c.analysis == "dynamic") system::require_mass(model);
   const std::vector<std::string> free = check_free_motions(c, model);
   const MeshQuality quality = measure_quality(PETSC_COMM_WORLD, mesh, c.element);
-  if (model.contact()) examine_start(c, *model.contact(), model.dofs().create_vector());
+  const petsc::VecHandle start = model.dofs().create_vector();
+  if (!c.mesh.start.empty()) model.dofs().scatter(start_shape(c, mesh), start);
+  if (model.contact()) examine_start(c, *model.contact(), start);
   mpi::on_root(PETSC_COMM_WORLD, [&] {
     for (const input::Probe& p : c.probes)
       if (!p.group.empty()) (void)mesh.group(p.group);

@@ -1,9 +1,13 @@
 #include "restart.hpp"
 
+#include <fmt/format.h>
+
 #include <Eigen/Geometry>
+#include <algorithm>
 
 #include "voile/base/error.hpp"
 #include "voile/base/mpi.hpp"
+#include "voile/io/mesh_file.hpp"
 #include "voile/io/stored_step.hpp"
 
 namespace voile::app {
@@ -54,11 +58,50 @@ std::vector<double> initial_velocities(const input::Case& c, const mesh::Surface
   return velocity;
 }
 
+/// The vertices of a triangle whichever way it goes round.
+mesh::Triangle ascending(mesh::Triangle t) {
+  std::sort(t.begin(), t.end());
+  return t;
+}
+
+/// Rank 0 only.
+std::vector<double> read_shape(const input::Case& c, const mesh::SurfaceMesh& mesh) {
+  const mesh::MeshData start = io::read_mesh(c.mesh.start.string(), c.mesh.options);
+  const auto other = [&](const std::string& what) {
+    return UserError(
+        fmt::format("{}: [mesh] start: {}; a start has the same vertices and triangles, in the same order, "
+                    "as {}",
+                    c.mesh.start.string(), what, c.mesh.file.string()));
+  };
+  const auto& rest = mesh.positions();
+  if (start.positions.size() != rest.size() || start.triangles.size() != mesh.triangles().size())
+    throw other(fmt::format("{} vertices and {} triangles instead of {} and {}", start.positions.size(),
+                            start.triangles.size(), rest.size(), mesh.triangles().size()));
+  for (std::size_t t = 0; t < start.triangles.size(); ++t)
+    if (ascending(start.triangles[t]) != ascending(mesh.triangles()[t]))
+      throw other(fmt::format("its triangle {} joins other vertices", t + 1));
+  std::vector<double> u;
+  for (std::size_t v = 0; v < rest.size(); ++v)
+    for (int k = 0; k < 3; ++k) u.push_back(start.positions[v][k] - rest[v][k]);
+  return u;
+}
+
 }  // namespace
+
+std::vector<double> start_shape(const input::Case& c, const mesh::SurfaceMesh& mesh) {
+  std::vector<double> u;
+  if (!c.mesh.start.empty()) mpi::on_root(PETSC_COMM_WORLD, [&] { u = read_shape(c, mesh); });
+  return u;
+}
 
 Restart read_restart(const input::Case& c, const RunOptions& options, const system::Model& model, Vec a) {
   Restart r;
-  if (options.restart.empty()) return r;
+  if (options.restart.empty() && c.mesh.start.empty()) return r;
+  if (options.restart.empty()) {
+    model.dofs().scatter(start_shape(c, model.mesh()), a);
+    r.from_motion = true;
+    return r;
+  }
   if (c.analysis == "linear")
     throw UserError("--restart: analysis = \"linear\" starts from the unloaded state; leave the option out");
   io::StoredStep stored;
@@ -85,6 +128,7 @@ Restart read_restart(const input::Case& c, const RunOptions& options, const syst
 io::Checkpoint read_start(const input::Case& c, const RunOptions& options, const system::Model& model) {
   io::Checkpoint start;
   std::vector<double> numbers(5, 0.0);
+  if (options.restart.empty()) start.displacement = start_shape(c, model.mesh());
   mpi::on_root(model.comm(), [&] {
     if (!options.restart.empty()) start = read_motion(options, model.mesh());
     if (start.velocity.empty()) start.velocity = initial_velocities(c, model.mesh());

@@ -131,7 +131,7 @@ Summary run_static(system::Model& model, const solve::StaticOptions& steps, Reco
     solve::Newton newton(model);
     const solve::NewtonResult n = newton.continuation(a);
     if (!n.converged) {
-      reason = "no equilibrium found near the state of --restart: " + n.reason;
+      reason = "no equilibrium found near the start: " + n.reason;
       return summary_of(n, start.load_factor, 0);
     }
   }

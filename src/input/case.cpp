@@ -354,6 +354,18 @@ void check_petsc(const SectionPlace& place, const std::string& options) {
   }
 }
 
+void check_mesh(const SectionPlace& place, Case& c) {
+  c.mesh.file = beside(c.file, c.mesh.file);
+  if (c.mesh.start.empty()) return;
+  c.mesh.start = beside(c.file, c.mesh.start);
+  if (c.analysis != "static" && c.analysis != "drape" && c.analysis != "dynamic")
+    place.fail("start",
+               fmt::format("analysis = \"{}\" begins from the shape without strain; remove the key", c.analysis));
+  if (c.mesh.options.merge)
+    place.fail("start",
+               "vertices that `merge` joins would have two places; merge them in both files, or remove the key");
+}
+
 }  // namespace
 
 Case parse_case(const std::string& text, const std::filesystem::path& file, const std::vector<std::string>& settings) {
@@ -361,8 +373,7 @@ Case parse_case(const std::string& text, const std::filesystem::path& file, cons
   c.file = file;
   const CaseReader reader(text, file, top_keys(c), settings);
   reader.read_top(top_keys(c));
-  reader.read("mesh", 0, keys_of(c.mesh));
-  c.mesh.file = beside(file, c.mesh.file);
+  check_mesh(reader.read("mesh", 0, keys_of(c.mesh)), c);
   reader.read("element", 0, keys_of(c.element));
   read_materials(reader, c);
   const auto unchecked = [](const SectionPlace&, const auto&) {};

@@ -12,6 +12,14 @@ std::vector<Key> keys_of(MeshSection& s) {
            "Gmsh mesh (`.msh`) or geometry (`.geo`), or a mesh as `.obj`, `.inp` (Abaqus), `.vtk` (legacy), `.stl`, "
            "`.ply` or `.off` (see [meshes.md](meshes.md)), relative to the folder of the case file.",
        .required = true},
+      {.name = "start",
+       .slot = &s.start,
+       .meaning =
+           "A file with the same triangles in another place or shape, from which `static`, `drape` and `dynamic` "
+           "begin; `file` remains the shape without strain, and where supports hold. `scale` and the placement below "
+           "are for "
+           "both.",
+       .absent = "the shape of `file`"},
       {.name = "scale",
        .slot = &o.scale,
        .meaning = "The file's coordinates are multiplied by this to become metres.",

@@ -291,3 +291,53 @@ def turned_clamp(report):
         report.near(h["tip_z"][-1], -10 * np.sin(np.radians(60)), 0.02, f"{ranks} rank(s): the tip, at rest again [m]")
         report.near(h["tip_x"][-1], 10 * np.cos(np.radians(60)) - 10, 0.02, f"{ranks} rank(s): the tip, at rest again [m]")
         report.check(stored(h).max() > 1e-2 > 1e3 * stored(h)[-1], f"it bends on the way: {stored(h).max():.3g} J, {stored(h)[-1]:.2g} J at the end")
+
+
+def sheet_file(name, shape, cells=6):
+    """An OBJ file of a unit square whose vertices `shape` puts in place."""
+    lines = []
+    for i in range(cells + 1):
+        for j in range(cells + 1):
+            lines.append("v {:.17g} {:.17g} {:.17g}".format(*shape(np.array([i / cells, j / cells, 0.0]))))
+    number = lambda i, j: i * (cells + 1) + j + 1  # noqa: E731
+    for i in range(cells):
+        for j in range(cells):
+            lines += [f"f {number(i, j)} {number(i + 1, j)} {number(i + 1, j + 1)}", f"f {number(i, j)} {number(i + 1, j + 1)} {number(i, j + 1)}"]
+    OUT.mkdir(parents=True, exist_ok=True)
+    (OUT / name).write_text("\n".join(lines) + "\n")
+    return str(OUT / name)
+
+
+@test
+def start_shapes(report):
+    """A sheet that starts in another place and direction than it was cut in falls without strain; its shape at rest stays the flat one."""
+    c, s = np.cos(1.0), np.sin(1.0)
+    placed = lambda x: np.array([c * x[0] - s * x[2], x[1], s * x[0] + c * x[2]]) + [0.3, -2.0, 1.0]  # noqa: E731
+    flat, turned = sheet_file("start_flat.obj", lambda x: x), sheet_file("start_turned.obj", placed)
+    case = {"analysis": "dynamic", "mesh": {"file": flat, "start": turned},
+            "material": [{"type": "isotropic", "young": 1e6, "poisson": 0.3, "thickness": 1e-3, "density": 300.0}],
+            "load": [{"type": "gravity", "vector": [0, 0, -9.81]}], "time": {"end": 0.1, "step": 0.01, "radius": 1.0},
+            "probe": [{"name": "energy", "type": "energy"}]}
+    corner = np.array([1.0, 1.0, 0.0])
+    moved = placed(corner) - corner - [0, 0, 0.5 * 9.81 * 0.1**2]
+    for ranks in (1, 2):
+        result = solve(f"start_shape_{ranks}", case, ranks)
+        strain = max(abs(result.history[name]).max() for name in ("energy_membrane", "energy_bending"))
+        report.below(strain, 1e-12, f"{ranks} rank(s): energy of strain [J]")
+        report.below(np.abs(result.displacement()[-1] - moved).max(), 1e-9, f"{ranks} rank(s): it falls from where it was put: difference [m]")
+    # Springs pull it to where the file says: the equilibrium is that from the flat start.
+    held = {key: case[key] for key in ("material", "load")} | {"analysis": "drape"}
+    bent = sheet_file("start_bent.obj", lambda x: np.array([np.sin(x[0]), x[1], 0.3 * (1 - np.cos(x[0]))]))
+    held["spring"] = [{"type": "area", "stiffness": 500.0}]
+    ends = [solve(f"start_{name}", held | {"mesh": mesh}, 1).displacement()
+            for name, mesh in (("flat", {"file": flat}), ("bent", {"file": flat, "start": bent}))]
+    report.below(np.abs(ends[0] - ends[1]).max(), 1e-6, "drape on an elastic foundation, from flat and from bent: difference [m]")
+    for what, mesh, words in (("another mesh", {"file": flat, "start": sheet_file("start_other.obj", lambda x: x, 5)}, "36 vertices and 50 triangles instead of 49 and 72"),
+                              ("merged", {"file": flat, "start": turned, "merge": True}, "two places")):
+        code, text = invoke(["check", write_case(case | {"mesh": mesh}, OUT / "start_wrong.toml")])
+        report.check(code == 2 and "start" in text and words in text, f"{what}: code {code}: {text.strip()[-160:]}")
+    code, text = invoke(["check", write_case(case | {"analysis": "modal"}, OUT / "start_wrong.toml")])
+    report.check(code == 2 and "start" in text, f"modal: code {code}: {text.strip()[-110:]}")
+    floor = case | {"contact": {"distance": 1e-3}, "obstacle": [{"name": "floor", "type": "plane", "normal": [0, 0, 1], "point": [0, 0, 1.2]}]}
+    code, text = invoke(["check", write_case(floor, OUT / "start_floor.toml")])
+    report.check(code == 2 and "floor" in text, f"a start through the floor: code {code}: {text.strip()[-110:]}")

@@ -25,7 +25,8 @@
 namespace voile::input {
 
 struct MeshSection {
-  std::filesystem::path file;  ///< resolved relative to the case file
+  std::filesystem::path file;   ///< resolved relative to the case file
+  std::filesystem::path start;  ///< the same mesh in the shape it starts from, resolved alike; empty: that of `file`
   io::MeshOptions options;
 };
 
