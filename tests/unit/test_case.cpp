@@ -7,6 +7,7 @@
 #include <string>
 
 #include "test_case_kit.hpp"
+#include "test_relative.hpp"
 #include "voile/base/error.hpp"
 #include "voile/input/case.hpp"
 #include "voile/input/case_keys.hpp"
@@ -136,7 +137,7 @@ TEST_CASE("a minimal case has the defaults") {
   CHECK(c.mesh.file == std::filesystem::absolute("folder/plate.geo"));
   CHECK(c.mesh.options.scale == 1.0);
   CHECK(c.element.bending == energy::BendingOperator::edge_slope);
-  CHECK(c.element.crease_angle == doctest::Approx(40.0 * std::numbers::pi / 180.0));
+  CHECK(c.element.crease_angle == relative(40.0 * std::numbers::pi / 180.0));
   REQUIRE(c.materials.size() == 1);
   CHECK(c.materials[0].groups.empty());
   CHECK(c.materials[0].membrane == energy::isotropic_membrane(2.1e11, 0.3, 0.01));
@@ -160,10 +161,10 @@ TEST_CASE("every key is read") {
   CHECK(c.element.membrane == energy::MembraneOperator::cst);
   CHECK(c.element.cst_share == 0.3);
   CHECK(c.element.max_patch_condition == 50.0);
-  CHECK(c.element.crease_angle == doctest::Approx(33.3 * std::numbers::pi / 180).epsilon(1e-15));
+  CHECK(c.element.crease_angle == relative(33.3 * std::numbers::pi / 180).epsilon(1e-15));
   REQUIRE(c.materials.size() == 3);
   CHECK(c.materials[0].groups == std::vector<std::string>{"plate", "rim"});
-  CHECK(c.materials[0].areal_density == doctest::Approx(100.0));
+  CHECK(c.materials[0].areal_density == relative(100.0));
   CHECK(c.materials[1].membrane == energy::orthotropic_membrane(3e6, 1e6, 0.2, 4e5, 0.2));
   CHECK(*c.materials[1].direction == Vec3(1, 1, 0));
   CHECK(c.materials[2].membrane(0, 2) == 0.1);

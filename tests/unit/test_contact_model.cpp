@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "test_problems.hpp"
+#include "test_relative.hpp"
 #include "voile/base/error.hpp"
 #include "voile/geometry/intersections.hpp"
 #include "voile/solve/drape.hpp"
@@ -144,7 +145,7 @@ TEST_CASE("contact in a model: the tangent is the derivative of the residual, th
   CHECK(norm(up) < 1e-5 * norm(kw));
   p.model.residual(p.u, r);
   p.model.dofs().clear_fixed(r);
-  CHECK((energy_up - energy_down) / (2.0 * h) == doctest::Approx(dot(r, w)).epsilon(1e-6));
+  CHECK((energy_up - energy_down) / (2.0 * h) == relative(dot(r, w)).epsilon(1e-6));
   // The constant bending stiffness was copied, not assembled, into the larger pattern.
   p.model.assemble_tangent(p.u, request);
   CHECK(p.model.pattern_version() == before + 1);
@@ -162,7 +163,7 @@ TEST_CASE("contact in a model: pairs, energy and forces are those of one rank") 
   CHECK(report.pairs == state.pairs);
   CHECK(report.pairs > 100);
   CHECK(report.gap == state.gap);
-  CHECK(p.model.contact()->energy(p.u) == doctest::Approx(alone.energy(x)).epsilon(1e-12));
+  CHECK(p.model.contact()->energy(p.u) == relative(alone.energy(x)).epsilon(1e-12));
   petsc::VecHandle f = p.model.dofs().create_vector();
   p.model.contact()->add_gradient(p.u, f);
   const std::vector<Vec3> forces = per_vertex(p.model, f);
@@ -209,7 +210,7 @@ TEST_CASE("a sheet comes to rest on a floor that then carries its weight") {
   p.model.contact()->add_gradient(p.u, f);
   Vec3 total = Vec3::Zero();
   for (const Vec3& v : per_vertex(p.model, f)) total -= v;
-  CHECK(total[2] == doctest::Approx(0.3 * 9.81).epsilon(1e-6));
+  CHECK(total[2] == relative(0.3 * 9.81).epsilon(1e-6));
 }
 
 TEST_CASE("an obstacle that rushes through a resting sheet takes it along") {
@@ -322,7 +323,7 @@ TEST_CASE("the positive tangent takes friction's secant where slips have grown")
   };
   contact.start_step(p.u, slip);
   (void)stiffness(0.0);  // the first tangent of a step trusts the first guess
-  CHECK(stiffness(moved) == doctest::Approx(friction * std::abs(normal) / moved).epsilon(1e-6));
+  CHECK(stiffness(moved) == relative(friction * std::abs(normal) / moved).epsilon(1e-6));
   CHECK(std::abs(stiffness(1.2 * moved)) < 1e-3 * friction * std::abs(normal) / moved);  // no longer growing much
 }
 
@@ -421,7 +422,7 @@ TEST_CASE("slivers: neighbours nearer than the contact distance are at rest, and
   // Two layers one above the other are no neighbours, slivers or not.
   Problem with(with_sliver(2, 0.5 * d), input({}, d)), without(sheets(2, 6, 0.5 * d), input({}, d));
   const double e = with.model.contact()->energy(with.u), whole = without.model.contact()->energy(without.u);
-  CHECK(e == doctest::Approx(whole).epsilon(0.1));
+  CHECK(e == relative(whole).epsilon(0.1));
 }
 
 TEST_CASE("an obstacle that yields gives way to what it pinches, until that is free again") {
@@ -524,10 +525,11 @@ TEST_CASE("a hem that ignores an obstacle lets it through, the rest of the sheet
 
 TEST_CASE("a hem with friction of its own is taken along, where the sheet slips") {
   // A sheet lies on a floor that moves: only its leading hem has friction. The vertices of the hem carry their areas'
-  // share of the weight, an eighth, and slip: the momentum of the sheet grows by mu N t.
+  // share of the weight, an eighth, and slip: the momentum of the sheet grows by mu N t. It starts where it rests: with
+  // the gap g = d (1 - z), kappa |b'| = 3 kappa z^2 (1 + ...) carries 2.943 Pa at z = 0.0099.
   mesh::MeshData d = grid(4, 4, true, 0.0);
   add_square_groups(d);
-  Obstacle floor = plane(-0.0095);
+  Obstacle floor = plane(-0.009901);
   floor.motion = [](const Vec3&, double t) { return Vec3(t, 0.0, 0.0); };
   const auto momentum = [&](std::optional<double> friction) {
     system::ModelInput in = input({floor}, 0.01);
@@ -543,7 +545,8 @@ TEST_CASE("a hem with friction of its own is taken along, where the sheet slips"
     return dynamics.momentum(r.state.velocity)[0];
   };
   CHECK(std::abs(momentum(std::nullopt)) < 1e-9);
-  CHECK(momentum(0.5) == doctest::Approx(0.5 * 0.3 * 9.81 / 8.0 * 0.1).epsilon(0.2));
+  // At the very start friction knows no slip yet: half of the first step is without it.
+  CHECK(momentum(0.5) == relative(0.5 * 0.3 * 9.81 / 8.0 * (0.1 - 0.5 * 0.005)).epsilon(2e-3));
 }
 
 TEST_CASE("contact refuses a distance too large for the mesh and unknown names") {

@@ -12,6 +12,7 @@
 #include <string>
 
 #include "test_case_kit.hpp"
+#include "test_relative.hpp"
 #include "voile/base/error.hpp"
 #include "voile/io/gmsh.hpp"
 
@@ -164,8 +165,8 @@ TEST_CASE("parameters, size, algorithm and scale") {
     for (const Vec3& x : data.positions) most = std::max(most, x[1]);
     return most;
   };
-  CHECK(width(io::read_gmsh(geo, {.parameters = {{"w", 0.5}, {"L", 1.0}}})) == doctest::Approx(0.5));
-  CHECK(width(io::read_gmsh(geo, {.parameters = {}, .scale = 0.001})) == doctest::Approx(0.001));
+  CHECK(width(io::read_gmsh(geo, {.parameters = {{"w", 0.5}, {"L", 1.0}}})) == relative(0.5));
+  CHECK(width(io::read_gmsh(geo, {.parameters = {}, .scale = 0.001})) == relative(0.001));
   const std::size_t coarse = io::read_gmsh(geo, {.parameters = {}, .size = 0.5}).triangles.size();
   const std::size_t fine = io::read_gmsh(geo, {.parameters = {}, .size = 0.1}).triangles.size();
   CHECK(fine > 15 * coarse);

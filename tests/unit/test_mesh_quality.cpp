@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "test_model_kit.hpp"
+#include "test_relative.hpp"
 #include "voile/base/error.hpp"
 #include "voile/energy/sheet.hpp"
 #include "voile/mesh/coincident.hpp"
@@ -81,13 +82,13 @@ TEST_CASE("shape: angles, aspect and unevenness of triangles that are known") {
   d.positions = {{0, 0, 0}, {1, 0, 0}, {0.5, std::sqrt(0.75), 0}};
   d.triangles = {{0, 1, 2}};
   const mesh::TriangleShape equal = mesh::shape_of(mesh::SurfaceMesh(d), 0);
-  CHECK(equal.smallest_angle == doctest::Approx(60 * degree).epsilon(1e-14));
-  CHECK(equal.aspect == doctest::Approx(2.0 / std::sqrt(3.0)).epsilon(1e-14));
+  CHECK(equal.smallest_angle == relative(60 * degree).epsilon(1e-14));
+  CHECK(equal.aspect == relative(2.0 / std::sqrt(3.0)).epsilon(1e-14));
   CHECK(equal.unevenness == 0.0);
   d.positions[2] = {0.5, 1e-6, 0};
   const mesh::TriangleShape sliver = mesh::shape_of(mesh::SurfaceMesh(d), 0);
-  CHECK(sliver.smallest_angle == doctest::Approx(std::atan(2e-6)).epsilon(1e-9));
-  CHECK(sliver.aspect == doctest::Approx(1e6).epsilon(1e-9));
+  CHECK(sliver.smallest_angle == relative(std::atan(2e-6)).epsilon(1e-9));
+  CHECK(sliver.aspect == relative(1e6).epsilon(1e-9));
   for (const double aspect : {1.0, 8.0, 50.0}) {
     CHECK(largest_unevenness(cells(aspect, 0.0)) < 1e-12);
     CHECK(largest_unevenness(cells(aspect, 0.2)) > 0.2);
@@ -111,7 +112,7 @@ TEST_CASE("coincident vertices are counted and merged, groups follow, layers sta
   seam.vertices.insert(seam.vertices.end(), lip.vertices.begin(), lip.vertices.end());
   d.groups.push_back(seam);
   const double tolerance = mesh::default_merge_tolerance(d);
-  CHECK(tolerance == doctest::Approx(1e-6 * std::sqrt(5.0)));
+  CHECK(tolerance == relative(1e-6 * std::sqrt(5.0)));
   const mesh::Coincidence c = mesh::find_coincident(d, tolerance);
   CHECK(c.places == n + 1);
   CHECK(c.vertices == 2 * (n + 1));
@@ -274,11 +275,11 @@ TEST_CASE("a material direction in texture coordinates follows the flat piece ro
   CHECK(axes.continued == 0);
   for (Index t = 0; t < mesh.triangle_count(); ++t) {
     const Vec3 c = mesh::centroid(mesh, t);
-    CHECK(axes.of[t].dot(Vec3(-c[1], c[0], 0).normalized()) == doctest::Approx(1.0).epsilon(2e-2));
+    CHECK(axes.of[t].dot(Vec3(-c[1], c[0], 0).normalized()) == relative(1.0).epsilon(2e-2));
     CHECK(std::abs(axes.of[t][2]) < 1e-9);
   }
   m.texture_direction = Vec2(1, 0);
   axes = axes_of(mesh, m);
-  for (const Vec3& axis : axes.of) CHECK(axis[2] == doctest::Approx(1.0).epsilon(1e-9));
+  for (const Vec3& axis : axes.of) CHECK(axis[2] == relative(1.0).epsilon(1e-9));
   CHECK_THROWS_WITH_AS(static_cast<void>(axes_of(folded_strip(), m)), doctest::Contains("texture"), UserError);
 }

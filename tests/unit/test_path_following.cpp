@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "test_problems.hpp"
+#include "test_relative.hpp"
 #include "voile/base/error.hpp"
 #include "voile/solve/path_following.hpp"
 
@@ -182,9 +183,9 @@ TEST_CASE("arc length and displacement control find the same path through a snap
   const Record by_displacement = follow(second.model, second.a, options, other);
   REQUIRE(by_arc.result.completed);
   REQUIRE(by_displacement.result.completed);
-  CHECK(dot(probe, first.a) == doctest::Approx(-0.045).epsilon(1e-9));
-  CHECK(dot(other, second.a) == doctest::Approx(-0.045).epsilon(1e-9));
-  CHECK(by_arc.result.load_factor == doctest::Approx(by_displacement.result.load_factor).epsilon(1e-6));
+  CHECK(dot(probe, first.a) == relative(-0.045).epsilon(1e-9));
+  CHECK(dot(other, second.a) == relative(-0.045).epsilon(1e-9));
+  CHECK(by_arc.result.load_factor == relative(by_displacement.result.load_factor).epsilon(1e-6));
   CHECK(largest_difference(by_arc.states.back(), by_displacement.states.back()) < 1e-7);
   // It snaps: up, down, up again; both see the same two limit points.
   REQUIRE(by_arc.result.critical.size() == 2);
@@ -192,7 +193,7 @@ TEST_CASE("arc length and displacement control find the same path through a snap
   for (int k = 0; k < 2; ++k) {
     CHECK(by_arc.result.critical[k].kind == solve::CriticalPoint::Kind::limit);
     CHECK(by_arc.result.critical[k].load_factor ==
-          doctest::Approx(by_displacement.result.critical[k].load_factor).epsilon(2e-3));
+          relative(by_displacement.result.critical[k].load_factor).epsilon(2e-3));
   }
   CHECK(by_arc.result.critical[0].load_factor > by_arc.result.critical[1].load_factor);
   for (const solve::StepReport& report : by_arc.reports) {
@@ -219,7 +220,7 @@ TEST_CASE("every state on the arc is in equilibrium and an arc length from the o
     VOILE_PETSC(VecPointwiseMult(weighted, arch.model.mass(), step));
     const double taken = std::sqrt(dot(weighted, step));
     if (report.step == 1) length = taken;
-    if (report.step > 1 && !report.last) CHECK(taken == doctest::Approx(length).epsilon(1e-6));
+    if (report.step > 1 && !report.last) CHECK(taken == relative(length).epsilon(1e-6));
     VOILE_PETSC(VecCopy(a, before));
   });
   CHECK(path.run(arch.a).completed);
@@ -287,7 +288,7 @@ TEST_CASE("a path goes on from a state in its middle as if it had never stopped"
   REQUIRE(rest.result.completed);
   CHECK(rest.reports.front().step == static_cast<int>(middle));
   CHECK(rest.reports[1].load_factor < rest.reports[0].load_factor);
-  CHECK(rest.result.load_factor == doctest::Approx(all.result.load_factor).epsilon(1e-6));
+  CHECK(rest.result.load_factor == relative(all.result.load_factor).epsilon(1e-6));
   CHECK(largest_difference(rest.states.back(), all.states.back()) < 1e-7);
   REQUIRE(rest.result.critical.size() == 1);
 }
@@ -300,14 +301,14 @@ TEST_CASE("a perfect column: Euler's load is a bifurcation where the path stops 
   REQUIRE(pass.result.completed);
   REQUIRE(pass.result.critical.size() == 1);
   CHECK(pass.result.critical[0].kind == solve::CriticalPoint::Kind::bifurcation);
-  CHECK(pass.result.critical[0].load_factor == doctest::Approx(1.0).epsilon(0.01));
+  CHECK(pass.result.critical[0].load_factor == relative(1.0).epsilon(0.01));
   for (std::size_t i = 2; i < pass.states.back().size(); i += 3) CHECK(std::abs(pass.states.back()[i]) < 1e-9);
 
   options.at_critical_point = AtCriticalPoint::stop;
   const Record stop = follow(stopped.model, stopped.a, options, nullptr);
   CHECK(stop.result.completed);
   CHECK(stop.reports.back().mode != nullptr);
-  CHECK(stop.result.load_factor == doctest::Approx(1.0).epsilon(0.01));
+  CHECK(stop.result.load_factor == relative(1.0).epsilon(0.01));
 
   options.at_critical_point = AtCriticalPoint::switch_branch;
   options.final_load_factor = 1.1;
@@ -322,8 +323,8 @@ TEST_CASE("a perfect column: Euler's load is a bifurcation where the path stops 
   const double w = dot(mean, left.a), opposite = dot(mean, right.a);
   // The elastica at 1.1 of Euler's load: amplitude 0.25 L (Timoshenko & Gere, table 2-4, interpolated), mean of a half
   // wave about 2/pi of it.
-  CHECK(std::abs(w) == doctest::Approx(0.25 * 10.0 * 2.0 / std::numbers::pi).epsilon(0.1));
-  CHECK(opposite == doctest::Approx(-w).epsilon(1e-4));
+  CHECK(std::abs(w) == relative(0.25 * 10.0 * 2.0 / std::numbers::pi).epsilon(0.1));
+  CHECK(opposite == relative(-w).epsilon(1e-4));
   CHECK(up.reports.back().newton.negative_pivots == 0);  // the buckled column is stable
 }
 

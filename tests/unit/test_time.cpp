@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "test_problems.hpp"
+#include "test_relative.hpp"
 #include "voile/base/error.hpp"
 #include "voile/solve/eigen.hpp"
 #include "voile/solve/time_integration.hpp"
@@ -225,7 +226,7 @@ TEST_CASE("a plate in its first mode swings with the frequency of the mode") {
     along += begin[i] * end[i];
     square += begin[i] * begin[i];
   }
-  CHECK(along / square == doctest::Approx(1.0).epsilon(2e-3));
+  CHECK(along / square == relative(1.0).epsilon(2e-3));
 }
 
 TEST_CASE("implicit and explicit motion agree") {
@@ -277,8 +278,7 @@ TEST_CASE("damping: the mass-proportional one slows a drifting sheet as exp(-alp
   d.mass_damping = 3.0;
   const std::vector<double> end = integrate(f, d, options(0.5, 0.005));
   const double expected = std::exp(-1.5);
-  for (std::size_t i = end.size() / 2 + 2; i < end.size(); i += 3)
-    CHECK(end[i] == doctest::Approx(expected).epsilon(1e-3));
+  for (std::size_t i = end.size() / 2 + 2; i < end.size(); i += 3) CHECK(end[i] == relative(expected).epsilon(1e-3));
 }
 
 TEST_CASE("a sheet that hangs and swings loses amplitude as its material's damping of bending says") {
@@ -305,7 +305,7 @@ TEST_CASE("a sheet that hangs and swings loses amplitude as its material's dampi
     const double omega = 2.0 * M_PI * modes.modes[0].value;
     const double rate = 0.25 * dot(product, mode) / weighing.kinetic_energy(mode);
     CAPTURE(rate / omega);
-    if (gravity == 0.0) CHECK(rate / omega == doctest::Approx(0.5 * 0.05 * omega).epsilon(1e-3));
+    if (gravity == 0.0) CHECK(rate / omega == relative(0.5 * 0.05 * omega).epsilon(1e-3));
     REQUIRE(rate / omega > 0.01);
     REQUIRE(rate / omega < 0.1);
     const double period = 2.0 * M_PI / std::sqrt(omega * omega - rate * rate);
@@ -322,8 +322,8 @@ TEST_CASE("a sheet that hangs and swings loses amplitude as its material's dampi
       VOILE_PETSC(VecAXPY(f.u, -1.0, rest));
       return dot(f.u, mode) / (1e-4 * dot(mode, mode));
     };
-    CHECK(left(true) == doctest::Approx(std::exp(-rate * period)).epsilon(3e-3));
-    CHECK(left(false) == doctest::Approx(std::cos(omega * period)).epsilon(3e-3));
+    CHECK(left(true) == relative(std::exp(-rate * period)).epsilon(3e-3));
+    CHECK(left(false) == relative(std::cos(omega * period)).epsilon(3e-3));
   }
 }
 
@@ -344,8 +344,8 @@ TEST_CASE("damping of bending and membrane takes energy from a vibration") {
     CHECK(time.run({.position = f.u, .velocity = f.v}).completed);
     return (dynamics.kinetic_energy(f.v) + f.model.energy(f.u)) / before;
   };
-  CHECK(left({}, true) == doctest::Approx(1.0).epsilon(0.01));
-  CHECK(left({}, false) == doctest::Approx(1.0).epsilon(0.01));
+  CHECK(left({}, true) == relative(1.0).epsilon(0.01));
+  CHECK(left({}, false) == relative(1.0).epsilon(0.01));
   DynamicsOptions bending, membrane;
   bending.bending_damping = 3.0;
   membrane.viscous_time = 0.02;
@@ -399,7 +399,7 @@ TEST_CASE("viscous membrane and drag: the step's residual is the gradient of its
     at(-step);
     const double minus = dynamics.energy(x, difference, a, s_v, s_a);
     dynamics.residual(x, difference, a, other);
-    CHECK((plus - minus) / (2.0 * step) == doctest::Approx(slope).epsilon(1e-6));
+    CHECK((plus - minus) / (2.0 * step) == relative(slope).epsilon(1e-6));
     // And the tangent is the derivative of the residual.
     VOILE_PETSC(VecAXPY(r, -1.0, other));
     VOILE_PETSC(VecScale(r, 0.5 / step));
@@ -431,9 +431,9 @@ TEST_CASE("a falling sheet reaches its terminal velocity, one in the wind is car
   };
   // m g = 1/2 rho C_n w^2 per area, w against the air
   const double terminal = std::sqrt(0.5 * 9.81 / (0.5 * 1.2 * 1.3));
-  for (const Vec3& v : final_velocities(Vec3::Zero(), 0.0)) CHECK(-v[2] == doctest::Approx(terminal).epsilon(0.01));
+  for (const Vec3& v : final_velocities(Vec3::Zero(), 0.0)) CHECK(-v[2] == relative(terminal).epsilon(0.01));
   for (const Vec3& v : final_velocities(Vec3(0.0, 0.0, 5.0), 0.0))
-    CHECK(v[2] == doctest::Approx(5.0 - terminal).epsilon(0.01));
+    CHECK(v[2] == relative(5.0 - terminal).epsilon(0.01));
   for (const Vec3& v : final_velocities(Vec3(1.0, 0.0, 0.0), 0.5)) {
     CHECK(v[0] > 0.9);
     CHECK(v[0] < 1.01);
@@ -463,7 +463,7 @@ TEST_CASE("supports move as functions of time say, and the load follows its hist
   const solve::TimeResult r = time.run({.position = f.u, .velocity = f.v});
   CHECK(r.stopped);
   CHECK(r.state.step == 30);
-  CHECK(factor == doctest::Approx(0.3).epsilon(1e-9));
+  CHECK(factor == relative(0.3).epsilon(1e-9));
   in.supports.push_back(in.supports[0]);
   CHECK_THROWS_AS(Falling twice(in), UserError);
 }
@@ -480,7 +480,7 @@ TEST_CASE("the step follows the error that is asked for") {
     solve::TimeIntegration time(dynamics, o);
     const solve::TimeResult r = time.run({.position = f.u, .velocity = f.v});
     CHECK(r.completed);
-    CHECK(r.state.time == doctest::Approx(0.3).epsilon(1e-12));
+    CHECK(r.state.time == relative(0.3).epsilon(1e-12));
     steps.push_back(r.steps);
   }
   CHECK(steps[1] > 1.5 * steps[0]);
@@ -512,11 +512,11 @@ TEST_CASE("the estimated error of a step is the error that it makes") {
   // Sizes settle where the estimate is the 0.9^3 of the tolerance that next_step aims at.
   const double settled = std::cbrt(std::pow(0.9, 3) * tolerance * 12.0 / jerk);
   REQUIRE(taken.size() > 30);
-  for (std::size_t i = 20; i + 2 < taken.size(); ++i) CHECK(taken[i] / settled == doctest::Approx(1.0).epsilon(0.005));
+  for (std::size_t i = 20; i + 2 < taken.size(); ++i) CHECK(taken[i] / settled == relative(1.0).epsilon(0.005));
   double error = 0.0;
   for (const double h : taken) error += jerk * h * h * h / 12.0;
   const double reached = per_vertex(f.model, f.u).front()[2], exact = jerk * end * end * end / 6.0;
-  CHECK(std::abs(reached - exact) / error == doctest::Approx(1.0).epsilon(0.02));
+  CHECK(std::abs(reached - exact) / error == relative(1.0).epsilon(0.02));
 }
 
 TEST_CASE("options of TS are obeyed") {

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "test_meshes.hpp"
+#include "test_relative.hpp"
 #include "voile/base/error.hpp"
 #include "voile/base/text.hpp"
 #include "voile/io/triangle_file.hpp"
@@ -126,8 +127,8 @@ void check_box(const geometry::TriangleSoup& s) {
   CHECK(s.positions.size() == 8);
   CHECK(s.triangles.size() == 12);
   CHECK(s.degenerate_count == 0);
-  CHECK(area(s) == doctest::Approx(22.0));
-  CHECK(volume(s) == doctest::Approx(6.0));  // oriented outwards, as the file is
+  CHECK(area(s) == relative(22.0));
+  CHECK(volume(s) == relative(6.0));  // oriented outwards, as the file is
 }
 
 /// What read_triangles says about a file.
@@ -199,7 +200,7 @@ TEST_CASE("a Gmsh mesh is read as triangles") {
            "4 0 1 0\n$EndNodes\n$Elements\n2\n1 2 2 1 1 1 2 3\n2 2 2 1 1 1 3 4\n$EndElements\n");
   CHECK(s.positions.size() == 4);
   CHECK(s.triangles.size() == 2);
-  CHECK(area(s) == doctest::Approx(1.0));
+  CHECK(area(s) == relative(1.0));
 }
 
 TEST_CASE("a polygon that is not convex is split without covering its bay") {
@@ -207,14 +208,14 @@ TEST_CASE("a polygon that is not convex is split without covering its bay") {
   const geometry::TriangleSoup bent =
       read(".obj", "v 0 0 0\nv 2 0 -2\nv 2 1 -3\nv 1 1 -2\nv 1 2 -3\nv 0 2 -2\nf 1 2 3 4 5 6\n");
   CHECK(bent.triangles.size() == 4);
-  CHECK(area(bent) == doctest::Approx(3.0 * std::numbers::sqrt3));
+  CHECK(area(bent) == relative(3.0 * std::numbers::sqrt3));
   for (const char* face : {"f 1 2 3 4 5 6 7 8 9\n", "f 9 8 7 6 5 4 3 2 1\n", "f -9 -8 -7 -6 -5 -4 -3 -2 -1\n"}) {
     const geometry::TriangleSoup comb =
         read(".obj",
              std::string("v 0 0 0\nv 2 0 0\nv 4 0 0\nv 4 3 0\nv 3 1 0\nv 2 3 0\nv 1 1 0\nv 0 3 0\nv 0 1 0\n") + face);
     CHECK(comb.triangles.size() == 7);
     CHECK(comb.degenerate_count == 0);
-    CHECK(area(comb) == doctest::Approx(8.0));
+    CHECK(area(comb) == relative(8.0));
   }
 }
 
@@ -227,7 +228,7 @@ TEST_CASE("vertex numbers stay, triangles of zero area go, nothing needs to be a
   CHECK(s.triangles.size() == 4);
   CHECK(s.degenerate_count == 2);
   CHECK(s.triangles[3] == mesh::Triangle{1, 2, 6});
-  CHECK(area(s) == doctest::Approx(2.0));
+  CHECK(area(s) == relative(2.0));
 }
 
 TEST_CASE("what is wrong with a file of triangles is said") {
@@ -300,7 +301,7 @@ TEST_CASE("a sphere is closed, inscribed and as fine as promised") {
     CHECK(s.triangles.size() == 20U << (2 * refinement));
     const double h = check_closed(s);
     CHECK(h < 1.33 * r / (1 << refinement));
-    for (const Vec3& x : s.positions) CHECK((x - centre).norm() == doctest::Approx(r).epsilon(1e-14));
+    for (const Vec3& x : s.positions) CHECK((x - centre).norm() == relative(r).epsilon(1e-14));
     double deepest = 0.0;
     for (const auto& [a, b, c] : s.triangles)
       deepest = std::max(deepest, r - ((s.positions[a] + s.positions[b] + s.positions[c]) / 3.0 - centre).norm());
@@ -324,7 +325,7 @@ TEST_CASE("a capsule is closed and inscribed") {
       CAPTURE(refinement);
       const geometry::TriangleSoup s = geometry::capsule_surface(a, b, r, refinement);
       (void)check_closed(s);
-      for (const Vec3& x : s.positions) CHECK(distance_to_segment(x, a, b) == doctest::Approx(r).epsilon(1e-14));
+      for (const Vec3& x : s.positions) CHECK(distance_to_segment(x, a, b) == relative(r).epsilon(1e-14));
       const double exact = std::numbers::pi * r * r * ((b - a).norm() + 4.0 / 3.0 * r);
       const double loss = 1.0 - volume(s) / exact;
       CHECK(loss > 0.0);
@@ -358,10 +359,10 @@ TEST_CASE("a cylinder is closed, straddles the true one and has no long triangle
       }
     }
     CHECK(widest - narrowest <= size.sagitta * (1.0 + 1e-9));
-    CHECK(0.5 * (widest + narrowest) == doctest::Approx(size.radius).epsilon(1e-12));
+    CHECK(0.5 * (widest + narrowest) == relative(size.radius).epsilon(1e-12));
     CHECK(slender < 20.0);
     const double exact = std::numbers::pi * size.radius * size.radius * size.length;
-    CHECK(volume(s) == doctest::Approx(exact).epsilon(2.0 * (widest - narrowest) / size.radius));
+    CHECK(volume(s) == relative(exact).epsilon(2.0 * (widest - narrowest) / size.radius));
     CHECK(s.triangles.size() < 20000);
   }
   CHECK(geometry::cylinder_surface(a, a + Vec3(0, 0, 1e5), 0.1, 1e-9).triangles.size() < 250000);
