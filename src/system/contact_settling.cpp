@@ -13,19 +13,21 @@ constexpr double most_unbalanced = 0.5;
 
 }  // namespace
 
-std::vector<double> Contact::balanced_points(Vec a, Vec residual) {
-  petsc::VecHandle push;
-  VOILE_PETSC(VecDuplicate(a, push.out()));
-  VOILE_PETSC(VecZeroEntries(push));
+bool Contact::note_unbalanced(Vec a, Vec others, std::vector<double>& balanced) {
+  const petsc::VecHandle push = dofs_->create_vector();
   add_gradient(a, push, contact::ContactSet::normal);
-  std::vector<double> balanced(static_cast<std::size_t>(mesh_->vertex_count()), 1.0);
-  const petsc::ReadArray g(push), r(residual);
-  for (Index i = 0; i < row_count_; ++i) {
-    const Eigen::Map<const Vec3> own(g.data() + 3 * i), all(r.data() + 3 * i);
-    if (own.dot(all) > most_unbalanced * own.squaredNorm()) balanced[partition_->vertex_of[first_row_ + i]] = 0.0;
+  std::vector<double> now = balanced;
+  {
+    const petsc::ReadArray g(push), r(others);
+    for (Index i = 0; i < row_count_; ++i) {
+      const Eigen::Map<const Vec3> own(g.data() + 3 * i), rest(r.data() + 3 * i);
+      if (own.dot(own + rest) > most_unbalanced * own.squaredNorm()) now[partition_->vertex_of[first_row_ + i]] = 0.0;
+    }
   }
-  mpi::min(comm_, balanced);
-  return balanced;
+  mpi::min(comm_, now);
+  const bool more = now != balanced;
+  balanced = std::move(now);
+  return more;
 }
 
 void Contact::begin_settling(Vec a, Vec residual, double time) {
@@ -33,19 +35,23 @@ void Contact::begin_settling(Vec a, Vec residual, double time) {
   set_time(time);
   memory_.gaps.clear();
   settle();
-  const std::vector<double> balanced = balanced_points(a, residual);
+  if (input_.options.settle_time <= 0.0) return;
   fill_positions(a, x_);
   cover(x_, x_);
   std::vector<double> gaps = set_->smallest_gaps(x_);
   mpi::min(comm_, gaps);
-  for (std::size_t v = 0; v < balanced.size(); ++v)
-    if (balanced[v] == 1.0) gaps[v] = distance;
-  const bool inside = std::any_of(gaps.begin(), gaps.end(), [&](double g) { return g < distance; });
-  if (inside && input_.options.settle_time > 0.0) {
-    memory_.gaps = std::move(gaps);
+  const petsc::VecHandle others = dofs_->create_vector();
+  add_gradient(a, others, contact::ContactSet::normal);
+  VOILE_PETSC(VecAYPX(others, -1.0, residual));
+  // Where one layer is let out, the next has lost what balanced it.
+  std::vector<double> balanced(gaps.size(), 1.0);
+  while (note_unbalanced(a, others, balanced)) {
+    memory_.gaps = gaps;
+    for (std::size_t v = 0; v < gaps.size(); ++v)
+      if (balanced[v] == 1.0) memory_.gaps[v] = distance;
     memory_.start = time;
+    settle();
   }
-  settle();
 }
 
 void Contact::restore(ContactMemory memory) {

@@ -329,7 +329,7 @@ TEST_CASE("the positive tangent takes friction's secant where slips have grown")
 
 TEST_CASE("a start inside the contact distance is let out gently") {
   const double d = 0.01, settle_time = 0.1, mass = 0.3;
-  for (const int count : {1, 2})
+  for (const int count : {1, 2, 5})  // of five, the inner ones are balanced at first
     for (const double share : {0.99, 0.5, 0.3})
       for (const double step : {1e-3, 1e-2, 4e-2}) {
         CAPTURE(count);
@@ -353,7 +353,8 @@ TEST_CASE("a start inside the contact distance is let out gently") {
         const double speed = (1.0 - share) * d / settle_time;
         CHECK(kinetic > 0.0);
         CHECK(kinetic < barrier);
-        CHECK(kinetic < 0.5 * mass * std::pow(3.0 * speed, 2));
+        // The layers of five move by 2, 1, 0, 1, 2 of these.
+        CHECK(kinetic < (count < 5 ? 1.0 : 10.0) * 0.5 * mass * std::pow(3.0 * speed, 2));
         if (step >= 0.01) CHECK(gap > 0.98 * d);
       }
 }

@@ -149,8 +149,9 @@ class Contact {
                                    const std::vector<contact::Plane>& planes_end) const;
   /// Whether neighbours must be exempt; notes which. Throws UserError if that holds for much of the mesh.
   [[nodiscard]] bool lacks_room(const mesh::SurfaceMesh& mesh);
-  /// 1 for each vertex whose normal contact force the others balance, or that has none; on every rank. Collective.
-  [[nodiscard]] std::vector<double> balanced_points(Vec a, Vec residual);
+  /// Sets `balanced`, per vertex and alike on all ranks, to 0 where the other forces (minus `others`) do not balance the
+  /// normal contact force; true if that is new for some vertex. Collective.
+  [[nodiscard]] bool note_unbalanced(Vec a, Vec others, std::vector<double>& balanced);
   /// Puts the reach of barriers where it is at the time in force.
   void settle();
   /// One attempt of make_way.
