@@ -76,7 +76,8 @@ void info(const mesh::SurfaceMesh& mesh, const energy::ElementOptions& element) 
 
 void check(const input::Case& c) {
   const mesh::SurfaceMesh mesh = load_mesh(c.mesh.file, c.mesh.options);
-  system::Model model(PETSC_COMM_WORLD, mesh, model_input(c));
+  KnownObstacles known;
+  system::Model model(PETSC_COMM_WORLD, mesh, model_input(c, known));
   if (c.analysis == "modal" || c.analysis == "dynamic") system::require_mass(model);
   const std::vector<std::string> free = check_free_motions(c, model);
   const MeshQuality quality = measure_quality(PETSC_COMM_WORLD, mesh, c.element);

@@ -128,13 +128,13 @@ void examine_start(const input::Case& c, system::Contact& contact, Vec a) {
   print_notes(c, contact, a);
 }
 
-bool settle_start(const input::Case& c, const RunOptions& options, system::Contact& contact, Vec a, double time) {
+void settle_start(const input::Case& c, const RunOptions& options, system::Contact& contact, Vec a, double time,
+                  bool is_first) {
   contact.set_time(time);
-  const bool repairs = c.contact.untangle && options.restart.empty() && is_tangled(contact, a);
+  const bool repairs = c.contact.untangle && is_first && is_tangled(contact, a);
   const std::string tried = repairs ? repair(options, contact, a) : "";
   check_start(options.output / "intersections.vtk", contact, a, tried);
-  if (options.verbosity != Verbosity::quiet && options.restart.empty()) print_notes(c, contact, a);
-  return repairs;
+  if (options.verbosity != Verbosity::quiet && is_first) print_notes(c, contact, a);
 }
 
 }  // namespace voile::app

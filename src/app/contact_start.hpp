@@ -10,10 +10,10 @@ namespace voile::app {
 /// and prints notes. Collective.
 void examine_start(const input::Case& c, system::Contact& contact, Vec a);
 
-/// Checks the state a with the obstacles where they are at `time` [s]. With [contact] untangle, and unless the run goes
-/// on from another, a start that intersects is repaired first: the free components of a change, and the result is true.
-/// Collective. Throws UserError with a full report if something intersects, or is nearer than thicknesses allow.
-[[nodiscard]] bool settle_start(const input::Case& c, const RunOptions& options, system::Contact& contact, Vec a,
-                                double time);
+/// Checks the state a with the obstacles where they are at `time` [s]. With [contact] untangle, where the run begins
+/// (`is_first`), a start that intersects is repaired first: the free components of a change. Collective. Throws
+/// UserError with a full report if something intersects, or is nearer than thicknesses allow.
+void settle_start(const input::Case& c, const RunOptions& options, system::Contact& contact, Vec a, double time,
+                  bool is_first);
 
 }  // namespace voile::app

@@ -1,11 +1,9 @@
 #include "model_input.hpp"
 
-#include "obstacles.hpp"
-
 namespace voile::app {
 
-system::ModelInput model_input(const input::Case& c) {
-  return {c.element, c.materials,           c.supports, c.loads, contact_input(PETSC_COMM_WORLD, c), c.masses,
+system::ModelInput model_input(const input::Case& c, KnownObstacles& known) {
+  return {c.element, c.materials,           c.supports, c.loads, contact_input(PETSC_COMM_WORLD, c, known), c.masses,
           c.springs, c.analysis == "static"};
 }
 

@@ -3,12 +3,13 @@
 
 #include <vector>
 
+#include "obstacles.hpp"
 #include "voile/input/case.hpp"
 #include "voile/system/model.hpp"
 
 namespace voile::app {
 
-/// Reads the files of obstacles. Collective. Throws UserError.
-[[nodiscard]] system::ModelInput model_input(const input::Case& c);
+/// Reads the files of obstacles that are not known yet. Collective. Throws UserError.
+[[nodiscard]] system::ModelInput model_input(const input::Case& c, KnownObstacles& known);
 
 }  // namespace voile::app

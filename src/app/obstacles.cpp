@@ -106,14 +106,19 @@ void check_size(const system::Obstacle& o) {
 
 }  // namespace
 
-system::ContactInput contact_input(MPI_Comm comm, const input::Case& c) {
+system::ContactInput contact_input(MPI_Comm comm, const input::Case& c, KnownObstacles& known) {
   system::ContactInput input = c.contact.input;
   for (const input::ObstacleSection& section : c.obstacles) {
+    if (const auto at = known.find(section.shape.name); at != known.end()) {
+      input.obstacles.push_back(at->second);
+      continue;
+    }
     system::Obstacle o = section.shape;
     if (section.type == input::ObstacleSection::Type::mesh) read_shape(comm, section, o);
     if (section.type == input::ObstacleSection::Type::cylinder) tessellate(section, input.options.distance, o);
     if (!section.frames.empty()) read_frames(comm, section, c.time.options.end_time, o, input.notes);
     check_size(o);
+    known.emplace(o.name, o);
     input.obstacles.push_back(std::move(o));
   }
   for (const input::RuleSection& r : c.contact_rules)

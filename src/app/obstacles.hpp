@@ -2,7 +2,9 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "voile/geometry/intersections.hpp"
@@ -11,9 +13,12 @@
 
 namespace voile::app {
 
-/// What a model needs to know of contact: rank 0 reads the files of obstacles, every rank receives them. Collective.
-/// Throws UserError for files that cannot be read and frames that do not fit their mesh.
-[[nodiscard]] system::ContactInput contact_input(MPI_Comm comm, const input::Case& c);
+/// Obstacles that were read, by name, for the epochs and stages of a run.
+using KnownObstacles = std::map<std::string, system::Obstacle>;
+
+/// What a model needs to know of contact: rank 0 reads the files of obstacles that are not known yet, every rank
+/// receives them. Collective. Throws UserError for files that cannot be read and frames that do not fit their mesh.
+[[nodiscard]] system::ContactInput contact_input(MPI_Comm comm, const input::Case& c, KnownObstacles& known);
 
 /// Counts triangles that intersect, by exact predicates (see io/intersections.hpp). Balls and capsules count as
 /// polyhedra inscribed in them, a half-space is compared vertex by vertex.

@@ -9,7 +9,6 @@
 
 #include "stresses.hpp"
 #include "voile/base/error.hpp"
-#include "voile/base/interrupt.hpp"
 #include "voile/base/mpi.hpp"
 #include "voile/base/text.hpp"
 
@@ -35,9 +34,8 @@ std::string duration(double seconds) {
 
 }  // namespace
 
-Recorder::Recorder(const input::Case& c, const RunOptions& options, system::Model& model,
-                   const solve::StaticOptions& steps)
-    : case_(c), options_(options), model_(&model), steps_(steps), root_(mpi::rank(model.comm()) == 0) {
+Recorder::Recorder(const input::Case& c, const RunOptions& options, system::Model& model)
+    : case_(c), options_(options), model_(&model), root_(mpi::rank(model.comm()) == 0) {
   resolve_probes();
   mpi::on_root(model.comm(), [&] {
     const mesh::Partition& p = model.dofs().partition();
@@ -172,14 +170,12 @@ long Recorder::count_intersections(Vec a) const {
   return 0;
 }
 
-std::string Recorder::contact_note(const Snapshot& s, const ContactEffort& effort) const {
+std::string Recorder::contact_note(const Snapshot& s, const solve::StepResult& r) const {
   const long yielding = model_->contact() ? model_->contact()->yielding_count() : 0;
   const std::string given = yielding > 0 ? fmt::format("  obstacles give way to {} vertices", yielding) : "";
   if (s.contact.pairs == 0) return given;
   return given + fmt::format("  {} contacts, gap {:.3g} m{}", s.contact.pairs, s.contact.gap,
-                             effort.cut_short > 0
-                                 ? fmt::format(", {} cut short (to {:.2g})", effort.cut_short, effort.shortest)
-                                 : "");
+                             r.cut_short > 0 ? fmt::format(", {} cut short (to {:.2g})", r.cut_short, r.shortest) : "");
 }
 
 void Recorder::add_contact_fields(io::StepFields& step, Vec a) const {
@@ -207,43 +203,21 @@ void Recorder::add_contact_fields(io::StepFields& step, Vec a) const {
     step.fields.push_back({"friction_force", "N", io::Centre::vertex, 3, forces(contact::ContactSet::friction)});
 }
 
-void Recorder::record(const solve::StepReport& report, Vec a) {
+void Recorder::record(const system::State& state, const solve::StepResult& r, bool whole) {
   const petsc::EventScope scope(petsc::events().output);
-  const Snapshot s = snapshot(a);
-  const solve::NewtonResult& n = report.newton;
-  write_history({static_cast<double>(report.step), report.load_factor, static_cast<double>(n.iterations),
-                 static_cast<double>(n.factorisations), n.residual, static_cast<double>(n.negative_pivots),
-                 report.critical ? static_cast<double>(report.critical->kind) : 0.0,
-                 report.critical ? report.critical->load_factor : std::nan(""), wall_seconds()},
-                {}, s);
+  Snapshot s = snapshot(state.u);
+  if (dynamics_) s.kinetic = dynamics_->kinetic_energy(state.v);
+  write_history(state, r, s);
   io::StepFields step;
-  step.step = report.step;
+  step.step = state.step;
   // Along an arc the load factor goes up and down, but a time must not.
-  step.time = steps_.control == Control::load ? report.load_factor : report.step;
-  step.load_factor = report.load_factor;
-  if (report.mode)
-    step.fields.push_back({"critical_mode", "1", io::Centre::vertex, 3, model_->dofs().gather(report.mode)});
-  const bool asked = SignalScope::take_checkpoint(model_->comm());
-  write_or_keep(report.step % case_.output.every == 0 || report.last || report.mode || asked, std::move(step), a,
-                nullptr, s);
-  if (root_ && options_.verbosity != Verbosity::quiet) print(report, s);
-}
-
-void Recorder::record(const solve::TimeReport& report, system::Dynamics& dynamics) {
-  const petsc::EventScope scope(petsc::events().output);
-  const solve::TimeState& at = report.state;
-  const double kinetic = dynamics.kinetic_energy(at.velocity);
-  const Snapshot s = snapshot(at.position);
-  const solve::NewtonResult& n = report.newton;
-  write_history(
-      {static_cast<double>(at.step), at.time, report.taken, model_->load_factor(), static_cast<double>(n.iterations),
-       static_cast<double>(n.factorisations), n.residual, static_cast<double>(n.negative_pivots),
-       static_cast<double>(report.rejections), kinetic, wall_seconds()},
-      {report.cut_short, report.shortest}, s);
-  const double end = case_.time.options.end_time;
-  write_or_keep(at.step % case_.output.every == 0 || at.time >= end * (1.0 - 1e-12),
-                {at.step, at.time, model_->load_factor(), {}}, at.position, at.velocity, s);
-  if (root_ && options_.verbosity != Verbosity::quiet) print(report, kinetic, s);
+  step.time = dynamics_ ? state.time : case_.steps.control == Control::load ? state.load_factor : state.step;
+  step.load_factor = state.load_factor;
+  if (r.mode) step.fields.push_back({"critical_mode", "1", io::Centre::vertex, 3, model_->dofs().gather(r.mode)});
+  write_or_keep(state.step % case_.output.every == 0 || whole || r.mode, std::move(step), state.u,
+                dynamics_ ? static_cast<Vec>(state.v) : nullptr, s);
+  if (!root_ || options_.verbosity == Verbosity::quiet) return;
+  dynamics_ ? print_motion(state, r, s) : print_path(state, r, s);
 }
 
 void Recorder::write_or_keep(bool write, io::StepFields step, Vec position, Vec velocity, const Snapshot& s) {
@@ -264,20 +238,51 @@ void Recorder::write_or_keep(bool write, io::StepFields step, Vec position, Vec 
   pending_ = Pending{std::move(step), copy(position), copy(velocity)};
 }
 
+void Recorder::write_pending() {
+  if (!pending_) return;
+  const Pending p = std::move(*pending_);
+  write_or_keep(true, p.step, p.position, p.velocity, snapshot(p.position));
+}
+
 void Recorder::finish() {
-  if (pending_) {
-    const Pending p = std::move(*pending_);
-    write_or_keep(true, p.step, p.position, p.velocity, snapshot(p.position));
-  }
+  write_pending();
   mpi::on_root(model_->comm(), [&] { results_->finish(); });
 }
 
-void Recorder::write_history(std::vector<double> values, const ContactEffort& effort, const Snapshot& s) {
+std::vector<double> Recorder::common_values(const system::State& state, const solve::StepResult& r,
+                                            const Snapshot& s) const {
+  const solve::NewtonResult& n = r.newton;
+  const auto iterations = static_cast<double>(n.iterations), factorisations = static_cast<double>(n.factorisations),
+             pivots = static_cast<double>(n.negative_pivots);
+  if (dynamics_)
+    return {static_cast<double>(state.step),
+            state.time,
+            r.taken,
+            state.load_factor,
+            iterations,
+            factorisations,
+            n.residual,
+            pivots,
+            static_cast<double>(r.rejections),
+            s.kinetic,
+            wall_seconds()};
+  return {static_cast<double>(state.step),
+          state.load_factor,
+          iterations,
+          factorisations,
+          n.residual,
+          pivots,
+          r.critical ? static_cast<double>(r.critical->kind) : 0.0,
+          r.critical ? r.critical->load_factor : std::nan(""),
+          wall_seconds()};
+}
+
+void Recorder::write_history(const system::State& state, const solve::StepResult& r, const Snapshot& s) {
+  std::vector<double> values = common_values(state, r, s);
   values.insert(values.end(), {s.validity.strain, s.validity.turn});
   if (case_.contact.input.active)
-    values.insert(values.end(),
-                  {static_cast<double>(s.contact.pairs), s.contact.gap, static_cast<double>(effort.cut_short),
-                   effort.shortest, static_cast<double>(s.intersections)});
+    values.insert(values.end(), {static_cast<double>(s.contact.pairs), s.contact.gap, static_cast<double>(r.cut_short),
+                                 r.shortest, static_cast<double>(s.intersections)});
   if (model_->contact() && model_->contact()->has_yielding_obstacles())
     values.push_back(static_cast<double>(model_->contact()->yielding_count()));
   mpi::on_root(model_->comm(), [&] {
@@ -321,31 +326,31 @@ void Recorder::write_fields(io::StepFields step, Vec a, const Snapshot& s) {
   });
 }
 
-void Recorder::print(const solve::TimeReport& report, double kinetic, const Snapshot& s) const {
-  if (report.taken == 0.0) return;  // the start
-  const double elapsed = wall_seconds(), done = report.state.time / case_.time.options.end_time;
-  std::string rejected = report.rejections > 0 ? fmt::format("  {} rejected", report.rejections) : "";
-  rejected += contact_note(s, {report.cut_short, report.shortest});
-  fmt::print("{:>6} {:>10.6g} {:>9.3g} {:>7} {:>10.2e} {:>10.3e} {:>9} {:>9}{}\n", report.state.step, report.state.time,
-             report.taken, report.newton.iterations, report.newton.residual, kinetic, duration(elapsed),
-             duration(elapsed / done - elapsed), rejected);
+void Recorder::print_motion(const system::State& state, const solve::StepResult& r, const Snapshot& s) const {
+  if (r.taken == 0.0) return;  // the start
+  const double elapsed = wall_seconds(), done = state.time / case_.time.options.end_time;
+  std::string rejected = r.rejections > 0 ? fmt::format("  {} rejected", r.rejections) : "";
+  rejected += contact_note(s, r);
+  fmt::print("{:>6} {:>10.6g} {:>9.3g} {:>7} {:>10.2e} {:>10.3e} {:>9} {:>9}{}\n", state.step, state.time, r.taken,
+             r.newton.iterations, r.newton.residual, s.kinetic, duration(elapsed), duration(elapsed / done - elapsed),
+             rejected);
   std::fflush(stdout);
 }
 
-void Recorder::print(const solve::StepReport& report, const Snapshot& s) const {
-  if (report.newton.iterations == 0 && report.newton.factorisations == 0) return;  // the start
-  const double elapsed = wall_seconds(), done = report.load_factor / steps_.final_load_factor;
+void Recorder::print_path(const system::State& state, const solve::StepResult& r, const Snapshot& s) const {
+  if (r.newton.iterations == 0 && r.newton.factorisations == 0) return;  // the start
+  const double elapsed = wall_seconds(), done = state.load_factor / case_.steps.final_load_factor;
   const std::string left =
-      report.last || !(done > 0.0) || steps_.control != Control::load ? "-" : duration(elapsed / done - elapsed);
-  const std::string pivots = report.newton.negative_pivots < 0 ? "-" : fmt::format("{}", report.newton.negative_pivots);
-  std::string note = report.by_continuation ? "  by continuation" : "";
-  note += contact_note(s, {});
-  if (report.critical)
-    note += fmt::format("  {} passed", solve::name(report.critical->kind));
-  else if (report.newton.negative_pivots > 0)
+      done >= 1.0 || !(done > 0.0) || case_.steps.control != Control::load ? "-" : duration(elapsed / done - elapsed);
+  const std::string pivots = r.newton.negative_pivots < 0 ? "-" : fmt::format("{}", r.newton.negative_pivots);
+  std::string note = r.by_continuation ? "  by continuation" : "";
+  note += contact_note(s, r);
+  if (r.critical)
+    note += fmt::format("  {} passed", solve::name(r.critical->kind));
+  else if (r.newton.negative_pivots > 0)
     note += "  UNSTABLE: the tangent is indefinite";
-  fmt::print("{:>5} {:>10.6g} {:>7} {:>10.2e} {:>10} {:>9} {:>9}{}\n", report.step, report.load_factor,
-             report.newton.iterations, report.newton.residual, pivots, duration(elapsed), left, note);
+  fmt::print("{:>5} {:>10.6g} {:>7} {:>10.2e} {:>10} {:>9} {:>9}{}\n", state.step, state.load_factor,
+             r.newton.iterations, r.newton.residual, pivots, duration(elapsed), left, note);
   std::fflush(stdout);
 }
 

@@ -10,9 +10,10 @@
 #include "validity.hpp"
 #include "voile/app/run.hpp"
 #include "voile/io/results.hpp"
-#include "voile/solve/static_path.hpp"
-#include "voile/solve/time_integration.hpp"
+#include "voile/solve/stepper.hpp"
+#include "voile/system/dynamics.hpp"
 #include "voile/system/model.hpp"
+#include "voile/system/state.hpp"
 
 namespace voile::app {
 
@@ -20,16 +21,19 @@ class Recorder {
  public:
   using Control = solve::StaticOptions::Control;
   /// Creates the files on rank 0. Collective.
-  Recorder(const input::Case& c, const RunOptions& options, system::Model& model, const solve::StaticOptions& steps);
-  /// Collective.
-  void record(const solve::StepReport& report, Vec a);
-  /// A step of a motion in time. Collective.
-  void record(const solve::TimeReport& report, system::Dynamics& dynamics);
-  /// Writes the fields of the last recorded state if `every` has left them out, and closes the results. Collective; the
-  /// model must be that of the last record.
+  Recorder(const input::Case& c, const RunOptions& options, system::Model& model);
+  /// An accepted step, or the start. `whole`: with its fields, even if `every` would leave them out. Collective.
+  void record(const system::State& state, const solve::StepResult& r, bool whole);
+  /// Writes the fields of the last recorded state if `every` has left them out. Collective; the model must be that of
+  /// the last record.
+  void write_pending();
+  /// Does so, and closes the results. Collective.
   void finish();
-  /// The model of later records, of the same mesh.
-  void use(system::Model& model) { model_ = &model; }
+  /// The model of later records, of the same mesh; the dynamics of its motion, null outside one.
+  void use(system::Model& model, const system::Dynamics* dynamics) {
+    model_ = &model;
+    dynamics_ = dynamics;
+  }
   /// A remark of the path follower; printed unless quiet.
   void remark(const std::string& text) const;
   /// The displacement probe with one component as a linear function of the unknowns. Collective.
@@ -49,26 +53,24 @@ class Recorder {
     system::Energies energies;
     system::ContactReport contact;
     long intersections = 0;
-    Validity validity;  ///< rank 0
+    double kinetic = 0.0;  ///< of a motion [J]
+    Validity validity;     ///< rank 0
   };
   /// A recorded state whose fields are not written.
   struct Pending {
     io::StepFields step;
     petsc::VecHandle position, velocity;
   };
-  /// How contact hindered the iterations of a step.
-  struct ContactEffort {
-    int cut_short = 0;
-    double shortest = 1.0;
-  };
   [[nodiscard]] Snapshot snapshot(Vec a);
   void write_fields(io::StepFields step, Vec a, const Snapshot& s);
   void write_or_keep(bool write, io::StepFields step, Vec position, Vec velocity, const Snapshot& s);
   void warn_of_range(const Validity& v);
-  void write_history(std::vector<double> values, const ContactEffort& effort, const Snapshot& s);
-  void print(const solve::TimeReport& report, double kinetic, const Snapshot& s) const;
-  void print(const solve::StepReport& report, const Snapshot& s) const;
-  [[nodiscard]] std::string contact_note(const Snapshot& s, const ContactEffort& effort) const;
+  void write_history(const system::State& state, const solve::StepResult& r, const Snapshot& s);
+  void print_motion(const system::State& state, const solve::StepResult& r, const Snapshot& s) const;
+  void print_path(const system::State& state, const solve::StepResult& r, const Snapshot& s) const;
+  [[nodiscard]] std::string contact_note(const Snapshot& s, const solve::StepResult& r) const;
+  [[nodiscard]] std::vector<double> common_values(const system::State& state, const solve::StepResult& r,
+                                                  const Snapshot& s) const;
   void add_contact_fields(io::StepFields& step, Vec a) const;
   [[nodiscard]] long count_intersections(Vec a) const;
   [[nodiscard]] bool wants(const std::string& field) const;
@@ -76,7 +78,7 @@ class Recorder {
   const input::Case& case_;
   const RunOptions& options_;
   system::Model* model_;
-  solve::StaticOptions steps_;
+  const system::Dynamics* dynamics_ = nullptr;
   bool root_;
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
   std::vector<ProbeVertices> probes_;

@@ -14,30 +14,35 @@ namespace voile::app {
 
 namespace {
 
-/// Rank 0 only.
-io::StoredStep read_any_step(const RunOptions& options, const mesh::SurfaceMesh& mesh) {
-  if (io::is_results(options.restart)) return io::read_step(options.restart, options.restart_step, mesh);
-  io::Checkpoint c = io::read_checkpoint(options.restart, mesh);
-  io::StoredStep stored;
-  stored.step = c.step;
-  stored.time = c.time;
-  stored.load_factor = 1.0;
-  stored.displacement = std::move(c.displacement);
-  stored.velocity = std::move(c.velocity);
-  return stored;
-}
-
-/// Rank 0 only.
-io::Checkpoint read_motion(const RunOptions& options, const mesh::SurfaceMesh& mesh) {
+/// What --restart names. Rank 0 only.
+io::Checkpoint read_any(const RunOptions& options, const mesh::SurfaceMesh& mesh) {
   if (!io::is_results(options.restart)) return io::read_checkpoint(options.restart, mesh);
   io::StoredStep stored = io::read_step(options.restart, options.restart_step, mesh);
   io::Checkpoint c;
-  c.displacement = std::move(stored.displacement);
-  if (stored.velocity.empty()) return c;
   c.step = stored.step;
+  c.load_factor = stored.load_factor;
+  c.displacement = std::move(stored.displacement);
+  c.previous = std::move(stored.previous);
+  if (stored.velocity.empty()) return c;
   c.time = stored.time;
   c.velocity = std::move(stored.velocity);
+  c.in_equilibrium = false;
   return c;
+}
+
+/// What of a state the analysis goes on with. Rank 0 only.
+void begin_anew(const input::Case& c, io::Checkpoint& s) {
+  const bool moves = !s.velocity.empty(), in_time = c.analysis == "dynamic";
+  if (moves != in_time) {
+    s.step = 0;
+    s.time = s.next_step = 0.0;
+    s.acceleration.clear();
+    s.velocity.clear();
+  }
+  if (moves || in_time || c.analysis == "drape") s.previous.clear();
+  if (c.analysis != "drape") return;
+  s.step = 0;
+  s.load_factor = 0.0;
 }
 
 /// v + omega x (x - c) at the vertices of each group; where groups overlap the last one counts. Rank 0 only.
@@ -94,57 +99,44 @@ std::vector<double> start_shape(const input::Case& c, const mesh::SurfaceMesh& m
   return u;
 }
 
-Restart read_restart(const input::Case& c, const RunOptions& options, const system::Model& model, Vec a) {
-  Restart r;
-  if (options.restart.empty() && c.mesh.start.empty()) return r;
-  if (options.restart.empty()) {
-    model.dofs().scatter(start_shape(c, model.mesh()), a);
-    r.from_motion = true;
-    return r;
-  }
-  if (c.analysis == "linear")
-    throw UserError("--restart: analysis = \"linear\" starts from the unloaded state; leave the option out");
-  io::StoredStep stored;
-  std::vector<double> numbers(4);
-  mpi::on_root(model.comm(), [&] {
-    stored = read_any_step(options, model.mesh());
-    numbers = {static_cast<double>(stored.step), stored.load_factor, stored.previous.empty() ? 0.0 : 1.0,
-               stored.velocity.empty() ? 0.0 : 1.0};
-  });
-  mpi::broadcast(model.comm(), numbers);
-  r.given = true;
-  r.from_motion = numbers[3] > 0.0;
-  r.start.step = r.from_motion ? 0 : static_cast<int>(numbers[0]);
-  r.start.load_factor = numbers[1];
-  model.dofs().scatter(stored.displacement, a);
-  if (numbers[2] > 0.0 && !r.from_motion) {
-    r.previous = model.dofs().create_vector();
-    model.dofs().scatter(stored.previous, r.previous);
-    r.start.previous = r.previous;
-  }
-  return r;
-}
-
-io::Checkpoint read_start(const input::Case& c, const RunOptions& options, const system::Model& model) {
+io::Checkpoint read_start(const input::Case& c, const RunOptions& options, const mesh::SurfaceMesh& mesh) {
   io::Checkpoint start;
-  std::vector<double> numbers(5, 0.0);
-  if (options.restart.empty()) start.displacement = start_shape(c, model.mesh());
-  mpi::on_root(model.comm(), [&] {
-    if (!options.restart.empty()) start = read_motion(options, model.mesh());
-    if (start.velocity.empty()) start.velocity = initial_velocities(c, model.mesh());
-    numbers = {static_cast<double>(start.step), start.time, start.next_step, start.acceleration.empty() ? 0.0 : 1.0,
-               start.contact_start};
+  if (!options.restart.empty() && c.analysis == "linear")
+    throw UserError("--restart: analysis = \"linear\" starts from the unloaded state; leave the option out");
+  if (options.restart.empty()) {
+    start.displacement = start_shape(c, mesh);
+    start.in_equilibrium = c.mesh.start.empty();
+    return start;
+  }
+  std::vector<double> numbers(6);
+  mpi::on_root(PETSC_COMM_WORLD, [&] {
+    start = read_any(options, mesh);
+    begin_anew(c, start);
+    numbers = {static_cast<double>(start.step),  start.time,         start.next_step, start.load_factor,
+               start.in_equilibrium ? 1.0 : 0.0, start.contact_start};
   });
-  mpi::broadcast(model.comm(), numbers);
+  mpi::broadcast(PETSC_COMM_WORLD, numbers);
   start.step = static_cast<int>(numbers[0]);
   start.time = numbers[1];
   start.next_step = numbers[2];
-  start.contact_start = numbers[4];
-  mpi::broadcast(model.comm(), start.contact_gaps);
-  mpi::broadcast(model.comm(), start.yielding);
-  // Known to rank 0: marks that there is one.
-  if (numbers[3] > 0.0 && start.acceleration.empty()) start.acceleration.resize(1);
+  start.load_factor = numbers[3];
+  start.in_equilibrium = numbers[4] > 0.0;
+  start.contact_start = numbers[5];
+  mpi::broadcast(PETSC_COMM_WORLD, start.contact_gaps);
+  mpi::broadcast(PETSC_COMM_WORLD, start.yielding);
   return start;
+}
+
+void enter_stage(const input::Case& c, const mesh::SurfaceMesh& mesh, bool anew, io::Checkpoint& state) {
+  if (anew) {
+    state.step = 0;
+    state.next_step = 0.0;
+    state.acceleration.clear();  // other supports and loads act
+    state.previous.clear();
+  }
+  mpi::on_root(PETSC_COMM_WORLD, [&] {
+    if (c.analysis == "dynamic" && state.velocity.empty()) state.velocity = initial_velocities(c, mesh);
+  });
 }
 
 }  // namespace voile::app

@@ -1,15 +1,18 @@
-// What a run came to; private to src/app.
+// What a run, or a stage of it, came to; private to src/app.
 #pragma once
 
+#include <string>
 #include <vector>
 
-#include "voile/solve/static_path.hpp"
+#include "voile/base/types.hpp"
+#include "voile/solve/stepper.hpp"
 
 namespace voile::app {
 
-/// What summary.json says of a run.
+/// What summary.json says.
 struct Summary {
   bool converged = false;
+  std::string reason;  ///< why not
   double load_factor = 0.0;
   int steps = 0, newton_iterations = 0, factorisations = 0;
   std::vector<solve::CriticalPoint> critical;
@@ -17,6 +20,9 @@ struct Summary {
   double time = 0.0;          ///< reached in a motion [s]
   long negative_pivots = -1;  ///< of the last tangent: the last state is unstable if > 0; -1: not known
   double residual = 0.0;      ///< relative, of the last state
+  long unknowns = 0;
+  Index vertices = 0, triangles = 0;
+  double cpu_seconds = 0.0, wall_seconds = 0.0;
 };
 
 }  // namespace voile::app

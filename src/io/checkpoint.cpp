@@ -1,10 +1,24 @@
 #include "voile/io/checkpoint.hpp"
 
+#include <array>
+#include <utility>
+
 #include "hdf5_file.hpp"
 #include "hdf5_read.hpp"
 #include "voile/base/child_process.hpp"
 
 namespace voile::io {
+
+namespace {
+
+/// The vectors of a checkpoint, const or not, under their names in the file.
+template <class C>
+auto vectors_of(C& c) {
+  return std::array{std::pair{"displacement", &c.displacement}, std::pair{"velocity", &c.velocity},
+                    std::pair{"acceleration", &c.acceleration}, std::pair{"previous", &c.previous}};
+}
+
+}  // namespace
 
 void write_checkpoint(const std::filesystem::path& path, const Checkpoint& c, const mesh::SurfaceMesh& mesh) {
   const Silence silence;
@@ -17,10 +31,10 @@ void write_checkpoint(const std::filesystem::path& path, const Checkpoint& c, co
   file.number("/", "step", c.step);
   file.number("/", "time", c.time);
   file.number("/", "next_step", c.next_step);
-  file.number("/", "has_acceleration", c.acceleration.empty() ? 0 : 1);
-  file.dataset("displacement", H5T_NATIVE_DOUBLE, vertices, 3, c.displacement.data());
-  file.dataset("velocity", H5T_NATIVE_DOUBLE, vertices, 3, c.velocity.data());
-  if (!c.acceleration.empty()) file.dataset("acceleration", H5T_NATIVE_DOUBLE, vertices, 3, c.acceleration.data());
+  file.number("/", "load_factor", c.load_factor);
+  file.number("/", "in_equilibrium", c.in_equilibrium ? 1 : 0);
+  for (const auto& [name, values] : vectors_of(c))
+    if (!values->empty()) file.dataset(name, H5T_NATIVE_DOUBLE, vertices, 3, values->data());
   if (!c.contact_gaps.empty()) {
     file.number("/", "contact_start", c.contact_start);
     file.dataset("contact_gaps", H5T_NATIVE_DOUBLE, vertices, 1, c.contact_gaps.data());
@@ -36,19 +50,19 @@ Checkpoint read_unguarded(const std::filesystem::path& path, const mesh::Surface
   const Hdf5Handle file(H5Fopen(path.string().c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
   if (!file.valid()) fail_restart(path, "this is not a checkpoint that can be read");
   check_mesh(file, mesh, path);
-  if (H5Aexists(file, "has_acceleration") <= 0)
+  if (H5Aexists(file, "in_equilibrium") <= 0)
     fail_restart(path,
-                 "it is not a checkpoint; a motion goes on from checkpoint.h5 of an earlier run, written every [time] "
-                 "checkpoint_steps or checkpoint_minutes and at [time] end");
+                 "it is not a checkpoint; a run goes on from checkpoint.h5 of an earlier one, written every [time] "
+                 "checkpoint_steps or checkpoint_minutes and when it ends");
   const std::size_t count = 3 * static_cast<std::size_t>(mesh.vertex_count());
   Checkpoint c;
   c.step = static_cast<int>(read_number(file, "/", "step", path));
   c.time = read_number(file, "/", "time", path);
   c.next_step = read_number(file, "/", "next_step", path);
-  c.displacement = read_values(file, "displacement", count, path);
-  c.velocity = read_values(file, "velocity", count, path);
-  if (read_number(file, "/", "has_acceleration", path) != 0.0)
-    c.acceleration = read_values(file, "acceleration", count, path);
+  c.load_factor = read_number(file, "/", "load_factor", path);
+  c.in_equilibrium = read_number(file, "/", "in_equilibrium", path) != 0.0;
+  for (const auto& [name, values] : vectors_of(c))
+    if (H5Lexists(file, name, H5P_DEFAULT) > 0) *values = read_values(file, name, count, path);
   if (H5Lexists(file, "contact_gaps", H5P_DEFAULT) > 0) {
     c.contact_start = read_number(file, "/", "contact_start", path);
     c.contact_gaps = read_values(file, "contact_gaps", static_cast<std::size_t>(mesh.vertex_count()), path);

@@ -5,8 +5,10 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <optional>
 
 #include "drape_motion.hpp"
+#include "voile/base/interrupt.hpp"
 #include "voile/solve/inverse_iteration.hpp"
 #include "voile/solve/stall.hpp"
 
@@ -52,7 +54,7 @@ bool ramp(Newton& newton, system::Model& model, Vec a, NewtonResult& result) {
   return result.converged;
 }
 
-using Remark = std::function<void(const std::string&)>;
+using Remark = Stepper::Remark;
 
 /// One drape: the solver, and the search from where things stand.
 class Search {
@@ -67,7 +69,8 @@ class Search {
   [[nodiscard]] int fall_iterations() const { return fall_iterations_; }
 
   /// An equilibrium near or far; iterations are those of this call, falls included. Collective.
-  [[nodiscard]] NewtonResult run(Vec a) {
+  [[nodiscard]] NewtonResult run(system::State& state) {
+    Vec a = state.u;
     if (!model_.contact() || !options_.fall) {
       newton_->start_friction(a);
       return settle(a, options_.max_iterations);
@@ -77,7 +80,7 @@ class Search {
     double rest_speed = first_rest_speed;
     while (spent < options_.max_iterations && !result.converged) {
       if (supports_are_right(a)) {
-        const FallResult fall = fall_to_rest(model_, a, rest_speed, options_.max_iterations - spent, remark_);
+        const FallResult fall = fall_to_rest(model_, state, rest_speed, options_.max_iterations - spent, remark_);
         spent_ += fall.factorisations;
         spent += fall.iterations;
         fall_iterations_ += fall.iterations;
@@ -142,18 +145,6 @@ class Search {
   int spent_ = 0, fall_iterations_ = 0;
 };
 
-/// Stability of the state a, with its lowest mode. Collective.
-void judge(system::Model& model, LinearSolver& linear, Vec a, Vec mode, DrapeResult& result) {
-  system::TangentRequest request;
-  request.exact_contact = true;
-  model.assemble_tangent(a, request);
-  linear.tangent_changed();
-  const bool factored = linear.factorise();
-  result.newton.negative_pivots = factored ? linear.negative_pivots() : -1;
-  result.stable = result.newton.negative_pivots == 0;
-  result.eigenvalue = factored ? inverse_iteration(model, linear, mode, inverse_iterations) : 0.0;
-}
-
 /// Leaves the state a along the mode, scaled to `push`. Collective.
 void escape(system::Model& model, Vec a, Vec mode, double push) {
   double largest = 0.0;
@@ -164,34 +155,117 @@ void escape(system::Model& model, Vec a, Vec mode, double push) {
 
 }  // namespace
 
-DrapeResult drape(system::Model& model, Vec a, const DrapeOptions& options, const Remark& remark) {
-  Search search(model, options, remark);
-  DrapeResult result;
-  petsc::VecHandle mode = start_mode(model), residual = model.dofs().create_vector();
-  const double cell = std::sqrt(model.total_area() / model.mesh().triangle_count());
-  int iterations = 0;
-  for (;; ++result.escapes) {
-    result.newton = {};
-    if (result.escapes > 0 || !ramp(search.newton(), model, a, result.newton)) result.newton = search.run(a);
-    iterations += result.newton.iterations;
-    judge(model, search.newton().linear_solver(), a, mode, result);
-    if (remark)
-      remark(fmt::format("{} after {} iterations, residual {:.2e}, {} negative pivot(s)",
-                         result.newton.converged ? "equilibrium" : "no equilibrium", result.newton.iterations,
-                         result.newton.residual, result.newton.negative_pivots));
-    if (!result.newton.converged || result.newton.negative_pivots <= 0 || result.escapes == options.max_escapes) break;
-    escape(model, a, mode, options.push * cell);
+struct Drape::Impl {
+  system::Model& model;
+  const DrapeOptions options;
+  const Remark& remark;
+  std::optional<Search> search;  ///< from `begin` on
+  petsc::VecHandle mode;
+  Stability now;
+  bool done = false;
+
+  Impl(system::Model& m, DrapeOptions o, const Remark& r) : model(m), options(o), remark(r), mode(start_mode(m)) {}
+
+  void judge(Vec a, NewtonResult& n);
+  void conclude(system::State& state, StepResult& r);
+  [[nodiscard]] StepResult attempt(system::State& state);
+};
+
+/// Stability of the state a, with its lowest mode. Collective.
+void Drape::Impl::judge(Vec a, NewtonResult& n) {
+  LinearSolver& linear = search->newton().linear_solver();
+  system::TangentRequest request;
+  request.exact_contact = true;
+  model.assemble_tangent(a, request);
+  linear.tangent_changed();
+  const bool factored = linear.factorise();
+  n.negative_pivots = factored ? linear.negative_pivots() : -1;
+  now.stable = n.negative_pivots == 0;
+  now.eigenvalue = factored ? inverse_iteration(model, linear, mode, inverse_iterations) : 0.0;
+  if (remark)
+    remark(fmt::format("{} after {} iterations, residual {:.2e}, {} negative pivot(s)",
+                       n.converged ? "equilibrium" : "no equilibrium", n.iterations, n.residual, n.negative_pivots));
+}
+
+StepResult Drape::Impl::attempt(system::State& state) {
+  StepResult r;
+  const int before = search->factorisations();
+  if (now.escapes > 0 || !ramp(search->newton(), model, state.u, r.newton)) r.newton = search->run(state);
+  judge(state.u, r.newton);
+  r.newton_iterations = r.newton.iterations;
+  if (r.newton.converged && r.newton.negative_pivots > 0 && now.escapes < options.max_escapes) {
+    const double cell = std::sqrt(model.total_area() / model.mesh().triangle_count());
+    escape(model, state.u, mode, options.push * cell);
+    ++now.escapes;
+    r.outcome = Outcome::not_yet;
+  } else {
+    conclude(state, r);
   }
-  model.residual(a, residual);
-  VOILE_PETSC(VecNorm(residual, NORM_2, &result.residual));
-  if (!result.newton.converged) {
-    model.dofs().clear_fixed(residual);
-    result.newton.reason += "; " + largest_residuals(model, residual);
+  r.factorisations = search->factorisations() - before;
+  return r;
+}
+
+void Drape::Impl::conclude(system::State& state, StepResult& r) {
+  const petsc::VecHandle residual = model.dofs().create_vector();
+  model.residual(state.u, residual);
+  VOILE_PETSC(VecNorm(residual, NORM_2, &now.residual));
+  now.fall_iterations = search->fall_iterations();
+  ++state.step;
+  state.load_factor = model.load_factor();
+  state.in_equilibrium = r.newton.converged;
+  r.taken = 1.0;
+  if (remark)
+    remark(fmt::format("residual {:.3e} N ({:.1e} of the forces); {}; eigenvalue nearest to zero {:.4g} 1/s^2",
+                       now.residual, r.newton.residual,
+                       now.stable                     ? "stable"
+                       : r.newton.negative_pivots < 0 ? "stability not known (follower loads)"
+                                                      : "UNSTABLE",
+                       now.eigenvalue));
+  done = r.newton.converged && r.newton.negative_pivots <= 0;
+  if (done) return;
+  r.outcome = Outcome::failed;
+  r.worth_keeping = true;
+  if (r.newton.converged) {
+    r.reason = fmt::format("the equilibrium is unstable ({} negative pivots) after {} escapes",
+                           r.newton.negative_pivots, now.escapes);
+    return;
   }
-  result.newton.iterations = iterations;
-  result.newton.factorisations = search.factorisations();
-  result.fall_iterations = search.fall_iterations();
-  return result;
+  model.dofs().clear_fixed(residual);
+  r.reason = r.newton.reason += "; " + largest_residuals(model, residual);
+}
+
+Drape::Drape(system::Model& model, DrapeOptions options) : impl_(std::make_unique<Impl>(model, options, remarks())) {}
+Drape::~Drape() = default;
+
+StepResult Drape::begin(system::State& state) {
+  impl_->model.set_load_factor(1.0);
+  impl_->search.emplace(impl_->model, impl_->options, impl_->remark);
+  state.v.reset();
+  state.a.reset();
+  return {};
+}
+
+bool Drape::finished(const system::State&) const {
+  return impl_->done;
+}
+
+const Stability& Drape::stability() const {
+  return impl_->now;
+}
+
+StepResult Drape::advance(system::State& state) {
+  try {
+    return impl_->attempt(state);
+  } catch (const Interrupted& e) {  // not in equilibrium, but it can be gone on from there
+    StepResult r;
+    r.outcome = Outcome::failed;
+    r.interrupted = r.worth_keeping = true;
+    r.reason = e.what();
+    ++state.step;
+    state.load_factor = impl_->model.load_factor();
+    state.in_equilibrium = false;
+    return r;
+  }
 }
 
 }  // namespace voile::solve

@@ -74,17 +74,17 @@ class KineticDamping {
     mass_ /= 3.0;
   }
   /// True if the motion is over. Collective.
-  bool step(const TimeReport& r, double rest_speed) {
-    const double kinetic = dynamics_.kinetic_energy(r.state.velocity);
+  bool step(const system::State& state, double rest_speed) {
+    const double kinetic = dynamics_.kinetic_energy(state.v);
     speed = std::sqrt(2.0 * kinetic / mass_) * unit_ / cell_;
     const bool peak = kinetic < last_;
     last_ = peak ? 0.0 : kinetic;
     if (peak) {
-      VOILE_PETSC(VecZeroEntries(r.state.velocity));
+      VOILE_PETSC(VecZeroEntries(state.v));
       slow_ = speed < rest_speed ? slow_ + 1 : 0;
     }
     double distance = 0.0;
-    VOILE_PETSC(VecNorm(r.state.position, NORM_INFINITY, &distance));
+    VOILE_PETSC(VecNorm(state.u, NORM_INFINITY, &distance));
     endless = distance > far_away * model_.mesh().extent();
     return endless || slow_ == peaks_of_rest;
   }
@@ -100,34 +100,35 @@ class KineticDamping {
 
 }  // namespace
 
-FallResult fall_to_rest(system::Model& model, Vec a, double rest_speed, int max_iterations,
-                        const std::function<void(const std::string&)>& remark) {
+FallResult fall_to_rest(system::Model& model, system::State& state, double rest_speed, int max_iterations,
+                        const Stepper::Remark& remark) {
   FallResult result;
   system::Contact* contact = model.contact();
   const double now = contact ? contact->time() : 0.0;
-  system::settle_contact(model, a, now);
-  const double unit = time_of_a_cell(model, a), factor = model.load_factor();
+  system::settle_contact(model, state.u, now);
+  const double unit = time_of_a_cell(model, state.u), factor = model.load_factor();
   result.rested = unit == 0.0;
   if (result.rested) return result;
-  petsc::VecHandle velocity = model.dofs().create_vector();
+  system::State falling;
+  falling.time = now;
+  falling.u = petsc::share(state.u);
   system::Dynamics dynamics(model, at_load(factor));
   TimeIntegration motion(dynamics, steps_of(unit, std::sqrt(model.total_area() / model.mesh().triangle_count())));
   KineticDamping damping(model, dynamics, unit);
   int iterations = 0;
-  motion.on_step([&](const TimeReport& r) {
+  const Followed done = follow(motion, falling, [&](const system::State& s, const StepResult& r) {
     if (r.taken == 0.0) return false;
     iterations += r.newton.iterations;
-    result.rested = damping.step(r, rest_speed) && !damping.endless;
-    if (remark && r.state.step % remark_every == 0)
-      remark(fmt::format("fall: {} steps, {} iterations, {:.2e} cells per step of full size", r.state.step, iterations,
+    result.rested = damping.step(s, rest_speed) && !damping.endless;
+    if (remark && s.step % remark_every == 0)
+      remark(fmt::format("fall: {} steps, {} iterations, {:.2e} cells per step of full size", s.step, iterations,
                          damping.speed));
     return result.rested || damping.endless || iterations >= max_iterations;
   });
-  const TimeResult done = motion.run({0, now, 0.0, a, velocity, nullptr});
   model.set_load_factor(factor);
   model.set_time(now);
   if (contact) contact->restore({});
-  if (done.stopped && !done.reason.empty()) throw Interrupted();
+  if (done.interrupted) throw Interrupted();
   result.endless = damping.endless;
   result.steps = done.steps;
   result.iterations = done.newton_iterations;

@@ -8,10 +8,9 @@
 // cell per T when the kinetic energy has its peak is left to Newton.
 #pragma once
 
-#include <functional>
 #include <string>
 
-#include "voile/system/model.hpp"
+#include "voile/solve/stepper.hpp"
 
 namespace voile::solve {
 
@@ -22,10 +21,10 @@ struct FallResult {
   std::string reason;
 };
 
-/// Lets the sheet fall from and into `a` at the model's load factor, until its peaks of speed are below `rest_speed`
-/// cells per T. Supports must be where they are prescribed. Collective. `remark` is called on every rank now and then.
-/// Throws Interrupted after a signal.
-[[nodiscard]] FallResult fall_to_rest(system::Model& model, Vec a, double rest_speed, int max_iterations,
-                                      const std::function<void(const std::string&)>& remark);
+/// Lets the sheet fall from and into `state.u` at the model's load factor, until its peaks of speed are below
+/// `rest_speed` cells per T. Supports must be where they are prescribed. Collective. `remark` is called on every rank
+/// now and then. Throws Interrupted after a signal.
+[[nodiscard]] FallResult fall_to_rest(system::Model& model, system::State& state, double rest_speed, int max_iterations,
+                                      const Stepper::Remark& remark);
 
 }  // namespace voile::solve

@@ -39,18 +39,24 @@ double extremum(double s, double y0, double y1, double d0, double d1) {
 
 struct PathFollower::Impl {
   system::Model& model;
-  const StaticOptions& options;
+  const StaticOptions options;
+  const Remark& remark;
   Newton newton;
   LinearSolver& linear;
   petsc::VecHandle probe;                          ///< c
   petsc::VecHandle accepted, increment, previous;  ///< accepted state, Da, the increment that led to the accepted state
   petsc::VecHandle tangent_solution;               ///< x_f of the accepted state
   petsc::VecHandle load_solution, residual_solution, residual, load, scratch, trial;
-  petsc::VecHandle mode;  ///< eigenvector nearest to singularity, <mode, mode> = 1
-  double factor = 0.0;    ///< load factor of the accepted state
-  double rate = 0.0;      ///< dlambda/ds in the accepted state along the path
-  double force = 0.0;     ///< largest scale of forces accepted: at load factor 0 the present one may vanish
-  PathResult result;
+  petsc::VecHandle mode;          ///< eigenvector nearest to singularity, <mode, mode> = 1
+  double factor = 0.0;            ///< load factor of the accepted state
+  double rate = 0.0;              ///< dlambda/ds in the accepted state along the path
+  double force = 0.0;             ///< largest scale of forces accepted: at load factor 0 the present one may vanish
+  int steps = 0, first_step = 0;  ///< accepted, those before this path included; those before
+  int iterations = 0;             ///< of Newton's method so far
+  // How the next step is tried.
+  double unit = 0.0;    ///< length of the step whose size is 1
+  double length = 0.0;  ///< of the next step
+  bool branching = false, may_branch = false, stopped = false;
 
   /// What the tangent at an equilibrium tells.
   struct Tangent {
@@ -66,8 +72,8 @@ struct PathFollower::Impl {
     double value;  ///< load: ignored; displacement: q; arc length: L
   };
 
-  Impl(system::Model& m, const StaticOptions& o, Vec c)
-      : model(m), options(o), newton(m), linear(newton.linear_solver()) {
+  Impl(system::Model& m, StaticOptions o, const Remark& r, Vec c)
+      : model(m), options(std::move(o)), remark(r), newton(m), linear(newton.linear_solver()) {
     for (petsc::VecHandle* v : {&accepted, &increment, &previous, &tangent_solution, &load_solution, &residual_solution,
                                 &residual, &load, &scratch, &trial})
       *v = m.dofs().create_vector();
@@ -98,7 +104,7 @@ struct PathFollower::Impl {
   [[nodiscard]] NewtonResult correct(Vec a, double& lambda, const Constraint& constraint);
   [[nodiscard]] double load_correction(const Constraint& constraint) const;
   void predict(const Constraint& constraint, double& lambda);
-  void begin(Vec a, const PathStart& start);
+  void begin(const system::State& state);
   [[nodiscard]] Constraint next_constraint(double length) const;
   [[nodiscard]] Constraint share(const Constraint& whole, double part) const;
   [[nodiscard]] bool passes_end(Vec a, double lambda) const;
@@ -115,7 +121,9 @@ struct PathFollower::Impl {
     std::optional<CriticalPoint> critical;
     bool found = false;  ///< it ends at the critical point
   };
-  [[nodiscard]] Attempt try_step(Vec a, double& lambda, double length, bool branching, bool may_branch);
+  [[nodiscard]] Attempt try_step(Vec a, double& lambda);
+  [[nodiscard]] StepResult advance(system::State& state);
+  void halve(system::State& state, StepResult& r);
   [[nodiscard]] double rate_of(const Tangent& t) const {
     return std::copysign(1.0 / t.speed, dot(increment, load_solution));
   }
@@ -219,19 +227,23 @@ void PathFollower::Impl::predict(const Constraint& constraint, double& lambda) {
 
 // ---- the path ------------------------------------------------------------------------------------------------------
 
-void PathFollower::Impl::begin(Vec a, const PathStart& start) {
-  VOILE_PETSC(VecCopy(a, accepted));
-  factor = start.load_factor;
-  if (start.previous) VOILE_PETSC(VecWAXPY(previous, -1.0, start.previous, a));
+void PathFollower::Impl::begin(const system::State& state) {
+  VOILE_PETSC(VecCopy(state.u, accepted));
+  factor = state.load_factor;
+  steps = first_step = state.step;
+  if (state.previous) VOILE_PETSC(VecWAXPY(previous, -1.0, state.previous, state.u));
   model.set_load_factor(factor);
-  model.residual(a, residual);
+  model.residual(state.u, residual);
   force = model.force_scale();
-  tangent = tangent_at(a);
+  tangent = tangent_at(state.u);
   if (!tangent.good)
     throw UserError(
         "the tangent at the start of the path is singular or the load does nothing; check supports and loads, or run "
         "`voile check`");
   VOILE_PETSC(VecCopy(load_solution, tangent_solution));
+  unit = options.control == Control::arc_length ? tangent.speed : std::abs(options.final_displacement);
+  length = options.initial_step * unit;
+  may_branch = options.at_critical_point == AtCriticalPoint::switch_branch;
 }
 
 PathFollower::Impl::Constraint PathFollower::Impl::next_constraint(double length) const {
@@ -276,12 +288,12 @@ NewtonResult PathFollower::Impl::land(Vec a, double& lambda) {
 NewtonResult PathFollower::Impl::attempt(Vec a, double& lambda, const Constraint& constraint) {
   predict(constraint, lambda);
   NewtonResult n = correct(a, lambda, constraint);
-  result.newton_iterations += n.iterations;
+  iterations += n.iterations;
   if (!n.converged || !passes_end(a, lambda)) return n;
-  const int iterations = n.iterations;
+  const int before = n.iterations;
   n = land(a, lambda);
-  result.newton_iterations += n.iterations;
-  n.iterations = std::max(n.iterations, iterations);
+  iterations += n.iterations;
+  n.iterations = std::max(n.iterations, before);
   return n;
 }
 
@@ -292,7 +304,7 @@ std::optional<CriticalPoint> PathFollower::Impl::passed(const Tangent& after, do
   const long change = after.negative_pivots - tangent.negative_pivots;
   if (!turned && change == 0) return std::nullopt;
   CriticalPoint point;
-  point.step = result.steps + 1;
+  point.step = steps + 1;
   if (turned) {
     point.kind = std::abs(change) > 1 ? CriticalPoint::Kind::both : CriticalPoint::Kind::limit;
     point.load_factor = extremum(length, factor, lambda, rate, rate_after);
@@ -316,7 +328,7 @@ NewtonResult PathFollower::Impl::locate(Vec a, double& lambda, const Constraint&
     const double part = low + std::clamp(share_of, 0.05, 0.95) * (high - low);
     predict(share(constraint, part), lambda);
     n = correct(a, lambda, share(constraint, part));
-    result.newton_iterations += n.iterations;
+    iterations += n.iterations;
     if (!n.converged) return n;
     after = tangent_at(a);
     const bool behind = after.negative_pivots != tangent.negative_pivots;
@@ -334,7 +346,7 @@ NewtonResult PathFollower::Impl::branch(Vec a, double& lambda, double length) {
   VOILE_PETSC(VecScale(increment, std::copysign(size, options.branch_step)));
   lambda = factor;
   NewtonResult n = correct(a, lambda, {Control::arc_length, size});
-  result.newton_iterations += n.iterations;
+  iterations += n.iterations;
   if (n.converged && std::abs(dot(increment, mode)) < 0.1 * size) {
     n.converged = false;
     n.reason = "the iteration fell back to the path it came from";
@@ -350,16 +362,11 @@ void PathFollower::Impl::accept(Vec a, double lambda, const Tangent& after) {
   factor = lambda;
   tangent = after;
   force = std::max(force, model.force_scale());
-  ++result.steps;
+  ++steps;
 }
 
-PathFollower::PathFollower(system::Model& model, StaticOptions options, Vec probe)
-    : PathBase(model, std::move(options)), impl_(std::make_unique<Impl>(model_, options_, probe)) {}
-PathFollower::~PathFollower() = default;
-
 /// A step, or a step along the mode if `branching`; cut to end at a critical point where the path is to stop or branch.
-PathFollower::Impl::Attempt PathFollower::Impl::try_step(Vec a, double& lambda, double length, bool branching,
-                                                         bool may_branch) {
+PathFollower::Impl::Attempt PathFollower::Impl::try_step(Vec a, double& lambda) {
   Attempt t;
   const Constraint constraint = next_constraint(length);
   const int before = linear.factorisations();
@@ -381,65 +388,90 @@ PathFollower::Impl::Attempt PathFollower::Impl::try_step(Vec a, double& lambda, 
   return t;
 }
 
-/// One step, or a failed attempt at it. False if the path ends here.
-bool PathFollower::advance(Vec a, Walk& w) {
-  Impl& p = *impl_;
-  PathResult& result = p.result;
-  double lambda = p.factor;
-  const Impl::Attempt t = p.try_step(a, lambda, w.length, w.branching, w.may_branch);
+/// One step, or a failed attempt at it.
+StepResult PathFollower::Impl::advance(system::State& state) {
+  StepResult r;
+  double lambda = factor;
+  const int before = linear.factorisations(), iterations_before = iterations;
+  const Attempt t = try_step(state.u, lambda);
+  r.newton = t.newton;
+  r.newton_iterations = iterations - iterations_before;
+  r.factorisations = linear.factorisations() - before;
   if (!t.newton.converged) {
-    const bool last = 0.5 * w.length < options_.min_step * w.unit;
-    const std::string place = last ? "; " + largest_residuals_at(model_, a) : "";
-    VOILE_PETSC(VecCopy(p.accepted, a));
-    w.length *= 0.5;
-    remark(fmt::format("load factor {:.6g}: {}{} after {} iterations; step halved to {:.3g}", p.factor,
-                       w.branching ? "branching: " : "", t.newton.reason, t.newton.iterations, w.length / w.unit));
-    if (w.length >= options_.min_step * w.unit) return true;
-    result.reason = fmt::format(
-        "no equilibrium found beyond load factor {:.6g} with steps of {:.3g} or more; the last attempt ended with {}{}",
-        p.factor, options_.min_step, t.newton.reason, place);
-    return false;
+    halve(state, r);
+    return r;
   }
-  p.accept(a, lambda, t.after);
-  w.branching = t.found && w.may_branch;
-  if (w.branching) w.may_branch = false;
-  const bool ended = p.at_end() || (t.found && options_.at_critical_point == AtCriticalPoint::stop);
-  if (t.critical) {
-    result.critical.push_back(*t.critical);
+  if (!state.previous) state.previous = model.dofs().create_vector();
+  VOILE_PETSC(VecCopy(accepted, state.previous));
+  accept(state.u, lambda, t.after);
+  r.taken = std::sqrt(dot(previous, previous)) / unit;
+  state.step = steps;
+  state.load_factor = factor;
+  state.v.reset();
+  state.a.reset();
+  branching = t.found && may_branch;
+  if (branching) may_branch = false;
+  stopped = t.found && options.at_critical_point == AtCriticalPoint::stop;
+  r.critical = t.critical;
+  r.mode = t.found ? static_cast<Vec>(mode) : nullptr;
+  if (t.critical && remark)
     remark(fmt::format("{} at load factor {:.6g}", name(t.critical->kind), t.critical->load_factor));
-  }
-  observe({result.steps, p.factor, t.newton, false, ended, t.critical, t.found ? static_cast<Vec>(p.mode) : nullptr},
-          a);
-  const double growth = std::sqrt(static_cast<double>(options_.target_iterations) / std::max(1, t.newton.iterations));
-  if (!t.found) w.length = std::min(options_.max_step * w.unit, w.length * std::clamp(growth, 0.5, 2.0));
-  return !ended;
+  const double growth = std::sqrt(static_cast<double>(options.target_iterations) / std::max(1, t.newton.iterations));
+  if (!t.found) length = std::min(options.max_step * unit, length * std::clamp(growth, 0.5, 2.0));
+  return r;
 }
 
-PathResult PathFollower::run(Vec a, const PathStart& start) {
+/// After an attempt that failed.
+void PathFollower::Impl::halve(system::State& state, StepResult& r) {
+  const bool last = 0.5 * length < options.min_step * unit;
+  const std::string place = last ? "; " + largest_residuals_at(model, state.u) : "";
+  VOILE_PETSC(VecCopy(accepted, state.u));
+  model.set_load_factor(factor);
+  length *= 0.5;
+  if (remark)
+    remark(fmt::format("load factor {:.6g}: {}{} after {} iterations; step halved to {:.3g}", factor,
+                       branching ? "branching: " : "", r.newton.reason, r.newton.iterations, length / unit));
+  r.outcome = last ? Outcome::failed : Outcome::not_yet;
+  if (last)
+    r.reason = fmt::format(
+        "no equilibrium found beyond load factor {:.6g} with steps of {:.3g} or more; the last attempt ended with {}{}",
+        factor, options.min_step, r.newton.reason, place);
+}
+
+PathFollower::PathFollower(system::Model& model, StaticOptions options, Vec probe)
+    : impl_(std::make_unique<Impl>(model, std::move(options), remarks(), probe)) {}
+PathFollower::~PathFollower() = default;
+
+StepResult PathFollower::begin(system::State& state) {
+  StepResult r = find_equilibrium(impl_->model, state);
+  if (r.outcome == Outcome::failed) return r;
+  const int before = impl_->linear.factorisations();
+  impl_->begin(state);
+  r.factorisations += impl_->linear.factorisations() - before;
+  return r;
+}
+
+bool PathFollower::finished(const system::State&) const {
+  return impl_->stopped || impl_->at_end();
+}
+
+StepResult PathFollower::advance(system::State& state) {
   Impl& p = *impl_;
-  PathResult& result = p.result = {};
-  result.steps = start.step;
-  const int before = p.linear.factorisations();
-  p.begin(a, start);
-  observe({.step = start.step, .load_factor = p.factor, .newton = {}, .critical = {}}, a);
-  const bool by_arc = options_.control == Control::arc_length;
-  const double unit = by_arc ? p.tangent.speed : std::abs(options_.final_displacement);
-  Walk w{unit, options_.initial_step * unit, false, options_.at_critical_point == AtCriticalPoint::switch_branch};
-  try {
-    for (bool on = !p.at_end(); on; on = advance(a, w))
-      if (result.steps - start.step >= options_.max_steps) {
-        result.reason = fmt::format("max_steps = {} steps did not reach the end of the path", options_.max_steps);
-        break;
-      }
-  } catch (const Interrupted& e) {
-    VOILE_PETSC(VecCopy(p.accepted, a));
-    result.reason = e.what();
+  StepResult r;
+  r.outcome = Outcome::failed;
+  if (p.steps - p.first_step >= p.options.max_steps) {
+    r.reason = fmt::format("max_steps = {} steps did not reach the end of the path", p.options.max_steps);
+    return r;
   }
-  result.factorisations = p.linear.factorisations() - before;
-  result.load_factor = p.factor;
-  result.completed = result.reason.empty();
-  model_.set_load_factor(p.factor);
-  return result;
+  try {
+    return p.advance(state);
+  } catch (const Interrupted& e) {
+    VOILE_PETSC(VecCopy(p.accepted, state.u));
+    p.model.set_load_factor(p.factor);
+    r.interrupted = true;
+    r.reason = e.what();
+    return r;
+  }
 }
 
 }  // namespace voile::solve

@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 #include <numbers>
 
+#include "test_following.hpp"
 #include "test_problems.hpp"
 #include "test_relative.hpp"
 #include "voile/base/error.hpp"
@@ -94,18 +95,17 @@ solve::TimeOptions options(double end, double step) {
 }
 
 /// Integrates and counts intersections after every step.
-solve::TimeResult integrate(Problem& p, const system::DynamicsOptions& d, const solve::TimeOptions& o,
-                            const std::function<void(const solve::TimeReport&, system::Dynamics&)>& look = {}) {
+Ended integrate(Problem& p, const system::DynamicsOptions& d, const solve::TimeOptions& o,
+                const std::function<void(const system::State&, system::Dynamics&)>& look = {}) {
   system::Dynamics dynamics(p.model, d);
   solve::TimeIntegration time(dynamics, o);
   std::size_t found = 0;
-  time.on_step([&](const solve::TimeReport& r) {
-    found += intersections(p.model, r.state.position);
-    CHECK(p.model.contact()->report(r.state.position).gap > 0.0);
-    if (look) look(r, dynamics);
+  Ended r = follow_from(state_of(p.u, p.v), time, [&](const system::State& s, const solve::StepResult&) {
+    found += intersections(p.model, s.u);
+    CHECK(p.model.contact()->report(s.u).gap > 0.0);
+    if (look) look(s, dynamics);
     return false;
   });
-  solve::TimeResult r = time.run({.position = p.u, .velocity = p.v});
   CHECK(found == 0);
   return r;
 }
@@ -184,13 +184,12 @@ TEST_CASE("free impact of two sheets without friction: momentum stays, nothing i
   double drift = 0.0;
   long most = 0;
   const Option rtol("-snes_rtol", "1e-10");
-  const solve::TimeResult r =
-      integrate(p, {}, options(0.06, 2e-3), [&](const solve::TimeReport& report, system::Dynamics& d) {
-        const Vec3 momentum = d.momentum(report.state.velocity);
-        if (report.taken == 0.0) first = momentum;
-        drift = std::max(drift, (momentum - first).norm());
-        most = std::max(most, p.model.contact()->report(report.state.position).pairs);
-      });
+  const Ended r = integrate(p, {}, options(0.06, 2e-3), [&](const system::State& state, system::Dynamics& d) {
+    const Vec3 momentum = d.momentum(state.v);
+    if (state.step == 0) first = momentum;
+    drift = std::max(drift, (momentum - first).norm());
+    most = std::max(most, p.model.contact()->report(state.u).pairs);
+  });
   CHECK(r.completed);
   CHECK(most > 50);
   CHECK(drift < 1e-8 * 0.3);
@@ -203,9 +202,9 @@ TEST_CASE("a sheet comes to rest on a floor that then carries its weight") {
   in.supports[0].components = {true, true, false};
   Problem p(sheets(1, 6, 0.0), in);
   p.model.set_load_factor(1.0);
-  const solve::DrapeResult r = solve::drape(p.model, p.u, {}, [](const std::string&) {});
-  CHECK(r.newton.converged);
-  CHECK(r.stable);
+  solve::Drape drape(p.model, {});
+  CHECK(follow_from(state_of(p.u), drape).completed);
+  CHECK(drape.stability().stable);
   petsc::VecHandle f = p.model.dofs().create_vector();
   p.model.contact()->add_gradient(p.u, f);
   Vec3 total = Vec3::Zero();
@@ -217,7 +216,7 @@ TEST_CASE("an obstacle that rushes through a resting sheet takes it along") {
   Obstacle piston = plane(-0.03);
   piston.motion = [](const Vec3&, double t) { return Vec3(0.0, 0.0, 20.0 * t); };
   Problem p(sheets(1, 6, 0.0), input({piston}, 0.02));
-  const solve::TimeResult r = integrate(p, {}, options(0.05, 0.01));
+  const Ended r = integrate(p, {}, options(0.05, 0.01));
   CHECK(r.completed);
   double lowest = 1e9;
   for (const Vec3& u : per_vertex(p.model, p.u)) lowest = std::min(lowest, u[2]);
@@ -228,7 +227,7 @@ TEST_CASE("a ball shot at a sheet does not pass through it") {
   Obstacle shot = ball(Vec3(0.5, 0.5, -0.4), 0.1);
   shot.motion = [](const Vec3&, double t) { return Vec3(0.0, 0.0, 40.0 * t); };
   Problem p(sheets(1, 8, 0.0), input({shot}, 0.02));
-  const solve::TimeResult r = integrate(p, {}, options(0.02, 0.005));
+  const Ended r = integrate(p, {}, options(0.02, 0.005));
   CHECK(r.completed);
   // The middle is still before the ball.
   double middle = -1e9;
@@ -246,7 +245,7 @@ TEST_CASE("what cannot be avoided ends the run and is named") {
   Problem p(sheets(1, 4, 0.0), input({plane(-0.03), above}, 0.02));
   solve::TimeOptions o = options(0.1, 0.01);
   o.min_step = 1e-3;
-  const solve::TimeResult r = integrate(p, {}, o);
+  const Ended r = integrate(p, {}, o);
   CHECK(!r.completed);
   CHECK(r.state.time < 0.06);
   CHECK(r.reason.find("in the way was sheet against ") != std::string::npos);
@@ -343,12 +342,11 @@ TEST_CASE("a start inside the contact distance is let out gently") {
         p.model.contact()->begin_settling(p.u, residual(p), 0.0);
         CHECK(p.model.contact()->energy(p.u) == 0.0);
         double kinetic = 0.0, gap = 0.0;
-        const solve::TimeResult r = integrate(p, {}, options(step < 0.01 ? 0.02 : 0.2, step),
-                                              [&](const solve::TimeReport& report, system::Dynamics& dynamics) {
-                                                kinetic =
-                                                    std::max(kinetic, dynamics.kinetic_energy(report.state.velocity));
-                                                gap = p.model.contact()->report(report.state.position).gap;
-                                              });
+        const Ended r = integrate(p, {}, options(step < 0.01 ? 0.02 : 0.2, step),
+                                  [&](const system::State& state, system::Dynamics& dynamics) {
+                                    kinetic = std::max(kinetic, dynamics.kinetic_energy(state.v));
+                                    gap = p.model.contact()->report(state.u).gap;
+                                  });
         CHECK(r.completed);
         const double speed = (1.0 - share) * d / settle_time;
         CHECK(kinetic > 0.0);
@@ -436,7 +434,7 @@ TEST_CASE("an obstacle that yields gives way to what it pinches, until that is f
     long most = 0, last = 0;
     solve::TimeOptions o = options(0.3, 0.01);
     o.velocity_tolerance = 1e-3;
-    const solve::TimeResult r = integrate(p, {}, o, [&](const solve::TimeReport&, system::Dynamics&) {
+    const Ended r = integrate(p, {}, o, [&](const system::State&, system::Dynamics&) {
       last = p.model.contact()->yielding_count();
       most = std::max(most, last);
       if (last == 0) return;
@@ -514,7 +512,7 @@ TEST_CASE("a hem that ignores an obstacle lets it through, the rest of the sheet
     petsc::VecHandle u = model.dofs().create_vector(), v = model.dofs().create_vector();
     system::Dynamics dynamics(model, {});
     solve::TimeIntegration time(dynamics, options(0.06, 0.005));
-    REQUIRE(time.run({.position = u, .velocity = v}).completed);
+    REQUIRE(follow_from(state_of(u, v), time).completed);
     double lifted = 0.0;
     for (const Vec3& w : per_vertex(model, u)) lifted = std::max(lifted, w[2]);
     if (trial.passes)
@@ -540,10 +538,9 @@ TEST_CASE("a hem with friction of its own is taken along, where the sheet slips"
     system::Model model(PETSC_COMM_WORLD, mesh, in);
     petsc::VecHandle u = model.dofs().create_vector(), v = model.dofs().create_vector();
     system::Dynamics dynamics(model, {});
-    const solve::TimeResult r =
-        solve::TimeIntegration(dynamics, options(0.1, 0.005)).run({.position = u, .velocity = v});
-    REQUIRE(r.completed);
-    return dynamics.momentum(r.state.velocity)[0];
+    solve::TimeIntegration time(dynamics, options(0.1, 0.005));
+    REQUIRE(follow_from(state_of(u, v), time).completed);
+    return dynamics.momentum(v)[0];
   };
   CHECK(std::abs(momentum(std::nullopt)) < 1e-9);
   // At the very start friction knows no slip yet: half of the first step is without it.

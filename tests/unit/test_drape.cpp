@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "test_following.hpp"
 #include "test_problems.hpp"
 #include "test_relative.hpp"
 #include "voile/solve/drape.hpp"
@@ -64,10 +65,12 @@ TEST_CASE("heavy strips hang as the elastica does") {
       CAPTURE(alternate);
       HeavyStrip strip(row.gamma, row.cells, alternate);
       strip.model.set_load_factor(1.0);
-      const solve::DrapeResult r = solve::drape(strip.model, strip.a, {}, {});
+      solve::Drape drape(strip.model, {});
+      const Ended r = follow_from(state_of(strip.a), drape);
+      REQUIRE(r.completed);
       REQUIRE(r.newton.converged);
-      CHECK(r.stable);
-      CHECK(r.eigenvalue > 0.0);
+      CHECK(drape.stability().stable);
+      CHECK(drape.stability().eigenvalue > 0.0);
       CHECK(r.newton.residual < 1e-6);
       CHECK(strip.drop_over_reach() == relative(row.drop_over_reach).epsilon(0.01));
     }
@@ -89,11 +92,12 @@ TEST_CASE("an unstable equilibrium is left for a stable one") {
   model.set_load_factor(1.0);
   petsc::VecHandle a = model.dofs().create_vector();
   std::vector<std::string> remarks;
-  const solve::DrapeResult r = solve::drape(model, a, {}, [&](const std::string& text) { remarks.push_back(text); });
-  REQUIRE(r.newton.converged);
-  CHECK(r.stable);
-  CHECK(r.escapes >= 1);
-  REQUIRE(remarks.size() == static_cast<std::size_t>(r.escapes) + 1);
+  solve::Drape drape(model, {});
+  drape.on_remark([&](const std::string& text) { remarks.push_back(text); });
+  REQUIRE(follow_from(state_of(a), drape).completed);
+  CHECK(drape.stability().stable);
+  CHECK(drape.stability().escapes >= 1);
+  REQUIRE(remarks.size() == static_cast<std::size_t>(drape.stability().escapes) + 2);
   CHECK(remarks.front().find("1 negative pivot") != std::string::npos);
   double largest = 0.0;
   for (const Vec3& u : per_vertex(model, a)) largest = std::max(largest, std::abs(u[2]));
@@ -102,10 +106,16 @@ TEST_CASE("an unstable equilibrium is left for a stable one") {
   petsc::VecHandle b = model.dofs().create_vector();
   solve::DrapeOptions none;
   none.max_escapes = 0;
-  const solve::DrapeResult straight = solve::drape(model, b, none, {});
-  CHECK(straight.newton.converged);
-  CHECK_FALSE(straight.stable);
-  CHECK(straight.newton.negative_pivots == 1);
+  solve::Drape at_once(model, none);
+  system::State straight = state_of(b);
+  CHECK(at_once.begin(straight).outcome == solve::Outcome::accepted);
+  const solve::StepResult end = at_once.advance(straight);
+  CHECK(end.outcome == solve::Outcome::failed);
+  CHECK(end.worth_keeping);
+  CHECK(end.reason.find("unstable") != std::string::npos);
+  CHECK(end.newton.converged);
+  CHECK_FALSE(at_once.stability().stable);
+  CHECK(end.newton.negative_pivots == 1);
 }
 
 TEST_CASE("inverse iteration finds the eigenvalue nearest to zero") {

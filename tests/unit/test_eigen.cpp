@@ -5,11 +5,12 @@
 
 #include <numbers>
 
+#include "test_following.hpp"
 #include "test_problems.hpp"
 #include "test_relative.hpp"
 #include "voile/base/error.hpp"
 #include "voile/solve/eigen.hpp"
-#include "voile/solve/static_path.hpp"
+#include "voile/solve/load_path.hpp"
 
 using namespace voile;
 using namespace voile::testing;
@@ -135,7 +136,8 @@ TEST_CASE("tension raises frequencies, pressure lowers them to zero at the buckl
   for (const double share : {-1.0, 0.5, 1.2}) {
     CAPTURE(share);
     Plate plate(grid(16, 16, false, 0.0), true, share * critical);
-    REQUIRE(solve::StaticPath(plate.model, {}).run(plate.a).completed);
+    solve::LoadPath path(plate.model, {});
+    REQUIRE(follow_from(state_of(plate.a), path).completed);
     const solve::EigenResult r = solve::vibration_modes(plate.model, plate.a, 1, Mass::consistent);
     REQUIRE(!r.modes.empty());
     CHECK(r.modes[0].value == relative(frequency(1, 1, -share * critical)).epsilon(0.02));
@@ -162,7 +164,8 @@ TEST_CASE("a plate buckles at 4 pi^2 D / b^2 from any load below, with second or
   solve::StaticOptions steps;
   steps.final_load_factor = 8.0;
   steps.initial_step = steps.max_step = 8.0;
-  REQUIRE(solve::StaticPath(loaded.model, steps).run(loaded.a).completed);
+  solve::LoadPath path(loaded.model, steps);
+  REQUIRE(follow_from(state_of(loaded.a), path).completed);
   solve::Newton newton(loaded.model);
   const solve::EigenResult r = solve::buckling_modes(newton, loaded.model, loaded.a, 1);
   REQUIRE(!r.modes.empty());

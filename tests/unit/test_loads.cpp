@@ -4,10 +4,11 @@
 #include <Eigen/Geometry>
 #include <map>
 
+#include "test_following.hpp"
 #include "test_model_kit.hpp"
 #include "test_relative.hpp"
 #include "voile/base/error.hpp"
-#include "voile/solve/static_path.hpp"
+#include "voile/solve/load_path.hpp"
 
 using namespace voile;
 using namespace voile::testing;
@@ -287,9 +288,9 @@ TEST_CASE("the reactions of a deformed shell balance its loads in force and mome
                  load(LoadKind::follower_pressure, "", -0.02)};
   input.supports = {support("left", system::Support::Kind::hinged), support("right", system::Support::Kind::hinged)};
   system::Model model(PETSC_COMM_WORLD, mesh, input);
-  solve::StaticPath path(model, {});
+  solve::LoadPath path(model, {});
   petsc::VecHandle a = model.dofs().create_vector(), r = model.dofs().create_vector();
-  REQUIRE(path.run(a).completed);
+  REQUIRE(follow_from(state_of(a), path).completed);
   model.unbalanced_force(a, r);
   const std::vector<Vec3> unbalanced = per_vertex(model, r), u = per_vertex(model, a);
   std::vector<Vec3> reactions(u.size(), Vec3::Zero()), loads(u.size(), Vec3::Zero()), x = mesh.positions();

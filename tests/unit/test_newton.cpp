@@ -7,10 +7,11 @@
 #include <Eigen/Geometry>
 #include <limits>
 
+#include "test_following.hpp"
 #include "test_model_kit.hpp"
 #include "test_relative.hpp"
+#include "voile/solve/load_path.hpp"
 #include "voile/solve/newton.hpp"
-#include "voile/solve/static_path.hpp"
 
 using namespace voile;
 using namespace voile::testing;
@@ -517,8 +518,8 @@ TEST_CASE("a quarter between oblique symmetry planes is the whole") {
     const auto solved = [&](const mesh::SurfaceMesh& mesh, const system::ModelInput& in) {
       system::Model model(PETSC_COMM_WORLD, mesh, in);
       petsc::VecHandle a = model.dofs().create_vector();
-      solve::StaticPath path(model, {});
-      CHECK(path.run(a).completed);
+      solve::LoadPath path(model, {});
+      CHECK(follow_from(state_of(a), path).completed);
       return per_vertex(model, a);
     };
     const std::vector<Vec3> u = solved(whole, input), q = solved(quarter, part);

@@ -3,6 +3,7 @@
 
 #include <numbers>
 
+#include "test_following.hpp"
 #include "test_problems.hpp"
 #include "test_relative.hpp"
 #include "voile/base/error.hpp"
@@ -18,20 +19,20 @@ using SupportKind = system::Support::Kind;
 namespace {
 
 struct Record {
-  std::vector<solve::StepReport> reports;
+  std::vector<Report> reports;
   std::vector<std::vector<double>> states;
-  solve::PathResult result;
+  Ended result;
 };
 
-Record follow(system::Model& model, Vec a, const solve::StaticOptions& options, Vec probe,
-              const solve::PathStart& start = {}) {
+Record follow(system::Model& model, Vec a, const solve::StaticOptions& options, Vec probe, system::State start = {}) {
   Record record;
   solve::PathFollower path(model, options, probe);
-  path.on_step([&](const solve::StepReport& report, Vec state) {
-    record.reports.push_back(report);
-    record.states.push_back(values_of(model, state));
+  start.u = petsc::share(a);
+  record.result = follow_from(std::move(start), path, [&](const system::State& s, const solve::StepResult& r) {
+    record.reports.emplace_back(s, r, path.finished(s));
+    record.states.push_back(values_of(model, s.u));
+    return false;
   });
-  record.result = path.run(a, start);
   return record;
 }
 
@@ -185,7 +186,7 @@ TEST_CASE("arc length and displacement control find the same path through a snap
   REQUIRE(by_displacement.result.completed);
   CHECK(dot(probe, first.a) == relative(-0.045).epsilon(1e-9));
   CHECK(dot(other, second.a) == relative(-0.045).epsilon(1e-9));
-  CHECK(by_arc.result.load_factor == relative(by_displacement.result.load_factor).epsilon(1e-6));
+  CHECK(by_arc.result.state.load_factor == relative(by_displacement.result.state.load_factor).epsilon(1e-6));
   CHECK(largest_difference(by_arc.states.back(), by_displacement.states.back()) < 1e-7);
   // It snaps: up, down, up again; both see the same two limit points.
   REQUIRE(by_arc.result.critical.size() == 2);
@@ -196,7 +197,7 @@ TEST_CASE("arc length and displacement control find the same path through a snap
           relative(by_displacement.result.critical[k].load_factor).epsilon(2e-3));
   }
   CHECK(by_arc.result.critical[0].load_factor > by_arc.result.critical[1].load_factor);
-  for (const solve::StepReport& report : by_arc.reports) {
+  for (const Report& report : by_arc.reports) {
     const bool between = report.step >= by_arc.result.critical[0].step && report.step < by_arc.result.critical[1].step;
     if (report.step > 0) CHECK(report.newton.negative_pivots == (between ? 1 : 0));
   }
@@ -212,18 +213,19 @@ TEST_CASE("every state on the arc is in equilibrium and an arc length from the o
                    step = arch.model.dofs().create_vector(), weighted = arch.model.dofs().create_vector();
   double length = 0.0;
   solve::PathFollower path(arch.model, options, probe);
-  path.on_step([&](const solve::StepReport& report, Vec a) {
-    arch.model.set_load_factor(report.load_factor);
-    arch.model.residual(a, residual);
+  const auto look = [&](const system::State& s, const solve::StepResult&) {
+    arch.model.set_load_factor(s.load_factor);
+    arch.model.residual(s.u, residual);
     CHECK(norm(residual) < 1e-6 * std::max(1e-2, arch.model.force_scale()));
-    VOILE_PETSC(VecWAXPY(step, -1.0, before, a));
+    VOILE_PETSC(VecWAXPY(step, -1.0, before, s.u));
     VOILE_PETSC(VecPointwiseMult(weighted, arch.model.mass(), step));
     const double taken = std::sqrt(dot(weighted, step));
-    if (report.step == 1) length = taken;
-    if (report.step > 1 && !report.last) CHECK(taken == relative(length).epsilon(1e-6));
-    VOILE_PETSC(VecCopy(a, before));
-  });
-  CHECK(path.run(arch.a).completed);
+    if (s.step == 1) length = taken;
+    if (s.step > 1 && !path.finished(s)) CHECK(taken == relative(length).epsilon(1e-6));
+    VOILE_PETSC(VecCopy(s.u, before));
+    return false;
+  };
+  CHECK(follow_from(state_of(arch.a), path, look).completed);
 }
 
 TEST_CASE("an arc without limit points ends exactly at the final load factor, in the state of load control") {
@@ -231,11 +233,11 @@ TEST_CASE("an arc without limit points ends exactly at the final load factor, in
   const solve::StaticOptions options = arc(0.1, 0.5);
   const Record r = follow(by_arc.model, by_arc.a, options, nullptr);
   REQUIRE(r.result.completed);
-  CHECK(r.result.load_factor == 1.0);
+  CHECK(r.result.state.load_factor == 1.0);
   CHECK(r.reports.back().last);
   CHECK(r.result.critical.empty());
-  solve::StaticPath load_control(by_load.model, {});
-  REQUIRE(load_control.run(by_load.a).completed);
+  solve::LoadPath load_control(by_load.model, {});
+  REQUIRE(follow_from(state_of(by_load.a), load_control).completed);
   CHECK(largest_difference(values_of(by_arc.model, by_arc.a), values_of(by_load.model, by_load.a)) < 1e-5);
 }
 
@@ -264,7 +266,8 @@ TEST_CASE("prescribed displacements and follower moments can be followed along a
     REQUIRE(r.result.completed);
     solve::StaticOptions steps;
     steps.initial_step = 0.1;
-    REQUIRE(solve::StaticPath(load_model, steps).run(b).completed);
+    solve::LoadPath load_control(load_model, steps);
+    REQUIRE(follow_from(state_of(b), load_control).completed);
     CHECK(largest_difference(values_of(arc_model, a), values_of(load_model, b)) < 1e-5);
     CHECK((r.reports.back().newton.negative_pivots == -1) == follower);  // LU does not count them
   }
@@ -279,16 +282,18 @@ TEST_CASE("a path goes on from a state in its middle as if it had never stopped"
   REQUIRE(all.result.completed);
   // Between the limit points, where only the previous state tells the direction.
   const auto middle = static_cast<std::size_t>((all.result.critical[0].step + all.result.critical[1].step) / 2);
-  petsc::VecHandle previous = part.model.dofs().create_vector();
+  system::State start;
+  start.step = all.reports[middle].step;
+  start.load_factor = all.reports[middle].load_factor;
+  start.previous = part.model.dofs().create_vector();
   const auto set = [&](Vec v, const std::vector<double>& values) { part.model.dofs().scatter(values, v); };
   set(part.a, all.states[middle]);
-  set(previous, all.states[middle - 1]);
-  const Record rest =
-      follow(part.model, part.a, options, other, {all.reports[middle].step, all.reports[middle].load_factor, previous});
+  set(start.previous, all.states[middle - 1]);
+  const Record rest = follow(part.model, part.a, options, other, std::move(start));
   REQUIRE(rest.result.completed);
   CHECK(rest.reports.front().step == static_cast<int>(middle));
   CHECK(rest.reports[1].load_factor < rest.reports[0].load_factor);
-  CHECK(rest.result.load_factor == relative(all.result.load_factor).epsilon(1e-6));
+  CHECK(rest.result.state.load_factor == relative(all.result.state.load_factor).epsilon(1e-6));
   CHECK(largest_difference(rest.states.back(), all.states.back()) < 1e-7);
   REQUIRE(rest.result.critical.size() == 1);
 }
@@ -308,7 +313,7 @@ TEST_CASE("a perfect column: Euler's load is a bifurcation where the path stops 
   const Record stop = follow(stopped.model, stopped.a, options, nullptr);
   CHECK(stop.result.completed);
   CHECK(stop.reports.back().mode != nullptr);
-  CHECK(stop.result.load_factor == relative(1.0).epsilon(0.01));
+  CHECK(stop.result.state.load_factor == relative(1.0).epsilon(0.01));
 
   options.at_critical_point = AtCriticalPoint::switch_branch;
   options.final_load_factor = 1.1;

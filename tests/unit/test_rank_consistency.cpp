@@ -1,9 +1,10 @@
 // The same answers on all ranks together as on each one alone.
 #include <doctest/doctest.h>
 
+#include "test_following.hpp"
 #include "test_model_kit.hpp"
 #include "test_relative.hpp"
-#include "voile/solve/static_path.hpp"
+#include "voile/solve/load_path.hpp"
 
 using namespace voile;
 using namespace voile::testing;
@@ -59,8 +60,8 @@ std::vector<double> everywhere(MPI_Comm comm, std::vector<double> values) {
 Answer answer(MPI_Comm comm, const mesh::SurfaceMesh& mesh, bool follower) {
   system::Model model(comm, mesh, problem(follower));
   petsc::VecHandle a = model.dofs().create_vector(), f = model.dofs().create_vector(), x = model.dofs().create_vector();
-  solve::StaticPath path(model, {});
-  const solve::PathResult result = path.run(a);
+  solve::LoadPath path(model, {});
+  const testing::Ended result = testing::follow_from(testing::state_of(a), path);
   REQUIRE(result.completed);
   Answer r;
   r.steps = result.steps;

@@ -6,6 +6,7 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
+#include "test_following.hpp"
 #include "test_problems.hpp"
 #include "test_relative.hpp"
 #include "voile/base/error.hpp"
@@ -57,12 +58,11 @@ TimeOptions options(double end, double step) {
 
 /// Runs to the end; returns the final positions and velocities on every rank.
 template <class Problem>
-std::vector<double> integrate(Problem& p, const DynamicsOptions& d, const TimeOptions& o,
-                              const solve::TimeIntegration::Observer& observer = {}, int steps = -1) {
+std::vector<double> integrate(Problem& p, const DynamicsOptions& d, const TimeOptions& o, const Look& look = {},
+                              int steps = -1) {
   Dynamics dynamics(p.model, d);
   solve::TimeIntegration time(dynamics, o);
-  if (observer) time.on_step(observer);
-  const solve::TimeResult r = time.run({.position = p.u, .velocity = p.v});
+  const Ended r = follow_from(state_of(p.u, p.v), time, look);
   CHECK(r.completed);
   CHECK(r.reason.empty());
   if (steps >= 0) CHECK(r.steps == steps);
@@ -111,11 +111,9 @@ TEST_CASE("the first acceleration is that of the equations") {
   Dynamics dynamics(f.model, {});
   solve::TimeIntegration time(dynamics, options(1e-6, 1e-6));
   petsc::VecHandle a = f.model.dofs().create_vector();
-  time.on_step([&](const solve::TimeReport& r) {
-    if (r.state.acceleration) VOILE_PETSC(VecCopy(r.state.acceleration, a));
-    return false;
-  });
-  REQUIRE(time.run({.position = f.u, .velocity = f.v}).completed);
+  const Ended r = follow_from(state_of(f.u, f.v), time);
+  REQUIRE(r.completed);
+  VOILE_PETSC(VecCopy(r.state.a, a));
   // A free vertex of a sheet at rest falls with g: the sheet has not bent yet.
   for (const Vec3& x : per_vertex(f.model, a)) {
     const double size = x.norm();
@@ -129,14 +127,14 @@ TEST_CASE("a run continued from its middle is the unbroken run") {
   std::vector<double> u, v, a;
   int step = 0;
   double at = 0.0, next = 0.0;
-  const std::vector<double> end = integrate(whole, {}, all, [&](const solve::TimeReport& r) {
-    if (r.state.step == 17) {
-      u = values_of(whole.model, r.state.position);
-      v = values_of(whole.model, r.state.velocity);
-      a = values_of(whole.model, r.state.acceleration);
-      step = r.state.step;
-      at = r.state.time;
-      next = r.state.next_step;
+  const std::vector<double> end = integrate(whole, {}, all, [&](const system::State& s, const solve::StepResult&) {
+    if (s.step == 17) {
+      u = values_of(whole.model, s.u);
+      v = values_of(whole.model, s.v);
+      a = values_of(whole.model, s.a);
+      step = s.step;
+      at = s.time;
+      next = s.next_step;
     }
     return false;
   });
@@ -147,7 +145,12 @@ TEST_CASE("a run continued from its middle is the unbroken run") {
   part.model.dofs().scatter(a, acceleration);
   Dynamics dynamics(part.model, {});
   solve::TimeIntegration time(dynamics, all);
-  const solve::TimeResult r = time.run({step, at, next, part.u, part.v, acceleration});
+  system::State middle = state_of(part.u, part.v);
+  middle.a = petsc::share(acceleration);
+  middle.step = step;
+  middle.time = at;
+  middle.next_step = next;
+  const Ended r = follow_from(std::move(middle), time);
   REQUIRE(r.completed);
   CHECK(r.state.step == 40);
   CHECK(r.steps == 23);
@@ -181,19 +184,18 @@ TEST_CASE("a free sheet keeps its linear and angular momentum, and loses energy 
       Vec3 momentum, spin;
       std::vector<double> energy;
       double worst = 0.0, worst_spin = 0.0;
-      time.on_step([&](const solve::TimeReport& r) {
-        const Vec3 p = dynamics.momentum(r.state.velocity),
-                   l = dynamics.angular_momentum(r.state.position, r.state.velocity);
-        if (r.state.step == 0) {
+      const auto look = [&](const system::State& s, const solve::StepResult&) {
+        const Vec3 p = dynamics.momentum(s.v), l = dynamics.angular_momentum(s.u, s.v);
+        if (s.step == 0) {
           momentum = p;
           spin = l;
         }
         worst = std::max(worst, (p - momentum).norm() / momentum.norm());
         worst_spin = std::max(worst_spin, (l - spin).norm() / spin.norm());
-        energy.push_back(dynamics.kinetic_energy(r.state.velocity) + f.model.energy(r.state.position));
+        energy.push_back(dynamics.kinetic_energy(s.v) + f.model.energy(s.u));
         return false;
-      });
-      REQUIRE(time.run({.position = f.u, .velocity = f.v}).completed);
+      };
+      REQUIRE(follow_from(state_of(f.u, f.v), time, look).completed);
       CHECK(worst < 1e-9);
       // Angular momentum is kept to the order of the method only, unless the rule is symmetric in time.
       CHECK(worst_spin < 1e-3);
@@ -341,7 +343,7 @@ TEST_CASE("damping of bending and membrane takes energy from a vibration") {
     o.radius = 1.0;
     const double before = dynamics.kinetic_energy(f.v);
     solve::TimeIntegration time(dynamics, o);
-    CHECK(time.run({.position = f.u, .velocity = f.v}).completed);
+    CHECK(follow_from(state_of(f.u, f.v), time).completed);
     return (dynamics.kinetic_energy(f.v) + f.model.energy(f.u)) / before;
   };
   CHECK(left({}, true) == relative(1.0).epsilon(0.01));
@@ -451,17 +453,19 @@ TEST_CASE("supports move as functions of time say, and the load follows its hist
   double factor = -1.0;
   Dynamics dynamics(f.model, d);
   solve::TimeIntegration time(dynamics, options(0.05, 0.001));
-  time.on_step([&](const solve::TimeReport& r) {
-    const std::vector<Vec3> u = per_vertex(f.model, r.state.position);
+  const auto look = [&](const system::State& s, const solve::StepResult&) {
+    const std::vector<Vec3> u = per_vertex(f.model, s.u);
     for (Index v : f.mesh.group("left").vertices) {
       const Vec3 x = f.mesh.positions()[v];
-      CHECK((u[v] - Vec3(0.1 * r.state.time, 0.0, 0.02 * std::sin(20.0 * r.state.time) * x[1])).norm() < 1e-14);
+      CHECK((u[v] - Vec3(0.1 * s.time, 0.0, 0.02 * std::sin(20.0 * s.time) * x[1])).norm() < 1e-14);
     }
     factor = f.model.load_factor();
-    return r.state.step == 30;
-  });
-  const solve::TimeResult r = time.run({.position = f.u, .velocity = f.v});
-  CHECK(r.stopped);
+    CHECK(s.load_factor == factor);
+    return s.step == 30;
+  };
+  const Ended r = follow_from(state_of(f.u, f.v), time, look);
+  CHECK_FALSE(r.completed);
+  CHECK(r.reason.empty());
   CHECK(r.state.step == 30);
   CHECK(factor == relative(0.3).epsilon(1e-9));
   in.supports.push_back(in.supports[0]);
@@ -478,7 +482,7 @@ TEST_CASE("the step follows the error that is asked for") {
     o.target_iterations = 1000;
     Dynamics dynamics(f.model, {});
     solve::TimeIntegration time(dynamics, o);
-    const solve::TimeResult r = time.run({.position = f.u, .velocity = f.v});
+    const Ended r = follow_from(state_of(f.u, f.v), time);
     CHECK(r.completed);
     CHECK(r.state.time == relative(0.3).epsilon(1e-12));
     steps.push_back(r.steps);
@@ -504,11 +508,11 @@ TEST_CASE("the estimated error of a step is the error that it makes") {
   Dynamics dynamics(f.model, d);
   solve::TimeIntegration time(dynamics, o);
   std::vector<double> taken;
-  time.on_step([&](const solve::TimeReport& r) {
+  const auto look = [&](const system::State&, const solve::StepResult& r) {
     if (r.taken > 0.0) taken.push_back(r.taken);
     return false;
-  });
-  REQUIRE(time.run({.position = f.u, .velocity = f.v}).completed);
+  };
+  REQUIRE(follow_from(state_of(f.u, f.v), time, look).completed);
   // Sizes settle where the estimate is the 0.9^3 of the tolerance that next_step aims at.
   const double settled = std::cbrt(std::pow(0.9, 3) * tolerance * 12.0 / jerk);
   REQUIRE(taken.size() > 30);
@@ -527,5 +531,5 @@ TEST_CASE("options of TS are obeyed") {
   Falling g;
   Dynamics dynamics(g.model, {});
   solve::TimeIntegration time(dynamics, options(1.0, 0.1));
-  CHECK_THROWS_AS((void)time.run({.position = g.u, .velocity = g.v}), UserError);
+  CHECK_THROWS_AS((void)follow_from(state_of(g.u, g.v), time), UserError);
 }

@@ -5,9 +5,10 @@
 #include <cmath>
 #include <numbers>
 
+#include "test_following.hpp"
 #include "test_problems.hpp"
 #include "test_relative.hpp"
-#include "voile/solve/static_path.hpp"
+#include "voile/solve/load_path.hpp"
 
 using namespace voile;
 using namespace voile::testing;
@@ -137,7 +138,8 @@ Arc bend_to_arc(int cells, double total, double length, double width, const ener
   petsc::VecHandle a = model.dofs().create_vector(), f = model.dofs().create_vector();
   solve::StaticOptions options;
   options.initial_step = options.max_step = 0.125;
-  REQUIRE(solve::StaticPath(model, options).run(a).completed);
+  solve::LoadPath path(model, options);
+  REQUIRE(follow_from(state_of(a), path).completed);
   Arc result{};
   const std::vector<Vec3> u = per_vertex(model, a);
   for (std::size_t v = 0; v < u.size(); ++v) {

@@ -67,6 +67,14 @@ using SnesHandle = Handle<SNES, SNESDestroy>;
 using ScatterHandle = Handle<VecScatter, VecScatterDestroy>;
 using IndexSetHandle = Handle<IS, ISDestroy>;
 
+/// Another owner of the same vector.
+[[nodiscard]] inline VecHandle share(Vec v) {
+  VecHandle other;
+  check(PetscObjectReference(reinterpret_cast<PetscObject>(v)), "PetscObjectReference");
+  *other.out() = v;
+  return other;
+}
+
 /// Read-only view of a vector's local values while it lives.
 class ReadArray {
  public:

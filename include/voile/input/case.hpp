@@ -133,6 +133,8 @@ struct Case {
   std::vector<Probe> probes;
   OutputSection output;
   std::string petsc_options;  ///< as on PETSc's command line; the real command line wins
+  std::string stage;          ///< name of the stage that this is, in `stages`
+  std::vector<Case> stages;   ///< each a case of its own, in the order in which they run; empty: there is one stage
 };
 
 /// Parses and checks everything that needs no mesh. Not collective.

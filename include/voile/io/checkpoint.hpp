@@ -1,4 +1,4 @@
-// The complete state of a motion in time, to go on from on any number of ranks.
+// A state with its mesh, to go on from on any number of ranks.
 #pragma once
 
 #include <filesystem>
@@ -12,9 +12,12 @@ namespace voile::io {
 struct Checkpoint {
   int step = 0;
   double time = 0.0, next_step = 0.0;  ///< [s]
-  std::vector<double> displacement;    ///< [m]
-  std::vector<double> velocity;        ///< [m/s]
-  std::vector<double> acceleration;    ///< [m/s^2]; empty: to be found from the equations
+  double load_factor = 0.0;
+  bool in_equilibrium = true;
+  std::vector<double> displacement{};  ///< [m]; empty: none
+  std::vector<double> velocity{};      ///< [m/s]; empty: at rest
+  std::vector<double> acceleration{};  ///< [m/s^2]; empty: to be found from the equations
+  std::vector<double> previous{};      ///< displacement one step before [m]; empty: a path begins here
   /// Smallest gap of each vertex where contact is let out from, and since when; empty: nothing is let out.
   std::vector<double> contact_gaps{};  ///< [m]
   double contact_start = 0.0;          ///< [s]

@@ -1,4 +1,4 @@
-// From any start to a stable static equilibrium at the model's load factor.
+// From any start to a stable static equilibrium under the full loads.
 //
 // Pseudo-transient continuation (newton.hpp) finds an equilibrium; the negative pivots of its exact tangent say whether
 // it is stable. An unstable one (a flat sheet, a symmetric fold) is left along its lowest mode and the search goes on.
@@ -9,10 +9,9 @@
 // search there is no inertia.
 #pragma once
 
-#include <functional>
-#include <string>
+#include <memory>
 
-#include "voile/solve/newton.hpp"
+#include "voile/solve/stepper.hpp"
 
 namespace voile::solve {
 
@@ -23,17 +22,32 @@ struct DrapeOptions {
   bool fall = true;           ///< with contact: a damped fall first, then the search
 };
 
-struct DrapeResult {
-  NewtonResult newton;      ///< of the last search; iterations and factorisations of all of them
-  double residual = 0.0;    ///< |r| at the end [N]
+/// What is known of the state that a drape has come to.
+struct Stability {
+  double residual = 0.0;    ///< |r| [N]
   bool stable = false;      ///< no negative pivot; false too if the linear solver does not tell
   double eigenvalue = 0.0;  ///< of the tangent in the lumped mass, nearest to zero [1/s^2]
-  int escapes = 0;
-  int fall_iterations = 0;  ///< of Newton's method, in falls; those of `newton` include them
+  int escapes = 0;          ///< from unstable equilibria
+  int fall_iterations = 0;  ///< of Newton's method, in falls
 };
 
-/// Drapes from and into `a`. Collective. `remark` is called on every rank after each search.
-[[nodiscard]] DrapeResult drape(system::Model& model, Vec a, const DrapeOptions& options,
-                                const std::function<void(const std::string&)>& remark);
+/// One step: a whole drape. Each attempt is a search with the falls before it; an unstable equilibrium is left for the
+/// next attempt.
+class Drape : public Stepper {
+ public:
+  /// The model must outlive it. Collective.
+  Drape(system::Model& model, DrapeOptions options);
+  ~Drape() override;
+
+  /// Loads act in full from here: the model's load factor becomes 1.
+  [[nodiscard]] StepResult begin(system::State& state) override;
+  [[nodiscard]] StepResult advance(system::State& state) override;
+  [[nodiscard]] bool finished(const system::State& state) const override;
+  [[nodiscard]] const Stability& stability() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
 
 }  // namespace voile::solve

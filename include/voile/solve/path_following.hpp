@@ -18,29 +18,25 @@
 
 #include <memory>
 
-#include "voile/solve/static_path.hpp"
+#include "voile/solve/load_path.hpp"
 
 namespace voile::solve {
 
-class PathFollower : public PathBase {
+class PathFollower : public Stepper {
  public:
-  /// `probe` is c in unknowns of the model, null if nothing is controlled or watched; copied. Collective.
+  /// `probe` is c in unknowns of the model, null if nothing is controlled or watched; copied. The model must outlive it.
+  /// Collective.
   PathFollower(system::Model& model, StaticOptions options, Vec probe);
-  ~PathFollower();
+  ~PathFollower() override;
 
-  /// Follows the path from `a` at start.load_factor. Collective. `a` ends at the last accepted state, after a
-  /// signal too (see base/interrupt.hpp).
-  [[nodiscard]] PathResult run(Vec a, const PathStart& start = {});
+  /// A state that is not in equilibrium is brought to one at its load factor first. Throws UserError if the tangent is
+  /// singular there or the load does nothing.
+  [[nodiscard]] StepResult begin(system::State& state) override;
+  [[nodiscard]] StepResult advance(system::State& state) override;
+  [[nodiscard]] bool finished(const system::State& state) const override;
 
  private:
   struct Impl;
-  /// How the next step is tried.
-  struct Walk {
-    double unit;    ///< length of the step whose size is 1
-    double length;  ///< of the next step
-    bool branching, may_branch;
-  };
-  [[nodiscard]] bool advance(Vec a, Walk& w);
   std::unique_ptr<Impl> impl_;
 };
 

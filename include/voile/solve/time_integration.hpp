@@ -10,60 +10,24 @@
 // none, basic ...), -snes_rtol ...
 #pragma once
 
-#include <functional>
 #include <memory>
-#include <string>
 
-#include "voile/solve/newton.hpp"
+#include "voile/solve/stepper.hpp"
 #include "voile/solve/time_options.hpp"
 #include "voile/system/dynamics.hpp"
 
 namespace voile::solve {
 
-/// A state in time. The vectors are not owned.
-struct TimeState {
-  int step = 0;
-  double time = 0.0;       ///< [s]
-  double next_step = 0.0;  ///< size of the step to come [s]; 0: as the options say
-  Vec position = nullptr, velocity = nullptr;
-  Vec acceleration = nullptr;  ///< null: found from the equations
-};
-
-/// One accepted step.
-struct TimeReport {
-  TimeState state;
-  double taken = 0.0;  ///< size of the step [s]; 0 for the start
-  NewtonResult newton;
-  int rejections = 0;     ///< attempts that failed before
-  int cut_short = 0;      ///< iterations that contact did not let go the whole way
-  double shortest = 1.0;  ///< share of its increment that the most hindered iteration went
-};
-
-struct TimeResult {
-  bool completed = false;
-  bool stopped = false;  ///< by the observer, or by a signal (then with a reason)
-  int steps = 0, newton_iterations = 0, factorisations = 0, rejections = 0;
-  TimeState state;      ///< the last accepted one; vectors live as long as the TimeIntegration
-  NewtonResult newton;  ///< of the last accepted step
-  std::string reason;
-};
-
-class TimeIntegration {
+class TimeIntegration : public Stepper {
  public:
-  /// Called collectively with the start and every accepted step; returns true to end the run after it.
-  using Observer = std::function<bool(const TimeReport&)>;
-  using Remark = std::function<void(const std::string&)>;
-
   /// Collective. `dynamics` must outlive it.
   TimeIntegration(system::Dynamics& dynamics, TimeOptions options);
-  ~TimeIntegration();
-  TimeIntegration(const TimeIntegration&) = delete;
-  TimeIntegration& operator=(const TimeIntegration&) = delete;
+  ~TimeIntegration() override;
 
-  void on_step(Observer observer);
-  void on_remark(Remark remark);
-  /// Moves from `start`, whose position and velocity are advanced in place, to the end time. Collective.
-  [[nodiscard]] TimeResult run(const TimeState& start);
+  /// A state without velocity is at rest; one without acceleration gets it from the equations, at the first step.
+  [[nodiscard]] StepResult begin(system::State& state) override;
+  [[nodiscard]] StepResult advance(system::State& state) override;
+  [[nodiscard]] bool finished(const system::State& state) const override;
 
  private:
   struct Impl;

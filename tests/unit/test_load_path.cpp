@@ -1,8 +1,9 @@
 // The load path: stops, step sizes, failure, direction, and what the observer sees.
 #include <doctest/doctest.h>
 
+#include "test_following.hpp"
 #include "test_problems.hpp"
-#include "voile/solve/static_path.hpp"
+#include "voile/solve/load_path.hpp"
 
 using namespace voile;
 using namespace voile::testing;
@@ -10,28 +11,28 @@ using namespace voile::testing;
 namespace {
 
 struct Record {
-  std::vector<solve::StepReport> reports;
+  std::vector<Report> reports;
   std::vector<std::vector<double>> states;
   std::vector<std::string> remarks;
-  solve::PathResult result;
+  Ended result;
 };
 
 template <class Problem>
 Record run(Problem& problem, const solve::StaticOptions& options) {
   Record record;
-  solve::StaticPath path(problem.model, options);
-  path.on_step([&](const solve::StepReport& report, Vec a) {
-    record.reports.push_back(report);
-    record.states.push_back(values_of(problem.model, a));
-  });
+  solve::LoadPath path(problem.model, options);
   path.on_remark([&](const std::string& text) { record.remarks.push_back(text); });
-  record.result = path.run(problem.a);
+  record.result = follow_from(state_of(problem.a), path, [&](const system::State& s, const solve::StepResult& r) {
+    record.reports.emplace_back(s, r, path.finished(s));
+    record.states.push_back(values_of(problem.model, s.u));
+    return false;
+  });
   return record;
 }
 
 std::vector<double> factors(const Record& r) {
   std::vector<double> f;
-  for (const solve::StepReport& s : r.reports) f.push_back(s.load_factor);
+  for (const Report& s : r.reports) f.push_back(s.load_factor);
   return f;
 }
 
@@ -62,7 +63,7 @@ TEST_CASE("the path begins at the unloaded state, visits its stops exactly and e
   const std::vector<double> f = factors(r);
   for (const double stop : options.stops) CHECK(std::count(f.begin(), f.end(), stop) == 1);
   CHECK(f.back() == 1.0);
-  CHECK(r.result.load_factor == 1.0);
+  CHECK(r.result.state.load_factor == 1.0);
   CHECK(strip.model.load_factor() == 1.0);
   CHECK(r.result.newton_iterations == iterations);  // no step failed
   CHECK(r.result.factorisations == factorisations);
@@ -113,9 +114,9 @@ TEST_CASE("a failing step is halved until it converges, and the path completes")
   const double halvings = -std::log2(first);
   CHECK(halvings >= 1.0);
   CHECK(halvings == std::round(halvings));
-  CHECK(r.result.load_factor == 1.0);
+  CHECK(r.result.state.load_factor == 1.0);
   int accepted = 0;
-  for (const solve::StepReport& s : r.reports) accepted += s.newton.iterations;
+  for (const Report& s : r.reports) accepted += s.newton.iterations;
   CHECK(r.result.newton_iterations > accepted);  // failed attempts are counted
   // The same state as by many small steps.
   options.initial_step = options.max_step = 0.02;
@@ -139,10 +140,10 @@ TEST_CASE("a path that cannot go on ends with the last accepted state and says w
   CHECK_FALSE(r.result.completed);
   CHECK_FALSE(r.result.reason.empty());
   CHECK(r.result.reason.find("no equilibrium") != std::string::npos);
-  CHECK(r.result.load_factor == 0.5);  // the snap is near 0.7
+  CHECK(r.result.state.load_factor == 0.5);  // the snap is near 0.7
   REQUIRE(r.reports.size() > 1);
-  CHECK(r.result.load_factor == r.reports.back().load_factor);
-  CHECK(arch.model.load_factor() == r.result.load_factor);
+  CHECK(r.result.state.load_factor == r.reports.back().load_factor);
+  CHECK(arch.model.load_factor() == r.result.state.load_factor);
   CHECK_FALSE(r.reports.back().last);
   CHECK(r.states.back() == values_of(arch.model, arch.a));
   // It is an equilibrium at the load factor that the model is left with.
@@ -159,9 +160,9 @@ TEST_CASE("continuation takes the path across a snap") {
   const Record r = run(arch, options);
   REQUIRE(r.result.completed);
   int continued = 0;
-  for (const solve::StepReport& s : r.reports) continued += s.by_continuation ? 1 : 0;
+  for (const Report& s : r.reports) continued += s.by_continuation ? 1 : 0;
   CHECK(continued > 0);
-  CHECK(r.result.load_factor == 20.0);
+  CHECK(r.result.state.load_factor == 20.0);
   CHECK(r.states.back()[3 * 19 + 2] < -0.09);  // the crown was 0.06 above its hinges and is as far below
 }
 

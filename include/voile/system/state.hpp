@@ -1,0 +1,33 @@
+// The state of a sheet between two steps: all that a step advances.
+//
+// Symbols   u, v, a   displacement [m], velocity [m/s] and acceleration [m/s^2], unknowns of the model it belongs to
+//                     (dofs.hpp)
+//           t, lambda time [s] and load factor
+// Only a stepper (solve/stepper.hpp), or what opens a new epoch, writes it. A checkpoint is a state with its mesh
+// (io/checkpoint.hpp).
+#pragma once
+
+#include "voile/base/petsc.hpp"
+#include "voile/system/contact.hpp"
+
+namespace voile::system {
+
+struct State {
+  int step = 0;  ///< accepted steps so far
+  double time = 0.0, load_factor = 0.0;
+  double next_step = 0.0;  ///< size of the step to come: of time [s]; 0: as the options say
+  petsc::VecHandle u;
+  petsc::VecHandle v, a;       ///< none: at rest; to be found from the equations
+  petsc::VecHandle previous;   ///< u one step before, which gives a path its direction; none: it begins here
+  bool in_equilibrium = true;  ///< false: after motion, or in a shape that was given
+  ContactMemory contact = {};
+};
+
+/// The unloaded state of a model at rest. Collective.
+[[nodiscard]] inline State state_at_rest(const Dofs& dofs) {
+  State s;
+  s.u = dofs.create_vector();
+  return s;
+}
+
+}  // namespace voile::system

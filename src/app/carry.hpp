@@ -1,0 +1,40 @@
+// States between models, as a checkpoint holds them: three values per vertex, global axes, mesh order, on rank 0;
+// private to src/app.
+#pragma once
+
+#include <chrono>
+#include <filesystem>
+
+#include "voile/app/run.hpp"
+#include "voile/input/case.hpp"
+#include "voile/io/checkpoint.hpp"
+#include "voile/system/model.hpp"
+#include "voile/system/state.hpp"
+
+namespace voile::app {
+
+/// Collective.
+[[nodiscard]] io::Checkpoint gather(const system::State& state, const system::Dofs& dofs);
+/// Numbers and what contact remembers must be the same on all ranks. Collective.
+[[nodiscard]] system::State scatter(const io::Checkpoint& from, const system::Dofs& dofs);
+
+/// Writes checkpoint.h5 when it is due or asked for.
+class Checkpoints {
+ public:
+  Checkpoints(const input::Case& c, const std::filesystem::path& folder);
+
+  /// `asked`: by a signal. Collective.
+  void after_step(const system::State& s, const system::Dofs& dofs, bool asked);
+  /// Collective.
+  void write(const system::State& s, const system::Dofs& dofs);
+  [[nodiscard]] const std::filesystem::path& file() const { return file_; }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  int every_;
+  double minutes_;
+  std::filesystem::path file_;
+  Clock::time_point last_ = Clock::now();
+};
+
+}  // namespace voile::app

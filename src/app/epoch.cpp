@@ -1,0 +1,99 @@
+#include "epoch.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "carry.hpp"
+#include "voile/solve/drape.hpp"
+#include "voile/solve/path_following.hpp"
+#include "voile/solve/single_step.hpp"
+#include "voile/solve/time_integration.hpp"
+
+namespace voile::app {
+
+namespace {
+
+/// The next time after `start` at which a support lets go, or the end of the stage.
+double end_of_epoch(const input::Case& stage, double start) {
+  double end = stage.time.options.end_time;
+  if (stage.analysis != "dynamic") return end;
+  for (const system::Support& s : stage.supports)
+    if (s.release > start) end = std::min(end, s.release);
+  return end;
+}
+
+system::ModelInput holding(system::ModelInput input, const input::Case& stage, double time) {
+  if (stage.analysis == "dynamic")
+    std::erase_if(input.supports, [&](const system::Support& s) { return s.release <= time; });
+  return input;
+}
+
+/// The acceleration of a checkpoint is that of the supports which held before; where one lets go it is found anew.
+bool lets_go_at(const input::Case& stage, double time) {
+  return std::any_of(stage.supports.begin(), stage.supports.end(),
+                     [&](const system::Support& s) { return s.release == time; });
+}
+
+}  // namespace
+
+Epoch::Epoch(const input::Case& stage, const mesh::SurfaceMesh& mesh, system::ModelInput input,
+             const io::Checkpoint& start)
+    : stage_(stage),
+      end_(end_of_epoch(stage, start.time)),
+      supports_(static_cast<std::size_t>(std::count_if(
+          input.supports.begin(), input.supports.end(),
+          [&](const system::Support& s) { return stage.analysis != "dynamic" || s.release > start.time; }))),
+      model_(PETSC_COMM_WORLD, mesh, holding(std::move(input), stage, start.time)),
+      state_(scatter(start, model_.dofs())) {
+  if (stage.analysis == "dynamic" || stage.analysis == "modal") system::require_mass(model_);
+  if (lets_go_at(stage, start.time)) state_.a.reset();
+}
+
+bool Epoch::ends_at(double time) const {
+  return stage_.analysis == "dynamic" && time >= end_ && end_ < stage_.time.options.end_time;
+}
+
+solve::Stepper& Epoch::make_stepper(const Recorder& recorder, Origin origin) {
+  const bool in_time = stage_.analysis == "dynamic";
+  if (model_.contact()) model_.contact()->restore(in_time ? state_.contact : system::ContactMemory{});
+  in_time ? make_motion(origin) : make_path(recorder, origin);
+  return *stepper_;
+}
+
+void Epoch::make_motion(Origin origin) {
+  solve::TimeOptions options = stage_.time.options;
+  options.until = end_;
+  options.goes_on = origin == Origin::epoch;
+  dynamics_.emplace(model_, stage_.dynamics);
+  stepper_ = std::make_unique<solve::TimeIntegration>(*dynamics_, options);
+  if (!model_.contact() || origin == Origin::epoch || origin == Origin::restart) return;
+  dynamics_->set_time(state_.time);
+  system::settle_contact(model_, state_.u, state_.time);
+}
+
+void Epoch::make_path(const Recorder& recorder, Origin origin) {
+  state_.v.reset();
+  state_.a.reset();
+  using Control = solve::StaticOptions::Control;
+  const solve::StaticOptions& steps = stage_.steps;
+  const bool is_given = origin != Origin::nothing;
+  const bool modes = stage_.analysis == "modal" || stage_.analysis == "buckling";
+  if (stage_.analysis == "linear") {
+    stepper_ = std::make_unique<solve::LinearStep>(model_, steps.final_load_factor);
+  } else if (stage_.analysis == "drape") {
+    stepper_ = std::make_unique<solve::Drape>(model_, stage_.drape);
+  } else if (modes && (is_given || stage_.eigen.load_factor == 0.0)) {
+    const bool constant =
+        std::any_of(stage_.loads.begin(), stage_.loads.end(), [](const system::Load& l) { return l.constant; });
+    stepper_ = std::make_unique<solve::Equilibrium>(model_, constant && !is_given);
+  } else if (steps.control == Control::load) {
+    stepper_ = std::make_unique<solve::LoadPath>(model_, steps);
+  } else {
+    const petsc::VecHandle probe =
+        steps.control_probe.empty() ? petsc::VecHandle{} : recorder.functional(steps.control_probe);
+    stepper_ = std::make_unique<solve::PathFollower>(model_, steps, probe);
+  }
+}
+
+}  // namespace voile::app

@@ -1,0 +1,49 @@
+// An epoch of a run: one model, constant from the state it begins with to where supports let go or the stage ends;
+// private to src/app.
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "recorder.hpp"
+#include "voile/input/case.hpp"
+#include "voile/io/checkpoint.hpp"
+#include "voile/solve/stepper.hpp"
+#include "voile/system/dynamics.hpp"
+#include "voile/system/state.hpp"
+
+namespace voile::app {
+
+/// What an epoch goes on from.
+enum class Origin { nothing, restart, stage, epoch };
+
+class Epoch {
+ public:
+  /// `input` holds all that the stage names; supports which have let go before the start are left out. Mesh and case
+  /// must outlive it. Collective. Throws UserError.
+  Epoch(const input::Case& stage, const mesh::SurfaceMesh& mesh, system::ModelInput input, const io::Checkpoint& start);
+
+  [[nodiscard]] system::Model& model() { return model_; }
+  [[nodiscard]] system::State& state() { return state_; }
+  /// Mass and damping of the motion; null outside one.
+  [[nodiscard]] const system::Dynamics* dynamics() const { return dynamics_ ? &*dynamics_ : nullptr; }
+  /// The stepper that the stage's analysis asks for. Collective.
+  solve::Stepper& make_stepper(const Recorder& recorder, Origin origin);
+  /// Whether another epoch of the stage begins at this time.
+  [[nodiscard]] bool ends_at(double time) const;
+  [[nodiscard]] std::size_t support_count() const { return supports_; }
+
+ private:
+  void make_motion(Origin origin);
+  void make_path(const Recorder& recorder, Origin origin);
+
+  const input::Case& stage_;
+  double end_;            ///< time at which supports let go, or the stage ends [s]
+  std::size_t supports_;  ///< that hold
+  system::Model model_;
+  system::State state_;
+  std::optional<system::Dynamics> dynamics_;
+  std::unique_ptr<solve::Stepper> stepper_;
+};
+
+}  // namespace voile::app

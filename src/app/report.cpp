@@ -1,0 +1,125 @@
+#include "report.hpp"
+
+#include <fmt/format.h>
+#include <sys/resource.h>
+
+#include <nlohmann/json.hpp>
+
+#include <fstream>
+
+#include "free_motions.hpp"
+#include "mesh_report.hpp"
+#include "voile/base/error.hpp"
+#include "voile/base/mpi.hpp"
+
+namespace voile::app {
+
+using Json = nlohmann::ordered_json;
+
+namespace {
+
+double process_cpu_seconds() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  const auto seconds = [](const timeval& t) {
+    return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
+  };
+  return seconds(usage.ru_utime) + seconds(usage.ru_stime);
+}
+
+Json json_of(const Summary& s) {
+  Json critical = Json::array();
+  for (const solve::CriticalPoint& p : s.critical)
+    critical.push_back({{"kind", solve::name(p.kind)}, {"step", p.step}, {"load_factor", p.load_factor}});
+  return {{"converged", s.converged},
+          {"load_factor", s.load_factor},
+          {"steps", s.steps},
+          {"newton_iterations", s.newton_iterations},
+          {"factorisations", s.factorisations},
+          {"critical_points", critical},
+          {"eigenvalues", s.eigen},
+          {"time", s.time},
+          {"negative_pivots", s.negative_pivots},
+          {"residual", s.residual},
+          {"unknowns", s.unknowns},
+          {"vertices", s.vertices},
+          {"triangles", s.triangles},
+          {"ranks", mpi::size(PETSC_COMM_WORLD)},
+          {"cpu_seconds", s.cpu_seconds},
+          {"wall_seconds", s.wall_seconds}};
+}
+
+void write(const std::filesystem::path& file, const Json& summary) {
+  std::ofstream out(file);
+  out << summary.dump(2) << '\n' << std::flush;
+  if (!out) throw UserError(fmt::format("{}: cannot be written", file.string()));
+}
+
+void print_header(const input::Case& c, const system::Model& model) {
+  fmt::print("{}: {}\n", c.file.filename().string(), c.title);
+  fmt::print("{} vertices, {} triangles, {} unknowns on {} rank(s)\n", model.mesh().vertex_count(),
+             model.mesh().triangle_count(), model.dofs().unknowns(), mpi::size(model.comm()));
+  if (model.mesh().reoriented_count() > 0)
+    fmt::print("{} triangles were turned round to orient the surface\n", model.mesh().reoriented_count());
+}
+
+/// What the mesh lets expect; with --quiet only if it is bad. Collective.
+void report_mesh(const input::Case& c, const RunOptions& options, const system::Model& model) {
+  const mesh::SurfaceMesh& mesh = model.mesh();
+  const MeshQuality quality = measure_quality(PETSC_COMM_WORLD, mesh, c.element);
+  mpi::on_root(PETSC_COMM_WORLD, [&] {
+    if (options.verbosity != Verbosity::quiet) {
+      fmt::print("{}", quality_text(mesh, quality, c.element));
+      for (const std::string& text : mesh_notes(mesh)) fmt::print("note: {}\n", text);
+      for (const std::string& text : sheet_notes(model.sheet())) fmt::print("note: {}\n", text);
+    }
+    for (const std::string& text : quality_warnings(mesh, quality, c.element)) fmt::print("warning: {}\n", text);
+  });
+}
+
+}  // namespace
+
+double cpu_seconds() {
+  return mpi::sum(PETSC_COMM_WORLD, process_cpu_seconds());
+}
+
+void report_model(const input::Case& c, const RunOptions& options, const system::Model& model, bool first) {
+  const bool talks = mpi::rank(PETSC_COMM_WORLD) == 0 && options.verbosity != Verbosity::quiet;
+  if (talks && first) print_header(c, model);
+  if (first) report_mesh(c, options, model);
+  for (const std::string& text : check_free_motions(c, model))
+    if (talks && c.analysis != "dynamic") fmt::print("note: {}\n", text);
+}
+
+void report_end(const input::Case& c, const RunOptions& options, const Summary& s) {
+  const std::string folder = options.output.string();
+  mpi::on_root(PETSC_COMM_WORLD, [&] {
+    write(options.output / "summary.json", json_of(s));
+    if (options.verbosity != Verbosity::quiet)
+      fmt::print("{} steps, {} Newton iterations, {} factorisations, {:.1f} CPU s, {:.1f} s; results in {}\n", s.steps,
+                 s.newton_iterations, s.factorisations, s.cpu_seconds, s.wall_seconds, folder);
+    if (!s.converged)
+      fmt::print(stderr, "voile: {}not converged: {}; everything up to {} is in {}\n",
+                 c.stage.empty() ? "" : fmt::format("stage '{}': ", c.stage), s.reason,
+                 c.analysis == "dynamic" ? fmt::format("t = {:.6g} s", s.time)
+                                         : fmt::format("load factor {:.6g}", s.load_factor),
+                 folder);
+  });
+}
+
+void report_stages(const std::filesystem::path& folder, const std::vector<std::pair<std::string, Summary>>& stages,
+                   std::size_t of) {
+  mpi::on_root(PETSC_COMM_WORLD, [&] {
+    Json all = Json::array();
+    bool converged = stages.size() == of;
+    for (const auto& [name, s] : stages) {
+      Json one{{"name", name}};
+      one.update(json_of(s));
+      all.push_back(one);
+      converged = converged && s.converged;
+    }
+    write(folder / "summary.json", {{"converged", converged}, {"stages", all}});
+  });
+}
+
+}  // namespace voile::app

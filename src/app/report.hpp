@@ -1,0 +1,30 @@
+// What a run says of its model before and of its work after; private to src/app.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "summary.hpp"
+#include "voile/app/run.hpp"
+#include "voile/input/case.hpp"
+#include "voile/system/model.hpp"
+
+namespace voile::app {
+
+/// Of the process since it began, summed over the ranks [s]. Collective.
+[[nodiscard]] double cpu_seconds();
+
+/// Sizes, what the mesh lets expect, and what nothing holds; `first`: nothing has been said of the mesh. Collective.
+/// Throws UserError where no equilibrium can be unique.
+void report_model(const input::Case& c, const RunOptions& options, const system::Model& model, bool first);
+
+/// The last words and summary.json. Collective.
+void report_end(const input::Case& c, const RunOptions& options, const Summary& s);
+
+/// summary.json over stages by name; `of`: how many were to be run. Collective.
+void report_stages(const std::filesystem::path& folder, const std::vector<std::pair<std::string, Summary>>& stages,
+                   std::size_t of);
+
+}  // namespace voile::app

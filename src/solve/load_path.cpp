@@ -1,0 +1,202 @@
+#include "voile/solve/load_path.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "voile/base/error.hpp"
+#include "voile/base/interrupt.hpp"
+#include "voile/solve/stall.hpp"
+
+namespace voile::solve {
+
+namespace {
+
+/// Halvings in a row before continuation is tried.
+constexpr int halvings_before_continuation = 1;
+
+}  // namespace
+
+namespace {
+
+/// The options as PETSc types.
+struct PathOptions {
+  PetscInt control, critical;
+  PetscReal initial, least, most;
+  PetscInt steps, target;
+};
+
+/// PETSc's macros return an error code from the function they stand in.
+PetscErrorCode ask(MPI_Comm comm, PathOptions& o) {
+  static constexpr const char* controls[] = {"load", "displacement", "arc_length"};
+  static constexpr const char* answers[] = {"pass", "stop", "switch_branch"};
+  PetscOptionsBegin(comm, "path_", "Load path", nullptr);
+  // Lists, not enumerations: PetscEnum has no values of its own, and loading another one is undefined.
+  PetscCall(PetscOptionsEList("-control", "What a step prescribes", nullptr, controls, 3, controls[o.control],
+                              &o.control, nullptr));
+  PetscCall(PetscOptionsReal("-initial_step", "First step", nullptr, o.initial, &o.initial, nullptr));
+  PetscCall(PetscOptionsReal("-min_step", "Smallest step", nullptr, o.least, &o.least, nullptr));
+  PetscCall(PetscOptionsReal("-max_step", "Largest step", nullptr, o.most, &o.most, nullptr));
+  PetscCall(PetscOptionsInt("-max_steps", "Largest number of steps", nullptr, o.steps, &o.steps, nullptr));
+  PetscCall(PetscOptionsInt("-target_iterations", "Iterations at which a step keeps its size", nullptr, o.target,
+                            &o.target, nullptr));
+  PetscCall(PetscOptionsEList("-at_critical_point", "At a limit or bifurcation point", nullptr, answers, 3,
+                              answers[o.critical], &o.critical, nullptr));
+  PetscOptionsEnd();
+  return 0;
+}
+
+}  // namespace
+
+void read_path_options(MPI_Comm comm, StaticOptions& options) {
+  PathOptions o{static_cast<PetscInt>(options.control),
+                static_cast<PetscInt>(options.at_critical_point),
+                options.initial_step,
+                options.min_step,
+                options.max_step,
+                options.max_steps,
+                options.target_iterations};
+  VOILE_PETSC(ask(comm, o));
+  if (!(o.least > 0.0 && o.initial >= o.least && o.most >= o.initial && o.steps > 0 && o.target > 0))
+    throw UserError(
+        "options -path_...: 0 < -path_min_step <= -path_initial_step <= -path_max_step, and positive -path_max_steps "
+        "and -path_target_iterations are needed");
+  options.control = static_cast<StaticOptions::Control>(o.control);
+  options.at_critical_point = static_cast<StaticOptions::AtCriticalPoint>(o.critical);
+  options.initial_step = o.initial;
+  options.min_step = o.least;
+  options.max_step = o.most;
+  options.max_steps = static_cast<int>(o.steps);
+  options.target_iterations = static_cast<int>(o.target);
+  if (options.control == StaticOptions::Control::displacement &&
+      (options.control_probe.empty() || options.final_displacement == 0.0))
+    throw UserError("-path_control displacement: the case must give [steps] control_probe and final_displacement");
+}
+
+StepResult find_equilibrium(system::Model& model, system::State& state) {
+  StepResult r;
+  model.set_load_factor(state.load_factor);
+  if (state.in_equilibrium) return r;
+  Newton newton(model);
+  const NewtonResult n = newton.continuation(state.u);
+  r.newton_iterations = n.iterations;
+  r.factorisations = n.factorisations;
+  state.in_equilibrium = n.converged;
+  if (n.converged) return r;
+  r.outcome = Outcome::failed;
+  r.reason = "no equilibrium found near the start: " + n.reason;
+  return r;
+}
+
+double LoadPath::next_target(double from, double step) const {
+  const double direction = options_.final_load_factor >= from ? 1.0 : -1.0;
+  const double slack = 1e-9 * std::max(1.0, std::abs(options_.final_load_factor));
+  // A remainder of less than a tenth of a step is taken along; the nearest stop within reach wins.
+  double nearest = 1.1 * step, target = from + direction * step;
+  const auto limit = [&](double stop, double least) {
+    const double distance = direction * (stop - from);
+    if (distance <= least || distance >= nearest) return;
+    nearest = distance;
+    target = stop;
+  };
+  limit(options_.final_load_factor, 0.0);
+  for (const double stop : options_.stops) limit(stop, slack);
+  return target;
+}
+
+bool LoadPath::finished(const system::State& state) const {
+  return std::abs(options_.final_load_factor - state.load_factor) <=
+         1e-12 * std::max(1.0, std::abs(options_.final_load_factor));
+}
+
+StepResult LoadPath::begin(system::State& state) {
+  StepResult r = find_equilibrium(model_, state);
+  newton_.emplace(model_);
+  accepted_ = model_.dofs().create_vector();
+  VOILE_PETSC(VecCopy(state.u, accepted_));
+  step_ = options_.initial_step;
+  steps_ = halvings_ = 0;
+  return r;
+}
+
+/// From the accepted state to equilibrium at the model's load factor, friction included.
+NewtonResult LoadPath::settle(Vec a, bool by_continuation) {
+  const auto solve = [&] { return by_continuation ? newton_->continuation(a) : newton_->step(a); };
+  VOILE_PETSC(VecCopy(accepted_, a));
+  newton_->start_friction(accepted_);
+  return newton_->settle_friction(a, solve(), solve);
+}
+
+StepResult LoadPath::advance(system::State& state) {
+  StepResult r;
+  r.outcome = Outcome::failed;
+  if (steps_ >= options_.max_steps) {
+    r.reason = fmt::format("max_steps = {} steps did not reach the end of the path", options_.max_steps);
+    return r;
+  }
+  try {
+    return attempt(state);
+  } catch (const Interrupted& e) {
+    VOILE_PETSC(VecCopy(accepted_, state.u));
+    model_.set_load_factor(state.load_factor);
+    r.interrupted = true;
+    r.reason = e.what();
+    return r;
+  }
+}
+
+/// One step, tried as Newton's method and, after a halving, by continuation.
+StepResult LoadPath::attempt(system::State& state) {
+  StepResult r;
+  const double target = next_target(state.load_factor, step_), taken = std::abs(target - state.load_factor);
+  const auto tally = [&] {
+    r.newton_iterations += r.newton.iterations;
+    r.factorisations += r.newton.factorisations;
+  };
+  model_.set_load_factor(target);
+  r.newton = settle(state.u, false);
+  tally();
+  if (!r.newton.converged && options_.fallback && halvings_ == halvings_before_continuation) {
+    remark(fmt::format("load factor {:.6g}: {} after {} iterations; trying pseudo-transient continuation", target,
+                       r.newton.reason, r.newton.iterations));
+    r.newton = settle(state.u, true);
+    tally();
+    r.by_continuation = true;
+  }
+  if (!r.newton.converged) {
+    halve(state, r, target, taken);
+    return r;
+  }
+  VOILE_PETSC(VecCopy(state.u, accepted_));
+  state.load_factor = target;
+  state.v.reset();
+  state.a.reset();
+  ++state.step;
+  ++steps_;
+  r.taken = taken;
+  // A step cut short by a stop says nothing against the step size in force; one after a failure does not grow,
+  // unless continuation took it, which does not mind long steps.
+  const bool easy = r.by_continuation || (r.newton.iterations <= options_.target_iterations && halvings_ == 0);
+  if (easy && taken > 0.9 * step_) step_ = std::min(options_.max_step, 2.0 * step_);
+  halvings_ = 0;
+  return r;
+}
+
+/// After a step that failed.
+void LoadPath::halve(system::State& state, StepResult& r, double target, double taken) {
+  const std::string place = 0.5 * taken < options_.min_step ? "; " + largest_residuals_at(model_, state.u) : "";
+  VOILE_PETSC(VecCopy(accepted_, state.u));
+  model_.set_load_factor(state.load_factor);
+  ++halvings_;
+  step_ = 0.5 * taken;
+  remark(fmt::format("load factor {:.6g}: {} after {} iterations; step halved to {:.3g}", target, r.newton.reason,
+                     r.newton.iterations, step_));
+  r.outcome = step_ >= options_.min_step ? Outcome::not_yet : Outcome::failed;
+  if (r.outcome == Outcome::failed)
+    r.reason = fmt::format(
+        "no equilibrium found beyond load factor {:.6g} with steps of {:.3g} or more; the last attempt ended with {}{}",
+        state.load_factor, options_.min_step, r.newton.reason, place);
+}
+
+}  // namespace voile::solve

@@ -1,0 +1,44 @@
+#include "voile/solve/stepper.hpp"
+
+namespace voile::solve {
+
+const char* name(CriticalPoint::Kind kind) {
+  switch (kind) {
+    case CriticalPoint::Kind::limit:
+      return "limit point";
+    case CriticalPoint::Kind::bifurcation:
+      return "bifurcation point";
+    case CriticalPoint::Kind::both:
+      break;
+  }
+  return "limit and bifurcation point";
+}
+
+void Followed::add(const StepResult& r) {
+  newton_iterations += r.newton_iterations;
+  factorisations += r.factorisations;
+  rejections += r.rejections;
+  if (r.outcome == Outcome::failed) {
+    reason = r.reason;
+    interrupted = r.interrupted;
+  }
+  if (r.outcome != Outcome::accepted || r.taken == 0.0) return;
+  ++steps;
+  newton = r.newton;
+  if (r.critical) critical.push_back(*r.critical);
+}
+
+Followed follow(Stepper& stepper, system::State& state,
+                const std::function<bool(const system::State&, const StepResult&)>& look) {
+  Followed all;
+  for (StepResult r = stepper.begin(state);; r = stepper.advance(state)) {
+    all.add(r);
+    if (r.outcome == Outcome::failed) return all;
+    if (r.outcome == Outcome::accepted && look && look(state, r)) return all;
+    if (!stepper.finished(state)) continue;
+    all.completed = true;
+    return all;
+  }
+}
+
+}  // namespace voile::solve

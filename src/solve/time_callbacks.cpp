@@ -1,0 +1,241 @@
+// What PETSc calls back during a step: function, Jacobian, line search, convergence, the size of the next step.
+#include <fmt/format.h>
+#include <petsc/private/tsimpl.h>
+
+#include <utility>
+
+#include "contact_way.hpp"
+#include "time_integration_impl.hpp"
+#include "voile/base/interrupt.hpp"
+#include "voile/solve/alpha_ts.hpp"
+
+namespace voile::solve {
+
+namespace {
+
+constexpr double sufficient_decrease = 1e-4, shortest_length = 1e-6;
+/// Share of the first step below which an obstacle may give way to what it pinches.
+constexpr double pinched_step = 0.1;
+/// Relative size at which a change of the energy is lost in its round-off.
+constexpr double energy_round_off = 1e-12;
+/// After an indefinite tangent so many positive ones are taken before the exact one is tried again. A sheet in contact
+/// is full of wrinkles about to form, and the positive tangent is as good there.
+constexpr int positive_tangents = 4, positive_tangents_in_contact = 40;
+
+}  // namespace
+
+PetscErrorCode TimeIntegration::Impl::function(TS, PetscReal t, Vec u, Vec v, Vec a, Vec f, void* self) {
+  auto& n = *static_cast<Impl*>(self);
+  return petsc::guarded([&] {
+    n.dynamics.set_time(t);
+    n.dynamics.residual(u, v, a, f);
+  });
+}
+
+PetscErrorCode TimeIntegration::Impl::jacobian(TS, PetscReal t, Vec u, Vec, Vec, PetscReal s_v, PetscReal s_a, Mat, Mat,
+                                               void* self) {
+  auto& n = *static_cast<Impl*>(self);
+  return petsc::guarded([&] {
+    n.dynamics.set_time(t);
+    const auto assemble = [&](energy::Tangent kind) {
+      n.dynamics.assemble_tangent(u, kind, s_v, s_a);
+      n.linear.tangent_changed();
+      return n.linear.factorise();
+    };
+    if (n.positive_left > 0) {
+      --n.positive_left;
+      (void)assemble(energy::Tangent::positive);
+    } else if (!assemble(energy::Tangent::exact) || n.linear.negative_pivots() > 0) {
+      n.positive_left = n.model.contact() ? positive_tangents_in_contact : positive_tangents;
+      (void)assemble(energy::Tangent::positive);
+    }
+  });
+}
+
+PetscErrorCode TimeIntegration::Impl::start_step(void* self, Vec x, Vec v, PetscReal step) {
+  auto& n = *static_cast<Impl*>(self);
+  return petsc::guarded([&] {
+    double t = 0.0;
+    VOILE_PETSC(TSGetTime(n.ts, &t));
+    n.dynamics.set_time(t);
+    n.dynamics.start_step(x, v, step);
+    VOILE_PETSC(VecCopy(x, n.start));
+    n.model.count_energy_from(x);  // so that a restart chooses its first guess by the same figures
+    if (!n.model.contact()) n.positive_left = 0;
+    n.cuts = 0;
+    n.shortest = 1.0;
+  });
+}
+
+PetscErrorCode TimeIntegration::Impl::enforce(void* self, PetscReal t, Vec stage) {
+  auto& n = *static_cast<Impl*>(self);
+  return petsc::guarded([&] {
+    n.dynamics.set_time(t);
+    n.model.enforce_supports(stage);
+  });
+}
+
+PetscErrorCode TimeIntegration::Impl::accelerate(void* self, PetscReal t, Vec x, Vec v, Vec a) {
+  auto& n = *static_cast<Impl*>(self);
+  return petsc::guarded([&] {
+    double h = 0.0;
+    VOILE_PETSC(TSGetTimeStep(n.ts, &h));
+    n.dynamics.set_time(t);
+    VOILE_PETSC(VecZeroEntries(a));
+    n.dynamics.residual(x, v, a, n.trial);
+    n.dynamics.start_step(x, v, h);  // drag and viscosity of the next half step
+    n.model.dofs().clear_fixed(n.trial);
+    VOILE_PETSC(VecPointwiseDivide(a, n.trial, n.model.mass()));
+    VOILE_PETSC(VecScale(a, -1.0));
+  });
+}
+
+bool TimeIntegration::Impl::clear_way(double t0, Vec x0, double t1, Vec x1) {
+  system::Contact& contact = *model.contact();
+  bool clear = contact.make_way(x0, t0, x1, t1);
+  if (!clear) {  // a guess that flies on may be worse than none
+    dynamics.set_time(t1);
+    VOILE_PETSC(VecCopy(x0, x1));
+    model.enforce_supports(x1);
+    // Only what is still blocked in small steps is pinched.
+    const bool may_yield = t1 - t0 <= std::max(pinched_step * options.step, 2.0 * options.min_step);
+    const long before = contact.yielding_count();
+    clear = contact.make_way(x0, t0, x1, t1, may_yield);
+    if (clear && contact.yielding_count() > before && before == 0 && remark)
+      remark(fmt::format("t = {:.6g} s: an obstacle gives way to {} vertices; {} was pinched", t0,
+                         contact.yielding_count(), contact.obstruction()));
+  }
+  if (!clear) obstruction = contact.obstruction();
+  dynamics.set_time(t1);
+  return clear;
+}
+
+PetscErrorCode TimeIntegration::Impl::clear(void* self, PetscReal t0, Vec x0, PetscReal t1, Vec x1,
+                                            PetscBool* possible) {
+  auto& n = *static_cast<Impl*>(self);
+  return petsc::guarded([&] { *possible = n.clear_way(t0, x0, t1, x1) ? PETSC_TRUE : PETSC_FALSE; });
+}
+
+PetscErrorCode TimeIntegration::Impl::energy(void* self, Vec x1, PetscReal* value) {
+  auto& n = *static_cast<Impl*>(self);
+  return petsc::guarded([&] { *value = n.objective(x1); });
+}
+
+double TimeIntegration::Impl::objective(Vec x) {
+  const AlphaStage s = alpha_stage(ts, x);
+  return dynamics.energy(s.x, s.v, s.a, s.s_v, s.s_a) / (s.a_f * s.a_f);
+}
+
+/// Backtracking on the incremental potential; full steps where there is none (follower loads).
+void TimeIntegration::Impl::search(SNESLineSearch ls) {
+  SNES snes = nullptr;
+  Vec x = nullptr, f = nullptr, y = nullptr;
+  VOILE_PETSC(SNESLineSearchGetSNES(ls, &snes));
+  VOILE_PETSC(SNESLineSearchGetVecs(ls, &x, &f, &y, nullptr, nullptr));
+  double slope = 0.0, norm = 0.0;
+  VOILE_PETSC(VecDot(f, y, &slope));
+  VOILE_PETSC(VecNorm(f, NORM_2, &norm));
+  work = slope;
+  length = longest_share(model, x, y, trial);
+  cut = length < 1.0;
+  cuts += cut ? 1 : 0;
+  if (model.symmetric()) {
+    model.count_energy_from(alpha_stage(ts, x).x);
+    const double before = objective(x);
+    for (;; length *= 0.5) {
+      VOILE_PETSC(VecWAXPY(trial, -length, y, x));
+      const double after = objective(trial);
+      if (std::isfinite(after) && after <= before - sufficient_decrease * length * slope) break;
+      if (std::isfinite(after) && std::abs(after - before) <= energy_round_off * std::abs(before)) {
+        // Too small a change to be seen in the energy: the forces decide.
+        VOILE_PETSC(SNESComputeFunction(snes, trial, f));
+        double reduced = 0.0;
+        VOILE_PETSC(VecNorm(f, NORM_2, &reduced));
+        if (reduced <= norm) break;
+      }
+      if (length < shortest_length) {
+        VOILE_PETSC(SNESLineSearchSetReason(ls, SNES_LINESEARCH_FAILED_REDUCT));
+        return;
+      }
+    }
+  }
+  shortest = std::min(shortest, length);
+  VOILE_PETSC(VecAXPY(x, -length, y));
+  VOILE_PETSC(VecPointwiseMult(product, model.mass(), y));
+  double square = 0.0, mass = 0.0;
+  VOILE_PETSC(VecDot(product, y, &square));
+  VOILE_PETSC(VecSum(model.mass(), &mass));
+  rms = length * std::sqrt(3.0 * square / mass);
+  VOILE_PETSC(SNESComputeFunction(snes, x, f));
+  VOILE_PETSC(SNESLineSearchSetLambda(ls, length));
+  VOILE_PETSC(SNESLineSearchComputeNorms(ls));
+}
+
+PetscErrorCode TimeIntegration::Impl::line_search(SNESLineSearch ls, void* self) {
+  auto& n = *static_cast<Impl*>(self);
+  return petsc::guarded([&] { n.search(ls); });
+}
+
+SNESConvergedReason TimeIntegration::Impl::judge(SNES snes, PetscInt it, double increment, double norm) {
+  stop_if_asked(model.comm());
+  if (!std::isfinite(norm)) return SNES_DIVERGED_FNORM_NAN;
+  const double force = dynamics.force_scale(), before = std::exchange(residual_before, norm);
+  residual = force > 0.0 ? norm / force : norm;
+  if (it == 0) return test.nothing_to_do(norm, force) ? SNES_CONVERGED_FNORM_ABS : SNES_CONVERGED_ITERATING;
+  Vec x = nullptr;
+  double step = 0.0, h = 0.0;
+  VOILE_PETSC(SNESGetSolution(snes, &x));
+  VOILE_PETSC(VecWAXPY(trial, -1.0, start, x));
+  VOILE_PETSC(VecNorm(trial, NORM_2, &step));
+  VOILE_PETSC(TSGetTimeStep(ts, &h));
+  if (test.is_wild(increment)) return SNES_DIVERGED_DTOL;
+  // A truncated increment says nothing about how far the solution is.
+  if (cut) return it >= test.max_iterations() ? SNES_DIVERGED_MAX_IT : SNES_CONVERGED_ITERATING;
+  if (length == 1.0 && rms <= options.velocity_tolerance * h) return SNES_CONVERGED_SNORM_RELATIVE;
+  const SNESConvergedReason reason = test.judge({norm, before, force, increment, step, work});
+  if (reason != SNES_CONVERGED_ITERATING) return reason;
+  return it >= test.max_iterations() ? SNES_DIVERGED_MAX_IT : SNES_CONVERGED_ITERATING;
+}
+
+PetscErrorCode TimeIntegration::Impl::converged(SNES snes, PetscInt it, PetscReal, PetscReal snorm, PetscReal fnorm,
+                                                SNESConvergedReason* reason, void* self) {
+  auto& n = *static_cast<Impl*>(self);
+  return petsc::guarded([&] { *reason = n.judge(snes, it, it > 0 ? snorm : -1.0, fnorm); });
+}
+
+// ---- step size -----------------------------------------------------------------------------------------------------
+
+double TimeIntegration::Impl::next_step(double h, PetscBool* accept, PetscReal* error) {
+  *accept = PETSC_TRUE;
+  *error = -1.0;
+  double factor = 2.0;
+  if (!explicit_method) {
+    SNES snes = nullptr;
+    PetscInt iterations = 0;
+    VOILE_PETSC(TSGetSNES(ts, &snes));
+    VOILE_PETSC(SNESGetIterationNumber(snes, &iterations));
+    factor = std::clamp(static_cast<double>(options.target_iterations) / std::max<PetscInt>(1, iterations), 0.5, 1.5);
+    if (options.step_error > 0.0) {
+      VOILE_PETSC(TSEvaluateWLTE(ts, NORM_INFINITY, nullptr, error));
+      factor = std::min(factor, 0.9 / std::cbrt(std::max(*error, 1e-3)));
+      if (*error > 1.0 && h > options.min_step) *accept = PETSC_FALSE;
+    }
+  }
+  PetscInt rejections = 0;
+  VOILE_PETSC(TSGetStepRejections(ts, &rejections));
+  // A step that was only cut to meet the end says nothing against the size that was wanted.
+  const bool only_cut = *accept && h < 0.999 * wanted && rejections == spent_rejections;
+  const double next = std::clamp(factor * h, options.min_step, options.max_step);
+  return wanted = only_cut ? std::max(next, wanted) : next;
+}
+
+PetscErrorCode TimeIntegration::Impl::choose(TSAdapt adapt, TS, PetscReal h, PetscInt* scheme, PetscReal* next,
+                                             PetscBool* accept, PetscReal* error, PetscReal* absolute,
+                                             PetscReal* relative) {
+  auto& n = *static_cast<Impl*>(adapt->data);
+  *scheme = 0;
+  *absolute = *relative = -1.0;
+  return petsc::guarded([&] { *next = n.next_step(h, accept, error); });
+}
+
+}  // namespace voile::solve

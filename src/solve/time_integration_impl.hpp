@@ -1,0 +1,80 @@
+// The inner parts of TimeIntegration; private to src/solve.
+#pragma once
+
+#include <petscts.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "voile/solve/time_integration.hpp"
+
+namespace voile::solve {
+
+using TsHandle = petsc::Handle<TS, TSDestroy>;
+
+struct TimeIntegration::Impl {
+  system::Dynamics& dynamics;
+  system::Model& model;
+  TimeOptions options;
+  const Remark& remark;
+  TsHandle ts;
+  LinearSolver linear;
+  ConvergenceTest test;
+  petsc::VecHandle trial, start, product;
+  double residual_before = 0.0, work = 0.0, rms = -1.0, length = 1.0, residual = 0.0;
+  bool cut = false;  ///< contact did not let the last iteration go the whole way
+  int cuts = 0;      ///< iterations of this step for which that holds
+  double shortest = 1.0;
+  std::string obstruction;
+  double last_taken = 0.0;  ///< size of the last accepted step [s]
+  double wanted = 0.0;      ///< size of the next step, which PETSc may cut to meet the end [s]
+  int positive_left = 0, spent_factorisations = 0, spent_rejections = 0;
+  bool explicit_method = false;
+
+  Impl(system::Dynamics& d, TimeOptions o, const Remark& r)
+      : dynamics(d), model(d.model()), options(o), remark(r), linear(model), test(model) {
+    for (petsc::VecHandle* v : {&trial, &start, &product}) *v = model.dofs().create_vector();
+    if (options.max_step == 0.0) options.max_step = options.step;
+    if (options.min_step == 0.0) options.min_step = 1e-3 * options.step;
+  }
+
+  void create(const system::State& from);
+  void choose_method(const system::State& from);
+  void create_snes();
+  void set_explicit_step(Vec u);
+  [[nodiscard]] double objective(Vec x);
+  [[nodiscard]] bool clear_way(double t0, Vec x0, double t1, Vec x1);
+  void search(SNESLineSearch line_search);
+  /// Where the last solve left the largest residuals, in words. Collective.
+  [[nodiscard]] std::string place_of_failure();
+  [[nodiscard]] SNESConvergedReason judge(SNES snes, PetscInt it, double increment, double norm);
+  [[nodiscard]] double next_step(double h, PetscBool* accept, PetscReal* error);
+  [[nodiscard]] double until() const { return std::min(options.end_time, options.until); }
+  void accept(system::State& state, StepResult& r);
+  void fail(system::State& state, StepResult& r, TSConvergedReason reason);
+  void note_effort(StepResult& r);
+  void prepare_first_step(const system::State& state);
+  void view_at_end(const system::State& state);
+  [[nodiscard]] bool ended() const;
+  /// The sum of many steps may miss the end by its round-off.
+  [[nodiscard]] bool is_end(double time) const {
+    return std::abs(time - until()) <= 1e-12 * std::max(1.0, std::abs(until()));
+  }
+
+  static PetscErrorCode function(TS, PetscReal t, Vec u, Vec v, Vec a, Vec f, void* self);
+  static PetscErrorCode jacobian(TS, PetscReal t, Vec u, Vec v, Vec a, PetscReal s_v, PetscReal s_a, Mat, Mat,
+                                 void* self);
+  static PetscErrorCode start_step(void* self, Vec x, Vec v, PetscReal step);
+  static PetscErrorCode enforce(void* self, PetscReal t, Vec stage);
+  static PetscErrorCode clear(void* self, PetscReal t0, Vec x0, PetscReal t1, Vec x1, PetscBool* possible);
+  static PetscErrorCode energy(void* self, Vec x1, PetscReal* value);
+  static PetscErrorCode accelerate(void* self, PetscReal t, Vec x, Vec v, Vec a);
+  static PetscErrorCode line_search(SNESLineSearch ls, void* self);
+  static PetscErrorCode converged(SNES, PetscInt it, PetscReal, PetscReal snorm, PetscReal fnorm,
+                                  SNESConvergedReason* reason, void* self);
+  static PetscErrorCode choose(TSAdapt adapt, TS ts, PetscReal h, PetscInt* scheme, PetscReal* next, PetscBool* accept,
+                               PetscReal* error, PetscReal* absolute, PetscReal* relative);
+};
+
+}  // namespace voile::solve
