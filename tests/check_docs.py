@@ -182,7 +182,17 @@ def unknown_keys(block, keys):
         elif name not in keys:
             yield f"unknown section '{name}'"
         else:
-            yield from (f"unknown key '{name}.{key}'" for table in tables for key in table if key not in keys[name])
+            yield from (problem for table in tables for problem in unknown_in_section(name, table, keys))
+
+
+def unknown_in_section(name, table, keys):
+    """Keys of a section that it does not have; stages have sections of their own, and what holds in them names them."""
+    staged = name in ("support", "load", "mass", "spring", "obstacle", "contact_rule", "initial_velocity")
+    for key, value in table.items():
+        if name == "stage" and isinstance(value, dict) and key in keys:
+            yield from unknown_in_section(key, value, keys)
+        elif key not in keys[name] and not (staged and key == "stages"):
+            yield f"unknown key '{name}.{key}'"
 
 
 def check_man_and_completion(subcommands, options):

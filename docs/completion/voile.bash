@@ -10,7 +10,7 @@ _voile() {
     --analysis) mapfile -t COMPREPLY < <(compgen -W "static linear modal buckling dynamic drape" -- "$word") && return ;;
   esac
   case "$command" in
-    run) options="--output --overwrite --restart --restart-step --set --allow-system-call --quiet --verbose --help" ;;
+    run) options="--output --overwrite --restart --restart-step --from --set --allow-system-call --quiet --verbose --help" ;;
     check | info) options="--set --allow-system-call --help" ;;
     reference) options="--schema --help" ;;
     init) options="--analysis --help" ;;

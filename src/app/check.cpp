@@ -6,8 +6,8 @@
 #include "contact_start.hpp"
 #include "free_motions.hpp"
 #include "mesh_report.hpp"
-#include "model_input.hpp"
 #include "restart.hpp"
+#include "stages.hpp"
 #include "voile/app/run.hpp"
 #include "voile/base/mpi.hpp"
 #include "voile/base/petsc.hpp"
@@ -74,10 +74,12 @@ void info(const mesh::SurfaceMesh& mesh, const energy::ElementOptions& element) 
   mpi::on_root(PETSC_COMM_WORLD, [&] { report(mesh, quality, element); });
 }
 
-void check(const input::Case& c) {
-  const mesh::SurfaceMesh mesh = load_mesh(c.mesh.file, c.mesh.options);
-  KnownObstacles known;
-  system::Model model(PETSC_COMM_WORLD, mesh, model_input(c, known));
+void check(const input::Case& whole) {
+  const mesh::SurfaceMesh mesh = load_mesh(whole.mesh.file, whole.mesh.options);
+  const std::vector<Stage> stages = stages_of(whole, {});
+  for (std::size_t k = 1; k < stages.size(); ++k) check_stage(stages[k], mesh);
+  const input::Case& c = stages.front().c;
+  system::Model model(PETSC_COMM_WORLD, mesh, stages.front().input);
   if (c.analysis == "modal" || c.analysis == "dynamic") system::require_mass(model);
   const std::vector<std::string> free = check_free_motions(c, model);
   const MeshQuality quality = measure_quality(PETSC_COMM_WORLD, mesh, c.element);
@@ -95,6 +97,8 @@ void check(const input::Case& c) {
                model.constraints().mirrors.size(), c.loads.size(), model.symmetric() ? "symmetric" : "unsymmetric");
     for (const std::string& text : sheet_notes(model.sheet())) fmt::print("note: {}\n", text);
     for (const std::string& text : free) fmt::print("note: {}\n", text);
+    for (const Stage& stage : stages)
+      if (stage.c.is_staged()) fmt::print("stage '{}': {}\n", stage.c.stage.name, stage.c.analysis);
     fmt::print("{}: no errors found\n", c.file.string());
   });
 }

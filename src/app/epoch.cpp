@@ -23,9 +23,19 @@ double end_of_epoch(const input::Case& stage, double start) {
   return end;
 }
 
-system::ModelInput holding(system::ModelInput input, const input::Case& stage, double time) {
-  if (stage.analysis == "dynamic")
-    std::erase_if(input.supports, [&](const system::Support& s) { return s.release <= time; });
+bool holds(const input::Case& stage, const system::Support& s, double time) {
+  return stage.analysis != "dynamic" || s.release > time;
+}
+
+system::ModelInput holding(system::ModelInput input, const input::Case& stage, const std::vector<char>& frozen,
+                           double time) {
+  for (std::size_t i = 0; i < input.supports.size(); ++i) {
+    if (!frozen[i]) continue;
+    system::Support& s = input.supports[i];
+    s.motion = nullptr;
+    if (s.rotation) s.rotation = [turned = s.rotation(time)](double) { return turned; };
+  }
+  std::erase_if(input.supports, [&](const system::Support& s) { return !holds(stage, s, time); });
   return input;
 }
 
@@ -38,13 +48,12 @@ bool lets_go_at(const input::Case& stage, double time) {
 }  // namespace
 
 Epoch::Epoch(const input::Case& stage, const mesh::SurfaceMesh& mesh, system::ModelInput input,
-             const io::Checkpoint& start)
+             const std::vector<char>& frozen, const io::Checkpoint& start)
     : stage_(stage),
       end_(end_of_epoch(stage, start.time)),
-      supports_(static_cast<std::size_t>(std::count_if(
-          input.supports.begin(), input.supports.end(),
-          [&](const system::Support& s) { return stage.analysis != "dynamic" || s.release > start.time; }))),
-      model_(PETSC_COMM_WORLD, mesh, holding(std::move(input), stage, start.time)),
+      supports_(static_cast<std::size_t>(std::count_if(input.supports.begin(), input.supports.end(),
+                                                       [&](const auto& s) { return holds(stage, s, start.time); }))),
+      model_(PETSC_COMM_WORLD, mesh, holding(std::move(input), stage, frozen, start.time)),
       state_(scatter(start, model_.dofs())) {
   if (stage.analysis == "dynamic" || stage.analysis == "modal") system::require_mass(model_);
   if (lets_go_at(stage, start.time)) state_.a.reset();
@@ -57,8 +66,16 @@ bool Epoch::ends_at(double time) const {
 solve::Stepper& Epoch::make_stepper(const Recorder& recorder, Origin origin) {
   const bool in_time = stage_.analysis == "dynamic";
   if (model_.contact()) model_.contact()->restore(in_time ? state_.contact : system::ContactMemory{});
+  if (stage_.is_staged() && !in_time) model_.set_time(state_.time);
+  if (stage_.stage.number > 0) take_hold(origin);
   in_time ? make_motion(origin) : make_path(recorder, origin);
   return *stepper_;
+}
+
+/// Supports of a later stage hold what they find where it is.
+void Epoch::take_hold(Origin origin) {
+  const double factor = origin == Origin::stage ? 0.0 : state_.load_factor;
+  model_.take_hold(state_.u, stage_.analysis == "static" ? factor : state_.time, factor);
 }
 
 void Epoch::make_motion(Origin origin) {

@@ -4,6 +4,7 @@
 
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include "recorder.hpp"
 #include "voile/input/case.hpp"
@@ -19,9 +20,10 @@ enum class Origin { nothing, restart, stage, epoch };
 
 class Epoch {
  public:
-  /// `input` holds all that the stage names; supports which have let go before the start are left out. Mesh and case
-  /// must outlive it. Collective. Throws UserError.
-  Epoch(const input::Case& stage, const mesh::SurfaceMesh& mesh, system::ModelInput input, const io::Checkpoint& start);
+  /// `input` holds all that the stage names; supports which have let go before the start are left out, of those that
+  /// are `frozen` only what they hold counts. Mesh and case must outlive it. Collective. Throws UserError.
+  Epoch(const input::Case& stage, const mesh::SurfaceMesh& mesh, system::ModelInput input,
+        const std::vector<char>& frozen, const io::Checkpoint& start);
 
   [[nodiscard]] system::Model& model() { return model_; }
   [[nodiscard]] system::State& state() { return state_; }
@@ -34,6 +36,7 @@ class Epoch {
   [[nodiscard]] std::size_t support_count() const { return supports_; }
 
  private:
+  void take_hold(Origin origin);
   void make_motion(Origin origin);
   void make_path(const Recorder& recorder, Origin origin);
 

@@ -74,11 +74,13 @@ void declare(CLI::App& cli, Request& request) {
   run->add_option("case", request.file, "Case file (TOML)")->required();
   run->add_option("--output", request.options.output, "Folder of the results [CASE_results]");
   run->add_flag("--overwrite", request.options.overwrite, "Replace an earlier run in that folder");
-  CLI::Option* restart =
-      run->add_option("--restart", request.options.restart, "Go on from a step of an earlier run: its results.h5");
+  CLI::Option* restart = run->add_option("--restart", request.options.restart,
+                                         "Go on from an earlier run: its results.h5 or checkpoint.h5");
   run->add_option("--restart-step", request.options.restart_step, "Number of that step [the last]")
       ->needs(restart)
       ->check(CLI::NonNegativeNumber);
+  run->add_option("--from", request.options.from,
+                  "Begin with this stage, from the end of the one before in the output folder, or from --restart");
   auto& verbosity = request.options.verbosity;
   CLI::Option* quiet = run->add_flag_callback(
       "--quiet", [&] { verbosity = app::Verbosity::quiet; }, "Print warnings and errors only");

@@ -49,6 +49,15 @@ void remove_results(const fs::path& folder) {
   for (const char* name : own_files)
     for (const char* ending : {"", ".part"}) fs::remove(folder / (std::string(name) + ending), ignored);
   remove_steps(folder / "steps");
+  if (!fs::is_directory(folder / "modes")) return;
+  remove_results(folder / "modes");
+  fs::remove(folder / "modes", ignored);
+}
+
+void write_echo(const fs::path& folder, const input::Case& c) {
+  std::ofstream echo(folder / OutputFolder::echo_name);
+  echo << input::echo_case(c) << std::flush;
+  if (!echo) throw UserError(fmt::format("--output {}: the folder cannot be written", folder.string()));
 }
 
 }  // namespace
@@ -59,10 +68,8 @@ OutputFolder::OutputFolder(const input::Case& c, const RunOptions& options)
   for (const fs::path& input : {c.file, options.restart}) refuse_input(input);
   lock();
   try {
-    replace(options.overwrite);
-    std::ofstream echo(folder_ / echo_name);
-    echo << input::echo_case(c) << std::flush;
-    if (!echo) throw UserError(fmt::format("--output {}: the folder cannot be written", folder_.string()));
+    options.from.empty() ? replace(options.overwrite) : replace_stages(c, options);
+    write_echo(folder_, c);
   } catch (...) {
     unlock();
     throw;
@@ -148,9 +155,39 @@ void OutputFolder::replace(bool allowed) const {
         "--output {}: the folder holds an earlier run; choose another one, or give --overwrite to replace it",
         folder_.string()));
   remove_results(folder_);
-  remove_results(folder_ / "modes");
   std::error_code ignored;
-  fs::remove(folder_ / "modes", ignored);
+  for (const auto& entry : fs::directory_iterator(folder_)) {
+    if (!fs::exists(entry.path() / echo_name)) continue;  // not a stage
+    remove_results(entry.path());
+    fs::remove(entry.path(), ignored);
+  }
+}
+
+/// From the stage on that a run begins with.
+void OutputFolder::replace_stages(const input::Case& c, const RunOptions& options) const {
+  bool begun = false;
+  for (const input::Case& stage : c.stages) {
+    begun = begun || stage.stage.name == options.from;
+    const fs::path of_stage = folder_ / stage.stage.name;
+    if (!begun || !fs::exists(of_stage)) continue;
+    std::error_code ignored;
+    if (!options.restart.empty() && fs::equivalent(options.restart.parent_path(), of_stage, ignored))
+      throw UserError(fmt::format("--restart {}: this run would overwrite its own input; choose another --output",
+                                  options.restart.string()));
+    if (!options.overwrite)
+      throw UserError(
+          fmt::format("--output {}: the folder holds stage '{}' of an earlier run; give --overwrite to "
+                      "replace it and what came after",
+                      folder_.string(), stage.stage.name));
+    remove_results(of_stage);
+  }
+}
+
+void OutputFolder::add(const input::Case& stage) const {
+  const fs::path of_stage = folder_ / stage.stage.name;
+  std::error_code ignored;
+  fs::create_directories(of_stage, ignored);
+  write_echo(of_stage, stage);
 }
 
 }  // namespace voile::app

@@ -11,7 +11,8 @@
 namespace voile::app {
 
 /// Takes the folder for one run while it lives. A folder is taken if it is new or empty, or holds an earlier run of
-/// ours and the user allows it to be replaced; then that run's files go, and only these. Not collective: rank 0 only.
+/// ours and the user allows it to be replaced; then that run's files go, and only these. A run that begins with a later
+/// stage (--from) keeps those of the stages before. Not collective: rank 0 only.
 class OutputFolder {
  public:
   /// Name under which a run writes its case with every value in force; it also marks a folder as ours.
@@ -21,6 +22,8 @@ class OutputFolder {
   /// earlier run that may not be replaced, or if it cannot be written.
   OutputFolder(const input::Case& c, const RunOptions& options);
   ~OutputFolder();
+  /// Makes the folder of a stage. Throws UserError.
+  void add(const input::Case& stage) const;
   OutputFolder(const OutputFolder&) = delete;
   OutputFolder& operator=(const OutputFolder&) = delete;
 
@@ -30,6 +33,7 @@ class OutputFolder {
   void lock();
   void unlock();
   void replace(bool allowed) const;
+  void replace_stages(const input::Case& c, const RunOptions& options) const;
   [[nodiscard]] std::string holder() const;
 
   std::filesystem::path folder_, lock_file_;

@@ -86,6 +86,7 @@ double cpu_seconds() {
 void report_model(const input::Case& c, const RunOptions& options, const system::Model& model, bool first) {
   const bool talks = mpi::rank(PETSC_COMM_WORLD) == 0 && options.verbosity != Verbosity::quiet;
   if (talks && first) print_header(c, model);
+  if (talks && c.is_staged()) fmt::print("stage '{}': {}\n", c.stage.name, c.analysis);
   if (first) report_mesh(c, options, model);
   for (const std::string& text : check_free_motions(c, model))
     if (talks && c.analysis != "dynamic") fmt::print("note: {}\n", text);
@@ -100,7 +101,7 @@ void report_end(const input::Case& c, const RunOptions& options, const Summary& 
                  s.newton_iterations, s.factorisations, s.cpu_seconds, s.wall_seconds, folder);
     if (!s.converged)
       fmt::print(stderr, "voile: {}not converged: {}; everything up to {} is in {}\n",
-                 c.stage.empty() ? "" : fmt::format("stage '{}': ", c.stage), s.reason,
+                 c.is_staged() ? fmt::format("stage '{}': ", c.stage.name) : "", s.reason,
                  c.analysis == "dynamic" ? fmt::format("t = {:.6g} s", s.time)
                                          : fmt::format("load factor {:.6g}", s.load_factor),
                  folder);

@@ -99,7 +99,8 @@ std::vector<double> start_shape(const input::Case& c, const mesh::SurfaceMesh& m
   return u;
 }
 
-io::Checkpoint read_start(const input::Case& c, const RunOptions& options, const mesh::SurfaceMesh& mesh) {
+io::Checkpoint read_start(const input::Case& c, const RunOptions& options, const mesh::SurfaceMesh& mesh,
+                          Origin origin) {
   io::Checkpoint start;
   if (!options.restart.empty() && c.analysis == "linear")
     throw UserError("--restart: analysis = \"linear\" starts from the unloaded state; leave the option out");
@@ -111,7 +112,7 @@ io::Checkpoint read_start(const input::Case& c, const RunOptions& options, const
   std::vector<double> numbers(6);
   mpi::on_root(PETSC_COMM_WORLD, [&] {
     start = read_any(options, mesh);
-    begin_anew(c, start);
+    if (origin == Origin::restart) begin_anew(c, start);
     numbers = {static_cast<double>(start.step),  start.time,         start.next_step, start.load_factor,
                start.in_equilibrium ? 1.0 : 0.0, start.contact_start};
   });
@@ -127,12 +128,16 @@ io::Checkpoint read_start(const input::Case& c, const RunOptions& options, const
   return start;
 }
 
-void enter_stage(const input::Case& c, const mesh::SurfaceMesh& mesh, bool anew, io::Checkpoint& state) {
-  if (anew) {
+void enter_stage(const input::Case& c, const mesh::SurfaceMesh& mesh, Origin origin, io::Checkpoint& state) {
+  if (origin == Origin::stage) {
     state.step = 0;
     state.next_step = 0.0;
     state.acceleration.clear();  // other supports and loads act
     state.previous.clear();
+    if (c.analysis != "dynamic" && c.analysis != "drape") {
+      state.load_factor = 0.0;
+      state.in_equilibrium = false;
+    }
   }
   mpi::on_root(PETSC_COMM_WORLD, [&] {
     if (c.analysis == "dynamic" && state.velocity.empty()) state.velocity = initial_velocities(c, mesh);

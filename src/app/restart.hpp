@@ -1,6 +1,7 @@
 // States to go on from; private to src/app.
 #pragma once
 
+#include "epoch.hpp"
 #include "voile/app/run.hpp"
 #include "voile/input/case.hpp"
 #include "voile/io/checkpoint.hpp"
@@ -16,10 +17,12 @@ namespace voile::app {
 /// checkpoint. A motion goes on from the step of a motion at its time, from anything else it begins at time 0; a path
 /// goes on from an equilibrium at its load factor. Arrays on rank 0 only. Collective. Throws UserError if the file does
 /// not fit.
-[[nodiscard]] io::Checkpoint read_start(const input::Case& c, const RunOptions& options, const mesh::SurfaceMesh& mesh);
+[[nodiscard]] io::Checkpoint read_start(const input::Case& c, const RunOptions& options, const mesh::SurfaceMesh& mesh,
+                                        Origin origin);
 
-/// Prepares a state for the stage it enters: a motion that begins at rest gets the case's initial velocities. `anew`:
-/// from another stage, so that steps are counted and chosen from the beginning. Collective. Throws UserError.
-void enter_stage(const input::Case& c, const mesh::SurfaceMesh& mesh, bool anew, io::Checkpoint& state);
+/// Prepares a state for the stage it enters: steps are counted and chosen from the beginning, a path begins at load
+/// factor 0 under what has acted before, a motion that begins at rest gets the case's initial velocities. Collective.
+/// Throws UserError.
+void enter_stage(const input::Case& c, const mesh::SurfaceMesh& mesh, Origin origin, io::Checkpoint& state);
 
 }  // namespace voile::app

@@ -94,7 +94,7 @@ Summary run_stage(const Stage& stage, std::unique_ptr<Epoch> epoch, io::Checkpoi
     if (!all.completed || !epoch->ends_at(epoch->state().time)) break;
     state = gather(epoch->state(), epoch->model().dofs());
     recorder.write_pending();
-    epoch = std::make_unique<Epoch>(c, epoch->model().mesh(), stage.input, state);
+    epoch = std::make_unique<Epoch>(c, epoch->model().mesh(), stage.input, stage.frozen, state);
     recorder.remark(fmt::format("t = {:.6g} s: {} support(s) hold", state.time, epoch->support_count()));
   }
   checkpoints.write(epoch->state(), epoch->model().dofs());
@@ -113,9 +113,9 @@ Summary run_stage(const Stage& stage, std::unique_ptr<Epoch> epoch, io::Checkpoi
 
 /// The first epoch of a stage, with a start that contact allows.
 std::unique_ptr<Epoch> open_stage(const Stage& stage, const mesh::SurfaceMesh& mesh, const io::Checkpoint& state,
-                                  Origin origin) {
-  auto epoch = std::make_unique<Epoch>(stage.c, mesh, stage.input, state);
-  report_model(stage.c, stage.options, epoch->model(), origin != Origin::stage);
+                                  bool is_first) {
+  auto epoch = std::make_unique<Epoch>(stage.c, mesh, stage.input, stage.frozen, state);
+  report_model(stage.c, stage.options, epoch->model(), is_first);
   return epoch;
 }
 
@@ -128,25 +128,27 @@ void settle_contact_start(const Stage& stage, Epoch& epoch, Origin origin) {
 
 }  // namespace
 
-Exit run(const input::Case& c, const RunOptions& options) {
+Exit run(const input::Case& c, const RunOptions& given) {
   const SignalScope signals;
   const mesh::SurfaceMesh mesh = load_mesh(c.mesh.file, c.mesh.options);
-  if (options.verbosity == Verbosity::verbose) show_iterations();
-  const std::vector<Stage> stages = stages_of(c, options);
+  if (given.verbosity == Verbosity::verbose) show_iterations();
+  RunOptions options = given;
+  std::vector<Stage> stages = stages_of(c, options);
+  Origin origin = begin_from(c, options, stages);
+  for (std::size_t k = 1; k < stages.size(); ++k) check_stage(stages[k], mesh);
   // Whatever is wrong with a restart must show before old results in the output folder go.
-  io::Checkpoint state = read_start(stages.front().c, options, mesh);
-  Origin origin = options.restart.empty() ? Origin::nothing : Origin::restart;
+  io::Checkpoint state = read_start(stages.front().c, options, mesh, origin);
   std::optional<OutputFolder> folder;
   std::vector<std::pair<std::string, Summary>> summaries;
   for (const Stage& stage : stages) {
-    enter_stage(stage.c, mesh, origin == Origin::stage, state);
-    std::unique_ptr<Epoch> epoch = open_stage(stage, mesh, state, origin);
+    enter_stage(stage.c, mesh, origin, state);
+    std::unique_ptr<Epoch> epoch = open_stage(stage, mesh, state, &stage == &stages.front());
     mpi::on_root(PETSC_COMM_WORLD, [&] {
       if (!folder) folder.emplace(c, options);
-      std::filesystem::create_directories(stage.options.output);
+      if (stage.c.is_staged()) folder->add(stage.c);
     });
     settle_contact_start(stage, *epoch, origin);
-    summaries.emplace_back(stage.c.stage, run_stage(stage, std::move(epoch), state, origin));
+    summaries.emplace_back(stage.c.stage.name, run_stage(stage, std::move(epoch), state, origin));
     if (!summaries.back().second.converged) break;
     origin = Origin::stage;
   }

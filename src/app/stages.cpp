@@ -1,14 +1,23 @@
 #include "stages.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
+#include "free_motions.hpp"
 #include "model_input.hpp"
+#include "voile/base/error.hpp"
+#include "voile/base/text.hpp"
+#include "voile/input/case_keys.hpp"
 #include "voile/solve/load_path.hpp"
 #include "voile/solve/time_integration.hpp"
+#include "voile/system/dynamics.hpp"
 
 namespace voile::app {
 
 namespace {
+
+using system::Support;
 
 /// What PETSc's options have to say wins over the case file.
 void take_options(input::Case& c) {
@@ -20,21 +29,98 @@ void take_options(input::Case& c) {
   if (c.analysis == "dynamic") solve::read_time_options(c.time.options);
 }
 
+/// Place of the item `number` of the file among those of a stage, or npos.
+constexpr std::size_t npos = static_cast<std::size_t>(-1);
+std::size_t place_of(std::size_t number, const std::vector<std::size_t>& numbers) {
+  const auto at = std::find(numbers.begin(), numbers.end(), number);
+  return at == numbers.end() ? npos : static_cast<std::size_t>(at - numbers.begin());
+}
+
+/// A support that has held in the stage before.
+void hold_over(const input::Case& before, const Support& was, Support& now) {
+  now.value = Vec3::Zero();
+  now.motion = was.motion;
+  now.rotation = was.rotation;
+  if (before.analysis != "static") return;
+  // It has moved with the load factor, and stays where that has brought it.
+  now.motion = nullptr;
+  if (was.rotation) now.rotation = [turned = was.rotation(before.steps.final_load_factor)](double) { return turned; };
+}
+
+void hold_over_supports(const Stage& before, Stage& now) {
+  const std::vector<std::size_t>& numbers = now.c.stage.supports;
+  now.frozen.assign(numbers.size(), 0);
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    Support& s = now.c.supports[i];
+    const std::size_t was = place_of(numbers[i], before.c.stage.supports);
+    if (was != npos) {
+      hold_over(before.c, before.c.supports[was], s);
+      now.frozen[i] = now.c.analysis == "static" ? 1 : 0;
+    } else if (s.kind == Support::Kind::clamped || s.kind == Support::Kind::symmetry) {
+      throw UserError(fmt::format(
+          "{}: [[support]] group '{}': a slope is held from the first stage on, and this one begins in stage '{}'; let "
+          "it hold in all stages before, or use type = \"hinged\"",
+          now.c.file.string(), s.group, now.c.stage.name));
+    }
+  }
+}
+
+void hold_over_loads(const Stage& before, Stage& now) {
+  const std::string& analysis = now.c.analysis;
+  if (analysis != "static" && analysis != "modal" && analysis != "buckling") return;
+  for (std::size_t i = 0; i < now.c.stage.loads.size(); ++i)
+    if (place_of(now.c.stage.loads[i], before.c.stage.loads) != npos && !now.c.loads[i].history)
+      now.c.loads[i].constant = true;
+}
+
 }  // namespace
 
 std::vector<Stage> stages_of(const input::Case& c, const RunOptions& options) {
   std::vector<Stage> stages;
   KnownObstacles known;
   const auto add = [&](const input::Case& one, const std::filesystem::path& folder) {
-    Stage s{one, options, {}};
+    Stage s{one, options, {}, std::vector<char>(one.supports.size(), 0)};
     s.options.output = folder;
     take_options(s.c);
+    if (!stages.empty()) {
+      hold_over_supports(stages.back(), s);
+      hold_over_loads(stages.back(), s);
+    }
     s.input = model_input(s.c, known);
     stages.push_back(std::move(s));
   };
   if (c.stages.empty()) add(c, options.output);
-  for (const input::Case& one : c.stages) add(one, options.output / one.stage);
+  for (const input::Case& one : c.stages) add(one, options.output / one.stage.name);
   return stages;
+}
+
+Origin begin_from(const input::Case& c, RunOptions& options, std::vector<Stage>& stages) {
+  const bool restarts = !options.restart.empty();
+  std::vector<std::string> names;
+  for (const input::Case& one : c.stages) names.push_back(one.stage.name);
+  if (options.from.empty()) {
+    if (restarts && !names.empty())
+      throw UserError(fmt::format("--restart: {} has stages; name the one that goes on from there, with --from: {}",
+                                  c.file.string(), join(names, ", ")));
+    return restarts ? Origin::restart : Origin::nothing;
+  }
+  if (names.empty()) throw UserError(fmt::format("--from {}: {} has no stages", options.from, c.file.string()));
+  const auto at = std::find(names.begin(), names.end(), options.from);
+  if (at == names.end())
+    throw UserError(
+        fmt::format("--from: there is no stage '{}':{}", options.from, input::suggestion(options.from, names)));
+  if (!restarts && at != names.begin()) options.restart = options.output / *(at - 1) / "checkpoint.h5";
+  stages.erase(stages.begin(), stages.begin() + (at - names.begin()));
+  if (restarts) return Origin::restart;
+  return at == names.begin() ? Origin::nothing : Origin::stage;
+}
+
+void check_stage(const Stage& stage, const mesh::SurfaceMesh& mesh) {
+  const system::Model model(PETSC_COMM_WORLD, mesh, stage.input);
+  if (stage.c.analysis == "modal" || stage.c.analysis == "dynamic") system::require_mass(model);
+  (void)check_free_motions(stage.c, model);
+  for (const input::Probe& p : stage.c.probes)
+    if (!p.group.empty()) (void)mesh.group(p.group);
 }
 
 }  // namespace voile::app

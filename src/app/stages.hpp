@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "epoch.hpp"
 #include "voile/app/run.hpp"
 #include "voile/input/case.hpp"
 #include "voile/system/model.hpp"
@@ -14,9 +15,20 @@ struct Stage {
   input::Case c;
   RunOptions options;  ///< with the folder of the stage
   system::ModelInput input;
+  std::vector<char> frozen;  ///< per support: in this stage it no longer moves
 };
 
-/// A case without stages is one. Reads the files of obstacles, each once. Collective. Throws UserError.
+/// A case without stages is one. Reads the files of obstacles, each once. What a support of a later stage has held
+/// before stays where it is: its `value` is spent, and a motion does not go by another clock. Loads that have acted
+/// before act in full where the load factor counts. Collective. Throws UserError.
 [[nodiscard]] std::vector<Stage> stages_of(const input::Case& c, const RunOptions& options);
+
+/// Takes away the stages before the one that --from names, and says what the run begins with. `options.restart` becomes
+/// the end of the stage before where nothing else is named. Throws UserError.
+[[nodiscard]] Origin begin_from(const input::Case& c, RunOptions& options, std::vector<Stage>& stages);
+
+/// Builds the model of a stage that is still to come, so that its mistakes show before any work. Collective. Throws
+/// UserError.
+void check_stage(const Stage& stage, const mesh::SurfaceMesh& mesh);
 
 }  // namespace voile::app

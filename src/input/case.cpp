@@ -258,7 +258,8 @@ Motion motion_function(const SectionPlace& place, const MotionInput& m, bool pos
 
 void read_load_history(const SectionPlace& place, const Case& c, system::Load& load) {
   if (load.history_text.empty()) return;
-  if (c.analysis != "dynamic") place.fail("history", "a load has a time only with analysis = \"dynamic\"");
+  if (c.analysis != "dynamic" && !c.is_staged())
+    place.fail("history", "a load has a time only with analysis = \"dynamic\"");
   if (load.constant) place.fail("constant", "a load with a history of its own is not constant; remove one of the keys");
   load.history = time_function(place, "history", load.history_text);
 }
@@ -268,8 +269,8 @@ void read_supports(const CaseReader& reader, Case& c) {
     system::Support support;
     MotionInput motion;
     const SectionPlace place = reader.read("support", n, keys_of(support, motion));
-    support.motion =
-        motion_function(place, motion, c.analysis == "dynamic" || c.analysis == "static", "\"dynamic\" or \"static\"");
+    support.motion = motion_function(place, motion, c.is_staged() || c.analysis == "dynamic" || c.analysis == "static",
+                                     "\"dynamic\" or \"static\"");
     if (support.kind == system::Support::Kind::clamped && motion.axis)
       support.rotation = [angle = expression(motion.angle), axis = Vec3(motion.axis->normalized())](double t) {
         return Mat3(Eigen::AngleAxisd(angle(t) * (std::numbers::pi / 180.0), axis));
@@ -278,7 +279,7 @@ void read_supports(const CaseReader& reader, Case& c) {
       place.fail("cylinder_axis",
                  "local axes are either x_axis and y_axis, or those of a cylinder; remove one of them");
     if (support.y_axis && !support.x_axis) place.fail("x_axis", "the key is missing; y_axis is made square to it");
-    if (std::isfinite(support.release) && c.analysis != "dynamic")
+    if (std::isfinite(support.release) && c.analysis != "dynamic" && !c.is_staged())
       place.fail("release", "a support lets go only with analysis = \"dynamic\"");
     c.supports.push_back(std::move(support));
     c.motions.push_back(std::move(motion));
@@ -299,7 +300,7 @@ void read_obstacle(const SectionPlace& place, Case& c, ObstacleSection& s) {
     place.fail("end", "the axis has no length; a ball is type = \"sphere\"");
   if (s.type == Type::cylinder && (s.end - s.point).norm() == 0.0)
     place.fail("end", "the same as point, so that the axis has no length; move one of the two");
-  o.motion = motion_function(place, s.motion, c.analysis == "dynamic", "\"dynamic\"");
+  o.motion = motion_function(place, s.motion, c.is_staged() || c.analysis == "dynamic", "\"dynamic\"");
   if (o.shape == Shape::capsule)
     o.points = {s.point, s.end};
   else if (o.shape != Shape::mesh)
@@ -310,7 +311,8 @@ void read_obstacle(const SectionPlace& place, Case& c, ObstacleSection& s) {
   if (s.frames.empty()) return;
   s.frames = beside(c.file, s.frames);
   if (o.motion) place.fail("frames", "a mesh moves by frames or by motion, not by both");
-  if (c.analysis != "dynamic") place.fail("frames", "something moves only with analysis = \"dynamic\"");
+  if (c.analysis != "dynamic" && !c.is_staged())
+    place.fail("frames", "something moves only with analysis = \"dynamic\"");
 }
 
 void read_contact(const CaseReader& reader, Case& c) {
@@ -356,6 +358,7 @@ void check_petsc(const SectionPlace& place, const std::string& options) {
 
 void check_mesh(const SectionPlace& place, Case& c) {
   c.mesh.file = beside(c.file, c.mesh.file);
+  if (c.stage.number > 0) c.mesh.start.clear();  // it begins where the stage before has ended
   if (c.mesh.start.empty()) return;
   c.mesh.start = beside(c.file, c.mesh.start);
   if (c.analysis != "static" && c.analysis != "drape" && c.analysis != "dynamic")
@@ -366,12 +369,10 @@ void check_mesh(const SectionPlace& place, Case& c) {
                "vertices that `merge` joins would have two places; merge them in both files, or remove the key");
 }
 
-}  // namespace
-
-Case parse_case(const std::string& text, const std::filesystem::path& file, const std::vector<std::string>& settings) {
+Case read_case(const CaseReader& reader, const std::filesystem::path& file, StageSection stage) {
   Case c;
   c.file = file;
-  const CaseReader reader(text, file, top_keys(c), settings);
+  c.stage = std::move(stage);
   reader.read_top(top_keys(c));
   check_mesh(reader.read("mesh", 0, keys_of(c.mesh)), c);
   reader.read("element", 0, keys_of(c.element));
@@ -401,6 +402,26 @@ Case parse_case(const std::string& text, const std::filesystem::path& file, cons
   check_control(steps, c.steps, c.probes);
   reader.read("output", 0, keys_of(c.output));
   check_petsc(reader.read("petsc", 0, petsc_keys(c)), c.petsc_options);
+  return c;
+}
+
+}  // namespace
+
+Case parse_case(const std::string& text, const std::filesystem::path& file, const std::vector<std::string>& settings) {
+  Case names_only;
+  const std::vector<Key> top = top_keys(names_only);
+  CaseReader whole(text, file, top, settings);
+  if (whole.stage_count() == 0) return read_case(whole, file, {});
+  std::vector<Case> stages;
+  for (std::size_t n = 0; n < whole.stage_count(); ++n) {
+    CaseReader reader(text, file, top, settings);
+    StageSection stage = reader.select_stage(n);
+    stages.push_back(read_case(reader, file, std::move(stage)));
+  }
+  Case c = stages.front();
+  c.stage = {};
+  c.stages = std::move(stages);
+  c.staged_text = whole.text(std::filesystem::absolute(file).parent_path());
   return c;
 }
 

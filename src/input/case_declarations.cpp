@@ -23,6 +23,7 @@ Declarations::Declarations()
             {"drape", keys_of(case_.drape)},
             {"probe", keys_of(probe_)},
             {"output", keys_of(case_.output)},
+            {"stage", keys_of(case_.stage)},
             {"petsc", petsc_keys(case_)}} {}
 
 }  // namespace voile::input

@@ -232,6 +232,8 @@ std::string toml_value(const Slot& slot) {
 }
 
 std::string echo_case(const Case& c) {
+  if (!c.stages.empty())
+    return "# The case with its stages; the folder of each has it with every value in force.\n" + c.staged_text;
   Case copy = c;
   std::vector<MaterialInput> materials;
   for (const energy::Material& m : c.materials) materials.push_back(as_input(m));

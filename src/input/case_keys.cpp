@@ -38,10 +38,40 @@ bool is_required(const Key& key, const std::string& type) {
   return applies(key, type) && (key.required || contains(key.required_types, type));
 }
 
+namespace {
+
+Slot analysis_slot(std::string& analysis) {
+  return word(analysis, {"static", "linear", "modal", "buckling", "dynamic", "drape"});
+}
+
+}  // namespace
+
+std::vector<Key> keys_of(StageSection& s) {
+  return {{.name = "name",
+           .slot = &s.name,
+           .meaning = "Of the stage, and of its folder in the output folder: letters, digits, `_` and `-`.",
+           .required = true},
+          {.name = "analysis",
+           .slot = analysis_slot(s.analysis),
+           .meaning = "As outside all sections. `linear` can only be the first stage.",
+           .required = true}};
+}
+
+const std::vector<std::string>& stage_tables() {
+  static const std::vector<std::string> names{"steps", "eigen", "time", "damping", "air", "drape", "contact", "output"};
+  return names;
+}
+
+const std::vector<std::string>& staged_items() {
+  static const std::vector<std::string> names{"support",         "load", "mass", "spring", "obstacle", "contact_rule",
+                                              "initial_velocity"};
+  return names;
+}
+
 std::vector<Key> top_keys(Case& c) {
   return {{.name = "title", .slot = &c.title, .meaning = "Free text, shown at the start of a run."},
           {.name = "analysis",
-           .slot = word(c.analysis, {"static", "linear", "modal", "buckling", "dynamic", "drape"}),
+           .slot = analysis_slot(c.analysis),
            .meaning = "`static`: the load path of `steps`. `linear`: one solution for small deflections at "
                       "`final_load_factor`. `modal`: natural vibrations. `buckling`: critical loads; both about the "
                       "state that `eigen` names. `dynamic`: motion in time. `drape`: a stable equilibrium at load "
@@ -101,6 +131,12 @@ const std::vector<SectionInfo>& sections() {
       {"drape", false, "The search of `analysis = \"drape\"`."},
       {"probe", true, "Numbers recorded in `history.csv` after every step."},
       {"output", false, "What is written to `results.h5` and `results.xdmf`."},
+      {"stage", true,
+       "Stages, run one after the other: each begins in the state that the one before has left, see "
+       "[stages.md](stages.md). Tables of its own, `[stage.time]`, `[stage.steps]`, `[stage.drape]`, `[stage.eigen]`, "
+       "`[stage.damping]`, `[stage.air]`, `[stage.contact]` and `[stage.output]`, win over those of the case, key by "
+       "key. `[[support]]`, `[[load]]`, `[[mass]]`, `[[spring]]`, `[[obstacle]]`, `[[contact_rule]]` and "
+       "`[[initial_velocity]]` then take the key `stages`: the names of those in which they hold; absent: all."},
       {"petsc", false, "The solver library."}};
   return all;
 }

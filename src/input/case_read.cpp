@@ -1,23 +1,19 @@
 #include "voile/input/case_read.hpp"
 
 #include <fmt/format.h>
-#include <toml++/toml.h>
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <sstream>
 
+#include "case_toml.hpp"
 #include "voile/base/error.hpp"
 #include "voile/base/text.hpp"
 
 namespace voile::input {
 
 namespace {
-
-int line_of(const toml::source_region& source) {
-  return static_cast<int>(source.begin.line);
-}
 
 /// Edit distance in which swapping two neighbouring letters counts once.
 int distance(const std::string& a, const std::string& b) {
@@ -184,10 +180,6 @@ std::vector<std::string> names_of(const std::vector<Key>& keys, const std::strin
   return names;
 }
 
-[[noreturn]] void fail_at(const std::string& file, int line, const std::string& message) {
-  throw UserError(fmt::format("{}:{}: {}", file, line, message));
-}
-
 const Key* find_key(const std::vector<Key>& keys, std::string_view name) {
   const auto at = std::find_if(keys.begin(), keys.end(), [&](const Key& k) { return k.name == name; });
   return at == keys.end() ? nullptr : &*at;
@@ -250,17 +242,6 @@ void SectionPlace::fail(const std::string& key, const std::string& message) cons
   throw UserError(fmt::format("{}{}: {}{}: {}", file, where > 0 ? fmt::format(":{}", where) : "", name,
                               name.empty() ? key : "." + key, message));
 }
-
-struct CaseReader::Impl {
-  std::string file;
-  toml::table root;
-
-  [[nodiscard]] const toml::table* section(const std::string& name, std::size_t n) const {
-    const toml::node* node = root.get(name);
-    if (!node) return nullptr;
-    return node->is_table() ? node->as_table() : (*node->as_array())[n].as_table();
-  }
-};
 
 namespace {
 

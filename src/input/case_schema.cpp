@@ -1,4 +1,5 @@
 // JSON schema of the case file.
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -68,6 +69,10 @@ Json table_of(const std::vector<Key>& keys) {
   return table;
 }
 
+bool contains(const std::vector<std::string>& names, const std::string& name) {
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
 }  // namespace
 
 std::string case_schema() {
@@ -75,6 +80,12 @@ std::string case_schema() {
   Json root = table_of(declared.top());
   for (const SectionInfo& section : sections()) {
     Json table = table_of(declared.of(section.name));
+    if (contains(staged_items(), section.name)) table["properties"]["stages"] = array_of({{"type", "string"}});
+    if (section.name == "stage")
+      for (const std::string& own : stage_tables()) {
+        table["properties"][own] = table_of(declared.of(own));
+        table["properties"][own].erase("required");
+      }
     if (section.repeated) table = array_of(std::move(table));
     table["description"] = section.meaning;
     root["properties"][section.name] = std::move(table);

@@ -9,9 +9,16 @@
 namespace voile::system {
 
 void Model::enforce_supports(Vec a) const {
-  const petsc::ReadArray prescribed(prescribed_), motion(motion_);
+  const petsc::ReadArray prescribed(prescribed_), motion(motion_), hold(hold_);
   const petsc::WriteArray values(a);
-  for (PetscInt i : dofs_->fixed()) values[i] = load_factor_ * prescribed[i] + motion[i];
+  for (PetscInt i : dofs_->fixed()) values[i] = load_factor_ * prescribed[i] + motion[i] + hold[i];
+}
+
+void Model::take_hold(Vec a, double time, double load_factor) {
+  move_supports(time);
+  const petsc::ReadArray unknown(a), prescribed(prescribed_), motion(motion_);
+  const petsc::WriteArray hold(hold_);
+  for (PetscInt i : dofs_->fixed()) hold[i] = unknown[i] - load_factor * prescribed[i] - motion[i];
 }
 
 energy::Configuration Model::configuration(Vec a) {
@@ -48,10 +55,10 @@ void Model::residual(Vec a, Vec r) {
   VOILE_PETSC(VecNorm(work_, NORM_2, &applied));
   {
     const petsc::WriteArray out(r);
-    const petsc::ReadArray unknown(a), prescribed(prescribed_), motion(motion_);
+    const petsc::ReadArray unknown(a), prescribed(prescribed_), motion(motion_), hold(hold_);
     for (PetscInt i : dofs_->fixed()) {
       reaction += out[i] * out[i];
-      out[i] = unknown[i] - load_factor_ * prescribed[i] - motion[i];
+      out[i] = unknown[i] - load_factor_ * prescribed[i] - motion[i] - hold[i];
     }
   }
   force_scale_ = std::max(applied, std::sqrt(mpi::sum(comm(), reaction)));
@@ -176,8 +183,8 @@ void Model::find_coupling(Vec a) {
   VOILE_PETSC(VecZeroEntries(work_));
   {
     const petsc::WriteArray off(work_);
-    const petsc::ReadArray unknown(a), prescribed(prescribed_), motion(motion_);
-    for (PetscInt i : dofs_->fixed()) off[i] = unknown[i] - load_factor_ * prescribed[i] - motion[i];
+    const petsc::ReadArray unknown(a), prescribed(prescribed_), motion(motion_), hold(hold_);
+    for (PetscInt i : dofs_->fixed()) off[i] = unknown[i] - load_factor_ * prescribed[i] - motion[i] - hold[i];
   }
   double size = 0.0;
   VOILE_PETSC(VecNorm(work_, NORM_INFINITY, &size));

@@ -249,7 +249,7 @@ void Model::assemble_bending(Build& build, const std::vector<Spring>& springs) {
 
 void Model::make_vectors() {
   for (petsc::VecHandle* v : {&work_, &mass_, &dead_, &constant_, &sum_, &reference_, &coupling_, &load_coupling_,
-                              &prescribed_, &motion_, &turning_force_})
+                              &prescribed_, &motion_, &hold_, &turning_force_})
     *v = dofs_->create_vector();
   const LocalPoints& local = dofs_->local();
   const petsc::WriteArray prescribed(prescribed_);

@@ -109,6 +109,14 @@ struct OutputSection {
   Stresses stresses = Stresses::none;  ///< which stresses through the thickness are written besides
 };
 
+/// A stage: an analysis that begins where the one before has ended.
+struct StageSection {
+  std::string name;  ///< of its folder too
+  std::string analysis = "static";
+  std::size_t number = 0;                        ///< counted from 0
+  std::vector<std::size_t> supports{}, loads{};  ///< which of the file's hold in it
+};
+
 struct Case {
   std::filesystem::path file;
   std::string title;
@@ -133,8 +141,12 @@ struct Case {
   std::vector<Probe> probes;
   OutputSection output;
   std::string petsc_options;  ///< as on PETSc's command line; the real command line wins
-  std::string stage;          ///< name of the stage that this is, in `stages`
-  std::vector<Case> stages;   ///< each a case of its own, in the order in which they run; empty: there is one stage
+  // Stages
+  StageSection stage;        ///< that this case is, in `stages`; no name: the only one
+  std::vector<Case> stages;  ///< each a case of its own, in the order in which they run; empty: there is one
+  std::string staged_text;   ///< the case with its stages as TOML, with absolute paths
+  /// Whether it is one of several stages: what moves in another one stands still in it.
+  [[nodiscard]] bool is_staged() const { return !stage.name.empty(); }
 };
 
 /// Parses and checks everything that needs no mesh. Not collective.

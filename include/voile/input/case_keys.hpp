@@ -103,6 +103,11 @@ struct MaterialInput {
 [[nodiscard]] std::vector<Key> keys_of(solve::DrapeOptions& section);
 [[nodiscard]] std::vector<Key> keys_of(Probe& section);
 [[nodiscard]] std::vector<Key> keys_of(OutputSection& section);
+/// [[stage]], besides the tables that stageable_sections() names.
+[[nodiscard]] std::vector<Key> keys_of(StageSection& section);
+/// Sections that a stage may have of its own: [stage.steps] ...; and those whose items take the key `stages`.
+[[nodiscard]] const std::vector<std::string>& stage_tables();
+[[nodiscard]] const std::vector<std::string>& staged_items();
 /// Keys outside every section.
 [[nodiscard]] std::vector<Key> top_keys(Case& c);
 [[nodiscard]] std::vector<Key> petsc_keys(Case& c);

@@ -33,6 +33,14 @@ class CaseReader {
   CaseReader(const CaseReader&) = delete;
   CaseReader& operator=(const CaseReader&) = delete;
 
+  /// How many stages the file has.
+  [[nodiscard]] std::size_t stage_count() const { return count("stage"); }
+  /// Turns the file into the case of one of its stages: with its analysis and its own tables, without what does not
+  /// hold in it. Once. Throws UserError for stages that make no sense.
+  [[nodiscard]] StageSection select_stage(std::size_t n);
+  /// The file as it is in force, as TOML, with paths counted from `folder`.
+  [[nodiscard]] std::string text(const std::filesystem::path& folder) const;
+
   /// How often a section occurs.
   [[nodiscard]] std::size_t count(const std::string& section) const;
   /// Reads the keys of the n-th occurrence of a section; a section that does not occur has no keys.

@@ -9,7 +9,8 @@
 //           E_t    terms of the potential (term.hpp): membrane, bending of curved rest shapes beyond K_b, ties  [J]
 //           E_k    contact and friction (contact.hpp)                                                           [J]
 //   r(a)  = K_b a + f_t + sum_t dE_t/da + dE_k/da - lambda f_d - f_c - f_follower(a, lambda)       free components
-//   r_i   = a_i - lambda abar_i - motion_i(t)                                           fixed components
+//   r_i   = a_i - lambda abar_i - motion_i(t) - h_i                                     fixed components
+// h is zero, or puts what supports hold where it was when they took hold of it (take_hold).
 // Elements that touch an owned vertex are evaluated by its rank, so that rows are complete without communication;
 // energies count each triangle once, on its owner.
 #pragma once
@@ -96,6 +97,10 @@ class Model {
   void set_time(double time);
   /// Sets the fixed components of a to their prescribed values. Collective.
   void enforce_supports(Vec a) const;
+  /// Supports take hold of what they hold where it is in state a: from now on prescribed displacements and motions count
+  /// from there, a change of the load factor from `load_factor`, of the time (or of the load factor in its place) from
+  /// `time`. Collective.
+  void take_hold(Vec a, double time, double load_factor);
 
   /// r(a) as above. Collective.
   void residual(Vec a, Vec r);
@@ -218,7 +223,8 @@ class Model {
   std::unique_ptr<Contact> contact_;
   int pattern_version_ = 0;
   std::vector<Slot> mass_slots_;
-  petsc::VecHandle mass_, dead_, constant_, work_, sum_, reference_, coupling_, load_coupling_, prescribed_, motion_;
+  petsc::VecHandle mass_, dead_, constant_, work_, sum_, reference_, coupling_, load_coupling_, prescribed_, motion_,
+      hold_;
   double reference_bending_ = 0.0;  ///< twice the bending energy of reference_ [J]
   struct Mover {                    ///< an owned vertex whose support moves
     Index local;

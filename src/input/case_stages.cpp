@@ -1,0 +1,163 @@
+// Stages of a case file.
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <sstream>
+
+#include "case_toml.hpp"
+#include "voile/input/case_keys.hpp"
+
+namespace voile::input {
+
+namespace {
+
+bool contains(const std::vector<std::string>& names, const std::string& name) {
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+/// Analyses that know no contact.
+bool has_contact(const std::string& analysis) {
+  return analysis == "static" || analysis == "dynamic" || analysis == "drape";
+}
+
+/// Names of the stages; each is a folder of its own.
+std::vector<std::string> stage_names(const std::string& file, const toml::array& stages) {
+  std::vector<std::string> names;
+  for (const toml::node& node : stages) {
+    const toml::table& stage = *node.as_table();
+    const toml::node* name = stage.get("name");
+    const int line = line_of(node.source());
+    if (!name || !name->is_string())
+      fail_at(file, line, "[[stage]] name: the key is missing; give each stage a name in quotes");
+    const std::string word = *name->value<std::string>();
+    const bool good = !word.empty() && std::all_of(word.begin(), word.end(), [](unsigned char c) {
+      return std::isalnum(c) || c == '_' || c == '-';
+    });
+    if (!good || word == "steps" || word == "modes")
+      fail_at(file, line,
+              fmt::format("[[stage]] name '{}': it becomes the name of a folder; use letters, digits, '_' and '-', and "
+                          "neither 'steps' nor 'modes'",
+                          word));
+    if (contains(names, word)) fail_at(file, line, fmt::format("[[stage]] name '{}': another stage has it", word));
+    names.push_back(word);
+  }
+  return names;
+}
+
+/// Moves the keys of `from` over those of `to`.
+void overlay(toml::table& from, toml::table& to) {
+  for (auto&& [key, node] : from)
+    node.visit([&, &name = key](auto& value) { to.insert_or_assign(name.str(), std::move(value)); });
+}
+
+/// Moves the stage's own tables to the root.
+void take_tables(const std::string& file, toml::table& stage, toml::table& root) {
+  std::vector<std::string> valid = stage_tables();
+  valid.insert(valid.end(), {"name", "analysis"});
+  for (auto&& [key, node] : stage) {
+    const std::string name(key.str());
+    if (!contains(valid, name))
+      fail_at(file, line_of(key.source()),
+              fmt::format("[[stage]]: unknown key or table '{}':{}", name, suggestion(name, valid)));
+    if (!contains(stage_tables(), name)) continue;
+    toml::table* own = node.as_table();
+    if (!own) fail_at(file, line_of(key.source()), fmt::format("it must be written [stage.{}]", name));
+    if (toml::table* there = root[name].as_table())
+      overlay(*own, *there);
+    else
+      root.insert_or_assign(name, std::move(*own));
+  }
+}
+
+/// Whether an item with the key `stages` holds in a stage; takes the key away.
+bool holds(const std::string& file, const std::string& section, toml::table& item, const std::string& stage,
+           const std::vector<std::string>& names) {
+  const toml::node* given = item.get("stages");
+  if (!given) return true;
+  const toml::array* list = given->as_array();
+  const int line = line_of(given->source());
+  if (!list || list->empty())
+    fail_at(file, line, fmt::format("{}.stages: a list of names of stages is needed; leave it out for all", section));
+  bool found = false;
+  for (const toml::node& node : *list) {
+    const std::string name = node.is_string() ? *node.value<std::string>() : "";
+    if (!contains(names, name))
+      fail_at(file, line, fmt::format("{}.stages: there is no stage '{}':{}", section, name, suggestion(name, names)));
+    found = found || name == stage;
+  }
+  item.erase("stages");
+  return found;
+}
+
+/// Takes away what does not hold in a stage; returns the numbers of what is left.
+std::vector<std::size_t> select_items(const std::string& file, const std::string& section, toml::table& root,
+                                      const std::string& stage, const std::vector<std::string>& names) {
+  std::vector<std::size_t> kept;
+  toml::array* items = root[section].as_array();
+  if (!items) return kept;
+  std::size_t number = 0;
+  for (std::size_t i = 0; i < items->size(); ++number) {
+    if (holds(file, section, *items->get(i)->as_table(), stage, names)) {
+      kept.push_back(number);
+      ++i;
+    } else {
+      items->erase(items->begin() + static_cast<std::ptrdiff_t>(i));
+    }
+  }
+  if (items->empty()) root.erase(section);
+  return kept;
+}
+
+}  // namespace
+
+StageSection CaseReader::select_stage(std::size_t n) {
+  toml::table& root = impl_->root;
+  const std::string& file = impl_->file;
+  if (const toml::node* own = root.get("analysis"))
+    fail_at(file, line_of(own->source()), "analysis: each [[stage]] has its own; remove this one");
+  const std::vector<std::string> names = stage_names(file, *root["stage"].as_array());
+  StageSection s;
+  s.number = n;
+  toml::table stage = std::move(*root["stage"].as_array()->get(n)->as_table());
+  s.name = names[n];
+  const toml::node* analysis = stage.get("analysis");
+  if (!analysis || !analysis->is_string())
+    fail_at(file, line_of(stage.source()), fmt::format("[[stage]] '{}': the key analysis is missing", s.name));
+  s.analysis = *analysis->value<std::string>();
+  if (s.analysis == "linear" && n > 0)
+    fail_at(file, line_of(analysis->source()),
+            "analysis = \"linear\" starts from the unloaded state; make it the first stage, or choose \"static\"");
+  take_tables(file, stage, root);
+  root.insert_or_assign("analysis", s.analysis);
+  for (const std::string& section : staged_items()) {
+    std::vector<std::size_t> kept = select_items(file, section, root, s.name, names);
+    if (section == "support") s.supports = std::move(kept);
+    if (section == "load") s.loads = std::move(kept);
+  }
+  if (s.analysis != "dynamic") root.erase("initial_velocity");
+  if (!has_contact(s.analysis))
+    for (const char* section : {"contact", "obstacle", "contact_rule"}) root.erase(section);
+  root.erase("stage");
+  return s;
+}
+
+std::string CaseReader::text(const std::filesystem::path& folder) const {
+  toml::table root = impl_->root;
+  const auto make_absolute = [&](toml::table* item, const char* key) {
+    if (!item || !(*item)[key].is_string()) return;
+    const std::filesystem::path path = *(*item)[key].value<std::string>();
+    item->insert_or_assign(key, (folder / path).lexically_normal().string());
+  };
+  const std::array paths{std::pair{"mesh", "file"}, std::pair{"mesh", "start"}, std::pair{"material", "fabric"},
+                         std::pair{"obstacle", "file"}, std::pair{"obstacle", "frames"}};
+  for (const auto& [section, key] : paths) {
+    if (toml::array* items = root[section].as_array())
+      for (toml::node& item : *items) make_absolute(item.as_table(), key);
+    make_absolute(root[section].as_table(), key);
+  }
+  std::ostringstream out;
+  out << toml::toml_formatter(root) << '\n';
+  return out.str();
+}
+
+}  // namespace voile::input

@@ -1,0 +1,158 @@
+"""Regression tests of stages: what flows from one to the next, what they name, and where a run may begin."""
+
+import copy
+import signal
+
+import numpy as np
+from harness import OUT, solve, test
+from robustness import fresh, lines, started, strip, wait_for
+from solver import Result, run, write_case
+
+
+def staged(stages, **changes):
+    """The strip with stages and without the sections of a single one."""
+    case = strip(**changes)
+    for key in ("analysis", "time"):
+        case.pop(key, None)
+    return case | {"stage": stages}
+
+
+def stage(name, analysis, **sections):
+    return {"name": name, "analysis": analysis, **sections}
+
+
+BEND = stage("bend", "static")
+SWING = stage("swing", "dynamic", time={"end": 0.1, "step": 0.01})
+
+
+def end_of(result, name):
+    return Result(result.folder / name, result.code, result.text, 0.0)
+
+
+def largest(a, b):
+    return float(np.abs(a - b).max() / np.abs(b).max())
+
+
+@test
+def stages(report):
+    """A static and a dynamic stage are the two runs one after the other; --from and --restart go on within them."""
+    both = staged([BEND, SWING], damping={"mass": 3.0})
+    for ranks in (1, 2):
+        whole = solve(f"stages_{ranks}", both, ranks)
+        report.check(whole.summary["converged"] and [s["name"] for s in whole.summary["stages"]] == ["bend", "swing"],
+                     f"{ranks} rank(s): summary.json lists both stages")
+        bend = solve(f"stages_bend_{ranks}", strip("static", time=None), ranks)
+        swing = run(write_case(strip("dynamic", time__end=0.1, damping={"mass": 3.0}), OUT / "stages_swing.toml"), fresh("stages_swing"),
+                    ranks, ["--restart", bend.folder / "checkpoint.h5"])
+        report.below(largest(end_of(whole, "bend").displacement(), bend.displacement()), 1e-12, f"{ranks} rank(s): the first stage alone")
+        report.below(largest(end_of(whole, "swing").displacement(), swing.displacement()), 1e-9, f"{ranks} rank(s): both, run by hand")
+    before = end_of(whole, "swing").displacement()
+    file = OUT / "stages_2.toml"
+    again = run(file, whole.folder, 1, ["--from", "swing"])
+    report.check(again.code == 0, "--from swing goes on from the end of the stage before")
+    report.below(largest(end_of(whole, "swing").displacement(), before), 1e-9, "to the same end")
+    report.check((whole.folder / "bend" / "history.csv").is_file(), "which stays")
+
+
+@test
+def stages_echo(report):
+    """What a run with stages writes of its case can be run: the whole, and each first stage by itself."""
+    whole = solve("stages_echo", staged([BEND, SWING]), 1)
+    again = run(whole.folder / "resolved_case.toml", fresh("stages_echo_again"))
+    report.check(again.code == 0, "the whole runs from its echo" + again.text[-200:] * (again.code != 0))
+    report.below(largest(end_of(again, "swing").displacement(), end_of(whole, "swing").displacement()), 1e-12, "to the same end")
+    alone = run(whole.folder / "bend" / "resolved_case.toml", fresh("stages_echo_bend"))
+    report.below(largest(alone.displacement(), end_of(whole, "bend").displacement()), 1e-12, "the first stage from its own")
+
+
+@test
+def stages_hold(report):
+    """A support of a later stage takes hold where things are and moves them by what it says; earlier loads stay in full."""
+    up = stage("up", "static")
+    case = staged([BEND, up, SWING])
+    case["support"].append({"type": "displacement", "group": "tip", "components": ["z"], "value": [0, 0, 0.25], "stages": ["up", "swing"]})
+    case["support"].append({"type": "displacement", "group": "tip", "components": ["y"], "motion": ["0", "0.5*t", "0"], "stages": ["swing"]})
+    case["load"].append({"type": "line", "group": "tip", "vector": [0, 0.3, 0], "stages": ["up"]})
+    whole = solve("stages_hold", case, 1)
+    bend, lifted, swing = (end_of(whole, name).history for name in ("bend", "up", "swing"))
+    report.near(lifted["tip_z"][-1] - bend["tip_z"][-1], 0.25, 1e-9, "the tip is lifted by the value")
+    report.near(lifted["tip_z"][0] - bend["tip_z"][-1], 0.0, 1e-6, "from where the first stage left it")
+    report.check(abs(lifted["tip_y"][-1]) > 1e-3 > abs(lifted["tip_y"][0]), "a load of this stage grows with the load factor")
+    report.near(float(np.ptp(swing["tip_z"])), 0.0, 1e-9, "the next stage holds the tip there")
+    report.near(swing["tip_y"][-1] - swing["tip_y"][0], 0.05, 1e-9, "and a support that moves begins there")
+    same = solve("stages_same", staged([BEND, stage("still", "static")]), 1)
+    still, first = end_of(same, "still"), end_of(same, "bend")
+    report.below(largest(still.displacement(), first.displacement()), 1e-6, "a stage in which nothing is new changes nothing")
+
+
+@test
+def stages_modal(report):
+    """Modes of what a stage has left are those of a run that ends there."""
+    eigen = {"modes": 3}
+    case = staged([BEND, stage("modes_of_it", "modal", eigen=eigen)])
+    whole = solve("stages_modal", case, 2)
+    alone = solve("stages_modal_alone", strip("modal", time=None, eigen=eigen | {"load_factor": 1.0}), 2)
+    found, wanted = whole.summary["stages"][1]["eigenvalues"], alone.summary["eigenvalues"]
+    report.check(len(found) == 3, "three modes")
+    for a, b in zip(found, wanted):
+        report.percent(a / b, 1e-5, "frequency")
+
+
+@test
+def stages_interrupted(report):
+    """A stage that is stopped ends the run with code 3, and goes on from its checkpoint to the end of the unbroken run."""
+    long_swing = stage("swing", "dynamic", time={"end": 0.4, "step": 0.002})
+    case = staged([stage("bend", "static", steps={"initial_step": 1.0}), long_swing], nx=80, ny=8)
+    whole = solve("stages_whole", case, 1)
+    folder = fresh("stages_stopped")
+    file = write_case(case, OUT / "stages_stopped.toml")
+    process = started(file, folder)
+    running = wait_for(lambda: lines(folder / "swing" / "history.csv") >= 5, process)
+    process.send_signal(signal.SIGTERM)
+    text = process.communicate(timeout=60)[0]
+    report.check(running and process.returncode == 3 and "stage 'swing': not converged: stopped by a signal" in text, "stopped with code 3")
+    rest = run(file, fresh("stages_rest"), 2, ["--from", "swing", "--restart", folder / "swing" / "checkpoint.h5"])
+    report.check(rest.code == 0, "it goes on on 2 ranks")
+    report.below(largest(end_of(rest, "swing").displacement(), end_of(whole, "swing").displacement()), 1e-8, "to the same end")
+
+
+@test
+def stages_mistakes(report):
+    """Stages that make no sense end with code 2 and a remedy, before anything is solved or overwritten."""
+    good = staged([BEND, SWING])
+
+    def changed(change):
+        case = copy.deepcopy(good)
+        change(case)
+        return case
+
+    def hold(case, names):
+        case["load"][0]["stages"] = names
+
+    mistakes = {
+        "did you mean 'swing'": changed(lambda c: hold(c, ["swin"])),
+        "a list of names of stages": changed(lambda c: hold(c, "swing")),
+        "another stage has it": changed(lambda c: c["stage"].append(BEND)),
+        "name of a folder": changed(lambda c: c["stage"][1].update(name="../swing")),
+        "the key analysis is missing": changed(lambda c: c["stage"][1].pop("analysis")),
+        "give each stage a name": changed(lambda c: c["stage"][1].pop("name")),
+        "each [[stage]] has its own": changed(lambda c: c.update(analysis="static")),
+        "unknown key or table 'tme'": changed(lambda c: c["stage"][1].update(tme={"end": 1.0})),
+        "[time] unknown key 'nd'": changed(lambda c: c["stage"][1].update(time={"nd": 1.0})),
+        "a slope is held from the first stage on": changed(lambda c: c["support"].append(
+            {"type": "clamped", "group": "tip", "stages": ["swing"]})),
+        "make it the first stage": changed(lambda c: c["stage"][1].update(analysis="linear")),
+        "need the mass of every material": changed(lambda c: c["material"][0].pop("density")),
+    }
+    folder = OUT / "stages_mistakes"
+    solve("stages_mistakes", good, 1)
+    for number, (words, case) in enumerate(mistakes.items()):
+        result = run(write_case(case, OUT / f"stages_mistake_{number}.toml"), folder, 2)
+        text = " ".join(result.text.split())
+        report.check(result.code == 2 and words in text, f"code {result.code}: {words}" + (": " + text[-160:] if words not in text else ""))
+    report.check((folder / "swing" / "checkpoint.h5").is_file(), "the earlier run is still there")
+    file = OUT / "stages_mistakes.toml"
+    for options, words in ((["--restart", folder / "swing" / "checkpoint.h5"], "with --from: bend, swing"), (["--from", "swng"], "did you mean 'swing'"),
+                           (["--from", "swing", "--restart", folder / "swing" / "checkpoint.h5"], "overwrite its own input")):
+        result = run(file, folder, 1, options)
+        report.check(result.code == 2 and words in result.text, f"code {result.code}: {words}")
