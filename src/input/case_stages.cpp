@@ -47,7 +47,7 @@ std::vector<std::string> stage_names(const std::string& file, const toml::array&
 /// Moves the keys of `from` over those of `to`.
 void overlay(toml::table& from, toml::table& to) {
   for (auto&& [key, node] : from)
-    node.visit([&, &name = key](auto& value) { to.insert_or_assign(name.str(), std::move(value)); });
+    node.visit([&, &name = key](auto& value) { to.insert_or_assign(name, std::move(value)); });
 }
 
 /// Moves the stage's own tables to the root.
