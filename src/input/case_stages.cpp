@@ -44,10 +44,13 @@ std::vector<std::string> stage_names(const std::string& file, const toml::array&
   return names;
 }
 
-/// Moves the keys of `from` over those of `to`.
+/// Moves the keys of `from` over those of `to`. A key that is there already would keep its old line number.
 void overlay(toml::table& from, toml::table& to) {
   for (auto&& [key, node] : from)
-    node.visit([&, &name = key](auto& value) { to.insert_or_assign(name, std::move(value)); });
+    node.visit([&, &name = key](auto& value) {
+      to.erase(name.str());
+      to.insert_or_assign(name, std::move(value));
+    });
 }
 
 /// Moves the stage's own tables to the root.
