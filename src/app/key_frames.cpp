@@ -120,7 +120,7 @@ class PlacedFrames {
 
 }  // namespace
 
-void read_frames(MPI_Comm comm, const input::ObstacleSection& section, double end, system::Obstacle& o,
+void read_frames(MPI_Comm comm, const input::ObstacleSection& section, double end, contact::Obstacle& o,
                  std::vector<std::string>& notes) {
   std::shared_ptr<PlacedFrames> frames;  // on rank 0, which reads the file
   std::vector<std::string> said;

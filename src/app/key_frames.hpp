@@ -19,7 +19,7 @@ namespace voile::app {
 /// know of them: that they are not of this mesh, end before the run does, or jump where they repeat. `end`: of the run
 /// [s]. Collective; so is each call of the obstacle's frames, at the same time on every rank.
 /// Throws UserError for files that cannot be read and frames that do not fit the mesh.
-void read_frames(MPI_Comm comm, const input::ObstacleSection& section, double end, system::Obstacle& o,
+void read_frames(MPI_Comm comm, const input::ObstacleSection& section, double end, contact::Obstacle& o,
                  std::vector<std::string>& notes);
 
 }  // namespace voile::app

@@ -18,7 +18,7 @@ namespace voile::app {
 
 namespace {
 
-using Shape = system::Obstacle::Shape;
+using Shape = contact::Obstacle::Shape;
 
 /// Divisions of a tessellated primitive; the check sees it a thousandth of its radius too small.
 constexpr int refinement = 4;
@@ -39,7 +39,7 @@ std::vector<Vec3> points_of(const std::vector<double>& values) {
   return points;
 }
 
-void read_shape(MPI_Comm comm, const input::ObstacleSection& section, system::Obstacle& o) {
+void read_shape(MPI_Comm comm, const input::ObstacleSection& section, contact::Obstacle& o) {
   std::vector<double> coordinates;
   std::vector<Index> corners;
   mpi::on_root(comm, [&] {
@@ -59,7 +59,7 @@ void read_shape(MPI_Comm comm, const input::ObstacleSection& section, system::Ob
 }
 
 /// A cylinder that deviates from the true one by less than contact can tell.
-void tessellate(const input::ObstacleSection& section, double contact_distance, system::Obstacle& o) {
+void tessellate(const input::ObstacleSection& section, double contact_distance, contact::Obstacle& o) {
   geometry::TriangleSoup soup =
       geometry::cylinder_surface(section.point, section.end, o.radius, largest_sagitta * contact_distance);
   o.points = std::move(soup.positions);
@@ -68,7 +68,7 @@ void tessellate(const input::ObstacleSection& section, double contact_distance, 
 }
 
 /// A part of a plane, below the middle of the sheet.
-geometry::TriangleSoup square(const system::Obstacle& plane, const mesh::SurfaceMesh& sheet) {
+geometry::TriangleSoup square(const contact::Obstacle& plane, const mesh::SurfaceMesh& sheet) {
   Vec3 low = sheet.positions().front(), high = low;
   for (const Vec3& x : sheet.positions()) {
     low = low.cwiseMin(x);
@@ -81,7 +81,7 @@ geometry::TriangleSoup square(const system::Obstacle& plane, const mesh::Surface
   return {{centre - u - v, centre + u - v, centre + u + v, centre - u + v}, {{0, 1, 2}, {0, 2, 3}}};
 }
 
-geometry::TriangleSoup surface_at_rest(const system::Obstacle& o, const mesh::SurfaceMesh& sheet) {
+geometry::TriangleSoup surface_at_rest(const contact::Obstacle& o, const mesh::SurfaceMesh& sheet) {
   switch (o.shape) {
     case Shape::sphere:
       return geometry::sphere_surface(o.points[0], o.radius, refinement);
@@ -95,7 +95,7 @@ geometry::TriangleSoup surface_at_rest(const system::Obstacle& o, const mesh::Su
 }
 
 /// Powers of what describes a primitive must be numbers; those read from files are checked there.
-void check_size(const system::Obstacle& o) {
+void check_size(const contact::Obstacle& o) {
   constexpr double largest = 1e100;
   double size = std::max(o.radius, o.thickness);
   for (const Vec3& x : o.points) size = std::max(size, x.cwiseAbs().maxCoeff());
@@ -113,7 +113,7 @@ system::ContactInput contact_input(MPI_Comm comm, const input::Case& c, KnownObs
       input.obstacles.push_back(at->second);
       continue;
     }
-    system::Obstacle o = section.shape;
+    contact::Obstacle o = section.shape;
     if (section.type == input::ObstacleSection::Type::mesh) read_shape(comm, section, o);
     if (section.type == input::ObstacleSection::Type::cylinder) tessellate(section, input.options.distance, o);
     if (!section.frames.empty()) read_frames(comm, section, c.time.options.end_time, o, input.notes);
@@ -146,7 +146,7 @@ IntersectionCheck::Triangles IntersectionCheck::triangles_at(const std::vector<V
     }
   };
   std::size_t at = static_cast<std::size_t>(s.sheet_points);
-  for (const system::Obstacle& o : contact_.input().obstacles) {
+  for (const contact::Obstacle& o : contact_.input().obstacles) {
     if (o.shape == Shape::plane) continue;
     const Index body = s.body_of_point[at];
     if (o.shape == Shape::sphere) add(geometry::sphere_surface(x[at], o.radius, refinement), body);
@@ -190,7 +190,7 @@ std::string IntersectionCheck::report(const std::vector<Vec3>& positions,
 }
 
 ObstaclePicture::ObstaclePicture(const system::ContactInput& input, const mesh::SurfaceMesh& sheet) {
-  for (const system::Obstacle& o : input.obstacles) {
+  for (const contact::Obstacle& o : input.obstacles) {
     const geometry::TriangleSoup soup = surface_at_rest(o, sheet);
     const auto first = static_cast<Index>(rest_.positions.size());
     first_.push_back(rest_.positions.size());
@@ -207,7 +207,7 @@ ObstaclePicture::ObstaclePicture(const system::ContactInput& input, const mesh::
 std::vector<Vec3> ObstaclePicture::positions(const system::Contact& contact) const {
   std::vector<Vec3> x = rest_.positions;
   for (std::size_t k = 0; k + 1 < first_.size(); ++k) {
-    const system::Obstacle& o = contact.input().obstacles[k];
+    const contact::Obstacle& o = contact.input().obstacles[k];
     if (o.shape == Shape::mesh) {
       const std::vector<Vec3> now = contact.obstacle_points(k);
       std::copy(now.begin(), now.end(), x.begin() + static_cast<std::ptrdiff_t>(first_[k]));

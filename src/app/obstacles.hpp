@@ -14,7 +14,7 @@
 namespace voile::app {
 
 /// Obstacles that were read, by name, for the epochs and stages of a run.
-using KnownObstacles = std::map<std::string, system::Obstacle>;
+using KnownObstacles = std::map<std::string, contact::Obstacle>;
 
 /// What a model needs to know of contact: rank 0 reads the files of obstacles that are not known yet, every rank
 /// receives them. Collective. Throws UserError for files that cannot be read and frames that do not fit their mesh.

@@ -288,8 +288,8 @@ void read_supports(const CaseReader& reader, Case& c) {
 
 void read_obstacle(const SectionPlace& place, Case& c, ObstacleSection& s) {
   using Type = ObstacleSection::Type;
-  using Shape = system::Obstacle::Shape;
-  system::Obstacle& o = s.shape;
+  using Shape = contact::Obstacle::Shape;
+  contact::Obstacle& o = s.shape;
   constexpr std::array shapes{Shape::mesh, Shape::plane, Shape::sphere, Shape::capsule, Shape::mesh};
   o.shape = shapes[static_cast<std::size_t>(s.type)];
   o.yields = s.on_pinch == ObstacleSection::OnPinch::yield;

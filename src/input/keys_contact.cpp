@@ -59,7 +59,7 @@ std::vector<Key> keys_of(ContactSection& s) {
 
 std::vector<Key> keys_of(ObstacleSection& s) {
   const std::vector<std::string> mesh{"mesh"}, plane{"plane"}, sphere{"sphere"}, axis{"capsule", "cylinder"};
-  system::Obstacle& o = s.shape;
+  contact::Obstacle& o = s.shape;
   std::vector<Key> keys{
       {.name = "name", .slot = &o.name, .meaning = "Unique; for rules and messages.", .required = true},
       {.name = "type",

@@ -26,17 +26,6 @@ constexpr int most_rounds = 30;
 /// Of these, the last ones, which tell what is pinched.
 constexpr int last_rounds = 4;
 
-/// x -> A x + b of a rigid motion at time t.
-struct RigidMap {
-  Mat3 a = Mat3::Identity();
-  Vec3 b = Vec3::Zero();
-  RigidMap(const std::function<Vec3(const Vec3&, double)>& motion, double t) {
-    if (!motion) return;
-    b = motion(Vec3::Zero(), t);
-    for (int k = 0; k < 3; ++k) a.col(k) = Vec3::Unit(k) + motion(Vec3::Unit(k), t) - b;
-  }
-};
-
 /// Parts of the sheet that rules name, then the obstacles.
 struct Bodies {
   std::vector<contact::Body> list;
@@ -69,7 +58,7 @@ Bodies make_bodies(const mesh::SurfaceMesh& mesh, const ContactInput& input) {
       b.list.push_back({*name, input.thickness});
     }
   b.sheets = b.list.size();
-  for (const Obstacle& o : input.obstacles) b.list.push_back({o.name, o.thickness + 2.0 * o.radius});
+  for (const contact::Obstacle& o : input.obstacles) b.list.push_back({o.name, o.thickness + 2.0 * o.radius});
   return b;
 }
 
@@ -95,23 +84,11 @@ Contact::Contact(const Dofs& dofs, ContactInput input)
   notes_ = input_.notes;
   Bodies bodies = make_bodies(mesh, input_);
   const std::size_t sheets = bodies.sheets;
-  for (std::size_t k = 0; k < input_.obstacles.size(); ++k) body_of_obstacle_.push_back(static_cast<int>(sheets + k));
   contact::Surface surface = contact::make_surface(mesh, std::move(bodies.list), bodies.of_triangle, bodies.of_vertex);
-  std::vector<Plane> planes;
-  for (std::size_t k = 0; k < input_.obstacles.size(); ++k) {
-    const Obstacle& o = input_.obstacles[k];
-    const int body = body_of_obstacle_[k];
-    first_point_.push_back(no_index);
-    if (o.shape == Obstacle::Shape::plane)
-      planes.push_back({body, o.normal.normalized(), 0.0});
-    else
-      first_point_.back() = contact::append(
-          surface, body, o.points, o.triangles,
-          o.shape == Obstacle::Shape::capsule ? std::vector<mesh::Segment>{{0, 1}} : std::vector<mesh::Segment>{});
-  }
+  obstacles_.emplace(input_.obstacles, static_cast<int>(sheets), surface);
   set_general_rules(input_, sheets, surface);
   if (lacks_room(mesh)) surface.neighbours = contact::find_neighbours(surface, input_.options.distance);
-  set_ = std::make_unique<ContactSet>(std::move(surface), std::move(planes), input_.options, [&] {
+  set_ = std::make_unique<ContactSet>(std::move(surface), obstacles_->planes(), input_.options, [&] {
     std::vector<char> owned(static_cast<std::size_t>(mesh.vertex_count()));
     for (Index i = 0; i < row_count_; ++i) owned[partition_->vertex_of[first_row_ + i]] = 1;
     return owned;
@@ -186,41 +163,11 @@ void Contact::fill_positions(Vec a, std::vector<Vec3>& x) const {
   }
 }
 
-void Contact::place_obstacles(double time, std::vector<Vec3>& x, std::vector<Plane>& planes) const {
-  std::size_t plane = 0;
-  for (std::size_t k = 0; k < input_.obstacles.size(); ++k) {
-    const Obstacle& o = input_.obstacles[k];
-    if (o.shape == Obstacle::Shape::plane) {
-      const RigidMap map(o.motion, time);
-      Plane& p = planes[plane++];
-      p.normal = (map.a * o.normal).normalized();
-      p.level = p.normal.dot(map.a * o.points.front() + map.b);
-      continue;
-    }
-    const auto at = static_cast<std::size_t>(first_point_[k]);
-    if (o.frames) {
-      const std::vector<Vec3> now = o.frames(time);
-      std::copy(now.begin(), now.end(), x.begin() + static_cast<std::ptrdiff_t>(at));
-      continue;
-    }
-    for (std::size_t i = 0; i < o.points.size(); ++i)
-      x[at + i] = o.motion ? Vec3(o.points[i] + o.motion(o.points[i], time)) : o.points[i];
-  }
-}
-
 void Contact::set_time(double time) {
   time_ = time;
   settle();
-  place_obstacles(time, x_, set_->planes());
+  obstacles_->place(time, x_, set_->planes());
   set_->carry([&](int b, const Vec3& place) { return displacement(b, place); });
-}
-
-Vec3 Contact::displacement(int b, const Vec3& place) const {
-  const auto& bodies = body_of_obstacle_;
-  const auto k = static_cast<std::size_t>(std::find(bodies.begin(), bodies.end(), b) - bodies.begin());
-  if (k == bodies.size() || !input_.obstacles[k].motion) return Vec3::Zero();
-  const RigidMap before(input_.obstacles[k].motion, start_time_), now(input_.obstacles[k].motion, time_);
-  return now.a * (before.a.transpose() * (place - before.b)) + now.b - place;
 }
 
 std::vector<Vec3> Contact::positions(Vec a) const {
@@ -253,9 +200,7 @@ std::vector<Mat3> Contact::free_directions() const {
 }
 
 std::vector<Vec3> Contact::obstacle_points(std::size_t k) const {
-  if (first_point_[k] == no_index) return {};
-  const auto first = x_.begin() + first_point_[k];
-  return {first, first + static_cast<std::ptrdiff_t>(input_.obstacles[k].points.size())};
+  return obstacles_->points(k, x_);
 }
 
 // ---- terms ---------------------------------------------------------------------------------------------------------
@@ -395,7 +340,7 @@ bool Contact::find_way(Vec from, double t0, Vec to, double t1) {
   std::vector<Vec3> end = x_;
   const std::vector<Plane> planes = set_->planes();
   std::vector<Plane> planes_end = planes;
-  place_obstacles(t1, end, planes_end);
+  obstacles_->place(t1, end, planes_end);
   fill_positions(to, end);
   const contact::Surface& s = set_->surface();
   bool clear = false;

@@ -1,11 +1,9 @@
 // Obstacles that give way to cloth which they pinch.
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 
 #include "voile/base/mpi.hpp"
-#include "voile/geometry/winding.hpp"
 #include "voile/system/contact.hpp"
 
 namespace voile::system {
@@ -24,44 +22,10 @@ double bit(std::size_t obstacle) {
   return std::ldexp(1.0, static_cast<int>(obstacle));
 }
 
-using Corners = std::array<Vec3, 3>;
-
-bool pierces(const Vec3& a, const Vec3& b, const Corners& t) {
-  const auto volume = [](const Vec3& p, const Vec3& q, const Vec3& r, const Vec3& s) {
-    return (q - p).cross(r - p).dot(s - p);
-  };
-  if (volume(t[0], t[1], t[2], a) * volume(t[0], t[1], t[2], b) > 0.0) return false;
-  const double u = volume(a, b, t[0], t[1]), v = volume(a, b, t[1], t[2]), w = volume(a, b, t[2], t[0]);
-  return (u >= 0.0 && v >= 0.0 && w >= 0.0) || (u <= 0.0 && v <= 0.0 && w <= 0.0);
-}
-
-/// Distance of a segment and a triangle; 0 if it pierces.
-double distance(const Vec3& a, const Vec3& b, const Corners& t) {
-  if (pierces(a, b, t)) return 0.0;
-  double least = std::min(contact::point_triangle({a, t[0], t[1], t[2]}).distance,
-                          contact::point_triangle({b, t[0], t[1], t[2]}).distance);
-  for (std::size_t k = 0; k < 3; ++k)
-    least = std::min(least, contact::edge_edge({a, b, t[k], t[(k + 1) % 3]}).distance);
-  return least;
-}
-
-double distance(const Corners& s, const Corners& t) {
-  double least = std::numeric_limits<double>::infinity();
-  for (std::size_t k = 0; k < 3; ++k)
-    least = std::min({least, distance(s[k], s[(k + 1) % 3], t), distance(t[k], t[(k + 1) % 3], s)});
-  return least;
-}
-
-contact::Box box_of(const Corners& t) {
-  contact::Box box;
-  for (const Vec3& x : t) box.include(x);
-  return box;
-}
-
 }  // namespace
 
 bool Contact::has_yielding_obstacles() const {
-  return std::any_of(input_.obstacles.begin(), input_.obstacles.end(), [](const Obstacle& o) { return o.yields; });
+  return obstacles_->any_yields();
 }
 
 long Contact::yielding_count() const {
@@ -69,9 +33,9 @@ long Contact::yielding_count() const {
 }
 
 bool Contact::gives_way(const std::array<Index, 3>& triangle, int body) const {
-  const auto at = std::find(body_of_obstacle_.begin(), body_of_obstacle_.end(), body);
-  if (memory_.yielding.empty() || at == body_of_obstacle_.end()) return false;
-  const std::uint64_t own = bits(bit(static_cast<std::size_t>(at - body_of_obstacle_.begin())));
+  const std::optional<std::size_t> k = obstacles_->of_body(body);
+  if (memory_.yielding.empty() || !k) return false;
+  const std::uint64_t own = bits(bit(*k));
   return std::any_of(triangle.begin(), triangle.end(),
                      [&](Index v) { return set_->surface().is_sheet(v) && (bits(memory_.yielding[v]) & own); });
 }
@@ -79,15 +43,15 @@ bool Contact::gives_way(const std::array<Index, 3>& triangle, int body) const {
 void Contact::tell_yielding() {
   std::vector<std::uint64_t> points(memory_.yielding.size()), bodies(set_->surface().bodies.size(), 0);
   std::transform(memory_.yielding.begin(), memory_.yielding.end(), points.begin(), bits);
-  for (std::size_t k = 0; k < input_.obstacles.size(); ++k)
-    if (input_.obstacles[k].yields) bodies[body_of_obstacle_[k]] = bits(bit(k));
+  for (std::size_t k = 0; k < obstacles_->size(); ++k)
+    if ((*obstacles_)[k].yields) bodies[obstacles_->body(k)] = bits(bit(k));
   set_->set_yielding(std::move(points), std::move(bodies));
 }
 
 void Contact::note_blocked(const contact::Pair& pair) {
-  for (std::size_t k = 0; k < input_.obstacles.size(); ++k) {
-    const int b = body_of_obstacle_[k];
-    if (!input_.obstacles[k].yields || (pair.body_a != b && pair.body_b != b)) continue;
+  for (std::size_t k = 0; k < obstacles_->size(); ++k) {
+    const int b = obstacles_->body(k);
+    if (!(*obstacles_)[k].yields || (pair.body_a != b && pair.body_b != b)) continue;
     for (Index p : pair.points)
       if (p != no_index && set_->surface().is_sheet(p))
         blocked_[p] = static_cast<double>(bits(blocked_[p]) | bits(bit(k)));
@@ -99,8 +63,8 @@ bool Contact::yield_to_blocked() {
   bool more = false;
   std::vector<double> all = memory_.yielding;
   all.resize(static_cast<std::size_t>(mesh_->vertex_count()), 0.0);
-  for (std::size_t k = 0; k < input_.obstacles.size() && !more; ++k) {
-    if (!input_.obstacles[k].yields) continue;
+  for (std::size_t k = 0; k < obstacles_->size() && !more; ++k) {
+    if (!(*obstacles_)[k].yields) continue;
     std::vector<double> hit(static_cast<std::size_t>(mesh_->vertex_count()));  // -1: on some rank
     for (std::size_t v = 0; v < hit.size(); ++v) hit[v] = bits(blocked_[v]) & bits(bit(k)) ? -1.0 : 0.0;
     mpi::min(comm_, hit);
@@ -153,37 +117,16 @@ bool Contact::make_way(Vec from, double t0, Vec to, double t1, bool may_yield) {
 }
 
 bool Contact::is_free(const mesh::Triangle& t, std::size_t k, const std::vector<Vec3>& x) const {
-  const Obstacle& o = input_.obstacles[k];
   const contact::Surface& s = set_->surface();
-  const int body = body_of_obstacle_[k];
-  const Corners own{x[t[0]], x[t[1]], x[t[2]]};
-  const double apart = s.offset(body, s.body_of_point[t[0]]) + input_.options.distance;
-  if (o.shape == Obstacle::Shape::plane)
-    return std::all_of(own.begin(), own.end(), [&](const Vec3& p) {
-      return std::all_of(set_->planes().begin(), set_->planes().end(), [&](const contact::Plane& plane) {
-        return plane.body != body || plane.normal.dot(p) - plane.level >= apart;
-      });
-    });
-  const auto first = static_cast<std::size_t>(first_point_[k]);
-  if (o.shape == Obstacle::Shape::sphere)
-    return contact::point_triangle({x[first], own[0], own[1], own[2]}).distance >= apart;
-  if (o.shape == Obstacle::Shape::capsule) return distance(x[first], x[first + 1], own) >= apart;
-  const contact::Box box = box_of(own);
-  std::vector<mesh::Triangle> triangles = o.triangles;
-  for (mesh::Triangle& f : triangles)
-    for (Index& p : f) p += first_point_[k];
-  for (const mesh::Triangle& f : triangles) {
-    const Corners other{x[f[0]], x[f[1]], x[f[2]]};
-    if (box.within(box_of(other), apart) && distance(own, other) < apart) return false;
-  }
-  return !geometry::is_closed(triangles) || std::abs(geometry::winding_number(own[0], x, triangles)) < 0.5;
+  const double apart = s.offset(obstacles_->body(k), s.body_of_point[t[0]]) + input_.options.distance;
+  return obstacles_->is_free(k, {x[t[0]], x[t[1]], x[t[2]]}, x, set_->planes(), apart);
 }
 
 void Contact::end_yielding(const std::vector<Vec3>& x) {
   if (memory_.yielding.empty()) return;
   const std::vector<double> before = memory_.yielding;
   for (std::size_t v = 0; v < before.size(); ++v)
-    for (std::size_t k = 0; before[v] != 0.0 && k < input_.obstacles.size(); ++k) {
+    for (std::size_t k = 0; before[v] != 0.0 && k < obstacles_->size(); ++k) {
       if (!(bits(before[v]) & bits(bit(k)))) continue;
       const std::vector<Index> around = mesh_->triangles_of_vertex(static_cast<Index>(v));
       if (std::all_of(around.begin(), around.end(), [&](Index t) { return is_free(mesh_->triangles()[t], k, x); }))

@@ -16,7 +16,7 @@
 using namespace voile;
 using namespace voile::testing;
 using contact::ContactSet;
-using system::Obstacle;
+using contact::Obstacle;
 using SupportKind = system::Support::Kind;
 using LoadKind = system::Load::Kind;
 

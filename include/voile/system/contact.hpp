@@ -15,28 +15,11 @@
 
 #include "voile/base/petsc.hpp"
 #include "voile/contact/contact_set.hpp"
+#include "voile/contact/obstacle.hpp"
 #include "voile/system/block_matrix.hpp"
 #include "voile/system/dofs.hpp"
 
 namespace voile::system {
-
-struct Obstacle {
-  enum class Shape { mesh, plane, sphere, capsule };
-  std::string name;
-  Shape shape = Shape::mesh;
-  std::vector<Vec3> points;  ///< mesh: vertices; plane: a point of it; sphere: centre; capsule: ends of its axis [m]
-  std::vector<mesh::Triangle> triangles;  ///< mesh only
-  Vec3 normal = Vec3::UnitZ();            ///< plane: towards the free side
-  double radius = 0.0;                    ///< sphere, capsule [m]
-  double thickness = 0.0;                 ///< its surface lies half of this further out [m]
-  double friction = 0.0;                  ///< against the sheet
-  /// Rigid: displacement of the material point at X at time t; empty: at rest.
-  std::function<Vec3(const Vec3& rest, double time)> motion;
-  /// Deforming mesh: positions of `points` at time t, instead of `motion`.
-  std::function<std::vector<Vec3>(double time)> frames;
-  /// Gives way to cloth that it pinches: see Contact::make_way.
-  bool yields = false;
-};
 
 /// An exception to the rules between two bodies: obstacles, or surface or curve groups of the mesh (surface.hpp).
 struct ContactRule {
@@ -51,7 +34,7 @@ struct ContactInput {
   double thickness = 0.0;  ///< of the sheet: its layers keep this apart [m]
   bool self = true;        ///< the sheet touches itself
   double friction = 0.0;   ///< of the sheet against itself
-  std::vector<Obstacle> obstacles;
+  std::vector<contact::Obstacle> obstacles;
   std::vector<ContactRule> rules;
   std::vector<std::string> notes;  ///< what a user should know of the obstacles
 };
@@ -170,8 +153,9 @@ class Contact {
   void fill_positions(Vec a, std::vector<Vec3>& x) const;
   /// Sets the free components of row i of this rank so that its vertex is at x.
   void place_vertex(Index i, const Vec3& x, const petsc::WriteArray& a) const;
-  void place_obstacles(double time, std::vector<Vec3>& x, std::vector<contact::Plane>& planes) const;
-  [[nodiscard]] Vec3 displacement(int body, const Vec3& place) const;
+  [[nodiscard]] Vec3 displacement(int body, const Vec3& place) const {
+    return obstacles_->displacement(body, place, start_time_, time_);
+  }
   [[nodiscard]] std::string words(const contact::Pair& pair) const;
   [[nodiscard]] std::string lowest_rank_text(const std::string& own) const;
 
@@ -181,8 +165,7 @@ class Contact {
   const mesh::Partition* partition_;
   ContactInput input_;
   Index first_row_ = 0, row_count_ = 0;
-  std::vector<int> body_of_obstacle_;
-  std::vector<Index> first_point_;  ///< of each obstacle; no_index for a plane
+  std::optional<contact::Obstacles> obstacles_;
   std::unique_ptr<contact::ContactSet> set_;
   petsc::ScatterHandle to_all_;
   petsc::VecHandle all_;
