@@ -20,7 +20,8 @@ void write_modes(const input::Case& c, const RunOptions& options, const system::
   std::optional<io::HistoryWriter> table;
   mpi::on_root(model.comm(), [&] {
     const mesh::Partition& p = model.dofs().partition();
-    fields.emplace(options.output / "modes", model.mesh(), p.vertex_rank, p.triangle_rank);
+    fields.emplace(options.output / "modes");
+    fields->begin_epoch(model.mesh(), p.vertex_rank, p.triangle_rank);
     table.emplace(options.output / "modes.csv",
                   std::vector<std::string>{"mode", vibration ? "frequency_hz" : "critical_load_factor", "eigenvalue",
                                            "residual"});
@@ -38,6 +39,7 @@ void write_modes(const input::Case& c, const RunOptions& options, const system::
         fmt::print("{:>5} {:>16.8g} {:>12.2e}\n", number, mode.value, mode.residual);
     });
   }
+  mpi::on_root(model.comm(), [&] { fields->finish(); });
 }
 
 }  // namespace

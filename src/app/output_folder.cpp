@@ -23,8 +23,9 @@ namespace {
 
 constexpr const char* lock_name = "run.lock";
 /// What a run leaves behind, besides folders of steps.
-constexpr std::array own_files{"results.h5",  "results.xdmf", "obstacles.xdmf",    "checkpoint.h5",        "modes.csv",
-                               "history.csv", "summary.json", "intersections.vtk", OutputFolder::echo_name};
+constexpr std::array own_files{"results.vtkhdf", "results.xdmf",      "obstacles.xdmf",
+                               "checkpoint.h5",  "modes.csv",         "history.csv",
+                               "summary.json",   "intersections.vtk", OutputFolder::echo_name};
 
 std::string host_name() {
   std::array<char, 256> name{};
@@ -35,7 +36,9 @@ std::string host_name() {
 void remove_steps(const fs::path& folder) {
   std::error_code ignored;
   for (const auto& entry : fs::directory_iterator(folder, ignored)) {
-    const std::string name = entry.path().filename().string();
+    std::string name = entry.path().filename().string();
+    if (name.starts_with("epoch_")) name.erase(0, 6);
+    if (name == "obstacles.h5") name.insert(0, 1, '0');
     const std::size_t digits = static_cast<std::size_t>(
         std::find_if_not(name.begin(), name.end(), [](unsigned char c) { return std::isdigit(c); }) - name.begin());
     if (digits > 0 && (name.substr(digits) == ".h5" || name.substr(digits) == ".h5.part"))

@@ -40,11 +40,11 @@ Recorder::Recorder(const input::Case& c, const RunOptions& options, system::Mode
   mpi::on_root(model.comm(), [&] {
     const mesh::Partition& p = model.dofs().partition();
     if (model.contact()) obstacles_.emplace(model.contact()->input(), model.mesh());
-    results_.emplace(options.output, model.mesh(), p.vertex_rank, p.triangle_rank,
-                     obstacles_ ? obstacles_->at_rest() : io::ObstacleTriangles{});
+    results_.emplace(options.output, obstacles_ ? obstacles_->at_rest() : io::ObstacleTriangles{});
+    results_->begin_epoch(model.mesh(), p.vertex_rank, p.triangle_rank);
     history_.emplace(options.output / "history.csv", columns());
     if (const std::vector<std::string> renamed = results_->renamed_groups(); !renamed.empty())
-      remark("names of groups in results.h5: " + join(renamed, ", "));
+      remark("names of groups in results.vtkhdf: " + join(renamed, ", "));
   });
   if (root_ && options.verbosity != Verbosity::quiet)
     fmt::print("{}", case_.analysis == "dynamic"

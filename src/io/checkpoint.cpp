@@ -23,8 +23,7 @@ auto vectors_of(C& c) {
 void write_checkpoint(const std::filesystem::path& path, const Checkpoint& c, const mesh::SurfaceMesh& mesh) {
   const Silence silence;
   const auto vertices = static_cast<std::size_t>(mesh.vertex_count());
-  NewFile file(path, false);
-  file.group("mesh");
+  NewFile file(path, Format::v1_8);
   std::vector<double> positions;
   for (const Vec3& x : mesh.positions()) positions.insert(positions.end(), {x[0], x[1], x[2]});
   file.dataset("mesh/positions", H5T_NATIVE_DOUBLE, vertices, 3, positions.data());
@@ -49,7 +48,7 @@ Checkpoint read_unguarded(const std::filesystem::path& path, const mesh::Surface
   const Silence silence;
   const Hdf5Handle file(H5Fopen(path.string().c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
   if (!file.valid()) fail_restart(path, "this is not a checkpoint that can be read");
-  check_mesh(file, mesh, path);
+  check_mesh(file, "mesh/positions", mesh, path);
   if (H5Aexists(file, "in_equilibrium") <= 0)
     fail_restart(path,
                  "it is not a checkpoint; a run goes on from checkpoint.h5 of an earlier one, written every [time] "

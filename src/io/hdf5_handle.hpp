@@ -15,6 +15,7 @@ class Hdf5Handle {
   ~Hdf5Handle() {
     if (id_ >= 0) closer_(id_);
   }
+  Hdf5Handle(Hdf5Handle&& other) noexcept : id_(std::exchange(other.id_, -1)), closer_(other.closer_) {}
   Hdf5Handle(const Hdf5Handle&) = delete;
   Hdf5Handle& operator=(const Hdf5Handle&) = delete;
   operator hid_t() const { return id_; }

@@ -1,6 +1,7 @@
 // Reading arrays back from HDF5 for --restart; private to src/io.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -11,11 +12,29 @@
 namespace voile::io {
 
 [[noreturn]] void fail_restart(const std::filesystem::path& file, const std::string& what);
+
+/// Rows of a dataset; `count` rows from `begin` on.
+struct Rows {
+  std::size_t begin, count;
+};
+
+/// All of a dataset, which must have `count` numbers.
 [[nodiscard]] std::vector<double> read_values(hid_t file, const std::string& name, std::size_t count,
                                               const std::filesystem::path& path);
+/// Some rows of a table of `columns` columns.
+[[nodiscard]] std::vector<double> read_rows(hid_t file, const std::string& name, const Rows& rows, std::size_t columns,
+                                            const std::filesystem::path& path);
+/// All of a dataset of whole numbers, whatever its shape. Throws UserError if it is not there or damaged.
+[[nodiscard]] std::vector<std::int64_t> read_integers(hid_t file, const std::string& name,
+                                                      const std::filesystem::path& path);
+/// The same for any numbers; they may be not finite.
+[[nodiscard]] std::vector<double> read_all(hid_t file, const std::string& name, const std::filesystem::path& path);
 [[nodiscard]] double read_number(hid_t file, const std::string& object, const char* name,
                                  const std::filesystem::path& path);
-/// Throws UserError unless the file's mesh/positions are those of `mesh`.
-void check_mesh(hid_t file, const mesh::SurfaceMesh& mesh, const std::filesystem::path& path);
+/// A text attribute of fixed length.
+[[nodiscard]] std::string read_text(hid_t file, const std::string& object, const char* name,
+                                    const std::filesystem::path& path);
+/// Throws UserError unless the positions at rest in a dataset are those of `mesh`.
+void check_mesh(hid_t file, const std::string& name, const mesh::SurfaceMesh& mesh, const std::filesystem::path& path);
 
 }  // namespace voile::io

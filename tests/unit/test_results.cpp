@@ -1,191 +1,40 @@
-// Results read back with HDF5 itself; the XDMF only names what exists; nothing is lost by a kill.
-#include <doctest/doctest.h>
-#include <fmt/format.h>
-#include <hdf5.h>
-#include <signal.h>
+// Results as they are laid out, read back with HDF5 itself by the rules of VTKHDF; the XDMF only names what exists.
 #include <sys/stat.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <array>
-#include <chrono>
-#include <cmath>
-#include <filesystem>
-#include <fstream>
-#include <sstream>
-#include <string>
-#include <thread>
 
-#include "test_case_kit.hpp"
-#include "voile/base/error.hpp"
-#include "voile/base/text.hpp"
-#include "voile/io/checkpoint.hpp"
-#include "voile/io/results.hpp"
-#include "voile/io/stored_step.hpp"
+#include "test_results_kit.hpp"
 
 using namespace voile;
 using namespace voile::testing;
-namespace fs = std::filesystem;
 
 namespace {
 
-class Folder {
- public:
-  Folder() : path(fs::temp_directory_path() / fmt::format("voile_results_{}", ::getpid())) { fs::remove_all(path); }
-  ~Folder() { fs::remove_all(path); }
-  Folder(const Folder&) = delete;
-  Folder& operator=(const Folder&) = delete;
-  const fs::path path;
-};
-
-/// n x n squares, each cut in two, with groups of all dimensions.
-mesh::SurfaceMesh plate(Index n) {
-  mesh::MeshData data;
-  data.source = "plate";
-  for (Index j = 0; j <= n; ++j)
-    for (Index i = 0; i <= n; ++i) data.positions.emplace_back(i, j, 0.25 * i);
-  for (Index j = 0; j < n; ++j)
-    for (Index i = 0; i < n; ++i) {
-      const Index a = j * (n + 1) + i, b = a + 1, c = a + n + 1, d = c + 1;
-      data.triangles.push_back({a, b, d});
-      data.triangles.push_back({a, d, c});
-    }
-  data.groups = {{"corner", 0, {0}, {}, {}},
-                 {"x < 1 & \"y\"/2", 1, {0, 1}, {{0, 1}}, {}},
-                 {"first", 2, {0, 1, n + 2}, {}, {0}},
-                 {"first", 1, {0, 1}, {{0, 1}}, {}}};
-  return mesh::SurfaceMesh(data);
-}
-
-std::vector<int> ramp(Index n) {
-  std::vector<int> values;
-  for (Index i = 0; i < n; ++i) values.push_back(i % 3);
-  return values;
-}
-
-io::StepFields step(const mesh::SurfaceMesh& mesh, int number) {
-  const auto values = [&](Index count, int components) {
-    std::vector<double> v;
-    for (Index i = 0; i < count * components; ++i) v.push_back(number + 0.001 * i);
-    return v;
-  };
-  return {number,
-          0.1 * number,
-          0.2 * number,
-          {{"displacement", "m", io::Centre::vertex, 3, values(mesh.vertex_count(), 3)},
-           {"membrane_force", "N/m", io::Centre::triangle, 3, values(mesh.triangle_count(), 3)},
-           {"thickness", "m", io::Centre::triangle, 1, values(mesh.triangle_count(), 1)},
-           {"tensor", "1", io::Centre::vertex, 9, values(mesh.vertex_count(), 9)}}};
-}
-
-/// Values and shape of a data set, read with HDF5 alone. `shape` stays empty if there is none.
-struct DataSet {
-  std::vector<hsize_t> shape;
-  std::vector<double> values;
-};
-
-DataSet read(const fs::path& file, const std::string& name) {
-  DataSet result;
-  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
-  const hid_t f = H5Fopen(file.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
-  if (f < 0) return result;
-  const hid_t set = H5Dopen2(f, name.c_str(), H5P_DEFAULT);
-  if (set >= 0) {
-    const hid_t space = H5Dget_space(set);
-    result.shape.resize(static_cast<std::size_t>(H5Sget_simple_extent_ndims(space)));
-    H5Sget_simple_extent_dims(space, result.shape.data(), nullptr);
-    result.values.resize(static_cast<std::size_t>(H5Sget_simple_extent_npoints(space)));
-    if (H5Dread(set, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, result.values.data()) < 0) result.shape.clear();
-    H5Sclose(space);
-    H5Dclose(set);
+/// Every step of `count` equals what was written, through the arrays of VTKHDF.
+void check_steps(const fs::path& file, const mesh::SurfaceMesh& mesh, std::size_t count) {
+  for (std::size_t i = 0; i < count; ++i) {
+    const io::StepFields wanted = step(mesh, static_cast<int>(i) + 1);
+    const VtkStep got = vtk_step(file, i);
+    CAPTURE(i);
+    CHECK(got.time == wanted.time);
+    CHECK(got.points == moved(mesh, wanted));
+    CHECK(got.connectivity == corners(mesh));
+    CHECK(got.offsets.front() == 0.0);
+    CHECK(got.offsets.back() == 3.0 * mesh.triangle_count());
+    CHECK(got.types == std::vector<double>(mesh.triangles().size(), 5.0));
+    CHECK(vtk_array(file, i, "PointData/displacement") == wanted.fields[0].values);
+    CHECK(vtk_array(file, i, "CellData/membrane_force_11_22_12") == wanted.fields[1].values);
+    CHECK(vtk_array(file, i, "CellData/thickness") == wanted.fields[2].values);
+    CHECK(vtk_array(file, i, "PointData/tensor") == wanted.fields[3].values);
   }
-  H5Fclose(f);
-  return result;
 }
 
-std::string text_attribute(const fs::path& file, const std::string& object, const char* name) {
-  const hid_t f = H5Fopen(file.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
-  const hid_t a = H5Aopen_by_name(f, object.c_str(), name, H5P_DEFAULT, H5P_DEFAULT);
-  const hid_t type = H5Aget_type(a);
-  std::string text(H5Tget_size(type), ' ');
-  H5Aread(a, type, text.data());
-  H5Tclose(type);
-  H5Aclose(a);
-  H5Fclose(f);
-  return text;
+bool all_nan(const std::vector<double>& values) {
+  return !values.empty() && std::all_of(values.begin(), values.end(), [](double x) { return std::isnan(x); });
 }
 
-/// A list of texts of one length.
-std::vector<std::string> texts(const fs::path& file, const std::string& name) {
-  const hid_t f = H5Fopen(file.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), set = H5Dopen2(f, name.c_str(), H5P_DEFAULT);
-  const hid_t type = H5Dget_type(set), space = H5Dget_space(set);
-  const std::size_t width = H5Tget_size(type);
-  std::string all(width * static_cast<std::size_t>(H5Sget_simple_extent_npoints(space)), ' ');
-  H5Dread(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, all.data());
-  H5Sclose(space);
-  H5Tclose(type);
-  H5Dclose(set);
-  H5Fclose(f);
-  std::vector<std::string> list;
-  for (std::size_t at = 0; at < all.size(); at += width) list.emplace_back(all.substr(at, width).c_str());
-  return list;
-}
-
-std::string read_text(const fs::path& file) {
-  std::ifstream in(file);
-  std::stringstream text;
-  text << in.rdbuf();
-  return text.str();
-}
-
-/// Every data item of the XDMF exists with the dimensions it claims. Returns how many there are.
-int check_xdmf(const fs::path& folder, const char* name = "results.xdmf") {
-  const std::string text = read_text(folder / name);
-  int count = 0;
-  const auto between = [&](const char* open, const char* close, std::size_t from) {
-    const std::size_t begin = text.find(open, from) + std::string(open).size();
-    return text.substr(begin, text.find(close, begin) - begin);
-  };
-  for (std::size_t at = text.find("<DataItem"); at != std::string::npos; at = text.find("<DataItem", at + 1), ++count) {
-    const std::string size = between("Dimensions=\"", "\"", at), where = between("Format=\"HDF\">", "</DataItem>", at);
-    CAPTURE(where);
-    const std::size_t colon = where.find(':');
-    REQUIRE(colon != std::string::npos);
-    const DataSet set = read(folder / where.substr(0, colon), where.substr(colon + 1));
-    REQUIRE(!set.shape.empty());
-    CHECK(join(set.shape, " ") == size);
-  }
-  const auto occurrences = [&](const char* what) {
-    int n = 0;
-    for (std::size_t at = text.find(what); at != std::string::npos; at = text.find(what, at + 1)) ++n;
-    return n;
-  };
-  CHECK(occurrences("<Grid") == occurrences("</Grid>"));
-  return count;
-}
-
-/// A triangle and a square.
-io::ObstacleTriangles obstacles(bool move) {
-  return {{"body", "floor & \xc3\xb6"},
-          {{0, 0, 0}, {1, 0, 0.1}, {0, 1, 0}, {-1, -1, -1}, {1, -1, -1}, {1, 1, -1}, {-1, 1, -1}},
-          {{0, 1, 2}, {3, 4, 5}, {3, 5, 6}},
-          {0, 1, 1},
-          move};
-}
-
-/// Those at a step: everything lies higher by its number.
-std::vector<Vec3> raised(int number) {
-  std::vector<Vec3> points = obstacles(true).positions;
-  for (Vec3& x : points) x[2] += number;
-  return points;
-}
-
-std::vector<double> single(const std::vector<Vec3>& points) {
-  std::vector<double> values;
-  for (const Vec3& x : points)
-    for (int k = 0; k < 3; ++k) values.push_back(static_cast<float>(x[k]));
-  return values;
+std::vector<double> numbers(const std::vector<int>& values) {
+  return {values.begin(), values.end()};
 }
 
 }  // namespace
@@ -193,37 +42,37 @@ std::vector<double> single(const std::vector<Vec3>& points) {
 TEST_CASE("mesh, groups and partition are there before the first step") {
   const Folder folder;
   const mesh::SurfaceMesh mesh = plate(2);
-  const io::ResultsWriter writer(folder.path, mesh, ramp(9), ramp(8));
-  const fs::path h5 = folder.path / "results.h5";
-  const DataSet positions = read(h5, "/mesh/positions");
+  const io::ResultsWriter writer = begin(folder.path, mesh);
+  const fs::path h5 = folder.path / "results.vtkhdf";
+  const DataSet positions = read(h5, "/voile/epochs/000000/positions");
   CHECK(positions.shape == std::vector<hsize_t>{9, 3});
   CHECK(positions.values[3] == 1.0);
   CHECK(positions.values[5] == 0.25);
-  CHECK(read(h5, "/mesh/triangles").values[2] == 4.0);
-  CHECK(read(h5, "/mesh/partition/vertices").values[5] == 2.0);
-  CHECK(read(h5, "/mesh/partition/triangles").shape == std::vector<hsize_t>{8});
-  CHECK(read(h5, "/mesh/groups/corner").values == std::vector<double>{1, 0, 0, 0, 0, 0, 0, 0, 0});
-  CHECK(read(h5, "/mesh/groups/first").values == std::vector<double>{1, 0, 0, 0, 0, 0, 0, 0});
-  CHECK(read(h5, "/mesh/groups/first_").values == std::vector<double>{1, 1, 0, 0, 0, 0, 0, 0, 0});
-  CHECK(text_attribute(h5, "/mesh/groups/x___1____y__2", "name") == "x < 1 & \"y\"/2");
-  CHECK(text_attribute(h5, "/mesh/positions", "unit") == "m");
+  CHECK(read(h5, "/voile/epochs/000000/triangles").values == corners(mesh));
+  CHECK(read(h5, "/VTKHDF/Connectivity").values == corners(mesh));
+  CHECK(read(h5, "/VTKHDF/PointData/partition").values == numbers(ramp(9)));
+  CHECK(read(h5, "/VTKHDF/CellData/partition").shape == std::vector<hsize_t>{8});
+  CHECK(read(h5, "/VTKHDF/PointData/group_corner").values == std::vector<double>{1, 0, 0, 0, 0, 0, 0, 0, 0});
+  CHECK(read(h5, "/VTKHDF/CellData/group_first").values == std::vector<double>{1, 0, 0, 0, 0, 0, 0, 0});
+  CHECK(read(h5, "/VTKHDF/PointData/group_first_").values == std::vector<double>{1, 1, 0, 0, 0, 0, 0, 0, 0});
+  CHECK(text_attribute(h5, "/VTKHDF/PointData/group_x___1____y__2", "name") == "group:x < 1 & \"y\"/2");
+  CHECK(text_attribute(h5, "/voile/epochs/000000/groups/000001", "name") == "x < 1 & \"y\"/2");
+  CHECK(text_attribute(h5, "/voile/epochs/000000/positions", "unit") == "m");
+  CHECK(text_attribute(h5, "/VTKHDF", "Type") == "UnstructuredGrid");
   CHECK(check_xdmf(folder.path) == 2 + 2 + 4);
   CHECK(has(read_text(folder.path / "results.xdmf"), "Name=\"group:x &lt; 1 &amp; &quot;y&quot;/2\""));
+  CHECK(has(join(writer.renamed_groups(), "; "), "'x < 1 & \"y\"/2' is /VTKHDF/PointData/group_x___1____y__2"));
 }
 
-TEST_CASE("steps are readable through results.h5 and the XDMF after each write") {
+TEST_CASE("steps are readable through VTKHDF and the XDMF after each write, and in one file at the end") {
   const Folder folder;
   const mesh::SurfaceMesh mesh = plate(2);
-  io::ResultsWriter writer(folder.path, mesh, ramp(9), ramp(8));
+  const fs::path h5 = folder.path / "results.vtkhdf";
+  io::ResultsWriter writer = begin(folder.path, mesh);
   for (int number = 1; number <= 3; ++number) {
-    const io::StepFields fields = step(mesh, number);
-    writer.write(fields);
+    writer.write(step(mesh, number));
     CHECK(check_xdmf(folder.path) == number * (8 + 4));
-    for (int k = 1; k <= number; ++k)
-      for (const io::Field& field : step(mesh, k).fields) {
-        const DataSet set = read(folder.path / "results.h5", fmt::format("/steps/{:06d}/{}", k, field.name));
-        CHECK(set.values == field.values);
-      }
+    check_steps(h5, mesh, static_cast<std::size_t>(number));
   }
   const std::string xdmf = read_text(folder.path / "results.xdmf");
   CHECK(has(xdmf, "CollectionType=\"Temporal\""));
@@ -232,44 +81,154 @@ TEST_CASE("steps are readable through results.h5 and the XDMF after each write")
   CHECK(has(xdmf, "Name=\"membrane_force_11_22_12\" AttributeType=\"Matrix\" Center=\"Cell\""));
   CHECK(has(xdmf, "Name=\"thickness\" AttributeType=\"Scalar\" Center=\"Cell\""));
   CHECK(has(xdmf, "Name=\"tensor\" AttributeType=\"Tensor\" Center=\"Node\""));
-  CHECK(text_attribute(folder.path / "results.h5", "/steps/000002/membrane_force", "unit") == "N/m");
+  CHECK(text_attribute(h5, "/VTKHDF/CellData/membrane_force_11_22_12", "unit") == "N/m");
+  CHECK(read(h5, "/voile/steps/load_factor").values == std::vector<double>{0.2 * 1, 0.2 * 2, 0.2 * 3});
+  CHECK(read(h5, "/VTKHDF/Steps/CellOffsets").shape == std::vector<hsize_t>{3, 1});
+  CHECK(fs::exists(folder.path / "steps"));
+  writer.finish();
+  CHECK(!fs::exists(folder.path / "steps"));
+  CHECK(read_text(folder.path / "results.xdmf") == xdmf);
+  CHECK(check_xdmf(folder.path) == 3 * (8 + 4));
+  CHECK_THROWS_AS(writer.write(step(mesh, 4)), InternalError);
+  fs::create_directories(folder.path / "elsewhere");
+  fs::rename(h5, folder.path / "elsewhere" / "copy.vtkhdf");
+  check_steps(folder.path / "elsewhere" / "copy.vtkhdf", mesh, 3);
+  CHECK(read(folder.path / "elsewhere" / "copy.vtkhdf", "/voile/epochs/000000/positions").shape.size() == 2);
+  CHECK(text_attribute(folder.path / "elsewhere" / "copy.vtkhdf", "/VTKHDF/PointData/displacement", "unit") == "m");
   for (const auto& entry : fs::recursive_directory_iterator(folder.path)) CHECK(entry.path().extension() != ".part");
 }
 
-TEST_CASE("the results folder can be moved, and a new run removes the old steps") {
+TEST_CASE("datasets of many steps are put together whatever the size of a step") {
+  const Folder folder;
+  for (const Index n : {1, 2, 70}) {  // steps much smaller than a chunk, not a whole number of them, and one each
+    const mesh::SurfaceMesh mesh = plate(n);
+    const int count = n == 70 ? 3 : 200;
+    {
+      io::ResultsWriter writer = begin(folder.path, mesh);
+      for (int number = 1; number <= count; ++number) writer.write(step(mesh, number));
+    }
+    const DataSet all = read(folder.path / "results.vtkhdf", "/VTKHDF/CellData/membrane_force_11_22_12");
+    CAPTURE(n);
+    for (int number = 1; number <= count; ++number)
+      CHECK(rows(all, (number - 1) * mesh.triangle_count(), mesh.triangle_count()) ==
+            step(mesh, number).fields[1].values);
+  }
+}
+
+TEST_CASE("a mesh may change between steps") {
+  const Folder folder;
+  const mesh::SurfaceMesh coarse = plate(2), fine = plate(5);
+  const fs::path h5 = folder.path / "results.vtkhdf";
+  io::ResultsWriter writer = begin(folder.path, coarse);
+  writer.write(step(coarse, 1));
+  writer.write(step(coarse, 2));
+  writer.begin_epoch(fine, ramp(fine.vertex_count()), ramp(fine.triangle_count()));
+  writer.write(step(fine, 3));
+  writer.begin_epoch(coarse, ramp(9), ramp(8));
+  writer.write(step(coarse, 4));
+  const auto check = [&] {
+    check_steps(h5, coarse, 2);
+    const VtkStep third = vtk_step(h5, 2), fourth = vtk_step(h5, 3);
+    CHECK(third.points == moved(fine, step(fine, 3)));
+    CHECK(third.connectivity == corners(fine));
+    CHECK(third.offsets[1] == 3.0);
+    CHECK(third.offsets.back() == 3.0 * fine.triangle_count());
+    CHECK(vtk_array(h5, 2, "PointData/tensor") == step(fine, 3).fields[3].values);
+    CHECK(vtk_array(h5, 2, "CellData/partition") == numbers(ramp(fine.triangle_count())));
+    CHECK(vtk_array(h5, 2, "PointData/group_first_")[1] == 1.0);
+    CHECK(fourth.points == moved(coarse, step(coarse, 4)));
+    CHECK(fourth.connectivity == corners(coarse));
+    CHECK(vtk_array(h5, 3, "CellData/thickness") == step(coarse, 4).fields[2].values);
+    CHECK(read(h5, "/VTKHDF/Connectivity").shape[0] == 3 * (8 + 50 + 8));  // once per mesh, not per step
+    CHECK(read(h5, "/voile/steps/epoch").values == std::vector<double>{0, 0, 1, 2});
+    CHECK(read(h5, "/voile/epochs/000001/triangles").values == corners(fine));
+    CHECK(check_xdmf(folder.path) == 4 * (8 + 4));
+  };
+  check();
+  writer.finish();
+  check();
+}
+
+TEST_CASE("a field that a step does not have is not a number there, and a group that a mesh does not have is empty") {
+  const Folder folder;
+  const mesh::SurfaceMesh mesh = plate(2);
+  mesh::MeshData other = plate(3).data();
+  other.groups = {{"new", 0, {3}, {}, {}}};
+  const mesh::SurfaceMesh second(other);
+  const fs::path h5 = folder.path / "results.vtkhdf";
+  io::ResultsWriter writer = begin(folder.path, mesh);
+  const auto without = [](io::StepFields fields, std::size_t i) {
+    fields.fields.erase(fields.fields.begin() + static_cast<std::ptrdiff_t>(i));
+    return fields;
+  };
+  writer.write(without(step(mesh, 1), 3));  // the tensor comes later
+  writer.write(step(mesh, 2));
+  writer.write(without(step(mesh, 3), 0));  // no displacement: the vertices are where they rest
+  writer.begin_epoch(second, ramp(16), ramp(18));
+  writer.write(without(step(second, 4), 2));
+  const auto check = [&] {
+    CHECK(all_nan(vtk_array(h5, 0, "PointData/tensor")));
+    CHECK(vtk_array(h5, 1, "PointData/tensor") == step(mesh, 2).fields[3].values);
+    CHECK(all_nan(vtk_array(h5, 2, "PointData/displacement")));
+    CHECK(vtk_step(h5, 2).points == single(mesh.positions()));
+    CHECK(vtk_array(h5, 3, "PointData/displacement") == step(second, 4).fields[0].values);
+    CHECK(all_nan(vtk_array(h5, 3, "CellData/thickness")));
+    CHECK(vtk_array(h5, 3, "CellData/thickness").size() == 18);
+    CHECK(vtk_array(h5, 3, "PointData/group_corner") == std::vector<double>(16, 0.0));
+    CHECK(vtk_array(h5, 3, "PointData/group_new")[3] == 1.0);
+    CHECK(vtk_array(h5, 1, "PointData/group_new") == std::vector<double>(9, 0.0));
+    CHECK(read(h5, "/voile/steps/has/tensor").values == std::vector<double>{0, 1, 1, 1});
+    CHECK(read(h5, "/voile/steps/has/thickness").values == std::vector<double>{1, 1, 1, 0});
+    check_xdmf(folder.path);
+  };
+  check();
+  writer.finish();
+  check();
+  const std::string xdmf = read_text(folder.path / "results.xdmf");
+  CHECK(!has(between(xdmf, "Name=\"step 1\"", "</Grid>", 0), "tensor"));
+  CHECK(has(between(xdmf, "Name=\"step 2\"", "</Grid>", 0), "tensor"));
+}
+
+TEST_CASE("the folder of a run that goes on can be moved, and a new run removes the old steps") {
   const Folder folder;
   const mesh::SurfaceMesh mesh = plate(1);
+  const auto b = folder.path / "b";
   {
-    io::ResultsWriter writer(folder.path / "a", mesh, ramp(4), ramp(2));
+    io::ResultsWriter writer = begin(folder.path / "a", mesh);
     writer.write(step(mesh, 1));
     writer.write(step(mesh, 2));
+    fs::rename(folder.path / "a", b);
+    CHECK(vtk_array(b / "results.vtkhdf", 1, "CellData/thickness") == step(mesh, 2).fields[2].values);
+    fs::create_directories(folder.path / "a");  // nothing can be put together here
   }
-  fs::rename(folder.path / "a", folder.path / "b");
-  CHECK(read(folder.path / "b" / "results.h5", "/steps/000002/thickness").values.size() == 2);
-  std::ofstream(folder.path / "b" / "steps" / "notes.h5") << "mine";
-  const io::ResultsWriter again(folder.path / "b", mesh, ramp(4), ramp(2));
-  CHECK(!fs::exists(folder.path / "b" / "steps" / "000001.h5"));
-  CHECK(fs::exists(folder.path / "b" / "steps" / "notes.h5"));
-  CHECK(read(folder.path / "b" / "results.h5", "/steps/000002/thickness").shape.empty());
+  std::ofstream(b / "steps" / "notes.h5") << "mine";
+  const io::ResultsWriter again = begin(b, mesh);
+  CHECK(!fs::exists(b / "steps" / "000001.h5"));
+  CHECK(fs::exists(b / "steps" / "notes.h5"));
+  CHECK(read(b / "results.vtkhdf", "/VTKHDF/CellData/thickness").shape.empty());
 }
 
 TEST_CASE("obstacles that move have positions in every step and an XDMF of their own") {
   const Folder folder;
   const mesh::SurfaceMesh mesh = plate(1);
-  const fs::path h5 = folder.path / "results.h5";
-  io::ResultsWriter writer(folder.path, mesh, ramp(4), ramp(2), obstacles(true));
+  const fs::path h5 = folder.path / "results.vtkhdf";
+  io::ResultsWriter writer = begin(folder.path, mesh, obstacles(true));
   CHECK(check_xdmf(folder.path, "obstacles.xdmf") == 3);
-  CHECK(read(h5, "/obstacles/triangles").values == std::vector<double>{0, 1, 2, 3, 4, 5, 3, 5, 6});
-  CHECK(read(h5, "/obstacles/obstacle").values == std::vector<double>{0, 1, 1});
-  CHECK(read(h5, "/obstacles/positions").values == single(obstacles(true).positions));
-  CHECK(text_attribute(h5, "/obstacles/positions", "unit") == "m");
-  CHECK(texts(h5, "/obstacles/names") == obstacles(true).names);
+  const auto check = [&](int steps) {
+    CHECK(read(h5, "/voile/obstacles/triangles").values == std::vector<double>{0, 1, 2, 3, 4, 5, 3, 5, 6});
+    CHECK(read(h5, "/voile/obstacles/obstacle").values == std::vector<double>{0, 1, 1});
+    CHECK(read(h5, "/voile/obstacles/positions").values == single(obstacles(true).positions));
+    CHECK(text_attribute(h5, "/voile/obstacles/positions", "unit") == "m");
+    CHECK(texts(h5, "/voile/obstacles/names") == obstacles(true).names);
+    CHECK(check_xdmf(folder.path, "obstacles.xdmf") == 3 * steps);
+    const DataSet positions = read(h5, "/voile/steps/obstacle_positions");
+    for (int n = 1; n <= steps; ++n) CHECK(rows(positions, 7 * (n - 1), 7) == single(raised(n)));
+  };
   for (int number = 1; number <= 3; ++number) {
     io::StepFields fields = step(mesh, number);
     fields.obstacles = raised(number);
     writer.write(fields);
-    CHECK(check_xdmf(folder.path, "obstacles.xdmf") == 3 * number);
-    CHECK(read(h5, fmt::format("/steps/{:06d}/obstacle_positions", number)).values == single(raised(number)));
+    check(number);
   }
   check_xdmf(folder.path);
   const std::string xdmf = read_text(folder.path / "obstacles.xdmf");
@@ -277,21 +236,25 @@ TEST_CASE("obstacles that move have positions in every step and an XDMF of their
   CHECK(has(xdmf, "<Time Value=\"0.2\"/>"));
   CHECK(has(xdmf, "Name=\"obstacle\" AttributeType=\"Scalar\" Center=\"Cell\""));
   CHECK_THROWS_WITH_AS(writer.write(step(mesh, 4)), "0 positions for 7 vertices of obstacles", InternalError);
+  writer.finish();
+  check(3);
 }
 
 TEST_CASE("obstacles at rest are stored once; a run without them leaves none behind") {
   const Folder folder;
   const mesh::SurfaceMesh mesh = plate(1);
   {
-    io::ResultsWriter writer(folder.path, mesh, ramp(4), ramp(2), obstacles(false));
+    io::ResultsWriter writer = begin(folder.path, mesh, obstacles(false));
     writer.write(step(mesh, 1));
-    CHECK(read(folder.path / "results.h5", "/steps/000001/obstacle_positions").shape.empty());
+    CHECK(read(folder.path / "results.vtkhdf", "/voile/steps/obstacle_positions").shape.empty());
     CHECK(check_xdmf(folder.path, "obstacles.xdmf") == 3);
     CHECK(!has(read_text(folder.path / "obstacles.xdmf"), "<Time"));
+    writer.finish();
+    CHECK(check_xdmf(folder.path, "obstacles.xdmf") == 3);
   }
-  const io::ResultsWriter again(folder.path, mesh, ramp(4), ramp(2));
+  const io::ResultsWriter again = begin(folder.path, mesh);
   CHECK(!fs::exists(folder.path / "obstacles.xdmf"));
-  CHECK(read(folder.path / "results.h5", "/obstacles/positions").shape.empty());
+  CHECK(read(folder.path / "results.vtkhdf", "/voile/obstacles/positions").shape.empty());
 }
 
 TEST_CASE("failures have a message") {
@@ -299,9 +262,10 @@ TEST_CASE("failures have a message") {
   const mesh::SurfaceMesh mesh = plate(1);
   fs::create_directories(folder.path);
   std::ofstream(folder.path / "file") << "x";
-  CHECK_THROWS_AS(io::ResultsWriter(folder.path / "file", mesh, ramp(4), ramp(2)), UserError);
-  CHECK_THROWS_AS(io::ResultsWriter(folder.path, mesh, ramp(3), ramp(2)), InternalError);
-  io::ResultsWriter writer(folder.path / "r", mesh, ramp(4), ramp(2));
+  CHECK_THROWS_AS(io::ResultsWriter(folder.path / "file"), UserError);
+  CHECK_THROWS_AS(io::ResultsWriter(folder.path).begin_epoch(mesh, ramp(3), ramp(2)), InternalError);
+  CHECK_THROWS_AS(io::ResultsWriter(folder.path).write(step(mesh, 1)), InternalError);
+  io::ResultsWriter writer = begin(folder.path / "r", mesh);
   io::StepFields fields = step(mesh, 1);
   fields.fields[0].values.pop_back();
   CHECK_THROWS_WITH_AS(writer.write(fields), "field 'displacement' has 11 values instead of 4 x 3", InternalError);
@@ -310,46 +274,10 @@ TEST_CASE("failures have a message") {
   CHECK_THROWS_AS(io::HistoryWriter(folder.path / "none" / "history.csv", {"a"}), UserError);
 }
 
-TEST_CASE("a killed process leaves every finished step readable") {
-  const Folder folder;
-  const mesh::SurfaceMesh mesh = plate(10);
-  for (int attempt = 0; attempt < 8; ++attempt) {
-    std::array<int, 2> pipe_ends{};
-    REQUIRE(pipe(pipe_ends.data()) == 0);
-    const pid_t child = fork();
-    REQUIRE(child >= 0);
-    if (child == 0) {
-      io::ResultsWriter writer(folder.path, mesh, ramp(mesh.vertex_count()), ramp(mesh.triangle_count()),
-                               obstacles(true));
-      for (int number = 1;; ++number) {
-        io::StepFields fields = step(mesh, number);
-        fields.obstacles = raised(number);
-        writer.write(fields);
-        if (::write(pipe_ends[1], &number, sizeof number) < 0) _exit(1);
-      }
-    }
-    close(pipe_ends[1]);
-    int last = 0;
-    REQUIRE(::read(pipe_ends[0], &last, sizeof last) == sizeof last);
-    std::this_thread::sleep_for(std::chrono::microseconds(3000 + 1700 * attempt));
-    kill(child, SIGKILL);
-    waitpid(child, nullptr, 0);
-    while (::read(pipe_ends[0], &last, sizeof last) == sizeof last) {
-    }
-    close(pipe_ends[0]);
-    CAPTURE(last);
-    check_xdmf(folder.path);
-    CHECK(check_xdmf(folder.path, "obstacles.xdmf") >= 3 * last);
-    for (int k = 1; k <= last; ++k)
-      CHECK(read(folder.path / "results.h5", fmt::format("/steps/{:06d}/displacement", k)).values ==
-            step(mesh, k).fields[0].values);
-  }
-}
-
-TEST_CASE("naming steps costs no more than writing them, and a restart finds those not named yet") {
+TEST_CASE("naming steps costs no more than writing them") {
   const Folder folder;
   const mesh::SurfaceMesh mesh = plate(2);
-  const fs::path index = folder.path / "results.h5";
+  const fs::path index = folder.path / "results.vtkhdf";
   const auto inode = [&] {
     struct stat s {};
     REQUIRE(stat(index.c_str(), &s) == 0);
@@ -358,22 +286,19 @@ TEST_CASE("naming steps costs no more than writing them, and a restart finds tho
   std::size_t rewritten = 0;
   constexpr int steps = 600;
   {
-    io::ResultsWriter writer(folder.path, mesh, ramp(mesh.vertex_count()), ramp(mesh.triangle_count()));
+    io::ResultsWriter writer = begin(folder.path, mesh);
     for (int n = 0; n < steps; ++n) {
       const auto before = inode();
       writer.write(step(mesh, n));
       rewritten += inode() != before ? 1 : 0;
-      const io::StoredStep last = io::read_step(index, -1, mesh);
-      CHECK(last.step == n);
-      CHECK(last.displacement == step(mesh, n).fields[0].values);
     }
+    writer.flush();
+    CHECK(read(index, "/voile/steps/number").values.size() == steps);
   }
   MESSAGE(rewritten << " times for " << steps << " steps");
   CHECK(rewritten >= 64);
   CHECK(rewritten < 64 + steps / 6);
-  CHECK(check_xdmf(folder.path) >= steps);
-  CHECK(read(index, fmt::format("/steps/{:06d}/displacement", steps - 1)).values ==
-        step(mesh, steps - 1).fields[0].values);
+  CHECK(vtk_array(index, steps - 1, "PointData/displacement") == step(mesh, steps - 1).fields[0].values);
 }
 
 TEST_CASE("history numbers read back exactly, each line at once") {
@@ -390,80 +315,4 @@ TEST_CASE("history numbers read back exactly, each line at once") {
   history.write({3, std::nan(""), INFINITY});
   CHECK(has(read_text(file), "\n3,,\n"));
   CHECK_THROWS_AS(history.write({1.0}), InternalError);
-}
-
-TEST_CASE("a stored step is read back with the one before it, and only into its own mesh") {
-  const Folder folder;
-  const mesh::SurfaceMesh mesh = plate(3), other = plate(4);
-  io::ResultsWriter writer(folder.path, mesh, ramp(mesh.vertex_count()), ramp(mesh.triangle_count()));
-  for (int n : {0, 2, 7}) writer.write(step(mesh, n));
-  const fs::path file = folder.path / "results.h5";
-  const io::StoredStep last = io::read_step(file, -1, mesh), first = io::read_step(file, 0, mesh);
-  CHECK(last.step == 7);
-  CHECK(last.load_factor == 0.2 * 7);
-  CHECK(last.displacement == step(mesh, 7).fields[0].values);
-  CHECK(last.previous == step(mesh, 2).fields[0].values);
-  CHECK(first.step == 0);
-  CHECK(first.previous.empty());
-  CHECK_THROWS_AS((void)io::read_step(file, 3, mesh), UserError);
-  CHECK_THROWS_AS((void)io::read_step(file, -1, other), UserError);
-  CHECK_THROWS_AS((void)io::read_step(folder.path / "none.h5", -1, mesh), UserError);
-}
-
-TEST_CASE("a results.h5 without its steps/ names the file that is missing") {
-  const Folder folder;
-  const mesh::SurfaceMesh mesh = plate(1);
-  io::ResultsWriter writer(folder.path, mesh, ramp(4), ramp(2));
-  for (int n : {1, 2}) writer.write(step(mesh, n));
-  const fs::path copy = folder.path / "copy";
-  fs::create_directories(copy / "steps");
-  fs::copy_file(folder.path / "results.h5", copy / "results.h5");
-  const auto error = [&](int n) { return error_of([&] { (void)io::read_step(copy / "results.h5", n, mesh); }); };
-  CHECK(has(error(1), "'steps/000001' is a link to steps/000001.h5 beside it, which is missing"));
-  CHECK(has(error(-1), "'steps/000002' is a link to steps/000002.h5 beside it"));
-  CHECK(has(error(1), "copy the folder steps/ together with results.h5"));
-  fs::copy_file(folder.path / "steps" / "000002.h5", copy / "steps" / "000002.h5");
-  CHECK(has(error(2), "'steps/000001' is a link to steps/000001.h5"));  // the step before is needed, too
-  fs::copy_file(folder.path / "steps" / "000001.h5", copy / "steps" / "000001.h5");
-  CHECK(error(2) == "no error");
-}
-
-TEST_CASE("a checkpoint comes back bit by bit, and only into its own mesh") {
-  const Folder folder;
-  fs::create_directories(folder.path);
-  const mesh::SurfaceMesh mesh = plate(3);
-  const fs::path file = folder.path / "checkpoint.h5";
-  io::Checkpoint c{12, 0.1 + 0.2, 1.0 / 3.0, {}, {}, {}};
-  for (Index i = 0; i < 3 * mesh.vertex_count(); ++i) {
-    c.displacement.push_back(1.0 / (i + 1));
-    c.velocity.push_back(-0.1 * i);
-    c.acceleration.push_back(1e-17 * i);
-  }
-  io::write_checkpoint(file, c, mesh);
-  io::Checkpoint back = io::read_checkpoint(file, mesh);
-  CHECK(back.step == 12);
-  CHECK(back.time == c.time);
-  CHECK(back.next_step == c.next_step);
-  CHECK(back.displacement == c.displacement);
-  CHECK(back.velocity == c.velocity);
-  CHECK(back.acceleration == c.acceleration);
-  {  // one bit in the middle of the velocities
-    std::string bytes = read_text(file);
-    const std::string value(reinterpret_cast<const char*>(&c.velocity[7]), sizeof(double));
-    const std::size_t at = bytes.find(value);
-    REQUIRE(at != std::string::npos);
-    bytes[at + 6] = static_cast<char>(bytes[at + 6] ^ 0x10);
-    std::ofstream(file, std::ios::binary) << bytes;
-    CHECK(has(error_of([&] { (void)io::read_checkpoint(file, mesh); }), "its checksum does not fit"));
-  }
-  c.velocity[3] = INFINITY;
-  io::write_checkpoint(file, c, mesh);
-  CHECK(has(error_of([&] { (void)io::read_checkpoint(file, mesh); }), "'velocity' holds numbers that are not finite"));
-  c.velocity[3] = 0.0;
-  c.acceleration.clear();
-  io::write_checkpoint(file, c, mesh);
-  CHECK(io::read_checkpoint(file, mesh).acceleration.empty());
-  CHECK_THROWS_AS((void)io::read_checkpoint(file, plate(4)), UserError);
-  std::ofstream(file) << "not HDF5";
-  CHECK_THROWS_AS((void)io::read_checkpoint(file, mesh), UserError);
 }

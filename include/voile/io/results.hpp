@@ -1,5 +1,6 @@
-// Results as HDF5 with an XDMF description that ParaView opens, and a history of named numbers as CSV.
-// Written by one rank from gathered arrays, step by step: every file is complete and readable after each step.
+// Results as one HDF5 file in the VTKHDF layout with an XDMF description, both for ParaView, and a history of named
+// numbers as CSV. Written by one rank from gathered arrays, step by step: every file is complete and readable after
+// each step.
 #pragma once
 
 #include <filesystem>
@@ -39,36 +40,43 @@ struct ObstacleTriangles {
   bool moves = false;                     ///< each step then has positions of its own
 };
 
-/// results.h5 + results.xdmf + steps/NNNNNN.h5 in a folder. Not collective: root only.
-/// Layout of results.h5: /mesh/{positions,triangles}, /mesh/groups/NAME (0/1 masks),
-/// /mesh/partition/{vertices,triangles}, /steps/NNNNNN/FIELD. Each step is a link to a file of its own, which HDF5
-/// follows by itself. In group names every character but letters, digits, '_', '-' and '.' is replaced by '_'
-/// (attribute `name`: the original). In the XDMF a field of 3 components on triangles appears as FIELD_11_22_12:
-/// ParaView's X, Y, Z then mean 11, 22, 12.
-/// With obstacles also obstacles.xdmf, /obstacles/{names,triangles,obstacle,positions} in results.h5 and, if they move,
-/// /steps/NNNNNN/obstacle_positions. Their positions are single precision: they are looked at, not computed with.
+/// results.vtkhdf + results.xdmf in a folder, and steps/ while steps come. Not collective: root only.
 ///
-/// A process killed at any moment, inside write() too, leaves all steps readable whose write() had returned, the latest
-/// of them perhaps in steps/ only: naming each step at once would cost as much as there are steps. Every file
-/// is written under another name and then renamed. (One growing HDF5 file would not do: a kill while HDF5 updates its
-/// index makes the whole file unreadable, about once in a hundred kills during a write.) Nothing is forced to the disk,
-/// so a power failure can lose the latest steps.
+/// Layout (see docs/results.md): /VTKHDF as version 2.0 of that format has it (an UnstructuredGrid with steps), all that
+/// is ours under /voile. Points of a step are positions at rest plus the field `displacement`, if there is one, in
+/// single precision: they are looked at. Fields are /VTKHDF/PointData/FIELD and CellData/FIELD in double precision; one of 3
+/// components on triangles is called FIELD_11_22_12, for ParaView's X, Y, Z then mean 11, 22, 12. A step without a field
+/// that others have holds NaN there. In names of groups every character but letters, digits, '_', '-' and '.' is replaced by
+/// '_' (attribute `name`: the original). Meshes (epochs) are stored once each, exactly, to be read back.
+/// With obstacles also obstacles.xdmf, /voile/obstacles/{names,triangles,obstacle,positions} and, if they move,
+/// /voile/steps/obstacle_positions. Their positions are single precision, too.
+///
+/// While steps come, each is a file of its own in steps/ and results.vtkhdf an index of virtual datasets over them;
+/// finish() copies all into results.vtkhdf and removes steps/. A process killed at any moment, inside write() and finish()
+/// too, leaves all steps readable whose write() had returned, the latest of them perhaps in steps/ only: naming each step
+/// at once would cost as much as there are steps. Every file is written under another name and then renamed. Steps are not
+/// forced to the disk, so a power failure can lose the latest; finish() forces its file there before steps/ goes.
 class ResultsWriter {
  public:
-  /// Creates the files (replacing old ones). Throws UserError if the folder cannot be written.
-  ResultsWriter(const std::filesystem::path& folder, const mesh::SurfaceMesh& mesh, const std::vector<int>& vertex_rank,
-                const std::vector<int>& triangle_rank, const ObstacleTriangles& obstacles = {});
+  /// Creates the folder, without results of an earlier run. Throws UserError if it cannot be written.
+  explicit ResultsWriter(const std::filesystem::path& folder, ObstacleTriangles obstacles = {});
   ~ResultsWriter();
   ResultsWriter(ResultsWriter&&) noexcept;
   ResultsWriter& operator=(ResultsWriter&&) noexcept;
 
+  /// The mesh of the steps that come, with the rank of each vertex and triangle. Throws UserError if the disk is full.
+  void begin_epoch(const mesh::SurfaceMesh& mesh, const std::vector<int>& vertex_rank,
+                   const std::vector<int>& triangle_rank);
   /// Groups whose names HDF5 paths do not allow, as "name -> path".
-  [[nodiscard]] std::vector<std::string> renamed_groups() const;
-  /// Adds one step; all files are closed and readable when it returns. Beyond 64 steps results.h5 and
-  /// results.xdmf name it after two seconds at the latest, once further steps come, or by finish(). Throws UserError if
-  /// the disk is full.
+  [[nodiscard]] const std::vector<std::string>& renamed_groups() const;
+  /// Adds one step on the mesh of the last epoch; all files are closed and readable when it returns. Beyond 64 steps
+  /// results.vtkhdf and results.xdmf name it after two seconds, or twenty times what naming costs, once further steps come,
+  /// or by flush(). Throws UserError if the disk is full; what was there stays readable.
   void write(const StepFields& step);
-  /// Makes results.h5 and results.xdmf name every step. The destructor does so too, but tells nobody if it cannot.
+  /// Makes results.vtkhdf and results.xdmf name every step. Throws UserError if the disk is full.
+  void flush();
+  /// Puts everything into results.vtkhdf; nothing can be written after that. The destructor does so too, but tells nobody
+  /// if it cannot. Throws UserError if the disk is full: all steps then stay readable as they are.
   void finish();
 
  private:

@@ -1,4 +1,4 @@
-// Reads a step of results.h5 back, to go on from it.
+// Reads a step of results.vtkhdf back, to go on from it.
 #pragma once
 
 #include <filesystem>
@@ -13,15 +13,21 @@ struct StoredStep {
   double load_factor = 0.0, time = 0.0;
   std::vector<double> displacement;  ///< vertices x 3, global axes, mesh order [m]
   std::vector<double> velocity;      ///< of a motion, else empty [m/s]
-  std::vector<double> previous;      ///< of the step stored before, empty if there is none [m]
+  std::vector<double> previous;      ///< of the step stored before on the same mesh, empty if there is none [m]
 };
 
 /// Reads step number `step`, or the last one if negative. Not collective: root only.
+/// The run may be finished, going on or killed: steps that results.vtkhdf does not name yet are found in steps/.
 /// Throws UserError if the file cannot be read, belongs to another mesh, or lacks the step or its displacement, also
-/// because the file in steps/ that it links to is missing. Steps that results.h5 does not name yet are found in steps/.
+/// because its file in steps/ is missing or damaged.
 [[nodiscard]] StoredStep read_step(const std::filesystem::path& file, int step, const mesh::SurfaceMesh& mesh);
 
-/// Whether a file is a results.h5 rather than a checkpoint. Not collective: root only.
+/// The mesh of step number `step`, or of the last one if negative, as it was written: positions at rest, triangles,
+/// groups, texture and the numbers that vertices and triangles had in their file; no notes. Not collective: root only.
+/// Throws UserError as read_step does.
+[[nodiscard]] mesh::MeshData read_step_mesh(const std::filesystem::path& file, int step);
+
+/// Whether a file is a results.vtkhdf rather than a checkpoint. Not collective: root only.
 [[nodiscard]] bool is_results(const std::filesystem::path& file);
 
 }  // namespace voile::io

@@ -1,0 +1,52 @@
+#include <fmt/format.h>
+#include <hdf5.h>
+
+#include <cmath>
+#include <fstream>
+
+#include "hdf5_file.hpp"
+#include "voile/base/error.hpp"
+#include "voile/base/text.hpp"
+#include "voile/io/results.hpp"
+
+namespace voile::io {
+
+namespace fs = std::filesystem;
+
+struct HistoryWriter::Impl {
+  fs::path file;
+  std::ofstream out;
+  std::size_t columns;
+
+  void line(const std::string& text) {
+    out << text << '\n' << std::flush;
+    if (!out) fail_writing(file);
+  }
+};
+
+HistoryWriter::HistoryWriter(const fs::path& file, const std::vector<std::string>& columns)
+    : impl_(std::make_unique<Impl>(Impl{file, std::ofstream(file), columns.size()})) {
+  impl_->line(join(columns, ","));
+}
+
+HistoryWriter::~HistoryWriter() = default;
+HistoryWriter::HistoryWriter(HistoryWriter&&) noexcept = default;
+HistoryWriter& HistoryWriter::operator=(HistoryWriter&&) noexcept = default;
+
+void HistoryWriter::write(const std::vector<double>& values) {
+  if (values.size() != impl_->columns)
+    throw InternalError(
+        fmt::format("{}: {} values for {} columns", impl_->file.string(), values.size(), impl_->columns));
+  std::vector<std::string> texts;  // a value that does not exist stays empty
+  for (const double x : values)
+    texts.push_back(std::isfinite(x) ? fmt::format("{}", x) : "");  // the shortest text that reads back the same
+  impl_->line(join(texts, ","));
+}
+
+std::string hdf5_version() {
+  unsigned major = 0, minor = 0, release = 0;
+  H5get_libversion(&major, &minor, &release);
+  return fmt::format("{}.{}.{}", major, minor, release);
+}
+
+}  // namespace voile::io
