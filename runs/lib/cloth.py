@@ -2,7 +2,6 @@
 
 import shutil
 
-import h5py
 import numpy as np
 
 from solver import Result, run, to_toml, write_case
@@ -28,15 +27,14 @@ def solve(case, folder, ranks=1, options=(), timeout=3600, keep=False):
 
 
 def start_file(case, displacement, folder):
-    """A results.h5 for --restart whose step has a displacement of one's own, a function of the rest positions (vertices x 3).
+    """Results for --restart whose step has a displacement of one's own, a function of the rest positions (vertices x 3).
     None if the mesh cannot be made."""
     flat = solve({**case, "analysis": "linear"}, folder)
     if flat is None:
         return None
-    with h5py.File(folder / "results.h5", "r+") as file:
-        step = file["steps"][sorted(file["steps"])[-1]]
-        step["displacement"][...] = displacement(file["mesh/positions"][...])
-    return folder / "results.h5"
+    results = flat.results
+    results.replace(len(results) - 1, "displacement", displacement(results[-1].mesh.positions))
+    return results.file
 
 
 def rotated(stiffness, degrees):
@@ -50,12 +48,10 @@ class Surface:
     """Mesh at rest and displaced, with the fields of one recorded step (the last by default)."""
 
     def __init__(self, result, step=-1):
-        with h5py.File(result.folder / "results.h5", "r") as file:
-            self.rest = file["mesh/positions"][...]
-            self.triangles = file["mesh/triangles"][...]
-            self.groups = {name: np.flatnonzero(flags[...]) for name, flags in file["mesh/groups"].items()}
-            fields = file["steps"][sorted(file["steps"])[step]]
-            self.fields = {name: data[...] for name, data in fields.items()}
+        at = result.results[step]
+        self.rest, self.triangles = at.mesh.positions, at.mesh.triangles
+        self.groups = {name: at.mesh.group(name) for name, _ in at.mesh.groups}
+        self.fields = {name: at[name] for name in at.names()}
         self.points = self.rest + self.fields["displacement"]
 
     def centroids(self):

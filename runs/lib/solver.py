@@ -9,6 +9,7 @@ import tomllib
 from pathlib import Path
 
 from curves import Table
+from results import Results
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -54,13 +55,17 @@ class Result:
     def summary(self):
         return json.loads((self.folder / "summary.json").read_text())
 
+    @property
+    def results(self):
+        return Results(self.folder)
+
+    @property
+    def modes(self):
+        return Results(self.folder / "modes")
+
     def displacement(self, step=-1):
         """Displacements (vertices x 3) of a recorded step; the last one by default."""
-        import h5py
-
-        with h5py.File(self.folder / "results.h5", "r") as file:
-            names = sorted(file["steps"])
-            return file["steps"][names[step]]["displacement"][...]
+        return self.results[step]["displacement"]
 
 
 def run(case, output, ranks=1, options=(), timeout=3600):

@@ -2,7 +2,6 @@
 
 import math
 
-import h5py
 import numpy as np
 
 from cloth import PATTERNS
@@ -36,9 +35,8 @@ def plate_case(inner, factor, cells, pattern):
 class Rim:
     """Fourier coefficients of a displacement along the outer edge."""
 
-    def __init__(self, file):
-        rest = file["mesh/positions"][...]
-        vertices = np.flatnonzero(file["mesh/groups/edge"][...])
+    def __init__(self, mesh):
+        rest, vertices = mesh.positions, mesh.group("edge")
         angle = np.arctan2(rest[vertices, 1], rest[vertices, 0])
         self.order = vertices[np.argsort(angle)]
         self.angle = np.sort(angle)
@@ -53,9 +51,8 @@ class Rim:
 def spectrum(result):
     """Lowest omega^2 for each number of waves along the outer edge, the largest Fourier coefficient of a mode."""
     lowest = {}
-    with h5py.File(result.folder / "modes" / "results.h5", "r") as file:
-        rim = Rim(file)
-        waves = [int(np.argmax(np.abs(rim.waves(file["steps"][name]["mode"][...])))) for name in sorted(file["steps"])]
+    rim = Rim(result.modes.mesh())
+    waves = [int(np.argmax(np.abs(rim.waves(step["mode"])))) for step in result.modes]
     for value, n in zip(Table(result.folder / "modes.csv")["eigenvalue"], waves):
         lowest[n] = min(value, lowest.get(n, math.inf))
     return lowest

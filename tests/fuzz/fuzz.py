@@ -177,6 +177,22 @@ def make_restart_seeds(voile, folder):
                               capture_output=True, text=True, timeout=300)
         if done.returncode != 0:
             raise SystemExit(f"{case}: the undamaged seed ends with code {done.returncode}:\n{done.stdout}{done.stderr}")
+    make_killed_seed(voile, folder)
+
+
+def make_killed_seed(voile, folder):
+    """Results of a run that was killed after some steps: an index over files in steps/."""
+    killed = folder / "path.toml.killed"
+    for _ in range(50):
+        shutil.rmtree(killed, ignore_errors=True)
+        process = subprocess.Popen([voile, "run", folder / "path.toml", "--output", killed, "--quiet"], env=environment(1))
+        while process.poll() is None and not (killed / "steps" / "000001.h5").is_file():
+            time.sleep(0.001)
+        process.kill()
+        process.wait()
+        if (killed / "steps" / "000001.h5").is_file():
+            return
+    raise SystemExit("path.toml: the run ends before it can be killed")
 
 
 def targets(folder):
@@ -197,11 +213,10 @@ def targets(folder):
     checkpoint = Target("motion.toml.out/checkpoint.h5", ["run", "motion.toml", "--output", "out", "--restart", "{}"],
                         [*small, "motion.toml"])
     found += [checkpoint] * 3
-    results = folder / "path.toml.out"
-    for file in [results / "results.h5", *sorted(results.glob("steps/*.h5"))[-1:]]:
-        kept = file.relative_to(folder)
-        found.append(Target(kept, ["run", "path.toml", "--output", "out", "--restart", "path.toml.out/results.h5"],
-                            ["path.toml", *small, "path.toml.out"]))
+    for results, names in (("path.toml.out", ["results.vtkhdf"]),
+                           ("path.toml.killed", ["results.vtkhdf", "steps/000001.h5", "steps/epoch_000000.h5"])):
+        found += [Target(f"{results}/{name}", ["run", "path.toml", "--output", "out", "--restart", f"{results}/results.vtkhdf"],
+                         ["path.toml", *small, results]) for name in names]
     return found
 
 

@@ -2,7 +2,6 @@
 
 import math
 
-import h5py
 import numpy as np
 
 from cloth import Surface
@@ -39,10 +38,8 @@ def pierced(points, triangles, others=None, other_triangles=None):
 
 def pierced_in_states(result, every=1):
     """Piercings of the sheet by itself in the recorded states, found independently of the program; and how many states."""
-    with h5py.File(result.folder / "results.h5") as file:
-        rest, triangles = file["mesh/positions"][...], file["mesh/triangles"][...]
-        names = sorted(file["steps"])[::every]
-        return sum(pierced(rest + file["steps"][n]["displacement"][...], triangles) for n in names), len(names)
+    steps = result.results[::every]
+    return sum(pierced(step.positions, step.mesh.triangles) for step in steps), len(steps)
 
 
 @test

@@ -3,7 +3,6 @@
 import re
 import struct
 
-import h5py
 import numpy as np
 
 from harness import OUT, solve, test
@@ -46,9 +45,8 @@ def body(folder, **keys):
 
 def obstacle_path(result):
     """Times and positions of the obstacles' vertices in all recorded states."""
-    with h5py.File(result.folder / "results.h5", "r") as data:
-        steps = [data["steps"][name] for name in sorted(data["steps"])]
-        return np.array([s.attrs["time"] for s in steps]), np.array([s["obstacle_positions"][...] for s in steps])
+    results = result.results
+    return np.array(results.times), np.array([step.obstacles for step in results])
 
 
 def rotation(degrees):
@@ -278,8 +276,7 @@ def turned_clamp(report):
                   support=[clamp | {"rotation_axis": list(axis), "rotation_angle": "150*t", "motion": ["t", "0", "-2*t"]}])
     for ranks in (1, 2, 3):
         result = solve("turned_clamp", still, ranks)
-        with h5py.File(result.folder / "results.h5", "r") as data:
-            rest = data["mesh/positions"][...]
+        rest = result.results.mesh().positions
         centre = np.array([0, 0.5, 0.2])
         rigid = (rest - centre) @ turn.T + centre + [1, 0, -2] - rest
         report.below(np.abs(result.displacement() - rigid).max(), 1e-7, f"{ranks} rank(s): distance from the rigid body [m]")

@@ -13,6 +13,7 @@ import h5py
 import numpy as np
 
 from harness import OUT, solve, test
+from results import NAME, Results
 from solver import ROOT, command, environment, invoke, run, variant, write_case
 
 
@@ -67,10 +68,9 @@ def signals(report):
         report.check(running and process.returncode == 3 and "stopped by a signal" in text,
                      f"{name}: code {process.returncode}: {text.splitlines()[-1][:110] if text else ''}")
         done = lines(folder / "history.csv") - 2
-        with h5py.File(folder / "results.h5") as data:
-            report.check(int(sorted(data["steps"])[-1]) == done, f"the last step, {done}, is in results.h5 though every = 1000")
+        report.check(Results(folder)[-1].number == done, f"the last step, {done}, is in the results though every = 1000")
         report.check(json.loads((folder / "summary.json").read_text())["converged"] is False, "summary.json says so")
-        restart = folder / ("results.h5" if analysis == "static" else "checkpoint.h5")
+        restart = folder / (NAME if analysis == "static" else "checkpoint.h5")
         again = variant(case, {"time.end": 0.01 * (done + 2)} if analysis == "dynamic" else {"steps.final_load_factor": 0.002 * (done + 2)})
         result = run(write_case(again, OUT / f"signals_{name}_again.toml"), fresh(f"signals_{name}_again"), 1, ["--restart", restart])
         report.check(result.code == 0 and result.summary["steps"] in (2, done + 2), f"a restart goes on: code {result.code}")
@@ -83,8 +83,7 @@ def signals(report):
     process.send_signal(signal.SIGTERM)
     text = process.communicate(timeout=120)[0]
     report.check(process.returncode == 3 and "stopped by a signal" in text, f"drape: code {process.returncode}")
-    with h5py.File(folder / "results.h5") as data:
-        report.check(np.abs(data["steps/000001/displacement"][...]).max() > 0, "what it had reached is in results.h5")
+    report.check(np.abs(Results(folder).step(1)["displacement"]).max() > 0, "what it had reached is in the results")
 
 
 @test
@@ -209,15 +208,17 @@ def folders(report):
         report.check(code == 2 and "not empty" in said and file.read_text() == text, f"--output . {options}: code {code}, the case is as it was")
     report.check(start("out")[0] == 0 and (folder / "out" / "resolved_case.toml").is_file(), "a new folder")
     (folder / "out" / "notes.txt").write_text("mine")
-    (folder / "out" / "steps" / "000900.h5").write_text("old")
+    (folder / "out" / "steps").mkdir()
+    for name in ("000900.h5", "epoch_000007.h5", "obstacles.h5", "000901.h5.part"):
+        (folder / "out" / "steps" / name).write_text("old")
     code, said = start("out")
     report.check(code == 2 and "--overwrite" in said, f"again: code {code}: {said[-90:]}")
     code, said = start("out", "--overwrite")
     report.check(code == 0 and (folder / "out" / "notes.txt").read_text() == "mine", f"--overwrite: code {code}, other files stay")
-    report.check(not (folder / "out" / "steps" / "000900.h5").exists(), "steps of earlier runs go")
+    report.check(not (folder / "out" / "steps").exists(), "steps of earlier runs go")
     code, said = start("out", "--overwrite", case="out/resolved_case.toml")
     report.check(code == 2 and "its own input" in said, f"from its own echo: code {code}")
-    code, said = start("out", "--overwrite", "--restart", "out/results.h5")
+    code, said = start("out", "--overwrite", "--restart", f"out/{NAME}")
     report.check(code == 2 and "its own input" in said, f"over what it restarts from: code {code}")
     slow = write_case(strip("static", nx=160, ny=16, steps__max_step=0.002, steps__initial_step=0.002), OUT / "folders_slow.toml")
     process = started(slow, fresh("folders_slow"))
@@ -285,11 +286,10 @@ def out_of_range(report):
 
 @test
 def linear_output(report):
-    """The cost of output grows with the number of steps, not with its square: results.h5 is not rewritten in every step."""
+    """The cost of output grows with the number of steps, not with its square: results.vtkhdf is not rewritten in every step."""
     case = strip("dynamic", nx=4, ny=1, time__end=2.0, time__step=0.002, load=[{"type": "line", "group": "tip", "vector": [0, 0, 0.01]}])
     result = solve("linear_output", case, 1)
-    with h5py.File(result.folder / "results.h5") as data:
-        report.check(len(data["steps"]) == 1001, f"{len(data['steps'])} steps in results.h5")
+    report.check(len(result.results) == 1001, f"{len(result.results)} steps in the results")
     wall = result.history["wall_seconds"]
     first, last = wall[200] - wall[0], wall[1000] - wall[800]
     report.check(last < 4 * first, f"first 200 steps {first:.2f} s, last 200 steps {last:.2f} s (they took 10 times as long)")
@@ -300,7 +300,7 @@ def chains(report):
     """A motion from a static equilibrium stays there; a drape from a motion; initial velocities; --set; init; the schema."""
     static = solve("chain_static", strip(), 2)
     moved = strip("dynamic", time__load_history="1")
-    result = run(write_case(moved, OUT / "chain_motion.toml"), fresh("chain_motion"), 2, ["--restart", static.folder / "results.h5"])
+    result = run(write_case(moved, OUT / "chain_motion.toml"), fresh("chain_motion"), 2, ["--restart", static.results.file])
     tip = static.history["tip_z"][-1]
     report.check(result.code == 0 and result.history["time"][0] == 0, f"a motion begins at the equilibrium: code {result.code}")
     report.below((np.abs(result.history["tip_z"] - tip) / tip).max(), 1e-6, "it stays there: change of the tip")
@@ -312,8 +312,7 @@ def chains(report):
     result = solve("chain_thrown", thrown, 2)
     u = result.displacement()
     report.below(np.abs(u.mean(axis=0) - 0.1 * np.array([1, 2, 3])).max(), 1e-3, "a thrown sheet flies on: error of the middle [m]")
-    with h5py.File(result.folder / "results.h5") as data:
-        x = data["mesh/positions"][...] + u
+    x = rest(result) + u
     turned = np.arctan2(*(x[np.argmax(data_x(result))] - x.mean(axis=0))[[1, 0]]) - np.arctan2(*(rest(result)[np.argmax(data_x(result))] - rest(result).mean(axis=0))[[1, 0]])
     report.near(turned, 0.2, 2e-3, "and turns [rad]")
     file = write_case(strip(), OUT / "chain_set.toml")
@@ -336,8 +335,7 @@ def chains(report):
 
 
 def rest(result):
-    with h5py.File(result.folder / "results.h5") as data:
-        return data["mesh/positions"][...]
+    return result.results.mesh().positions
 
 
 def data_x(result):
@@ -375,25 +373,22 @@ def stresses(report):
     case = strip("linear", nx=80, ny=8, load=[{"type": "line", "group": "tip", "vector": [0, 0, load]}],
                  output={"fields": ["displacement"], "every": 1, "stresses": "surface"})
     result = solve("stresses", case, 2)
-    with h5py.File(result.folder / "results.h5") as data:
-        step = data["steps/000001"]
-        triangles, x = data["mesh/triangles"][...], data["mesh/positions"][...]
-        centre = x[triangles].mean(axis=1)
-        middle = (np.abs(centre[:, 0] - 4) < 1) & (np.abs(centre[:, 1] - 0.5) < 0.3)
-        expected = 6 * load * (length - centre[middle, 0]) / h**2
-        for side, sign in (("top", -1), ("bottom", 1)):
-            principal = step[f"principal_stress_{side}"][middle, 0 if sign > 0 else 1]
-            report.below(np.abs(principal / (sign * expected) - 1).max(), 0.02, f"{side}: principal stress against 6 M / h^2")
-            report.below(np.abs(step[f"von_mises_{side}"][middle] / expected - 1).max(), 0.02, f"{side}: von Mises")
+    step = result.results.step(1)
+    centre = step.mesh.positions[step.mesh.triangles].mean(axis=1)
+    middle = (np.abs(centre[:, 0] - 4) < 1) & (np.abs(centre[:, 1] - 0.5) < 0.3)
+    expected = 6 * load * (length - centre[middle, 0]) / h**2
+    for side, sign in (("top", -1), ("bottom", 1)):
+        principal = step[f"principal_stress_{side}"][middle, 0 if sign > 0 else 1]
+        report.below(np.abs(principal / (sign * expected) - 1).max(), 0.02, f"{side}: principal stress against 6 M / h^2")
+        report.below(np.abs(step[f"von_mises_{side}"][middle] / expected - 1).max(), 0.02, f"{side}: von Mises")
     ply = {"type": "laminate", "young_1": 1e7, "young_2": 1e6, "poisson_12": 0.0, "shear_12": 5e5, "angles": [0, 90, 0],
            "ply_thicknesses": [h / 3], "direction": [1, 0, 0]}
     pulled = strip("linear", nx=20, ny=4, material=[ply], load=[{"type": "line", "group": "tip", "vector": [0.003, 0, 0]}],
                    output={"fields": ["displacement"], "every": 1, "stresses": "plies"})
-    with h5py.File(solve("stresses_plies", pulled, 1).folder / "results.h5") as data:
-        step = data["steps/000001"]
-        strain = 0.003 / ((2 * 1e7 + 1e6) * h / 3)
-        for number, modulus in ((1, 1e7), (2, 1e6), (3, 1e7)):
-            report.below(np.abs(step[f"stress_ply_{number}_top"][:, 0] / (modulus * strain) - 1).max(), 1e-6, f"ply {number}: stress along the strip")
+    step = solve("stresses_plies", pulled, 1).results.step(1)
+    strain = 0.003 / ((2 * 1e7 + 1e6) * h / 3)
+    for number, modulus in ((1, 1e7), (2, 1e6), (3, 1e7)):
+        report.below(np.abs(step[f"stress_ply_{number}_top"][:, 0] / (modulus * strain) - 1).max(), 1e-6, f"ply {number}: stress along the strip")
 
 
 @test

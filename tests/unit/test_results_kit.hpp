@@ -11,6 +11,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <map>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -195,13 +196,16 @@ inline std::string between(const std::string& text, const char* open, const char
 inline int check_xdmf(const fs::path& folder, const char* name = "results.xdmf") {
   const std::string text = read_text(folder / name), slab = "ItemType=\"HyperSlab\" Dimensions=\"";
   int count = 0;
+  std::map<std::string, DataSet> sets;
   for (std::size_t at = text.find("Format=\"HDF\">"); at != std::string::npos;
        at = text.find("Format=\"HDF\">", at + 1), ++count) {
     const std::string where = between(text, ">", "</DataItem>", at);
     const std::size_t begin = text.rfind("<DataItem", at), colon = where.find(':');
     CAPTURE(where);
     REQUIRE(colon != std::string::npos);
-    const DataSet set = read(folder / where.substr(0, colon), where.substr(colon + 1));
+    const auto [known, is_new] = sets.try_emplace(where);
+    if (is_new) known->second = read(folder / where.substr(0, colon), where.substr(colon + 1));
+    const DataSet& set = known->second;
     REQUIRE(!set.shape.empty());
     const std::string size = between(text, "Dimensions=\"", "\"", begin);
     const std::size_t outer = text.rfind("<DataItem ", text.rfind("<DataItem ", begin - 1) - 1);
