@@ -108,6 +108,11 @@ class FileContent {
     attribute(object, name, Text(value.size(), temporary_), 0, value.c_str());
   }
 
+  /// A text declared as ASCII, which some readers insist on.
+  void ascii(const std::string& object, const char* name, const std::string& value) {
+    attribute(object, name, Text(value.size(), temporary_, H5T_CSET_ASCII), 0, value.c_str());
+  }
+
   /// A list of texts, each filled up with zeros to the longest.
   void texts(const std::string& name, const std::vector<std::string>& values) {
     std::size_t width = 1;
@@ -173,9 +178,10 @@ class FileContent {
   /// Type of texts of so many bytes.
   class Text : public Id {
    public:
-    Text(std::size_t bytes, const std::filesystem::path& file) : Id(H5Tcopy(H5T_C_S1), H5Tclose, file) {
+    Text(std::size_t bytes, const std::filesystem::path& file, H5T_cset_t letters = H5T_CSET_UTF8)
+        : Id(H5Tcopy(H5T_C_S1), H5Tclose, file) {
       H5Tset_size(*this, std::max<std::size_t>(1, bytes));
-      H5Tset_cset(*this, H5T_CSET_UTF8);
+      H5Tset_cset(*this, letters);
       H5Tset_strpad(*this, H5T_STR_NULLPAD);
     }
   };

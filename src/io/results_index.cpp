@@ -100,7 +100,7 @@ void write_units(FileContent& file, const Catalogue& c) {
 /// All that is neither a table nor the record of an epoch.
 void write_small(FileContent& file, const Catalogue& c, bool complete) {
   file.numbers("VTKHDF", "Version", {2, 0});
-  file.text("VTKHDF", "Type", "UnstructuredGrid");
+  file.ascii("VTKHDF", "Type", "UnstructuredGrid");
   write_parts(file, c);
   // Without steps the file holds the mesh at rest.
   if (!c.steps().empty()) write_vtk_steps(file, c);

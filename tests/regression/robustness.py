@@ -178,6 +178,13 @@ def full_disk(report):
     done = subprocess.run(["bash", "-c", "trap '' XFSZ; " + limit, *command(["run", file, "--output", folder])], env=environment(1) | {"PMIX_MCA_gds": "hash"},
                           text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
     report.check(done.returncode == 2 and "writing failed" in done.stdout, f"code {done.returncode}: {done.stdout.strip()[-120:]}")
+    # Steps fit, the file of all of them does not.
+    done = subprocess.run(["bash", "-c", "trap '' XFSZ; " + limit.replace("60", "1500"), *command(["run", file, "--output", folder, "--overwrite"])],
+                          env=environment(1) | {"PMIX_MCA_gds": "hash"}, text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+    report.check(done.returncode == 2 and "could not be put into one file" in done.stdout, f"code {done.returncode}: {done.stdout.strip()[-120:]}")
+    results = Results(folder)
+    report.check(len(results) == 21 and not results.complete and all(np.isfinite(step["displacement"]).all() for step in results),
+                 f"{len(results)} steps can be read")
 
 
 @test

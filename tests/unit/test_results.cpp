@@ -2,6 +2,7 @@
 #include <sys/stat.h>
 
 #include <algorithm>
+#include <cstdlib>
 
 #include "test_results_kit.hpp"
 
@@ -59,6 +60,7 @@ TEST_CASE("mesh, groups and partition are there before the first step") {
   CHECK(text_attribute(h5, "/voile/epochs/000000/groups/000001", "name") == "x < 1 & \"y\"/2");
   CHECK(text_attribute(h5, "/voile/epochs/000000/positions", "unit") == "m");
   CHECK(text_attribute(h5, "/VTKHDF", "Type") == "UnstructuredGrid");
+  CHECK(is_ascii(h5, "/VTKHDF", "Type"));  // ParaView 5.11 takes no other
   CHECK(check_xdmf(folder.path) == 2 + 2 + 4);
   CHECK(has(read_text(folder.path / "results.xdmf"), "Name=\"group:x &lt; 1 &amp; &quot;y&quot;/2\""));
   CHECK(has(join(writer.renamed_groups(), "; "), "'x < 1 & \"y\"/2' is /VTKHDF/PointData/group_x___1____y__2"));
@@ -299,6 +301,28 @@ TEST_CASE("naming steps costs no more than writing them") {
   CHECK(rewritten >= 64);
   CHECK(rewritten < 64 + steps / 6);
   CHECK(vtk_array(index, steps - 1, "PointData/displacement") == step(mesh, steps - 1).fields[0].values);
+}
+
+/// For tests/check_paraview.py: VOILE_SAMPLE_RESULTS=FOLDER.
+TEST_CASE("results of three meshes with moving obstacles, ended and killed, for other readers") {
+  const char* given = std::getenv("VOILE_SAMPLE_RESULTS");
+  if (!given) return;
+  const std::vector<mesh::SurfaceMesh> meshes{plate(3), plate(7), plate(2)};
+  const auto write = [&](io::ResultsWriter& writer) {
+    for (int number = 1; number <= 9; ++number) {
+      const mesh::SurfaceMesh& mesh = meshes[static_cast<std::size_t>((number - 1) / 3)];
+      if (number % 3 == 1) writer.begin_epoch(mesh, ramp(mesh.vertex_count()), ramp(mesh.triangle_count()));
+      io::StepFields fields = step(mesh, number);
+      fields.obstacles = raised(number);
+      if (number % 2 == 0) fields.fields.pop_back();  // the tensor
+      writer.write(fields);
+    }
+  };
+  const fs::path ended = fs::path(given) / "ended", killed = fs::path(given) / "killed";
+  fs::remove_all(killed);
+  io::ResultsWriter writer(ended, obstacles(true));
+  write(writer);
+  fs::copy(ended, killed, fs::copy_options::recursive);
 }
 
 TEST_CASE("history numbers read back exactly, each line at once") {

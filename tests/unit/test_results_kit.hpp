@@ -169,6 +169,16 @@ inline std::string text_attribute(const fs::path& file, const std::string& objec
   return text;
 }
 
+inline bool is_ascii(const fs::path& file, const std::string& object, const char* name) {
+  const hid_t f = H5Fopen(file.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
+  const hid_t a = H5Aopen_by_name(f, object.c_str(), name, H5P_DEFAULT, H5P_DEFAULT), type = H5Aget_type(a);
+  const bool ascii = H5Tget_cset(type) == H5T_CSET_ASCII;
+  H5Tclose(type);
+  H5Aclose(a);
+  H5Fclose(f);
+  return ascii;
+}
+
 /// A list of texts of one length.
 inline std::vector<std::string> texts(const fs::path& file, const std::string& name) {
   const hid_t f = H5Fopen(file.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), set = H5Dopen2(f, name.c_str(), H5P_DEFAULT);
