@@ -1,4 +1,4 @@
-// Records accepted states: results.h5/.xdmf, history.csv and the progress lines; private to src/app.
+// Records accepted states: results.vtkhdf/.xdmf, history.csv and the progress lines; private to src/app.
 #pragma once
 
 #include <chrono>

@@ -130,7 +130,7 @@ const std::vector<SectionInfo>& sections() {
       {"air", false, "Drag by air and wind in `dynamic`. Speed and normal are those of the start of each step."},
       {"drape", false, "The search of `analysis = \"drape\"`."},
       {"probe", true, "Numbers recorded in `history.csv` after every step."},
-      {"output", false, "What is written to `results.h5` and `results.xdmf`."},
+      {"output", false, "What is written to `results.vtkhdf` and `results.xdmf`."},
       {"stage", true,
        "Stages, run one after the other: each begins in the state that the one before has left, see "
        "[stages.md](stages.md). Tables of its own, `[stage.time]`, `[stage.steps]`, `[stage.drape]`, `[stage.eigen]`, "

@@ -242,7 +242,7 @@ std::vector<Key> keys_of(OutputSection& s) {
                      {"displacement", "reaction", "velocity", "membrane_force", "bending_moment", "curvature",
                       "membrane_strain", "contact_force", "friction_force", "contact_pressure", "gives_way"}},
        .meaning =
-           "Fields in `results.h5`, any of `displacement`, `velocity`, `reaction`, `membrane_force`, `bending_moment`, "
+           "Fields in `results.vtkhdf`, any of `displacement`, `velocity`, `reaction`, `membrane_force`, `bending_moment`, "
            "`curvature`, `membrane_strain`, `contact_force`, `friction_force`, `contact_pressure`, "
            "`gives_way` (1 where an obstacle does).",
        .absent = "all of them"},

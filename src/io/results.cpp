@@ -22,11 +22,8 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// So many steps are named at once each.
-constexpr std::size_t always_named = 64;
-/// The index names every step after so long, if it can be renewed in a small part of that.
-constexpr std::chrono::seconds longest_wait{2};
-constexpr int least_pause = 20;  ///< between renewals, in times of the last one
+/// Between renewals of the index lies so many times what the last one took: they cost a twentieth of the time.
+constexpr int least_pause = 20;
 
 template <class Real>
 std::vector<Real> flat(const std::vector<Vec3>& points) {
@@ -199,10 +196,9 @@ void ResultsWriter::Impl::write_xdmf() const {
                                             : xdmf_file("obstacles", obstacle_grids, true));
 }
 
-/// Naming steps costs as much as there are steps: many of them wait for each other.
+/// Naming steps costs as much as there are steps: those that follow each other quickly wait.
 bool ResultsWriter::Impl::index_is_due() const {
-  return grids.size() <= always_named ||
-         Clock::now() - last_index >= std::max<Clock::duration>(longest_wait, least_pause * index_cost);
+  return Clock::now() - last_index >= least_pause * index_cost;
 }
 
 /// What names goes last: it then names what is there.

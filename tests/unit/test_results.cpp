@@ -2,7 +2,9 @@
 #include <sys/stat.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cstdlib>
+#include <thread>
 
 #include "test_results_kit.hpp"
 
@@ -73,6 +75,7 @@ TEST_CASE("steps are readable through VTKHDF and the XDMF after each write, and 
   io::ResultsWriter writer = begin(folder.path, mesh);
   for (int number = 1; number <= 3; ++number) {
     writer.write(step(mesh, number));
+    writer.flush();
     CHECK(check_xdmf(folder.path) == number * (8 + 4));
     check_steps(h5, mesh, static_cast<std::size_t>(number));
   }
@@ -128,6 +131,7 @@ TEST_CASE("a mesh may change between steps") {
   writer.write(step(fine, 3));
   writer.begin_epoch(coarse, ramp(9), ramp(8));
   writer.write(step(coarse, 4));
+  writer.flush();
   const auto check = [&] {
     check_steps(h5, coarse, 2);
     const VtkStep third = vtk_step(h5, 2), fourth = vtk_step(h5, 3);
@@ -168,6 +172,7 @@ TEST_CASE("a field that a step does not have is not a number there, and a group 
   writer.write(without(step(mesh, 3), 0));  // no displacement: the vertices are where they rest
   writer.begin_epoch(second, ramp(16), ramp(18));
   writer.write(without(step(second, 4), 2));
+  writer.flush();
   const auto check = [&] {
     CHECK(all_nan(vtk_array(h5, 0, "PointData/tensor")));
     CHECK(vtk_array(h5, 1, "PointData/tensor") == step(mesh, 2).fields[3].values);
@@ -199,6 +204,7 @@ TEST_CASE("the folder of a run that goes on can be moved, and a new run removes 
     io::ResultsWriter writer = begin(folder.path / "a", mesh);
     writer.write(step(mesh, 1));
     writer.write(step(mesh, 2));
+    writer.flush();
     fs::rename(folder.path / "a", b);
     CHECK(vtk_array(b / "results.vtkhdf", 1, "CellData/thickness") == step(mesh, 2).fields[2].values);
     fs::create_directories(folder.path / "a");  // nothing can be put together here
@@ -230,6 +236,7 @@ TEST_CASE("obstacles that move have positions in every step and an XDMF of their
     io::StepFields fields = step(mesh, number);
     fields.obstacles = raised(number);
     writer.write(fields);
+    writer.flush();
     check(number);
   }
   check_xdmf(folder.path);
@@ -285,22 +292,25 @@ TEST_CASE("naming steps costs no more than writing them") {
     REQUIRE(stat(index.c_str(), &s) == 0);
     return s.st_ino;
   };
-  std::size_t rewritten = 0;
-  constexpr int steps = 600;
-  {
-    io::ResultsWriter writer = begin(folder.path, mesh);
-    for (int n = 0; n < steps; ++n) {
-      const auto before = inode();
-      writer.write(step(mesh, n));
-      rewritten += inode() != before ? 1 : 0;
-    }
-    writer.flush();
-    CHECK(read(index, "/voile/steps/number").values.size() == steps);
-  }
+  int rewritten = 0, steps = 0;
+  io::ResultsWriter writer = begin(folder.path, mesh);
+  const auto write = [&] {
+    const auto before = inode();
+    writer.write(step(mesh, steps++));
+    return inode() != before;
+  };
+  while (steps < 600) rewritten += write() ? 1 : 0;
   MESSAGE(rewritten << " times for " << steps << " steps");
-  CHECK(rewritten >= 64);
-  CHECK(rewritten < 64 + steps / 6);
-  CHECK(vtk_array(index, steps - 1, "PointData/displacement") == step(mesh, steps - 1).fields[0].values);
+  CHECK(rewritten > 0);
+  CHECK(rewritten < 200);
+  writer.flush();
+  CHECK(read(index, "/voile/steps/number").values.size() == 600);
+  CHECK(vtk_array(index, 599, "PointData/displacement") == step(mesh, 599).fields[0].values);
+  for (int tries = 0; !write(); ++tries) {  // a step that comes late is named at once
+    REQUIRE(tries < 100);
+    std::this_thread::sleep_for(std::chrono::milliseconds(200));
+  }
+  CHECK(read(index, "/voile/steps/number").values.size() == static_cast<std::size_t>(steps));
 }
 
 /// For tests/check_paraview.py: VOILE_SAMPLE_RESULTS=FOLDER.
@@ -322,6 +332,7 @@ TEST_CASE("results of three meshes with moving obstacles, ended and killed, for 
   fs::remove_all(killed);
   io::ResultsWriter writer(ended, obstacles(true));
   write(writer);
+  writer.flush();
   fs::copy(ended, killed, fs::copy_options::recursive);
 }
 

@@ -15,7 +15,7 @@ enum class Verbosity { quiet, normal, verbose };
 struct RunOptions {
   std::filesystem::path output;   ///< folder of the results; created
   bool overwrite = false;         ///< an earlier run in that folder may be replaced
-  std::filesystem::path restart;  ///< results.h5 of an earlier run to go on from; empty: from the unloaded state
+  std::filesystem::path restart;  ///< results.vtkhdf of an earlier run to go on from; empty: from the unloaded state
   int restart_step = -1;          ///< its step; negative: the last one
   std::string from;               ///< stage to begin with; empty: the first one
   Verbosity verbosity = Verbosity::normal;

@@ -69,9 +69,9 @@ class ResultsWriter {
                    const std::vector<int>& triangle_rank);
   /// Groups whose names HDF5 paths do not allow, as "name -> path".
   [[nodiscard]] const std::vector<std::string>& renamed_groups() const;
-  /// Adds one step on the mesh of the last epoch; all files are closed and readable when it returns. Beyond 64 steps
-  /// results.vtkhdf and results.xdmf name it after two seconds, or twenty times what naming costs, once further steps come,
-  /// or by flush(). Throws UserError if the disk is full; what was there stays readable.
+  /// Adds one step on the mesh of the last epoch; all files are closed and readable when it returns. results.vtkhdf and
+  /// results.xdmf name it at once unless they were renewed just before, less than twenty times ago what that took; then
+  /// when a further step comes, or by flush(). Throws UserError if the disk is full; what was there stays readable.
   void write(const StepFields& step);
   /// Makes results.vtkhdf and results.xdmf name every step. Throws UserError if the disk is full.
   void flush();
