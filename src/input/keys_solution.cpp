@@ -241,10 +241,10 @@ std::vector<Key> keys_of(OutputSection& s) {
        .slot = Words{&s.fields,
                      {"displacement", "reaction", "velocity", "membrane_force", "bending_moment", "curvature",
                       "membrane_strain", "contact_force", "friction_force", "contact_pressure", "gives_way"}},
-       .meaning =
-           "Fields in `results.vtkhdf`, any of `displacement`, `velocity`, `reaction`, `membrane_force`, `bending_moment`, "
-           "`curvature`, `membrane_strain`, `contact_force`, `friction_force`, `contact_pressure`, "
-           "`gives_way` (1 where an obstacle does).",
+       .meaning = "Fields in `results.vtkhdf`, any of `displacement`, `velocity`, `reaction`, `membrane_force`, "
+                  "`bending_moment`, "
+                  "`curvature`, `membrane_strain`, `contact_force`, `friction_force`, `contact_pressure`, "
+                  "`gives_way` (1 where an obstacle does).",
        .absent = "all of them"},
       {.name = "stresses",
        .slot = choice(s.stresses, {{"none", OutputSection::Stresses::none},
