@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cstdlib>
 #include <thread>
+#include <utility>
 
 #include "test_results_kit.hpp"
 
@@ -111,6 +112,7 @@ TEST_CASE("datasets of many steps are put together whatever the size of a step")
     {
       io::ResultsWriter writer = begin(folder.path, mesh);
       for (int number = 1; number <= count; ++number) writer.write(step(mesh, number));
+      writer.finish();
     }
     const DataSet all = read(folder.path / "results.vtkhdf", "/VTKHDF/CellData/membrane_force_11_22_12");
     CAPTURE(n);
@@ -118,6 +120,24 @@ TEST_CASE("datasets of many steps are put together whatever the size of a step")
       CHECK(rows(all, (number - 1) * mesh.triangle_count(), mesh.triangle_count()) ==
             step(mesh, number).fields[1].values);
   }
+}
+
+TEST_CASE("steps of a chunk's size that begin within a chunk are put together, too") {
+  const Folder folder;
+  const mesh::SurfaceMesh large = plate(70), small = plate(3);
+  const fs::path h5 = folder.path / "results.vtkhdf";
+  {
+    io::ResultsWriter writer(folder.path);
+    for (const auto& [mesh, number] : {std::pair{&large, 1}, {&small, 2}, {&large, 3}}) {
+      writer.begin_epoch(*mesh, ramp(mesh->vertex_count()), ramp(mesh->triangle_count()));
+      writer.write(step(*mesh, number));
+    }
+    writer.finish();
+  }
+  CHECK(vtk_array(h5, 0, "PointData/displacement") == step(large, 1).fields[0].values);
+  CHECK(vtk_array(h5, 1, "PointData/displacement") == step(small, 2).fields[0].values);
+  CHECK(vtk_array(h5, 2, "PointData/displacement") == step(large, 3).fields[0].values);
+  CHECK(vtk_step(h5, 2).points == moved(large, step(large, 3)));
 }
 
 TEST_CASE("a mesh may change between steps") {
