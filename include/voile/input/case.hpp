@@ -53,7 +53,7 @@ struct MotionInput {
 struct ObstacleSection {
   enum class Type { mesh, plane, sphere, capsule, cylinder };
   Type type = Type::mesh;
-  contact::Obstacle shape;      ///< without what files give; a cylinder gets its triangles with the mesh
+  contact::Obstacle shape;     ///< without what files give; a cylinder gets its triangles with the mesh
   std::filesystem::path file;  ///< mesh
   double scale = 1.0;
   io::Placement placement;       ///< of mesh and frames
