@@ -35,7 +35,7 @@ void print_edges(const mesh::SurfaceMesh& mesh) {
   Index boundary = 0;
   for (Index t = 0; t < mesh.triangle_count(); ++t)
     for (int s = 0; s < 3; ++s) {
-      edge.push_back((mesh.corner(t, (s + 1) % 3) - mesh.corner(t, (s + 2) % 3)).norm());
+      edge.push_back((mesh.rest_corner(t, (s + 1) % 3) - mesh.rest_corner(t, (s + 2) % 3)).norm());
       boundary += mesh.neighbour(t, s) == no_index ? 1 : 0;
     }
   fmt::print("edges: {:.4g} .. {:.4g} m, median {:.4g} m; {} on the boundary\n", quantile(edge, 0.0),

@@ -137,15 +137,18 @@ Recorder::Snapshot Recorder::snapshot(Vec a) {
 
 /// Said once each: results beyond go on, but the law no longer holds.
 void Recorder::warn_of_range(const Validity& v) {
-  const auto place = [&](const Vec3& x) { return fmt::format("({:.4g}, {:.4g}, {:.4g}) m at rest", x[0], x[1], x[2]); };
   const mesh::SurfaceMesh& mesh = model_->mesh();
+  const auto place = [&](const Vec3& x) {
+    return fmt::format("({:.4g}, {:.4g}, {:.4g}) m at {}", x[0], x[1], x[2], mesh.has_charts() ? "the start" : "rest");
+  };
   if (v.strain > strain_limit && !std::exchange(warned_of_strain_, true))
     fmt::print(
         stderr,
         "voile: warning: a membrane strain of {:.0f} % at {}: the law is linear in the strain and meant for less "
         "than {:.0f} % (history: largest_strain)\n",
         100.0 * v.strain,
-        place((mesh.corner(v.triangle, 0) + mesh.corner(v.triangle, 1) + mesh.corner(v.triangle, 2)) / 3.0),
+        place((mesh.start_corner(v.triangle, 0) + mesh.start_corner(v.triangle, 1) + mesh.start_corner(v.triangle, 2)) /
+              3.0),
         100.0 * strain_limit);
   if (v.turn > turn_limit && !std::exchange(warned_of_turn_, true))
     fmt::print(stderr,

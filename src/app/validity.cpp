@@ -25,33 +25,40 @@ double turn_about(const Vec3& edge, const Vec3& n, const Vec3& m) {
   return std::atan2(edge.normalized().dot(n.cross(m)), n.dot(m));
 }
 
+/// The same of the rest shape across side s of t: none across a seam.
+double rest_turn(const mesh::SurfaceMesh& mesh, Index t, int s) {
+  if (!mesh.chart_join(t, s).same_chart) return 0.0;
+  return turn_about(mesh.rest_corner(t, (s + 2) % 3) - mesh.rest_corner(t, (s + 1) % 3), mesh.rest_normal(t),
+                    mesh.rest_normal(mesh.neighbour(t, s)));
+}
+
 }  // namespace
 
 Validity assess(const mesh::SurfaceMesh& mesh, const std::vector<double>& displacement) {
   Validity v;
-  const auto rest = [&](Index i) -> const Vec3& { return mesh.positions()[i]; };
   const auto now = [&](Index i) -> Vec3 {
-    return rest(i) + Eigen::Map<const Vec3>(displacement.data() + 3 * static_cast<std::size_t>(i));
+    return mesh.positions()[i] + Eigen::Map<const Vec3>(displacement.data() + 3 * static_cast<std::size_t>(i));
   };
   const auto normal = [](const Vec3& a, const Vec3& b, const Vec3& c) -> Vec3 { return (b - a).cross(c - a); };
   for (Index t = 0; t < mesh.triangle_count(); ++t) {
     const mesh::Triangle& i = mesh.triangles()[t];
     const Vec3 x0 = now(i[0]), x1 = now(i[1]), x2 = now(i[2]);
-    const double strain = principal_strain(rest(i[1]) - rest(i[0]), rest(i[2]) - rest(i[0]), x1 - x0, x2 - x0);
+    const Vec3 corner = mesh.rest_corner(t, 0);
+    const double strain =
+        principal_strain(mesh.rest_corner(t, 1) - corner, mesh.rest_corner(t, 2) - corner, x1 - x0, x2 - x0);
     if (strain > v.strain) {
       v.strain = strain;
       v.triangle = t;
     }
-    const Vec3 n = normal(x0, x1, x2), rest_n = normal(rest(i[0]), rest(i[1]), rest(i[2]));
+    const Vec3 n = normal(x0, x1, x2);
     for (int s = 0; s < 3; ++s) {
       const Index other = mesh.neighbour(t, s);
       if (other == no_index || other < t) continue;
       const mesh::Triangle& j = mesh.triangles()[other];
       const Index a = i[static_cast<std::size_t>((s + 1) % 3)], b = i[static_cast<std::size_t>((s + 2) % 3)];
-      const double turn =
-          std::remainder(turn_about(now(b) - now(a), n, normal(now(j[0]), now(j[1]), now(j[2]))) -
-                             turn_about(rest(b) - rest(a), rest_n, normal(rest(j[0]), rest(j[1]), rest(j[2]))),
-                         2.0 * std::numbers::pi);
+      const double turn = std::remainder(
+          turn_about(now(b) - now(a), n, normal(now(j[0]), now(j[1]), now(j[2]))) - rest_turn(mesh, t, s),
+          2.0 * std::numbers::pi);
       if (std::abs(turn) <= v.turn) continue;
       v.turn = std::abs(turn);
       v.vertex_a = a;

@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 namespace voile::contact {
 
@@ -22,8 +23,11 @@ void add_edge(Surface& s, Index a, Index b, int body, bool bare) {
   s.edges.push_back({{a, b}, body, (s.rest[b] - s.rest[a]).squaredNorm(), bare});
 }
 
-void add_face(Surface& s, const std::array<Index, 3>& p, int body) {
-  const double area = 0.5 * (s.rest[p[1]] - s.rest[p[0]]).cross(s.rest[p[2]] - s.rest[p[0]]).norm();
+double area_of(const Surface& s, const std::array<Index, 3>& p) {
+  return 0.5 * (s.rest[p[1]] - s.rest[p[0]]).cross(s.rest[p[2]] - s.rest[p[0]]).norm();
+}
+
+void add_face(Surface& s, const std::array<Index, 3>& p, int body, double area) {
   s.faces.push_back({p, body});
   s.face_area.push_back(area);
   for (Index i : p) s.area[i] += area / 3.0;
@@ -51,11 +55,16 @@ Surface make_surface(const mesh::SurfaceMesh& mesh, std::vector<Body> bodies, co
     if (const int curve = curve_through(std::array{v}); curve >= 0) s.body_of_point[v] = curve;
   for (Index t = 0; t < mesh.triangle_count(); ++t) {
     const int curve = curve_through(mesh.triangles()[t]);
-    add_face(s, mesh.triangles()[t], curve >= 0 ? curve : body_of_triangle.empty() ? 0 : body_of_triangle[t]);
+    add_face(s, mesh.triangles()[t],
+             curve >= 0                 ? curve
+             : body_of_triangle.empty() ? 0
+                                        : body_of_triangle[t],
+             mesh.area(t));
   }
   for (const mesh::Segment& e : edges_of(mesh.triangles())) {
     const int curve = curve_through(e);
     add_edge(s, e[0], e[1], curve >= 0 ? curve : s.body_of_point[std::min(e[0], e[1])], false);
+    if (mesh.has_charts()) s.edges.back().rest_length_squared = std::pow(mesh.rest_length(e), 2);
   }
   s.sheet_edges = static_cast<Index>(s.edges.size());
   s.sheet_faces = static_cast<Index>(s.faces.size());
@@ -68,7 +77,10 @@ Index append(Surface& s, int body, const std::vector<Vec3>& points, const std::v
   s.rest.insert(s.rest.end(), points.begin(), points.end());
   s.body_of_point.resize(s.rest.size(), body);
   s.area.resize(s.rest.size(), 0.0);
-  for (const mesh::Triangle& t : triangles) add_face(s, {first + t[0], first + t[1], first + t[2]}, body);
+  for (const mesh::Triangle& t : triangles) {
+    const std::array<Index, 3> p{first + t[0], first + t[1], first + t[2]};
+    add_face(s, p, body, area_of(s, p));
+  }
   for (const mesh::Segment& e : edges_of(triangles)) add_edge(s, first + e[0], first + e[1], body, false);
   if (triangles.empty())
     for (std::size_t i = 0; i < points.size(); ++i) s.bare_points.push_back(first + static_cast<Index>(i));

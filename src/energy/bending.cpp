@@ -29,6 +29,23 @@ void order_points(const mesh::Triangle& corners, const CurvatureOperator& op, Be
   }
 }
 
+/// By how much the start is bent beyond the rest shape.
+void take_start(const Sheet& sheet, Index t, BendingElement& el) {
+  const mesh::SurfaceMesh& mesh = sheet.mesh();
+  el.start_normal = mesh.start_normal(t);
+  const Vec3 corner = mesh.start_corner(t, 0);  // keeps round-off small
+  Mat3 bend = -el.rest_curvature * el.start_normal.transpose();
+  for (std::size_t i = 0; i < el.points.size(); ++i)
+    bend += el.operator_.col(static_cast<Eigen::Index>(i)) * (sheet.patches().start(el.points[i]) - corner).transpose();
+  const double area = mesh.area(t);
+  if (!(bend.norm() * std::sqrt(area) > flat_tolerance)) return;
+  const Mat3 moment = area * sheet.material(t).bending * bend;
+  el.start_bend = bend;
+  el.start_force = el.operator_.transpose() * moment;
+  el.start_coupling = moment.transpose() * el.rest_curvature;
+  el.start_energy = 0.5 * bend.cwiseProduct(moment).sum();
+}
+
 }  // namespace
 
 BendingElement make_bending_element(const Sheet& sheet, Index t, const CurvatureOperator& op) {
@@ -38,20 +55,16 @@ BendingElement make_bending_element(const Sheet& sheet, Index t, const Curvature
   const double area = sheet.mesh().area(t);
   const Mat3& bending = sheet.material(t).bending;
 
-  Mat3 rest = Mat3::Zero();  // row r: k_r(X), taken about the centroid to keep round-off small
-  for (std::size_t i = 0; i < el.points.size(); ++i)
-    rest += el.operator_.col(static_cast<Eigen::Index>(i)) *
-            (sheet.patches().rest(el.points[i]) - frame.origin).transpose();
-  el.rest_normal = frame.normal;
-  el.rest_curvature = rest * frame.normal;
-  const bool curved = rest.norm() * std::sqrt(area) > flat_tolerance;
+  el.start_normal = frame.normal;
+  el.rest_curvature = op.rest * frame.normal;
+  const bool curved = op.rest.norm() * std::sqrt(area) > flat_tolerance;
   if (curved) {
     std::array<Vec2, 3> p;
-    for (int i = 0; i < 3; ++i) p[i] = frame.to_plane(sheet.mesh().corner(t, i));
+    for (int i = 0; i < 3; ++i) p[i] = frame.to_plane(sheet.mesh().rest_corner(t, i));
     for (int i = 0; i < 3; ++i) {
       const Vec2 edge = p[(i + 2) % 3] - p[(i + 1) % 3];
       const Vec2 gradient = Vec2(-edge.y(), edge.x()) / (2.0 * area);
-      el.operator_.col(i) -= rest * (frame.e1 * gradient.x() + frame.e2 * gradient.y());
+      el.operator_.col(i) -= op.rest * (frame.e1 * gradient.x() + frame.e2 * gradient.y());
     }
     el.coupling = area * (el.rest_curvature.transpose() * bending * el.operator_).transpose();
     el.rest_energy = area * el.rest_curvature.dot(bending * el.rest_curvature);
@@ -59,12 +72,13 @@ BendingElement make_bending_element(const Sheet& sheet, Index t, const Curvature
     el.rest_curvature.setZero();
   }
   el.stiffness = area * el.operator_.transpose() * bending * el.operator_;
+  if (sheet.mesh().has_charts()) take_start(sheet, t, el);
   return el;
 }
 
 void CurvedBendingTerm::add(const BendingElement& element, const std::vector<Index>& local, bool owned) {
-  elements_.push_back(
-      {points_.size(), static_cast<int>(local.size()), owned, element.rest_energy, element.rest_normal});
+  elements_.push_back({points_.size(), static_cast<int>(local.size()), owned, element.rest_energy, element.start_normal,
+                       element.start_coupling});
   points_.insert(points_.end(), local.begin(), local.end());
   coupling_.insert(coupling_.end(), element.coupling.begin(), element.coupling.end());
 }
@@ -81,7 +95,7 @@ CurvedBendingTerm::Normal CurvedBendingTerm::normal(const Element& el, const Con
 }
 
 Vec3 CurvedBendingTerm::coupled(const Element& el, const Configuration& c) const {
-  Vec3 v = el.rest_energy * el.normal;
+  Vec3 v = el.rest_energy * el.normal + el.start_coupling;
   for (int i = 0; i < el.count; ++i) v += coupling_[el.start + i] * c.u[points_[el.start + i]];
   return v;
 }

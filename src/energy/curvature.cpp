@@ -16,7 +16,12 @@ namespace {
 
 using Row6 = Eigen::Matrix<double, 1, 6>;
 using Mat6 = Eigen::Matrix<double, 6, 6>;
-using Weights = std::map<Index, double>;  ///< linear functional of the point positions
+
+/// A linear functional of the point positions, and what it is of the rest shape, in some chart.
+struct Functional {
+  std::map<Index, double> weights;
+  Vec3 rest = Vec3::Zero();
+};
 
 /// Largest condition number at which a least-squares ring fit is accepted before another ring is added.
 constexpr double max_ring_condition = 60.0;
@@ -57,6 +62,7 @@ Vec3 voigt(const Vec2& slope, const Vec2& n) {
 /// Coefficients of a quadratic (rows: monomials) as functionals of points (columns), about the triangle's centroid.
 struct Fit {
   std::vector<Index> points;
+  std::vector<Vec3> rest;  ///< of the points, from the triangle's centroid, in its chart [m]
   Eigen::Matrix<double, 6, Eigen::Dynamic> coefficients;
   double condition = std::numeric_limits<double>::infinity();
   bool complete = false;
@@ -82,7 +88,7 @@ double condition_of(const Eigen::VectorXd& singular_values) {
 }
 
 /// The quadratic of the patch. A missing neighbour's row is replaced by M_nn = 0 on that side.
-Fit fit_patch(const mesh::Patch& patch, const Mat3& bending) {
+Fit fit_patch(const mesh::Patch& patch, const Vec3& centroid, const Mat3& bending) {
   Fit fit;
   fit.complete = patch.complete();
   const double scale = std::sqrt(patch.area);
@@ -99,6 +105,7 @@ Fit fit_patch(const mesh::Patch& patch, const Mat3& bending) {
       v.row(i) = monomials(patch.coordinates[i] / scale);
       column[i] = static_cast<int>(fit.points.size());
       fit.points.push_back(patch.points[i]);
+      fit.rest.push_back(patch.rest[i] - centroid);
     }
   }
   const Eigen::JacobiSVD<Mat6> svd(v * invariant_columns().asDiagonal());
@@ -113,7 +120,8 @@ Fit fit_patch(const mesh::Patch& patch, const Mat3& bending) {
 }
 
 /// Weighted least-squares quadratic about `origin` over the points.
-Fit fit_rings(const std::vector<mesh::PatchMesh::UnfoldedPoint>& points, const Vec2& origin, double scale) {
+Fit fit_rings(const std::vector<mesh::PatchMesh::UnfoldedPoint>& points, const Vec3& centroid, const Vec2& origin,
+              double scale) {
   Fit fit;
   const auto n = static_cast<Eigen::Index>(points.size());
   if (n < 6) return fit;
@@ -124,6 +132,7 @@ Fit fit_rings(const std::vector<mesh::PatchMesh::UnfoldedPoint>& points, const V
     weight[i] = 1.0 / (1.0 + p.squaredNorm());
     v.row(i) = weight[i] * monomials(p);
     fit.points.push_back(points[i].point);
+    fit.rest.push_back(points[i].rest - centroid);
   }
   const Eigen::JacobiSVD<Eigen::MatrixXd> svd(v * invariant_columns().asDiagonal(),
                                               Eigen::ComputeThinU | Eigen::ComputeThinV);
@@ -135,9 +144,15 @@ Fit fit_rings(const std::vector<mesh::PatchMesh::UnfoldedPoint>& points, const V
   return fit;
 }
 
-void add(Weights& to, const Fit& fit, const Row6& functional, double factor) {
+/// `turn`: from the chart of the fit to that of `to`.
+void add(Functional& to, const Fit& fit, const Row6& functional, double factor, const Mat3& turn = Mat3::Identity()) {
   const Eigen::RowVectorXd w = factor * functional * fit.coefficients;
-  for (std::size_t i = 0; i < fit.points.size(); ++i) to[fit.points[i]] += w[static_cast<Eigen::Index>(i)];
+  Vec3 rest = Vec3::Zero();
+  for (std::size_t i = 0; i < fit.points.size(); ++i) {
+    to.weights[fit.points[i]] += w[static_cast<Eigen::Index>(i)];
+    rest += w[static_cast<Eigen::Index>(i)] * fit.rest[i];
+  }
+  to.rest += turn * rest;
 }
 
 }  // namespace
@@ -154,9 +169,10 @@ struct CurvatureBuilder::Impl {
   const Entry& entry(Index t) {
     const auto found = entries.find(t);
     if (found != entries.end()) return found->second;
+    const mesh::Frame frame = sheet.frame(t);
     Entry e;
-    e.patch = sheet.patches().patch(t, sheet.frame(t));
-    e.fit = fit_patch(e.patch, sheet.material(t).bending);
+    e.patch = sheet.patches().patch(t, frame);
+    e.fit = fit_patch(e.patch, frame.origin, sheet.material(t).bending);
     return entries.emplace(t, std::move(e)).first->second;
   }
 
@@ -168,26 +184,28 @@ struct CurvatureBuilder::Impl {
     const double scale = std::sqrt(entry(t).patch.area);
     Fit best;
     for (int rings = 1; rings <= max_rings; ++rings) {
-      Fit fit = fit_rings(sheet.patches().unfolded_rings(t, s, rings, frame), origin, scale);
+      Fit fit = fit_rings(sheet.patches().unfolded_rings(t, s, rings, frame), frame.origin, origin, scale);
       if (fit.condition < best.condition) best = std::move(fit);
       if (best.condition <= max_ring_condition) break;
     }
     return best;
   }
 
-  /// phi of interior side s of t as seen from t, times `factor`, added to `to`.
-  void add_interior_slope(Weights& to, Index t, int s, double factor) {
+  /// phi of interior side s of t as seen from t, times `factor`, added to `to`. `turn`: from the chart of t to that of
+  /// `to`.
+  void add_interior_slope(Functional& to, Index t, int s, double factor, const Mat3& turn = Mat3::Identity()) {
     const Index other = sheet.mesh().neighbour(t, s);
+    const Mat3 across = turn * sheet.mesh().chart_join(t, s).turn;
     if (other < t) {  // one triangle defines the slope, so that both see exactly the same
-      add_interior_slope(to, other, sheet.mesh().side_in_neighbour(t, s), -factor);
+      add_interior_slope(to, other, sheet.mesh().side_in_neighbour(t, s), -factor, across);
       return;
     }
     const int so = sheet.mesh().side_in_neighbour(t, s);
     const Entry here = entry(t), there = entry(other);
     const Side mine = side_of(here.patch, s), theirs = side_of(there.patch, so);
     const auto use = [&](double share_here, double share_there) {
-      if (share_here > 0.0) add(to, here.fit, slope_row(mine.middle, mine.normal), factor * share_here);
-      if (share_there > 0.0) add(to, there.fit, slope_row(theirs.middle, theirs.normal), -factor * share_there);
+      if (share_here > 0.0) add(to, here.fit, slope_row(mine.middle, mine.normal), factor * share_here, turn);
+      if (share_there > 0.0) add(to, there.fit, slope_row(theirs.middle, theirs.normal), -factor * share_there, across);
     };
     const bool good_here = here.fit.complete && usable(here.fit), good_there = there.fit.complete && usable(there.fit);
     if (good_here || good_there) {
@@ -197,24 +215,26 @@ struct CurvatureBuilder::Impl {
     }
     const Fit rings = ring_fit(t, s, mine.middle);
     if (rings.condition <= max_ring_condition) {
-      add(to, rings, slope_row(Vec2::Zero(), mine.normal), factor);
+      add(to, rings, slope_row(Vec2::Zero(), mine.normal), factor, turn);
     } else if (usable(here.fit) || usable(there.fit)) {  // narrow strips: the free-edge condition completes the patch
       const double share = usable(here.fit) && usable(there.fit) ? 0.5 : usable(here.fit) ? 1.0 : 0.0;
       use(share, 1.0 - share);
     } else {
-      add_linear_slope(to, here.patch, s, mine, 0.5 * factor);
-      add_linear_slope(to, there.patch, so, theirs, -0.5 * factor);
+      add_linear_slope(to, here.patch, s, mine, 0.5 * factor, turn);
+      add_linear_slope(to, there.patch, so, theirs, -0.5 * factor, across);
     }
   }
 
   /// Slope of the flat triangle itself: the last resort, exact for linear fields only.
-  static void add_linear_slope(Weights& to, const mesh::Patch& p, int s, const Side& side, double factor) {
+  static void add_linear_slope(Functional& to, const mesh::Patch& p, int s, const Side& side, double factor,
+                               const Mat3& turn) {
+    const int a = (s + 1) % 3, b = (s + 2) % 3;
     const double height = 2.0 * p.area / side.length;
-    const Vec2 a = p.coordinates[(s + 1) % 3];
-    const double along = (p.coordinates[s] - a).dot(side.tangent) / side.length;
-    to[p.points[s]] -= factor / height;
-    to[p.points[(s + 1) % 3]] += factor * (1.0 - along) / height;
-    to[p.points[(s + 2) % 3]] += factor * along / height;
+    const double along = (p.coordinates[s] - p.coordinates[a]).dot(side.tangent) / side.length;
+    to.weights[p.points[s]] -= factor / height;
+    to.weights[p.points[a]] += factor * (1.0 - along) / height;
+    to.weights[p.points[b]] += factor * along / height;
+    to.rest += turn * ((factor / height) * ((1.0 - along) * (p.rest[a] - p.rest[s]) + along * (p.rest[b] - p.rest[s])));
   }
 
   CurvatureOperator edge_slope(Index t);
@@ -224,11 +244,13 @@ struct CurvatureBuilder::Impl {
 namespace {
 
 /// Moves one-row functionals into an operator with ascending points.
-CurvatureOperator collect(const std::array<Weights, 3>& rows) {
+CurvatureOperator collect(const std::array<Functional, 3>& rows) {
   std::map<Index, Vec3> columns;
-  for (int r = 0; r < 3; ++r)
-    for (const auto& [point, w] : rows[r]) columns.try_emplace(point, Vec3::Zero()).first->second[r] += w;
   CurvatureOperator op;
+  for (int r = 0; r < 3; ++r) {
+    for (const auto& [point, w] : rows[r].weights) columns.try_emplace(point, Vec3::Zero()).first->second[r] += w;
+    op.rest.row(r) = rows[r].rest.transpose();
+  }
   op.weights.resize(3, static_cast<Eigen::Index>(columns.size()));
   for (const auto& [point, w] : columns) {
     op.weights.col(static_cast<Eigen::Index>(op.points.size())) = w;
@@ -251,34 +273,41 @@ Mat3 condense_free_sides(const std::vector<Vec3>& free_sides, const Mat3& bendin
 
 CurvatureOperator CurvatureBuilder::Impl::edge_slope(Index t) {
   const mesh::Patch patch = entry(t).patch;
-  std::array<Weights, 3> rows;
+  std::array<Functional, 3> rows;
   std::vector<Vec3> free_sides;
   for (int s = 0; s < 3; ++s) {
+    const int a = (s + 1) % 3, b = (s + 2) % 3;
     const Side side = side_of(patch, s);
     const double share = side.length / patch.area;
     const Vec3 along = share * voigt(side.tangent, side.normal) / side.length;
     for (int r = 0; r < 3; ++r) {
-      rows[r][patch.points[(s + 2) % 3]] += along[r];
-      rows[r][patch.points[(s + 1) % 3]] -= along[r];
+      rows[r].weights[patch.points[b]] += along[r];
+      rows[r].weights[patch.points[a]] -= along[r];
+      rows[r].rest += along[r] * (patch.rest[b] - patch.rest[a]);
     }
     const Vec3 across = share * voigt(side.normal, side.normal);
     if (patch.points[3 + s] == no_index) {
       free_sides.push_back(across);
       continue;
     }
-    Weights slope;
+    Functional slope;
     if (sheet.patches().is_mirror(patch.points[3 + s])) {
       const double height = 2.0 * patch.area / side.length;
-      slope[patch.points[3 + s]] = 0.5 / height;
-      slope[patch.points[s]] = -0.5 / height;
+      slope.weights[patch.points[3 + s]] = 0.5 / height;
+      slope.weights[patch.points[s]] = -0.5 / height;
+      slope.rest = 0.5 / height * (patch.rest[3 + s] - patch.rest[s]);
     } else {
       add_interior_slope(slope, t, s, 1.0);
     }
-    for (const auto& [point, w] : slope)
-      for (int r = 0; r < 3; ++r) rows[r][point] += across[r] * w;
+    for (int r = 0; r < 3; ++r) {
+      for (const auto& [point, w] : slope.weights) rows[r].weights[point] += across[r] * w;
+      rows[r].rest += across[r] * slope.rest;
+    }
   }
   CurvatureOperator op = collect(rows);
-  op.weights = condense_free_sides(free_sides, sheet.material(t).bending) * op.weights;
+  const Mat3 condensed = condense_free_sides(free_sides, sheet.material(t).bending);
+  op.weights = condensed * op.weights;
+  op.rest = condensed * op.rest;
   return op;
 }
 
@@ -289,7 +318,7 @@ CurvatureOperator CurvatureBuilder::Impl::six_node(Index t) {
     Fit rings = ring_fit(t, -1, Vec2::Zero());
     if (rings.condition < fit.condition) fit = std::move(rings);
   }
-  std::array<Weights, 3> rows;
+  std::array<Functional, 3> rows;
   for (int r = 0; r < 3; ++r) {
     Row6 second = Row6::Zero();
     second[3 + r] = r == 2 ? 2.0 : 1.0;

@@ -131,21 +131,30 @@ void MembraneTerm::add(const Sheet& sheet, Index t, const std::array<Index, node
     el.side_metric[s] = el.own_metric;
     if (patch.points[3 + s] == no_index || sheet.patches().rest_dihedral(t, s) > sheet.options().crease_angle) continue;
     const int a = (s + 1) % 3, b = (s + 2) % 3;
+    // The neighbour's gradient belongs to its own rest shape, the patch has this `stretch` times as long.
+    const double stretch = patch.stretch[s];
     const auto far = linear_gradient(p[b], p[a], p[3 + s]);
-    const double far_area = area_of(p[a], p[b], p[3 + s]), share = patch.area / (patch.area + far_area);
-    for (int alpha = 0; alpha < 2; ++alpha) {
-      for (int k = 0; k < 3; ++k) d[alpha][k] *= share;
-      d[alpha][b] += (1.0 - share) * far[alpha][0];
-      d[alpha][a] += (1.0 - share) * far[alpha][1];
-      d[alpha][3] = (1.0 - share) * far[alpha][2];
-    }
+    const double far_area = area_of(p[a], p[b], p[3 + s]) / (stretch * stretch),
+                 share = patch.area / (patch.area + far_area);
+    const auto mix = [&](double far_share) {
+      SideWeights m = d;
+      for (int alpha = 0; alpha < 2; ++alpha) {
+        for (int k = 0; k < 3; ++k) m[alpha][k] *= share;
+        m[alpha][b] += far_share * far[alpha][0];
+        m[alpha][a] += far_share * far[alpha][1];
+        m[alpha][3] = far_share * far[alpha][2];
+      }
+      return m;
+    };
+    const SideWeights at_rest = mix(1.0 - share);
     Vec3 a1 = Vec3::Zero(), a2 = Vec3::Zero();
     for (int k = 0; k < 4; ++k) {
-      const Vec3 x = sheet.patches().rest(patch.points[k < 3 ? k : 3 + s]);
-      a1 += d[0][k] * x;
-      a2 += d[1][k] * x;
+      const Vec3 x = patch.rest[k < 3 ? k : 3 + s];
+      a1 += at_rest[0][k] * x;
+      a2 += at_rest[1][k] * x;
     }
     el.side_metric[s] = half_metric(a1, a2);
+    d = mix((1.0 - share) * stretch);
   }
   elements_.push_back(el);
 }

@@ -45,7 +45,7 @@ namespace {
 /// Sine of the angle between a direction and the normal of a triangle below which its projection says nothing.
 constexpr double smallest_projection = 0.05;
 
-/// Direction in space of a direction in texture coordinates; zero where those of the triangle span no area.
+/// Direction in the chart of a direction in texture coordinates; zero where those of the triangle span no area.
 Vec3 from_texture(const mesh::SurfaceMesh& mesh, Index t, const Vec2& wanted) {
   const std::array<Vec2, 3>& uv = mesh.data().texture[static_cast<std::size_t>(t)];
   const Vec2 a = uv[1] - uv[0], b = uv[2] - uv[0];
@@ -53,14 +53,16 @@ Vec3 from_texture(const mesh::SurfaceMesh& mesh, Index t, const Vec2& wanted) {
   if (!(std::abs(area) > 1e-12 * (a.squaredNorm() + b.squaredNorm()))) return Vec3::Zero();
   const double first = (wanted[0] * b[1] - wanted[1] * b[0]) / area,
                second = (a[0] * wanted[1] - a[1] * wanted[0]) / area;
-  return (first * (mesh.corner(t, 1) - mesh.corner(t, 0)) + second * (mesh.corner(t, 2) - mesh.corner(t, 0)))
-      .normalized();
+  const Vec3 corner = mesh.rest_corner(t, 0);
+  return (first * (mesh.rest_corner(t, 1) - corner) + second * (mesh.rest_corner(t, 2) - corner)).normalized();
 }
 
 /// The axis of neighbour n turned about the common side into the plane of t.
 Vec3 unfolded_axis(const mesh::SurfaceMesh& mesh, Index t, int side, Index n, const Vec3& axis) {
-  const Vec3 along = (mesh.corner(t, (side + 2) % 3) - mesh.corner(t, (side + 1) % 3)).normalized();
-  return axis.dot(along) * along + axis.dot(mesh.unit_normal(n).cross(along)) * mesh.unit_normal(t).cross(along);
+  const Vec3 along = (mesh.rest_corner(t, (side + 2) % 3) - mesh.rest_corner(t, (side + 1) % 3)).normalized();
+  const Mat3 turn = mesh.chart_join(t, side).turn;
+  const Vec3 carried = turn * axis, normal = turn * mesh.rest_normal(n);
+  return carried.dot(along) * along + carried.dot(normal.cross(along)) * mesh.rest_normal(t).cross(along);
 }
 
 /// Axes of the triangles that wait, ring by ring from those that have one. Returns those that nobody reaches.
@@ -93,7 +95,7 @@ std::vector<Index> continue_axes(const mesh::SurfaceMesh& mesh, const std::vecto
 /// What the file or the material itself says of the axis of triangle t; zero where that is nothing.
 Vec3 own_axis(const mesh::SurfaceMesh& mesh, Index t, const Material& m) {
   if (m.texture_direction) return from_texture(mesh, t, *m.texture_direction);
-  const Vec3 normal = mesh.unit_normal(t), wanted = m.direction->normalized();
+  const Vec3 normal = mesh.rest_normal(t), wanted = m.direction->normalized();
   const Vec3 projected = wanted - wanted.dot(normal) * normal;
   return projected.norm() < smallest_projection ? Vec3::Zero() : projected.normalized();
 }

@@ -14,6 +14,27 @@ namespace voile::mesh {
 
 namespace {
 
+/// Rest corners closer than this, relative to their triangle, agree.
+constexpr double agreement = 1e-9;
+/// Largest ratio of the lengths of the two sides of a seam: gathers reach three.
+constexpr double largest_stretch = 4.0;
+
+double area_of(const Vec3& a, const Vec3& b, const Vec3& c) {
+  return 0.5 * (b - a).cross(c - a).norm();
+}
+
+Vec3 normal_of(const Vec3& a, const Vec3& b, const Vec3& c) {
+  return (b - a).cross(c - a).normalized();
+}
+
+/// Without area, or with a coordinate that is no number.
+bool is_degenerate(const Vec3& x0, const Vec3& x1, const Vec3& x2) {
+  const Vec3 a = x1 - x0, b = x2 - x0, c = b - a;
+  const double longest = std::max({a.squaredNorm(), b.squaredNorm(), c.squaredNorm()});
+  // Negated so that a NaN coordinate is caught too.
+  return !(a.cross(b).norm() > 1e-10 * longest);
+}
+
 /// One side of one triangle, with its end points in ascending order so that equal edges sort together.
 struct HalfEdge {
   Index low, high, triangle;
@@ -57,6 +78,7 @@ SurfaceMesh::SurfaceMesh(MeshData data) : data_(std::move(data)) {
   orient();
   build_vertex_triangles();
   check_groups();
+  check_charts();
 }
 
 void SurfaceMesh::check_geometry() const {
@@ -70,11 +92,9 @@ void SurfaceMesh::check_geometry() const {
             fmt::format("{}: triangle {} names a vertex that does not exist", source(), data_.triangle_tags[t]));
       used[i] = 1;
     }
-    const Vec3 a = corner(t, 1) - corner(t, 0), b = corner(t, 2) - corner(t, 0), c = b - a;
-    const double longest = std::max({a.squaredNorm(), b.squaredNorm(), c.squaredNorm()});
     const bool repeated = v[0] == v[1] || v[1] == v[2] || v[2] == v[0];
-    // Negated so that a NaN coordinate is caught too.
-    if (repeated || !(a.cross(b).norm() > 1e-10 * longest)) flat.push_back(data_.triangle_tags[t]);
+    if (repeated || is_degenerate(start_corner(t, 0), start_corner(t, 1), start_corner(t, 2)))
+      flat.push_back(data_.triangle_tags[t]);
   }
   if (!flat.empty())
     throw UserError(fmt::format("{}: {} degenerate triangle(s) without area: {}; remove them or merge their vertices",
@@ -84,6 +104,33 @@ void SurfaceMesh::check_geometry() const {
     if (!used[v]) loose.push_back(data_.vertex_tags[v]);
   if (!loose.empty())
     throw UserError(fmt::format("{}: {} vertex(es) belong to no triangle: {}", source(), loose.size(), some_of(loose)));
+}
+
+void SurfaceMesh::check_charts() const {
+  if (!has_charts()) return;
+  if (data_.rest.size() != data_.triangles.size())
+    throw UserError(fmt::format("{}: rest positions for {} triangles, but there are {}", source(), data_.rest.size(),
+                                data_.triangles.size()));
+  std::vector<std::size_t> flat;
+  for (Index t = 0; t < triangle_count(); ++t)
+    if (is_degenerate(rest_corner(t, 0), rest_corner(t, 1), rest_corner(t, 2))) flat.push_back(data_.triangle_tags[t]);
+  if (!flat.empty())
+    throw UserError(fmt::format(
+        "{}: {} triangle(s) have no area in their rest shape: {}; correct the rest positions of their corners",
+        source(), flat.size(), some_of(flat)));
+  for (Index t = 0; t < triangle_count(); ++t)
+    for (int s = 0; s < 3; ++s) {
+      if (neighbours_[t][s] < t) continue;
+      const double stretch = chart_join(t, s).stretch;
+      if (std::max(stretch, 1.0 / stretch) <= largest_stretch) continue;
+      throw UserError(
+          fmt::format("{}: across the edge {}-{} the panels of triangles {} and {} differ in length by a factor of "
+                      "{:.3g} at rest; a "
+                      "seam can gather fabric up to {:g} times: check the scale of the two panels",
+                      source(), data_.vertex_tags[data_.triangles[t][(s + 1) % 3]],
+                      data_.vertex_tags[data_.triangles[t][(s + 2) % 3]], data_.triangle_tags[t],
+                      data_.triangle_tags[neighbours_[t][s]], std::max(stretch, 1.0 / stretch), largest_stretch));
+    }
 }
 
 void SurfaceMesh::build_adjacency() {
@@ -136,6 +183,7 @@ void SurfaceMesh::orient() {
       if (flip[t] == turn) {
         std::swap(data_.triangles[t][1], data_.triangles[t][2]);
         if (!data_.texture.empty()) std::swap(data_.texture[t][1], data_.texture[t][2]);
+        if (!data_.rest.empty()) std::swap(data_.rest[t][1], data_.rest[t][2]);
         ++reoriented_;
       }
     ++components_;
@@ -214,11 +262,57 @@ std::vector<Index> SurfaceMesh::triangles_of_vertex(Index v) const {
 }
 
 double SurfaceMesh::area(Index t) const {
-  return 0.5 * (corner(t, 1) - corner(t, 0)).cross(corner(t, 2) - corner(t, 0)).norm();
+  return area_of(rest_corner(t, 0), rest_corner(t, 1), rest_corner(t, 2));
 }
 
-Vec3 SurfaceMesh::unit_normal(Index t) const {
-  return (corner(t, 1) - corner(t, 0)).cross(corner(t, 2) - corner(t, 0)).normalized();
+Vec3 SurfaceMesh::rest_normal(Index t) const {
+  return normal_of(rest_corner(t, 0), rest_corner(t, 1), rest_corner(t, 2));
+}
+
+Vec3 SurfaceMesh::start_normal(Index t) const {
+  return normal_of(start_corner(t, 0), start_corner(t, 1), start_corner(t, 2));
+}
+
+double SurfaceMesh::rest_length(const Segment& edge) const {
+  if (!has_charts()) return (data_.positions[edge[1]] - data_.positions[edge[0]]).norm();
+  double sum = 0.0;
+  int sides = 0;
+  for (Index t : triangles_of_vertex(edge[0])) {
+    const int s = side_of(t, edge[0], edge[1]);
+    if (s < 0) continue;
+    sum += (rest_corner(t, (s + 2) % 3) - rest_corner(t, (s + 1) % 3)).norm();
+    ++sides;
+  }
+  return sum / sides;
+}
+
+Join SurfaceMesh::chart_join(Index t, int s) const {
+  Join j;
+  if (!has_charts()) return j;
+  const Index n = neighbours_[t][s];
+  const int sn = shared_side_[t][s];
+  // The shared side runs the other way in the neighbour.
+  const Vec3 a = rest_corner(t, (s + 1) % 3), b = rest_corner(t, (s + 2) % 3), an = rest_corner(n, (sn + 2) % 3),
+             bn = rest_corner(n, (sn + 1) % 3);
+  const double length = (b - a).norm();
+  if (std::max((an - a).norm(), (bn - b).norm()) <= agreement * length) return j;
+  j.same_chart = false;
+  j.stretch = length / (bn - an).norm();
+  const auto axes = [](const Vec3& along, const Vec3& normal) {
+    Mat3 m;
+    m << along, normal.cross(along), normal;
+    return m;
+  };
+  j.turn = axes((b - a).normalized(), rest_normal(t)) * axes((bn - an).normalized(), rest_normal(n)).transpose();
+  return j;
+}
+
+bool SurfaceMesh::starts_at_rest(Index t) const {
+  if (!has_charts()) return true;
+  const double tolerance = agreement * std::sqrt(area(t));
+  for (int i = 0; i < 3; ++i)
+    if ((rest_corner(t, i) - start_corner(t, i)).norm() > tolerance) return false;
+  return true;
 }
 
 int SurfaceMesh::side_of(Index t, Index a, Index b) const {

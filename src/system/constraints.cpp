@@ -80,12 +80,13 @@ Vec3 symmetry_normal(const mesh::SurfaceMesh& mesh, const mesh::Group& group,
     // On a curved surface the facets along a straight edge only approximate the tangent plane.
     for (Index v : mesh.triangles()[m.triangle])
       for (Index t : mesh.triangles_of_vertex(v))
-        if ((mesh.unit_normal(t) - mesh.unit_normal(m.triangle)).norm() > 1e-6)
+        if ((mesh.start_normal(t) - mesh.start_normal(m.triangle)).norm() > 1e-6)
           throw UserError(name_of(support) +
                           ": the plane of a straight edge on a curved surface cannot be found from "
                           "the mesh; give its `normal`, for example normal = [1, 0, 0]");
-    const Vec3 along = mesh.corner(m.triangle, (m.side + 2) % 3) - mesh.corner(m.triangle, (m.side + 1) % 3);
-    normal += along.cross(mesh.unit_normal(m.triangle));
+    const Vec3 along =
+        mesh.start_corner(m.triangle, (m.side + 2) % 3) - mesh.start_corner(m.triangle, (m.side + 1) % 3);
+    normal += along.cross(mesh.start_normal(m.triangle));
   }
   if (normal.norm() < 1e-12) throw UserError(name_of(support) + ": cannot find the plane; give its `normal`");
   return normal.normalized();
@@ -144,7 +145,7 @@ void add_fixed(const mesh::SurfaceMesh& mesh, const Support& support, int number
   const mesh::Group& group = mesh.group(support.group);
   if (support.kind == Support::Kind::clamped && group.dimension == 1)
     for (mesh::MirrorSide& m : boundary_sides(mesh, group, support)) {
-      const Vec3 normal = mesh.unit_normal(m.triangle);
+      const Vec3 normal = mesh.start_normal(m.triangle);
       m.reflection = 2.0 * normal * normal.transpose() - Mat3::Identity();
       result.mirrors.push_back(m);
       result.turned_by.push_back(support.rotation ? number : -1);

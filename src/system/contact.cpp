@@ -116,7 +116,8 @@ bool Contact::lacks_room(const mesh::SurfaceMesh& mesh) {
   const double reach = input_.options.distance + input_.thickness;
   for (Index t = 0; t < mesh.triangle_count(); ++t) {
     double longest = 0.0;
-    for (int s = 0; s < 3; ++s) longest = std::max(longest, (mesh.corner(t, s) - mesh.corner(t, (s + 1) % 3)).norm());
+    for (int s = 0; s < 3; ++s)
+      longest = std::max(longest, (mesh.rest_corner(t, s) - mesh.rest_corner(t, (s + 1) % 3)).norm());
     const double height = 2.0 * mesh.area(t) / longest;
     count += reach < contact::room_between_neighbours * height ? 0 : 1;
     if (height < least) {
@@ -133,7 +134,7 @@ bool Contact::lacks_room(const mesh::SurfaceMesh& mesh) {
         "{:.4g} m keeps it whole everywhere), or the mesh coarser",
         reach, count, mesh.triangle_count(), reach / contact::room_between_neighbours, tag, least,
         contact::room_between_neighbours * least));
-  const Vec3 place = (mesh.corner(narrow, 0) + mesh.corner(narrow, 1) + mesh.corner(narrow, 2)) / 3.0;
+  const Vec3 place = (mesh.start_corner(narrow, 0) + mesh.start_corner(narrow, 1) + mesh.start_corner(narrow, 2)) / 3.0;
   notes_.push_back(fmt::format(
       "[contact]: {} of {} triangles are less high than distance + thickness = {:.4g} m asks for ({:.4g} m), the "
       "lowest "

@@ -21,7 +21,7 @@ void Dofs::number(const mesh::PatchMesh& patches, const std::vector<char>& neede
   const auto append = [&](Index point) {
     local_.local_of[point] = local_.count();
     local_.point_of.push_back(point);
-    local_.rest.push_back(patches.rest(point));
+    local_.start.push_back(patches.start(point));
   };
   local_.owned = partition_->owned_count(rank_);
   for (Index r = 0; r < local_.owned; ++r) append(partition_->vertex_of[first_row_ + r]);
@@ -34,9 +34,9 @@ void Dofs::number(const mesh::PatchMesh& patches, const std::vector<char>& neede
       append(p);
       const mesh::MirrorPoint& m = patches.mirror(p);
       const auto number = static_cast<std::size_t>(p - mesh_->vertex_count());
-      const Vec3 foot = (1.0 - m.foot) * patches.rest(m.a) + m.foot * patches.rest(m.b);
+      const Vec3 foot = (1.0 - m.foot) * patches.start(m.a) + m.foot * patches.start(m.b);
       mirrors_.push_back({local_.local_of[m.apex], local_.local_of[m.a], local_.local_of[m.b], m.foot, m.reflection,
-                          m.reflection, patches.rest(m.apex) - foot, turned_by[number]});
+                          m.reflection, patches.start(m.apex) - foot, turned_by[number]});
     }
 }
 
@@ -99,7 +99,7 @@ void Dofs::update_points(Vec a, std::vector<Vec3>& u, std::vector<Vec3>& x) cons
     const Vec3 foot = (1.0 - g.foot) * u[g.a] + g.foot * u[g.b];
     u[static_cast<std::size_t>(local_.vertices) + m] = foot + g.reflection * (u[g.apex] - foot) + g.offset;
   }
-  for (std::size_t i = 0; i < u.size(); ++i) x[i] = local_.rest[i] + u[i];
+  for (std::size_t i = 0; i < u.size(); ++i) x[i] = local_.start[i] + u[i];
 }
 
 void Dofs::add_forces(std::vector<Vec3>& force, Vec f) const {

@@ -33,7 +33,7 @@ void Model::add_term_forces(const Term& term, const energy::Configuration& c, Ve
 }
 
 void Model::unbalanced_force(Vec a, Vec f) {
-  VOILE_PETSC(MatMultAdd(bending_.mat(), a, turning_force_, f));
+  VOILE_PETSC(MatMultAdd(bending_.mat(), a, bending_force_, f));
   const energy::Configuration c = configuration(a);
   std::fill(force_.begin(), force_.end(), Vec3::Zero());
   for (const Counted& t : terms_) t.term->add_forces(c, force_);
@@ -75,9 +75,9 @@ Energies Model::energies(Vec a) {
 void Model::count_energy_from(Vec a) {
   VOILE_PETSC(VecCopy(a, reference_));
   VOILE_PETSC(MatMult(bending_.mat(), a, work_));
-  VOILE_PETSC(VecAXPY(work_, 2.0, turning_force_));
+  VOILE_PETSC(VecAXPY(work_, 2.0, bending_force_));
   VOILE_PETSC(VecDot(work_, a, &reference_bending_));
-  reference_bending_ += turning_energy_;
+  reference_bending_ += bending_offset_;
 }
 
 Energies Model::energies_of_step(Vec a) {
@@ -87,7 +87,7 @@ Energies Model::energies_of_step(Vec a) {
   double bending = 0.0, constant = 0.0, dead = 0.0;
   VOILE_PETSC(VecWAXPY(sum_, 1.0, reference_, a));
   VOILE_PETSC(MatMult(bending_.mat(), sum_, work_));
-  VOILE_PETSC(VecAXPY(work_, 2.0, turning_force_));
+  VOILE_PETSC(VecAXPY(work_, 2.0, bending_force_));
   VOILE_PETSC(VecWAXPY(sum_, -1.0, reference_, a));
   VOILE_PETSC(VecDot(work_, sum_, &bending));
   VOILE_PETSC(VecDot(constant_, a, &constant));

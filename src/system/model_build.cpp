@@ -85,6 +85,7 @@ Model::Model(MPI_Comm comm, const mesh::SurfaceMesh& mesh, ModelInput input)
   tangent_ = bending_.twin();
   assemble_bending(build, input.springs);
   make_vectors();
+  close_start();
   if (turns_) {
     steady_bending_ = bending_.twin();
     (void)steady_bending_.open();
@@ -166,7 +167,7 @@ void Model::build_terms(Build& build, const std::vector<Spring>& springs) {
   auto& ties = add_term<energy::SpringTerm>(&Energies::springs);
   for (const Spring& spring : springs) tie(spring, ties);
   for (auto* v : {&u_, &x_, &previous_u_, &previous_x_, &force_})
-    v->resize(static_cast<std::size_t>(dofs_->local().count()));
+    v->assign(static_cast<std::size_t>(dofs_->local().count()), Vec3::Zero());
 }
 
 void Model::tie(const Spring& spring, ElementTerm<energy::SpringTerm>& ties) const {
@@ -221,13 +222,17 @@ void Model::assemble_bending(Build& build, const std::vector<Spring>& springs) {
   mpi::on_all(comm(), [&] {
     for (const Build::Item& item : build.items) {
       const energy::BendingElement el = energy::make_bending_element(*sheet_, item.triangle, item.curvature);
+      const bool owned = partition_.triangle_rank[item.triangle] == rank_;
       if (std::any_of(el.points.begin(), el.points.end(), is_turned)) {  // without damping of their own
         TurningElement& turning = turning_.emplace_back();
         for (Index p : el.points) turning.points.push_back(local_of[p]);
         turning.stiffness = el.stiffness;
-        turning.owned = partition_.triangle_rank[item.triangle] == rank_;
+        turning.start_force = el.start_force;
+        turning.owned = owned;
+        if (owned) steady_offset_ += 2.0 * el.start_energy;
         continue;
       }
+      take_start(el, owned);
       const double own_damping = sheet_->material(item.triangle).bending_damping;
       for (std::size_t i = 0; i < el.points.size(); ++i)
         for (std::size_t j = 0; j < el.points.size(); ++j) {
@@ -247,9 +252,24 @@ void Model::assemble_bending(Build& build, const std::vector<Spring>& springs) {
   build.items.clear();
 }
 
+/// Collects what a bent start adds to the constant force and energy of bending.
+void Model::take_start(const energy::BendingElement& element, bool owned) {
+  for (Eigen::Index i = 0; i < element.start_force.rows(); ++i)
+    force_[dofs_->local().local_of[element.points[static_cast<std::size_t>(i)]]] +=
+        element.start_force.row(i).transpose();
+  if (owned) steady_offset_ += 2.0 * element.start_energy;
+}
+
+void Model::close_start() {
+  dofs_->add_forces(force_, steady_force_);
+  VOILE_PETSC(VecCopy(steady_force_, bending_force_));
+  steady_offset_ = bending_offset_ = mpi::sum(comm(), steady_offset_);
+  count_energy_from(reference_);
+}
+
 void Model::make_vectors() {
   for (petsc::VecHandle* v : {&work_, &mass_, &dead_, &constant_, &sum_, &reference_, &coupling_, &load_coupling_,
-                              &prescribed_, &motion_, &hold_, &turning_force_})
+                              &prescribed_, &motion_, &hold_, &steady_force_, &bending_force_})
     *v = dofs_->create_vector();
   const LocalPoints& local = dofs_->local();
   const petsc::WriteArray prescribed(prescribed_);

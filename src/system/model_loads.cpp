@@ -22,7 +22,7 @@ std::vector<Index> loaded_triangles(const mesh::SurfaceMesh& mesh, const Load& l
 
 /// Force per rest area on triangle t.
 Vec3 traction(const energy::Sheet& sheet, const Load& load, Index t) {
-  if (load.kind == Load::Kind::pressure) return load.magnitude * sheet.mesh().unit_normal(t);
+  if (load.kind == Load::Kind::pressure) return load.magnitude * sheet.mesh().start_normal(t);
   if (load.kind == Load::Kind::gravity) return sheet.material(t).areal_density * load.vector;
   return load.vector;
 }
@@ -36,7 +36,7 @@ void add_surface_load(const energy::Sheet& sheet, const Load& load, const AddFor
 
 void add_line_load(const mesh::SurfaceMesh& mesh, const Load& load, const AddForce& add) {
   for (const mesh::Segment& s : mesh.group(load.group, 1).segments) {
-    const double length = (mesh.positions()[s[1]] - mesh.positions()[s[0]]).norm();
+    const double length = mesh.rest_length(s);
     for (Index v : s) add(v, 0.5 * length * load.vector);
   }
 }
@@ -125,7 +125,7 @@ void Model::add_follower(const Load& load) {
                         load.group, mesh_->data().vertex_tags[s[0]], mesh_->data().vertex_tags[s[1]]));
       const mesh::Triangle& v = mesh_->triangles()[t];
       const auto points = local({v[(side + 1) % 3], v[(side + 2) % 3], v[side]});
-      const double length = (mesh_->positions()[s[1]] - mesh_->positions()[s[0]]).norm();
+      const double length = mesh_->rest_length(s);
       if (evaluated(points))
         followers_.kernel.add_moment(points, load.magnitude, length, factor, partition_.triangle_rank[t] == rank_);
     }

@@ -1,11 +1,12 @@
 // Supports that move, and clamps that turn.
 //
-// Symbols   Q(t)    rotation of a clamp;  R_0, R(t) = Q R_0 Q^T reflection of its mirror points, at rest and now
-//           A, f    apex and foot of a mirror point (patch.hpp), at rest A - f = p                              [m]
+// Symbols   Q(t)    rotation of a clamp;  R_0, R(t) = Q R_0 Q^T reflection of its mirror points, at the start and now
+//           A, f    apex and foot of a mirror point (patch.hpp), at the start A - f = p                         [m]
 //           C(t)    displacements of all points of an element from those of vertices;  k its stiffness
+//           f_s     forces of its points where the start is bent (bending.hpp)                                  [N]
 //   x_g = f + R (x_A - f)   gives   u_g = u_f + R (u_A - u_f) + d,   d = (R - R_0) p
-// so that the bending energy 1/2 (C a + d).k (C a + d) of an element with such a point has the stiffness C^T k C, which
-// changes with time, and the force f_t = C^T k d. If everything turns as a rigid body, x_g is at Q X_g, without energy.
+// so that the bending energy 1/2 (C a + d).k (C a + d) + f_s.(C a + d) of an element with such a point has the stiffness
+// C^T k C, which changes with time, and the force C^T (k d + f_s). If everything turns as a rigid body, x_g is at Q X_g, without energy.
 #include <algorithm>
 
 #include "voile/base/mpi.hpp"
@@ -36,7 +37,7 @@ void Model::move_supports(double time) {
   const petsc::WriteArray motion(motion_);
   for (const Mover& m : movers_) {
     const LocalPoints& local = dofs_->local();
-    const Vec3 u = supports_[static_cast<std::size_t>(m.support)].motion(local.rest[m.local], time);
+    const Vec3 u = supports_[static_cast<std::size_t>(m.support)].motion(local.start[m.local], time);
     const Vec3 own = dofs_->to_own(local.point_of[m.local], u);
     for (int k = 0; k < 3; ++k) motion[3 * m.local + k] = own[k];
   }
@@ -68,10 +69,17 @@ void Model::assemble_turning() {
         force_[e.points[i]] += force;
         if (e.owned) twice += force.dot(dofs_->offset(e.points[i]));
       }
+  for (const TurningElement& e : turning_)
+    for (Eigen::Index i = 0; i < e.start_force.rows(); ++i) {
+      const Index p = e.points[static_cast<std::size_t>(i)];
+      const Vec3 force = e.start_force.row(i).transpose();
+      force_[p] += force;
+      if (e.owned) twice += 2.0 * force.dot(dofs_->offset(p));
+    }
   bending_.close();
-  VOILE_PETSC(VecZeroEntries(turning_force_));
-  dofs_->add_forces(force_, turning_force_);
-  turning_energy_ = mpi::sum(comm(), twice);
+  VOILE_PETSC(VecCopy(steady_force_, bending_force_));
+  dofs_->add_forces(force_, bending_force_);
+  bending_offset_ = steady_offset_ + mpi::sum(comm(), twice);
   count_energy_from(reference_);
 }
 

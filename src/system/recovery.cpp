@@ -8,7 +8,8 @@ namespace voile::system {
 
 void Recovery::add(Index triangle, const energy::BendingElement& element, const std::vector<Index>& local,
                    Index membrane) {
-  items_.push_back({triangle, membrane, points_.size(), static_cast<int>(local.size()), element.rest_curvature});
+  items_.push_back({triangle, membrane, points_.size(), static_cast<int>(local.size()), element.rest_curvature,
+                    element.start_normal, element.start_bend});
   for (std::size_t i = 0; i < local.size(); ++i) {
     points_.push_back(local[i]);
     weights_.push_back(element.operator_.col(static_cast<Eigen::Index>(i)));
@@ -28,9 +29,8 @@ TriangleFields Recovery::fields(MPI_Comm comm, const energy::Sheet& sheet, const
     store(f.membrane_force, r.triangle, membrane.force(r.membrane, c));
     const Index* p = points_.data() + r.start;
     const Vec3 edge = c.x[p[1]] - c.x[p[0]], normal = edge.cross(Vec3(c.x[p[2]] - c.x[p[0]])).normalized();
-    const Vec3 rest_normal = sheet.mesh().unit_normal(r.triangle);
-    // n.k'(x) - kappa0 with k'(x) = kappa0 N + B'u.
-    Vec3 kappa = (normal.dot(rest_normal) - 1.0) * r.rest_curvature;
+    // n.k'(x) - kappa0 with k'(x) = kappa0 N_s + r + B'u.
+    Vec3 kappa = (normal.dot(r.start_normal) - 1.0) * r.rest_curvature + r.start_bend * normal;
     for (int i = 0; i < r.count; ++i) kappa += normal.dot(c.u[p[i]]) * weights_[r.start + i];
     store(f.curvature, r.triangle, kappa);
     store(f.bending_moment, r.triangle, sheet.material(r.triangle).bending * kappa);

@@ -187,7 +187,7 @@ class Counter {
       if (!inside(triangle_body_[m.triangle])) continue;
       row.setZero();
       row.block<1, 3>(0, bodies_[triangle_body_[m.triangle]].column + 3) =
-          (mesh_.corner(m.triangle, (m.side + 2) % 3) - mesh_.corner(m.triangle, (m.side + 1) % 3))
+          (mesh_.start_corner(m.triangle, (m.side + 2) % 3) - mesh_.start_corner(m.triangle, (m.side + 1) % 3))
               .normalized()
               .transpose();
       finish();

@@ -84,7 +84,7 @@ TEST_CASE("groups of OBJ, Abaqus and VTK") {
   CHECK(obj.group("rim", 1).segments.size() == 3);
   REQUIRE(obj.data().texture.size() == 18);
   for (Index t = 0; t < 18; ++t)
-    for (int i = 0; i < 3; ++i) CHECK((obj.data().texture[t][i] - obj.corner(t, i).head<2>()).norm() < 1e-12);
+    for (int i = 0; i < 3; ++i) CHECK((obj.data().texture[t][i] - obj.rest_corner(t, i).head<2>()).norm() < 1e-12);
 
   const mesh::SurfaceMesh inp(io::read_mesh(seeds + "square.inp", {}));
   CHECK(inp.group("FRONT", 2).triangles.size() == 9);

@@ -238,7 +238,7 @@ TEST_CASE("a material direction is continued across a fold to triangles that it 
   CHECK(axes.continued == mesh.triangle_count() / 2);
   REQUIRE(axes.of.size() == static_cast<std::size_t>(mesh.triangle_count()));
   for (Index t = 0; t < mesh.triangle_count(); ++t) {
-    const bool flat = std::abs(mesh.unit_normal(t)[2]) > 0.5;
+    const bool flat = std::abs(mesh.rest_normal(t)[2]) > 0.5;
     CHECK((axes.of[t] - (flat ? Vec3(-1, 0, 0) : Vec3(0, 0, 0))).norm() < 1e-12);
   }
   m.direction = Vec3(0, 1, 0);
@@ -247,7 +247,7 @@ TEST_CASE("a material direction is continued across a fold to triangles that it 
   mesh::MeshData d = mesh.data();
   d.groups.push_back({"flat", 2, {}, {}, {}});
   for (Index t = 0; t < mesh.triangle_count(); ++t)
-    if (std::abs(mesh.unit_normal(t)[2]) > 0.5) d.groups.back().triangles.push_back(t);
+    if (std::abs(mesh.rest_normal(t)[2]) > 0.5) d.groups.back().triangles.push_back(t);
   const mesh::SurfaceMesh grouped(d);
   m.direction = Vec3(0, 0, 1);
   m.groups = {"flat"};

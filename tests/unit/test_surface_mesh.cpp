@@ -134,7 +134,7 @@ TEST_CASE("turned triangles are turned back and counted") {
   CHECK(mesh.reoriented_count() == turned);
   for (Index t = 0; t < mesh.triangle_count(); ++t) {
     CHECK(canonical(mesh.triangles()[t]) == canonical(original.triangles[t]));
-    CHECK(mesh.unit_normal(t).z() == relative(1.0));
+    CHECK(mesh.rest_normal(t).z() == relative(1.0));
     for (int s = 0; s < 3; ++s)
       if (mesh.neighbour(t, s) != no_index)
         CHECK(mesh.neighbour(mesh.neighbour(t, s), mesh.side_in_neighbour(t, s)) == t);
@@ -156,7 +156,7 @@ TEST_CASE("each piece of the surface keeps the orientation of its majority") {
   CHECK(mesh.component_count() == 2);
   CHECK(mesh.reoriented_count() == 3);
   for (Index t = 0; t < mesh.triangle_count(); ++t)
-    CHECK(mesh.unit_normal(t).z() * (static_cast<std::size_t>(t) < first ? 1.0 : -1.0) == relative(1.0));
+    CHECK(mesh.rest_normal(t).z() * (static_cast<std::size_t>(t) < first ? 1.0 : -1.0) == relative(1.0));
 }
 
 TEST_CASE("a Moebius strip is refused, the same strip without its twist is not") {
@@ -275,8 +275,8 @@ TEST_CASE("a line element that is no edge is refused") {
 TEST_CASE("area, normal, corners and extent") {
   const mesh::SurfaceMesh mesh(data_of({{1, 2, 3}, {4, 2, 3}, {1, 2, 7}}, {{0, 1, 2}}));
   CHECK(mesh.area(0) == relative(6.0).epsilon(1e-15));
-  CHECK((mesh.unit_normal(0) - Vec3(0, -1, 0)).norm() < 1e-15);
-  CHECK(mesh.corner(0, 2) == Vec3(1, 2, 7));
+  CHECK((mesh.rest_normal(0) - Vec3(0, -1, 0)).norm() < 1e-15);
+  CHECK(mesh.rest_corner(0, 2) == Vec3(1, 2, 7));
   CHECK(mesh.extent() == relative(5.0).epsilon(1e-15));
   CHECK(mesh.component_count() == 1);
 }

@@ -165,7 +165,7 @@ double check_closed(const geometry::TriangleSoup& s) {
   for (Index t = 0; t < mesh.triangle_count(); ++t)
     for (int k = 0; k < 3; ++k) {
       CHECK(mesh.neighbour(t, k) != no_index);
-      longest = std::max(longest, (mesh.corner(t, k) - mesh.corner(t, (k + 1) % 3)).norm());
+      longest = std::max(longest, (mesh.rest_corner(t, k) - mesh.rest_corner(t, (k + 1) % 3)).norm());
     }
   return longest;
 }

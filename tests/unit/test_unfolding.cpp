@@ -73,7 +73,7 @@ TEST_CASE("patches of a flat mesh are the points themselves") {
   for (Index t = 0; t < mesh.triangle_count(); ++t) {
     const mesh::Frame frame = patches.frame(t);
     CHECK(std::abs(frame.e1.dot(frame.e2)) < 1e-15);
-    CHECK((frame.e1.cross(frame.e2) - mesh.unit_normal(t)).norm() < 1e-14);
+    CHECK((frame.e1.cross(frame.e2) - mesh.rest_normal(t)).norm() < 1e-14);
     const mesh::Patch p = patches.patch(t, frame);
     CHECK(p.area == relative(mesh.area(t)).epsilon(1e-15));
     complete += p.complete() ? 1 : 0;
@@ -85,7 +85,7 @@ TEST_CASE("patches of a flat mesh are the points themselves") {
         continue;
       }
       mirror_points += patches.is_mirror(p.points[i]) ? 1 : 0;
-      CHECK((p.coordinates[i] - frame.to_plane(patches.rest(p.points[i]))).norm() < 1e-14);
+      CHECK((p.coordinates[i] - frame.to_plane(patches.start(p.points[i]))).norm() < 1e-14);
     }
   }
   CHECK(mirror_points == 7);
@@ -110,7 +110,7 @@ TEST_CASE("a mirror point beyond a symmetry plane is the reflection of the verte
   }
   SUBCASE("clamped") {
     const mesh::PatchMesh patches(mesh,
-                                  mirrored(mesh, "left", [&](Index t) { return half_turn(mesh.unit_normal(t)); }));
+                                  mirrored(mesh, "left", [&](Index t) { return half_turn(mesh.rest_normal(t)); }));
     REQUIRE(patches.mirrors().size() == 5);
     for (const mesh::MirrorPoint& m : patches.mirrors()) {
       const Vec3 a = mesh.positions()[m.a], b = mesh.positions()[m.b], x = mesh.positions()[m.apex];
@@ -169,7 +169,7 @@ TEST_CASE("rings of a flat mesh unfold to the points themselves and are complete
         const auto points = patches.unfolded_rings(t, side, rings, frame);
         std::set<Index> found;
         for (const auto& p : points) {
-          CHECK((p.coordinates - frame.to_plane(patches.rest(p.point))).norm() < 1e-13);
+          CHECK((p.coordinates - frame.to_plane(patches.start(p.point))).norm() < 1e-13);
           found.insert(p.point);
           mirror_points += patches.is_mirror(p.point) ? 1 : 0;
         }
@@ -211,7 +211,7 @@ TEST_CASE("rings of a cylinder unfold to its development") {
   for (Index t = 0; t < mesh.triangle_count(); t += 3) {
     const mesh::Triangle& v = mesh.triangles()[t];
     // e2 along the generators: the axes of the development, up to its origin.
-    const mesh::Frame frame = patches.frame(t, Vec3(mesh.unit_normal(t).cross(-Vec3::UnitY())));
+    const mesh::Frame frame = patches.frame(t, Vec3(mesh.rest_normal(t).cross(-Vec3::UnitY())));
     CHECK((frame.e2 - Vec3::UnitY()).norm() < 1e-14);
     const Vec2 origin = (developed[v[0]] + developed[v[1]] + developed[v[2]]) / 3.0;
     for (const auto& p : patches.unfolded_rings(t, -1, 3, frame))
@@ -231,7 +231,7 @@ TEST_CASE("a frame follows its direction and refuses one along the normal") {
   const mesh::Frame f = patches.frame(0, Vec3(1.0, 1.0, 5.0));
   CHECK((f.e1 - Vec3(1.0, 1.0, 0.0).normalized()).norm() < 1e-15);
   CHECK((f.normal - Vec3::UnitZ()).norm() < 1e-15);
-  CHECK(f.to_plane((mesh.corner(0, 0) + mesh.corner(0, 1) + mesh.corner(0, 2)) / 3.0).norm() < 1e-15);
+  CHECK(f.to_plane((mesh.rest_corner(0, 0) + mesh.rest_corner(0, 1) + mesh.rest_corner(0, 2)) / 3.0).norm() < 1e-15);
   std::string text;
   try {
     (void)patches.frame(0, Vec3(0.0, 0.0, -3.0));

@@ -1,16 +1,17 @@
 // Bending energy: a constant quadratic form, plus a normal-dependent term where the rest shape is curved.
 //
 // Symbols   B        constant curvature operator (see curvature.hpp), k(x) = B x, three vectors
-//           N, n     rest and current unit normal of the triangle
-//           e_a      its rest axes;  G_a x its convected base vectors
+//           X        rest shape in the chart of the triangle, N its unit normal there, e_a its axes
+//           x_s, N_s place and unit normal at the start;  n current unit normal;  G_a x convected base vectors
 //           kappa0   N.k(X), rest curvature;  tau^a = e_a.k(X), spurious in-plane part
+//           r        = k'(x_s) - kappa0 N_s, by how much the start is bent beyond the rest shape; 0 if it is that
 //           D, A     bending stiffness [N m], rest area [m^2]
 //   k'(x) = k(x) - tau^a G_a x                                   (at rest k' = kappa0 N exactly)
 //   E     = A/2 [ k'.D k' - 2 kappa0.D (n.k') + kappa0.D kappa0 ]
-// With u = x - X and c_i = A kappa0.D B'_i this is
-//   E     = 1/2 u.K u  +  e0 (1 - n.N) + (N - n).sum_i c_i u_i
-//   K     = A B'^T D B' (x) I3 constant,  e0 = A kappa0.D kappa0
-// so a flat sheet needs nothing but K, assembled once. Source of the flat form: Zhou & Sze, Int. J. Numer. Meth. Engng
+// With u = x - x_s and c_i = A kappa0.D B'_i this is
+//   E     = 1/2 u.K u + f.u + e_r  +  e0 (1 - n.N_s) + (N_s - n).(w + sum_i c_i u_i)
+//   K     = A B'^T D B' (x) I3,  f_i = A B'_i.D r,  e_r = A/2 r.D r,  w = A kappa0.D r,  e0 = A kappa0.D kappa0
+// where K, f and e_r are constant, so a flat sheet needs nothing but these, assembled once. Source of the flat form: Zhou & Sze, Int. J. Numer. Meth. Engng
 // 89 (2012) 509-536, eq. (3) of the abstract; the curved form is rotation invariant and free of stress at rest.
 #pragma once
 
@@ -30,8 +31,12 @@ struct BendingElement {
   Eigen::MatrixXd stiffness;                           ///< A B'^T D B', scalar per pair of points [N/m]
   Eigen::VectorXd coupling;                            ///< c_i [N/m]; empty for a flat patch
   double rest_energy = 0.0;                            ///< e0 [J]
-  Vec3 rest_normal = Vec3::UnitZ();
-  Vec3 rest_curvature = Vec3::Zero();  ///< kappa0 [1/m]
+  Vec3 start_normal = Vec3::UnitZ();                   ///< N_s
+  Vec3 rest_curvature = Vec3::Zero();                  ///< kappa0 [1/m]
+  Mat3 start_bend = Mat3::Zero();                      ///< r, one row per component of the curvature [1/m]
+  Vec3 start_coupling = Vec3::Zero();                  ///< w [J]
+  Eigen::MatrixX3d start_force;                        ///< f_i [N]; empty where r = 0
+  double start_energy = 0.0;                           ///< e_r [J]
 };
 
 [[nodiscard]] BendingElement make_bending_element(const Sheet& sheet, Index t, const CurvatureOperator& op);
@@ -93,14 +98,14 @@ class CurvedBendingTerm {
     int count;
     bool owned;
     double rest_energy;
-    Vec3 normal;
+    Vec3 normal, start_coupling;  ///< N_s, w
   };
   struct Normal {
     Vec3 a, b, unit;
     double length;
   };
   [[nodiscard]] Normal normal(const Element& el, const Configuration& c) const;
-  /// v = e0 N + sum_i c_i u_i, equal to A kappa0.D k'(x).
+  /// v = e0 N_s + w + sum_i c_i u_i, equal to A kappa0.D k'(x).
   [[nodiscard]] Vec3 coupled(const Element& el, const Configuration& c) const;
   void blocks_of(const Element& el, const Configuration& c, std::array<std::array<Mat3, 3>, 3>& centre,
                  std::array<Mat3, 3>& mixed) const;

@@ -24,9 +24,12 @@
 namespace voile::energy {
 
 /// B of one triangle over mesh points (vertices and mirror points), points ascending. Units of weights: 1/m^2.
+/// Row r of `rest` is k_r of the rest shape, in the chart of the triangle [1/m]. It is found where the weights are, since
+/// a vertex on a seam has several rest positions.
 struct CurvatureOperator {
   std::vector<Index> points;
   Eigen::Matrix<double, 3, Eigen::Dynamic> weights;
+  Mat3 rest = Mat3::Zero();
 };
 
 /// Builds operators triangle by triangle, caching patch fits. Local to a rank; keeps a reference to the sheet.

@@ -28,7 +28,8 @@ struct Material {
   double bending_damping = 0.0;     ///< damping in proportion to D, besides what holds for all materials [s]
   double viscous_time = 0.0;        ///< relaxation time of the membrane, likewise [s]
   std::vector<Layer> layers{};      ///< from the lowest up; empty where the inside is not known
-  /// Direction of material axis 1 in space, projected into each triangle. Without it the axis is arbitrary, which only
+  /// Direction of material axis 1 in the chart, i.e. in space where the positions are the rest shape, projected into each
+  /// triangle. Without it the axis is arbitrary, which only
   /// an isotropic material allows.
   std::optional<Vec3> direction;
   /// The same in the texture coordinates (u, v) of the mesh, for garments cut from flat pieces; instead of `direction`.

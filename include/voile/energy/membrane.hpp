@@ -2,7 +2,8 @@
 //
 // Symbols   G_s      convected base vectors (a_1, a_2) at the middle of side s in the material axes of T:
 //                    a_alpha = sum_k d_{s,alpha,k} x_k over the triangle and the apex across s, equal to the
-//                    area-weighted average of the two constant-strain gradients of the triangles that share s
+//                    area-weighted average of the two constant-strain gradients of the triangles that share s, each on
+//                    its own rest shape
 //           E_s      1/2 (a_a.a_b - A_a.A_b), Voigt (E11, E22, 2 E12);  E_c the same from the triangle alone
 //           C        membrane stiffness per unit width [N/m];  A rest area;  s_c the constant-strain share
 // cst                   W = A/2 E_c.C E_c

@@ -1,4 +1,5 @@
-// The undeformed sheet: patches, materials and element choices, from which every operator is built.
+// The undeformed sheet: patches, materials and element choices, from which every operator is built. Directions of
+// materials live in the chart of each triangle.
 #pragma once
 
 #include <vector>

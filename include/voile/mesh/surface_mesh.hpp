@@ -1,9 +1,14 @@
-// Triangulated surface: connectivity, named groups, edge adjacency.
+// Triangulated surface: connectivity, named groups, edge adjacency; its shape at rest and its place at the start.
 //
-// Symbols   X_v   rest position of vertex v                                   [m]
+// Symbols   x_v   place of vertex v at the start, from which displacements count                                   [m]
+//           X_Ti  rest position of corner i of triangle T; x_v of its vertex unless the mesh says otherwise        [m]
 //           T     triangle with vertices (v0, v1, v2), counter-clockwise seen from the side its normal points to
 //           side s of T is opposite to its vertex s: from v_(s+1) to v_(s+2) (indices modulo 3)
 //           apex across side s: the vertex of the neighbouring triangle that is not on the side
+// A chart is a part of the surface whose rest corners lie in one space: a panel of a garment. Neighbours are in the same
+// chart if their rest corners agree on the common side; otherwise that side is a seam. Across a seam the sheet is flat at
+// rest, and the chart of one neighbour is carried to that of the other by the rigid motion, and if the lengths of the side
+// differ the similarity, that puts side on side.
 #pragma once
 
 #include <array>
@@ -38,7 +43,16 @@ struct MeshData {
   /// Texture coordinates of each corner, where the file has them: the flat piece that a garment is cut from. Empty:
   /// none.
   std::vector<std::array<Vec2, 3>> texture;
+  /// Rest position of each corner [m]: charts. Empty: the positions are the rest shape too.
+  std::vector<std::array<Vec3, 3>> rest;
   std::vector<std::string> notes;  ///< what the reader changed or made up, for the user; on the rank that read
+};
+
+/// How the chart of a neighbour joins that of a triangle across their common side.
+struct Join {
+  bool same_chart = true;
+  double stretch = 1.0;          ///< length of the side in the chart of the triangle over that in the neighbour's
+  Mat3 turn = Mat3::Identity();  ///< takes directions in the neighbour's chart to that of the triangle
 };
 
 /// Immutable, oriented, manifold triangulation with boundary. Replicated on every rank.
@@ -46,12 +60,16 @@ class SurfaceMesh {
  public:
   /// Checks topology and geometry, repairs inconsistent orientation and drops nothing.
   /// Throws UserError naming the entities: an edge of three or more triangles, duplicate or degenerate triangles,
-  /// vertices without a triangle, a surface that cannot be oriented, segments of a group that are no edges.
+  /// vertices without a triangle, a surface that cannot be oriented, segments of a group that are no edges, seams whose
+  /// two sides differ too much in length.
   explicit SurfaceMesh(MeshData data);
 
   [[nodiscard]] Index vertex_count() const { return static_cast<Index>(data_.positions.size()); }
   [[nodiscard]] Index triangle_count() const { return static_cast<Index>(data_.triangles.size()); }
+  /// Places at the start, the origin of displacements [m].
   [[nodiscard]] const std::vector<Vec3>& positions() const { return data_.positions; }
+  /// Whether the rest shape is given apart from the positions.
+  [[nodiscard]] bool has_charts() const { return !data_.rest.empty(); }
   [[nodiscard]] const std::vector<Triangle>& triangles() const { return data_.triangles; }
   [[nodiscard]] const std::vector<Group>& groups() const { return data_.groups; }
   [[nodiscard]] const MeshData& data() const { return data_; }
@@ -76,16 +94,33 @@ class SurfaceMesh {
   /// Triangles around vertex v, ascending.
   [[nodiscard]] std::vector<Index> triangles_of_vertex(Index v) const;
 
-  [[nodiscard]] Vec3 corner(Index t, int i) const { return data_.positions[data_.triangles[t][i]]; }
+  // The rest shape, in the chart of triangle t
+  [[nodiscard]] Vec3 rest_corner(Index t, int i) const {
+    return data_.rest.empty() ? start_corner(t, i)
+                              : data_.rest[static_cast<std::size_t>(t)][static_cast<std::size_t>(i)];
+  }
+  [[nodiscard]] Vec3 rest_normal(Index t) const;
+  /// Rest area [m^2].
   [[nodiscard]] double area(Index t) const;
-  [[nodiscard]] Vec3 unit_normal(Index t) const;
+  /// Rest length of an edge [m]: the mean where its two sides differ.
+  [[nodiscard]] double rest_length(const Segment& edge) const;
+  /// How the neighbour across side s joins t. Requires a neighbour.
+  [[nodiscard]] Join chart_join(Index t, int s) const;
+  /// Whether the rest corners of t are its places at the start.
+  [[nodiscard]] bool starts_at_rest(Index t) const;
+
+  // The start
+  [[nodiscard]] Vec3 start_corner(Index t, int i) const { return data_.positions[data_.triangles[t][i]]; }
+  [[nodiscard]] Vec3 start_normal(Index t) const;
+
   /// Side of triangle t whose end points are {a, b} in either order, or -1.
   [[nodiscard]] int side_of(Index t, Index a, Index b) const;
-  /// Diagonal of the bounding box [m].
+  /// Diagonal of the bounding box at the start [m].
   [[nodiscard]] double extent() const;
 
  private:
   void check_geometry() const;
+  void check_charts() const;
   void build_adjacency();
   void orient();
   void spread_orientation(Index t, std::vector<Index>& members, std::vector<char>& seen, std::vector<char>& flip) const;

@@ -1,7 +1,7 @@
 // The unknowns of one mesh: their numbering over the ranks, halo, vertex axes, mirror points and fixed components.
 //
 // Symbols   a     vector of unknowns, three per vertex in the vertex's own axes Q_v (constraints.hpp)           [m]
-//           u_v   = Q_v a_v displacement in global axes;  x = X + u position
+//           u_v   = Q_v a_v displacement in global axes;  x = X + u position, X that at the start
 //           g     mirror point, x_g = f + R (x_A - f), f = (1 - alpha) x_a + alpha x_b (patch.hpp);  where the clamp
 //           has
 //                 turned by Q, R = Q R_0 Q^T and u_g = u_f + R (u_A - u_f) + d, d = (R - R_0)(X_A - X_f)
@@ -23,7 +23,7 @@ struct LocalPoints {
   std::vector<Index> point_of;    ///< mesh point (patch.hpp) of each local point
   std::vector<Index> local_of;    ///< local point of each mesh point, or no_index
   std::vector<Index> row_of;      ///< block row of each local vertex
-  std::vector<Vec3> rest;         ///< [m]
+  std::vector<Vec3> start;        ///< X [m]
   [[nodiscard]] Index count() const { return static_cast<Index>(point_of.size()); }
 };
 

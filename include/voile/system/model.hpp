@@ -4,11 +4,12 @@
 //           u_v   = Q_v a_v displacement;  mirror points follow from the vertices (see patch.hpp)
 //           lambda  load factor;  f_d dead loads that follow it, f_c constant ones                              [N]
 //           K_b   constant bending stiffness, assembled once and copied into each tangent                       [N/m]
-//                 (with the springs to the ground, which are constant too); f_t force of clamps that turn
-//                 (model_motion.cpp)
+//                 (with the springs to the ground, which are constant too)
+//           f_b   constant force of bending at a = 0: where the start is not the rest shape (bending.hpp), and of
+//                 clamps that turn (model_motion.cpp)                                                               [N]
 //           E_t    terms of the potential (term.hpp): membrane, bending of curved rest shapes beyond K_b, ties  [J]
 //           E_k    contact and friction (contact.hpp)                                                           [J]
-//   r(a)  = K_b a + f_t + sum_t dE_t/da + dE_k/da - lambda f_d - f_c - f_follower(a, lambda)       free components
+//   r(a)  = K_b a + f_b + sum_t dE_t/da + dE_k/da - lambda f_d - f_c - f_follower(a, lambda)       free components
 //   r_i   = a_i - lambda abar_i - motion_i(t) - h_i                                     fixed components
 // h is zero, or puts what supports hold where it was when they took hold of it (take_hold).
 // Elements that touch an owned vertex are evaluated by its rank, so that rows are complete without communication;
@@ -194,6 +195,8 @@ class Model {
   void move_supports(double time);
   void turn_clamps(double time);
   void assemble_turning();
+  void take_start(const energy::BendingElement& element, bool owned);
+  void close_start();
   /// Owned local vertex of a vertex of the mesh, or no_index.
   [[nodiscard]] Index owned(Index v) const {
     const Index i = dofs_->local().local_of[v];
@@ -236,15 +239,16 @@ class Model {
   struct TurningElement {  ///< bending of a triangle whose stencil has a mirror point that turns; local points
     std::vector<Index> points;
     Eigen::MatrixXd stiffness;
+    Eigen::MatrixX3d start_force;  ///< empty where the start is bent as the rest shape is
     bool owned;
   };
   std::vector<TurningElement> turning_;
-  bool turns_ = false;              ///< on some rank there are such elements
-  std::vector<Mat3> turns_now_;     ///< rotation of each support
-  BlockMatrix steady_bending_;      ///< K_b without them
-  petsc::VecHandle turning_force_;  ///< f_t [N]
-  double turning_energy_ = 0.0;     ///< twice the bending energy of the offsets [J]
-  struct TimedLoad {                ///< with a history of its own
+  bool turns_ = false;                                 ///< on some rank there are such elements
+  std::vector<Mat3> turns_now_;                        ///< rotation of each support
+  BlockMatrix steady_bending_;                         ///< K_b without them
+  petsc::VecHandle steady_force_, bending_force_;      ///< f_b without clamps that turn, and all of it [N]
+  double steady_offset_ = 0.0, bending_offset_ = 0.0;  ///< twice the constant bending energies at a = 0 [J]
+  struct TimedLoad {                                   ///< with a history of its own
     std::function<double(double)> history;
     int factor;  ///< number among the follower term's
     petsc::VecHandle force;

@@ -1,7 +1,8 @@
 // Strains, curvatures and stress resultants of a state, per triangle.
 //
-// Symbols   B'      curvature operator of a triangle,  kappa0 its rest curvature,  N, n rest and current unit normal
-//           D       bending stiffness [N m];  kappa = (n.N - 1) kappa0 + sum_i (n.u_i) B'_i   (bending.hpp)
+// Symbols   B'      curvature operator of a triangle,  kappa0 its rest curvature,  n current unit normal
+//           r       by how much the start is bent beyond the rest shape,  N_s its normal (bending.hpp)
+//           D       bending stiffness [N m];  kappa = (n.N_s - 1) kappa0 + n.r + sum_i (n.u_i) B'_i
 #pragma once
 
 #include <vector>
@@ -34,7 +35,8 @@ class Recovery {
     Index triangle, membrane;
     std::size_t start;
     int count;
-    Vec3 rest_curvature;
+    Vec3 rest_curvature, start_normal;
+    Mat3 start_bend;
   };
   std::vector<Item> items_;
   std::vector<Index> points_;
