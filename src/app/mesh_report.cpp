@@ -9,6 +9,7 @@
 #include "voile/base/petsc.hpp"
 #include "voile/energy/curvature.hpp"
 #include "voile/mesh/coincident.hpp"
+#include "voile/mesh/panels.hpp"
 #include "voile/mesh/quality.hpp"
 
 namespace voile::app {
@@ -174,6 +175,7 @@ std::vector<std::string> quality_warnings(const mesh::SurfaceMesh& mesh, const M
 
 std::vector<std::string> mesh_notes(const mesh::SurfaceMesh& mesh) {
   std::vector<std::string> notes = mesh.data().notes;
+  for (std::string& text : mesh::seam_notes(mesh)) notes.push_back(std::move(text));
   const double tolerance = mesh::default_merge_tolerance(mesh.data());
   const mesh::Coincidence c = mesh::find_coincident(mesh.data(), tolerance);
   if (c.places > 0)

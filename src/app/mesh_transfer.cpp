@@ -6,6 +6,7 @@
 #include "voile/base/petsc.hpp"
 #include "voile/io/mesh_file.hpp"
 #include "voile/mesh/coincident.hpp"
+#include "voile/mesh/panels.hpp"
 
 namespace voile::app {
 
@@ -65,7 +66,11 @@ mesh::SurfaceMesh load_mesh(const std::filesystem::path& file, const io::MeshOpt
   });
   broadcast_mesh(PETSC_COMM_WORLD, data);
   // The same data give the same verdict on every rank, so this throws everywhere or nowhere.
-  return mesh::SurfaceMesh(std::move(data));
+  const bool panels = options.rest == io::RestShape::texture;
+  if (panels) mesh::take_rest_from_texture(data, options.texture_unit);
+  mesh::SurfaceMesh mesh(std::move(data));
+  if (panels) mesh::check_panels(mesh);
+  return mesh;
 }
 
 }  // namespace voile::app

@@ -106,7 +106,7 @@ io::Checkpoint read_start(const input::Case& c, const RunOptions& options, const
     throw UserError("--restart: analysis = \"linear\" starts from the unloaded state; leave the option out");
   if (options.restart.empty()) {
     start.displacement = start_shape(c, mesh);
-    start.in_equilibrium = c.mesh.start.empty();
+    start.in_equilibrium = c.mesh.start.empty() && !mesh.has_charts();
     return start;
   }
   std::vector<double> numbers(6);

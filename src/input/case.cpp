@@ -359,6 +359,12 @@ void check_petsc(const SectionPlace& place, const std::string& options) {
 void check_mesh(const SectionPlace& place, Case& c) {
   c.mesh.file = beside(c.file, c.mesh.file);
   if (c.stage.number > 0) c.mesh.start.clear();  // it begins where the stage before has ended
+  if (c.mesh.options.rest != io::RestShape::texture && place.has("texture_unit"))
+    place.fail("texture_unit", "only rest = \"texture\" has one; give that, or remove the key");
+  if (c.mesh.options.rest == io::RestShape::texture && c.analysis == "linear")
+    place.fail("rest",
+               "analysis = \"linear\" begins from the shape without strain, which sewn panels do not have; use "
+               "analysis = \"static\"");
   if (c.mesh.start.empty()) return;
   c.mesh.start = beside(c.file, c.mesh.start);
   if (c.analysis != "static" && c.analysis != "drape" && c.analysis != "dynamic")

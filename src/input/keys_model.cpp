@@ -16,10 +16,22 @@ std::vector<Key> keys_of(MeshSection& s) {
        .slot = &s.start,
        .meaning =
            "A file with the same triangles in another place or shape, from which `static`, `drape` and `dynamic` "
-           "begin; `file` remains the shape without strain, and where supports hold. `scale` and the placement below "
+           "begin; `file` (or what `rest` says) remains the shape without strain, and `file` where supports hold. "
+           "`scale` and the placement below "
            "are for "
            "both.",
        .absent = "the shape of `file`"},
+      {.name = "rest",
+       .slot = choice(o.rest, {{"positions", io::RestShape::positions}, {"texture", io::RestShape::texture}}),
+       .meaning =
+           "What is without strain: `positions`: the shape of `file`. `texture`: the flat panels of its texture "
+           "coordinates, one per corner (OBJ), sewn where triangles share an edge; the vertices of `file` are then the "
+           "start, and where supports hold (see [meshes.md](meshes.md))."},
+      {.name = "texture_unit",
+       .slot = &o.texture_unit,
+       .meaning = "Length that a texture coordinate of 1 is in the panels, for `rest = \"texture\"`.",
+       .unit = "m",
+       .range = positive},
       {.name = "scale",
        .slot = &o.scale,
        .meaning = "The file's coordinates are multiplied by this to become metres.",

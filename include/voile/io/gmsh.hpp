@@ -9,6 +9,12 @@
 
 namespace voile::io {
 
+/// What a sheet is without strain.
+enum class RestShape {
+  positions,  ///< as the file's vertices lie
+  texture     ///< the flat panels of its texture coordinates (mesh/panels.hpp)
+};
+
 /// How a .geo file is meshed, and what becomes of the coordinates of any file.
 struct MeshOptions {
   std::map<std::string, double> parameters;  ///< named numbers of the .geo (DefineConstant) set before meshing
@@ -19,6 +25,8 @@ struct MeshOptions {
   bool merge = false;                        ///< make one of vertices that coincide (mesh/coincident.hpp)
   bool allow_system_call = false;            ///< let a .geo run programs and write files (geo_safety.hpp)
   double merge_tolerance = 0.0;              ///< how close they must lie [m]; 0: mesh::default_merge_tolerance()
+  RestShape rest = RestShape::positions;     ///< taken by the caller of read_mesh()
+  double texture_unit = 1.0;                 ///< of texture coordinates [m], for RestShape::texture
 };
 
 /// Reads (or generates) a triangle mesh. Not collective: call on one rank. The surface is every triangle of the file;
