@@ -359,7 +359,7 @@ void check_petsc(const SectionPlace& place, const std::string& options) {
 void check_mesh(const SectionPlace& place, Case& c) {
   c.mesh.file = beside(c.file, c.mesh.file);
   if (c.stage.number > 0) c.mesh.start.clear();  // it begins where the stage before has ended
-  if (c.mesh.options.rest != io::RestShape::texture && place.has("texture_unit"))
+  if (c.mesh.options.rest != io::RestShape::texture && c.mesh.options.texture_unit != 1.0)
     place.fail("texture_unit", "only rest = \"texture\" has one; give that, or remove the key");
   if (c.mesh.options.rest == io::RestShape::texture && c.analysis == "linear")
     place.fail("rest",

@@ -31,6 +31,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "runs" / "lib"))
 import contacting  # noqa: E402, F401: adds its tests
 import placing  # noqa: E402, F401: adds its tests
 import robustness  # noqa: E402, F401: adds its tests
+import sewing  # noqa: E402, F401: adds its tests
 import staging  # noqa: E402, F401: adds its tests
 from benchmarks import BENCHMARKS, compare  # noqa: E402
 from curves import Table, at_load  # noqa: E402
