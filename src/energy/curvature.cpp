@@ -201,7 +201,7 @@ struct CurvatureBuilder::Impl {
       return;
     }
     const int so = sheet.mesh().side_in_neighbour(t, s);
-    const Entry here = entry(t), there = entry(other);
+    const Entry &here = entry(t), &there = entry(other);
     const Side mine = side_of(here.patch, s), theirs = side_of(there.patch, so);
     const auto use = [&](double share_here, double share_there) {
       if (share_here > 0.0) add(to, here.fit, slope_row(mine.middle, mine.normal), factor * share_here, turn);
@@ -272,7 +272,7 @@ Mat3 condense_free_sides(const std::vector<Vec3>& free_sides, const Mat3& bendin
 }  // namespace
 
 CurvatureOperator CurvatureBuilder::Impl::edge_slope(Index t) {
-  const mesh::Patch patch = entry(t).patch;
+  const mesh::Patch& patch = entry(t).patch;
   std::array<Functional, 3> rows;
   std::vector<Vec3> free_sides;
   for (int s = 0; s < 3; ++s) {
@@ -312,7 +312,7 @@ CurvatureOperator CurvatureBuilder::Impl::edge_slope(Index t) {
 }
 
 CurvatureOperator CurvatureBuilder::Impl::six_node(Index t) {
-  const Entry here = entry(t);
+  const Entry& here = entry(t);
   Fit fit = here.fit;
   if (!usable(fit)) {
     Fit rings = ring_fit(t, -1, Vec2::Zero());

@@ -8,151 +8,15 @@
 #include <cmath>
 #include <numbers>
 
+#include "case_materials.hpp"
 #include "voile/base/error.hpp"
 #include "voile/input/case_read.hpp"
 #include "voile/input/command_line.hpp"
 #include "voile/input/expression.hpp"
-#include "voile/input/fabric.hpp"
 
 namespace voile::input {
 
 namespace {
-
-/// True for the stiffness of a material that is the same in every direction.
-bool is_isotropic(const Mat3& m) {
-  const double tolerance = 1e-9 * m.cwiseAbs().maxCoeff();
-  const auto zero = [&](double x) { return std::abs(x) <= tolerance; };
-  return zero(m(0, 0) - m(1, 1)) && zero(m(0, 2)) && zero(m(1, 2)) && zero(m(2, 2) - 0.5 * (m(0, 0) - m(0, 1)));
-}
-
-void check_matrix(const SectionPlace& place, const char* key, const Mat3& m) {
-  const double asymmetry = (m - m.transpose()).cwiseAbs().maxCoeff();
-  if (asymmetry > 1e-12 * m.cwiseAbs().maxCoeff())
-    place.fail(key, fmt::format("the matrix is not symmetric (difference {:.3g}); make entry (i, j) equal to (j, i)",
-                                asymmetry));
-  if (!energy::is_positive_definite(m))
-    place.fail(key, "the matrix is not positive definite, so some deformation would cost no energy; check its entries");
-}
-
-void check_ortho(const SectionPlace& place, const MaterialInput& in) {
-  if (in.poisson_12 * in.poisson_12 < in.young_1 / in.young_2) return;
-  place.fail("poisson_12", fmt::format("{}: the stiffness is not positive definite; |poisson_12| must be below "
-                                       "sqrt(young_1 / young_2) = {:.6g}",
-                                       in.poisson_12, std::sqrt(in.young_1 / in.young_2)));
-}
-
-void fill_laminate(const SectionPlace& place, const MaterialInput& in, energy::Material& m) {
-  check_ortho(place, in);
-  const std::size_t count = in.angles.size(), given = in.ply_thicknesses.size();
-  if (given != 1 && given != count)
-    place.fail("ply_thicknesses",
-               fmt::format("{} thicknesses for {} plies; give one per ply, or one for all", given, count));
-  std::vector<energy::Ply> plies;
-  for (std::size_t k = 0; k < count; ++k)
-    plies.push_back({in.angles[k] * (std::numbers::pi / 180.0), in.ply_thicknesses[given == 1 ? 0 : k]});
-  const energy::LaminateStiffness l =
-      energy::laminate(energy::orthotropic_membrane(in.young_1, in.young_2, in.poisson_12, in.shear_12, 1.0), plies);
-  const double coupling = l.coupling.cwiseAbs().maxCoeff() / (l.membrane.cwiseAbs().maxCoeff() * l.thickness);
-  if (coupling > 1e-9)
-    place.fail("angles",
-               fmt::format("this stack couples stretching with bending (|B| = {:.3g} of |A| h), which the shell "
-                           "element does not have; make the stack symmetric about its middle",
-                           coupling));
-  m.membrane = l.membrane;
-  m.bending = l.bending;
-  m.layers = l.layers;
-  m.areal_density = in.density * l.thickness;
-  if (!energy::is_positive_definite(m.membrane) || !energy::is_positive_definite(m.bending))
-    place.fail("ply_thicknesses", "the stiffness is not positive definite or not finite; check moduli and thicknesses");
-}
-
-/// The file of a fabric states its own mistakes; only a missing file is one of the case.
-void fill_fabric(const SectionPlace& place, const MaterialInput& in, energy::Material& m) {
-  if (!std::filesystem::is_regular_file(in.fabric))
-    place.fail("fabric", fmt::format("there is no fabric file {}", in.fabric.string()));
-  const Fabric fabric = read_fabric(in.fabric);
-  m.membrane = energy::rotated_stiffness(membrane_stiffness(fabric), in.warp_angle);
-  m.bending = energy::rotated_stiffness(bending_stiffness(fabric), in.warp_angle);
-  m.areal_density = fabric.areal_density;
-  if (!place.has("bending_damping")) m.bending_damping = bending_damping(fabric);
-}
-
-void fill_matrices(const SectionPlace& place, const MaterialInput& in, energy::Material& m) {
-  m.bending_damping = in.bending_damping;
-  m.viscous_time = in.membrane_damping;
-  switch (in.type) {
-    case MaterialInput::Type::laminate:
-      fill_laminate(place, in, m);
-      return;
-    case MaterialInput::Type::fabric:
-      fill_fabric(place, in, m);
-      return;
-    case MaterialInput::Type::isotropic:
-      m.membrane = energy::isotropic_membrane(in.young, in.poisson, in.thickness);
-      break;
-    case MaterialInput::Type::orthotropic:
-      check_ortho(place, in);
-      m.membrane = energy::orthotropic_membrane(in.young_1, in.young_2, in.poisson_12, in.shear_12, in.thickness);
-      break;
-    case MaterialInput::Type::matrices:
-      check_matrix(place, "membrane", in.membrane);
-      check_matrix(place, "bending", in.bending);
-      m.membrane = in.membrane;
-      m.bending = in.bending;
-      m.areal_density = in.areal_density;
-      if (!in.direction && in.texture_direction.empty() && !(is_isotropic(m.membrane) && is_isotropic(m.bending)))
-        place.fail("direction", "the key is missing; these matrices depend on the direction of material axis 1");
-      return;
-  }
-  m.bending = energy::bending_from_membrane(m.membrane, in.thickness);
-  m.layers = {{-0.5 * in.thickness, 0.5 * in.thickness, m.membrane / in.thickness}};
-  m.areal_density = in.density * in.thickness;
-  if (!energy::is_positive_definite(m.membrane) || !energy::is_positive_definite(m.bending))
-    place.fail("thickness", "the stiffness is not positive definite or not finite; check moduli and thickness");
-}
-
-/// A path as written in a case file. Absolute, so that the echo of the case works from any folder.
-std::filesystem::path beside(const std::filesystem::path& case_file, const std::filesystem::path& path) {
-  return (std::filesystem::absolute(case_file).parent_path() / path).lexically_normal();
-}
-
-void fill_direction(const SectionPlace& place, const MaterialInput& in, energy::Material& m) {
-  using Type = MaterialInput::Type;
-  const bool textured = !in.texture_direction.empty();
-  if (textured && in.direction) place.fail("texture_direction", "there is a 'direction' too; keep one of them");
-  if (!textured && !in.direction && in.type != Type::isotropic && in.type != Type::matrices)
-    place.fail("direction", "the key is missing; give the direction of material axis 1, or texture_direction");
-  m.direction = in.direction;
-  if (!textured) return;
-  if (in.texture_direction.size() != 2 || (in.texture_direction[0] == 0.0 && in.texture_direction[1] == 0.0))
-    place.fail("texture_direction", "two numbers [u, v] are needed that are not both zero");
-  m.texture_direction = Vec2(in.texture_direction[0], in.texture_direction[1]).normalized();
-}
-
-void read_materials(const CaseReader& reader, Case& c) {
-  if (reader.count("material") == 0)
-    throw UserError(fmt::format("{}: there is no material; add a section [[material]]", c.file.string()));
-  std::vector<std::string> covered;
-  bool everywhere = false;
-  for (std::size_t n = 0; n < reader.count("material"); ++n) {
-    MaterialInput in;
-    const SectionPlace place = reader.read("material", n, keys_of(in));
-    energy::Material m;
-    m.groups = in.groups;
-    fill_direction(place, in, m);
-    in.fabric = beside(c.file, in.fabric);
-    fill_matrices(place, in, m);
-    if (in.groups.empty() && everywhere)
-      place.fail("groups", "the key is missing, and another material has no groups either; say where each applies");
-    everywhere = everywhere || in.groups.empty();
-    for (const std::string& group : in.groups) {
-      if (std::find(covered.begin(), covered.end(), group) != covered.end())
-        place.fail("groups", fmt::format("group '{}' has a material already; remove it from one of them", group));
-      covered.push_back(group);
-    }
-    c.materials.push_back(std::move(m));
-  }
-}
 
 void check_steps(const SectionPlace& place, solve::StaticOptions& s) {
   if (!place.has("initial_step")) s.initial_step = std::min(s.initial_step, s.max_step);

@@ -175,7 +175,8 @@ std::vector<Key> keys_of(MaterialInput& s) {
       {.name = "direction",
        .slot = &s.direction,
        .meaning =
-           "Direction of material axis 1 in space, projected into each triangle; the warp of a `fabric` lies at "
+           "Direction of material axis 1 in space (with `mesh.rest = \"texture\"`: in the panels), projected into each "
+           "triangle; the warp of a `fabric` lies at "
            "`warp_angle` to it. Triangles that are normal to it continue it from their neighbours; another direction "
            "for some `groups` is another `[[material]]`. Either this or `texture_direction` is needed, by `matrices` "
            "unless both are those of an isotropic material.",
@@ -265,7 +266,7 @@ std::vector<Key> keys_of(system::Support& s, MotionInput& m) {
       {.name = "cylinder_axis",
        .slot = &s.cylinder_axis,
        .meaning = "`\"x\"`, `\"y\"`, `\"z\"` mean radial, circumferential and axial about this axis, at each vertex's "
-                  "place at rest.",
+                  "place at the start.",
        .types = {"displacement"},
        .absent = "none"},
       {.name = "cylinder_centre",
@@ -299,9 +300,10 @@ std::vector<Key> keys_of(system::Load& s) {
                                {"area", system::Load::Kind::area},
                                {"gravity", system::Load::Kind::gravity},
                                {"follower_moment", system::Load::Kind::follower_moment}}),
-       .meaning = "`point`: force on every vertex of a group. `line`: force per rest length of a curve. `area`: force "
-                  "per rest area. `gravity`: acceleration. `pressure`: along the rest normal. `follower_pressure`: "
-                  "along the current normal. `follower_moment`: moment per rest length about a boundary edge.",
+       .meaning =
+           "`point`: force on every vertex of a group. `line`: force per rest length of a curve. `area`: force "
+           "per rest area. `gravity`: acceleration. `pressure`: along the normal at the start. `follower_pressure`: "
+           "along the current normal. `follower_moment`: moment per rest length about a boundary edge.",
        .required = true},
       {.name = "group",
        .slot = &s.group,
@@ -340,43 +342,44 @@ std::vector<Key> keys_of(system::PointMass& s) {
 }
 
 std::vector<Key> keys_of(system::Spring& s) {
-  return {{.name = "type",
-           .slot = choice(s.kind, {{"point", system::Spring::Kind::point},
-                                   {"line", system::Spring::Kind::line},
-                                   {"area", system::Spring::Kind::area},
-                                   {"pair", system::Spring::Kind::pair}}),
-           .meaning = "From the place at rest: `point` on every vertex of a group, `line` per rest length of a curve, "
-                      "`area` per rest area, an elastic foundation. `pair`: between every vertex of a group and the "
-                      "nearest one of `to` at rest.",
-           .required = true},
-          {.name = "group",
-           .slot = &s.group,
-           .meaning = "Any group for `point` and `pair`, a curve for `line`, a surface for `area`.",
-           .required_types = {"point", "line", "pair"},
-           .absent = "the whole surface"},
-          {.name = "stiffness",
-           .slot = &s.stiffness,
-           .meaning = "Force per displacement from the place at rest; of each pair, force per change of length.",
-           .unit = "point, pair N/m, line N/m^2, area N/m^3",
-           .range = positive,
-           .required = true},
-          {.name = "direction",
-           .slot = &s.direction,
-           .meaning = "It acts along this direction only.",
-           .types = {"point", "line", "area"},
-           .absent = "it acts in all directions"},
-          {.name = "to",
-           .slot = &s.to,
-           .meaning = "The group of the other ends.",
-           .types = {"pair"},
-           .required_types = {"pair"}},
-          {.name = "length",
-           .slot = &s.length,
-           .meaning = "Length without force. 0 pulls the pair together from any distance.",
-           .unit = "m",
-           .range = not_negative,
-           .types = {"pair"},
-           .absent = "the distance at rest"}};
+  return {
+      {.name = "type",
+       .slot = choice(s.kind, {{"point", system::Spring::Kind::point},
+                               {"line", system::Spring::Kind::line},
+                               {"area", system::Spring::Kind::area},
+                               {"pair", system::Spring::Kind::pair}}),
+       .meaning = "From the place at the start: `point` on every vertex of a group, `line` per rest length of a curve, "
+                  "`area` per rest area, an elastic foundation. `pair`: between every vertex of a group and the "
+                  "nearest one of `to` at the start.",
+       .required = true},
+      {.name = "group",
+       .slot = &s.group,
+       .meaning = "Any group for `point` and `pair`, a curve for `line`, a surface for `area`.",
+       .required_types = {"point", "line", "pair"},
+       .absent = "the whole surface"},
+      {.name = "stiffness",
+       .slot = &s.stiffness,
+       .meaning = "Force per displacement from the place at the start; of each pair, force per change of length.",
+       .unit = "point, pair N/m, line N/m^2, area N/m^3",
+       .range = positive,
+       .required = true},
+      {.name = "direction",
+       .slot = &s.direction,
+       .meaning = "It acts along this direction only.",
+       .types = {"point", "line", "area"},
+       .absent = "it acts in all directions"},
+      {.name = "to",
+       .slot = &s.to,
+       .meaning = "The group of the other ends.",
+       .types = {"pair"},
+       .required_types = {"pair"}},
+      {.name = "length",
+       .slot = &s.length,
+       .meaning = "Length without force. 0 pulls the pair together from any distance.",
+       .unit = "m",
+       .range = not_negative,
+       .types = {"pair"},
+       .absent = "the distance at the start"}};
 }
 
 }  // namespace voile::input

@@ -70,7 +70,8 @@ def sewn_tube(report):
         centre = place[:, :2].mean(axis=0)
         radius = np.linalg.norm(place[:, :2] - centre, axis=1)
         report.below(np.abs(radius / RADIUS - 1).max(), 0.004, f"{ranks} rank(s): radius, relative")
-        moment, curvature = fields(result, "bending_moment", "curvature")
+        report.near(h["largest_turn"][-1], 2 * np.pi / 48, 1e-3, f"{ranks} rank(s): largest turn from cell to cell")
+        curvature, = fields(result, "curvature")
         report.percent(-curvature[:, 0].mean() * RADIUS, 0.005, f"{ranks} rank(s): curvature along the panel's u")
         report.below(np.abs(curvature[:, 1]).max() * RADIUS, 1e-2, f"{ranks} rank(s): curvature across, in 1/radius")
     # A start of its own: the same cylinder.

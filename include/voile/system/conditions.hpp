@@ -23,12 +23,12 @@ struct Support {
   std::array<bool, 3> components{false, false, false};  ///< displacement only: which of x, y, z
   Vec3 value = Vec3::Zero();                            ///< displacement at load factor 1, in the axes below [m]
   /// displacement only: own axes x, y (made square to x) and z = x cross y; or x radial, y circumferential and z along
-  /// the axis of a cylinder, at each vertex's rest position. Absent: the global axes.
+  /// the axis of a cylinder, at each vertex's place at the start. Absent: the global axes.
   std::optional<Vec3> x_axis, y_axis, cylinder_axis;
   Vec3 cylinder_centre = Vec3::Zero();  ///< a point on that axis [m]
   std::optional<Vec3> normal;           ///< symmetry: normal of the plane; absent: found from the group
   double release = std::numeric_limits<double>::infinity();  ///< time at which it lets go [s]
-  /// Displacement [m] of the vertex with rest position X at time t [s], added to `value`; empty: none.
+  /// Displacement [m] of the vertex that starts at X at time t [s], added to `value`; empty: none.
   std::function<Vec3(const Vec3& rest, double time)> motion;
   /// clamped: the rotation within `motion` at time t, with which the slope turns; empty: none.
   std::function<Mat3(double time)> rotation;
@@ -38,7 +38,7 @@ struct Load {
   enum class Kind {
     point,              ///< force on every vertex of the group [N], dead
     line,               ///< force per rest length along a curve group [N/m], dead
-    pressure,           ///< dead surface traction along the rest normal [Pa], surface group
+    pressure,           ///< dead surface traction per rest area along the normal at the start [Pa], surface group
     follower_pressure,  ///< pressure along the current normal [Pa], positive along the triangle's normal, surface group
     area,               ///< dead force per rest area [N/m^2], surface group
     gravity,            ///< acceleration [m/s^2] acting on the areal density, whole model or surface group
@@ -60,7 +60,7 @@ struct PointMass {
   double mass = 0.0;  ///< of each vertex of the group [kg]
 };
 
-/// Linear springs from vertices to where they are at rest, or between two vertices.
+/// Linear springs from vertices to where they start, or between two vertices.
 struct Spring {
   enum class Kind {
     point,  ///< on every vertex of the group [N/m]
@@ -73,7 +73,8 @@ struct Spring {
   double stiffness = 0.0;
   std::optional<Vec3> direction;  ///< acts along this direction only; absent: in all; none for pair
   std::string to = {};            ///< pair: the other group
-  double length = std::numeric_limits<double>::quiet_NaN();  ///< pair: without force [m]; NaN: the distance at rest
+  double length =
+      std::numeric_limits<double>::quiet_NaN();  ///< pair: without force [m]; NaN: the distance at the start
 };
 
 }  // namespace voile::system

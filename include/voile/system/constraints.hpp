@@ -33,7 +33,7 @@ struct Constraints {
 [[nodiscard]] Constraints resolve_supports(const mesh::SurfaceMesh& mesh, const std::vector<Support>& supports);
 
 /// Pairs of vertices that a spring of kind `pair` joins: each vertex of its group with the nearest one of its other
-/// group at rest (of equally near ones the first in the mesh); none for other kinds. Throws UserError for unknown
+/// group at the start (of equally near ones the first in the mesh); none for other kinds. Throws UserError for unknown
 /// groups and for a vertex that is its own partner. Not collective.
 [[nodiscard]] std::vector<std::array<Index, 2>> pairs_of(const mesh::SurfaceMesh& mesh, const Spring& spring);
 
