@@ -616,3 +616,28 @@ TEST_CASE("panels from texture coordinates") {
   CHECK_THROWS_WITH_AS(mesh::check_panels(mesh::SurfaceMesh(mirrored)),
                        doctest::Contains("10 of 72 triangles are mirror"), UserError);
 }
+
+TEST_CASE("a sheet that starts bent and turns with its clamp keeps its energy, and its forces turn along") {
+  const mesh::MeshData flat = square(Pattern::jittered, 6);
+  const mesh::SurfaceMesh mesh(
+      mapped(cut(
+                 flat, [](Index) { return 0; }, false),
+             [](const Vec3& x) { return Vec3(x[0], x[1], 0.3 * x[0] * x[0] + 0.1 * x[0] * x[1]); }));
+  const auto turn = [](double t) { return Mat3(Eigen::AngleAxisd(t, Vec3::UnitY()).toRotationMatrix()); };
+  system::ModelInput in = free_sheet(0.3);
+  in.supports = {support("left", system::Support::Kind::clamped)};
+  in.supports[0].motion = [&](const Vec3& x, double t) { return Vec3(turn(t) * x - x); };
+  in.supports[0].rotation = turn;
+  system::Model model(PETSC_COMM_WORLD, mesh, in);
+  const petsc::VecHandle a = model.dofs().create_vector(), f = model.dofs().create_vector();
+  const double energy = model.energy(a);
+  REQUIRE(energy > 0.0);
+  model.unbalanced_force(a, f);
+  std::vector<Vec3> turned = per_vertex(model, f);
+  for (Vec3& force : turned) force = turn(0.7) * force;
+  model.set_time(0.7);
+  set_displacement(model, a, [&](Index v) { return Vec3(turn(0.7) * mesh.positions()[v] - mesh.positions()[v]); });
+  CHECK(model.energy(a) == relative(energy).epsilon(1e-12));
+  model.unbalanced_force(a, f);
+  CHECK(difference(per_vertex(model, f), turned) < 1e-12);
+}
