@@ -1,9 +1,8 @@
 """Garments: flat panels that are sewn together, as texture coordinates of an OBJ file."""
 
-import h5py
 import numpy as np
-
 from harness import OUT, solve, test
+from results import Results
 from solver import invoke, write_case
 
 RADIUS, HEIGHT = 0.2, 0.3
@@ -50,9 +49,8 @@ def tube(file, **changes):
 
 
 def fields(result, *names):
-    with h5py.File(result.folder / "results.h5", "r") as data:
-        last = data["steps"][sorted(data["steps"])[-1]]
-        return [last[name][...] for name in names]
+    last = Results(result.folder)[-1]
+    return [last[name] for name in names]
 
 
 @test
@@ -65,8 +63,8 @@ def sewn_tube(report):
         h = result.history
         report.percent(h["energy_bending"][-1] / bending, 0.005, f"{ranks} rank(s): bending energy")
         report.below(h["energy_membrane"][-1] / bending, 0.01, f"{ranks} rank(s): energy of the membrane, in bending energies")
-        with h5py.File(result.folder / "results.h5", "r") as data:
-            place = data["mesh/positions"][...] + result.displacement()
+        with Results(result.folder) as data:
+            place = data.mesh().positions + result.displacement()
         centre = place[:, :2].mean(axis=0)
         radius = np.linalg.norm(place[:, :2] - centre, axis=1)
         report.below(np.abs(radius / RADIUS - 1).max(), 0.004, f"{ranks} rank(s): radius, relative")
