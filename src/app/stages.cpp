@@ -26,7 +26,24 @@ void take_options(input::Case& c) {
     c.steps.final_load_factor = c.eigen.load_factor;
     std::erase_if(c.steps.stops, [&](double stop) { return stop > c.eigen.load_factor; });
   }
+  const double end = c.time.options.end_time;
   if (c.analysis == "dynamic") solve::read_time_options(c.time.options);
+  if (c.is_staged()) c.time.options.end_time = std::min(c.time.options.end_time, end);  // -ts_max_time is for all
+}
+
+/// The time goes on from stage to stage.
+void check_times(const std::vector<input::Case>& stages) {
+  double time = 0.0;
+  for (const input::Case& c : stages) {
+    if (c.analysis != "dynamic") continue;
+    const double end = c.time.options.end_time;
+    if (end <= time)
+      throw UserError(
+          fmt::format("{}: stage '{}': [time] end = {:g} s, but the stage before has ended at {:g} s; the "
+                      "time goes on through all stages, so give a later end",
+                      c.file.string(), c.stage.name, end, time));
+    time = end;
+  }
 }
 
 /// Place of the item `number` of the file among those of a stage, or npos.
@@ -89,6 +106,7 @@ std::vector<Stage> stages_of(const input::Case& c, const RunOptions& options) {
     s.input = model_input(s.c, known);
     stages.push_back(std::move(s));
   };
+  check_times(c.stages);
   if (c.stages.empty()) add(c, options.output);
   for (const input::Case& one : c.stages) add(one, options.output / one.stage.name);
   return stages;

@@ -87,7 +87,7 @@ const Events& events() {
     add("VoileEnergy", e.energy);
     add("VoileOutput", e.output);
     add("VoileContactFind", e.contact_find);
-    add("VoileContactWay", e.contact_way);
+    add("VoileContactClear", e.contact_clear);
     add("VoileContactTerm", e.contact_term);
     add("VoileFactorSingle", e.factor_single);
     add("VoileRefine", e.refine);

@@ -50,7 +50,7 @@ double axis_distance(PairKind kind, const std::array<Vec3, 4>& x) {
   return (low[0] - high[1]).cwiseMax(low[1] - high[0]).maxCoeff();
 }
 
-double safe_share(PairKind kind, std::array<Vec3, 4> x, std::array<Vec3, 4> p, double xi, double limit) {
+double step_fraction(PairKind kind, std::array<Vec3, 4> x, std::array<Vec3, 4> p, double xi, double limit) {
   const int count = kind == PairKind::point_edge ? 3 : 4;
   Vec3 mean = Vec3::Zero();
   for (int i = 0; i < count; ++i) mean += p[i] / count;

@@ -81,14 +81,14 @@ bool ContactSet::counted(const std::array<Index, 4>& points) const {
   return lowest < surface_.sheet_points && owned_[lowest];
 }
 
-double ContactSet::safe_share(const std::vector<Vec3>& from, const std::vector<Vec3>& to) const {
+double ContactSet::step_fraction(const std::vector<Vec3>& from, const std::vector<Vec3>& to) const {
   double share = 1.0;
   for (const Pair& pair : pairs_) {
     if (!acts(pair)) continue;
     const std::array<Vec3, 4> x = gather(pair, from);
     std::array<Vec3, 4> p = gather(pair, to);
     for (int i = 0; i < 4; ++i) p[i] -= x[i];
-    share = contact::safe_share(pair.kind, x, p, offset(pair), share);
+    share = contact::step_fraction(pair.kind, x, p, offset(pair), share);
   }
   for (const Plane& p : planes_)
     for (Index i : own_points_) {
@@ -115,7 +115,7 @@ void ContactSet::blocked(const std::vector<Vec3>& from, const std::vector<Vec3>&
     const double xi = offset(pair), room = lost_share * pair.share * options_.distance;
     const bool near_at_end = axis_distance(pair.kind, end) - xi < room;  // false for most candidates
     if ((near_at_end && lost(closest(pair.kind, x).distance - xi, closest(pair.kind, end).distance - xi, room)) ||
-        contact::safe_share(pair.kind, x, p, xi) < 1.0)
+        contact::step_fraction(pair.kind, x, p, xi) < 1.0)
       found(pair);
   }
   for (std::size_t k = 0; k < planes_.size(); ++k)

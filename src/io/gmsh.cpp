@@ -47,18 +47,12 @@ class Session {
       gmsh::logger::stop();
       gmsh::onelab::clear();
       gmsh::finalize();
-    } catch (...) {  // a destructor must not throw; the result is already copied
-    }
+    } catch (...) {
+    }  // a destructor must not throw; the result is already copied
   }
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
 };
-
-std::string printable(std::string text) {
-  for (char& c : text)
-    if (static_cast<unsigned char>(c) < 32 || static_cast<unsigned char>(c) > 126) c = '?';
-  return text;
-}
 
 /// Throws if Gmsh has logged errors so far.
 void check_log(const std::string& file, const char* doing) {

@@ -150,7 +150,7 @@ void escape(system::Model& model, Vec a, Vec mode, double push) {
   double largest = 0.0;
   VOILE_PETSC(VecNorm(mode, NORM_INFINITY, &largest));
   VOILE_PETSC(VecScale(mode, push / largest));
-  VOILE_PETSC(VecAXPY(a, model.contact() ? model.contact()->safe_share(a, mode) : 1.0, mode));
+  VOILE_PETSC(VecAXPY(a, model.contact() ? model.contact()->step_fraction(a, mode) : 1.0, mode));
 }
 
 }  // namespace

@@ -7,7 +7,7 @@
 #include <limits>
 #include <utility>
 
-#include "contact_way.hpp"
+#include "step_bound.hpp"
 #include "voile/base/error.hpp"
 #include "voile/base/interrupt.hpp"
 #include "voile/base/mpi.hpp"
@@ -96,7 +96,7 @@ PetscErrorCode Newton::Impl::converged(SNES, PetscInt it, PetscReal, PetscReal s
 PetscErrorCode Newton::Impl::before_line_search(SNESLineSearch, Vec a, Vec y, PetscBool* changed, void* self) {
   auto& n = *static_cast<Impl*>(self);
   return petsc::guarded([&] {
-    n.allowed = longest_share(n.model, a, y, n.trial);
+    n.allowed = allowed_fraction(n.model, a, y, n.trial);
     *changed = n.allowed < 1.0 ? PETSC_TRUE : PETSC_FALSE;
     if (*changed) VOILE_PETSC(VecScale(y, n.allowed));
   });
@@ -288,7 +288,7 @@ NewtonResult Newton::continuation(Vec a, int max_iterations) {
     VOILE_PETSC(VecDot(n.residual, n.increment, &slope));
     // Prescribed motion does work that the energy balance does not see: the first step then moves the supports in full.
     const bool moving = model.fixed_coupling() != nullptr;
-    const double allowed = longest_share(model, a, n.increment, n.trial);
+    const double allowed = allowed_fraction(model, a, n.increment, n.trial);
     const double length = potential && !moving ? n.backtrack(a, allowed, energy, slope) : allowed;
     if (length == 0.0) {
       shift *= 8.0;

@@ -2,23 +2,15 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
-#include <optional>
-
+#include "path_following_impl.hpp"
 #include "voile/base/error.hpp"
 #include "voile/base/interrupt.hpp"
-#include "voile/solve/inverse_iteration.hpp"
 #include "voile/solve/stall.hpp"
 
 namespace voile::solve {
 
 namespace {
 
-using Control = StaticOptions::Control;
-using AtCriticalPoint = StaticOptions::AtCriticalPoint;
-
-constexpr int inverse_iterations = 3;  ///< per step; the mode of the step before is a good start
 constexpr int locating_steps = 12;
 constexpr double located = 1e-5;  ///< critical eigenvalue, relative to those on both sides, at which a point is found
 
@@ -36,196 +28,6 @@ double extremum(double s, double y0, double y1, double d0, double d1) {
 }
 
 }  // namespace
-
-struct PathFollower::Impl {
-  system::Model& model;
-  const StaticOptions options;
-  const Remark& remark;
-  Newton newton;
-  LinearSolver& linear;
-  petsc::VecHandle probe;                          ///< c
-  petsc::VecHandle accepted, increment, previous;  ///< accepted state, Da, the increment that led to the accepted state
-  petsc::VecHandle tangent_solution;               ///< x_f of the accepted state
-  petsc::VecHandle load_solution, residual_solution, residual, load, scratch, trial;
-  petsc::VecHandle mode;          ///< eigenvector nearest to singularity, <mode, mode> = 1
-  double factor = 0.0;            ///< load factor of the accepted state
-  double rate = 0.0;              ///< dlambda/ds in the accepted state along the path
-  double force = 0.0;             ///< largest scale of forces accepted: at load factor 0 the present one may vanish
-  int steps = 0, first_step = 0;  ///< accepted, those before this path included; those before
-  int iterations = 0;             ///< of Newton's method so far
-  // How the next step is tried.
-  double unit = 0.0;    ///< length of the step whose size is 1
-  double length = 0.0;  ///< of the next step
-  bool branching = false, may_branch = false, stopped = false;
-
-  /// What the tangent at an equilibrium tells.
-  struct Tangent {
-    bool good = false;
-    long negative_pivots = -1;
-    double eigenvalue = 0.0;  ///< of K in W, nearest to zero
-    double speed = 0.0;       ///< |x_f|
-  } tangent;                  ///< at the accepted state
-
-  /// The scalar equation that goes with r = 0.
-  struct Constraint {
-    Control kind;
-    double value;  ///< load: ignored; displacement: q; arc length: L
-  };
-
-  Impl(system::Model& m, StaticOptions o, const Remark& r, Vec c)
-      : model(m), options(std::move(o)), remark(r), newton(m), linear(newton.linear_solver()) {
-    for (petsc::VecHandle* v : {&accepted, &increment, &previous, &tangent_solution, &load_solution, &residual_solution,
-                                &residual, &load, &scratch, &trial})
-      *v = m.dofs().create_vector();
-    if (c) {
-      probe = m.dofs().create_vector();
-      VOILE_PETSC(VecCopy(c, probe));
-    }
-    mode = start_mode(m);
-  }
-
-  [[nodiscard]] double dot(Vec x, Vec y) const {
-    double value = 0.0;
-    VOILE_PETSC(VecPointwiseMult(scratch, model.mass(), x));
-    VOILE_PETSC(VecDot(scratch, y, &value));
-    return value;
-  }
-  [[nodiscard]] double probed(Vec x) const {
-    double value = 0.0;
-    if (probe) VOILE_PETSC(VecDot(probe, x, &value));
-    return value;
-  }
-  [[nodiscard]] double direction() const {  ///< of the load or the controlled displacement
-    const double end = options.final_displacement != 0.0 ? options.final_displacement : options.final_load_factor;
-    return end >= 0.0 ? 1.0 : -1.0;
-  }
-
-  [[nodiscard]] Tangent tangent_at(Vec a);
-  [[nodiscard]] NewtonResult correct(Vec a, double& lambda, const Constraint& constraint);
-  [[nodiscard]] double load_correction(const Constraint& constraint) const;
-  void predict(const Constraint& constraint, double& lambda);
-  void begin(const system::State& state);
-  [[nodiscard]] Constraint next_constraint(double length) const;
-  [[nodiscard]] Constraint share(const Constraint& whole, double part) const;
-  [[nodiscard]] bool passes_end(Vec a, double lambda) const;
-  [[nodiscard]] bool at_end() const;
-  [[nodiscard]] NewtonResult land(Vec a, double& lambda);
-  [[nodiscard]] NewtonResult attempt(Vec a, double& lambda, const Constraint& constraint);
-  [[nodiscard]] std::optional<CriticalPoint> passed(const Tangent& after, double lambda) const;
-  [[nodiscard]] NewtonResult locate(Vec a, double& lambda, const Constraint& constraint, Tangent& after);
-  [[nodiscard]] NewtonResult branch(Vec a, double& lambda, double length);
-  void accept(Vec a, double lambda, const Tangent& after);
-  struct Attempt {
-    NewtonResult newton;
-    Tangent after;
-    std::optional<CriticalPoint> critical;
-    bool found = false;  ///< it ends at the critical point
-  };
-  [[nodiscard]] Attempt try_step(Vec a, double& lambda);
-  [[nodiscard]] StepResult advance(system::State& state);
-  void halve(system::State& state, StepResult& r);
-  [[nodiscard]] double rate_of(const Tangent& t) const {
-    return std::copysign(1.0 / t.speed, dot(increment, load_solution));
-  }
-};
-
-PathFollower::Impl::Tangent PathFollower::Impl::tangent_at(Vec a) {
-  Tangent t;
-  model.assemble_tangent(a, nullptr, energy::Tangent::exact, 0.0);
-  linear.tangent_changed();
-  model.load_direction(a, load);
-  t.good = linear.solve(load, load_solution);
-  if (!t.good) return t;
-  t.speed = std::sqrt(dot(load_solution, load_solution));
-  t.good = std::isfinite(t.speed) && t.speed > 0.0;
-  t.negative_pivots = linear.negative_pivots();
-  if (t.good) t.eigenvalue = inverse_iteration(model, linear, mode, inverse_iterations);
-  return t;
-}
-
-double PathFollower::Impl::load_correction(const Constraint& constraint) const {
-  switch (constraint.kind) {
-    case Control::load:
-      return 0.0;
-    case Control::displacement:
-      return (constraint.value - probed(accepted) - probed(increment) + probed(residual_solution)) /
-             probed(load_solution);
-    case Control::arc_length:
-      break;
-  }
-  return (0.5 * (constraint.value * constraint.value - dot(increment, increment)) + dot(increment, residual_solution)) /
-         dot(increment, load_solution);
-}
-
-/// Newton's method on (r, constraint), from accepted + increment at `lambda`.
-NewtonResult PathFollower::Impl::correct(Vec a, double& lambda, const Constraint& constraint) {
-  NewtonResult n;
-  const int before = linear.factorisations();
-  Progress p;
-  const ConvergenceTest& test = newton.convergence();
-  for (n.iterations = 0;; ++n.iterations) {
-    stop_if_asked(model.comm());
-    VOILE_PETSC(VecWAXPY(a, 1.0, increment, accepted));
-    model.set_load_factor(lambda);
-    model.residual(a, residual);
-    p.residual_before = p.residual;
-    VOILE_PETSC(VecNorm(residual, NORM_2, &p.residual));
-    VOILE_PETSC(SNESMonitor(newton.snes(), n.iterations, p.residual));
-    p.force = std::max(force, model.force_scale());
-    n.residual = p.force > 0.0 ? p.residual / p.force : p.residual;
-    n.factorisations = linear.factorisations() - before;
-    if (!std::isfinite(p.residual) || test.is_wild(p.increment)) {
-      n.reason = "the iteration ran away";
-      return n;
-    }
-    if (n.iterations > 0) {
-      const SNESConvergedReason reason = test.judge(p);
-      n.converged = reason > 0;
-      n.reason = SNESConvergedReasons[reason];
-      if (n.converged) return n;
-    }
-    if (n.iterations >= test.max_iterations()) {
-      n.reason = "too many iterations";
-      return n;
-    }
-    model.assemble_tangent(a, nullptr, energy::Tangent::exact, 0.0);
-    linear.tangent_changed();
-    model.load_direction(a, load);
-    if (!linear.solve(residual, residual_solution) || !linear.solve(load, load_solution)) {
-      n.reason = "the linear solver failed: " + linear.take_failure();
-      return n;
-    }
-    const double change = load_correction(constraint);
-    if (!std::isfinite(change)) {
-      n.reason = "the constraint became singular";
-      return n;
-    }
-    VOILE_PETSC(VecAXPBY(residual_solution, change, -1.0, load_solution));  // da
-    VOILE_PETSC(VecAXPY(increment, 1.0, residual_solution));
-    lambda += change;
-    VOILE_PETSC(VecNorm(residual_solution, NORM_2, &p.increment));
-    VOILE_PETSC(VecNorm(increment, NORM_2, &p.step));
-    VOILE_PETSC(VecDot(residual, residual_solution, &p.work));
-  }
-}
-
-/// Sets the increment, lambda and the rate from the tangent at the accepted state.
-void PathFollower::Impl::predict(const Constraint& constraint, double& lambda) {
-  double change = lambda - factor;
-  if (constraint.kind == Control::displacement)
-    change = (constraint.value - probed(accepted)) / probed(tangent_solution);
-  if (constraint.kind == Control::arc_length) {
-    double sign = dot(previous, tangent_solution);
-    if (sign == 0.0) sign = direction() * (options.final_displacement != 0.0 ? probed(tangent_solution) : 1.0);
-    change = std::copysign(constraint.value / tangent.speed, sign);
-  }
-  rate = std::copysign(1.0 / tangent.speed, change);
-  lambda = factor + change;
-  VOILE_PETSC(VecCopy(tangent_solution, increment));
-  VOILE_PETSC(VecScale(increment, change));
-}
-
-// ---- the path ------------------------------------------------------------------------------------------------------
 
 void PathFollower::Impl::begin(const system::State& state) {
   VOILE_PETSC(VecCopy(state.u, accepted));

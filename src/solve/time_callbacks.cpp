@@ -4,7 +4,7 @@
 
 #include <utility>
 
-#include "contact_way.hpp"
+#include "step_bound.hpp"
 #include "time_integration_impl.hpp"
 #include "voile/base/interrupt.hpp"
 #include "voile/solve/alpha_ts.hpp"
@@ -90,9 +90,9 @@ PetscErrorCode TimeIntegration::Impl::accelerate(void* self, PetscReal t, Vec x,
   });
 }
 
-bool TimeIntegration::Impl::clear_way(double t0, Vec x0, double t1, Vec x1) {
+bool TimeIntegration::Impl::clear_predictor(double t0, Vec x0, double t1, Vec x1) {
   system::Contact& contact = *model.contact();
-  bool clear = contact.make_way(x0, t0, x1, t1);
+  bool clear = contact.clear_predictor(x0, t0, x1, t1);
   if (!clear) {  // a guess that flies on may be worse than none
     dynamics.set_time(t1);
     VOILE_PETSC(VecCopy(x0, x1));
@@ -100,7 +100,7 @@ bool TimeIntegration::Impl::clear_way(double t0, Vec x0, double t1, Vec x1) {
     // Only what is still blocked in small steps is pinched.
     const bool may_yield = t1 - t0 <= std::max(pinched_step * options.step, 2.0 * options.min_step);
     const long before = contact.yielding_count();
-    clear = contact.make_way(x0, t0, x1, t1, may_yield);
+    clear = contact.clear_predictor(x0, t0, x1, t1, may_yield);
     if (clear && contact.yielding_count() > before && before == 0 && remark)
       remark(fmt::format("t = {:.6g} s: an obstacle gives way to {} vertices; {} was pinched", t0,
                          contact.yielding_count(), contact.obstruction()));
@@ -113,7 +113,7 @@ bool TimeIntegration::Impl::clear_way(double t0, Vec x0, double t1, Vec x1) {
 PetscErrorCode TimeIntegration::Impl::clear(void* self, PetscReal t0, Vec x0, PetscReal t1, Vec x1,
                                             PetscBool* possible) {
   auto& n = *static_cast<Impl*>(self);
-  return petsc::guarded([&] { *possible = n.clear_way(t0, x0, t1, x1) ? PETSC_TRUE : PETSC_FALSE; });
+  return petsc::guarded([&] { *possible = n.clear_predictor(t0, x0, t1, x1) ? PETSC_TRUE : PETSC_FALSE; });
 }
 
 PetscErrorCode TimeIntegration::Impl::energy(void* self, Vec x1, PetscReal* value) {
@@ -136,7 +136,7 @@ void TimeIntegration::Impl::search(SNESLineSearch ls) {
   VOILE_PETSC(VecDot(f, y, &slope));
   VOILE_PETSC(VecNorm(f, NORM_2, &norm));
   work = slope;
-  length = longest_share(model, x, y, trial);
+  length = allowed_fraction(model, x, y, trial);
   cut = length < 1.0;
   cuts += cut ? 1 : 0;
   if (model.symmetric()) {

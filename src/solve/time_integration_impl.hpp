@@ -44,7 +44,7 @@ struct TimeIntegration::Impl {
   void create_snes();
   void set_explicit_step(Vec u);
   [[nodiscard]] double objective(Vec x);
-  [[nodiscard]] bool clear_way(double t0, Vec x0, double t1, Vec x1);
+  [[nodiscard]] bool clear_predictor(double t0, Vec x0, double t1, Vec x1);
   void search(SNESLineSearch line_search);
   /// Where the last solve left the largest residuals, in words. Collective.
   [[nodiscard]] std::string place_of_failure();

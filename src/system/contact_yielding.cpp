@@ -95,15 +95,15 @@ void Contact::let_out_yielding(Vec a, double time, const std::vector<double>& be
   memory_.start = time;
 }
 
-bool Contact::make_way(Vec from, double t0, Vec to, double t1, bool may_yield) {
-  if (!may_yield || !has_yielding_obstacles()) return find_way(from, t0, to, t1);
+bool Contact::clear_predictor(Vec from, double t0, Vec to, double t1, bool may_yield) {
+  if (!may_yield || !has_yielding_obstacles()) return try_clear(from, t0, to, t1);
   petsc::VecHandle guess;
   VOILE_PETSC(VecDuplicate(to, guess.out()));
   VOILE_PETSC(VecCopy(to, guess));
   std::string pinched;
   const std::vector<double> before = memory_.yielding;
   for (int attempt = 0; attempt < most_attempts; ++attempt) {
-    if (find_way(from, t0, to, t1)) {
+    if (try_clear(from, t0, to, t1)) {
       if (attempt > 0) let_out_yielding(from, t0, before);
       set_time(t1);
       obstruction_ = pinched;

@@ -121,7 +121,7 @@ void Model::assemble_tangent(Vec a, Vec previous, energy::Tangent tangent, doubl
 void Model::assemble_tangent(Vec a, const TangentRequest& request) {
   const petsc::EventScope scope(petsc::events().tangent);
   if (contact_)
-    if (BlockPattern pattern = bending_.pattern(); contact_->needs(a, tangent_, pattern))
+    if (BlockPattern pattern = bending_.pattern(); contact_->extend_pattern(a, tangent_, pattern))
       extend_tangent(std::move(pattern));
   energy::Configuration c = configuration(a);
   c.tangent = request.kind;

@@ -1,4 +1,4 @@
-// Pieces of the sheet that lie exactly in one another; private to src/contact.
+// Pieces of the sheet that lie exactly in one another; private to src/untangle.
 #pragma once
 
 #include "tangle.hpp"

@@ -1,4 +1,4 @@
-// Edges that pierce triangles, and the movements that undo it; private to src/contact.
+// Edges that pierce triangles, and the movements that undo it; private to src/untangle.
 //
 // Symbols   t           share of the edge at which it meets the triangle's plane
 //           b_k         weights of the triangle's corners there

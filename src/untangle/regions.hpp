@@ -1,4 +1,4 @@
-// Regions of a sheet and the side of a line of intersection on which they lie; private to src/contact.
+// Regions of a sheet and the side of a line of intersection on which they lie; private to src/untangle.
 //
 // A region is what hangs together across edges that are not cut; its lowest point stands for it. Where something
 // pierces a sheet, the pierced edges are cut and join regions on opposite sides: waves through a layer make many

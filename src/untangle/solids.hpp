@@ -1,8 +1,9 @@
-// Closed meshes among the obstacles, and how a sheet gets out of them; private to src/contact.
+// Closed meshes among the obstacles, and how a sheet gets out of them; private to src/untangle.
 //
-// A mesh is closed if every directed edge has its reverse exactly once: then inside has a meaning. What is inside,
-// where the mesh winds around a point, goes the shortest way out. A piece of the sheet with a point deeper than the
-// limit may belong there, in a container: it stays, and the sides of its line of intersection decide (regions.hpp).
+// A mesh is closed if every directed edge has its reverse exactly once. A point is inside where the winding number of
+// the mesh around it is not zero, and is then moved to the nearest point outside. A piece of the sheet with a point
+// deeper inside than the limit may belong there, as in a container: it is left, and the sides of its line of
+// intersection decide (regions.hpp).
 #pragma once
 
 #include <set>
@@ -20,7 +21,8 @@ struct Solid {
   std::vector<mesh::Triangle> triangles;
 };
 
-/// An edge of the sheet through a solid with both ends outside: its place at share t goes `way` to be out too.
+/// An edge of the sheet through a solid with both ends outside: its point at fraction t is moved by `way` to be outside
+/// too.
 struct Lift {
   Segment edge;
   double t;

@@ -1,4 +1,4 @@
-// What the parts of an untangling have in common: the points, and what belongs together; private to src/contact.
+// What the parts of an untangling have in common: the points, and what belongs together; private to src/untangle.
 //
 // Symbols   x_i, P_i, c_i, w, D   as in voile/untangle/untangle.hpp
 #pragma once

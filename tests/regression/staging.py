@@ -142,6 +142,7 @@ def stages_mistakes(report):
         "a slope is held from the first stage on": changed(lambda c: c["support"].append(
             {"type": "clamped", "group": "tip", "stages": ["swing"]})),
         "make it the first stage": changed(lambda c: c["stage"][1].update(analysis="linear")),
+        "give a later end": changed(lambda c: c["stage"].append(stage("again", "dynamic", time={"end": 0.1}))),
         "need the mass of every material": changed(lambda c: c["material"][0].pop("density")),
     }
     folder = OUT / "stages_mistakes"

@@ -107,7 +107,7 @@ class WriteArray {
 
 /// Events shown by -log_view under their names. Registered once per process.
 struct Events {
-  PetscLogEvent residual, tangent, bending_assemble, bending_copy, energy, output, contact_find, contact_way,
+  PetscLogEvent residual, tangent, bending_assemble, bending_copy, energy, output, contact_find, contact_clear,
       contact_term, factor_single, refine;
 };
 [[nodiscard]] const Events& events();

@@ -1,4 +1,4 @@
-// Lists in messages.
+// Lists and foreign words in messages.
 #pragma once
 
 #include <fmt/format.h>
@@ -17,6 +17,13 @@ template <class List>
     first = false;
     text += fmt::format("{}", item);
   }
+  return text;
+}
+
+/// What a terminal can show: other characters become question marks.
+[[nodiscard]] inline std::string printable(std::string text) {
+  for (char& c : text)
+    if (static_cast<unsigned char>(c) < 32 || static_cast<unsigned char>(c) > 126) c = '?';
   return text;
 }
 

@@ -21,7 +21,7 @@ enum class PairKind : unsigned char { point_triangle, edge_edge, point_edge };
 [[nodiscard]] double axis_distance(PairKind kind, const std::array<Vec3, 4>& x);
 
 /// Share of the step, at most `limit`, that the pair may take. 0 if it touches already.
-[[nodiscard]] double safe_share(PairKind kind, std::array<Vec3, 4> x, std::array<Vec3, 4> p, double xi,
-                                double limit = 1.0);
+[[nodiscard]] double step_fraction(PairKind kind, std::array<Vec3, 4> x, std::array<Vec3, 4> p, double xi,
+                                   double limit = 1.0);
 
 }  // namespace voile::contact

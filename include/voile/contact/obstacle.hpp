@@ -28,7 +28,7 @@ struct Obstacle {
   std::function<Vec3(const Vec3& rest, double time)> motion;
   /// Deforming mesh: positions of `points` at time t, instead of `motion`.
   std::function<std::vector<Vec3>(double time)> frames;
-  /// Gives way to cloth that it pinches: see system::Contact::make_way.
+  /// Gives way to cloth that it pinches: see system::Contact::clear_predictor.
   bool yields = false;
 };
 

@@ -68,13 +68,13 @@ class Contact {
   /// Takes normal forces and directions of friction from state a, slips still counted from the start of the step.
   /// Collective.
   void lag_friction(Vec a);
-  /// Begins a motion at state a and time t. What is nearer than the contact distance would be thrown away: pairs with a
-  /// point begin to act at the point's smallest gap, so that nothing does at first, and from there at a distance that
-  /// grows to the whole one within options.settle_time. `residual`: static residual at a (model.hpp) [N]; where it
-  /// leaves less than half of the contact force, the point rests on its contact and keeps it. Collective.
+  /// Begins a motion at state a and time t. Pairs nearer than the contact distance would be thrown apart. So the barrier
+  /// of a point begins at its smallest gap, where it exerts no force, and grows to the contact distance within
+  /// options.settle_time. A point whose contact force is balanced by other forces keeps its full barrier: where
+  /// `residual`, the static residual at a (model.hpp) [N], is less than half of the contact force. Collective.
   void begin_settling(Vec a, Vec residual, double time);
   [[nodiscard]] const ContactMemory& memory() const { return memory_; }
-  /// Takes over where another contact of the same mesh, or a checkpoint, was. Not collective.
+  /// Goes on from what another contact of the same mesh, or a checkpoint, remembered. Not collective.
   void restore(ContactMemory memory);
   [[nodiscard]] bool has_friction() const { return set_->has_friction(); }
 
@@ -84,25 +84,25 @@ class Contact {
   void add_gradient(Vec a, Vec f, contact::ContactSet::Part part = contact::ContactSet::both);
   /// Columns that contacts within a few contact distances of state a need, added to a pattern of this rank's rows; true
   /// if a pair that acts now lacks one on some rank. Collective.
-  [[nodiscard]] bool needs(Vec a, const BlockMatrix& matrix, BlockPattern& pattern);
-  /// Adds the second derivative at the state of the last call of needs(). `positive`: pairs without their negative
+  [[nodiscard]] bool extend_pattern(Vec a, const BlockMatrix& matrix, BlockPattern& pattern);
+  /// Adds the second derivative at the state of the last call of extend_pattern(). `positive`: pairs without their negative
   /// part.
   void add_blocks(const BlockMatrix& matrix, const BlockMatrix::Values& values, bool positive);
 
-  /// Share of the increment da that state a may take with the obstacles where they are. Collective.
-  [[nodiscard]] double safe_share(Vec a, Vec da);
-  /// Changes the free components of `to` until the way is free: whoever would be hit is carried along by what hits it.
-  /// `to` then is a safe place to go to from `from` while the obstacles go from time t0 to t1; false if none is found.
-  /// Sets the time to t1. If `may_yield` and obstacles that yield are in the way, vertices that cannot evade them do
-  /// not see them from now on, until their triangles are free of the obstacle again by the contact distance at the
-  /// start of a step. Collective.
-  [[nodiscard]] bool make_way(Vec from, double t0, Vec to, double t1, bool may_yield = false);
+  /// Largest fraction of the increment da that state a can take without touching, obstacles at rest. Collective.
+  [[nodiscard]] double step_fraction(Vec a, Vec da);
+  /// Changes the free components of the predictor `to` until nothing collides on straight paths from `from`, while the
+  /// obstacles move from time t0 to t1: points that would be hit move along with what hits them. False if no such
+  /// predictor is found. Sets the time to t1. With `may_yield`, obstacles that yield are ignored by the vertices that
+  /// cannot evade them, until the triangles of these are the contact distance away from the obstacle at the start of
+  /// a step. Collective.
+  [[nodiscard]] bool clear_predictor(Vec from, double t0, Vec to, double t1, bool may_yield = false);
   [[nodiscard]] bool has_yielding_obstacles() const;
   /// How many vertices some obstacle gives way to.
   [[nodiscard]] long yielding_count() const;
   /// Whether an obstacle gives way to a vertex of this triangle of the sheet.
   [[nodiscard]] bool gives_way(const std::array<Index, 3>& triangle, int body) const;
-  /// The pair that stood in the way last, in words. Collective result.
+  /// The pair that collided in the last predictor that could not be cleared, in words; the same on every rank.
   [[nodiscard]] const std::string& obstruction() const { return obstruction_; }
 
   [[nodiscard]] ContactReport report(Vec a);
@@ -125,8 +125,8 @@ class Contact {
   [[nodiscard]] std::vector<Vec3> obstacle_points(std::size_t k) const;
 
  private:
-  /// What the points of a pair that would collide shall move together: an obstacle or a support takes the others along,
-  /// of free parts none has the say. [m]
+  /// The motion that the points of a colliding pair are given in common: that of the obstacle or support in it, or the
+  /// mean of two free parts. [m]
   [[nodiscard]] Vec3 common_motion(const contact::Pair& pair, const std::vector<Vec3>& start,
                                    const std::vector<Vec3>& end, const std::vector<contact::Plane>& planes,
                                    const std::vector<contact::Plane>& planes_end) const;
@@ -135,12 +135,12 @@ class Contact {
   /// Sets `balanced`, per vertex and alike on all ranks, to 0 where the other forces (minus `others`) do not balance the
   /// normal contact force; true if that is new for some vertex. Collective.
   [[nodiscard]] bool note_unbalanced(Vec a, Vec others, std::vector<double>& balanced);
-  /// Puts the reach of barriers where it is at the time in force.
+  /// Sets the distances at which barriers begin at the time in force.
   void settle();
-  /// One attempt of make_way.
-  [[nodiscard]] bool find_way(Vec from, double t0, Vec to, double t1);
+  /// One attempt of clear_predictor.
+  [[nodiscard]] bool try_clear(Vec from, double t0, Vec to, double t1);
   void note_blocked(const contact::Pair& pair);
-  /// Lets obstacles give way to what find_way found blocked; false if none of them does. Collective.
+  /// Lets obstacles give way to what try_clear found blocked; false if none of them does. Collective.
   bool yield_to_blocked();
   /// Begins to let out, from state a, what obstacles have come to give way to since `before`. Collective.
   void let_out_yielding(Vec a, double time, const std::vector<double>& before);

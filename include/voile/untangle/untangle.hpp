@@ -4,16 +4,17 @@
 //           c_i       signed weights of the two places of a pair: w = sum_i c_i x_i joins them                    [m]
 // A correction that shall change w by D along n = D/|D| moves point i by c_i P_i n |D| / sum_j c_j^2 n.P_j n.
 // Rounds, each begun with a list of intersecting triangles from outside, alternate
-//   solids     what is in a closed mesh goes the shortest way out; balls, capsules and half-spaces push by distance
-//   regions    edges that pierce another piece of the sheet, or an obstacle, cut theirs into regions on two sides; the
-//              side of less area is the wrong one, and its end of such an edge goes back through the triangle
-//   contours   other piercing edges move so that the line of intersection becomes shorter: with the unit vectors
-//              E of the edge, N of the triangle, R_k of the line into each face of the edge, relative to the triangle
-//              along  G = sum_k R_k - (E.R_k)/(E.N) N
-//   gaps       once nothing intersects, pairs that are too near are pushed apart
-//   coincident pieces of the sheet that lie exactly in one another have no sides: the later one in the mesh goes half
-//   the
-//              distance along the normal of the earlier one, which goes half the other way
+//   solids      points of the sheet inside a closed mesh are moved to its nearest surface; balls, capsules and
+//               half-spaces push by distance
+//   regions     edges that pierce another piece of the sheet, or an obstacle, cut their own piece into regions on two
+//               sides; the side of less area is the wrong one, and the edge's end there is moved back through the
+//               triangle
+//   contours    other piercing edges are moved so that the line of intersection becomes shorter: with the unit vectors
+//               E of the edge, N of the triangle, R_k of the line into each face of the edge, relative to the triangle
+//               along  G = sum_k R_k - (E.R_k)/(E.N) N
+//   coincident  pieces of the sheet that lie exactly in one another have no sides: the later one in the mesh is moved
+//               by half the distance along the normal of the earlier one, which is moved by half the other way
+//   gaps        once nothing intersects, pairs that are too near are pushed apart
 // Sources: Baraff, Witkin, Kass, Untangling Cloth, ACM TOG 22 (2003); Volino, Magnenat-Thalmann, Resolving surface
 // collisions through intersection contour minimization, ACM TOG 25 (2006).
 #pragma once

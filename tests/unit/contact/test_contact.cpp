@@ -364,7 +364,7 @@ TEST_CASE("continuous collision detection is never later than the contact") {
     const double gap = closest(kind, x).distance;
     const double xi = k % 3 == 0 ? 0.5 * gap : 0.0;
     if (!(gap > xi + 1e-12)) continue;  // they touch already, but for round-off
-    const double share = safe_share(kind, x, p, xi);
+    const double share = step_fraction(kind, x, p, xi);
     stopped += share < 1.0;
     // All the way to the share there is a gap left; the sheet has not passed through in between.
     for (int s = 1; s <= samples; ++s) {
@@ -399,7 +399,7 @@ TEST_CASE("continuous collision detection stops before the contact and only wher
     if (first == 1.0) continue;
     double low = first - 1e-3, high = first;
     for (int s = 0; s < 50; ++s) (gap(0.5 * (low + high)) < 0.0 ? high : low) = 0.5 * (low + high);
-    const double share = safe_share(PairKind::point_triangle, x, p, 0.05);
+    const double share = step_fraction(PairKind::point_triangle, x, p, 0.05);
     ++hits;
     CHECK(share <= high);
     CHECK(gap(share) > 0.0);

@@ -385,8 +385,10 @@ TEST_CASE("a flat sheet stores the energy of the cylinder that it starts as, ope
       free_sheet(0.3));
   CHECK(std::abs(flat.bending) < 1e-20);
   CHECK(std::abs(flat.membrane) < 1e-24);
-  for (const auto& [closed, bent] : {std::pair{false, 1.25}, {false, 0.7}, {true, 0.5}})
+  for (const auto& shape : {std::pair{false, 1.25}, {false, 0.7}, {true, 0.5}})
     for (const double jitter : {0.0, 0.2}) {
+      const bool closed = shape.first;
+      const double bent = shape.second;
       CAPTURE(closed);
       CAPTURE(bent);
       CAPTURE(jitter);

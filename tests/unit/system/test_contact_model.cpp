@@ -267,7 +267,7 @@ TEST_CASE("a way through something that is held is no way") {
     if (held) in.supports = {support("sheet0", SupportKind::hinged)};
     Problem p(sheets(1, 4, 0.0), in);
     petsc::VecHandle to = p.model.dofs().create_vector();
-    CHECK(p.model.contact()->make_way(p.u, 0.0, to, 0.06) == !held);
+    CHECK(p.model.contact()->clear_predictor(p.u, 0.0, to, 0.06) == !held);
     CHECK((norm(to) > 0.0) == !held);
     CAPTURE(p.model.contact()->obstruction());
     CHECK((p.model.contact()->obstruction().find("floor") != std::string::npos) == held);

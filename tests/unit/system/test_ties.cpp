@@ -1,6 +1,8 @@
 // Springs between two vertices: a term of the potential like any other, on any number of ranks.
 #include <doctest/doctest.h>
 
+#include <Eigen/Eigenvalues>
+
 #include <cmath>
 
 #include "test_model_kit.hpp"

@@ -13,7 +13,7 @@ namespace voile::solve {
 inline constexpr double trusted_cells = 4.0;
 
 /// Share of the increment -y that contact lets state x take; 1 without contact. `scratch` is overwritten. Collective.
-inline double longest_share(system::Model& model, Vec x, Vec y, Vec scratch) {
+inline double allowed_fraction(system::Model& model, Vec x, Vec y, Vec scratch) {
   if (!model.contact()) return 1.0;
   const double cell = std::sqrt(model.total_area() / model.mesh().triangle_count());
   double largest = 0.0;
@@ -21,7 +21,7 @@ inline double longest_share(system::Model& model, Vec x, Vec y, Vec scratch) {
   const double trusted = std::min(1.0, trusted_cells * cell / std::max(largest, 1e-300));
   VOILE_PETSC(VecCopy(y, scratch));
   VOILE_PETSC(VecScale(scratch, -trusted));
-  return trusted * model.contact()->safe_share(x, scratch);
+  return trusted * model.contact()->step_fraction(x, scratch);
 }
 
 }  // namespace voile::solve

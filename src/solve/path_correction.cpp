@@ -1,0 +1,110 @@
+// Path following: tangent, predictor and Newton's method on the residual and the constraint.
+#include "path_following_impl.hpp"
+#include "voile/base/error.hpp"
+#include "voile/base/interrupt.hpp"
+
+namespace voile::solve {
+
+namespace {
+
+constexpr int inverse_iterations = 3;  ///< per step; the mode of the step before is a good start
+
+}  // namespace
+
+PathFollower::Impl::Tangent PathFollower::Impl::tangent_at(Vec a) {
+  Tangent t;
+  model.assemble_tangent(a, nullptr, energy::Tangent::exact, 0.0);
+  linear.tangent_changed();
+  model.load_direction(a, load);
+  t.good = linear.solve(load, load_solution);
+  if (!t.good) return t;
+  t.speed = std::sqrt(dot(load_solution, load_solution));
+  t.good = std::isfinite(t.speed) && t.speed > 0.0;
+  t.negative_pivots = linear.negative_pivots();
+  if (t.good) t.eigenvalue = inverse_iteration(model, linear, mode, inverse_iterations);
+  return t;
+}
+
+double PathFollower::Impl::load_correction(const Constraint& constraint) const {
+  switch (constraint.kind) {
+    case Control::load:
+      return 0.0;
+    case Control::displacement:
+      return (constraint.value - probed(accepted) - probed(increment) + probed(residual_solution)) /
+             probed(load_solution);
+    case Control::arc_length:
+      break;
+  }
+  return (0.5 * (constraint.value * constraint.value - dot(increment, increment)) + dot(increment, residual_solution)) /
+         dot(increment, load_solution);
+}
+
+/// Newton's method on (r, constraint), from accepted + increment at `lambda`.
+NewtonResult PathFollower::Impl::correct(Vec a, double& lambda, const Constraint& constraint) {
+  NewtonResult n;
+  const int before = linear.factorisations();
+  Progress p;
+  const ConvergenceTest& test = newton.convergence();
+  for (n.iterations = 0;; ++n.iterations) {
+    stop_if_asked(model.comm());
+    VOILE_PETSC(VecWAXPY(a, 1.0, increment, accepted));
+    model.set_load_factor(lambda);
+    model.residual(a, residual);
+    p.residual_before = p.residual;
+    VOILE_PETSC(VecNorm(residual, NORM_2, &p.residual));
+    VOILE_PETSC(SNESMonitor(newton.snes(), n.iterations, p.residual));
+    p.force = std::max(force, model.force_scale());
+    n.residual = p.force > 0.0 ? p.residual / p.force : p.residual;
+    n.factorisations = linear.factorisations() - before;
+    if (!std::isfinite(p.residual) || test.is_wild(p.increment)) {
+      n.reason = "the iteration ran away";
+      return n;
+    }
+    if (n.iterations > 0) {
+      const SNESConvergedReason reason = test.judge(p);
+      n.converged = reason > 0;
+      n.reason = SNESConvergedReasons[reason];
+      if (n.converged) return n;
+    }
+    if (n.iterations >= test.max_iterations()) {
+      n.reason = "too many iterations";
+      return n;
+    }
+    model.assemble_tangent(a, nullptr, energy::Tangent::exact, 0.0);
+    linear.tangent_changed();
+    model.load_direction(a, load);
+    if (!linear.solve(residual, residual_solution) || !linear.solve(load, load_solution)) {
+      n.reason = "the linear solver failed: " + linear.take_failure();
+      return n;
+    }
+    const double change = load_correction(constraint);
+    if (!std::isfinite(change)) {
+      n.reason = "the constraint became singular";
+      return n;
+    }
+    VOILE_PETSC(VecAXPBY(residual_solution, change, -1.0, load_solution));  // da
+    VOILE_PETSC(VecAXPY(increment, 1.0, residual_solution));
+    lambda += change;
+    VOILE_PETSC(VecNorm(residual_solution, NORM_2, &p.increment));
+    VOILE_PETSC(VecNorm(increment, NORM_2, &p.step));
+    VOILE_PETSC(VecDot(residual, residual_solution, &p.work));
+  }
+}
+
+/// Sets the increment, lambda and the rate from the tangent at the accepted state.
+void PathFollower::Impl::predict(const Constraint& constraint, double& lambda) {
+  double change = lambda - factor;
+  if (constraint.kind == Control::displacement)
+    change = (constraint.value - probed(accepted)) / probed(tangent_solution);
+  if (constraint.kind == Control::arc_length) {
+    double sign = dot(previous, tangent_solution);
+    if (sign == 0.0) sign = direction() * (options.final_displacement != 0.0 ? probed(tangent_solution) : 1.0);
+    change = std::copysign(constraint.value / tangent.speed, sign);
+  }
+  rate = std::copysign(1.0 / tangent.speed, change);
+  lambda = factor + change;
+  VOILE_PETSC(VecCopy(tangent_solution, increment));
+  VOILE_PETSC(VecScale(increment, change));
+}
+
+}  // namespace voile::solve

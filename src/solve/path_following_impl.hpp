@@ -1,0 +1,108 @@
+// The inner parts of PathFollower; private to src/solve.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "voile/solve/inverse_iteration.hpp"
+#include "voile/solve/path_following.hpp"
+
+namespace voile::solve {
+
+using Control = StaticOptions::Control;
+using AtCriticalPoint = StaticOptions::AtCriticalPoint;
+
+struct PathFollower::Impl {
+  system::Model& model;
+  const StaticOptions options;
+  const Remark& remark;
+  Newton newton;
+  LinearSolver& linear;
+  petsc::VecHandle probe;                          ///< c
+  petsc::VecHandle accepted, increment, previous;  ///< accepted state, Da, the increment that led to the accepted state
+  petsc::VecHandle tangent_solution;               ///< x_f of the accepted state
+  petsc::VecHandle load_solution, residual_solution, residual, load, scratch, trial;
+  petsc::VecHandle mode;          ///< eigenvector nearest to singularity, <mode, mode> = 1
+  double factor = 0.0;            ///< load factor of the accepted state
+  double rate = 0.0;              ///< dlambda/ds in the accepted state along the path
+  double force = 0.0;             ///< largest scale of forces accepted: at load factor 0 the present one may vanish
+  int steps = 0, first_step = 0;  ///< accepted, those before this path included; those before
+  int iterations = 0;             ///< of Newton's method so far
+  // How the next step is tried.
+  double unit = 0.0;    ///< length of the step whose size is 1
+  double length = 0.0;  ///< of the next step
+  bool branching = false, may_branch = false, stopped = false;
+
+  /// What the tangent at an equilibrium tells.
+  struct Tangent {
+    bool good = false;
+    long negative_pivots = -1;
+    double eigenvalue = 0.0;  ///< of K in W, nearest to zero
+    double speed = 0.0;       ///< |x_f|
+  } tangent;                  ///< at the accepted state
+
+  /// The scalar equation that goes with r = 0.
+  struct Constraint {
+    Control kind;
+    double value;  ///< load: ignored; displacement: q; arc length: L
+  };
+
+  Impl(system::Model& m, StaticOptions o, const Remark& r, Vec c)
+      : model(m), options(std::move(o)), remark(r), newton(m), linear(newton.linear_solver()) {
+    for (petsc::VecHandle* v : {&accepted, &increment, &previous, &tangent_solution, &load_solution, &residual_solution,
+                                &residual, &load, &scratch, &trial})
+      *v = m.dofs().create_vector();
+    if (c) {
+      probe = m.dofs().create_vector();
+      VOILE_PETSC(VecCopy(c, probe));
+    }
+    mode = start_mode(m);
+  }
+
+  [[nodiscard]] double dot(Vec x, Vec y) const {
+    double value = 0.0;
+    VOILE_PETSC(VecPointwiseMult(scratch, model.mass(), x));
+    VOILE_PETSC(VecDot(scratch, y, &value));
+    return value;
+  }
+  [[nodiscard]] double probed(Vec x) const {
+    double value = 0.0;
+    if (probe) VOILE_PETSC(VecDot(probe, x, &value));
+    return value;
+  }
+  [[nodiscard]] double direction() const {  ///< of the load or the controlled displacement
+    const double end = options.final_displacement != 0.0 ? options.final_displacement : options.final_load_factor;
+    return end >= 0.0 ? 1.0 : -1.0;
+  }
+
+  [[nodiscard]] Tangent tangent_at(Vec a);
+  [[nodiscard]] NewtonResult correct(Vec a, double& lambda, const Constraint& constraint);
+  [[nodiscard]] double load_correction(const Constraint& constraint) const;
+  void predict(const Constraint& constraint, double& lambda);
+  void begin(const system::State& state);
+  [[nodiscard]] Constraint next_constraint(double length) const;
+  [[nodiscard]] Constraint share(const Constraint& whole, double part) const;
+  [[nodiscard]] bool passes_end(Vec a, double lambda) const;
+  [[nodiscard]] bool at_end() const;
+  [[nodiscard]] NewtonResult land(Vec a, double& lambda);
+  [[nodiscard]] NewtonResult attempt(Vec a, double& lambda, const Constraint& constraint);
+  [[nodiscard]] std::optional<CriticalPoint> passed(const Tangent& after, double lambda) const;
+  [[nodiscard]] NewtonResult locate(Vec a, double& lambda, const Constraint& constraint, Tangent& after);
+  [[nodiscard]] NewtonResult branch(Vec a, double& lambda, double length);
+  void accept(Vec a, double lambda, const Tangent& after);
+  struct Attempt {
+    NewtonResult newton;
+    Tangent after;
+    std::optional<CriticalPoint> critical;
+    bool found = false;  ///< it ends at the critical point
+  };
+  [[nodiscard]] Attempt try_step(Vec a, double& lambda);
+  [[nodiscard]] StepResult advance(system::State& state);
+  void halve(system::State& state, StepResult& r);
+  [[nodiscard]] double rate_of(const Tangent& t) const {
+    return std::copysign(1.0 / t.speed, dot(increment, load_solution));
+  }
+};
+
+}  // namespace voile::solve
