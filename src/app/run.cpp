@@ -55,11 +55,7 @@ void advance(Epoch& epoch, Origin origin, Recorder& recorder, Checkpoints& check
     }
     all.completed = finished;
     if (finished || r.outcome == Outcome::failed) return;
-    if (accepted && SignalScope::stop_asked(dofs.comm())) {
-      all.interrupted = true;
-      all.reason = Interrupted().what();
-      return;
-    }
+    if (accepted) stop_if_asked(dofs.comm());
   }
 }
 
@@ -89,13 +85,19 @@ Summary run_stage(const Stage& stage, std::unique_ptr<Epoch> epoch, io::Checkpoi
   Recorder recorder(c, stage.options, epoch->model());
   Checkpoints checkpoints(c, stage.options.output);
   solve::Followed all;
-  for (;; origin = Origin::epoch) {
-    advance(*epoch, origin, recorder, checkpoints, all);
-    if (!all.completed || !epoch->ends_at(epoch->state().time)) break;
-    state = gather(epoch->state(), epoch->model().dofs());
-    recorder.write_pending();
-    epoch = std::make_unique<Epoch>(c, epoch->model().mesh(), stage.input, stage.frozen, state);
-    recorder.remark(fmt::format("t = {:.6g} s: {} support(s) hold", state.time, epoch->support_count()));
+  try {
+    for (;; origin = Origin::epoch) {
+      advance(*epoch, origin, recorder, checkpoints, all);
+      if (!all.completed || !epoch->ends_at(epoch->state().time)) break;
+      state = gather(epoch->state(), epoch->model().dofs());
+      recorder.write_pending();
+      epoch = std::make_unique<Epoch>(c, epoch->model().mesh(), stage.input, stage.frozen, state);
+      recorder.remark(fmt::format("t = {:.6g} s: {} support(s) hold", state.time, epoch->support_count()));
+    }
+  } catch (const Interrupted& e) {  // between two steps, or in the search for a start
+    all.completed = false;
+    all.interrupted = true;
+    all.reason = e.what();
   }
   checkpoints.write(epoch->state(), epoch->model().dofs());
   Summary summary = summary_of(all, epoch->state(), c, epoch->model());

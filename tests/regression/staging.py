@@ -117,6 +117,25 @@ def stages_interrupted(report):
 
 
 @test
+def stages_stopped_search(report):
+    """A signal in the search that a stage begins with ends the run with code 3."""
+    case = staged([stage("swing", "dynamic", time={"end": 0.01, "step": 0.01}), stage("still", "static")], nx=300, ny=30)
+    case["load"] = [{"type": "gravity", "vector": [0, 0, -0.5]}]
+    folder = fresh("stages_search")
+    process = started(write_case(case, OUT / "stages_search.toml"), folder, ["-snes_monitor"])
+    later = 0
+    for line in process.stdout:
+        later += "stage 'still'" in line or (later > 0 and "SNES Function norm" in line)
+        if later > 3:
+            break
+    process.send_signal(signal.SIGTERM)
+    text = process.communicate(timeout=120)[0]
+    report.check(later > 3 and process.returncode == 3 and "stage 'still': not converged: stopped by a signal" in text,
+                 f"code {process.returncode}: {text.splitlines()[-1][:120] if text else ''}")
+    report.check((folder / "still" / "checkpoint.h5").is_file(), "what it had reached is there")
+
+
+@test
 def stages_mistakes(report):
     """Stages that make no sense end with code 2 and a remedy, before anything is solved or overwritten."""
     good = staged([BEND, SWING])
