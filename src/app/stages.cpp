@@ -2,11 +2,15 @@
 
 #include <fmt/format.h>
 
+#include <nlohmann/json.hpp>
+
 #include <algorithm>
+#include <fstream>
 
 #include "free_motions.hpp"
 #include "model_input.hpp"
 #include "voile/base/error.hpp"
+#include "voile/base/mpi.hpp"
 #include "voile/base/text.hpp"
 #include "voile/input/case_keys.hpp"
 #include "voile/solve/load_path.hpp"
@@ -90,6 +94,19 @@ void hold_over_loads(const Stage& before, Stage& now) {
       now.c.loads[i].constant = true;
 }
 
+/// Throws unless a stage in a folder of results has come to its end. Collective.
+void require_end_of(const std::string& stage, const std::filesystem::path& folder, const std::string& from) {
+  mpi::on_root(PETSC_COMM_WORLD, [&] {
+    std::ifstream in(folder / stage / "summary.json");
+    const nlohmann::json summary = nlohmann::json::parse(in, nullptr, false);
+    if (summary.is_object() && summary.value("converged", false)) return;
+    throw UserError(
+        fmt::format("--from {}: stage '{}' before it has not come to its end in {}; begin with that one, or "
+                    "name a state to begin from with --restart",
+                    from, stage, folder.string()));
+  });
+}
+
 }  // namespace
 
 std::vector<Stage> stages_of(const input::Case& c, const RunOptions& options) {
@@ -127,7 +144,10 @@ Origin begin_from(const input::Case& c, RunOptions& options, std::vector<Stage>&
   if (at == names.end())
     throw UserError(
         fmt::format("--from: there is no stage '{}':{}", options.from, input::suggestion(options.from, names)));
-  if (!restarts && at != names.begin()) options.restart = options.output / *(at - 1) / "checkpoint.h5";
+  if (!restarts && at != names.begin()) {
+    require_end_of(*(at - 1), options.output, options.from);
+    options.restart = options.output / *(at - 1) / "checkpoint.h5";
+  }
   stages.erase(stages.begin(), stages.begin() + (at - names.begin()));
   if (restarts) return Origin::restart;
   return at == names.begin() ? Origin::nothing : Origin::stage;

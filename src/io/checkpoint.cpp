@@ -1,6 +1,7 @@
 #include "voile/io/checkpoint.hpp"
 
 #include <array>
+#include <cmath>
 #include <utility>
 
 #include "hdf5_file.hpp"
@@ -18,6 +19,27 @@ auto vectors_of(C& c) {
                     std::pair{"acceleration", &c.acceleration}, std::pair{"previous", &c.previous}};
 }
 
+/// Rest corners, empty where the positions are the rest shape.
+std::vector<double> rest_of(const mesh::SurfaceMesh& mesh) {
+  std::vector<double> rest;
+  for (const auto& corners : mesh.data().rest)
+    for (const Vec3& x : corners) rest.insert(rest.end(), x.begin(), x.end());
+  return rest;
+}
+
+void check_rest(hid_t file, const mesh::SurfaceMesh& mesh, const std::filesystem::path& path) {
+  const std::vector<double> own = rest_of(mesh);
+  const bool has = H5Lexists(file, "mesh/rest", H5P_DEFAULT) > 0;
+  bool same = has == !own.empty();
+  if (same && has) {
+    const std::vector<double> stored = read_values(file, "mesh/rest", own.size(), path);
+    for (std::size_t i = 0; i < own.size(); ++i) same = same && std::abs(own[i] - stored[i]) <= 1e-9 * mesh.extent();
+  }
+  if (!same)
+    fail_restart(path,
+                 "its rest shape is another than that of this case; give the same mesh.rest and mesh.texture_unit");
+}
+
 }  // namespace
 
 void write_checkpoint(const std::filesystem::path& path, const Checkpoint& c, const mesh::SurfaceMesh& mesh) {
@@ -27,6 +49,8 @@ void write_checkpoint(const std::filesystem::path& path, const Checkpoint& c, co
   std::vector<double> positions;
   for (const Vec3& x : mesh.positions()) positions.insert(positions.end(), {x[0], x[1], x[2]});
   file.dataset("mesh/positions", H5T_NATIVE_DOUBLE, vertices, 3, positions.data());
+  const std::vector<double> rest = rest_of(mesh);
+  if (!rest.empty()) file.dataset("mesh/rest", H5T_NATIVE_DOUBLE, rest.size() / 9, 9, rest.data());
   file.number("/", "step", c.step);
   file.number("/", "time", c.time);
   file.number("/", "next_step", c.next_step);
@@ -49,6 +73,7 @@ Checkpoint read_unguarded(const std::filesystem::path& path, const mesh::Surface
   const Hdf5Handle file(H5Fopen(path.string().c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
   if (!file.valid()) fail_restart(path, "this is not a checkpoint that can be read");
   check_mesh(file, "mesh/positions", mesh, path);
+  check_rest(file, mesh, path);
   if (H5Aexists(file, "in_equilibrium") <= 0)
     fail_restart(path,
                  "it is not a checkpoint; a run goes on from checkpoint.h5 of an earlier one, written every [time] "

@@ -3,7 +3,7 @@
 import numpy as np
 from harness import OUT, solve, test
 from results import Results
-from solver import invoke, write_case
+from solver import invoke, run, write_case
 
 RADIUS, HEIGHT = 0.2, 0.3
 
@@ -94,6 +94,9 @@ def sewn_motion(report):
     half = solve("sewn_motion_half", case | {"time": case["time"] | {"end": 0.02}}, 1)
     rest = solve("sewn_motion_rest", case, 3, ["--restart", str(half.folder / "checkpoint.h5")])
     report.below(np.abs(rest.displacement() - whole.displacement()).max(), 1e-9, "after a restart: difference [m]")
+    for what, mesh in (("texture_unit", case["mesh"] | {"texture_unit": 0.011}), ("rest", {"file": file})):
+        other = run(write_case(case | {"mesh": mesh}, OUT / "sewn_other.toml"), OUT / "sewn_other", 1, ["--restart", str(half.folder / "checkpoint.h5")])
+        report.check(other.code == 2 and "its rest shape is another" in other.text, f"another {what}: code {other.code}")
 
 
 @test

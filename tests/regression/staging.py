@@ -111,6 +111,9 @@ def stages_interrupted(report):
     process.send_signal(signal.SIGTERM)
     text = process.communicate(timeout=60)[0]
     report.check(running and process.returncode == 3 and "stage 'swing': not converged: stopped by a signal" in text, "stopped with code 3")
+    early = staged([*case["stage"], stage("modes_of_it", "modal")], nx=80, ny=8)
+    result = run(write_case(early, OUT / "stages_early.toml"), folder, 1, ["--from", "modes_of_it"])
+    report.check(result.code == 2 and "stage 'swing' before it has not come to its end" in result.text, "what comes after cannot begin yet")
     rest = run(file, fresh("stages_rest"), 2, ["--from", "swing", "--restart", folder / "swing" / "checkpoint.h5"])
     report.check(rest.code == 0, "it goes on on 2 ranks")
     report.below(largest(end_of(rest, "swing").displacement(), end_of(whole, "swing").displacement()), 1e-8, "to the same end")
