@@ -18,6 +18,8 @@ namespace {
 
 /// Relative residual below which continuation uses the exact tangent, and below which it hands over to Newton.
 constexpr double exact_tangent_below = 1e-2, handover_below = 1e-4;
+/// Forces below this share of the largest of a search vanish: a sheet that no load holds comes to rest without any.
+constexpr double vanishing_force = 1e-3;
 /// Slip below which friction is smoothed in a load step.
 constexpr double slip_in_cells = 1e-3;
 /// Rounds in which friction follows the normal forces, and the residual (of the forces) at which it does.
@@ -37,6 +39,7 @@ struct Newton::Impl {
   bool has_previous = false;
   double allowed = 1.0;  ///< share of the last increment that contact let pass
   double step_norm = 0.0, last_work = 0.0, last_residual = 0.0;
+  double largest_force = 0.0;  ///< largest scale of forces in this search [N]
   std::function<void(int, double)> progress;
 
   explicit Impl(system::Model& m) : model(m), linear(m), test(m) {
@@ -45,6 +48,12 @@ struct Newton::Impl {
 
   void create();
   [[nodiscard]] NewtonResult solve_once(Vec a);
+  /// |r|/f in a search, with f no less than what counts as vanishing.
+  [[nodiscard]] double relative(double norm) {
+    largest_force = std::max(largest_force, model.force_scale());
+    const double force = std::max(model.force_scale(), vanishing_force * largest_force);
+    return force > 0.0 ? norm / force : norm;
+  }
   /// Shift at which the residual moves the fastest vertex by about one cell.
   [[nodiscard]] double first_shift();
   /// Tangent with inertia-like shift: the exact one, or with membrane and contact made positive.
@@ -251,6 +260,7 @@ NewtonResult Newton::continuation(Vec a, int max_iterations) {
   const bool potential = model.symmetric();
   double shift = -1.0, energy = 0.0, handover = handover_below;
   int linear_failures = 0;
+  n.largest_force = 0.0;
   for (result.iterations = 0; result.iterations < max_iterations; ++result.iterations) {
     stop_if_asked(model.comm());
     double norm = 0.0;
@@ -258,7 +268,7 @@ NewtonResult Newton::continuation(Vec a, int max_iterations) {
     VOILE_PETSC(VecNorm(n.residual, NORM_2, &norm));
     VOILE_PETSC(SNESMonitor(n.snes, result.iterations, norm));
     if (!std::isfinite(norm)) break;
-    result.residual = model.force_scale() > 0.0 ? norm / model.force_scale() : norm;
+    result.residual = n.relative(norm);
     if (n.progress && result.iterations > 0 && result.iterations % progress_every == 0)
       n.progress(result.iterations, result.residual);
     if (shift < 0.0) {

@@ -78,7 +78,7 @@ def stages_hold(report):
     report.near(lifted["tip_z"][-1] - bend["tip_z"][-1], 0.25, 1e-9, "the tip is lifted by the value")
     report.near(lifted["tip_z"][0] - bend["tip_z"][-1], 0.0, 1e-6, "from where the first stage left it")
     report.check(abs(lifted["tip_y"][-1]) > 1e-3 > abs(lifted["tip_y"][0]), "a load of this stage grows with the load factor")
-    report.near(float(np.ptp(swing["tip_z"])), 0.0, 1e-9, "the next stage holds the tip there")
+    report.near(float(np.abs(swing["tip_z"] - lifted["tip_z"][-1]).max()), 0.0, 1e-9, "the next stage holds the tip there")
     report.near(swing["tip_y"][-1] - swing["tip_y"][0], 0.05, 1e-9, "and a support that moves begins there")
     same = solve("stages_same", staged([BEND, stage("still", "static")]), 1)
     still, first = end_of(same, "still"), end_of(same, "bend")
@@ -96,6 +96,11 @@ def stages_modal(report):
     report.check(len(found) == 3, "three modes")
     for a, b in zip(found, wanted):
         report.percent(a / b, 1e-5, "frequency")
+    case["load"][0]["stages"] = ["bend"]  # what bends it is gone: the strip is flat again before its modes are found
+    flat = solve("stages_modal_flat", case, 1).summary["stages"][1]["eigenvalues"]
+    unloaded = solve("stages_modal_unloaded", strip("modal", time=None, eigen=eigen), 1).summary["eigenvalues"]
+    for a, b in zip(flat, unloaded):
+        report.percent(a / b, 1e-5, "frequency without the load")
 
 
 @test

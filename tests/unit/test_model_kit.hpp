@@ -83,15 +83,15 @@ inline double dot(Vec a, Vec b) {
   return d;
 }
 
-/// Solves K x = f with MUMPS for the model's current tangent.
-inline void solve_linear(const system::Model& model, Vec f, Vec x) {
+/// Solves K x = f with MUMPS for the model's current tangent; PCLU if that is not symmetric.
+inline void solve_linear(const system::Model& model, Vec f, Vec x, PCType type = PCCHOLESKY) {
   KSP ksp = nullptr;
   PC pc = nullptr;
   VOILE_PETSC(KSPCreate(model.comm(), &ksp));
   VOILE_PETSC(KSPSetOperators(ksp, model.tangent_matrix(), model.tangent_matrix()));
   VOILE_PETSC(KSPSetType(ksp, KSPPREONLY));
   VOILE_PETSC(KSPGetPC(ksp, &pc));
-  VOILE_PETSC(PCSetType(pc, PCCHOLESKY));
+  VOILE_PETSC(PCSetType(pc, type));
   VOILE_PETSC(PCFactorSetMatSolverType(pc, MATSOLVERMUMPS));
   VOILE_PETSC(PCFactorSetUpMatSolverType(pc));
   Mat factor = nullptr;

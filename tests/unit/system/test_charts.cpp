@@ -169,16 +169,7 @@ std::vector<Vec3> equilibrium(system::Model& model) {
       model.residual(a, r);
       model.assemble_tangent(a, nullptr, energy::Tangent::exact, 0.0);
       VOILE_PETSC(VecScale(r, -1.0));
-      KSP ksp = nullptr;
-      PC pc = nullptr;
-      VOILE_PETSC(KSPCreate(model.comm(), &ksp));
-      VOILE_PETSC(KSPSetOperators(ksp, model.tangent_matrix(), model.tangent_matrix()));
-      VOILE_PETSC(KSPSetType(ksp, KSPPREONLY));
-      VOILE_PETSC(KSPGetPC(ksp, &pc));
-      VOILE_PETSC(PCSetType(pc, PCLU));
-      VOILE_PETSC(PCFactorSetMatSolverType(pc, MATSOLVERMUMPS));
-      VOILE_PETSC(KSPSolve(ksp, r, da));
-      VOILE_PETSC(KSPDestroy(&ksp));
+      solve_linear(model, r, da, PCLU);
       VOILE_PETSC(VecAXPY(a, 1.0, da));
     }
     if (step == 8) CHECK(norm(da) < 1e-12 * norm(a));
