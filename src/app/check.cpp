@@ -91,11 +91,12 @@ void check(const input::Case& whole) {
       if (!p.group.empty()) (void)mesh.group(p.group);
     report(mesh, quality, c.element);
     std::size_t fixed = 0;
-    for (const auto& [v, support] : model.constraints().vertices)
+    for (const auto& [v, support] : model.discretisation().constraints().vertices)
       fixed += static_cast<std::size_t>(std::count(support.fixed.begin(), support.fixed.end(), true));
     fmt::print("{} fixed components, {} mirrored edges, {} load(s), tangent {}\n", fixed,
-               model.constraints().mirrors.size(), c.loads.size(), model.symmetric() ? "symmetric" : "unsymmetric");
-    for (const std::string& text : sheet_notes(model.sheet())) fmt::print("note: {}\n", text);
+               model.discretisation().constraints().mirrors.size(), c.loads.size(),
+               model.conditions().symmetric() ? "symmetric" : "unsymmetric");
+    for (const std::string& text : sheet_notes(model.discretisation().sheet())) fmt::print("note: {}\n", text);
     for (const std::string& text : free) fmt::print("note: {}\n", text);
     for (const Stage& stage : stages)
       if (stage.c.is_staged()) fmt::print("stage '{}': {}\n", stage.c.stage.name, stage.c.analysis);

@@ -67,7 +67,7 @@ void print_notes(const input::Case& c, system::Contact& contact, Vec a) {
   const system::ContactReport report = contact.report(a);
   const double settle_time = contact.input().options.settle_time;
   mpi::on_root(PETSC_COMM_WORLD, [&] {
-    for (const std::string& note : contact.notes()) fmt::print("note: {}\n", note);
+    for (const std::string& note : contact.input().notes) fmt::print("note: {}\n", note);
     if (report.pairs == 0) return;
     fmt::print(
         "note: [contact]: the start lies inside the contact distance of {:.4g} m: {} pair(s), smallest gap {:.4g} m, "
@@ -96,9 +96,9 @@ std::string repair(const RunOptions& options, system::Contact& contact, Vec a) {
   std::vector<double> values;
   mpi::on_root(PETSC_COMM_WORLD, [&] {
     const IntersectionCheck check(contact);
-    const double limit = most_cells * mean_edge(contact.surface());
+    const double limit = most_cells * mean_edge(contact.set().surface());
     const untangle::UntangleResult r = untangle::untangle(
-        contact.surface(), contact.planes(), contact.free_directions(),
+        contact.set().surface(), contact.set().planes(), system::free_directions(contact.dofs()),
         [&](const std::vector<Vec3>& at) { return check.find(at); },
         {.contact_distance = contact.input().options.distance, .limit = limit}, x);
     if (!r.done) tried = attempt(r, limit);
@@ -110,7 +110,7 @@ std::string repair(const RunOptions& options, system::Contact& contact, Vec a) {
   mpi::broadcast(PETSC_COMM_WORLD, values);
   if (!tried.empty()) return tried;
   for (std::size_t i = 0; i < x.size(); ++i) x[i] = Eigen::Map<const Vec3>(values.data() + 3 * i);
-  contact.set_positions(x, a);
+  system::set_positions(contact.dofs(), x, a);
   return tried;
 }
 

@@ -75,7 +75,7 @@ solve::Stepper& Epoch::make_stepper(const Recorder& recorder, Origin origin) {
 /// Supports of a later stage hold what they find where it is.
 void Epoch::take_hold(Origin origin) {
   const double factor = origin == Origin::stage ? 0.0 : state_.load_factor;
-  model_.take_hold(state_.u, stage_.analysis == "static" ? factor : state_.time, factor);
+  model_.conditions().take_hold(state_.u, stage_.analysis == "static" ? factor : state_.time, factor);
 }
 
 void Epoch::make_motion(Origin origin) {

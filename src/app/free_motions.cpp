@@ -39,9 +39,10 @@ std::string list(const std::vector<system::FreePiece>& pieces, Index all) {
 }  // namespace
 
 std::vector<std::string> check_free_motions(const input::Case& c, const system::Model& model) {
-  const std::vector<system::FreePiece> free = system::free_pieces(model.mesh(), model.constraints(), c.springs);
+  const std::vector<system::FreePiece> free =
+      system::free_pieces(model.dofs().mesh(), model.discretisation().constraints(), c.springs);
   if (free.empty()) return {};
-  const std::string what = list(free, model.mesh().triangle_count());
+  const std::string what = list(free, model.dofs().mesh().triangle_count());
   const bool drifts = std::any_of(free.begin(), free.end(), [](const auto& p) { return p.translations > 0; });
   const bool moves = c.analysis == "dynamic" || c.analysis == "modal", contact = model.contact() != nullptr;
   const bool linear = c.analysis == "linear" || c.analysis == "buckling";

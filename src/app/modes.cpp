@@ -18,10 +18,10 @@ void write_modes(const input::Case& c, const RunOptions& options, const system::
   const bool vibration = c.analysis == "modal";
   std::optional<io::ResultsWriter> fields;
   std::optional<io::HistoryWriter> table;
-  mpi::on_root(model.comm(), [&] {
+  mpi::on_root(model.dofs().comm(), [&] {
     const mesh::Partition& p = model.dofs().partition();
     fields.emplace(options.output / "modes");
-    fields->begin_epoch(model.mesh(), p.vertex_rank, p.triangle_rank);
+    fields->begin_epoch(model.dofs().mesh(), p.vertex_rank, p.triangle_rank);
     table.emplace(options.output / "modes.csv",
                   std::vector<std::string>{"mode", vibration ? "frequency_hz" : "critical_load_factor", "eigenvalue",
                                            "residual"});
@@ -29,23 +29,23 @@ void write_modes(const input::Case& c, const RunOptions& options, const system::
   for (std::size_t i = 0; i < result.modes.size(); ++i) {
     const solve::Mode& mode = result.modes[i];
     std::vector<double> shape = model.dofs().gather(mode.shape);
-    mpi::on_root(model.comm(), [&] {
+    mpi::on_root(model.dofs().comm(), [&] {
       const int number = static_cast<int>(i) + 1;
       table->write({static_cast<double>(number), mode.value, mode.eigenvalue, mode.residual});
-      io::StepFields step{number, static_cast<double>(number), model.load_factor(), {}};
+      io::StepFields step{number, static_cast<double>(number), model.conditions().load_factor(), {}};
       step.fields.push_back({"mode", "1", io::Centre::vertex, 3, std::move(shape)});
       fields->write(step);
       if (options.verbosity != Verbosity::quiet)
         fmt::print("{:>5} {:>16.8g} {:>12.2e}\n", number, mode.value, mode.residual);
     });
   }
-  mpi::on_root(model.comm(), [&] { fields->finish(); });
+  mpi::on_root(model.dofs().comm(), [&] { fields->finish(); });
 }
 
 }  // namespace
 
 void run_modes(const input::Case& c, const RunOptions& options, system::Model& model, Vec a, Summary& summary) {
-  const bool vibration = c.analysis == "modal", root = mpi::rank(model.comm()) == 0;
+  const bool vibration = c.analysis == "modal", root = mpi::rank(model.dofs().comm()) == 0;
   const auto find = [&] {
     if (vibration) return solve::vibration_modes(model, a, c.eigen.modes, c.eigen.mass);
     solve::Newton newton(model);
@@ -60,7 +60,7 @@ void run_modes(const input::Case& c, const RunOptions& options, system::Model& m
   if (!summary.converged)
     summary.reason = fmt::format("{} of {} modes found{}", result.modes.size(), result.asked_for,
                                  vibration ? "" : " (a load can have fewer critical factors)");
-  if (SignalScope::stop_asked(model.comm())) {
+  if (SignalScope::stop_asked(model.dofs().comm())) {
     summary.converged = false;
     summary.reason =
         fmt::format("{}; {} of {} modes had been found", Interrupted().what(), result.modes.size(), result.asked_for);

@@ -130,7 +130,7 @@ system::ContactInput contact_input(MPI_Comm comm, const input::Case& c, KnownObs
 IntersectionCheck::IntersectionCheck(const system::Contact& contact) : contact_(contact) {}
 
 IntersectionCheck::Triangles IntersectionCheck::triangles_at(const std::vector<Vec3>& x) const {
-  const contact::Surface& s = contact_.surface();
+  const contact::Surface& s = contact_.set().surface();
   Triangles all;
   all.positions = x;
   for (const contact::Face& f : s.faces) {
@@ -158,11 +158,12 @@ IntersectionCheck::Triangles IntersectionCheck::triangles_at(const std::vector<V
 
 std::vector<geometry::TrianglePair> IntersectionCheck::find(const std::vector<Vec3>& positions) const {
   const Triangles all = triangles_at(positions);
-  const auto& rules = contact_.surface().rules;
+  const auto& rules = contact_.set().surface().rules;
   std::vector<geometry::TrianglePair> pairs = geometry::intersecting_triangles(
       all.positions, all.triangles, all.body, [&](Index a, Index b) { return !rules[a][b].touch; });
   const auto is_given_way = [&](Index i, Index j) {
-    return contact_.gives_way(all.triangles[static_cast<std::size_t>(i)], all.body[static_cast<std::size_t>(j)]);
+    return system::gives_way(contact_, all.triangles[static_cast<std::size_t>(i)],
+                             all.body[static_cast<std::size_t>(j)]);
   };
   std::erase_if(pairs,
                 [&](const auto& p) { return is_given_way(p.first, p.second) || is_given_way(p.second, p.first); });
@@ -183,8 +184,8 @@ std::string IntersectionCheck::report(const std::vector<Vec3>& positions,
   std::vector<std::string> texts;
   for (const auto& [bodies, found] : by_bodies)
     texts.push_back(fmt::format("{} pair(s) of {} and {}, first near ({:.4g}, {:.4g}, {:.4g})", found.first,
-                                contact_.surface().bodies[bodies.first].name,
-                                contact_.surface().bodies[bodies.second].name, found.second[0], found.second[1],
+                                contact_.set().surface().bodies[bodies.first].name,
+                                contact_.set().surface().bodies[bodies.second].name, found.second[0], found.second[1],
                                 found.second[2]));
   return join(texts, "; ");
 }

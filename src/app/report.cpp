@@ -57,21 +57,21 @@ void write(const std::filesystem::path& file, const Json& summary) {
 
 void print_header(const input::Case& c, const system::Model& model) {
   fmt::print("{}: {}\n", c.file.filename().string(), c.title);
-  fmt::print("{} vertices, {} triangles, {} unknowns on {} rank(s)\n", model.mesh().vertex_count(),
-             model.mesh().triangle_count(), model.dofs().unknowns(), mpi::size(model.comm()));
-  if (model.mesh().reoriented_count() > 0)
-    fmt::print("{} triangles were turned round to orient the surface\n", model.mesh().reoriented_count());
+  fmt::print("{} vertices, {} triangles, {} unknowns on {} rank(s)\n", model.dofs().mesh().vertex_count(),
+             model.dofs().mesh().triangle_count(), model.dofs().unknowns(), mpi::size(model.dofs().comm()));
+  if (model.dofs().mesh().reoriented_count() > 0)
+    fmt::print("{} triangles were turned round to orient the surface\n", model.dofs().mesh().reoriented_count());
 }
 
 /// What the mesh lets expect; with --quiet only if it is bad. Collective.
 void report_mesh(const input::Case& c, const RunOptions& options, const system::Model& model) {
-  const mesh::SurfaceMesh& mesh = model.mesh();
+  const mesh::SurfaceMesh& mesh = model.dofs().mesh();
   const MeshQuality quality = measure_quality(PETSC_COMM_WORLD, mesh, c.element);
   mpi::on_root(PETSC_COMM_WORLD, [&] {
     if (options.verbosity != Verbosity::quiet) {
       fmt::print("{}", quality_text(mesh, quality, c.element));
       for (const std::string& text : mesh_notes(mesh)) fmt::print("note: {}\n", text);
-      for (const std::string& text : sheet_notes(model.sheet())) fmt::print("note: {}\n", text);
+      for (const std::string& text : sheet_notes(model.discretisation().sheet())) fmt::print("note: {}\n", text);
     }
     for (const std::string& text : quality_warnings(mesh, quality, c.element)) fmt::print("warning: {}\n", text);
   });

@@ -73,8 +73,8 @@ Summary summary_of(const solve::Followed& all, const system::State& state, const
   s.negative_pivots = all.newton.negative_pivots;
   s.residual = all.newton.residual;
   s.unknowns = model.dofs().unknowns();
-  s.vertices = model.mesh().vertex_count();
-  s.triangles = model.mesh().triangle_count();
+  s.vertices = model.dofs().mesh().vertex_count();
+  s.triangles = model.dofs().mesh().triangle_count();
   return s;
 }
 
@@ -91,7 +91,7 @@ Summary run_stage(const Stage& stage, std::unique_ptr<Epoch> epoch, io::Checkpoi
       if (!all.completed || !epoch->ends_at(epoch->state().time)) break;
       state = gather(epoch->state(), epoch->model().dofs());
       recorder.write_pending();
-      epoch = std::make_unique<Epoch>(c, epoch->model().mesh(), stage.input, stage.frozen, state);
+      epoch = std::make_unique<Epoch>(c, epoch->model().dofs().mesh(), stage.input, stage.frozen, state);
       recorder.remark(fmt::format("t = {:.6g} s: {} support(s) hold", state.time, epoch->support_count()));
     }
   } catch (const Interrupted& e) {  // between two steps, or in the search for a start

@@ -11,11 +11,11 @@ namespace {
 /// Positions are known to eps |X|, forces per vertex to eps |X| times the stiffness of a cell against stretching, and
 /// against bending within it.
 double round_off_of(const system::Model& model) {
-  const double cell = model.total_area() / model.mesh().triangle_count();
-  double stiffness = 0.0, distance = model.mesh().extent();
-  for (const energy::Material& m : model.sheet().materials())
+  const double cell = model.discretisation().mean_area();
+  double stiffness = 0.0, distance = model.dofs().mesh().extent();
+  for (const energy::Material& m : model.discretisation().sheet().materials())
     stiffness = std::max(stiffness, m.membrane.norm() + m.bending.norm() / cell);
-  for (const Vec3& x : model.mesh().positions()) distance = std::max(distance, x.norm());
+  for (const Vec3& x : model.dofs().mesh().positions()) distance = std::max(distance, x.norm());
   return std::numeric_limits<double>::epsilon() * stiffness * distance *
          std::sqrt(static_cast<double>(model.dofs().unknowns()));
 }
@@ -24,7 +24,7 @@ double round_off_of(const system::Model& model) {
 
 ConvergenceTest::ConvergenceTest(const system::Model& model)
     : round_off_(round_off_of(model)),
-      wild_(20.0 * model.mesh().extent() * std::sqrt(static_cast<double>(model.dofs().unknowns()))) {}
+      wild_(20.0 * model.dofs().mesh().extent() * std::sqrt(static_cast<double>(model.dofs().unknowns()))) {}
 
 void ConvergenceTest::read(SNES snes) {
   PetscInt iterations = 0;

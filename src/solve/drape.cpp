@@ -25,15 +25,15 @@ constexpr double first_load_step = 0.25;
 bool ramp(Newton& newton, system::Model& model, Vec a, NewtonResult& result) {
   double norm = 0.0;
   VOILE_PETSC(VecNorm(a, NORM_2, &norm));
-  const double full = model.load_factor();
-  if (model.contact() || !model.symmetric() || norm > 0.0 || full == 0.0) return false;
+  const double full = model.conditions().load_factor();
+  if (model.contact() || !model.conditions().symmetric() || norm > 0.0 || full == 0.0) return false;
   petsc::VecHandle accepted = model.dofs().create_vector();
   VOILE_PETSC(VecCopy(a, accepted));
   double done = 0.0, step = first_load_step;
   bool stable = true;
   for (int k = 0; k < most_load_steps && done < 1.0 && stable; ++k) {
     const double target = std::min(1.0, done + step);
-    model.set_load_factor(target * full);
+    model.conditions().set_load_factor(target * full);
     const NewtonResult n = newton.step(a);
     result.iterations += n.iterations;
     stable = !n.converged || n.negative_pivots == 0;
@@ -49,7 +49,7 @@ bool ramp(Newton& newton, system::Model& model, Vec a, NewtonResult& result) {
     result.residual = n.residual;
     result.reason = n.reason;
   }
-  model.set_load_factor(full);
+  model.conditions().set_load_factor(full);
   if (!result.converged) VOILE_PETSC(VecZeroEntries(a));
   return result.converged;
 }
@@ -132,10 +132,10 @@ class Search {
     petsc::VecHandle moved = model_.dofs().create_vector();
     double distance = 0.0;
     VOILE_PETSC(VecCopy(a, moved));
-    model_.enforce_supports(moved);
+    model_.conditions().enforce(moved);
     VOILE_PETSC(VecAXPY(moved, -1.0, a));
     VOILE_PETSC(VecNorm(moved, NORM_INFINITY, &distance));
-    return distance <= 1e-12 * model_.mesh().extent();
+    return distance <= 1e-12 * model_.dofs().mesh().extent();
   }
 
   system::Model& model_;
@@ -194,7 +194,7 @@ StepResult Drape::Impl::attempt(system::State& state) {
   judge(state.u, r.newton);
   r.newton_iterations = r.newton.iterations;
   if (r.newton.converged && r.newton.negative_pivots > 0 && now.escapes < options.max_escapes) {
-    const double cell = std::sqrt(model.total_area() / model.mesh().triangle_count());
+    const double cell = std::sqrt(model.discretisation().mean_area());
     escape(model, state.u, mode, options.push * cell);
     ++now.escapes;
     r.outcome = Outcome::not_yet;
@@ -211,7 +211,7 @@ void Drape::Impl::conclude(system::State& state, StepResult& r) {
   VOILE_PETSC(VecNorm(residual, NORM_2, &now.residual));
   now.fall_iterations = search->fall_iterations();
   ++state.step;
-  state.load_factor = model.load_factor();
+  state.load_factor = model.conditions().load_factor();
   state.in_equilibrium = r.newton.converged;
   r.taken = 1.0;
   if (remark)
@@ -238,7 +238,7 @@ Drape::Drape(system::Model& model, DrapeOptions options) : impl_(std::make_uniqu
 Drape::~Drape() = default;
 
 StepResult Drape::begin(system::State& state) {
-  impl_->model.set_load_factor(1.0);
+  impl_->model.conditions().set_load_factor(1.0);
   impl_->search.emplace(impl_->model, impl_->options, impl_->remark);
   state.v.reset();
   state.a.reset();
@@ -262,7 +262,7 @@ StepResult Drape::advance(system::State& state) {
     r.interrupted = r.worth_keeping = true;
     r.reason = e.what();
     ++state.step;
-    state.load_factor = impl_->model.load_factor();
+    state.load_factor = impl_->model.conditions().load_factor();
     state.in_equilibrium = false;
     return r;
   }

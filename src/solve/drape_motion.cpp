@@ -28,9 +28,9 @@ double time_of_a_cell(system::Model& model, Vec a) {
   const auto mean_square = [&] {
     double square = 0.0, mass = 0.0;
     model.dofs().clear_fixed(force);
-    VOILE_PETSC(VecPointwiseDivide(acceleration, force, model.mass()));
+    VOILE_PETSC(VecPointwiseDivide(acceleration, force, model.constant().mass()));
     VOILE_PETSC(VecDot(acceleration, force, &square));
-    VOILE_PETSC(VecSum(model.mass(), &mass));
+    VOILE_PETSC(VecSum(model.constant().mass(), &mass));
     return 3.0 * square / mass;
   };
   model.load_direction(a, force);
@@ -39,7 +39,7 @@ double time_of_a_cell(system::Model& model, Vec a) {
     model.residual(a, force);
     square = mean_square();
   }
-  const double cell = std::sqrt(model.total_area() / model.mesh().triangle_count());
+  const double cell = std::sqrt(model.discretisation().mean_area());
   return square > 0.0 ? std::sqrt(2.0 * cell / std::sqrt(square)) : 0.0;
 }
 
@@ -66,11 +66,8 @@ TimeOptions steps_of(double unit, double cell) {
 class KineticDamping {
  public:
   KineticDamping(const system::Model& model, const system::Dynamics& dynamics, double unit)
-      : model_(model),
-        dynamics_(dynamics),
-        unit_(unit),
-        cell_(std::sqrt(model.total_area() / model.mesh().triangle_count())) {
-    VOILE_PETSC(VecSum(model.mass(), &mass_));
+      : model_(model), dynamics_(dynamics), unit_(unit), cell_(std::sqrt(model.discretisation().mean_area())) {
+    VOILE_PETSC(VecSum(model.constant().mass(), &mass_));
     mass_ /= 3.0;
   }
   /// True if the motion is over. Collective.
@@ -85,7 +82,7 @@ class KineticDamping {
     }
     double distance = 0.0;
     VOILE_PETSC(VecNorm(state.u, NORM_INFINITY, &distance));
-    endless = distance > far_away * model_.mesh().extent();
+    endless = distance > far_away * model_.dofs().mesh().extent();
     return endless || slow_ == peaks_of_rest;
   }
   double speed = 0.0;  ///< root mean square over the mass [cells per T]
@@ -106,14 +103,14 @@ FallResult fall_to_rest(system::Model& model, system::State& state, double rest_
   system::Contact* contact = model.contact();
   const double now = contact ? contact->time() : 0.0;
   system::settle_contact(model, state.u, now);
-  const double unit = time_of_a_cell(model, state.u), factor = model.load_factor();
+  const double unit = time_of_a_cell(model, state.u), factor = model.conditions().load_factor();
   result.rested = unit == 0.0;
   if (result.rested) return result;
   system::State falling;
   falling.time = now;
   falling.u = petsc::share(state.u);
   system::Dynamics dynamics(model, at_load(factor));
-  TimeIntegration motion(dynamics, steps_of(unit, std::sqrt(model.total_area() / model.mesh().triangle_count())));
+  TimeIntegration motion(dynamics, steps_of(unit, std::sqrt(model.discretisation().mean_area())));
   KineticDamping damping(model, dynamics, unit);
   int iterations = 0;
   const Followed done = follow(motion, falling, [&](const system::State& s, const StepResult& r) {
@@ -125,7 +122,7 @@ FallResult fall_to_rest(system::Model& model, system::State& state, double rest_
                          damping.speed));
     return result.rested || damping.endless || iterations >= max_iterations;
   });
-  model.set_load_factor(factor);
+  model.conditions().set_load_factor(factor);
   model.set_time(now);
   if (contact) contact->restore({});
   if (done.interrupted) throw Interrupted();

@@ -38,14 +38,14 @@ void use_mumps(EPS eps, bool symmetric) {
 /// Diagonal matrix of the lumped mass, zero where the displacement is fixed.
 petsc::MatHandle lumped_mass(const system::Model& model) {
   petsc::VecHandle mass = model.dofs().create_vector();
-  VOILE_PETSC(VecCopy(model.mass(), mass));
+  VOILE_PETSC(VecCopy(model.constant().mass(), mass));
   model.dofs().clear_fixed(mass);
   petsc::MatHandle m;
   PetscInt rows = 0, first = 0;
   VOILE_PETSC(VecGetLocalSize(mass, &rows));
   VOILE_PETSC(VecGetOwnershipRange(mass, &first, nullptr));
   VOILE_PETSC(
-      MatCreateAIJ(model.comm(), rows, rows, PETSC_DETERMINE, PETSC_DETERMINE, 1, nullptr, 0, nullptr, m.out()));
+      MatCreateAIJ(model.dofs().comm(), rows, rows, PETSC_DETERMINE, PETSC_DETERMINE, 1, nullptr, 0, nullptr, m.out()));
   {
     const petsc::ReadArray values(mass);
     for (PetscInt i = 0; i < rows; ++i) VOILE_PETSC(MatSetValue(m, first + i, first + i, values[i], INSERT_VALUES));
@@ -61,7 +61,7 @@ void normalise(const system::Model& model, Vec shape) {
   std::vector<double> largest(1, 0.0);
   for (const double x : u)
     if (std::abs(x) > std::abs(largest[0]) * (1.0 + 1e-9)) largest[0] = x;
-  mpi::broadcast(model.comm(), largest);
+  mpi::broadcast(model.dofs().comm(), largest);
   if (largest[0] != 0.0) VOILE_PETSC(VecScale(shape, 1.0 / largest[0]));
 }
 
@@ -97,12 +97,12 @@ std::vector<Mode> solve(EPS eps, const system::Model& model, int count) {
 /// Common part of both problems: A x = theta B x.
 EpsHandle create(const system::Model& model, Mat a, Mat b, int count) {
   EpsHandle eps;
-  VOILE_PETSC(EPSCreate(model.comm(), eps.out()));
+  VOILE_PETSC(EPSCreate(model.dofs().comm(), eps.out()));
   VOILE_PETSC(EPSSetOperators(eps, a, b));
-  VOILE_PETSC(EPSSetProblemType(eps, model.symmetric() ? EPS_GHEP : EPS_GNHEP));
+  VOILE_PETSC(EPSSetProblemType(eps, model.conditions().symmetric() ? EPS_GHEP : EPS_GNHEP));
   VOILE_PETSC(EPSSetDimensions(eps, count, PETSC_DEFAULT, PETSC_DEFAULT));
   VOILE_PETSC(EPSSetTolerances(eps, 1e-9, 1000));
-  use_mumps(eps, model.symmetric());
+  use_mumps(eps, model.conditions().symmetric());
   return eps;
 }
 
@@ -115,33 +115,33 @@ int wanted(EPS eps) {
 /// A shift below the lowest mode of a plate as large as the model, so that K + shift M can be factored for free bodies.
 double small_shift(const system::Model& model) {
   double stiffness = 0.0, density = 0.0;
-  for (const energy::Material& m : model.sheet().materials()) {
+  for (const energy::Material& m : model.discretisation().sheet().materials()) {
     stiffness = std::max(stiffness, m.bending.norm());
     density = std::max(density, m.areal_density);
   }
-  return stiffness / (density * std::pow(model.mesh().extent(), 4));
+  return stiffness / (density * std::pow(model.dofs().mesh().extent(), 4));
 }
 
 /// K' = d/dmu K(a + mu x_f, lambda + mu) by a central difference with displacements far below an edge length.
 petsc::MatHandle load_stiffness(system::Model& model, Vec a, Vec load_solution) {
   double size = 0.0;
   VOILE_PETSC(VecNorm(load_solution, NORM_INFINITY, &size));
-  const double cell = std::sqrt(model.total_area() / model.mesh().triangle_count());
-  const double step = 1e-4 * cell / size, factor = model.load_factor();
+  const double cell = std::sqrt(model.discretisation().mean_area());
+  const double step = 1e-4 * cell / size, factor = model.conditions().load_factor();
   petsc::VecHandle moved = model.dofs().create_vector();
   petsc::MatHandle difference;
   for (const double sign : {1.0, -1.0}) {
     VOILE_PETSC(VecWAXPY(moved, sign * step, load_solution, a));
-    model.set_load_factor(factor + sign * step);
-    model.assemble_tangent(moved, nullptr, energy::Tangent::exact, 0.0);
+    model.conditions().set_load_factor(factor + sign * step);
+    model.assemble_tangent(moved, {.kind = energy::Tangent::exact});
     if (sign > 0.0)
-      VOILE_PETSC(MatDuplicate(model.tangent_matrix(), MAT_COPY_VALUES, difference.out()));
+      VOILE_PETSC(MatDuplicate(model.tangent().matrix(), MAT_COPY_VALUES, difference.out()));
     else
-      VOILE_PETSC(MatAXPY(difference, -1.0, model.tangent_matrix(), SAME_NONZERO_PATTERN));
+      VOILE_PETSC(MatAXPY(difference, -1.0, model.tangent().matrix(), SAME_NONZERO_PATTERN));
   }
   VOILE_PETSC(MatScale(difference, 0.5 / step));
-  model.set_load_factor(factor);
-  model.assemble_tangent(a, nullptr, energy::Tangent::exact, 0.0);
+  model.conditions().set_load_factor(factor);
+  model.assemble_tangent(a, {.kind = energy::Tangent::exact});
   return difference;
 }
 
@@ -150,15 +150,15 @@ petsc::MatHandle load_stiffness(system::Model& model, Vec a, Vec load_solution) 
 EigenResult vibration_modes(system::Model& model, Vec a, int count, Mass kind) {
   system::require_mass(model);
   EigenResult result;
-  model.assemble_tangent(a, nullptr, energy::Tangent::exact, 0.0);
+  model.assemble_tangent(a, {.kind = energy::Tangent::exact});
   petsc::MatHandle lumped;
   system::BlockMatrix consistent;
   if (kind == Mass::lumped)
     lumped = lumped_mass(model);
   else
-    consistent = model.consistent_mass();
-  const EpsHandle eps =
-      create(model, model.tangent_matrix(), kind == Mass::lumped ? static_cast<Mat>(lumped) : consistent.mat(), count);
+    consistent = model.constant().consistent_mass();
+  const EpsHandle eps = create(model, model.tangent().matrix(),
+                               kind == Mass::lumped ? static_cast<Mat>(lumped) : consistent.mat(), count);
   ST st = nullptr;
   VOILE_PETSC(EPSGetST(eps, &st));
   VOILE_PETSC(STSetType(st, STSINVERT));
@@ -178,7 +178,7 @@ EigenResult buckling_modes(Newton& newton, system::Model& model, Vec a, int coun
   LinearSolver& linear = newton.linear_solver();
   EigenResult result;
   petsc::VecHandle load = model.dofs().create_vector(), load_solution = model.dofs().create_vector();
-  model.assemble_tangent(a, nullptr, energy::Tangent::exact, 0.0);
+  model.assemble_tangent(a, {.kind = energy::Tangent::exact});
   linear.tangent_changed();
   model.load_direction(a, load);
   double size = 0.0;
@@ -191,14 +191,14 @@ EigenResult buckling_modes(Newton& newton, system::Model& model, Vec a, int coun
     throw UserError("the equilibrium is unstable already; choose a lower [eigen] load_factor");
   const petsc::MatHandle change = load_stiffness(model, a, load_solution);
   VOILE_PETSC(MatScale(change, -1.0));
-  const EpsHandle eps = create(model, change, model.tangent_matrix(), count);
+  const EpsHandle eps = create(model, change, model.tangent().matrix(), count);
   VOILE_PETSC(EPSSetWhichEigenpairs(eps, EPS_LARGEST_REAL));
   VOILE_PETSC(EPSSetFromOptions(eps));
   result.asked_for = wanted(eps);
   result.modes = solve(eps, model, result.asked_for);
   // Beyond the last positive 1/mu the load only stiffens.
   std::erase_if(result.modes, [](const Mode& mode) { return !(mode.eigenvalue > 0.0); });
-  for (Mode& mode : result.modes) mode.value = model.load_factor() + 1.0 / mode.eigenvalue;
+  for (Mode& mode : result.modes) mode.value = model.conditions().load_factor() + 1.0 / mode.eigenvalue;
   return result;
 }
 

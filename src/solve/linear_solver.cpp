@@ -22,10 +22,10 @@ void LinearSolver::set_defaults(KSP ksp, Precision precision) {
   PC pc = nullptr;
   VOILE_PETSC(KSPSetType(ksp_, KSPPREONLY));
   VOILE_PETSC(KSPGetPC(ksp_, &pc));
-  if (model_.symmetric() && precision == Precision::mixed)
+  if (model_.conditions().symmetric() && precision == Precision::mixed)
     VOILE_PETSC(PCSetType(pc, mixed_pc_type));
   else
-    VOILE_PETSC(PCSetType(pc, model_.symmetric() ? PCCHOLESKY : PCLU));
+    VOILE_PETSC(PCSetType(pc, model_.conditions().symmetric() ? PCCHOLESKY : PCLU));
 }
 
 void LinearSolver::prepare() {
@@ -43,9 +43,9 @@ void LinearSolver::prepare() {
   VOILE_PETSC(PCFactorGetMatSolverType(pc, &type));
   VOILE_PETSC(PetscStrcmp(type, MATSOLVERMUMPS, &is_mumps));
   mumps_ = is_mumps;
-  pattern_version_ = model_.pattern_version();
+  pattern_version_ = model_.tangent().pattern_version();
   if (!mumps_) return;
-  VOILE_PETSC(KSPSetOperators(ksp_, model_.tangent_matrix(), model_.tangent_matrix()));
+  VOILE_PETSC(KSPSetOperators(ksp_, model_.tangent().matrix(), model_.tangent().matrix()));
   // On one rank PETSc would hand its own ordering to MUMPS's LU, inverted, and for small matrices one that MUMPS
   // refuses.
   VOILE_PETSC(PetscOptionsHasName(nullptr, nullptr, "-pc_factor_mat_ordering_type", &given));
@@ -70,7 +70,7 @@ long LinearSolver::negative_pivots() const {
     VOILE_PETSC(KSPGetPC(ksp_, &pc));
     return mixed_negative_pivots(pc);
   }
-  if (!mumps_ || !model_.symmetric() || factorisations_ == 0) return -1;
+  if (!mumps_ || !model_.conditions().symmetric() || factorisations_ == 0) return -1;
   PetscInt count = 0;
   VOILE_PETSC(MatMumpsGetInfog(factor(), mumps_negative_pivots, &count));
   return count;
@@ -121,14 +121,16 @@ void LinearSolver::renew_factor(PetscInt workspace_percent) {
   PC pc = nullptr;
   VOILE_PETSC(KSPGetPC(ksp_, &pc));
   VOILE_PETSC(PCReset(pc));
-  VOILE_PETSC(KSPSetOperators(ksp_, model_.tangent_matrix(), model_.tangent_matrix()));
+  VOILE_PETSC(KSPSetOperators(ksp_, model_.tangent().matrix(), model_.tangent().matrix()));
   VOILE_PETSC(PCFactorSetUpMatSolverType(pc));
   VOILE_PETSC(MatMumpsSetIcntl(factor(), mumps_workspace_percent, workspace_percent));
 }
 
 void LinearSolver::tangent_changed() {
   ++factorisations_;
-  if (std::exchange(pattern_version_, model_.pattern_version()) == model_.pattern_version() || !mumps_) return;
+  if (std::exchange(pattern_version_, model_.tangent().pattern_version()) == model_.tangent().pattern_version() ||
+      !mumps_)
+    return;
   PetscInt percent = 0;
   VOILE_PETSC(MatMumpsGetIcntl(factor(), mumps_workspace_percent, &percent));
   renew_factor(percent);
@@ -136,7 +138,7 @@ void LinearSolver::tangent_changed() {
 
 bool LinearSolver::solve(Vec rhs, Vec x) {
   for (int attempt = 0;; ++attempt) {
-    VOILE_PETSC(KSPSetOperators(ksp_, model_.tangent_matrix(), model_.tangent_matrix()));
+    VOILE_PETSC(KSPSetOperators(ksp_, model_.tangent().matrix(), model_.tangent().matrix()));
     VOILE_PETSC(KSPSolve(ksp_, rhs, x));
     KSPConvergedReason reason = KSP_CONVERGED_ITERATING;
     VOILE_PETSC(KSPGetConvergedReason(ksp_, &reason));
@@ -148,7 +150,7 @@ bool LinearSolver::solve(Vec rhs, Vec x) {
 
 bool LinearSolver::factorise() {
   for (int attempt = 0;; ++attempt) {
-    VOILE_PETSC(KSPSetOperators(ksp_, model_.tangent_matrix(), model_.tangent_matrix()));
+    VOILE_PETSC(KSPSetOperators(ksp_, model_.tangent().matrix(), model_.tangent().matrix()));
     VOILE_PETSC(KSPSetUp(ksp_));
     PC pc = nullptr;
     PCFailedReason reason = PC_NOERROR;

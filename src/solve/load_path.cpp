@@ -76,7 +76,7 @@ void read_path_options(MPI_Comm comm, StaticOptions& options) {
 
 StepResult find_equilibrium(system::Model& model, system::State& state) {
   StepResult r;
-  model.set_load_factor(state.load_factor);
+  model.conditions().set_load_factor(state.load_factor);
   if (state.in_equilibrium) return r;
   Newton newton(model);
   const NewtonResult n = newton.continuation(state.u);
@@ -139,7 +139,7 @@ StepResult LoadPath::advance(system::State& state) {
     return attempt(state);
   } catch (const Interrupted& e) {
     VOILE_PETSC(VecCopy(accepted_, state.u));
-    model_.set_load_factor(state.load_factor);
+    model_.conditions().set_load_factor(state.load_factor);
     r.interrupted = true;
     r.reason = e.what();
     return r;
@@ -154,7 +154,7 @@ StepResult LoadPath::attempt(system::State& state) {
     r.newton_iterations += r.newton.iterations;
     r.factorisations += r.newton.factorisations;
   };
-  model_.set_load_factor(target);
+  model_.conditions().set_load_factor(target);
   r.newton = settle(state.u, false);
   tally();
   if (!r.newton.converged && options_.fallback && halvings_ == halvings_before_continuation) {
@@ -187,7 +187,7 @@ StepResult LoadPath::attempt(system::State& state) {
 void LoadPath::halve(system::State& state, StepResult& r, double target, double taken) {
   const std::string place = 0.5 * taken < options_.min_step ? "; " + largest_residuals_at(model_, state.u) : "";
   VOILE_PETSC(VecCopy(accepted_, state.u));
-  model_.set_load_factor(state.load_factor);
+  model_.conditions().set_load_factor(state.load_factor);
   ++halvings_;
   step_ = 0.5 * taken;
   remark(fmt::format("load factor {:.6g}: {} after {} iterations; step halved to {:.3g}", target, r.newton.reason,

@@ -114,14 +114,14 @@ PetscErrorCode Newton::Impl::before_line_search(SNESLineSearch, Vec a, Vec y, Pe
 PetscErrorCode Newton::Impl::before_linear_solve(KSP, Vec rhs, Vec, void* self) {
   auto& n = *static_cast<Impl*>(self);
   return petsc::guarded([&] {
-    if (n.model.fixed_coupling()) VOILE_PETSC(VecAXPY(rhs, -1.0, n.model.fixed_coupling()));
+    if (n.model.tangent().fixed_coupling()) VOILE_PETSC(VecAXPY(rhs, -1.0, n.model.tangent().fixed_coupling()));
   });
 }
 
 PetscErrorCode Newton::Impl::after_linear_solve(KSP, Vec rhs, Vec x, void* self) {
   auto& n = *static_cast<Impl*>(self);
   return petsc::guarded([&] {
-    if (n.model.fixed_coupling()) VOILE_PETSC(VecAXPY(rhs, 1.0, n.model.fixed_coupling()));
+    if (n.model.tangent().fixed_coupling()) VOILE_PETSC(VecAXPY(rhs, 1.0, n.model.tangent().fixed_coupling()));
     VOILE_PETSC(VecDot(rhs, x, &n.last_work));
   });
 }
@@ -129,10 +129,10 @@ PetscErrorCode Newton::Impl::after_linear_solve(KSP, Vec rhs, Vec x, void* self)
 // ---- set-up --------------------------------------------------------------------------------------------------------
 
 void Newton::Impl::create() {
-  VOILE_PETSC(SNESCreate(model.comm(), snes.out()));
+  VOILE_PETSC(SNESCreate(model.dofs().comm(), snes.out()));
   VOILE_PETSC(SNESSetType(snes, SNESNEWTONLS));
   VOILE_PETSC(SNESSetFunction(snes, residual, form_function, this));
-  VOILE_PETSC(SNESSetJacobian(snes, model.tangent_matrix(), model.tangent_matrix(), form_jacobian, this));
+  VOILE_PETSC(SNESSetJacobian(snes, model.tangent().matrix(), model.tangent().matrix(), form_jacobian, this));
   VOILE_PETSC(SNESSetConvergenceTest(snes, converged, this, nullptr));
   VOILE_PETSC(SNESSetTolerances(snes, PETSC_DEFAULT, 1e-8, 1e-6, 20, PETSC_MAX_INT));
   SNESLineSearch line_search = nullptr;
@@ -152,7 +152,7 @@ void Newton::Impl::create() {
 // ---- Newton --------------------------------------------------------------------------------------------------------
 
 SNESConvergedReason Newton::Impl::judge(PetscInt iteration, double increment_norm, double residual_norm) {
-  stop_if_asked(model.comm());
+  stop_if_asked(model.dofs().comm());
   if (!std::isfinite(residual_norm)) return SNES_DIVERGED_FNORM_NAN;
   const double force = model.force_scale(), before = std::exchange(last_residual, residual_norm);
   if (increment_norm < 0.0) {
@@ -225,9 +225,9 @@ double Newton::Impl::backtrack(Vec a, double longest, double energy, double slop
 }
 
 double Newton::Impl::first_shift() {
-  const double cell = std::sqrt(model.total_area() / model.mesh().triangle_count());
+  const double cell = std::sqrt(model.discretisation().mean_area());
   double acceleration = 0.0;
-  VOILE_PETSC(VecPointwiseDivide(trial, residual, model.mass()));
+  VOILE_PETSC(VecPointwiseDivide(trial, residual, model.constant().mass()));
   VOILE_PETSC(VecNorm(trial, NORM_INFINITY, &acceleration));
   return std::max(acceleration / cell, 1e-30);
 }
@@ -257,12 +257,12 @@ NewtonResult Newton::continuation(Vec a, int max_iterations) {
   system::Model& model = n.model;
   NewtonResult result;
   const int before = n.linear.factorisations();
-  const bool potential = model.symmetric();
+  const bool potential = model.conditions().symmetric();
   double shift = -1.0, energy = 0.0, handover = handover_below;
   int linear_failures = 0;
   n.largest_force = 0.0;
   for (result.iterations = 0; result.iterations < max_iterations; ++result.iterations) {
-    stop_if_asked(model.comm());
+    stop_if_asked(model.dofs().comm());
     double norm = 0.0;
     model.residual(a, n.residual);
     VOILE_PETSC(VecNorm(n.residual, NORM_2, &norm));
@@ -297,7 +297,7 @@ NewtonResult Newton::continuation(Vec a, int max_iterations) {
     double slope = 0.0;
     VOILE_PETSC(VecDot(n.residual, n.increment, &slope));
     // Prescribed motion does work that the energy balance does not see: the first step then moves the supports in full.
-    const bool moving = model.fixed_coupling() != nullptr;
+    const bool moving = model.tangent().fixed_coupling() != nullptr;
     const double allowed = allowed_fraction(model, a, n.increment, n.trial);
     const double length = potential && !moving ? n.backtrack(a, allowed, energy, slope) : allowed;
     if (length == 0.0) {
@@ -335,9 +335,9 @@ void Newton::on_progress(std::function<void(int, double)> progress) {
 
 void Newton::start_friction(Vec a) {
   system::Contact* contact = impl_->model.contact();
-  if (!contact || !contact->has_friction()) return;
+  if (!contact || !contact->set().has_friction()) return;
   const double given = contact->input().options.slip_distance;
-  const double cell = std::sqrt(impl_->model.total_area() / impl_->model.mesh().triangle_count());
+  const double cell = std::sqrt(impl_->model.discretisation().mean_area());
   contact->start_step(a, given > 0.0 ? given : slip_in_cells * cell);
 }
 
@@ -345,7 +345,7 @@ NewtonResult Newton::settle_friction(Vec a, NewtonResult first, const std::funct
   Impl& n = *impl_;
   system::Contact* contact = n.model.contact();
   NewtonResult result = std::move(first);
-  if (!contact || !contact->has_friction()) return result;
+  if (!contact || !contact->set().has_friction()) return result;
   for (int k = 0; k < friction_lags && result.converged; ++k) {
     double norm = 0.0;
     contact->lag_friction(a);
@@ -369,7 +369,7 @@ NewtonResult Newton::linear_step(Vec a) {
   NewtonResult result;
   const int before = n.linear.factorisations();
   n.model.residual(a, n.residual);
-  n.model.assemble_tangent(a, nullptr, energy::Tangent::exact, 0.0);
+  n.model.assemble_tangent(a, {.kind = energy::Tangent::exact});
   n.linear.tangent_changed();
   result.converged = n.linear.solve(n.residual, n.increment);
   result.iterations = 1;
@@ -379,8 +379,8 @@ NewtonResult Newton::linear_step(Vec a) {
   if (!result.converged) return result;
   VOILE_PETSC(VecAXPY(a, -1.0, n.increment));
   // What is left of the linear equations K dx = r.
-  VOILE_PETSC(MatMult(n.model.tangent_matrix(), n.increment, n.trial));
-  if (n.model.fixed_coupling()) VOILE_PETSC(VecAXPY(n.trial, 1.0, n.model.fixed_coupling()));
+  VOILE_PETSC(MatMult(n.model.tangent().matrix(), n.increment, n.trial));
+  if (n.model.tangent().fixed_coupling()) VOILE_PETSC(VecAXPY(n.trial, 1.0, n.model.tangent().fixed_coupling()));
   VOILE_PETSC(VecAXPY(n.trial, -1.0, n.residual));
   VOILE_PETSC(VecNorm(n.trial, NORM_2, &result.residual));
   double force = 0.0;

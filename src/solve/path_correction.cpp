@@ -13,7 +13,7 @@ constexpr int inverse_iterations = 3;  ///< per step; the mode of the step befor
 
 PathFollower::Impl::Tangent PathFollower::Impl::tangent_at(Vec a) {
   Tangent t;
-  model.assemble_tangent(a, nullptr, energy::Tangent::exact, 0.0);
+  model.assemble_tangent(a, {.kind = energy::Tangent::exact});
   linear.tangent_changed();
   model.load_direction(a, load);
   t.good = linear.solve(load, load_solution);
@@ -46,9 +46,9 @@ NewtonResult PathFollower::Impl::correct(Vec a, double& lambda, const Constraint
   Progress p;
   const ConvergenceTest& test = newton.convergence();
   for (n.iterations = 0;; ++n.iterations) {
-    stop_if_asked(model.comm());
+    stop_if_asked(model.dofs().comm());
     VOILE_PETSC(VecWAXPY(a, 1.0, increment, accepted));
-    model.set_load_factor(lambda);
+    model.conditions().set_load_factor(lambda);
     model.residual(a, residual);
     p.residual_before = p.residual;
     VOILE_PETSC(VecNorm(residual, NORM_2, &p.residual));
@@ -70,7 +70,7 @@ NewtonResult PathFollower::Impl::correct(Vec a, double& lambda, const Constraint
       n.reason = "too many iterations";
       return n;
     }
-    model.assemble_tangent(a, nullptr, energy::Tangent::exact, 0.0);
+    model.assemble_tangent(a, {.kind = energy::Tangent::exact});
     linear.tangent_changed();
     model.load_direction(a, load);
     if (!linear.solve(residual, residual_solution) || !linear.solve(load, load_solution)) {

@@ -34,7 +34,7 @@ void PathFollower::Impl::begin(const system::State& state) {
   factor = state.load_factor;
   steps = first_step = state.step;
   if (state.previous) VOILE_PETSC(VecWAXPY(previous, -1.0, state.previous, state.u));
-  model.set_load_factor(factor);
+  model.conditions().set_load_factor(factor);
   model.residual(state.u, residual);
   force = model.force_scale();
   tangent = tangent_at(state.u);
@@ -228,7 +228,7 @@ void PathFollower::Impl::halve(system::State& state, StepResult& r) {
   const bool last = 0.5 * length < options.min_step * unit;
   const std::string place = last ? "; " + largest_residuals_at(model, state.u) : "";
   VOILE_PETSC(VecCopy(accepted, state.u));
-  model.set_load_factor(factor);
+  model.conditions().set_load_factor(factor);
   length *= 0.5;
   if (remark)
     remark(fmt::format("load factor {:.6g}: {}{} after {} iterations; step halved to {:.3g}", factor,
@@ -269,7 +269,7 @@ StepResult PathFollower::advance(system::State& state) {
     return p.advance(state);
   } catch (const Interrupted& e) {
     VOILE_PETSC(VecCopy(p.accepted, state.u));
-    p.model.set_load_factor(p.factor);
+    p.model.conditions().set_load_factor(p.factor);
     r.interrupted = true;
     r.reason = e.what();
     return r;

@@ -20,7 +20,7 @@ StepResult result_of(const NewtonResult& n) {
 }  // namespace
 
 StepResult LinearStep::begin(system::State& state) {
-  model_.set_load_factor(state.load_factor);
+  model_.conditions().set_load_factor(state.load_factor);
   return {};
 }
 
@@ -30,7 +30,7 @@ bool LinearStep::finished(const system::State&) const {
 
 StepResult LinearStep::advance(system::State& state) {
   Newton newton(model_);
-  model_.set_load_factor(load_factor_);
+  model_.conditions().set_load_factor(load_factor_);
   StepResult r = result_of(newton.linear_step(state.u));
   done_ = r.outcome == Outcome::accepted;
   if (!done_) return r;

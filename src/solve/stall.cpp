@@ -61,8 +61,8 @@ std::string describe(const mesh::SurfaceMesh& mesh, const std::vector<double>& r
 std::string largest_residuals(const system::Model& model, Vec r) {
   const std::vector<double> values = model.dofs().gather(r);
   std::string text;
-  mpi::on_root(model.comm(), [&] { text = describe(model.mesh(), values); });
-  mpi::broadcast(model.comm(), text);
+  mpi::on_root(model.dofs().comm(), [&] { text = describe(model.dofs().mesh(), values); });
+  mpi::broadcast(model.dofs().comm(), text);
   return text;
 }
 

@@ -15,7 +15,7 @@ inline constexpr double trusted_cells = 4.0;
 /// Share of the increment -y that contact lets state x take; 1 without contact. `scratch` is overwritten. Collective.
 inline double allowed_fraction(system::Model& model, Vec x, Vec y, Vec scratch) {
   if (!model.contact()) return 1.0;
-  const double cell = std::sqrt(model.total_area() / model.mesh().triangle_count());
+  const double cell = std::sqrt(model.discretisation().mean_area());
   double largest = 0.0;
   VOILE_PETSC(VecNorm(y, NORM_INFINITY, &largest));
   const double trusted = std::min(1.0, trusted_cells * cell / std::max(largest, 1e-300));

@@ -71,7 +71,7 @@ PetscErrorCode TimeIntegration::Impl::enforce(void* self, PetscReal t, Vec stage
   auto& n = *static_cast<Impl*>(self);
   return petsc::guarded([&] {
     n.dynamics.set_time(t);
-    n.model.enforce_supports(stage);
+    n.model.conditions().enforce(stage);
   });
 }
 
@@ -85,7 +85,7 @@ PetscErrorCode TimeIntegration::Impl::accelerate(void* self, PetscReal t, Vec x,
     n.dynamics.residual(x, v, a, n.trial);
     n.dynamics.start_step(x, v, h);  // drag and viscosity of the next half step
     n.model.dofs().clear_fixed(n.trial);
-    VOILE_PETSC(VecPointwiseDivide(a, n.trial, n.model.mass()));
+    VOILE_PETSC(VecPointwiseDivide(a, n.trial, n.model.constant().mass()));
     VOILE_PETSC(VecScale(a, -1.0));
   });
 }
@@ -96,14 +96,14 @@ bool TimeIntegration::Impl::clear_predictor(double t0, Vec x0, double t1, Vec x1
   if (!clear) {  // a guess that flies on may be worse than none
     dynamics.set_time(t1);
     VOILE_PETSC(VecCopy(x0, x1));
-    model.enforce_supports(x1);
+    model.conditions().enforce(x1);
     // Only what is still blocked in small steps is pinched.
     const bool may_yield = t1 - t0 <= std::max(pinched_step * options.step, 2.0 * options.min_step);
-    const long before = contact.yielding_count();
+    const long before = system::yielding_count(contact.memory());
     clear = contact.clear_predictor(x0, t0, x1, t1, may_yield);
-    if (clear && contact.yielding_count() > before && before == 0 && remark)
+    if (clear && system::yielding_count(contact.memory()) > before && before == 0 && remark)
       remark(fmt::format("t = {:.6g} s: an obstacle gives way to {} vertices; {} was pinched", t0,
-                         contact.yielding_count(), contact.obstruction()));
+                         system::yielding_count(contact.memory()), contact.obstruction()));
   }
   if (!clear) obstruction = contact.obstruction();
   dynamics.set_time(t1);
@@ -139,7 +139,7 @@ void TimeIntegration::Impl::search(SNESLineSearch ls) {
   length = allowed_fraction(model, x, y, trial);
   cut = length < 1.0;
   cuts += cut ? 1 : 0;
-  if (model.symmetric()) {
+  if (model.conditions().symmetric()) {
     model.count_energy_from(alpha_stage(ts, x).x);
     const double before = objective(x);
     for (;; length *= 0.5) {
@@ -161,10 +161,10 @@ void TimeIntegration::Impl::search(SNESLineSearch ls) {
   }
   shortest = std::min(shortest, length);
   VOILE_PETSC(VecAXPY(x, -length, y));
-  VOILE_PETSC(VecPointwiseMult(product, model.mass(), y));
+  VOILE_PETSC(VecPointwiseMult(product, model.constant().mass(), y));
   double square = 0.0, mass = 0.0;
   VOILE_PETSC(VecDot(product, y, &square));
-  VOILE_PETSC(VecSum(model.mass(), &mass));
+  VOILE_PETSC(VecSum(model.constant().mass(), &mass));
   rms = length * std::sqrt(3.0 * square / mass);
   VOILE_PETSC(SNESComputeFunction(snes, x, f));
   VOILE_PETSC(SNESLineSearchSetLambda(ls, length));
@@ -177,7 +177,7 @@ PetscErrorCode TimeIntegration::Impl::line_search(SNESLineSearch ls, void* self)
 }
 
 SNESConvergedReason TimeIntegration::Impl::judge(SNES snes, PetscInt it, double increment, double norm) {
-  stop_if_asked(model.comm());
+  stop_if_asked(model.dofs().comm());
   if (!std::isfinite(norm)) return SNES_DIVERGED_FNORM_NAN;
   const double force = dynamics.force_scale(), before = std::exchange(residual_before, norm);
   residual = force > 0.0 ? norm / force : norm;

@@ -61,13 +61,13 @@ void TimeIntegration::Impl::create(const system::State& from) {
     adapt->ops->choose = choose;
     return 0;
   }));
-  VOILE_PETSC(TSCreate(model.comm(), ts.out()));
+  VOILE_PETSC(TSCreate(model.dofs().comm(), ts.out()));
   VOILE_PETSC(TSSetProblemType(ts, TS_NONLINEAR));
   VOILE_PETSC(
       TSSetType(ts, options.method == TimeOptions::Method::central_difference ? central_ts_type : alpha_ts_type));
   VOILE_PETSC(TS2SetSolution(ts, from.u, from.v));
   VOILE_PETSC(TSSetI2Function(ts, nullptr, function, this));
-  VOILE_PETSC(TSSetI2Jacobian(ts, model.tangent_matrix(), model.tangent_matrix(), jacobian, this));
+  VOILE_PETSC(TSSetI2Jacobian(ts, model.tangent().matrix(), model.tangent().matrix(), jacobian, this));
   VOILE_PETSC(TSSetTime(ts, from.time));
   VOILE_PETSC(TSSetStepNumber(ts, from.step));
   VOILE_PETSC(TSSetMaxTime(ts, until()));
@@ -117,8 +117,8 @@ void TimeIntegration::Impl::choose_method(const system::State& from) {
     return;
   }
   const bool contact = model.contact() != nullptr;
-  set_alpha_callbacks(
-      ts, {this, start_step, enforce, contact ? clear : nullptr, contact && model.symmetric() ? energy : nullptr});
+  set_alpha_callbacks(ts, {this, start_step, enforce, contact ? clear : nullptr,
+                           contact && model.conditions().symmetric() ? energy : nullptr});
   linear.prepare();
   SNES snes = nullptr;
   VOILE_PETSC(TSGetSNES(ts, &snes));
@@ -177,7 +177,7 @@ void TimeIntegration::Impl::accept(system::State& state, StepResult& r) {
   if (is_end(state.time)) state.time = until();
   if (ended() && wanted > 0.0) state.next_step = wanted;
   dynamics.set_time(state.time);
-  state.load_factor = model.load_factor();
+  state.load_factor = model.conditions().load_factor();
   if (model.contact()) state.contact = model.contact()->memory();
   state.in_equilibrium = false;
 }
@@ -234,12 +234,12 @@ StepResult TimeIntegration::begin(system::State& state) {
   Impl& n = *impl_;
   if (!state.v) state.v = n.model.dofs().create_vector();
   n.dynamics.set_time(state.time);
-  n.model.enforce_supports(state.u);
+  n.model.conditions().enforce(state.u);
   n.create(state);
   n.choose_method(state);
   n.prepare_first_step(state);
   n.dynamics.set_time(state.time);
-  state.load_factor = n.model.load_factor();
+  state.load_factor = n.model.conditions().load_factor();
   if (n.model.contact()) state.contact = n.model.contact()->memory();
   return {};
 }
@@ -282,7 +282,7 @@ void read_time_options(TimeOptions& options) {
 
 double largest_frequency(system::Dynamics& dynamics, Vec u) {
   system::Model& model = dynamics.model();
-  model.assemble_tangent(u, nullptr, energy::Tangent::exact, 0.0);
+  model.assemble_tangent(u, {.kind = energy::Tangent::exact});
   petsc::VecHandle x = start_mode(model), y = model.dofs().create_vector();
   double estimate = 0.0;
   for (int k = 0; k < 100; ++k) {
@@ -290,8 +290,8 @@ double largest_frequency(system::Dynamics& dynamics, Vec u) {
     double size = 0.0, next = 0.0;
     VOILE_PETSC(VecNorm(x, NORM_2, &size));
     VOILE_PETSC(VecScale(x, 1.0 / size));
-    VOILE_PETSC(MatMult(model.tangent_matrix(), x, y));
-    VOILE_PETSC(VecPointwiseDivide(x, y, model.mass()));
+    VOILE_PETSC(MatMult(model.tangent().matrix(), x, y));
+    VOILE_PETSC(VecPointwiseDivide(x, y, model.constant().mass()));
     model.dofs().clear_fixed(x);
     VOILE_PETSC(VecNorm(x, NORM_2, &next));
     if (k > 10 && std::abs(next - estimate) <= 1e-4 * next) return std::sqrt(1.02 * next);

@@ -77,7 +77,6 @@ Contact::Contact(const Dofs& dofs, ContactInput input)
       first_row_(dofs.first_row()),
       row_count_(dofs.local().owned) {
   const mesh::SurfaceMesh& mesh = *mesh_;
-  notes_ = input_.notes;
   Bodies bodies = make_bodies(mesh, input_);
   const std::size_t sheets = bodies.sheets;
   contact::Surface surface = contact::make_surface(mesh, std::move(bodies.list), bodies.of_triangle, bodies.of_vertex);
@@ -131,7 +130,7 @@ bool Contact::lacks_room(const mesh::SurfaceMesh& mesh) {
         reach, count, mesh.triangle_count(), reach / contact::room_between_neighbours, tag, least,
         contact::room_between_neighbours * least));
   const Vec3 place = (mesh.start_corner(narrow, 0) + mesh.start_corner(narrow, 1) + mesh.start_corner(narrow, 2)) / 3.0;
-  notes_.push_back(fmt::format(
+  input_.notes.push_back(fmt::format(
       "[contact]: {} of {} triangles are less high than distance + thickness = {:.4g} m asks for ({:.4g} m), the "
       "lowest "
       "is triangle {} near ({:.4g}, {:.4g}, {:.4g}) with {:.4g} m: neighbours there feel each other from {} of their "
@@ -171,29 +170,6 @@ std::vector<Vec3> Contact::positions(Vec a) const {
   std::vector<Vec3> x = x_;
   fill_positions(a, x);
   return x;
-}
-
-void Contact::place_vertex(Index i, const Vec3& x, const petsc::WriteArray& a) const {
-  const Index v = partition_->vertex_of[first_row_ + i];
-  const Vec3 own = dofs_->to_own(v, x - mesh_->positions()[v]);
-  for (int k = 0; k < 3; ++k)
-    if (!dofs_->is_fixed(v, k)) a[3 * i + k] = own[k];
-}
-
-void Contact::set_positions(const std::vector<Vec3>& x, Vec a) const {
-  const petsc::WriteArray out(a);
-  for (Index i = 0; i < row_count_; ++i) place_vertex(i, x[partition_->vertex_of[first_row_ + i]], out);
-}
-
-std::vector<Mat3> Contact::free_directions() const {
-  std::vector<Mat3> free(static_cast<std::size_t>(mesh_->vertex_count()));
-  for (Index v = 0; v < mesh_->vertex_count(); ++v) {
-    Vec3 keep;
-    for (int k = 0; k < 3; ++k) keep[k] = dofs_->is_fixed(v, k) ? 0.0 : 1.0;
-    const Mat3 q = dofs_->axes(v);
-    free[v] = q * keep.asDiagonal() * q.transpose();
-  }
-  return free;
 }
 
 std::vector<Vec3> Contact::obstacle_points(std::size_t k) const {

@@ -91,7 +91,7 @@ bool Contact::try_clear(Vec from, double t0, Vec to, double t1) {
       const petsc::WriteArray out(to);
       for (Index i = 0; i < row_count_; ++i) {
         const Index v = partition_->vertex_of[first_row_ + i];
-        if (count[v] > 0.0) place_vertex(i, start[v] + sum[v] / count[v], out);
+        if (count[v] > 0.0) dofs_->place_vertex(i, start[v] + sum[v] / count[v], out);
       }
     }
     const std::vector<Vec3> before = end;

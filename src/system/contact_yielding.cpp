@@ -24,20 +24,22 @@ double bit(std::size_t obstacle) {
 
 }  // namespace
 
-bool Contact::has_yielding_obstacles() const {
-  return obstacles_->any_yields();
+bool has_yielding_obstacles(const ContactInput& input) {
+  return std::any_of(input.obstacles.begin(), input.obstacles.end(), [](const auto& o) { return o.yields; });
 }
 
-long Contact::yielding_count() const {
-  return std::count_if(memory_.yielding.begin(), memory_.yielding.end(), [](double set) { return set != 0.0; });
+long yielding_count(const ContactMemory& memory) {
+  return std::count_if(memory.yielding.begin(), memory.yielding.end(), [](double set) { return set != 0.0; });
 }
 
-bool Contact::gives_way(const std::array<Index, 3>& triangle, int body) const {
-  const std::optional<std::size_t> k = obstacles_->of_body(body);
-  if (memory_.yielding.empty() || !k) return false;
-  const std::uint64_t own = bits(bit(*k));
+bool gives_way(const Contact& contact, const std::array<Index, 3>& triangle, int body) {
+  const contact::Surface& s = contact.set().surface();
+  const std::size_t sheets = s.bodies.size() - contact.input().obstacles.size(), of = static_cast<std::size_t>(body);
+  const std::vector<double>& yielding = contact.memory().yielding;
+  if (yielding.empty() || of < sheets) return false;
+  const std::uint64_t own = bits(bit(of - sheets));
   return std::any_of(triangle.begin(), triangle.end(),
-                     [&](Index v) { return set_->surface().is_sheet(v) && (bits(memory_.yielding[v]) & own); });
+                     [&](Index v) { return s.is_sheet(v) && (bits(yielding[v]) & own); });
 }
 
 void Contact::tell_yielding() {
@@ -96,7 +98,7 @@ void Contact::let_out_yielding(Vec a, double time, const std::vector<double>& be
 }
 
 bool Contact::clear_predictor(Vec from, double t0, Vec to, double t1, bool may_yield) {
-  if (!may_yield || !has_yielding_obstacles()) return try_clear(from, t0, to, t1);
+  if (!may_yield || !obstacles_->any_yields()) return try_clear(from, t0, to, t1);
   petsc::VecHandle guess;
   VOILE_PETSC(VecDuplicate(to, guess.out()));
   VOILE_PETSC(VecCopy(to, guess));
@@ -132,7 +134,7 @@ void Contact::end_yielding(const std::vector<Vec3>& x) {
       if (std::all_of(around.begin(), around.end(), [&](Index t) { return is_free(mesh_->triangles()[t], k, x); }))
         memory_.yielding[v] -= bit(k);
     }
-  if (yielding_count() == 0) memory_.yielding.clear();
+  if (yielding_count(memory_) == 0) memory_.yielding.clear();
   if (memory_.yielding != before) tell_yielding();
 }
 

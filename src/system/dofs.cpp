@@ -167,4 +167,27 @@ void Dofs::scatter(const std::vector<double>& values, Vec a) const {
   }
 }
 
+void Dofs::place_vertex(Index i, const Vec3& x, const petsc::WriteArray& a) const {
+  const Index v = local_.point_of[i];
+  const Vec3 own = to_own(v, x - mesh_->positions()[v]);
+  for (int k = 0; k < 3; ++k)
+    if (!is_fixed(v, k)) a[3 * i + k] = own[k];
+}
+
+void set_positions(const Dofs& dofs, const std::vector<Vec3>& x, Vec a) {
+  const petsc::WriteArray out(a);
+  for (Index i = 0; i < dofs.local().owned; ++i) dofs.place_vertex(i, x[dofs.local().point_of[i]], out);
+}
+
+std::vector<Mat3> free_directions(const Dofs& dofs) {
+  std::vector<Mat3> free(static_cast<std::size_t>(dofs.mesh().vertex_count()));
+  for (Index v = 0; v < dofs.mesh().vertex_count(); ++v) {
+    Vec3 keep;
+    for (int k = 0; k < 3; ++k) keep[k] = dofs.is_fixed(v, k) ? 0.0 : 1.0;
+    const Mat3 q = dofs.axes(v);
+    free[v] = q * keep.asDiagonal() * q.transpose();
+  }
+  return free;
+}
+
 }  // namespace voile::system

@@ -9,7 +9,7 @@
 namespace voile::system {
 
 void require_mass(const Model& model) {
-  for (const energy::Material& m : model.sheet().materials())
+  for (const energy::Material& m : model.discretisation().sheet().materials())
     if (!(m.areal_density > 0.0))
       throw UserError(
           "[[material]]: vibration and motion in time need the mass of every material: give density (or "
@@ -30,7 +30,7 @@ Dynamics::Dynamics(Model& model, DynamicsOptions options)
       work_(model.dofs().create_vector()),
       sum_(model.dofs().create_vector()) {
   if (!options_.any_mass) require_mass(model);
-  if (options_.mass == Mass::consistent) consistent_ = model.consistent_mass();
+  if (options_.mass == Mass::consistent) consistent_ = model.constant().consistent_mass();
   build_drag();
 }
 
@@ -38,7 +38,8 @@ Dynamics::Dynamics(Model& model, DynamicsOptions options)
 void Dynamics::build_drag() {
   drag_.kernel = energy::DragTerm(options_.drag);
   if (!options_.drag.active()) return;
-  for (const Model::Element& e : model_.elements()) drag_.kernel.add(e.points, model_.mesh().area(e.triangle), e.owned);
+  for (const Discretisation::Element& e : model_.discretisation().elements())
+    drag_.kernel.add(e.points, model_.dofs().mesh().area(e.triangle), e.owned);
   const auto points = static_cast<std::size_t>(model_.dofs().local().count());
   for (auto* v : {&velocity_, &position_, &force_}) v->resize(points);
 }
@@ -49,7 +50,7 @@ energy::Configuration Dynamics::moving(Vec v) const {
 }
 
 void Dynamics::set_time(double time) {
-  model_.set_load_factor(options_.load_history ? options_.load_history(time) : 1.0);
+  model_.conditions().set_load_factor(options_.load_history ? options_.load_history(time) : 1.0);
   model_.set_time(time);
 }
 
@@ -66,7 +67,7 @@ void Dynamics::apply_mass(Vec x, Vec y) const {
   if (consistent_)
     VOILE_PETSC(MatMult(consistent_->mat(), x, y));
   else
-    VOILE_PETSC(VecPointwiseMult(y, model_.mass(), x));
+    VOILE_PETSC(VecPointwiseMult(y, model_.constant().mass(), x));
   model_.dofs().clear_fixed(y);
 }
 
@@ -81,7 +82,7 @@ void Dynamics::residual(Vec u, Vec v, Vec a, Vec f) {
     VOILE_PETSC(VecAXPY(sum_, options_.mass_damping, work_));
   }
   if (options_.bending_damping > 0.0) {
-    VOILE_PETSC(MatMult(model_.bending_matrix(), v, work_));
+    VOILE_PETSC(MatMult(model_.constant().bending(), v, work_));
     VOILE_PETSC(VecAXPY(sum_, options_.bending_damping, work_));
   }
   if (Mat damping = material_damping()) {
@@ -109,7 +110,7 @@ double Dynamics::energy(Vec u, Vec v, Vec a, double s_v, double s_a) {
     sum += 0.5 * options_.mass_damping * part / s_v;
   }
   if (options_.bending_damping > 0.0) {
-    VOILE_PETSC(MatMult(model_.bending_matrix(), v, work_));
+    VOILE_PETSC(MatMult(model_.constant().bending(), v, work_));
     VOILE_PETSC(VecDot(work_, v, &part));
     sum += 0.5 * options_.bending_damping * part / s_v;
   }
@@ -118,7 +119,7 @@ double Dynamics::energy(Vec u, Vec v, Vec a, double s_v, double s_a) {
     VOILE_PETSC(VecDot(work_, v, &part));
     sum += 0.5 * part / s_v;
   }
-  if (options_.drag.active()) sum += mpi::sum(model_.comm(), drag_.energy(moving(v))) / s_v;
+  if (options_.drag.active()) sum += mpi::sum(model_.dofs().comm(), drag_.energy(moving(v))) / s_v;
   return sum;
 }
 
@@ -150,11 +151,11 @@ Vec3 sum_over_vertices(const Model& model, Vec u, Vec momentum, const F& f) {
   const std::vector<double> x = u ? model.dofs().gather(u) : std::vector<double>(p.size(), 0.0);
   std::vector<double> sum(3, 0.0);
   for (std::size_t i = 0; i + 2 < p.size(); i += 3) {
-    const Vec3 place = model.mesh().positions()[i / 3] + Vec3(x[i], x[i + 1], x[i + 2]);
+    const Vec3 place = model.dofs().mesh().positions()[i / 3] + Vec3(x[i], x[i + 1], x[i + 2]);
     const Vec3 value = f(place, Vec3(p[i], p[i + 1], p[i + 2]));
     for (int k = 0; k < 3; ++k) sum[static_cast<std::size_t>(k)] += value[k];
   }
-  mpi::broadcast(model.comm(), sum);
+  mpi::broadcast(model.dofs().comm(), sum);
   return {sum[0], sum[1], sum[2]};
 }
 

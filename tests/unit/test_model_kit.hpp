@@ -47,7 +47,7 @@ inline system::Load load(system::Load::Kind kind, const std::string& group, cons
 /// A vector of unknowns per vertex, in global axes, on every rank. Collective.
 inline std::vector<Vec3> per_vertex(const system::Model& model, Vec f) {
   std::vector<double> values = model.dofs().gather(f);
-  mpi::broadcast(model.comm(), values);
+  mpi::broadcast(model.dofs().comm(), values);
   std::vector<Vec3> result;
   for (std::size_t i = 0; i < values.size(); i += 3) result.push_back(Eigen::Map<const Vec3>(values.data() + i));
   return result;
@@ -56,7 +56,7 @@ inline std::vector<Vec3> per_vertex(const system::Model& model, Vec f) {
 /// Sets the unknowns from displacements in global axes given per vertex.
 inline void set_displacement(const system::Model& model, Vec a, const std::function<Vec3(Index)>& u) {
   std::vector<double> values(static_cast<std::size_t>(model.dofs().unknowns()));
-  for (Index v = 0; v < model.mesh().vertex_count(); ++v)
+  for (Index v = 0; v < model.dofs().mesh().vertex_count(); ++v)
     for (int k = 0; k < 3; ++k) values[3 * static_cast<std::size_t>(v) + k] = u(v)[k];
   model.dofs().scatter(values, a);
 }
@@ -87,8 +87,8 @@ inline double dot(Vec a, Vec b) {
 inline void solve_linear(const system::Model& model, Vec f, Vec x, PCType type = PCCHOLESKY) {
   KSP ksp = nullptr;
   PC pc = nullptr;
-  VOILE_PETSC(KSPCreate(model.comm(), &ksp));
-  VOILE_PETSC(KSPSetOperators(ksp, model.tangent_matrix(), model.tangent_matrix()));
+  VOILE_PETSC(KSPCreate(model.dofs().comm(), &ksp));
+  VOILE_PETSC(KSPSetOperators(ksp, model.tangent().matrix(), model.tangent().matrix()));
   VOILE_PETSC(KSPSetType(ksp, KSPPREONLY));
   VOILE_PETSC(KSPGetPC(ksp, &pc));
   VOILE_PETSC(PCSetType(pc, type));

@@ -56,7 +56,7 @@ struct Arch {
 
 inline std::vector<double> values_of(const system::Model& model, Vec a) {
   std::vector<double> u = model.dofs().gather(a);
-  mpi::broadcast(model.comm(), u);
+  mpi::broadcast(model.dofs().comm(), u);
   return u;
 }
 

@@ -52,6 +52,7 @@ class ContactSet {
   [[nodiscard]] const Surface& surface() const { return surface_; }
   [[nodiscard]] const ContactOptions& options() const { return options_; }
   std::vector<Plane>& planes() { return planes_; }
+  [[nodiscard]] const std::vector<Plane>& planes() const { return planes_; }
   Rule& rule(int a, int b) { return surface_.rules[a][b]; }
 
   /// Makes the candidates hold for all positions between `from` and `to` (all points) and some way around; true if some

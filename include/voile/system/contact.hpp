@@ -55,6 +55,11 @@ struct ContactMemory {
   std::vector<double> yielding;
 };
 
+/// Whether an obstacle gives way to what it pinches.
+[[nodiscard]] bool has_yielding_obstacles(const ContactInput& input);
+/// How many vertices some obstacle gives way to.
+[[nodiscard]] long yielding_count(const ContactMemory& memory);
+
 class Contact {
  public:
   /// `dofs` must outlive it. Collective. Throws UserError for unknown names in rules, a contact distance that is too
@@ -76,7 +81,6 @@ class Contact {
   [[nodiscard]] const ContactMemory& memory() const { return memory_; }
   /// Goes on from what another contact of the same mesh, or a checkpoint, remembered. Not collective.
   void restore(ContactMemory memory);
-  [[nodiscard]] bool has_friction() const { return set_->has_friction(); }
 
   /// Energy of contact and friction, the same on every rank; infinite if something touches. Collective. [J]
   [[nodiscard]] double energy(Vec a);
@@ -97,28 +101,17 @@ class Contact {
   /// cannot evade them, until the triangles of these are the contact distance away from the obstacle at the start of
   /// a step. Collective.
   [[nodiscard]] bool clear_predictor(Vec from, double t0, Vec to, double t1, bool may_yield = false);
-  [[nodiscard]] bool has_yielding_obstacles() const;
-  /// How many vertices some obstacle gives way to.
-  [[nodiscard]] long yielding_count() const;
-  /// Whether an obstacle gives way to a vertex of this triangle of the sheet.
-  [[nodiscard]] bool gives_way(const std::array<Index, 3>& triangle, int body) const;
   /// The pair that collided in the last predictor that could not be cleared, in words; the same on every rank.
   [[nodiscard]] const std::string& obstruction() const { return obstruction_; }
 
   [[nodiscard]] ContactReport report(Vec a);
-  /// What a user should know of the mesh, the contact distance and the obstacles.
-  [[nodiscard]] const std::vector<std::string>& notes() const { return notes_; }
-  [[nodiscard]] const contact::Surface& surface() const { return set_->surface(); }
+  /// Surface, planes at the time in force, pairs.
+  [[nodiscard]] const contact::ContactSet& set() const { return *set_; }
   /// Positions of all points, the obstacles' at the time in force; on every rank. Collective.
   [[nodiscard]] std::vector<Vec3> positions(Vec a) const;
-  /// Sets the free components of a so that the sheet's points are at x (all points, the same on every rank). Every rank
-  /// sets its own.
-  void set_positions(const std::vector<Vec3>& x, Vec a) const;
-  /// Projector onto the directions in which a point of the sheet may move, for each.
-  [[nodiscard]] std::vector<Mat3> free_directions() const;
-  /// Half-spaces at the time in force.
-  [[nodiscard]] const std::vector<contact::Plane>& planes() const { return set_->planes(); }
+  /// With notes on the mesh and the contact distance added.
   [[nodiscard]] const ContactInput& input() const { return input_; }
+  [[nodiscard]] const Dofs& dofs() const { return *dofs_; }
   /// The time in force [s]. Not collective.
   [[nodiscard]] double time() const { return time_; }
   /// Positions of the points of obstacle k at the time in force [m]; none for a plane. Not collective.
@@ -151,8 +144,6 @@ class Contact {
   [[nodiscard]] int body(const std::string& name) const;
   void cover(const std::vector<Vec3>& from, const std::vector<Vec3>& to);
   void fill_positions(Vec a, std::vector<Vec3>& x) const;
-  /// Sets the free components of row i of this rank so that its vertex is at x.
-  void place_vertex(Index i, const Vec3& x, const petsc::WriteArray& a) const;
   [[nodiscard]] Vec3 displacement(int body, const Vec3& place) const {
     return obstacles_->displacement(body, place, start_time_, time_);
   }
@@ -175,7 +166,9 @@ class Contact {
   std::string obstruction_;
   ContactMemory memory_;
   std::vector<double> blocked_;  ///< as ContactMemory::yielding, for what the last attempt found in its way
-  std::vector<std::string> notes_;
 };
+
+/// Whether an obstacle gives way to a vertex of this triangle of the sheet. Not collective.
+[[nodiscard]] bool gives_way(const Contact& contact, const std::array<Index, 3>& triangle, int body);
 
 }  // namespace voile::system

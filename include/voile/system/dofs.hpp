@@ -79,6 +79,10 @@ class Dofs {
   /// Adds forces on the local points, in global axes, to the rows of this rank; `force` is used up. Not collective.
   void add_forces(std::vector<Vec3>& force, Vec f) const;
 
+  // Vertices of this rank
+  /// Sets the free components of its vertex i so that it is at x [m].
+  void place_vertex(Index i, const Vec3& x, const petsc::WriteArray& a) const;
+
   // Vectors of unknowns
   /// A zero vector. Collective.
   [[nodiscard]] petsc::VecHandle create_vector() const;
@@ -118,5 +122,11 @@ class Dofs {
   petsc::VecHandle pattern_, halo_;  ///< of the shape of a; of the local vertices
   petsc::ScatterHandle scatter_;
 };
+
+/// Sets the free components of a so that the vertices are at x (all of them, the same on every rank). Every rank sets its
+/// own.
+void set_positions(const Dofs& dofs, const std::vector<Vec3>& x, Vec a);
+/// Projector onto the directions in which a vertex may move, for each.
+[[nodiscard]] std::vector<Mat3> free_directions(const Dofs& dofs);
 
 }  // namespace voile::system

@@ -75,7 +75,9 @@ class Dynamics {
   /// Velocities of the local points in place of positions, for the drag.
   [[nodiscard]] energy::Configuration moving(Vec v) const;
   /// C_b, or null if it is not to act or there is none.
-  [[nodiscard]] Mat material_damping() const { return options_.material_damping ? model_.damping_matrix() : nullptr; }
+  [[nodiscard]] Mat material_damping() const {
+    return options_.material_damping ? model_.constant().damping() : nullptr;
+  }
 
   Model& model_;
   DynamicsOptions options_;

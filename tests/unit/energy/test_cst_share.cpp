@@ -45,7 +45,7 @@ double stored_energy(energy::MembraneOperator op, double share) {
   set_displacement(model, a, [&](Index v) {
     return mesh.positions()[v].y() == 0.0 ? Vec3(Vec3::Zero()) : Vec3(noise(0.3 / cells, 17)(v));
   });
-  model.set_load_factor(1.0);
+  model.conditions().set_load_factor(1.0);
   const solve::NewtonResult result = newton.continuation(a);
   CHECK(result.converged);
   return model.energy(a);

@@ -44,10 +44,10 @@ system::ModelInput input_for(energy::BendingOperator bending, energy::MembraneOp
 
 /// Zeroes the fixed unknowns of a perturbation and sets the fixed ones of a state to their values.
 void respect_supports(system::Model& model, Vec a) {
-  const Index first = model.dofs().partition().owned_begin(mpi::rank(model.comm()));
+  const Index first = model.dofs().partition().owned_begin(mpi::rank(model.dofs().comm()));
   const petsc::WriteArray values(a);
-  for (const auto& [v, s] : model.constraints().vertices)
-    if (model.dofs().partition().vertex_rank[v] == mpi::rank(model.comm()))
+  for (const auto& [v, s] : model.discretisation().constraints().vertices)
+    if (model.dofs().partition().vertex_rank[v] == mpi::rank(model.dofs().comm()))
       for (int k = 0; k < 3; ++k)
         if (s.fixed[k]) values[3 * (model.dofs().partition().row_of[v] - first) + k] = 0.0;
 }
@@ -74,7 +74,7 @@ Slope compare(double exact, const std::function<double(double)>& value) {
 
 void check_derivatives(const mesh::SurfaceMesh& mesh, const system::ModelInput& input) {
   system::Model model(PETSC_COMM_WORLD, mesh, input);
-  model.set_load_factor(0.7);
+  model.conditions().set_load_factor(0.7);
   petsc::VecHandle a = model.dofs().create_vector(), d = model.dofs().create_vector(), e = model.dofs().create_vector();
   petsc::VecHandle moved = model.dofs().create_vector(), r = model.dofs().create_vector(),
                    kd = model.dofs().create_vector();
@@ -87,15 +87,15 @@ void check_derivatives(const mesh::SurfaceMesh& mesh, const system::ModelInput& 
     VOILE_PETSC(VecWAXPY(moved, h, d, a));
     return static_cast<Vec>(moved);
   };
-  if (model.symmetric()) {
+  if (model.conditions().symmetric()) {
     model.residual(a, r);
     const Slope gradient = compare(dot(r, d), [&](double h) { return model.energy(at(h)); });
     CHECK(gradient.reference > 1e-3);
     CHECK(gradient.best < 1e-7);
     CHECK(gradient.order > 1.7);
   }
-  model.assemble_tangent(a, nullptr, energy::Tangent::exact, 0.0);
-  VOILE_PETSC(MatMult(model.tangent_matrix(), d, kd));
+  model.assemble_tangent(a, {.kind = energy::Tangent::exact});
+  VOILE_PETSC(MatMult(model.tangent().matrix(), d, kd));
   const Slope hessian = compare(dot(kd, e), [&](double h) {
     model.residual(at(h), r);
     return dot(r, e);
@@ -105,14 +105,14 @@ void check_derivatives(const mesh::SurfaceMesh& mesh, const system::ModelInput& 
   CHECK(hessian.order > 1.7);
   // With x_k = x the linearised stress is the stress.
   petsc::VecHandle other = model.dofs().create_vector();
-  model.assemble_tangent(a, a, energy::Tangent::linearised_stress, 0.0);
-  VOILE_PETSC(MatMult(model.tangent_matrix(), d, other));
+  model.assemble_tangent(a, {.kind = energy::Tangent::linearised_stress, .previous = a});
+  VOILE_PETSC(MatMult(model.tangent().matrix(), d, other));
   VOILE_PETSC(VecAXPY(other, -1.0, kd));
   CHECK(norm(other) < 1e-12 * norm(kd));
-  if (!model.symmetric()) return;
-  VOILE_PETSC(MatMultTranspose(model.tangent_matrix(), d, other));
-  model.assemble_tangent(a, nullptr, energy::Tangent::exact, 0.0);
-  VOILE_PETSC(MatMultTranspose(model.tangent_matrix(), d, other));
+  if (!model.conditions().symmetric()) return;
+  VOILE_PETSC(MatMultTranspose(model.tangent().matrix(), d, other));
+  model.assemble_tangent(a, {.kind = energy::Tangent::exact});
+  VOILE_PETSC(MatMultTranspose(model.tangent().matrix(), d, other));
   VOILE_PETSC(VecAXPY(other, -1.0, kd));
   CHECK(norm(other) < 1e-12 * norm(kd));
 }
@@ -150,7 +150,7 @@ TEST_CASE("a rigid motion costs nothing, however large") {
   const mesh::SurfaceMesh mesh(curved_shell());
   system::Model model(PETSC_COMM_WORLD, mesh,
                       input_for(energy::BendingOperator::edge_slope, energy::MembraneOperator::six_node, false));
-  model.set_load_factor(0.0);
+  model.conditions().set_load_factor(0.0);
   const Eigen::AngleAxisd turn(2.0, Vec3(1.0, 2.0, -0.5).normalized());
   petsc::VecHandle a = model.dofs().create_vector(), r = model.dofs().create_vector();
   set_displacement(
@@ -208,12 +208,12 @@ TEST_CASE("the projected tangent keeps the tensile principal force alone") {
       set_displacement(model, a, [&](Index v) {
         return Vec3(turn * stretch.asDiagonal() * turn.transpose() * mesh.positions()[v]);
       });
-      model.assemble_tangent(a, nullptr, energy::Tangent::positive, 0.0);
+      model.assemble_tangent(a, {.kind = energy::Tangent::positive});
       for (const bool along_first : {true, false}) {
         const Vec3 axis = turn.col(along_first ? 0 : 1);
         const double e = along_first ? first : second, force = young * thickness * e * (1.0 + 0.5 * e);
         set_displacement(model, w, [&](Index v) { return Vec3(axis.dot(mesh.positions()[v]) * Vec3::UnitZ()); });
-        VOILE_PETSC(MatMult(model.tangent_matrix(), w, k));
+        VOILE_PETSC(MatMult(model.tangent().matrix(), w, k));
         CHECK(dot(w, k) == relative(std::max(force, 0.0)).epsilon(1e-10).scale(1.0));
       }
     }
@@ -229,10 +229,10 @@ TEST_CASE("the projected tangent is positive where the exact one is not") {
                    kd = model.dofs().create_vector();
   set_displacement(model, a, [&](Index v) { return Vec3(-0.05 * mesh.positions()[v][0], 0.0, 0.0); });
   set_displacement(model, d, [&](Index v) { return Vec3(0.0, 0.0, std::sin(3.0 * mesh.positions()[v][0])); });
-  model.assemble_tangent(a, nullptr, energy::Tangent::exact, 0.0);
-  VOILE_PETSC(MatMult(model.tangent_matrix(), d, kd));
+  model.assemble_tangent(a, {.kind = energy::Tangent::exact});
+  VOILE_PETSC(MatMult(model.tangent().matrix(), d, kd));
   CHECK(dot(kd, d) < 0.0);
-  model.assemble_tangent(a, nullptr, energy::Tangent::positive, 0.0);
-  VOILE_PETSC(MatMult(model.tangent_matrix(), d, kd));
+  model.assemble_tangent(a, {.kind = energy::Tangent::positive});
+  VOILE_PETSC(MatMult(model.tangent().matrix(), d, kd));
   CHECK(dot(kd, d) > 0.0);
 }

@@ -142,17 +142,17 @@ TEST_CASE("supports take hold of what they find: value and motion count from the
   const auto found = [&](Index v) { return Vec3(std::sin(7.0 * v), 0.1 * v, std::cos(3.0 * v)); };
   set_displacement(model, a, found);
   const double t0 = 0.7, t1 = 1.9, factor0 = 0.25, factor1 = 1.5;
-  model.take_hold(a, t0, factor0);
+  model.conditions().take_hold(a, t0, factor0);
   model.set_time(t0);
-  model.set_load_factor(factor0);
+  model.conditions().set_load_factor(factor0);
   VOILE_PETSC(VecCopy(a, b));
-  model.enforce_supports(b);
+  model.conditions().enforce(b);
   VOILE_PETSC(VecAXPY(b, -1.0, a));
   CHECK(norm(b) < 1e-14);  // nothing jumps
   model.set_time(t1);
-  model.set_load_factor(factor1);
+  model.conditions().set_load_factor(factor1);
   VOILE_PETSC(VecCopy(a, b));
-  model.enforce_supports(b);
+  model.conditions().enforce(b);
   const std::vector<Vec3> u = per_vertex(model, b);
   for (const Index v : mesh.group("left").vertices) {
     const auto& motion = in.supports[0].motion;

@@ -64,7 +64,7 @@ TEST_CASE("heavy strips hang as the elastica does") {
       CAPTURE(row.gamma);
       CAPTURE(alternate);
       HeavyStrip strip(row.gamma, row.cells, alternate);
-      strip.model.set_load_factor(1.0);
+      strip.model.conditions().set_load_factor(1.0);
       solve::Drape drape(strip.model, {});
       const Ended r = follow_from(state_of(strip.a), drape);
       REQUIRE(r.completed);
@@ -89,7 +89,7 @@ TEST_CASE("an unstable equilibrium is left for a stable one") {
   const double euler = 9.8696 * 1e6 * 1e-6 / 12.0;
   in.loads = {load(LoadKind::line, "right", Vec3(-1.1 * euler, 0.0, 0.0))};
   system::Model model(PETSC_COMM_WORLD, mesh, in);
-  model.set_load_factor(1.0);
+  model.conditions().set_load_factor(1.0);
   petsc::VecHandle a = model.dofs().create_vector();
   std::vector<std::string> remarks;
   solve::Drape drape(model, {});
@@ -121,14 +121,14 @@ TEST_CASE("an unstable equilibrium is left for a stable one") {
 TEST_CASE("inverse iteration finds the eigenvalue nearest to zero") {
   HeavyStrip strip(10.0, 8, false);
   solve::Newton newton(strip.model);
-  strip.model.assemble_tangent(strip.a, nullptr, energy::Tangent::exact, 0.0);
+  strip.model.assemble_tangent(strip.a, {.kind = energy::Tangent::exact});
   newton.linear_solver().tangent_changed();
   petsc::VecHandle mode = solve::start_mode(strip.model), product = strip.model.dofs().create_vector(),
                    inertia = strip.model.dofs().create_vector();
   const double value = solve::inverse_iteration(strip.model, newton.linear_solver(), mode, 60);
   CHECK(value > 0.0);
-  VOILE_PETSC(MatMult(strip.model.tangent_matrix(), mode, product));
-  VOILE_PETSC(VecPointwiseMult(inertia, strip.model.mass(), mode));
+  VOILE_PETSC(MatMult(strip.model.tangent().matrix(), mode, product));
+  VOILE_PETSC(VecPointwiseMult(inertia, strip.model.constant().mass(), mode));
   strip.model.dofs().clear_fixed(inertia);
   VOILE_PETSC(VecAXPY(product, -value, inertia));
   CHECK(norm(product) < 1e-6 * value * norm(inertia));

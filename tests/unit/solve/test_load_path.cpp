@@ -64,7 +64,7 @@ TEST_CASE("the path begins at the unloaded state, visits its stops exactly and e
   for (const double stop : options.stops) CHECK(std::count(f.begin(), f.end(), stop) == 1);
   CHECK(f.back() == 1.0);
   CHECK(r.result.state.load_factor == 1.0);
-  CHECK(strip.model.load_factor() == 1.0);
+  CHECK(strip.model.conditions().load_factor() == 1.0);
   CHECK(r.result.newton_iterations == iterations);  // no step failed
   CHECK(r.result.factorisations == factorisations);
   CHECK(r.states.back() == values_of(strip.model, strip.a));
@@ -143,7 +143,7 @@ TEST_CASE("a path that cannot go on ends with the last accepted state and says w
   CHECK(r.result.state.load_factor == 0.5);  // the snap is near 0.7
   REQUIRE(r.reports.size() > 1);
   CHECK(r.result.state.load_factor == r.reports.back().load_factor);
-  CHECK(arch.model.load_factor() == r.result.state.load_factor);
+  CHECK(arch.model.conditions().load_factor() == r.result.state.load_factor);
   CHECK_FALSE(r.reports.back().last);
   CHECK(r.states.back() == values_of(arch.model, arch.a));
   // It is an equilibrium at the load factor that the model is left with.

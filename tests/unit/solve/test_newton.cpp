@@ -101,7 +101,7 @@ struct TurnedPanel {
                     })),
         model(PETSC_COMM_WORLD, mesh, input(t)),
         a(model.dofs().create_vector()) {
-    model.set_load_factor(1.0);
+    model.conditions().set_load_factor(1.0);
   }
 
   static system::ModelInput input(const Mat3& t) {
@@ -158,7 +158,7 @@ TEST_CASE("a stretched and carried sheet is exact, reactions included, and its s
                     displacement("top", {false, true, false}, Vec3::Zero())};
   system::Model model(PETSC_COMM_WORLD, mesh, input);
   solve::Newton newton(model);
-  model.set_load_factor(1.0);
+  model.conditions().set_load_factor(1.0);
   petsc::VecHandle a = model.dofs().create_vector(), r = model.dofs().create_vector(),
                    moved = model.dofs().create_vector();
   // What the residual would be if the supports moved alone.
@@ -210,7 +210,7 @@ TEST_CASE("a start in equilibrium is accepted, whatever its round-off") {
   CHECK(idle.iterations <= 1);
   CHECK(norm(a) < 1e-12);
   // The same load twice.
-  model.set_load_factor(0.01);
+  model.conditions().set_load_factor(0.01);
   CHECK(newton.step(a).converged);
   const std::vector<Vec3> u = per_vertex(model, a);
   const solve::NewtonResult again = newton.step(a);
@@ -219,7 +219,7 @@ TEST_CASE("a start in equilibrium is accepted, whatever its round-off") {
   CHECK(difference(u, per_vertex(model, a)) < 1e-9 * largest(u));
   // A load that leaves a strain of about the round-off still deflects.
   VOILE_PETSC(VecZeroEntries(a));
-  model.set_load_factor(1e-9);
+  model.conditions().set_load_factor(1e-9);
   CHECK(newton.step(a).converged);
   CHECK(per_vertex(model, a)[9 + 8].z() == relative(4e-9 * 1000.0 / (3.0 * 100.0)).epsilon(0.01));
 }
@@ -231,12 +231,12 @@ TEST_CASE("supports that carry a sheet without straining it need no force") {
   system::Model model(PETSC_COMM_WORLD, mesh, input);
   solve::Newton newton(model);
   petsc::VecHandle a = model.dofs().create_vector();
-  model.set_load_factor(0.0);
+  model.conditions().set_load_factor(0.0);
   CHECK(newton.step(a).converged);
   input.loads.clear();
   system::Model unloaded(PETSC_COMM_WORLD, mesh, input);
   solve::Newton mover(unloaded);
-  unloaded.set_load_factor(1.0);
+  unloaded.conditions().set_load_factor(1.0);
   const solve::NewtonResult result = mover.step(a);
   CAPTURE(result.reason);
   CHECK(result.converged);
@@ -247,20 +247,21 @@ TEST_CASE("supports that carry a sheet without straining it need no force") {
 TEST_CASE("the coupling to prescribed components is the derivative of the residual, oblique axes included") {
   TurnedPanel panel(oblique_turn());
   system::Model& model = panel.model;
-  const int rank = mpi::rank(model.comm());
+  const int rank = mpi::rank(model.dofs().comm());
   const Index first = model.dofs().partition().owned_begin(rank);
   int rotated = 0;
-  for (const auto& [v, s] : model.constraints().vertices) rotated += s.rotated() ? 1 : 0;
+  for (const auto& [v, s] : model.discretisation().constraints().vertices) rotated += s.rotated() ? 1 : 0;
   REQUIRE(rotated > 5);
   set_displacement(model, panel.a, noise(0.02, 3));
   petsc::VecHandle off = model.dofs().create_vector(), moved = model.dofs().create_vector(),
                    plus = model.dofs().create_vector(), minus = model.dofs().create_vector(),
                    coupling = model.dofs().create_vector();
   const auto for_fixed = [&](const std::function<void(PetscInt, double)>& f) {
-    for (const auto& [v, s] : model.constraints().vertices)
+    for (const auto& [v, s] : model.discretisation().constraints().vertices)
       if (model.dofs().partition().vertex_rank[v] == rank)
         for (int k = 0; k < 3; ++k)
-          if (s.fixed[k]) f(3 * (model.dofs().partition().row_of[v] - first) + k, model.load_factor() * s.value[k]);
+          if (s.fixed[k])
+            f(3 * (model.dofs().partition().row_of[v] - first) + k, model.conditions().load_factor() * s.value[k]);
   };
   model.residual(panel.a, minus);
   {
@@ -272,9 +273,9 @@ TEST_CASE("the coupling to prescribed components is the derivative of the residu
     });
   }
   REQUIRE(norm(off) > 0.1);
-  model.assemble_tangent(panel.a, nullptr, energy::Tangent::exact, 0.0);
-  REQUIRE(model.fixed_coupling() != nullptr);
-  VOILE_PETSC(VecCopy(model.fixed_coupling(), coupling));
+  model.assemble_tangent(panel.a, {.kind = energy::Tangent::exact});
+  REQUIRE(model.tangent().fixed_coupling() != nullptr);
+  VOILE_PETSC(VecCopy(model.tangent().fixed_coupling(), coupling));
   const double h = 1e-5;
   VOILE_PETSC(VecWAXPY(moved, h, off, panel.a));
   model.residual(moved, plus);
@@ -334,7 +335,7 @@ TEST_CASE("the cantilever takes its full end shear in one step of few iterations
   const mesh::SurfaceMesh mesh(strip(40, 4));
   system::Model model(PETSC_COMM_WORLD, mesh, cantilever());
   solve::Newton newton(model);
-  model.set_load_factor(1.0);
+  model.conditions().set_load_factor(1.0);
   petsc::VecHandle a = model.dofs().create_vector();
   const solve::NewtonResult result = newton.step(a);
   CHECK(result.converged);
@@ -353,7 +354,7 @@ TEST_CASE("a diverging step says so and leaves the solver usable") {
   solve::Newton newton(model), fresh(model);
   petsc::VecHandle a = model.dofs().create_vector();
   const auto small_load = [&](solve::Newton& solver) {
-    model.set_load_factor(0.05);
+    model.conditions().set_load_factor(0.05);
     VOILE_PETSC(VecZeroEntries(a));
     CHECK(solver.step(a).converged);
     return per_vertex(model, a);
@@ -361,7 +362,7 @@ TEST_CASE("a diverging step says so and leaves the solver usable") {
   const std::vector<Vec3> expected = small_load(fresh);
   for (const double factor : {400.0, 1e160, std::numeric_limits<double>::quiet_NaN()}) {
     CAPTURE(factor);
-    model.set_load_factor(factor);
+    model.conditions().set_load_factor(factor);
     VOILE_PETSC(VecZeroEntries(a));
     const solve::NewtonResult result = newton.step(a);
     CHECK_FALSE(result.converged);
@@ -378,7 +379,7 @@ TEST_CASE("a sheet without supports is not reported as solved") {
   input.supports.clear();
   system::Model model(PETSC_COMM_WORLD, mesh, input);
   solve::Newton newton(model);
-  model.set_load_factor(1.0);
+  model.conditions().set_load_factor(1.0);
   petsc::VecHandle a = model.dofs().create_vector();
   const solve::NewtonResult result = newton.step(a);
   CHECK_FALSE(result.converged);
@@ -391,7 +392,7 @@ TEST_CASE("continuation finds the equilibrium that stepping finds") {
   system::Model model(PETSC_COMM_WORLD, mesh, cantilever());
   solve::Newton newton(model);
   petsc::VecHandle a = model.dofs().create_vector(), b = model.dofs().create_vector();
-  model.set_load_factor(0.5);
+  model.conditions().set_load_factor(0.5);
   REQUIRE(newton.step(a).converged);
   const solve::NewtonResult result = newton.continuation(b);
   CAPTURE(result.reason);
@@ -410,7 +411,7 @@ TEST_CASE("continuation settles where the decrease of the energy drowns in its r
   petsc::VecHandle a = model.dofs().create_vector(), b = model.dofs().create_vector();
   for (const double factor : {0.02, 0.05, 0.08}) {
     CAPTURE(factor);
-    model.set_load_factor(factor);
+    model.conditions().set_load_factor(factor);
     VOILE_PETSC(VecZeroEntries(a));
     VOILE_PETSC(VecZeroEntries(b));
     CHECK(newton.step(a).converged);
@@ -427,7 +428,7 @@ TEST_CASE("continuation passes a snap that one step does not") {
   system::Model model(PETSC_COMM_WORLD, mesh, pressed_arch());
   solve::Newton newton(model);
   petsc::VecHandle a = model.dofs().create_vector(), r = model.dofs().create_vector();
-  model.set_load_factor(1.0);
+  model.conditions().set_load_factor(1.0);
   const double before = model.energy(a);
   CHECK_FALSE(newton.step(a).converged);
   VOILE_PETSC(VecZeroEntries(a));
@@ -448,7 +449,7 @@ TEST_CASE("MUMPS's lack of workspace is answered with more of it") {
   const auto solve = [&](bool continuation) {
     system::Model model(PETSC_COMM_WORLD, mesh, cantilever());
     solve::Newton newton(model);
-    model.set_load_factor(0.05);
+    model.conditions().set_load_factor(0.05);
     petsc::VecHandle a = model.dofs().create_vector();
     const solve::NewtonResult result = continuation ? newton.continuation(a) : newton.step(a);
     CAPTURE(result.reason);
@@ -474,11 +475,11 @@ TEST_CASE("an unstable equilibrium is reported by its negative pivots") {
   solve::Newton newton(model);
   petsc::VecHandle a = model.dofs().create_vector();
   // A wide column buckles near the strain pi^2 h^2/(12 (1 - nu^2)) = 9e-5.
-  model.set_load_factor(0.03);
+  model.conditions().set_load_factor(0.03);
   const solve::NewtonResult stable = newton.step(a);
   CHECK(stable.converged);
   CHECK(stable.negative_pivots == 0);
-  model.set_load_factor(1.0);
+  model.conditions().set_load_factor(1.0);
   const solve::NewtonResult buckled = newton.step(a);
   CHECK(buckled.converged);
   for (const Vec3& u : per_vertex(model, a)) CHECK(std::abs(u.z()) < 1e-12);  // nothing pushes it out of its plane

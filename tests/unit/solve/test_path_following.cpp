@@ -39,7 +39,7 @@ Record follow(system::Model& model, Vec a, const solve::StaticOptions& options, 
 /// Mean displacement of a group along one axis, as a linear function of the unknowns.
 petsc::VecHandle probe_of(const system::Model& model, const std::string& group, int axis) {
   petsc::VecHandle c = model.dofs().create_vector();
-  const std::vector<Index>& vertices = model.mesh().group(group).vertices;
+  const std::vector<Index>& vertices = model.dofs().mesh().group(group).vertices;
   set_displacement(model, c, [&](Index v) {
     const bool in = std::find(vertices.begin(), vertices.end(), v) != vertices.end();
     return in ? Vec3(Vec3::Unit(axis) / static_cast<double>(vertices.size())) : Vec3(Vec3::Zero());
@@ -140,13 +140,13 @@ TEST_CASE("the load direction is the derivative of the residual with respect to 
     const bool in_group = std::find(right.begin(), right.end(), v) != right.end();
     return in_group ? Vec3(0.03, 0.0, -0.02) : Vec3(Vec3::Zero());
   });
-  model.set_load_factor(factor);
-  model.assemble_tangent(a, nullptr, energy::Tangent::exact, 0.0);
+  model.conditions().set_load_factor(factor);
+  model.assemble_tangent(a, {.kind = energy::Tangent::exact});
   model.load_direction(a, f);
   // The supports move with the load factor; the reactions of that motion are part of the direction.
   const auto moved_residual = [&](double sign, Vec r) {
     VOILE_PETSC(VecWAXPY(shifted, sign * step, prescribed, a));
-    model.set_load_factor(factor + sign * step);
+    model.conditions().set_load_factor(factor + sign * step);
     model.residual(shifted, r);
     model.dofs().clear_fixed(r);
   };
@@ -214,11 +214,11 @@ TEST_CASE("every state on the arc is in equilibrium and an arc length from the o
   double length = 0.0;
   solve::PathFollower path(arch.model, options, probe);
   const auto look = [&](const system::State& s, const solve::StepResult&) {
-    arch.model.set_load_factor(s.load_factor);
+    arch.model.conditions().set_load_factor(s.load_factor);
     arch.model.residual(s.u, residual);
     CHECK(norm(residual) < 1e-6 * std::max(1e-2, arch.model.force_scale()));
     VOILE_PETSC(VecWAXPY(step, -1.0, before, s.u));
-    VOILE_PETSC(VecPointwiseMult(weighted, arch.model.mass(), step));
+    VOILE_PETSC(VecPointwiseMult(weighted, arch.model.constant().mass(), step));
     const double taken = std::sqrt(dot(weighted, step));
     if (s.step == 1) length = taken;
     if (s.step > 1 && !path.finished(s)) CHECK(taken == relative(length).epsilon(1e-6));

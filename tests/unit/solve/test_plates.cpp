@@ -47,11 +47,11 @@ double ratio(const Plate& plate, Pattern pattern, int n) {
   load.vector = Vec3(0.0, 0.0, 1.0);
   input.loads = {load};
   system::Model model(PETSC_COMM_WORLD, mesh, input);
-  model.set_load_factor(1.0);
+  model.conditions().set_load_factor(1.0);
   petsc::VecHandle zero = model.dofs().create_vector(), r = model.dofs().create_vector(),
                    a = model.dofs().create_vector();
   model.residual(zero, r);
-  model.assemble_tangent(zero, nullptr, energy::Tangent::exact, 0.0);
+  model.assemble_tangent(zero, {.kind = energy::Tangent::exact});
   solve_linear(model, r, a);
   const std::vector<double> u = model.dofs().gather(a);
   double w = 0.0;

@@ -248,20 +248,20 @@ TEST_CASE("the largest frequency is that of the full eigenvalue problem, from ab
   Falling f;
   Dynamics dynamics(f.model, {});
   const double found = solve::largest_frequency(dynamics, f.u);
-  f.model.assemble_tangent(f.u, nullptr, energy::Tangent::exact, 0.0);
+  f.model.assemble_tangent(f.u, {.kind = energy::Tangent::exact});
   const PetscInt n = f.model.dofs().unknowns();
   petsc::VecHandle x = f.model.dofs().create_vector(), y = f.model.dofs().create_vector();
   const auto column = [&](PetscInt j) {
     set_displacement(f.model, x, [&](Index v) { return j / 3 == v ? Vec3(Vec3::Unit(j % 3)) : Vec3(Vec3::Zero()); });
     f.model.dofs().clear_fixed(x);
-    VOILE_PETSC(MatMult(f.model.tangent_matrix(), x, y));
+    VOILE_PETSC(MatMult(f.model.tangent().matrix(), x, y));
     f.model.dofs().clear_fixed(y);
     const std::vector<double> values = values_of(f.model, y);
     return Eigen::VectorXd(Eigen::Map<const Eigen::VectorXd>(values.data(), n));
   };
   Eigen::MatrixXd k(n, n);
   for (PetscInt j = 0; j < n; ++j) k.col(j) = column(j);
-  const std::vector<double> masses = values_of(f.model, f.model.mass());
+  const std::vector<double> masses = values_of(f.model, f.model.constant().mass());
   const Eigen::VectorXd root = Eigen::Map<const Eigen::VectorXd>(masses.data(), n).cwiseSqrt().cwiseInverse();
   const Eigen::MatrixXd scaled = root.asDiagonal() * k * root.asDiagonal();
   const double exact = std::sqrt(Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(scaled).eigenvalues()[n - 1]);
@@ -292,7 +292,7 @@ TEST_CASE("a sheet that hangs and swings loses amplitude as its material's dampi
     in.materials[0].bending_damping = gravity > 0.0 ? 0.2 : 0.05;
     in.loads = {load(LoadKind::gravity, "", Vec3(gravity, 0.0, 0.0))};  // along the strip: it hangs straight
     Falling f(in);
-    f.model.set_load_factor(1.0);
+    f.model.conditions().set_load_factor(1.0);
     solve::Newton newton(f.model);
     REQUIRE(newton.step(f.u).converged);
     DynamicsOptions d;
@@ -303,7 +303,7 @@ TEST_CASE("a sheet that hangs and swings loses amplitude as its material's dampi
     const Vec mode = modes.modes[0].shape;
     petsc::VecHandle product = f.model.dofs().create_vector(), rest = f.model.dofs().create_vector();
     VOILE_PETSC(VecCopy(f.u, rest));
-    VOILE_PETSC(MatMult(f.model.damping_matrix(), mode, product));
+    VOILE_PETSC(MatMult(f.model.constant().damping(), mode, product));
     const double omega = 2.0 * M_PI * modes.modes[0].value;
     const double rate = 0.25 * dot(product, mode) / weighing.kinetic_energy(mode);
     CAPTURE(rate / omega);
@@ -407,7 +407,7 @@ TEST_CASE("viscous membrane and drag: the step's residual is the gradient of its
     VOILE_PETSC(VecScale(r, 0.5 / step));
     at(0.0);
     dynamics.assemble_tangent(x, energy::Tangent::exact, s_v, s_a);
-    VOILE_PETSC(MatMult(f.model.tangent_matrix(), direction, other));
+    VOILE_PETSC(MatMult(f.model.tangent().matrix(), direction, other));
     f.model.dofs().clear_fixed(r);
     f.model.dofs().clear_fixed(other);
     VOILE_PETSC(VecAXPY(other, -1.0, r));
@@ -459,7 +459,7 @@ TEST_CASE("supports move as functions of time say, and the load follows its hist
       const Vec3 x = f.mesh.positions()[v];
       CHECK((u[v] - Vec3(0.1 * s.time, 0.0, 0.02 * std::sin(20.0 * s.time) * x[1])).norm() < 1e-14);
     }
-    factor = f.model.load_factor();
+    factor = f.model.conditions().load_factor();
     CHECK(s.load_factor == factor);
     return s.step == 30;
   };

@@ -116,13 +116,13 @@ Answers ask(system::Model& model, const std::function<Vec3(Index)>& state) {
   Answers all;
   set_displacement(model, a, state);
   set_displacement(model, d, noise(1.0, 77));
-  model.set_load_factor(0.7);
+  model.conditions().set_load_factor(0.7);
   model.unbalanced_force(a, r);
   all.residual = per_vertex(model, r);
-  model.assemble_tangent(a, nullptr, energy::Tangent::exact, 0.3);
-  VOILE_PETSC(MatMult(model.tangent_matrix(), d, r));
+  model.assemble_tangent(a, {.kind = energy::Tangent::exact, .mass = 0.3});
+  VOILE_PETSC(MatMult(model.tangent().matrix(), d, r));
   all.tangent = per_vertex(model, r);
-  all.mass = per_vertex(model, model.mass());
+  all.mass = per_vertex(model, model.constant().mass());
   const system::Energies e = model.energies(a);
   all.energies = {e.membrane, e.bending, e.external, e.springs};
   all.fields = model.triangle_fields(a);
@@ -163,11 +163,11 @@ std::vector<Vec3> equilibrium(system::Model& model) {
   const petsc::VecHandle a = model.dofs().create_vector(), r = model.dofs().create_vector(),
                          da = model.dofs().create_vector();
   for (int step = 1; step <= 8; ++step) {
-    model.set_load_factor(step / 8.0);
-    model.enforce_supports(a);
+    model.conditions().set_load_factor(step / 8.0);
+    model.conditions().enforce(a);
     for (int i = 0; i < 8; ++i) {
       model.residual(a, r);
-      model.assemble_tangent(a, nullptr, energy::Tangent::exact, 0.0);
+      model.assemble_tangent(a, {.kind = energy::Tangent::exact});
       VOILE_PETSC(VecScale(r, -1.0));
       solve_linear(model, r, da, PCLU);
       VOILE_PETSC(VecAXPY(a, 1.0, da));
@@ -249,11 +249,11 @@ Slopes slopes(system::Model& model, double size) {
                          kd = model.dofs().create_vector(), r2 = model.dofs().create_vector();
   set_displacement(model, a, noise(size, 3));
   set_displacement(model, d, noise(size, 4));
-  model.enforce_supports(a);
+  model.conditions().enforce(a);
   model.dofs().clear_fixed(d);
   model.residual(a, r);
-  model.assemble_tangent(a, nullptr, energy::Tangent::exact, 0.0);
-  VOILE_PETSC(MatMult(model.tangent_matrix(), d, kd));
+  model.assemble_tangent(a, {.kind = energy::Tangent::exact});
+  VOILE_PETSC(MatMult(model.tangent().matrix(), d, kd));
   model.dofs().clear_fixed(kd);
   const double h = 1e-4;
   const auto at = [&](double step, Vec to) { VOILE_PETSC(VecWAXPY(to, step, d, a)); };
@@ -351,7 +351,7 @@ TEST_CASE("a curved shell whose rest shape lies elsewhere answers as in place") 
     system::Model expected(PETSC_COMM_WORLD, mesh, in), model(PETSC_COMM_WORLD, moved, in);
     check_same(ask(model, noise(0.05, 9)), ask(expected, noise(0.05, 9)), false, 2e-12);
     const petsc::VecHandle a = model.dofs().create_vector(), f = model.dofs().create_vector();
-    model.set_load_factor(0.0);
+    model.conditions().set_load_factor(0.0);
     model.residual(a, f);
     CHECK(norm(f) < 1e-12);
     // The same numbers as corners as in the positions: planes of symmetry are in the chart then.
@@ -408,7 +408,7 @@ TEST_CASE("the curvature of a rolled sheet is that of the cylinder") {
   system::Model model(PETSC_COMM_WORLD, mesh, in);
   const petsc::VecHandle a = model.dofs().create_vector();
   const system::TriangleFields f = model.triangle_fields(a);
-  if (mpi::rank(model.comm()) != 0) return;
+  if (mpi::rank(model.dofs().comm()) != 0) return;
   double worst = 0.0;
   for (Index t = 0; t < mesh.triangle_count(); ++t) {
     const double x = mesh.rest_corner(t, 0)[0], y = mesh.rest_corner(t, 0)[1];
@@ -494,11 +494,11 @@ TEST_CASE("a sewn tube in equilibrium has exactly six rigid-body modes") {
   set_displacement(model, a, [&](Index v) { return u[static_cast<std::size_t>(v)]; });
   model.residual(a, f);
   CHECK(norm(f) < 1e-11 * before);
-  model.assemble_tangent(a, nullptr, energy::Tangent::exact, 0.0);
+  model.assemble_tangent(a, {.kind = energy::Tangent::exact});
   Eigen::MatrixXd k(model.dofs().unknowns(), model.dofs().unknowns());
   std::vector<PetscInt> all(static_cast<std::size_t>(model.dofs().unknowns()));
   for (std::size_t i = 0; i < all.size(); ++i) all[i] = static_cast<PetscInt>(i);
-  VOILE_PETSC(MatGetValues(model.tangent_matrix(), model.dofs().unknowns(), all.data(), model.dofs().unknowns(),
+  VOILE_PETSC(MatGetValues(model.tangent().matrix(), model.dofs().unknowns(), all.data(), model.dofs().unknowns(),
                            all.data(), k.data()));
   const Eigen::VectorXd e = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(k).eigenvalues();
   for (int i = 0; i < 6; ++i) CHECK(std::abs(e[i]) < 1e-13 * e.maxCoeff());

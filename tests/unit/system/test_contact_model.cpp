@@ -82,8 +82,8 @@ struct Problem {
 /// Intersecting pairs of the sheet's triangles at a state. Collective.
 std::size_t intersections(const system::Model& model, Vec u) {
   std::vector<Vec3> x = per_vertex(model, u);
-  for (std::size_t i = 0; i < x.size(); ++i) x[i] += model.mesh().positions()[i];
-  return geometry::intersecting_triangles(x, model.mesh().triangles()).size();
+  for (std::size_t i = 0; i < x.size(); ++i) x[i] += model.dofs().mesh().positions()[i];
+  return geometry::intersecting_triangles(x, model.dofs().mesh().triangles()).size();
 }
 
 solve::TimeOptions options(double end, double step) {
@@ -117,19 +117,19 @@ TEST_CASE("contact in a model: the tangent is the derivative of the residual, th
   in.supports = {support("sheet0", SupportKind::displacement)};
   in.supports[0].components = {true, false, false};  // fixed rows and columns
   Problem p(sheets(2, 6, 0.025), in);
-  const int before = p.model.pattern_version();
+  const int before = p.model.tangent().pattern_version();
   set_displacement(p.model, p.u, noise(2e-3, 1));
-  p.model.enforce_supports(p.u);
+  p.model.conditions().enforce(p.u);
   petsc::VecHandle r = p.model.dofs().create_vector(), up = p.model.dofs().create_vector(),
                    down = p.model.dofs().create_vector(), w = p.model.dofs().create_vector(),
                    kw = p.model.dofs().create_vector(), x = p.model.dofs().create_vector();
   system::TangentRequest request;
   request.exact_contact = true;
   p.model.assemble_tangent(p.u, request);
-  CHECK(p.model.pattern_version() == before + 1);
+  CHECK(p.model.tangent().pattern_version() == before + 1);
   set_displacement(p.model, w, noise(1.0, 2));
   p.model.dofs().clear_fixed(w);
-  VOILE_PETSC(MatMult(p.model.tangent_matrix(), w, kw));
+  VOILE_PETSC(MatMult(p.model.tangent().matrix(), w, kw));
   const double h = 1e-8;
   VOILE_PETSC(VecWAXPY(x, h, w, p.u));
   p.model.residual(x, up);
@@ -148,13 +148,13 @@ TEST_CASE("contact in a model: the tangent is the derivative of the residual, th
   CHECK((energy_up - energy_down) / (2.0 * h) == relative(dot(r, w)).epsilon(1e-6));
   // The constant bending stiffness was copied, not assembled, into the larger pattern.
   p.model.assemble_tangent(p.u, request);
-  CHECK(p.model.pattern_version() == before + 1);
+  CHECK(p.model.tangent().pattern_version() == before + 1);
 }
 
 TEST_CASE("contact in a model: pairs, energy and forces are those of one rank") {
   Problem p(sheets(3, 7, 0.025), input({ball(Vec3(0.5, 0.5, -0.29), 0.27)}, 0.03));
   set_displacement(p.model, p.u, noise(4e-3, 5));
-  const contact::Surface& s = p.model.contact()->surface();
+  const contact::Surface& s = p.model.contact()->set().surface();
   ContactSet alone(s, {}, {0.03, 1e4, 1e-3}, std::vector<char>(static_cast<std::size_t>(s.sheet_points), 1));
   const std::vector<Vec3> x = p.model.contact()->positions(p.u);
   (void)alone.cover(x, x);
@@ -201,7 +201,7 @@ TEST_CASE("a sheet comes to rest on a floor that then carries its weight") {
   in.supports = {support("sheet0", SupportKind::displacement)};
   in.supports[0].components = {true, true, false};
   Problem p(sheets(1, 6, 0.0), in);
-  p.model.set_load_factor(1.0);
+  p.model.conditions().set_load_factor(1.0);
   solve::Drape drape(p.model, {});
   CHECK(follow_from(state_of(p.u), drape).completed);
   CHECK(drape.stability().stable);
@@ -254,7 +254,7 @@ TEST_CASE("what cannot be avoided ends the run and is named") {
 /// Static residual of the start, free components only.
 petsc::VecHandle residual(Problem& p) {
   petsc::VecHandle r = p.model.dofs().create_vector();
-  p.model.set_load_factor(1.0);
+  p.model.conditions().set_load_factor(1.0);
   p.model.residual(p.u, r);
   p.model.dofs().clear_fixed(r);
   return r;
@@ -316,8 +316,8 @@ TEST_CASE("the positive tangent takes friction's secant where slips have grown")
   const auto stiffness = [&](double displacement) {  // against a translation along the slip; the sheet itself has none
     VOILE_PETSC(VecCopy(along, a));
     VOILE_PETSC(VecScale(a, displacement));
-    p.model.assemble_tangent(a, nullptr, energy::Tangent::positive, 0.0);
-    VOILE_PETSC(MatMult(p.model.tangent_matrix(), along, k));
+    p.model.assemble_tangent(a, {.kind = energy::Tangent::positive});
+    VOILE_PETSC(MatMult(p.model.tangent().matrix(), along, k));
     return dot(along, k);
   };
   contact.start_step(p.u, slip);
@@ -403,11 +403,11 @@ mesh::MeshData with_sliver(int count, double distance) {
 TEST_CASE("slivers: neighbours nearer than the contact distance are at rest, and other sheets are still felt") {
   const double d = 0.02;
   Problem one(with_sliver(1, 0.0), input({}, d));
-  CHECK(one.model.contact()->notes().size() == 1);
-  CHECK(one.model.contact()->notes()[0].find("less high") != std::string::npos);
+  CHECK(one.model.contact()->input().notes.size() == 1);
+  CHECK(one.model.contact()->input().notes[0].find("less high") != std::string::npos);
   CHECK(one.model.contact()->energy(one.u) == 0.0);
-  CHECK(!one.model.contact()->surface().neighbours.of_faces.empty());
-  for (const auto& [points, share] : one.model.contact()->surface().neighbours.of_edges)
+  CHECK(!one.model.contact()->set().surface().neighbours.of_faces.empty());
+  for (const auto& [points, share] : one.model.contact()->set().surface().neighbours.of_edges)
     CHECK((share > 0.0 && share < 1.0));
   // Crushed to a third of its width the sliver is felt.
   set_displacement(one.model, one.u, [&](Index v) {
@@ -435,12 +435,12 @@ TEST_CASE("an obstacle that yields gives way to what it pinches, until that is f
     solve::TimeOptions o = options(0.3, 0.01);
     o.velocity_tolerance = 1e-3;
     const Ended r = integrate(p, {}, o, [&](const system::State&, system::Dynamics&) {
-      last = p.model.contact()->yielding_count();
+      last = system::yielding_count(p.model.contact()->memory());
       most = std::max(most, last);
       if (last == 0) return;
       Problem q(sheets(1, 8, 0.0), input({below, above}, 0.01));
       q.model.contact()->restore(p.model.contact()->memory());
-      CHECK(q.model.contact()->yielding_count() == last);
+      CHECK(system::yielding_count(q.model.contact()->memory()) == last);
     });
     double lowest = 1e9;
     for (const Vec3& u : per_vertex(p.model, p.u)) lowest = std::min(lowest, u[2]);

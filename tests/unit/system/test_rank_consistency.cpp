@@ -73,18 +73,18 @@ Answer answer(MPI_Comm comm, const mesh::SurfaceMesh& mesh, bool follower) {
   r.unbalanced = all(f);
   r.energies = model.energies(a);
   r.energy = model.energy(a);
-  r.area = model.total_area();
+  r.area = model.discretisation().mean_area() * model.dofs().mesh().triangle_count();
   const system::TriangleFields fields = model.triangle_fields(a);
   r.membrane_force = everywhere(comm, fields.membrane_force);
   r.bending_moment = everywhere(comm, fields.bending_moment);
   // At a rough state, so that the comparison is of the assembly and not of two solutions.
   set_displacement(model, a, noise(0.02, 3));
   set_displacement(model, x, noise(1.0, 5));
-  model.assemble_tangent(a, nullptr, energy::Tangent::exact, 0.3);
-  VOILE_PETSC(MatMult(model.tangent_matrix(), x, f));
+  model.assemble_tangent(a, {.kind = energy::Tangent::exact, .mass = 0.3});
+  VOILE_PETSC(MatMult(model.tangent().matrix(), x, f));
   r.product = all(f);
   // The mass is the same for all components, so the vertex axes do not matter to it, but gather() would turn it.
-  VOILE_PETSC(VecPointwiseMult(f, model.mass(), x));
+  VOILE_PETSC(VecPointwiseMult(f, model.constant().mass(), x));
   r.mass = all(f);
   return r;
 }
@@ -134,7 +134,7 @@ TEST_CASE("models on different communicators live side by side") {
   if (mpi::rank(PETSC_COMM_WORLD) == 0) {
     system::Model model(MPI_COMM_SELF, mesh, problem(false));
     petsc::VecHandle a = model.dofs().create_vector();
-    model.set_load_factor(0.1);
+    model.conditions().set_load_factor(0.1);
     solve::Newton newton(model);
     CHECK(newton.step(a).converged);
     CHECK(norm(a) > 0.0);

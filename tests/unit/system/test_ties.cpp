@@ -112,10 +112,10 @@ TEST_CASE("ties in a model: the residual is the derivative of the energy, the ta
   petsc::VecHandle a = vector(), d = vector(), moved = vector(), up = vector(), down = vector(), kd = vector();
   set_displacement(model, a, noise(0.02, 3));
   set_displacement(model, d, noise(1.0, 4));
-  model.enforce_supports(a);
+  model.conditions().enforce(a);
   model.dofs().clear_fixed(d);
-  model.assemble_tangent(a, nullptr, energy::Tangent::exact, 0.0);
-  VOILE_PETSC(MatMult(model.tangent_matrix(), d, kd));
+  model.assemble_tangent(a, {.kind = energy::Tangent::exact});
+  VOILE_PETSC(MatMult(model.tangent().matrix(), d, kd));
   petsc::VecHandle r = vector();
   model.residual(a, r);
   const double h = 1e-5;
@@ -148,7 +148,7 @@ TEST_CASE("ties pull sheets together as springs in series do") {
   in.supports.push_back(support("right", SupportKind::hinged));
   in.loads = {load(system::Load::Kind::point, "far_right", Vec3(force, 0.0, 0.0))};
   system::Model model(PETSC_COMM_WORLD, mesh, in);
-  model.set_load_factor(1.0);
+  model.conditions().set_load_factor(1.0);
   petsc::VecHandle a = model.dofs().create_vector();
   solve::Newton newton(model);
   const solve::NewtonResult n = newton.step(a);

@@ -61,10 +61,10 @@ TEST_CASE("a clamp that turns takes its sheet along as a rigid body, without for
       petsc::VecHandle a = model.dofs().create_vector(), r = model.dofs().create_vector(),
                        k = model.dofs().create_vector();
       for (const double angle : {0.0, 0.7, 2.5, 0.7}) {
-        model.set_load_factor(angle);
+        model.conditions().set_load_factor(angle);
         set_displacement(model, a, [&](Index v) { return motion.displacement(mesh.positions()[v], angle); });
         model.residual(a, r);
-        VOILE_PETSC(MatMult(model.bending_matrix(), a, k));
+        VOILE_PETSC(MatMult(model.constant().bending(), a, k));
         CHECK(norm(r) < 1e-9 * (norm(k) + 1e6 * 0.05));
         CHECK(std::abs(model.energy(a)) < 1e-9 * (std::abs(dot(k, a)) + 1.0));
         const system::TriangleFields fields = model.triangle_fields(a);
@@ -77,17 +77,17 @@ TEST_CASE("with a turned clamp the tangent is the derivative of the residual, an
   const RigidMotion motion;
   const mesh::SurfaceMesh mesh(sheet_of(true));
   system::Model model(PETSC_COMM_WORLD, mesh, input(motion));
-  model.set_load_factor(0.6);
+  model.conditions().set_load_factor(0.6);
   petsc::VecHandle a = model.dofs().create_vector(), w = model.dofs().create_vector(),
                    kw = model.dofs().create_vector(), x = model.dofs().create_vector(),
                    up = model.dofs().create_vector(), down = model.dofs().create_vector();
   set_displacement(model, a,
                    [&](Index v) { return Vec3(motion.displacement(mesh.positions()[v], 0.6) + noise(0.02, 3)(v)); });
-  model.enforce_supports(a);
-  model.assemble_tangent(a, nullptr, energy::Tangent::exact, 0.0);
+  model.conditions().enforce(a);
+  model.assemble_tangent(a, {.kind = energy::Tangent::exact});
   set_displacement(model, w, noise(1.0, 2));
   model.dofs().clear_fixed(w);
-  VOILE_PETSC(MatMult(model.tangent_matrix(), w, kw));
+  VOILE_PETSC(MatMult(model.tangent().matrix(), w, kw));
   const double h = 1e-6;
   VOILE_PETSC(VecWAXPY(x, h, w, a));
   model.residual(x, up);
@@ -105,8 +105,8 @@ TEST_CASE("with a turned clamp the tangent is the derivative of the residual, an
   const double before = model.energy(a);
   model.count_energy_from(x);
   CHECK(model.energy(a) == relative(before).epsilon(1e-9));
-  model.set_load_factor(0.1);
-  model.set_load_factor(0.6);
+  model.conditions().set_load_factor(0.1);
+  model.conditions().set_load_factor(0.6);
   CHECK(model.energy(a) == relative(before).epsilon(1e-9));
 }
 

@@ -1,0 +1,78 @@
+// The mesh of one model made discrete: patches, materials, supports and unknowns, divided over the ranks.
+#pragma once
+
+#include <array>
+#include <memory>
+#include <vector>
+
+#include "voile/energy/curvature.hpp"
+#include "voile/energy/sheet.hpp"
+#include "voile/mesh/partition.hpp"
+#include "voile/mesh/patch.hpp"
+#include "voile/system/conditions.hpp"
+#include "voile/system/constraints.hpp"
+#include "voile/system/dofs.hpp"
+
+namespace voile::system {
+
+class Discretisation {
+ public:
+  /// A triangle whose elements this rank evaluates.
+  struct Element {
+    Index triangle;
+    std::array<Index, 3> points;  ///< local
+    bool owned;                   ///< this rank counts its energy
+  };
+
+  /// Collective; the mesh must be the same on all ranks and outlive it. Throws UserError on every rank for unknown groups
+  /// and contradictions.
+  Discretisation(MPI_Comm comm, const mesh::SurfaceMesh& mesh, std::vector<energy::Material> materials,
+                 const std::vector<Support>& supports, const std::vector<Spring>& springs,
+                 const energy::ElementOptions& options);
+  Discretisation(const Discretisation&) = delete;
+  Discretisation& operator=(const Discretisation&) = delete;
+
+  [[nodiscard]] MPI_Comm comm() const { return dofs_->comm(); }
+  [[nodiscard]] const mesh::SurfaceMesh& mesh() const { return *mesh_; }
+  [[nodiscard]] const mesh::Partition& partition() const { return partition_; }
+  [[nodiscard]] const mesh::PatchMesh& patches() const { return *patches_; }
+  [[nodiscard]] const energy::Sheet& sheet() const { return *sheet_; }
+  [[nodiscard]] const Constraints& constraints() const { return constraints_; }
+  /// Numbering, halo, fixed components.
+  [[nodiscard]] const Dofs& dofs() const { return *dofs_; }
+  [[nodiscard]] const std::vector<Element>& elements() const { return elements_; }
+  [[nodiscard]] bool owns(Index triangle) const { return partition_.triangle_rank[triangle] == rank_; }
+  /// Owned local vertex of a vertex of the mesh, or no_index.
+  [[nodiscard]] Index owned(Index v) const {
+    const Index i = dofs_->local().local_of[v];
+    return i < dofs_->local().owned ? i : no_index;
+  }
+  /// Mean rest area of a triangle [m^2].
+  [[nodiscard]] double mean_area() const;
+  /// Turns the mirror points of clamps: the rotation of each support, by number. Not collective.
+  void turn_mirrors(const std::vector<Mat3>& rotation) { dofs_->turn_mirrors(rotation); }
+  /// Gives away the curvature operators of elements(), which only the construction of a model needs.
+  [[nodiscard]] std::vector<energy::CurvatureOperator> take_curvatures() { return std::move(curvatures_); }
+
+ private:
+  [[nodiscard]] std::vector<char> find_elements(const std::vector<Spring>& springs);
+
+  const mesh::SurfaceMesh* mesh_;
+  int rank_;
+  std::vector<energy::Material> materials_;
+  mesh::Partition partition_;
+  Constraints constraints_;
+  std::unique_ptr<mesh::PatchMesh> patches_;
+  std::unique_ptr<energy::Sheet> sheet_;
+  std::unique_ptr<Dofs> dofs_;
+  std::vector<Element> elements_;
+  std::vector<energy::CurvatureOperator> curvatures_;
+};
+
+/// Vertices whose unknowns a set of mesh points depends on, ascending.
+[[nodiscard]] std::vector<Index> vertices_of(const mesh::PatchMesh& patches, const std::vector<Index>& points);
+/// Points of all elements of a triangle: the bending stencil and the membrane's.
+[[nodiscard]] std::vector<Index> stencil_points(const energy::Sheet& sheet, Index t,
+                                                const energy::CurvatureOperator& op);
+
+}  // namespace voile::system

@@ -1,0 +1,238 @@
+// Nodal forces of dead loads, elements for follower loads, and supports that move.
+#include "voile/system/boundary_conditions.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "voile/base/error.hpp"
+#include "voile/base/mpi.hpp"
+
+namespace voile::system {
+
+namespace {
+
+using AddForce = std::function<void(Index vertex, const Vec3& force)>;
+
+std::vector<Index> loaded_triangles(const mesh::SurfaceMesh& mesh, const Load& load) {
+  if (!load.group.empty()) return mesh.group(load.group, 2).triangles;
+  std::vector<Index> all(static_cast<std::size_t>(mesh.triangle_count()));
+  for (std::size_t t = 0; t < all.size(); ++t) all[t] = static_cast<Index>(t);
+  return all;
+}
+
+/// Force per rest area on triangle t.
+Vec3 traction(const energy::Sheet& sheet, const Load& load, Index t) {
+  if (load.kind == Load::Kind::pressure) return load.magnitude * sheet.mesh().start_normal(t);
+  if (load.kind == Load::Kind::gravity) return sheet.material(t).areal_density * load.vector;
+  return load.vector;
+}
+
+void add_surface_load(const energy::Sheet& sheet, const Load& load, const AddForce& add) {
+  for (Index t : loaded_triangles(sheet.mesh(), load)) {
+    const Vec3 share = traction(sheet, load, t) * sheet.mesh().area(t) / 3.0;
+    for (Index v : sheet.mesh().triangles()[t]) add(v, share);
+  }
+}
+
+void add_line_load(const mesh::SurfaceMesh& mesh, const Load& load, const AddForce& add) {
+  for (const mesh::Segment& s : mesh.group(load.group, 1).segments) {
+    const double length = mesh.rest_length(s);
+    for (Index v : s) add(v, 0.5 * length * load.vector);
+  }
+}
+
+/// Weight without mass is a mistake that a run would answer with silence.
+void check_gravity(const energy::Sheet& sheet, const Load& load) {
+  for (Index t : loaded_triangles(sheet.mesh(), load))
+    if (sheet.material(t).areal_density > 0.0) return;
+  throw UserError("[[load]] type 'gravity': no material under it has a density; give `density` in [[material]]");
+}
+
+}  // namespace
+
+void spread(const energy::Sheet& sheet, const Load& load, const AddForce& add) {
+  if (load.kind == Load::Kind::point)
+    for (Index v : sheet.mesh().group(load.group).vertices) add(v, load.vector);
+  else if (load.kind == Load::Kind::line)
+    add_line_load(sheet.mesh(), load, add);
+  else
+    add_surface_load(sheet, load, add);
+}
+
+BoundaryConditions::BoundaryConditions(const Discretisation& on, std::vector<Support> supports,
+                                       const std::vector<Load>& loads, const std::vector<PointMass>& masses,
+                                       bool motion_by_load)
+    : on_(&on),
+      supports_(std::move(supports)),
+      motion_by_load_(motion_by_load),
+      rotations_(supports_.size(), Mat3::Identity()) {
+  const Dofs& dofs = on.dofs();
+  for (petsc::VecHandle* v : {&dead_, &constant_, &prescribed_, &motion_, &hold_}) *v = dofs.create_vector();
+  const std::map<Index, VertexSupport>& supported = on.constraints().vertices;
+  {
+    const petsc::WriteArray prescribed(prescribed_);
+    for (Index i = 0; i < dofs.local().owned; ++i) {
+      const auto support = supported.find(dofs.local().point_of[i]);
+      if (support == supported.end()) continue;
+      if (support->second.motion >= 0) movers_.push_back({i, support->second.motion});
+      for (int k = 0; k < 3; ++k)
+        if (support->second.fixed[k]) prescribed[3 * i + k] = support->second.value[k];
+    }
+  }
+  for (const auto& [v, support] : supported)
+    has_prescribed_ |= support.value.squaredNorm() > 0.0 || support.motion >= 0;
+  mpi::on_all(dofs.comm(), [&] { build_loads(loads, masses); });
+  VOILE_PETSC(VecDuplicate(constant_, always_.out()));
+  VOILE_PETSC(VecCopy(constant_, always_));
+}
+
+void BoundaryConditions::set_load_factor(double factor) {
+  load_factor_ = factor;
+  followers_.kernel.set_factor(energy::FollowerTerm::load_factor, factor);
+  if (motion_by_load_) move_supports(factor);
+}
+
+void BoundaryConditions::set_time(double time) {
+  if (!timed_.empty()) VOILE_PETSC(VecCopy(always_, constant_));
+  for (const TimedLoad& load : timed_) {
+    const double factor = load.history(time);
+    VOILE_PETSC(VecAXPY(constant_, factor, load.force));
+    followers_.kernel.set_factor(load.factor, factor);
+  }
+  move_supports(time);
+}
+
+void BoundaryConditions::move_supports(double time) {
+  for (std::size_t i = 0; i < supports_.size(); ++i)
+    if (supports_[i].rotation) rotations_[i] = supports_[i].rotation(time);
+  if (movers_.empty()) return;
+  const petsc::WriteArray motion(motion_);
+  const LocalPoints& local = on_->dofs().local();
+  for (const Mover& m : movers_) {
+    const Vec3 u = supports_[static_cast<std::size_t>(m.support)].motion(local.start[m.local], time);
+    const Vec3 own = on_->dofs().to_own(local.point_of[m.local], u);
+    for (int k = 0; k < 3; ++k) motion[3 * m.local + k] = own[k];
+  }
+}
+
+void BoundaryConditions::enforce(Vec a) const {
+  const petsc::ReadArray prescribed(prescribed_), motion(motion_), hold(hold_);
+  const petsc::WriteArray values(a);
+  for (PetscInt i : on_->dofs().fixed()) values[i] = load_factor_ * prescribed[i] + motion[i] + hold[i];
+}
+
+void BoundaryConditions::take_hold(Vec a, double time, double load_factor) {
+  move_supports(time);
+  const petsc::ReadArray unknown(a), prescribed(prescribed_), motion(motion_);
+  const petsc::WriteArray hold(hold_);
+  for (PetscInt i : on_->dofs().fixed()) hold[i] = unknown[i] - load_factor * prescribed[i] - motion[i];
+}
+
+void BoundaryConditions::write_off(const petsc::ReadArray& a, const petsc::WriteArray& out) const {
+  const petsc::ReadArray prescribed(prescribed_), motion(motion_), hold(hold_);
+  for (PetscInt i : on_->dofs().fixed()) out[i] = a[i] - load_factor_ * prescribed[i] - motion[i] - hold[i];
+}
+
+void BoundaryConditions::add_followers(const energy::Configuration& c, std::vector<Vec3>& scratch, Vec f) const {
+  std::fill(scratch.begin(), scratch.end(), Vec3::Zero());
+  followers_.add_forces(c, scratch);
+  on_->dofs().add_forces(scratch, f);
+}
+
+void BoundaryConditions::applied_forces(const energy::Configuration& c, std::vector<Vec3>& scratch, Vec f) const {
+  VOILE_PETSC(VecZeroEntries(f));
+  add_followers(c, scratch, f);
+  VOILE_PETSC(VecScale(f, -1.0));
+  VOILE_PETSC(VecAXPY(f, 1.0, constant_));
+  VOILE_PETSC(VecAXPY(f, load_factor_, dead_));
+}
+
+double BoundaryConditions::potential(Vec a) const {
+  double constant = 0.0, dead = 0.0;
+  VOILE_PETSC(VecDot(constant_, a, &constant));
+  VOILE_PETSC(VecDot(dead_, a, &dead));
+  return -constant - load_factor_ * dead;
+}
+
+void BoundaryConditions::load_direction(const energy::Configuration& c, std::vector<Vec3>& scratch, Vec work, Vec f) {
+  VOILE_PETSC(VecCopy(dead_, f));
+  if (!any_follower_) return;
+  // Follower loads are linear in the load factor: a difference over one unit is exact.
+  for (const double sign : {1.0, -1.0}) {
+    followers_.kernel.set_factor(energy::FollowerTerm::load_factor, load_factor_ + (sign > 0.0 ? 1.0 : 0.0));
+    VOILE_PETSC(VecZeroEntries(work));
+    add_followers(c, scratch, work);
+    VOILE_PETSC(VecAXPY(f, -sign, work));
+  }
+}
+
+Vec BoundaryConditions::force_of(const Load& load) {
+  if (!load.history) return load.constant ? constant_ : dead_;
+  TimedLoad timed{load.history, followers_.kernel.add_factor(), on_->dofs().create_vector()};
+  timed_.push_back(std::move(timed));
+  return timed_.back().force;
+}
+
+void BoundaryConditions::build_loads(const std::vector<Load>& loads, const std::vector<PointMass>& masses) {
+  for (const Load& load : loads) {
+    const petsc::WriteArray force(force_of(load));
+    const AddForce add = [&](Index v, const Vec3& f) {
+      const Index i = on_->owned(v);
+      if (i == no_index) return;
+      const Vec3 g = on_->dofs().to_own(v, f);
+      for (int k = 0; k < 3; ++k) force[3 * i + k] += g[k];
+    };
+    if (load.kind == Load::Kind::follower_pressure || load.kind == Load::Kind::follower_moment) {
+      any_follower_ = true;
+      add_follower(load);
+      continue;
+    }
+    if (load.kind == Load::Kind::gravity) {
+      if (masses.empty()) check_gravity(on_->sheet(), load);
+      for (const PointMass& m : masses)
+        if (load.group.empty() || load.group == m.group)
+          for (Index v : on_->mesh().group(m.group).vertices) add(v, m.mass * load.vector);
+    }
+    spread(on_->sheet(), load, add);
+  }
+}
+
+void BoundaryConditions::add_follower(const Load& load) {
+  const int factor = load.history    ? timed_.back().factor
+                     : load.constant ? energy::FollowerTerm::constant
+                                     : energy::FollowerTerm::load_factor;
+  const mesh::SurfaceMesh& mesh = on_->mesh();
+  const auto local = [&](const mesh::Triangle& t) {
+    const std::vector<Index>& of = on_->dofs().local().local_of;
+    return std::array<Index, 3>{of[t[0]], of[t[1]], of[t[2]]};
+  };
+  // As for the other elements: every triangle that touches an owned vertex.
+  const auto evaluated = [&](const std::array<Index, 3>& p) {
+    return std::any_of(p.begin(), p.end(), [&](Index i) { return i != no_index && i < on_->dofs().local().owned; });
+  };
+  if (load.kind == Load::Kind::follower_pressure) {
+    for (Index t : loaded_triangles(mesh, load)) {
+      const auto points = local(mesh.triangles()[t]);
+      if (evaluated(points)) followers_.kernel.add_pressure(points, load.magnitude, factor, on_->owns(t));
+    }
+    return;
+  }
+  for (const mesh::Segment& s : mesh.group(load.group, 1).segments)
+    for (Index t : mesh.triangles_of_vertex(s[0])) {
+      const int side = mesh.side_of(t, s[0], s[1]);
+      if (side < 0) continue;
+      if (mesh.neighbour(t, side) != no_index)
+        throw UserError(
+            fmt::format("[[load]] group '{}' (follower_moment): the edge {}-{} lies inside the surface; a moment acts "
+                        "on a boundary "
+                        "edge",
+                        load.group, mesh.data().vertex_tags[s[0]], mesh.data().vertex_tags[s[1]]));
+      const mesh::Triangle& v = mesh.triangles()[t];
+      const auto points = local({v[(side + 1) % 3], v[(side + 2) % 3], v[side]});
+      const double length = mesh.rest_length(s);
+      if (evaluated(points)) followers_.kernel.add_moment(points, load.magnitude, length, factor, on_->owns(t));
+    }
+}
+
+}  // namespace voile::system

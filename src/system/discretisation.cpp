@@ -1,0 +1,106 @@
+#include "voile/system/discretisation.hpp"
+
+#include <algorithm>
+
+#include "voile/base/mpi.hpp"
+#include "voile/energy/membrane.hpp"
+
+namespace voile::system {
+
+namespace {
+
+/// Ring fits reach at most this many rings of vertices beyond a triangle's neighbours.
+constexpr int reach = 5;
+
+/// Triangles within `reach` rings of a vertex that this rank owns.
+std::vector<char> candidate_triangles(const mesh::SurfaceMesh& mesh, const std::vector<int>& vertex_rank, int rank) {
+  std::vector<char> vertex(vertex_rank.size()), triangle(static_cast<std::size_t>(mesh.triangle_count()), 0);
+  for (std::size_t v = 0; v < vertex.size(); ++v) vertex[v] = vertex_rank[v] == rank;
+  for (int ring = 0; ring < reach; ++ring) {
+    std::vector<char> grown = vertex;
+    for (Index t = 0; t < mesh.triangle_count(); ++t) {
+      const mesh::Triangle& v = mesh.triangles()[t];
+      if (!vertex[v[0]] && !vertex[v[1]] && !vertex[v[2]]) continue;
+      triangle[t] = 1;
+      for (Index i : v) grown[i] = 1;
+    }
+    vertex.swap(grown);
+  }
+  return triangle;
+}
+
+}  // namespace
+
+std::vector<Index> vertices_of(const mesh::PatchMesh& patches, const std::vector<Index>& points) {
+  std::vector<Index> v;
+  for (Index p : points) {
+    if (patches.is_mirror(p)) {
+      const mesh::MirrorPoint& m = patches.mirror(p);
+      v.insert(v.end(), {m.apex, m.a, m.b});
+    } else {
+      v.push_back(p);
+    }
+  }
+  std::sort(v.begin(), v.end());
+  v.erase(std::unique(v.begin(), v.end()), v.end());
+  return v;
+}
+
+std::vector<Index> stencil_points(const energy::Sheet& sheet, Index t, const energy::CurvatureOperator& op) {
+  std::vector<Index> points = op.points;
+  for (Index p : energy::MembraneTerm::stencil_of(sheet, t)) points.push_back(p);
+  return points;
+}
+
+Discretisation::Discretisation(MPI_Comm comm, const mesh::SurfaceMesh& mesh, std::vector<energy::Material> materials,
+                               const std::vector<Support>& supports, const std::vector<Spring>& springs,
+                               const energy::ElementOptions& options)
+    : mesh_(&mesh),
+      rank_(mpi::rank(comm)),
+      materials_(std::move(materials)),
+      partition_(mesh::make_partition(comm, mesh)) {
+  std::vector<char> needed;
+  mpi::on_all(comm, [&] {
+    constraints_ = resolve_supports(mesh, supports);
+    patches_ = std::make_unique<mesh::PatchMesh>(mesh, constraints_.mirrors);
+    sheet_ =
+        std::make_unique<energy::Sheet>(*patches_, materials_, energy::assign_materials(mesh, materials_), options);
+    needed = find_elements(springs);
+  });
+  dofs_ = std::make_unique<Dofs>(comm, *patches_, partition_, constraints_, needed);
+  for (Element& e : elements_)
+    for (std::size_t i = 0; i < 3; ++i) e.points[i] = dofs_->local().local_of[mesh.triangles()[e.triangle][i]];
+}
+
+double Discretisation::mean_area() const {
+  double area = 0.0;
+  for (Index t = 0; t < mesh_->triangle_count(); ++t) area += mesh_->area(t);
+  return area / mesh_->triangle_count();
+}
+
+/// The elements of this rank, and the points that they use.
+std::vector<char> Discretisation::find_elements(const std::vector<Spring>& springs) {
+  const std::vector<char> candidate = candidate_triangles(*mesh_, partition_.vertex_rank, rank_);
+  energy::CurvatureBuilder curvature(*sheet_);
+  std::vector<char> needed(static_cast<std::size_t>(patches_->point_count()), 0);
+  for (Index t = 0; t < mesh_->triangle_count(); ++t) {
+    if (!candidate[t]) continue;
+    energy::CurvatureOperator op = curvature.build(t);
+    const std::vector<Index> points = stencil_points(*sheet_, t, op);
+    const std::vector<Index> vertices = vertices_of(*patches_, points);
+    const bool touches =
+        std::any_of(vertices.begin(), vertices.end(), [&](Index v) { return partition_.vertex_rank[v] == rank_; });
+    // The owner of a triangle recovers its stresses even where none of its rows are its own.
+    if (!touches && !owns(t)) continue;
+    for (Index p : points) needed[p] = 1;
+    for (Index v : vertices) needed[v] = 1;
+    elements_.push_back({t, {}, owns(t)});
+    curvatures_.push_back(std::move(op));
+  }
+  for (const Spring& spring : springs)
+    for (const auto& [v, w] : pairs_of(*mesh_, spring))
+      if (partition_.vertex_rank[v] == rank_ || partition_.vertex_rank[w] == rank_) needed[v] = needed[w] = 1;
+  return needed;
+}
+
+}  // namespace voile::system

@@ -1,0 +1,42 @@
+// Springs to the ground: part of the constant matrix.
+#include "voile/base/mpi.hpp"
+#include "voile/system/model.hpp"
+
+namespace voile::system {
+
+void Model::add_springs(const std::vector<Spring>& springs, const BlockMatrix::Values& values) {
+  for (const Spring& s : springs) {
+    const Mat3 unit =
+        s.direction ? Mat3(s.direction->normalized() * s.direction->normalized().transpose()) : Mat3(Mat3::Identity());
+    const auto add = [&](Index v, double stiffness) {
+      const Index i = on_->owned(v);
+      if (i == no_index) return;
+      const Mat3 q = dofs().axes(v);
+      springs_.push_back({i, stiffness * q.transpose() * unit * q});
+      values.add(constant_.bending_blocks().slot(i, dofs().first_row() + i), springs_.back().stiffness);
+    };
+    const auto spread_over = [&](Load::Kind kind) {  // the same lumping as that of loads
+      Load like;
+      like.kind = kind;
+      like.group = s.group;
+      like.vector = s.stiffness * Vec3::UnitX();
+      spread(on_->sheet(), like, [&](Index v, const Vec3& share) { add(v, share.x()); });
+    };
+    if (s.kind == Spring::Kind::point) spread_over(Load::Kind::point);
+    if (s.kind == Spring::Kind::line) spread_over(Load::Kind::line);
+    if (s.kind == Spring::Kind::area) spread_over(Load::Kind::area);
+  }
+}
+
+double Model::spring_energy(Vec a) const {
+  if (!any_spring_) return 0.0;
+  double sum = 0.0;
+  const petsc::ReadArray u(a);
+  for (const NodalSpring& s : springs_) {
+    const Vec3 d = Eigen::Map<const Vec3>(u.data() + 3 * s.vertex);
+    sum += 0.5 * d.dot(s.stiffness * d);
+  }
+  return mpi::sum(comm(), sum);
+}
+
+}  // namespace voile::system
