@@ -32,9 +32,10 @@ class RestSurface {
   /// The point of the rest surface at a position near to it [m]. `triangle`: where to begin the search, and where it
   /// ended.
   [[nodiscard]] Vec3 on_surface(const Vec3& rest, Index& triangle) const;
-  /// The middle by length of the curve from a to b, both on it [m]; nothing if no curve runs through both.
+  /// The middle by length of the curve from a to b, both on it [m]; nothing if no curve that bends runs
+  /// through both.
   [[nodiscard]] std::optional<Vec3> curve_middle(const Vec3& a, const Vec3& b) const;
-  /// Largest distance [m] of the curve between a and b from the straight edge; infinite if no curve runs through both.
+  /// Largest distance [m] of the curve between a and b from the straight edge; 0 if no curve runs through both.
   [[nodiscard]] double curve_deviation(const Vec3& a, const Vec3& b) const;
 
  private:

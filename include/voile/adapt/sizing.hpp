@@ -24,7 +24,7 @@ struct SizeOptions {
   double growth = 0.3;    ///< largest slope of h over distance
 };
 
-/// Wanted edge length of every vertex [m]. `places` [m]: where the vertices are, for the curvature of free edges;
+/// Wanted edge length of every vertex [m]. `places` per vertex [m]: where they are;
 /// `curvature_squared` per triangle [1/m^2]; `bound` per vertex [m], infinity where there is none, or empty.
 /// Not collective. Throws InternalError if lengths of arrays do not fit or options are out of range.
 [[nodiscard]] std::vector<double> size_field(const mesh::SurfaceMesh& mesh, const std::vector<Vec3>& places,
