@@ -54,8 +54,9 @@ void split_long(Surface& s, const Options& options) {
     const Index m = s.split(top.side);
     for (Index e : star_of(s, m).spokes) {
       offer(e);
-      const Index side = prev(e);  // the last edge of an open star has only this side
-      if (s.twin[side] == no_index) offer(side);
+      // Sides opposite to the new vertex have moved to other numbers; the last edge of an open star has one side only.
+      offer(next(e));
+      if (s.twin[prev(e)] == no_index) offer(prev(e));
     }
   }
 }
