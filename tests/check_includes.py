@@ -13,13 +13,14 @@ LAYERS = {
     "mesh": {"base"},
     "energy": {"mesh", "base"},
     "geometry": {"mesh", "base"},
+    "adapt": {"geometry", "mesh", "base"},
     "contact": {"energy", "geometry", "mesh", "base"},
     "untangle": {"contact", "geometry", "mesh", "base"},
     "system": {"contact", "energy", "geometry", "mesh", "base"},
     "solve": {"system", "mesh", "base"},
     "io": {"geometry", "mesh", "base"},
     "input": {"solve", "system", "energy", "io", "mesh", "base"},
-    "app": {"base", "mesh", "energy", "geometry", "contact", "untangle", "system", "solve", "io", "input"},
+    "app": {"base", "mesh", "energy", "geometry", "adapt", "contact", "untangle", "system", "solve", "io", "input"},
 }
 
 # Header -> files that may include it, as "<layer>/<file without suffix>" patterns. The first match counts.

@@ -1,0 +1,163 @@
+#include "voile/adapt/remesh.hpp"
+
+#include <algorithm>
+#include <deque>
+#include <queue>
+
+#include "operations.hpp"
+#include "output.hpp"
+#include "repair.hpp"
+#include "voile/base/error.hpp"
+
+namespace voile::adapt {
+
+namespace {
+
+/// An edge that waits, by its length when it was put in. Ties: the lower side first.
+struct Waiting {
+  double length;
+  Index side, from, to;
+};
+struct ShorterFirst {
+  bool operator()(const Waiting& a, const Waiting& b) const {
+    return a.length != b.length ? a.length > b.length : a.side > b.side;
+  }
+};
+struct LongerFirst {
+  bool operator()(const Waiting& a, const Waiting& b) const {
+    return a.length != b.length ? a.length < b.length : a.side > b.side;
+  }
+};
+template <typename Order>
+using Queue = std::priority_queue<Waiting, std::vector<Waiting>, Order>;
+
+bool is_still(const Surface& s, const Waiting& w) {
+  return !s.dead[w.side / 3] && s.origin(w.side) == w.from && s.dest(w.side) == w.to;
+}
+
+void split_long(Surface& s, const Options& options) {
+  Queue<LongerFirst> queue;
+  const auto offer = [&](Index h) {
+    const double length = s.metric_length(h);
+    if (length <= options.split) return;
+    if (s.locked(h))
+      ++s.counts.refused_by_feature;
+    else
+      queue.push({length, h, s.origin(h), s.dest(h)});
+  };
+  for (Index h = 0; h < s.side_count(); ++h)
+    if (s.is_edge(h)) offer(h);
+  while (!queue.empty()) {
+    const Waiting top = queue.top();
+    queue.pop();
+    if (!is_still(s, top)) continue;
+    const Index m = s.split(top.side);
+    for (Index e : star_of(s, m).spokes) {
+      offer(e);
+      // Sides opposite to the new vertex have moved to other numbers; the last edge of an open star has one side only.
+      offer(next(e));
+      if (s.twin[prev(e)] == no_index) offer(prev(e));
+    }
+  }
+}
+
+void collapse_short(Surface& s, const Options& options) {
+  Queue<ShorterFirst> queue;
+  const auto offer = [&](Index h) {
+    const double length = s.metric_length(h);
+    if (length < options.collapse && !s.locked(h)) queue.push({length, h, s.origin(h), s.dest(h)});
+  };
+  for (Index h = 0; h < s.side_count(); ++h)
+    if (s.is_edge(h)) offer(h);
+  while (!queue.empty()) {
+    const Waiting top = queue.top();
+    queue.pop();
+    if (!is_still(s, top)) continue;
+    const Outcome outcome = try_collapse_edge(s, top.side, options);
+    count(s.counts, outcome);
+    if (outcome != Outcome::done) continue;
+    const Index u = s.gone[top.from] ? top.to : top.from;
+    for (Index e : star_of(s, u).spokes) {
+      offer(e);
+      if (s.twin[prev(e)] == no_index) offer(prev(e));
+    }
+  }
+}
+
+/// Turns edges beside changed vertices, and those around turned ones, until the rule is met.
+void flip_edges(Surface& s, const Options& options, FlipRule rule) {
+  std::deque<Index> queue;
+  std::vector<char> waits(static_cast<std::size_t>(s.side_count()), 0);
+  const auto offer = [&](Index h) {
+    const Index low = s.twin[h] == no_index ? h : std::min(h, s.twin[h]);
+    if (waits[low]) return;
+    waits[low] = 1;
+    queue.push_back(low);
+  };
+  for (Index h = 0; h < s.side_count(); ++h)
+    if (s.is_edge(h) && s.side_class[h] == 0 && (s.dirty[s.origin(h)] || s.dirty[s.dest(h)])) offer(h);
+  // On curved surfaces the test may disagree with itself.
+  const Index last = s.counts.flips + 4 * static_cast<Index>(queue.size()) + 100;
+  while (!queue.empty() && s.counts.flips < last) {
+    const Index h = queue.front();
+    queue.pop_front();
+    waits[h] = 0;
+    if (s.dead[h / 3] || s.twin[h] == no_index) continue;
+    const Index g = s.twin[h];
+    const Outcome outcome = try_flip(s, h, options, rule);
+    if (outcome != Outcome::feature) count(s.counts, outcome);
+    if (outcome != Outcome::done) continue;
+    for (const Index side : {h, prev(h), g, prev(g)}) offer(side);
+  }
+}
+
+void smooth(Surface& s, const Options& options, int sweeps) {
+  if (!options.smoothing) return;
+  for (int sweep = 0; sweep < sweeps; ++sweep)
+    for (Index v = 0; v < s.vertex_slots(); ++v)
+      if (!s.gone[v] && s.dirty[v]) {
+        const Outcome outcome = try_smooth(s, v, options);
+        if (outcome != Outcome::feature) count(s.counts, outcome);
+      }
+}
+
+void improve(Surface& s, const Options& options) {
+  flip_edges(s, options, FlipRule::delaunay);
+  smooth(s, options, 2);
+  flip_edges(s, options, FlipRule::valence);
+  smooth(s, options, 2);
+  flip_edges(s, options, FlipRule::delaunay);
+}
+
+void check(const mesh::SurfaceMesh& mesh, const std::vector<Vec3>& places, const std::vector<double>& size,
+           const Limits& limits) {
+  const auto nv = static_cast<std::size_t>(mesh.vertex_count()), nt = static_cast<std::size_t>(mesh.triangle_count());
+  const auto fits = [](const auto& list, std::size_t n) { return list.empty() || list.size() == n; };
+  if (places.size() != nv || size.size() != nv || !fits(limits.frozen, nt) || !fits(limits.pinned, nv) ||
+      !fits(limits.clearance, nv))
+    throw InternalError("remeshing: lengths of arrays do not fit the mesh");
+  if (!std::all_of(size.begin(), size.end(), [](double h) { return h > 0.0; }))
+    throw InternalError("remeshing: wanted sizes must be positive");
+}
+
+}  // namespace
+
+Remeshed remesh(const mesh::SurfaceMesh& mesh, const RestSurface& rest, const std::vector<Vec3>& places,
+                const std::vector<double>& size, const Limits& limits, const Options& options) {
+  check(mesh, places, size, limits);
+  Surface s(mesh, rest, places, size, limits, options);
+  for (int round = 0; round < options.rounds; ++round) {
+    const Index changes = s.counts.splits + s.counts.collapses;
+    split_long(s, options);
+    if (!options.only_splits) {
+      collapse_short(s, options);
+      improve(s, options);
+    }
+    ++s.counts.rounds;
+    if (100 * (s.counts.splits + s.counts.collapses - changes) < s.live_vertices()) break;
+  }
+  if (!options.only_splits) repair(s, options);
+  return make_output(s, mesh);
+}
+
+}  // namespace voile::adapt

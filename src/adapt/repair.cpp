@@ -1,0 +1,196 @@
+#include "repair.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "operations.hpp"
+
+namespace voile::adapt {
+
+namespace {
+
+using Row6 = Eigen::Matrix<double, 1, 6>;
+using Mat6 = Eigen::Matrix<double, 6, 6>;
+
+/// Monomials, scaled so that the condition number does not depend on the direction of the axes.
+Row6 row_of(const Vec2& p) {
+  Row6 row;
+  row << 1.0, p.x(), p.y(), 0.5 * p.x() * p.x(), 0.5 * p.y() * p.y(), std::sqrt(0.5) * p.x() * p.y();
+  return row;
+}
+
+/// Triangles whose patches hold a triangle: itself and its neighbours.
+void add_patches(const Surface& s, Index t, std::vector<Index>& to) {
+  const auto add = [&](Index n) {
+    if (std::find(to.begin(), to.end(), n) == to.end()) to.push_back(n);
+  };
+  add(t);
+  for (Index h = 3 * t; h < 3 * t + 3; ++h)
+    if (s.twin[h] != no_index) add(s.twin[h] / 3);
+}
+
+double worst_condition(const Surface& s, const std::vector<Index>& triangles) {
+  double worst = 0.0;
+  for (Index t : triangles) worst = std::max(worst, patch_condition(s, t));
+  return worst;
+}
+
+/// Turns the edge if the worst patch around gets better by that.
+bool mend_by_flip(Surface& s, Index h, const Options& options) {
+  const Index g = s.twin[h];
+  if (g == no_index) return false;
+  std::vector<Index> around;
+  add_patches(s, h / 3, around);
+  add_patches(s, g / 3, around);
+  const double before = worst_condition(s, around);
+  const Counts counts = s.counts;
+  Surface::Budget budgets[2];
+  if (!s.allowed.empty())
+    for (const int i : {0, 1}) budgets[i] = {s.moved[(i ? g : h) / 3], s.allowed[(i ? g : h) / 3]};
+  if (try_flip(s, h, options, FlipRule::none) != Outcome::done) return false;
+  if (worst_condition(s, around) < 0.9 * before) return true;
+  // Turning the new edge gives the old triangles, each in the other's place.
+  s.flip(next(h));
+  s.counts = counts;
+  if (!s.allowed.empty())
+    for (const int i : {0, 1}) {
+      s.moved[(i ? h : g) / 3] = budgets[i].moved;
+      s.allowed[(i ? h : g) / 3] = budgets[i].allowed;
+    }
+  return false;
+}
+
+/// Moves a vertex towards the mean of its neighbours if the worst patch around gets better by that.
+bool mend_by_move(Surface& s, Index v, const Options& options) {
+  if (s.fixed[v] || s.on_feature[v]) return false;
+  const Star star = star_of(s, v);
+  std::vector<Index> around;
+  for (Index e : star.spokes) add_patches(s, e / 3, around);
+  const double before = worst_condition(s, around);
+  const Fan fan = make_fan(s, star, 0, star.triangles());
+  Vec2 mean = Vec2::Zero();
+  for (const Vec2& p : fan.plane) mean += p / fan.size();
+  double reach = std::numeric_limits<double>::infinity();
+  for (const Vec2& p : fan.plane) reach = std::min(reach, (p - fan.centre).norm());
+  std::vector<Vec2> targets{mean, 0.5 * (mean + fan.centre)};
+  for (int k = 0; k < 6; ++k) {
+    const double a = k * std::numbers::pi / 3.0;
+    targets.push_back(fan.centre + 0.2 * reach * Vec2(std::cos(a), std::sin(a)));
+  }
+  for (const Vec2& target : targets) {
+    Surface trial_fields = {s};  // rarely here
+    if (try_move(s, star, fan, target, options.smallest_angle) != Outcome::done) continue;
+    if (worst_condition(s, around) < 0.9 * before) return true;
+    s = std::move(trial_fields);
+  }
+  return false;
+}
+
+bool remove_vertex(Surface& s, Index v, const Options& options) {
+  if (s.fixed[v] || s.on_feature[v]) return false;
+  const Star star = star_of(s, v);
+  for (int k = 0; k < star.triangles(); ++k)
+    if (try_collapse(s, star, k, options, false) == Outcome::done) return true;
+  return false;
+}
+
+/// Inner vertices of a triangle that have few neighbours.
+Index sparse_vertex(const Surface& s, Index t, int edges) {
+  for (Index h = 3 * t; h < 3 * t + 3; ++h) {
+    const Surface::Valence v = s.valence(h);
+    if (v.inside && v.edges <= edges) return s.origin(h);
+  }
+  return no_index;
+}
+
+bool mend(Surface& s, Index t, const Options& options) {
+  const Index sparse = sparse_vertex(s, t, 3);
+  if (sparse != no_index && remove_vertex(s, sparse, options)) return true;
+  std::vector<Index> sides;
+  for (Index h = 3 * t; h < 3 * t + 3; ++h) {
+    sides.push_back(h);
+    if (s.twin[h] != no_index) sides.insert(sides.end(), {next(s.twin[h]), prev(s.twin[h])});
+  }
+  for (Index h : sides)
+    if (mend_by_flip(s, h, options)) return true;
+  for (Index h = 3 * t; h < 3 * t + 3; ++h)
+    if (mend_by_move(s, s.vertex[h], options)) return true;
+  for (Index h = 3 * t; h < 3 * t + 3; ++h)
+    if (s.twin[h] != no_index && mend_by_move(s, s.apex(s.twin[h]), options)) return true;
+  const Index four = sparse_vertex(s, t, 4);
+  return four != no_index && remove_vertex(s, four, options);
+}
+
+}  // namespace
+
+double patch_condition(const Surface& s, Index t) {
+  const Index c = 3 * t;
+  const Vec3 centre = (s.rest[c] + s.rest[c + 1] + s.rest[c + 2]) / 3.0;
+  const Vec3 cross = (s.rest[c + 1] - s.rest[c]).cross(s.rest[c + 2] - s.rest[c]);
+  const Vec3 normal = cross.normalized(), e1 = (s.rest[c + 1] - s.rest[c]).normalized(), e2 = normal.cross(e1);
+  const double scale = std::sqrt(0.5 * cross.norm());
+  const auto flat = [&](const Vec3& x) { return Vec2((x - centre).dot(e1), (x - centre).dot(e2)); };
+  Mat6 m;
+  for (int i = 0; i < 3; ++i) {
+    const Index h = c + i, g = s.twin[h];
+    if (g == no_index) return 0.0;
+    m.row(i) = row_of(flat(s.rest[h]) / scale);
+    // In the neighbour's chart the side begins where it ends here.
+    const Vec3 start = s.rest[prev(g)], side = s.rest[next(g)] - start, x = s.rest[g] - start;
+    const double own = side.norm(), along = x.dot(side) / own, away = (x - along / own * side).norm();
+    const Vec2 a = flat(s.rest[next(h)]), d = flat(s.rest[prev(h)]) - a, unit = d.normalized();
+    const double stretch = d.norm() / own;
+    m.row(3 + i) = row_of((a + stretch * (along * unit + away * Vec2(unit.y(), -unit.x()))) / scale);
+  }
+  const Eigen::SelfAdjointEigenSolver<Mat6> solver(m.transpose() * m, Eigen::EigenvaluesOnly);
+  const double low = solver.eigenvalues()[0], high = solver.eigenvalues()[5];
+  // Below this the small one is round-off.
+  return low > 1e-14 * high ? std::sqrt(high / low) : std::numeric_limits<double>::infinity();
+}
+
+void repair(Surface& s, const Options& options) {
+  std::vector<Index> look;
+  for (Index t = 0; t < s.triangle_slots(); ++t) look.push_back(t);
+  for (int pass = 0; pass < 4 && !look.empty(); ++pass) {
+    std::vector<Index> again;
+    for (Index t : look) {
+      if (s.dead[t] || s.frozen[t] || !(patch_condition(s, t) > largest_condition)) continue;
+      if (!mend(s, t, options) || s.dead[t]) continue;
+      add_patches(s, t, again);
+      for (Index h = 3 * t; h < 3 * t + 3; ++h)
+        if (s.twin[h] != no_index) add_patches(s, s.twin[h] / 3, again);
+    }
+    std::sort(again.begin(), again.end());
+    look.swap(again);
+  }
+}
+
+Quality quality_of(const Surface& s) {
+  Quality q;
+  std::vector<double> angles;
+  for (Index t = 0; t < s.triangle_slots(); ++t) {
+    if (s.dead[t]) continue;
+    const Vec3 &a = s.rest[3 * t], &b = s.rest[3 * t + 1], &c = s.rest[3 * t + 2];
+    angles.push_back(smallest_angle(a, b, c, (b - a).cross(c - a)));
+    const double condition = patch_condition(s, t);
+    q.largest_condition = std::max(q.largest_condition, condition);
+    if (condition > largest_condition) ++q.ill_conditioned;
+  }
+  q.smallest_angle = *std::min_element(angles.begin(), angles.end());
+  const auto rank = static_cast<std::ptrdiff_t>(angles.size() / 100);
+  std::nth_element(angles.begin(), angles.begin() + rank, angles.end());
+  q.percent_angle = angles[static_cast<std::size_t>(rank)];
+  for (Index v = 0; v < s.vertex_slots(); ++v) {
+    if (s.gone[v]) continue;
+    const Surface::Valence valence = s.valence(s.leaving[v]);
+    if (valence.inside && valence.edges == 3) ++q.valence_three;
+    if (valence.inside && valence.edges == 4) ++q.valence_four;
+  }
+  return q;
+}
+
+}  // namespace voile::adapt
