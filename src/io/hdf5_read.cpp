@@ -67,13 +67,15 @@ std::vector<double> read_rows(hid_t file, const std::string& name, const Rows& r
                               const fs::path& path) {
   const Hdf5Handle set = open_dataset(file, name, path);
   const Hdf5Handle space(H5Dget_space(set), H5Sclose);
-  std::array<hsize_t, 2> size{0, 0};
+  // A table of one column may have one dimension only.
+  std::array<hsize_t, 2> size{0, 1};
   const std::array<hsize_t, 2> begin{rows.begin, 0}, count{rows.count, columns};
-  if (H5Sget_simple_extent_ndims(space) != 2 || H5Sget_simple_extent_dims(space, size.data(), nullptr) < 0 ||
+  const int dimensions = H5Sget_simple_extent_ndims(space);
+  if (dimensions < 1 || dimensions > 2 || H5Sget_simple_extent_dims(space, size.data(), nullptr) < 0 ||
       size[1] != columns || rows.count > size[0] || rows.begin > size[0] - rows.count)
     fail_reading(path, fmt::format("'{}' has no rows {} to {} of {} numbers: the file is damaged", name, rows.begin,
                                    rows.begin + rows.count, columns));
-  const Hdf5Handle memory(H5Screate_simple(2, count.data(), nullptr), H5Sclose);
+  const Hdf5Handle memory(H5Screate_simple(dimensions, count.data(), nullptr), H5Sclose);
   std::vector<double> values(rows.count * columns);
   if (H5Sselect_hyperslab(space, H5S_SELECT_SET, begin.data(), nullptr, count.data(), nullptr) < 0 ||
       H5Dread(set, H5T_NATIVE_DOUBLE, memory, space, H5P_DEFAULT, values.data()) < 0)
