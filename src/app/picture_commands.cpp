@@ -176,4 +176,35 @@ void RenderCommand::write_animation(const picture::Recording& recording) const {
   if (!quiet_) fmt::print("wrote {}\n", animation_);
 }
 
+ExportCommand::ExportCommand(CLI::App& cli)
+    : sub_(cli.add_subcommand("export",
+                              "Write results in other formats: OBJ, STL, PLY, PC2, MDD, GLB, USDA, MSH, CSV")) {
+  results_.declare(*sub_, false);
+  sub_->add_option("--to", export_.format, "obj, stl, ply, pc2, mdd, glb, usda, msh or csv [the ending of --output]");
+  sub_->add_option("--steps", steps_,
+                   "all, last, N, FIRST:LAST or FIRST:LAST:STRIDE [all; last for obj, stl, ply, csv]");
+  sub_->add_option("--output", output_, "File to write; several get numbers [results.FORMAT beside the results]");
+  sub_->add_option("--field", fields_, "Fields of ply, csv and msh, with / between them [all]");
+  sub_->add_option("--rate", export_.rate, "Frames per second [25]");
+  sub_->add_flag("--no-obstacles", no_obstacles_, "The sheet only");
+  sub_->add_flag("--quiet", quiet_, "Print errors only");
+}
+
+void ExportCommand::run() {
+  std::string& format = export_.format;
+  if (format.empty() && output_.empty())
+    throw UserError("export: --to FORMAT or --output FILE is needed; see voile export --help");
+  if (format.empty()) format = fs::path(output_).extension().string().erase(0, 1);
+  const picture::Recording recording(results_.results, results_.choice);
+  export_.output = output_.empty() ? recording.folder() / ("results." + format) : fs::path(output_);
+  export_.fields = words_of(fields_, '/');
+  export_.bodies = !no_obstacles_;
+  const bool one_file_each = format == "obj" || format == "stl" || format == "ply" || format == "csv";
+  const std::vector<picture::Moment> moments =
+      recording.select(steps_.empty() ? (one_file_each ? "last" : "all") : steps_);
+  const auto files = export_results(recording, moments, export_);
+  for (const fs::path& file : files)
+    if (!quiet_) fmt::print("wrote {}\n", file.string());
+}
+
 }  // namespace voile::app

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "voile/picture/export.hpp"
 #include "voile/picture/show.hpp"
 
 namespace voile::app {
@@ -39,6 +40,21 @@ class RenderCommand {
   double rate_ = 25.0, scale_ = 1.0;
   int frames_ = 32;
   bool quiet_ = false, no_ground_ = false, no_stamp_ = false, no_obstacles_ = false;
+};
+
+class ExportCommand {
+ public:
+  explicit ExportCommand(CLI::App& cli);
+  [[nodiscard]] bool chosen() const { return sub_->parsed(); }
+  /// Throws UserError.
+  void run();
+
+ private:
+  CLI::App* sub_;
+  ResultsOptions results_;
+  picture::ExportOptions export_;
+  std::string steps_, output_, fields_;
+  bool quiet_ = false, no_obstacles_ = false;
 };
 
 }  // namespace voile::app

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <new>
 
 #include "picture_commands.hpp"
@@ -17,6 +18,7 @@ int run(int argc, char** argv) {
   CLI::App cli("Pictures, animations and exchange of results", "voile");
   cli.require_subcommand(1);
   app::RenderCommand render(cli);
+  app::ExportCommand exporting(cli);
   std::vector<std::string> words(argv + 1, argv + argc);
   std::reverse(words.begin(), words.end());
   try {
@@ -29,6 +31,7 @@ int run(int argc, char** argv) {
     throw UserError(fmt::format("{}; see voile {} --help", e.what(), argc > 1 ? argv[1] : ""));
   }
   if (render.chosen()) render.run();
+  if (exporting.chosen()) exporting.run();
   return 0;
 }
 
