@@ -20,7 +20,8 @@ LAYERS = {
     "solve": {"system", "mesh", "base"},
     "io": {"geometry", "mesh", "base"},
     "input": {"solve", "system", "energy", "io", "mesh", "base"},
-    "app": {"base", "mesh", "energy", "geometry", "adapt", "contact", "untangle", "system", "solve", "io", "input"},
+    "picture": {"io", "mesh", "base"},
+    "app": {"base", "mesh", "energy", "geometry", "adapt", "contact", "untangle", "system", "solve", "io", "input", "picture"},
 }
 
 # Header -> files that may include it, as "<layer>/<file without suffix>" patterns. The first match counts.
@@ -32,11 +33,15 @@ THIRD_PARTY = [
     (r"hdf5.*\.h|H5.*\.h", r"io/.*"),
     (r"gmsh\.h(_cwrap)?", r"io/gmsh"),
     (r"CGAL/.*", r"geometry/intersections|io/triangle_file"),
-    (r"toml\+\+/.*", r"input/case.*"),
+    (r"toml\+\+/.*", r"input/case.*|picture/recording"),
+    (r"embree3/.*", r"picture/tracing"),
+    (r"stb/.*", r"picture/truetype"),
+    (r"png\.h", r"picture/image"),
+    (r"webp/.*|gif_lib\.h", r"picture/animation"),
     (r"muParser\.h", r"input/case_expression"),
     (r"mpi\.h", r"base/mpi.*|app/main"),
-    (r"nlohmann/.*", r"app/.*|input/.*"),
-    (r"CLI/.*", r"app/main"),
+    (r"nlohmann/.*", r"app/.*|input/.*|picture/export_gltf"),
+    (r"CLI/.*", r"app/main|app/picture_.*"),
     (r"Eigen/.*", r".*"),
     (r"fmt/.*", r".*"),
     (r"dlfcn\.h", r".*/mumps.*"),

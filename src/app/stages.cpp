@@ -143,7 +143,7 @@ Origin begin_from(const input::Case& c, RunOptions& options, std::vector<Stage>&
   const auto at = std::find(names.begin(), names.end(), options.from);
   if (at == names.end())
     throw UserError(
-        fmt::format("--from: there is no stage '{}':{}", options.from, input::suggestion(options.from, names)));
+        fmt::format("--from: there is no stage '{}':{}", options.from, suggestion(options.from, names)));
   if (!restarts && at != names.begin()) {
     require_end_of(*(at - 1), options.output, options.from);
     options.restart = options.output / *(at - 1) / "checkpoint.h5";

@@ -36,7 +36,7 @@ void check_rest(hid_t file, const mesh::SurfaceMesh& mesh, const std::filesystem
     for (std::size_t i = 0; i < own.size(); ++i) same = same && std::abs(own[i] - stored[i]) <= 1e-9 * mesh.extent();
   }
   if (!same)
-    fail_restart(path,
+    fail_reading(path,
                  "its rest shape is another than that of this case; give the same mesh.rest and mesh.texture_unit");
 }
 
@@ -71,11 +71,11 @@ namespace {
 Checkpoint read_unguarded(const std::filesystem::path& path, const mesh::SurfaceMesh& mesh) {
   const Silence silence;
   const Hdf5Handle file(H5Fopen(path.string().c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
-  if (!file.valid()) fail_restart(path, "this is not a checkpoint that can be read");
+  if (!file.valid()) fail_reading(path, "this is not a checkpoint that can be read");
   check_mesh(file, "mesh/positions", mesh, path);
   check_rest(file, mesh, path);
   if (H5Aexists(file, "in_equilibrium") <= 0)
-    fail_restart(path,
+    fail_reading(path,
                  "it is not a checkpoint; a run goes on from checkpoint.h5 of an earlier one, written every [time] "
                  "checkpoint_steps or checkpoint_minutes and when it ends");
   const std::size_t count = 3 * static_cast<std::size_t>(mesh.vertex_count());
@@ -99,8 +99,12 @@ Checkpoint read_unguarded(const std::filesystem::path& path, const mesh::Surface
 }  // namespace
 
 Checkpoint read_checkpoint(const std::filesystem::path& path, const mesh::SurfaceMesh& mesh) {
-  try_in_child(path.string(), [&] { (void)read_unguarded(path, mesh); });
-  return read_unguarded(path, mesh);
+  try {
+    try_in_child(path.string(), [&] { (void)read_unguarded(path, mesh); });
+    return read_unguarded(path, mesh);
+  } catch (const UserError& e) {
+    rethrow_for_restart(e);
+  }
 }
 
 }  // namespace voile::io

@@ -12,27 +12,31 @@ namespace voile::io {
 
 namespace fs = std::filesystem;
 
-void fail_restart(const fs::path& file, const std::string& what) {
-  throw UserError(fmt::format("--restart {}: {}", file.string(), what));
+void fail_reading(const fs::path& file, const std::string& what) {
+  throw UserError(fmt::format("{}: {}", file.string(), what));
+}
+
+void rethrow_for_restart(const UserError& e) {
+  throw UserError(fmt::format("--restart {}", e.what()));
 }
 
 namespace {
 
 Hdf5Handle open_dataset(hid_t file, const std::string& name, const fs::path& path) {
   Hdf5Handle set(H5Dopen2(file, name.c_str(), H5P_DEFAULT), H5Dclose);
-  if (!set.valid()) fail_restart(path, fmt::format("there is no '{}' in it", name));
+  if (!set.valid()) fail_reading(path, fmt::format("there is no '{}' in it", name));
   return set;
 }
 
 [[noreturn]] void fail_damaged(const fs::path& path, const std::string& name) {
-  fail_restart(path, fmt::format("'{}' cannot be read: the file is damaged (its checksum does not fit); use another "
+  fail_reading(path, fmt::format("'{}' cannot be read: the file is damaged (its checksum does not fit); use another "
                                  "step or checkpoint",
                                  name));
 }
 
 void check_finite(const std::vector<double>& values, const fs::path& path, const std::string& name) {
   if (!std::all_of(values.begin(), values.end(), [](double x) { return std::isfinite(x); }))
-    fail_restart(path, fmt::format("'{}' holds numbers that are not finite; use another step or checkpoint", name));
+    fail_reading(path, fmt::format("'{}' holds numbers that are not finite; use another step or checkpoint", name));
 }
 
 template <class Real>
@@ -52,7 +56,7 @@ std::vector<double> read_values(hid_t file, const std::string& name, std::size_t
   const Hdf5Handle set = open_dataset(file, name, path);
   const Hdf5Handle space(H5Dget_space(set), H5Sclose);
   if (static_cast<std::size_t>(H5Sget_simple_extent_npoints(space)) != count)
-    fail_restart(path, "it belongs to another mesh; use the mesh and the parameters of the run that wrote it");
+    fail_reading(path, "it belongs to another mesh; use the mesh and the parameters of the run that wrote it");
   std::vector<double> values(count);
   if (H5Dread(set, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) < 0) fail_damaged(path, name);
   check_finite(values, path, name);
@@ -63,13 +67,15 @@ std::vector<double> read_rows(hid_t file, const std::string& name, const Rows& r
                               const fs::path& path) {
   const Hdf5Handle set = open_dataset(file, name, path);
   const Hdf5Handle space(H5Dget_space(set), H5Sclose);
-  std::array<hsize_t, 2> size{0, 0};
+  // A table of one column may have one dimension only.
+  std::array<hsize_t, 2> size{0, 1};
   const std::array<hsize_t, 2> begin{rows.begin, 0}, count{rows.count, columns};
-  if (H5Sget_simple_extent_ndims(space) != 2 || H5Sget_simple_extent_dims(space, size.data(), nullptr) < 0 ||
+  const int dimensions = H5Sget_simple_extent_ndims(space);
+  if (dimensions < 1 || dimensions > 2 || H5Sget_simple_extent_dims(space, size.data(), nullptr) < 0 ||
       size[1] != columns || rows.count > size[0] || rows.begin > size[0] - rows.count)
-    fail_restart(path, fmt::format("'{}' has no rows {} to {} of {} numbers: the file is damaged", name, rows.begin,
+    fail_reading(path, fmt::format("'{}' has no rows {} to {} of {} numbers: the file is damaged", name, rows.begin,
                                    rows.begin + rows.count, columns));
-  const Hdf5Handle memory(H5Screate_simple(2, count.data(), nullptr), H5Sclose);
+  const Hdf5Handle memory(H5Screate_simple(dimensions, count.data(), nullptr), H5Sclose);
   std::vector<double> values(rows.count * columns);
   if (H5Sselect_hyperslab(space, H5S_SELECT_SET, begin.data(), nullptr, count.data(), nullptr) < 0 ||
       H5Dread(set, H5T_NATIVE_DOUBLE, memory, space, H5P_DEFAULT, values.data()) < 0)
@@ -90,9 +96,9 @@ std::string read_text(hid_t file, const std::string& object, const char* name, c
   const Hdf5Handle a(H5Aopen_by_name(file, object.c_str(), name, H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
   const Hdf5Handle type(a.valid() ? H5Aget_type(a) : -1, H5Tclose);
   if (!type.valid() || H5Tget_class(type) != H5T_STRING || H5Tis_variable_str(type) != 0)
-    fail_restart(path, fmt::format("it has no text '{}'", name));
+    fail_reading(path, fmt::format("it has no text '{}'", name));
   std::string text(H5Tget_size(type), '\0');
-  if (H5Aread(a, type, text.data()) < 0) fail_restart(path, fmt::format("its text '{}' cannot be read", name));
+  if (H5Aread(a, type, text.data()) < 0) fail_reading(path, fmt::format("its text '{}' cannot be read", name));
   text.erase(text.find_last_not_of('\0') + 1);
   return text;
 }
@@ -101,9 +107,9 @@ double read_number(hid_t file, const std::string& object, const char* name, cons
   const Hdf5Handle a(H5Aopen_by_name(file, object.c_str(), name, H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
   double value = 0.0;
   if (!a.valid() || H5Aread(a, H5T_NATIVE_DOUBLE, &value) < 0)
-    fail_restart(path, fmt::format("it has no number '{}'", name));
+    fail_reading(path, fmt::format("it has no number '{}'", name));
   if (!std::isfinite(value))
-    fail_restart(path, fmt::format("its number '{}' is not finite: the file is damaged", name));
+    fail_reading(path, fmt::format("its number '{}' is not finite: the file is damaged", name));
   return value;
 }
 
@@ -113,7 +119,7 @@ void check_mesh(hid_t file, const std::string& name, const mesh::SurfaceMesh& me
   for (Index v = 0; v < mesh.vertex_count(); ++v)
     for (int k = 0; k < 3; ++k)
       if (std::abs(x[3 * static_cast<std::size_t>(v) + k] - mesh.positions()[v][k]) > tolerance)
-        fail_restart(path, fmt::format("vertex {} lies elsewhere than in the mesh of this case", v));
+        fail_reading(path, fmt::format("vertex {} lies elsewhere than in the mesh of this case", v));
 }
 
 }  // namespace voile::io

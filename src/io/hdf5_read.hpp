@@ -1,4 +1,4 @@
-// Reading arrays back from HDF5 for --restart; private to src/io.
+// Reading arrays back from HDF5; private to src/io.
 #pragma once
 
 #include <cstdint>
@@ -7,11 +7,14 @@
 #include <vector>
 
 #include "hdf5_handle.hpp"
+#include "voile/base/error.hpp"
 #include "voile/mesh/surface_mesh.hpp"
 
 namespace voile::io {
 
-[[noreturn]] void fail_restart(const std::filesystem::path& file, const std::string& what);
+[[noreturn]] void fail_reading(const std::filesystem::path& file, const std::string& what);
+/// Says that what failed was read for --restart.
+[[noreturn]] void rethrow_for_restart(const UserError& e);
 
 /// Rows of a dataset; `count` rows from `begin` on.
 struct Rows {

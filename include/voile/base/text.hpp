@@ -5,6 +5,7 @@
 
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace voile {
 
@@ -26,5 +27,10 @@ template <class List>
     if (static_cast<unsigned char>(c) < 32 || static_cast<unsigned char>(c) > 126) c = '?';
   return text;
 }
+
+/// The name of `names` nearest to a misspelt one, or "" if none is near.
+[[nodiscard]] std::string nearest(const std::string& word, const std::vector<std::string>& names);
+/// " did you mean 'x'?" or, if nothing is near, " valid: a, b, c".
+[[nodiscard]] std::string suggestion(const std::string& word, const std::vector<std::string>& names);
 
 }  // namespace voile

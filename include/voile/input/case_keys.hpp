@@ -12,6 +12,7 @@
 #include <variant>
 #include <vector>
 
+#include "voile/base/text.hpp"
 #include "voile/input/case.hpp"
 
 namespace voile::input {
@@ -119,11 +120,6 @@ struct SectionInfo {
   std::string meaning;
 };
 [[nodiscard]] const std::vector<SectionInfo>& sections();
-
-/// The name of `names` nearest to a misspelt one, or "" if none is near.
-[[nodiscard]] std::string nearest(const std::string& word, const std::vector<std::string>& names);
-/// " did you mean 'x'?" or, if nothing is near, " known: a, b, c".
-[[nodiscard]] std::string suggestion(const std::string& word, const std::vector<std::string>& names);
 
 /// A value as it is written in TOML; empty if the slot holds nothing that can be written.
 [[nodiscard]] std::string toml_value(const Slot& slot);

@@ -447,10 +447,10 @@ TEST_CASE("the reference page has every section and key, and its example is vali
 }
 
 TEST_CASE("nearest names") {
-  CHECK(input::nearest("yuong", {"young", "poisson"}) == "young");
-  CHECK(input::nearest("thicknes", {"thickness"}) == "thickness");
-  CHECK(input::nearest("zzz", {"young", "poisson"}).empty());
-  CHECK(input::nearest("ab", {"xy"}).empty());
+  CHECK(nearest("yuong", {"young", "poisson"}) == "young");
+  CHECK(nearest("thicknes", {"thickness"}) == "thickness");
+  CHECK(nearest("zzz", {"young", "poisson"}).empty());
+  CHECK(nearest("ab", {"xy"}).empty());
 }
 
 TEST_CASE("the command line is shared with PETSc") {

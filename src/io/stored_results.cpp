@@ -1,0 +1,300 @@
+#include "stored_results.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "voile/base/error.hpp"
+#include "voile/base/text.hpp"
+
+namespace voile::io {
+
+namespace fs = std::filesystem;
+
+bool has(hid_t place, const std::string& name) {
+  return H5Lexists(place, name.c_str(), H5P_DEFAULT) > 0;
+}
+
+Hdf5Handle open_to_read(const fs::path& file) {
+  return {H5Fopen(file.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose};
+}
+
+namespace {
+
+/// Names of what lies in a group.
+std::vector<std::string> names_in(hid_t file, const std::string& group) {
+  std::vector<std::string> names;
+  if (!has(file, group)) return names;
+  const auto take = [](hid_t, const char* name, const H5L_info_t*, void* list) -> herr_t {
+    static_cast<std::vector<std::string>*>(list)->emplace_back(name);
+    return 0;
+  };
+  (void)H5Literate_by_name(file, group.c_str(), H5_INDEX_NAME, H5_ITER_INC, nullptr, take, &names, H5P_DEFAULT);
+  return names;
+}
+
+/// How many numbers a row of a table has.
+int columns_of(hid_t file, const std::string& name, const fs::path& path) {
+  const Hdf5Handle set(H5Dopen2(file, name.c_str(), H5P_DEFAULT), H5Dclose);
+  const Hdf5Handle space(set.valid() ? H5Dget_space(set) : -1, H5Sclose);
+  const int dimensions = space.valid() ? H5Sget_simple_extent_ndims(space) : 0;
+  std::array<hsize_t, 2> size{0, 1};
+  if (dimensions < 1 || dimensions > 2 || H5Sget_simple_extent_dims(space, size.data(), nullptr) < 0 || size[1] > 9)
+    fail_reading(path, fmt::format("'{}' is no table: the file is damaged", name));
+  return static_cast<int>(size[1]);
+}
+
+std::vector<Vec3> points_of(const std::vector<double>& x) {
+  std::vector<Vec3> points;
+  points.reserve(x.size() / 3);
+  for (std::size_t i = 0; i + 2 < x.size(); i += 3) points.emplace_back(x[i], x[i + 1], x[i + 2]);
+  return points;
+}
+
+/// A list of texts of one length.
+std::vector<std::string> read_texts(hid_t file, const std::string& name, const fs::path& path) {
+  const Hdf5Handle set(H5Dopen2(file, name.c_str(), H5P_DEFAULT), H5Dclose);
+  const Hdf5Handle type(set.valid() ? H5Dget_type(set) : -1, H5Tclose);
+  const Hdf5Handle space(set.valid() ? H5Dget_space(set) : -1, H5Sclose);
+  if (!type.valid() || H5Tget_class(type) != H5T_STRING || H5Tis_variable_str(type) != 0)
+    fail_reading(path, fmt::format("it has no texts '{}'", name));
+  const std::size_t width = H5Tget_size(type), count = static_cast<std::size_t>(H5Sget_simple_extent_npoints(space));
+  std::string all(width * count, '\0');
+  if (H5Dread(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, all.data()) < 0)
+    fail_reading(path, fmt::format("its texts '{}' cannot be read", name));
+  std::vector<std::string> list;
+  for (std::size_t at = 0; at < all.size(); at += width) list.emplace_back(all.substr(at, width).c_str());
+  return list;
+}
+
+/// Numbers of vertices or triangles below `end`.
+std::vector<Index> read_members(hid_t file, const std::string& name, std::size_t end, const fs::path& path) {
+  std::vector<Index> members;
+  for (const std::int64_t i : read_integers(file, name, path)) {
+    if (i < 0 || static_cast<std::size_t>(i) >= end)
+      fail_reading(path, fmt::format("'{}' names number {} of {}: the file is damaged", name, i, end));
+    members.push_back(static_cast<Index>(i));
+  }
+  return members;
+}
+
+template <std::size_t n>
+std::vector<std::array<Index, n>> grouped(const std::vector<Index>& members) {
+  std::vector<std::array<Index, n>> tuples(members.size() / n);
+  for (std::size_t i = 0; i < n * tuples.size(); ++i) tuples[i / n][i % n] = members[i];
+  return tuples;
+}
+
+std::vector<std::size_t> read_tags(hid_t file, const std::string& name, const fs::path& path) {
+  const std::vector<std::int64_t> values = read_integers(file, name, path);
+  return {values.begin(), values.end()};
+}
+
+std::vector<mesh::Group> read_groups(hid_t file, const std::string& where, const mesh::MeshData& mesh,
+                                     const fs::path& path) {
+  std::vector<mesh::Group> groups;
+  for (;;) {
+    const std::string at = fmt::format("{}/groups/{:06d}", where, groups.size());
+    if (!has(file, at)) return groups;
+    mesh::Group& group = groups.emplace_back();
+    group.name = read_text(file, at, "name", path);
+    group.dimension = static_cast<int>(read_number(file, at, "dimension", path));
+    group.vertices = read_members(file, at + "/vertices", mesh.positions.size(), path);
+    group.segments = grouped<2>(read_members(file, at + "/segments", mesh.positions.size(), path));
+    group.triangles = read_members(file, at + "/triangles", mesh.triangles.size(), path);
+  }
+}
+
+mesh::MeshData read_record(hid_t file, const std::string& where, const fs::path& path) {
+  mesh::MeshData mesh;
+  mesh.source = read_text(file, where, "source", path);
+  mesh.positions = points_of(read_all(file, where + "/positions", path));
+  mesh.triangles = grouped<3>(read_members(file, where + "/triangles", mesh.positions.size(), path));
+  mesh.vertex_tags = read_tags(file, where + "/vertex_tags", path);
+  mesh.triangle_tags = read_tags(file, where + "/triangle_tags", path);
+  const std::vector<double> texture = read_all(file, where + "/texture", path);
+  for (std::size_t i = 0; i + 5 < texture.size(); i += 6)
+    mesh.texture.push_back(
+        {Vec2(texture[i], texture[i + 1]), Vec2(texture[i + 2], texture[i + 3]), Vec2(texture[i + 4], texture[i + 5])});
+  mesh.groups = read_groups(file, where, mesh, path);
+  return mesh;
+}
+
+}  // namespace
+
+StoredResults::StoredResults(const fs::path& path) : path_(path), file_(open_to_read(path)) {
+  if (!file_.valid() || !has(file_, "voile") || !has(file_, "voile/steps"))
+    fail_reading(path, "this is not a results.vtkhdf that can be read");
+  if (const double layout = read_number(file_, "voile", "layout", path); layout != layout_version)
+    fail_reading(path, fmt::format("it has layout {}, this program reads {}", layout, layout_version));
+  complete_ = read_number(file_, "voile", "complete", path) != 0.0;
+  read_named();
+  if (!complete_) find_unnamed();
+}
+
+std::size_t StoredResults::find(int number) const {
+  if (steps_.empty()) fail_reading(path_, "it has no steps");
+  if (number < 0) return steps_.size() - 1;
+  for (std::size_t i = steps_.size(); i-- > 0;)
+    if (steps_[i].number == number) return i;
+  std::vector<int> numbers;
+  for (const StoredStepInfo& s : steps_) numbers.push_back(s.number);
+  fail_reading(path_, fmt::format("it has no step {}; it has {}", number, join(numbers, ", ")));
+}
+
+/// Calls work(file or group, path of the mesh in it, name for messages).
+template <class Work>
+void StoredResults::with_epoch(std::size_t epoch, const Work& work) const {
+  if (complete_) return work(file_, epoch_path(epoch), path_);
+  const fs::path file = path_.parent_path() / epoch_file(epoch);
+  const Hdf5Handle opened = open_to_read(file);
+  if (!opened.valid()) fail_missing(epoch_file(epoch));
+  work(opened, "mesh", file);
+}
+
+void StoredResults::check_mesh(std::size_t step, const mesh::SurfaceMesh& mesh) const {
+  with_epoch(steps_[step].epoch, [&](hid_t at, const std::string& where, const fs::path& place) {
+    io::check_mesh(at, where + "/positions", mesh, place);
+  });
+}
+
+void StoredResults::read_named() {
+  const std::vector<std::int64_t> number = read_integers(file_, "voile/steps/number", path_),
+                                  epoch = read_integers(file_, "voile/steps/epoch", path_);
+  const std::vector<double> time = read_all(file_, "voile/steps/time", path_),
+                            load_factor = read_all(file_, "voile/steps/load_factor", path_);
+  if (epoch.size() != number.size() || time.size() != number.size() || load_factor.size() != number.size())
+    fail_reading(path_, "its lists of steps differ in length: the file is damaged");
+  for (std::size_t i = 0; i < number.size(); ++i) {
+    if (epoch[i] < 0 || !std::isfinite(time[i]) || !std::isfinite(load_factor[i]))
+      fail_reading(path_, fmt::format("its record of step {} makes no sense: the file is damaged", number[i]));
+    steps_.push_back({static_cast<int>(number[i]), time[i], load_factor[i], static_cast<std::size_t>(epoch[i])});
+  }
+}
+
+/// Steps that were written after the last renewal of the index.
+void StoredResults::find_unnamed() {
+  for (;;) {
+    const fs::path place = path_.parent_path() / step_file(steps_.size());
+    if (!fs::exists(place)) return;
+    const Hdf5Handle file = open_to_read(place);
+    if (!file.valid()) fail_missing(step_file(steps_.size()));
+    steps_.push_back({static_cast<int>(read_number(file, "/", "step", place)), read_number(file, "/", "time", place),
+                      read_number(file, "/", "load_factor", place),
+                      static_cast<std::size_t>(std::max(0.0, read_number(file, "/", "epoch", place)))});
+  }
+}
+
+std::pair<Hdf5Handle, fs::path> StoredResults::open_step(std::size_t step) const {
+  const fs::path place = path_.parent_path() / step_file(step);
+  Hdf5Handle file = open_to_read(place);
+  if (!file.valid()) fail_missing(step_file(step));
+  return {std::move(file), place};
+}
+
+std::int64_t StoredResults::read_entry(const std::string& list, std::size_t step) const {
+  const std::vector<std::int64_t> values = read_integers(file_, list, path_);
+  if (step >= values.size() || values[step] < 0)
+    fail_reading(path_, fmt::format("'{}' says nothing of step {}: the file is damaged", list, steps_[step].number));
+  return values[step];
+}
+
+void StoredResults::fail_missing(const std::string& file) const {
+  fail_reading(path_,
+               fmt::format("its run did not end, so that its data are in {} beside it, which is missing or cannot be "
+                           "read; copy the folder steps/ together with results.vtkhdf, or use another step",
+                           file));
+}
+
+std::vector<FieldInfo> StoredResults::fields(std::size_t step) const {
+  std::vector<FieldInfo> found;
+  if (!complete_) {
+    const auto [file, place] = open_step(step);
+    for (const std::string& name : names_in(file, "fields")) {
+      const std::string path = "fields/" + name;
+      const Centre centre = read_text(file, path, "centre", place) == "vertex" ? Centre::vertex : Centre::triangle;
+      found.push_back({name, read_text(file, path, "unit", place), centre, columns_of(file, path, place)});
+    }
+    return found;
+  }
+  for (const Centre centre : {Centre::vertex, Centre::triangle}) {
+    const std::string part = centre == Centre::vertex ? "VTKHDF/PointData" : "VTKHDF/CellData";
+    for (const std::string& shown : names_in(file_, part)) {
+      const std::string path = part + "/" + shown;
+      if (H5Aexists_by_name(file_, path.c_str(), "unit", H5P_DEFAULT) <= 0) continue;
+      const std::string name = read_text(file_, path, "name", path_), present = "voile/steps/has/" + name;
+      if (has(file_, "voile/steps/has") && has(file_, present) && read_entry(present, step) != 0)
+        found.push_back({name, read_text(file_, path, "unit", path_), centre, columns_of(file_, path, path_)});
+    }
+  }
+  return found;
+}
+
+std::vector<double> StoredResults::values(std::size_t step, const FieldInfo& field, std::size_t count) const {
+  const auto columns = static_cast<std::size_t>(field.components);
+  if (!complete_) {
+    const auto [file, place] = open_step(step);
+    return read_values(file, "fields/" + field.name, columns * count, place);
+  }
+  const std::string kind = field.centre == Centre::vertex ? "Point" : "Cell",
+                    name = shown_name(field.name, field.centre, columns);
+  const auto begin =
+      static_cast<std::size_t>(read_entry(fmt::format("VTKHDF/Steps/{}DataOffsets/{}", kind, name), step));
+  return read_rows(file_, fmt::format("VTKHDF/{}Data/{}", kind, name), {begin, count}, columns, path_);
+}
+
+std::optional<std::vector<double>> StoredResults::vectors(std::size_t step, const std::string& name,
+                                                          std::size_t vertices) const {
+  if (!complete_) {
+    const auto [file, place] = open_step(step);
+    if (!has(file, "fields/" + name)) return std::nullopt;
+  } else {
+    const std::string present = "voile/steps/has/" + name;
+    if (!has(file_, "voile/steps/has") || !has(file_, present) || read_entry(present, step) == 0) return std::nullopt;
+  }
+  return values(step, {name, "", Centre::vertex, 3}, vertices);
+}
+
+StoredMesh StoredResults::mesh(std::size_t epoch) const {
+  StoredMesh stored;
+  with_epoch(epoch, [&](hid_t at, const std::string& where, const fs::path& place) {
+    stored.data = read_record(at, where, place);
+    if (!has(at, where + "/partition")) return;
+    const std::vector<std::int64_t> ranks = read_integers(at, where + "/partition/triangles", place);
+    stored.triangle_rank.assign(ranks.begin(), ranks.end());
+  });
+  return stored;
+}
+
+ObstacleTriangles StoredResults::obstacles() const {
+  ObstacleTriangles o;
+  const std::string where = "voile/obstacles";
+  if (!has(file_, where)) return o;
+  o.positions = points_of(read_all(file_, where + "/positions", path_));
+  o.triangles = grouped<3>(read_members(file_, where + "/triangles", o.positions.size(), path_));
+  for (const std::int64_t i : read_integers(file_, where + "/obstacle", path_))
+    o.obstacle.push_back(static_cast<int>(i));
+  o.names = read_texts(file_, where + "/names", path_);
+  if (o.obstacle.size() != o.triangles.size()) fail_reading(path_, "its obstacles make no sense: the file is damaged");
+  o.moves = has(file_, "voile/steps/obstacle_positions");
+  return o;
+}
+
+std::vector<Vec3> StoredResults::obstacle_positions(std::size_t step, std::size_t count) const {
+  if (!complete_) {
+    const auto [file, place] = open_step(step);
+    return has(file, "obstacles") ? points_of(read_values(file, "obstacles", 3 * count, place)) : std::vector<Vec3>();
+  }
+  const std::string name = "voile/steps/obstacle_positions";
+  if (!has(file_, name)) return {};
+  return points_of(read_rows(file_, name, {step * count, count}, 3, path_));
+}
+
+bool holds_everything(const fs::path& path) {
+  const Hdf5Handle file = open_to_read(path);
+  return file.valid() && has(file, "voile") && read_number(file, "voile", "complete", path) != 0.0;
+}
+
+}  // namespace voile::io

@@ -1,0 +1,130 @@
+#include "voile/picture/export.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "exporting.hpp"
+#include "voile/base/error.hpp"
+#include "voile/base/text.hpp"
+
+namespace voile::picture {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+using Writer = Files (*)(const Exporter&);
+
+const std::vector<std::pair<std::string, Writer>>& writers() {
+  static const std::vector<std::pair<std::string, Writer>> list{
+      {"obj", export_obj}, {"stl", export_stl},   {"ply", export_ply}, {"pc2", export_pc2}, {"mdd", export_mdd},
+      {"glb", export_glb}, {"usda", export_usda}, {"msh", export_msh}, {"csv", export_csv}};
+  return list;
+}
+
+std::vector<Vec3f> single(const std::vector<Vec3>& points) {
+  std::vector<Vec3f> result;
+  for (const Vec3& x : points) result.push_back(x.cast<float>());
+  return result;
+}
+
+}  // namespace
+
+const std::vector<std::string>& export_formats() {
+  static const std::vector<std::string> names = [] {
+    std::vector<std::string> list;
+    for (const auto& [name, writer] : writers()) list.push_back(name);
+    return list;
+  }();
+  return names;
+}
+
+Files export_results(const Recording& recording, const std::vector<Moment>& moments, const ExportOptions& options) {
+  if (!(options.rate > 0.0)) throw UserError(fmt::format("--rate {}: frames per second are more than 0", options.rate));
+  for (const auto& [name, writer] : writers())
+    if (name == options.format) return writer(Exporter(recording, moments, options));
+  throw UserError(
+      fmt::format("--to {}: there is no such format:{}", options.format, suggestion(options.format, export_formats())));
+}
+
+Exporter::Exporter(const Recording& recording, const std::vector<Moment>& moments, const ExportOptions& options)
+    : recording_(recording), moments_(moments), options_(options) {
+  // Times that are those of one motion; frames follow each other evenly otherwise.
+  in_time_ = moments.size() > 1;
+  for (std::size_t i = 0; i < moments.size(); ++i) {
+    const Recording::Part& part = recording.parts()[moments[i].part];
+    in_time_ = in_time_ && part.in_time && moments[i].step && moments[i].part == moments[0].part;
+  }
+}
+
+double Exporter::time(std::size_t i) const {
+  if (!in_time_) return static_cast<double>(i) / options_.rate;
+  const auto& steps = recording_.parts()[moments_[0].part].run.steps();
+  return steps[*moments_[i].step].time - steps[*moments_[0].step].time;
+}
+
+bool Exporter::same_mesh(std::size_t i) const {
+  if (i == 0) return false;
+  const auto now = recording_.mesh(moments_[i]), before = recording_.mesh(moments_[i - 1]);
+  return now == before ||
+         (now->data.triangles == before->data.triangles && now->data.positions.size() == before->data.positions.size());
+}
+
+void Exporter::need_one_mesh() const {
+  for (std::size_t i = 1; i < moments_.size(); ++i)
+    if (!same_mesh(i))
+      throw UserError(fmt::format(
+          "--to {}: its frames have one mesh, but the mesh changes at step {} of {}; export the steps before and "
+          "after apart (--steps FIRST:LAST), or take glb or usda, which can change",
+          options_.format, recording_.number(moments_[i]), recording_.folder().string()));
+}
+
+Snapshot Exporter::snapshot(std::size_t i) const {
+  const Moment& moment = moments_[i];
+  Snapshot s;
+  s.state = recording_.state(moment, 1.0);
+  s.number = recording_.number(moment);
+  s.time = time(i);
+  s.sheet = {"sheet", single(s.state.positions), s.state.mesh->data.triangles, true};
+  const io::ObstacleTriangles& obstacles = recording_.parts()[moment.part].run.obstacles();
+  s.bodies = {"bodies", single(s.state.obstacles), {}, obstacles.moves};
+  if (options_.bodies) s.bodies.triangles = find_bodies(obstacles, s.state.obstacles, recording_.up()).triangles;
+  if (s.bodies.triangles.empty()) s.bodies.positions.clear();
+  return s;
+}
+
+std::vector<io::Field> Exporter::fields(std::size_t i) const {
+  std::vector<io::Field> found;
+  const Moment& moment = moments_[i];
+  if (!moment.step) return found;
+  const io::StoredRun& run = recording_.parts()[moment.part].run;
+  std::vector<std::string> names = options_.fields;
+  if (names.empty())
+    for (const io::FieldInfo& f : run.fields(*moment.step)) names.push_back(f.name);
+  for (const std::string& name : names) found.push_back(run.field(*moment.step, name, recording_.mesh(moment)->data));
+  return found;
+}
+
+fs::path Exporter::file(const std::string& suffix, const std::string& ending) const {
+  const fs::path& output = options_.output;
+  return output.parent_path() /
+         (output.stem().string() + suffix + (ending.empty() ? output.extension().string() : ending));
+}
+
+fs::path Exporter::frame_file(std::size_t i) const {
+  return size() == 1 ? options_.output : file(fmt::format("_{:06d}", i));
+}
+
+OutFile::OutFile(const fs::path& file) : file_(file), out_(file, std::ios::binary) {
+  if (!out_) throw UserError(fmt::format("{}: cannot be written; is the folder there?", file.string()));
+}
+
+void OutFile::finish(Files& files) {
+  out_.close();
+  if (!out_) throw UserError(fmt::format("{}: cannot be written; is there room on the disk?", file_.string()));
+  files.push_back(file_);
+}
+
+}  // namespace voile::picture

@@ -1,0 +1,232 @@
+// GLB (glTF 2.0, binary): the motion as morph targets.
+//
+// A node holds at most so many frames as browsers take morph targets, its first frame being the mesh itself; the next node
+// begins with the last frame of the one before, or with a new mesh where the mesh changes. A node is there, with scale 1, from
+// its first frame to its last, and elsewhere has scale 0. Weights run linearly from frame to frame.
+#include <fmt/format.h>
+
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "exporting.hpp"
+#include "voile/base/error.hpp"
+#include "voile/picture/scene.hpp"
+
+namespace voile::picture {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::size_t most_frames = 200;
+constexpr int type_float = 5126, type_unsigned = 5125, target_vertices = 34962, target_indices = 34963;
+
+class Gltf {
+ public:
+  explicit Gltf(const Vec3& up) : turn_(Eigen::Quaterniond::FromTwoVectors(up, Vec3::UnitY()).toRotationMatrix()) {
+    json_["asset"] = {{"version", "2.0"}, {"generator", "Voile"}};
+    json_["scene"] = 0;
+    json_["scenes"] = Json::array({{{"nodes", Json::array()}}});
+    for (const char* list : {"nodes", "meshes", "materials", "accessors", "bufferViews"}) json_[list] = Json::array();
+    add_material("sheet", {66, 119, 178});
+    add_material("bodies", {196, 192, 186});
+  }
+
+  /// Positions of a body at the times of its frames.
+  void add(const std::string& name, const std::vector<mesh::Triangle>& triangles,
+           const std::vector<std::vector<Vec3f>>& frames, const std::vector<double>& times, int material, bool begins,
+           bool ends);
+  void write(const std::filesystem::path& file, Files& files);
+
+ private:
+  void add_material(const char* name, const Bytes3& colour) {
+    const Rgb c = from_bytes(colour);
+    json_["materials"].push_back(
+        {{"name", name},
+         {"doubleSided", true},
+         {"pbrMetallicRoughness",
+          {{"baseColorFactor", {c[0], c[1], c[2], 1.0}}, {"metallicFactor", 0.0}, {"roughnessFactor", 0.8}}}});
+  }
+  template <class Value>
+  int view(const std::vector<Value>& values, int target) {
+    const std::size_t begin = bytes_.size(), size = values.size() * sizeof(Value);
+    const auto* from = reinterpret_cast<const char*>(values.data());
+    bytes_.insert(bytes_.end(), from, from + size);
+    Json v{{"buffer", 0}, {"byteOffset", begin}, {"byteLength", size}};
+    if (target) v["target"] = target;
+    json_["bufferViews"].push_back(v);
+    return static_cast<int>(json_["bufferViews"].size()) - 1;
+  }
+  int accessor(int view, int component, std::size_t count, const char* type) {
+    json_["accessors"].push_back(
+        {{"bufferView", view}, {"componentType", component}, {"count", count}, {"type", type}});
+    return static_cast<int>(json_["accessors"].size()) - 1;
+  }
+  int vectors(const std::vector<Vec3f>& x) {
+    const int a = accessor(view(x, target_vertices), type_float, x.size(), "VEC3");
+    Vec3f low = Vec3f::Constant(std::numeric_limits<float>::max()), high = -low;
+    for (const Vec3f& p : x) {
+      low = low.cwiseMin(p);
+      high = high.cwiseMax(p);
+    }
+    json_["accessors"].back()["min"] = {low[0], low[1], low[2]};
+    json_["accessors"].back()["max"] = {high[0], high[1], high[2]};
+    return a;
+  }
+  int numbers(const std::vector<float>& x) {
+    const int a = accessor(view(x, 0), type_float, x.size(), "SCALAR");
+    json_["accessors"].back()["min"] = {*std::min_element(x.begin(), x.end())};
+    json_["accessors"].back()["max"] = {*std::max_element(x.begin(), x.end())};
+    return a;
+  }
+  [[nodiscard]] std::vector<Vec3f> turned(const std::vector<Vec3f>& x) const {
+    std::vector<Vec3f> result;
+    for (const Vec3f& p : x) result.emplace_back((turn_ * p.cast<double>()).cast<float>());
+    return result;
+  }
+  void animate(int node, const std::vector<double>& times, bool begins, bool ends);
+  void channel(int node, const char* path, int input, int output, const char* interpolation) {
+    Json& a = json_["animations"];
+    if (a.is_null()) a = Json::array({{{"name", "run"}, {"channels", Json::array()}, {"samplers", Json::array()}}});
+    a[0]["samplers"].push_back({{"input", input}, {"output", output}, {"interpolation", interpolation}});
+    a[0]["channels"].push_back(
+        {{"sampler", a[0]["samplers"].size() - 1}, {"target", {{"node", node}, {"path", path}}}});
+  }
+
+  Mat3 turn_;
+  Json json_;
+  std::vector<char> bytes_;
+};
+
+std::vector<Vec3f> difference(const std::vector<Vec3f>& a, const std::vector<Vec3f>& b) {
+  std::vector<Vec3f> d;
+  for (std::size_t i = 0; i < a.size(); ++i) d.emplace_back(a[i] - b[i]);
+  return d;
+}
+
+/// One normal per vertex.
+std::vector<Vec3f> vertex_normals(const std::vector<Vec3f>& x, const std::vector<mesh::Triangle>& triangles) {
+  std::vector<Vec3f> normals(x.size(), Vec3f(0, 1, 0));
+  const std::vector<Vec3f> corners = corner_normals(x, triangles, 3.2);
+  for (std::size_t t = 0; t < triangles.size(); ++t)
+    for (std::size_t i = 0; i < 3; ++i) normals[static_cast<std::size_t>(triangles[t][i])] = corners[3 * t + i];
+  return normals;
+}
+
+/// `begins`, `ends`: nothing comes before or after it, so that it stays.
+void Gltf::add(const std::string& name, const std::vector<mesh::Triangle>& triangles,
+               const std::vector<std::vector<Vec3f>>& frames, const std::vector<double>& times, int material,
+               bool begins, bool ends) {
+  const std::vector<Vec3f> base = turned(frames.front()), normals = vertex_normals(base, triangles);
+  std::vector<std::uint32_t> corners;
+  for (const mesh::Triangle& t : triangles)
+    for (const Index v : t) corners.push_back(static_cast<std::uint32_t>(v));
+  Json primitive{{"attributes", {{"POSITION", vectors(base)}, {"NORMAL", vectors(normals)}}},
+                 {"indices", accessor(view(corners, target_indices), type_unsigned, corners.size(), "SCALAR")},
+                 {"material", material}};
+  for (std::size_t i = 1; i < frames.size(); ++i) {
+    const std::vector<Vec3f> x = turned(frames[i]);
+    const int positions = vectors(difference(x, base));
+    primitive["targets"].push_back(
+        {{"POSITION", positions}, {"NORMAL", vectors(difference(vertex_normals(x, triangles), normals))}});
+  }
+  Json mesh{{"name", name}, {"primitives", Json::array({primitive})}};
+  if (frames.size() > 1) mesh["weights"] = std::vector<float>(frames.size() - 1, 0.0F);
+  json_["meshes"].push_back(mesh);
+  const int node = static_cast<int>(json_["nodes"].size());
+  json_["nodes"].push_back({{"name", name}, {"mesh", json_["meshes"].size() - 1}});
+  json_["scenes"][0]["nodes"].push_back(node);
+  animate(node, times, begins, ends);
+}
+
+/// `times`: of the frames, and one more when the next node takes over.
+void Gltf::animate(int node, const std::vector<double>& times, bool begins, bool ends) {
+  const std::size_t frames =
+      json_["meshes"].back().contains("weights") ? json_["meshes"].back()["weights"].size() + 1 : 1;
+  if (frames > 1) {
+    std::vector<float> at(times.begin(), times.begin() + static_cast<std::ptrdiff_t>(frames)),
+        weights(frames * (frames - 1), 0.0F);
+    for (std::size_t i = 1; i < frames; ++i) weights[i * (frames - 1) + i - 1] = 1.0F;
+    const int input = numbers(at);
+    channel(node, "weights", input, numbers(weights), "LINEAR");
+  }
+  if (begins && ends) return;
+  std::vector<float> at;
+  std::vector<Vec3f> scale;
+  const auto key = [&](double time, float size) {
+    at.push_back(static_cast<float>(time));
+    scale.push_back(Vec3f::Constant(size));
+  };
+  if (!begins) key(0.0, 0.0F);
+  key(times.front(), 1.0F);
+  if (!ends) key(times.back(), 0.0F);
+  const int input = numbers(at);
+  channel(node, "scale", input, accessor(view(scale, 0), type_float, scale.size(), "VEC3"), "STEP");
+}
+
+void Gltf::write(const std::filesystem::path& file, Files& files) {
+  json_["buffers"] = Json::array({{{"byteLength", bytes_.size()}}});
+  std::string text = json_.dump();
+  text.resize((text.size() + 3) / 4 * 4, ' ');
+  bytes_.resize((bytes_.size() + 3) / 4 * 4, '\0');
+  const std::size_t total = 12 + 8 + text.size() + 8 + bytes_.size();
+  if (total > std::numeric_limits<std::uint32_t>::max())
+    throw UserError(fmt::format("{}: a GLB has at most 4 GB; take fewer steps (--steps FIRST:LAST:STRIDE), or usda",
+                                file.string()));
+  OutFile out(file);
+  const auto number = [&](std::size_t n) { out.put(static_cast<std::uint32_t>(n)); };
+  out.stream() << "glTF";
+  number(2);
+  number(total);
+  number(text.size());
+  out.stream() << "JSON" << text;
+  number(bytes_.size());
+  out.stream().write("BIN\0", 4);
+  out.stream().write(bytes_.data(), static_cast<std::streamsize>(bytes_.size()));
+  out.finish(files);
+}
+
+/// Frames of one node as they are gathered.
+struct Chunk {
+  std::vector<mesh::Triangle> triangles;
+  std::vector<std::vector<Vec3f>> frames;
+  std::vector<double> times;
+};
+
+}  // namespace
+
+Files export_glb(const Exporter& e) {
+  Gltf gltf(e.recording().up());
+  for (const bool of_sheet : {true, false}) {
+    Chunk chunk;
+    std::size_t nodes = 0;
+    const auto flush = [&](bool ends) {
+      if (chunk.frames.empty() || chunk.triangles.empty()) return;
+      gltf.add(fmt::format("{}_{}", of_sheet ? "sheet" : "bodies", nodes), chunk.triangles, chunk.frames, chunk.times,
+               of_sheet ? 0 : 1, nodes == 0, ends);
+      ++nodes;
+    };
+    for (std::size_t i = 0; i < e.size(); ++i) {
+      Snapshot s = e.snapshot(i);
+      Body& body = of_sheet ? s.sheet : s.bodies;
+      if (!body.moves && i > 0 && body.triangles == chunk.triangles) continue;
+      const bool changes = i > 0 && body.triangles != chunk.triangles;
+      if (changes || chunk.frames.size() == most_frames) {
+        std::vector<Vec3f> last = chunk.frames.back();
+        const double when = chunk.times.back();
+        if (changes) chunk.times.push_back(s.time);
+        flush(false);
+        chunk = changes ? Chunk{} : Chunk{chunk.triangles, {std::move(last)}, {when}};
+      }
+      chunk.triangles = body.triangles;
+      chunk.frames.push_back(std::move(body.positions));
+      chunk.times.push_back(s.time);
+    }
+    flush(true);
+  }
+  Files files;
+  gltf.write(e.options().output, files);
+  return files;
+}
+
+}  // namespace voile::picture

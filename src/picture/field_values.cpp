@@ -1,0 +1,87 @@
+#include "voile/picture/field_values.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "voile/base/error.hpp"
+#include "voile/base/text.hpp"
+
+namespace voile::picture {
+
+namespace {
+
+/// Names of the components, the default first; those that are computed have no number.
+struct Component {
+  std::string name;
+  double (*value)(const double* row, double shear);
+};
+
+double larger(const double* r, double shear) {
+  return 0.5 * (r[0] + r[1]) + std::hypot(0.5 * (r[0] - r[1]), shear * r[2]);
+}
+double smaller(const double* r, double shear) {
+  return 0.5 * (r[0] + r[1]) - std::hypot(0.5 * (r[0] - r[1]), shear * r[2]);
+}
+
+template <int k>
+double entry(const double* r, double) {
+  return r[k];
+}
+
+std::vector<Component> components_of(const io::Field& field) {
+  if (field.components == 1) return {{"", entry<0>}};
+  if (field.components == 3 && field.centre == io::Centre::vertex)
+    return {{"magnitude", [](const double* r, double) { return std::hypot(r[0], r[1], r[2]); }},
+            {"x", entry<0>},
+            {"y", entry<1>},
+            {"z", entry<2>}};
+  if (field.components == 3 && field.name.starts_with("principal_"))
+    return {{"larger", entry<0>}, {"smaller", entry<1>}, {"angle", entry<2>}};
+  if (field.components == 3)
+    return {
+        {"larger", larger},
+        {"smaller", smaller},
+        {"max", [](const double* r, double s) { return std::max(std::abs(larger(r, s)), std::abs(smaller(r, s))); }},
+        {"11", entry<0>},
+        {"22", entry<1>},
+        {"12", entry<2>}};
+  return {{"1", entry<0>}, {"2", entry<1>}, {"3", entry<2>}, {"4", entry<3>}, {"5", entry<4>},
+          {"6", entry<5>}, {"7", entry<6>}, {"8", entry<7>}, {"9", entry<8>}};
+}
+
+}  // namespace
+
+FieldChoice parse_field(const std::string& text) {
+  const std::size_t colon = text.find(':');
+  return {text.substr(0, colon), colon == std::string::npos ? "" : text.substr(colon + 1)};
+}
+
+FieldValues field_values(const io::Field& field, const std::string& component) {
+  const std::vector<Component> all = components_of(field);
+  auto chosen = all.begin();
+  if (!component.empty()) {
+    chosen = std::find_if(all.begin(), all.end(), [&](const Component& c) { return c.name == component; });
+    if (chosen == all.end()) {
+      std::vector<std::string> names;
+      for (const Component& c : all) names.push_back(c.name);
+      throw UserError(all.size() == 1 ? fmt::format("--field {}: it has no components", field.name)
+                                      : fmt::format("--field {}:{}: it has the components {}", field.name, component,
+                                                    join(names, ", ")));
+    }
+  }
+  // Strains and curvatures have twice the tensor's component as their third.
+  const double shear = field.name == "membrane_strain" || field.name == "curvature" ? 0.5 : 1.0;
+  const auto columns = static_cast<std::size_t>(field.components);
+  const std::string unit = chosen->name == "angle" ? "rad" : field.name.starts_with("principal_") ? "Pa" : field.unit;
+  FieldValues result;
+  result.label =
+      field.name + (chosen->name.empty() ? "" : ", " + chosen->name) + (unit == "1" ? "" : fmt::format(" [{}]", unit));
+  std::replace(result.label.begin(), result.label.end(), '_', ' ');
+  for (std::size_t i = 0; i + columns <= field.values.size(); i += columns)
+    result.values.push_back(static_cast<float>(chosen->value(field.values.data() + i, shear)));
+  return result;
+}
+
+}  // namespace voile::picture

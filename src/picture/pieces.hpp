@@ -1,0 +1,29 @@
+// Parts of what is shown: bodies and floors among obstacles, panels and borders of groups; private to src/picture.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "voile/io/results.hpp"
+#include "voile/mesh/surface_mesh.hpp"
+
+namespace voile::picture {
+
+/// Obstacles as they are looked at. A half-space is stored as a square far larger than the sheet: a level one is the ground
+/// itself, others are drawn, but the picture need not hold them.
+struct Bodies {
+  std::vector<mesh::Triangle> triangles;  ///< to draw; vertices as in the obstacles
+  std::vector<Vec3> solid_points;         ///< vertices of bodies [m]
+  std::optional<double> floor;            ///< height of a level half-space along `up` [m]
+};
+[[nodiscard]] Bodies find_bodies(const io::ObstacleTriangles& obstacles, const std::vector<Vec3>& positions,
+                                 const Vec3& up);
+
+/// Bit s of a triangle: its side s is a line of a group, or the border of a group of triangles, or a seam.
+[[nodiscard]] std::vector<std::uint8_t> group_borders(const mesh::MeshData& mesh);
+
+/// Number of the panel of each triangle: the group of triangles that it is in; without such groups the piece of the
+/// texture.
+[[nodiscard]] std::vector<std::size_t> panels_of(const mesh::MeshData& mesh);
+
+}  // namespace voile::picture
