@@ -1,4 +1,6 @@
-// load_mesh(): rank 0 reads, every rank receives the whole surface.
+// Rank 0 reads or makes a mesh, every rank receives the whole surface.
+#include "mesh_transfer.hpp"
+
 #include <fmt/format.h>
 
 #include "voile/app/run.hpp"
@@ -29,6 +31,8 @@ void broadcast_groups(MPI_Comm comm, std::vector<mesh::Group>& groups) {
   }
 }
 
+}  // namespace
+
 void broadcast_mesh(MPI_Comm comm, mesh::MeshData& data) {
   std::vector<double> coordinates;
   std::vector<Index> corners;
@@ -45,6 +49,12 @@ void broadcast_mesh(MPI_Comm comm, mesh::MeshData& data) {
   mpi::broadcast(comm, texture);
   data.texture.resize(texture.size() / 6);
   for (std::size_t i = 0; i < texture.size(); i += 2) data.texture[i / 6][i / 2 % 3] = {texture[i], texture[i + 1]};
+  std::vector<double> rest;
+  for (const auto& corners_of : data.rest)
+    for (const Vec3& x : corners_of) rest.insert(rest.end(), x.begin(), x.end());
+  mpi::broadcast(comm, rest);
+  data.rest.resize(rest.size() / 9);
+  for (std::size_t i = 0; i < rest.size(); i += 3) data.rest[i / 9][i / 3 % 3] = Eigen::Map<Vec3>(&rest[i]);
   broadcast_groups(comm, data.groups);
   data.positions.resize(coordinates.size() / 3);
   data.triangles.resize(corners.size() / 3);
@@ -52,8 +62,6 @@ void broadcast_mesh(MPI_Comm comm, mesh::MeshData& data) {
   for (std::size_t t = 0; t < data.triangles.size(); ++t)
     data.triangles[t] = {corners[3 * t], corners[3 * t + 1], corners[3 * t + 2]};
 }
-
-}  // namespace
 
 mesh::SurfaceMesh load_mesh(const std::filesystem::path& file, const io::MeshOptions& options) {
   mesh::MeshData data;

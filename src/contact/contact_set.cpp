@@ -327,6 +327,22 @@ std::vector<double> ContactSet::smallest_gaps(const std::vector<Vec3>& x) const 
   return gaps;
 }
 
+std::vector<double> ContactSet::gaps_within(const std::vector<Vec3>& x, double limit) const {
+  std::vector<double> gaps(static_cast<std::size_t>(surface_.sheet_points), limit);
+  std::vector<Box> boxes(x.size());
+  for (std::size_t i = 0; i < x.size(); ++i) boxes[i].include(x[i]);
+  Near n;
+  for (const Pair& pair : find_pairs(surface_, boxes, owned_, limit)) {
+    if (!near(pair, x, limit, n)) continue;
+    for (Index i : pair.points)
+      if (i != no_index && surface_.is_sheet(i)) gaps[i] = std::min(gaps[i], n.gap);
+  }
+  for (const Plane& p : planes_)
+    for (Index i : own_points_)
+      if (plane_acts(p, i)) gaps[i] = std::min(gaps[i], plane_gap(p, i, x));
+  return gaps;
+}
+
 ContactState ContactSet::state(const std::vector<Vec3>& x) const {
   ContactState r;
   Near n;

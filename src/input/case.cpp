@@ -179,6 +179,34 @@ void read_obstacle(const SectionPlace& place, Case& c, ObstacleSection& s) {
     place.fail("frames", "something moves only with analysis = \"dynamic\"");
 }
 
+void read_remesh(const CaseReader& reader, Case& c) {
+  RemeshSection& s = c.remesh;
+  const SectionPlace place = reader.read("remesh", 0, keys_of(s));
+  if (place.line > 0 && !place.has("active")) s.active = true;
+  if (!s.active) return;
+  if (c.analysis != "static" && c.analysis != "dynamic" && c.analysis != "drape") {
+    if (!c.is_staged())
+      throw UserError(fmt::format("{}: [remesh]: nothing is remeshed with analysis = \"{}\"; remove the section, or "
+                                  "choose static, dynamic or drape",
+                                  c.file.string(), c.analysis));
+    s.active = false;
+  }
+  if (s.smallest > 0.0 && s.largest > 0.0 && s.smallest > s.largest)
+    place.fail("smallest", "it must not be more than `largest`");
+  if (s.angle > 1.0) place.fail("angle", "it must not be more than 57 degrees");
+  if (!s.background.empty()) s.background = (c.file.parent_path() / s.background).lexically_normal();
+  if (!s.size.empty()) {
+    try {
+      (void)size_expression(s.size);
+    } catch (const UserError& e) {
+      place.fail("size", e.what());
+    }
+  }
+  if (c.element.bending != energy::BendingOperator::edge_slope)
+    place.fail("active", "remeshed meshes are irregular, and element.bending = \"six_node\" is wrong on those; use "
+                         "edge_slope");
+}
+
 void read_contact(const CaseReader& reader, Case& c) {
   const SectionPlace place = reader.read("contact", 0, keys_of(c.contact));
   read_all(reader, "obstacle", c.obstacles,
@@ -267,6 +295,7 @@ Case read_case(const CaseReader& reader, const std::filesystem::path& file, Stag
   reader.read("damping", 0, damping_keys(c.dynamics));
   reader.read("air", 0, keys_of(c.dynamics.drag));
   reader.read("drape", 0, keys_of(c.drape));
+  read_remesh(reader, c);
   read_all(reader, "probe", c.probes,
            [&](const SectionPlace& place, const Probe& probe) { check_probe(place, probe, c.probes); });
   check_control(steps, c.steps, c.probes);

@@ -21,6 +21,7 @@ Declarations::Declarations()
             {"damping", damping_keys(case_.dynamics)},
             {"air", keys_of(case_.dynamics.drag)},
             {"drape", keys_of(case_.drape)},
+            {"remesh", keys_of(case_.remesh)},
             {"probe", keys_of(probe_)},
             {"output", keys_of(case_.output)},
             {"stage", keys_of(case_.stage)},

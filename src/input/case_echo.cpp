@@ -258,6 +258,7 @@ std::string echo_case(const Case& c) {
   out += "\n[damping]\n" + echo_keys(damping_keys(copy.dynamics));
   out += "\n[air]\n" + echo_keys(keys_of(copy.dynamics.drag));
   out += "\n[drape]\n" + echo_keys(keys_of(copy.drape));
+  if (copy.remesh.active) out += "\n[remesh]\n" + echo_keys(keys_of(copy.remesh));
   out += echo_all("probe", copy.probes);
   out += "\n[output]\n" + echo_keys(keys_of(copy.output));
   out += "\n[petsc]\n" + echo_keys(petsc_keys(copy));

@@ -49,4 +49,24 @@ std::function<double(double)> expression(const std::string& text) {
   };
 }
 
+std::function<double(const Vec3&)> size_expression(const std::string& text) {
+  struct AtPlace {
+    Vec3 x = Vec3::Zero();
+    mu::Parser parser;
+  };
+  auto parsed = std::make_shared<AtPlace>();
+  try {
+    parsed->parser.DefineConst("pi", std::numbers::pi);
+    for (int k = 0; k < 3; ++k) parsed->parser.DefineVar(std::string(1, "xyz"[k]), &parsed->x[k]);
+    parsed->parser.SetExpr(text);
+    (void)parsed->parser.Eval();
+  } catch (const mu::ParserError& e) {
+    throw UserError(fmt::format("'{}': {}; write an expression of x, y and z such as 0.01 + 0.1*x", text, e.GetMsg()));
+  }
+  return [parsed](const Vec3& x) {
+    parsed->x = x;
+    return parsed->parser.Eval();
+  };
+}
+
 }  // namespace voile::input

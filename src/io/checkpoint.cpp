@@ -6,6 +6,7 @@
 
 #include "hdf5_file.hpp"
 #include "hdf5_read.hpp"
+#include "mesh_record.hpp"
 #include "voile/base/child_process.hpp"
 
 namespace voile::io {
@@ -46,16 +47,13 @@ void write_checkpoint(const std::filesystem::path& path, const Checkpoint& c, co
   const Silence silence;
   const auto vertices = static_cast<std::size_t>(mesh.vertex_count());
   NewFile file(path, Format::v1_8);
-  std::vector<double> positions;
-  for (const Vec3& x : mesh.positions()) positions.insert(positions.end(), {x[0], x[1], x[2]});
-  file.dataset("mesh/positions", H5T_NATIVE_DOUBLE, vertices, 3, positions.data());
-  const std::vector<double> rest = rest_of(mesh);
-  if (!rest.empty()) file.dataset("mesh/rest", H5T_NATIVE_DOUBLE, rest.size() / 9, 9, rest.data());
+  write_mesh_record(file, mesh.data());
   file.number("/", "step", c.step);
   file.number("/", "time", c.time);
   file.number("/", "next_step", c.next_step);
   file.number("/", "load_factor", c.load_factor);
   file.number("/", "in_equilibrium", c.in_equilibrium ? 1 : 0);
+  file.number("/", "remeshings", c.remeshings);
   for (const auto& [name, values] : vectors_of(c))
     if (!values->empty()) file.dataset(name, H5T_NATIVE_DOUBLE, vertices, 3, values->data());
   if (!c.contact_gaps.empty()) {
@@ -87,6 +85,7 @@ Checkpoint read_unguarded(const std::filesystem::path& path, const mesh::Surface
   c.in_equilibrium = read_number(file, "/", "in_equilibrium", path) != 0.0;
   for (const auto& [name, values] : vectors_of(c))
     if (H5Lexists(file, name, H5P_DEFAULT) > 0) *values = read_values(file, name, count, path);
+  if (H5Aexists(file, "remeshings") > 0) c.remeshings = static_cast<int>(read_number(file, "/", "remeshings", path));
   if (H5Lexists(file, "contact_gaps", H5P_DEFAULT) > 0) {
     c.contact_start = read_number(file, "/", "contact_start", path);
     c.contact_gaps = read_values(file, "contact_gaps", static_cast<std::size_t>(mesh.vertex_count()), path);
@@ -96,7 +95,20 @@ Checkpoint read_unguarded(const std::filesystem::path& path, const mesh::Surface
   return c;
 }
 
+mesh::MeshData read_mesh_unguarded(const std::filesystem::path& path) {
+  const Silence silence;
+  const Hdf5Handle file(H5Fopen(path.string().c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
+  if (!file.valid()) fail_reading(path, "this is not a checkpoint that can be read");
+  if (H5Aexists(file, "remeshings") <= 0 || read_number(file, "/", "remeshings", path) == 0.0) return {};
+  return read_mesh_record(file, "mesh", path);
+}
+
 }  // namespace
+
+mesh::MeshData read_checkpoint_mesh(const std::filesystem::path& path) {
+  try_in_child(path.string(), [&] { (void)read_mesh_unguarded(path); });
+  return read_mesh_unguarded(path);
+}
 
 Checkpoint read_checkpoint(const std::filesystem::path& path, const mesh::SurfaceMesh& mesh) {
   try {

@@ -14,6 +14,7 @@ inline std::string to_bytes(const mesh::MeshData& data) {
   out.put(data.vertex_tags);
   out.put(data.triangle_tags);
   out.put(data.texture);
+  out.put(data.rest);
   out.put(data.notes);
   out.put(data.groups.size());
   for (const mesh::Group& g : data.groups) {
@@ -36,6 +37,7 @@ inline mesh::MeshData mesh_from_bytes(std::string bytes) {
   in.get(data.vertex_tags);
   in.get(data.triangle_tags);
   in.get(data.texture);
+  in.get(data.rest);
   in.get(data.notes);
   in.get(groups);
   for (std::size_t k = 0; k < groups; ++k) {

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "hdf5_file.hpp"
+#include "mesh_record.hpp"
 #include "results_catalogue.hpp"
 #include "results_index.hpp"
 #include "results_xdmf.hpp"
@@ -82,36 +83,6 @@ void write_obstacles(const fs::path& folder, const ObstacleTriangles& obstacles)
   file.dataset("obstacles/triangles", H5T_NATIVE_INT32, triangles, 3, obstacles.triangles.data());
   file.dataset("obstacles/obstacle", H5T_NATIVE_INT, triangles, 1, obstacles.obstacle.data());
   file.finish();
-}
-
-/// The mesh as it was given, to be read back.
-void write_record(NewFile& file, const mesh::MeshData& mesh) {
-  const std::size_t vertices = mesh.positions.size(), triangles = mesh.triangles.size();
-  file.group("mesh");
-  file.text("mesh", "source", mesh.source);
-  file.dataset("mesh/positions", H5T_NATIVE_DOUBLE, vertices, 3, flat<double>(mesh.positions).data());
-  file.text("mesh/positions", "unit", "m");
-  file.dataset("mesh/triangles", H5T_NATIVE_INT32, triangles, 3, mesh.triangles.data());
-  const auto numbers = [&](const char* name, const std::vector<std::size_t>& values) {
-    const std::vector<std::int64_t> copy(values.begin(), values.end());
-    file.dataset(name, H5T_NATIVE_INT64, copy.size(), 1, copy.data());
-  };
-  numbers("mesh/vertex_tags", mesh.vertex_tags);
-  numbers("mesh/triangle_tags", mesh.triangle_tags);
-  std::vector<double> texture;
-  for (const auto& corners : mesh.texture)
-    for (const Vec2& x : corners) texture.insert(texture.end(), {x[0], x[1]});
-  file.dataset("mesh/texture", H5T_NATIVE_DOUBLE, mesh.texture.size(), 6, texture.data());
-  file.group("mesh/groups");
-  for (std::size_t g = 0; g < mesh.groups.size(); ++g) {
-    const mesh::Group& group = mesh.groups[g];
-    const std::string path = fmt::format("mesh/groups/{:06d}", g);
-    file.dataset(path + "/vertices", H5T_NATIVE_INT32, group.vertices.size(), 1, group.vertices.data());
-    file.dataset(path + "/segments", H5T_NATIVE_INT32, group.segments.size(), 2, group.segments.data());
-    file.dataset(path + "/triangles", H5T_NATIVE_INT32, group.triangles.size(), 1, group.triangles.data());
-    file.text(path, "name", group.name);
-    file.number(path, "dimension", group.dimension);
-  }
 }
 
 /// What VTK wants to know of the mesh.
@@ -240,7 +211,7 @@ void ResultsWriter::begin_epoch(const mesh::SurfaceMesh& mesh, const std::vector
   if (vertex_rank.size() != mesh.positions().size() || triangle_rank.size() != mesh.triangles().size())
     throw InternalError("the partition does not fit the mesh");
   NewFile file(impl_->folder / epoch_file(impl_->catalogue.epochs().size()));
-  write_record(file, mesh.data());
+  write_mesh_record(file, mesh.data());
   file.dataset("mesh/partition/vertices", H5T_NATIVE_INT, vertex_rank.size(), 1, vertex_rank.data());
   file.dataset("mesh/partition/triangles", H5T_NATIVE_INT, triangle_rank.size(), 1, triangle_rank.data());
   write_vtk_mesh(file, mesh, impl_->catalogue);

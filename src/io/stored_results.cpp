@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 
+#include "mesh_record.hpp"
 #include "voile/base/error.hpp"
 #include "voile/base/text.hpp"
 
@@ -67,59 +68,6 @@ std::vector<std::string> read_texts(hid_t file, const std::string& name, const f
   std::vector<std::string> list;
   for (std::size_t at = 0; at < all.size(); at += width) list.emplace_back(all.substr(at, width).c_str());
   return list;
-}
-
-/// Numbers of vertices or triangles below `end`.
-std::vector<Index> read_members(hid_t file, const std::string& name, std::size_t end, const fs::path& path) {
-  std::vector<Index> members;
-  for (const std::int64_t i : read_integers(file, name, path)) {
-    if (i < 0 || static_cast<std::size_t>(i) >= end)
-      fail_reading(path, fmt::format("'{}' names number {} of {}: the file is damaged", name, i, end));
-    members.push_back(static_cast<Index>(i));
-  }
-  return members;
-}
-
-template <std::size_t n>
-std::vector<std::array<Index, n>> grouped(const std::vector<Index>& members) {
-  std::vector<std::array<Index, n>> tuples(members.size() / n);
-  for (std::size_t i = 0; i < n * tuples.size(); ++i) tuples[i / n][i % n] = members[i];
-  return tuples;
-}
-
-std::vector<std::size_t> read_tags(hid_t file, const std::string& name, const fs::path& path) {
-  const std::vector<std::int64_t> values = read_integers(file, name, path);
-  return {values.begin(), values.end()};
-}
-
-std::vector<mesh::Group> read_groups(hid_t file, const std::string& where, const mesh::MeshData& mesh,
-                                     const fs::path& path) {
-  std::vector<mesh::Group> groups;
-  for (;;) {
-    const std::string at = fmt::format("{}/groups/{:06d}", where, groups.size());
-    if (!has(file, at)) return groups;
-    mesh::Group& group = groups.emplace_back();
-    group.name = read_text(file, at, "name", path);
-    group.dimension = static_cast<int>(read_number(file, at, "dimension", path));
-    group.vertices = read_members(file, at + "/vertices", mesh.positions.size(), path);
-    group.segments = grouped<2>(read_members(file, at + "/segments", mesh.positions.size(), path));
-    group.triangles = read_members(file, at + "/triangles", mesh.triangles.size(), path);
-  }
-}
-
-mesh::MeshData read_record(hid_t file, const std::string& where, const fs::path& path) {
-  mesh::MeshData mesh;
-  mesh.source = read_text(file, where, "source", path);
-  mesh.positions = points_of(read_all(file, where + "/positions", path));
-  mesh.triangles = grouped<3>(read_members(file, where + "/triangles", mesh.positions.size(), path));
-  mesh.vertex_tags = read_tags(file, where + "/vertex_tags", path);
-  mesh.triangle_tags = read_tags(file, where + "/triangle_tags", path);
-  const std::vector<double> texture = read_all(file, where + "/texture", path);
-  for (std::size_t i = 0; i + 5 < texture.size(); i += 6)
-    mesh.texture.push_back(
-        {Vec2(texture[i], texture[i + 1]), Vec2(texture[i + 2], texture[i + 3]), Vec2(texture[i + 4], texture[i + 5])});
-  mesh.groups = read_groups(file, where, mesh, path);
-  return mesh;
 }
 
 }  // namespace
@@ -260,7 +208,7 @@ std::optional<std::vector<double>> StoredResults::vectors(std::size_t step, cons
 StoredMesh StoredResults::mesh(std::size_t epoch) const {
   StoredMesh stored;
   with_epoch(epoch, [&](hid_t at, const std::string& where, const fs::path& place) {
-    stored.data = read_record(at, where, place);
+    stored.data = read_mesh_record(at, where, place);
     if (!has(at, where + "/partition")) return;
     const std::vector<std::int64_t> ranks = read_integers(at, where + "/partition/triangles", place);
     stored.triangle_rank.assign(ranks.begin(), ranks.end());

@@ -115,7 +115,7 @@ StepResult LoadPath::begin(system::State& state) {
   newton_.emplace(model_);
   accepted_ = model_.dofs().create_vector();
   VOILE_PETSC(VecCopy(state.u, accepted_));
-  step_ = options_.initial_step;
+  step_ = state.next_step > 0.0 ? std::min(state.next_step, options_.max_step) : options_.initial_step;
   steps_ = halvings_ = 0;
   return r;
 }
@@ -180,6 +180,7 @@ StepResult LoadPath::attempt(system::State& state) {
   const bool easy = r.by_continuation || (r.newton.iterations <= options_.target_iterations && halvings_ == 0);
   if (easy && taken > 0.9 * step_) step_ = std::min(options_.max_step, 2.0 * step_);
   halvings_ = 0;
+  state.next_step = step_;
   return r;
 }
 

@@ -285,4 +285,11 @@ ContactReport Contact::report(Vec a) {
   return r;
 }
 
+std::vector<double> Contact::gaps(Vec a, double limit) {
+  fill_positions(a, x_);
+  std::vector<double> gaps = set_->gaps_within(x_, limit);
+  mpi::min(comm_, gaps);
+  return gaps;
+}
+
 }  // namespace voile::system

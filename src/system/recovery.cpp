@@ -20,7 +20,7 @@ TriangleFields Recovery::fields(MPI_Comm comm, const energy::Sheet& sheet, const
                                 const energy::Configuration& c) const {
   const auto size = 3 * static_cast<std::size_t>(sheet.mesh().triangle_count());
   TriangleFields f;
-  for (auto* v : {&f.membrane_strain, &f.membrane_force, &f.curvature, &f.bending_moment}) v->assign(size, 0.0);
+  for (auto* v : {&f.membrane_strain, &f.membrane_force, &f.curvature, &f.whole_curvature, &f.bending_moment}) v->assign(size, 0.0);
   const auto store = [](std::vector<double>& to, Index t, const Vec3& value) {
     for (int k = 0; k < 3; ++k) to[3 * static_cast<std::size_t>(t) + k] = value[k];
   };
@@ -33,9 +33,10 @@ TriangleFields Recovery::fields(MPI_Comm comm, const energy::Sheet& sheet, const
     Vec3 kappa = (normal.dot(r.start_normal) - 1.0) * r.rest_curvature + r.start_bend * normal;
     for (int i = 0; i < r.count; ++i) kappa += normal.dot(c.u[p[i]]) * weights_[r.start + i];
     store(f.curvature, r.triangle, kappa);
+    store(f.whole_curvature, r.triangle, kappa + r.rest_curvature);
     store(f.bending_moment, r.triangle, sheet.material(r.triangle).bending * kappa);
   }
-  for (auto* v : {&f.membrane_strain, &f.membrane_force, &f.curvature, &f.bending_moment}) {
+  for (auto* v : {&f.membrane_strain, &f.membrane_force, &f.curvature, &f.whole_curvature, &f.bending_moment}) {
     mpi::sum_to_root(comm, *v);
     if (mpi::rank(comm) != 0) v->clear();
   }

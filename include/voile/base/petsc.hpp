@@ -64,6 +64,7 @@ class Handle {
 using VecHandle = Handle<Vec, VecDestroy>;
 using MatHandle = Handle<Mat, MatDestroy>;
 using SnesHandle = Handle<SNES, SNESDestroy>;
+using KspHandle = Handle<KSP, KSPDestroy>;
 using ScatterHandle = Handle<VecScatter, VecScatterDestroy>;
 using IndexSetHandle = Handle<IS, ISDestroy>;
 

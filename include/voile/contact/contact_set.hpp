@@ -86,6 +86,8 @@ class ContactSet {
   }
   /// The smallest gap of each sheet point over this rank's pairs, or the contact distance if that is less. [m]
   [[nodiscard]] std::vector<double> smallest_gaps(const std::vector<Vec3>& x) const;
+  /// The same up to any `limit`, over pairs found anew. [m]
+  [[nodiscard]] std::vector<double> gaps_within(const std::vector<Vec3>& x, double limit) const;
 
   /// Sum over the pairs this rank counts; infinite if one has no gap. [J]
   [[nodiscard]] double energy(const std::vector<Vec3>& x) const;

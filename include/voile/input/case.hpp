@@ -102,6 +102,24 @@ struct EigenSection {
   double load_factor = 0.0;  ///< of the equilibrium about which they are found
 };
 
+/// Meshes that follow the folds.
+struct RemeshSection {
+  bool active = false;
+  int every = 0;              ///< accepted steps between two looks; 0: 10 in a motion, 1 along a path
+  double angle = 0.25;        ///< wanted between neighbouring triangles, per edge [rad]
+  double smallest = 0.0;      ///< edge [m]; 0: 1/200 of the extent, or four contact thicknesses if that is more
+  double largest = 0.0;       ///< edge [m]; 0: 1/12 of the extent
+  double growth = 0.3;        ///< largest slope of the size over distance
+  bool near_contact = true;   ///< smaller where things are in contact
+  double velocity = 0.0;      ///< largest difference of velocity along an edge [m/s]; 0: any
+  std::string size;           ///< expression of x, y, z [m]: an upper bound; empty: none
+  std::filesystem::path background;  ///< Gmsh post-processing view: an upper bound; empty: none
+  std::vector<std::string> frozen;   ///< surface groups that are left alone
+  int relaxation_steps = 2;
+  double energy_change = 0.05;  ///< largest, relative; a remeshing beyond is refused
+  int max_vertices = 0;         ///< 0: no bound
+};
+
 struct OutputSection {
   std::vector<std::string> fields;  ///< names of fields to write; empty: all
   int every = 1;                    ///< results every so many accepted steps (the last one always)
@@ -138,6 +156,7 @@ struct Case {
   std::vector<InitialVelocity> initial_velocities;
   system::DynamicsOptions dynamics;
   solve::DrapeOptions drape;
+  RemeshSection remesh;
   std::vector<Probe> probes;
   OutputSection output;
   std::string petsc_options;  ///< as on PETSc's command line; the real command line wins

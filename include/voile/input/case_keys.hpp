@@ -102,6 +102,7 @@ struct MaterialInput {
 /// [air]
 [[nodiscard]] std::vector<Key> keys_of(energy::DragOptions& section);
 [[nodiscard]] std::vector<Key> keys_of(solve::DrapeOptions& section);
+[[nodiscard]] std::vector<Key> keys_of(RemeshSection& section);
 [[nodiscard]] std::vector<Key> keys_of(Probe& section);
 [[nodiscard]] std::vector<Key> keys_of(OutputSection& section);
 /// [[stage]], besides the tables that stageable_sections() names.

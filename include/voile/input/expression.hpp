@@ -5,10 +5,14 @@
 #include <functional>
 #include <string>
 
+#include "voile/base/types.hpp"
+
 namespace voile::input {
 
 /// Parses an expression of t; the function may be copied and outlives everything. Throws UserError that says what is
 /// wrong.
 [[nodiscard]] std::function<double(double t)> expression(const std::string& text);
+/// The same of x, y and z [m], for a size [m].
+[[nodiscard]] std::function<double(const Vec3& x)> size_expression(const std::string& text);
 
 }  // namespace voile::input

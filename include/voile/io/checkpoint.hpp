@@ -23,10 +23,13 @@ struct Checkpoint {
   double contact_start = 0.0;          ///< [s]
   /// Obstacles that give way to each vertex, see system::ContactMemory; empty: none.
   std::vector<double> yielding{};
+  int remeshings = 0;  ///< that led to its mesh
 };
 
 /// Replaces the file in one step: a kill leaves the old or the new one. Not collective: root only. Throws UserError.
 void write_checkpoint(const std::filesystem::path& file, const Checkpoint& c, const mesh::SurfaceMesh& mesh);
+/// The mesh of a checkpoint if remeshing has made it, otherwise none. Not collective: root only. Throws UserError.
+[[nodiscard]] mesh::MeshData read_checkpoint_mesh(const std::filesystem::path& file);
 /// Not collective: root only. Throws UserError if the file cannot be read or belongs to another mesh.
 [[nodiscard]] Checkpoint read_checkpoint(const std::filesystem::path& file, const mesh::SurfaceMesh& mesh);
 

@@ -105,6 +105,8 @@ class Contact {
   [[nodiscard]] const std::string& obstruction() const { return obstruction_; }
 
   [[nodiscard]] ContactReport report(Vec a);
+  /// Smallest gap of each vertex to anything that it can touch, or `limit`; the same on every rank. Collective. [m]
+  [[nodiscard]] std::vector<double> gaps(Vec a, double limit);
   /// Surface, planes at the time in force, pairs.
   [[nodiscard]] const contact::ContactSet& set() const { return *set_; }
   /// Positions of all points, the obstacles' at the time in force; on every rank. Collective.

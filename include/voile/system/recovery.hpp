@@ -18,6 +18,7 @@ struct TriangleFields {
   std::vector<double> membrane_strain;  ///< E11, E22, 2 E12
   std::vector<double> membrane_force;   ///< N11, N22, N12 [N/m]
   std::vector<double> curvature;        ///< k11, k22, 2 k12, change from rest [1/m]
+  std::vector<double> whole_curvature;  ///< the same with that of the rest shape [1/m]
   std::vector<double> bending_moment;   ///< M11, M22, M12 [N]
 };
 

@@ -1,0 +1,26 @@
+// A short damped motion that takes the noise out of a membrane which has got new vertices.
+//
+// Symbols   E    potential of the model [J];  M lumped mass [kg];  a_0 state at the beginning [m];  tau a time [s]
+//   minimises  E(a) + 1/2 (a - a_0).M (a - a_0) / tau^2   by Newton's method with a positive tangent, a few iterations
+// Stretches over an edge h relax if tau is several times h sqrt(rho / (E h)), the time in which the membrane carries a
+// signal over it; long waves and the centre of mass hardly move.
+#pragma once
+
+#include "voile/system/model.hpp"
+
+namespace voile::solve {
+
+struct Relaxation {
+  int steps = 0;
+  int factorisations = 0;
+  double moved = 0.0;  ///< largest component of the displacement [m]
+};
+
+/// From and into `a`, whose prescribed components are put right first. Contact bounds every iteration, and no iteration
+/// increases the energy. Collective.
+[[nodiscard]] Relaxation relax(system::Model& model, Vec a, double tau, int steps);
+
+/// The time tau that suits the model: some times that of a signal over a cell. [s]
+[[nodiscard]] double relaxation_time(const system::Model& model);
+
+}  // namespace voile::solve

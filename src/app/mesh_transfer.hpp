@@ -1,0 +1,13 @@
+// Meshes from rank 0 to all; private to src/app.
+#pragma once
+
+#include "voile/base/mpi.hpp"
+
+#include "voile/mesh/surface_mesh.hpp"
+
+namespace voile::app {
+
+/// Replaces `data` on every rank by that of rank 0, without its notes. Collective.
+void broadcast_mesh(MPI_Comm comm, mesh::MeshData& data);
+
+}  // namespace voile::app

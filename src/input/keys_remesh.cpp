@@ -1,0 +1,75 @@
+// Keys of remeshing.
+#include "keys_common.hpp"
+
+namespace voile::input {
+
+std::vector<Key> keys_of(RemeshSection& s) {
+  return {
+      {.name = "active",
+       .slot = &s.active,
+       .meaning = "Whether the mesh follows the folds. `true` if the section is there and this key is not given.",
+       .absent = "`true` with the section, otherwise `false`"},
+      {.name = "angle",
+       .slot = Degrees{&s.angle},
+       .meaning = "Angle wanted between neighbouring triangles: an edge is this over the curvature long. Smaller is "
+                  "finer: 9 fine, 20 draft.",
+       .unit = "degree",
+       .range = positive},
+      {.name = "smallest",
+       .slot = &s.smallest,
+       .meaning = "Smallest edge that curvature can ask for. 0: a two-hundredth of the extent of the mesh, or four times "
+                  "the `thickness` of contact if that is more.",
+       .unit = "m",
+       .range = not_negative},
+      {.name = "largest",
+       .slot = &s.largest,
+       .meaning = "Largest edge. 0: a twelfth of the extent of the mesh.",
+       .unit = "m",
+       .range = not_negative},
+      {.name = "growth",
+       .slot = &s.growth,
+       .meaning = "Largest change of the size over distance.",
+       .range = positive},
+      {.name = "near_contact",
+       .slot = &s.near_contact,
+       .meaning = "Also ask for edges that keep the flat triangles within a quarter of the contact distance from the "
+                  "bent sheet, where something is in contact."},
+      {.name = "velocity",
+       .slot = &s.velocity,
+       .meaning = "Largest difference of velocity between the ends of an edge. 0: any.",
+       .unit = "m/s",
+       .range = not_negative},
+      {.name = "size",
+       .slot = &s.size,
+       .meaning = "Expression of x, y and z at the start: an upper bound of the edge length there [m], e.g. "
+                  "`0.01 + 0.1*x`.",
+       .absent = "none"},
+      {.name = "background",
+       .slot = &s.background,
+       .meaning = "Gmsh post-processing view (`.pos`) of the same, relative to the folder of the case file.",
+       .absent = "none"},
+      {.name = "frozen",
+       .slot = Words{&s.frozen, {}},
+       .meaning = "Physical surfaces that are left as they are.",
+       .absent = "none"},
+      {.name = "every",
+       .slot = &s.every,
+       .meaning = "Accepted steps between two looks at the sizes. 0: 10 in `dynamic`, 1 along a path; `drape` looks when "
+                  "it has come to rest.",
+       .range = {0}},
+      {.name = "relaxation_steps",
+       .slot = &s.relaxation_steps,
+       .meaning = "Steps of damped relaxation after a remeshing, which take the noise out of the membrane.",
+       .range = {0, 10}},
+      {.name = "energy_change",
+       .slot = &s.energy_change,
+       .meaning = "A remeshing that changes stored and kinetic energy by more than this share, after relaxation, is "
+                  "refused.",
+       .range = positive},
+      {.name = "max_vertices",
+       .slot = &s.max_vertices,
+       .meaning = "Sizes are made larger by one factor where more vertices than this would be needed. 0: no bound.",
+       .range = {0}}};
+}
+
+}  // namespace voile::input

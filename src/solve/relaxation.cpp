@@ -1,0 +1,110 @@
+#include "voile/solve/relaxation.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "step_bound.hpp"
+#include "voile/solve/linear_solver.hpp"
+
+namespace voile::solve {
+
+namespace {
+
+/// tau in times of a signal over a cell.
+constexpr double signal_times = 10.0;
+/// Halvings of an iteration that does not lower the energy.
+constexpr int most_halvings = 12;
+
+class Minimiser {
+ public:
+  Minimiser(system::Model& model, Vec a, double tau) : model_(model), linear_(model), inverse_(1.0 / (tau * tau)) {
+    for (petsc::VecHandle* v : {&start_, &gradient_, &increment_, &trial_, &scratch_})
+      *v = model.dofs().create_vector();
+    VOILE_PETSC(VecCopy(a, start_));
+    VOILE_PETSC(KSPCreate(model.dofs().comm(), ksp_.out()));
+    VOILE_PETSC(KSPSetOptionsPrefix(ksp_, "relax_"));
+    linear_.set_defaults(ksp_);
+    VOILE_PETSC(KSPSetFromOptions(ksp_));
+    linear_.prepare();
+    model.count_energy_from(a);
+  }
+
+  /// False if nothing better was found.
+  bool iterate(Vec a) {
+    model_.residual(a, gradient_);
+    damp(a);
+    VOILE_PETSC(VecAXPY(gradient_, inverse_, scratch_));
+    model_.dofs().clear_fixed(gradient_);
+    model_.assemble_tangent(a, {.kind = energy::Tangent::positive, .mass = inverse_});
+    VOILE_PETSC(KSPSetOperators(ksp_, model_.tangent().matrix(), model_.tangent().matrix()));
+    linear_.tangent_changed();
+    if (!linear_.solve(gradient_, increment_)) return false;
+    double share = allowed_fraction(model_, a, increment_, trial_);
+    if (!model_.conditions().symmetric()) {
+      VOILE_PETSC(VecAXPY(a, -share, increment_));
+      return true;
+    }
+    const double before = energy(a);
+    VOILE_PETSC(VecCopy(a, trial_));
+    for (int k = 0; k < most_halvings; ++k, share *= 0.5) {
+      VOILE_PETSC(VecWAXPY(a, -share, increment_, trial_));
+      if (energy(a) <= before) return true;
+    }
+    VOILE_PETSC(VecCopy(trial_, a));
+    return false;
+  }
+
+  [[nodiscard]] int factorisations() const { return linear_.factorisations(); }
+  [[nodiscard]] double moved(Vec a) {
+    double largest = 0.0;
+    VOILE_PETSC(VecWAXPY(scratch_, -1.0, start_, a));
+    VOILE_PETSC(VecNorm(scratch_, NORM_INFINITY, &largest));
+    return largest;
+  }
+
+ private:
+  /// M (a - a_0), into scratch_.
+  void damp(Vec a) {
+    VOILE_PETSC(VecWAXPY(scratch_, -1.0, start_, a));
+    VOILE_PETSC(VecPointwiseMult(scratch_, scratch_, model_.constant().mass()));
+  }
+  double energy(Vec a) {
+    double damping = 0.0, with_start = 0.0;
+    damp(a);
+    VOILE_PETSC(VecDot(scratch_, a, &damping));
+    VOILE_PETSC(VecDot(scratch_, start_, &with_start));
+    return model_.energy(a) + 0.5 * inverse_ * (damping - with_start);
+  }
+
+  system::Model& model_;
+  petsc::KspHandle ksp_;
+  LinearSolver linear_;
+  double inverse_;
+  petsc::VecHandle start_, gradient_, increment_, trial_, scratch_;
+};
+
+}  // namespace
+
+Relaxation relax(system::Model& model, Vec a, double tau, int steps) {
+  model.conditions().enforce(a);
+  Minimiser minimiser(model, a, tau);
+  Relaxation r;
+  while (r.steps < steps && minimiser.iterate(a)) ++r.steps;
+  r.factorisations = minimiser.factorisations();
+  r.moved = minimiser.moved(a);
+  return r;
+}
+
+double relaxation_time(const system::Model& model) {
+  double longest = 0.0;
+  for (const energy::Material& m : model.discretisation().sheet().materials()) {
+    const double stiffness = Eigen::SelfAdjointEigenSolver<Mat3>(m.membrane).eigenvalues().maxCoeff();
+    const double density = m.areal_density > 0.0 ? m.areal_density : 1.0;  // as in the lumped mass
+    longest = std::max(longest, std::sqrt(density / stiffness));
+  }
+  return signal_times * longest * std::sqrt(model.discretisation().mean_area());
+}
+
+}  // namespace voile::solve
