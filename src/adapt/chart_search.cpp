@@ -132,7 +132,8 @@ Index ChartSearch::locate(const Vec3& p, const Vec3& normal) const {
     if (best != no_index && std::sqrt(distance) < static_cast<double>(reach - 1) * cell_) break;
     for (std::int64_t k = std::max<std::int64_t>(c[2] - reach, 0); k <= std::min(c[2] + reach, cells_[2] - 1); ++k)
       for (std::int64_t j = std::max<std::int64_t>(c[1] - reach, 0); j <= std::min(c[1] + reach, cells_[1] - 1); ++j)
-        for (std::int64_t i = std::max<std::int64_t>(c[0] - reach, 0); i <= std::min(c[0] + reach, cells_[0] - 1); ++i) {
+        for (std::int64_t i = std::max<std::int64_t>(c[0] - reach, 0); i <= std::min(c[0] + reach, cells_[0] - 1);
+             ++i) {
           if (std::max({std::abs(i - c[0]), std::abs(j - c[1]), std::abs(k - c[2])}) != reach) continue;
           const std::int64_t key = (k * cells_[1] + j) * cells_[0] + i;
           for (auto at = std::lower_bound(grid_.begin(), grid_.end(), std::pair{key, Index{0}});

@@ -189,7 +189,8 @@ Outcome try_collapse(Surface& s, const Star& star, int k, const Options& options
     for (Index e : star.spokes) triangles.push_back(e / 3);
     const Surface::Budget budget = s.budget(triangles);
     double moved = 0.0;
-    for (const Part& p : parts) moved = std::max(moved, displacement(p.fan, p.fan.plane[p.at], p.fan.place[p.at], p.at));
+    for (const Part& p : parts)
+      moved = std::max(moved, displacement(p.fan, p.fan.plane[p.at], p.fan.place[p.at], p.at));
     if (!(budget.moved + moved <= budget.allowed)) return Outcome::clearance;
     s.charge(triangles, budget, moved);
   }

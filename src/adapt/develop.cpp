@@ -31,8 +31,7 @@ Placed place_neighbour(const mesh::SurfaceMesh& mesh, const Placed& from, int s)
   to.at[static_cast<std::size_t>((sn + 2) % 3)] = from.at[a];
   to.at[static_cast<std::size_t>((sn + 1) % 3)] = from.at[b];
   const double scale = (from.at[b] - from.at[a]).norm() / (xb - xa).norm();
-  to.at[static_cast<std::size_t>(sn)] =
-      mesh::unfold(xa, xb, from.at[a], from.at[b], mesh.rest_corner(n, sn), scale);
+  to.at[static_cast<std::size_t>(sn)] = mesh::unfold(xa, xb, from.at[a], from.at[b], mesh.rest_corner(n, sn), scale);
   return to;
 }
 
@@ -77,7 +76,8 @@ std::vector<DevelopedPoint> develop(const mesh::SurfaceMesh& mesh, Index t, int 
         if (!crossable(mesh, placed[k].triangle, s)) continue;
         const Index n = mesh.neighbour(placed[k].triangle, s);
         const mesh::Triangle& v = mesh.triangles()[n];
-        if (std::none_of(v.begin(), v.end(), [&](Index x) { return std::find(inner.begin(), inner.end(), x) != inner.end(); }) ||
+        if (std::none_of(v.begin(), v.end(),
+                         [&](Index x) { return std::find(inner.begin(), inner.end(), x) != inner.end(); }) ||
             std::any_of(placed.begin(), placed.end(), [&](const Placed& p) { return p.triangle == n; }))
           continue;
         placed.push_back(place_neighbour(mesh, placed[k], s));

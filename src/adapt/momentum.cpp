@@ -67,8 +67,7 @@ void conserve_momentum(const Motion& old_motion, const std::vector<double>& mass
     const Eigen::VectorXd motion = solver.compute(m).solve(wanted);
     const Vec3 shift = motion.head<3>(), turn = motion.tail<3>() / size;
     for (std::size_t v = 0; v < mass.size(); ++v)
-      if (held.empty() || !held[v])
-        velocity[v] += shift + turn.cross(places[v] - centre);
+      if (held.empty() || !held[v]) velocity[v] += shift + turn.cross(places[v] - centre);
   }
 }
 

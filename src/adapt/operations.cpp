@@ -50,7 +50,8 @@ bool rest_shape_allows(const Surface& s, const Quad& q, FlipRule rule) {
   const Vec3 normal = (q.o - q.a).cross(q.d - q.a) + (q.d - q.b).cross(q.o - q.b);
   const double after = std::min(smallest_angle(q.a, q.o, q.b, normal), smallest_angle(q.b, q.d, q.a, normal));
   const double before = std::min(smallest_angle(q.a, q.o, q.d, normal), smallest_angle(q.b, q.d, q.o, normal));
-  if (after <= 0.0 || after < (rule == FlipRule::valence ? std::min(0.7 * good_angle, before) : std::min(good_angle, 0.99 * before)))
+  if (after <= 0.0 ||
+      after < (rule == FlipRule::valence ? std::min(0.7 * good_angle, before) : std::min(good_angle, 0.99 * before)))
     return false;
   if (!s.first->curved()) return true;
   const Vec3 n1 = (q.o - q.a).cross(q.b - q.a).normalized(), n2 = (q.d - q.b).cross(q.a - q.b).normalized();

@@ -12,7 +12,7 @@ namespace {
 
 /// New numbers of what is left, and the other way round. What is as it was comes first, in its old order.
 struct Numbers {
-  std::vector<Index> vertex, triangle;          ///< new number per slot
+  std::vector<Index> vertex, triangle;            ///< new number per slot
   std::vector<Index> vertex_slot, triangle_slot;  ///< slot per new number
 };
 
@@ -124,8 +124,7 @@ void fill_triangles(const Surface& s, const Numbers& n, const mesh::SurfaceMesh&
     r.mesh.triangle_tags.push_back(same ? from.triangle_tags[t] : ++tag);
     r.mesh.triangles.push_back(
         {n.vertex[s.vertex[3 * t]], n.vertex[s.vertex[3 * t + 1]], n.vertex[s.vertex[3 * t + 2]]});
-    if (!from.texture.empty())
-      r.mesh.texture.push_back({s.texture[3 * t], s.texture[3 * t + 1], s.texture[3 * t + 2]});
+    if (!from.texture.empty()) r.mesh.texture.push_back({s.texture[3 * t], s.texture[3 * t + 1], s.texture[3 * t + 2]});
     if (!from.rest.empty()) r.mesh.rest.push_back({s.rest[3 * t], s.rest[3 * t + 1], s.rest[3 * t + 2]});
   }
 }

@@ -1,5 +1,6 @@
 #include "voile/adapt/remesh.hpp"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <deque>
 #include <queue>
@@ -35,6 +36,20 @@ bool is_still(const Surface& s, const Waiting& w) {
   return !s.dead[w.side / 3] && s.origin(w.side) == w.from && s.dest(w.side) == w.to;
 }
 
+/// Whether halving the side would leave a needle in a triangle of which it is not the longest side. The longest is halved
+/// first, if it may be; where it is frozen, halving the others would never end.
+bool leaves_needle(const Surface& s, Index h) {
+  constexpr double needle = 0.2;  // rad
+  const double length = s.rest_length(h);
+  for (const Index side : {h, s.twin[h]}) {
+    if (side == no_index || std::max(s.rest_length(next(side)), s.rest_length(prev(side))) <= length) continue;
+    const Vec3 &apex = s.rest[side], &a = s.rest[next(side)], &b = s.rest[prev(side)], middle = 0.5 * (a + b);
+    const Vec3 normal = (a - apex).cross(b - apex);
+    if (std::min(smallest_angle(apex, a, middle, normal), smallest_angle(apex, middle, b, normal)) < needle) return true;
+  }
+  return false;
+}
+
 void split_long(Surface& s, const Options& options) {
   Queue<LongerFirst> queue;
   const auto offer = [&](Index h) {
@@ -50,7 +65,7 @@ void split_long(Surface& s, const Options& options) {
   while (!queue.empty()) {
     const Waiting top = queue.top();
     queue.pop();
-    if (!is_still(s, top)) continue;
+    if (!is_still(s, top) || leaves_needle(s, top.side)) continue;
     const Index m = s.split(top.side);
     for (Index e : star_of(s, m).spokes) {
       offer(e);

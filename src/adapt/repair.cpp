@@ -6,12 +6,19 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <tuple>
+#include <utility>
 
 #include "operations.hpp"
 
 namespace voile::adapt {
 
 namespace {
+
+/// Of the condition, below which a change counts as one.
+constexpr double improvement = 0.98;
+/// L/h of edges that may go where a patch is bad.
+constexpr double shortish = 0.9;
 
 using Row6 = Eigen::Matrix<double, 1, 6>;
 using Mat6 = Eigen::Matrix<double, 6, 6>;
@@ -52,7 +59,7 @@ bool mend_by_flip(Surface& s, Index h, const Options& options) {
   if (!s.allowed.empty())
     for (const int i : {0, 1}) budgets[i] = {s.moved[(i ? g : h) / 3], s.allowed[(i ? g : h) / 3]};
   if (try_flip(s, h, options, FlipRule::none) != Outcome::done) return false;
-  if (worst_condition(s, around) < 0.9 * before) return true;
+  if (worst_condition(s, around) < improvement * before) return true;
   // Turning the new edge gives the old triangles, each in the other's place.
   s.flip(next(h));
   s.counts = counts;
@@ -63,6 +70,51 @@ bool mend_by_flip(Surface& s, Index h, const Options& options) {
     }
   return false;
 }
+
+/// What moving a vertex changes, to put it back.
+class Undo {
+ public:
+  Undo(const Surface& s, const Star& star)
+      : place_(s.place[star.vertex]), size_(s.size[star.vertex]), old_(s.old[star.vertex]), counts_(s.counts) {
+    for (Index e : star.spokes) {
+      const Index t = e / 3;
+      Corner c{s.rest[next(e)], Vec2::Zero(), s.rest_hint[t], s.old_hint[t], s.touched[t], 0.0, 0.0};
+      if (!s.texture.empty()) c.texture = s.texture[next(e)];
+      if (!s.allowed.empty()) std::tie(c.moved, c.allowed) = std::pair(s.moved[t], s.allowed[t]);
+      corners_.push_back(c);
+    }
+  }
+  void operator()(Surface& s, const Star& star) const {
+    s.place[star.vertex] = place_;
+    s.size[star.vertex] = size_;
+    s.old[star.vertex] = old_;
+    s.counts = counts_;
+    for (std::size_t k = 0; k < corners_.size(); ++k) {
+      const Index e = star.spokes[k], t = e / 3;
+      const Corner& c = corners_[k];
+      s.rest[next(e)] = c.rest;
+      s.rest_hint[t] = c.rest_hint;
+      s.old_hint[t] = c.old_hint;
+      s.touched[t] = c.touched;
+      if (!s.texture.empty()) s.texture[next(e)] = c.texture;
+      if (!s.allowed.empty()) std::tie(s.moved[t], s.allowed[t]) = std::pair(c.moved, c.allowed);
+    }
+  }
+
+ private:
+  struct Corner {
+    Vec3 rest;
+    Vec2 texture;
+    Index rest_hint, old_hint;
+    char touched;
+    double moved, allowed;
+  };
+  Vec3 place_;
+  double size_;
+  Index old_;
+  Counts counts_;
+  std::vector<Corner> corners_;
+};
 
 /// Moves a vertex towards the mean of its neighbours if the worst patch around gets better by that.
 bool mend_by_move(Surface& s, Index v, const Options& options) {
@@ -77,15 +129,16 @@ bool mend_by_move(Surface& s, Index v, const Options& options) {
   double reach = std::numeric_limits<double>::infinity();
   for (const Vec2& p : fan.plane) reach = std::min(reach, (p - fan.centre).norm());
   std::vector<Vec2> targets{mean, 0.5 * (mean + fan.centre)};
-  for (int k = 0; k < 6; ++k) {
-    const double a = k * std::numbers::pi / 3.0;
-    targets.push_back(fan.centre + 0.2 * reach * Vec2(std::cos(a), std::sin(a)));
-  }
+  for (const double step : {0.1, 0.3})
+    for (int k = 0; k < 8; ++k) {
+      const double a = k * std::numbers::pi / 4.0;
+      targets.emplace_back(fan.centre + step * reach * Vec2(std::cos(a), std::sin(a)));
+    }
+  const Undo undo(s, star);
   for (const Vec2& target : targets) {
-    Surface trial_fields = {s};  // rarely here
     if (try_move(s, star, fan, target, options.smallest_angle) != Outcome::done) continue;
-    if (worst_condition(s, around) < 0.9 * before) return true;
-    s = std::move(trial_fields);
+    if (worst_condition(s, around) < improvement * before) return true;
+    undo(s, star);
   }
   return false;
 }
@@ -121,6 +174,8 @@ bool mend(Surface& s, Index t, const Options& options) {
     if (mend_by_move(s, s.vertex[h], options)) return true;
   for (Index h = 3 * t; h < 3 * t + 3; ++h)
     if (s.twin[h] != no_index && mend_by_move(s, s.apex(s.twin[h]), options)) return true;
+  for (Index h : sides)
+    if (s.metric_length(h) < shortish && try_collapse_edge(s, h, options) == Outcome::done) return true;
   const Index four = sparse_vertex(s, t, 4);
   return four != no_index && remove_vertex(s, four, options);
 }
@@ -155,7 +210,7 @@ double patch_condition(const Surface& s, Index t) {
 void repair(Surface& s, const Options& options) {
   std::vector<Index> look;
   for (Index t = 0; t < s.triangle_slots(); ++t) look.push_back(t);
-  for (int pass = 0; pass < 4 && !look.empty(); ++pass) {
+  for (int pass = 0; pass < 8 && !look.empty(); ++pass) {
     std::vector<Index> again;
     for (Index t : look) {
       if (s.dead[t] || s.frozen[t] || !(patch_condition(s, t) > largest_condition)) continue;

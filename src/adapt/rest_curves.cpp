@@ -92,8 +92,11 @@ void RestCurves::add(std::vector<Vec3> points, bool closed) {
     } else if (!closed && k == n) {
       before = after = -tangent_at_end(b, a, at(n - 2));
     } else {
-      const bool line_before = turn_at(k - 1) < small_turn * turns[k], line_after = turn_at(k + 1) < small_turn * turns[k];
-      before = after = line_before ? Vec3((b - a).normalized()) : line_after ? Vec3((d - b).normalized()) : tangent_at_middle(a, b, d);
+      const bool line_before = turn_at(k - 1) < small_turn * turns[k],
+                 line_after = turn_at(k + 1) < small_turn * turns[k];
+      before = after = line_before  ? Vec3((b - a).normalized())
+                       : line_after ? Vec3((d - b).normalized())
+                                    : tangent_at_middle(a, b, d);
       if (line_before && line_after) after = (d - b).normalized();  // a kink between straight lines
     }
     c.before.push_back(before);
@@ -149,9 +152,9 @@ std::vector<RestCurves::Place> RestCurves::places_of(const Vec3& x) const {
     for (int step = 0; step < 8; ++step) {
       constexpr double du = 1e-4;
       const Vec3 here = hermite(a, b, c.after[k], c.before[k + 1], u);
-      const Vec3 slope = (hermite(a, b, c.after[k], c.before[k + 1], u + du) -
-                          hermite(a, b, c.after[k], c.before[k + 1], u - du)) /
-                         (2.0 * du);
+      const Vec3 slope =
+          (hermite(a, b, c.after[k], c.before[k + 1], u + du) - hermite(a, b, c.after[k], c.before[k + 1], u - du)) /
+          (2.0 * du);
       u = std::clamp(u + (x - here).dot(slope) / slope.squaredNorm(), 0.0, 1.0);
     }
     if ((hermite(a, b, c.after[k], c.before[k + 1], u) - x).norm() > on_curve * length) continue;

@@ -22,7 +22,7 @@ class RestCurves {
 
  private:
   struct Curve {
-    std::vector<Vec3> points;  ///< of a closed curve the first is repeated at the end
+    std::vector<Vec3> points;         ///< of a closed curve the first is repeated at the end
     std::vector<Vec3> before, after;  ///< tangents at the points, of the pieces that end and begin there
     bool closed = false;
   };

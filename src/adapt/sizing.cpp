@@ -101,8 +101,7 @@ std::vector<double> size_field(const mesh::SurfaceMesh& mesh, const std::vector<
 }
 
 SizeMatch match(const mesh::SurfaceMesh& mesh, const std::vector<double>& size) {
-  if (size.size() != static_cast<std::size_t>(mesh.vertex_count()))
-    throw InternalError("sizes: not one per vertex");
+  if (size.size() != static_cast<std::size_t>(mesh.vertex_count())) throw InternalError("sizes: not one per vertex");
   std::vector<double> sum(size.size(), 0.0), ratios;
   std::vector<int> edges(size.size(), 0);
   for (Index t = 0; t < mesh.triangle_count(); ++t)
@@ -129,7 +128,8 @@ SizeMatch match(const mesh::SurfaceMesh& mesh, const std::vector<double>& size) 
   m.p50 = percentile(0.5);
   m.p90 = percentile(0.9);
   m.p99 = percentile(0.99);
-  std::tie(m.smallest, m.largest) = std::tuple(*std::min_element(size.begin(), size.end()), *std::max_element(size.begin(), size.end()));
+  std::tie(m.smallest, m.largest) =
+      std::tuple(*std::min_element(size.begin(), size.end()), *std::max_element(size.begin(), size.end()));
   return m;
 }
 

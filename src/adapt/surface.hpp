@@ -23,14 +23,14 @@ struct Surface : HalfEdges {
   // Triangles
   std::vector<char> dead, frozen, touched;
   std::vector<int> triangle_class;
-  std::vector<double> moved, allowed;    ///< [m] what its points have moved at most, what they may; empty: no contact
+  std::vector<double> moved, allowed;      ///< [m] what its points have moved at most, what they may; empty: no contact
   std::vector<Index> rest_hint, old_hint;  ///< triangles of the first and of the old mesh near to it
   // Vertices
   std::vector<char> gone, fixed, on_feature, dirty;
-  std::vector<Vec3> place;       ///< [m]
-  std::vector<double> size;      ///< [m]
-  std::vector<Index> old;        ///< old vertex if it has not moved
-  std::vector<Index> leaving;    ///< a side that leaves it
+  std::vector<Vec3> place;     ///< [m]
+  std::vector<double> size;    ///< [m]
+  std::vector<Index> old;      ///< old vertex if it has not moved
+  std::vector<Index> leaving;  ///< a side that leaves it
 
   const RestSurface* first;
   ChartSearch search;  ///< in the old mesh

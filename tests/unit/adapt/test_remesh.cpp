@@ -1,0 +1,244 @@
+// Local operations: what they keep, whatever their number, and the sizes and shapes they reach.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <numbers>
+#include <random>
+
+#include "test_adapt_kit.hpp"
+#include "test_relative.hpp"
+#include "voile/base/error.hpp"
+
+using namespace voile;
+using namespace voile::testing;
+
+namespace {
+
+/// The unit square with sides, a line inside, a square patch, two points, and points that only groups hold.
+mesh::MeshData rich_square(int n) {
+  mesh::MeshData d = square(Pattern::diagonal, n);
+  const auto at = [&](int i, int j) { return static_cast<Index>(j * (n + 1) + i); };
+  mesh::Group line{"line", 1, {}, {}, {}}, patch{"patch", 2, {}, {}, {}};
+  for (int i = n / 4; i < 3 * n / 4; ++i) line.segments.push_back({at(i, 3 * n / 4), at(i + 1, 3 * n / 4)});
+  for (int i = n / 4; i <= 3 * n / 4; ++i) line.vertices.push_back(at(i, 3 * n / 4));
+  for (Index t = 0; t < static_cast<Index>(d.triangles.size()); ++t) {
+    const Vec3 c =
+        (d.positions[d.triangles[t][0]] + d.positions[d.triangles[t][1]] + d.positions[d.triangles[t][2]]) / 3;
+    if (std::max(std::abs(c[0] - 0.5), std::abs(c[1] - 0.375)) > 0.125) continue;
+    patch.triangles.push_back(t);
+    for (Index v : d.triangles[t]) patch.vertices.push_back(v);
+  }
+  std::sort(patch.vertices.begin(), patch.vertices.end());
+  patch.vertices.erase(std::unique(patch.vertices.begin(), patch.vertices.end()), patch.vertices.end());
+  d.groups.push_back(line);
+  d.groups.push_back(patch);
+  d.groups.push_back({"probe", 0, {at(1, 1)}, {}, {}});
+  d.groups.push_back({"middle of bottom", 0, {at(n / 2, 0)}, {}, {}});
+  d.groups.push_back({"spots", 2, {at(3, n - 2), at(2, n - 1)}, {}, {}});
+  return d;
+}
+
+/// A bumpy field of sizes between `low` and four times that.
+std::function<double(const Vec3&)> bumps(unsigned seed, double low) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> unit(0.0, 1.0);
+  std::vector<Vec3> centres;
+  for (int i = 0; i < 3; ++i) {
+    const double x = unit(random), y = unit(random);
+    centres.emplace_back(x, y, 0.0);
+  }
+  return [=](const Vec3& x) {
+    double h = 4.0 * low;
+    for (const Vec3& c : centres) h = std::min(h, low + 0.25 * (x - c).norm());
+    return h;
+  };
+}
+
+/// Every vertex of a straight group lies on its line, and its segments join these from end to end.
+void check_line(const mesh::SurfaceMesh& m, const std::string& name, const Vec3& from, const Vec3& to) {
+  const mesh::Group& g = m.group(name, 1);
+  CHECK(g.vertices.size() == g.segments.size() + 1);
+  CHECK(group_length(m, name) == relative((to - from).norm()).epsilon(1e-12));
+  std::set<Index> of_segments;
+  for (const mesh::Segment& e : g.segments) of_segments.insert(e.begin(), e.end());
+  CHECK(std::vector<Index>(of_segments.begin(), of_segments.end()) == g.vertices);
+  for (Index v : g.vertices) CHECK((m.positions()[v] - from).cross(to - from).norm() < 1e-13);
+}
+
+void check_rich(const mesh::SurfaceMesh& m) {
+  CHECK(total_area(m) == relative(1.0).epsilon(1e-12));
+  check_line(m, "left", {0, 0, 0}, {0, 1, 0});
+  check_line(m, "right", {1, 0, 0}, {1, 1, 0});
+  check_line(m, "bottom", {0, 0, 0}, {1, 0, 0});
+  check_line(m, "top", {0, 1, 0}, {1, 1, 0});
+  check_line(m, "line", {0.25, 0.75, 0}, {0.75, 0.75, 0});
+  CHECK(group_area(m, "patch") == relative(0.0625).epsilon(1e-12));
+  for (Index t : m.group("patch").triangles) {
+    const Vec3 c = mesh::SurfaceMesh(m).rest_corner(t, 0);
+    if (std::max(std::abs(c[0] - 0.5), std::abs(c[1] - 0.375)) > 0.125 + 1e-12) FAIL_CHECK("a triangle left its patch");
+    break;
+  }
+  const auto& boundary = boundary_sides(m);
+  CHECK(boundary == static_cast<Index>(m.group("left").segments.size() + m.group("right").segments.size() +
+                                       m.group("top").segments.size() + m.group("bottom").segments.size()));
+}
+
+double angle_percentile(const Remeshed& r) {
+  return r.quality.smallest_angle * 180.0 / std::numbers::pi;
+}
+
+}  // namespace
+
+TEST_CASE("1e5 operations leave an oriented manifold with its area, lines, groups and points") {
+  const int n = 16;
+  mesh::SurfaceMesh m(rich_square(n));
+  const RestSurface rest(m);
+  std::map<std::string, std::vector<Vec3>> points;
+  for (const std::string name : {"probe", "middle of bottom", "spots"})
+    for (Index v : m.group(name).vertices) points[name].push_back(m.positions()[v]);
+  Index operations = 0;
+  for (unsigned cycle = 0; operations < 100000; ++cycle) {
+    REQUIRE(cycle < 100);
+    const auto h = sizes(m, bumps(cycle, cycle % 3 == 0 ? 0.04 : 0.008));
+    const Remeshed r = remeshed(m, rest, h);
+    operations += r.counts.splits + r.counts.collapses + r.counts.flips + r.counts.smoothed;
+    const mesh::SurfaceMesh after(r.mesh);
+    check_result(m, r, after);
+    check_rich(after);
+    for (const auto& [name, places] : points) {
+      REQUIRE(after.group(name).vertices.size() == places.size());
+      for (std::size_t k = 0; k < places.size(); ++k)
+        CHECK(after.positions()[after.group(name).vertices[k]] == places[k]);
+    }
+    CHECK(r.quality.ill_conditioned == 0);
+    CHECK(r.quality.valence_three == 0);
+    CHECK(angle_percentile(r) > 20.0);
+    m = after;
+  }
+}
+
+TEST_CASE("wanted sizes are met, and kept where nothing changes") {
+  for (const Pattern p : {Pattern::diagonal, Pattern::gmsh, Pattern::union_jack}) {
+    CAPTURE(name_of(p));
+    mesh::SurfaceMesh m(square(p, 12));
+    const RestSurface rest(m);
+    const auto wanted = bumps(5, 0.012);
+    for (int cycle = 0; cycle < 2; ++cycle) m = mesh::SurfaceMesh(remeshed(m, rest, sizes(m, wanted)).mesh);
+    const adapt::SizeMatch match = adapt::match(m, sizes(m, wanted));
+    CAPTURE(match.p1);
+    CAPTURE(match.p99);
+    CHECK(match.p1 > 0.65);
+    CHECK(match.p99 < 1.5);
+    CHECK(match.p50 == doctest::Approx(0.95).epsilon(0.08));
+    CHECK(match.too_long == 0.0);
+    CHECK(match.too_short == 0.0);
+    // The same field, and one that a curvature that moves a little would give.
+    for (const double change : {0.0, 0.1}) {
+      const auto moved = [&](const Vec3& x) { return wanted(x) * (1.0 + change * std::sin(20 * x[0] + 11 * x[1])); };
+      const Remeshed r = remeshed(m, rest, sizes(m, moved));
+      const auto kept = std::count_if(r.kept.begin(), r.kept.end(), [](Index v) { return v != no_index; });
+      CAPTURE(change);
+      CHECK(static_cast<double>(kept) > (change == 0.0 ? 0.98 : 0.65) * m.vertex_count());
+    }
+  }
+}
+
+TEST_CASE("refined and coarsened again: the number of vertices follows") {
+  mesh::SurfaceMesh m(square(Pattern::gmsh, 10));
+  const RestSurface rest(m);
+  for (const double h : {0.02, 0.1, 0.03, 0.2}) {
+    for (int cycle = 0; cycle < 2; ++cycle)
+      m = mesh::SurfaceMesh(remeshed(m, rest, std::vector<double>(static_cast<std::size_t>(m.vertex_count()), h)).mesh);
+    // Equilateral triangles of edge h: 2 / (sqrt(3) h^2) vertices inside, and the boundary.
+    const double expected = 2.0 / (std::sqrt(3.0) * h * h) + 2.0 / h;
+    CHECK(m.vertex_count() > 0.8 * expected);
+    CHECK(m.vertex_count() < 1.6 * expected);
+  }
+}
+
+TEST_CASE("remeshing twice gives the same bits") {
+  const mesh::SurfaceMesh m(rich_square(16));
+  const auto h = sizes(m, bumps(3, 0.01));
+  const RestSurface rest(m), again(m);
+  const Remeshed a = remeshed(m, rest, h), b = remeshed(m, again, h);
+  CHECK(a.mesh.positions == b.mesh.positions);
+  CHECK(a.mesh.triangles == b.mesh.triangles);
+  CHECK(a.kept == b.kept);
+}
+
+TEST_CASE("frozen triangles stay bit by bit, pinned vertices stay") {
+  const mesh::SurfaceMesh m(square(Pattern::jittered, 16));
+  const RestSurface rest(m);
+  Limits limits;
+  limits.frozen.assign(static_cast<std::size_t>(m.triangle_count()), 0);
+  limits.pinned.assign(static_cast<std::size_t>(m.vertex_count()), 0);
+  Index frozen = 0;
+  for (Index t = 0; t < m.triangle_count(); ++t)
+    if ((m.rest_corner(t, 0) - Vec3(0.3, 0.3, 0)).norm() < 0.2) frozen += limits.frozen[t] = 1;
+  for (Index v = 5; v < m.vertex_count(); v += 17) limits.pinned[v] = 1;
+  for (const double h : {0.02, 0.25}) {
+    const Remeshed r = remeshed(m, rest, std::vector<double>(static_cast<std::size_t>(m.vertex_count()), h), limits);
+    const mesh::SurfaceMesh after(r.mesh);
+    check_result(m, r, after);
+    Index found = 0;
+    for (Index t = 0; t < after.triangle_count(); ++t) {
+      const Index was = r.same_triangle[t];
+      if (was == no_index) continue;
+      for (int i = 0; i < 3; ++i) {
+        CHECK(r.kept[after.triangles()[t][i]] == m.triangles()[was][i]);
+        CHECK(after.start_corner(t, i) == m.start_corner(was, i));
+      }
+      found += limits.frozen[was];
+    }
+    CHECK(found == frozen);
+    const std::set<Index> kept(r.kept.begin(), r.kept.end());
+    for (Index v = 0; v < m.vertex_count(); ++v)
+      if (limits.pinned[v]) CHECK(kept.count(v) == 1);
+  }
+}
+
+TEST_CASE("only splits: nothing else happens, and every old vertex stays") {
+  const mesh::SurfaceMesh m(square(Pattern::gmsh, 10));
+  const RestSurface rest(m);
+  Options options;
+  options.only_splits = true;
+  const Remeshed r = remeshed(m, rest, sizes(m, bumps(2, 0.01)), {}, options);
+  CHECK(r.counts.splits > 500);
+  CHECK(r.counts.collapses + r.counts.flips + r.counts.smoothed == 0);
+  for (Index v = 0; v < m.vertex_count(); ++v) CHECK(r.kept[v] == v);
+  check_result(m, r, mesh::SurfaceMesh(r.mesh));
+}
+
+TEST_CASE("vertices of three triangles and patches near a conic are mended") {
+  mesh::SurfaceMesh m(square(Pattern::split, 12));
+  const RestSurface rest(m);
+  const Remeshed r = remeshed(m, rest, std::vector<double>(static_cast<std::size_t>(m.vertex_count()), 1.0 / 12));
+  CHECK(r.quality.valence_three == 0);
+  CHECK(r.quality.ill_conditioned == 0);
+  check_result(m, r, mesh::SurfaceMesh(r.mesh));
+}
+
+TEST_CASE("texture coordinates stay linear in the chart, through all operations") {
+  mesh::MeshData d = square(Pattern::gmsh, 12);
+  const auto uv = [](const Vec3& x) { return Vec2(3 * x[0] - x[1] + 1, 0.5 * x[1] + x[0]); };
+  for (const mesh::Triangle& t : d.triangles)
+    d.texture.push_back({uv(d.positions[t[0]]), uv(d.positions[t[1]]), uv(d.positions[t[2]])});
+  const mesh::SurfaceMesh m(d);
+  const RestSurface rest(m);
+  const Remeshed r = remeshed(m, rest, sizes(m, bumps(7, 0.015)));
+  CHECK(r.counts.smoothed > 0);
+  double worst = 0.0;
+  for (std::size_t t = 0; t < r.mesh.triangles.size(); ++t)
+    for (std::size_t i = 0; i < 3; ++i)
+      worst = std::max(worst, (r.mesh.texture[t][i] - uv(r.mesh.positions[r.mesh.triangles[t][i]])).norm());
+  CHECK(worst < 1e-12);
+}
+
+TEST_CASE("arrays that do not fit are refused") {
+  const mesh::SurfaceMesh m(square(Pattern::diagonal, 2));
+  const RestSurface rest(m);
+  CHECK_THROWS_AS(static_cast<void>(remeshed(m, rest, {1.0})), InternalError);
+  std::vector<double> h(static_cast<std::size_t>(m.vertex_count()), 1.0);
+  h[3] = 0.0;
+  CHECK_THROWS_AS(static_cast<void>(remeshed(m, rest, h)), InternalError);
+}
