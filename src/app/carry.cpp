@@ -19,6 +19,9 @@ io::Checkpoint gather(const system::State& s, const system::Dofs& dofs) {
   c.contact_gaps = s.contact.gaps;
   c.contact_start = s.contact.start;
   c.yielding = s.contact.yielding;
+  c.remeshings = s.remeshings.count;
+  c.too_long = s.remeshings.too_long;
+  c.too_short = s.remeshings.too_short;
   return c;
 }
 
@@ -30,6 +33,7 @@ system::State scatter(const io::Checkpoint& c, const system::Dofs& dofs) {
   s.load_factor = c.load_factor;
   s.in_equilibrium = c.in_equilibrium;
   s.contact = {c.contact_gaps, c.contact_start, c.yielding};
+  s.remeshings = {c.remeshings, c.too_long, c.too_short};
   s.u = dofs.create_vector();
   const auto take = [&](const std::vector<double>& values, petsc::VecHandle& to) {
     if (mpi::max(dofs.comm(), values.empty() ? 0.0 : 1.0) == 0.0) return;

@@ -6,6 +6,7 @@
 #include "contact_start.hpp"
 #include "free_motions.hpp"
 #include "mesh_report.hpp"
+#include "remesher.hpp"
 #include "restart.hpp"
 #include "stages.hpp"
 #include "voile/app/run.hpp"
@@ -85,6 +86,15 @@ void check(const input::Case& whole) {
   const MeshQuality quality = measure_quality(PETSC_COMM_WORLD, mesh, c.element);
   const petsc::VecHandle start = model.dofs().create_vector();
   if (!c.mesh.start.empty()) model.dofs().scatter(start_shape(c, mesh), start);
+  for (const Stage& stage : stages) check_remesh(stage.c, mesh);
+  std::string outlook;
+  if (c.remesh.active) {
+    const auto first = std::make_shared<const mesh::SurfaceMesh>(mesh.data());
+    io::Checkpoint at_start;
+    at_start.displacement = start_shape(c, mesh);
+    Epoch epoch(c, *first, stages.front().input, stages.front().frozen, at_start);
+    outlook = remesh_outlook(stages.front(), first, epoch);
+  }
   if (model.contact()) examine_start(c, *model.contact(), start);
   mpi::on_root(PETSC_COMM_WORLD, [&] {
     for (const input::Probe& p : c.probes)
@@ -98,6 +108,7 @@ void check(const input::Case& whole) {
                model.conditions().symmetric() ? "symmetric" : "unsymmetric");
     for (const std::string& text : sheet_notes(model.discretisation().sheet())) fmt::print("note: {}\n", text);
     for (const std::string& text : free) fmt::print("note: {}\n", text);
+    if (!outlook.empty()) fmt::print("{}\n", outlook);
     for (const Stage& stage : stages)
       if (stage.c.is_staged()) fmt::print("stage '{}': {}\n", stage.c.stage.name, stage.c.analysis);
     fmt::print("{}: no errors found\n", c.file.string());

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "carry.hpp"
 #include "voile/solve/drape.hpp"
@@ -45,6 +46,10 @@ bool lets_go_at(const input::Case& stage, double time) {
                      [&](const system::Support& s) { return s.release == time; });
 }
 
+bool goes_on(Origin origin) {
+  return origin == Origin::epoch || origin == Origin::mesh;
+}
+
 }  // namespace
 
 Epoch::Epoch(const input::Case& stage, const mesh::SurfaceMesh& mesh, system::ModelInput input,
@@ -63,11 +68,18 @@ bool Epoch::ends_at(double time) const {
   return stage_.analysis == "dynamic" && time >= end_ && end_ < stage_.time.options.end_time;
 }
 
-solve::Stepper& Epoch::make_stepper(const Recorder& recorder, Origin origin) {
+void Epoch::prepare(Origin origin) {
+  if (std::exchange(prepared_, true)) return;
   const bool in_time = stage_.analysis == "dynamic";
   if (model_.contact()) model_.contact()->restore(in_time ? state_.contact : system::ContactMemory{});
-  if (stage_.is_staged() && !in_time) model_.set_time(state_.time);
+  if (in_time || stage_.is_staged()) model_.set_time(state_.time);
   if (stage_.stage.number > 0) take_hold(origin);
+  if (goes_on(origin)) model_.conditions().set_load_factor(state_.load_factor);
+}
+
+solve::Stepper& Epoch::make_stepper(const Recorder& recorder, Origin origin) {
+  const bool in_time = stage_.analysis == "dynamic";
+  prepare(origin);
   in_time ? make_motion(origin) : make_path(recorder, origin);
   return *stepper_;
 }
@@ -81,10 +93,10 @@ void Epoch::take_hold(Origin origin) {
 void Epoch::make_motion(Origin origin) {
   solve::TimeOptions options = stage_.time.options;
   options.until = end_;
-  options.goes_on = origin == Origin::epoch;
+  options.goes_on = goes_on(origin);
   dynamics_.emplace(model_, stage_.dynamics);
   stepper_ = std::make_unique<solve::TimeIntegration>(*dynamics_, options);
-  if (!model_.contact() || origin == Origin::epoch || origin == Origin::restart) return;
+  if (!model_.contact() || goes_on(origin) || origin == Origin::restart) return;
   dynamics_->set_time(state_.time);
   system::settle_contact(model_, state_.u, state_.time);
 }

@@ -15,8 +15,8 @@
 
 namespace voile::app {
 
-/// What an epoch goes on from.
-enum class Origin { nothing, restart, stage, epoch };
+/// What an epoch goes on from: `epoch` the same mesh with other supports, `mesh` another mesh.
+enum class Origin { nothing, restart, stage, epoch, mesh };
 
 class Epoch {
  public:
@@ -26,14 +26,19 @@ class Epoch {
         const std::vector<char>& frozen, const io::Checkpoint& start);
 
   [[nodiscard]] system::Model& model() { return model_; }
+  [[nodiscard]] const system::Model& model() const { return model_; }
   [[nodiscard]] system::State& state() { return state_; }
+  [[nodiscard]] const system::State& state() const { return state_; }
   /// Mass and damping of the motion; null outside one.
   [[nodiscard]] const system::Dynamics* dynamics() const { return dynamics_ ? &*dynamics_ : nullptr; }
+  /// Puts conditions and contact where the state is. Called by make_stepper(), once. Collective.
+  void prepare(Origin origin);
   /// The stepper that the stage's analysis asks for. Collective.
   solve::Stepper& make_stepper(const Recorder& recorder, Origin origin);
   /// Whether another epoch of the stage begins at this time.
   [[nodiscard]] bool ends_at(double time) const;
   [[nodiscard]] std::size_t support_count() const { return supports_; }
+  [[nodiscard]] bool moves() const { return stage_.analysis == "dynamic"; }
 
  private:
   void take_hold(Origin origin);
@@ -45,6 +50,7 @@ class Epoch {
   std::size_t supports_;  ///< that hold
   system::Model model_;
   system::State state_;
+  bool prepared_ = false;
   std::optional<system::Dynamics> dynamics_;
   std::unique_ptr<solve::Stepper> stepper_;
 };

@@ -35,13 +35,16 @@ std::string duration(double seconds) {
 }  // namespace
 
 Recorder::Recorder(const input::Case& c, const RunOptions& options, system::Model& model)
-    : case_(c), options_(options), model_(&model), root_(mpi::rank(model.dofs().comm()) == 0) {
+    : case_(c),
+      options_(options),
+      model_(&model),
+      mesh_(&model.dofs().mesh()),
+      root_(mpi::rank(model.dofs().comm()) == 0) {
   resolve_probes();
   mpi::on_root(model.dofs().comm(), [&] {
-    const mesh::Partition& p = model.dofs().partition();
     if (model.contact()) obstacles_.emplace(model.contact()->input(), model.dofs().mesh());
     results_.emplace(options.output, obstacles_ ? obstacles_->at_rest() : io::ObstacleTriangles{});
-    results_->begin_epoch(model.dofs().mesh(), p.vertex_rank, p.triangle_rank);
+    begin_epoch();
     history_.emplace(options.output / "history.csv", columns());
     if (const std::vector<std::string> renamed = results_->renamed_groups(); !renamed.empty())
       remark("names of groups in results.vtkhdf: " + join(renamed, ", "));
@@ -52,6 +55,21 @@ Recorder::Recorder(const input::Case& c, const RunOptions& options, system::Mode
                                        "taken", "newton", "residual", "kinetic", "elapsed", "left")
                          : fmt::format("{:>5} {:>10} {:>7} {:>10} {:>10} {:>9} {:>9}\n", "step", "load", "newton",
                                        "residual", "neg.pivots", "elapsed", "left"));
+}
+
+/// On rank 0.
+void Recorder::begin_epoch() {
+  const mesh::Partition& p = model_->dofs().partition();
+  results_->begin_epoch(*mesh_, p.vertex_rank, p.triangle_rank);
+}
+
+void Recorder::use(system::Model& model, const system::Dynamics* dynamics) {
+  model_ = &model;
+  dynamics_ = dynamics;
+  if (mesh_ == &model.dofs().mesh()) return;
+  mesh_ = &model.dofs().mesh();
+  resolve_probes();
+  mpi::on_root(model.dofs().comm(), [&] { begin_epoch(); });
 }
 
 petsc::VecHandle Recorder::functional(const std::string& name) const {
@@ -68,11 +86,15 @@ petsc::VecHandle Recorder::functional(const std::string& name) const {
 }
 
 void Recorder::resolve_probes() {
+  probes_.clear();
   for (const input::Probe& probe : case_.probes) {
     ProbeVertices v;
     v.components = probe.components;
     if (v.components.empty()) v.components = {0, 1, 2};
-    if (probe.kind != input::Probe::Kind::energy)
+    const std::string named = "probe " + probe.name;  // where the vertex has to outlive its mesh
+    if (probe.point && mesh_->has_group(named))
+      v.vertices = mesh_->group(named).vertices;
+    else if (probe.kind != input::Probe::Kind::energy)
       v.vertices = probe.point ? std::vector<Index>{nearest_vertex(model_->dofs().mesh(), *probe.point)}
                                : model_->dofs().mesh().group(probe.group).vertices;
     probes_.push_back(std::move(v));
@@ -97,6 +119,7 @@ std::vector<std::string> Recorder::columns() const {
                                      "residual",    "negative_pivots", "critical",          "critical_load_factor",
                                      "wall_seconds"};
   names.insert(names.end(), {"largest_strain", "largest_turn"});
+  if (case_.remesh.active) names.insert(names.end(), {"vertices", "remeshings"});
   if (case_.contact.input.active)
     for (const char* name : {"contact_pairs", "smallest_gap", "cut_short", "shortest_iteration", "intersections"})
       names.emplace_back(name);
@@ -291,6 +314,9 @@ std::vector<double> Recorder::common_values(const system::State& state, const so
 void Recorder::write_history(const system::State& state, const solve::StepResult& r, const Snapshot& s) {
   std::vector<double> values = common_values(state, r, s);
   values.insert(values.end(), {s.validity.strain, s.validity.turn});
+  if (case_.remesh.active)
+    values.insert(values.end(),
+                  {static_cast<double>(mesh_->vertex_count()), static_cast<double>(state.remeshings.count)});
   if (case_.contact.input.active)
     values.insert(values.end(), {static_cast<double>(s.contact.pairs), s.contact.gap, static_cast<double>(r.cut_short),
                                  r.shortest, static_cast<double>(s.intersections)});

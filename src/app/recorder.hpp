@@ -29,11 +29,9 @@ class Recorder {
   void write_pending();
   /// Does so, and closes the results. Collective.
   void finish();
-  /// The model of later records, of the same mesh; the dynamics of its motion, null outside one.
-  void use(system::Model& model, const system::Dynamics* dynamics) {
-    model_ = &model;
-    dynamics_ = dynamics;
-  }
+  /// The model of later records, perhaps on another mesh; the dynamics of its motion, null outside one. What is pending
+  /// must have been written. Collective.
+  void use(system::Model& model, const system::Dynamics* dynamics);
   /// A remark of the path follower; printed unless quiet.
   void remark(const std::string& text) const;
   /// The displacement probe with one component as a linear function of the unknowns. Collective.
@@ -45,6 +43,7 @@ class Recorder {
     std::vector<Index> vertices;
     std::vector<int> components;
   };
+  void begin_epoch();
   void resolve_probes();
   [[nodiscard]] std::vector<std::string> columns() const;
   /// What probes and fields are taken from, gathered.
@@ -78,6 +77,7 @@ class Recorder {
   const input::Case& case_;
   const RunOptions& options_;
   system::Model* model_;
+  const mesh::SurfaceMesh* mesh_;  ///< of the results' last epoch
   const system::Dynamics* dynamics_ = nullptr;
   bool root_;
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();

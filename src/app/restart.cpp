@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 
+#include "mesh_transfer.hpp"
 #include "voile/base/error.hpp"
 #include "voile/base/mpi.hpp"
 #include "voile/io/mesh_file.hpp"
@@ -99,6 +100,23 @@ std::vector<double> start_shape(const input::Case& c, const mesh::SurfaceMesh& m
   return u;
 }
 
+std::shared_ptr<const mesh::SurfaceMesh> mesh_of_start(const input::Case& c, const RunOptions& options,
+                                                       std::shared_ptr<const mesh::SurfaceMesh> first) {
+  if (options.restart.empty()) return first;
+  mesh::MeshData data;
+  mpi::on_root(PETSC_COMM_WORLD, [&] {
+    if (!io::is_results(options.restart)) {
+      data = io::read_checkpoint_mesh(options.restart);
+      return;
+    }
+    if (!c.remesh.active) return;
+    mesh::MeshData stored = io::read_step_mesh(options.restart, options.restart_step);
+    if (stored.triangles != first->triangles()) data = std::move(stored);
+  });
+  broadcast_mesh(PETSC_COMM_WORLD, data);
+  return data.triangles.empty() ? first : std::make_shared<const mesh::SurfaceMesh>(std::move(data));
+}
+
 io::Checkpoint read_start(const input::Case& c, const RunOptions& options, const mesh::SurfaceMesh& mesh,
                           Origin origin) {
   io::Checkpoint start;
@@ -109,12 +127,19 @@ io::Checkpoint read_start(const input::Case& c, const RunOptions& options, const
     start.in_equilibrium = c.mesh.start.empty() && !mesh.has_charts();
     return start;
   }
-  std::vector<double> numbers(6);
+  std::vector<double> numbers(9);
   mpi::on_root(PETSC_COMM_WORLD, [&] {
     start = read_any(options, mesh);
     if (origin == Origin::restart) begin_anew(c, start);
-    numbers = {static_cast<double>(start.step),  start.time,         start.next_step, start.load_factor,
-               start.in_equilibrium ? 1.0 : 0.0, start.contact_start};
+    numbers = {static_cast<double>(start.step),
+               start.time,
+               start.next_step,
+               start.load_factor,
+               start.in_equilibrium ? 1.0 : 0.0,
+               start.contact_start,
+               static_cast<double>(start.remeshings),
+               start.too_long,
+               start.too_short};
   });
   mpi::broadcast(PETSC_COMM_WORLD, numbers);
   start.step = static_cast<int>(numbers[0]);
@@ -123,6 +148,9 @@ io::Checkpoint read_start(const input::Case& c, const RunOptions& options, const
   start.load_factor = numbers[3];
   start.in_equilibrium = numbers[4] > 0.0;
   start.contact_start = numbers[5];
+  start.remeshings = static_cast<int>(numbers[6]);
+  start.too_long = numbers[7];
+  start.too_short = numbers[8];
   mpi::broadcast(PETSC_COMM_WORLD, start.contact_gaps);
   mpi::broadcast(PETSC_COMM_WORLD, start.yielding);
   return start;

@@ -13,6 +13,11 @@ namespace voile::app {
 /// case has none. Collective. Throws UserError if that file holds another mesh.
 [[nodiscard]] std::vector<double> start_shape(const input::Case& c, const mesh::SurfaceMesh& mesh);
 
+/// The mesh of what --restart names if remeshing has made it, otherwise `first`, that of the case. Collective. Throws
+/// UserError if the file cannot be read.
+[[nodiscard]] std::shared_ptr<const mesh::SurfaceMesh> mesh_of_start(const input::Case& c, const RunOptions& options,
+                                                                     std::shared_ptr<const mesh::SurfaceMesh> first);
+
 /// The start of a run: the mesh at rest, the shape of `mesh.start`, or what --restart names, a results file or a
 /// checkpoint. A motion goes on from the step of a motion at its time, from anything else it begins at time 0; a path
 /// goes on from an equilibrium at its load factor. Arrays on rank 0 only. Collective. Throws UserError if the file does

@@ -1,9 +1,10 @@
 // The method on one page: read, build, and while the end is not reached: advance, record, checkpoint; where supports
-// let go, or a stage ends, open the next epoch from the same state.
+// let go, the mesh no longer suits the folds, or a stage ends, open the next epoch from the same state.
 #include "voile/app/run.hpp"
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -16,6 +17,7 @@
 #include "modes.hpp"
 #include "output_folder.hpp"
 #include "recorder.hpp"
+#include "remesher.hpp"
 #include "report.hpp"
 #include "restart.hpp"
 #include "stages.hpp"
@@ -36,10 +38,22 @@ void show_iterations() {
   if (!given) VOILE_PETSC(PetscOptionsSetValue(nullptr, "-snes_monitor", nullptr));
 }
 
+using Mesh = std::shared_ptr<const mesh::SurfaceMesh>;
+
+/// What one stage needs all along.
+struct Following {
+  Recorder& recorder;
+  Checkpoints& checkpoints;
+  std::optional<Remesher>& remesher;
+  solve::Followed& all;
+};
+
 /// Advances an epoch to its end: supports and obstacles go where they are at each step, what is accepted is recorded,
-/// what fails is tried again by the stepper with less.
-void advance(Epoch& epoch, Origin origin, Recorder& recorder, Checkpoints& checkpoints, solve::Followed& all) {
+/// what fails is tried again by the stepper with less. Returns what the run goes on with if that is another mesh.
+std::optional<Adapted> advance(Epoch& epoch, Origin origin, const Following& f) {
+  auto& [recorder, checkpoints, remesher, all] = f;
   const system::Dofs& dofs = epoch.model().dofs();
+  recorder.use(epoch.model(), nullptr);
   solve::Stepper& stepper = epoch.make_stepper(recorder, origin);
   stepper.on_remark([&](const std::string& text) { recorder.remark(text); });
   recorder.use(epoch.model(), epoch.dynamics());
@@ -47,14 +61,20 @@ void advance(Epoch& epoch, Origin origin, Recorder& recorder, Checkpoints& check
     const bool accepted = r.outcome == Outcome::accepted, finished = accepted && stepper.finished(epoch.state());
     const bool is_start = r.taken == 0.0;
     all.add(r);
-    // A new epoch begins with the state that the last one recorded.
-    if ((accepted && !(is_start && origin == Origin::epoch)) || r.worth_keeping) {
+    // A new epoch begins with the state that the last one recorded, unless that is an equilibrium of another mesh.
+    const bool is_known = is_start && (origin == Origin::epoch || (origin == Origin::mesh && epoch.moves()));
+    if ((accepted && !is_known) || r.worth_keeping) {
       const bool asked = SignalScope::take_checkpoint(dofs.comm());
       recorder.record(epoch.state(), r, finished || r.worth_keeping || asked);
       if (!is_start) checkpoints.after_step(epoch.state(), dofs, asked);
     }
+    if (accepted && remesher && !(is_start && origin != Origin::nothing) && remesher->due(epoch, finished)) {
+      recorder.write_pending();
+      if (std::optional<Adapted> next = remesher->adapt(epoch, [&](const auto& text) { recorder.remark(text); }))
+        return next;
+    }
     all.completed = finished;
-    if (finished || r.outcome == Outcome::failed) return;
+    if (finished || r.outcome == Outcome::failed) return std::nullopt;
     if (accepted) stop_if_asked(dofs.comm());
   }
 }
@@ -78,16 +98,25 @@ Summary summary_of(const solve::Followed& all, const system::State& state, const
   return s;
 }
 
-/// Runs one stage from `state` to its end, and leaves its last state there. Collective.
-Summary run_stage(const Stage& stage, std::unique_ptr<Epoch> epoch, io::Checkpoint& state, Origin origin) {
+/// Runs one stage from `state` to its end, and leaves its last state and mesh there. `first`: the mesh of the case.
+/// Collective.
+Summary run_stage(const Stage& stage, std::unique_ptr<Epoch> epoch, io::Checkpoint& state, Origin origin,
+                  const Mesh& first, Mesh& mesh) {
   const input::Case& c = stage.c;
   const double cpu_before = origin == Origin::stage ? cpu_seconds() : 0.0;
   Recorder recorder(c, stage.options, epoch->model());
   Checkpoints checkpoints(c, stage.options.output);
   solve::Followed all;
+  std::optional<Remesher> remesher;
+  if (c.remesh.active) remesher.emplace(stage, first);
   try {
     for (;; origin = Origin::epoch) {
-      advance(*epoch, origin, recorder, checkpoints, all);
+      std::optional<Adapted> next = advance(*epoch, origin, {recorder, checkpoints, remesher, all});
+      while (next) {
+        epoch = std::move(next->epoch);
+        mesh = std::move(next->mesh);
+        next = advance(*epoch, Origin::mesh, {recorder, checkpoints, remesher, all});
+      }
       if (!all.completed || !epoch->ends_at(epoch->state().time)) break;
       state = gather(epoch->state(), epoch->model().dofs());
       recorder.write_pending();
@@ -105,6 +134,7 @@ Summary run_stage(const Stage& stage, std::unique_ptr<Epoch> epoch, io::Checkpoi
     summary.reason = fmt::format("stopped by a signal; go on with --restart {}", checkpoints.file().string());
   if (summary.converged && (c.analysis == "modal" || c.analysis == "buckling"))
     run_modes(c, stage.options, epoch->model(), epoch->state().u, summary);
+  if (remesher && !remesher->text().empty()) recorder.remark(remesher->text());
   recorder.finish();
   state = gather(epoch->state(), epoch->model().dofs());
   summary.wall_seconds = recorder.wall_seconds();
@@ -113,9 +143,20 @@ Summary run_stage(const Stage& stage, std::unique_ptr<Epoch> epoch, io::Checkpoi
   return summary;
 }
 
+/// The mesh of the case. Collective. Throws UserError.
+mesh::SurfaceMesh load_case_mesh(const input::Case& c) {
+  mesh::SurfaceMesh mesh = load_mesh(c.mesh.file, c.mesh.options);
+  const auto remeshes = [](const input::Case& one) { return one.remesh.active; };
+  if (!remeshes(c) && std::none_of(c.stages.begin(), c.stages.end(), remeshes)) return mesh;
+  mesh::MeshData data = mesh.data();
+  name_probes(c, data);
+  return mesh::SurfaceMesh(std::move(data));
+}
+
 /// The first epoch of a stage, with a start that contact allows.
 std::unique_ptr<Epoch> open_stage(const Stage& stage, const mesh::SurfaceMesh& mesh, const io::Checkpoint& state,
                                   bool is_first) {
+  check_remesh(stage.c, mesh);
   auto epoch = std::make_unique<Epoch>(stage.c, mesh, stage.input, stage.frozen, state);
   report_model(stage.c, stage.options, epoch->model(), is_first);
   return epoch;
@@ -132,25 +173,27 @@ void settle_contact_start(const Stage& stage, Epoch& epoch, Origin origin) {
 
 Exit run(const input::Case& c, const RunOptions& given) {
   const SignalScope signals;
-  const mesh::SurfaceMesh mesh = load_mesh(c.mesh.file, c.mesh.options);
+  const Mesh first = std::make_shared<const mesh::SurfaceMesh>(load_case_mesh(c));
   if (given.verbosity == Verbosity::verbose) show_iterations();
   RunOptions options = given;
   std::vector<Stage> stages = stages_of(c, options);
   Origin origin = begin_from(c, options, stages);
-  for (std::size_t k = 1; k < stages.size(); ++k) check_stage(stages[k], mesh);
+  for (std::size_t k = 1; k < stages.size(); ++k) check_stage(stages[k], *first);
   // Whatever is wrong with a restart must show before old results in the output folder go.
-  io::Checkpoint state = read_start(stages.front().c, options, mesh, origin);
+  Mesh mesh = mesh_of_start(stages.front().c, options, first);
+  io::Checkpoint state = read_start(stages.front().c, options, *mesh, origin);
+  if (mesh != first) state.remeshings = std::max(state.remeshings, 1);
   std::optional<OutputFolder> folder;
   std::vector<std::pair<std::string, Summary>> summaries;
   for (const Stage& stage : stages) {
-    enter_stage(stage.c, mesh, origin, state);
-    std::unique_ptr<Epoch> epoch = open_stage(stage, mesh, state, &stage == &stages.front());
+    enter_stage(stage.c, *mesh, origin, state);
+    std::unique_ptr<Epoch> epoch = open_stage(stage, *mesh, state, &stage == &stages.front());
     mpi::on_root(PETSC_COMM_WORLD, [&] {
       if (!folder) folder.emplace(c, options);
       if (stage.c.is_staged()) folder->add(stage.c);
     });
     settle_contact_start(stage, *epoch, origin);
-    summaries.emplace_back(stage.c.stage.name, run_stage(stage, std::move(epoch), state, origin));
+    summaries.emplace_back(stage.c.stage.name, run_stage(stage, std::move(epoch), state, origin, first, mesh));
     if (!summaries.back().second.converged) break;
     origin = Origin::stage;
   }

@@ -86,6 +86,7 @@ const Events& events() {
     add("VoileBendCopy", e.bending_copy);
     add("VoileEnergy", e.energy);
     add("VoileOutput", e.output);
+    add("VoileRemesh", e.remesh);
     add("VoileContactFind", e.contact_find);
     add("VoileContactClear", e.contact_clear);
     add("VoileContactTerm", e.contact_term);

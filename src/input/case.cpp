@@ -186,15 +186,15 @@ void read_remesh(const CaseReader& reader, Case& c) {
   if (!s.active) return;
   if (c.analysis != "static" && c.analysis != "dynamic" && c.analysis != "drape") {
     if (!c.is_staged())
-      throw UserError(fmt::format("{}: [remesh]: nothing is remeshed with analysis = \"{}\"; remove the section, or "
-                                  "choose static, dynamic or drape",
-                                  c.file.string(), c.analysis));
+      throw UserError(
+          fmt::format("{}: [remesh]: nothing is remeshed with analysis = \"{}\"; remove the section, or "
+                      "choose static, dynamic or drape",
+                      c.file.string(), c.analysis));
     s.active = false;
   }
   if (s.smallest > 0.0 && s.largest > 0.0 && s.smallest > s.largest)
     place.fail("smallest", "it must not be more than `largest`");
   if (s.angle > 1.0) place.fail("angle", "it must not be more than 57 degrees");
-  if (!s.background.empty()) s.background = (c.file.parent_path() / s.background).lexically_normal();
   if (!s.size.empty()) {
     try {
       (void)size_expression(s.size);
@@ -203,8 +203,9 @@ void read_remesh(const CaseReader& reader, Case& c) {
     }
   }
   if (c.element.bending != energy::BendingOperator::edge_slope)
-    place.fail("active", "remeshed meshes are irregular, and element.bending = \"six_node\" is wrong on those; use "
-                         "edge_slope");
+    place.fail("active",
+               "remeshed meshes are irregular, and element.bending = \"six_node\" is wrong on those; use "
+               "edge_slope");
 }
 
 void read_contact(const CaseReader& reader, Case& c) {

@@ -58,7 +58,8 @@ std::vector<Key> keys_of(StageSection& s) {
 }
 
 const std::vector<std::string>& stage_tables() {
-  static const std::vector<std::string> names{"steps", "eigen", "time", "damping", "air", "drape", "contact", "remesh", "output"};
+  static const std::vector<std::string> names{"steps", "eigen",   "time",   "damping", "air",
+                                              "drape", "contact", "remesh", "output"};
   return names;
 }
 
@@ -130,14 +131,16 @@ const std::vector<SectionInfo>& sections() {
       {"air", false, "Drag by air and wind in `dynamic`. Speed and normal are those of the start of each step."},
       {"drape", false, "The search of `analysis = \"drape\"`."},
       {"remesh", false,
-       "Meshes that get finer where the sheet folds and coarser where it is flat, see [remeshing.md](remeshing.md). This "
+       "Meshes that get finer where the sheet folds and coarser where it is flat, see [remeshing.md](remeshing.md). "
+       "This "
        "section switches it on."},
       {"probe", true, "Numbers recorded in `history.csv` after every step."},
       {"output", false, "What is written to `results.vtkhdf` and `results.xdmf`."},
       {"stage", true,
        "Stages, run one after the other: each begins in the state that the one before has left, see "
        "[stages.md](stages.md). Tables of its own, `[stage.time]`, `[stage.steps]`, `[stage.drape]`, `[stage.eigen]`, "
-       "`[stage.damping]`, `[stage.air]`, `[stage.contact]`, `[stage.remesh]` and `[stage.output]`, win over those of the case, key by "
+       "`[stage.damping]`, `[stage.air]`, `[stage.contact]`, `[stage.remesh]` and `[stage.output]`, win over those of "
+       "the case, key by "
        "key. `[[support]]`, `[[load]]`, `[[mass]]`, `[[spring]]`, `[[obstacle]]`, `[[contact_rule]]` and "
        "`[[initial_velocity]]` then take the key `stages`: the names of those in which they hold; absent: all."},
       {"petsc", false, "The solver library."}};

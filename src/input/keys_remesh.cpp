@@ -17,8 +17,9 @@ std::vector<Key> keys_of(RemeshSection& s) {
        .range = positive},
       {.name = "smallest",
        .slot = &s.smallest,
-       .meaning = "Smallest edge that curvature can ask for. 0: a two-hundredth of the extent of the mesh, or four times "
-                  "the `thickness` of contact if that is more.",
+       .meaning =
+           "Smallest edge that curvature can ask for. 0: a two-hundredth of the extent of the mesh, or four times "
+           "the `thickness` of contact if that is more.",
        .unit = "m",
        .range = not_negative},
       {.name = "largest",
@@ -26,10 +27,7 @@ std::vector<Key> keys_of(RemeshSection& s) {
        .meaning = "Largest edge. 0: a twelfth of the extent of the mesh.",
        .unit = "m",
        .range = not_negative},
-      {.name = "growth",
-       .slot = &s.growth,
-       .meaning = "Largest change of the size over distance.",
-       .range = positive},
+      {.name = "growth", .slot = &s.growth, .meaning = "Largest change of the size over distance.", .range = positive},
       {.name = "near_contact",
        .slot = &s.near_contact,
        .meaning = "Also ask for edges that keep the flat triangles within a quarter of the contact distance from the "
@@ -44,18 +42,15 @@ std::vector<Key> keys_of(RemeshSection& s) {
        .meaning = "Expression of x, y and z at the start: an upper bound of the edge length there [m], e.g. "
                   "`0.01 + 0.1*x`.",
        .absent = "none"},
-      {.name = "background",
-       .slot = &s.background,
-       .meaning = "Gmsh post-processing view (`.pos`) of the same, relative to the folder of the case file.",
-       .absent = "none"},
       {.name = "frozen",
        .slot = Words{&s.frozen, {}},
        .meaning = "Physical surfaces that are left as they are.",
        .absent = "none"},
       {.name = "every",
        .slot = &s.every,
-       .meaning = "Accepted steps between two looks at the sizes. 0: 10 in `dynamic`, 1 along a path; `drape` looks when "
-                  "it has come to rest.",
+       .meaning =
+           "Accepted steps between two looks at the sizes. 0: 10 in `dynamic`, 1 along a path; `drape` looks when "
+           "it has come to rest.",
        .range = {0}},
       {.name = "relaxation_steps",
        .slot = &s.relaxation_steps,

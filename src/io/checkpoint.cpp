@@ -54,6 +54,8 @@ void write_checkpoint(const std::filesystem::path& path, const Checkpoint& c, co
   file.number("/", "load_factor", c.load_factor);
   file.number("/", "in_equilibrium", c.in_equilibrium ? 1 : 0);
   file.number("/", "remeshings", c.remeshings);
+  file.number("/", "too_long", c.too_long);
+  file.number("/", "too_short", c.too_short);
   for (const auto& [name, values] : vectors_of(c))
     if (!values->empty()) file.dataset(name, H5T_NATIVE_DOUBLE, vertices, 3, values->data());
   if (!c.contact_gaps.empty()) {
@@ -85,7 +87,11 @@ Checkpoint read_unguarded(const std::filesystem::path& path, const mesh::Surface
   c.in_equilibrium = read_number(file, "/", "in_equilibrium", path) != 0.0;
   for (const auto& [name, values] : vectors_of(c))
     if (H5Lexists(file, name, H5P_DEFAULT) > 0) *values = read_values(file, name, count, path);
-  if (H5Aexists(file, "remeshings") > 0) c.remeshings = static_cast<int>(read_number(file, "/", "remeshings", path));
+  if (H5Aexists(file, "remeshings") > 0) {
+    c.remeshings = static_cast<int>(read_number(file, "/", "remeshings", path));
+    c.too_long = read_number(file, "/", "too_long", path);
+    c.too_short = read_number(file, "/", "too_short", path);
+  }
   if (H5Lexists(file, "contact_gaps", H5P_DEFAULT) > 0) {
     c.contact_start = read_number(file, "/", "contact_start", path);
     c.contact_gaps = read_values(file, "contact_gaps", static_cast<std::size_t>(mesh.vertex_count()), path);

@@ -20,7 +20,8 @@ TriangleFields Recovery::fields(MPI_Comm comm, const energy::Sheet& sheet, const
                                 const energy::Configuration& c) const {
   const auto size = 3 * static_cast<std::size_t>(sheet.mesh().triangle_count());
   TriangleFields f;
-  for (auto* v : {&f.membrane_strain, &f.membrane_force, &f.curvature, &f.whole_curvature, &f.bending_moment}) v->assign(size, 0.0);
+  for (auto* v : {&f.membrane_strain, &f.membrane_force, &f.curvature, &f.whole_curvature, &f.bending_moment})
+    v->assign(size, 0.0);
   const auto store = [](std::vector<double>& to, Index t, const Vec3& value) {
     for (int k = 0; k < 3; ++k) to[3 * static_cast<std::size_t>(t) + k] = value[k];
   };

@@ -12,6 +12,13 @@
 
 namespace voile::system {
 
+/// Meshes that a run has had besides the first.
+struct Remeshings {
+  int count = 0;
+  double too_long = 0.0,
+         too_short = 0.0;  ///< shares of vertices that the last one could not put right (adapt/sizing.hpp)
+};
+
 struct State {
   int step = 0;  ///< accepted steps so far
   double time = 0.0, load_factor = 0.0;
@@ -21,6 +28,7 @@ struct State {
   petsc::VecHandle previous;   ///< u one step before, which gives a path its direction; none: it begins here
   bool in_equilibrium = true;  ///< false: after motion, or in a shape that was given
   ContactMemory contact = {};
+  Remeshings remeshings = {};
 };
 
 /// The unloaded state of a model at rest. Collective.

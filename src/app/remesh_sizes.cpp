@@ -1,0 +1,207 @@
+// How long edges should be: sizes of a remeshing, and where its limits are.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "remesher.hpp"
+#include "voile/base/error.hpp"
+#include "voile/base/mpi.hpp"
+#include "voile/input/expression.hpp"
+
+namespace voile::app {
+
+namespace {
+
+constexpr double infinite = std::numeric_limits<double>::infinity();
+/// Shares of vertices with edges too long or too short, beyond what the last remeshing left, that ask for a new mesh.
+constexpr double most_too_long = 0.02, most_too_short = 0.3;
+/// Looks in a row at the end of a path or a drape.
+constexpr int most_looks_at_end = 6;
+/// Surfaces may come nearer by this share of their gap: both sides move, and half of the gap stays.
+constexpr double share_of_gap = 0.25;
+/// Gaps are looked for within so many contact distances, so that what is far from everything is free to move.
+constexpr double gap_reach = 4.0;
+
+/// Largest principal value of a curvature k11, k22, 2 k12, squared.
+double largest_squared(const double* k) {
+  const double mean = 0.5 * (k[0] + k[1]), radius = std::hypot(0.5 * (k[0] - k[1]), 0.5 * k[2]);
+  return std::pow(std::abs(mean) + radius, 2);
+}
+
+/// The same on all machines in spite of the last digits: results of other numbers of ranks differ there.
+double rounded(double size) {
+  constexpr double steps = 1e5;
+  return std::exp(std::round(std::log(size) * steps) / steps);
+}
+
+/// Vertices that a mesh of these sizes has, about.
+double vertices_of(const mesh::SurfaceMesh& mesh, const std::vector<double>& size) {
+  double count = 0.0;
+  for (Index t = 0; t < mesh.triangle_count(); ++t) {
+    double h = 0.0;
+    for (Index v : mesh.triangles()[t]) h += size[v] / 3.0;
+    count += 0.5 * mesh.area(t) / (0.25 * std::numbers::sqrt3 * h * h);
+  }
+  return count;
+}
+
+adapt::SizeOptions options_of(const Stage& stage, const mesh::SurfaceMesh& first) {
+  const input::RemeshSection& k = stage.c.remesh;
+  adapt::SizeOptions o;
+  o.angle = k.angle;
+  o.growth = k.growth;
+  const double extent = first.extent();
+  const double thickness = stage.c.contact.input.active ? stage.c.contact.input.thickness : 0.0;
+  o.largest = k.largest > 0.0 ? k.largest : std::max(extent / 12.0, k.smallest);
+  o.smallest = k.smallest > 0.0 ? k.smallest : std::min(std::max(extent / 200.0, 4.0 * thickness), o.largest);
+  return o;
+}
+
+}  // namespace
+
+/// Upper bounds on rank 0 from contact, velocity and the user's fields.
+std::vector<double> Remesher::bounds(Epoch& epoch, const std::vector<double>& curvature_squared) const {
+  const system::Dofs& dofs = epoch.model().dofs();
+  const mesh::SurfaceMesh& mesh = dofs.mesh();
+  const auto vertices = static_cast<std::size_t>(mesh.vertex_count());
+  std::vector<double> bound(vertices, infinite), velocity;
+  const auto lower = [&](Index v, double h) { bound[v] = std::min(bound[v], h); };
+  if (system::Contact* contact = epoch.model().contact(); contact && keys_.near_contact) {
+    const double distance = contact->input().options.distance;
+    const double least = options_of(stage_, *first_).smallest;
+    const std::vector<double> gaps = contact->gaps(epoch.state().u, distance);
+    if (!curvature_squared.empty())
+      for (Index t = 0; t < mesh.triangle_count(); ++t)
+        for (Index v : mesh.triangles()[t])
+          if (gaps[v] < distance)
+            lower(v, std::max(least, std::sqrt(2.0 * distance / std::sqrt(curvature_squared[t] + 1e-300))));
+  }
+  if (keys_.velocity > 0.0 && epoch.state().v) velocity = dofs.gather(epoch.state().v);
+  for (Index t = 0; t < mesh.triangle_count() && !velocity.empty(); ++t)
+    for (int s = 0; s < 3; ++s) {
+      const Index a = mesh.triangles()[t][s], b = mesh.triangles()[t][(s + 1) % 3];
+      const double difference = (Eigen::Map<const Vec3>(&velocity[3 * static_cast<std::size_t>(a)]) -
+                                 Eigen::Map<const Vec3>(&velocity[3 * static_cast<std::size_t>(b)]))
+                                    .norm();
+      if (difference <= 0.0) continue;
+      const double h = keys_.velocity * mesh.rest_length({a, b}) / difference;
+      lower(a, std::max(h, options_of(stage_, *first_).smallest));
+      lower(b, std::max(h, options_of(stage_, *first_).smallest));
+    }
+  if (bound_)
+    for (std::size_t v = 0; v < vertices; ++v) {
+      const double h = bound_(mesh.positions()[v]);
+      if (std::isfinite(h) && h > 0.0) bound[v] = std::min(bound[v], h);
+    }
+  return bound;
+}
+
+/// On rank 0.
+std::vector<double> Remesher::wanted_sizes(Epoch& epoch) {
+  system::Model& model = epoch.model();
+  const mesh::SurfaceMesh& mesh = model.dofs().mesh();
+  const system::TriangleFields fields = model.triangle_fields(epoch.state().u);
+  std::vector<double> squared(fields.curvature.size() / 3);
+  for (std::size_t t = 0; t < squared.size(); ++t)
+    squared[t] = std::max(largest_squared(&fields.curvature[3 * t]), largest_squared(&fields.whole_curvature[3 * t]));
+  const std::vector<double> bound = bounds(epoch, squared), u = model.dofs().gather(epoch.state().u);
+  std::vector<double> size;
+  mpi::on_root(model.dofs().comm(), [&] {
+    std::vector<Vec3> places = mesh.positions();
+    for (std::size_t v = 0; v < places.size(); ++v) places[v] += Eigen::Map<const Vec3>(&u[3 * v]);
+    size = adapt::size_field(mesh, places, squared, bound, options_of(stage_, *first_));
+    if (keys_.max_vertices > 0) {
+      const double excess = vertices_of(mesh, size) / keys_.max_vertices;
+      if (excess > 1.0)
+        for (double& h : size) h *= std::sqrt(excess);
+    }
+    for (double& h : size) h = rounded(h);
+  });
+  return size;
+}
+
+bool Remesher::due(Epoch& epoch, bool finished) {
+  const bool drapes = stage_.c.analysis == "drape", moves = stage_.c.analysis == "dynamic";
+  const int every = keys_.every > 0 ? keys_.every : moves ? 10 : 1;
+  if (drapes ? !finished : epoch.state().step % every != 0 && !(finished && !moves)) return false;
+  if (finished && moves) return false;
+  if (finished && ++at_end_ > most_looks_at_end) return false;
+  const double begin = cpu_clock();
+  size_ = wanted_sizes(epoch);
+  std::vector<double> yes{0.0};
+  mpi::on_root(epoch.model().dofs().comm(), [&] {
+    const adapt::SizeMatch m = adapt::match(epoch.model().dofs().mesh(), size_);
+    const system::Remeshings& left = epoch.state().remeshings;
+    yes[0] = m.too_long > left.too_long + most_too_long || m.too_short > left.too_short + most_too_short ? 1.0 : 0.0;
+  });
+  mpi::broadcast(epoch.model().dofs().comm(), yes);
+  seconds_ += cpu_clock() - begin;
+  return yes[0] > 0.0;
+}
+
+adapt::Limits Remesher::limits(Epoch& epoch) const {
+  const mesh::SurfaceMesh& mesh = epoch.model().dofs().mesh();
+  adapt::Limits limits;
+  if (!keys_.frozen.empty()) limits.frozen.assign(static_cast<std::size_t>(mesh.triangle_count()), 0);
+  for (const std::string& name : keys_.frozen)
+    for (Index t : mesh.group(name, 2).triangles) limits.frozen[t] = 1;
+  if (system::Contact* contact = epoch.model().contact()) {
+    limits.clearance = contact->gaps(epoch.state().u, gap_reach * contact->input().options.distance);
+    for (double& gap : limits.clearance) gap *= share_of_gap;
+  }
+  return limits;
+}
+
+void check_remesh(const input::Case& c, const mesh::SurfaceMesh& mesh) {
+  if (!c.remesh.active) return;
+  for (const std::string& name : c.remesh.frozen) (void)mesh.group(name, 2);
+  const auto check = [&](const char* what, const std::string& group, const char* remedy) {
+    if (group.empty() || mesh.group(group).dimension == 0) return;
+    throw UserError(
+        fmt::format("{}: [remesh]: the {} acts at every vertex of group '{}', and a new mesh has others; {}",
+                    c.file.string(), what, group, remedy));
+  };
+  for (const system::Load& l : c.loads)
+    if (l.kind == system::Load::Kind::point)
+      check("[[load]] of type point", l.group, "use a physical point, or type = \"line\" or \"area\"");
+  for (const system::PointMass& m : c.masses) check("[[mass]]", m.group, "use physical points");
+  for (const system::Spring& s : c.springs)
+    if (s.kind == system::Spring::Kind::point || s.kind == system::Spring::Kind::pair) {
+      check("[[spring]]", s.group, "use physical points, or type = \"line\" or \"area\"");
+      if (s.kind == system::Spring::Kind::pair) check("[[spring]]", s.to, "use physical points");
+    }
+}
+
+void name_probes(const input::Case& c, mesh::MeshData& mesh) {
+  for (const input::Probe& p : c.probes) {
+    if (!p.point) continue;
+    const auto nearer = [&](const Vec3& a, const Vec3& b) {
+      return (a - *p.point).squaredNorm() < (b - *p.point).squaredNorm();
+    };
+    const auto at = std::min_element(mesh.positions.begin(), mesh.positions.end(), nearer);
+    mesh::Group group;
+    group.name = "probe " + p.name;
+    group.vertices = {static_cast<Index>(at - mesh.positions.begin())};
+    mesh.groups.push_back(std::move(group));
+  }
+}
+
+std::string remesh_outlook(const Stage& stage, std::shared_ptr<const mesh::SurfaceMesh> mesh, Epoch& epoch) {
+  Remesher remesher(stage, mesh);
+  const bool due = remesher.due(epoch, stage.c.analysis == "drape");
+  const adapt::SizeOptions o = options_of(stage, *mesh);
+  return fmt::format("remeshing: edges of {:.3g} to {:.3g} m, {:.3g} degrees each; {}", o.smallest, o.largest,
+                     o.angle * 180.0 / std::numbers::pi,
+                     due ? fmt::format("the start mesh is exchanged at once, for one of about {:.0f} vertices",
+                                       remesher.expected_vertices())
+                         : "the start mesh suits the start");
+}
+
+double Remesher::expected_vertices() const {
+  return size_.empty() ? 0.0 : vertices_of(*first_, size_);
+}
+
+}  // namespace voile::app

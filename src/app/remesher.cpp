@@ -1,0 +1,371 @@
+#include "remesher.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <ctime>
+#include <numbers>
+
+#include "carry.hpp"
+#include "mesh_transfer.hpp"
+#include "obstacles.hpp"
+#include "voile/adapt/transfer.hpp"
+#include "voile/base/error.hpp"
+#include "voile/base/mpi.hpp"
+#include "voile/input/expression.hpp"
+#include "voile/solve/load_path.hpp"
+#include "voile/solve/relaxation.hpp"
+
+namespace voile::app {
+
+namespace {
+
+using adapt::Interpolation;
+
+std::vector<Vec3> as_points(const std::vector<double>& values) {
+  std::vector<Vec3> points;
+  points.reserve(values.size() / 3);
+  for (std::size_t i = 0; i + 2 < values.size(); i += 3) points.emplace_back(values[i], values[i + 1], values[i + 2]);
+  return points;
+}
+
+std::vector<double> as_values(const std::vector<Vec3>& points) {
+  std::vector<double> values;
+  values.reserve(3 * points.size());
+  for (const Vec3& x : points) values.insert(values.end(), x.begin(), x.end());
+  return values;
+}
+
+/// Per vertex, on rank 0. Collective.
+std::vector<double> masses(const system::Model& model) {
+  const std::vector<double> all = model.dofs().gather(model.constant().mass());
+  std::vector<double> mass;
+  for (std::size_t i = 0; i < all.size(); i += 3) mass.push_back(all[i]);
+  return mass;
+}
+
+}  // namespace
+
+double cpu_clock() {
+  return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
+}
+
+/// A new mesh on every rank, and on rank 0 where it comes from.
+struct Remesher::Made {
+  std::shared_ptr<const mesh::SurfaceMesh> mesh;
+  adapt::Remeshed from;      ///< rank 0
+  adapt::SizeMatch match;    ///< rank 0: how well it meets the sizes
+  std::vector<Vec3> places;  ///< rank 0: of the old vertices
+};
+
+Remesher::Remesher(const Stage& stage, std::shared_ptr<const mesh::SurfaceMesh> first)
+    : stage_(stage), keys_(stage.c.remesh), first_(std::move(first)) {
+  mpi::on_root(PETSC_COMM_WORLD, [&] {
+    rest_.emplace(*first_);
+    if (!keys_.size.empty()) bound_ = input::size_expression(keys_.size);
+  });
+}
+
+Remesher::Made Remesher::make_mesh(Epoch& epoch, const std::vector<double>& size, bool only_splits) {
+  const system::Dofs& dofs = epoch.model().dofs();
+  const adapt::Limits limits = this->limits(epoch);
+  const std::vector<double> u = dofs.gather(epoch.state().u);
+  Made made;
+  mesh::MeshData data;
+  mpi::on_root(dofs.comm(), [&] {
+    made.places = dofs.mesh().positions();
+    for (std::size_t v = 0; v < made.places.size(); ++v) made.places[v] += Eigen::Map<const Vec3>(&u[3 * v]);
+    adapt::Options options;
+    options.only_splits = only_splits;
+    made.from = adapt::remesh(dofs.mesh(), *rest_, made.places, size, limits, options);
+    data = made.from.mesh;
+  });
+  broadcast_mesh(dofs.comm(), data);
+  made.mesh = std::make_shared<const mesh::SurfaceMesh>(std::move(data));
+  mpi::on_root(dofs.comm(), [&] {
+    std::vector<double> new_size;
+    for (const adapt::Remeshed::Source& s : made.from.source) {
+      double h = 0.0;
+      for (int i = 0; i < 3; ++i) h += s.weights[i] * size[dofs.mesh().triangles()[s.triangle][i]];
+      new_size.push_back(h);
+    }
+    made.match = adapt::match(*made.mesh, new_size);
+  });
+  return made;
+}
+
+/// The state on the new mesh, on rank 0: places where contact lets them be smooth, otherwise on the old surface.
+io::Checkpoint Remesher::carry_over(Epoch& epoch, const Made& made) const {
+  const system::Dofs& dofs = epoch.model().dofs();
+  const mesh::SurfaceMesh& old_mesh = dofs.mesh();
+  io::Checkpoint c = gather(epoch.state(), dofs);
+  mpi::on_root(dofs.comm(), [&] {
+    const adapt::Remeshed& from = made.from;
+    const auto displaced = [&](const std::vector<Vec3>& places) {
+      std::vector<Vec3> u = places;
+      for (std::size_t v = 0; v < u.size(); ++v)
+        u[v] = from.kept[v] != no_index && from.mesh.positions[v] == old_mesh.positions()[from.kept[v]] &&
+                       places[v] == made.places[from.kept[v]]
+                   ? Vec3(Eigen::Map<const Vec3>(&c.displacement[3 * static_cast<std::size_t>(from.kept[v])]))
+                   : Vec3(places[v] - from.mesh.positions[v]);
+      return u;
+    };
+    std::vector<Vec3> places = adapt::transfer(old_mesh, from, made.places, Interpolation::smooth);
+    for (std::size_t v = 0; v < places.size(); ++v)
+      if (!from.clearance.empty() && (places[v] - from.places[v]).norm() > from.clearance[v])
+        places[v] = from.places[v];
+    if (!c.previous.empty()) {
+      std::vector<Vec3> before = as_points(c.previous);
+      before = adapt::transfer(old_mesh, from, before, Interpolation::smooth);
+      c.previous = as_values(before);
+    }
+    c.displacement = as_values(displaced(places));
+    for (std::vector<double>* field : {&c.velocity, &c.acceleration})
+      if (!field->empty())
+        *field = as_values(adapt::transfer(old_mesh, from, as_points(*field), Interpolation::smoother));
+  });
+  return c;
+}
+
+Ledger Remesher::ledger(Epoch& epoch) {
+  system::Model& model = epoch.model();
+  const system::State& s = epoch.state();
+  Ledger l;
+  l.energies = model.energies(s.u);
+  const std::vector<double> mass = masses(model), u = model.dofs().gather(s.u),
+                            v = s.v ? model.dofs().gather(s.v) : std::vector<double>{};
+  mpi::on_root(model.dofs().comm(), [&] {
+    for (std::size_t i = 0; i < mass.size(); ++i) {
+      l.mass += mass[i];
+      if (v.empty()) continue;
+      const Vec3 velocity = Eigen::Map<const Vec3>(&v[3 * i]);
+      const Vec3 x = model.dofs().mesh().positions()[i] + Eigen::Map<const Vec3>(&u[3 * i]);
+      l.kinetic += 0.5 * mass[i] * velocity.squaredNorm();
+      l.momentum += mass[i] * velocity;
+      l.angular += mass[i] * x.cross(velocity);
+    }
+  });
+  return l;
+}
+
+/// Puts the momentum of the old state into the velocities of the new one. Collective.
+void Remesher::keep_momentum(Epoch& old_epoch, Epoch& fresh) {
+  const auto gathered = [](Epoch& e, Vec v) { return as_points(e.model().dofs().gather(v)); };
+  const std::vector<double> old_mass = masses(old_epoch.model()), mass = masses(fresh.model());
+  const std::vector<Vec3> old_u = gathered(old_epoch, old_epoch.state().u), u = gathered(fresh, fresh.state().u);
+  const std::vector<Vec3> old_velocity = gathered(old_epoch, old_epoch.state().v);
+  std::vector<Vec3> velocity = gathered(fresh, fresh.state().v);
+  std::vector<double> values;
+  mpi::on_root(fresh.model().dofs().comm(), [&] {
+    const auto moved = [](const mesh::SurfaceMesh& mesh, std::vector<Vec3> x) {
+      for (std::size_t v = 0; v < x.size(); ++v) x[v] += mesh.positions()[v];
+      return x;
+    };
+    const system::Dofs& dofs = fresh.model().dofs();
+    std::vector<char> held(velocity.size());
+    for (std::size_t v = 0; v < held.size(); ++v) held[v] = dofs.is_held(static_cast<Index>(v));
+    const std::vector<Vec3> old_places = moved(old_epoch.model().dofs().mesh(), old_u);
+    adapt::conserve_momentum({old_mass, old_places, old_velocity}, mass, moved(dofs.mesh(), u), held, velocity);
+    values = as_values(velocity);
+  });
+  fresh.model().dofs().scatter(values, fresh.state().v);
+}
+
+/// Whether triangles intersect, by exact predicates. Collective.
+bool Remesher::intersects(Epoch& epoch) {
+  const system::Contact& contact = *epoch.model().contact();
+  const std::vector<Vec3> positions = contact.positions(epoch.state().u);
+  std::vector<double> count{0.0};
+  mpi::on_root(epoch.model().dofs().comm(),
+               [&] { count[0] = static_cast<double>(IntersectionCheck(contact).find(positions).size()); });
+  mpi::broadcast(epoch.model().dofs().comm(), count);
+  return count[0] > 0.0;
+}
+
+/// Energies that are round-off beside what the sheet could store.
+double Remesher::negligible_energy(const Epoch& epoch) {
+  constexpr double strain = 1e-5;
+  double stiffness = 0.0;
+  const system::Discretisation& on = epoch.model().discretisation();
+  for (const energy::Material& m : on.sheet().materials()) stiffness = std::max(stiffness, m.membrane.trace());
+  return 0.5 * stiffness * strain * strain * on.mean_area() * on.mesh().triangle_count();
+}
+
+void Remesher::write(const Epoch& epoch, const Made& made, const Ledger& before, const Ledger& after, bool accepted,
+                     double seconds) {
+  if (!table_)
+    table_.emplace(stage_.options.output / "remeshing.csv", std::vector<std::string>{"step",
+                                                                                     "time",
+                                                                                     "load_factor",
+                                                                                     "accepted",
+                                                                                     "vertices_before",
+                                                                                     "vertices",
+                                                                                     "kept",
+                                                                                     "splits",
+                                                                                     "collapses",
+                                                                                     "flips",
+                                                                                     "smoothed",
+                                                                                     "refused_by_clearance",
+                                                                                     "smallest_angle",
+                                                                                     "ill_conditioned",
+                                                                                     "membrane_before",
+                                                                                     "membrane",
+                                                                                     "bending_before",
+                                                                                     "bending",
+                                                                                     "contact_before",
+                                                                                     "contact",
+                                                                                     "kinetic_before",
+                                                                                     "kinetic",
+                                                                                     "mass_before",
+                                                                                     "mass",
+                                                                                     "momentum_change",
+                                                                                     "angular_change",
+                                                                                     "cpu_seconds"});
+  const system::State& s = epoch.state();
+  const adapt::Remeshed& m = made.from;
+  const auto number = [](auto value) { return static_cast<double>(value); };
+  table_->write({number(s.step),
+                 s.time,
+                 s.load_factor,
+                 accepted ? 1.0 : 0.0,
+                 number(epoch.model().dofs().mesh().vertex_count()),
+                 number(made.mesh->vertex_count()),
+                 number(std::count_if(m.kept.begin(), m.kept.end(), [](Index v) { return v != no_index; })),
+                 number(m.counts.splits),
+                 number(m.counts.collapses),
+                 number(m.counts.flips),
+                 number(m.counts.smoothed),
+                 number(m.counts.refused_by_clearance),
+                 m.quality.smallest_angle * 180.0 / std::numbers::pi,
+                 number(m.quality.ill_conditioned),
+                 before.energies.membrane,
+                 after.energies.membrane,
+                 before.energies.bending,
+                 after.energies.bending,
+                 before.energies.contact,
+                 after.energies.contact,
+                 before.kinetic,
+                 after.kinetic,
+                 before.mass,
+                 after.mass,
+                 (after.momentum - before.momentum).norm(),
+                 (after.angular - before.angular).norm(),
+                 seconds});
+}
+
+std::string Remesher::text() const {
+  if (count_ + refused_ == 0) return "";
+  return fmt::format("{} remeshings, {} refused, {:.1f} CPU s of rank 0", count_, refused_, seconds_);
+}
+
+namespace {
+
+/// Gaps from which a start is let out, and obstacles that give way, per new vertex; the same on every rank.
+void carry_contact(const mesh::SurfaceMesh& old_mesh, const std::vector<Index>& triangle,
+                   const std::vector<Index>& kept, io::Checkpoint& c) {
+  const std::vector<double> gaps = std::move(c.contact_gaps), yielding = std::move(c.yielding);
+  c.contact_gaps.clear();
+  c.yielding.clear();
+  const auto corners = [&](std::size_t v) {
+    const mesh::Triangle t = old_mesh.triangles()[triangle[v]];
+    return kept[v] != no_index ? mesh::Triangle{kept[v], kept[v], kept[v]} : t;
+  };
+  for (std::size_t v = 0; v < kept.size() && !gaps.empty(); ++v) {
+    const mesh::Triangle t = corners(v);
+    c.contact_gaps.push_back(std::min({gaps[t[0]], gaps[t[1]], gaps[t[2]]}));
+  }
+  for (std::size_t v = 0; v < kept.size() && !yielding.empty(); ++v) {
+    std::uint64_t all = 0;
+    for (Index i : corners(v)) all |= static_cast<std::uint64_t>(yielding[i]);
+    c.yielding.push_back(static_cast<double>(all));
+  }
+}
+
+}  // namespace
+
+/// One new mesh with its state; `what` says what it came to.
+std::optional<Adapted> Remesher::attempt(Epoch& epoch, const std::vector<double>& size, bool only_splits,
+                                         std::string& what) {
+  const MPI_Comm comm = epoch.model().dofs().comm();
+  const double begin = cpu_clock();
+  Made made = make_mesh(epoch, size, only_splits);
+  io::Checkpoint carried = carry_over(epoch, made);
+  std::vector<Index> triangles, kept = made.from.kept;
+  for (const adapt::Remeshed::Source& s : made.from.source) triangles.push_back(s.triangle);
+  mpi::broadcast(comm, triangles);
+  mpi::broadcast(comm, kept);
+  carry_contact(epoch.model().dofs().mesh(), triangles, kept, carried);
+  const Ledger before = ledger(epoch);
+
+  Adapted next{made.mesh, std::make_unique<Epoch>(stage_.c, *made.mesh, stage_.input, stage_.frozen, carried)};
+  Epoch& fresh = *next.epoch;
+  std::vector<double> left{made.match.too_long, made.match.too_short};
+  mpi::broadcast(comm, left);
+  fresh.state().remeshings = {epoch.state().remeshings.count + 1, left[0], left[1]};
+  fresh.prepare(Origin::mesh);
+  const double tau = solve::relaxation_time(fresh.model());
+  if (keys_.relaxation_steps > 0) (void)solve::relax(fresh.model(), fresh.state().u, tau, keys_.relaxation_steps);
+  if (fresh.state().v) keep_momentum(epoch, fresh);
+  bool accepted = true;
+  if (fresh.model().contact() && stage_.c.contact.check && intersects(fresh)) {
+    what = "the new surface would intersect";
+    accepted = false;
+  }
+  if (accepted && stage_.c.analysis == "static") {
+    fresh.state().in_equilibrium = false;
+    if (solve::find_equilibrium(fresh.model(), fresh.state()).outcome == solve::Outcome::failed) {
+      what = "no equilibrium was found on the new mesh";
+      accepted = false;
+    }
+  }
+  const Ledger after = ledger(fresh);
+  const double size_of = std::max({std::abs(before.total()), std::abs(after.total()), negligible_energy(fresh)});
+  std::vector<double> change{(after.total() - before.total()) / size_of};
+  mpi::broadcast(comm, change);
+  if (accepted && std::abs(change[0]) > keys_.energy_change) {
+    what = fmt::format("the energy would change by {:+.2g} %", 100.0 * change[0]);
+    accepted = false;
+  }
+  mpi::on_root(comm, [&] { write(epoch, made, before, after, accepted, cpu_clock() - begin); });
+  if (!accepted) return std::nullopt;
+  Index same = 0;
+  for (Index v : kept) same += v != no_index ? 1 : 0;
+  what = fmt::format("remeshed: {} vertices became {}, {:.0f} % of them kept; energy {:+.2g} %",
+                     epoch.model().dofs().mesh().vertex_count(), made.mesh->vertex_count(),
+                     100.0 * same / made.mesh->vertex_count(), 100.0 * change[0]);
+  return next;
+}
+
+std::optional<Adapted> Remesher::adapt(Epoch& epoch, const std::function<void(const std::string&)>& remark) {
+  const petsc::EventScope scope(petsc::events().remesh);
+  const double begin = cpu_clock();
+  std::string what;
+  std::optional<Adapted> next = attempt(epoch, size_, false, what);
+  // Splits leave the surface as it is.
+  if (!next && epoch.model().contact()) {
+    remark(fmt::format("{}; trying splits only", what));
+    next = attempt(epoch, size_, true, what);
+  }
+  seconds_ += cpu_clock() - begin;
+  if (next) {
+    ++count_;
+    remark(what);
+    return next;
+  }
+  ++refused_;
+  remark(fmt::format("remeshing refused: {}; the run goes on with the mesh it has", what));
+  // Asks again only when the sizes have moved on.
+  std::vector<double> left(2);
+  mpi::on_root(epoch.model().dofs().comm(), [&] {
+    const adapt::SizeMatch m = adapt::match(epoch.model().dofs().mesh(), size_);
+    left = {m.too_long, m.too_short};
+  });
+  mpi::broadcast(epoch.model().dofs().comm(), left);
+  epoch.state().remeshings.too_long = left[0];
+  epoch.state().remeshings.too_short = left[1];
+  return std::nullopt;
+}
+
+}  // namespace voile::app

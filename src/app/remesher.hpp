@@ -1,0 +1,91 @@
+// Meshes that follow the folds: when a run gets a new mesh, and how its state goes on there; private to src/app.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "epoch.hpp"
+#include "stages.hpp"
+#include "voile/adapt/remesh.hpp"
+#include "voile/adapt/rest_surface.hpp"
+#include "voile/adapt/sizing.hpp"
+#include "voile/io/results.hpp"
+
+namespace voile::app {
+
+/// An epoch on a mesh of its own.
+struct Adapted {
+  std::shared_ptr<const mesh::SurfaceMesh> mesh;
+  std::unique_ptr<Epoch> epoch;
+};
+
+/// What is conserved, or nearly, across a remeshing.
+struct Ledger {
+  system::Energies energies;                             ///< [J]
+  double kinetic = 0.0, mass = 0.0;                      ///< [J], [kg]
+  Vec3 momentum = Vec3::Zero(), angular = Vec3::Zero();  ///< [kg m/s], about the origin [kg m^2/s]
+  /// Stored in the sheet and in contact, and kinetic. [J]
+  [[nodiscard]] double total() const {
+    return energies.membrane + energies.bending + energies.contact + energies.springs + kinetic;
+  }
+};
+
+class Remesher {
+ public:
+  /// `first`: the mesh of the case, whose rest shape all later ones approach. Collective.
+  Remesher(const Stage& stage, std::shared_ptr<const mesh::SurfaceMesh> first);
+
+  /// Whether the sizes of the state ask for another mesh, at a step that is looked at. Collective.
+  [[nodiscard]] bool due(Epoch& epoch, bool finished);
+  /// The next epoch, or nothing if what was found is refused. `remark` says what was done. Collective.
+  [[nodiscard]] std::optional<Adapted> adapt(Epoch& epoch, const std::function<void(const std::string&)>& remark);
+  /// What all remeshings together came to. Not collective.
+  [[nodiscard]] std::string text() const;
+  /// Vertices of a mesh of the sizes that the last call of due() found, about; on rank 0.
+  [[nodiscard]] double expected_vertices() const;
+
+ private:
+  [[nodiscard]] std::vector<double> wanted_sizes(Epoch& epoch);
+  [[nodiscard]] std::vector<double> bounds(Epoch& epoch, const std::vector<double>& curvature_squared) const;
+  [[nodiscard]] adapt::Limits limits(Epoch& epoch) const;
+  struct Made;
+  [[nodiscard]] Made make_mesh(Epoch& epoch, const std::vector<double>& size, bool only_splits);
+  [[nodiscard]] io::Checkpoint carry_over(Epoch& epoch, const Made& made) const;
+  [[nodiscard]] std::optional<Adapted> attempt(Epoch& epoch, const std::vector<double>& size, bool only_splits,
+                                               std::string& what);
+  [[nodiscard]] static Ledger ledger(Epoch& epoch);
+  static void keep_momentum(Epoch& old_epoch, Epoch& fresh);
+  [[nodiscard]] static bool intersects(Epoch& epoch);
+  [[nodiscard]] static double negligible_energy(const Epoch& epoch);
+  void write(const Epoch& epoch, const Made& made, const Ledger& before, const Ledger& after, bool accepted,
+             double seconds);
+
+  const Stage& stage_;
+  const input::RemeshSection& keys_;
+  std::shared_ptr<const mesh::SurfaceMesh> first_;
+  std::optional<adapt::RestSurface> rest_;  ///< rank 0
+  std::optional<io::HistoryWriter> table_;  ///< rank 0
+  std::vector<double> size_;                ///< found by due()
+  std::function<double(const Vec3&)> bound_;
+  double seconds_ = 0.0;
+  int count_ = 0, refused_ = 0, at_end_ = 0;
+};
+
+/// CPU seconds of this process.
+[[nodiscard]] double cpu_clock();
+
+/// Throws UserError where a case means vertices that a remeshing would multiply: forces, masses and springs at every
+/// vertex of a curve or surface. Not collective.
+void check_remesh(const input::Case& c, const mesh::SurfaceMesh& mesh);
+
+/// Names the vertices that probes at points record, as groups "probe NAME", so that they stay. Not collective.
+void name_probes(const input::Case& c, mesh::MeshData& mesh);
+
+/// What remeshing would do at the start, for `check`. Collective.
+[[nodiscard]] std::string remesh_outlook(const Stage& stage, std::shared_ptr<const mesh::SurfaceMesh> mesh,
+                                         Epoch& epoch);
+
+}  // namespace voile::app
