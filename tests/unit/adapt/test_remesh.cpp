@@ -207,6 +207,16 @@ TEST_CASE("only splits: nothing else happens, and every old vertex stays") {
   CHECK(r.counts.collapses + r.counts.flips + r.counts.smoothed == 0);
   for (Index v = 0; v < m.vertex_count(); ++v) CHECK(r.kept[v] == v);
   check_result(m, r, mesh::SurfaceMesh(r.mesh));
+  // A linear field of sizes is the same on all meshes: no edge is left too long.
+  const auto wanted = [](const Vec3& x) { return 0.01 + 0.08 * x[0]; };
+  const mesh::SurfaceMesh after(remeshed(m, rest, sizes(m, wanted), {}, options).mesh);
+  double longest = 0.0;
+  for (const mesh::Triangle& t : after.triangles())
+    for (std::size_t i = 0; i < 3; ++i) {
+      const Vec3 &a = after.positions()[t[i]], &b = after.positions()[t[(i + 1) % 3]];
+      longest = std::max(longest, 2.0 * (b - a).norm() / (wanted(a) + wanted(b)));
+    }
+  CHECK(longest <= options.split * (1.0 + 1e-12));
 }
 
 TEST_CASE("vertices of three triangles and patches near a conic are mended") {
