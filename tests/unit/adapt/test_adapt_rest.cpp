@@ -262,3 +262,27 @@ TEST_CASE("a narrow sleeve stays one, however coarse it is wanted") {
   CHECK(euler(after) == 0);
   CHECK(total_area(after) == relative(n * rows).epsilon(1e-12));
 }
+
+TEST_CASE("new vertices of a concave boundary are points of the old boundary") {
+  const mesh::SurfaceMesh m(mapped(grid(32, 6, false, 0.0), [](const Vec3& x) {
+    const double r = 1 + x[1];
+    return Vec3(r * std::cos(pi * x[0]), r * std::sin(pi * x[0]), 0);
+  }));
+  const RestSurface rest(m);
+  const Remeshed r = remeshed(m, rest, uniform(m, 0.03));
+  const mesh::SurfaceMesh after(r.mesh);
+  Index seen = 0;
+  for (Index t = 0; t < after.triangle_count(); ++t)
+    for (int s = 0; s < 3; ++s) {
+      const Index v = after.triangles()[t][(s + 1) % 3];
+      if (after.neighbour(t, s) != no_index || r.kept[v] != no_index) continue;
+      const auto& at = r.source[v];
+      bool on_side = false;
+      for (int k = 0; k < 3; ++k)
+        on_side =
+            on_side || (m.neighbour(at.triangle, k) == no_index && at.weights[static_cast<std::size_t>(k)] == 0.0);
+      CHECK(on_side);
+      ++seen;
+    }
+  CHECK(seen > 150);
+}

@@ -156,6 +156,23 @@ TEST_CASE("refined and coarsened again: the number of vertices follows") {
   }
 }
 
+TEST_CASE("coarsening makes no edge that would be halved again") {
+  const mesh::SurfaceMesh m(square(Pattern::gmsh, 60));
+  const RestSurface rest(m);
+  Options options;
+  options.rounds = 1;
+  for (const double h : {0.03, 0.04, 0.06}) {
+    const std::vector<double> wanted(static_cast<std::size_t>(m.vertex_count()), h);
+    const Remeshed r = remeshed(m, rest, wanted, {}, options);
+    const mesh::SurfaceMesh after(r.mesh);
+    const adapt::SizeMatch match =
+        adapt::match(after, std::vector<double>(static_cast<std::size_t>(after.vertex_count()), h));
+    CAPTURE(h);
+    CHECK(match.p99 < 1.4);
+    CHECK(r.counts.collapses > 100);
+  }
+}
+
 TEST_CASE("remeshing twice gives the same bits") {
   const mesh::SurfaceMesh m(rich_square(16));
   const auto h = sizes(m, bumps(3, 0.01));
