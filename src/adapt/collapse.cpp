@@ -20,13 +20,6 @@ struct Part {
   int other = -1;
 };
 
-/// The other feature line of a vertex on one.
-int other_line(const Surface& s, const Star& star, int k) {
-  for (int i = 0; i < star.triangles(); ++i)
-    if (i != k && s.side_class[star.spokes[i]] != 0) return i;
-  return -1;
-}
-
 std::vector<Part> parts_of(const Surface& s, const Star& star, int k) {
   const int n = star.triangles();
   std::vector<Part> parts;

@@ -52,8 +52,10 @@ void conserve_momentum(const Motion& old_motion, const std::vector<double>& mass
     const Momentum now = momentum({mass, places, velocity});
     Eigen::MatrixXd m = Eigen::MatrixXd::Zero(6, 6);
     Eigen::VectorXd wanted(6);
-    wanted.head<3>() = before.linear - now.linear;
-    wanted.tail<3>() = (before.angular - now.angular) / size;
+    for (int d = 0; d < 3; ++d) {
+      wanted[d] = before.linear[d] - now.linear[d];
+      wanted[3 + d] = (before.angular[d] - now.angular[d]) / size;
+    }
     for (std::size_t v = 0; v < mass.size(); ++v) {
       if (!held.empty() && held[v]) continue;
       const Mat3 r = cross_matrix(places[v] - centre) / size;

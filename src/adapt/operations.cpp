@@ -10,8 +10,6 @@ namespace voile::adapt {
 
 namespace {
 
-/// A triangle that is better than this [rad] need not be kept as good when a neighbour gains.
-constexpr double good_angle = 0.6;  // 34 degrees
 /// By how much two angles must exceed 180 degrees, so that four points on a circle are left as they are [rad].
 constexpr double delaunay_slack = 1e-3;
 

@@ -16,6 +16,9 @@ Outcome try_collapse(Surface& s, const Star& star, int k, const Options& options
 /// Removes either end of an edge, preferably a new one.
 Outcome try_collapse_edge(Surface& s, Index h, const Options& options);
 
+/// A triangle that is better than this [rad] need not be kept as good when a neighbour gains.
+inline constexpr double good_angle = 0.6;  // 34 degrees
+
 enum class FlipRule { delaunay, valence, none };
 /// Turns an edge if the rule wants it. Outcome::feature also where it need not be turned.
 Outcome try_flip(Surface& s, Index h, const Options& options, FlipRule rule);
@@ -24,6 +27,9 @@ Outcome try_flip(Surface& s, Index h, const Options& options, FlipRule rule);
 Outcome try_smooth(Surface& s, Index v, const Options& options);
 /// Moves an inner vertex to a point of its tangent plane, if no angle falls below `angle` [rad] or what it was.
 Outcome try_move(Surface& s, const Star& star, const Fan& fan, const Vec2& target, double angle);
+
+/// Moves a vertex along a straight feature line to where both its edges are as long as wanted.
+Outcome try_slide(Surface& s, Index v, const Options& options);
 
 /// Adds an outcome to the counts of what was refused.
 void count(Counts& counts, Outcome outcome);

@@ -45,7 +45,8 @@ bool leaves_needle(const Surface& s, Index h) {
     if (side == no_index || std::max(s.rest_length(next(side)), s.rest_length(prev(side))) <= length) continue;
     const Vec3 &apex = s.rest[side], &a = s.rest[next(side)], &b = s.rest[prev(side)], middle = 0.5 * (a + b);
     const Vec3 normal = (a - apex).cross(b - apex);
-    if (std::min(smallest_angle(apex, a, middle, normal), smallest_angle(apex, middle, b, normal)) < needle) return true;
+    if (std::min(smallest_angle(apex, a, middle, normal), smallest_angle(apex, middle, b, normal)) < needle)
+      return true;
   }
   return false;
 }
@@ -131,9 +132,18 @@ void smooth(Surface& s, const Options& options, int sweeps) {
   for (int sweep = 0; sweep < sweeps; ++sweep)
     for (Index v = 0; v < s.vertex_slots(); ++v)
       if (!s.gone[v] && s.dirty[v]) {
-        const Outcome outcome = try_smooth(s, v, options);
+        const Outcome outcome = s.on_feature[v] ? try_slide(s, v, options) : try_smooth(s, v, options);
         if (outcome != Outcome::feature) count(s.counts, outcome);
       }
+}
+
+/// Vertices of triangles that are too pointed want improvement as those beside changes do.
+void mark_pointed(Surface& s, const Options& options) {
+  for (Index t = 0; t < s.triangle_slots(); ++t) {
+    const Vec3 &a = s.rest[3 * t], &b = s.rest[3 * t + 1], &c = s.rest[3 * t + 2];
+    if (smallest_angle(a, b, c, (b - a).cross(c - a)) >= options.smallest_angle) continue;
+    for (Index h = 3 * t; h < 3 * t + 3; ++h) s.dirty[s.vertex[h]] = 1;
+  }
 }
 
 void improve(Surface& s, const Options& options) {
@@ -161,6 +171,7 @@ Remeshed remesh(const mesh::SurfaceMesh& mesh, const RestSurface& rest, const st
                 const std::vector<double>& size, const Limits& limits, const Options& options) {
   check(mesh, places, size, limits);
   Surface s(mesh, rest, places, size, limits, options);
+  mark_pointed(s, options);
   for (int round = 0; round < options.rounds; ++round) {
     const Index changes = s.counts.splits + s.counts.collapses;
     split_long(s, options);

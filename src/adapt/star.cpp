@@ -47,6 +47,12 @@ Star star_of(const Surface& s, Index v) {
   return star;
 }
 
+int other_line(const Surface& s, const Star& star, int k) {
+  for (int i = 0; i < star.triangles(); ++i)
+    if (i != k && s.side_class[star.spokes[i]] != 0) return i;
+  return -1;
+}
+
 Fan make_fan(const Surface& s, const Star& star, int from, int count) {
   Fan fan;
   const int n = star.triangles();

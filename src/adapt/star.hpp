@@ -23,6 +23,9 @@ struct Star {
 
 [[nodiscard]] Star star_of(const Surface& s, Index v);
 
+/// The first spoke on a feature line other than k, or -1.
+[[nodiscard]] int other_line(const Surface& s, const Star& star, int k);
+
 struct Fan {
   std::vector<int> triangles;  ///< of the star, in order
   std::vector<int> ring;       ///< of the star: one more than triangles, or as many where it is closed

@@ -56,7 +56,7 @@ class Interpolator {
 
   Vec3 operator()(const Remeshed::Source& at) {
     for (int s = 0; s < 3; ++s)
-      if (at.weights[static_cast<std::size_t>(s)] == 0.0 && features_.side_class[3 * at.triangle + s] != 0)
+      if (at.weights[static_cast<std::size_t>(s)] == 0.0 && has_own_values(3 * at.triangle + s))
         return on_line(3 * at.triangle + s, at.weights[static_cast<std::size_t>((s + 2) % 3)]);
     Index& slot = slot_[at.triangle];
     if (slot == no_index) {
@@ -71,6 +71,10 @@ class Interpolator {
   }
 
  private:
+  /// Boundaries and group lines, which may be held; seams and creases are like any other place.
+  [[nodiscard]] bool has_own_values(Index h) const {
+    return edges_.twin[h] == no_index || !features_.groups_of_side_class[features_.side_class[h]].empty();
+  }
   [[nodiscard]] double length(Index h) const {
     const Index t = h / 3;
     return (mesh_.rest_corner(t, prev(h) % 3) - mesh_.rest_corner(t, next(h) % 3)).norm();
@@ -88,7 +92,8 @@ class Interpolator {
     while (features_.side_class[e] == 0) e = prev(edges_.twin[e]);
     return e;
   }
-  /// A line has its own cubic, from what is on it: what is equal along it, as the distance from a plane of symmetry, stays.
+  /// Such a line has its own cubic, from what is on it: what is equal along it, as the distance from a plane of symmetry,
+  /// stays.
   [[nodiscard]] Vec3 on_line(Index h, double share) const {
     const Vec3 &a = field_[edges_.origin(h)], &b = field_[edges_.dest(h)];
     const double l = length(h);

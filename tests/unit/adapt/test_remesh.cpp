@@ -156,6 +156,23 @@ TEST_CASE("refined and coarsened again: the number of vertices follows") {
   }
 }
 
+TEST_CASE("coarsening makes no edge that would be halved again") {
+  const mesh::SurfaceMesh m(square(Pattern::gmsh, 60));
+  const RestSurface rest(m);
+  Options options;
+  options.rounds = 1;
+  for (const double h : {0.03, 0.04, 0.06}) {
+    const std::vector<double> wanted(static_cast<std::size_t>(m.vertex_count()), h);
+    const Remeshed r = remeshed(m, rest, wanted, {}, options);
+    const mesh::SurfaceMesh after(r.mesh);
+    const adapt::SizeMatch match =
+        adapt::match(after, std::vector<double>(static_cast<std::size_t>(after.vertex_count()), h));
+    CAPTURE(h);
+    CHECK(match.p99 < 1.4);
+    CHECK(r.counts.collapses > 100);
+  }
+}
+
 TEST_CASE("remeshing twice gives the same bits") {
   const mesh::SurfaceMesh m(rich_square(16));
   const auto h = sizes(m, bumps(3, 0.01));
@@ -207,6 +224,17 @@ TEST_CASE("only splits: nothing else happens, and every old vertex stays") {
   CHECK(r.counts.collapses + r.counts.flips + r.counts.smoothed == 0);
   for (Index v = 0; v < m.vertex_count(); ++v) CHECK(r.kept[v] == v);
   check_result(m, r, mesh::SurfaceMesh(r.mesh));
+  // A linear field of sizes is the same on all meshes: no edge is left too long, in one round.
+  options.rounds = 1;
+  const auto wanted = [](const Vec3& x) { return 0.01 + 0.08 * x[0]; };
+  const mesh::SurfaceMesh after(remeshed(m, rest, sizes(m, wanted), {}, options).mesh);
+  double longest = 0.0;
+  for (const mesh::Triangle& t : after.triangles())
+    for (std::size_t i = 0; i < 3; ++i) {
+      const Vec3 &a = after.positions()[t[i]], &b = after.positions()[t[(i + 1) % 3]];
+      longest = std::max(longest, 2.0 * (b - a).norm() / (wanted(a) + wanted(b)));
+    }
+  CHECK(longest <= options.split * (1.0 + 1e-12));
 }
 
 TEST_CASE("vertices of three triangles and patches near a conic are mended") {

@@ -1,0 +1,107 @@
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "operations.hpp"
+
+namespace voile::adapt {
+
+namespace {
+
+/// Distance from the chord, relative to it, below which a line is straight.
+constexpr double straight = 1e-9;
+
+/// The triangles on one side of a line through the vertex, and the line's ends there: u -> vertex -> w.
+struct Bank {
+  Fan fan;
+  int u, w;            ///< of the fan's ring
+  double share = 0.0;  ///< of the vertex on the chord from u to w
+};
+
+Bank make_bank(const Surface& s, const Star& star, int from, int count, bool starts_at_u) {
+  Bank b{make_fan(s, star, from, count), starts_at_u ? 0 : count, starts_at_u ? count : 0};
+  const Vec3 chord = b.fan.rest[b.w] - b.fan.rest[b.u];
+  b.share = (b.fan.centre_rest - b.fan.rest[b.u]).dot(chord) / chord.squaredNorm();
+  return b;
+}
+
+bool is_straight(const Surface& s, const Bank& b) {
+  const Vec3 &u = b.fan.rest[b.u], &w = b.fan.rest[b.w];
+  const double length = (w - u).norm();
+  return (u + b.share * (w - u) - b.fan.centre_rest).norm() < straight * length &&
+         s.first->curve_deviation(u, w) < straight * length;
+}
+
+/// What was at the ends and at the vertex, at a share of the chord; the vertex is at `at`.
+template <typename T>
+T between(const T& u, const T& v, const T& w, double at, double share) {
+  if (share < at) return u + share / at * (v - u);
+  return v + (share - at) / (1.0 - at) * (w - v);
+}
+
+bool shape_allows(const Bank& b, const Vec3& rest, double angle) {
+  double before = std::numeric_limits<double>::infinity(), after = before;
+  for (int i = 0; i + 1 < b.fan.size(); ++i) {
+    before = std::min(before, smallest_angle(b.fan.centre_rest, b.fan.rest[i], b.fan.rest[i + 1], b.fan.normal));
+    after = std::min(after, smallest_angle(rest, b.fan.rest[i], b.fan.rest[i + 1], b.fan.normal));
+  }
+  return after > 0.0 && after >= std::min(angle, before);
+}
+
+void move(Surface& s, const Star& star, const Bank& b, const Vec3& rest, double share) {
+  const Index first = star.spokes[static_cast<std::size_t>(b.fan.triangles.front())],
+              last = star.spokes[static_cast<std::size_t>(b.fan.triangles.back())];
+  Vec2 texture = Vec2::Zero();
+  if (!s.texture.empty()) {
+    const Vec2 &begin = s.texture[prev(first)], &end = s.texture[last];
+    texture = between<Vec2>(b.u == 0 ? begin : end, s.texture[next(first)], b.u == 0 ? end : begin, b.share, share);
+  }
+  for (int i : b.fan.triangles) {
+    const Index c = next(star.spokes[i]);
+    s.touched[c / 3] = 1;
+    s.rest[c] = rest;
+    if (!s.texture.empty()) s.texture[c] = texture;
+  }
+}
+
+}  // namespace
+
+Outcome try_slide(Surface& s, Index v, const Options& options) {
+  if (s.fixed[v] || !s.on_feature[v]) return Outcome::feature;
+  const Star star = star_of(s, v);
+  const int n = star.triangles(), k = star.closed ? other_line(s, star, -1) : 0;
+  const int j = star.closed ? other_line(s, star, k) : n;
+  std::vector<Bank> banks{make_bank(s, star, k, j - k, true)};
+  if (star.closed) banks.push_back(make_bank(s, star, j, n - (j - k), false));
+  for (const Bank& b : banks)
+    if (!is_straight(s, b)) return Outcome::feature;
+  const double at = banks[0].share, u = s.size[star.ring[k]], w = s.size[star.ring[j]];
+  const double share = (u + s.size[v]) / (u + 2.0 * s.size[v] + w);
+  if (std::abs(share - at) < 0.05 * std::min(at, 1.0 - at)) return Outcome::feature;
+  // On the other bank, whose side may be longer, at the same place of the line.
+  const auto share_on = [&](const Bank& b) { return between(0.0, b.share, 1.0, at, share); };
+  const auto rest_on = [&](const Bank& b) -> Vec3 {
+    return b.fan.rest[b.u] + share_on(b) * (b.fan.rest[b.w] - b.fan.rest[b.u]);
+  };
+  for (const Bank& b : banks)
+    if (!shape_allows(b, rest_on(b), std::max(options.smallest_angle, good_angle))) return Outcome::quality;
+  const Vec3 place = between<Vec3>(s.place[star.ring[k]], s.place[v], s.place[star.ring[j]], at, share);
+  if (!s.allowed.empty()) {
+    std::vector<Index> triangles;
+    for (Index e : star.spokes) triangles.push_back(e / 3);
+    const Surface::Budget budget = s.budget(triangles);
+    double moved = 0.0;
+    for (const Bank& b : banks) moved = std::max(moved, displacement(b.fan, b.fan.to_plane(rest_on(b)), place, -1));
+    if (!(budget.moved + moved <= budget.allowed)) return Outcome::clearance;
+    s.charge(triangles, budget, moved);
+  }
+  for (const Bank& b : banks) move(s, star, b, rest_on(b), share_on(b));
+  s.place[v] = place;
+  s.size[v] = s.size_at(rest_on(banks[0]), s.old_hint[star.spokes[k] / 3]);
+  s.old[v] = no_index;
+  ++s.counts.smoothed;
+  return Outcome::done;
+}
+
+}  // namespace voile::adapt
