@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "voile/picture/export.hpp"
+#include "voile/picture/plot.hpp"
 #include "voile/picture/show.hpp"
 
 namespace voile::app {
@@ -55,6 +56,23 @@ class ExportCommand {
   picture::ExportOptions export_;
   std::string steps_, output_, fields_;
   bool quiet_ = false, no_obstacles_ = false;
+};
+
+class PlotCommand {
+ public:
+  explicit PlotCommand(CLI::App& cli);
+  [[nodiscard]] bool chosen() const { return sub_->parsed(); }
+  /// Throws UserError.
+  void run();
+
+ private:
+  void choose_columns(const picture::Table& table, std::vector<std::string>& x, std::vector<std::string>& y) const;
+
+  CLI::App* sub_;
+  picture::Plot plot_;
+  std::vector<std::string> results_, points_;
+  std::string x_, y_, labels_, output_, size_ = "960x640";
+  bool quiet_ = false;
 };
 
 }  // namespace voile::app

@@ -222,7 +222,7 @@ def python_package(report):
         bad.check()
         report.check(False, "check() raises")
     except RuntimeError as error:
-        report.check(bad.code == 2 and "no.msh" in str(error), "check() says what the program said")
+        report.check(bad.code == 2 and "voile: error" in str(error), "check() says what the program said")
 
     class Sheet:
         def __init__(self, points, faces):
