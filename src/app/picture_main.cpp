@@ -1,4 +1,4 @@
-// voile-picture render | export | plot | view: what `voile` does with these commands.
+// voile-picture render | export | plot: what `voile` does with these commands.
 //
 // A program of its own, because Gmsh's library, which the solver needs, depends on X and OpenGL: this one does not.
 #include <fmt/format.h>
