@@ -2,7 +2,7 @@
 _voile() {
   local word="${COMP_WORDS[COMP_CWORD]}" previous="${COMP_WORDS[COMP_CWORD - 1]}" command="" options i
   for ((i = 1; i < COMP_CWORD; ++i)); do
-    case "${COMP_WORDS[i]}" in run | check | info | reference | init | render | plot | export) command="${COMP_WORDS[i]}" ;; esac
+    case "${COMP_WORDS[i]}" in run | check | info | reference | init | render | plot | export | view) command="${COMP_WORDS[i]}" ;; esac
   done
   case "$previous" in
     --output) mapfile -t COMPREPLY < <(compgen -d -- "$word") && return ;;
@@ -18,9 +18,10 @@ _voile() {
     reference) options="--schema --help" ;;
     init) options="--analysis --help" ;;
     render) options="--steps --output --animation --rate --frames --stage --mode --size --quality --threads --field --range --scale --partition --panels --contours --mesh --title --view --eye --target --up --no-stamp --no-ground --no-obstacles --quiet --help" ;;
+    view) options="--steps --stage --field --output --rate --no-obstacles --quiet --help" ;;
     plot) options="--x --y --points --labels --x-label --y-label --title --output --size --quiet --help" ;;
     export) options="--to --steps --stage --output --field --rate --no-obstacles --quiet --help" ;;
-    *) options="run check info reference init render plot export --help --version" ;;
+    *) options="run check info reference init render plot export view --help --version" ;;
   esac
   if [[ "$word" == -* || -z "$command" ]]; then
     mapfile -t COMPREPLY < <(compgen -W "$options" -- "$word")

@@ -1,4 +1,4 @@
-// voile run | check | info | reference | init, and through voile-picture render | export | plot
+// voile run | check | info | reference | init, and through voile-picture render | export | plot | view
 //
 // Start-up order: MPI, the command line, the case file, then PETSc. The case's PETSc options are set before PETSc
 // starts, so that PETSc's own sources (.petscrc, PETSC_OPTIONS, command line) override them and options that only count

@@ -301,4 +301,29 @@ void PlotCommand::run() {
   if (!quiet_) fmt::print("wrote {}\n", file.string());
 }
 
+ViewCommand::ViewCommand(CLI::App& cli)
+    : sub_(cli.add_subcommand("view", "Write one HTML file that shows results in a browser")) {
+  results_.declare(*sub_, false);
+  sub_->add_option("--steps", steps_, "all, last, N, FIRST:LAST or FIRST:LAST:STRIDE [all]");
+  sub_->add_option("--field", fields_,
+                   "Fields to choose from, NAME or NAME:COMPONENT with / between them [displacement]");
+  sub_->add_option("--output", output_, "HTML to write [view.html beside the results]");
+  sub_->add_option("--rate", viewer_.rate, "Frames per second [12]")->check(CLI::Range(0.1, 100.0));
+  sub_->add_flag("--no-obstacles", no_obstacles_, "The sheet only");
+  sub_->add_flag("--quiet", quiet_, "Print errors only");
+}
+
+void ViewCommand::run() {
+  const picture::Recording recording(results_.results, results_.choice);
+  viewer_.output = output_.empty() ? recording.folder() / "view.html" : fs::path(output_);
+  viewer_.fields = words_of(fields_, '/');
+  viewer_.bodies = !no_obstacles_;
+  const std::vector<picture::Moment> moments = recording.select(steps_);
+  const picture::Moment& last = moments.back();
+  if (fields_.empty() && last.step && recording.parts()[last.part].run.has_field(*last.step, "displacement"))
+    viewer_.fields = {"displacement"};
+  write_viewer(recording, moments, viewer_);
+  if (!quiet_) fmt::print("wrote {}\n", viewer_.output.string());
+}
+
 }  // namespace voile::app

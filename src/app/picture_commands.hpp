@@ -9,6 +9,7 @@
 #include "voile/picture/export.hpp"
 #include "voile/picture/plot.hpp"
 #include "voile/picture/show.hpp"
+#include "voile/picture/viewer.hpp"
 
 namespace voile::app {
 
@@ -73,6 +74,21 @@ class PlotCommand {
   std::vector<std::string> results_, points_;
   std::string x_, y_, labels_, output_, size_ = "960x640";
   bool quiet_ = false;
+};
+
+class ViewCommand {
+ public:
+  explicit ViewCommand(CLI::App& cli);
+  [[nodiscard]] bool chosen() const { return sub_->parsed(); }
+  /// Throws UserError.
+  void run();
+
+ private:
+  CLI::App* sub_;
+  ResultsOptions results_;
+  picture::ViewerOptions viewer_;
+  std::string steps_ = "all", output_, fields_;
+  bool quiet_ = false, no_obstacles_ = false;
 };
 
 }  // namespace voile::app

@@ -1,4 +1,4 @@
-// voile-picture render | export | plot: what `voile` does with these commands.
+// voile-picture render | export | plot | view: what `voile` does with these commands.
 //
 // A program of its own, because Gmsh's library, which the solver needs, depends on X and OpenGL: this one does not.
 #include <fmt/format.h>
@@ -20,6 +20,7 @@ int run(int argc, char** argv) {
   app::RenderCommand render(cli);
   app::ExportCommand exporting(cli);
   app::PlotCommand plot(cli);
+  app::ViewCommand view(cli);
   std::vector<std::string> words(argv + 1, argv + argc);
   std::reverse(words.begin(), words.end());
   try {
@@ -34,6 +35,7 @@ int run(int argc, char** argv) {
   if (render.chosen()) render.run();
   if (exporting.chosen()) exporting.run();
   if (plot.chosen()) plot.run();
+  if (view.chosen()) view.run();
   return 0;
 }
 

@@ -185,6 +185,43 @@ def pictures(report):
     report.check(draw("render", OUT / "pictures_killed", "--output", png, *small)[0] == 0, "a run that was killed")
 
 
+NODE = r"""
+const fs = require("fs"), text = fs.readFileSync(process.argv[2], "utf8"), begin = text.indexOf("<script>") + 8;
+const page = { exports: {} };
+new Function("module", text.slice(begin, text.indexOf("</script>")))(page);
+const { RUN, decode, corners } = page.exports, run = decode(RUN);
+console.log(JSON.stringify(run.frames.map(f => ({ caption: f.caption, x: [...f.x], bodies: f.bodies && [...f.bodies], value: [...f.values[0]],
+  corners: [...corners(f.x, run.meshes[f.mesh], f.values[0]).value], triangles: [...run.meshes[f.mesh]] }))));
+"""
+
+
+@test
+def view_page(report):
+    """The page for browsers holds all frames; its own script reads them back (with Node; without it that is skipped)."""
+    case = thrown()
+    case["title"] = "</script>"
+    results = solve("pictures_thrown", case, 2).results
+    file = OUT / "pictures_view.html"
+    code, said = draw("view", results.file.parent, "--field", "contact_pressure/membrane_force:larger", "--output", file)
+    report.check(code == 0, "the page is written" if code == 0 else said)
+    text = file.read_text()
+    report.check(text.count("</script>") == 1 and "http://" not in text and "https://" not in text, "one file without links")
+    report.check(draw("view", results.file.parent, "--field", "contact_presure", "--output", file)[0] == 2, "an unknown field is a mistake")
+    if not shutil.which("node"):
+        print("  skip what needs Node")
+        return
+    done = subprocess.run(["node", "-", file], input=NODE, text=True, capture_output=True)
+    frames = json.loads(done.stdout)
+    size = np.ptp(np.vstack([np.vstack([s.positions, s.obstacles]) for s in results]), axis=0)
+    report.check(len(frames) == len(results), f"{len(frames)} frames")
+    worst = max(np.abs((np.reshape(f["x"], (-1, 3)) - s.positions) / size).max() for f, s in zip(frames, results))
+    report.below(worst, 0.6 / 65535, "positions, of the size of the motion")
+    worst = max(np.abs((np.reshape(f["bodies"], (-1, 3)) - s.obstacles) / size).max() for f, s in zip(frames, results))
+    report.below(worst, 0.6 / 65535, "bodies")
+    report.check(all(np.array_equal(f["value"], s["contact_pressure"].astype(np.float32).ravel()) for f, s in zip(frames, results)), "a field, in single precision")
+    report.check(all(np.array_equal(f["corners"], np.array(f["value"])[f["triangles"]]) for f in frames), "at the corners of the triangles")
+
+
 @test
 def pictures_of_mistakes(report):
     """What cannot be shown ends with code 2 and a message that says why."""
