@@ -142,8 +142,7 @@ Origin begin_from(const input::Case& c, RunOptions& options, std::vector<Stage>&
   if (names.empty()) throw UserError(fmt::format("--from {}: {} has no stages", options.from, c.file.string()));
   const auto at = std::find(names.begin(), names.end(), options.from);
   if (at == names.end())
-    throw UserError(
-        fmt::format("--from: there is no stage '{}':{}", options.from, suggestion(options.from, names)));
+    throw UserError(fmt::format("--from: there is no stage '{}':{}", options.from, suggestion(options.from, names)));
   if (!restarts && at != names.begin()) {
     require_end_of(*(at - 1), options.output, options.from);
     options.restart = options.output / *(at - 1) / "checkpoint.h5";
