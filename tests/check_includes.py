@@ -40,7 +40,7 @@ THIRD_PARTY = [
     (r"webp/.*|gif_lib\.h", r"picture/animation"),
     (r"muParser\.h", r"input/case_expression"),
     (r"mpi\.h", r"base/mpi.*|app/main"),
-    (r"nlohmann/.*", r"app/.*|input/.*|picture/export_gltf"),
+    (r"nlohmann/.*", r"app/.*|input/.*|picture/export_gltf|picture/viewer"),
     (r"CLI/.*", r"app/main|app/picture_.*"),
     (r"Eigen/.*", r".*"),
     (r"fmt/.*", r".*"),

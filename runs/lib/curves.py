@@ -7,40 +7,34 @@ Measure   e_i = distance from P_i to the polyline through the computed points, a
           load and deflections by the largest published deflection. The polyline starts at the origin.
 """
 
-import csv
+import sys
 from pathlib import Path
 
 import numpy as np
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "python"))
 
-class Table:
-    """A CSV file with a header line; lines before it that start with # are comments."""
+from voile.history import History  # noqa: E402
+
+
+class Table(History):
+    """A table whose faults end a script."""
 
     def __init__(self, path):
-        self.path = Path(path)
-        with open(path, newline="") as file:
-            lines = file.read().splitlines()
-        self.comments = [line.lstrip("# ") for line in lines if line.startswith("#")]
-        rows = list(csv.reader(line for line in lines if line.strip() and not line.startswith("#")))
-        if not rows:
-            raise SystemExit(f"{path}: the table is empty")
-        self.names = [name.strip() for name in rows[0]]
-        # A run that was killed may leave half a line at the end.
-        # A value that does not exist is empty.
-        values = [[float(x or "nan") for x in row] for row in rows[1:] if len(row) == len(self.names)]
-        self.values = np.array(values).reshape(len(values), len(self.names))
+        try:
+            super().__init__(path)
+        except ValueError as error:
+            raise SystemExit(str(error)) from None
 
     def smallest(self, name):
         """Of the values that exist; inf if there are none (a gap is empty where nothing is near)."""
         return float(np.fmin.reduce(self[name], initial=np.inf))
 
-    def __contains__(self, name):
-        return name in self.names
-
     def __getitem__(self, name):
-        if name not in self.names:
-            raise SystemExit(f"{self.path}: there is no column '{name}'; there are {', '.join(self.names)}")
-        return self.values[:, self.names.index(name)]
+        try:
+            return super().__getitem__(name)
+        except KeyError as error:
+            raise SystemExit(error.args[0]) from None
 
 
 def distances(published, computed):

@@ -5,9 +5,11 @@
 #include <cmath>
 #include <cstdio>
 #include <numbers>
+#include <set>
 #include <sstream>
 
 #include "voile/base/error.hpp"
+#include "voile/base/text.hpp"
 #include "voile/picture/animation.hpp"
 
 namespace voile::app {
@@ -50,6 +52,12 @@ Vec3 axis_of(const std::string& text) {
   const Vec3 axis = vector_of("--up", text);
   if (axis.norm() == 0.0) throw UserError("--up: the direction has no length");
   return axis.normalized();
+}
+
+void take_size(const std::string& text, int& width, int& height) {
+  char end = '\0';
+  if (std::sscanf(text.c_str(), "%dx%d%c", &width, &height, &end) != 2 || width < 16 || height < 16)
+    throw UserError(fmt::format("--size {}: it is WIDTHxHEIGHT in pixels, at least 16x16, e.g. 1280x960", text));
 }
 
 /// out.png and 12: out_000012.png
@@ -111,10 +119,7 @@ void RenderCommand::declare_camera() {
 }
 
 void RenderCommand::take_numbers() {
-  char end = '\0';
-  if (std::sscanf(size_.c_str(), "%dx%d%c", &show_.width, &show_.height, &end) != 2 || show_.width < 16 ||
-      show_.height < 16)
-    throw UserError(fmt::format("--size {}: it is WIDTHxHEIGHT in pixels, at least 16x16, e.g. 1280x960", size_));
+  take_size(size_, show_.width, show_.height);
   show_.quality = quality_ == "draft" ? picture::Quality::draft() : picture::Quality::final();
   if (!range_.empty()) {
     const std::vector<double> ends = numbers_of("--range", range_, 2);
@@ -205,6 +210,120 @@ void ExportCommand::run() {
   const auto files = export_results(recording, moments, export_);
   for (const fs::path& file : files)
     if (!quiet_) fmt::print("wrote {}\n", file.string());
+}
+
+PlotCommand::PlotCommand(CLI::App& cli) : sub_(cli.add_subcommand("plot", "Draw curves of the history: SVG, PNG")) {
+  sub_->add_option("results", results_, "Output folders of runs, or CSV files")->required();
+  sub_->add_option("--x", x_,
+                   "Column across; several with / between them [time; probes over which the load factor is drawn]");
+  sub_->add_option("--y", y_, "Column upwards; several with / between them [probes; the load factor]");
+  sub_->add_option("--points", points_,
+                   "Points to compare with, FILE.csv:X:Y with the names of its columns; may be repeated")
+      ->allow_extra_args(false);
+  sub_->add_option("--labels", labels_, "Names of the runs, with / between them [their folders]");
+  sub_->add_option("--x-label", plot_.x_label, "Text of the axis across [the column]");
+  sub_->add_option("--y-label", plot_.y_label, "Text of the axis upwards [the column]");
+  sub_->add_option("--title", plot_.title, "Text above");
+  sub_->add_option("--output", output_, "SVG or PNG to write [plot.svg beside the first history]");
+  sub_->add_option("--size", size_, "Pixels [960x640]");
+  sub_->add_flag("--quiet", quiet_, "Print errors only");
+}
+
+/// What is not among the columns that every history has, is of probes.
+void PlotCommand::choose_columns(const picture::Table& table, std::vector<std::string>& x,
+                                 std::vector<std::string>& y) const {
+  static const std::set<std::string> always{"step",
+                                            "load_factor",
+                                            "time",
+                                            "step_size",
+                                            "newton_iterations",
+                                            "factorisations",
+                                            "residual",
+                                            "negative_pivots",
+                                            "critical",
+                                            "critical_load_factor",
+                                            "rejections",
+                                            "kinetic_energy",
+                                            "wall_seconds",
+                                            "largest_strain",
+                                            "largest_turn",
+                                            "contact_pairs",
+                                            "smallest_gap",
+                                            "cut_short",
+                                            "shortest_iteration",
+                                            "intersections"};
+  x = words_of(x_, '/');
+  y = words_of(y_, '/');
+  std::vector<std::string> probes;
+  for (const std::string& name : table.names)
+    if (!always.contains(name)) probes.push_back(name);
+  const bool in_time = table.has("time");
+  if (x.empty() && (in_time || !y.empty())) x = {in_time ? "time" : "load_factor"};
+  if (y.empty() && !in_time) y = {"load_factor"};
+  std::vector<std::string>& rest = x.empty() ? x : y;
+  if (rest.empty()) rest = probes;
+  if (rest.empty())
+    throw UserError(fmt::format("{}: it has no probes; give --x and --y, which are among {}", table.file.string(),
+                                join(table.names, ", ")));
+  if (x.size() > 1 && y.size() > 1) throw UserError("plot: either --x or --y may name several columns, not both");
+}
+
+void PlotCommand::run() {
+  take_size(size_, plot_.width, plot_.height);
+  const std::vector<std::string> labels = words_of(labels_, '/');
+  std::vector<std::string> x, y;
+  std::size_t colour = 0;
+  for (std::size_t i = 0; i < results_.size(); ++i) {
+    const picture::Table table = picture::read_table(results_[i]);
+    if (i == 0) choose_columns(table, x, y);
+    const std::string run = i < labels.size() ? labels[i] : fs::absolute(table.file).parent_path().filename().string();
+    for (std::size_t k = 0; k < std::max(x.size(), y.size()); ++k) {
+      const std::string &of_x = x[x.size() > 1 ? k : 0], &of_y = y[y.size() > 1 ? k : 0];
+      const std::string column = x.size() > 1 ? of_x : of_y;
+      const std::string label = results_.size() == 1                ? column
+                                : std::max(x.size(), y.size()) == 1 ? run
+                                                                    : run + ": " + column;
+      plot_.curves.push_back({label, table.column(of_x), table.column(of_y), false, colour++});
+    }
+  }
+  for (std::size_t i = 0; i < points_.size(); ++i) {
+    const std::vector<std::string> parts = words_of(points_[i], ':');
+    if (parts.size() != 3) throw UserError(fmt::format("--points {}: it is FILE.csv:X:Y", points_[i]));
+    const picture::Table table = picture::read_table(parts[0]);
+    plot_.curves.push_back(
+        {table.file.stem().string() + ": " + parts[1], table.column(parts[1]), table.column(parts[2]), true, i});
+  }
+  if (plot_.x_label.empty() && x.size() == 1) plot_.x_label = x.front() == "time" ? "time [s]" : x.front();
+  if (plot_.y_label.empty() && y.size() == 1) plot_.y_label = y.front();
+  const fs::path file =
+      output_.empty() ? picture::read_table(results_.front()).file.parent_path() / "plot.svg" : fs::path(output_);
+  write_plot(file, plot_);
+  if (!quiet_) fmt::print("wrote {}\n", file.string());
+}
+
+ViewCommand::ViewCommand(CLI::App& cli)
+    : sub_(cli.add_subcommand("view", "Write one HTML file that shows results in a browser")) {
+  results_.declare(*sub_, false);
+  sub_->add_option("--steps", steps_, "all, last, N, FIRST:LAST or FIRST:LAST:STRIDE [all]");
+  sub_->add_option("--field", fields_,
+                   "Fields to choose from, NAME or NAME:COMPONENT with / between them [displacement]");
+  sub_->add_option("--output", output_, "HTML to write [view.html beside the results]");
+  sub_->add_option("--rate", viewer_.rate, "Frames per second [12]")->check(CLI::Range(0.1, 100.0));
+  sub_->add_flag("--no-obstacles", no_obstacles_, "The sheet only");
+  sub_->add_flag("--quiet", quiet_, "Print errors only");
+}
+
+void ViewCommand::run() {
+  const picture::Recording recording(results_.results, results_.choice);
+  viewer_.output = output_.empty() ? recording.folder() / "view.html" : fs::path(output_);
+  viewer_.fields = words_of(fields_, '/');
+  viewer_.bodies = !no_obstacles_;
+  const std::vector<picture::Moment> moments = recording.select(steps_);
+  const picture::Moment& last = moments.back();
+  if (fields_.empty() && last.step && recording.parts()[last.part].run.has_field(*last.step, "displacement"))
+    viewer_.fields = {"displacement"};
+  write_viewer(recording, moments, viewer_);
+  if (!quiet_) fmt::print("wrote {}\n", viewer_.output.string());
 }
 
 }  // namespace voile::app

@@ -7,7 +7,9 @@
 #include <vector>
 
 #include "voile/picture/export.hpp"
+#include "voile/picture/plot.hpp"
 #include "voile/picture/show.hpp"
+#include "voile/picture/viewer.hpp"
 
 namespace voile::app {
 
@@ -54,6 +56,38 @@ class ExportCommand {
   ResultsOptions results_;
   picture::ExportOptions export_;
   std::string steps_, output_, fields_;
+  bool quiet_ = false, no_obstacles_ = false;
+};
+
+class PlotCommand {
+ public:
+  explicit PlotCommand(CLI::App& cli);
+  [[nodiscard]] bool chosen() const { return sub_->parsed(); }
+  /// Throws UserError.
+  void run();
+
+ private:
+  void choose_columns(const picture::Table& table, std::vector<std::string>& x, std::vector<std::string>& y) const;
+
+  CLI::App* sub_;
+  picture::Plot plot_;
+  std::vector<std::string> results_, points_;
+  std::string x_, y_, labels_, output_, size_ = "960x640";
+  bool quiet_ = false;
+};
+
+class ViewCommand {
+ public:
+  explicit ViewCommand(CLI::App& cli);
+  [[nodiscard]] bool chosen() const { return sub_->parsed(); }
+  /// Throws UserError.
+  void run();
+
+ private:
+  CLI::App* sub_;
+  ResultsOptions results_;
+  picture::ViewerOptions viewer_;
+  std::string steps_ = "all", output_, fields_;
   bool quiet_ = false, no_obstacles_ = false;
 };
 

@@ -19,6 +19,8 @@ int run(int argc, char** argv) {
   cli.require_subcommand(1);
   app::RenderCommand render(cli);
   app::ExportCommand exporting(cli);
+  app::PlotCommand plot(cli);
+  app::ViewCommand view(cli);
   std::vector<std::string> words(argv + 1, argv + argc);
   std::reverse(words.begin(), words.end());
   try {
@@ -32,6 +34,8 @@ int run(int argc, char** argv) {
   }
   if (render.chosen()) render.run();
   if (exporting.chosen()) exporting.run();
+  if (plot.chosen()) plot.run();
+  if (view.chosen()) view.run();
   return 0;
 }
 

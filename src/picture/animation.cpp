@@ -81,6 +81,7 @@ class GifWriter : public AnimationWriter {
  public:
   GifWriter(fs::path file, double rate) : file_(std::move(file)), rate_(rate) {
     int error = 0;
+    std::ofstream(file_).flush();  // the library would make a file that nobody else can read
     gif_ = EGifOpenFileName(file_.c_str(), false, &error);
     if (!gif_) fail(file_, GifErrorString(error));
   }

@@ -74,27 +74,33 @@ Rgb from_oklab(const OkLab& value) {
   return to_rgb * Eigen::Vector3f(c.array().cube());
 }
 
-ColourMap::ColourMap(const std::vector<OkLab>& path) {
+ColourMap::ColourMap(const std::vector<OkLab>& path, std::size_t pieces) {
   const std::vector<OkLab> curve = smooth(path);
-  std::vector<float> length{0.0F};
-  for (std::size_t i = 1; i < curve.size(); ++i) length.push_back(length.back() + (curve[i] - curve[i - 1]).norm());
-  std::size_t piece = 1;
-  for (std::size_t i = 0; i < entries; ++i) {
-    const float along = length.back() * static_cast<float>(i) / static_cast<float>(entries - 1);
-    while (piece + 1 < curve.size() && length[piece] < along) ++piece;
-    const float t = (along - length[piece - 1]) / (length[piece] - length[piece - 1]);
-    table_[i] = from_oklab(curve[piece - 1] + t * (curve[piece] - curve[piece - 1])).cwiseMax(0.0F).cwiseMin(1.0F);
+  const std::size_t samples = (curve.size() - 1) / pieces, steps = (entries - 1) / pieces;
+  for (std::size_t piece = 0; piece < pieces; ++piece) {
+    const OkLab* c = curve.data() + piece * samples;
+    std::vector<float> length{0.0F};
+    for (std::size_t i = 1; i <= samples; ++i) length.push_back(length.back() + (c[i] - c[i - 1]).norm());
+    std::size_t at = 1;
+    for (std::size_t i = 0; i <= steps; ++i) {
+      const float along = length.back() * static_cast<float>(i) / static_cast<float>(steps);
+      while (at < samples && length[at] < along) ++at;
+      const float t = (along - length[at - 1]) / (length[at] - length[at - 1]);
+      table_[piece * steps + i] = from_oklab(c[at - 1] + t * (c[at] - c[at - 1])).cwiseMax(0.0F).cwiseMin(1.0F);
+    }
   }
 }
 
 ColourMap ColourMap::sequential() {
   return ColourMap({lab(0.28F, 0.10F, 305), lab(0.39F, 0.12F, 278), lab(0.50F, 0.10F, 238), lab(0.60F, 0.105F, 190),
-                    lab(0.70F, 0.135F, 158), lab(0.80F, 0.165F, 125), lab(0.91F, 0.17F, 105)});
+                    lab(0.70F, 0.135F, 158), lab(0.80F, 0.165F, 125), lab(0.91F, 0.17F, 105)},
+                   1);
 }
 
 ColourMap ColourMap::diverging() {
   return ColourMap({lab(0.38F, 0.11F, 262), lab(0.53F, 0.12F, 255), lab(0.72F, 0.085F, 245), lab(0.94F, 0.012F, 180),
-                    lab(0.72F, 0.10F, 55), lab(0.53F, 0.145F, 35), lab(0.38F, 0.12F, 25)});
+                    lab(0.72F, 0.10F, 55), lab(0.53F, 0.145F, 35), lab(0.38F, 0.12F, 25)},
+                   2);
 }
 
 Rgb ColourMap::operator()(float t) const {

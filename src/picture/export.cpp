@@ -46,7 +46,7 @@ Files export_results(const Recording& recording, const std::vector<Moment>& mome
   for (const auto& [name, writer] : writers())
     if (name == options.format) return writer(Exporter(recording, moments, options));
   throw UserError(
-      fmt::format("--to {}: there is no such format:{}", options.format, suggestion(options.format, export_formats())));
+      fmt::format("--to {}: there is no such format: it is one of {}", options.format, join(export_formats(), ", ")));
 }
 
 Exporter::Exporter(const Recording& recording, const std::vector<Moment>& moments, const ExportOptions& options)

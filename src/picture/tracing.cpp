@@ -14,8 +14,9 @@ namespace voile::picture {
 namespace {
 
 // How the room is lit. The sums are near 1, so that a colour that faces the lamp appears as it is.
-const Rgb lamp_light(0.60F, 0.58F, 0.55F), sky_light(0.36F, 0.375F, 0.40F), floor_light(0.30F, 0.295F, 0.29F);
-constexpr float eye_light = 0.14F;                        // from the viewer, without shadows
+const Rgb lamp_light(0.76F, 0.74F, 0.70F), sky_light(0.30F, 0.315F, 0.34F), floor_light(0.25F, 0.245F, 0.24F);
+constexpr float eye_light = 0.09F;                        // from the viewer, without shadows
+constexpr float field_evenness = 0.45F;                   // how much less a field is shaded
 constexpr float lamp_radius = 0.09F;                      // of its disc, at unit distance
 constexpr float returned = 0.22F;                         // light of the sky that comes back from what is in its way
 constexpr float sky_reach = 0.35F;                        // what is farther away does not darken [sizes of the scene]
@@ -81,7 +82,7 @@ Tracer::Tracer(const Scene& scene, const Camera& camera, int height, int threads
   pixel_ = static_cast<float>(2.0 * camera.tan_y) / static_cast<float>(height);
   // Over the viewer's left shoulder, but always from above.
   const Vec3f right = camera.right.cast<float>(), back = camera.back.cast<float>();
-  lamp_ = (up_ * 1.0F - right * 0.55F + (back - back.dot(up_) * up_) * 0.55F).normalized();
+  lamp_ = (up_ - right * 0.95F + (back - back.dot(up_) * up_) * 0.6F).normalized();
 }
 
 Tracer::~Tracer() {
@@ -234,6 +235,9 @@ Sample Tracer::look(float column, float row, int sky_rays, Noise& noise) const {
     sample.light = Rgb(0.3F * Rgb::Ones() + 0.7F * sample.light.cwiseQuotient(open)).cwiseMin(1.0F);
   } else {
     sample.light += eye_light * std::max(0.0F, -sample.normal.dot(direction)) * Rgb::Ones();
+    // Colours that mean numbers are to be told from the bar also where the lamp does not shine.
+    if (!scene_.surfaces[static_cast<std::size_t>(sample.surface)].values.empty())
+      sample.light = mix(sample.light, Rgb::Ones(), field_evenness);
   }
   return sample;
 }

@@ -27,8 +27,9 @@ class ColourMap {
   [[nodiscard]] Rgb operator()(float t) const;
 
  private:
-  explicit ColourMap(const std::vector<OkLab>& path);
-  static constexpr std::size_t entries = 256;
+  /// `pieces`: parts of the path, of equally many points, that get as many numbers each.
+  ColourMap(const std::vector<OkLab>& path, std::size_t pieces);
+  static constexpr std::size_t entries = 257;
   std::array<Rgb, entries> table_;
 };
 

@@ -1,0 +1,281 @@
+"""Regression tests of pictures and exchange: what is written is read back by readers that are not ours, and bad input is told."""
+
+import json
+import os
+import shutil
+import struct
+import subprocess
+import sys
+
+import numpy as np
+from harness import OUT, solve, test
+from robustness import fresh, lines, started, strip, wait_for
+from solver import ROOT, binary, environment, invoke, write_case
+from voile import Case, Results
+from voile import run as run_python
+
+Y_UP = np.array([[1, 0, 0], [0, 0, -1], [0, 1, 0]])  # x, z, -y of rows
+
+
+def thrown():
+    """A strip that falls over a ball which moves, in time."""
+    return {
+        "analysis": "dynamic",
+        "mesh": {"file": str(ROOT / "meshes" / "cantilever.geo"), "parameters": {"length": 0.3, "width": 0.1, "nx": 12, "ny": 4}},
+        "material": [{"type": "isotropic", "young": 1e6, "poisson": 0.3, "thickness": 5e-4, "density": 300.0}],
+        "support": [{"group": "clamp", "type": "hinged"}],
+        "load": [{"type": "gravity", "vector": [0, 0, -9.81]}],
+        "contact": {"distance": 2e-3},
+        "obstacle": [{"name": "ball", "type": "sphere", "point": [0.2, 0.05, -0.06], "radius": 0.05, "motion": ["0", "0", "0.1*t"]},
+                     {"name": "floor", "type": "plane", "point": [0, 0, -0.3], "normal": [0, 0, 1]}],
+        "time": {"end": 0.1, "step": 0.01},
+        "output": {"fields": ["displacement", "velocity", "membrane_force", "contact_pressure"]},
+    }
+
+
+def draw(*words, timeout=300):
+    """(exit code, text) of voile with no display to draw on."""
+    env = environment()
+    env.pop("DISPLAY", None)
+    done = subprocess.run([str(binary()), *map(str, words)], env=env, text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=timeout)
+    return done.returncode, done.stdout
+
+
+def glb(path):
+    """JSON and a function that reads accessors of a GLB, by the rules of glTF 2.0 and nothing else."""
+    data = path.read_bytes()
+    magic, version, size = struct.unpack("<4sII", data[:12])
+    length, kind = struct.unpack("<I4s", data[12:20])
+    text = json.loads(data[20:20 + length])
+    begin = 20 + length
+    binary_length, binary_kind = struct.unpack("<I4s", data[begin:begin + 8])
+    assert (magic, version, size, kind, binary_kind) == (b"glTF", 2, len(data), b"JSON", b"BIN\0") and begin % 4 == 0
+    content = data[begin + 8:begin + 8 + binary_length]
+
+    def accessor(number):
+        a = text["accessors"][number]
+        view = text["bufferViews"][a["bufferView"]]
+        columns = {"VEC3": 3, "SCALAR": 1}[a["type"]]
+        values = np.frombuffer(content, {5126: "<f4", 5125: "<u4"}[a["componentType"]], a["count"] * columns, view["byteOffset"])
+        values = values.reshape(-1, columns)
+        if "min" in a:
+            assert np.array_equal(values.min(axis=0), np.array(a["min"], np.float32)) and np.array_equal(values.max(axis=0), np.array(a["max"], np.float32))
+        return values
+
+    return text, accessor
+
+
+def glb_positions(text, accessor, node, time):
+    """Where the vertices of a node are at a time: weights run linearly; None where its scale is 0."""
+    mesh = text["meshes"][text["nodes"][node]["mesh"]]["primitives"][0]
+    position = accessor(mesh["attributes"]["POSITION"]).astype(float)
+    for channel in text["animations"][0]["channels"]:
+        if channel["target"]["node"] != node:
+            continue
+        sampler = text["animations"][0]["samplers"][channel["sampler"]]
+        times, values = accessor(sampler["input"]).ravel(), accessor(sampler["output"])
+        if channel["target"]["path"] == "scale":
+            if values[max(0, np.searchsorted(times, time + 1e-7, side="right") - 1)][0] == 0:
+                return None
+        else:
+            weights = values.reshape(len(times), -1)
+            for k, target in enumerate(mesh["targets"]):
+                position = position + np.interp(time, times, weights[:, k]) * accessor(target["POSITION"])
+    return position
+
+
+@test
+def exports(report):
+    """Every format holds the vertices, to single precision, the frames and the times of the run."""
+    results = solve("pictures_thrown", thrown(), 2).results
+    out = fresh("pictures_exports")
+    out.mkdir(parents=True)
+    steps, last = list(results), results[-1]
+    count = len(last.mesh.positions)
+    for name in ("obj", "stl", "ply", "pc2", "mdd", "glb", "usda", "msh", "csv"):
+        code, said = draw("export", results.file.parent, "--to", name, "--output", out / f"run.{name}")
+        report.check(code == 0, f"{name} is written" if code == 0 else said)
+
+    data = (out / "run.pc2").read_bytes()
+    head = struct.unpack("<12siiffi", data[:32])
+    frames = np.frombuffer(data, "<f4", offset=32).reshape(head[5], head[2], 3)
+    report.check(head == (b"POINTCACHE2\0", 1, count, 0.0, 1.0, len(steps)), "PC2: its head")
+    report.below(max(abs(x - s.positions).max() for x, s in zip(frames, steps)), 1e-7, "PC2: positions [m]")
+    report.check((out / "run_bodies.pc2").is_file(), "PC2: a body that moves has a cache of its own")
+    data = (out / "run.mdd").read_bytes()
+    n, points = struct.unpack(">ii", data[:8])
+    times = np.frombuffer(data, ">f4", n, 8)
+    frames = np.frombuffer(data, ">f4", offset=8 + 4 * n).reshape(n, points, 3)
+    report.below(max(abs(x - s.positions).max() for x, s in zip(frames, steps)), 1e-7, "MDD: positions [m]")
+    report.below(abs(times - results.times).max(), 1e-7, "MDD: times [s]")
+
+    text, accessor = glb(out / "run.glb")
+    report.below(max(abs(glb_positions(text, accessor, 0, s.time) - s.positions @ Y_UP).max() for s in steps), 2e-7, "GLB: positions, y upwards [m]")
+    half = 0.5 * (steps[3].time + steps[4].time)
+    middle = 0.5 * (steps[3].positions + steps[4].positions) @ Y_UP
+    report.below(abs(glb_positions(text, accessor, 0, half) - middle).max(), 2e-7, "GLB: between two steps it moves straight on [m]")
+    ball = [s.obstacles for s in steps]
+    report.below(max(abs(glb_positions(text, accessor, 1, s.time) - x @ Y_UP).max() for s, x in zip(steps, ball)), 2e-7, "GLB: the body [m]")
+
+    obj = (out / "run.obj").read_text().splitlines()
+    vertices = np.array([line.split()[1:] for line in obj if line.startswith("v ")], float)
+    faces = np.array([[w.split("/")[0] for w in line.split()[1:]] for line in obj if line.startswith("f ")], int) - 1
+    report.below(abs(vertices[:count] - last.positions).max(), 1e-6, "OBJ: positions [m]")
+    report.check(np.array_equal(faces[:len(last.mesh.triangles)], last.mesh.triangles), "OBJ: triangles")
+    stl = np.frombuffer((out / "run.stl").read_bytes()[84:], np.dtype([("x", "<f4", (4, 3)), ("more", "<u2")]))
+    corners = stl["x"][:len(last.mesh.triangles), 1:]
+    report.below(abs(corners - last.positions[last.mesh.triangles]).max(), 1e-7, "STL: positions [m]")
+    table = np.genfromtxt(out / "run_vertices.csv", delimiter=",", names=True)
+    report.below(abs(np.column_stack([table[k] for k in "xyz"]) - last.positions).max(), 0, "CSV: positions, all digits")
+    report.below(abs(table["contact_pressure"] - last["contact_pressure"].ravel()).max(), 0, "CSV: a field, all digits")
+    # Gmsh's library reads its own format, and others.
+    for name in ("msh", "stl", "ply", "obj"):
+        code, said = invoke(["info", out / f"run.{name}"])
+        expected = len(last.mesh.triangles) + (0 if name == "msh" else len(faces) - len(last.mesh.triangles))
+        report.check(code == 0 and f" {expected} triangles" in said or name == "obj" and code == 0, f"{name} is a mesh for voile info")
+
+
+@test
+def exports_in_pieces(report):
+    """GLB keeps to 200 frames a node; a run whose mesh changes is refused by formats that cannot have that (see the unit tests)."""
+    case = thrown()
+    case["time"] = {"end": 0.0625, "step": 0.00025, "max_step": 0.00025}
+    case.pop("obstacle")
+    case.pop("contact")
+    case["output"] = {"fields": ["displacement"]}
+    results = solve("pictures_long", case, 1).results
+    file = OUT / "pictures_long.glb"
+    report.check(draw("export", results.file.parent, "--output", file)[0] == 0, "the ending of --output says the format")
+    text, accessor = glb(file)
+    report.check(len(results) > 201 and len(text["nodes"]) == 2, f"{len(results)} frames are {len(text['nodes'])} nodes")
+    report.check(max(len(m["primitives"][0]["targets"]) for m in text["meshes"]) <= 200, "of 200 targets at most")
+    worst, shown = 0.0, []
+    for s in [results[i] for i in (0, 100, 199, 200, 220, -1)]:
+        found = [x for x in (glb_positions(text, accessor, node, s.time) for node in range(2)) if x is not None]
+        shown.append(len(found))
+        worst = max(worst, abs(found[0] - s.positions @ Y_UP).max())
+    report.check(shown == [1] * 6, "one of which is seen at any time")
+    report.below(worst, 1e-6, "positions [m]")
+
+
+@test
+def pictures(report):
+    """Pictures are drawn without a display and without X or OpenGL, of runs that are done, go on or were killed."""
+    links = subprocess.run(["ldd", binary().parent / "voile-picture"], text=True, capture_output=True).stdout
+    report.check(not any(name in links for name in ("libX11", "libGL", "libEGL", "libxcb", "fltk")), "voile-picture needs neither X nor OpenGL")
+    done = solve("pictures_strip", strip("dynamic", time__end=0.1), 1)
+    png = OUT / "pictures_strip.png"
+    small = ("--size", "160x120", "--quality", "draft")
+    for words in ((), ("--field", "displacement:z", "--mesh"), ("--steps", "2", "--partition"), ("--view", "top/front/30,20", "--panels", "--title", "Größe"),
+                  ("--eye", "3,3,3", "--target", "0,0,0", "--contours"), ("--scale", "2", "--no-ground", "--range", "-1,1", "--field", "displacement:x")):
+        png.unlink(missing_ok=True)
+        code, said = draw("render", done.folder, "--output", png, *small, *words)
+        report.check(code == 0 and png.read_bytes()[:8] == b"\x89PNG\r\n\x1a\n", f"render {' '.join(words)}" if code == 0 else said)
+    code, said = draw("render", done.folder, "--steps", "1:3", "--output", png, *small)
+    report.check(code == 0 and (OUT / "pictures_strip_000002.png").is_file(), "several steps get numbers")
+    for ending in ("webp", "gif"):
+        file = OUT / f"pictures_strip.{ending}"
+        code, said = draw("render", done.folder, "--animation", file, *small)
+        report.check(code == 0 and file.stat().st_size > 1000, f"an animation as {ending}")
+    killed = started(write_case(strip("dynamic", time__end=100.0), OUT / "pictures_killed.toml"), fresh("pictures_killed"))
+    wait_for(lambda: lines(OUT / "pictures_killed" / "history.csv") > 4, killed)
+    report.check(draw("render", OUT / "pictures_killed", "--output", png, *small)[0] == 0, "a run that goes on")
+    killed.kill()
+    killed.wait()
+    report.check(draw("render", OUT / "pictures_killed", "--output", png, *small)[0] == 0, "a run that was killed")
+
+
+NODE = r"""
+const fs = require("fs"), text = fs.readFileSync(process.argv[2], "utf8"), begin = text.indexOf("<script>") + 8;
+const page = { exports: {} };
+new Function("module", text.slice(begin, text.indexOf("</script>")))(page);
+const { RUN, decode, corners } = page.exports, run = decode(RUN);
+console.log(JSON.stringify(run.frames.map(f => ({ caption: f.caption, x: [...f.x], bodies: f.bodies && [...f.bodies], value: [...f.values[0]],
+  corners: [...corners(f.x, run.meshes[f.mesh], f.values[0]).value], triangles: [...run.meshes[f.mesh]] }))));
+"""
+
+
+@test
+def view_page(report):
+    """The page for browsers holds all frames; its own script reads them back (with Node; without it that is skipped)."""
+    case = thrown()
+    case["title"] = "</script>"
+    results = solve("pictures_thrown", case, 2).results
+    file = OUT / "pictures_view.html"
+    code, said = draw("view", results.file.parent, "--field", "contact_pressure/membrane_force:larger", "--output", file)
+    report.check(code == 0, "the page is written" if code == 0 else said)
+    text = file.read_text()
+    report.check(text.count("</script>") == 1 and "http://" not in text and "https://" not in text, "one file without links")
+    report.check(draw("view", results.file.parent, "--field", "contact_presure", "--output", file)[0] == 2, "an unknown field is a mistake")
+    if not shutil.which("node"):
+        print("  skip what needs Node")
+        return
+    done = subprocess.run(["node", "-", file], input=NODE, text=True, capture_output=True)
+    frames = json.loads(done.stdout)
+    size = np.ptp(np.vstack([np.vstack([s.positions, s.obstacles]) for s in results]), axis=0)
+    report.check(len(frames) == len(results), f"{len(frames)} frames")
+    worst = max(np.abs((np.reshape(f["x"], (-1, 3)) - s.positions) / size).max() for f, s in zip(frames, results))
+    report.below(worst, 0.6 / 65535, "positions, of the size of the motion")
+    worst = max(np.abs((np.reshape(f["bodies"], (-1, 3)) - s.obstacles) / size).max() for f, s in zip(frames, results))
+    report.below(worst, 0.6 / 65535, "bodies")
+    report.check(all(np.array_equal(f["value"], s["contact_pressure"].astype(np.float32).ravel()) for f, s in zip(frames, results)), "a field, in single precision")
+    report.check(all(np.array_equal(f["corners"], np.array(f["value"])[f["triangles"]]) for f in frames), "at the corners of the triangles")
+
+
+@test
+def pictures_of_mistakes(report):
+    """What cannot be shown ends with code 2 and a message that says why."""
+    done = solve("pictures_strip", strip("dynamic", time__end=0.1), 1)
+    png, empty, half = OUT / "x.png", fresh("pictures_empty"), fresh("pictures_half")
+    empty.mkdir()
+    half.mkdir()
+    whole = done.results.file.read_bytes()
+    (half / "results.vtkhdf").write_bytes(whole[:len(whole) // 2])
+    for words, part in ((("render", empty), "there are no results"), (("render", OUT / "nowhere"), "no such folder"), (("render", half), "results.vtkhdf"),
+                        (("render", done.folder, "--steps", "77"), "there is no step 77"), (("render", done.folder, "--field", "displacment"), "did you mean 'displacement'"),
+                        (("render", done.folder, "--field", "displacement:w"), "magnitude, x, y, z"), (("render", done.folder, "--size", "1e9x3"), "--size"),
+                        (("render", done.folder, "--size", "32000x90000"), "pixels"), (("render", done.folder, "--view", "frnt"), "three-quarter"),
+                        (("render", done.folder, "--mode", "1"), "no modes"), (("render", done.folder, "--stage", "a"), "not a run in stages"),
+                        (("render", done.folder, "--output", "/nonexistent/x.png"), "cannot be written"), (("render", done.folder, "--animation", OUT / "x.avi"), ".webp"),
+                        (("render", done.folder, "--range", "2,1", "--field", "displacement"), "smaller"), (("export", done.folder, "--to", "fbx"), "obj, stl"),
+                        (("export", done.folder), "--to"), (("export", done.folder, "--to", "ply", "--field", "velocty"), "did you mean"), (("render",), "results")):
+        code, said = draw(*words, *(("--output", png) if words[0] == "render" and "--output" not in words else ()))
+        report.check(code == 2 and part in said, f"voile {' '.join(str(w) for w in words)}: code {code}: {said.strip()[-120:]}")
+
+
+@test
+def python_package(report):
+    """Cases go to TOML and back; a case from a dictionary runs; results and history are arrays; pyvista gets the surface."""
+    case = Case.read(ROOT / "runs" / "stages" / "case.toml")
+    report.check(Case.from_toml(case.to_toml()) == case, "a case goes to TOML and back")
+    changed = case.changed({"mesh.parameters.n": 4, "stage.0.name": "first", "title": None})
+    report.check(case["mesh"]["parameters"]["n"] == 24 and changed["mesh"]["parameters"]["n"] == 4 and "title" not in changed, "changes are those of a copy")
+    done = run_python(strip("dynamic", time__end=0.1), OUT / "python_strip", ranks=2).check()
+    last = done.results[-1]
+    report.check(last.positions.shape == last.mesh.positions.shape and last.unit("displacement") == "m", "fields and their units")
+    report.check(len(done.history["time"]) == len(done.history) and done.results.history.names == done.history.names, "the history as arrays")
+    bad = run_python({"mesh": {"file": "no.msh"}}, OUT / "python_bad")
+    try:
+        bad.check()
+        report.check(False, "check() raises")
+    except RuntimeError as error:
+        report.check(bad.code == 2 and "voile: error" in str(error), "check() says what the program said")
+
+    class Sheet:
+        def __init__(self, points, faces):
+            self.points, self.faces, self.point_data, self.cell_data = points, faces, {}, {}
+
+    sys.modules["pyvista"] = type(sys)("pyvista")
+    sys.modules["pyvista"].PolyData = Sheet
+    sheet = last.to_pyvista()
+    del sys.modules["pyvista"]
+    report.check(np.array_equal(sheet.faces.reshape(-1, 4)[:, 1:], last.mesh.triangles) and "displacement" in sheet.point_data and "membrane_force" in sheet.cell_data,
+                 "pyvista gets points, triangles and fields")
+    prefix = fresh("python_installed")
+    code = subprocess.run(["cmake", "--install", binary().parent, "--prefix", prefix], capture_output=True).returncode
+    package = next(prefix.rglob("voile/results.py"), None)
+    report.check(code == 0 and package is not None and shutil.which("voile-picture", path=prefix / "bin"), "cmake --install puts package and programs in place")
+    if package:
+        done = subprocess.run([sys.executable, "-c", f"import voile; print(len(voile.Results({str(OUT / 'python_strip')!r})))"], cwd=prefix, text=True,
+                              env={"PYTHONPATH": str(package.parents[1]), "PATH": os.environ["PATH"]}, capture_output=True)
+        report.check(done.stdout.strip() == str(len(Results(OUT / "python_strip"))), "where Python finds it" if done.returncode == 0 else done.stderr)
