@@ -59,7 +59,7 @@ LaminateStiffness laminate(const Mat3& ply_stiffness, const std::vector<Ply>& pl
 bool is_positive_definite(const Mat3& m) {
   if (!m.allFinite()) return false;
   const Eigen::SelfAdjointEigenSolver<Mat3> spectrum(0.5 * (m + m.transpose()), Eigen::EigenvaluesOnly);
-  const Vec3 values = spectrum.eigenvalues();  // ascending
+  const Vec3& values = spectrum.eigenvalues();  // ascending
   // A singular matrix comes out with a smallest eigenvalue of either sign at round-off.
   return values[0] > 1e-14 * values[2];
 }

@@ -208,7 +208,7 @@ double MembraneTerm::energy(Index e, const Configuration& c) const {
 Vec3 MembraneTerm::strain(Index e, const Configuration& c) const {
   const Element& el = elements_[e];
   const Base own = own_base(el.own, c.x, el.points.data());
-  const Vec3 constant = half_metric(own.a1, own.a2) - el.own_metric;
+  Vec3 constant = half_metric(own.a1, own.a2) - el.own_metric;
   if (kind_ == MembraneOperator::cst) return constant;
   Vec3 mean = Vec3::Zero();
   for (int s = 0; s < 3; ++s) {

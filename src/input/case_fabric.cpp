@@ -58,7 +58,7 @@ int line_of(const toml::source_region& source) {
 }
 
 std::string text_of(const SectionPlace& place, const std::string& key, const toml::node& node) {
-  const std::string text = node.value<std::string>().value_or("");
+  std::string text = node.value<std::string>().value_or("");
   if (!node.is_string() || text.find_first_not_of(' ') == std::string::npos)
     place.fail(key, "a text in quotes is needed");
   return text;

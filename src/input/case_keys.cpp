@@ -11,7 +11,7 @@ namespace voile::input {
 namespace {
 
 /// Binds a string that may only take one of `names`.
-Choice word(std::string& value, std::vector<std::string> names) {
+Choice word(std::string& value, const std::vector<std::string>& names) {
   return {names,
           [&value, names] { return static_cast<int>(std::find(names.begin(), names.end(), value) - names.begin()); },
           [&value, names](int i) { value = names[static_cast<std::size_t>(i)]; }};

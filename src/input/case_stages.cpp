@@ -134,8 +134,10 @@ StageSection CaseReader::select_stage(std::size_t n) {
   root.insert_or_assign("analysis", s.analysis);
   for (const std::string& section : staged_items()) {
     std::vector<std::size_t> kept = select_items(file, section, root, s.name, names);
-    if (section == "support") s.supports = std::move(kept);
-    if (section == "load") s.loads = std::move(kept);
+    if (section == "support")
+      s.supports = std::move(kept);
+    else if (section == "load")
+      s.loads = std::move(kept);
   }
   if (s.analysis != "dynamic") root.erase("initial_velocity");
   if (!has_contact(s.analysis))

@@ -66,7 +66,7 @@ Vec3 PatchMesh::rest_apex(Index t, int s) const {
   if (n == no_index) return mirror(apex(t, s)).rest;
   const int sn = mesh_->side_in_neighbour(t, s);
   const Join join = mesh_->chart_join(t, s);
-  const Vec3 x = mesh_->rest_corner(n, sn);
+  Vec3 x = mesh_->rest_corner(n, sn);
   if (join.same_chart) return x;
   return mesh_->rest_corner(t, (s + 1) % 3) + join.stretch * join.turn * (x - mesh_->rest_corner(n, (sn + 2) % 3));
 }
