@@ -102,22 +102,14 @@ void Recorder::resolve_probes() {
 }
 
 std::vector<std::string> Recorder::columns() const {
-  std::vector<std::string> names =
-      case_.analysis == "dynamic"
-          ? std::vector<std::string>{"step",
-                                     "time",
-                                     "step_size",
-                                     "load_factor",
-                                     "newton_iterations",
-                                     "factorisations",
-                                     "residual",
-                                     "negative_pivots",
-                                     "rejections",
-                                     "kinetic_energy",
-                                     "wall_seconds"}
-          : std::vector<std::string>{"step",        "load_factor",     "newton_iterations", "factorisations",
-                                     "residual",    "negative_pivots", "critical",          "critical_load_factor",
-                                     "wall_seconds"};
+  using Names = std::vector<std::string>;
+  static const Names of_motion{"step",           "time",     "step_size",       "load_factor", "newton_iterations",
+                               "factorisations", "residual", "negative_pivots", "rejections",  "kinetic_energy",
+                               "wall_seconds"};
+  static const Names of_path{"step",        "load_factor",     "newton_iterations", "factorisations",
+                             "residual",    "negative_pivots", "critical",          "critical_load_factor",
+                             "wall_seconds"};
+  Names names = case_.analysis == "dynamic" ? of_motion : of_path;
   names.insert(names.end(), {"largest_strain", "largest_turn"});
   if (case_.remesh.active) names.insert(names.end(), {"vertices", "remeshings"});
   if (case_.contact.input.active)

@@ -49,7 +49,7 @@ std::vector<Key> keys_of(RemeshSection& s) {
       {.name = "every",
        .slot = &s.every,
        .meaning =
-           "Accepted steps between two looks at the sizes. 0: 10 in `dynamic`, 1 along a path; `drape` looks when "
+           "Accepted steps between two looks at the sizes. 0: 5 in `dynamic`, 1 along a path; `drape` looks when "
            "it has come to rest.",
        .range = {0}},
       {.name = "relaxation_steps",

@@ -105,7 +105,7 @@ struct EigenSection {
 /// Meshes that follow the folds.
 struct RemeshSection {
   bool active = false;
-  int every = 0;                    ///< accepted steps between two looks; 0: 10 in a motion, 1 along a path
+  int every = 0;                    ///< accepted steps between two looks; 0: 5 in a motion, 1 along a path
   double angle = 0.25;              ///< wanted between neighbouring triangles, per edge [rad]
   double smallest = 0.0;            ///< edge [m]; 0: 1/200 of the extent, or four contact thicknesses if that is more
   double largest = 0.0;             ///< edge [m]; 0: 1/12 of the extent
@@ -115,8 +115,8 @@ struct RemeshSection {
   std::string size;                 ///< expression of x, y, z [m]: an upper bound; empty: none
   std::vector<std::string> frozen;  ///< surface groups that are left alone
   int relaxation_steps = 2;
-  double energy_change = 0.05;  ///< largest, relative; a remeshing beyond is refused
-  int max_vertices = 0;         ///< 0: no bound
+  double energy_change = 0.1;  ///< largest, relative; a remeshing beyond is refused
+  int max_vertices = 0;        ///< 0: no bound
 };
 
 struct OutputSection {
