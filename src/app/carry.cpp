@@ -22,6 +22,8 @@ io::Checkpoint gather(const system::State& s, const system::Dofs& dofs) {
   c.remeshings = s.remeshings.count;
   c.too_long = s.remeshings.too_long;
   c.too_short = s.remeshings.too_short;
+  c.remeshing_wait = s.remeshings.wait;
+  c.remeshing_step = s.remeshings.next_step;
   return c;
 }
 
@@ -33,7 +35,7 @@ system::State scatter(const io::Checkpoint& c, const system::Dofs& dofs) {
   s.load_factor = c.load_factor;
   s.in_equilibrium = c.in_equilibrium;
   s.contact = {c.contact_gaps, c.contact_start, c.yielding};
-  s.remeshings = {c.remeshings, c.too_long, c.too_short};
+  s.remeshings = {c.remeshings, c.too_long, c.too_short, c.remeshing_wait, c.remeshing_step};
   s.u = dofs.create_vector();
   const auto take = [&](const std::vector<double>& values, petsc::VecHandle& to) {
     if (mpi::max(dofs.comm(), values.empty() ? 0.0 : 1.0) == 0.0) return;

@@ -123,10 +123,14 @@ std::vector<double> Remesher::wanted_sizes(Epoch& epoch) {
   return size;
 }
 
+int Remesher::every() const {
+  return keys_.every > 0 ? keys_.every : stage_.c.analysis == "dynamic" ? 5 : 1;
+}
+
 bool Remesher::due(Epoch& epoch, bool finished) {
   const bool drapes = stage_.c.analysis == "drape", moves = stage_.c.analysis == "dynamic";
-  const int every = keys_.every > 0 ? keys_.every : moves ? 5 : 1;
-  if (drapes ? !finished : epoch.state().step % every != 0 && !(finished && !moves)) return false;
+  if (drapes ? !finished : epoch.state().step % every() != 0 && !(finished && !moves)) return false;
+  if (!drapes && epoch.state().step < epoch.state().remeshings.next_step) return false;
   if (finished && moves) return false;
   if (finished && ++at_end_ > most_looks_at_end) return false;
   const double begin = cpu_clock();

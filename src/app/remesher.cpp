@@ -24,6 +24,9 @@ namespace {
 
 using adapt::Interpolation;
 
+/// Looks that a run at most lets pass after a refusal, before it tries again.
+constexpr int most_wait = 32;
+
 std::vector<Vec3> as_points(const std::vector<double>& values) {
   std::vector<Vec3> points;
   points.reserve(values.size() / 3);
@@ -36,6 +39,12 @@ std::vector<double> as_values(const std::vector<Vec3>& points) {
   values.reserve(3 * points.size());
   for (const Vec3& x : points) values.insert(values.end(), x.begin(), x.end());
   return values;
+}
+
+bool is_zero(Vec v) {
+  double largest = 0.0;
+  VOILE_PETSC(VecNorm(v, NORM_INFINITY, &largest));
+  return largest == 0.0;
 }
 
 /// Per vertex, on rank 0. Collective.
@@ -96,35 +105,26 @@ Remesher::Made Remesher::make_mesh(Epoch& epoch, const std::vector<double>& size
   return made;
 }
 
-/// The state on the new mesh, on rank 0: places where contact lets them be smooth, otherwise on the old surface.
+/// The state on the new mesh, on rank 0: smooth where contact lets it be, otherwise on the old surface. Displacements are
+/// interpolated, not places: what is at rest stays at rest, whatever the shape there.
 io::Checkpoint Remesher::carry_over(Epoch& epoch, const Made& made) const {
   const system::Dofs& dofs = epoch.model().dofs();
   const mesh::SurfaceMesh& old_mesh = dofs.mesh();
   io::Checkpoint c = gather(epoch.state(), dofs);
   mpi::on_root(dofs.comm(), [&] {
     const adapt::Remeshed& from = made.from;
-    const auto displaced = [&](const std::vector<Vec3>& places) {
-      std::vector<Vec3> u = places;
-      for (std::size_t v = 0; v < u.size(); ++v)
-        u[v] = from.kept[v] != no_index && from.mesh.positions[v] == old_mesh.positions()[from.kept[v]] &&
-                       places[v] == made.places[from.kept[v]]
-                   ? Vec3(Eigen::Map<const Vec3>(&c.displacement[3 * static_cast<std::size_t>(from.kept[v])]))
-                   : Vec3(places[v] - from.mesh.positions[v]);
-      return u;
+    const auto carry = [&](std::vector<double>& field, Interpolation kind) {
+      if (!field.empty()) field = as_values(adapt::transfer(old_mesh, from, as_points(field), kind));
     };
-    std::vector<Vec3> places = adapt::transfer(old_mesh, from, made.places, Interpolation::smooth);
-    for (std::size_t v = 0; v < places.size(); ++v)
-      if (!from.clearance.empty() && (places[v] - from.places[v]).norm() > from.clearance[v])
-        places[v] = from.places[v];
-    if (!c.previous.empty()) {
-      std::vector<Vec3> before = as_points(c.previous);
-      before = adapt::transfer(old_mesh, from, before, Interpolation::smooth);
-      c.previous = as_values(before);
+    carry(c.displacement, Interpolation::smooth);
+    carry(c.previous, Interpolation::smooth);
+    carry(c.velocity, Interpolation::smoother);
+    carry(c.acceleration, Interpolation::smoother);
+    for (std::size_t v = 0; v < from.clearance.size(); ++v) {
+      Eigen::Map<Vec3> u(&c.displacement[3 * v]);
+      const Vec3& rest = from.mesh.positions[v];
+      if ((rest + u - from.places[v]).norm() > from.clearance[v]) u = from.places[v] - rest;
     }
-    c.displacement = as_values(displaced(places));
-    for (std::vector<double>* field : {&c.velocity, &c.acceleration})
-      if (!field->empty())
-        *field = as_values(adapt::transfer(old_mesh, from, as_points(*field), Interpolation::smoother));
   });
   return c;
 }
@@ -306,14 +306,17 @@ std::optional<Adapted> Remesher::attempt(Epoch& epoch, const std::vector<double>
   fresh.state().remeshings = {epoch.state().remeshings.count + 1, left[0], left[1]};
   fresh.prepare(Origin::mesh);
   const double tau = solve::relaxation_time(fresh.model());
-  if (keys_.relaxation_steps > 0) (void)solve::relax(fresh.model(), fresh.state().u, tau, keys_.relaxation_steps);
+  // Nothing has moved yet: Newton's method would be asked to improve on round-off.
+  const bool at_rest = epoch.state().in_equilibrium && is_zero(epoch.state().u);
+  if (keys_.relaxation_steps > 0 && !at_rest)
+    (void)solve::relax(fresh.model(), fresh.state().u, tau, keys_.relaxation_steps);
   if (fresh.state().v) keep_momentum(epoch, fresh);
   bool accepted = true;
   if (fresh.model().contact() && stage_.c.contact.check && intersects(fresh)) {
     what = "the new surface would intersect";
     accepted = false;
   }
-  if (accepted && stage_.c.analysis == "static") {
+  if (accepted && stage_.c.analysis == "static" && !at_rest) {
     fresh.state().in_equilibrium = false;
     if (solve::find_equilibrium(fresh.model(), fresh.state()).outcome == solve::Outcome::failed) {
       what = "no equilibrium was found on the new mesh";
@@ -324,7 +327,9 @@ std::optional<Adapted> Remesher::attempt(Epoch& epoch, const std::vector<double>
   const double size_of = std::max({std::abs(before.total()), std::abs(after.total()), negligible_energy(fresh)});
   std::vector<double> change{(after.total() - before.total()) / size_of};
   mpi::broadcast(comm, change);
-  if (accepted && std::abs(change[0]) > keys_.energy_change) {
+  // Along a path and in a drape a finer mesh may release what a coarser one could not: equilibrium is found anew.
+  const double harm = stage_.c.analysis == "dynamic" ? std::abs(change[0]) : change[0];
+  if (accepted && harm > keys_.energy_change) {
     what = fmt::format("the energy would change by {:+.2g} %", 100.0 * change[0]);
     accepted = false;
   }
@@ -355,16 +360,10 @@ std::optional<Adapted> Remesher::adapt(Epoch& epoch, const std::function<void(co
     return next;
   }
   ++refused_;
+  system::Remeshings& asked = epoch.state().remeshings;
+  asked.wait = std::min(std::max(2 * asked.wait, 1), most_wait);
+  asked.next_step = epoch.state().step + asked.wait * every();
   remark(fmt::format("remeshing refused: {}; the run goes on with the mesh it has", what));
-  // Asks again only when the sizes have moved on.
-  std::vector<double> left(2);
-  mpi::on_root(epoch.model().dofs().comm(), [&] {
-    const adapt::SizeMatch m = adapt::match(epoch.model().dofs().mesh(), size_);
-    left = {m.too_long, m.too_short};
-  });
-  mpi::broadcast(epoch.model().dofs().comm(), left);
-  epoch.state().remeshings.too_long = left[0];
-  epoch.state().remeshings.too_short = left[1];
   return std::nullopt;
 }
 

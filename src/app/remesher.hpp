@@ -48,6 +48,8 @@ class Remesher {
   [[nodiscard]] double expected_vertices() const;
 
  private:
+  /// Steps between two looks.
+  [[nodiscard]] int every() const;
   [[nodiscard]] std::vector<double> wanted_sizes(Epoch& epoch);
   [[nodiscard]] std::vector<double> bounds(Epoch& epoch, const std::vector<double>& curvature_squared) const;
   [[nodiscard]] adapt::Limits limits(Epoch& epoch) const;

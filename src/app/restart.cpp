@@ -35,14 +35,14 @@ io::Checkpoint read_any(const RunOptions& options, const mesh::SurfaceMesh& mesh
 void begin_anew(const input::Case& c, io::Checkpoint& s) {
   const bool moves = !s.velocity.empty(), in_time = c.analysis == "dynamic";
   if (moves != in_time) {
-    s.step = 0;
+    s.step = s.remeshing_wait = s.remeshing_step = 0;
     s.time = s.next_step = 0.0;
     s.acceleration.clear();
     s.velocity.clear();
   }
   if (moves || in_time || c.analysis == "drape") s.previous.clear();
   if (c.analysis != "drape") return;
-  s.step = 0;
+  s.step = s.remeshing_wait = s.remeshing_step = 0;
   s.load_factor = 0.0;
 }
 
@@ -127,7 +127,7 @@ io::Checkpoint read_start(const input::Case& c, const RunOptions& options, const
     start.in_equilibrium = c.mesh.start.empty() && !mesh.has_charts();
     return start;
   }
-  std::vector<double> numbers(9);
+  std::vector<double> numbers(11);
   mpi::on_root(PETSC_COMM_WORLD, [&] {
     start = read_any(options, mesh);
     if (origin == Origin::restart) begin_anew(c, start);
@@ -139,7 +139,9 @@ io::Checkpoint read_start(const input::Case& c, const RunOptions& options, const
                start.contact_start,
                static_cast<double>(start.remeshings),
                start.too_long,
-               start.too_short};
+               start.too_short,
+               static_cast<double>(start.remeshing_wait),
+               static_cast<double>(start.remeshing_step)};
   });
   mpi::broadcast(PETSC_COMM_WORLD, numbers);
   start.step = static_cast<int>(numbers[0]);
@@ -151,6 +153,8 @@ io::Checkpoint read_start(const input::Case& c, const RunOptions& options, const
   start.remeshings = static_cast<int>(numbers[6]);
   start.too_long = numbers[7];
   start.too_short = numbers[8];
+  start.remeshing_wait = static_cast<int>(numbers[9]);
+  start.remeshing_step = static_cast<int>(numbers[10]);
   mpi::broadcast(PETSC_COMM_WORLD, start.contact_gaps);
   mpi::broadcast(PETSC_COMM_WORLD, start.yielding);
   return start;
@@ -158,7 +162,7 @@ io::Checkpoint read_start(const input::Case& c, const RunOptions& options, const
 
 void enter_stage(const input::Case& c, const mesh::SurfaceMesh& mesh, Origin origin, io::Checkpoint& state) {
   if (origin == Origin::stage) {
-    state.step = 0;
+    state.step = state.remeshing_wait = state.remeshing_step = 0;
     state.next_step = 0.0;
     state.acceleration.clear();  // other supports and loads act
     state.previous.clear();

@@ -68,14 +68,17 @@ std::optional<Adapted> advance(Epoch& epoch, Origin origin, const Following& f) 
       recorder.record(epoch.state(), r, finished || r.worth_keeping || asked);
       if (!is_start) checkpoints.after_step(epoch.state(), dofs, asked);
     }
-    if (accepted && remesher && !(is_start && origin != Origin::nothing) && remesher->due(epoch, finished)) {
+    // A checkpoint is of the state that was to be looked at: a run that goes on from it looks first, as the unbroken
+    // one did.
+    if (accepted && !finished) stop_if_asked(dofs.comm());
+    const bool looks = !is_start || origin == Origin::nothing || origin == Origin::restart;
+    if (accepted && remesher && looks && remesher->due(epoch, finished)) {
       recorder.write_pending();
       if (std::optional<Adapted> next = remesher->adapt(epoch, [&](const auto& text) { recorder.remark(text); }))
         return next;
     }
     all.completed = finished;
     if (finished || r.outcome == Outcome::failed) return std::nullopt;
-    if (accepted) stop_if_asked(dofs.comm());
   }
 }
 

@@ -56,6 +56,8 @@ void write_checkpoint(const std::filesystem::path& path, const Checkpoint& c, co
   file.number("/", "remeshings", c.remeshings);
   file.number("/", "too_long", c.too_long);
   file.number("/", "too_short", c.too_short);
+  file.number("/", "remeshing_wait", c.remeshing_wait);
+  file.number("/", "remeshing_step", c.remeshing_step);
   for (const auto& [name, values] : vectors_of(c))
     if (!values->empty()) file.dataset(name, H5T_NATIVE_DOUBLE, vertices, 3, values->data());
   if (!c.contact_gaps.empty()) {
@@ -91,6 +93,10 @@ Checkpoint read_unguarded(const std::filesystem::path& path, const mesh::Surface
     c.remeshings = static_cast<int>(read_number(file, "/", "remeshings", path));
     c.too_long = read_number(file, "/", "too_long", path);
     c.too_short = read_number(file, "/", "too_short", path);
+  }
+  if (H5Aexists(file, "remeshing_wait") > 0) {
+    c.remeshing_wait = static_cast<int>(read_number(file, "/", "remeshing_wait", path));
+    c.remeshing_step = static_cast<int>(read_number(file, "/", "remeshing_step", path));
   }
   if (H5Lexists(file, "contact_gaps", H5P_DEFAULT) > 0) {
     c.contact_start = read_number(file, "/", "contact_start", path);

@@ -25,6 +25,7 @@ struct Checkpoint {
   std::vector<double> yielding{};
   int remeshings = 0;                      ///< that led to its mesh
   double too_long = 0.0, too_short = 0.0;  ///< what the last of them left, see system::Remeshings
+  int remeshing_wait = 0, remeshing_step = 0;  ///< Remeshings::wait, next_step
 };
 
 /// Replaces the file in one step: a kill leaves the old or the new one. Not collective: root only. Throws UserError.
