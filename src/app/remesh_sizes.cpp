@@ -18,6 +18,8 @@ namespace {
 constexpr double infinite = std::numeric_limits<double>::infinity();
 /// Shares of vertices with edges too long or too short, beyond what the last remeshing left, that ask for a new mesh.
 constexpr double most_too_long = 0.02, most_too_short = 0.3;
+/// The first one where a path or a drape ends: one sharp fold decides the shape, and there is no later look.
+constexpr double most_too_long_at_end = 0.002;
 /// Looks in a row at the end of a path or a drape.
 constexpr int most_looks_at_end = 6;
 /// Surfaces may come nearer by this share of their gap: both sides move, and half of the gap stays.
@@ -139,7 +141,10 @@ bool Remesher::due(Epoch& epoch, bool finished) {
   mpi::on_root(epoch.model().dofs().comm(), [&] {
     const adapt::SizeMatch m = adapt::match(epoch.model().dofs().mesh(), size_);
     const system::Remeshings& left = epoch.state().remeshings;
-    yes[0] = m.too_long > left.too_long + most_too_long || m.too_short > left.too_short + most_too_short ? 1.0 : 0.0;
+    yes[0] = m.too_long > left.too_long + (finished ? most_too_long_at_end : most_too_long) ||
+                     m.too_short > left.too_short + most_too_short
+                 ? 1.0
+                 : 0.0;
   });
   mpi::broadcast(epoch.model().dofs().comm(), yes);
   seconds_ += cpu_clock() - begin;

@@ -62,6 +62,9 @@ class Remesher {
   static void keep_momentum(Epoch& old_epoch, Epoch& fresh);
   [[nodiscard]] static bool intersects(Epoch& epoch);
   [[nodiscard]] static double negligible_energy(const Epoch& epoch);
+  [[nodiscard]] double energy_change(const Ledger& before, const Ledger& after, Epoch& fresh) const;
+  [[nodiscard]] double settle(Epoch& old_epoch, Epoch& fresh, const Ledger& before,
+                              const std::vector<Index>& same) const;
   void write(const Epoch& epoch, const Made& made, const Ledger& before, const Ledger& after, bool accepted,
              double seconds);
 

@@ -16,12 +16,16 @@ namespace {
 constexpr double signal_times = 10.0;
 /// Halvings of an iteration that does not lower the energy.
 constexpr int most_halvings = 12;
+/// On the mass of vertices that stay: they move by a millionth of what they would.
+constexpr double mass_factor = 1e6;
 
 class Minimiser {
  public:
-  Minimiser(system::Model& model, Vec a, double tau) : model_(model), linear_(model), inverse_(1.0 / (tau * tau)) {
-    for (petsc::VecHandle* v : {&start_, &gradient_, &increment_, &trial_, &scratch_})
+  Minimiser(system::Model& model, Vec a, double tau, const std::vector<char>& stays)
+      : model_(model), linear_(model), inverse_(1.0 / (tau * tau)) {
+    for (petsc::VecHandle* v : {&start_, &gradient_, &increment_, &trial_, &scratch_, &mass_})
       *v = model.dofs().create_vector();
+    set_masses(stays);
     VOILE_PETSC(VecCopy(a, start_));
     VOILE_PETSC(KSPCreate(model.dofs().comm(), ksp_.out()));
     VOILE_PETSC(KSPSetOptionsPrefix(ksp_, "relax_"));
@@ -37,7 +41,7 @@ class Minimiser {
     damp(a);
     VOILE_PETSC(VecAXPY(gradient_, inverse_, scratch_));
     model_.dofs().clear_fixed(gradient_);
-    model_.assemble_tangent(a, {.kind = energy::Tangent::positive, .mass = inverse_});
+    model_.assemble_tangent(a, {.kind = energy::Tangent::positive, .mass = inverse_, .masses = mass_});
     VOILE_PETSC(KSPSetOperators(ksp_, model_.tangent().matrix(), model_.tangent().matrix()));
     linear_.tangent_changed();
     if (!linear_.solve(gradient_, increment_)) return false;
@@ -68,7 +72,14 @@ class Minimiser {
   /// M (a - a_0), into scratch_.
   void damp(Vec a) {
     VOILE_PETSC(VecWAXPY(scratch_, -1.0, start_, a));
-    VOILE_PETSC(VecPointwiseMult(scratch_, scratch_, model_.constant().mass()));
+    VOILE_PETSC(VecPointwiseMult(scratch_, scratch_, mass_));
+  }
+  void set_masses(const std::vector<char>& stays) {
+    std::vector<double> factors(3 * static_cast<std::size_t>(model_.dofs().mesh().vertex_count()), 1.0);
+    for (std::size_t i = 0; i < factors.size() && !stays.empty(); ++i)
+      if (stays[i / 3]) factors[i] = mass_factor;
+    model_.dofs().scatter(factors, scratch_);
+    VOILE_PETSC(VecPointwiseMult(mass_, model_.constant().mass(), scratch_));
   }
   double energy(Vec a) {
     double damping = 0.0, with_start = 0.0;
@@ -82,14 +93,14 @@ class Minimiser {
   petsc::KspHandle ksp_;
   LinearSolver linear_;
   double inverse_;
-  petsc::VecHandle start_, gradient_, increment_, trial_, scratch_;
+  petsc::VecHandle start_, gradient_, increment_, trial_, scratch_, mass_;
 };
 
 }  // namespace
 
-Relaxation relax(system::Model& model, Vec a, double tau, int steps) {
+Relaxation relax(system::Model& model, Vec a, double tau, int steps, const std::vector<char>& stays) {
   model.conditions().enforce(a);
-  Minimiser minimiser(model, a, tau);
+  Minimiser minimiser(model, a, tau, stays);
   Relaxation r;
   while (r.steps < steps && minimiser.iterate(a)) ++r.steps;
   r.factorisations = minimiser.factorisations();

@@ -116,7 +116,7 @@ void Model::assemble_tangent(Vec a, const TangentRequest& request) {
   if (request.mass > 0.0 && request.mass_matrix)
     tangent.add_values_from(*request.mass_matrix, request.mass);
   else if (request.mass > 0.0)
-    tangent_.add_mass(values, constant_.mass(), request.mass);
+    tangent_.add_mass(values, request.masses ? request.masses : constant_.mass(), request.mass);
   if (contact_) contact_->add_blocks(tangent, values, !request.exact_contact);
   if (!conditions_->has_prescribed()) return tangent_.close(values, nullptr, nullptr);
   VOILE_PETSC(VecZeroEntries(work_));

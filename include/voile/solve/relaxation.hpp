@@ -2,9 +2,13 @@
 //
 // Symbols   E    potential of the model [J];  M lumped mass [kg];  a_0 state at the beginning [m];  tau a time [s]
 //   minimises  E(a) + 1/2 (a - a_0).M (a - a_0) / tau^2   by Newton's method with a positive tangent, a few iterations
+// A motion must not lose what the membrane and contact store far from new vertices: there M is made so much larger that the
+// old state stays.
 // Stretches over an edge h relax if tau is several times h sqrt(rho / (E h)), the time in which the membrane carries a
 // signal over it; long waves and the centre of mass hardly move.
 #pragma once
+
+#include <vector>
 
 #include "voile/system/model.hpp"
 
@@ -17,8 +21,9 @@ struct Relaxation {
 };
 
 /// From and into `a`, whose prescribed components are put right first. Contact bounds every iteration, and no iteration
-/// increases the energy. Collective.
-[[nodiscard]] Relaxation relax(system::Model& model, Vec a, double tau, int steps);
+/// increases the energy. `stays`: per vertex of the mesh, the same on every rank, whether it is to stay where it is; empty:
+/// none. Collective.
+[[nodiscard]] Relaxation relax(system::Model& model, Vec a, double tau, int steps, const std::vector<char>& stays = {});
 
 /// The time tau that suits the model: some times that of a signal over a cell. [s]
 [[nodiscard]] double relaxation_time(const system::Model& model);

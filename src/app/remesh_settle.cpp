@@ -1,0 +1,68 @@
+// How a state comes to rest on a new mesh, and what that does to its energy.
+#include <algorithm>
+#include <cmath>
+
+#include "remesher.hpp"
+#include "voile/base/mpi.hpp"
+#include "voile/solve/relaxation.hpp"
+
+namespace voile::app {
+
+namespace {
+
+/// Relaxations of a drape whose energy has risen, each over a longer time than the one before.
+constexpr int most_relaxations = 8;
+constexpr double longer = 3.0;
+
+/// Vertices with only old triangles around them and around their neighbours; the same on every rank. `same` on rank 0.
+std::vector<char> far_from_change(const mesh::SurfaceMesh& mesh, std::vector<Index> same, MPI_Comm comm) {
+  mpi::broadcast(comm, same);
+  const auto vertices = static_cast<std::size_t>(mesh.vertex_count());
+  std::vector<char> stays(vertices, 1), inner(vertices, 1);
+  for (Index t = 0; t < mesh.triangle_count(); ++t)
+    if (same[t] == no_index)
+      for (Index v : mesh.triangles()[t]) stays[v] = 0;
+  for (Index t = 0; t < mesh.triangle_count(); ++t)
+    for (Index v : mesh.triangles()[t])
+      for (Index w : mesh.triangles()[t]) inner[v] = static_cast<char>(inner[v] && stays[w]);
+  return inner;
+}
+
+}  // namespace
+
+/// Energies that are round-off beside what the sheet could store.
+double Remesher::negligible_energy(const Epoch& epoch) {
+  constexpr double strain = 1e-5;
+  double stiffness = 0.0;
+  const system::Discretisation& on = epoch.model().discretisation();
+  for (const energy::Material& m : on.sheet().materials()) stiffness = std::max(stiffness, m.membrane.trace());
+  return 0.5 * stiffness * strain * strain * on.mean_area() * on.mesh().triangle_count();
+}
+
+/// Relative. Of a drape that of the potential, with the loads. The same on every rank. Collective.
+double Remesher::energy_change(const Ledger& before, const Ledger& after, Epoch& fresh) const {
+  const double size = std::max({std::abs(before.total()), std::abs(after.total()), negligible_energy(fresh)});
+  const double loads = stage_.c.analysis == "drape" ? after.energies.external - before.energies.external : 0.0;
+  std::vector<double> change{(after.total() - before.total() + loads) / size};
+  mpi::broadcast(fresh.model().dofs().comm(), change);
+  return change[0];
+}
+
+/// Takes the noise out of the membrane. A motion keeps what is stored away from new triangles, and its momentum; a drape
+/// goes on until its energy is not above the old one, since what is left would lead the search elsewhere. Returns the
+/// change of energy. `same`: per new triangle the old one, on rank 0. Collective.
+double Remesher::settle(Epoch& old_epoch, Epoch& fresh, const Ledger& before, const std::vector<Index>& same) const {
+  const bool moves = fresh.state().v, drapes = stage_.c.analysis == "drape";
+  std::vector<char> stays;
+  if (moves) stays = far_from_change(fresh.model().dofs().mesh(), same, fresh.model().dofs().comm());
+  double tau = solve::relaxation_time(fresh.model());
+  for (int k = 0; k < most_relaxations; ++k, tau *= longer) {
+    if (keys_.relaxation_steps > 0)
+      (void)solve::relax(fresh.model(), fresh.state().u, tau, keys_.relaxation_steps, stays);
+    if (!drapes || keys_.relaxation_steps == 0 || energy_change(before, ledger(fresh), fresh) <= 0.0) break;
+  }
+  if (moves) keep_momentum(old_epoch, fresh);
+  return energy_change(before, ledger(fresh), fresh);
+}
+
+}  // namespace voile::app
