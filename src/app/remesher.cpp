@@ -308,7 +308,8 @@ std::optional<Adapted> Remesher::attempt(Epoch& epoch, const std::vector<double>
   const double tau = solve::relaxation_time(fresh.model());
   // Nothing has moved yet: Newton's method would be asked to improve on round-off.
   const bool at_rest = epoch.state().in_equilibrium && is_zero(epoch.state().u);
-  if (keys_.relaxation_steps > 0 && !at_rest) (void)solve::relax(fresh.model(), fresh.state().u, tau, keys_.relaxation_steps);
+  if (keys_.relaxation_steps > 0 && !at_rest)
+    (void)solve::relax(fresh.model(), fresh.state().u, tau, keys_.relaxation_steps);
   if (fresh.state().v) keep_momentum(epoch, fresh);
   bool accepted = true;
   if (fresh.model().contact() && stage_.c.contact.check && intersects(fresh)) {
