@@ -166,7 +166,13 @@ adapt::Limits Remesher::limits(Epoch& epoch) const {
 
 void check_remesh(const input::Case& c, const mesh::SurfaceMesh& mesh) {
   if (!c.remesh.active) return;
-  for (const std::string& name : c.remesh.frozen) (void)mesh.group(name, 2);
+  for (const std::string& name : c.remesh.frozen) {
+    try {
+      (void)mesh.group(name, 2);
+    } catch (const UserError& e) {
+      throw UserError(fmt::format("{}: [remesh] frozen: '{}': {}", c.file.string(), name, e.what()));
+    }
+  }
   const auto check = [&](const char* what, const std::string& group, const char* remedy) {
     if (group.empty() || mesh.group(group).dimension == 0) return;
     throw UserError(

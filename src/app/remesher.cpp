@@ -297,7 +297,11 @@ std::optional<Adapted> Remesher::attempt(Epoch& epoch, const std::vector<double>
   fresh.prepare(Origin::mesh);
   // Nothing has moved yet: Newton's method would be asked to improve on round-off.
   const bool at_rest = epoch.state().in_equilibrium && is_zero(epoch.state().u);
-  double change = at_rest ? 0.0 : settle(epoch, fresh, before, made.from.same_triangle);
+  double change = 0.0;
+  if (!at_rest)
+    change = settle(epoch, fresh, before, made.from.same_triangle);
+  else if (fresh.state().v)
+    keep_momentum(epoch, fresh);
   bool accepted = true;
   if (fresh.model().contact() && stage_.c.contact.check && intersects(fresh)) {
     what = "the new surface would intersect";

@@ -1,0 +1,165 @@
+"""Regression tests of remeshing within a run: the answer, restarts, stages, supports and probes, and mistakes."""
+
+import signal
+
+import h5py
+import numpy as np
+
+from benchmarks import BENCHMARKS
+from harness import OUT, solve, test
+from results import Results
+from robustness import fresh, lines, started, strip, wait_for
+from solver import invoke, load_case, run, variant, write_case
+from staging import end_of, stage, staged
+
+SIZES = {"angle": 6.0, "smallest": 0.05, "largest": 0.5}
+
+
+def swinging(**changes):
+    """A strip that is hit at its end and gets other meshes on the way."""
+    return strip("dynamic", **{"nx": 16, "time__end": 0.6, "time__checkpoint_steps": 5,
+                               "load": [{"type": "line", "group": "tip", "vector": [0, 0, 40.0]}],
+                               "remesh": {"angle": 5.0, "smallest": 0.1, "largest": 1.0, "every": 5},
+                               "output": {"fields": ["displacement", "velocity"], "every": 1},
+                               "probe": [{"name": "tip", "type": "displacement", "group": "tip"},
+                                         {"name": "middle", "type": "displacement", "point": [5, 0.5, 0]}]} | changes)
+
+
+def at_steps(history, name):
+    return dict(zip(history["step"], history[name]))
+
+
+def compare(report, again, whole, limit, what):
+    """The steps of a run that went on against those of the unbroken one: meshes the same, values to `limit`."""
+    for name in ("vertices", "remeshings"):
+        a, b = at_steps(again.history, name), at_steps(whole.history, name)
+        report.check(all(a[s] == b[s] for s in a), f"{what}: the same {name}")
+    for name in ("tip_z", "middle_z", "kinetic_energy"):
+        a, b = at_steps(again.history, name), at_steps(whole.history, name)
+        report.below(max(abs(a[s] - b[s]) for s in a) / max(map(abs, b.values())), limit, f"{what}: {name}")
+
+
+@test
+def remesh_path(report):
+    """A coarse cantilever gets the mesh it needs: answers beside the published ones, the same on 1, 2 and 3 ranks."""
+    reference = BENCHMARKS["cantilever_shear"].reference
+    case = variant(load_case(BENCHMARKS["cantilever_shear"].case),
+                   {"mesh.parameters.nx": 10, "mesh.parameters.ny": 1, "remesh": SIZES,
+                    "output": {"fields": ["displacement"], "every": 4}})
+    first = None
+    for ranks in (1, 2, 3):
+        result = solve(f"remesh_path_{ranks}", case, ranks)
+        h, steps = result.history, list(Results(result.folder))
+        counts = [len(s["displacement"]) for s in steps]
+        report.check(len(set(counts)) > 1 and counts[-1] == h["vertices"][-1], f"{ranks} rank(s): results of several meshes are read")
+        report.check(h["remeshings"][-1] >= 1 and "refused" not in result.text.replace("0 refused", ""), f"{ranks} rank(s): remeshed, nothing refused")
+        report.percent(-h["tip_x"][-1] / reference["minus_u_tip_elastica"][-1], 0.01, f"{ranks} rank(s): -u of the tip, against the elastica")
+        report.percent(h["tip_z"][-1] / reference["w_tip_elastica"][-1], 0.01, f"{ranks} rank(s): w of the tip")
+        first = first or h
+        report.check(list(h["vertices"]) == list(first["vertices"]), f"{ranks} rank(s): the same meshes as on one")
+        report.below(h["tip_z"][-1] / first["tip_z"][-1] - 1, 1e-8, f"{ranks} rank(s): the same tip as on one")
+
+
+@test
+def remesh_restart(report):
+    """A motion that is remeshed goes on from a checkpoint or a recorded step with the meshes of the unbroken run."""
+    whole = solve("remesh_whole", swinging(), 1)
+    report.check(whole.history["remeshings"][-1] >= 1, "remeshed")
+    file = OUT / "remesh_whole.toml"
+    for number, steps in enumerate((30, 35, 50)):  # before, at and after the step at which the mesh is exchanged
+        short = run(file, fresh("remesh_short"), 2, ["-ts_max_steps", str(steps)])
+        again = run(file, fresh("remesh_again"), 1 + (number + 2) % 3, ["--restart", OUT / "remesh_short" / "checkpoint.h5"])
+        report.check(short.code == 0 and again.code == 0, f"from step {steps}: codes {short.code}, {again.code}")
+        compare(report, again, whole, 1e-8, f"from step {steps}")
+    recorded = run(file, fresh("remesh_recorded"), 2, ["--restart", whole.folder / "results.vtkhdf", "--restart-step", "40"])
+    report.check(recorded.code == 0, "from results.vtkhdf" + recorded.text[-200:] * (recorded.code != 0))
+    compare(report, recorded, whole, 1e-3, "from results.vtkhdf, which has no accelerations")
+
+
+@test
+def remesh_killed(report):
+    """kill -9 in the middle of a remeshed motion: its checkpoint goes on on another number of ranks."""
+    case = swinging(time__step=0.002)
+    folder = fresh("remesh_killed")
+    file = write_case(case, OUT / "remesh_killed.toml")
+    process = started(file, folder)
+
+    def remeshed():
+        return lines(folder / "remeshing.csv") > 1 and lines(folder / "history.csv") > 210
+
+    running = wait_for(remeshed, process)
+    process.send_signal(signal.SIGKILL)
+    process.communicate(timeout=60)
+    with h5py.File(folder / "checkpoint.h5") as data:
+        at = int(data.attrs["step"])
+    whole = solve("remesh_killed_whole", case, 1)
+    again = run(file, fresh("remesh_killed_again"), 3, ["--restart", folder / "checkpoint.h5"])
+    report.check(running and again.code == 0, f"killed after step {at}, code {again.code}")
+    compare(report, again, whole, 1e-8, "on 3 ranks")
+
+
+@test
+def remesh_stages(report):
+    """Drape, motion and modes, one after the other: each goes on with the mesh that it finds."""
+    case = staged([stage("hang", "drape", remesh=SIZES), stage("swing", "dynamic", time={"end": 0.05, "step": 0.01}, remesh=SIZES),
+                   stage("modes_of_it", "modal", eigen={"modes": 2})], nx=10)
+    case["load"] = [{"type": "gravity", "vector": [0, 0, -0.05]}]
+    whole = solve("remesh_stages", case, 2)
+    hang, swing = end_of(whole, "hang"), end_of(whole, "swing")
+    report.check(hang.history["remeshings"][-1] >= 1, "the drape is remeshed")
+    report.check(swing.history["vertices"][0] == hang.history["vertices"][-1], "the motion begins on its mesh")
+    found = whole.summary["stages"][2]["eigenvalues"]
+    again = run(OUT / "remesh_stages.toml", whole.folder, 1, ["--from", "modes_of_it"])
+    report.check(again.code == 0 and len(found) == 2, "--from modes_of_it" + again.text[-200:] * (again.code != 0))
+    for a, b in zip(again.summary["stages"][-1]["eigenvalues"], found):
+        report.percent(a / b, 1e-6, "frequency")
+
+
+@test
+def remesh_keeps(report):
+    """Probes at points keep their vertex, supports hold new vertices, and a support lets go of them."""
+    case = swinging()
+    case["support"].append({"type": "displacement", "group": "tip", "components": ["y"], "release": 0.45})
+    result = solve("remesh_keeps", case, 2)
+    steps = list(Results(result.folder))
+    report.check(result.history["remeshings"][-1] >= 1 and len({len(s["displacement"]) for s in steps}) > 1, "remeshed")
+    report.check("support(s) hold" in result.text, "a support lets go")
+    started_at = steps[0].mesh.positions
+    probe = started_at[np.linalg.norm(started_at - [5, 0.5, 0], axis=1).argmin()]
+    for step in (steps[0], steps[-1]):
+        at = step.mesh.positions
+        report.below(np.abs(step["displacement"][at[:, 0] < 1e-9]).max(), 1e-14, "the clamped edge stays")
+        place = np.linalg.norm(at - probe, axis=1)
+        report.check(place.min() == 0.0, "the vertex of the probe is there, bit by bit")
+        report.near(step["displacement"][place.argmin(), 2], at_steps(result.history, "middle_z")[step.number], 1e-9, "and has its value")
+
+
+@test
+def remesh_forces(report):
+    """Pressure that follows the sheet and springs along an edge act on new meshes as on a uniform fine one."""
+    forces = {"load": [{"type": "follower_pressure", "group": "plate", "magnitude": 0.02}],
+              "spring": [{"type": "line", "group": "tip", "stiffness": 0.05, "direction": [0, 0, 1]}]}
+    fine = solve("remesh_forces_fine", strip(nx=80, ny=8, **forces), 1)
+    result = solve("remesh_forces", strip(nx=10, remesh=SIZES, **forces), 2)
+    report.check(result.history["remeshings"][-1] >= 1, f"{result.history['vertices'][-1]:.0f} vertices instead of {fine.summary['vertices']}")
+    for name in ("tip_x", "tip_z"):
+        report.percent(result.history[name][-1] / fine.history[name][-1], 0.01, f"{name}: {fine.history[name][-1]:.4g}")
+
+
+@test
+def remesh_mistakes(report):
+    """What cannot be remeshed ends with code 2 and names the key."""
+    tip_force = {"type": "point", "group": "tip", "vector": [0, 0, 1.0]}
+    for number, (words, case) in enumerate((
+            ("[remesh]: nothing is remeshed with analysis", strip("modal", time=None, remesh=SIZES)),
+            ("six_node", strip(remesh=SIZES, element={"bending": "six_node"})),
+            ("frozen: 'nowhere'", strip(remesh=SIZES | {"frozen": ["nowhere"]})),
+            ("smallest", strip(remesh=SIZES | {"smallest": 0.6})),
+            ("size", strip(remesh=SIZES | {"size": "0.1 + "})),
+            ("size", strip(remesh=SIZES | {"size": "0.1*w"})),
+            ("[[load]] of type point", strip(remesh=SIZES, load=[tip_force])))):
+        file = write_case(case, OUT / f"remesh_mistake_{number}.toml")
+        for ranks in (1, 2):
+            result = run(file, fresh("remesh_mistake"), ranks)
+            report.check(result.code == 2 and words in result.text, f"{ranks} rank(s), code {result.code}: {result.text.splitlines()[-1][:110]}")
+        report.check(invoke(["check", file])[0] == 2, "and `check` says so too")
