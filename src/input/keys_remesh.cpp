@@ -59,7 +59,7 @@ std::vector<Key> keys_of(RemeshSection& s) {
       {.name = "energy_change",
        .slot = &s.energy_change,
        .meaning = "A remeshing that changes stored and kinetic energy by more than this share, after relaxation, is "
-                  "refused.",
+                  "refused; in `drape`, where less is what a finer mesh is for, one that raises the potential by more.",
        .range = positive},
       {.name = "max_vertices",
        .slot = &s.max_vertices,
