@@ -131,6 +131,26 @@ Vec3 linear(const mesh::SurfaceMesh& mesh, const std::vector<Vec3>& field, const
   return sum;
 }
 
+/// How far a smooth value may be from the linear one: this share of the largest difference between the corners of a
+/// triangle and those opposite of them. A wave of eight edges needs a tenth; a field that jumps from vertex to vertex would
+/// be made into peaks several times as high.
+constexpr double most_beyond_linear = 0.25;
+
+Vec3 limited(const mesh::SurfaceMesh& mesh, const std::vector<Vec3>& field, const Remeshed::Source& at,
+             const Vec3& smooth) {
+  std::vector<Vec3> around;
+  for (Index v : mesh.triangles()[at.triangle]) around.push_back(field[v]);
+  for (int s = 0; s < 3; ++s)
+    if (const Index n = mesh.neighbour(at.triangle, s); n != no_index)
+      around.push_back(field[mesh.triangles()[n][mesh.side_in_neighbour(at.triangle, s)]]);
+  double difference = 0.0;
+  for (std::size_t i = 0; i < around.size(); ++i)
+    for (std::size_t j = 0; j < i; ++j) difference = std::max(difference, (around[i] - around[j]).norm());
+  const Vec3 plain = linear(mesh, field, at), beyond = smooth - plain;
+  const double length = beyond.norm(), most = most_beyond_linear * difference;
+  return length > most ? Vec3(plain + beyond * (most / length)) : smooth;
+}
+
 }  // namespace
 
 std::vector<Vec3> transfer(const mesh::SurfaceMesh& old_mesh, const Remeshed& remeshed, const std::vector<Vec3>& field,
@@ -146,7 +166,9 @@ std::vector<Vec3> transfer(const mesh::SurfaceMesh& old_mesh, const Remeshed& re
     else if (kind == Interpolation::linear)
       result.push_back(linear(old_mesh, field, remeshed.source[v]));
     else
-      result.push_back(smooth(remeshed.source[v]));
+      result.push_back(kind == Interpolation::smooth
+                           ? smooth(remeshed.source[v])
+                           : limited(old_mesh, field, remeshed.source[v], smooth(remeshed.source[v])));
   }
   return result;
 }

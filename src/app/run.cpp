@@ -51,7 +51,8 @@ struct Following {
 /// Advances an epoch to its end: supports and obstacles go where they are at each step, what is accepted is recorded,
 /// what fails is tried again by the stepper with less. Returns what the run goes on with if that is another mesh.
 std::optional<Adapted> advance(Epoch& epoch, Origin origin, const Following& f) {
-  auto& [recorder, checkpoints, remesher, all] = f;
+  Recorder& recorder = f.recorder;
+  std::optional<Remesher>& remesher = f.remesher;
   const system::Dofs& dofs = epoch.model().dofs();
   recorder.use(epoch.model(), nullptr);
   solve::Stepper& stepper = epoch.make_stepper(recorder, origin);
@@ -60,13 +61,13 @@ std::optional<Adapted> advance(Epoch& epoch, Origin origin, const Following& f) 
   for (StepResult r = stepper.begin(epoch.state());; r = stepper.advance(epoch.state())) {
     const bool accepted = r.outcome == Outcome::accepted, finished = accepted && stepper.finished(epoch.state());
     const bool is_start = r.taken == 0.0;
-    all.add(r);
+    f.all.add(r);
     // A new epoch begins with the state that the last one recorded, unless that is an equilibrium of another mesh.
     const bool is_known = is_start && (origin == Origin::epoch || (origin == Origin::mesh && epoch.moves()));
     if ((accepted && !is_known) || r.worth_keeping) {
       const bool asked = SignalScope::take_checkpoint(dofs.comm());
       recorder.record(epoch.state(), r, finished || r.worth_keeping || asked);
-      if (!is_start) checkpoints.after_step(epoch.state(), dofs, asked);
+      if (!is_start) f.checkpoints.after_step(epoch.state(), dofs, asked);
     }
     // A checkpoint is of the state that was to be looked at: a run that goes on from it looks first, as the unbroken
     // one did.
@@ -77,7 +78,7 @@ std::optional<Adapted> advance(Epoch& epoch, Origin origin, const Following& f) 
       if (std::optional<Adapted> next = remesher->adapt(epoch, [&](const auto& text) { recorder.remark(text); }))
         return next;
     }
-    all.completed = finished;
+    f.all.completed = finished;
     if (finished || r.outcome == Outcome::failed) return std::nullopt;
   }
 }
