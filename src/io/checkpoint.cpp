@@ -47,7 +47,15 @@ void write_checkpoint(const std::filesystem::path& path, const Checkpoint& c, co
   const Silence silence;
   const auto vertices = static_cast<std::size_t>(mesh.vertex_count());
   NewFile file(path, Format::v1_8);
-  write_mesh_record(file, mesh.data());
+  if (c.remeshings > 0) {
+    write_mesh_record(file, mesh.data());
+  } else {  // enough to know it again
+    std::vector<double> positions;
+    for (const Vec3& x : mesh.positions()) positions.insert(positions.end(), x.begin(), x.end());
+    file.dataset("mesh/positions", H5T_NATIVE_DOUBLE, vertices, 3, positions.data());
+    const std::vector<double> rest = rest_of(mesh);
+    if (!rest.empty()) file.dataset("mesh/rest", H5T_NATIVE_DOUBLE, rest.size() / 9, 9, rest.data());
+  }
   file.number("/", "step", c.step);
   file.number("/", "time", c.time);
   file.number("/", "next_step", c.next_step);

@@ -170,7 +170,8 @@ Image Show::picture(const Moment& moment) const {
   const double line = line_height(image);
   // Several views leave a strip for the colour bar; a single one only keeps its subject out of it.
   const int width = options_.width - (views > 1 && !label_.empty() ? static_cast<int>(6.0 * line) : 0);
-  const int columns = std::max(1, static_cast<int>(std::ceil(std::sqrt(views * 0.75 * width / options_.height))));
+  const int columns =
+      std::clamp(static_cast<int>(std::ceil(std::sqrt(views * 0.75 * width / options_.height))), 1, views);
   const int rows = (views + columns - 1) / columns;
   for (int i = 0; i < views; ++i) {
     const int x0 = width * (i % columns) / columns, x1 = width * (i % columns + 1) / columns;

@@ -7,6 +7,7 @@ import struct
 import subprocess
 import sys
 
+import matplotlib.pyplot as plt
 import numpy as np
 from harness import OUT, solve, test
 from robustness import fresh, lines, started, strip, wait_for
@@ -171,6 +172,10 @@ def pictures(report):
         png.unlink(missing_ok=True)
         code, said = draw("render", done.folder, "--output", png, *small, *words)
         report.check(code == 0 and png.read_bytes()[:8] == b"\x89PNG\r\n\x1a\n", f"render {' '.join(words)}" if code == 0 else said)
+    for size in ("160x112", "160x40", "40x160"):
+        draw("render", done.folder, "--output", png, "--size", size, "--quality", "draft", "--no-stamp")
+        right = plt.imread(png)[:, -int(size.split("x")[0]) // 3:]
+        report.check(np.ptp(right) > 0.0, f"the right part of a picture of {size} is not blank")
     code, said = draw("render", done.folder, "--steps", "1:3", "--output", png, *small)
     report.check(code == 0 and (OUT / "pictures_strip_000002.png").is_file(), "several steps get numbers")
     for ending in ("webp", "gif"):
