@@ -39,10 +39,12 @@ double Remesher::negligible_energy(const Epoch& epoch) {
   return 0.5 * stiffness * strain * strain * on.mean_area() * on.mesh().triangle_count();
 }
 
-/// Relative. Of a drape that of the potential, with the loads. The same on every rank. Collective.
+/// Relative. In equilibrium it is the potential that counts: under the same loads a softer mesh gives way and stores
+/// more. The same on every rank. Collective.
 double Remesher::energy_change(const Ledger& before, const Ledger& after, Epoch& fresh) const {
   const double size = std::max({std::abs(before.total()), std::abs(after.total()), negligible_energy(fresh)});
-  const double loads = stage_.c.analysis == "drape" ? after.energies.external - before.energies.external : 0.0;
+  const bool moves = stage_.c.analysis == "dynamic";
+  const double loads = moves ? 0.0 : after.energies.external - before.energies.external;
   std::vector<double> change{(after.total() - before.total() + loads) / size};
   mpi::broadcast(fresh.model().dofs().comm(), change);
   return change[0];

@@ -314,26 +314,21 @@ void ContactSet::carry(const Carrier& displacement) {
 }
 
 std::vector<double> ContactSet::smallest_gaps(const std::vector<Vec3>& x) const {
-  std::vector<double> gaps(static_cast<std::size_t>(surface_.sheet_points), options_.distance);
-  Near n;
-  for (const Pair& pair : pairs_) {
-    if (!near(pair, x, pair.share * options_.distance, n)) continue;
-    for (Index i : pair.points)
-      if (i != no_index && surface_.is_sheet(i)) gaps[i] = std::min(gaps[i], n.gap);
-  }
-  for (const Plane& p : planes_)
-    for (Index i : own_points_)
-      if (plane_acts(p, i)) gaps[i] = std::min(gaps[i], plane_gap(p, i, x));
-  return gaps;
+  return gaps_of(pairs_, x, options_.distance, true);
 }
 
 std::vector<double> ContactSet::gaps_within(const std::vector<Vec3>& x, double limit) const {
-  std::vector<double> gaps(static_cast<std::size_t>(surface_.sheet_points), limit);
   std::vector<Box> boxes(x.size());
   for (std::size_t i = 0; i < x.size(); ++i) boxes[i].include(x[i]);
+  return gaps_of(find_pairs(surface_, boxes, owned_, limit), x, limit, false);
+}
+
+std::vector<double> ContactSet::gaps_of(const std::vector<Pair>& pairs, const std::vector<Vec3>& x, double limit,
+                                        bool as_barrier) const {
+  std::vector<double> gaps(static_cast<std::size_t>(surface_.sheet_points), limit);
   Near n;
-  for (const Pair& pair : find_pairs(surface_, boxes, owned_, limit)) {
-    if (!near(pair, x, limit, n)) continue;
+  for (const Pair& pair : pairs) {
+    if (!near(pair, x, as_barrier ? pair.share * limit : limit, n)) continue;
     for (Index i : pair.points)
       if (i != no_index && surface_.is_sheet(i)) gaps[i] = std::min(gaps[i], n.gap);
   }

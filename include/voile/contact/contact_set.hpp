@@ -168,6 +168,9 @@ class ContactSet {
   [[nodiscard]] Pair plane_pair(const Plane& p, Index point) const {
     return {{point, no_index, no_index, no_index}, PairKind::point_edge, surface_.body_of_point[point], p.body, 0, 0};
   }
+  /// Smallest gaps over pairs; `as_barrier`: neighbours only where they feel each other.
+  [[nodiscard]] std::vector<double> gaps_of(const std::vector<Pair>& pairs, const std::vector<Vec3>& x, double limit,
+                                            bool as_barrier) const;
   /// Finds the candidates anew that hold one of these points.
   void renew_pairs(const std::vector<char>& points);
   [[nodiscard]] bool counted(const std::array<Index, 4>& points) const;
