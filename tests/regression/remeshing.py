@@ -6,6 +6,7 @@ import h5py
 import numpy as np
 
 from benchmarks import BENCHMARKS
+from curves import Table
 from harness import OUT, solve, test
 from results import Results
 from robustness import fresh, lines, started, strip, wait_for
@@ -113,6 +114,25 @@ def remesh_stages(report):
     report.check(again.code == 0 and len(found) == 2, "--from modes_of_it" + again.text[-200:] * (again.code != 0))
     for a, b in zip(again.summary["stages"][-1]["eigenvalues"], found):
         report.percent(a / b, 1e-6, "frequency")
+
+
+@test
+def remesh_refused(report):
+    """What would change the energy is refused, said, and tried again after 1, 2, 4, ... looks, also after a restart."""
+    case = swinging(remesh={"angle": 5.0, "smallest": 0.1, "largest": 1.0, "every": 1, "energy_change": 1e-9}, time__checkpoint_steps=1)
+    whole = solve("remesh_refused", case, 1)
+    table = Table(whole.folder / "remeshing.csv")
+    report.check(whole.code == 0 and not np.any(table["accepted"]), "nothing is accepted")
+    report.check(set(whole.history["vertices"]) == {whole.history["vertices"][0]}, "the mesh stays")
+    waits = np.diff(table["step"])
+    report.check(len(waits) >= 3 and all(w >= 2**k for k, w in enumerate(waits[:6])), f"waits between tries: {waits}")
+    report.check("refused" in whole.text and "the energy would change by" in whole.text, "said")
+    at = int(table["step"][2]) + 1
+    file = OUT / "remesh_refused.toml"
+    run(file, fresh("remesh_refused_short"), 1, ["-ts_max_steps", str(at)])
+    again = run(file, fresh("remesh_refused_again"), 2, ["--restart", OUT / "remesh_refused_short" / "checkpoint.h5"])
+    later = Table(again.folder / "remeshing.csv")
+    report.check(again.code == 0 and list(later["step"]) == [s for s in table["step"] if s > at], "tried at the same steps after a restart")
 
 
 @test

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "test_adapt_kit.hpp"
+#include "test_model_kit.hpp"
 #include "test_relative.hpp"
 #include "voile/adapt/transfer.hpp"
 #include "voile/base/error.hpp"
@@ -66,6 +67,33 @@ TEST_CASE("transfer: quadratic fields exactly, linear ones by the linear interpo
     const auto linear = [](const Vec3& x) { return Vec3(x[0] - 2 * x[1], 3, 1 + x[1]); };
     CHECK(largest_error(adapt::transfer(m, r, field_of(m, linear), Interpolation::linear), r.mesh, linear) < 1e-13);
   }
+}
+
+TEST_CASE("a velocity that jumps makes no peaks at new vertices, and quadratics are not touched") {
+  const mesh::SurfaceMesh m(square(Pattern::gmsh, 9));
+  const RestSurface rest(m);
+  const Remeshed r = remeshed(m, rest, sizes(m, [](const Vec3&) { return 0.04; }));
+  const auto hit = [](const Vec3& x) { return Vec3(0, 0, x[0] < 0.5 ? -4.0 : 0.0); };
+  const auto field = field_of(m, hit);
+  const auto beyond = [&](Interpolation kind) {
+    double most = 0.0;
+    for (const Vec3& v : adapt::transfer(m, r, field, kind)) most = std::max({most, v[2], -4.0 - v[2]});
+    return most;
+  };
+  CHECK(r.mesh.positions.size() > 2 * field.size());
+  // By at most a quarter of the differences around it, where cubics alone overshoot by more.
+  CHECK(beyond(Interpolation::smoother) <= 1.0);
+  CHECK(beyond(Interpolation::smoother) > 0.0);
+  // Velocities without any course: linearly, give or take a quarter of what differs.
+  const auto rough = noise(1.0, 7);
+  std::vector<Vec3> speeds;
+  for (Index i = 0; i < m.vertex_count(); ++i) speeds.push_back(rough(i));
+  const auto linear = adapt::transfer(m, r, speeds, Interpolation::linear),
+             v = adapt::transfer(m, r, speeds, Interpolation::smoother);
+  double worst = 0.0;
+  for (std::size_t i = 0; i < v.size(); ++i) worst = std::max(worst, (v[i] - linear[i]).norm());
+  CHECK(worst <= 0.25 * 2.0 * std::sqrt(3.0));
+  CHECK(worst > 0.1);
 }
 
 TEST_CASE("transfer is exact across seams of charts that are turned and shifted") {
