@@ -20,7 +20,7 @@ LAYERS = {
     "solve": {"system", "mesh", "base"},
     "io": {"geometry", "mesh", "base"},
     "input": {"solve", "system", "energy", "io", "mesh", "base"},
-    "picture": {"io", "mesh", "base"},
+    "picture": {"adapt", "io", "geometry", "mesh", "base"},
     "app": {"base", "mesh", "energy", "geometry", "adapt", "contact", "untangle", "system", "solve", "io", "input", "picture"},
 }
 
@@ -32,7 +32,7 @@ THIRD_PARTY = [
     (r"[sd]mumps_c\.h", r".*/mumps.*"),
     (r"hdf5.*\.h|H5.*\.h", r"io/.*"),
     (r"gmsh\.h(_cwrap)?", r"io/gmsh"),
-    (r"CGAL/.*", r"geometry/intersections|io/triangle_file"),
+    (r"CGAL/.*", r"geometry/intersections|geometry/closest_triangle|io/triangle_file"),
     (r"toml\+\+/.*", r"input/case.*|picture/recording"),
     (r"embree3/.*", r"picture/tracing"),
     (r"stb/.*", r"picture/truetype"),

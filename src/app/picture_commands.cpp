@@ -192,6 +192,9 @@ ExportCommand::ExportCommand(CLI::App& cli)
   sub_->add_option("--field", fields_, "Fields of ply, csv and msh, with / between them [all]");
   sub_->add_option("--rate", export_.rate, "Frames per second [25]");
   sub_->add_flag("--no-obstacles", no_obstacles_, "The sheet only");
+  sub_->add_flag("--one-mesh", export_.one_mesh,
+                 "Put a run that was remeshed on one mesh as fine as any of its own; pc2 and mdd always do");
+  sub_->add_option("--tolerance", export_.tolerance, "How far it may be away from the meshes of the run [5e-4 m]");
   sub_->add_flag("--quiet", quiet_, "Print errors only");
 }
 
@@ -207,9 +210,10 @@ void ExportCommand::run() {
   const bool one_file_each = format == "obj" || format == "stl" || format == "ply" || format == "csv";
   const std::vector<picture::Moment> moments =
       recording.select(steps_.empty() ? (one_file_each ? "last" : "all") : steps_);
-  const auto files = export_results(recording, moments, export_);
-  for (const fs::path& file : files)
-    if (!quiet_) fmt::print("wrote {}\n", file.string());
+  const picture::Exported exported = export_results(recording, moments, export_);
+  if (quiet_) return;
+  for (const fs::path& file : exported.files) fmt::print("wrote {}\n", file.string());
+  for (const std::string& note : exported.notes) fmt::print("{}\n", note);
 }
 
 PlotCommand::PlotCommand(CLI::App& cli) : sub_(cli.add_subcommand("plot", "Draw curves of the history: SVG, PNG")) {

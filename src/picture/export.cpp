@@ -8,6 +8,7 @@
 #include "exporting.hpp"
 #include "voile/base/error.hpp"
 #include "voile/base/text.hpp"
+#include "voile/geometry/intersections.hpp"
 
 namespace voile::picture {
 
@@ -41,10 +42,14 @@ const std::vector<std::string>& export_formats() {
   return names;
 }
 
-Files export_results(const Recording& recording, const std::vector<Moment>& moments, const ExportOptions& options) {
+Exported export_results(const Recording& recording, const std::vector<Moment>& moments, const ExportOptions& options) {
   if (!(options.rate > 0.0)) throw UserError(fmt::format("--rate {}: frames per second are more than 0", options.rate));
   for (const auto& [name, writer] : writers())
-    if (name == options.format) return writer(Exporter(recording, moments, options));
+    if (name == options.format) {
+      const Exporter exporter(recording, moments, options);
+      Files files = writer(exporter);
+      return {std::move(files), exporter.notes()};
+    }
   throw UserError(
       fmt::format("--to {}: there is no such format: it is one of {}", options.format, join(export_formats(), ", ")));
 }
@@ -57,6 +62,12 @@ Exporter::Exporter(const Recording& recording, const std::vector<Moment>& moment
     const Recording::Part& part = recording.parts()[moments[i].part];
     in_time_ = in_time_ && part.in_time && moments[i].step && moments[i].part == moments[0].part;
   }
+  if (!(options.tolerance > 0.0))
+    throw UserError(fmt::format("--tolerance {}: it is more than 0 m", options.tolerance));
+  bool changes = false;
+  for (std::size_t i = 1; i < moments.size(); ++i) changes = changes || !same_mesh(i);
+  if (changes && (options.one_mesh || options.format == "pc2" || options.format == "mdd"))
+    one_mesh_ = std::make_unique<Resampled>(recording, moments, options.tolerance);
 }
 
 double Exporter::time(std::size_t i) const {
@@ -67,18 +78,38 @@ double Exporter::time(std::size_t i) const {
 
 bool Exporter::same_mesh(std::size_t i) const {
   if (i == 0) return false;
+  if (one_mesh_) return true;
   const auto now = recording_.mesh(moments_[i]), before = recording_.mesh(moments_[i - 1]);
   return now == before ||
          (now->data.triangles == before->data.triangles && now->data.positions.size() == before->data.positions.size());
 }
 
-void Exporter::need_one_mesh() const {
-  for (std::size_t i = 1; i < moments_.size(); ++i)
-    if (!same_mesh(i))
-      throw UserError(fmt::format(
-          "--to {}: its frames have one mesh, but the mesh changes at step {} of {}; export the steps before and "
-          "after apart (--steps FIRST:LAST), or take glb or usda, which can change",
-          options_.format, recording_.number(moments_[i]), recording_.folder().string()));
+void Exporter::put_on_one_mesh(Snapshot& s) const {
+  std::vector<Vec3> x = one_mesh_->positions(s.state);
+  for (const double away : one_mesh_->distances(s.state, x)) distance_ = std::max(distance_, away);
+  s.state.mesh = one_mesh_->mesh();
+  s.state.positions = x;
+  // The sheet as body 0, each obstacle triangle as 1: obstacles may meet each other.
+  std::vector<mesh::Triangle> triangles = s.state.mesh->data.triangles;
+  std::vector<Index> body(triangles.size(), 0);
+  for (mesh::Triangle t : s.bodies.triangles) {
+    for (Index& v : t) v += static_cast<Index>(x.size());
+    triangles.push_back(t);
+    body.push_back(1);
+  }
+  if (!s.bodies.triangles.empty()) x.insert(x.end(), s.state.obstacles.begin(), s.state.obstacles.end());
+  const auto both_obstacles = [](Index a, Index b) { return a == 1 && b == 1; };
+  if (!geometry::intersecting_triangles(x, triangles, body, both_obstacles).empty()) intersecting_.insert(s.number);
+}
+
+std::vector<std::string> Exporter::notes() const {
+  if (!one_mesh_) return {};
+  std::string intersections = "nothing intersects";
+  if (!intersecting_.empty())
+    intersections = fmt::format("the sheet intersects in {} of {} frames, first at step {}", intersecting_.size(),
+                                size(), *intersecting_.begin());
+  return {fmt::format("one mesh of {} vertices for all frames: at most {:.2g} mm from the meshes of the run; {}",
+                      one_mesh_->mesh()->data.positions.size(), 1e3 * distance_, intersections)};
 }
 
 Snapshot Exporter::snapshot(std::size_t i) const {
@@ -87,11 +118,12 @@ Snapshot Exporter::snapshot(std::size_t i) const {
   s.state = recording_.state(moment, 1.0);
   s.number = recording_.number(moment);
   s.time = time(i);
-  s.sheet = {"sheet", single(s.state.positions), s.state.mesh->data.triangles, true};
   const io::ObstacleTriangles& obstacles = recording_.parts()[moment.part].run.obstacles();
   s.bodies = {"bodies", single(s.state.obstacles), {}, obstacles.moves};
   if (options_.bodies) s.bodies.triangles = find_bodies(obstacles, s.state.obstacles, recording_.up()).triangles;
   if (s.bodies.triangles.empty()) s.bodies.positions.clear();
+  if (one_mesh_) put_on_one_mesh(s);
+  s.sheet = {"sheet", single(s.state.positions), s.state.mesh->data.triangles, true};
   return s;
 }
 
@@ -103,7 +135,11 @@ std::vector<io::Field> Exporter::fields(std::size_t i) const {
   std::vector<std::string> names = options_.fields;
   if (names.empty())
     for (const io::FieldInfo& f : run.fields(*moment.step)) names.push_back(f.name);
-  for (const std::string& name : names) found.push_back(run.field(*moment.step, name, recording_.mesh(moment)->data));
+  const auto mesh = recording_.mesh(moment);
+  for (const std::string& name : names) {
+    found.push_back(run.field(*moment.step, name, mesh->data));
+    if (one_mesh_) found.back() = one_mesh_->field(*mesh, std::move(found.back()));
+  }
   return found;
 }
 

@@ -10,7 +10,6 @@ namespace {
 /// Calls work(suffix, frames) for the sheet, and for bodies that move: their names and positions at every moment.
 template <class Work>
 Files for_moving(const Exporter& e, const Work& work) {
-  e.need_one_mesh();
   Files files;
   std::vector<std::vector<Vec3f>> sheet, bodies;
   bool bodies_move = false;

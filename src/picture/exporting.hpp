@@ -5,10 +5,13 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <memory>
+#include <set>
 #include <string>
 #include <vector>
 
 #include "pieces.hpp"
+#include "resample.hpp"
 #include "voile/picture/export.hpp"
 #include "voile/picture/image.hpp"
 
@@ -38,8 +41,6 @@ class Exporter {
   [[nodiscard]] double time(std::size_t i) const;
   /// Whether a frame has the mesh of the one before.
   [[nodiscard]] bool same_mesh(std::size_t i) const;
-  /// The same for all, or UserError that says what to do.
-  void need_one_mesh() const;
   /// Fields of a moment that are asked for, as they are stored.
   [[nodiscard]] std::vector<io::Field> fields(std::size_t i) const;
   [[nodiscard]] const Recording& recording() const { return recording_; }
@@ -48,12 +49,20 @@ class Exporter {
   [[nodiscard]] std::filesystem::path file(const std::string& suffix, const std::string& ending = "") const;
   /// The output, with the frame's number if there are several frames.
   [[nodiscard]] std::filesystem::path frame_file(std::size_t i) const;
+  /// What the snapshots so far came to.
+  [[nodiscard]] std::vector<std::string> notes() const;
 
  private:
   const Recording& recording_;
   const std::vector<Moment>& moments_;
   const ExportOptions& options_;
+  /// Puts a snapshot on the one mesh, and notes how well it lies there.
+  void put_on_one_mesh(Snapshot& s) const;
+
   bool in_time_ = false;
+  std::unique_ptr<Resampled> one_mesh_;
+  mutable double distance_ = 0.0;       ///< largest of the snapshots so far [m]
+  mutable std::set<int> intersecting_;  ///< numbers of those whose sheet intersects itself or a body
 };
 
 using Files = std::vector<std::filesystem::path>;

@@ -138,7 +138,7 @@ def exports(report):
 
 @test
 def exports_in_pieces(report):
-    """GLB keeps to 200 frames a node; a run whose mesh changes is refused by formats that cannot have that (see the unit tests)."""
+    """GLB keeps to 200 frames a node."""
     case = thrown()
     case["time"] = {"end": 0.0625, "step": 0.00025, "max_step": 0.00025}
     case.pop("obstacle")
@@ -157,6 +157,54 @@ def exports_in_pieces(report):
         worst = max(worst, abs(found[0] - s.positions @ Y_UP).max())
     report.check(shown == [1] * 6, "one of which is seen at any time")
     report.below(worst, 1e-6, "positions [m]")
+
+
+def away(points, corners):
+    """Largest distance of points from a surface of triangles (triangles x 3 corners x 3): the nearest of points over triangles and of vertices."""
+    a, e, f = corners[:, 0], corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+    normal = np.cross(e, f)
+    area = (normal**2).sum(axis=1)
+    worst = 0.0
+    for p in points:
+        u = (np.cross(p - a, f) * normal).sum(axis=1) / area
+        v = (np.cross(e, p - a) * normal).sum(axis=1) / area
+        inside = (u > -0.05) & (v > -0.05) & (u + v < 1.05)
+        above = abs(((p - a) * normal).sum(axis=1))[inside] / np.sqrt(area[inside])
+        worst = max(worst, min(above.min(initial=np.inf), np.sqrt(((corners - p)**2).sum(axis=2)).min()))
+    return worst
+
+
+@test
+def remeshed_on_one_mesh(report):
+    """A run that was remeshed leaves as PC2, GLB and OBJ with one mesh for all frames, near the surfaces of the run."""
+    case = thrown()
+    case["mesh"]["parameters"] |= {"nx": 9, "ny": 3}
+    case["time"] = {"end": 0.2, "step": 0.01}
+    case["remesh"] = {"smallest": 0.006, "largest": 0.05, "every": 3, "energy_change": 1.0}
+    results = solve("pictures_remeshed", case, 1).results
+    folder, counts = results.file.parent, {len(s.positions) for s in results}
+    report.check(len(counts) > 1, f"meshes of {sorted(counts)} vertices")
+    file = OUT / "remeshed.pc2"
+    code, said = draw("export", folder, "--output", file)
+    report.check(code == 0 and "one mesh of" in said and "nothing intersects" in said, said.splitlines()[-1])
+    data = file.read_bytes()
+    vertices, frames = struct.unpack("<i", data[16:20])[0], struct.unpack("<i", data[28:32])[0]
+    x = np.frombuffer(data, "<f4", offset=32).reshape(frames, vertices, 3).astype(float)
+    mesh = [line.split() for line in (OUT / "remeshed_mesh.obj").read_text().splitlines()]
+    triangles = np.array([[int(w.split("/")[0]) - 1 for w in words[1:]] for words in mesh if words and words[0] == "f"])
+    report.check(frames == len(results) and vertices >= max(counts), f"{frames} frames of {vertices} vertices")
+    worst = max(away(s.positions, x[i][triangles]) for i, s in list(enumerate(results))[::5])
+    near = float(said.split("at most ")[1].split(" mm")[0])
+    report.check(near < 0.5, f"{near} mm by the program's own account")
+    report.below(worst, 5e-4, "distance of the run's vertices from the one mesh [m]")
+    glb_file = OUT / "remeshed.glb"
+    for words, several in (((), True), (("--one-mesh",), False)):
+        code, said = draw("export", folder, "--output", glb_file, "--no-obstacles", *words)
+        text, _ = glb(glb_file)
+        report.check(code == 0 and (len(text["meshes"]) > 1) == several, f"GLB {' '.join(words)}: {len(text['meshes'])} meshes")
+    code, said = draw("export", folder, "--output", OUT / "remeshed.obj", "--steps", "all", "--one-mesh", "--no-obstacles")
+    faces = {tuple(line for line in f.read_text().splitlines() if line.startswith("f ")) for f in OUT.glob("remeshed_0*.obj")}
+    report.check(code == 0 and len(faces) == 1, "OBJ: the same faces in all frames")
 
 
 @test

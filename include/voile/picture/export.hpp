@@ -17,13 +17,19 @@ struct ExportOptions {
   std::vector<std::string> fields;  ///< of PLY, CSV and MSH; empty: all that a step has
   double rate = 25.0;               ///< frames per second
   bool bodies = true;
+  bool one_mesh = false;    ///< a run that was remeshed is put on one mesh; PC2 and MDD always are
+  double tolerance = 5e-4;  ///< how far vertices of the run may be away from it [m]
+};
+
+struct Exported {
+  std::vector<std::filesystem::path> files;
+  std::vector<std::string> notes;  ///< for the user: e.g. what putting it on one mesh came to
 };
 
 [[nodiscard]] const std::vector<std::string>& export_formats();
 
-/// Returns the files written. Throws UserError if a file cannot be written, if there is no such format or field, and if a
-/// format whose topology is fixed (PC2, MDD) meets several meshes.
-std::vector<std::filesystem::path> export_results(const Recording& recording, const std::vector<Moment>& moments,
-                                                  const ExportOptions& options);
+/// Throws UserError if a file cannot be written, and if there is no such format or field.
+[[nodiscard]] Exported export_results(const Recording& recording, const std::vector<Moment>& moments,
+                                      const ExportOptions& options);
 
 }  // namespace voile::picture

@@ -1,0 +1,27 @@
+// The triangle of a surface that is nearest to a point, by CGAL's tree of boxes.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "voile/mesh/surface_mesh.hpp"
+
+namespace voile::geometry {
+
+class ClosestTriangle {
+ public:
+  /// Copies what it needs. At least one triangle; those without area are never found. Not collective.
+  ClosestTriangle(const std::vector<Vec3>& positions, const std::vector<mesh::Triangle>& triangles);
+  ~ClosestTriangle();
+  ClosestTriangle(ClosestTriangle&&) noexcept;
+  ClosestTriangle& operator=(ClosestTriangle&&) noexcept;
+
+  /// Number of the triangle. Where several are equally near, any of them. Not collective.
+  [[nodiscard]] Index find(const Vec3& point) const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace voile::geometry

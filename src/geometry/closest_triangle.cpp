@@ -1,0 +1,56 @@
+#include "voile/geometry/closest_triangle.hpp"
+
+#include <CGAL/AABB_traits.h>
+#include <CGAL/AABB_tree.h>
+#include <CGAL/AABB_triangle_primitive.h>
+#include <CGAL/Simple_cartesian.h>
+
+#include <utility>
+
+#include "voile/base/error.hpp"
+
+namespace voile::geometry {
+
+namespace {
+
+using Kernel = CGAL::Simple_cartesian<double>;
+using Faces = std::vector<Kernel::Triangle_3>;
+using Tree = CGAL::AABB_tree<CGAL::AABB_traits<Kernel, CGAL::AABB_triangle_primitive<Kernel, Faces::const_iterator>>>;
+
+Kernel::Point_3 point(const Vec3& x) {
+  return {x[0], x[1], x[2]};
+}
+
+}  // namespace
+
+struct ClosestTriangle::Impl {
+  Faces faces;
+  std::vector<Index> number;
+  Tree tree;
+};
+
+ClosestTriangle::ClosestTriangle(const std::vector<Vec3>& positions, const std::vector<mesh::Triangle>& triangles)
+    : impl_(std::make_unique<Impl>()) {
+  for (std::size_t t = 0; t < triangles.size(); ++t) {
+    const auto& [a, b, c] = triangles[t];
+    const Kernel::Triangle_3 face(point(positions[a]), point(positions[b]), point(positions[c]));
+    if (face.is_degenerate()) continue;
+    impl_->faces.push_back(face);
+    impl_->number.push_back(static_cast<Index>(t));
+  }
+  if (impl_->faces.empty()) throw InternalError("closest triangle: there are no triangles with an area");
+  impl_->tree.insert(impl_->faces.begin(), impl_->faces.end());
+  impl_->tree.build();
+  impl_->tree.accelerate_distance_queries();
+}
+
+ClosestTriangle::~ClosestTriangle() = default;
+ClosestTriangle::ClosestTriangle(ClosestTriangle&&) noexcept = default;
+ClosestTriangle& ClosestTriangle::operator=(ClosestTriangle&&) noexcept = default;
+
+Index ClosestTriangle::find(const Vec3& x) const {
+  const auto found = impl_->tree.closest_point_and_primitive(point(x));
+  return impl_->number[static_cast<std::size_t>(found.second - impl_->faces.cbegin())];
+}
+
+}  // namespace voile::geometry

@@ -1,0 +1,220 @@
+#include "resample.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <limits>
+
+#include "voile/adapt/remesh.hpp"
+#include "voile/base/error.hpp"
+
+namespace voile::picture {
+
+namespace {
+
+/// Sizes asked for, over the edges of the meshes: edges up to 1.4 times the size remain.
+constexpr double size_share = 0.72;
+constexpr int most_rounds = 12;
+/// Splits towards the tolerance, and vertices at which they end.
+constexpr int most_refinements = 6;
+constexpr std::size_t most_vertices = 2'000'000;
+/// A vertex is looked for from this share of the way into one of its triangles: where two edges lie on each other, as at a
+/// slit, the triangle on the right side is found.
+constexpr double inwards = 0.02;
+/// Distance from the triangle that was found, over its longest edge, beyond which the meshes are of different sheets.
+constexpr double far = 0.5;
+/// Weights that are negative by less belong to a vertex beside the triangle that was found.
+constexpr double beside = 0.2;
+
+Vec3 centroid(const std::vector<Vec3>& x, const mesh::Triangle& t) {
+  return (x[t[0]] + x[t[1]] + x[t[2]]) / 3.0;
+}
+
+/// Barycentric weights of the point of the plane of t nearest to p.
+std::array<double, 3> weights_in(const std::vector<Vec3>& x, const mesh::Triangle& t, const Vec3& p) {
+  Eigen::Matrix<double, 3, 2> sides;
+  sides << x[t[1]] - x[t[0]], x[t[2]] - x[t[0]];
+  const Vec2 w = (sides.transpose() * sides).ldlt().solve(sides.transpose() * (p - x[t[0]]));
+  std::array<double, 3> weights{1.0 - w[0] - w[1], w[0], w[1]};
+  if (std::min({weights[0], weights[1], weights[2]}) >= -beside) return weights;
+  double sum = 0.0;
+  for (double& each : weights) sum += each = std::max(each, 0.0);
+  for (double& each : weights) each /= sum;
+  return weights;
+}
+
+Vec3 at(const std::vector<Vec3>& x, const mesh::Triangle& t, const std::array<double, 3>& weights) {
+  return weights[0] * x[t[0]] + weights[1] * x[t[1]] + weights[2] * x[t[2]];
+}
+
+double longest_side(const std::vector<Vec3>& x, const mesh::Triangle& t) {
+  return std::max({(x[t[0]] - x[t[1]]).norm(), (x[t[1]] - x[t[2]]).norm(), (x[t[2]] - x[t[0]]).norm()});
+}
+
+/// Some triangle of each vertex.
+std::vector<Index> triangles_of_vertices(const mesh::MeshData& mesh) {
+  std::vector<Index> result(mesh.positions.size(), no_index);
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+    for (const Index v : mesh.triangles[t]) result[v] = static_cast<Index>(t);
+  return result;
+}
+
+/// Longest edge at each vertex [m].
+std::vector<double> edges_at(const mesh::MeshData& mesh) {
+  std::vector<double> longest(mesh.positions.size(), 0.0);
+  for (const mesh::Triangle& t : mesh.triangles)
+    for (std::size_t i = 0; i < 3; ++i) {
+      const Index a = t[i], b = t[(i + 1) % 3];
+      const double length = (mesh.positions[a] - mesh.positions[b]).norm();
+      longest[a] = std::max(longest[a], length);
+      longest[b] = std::max(longest[b], length);
+    }
+  return longest;
+}
+
+}  // namespace
+
+/// Finds material points on a mesh.
+class Resampled::Locator {
+ public:
+  explicit Locator(const mesh::MeshData& mesh) : mesh_(mesh), search_(mesh.positions, mesh.triangles) {}
+  /// The vertices of another mesh.
+  [[nodiscard]] std::vector<Place> vertices_of(const mesh::MeshData& other) const {
+    std::vector<Place> places;
+    const std::vector<Index> triangle = triangles_of_vertices(other);
+    for (std::size_t v = 0; v < other.positions.size(); ++v) {
+      const Vec3& p = other.positions[v];
+      const Vec3 inside = centroid(other.positions, other.triangles[triangle[v]]);
+      const Index t = search_.find(p + inwards * (inside - p));
+      const mesh::Triangle& face = mesh_.triangles[t];
+      places.push_back({t, weights_in(mesh_.positions, face, p)});
+      if ((at(mesh_.positions, face, places.back().weights) - p).norm() > far * longest_side(mesh_.positions, face))
+        throw UserError(
+            fmt::format("one mesh for all frames: the sheet at ({:.4g}, {:.4g}, {:.4g}) m at the start is not in all "
+                        "meshes of the run; export its stages or steps apart (--stage, --steps FIRST:LAST)",
+                        p[0], p[1], p[2]));
+    }
+    return places;
+  }
+  [[nodiscard]] std::vector<Index> triangles_of(const mesh::MeshData& other) const {
+    std::vector<Index> triangles;
+    for (const mesh::Triangle& t : other.triangles) triangles.push_back(search_.find(centroid(other.positions, t)));
+    return triangles;
+  }
+
+ private:
+  const mesh::MeshData& mesh_;
+  geometry::ClosestTriangle search_;
+};
+
+/// At the vertices of `base`, from the edges of all meshes there.
+std::vector<double> Resampled::wanted_sizes(const mesh::MeshData& base) const {
+  std::vector<double> size(base.positions.size(), std::numeric_limits<double>::infinity());
+  for (const auto& mesh : meshes_) {
+    const std::vector<double> edges = edges_at(mesh->data);
+    const std::vector<Place> places = Locator(mesh->data).vertices_of(base);
+    for (std::size_t v = 0; v < size.size(); ++v)
+      for (const Index w : mesh->data.triangles[places[v].triangle]) size[v] = std::min(size[v], size_share * edges[w]);
+    // What lies between two vertices of the base is asked for at both.
+    const std::vector<Place> back = Locator(base).vertices_of(mesh->data);
+    for (std::size_t w = 0; w < back.size(); ++w)
+      for (const Index v : base.triangles[back[w].triangle]) size[v] = std::min(size[v], size_share * edges[w]);
+  }
+  return size;
+}
+
+Resampled::Resampled(const Recording& recording, const std::vector<Moment>& moments, double tolerance) {
+  for (const Moment& moment : moments) {
+    auto mesh = recording.mesh(moment);
+    if (mesh->data.triangles.empty())
+      throw UserError(
+          fmt::format("{}: step {} has no triangles", recording.folder().string(), recording.number(moment)));
+    if (std::find(meshes_.begin(), meshes_.end(), mesh) == meshes_.end()) meshes_.push_back(std::move(mesh));
+  }
+  mesh_ = *std::max_element(meshes_.begin(), meshes_.end(), [](const auto& a, const auto& b) {
+    return a->data.positions.size() < b->data.positions.size();
+  });
+  split(wanted_sizes(mesh_->data));
+  for (int k = 0; k < most_refinements && mesh_->data.positions.size() < most_vertices; ++k) {
+    const std::vector<double> sizes = smaller_sizes(recording, moments, tolerance);
+    if (sizes.empty()) break;
+    split(sizes);
+  }
+}
+
+/// Halves edges that are too long, and finds all meshes of the run on the result.
+void Resampled::split(const std::vector<double>& sizes) {
+  const mesh::SurfaceMesh base(mesh_->data);
+  adapt::Options options;
+  options.only_splits = true;
+  options.rounds = most_rounds;
+  auto next = std::make_shared<io::StoredMesh>();
+  next->data = adapt::remesh(base, adapt::RestSurface(base), base.positions(), sizes, {}, options).mesh;
+  mesh_ = next;
+  const Locator on_this(mesh_->data);
+  for (const auto& mesh : meshes_) {
+    const Locator there(mesh->data);
+    of_[mesh.get()] = {there.vertices_of(mesh_->data), on_this.vertices_of(mesh->data),
+                       there.triangles_of(mesh_->data)};
+  }
+}
+
+std::vector<double> Resampled::smaller_sizes(const Recording& recording, const std::vector<Moment>& moments,
+                                             double tolerance) const {
+  std::vector<double> sizes = edges_at(mesh_->data);
+  const std::vector<double> edges = sizes;
+  bool any = false;
+  for (const Moment& moment : moments) {
+    const State state = recording.state(moment, 1.0);
+    const std::vector<double> away = distances(state, positions(state));
+    const std::vector<Place>& back = of_.at(state.mesh.get()).back;
+    for (std::size_t v = 0; v < away.size(); ++v)
+      for (const Index w : mesh_->data.triangles[back[v].triangle])
+        if (away[v] > tolerance) {
+          sizes[w] = 0.5 * edges[w] * size_share;
+          any = true;
+        }
+  }
+  return any ? sizes : std::vector<double>{};
+}
+
+Resampled::~Resampled() = default;
+
+std::vector<Vec3> Resampled::positions(const State& state) const {
+  std::vector<Vec3> x;
+  for (const Place& p : of_.at(state.mesh.get()).vertices)
+    x.push_back(at(state.positions, state.mesh->data.triangles[p.triangle], p.weights));
+  return x;
+}
+
+io::Field Resampled::field(const io::StoredMesh& from, io::Field field) const {
+  const Correspondence& c = of_.at(&from);
+  const auto n = static_cast<std::size_t>(field.components);
+  std::vector<double> values;
+  if (field.centre == io::Centre::vertex)
+    for (const Place& p : c.vertices)
+      for (std::size_t k = 0; k < n; ++k) {
+        double sum = 0.0;
+        for (std::size_t i = 0; i < 3; ++i)
+          sum += p.weights[i] * field.values[n * static_cast<std::size_t>(from.data.triangles[p.triangle][i]) + k];
+        values.push_back(sum);
+      }
+  else
+    for (const Index t : c.of_triangle)
+      for (std::size_t k = 0; k < n; ++k) values.push_back(field.values[n * static_cast<std::size_t>(t) + k]);
+  field.values = std::move(values);
+  return field;
+}
+
+std::vector<double> Resampled::distances(const State& state, const std::vector<Vec3>& positions) const {
+  std::vector<double> away;
+  const std::vector<Place>& back = of_.at(state.mesh.get()).back;
+  for (std::size_t v = 0; v < back.size(); ++v) {
+    const mesh::Triangle& t = mesh_->data.triangles[back[v].triangle];
+    away.push_back((at(positions, t, back[v].weights) - state.positions[v]).norm());
+  }
+  return away;
+}
+
+}  // namespace voile::picture

@@ -1,0 +1,56 @@
+// A sheet that was remeshed on its way, as one mesh that stays; private to src/picture.
+//
+// Material points are known by where they are on the mesh at the start, which all meshes of a run share. The one mesh is
+// the one with the most vertices, halved until its edges are nowhere longer than those of any mesh there, and further
+// where the vertices of the run are more than a tolerance away from it.
+// Symbols   x_w   place of vertex w of the one mesh on a mesh of the run: weights in a triangle of it
+#pragma once
+
+#include <array>
+#include <map>
+#include <memory>
+#include <vector>
+
+#include "voile/geometry/closest_triangle.hpp"
+#include "voile/picture/recording.hpp"
+
+namespace voile::picture {
+
+class Resampled {
+ public:
+  /// Reads all moments. `tolerance` > 0 [m]. Throws UserError if there is no sheet in some of them, or another one.
+  Resampled(const Recording& recording, const std::vector<Moment>& moments, double tolerance);
+  ~Resampled();
+  [[nodiscard]] const std::shared_ptr<const io::StoredMesh>& mesh() const { return mesh_; }
+  /// Places of the vertices of mesh() in a state of the run [m].
+  [[nodiscard]] std::vector<Vec3> positions(const State& state) const;
+  /// A field on mesh(): linear in triangles, or that of the triangle in which the centroid is.
+  [[nodiscard]] io::Field field(const io::StoredMesh& from, io::Field field) const;
+  /// Distance of each vertex of the run from the same material point of mesh() [m].
+  [[nodiscard]] std::vector<double> distances(const State& state, const std::vector<Vec3>& positions) const;
+
+ private:
+  /// A material point: a triangle of some mesh and barycentric weights.
+  struct Place {
+    Index triangle = no_index;
+    std::array<double, 3> weights{};
+  };
+  struct Correspondence {
+    std::vector<Place> vertices;     ///< of mesh(), on the mesh of the run
+    std::vector<Place> back;         ///< of the mesh of the run, on mesh()
+    std::vector<Index> of_triangle;  ///< per triangle of mesh()
+  };
+  class Locator;
+
+  [[nodiscard]] std::vector<double> wanted_sizes(const mesh::MeshData& base) const;
+  void split(const std::vector<double>& sizes);
+  /// Sizes that are smaller where vertices of the run are too far away; nothing if none are.
+  [[nodiscard]] std::vector<double> smaller_sizes(const Recording& recording, const std::vector<Moment>& moments,
+                                                  double tolerance) const;
+
+  std::shared_ptr<const io::StoredMesh> mesh_;
+  std::map<const io::StoredMesh*, Correspondence> of_;
+  std::vector<std::shared_ptr<const io::StoredMesh>> meshes_;  ///< keeps the keys of of_
+};
+
+}  // namespace voile::picture
