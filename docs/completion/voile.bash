@@ -20,7 +20,7 @@ _voile() {
     render) options="--steps --output --animation --rate --frames --stage --mode --size --quality --threads --field --range --scale --partition --panels --contours --mesh --title --view --eye --target --up --no-stamp --no-ground --no-obstacles --quiet --help" ;;
     view) options="--steps --stage --field --output --rate --no-obstacles --quiet --help" ;;
     plot) options="--x --y --points --labels --x-label --y-label --title --output --size --quiet --help" ;;
-    export) options="--to --steps --stage --output --field --rate --no-obstacles --quiet --help" ;;
+    export) options="--to --steps --stage --output --field --rate --no-obstacles --one-mesh --tolerance --quiet --help" ;;
     *) options="run check info reference init render plot export view --help --version" ;;
   esac
   if [[ "$word" == -* || -z "$command" ]]; then

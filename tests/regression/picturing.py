@@ -276,6 +276,36 @@ def view_page(report):
 
 
 @test
+def view_in_browser(report):
+    """Chromium without a display shows the page: another frame is another picture, the field in its colours (skipped without Chromium)."""
+    if not shutil.which("chromium"):
+        print("  skip: there is no chromium")
+        return
+    results = solve("pictures_thrown", thrown(), 2).results
+    file = OUT / "pictures_browser.html"
+    report.check(draw("view", results.file.parent, "--field", "contact_pressure", "--output", file)[0] == 0, "the page is written")
+
+    def shot(words):
+        png = OUT / "pictures_browser.png"
+        png.unlink(missing_ok=True)
+        subprocess.run(["chromium", "--headless", "--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--window-size=640,480",
+                        "--virtual-time-budget=4000", f"--screenshot={png}", f"--user-data-dir={OUT / 'chromium'}", f"file://{file}#{words}"],
+                       capture_output=True, timeout=120)
+        return plt.imread(png)[:, :, :3] if png.is_file() else np.zeros((1, 1, 3))
+
+    def coloured(picture):
+        """Share of the middle, where neither the colour bar nor the buttons are, that is neither grey nor background."""
+        middle = picture[40:-60, :-180]
+        return np.mean(np.ptp(middle, axis=2) > 0.1)
+
+    first, later, meshed = shot("frame=0"), shot("frame=5"), shot("frame=5&mesh")
+    report.check(0.01 < coloured(first) < 0.5 and 0.01 < coloured(later) < 0.5, f"the sheet covers {coloured(first):.3f} and {coloured(later):.3f}")
+    same = first.shape == later.shape == meshed.shape
+    report.check(same and np.mean(abs(first - later).max(axis=2) > 0.1) > 0.01, "a later frame is another picture")
+    report.check(same and 0 < np.mean(abs(meshed - later).max(axis=2) > 0.05) < 0.2, "mesh lines are drawn on request")
+
+
+@test
 def pictures_of_mistakes(report):
     """What cannot be shown ends with code 2 and a message that says why."""
     done = solve("pictures_strip", strip("dynamic", time__end=0.1), 1)
