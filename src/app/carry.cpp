@@ -24,6 +24,9 @@ io::Checkpoint gather(const system::State& s, const system::Dofs& dofs) {
   c.too_short = s.remeshings.too_short;
   c.remeshing_wait = s.remeshings.wait;
   c.remeshing_step = s.remeshings.next_step;
+  c.positive_tangents = s.solver.positive_tangents;
+  c.factors_left = s.solver.factors_left;
+  c.wait = s.solver.wait;
   return c;
 }
 
@@ -36,6 +39,7 @@ system::State scatter(const io::Checkpoint& c, const system::Dofs& dofs) {
   s.in_equilibrium = c.in_equilibrium;
   s.contact = {c.contact_gaps, c.contact_start, c.yielding};
   s.remeshings = {c.remeshings, c.too_long, c.too_short, c.remeshing_wait, c.remeshing_step};
+  s.solver = {c.positive_tangents, c.factors_left, c.wait};
   s.u = dofs.create_vector();
   const auto take = [&](const std::vector<double>& values, petsc::VecHandle& to) {
     if (mpi::max(dofs.comm(), values.empty() ? 0.0 : 1.0) == 0.0) return;

@@ -36,6 +36,10 @@ Json json_of(const Summary& s) {
           {"steps", s.steps},
           {"newton_iterations", s.newton_iterations},
           {"factorisations", s.factorisations},
+          {"iterative_solutions", s.iterative.solutions},
+          {"iterative_iterations", s.iterative.iterations},
+          {"iterative_shifted", s.iterative.shifted},
+          {"negative_curvature", s.iterative.negative_curvature},
           {"critical_points", critical},
           {"eigenvalues", s.eigen},
           {"time", s.time},
@@ -53,6 +57,12 @@ void write(const std::filesystem::path& file, const Json& summary) {
   std::ofstream out(file);
   out << summary.dump(2) << '\n' << std::flush;
   if (!out) throw UserError(fmt::format("{}: cannot be written", file.string()));
+}
+
+std::string iterative_text(const solve::IterativeEffort& e) {
+  if (e.iterations == 0) return "";
+  return fmt::format(", {} systems solved by {} iterations of conjugate gradients{}", e.solutions, e.iterations,
+                     e.shifted > 0 ? fmt::format(" ({} with a shift)", e.shifted) : "");
 }
 
 void print_header(const input::Case& c, const system::Model& model) {
@@ -97,8 +107,9 @@ void report_end(const input::Case& c, const RunOptions& options, const Summary& 
   mpi::on_root(PETSC_COMM_WORLD, [&] {
     write(options.output / "summary.json", json_of(s));
     if (options.verbosity != Verbosity::quiet)
-      fmt::print("{} steps, {} Newton iterations, {} factorisations, {:.1f} CPU s, {:.1f} s; results in {}\n", s.steps,
-                 s.newton_iterations, s.factorisations, s.cpu_seconds, s.wall_seconds, folder);
+      fmt::print("{} steps, {} Newton iterations, {} factorisations{}, {:.1f} CPU s, {:.1f} s; results in {}\n",
+                 s.steps, s.newton_iterations, s.factorisations, iterative_text(s.iterative), s.cpu_seconds,
+                 s.wall_seconds, folder);
     if (!s.converged)
       fmt::print(stderr, "voile: {}not converged: {}; everything up to {} is in {}\n",
                  c.is_staged() ? fmt::format("stage '{}': ", c.stage.name) : "", s.reason,

@@ -37,6 +37,7 @@ void begin_anew(const input::Case& c, io::Checkpoint& s) {
   if (moves != in_time) {
     s.step = s.remeshing_wait = s.remeshing_step = 0;
     s.time = s.next_step = 0.0;
+    s.positive_tangents = s.factors_left = s.wait = 0;
     s.acceleration.clear();
     s.velocity.clear();
   }
@@ -127,7 +128,7 @@ io::Checkpoint read_start(const input::Case& c, const RunOptions& options, const
     start.in_equilibrium = c.mesh.start.empty() && !mesh.has_charts();
     return start;
   }
-  std::vector<double> numbers(11);
+  std::vector<double> numbers(14);
   mpi::on_root(PETSC_COMM_WORLD, [&] {
     start = read_any(options, mesh);
     if (origin == Origin::restart) begin_anew(c, start);
@@ -141,7 +142,10 @@ io::Checkpoint read_start(const input::Case& c, const RunOptions& options, const
                start.too_long,
                start.too_short,
                static_cast<double>(start.remeshing_wait),
-               static_cast<double>(start.remeshing_step)};
+               static_cast<double>(start.remeshing_step),
+               static_cast<double>(start.positive_tangents),
+               static_cast<double>(start.factors_left),
+               static_cast<double>(start.wait)};
   });
   mpi::broadcast(PETSC_COMM_WORLD, numbers);
   start.step = static_cast<int>(numbers[0]);
@@ -155,6 +159,9 @@ io::Checkpoint read_start(const input::Case& c, const RunOptions& options, const
   start.too_short = numbers[8];
   start.remeshing_wait = static_cast<int>(numbers[9]);
   start.remeshing_step = static_cast<int>(numbers[10]);
+  start.positive_tangents = static_cast<int>(numbers[11]);
+  start.factors_left = static_cast<int>(numbers[12]);
+  start.wait = static_cast<int>(numbers[13]);
   mpi::broadcast(PETSC_COMM_WORLD, start.contact_gaps);
   mpi::broadcast(PETSC_COMM_WORLD, start.yielding);
   return start;
@@ -163,6 +170,7 @@ io::Checkpoint read_start(const input::Case& c, const RunOptions& options, const
 void enter_stage(const input::Case& c, const mesh::SurfaceMesh& mesh, Origin origin, io::Checkpoint& state) {
   if (origin == Origin::stage) {
     state.step = state.remeshing_wait = state.remeshing_step = 0;
+    state.positive_tangents = state.factors_left = state.wait = 0;
     state.next_step = 0.0;
     state.acceleration.clear();  // other supports and loads act
     state.previous.clear();

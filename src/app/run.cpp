@@ -92,6 +92,7 @@ Summary summary_of(const solve::Followed& all, const system::State& state, const
   s.steps = c.analysis == "static" ? state.step : all.steps;
   s.newton_iterations = all.newton_iterations;
   s.factorisations = all.factorisations;
+  s.iterative = all.iterative;
   s.critical = all.critical;
   s.time = state.time;
   s.negative_pivots = all.newton.negative_pivots;

@@ -15,6 +15,7 @@ struct Summary {
   std::string reason;  ///< why not
   double load_factor = 0.0;
   int steps = 0, newton_iterations = 0, factorisations = 0;
+  solve::IterativeEffort iterative;
   std::vector<solve::CriticalPoint> critical;
   std::vector<double> eigen;  ///< frequencies or critical load factors
   double time = 0.0;          ///< reached in a motion [s]

@@ -92,6 +92,8 @@ const Events& events() {
     add("VoileContactTerm", e.contact_term);
     add("VoileFactorSingle", e.factor_single);
     add("VoileRefine", e.refine);
+    add("VoileFactorIncomplete", e.incomplete_factor);
+    add("VoileIterate", e.iterate);
     return e;
   }();
   return registered;

@@ -66,6 +66,9 @@ void write_checkpoint(const std::filesystem::path& path, const Checkpoint& c, co
   file.number("/", "too_short", c.too_short);
   file.number("/", "remeshing_wait", c.remeshing_wait);
   file.number("/", "remeshing_step", c.remeshing_step);
+  file.number("/", "positive_tangents", c.positive_tangents);
+  file.number("/", "factors_left", c.factors_left);
+  file.number("/", "factors_wait", c.wait);
   for (const auto& [name, values] : vectors_of(c))
     if (!values->empty()) file.dataset(name, H5T_NATIVE_DOUBLE, vertices, 3, values->data());
   if (!c.contact_gaps.empty()) {
@@ -105,6 +108,11 @@ Checkpoint read_unguarded(const std::filesystem::path& path, const mesh::Surface
   if (H5Aexists(file, "remeshing_wait") > 0) {
     c.remeshing_wait = static_cast<int>(read_number(file, "/", "remeshing_wait", path));
     c.remeshing_step = static_cast<int>(read_number(file, "/", "remeshing_step", path));
+  }
+  if (H5Aexists(file, "positive_tangents") > 0) {
+    c.positive_tangents = static_cast<int>(read_number(file, "/", "positive_tangents", path));
+    c.factors_left = static_cast<int>(read_number(file, "/", "factors_left", path));
+    c.wait = static_cast<int>(read_number(file, "/", "factors_wait", path));
   }
   if (H5Lexists(file, "contact_gaps", H5P_DEFAULT) > 0) {
     c.contact_start = read_number(file, "/", "contact_start", path);

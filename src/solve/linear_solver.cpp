@@ -6,6 +6,8 @@
 #include <utility>
 
 #include "voile/base/error.hpp"
+#include "voile/solve/block_icc_pc.hpp"
+#include "voile/solve/inexact_pc.hpp"
 #include "voile/solve/mixed_pc.hpp"
 
 namespace voile::solve {
@@ -16,14 +18,16 @@ constexpr int workspace_retries = 5;
 
 }  // namespace
 
-void LinearSolver::set_defaults(KSP ksp, Precision precision) {
+void LinearSolver::set_defaults(KSP ksp, Way way) {
   register_mixed_pc();
+  register_block_icc_pc();
+  register_inexact_pc();
   ksp_ = ksp;
   PC pc = nullptr;
   VOILE_PETSC(KSPSetType(ksp_, KSPPREONLY));
   VOILE_PETSC(KSPGetPC(ksp_, &pc));
-  if (model_.conditions().symmetric() && precision == Precision::mixed)
-    VOILE_PETSC(PCSetType(pc, mixed_pc_type));
+  if (model_.conditions().symmetric() && way == Way::inexact)
+    VOILE_PETSC(PCSetType(pc, inexact_pc_type));
   else
     VOILE_PETSC(PCSetType(pc, model_.conditions().symmetric() ? PCCHOLESKY : PCLU));
 }
@@ -31,11 +35,14 @@ void LinearSolver::set_defaults(KSP ksp, Precision precision) {
 void LinearSolver::prepare() {
   PC pc = nullptr;
   VOILE_PETSC(KSPGetPC(ksp_, &pc));
-  PetscBool cholesky = PETSC_FALSE, lu = PETSC_FALSE, is_mumps = PETSC_FALSE, given = PETSC_FALSE, mixed = PETSC_FALSE;
+  PetscBool cholesky = PETSC_FALSE, lu = PETSC_FALSE, is_mumps = PETSC_FALSE, given = PETSC_FALSE, mixed = PETSC_FALSE,
+            inexact = PETSC_FALSE;
   VOILE_PETSC(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(pc), PCCHOLESKY, &cholesky));
   VOILE_PETSC(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(pc), PCLU, &lu));
   VOILE_PETSC(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(pc), mixed_pc_type, &mixed));
+  VOILE_PETSC(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(pc), inexact_pc_type, &inexact));
   mixed_ = mixed;
+  inexact_ = inexact;
   if (!cholesky && !lu) return;
   MatSolverType type = nullptr;
   VOILE_PETSC(PCFactorGetMatSolverType(pc, &type));
@@ -64,7 +71,18 @@ Mat LinearSolver::factor() const {
   return f;
 }
 
+PC LinearSolver::inexact() const {
+  PC pc = nullptr;
+  if (inexact_) VOILE_PETSC(KSPGetPC(ksp_, &pc));
+  return pc;
+}
+
+int LinearSolver::factorisations() const {
+  return inexact_ ? static_cast<int>(inexact_counts(inexact()).factors) : factorisations_;
+}
+
 long LinearSolver::negative_pivots() const {
+  if (inexact_) return inexact_negative_pivots(inexact());
   if (mixed_ && factorisations_ > 0) {
     PC pc = nullptr;
     VOILE_PETSC(KSPGetPC(ksp_, &pc));

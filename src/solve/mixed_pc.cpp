@@ -2,6 +2,7 @@
 
 #include <petsc/private/pcimpl.h>
 
+#include <algorithm>
 #include <memory>
 
 #include "mumps_single.hpp"
@@ -23,6 +24,7 @@ struct Mixed {
   bool use_exact = false;     ///< for the matrix in force
   bool pattern_read = false;  ///< by `single`
   int exact_left = 0;
+  bool always_exact = false;
   long factors = 0, patterns = 0, exact_factors = 0, solutions = 0, iterations = 0;
 };
 
@@ -94,8 +96,8 @@ PetscErrorCode set_up(PC pc) {
   PetscCall(KSPSetOperators(m.refinement, pc->pmat, pc->pmat));
   if (pc->flag != SAME_NONZERO_PATTERN) m.pattern_read = false;
   ++m.factors;
-  if (m.exact_left > 0) {
-    --m.exact_left;
+  if (m.exact_left > 0 || m.always_exact) {
+    m.exact_left = std::max(0, m.exact_left - 1);
     PetscCall(factor_exactly(pc));
     PetscFunctionReturn(0);
   }
@@ -183,6 +185,10 @@ void register_mixed_pc() {
   static bool done = false;
   if (!done) VOILE_PETSC(PCRegister(mixed_pc_type, create));
   done = true;
+}
+
+void set_mixed_double(PC pc) {
+  data(pc).always_exact = true;
 }
 
 long mixed_negative_pivots(PC pc) {

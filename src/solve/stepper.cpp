@@ -17,6 +17,7 @@ const char* name(CriticalPoint::Kind kind) {
 void Followed::add(const StepResult& r) {
   newton_iterations += r.newton_iterations;
   factorisations += r.factorisations;
+  iterative.add(r.iterative);
   rejections += r.rejections;
   if (r.outcome == Outcome::failed) {
     reason = r.reason;

@@ -8,6 +8,7 @@
 #include "time_integration_impl.hpp"
 #include "voile/base/interrupt.hpp"
 #include "voile/solve/alpha_ts.hpp"
+#include "voile/solve/inexact_pc.hpp"
 
 namespace voile::solve {
 
@@ -21,6 +22,10 @@ constexpr double energy_round_off = 1e-12;
 /// After an indefinite tangent so many positive ones are taken before the exact one is tried again. A sheet in contact
 /// is full of wrinkles about to form, and the positive tangent is as good there.
 constexpr int positive_tangents = 4, positive_tangents_in_contact = 40;
+/// Relative tolerance of linear systems at the first iterations of a step, and the factor of the forcing sequence.
+constexpr double loosest_tolerance = 1e-2, forcing_factor = 0.9;
+/// An increment this close to what ends a step has to be right.
+constexpr double nearly_last = 1.5;
 
 }  // namespace
 
@@ -37,18 +42,35 @@ PetscErrorCode TimeIntegration::Impl::jacobian(TS, PetscReal t, Vec u, Vec, Vec,
   auto& n = *static_cast<Impl*>(self);
   return petsc::guarded([&] {
     n.dynamics.set_time(t);
-    const auto assemble = [&](energy::Tangent kind) {
-      n.dynamics.assemble_tangent(u, kind, s_v, s_a);
-      n.linear.tangent_changed();
-      return n.linear.factorise();
-    };
+    n.tangent = {u, s_v, s_a, false};
     if (n.positive_left > 0) {
       --n.positive_left;
-      (void)assemble(energy::Tangent::positive);
-    } else if (!assemble(energy::Tangent::exact) || n.linear.negative_pivots() > 0) {
+      (void)n.assemble(energy::Tangent::positive);
+    } else if (!n.assemble(energy::Tangent::exact) || n.linear.negative_pivots() > 0) {
       n.positive_left = n.model.contact() ? positive_tangents_in_contact : positive_tangents;
-      (void)assemble(energy::Tangent::positive);
+      (void)n.assemble(energy::Tangent::positive);
     }
+  });
+}
+
+bool TimeIntegration::Impl::assemble(energy::Tangent kind) {
+  tangent.positive = kind == energy::Tangent::positive;
+  dynamics.assemble_tangent(tangent.u, kind, tangent.s_v, tangent.s_a);
+  if (PC pc = linear.inexact()) expect_indefinite(pc, !tangent.positive);
+  linear.tangent_changed();
+  return linear.factorise();
+}
+
+/// Negative curvature was met while the system was solved.
+PetscErrorCode TimeIntegration::Impl::make_positive(void* self, PetscBool* changed) {
+  auto& n = *static_cast<Impl*>(self);
+  return petsc::guarded([&] {
+    *changed = n.tangent.positive ? PETSC_FALSE : PETSC_TRUE;
+    if (n.tangent.positive) return;
+    n.positive_left = n.model.contact() ? positive_tangents_in_contact : positive_tangents;
+    n.tangent.positive = true;
+    n.dynamics.assemble_tangent(n.tangent.u, energy::Tangent::positive, n.tangent.s_v, n.tangent.s_a);
+    n.linear.tangent_changed();
   });
 }
 
@@ -64,6 +86,7 @@ PetscErrorCode TimeIntegration::Impl::start_step(void* self, Vec x, Vec v, Petsc
     if (!n.model.contact()) n.positive_left = 0;
     n.cuts = 0;
     n.shortest = 1.0;
+    if (PC pc = n.linear.inexact()) set_inexact_tolerance(pc, 0.0);
   });
 }
 
@@ -181,6 +204,7 @@ SNESConvergedReason TimeIntegration::Impl::judge(SNES snes, PetscInt it, double 
   if (!std::isfinite(norm)) return SNES_DIVERGED_FNORM_NAN;
   const double force = dynamics.force_scale(), before = std::exchange(residual_before, norm);
   residual = force > 0.0 ? norm / force : norm;
+  set_tolerance(it, norm, before);
   if (it == 0) return test.nothing_to_do(norm, force) ? SNES_CONVERGED_FNORM_ABS : SNES_CONVERGED_ITERATING;
   Vec x = nullptr;
   double step = 0.0, h = 0.0;
@@ -201,6 +225,64 @@ PetscErrorCode TimeIntegration::Impl::converged(SNES snes, PetscInt it, PetscRea
                                                 SNESConvergedReason* reason, void* self) {
   auto& n = *static_cast<Impl*>(self);
   return petsc::guarded([&] { *reason = n.judge(snes, it, it > 0 ? snorm : -1.0, fnorm); });
+}
+
+// ---- how exactly systems are solved ---------------------------------------------------------------------------------
+
+void TimeIntegration::Impl::prepare_inexact(const system::SolverMemory& memory) {
+  positive_left = memory.positive_tangents;
+  PC pc = linear.inexact();
+  if (!pc) return;
+  set_inexact_memory(pc, {memory.factors_left, memory.wait});
+  if (!model.contact()) set_inexact_double(pc);
+  InexactCallbacks callbacks;
+  callbacks.context = this;
+  callbacks.make_positive = make_positive;
+  callbacks.is_last = [](void* self, Vec x, PetscBool* last) {
+    auto& n = *static_cast<Impl*>(self);
+    return petsc::guarded([&] { *last = n.is_last(x) ? PETSC_TRUE : PETSC_FALSE; });
+  };
+  callbacks.say = [](void* self, const std::string& text) {
+    auto& n = *static_cast<Impl*>(self);
+    return petsc::guarded([&] {
+      double t = 0.0;
+      VOILE_PETSC(TSGetTime(n.ts, &t));
+      if (n.remark) n.remark(fmt::format("t = {:.6g} s: {}", t, text));
+    });
+  };
+  set_inexact_callbacks(pc, callbacks);
+}
+
+system::SolverMemory TimeIntegration::Impl::solver_memory() const {
+  PC pc = linear.inexact();
+  const InexactMemory m = pc ? inexact_memory(pc) : InexactMemory{};
+  return {positive_left, m.factors_left, m.wait};
+}
+
+/// Eisenstat & Walker, SIAM J. Sci. Comput. 17 (1996) 16-32, choice 2.
+void TimeIntegration::Impl::set_tolerance(PetscInt it, double norm, double before) {
+  PC pc = linear.inexact();
+  if (!pc) return;
+  const double ratio = it > 0 && before > 0.0 && !cut ? norm / before : 1.0;
+  set_inexact_tolerance(pc, std::min(loosest_tolerance, forcing_factor * ratio * ratio));
+}
+
+bool TimeIntegration::Impl::is_last(Vec y) {
+  double square = 0.0, mass = 0.0, h = 0.0, norm = 0.0, step = 0.0;
+  Vec x = nullptr;
+  SNES snes = nullptr;
+  VOILE_PETSC(TSGetSNES(ts, &snes));
+  VOILE_PETSC(SNESGetSolution(snes, &x));
+  VOILE_PETSC(TSGetTimeStep(ts, &h));
+  VOILE_PETSC(VecPointwiseMult(product, model.constant().mass(), y));
+  VOILE_PETSC(VecDot(product, y, &square));
+  VOILE_PETSC(VecSum(model.constant().mass(), &mass));
+  if (std::sqrt(3.0 * square / mass) <= nearly_last * options.velocity_tolerance * h) return true;
+  if (!x) return true;
+  VOILE_PETSC(VecNorm(y, NORM_2, &norm));
+  VOILE_PETSC(VecWAXPY(trial, -1.0, start, x));
+  VOILE_PETSC(VecNorm(trial, NORM_2, &step));
+  return test.is_small(norm, step);
 }
 
 // ---- step size -----------------------------------------------------------------------------------------------------

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "time_integration_impl.hpp"
 #include "voile/base/error.hpp"
@@ -12,6 +13,7 @@
 #include "voile/base/mpi.hpp"
 #include "voile/solve/alpha_ts.hpp"
 #include "voile/solve/central_ts.hpp"
+#include "voile/solve/inexact_pc.hpp"
 #include "voile/solve/inverse_iteration.hpp"
 #include "voile/solve/stall.hpp"
 
@@ -39,7 +41,7 @@ void TimeIntegration::Impl::create_snes() {
 #endif
   VOILE_PETSC(SNESSetConvergenceTest(snes, converged, this, nullptr));
   VOILE_PETSC(SNESGetKSP(snes, &ksp));
-  linear.set_defaults(ksp, model.contact() ? LinearSolver::Precision::mixed : LinearSolver::Precision::full);
+  linear.set_defaults(ksp, LinearSolver::Way::inexact);
 }
 
 void TimeIntegration::Impl::set_explicit_step(Vec u) {
@@ -120,6 +122,7 @@ void TimeIntegration::Impl::choose_method(const system::State& from) {
   set_alpha_callbacks(ts, {this, start_step, enforce, contact ? clear : nullptr,
                            contact && model.conditions().symmetric() ? energy : nullptr});
   linear.prepare();
+  prepare_inexact(from.solver);
   SNES snes = nullptr;
   VOILE_PETSC(TSGetSNES(ts, &snes));
   test.read(snes);
@@ -147,6 +150,13 @@ void TimeIntegration::Impl::note_effort(StepResult& r) {
   spent_rejections = static_cast<int>(rejections);
   r.factorisations = linear.factorisations() - spent_factorisations;
   spent_factorisations = linear.factorisations();
+  PC pc = linear.inexact();
+  if (!pc) return;
+  const InexactCounts& c = inexact_counts(pc);
+  const IterativeEffort before =
+      std::exchange(spent_iterative, {c.solutions, c.iterations, c.shifted, c.negative_curvature});
+  r.iterative = {c.solutions - before.solutions, c.iterations - before.iterations, c.shifted - before.shifted,
+                 c.negative_curvature - before.negative_curvature};
 }
 
 void TimeIntegration::Impl::accept(system::State& state, StepResult& r) {
@@ -179,6 +189,7 @@ void TimeIntegration::Impl::accept(system::State& state, StepResult& r) {
   dynamics.set_time(state.time);
   state.load_factor = model.conditions().load_factor();
   if (model.contact()) state.contact = model.contact()->memory();
+  state.solver = solver_memory();
   state.in_equilibrium = false;
 }
 

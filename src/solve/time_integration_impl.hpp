@@ -29,8 +29,15 @@ struct TimeIntegration::Impl {
   std::string obstruction;
   double last_taken = 0.0;  ///< size of the last accepted step [s]
   double wanted = 0.0;      ///< size of the next step, which PETSc may cut to meet the end [s]
+  IterativeEffort spent_iterative;
   int positive_left = 0, spent_factorisations = 0, spent_rejections = 0;
   bool explicit_method = false;
+  /// Of the tangent in force: its state, owned by the TS, what stands before its velocity and acceleration, its kind.
+  struct {
+    Vec u = nullptr;
+    double s_v = 0.0, s_a = 0.0;
+    bool positive = false;
+  } tangent;
 
   Impl(system::Dynamics& d, TimeOptions o, const Remark& r)
       : dynamics(d), model(d.model()), options(o), remark(r), linear(model), test(model) {
@@ -43,6 +50,12 @@ struct TimeIntegration::Impl {
   void choose_method(const system::State& from);
   void create_snes();
   void set_explicit_step(Vec u);
+  void prepare_inexact(const system::SolverMemory& memory);
+  [[nodiscard]] system::SolverMemory solver_memory() const;
+  /// Assembles the tangent and prepares its solution; false if that failed.
+  [[nodiscard]] bool assemble(energy::Tangent kind);
+  void set_tolerance(PetscInt it, double norm, double before);
+  [[nodiscard]] bool is_last(Vec increment);
   [[nodiscard]] double objective(Vec x);
   [[nodiscard]] bool clear_predictor(double t0, Vec x0, double t1, Vec x1);
   void search(SNESLineSearch line_search);
@@ -70,6 +83,7 @@ struct TimeIntegration::Impl {
   static PetscErrorCode clear(void* self, PetscReal t0, Vec x0, PetscReal t1, Vec x1, PetscBool* possible);
   static PetscErrorCode energy(void* self, Vec x1, PetscReal* value);
   static PetscErrorCode accelerate(void* self, PetscReal t, Vec x, Vec v, Vec a);
+  static PetscErrorCode make_positive(void* self, PetscBool* changed);
   static PetscErrorCode line_search(SNESLineSearch ls, void* self);
   static PetscErrorCode converged(SNES, PetscInt it, PetscReal, PetscReal snorm, PetscReal fnorm,
                                   SNESConvergedReason* reason, void* self);

@@ -109,7 +109,7 @@ class WriteArray {
 /// Events shown by -log_view under their names. Registered once per process.
 struct Events {
   PetscLogEvent residual, tangent, bending_assemble, bending_copy, energy, output, contact_find, contact_clear,
-      contact_term, factor_single, refine, remesh;
+      contact_term, factor_single, refine, incomplete_factor, iterate, remesh;
 };
 [[nodiscard]] const Events& events();
 

@@ -23,9 +23,10 @@ struct Checkpoint {
   double contact_start = 0.0;          ///< [s]
   /// Obstacles that give way to each vertex, see system::ContactMemory; empty: none.
   std::vector<double> yielding{};
-  int remeshings = 0;                          ///< that led to its mesh
-  double too_long = 0.0, too_short = 0.0;      ///< what the last of them left, see system::Remeshings
-  int remeshing_wait = 0, remeshing_step = 0;  ///< Remeshings::wait, next_step
+  int remeshings = 0;                                     ///< that led to its mesh
+  double too_long = 0.0, too_short = 0.0;                 ///< what the last of them left, see system::Remeshings
+  int remeshing_wait = 0, remeshing_step = 0;             ///< Remeshings::wait, next_step
+  int positive_tangents = 0, factors_left = 0, wait = 0;  ///< see system::SolverMemory
 };
 
 /// Replaces the file in one step: a kill leaves the old or the new one. Not collective: root only. Throws UserError.

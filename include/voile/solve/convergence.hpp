@@ -33,6 +33,8 @@ class ConvergenceTest {
   [[nodiscard]] bool nothing_to_do(double residual, double force) const;
   /// True if an increment cannot be right.
   [[nodiscard]] bool is_wild(double increment) const { return !(increment <= wild_); }
+  /// True if an increment is nearly as small as the last one has to be.
+  [[nodiscard]] bool is_small(double increment, double step) const { return increment <= 2.0 * stol_ * step; }
   [[nodiscard]] int max_iterations() const { return max_iterations_; }
 
  private:

@@ -1,8 +1,8 @@
 // Linear systems K x = b with the tangent of a model, through PETSc's KSP.
 //
 // Defaults, set before the user's options: -ksp_type preonly -pc_type cholesky (lu with follower loads)
-// -pc_factor_mat_solver_type mumps -mat_mumps_icntl_14 100; or, in motion with contact, where factors are many and
-// inertia makes K well conditioned, if K is symmetric, -pc_type voile_mixed (mixed_pc.hpp). MUMPS's lack of workspace
+// -pc_factor_mat_solver_type mumps -mat_mumps_icntl_14 100; or, in motion, where systems are many and inertia makes K
+// well conditioned, if K is symmetric, -pc_type voile_inexact (inexact_pc.hpp). MUMPS's lack of workspace
 // is answered with twice as much, several times. Negative pivots of the symmetric factor count the negative eigenvalues
 // of K (Sylvester's law of inertia).
 #pragma once
@@ -22,9 +22,9 @@ class LinearSolver {
   /// The model must outlive the solver. Call `set_defaults`, the KSP's options, then `prepare`.
   explicit LinearSolver(system::Model& model) : model_(model) {}
 
-  enum class Precision { full, mixed };
+  enum class Way { direct, inexact };
   /// Takes the KSP (not owned) and gives it the defaults. Collective.
-  void set_defaults(KSP ksp, Precision precision = Precision::full);
+  void set_defaults(KSP ksp, Way way = Way::direct);
   /// Sees what the user's options chose. Collective.
   void prepare();
 
@@ -40,7 +40,10 @@ class LinearSolver {
   /// another pattern goes. Collective.
   void tangent_changed();
 
-  [[nodiscard]] int factorisations() const { return factorisations_; }
+  /// Complete factors; without voile_inexact, tangents that were to be factored.
+  [[nodiscard]] int factorisations() const;
+  /// The PC if it is of type voile_inexact, otherwise null.
+  [[nodiscard]] PC inexact() const;
   /// Of the last factorisation; -1 if the solver does not tell.
   [[nodiscard]] long negative_pivots() const;
   /// What failed last, for the log; emptied by the call.
@@ -52,7 +55,7 @@ class LinearSolver {
 
   system::Model& model_;
   KSP ksp_ = nullptr;
-  bool mumps_ = false, mixed_ = false;
+  bool mumps_ = false, mixed_ = false, inexact_ = false;
   int factorisations_ = 0, pattern_version_ = 0;
   std::string failure_;
 };

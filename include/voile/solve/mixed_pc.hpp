@@ -14,6 +14,8 @@ inline constexpr const char* mixed_pc_type = "voile_mixed";
 
 /// Makes the type known to PETSc; again does nothing.
 void register_mixed_pc();
+/// From now on in double only, where round-off counts. Not collective.
+void set_mixed_double(PC pc);
 /// Of the last factorisation, in whichever precision; -1 if unknown.
 [[nodiscard]] long mixed_negative_pivots(PC pc);
 /// How often single precision was not enough, so far.

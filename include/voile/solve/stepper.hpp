@@ -31,6 +31,19 @@ enum class Outcome {
   failed     ///< nothing more can be done: `reason`
 };
 
+/// Systems that were solved by conjugate gradients in place of a factor (inexact_pc.hpp).
+struct IterativeEffort {
+  long solutions = 0, iterations = 0;
+  long shifted = 0;             ///< incomplete factors that needed a shift
+  long negative_curvature = 0;  ///< tangents found indefinite
+  void add(const IterativeEffort& more) {
+    solutions += more.solutions;
+    iterations += more.iterations;
+    shifted += more.shifted;
+    negative_curvature += more.negative_curvature;
+  }
+};
+
 struct StepResult {
   Outcome outcome = Outcome::accepted;
   std::string reason;                             ///< why it failed
@@ -39,6 +52,7 @@ struct StepResult {
   double taken = 0.0;                             ///< size of the step; 0 at the start
   NewtonResult newton;                            ///< of the accepted step
   int newton_iterations = 0, factorisations = 0;  ///< spent by the call, failed attempts included
+  IterativeEffort iterative;                      ///< likewise
   int rejections = 0;                             ///< attempts that failed before
   int cut_short = 0;                              ///< iterations that contact did not let go the whole way
   double shortest = 1.0;                          ///< share of its increment that the most hindered iteration went
@@ -81,7 +95,8 @@ struct Followed {
   bool completed = false;
   int steps = 0, rejections = 0;
   int newton_iterations = 0, factorisations = 0;  ///< failed attempts included
-  NewtonResult newton;                            ///< of the last accepted step
+  IterativeEffort iterative;
+  NewtonResult newton;  ///< of the last accepted step
   std::vector<CriticalPoint> critical;
   bool interrupted = false;
   std::string reason;  ///< why it ended early

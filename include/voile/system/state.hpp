@@ -20,6 +20,13 @@ struct Remeshings {
   int wait = 0, next_step = 0;  ///< after a refusal: looks to let pass, and the step from which it is tried again
 };
 
+/// What the solution of linear systems goes by from step to step.
+struct SolverMemory {
+  int positive_tangents = 0;  ///< to come before the exact one is tried again
+  int factors_left = 0;       ///< tangents to be factored before iterations are tried again
+  int wait = 0;               ///< how many they were at first; 0: iterations have not failed since they last worked
+};
+
 struct State {
   int step = 0;  ///< accepted steps so far
   double time = 0.0, load_factor = 0.0;
@@ -30,6 +37,7 @@ struct State {
   bool in_equilibrium = true;  ///< false: after motion, or in a shape that was given
   ContactMemory contact = {};
   Remeshings remeshings = {};
+  SolverMemory solver = {};
 };
 
 /// The unloaded state of a model at rest. Collective.

@@ -1,0 +1,22 @@
+// PC type "voile_block_icc": incomplete Cholesky factor without fill of 3 x 3 blocks, for conjugate gradients.
+//
+// For symmetric AIJ matrices of block size 3 in full blocks, as tangents are: -ksp_type cg -pc_type voile_block_icc. Each
+// rank factors its own diagonal part (block Jacobi over ranks). Where that comes out indefinite, a share of the
+// diagonal blocks is added until it does not; so the preconditioner is positive definite whatever the matrix is. Works
+// without allocation while the pattern holds.
+#pragma once
+
+#include <petscksp.h>
+
+namespace voile::solve {
+
+inline constexpr const char* block_icc_pc_type = "voile_block_icc";
+
+/// Makes the type known to PETSc; again does nothing.
+void register_block_icc_pc();
+/// Largest share of the diagonal that some rank has added in the last factorisation. The same on all ranks.
+[[nodiscard]] double block_icc_shift(PC pc);
+/// Matrices so far of which some rank had to shift its part. The same on all ranks.
+[[nodiscard]] long block_icc_shifted(PC pc);
+
+}  // namespace voile::solve

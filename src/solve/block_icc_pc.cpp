@@ -1,0 +1,150 @@
+#include "voile/solve/block_icc_pc.hpp"
+
+#include <petsc/private/pcimpl.h>
+
+#include <array>
+
+#include "incomplete_cholesky.hpp"
+#include "voile/base/petsc.hpp"
+
+namespace voile::solve {
+
+namespace {
+
+/// The type's own data (pc->data).
+struct BlockIcc {
+  IncompleteCholesky factor;
+  double shift = 0.0, first_shift = 1e-2;  ///< options
+  double largest_shift = 0.0;              ///< over the ranks, of the last matrix
+  long matrices = 0, patterns = 0, shifted = 0;
+};
+
+BlockIcc& data(PC pc) {
+  return *static_cast<BlockIcc*>(pc->data);
+}
+
+PetscErrorCode read_pattern(PC pc, Mat part) {
+  BlockIcc& d = data(pc);
+  PetscInt rows = 0;
+  const PetscInt *starts = nullptr, *columns = nullptr;
+  PetscMPIInt good = 0, all_good = 0;
+  PetscFunctionBeginUser;
+  PetscCall(MatGetLocalSize(part, &rows, nullptr));
+  PetscCall(MatSeqAIJGetCSRAndMemType(part, &starts, &columns, nullptr, nullptr));
+  PetscCall(petsc::guarded([&] { good = rows % 3 == 0 && d.factor.read_pattern(rows / 3, starts, columns) ? 1 : 0; }));
+  PetscCallMPI(
+      MPI_Allreduce(&good, &all_good, 1, MPI_INT, MPI_MIN, PetscObjectComm(reinterpret_cast<PetscObject>(pc))));
+  if (!all_good)
+    SETERRQ(PetscObjectComm(reinterpret_cast<PetscObject>(pc)), PETSC_ERR_SUP,
+            "-pc_type %s is for matrices of full 3 x 3 blocks", block_icc_pc_type);
+  ++d.patterns;
+  PetscFunctionReturn(0);
+}
+
+PetscErrorCode set_up(PC pc) {
+  BlockIcc& d = data(pc);
+  Mat part = nullptr;
+  PetscBool is_aij = PETSC_FALSE;
+  const double* values = nullptr;
+  PetscFunctionBeginUser;
+  const petsc::EventScope scope(petsc::events().incomplete_factor);
+  PetscCall(MatGetDiagonalBlock(pc->pmat, &part));
+  PetscCall(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(part), MATSEQAIJ, &is_aij));
+  if (!is_aij)
+    SETERRQ(PetscObjectComm(reinterpret_cast<PetscObject>(pc)), PETSC_ERR_SUP,
+            "-pc_type %s is for matrices of type aij", block_icc_pc_type);
+  if (!pc->setupcalled || pc->flag != SAME_NONZERO_PATTERN) PetscCall(read_pattern(pc, part));
+  PetscCall(MatSeqAIJGetArrayRead(part, &values));
+  const bool good = d.factor.factor(values, d.shift, d.first_shift);
+  PetscCall(MatSeqAIJRestoreArrayRead(part, &values));
+  const std::array<double, 3> own{good ? 0.0 : 1.0, d.factor.attempts() > 1 ? 1.0 : 0.0, d.factor.shift()};
+  std::array<double, 3> all{};
+  PetscCallMPI(MPI_Allreduce(own.data(), all.data(), 3, MPI_DOUBLE, MPI_MAX,
+                             PetscObjectComm(reinterpret_cast<PetscObject>(pc))));
+  ++d.matrices;
+  d.shifted += all[1] > 0.0 ? 1 : 0;
+  d.largest_shift = all[2];
+  if (all[1] > 0.0) PetscCall(PetscInfo(pc, "incomplete factor with %g of the diagonal added\n", d.largest_shift));
+  pc->failedreason = all[0] > 0.0 ? PC_FACTOR_NUMERIC_ZEROPIVOT : PC_NOERROR;
+  PetscFunctionReturn(0);
+}
+
+PetscErrorCode apply(PC pc, Vec b, Vec x) {
+  const double* right = nullptr;
+  double* left = nullptr;
+  PetscFunctionBeginUser;
+  PetscCall(VecGetArrayRead(b, &right));
+  PetscCall(VecGetArrayWrite(x, &left));
+  data(pc).factor.solve(right, left);
+  PetscCall(VecRestoreArrayRead(b, &right));
+  PetscCall(VecRestoreArrayWrite(x, &left));
+  PetscFunctionReturn(0);
+}
+
+PetscErrorCode ask_options(PC pc, PetscOptionItems* PetscOptionsObject) {
+  BlockIcc& d = data(pc);
+  PetscFunctionBeginUser;
+  PetscOptionsHeadBegin(PetscOptionsObject, "Incomplete Cholesky factor of 3 x 3 blocks");
+  PetscCall(PetscOptionsReal("-pc_block_icc_shift", "Share of the diagonal blocks to add from the start", nullptr,
+                             d.shift, &d.shift, nullptr));
+  PetscCall(PetscOptionsReal("-pc_block_icc_first_shift", "The same after the first failure; then four times more each",
+                             nullptr, d.first_shift, &d.first_shift, nullptr));
+  PetscOptionsHeadEnd();
+  if (d.shift < 0.0 || !(d.first_shift > 0.0))
+    SETERRQ(PetscObjectComm(reinterpret_cast<PetscObject>(pc)), PETSC_ERR_USER_INPUT,
+            "-pc_block_icc_shift must be >= 0 and -pc_block_icc_first_shift > 0");
+  PetscFunctionReturn(0);
+}
+
+PetscErrorCode reset(PC pc) {
+  PetscFunctionBeginUser;
+  data(pc).factor = IncompleteCholesky{};
+  PetscFunctionReturn(0);
+}
+
+PetscErrorCode destroy(PC pc) {
+  PetscFunctionBeginUser;
+  delete static_cast<BlockIcc*>(pc->data);
+  pc->data = nullptr;
+  PetscFunctionReturn(0);
+}
+
+PetscErrorCode view(PC pc, PetscViewer viewer) {
+  const BlockIcc& d = data(pc);
+  PetscFunctionBeginUser;
+  PetscCall(PetscViewerASCIIPrintf(viewer, "  incomplete Cholesky of 3 x 3 blocks without fill, by ranks\n"));
+  PetscCall(PetscViewerASCIIPrintf(viewer, "  matrices %ld with %ld patterns, of them %ld with a shift, the last %g\n",
+                                   d.matrices, d.patterns, d.shifted, d.largest_shift));
+  PetscFunctionReturn(0);
+}
+
+PetscErrorCode create(PC pc) {
+  PetscFunctionBeginUser;
+  pc->data = new BlockIcc;
+  pc->ops->setup = set_up;
+  pc->ops->apply = apply;
+  pc->ops->applytranspose = apply;
+  pc->ops->setfromoptions = ask_options;
+  pc->ops->reset = reset;
+  pc->ops->destroy = destroy;
+  pc->ops->view = view;
+  PetscFunctionReturn(0);
+}
+
+}  // namespace
+
+void register_block_icc_pc() {
+  static bool done = false;
+  if (!done) VOILE_PETSC(PCRegister(block_icc_pc_type, create));
+  done = true;
+}
+
+double block_icc_shift(PC pc) {
+  return data(pc).largest_shift;
+}
+
+long block_icc_shifted(PC pc) {
+  return data(pc).shifted;
+}
+
+}  // namespace voile::solve

@@ -1,0 +1,156 @@
+#include "incomplete_cholesky.hpp"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+
+namespace voile::solve {
+
+namespace {
+
+constexpr double shift_growth = 4.0, largest_shift = 16.0;
+/// Pivots below this share of the matrix's own block are as good as indefinite.
+constexpr double least_pivot = 1e-8;
+
+using Block = Eigen::Matrix3d;
+using Stored = Eigen::Map<const Eigen::Matrix3f>;
+/// A block in compressed rows, or as kept for the row at work.
+using Entries = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>, 0, Eigen::OuterStride<>>;
+
+/// D^-1 of a block that is symmetric but for round-off; false unless it is well enough positive.
+bool invert(const Block& d, double scale, Block& inverse) {
+  const double least = least_pivot * scale;
+  const double a = d(0, 0);
+  if (!(a > least)) return false;
+  const double l1 = d(1, 0) / a, l2 = d(2, 0) / a;
+  const double b = d(1, 1) - l1 * d(1, 0);
+  if (!(b > least)) return false;
+  const double m = (d(2, 1) - l2 * d(1, 0)) / b;
+  const double c = d(2, 2) - l2 * d(2, 0) - m * m * b;
+  if (!(c > least) || !std::isfinite(a + b + c)) return false;
+  // Rows of the inverse of the unit triangle: (1), (-l1, 1), (l1 m - l2, -m, 1).
+  const double n = l1 * m - l2;
+  inverse(2, 2) = 1.0 / c;
+  inverse(2, 1) = inverse(1, 2) = -m / c;
+  inverse(2, 0) = inverse(0, 2) = n / c;
+  inverse(1, 1) = 1.0 / b + m * m / c;
+  inverse(1, 0) = inverse(0, 1) = -l1 / b - m * n / c;
+  inverse(0, 0) = 1.0 / a + l1 * l1 / b + n * n / c;
+  return true;
+}
+
+}  // namespace
+
+bool IncompleteCholesky::read_pattern(int block_rows, const int* starts, const int* columns) {
+  row_starts_.assign(1, 0);
+  columns_.clear();
+  places_.clear();
+  diagonals_.clear();
+  strides_.clear();
+  for (int i = 0; i < block_rows; ++i) {
+    const int begin = starts[3 * i], stride = starts[3 * i + 1] - begin;
+    bool has_diagonal = false;
+    if (stride % 3 != 0 || starts[3 * i + 2] - begin != 2 * stride || starts[3 * i + 3] - begin != 3 * stride)
+      return false;
+    for (int at = begin; at < begin + stride; at += 3) {
+      const int column = columns[at];
+      for (int e = 0; e < 3; ++e)
+        for (int r = 0; r < 3; ++r)
+          if (column % 3 != 0 || columns[at + r * stride + e] != column + e) return false;
+      if (column == 3 * i) diagonals_.push_back(at);
+      has_diagonal = has_diagonal || column == 3 * i;
+      if (column >= 3 * i) continue;
+      columns_.push_back(column / 3);
+      places_.push_back(at);
+    }
+    if (!has_diagonal) return false;
+    strides_.push_back(stride);
+    row_starts_.push_back(static_cast<int>(columns_.size()));
+  }
+  find_matches();
+  w_.assign(9 * columns_.size(), 0.0F);
+  inverse_.assign(9 * strides_.size(), 0.0F);
+  int longest = 0;
+  for (int i = 0; i < block_rows; ++i) longest = std::max(longest, row_starts_[i + 1] - row_starts_[i]);
+  row_.assign(9 * static_cast<std::size_t>(longest), 0.0);
+  return true;
+}
+
+void IncompleteCholesky::find_matches() {
+  std::vector<int> place(strides_.size(), -1);  // of a column in the row at work, counted from its start
+  match_starts_.assign(1, 0);
+  matches_.clear();
+  for (int i = 0; i < block_rows(); ++i) {
+    const int begin = row_starts_[i], end = row_starts_[i + 1];
+    for (int at = begin; at < end; ++at) place[columns_[at]] = at - begin;
+    for (int at = begin; at < end; ++at) {
+      const int k = columns_[at];
+      for (int other = row_starts_[k]; other < row_starts_[k + 1]; ++other)
+        if (place[columns_[other]] >= 0) matches_.push_back({place[columns_[other]], other});
+      match_starts_.push_back(static_cast<int>(matches_.size()));
+    }
+    for (int at = begin; at < end; ++at) place[columns_[at]] = -1;
+  }
+}
+
+bool IncompleteCholesky::factor_shifted(const double* values, double shift) {
+  const auto block_at = [&](int place, int stride) { return Entries(values + place, Eigen::OuterStride<>(stride)); };
+  for (int i = 0; i < block_rows(); ++i) {
+    const int begin = row_starts_[i], end = row_starts_[i + 1], stride = strides_[i];
+    Block pivot = block_at(diagonals_[i], stride);
+    const double scale = pivot.diagonal().cwiseAbs().maxCoeff();
+    pivot *= 1.0 + shift;
+    for (int at = begin; at < end; ++at) {
+      Block t = block_at(places_[at], stride);
+      for (int m = match_starts_[at]; m < match_starts_[at + 1]; ++m)
+        t.noalias() -= Eigen::Map<const Block>(row_.data() + 9 * matches_[m].in_row) *
+                       Stored(w_.data() + 9 * static_cast<std::size_t>(matches_[m].other)).cast<double>().transpose();
+      Eigen::Map<Block>(row_.data() + 9 * (at - begin)) = t;
+      const Block w = t * Stored(inverse_.data() + 9 * columns_[at]).cast<double>();
+      Eigen::Map<Eigen::Matrix3f>(w_.data() + 9 * static_cast<std::size_t>(at)) = w.cast<float>();
+      pivot.noalias() -= t * w.transpose();
+    }
+    Block inverse;
+    if (!invert(pivot, scale, inverse)) {
+      const Block own = block_at(diagonals_[i], stride);
+      hopeless_ = !invert(own, scale, inverse);  // a block of the diagonal is indefinite itself, and with any shift
+      return false;
+    }
+    Eigen::Map<Eigen::Matrix3f>(inverse_.data() + 9 * i) = inverse.cast<float>();
+  }
+  return true;
+}
+
+bool IncompleteCholesky::factor(const double* values, double shift, double first_shift) {
+  hopeless_ = false;
+  for (attempts_ = 1; shift <= largest_shift; ++attempts_) {
+    shift_ = shift;
+    if (factor_shifted(values, shift)) return true;
+    if (hopeless_) return false;
+    shift = std::max(shift_growth * shift, first_shift);
+  }
+  return false;
+}
+
+void IncompleteCholesky::solve(const double* b, double* x) const {
+  using Eigen::Vector3d;
+  const int n = block_rows();
+  const auto block = [&](int at) { return Stored(w_.data() + 9 * static_cast<std::size_t>(at)).cast<double>(); };
+  for (int i = 0; i < n; ++i) {
+    Vector3d y = Eigen::Map<const Vector3d>(b + 3 * i);
+    for (int at = row_starts_[i]; at < row_starts_[i + 1]; ++at)
+      y.noalias() -= block(at) * Eigen::Map<const Vector3d>(x + 3 * columns_[at]);
+    Eigen::Map<Vector3d>(x + 3 * i) = y;
+  }
+  for (int i = 0; i < n; ++i) {
+    const Vector3d y = Eigen::Map<const Vector3d>(x + 3 * i);
+    Eigen::Map<Vector3d>(x + 3 * i).noalias() = Stored(inverse_.data() + 9 * i).cast<double>() * y;
+  }
+  for (int i = n - 1; i >= 0; --i) {
+    const Vector3d y = Eigen::Map<const Vector3d>(x + 3 * i);
+    for (int at = row_starts_[i]; at < row_starts_[i + 1]; ++at)
+      Eigen::Map<Vector3d>(x + 3 * columns_[at]).noalias() -= block(at).transpose() * y;
+  }
+}
+
+}  // namespace voile::solve

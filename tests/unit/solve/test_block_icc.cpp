@@ -1,0 +1,221 @@
+// The incomplete factor of 3 x 3 blocks: exact where elimination makes no fill, else that of the textbook; breakdowns.
+#include <doctest/doctest.h>
+
+#include <Eigen/Dense>
+#include <cmath>
+#include <functional>
+
+#include "voile/base/error.hpp"
+#include "voile/base/mpi.hpp"
+#include "voile/base/petsc.hpp"
+#include "voile/base/types.hpp"
+#include "voile/solve/block_icc_pc.hpp"
+
+namespace {
+
+using namespace voile;
+using KspHandle = petsc::Handle<KSP, KSPDestroy>;
+using Dense = Eigen::MatrixXd;
+
+constexpr int nodes = 12;  ///< per rank
+
+/// A matrix of which each rank has the same diagonal part `own`; with `coupling`, neighbours on two ranks are joined.
+petsc::MatHandle distributed(const Dense& own, double coupling = 0.0) {
+  const auto rows = static_cast<PetscInt>(own.rows());
+  petsc::MatHandle k;
+  VOILE_PETSC(MatCreate(PETSC_COMM_WORLD, k.out()));
+  VOILE_PETSC(MatSetSizes(k, rows, rows, PETSC_DETERMINE, PETSC_DETERMINE));
+  VOILE_PETSC(MatSetBlockSize(k, 3));
+  VOILE_PETSC(MatSetType(k, MATAIJ));
+  VOILE_PETSC(MatSetUp(k));
+  PetscInt first = 0, end = 0, all = 0;
+  VOILE_PETSC(MatGetOwnershipRange(k, &first, &end));
+  VOILE_PETSC(MatGetSize(k, &all, nullptr));
+  for (PetscInt i = 0; i < rows / 3; ++i)
+    for (PetscInt j = 0; j < rows / 3; ++j) {
+      if (own.block<3, 3>(3 * i, 3 * j).isZero(0.0)) continue;
+      for (PetscInt r = 3 * i; r < 3 * i + 3; ++r)
+        for (PetscInt c = 3 * j; c < 3 * j + 3; ++c)
+          VOILE_PETSC(MatSetValue(k, first + r, first + c, own(r, c), INSERT_VALUES));
+    }
+  for (PetscInt r = 0; r < 3 && coupling != 0.0; ++r) {
+    if (first > 0) VOILE_PETSC(MatSetValue(k, first + r, first - 3 + r, coupling, INSERT_VALUES));
+    if (end < all) VOILE_PETSC(MatSetValue(k, end - 3 + r, end + r, coupling, INSERT_VALUES));
+  }
+  VOILE_PETSC(MatAssemblyBegin(k, MAT_FINAL_ASSEMBLY));
+  VOILE_PETSC(MatAssemblyEnd(k, MAT_FINAL_ASSEMBLY));
+  return k;
+}
+
+/// Symmetric and positive definite: random blocks between nodes that `joined` joins, and enough on the diagonal.
+Dense spd(const std::function<bool(int, int)>& joined) {
+  std::srand(7);
+  Dense a = Dense::Zero(3 * nodes, 3 * nodes);
+  for (int i = 0; i < nodes; ++i)
+    for (int j = 0; j < i; ++j) {
+      if (!joined(i, j)) continue;
+      const Mat3 b = Mat3::Random();
+      a.block<3, 3>(3 * i, 3 * j) = b;
+      a.block<3, 3>(3 * j, 3 * i) = b.transpose();
+    }
+  for (int i = 0; i < nodes; ++i) {
+    const Mat3 b = Mat3::Random();
+    a.block<3, 3>(3 * i, 3 * i) = b * b.transpose();
+  }
+  const double least = Eigen::SelfAdjointEigenSolver<Dense>(a).eigenvalues()[0];
+  a.diagonal().array() += 0.1 - least;
+  return a;
+}
+
+bool on_chain(int i, int j) {
+  return i == j + 1;
+}
+bool on_grid(int i, int j) {  // four in a row, with one diagonal
+  return (i == j + 1 && i % 4 != 0) || i == j + 4 || (i == j + 5 && i % 4 != 0);
+}
+
+/// W D W^T with the pattern of a, from the definition: entry (i, j) of it is that of a where a has one.
+Dense textbook(const Dense& a) {
+  Dense w = Dense::Identity(a.rows(), a.rows()), d = Dense::Zero(a.rows(), a.rows());
+  for (Eigen::Index i = 0; i < a.rows(); i += 3)
+    for (Eigen::Index j = 0; j <= i; j += 3) {
+      Mat3 left = a.block<3, 3>(i, j);
+      if (left.isZero(0.0)) continue;
+      for (Eigen::Index m = 0; m < j; m += 3)
+        left -= w.block<3, 3>(i, m) * d.block<3, 3>(m, m) * w.block<3, 3>(j, m).transpose();
+      if (i == j)
+        d.block<3, 3>(i, i) = left;
+      else
+        w.block<3, 3>(i, j) = left * d.block<3, 3>(j, j).inverse();
+    }
+  return w * d * w.transpose();
+}
+
+struct Solver {
+  KspHandle ksp;
+  PC pc = nullptr;
+  explicit Solver(Mat k, KSPType type = KSPCG) {
+    solve::register_block_icc_pc();
+    VOILE_PETSC(KSPCreate(PETSC_COMM_WORLD, ksp.out()));
+    VOILE_PETSC(KSPSetType(ksp, type));
+    VOILE_PETSC(KSPSetTolerances(ksp, 1e-10, PETSC_DEFAULT, PETSC_DEFAULT, 200));
+    VOILE_PETSC(KSPGetPC(ksp, &pc));
+    VOILE_PETSC(PCSetType(pc, solve::block_icc_pc_type));
+    VOILE_PETSC(KSPSetOperators(ksp, k, k));
+  }
+};
+
+petsc::VecHandle right_side(Mat k) {
+  petsc::VecHandle b;
+  VOILE_PETSC(MatCreateVecs(k, b.out(), nullptr));
+  const petsc::WriteArray values(b);
+  PetscInt count = 0;
+  VOILE_PETSC(VecGetLocalSize(b, &count));
+  for (PetscInt i = 0; i < count; ++i) values[i] = std::sin(1.0 + i * i);
+  return b;
+}
+
+/// |x - P^-1 b| / |x| of one application on this rank's part.
+double error_of_application(Mat k, const Dense& p) {
+  Solver solver(k);
+  const petsc::VecHandle b = right_side(k);
+  petsc::VecHandle x;
+  VOILE_PETSC(VecDuplicate(b, x.out()));
+  VOILE_PETSC(PCSetUp((VOILE_PETSC(KSPSetUp(solver.ksp)), solver.pc)));
+  VOILE_PETSC(PCApply(solver.pc, b, x));
+  CHECK(solve::block_icc_shift(solver.pc) == 0.0);
+  const petsc::ReadArray right(b), left(x);
+  const Eigen::Map<const Eigen::VectorXd> vb(right.data(), p.rows()), vx(left.data(), p.rows());
+  return (vx - p.ldlt().solve(vb)).norm() / vx.norm();
+}
+
+/// Kershaw's matrix: positive definite, but its incomplete factor has a negative pivot. As blocks.
+Dense kershaw() {
+  Eigen::Matrix4d a;
+  a << 3, -2, 0, 2, -2, 3, -2, 0, 0, -2, 3, -2, 2, 0, -2, 3;
+  Dense blocks = Dense::Zero(12, 12);
+  for (int i = 0; i < 4; ++i)
+    for (int j = 0; j < 4; ++j) blocks.block<3, 3>(3 * i, 3 * j) = a(i, j) * Mat3::Identity();
+  return blocks;
+}
+
+}  // namespace
+
+TEST_CASE("incomplete factor: exact for a chain of blocks, on each rank's part") {
+  const Dense a = spd(on_chain);
+  for (const double coupling : {0.0, 0.05}) CHECK(error_of_application(distributed(a, coupling), a) < 1e-5);
+}
+
+TEST_CASE("incomplete factor: that of the textbook where elimination would make fill") {
+  const Dense a = spd(on_grid), p = textbook(a);
+  REQUIRE((p - a).norm() > 1e-2 * a.norm());  // it does
+  CHECK(error_of_application(distributed(a), p) < 1e-5);
+}
+
+TEST_CASE("incomplete factor: new values in the same pattern, then another pattern") {
+  const Dense a = spd(on_chain), g = spd(on_grid);
+  const petsc::MatHandle k = distributed(a), other = distributed(g);
+  Solver solver(k);
+  const petsc::VecHandle b = right_side(k);
+  petsc::VecHandle x, y;
+  for (petsc::VecHandle* v : {&x, &y}) VOILE_PETSC(VecDuplicate(b, v->out()));
+  VOILE_PETSC(KSPSetUp(solver.ksp));
+  VOILE_PETSC(PCApply(solver.pc, b, x));
+  VOILE_PETSC(MatScale(k, 4.0));
+  VOILE_PETSC(KSPSetUp(solver.ksp));
+  VOILE_PETSC(PCApply(solver.pc, b, y));
+  VOILE_PETSC(VecAXPY(y, -0.25, x));
+  double off = 0.0, size = 0.0;
+  VOILE_PETSC(VecNorm(y, NORM_2, &off));
+  VOILE_PETSC(VecNorm(x, NORM_2, &size));
+  CHECK(off < 1e-6 * size);
+  VOILE_PETSC(KSPSetOperators(solver.ksp, other, other));
+  VOILE_PETSC(KSPSolve(solver.ksp, b, x));
+  KSPConvergedReason reason = KSP_CONVERGED_ITERATING;
+  VOILE_PETSC(KSPGetConvergedReason(solver.ksp, &reason));
+  CHECK(reason > 0);
+}
+
+TEST_CASE("incomplete factor: a breakdown is met with a shift, an indefinite block is a failure") {
+  const petsc::MatHandle k = distributed(kershaw(), 0.01);
+  Solver solver(k);
+  const petsc::VecHandle b = right_side(k);
+  petsc::VecHandle x, r;
+  for (petsc::VecHandle* v : {&x, &r}) VOILE_PETSC(VecDuplicate(b, v->out()));
+  VOILE_PETSC(KSPSolve(solver.ksp, b, x));
+  KSPConvergedReason reason = KSP_CONVERGED_ITERATING;
+  VOILE_PETSC(KSPGetConvergedReason(solver.ksp, &reason));
+  CHECK(reason > 0);
+  CHECK(solve::block_icc_shift(solver.pc) > 0.0);
+  CHECK(solve::block_icc_shifted(solver.pc) == 1);
+  VOILE_PETSC(MatMult(k, x, r));
+  VOILE_PETSC(VecAXPY(r, -1.0, b));
+  double left = 0.0, size = 0.0;
+  VOILE_PETSC(VecNorm(r, NORM_2, &left));
+  VOILE_PETSC(VecNorm(b, NORM_2, &size));
+  CHECK(left < 1e-8 * size);
+  // On one rank only, so that the others must be told.
+  Dense bad = spd(on_chain);
+  if (mpi::rank(PETSC_COMM_WORLD) == 0) bad(4, 4) = -1.0;
+  const petsc::MatHandle indefinite = distributed(bad);
+  Solver second(indefinite);
+  VOILE_PETSC(KSPSetUp(second.ksp));
+  PCFailedReason failed = PC_NOERROR;
+  VOILE_PETSC(PCGetFailedReason(second.pc, &failed));
+  CHECK(failed != PC_NOERROR);
+}
+
+TEST_CASE("incomplete factor: a matrix of other blocks is refused with words") {
+  petsc::MatHandle thin;
+  VOILE_PETSC(
+      MatCreateAIJ(PETSC_COMM_WORLD, 4, 4, PETSC_DETERMINE, PETSC_DETERMINE, 1, nullptr, 0, nullptr, thin.out()));
+  VOILE_PETSC(MatAssemblyBegin(thin, MAT_FINAL_ASSEMBLY));
+  VOILE_PETSC(MatAssemblyEnd(thin, MAT_FINAL_ASSEMBLY));
+  VOILE_PETSC(MatShift(thin, 1.0));
+  Solver solver(thin);
+  VOILE_PETSC(PetscPushErrorHandler(PetscReturnErrorHandler, nullptr));  // PETSc's own would end the process
+  const PetscErrorCode code = KSPSetUp(solver.ksp);
+  VOILE_PETSC(PetscPopErrorHandler());
+  CHECK(code == PETSC_ERR_SUP);
+  CHECK_THROWS_AS(petsc::check(code, "KSPSetUp"), UserError);
+}
