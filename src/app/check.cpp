@@ -9,6 +9,7 @@
 #include "remesher.hpp"
 #include "restart.hpp"
 #include "stages.hpp"
+#include "validity.hpp"
 #include "voile/app/run.hpp"
 #include "voile/base/mpi.hpp"
 #include "voile/base/petsc.hpp"
@@ -86,6 +87,7 @@ void check(const input::Case& whole) {
   const MeshQuality quality = measure_quality(PETSC_COMM_WORLD, mesh, c.element);
   const petsc::VecHandle start = model.dofs().create_vector();
   if (!c.mesh.start.empty()) model.dofs().scatter(start_shape(c, mesh), start);
+  const system::TriangleFields at_rest = model.triangle_fields(start);
   for (const Stage& stage : stages) check_remesh(stage.c, mesh);
   std::string outlook;
   if (c.remesh.active) {
@@ -100,6 +102,8 @@ void check(const input::Case& whole) {
     for (const input::Probe& p : c.probes)
       if (!p.group.empty()) (void)mesh.group(p.group);
     report(mesh, quality, c.element);
+    if (const std::string text = locking_warning(model.discretisation().sheet(), at_rest); !text.empty())
+      fmt::print("warning: {}\n", text);
     std::size_t fixed = 0;
     for (const auto& [v, support] : model.discretisation().constraints().vertices)
       fixed += static_cast<std::size_t>(std::count(support.fixed.begin(), support.fixed.end(), true));

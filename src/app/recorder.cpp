@@ -66,6 +66,7 @@ void Recorder::begin_epoch() {
 void Recorder::use(system::Model& model, const system::Dynamics* dynamics) {
   model_ = &model;
   dynamics_ = dynamics;
+  chord_error_.reset();
   if (mesh_ == &model.dofs().mesh()) return;
   mesh_ = &model.dofs().mesh();
   resolve_probes();
@@ -346,6 +347,7 @@ void Recorder::write_fields(io::StepFields step, Vec a, const Snapshot& s) {
     add("membrane_force", "N/m", io::Centre::triangle, t.membrane_force);
     add("curvature", "1/m", io::Centre::triangle, t.curvature);
     add("bending_moment", "N", io::Centre::triangle, t.bending_moment);
+    if (case_.analysis != "modal" && case_.analysis != "buckling") add_membrane_error(step, t);
     if (case_.output.stresses != input::OutputSection::Stresses::none)
       for (io::Field& f : stress_fields(model_->discretisation().sheet(), t,
                                         case_.output.stresses == input::OutputSection::Stresses::plies))
@@ -353,6 +355,35 @@ void Recorder::write_fields(io::StepFields step, Vec a, const Snapshot& s) {
     if (obstacles_ && obstacles_->at_rest().moves) step.obstacles = obstacles_->positions(*model_->contact());
     results_->write(step);
   });
+}
+
+/// On rank 0.
+void Recorder::add_membrane_error(io::StepFields& step, const system::TriangleFields& t) {
+  const energy::Sheet& sheet = model_->discretisation().sheet();
+  if (!chord_error_) {
+    chord_error_.emplace(sheet);
+    const std::string locks = locking_warning(sheet, t);
+    if (!locks.empty() && !std::exchange(warned_of_locking_, true)) fmt::print(stderr, "voile: warning: {}\n", locks);
+  }
+  std::vector<double> error = chord_error_->energies(sheet, t.curvature, t.whole_curvature);
+  double feigned = 0.0, stored = 0.0;
+  for (std::size_t k = 0; k < error.size(); ++k) {
+    const auto of = [k](const std::vector<double>& values) { return Eigen::Map<const Vec3>(&values[3 * k]); };
+    const double area = sheet.mesh().area(static_cast<Index>(k));
+    feigned += area * error[k];
+    stored +=
+        0.5 * area * (of(t.membrane_strain).dot(of(t.membrane_force)) + of(t.curvature).dot(of(t.bending_moment)));
+  }
+  membrane_error_ = stored > 0.0 ? feigned / stored : 0.0;
+  if (wants("membrane_error"))
+    step.fields.push_back({"membrane_error", "J/m^2", io::Centre::triangle, 1, std::move(error)});
+  if (membrane_error_ > error_limit && case_.analysis != "linear" && !std::exchange(warned_of_error_, true))
+    fmt::print(
+        stderr,
+        "voile: warning: straight chords between vertices feign membrane strains of {:.2g} % of the stored energy: "
+        "deflections may be too small by about as much; a finer mesh, or cells that are less stretched and uneven, is "
+        "needed (summary.json: membrane_error; field membrane_error says where)\n",
+        100.0 * membrane_error_);
 }
 
 void Recorder::print_motion(const system::State& state, const solve::StepResult& r, const Snapshot& s) const {

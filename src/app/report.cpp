@@ -45,6 +45,7 @@ Json json_of(const Summary& s) {
           {"time", s.time},
           {"negative_pivots", s.negative_pivots},
           {"residual", s.residual},
+          {"membrane_error", s.membrane_error},
           {"unknowns", s.unknowns},
           {"vertices", s.vertices},
           {"triangles", s.triangles},

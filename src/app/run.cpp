@@ -141,6 +141,7 @@ Summary run_stage(const Stage& stage, std::unique_ptr<Epoch> epoch, io::Checkpoi
     run_modes(c, stage.options, epoch->model(), epoch->state().u, summary);
   if (remesher && !remesher->text().empty()) recorder.remark(remesher->text());
   recorder.finish();
+  summary.membrane_error = recorder.membrane_error();
   state = gather(epoch->state(), epoch->model().dofs());
   summary.wall_seconds = recorder.wall_seconds();
   summary.cpu_seconds = cpu_seconds() - cpu_before;

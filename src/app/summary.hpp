@@ -17,10 +17,11 @@ struct Summary {
   int steps = 0, newton_iterations = 0, factorisations = 0;
   solve::IterativeEffort iterative;
   std::vector<solve::CriticalPoint> critical;
-  std::vector<double> eigen;  ///< frequencies or critical load factors
-  double time = 0.0;          ///< reached in a motion [s]
-  long negative_pivots = -1;  ///< of the last tangent: the last state is unstable if > 0; -1: not known
-  double residual = 0.0;      ///< relative, of the last state
+  std::vector<double> eigen;    ///< frequencies or critical load factors
+  double time = 0.0;            ///< reached in a motion [s]
+  long negative_pivots = -1;    ///< of the last tangent: the last state is unstable if > 0; -1: not known
+  double residual = 0.0;        ///< relative, of the last state
+  double membrane_error = 0.0;  ///< energy that chords feign over that stored (energy/chord_error.hpp)
   long unknowns = 0;
   Index vertices = 0, triangles = 0;
   double cpu_seconds = 0.0, wall_seconds = 0.0;

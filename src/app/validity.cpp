@@ -1,9 +1,13 @@
 #include "validity.hpp"
 
+#include <fmt/format.h>
+
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+
+#include "voile/energy/chord_error.hpp"
 
 namespace voile::app {
 
@@ -66,6 +70,18 @@ Validity assess(const mesh::SurfaceMesh& mesh, const std::vector<double>& displa
     }
   }
   return v;
+}
+
+std::string locking_warning(const energy::Sheet& sheet, const system::TriangleFields& fields) {
+  std::vector<double> rest = fields.whole_curvature;
+  for (std::size_t i = 0; i < rest.size(); ++i) rest[i] -= fields.curvature[i];
+  const double share = energy::locking_estimate(sheet, rest);
+  if (share <= error_limit) return "";
+  return fmt::format(
+      "the mesh is too coarse for a curved shell this thin: where it bends without stretching, deflections can be too "
+      "small "
+      "by about {:.2g} %; use a finer mesh, or element.membrane = \"cst\"",
+      100.0 * share);
 }
 
 }  // namespace voile::app

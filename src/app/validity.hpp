@@ -6,14 +6,19 @@
 // of D theta per edge (docs/limits.md).
 #pragma once
 
+#include <string>
 #include <vector>
 
+#include "voile/energy/sheet.hpp"
 #include "voile/mesh/surface_mesh.hpp"
+#include "voile/system/recovery.hpp"
 
 namespace voile::app {
 
 /// Largest strain that the law is meant for, and largest turn of an edge that bending follows [rad].
 inline constexpr double strain_limit = 0.1, turn_limit = 1.0471975511965976;
+/// Share of the stored energy that the membrane may owe to its chords (energy/chord_error.hpp).
+inline constexpr double error_limit = 0.05;
 
 struct Validity {
   double strain = 0.0;                             ///< largest |E_1|, |E_2|
@@ -24,5 +29,8 @@ struct Validity {
 
 /// `displacement`: three components per vertex in global axes, mesh order [m]. Not collective.
 [[nodiscard]] Validity assess(const mesh::SurfaceMesh& mesh, const std::vector<double>& displacement);
+
+/// What to tell the user of a curved shell that locks, empty if it does not. `fields` of any state, on rank 0.
+[[nodiscard]] std::string locking_warning(const energy::Sheet& sheet, const system::TriangleFields& fields);
 
 }  // namespace voile::app

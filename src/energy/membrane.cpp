@@ -114,15 +114,13 @@ std::array<Index, MembraneTerm::nodes> MembraneTerm::stencil_of(const Sheet& she
   return points;
 }
 
-void MembraneTerm::add(const Sheet& sheet, Index t, const std::array<Index, nodes>& local, bool owned) {
+MembraneTerm::Element MembraneTerm::element_of(const Sheet& sheet, Index t) {
   const mesh::Frame frame = sheet.frame(t);
   const mesh::Patch patch = sheet.patches().patch(t, frame);
   const auto& p = patch.coordinates;
-  Element el;
-  el.points = local;
+  Element el{};
   el.area = patch.area;
   el.material = sheet.material_index(t);
-  el.owned = owned;
   el.own = linear_gradient(p[0], p[1], p[2]);
   el.own_metric = Vec3(0.5, 0.5, 0.0);
   for (int s = 0; s < 3; ++s) {
@@ -156,7 +154,44 @@ void MembraneTerm::add(const Sheet& sheet, Index t, const std::array<Index, node
     el.side_metric[s] = half_metric(a1, a2);
     d = mix((1.0 - share) * stretch);
   }
+  return el;
+}
+
+void MembraneTerm::add(const Sheet& sheet, Index t, const std::array<Index, nodes>& local, bool owned) {
+  Element el = element_of(sheet, t);
+  el.points = local;
+  el.owned = owned;
   elements_.push_back(el);
+}
+
+std::array<Eigen::Matrix<double, MembraneTerm::nodes, MembraneTerm::nodes>, 3> MembraneTerm::forms(const Sheet& sheet,
+                                                                                                   Index t) {
+  using Weights = Eigen::Matrix<double, 2, nodes>;
+  const Element el = element_of(sheet, t);
+  std::array<Eigen::Matrix<double, nodes, nodes>, 3> forms;
+  forms.fill(Eigen::Matrix<double, nodes, nodes>::Zero());
+  const auto add = [&](double share, const Weights& d) {
+    forms[0] += share * d.row(0).transpose() * d.row(0);
+    forms[1] += share * d.row(1).transpose() * d.row(1);
+    forms[2] += share * (d.row(0).transpose() * d.row(1) + d.row(1).transpose() * d.row(0));
+  };
+  const ElementOptions& options = sheet.options();
+  const double own = options.membrane == MembraneOperator::cst        ? 1.0
+                     : options.membrane == MembraneOperator::six_node ? options.cst_share
+                                                                      : 0.0;
+  for (int s = 0; s < 3; ++s) {
+    Weights d = Weights::Zero(), of_triangle = Weights::Zero();
+    for (int alpha = 0; alpha < 2; ++alpha) {
+      for (int k = 0; k < 3; ++k) {
+        d(alpha, k) = el.side[s][alpha][k];
+        of_triangle(alpha, k) = el.own[alpha][k];
+      }
+      d(alpha, 3 + s) = el.side[s][alpha][3];
+    }
+    add((1.0 - own) / 3.0, d);
+    add(own / 3.0, of_triangle);
+  }
+  return forms;
 }
 
 MembraneTerm::Samples MembraneTerm::samples(Index e, const Configuration& c) const {

@@ -240,11 +240,13 @@ std::vector<Key> keys_of(OutputSection& s) {
       {.name = "fields",
        .slot = Words{&s.fields,
                      {"displacement", "reaction", "velocity", "membrane_force", "bending_moment", "curvature",
-                      "membrane_strain", "contact_force", "friction_force", "contact_pressure", "gives_way"}},
-       .meaning = "Fields in `results.vtkhdf`, any of `displacement`, `velocity`, `reaction`, `membrane_force`, "
-                  "`bending_moment`, "
-                  "`curvature`, `membrane_strain`, `contact_force`, `friction_force`, `contact_pressure`, "
-                  "`gives_way` (1 where an obstacle does).",
+                      "membrane_strain", "membrane_error", "contact_force", "friction_force", "contact_pressure",
+                      "gives_way"}},
+       .meaning =
+           "Fields in `results.vtkhdf`, any of `displacement`, `velocity`, `reaction`, `membrane_force`, "
+           "`bending_moment`, "
+           "`curvature`, `membrane_strain`, `membrane_error`, `contact_force`, `friction_force`, `contact_pressure`, "
+           "`gives_way` (1 where an obstacle does).",
        .absent = "all of them"},
       {.name = "stresses",
        .slot = choice(s.stresses, {{"none", OutputSection::Stresses::none},

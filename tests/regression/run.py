@@ -278,6 +278,36 @@ def poor_meshes(report):
 
 
 @test
+def estimated_errors(report):
+    """Wrong deflections are told: chords of uneven cells by the share of the energy, thin curved shells by how much they lock."""
+    reference = BENCHMARKS["cantilever_shear"].reference
+    for nx, ny, jitter in ((20, 16, 0.25), (20, 2, 0.0)):
+        case = base("cantilever_shear", output={"fields": ["displacement", "membrane_error"], "every": 100})
+        case["mesh"] = {"file": str(strip_mesh(OUT / f"estimated_{ny}.msh", nx, ny, jitter))}
+        result = solve(f"estimated_{ny}", case, 1)
+        error, estimate = 1 + result.history["tip_x"][-1] / reference["minus_u_tip_elastica"][-1], result.summary["membrane_error"]
+        told = "feign membrane strains" in result.text
+        field = result.results[-1]["membrane_error"]
+        report.check(np.all(field >= 0) and field.max() > 0, "the field says where")
+        if jitter:
+            report.check(told and 0.5 < estimate / error < 2, f"-u of the tip is {100 * error:.1f} % too small, estimated {100 * estimate:.1f} %")
+        else:
+            report.check(not told and estimate < 1e-3, f"even cells: {100 * error:.2f} %, estimated {100 * estimate:.3f} %")
+    hypar = load_case(ROOT / "runs" / "linear" / "hypar_1000.toml")
+    deflection = {}
+    for n in (16, 64):
+        result = solve(f"estimated_hypar_{n}", variant(hypar, {"mesh.parameters.n": n}), 1)
+        deflection[n] = result.history["A_z"][-1]
+        said = re.findall(r"too small by about (\d+) %", result.text)
+        checked = re.findall(r"too small by about (\d+) %", invoke(["check", OUT / f"estimated_hypar_{n}.toml"])[1])
+        report.check(said == checked and bool(said) == (n == 16), f"saddle, n = {n}: run says {said}, check {checked}")
+        if said:
+            estimate = 0.01 * int(said[0])
+    error = 1 - deflection[16] / deflection[64]
+    report.check(0.5 < estimate / error < 2, f"it is {100 * error:.0f} % too small, estimated {100 * estimate:.0f} %")
+
+
+@test
 def stalled(report):
     """A run that ends without convergence names the triangles where the residual is largest, alike on 1 and 2 ranks."""
     case = strip_case(strip_mesh(OUT / "stalled.msh", 20, 2, 0.0), load__0__vector=[0, 0, 400.0])

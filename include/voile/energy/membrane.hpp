@@ -17,6 +17,7 @@
 // free boundary or on a crease uses the triangle's own gradient.
 #pragma once
 
+#include <Eigen/Core>
 #include <array>
 #include <vector>
 
@@ -36,6 +37,8 @@ class MembraneTerm {
   /// Points of the stencil of triangle t in mesh numbering; a missing apex is replaced by the first vertex (its weights
   /// are zero).
   [[nodiscard]] static std::array<Index, nodes> stencil_of(const Sheet& sheet, Index t);
+  /// The mean strain of triangle t as a function of the points of its stencil: E_r = 1/2 sum_ij Q^r_ij x_i.x_j - rest.
+  [[nodiscard]] static std::array<Eigen::Matrix<double, nodes, nodes>, 3> forms(const Sheet& sheet, Index t);
   /// Adds the element of triangle t, with its stencil in local numbering.
   void add(const Sheet& sheet, Index t, const std::array<Index, nodes>& local, bool owned);
 
@@ -99,6 +102,8 @@ class MembraneTerm {
     std::array<std::array<Mat3, nodes>, nodes> k;
   };
 
+  /// Without stencil and owner.
+  [[nodiscard]] static Element element_of(const Sheet& sheet, Index t);
   void gradient_of(Index e, const Configuration& c, std::array<Vec3, nodes>& g) const;
   void prepare(Index e, const Configuration& c, Workspace& w) const;
   /// Strains of the samples that W is made of: the sides' or their mean, and the triangle's own.
