@@ -204,7 +204,7 @@ std::string IntersectionCheck::report(const std::vector<Vec3>& positions,
   };
   std::map<std::pair<Index, Index>, std::pair<int, Vec3>> by_bodies;
   for (const auto& [i, j] : pairs) {
-    const auto bodies = std::minmax(part_of(i), part_of(j));
+    const auto bodies = std::minmax({part_of(i), part_of(j)});
     auto& [count, place] = by_bodies[{bodies.first, bodies.second}];
     if (count++ == 0) place = all.positions[all.triangles[static_cast<std::size_t>(i)][0]];
   }

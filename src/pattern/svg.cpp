@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <Eigen/Dense>
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdlib>
@@ -11,6 +12,7 @@
 
 #include "readers.hpp"
 #include "voile/base/error.hpp"
+#include "voile/base/text.hpp"
 
 namespace voile::pattern {
 
@@ -118,9 +120,10 @@ class Reader {
     to_metres.m = Vec2(unit_, -unit_).asDiagonal();  // y points down in the file
     walk(root, to_metres, "");
     if (pattern_.pieces.empty())
-      throw UserError(
-          fmt::format("{}: there is no outline in it; draw each piece as a closed path, polygon, polyline or rect{}",
-                      pattern_.file.string(), options_.pieces.empty() ? "" : ", with one of the names in `pieces`"));
+      throw UserError(fmt::format(
+          "{}: there is no outline in it; draw each piece as a closed path, polygon, polyline or rect{}",
+          pattern_.file.string(),
+          seen_.empty() ? "" : fmt::format("; `pieces` names none of those there are: {}", join(seen_, ", "))));
     return std::move(pattern_);
   }
 
@@ -202,6 +205,7 @@ class Reader {
         element == "line" || element == "circle" || element == "ellipse" || element == "image" || element == "use";
     const bool is_outline = element == "path" || element == "polygon" || element == "polyline" || element == "rect";
     const std::vector<std::string>& wanted = options_.pieces;
+    if (is_outline) seen_.push_back(name);
     if (!wanted.empty() && std::find(wanted.begin(), wanted.end(), name) == wanted.end()) return;
     if (is_line) pattern_.notes.push_back(fmt::format("{} is passed over; a piece is a path, polygon or rect", where));
     if (!is_outline) return;
@@ -219,6 +223,7 @@ class Reader {
 
   const ReadOptions& options_;
   Pattern pattern_;
+  std::vector<std::string> seen_;  ///< names of outlines
   double unit_ = 0.0;
 };
 
