@@ -156,7 +156,7 @@ Summary run_stage(const Stage& stage, std::unique_ptr<Epoch> epoch, io::Checkpoi
 /// The mesh of the case. Collective. Throws UserError.
 mesh::SurfaceMesh load_case_mesh(const input::Case& c) {
   mesh::SurfaceMesh mesh = case_mesh(c);
-  const auto remeshes = [](const input::Case& one) { return one.remesh.active; };
+  const auto remeshes = [](const input::Case& one) { return one.remesh.active || !one.stage.sew.empty(); };
   if (!remeshes(c) && std::none_of(c.stages.begin(), c.stages.end(), remeshes)) return mesh;
   mesh::MeshData data = mesh.data();
   name_probes(c, data);

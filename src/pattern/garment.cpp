@@ -26,6 +26,9 @@ struct EdgeNodes {
   std::vector<Index> vertices;
 };
 
+/// Cells of a panel beyond which its size must be a mistake.
+constexpr double most_cells = 2e6;
+
 std::string where(const Panel& p) {
   return fmt::format("{}: piece '{}'", p.file, p.piece.name);
 }
@@ -239,6 +242,10 @@ Garment make_garment(std::vector<Panel> panels, const std::vector<SeamRequest>& 
   if (panels.empty()) throw InternalError("a garment without panels");
   for (std::size_t p = 0; p < panels.size(); ++p) {
     panels[p].check_wrap();
+    if (const double cells = 2.3 * std::abs(panels[p].piece.signed_area()) / std::pow(panels[p].size, 2);
+        cells > most_cells)
+      throw UserError(fmt::format("{}: cells of {:.3g} m would be about {:.2g} in number; make the key size larger",
+                                  where(panels[p]), panels[p].size, cells));
     for (std::size_t q = 0; q < p; ++q)
       if (panels[p].piece.name == panels[q].piece.name)
         throw UserError(

@@ -109,9 +109,10 @@ class Reader {
     return relative_ ? Vec2(a + p[0] * e + p[1] * Vec2(-e[1], e[0])) : Vec2(unit_ * p);
   }
 
-  [[nodiscard]] Curve read_curve(const Node& edge, const Vec2& a, const Vec2& b) const {
+  [[nodiscard]] Curve read_curve(const Node& edge, const Vec2& a, const Vec2& b) {
     if (!edge.has("curvature")) return Curve::bezier({a, b});
     const Node c = edge["curvature"];
+    is_old_ = is_old_ || c.is_array();
     if (c.is_array()) return Curve::bezier({a, control(c, a, b), b});
     const std::string type = c.object()["type"].text();
     const Node params = c["params"];
@@ -186,7 +187,8 @@ class Reader {
   void read_stitches(const Node& stitches) {
     for (std::size_t k = 0; k < stitches.size(); ++k) {
       const Node stitch = stitches.at(k, fmt::format("stitch {}", k)).array(2);
-      Stitch s{{read_end(stitch.at(0, "first side")), read_end(stitch.at(1, "second side"))}, Sense::against};
+      Stitch s{{read_end(stitch.at(0, "first side")), read_end(stitch.at(1, "second side"))},
+               is_old_ ? Sense::nearest : Sense::against};
       if (stitch.size() > 2) {
         const Node third = stitch.at(2, "third entry");
         if (third.is_text() && third.text() == "right_wrong")
@@ -208,6 +210,7 @@ class Reader {
   std::map<std::string, std::size_t> known_;  ///< panels and how many edges they have
   double unit_ = 0.01;
   bool relative_ = true;
+  bool is_old_ = false;  ///< written before stitches had a sense, as control points without a kind of curve tell
 
  public:
   std::vector<std::string> two_angles_;  ///< panels whose place depends on the order of the angles
@@ -223,6 +226,8 @@ Pattern read_garmentcode(const std::filesystem::path& file, const ReadOptions& o
   } catch (const Json::parse_error& e) {
     throw UserError(fmt::format("{}: this is not valid JSON (at byte {} of {}); export the pattern again",
                                 file.string(), e.byte, text.size()));
+  } catch (const Json::exception& e) {  // a number that none can hold
+    throw UserError(fmt::format("{}: this is not valid JSON ({}); export the pattern again", file.string(), e.what()));
   }
   Reader reader(file, json, options);
   Pattern pattern = reader.run();

@@ -8,6 +8,7 @@
 #include <iterator>
 
 #include "readers.hpp"
+#include "voile/base/child_process.hpp"
 #include "voile/base/error.hpp"
 #include "voile/base/text.hpp"
 #include "voile/pattern/outline.hpp"
@@ -93,18 +94,27 @@ std::string text_of(const std::filesystem::path& file) {
   return text;
 }
 
-Pattern read_pattern(const std::filesystem::path& file, const ReadOptions& options) {
-  const std::string extension = file.extension().string();
-  if (extension != ".json" && extension != ".svg")
-    throw UserError(
-        fmt::format("{}: unknown kind of pattern '{}'; give a GarmentCode .json or an .svg", file.string(), extension));
-  Pattern pattern = extension == ".json" ? read_garmentcode(file, options) : read_svg(file, options);
+namespace {
+
+Pattern read_unguarded(const std::filesystem::path& file, const ReadOptions& options) {
+  Pattern pattern = file.extension() == ".json" ? read_garmentcode(file, options) : read_svg(file, options);
   check_names(pattern, options.pieces);
   for (const Piece& piece : pattern.pieces) {
     check_size(pattern, piece);
     check_outline(pattern, piece);
   }
   return pattern;
+}
+
+}  // namespace
+
+Pattern read_pattern(const std::filesystem::path& file, const ReadOptions& options) {
+  const std::string extension = file.extension().string();
+  if (extension != ".json" && extension != ".svg")
+    throw UserError(
+        fmt::format("{}: unknown kind of pattern '{}'; give a GarmentCode .json or an .svg", file.string(), extension));
+  try_in_child(file.string(), [&] { (void)read_unguarded(file, options); });
+  return read_unguarded(file, options);
 }
 
 }  // namespace voile::pattern

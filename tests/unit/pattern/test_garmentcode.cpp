@@ -114,3 +114,41 @@ TEST_CASE("GarmentCode: what is wrong is named with panel, edge and remedy") {
   says(file(square, "[0, 0, 0]", R"(, "properties": {"units_in_meter": 1})"), {"'P'", "100 m x 100 m", "unit"});
   CHECK(has(refusal("pattern.json", file(square), {.pieces = {"Q"}}), "no piece 'Q'"));
 }
+
+TEST_CASE("GarmentCode: old files leave open which ends of a stitch meet") {
+  const std::string stitch = R"([[{"panel": "P", "edge": 1}, {"panel": "P", "edge": 3}]])";
+  CHECK(read("pattern.json", file(square, "[0, 0, 0]", "", stitch)).stitches.at(0).sense == pattern::Sense::against);
+  CHECK(read("pattern.json", file(curved("[0.5, 0.1]"), "[0, 0, 0]", "", stitch)).stitches.at(0).sense ==
+        pattern::Sense::nearest);
+  const std::string wrong = R"([[{"panel": "P", "edge": 1}, {"panel": "P", "edge": 3}, "right_wrong"]])";
+  CHECK(read("pattern.json", file(square, "[0, 0, 0]", "", wrong)).stitches.at(0).sense == pattern::Sense::along);
+}
+
+TEST_CASE("damaged patterns are refused or read, but nothing crashes") {
+  const std::string json =
+      file(curved(R"({"type": "circle", "params": [80, 0, 1]})"), "[90, 45, 0]",
+           R"(, "properties": {"units_in_meter": 100})", R"([[{"panel": "P", "edge": 1}, {"panel": "P", "edge": 3}]])");
+  const std::string svg =
+      R"x(<svg width="1m" height="1m" viewBox="0 0 1000 1000"><g transform="rotate(30) scale(1 2)"><path id="P" )x"
+      R"x(d="M0 0 C 60 -60 130 -60 200 0 a100,50 30 0 1 40 0 V200 q 5 5 -50 0 T0 200Z"/></g></svg>)x";
+  const std::string bytes = "0123456789-+.eE,[]{}\"'<>/ZzMmAaCcNn \n";
+  unsigned state = 12345;
+  const auto random = [&](std::size_t end) { return (state = state * 1664525u + 1013904223u) / 65536u % end; };
+  int refused = 0;
+  for (int k = 0; k < 300; ++k) {
+    std::string text = k % 2 ? json : svg;
+    for (std::size_t i = 0; i <= random(4); ++i) {
+      const std::size_t at = random(text.size());
+      if (random(3) == 0)
+        text.erase(at, random(20));
+      else
+        text[at] = bytes[random(bytes.size())];
+    }
+    refused += refusal(k % 2 ? "damaged.json" : "damaged.svg", text).empty() ? 0 : 1;
+  }
+  CHECK(refused > 100);
+  std::string deep;
+  for (int k = 0; k < 200000; ++k) deep += "<g>";
+  (void)refusal("deep.svg", R"(<svg width="1m" viewBox="0 0 9 9">)" + deep);
+  CHECK(has(refusal("huge.json", R"({"pattern": 1e999})"), "not valid JSON"));
+}
