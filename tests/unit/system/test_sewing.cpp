@@ -1,6 +1,8 @@
 // Seams in a model: a weld leaves no trace in a flat sheet; the springs that close one; what contact leaves alone.
 #include <doctest/doctest.h>
 
+#include <Eigen/Geometry>
+
 #include <cmath>
 #include <random>
 
