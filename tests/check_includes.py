@@ -19,9 +19,10 @@ LAYERS = {
     "system": {"contact", "energy", "geometry", "mesh", "base"},
     "solve": {"system", "mesh", "base"},
     "io": {"geometry", "mesh", "base"},
+    "pattern": {"io", "mesh", "base"},
     "input": {"solve", "system", "energy", "io", "mesh", "base"},
     "picture": {"adapt", "io", "geometry", "mesh", "base"},
-    "app": {"base", "mesh", "energy", "geometry", "adapt", "contact", "untangle", "system", "solve", "io", "input", "picture"},
+    "app": {"base", "mesh", "energy", "geometry", "adapt", "contact", "untangle", "system", "solve", "io", "pattern", "input", "picture"},
 }
 
 # Header -> files that may include it, as "<layer>/<file without suffix>" patterns. The first match counts.
@@ -31,8 +32,8 @@ THIRD_PARTY = [
     (r"metis\.h", r"mesh/partition|.*/mumps.*"),
     (r"[sd]mumps_c\.h", r".*/mumps.*"),
     (r"hdf5.*\.h|H5.*\.h", r"io/.*"),
-    (r"gmsh\.h(_cwrap)?", r"io/gmsh"),
     (r"CGAL/.*", r"geometry/intersections|geometry/closest_triangle|io/triangle_file"),
+    (r"gmsh\.h(_cwrap)?", r"io/gmsh.*"),
     (r"toml\+\+/.*", r"input/case.*|picture/recording"),
     (r"embree3/.*", r"picture/tracing"),
     (r"stb/.*", r"picture/truetype"),
@@ -40,8 +41,10 @@ THIRD_PARTY = [
     (r"webp/.*|gif_lib\.h", r"picture/animation"),
     (r"muParser\.h", r"input/case_expression"),
     (r"mpi\.h", r"base/mpi.*|app/main"),
-    (r"nlohmann/.*", r"app/.*|input/.*|picture/export_gltf|picture/viewer"),
+    (r"pugixml\.hpp", r"pattern/svg"),
+    (r"nlohmann/.*", r"app/.*|input/.*|pattern/garmentcode|picture/export_gltf|picture/viewer"),
     (r"CLI/.*", r"app/main|app/picture_.*"),
+    (r"boost/math/.*", r"pattern/curve"),
     (r"Eigen/.*", r".*"),
     (r"fmt/.*", r".*"),
     (r"dlfcn\.h", r".*/mumps.*"),

@@ -32,10 +32,12 @@ def text(value: Any) -> str:
 
 
 class Mesh:
-    """The mesh of an epoch: positions at rest, triangles, groups and the rank that each vertex and triangle was on."""
+    """The mesh of an epoch: positions at the start, triangles, the rest positions of their corners (those of a garment lie in
+    its panels), groups and the rank that each vertex and triangle was on."""
 
     def __init__(self, record: h5py.Group) -> None:
         self.positions, self.triangles = record["positions"][...], record["triangles"][...]
+        self.rest = record["rest"][...].reshape(-1, 3, 3) if "rest" in record else self.positions[self.triangles]
         self.source = text(record.attrs["source"])
         self.partition = {name: data[...] for name, data in record["partition"].items()}
         groups = [record["groups"][name] for name in sorted(record["groups"])]

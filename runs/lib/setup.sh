@@ -3,7 +3,7 @@
 # The caller sets `root` to the root of the repository.
 
 PACKAGES_BUILD="build-essential cmake ninja-build pkg-config petsc-dev libslepc-real-dev libmumps-dev libmetis-dev libopenmpi-dev openmpi-bin
-libhdf5-openmpi-dev libgmsh-dev libcgal-dev libgmp-dev libmpfr-dev libopenblas0-pthread libeigen3-dev libtomlplusplus-dev libmuparser-dev libcli11-dev libfmt-dev nlohmann-json3-dev doctest-dev
+libhdf5-openmpi-dev libgmsh-dev libcgal-dev libgmp-dev libmpfr-dev libopenblas0-pthread libeigen3-dev libtomlplusplus-dev libmuparser-dev libcli11-dev libfmt-dev nlohmann-json3-dev libpugixml-dev libboost-dev doctest-dev
 libembree-dev libtbb-dev libpng-dev libwebp-dev libgif-dev libstb-dev fonts-dejavu-core
 python3-h5py python3-matplotlib python3-numpy"
 PACKAGES_TEST="clang-14 clang-format-14 clang-tidy-14"

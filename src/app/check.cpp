@@ -5,9 +5,11 @@
 
 #include "contact_start.hpp"
 #include "free_motions.hpp"
+#include "garment.hpp"
 #include "mesh_report.hpp"
 #include "remesher.hpp"
 #include "restart.hpp"
+#include "sewing.hpp"
 #include "stages.hpp"
 #include "validity.hpp"
 #include "voile/app/run.hpp"
@@ -77,9 +79,12 @@ void info(const mesh::SurfaceMesh& mesh, const energy::ElementOptions& element) 
 }
 
 void check(const input::Case& whole) {
-  const mesh::SurfaceMesh mesh = load_mesh(whole.mesh.file, whole.mesh.options);
+  const std::string garment = garment_report(whole);
+  const auto given = std::make_shared<const mesh::SurfaceMesh>(case_mesh(whole));
+  const mesh::SurfaceMesh& mesh = *given;
   const std::vector<Stage> stages = stages_of(whole, {});
-  for (std::size_t k = 1; k < stages.size(); ++k) check_stage(stages[k], mesh);
+  const auto meshes = stage_meshes(stages, given);
+  for (std::size_t k = 1; k < stages.size(); ++k) check_stage(stages[k], *meshes[k]);
   const input::Case& c = stages.front().c;
   system::Model model(PETSC_COMM_WORLD, mesh, stages.front().input);
   if (c.analysis == "modal" || c.analysis == "dynamic") system::require_mass(model);
@@ -104,6 +109,7 @@ void check(const input::Case& whole) {
     report(mesh, quality, c.element);
     if (const std::string text = locking_warning(model.discretisation().sheet(), at_rest); !text.empty())
       fmt::print("warning: {}\n", text);
+    fmt::print("{}", garment);
     std::size_t fixed = 0;
     for (const auto& [v, support] : model.discretisation().constraints().vertices)
       fixed += static_cast<std::size_t>(std::count(support.fixed.begin(), support.fixed.end(), true));

@@ -270,6 +270,8 @@ Exit run_case(const input::Case& c, app::RunOptions options) {
 }
 
 void show_info(const Request& request, const std::optional<input::Case>& c) {
+  if (c && !c->panels.empty())
+    throw UserError(fmt::format("{}: info is for mesh files; use check for panels", request.file));
   const std::filesystem::path mesh_file = c ? c->mesh.file : std::filesystem::path(request.file);
   io::MeshOptions options = c ? c->mesh.options : io::MeshOptions{};
   options.allow_system_call = request.allow_system_call;

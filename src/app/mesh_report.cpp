@@ -178,7 +178,7 @@ std::vector<std::string> mesh_notes(const mesh::SurfaceMesh& mesh) {
   for (std::string& text : mesh::seam_notes(mesh)) notes.push_back(std::move(text));
   const double tolerance = mesh::default_merge_tolerance(mesh.data());
   const mesh::Coincidence c = mesh::find_coincident(mesh.data(), tolerance);
-  if (c.places > 0)
+  if (c.places > 0 && mesh.data().seams.empty())
     notes.push_back(
         fmt::format("{} vertices lie at {} places that others share (within {:.2g} m), from {} to {}: the surface is "
                     "slit there; if "

@@ -31,6 +31,21 @@ void broadcast_groups(MPI_Comm comm, std::vector<mesh::Group>& groups) {
   }
 }
 
+void broadcast_seams(MPI_Comm comm, std::vector<mesh::Seam>& seams) {
+  std::vector<Index> count{static_cast<Index>(seams.size())};
+  mpi::broadcast(comm, count);
+  seams.resize(static_cast<std::size_t>(count[0]));
+  for (mesh::Seam& seam : seams) {
+    std::vector<Index> members;
+    for (const auto& pair : seam.pairs) members.insert(members.end(), pair.begin(), pair.end());
+    mpi::broadcast(comm, seam.name);
+    mpi::broadcast(comm, members);
+    mpi::broadcast(comm, seam.lengths);
+    seam.pairs.resize(seam.lengths.size());
+    for (std::size_t k = 0; k < seam.pairs.size(); ++k) seam.pairs[k] = {members[2 * k], members[2 * k + 1]};
+  }
+}
+
 }  // namespace
 
 void broadcast_mesh(MPI_Comm comm, mesh::MeshData& data) {
@@ -56,6 +71,7 @@ void broadcast_mesh(MPI_Comm comm, mesh::MeshData& data) {
   data.rest.resize(rest.size() / 9);
   for (std::size_t i = 0; i < rest.size(); i += 3) data.rest[i / 9][i / 3 % 3] = Eigen::Map<Vec3>(&rest[i]);
   broadcast_groups(comm, data.groups);
+  broadcast_seams(comm, data.seams);
   data.positions.resize(coordinates.size() / 3);
   data.triangles.resize(corners.size() / 3);
   for (std::size_t v = 0; v < data.positions.size(); ++v) data.positions[v] = Eigen::Map<Vec3>(&coordinates[3 * v]);

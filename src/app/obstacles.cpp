@@ -165,6 +165,14 @@ std::vector<geometry::TrianglePair> IntersectionCheck::find(const std::vector<Ve
     return system::gives_way(contact_, all.triangles[static_cast<std::size_t>(i)],
                              all.body[static_cast<std::size_t>(j)]);
   };
+  const contact::Surface& s = contact_.set().surface();
+  const auto are_sewn = [&](Index i, Index j) {  // they will share a vertex
+    for (const Index p : all.triangles[static_cast<std::size_t>(i)])
+      for (const Index q : all.triangles[static_cast<std::size_t>(j)])
+        if (p != q && s.same(p, q)) return true;
+    return false;
+  };
+  if (!s.joined.empty()) std::erase_if(pairs, [&](const auto& p) { return are_sewn(p.first, p.second); });
   std::erase_if(pairs,
                 [&](const auto& p) { return is_given_way(p.first, p.second) || is_given_way(p.second, p.first); });
   return pairs;
@@ -175,17 +183,35 @@ std::string IntersectionCheck::report(const std::vector<Vec3>& positions,
                                       const std::filesystem::path& file) const {
   const Triangles all = triangles_at(positions);
   if (!file.empty()) geometry::write_pairs(file, all.positions, all.triangles, all.body, pairs);
+  const std::vector<contact::Body>& bodies_of_contact = contact_.set().surface().bodies;
+  const auto known = static_cast<Index>(bodies_of_contact.size());
+  const mesh::SurfaceMesh& sheet = contact_.dofs().mesh();
+  std::vector<std::string> panels;
+  std::vector<Index> panel_of(static_cast<std::size_t>(sheet.triangle_count()), no_index);
+  if (!sheet.data().rest.empty())
+    for (const mesh::Group& g : sheet.groups()) {
+      if (g.dimension != 2) continue;
+      for (const Index t : g.triangles) panel_of[t] = static_cast<Index>(panels.size());
+      panels.push_back(g.name);
+    }
+  // A panel of the sheet counts as a body of its own.
+  const auto part_of = [&](Index t) {
+    const bool in_panel = t < sheet.triangle_count() && panel_of[t] != no_index;
+    return in_panel ? known + panel_of[t] : all.body[static_cast<std::size_t>(t)];
+  };
+  const auto name_of = [&](Index part) {
+    return part < known ? bodies_of_contact[part].name : fmt::format("panel '{}'", panels[part - known]);
+  };
   std::map<std::pair<Index, Index>, std::pair<int, Vec3>> by_bodies;
   for (const auto& [i, j] : pairs) {
-    const auto bodies = std::minmax(all.body[static_cast<std::size_t>(i)], all.body[static_cast<std::size_t>(j)]);
+    const auto bodies = std::minmax({part_of(i), part_of(j)});
     auto& [count, place] = by_bodies[{bodies.first, bodies.second}];
     if (count++ == 0) place = all.positions[all.triangles[static_cast<std::size_t>(i)][0]];
   }
   std::vector<std::string> texts;
   for (const auto& [bodies, found] : by_bodies)
     texts.push_back(fmt::format("{} pair(s) of {} and {}, first near ({:.4g}, {:.4g}, {:.4g})", found.first,
-                                contact_.set().surface().bodies[bodies.first].name,
-                                contact_.set().surface().bodies[bodies.second].name, found.second[0], found.second[1],
+                                name_of(bodies.first), name_of(bodies.second), found.second[0], found.second[1],
                                 found.second[2]));
   return join(texts, "; ");
 }

@@ -7,6 +7,7 @@
 #include <numbers>
 #include <utility>
 
+#include "sewing.hpp"
 #include "stresses.hpp"
 #include "voile/base/error.hpp"
 #include "voile/base/mpi.hpp"
@@ -112,6 +113,7 @@ std::vector<std::string> Recorder::columns() const {
                              "wall_seconds"};
   Names names = case_.analysis == "dynamic" ? of_motion : of_path;
   names.insert(names.end(), {"largest_strain", "largest_turn"});
+  if (!case_.stage.sew.empty()) names.emplace_back("seam_gap");
   if (case_.remesh.active) names.insert(names.end(), {"vertices", "remeshings"});
   if (case_.contact.input.active)
     for (const char* name : {"contact_pairs", "smallest_gap", "cut_short", "shortest_iteration", "intersections"})
@@ -307,6 +309,7 @@ std::vector<double> Recorder::common_values(const system::State& state, const so
 void Recorder::write_history(const system::State& state, const solve::StepResult& r, const Snapshot& s) {
   std::vector<double> values = common_values(state, r, s);
   values.insert(values.end(), {s.validity.strain, s.validity.turn});
+  if (!case_.stage.sew.empty()) values.push_back(seam_gap(case_, *mesh_, s.displacement));
   if (case_.remesh.active)
     values.insert(values.end(),
                   {static_cast<double>(mesh_->vertex_count()), static_cast<double>(state.remeshings.count)});

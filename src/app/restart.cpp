@@ -110,7 +110,7 @@ std::shared_ptr<const mesh::SurfaceMesh> mesh_of_start(const input::Case& c, con
       data = io::read_checkpoint_mesh(options.restart);
       return;
     }
-    if (!c.remesh.active) return;
+    if (!c.remesh.active && c.panels.empty()) return;
     mesh::MeshData stored = io::read_step_mesh(options.restart, options.restart_step);
     if (stored.triangles != first->triangles()) data = std::move(stored);
   });

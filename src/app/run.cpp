@@ -13,6 +13,7 @@
 #include "carry.hpp"
 #include "contact_start.hpp"
 #include "epoch.hpp"
+#include "garment.hpp"
 #include "model_input.hpp"
 #include "modes.hpp"
 #include "output_folder.hpp"
@@ -20,6 +21,7 @@
 #include "remesher.hpp"
 #include "report.hpp"
 #include "restart.hpp"
+#include "sewing.hpp"
 #include "stages.hpp"
 #include "voile/base/interrupt.hpp"
 #include "voile/base/mpi.hpp"
@@ -134,6 +136,10 @@ Summary run_stage(const Stage& stage, std::unique_ptr<Epoch> epoch, io::Checkpoi
     all.reason = e.what();
   }
   checkpoints.write(epoch->state(), epoch->model().dofs());
+  if (all.completed && !c.stage.sew.empty()) {
+    all.reason = open_seam_text(c, epoch->model().dofs().mesh(), gather(epoch->state(), epoch->model().dofs()));
+    all.completed = all.reason.empty();
+  }
   Summary summary = summary_of(all, epoch->state(), c, epoch->model());
   if (all.interrupted && c.analysis == "dynamic")
     summary.reason = fmt::format("stopped by a signal; go on with --restart {}", checkpoints.file().string());
@@ -151,8 +157,8 @@ Summary run_stage(const Stage& stage, std::unique_ptr<Epoch> epoch, io::Checkpoi
 
 /// The mesh of the case. Collective. Throws UserError.
 mesh::SurfaceMesh load_case_mesh(const input::Case& c) {
-  mesh::SurfaceMesh mesh = load_mesh(c.mesh.file, c.mesh.options);
-  const auto remeshes = [](const input::Case& one) { return one.remesh.active; };
+  mesh::SurfaceMesh mesh = case_mesh(c);
+  const auto remeshes = [](const input::Case& one) { return one.remesh.active || !one.stage.sew.empty(); };
   if (!remeshes(c) && std::none_of(c.stages.begin(), c.stages.end(), remeshes)) return mesh;
   mesh::MeshData data = mesh.data();
   name_probes(c, data);
@@ -184,22 +190,25 @@ Exit run(const input::Case& c, const RunOptions& given) {
   RunOptions options = given;
   std::vector<Stage> stages = stages_of(c, options);
   Origin origin = begin_from(c, options, stages);
-  for (std::size_t k = 1; k < stages.size(); ++k) check_stage(stages[k], *first);
+  const std::vector<Mesh> meshes = stage_meshes(stages, first);
+  for (std::size_t k = 1; k < stages.size(); ++k) check_stage(stages[k], *meshes[k]);
   // Whatever is wrong with a restart must show before old results in the output folder go.
   Mesh mesh = mesh_of_start(stages.front().c, options, first);
   io::Checkpoint state = read_start(stages.front().c, options, *mesh, origin);
   if (mesh != first) state.remeshings = std::max(state.remeshings, 1);
   std::optional<OutputFolder> folder;
   std::vector<std::pair<std::string, Summary>> summaries;
-  for (const Stage& stage : stages) {
+  for (std::size_t k = 0; k < stages.size(); ++k) {
+    const Stage& stage = stages[k];
+    weld_before(stage, origin, mesh, state);
     enter_stage(stage.c, *mesh, origin, state);
-    std::unique_ptr<Epoch> epoch = open_stage(stage, *mesh, state, &stage == &stages.front());
+    std::unique_ptr<Epoch> epoch = open_stage(stage, *mesh, state, k == 0);
     mpi::on_root(PETSC_COMM_WORLD, [&] {
       if (!folder) folder.emplace(c, options);
       if (stage.c.is_staged()) folder->add(stage.c);
     });
     settle_contact_start(stage, *epoch, origin);
-    summaries.emplace_back(stage.c.stage.name, run_stage(stage, std::move(epoch), state, origin, first, mesh));
+    summaries.emplace_back(stage.c.stage.name, run_stage(stage, std::move(epoch), state, origin, meshes[k], mesh));
     if (!summaries.back().second.converged) break;
     origin = Origin::stage;
   }

@@ -121,6 +121,13 @@ std::vector<Stage> stages_of(const input::Case& c, const RunOptions& options) {
       hold_over_loads(stages.back(), s);
     }
     s.input = model_input(s.c, known);
+    if (!stages.empty()) {
+      const Stage& before = stages.back();
+      s.sewn_before = before.sewn_before;
+      s.sewn_before.insert(s.sewn_before.end(), before.c.stage.sew.begin(), before.c.stage.sew.end());
+      s.input.sewing.start =
+          before.c.analysis == "dynamic" ? before.c.time.options.end_time : before.input.sewing.start;
+    }
     stages.push_back(std::move(s));
   };
   check_times(c.stages);

@@ -15,7 +15,8 @@ struct Stage {
   input::Case c;
   RunOptions options;  ///< with the folder of the stage
   system::ModelInput input;
-  std::vector<char> frozen;  ///< per support: in this stage it no longer moves
+  std::vector<char> frozen;                ///< per support: in this stage it no longer moves
+  std::vector<std::string> sewn_before{};  ///< seams that earlier stages have closed
 };
 
 /// A case without stages is one. Reads the files of obstacles, each once. What a support of a later stage has held

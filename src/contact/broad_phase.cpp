@@ -20,7 +20,7 @@ class Maker {
   void point_face(Index p, Index f, std::vector<Pair>& to) const {
     const Face& face = s_.faces[f];
     const auto& q = face.points;
-    if (p == q[0] || p == q[1] || p == q[2]) return;
+    if (s_.same(p, q[0]) || s_.same(p, q[1]) || s_.same(p, q[2])) return;
     const int body = s_.body_of_point[p];
     if (!wanted(body, face.body, mine(p) || mine(q[0]) || mine(q[1]) || mine(q[2]))) return;
     const Box face_box = hull(q);
@@ -45,7 +45,7 @@ class Maker {
     if (e > f) std::swap(e, f);
     const Edge &a = s_.edges[e], &b = s_.edges[f];
     const auto &p = a.points, &q = b.points;
-    if (p[0] == q[0] || p[0] == q[1] || p[1] == q[0] || p[1] == q[1]) return;
+    if (s_.same(p[0], q[0]) || s_.same(p[0], q[1]) || s_.same(p[1], q[0]) || s_.same(p[1], q[1])) return;
     if (!wanted(a.body, b.body, mine(p[0]) || mine(p[1]) || mine(q[0]) || mine(q[1]))) return;
     if (!hull(p).within(hull(q), reach(a.body, b.body))) return;
     // Two equal triangulations cross about 7.6 times per product of their edge lengths; an axis has no such length.

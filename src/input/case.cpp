@@ -249,7 +249,41 @@ void check_petsc(const SectionPlace& place, const std::string& options) {
   }
 }
 
+void read_pattern(const CaseReader& reader, Case& c) {
+  read_all(reader, "panel", c.panels, [&](const SectionPlace& place, PanelSection& s) {
+    s.file = beside(c.file, s.file);
+    if (!s.wrap_axis && s.wrap_radius > 0.0)
+      place.fail("wrap_axis", "the key is missing; wrap_radius is about an axis");
+  });
+  read_all(reader, "seam", c.seams, [&](const SectionPlace& place, const SeamSection& s) {
+    if (!s.meet.empty() && s.meet.size() != 2)
+      place.fail("meet", fmt::format("{} points; two are needed, an end of `edges` and an end of `to`", s.meet.size()));
+    if (c.panels.empty()) place.fail("edges", "there is no [[panel]] that they could belong to");
+  });
+  reader.read("sewing", 0, keys_of(c.sewing));
+  if (!c.stage.sew.empty() && c.panels.empty())
+    throw UserError(
+        fmt::format("{}: [[stage]] '{}' sew: there are no [[panel]] with seams", c.file.string(), c.stage.name));
+}
+
+/// The mesh is made from panels.
+void check_panel_mesh(const SectionPlace& place, const Case& c) {
+  for (const char* key : {"file", "start", "rest", "texture_unit", "scale", "size", "algorithm", "merge",
+                          "merge_tolerance", "parameters", "up_axis", "rotate", "translate"})
+    if (place.has(key)) place.fail(key, "the surface is cut from [[panel]]; remove the key, or the panels");
+  if (c.analysis == "linear")
+    throw UserError(
+        fmt::format("{}: analysis = \"linear\" begins from the shape without strain, which placed panels do "
+                    "not have; use analysis = \"static\"",
+                    c.file.string()));
+}
+
 void check_mesh(const SectionPlace& place, Case& c) {
+  if (!c.panels.empty()) return check_panel_mesh(place, c);
+  if (c.mesh.file.empty())
+    place.fail("file",
+               "the key is missing; Gmsh mesh (`.msh`) or geometry (`.geo`), or another kind of mesh file; or "
+               "cut the surface from [[panel]]");
   c.mesh.file = beside(c.file, c.mesh.file);
   if (c.stage.number > 0) c.mesh.start.clear();  // it begins where the stage before has ended
   if (c.mesh.options.rest != io::RestShape::texture && c.mesh.options.texture_unit != 1.0)
@@ -273,6 +307,7 @@ Case read_case(const CaseReader& reader, const std::filesystem::path& file, Stag
   c.file = file;
   c.stage = std::move(stage);
   reader.read_top(top_keys(c));
+  read_pattern(reader, c);
   check_mesh(reader.read("mesh", 0, keys_of(c.mesh)), c);
   reader.read("element", 0, keys_of(c.element));
   read_materials(reader, c);

@@ -5,6 +5,9 @@ namespace voile::input {
 Declarations::Declarations()
     : top_(top_keys(case_)),
       keys_{{"mesh", keys_of(case_.mesh)},
+            {"panel", keys_of(panel_)},
+            {"seam", keys_of(seam_)},
+            {"sewing", keys_of(case_.sewing)},
             {"element", keys_of(case_.element)},
             {"material", keys_of(material_)},
             {"support", keys_of(support_, motion_)},

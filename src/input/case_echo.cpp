@@ -239,6 +239,9 @@ std::string echo_case(const Case& c) {
   for (const energy::Material& m : c.materials) materials.push_back(as_input(m));
   std::string out = "# The case with every value in force.\n" + echo_keys(top_keys(copy));
   out += "\n[mesh]\n" + echo_keys(keys_of(copy.mesh));
+  out += echo_all("panel", copy.panels);
+  out += echo_all("seam", copy.seams);
+  if (!copy.panels.empty()) out += "\n[sewing]\n" + echo_keys(keys_of(copy.sewing));
   out += "\n[element]\n" + echo_keys(keys_of(copy.element));
   out += echo_all("material", materials);
   for (std::size_t i = 0; i < copy.supports.size(); ++i)

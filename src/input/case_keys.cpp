@@ -47,14 +47,20 @@ Slot analysis_slot(std::string& analysis) {
 }  // namespace
 
 std::vector<Key> keys_of(StageSection& s) {
-  return {{.name = "name",
-           .slot = &s.name,
-           .meaning = "Of the stage, and of its folder in the output folder: letters, digits, `_` and `-`.",
-           .required = true},
-          {.name = "analysis",
-           .slot = analysis_slot(s.analysis),
-           .meaning = "As outside all sections. `linear` can only be the first stage.",
-           .required = true}};
+  return {
+      {.name = "name",
+       .slot = &s.name,
+       .meaning = "Of the stage, and of its folder in the output folder: letters, digits, `_` and `-`.",
+       .required = true},
+      {.name = "analysis",
+       .slot = analysis_slot(s.analysis),
+       .meaning = "As outside all sections. `linear` can only be the first stage.",
+       .required = true},
+      {.name = "sew",
+       .slot = &s.sew,
+       .meaning = "Seams that this stage pulls together, and that are welded at its end: their names, or `\"all\"`. "
+                  "Needs `analysis = \"dynamic\"`.",
+       .absent = "none"}};
 }
 
 const std::vector<std::string>& stage_tables() {
@@ -111,7 +117,13 @@ std::vector<Key> with_keys_after(const std::string& name, std::vector<Key> first
 
 const std::vector<SectionInfo>& sections() {
   static const std::vector<SectionInfo> all{
-      {"mesh", false, "The surface. Required."},
+      {"mesh", false, "The surface. Required, unless it is cut from `[[panel]]`."},
+      {"panel", true,
+       "Pieces of a sewing pattern in place of a mesh, cut, meshed and placed, see [garment.md](garment.md). A piece "
+       "is "
+       "a physical surface of its name, each of its edges a physical curve `PIECE/EDGE`."},
+      {"seam", true, "Edges of pieces that are sewn together, besides the stitches of pattern files."},
+      {"sewing", false, "How seams are closed in a stage that has the key `sew`."},
       {"element", false, "Operators of the shell element."},
       {"material", true, "Stiffness and mass of the shell. At least one."},
       {"support", true, "Prescribed displacements and slopes."},

@@ -90,7 +90,7 @@ std::string case_schema() {
     table["description"] = section.meaning;
     root["properties"][section.name] = std::move(table);
   }
-  root["required"] = {"mesh", "material"};
+  root["required"] = Json::array({"material"});
   Json out{{"$schema", "http://json-schema.org/draft-07/schema#"}, {"title", "Voile case"}};
   out.update(root);
   return out.dump(2) + "\n";

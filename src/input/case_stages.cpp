@@ -1,4 +1,6 @@
 // Stages of a case file.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cctype>
@@ -56,7 +58,7 @@ void overlay(toml::table& from, toml::table& to) {
 /// Moves the stage's own tables to the root.
 void take_tables(const std::string& file, toml::table& stage, toml::table& root) {
   std::vector<std::string> valid = stage_tables();
-  valid.insert(valid.end(), {"name", "analysis"});
+  valid.insert(valid.end(), {"name", "analysis", "sew"});
   for (auto&& [key, node] : stage) {
     const std::string name(key.str());
     if (!contains(valid, name))
@@ -70,6 +72,25 @@ void take_tables(const std::string& file, toml::table& stage, toml::table& root)
     else
       root.insert_or_assign(name, std::move(*own));
   }
+}
+
+/// The seams that a stage closes.
+void take_sew(const std::string& file, const toml::table& stage, StageSection& s) {
+  const toml::node* given = stage.get("sew");
+  if (!given) return;
+  const int line = line_of(given->source());
+  const toml::array* list = given->as_array();
+  if (!list || list->empty())
+    fail_at(file, line, "[[stage]] sew: a list of names of seams is needed, or [\"all\"]; leave the key out for none");
+  for (const toml::node& node : *list) {
+    if (!node.is_string()) fail_at(file, line, "[[stage]] sew: names of seams are texts in quotes");
+    s.sew.push_back(*node.value<std::string>());
+  }
+  if (s.analysis != "dynamic")
+    fail_at(file, line,
+            fmt::format("[[stage]] '{}' sew: seams are closed in time, and analysis = \"{}\" has none; choose "
+                        "\"dynamic\"",
+                        s.name, s.analysis));
 }
 
 /// Whether an item with the key `stages` holds in a stage; takes the key away.
@@ -130,6 +151,7 @@ StageSection CaseReader::select_stage(std::size_t n) {
   if (s.analysis == "linear" && n > 0)
     fail_at(file, line_of(analysis->source()),
             "analysis = \"linear\" starts from the unloaded state; make it the first stage, or choose \"static\"");
+  take_sew(file, stage, s);
   take_tables(file, stage, root);
   root.insert_or_assign("analysis", s.analysis);
   for (const std::string& section : staged_items()) {
@@ -153,7 +175,8 @@ std::string CaseReader::text(const std::filesystem::path& folder) const {
     const std::filesystem::path path = *(*item)[key].value<std::string>();
     item->insert_or_assign(key, (folder / path).lexically_normal().string());
   };
-  const std::array paths{std::pair{"mesh", "file"}, std::pair{"mesh", "start"}, std::pair{"material", "fabric"},
+  const std::array paths{std::pair{"mesh", "file"},     std::pair{"mesh", "start"},
+                         std::pair{"panel", "file"},    std::pair{"material", "fabric"},
                          std::pair{"obstacle", "file"}, std::pair{"obstacle", "frames"}};
   for (const auto& [section, key] : paths) {
     if (toml::array* items = root[section].as_array())

@@ -11,7 +11,7 @@ std::vector<Key> keys_of(MeshSection& s) {
        .meaning =
            "Gmsh mesh (`.msh`) or geometry (`.geo`), or a mesh as `.obj`, `.inp` (Abaqus), `.vtk` (legacy), `.stl`, "
            "`.ply` or `.off` (see [meshes.md](meshes.md)), relative to the folder of the case file.",
-       .required = true},
+       .absent = "required, unless there are [[panel]]"},
       {.name = "start",
        .slot = &s.start,
        .meaning =

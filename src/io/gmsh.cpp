@@ -13,6 +13,7 @@
 #include <fstream>
 #include <set>
 
+#include "gmsh_session.hpp"
 #include "mesh_bytes.hpp"
 #include "voile/base/child_process.hpp"
 #include "voile/base/error.hpp"
@@ -28,31 +29,6 @@ namespace fs = std::filesystem;
 
 constexpr int line_type = 1, triangle_type = 2, point_type = 15;  // Gmsh's element type numbers
 constexpr std::array<const char*, 3> dimension_names{"point", "curve", "surface"};
-
-/// Gmsh keeps ONELAB values and the logger across finalize, and an exception thrown out of its parser leaves the parser
-/// unusable for the next file. So errors are collected from the log instead of thrown, and everything is reset.
-class Session {
- public:
-  Session() {
-    gmsh::initialize(0, nullptr, false);
-    gmsh::option::setNumber("General.Terminal", 0);
-    gmsh::option::setNumber("General.AbortOnError", 0);
-    gmsh::option::setNumber("General.NumThreads", 1);
-    gmsh::option::setNumber("Mesh.RandomSeed", 1);
-    gmsh::onelab::clear();
-    gmsh::logger::start();
-  }
-  ~Session() {
-    try {
-      gmsh::logger::stop();
-      gmsh::onelab::clear();
-      gmsh::finalize();
-    } catch (...) {
-    }  // a destructor must not throw; the result is already copied
-  }
-  Session(const Session&) = delete;
-  Session& operator=(const Session&) = delete;
-};
 
 /// Throws if Gmsh has logged errors so far.
 void check_log(const std::string& file, const char* doing) {

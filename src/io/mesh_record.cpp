@@ -47,6 +47,20 @@ std::vector<mesh::Group> read_groups(hid_t file, const std::string& where, const
   }
 }
 
+std::vector<mesh::Seam> read_seams(hid_t file, const std::string& where, const mesh::MeshData& mesh,
+                                   const fs::path& path) {
+  std::vector<mesh::Seam> seams;
+  if (H5Lexists(file, (where + "/seams").c_str(), H5P_DEFAULT) <= 0) return seams;
+  for (;;) {
+    const std::string at = fmt::format("{}/seams/{:06d}", where, seams.size());
+    if (H5Lexists(file, at.c_str(), H5P_DEFAULT) <= 0) return seams;
+    mesh::Seam& seam = seams.emplace_back();
+    seam.name = read_text(file, at, "name", path);
+    seam.pairs = grouped<2>(read_members(file, at + "/pairs", mesh.positions.size(), path));
+    seam.lengths = read_values(file, at + "/lengths", seam.pairs.size(), path);
+  }
+}
+
 }  // namespace
 
 void write_mesh_record(NewFile& file, const mesh::MeshData& mesh) {
@@ -82,6 +96,14 @@ void write_mesh_record(NewFile& file, const mesh::MeshData& mesh) {
     file.text(path, "name", group.name);
     file.number(path, "dimension", group.dimension);
   }
+  for (std::size_t k = 0; k < mesh.seams.size(); ++k) {
+    const mesh::Seam& seam = mesh.seams[k];
+    const std::string path = fmt::format("mesh/seams/{:06d}", k);
+    if (k == 0) file.group("mesh/seams");
+    file.dataset(path + "/pairs", H5T_NATIVE_INT32, seam.pairs.size(), 2, seam.pairs.data());
+    file.dataset(path + "/lengths", H5T_NATIVE_DOUBLE, seam.lengths.size(), 1, seam.lengths.data());
+    file.text(path, "name", seam.name);
+  }
 }
 
 mesh::MeshData read_mesh_record(hid_t file, const std::string& where, const fs::path& path) {
@@ -101,6 +123,7 @@ mesh::MeshData read_mesh_record(hid_t file, const std::string& where, const fs::
       mesh.rest.push_back({corners[i], corners[i + 1], corners[i + 2]});
   }
   mesh.groups = read_groups(file, where, mesh, path);
+  mesh.seams = read_seams(file, where, mesh, path);
   return mesh;
 }
 

@@ -8,6 +8,7 @@
 #include "voile/base/error.hpp"
 #include "voile/base/mpi.hpp"
 #include "voile/contact/neighbours.hpp"
+#include "voile/mesh/weld.hpp"
 
 namespace voile::system {
 
@@ -82,6 +83,7 @@ Contact::Contact(const Dofs& dofs, ContactInput input)
   contact::Surface surface = contact::make_surface(mesh, std::move(bodies.list), bodies.of_triangle, bodies.of_vertex);
   obstacles_.emplace(input_.obstacles, static_cast<int>(sheets), surface);
   set_general_rules(input_, sheets, surface);
+  surface.joined = mesh::joined_vertices(mesh.data());
   if (lacks_room(mesh)) surface.neighbours = contact::find_neighbours(surface, input_.options.distance);
   set_ = std::make_unique<ContactSet>(std::move(surface), obstacles_->planes(), input_.options, [&] {
     std::vector<char> owned(static_cast<std::size_t>(mesh.vertex_count()));

@@ -100,6 +100,9 @@ std::vector<char> Discretisation::find_elements(const std::vector<Spring>& sprin
   for (const Spring& spring : springs)
     for (const auto& [v, w] : pairs_of(*mesh_, spring))
       if (partition_.vertex_rank[v] == rank_ || partition_.vertex_rank[w] == rank_) needed[v] = needed[w] = 1;
+  for (const mesh::Seam& seam : mesh_->data().seams)
+    for (const auto& [v, w] : seam.pairs)
+      if (partition_.vertex_rank[v] == rank_ || partition_.vertex_rank[w] == rank_) needed[v] = needed[w] = 1;
   return needed;
 }
 

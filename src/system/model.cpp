@@ -11,6 +11,9 @@ namespace voile::system {
 void Model::set_time(double time) {
   if (contact_) contact_->set_time(time);
   conditions_->set_time(time);
+  for (std::size_t e = 0; e < sewing_lengths_.size(); ++e)
+    sewing_term_->kernel.set_length(
+        static_cast<Index>(e), std::max(0.0, sewing_lengths_[e] - sewing_.speed * std::max(0.0, time - sewing_.start)));
 }
 
 energy::Configuration Model::configuration(Vec a) {

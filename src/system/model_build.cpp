@@ -15,6 +15,7 @@ Model::Model(MPI_Comm comm, const mesh::SurfaceMesh& mesh, ModelInput input)
       turns_now_(input.supports.size(), Mat3::Identity()) {
   const Curvatures curvatures = on_->take_curvatures();
   BlockPattern pattern;
+  sewing_ = std::move(input.sewing);
   mpi::on_all(comm, [&] {
     build_terms(curvatures, input.springs);
     pattern = make_pattern(curvatures);
@@ -73,6 +74,7 @@ void Model::build_terms(const Curvatures& curvatures, const std::vector<Spring>&
   }
   auto& ties = add_term<energy::SpringTerm>(&Energies::springs);
   for (const Spring& spring : springs) tie(spring, ties);
+  if (!sewing_.seams.empty()) add_sewing(add_term<energy::SpringTerm>(&Energies::springs));
   for (auto* v : {&u_, &x_, &previous_u_, &previous_x_, &force_})
     v->assign(static_cast<std::size_t>(dofs().local().count()), Vec3::Zero());
 }

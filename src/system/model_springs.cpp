@@ -1,5 +1,8 @@
 // Springs to the ground: part of the constant matrix.
+#include <algorithm>
+
 #include "voile/base/mpi.hpp"
+#include "voile/mesh/weld.hpp"
 #include "voile/system/model.hpp"
 
 namespace voile::system {
@@ -25,6 +28,23 @@ void Model::add_springs(const std::vector<Spring>& springs, const BlockMatrix::V
     if (s.kind == Spring::Kind::point) spread_over(Load::Kind::point);
     if (s.kind == Spring::Kind::line) spread_over(Load::Kind::line);
     if (s.kind == Spring::Kind::area) spread_over(Load::Kind::area);
+  }
+}
+
+void Model::add_sewing(ElementTerm<energy::SpringTerm>& term) {
+  sewing_term_ = &term;
+  const LocalPoints& local = dofs().local();
+  const mesh::SurfaceMesh& mesh = on_->mesh();
+  const std::vector<std::string> sewn = mesh::open_seams(mesh.data(), sewing_.seams);
+  for (const mesh::Seam& seam : mesh.data().seams) {
+    if (std::find(sewn.begin(), sewn.end(), seam.name) == sewn.end()) continue;
+    for (std::size_t k = 0; k < seam.pairs.size(); ++k) {
+      const auto& [v, w] = seam.pairs[k];
+      if (on_->owned(v) == no_index && on_->owned(w) == no_index) continue;
+      sewing_lengths_.push_back((mesh.positions()[w] - mesh.positions()[v]).norm());
+      term.kernel.add({local.local_of[v], local.local_of[w]}, sewing_.stiffness * seam.lengths[k],
+                      sewing_lengths_.back(), on_->owned(v) != no_index, true);
+    }
   }
 }
 

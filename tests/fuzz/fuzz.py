@@ -204,6 +204,8 @@ def targets(folder):
     found.append(Target("square.geo", ["info", "{}"], slow=True))
     found += [Target(name, ["check", "{}"], small) for name in ("motion.toml", "path.toml", "cloth.toml")]
     found += [Target(name, [*run, "-snes_max_it", "8"], small, slow=True) for name in ("motion.toml", "path.toml", "cloth.toml")]
+    pieces = ["garment.toml", "pieces.json", "pieces.svg"]
+    found += [Target(name, ["check", "garment.toml"], [other for other in pieces if other != name]) for name in pieces]
     found.append(Target("fabric.toml", ["check", "cloth.toml"], ["cloth.toml", "square.msh", "body.obj"]))
     for name in ("body.obj", "binary.stl", "binary.ply", "text.stl", "text.ply", "text.off", "square41.msh"):
         if (folder / name).is_file():

@@ -61,6 +61,12 @@ struct Surface {
   Neighbours neighbours;
 
   [[nodiscard]] Index points() const { return static_cast<Index>(rest.size()); }
+  /// Per sheet point: points with the same number become one when their seam is welded, so figures that share one are
+  /// no pair; empty: none do.
+  std::vector<Index> joined;
+  [[nodiscard]] bool same(Index p, Index q) const {
+    return p == q || (!joined.empty() && is_sheet(p) && is_sheet(q) && joined[p] == joined[q]);
+  }
   [[nodiscard]] bool is_sheet(Index point) const { return point < sheet_points; }
   [[nodiscard]] double offset(int a, int b) const { return 0.5 * (bodies[a].thickness + bodies[b].thickness); }
 };

@@ -2,11 +2,13 @@
 //
 // Symbols   k   stiffness [N/m];  L  length without force [m];  l = |x_1 - x_0|,  n = (x_1 - x_0)/l
 //   W   = k/2 (l - L)^2,    dW/dx_1 = k (l - L) n = -dW/dx_0
+// One that only pulls has W = 0 where l < L.
 //   d2W/dx_1^2 = k [ n n^T + (1 - L/l) (I - n n^T) ];   the positive tangent leaves out a negative 1 - L/l
 // Source: any textbook on trusses, e.g. Crisfield, Non-linear Finite Element Analysis of Solids and Structures 1
 // (1991), chapter 3 (engineering strain). With L = 0 the energy is quadratic and n is not needed.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <vector>
 
@@ -17,9 +19,11 @@ namespace voile::energy {
 class SpringTerm {
  public:
   /// Between two local points; stiffness >= 0 [N/m], length >= 0 [m].
-  void add(const std::array<Index, 2>& points, double stiffness, double length, bool owned) {
-    elements_.push_back({points, stiffness, length, owned});
+  void add(const std::array<Index, 2>& points, double stiffness, double length, bool owned, bool only_pulls = false) {
+    elements_.push_back({points, stiffness, length, owned, only_pulls});
   }
+  /// Changes the length without force [m].
+  void set_length(Index e, double length) { elements_[e].length = length; }
 
   [[nodiscard]] Index size() const { return static_cast<Index>(elements_.size()); }
   [[nodiscard]] const Index* stencil(Index e) const { return elements_[e].points.data(); }
@@ -27,7 +31,8 @@ class SpringTerm {
   [[nodiscard]] bool owned(Index e) const { return elements_[e].owned; }
 
   [[nodiscard]] double energy(Index e, const Configuration& c) const {
-    const double stretch = between(e, c).norm() - elements_[e].length;
+    double stretch = between(e, c).norm() - elements_[e].length;
+    if (elements_[e].only_pulls) stretch = std::max(stretch, 0.0);
     return 0.5 * elements_[e].stiffness * stretch * stretch;
   }
   template <class Emit>
@@ -42,9 +47,11 @@ class SpringTerm {
     const Element& el = elements_[e];
     const Vec3 d = between(e, c);
     double side = across(el, d);
+    if (is_slack(el, d)) side = 0.0;
     if (c.tangent == Tangent::positive && side < 0.0) side = 0.0;
     Mat3 k = side * Mat3::Identity();
-    if (el.length > 0.0 && d.squaredNorm() > 0.0) k += (1.0 - side) / d.squaredNorm() * d * d.transpose();
+    if (el.length > 0.0 && d.squaredNorm() > 0.0 && !is_slack(el, d))
+      k += (1.0 - side) / d.squaredNorm() * d * d.transpose();
     k *= el.stiffness;
     for (int i = 0; i < 2; ++i)
       for (int j = 0; j < 2; ++j) emit(i, j, i == j ? k : Mat3(-k));
@@ -59,7 +66,7 @@ class SpringTerm {
   struct Element {
     std::array<Index, 2> points;
     double stiffness, length;
-    bool owned;
+    bool owned, only_pulls;
   };
   [[nodiscard]] Vec3 between(Index e, const Configuration& c) const {
     return c.x[elements_[e].points[1]] - c.x[elements_[e].points[0]];
@@ -67,9 +74,11 @@ class SpringTerm {
   /// 1 - L/l; a spring of no length that should have one has no direction, and no force.
   [[nodiscard]] static double across(const Element& el, const Vec3& d) {
     if (el.length == 0.0) return 1.0;
+    if (is_slack(el, d)) return 0.0;
     const double l = d.norm();
     return l > 0.0 ? 1.0 - el.length / l : 0.0;
   }
+  [[nodiscard]] static bool is_slack(const Element& el, const Vec3& d) { return el.only_pulls && d.norm() < el.length; }
 
   std::vector<Element> elements_;
 };

@@ -30,6 +30,37 @@ struct MeshSection {
   io::MeshOptions options;
 };
 
+/// Pieces of a pattern file, and where they begin.
+struct PanelSection {
+  std::filesystem::path file;       ///< GarmentCode .json or .svg, resolved relative to the case file
+  std::vector<std::string> pieces;  ///< of the file; empty: all
+  std::string name;                 ///< in place of the only piece's own; empty: that
+  double unit = 0.0;                ///< length of the file's unit [m]; 0: as the file says
+  double size = 0.02;               ///< of cells [m]
+  bool mirror = false;              ///< x -> -x in the piece
+  bool stitches = true;             ///< those of the file are taken
+  enum class Euler { zyx, xyz };
+  Euler euler = Euler::zyx;  ///< order of the file's rotations: R = Rz Ry Rx or Rx Ry Rz
+  io::Placement placement{.up_axis = io::Placement::UpAxis::y};
+  std::optional<Vec3> wrap_axis;   ///< direction of the axis of the cylinder they are wrapped on; absent: flat
+  Vec3 wrap_point = Vec3::Zero();  ///< a point on it [m]
+  double wrap_radius = 0.0;        ///< [m]; 0: the distance of each piece from the axis
+};
+
+/// Edges sewn to edges. "PANEL/EDGE", points as "PANEL@POINT".
+struct SeamSection {
+  std::string name;                    ///< empty: made from the edges
+  std::vector<std::string> edges, to;  ///< the two sides, each a chain
+  std::vector<std::string> meet;       ///< two points, one of each side; empty: what lies nearer
+};
+
+/// How seams are closed.
+struct SewingSection {
+  double stiffness = 1e5;  ///< per rest length of the seam [N/m^2]
+  double speed = 0.5;      ///< [m/s]
+  double gap = 1e-4;       ///< largest at which a seam is welded [m]
+};
+
 /// One named number recorded in history.csv after every accepted step.
 struct Probe {
   enum class Kind { displacement, reaction, energy };
@@ -132,6 +163,7 @@ struct StageSection {
   std::string analysis = "static";
   std::size_t number = 0;                        ///< counted from 0
   std::vector<std::size_t> supports{}, loads{};  ///< which of the file's hold in it
+  std::vector<std::string> sew{};                ///< seams that it closes; "all": every one
 };
 
 struct Case {
@@ -139,6 +171,9 @@ struct Case {
   std::string title;
   std::string analysis = "static";
   MeshSection mesh;
+  std::vector<PanelSection> panels;
+  std::vector<SeamSection> seams;
+  SewingSection sewing;
   energy::ElementOptions element;
   std::vector<energy::Material> materials;
   std::vector<system::Support> supports;

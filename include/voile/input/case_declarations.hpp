@@ -22,6 +22,8 @@ class Declarations {
 
  private:
   Case case_;
+  PanelSection panel_;
+  SeamSection seam_;
   MaterialInput material_;
   system::Support support_;
   MotionInput motion_;

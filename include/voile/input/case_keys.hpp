@@ -82,6 +82,9 @@ struct MaterialInput {
 };
 
 [[nodiscard]] std::vector<Key> keys_of(MeshSection& section);
+[[nodiscard]] std::vector<Key> keys_of(PanelSection& section);
+[[nodiscard]] std::vector<Key> keys_of(SeamSection& section);
+[[nodiscard]] std::vector<Key> keys_of(SewingSection& section);
 [[nodiscard]] std::vector<Key> keys_of(energy::ElementOptions& section);
 [[nodiscard]] std::vector<Key> keys_of(MaterialInput& section);
 /// A support and its motion are one section.

@@ -32,6 +32,14 @@ struct Group {
   std::vector<Index> triangles;   ///< its triangles (dimension 2), ascending
 };
 
+/// Vertices that are to become one: the two sides of a line along which pieces are sewn together. Open until weld()
+/// (mesh/weld.hpp) has made one of each pair.
+struct Seam {
+  std::string name;
+  std::vector<std::array<Index, 2>> pairs;  ///< two different vertices each
+  std::vector<double> lengths;              ///< rest length of the seam that each pair stands for [m]
+};
+
 /// What a mesh file holds, before any check of topology.
 struct MeshData {
   std::string source;           ///< file name for messages
@@ -45,6 +53,7 @@ struct MeshData {
   std::vector<std::array<Vec2, 3>> texture;
   /// Rest position of each corner [m]: charts. Empty: the positions are the rest shape too.
   std::vector<std::array<Vec3, 3>> rest;
+  std::vector<Seam> seams;         ///< that are open
   std::vector<std::string> notes;  ///< what the reader changed or made up, for the user; on the rank that read
 };
 

@@ -6,6 +6,7 @@
 #include <limits>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "voile/base/types.hpp"
 
@@ -75,6 +76,15 @@ struct Spring {
   std::string to = {};            ///< pair: the other group
   double length =
       std::numeric_limits<double>::quiet_NaN();  ///< pair: without force [m]; NaN: the distance at the start
+};
+
+/// Seams that are pulled together: each pair of vertices by a spring that only pulls and gets shorter in time,
+///   L(t) = max(0, |X_b - X_a| - speed (t - start))
+struct Sewing {
+  std::vector<std::string> seams;  ///< names, or "all"; empty: none
+  double stiffness = 1e5;          ///< per rest length of the seam [N/m^2]
+  double speed = 0.5;              ///< at which the springs get shorter [m/s]
+  double start = 0.0;              ///< [s]
 };
 
 }  // namespace voile::system

@@ -43,6 +43,7 @@ struct ModelInput {
   std::vector<PointMass> masses = {};
   std::vector<Spring> springs = {};
   bool motion_by_load = false;  ///< supports move with the load factor in place of the time
+  Sewing sewing = {};
 };
 
 struct Energies {
@@ -119,6 +120,7 @@ class Model {
 
   // Construction, in this order.
   void build_terms(const Curvatures& curvatures, const std::vector<Spring>& springs);
+  void add_sewing(ElementTerm<energy::SpringTerm>& term);
   void tie(const Spring& spring, ElementTerm<energy::SpringTerm>& ties) const;
   template <class Kernel>
   ElementTerm<Kernel>& add_term(double Energies::*part);
@@ -161,6 +163,9 @@ class Model {
   };
   std::vector<NodalSpring> springs_;
   bool any_spring_ = false;
+  Sewing sewing_;
+  ElementTerm<energy::SpringTerm>* sewing_term_ = nullptr;  ///< one of terms_
+  std::vector<double> sewing_lengths_;                      ///< of its springs at the start [m]
   double force_scale_ = 0.0;
 };
 

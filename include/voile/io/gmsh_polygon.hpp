@@ -1,0 +1,26 @@
+// Triangles in plane polygons, by the Gmsh library.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "voile/mesh/surface_mesh.hpp"
+
+namespace voile::io {
+
+/// A closed polygon without crossings, either way round; its corners become vertices, its sides edges as they are.
+struct Polygon {
+  std::string name;  ///< for messages
+  std::vector<Vec2> points;
+  double size = 0.0;  ///< edge length wanted inside, > 0
+};
+
+struct Triangulation {
+  std::vector<Vec2> points;               ///< first those of the polygon, in their order
+  std::vector<mesh::Triangle> triangles;  ///< counter-clockwise
+};
+
+/// Not collective: call on one rank. `file`: for messages. Throws UserError if a polygon cannot be meshed.
+[[nodiscard]] std::vector<Triangulation> mesh_polygons(const std::string& file, const std::vector<Polygon>& polygons);
+
+}  // namespace voile::io

@@ -1,0 +1,45 @@
+// Open seams are closed: pairs of vertices become one.
+//
+// Symbols   m_v   mass of vertex v [kg]      of the vertices that become one: x = sum m_v x_v / sum m_v, for places,
+//           displacements and velocities alike, so that mass, its centre and momentum stay
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "voile/mesh/surface_mesh.hpp"
+
+namespace voile::mesh {
+
+/// The vertex that each old one becomes, and the mesh that this gives.
+struct Welded {
+  MeshData
+      data;  ///< other seams are still open; every triangle keeps its rest corners, its number and its corners' order
+  std::vector<Index> target;
+};
+
+/// Those of the named seams that are open; "all" means every one.
+[[nodiscard]] std::vector<std::string> open_seams(const MeshData& mesh, const std::vector<std::string>& names);
+
+/// Closes seams. `places`: of the vertices, which become the positions of the new mesh [m]; `mass` per vertex, at least
+/// one of those that become one > 0 [kg]. Not collective. Throws UserError if a triangle loses its area.
+[[nodiscard]] Welded weld(const MeshData& mesh, const std::vector<std::string>& seams, const std::vector<Vec3>& places,
+                          const std::vector<double>& mass);
+
+/// Means of values per vertex, `width` each, in the new numbers.
+[[nodiscard]] std::vector<double> merged_means(const std::vector<Index>& target, const std::vector<double>& mass,
+                                               const std::vector<double>& values, std::size_t width);
+
+/// The widest place of open seams.
+struct SeamGap {
+  std::string seam;
+  double gap = 0.0;  ///< [m]; 0 if no seam is open
+  Vec3 place = Vec3::Zero();
+};
+[[nodiscard]] SeamGap widest_gap(const MeshData& mesh, const std::vector<std::string>& seams,
+                                 const std::vector<Vec3>& places);
+
+/// Per vertex the lowest of those that it becomes one with when all open seams are closed; empty if none is open.
+[[nodiscard]] std::vector<Index> joined_vertices(const MeshData& mesh);
+
+}  // namespace voile::mesh

@@ -1,0 +1,29 @@
+// A garment: panels cut into triangles, in their places, with open seams.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "voile/mesh/surface_mesh.hpp"
+#include "voile/pattern/seams.hpp"
+
+namespace voile::pattern {
+
+struct Garment {
+  std::vector<Panel> panels;
+  Seams seams;
+  /// One chart per panel (the pieces side by side, so that no two lie on each other), the coordinates of the pieces as
+  /// texture [m], positions as placed. Groups: each panel by its name, each edge as "PANEL/number", and "PANEL/label"
+  /// for the edges that have a label. All seams are open.
+  mesh::MeshData mesh;
+};
+
+/// Cuts, meshes and places panels. Not collective: call on one rank. Throws UserError: resolve_seams(), cells too coarse
+/// for an outline, seams that would fold cells onto themselves or join three edges.
+[[nodiscard]] Garment make_garment(std::vector<Panel> panels, const std::vector<SeamRequest>& requests);
+
+/// Panels with areas, seams with the lengths of both sides and their distance, and how much fabric it takes, as lines of
+/// text. Not collective.
+[[nodiscard]] std::string garment_text(const Garment& garment);
+
+}  // namespace voile::pattern

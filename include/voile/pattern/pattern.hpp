@@ -1,0 +1,69 @@
+// Sewing patterns as files hold them: pieces with their outlines, places and stitches.
+//
+// Symbols   (x, y)  coordinates in the plane of a piece [m], y up      X = R (x, y, 0) + t  its place in the file's space
+// Edge k of a piece runs from point k to point k + 1 (modulo their number). The right side of the fabric is where z > 0,
+// or z < 0 if the piece is `turned`.
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "voile/pattern/curve.hpp"
+
+namespace voile::pattern {
+
+struct Edge {
+  Curve curve;
+  std::string label{};  ///< of the file; may be empty or that of others too
+};
+
+struct Piece {
+  std::string name;
+  std::vector<Edge> edges;  ///< a closed loop
+  bool turned = false;
+  Mat3 rotation = Mat3::Identity();  ///< R
+  Vec3 translation = Vec3::Zero();   ///< t [m]
+
+  [[nodiscard]] Vec2 point(std::size_t k) const { return edges[k % edges.size()].curve.start(); }
+  /// By Green's theorem, positive if the loop goes round counter-clockwise. [m^2]
+  [[nodiscard]] double signed_area() const;
+};
+
+/// One edge of a file's stitch.
+struct StitchEnd {
+  std::string piece;
+  std::size_t edge = 0;
+};
+
+/// Which ends of the two edges of a stitch meet.
+enum class Sense {
+  against,  ///< the start of one meets the end of the other, as between neighbours
+  along,    ///< start meets start
+  nearest   ///< the file does not say
+};
+
+struct Stitch {
+  std::array<StitchEnd, 2> sides;
+  Sense sense = Sense::against;
+};
+
+struct Pattern {
+  std::filesystem::path file;
+  std::vector<Piece> pieces;
+  std::vector<Stitch> stitches;
+  std::vector<std::string> notes;  ///< what a user should know
+};
+
+struct ReadOptions {
+  double unit = 0.0;                  ///< length of the file's unit [m]; 0: as the file says
+  bool euler_xyz = false;             ///< R = Rx Ry Rz in place of Rz Ry Rx
+  std::vector<std::string> pieces{};  ///< names of those wanted; empty: all
+};
+
+/// Reads a GarmentCode .json or an .svg. Outlines are checked: closed, no edge without length, no crossing. Stitches of
+/// pieces that are not wanted are left out. Throws UserError that names file, piece, edge and remedy.
+[[nodiscard]] Pattern read_pattern(const std::filesystem::path& file, const ReadOptions& options);
+
+}  // namespace voile::pattern

@@ -1,0 +1,17 @@
+// The mesh of a case: from a file, or cut from the pieces of a pattern; private to src/app.
+#pragma once
+
+#include <string>
+
+#include "voile/input/case.hpp"
+#include "voile/mesh/surface_mesh.hpp"
+
+namespace voile::app {
+
+/// Its seams are those that some stage sews. Collective. Throws UserError on every rank.
+[[nodiscard]] mesh::SurfaceMesh case_mesh(const input::Case& c);
+
+/// Panels, seams and fabric of a case that has them, on rank 0; otherwise empty. Collective.
+[[nodiscard]] std::string garment_report(const input::Case& c);
+
+}  // namespace voile::app

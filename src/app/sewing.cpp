@@ -1,0 +1,142 @@
+#include "sewing.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+
+#include "mesh_transfer.hpp"
+#include "voile/base/error.hpp"
+#include "voile/base/mpi.hpp"
+#include "voile/mesh/weld.hpp"
+
+namespace voile::app {
+
+namespace {
+
+using Mesh = std::shared_ptr<const mesh::SurfaceMesh>;
+
+std::vector<Vec3> places_of(const mesh::SurfaceMesh& mesh, const std::vector<double>& displacement) {
+  std::vector<Vec3> x = mesh.positions();
+  for (std::size_t v = 0; 3 * v < displacement.size(); ++v) x[v] += Eigen::Map<const Vec3>(&displacement[3 * v]);
+  return x;
+}
+
+mesh::SeamGap gap_of(const mesh::SurfaceMesh& mesh, const std::vector<std::string>& names,
+                     const std::vector<double>& displacement) {
+  return mesh::widest_gap(mesh.data(), mesh::open_seams(mesh.data(), names), places_of(mesh, displacement));
+}
+
+std::string too_wide(const input::Case& c, const mesh::SeamGap& widest) {
+  if (widest.gap <= c.sewing.gap) return "";
+  return fmt::format(
+      "seam '{}' is still open by {:.3g} m near ({:.4g}, {:.4g}, {:.4g}), more than [sewing] gap = {:g} m: "
+      "give the stage more time, the springs more stiffness or speed, or see what is in the way",
+      widest.seam, widest.gap, widest.place[0], widest.place[1], widest.place[2], c.sewing.gap);
+}
+
+/// Per vertex, on rank 0. Collective.
+std::vector<double> masses(const Stage& stage, const mesh::SurfaceMesh& mesh) {
+  system::ModelInput input;
+  input.element = stage.input.element;
+  input.materials = stage.input.materials;
+  input.masses = stage.input.masses;
+  const system::Model model(PETSC_COMM_WORLD, mesh, std::move(input));
+  std::vector<double> all = model.dofs().gather(model.constant().mass()), mass;
+  for (std::size_t i = 0; i < all.size(); i += 3) mass.push_back(all[i]);
+  if (std::all_of(mass.begin(), mass.end(), [](double m) { return m == 0.0; })) mass.assign(mass.size(), 1.0);
+  return mass;
+}
+
+/// What contact remembers: the nearer gap, every obstacle that gives way.
+void merge_contact(const std::vector<Index>& target, std::size_t count, io::Checkpoint& c) {
+  const auto merge = [&](std::vector<double>& values, double none, const auto& join) {
+    if (values.empty()) return;
+    std::vector<double> merged(count, none);
+    for (std::size_t v = 0; v < target.size(); ++v) merged[target[v]] = join(merged[target[v]], values[v]);
+    values = std::move(merged);
+  };
+  merge(c.contact_gaps, std::numeric_limits<double>::infinity(), [](double a, double b) { return std::min(a, b); });
+  merge(c.yielding, 0.0, [](double a, double b) {
+    return static_cast<double>(static_cast<std::uint64_t>(a) | static_cast<std::uint64_t>(b));
+  });
+}
+
+/// Closes seams and counts displacements from where the state is. Collective.
+void weld_state(const Stage& stage, const std::vector<std::string>& seams, Mesh& mesh, io::Checkpoint& state) {
+  const std::vector<double> mass = masses(stage, *mesh);
+  mesh::MeshData data;
+  std::vector<Index> target;
+  mpi::on_root(PETSC_COMM_WORLD, [&] {
+    mesh::Welded w = mesh::weld(mesh->data(), seams, places_of(*mesh, state.displacement), mass);
+    data = std::move(w.data);
+    target = std::move(w.target);
+    for (std::vector<double>* values : {&state.velocity, &state.acceleration})
+      *values = mesh::merged_means(target, mass, *values, 3);
+    state.displacement.assign(3 * data.positions.size(), 0.0);
+    state.previous.clear();
+  });
+  broadcast_mesh(PETSC_COMM_WORLD, data);
+  mpi::broadcast(PETSC_COMM_WORLD, target);
+  merge_contact(target, data.positions.size(), state);
+  mesh = std::make_shared<const mesh::SurfaceMesh>(std::move(data));
+  state.remeshings = std::max(state.remeshings, 1);  // so that checkpoints hold the mesh
+  state.in_equilibrium = false;
+}
+
+}  // namespace
+
+double seam_gap(const input::Case& c, const mesh::SurfaceMesh& mesh, const std::vector<double>& displacement) {
+  return displacement.empty() ? 0.0 : gap_of(mesh, c.stage.sew, displacement).gap;
+}
+
+std::string open_seam_text(const input::Case& c, const mesh::SurfaceMesh& mesh, const io::Checkpoint& state) {
+  std::string text;
+  if (c.stage.sew.empty()) return text;
+  mpi::on_root(PETSC_COMM_WORLD, [&] { text = too_wide(c, gap_of(mesh, c.stage.sew, state.displacement)); });
+  mpi::broadcast(PETSC_COMM_WORLD, text);
+  return text;
+}
+
+std::vector<Mesh> stage_meshes(const std::vector<Stage>& stages, const Mesh& first) {
+  std::vector<Mesh> meshes;
+  Mesh mesh = first;
+  const auto close = [&](const std::vector<std::string>& names) {
+    const std::vector<std::string> open = mesh::open_seams(mesh->data(), names);
+    if (open.empty()) return;
+    const std::vector<double> mass(mesh->positions().size(), 1.0);
+    mesh = std::make_shared<const mesh::SurfaceMesh>(mesh::weld(mesh->data(), open, mesh->positions(), mass).data);
+  };
+  for (const Stage& stage : stages) {
+    close(stage.sewn_before);
+    if (stage.c.remesh.active && !mesh->data().seams.empty())
+      throw UserError(fmt::format(
+          "{}: {}[remesh]: seam '{}' is still open, and its two sides must keep their nodes until it is welded; give "
+          "the section to the stages after sewing, [stage.remesh]",
+          stage.c.file.string(), stage.c.is_staged() ? fmt::format("stage '{}': ", stage.c.stage.name) : "",
+          mesh->data().seams.front().name));
+    meshes.push_back(mesh);
+  }
+  return meshes;
+}
+
+void weld_before(const Stage& stage, Origin origin, Mesh& mesh, io::Checkpoint& state) {
+  const std::vector<std::string> open = mesh::open_seams(mesh->data(), stage.sewn_before);
+  std::string wrong;
+  double moved = 0.0;
+  mpi::on_root(PETSC_COMM_WORLD, [&] {
+    wrong = too_wide(stage.c, gap_of(*mesh, open, state.displacement));
+    for (const double u : state.displacement) moved = std::max(moved, std::abs(u));
+  });
+  mpi::broadcast(PETSC_COMM_WORLD, wrong);
+  if (!wrong.empty())
+    throw UserError(fmt::format("{}: stage '{}' begins with welded seams, but {}", stage.c.file.string(),
+                                stage.c.stage.name, wrong));
+  const bool begins_to_sew =
+      !stage.c.stage.sew.empty() && origin == Origin::stage && mpi::max(PETSC_COMM_WORLD, moved) > 0.0;
+  if (!open.empty() || begins_to_sew) weld_state(stage, open, mesh, state);
+}
+
+}  // namespace voile::app

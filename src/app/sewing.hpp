@@ -1,0 +1,33 @@
+// Seams between the stages of a run: closed in one, welded before the next; private to src/app.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "stages.hpp"
+#include "voile/io/checkpoint.hpp"
+#include "voile/mesh/surface_mesh.hpp"
+
+namespace voile::app {
+
+/// Widest gap of the seams that a stage closes, on rank 0, from displacements gathered there; elsewhere 0. [m]
+[[nodiscard]] double seam_gap(const input::Case& c, const mesh::SurfaceMesh& mesh,
+                              const std::vector<double>& displacement);
+
+/// Why the seams of a stage cannot be welded at its end; empty if they can, on every rank. Collective.
+[[nodiscard]] std::string open_seam_text(const input::Case& c, const mesh::SurfaceMesh& mesh,
+                                         const io::Checkpoint& state);
+
+/// The mesh of the case as each stage finds it, seams of earlier ones closed where their sides begin: for what depends
+/// on the rest shape only. Throws UserError for remeshing while seams are open. Not collective.
+[[nodiscard]] std::vector<std::shared_ptr<const mesh::SurfaceMesh>> stage_meshes(
+    const std::vector<Stage>& stages, const std::shared_ptr<const mesh::SurfaceMesh>& first);
+
+/// Before a stage: closes the seams that earlier ones have pulled together and that are open yet, in the mesh and in the
+/// state, which then counts displacements from where it is. A stage that closes seams begins so too. Mass and momentum
+/// stay. Collective. Throws UserError if the seams are too wide.
+void weld_before(const Stage& stage, Origin origin, std::shared_ptr<const mesh::SurfaceMesh>& mesh,
+                 io::Checkpoint& state);
+
+}  // namespace voile::app

@@ -1,0 +1,95 @@
+// Keys of sewing patterns: pieces, seams, sewing.
+#include "keys_common.hpp"
+
+namespace voile::input {
+
+namespace {
+
+std::vector<Key> wrapping_keys(PanelSection& s) {
+  return {{.name = "wrap_axis",
+           .slot = &s.wrap_axis,
+           .meaning = "Direction of the axis of a cylinder onto which each piece is bent after it has been placed, "
+                      "without stretch: the plane of the piece must be parallel to the axis.",
+           .absent = "the pieces stay flat"},
+          {.name = "wrap_point", .slot = &s.wrap_point, .meaning = "A point on that axis.", .unit = "m"},
+          {.name = "wrap_radius",
+           .slot = &s.wrap_radius,
+           .meaning = "Radius of that cylinder. 0: the distance of the plane of the piece from the axis, which the "
+                      "cylinder then touches.",
+           .unit = "m",
+           .range = not_negative}};
+}
+
+}  // namespace
+
+std::vector<Key> keys_of(PanelSection& s) {
+  std::vector<Key> keys{
+      {.name = "file",
+       .slot = &s.file,
+       .meaning = "Pattern: GarmentCode (`.json`) or outlines (`.svg`), relative to the folder of the case file.",
+       .required = true},
+      {.name = "pieces",
+       .slot = Words{&s.pieces, {}},
+       .meaning = "Names of the pieces that are taken from it.",
+       .absent = "all of them"},
+      {.name = "name",
+       .slot = &s.name,
+       .meaning = "What its only piece is called, e.g. where a file is used twice.",
+       .absent = "the piece's own name"},
+      {.name = "unit",
+       .slot = &s.unit,
+       .meaning = "Length of one unit of the file's coordinates. 0: what the file says, which an SVG does by a width "
+                  "with a unit and a viewBox.",
+       .unit = "m",
+       .range = not_negative},
+      {.name = "size", .slot = &s.size, .meaning = "Length of the edges of cells.", .unit = "m", .range = positive},
+      {.name = "mirror",
+       .slot = &s.mirror,
+       .meaning = "Whether the pieces are cut from the mirror image of their outlines (x becomes -x)."},
+      {.name = "stitches", .slot = &s.stitches, .meaning = "Whether the stitches of a `.json` become seams."},
+      {.name = "euler",
+       .slot = choice(s.euler, {{"zyx", PanelSection::Euler::zyx}, {"xyz", PanelSection::Euler::xyz}}),
+       .meaning =
+           "Order of the angles of a `.json`: `zyx`: R = Rz Ry Rx, as its simulator reads them; `xyz`: R = Rx Ry "
+           "Rz, as its writer stores them. The two differ where more than one angle is not zero."}};
+  std::vector<Key> places = placement_keys(s.placement, {});
+  return joined(joined(std::move(keys), places), wrapping_keys(s));
+}
+
+std::vector<Key> keys_of(SeamSection& s) {
+  return {
+      {.name = "name", .slot = &s.name, .meaning = "Of the seam.", .absent = "made of its edges"},
+      {.name = "edges",
+       .slot = Words{&s.edges, {}},
+       .meaning = "One side: edges `PIECE/EDGE` in the order in which they follow each other, EDGE being the number "
+                  "from 0 in the file or a label that only one edge of the piece has.",
+       .required = true},
+      {.name = "to", .slot = Words{&s.to, {}}, .meaning = "The other side.", .required = true},
+      {.name = "meet",
+       .slot = &s.meet,
+       .meaning = "Two points `PIECE@POINT` that come together, an end of each side; POINT counts from 0, edge k "
+                  "begins at point k.",
+       .absent = "the ends whose choice makes the way shorter at the start"}};
+}
+
+std::vector<Key> keys_of(SewingSection& s) {
+  return {
+      {.name = "stiffness",
+       .slot = &s.stiffness,
+       .meaning = "Of the springs that pull a seam together, per rest length of the seam.",
+       .unit = "N/m^2",
+       .range = positive},
+      {.name = "speed",
+       .slot = &s.speed,
+       .meaning = "At which they get shorter, down to no length.",
+       .unit = "m/s",
+       .range = positive},
+      {.name = "gap",
+       .slot = &s.gap,
+       .meaning = "Largest distance of points that are made one at the end of the stage; if one is larger then, the "
+                  "run ends there.",
+       .unit = "m",
+       .range = positive}};
+}
+
+}  // namespace voile::input

@@ -1,0 +1,121 @@
+#include "voile/pattern/curve.hpp"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <boost/math/quadrature/gauss_kronrod.hpp>
+#include <cmath>
+#include <numbers>
+
+#include "voile/base/error.hpp"
+
+namespace voile::pattern {
+
+namespace {
+
+double cross(const Vec2& a, const Vec2& b) {
+  return a[0] * b[1] - a[1] * b[0];
+}
+
+/// De Casteljau's algorithm.
+Vec2 point_of(std::vector<Vec2> p, double t) {
+  for (std::size_t left = p.size(); left > 1; --left)
+    for (std::size_t i = 0; i + 1 < left; ++i) p[i] = (1.0 - t) * p[i] + t * p[i + 1];
+  return p.front();
+}
+
+}  // namespace
+
+Curve Curve::bezier(std::vector<Vec2> control) {
+  if (control.size() < 2 || control.size() > 4) throw InternalError("a Bezier curve has 2 to 4 control points");
+  Curve c;
+  c.control_ = std::move(control);
+  c.length_ = c.length_between(0.0, 1.0);
+  return c;
+}
+
+Curve Curve::arc(const Vec2& centre, const Mat2& axes, double begin, double sweep) {
+  Curve c;
+  c.centre_ = centre;
+  c.axes_ = axes;
+  c.begin_ = begin;
+  c.sweep_ = sweep;
+  c.length_ = c.length_between(0.0, 1.0);
+  return c;
+}
+
+Curve Curve::circle(const Vec2& a, const Vec2& b, double radius, bool large, bool counter_clockwise) {
+  const Vec2 e = b - a, left(-e[1], e[0]);
+  const double half = 0.5 * e.norm(), height = std::sqrt(std::max(0.0, radius * radius - half * half));
+  const Vec2 centre = 0.5 * (a + b) + (counter_clockwise != large ? height : -height) / e.norm() * left;
+  const Vec2 from = a - centre, to = b - centre;
+  const double begin = std::atan2(from[1], from[0]);
+  double sweep = std::atan2(cross(from, to), from.dot(to));
+  if (counter_clockwise && sweep < 0.0) sweep += 2.0 * std::numbers::pi;
+  if (!counter_clockwise && sweep > 0.0) sweep -= 2.0 * std::numbers::pi;
+  return arc(centre, from.norm() * Mat2::Identity(), begin, sweep);
+}
+
+Vec2 Curve::at(double t) const {
+  if (is_arc()) return centre_ + axes_ * Vec2(std::cos(begin_ + t * sweep_), std::sin(begin_ + t * sweep_));
+  if (t == 0.0) return control_.front();
+  if (t == 1.0) return control_.back();
+  return point_of(control_, t);
+}
+
+Vec2 Curve::derivative(double t) const {
+  if (is_arc()) return sweep_ * (axes_ * Vec2(-std::sin(begin_ + t * sweep_), std::cos(begin_ + t * sweep_)));
+  std::vector<Vec2> d;
+  for (std::size_t i = 0; i + 1 < control_.size(); ++i)
+    d.push_back(static_cast<double>(control_.size() - 1) * (control_[i + 1] - control_[i]));
+  return point_of(std::move(d), t);
+}
+
+double Curve::length_between(double t0, double t1) const {
+  if (control_.size() == 2) return (t1 - t0) * (control_[1] - control_[0]).norm();
+  using Rule = boost::math::quadrature::gauss_kronrod<double, 15>;
+  return Rule::integrate([&](double t) { return derivative(t).norm(); }, t0, t1, 15, 1e-13);
+}
+
+std::vector<double> Curve::parameters_at(const std::vector<double>& shares) const {
+  std::vector<double> parameters;
+  double t = 0.0, done = 0.0;  // where the last point lies
+  for (const double share : shares) {
+    if (share >= 1.0) {
+      parameters.push_back(1.0);
+      continue;
+    }
+    // Newton's method on the length from the last point, kept between bounds that it narrows.
+    const double from = t, wanted = share * length_ - done;
+    double low = from, high = 1.0;
+    t = is_line() ? share : std::min(1.0, from + wanted / length_);
+    for (int k = 0; k < 60 && !is_line(); ++k) {
+      const double error = length_between(from, t) - wanted;
+      (error > 0.0 ? high : low) = t;
+      if (std::abs(error) <= 1e-13 * length_) break;
+      const double speed = derivative(t).norm(), next = t - error / speed;
+      t = next > low && next < high ? next : 0.5 * (low + high);
+    }
+    done = share * length_;
+    parameters.push_back(t);
+  }
+  return parameters;
+}
+
+double Curve::area() const {
+  if (is_arc()) return 0.5 * cross(centre_, end() - start()) + 0.5 * axes_.determinant() * sweep_;
+  // x cross x' is of the fifth degree at most: three points integrate it exactly.
+  static const std::array<double, 3> place{0.5 - std::sqrt(0.15), 0.5, 0.5 + std::sqrt(0.15)};
+  static const std::array<double, 3> weight{5.0 / 18.0, 8.0 / 18.0, 5.0 / 18.0};
+  double sum = 0.0;
+  for (std::size_t i = 0; i < 3; ++i) sum += weight[i] * cross(at(place[i]), derivative(place[i]));
+  return 0.5 * sum;
+}
+
+Curve Curve::mapped(const Mat2& m, const Vec2& shift) const {
+  if (is_arc()) return arc(m * centre_ + shift, m * axes_, begin_, sweep_);
+  std::vector<Vec2> p;
+  for (const Vec2& x : control_) p.emplace_back(m * x + shift);
+  return bezier(std::move(p));
+}
+
+}  // namespace voile::pattern

@@ -1,0 +1,288 @@
+#include "voile/pattern/garment.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numeric>
+
+#include "voile/base/error.hpp"
+#include "voile/io/gmsh_polygon.hpp"
+#include "voile/pattern/outline.hpp"
+
+namespace voile::pattern {
+
+namespace {
+
+/// Cells along a curved edge that is not sewn, at least.
+constexpr int least_on_curve = 4;
+/// Room between pieces in the plane of their charts, as a share of their width.
+constexpr double chart_room = 0.1;
+
+/// Nodes of one edge in its own direction: shares of its length, and vertices of the mesh.
+struct EdgeNodes {
+  std::vector<double> shares;
+  std::vector<Index> vertices;
+};
+
+/// Cells of a panel beyond which its size must be a mistake.
+constexpr double most_cells = 2e6;
+
+std::string where(const Panel& p) {
+  return fmt::format("{}: piece '{}'", p.file, p.piece.name);
+}
+
+class Cutter {
+ public:
+  Cutter(Garment& garment) : g_(garment), nodes_(garment.panels.size()) {
+    for (std::size_t p = 0; p < nodes_.size(); ++p) nodes_[p].resize(panel(p).piece.edges.size());
+  }
+
+  void run() {
+    for (const SeamLine& seam : g_.seams.lines) {
+      seam_shares_.push_back(seam_nodes(g_.panels, seam));
+      for (std::size_t s = 0; s < 2; ++s) spread(seam.sides[s], seam.lengths[s], seam_shares_.back()[s]);
+    }
+    std::vector<io::Polygon> polygons;
+    for (std::size_t p = 0; p < nodes_.size(); ++p) polygons.push_back(polygon(p));
+    const std::vector<io::Triangulation> cut = io::mesh_polygons(g_.mesh.source, polygons);
+    double x = 0.0;
+    for (std::size_t p = 0; p < nodes_.size(); ++p) add_panel(p, cut[p], x);
+    for (std::size_t k = 0; k < seam_shares_.size(); ++k) add_seam(k);
+  }
+
+ private:
+  [[nodiscard]] const Panel& panel(std::size_t p) const { return g_.panels[p]; }
+  [[nodiscard]] const Curve& curve(const EdgeUse& e) const { return panel(e.panel).piece.edges[e.edge].curve; }
+
+  /// Gives the nodes of a side of a seam to its edges.
+  void spread(const std::vector<EdgeUse>& side, double total, const std::vector<double>& shares) {
+    double before = 0.0;
+    for (const EdgeUse& e : side) {
+      const double length = curve(e).length();
+      std::vector<double>& own = nodes_[e.panel][e.edge].shares;
+      for (const double f : shares) {
+        const double local = (f * total - before) / length;
+        if (local > 1e-7 && local < 1.0 - 1e-7) own.push_back(e.reversed ? 1.0 - local : local);
+      }
+      own.insert(own.end(), {0.0, 1.0});
+      std::sort(own.begin(), own.end());
+      before += length;
+    }
+  }
+
+  [[nodiscard]] io::Polygon polygon(std::size_t p) {
+    io::Polygon polygon{fmt::format("piece '{}'", panel(p).piece.name), {}, panel(p).size};
+    for (std::size_t k = 0; k < nodes_[p].size(); ++k) {
+      const Curve& c = panel(p).piece.edges[k].curve;
+      std::vector<double>& shares = nodes_[p][k].shares;
+      if (shares.empty()) {
+        const int cells =
+            std::max(c.is_line() ? 1 : least_on_curve, static_cast<int>(std::ceil(c.length() / panel(p).size - 0.2)));
+        for (int i = 0; i <= cells; ++i) shares.push_back(static_cast<double>(i) / cells);
+      }
+      const std::vector<double> t = c.parameters_at(shares);
+      for (std::size_t i = 0; i + 1 < t.size(); ++i) polygon.points.push_back(c.at(t[i]));
+    }
+    if (polygon.points.size() < 3 || find_crossing(polygon.points))
+      throw UserError(fmt::format("{}: cells of {:.4g} m are too coarse for its outline; make its key size smaller",
+                                  where(panel(p)), panel(p).size));
+    return polygon;
+  }
+
+  /// `x`: where the next chart begins.
+  void add_panel(std::size_t p, const io::Triangulation& cut, double& x) {
+    mesh::MeshData& m = g_.mesh;
+    const auto first = static_cast<Index>(m.positions.size());
+    const Extent e = extent_of(panel(p).piece);
+    const Vec3 shift(x - e.low[0], -e.low[1], 0.0);
+    x += (1.0 + chart_room) * (e.high[0] - e.low[0]);
+    for (const Vec2& at : cut.points) m.positions.push_back(panel(p).place(at));
+    mesh::Group whole{panel(p).piece.name, 2, {}, {}, {}};
+    for (mesh::Triangle t : cut.triangles) {
+      if (panel(p).piece.turned) std::swap(t[1], t[2]);
+      whole.triangles.push_back(static_cast<Index>(m.triangles.size()));
+      const auto at = [&](std::size_t i) { return cut.points[static_cast<std::size_t>(t[i])]; };
+      const auto chart = [&](std::size_t i) { return Vec3(Vec3(at(i)[0], at(i)[1], 0.0) + shift); };
+      m.texture.push_back({at(0), at(1), at(2)});
+      m.rest.push_back({chart(0), chart(1), chart(2)});
+      m.triangles.push_back({first + t[0], first + t[1], first + t[2]});
+    }
+    whole.vertices.resize(cut.points.size());
+    std::iota(whole.vertices.begin(), whole.vertices.end(), first);
+    m.groups.push_back(std::move(whole));
+    add_edges(p, first);
+  }
+
+  void add_edges(std::size_t p, Index first) {
+    Index begin = 0, count = 0;
+    for (const EdgeNodes& e : nodes_[p]) count += static_cast<Index>(e.shares.size()) - 1;
+    for (std::size_t k = 0; k < nodes_[p].size(); ++k) {
+      EdgeNodes& e = nodes_[p][k];
+      mesh::Group group{fmt::format("{}/{}", panel(p).piece.name, k), 1, {}, {}, {}};
+      for (std::size_t i = 0; i < e.shares.size(); ++i)
+        e.vertices.push_back(first + (begin + static_cast<Index>(i)) % count);
+      begin += static_cast<Index>(e.shares.size()) - 1;
+      for (std::size_t i = 0; i + 1 < e.vertices.size(); ++i)
+        group.segments.push_back({e.vertices[i], e.vertices[i + 1]});
+      group.vertices = e.vertices;
+      std::sort(group.vertices.begin(), group.vertices.end());
+      g_.mesh.groups.push_back(group);
+      const std::string& label = panel(p).piece.edges[k].label;
+      if (!label.empty()) add_label(fmt::format("{}/{}", panel(p).piece.name, label), group);
+    }
+  }
+
+  /// Edges with the same label are one group.
+  void add_label(const std::string& name, mesh::Group group) {
+    auto& groups = g_.mesh.groups;
+    const auto at = std::find_if(groups.begin(), groups.end(), [&](const mesh::Group& g) { return g.name == name; });
+    group.name = name;
+    if (at == groups.end()) {
+      groups.push_back(std::move(group));
+      return;
+    }
+    at->vertices.insert(at->vertices.end(), group.vertices.begin(), group.vertices.end());
+    std::sort(at->vertices.begin(), at->vertices.end());
+    at->vertices.erase(std::unique(at->vertices.begin(), at->vertices.end()), at->vertices.end());
+    at->segments.insert(at->segments.end(), group.segments.begin(), group.segments.end());
+  }
+
+  /// Vertices of a side, one after the other; two where one edge ends and another begins elsewhere.
+  [[nodiscard]] std::vector<std::vector<Index>> vertices_of(const std::vector<EdgeUse>& side) const {
+    std::vector<std::vector<Index>> all;
+    for (const EdgeUse& e : side) {
+      std::vector<Index> own = nodes_[e.panel][e.edge].vertices;
+      if (e.reversed) std::reverse(own.begin(), own.end());
+      std::size_t i = 0;
+      if (!all.empty()) {
+        if (all.back().front() != own.front()) all.back().push_back(own.front());
+        i = 1;
+      }
+      for (; i < own.size(); ++i) all.push_back({own[i]});
+    }
+    return all;
+  }
+
+  void add_seam(std::size_t k) {
+    const SeamLine& line = g_.seams.lines[k];
+    const auto a = vertices_of(line.sides[0]), b = vertices_of(line.sides[1]);
+    const auto& shares = seam_shares_[k];
+    if (a.size() != b.size() || a.size() != shares[0].size())
+      throw InternalError(fmt::format("seam '{}': {} and {} nodes", line.name, a.size(), b.size()));
+    mesh::Seam seam{line.name, {}, {}};
+    const double length = 0.5 * (line.lengths[0] + line.lengths[1]);
+    for (std::size_t i = 0; i < a.size(); ++i) {
+      const double low = i > 0 ? shares[0][i - 1] : 0.0, high = i + 1 < a.size() ? shares[0][i + 1] : 1.0;
+      const auto pair = [&](Index v, Index w) {
+        if (v == w) return;
+        seam.pairs.push_back({v, w});
+        seam.lengths.push_back(0.5 * (high - low) * length);
+      };
+      pair(a[i].front(), b[i].front());
+      if (a[i].size() > 1) pair(a[i].back(), b[i].back());
+      if (a[i].size() == 1 && b[i].size() > 1) pair(a[i].front(), b[i].back());
+      if (a[i].size() > 1 && b[i].size() > 1) pair(a[i].front(), b[i].back());
+    }
+    g_.mesh.seams.push_back(std::move(seam));
+  }
+
+  Garment& g_;
+  std::vector<std::vector<EdgeNodes>> nodes_;
+  std::vector<std::array<std::vector<double>, 2>> seam_shares_;
+};
+
+/// The vertex that each one becomes when all seams are welded.
+std::vector<Index> welded(const mesh::MeshData& m) {
+  std::vector<Index> target(m.positions.size());
+  std::iota(target.begin(), target.end(), Index{0});
+  const auto root = [&](Index v) {
+    while (target[v] != v) v = target[v] = target[target[v]];
+    return v;
+  };
+  for (const mesh::Seam& seam : m.seams)
+    for (const auto& [v, w] : seam.pairs) target[std::max(root(v), root(w))] = std::min(root(v), root(w));
+  for (Index v = 0; v < static_cast<Index>(target.size()); ++v) target[v] = root(v);
+  return target;
+}
+
+/// Whether the welded surface would be one.
+void check_welded(const Garment& g) {
+  const std::vector<Index> target = welded(g.mesh);
+  std::vector<std::string> name_of(g.mesh.triangles.size());
+  for (const mesh::Group& group : g.mesh.groups)
+    for (const Index t : group.triangles) name_of[t] = group.name;
+  std::map<mesh::Segment, std::vector<Index>> edges;
+  for (Index t = 0; t < static_cast<Index>(g.mesh.triangles.size()); ++t) {
+    const mesh::Triangle& v = g.mesh.triangles[t];
+    const Vec2 x = (g.mesh.texture[t][0] + g.mesh.texture[t][1] + g.mesh.texture[t][2]) / 3.0;
+    for (std::size_t s = 0; s < 3; ++s) {
+      const Index a = target[v[s]], b = target[v[(s + 1) % 3]];
+      if (a == b)
+        throw UserError(
+            fmt::format("{}: piece '{}': its seams would sew two corners of one cell near ({:.4g}, {:.4g}) m to "
+                        "each other and fold it; make the cells smaller there, or correct which edges are sewn",
+                        g.mesh.source, name_of[t], x[0], x[1]));
+      edges[{std::min(a, b), std::max(a, b)}].push_back(t);
+    }
+  }
+  for (const auto& [edge, triangles] : edges)
+    if (triangles.size() > 2)
+      throw UserError(
+          fmt::format("{}: pieces '{}', '{}' and '{}' would be sewn together along one line, and a surface that "
+                      "branches is not supported; remove one of the seams there",
+                      g.mesh.source, name_of[triangles[0]], name_of[triangles[1]], name_of[triangles[2]]));
+}
+
+}  // namespace
+
+Garment make_garment(std::vector<Panel> panels, const std::vector<SeamRequest>& requests) {
+  Garment g;
+  if (panels.empty()) throw InternalError("a garment without panels");
+  for (std::size_t p = 0; p < panels.size(); ++p) {
+    panels[p].check_wrap();
+    if (const double cells = 2.3 * std::abs(panels[p].piece.signed_area()) / std::pow(panels[p].size, 2);
+        cells > most_cells)
+      throw UserError(fmt::format("{}: cells of {:.3g} m would be about {:.2g} in number; make the key size larger",
+                                  where(panels[p]), panels[p].size, cells));
+    for (std::size_t q = 0; q < p; ++q)
+      if (panels[p].piece.name == panels[q].piece.name)
+        throw UserError(
+            fmt::format("{}: another piece has this name; give one of them the key name", where(panels[p])));
+  }
+  g.mesh.source = panels.front().file;
+  g.seams = resolve_seams(panels, requests);
+  g.panels = std::move(panels);
+  g.mesh.notes = g.seams.notes;
+  Cutter(g).run();
+  check_welded(g);
+  return g;
+}
+
+std::string garment_text(const Garment& g) {
+  std::string text = "panels:\n";
+  double area = 0.0, boxes = 0.0;
+  for (const Panel& p : g.panels) {
+    const Extent e = extent_of(p.piece);
+    const Vec2 size = e.high - e.low;
+    double around = 0.0;
+    for (const Edge& edge : p.piece.edges) around += edge.curve.length();
+    text += fmt::format("  '{}': {:.6g} m^2, {:.4g} m x {:.4g} m, {} edges of {:.5g} m together\n", p.piece.name,
+                        std::abs(p.piece.signed_area()), size[0], size[1], p.piece.edges.size(), around);
+    area += std::abs(p.piece.signed_area());
+    boxes += size[0] * size[1];
+  }
+  if (!g.seams.lines.empty()) text += "seams:\n";
+  double sewn = 0.0;
+  for (const SeamLine& s : g.seams.lines) {
+    text += fmt::format("  '{}': {:.5g} m to {:.5g} m, at most {:.4g} m apart at the start\n", s.name, s.lengths[0],
+                        s.lengths[1], s.farthest);
+    sewn += 0.5 * (s.lengths[0] + s.lengths[1]);
+  }
+  text += fmt::format("fabric: {:.6g} m^2 in {} panels, {:.6g} m^2 of rectangles round them; {:.5g} m of seams\n", area,
+                      g.panels.size(), boxes, sewn);
+  return text;
+}
+
+}  // namespace voile::pattern

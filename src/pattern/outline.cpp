@@ -1,0 +1,71 @@
+#include "voile/pattern/outline.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace voile::pattern {
+
+namespace {
+
+double cross(const Vec2& a, const Vec2& b) {
+  return a[0] * b[1] - a[1] * b[0];
+}
+
+double distance(const Vec2& x, const Vec2& a, const Vec2& b) {
+  const Vec2 d = b - a;
+  const double t = std::clamp((x - a).dot(d) / d.squaredNorm(), 0.0, 1.0);
+  return (x - a - t * d).norm();
+}
+
+/// Whether two segments come nearer than the tolerance.
+bool meet(const Vec2& a, const Vec2& b, const Vec2& p, const Vec2& q, double tolerance) {
+  const Vec2 d = b - a, e = q - p;
+  const bool crosses = cross(d, p - a) * cross(d, q - a) < 0.0 && cross(e, a - p) * cross(e, b - p) < 0.0;
+  return crosses || std::min({distance(a, p, q), distance(b, p, q), distance(p, a, b), distance(q, a, b)}) <= tolerance;
+}
+
+/// Whether the way a-b-c turns back onto itself.
+bool folds_back(const Vec2& a, const Vec2& b, const Vec2& c) {
+  const Vec2 d = (a - b).normalized(), e = (c - b).normalized();
+  return d.dot(e) > 0.0 && std::abs(cross(d, e)) < 1e-3;
+}
+
+}  // namespace
+
+std::optional<Crossing> find_crossing(const std::vector<Vec2>& points) {
+  const std::size_t n = points.size();
+  const auto at = [&](std::size_t i) -> const Vec2& { return points[i % n]; };
+  double length = 0.0;
+  for (std::size_t i = 0; i < n; ++i) length += (at(i + 1) - at(i)).norm();
+  const double tolerance = 1e-9 * length;
+  for (std::size_t i = 0; i < n; ++i)
+    if (n > 2 && folds_back(at(i), at(i + 1), at(i + 2))) return Crossing{i, (i + 1) % n, at(i + 1)};
+  std::vector<std::size_t> order(n);  // by their lowest x, so that few pairs are compared
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  const auto low = [&](std::size_t i) { return std::min(at(i)[0], at(i + 1)[0]); };
+  std::sort(order.begin(), order.end(), [&](std::size_t i, std::size_t j) { return low(i) < low(j); });
+  for (std::size_t k = 0; k < n; ++k) {
+    const std::size_t i = order[k];
+    const double high = std::max(at(i)[0], at(i + 1)[0]) + tolerance;
+    for (std::size_t l = k + 1; l < n && low(order[l]) <= high; ++l) {
+      const std::size_t j = order[l];
+      if ((i + 1) % n == j || (j + 1) % n == i) continue;
+      if (meet(at(i), at(i + 1), at(j), at(j + 1), tolerance)) return Crossing{std::min(i, j), std::max(i, j), at(i)};
+    }
+  }
+  return std::nullopt;
+}
+
+Extent extent_of(const Piece& piece) {
+  Extent e{piece.point(0), piece.point(0)};
+  for (const Edge& edge : piece.edges)
+    for (int i = 0; i < 64; ++i) {
+      const Vec2 x = edge.curve.at(i / 64.0);
+      e.low = e.low.cwiseMin(x);
+      e.high = e.high.cwiseMax(x);
+    }
+  return e;
+}
+
+}  // namespace voile::pattern

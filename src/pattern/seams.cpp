@@ -1,0 +1,324 @@
+#include "voile/pattern/seams.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numeric>
+
+#include "voile/base/error.hpp"
+#include "voile/base/text.hpp"
+
+namespace voile::pattern {
+
+namespace {
+
+/// Ratios of the lengths of the two sides: what is refused, and what is remarked.
+constexpr double largest_ratio = 4.0, unusual_ratio = 2.0;
+
+using Side = std::vector<EdgeUse>;
+
+std::string edge_name(const std::vector<Panel>& panels, const EdgeUse& e) {
+  return fmt::format("{}/{}", panels[e.panel].piece.name, e.edge);
+}
+
+std::size_t corner(const std::vector<Panel>& panels, const EdgeUse& e, bool at_end) {
+  return at_end == e.reversed ? e.edge : (e.edge + 1) % panels[e.panel].piece.edges.size();
+}
+
+Vec3 corner_place(const std::vector<Panel>& panels, const EdgeUse& e, bool at_end) {
+  return panels[e.panel].place(panels[e.panel].piece.point(corner(panels, e, at_end)));
+}
+
+Side reversed(Side side) {
+  std::reverse(side.begin(), side.end());
+  for (EdgeUse& e : side) e.reversed = !e.reversed;
+  return side;
+}
+
+class Resolver {
+ public:
+  explicit Resolver(const std::vector<Panel>& panels)
+      : panels_(panels), sense_(panels.size(), 1), chain_(panels.size()) {
+    std::iota(chain_.begin(), chain_.end(), std::size_t{0});
+  }
+
+  void add(const SeamRequest& r) {
+    SeamLine line;
+    line.sides = {chain(r, r.edges), chain(r, r.to)};
+    for (const Side& side : line.sides)
+      for (const EdgeUse& e : side) use(r, e);
+    line.name = r.name.empty() ? fmt::format("{}-{}", r.edges.front(), r.to.front()) : r.name;
+    for (const SeamLine& other : found_.lines)
+      if (other.name == line.name)
+        throw UserError(fmt::format("{}: seam '{}': another seam has this name", r.where, line.name));
+    orient(r, line);
+    measure(r, line);
+    check_dart(r, line);
+    check_twist(r, line);
+    found_.lines.push_back(std::move(line));
+  }
+
+  Seams take() { return std::move(found_); }
+
+ private:
+  [[noreturn]] static void fail(const SeamRequest& r, const std::string& message) {
+    throw UserError(fmt::format("{}: {}", r.where, message));
+  }
+
+  [[nodiscard]] std::size_t panel(const SeamRequest& r, const std::string& name, const std::string& given) const {
+    std::vector<std::string> names;
+    for (std::size_t p = 0; p < panels_.size(); ++p) {
+      if (panels_[p].piece.name == name) return p;
+      names.push_back(panels_[p].piece.name);
+    }
+    fail(r, fmt::format("'{}': there is no piece '{}':{}", given, name, suggestion(name, names)));
+  }
+
+  /// A number below `end`, or nothing.
+  [[nodiscard]] static std::optional<std::size_t> number(const std::string& text, std::size_t end) {
+    if (text.empty() || text.size() > 6 || !std::all_of(text.begin(), text.end(), ::isdigit)) return std::nullopt;
+    const std::size_t k = std::stoul(text);
+    return k < end ? std::optional(k) : std::nullopt;
+  }
+
+  [[nodiscard]] EdgeUse edge(const SeamRequest& r, const std::string& given) const {
+    const std::size_t slash = given.rfind('/');
+    if (slash == std::string::npos) fail(r, fmt::format("'{}': write an edge as PIECE/EDGE", given));
+    const std::size_t p = panel(r, given.substr(0, slash), given);
+    const std::string word = given.substr(slash + 1);
+    const std::vector<Edge>& edges = panels_[p].piece.edges;
+    if (const auto k = number(word, edges.size())) return {p, *k, false};
+    std::vector<std::size_t> labelled;
+    for (std::size_t k = 0; k < edges.size(); ++k)
+      if (!word.empty() && edges[k].label == word) labelled.push_back(k);
+    if (labelled.size() == 1) return {p, labelled.front(), false};
+    fail(r, labelled.empty()
+                ? fmt::format("'{}': the piece has no such edge; it has {}, counted from 0", given, edges.size())
+                : fmt::format("'{}': edges {} have this label; name one by its number", given, join(labelled, ", ")));
+  }
+
+  /// Panel and number of a point.
+  [[nodiscard]] std::pair<std::size_t, std::size_t> point(const SeamRequest& r, const std::string& given) const {
+    const std::size_t at = given.rfind('@');
+    if (at == std::string::npos) fail(r, fmt::format("meet: '{}': write a point as PIECE@POINT", given));
+    const std::size_t p = panel(r, given.substr(0, at), given), points = panels_[p].piece.edges.size();
+    if (const auto k = number(given.substr(at + 1), points)) return {p, *k};
+    fail(r, fmt::format("meet: '{}': the piece has points 0 to {}", given, points - 1));
+  }
+
+  void use(const SeamRequest& r, const EdgeUse& e) {
+    const auto [at, is_new] = used_.insert({{e.panel, e.edge}, r.where});
+    if (!is_new)
+      fail(r,
+           fmt::format("edge {} is in a seam already ({}); an edge is sewn once: divide it, or remove one of the seams",
+                       edge_name(panels_, e), at->second));
+  }
+
+  /// Directions of the edges of a side such that each begins where the one before ends.
+  [[nodiscard]] Side chain(const SeamRequest& r, const std::vector<std::string>& names) const {
+    Side best;
+    double least = std::numeric_limits<double>::infinity();
+    for (const bool turned : {false, true}) {
+      Side side;
+      double gaps = 0.0;
+      for (const std::string& name : names) {
+        EdgeUse e = edge(r, name);
+        e.reversed = turned;
+        if (!side.empty()) gaps += append_direction(side.back(), e);
+        side.push_back(e);
+      }
+      if (gaps < least) best = side;
+      least = std::min(least, gaps);
+    }
+    return best;
+  }
+
+  /// Chooses the direction of an edge after another; returns the way between them.
+  [[nodiscard]] double append_direction(const EdgeUse& before, EdgeUse& e) const {
+    std::array<double, 2> gap{};
+    for (const bool turned : {false, true}) {
+      e.reversed = turned;
+      const bool shared = before.panel == e.panel && corner(panels_, before, true) == corner(panels_, e, false);
+      gap[turned] =
+          shared ? 0.0 : (corner_place(panels_, before, true) - corner_place(panels_, e, false)).norm() + 1e-9;
+    }
+    e.reversed = gap[1] < gap[0];
+    return std::min(gap[0], gap[1]);
+  }
+
+  /// Mean distance of points that would meet, and the largest.
+  [[nodiscard]] std::pair<double, double> distances(const Side& a, const Side& b) const {
+    constexpr int parts = 16;
+    std::vector<double> shares;
+    for (int i = 0; i <= parts; ++i) shares.push_back(static_cast<double>(i) / parts);
+    const std::vector<Vec3> x = places(a, shares), y = places(b, shares);
+    double sum = 0.0, most = 0.0;
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      sum += (x[i] - y[i]).norm() / static_cast<double>(x.size());
+      most = std::max(most, (x[i] - y[i]).norm());
+    }
+    return {sum, most};
+  }
+
+  [[nodiscard]] std::vector<Vec3> places(const Side& side, const std::vector<double>& shares) const {
+    const double total = length_of(panels_, side);
+    std::vector<Vec3> x;
+    std::size_t k = 0;
+    double before = 0.0;
+    for (const double f : shares) {
+      const auto length = [&] { return panels_[side[k].panel].piece.edges[side[k].edge].curve.length(); };
+      while (k + 1 < side.size() && f * total > before + length()) before += length(), ++k;
+      const double local = std::clamp((f * total - before) / length(), 0.0, 1.0);
+      const Curve& c = panels_[side[k].panel].piece.edges[side[k].edge].curve;
+      x.push_back(
+          panels_[side[k].panel].place(c.at(c.parameters_at({side[k].reversed ? 1.0 - local : local}).front())));
+    }
+    return x;
+  }
+
+  /// The side turned so that it begins at a point.
+  void begin_at(const SeamRequest& r, const std::string& given, Side& side) const {
+    const auto [p, k] = point(r, given);
+    const auto is_here = [&, p = p, k = k](const EdgeUse& e, bool at_end) {
+      return e.panel == p && corner(panels_, e, at_end) == k;
+    };
+    if (is_here(side.front(), false)) return;
+    if (!is_here(side.back(), true))
+      fail(r, fmt::format("meet: '{}' is no end of its side, which runs from {}@{} to {}@{}", given,
+                          panels_[side.front().panel].piece.name, corner(panels_, side.front(), false),
+                          panels_[side.back().panel].piece.name, corner(panels_, side.back(), true)));
+    side = reversed(side);
+  }
+
+  void orient(const SeamRequest& r, SeamLine& line) {
+    auto& [a, b] = line.sides;
+    if (!r.meet.empty()) {
+      begin_at(r, r.meet[0], a);
+      begin_at(r, r.meet[1], b);
+      return;
+    }
+    const double as_is = distances(a, b).first, turned = distances(a, reversed(b)).first;
+    if (r.sense == Sense::against) b = reversed(b);
+    const double taken = r.sense == Sense::against ? turned : as_is, other = r.sense == Sense::against ? as_is : turned;
+    if (r.sense == Sense::nearest) {
+      if (turned < as_is) b = reversed(b);
+      found_.notes.push_back(fmt::format(
+          "seam '{}': {}@{} meets {}@{}, which is the shorter way at the start ({:.3g} m on average, {:.3g} m "
+          "the other way round); the key meet would say so",
+          line.name, panels_[a.front().panel].piece.name, corner(panels_, a.front(), false),
+          panels_[b.front().panel].piece.name, corner(panels_, b.front(), false), std::min(as_is, turned),
+          std::max(as_is, turned)));
+    } else if (taken > 2.0 * other + 0.02) {
+      found_.notes.push_back(
+          fmt::format("seam '{}': its sides are {:.3g} m apart at the start, the other way round {:.3g} m; if it comes "
+                      "out twisted, "
+                      "correct its sense in {}",
+                      line.name, taken, other, r.where));
+    }
+  }
+
+  void measure(const SeamRequest& r, SeamLine& line) {
+    for (std::size_t s = 0; s < 2; ++s) line.lengths[s] = length_of(panels_, line.sides[s]);
+    line.farthest = distances(line.sides[0], line.sides[1]).second;
+    const auto [low, high] = std::minmax(line.lengths[0], line.lengths[1]);
+    if (high > largest_ratio * low)
+      fail(r, fmt::format("seam '{}': its sides are {:.4g} m and {:.4g} m long; more than {:g} times as much cannot be "
+                          "gathered: correct the edges, or the unit of a piece",
+                          line.name, line.lengths[0], line.lengths[1], largest_ratio));
+    if (high > unusual_ratio * low)
+      found_.notes.push_back(
+          fmt::format("seam '{}': sides of {:.4g} m and {:.4g} m are sewn together, {:.2g} times as "
+                      "much",
+                      line.name, line.lengths[0], line.lengths[1], high / low));
+  }
+
+  /// Two edges of one piece with but a short one between them: a dart whose legs have no common tip.
+  void check_dart(const SeamRequest& r, const SeamLine& line) const {
+    if (line.sides[0].size() != 1 || line.sides[1].size() != 1) return;
+    const EdgeUse &a = line.sides[0].front(), &b = line.sides[1].front();
+    if (a.panel != b.panel) return;
+    const Panel& p = panels_[a.panel];
+    const std::size_t n = p.piece.edges.size();
+    for (const auto& [first, second] : {std::pair{a.edge, b.edge}, std::pair{b.edge, a.edge}}) {
+      if ((first + 1) % n == second) {  // neighbours: their common corner must stay one point
+        const bool tip = corner(panels_, a, false) == corner(panels_, b, false) ||
+                         corner(panels_, a, true) == corner(panels_, b, true);
+        if (!tip)
+          fail(r,
+               fmt::format("seam '{}': edges {} and {} of piece '{}' have point {} in common, but it would be sewn to "
+                           "the far end of the other: an edge would collapse; let their far ends meet",
+                           line.name, first, second, p.piece.name, second));
+      } else if ((first + 2) % n == second && n > 3) {
+        const double gap = p.piece.edges[(first + 1) % n].curve.length();
+        if (gap < p.size && gap < 0.2 * std::min(line.lengths[0], line.lengths[1]))
+          fail(r, fmt::format(
+                      "seam '{}': the legs {} and {} of a dart in piece '{}' have no common tip: edge {} of {:.3g} m "
+                      "lies between them, shorter than a cell; let both legs end at one point, or make the cells "
+                      "smaller",
+                      line.name, first, second, p.piece.name, (first + 1) % n, gap));
+      }
+    }
+  }
+
+  /// +1 if the edges of a piece run round it as its triangles do.
+  [[nodiscard]] int way_round(std::size_t p) const {
+    return (panels_[p].piece.signed_area() > 0.0) != panels_[p].piece.turned ? 1 : -1;
+  }
+
+  /// Whether all seams so far leave a surface with two sides: panels hang together in chains, each with a sense.
+  void check_twist(const SeamRequest& r, const SeamLine& line) {
+    const auto root = [&](std::size_t p) {
+      int sense = 1;
+      for (; chain_[p] != p; p = chain_[p]) sense *= sense_[p];
+      return std::pair{p, sense};
+    };
+    const auto way = [&](const EdgeUse& e) { return way_round(e.panel) * (e.reversed ? -1 : 1); };
+    const auto tie = [&](const EdgeUse& a, const EdgeUse& b) {
+      const int wanted = way(a) * way(b) < 0 ? 1 : -1;
+      const auto [p, s] = root(a.panel);
+      const auto [q, t] = root(b.panel);
+      if (p == q && s * t != wanted)
+        fail(r, fmt::format("seam '{}' between {} and {} closes a chain of pieces with a twist: the right side of the "
+                            "fabric would meet the wrong side; let the other ends meet, or turn a piece over",
+                            line.name, edge_name(panels_, a), edge_name(panels_, b)));
+      if (p == q) return;
+      chain_[q] = p;
+      sense_[q] = s * t * wanted;
+    };
+    double end_a = 0.0;  // share at which an edge of the one side ends
+    for (const EdgeUse& a : line.sides[0]) {
+      const double begin_a = end_a;
+      end_a += length_of(panels_, {a}) / line.lengths[0];
+      double end_b = 0.0;
+      for (const EdgeUse& b : line.sides[1]) {
+        const double begin_b = end_b;
+        end_b += length_of(panels_, {b}) / line.lengths[1];
+        if (std::min(end_a, end_b) - std::max(begin_a, begin_b) > 0.01) tie(a, b);
+      }
+    }
+  }
+
+  const std::vector<Panel>& panels_;
+  std::map<std::pair<std::size_t, std::size_t>, std::string> used_;
+  std::vector<int> sense_;          ///< of each panel against the one it hangs on
+  std::vector<std::size_t> chain_;  ///< that one
+  Seams found_;
+};
+
+}  // namespace
+
+double length_of(const std::vector<Panel>& panels, const std::vector<EdgeUse>& side) {
+  double sum = 0.0;
+  for (const EdgeUse& e : side) sum += panels[e.panel].piece.edges[e.edge].curve.length();
+  return sum;
+}
+
+Seams resolve_seams(const std::vector<Panel>& panels, const std::vector<SeamRequest>& requests) {
+  Resolver resolver(panels);
+  for (const SeamRequest& r : requests) resolver.add(r);
+  return resolver.take();
+}
+
+}  // namespace voile::pattern

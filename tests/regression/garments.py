@@ -1,0 +1,180 @@
+"""Garments from pieces of a pattern: cut, placed, sewn, welded; what is wrong with patterns is named."""
+
+import copy
+import json
+import shutil
+
+import numpy as np
+from harness import OUT, solve, test
+from results import Results
+from solver import ROOT, Result, invoke, run, write_case
+
+RADIUS, HEIGHT = 0.1, 0.15
+ASSETS = ROOT.parent / "shared" / "assets"
+
+
+def text_file(name, text):
+    OUT.mkdir(parents=True, exist_ok=True)
+    (OUT / name).write_text(text)
+    return str(OUT / name)
+
+
+def svg(name, *shapes):
+    """Millimetres."""
+    return text_file(name, '<svg xmlns="http://www.w3.org/2000/svg" width="2000mm" height="2000mm" viewBox="0 0 2000 2000">' + "".join(shapes) + "</svg>\n")
+
+
+def rectangle(name, width, height):
+    return f'<rect id="{name}" width="{1000 * width:.12g}" height="{1000 * height:.12g}"/>'
+
+
+CLOTH = {"type": "isotropic", "young": 1e6, "poisson": 0.0, "thickness": 1e-3, "density": 300.0}
+
+
+def tube(**changes):
+    """One sheet round a cylinder whose girth is 5 % more than its width, sewn to itself, then let go of all strain."""
+    file = svg("garment_tube.svg", rectangle("tube", 2 * np.pi * RADIUS, HEIGHT))
+    return {"panel": [{"file": file, "size": 0.015, "wrap_axis": [0, 0, 1], "translate": [-np.pi * RADIUS, -1.05 * RADIUS, 0]}],
+            "seam": [{"name": "side", "edges": ["tube/1"], "to": ["tube/3"], "meet": ["tube@1", "tube@0"]}],
+            "material": [CLOTH],
+            "spring": [{"type": "point", "group": "tube/0", "stiffness": 1e-4}],
+            "contact": {"distance": 1e-3},
+            "probe": [{"name": "energy", "type": "energy"}],
+            "stage": [{"name": "sew", "analysis": "dynamic", "sew": ["all"], "time": {"end": 0.3, "step": 0.01}, "damping": {"mass": 20.0}},
+                      {"name": "rest", "analysis": "drape"}]} | changes
+
+
+def part(result, stage):
+    return Result(result.folder / stage, result.code, result.text, 0.0)
+
+
+def masses(moment):
+    """Of the vertices, up to the areal density, from the rest corners that are stored with the mesh."""
+    rest = moment.mesh.rest
+    mass = np.zeros(len(moment.mesh.positions))
+    np.add.at(mass, moment.mesh.triangles.ravel(), np.repeat(np.linalg.norm(np.cross(rest[:, 1] - rest[:, 0], rest[:, 2] - rest[:, 0]), axis=1) / 6, 3))
+    return mass
+
+
+@test
+def garment_tube(report):
+    """A flat sheet sewn into a tube has the energy of a cylinder, and no seam to be seen, on 1, 2 and 3 ranks."""
+    bending = np.pi * HEIGHT / RADIUS * 1e6 * 1e-3**3 / 12
+    for ranks in (1, 2, 3):
+        result = solve(f"garment_tube_{ranks}", tube(), ranks)
+        gap = part(result, "sew").history["seam_gap"]
+        report.check(gap[0] > 0.02, f"{ranks} rank(s): the seam starts {gap[0]:.4f} m apart")
+        report.below(gap[-1], 1e-4, f"{ranks} rank(s): and is welded from [m]")
+        h = part(result, "rest").history
+        report.percent(h["energy_bending"][-1] / bending, 0.005, f"{ranks} rank(s): bending energy")
+        report.below(h["energy_membrane"][-1] / bending, 0.01, f"{ranks} rank(s): membrane, in bending energies")
+        place = Results(result.folder / "rest")[-1].positions
+        centre = place[:, :2].mean(axis=0)
+        radius = np.linalg.norm(place[:, :2] - centre, axis=1)
+        report.below(np.abs(radius / RADIUS - 1).max(), 0.01, f"{ranks} rank(s): radius, relative")
+
+
+@test
+def garment_restart(report):
+    """A run goes on from a checkpoint amid sewing, from the stage after the weld, and from within that stage."""
+    case = tube()
+    fixed = {"step": 0.01, "max_step": 0.01, "target_iterations": 1000}  # so that the runs take the same steps
+    case["stage"][0]["time"] |= {"end": 0.16} | fixed
+    case["stage"][1] = {"name": "move", "analysis": "dynamic", "time": {"end": 0.2} | fixed}
+    case["spring"] = []
+    case["initial_velocity"] = [{"velocity": [0.3, 0.2, 0.1]}]
+    case["stage"][0]["damping"] = {"membrane": 0.01}
+    whole = solve("garment_whole", case, 2)
+    end = part(whole, "move").displacement()
+    half = copy.deepcopy(case)
+    half["stage"] = [case["stage"][0] | {"time": case["stage"][0]["time"] | {"end": 0.08}}]
+    solve("garment_half", half, 1)
+    folder = OUT / "garment_rest"
+    shutil.rmtree(folder, ignore_errors=True)
+    rest = run(OUT / "garment_whole.toml", folder, 3, ["--from", "sew", "--restart", OUT / "garment_half" / "sew" / "checkpoint.h5"])
+    report.check(rest.code == 0, f"from amid sewing: code {rest.code}")
+    report.below(np.abs(part(rest, "move").displacement() - end).max(), 1e-7, "on 3 ranks, to the same end [m]")
+    again = run(OUT / "garment_whole.toml", whole.folder, 1, ["--from", "move"])
+    report.check(again.code == 0, f"--from move welds what sew has left: code {again.code}")
+    report.below(np.abs(part(again, "move").displacement() - end).max(), 1e-9, "to the same end [m]")
+    folder = OUT / "garment_within"
+    shutil.rmtree(folder, ignore_errors=True)
+    within = run(OUT / "garment_whole.toml", folder, 2, ["--from", "move", "--restart", whole.folder / "move" / "results.vtkhdf", "--restart-step", "2"])
+    report.check(within.code == 0, f"from the results within move, whose mesh is welded: code {within.code}")
+    before, after = Results(whole.folder / "sew")[-1], Results(whole.folder / "move")[0]
+    momentum = [(masses(m)[:, None] * m["velocity"]).sum(axis=0) for m in (before, after)]
+    report.below(masses(after).sum() / masses(before).sum() - 1, 1e-12, "the weld keeps mass, relative")
+    report.below(np.linalg.norm(momentum[1] - momentum[0]) / np.linalg.norm(momentum[0]), 1e-12, "and momentum, relative")
+    report.check(len(after.positions) < len(before.positions), f"{len(before.positions)} vertices become {len(after.positions)}")
+
+
+@test
+def garment_refused(report):
+    """Patterns and seams that cannot be: each mistake is named with its file and remedy; nothing crashes."""
+    def refused(what, case, *words, ranks=1):
+        code, text = invoke(["check", write_case(case, OUT / "garment_wrong.toml")], ranks)
+        report.check(code == 2 and all(w in text for w in words), f"{what}: code {code}: {' '.join(text.split())[:260]}")
+
+    def panel(**keys):
+        case = tube()
+        case["panel"][0] |= keys
+        return case
+
+    def pattern(name, text, **keys):
+        return tube(panel=[{"file": text_file(name, text)} | keys], seam=[])
+
+    code, text = invoke(["check", write_case(tube(), OUT / "garment_good.toml")], 2)
+    report.check(code == 0 and "fabric: 0.0942" in text and "'side'" in text, f"the tube itself: code {code}")
+    refused("no such file", panel(file="nowhere.svg"), "nowhere.svg", "no such file", ranks=2)
+    refused("an empty file", pattern("garment_empty.svg", ""), "garment_empty.svg", "empty")
+    refused("a file that is no JSON", pattern("garment_bad.json", '{"pattern": [1, '), "garment_bad.json", "not valid JSON")
+    refused("a file that is no XML", pattern("garment_bad.svg", "<svg><path d="), "garment_bad.svg", "not valid XML")
+    refused("millimetres for metres", panel(unit=1.0), "'tube'", "628.3 m", "unit")
+    refused("an unknown piece", panel(pieces=["sleeve"]), "garment_tube.svg", "none of those there are: tube")
+    refused("one name for two", tube(panel=[{"file": svg("garment_two.svg", rectangle("a", 0.2, 0.1), rectangle("b", 0.2, 0.1)), "name": "c"}], seam=[]), "is for one piece")
+    refused("another key of a mesh", tube(mesh={"size": 0.1}), "mesh.size", "[[panel]]")
+    refused("a cylinder too thin", panel(wrap_radius=0.05), "'tube'", "overlap itself")
+    refused("a leaning axis", panel(wrap_axis=[0, 0.2, 1]), "leans by")
+    refused("a twisted seam", tube(seam=[{"name": "side", "edges": ["tube/1"], "to": ["tube/3"], "meet": ["tube@1", "tube@3"]}]), "'side'", "twist")
+    refused("an edge sewn twice", tube(seam=[{"edges": ["tube/1"], "to": ["tube/3"]}, {"edges": ["tube/1"], "to": ["tube/0"]}]), "tube/1 is in a seam already")
+    refused("an unknown edge", tube(seam=[{"edges": ["tube/7"], "to": ["tube/3"]}]), "tube/7", "no such edge")
+    refused("one point in meet", tube(seam=[{"edges": ["tube/1"], "to": ["tube/3"], "meet": ["tube@1"]}]), "seam.meet", "two are needed")
+    wrong = tube()
+    wrong["stage"][0]["sew"] = ["sied"]
+    refused("an unknown seam", wrong, "'sied'", "side")
+    wrong = tube()
+    wrong["stage"][1]["sew"] = ["all"]
+    refused("sewing without time", wrong, "'rest' sew", "dynamic")
+    refused("remeshing open seams", tube(remesh={}), "[remesh]", "'side'", "still open")
+    # Two pieces through each other, and one through a body.
+    two = [{"file": tube()["panel"][0]["file"], "name": n, "size": 0.03, "translate": [0, y, 0], "rotate": [0, 0, a]} for n, y, a in (("front", 0, 0), ("back", -0.1, 70))]
+    refused("pieces through each other", tube(panel=two, seam=[], spring=[], stage=[{"name": "rest", "analysis": "drape"}]), "panel 'front'", "panel 'back'", "intersects", ranks=2)
+    ball = tube(obstacle=[{"name": "body", "type": "sphere", "point": [0.105, 0, -0.07], "radius": 0.03}])
+    refused("a piece through the body", ball, "body", "[contact]")
+    # A seam that has no time to close ends the run, with its name.
+    late = tube()
+    late["stage"][0]["time"] |= {"end": 0.03}
+    folder = OUT / "garment_late"
+    shutil.rmtree(folder, ignore_errors=True)
+    result = run(write_case(late, OUT / "garment_late.toml"), folder, 2)
+    report.check(result.code == 3 and "'side' is still open" in result.text, f"a seam without time: code {result.code}")
+
+
+@test
+def garment_dress(report):
+    """A whole GarmentCode dress on a mannequin, where they are at hand: it is cut, placed clear of the body, and begins to close."""
+    pattern, body = ASSETS / "garmentcode_dress_pencil_pattern.json", ASSETS / "manikin_static.obj"
+    if not (pattern.is_file() and body.is_file()):
+        print(f"  skipped: there is no {pattern}")
+        return
+    pieces = json.loads(pattern.read_text())["pattern"]["panels"]
+    case = {"panel": [{"file": str(pattern), "size": 0.03}],
+            "material": [CLOTH | {"thickness": 5e-4}], "contact": {"distance": 2e-3}, "obstacle": [{"name": "body", "type": "mesh", "file": str(body)}], "stage": [{"name": "sew", "analysis": "dynamic", "sew": ["all"], "time": {"end": 0.02, "step": 5e-3}}]}
+    code, text = invoke(["check", write_case(case, OUT / "garment_dress.toml")], 2)
+    report.check(code == 0 and f"in {len(pieces)} panels" in text, f"the pattern round the body: code {code}: {text.strip().splitlines()[-1]}")
+    folder = OUT / "garment_dress"
+    shutil.rmtree(folder, ignore_errors=True)
+    result = run(write_case(case, OUT / "garment_dress.toml"), folder, 2)
+    report.check(result.code == 3 and "is still open" in result.text, f"in so short a time they do not close: code {result.code}")
+    gap = part(result, "sew").history["seam_gap"]
+    report.check(gap[-1] < gap[0] - 0.005, f"but begin to: {gap[0]:.3f} m to {gap[-1]:.3f} m")

@@ -1,0 +1,195 @@
+// Seams, meshes of panels and their places.
+#include <doctest/doctest.h>
+
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <numbers>
+
+#include "test_pattern_kit.hpp"
+#include "voile/mesh/weld.hpp"
+
+using namespace voile;
+using namespace voile::testing;
+using pattern::Panel;
+using pattern::SeamRequest;
+using pattern::Sense;
+
+namespace {
+
+SeamRequest seam(std::vector<std::string> edges, std::vector<std::string> to, std::vector<std::string> meet = {}) {
+  SeamRequest r;
+  r.where = "test";
+  r.edges = std::move(edges);
+  r.to = std::move(to);
+  r.meet = std::move(meet);
+  return r;
+}
+
+std::string refusal_of(const std::vector<Panel>& panels, const std::vector<SeamRequest>& seams) {
+  try {
+    (void)pattern::make_garment(panels, seams);
+  } catch (const UserError& e) {
+    return e.what();
+  }
+  return "";
+}
+
+/// Largest difference of the shares of length at which pairs of a seam lie on two straight edges from (0, y) up or down.
+double along(const mesh::MeshData& m, Index v) {
+  for (std::size_t t = 0; t < m.triangles.size(); ++t)
+    for (std::size_t i = 0; i < 3; ++i)
+      if (m.triangles[t][i] == v) return m.texture[t][i][1];
+  return -1.0;
+}
+
+Panel moved(Panel p, const Vec3& shift) {
+  p.shift = shift;
+  return p;
+}
+
+}  // namespace
+
+TEST_CASE("both sides of a seam have as many nodes at equal shares of their lengths, whatever the sizes of cells") {
+  // The right edge of A (0.4 m) to the left edge of B (0.5 m): 25 % of ease; B is finer.
+  const std::vector<Panel> panels{rectangle("A", 0.3, 0.4, 0.05), moved(rectangle("B", 0.3, 0.5, 0.02), {0.31, 0, 0})};
+  const pattern::Garment g = pattern::make_garment(panels, {seam({"A/1"}, {"B/3"}, {"A@1", "B@0"})});
+  REQUIRE(g.mesh.seams.size() == 1);
+  const mesh::Seam& s = g.mesh.seams[0];
+  CHECK(s.pairs.size() == 26);  // 0.5 m in cells of 0.02 m
+  double sum = 0.0;
+  for (std::size_t k = 0; k < s.pairs.size(); ++k) {
+    CHECK(along(g.mesh, s.pairs[k][0]) / 0.4 == doctest::Approx(along(g.mesh, s.pairs[k][1]) / 0.5).epsilon(1e-9));
+    sum += s.lengths[k];
+  }
+  CHECK(sum == doctest::Approx(0.45).epsilon(1e-12));
+  const mesh::SurfaceMesh open(g.mesh);
+  CHECK(open.component_count() == 2);
+  double area = 0.0;
+  for (Index t = 0; t < open.triangle_count(); ++t) area += open.area(t);
+  CHECK(area == doctest::Approx(0.3 * 0.4 + 0.3 * 0.5).epsilon(1e-12));
+  CHECK(open.group("A/1", 1).segments.size() == 25);
+  CHECK(open.group("B", 2).triangles.size() > 500);
+  CHECK(pattern::garment_text(g).find("fabric: 0.27 m^2 in 2 panels") != std::string::npos);
+}
+
+TEST_CASE("which points meet decides, not the order of edges") {
+  const std::vector<Panel> panels{rectangle("A", 0.3, 0.4, 0.1), moved(rectangle("B", 0.3, 0.4, 0.1), {0.31, 0, 0})};
+  for (const auto& meet : {std::vector<std::string>{"A@1", "B@0"}, {"A@2", "B@3"}, {}}) {
+    const pattern::Garment g = pattern::make_garment(panels, {seam({"A/1"}, {"B/3"}, meet)});
+    for (const auto& [v, w] : g.mesh.seams[0].pairs) CHECK(along(g.mesh, v) == doctest::Approx(along(g.mesh, w)));
+  }
+  const pattern::Garment twisted = pattern::make_garment(panels, {seam({"A/1"}, {"B/3"}, {"A@1", "B@3"})});
+  CHECK(along(twisted.mesh, twisted.mesh.seams[0].pairs[0][0]) !=
+        doctest::Approx(along(twisted.mesh, twisted.mesh.seams[0].pairs[0][1])));
+}
+
+TEST_CASE("one long edge to two: corners become nodes of both sides") {
+  std::vector<Panel> panels{rectangle("A", 0.2, 0.5, 0.03), moved(rectangle("B", 0.2, 0.23, 0.03), {0.21, 0, 0}),
+                            moved(rectangle("C", 0.2, 0.27, 0.03), {0.21, 0.23, 0})};
+  const pattern::Garment g = pattern::make_garment(panels, {seam({"A/1"}, {"B/3", "C/3"}), seam({"B/2"}, {"C/0"})});
+  const std::vector<std::string> names = mesh::open_seams(g.mesh, {"all"});
+  const std::vector<double> mass(g.mesh.positions.size(), 1.0);
+  const mesh::SurfaceMesh whole(mesh::weld(g.mesh, names, g.mesh.positions, mass).data);
+  CHECK(whole.component_count() == 1);
+  CHECK(whole.data().seams.empty());
+  // The corners of B and C and the node of A opposite to them are one vertex, inside of nothing but the edge's end.
+  Index boundary = 0;
+  for (Index t = 0; t < whole.triangle_count(); ++t)
+    for (int s = 0; s < 3; ++s) boundary += whole.neighbour(t, s) == no_index ? 1 : 0;
+  const Index v = whole.vertex_count(), f = whole.triangle_count(), e = (3 * f + boundary) / 2;
+  CHECK(v - e + f == 1);  // a disc without holes
+}
+
+TEST_CASE("a panel sewn to itself: a tube, a dart, and what is refused") {
+  const std::vector<Panel> sheet{rectangle("A", 0.6, 0.3, 0.05)};
+  SeamRequest against = seam({"A/1"}, {"A/3"});
+  against.sense = Sense::against;
+  const pattern::Garment tube = pattern::make_garment(sheet, {against});
+  const std::vector<double> mass(tube.mesh.positions.size(), 1.0);
+  CHECK(mesh::SurfaceMesh(mesh::weld(
+                              tube.mesh, {"A/1-A/3"},
+                              [&] {
+                                std::vector<Vec3> x;
+                                for (const Vec3& p : tube.mesh.positions) {
+                                  const double a = 2.0 * std::numbers::pi * p[0] / 0.6;
+                                  x.emplace_back(0.1 * std::cos(a), 0.1 * std::sin(a), p[1]);
+                                }
+                                return x;
+                              }(),
+                              mass)
+                              .data)
+            .component_count() == 1);
+  against.sense = Sense::along;
+  CHECK(has(refusal_of(sheet, {against}), "twist"));
+  Panel dart = rectangle("D", 0.4, 0.3, 0.03);  // from the lower edge up
+  const std::array<Vec2, 7> x{Vec2(0, 0),   Vec2(0.18, 0),  Vec2(0.2, 0.15), Vec2(0.22, 0),
+                              Vec2(0.4, 0), Vec2(0.4, 0.3), Vec2(0, 0.3)};
+  dart.piece.edges.clear();
+  for (std::size_t k = 0; k < 7; ++k) dart.piece.edges.push_back({pattern::Curve::bezier({x[k], x[(k + 1) % 7]})});
+  const pattern::Garment g = pattern::make_garment({dart}, {seam({"D/1"}, {"D/2"}, {"D@1", "D@3"})});
+  CHECK(g.mesh.seams[0].pairs.size() == 5);  // 0.151 m in cells of 0.03 m, without the tip
+  CHECK(has(refusal_of({dart}, {seam({"D/1"}, {"D/2"}, {"D@1", "D@2"})}), "collapse"));
+  Panel blunt = dart;
+  const std::array<Vec2, 8> y{Vec2(0, 0),    Vec2(0.18, 0), Vec2(0.198, 0.15), Vec2(0.202, 0.15),
+                              Vec2(0.22, 0), Vec2(0.4, 0),  Vec2(0.4, 0.3),    Vec2(0, 0.3)};
+  blunt.piece.edges.clear();
+  for (std::size_t k = 0; k < 8; ++k) blunt.piece.edges.push_back({pattern::Curve::bezier({y[k], y[(k + 1) % 8]})});
+  const std::string message = refusal_of({blunt}, {seam({"D/1"}, {"D/3"}, {"D@1", "D@4"})});
+  CHECK(has(message, "no common tip"));
+  CHECK(has(message, "edge 2"));
+}
+
+TEST_CASE("seams that cannot be are refused with seam, piece and edge") {
+  const std::vector<Panel> panels{rectangle("A", 0.3, 0.4, 0.1), moved(rectangle("B", 0.3, 0.4, 0.1), {0.4, 0, 0}),
+                                  moved(rectangle("C", 0.3, 0.05, 0.02), {0.4, 0.5, 0})};
+  CHECK(has(refusal_of(panels, {seam({"A/1"}, {"B/3"}), seam({"A/1"}, {"B/1"})}), "edge A/1 is in a seam already"));
+  CHECK(has(refusal_of(panels, {seam({"A/9"}, {"B/3"})}), "'A/9': the piece has no such edge"));
+  CHECK(has(refusal_of(panels, {seam({"A"}, {"B/3"})}), "PIECE/EDGE"));
+  CHECK(has(refusal_of(panels, {seam({"E/1"}, {"B/3"})}), "no piece 'E'"));
+  CHECK(has(refusal_of(panels, {seam({"A/1"}, {"B/3"}, {"A@0", "B@3"})}), "'A@0' is no end"));
+  CHECK(has(refusal_of(panels, {seam({"A/1"}, {"C/3"})}), "more than 4 times"));
+  // Two panels sewn at both sides, once with a twist.
+  const std::string twist =
+      refusal_of(panels, {seam({"A/1"}, {"B/3"}, {"A@1", "B@0"}), seam({"A/3"}, {"B/1"}, {"A@0", "B@2"})});
+  CHECK(has(twist, "A/3 and B/1"));
+  CHECK(has(twist, "twist"));
+  CHECK(has(refusal_of({panels[0], panels[0]}, {}), "another piece has this name"));
+}
+
+TEST_CASE("a piece on a cylinder keeps its lengths; one that cannot be wrapped is refused") {
+  Panel p = rectangle("A", 0.6, 0.3, 0.02);
+  p.turn << 1, 0, 0, 0, 0, -1, 0, 1, 0;  // y up becomes z up: the plane faces -y
+  p.shift = {-0.3, -0.25, 1.0};
+  p.wrap = pattern::Wrap{Vec3::UnitZ(), Vec3::Zero(), 0.0};
+  for (const double x : {0.0, 0.3, 0.6}) {
+    const Vec3 at = p.place({x, 0.1});
+    CHECK(std::hypot(at[0], at[1]) == doctest::Approx(0.25).epsilon(1e-12));
+    CHECK(at[2] == doctest::Approx(1.1));
+    CHECK(std::atan2(at[0], -at[1]) == doctest::Approx((x - 0.3) / 0.25).epsilon(1e-12));
+  }
+  const pattern::Garment g = pattern::make_garment({p}, {});
+  double worst = 0.0;
+  for (std::size_t t = 0; t < g.mesh.triangles.size(); ++t)
+    for (std::size_t i = 0; i < 3; ++i) {
+      const double start =
+          (g.mesh.positions[g.mesh.triangles[t][i]] - g.mesh.positions[g.mesh.triangles[t][(i + 1) % 3]]).norm();
+      worst = std::max(worst, std::abs(start / (g.mesh.rest[t][i] - g.mesh.rest[t][(i + 1) % 3]).norm() - 1.0));
+    }
+  CHECK(worst < 1e-3);  // chords of cells of 0.02 m on a radius of 0.25 m: (h/r)^2/24
+  p.wrap->axis = Vec3(0, 0.1, 1).normalized();
+  CHECK(has(refusal_of({p}, {}), "leans by"));
+  p.wrap = pattern::Wrap{Vec3::UnitZ(), Vec3::Zero(), 0.05};
+  CHECK(has(refusal_of({p}, {}), "overlap itself"));
+}
+
+TEST_CASE("cells too coarse for an outline are named") {
+  Panel p = rectangle("A", 0.6, 0.3, 1.0);
+  p.piece.edges.clear();
+  const double h = 0.01;  // a thin crescent between two circles
+  p.piece.edges.push_back({pattern::Curve::circle({0, 0}, {1, 0}, 0.5, false, true)});
+  p.piece.edges.push_back({pattern::Curve::bezier({{1, 0}, {0.6, -0.6 + h}, {0.4, -0.6 + h}, {0, 0}})});
+  const std::string message = refusal_of({p}, {});
+  CHECK((message.empty() || has(message, "too coarse") || has(message, "cannot be meshed")));
+}

@@ -1,0 +1,164 @@
+// Seams in a model: a weld leaves no trace in a flat sheet; the springs that close one; what contact leaves alone.
+#include <doctest/doctest.h>
+
+#include <Eigen/Geometry>
+
+#include <cmath>
+#include <random>
+
+#include "test_model_kit.hpp"
+#include "voile/energy/spring.hpp"
+#include "voile/mesh/weld.hpp"
+#include "voile/solve/newton.hpp"
+
+using namespace voile;
+using namespace voile::testing;
+
+namespace {
+
+/// The unit square in two panels, cut along the vertical line of vertices next to x = 0.5; charts apart.
+mesh::MeshData two_panels(int cells) {
+  mesh::MeshData all = square(Pattern::diagonal, cells);
+  const double cut = 0.5;
+  const auto n = all.positions.size();
+  all.seams = {{"middle", {}, {}}};
+  std::vector<Index> twin(n, no_index);
+  for (std::size_t v = 0; v < n; ++v)
+    if (std::abs(all.positions[v][0] - cut) < 1e-9) {
+      twin[v] = static_cast<Index>(all.positions.size());
+      all.seams[0].pairs.push_back({static_cast<Index>(v), twin[v]});
+      all.seams[0].lengths.push_back(1.0 / (cells + 1));
+      all.positions.push_back(all.positions[v]);
+    }
+  const Mat3 turn = Eigen::AngleAxisd(0.7, Vec3::UnitZ()).toRotationMatrix();
+  for (mesh::Triangle& t : all.triangles) {
+    const Vec3 centre = (all.positions[t[0]] + all.positions[t[1]] + all.positions[t[2]]) / 3.0;
+    const bool right = centre[0] > cut;
+    std::array<Vec3, 3> rest;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const Vec3 x = all.positions[t[i]];
+      rest[i] = right ? Vec3(turn * x + Vec3(3.0, 1.0, 0.0)) : x;
+      if (right && twin[t[i]] != no_index) t[i] = twin[t[i]];
+    }
+    all.rest.push_back(rest);
+  }
+  all.groups.clear();
+  all.vertex_tags.clear();
+  return all;
+}
+
+system::ModelInput input() {
+  system::ModelInput in;
+  in.materials = {isotropic(1e6, 0.3, 0.01, 1.0)};
+  return in;
+}
+
+}  // namespace
+
+TEST_CASE("a seam across a flat sheet is invisible: energy and forces are those of the whole sheet") {
+  const mesh::MeshData open = two_panels(12);
+  const std::vector<double> mass(open.positions.size(), 1.0);
+  const mesh::Welded w = mesh::weld(open, {"middle"}, open.positions, mass);
+  mesh::MeshData plain = w.data;
+  plain.rest.clear();
+  const mesh::SurfaceMesh sewn(w.data), whole(plain);
+  REQUIRE(sewn.has_charts());
+  REQUIRE(sewn.component_count() == 1);
+  system::Model a(PETSC_COMM_WORLD, sewn, input()), b(PETSC_COMM_WORLD, whole, input());
+  const auto bent = [&](Index v) {
+    const Vec3& x = whole.positions()[v];
+    return Vec3(0.01 * x[0] * x[1], -0.005 * x[0], 0.1 * std::sin(3.0 * x[0]) * std::cos(2.0 * x[1]));
+  };
+  petsc::VecHandle ua = a.dofs().create_vector(), ub = b.dofs().create_vector(), fa = a.dofs().create_vector(),
+                   fb = b.dofs().create_vector();
+  set_displacement(a, ua, bent);
+  set_displacement(b, ub, bent);
+  const system::Energies ea = a.energies(ua), eb = b.energies(ub);
+  CHECK(ea.bending == doctest::Approx(eb.bending).epsilon(1e-9));
+  CHECK(ea.membrane == doctest::Approx(eb.membrane).epsilon(1e-9));
+  a.unbalanced_force(ua, fa);
+  b.unbalanced_force(ub, fb);
+  const std::vector<Vec3> ga = per_vertex(a, fa), gb = per_vertex(b, fb);
+  double largest = 0.0, difference = 0.0;
+  for (std::size_t v = 0; v < ga.size(); ++v) {
+    largest = std::max(largest, gb[v].norm());
+    difference = std::max(difference, (ga[v] - gb[v]).norm());
+  }
+  CHECK(difference < 1e-8 * largest);
+}
+
+TEST_CASE("springs of a seam only pull, get shorter in time, and their derivatives are right") {
+  mesh::MeshData open = two_panels(4);
+  for (const auto& [v, w] : open.seams[0].pairs) open.positions[w] = open.positions[v] + Vec3(0.1, 0, 0);
+  const mesh::SurfaceMesh mesh(open);
+  system::ModelInput in = input();
+  in.sewing = {{"all"}, 100.0, 0.5, 1.0};
+  system::Model model(PETSC_COMM_WORLD, mesh, std::move(in));
+  petsc::VecHandle u = model.dofs().create_vector();
+  const double stiffness = 100.0 * 5.0 / 5.0;  // over the whole seam of 1 m
+  for (const auto& [time, length] : {std::pair{0.0, 0.1}, {1.1, 0.05}, {1.2, 0.0}, {5.0, 0.0}}) {
+    model.set_time(time);
+    CHECK(model.energies(u).springs == doctest::Approx(0.5 * stiffness * std::pow(0.1 - length, 2)).epsilon(1e-9));
+  }
+  model.set_time(1.1);  // nearer than that nothing pushes
+  set_displacement(model, u, [&](Index v) {
+    const bool twin =
+        std::any_of(open.seams[0].pairs.begin(), open.seams[0].pairs.end(), [&](const auto& p) { return p[1] == v; });
+    return Vec3(twin ? -0.08 : 0.0, 0.0, 0.0);
+  });
+  CHECK(model.energies(u).springs == 0.0);
+}
+
+TEST_CASE("a spring that only pulls: derivatives by differences") {
+  energy::SpringTerm spring;
+  spring.add({0, 1}, 7.0, 0.3, true, true);
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> uniform(-0.5, 0.5);
+  for (int k = 0; k < 20; ++k) {
+    std::array<Vec3, 2> x;
+    for (Vec3& p : x) p = Vec3(uniform(random), uniform(random), uniform(random));
+    if (std::abs((x[1] - x[0]).norm() - 0.3) < 1e-3) continue;
+    energy::Configuration c;
+    c.x = x.data();
+    std::array<Vec3, 2> g{Vec3::Zero(), Vec3::Zero()};
+    spring.gradient(0, c, [&](int a, const Vec3& f) { g[static_cast<std::size_t>(a)] += f; });
+    Mat3 h = Mat3::Zero();
+    spring.hessian(0, c, [&](int a, int b, const Mat3& block) {
+      if (a == 1 && b == 1) h += block;
+    });
+    const double e = 1e-6;
+    for (int i = 0; i < 3; ++i) {
+      const double at = x[1][i];
+      const auto gradient = [&] {
+        Vec3 f = Vec3::Zero();
+        spring.gradient(0, c, [&](int a, const Vec3& part) { f += a == 1 ? part : Vec3(Vec3::Zero()); });
+        return f;
+      };
+      x[1][i] = at + e;
+      const double high = spring.energy(0, c);
+      const Vec3 gh = gradient();
+      x[1][i] = at - e;
+      const double low = spring.energy(0, c);
+      const Vec3 gl = gradient();
+      x[1][i] = at;
+      CHECK(std::abs((high - low) / (2.0 * e) - g[1][i]) < 1e-7);
+      CHECK(((gh - gl) / (2.0 * e) - h.col(i)).norm() < 1e-6);
+    }
+  }
+}
+
+TEST_CASE("figures that share a seam's vertex are no pair of contact; others near it are") {
+  mesh::MeshData open = two_panels(4);
+  for (const auto& [v, w] : open.seams[0].pairs) open.positions[w] = open.positions[v] + Vec3(1e-4, 0, 0);
+  system::ModelInput in = input();
+  in.contact.active = true;
+  in.contact.options.distance = 1e-2;
+  const mesh::SurfaceMesh mesh(open);
+  system::Model model(PETSC_COMM_WORLD, mesh, in);
+  petsc::VecHandle u = model.dofs().create_vector();
+  CHECK(model.contact()->report(u).pairs == 0);
+  open.seams.clear();  // now they are strangers
+  const mesh::SurfaceMesh strangers(open);
+  system::Model other(PETSC_COMM_WORLD, strangers, in);
+  CHECK(other.contact()->report(u).pairs > 0);
+}
