@@ -19,7 +19,7 @@ namespace {
 constexpr double exact_rtol = 1e-12, least_rtol = 1e-10;
 /// After the first failure so many matrices are factored; at most so many.
 /// Iterations that are allowed at least: small systems are solved in no time either way.
-constexpr PetscInt least_longest = 20;
+constexpr PetscInt least_longest = 30;
 constexpr int first_wait = 8, longest_wait = 512;
 /// Share of the allowed iterations after which hopeless solutions are given up, and what is hopeless: needing this many
 /// times what is allowed.
