@@ -1,14 +1,11 @@
 #include "voile/io/gmsh.hpp"
 
-#include <dlfcn.h>
 #include <fmt/format.h>
 
 #include <cctype>
 #include <filesystem>
 #include <fstream>
-#include <new>
 
-#include "../gmsh/interface.hpp"
 #include "mesh_bytes.hpp"
 #include "voile/base/child_process.hpp"
 #include "voile/base/error.hpp"
@@ -63,42 +60,7 @@ void check_physical_names(const std::string& file) {
                       file, printable(line), dimension));
 }
 
-/// A function of the module beside this program, or where `cmake --install` puts it. It stays loaded.
-template <class Function>
-Function* function_of_module(const char* name) {
-  std::error_code ignored;
-  const fs::path folder = fs::read_symlink("/proc/self/exe", ignored).parent_path();
-  std::string why;
-  for (const fs::path& at : {folder / gmsh_module::file_name, folder / VOILE_MODULE_FOLDER / gmsh_module::file_name}) {
-    if (!fs::exists(at, ignored)) continue;
-    if (void* module = dlopen(at.c_str(), RTLD_LAZY | RTLD_LOCAL))
-      if (void* function = dlsym(module, name)) return reinterpret_cast<Function*>(function);
-    const char* error = dlerror();
-    why = error ? error : "";
-  }
-  throw UserError(
-      fmt::format("{}, which reads .geo and .msh, cannot be loaded{}{}; install it with voile, or build it "
-                  "(target voile-gmsh)",
-                  (folder / gmsh_module::file_name).string(), why.empty() ? "" : ": ", why));
-}
-
-/// The text of an answer, or the exception that it stands for.
-std::string taken(gmsh_module::Answer answer, const std::string& file, std::string text) {
-  using gmsh_module::Answer;
-  switch (answer) {
-    case Answer::done:
-      return text;
-    case Answer::user_error:
-      throw UserError(text);
-    case Answer::gmsh_error:
-      throw UserError(fmt::format("{}: {}", file, text));
-    case Answer::no_memory:
-      throw std::bad_alloc();
-    case Answer::failed:
-      break;
-  }
-  throw std::runtime_error(text);
-}
+constexpr const char* reader = "voile-gmsh";  ///< program beside this one
 
 }  // namespace
 
@@ -107,22 +69,15 @@ mesh::MeshData read_gmsh(const std::string& file, const MeshOptions& options) {
   if (!is_geo && !options.parameters.empty())
     throw UserError(fmt::format("{}: parameters can only be set for a .geo file, not for a finished mesh", file));
   if (is_geo && !options.allow_system_call) refuse_dangerous_commands(file);
-  return mesh_from_bytes(run_in_child(file, [&] {
-    if (!is_geo) check_physical_names(file);
-    std::string text;
-    auto* read = function_of_module<gmsh_module::Read>(gmsh_module::read_name);
-    const gmsh_module::Answer answer = read(file, options, is_geo, text);
-    return taken(answer, file, std::move(text));
-  }));
+  if (!is_geo) try_in_child(file, [&] { check_physical_names(file); });
+  std::vector<std::string> words{file, is_geo ? "geo" : "msh", fmt::format("{:a}", options.size),
+                                 fmt::format("{}", options.algorithm), fmt::format("{:a}", options.scale)};
+  for (const auto& [name, value] : options.parameters) words.insert(words.end(), {name, fmt::format("{:a}", value)});
+  return mesh_from_bytes(run_beside(file, reader, words));
 }
 
 std::string gmsh_version() {
-  return run_in_child("Gmsh", [] {
-    std::string text;
-    auto* version = function_of_module<gmsh_module::Version>(gmsh_module::version_name);
-    const gmsh_module::Answer answer = version(text);
-    return taken(answer, "Gmsh", std::move(text));
-  });
+  return run_beside("Gmsh", reader, {});
 }
 
 }  // namespace voile::io

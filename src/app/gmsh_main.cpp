@@ -1,5 +1,5 @@
-// The module that talks to the Gmsh library: interface.hpp. Nothing else links it, because it depends on X and OpenGL.
-#include "interface.hpp"
+// voile-gmsh: reads what only the Gmsh library can, for src/io/gmsh.cpp, and answers with the mesh as bytes. A program of
+// its own, so that the solver starts without the libraries for X and OpenGL that Gmsh needs.
 
 #include <fmt/format.h>
 #include <gmsh.h>
@@ -11,13 +11,14 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <new>
 #include <set>
 
 #include "../io/mesh_bytes.hpp"
+#include "voile/base/child_process.hpp"
 #include "voile/base/error.hpp"
 #include "voile/base/text.hpp"
 #include "voile/io/geo_parameters.hpp"
+#include "voile/io/gmsh.hpp"
 
 namespace voile::io {
 
@@ -322,58 +323,42 @@ class Converter {
   std::set<std::size_t> repeated_;  ///< tags of elements that repeat an earlier one of their entity
 };
 
-/// Exceptions must not leave the module: their types are others on the other side.
-template <class Work>
-gmsh_module::Answer guarded(std::string& text, Work&& work) {
-  using gmsh_module::Answer;
+/// What main() was given by src/io/gmsh.cpp: the file, whether it is a script, and the options.
+std::string read(const std::vector<std::string>& words) {
+  const std::string& file = words.at(1);
+  const auto number = [](const std::string& text) { return std::strtod(text.c_str(), nullptr); };
+  MeshOptions options;
+  options.size = number(words.at(3));
+  options.algorithm = static_cast<int>(number(words.at(4)));
+  options.scale = number(words.at(5));
+  for (std::size_t k = 6; k + 1 < words.size(); k += 2) options.parameters[words[k]] = number(words[k + 1]);
   try {
-    text = work();
-    return Answer::done;
-  } catch (const std::string& message) {  // what Gmsh throws
-    text = "Gmsh: " + printable(message);
-    return Answer::gmsh_error;
-  } catch (const UserError& e) {
-    text = e.what();
-    return Answer::user_error;
-  } catch (const std::bad_alloc&) {
-    return Answer::no_memory;
-  } catch (const std::length_error&) {
-    return Answer::no_memory;
-  } catch (const std::exception& e) {
-    text = e.what();
-  } catch (...) {
-    text = "unknown exception";
-  }
-  return Answer::failed;
-}
-
-}  // namespace
-
-}  // namespace voile::io
-
-VOILE_GMSH_EXPORT voile::io::gmsh_module::Answer voile_gmsh_read(const std::string& file,
-                                                                 const voile::io::MeshOptions& options, bool is_geo,
-                                                                 std::string& text) {
-  using namespace voile::io;
-  return guarded(text, [&] {
     const Session session;
-    if (is_geo) {
+    if (words.at(2) == "geo") {
       mesh_geo(file, options);
     } else {
       gmsh::open(file);
       check_log(file, "reading");
     }
     return to_bytes(Converter(file, options.scale).run());
-  });
+  } catch (const std::string& message) {  // what Gmsh throws
+    throw UserError(fmt::format("{}: Gmsh: {}", file, printable(message)));
+  }
 }
 
-VOILE_GMSH_EXPORT voile::io::gmsh_module::Answer voile_gmsh_version(std::string& text) {
-  using namespace voile::io;
-  return guarded(text, [] {
-    // The library tells its version at run time only once it is initialised.
-    const Session session;
-    std::string version;
-    gmsh::option::getString("General.Version", version);
-    return version;
-  });
+std::string version() {
+  // The library tells its version at run time only once it is initialised.
+  const Session session;
+  std::string text;
+  gmsh::option::getString("General.Version", text);
+  return text;
+}
+
+}  // namespace
+
+}  // namespace voile::io
+
+int main(int argc, char** argv) {
+  const std::vector<std::string> words(argv, argv + argc);
+  return voile::answer_to_parent([&] { return argc > 1 ? voile::io::read(words) : voile::io::version(); });
 }
