@@ -31,7 +31,7 @@ THIRD_PARTY = [
     (r"metis\.h", r"mesh/partition|.*/mumps.*"),
     (r"[sd]mumps_c\.h", r".*/mumps.*"),
     (r"hdf5.*\.h|H5.*\.h", r"io/.*"),
-    (r"gmsh\.h(_cwrap)?", r"io/gmsh"),
+    (r"gmsh\.h(_cwrap)?", r"app/gmsh_main"),
     (r"CGAL/.*", r"geometry/intersections|io/triangle_file"),
     (r"toml\+\+/.*", r"input/case.*|picture/recording"),
     (r"embree3/.*", r"picture/tracing"),
