@@ -96,8 +96,9 @@ PetscErrorCode create_iteration(PC pc) {
   PetscCall(KSPSetNormType(m.iteration, KSP_NORM_NATURAL));
   PetscCall(KSPSetConvergenceTest(m.iteration, converged, &m, nullptr));
   const double vertices = static_cast<double>(rows) / 3.0;
-  PetscCall(KSPSetTolerances(m.iteration, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT,
-                             std::max<PetscInt>(least_longest, static_cast<PetscInt>(m.break_even * std::sqrt(vertices)))));
+  PetscCall(
+      KSPSetTolerances(m.iteration, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT,
+                       std::max<PetscInt>(least_longest, static_cast<PetscInt>(m.break_even * std::sqrt(vertices)))));
   PetscCall(KSPGetPC(m.iteration, &inner));
   PetscCall(petsc::guarded([] { register_block_icc_pc(); }));
   PetscCall(PCSetType(inner, block_icc_pc_type));
