@@ -33,7 +33,7 @@ THIRD_PARTY = [
     (r"[sd]mumps_c\.h", r".*/mumps.*"),
     (r"hdf5.*\.h|H5.*\.h", r"io/.*"),
     (r"CGAL/.*", r"geometry/intersections|geometry/closest_triangle|io/triangle_file"),
-    (r"gmsh\.h(_cwrap)?", r"io/gmsh.*"),
+    (r"gmsh\.h(_cwrap)?", r"app/gmsh_.*"),
     (r"toml\+\+/.*", r"input/case.*|picture/recording"),
     (r"embree3/.*", r"picture/tracing"),
     (r"stb/.*", r"picture/truetype"),

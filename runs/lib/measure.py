@@ -29,7 +29,7 @@ def measure(command, log, cwd=None, ranks=1, **variables):
 
 
 EVENTS = ("VoileBendAssemble", "VoileBendCopy", "VoileResidual", "VoileTangent", "MatCholFctrSym", "MatCholFctrNum",
-          "MatLUFactorSym", "MatLUFactorNum", "MatSolve", "VoileFactorSingle", "VoileRefine", "VoileEnergy", "VoileOutput", "VoileContactFind", "VoileContactClear",
+          "MatLUFactorSym", "MatLUFactorNum", "MatSolve", "VoileFactorSingle", "VoileRefine", "VoileFactorIncomplete", "VoileIterate", "VoileEnergy", "VoileOutput", "VoileContactFind", "VoileContactClear",
           "VoileContactTerm", "SNESSolve")
 
 

@@ -1,6 +1,6 @@
 // voile-picture render | export | plot | view: what `voile` does with these commands.
 //
-// A program of its own, because Gmsh's library, which the solver needs, depends on X and OpenGL: this one does not.
+// A program of its own, which starts without the solver's libraries.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>

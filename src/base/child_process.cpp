@@ -12,6 +12,7 @@
 #include <csignal>
 #include <cstdlib>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <limits>
 #include <new>
@@ -85,8 +86,8 @@ void out_of_memory() {
   _exit(0);
 }
 
-[[noreturn]] void child(int descriptor, const std::function<std::string()>& work) {
-  become_child();
+/// Does the work and sends what comes of it.
+void answer(int descriptor, const std::function<std::string()>& work) {
   answer_descriptor = descriptor;
   std::set_new_handler(out_of_memory);
   try {
@@ -102,6 +103,30 @@ void out_of_memory() {
   } catch (...) {
     send(descriptor, Answer::failed, "unknown exception");
   }
+}
+
+[[noreturn]] void child(int descriptor, const std::function<std::string()>& work) {
+  become_child();
+  answer(descriptor, work);
+  _exit(0);
+}
+
+/// Descriptor on which a program beside this one answers.
+constexpr int answer_stream = 3;
+
+[[noreturn]] void execute(int descriptor, const std::filesystem::path& program, const std::vector<std::string>& words) {
+  if (!std::getenv("VOILE_READ_HERE")) become_child();
+  std::vector<char*> arguments{const_cast<char*>(program.c_str())};
+  for (const std::string& word : words) arguments.push_back(const_cast<char*>(word.c_str()));
+  arguments.push_back(nullptr);
+  if (descriptor == answer_stream)
+    (void)fcntl(descriptor, F_SETFD, 0);
+  else
+    (void)dup2(descriptor, answer_stream);
+  (void)execv(program.c_str(), arguments.data());
+  send(answer_stream, Answer::user_error,
+       fmt::format("{}: the program cannot be started ({}); install it beside voile, or build it", program.string(),
+                   std::strerror(errno)));
   _exit(0);
 }
 
@@ -118,8 +143,10 @@ std::string read_all(int descriptor) {
 
 }  // namespace
 
-std::string run_in_child(const std::string& file, const std::function<std::string()>& work) {
-  if (std::getenv("VOILE_READ_HERE")) return work();
+namespace {
+
+/// What a child, made of this process by `become`, answers.
+std::string answer_of(const std::string& file, const std::function<void(int descriptor)>& become) {
   int ends[2] = {-1, -1};
   if (pipe2(ends, O_CLOEXEC) != 0) throw InternalError(fmt::format("{}: no pipe for reading it", file));
   const pid_t pid = fork();
@@ -130,7 +157,7 @@ std::string run_in_child(const std::string& file, const std::function<std::strin
   }
   if (pid == 0) {
     close(ends[0]);
-    child(ends[1], work);
+    become(ends[1]);
   }
   close(ends[1]);
   std::string bytes = read_all(ends[0]);
@@ -152,6 +179,24 @@ std::string run_in_child(const std::string& file, const std::function<std::strin
         "or it is damaged; make the mesh coarser or export it again",
         file));
   throw UserError(fmt::format("{}: reading it failed ({}); is the file damaged? export it again", file, bytes));
+}
+
+}  // namespace
+
+std::string run_in_child(const std::string& file, const std::function<std::string()>& work) {
+  if (std::getenv("VOILE_READ_HERE")) return work();
+  return answer_of(file, [&](int descriptor) { child(descriptor, work); });
+}
+
+std::string run_beside(const std::string& file, const std::string& program, const std::vector<std::string>& words) {
+  std::error_code ignored;
+  const std::filesystem::path self = std::filesystem::read_symlink("/proc/self/exe", ignored);
+  return answer_of(file, [&](int descriptor) { execute(descriptor, self.parent_path() / program, words); });
+}
+
+int answer_to_parent(const std::function<std::string()>& work) {
+  answer(answer_stream, work);
+  return 0;
 }
 
 void try_in_child(const std::string& file, const std::function<void()>& work) {

@@ -1,12 +1,11 @@
 #include "voile/io/gmsh_polygon.hpp"
 
 #include <fmt/format.h>
-#include <gmsh.h>
+#include <unistd.h>
 
-#include <algorithm>
-#include <map>
+#include <filesystem>
+#include <fstream>
 
-#include "gmsh_session.hpp"
 #include "voile/base/bytes.hpp"
 #include "voile/base/child_process.hpp"
 #include "voile/base/error.hpp"
@@ -15,84 +14,45 @@ namespace voile::io {
 
 namespace {
 
-constexpr int triangle_type = 2, frontal_delaunay = 6;  // Gmsh's numbers
+namespace fs = std::filesystem;
 
-/// Each side is a curve of one element, so that Gmsh cannot divide it.
-void add_polygon(const Polygon& p) {
-  namespace geo = gmsh::model::geo;
-  gmsh::model::add(p.name);
-  const int n = static_cast<int>(p.points.size());
-  for (int i = 0; i < n; ++i) {
-    const Vec2& x = p.points[static_cast<std::size_t>(i)];
-    geo::addPoint(x[0], x[1], 0.0, p.size, i + 1);
+/// A file that another program reads; removed on destruction.
+class Message {
+ public:
+  explicit Message(const std::string& bytes) {
+    std::string name = (fs::temp_directory_path() / "voile_XXXXXX").string();
+    const int descriptor = mkstemp(name.data());
+    if (descriptor >= 0) close(descriptor);
+    path_ = name;
+    std::ofstream out(path_, std::ios::binary);
+    out << bytes << std::flush;
+    if (descriptor < 0 || !out) throw UserError(fmt::format("{}: cannot be written; is there room on the disk?", name));
   }
-  std::vector<int> lines;
-  for (int i = 0; i < n; ++i) lines.push_back(geo::addLine(i + 1, (i + 1) % n + 1));
-  geo::addPlaneSurface({geo::addCurveLoop(lines)});
-  geo::synchronize();
-  for (const int line : lines) gmsh::model::mesh::setTransfiniteCurve(line, 2);
-}
+  ~Message() {
+    std::error_code ignored;
+    fs::remove(path_, ignored);
+  }
+  Message(const Message&) = delete;
+  Message& operator=(const Message&) = delete;
+  [[nodiscard]] std::string path() const { return path_.string(); }
 
-Triangulation take_mesh(const Polygon& p) {
-  Triangulation t;
-  std::map<std::size_t, Index> number;
-  std::vector<std::size_t> tags;
-  std::vector<double> x, parameters;
-  const auto take = [&](int dimension, int entity) {
-    gmsh::model::mesh::getNodes(tags, x, parameters, dimension, entity);
-    for (std::size_t k = 0; k < tags.size(); ++k) {
-      number[tags[k]] = static_cast<Index>(t.points.size());
-      t.points.emplace_back(x[3 * k], x[3 * k + 1]);
-    }
-  };
-  for (std::size_t i = 0; i < p.points.size(); ++i) take(0, static_cast<int>(i) + 1);
-  if (t.points.size() != p.points.size()) return {};
-  t.points = p.points;
-  take(2, -1);
-  std::vector<std::size_t> elements, nodes;
-  gmsh::model::mesh::getElementsByType(triangle_type, elements, nodes);
-  for (std::size_t k = 0; k + 2 < nodes.size(); k += 3) {
-    mesh::Triangle v{};
-    for (std::size_t i = 0; i < 3; ++i) {
-      const auto at = number.find(nodes[k + i]);
-      if (at == number.end()) return {};  // a node on a side
-      v[i] = at->second;
-    }
-    const Vec2 a = t.points[v[1]] - t.points[v[0]], b = t.points[v[2]] - t.points[v[0]];
-    if (a[0] * b[1] - a[1] * b[0] < 0.0) std::swap(v[1], v[2]);
-    t.triangles.push_back(v);
-  }
-  return t;
-}
+ private:
+  fs::path path_;
+};
 
 }  // namespace
 
 std::vector<Triangulation> mesh_polygons(const std::string& file, const std::vector<Polygon>& polygons) {
-  ByteReader in(run_in_child(file, [&] {
-    ByteWriter out;
-    const Session session;
-    gmsh::option::setNumber("Mesh.Algorithm", frontal_delaunay);
-    for (const Polygon& p : polygons) {
-      Triangulation t;
-      try {
-        gmsh::option::setNumber("Mesh.MeshSizeMax", p.size);
-        add_polygon(p);
-        gmsh::model::mesh::generate(2);
-        t = take_mesh(p);
-        gmsh::model::remove();
-      } catch (const std::string&) {  // what Gmsh throws
-        t = {};
-      }
-      if (t.triangles.empty())
-        throw UserError(
-            fmt::format("{}: {} cannot be meshed: its outline with cells of {:.4g} m is not one that Gmsh "
-                        "can fill; look for nearly touching edges, or change its size of cells",
-                        file, p.name, p.size));
-      out.put(t.points);
-      out.put(t.triangles);
-    }
-    return out.take();
-  }));
+  ByteWriter out;
+  out.put(file);
+  out.put(polygons.size());
+  for (const Polygon& p : polygons) {
+    out.put(p.name);
+    out.put(p.points);
+    out.put(p.size);
+  }
+  const Message message(out.take());
+  ByteReader in(run_beside(file, "voile-gmsh", {message.path(), "polygons"}));
   std::vector<Triangulation> all(polygons.size());
   for (Triangulation& t : all) {
     in.get(t.points);

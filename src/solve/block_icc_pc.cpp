@@ -2,9 +2,10 @@
 
 #include <petsc/private/pcimpl.h>
 
-#include <array>
+#include <vector>
 
 #include "incomplete_cholesky.hpp"
+#include "voile/base/mpi.hpp"
 #include "voile/base/petsc.hpp"
 
 namespace voile::solve {
@@ -27,14 +28,15 @@ PetscErrorCode read_pattern(PC pc, Mat part) {
   BlockIcc& d = data(pc);
   PetscInt rows = 0;
   const PetscInt *starts = nullptr, *columns = nullptr;
-  PetscMPIInt good = 0, all_good = 0;
+  bool good = false;
   PetscFunctionBeginUser;
   PetscCall(MatGetLocalSize(part, &rows, nullptr));
   PetscCall(MatSeqAIJGetCSRAndMemType(part, &starts, &columns, nullptr, nullptr));
-  PetscCall(petsc::guarded([&] { good = rows % 3 == 0 && d.factor.read_pattern(rows / 3, starts, columns) ? 1 : 0; }));
-  PetscCallMPI(
-      MPI_Allreduce(&good, &all_good, 1, MPI_INT, MPI_MIN, PetscObjectComm(reinterpret_cast<PetscObject>(pc))));
-  if (!all_good)
+  PetscCall(petsc::guarded([&] {
+    const bool own = rows % 3 == 0 && d.factor.read_pattern(rows / 3, starts, columns);
+    good = mpi::max(PetscObjectComm(reinterpret_cast<PetscObject>(pc)), own ? 0.0 : 1.0) == 0.0;
+  }));
+  if (!good)
     SETERRQ(PetscObjectComm(reinterpret_cast<PetscObject>(pc)), PETSC_ERR_SUP,
             "-pc_type %s is for matrices of full 3 x 3 blocks", block_icc_pc_type);
   ++d.patterns;
@@ -57,15 +59,14 @@ PetscErrorCode set_up(PC pc) {
   PetscCall(MatSeqAIJGetArrayRead(part, &values));
   const bool good = d.factor.factor(values, d.shift, d.first_shift);
   PetscCall(MatSeqAIJRestoreArrayRead(part, &values));
-  const std::array<double, 3> own{good ? 0.0 : 1.0, d.factor.attempts() > 1 ? 1.0 : 0.0, d.factor.shift()};
-  std::array<double, 3> all{};
-  PetscCallMPI(MPI_Allreduce(own.data(), all.data(), 3, MPI_DOUBLE, MPI_MAX,
-                             PetscObjectComm(reinterpret_cast<PetscObject>(pc))));
+  // Largest over the ranks: whether it failed, whether it took a shift, and which.
+  std::vector<double> worst{good ? 0.0 : -1.0, d.factor.attempts() > 1 ? -1.0 : 0.0, -d.factor.shift()};
+  PetscCall(petsc::guarded([&] { mpi::min(PetscObjectComm(reinterpret_cast<PetscObject>(pc)), worst); }));
   ++d.matrices;
-  d.shifted += all[1] > 0.0 ? 1 : 0;
-  d.largest_shift = all[2];
-  if (all[1] > 0.0) PetscCall(PetscInfo(pc, "incomplete factor with %g of the diagonal added\n", d.largest_shift));
-  pc->failedreason = all[0] > 0.0 ? PC_FACTOR_NUMERIC_ZEROPIVOT : PC_NOERROR;
+  d.shifted += worst[1] < 0.0 ? 1 : 0;
+  d.largest_shift = -worst[2];
+  if (worst[1] < 0.0) PetscCall(PetscInfo(pc, "incomplete factor with %g of the diagonal added\n", d.largest_shift));
+  pc->failedreason = worst[0] < 0.0 ? PC_FACTOR_NUMERIC_ZEROPIVOT : PC_NOERROR;
   PetscFunctionReturn(0);
 }
 

@@ -110,7 +110,8 @@ FallResult fall_to_rest(system::Model& model, system::State& state, double rest_
   falling.time = now;
   falling.u = petsc::share(state.u);
   system::Dynamics dynamics(model, at_load(factor));
-  TimeIntegration motion(dynamics, steps_of(unit, std::sqrt(model.discretisation().mean_area())));
+  // Inexact systems are no gain here: from where such a fall ends the search for equilibrium takes longer.
+  TimeIntegration motion(dynamics, steps_of(unit, std::sqrt(model.discretisation().mean_area())), false);
   KineticDamping damping(model, dynamics, unit);
   int iterations = 0;
   const Followed done = follow(motion, falling, [&](const system::State& s, const StepResult& r) {

@@ -19,7 +19,7 @@ namespace {
 constexpr double exact_rtol = 1e-12, least_rtol = 1e-10;
 /// After the first failure so many matrices are factored; at most so many.
 /// Iterations that are allowed at least: small systems are solved in no time either way.
-constexpr PetscInt least_longest = 20;
+constexpr PetscInt least_longest = 30;
 constexpr int first_wait = 8, longest_wait = 512;
 /// Share of the allowed iterations after which hopeless solutions are given up, and what is hopeless: needing this many
 /// times what is allowed.
@@ -96,8 +96,9 @@ PetscErrorCode create_iteration(PC pc) {
   PetscCall(KSPSetNormType(m.iteration, KSP_NORM_NATURAL));
   PetscCall(KSPSetConvergenceTest(m.iteration, converged, &m, nullptr));
   const double vertices = static_cast<double>(rows) / 3.0;
-  PetscCall(KSPSetTolerances(m.iteration, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT,
-                             std::max<PetscInt>(least_longest, static_cast<PetscInt>(m.break_even * std::sqrt(vertices)))));
+  PetscCall(
+      KSPSetTolerances(m.iteration, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT,
+                       std::max<PetscInt>(least_longest, static_cast<PetscInt>(m.break_even * std::sqrt(vertices)))));
   PetscCall(KSPGetPC(m.iteration, &inner));
   PetscCall(petsc::guarded([] { register_block_icc_pc(); }));
   PetscCall(PCSetType(inner, block_icc_pc_type));

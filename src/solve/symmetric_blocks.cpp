@@ -1,5 +1,6 @@
 #include "symmetric_blocks.hpp"
 
+#include "voile/base/mpi.hpp"
 #include "voile/base/types.hpp"
 
 namespace voile::solve {
@@ -21,7 +22,7 @@ bool SymmetricBlocks::read_pattern(Mat k) {
   const PetscInt *starts = nullptr, *columns = nullptr;
   VOILE_PETSC(MatGetLocalSize(inside_, &rows, nullptr));
   VOILE_PETSC(MatSeqAIJGetCSRAndMemType(inside_, &starts, &columns, nullptr, nullptr));
-  int good = rows % 3 == 0 ? 1 : 0;
+  bool good = rows % 3 == 0;
   starts_.assign(1, 0);
   columns_.clear();
   places_.clear();
@@ -42,10 +43,8 @@ bool SymmetricBlocks::read_pattern(Mat k) {
     strides_.push_back(stride);
     starts_.push_back(static_cast<int>(columns_.size()));
   }
-  int all_good = 0;
   MPI_Comm comm = PetscObjectComm(reinterpret_cast<PetscObject>(k));
-  MPI_Allreduce(&good, &all_good, 1, MPI_INT, MPI_MIN, comm);
-  if (!all_good) return false;
+  if (mpi::max(comm, good ? 0.0 : 1.0) > 0.0) return false;
   values_.resize(9 * columns_.size());
   PetscInt all_rows = 0;
   VOILE_PETSC(MatGetSize(k, &all_rows, nullptr));

@@ -23,7 +23,7 @@ constexpr double energy_round_off = 1e-12;
 /// is full of wrinkles about to form, and the positive tangent is as good there.
 constexpr int positive_tangents = 4, positive_tangents_in_contact = 40;
 /// Relative tolerance of linear systems at the first iterations of a step, and the factor of the forcing sequence.
-constexpr double loosest_tolerance = 1e-2, forcing_factor = 0.9;
+constexpr double loosest_tolerance = 1e-3, forcing_factor = 0.9;
 /// An increment this close to what ends a step has to be right.
 constexpr double nearly_last = 1.5;
 

@@ -15,6 +15,7 @@
 #include "voile/solve/central_ts.hpp"
 #include "voile/solve/inexact_pc.hpp"
 #include "voile/solve/inverse_iteration.hpp"
+#include "voile/solve/mixed_pc.hpp"
 #include "voile/solve/stall.hpp"
 
 namespace voile::solve {
@@ -41,7 +42,11 @@ void TimeIntegration::Impl::create_snes() {
 #endif
   VOILE_PETSC(SNESSetConvergenceTest(snes, converged, this, nullptr));
   VOILE_PETSC(SNESGetKSP(snes, &ksp));
-  linear.set_defaults(ksp, LinearSolver::Way::inexact);
+  linear.set_defaults(ksp, inexact ? LinearSolver::Way::inexact : LinearSolver::Way::direct);
+  if (inexact || !model.conditions().symmetric()) return;
+  PC pc = nullptr;
+  VOILE_PETSC(KSPGetPC(ksp, &pc));
+  VOILE_PETSC(PCSetType(pc, mixed_pc_type));
 }
 
 void TimeIntegration::Impl::set_explicit_step(Vec u) {
@@ -237,8 +242,8 @@ void TimeIntegration::Impl::view_at_end(const system::State& state) {
   VOILE_PETSC(VecViewFromOptions(state.u, reinterpret_cast<PetscObject>(static_cast<TS>(ts)), "-ts_view_solution"));
 }
 
-TimeIntegration::TimeIntegration(system::Dynamics& dynamics, TimeOptions options)
-    : impl_(std::make_unique<Impl>(dynamics, options, remarks())) {}
+TimeIntegration::TimeIntegration(system::Dynamics& dynamics, TimeOptions options, bool inexact)
+    : impl_(std::make_unique<Impl>(dynamics, options, remarks(), inexact)) {}
 TimeIntegration::~TimeIntegration() = default;
 
 StepResult TimeIntegration::begin(system::State& state) {

@@ -18,6 +18,7 @@ struct TimeIntegration::Impl {
   system::Model& model;
   TimeOptions options;
   const Remark& remark;
+  bool inexact;
   TsHandle ts;
   LinearSolver linear;
   ConvergenceTest test;
@@ -39,8 +40,8 @@ struct TimeIntegration::Impl {
     bool positive = false;
   } tangent;
 
-  Impl(system::Dynamics& d, TimeOptions o, const Remark& r)
-      : dynamics(d), model(d.model()), options(o), remark(r), linear(model), test(model) {
+  Impl(system::Dynamics& d, TimeOptions o, const Remark& r, bool by_iteration)
+      : dynamics(d), model(d.model()), options(o), remark(r), inexact(by_iteration), linear(model), test(model) {
     for (petsc::VecHandle* v : {&trial, &start, &product}) *v = model.dofs().create_vector();
     if (options.max_step == 0.0) options.max_step = options.step;
     if (options.min_step == 0.0) options.min_step = 1e-3 * options.step;

@@ -738,8 +738,10 @@ def sheet_on_ball(**changes):
 
 @test
 def contact_ball(report):
-    """A sheet falls on a ball: the same contacts and path on 1 and 2 ranks, no intersection, never a gap closed."""
-    one, two = (solve(f"contact_ball_{n}", sheet_on_ball(), n) for n in (1, 2))
+    """A sheet falls on a ball: the same contacts and path on 1 and 2 ranks, no intersection, never a gap closed.
+
+    Systems are solved as exactly as a step needs, so that its tolerance bounds the difference between ranks."""
+    one, two = (solve(f"contact_ball_{n}", sheet_on_ball(time__velocity_tolerance=1e-4), n) for n in (1, 2))
     for n, result in ((1, one), (2, two)):
         h = result.history
         through, states = contacting.pierced_in_states(result, 5)
@@ -809,7 +811,7 @@ def fabric_damping(report):
         "analysis": "dynamic", "mesh": {"file": str(ROOT / "meshes" / "plate.geo"), "parameters": {"side": 0.04, "n": 8, "pattern": 1}},
         "material": [{"type": "fabric", "fabric": str(ROOT / "runs" / "fabrics" / "wool_tropical.toml"), "direction": [1, 0, 0]}],
         "support": [{"type": "clamped", "group": "left"}], "load": [{"type": "gravity", "vector": [0, 0, -9.81]}],
-        "time": {"end": 4, "step": 0.01, "velocity_tolerance": 3e-3}, "output": {"every": 100}}
+        "time": {"end": 4, "step": 0.01, "velocity_tolerance": 1e-3}, "output": {"every": 100}}
     speed = {}
     for damped in (True, False):
         h = solve(f"fabric_damping_{damped}", variant(case, {"damping.materials": damped}), 1).history

@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <string>
+#include <vector>
 
 namespace voile {
 
@@ -14,6 +15,13 @@ namespace voile {
 /// its reader fail. With VOILE_READ_HERE in the environment the work is done in this process, for debuggers and
 /// sanitizers. Throws InternalError if no process can be started. Not collective.
 [[nodiscard]] std::string run_in_child(const std::string& file, const std::function<std::string()>& work);
+
+/// The same by a program that lies beside this one, given `words`, which answers through answer_to_parent(). Throws
+/// UserError too if there is no such program.
+[[nodiscard]] std::string run_beside(const std::string& file, const std::string& program,
+                                     const std::vector<std::string>& words);
+/// In such a program: does the work, and sends what comes of it. Returns the exit code.
+[[nodiscard]] int answer_to_parent(const std::function<std::string()>& work);
 
 /// The same for work whose result is not needed: whether it can be done at all. What passes is then done again here.
 void try_in_child(const std::string& file, const std::function<void()>& work);

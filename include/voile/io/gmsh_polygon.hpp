@@ -1,4 +1,4 @@
-// Triangles in plane polygons, by the Gmsh library.
+// Triangles in plane polygons, by Gmsh, in the program voile-gmsh.
 #pragma once
 
 #include <string>

@@ -20,8 +20,9 @@ namespace voile::solve {
 
 class TimeIntegration : public Stepper {
  public:
-  /// Collective. `dynamics` must outlive it.
-  TimeIntegration(system::Dynamics& dynamics, TimeOptions options);
+  /// Collective. `dynamics` must outlive it. `inexact`: systems are solved as exactly as a step needs (inexact_pc.hpp), by
+  /// default; otherwise by a factor (mixed_pc.hpp).
+  TimeIntegration(system::Dynamics& dynamics, TimeOptions options, bool inexact = true);
   ~TimeIntegration() override;
 
   /// A state without velocity is at rest; one without acceleration gets it from the equations, at the first step.

@@ -13,6 +13,7 @@
 
 #include "test_case_kit.hpp"
 #include "test_relative.hpp"
+#include "voile/base/child_process.hpp"
 #include "voile/base/error.hpp"
 #include "voile/io/gmsh.hpp"
 
@@ -277,6 +278,12 @@ TEST_CASE("cut binary files give a message and do not end the program") {
       CHECK(mesh_error(folder.write("cut.msh", whole.substr(0, length))) != "no error");
     }
   }
+}
+
+TEST_CASE("a reader that is not there is named, with the remedy") {
+  const std::string said = error_of([] { (void)run_beside("sheet.msh", "voile-nothing", {}); });
+  CHECK(said.find("voile-nothing: the program cannot be started") != std::string::npos);
+  CHECK(said.find("install it beside voile") != std::string::npos);
 }
 
 TEST_CASE("the version of Gmsh is known") {

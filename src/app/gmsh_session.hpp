@@ -1,4 +1,4 @@
-// The Gmsh library while it is in use; private to src/io/gmsh*.
+// The Gmsh library while it is in use; private to the program voile-gmsh.
 #pragma once
 
 #include <gmsh.h>

@@ -1,0 +1,344 @@
+// voile-gmsh: reads what only the Gmsh library can, for src/io/gmsh.cpp, and fills polygons, for src/io/gmsh_polygon.cpp;
+// answers with the mesh as bytes. A program of
+// its own, so that the solver starts without the libraries for X and OpenGL that Gmsh needs.
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <set>
+
+#include "../io/mesh_bytes.hpp"
+#include "gmsh_polygons.hpp"
+#include "gmsh_session.hpp"
+#include "voile/base/child_process.hpp"
+#include "voile/base/error.hpp"
+#include "voile/base/text.hpp"
+#include "voile/io/geo_parameters.hpp"
+#include "voile/io/gmsh.hpp"
+
+namespace voile::io {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int line_type = 1, triangle_type = 2, point_type = 15;  // Gmsh's element type numbers
+constexpr std::array<const char*, 3> dimension_names{"point", "curve", "surface"};
+
+/// Throws if Gmsh has logged errors so far.
+void check_log(const std::string& file, const char* doing) {
+  constexpr std::size_t shown = 4;
+  std::vector<std::string> log, errors;
+  gmsh::logger::get(log);
+  for (const std::string& line : log)
+    if (line.rfind("Error", 0) == 0) errors.push_back(printable(line.substr(std::min<std::size_t>(7, line.size()))));
+  if (errors.empty()) return;
+  const std::size_t n = errors.size();
+  errors.resize(std::min(n, shown));
+  throw UserError(fmt::format("{}: Gmsh failed while {} it: {}{}", file, doing, join(errors, "; "),
+                              n > shown ? fmt::format(" (and {} more errors)", n - shown) : ""));
+}
+
+/// Throws if a parameter is not among the known ones or not finite.
+void check_parameters(const std::string& file, const std::map<std::string, double>& given, const GeoParameters& known) {
+  for (const auto& [name, value] : given) {
+    if (!std::isfinite(value)) throw UserError(fmt::format("{}: parameter '{}' is {}", file, name, value));
+    if (known.count(name)) continue;
+    std::vector<std::string> names;
+    for (const auto& entry : known) names.push_back(entry.first);
+    throw UserError(fmt::format("{}: there is no parameter '{}'; {}", file, name,
+                                names.empty() ? "the file declares none (use DefineConstant[ name = value ];)"
+                                              : fmt::format("the file declares: {}", join(names, ", "))));
+  }
+}
+
+/// Removes the file on destruction.
+struct TemporaryFile {
+  fs::path path;
+  ~TemporaryFile() {
+    std::error_code ignored;
+    fs::remove(path, ignored);
+  }
+};
+
+/// Opens the script with its parameters preset: DefineConstant keeps a variable that exists already. (The option
+/// -setnumber is no alternative: Gmsh never forgets its values, not even after finalize.)
+void open_geo(const std::string& file, const MeshOptions& options) {
+  const GeoParameters known = geo_parameters(file);
+  check_parameters(file, options.parameters, known);
+  if (options.parameters.empty()) return gmsh::open(file);
+  const std::string pattern = (fs::temp_directory_path() / "voile_XXXXXX.geo").string();
+  std::vector<char> name(pattern.begin(), pattern.end());
+  name.push_back('\0');
+  const int descriptor = mkstemps(name.data(), 4);
+  if (descriptor < 0) throw UserError(fmt::format("{}: no temporary file can be created there", pattern));
+  close(descriptor);
+  const TemporaryFile wrapper{name.data()};
+  std::ofstream out(wrapper.path);
+  for (const auto& [variable, value] : options.parameters) {
+    const std::string& onelab_name = known.at(variable);
+    if (onelab_name.empty())
+      out << fmt::format("{} = {};\n", variable, value);
+    else
+      gmsh::onelab::setNumber(onelab_name, {value});
+  }
+  out << fmt::format("Include \"{}\";\n", fs::absolute(file).string());
+  out.close();
+  gmsh::open(wrapper.path.string());
+}
+
+void mesh_geo(const std::string& file, const MeshOptions& options) {
+  open_geo(file, options);
+  check_log(file, "reading");
+  if (options.size > 0.0) {
+    for (const char* name : {"Mesh.MeshSizeMin", "Mesh.MeshSizeMax"}) gmsh::option::setNumber(name, options.size);
+    gmsh::option::setNumber("Mesh.MeshSizeFactor", 1.0);
+  }
+  if (options.algorithm > 0) gmsh::option::setNumber("Mesh.Algorithm", options.algorithm);
+  gmsh::model::mesh::generate(2);
+  check_log(file, "meshing");
+}
+
+// ------------------------------------------------------------------------------------------------------ model -> data
+
+struct Elements {
+  std::vector<std::size_t> tags;
+  std::vector<std::size_t> nodes;  ///< node tags, element by element
+};
+
+/// Elements of one entity (or of all: tag -1). Throws if they are not of the one type that `dimension` may have.
+Elements elements_of(const std::string& file, int dimension, int tag) {
+  constexpr std::array<int, 3> wanted{point_type, line_type, triangle_type};
+  constexpr std::array<const char*, 3> remedies{
+      "", "use straight 2-node lines (Mesh.ElementOrder = 1)",
+      "use 3-node triangles: no Recombine, no transfinite quadrangles, Mesh.ElementOrder = 1"};
+  std::vector<int> types;
+  std::vector<std::vector<std::size_t>> tags, nodes;
+  gmsh::model::mesh::getElements(types, tags, nodes, dimension, tag);
+  Elements result;
+  for (std::size_t k = 0; k < types.size(); ++k) {
+    if (tags[k].empty()) continue;
+    if (dimension < 3 && types[k] == wanted[static_cast<std::size_t>(dimension)]) {
+      result = {tags[k], nodes[k]};
+      continue;
+    }
+    std::string name;
+    int d = 0, order = 0, node_count = 0, primary = 0;
+    std::vector<double> local;
+    gmsh::model::mesh::getElementProperties(types[k], name, d, order, node_count, local, primary);
+    throw UserError(fmt::format("{}: {} element(s) of type '{}' ({} nodes), the first is element {}; {}", file,
+                                tags[k].size(), name, node_count, *std::min_element(tags[k].begin(), tags[k].end()),
+                                dimension == 3 ? "delete the volume mesh: a shell needs its surface only"
+                                               : remedies[static_cast<std::size_t>(dimension)]));
+  }
+  return result;
+}
+
+/// Version of a .msh file, 0 for a .geo.
+double file_version(const std::string& file) {
+  std::ifstream in(file, std::ios::binary);
+  std::string word;
+  for (int k = 0; k < 100 && in >> word; ++k)
+    if (word == "$MeshFormat") {
+      double version = 0.0;
+      in >> version;
+      return version;
+    }
+  return 0.0;
+}
+
+class Converter {
+ public:
+  Converter(const std::string& file, double scale) : file_(file), scale_(scale) { data_.source = file; }
+
+  mesh::MeshData run() {
+    elements_of(file_, 3, -1);
+    elements_of(file_, 2, -1);
+    find_repetitions();
+    add_triangles();
+    add_vertices();
+    gmsh::vectorpair groups;
+    gmsh::model::getPhysicalGroups(groups);
+    for (const auto& [dimension, tag] : groups)
+      if (dimension <= 2) add_group(dimension, tag);
+    return std::move(data_);
+  }
+
+ private:
+  /// Format 2.2 stores an element once for each physical group of its entity, and Gmsh puts every element of an entity
+  /// in all groups that occur in it. Repetitions are dropped; where there are none, the groups of the file got mixed
+  /// up.
+  void find_repetitions() {
+    if (const double version = file_version(file_); !(version >= 2.0 && version < 3.0)) return;
+    gmsh::vectorpair entities;
+    gmsh::model::getEntities(entities);
+    for (const auto& [dimension, tag] : entities) {
+      std::vector<int> groups;
+      gmsh::model::getPhysicalGroupsForEntity(dimension, tag, groups);
+      if (groups.size() < 2 || dimension > 2) continue;
+      const Elements all = elements_of(file_, dimension, tag);
+      const std::size_t n = static_cast<std::size_t>(dimension) + 1;
+      std::map<std::vector<std::size_t>, std::size_t> copies;
+      for (std::size_t e = 0; e < all.tags.size(); ++e) {
+        const auto first = all.nodes.begin() + static_cast<std::ptrdiff_t>(e * n);
+        if (copies[{first, first + static_cast<std::ptrdiff_t>(n)}]++ > 0) repeated_.insert(all.tags[e]);
+      }
+      for (const auto& entry : copies)
+        if (entry.second != groups.size()) throw UserError(mixed_groups(dimension, tag, groups));
+    }
+  }
+
+  [[nodiscard]] std::string mixed_groups(int dimension, int tag, const std::vector<int>& groups) const {
+    std::vector<std::string> names;
+    for (int g : groups) names.push_back(fmt::format("'{}'", group_name(dimension, g)));
+    return fmt::format(
+        "{}: the elements of elementary {} {} belong to different physical groups ({}), which format 2.2 cannot tell "
+        "apart; give each group its own elementary number (second tag) or save as format 4.1",
+        file_, dimension_names[static_cast<std::size_t>(dimension)], tag, join(names, ", "));
+  }
+
+  void add_triangles() {
+    const Elements all = elements_of(file_, 2, -1);
+    std::vector<std::pair<std::size_t, std::size_t>> order;  // tag, position
+    for (std::size_t e = 0; e < all.tags.size(); ++e)
+      if (!repeated_.count(all.tags[e])) order.emplace_back(all.tags[e], e);
+    if (order.empty())
+      throw UserError(fmt::format("{}: there are no triangles; mesh a surface (dimension 2){}", file_,
+                                  " and, if physical groups are defined, put the surface in one"));
+    std::sort(order.begin(), order.end());
+    std::vector<std::size_t> used;
+    for (const auto& entry : order)
+      for (std::size_t i = 0; i < 3; ++i) used.push_back(all.nodes[3 * entry.second + i]);
+    data_.vertex_tags = used;
+    std::sort(data_.vertex_tags.begin(), data_.vertex_tags.end());
+    data_.vertex_tags.erase(std::unique(data_.vertex_tags.begin(), data_.vertex_tags.end()), data_.vertex_tags.end());
+    for (std::size_t t = 0; t < order.size(); ++t) {
+      data_.triangles.push_back({vertex(used[3 * t]), vertex(used[3 * t + 1]), vertex(used[3 * t + 2])});
+      data_.triangle_tags.push_back(order[t].first);
+    }
+  }
+
+  void add_vertices() {
+    std::vector<std::size_t> tags;
+    std::vector<double> coordinates, parametric;
+    gmsh::model::mesh::getNodes(tags, coordinates, parametric);
+    data_.positions.assign(data_.vertex_tags.size(), Vec3::Constant(std::nan("")));
+    for (std::size_t k = 0; k < tags.size(); ++k)
+      if (const Index v = vertex(tags[k]); v != no_index)
+        data_.positions[static_cast<std::size_t>(v)] =
+            scale_ * Vec3(coordinates[3 * k], coordinates[3 * k + 1], coordinates[3 * k + 2]);
+    for (std::size_t v = 0; v < data_.positions.size(); ++v)
+      if (!data_.positions[v].allFinite())
+        throw UserError(fmt::format("{}: node {} has no finite coordinates", file_, data_.vertex_tags[v]));
+  }
+
+  void add_group(int dimension, int tag) {
+    const std::string name = group_name(dimension, tag);
+    auto at = std::find_if(data_.groups.begin(), data_.groups.end(),
+                           [&](const mesh::Group& g) { return g.name == name && g.dimension == dimension; });
+    if (at == data_.groups.end()) {
+      data_.groups.push_back({name, dimension, {}, {}, {}});
+      at = data_.groups.end() - 1;
+    }
+    std::vector<int> entities;
+    gmsh::model::getEntitiesForPhysicalGroup(dimension, tag, entities);
+    for (const int entity : entities) add_entity(*at, elements_of(file_, dimension, entity));
+    if (at->vertices.empty())
+      throw UserError(fmt::format("{}: physical {} '{}' has no elements; mesh it or remove the group", file_,
+                                  dimension_names[static_cast<std::size_t>(dimension)], name));
+    sort_unique(at->vertices);
+    sort_unique(at->triangles);
+  }
+
+  void add_entity(mesh::Group& group, const Elements& elements) {
+    const std::size_t n = static_cast<std::size_t>(group.dimension) + 1;
+    for (std::size_t e = 0; e < elements.tags.size(); ++e) {
+      if (repeated_.count(elements.tags[e])) continue;
+      std::array<Index, 3> v{};
+      for (std::size_t i = 0; i < n; ++i) {
+        const std::size_t node = elements.nodes[n * e + i];
+        v[i] = vertex(node);
+        if (v[i] == no_index)
+          throw UserError(
+              fmt::format("{}: physical {} '{}': node {} belongs to no triangle; take it out of the group "
+                          "or make it part of the surface (in a .geo: Point{{..}} In Surface{{..}})",
+                          file_, dimension_names[n - 1], group.name, node));
+        group.vertices.push_back(v[i]);
+      }
+      if (group.dimension == 1) group.segments.push_back({v[0], v[1]});
+      if (group.dimension == 2) group.triangles.push_back(triangle(elements.tags[e]));
+    }
+  }
+
+  [[nodiscard]] static std::string group_name(int dimension, int tag) {
+    std::string name;
+    gmsh::model::getPhysicalName(dimension, tag, name);
+    return name.empty() ? fmt::format("{}-{}", dimension_names[static_cast<std::size_t>(dimension)], tag) : name;
+  }
+
+  static void sort_unique(std::vector<Index>& values) {
+    std::sort(values.begin(), values.end());
+    values.erase(std::unique(values.begin(), values.end()), values.end());
+  }
+
+  [[nodiscard]] static Index position(const std::vector<std::size_t>& tags, std::size_t tag) {
+    const auto at = std::lower_bound(tags.begin(), tags.end(), tag);
+    return at != tags.end() && *at == tag ? static_cast<Index>(at - tags.begin()) : no_index;
+  }
+  [[nodiscard]] Index vertex(std::size_t tag) const { return position(data_.vertex_tags, tag); }
+  [[nodiscard]] Index triangle(std::size_t tag) const { return position(data_.triangle_tags, tag); }
+
+  std::string file_;
+  double scale_;
+  mesh::MeshData data_;
+  std::set<std::size_t> repeated_;  ///< tags of elements that repeat an earlier one of their entity
+};
+
+/// What main() was given by src/io/gmsh.cpp: the file, whether it is a script, and the options.
+std::string read(const std::vector<std::string>& words) {
+  const std::string& file = words.at(1);
+  const auto number = [](const std::string& text) { return std::strtod(text.c_str(), nullptr); };
+  MeshOptions options;
+  options.size = number(words.at(3));
+  options.algorithm = static_cast<int>(number(words.at(4)));
+  options.scale = number(words.at(5));
+  for (std::size_t k = 6; k + 1 < words.size(); k += 2) options.parameters[words[k]] = number(words[k + 1]);
+  try {
+    const Session session;
+    if (words.at(2) == "geo") {
+      mesh_geo(file, options);
+    } else {
+      gmsh::open(file);
+      check_log(file, "reading");
+    }
+    return to_bytes(Converter(file, options.scale).run());
+  } catch (const std::string& message) {  // what Gmsh throws
+    throw UserError(fmt::format("{}: Gmsh: {}", file, printable(message)));
+  }
+}
+
+std::string version() {
+  // The library tells its version at run time only once it is initialised.
+  const Session session;
+  std::string text;
+  gmsh::option::getString("General.Version", text);
+  return text;
+}
+
+}  // namespace
+
+}  // namespace voile::io
+
+int main(int argc, char** argv) {
+  const std::vector<std::string> words(argv, argv + argc);
+  return voile::answer_to_parent([&] {
+    if (argc == 1) return voile::io::version();
+    return words.at(2) == "polygons" ? voile::io::fill_polygons(words.at(1)) : voile::io::read(words);
+  });
+}

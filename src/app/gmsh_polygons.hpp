@@ -1,0 +1,12 @@
+// Fills plane polygons with triangles, in the program voile-gmsh.
+#pragma once
+
+#include <string>
+
+namespace voile::io {
+
+/// `file`: what mesh_polygons() wrote (src/io/gmsh_polygon.cpp). Returns the triangulations as bytes, one after the other.
+/// Throws UserError if a polygon cannot be meshed.
+[[nodiscard]] std::string fill_polygons(const std::string& file);
+
+}  // namespace voile::io
