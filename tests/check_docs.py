@@ -205,8 +205,10 @@ def check_man_and_completion(subcommands, options):
 
 
 def check_cases(voile):
-    # Fabrics are TOML as well, but no cases. Some scenes of contact need meshes that a script makes.
+    # Fabrics are TOML as well, but no cases. Some scenes of contact need meshes that a script makes, garments a body.
     subprocess.run([ROOT / "runs" / "contact" / "scenes", "--make"], check=True, stdout=subprocess.DEVNULL)
+    for maker in (ROOT / "runs" / "garments").glob("*/body"):
+        subprocess.run([maker, maker.with_suffix(".obj")], check=True, stdout=subprocess.DEVNULL)
     for case in sorted(p for p in (ROOT / "runs").rglob("*.toml") if p.parent.name != "fabrics"):
         done = subprocess.run([str(voile), "check", str(case)], env=environment(), text=True, capture_output=True)
         if done.returncode != 0:
