@@ -17,9 +17,9 @@ namespace {
 
 /// Residual (as in inexact_pc.hpp) of a solution as exact as can be, and the smallest bound asked for otherwise.
 constexpr double exact_rtol = 1e-12, least_rtol = 1e-10;
-/// After the first failure so many matrices are factored; at most so many.
 /// Iterations that are allowed at least: small systems are solved in no time either way.
 constexpr PetscInt least_longest = 30;
+/// After the first failure so many matrices are factored; at most so many.
 constexpr int first_wait = 8, longest_wait = 512;
 /// Share of the allowed iterations after which hopeless solutions are given up, and what is hopeless: needing this many
 /// times what is allowed.
@@ -36,6 +36,7 @@ struct Inexact {
   InexactCallbacks callbacks;
   InexactCounts counts;
   InexactMemory memory;
+  int longest_said = 0;  ///< wait that the log already has
   double rtol = 0.0, last_rtol = 1e-4, break_even = 1.0;
   // of the solution at work
   double first_norm = 0.0;
@@ -135,8 +136,13 @@ PetscErrorCode wait(PC pc, const char* why) {
   m.memory.wait = std::clamp(2 * m.memory.wait, first_wait, longest_wait);
   m.memory.factors_left = m.memory.wait;
   PetscCall(PetscInfo(pc, "conjugate gradients: %s; the next %d matrices are factored\n", why, m.memory.wait));
-  PetscCall(
-      say(m, fmt::format("conjugate gradients {}: this tangent and the next {} are factored", why, m.memory.wait)));
+  // A motion in contact goes to and fro: only a wait that is longer than all before is news.
+  if (m.memory.wait > m.longest_said)
+    PetscCall(
+        say(m, fmt::format("conjugate gradients {}: this tangent and the next {} are factored, then they are tried "
+                           "again (-info shows every change)",
+                           why, m.memory.wait)));
+  m.longest_said = std::max(m.longest_said, m.memory.wait);
   PetscFunctionReturn(0);
 }
 
@@ -177,7 +183,7 @@ PetscErrorCode set_up(PC pc) {
   if (!pc->setupcalled || pc->flag != SAME_NONZERO_PATTERN) m.product_read = false;
   ++m.counts.matrices;
   if (m.memory.factors_left > 0) {
-    if (--m.memory.factors_left == 0) PetscCall(say(m, "conjugate gradients are tried again"));
+    if (--m.memory.factors_left == 0) PetscCall(PetscInfo(pc, "conjugate gradients are tried again\n"));
     PetscCall(factor(pc));
   } else {
     PetscCall(prepare_iteration(pc));
