@@ -194,7 +194,8 @@ ExportCommand::ExportCommand(CLI::App& cli)
   sub_->add_flag("--no-obstacles", no_obstacles_, "The sheet only");
   sub_->add_flag("--one-mesh", export_.one_mesh,
                  "Put a run that was remeshed on one mesh as fine as any of its own; pc2 and mdd always do");
-  sub_->add_option("--tolerance", export_.tolerance, "How far it may be away from the meshes of the run [5e-4 m]");
+  sub_->add_option("--tolerance", export_.tolerance,
+                   "How far it may be away from the meshes of the run in m [5e-4 of the sheet's extent]");
   sub_->add_flag("--quiet", quiet_, "Print errors only");
 }
 

@@ -5,6 +5,9 @@
 #include <CGAL/AABB_triangle_primitive.h>
 #include <CGAL/Simple_cartesian.h>
 
+#include <Eigen/Dense>
+#include <algorithm>
+#include <limits>
 #include <utility>
 
 #include "voile/base/error.hpp"
@@ -22,6 +25,28 @@ Kernel::Point_3 point(const Vec3& x) {
 }
 
 }  // namespace
+
+Vec3 nearest_weights(const Vec3& p, const std::array<Vec3, 3>& corners, double beside) {
+  const auto& [a, b, c] = corners;
+  Eigen::Matrix<double, 3, 2> sides;
+  sides << b - a, c - a;
+  const Vec2 w = (sides.transpose() * sides).ldlt().solve(sides.transpose() * (p - a));
+  Vec3 best(1.0 - w[0] - w[1], w[0], w[1]);
+  if (best.minCoeff() >= -beside) return best;
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < 3; ++i) {
+    const std::size_t j = (i + 1) % 3;
+    const Vec3 side = corners[j] - corners[i], from = p - corners[i];
+    const double along = std::clamp(side.dot(from) / side.squaredNorm(), 0.0, 1.0);
+    const double away = (from - along * side).squaredNorm();
+    if (away >= least) continue;
+    least = away;
+    best.setZero();
+    best[static_cast<Eigen::Index>(i)] = 1.0 - along;
+    best[static_cast<Eigen::Index>(j)] = along;
+  }
+  return best;
+}
 
 struct ClosestTriangle::Impl {
   Faces faces;

@@ -62,8 +62,8 @@ Exporter::Exporter(const Recording& recording, const std::vector<Moment>& moment
     const Recording::Part& part = recording.parts()[moments[i].part];
     in_time_ = in_time_ && part.in_time && moments[i].step && moments[i].part == moments[0].part;
   }
-  if (!(options.tolerance > 0.0))
-    throw UserError(fmt::format("--tolerance {}: it is more than 0 m", options.tolerance));
+  if (options.tolerance && !(*options.tolerance > 0.0))
+    throw UserError(fmt::format("--tolerance {}: it is more than 0 m", *options.tolerance));
   bool changes = false;
   for (std::size_t i = 1; i < moments.size(); ++i) changes = changes || !same_mesh(i);
   if (changes && (options.one_mesh || options.format == "pc2" || options.format == "mdd"))

@@ -18,38 +18,38 @@ constexpr double size_share = 0.72;
 constexpr int most_rounds = 12;
 /// Splits towards the tolerance, and vertices at which they end.
 constexpr int most_refinements = 6;
+/// Over the longest extent of the sheet at the start.
+constexpr double default_tolerance = 5e-4;
 constexpr std::size_t most_vertices = 2'000'000;
 /// A vertex is looked for from this share of the way into one of its triangles: where two edges lie on each other, as at a
 /// slit, the triangle on the right side is found.
-constexpr double inwards = 0.02;
+constexpr double inwards = 1e-3;
+/// Weights that are negative by less belong to a point that going inwards took across an edge.
+constexpr double beside = 0.01;
 /// Distance from the triangle that was found, over its longest edge, beyond which the meshes are of different sheets.
 constexpr double far = 0.5;
-/// Weights that are negative by less belong to a vertex beside the triangle that was found.
-constexpr double beside = 0.2;
 
 Vec3 centroid(const std::vector<Vec3>& x, const mesh::Triangle& t) {
   return (x[t[0]] + x[t[1]] + x[t[2]]) / 3.0;
 }
 
-/// Barycentric weights of the point of the plane of t nearest to p.
-std::array<double, 3> weights_in(const std::vector<Vec3>& x, const mesh::Triangle& t, const Vec3& p) {
-  Eigen::Matrix<double, 3, 2> sides;
-  sides << x[t[1]] - x[t[0]], x[t[2]] - x[t[0]];
-  const Vec2 w = (sides.transpose() * sides).ldlt().solve(sides.transpose() * (p - x[t[0]]));
-  std::array<double, 3> weights{1.0 - w[0] - w[1], w[0], w[1]};
-  if (std::min({weights[0], weights[1], weights[2]}) >= -beside) return weights;
-  double sum = 0.0;
-  for (double& each : weights) sum += each = std::max(each, 0.0);
-  for (double& each : weights) each /= sum;
-  return weights;
+Vec3 at(const std::vector<Vec3>& x, const mesh::Triangle& t, const Vec3& weights) {
+  return weights[0] * x[t[0]] + weights[1] * x[t[1]] + weights[2] * x[t[2]];
 }
 
-Vec3 at(const std::vector<Vec3>& x, const mesh::Triangle& t, const std::array<double, 3>& weights) {
-  return weights[0] * x[t[0]] + weights[1] * x[t[1]] + weights[2] * x[t[2]];
+std::array<Vec3, 3> corners(const std::vector<Vec3>& x, const mesh::Triangle& t) {
+  return {x[t[0]], x[t[1]], x[t[2]]};
 }
 
 double longest_side(const std::vector<Vec3>& x, const mesh::Triangle& t) {
   return std::max({(x[t[0]] - x[t[1]]).norm(), (x[t[1]] - x[t[2]]).norm(), (x[t[2]] - x[t[0]]).norm()});
+}
+
+/// Longest side of the box around the points.
+double extent(const std::vector<Vec3>& x) {
+  Eigen::AlignedBox3d box;
+  for (const Vec3& p : x) box.extend(p);
+  return box.sizes().maxCoeff();
 }
 
 /// Some triangle of each vertex.
@@ -88,7 +88,7 @@ class Resampled::Locator {
       const Vec3 inside = centroid(other.positions, other.triangles[triangle[v]]);
       const Index t = search_.find(p + inwards * (inside - p));
       const mesh::Triangle& face = mesh_.triangles[t];
-      places.push_back({t, weights_in(mesh_.positions, face, p)});
+      places.push_back({t, geometry::nearest_weights(p, corners(mesh_.positions, face), beside)});
       if ((at(mesh_.positions, face, places.back().weights) - p).norm() > far * longest_side(mesh_.positions, face))
         throw UserError(
             fmt::format("one mesh for all frames: the sheet at ({:.4g}, {:.4g}, {:.4g}) m at the start is not in all "
@@ -124,7 +124,7 @@ std::vector<double> Resampled::wanted_sizes(const mesh::MeshData& base) const {
   return size;
 }
 
-Resampled::Resampled(const Recording& recording, const std::vector<Moment>& moments, double tolerance) {
+Resampled::Resampled(const Recording& recording, const std::vector<Moment>& moments, std::optional<double> tolerance) {
   for (const Moment& moment : moments) {
     auto mesh = recording.mesh(moment);
     if (mesh->data.triangles.empty())
@@ -135,9 +135,10 @@ Resampled::Resampled(const Recording& recording, const std::vector<Moment>& mome
   mesh_ = *std::max_element(meshes_.begin(), meshes_.end(), [](const auto& a, const auto& b) {
     return a->data.positions.size() < b->data.positions.size();
   });
+  const double allowed = tolerance.value_or(default_tolerance * extent(mesh_->data.positions));
   split(wanted_sizes(mesh_->data));
   for (int k = 0; k < most_refinements && mesh_->data.positions.size() < most_vertices; ++k) {
-    const std::vector<double> sizes = smaller_sizes(recording, moments, tolerance);
+    const std::vector<double> sizes = smaller_sizes(recording, moments, allowed);
     if (sizes.empty()) break;
     split(sizes);
   }
@@ -163,18 +164,18 @@ void Resampled::split(const std::vector<double>& sizes) {
 std::vector<double> Resampled::smaller_sizes(const Recording& recording, const std::vector<Moment>& moments,
                                              double tolerance) const {
   std::vector<double> sizes = edges_at(mesh_->data);
-  const std::vector<double> edges = sizes;
   bool any = false;
   for (const Moment& moment : moments) {
     const State state = recording.state(moment, 1.0);
     const std::vector<double> away = distances(state, positions(state));
     const std::vector<Place>& back = of_.at(state.mesh.get()).back;
-    for (std::size_t v = 0; v < away.size(); ++v)
-      for (const Index w : mesh_->data.triangles[back[v].triangle])
-        if (away[v] > tolerance) {
-          sizes[w] = 0.5 * edges[w] * size_share;
-          any = true;
-        }
+    for (std::size_t v = 0; v < away.size(); ++v) {
+      if (away[v] <= tolerance) continue;
+      any = true;
+      const mesh::Triangle& t = mesh_->data.triangles[back[v].triangle];
+      const double half = 0.5 * size_share * longest_side(mesh_->data.positions, t);
+      for (const Index w : t) sizes[w] = std::min(sizes[w], half);
+    }
   }
   return any ? sizes : std::vector<double>{};
 }

@@ -9,6 +9,7 @@
 #include <array>
 #include <map>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "voile/geometry/closest_triangle.hpp"
@@ -18,8 +19,9 @@ namespace voile::picture {
 
 class Resampled {
  public:
-  /// Reads all moments. `tolerance` > 0 [m]. Throws UserError if there is no sheet in some of them, or another one.
-  Resampled(const Recording& recording, const std::vector<Moment>& moments, double tolerance);
+  /// Reads all moments. `tolerance` > 0 [m], or that of ExportOptions. Throws UserError if there is no sheet in some of
+  /// them, or another one.
+  Resampled(const Recording& recording, const std::vector<Moment>& moments, std::optional<double> tolerance);
   ~Resampled();
   [[nodiscard]] const std::shared_ptr<const io::StoredMesh>& mesh() const { return mesh_; }
   /// Places of the vertices of mesh() in a state of the run [m].
@@ -33,7 +35,7 @@ class Resampled {
   /// A material point: a triangle of some mesh and barycentric weights.
   struct Place {
     Index triangle = no_index;
-    std::array<double, 3> weights{};
+    Vec3 weights = Vec3::Zero();
   };
   struct Correspondence {
     std::vector<Place> vertices;     ///< of mesh(), on the mesh of the run

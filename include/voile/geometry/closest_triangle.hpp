@@ -1,12 +1,17 @@
-// The triangle of a surface that is nearest to a point, by CGAL's tree of boxes.
+// The triangle of a surface that is nearest to a point, by CGAL's tree of boxes, and where in it.
 #pragma once
 
+#include <array>
 #include <memory>
 #include <vector>
 
 #include "voile/mesh/surface_mesh.hpp"
 
 namespace voile::geometry {
+
+/// Barycentric weights of the point of a triangle that is nearest to p. `beside` >= 0: weights that are negative by no more
+/// are kept, so that the point may lie a little beside the triangle. Not collective.
+[[nodiscard]] Vec3 nearest_weights(const Vec3& p, const std::array<Vec3, 3>& corners, double beside = 0.0);
 
 class ClosestTriangle {
  public:

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,8 +18,9 @@ struct ExportOptions {
   std::vector<std::string> fields;  ///< of PLY, CSV and MSH; empty: all that a step has
   double rate = 25.0;               ///< frames per second
   bool bodies = true;
-  bool one_mesh = false;    ///< a run that was remeshed is put on one mesh; PC2 and MDD always are
-  double tolerance = 5e-4;  ///< how far vertices of the run may be away from it [m]
+  bool one_mesh = false;  ///< a run that was remeshed is put on one mesh; PC2 and MDD always are
+  /// How far vertices of the run may be away from it [m]; by default 5e-4 of the sheet's longest extent at the start.
+  std::optional<double> tolerance = std::nullopt;
 };
 
 struct Exported {

@@ -1,5 +1,6 @@
 // Runs that were remeshed, exported on one mesh.
 #include <cmath>
+#include <numbers>
 
 #include "../test_adapt_kit.hpp"
 #include "../test_results_kit.hpp"
@@ -59,6 +60,37 @@ io::StepFields opened_step(const mesh::SurfaceMesh& mesh, int number) {
           {}};
 }
 
+/// Rows of a table in CSV, without its heading.
+std::vector<std::vector<double>> table(const fs::path& file) {
+  std::ifstream in(file);
+  std::string line, word;
+  std::getline(in, line);
+  std::vector<std::vector<double>> rows;
+  while (std::getline(in, line)) {
+    std::istringstream words(line);
+    for (rows.emplace_back(); std::getline(words, word, ',');) rows.back().push_back(std::stod(word));
+  }
+  return rows;
+}
+
+/// Triangles have the value of the one of the run that they are in: on their own side of the cut, within a `cell` of it.
+void check_across(const std::string& files, double cell) {
+  const auto vertices = table(files + "_vertices.csv");
+  double worst = 0.0;
+  bool sides = true;
+  for (const std::vector<double>& row : table(files + "_triangles.csv")) {
+    double centre = 0.0;
+    for (std::size_t i = 1; i < 4; ++i) {
+      const std::vector<double>& vertex = vertices[static_cast<std::size_t>(row[i])];
+      centre += (vertex[1] - vertex[4]) / 3.0;
+    }
+    sides = sides && (centre > 0.5) == (row.at(4) > 0.5);
+    worst = std::max(worst, std::abs(row[4] - centre));
+  }
+  CHECK(sides);
+  CHECK(worst < cell);
+}
+
 }  // namespace
 
 TEST_CASE("a cut sheet that was remeshed is put on one mesh as fine as any of its own") {
@@ -109,6 +141,75 @@ TEST_CASE("a cut sheet that was remeshed is put on one mesh as fine as any of it
   CHECK(lifted > 60);
 }
 
+TEST_CASE("a curved sheet of very different meshes is put on one mesh") {
+  const Folder folder;
+  // Three quarters of a closed cylinder of radius 100 m: coarse, very fine in one place, fine in another.
+  constexpr double radius = 100.0, turn = 1.5 * std::numbers::pi;
+  mesh::MeshData rolled = square(Pattern::union_jack, 12);
+  for (Vec3& x : rolled.positions)
+    x = Vec3(radius * std::cos(turn * x[0]), 200.0 * x[1], radius * std::sin(turn * x[0]));
+  const mesh::SurfaceMesh first(rolled);
+  const RestSurface rest(first);
+  std::vector<mesh::SurfaceMesh> meshes{first};
+  for (const double fine : {0.5, 2.5}) {
+    std::vector<double> size;
+    const Vec3 there(radius * std::cos(fine), 80.0, radius * std::sin(fine));
+    for (const Vec3& x : first.positions()) size.push_back(1.5 + 0.4 * (x - there).norm());
+    meshes.emplace_back(adapt::remesh(first, rest, first.positions(), size, {}, {}).mesh);
+  }
+  io::ResultsWriter writer = begin(folder.path, first);
+  for (std::size_t k = 0; k < meshes.size(); ++k) {
+    if (k > 0) writer.begin_epoch(meshes[k], ramp(meshes[k].vertex_count()), ramp(meshes[k].triangle_count()));
+    const std::vector<double> u(3 * static_cast<std::size_t>(meshes[k].vertex_count()), 0.0);
+    const int step = static_cast<int>(k);
+    writer.write({step, 0.1 * step, 0.0, {{"displacement", "m", io::Centre::vertex, 3, u}}, {}});
+  }
+  writer.finish();
+
+  const Recording r(folder.path);
+  ExportOptions options{"pc2", folder.path / "motion.pc2", {}, 25.0, true};
+  const Exported exported = export_results(r, r.select("all"), options);
+  CAPTURE(exported.notes[0]);
+  CHECK(has(exported.notes[0], "nothing intersects"));
+  // 5e-4 of the longest extent of 200 m.
+  const std::size_t number = exported.notes[0].find("at most ") + 8;
+  CHECK(std::stod(exported.notes[0].substr(number)) <= 100.0);
+  const io::PointCache cache(folder.path / "motion.pc2", 25.0);
+  for (std::size_t k = 0; k < meshes.size(); ++k) {
+    const std::vector<Vec3> y = cache.positions(0.04 * static_cast<double>(k));
+    // Vertices are within the chords of the run's mesh: R - sqrt(R^2 - (L/2)^2) at most, L its longest edge around the axis.
+    double off = 0.0, longest = 0.0;
+    for (const Vec3& p : y) off = std::max(off, std::abs(std::hypot(p[0], p[2]) - radius));
+    for (const mesh::Triangle& t : meshes[k].triangles())
+      for (std::size_t i = 0; i < 3; ++i) {
+        const Vec3 edge = meshes[k].positions()[t[i]] - meshes[k].positions()[t[(i + 1) % 3]];
+        longest = std::max(longest, std::hypot(edge[0], edge[2]));
+      }
+    CHECK(off < 1.05 * (radius - std::sqrt(radius * radius - 0.25 * longest * longest)));
+  }
+}
+
+TEST_CASE("a sheet on one mesh that meets itself is told") {
+  const Folder folder;
+  const mesh::SurfaceMesh first(cut_square(4)), second(cut_square(6));
+  io::ResultsWriter writer = begin(folder.path, first);
+  writer.write(opened_step(first, 0));
+  writer.begin_epoch(second, ramp(second.vertex_count()), ramp(second.triangle_count()));
+  io::StepFields through = opened_step(second, 1);
+  // All of the right part, slanted as it is, is pushed through the left one.
+  std::vector<double>& u = through.fields[0].values;
+  for (Index t = 0; t < second.triangle_count(); ++t)
+    if (through.fields[1].values[t] > 0.5)
+      for (const Index v : second.triangles()[t]) u[3 * v] = -0.45, u[3 * v + 2] = 0.3 * second.positions()[v][1] - 0.1;
+  writer.write(through);
+  writer.finish();
+  const Recording r(folder.path);
+  ExportOptions options{"pc2", folder.path / "motion.pc2", {}, 25.0, true};
+  const std::string note = export_results(r, r.select("all"), options).notes.at(0);
+  CAPTURE(note);
+  CHECK(has(note, "the sheet intersects in 1 of 2 frames, first at step 1"));
+}
+
 TEST_CASE("fields follow onto the one mesh") {
   const Folder folder;
   const mesh::SurfaceMesh first(cut_square(6)), second(cut_square(10));
@@ -135,5 +236,6 @@ TEST_CASE("fields follow onto the one mesh") {
       CHECK(std::abs(start[2]) < 1e-12);
     }
     CHECK(rows >= second.vertex_count());
+    check_across(folder.path / fmt::format("fields_{}", number), number[5] == '0' ? 1.0 / 6.0 : 0.1);
   }
 }
