@@ -45,8 +45,9 @@ class Quantity:
 
 
 def element(operator):
-    bending, membrane = operator.split("/")
-    return {"bending": bending, "membrane": membrane}
+    """Of "bending/membrane" or "bending/membrane/share of constant-strain energy"."""
+    bending, membrane, *share = operator.split("/")
+    return {"bending": bending, "membrane": membrane} | ({"cst_share": float(share[0])} if share else {})
 
 
 def solved(case, changes, pattern, operator, parameters, folder, ranks):

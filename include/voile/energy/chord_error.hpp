@@ -1,15 +1,9 @@
 // How much of the stored energy the membrane's strains owe to chords: they are measured along straight lines between
 // vertices, which are shorter than the bent surface.
 //
-// Symbols   E_r      strain of the membrane, r = 11, 22, 2 x 12: E_r = 1/2 sum_ij Q^r_ij x_i.x_j - rest
+// Symbols   T^r      what chords feign in the strain r, without the part that even cells feign (chord_correction.hpp) [m^2]
 //           kappa    curvature of the triangle (k11, k22, 2 k12), kappa0 at rest [1/m]
-//           l        p_j - p_i, chord between two points of the patch in the plane of the triangle [m]
-//           S        1/24 sum over sides of l (x) l, averaged twice from triangles to vertices and back [m^2]
-// If the surface bends without stretching, |x_i - x_j|^2 = |l|^2 - (l.kappa l)^2 / 12, so
-//   E_r = -1/2 (kappa.T^r kappa - kappa0.T^r kappa0),  T^r = -1/24 sum_{i != j} Q^r_ij lam lam^T, lam = (l1^2, l2^2, l1 l2)
-// is what chords feign. On even cells all triangles feign the same, E_ab = k_ac S_cd k_bd, which the sheet makes up for at
-// next to no energy; what differs from it locks. With T^r without that part:
-//   w = 1/2 dE.C dE per area,   dE_r = 1/2 (kappa.T^r kappa - kappa0.T^r kappa0)
+//   w = 1/2 dE.C dE per area,   dE_r = 1/2 (kappa.T^r kappa - kappa0.T^r kappa0), linear: kappa0.T^r (kappa - kappa0)
 // The sum of w over the stored energy estimates the share by which deflections of sheets that are flat at rest are too small.
 // Shells whose rest shape is curved can lock so far that they no longer bend, and w is small: see locking_estimate().
 #pragma once
@@ -23,13 +17,13 @@ namespace voile::energy {
 
 class ChordError {
  public:
-  /// Of all triangles of the sheet. Not collective.
+  /// Of all triangles of the sheet; zero for `six_node_corrected`. Not collective.
   explicit ChordError(const Sheet& sheet);
 
   /// w of each triangle [J/m^2] from curvatures in material axes, three per triangle: the change from rest, and the whole.
-  /// `sheet` is that of the constructor.
+  /// `sheet` is that of the constructor. `linear`: of first order in the change, for displacements of no certain size.
   [[nodiscard]] std::vector<double> energies(const Sheet& sheet, const std::vector<double>& curvature,
-                                             const std::vector<double>& whole_curvature) const;
+                                             const std::vector<double>& whole_curvature, bool linear) const;
 
  private:
   std::vector<std::array<Mat3, 3>> corrections_;

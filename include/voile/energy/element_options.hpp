@@ -13,6 +13,7 @@ enum class BendingOperator {
 enum class MembraneOperator {
   cst,                  ///< constant-strain triangle
   six_node,             ///< mid-side strains of the six-node patch averaged to one point
+  six_node_corrected,   ///< six_node without what straight chords feign where the surface bends
   six_node_three_point  ///< energy of the three mid-side strains averaged; stiffer on coarse meshes
 };
 
@@ -20,7 +21,7 @@ enum class MembraneOperator {
 struct ElementOptions {
   BendingOperator bending = BendingOperator::edge_slope;
   MembraneOperator membrane = MembraneOperator::six_node;
-  /// Share of constant-strain energy mixed into `six_node`, 0..1: W = (1-s) W(mean E) + s W(E_cst). Without it free
+  /// Share of constant-strain energy mixed into `six_node` and `six_node_corrected`, 0..1: W = (1-s) W(mean E) + s W(E_cst). Without it free
   /// edges crumple at little energy; more costs accuracy on coarse meshes (docs/decisions/cst-share.md).
   double cst_share = 0.1;
   /// A patch quadratic whose scaled 6x6 fit has a larger condition number is not used. Smaller: more edges take the

@@ -8,6 +8,7 @@
 //           C        membrane stiffness per unit width [N/m];  A rest area;  s_c the constant-strain share
 // cst                   W = A/2 E_c.C E_c
 // six_node              W = A/2 [ (1-s_c) Em.C Em + s_c E_c.C E_c ],  Em = mean_s E_s
+// six_node_corrected    the same with E + 1/2 sum_AB T_AB (k_A.k_B - kappa0_A kappa0_B) for Em and E_c (chord_correction.hpp)
 // six_node_three_point  W = A/2 mean_s E_s.C E_s
 // Viscosity (Kelvin-Voigt in rest axes, over a time step dt from a state with strains E_n): every W(E) above becomes
 //   W(E) + c W(E - E_n),  c = tau/dt, tau the relaxation time [s]: stress C (E + tau dE/dt), the rate by the backward
@@ -21,6 +22,7 @@
 #include <array>
 #include <vector>
 
+#include "voile/energy/chord_correction.hpp"
 #include "voile/energy/sheet.hpp"
 #include "voile/energy/term.hpp"
 
@@ -37,14 +39,23 @@ class MembraneTerm {
   /// Points of the stencil of triangle t in mesh numbering; a missing apex is replaced by the first vertex (its weights
   /// are zero).
   [[nodiscard]] static std::array<Index, nodes> stencil_of(const Sheet& sheet, Index t);
-  /// The mean strain of triangle t as a function of the points of its stencil: E_r = 1/2 sum_ij Q^r_ij x_i.x_j - rest.
-  [[nodiscard]] static std::array<Eigen::Matrix<double, nodes, nodes>, 3> forms(const Sheet& sheet, Index t);
+  /// A strain of triangle t as a function of the points of its stencil: E_r = 1/2 sum_ij Q^r_ij x_i.x_j - rest, the mean
+  /// one with a share `own` of that of the triangle alone.
+  [[nodiscard]] static std::array<Eigen::Matrix<double, nodes, nodes>, 3> forms(const Sheet& sheet, Index t,
+                                                                                double own);
   /// Adds the element of triangle t, with its stencil in local numbering.
   void add(const Sheet& sheet, Index t, const std::array<Index, nodes>& local, bool owned);
+  /// Whether strains are corrected for chords; then each add() is followed by correct().
+  [[nodiscard]] bool corrects() const { return kind_ == MembraneOperator::six_node_corrected; }
+  /// The correction of the element added last, that of triangle t: its bending element, with points in local numbering.
+  void correct(const Sheet& sheet, const ChordForms& forms, Index t, const BendingElement& bending,
+               const std::vector<Index>& local);
 
   [[nodiscard]] Index size() const { return static_cast<Index>(elements_.size()); }
-  [[nodiscard]] const Index* stencil(Index e) const { return elements_[e].points.data(); }
-  [[nodiscard]] int stencil_size(Index) const { return nodes; }
+  [[nodiscard]] const Index* stencil(Index e) const {
+    return corrects() ? correction_.stencil(e) : elements_[e].points.data();
+  }
+  [[nodiscard]] int stencil_size(Index e) const { return corrects() ? correction_.stencil_size(e) : nodes; }
   [[nodiscard]] bool owned(Index e) const { return elements_[e].owned; }
 
   /// Starts a time step: viscosity acts against strains other than those of `c`. ratio = tau/dt for all materials, to
@@ -58,13 +69,22 @@ class MembraneTerm {
   template <class Emit>
   void gradient(Index e, const Configuration& c, Emit&& emit) const {
     std::array<Vec3, nodes> g;
-    gradient_of(e, c, g);
-    for (int i = 0; i < nodes; ++i) emit(i, g[i]);
+    Mat3 bent;
+    gradient_of(e, c, g, bent);
+    if (!corrects()) {
+      for (int i = 0; i < nodes; ++i) emit(i, g[i]);
+      return;
+    }
+    for (int i = 0; i < correction_.stencil_size(e); ++i) {
+      const Vec3 more = bent * correction_.weight(e, i);
+      emit(i, i < nodes ? Vec3(g[i] + more) : more);
+    }
   }
   template <class Emit>
   void hessian(Index e, const Configuration& c, Emit&& emit) const {
     Workspace w;
     prepare(e, c, w);
+    if (corrects()) return corrected_blocks(e, w, emit);
     for (int i = 0; i < nodes; ++i)
       for (int j = i; j < nodes; ++j) {
         emit(i, j, w.k[i][j]);
@@ -72,9 +92,10 @@ class MembraneTerm {
       }
   }
   template <class Emit>
-  void blocks(Index, Emit&& emit) const {
-    for (int i = 0; i < nodes; ++i)
-      for (int j = i; j < nodes; ++j) {
+  void blocks(Index e, Emit&& emit) const {
+    const int count = stencil_size(e);
+    for (int i = 0; i < count; ++i)
+      for (int j = i; j < count; ++j) {
         emit(i, j);
         if (j != i) emit(j, i);
       }
@@ -97,15 +118,45 @@ class MembraneTerm {
     std::array<Vec3, 3> side_metric;           ///< rest metric (A1.A1, A2.A2, 2 A1.A2)/2 of each side
     Vec3 own_metric;
   };
-  /// Upper blocks of one element's Hessian.
+  /// Upper blocks of one element's Hessian; of a corrected one without the part of b, the derivatives of the mean strain.
   struct Workspace {
     std::array<std::array<Mat3, nodes>, nodes> k;
+    using Rows = std::array<Mat3, ChordCorrection::most>;
+    std::array<Rows, 2> b, stiff;  ///< b_i and A C b_i of the mean strain and of the triangle's own
+    Mat3 geometric;                ///< A sum_r n_r T^r
   };
+  template <class Emit>
+  void corrected_blocks(Index e, const Workspace& w, Emit&& emit) const {
+    const int count = correction_.stencil_size(e);
+    for (int i = 0; i < count; ++i) {
+      const Vec3 along = w.geometric * correction_.weight(e, i);
+      for (int j = i; j < count; ++j) {
+        Mat3 k;
+        k.noalias() = w.b[0][i].transpose() * w.stiff[0][j];
+        if (cst_share_ > 0.0) k.noalias() += w.b[1][i].transpose() * w.stiff[1][j];
+        k.diagonal().array() += along.dot(correction_.weight(e, j));
+        if (j < nodes) k += w.k[i][j];
+        emit(i, j, k);
+        if (j != i) emit(j, i, k.transpose());
+      }
+    }
+  }
 
   /// Without stencil and owner.
   [[nodiscard]] static Element element_of(const Sheet& sheet, Index t);
-  void gradient_of(Index e, const Configuration& c, std::array<Vec3, nodes>& g) const;
+  /// `bent`: derivative by k_A in column A, of a corrected element.
+  void gradient_of(Index e, const Configuration& c, std::array<Vec3, nodes>& g, Mat3& bent) const;
   void prepare(Index e, const Configuration& c, Workspace& w) const;
+  /// Of `six_node` and `six_node_corrected`.
+  struct Stress;
+  void prepare_mean(Index e, const Configuration& c, const Stress& stress, Workspace& w) const;
+  void prepare_own(Index e, const Configuration& c, const Stress& stress, Workspace& w) const;
+  /// The strain with its correction; adds the latter to the rows b of the first nodes, and fills the others.
+  [[nodiscard]] Vec3 corrected(Index e, const Configuration& c, ChordCorrection::Strain which, Vec3 strain,
+                               Workspace::Rows& b) const;
+  [[nodiscard]] bool takes_mean() const {
+    return kind_ == MembraneOperator::six_node || kind_ == MembraneOperator::six_node_corrected;
+  }
   /// Strains of the samples that W is made of: the sides' or their mean, and the triangle's own.
   struct Samples {
     std::array<Vec3, 3> side;
@@ -121,6 +172,7 @@ class MembraneTerm {
   }
 
   std::vector<Element> elements_;
+  ChordCorrection correction_;
   std::vector<Mat3> stiffness_;
   MembraneOperator kind_ = MembraneOperator::six_node;
   double cst_share_ = 0.0;

@@ -122,8 +122,9 @@ void check_derivatives(const mesh::SurfaceMesh& mesh, const system::ModelInput& 
 TEST_CASE("energy, force and tangent agree for every operator, flat and curved, free and with mirror points") {
   const mesh::SurfaceMesh flat(square(Pattern::jittered, 6)), curved(curved_shell());
   for (const auto bending : {energy::BendingOperator::edge_slope, energy::BendingOperator::six_node})
-    for (const auto membrane : {energy::MembraneOperator::cst, energy::MembraneOperator::six_node,
-                                energy::MembraneOperator::six_node_three_point})
+    for (const auto membrane :
+         {energy::MembraneOperator::cst, energy::MembraneOperator::six_node,
+          energy::MembraneOperator::six_node_three_point, energy::MembraneOperator::six_node_corrected})
       for (const bool supported : {false, true}) {
         CAPTURE(static_cast<int>(bending));
         CAPTURE(static_cast<int>(membrane));
@@ -148,16 +149,18 @@ TEST_CASE("follower pressure and follower moment have their full stiffness") {
 
 TEST_CASE("a rigid motion costs nothing, however large") {
   const mesh::SurfaceMesh mesh(curved_shell());
-  system::Model model(PETSC_COMM_WORLD, mesh,
-                      input_for(energy::BendingOperator::edge_slope, energy::MembraneOperator::six_node, false));
-  model.conditions().set_load_factor(0.0);
-  const Eigen::AngleAxisd turn(2.0, Vec3(1.0, 2.0, -0.5).normalized());
-  petsc::VecHandle a = model.dofs().create_vector(), r = model.dofs().create_vector();
-  set_displacement(
-      model, a, [&](Index v) { return Vec3(turn * mesh.positions()[v] + Vec3(3.0, -1.0, 2.0) - mesh.positions()[v]); });
-  model.residual(a, r);
-  CHECK(norm(r) < 1e-10);
-  CHECK(std::abs(model.energy(a)) < 1e-11);
+  for (const auto membrane : {energy::MembraneOperator::six_node, energy::MembraneOperator::six_node_corrected}) {
+    system::Model model(PETSC_COMM_WORLD, mesh, input_for(energy::BendingOperator::edge_slope, membrane, false));
+    model.conditions().set_load_factor(0.0);
+    const Eigen::AngleAxisd turn(2.0, Vec3(1.0, 2.0, -0.5).normalized());
+    petsc::VecHandle a = model.dofs().create_vector(), r = model.dofs().create_vector();
+    set_displacement(model, a, [&](Index v) {
+      return Vec3(turn * mesh.positions()[v] + Vec3(3.0, -1.0, 2.0) - mesh.positions()[v]);
+    });
+    model.residual(a, r);
+    CHECK(norm(r) < 1e-10);
+    CHECK(std::abs(model.energy(a)) < 1e-11);
+  }
 }
 
 TEST_CASE("differences of energies near the state they are counted from are not lost in round-off") {
@@ -191,8 +194,9 @@ TEST_CASE("the projected tangent keeps the tensile principal force alone") {
   input.materials = {isotropic(100.0, 0.0, 0.1, 1.0)};
   const double thickness = 0.1, young = 100.0, turned = 0.5;
   const Mat3 turn = Eigen::AngleAxisd(turned, Vec3::UnitZ()).toRotationMatrix();
-  for (const auto membrane : {energy::MembraneOperator::cst, energy::MembraneOperator::six_node,
-                              energy::MembraneOperator::six_node_three_point})
+  for (const auto membrane :
+       {energy::MembraneOperator::cst, energy::MembraneOperator::six_node,
+        energy::MembraneOperator::six_node_three_point, energy::MembraneOperator::six_node_corrected})
     for (const std::pair<double, double>& strains :
          {std::pair{0.1, 0.05}, std::pair{0.1, -0.05}, std::pair{-0.1, 0.05}, std::pair{-0.1, -0.05}}) {
       const double first = strains.first, second = strains.second;

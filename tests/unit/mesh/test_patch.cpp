@@ -147,8 +147,9 @@ TEST_CASE("both operators reproduce the curvature of a quadratic in the interior
 
 TEST_CASE("membranes pass the constant-strain patch test on every mesh") {
   for (const Pattern p : patterns)
-    for (const auto op : {energy::MembraneOperator::cst, energy::MembraneOperator::six_node,
-                          energy::MembraneOperator::six_node_three_point}) {
+    for (const auto op :
+         {energy::MembraneOperator::cst, energy::MembraneOperator::six_node,
+          energy::MembraneOperator::six_node_three_point, energy::MembraneOperator::six_node_corrected}) {
       CAPTURE(name_of(p));
       mesh::MeshData data = square(p, 12);
       add_outer_group(data, 2);
@@ -168,7 +169,8 @@ TEST_CASE("membranes pass the constant-strain patch test on every mesh") {
 TEST_CASE("a free curved shell has exactly six rigid-body modes and no stress at rest") {
   if (mpi::size(PETSC_COMM_WORLD) > 1) return;  // dense eigenvalues
   for (const auto op : {energy::BendingOperator::edge_slope, energy::BendingOperator::six_node})
-    for (const auto membrane : {energy::MembraneOperator::cst, energy::MembraneOperator::six_node}) {
+    for (const auto membrane : {energy::MembraneOperator::cst, energy::MembraneOperator::six_node,
+                                energy::MembraneOperator::six_node_corrected}) {
       const mesh::SurfaceMesh mesh(mapped(square(Pattern::jittered, 6), [](const Vec3& x) {
         return Vec3(x[0], x[1], 0.3 * std::cos(2.0 * x[0]) + 0.2 * x[1] * x[1] - 0.2 * x[0] * x[1]);
       }));

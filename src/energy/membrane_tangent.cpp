@@ -1,0 +1,166 @@
+// Second derivatives of the membrane energy.
+#include <Eigen/Dense>
+#include <cmath>
+
+#include "membrane_samples.hpp"
+
+namespace voile::energy {
+
+namespace {
+
+/// Principal stress resultants below zero are removed.
+Vec3 tensile_part(const Vec3& n) {
+  const double mean = 0.5 * (n[0] + n[1]), radius = std::hypot(0.5 * (n[0] - n[1]), n[2]);
+  if (mean - radius >= 0.0) return n;
+  if (mean + radius <= 0.0) return Vec3::Zero();
+  // One tensile direction p: N+ = (mean + radius) p (x) p, with 2 p p^T = I + (N - mean I)/radius.
+  const double half = 0.5 * (mean + radius);
+  return {half * (1.0 + 0.5 * (n[0] - n[1]) / radius), half * (1.0 - 0.5 * (n[0] - n[1]) / radius),
+          half * n[2] / radius};
+}
+
+/// Derivative of (E11, E22, 2 E12) with respect to a node with gradient weights (d1, d2).
+Mat3 strain_rows(const Base& a, double d1, double d2) {
+  Mat3 b;
+  b.row(0) = d1 * a.a1.transpose();
+  b.row(1) = d2 * a.a2.transpose();
+  b.row(2) = (d2 * a.a1 + d1 * a.a2).transpose();
+  return b;
+}
+
+/// Adds b_i^T C b_j to the upper blocks; `node` ascends.
+template <class Blocks, std::size_t n>
+void add_material(Blocks& k, const std::array<Mat3, n>& b, const std::array<int, n>& node, const Mat3& stiffness) {
+  for (std::size_t j = 0; j < n; ++j) {
+    const Mat3 cb = stiffness * b[j];
+    for (std::size_t i = 0; i <= j; ++i) k[node[i]][node[j]].noalias() += b[i].transpose() * cb;
+  }
+}
+
+/// Adds the geometric part sum_ab N_ab d_a,i d_b,j I to the upper blocks.
+template <class Blocks, class Weights, std::size_t n>
+void add_geometric(Blocks& k, const Vec3& stress, const Weights& d, const std::array<int, n>& node) {
+  for (std::size_t i = 0; i < n; ++i) {
+    const double p = stress[0] * d[0][i] + stress[2] * d[1][i], q = stress[1] * d[1][i] + stress[2] * d[0][i];
+    for (std::size_t j = i; j < n; ++j) k[node[i]][node[j]].diagonal().array() += p * d[0][j] + q * d[1][j];
+  }
+}
+
+}  // namespace
+
+/// Stress for the geometric part: from the strain at x_k plus its linear change if that tangent is asked for. The strain
+/// is quadratic in x: E(x) = E(x_k) + B(x_k) dx + half_metric of the increment.
+struct MembraneTerm::Stress {
+  const Mat3& stiffness;
+  double viscosity;
+  bool positive, linearised;
+
+  Vec3 operator()(const Vec3& strain, const Vec3& quadratic, const Vec3& before) const {
+    return stiffness * effective(linearised ? Vec3(strain - quadratic) : strain, before, viscosity);
+  }
+  [[nodiscard]] Vec3 clipped(const Vec3& n) const { return positive ? tensile_part(n) : n; }
+};
+
+void MembraneTerm::prepare(Index e, const Configuration& c, Workspace& w) const {
+  const Element& el = elements_[e];
+  const double viscosity = viscosity_of(el);
+  const Stress stress{stiffness_[el.material], viscosity, c.tangent == Tangent::positive,
+                      c.tangent == Tangent::linearised_stress && c.previous};
+  static const Samples none{};
+  const Samples& start = viscosity > 0.0 ? start_[e] : none;
+  const Index* points = el.points.data();
+  for (int i = 0; i < nodes; ++i)
+    for (int j = i; j < nodes; ++j) w.k[i][j].setZero();
+  w.geometric.setZero();
+  if (kind_ == MembraneOperator::cst || cst_share_ > 0.0) prepare_own(e, c, stress, w);
+  if (kind_ == MembraneOperator::cst) return;
+  if (takes_mean()) return prepare_mean(e, c, stress, w);
+  for (int s = 0; s < 3; ++s) {
+    const Base base = side_base(el.side[s], c.x, points, s);
+    Vec3 quadratic = Vec3::Zero();
+    if (stress.linearised) {
+      const Base before = side_base(el.side[s], c.previous, points, s);
+      quadratic = half_metric(base.a1 - before.a1, base.a2 - before.a2);
+    }
+    const std::array<int, 4> node{0, 1, 2, 3 + s};
+    std::array<Mat3, 4> b;
+    for (int k = 0; k < 4; ++k) b[k] = strain_rows(base, el.side[s][0][k], el.side[s][1][k]);
+    add_material(w.k, b, node, el.area / 3.0 * (1.0 + viscosity) * stress.stiffness);
+    const Vec3 strain = half_metric(base.a1, base.a2) - el.side_metric[s];
+    add_geometric(w.k, el.area / 3.0 * stress.clipped(stress(strain, quadratic, start.side[s])), el.side[s], node);
+  }
+}
+
+Vec3 MembraneTerm::corrected(Index e, const Configuration& c, ChordCorrection::Strain which, Vec3 strain,
+                             Workspace::Rows& b) const {
+  const ChordCorrection::Corrected more = correction_.of(e, which, correction_.change(e, c.u));
+  for (int i = 0; i < correction_.stencil_size(e); ++i)
+    for (int r = 0; r < 3; ++r) b[i].row(r) += (more.by[r] * correction_.weight(e, i)).transpose();
+  return strain + more.strain;
+}
+
+void MembraneTerm::prepare_own(Index e, const Configuration& c, const Stress& stress, Workspace& w) const {
+  const Element& el = elements_[e];
+  const Index* points = el.points.data();
+  const Vec3 start = stress.viscosity > 0.0 ? start_[e].own : Vec3::Zero();
+  const double weight = el.area * (kind_ == MembraneOperator::cst ? 1.0 : cst_share_);
+  const Mat3 material = weight * (1.0 + stress.viscosity) * stress.stiffness;
+  const Base a = own_base(el.own, c.x, points);
+  Vec3 strain = half_metric(a.a1, a.a2) - el.own_metric, quadratic = Vec3::Zero();
+  if (stress.linearised) {
+    const Base before = own_base(el.own, c.previous, points);
+    quadratic = half_metric(a.a1 - before.a1, a.a2 - before.a2);
+  }
+  std::array<Mat3, 3> b;
+  for (int k = 0; k < 3; ++k) b[k] = strain_rows(a, el.own[0][k], el.own[1][k]);
+  if (corrects()) {
+    constexpr auto which = ChordCorrection::own;
+    const int count = correction_.stencil_size(e);
+    for (int i = 0; i < count; ++i) w.b[1][i] = i < 3 ? b[i] : Mat3::Zero();
+    strain = corrected(e, c, which, strain, w.b[1]);
+    if (stress.linearised) quadratic += correction_.quadratic(e, which, correction_.step(e, c));
+    for (int i = 0; i < count; ++i) w.stiff[1][i].noalias() = material * w.b[1][i];
+    w.geometric += correction_.geometric(e, which, weight * stress(strain, quadratic, start), stress.positive);
+  } else {
+    add_material(w.k, b, std::array{0, 1, 2}, material);
+  }
+  add_geometric(w.k, weight * stress.clipped(stress(strain, quadratic, start)), el.own, std::array{0, 1, 2});
+}
+
+void MembraneTerm::prepare_mean(Index e, const Configuration& c, const Stress& stress, Workspace& w) const {
+  const Element& el = elements_[e];
+  const Mat3 material = (1.0 + stress.viscosity) * stress.stiffness;
+  const Vec3 start = stress.viscosity > 0.0 ? start_[e].side[0] : Vec3::Zero();
+  const Index* points = el.points.data();
+  const double weight = el.area * (1.0 - cst_share_);
+  std::array<Base, 3> base;
+  Vec3 strain = Vec3::Zero(), quadratic = Vec3::Zero();
+  for (int s = 0; s < 3; ++s) {
+    base[s] = side_base(el.side[s], c.x, points, s);
+    strain += (half_metric(base[s].a1, base[s].a2) - el.side_metric[s]) / 3.0;
+    if (!stress.linearised) continue;
+    const Base before = side_base(el.side[s], c.previous, points, s);
+    quadratic += half_metric(base[s].a1 - before.a1, base[s].a2 - before.a2) / 3.0;
+  }
+  std::array<Mat3, nodes> b;
+  for (int k = 0; k < 3; ++k) {
+    b[k].setZero();
+    for (int s = 0; s < 3; ++s) b[k] += strain_rows(base[s], el.side[s][0][k], el.side[s][1][k]);
+    b[3 + k] = strain_rows(base[k], el.side[k][0][3], el.side[k][1][3]);
+  }
+  if (corrects()) {
+    constexpr auto which = ChordCorrection::mean;
+    const int count = correction_.stencil_size(e);
+    for (int i = 0; i < count; ++i) w.b[0][i] = i < nodes ? Mat3(b[i] / 3.0) : Mat3::Zero();
+    strain = corrected(e, c, which, strain, w.b[0]);
+    if (stress.linearised) quadratic += correction_.quadratic(e, which, correction_.step(e, c));
+    for (int i = 0; i < count; ++i) w.stiff[0][i].noalias() = weight * material * w.b[0][i];
+    w.geometric += correction_.geometric(e, which, weight * stress(strain, quadratic, start), stress.positive);
+  } else {
+    add_material(w.k, b, std::array{0, 1, 2, 3, 4, 5}, weight / 9.0 * material);
+  }
+  const Vec3 n = weight / 3.0 * stress.clipped(stress(strain, quadratic, start));
+  for (int s = 0; s < 3; ++s) add_geometric(w.k, n, el.side[s], std::array{0, 1, 2, 3 + s});
+}
+
+}  // namespace voile::energy

@@ -1,0 +1,153 @@
+// One element of the corrected membrane: the tangents besides the exact one, which test_derivatives.cpp has.
+#include "voile/energy/chord_correction.hpp"
+
+#include <doctest/doctest.h>
+
+#include <Eigen/Dense>
+#include <array>
+#include <cmath>
+
+#include "../test_meshes.hpp"
+#include "../test_model_kit.hpp"
+#include "voile/energy/curvature.hpp"
+#include "voile/energy/membrane.hpp"
+
+using namespace voile;
+using namespace voile::testing;
+
+namespace {
+
+mesh::MeshData saddle() {
+  return mapped(square(Pattern::jittered, 6), [](const Vec3& x) {
+    return Vec3(x[0], x[1], 0.3 * x[0] * x[0] - 0.2 * x[1] * x[1] + 0.1 * x[0] * x[1]);
+  });
+}
+
+/// A triangle in the middle of a sheet, with points numbered as the mesh is.
+struct Middle {
+  mesh::SurfaceMesh mesh{saddle()};
+  std::vector<energy::Material> materials{isotropic(100.0, 0.3, 0.1)};
+  mesh::PatchMesh patches{mesh, {}};
+  energy::Sheet sheet;
+  energy::MembraneTerm kernel;
+  double area = 0.0;
+
+  explicit Middle(double share) : sheet(patches, materials, energy::assign_materials(mesh, materials), options(share)) {
+    kernel = energy::MembraneTerm(sheet);
+    Index t = 0;
+    const auto from_middle = [&](Index k) {
+      return (mesh.start_corner(k, 0) + mesh.start_corner(k, 1) + mesh.start_corner(k, 2)).head<2>() / 3.0 -
+             Vec2(0.5, 0.5);
+    };
+    for (Index k = 1; k < mesh.triangle_count(); ++k)
+      if (Vec2(from_middle(k)).norm() < Vec2(from_middle(t)).norm()) t = k;
+    area = mesh.area(t);
+    energy::CurvatureBuilder builder(sheet);
+    const energy::BendingElement bending = energy::make_bending_element(sheet, t, builder.build(t));
+    kernel.add(sheet, t, energy::MembraneTerm::stencil_of(sheet, t), true);
+    kernel.correct(sheet, energy::ChordForms(sheet), t, bending, bending.points);
+  }
+  static energy::ElementOptions options(double share) {
+    energy::ElementOptions o;
+    o.membrane = energy::MembraneOperator::six_node_corrected;
+    o.cst_share = share;
+    return o;
+  }
+  [[nodiscard]] std::vector<Vec3> placed(const std::vector<Vec3>& u) const {
+    std::vector<Vec3> x = mesh.positions();
+    for (std::size_t v = 0; v < x.size(); ++v) x[v] += u[v];
+    return x;
+  }
+  [[nodiscard]] Vec3 strain(const std::vector<Vec3>& u) const {
+    const std::vector<Vec3> x = placed(u);
+    return kernel.strain(0, {x.data(), u.data()});
+  }
+  /// By stencil positions.
+  [[nodiscard]] Eigen::MatrixXd hessian(const std::vector<Vec3>& u, energy::Tangent tangent,
+                                        const std::vector<Vec3>* previous = nullptr) const {
+    const std::vector<Vec3> x = placed(u), before = placed(previous ? *previous : u);
+    const int n = kernel.stencil_size(0);
+    Eigen::MatrixXd h = Eigen::MatrixXd::Zero(3 * n, 3 * n);
+    kernel.hessian(0, {x.data(), u.data(), before.data(), tangent},
+                   [&](int i, int j, const Mat3& k) { h.block<3, 3>(3 * i, 3 * j) += k; });
+    return h;
+  }
+  [[nodiscard]] std::vector<Vec3> moved(double size, unsigned seed) const {
+    std::vector<Vec3> u;
+    for (Index v = 0; v < mesh.vertex_count(); ++v) u.push_back(noise(size, seed)(v));
+    return u;
+  }
+};
+
+std::vector<Vec3> sum(std::vector<Vec3> a, double factor, const std::vector<Vec3>& b) {
+  for (std::size_t v = 0; v < a.size(); ++v) a[v] += factor * b[v];
+  return a;
+}
+
+/// d2E_r/dx_i dx_j of each strain, which is quadratic: the same number for x, y and z.
+std::array<Eigen::MatrixXd, 3> second_derivatives(const Middle& m) {
+  const int n = m.kernel.stencil_size(0);
+  const Index* points = m.kernel.stencil(0);
+  const std::vector<Vec3> none(static_cast<std::size_t>(m.mesh.vertex_count()), Vec3::Zero());
+  const auto at = [&](int i, int j) {
+    std::vector<Vec3> u = none;
+    if (i >= 0) u[points[i]].z() += 0.1;
+    if (j >= 0) u[points[j]].z() += 0.1;
+    return m.strain(u);
+  };
+  std::array<Eigen::MatrixXd, 3> second;
+  second.fill(Eigen::MatrixXd::Zero(n, n));
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; j < n; ++j) {
+      const Vec3 change = (at(i, j) - at(i, -1) - at(-1, j) + at(-1, -1)) / 0.01;
+      for (int r = 0; r < 3; ++r) second[r](i, j) = change[r];
+    }
+  return second;
+}
+
+}  // namespace
+
+TEST_CASE(
+    "the tangent with the linearised stress leaves out what is of second order in the step, curvatures included") {
+  // With a share of 0 the strain is the mean one, with 1 that of the triangle.
+  for (const double share : {0.0, 1.0}) {
+    const Middle m(share);
+    CHECK(m.kernel.stencil_size(0) == 12);
+    const std::vector<Vec3> before = m.moved(0.02, 3), step = m.moved(0.05, 4), now = sum(before, 1.0, step);
+    const Vec3 quadratic =
+        0.5 * (m.strain(sum(before, 1.0, step)) + m.strain(sum(before, -1.0, step)) - 2.0 * m.strain(before));
+    const Vec3 stress = m.area * (m.materials[0].membrane * quadratic);
+    const Eigen::MatrixXd exact = m.hessian(now, energy::Tangent::exact),
+                          linearised = m.hessian(now, energy::Tangent::linearised_stress, &before);
+    const auto second = second_derivatives(m);
+    Eigen::MatrixXd expected = exact;
+    for (int i = 0; i < m.kernel.stencil_size(0); ++i)
+      for (int j = 0; j < m.kernel.stencil_size(0); ++j)
+        for (int r = 0; r < 3; ++r)
+          expected.block<3, 3>(3 * i, 3 * j) -= stress[r] * second[r](i, j) * Mat3::Identity();
+    CAPTURE(share);
+    CHECK((exact - expected).norm() > 1e-3 * exact.norm());
+    CHECK((linearised - expected).norm() < 1e-10 * exact.norm());
+  }
+}
+
+TEST_CASE("the positive tangent of a bent and compressed element has no negative eigenvalue, the exact one has") {
+  for (const double share : {0.0, 0.3, 1.0}) {
+    const Middle m(share);
+    for (const double stretch : {-0.1, 0.1}) {
+      std::vector<Vec3> u = m.moved(0.02, 5);
+      for (Index v = 0; v < m.mesh.vertex_count(); ++v) {
+        const Vec3& x = m.mesh.positions()[v];
+        u[v] += Vec3(stretch * x[0], -stretch * x[1], 0.5 * x[0] * x[0]);
+      }
+      const Eigen::VectorXd
+          exact = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(m.hessian(u, energy::Tangent::exact)).eigenvalues(),
+          positive =
+              Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(m.hessian(u, energy::Tangent::positive)).eigenvalues();
+      CAPTURE(share);
+      CAPTURE(stretch);
+      CHECK(exact.minCoeff() < -1e-3 * exact.maxCoeff());
+      CHECK(positive.minCoeff() > -1e-12 * positive.maxCoeff());
+    }
+  }
+}
