@@ -12,6 +12,8 @@ constexpr double slack = 2.0;
 /// Candidates are found anew only for points that left their boxes, unless these are more than this share, or boxes of
 /// earlier, longer paths are on average longer than needed now by this share of the room.
 constexpr double most_left = 0.3, most_excess = 0.5;
+/// Gaps up to which the list of near pairs goes, and what it has to answer for after an iteration, in contact distances.
+constexpr double listed = 3.0, needed = 1.0;
 /// Share of the gap to a plane that a step leaves (as ccd.cpp for pairs).
 constexpr double plane_kept = 0.2;
 /// A first guess may lose this share of a gap, or of the contact distance.
@@ -32,19 +34,26 @@ ContactSet::ContactSet(Surface surface, std::vector<Plane> planes, ContactOption
 }
 
 bool ContactSet::cover(const std::vector<Vec3>& from, const std::vector<Vec3>& to) {
-  const double room = slack * options_.distance;
+  // What rests needs no room.
+  const auto room = [&](std::size_t i) {
+    return surface_.is_sheet(static_cast<Index>(i)) || from[i] != to[i] ? slack * options_.distance : 0.0;
+  };
   std::vector<char> outside(from.size(), 1);
   std::size_t left = from.size();
-  double excess = 0.0;
+  double excess = 0.0, rooms = 0.0;
   for (std::size_t i = 0; i < from.size() && !boxes_.empty(); ++i) {
     const bool inside = boxes_[i].contains(from[i]) && boxes_[i].contains(to[i]);
     outside[i] = !inside;
     left -= inside;
-    excess += (boxes_[i].high - boxes_[i].low).sum() - 6.0 * room - (to[i] - from[i]).lpNorm<1>();
+    excess += (boxes_[i].high - boxes_[i].low).sum() - 6.0 * room(i) - (to[i] - from[i]).lpNorm<1>();
+    rooms += 6.0 * room(i);
   }
-  if (left == 0) return false;
+  if (left == 0) {
+    renew_list(from, to);
+    return false;
+  }
   const auto points = static_cast<double>(from.size());
-  if (static_cast<double>(left) > most_left * points || excess > most_excess * 6.0 * room * points) {
+  if (static_cast<double>(left) > most_left * points || excess > most_excess * rooms) {
     outside.assign(from.size(), 1);
     left = from.size();
     boxes_.resize(from.size());
@@ -54,14 +63,25 @@ bool ContactSet::cover(const std::vector<Vec3>& from, const std::vector<Vec3>& t
     boxes_[i] = Box{};
     boxes_[i].include(from[i]);
     boxes_[i].include(to[i]);
-    boxes_[i].low.array() -= room;
-    boxes_[i].high.array() += room;
+    boxes_[i].low.array() -= room(i);
+    boxes_[i].high.array() += room(i);
   }
   if (left == from.size())
     pairs_ = find_pairs(surface_, boxes_, owned_, options_.distance);
   else
     renew_pairs(outside);
+  list_.forget();
+  renew_list(from, to);
   return true;
+}
+
+void ContactSet::renew_list(const std::vector<Vec3>& from, const std::vector<Vec3>& to) {
+  const double reach = listed * options_.distance, limit = needed * options_.distance;
+  if (list_.made() && list_.holds(list_.moved(from, to), limit)) return;
+  double way = 0.0;
+  for (std::size_t i = 0; i < from.size(); ++i) way = std::max(way, (to[i] - from[i]).norm());
+  if (limit + 4.0 * way > reach) return;  // so far goes no list: all candidates are looked at
+  list_.make(pairs_, from, reach, [&](const Pair& pair) { return offset(pair); });
 }
 
 void ContactSet::renew_pairs(const std::vector<char>& points) {
@@ -83,13 +103,13 @@ bool ContactSet::counted(const std::array<Index, 4>& points) const {
 
 double ContactSet::step_fraction(const std::vector<Vec3>& from, const std::vector<Vec3>& to) const {
   double share = 1.0;
-  for (const Pair& pair : pairs_) {
-    if (!acts(pair)) continue;
+  for_close(from, to, 0.0, [&](const Pair& pair) {
+    if (!acts(pair)) return;
     const std::array<Vec3, 4> x = gather(pair, from);
     std::array<Vec3, 4> p = gather(pair, to);
     for (int i = 0; i < 4; ++i) p[i] -= x[i];
     share = contact::step_fraction(pair.kind, x, p, offset(pair), share);
-  }
+  });
   for (const Plane& p : planes_)
     for (Index i : own_points_) {
       if (!plane_acts(p, i)) continue;
@@ -105,10 +125,10 @@ void ContactSet::blocked(const std::vector<Vec3>& from, const std::vector<Vec3>&
   const auto lost = [&](double before, double after, double room) {
     return after < std::min(lost_share * before, room);
   };
-  for (const Pair& pair : pairs_) {
+  for_close(from, to, lost_share * options_.distance, [&](const Pair& pair) {
     if (std::none_of(pair.points.begin(), pair.points.end(), [&](Index p) { return p != no_index && asked[p]; }) ||
         !acts(pair))
-      continue;
+      return;
     const std::array<Vec3, 4> x = gather(pair, from), end = gather(pair, to);
     std::array<Vec3, 4> p;
     for (int i = 0; i < 4; ++i) p[i] = end[i] - x[i];
@@ -117,7 +137,7 @@ void ContactSet::blocked(const std::vector<Vec3>& from, const std::vector<Vec3>&
     if ((near_at_end && lost(closest(pair.kind, x).distance - xi, closest(pair.kind, end).distance - xi, room)) ||
         contact::step_fraction(pair.kind, x, p, xi) < 1.0)
       found(pair);
-  }
+  });
   for (std::size_t k = 0; k < planes_.size(); ++k)
     for (Index i : own_points_) {
       const Plane& p = planes_[k];
@@ -132,13 +152,15 @@ void ContactSet::blocked(const std::vector<Vec3>& from, const std::vector<Vec3>&
 double ContactSet::energy(const std::vector<Vec3>& x) const {
   double sum = 0.0;
   Near n;
-  for (const Pair& pair : pairs_) {
+  bool touches = false;
+  for_close(x, options_.distance, [&](const Pair& pair) {
     const double d = reach(pair);
-    if (!counted(pair.points) || !near(pair, x, d, n)) continue;
+    if (touches || !counted(pair.points) || !near(pair, x, d, n)) return;
     const double m = pair.mollify > 0.0 ? mollifier(cross_squared(n.x), pair.mollify).value : 1.0;
-    if (!(n.gap > 0.0)) return std::numeric_limits<double>::infinity();
-    sum += pair.area * m * barrier(n.gap, d).value;
-  }
+    touches = !(n.gap > 0.0);
+    if (!touches) sum += pair.area * m * barrier(n.gap, d).value;
+  });
+  if (touches) return std::numeric_limits<double>::infinity();
   for (const Plane& p : planes_)
     for (Index i : own_points_)
       if (plane_acts(p, i)) sum += surface_.area[i] * barrier(plane_gap(p, i, x), reach(i)).value;
@@ -194,12 +216,12 @@ void ContactSet::add_gradient(const std::vector<Vec3>& x, std::vector<Vec3>& f, 
   Near n;
   Vec12 g;
   if (part & normal) {
-    for (const Pair& pair : pairs_) {
-      if (!near(pair, x, reach(pair), n)) continue;
+    for_close(x, options_.distance, [&](const Pair& pair) {
+      if (!near(pair, x, reach(pair), n)) return;
       pair_gradient(pair, n, g);
       for (int i = 0; i < 4; ++i)
         if (pair.points[i] != no_index && surface_.is_sheet(pair.points[i])) f[pair.points[i]] += g.segment<3>(3 * i);
-    }
+    });
     for (const Plane& p : planes_)
       for (Index i : own_points_) {
         if (!plane_acts(p, i)) continue;
@@ -287,13 +309,13 @@ void ContactSet::lag_friction(const std::vector<Vec3>& x, const std::vector<Vec3
   if (!has_friction()) return;
   (void)cover(x, x);
   Near n;
-  for (const Pair& pair : pairs_) {
+  for_close(x, options_.distance, [&](const Pair& pair) {
     const double d = reach(pair);
-    if (!near(pair, x, d, n)) continue;
+    if (!near(pair, x, d, n)) return;
     const double m = pair.mollify > 0.0 ? mollifier(cross_squared(n.x), pair.mollify).value : 1.0;
     const double force = -options_.stiffness * pair.area * m * barrier(n.gap, d).first;
     add_sliding(pair, n.closest.c, n.closest.w / n.closest.distance, force, x, start);
-  }
+  });
   for (const Plane& p : planes_)
     for (Index i : own_points_) {
       if (!plane_acts(p, i)) continue;
@@ -341,14 +363,13 @@ std::vector<double> ContactSet::gaps_of(const std::vector<Pair>& pairs, const st
 ContactState ContactSet::state(const std::vector<Vec3>& x) const {
   ContactState r;
   Near n;
-  for (const Pair& pair : pairs_) {
-    if (!counted(pair.points) || !near(pair, x, pair.share * options_.distance, n)) continue;
+  for_close(x, options_.distance, [&](const Pair& pair) {
+    if (!counted(pair.points) || !near(pair, x, pair.share * options_.distance, n)) return;
     ++r.pairs;
-    if (n.gap < r.gap) {
-      r.gap = n.gap;
-      r.nearest = pair;
-    }
-  }
+    if (n.gap >= r.gap) return;
+    r.gap = n.gap;
+    r.nearest = pair;
+  });
   for (const Plane& p : planes_)
     for (Index i : own_points_) {
       if (!plane_acts(p, i)) continue;

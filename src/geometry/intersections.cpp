@@ -10,6 +10,9 @@
 #include <algorithm>
 #include <array>
 #include <fstream>
+#include <iterator>
+#include <optional>
+#include <set>
 #include <variant>
 
 #include "voile/base/error.hpp"
@@ -51,19 +54,17 @@ class Surface {
         throw InternalError(fmt::format("check of intersections: the position of vertex {} is not finite", v));
       points_.emplace_back(x[0], x[1], x[2]);
     }
-    shapes_.reserve(triangles.size());
-    for (std::size_t t = 0; t < triangles.size(); ++t) {
+    shapes_.resize(triangles.size());
+    for (std::size_t t = 0; t < triangles.size(); ++t)
       for (const Index v : triangles[t])
         if (v < 0 || static_cast<std::size_t>(v) >= points_.size())
           throw InternalError(fmt::format("check of intersections: triangle {} names vertex {}, but there are {}", t, v,
                                           points_.size()));
-      const auto& [a, b, c] = triangles[t];
-      shapes_.push_back(hull(at(a), at(b), at(c)));
-    }
   }
 
   [[nodiscard]] std::vector<Box> boxes() const {
     std::vector<Box> result;
+    result.reserve(triangles_.size());
     for (std::size_t t = 0; t < triangles_.size(); ++t) {
       const auto& [a, b, c] = triangles_[t];
       result.emplace_back(at(a).bbox() + at(b).bbox() + at(c).bbox(), static_cast<Index>(t));
@@ -92,7 +93,13 @@ class Surface {
 
  private:
   [[nodiscard]] const Point& at(Index v) const { return points_[static_cast<std::size_t>(v)]; }
-  [[nodiscard]] const Shape& shape(Index t) const { return shapes_[static_cast<std::size_t>(t)]; }
+  /// Made when first asked for, which it is of few.
+  [[nodiscard]] const Shape& shape(Index t) const {
+    std::optional<Shape>& s = shapes_[static_cast<std::size_t>(t)];
+    const auto& [a, b, c] = triangle(t);
+    if (!s) s = hull(at(a), at(b), at(c));
+    return *s;
+  }
   [[nodiscard]] const mesh::Triangle& triangle(Index t) const { return triangles_[static_cast<std::size_t>(t)]; }
   [[nodiscard]] static bool contains(const mesh::Triangle& t, Index v) {
     return std::find(t.begin(), t.end(), v) != t.end();
@@ -121,21 +128,40 @@ class Surface {
 
   const std::vector<mesh::Triangle>& triangles_;
   std::vector<Point> points_;
-  std::vector<Shape> shapes_;
+  mutable std::vector<std::optional<Shape>> shapes_;
 };
 
-template <class Wanted>
+/// `is_idle(triangle)`: of a set of which no two are wanted, as the triangles of obstacles are: most of a scene, and
+/// they need not be tried against each other.
+template <class Wanted, class Idle>
 std::vector<TrianglePair> find_pairs(const std::vector<Vec3>& positions, const std::vector<mesh::Triangle>& triangles,
-                                     const Wanted& is_wanted) {
+                                     const Wanted& is_wanted, const Idle& is_idle) {
   const Surface surface(positions, triangles);
   std::vector<Box> boxes = surface.boxes();
   std::vector<TrianglePair> pairs;
-  CGAL::box_self_intersection_d(boxes.begin(), boxes.end(), [&](const Box& a, const Box& b) {
+  const auto note = [&](const Box& a, const Box& b) {
     const auto [i, j] = std::minmax({a.info(), b.info()});
     if (is_wanted(i, j) && surface.intersect(i, j)) pairs.emplace_back(i, j);
-  });
+  };
+  const auto idle = std::partition(boxes.begin(), boxes.end(), [&](const Box& b) { return !is_idle(b.info()); });
+  CGAL::Bbox_3 busy;
+  std::for_each(boxes.begin(), idle, [&](const Box& b) { busy += b.bbox(); });
+  const auto end = std::partition(idle, boxes.end(), [&](const Box& b) { return CGAL::do_overlap(b.bbox(), busy); });
+  CGAL::box_intersection_d(boxes.begin(), idle, idle, end, note);
+  CGAL::box_self_intersection_d(boxes.begin(), idle, note);
   std::sort(pairs.begin(), pairs.end());
   return pairs;
+}
+
+/// Bodies that are wanted neither with themselves nor with each other; none if that is not so of all that are not wanted
+/// with themselves.
+std::set<Index> idle_bodies(const std::vector<Index>& body, const std::function<bool(Index, Index)>& skip) {
+  std::set<Index> idle(body.begin(), body.end());
+  std::erase_if(idle, [&](Index b) { return !skip(b, b); });
+  for (const Index a : idle)
+    for (const Index b : idle)
+      if (!skip(a, b)) return {};
+  return idle;
 }
 
 void write_field(std::ofstream& out, const char* name, const std::vector<Index>& values) {
@@ -147,7 +173,8 @@ void write_field(std::ofstream& out, const char* name, const std::vector<Index>&
 
 std::vector<TrianglePair> intersecting_triangles(const std::vector<Vec3>& positions,
                                                  const std::vector<mesh::Triangle>& triangles) {
-  return find_pairs(positions, triangles, [](Index, Index) { return true; });
+  return find_pairs(
+      positions, triangles, [](Index, Index) { return true; }, [](Index) { return false; });
 }
 
 std::vector<TrianglePair> intersecting_triangles(const std::vector<Vec3>& positions,
@@ -157,9 +184,13 @@ std::vector<TrianglePair> intersecting_triangles(const std::vector<Vec3>& positi
   if (body.size() != triangles.size())
     throw InternalError(
         fmt::format("check of intersections: {} body numbers for {} triangles", body.size(), triangles.size()));
-  return find_pairs(positions, triangles, [&](Index i, Index j) {
-    return !skip(body[static_cast<std::size_t>(i)], body[static_cast<std::size_t>(j)]);
-  });
+  const std::set<Index> idle = idle_bodies(body, skip);
+  std::vector<char> is_idle;
+  std::transform(body.begin(), body.end(), std::back_inserter(is_idle), [&](Index b) { return idle.contains(b); });
+  return find_pairs(
+      positions, triangles,
+      [&](Index i, Index j) { return !skip(body[static_cast<std::size_t>(i)], body[static_cast<std::size_t>(j)]); },
+      [&](Index t) { return is_idle[static_cast<std::size_t>(t)]; });
 }
 
 void write_pairs(const std::filesystem::path& file, const std::vector<Vec3>& positions,

@@ -164,8 +164,13 @@ void Contact::fill_positions(Vec a, std::vector<Vec3>& x) const {
 void Contact::set_time(double time) {
   time_ = time;
   settle();
-  obstacles_->place(time, x_, set_->planes());
+  obstacles_->place(held_.value_or(time), x_, set_->planes());
   set_->carry([&](int b, const Vec3& place) { return displacement(b, place); });
+}
+
+void Contact::hold_obstacles(bool still) {
+  if (held_) start_time_ = *held_;  // no way has been gone since
+  held_ = still ? std::optional(time_) : std::nullopt;
 }
 
 std::vector<Vec3> Contact::positions(Vec a) const {

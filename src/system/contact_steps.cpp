@@ -60,7 +60,7 @@ bool Contact::try_clear(Vec from, double t0, Vec to, double t1) {
   std::vector<Vec3> end = x_;
   const std::vector<Plane> planes = set_->planes();
   std::vector<Plane> planes_end = planes;
-  obstacles_->place(t1, end, planes_end);
+  obstacles_->place(held_.value_or(t1), end, planes_end);
   fill_positions(to, end);
   const contact::Surface& s = set_->surface();
   bool clear = false;

@@ -20,6 +20,7 @@
 #include <string>
 
 #include "voile/contact/broad_phase.hpp"
+#include "voile/contact/near_list.hpp"
 
 namespace voile::contact {
 
@@ -171,6 +172,27 @@ class ContactSet {
   /// Smallest gaps over pairs; `as_barrier`: neighbours only where they feel each other.
   [[nodiscard]] std::vector<double> gaps_of(const std::vector<Pair>& pairs, const std::vector<Vec3>& x, double limit,
                                             bool as_barrier) const;
+  /// Calls f(pair) for candidates, at least for those whose gap at x is below `limit`.
+  template <class F>
+  void for_close(const std::vector<Vec3>& x, double limit, F&& f) const {
+    const std::vector<double> moved = list_.made() ? list_.moved(x) : std::vector<double>{};
+    for_listed(moved, limit, f);
+  }
+  /// The same for those whose gap may fall below `limit` on the way from x to `to`.
+  template <class F>
+  void for_close(const std::vector<Vec3>& x, const std::vector<Vec3>& to, double limit, F&& f) const {
+    const std::vector<double> moved = list_.made() ? list_.moved(x, to) : std::vector<double>{};
+    for_listed(moved, limit, f);
+  }
+  template <class F>
+  void for_listed(const std::vector<double>& moved, double limit, F&& f) const {
+    if (list_.holds(moved, limit))
+      list_.for_each(pairs_, moved, limit, f);
+    else
+      for (const Pair& pair : pairs_) f(pair);
+  }
+  /// Makes the list of near pairs where the one there is answers no longer.
+  void renew_list(const std::vector<Vec3>& from, const std::vector<Vec3>& to);
   /// Finds the candidates anew that hold one of these points.
   void renew_pairs(const std::vector<char>& points);
   [[nodiscard]] bool counted(const std::array<Index, 4>& points) const;
@@ -198,6 +220,7 @@ class ContactSet {
   std::vector<Index> own_points_;
   std::vector<Box> boxes_;
   std::vector<Pair> pairs_;
+  NearList list_;  ///< of pairs_
   std::vector<Sliding> sliding_;
   std::vector<double> reach_;
   std::vector<std::uint64_t> yielding_, yield_bits_;
@@ -208,16 +231,17 @@ class ContactSet {
 template <class F>
 void ContactSet::for_near(const std::vector<Vec3>& x, double limit, F&& f) const {
   Near n;
-  for (const Pair& pair : pairs_)
+  for_close(x, limit, [&](const Pair& pair) {
     if (near(pair, x, limit, n)) f(pair);
+  });
 }
 
 template <class Emit>
 void ContactSet::hessian(const std::vector<Vec3>& x, bool positive, Emit&& emit) const {
   Near n;
   Mat12 h;
-  for (const Pair& pair : pairs_) {
-    if (!near(pair, x, reach(pair), n)) continue;
+  for_close(x, options_.distance, [&](const Pair& pair) {
+    if (!near(pair, x, reach(pair), n)) return;
     pair_hessian(pair, n, positive, h);
     for (int i = 0; i < 4; ++i) {
       if (pair.points[i] == no_index || !surface_.is_sheet(pair.points[i])) continue;
@@ -225,7 +249,7 @@ void ContactSet::hessian(const std::vector<Vec3>& x, bool positive, Emit&& emit)
         if (pair.points[j] != no_index && surface_.is_sheet(pair.points[j]))
           emit(pair.points[i], pair.points[j], Mat3(h.template block<3, 3>(3 * i, 3 * j)));
     }
-  }
+  });
   for (const Plane& p : planes_)
     for (Index i : own_points_) {
       if (!plane_acts(p, i)) continue;

@@ -68,6 +68,8 @@ class Contact {
 
   /// Puts the obstacles where they are at time t. Collective.
   void set_time(double time);
+  /// From now on obstacles stay where they are, whatever the time, until this is called with false. Not collective.
+  void hold_obstacles(bool still);
   /// Remembers friction from state a; `slip`: slip below which friction is smoothed [m]. Collective.
   void start_step(Vec a, double slip);
   /// Takes normal forces and directions of friction from state a, slips still counted from the start of the step.
@@ -147,7 +149,7 @@ class Contact {
   void cover(const std::vector<Vec3>& from, const std::vector<Vec3>& to);
   void fill_positions(Vec a, std::vector<Vec3>& x) const;
   [[nodiscard]] Vec3 displacement(int body, const Vec3& place) const {
-    return obstacles_->displacement(body, place, start_time_, time_);
+    return held_ ? Vec3(Vec3::Zero()) : obstacles_->displacement(body, place, start_time_, time_);
   }
   [[nodiscard]] std::string words(const contact::Pair& pair) const;
   [[nodiscard]] std::string lowest_rank_text(const std::string& own) const;
@@ -165,6 +167,7 @@ class Contact {
   std::vector<Vec3> x_, other_, force_, start_;
   double slip_ = 1.0;
   double time_ = 0.0, start_time_ = 0.0;
+  std::optional<double> held_;  ///< time at which obstacles stand still [s]
   std::string obstruction_;
   ContactMemory memory_;
   std::vector<double> blocked_;  ///< as ContactMemory::yielding, for what the last attempt found in its way

@@ -497,3 +497,51 @@ TEST_CASE("candidates kept over many small moves are those found at once") {
   CHECK(found > 30);
   CHECK(contacts > 1000);
 }
+
+TEST_CASE("the list of near pairs misses none, wherever points go within its reach") {
+  std::mt19937 random(29);
+  std::uniform_real_distribution<double> u(-1.0, 1.0);
+  mesh::MeshData d = grid(9, 7, true, 0.2);
+  for (Vec3& x : d.positions) x[2] = 0.2 * std::sin(9.0 * x[0]);
+  const mesh::SurfaceMesh mesh(d);
+  Surface s = make_surface(mesh, {{"sheet", 0.01}, {"rod", 0.1}}, {});
+  append(s, 1, {Vec3(-0.2, 0.2, 0.2), Vec3(1.2, 0.9, 0.3)}, {}, {{0, 1}});
+  std::vector<Box> boxes(static_cast<std::size_t>(s.points()));
+  for (Index i = 0; i < s.points(); ++i) boxes[i].include(s.rest[i]);
+  for (Box& b : boxes) b.include(Box{b.low.array() - 0.2, b.high.array() + 0.2});
+  const std::vector<char> all(static_cast<std::size_t>(s.sheet_points), 1);
+  const std::vector<Pair> pairs = find_pairs(s, boxes, all, 0.05);
+  const auto offset = [&](const Pair& p) { return p.share * s.offset(p.body_a, p.body_b); };
+  const auto gap = [&](const Pair& p, const std::vector<Vec3>& x) {
+    std::array<Vec3, 4> at;
+    for (int i = 0; i < 4; ++i) at[i] = p.points[i] == no_index ? Vec3(Vec3::Zero()) : x[p.points[i]];
+    return closest(p.kind, at).distance - offset(p);
+  };
+  NearList list;
+  CHECK_FALSE(list.made());
+  list.make(pairs, s.rest, 0.15, offset);
+  long near = 0, listed = 0;
+  for (int k = 0; k < 20; ++k) {
+    CAPTURE(k);
+    const double size = k % 2 == 0 ? 0.03 : 0.01;
+    std::vector<Vec3> x = s.rest;
+    for (Vec3& p : x) p += size * Vec3(u(random), u(random), u(random)).normalized();
+    const std::vector<double> moved = list.moved(x);
+    REQUIRE(list.holds(moved, 0.15 - 2.01 * size));
+    CHECK_FALSE(list.holds(moved, 0.15 - 1.99 * size));
+    const double limit = 0.08;
+    std::vector<const Pair*> given;
+    list.for_each(pairs, moved, limit, [&](const Pair& p) { given.push_back(&p); });
+    CHECK(std::is_sorted(given.begin(), given.end()));
+    for (const Pair& p : pairs)
+      if (gap(p, x) < limit) {
+        CHECK(std::binary_search(given.begin(), given.end(), &p));
+        ++near;
+      }
+    listed += static_cast<long>(given.size());
+  }
+  CHECK(near > 1000);
+  CHECK(listed < static_cast<long>(20 * pairs.size()) / 2);  // and leaves out most
+  list.forget();
+  CHECK_FALSE(list.made());
+}

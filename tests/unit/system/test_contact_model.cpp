@@ -212,6 +212,27 @@ TEST_CASE("a sheet comes to rest on a floor that then carries its weight") {
   CHECK(total[2] == relative(0.3 * 9.81).epsilon(1e-6));
 }
 
+TEST_CASE("draping has no time: what moves with the time stands still while a sheet falls") {
+  Obstacle lift = plane(-0.1);
+  lift.motion = [](const Vec3&, double t) { return Vec3(0.0, 0.0, -20.0 * (t - 0.5)); };
+  system::ModelInput in = input({lift}, 0.02);
+  in.loads = {load(LoadKind::gravity, "", Vec3(0.0, 0.0, -9.81))};
+  in.supports = {support("sheet0", SupportKind::displacement)};
+  in.supports[0].components = {true, true, false};
+  Problem p(sheets(1, 6, 0.0), in);
+  p.model.conditions().set_load_factor(1.0);
+  p.model.set_time(0.5);
+  solve::Drape drape(p.model, {});
+  system::State state = state_of(p.u);
+  state.time = 0.5;
+  CHECK(follow_from(std::move(state), drape).completed);
+  for (const Vec3& u : per_vertex(p.model, p.u)) {
+    CHECK(u[2] < -0.07);
+    CHECK(u[2] > -0.1);
+  }
+  CHECK(p.model.contact()->time() == 0.5);
+}
+
 TEST_CASE("an obstacle that rushes through a resting sheet takes it along") {
   Obstacle piston = plane(-0.03);
   piston.motion = [](const Vec3&, double t) { return Vec3(0.0, 0.0, 20.0 * t); };
