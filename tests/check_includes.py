@@ -19,10 +19,11 @@ LAYERS = {
     "system": {"contact", "energy", "geometry", "mesh", "base"},
     "solve": {"system", "mesh", "base"},
     "io": {"geometry", "mesh", "base"},
+    "manikin": {"geometry", "mesh", "base"},
     "pattern": {"io", "mesh", "base"},
     "input": {"solve", "system", "energy", "io", "mesh", "base"},
     "picture": {"adapt", "io", "geometry", "mesh", "base"},
-    "app": {"base", "mesh", "energy", "geometry", "adapt", "contact", "untangle", "system", "solve", "io", "pattern", "input", "picture"},
+    "app": {"base", "mesh", "energy", "geometry", "adapt", "contact", "untangle", "system", "solve", "io", "pattern", "manikin", "input", "picture"},
 }
 
 # Header -> files that may include it, as "<layer>/<file without suffix>" patterns. The first match counts.
@@ -32,7 +33,7 @@ THIRD_PARTY = [
     (r"metis\.h", r"mesh/partition|.*/mumps.*"),
     (r"[sd]mumps_c\.h", r".*/mumps.*"),
     (r"hdf5.*\.h|H5.*\.h", r"io/.*"),
-    (r"CGAL/.*", r"geometry/intersections|geometry/closest_triangle|io/triangle_file"),
+    (r"CGAL/.*", r"geometry/intersections|geometry/closest_triangle|geometry/implicit_surface|io/triangle_file"),
     (r"gmsh\.h(_cwrap)?", r"app/gmsh_.*"),
     (r"toml\+\+/.*", r"input/case.*|picture/recording"),
     (r"embree3/.*", r"picture/tracing"),
@@ -43,7 +44,7 @@ THIRD_PARTY = [
     (r"mpi\.h", r"base/mpi.*|app/main"),
     (r"pugixml\.hpp", r"pattern/svg"),
     (r"nlohmann/.*", r"app/.*|input/.*|pattern/garmentcode|picture/export_gltf|picture/viewer"),
-    (r"CLI/.*", r"app/main|app/picture_.*"),
+    (r"CLI/.*", r"app/main|app/picture_.*|app/manikin_main|app/command_program"),
     (r"boost/math/.*", r"pattern/curve"),
     (r"Eigen/.*", r".*"),
     (r"fmt/.*", r".*"),

@@ -23,19 +23,20 @@ bool is_first_rank() {
 
 }  // namespace
 
-void delegate_pictures(int argc, char** argv) {
-  if (argc < 2 || std::none_of(picture_commands.begin(), picture_commands.end(),
-                               [&](const auto& c) { return std::string(argv[1]) == c.first; }))
-    return;
+void delegate_command(int argc, char** argv) {
+  if (argc < 2) return;
+  const auto command = std::find_if(delegated_commands.begin(), delegated_commands.end(),
+                                    [&](const DelegatedCommand& c) { return std::string(argv[1]) == c.name; });
+  if (command == delegated_commands.end()) return;
   if (!is_first_rank()) std::exit(0);
   std::error_code error;
   const std::filesystem::path program =
-      std::filesystem::read_symlink("/proc/self/exe", error).parent_path() / "voile-picture";
+      std::filesystem::read_symlink("/proc/self/exe", error).parent_path() / command->program;
   (void)execv(program.c_str(), argv);
   throw UserError(
-      fmt::format("{}: the program that draws and exports cannot be started; install it beside voile, or build it "
-                  "(target voile-picture)",
-                  program.string()));
+      fmt::format("{}: the program of the command {} cannot be started; install it beside voile, or build "
+                  "it (target {})",
+                  program.string(), command->name, command->program));
 }
 
 }  // namespace voile::app

@@ -1,4 +1,4 @@
-// voile run | check | info | reference | init, and through voile-picture render | export | plot | view
+// voile run | check | info | reference | init, and through other programs render | export | plot | view | manikin
 //
 // Start-up order: MPI, the command line, the case file, then PETSc. The case's PETSc options are set before PETSc
 // starts, so that PETSc's own sources (.petscrc, PETSC_OPTIONS, command line) override them and options that only count
@@ -103,7 +103,7 @@ void declare(CLI::App& cli, Request& request) {
       ->add_flag("--schema", request.schema, "Print it as a JSON schema, for editors");
   CLI::App* init = add("init", "Begin a new case: writes case.toml and plate.geo", Command::init);
   init->add_option("folder", request.file, "Folder for the two files")->required();
-  for (const auto& [name, what] : app::picture_commands) cli.add_subcommand(name, what);
+  for (const app::DelegatedCommand& c : app::delegated_commands) cli.add_subcommand(c.name, c.what);
   init->add_option("--analysis", request.analysis, "static, linear, modal, buckling, dynamic or drape [static]");
 }
 
@@ -306,7 +306,7 @@ Exit execute(const Request& request, const char* program) {
 
 int main(int argc, char** argv) {
   try {
-    app::delegate_pictures(argc, argv);
+    app::delegate_command(argc, argv);
   } catch (const UserError& e) {
     fmt::print(stderr, "voile: error: {}\n", e.what());
     return static_cast<int>(Exit::user_error);

@@ -1,0 +1,56 @@
+// What the programs beside voile, which do commands of it, have in common: words, help, errors and exit codes; private to
+// src/app.
+#pragma once
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <functional>
+#include <new>
+#include <string>
+#include <vector>
+
+#include "voile/base/error.hpp"
+
+namespace voile::app {
+
+/// Declares the subcommands; what it returns is done once the words are read.
+using Declare = std::function<std::function<void()>(CLI::App&)>;
+
+inline void run_commands(int argc, char** argv, const char* what, const Declare& declare) {
+  CLI::App cli(what, "voile");
+  cli.require_subcommand(1);
+  const std::function<void()> act = declare(cli);
+  std::vector<std::string> words(argv + 1, argv + argc);
+  std::reverse(words.begin(), words.end());
+  try {
+    cli.parse(words);
+  } catch (const CLI::CallForHelp&) {
+    const auto chosen = cli.get_subcommands();
+    fmt::print("{}", chosen.empty() ? cli.help() : chosen.front()->help("voile"));
+    return;
+  } catch (const CLI::ParseError& e) {
+    throw UserError(fmt::format("{}; see voile {} --help", e.what(), argc > 1 ? argv[1] : ""));
+  }
+  act();
+}
+
+/// The exit code. `too_large`: what to do when memory is out.
+inline int command_program(int argc, char** argv, const char* what, const char* too_large, const Declare& declare) {
+  try {
+    run_commands(argc, argv, what, declare);
+    return 0;
+  } catch (const UserError& e) {
+    fmt::print(stderr, "voile: error: {}\n", e.what());
+    return static_cast<int>(Exit::user_error);
+  } catch (const std::bad_alloc&) {
+    fmt::print(stderr, "voile: error: out of memory: {}\n", too_large);
+    return static_cast<int>(Exit::user_error);
+  } catch (const std::exception& e) {
+    fmt::print(stderr, "voile: internal error: {}\n", e.what());
+    return static_cast<int>(Exit::internal_error);
+  }
+}
+
+}  // namespace voile::app

@@ -1,0 +1,161 @@
+// The product's own bodies: girths as asked for, sound surfaces, motions that begin at rest.
+#include <doctest/doctest.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <numbers>
+
+#include "test_relative.hpp"
+#include "voile/base/error.hpp"
+#include "voile/geometry/implicit_surface.hpp"
+#include "voile/geometry/intersections.hpp"
+#include "voile/geometry/winding.hpp"
+#include "voile/manikin/figure.hpp"
+
+using namespace voile;
+using namespace voile::manikin;
+
+namespace {
+
+Measurements body(double height, double bust, double waist, double hip, double inseam, double arms) {
+  return {height, bust, waist, hip, inseam, arms};
+}
+
+/// Euler's number of a closed surface: 2 per piece, less 2 per handle.
+long euler(const geometry::TriangleSoup& s) {
+  return static_cast<long>(s.positions.size()) - static_cast<long>(3 * s.triangles.size() / 2) +
+         static_cast<long>(s.triangles.size());
+}
+
+double least_distance_of_legs(const std::vector<Vec3>& rest, const std::vector<Vec3>& now, double below) {
+  double least = 1.0;
+  for (std::size_t i = 0; i < rest.size(); ++i)
+    for (std::size_t j = 0; j < rest.size(); ++j)
+      if (rest[i].x() > 0.0 && rest[j].x() < 0.0 && rest[i].z() < below && rest[j].z() < below)
+        least = std::min(least, (now[i] - now[j]).norm());
+  return least;
+}
+
+}  // namespace
+
+TEST_CASE("an implicit surface: corners on it, closed, outwards") {
+  const auto ball = [](const Vec3& p) { return (p - Vec3(0.1, 0.2, 0.3)).norm() - 0.5; };
+  const geometry::TriangleSoup s = geometry::implicit_surface(ball, {Vec3(0.1, 0.1, 0.3), 2.0, 0.1, 0.005});
+  CHECK(geometry::is_closed(s.triangles));
+  CHECK(euler(s) == 2);
+  double worst = 0.0, volume = 0.0;
+  for (const Vec3& p : s.positions) worst = std::max(worst, std::abs(ball(p)));
+  for (const mesh::Triangle& t : s.triangles)
+    volume += s.positions[t[0]].dot(s.positions[t[1]].cross(s.positions[t[2]])) / 6.0;
+  CHECK(worst < 1e-9);
+  CHECK(volume == relative(4.0 / 3.0 * std::numbers::pi * 0.125).epsilon(0.03));
+  CHECK_THROWS_AS((void)geometry::implicit_surface(ball, {Vec3(2.0, 0.0, 0.0), 4.0, 0.1, 0.005}), InternalError);
+}
+
+TEST_CASE("a tape spans hollows") {
+  // A square with a notch.
+  CHECK(hull_perimeter({{0, 0}, {1, 0}, {1, 1}, {0.5, 0.2}, {0, 1}}) == relative(4.0).epsilon(1e-14));
+}
+
+TEST_CASE("manikins of many measurements are sound, have their girths, and move without intersecting themselves") {
+  const double pi = std::numbers::pi;
+  const std::array bodies{body(1.74, 0.88, 0.68, 0.94, 0.80, 0.44), body(1.60, 0.80, 0.60, 0.88, 0.72, pi / 12.0),
+                          body(1.70, 1.20, 1.15, 1.25, 0.75, 0.44), body(1.30, 0.68, 0.60, 0.70, 0.58, 0.5)};
+  for (const Measurements& m : bodies)
+    for (const Kind kind : {Kind::figure, Kind::form}) {
+      CAPTURE(m.height);
+      const Figure f = make_figure(m, kind, 0.045);
+      const geometry::TriangleSoup& s = f.surface;
+      const Levels& l = f.shape.levels();
+      CHECK(tape_girth(s, l.bust) == relative(m.bust).epsilon(0.003));
+      CHECK(tape_girth(s, l.waist) == relative(m.waist).epsilon(0.003));
+      CHECK(tape_girth(s, l.hip) == relative(m.hip).epsilon(0.003));
+      CHECK(geometry::is_closed(s.triangles));
+      CHECK(euler(s) == 2);
+      CHECK(geometry::winding_number(Vec3(0.0, 0.0, l.waist), s.positions, s.triangles) == relative(1.0).epsilon(1e-9));
+      double low = 1.0, high = 0.0;
+      for (const Vec3& p : s.positions) {
+        low = std::min(low, p.z());
+        high = std::max(high, p.z());
+      }
+      CHECK(std::abs(low) < 0.01);
+      if (kind == Kind::figure) CHECK(high == relative(m.height).epsilon(0.01));
+      if (kind == Kind::form) continue;
+      for (const Motion motion : {Motion::walk, Motion::turn}) {
+        MotionOptions o;
+        o.motion = motion;
+        o.seconds = 2.0;
+        o.frames_per_second = 25.0;
+        const auto all = frames(f, o);
+        REQUIRE(all.size() == 51);
+        double legs = 1.0;
+        for (const auto& frame : all) {
+          CHECK(geometry::intersecting_triangles(frame, s.triangles).empty());
+          legs = std::min(legs, least_distance_of_legs(s.positions, frame, m.inseam - 0.05));
+        }
+        CHECK(legs > 0.01);
+      }
+    }
+}
+
+TEST_CASE("a figure walks from standing, without a jerk, and gets along") {
+  const Figure f = make_figure({}, Kind::figure, 0.05);
+  MotionOptions o;
+  o.frames_per_second = 200.0;
+  o.seconds = 3.0;
+  const auto all = frames(f, o);
+  double first = 0.0, jump = 0.0, change = 0.0, rest = 0.0;
+  for (std::size_t v = 0; v < f.surface.positions.size(); ++v) {
+    rest = std::max(rest, (all[0][v] - f.surface.positions[v]).norm());
+    first = std::max(first, (all[1][v] - all[0][v]).norm() * 200.0);
+    for (std::size_t k = 1; k + 1 < all.size(); ++k)
+      change = std::max(change, (all[k + 1][v] - 2.0 * all[k][v] + all[k - 1][v]).norm() * 200.0 * 200.0);
+    for (std::size_t k = 0; k + 1 < all.size(); ++k) jump = std::max(jump, (all[k + 1][v] - all[k][v]).norm() * 200.0);
+  }
+  CHECK(rest < 1e-12);
+  CHECK(first < 1e-3);   // [m/s]
+  CHECK(jump < 4.0);     // feet [m/s]
+  CHECK(change < 80.0);  // [m/s^2]; a velocity that jumps by 1 m/s would be 200
+  Vec3 moved = Vec3::Zero();
+  for (std::size_t v = 0; v < f.surface.positions.size(); ++v) moved += all.back()[v] - all[0][v];
+  moved /= static_cast<double>(f.surface.positions.size());
+  CHECK(moved.y() == relative(-(3.0 - 0.4)).epsilon(0.05));
+}
+
+TEST_CASE("a figure that turns ends where it was asked to face") {
+  const Figure f = make_figure({}, Kind::figure, 0.05);
+  MotionOptions o;
+  o.motion = Motion::turn;
+  o.angle = 0.5 * std::numbers::pi;
+  const auto all = frames(f, o);
+  double worst = 0.0;
+  for (std::size_t v = 0; v < f.surface.positions.size(); ++v) {
+    const Vec3& x = f.surface.positions[v];
+    worst = std::max(worst, (all.back()[v] - Vec3(-x.y(), x.x(), x.z())).norm());
+  }
+  CHECK(worst < 1e-9);
+}
+
+TEST_CASE("measurements and motions out of bounds are refused by name") {
+  const auto message = [](const auto& work) -> std::string {
+    try {
+      work();
+    } catch (const UserError& e) {
+      return e.what();
+    }
+    return "";
+  };
+  Measurements m;
+  m.waist = 68.0;
+  CHECK(message([&] { check(m); }).find("waist = 68") != std::string::npos);
+  m = {};
+  m.inseam = 1.2;
+  CHECK(message([&] { check(m); }).find("inseam") != std::string::npos);
+  m = {};
+  m.arm_angle = 0.0;
+  CHECK(message([&] { check(m); }).find("arms") != std::string::npos);
+  m = {};
+  m.bust = std::nan("");
+  CHECK(message([&] { check(m); }).find("bust") != std::string::npos);
+  CHECK(message([&] { (void)make_figure({}, Kind::form, 0.5); }).find("size") != std::string::npos);
+}
