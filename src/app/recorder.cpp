@@ -4,9 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <utility>
 
+#include "linear_values.hpp"
 #include "sewing.hpp"
 #include "stresses.hpp"
 #include "voile/base/error.hpp"
@@ -40,7 +40,9 @@ Recorder::Recorder(const input::Case& c, const RunOptions& options, system::Mode
       options_(options),
       model_(&model),
       mesh_(&model.dofs().mesh()),
-      root_(mpi::rank(model.dofs().comm()) == 0) {
+      root_(mpi::rank(model.dofs().comm()) == 0),
+      linear_(c.analysis == "linear"),
+      warnings_(linear_) {
   resolve_probes();
   mpi::on_root(model.dofs().comm(), [&] {
     if (model.contact()) obstacles_.emplace(model.contact()->input(), model.dofs().mesh());
@@ -67,7 +69,7 @@ void Recorder::begin_epoch() {
 void Recorder::use(system::Model& model, const system::Dynamics* dynamics) {
   model_ = &model;
   dynamics_ = dynamics;
-  chord_error_.reset();
+  warnings_.begin_epoch();
   if (mesh_ == &model.dofs().mesh()) return;
   mesh_ = &model.dofs().mesh();
   resolve_probes();
@@ -137,44 +139,20 @@ bool Recorder::wants(const std::string& field) const {
 Recorder::Snapshot Recorder::snapshot(Vec a) {
   Snapshot s;
   petsc::VecHandle force = model_->dofs().create_vector();
-  model_->unbalanced_force(a, force);
+  linear_ ? LinearValues(*model_, a).unbalanced_force(force) : model_->unbalanced_force(a, force);
   model_->dofs().clear_free(force);  // away from supports the force is only the residual that is left
   s.displacement = model_->dofs().gather(a);
   s.reaction = model_->dofs().gather(force);
   if (root_) s.validity = assess(model_->dofs().mesh(), s.displacement);
-  if (root_ && case_.analysis != "linear") warn_of_range(s.validity);
+  if (root_) warnings_.say_range(model_->dofs().mesh(), s.validity);
   const bool energy_wanted = std::any_of(case_.probes.begin(), case_.probes.end(),
                                          [](const input::Probe& p) { return p.kind == input::Probe::Kind::energy; });
-  if (energy_wanted) s.energies = model_->energies(a);
+  if (energy_wanted) s.energies = linear_ ? LinearValues(*model_, a).energies() : model_->energies(a);
   if (system::Contact* contact = model_->contact()) {
     s.contact = contact->report(a);
     if (case_.contact.check) s.intersections = count_intersections(a);
   }
   return s;
-}
-
-/// Said once each: results beyond go on, but the law no longer holds.
-void Recorder::warn_of_range(const Validity& v) {
-  const mesh::SurfaceMesh& mesh = model_->dofs().mesh();
-  const auto place = [&](const Vec3& x) {
-    return fmt::format("({:.4g}, {:.4g}, {:.4g}) m at {}", x[0], x[1], x[2], mesh.has_charts() ? "the start" : "rest");
-  };
-  if (v.strain > strain_limit && !std::exchange(warned_of_strain_, true))
-    fmt::print(
-        stderr,
-        "voile: warning: a membrane strain of {:.0f} % at {}: the law is linear in the strain and meant for less "
-        "than {:.0f} % (history: largest_strain)\n",
-        100.0 * v.strain,
-        place((mesh.start_corner(v.triangle, 0) + mesh.start_corner(v.triangle, 1) + mesh.start_corner(v.triangle, 2)) /
-              3.0),
-        100.0 * strain_limit);
-  if (v.turn > turn_limit && !std::exchange(warned_of_turn_, true))
-    fmt::print(stderr,
-               "voile: warning: the surface turns by {:.0f} degrees across one edge at {}: bending is too soft beyond "
-               "{:.0f} degrees; a finer mesh there is needed (history: largest_turn)\n",
-               v.turn * 180.0 / std::numbers::pi,
-               place(0.5 * (mesh.positions()[v.vertex_a] + mesh.positions()[v.vertex_b])),
-               turn_limit * 180.0 / std::numbers::pi);
 }
 
 long Recorder::count_intersections(Vec a) const {
@@ -338,7 +316,7 @@ void Recorder::write_history(const system::State& state, const solve::StepResult
 }
 
 void Recorder::write_fields(io::StepFields step, Vec a, const Snapshot& s) {
-  const system::TriangleFields t = model_->triangle_fields(a);
+  const system::TriangleFields t = linear_ ? LinearValues(*model_, a).triangle_fields() : model_->triangle_fields(a);
   add_contact_fields(step, a);
   mpi::on_root(model_->dofs().comm(), [&] {
     const auto add = [&](const char* name, const char* unit, io::Centre centre, const std::vector<double>& values) {
@@ -350,7 +328,13 @@ void Recorder::write_fields(io::StepFields step, Vec a, const Snapshot& s) {
     add("membrane_force", "N/m", io::Centre::triangle, t.membrane_force);
     add("curvature", "1/m", io::Centre::triangle, t.curvature);
     add("bending_moment", "N", io::Centre::triangle, t.bending_moment);
-    if (case_.analysis != "modal" && case_.analysis != "buckling") add_membrane_error(step, t);
+    const bool estimated = case_.element.membrane != energy::MembraneOperator::six_node_corrected;
+    if (estimated && case_.analysis != "modal" && case_.analysis != "buckling") {
+      Warnings::MembraneError error = warnings_.membrane_error(model_->discretisation().sheet(), t);
+      membrane_error_ = error.share;
+      if (wants("membrane_error"))
+        step.fields.push_back({"membrane_error", "J/m^2", io::Centre::triangle, 1, std::move(error.density)});
+    }
     if (case_.output.stresses != input::OutputSection::Stresses::none)
       for (io::Field& f : stress_fields(model_->discretisation().sheet(), t,
                                         case_.output.stresses == input::OutputSection::Stresses::plies))
@@ -358,35 +342,6 @@ void Recorder::write_fields(io::StepFields step, Vec a, const Snapshot& s) {
     if (obstacles_ && obstacles_->at_rest().moves) step.obstacles = obstacles_->positions(*model_->contact());
     results_->write(step);
   });
-}
-
-/// On rank 0.
-void Recorder::add_membrane_error(io::StepFields& step, const system::TriangleFields& t) {
-  const energy::Sheet& sheet = model_->discretisation().sheet();
-  if (!chord_error_) {
-    chord_error_.emplace(sheet);
-    const std::string locks = locking_warning(sheet, t);
-    if (!locks.empty() && !std::exchange(warned_of_locking_, true)) fmt::print(stderr, "voile: warning: {}\n", locks);
-  }
-  std::vector<double> error = chord_error_->energies(sheet, t.curvature, t.whole_curvature);
-  double feigned = 0.0, stored = 0.0;
-  for (std::size_t k = 0; k < error.size(); ++k) {
-    const auto of = [k](const std::vector<double>& values) { return Eigen::Map<const Vec3>(&values[3 * k]); };
-    const double area = sheet.mesh().area(static_cast<Index>(k));
-    feigned += area * error[k];
-    stored +=
-        0.5 * area * (of(t.membrane_strain).dot(of(t.membrane_force)) + of(t.curvature).dot(of(t.bending_moment)));
-  }
-  membrane_error_ = stored > 0.0 ? feigned / stored : 0.0;
-  if (wants("membrane_error"))
-    step.fields.push_back({"membrane_error", "J/m^2", io::Centre::triangle, 1, std::move(error)});
-  if (membrane_error_ > error_limit && case_.analysis != "linear" && !std::exchange(warned_of_error_, true))
-    fmt::print(
-        stderr,
-        "voile: warning: straight chords between vertices feign membrane strains of {:.2g} % of the stored energy: "
-        "deflections may be too small by about as much; a finer mesh, or cells that are less stretched and uneven, is "
-        "needed (summary.json: membrane_error; field membrane_error says where)\n",
-        100.0 * membrane_error_);
 }
 
 void Recorder::print_motion(const system::State& state, const solve::StepResult& r, const Snapshot& s) const {

@@ -2,19 +2,19 @@
 #pragma once
 
 #include <chrono>
+#include <cmath>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "obstacles.hpp"
-#include "validity.hpp"
 #include "voile/app/run.hpp"
-#include "voile/energy/chord_error.hpp"
 #include "voile/io/results.hpp"
 #include "voile/solve/stepper.hpp"
 #include "voile/system/dynamics.hpp"
 #include "voile/system/model.hpp"
 #include "voile/system/state.hpp"
+#include "warnings.hpp"
 
 namespace voile::app {
 
@@ -38,7 +38,8 @@ class Recorder {
   /// The displacement probe with one component as a linear function of the unknowns. Collective.
   [[nodiscard]] petsc::VecHandle functional(const std::string& probe) const;
   [[nodiscard]] double wall_seconds() const;
-  /// Energy that chords feign over that stored, in the last state whose fields were written; on rank 0.
+  /// Energy that chords feign over that stored, in the last state whose fields were written; on rank 0. Not a
+  /// number if it is not estimated.
   [[nodiscard]] double membrane_error() const { return membrane_error_; }
 
  private:
@@ -65,10 +66,7 @@ class Recorder {
   };
   [[nodiscard]] Snapshot snapshot(Vec a);
   void write_fields(io::StepFields step, Vec a, const Snapshot& s);
-  /// The field, its share of the stored energy, and a warning if that is large.
-  void add_membrane_error(io::StepFields& step, const system::TriangleFields& t);
   void write_or_keep(bool write, io::StepFields step, Vec position, Vec velocity, const Snapshot& s);
-  void warn_of_range(const Validity& v);
   void write_history(const system::State& state, const solve::StepResult& r, const Snapshot& s);
   void print_motion(const system::State& state, const solve::StepResult& r, const Snapshot& s) const;
   void print_path(const system::State& state, const solve::StepResult& r, const Snapshot& s) const;
@@ -91,9 +89,9 @@ class Recorder {
   std::optional<io::ResultsWriter> results_;
   std::optional<io::HistoryWriter> history_;
   std::optional<Pending> pending_;
-  bool warned_of_strain_ = false, warned_of_turn_ = false, warned_of_error_ = false, warned_of_locking_ = false;
-  std::optional<energy::ChordError> chord_error_;  ///< rank 0, of the epoch
-  double membrane_error_ = 0.0;
+  bool linear_;
+  Warnings warnings_;
+  double membrane_error_ = std::nan("");
 };
 
 }  // namespace voile::app

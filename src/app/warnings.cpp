@@ -1,0 +1,61 @@
+#include "warnings.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Dense>
+#include <numbers>
+#include <utility>
+
+namespace voile::app {
+
+// Results beyond go on, but the law no longer holds.
+void Warnings::say_range(const mesh::SurfaceMesh& mesh, const Validity& v) {
+  if (linear_) return;
+  const auto place = [&](const Vec3& x) {
+    return fmt::format("({:.4g}, {:.4g}, {:.4g}) m at {}", x[0], x[1], x[2], mesh.has_charts() ? "the start" : "rest");
+  };
+  if (v.strain > strain_limit && !std::exchange(said_strain_, true))
+    fmt::print(
+        stderr,
+        "voile: warning: a membrane strain of {:.0f} % at {}: the law is linear in the strain and meant for less "
+        "than {:.0f} % (history: largest_strain)\n",
+        100.0 * v.strain,
+        place((mesh.start_corner(v.triangle, 0) + mesh.start_corner(v.triangle, 1) + mesh.start_corner(v.triangle, 2)) /
+              3.0),
+        100.0 * strain_limit);
+  if (v.turn > turn_limit && !std::exchange(said_turn_, true))
+    fmt::print(stderr,
+               "voile: warning: the surface turns by {:.0f} degrees across one edge at {}: bending is too soft beyond "
+               "{:.0f} degrees; a finer mesh there is needed (history: largest_turn)\n",
+               v.turn * 180.0 / std::numbers::pi,
+               place(0.5 * (mesh.positions()[v.vertex_a] + mesh.positions()[v.vertex_b])),
+               turn_limit * 180.0 / std::numbers::pi);
+}
+
+Warnings::MembraneError Warnings::membrane_error(const energy::Sheet& sheet, const system::TriangleFields& t) {
+  if (!chord_error_) {
+    chord_error_.emplace(sheet);
+    const std::string locks = locking_warning(sheet, t);
+    if (!locks.empty() && !std::exchange(said_locking_, true)) fmt::print(stderr, "voile: warning: {}\n", locks);
+  }
+  std::vector<double> error = chord_error_->energies(sheet, t.curvature, t.whole_curvature, linear_);
+  double feigned = 0.0, stored = 0.0;
+  for (std::size_t k = 0; k < error.size(); ++k) {
+    const auto of = [k](const std::vector<double>& values) { return Eigen::Map<const Vec3>(&values[3 * k]); };
+    const double area = sheet.mesh().area(static_cast<Index>(k));
+    feigned += area * error[k];
+    stored +=
+        0.5 * area * (of(t.membrane_strain).dot(of(t.membrane_force)) + of(t.curvature).dot(of(t.bending_moment)));
+  }
+  const double share = stored > 0.0 ? feigned / stored : 0.0;
+  if (share > error_limit && !std::exchange(said_error_, true))
+    fmt::print(
+        stderr,
+        "voile: warning: straight chords between vertices feign membrane strains of {:.2g} % of the stored energy: "
+        "deflections may be too small by about as much; a finer mesh, or cells that are less stretched and uneven, is "
+        "needed (summary.json: membrane_error; field membrane_error says where)\n",
+        100.0 * share);
+  return {std::move(error), share};
+}
+
+}  // namespace voile::app
