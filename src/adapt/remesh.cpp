@@ -51,6 +51,22 @@ bool leaves_needle(const Surface& s, Index h) {
   return false;
 }
 
+/// The side to halve first so that no needle is left at h: the longest of the triangle that would have one, and so on from
+/// there (Rivara's longest-edge propagation); none where it is frozen.
+Index halved_before(const Surface& s, Index h) {
+  while (leaves_needle(s, h)) {
+    Index longest = h;
+    for (const Index side : {h, s.twin[h]}) {
+      if (side == no_index) continue;
+      for (const Index other : {next(side), prev(side)})
+        if (s.rest_length(other) > s.rest_length(longest)) longest = other;
+    }
+    if (s.locked(longest)) return no_index;
+    h = longest;
+  }
+  return h;
+}
+
 void split_long(Surface& s, const Options& options) {
   Queue<LongerFirst> queue;
   const auto offer = [&](Index h) {
@@ -66,8 +82,15 @@ void split_long(Surface& s, const Options& options) {
   while (!queue.empty()) {
     const Waiting top = queue.top();
     queue.pop();
-    if (!is_still(s, top) || leaves_needle(s, top.side)) continue;
-    const Index m = s.split(top.side);
+    if (!is_still(s, top)) continue;
+    Index side = top.side;
+    if (leaves_needle(s, side)) {
+      // Otherwise flips come, and it is looked at again.
+      side = options.only_splits ? halved_before(s, side) : no_index;
+      if (side == no_index) continue;
+      queue.push(top);
+    }
+    const Index m = s.split(side);
     for (Index e : star_of(s, m).spokes) {
       offer(e);
       // Sides opposite to the new vertex have moved to other numbers; the last edge of an open star has one side only.

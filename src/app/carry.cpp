@@ -19,6 +19,7 @@ io::Checkpoint gather(const system::State& s, const system::Dofs& dofs) {
   c.contact_gaps = s.contact.gaps;
   c.contact_start = s.contact.start;
   c.yielding = s.contact.yielding;
+  c.anchors = system::numbers_of(s.anchors);
   c.remeshings = s.remeshings.count;
   c.too_long = s.remeshings.too_long;
   c.too_short = s.remeshings.too_short;
@@ -38,6 +39,7 @@ system::State scatter(const io::Checkpoint& c, const system::Dofs& dofs) {
   s.load_factor = c.load_factor;
   s.in_equilibrium = c.in_equilibrium;
   s.contact = {c.contact_gaps, c.contact_start, c.yielding};
+  s.anchors = system::anchors_of(c.anchors);
   s.remeshings = {c.remeshings, c.too_long, c.too_short, c.remeshing_wait, c.remeshing_step};
   s.solver = {c.positive_tangents, c.factors_left, c.wait};
   s.u = dofs.create_vector();

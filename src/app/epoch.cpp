@@ -21,10 +21,13 @@ double end_of_epoch(const input::Case& stage, double start) {
   if (stage.analysis != "dynamic") return end;
   for (const system::Support& s : stage.supports)
     if (s.release > start) end = std::min(end, s.release);
+  for (const system::Attachment& s : stage.attachments)
+    if (s.release > start) end = std::min(end, s.release);
   return end;
 }
 
-bool holds(const input::Case& stage, const system::Support& s, double time) {
+template <class Holder>
+bool holds(const input::Case& stage, const Holder& s, double time) {
   return stage.analysis != "dynamic" || s.release > time;
 }
 
@@ -37,13 +40,15 @@ system::ModelInput holding(system::ModelInput input, const input::Case& stage, c
     if (s.rotation) s.rotation = [turned = s.rotation(time)](double) { return turned; };
   }
   std::erase_if(input.supports, [&](const system::Support& s) { return !holds(stage, s, time); });
+  std::erase_if(input.attachments, [&](const system::Attachment& s) { return !holds(stage, s, time); });
   return input;
 }
 
 /// The acceleration of a checkpoint is that of the supports which held before; where one lets go it is found anew.
 bool lets_go_at(const input::Case& stage, double time) {
-  return std::any_of(stage.supports.begin(), stage.supports.end(),
-                     [&](const system::Support& s) { return s.release == time; });
+  const auto now = [&](const auto& s) { return s.release == time; };
+  return std::any_of(stage.supports.begin(), stage.supports.end(), now) ||
+         std::any_of(stage.attachments.begin(), stage.attachments.end(), now);
 }
 
 bool goes_on(Origin origin) {
@@ -73,6 +78,7 @@ void Epoch::prepare(Origin origin) {
   const bool in_time = stage_.analysis == "dynamic";
   if (model_.contact()) model_.contact()->restore(in_time ? state_.contact : system::ContactMemory{});
   if (in_time || stage_.is_staged()) model_.set_time(state_.time);
+  model_.attach(state_.u, state_.anchors);
   if (stage_.stage.number > 0) take_hold(origin);
   if (goes_on(origin)) model_.conditions().set_load_factor(state_.load_factor);
 }

@@ -3,6 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <optional>
+#include <set>
 
 #include "mesh_transfer.hpp"
 #include "voile/app/run.hpp"
@@ -32,28 +35,71 @@ pattern::Panel panel_of(const input::PanelSection& s, const pattern::Pattern& fr
   return p;
 }
 
-/// What one [[panel]] section adds.
-void add_panels(const input::PanelSection& s, std::vector<pattern::Panel>& panels,
-                std::vector<pattern::SeamRequest>& seams, std::vector<std::string>& notes) {
-  pattern::Pattern from = pattern::read_pattern(s.file, {s.unit, s.euler == input::PanelSection::Euler::xyz, s.pieces});
-  if (!s.name.empty() && from.pieces.size() != 1)
+/// What one [[panel]] section takes from its file.
+struct Cut {
+  const input::PanelSection* section;
+  pattern::Pattern from;
+
+  /// Name of the edge in the garment; nothing if its piece is not in this section.
+  [[nodiscard]] std::optional<std::string> edge(const pattern::StitchEnd& e) const {
+    const auto is_it = [&](const pattern::Piece& p) { return p.name == e.piece; };
+    if (std::none_of(from.pieces.begin(), from.pieces.end(), is_it)) return std::nullopt;
+    return fmt::format("{}/{}", section->name.empty() ? e.piece : section->name, e.edge);
+  }
+};
+
+Cut read_panels(const input::PanelSection& s) {
+  Cut cut{&s, pattern::read_pattern(s.file, {s.unit, s.euler == input::PanelSection::Euler::xyz, s.pieces})};
+  if (!s.name.empty() && cut.from.pieces.size() != 1)
     throw UserError(
         fmt::format("{}: [[panel]] name = \"{}\" is for one piece, but there are {}; name one with the key "
                     "pieces",
-                    s.file.string(), s.name, from.pieces.size()));
-  notes.insert(notes.end(), from.notes.begin(), from.notes.end());
-  for (const pattern::Piece& piece : from.pieces) panels.push_back(panel_of(s, from, piece));
-  if (!s.stitches) return;
-  for (std::size_t k = 0; k < from.stitches.size(); ++k) {
-    const pattern::Stitch& stitch = from.stitches[k];
-    const auto name = [&](const pattern::StitchEnd& e) {
-      return fmt::format("{}/{}", s.name.empty() ? e.piece : s.name, e.edge);
-    };
+                    s.file.string(), s.name, cut.from.pieces.size()));
+  return cut;
+}
+
+/// Edges of the garment that one side of a stitch is: of all sections of the file.
+std::vector<std::string> edges_of(const std::vector<Cut>& cuts, const Cut& here, const pattern::StitchEnd& end) {
+  std::vector<std::string> found;
+  for (const Cut& c : cuts)
+    if (c.section->stitches && c.section->file == here.section->file)
+      if (const auto edge = c.edge(end)) found.push_back(*edge);
+  return found;
+}
+
+/// Whether both sides of a stitch between sections are one edge each; says if not.
+bool joins(const pattern::Stitch& stitch, const std::array<std::vector<std::string>, 2>& edges, const Cut& here,
+           std::vector<std::string>& notes) {
+  for (std::size_t i = 0; i < 2; ++i) {
+    if (edges[i].size() == 1) continue;
+    const pattern::StitchEnd& end = stitch.sides[i];
+    notes.push_back(
+        fmt::format("{}: stitch {} joins edge {} of piece '{}', which {}: it is no seam; name one by [[seam]]",
+                    here.section->file.string(), stitch.number, end.edge, end.piece,
+                    edges[i].empty() ? "no [[panel]] with stitches cuts" : "several [[panel]] sections cut"));
+    return false;
+  }
+  return true;
+}
+
+/// Seams of the stitches of one section, and of those between it and others, unless an earlier one knows them.
+void add_stitches(const std::vector<Cut>& cuts, const Cut& here, std::set<std::string>& known,
+                  std::vector<pattern::SeamRequest>& seams, std::vector<std::string>& notes) {
+  for (const pattern::Stitch& stitch : here.from.stitches) {
     pattern::SeamRequest r;
-    r.where = fmt::format("{}: stitch {}", s.file.string(), k);
-    r.edges = {name(stitch.sides[0])};
-    r.to = {name(stitch.sides[1])};
+    r.where = fmt::format("{}: stitch {}", here.section->file.string(), stitch.number);
     r.sense = stitch.sense;
+    const std::optional<std::string> first = here.edge(stitch.sides[0]), second = here.edge(stitch.sides[1]);
+    if (first && second) {
+      r.edges = {*first};
+      r.to = {*second};
+    } else {
+      if (!known.insert(r.where).second) continue;
+      const std::array edges{edges_of(cuts, here, stitch.sides[0]), edges_of(cuts, here, stitch.sides[1])};
+      if (!joins(stitch, edges, here, notes)) continue;
+      r.edges = edges[0];
+      r.to = edges[1];
+    }
     seams.push_back(std::move(r));
   }
 }
@@ -85,7 +131,15 @@ pattern::Garment garment_of(const input::Case& c) {
   std::vector<pattern::Panel> panels;
   std::vector<pattern::SeamRequest> requests;
   std::vector<std::string> notes;
-  for (const input::PanelSection& s : c.panels) add_panels(s, panels, requests, notes);
+  std::vector<Cut> cuts;
+  for (const input::PanelSection& section : c.panels) {
+    const Cut& cut = cuts.emplace_back(read_panels(section));
+    notes.insert(notes.end(), cut.from.notes.begin(), cut.from.notes.end());
+    for (const pattern::Piece& piece : cut.from.pieces) panels.push_back(panel_of(section, cut.from, piece));
+  }
+  std::set<std::string> known;
+  for (const Cut& cut : cuts)
+    if (cut.section->stitches) add_stitches(cuts, cut, known, requests, notes);
   for (const input::SeamSection& s : c.seams) {
     pattern::SeamRequest r{s.name, fmt::format("{}: [[seam]] {}", c.file.string(), s.name), s.edges, s.to, s.meet};
     requests.push_back(std::move(r));

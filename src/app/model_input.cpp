@@ -1,8 +1,29 @@
 #include "model_input.hpp"
 
+#include <algorithm>
+#include <limits>
+
 namespace voile::app {
 
+namespace {
+
+/// Share by which the softest fabric may be stretched by a seam that pulls, unless the case says how much.
+constexpr double sewing_strain = 0.1;
+
+/// Largest tension across a seam [N/m].
+double sewing_force(const input::Case& c) {
+  if (c.sewing.force > 0.0) return c.sewing.force;
+  double least = std::numeric_limits<double>::infinity();
+  for (const energy::Material& m : c.materials) least = std::min({least, m.membrane(0, 0), m.membrane(1, 1)});
+  return sewing_strain * least;
+}
+
+}  // namespace
+
 system::ModelInput model_input(const input::Case& c, KnownObstacles& known) {
+  std::vector<system::Attachment> attachments = c.attachments;
+  for (std::size_t i = 0; i < attachments.size(); ++i)
+    attachments[i].number = static_cast<int>(c.is_staged() ? c.stage.attachments[i] : i);
   return {c.element,
           c.materials,
           c.supports,
@@ -11,7 +32,8 @@ system::ModelInput model_input(const input::Case& c, KnownObstacles& known) {
           c.masses,
           c.springs,
           c.analysis == "static",
-          {c.stage.sew, c.sewing.stiffness, c.sewing.speed, 0.0}};
+          {c.stage.sew, c.sewing.stiffness, c.sewing.speed, sewing_force(c), 0.0},
+          std::move(attachments)};
 }
 
 }  // namespace voile::app

@@ -164,6 +164,7 @@ io::Checkpoint read_start(const input::Case& c, const RunOptions& options, const
   start.wait = static_cast<int>(numbers[13]);
   mpi::broadcast(PETSC_COMM_WORLD, start.contact_gaps);
   mpi::broadcast(PETSC_COMM_WORLD, start.yielding);
+  mpi::broadcast(PETSC_COMM_WORLD, start.anchors);
   return start;
 }
 

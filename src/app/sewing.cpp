@@ -11,6 +11,7 @@
 #include "voile/base/error.hpp"
 #include "voile/base/mpi.hpp"
 #include "voile/mesh/weld.hpp"
+#include "voile/system/attachments.hpp"
 
 namespace voile::app {
 
@@ -29,12 +30,38 @@ mesh::SeamGap gap_of(const mesh::SurfaceMesh& mesh, const std::vector<std::strin
   return mesh::widest_gap(mesh.data(), mesh::open_seams(mesh.data(), names), places_of(mesh, displacement));
 }
 
-std::string too_wide(const input::Case& c, const mesh::SeamGap& widest) {
+/// Of an edge of a triangle, relative to its length at rest, above which a garment counts as tight.
+constexpr double tight = 0.05;
+
+/// Where the fabric is stretched most, if that is much.
+std::string stretch_text(const mesh::SurfaceMesh& mesh, const std::vector<double>& displacement) {
+  const std::vector<Vec3> x = places_of(mesh, displacement);
+  double most = 0.0;
+  Vec3 place = Vec3::Zero();
+  for (Index t = 0; t < mesh.triangle_count(); ++t)
+    for (int s = 0; s < 3; ++s) {
+      const int next = (s + 1) % 3;
+      const Vec3 &a = x[mesh.triangles()[t][s]], &b = x[mesh.triangles()[t][next]];
+      const double stretch = (b - a).norm() / (mesh.rest_corner(t, next) - mesh.rest_corner(t, s)).norm() - 1.0;
+      if (stretch <= most) continue;
+      most = stretch;
+      place = 0.5 * (a + b);
+    }
+  if (most < tight) return "";
+  return fmt::format("; the fabric is stretched by {:.0f} % near ({:.4g}, {:.4g}, {:.4g}): it may be too tight there",
+                     100.0 * most, place[0], place[1], place[2]);
+}
+
+/// On rank 0.
+std::string too_wide(const input::Case& c, const mesh::SurfaceMesh& mesh, const std::vector<std::string>& seams,
+                     const std::vector<double>& displacement) {
+  const mesh::SeamGap widest = gap_of(mesh, seams, displacement);
   if (widest.gap <= c.sewing.gap) return "";
   return fmt::format(
-      "seam '{}' is still open by {:.3g} m near ({:.4g}, {:.4g}, {:.4g}), more than [sewing] gap = {:g} m: "
-      "give the stage more time, the springs more stiffness or speed, or see what is in the way",
-      widest.seam, widest.gap, widest.place[0], widest.place[1], widest.place[2], c.sewing.gap);
+             "seam '{}' is still open by {:.3g} m near ({:.4g}, {:.4g}, {:.4g}), more than [sewing] gap = {:g} m: "
+             "give the stage more time, or the springs more force, or see what is in the way",
+             widest.seam, widest.gap, widest.place[0], widest.place[1], widest.place[2], c.sewing.gap) +
+         stretch_text(mesh, displacement);
 }
 
 /// Per vertex, on rank 0. Collective.
@@ -64,6 +91,18 @@ void merge_contact(const std::vector<Index>& target, std::size_t count, io::Chec
   });
 }
 
+/// Of vertices that have become one the first stays held.
+void merge_anchors(const std::vector<Index>& target, io::Checkpoint& c) {
+  std::vector<system::Anchor> merged;
+  for (system::Anchor a : system::anchors_of(c.anchors)) {
+    a.vertex = target[a.vertex];
+    if (std::none_of(merged.begin(), merged.end(),
+                     [&](const system::Anchor& b) { return b.attachment == a.attachment && b.vertex == a.vertex; }))
+      merged.push_back(a);
+  }
+  c.anchors = system::numbers_of(merged);
+}
+
 /// Closes seams and counts displacements from where the state is. Collective.
 void weld_state(const Stage& stage, const std::vector<std::string>& seams, Mesh& mesh, io::Checkpoint& state) {
   const std::vector<double> mass = masses(stage, *mesh);
@@ -81,6 +120,7 @@ void weld_state(const Stage& stage, const std::vector<std::string>& seams, Mesh&
   broadcast_mesh(PETSC_COMM_WORLD, data);
   mpi::broadcast(PETSC_COMM_WORLD, target);
   merge_contact(target, data.positions.size(), state);
+  merge_anchors(target, state);
   mesh = std::make_shared<const mesh::SurfaceMesh>(std::move(data));
   state.remeshings = std::max(state.remeshings, 1);  // so that checkpoints hold the mesh
   state.in_equilibrium = false;
@@ -95,7 +135,7 @@ double seam_gap(const input::Case& c, const mesh::SurfaceMesh& mesh, const std::
 std::string open_seam_text(const input::Case& c, const mesh::SurfaceMesh& mesh, const io::Checkpoint& state) {
   std::string text;
   if (c.stage.sew.empty()) return text;
-  mpi::on_root(PETSC_COMM_WORLD, [&] { text = too_wide(c, gap_of(mesh, c.stage.sew, state.displacement)); });
+  mpi::on_root(PETSC_COMM_WORLD, [&] { text = too_wide(c, mesh, c.stage.sew, state.displacement); });
   mpi::broadcast(PETSC_COMM_WORLD, text);
   return text;
 }
@@ -127,7 +167,7 @@ void weld_before(const Stage& stage, Origin origin, Mesh& mesh, io::Checkpoint& 
   std::string wrong;
   double moved = 0.0;
   mpi::on_root(PETSC_COMM_WORLD, [&] {
-    wrong = too_wide(stage.c, gap_of(*mesh, open, state.displacement));
+    wrong = too_wide(stage.c, *mesh, open, state.displacement);
     for (const double u : state.displacement) moved = std::max(moved, std::abs(u));
   });
   mpi::broadcast(PETSC_COMM_WORLD, wrong);

@@ -18,6 +18,9 @@ namespace voile::input {
 
 namespace {
 
+/// [time] velocity_tolerance of stages that sew [m/s].
+constexpr double sewing_tolerance = 3e-3;
+
 void check_steps(const SectionPlace& place, solve::StaticOptions& s) {
   if (!place.has("initial_step")) s.initial_step = std::min(s.initial_step, s.max_step);
   if (!place.has("min_step")) s.min_step = std::min(s.min_step, s.initial_step);
@@ -208,11 +211,27 @@ void read_remesh(const CaseReader& reader, Case& c) {
                "edge_slope");
 }
 
+void check_attachment(const SectionPlace& place, const Case& c, const system::Attachment& s) {
+  if (s.groups.empty()) place.fail("groups", "the list is empty; name points, curves or surfaces of the mesh");
+  std::vector<std::string> known;
+  for (const ObstacleSection& o : c.obstacles) {
+    if (o.type == ObstacleSection::Type::mesh || o.type == ObstacleSection::Type::cylinder)
+      known.push_back(o.shape.name);
+    else if (o.shape.name == s.obstacle)
+      place.fail("obstacle",
+                 fmt::format("'{}' has no triangles to hold to; attach to one of type mesh or cylinder", s.obstacle));
+  }
+  if (std::find(known.begin(), known.end(), s.obstacle) == known.end())
+    place.fail("obstacle", fmt::format("there is no [[obstacle]] '{}':{}", s.obstacle, suggestion(s.obstacle, known)));
+}
+
 void read_contact(const CaseReader& reader, Case& c) {
   const SectionPlace place = reader.read("contact", 0, keys_of(c.contact));
   read_all(reader, "obstacle", c.obstacles,
            [&](const SectionPlace& at, ObstacleSection& s) { read_obstacle(at, c, s); });
   read_all(reader, "contact_rule", c.contact_rules, [](const SectionPlace&, const auto&) {});
+  read_all(reader, "attachment", c.attachments,
+           [&](const SectionPlace& at, const system::Attachment& s) { check_attachment(at, c, s); });
   c.contact.input.active = place.line > 0 || !c.obstacles.empty() || !c.contact_rules.empty();
   if (!c.contact.input.active) return;
   if (c.analysis != "static" && c.analysis != "dynamic" && c.analysis != "drape")
@@ -228,6 +247,8 @@ void check_time(const SectionPlace& place, Case& c) {
   solve::TimeOptions& o = c.time.options;
   // Contact makes long iterations at every step size: smaller steps would not make them shorter.
   if (c.contact.input.active && !place.has("target_iterations")) o.target_iterations = 25;
+  // Where sides come together on the way does not matter.
+  if (!c.stage.sew.empty() && !place.has("velocity_tolerance")) o.velocity_tolerance = sewing_tolerance;
   if (c.contact.input.active && o.method == solve::TimeOptions::Method::central_difference)
     place.fail("method", "there is no contact with \"central_difference\"; choose \"alpha\"");
   if (c.contact.input.active && !o.forces_at_end)

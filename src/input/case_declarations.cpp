@@ -17,6 +17,7 @@ Declarations::Declarations()
             {"contact", keys_of(case_.contact)},
             {"obstacle", keys_of(obstacle_)},
             {"contact_rule", keys_of(rule_)},
+            {"attachment", keys_of(attachment_)},
             {"steps", keys_of(case_.steps)},
             {"eigen", keys_of(case_.eigen)},
             {"time", keys_of(case_.time, case_.dynamics.mass)},

@@ -253,6 +253,7 @@ std::string echo_case(const Case& c) {
     out += "\n[contact]\n" + echo_keys(keys_of(copy.contact));
     out += echo_all("obstacle", copy.obstacles);
     out += echo_all("contact_rule", copy.contact_rules);
+    out += echo_all("attachment", copy.attachments);
   }
   out += "\n[steps]\n" + echo_keys(keys_of(copy.steps));
   out += "\n[eigen]\n" + echo_keys(keys_of(copy.eigen));

@@ -70,8 +70,8 @@ const std::vector<std::string>& stage_tables() {
 }
 
 const std::vector<std::string>& staged_items() {
-  static const std::vector<std::string> names{"support",         "load", "mass", "spring", "obstacle", "contact_rule",
-                                              "initial_velocity"};
+  static const std::vector<std::string> names{"support",  "load",         "mass",       "spring",
+                                              "obstacle", "contact_rule", "attachment", "initial_velocity"};
   return names;
 }
 
@@ -129,11 +129,15 @@ const std::vector<SectionInfo>& sections() {
       {"support", true, "Prescribed displacements and slopes."},
       {"load", true, "Loads; each grows with the load factor unless it is `constant`."},
       {"mass", true, "Masses at vertices."},
-      {"spring", true, "Linear springs to where vertices are at rest."},
+      {"spring", true, "Linear springs to where vertices are at rest, between vertices, and elastic bands."},
       {"contact", false,
        "Contact without interpenetration, see [contact.md](contact.md). This section, or an obstacle, switches it on."},
       {"obstacle", true, "What the sheet can touch."},
       {"contact_rule", true, "What holds between two bodies instead of the general rules."},
+      {"attachment", true,
+       "Vertices that springs hold to the surface of an obstacle, each where it is nearest when the attachment takes "
+       "hold: at the start of the first stage that names it. They follow the surface as it moves and deforms, see "
+       "[garment.md](garment.md)."},
       {"steps", false, "How the path of equilibria is followed from the unloaded state."},
       {"eigen", false, "Modes of vibration and buckling."},
       {"time", false, "Motion in time, `analysis = \"dynamic\"`."},
@@ -153,8 +157,9 @@ const std::vector<SectionInfo>& sections() {
        "[stages.md](stages.md). Tables of its own, `[stage.time]`, `[stage.steps]`, `[stage.drape]`, `[stage.eigen]`, "
        "`[stage.damping]`, `[stage.air]`, `[stage.contact]`, `[stage.remesh]` and `[stage.output]`, win over those of "
        "the case, key by "
-       "key. `[[support]]`, `[[load]]`, `[[mass]]`, `[[spring]]`, `[[obstacle]]`, `[[contact_rule]]` and "
-       "`[[initial_velocity]]` then take the key `stages`: the names of those in which they hold; absent: all."},
+       "key. `[[support]]`, `[[load]]`, `[[mass]]`, `[[spring]]`, `[[obstacle]]`, `[[contact_rule]]`, "
+       "`[[attachment]]` and `[[initial_velocity]]` then take the key `stages`: the names of those in which they hold; "
+       "absent: all."},
       {"petsc", false, "The solver library."}};
   return all;
 }

@@ -160,10 +160,12 @@ StageSection CaseReader::select_stage(std::size_t n) {
       s.supports = std::move(kept);
     else if (section == "load")
       s.loads = std::move(kept);
+    else if (section == "attachment")
+      s.attachments = std::move(kept);
   }
   if (s.analysis != "dynamic") root.erase("initial_velocity");
   if (!has_contact(s.analysis))
-    for (const char* section : {"contact", "obstacle", "contact_rule"}) root.erase(section);
+    for (const char* section : {"contact", "obstacle", "contact_rule", "attachment"}) root.erase(section);
   root.erase("stage");
   return s;
 }

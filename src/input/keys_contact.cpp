@@ -144,6 +144,36 @@ std::vector<Key> keys_of(ObstacleSection& s) {
                 motion_keys(s.motion, {}));
 }
 
+std::vector<Key> keys_of(system::Attachment& s) {
+  return {{.name = "groups",
+           .slot = Words{&s.groups, {}},
+           .meaning = "Physical points, curves or surfaces whose vertices are held.",
+           .required = true},
+          {.name = "obstacle",
+           .slot = &s.obstacle,
+           .meaning = "Name of the obstacle that holds them, of type `mesh` or `cylinder`.",
+           .required = true},
+          {.name = "stiffness",
+           .slot = &s.stiffness,
+           .meaning = "Force per displacement: of each vertex of points, per rest length of curves, per rest area of "
+                      "surfaces, so that it does not depend on the mesh.",
+           .unit = "points N/m, curves N/m^2, surfaces N/m^3",
+           .range = positive},
+          {.name = "gap",
+           .slot = &s.gap,
+           .meaning = "Distance from the surface at which they are held, along its normal. Less than the contact "
+                      "distance presses them onto it.",
+           .unit = "m",
+           .range = not_negative,
+           .absent = "where they are to the surface as it takes hold"},
+          {.name = "release",
+           .slot = &s.release,
+           .meaning = "Time at which it lets go, in `dynamic`.",
+           .unit = "s",
+           .range = not_negative,
+           .absent = "never"}};
+}
+
 std::vector<Key> keys_of(RuleSection& s) {
   return {{.name = "first",
            .slot = &s.first,

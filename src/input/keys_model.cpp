@@ -74,12 +74,15 @@ std::vector<Key> keys_of(energy::ElementOptions& s) {
           {.name = "membrane",
            .slot = choice(s.membrane, {{"cst", energy::MembraneOperator::cst},
                                        {"six_node", energy::MembraneOperator::six_node},
+                                       {"six_node_corrected", energy::MembraneOperator::six_node_corrected},
                                        {"six_node_three_point", energy::MembraneOperator::six_node_three_point}}),
-           .meaning = "Membrane strain: constant-strain triangle, mid-side strains of the six-node patch averaged, or "
-                      "the energies of the three mid-side strains averaged."},
+           .meaning = "Membrane strain: constant-strain triangle; mid-side strains of the six-node patch averaged, as "
+                      "they are or corrected for what straight chords feign where the surface bends; or the energies "
+                      "of the three mid-side strains averaged."},
           {.name = "cst_share",
            .slot = &s.cst_share,
-           .meaning = "Share of constant-strain energy in `six_node`. Without it free edges can crumple; much of it "
+           .meaning = "Share of constant-strain energy in `six_node` and `six_node_corrected`. Without it free edges "
+                      "can crumple; much of it "
                       "makes the element stiff in folding.",
            .range = {0, 1}},
           {.name = "max_patch_condition",
@@ -347,20 +350,24 @@ std::vector<Key> keys_of(system::Spring& s) {
        .slot = choice(s.kind, {{"point", system::Spring::Kind::point},
                                {"line", system::Spring::Kind::line},
                                {"area", system::Spring::Kind::area},
-                               {"pair", system::Spring::Kind::pair}}),
-       .meaning = "From the place at the start: `point` on every vertex of a group, `line` per rest length of a curve, "
-                  "`area` per rest area, an elastic foundation. `pair`: between every vertex of a group and the "
-                  "nearest one of `to` at the start.",
+                               {"pair", system::Spring::Kind::pair},
+                               {"band", system::Spring::Kind::band}}),
+       .meaning =
+           "From the place at the start: `point` on every vertex of a group, `line` per rest length of a curve, "
+           "`area` per rest area, an elastic foundation. `pair`: between every vertex of a group and the "
+           "nearest one of `to` at the start. `band`: elastic along the edges of a curve, which only pulls, as in a "
+           "waistband.",
        .required = true},
       {.name = "group",
        .slot = &s.group,
-       .meaning = "Any group for `point` and `pair`, a curve for `line`, a surface for `area`.",
-       .required_types = {"point", "line", "pair"},
+       .meaning = "Any group for `point` and `pair`, a curve for `line` and `band`, a surface for `area`.",
+       .required_types = {"point", "line", "pair", "band"},
        .absent = "the whole surface"},
       {.name = "stiffness",
        .slot = &s.stiffness,
-       .meaning = "Force per displacement from the place at the start; of each pair, force per change of length.",
-       .unit = "point, pair N/m, line N/m^2, area N/m^3",
+       .meaning = "Force per displacement from the place at the start; of each pair, force per change of length; of a "
+                  "band, force per strain.",
+       .unit = "point, pair N/m, line N/m^2, area N/m^3, band N",
        .range = positive,
        .required = true},
       {.name = "direction",
@@ -375,11 +382,13 @@ std::vector<Key> keys_of(system::Spring& s) {
        .required_types = {"pair"}},
       {.name = "length",
        .slot = &s.length,
-       .meaning = "Length without force. 0 pulls the pair together from any distance.",
+       .meaning =
+           "Length without force. pair: 0 pulls it together from any distance. band: of the whole curve, above 0; "
+           "shorter than the fabric it gathers it.",
        .unit = "m",
        .range = not_negative,
-       .types = {"pair"},
-       .absent = "the distance at the start"}};
+       .types = {"pair", "band"},
+       .absent = "pair: the distance at the start; band: the length of the curve at rest"}};
 }
 
 }  // namespace voile::input

@@ -76,9 +76,16 @@ std::vector<Key> keys_of(SewingSection& s) {
   return {
       {.name = "stiffness",
        .slot = &s.stiffness,
-       .meaning = "Of the springs that pull a seam together, per rest length of the seam.",
+       .meaning = "Of the springs that pull a seam together, per rest length of the seam. When none has a "
+                  "length any more it doubles every 0.03 s, up to 128 times.",
        .unit = "N/m^2",
        .range = positive},
+      {.name = "force",
+       .slot = &s.force,
+       .meaning = "Largest with which they pull, per rest length of the seam. 0: what stretches the softest material "
+                  "of the case by a tenth.",
+       .unit = "N/m",
+       .range = not_negative},
       {.name = "speed",
        .slot = &s.speed,
        .meaning = "At which they get shorter, down to no length.",

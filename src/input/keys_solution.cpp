@@ -121,7 +121,7 @@ std::vector<Key> keys_of(TimeSection& s, system::Mass& mass) {
        .slot = &o.velocity_tolerance,
        .meaning =
            "An increment of the iteration below this, as root mean square over the mass and per step, ends the step. "
-           "0: `-snes_rtol` and `-snes_stol` alone decide.",
+           "0: `-snes_rtol` and `-snes_stol` alone decide. 3e-3 in stages that sew if this key is not given.",
        .unit = "m/s",
        .range = not_negative},
       {.name = "mass",

@@ -13,6 +13,8 @@ namespace voile::io {
 
 namespace {
 
+constexpr std::size_t anchor_numbers = 8;  // of each anchor
+
 /// The vectors of a checkpoint, const or not, under their names in the file.
 template <class C>
 auto vectors_of(C& c) {
@@ -76,10 +78,28 @@ void write_checkpoint(const std::filesystem::path& path, const Checkpoint& c, co
     file.dataset("contact_gaps", H5T_NATIVE_DOUBLE, vertices, 1, c.contact_gaps.data());
   }
   if (!c.yielding.empty()) file.dataset("yielding", H5T_NATIVE_DOUBLE, vertices, 1, c.yielding.data());
+  if (!c.anchors.empty())
+    file.dataset("anchors", H5T_NATIVE_DOUBLE, c.anchors.size() / anchor_numbers, anchor_numbers, c.anchors.data());
+  file.number("/", "anchors_count", static_cast<double>(c.anchors.size()));
   file.finish();
 }
 
 namespace {
+
+void read_anchors(hid_t file, const mesh::SurfaceMesh& mesh, const std::filesystem::path& path, Checkpoint& c) {
+  if (H5Lexists(file, "anchors", H5P_DEFAULT) <= 0) return;
+  const double count = read_number(file, "/", "anchors_count", path);
+  const auto good = [](double number, double end) {
+    return number >= 0.0 && number < end && number == std::floor(number);
+  };
+  if (!good(count, 1e9)) fail_reading(path, "its number of anchors makes no sense");
+  c.anchors = read_values(file, "anchors", static_cast<std::size_t>(count), path);
+  constexpr std::size_t vertex = 1;
+  for (std::size_t i = 0; i + anchor_numbers <= c.anchors.size(); i += anchor_numbers)
+    if (!good(c.anchors[i], 1e6) || !good(c.anchors[i + vertex], mesh.vertex_count()) ||
+        !good(c.anchors[i + vertex + 1], 2e9))
+      fail_reading(path, "its anchors are not those of this mesh");
+}
 
 Checkpoint read_unguarded(const std::filesystem::path& path, const mesh::SurfaceMesh& mesh) {
   const Silence silence;
@@ -120,6 +140,7 @@ Checkpoint read_unguarded(const std::filesystem::path& path, const mesh::Surface
   }
   if (H5Lexists(file, "yielding", H5P_DEFAULT) > 0)
     c.yielding = read_values(file, "yielding", static_cast<std::size_t>(mesh.vertex_count()), path);
+  read_anchors(file, mesh, path, c);
   return c;
 }
 

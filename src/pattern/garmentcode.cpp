@@ -188,7 +188,8 @@ class Reader {
     for (std::size_t k = 0; k < stitches.size(); ++k) {
       const Node stitch = stitches.at(k, fmt::format("stitch {}", k)).array(2);
       Stitch s{{read_end(stitch.at(0, "first side")), read_end(stitch.at(1, "second side"))},
-               is_old_ ? Sense::nearest : Sense::against};
+               is_old_ ? Sense::nearest : Sense::against,
+               k};
       if (stitch.size() > 2) {
         const Node third = stitch.at(2, "third entry");
         if (third.is_text() && third.text() == "right_wrong")
@@ -200,7 +201,7 @@ class Reader {
         return std::none_of(pattern_.pieces.begin(), pattern_.pieces.end(),
                             [&](const Piece& p) { return p.name == e.piece; });
       };
-      if (!cut(s.sides[0]) && !cut(s.sides[1])) pattern_.stitches.push_back(s);
+      if (!cut(s.sides[0]) || !cut(s.sides[1])) pattern_.stitches.push_back(s);
     }
   }
 

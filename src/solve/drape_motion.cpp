@@ -113,6 +113,7 @@ FallResult fall_to_rest(system::Model& model, system::State& state, double rest_
   // Inexact systems are no gain here: from where such a fall ends the search for equilibrium takes longer.
   TimeIntegration motion(dynamics, steps_of(unit, std::sqrt(model.discretisation().mean_area())), false);
   KineticDamping damping(model, dynamics, unit);
+  model.hold_still(true);
   int iterations = 0;
   const Followed done = follow(motion, falling, [&](const system::State& s, const StepResult& r) {
     if (r.taken == 0.0) return false;
@@ -124,8 +125,11 @@ FallResult fall_to_rest(system::Model& model, system::State& state, double rest_
     return result.rested || damping.endless || iterations >= max_iterations;
   });
   model.conditions().set_load_factor(factor);
-  model.set_time(now);
-  if (contact) contact->restore({});
+  model.hold_still(false);
+  if (contact) {
+    contact->set_time(now);
+    contact->restore({});
+  }
   if (done.interrupted) throw Interrupted();
   result.endless = damping.endless;
   result.steps = done.steps;

@@ -10,14 +10,19 @@ namespace voile::system {
 
 void Model::set_time(double time) {
   if (contact_) contact_->set_time(time);
+  if (held_still_) return;
   conditions_->set_time(time);
-  for (std::size_t e = 0; e < sewing_lengths_.size(); ++e)
-    sewing_term_->kernel.set_length(
-        static_cast<Index>(e), std::max(0.0, sewing_lengths_[e] - sewing_.speed * std::max(0.0, time - sewing_.start)));
+  tighten_seams(time);
+}
+
+void Model::hold_still(bool still) {
+  held_still_ = still;
+  if (contact_) contact_->hold_obstacles(still);
 }
 
 energy::Configuration Model::configuration(Vec a) {
   turn_clamps();
+  place_anchors();
   dofs().update_points(a, u_, x_);
   return {x_.data(), u_.data(), nullptr, energy::Tangent::exact};
 }

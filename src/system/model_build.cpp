@@ -6,6 +6,7 @@
 
 #include "voile/base/error.hpp"
 #include "voile/base/mpi.hpp"
+#include "voile/energy/seam.hpp"
 
 namespace voile::system {
 
@@ -18,6 +19,7 @@ Model::Model(MPI_Comm comm, const mesh::SurfaceMesh& mesh, ModelInput input)
   sewing_ = std::move(input.sewing);
   mpi::on_all(comm, [&] {
     build_terms(curvatures, input.springs);
+    if (!input.attachments.empty()) anchor_term_ = &add_term<energy::AnchorTerm>(&Energies::springs);
     pattern = make_pattern(curvatures);
   });
   constant_ = ConstantMatrices(*on_, std::move(pattern), input.masses);
@@ -36,6 +38,7 @@ Model::Model(MPI_Comm comm, const mesh::SurfaceMesh& mesh, ModelInput input)
                                                      input.motion_by_load);
   if (input.contact.active)
     mpi::on_all(comm, [&] { contact_ = std::make_unique<Contact>(dofs(), std::move(input.contact)); });
+  mpi::on_all(comm, [&] { add_attachments(std::move(input.attachments)); });
   const PetscBool symmetric = conditions_->symmetric() ? PETSC_TRUE : PETSC_FALSE;
   VOILE_PETSC(MatSetOption(constant_.bending(), MAT_SYMMETRIC, PETSC_TRUE));
   VOILE_PETSC(MatSetOption(tangent_.matrix(), MAT_SYMMETRIC, symmetric));
@@ -56,6 +59,8 @@ ElementTerm<Kernel>& Model::add_term(double Energies::*part) {
 void Model::build_terms(const Curvatures& curvatures, const std::vector<Spring>& springs) {
   membrane_ = &add_term<energy::MembraneTerm>(&Energies::membrane);
   membrane_->kernel = energy::MembraneTerm(on_->sheet());
+  std::optional<energy::ChordForms> forms;
+  if (membrane_->kernel.corrects()) forms.emplace(on_->sheet());
   auto& curved = add_term<energy::CurvedBendingTerm>(&Energies::bending);
   const std::vector<Index>& local_of = dofs().local().local_of;
   const auto to_local = [&](const auto& points, auto& local) {
@@ -69,12 +74,17 @@ void Model::build_terms(const Curvatures& curvatures, const std::vector<Spring>&
     const energy::BendingElement el = energy::make_bending_element(on_->sheet(), triangle, curvatures[k]);
     std::vector<Index> local(el.points.size());
     to_local(el.points, local);
+    if (forms) membrane_->kernel.correct(on_->sheet(), *forms, triangle, el, local);
     if (el.coupling.size() > 0) curved.kernel.add(el, local, owned);
     if (owned) recovery_.add(triangle, el, local, membrane_->kernel.size() - 1);
   }
   auto& ties = add_term<energy::SpringTerm>(&Energies::springs);
-  for (const Spring& spring : springs) tie(spring, ties);
-  if (!sewing_.seams.empty()) add_sewing(add_term<energy::SpringTerm>(&Energies::springs));
+  for (const Spring& spring : springs)
+    if (spring.kind == Spring::Kind::band)
+      add_band(spring, ties);
+    else
+      tie(spring, ties);
+  if (!sewing_.seams.empty()) add_sewing(add_term<energy::SeamTerm>(&Energies::springs));
   for (auto* v : {&u_, &x_, &previous_u_, &previous_x_, &force_})
     v->assign(static_cast<std::size_t>(dofs().local().count()), Vec3::Zero());
 }

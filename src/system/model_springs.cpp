@@ -1,11 +1,33 @@
 // Springs to the ground: part of the constant matrix.
 #include <algorithm>
+#include <cmath>
 
 #include "voile/base/mpi.hpp"
+#include "voile/energy/seam.hpp"
 #include "voile/mesh/weld.hpp"
 #include "voile/system/model.hpp"
 
 namespace voile::system {
+
+namespace {
+
+/// When no spring has a length any more, all double their stiffness in this time [s], up to this factor: fabric in
+/// tension would keep soft ones open. Before, while all moves, stiff springs that saturate would only cost iterations.
+constexpr double doubling_time = 0.03, most_tight = 128.0;
+
+/// Largest distance at the start of points that are sewn together. [m]
+double longest_way(const mesh::SurfaceMesh& mesh, const std::vector<std::string>& seams) {
+  double longest = 0.0;
+  const std::vector<std::string> sewn = mesh::open_seams(mesh.data(), seams);
+  for (const mesh::Seam& seam : mesh.data().seams) {
+    if (std::find(sewn.begin(), sewn.end(), seam.name) == sewn.end()) continue;
+    for (const auto& [v, w] : seam.pairs)
+      longest = std::max(longest, (mesh.positions()[w] - mesh.positions()[v]).norm());
+  }
+  return longest;
+}
+
+}  // namespace
 
 void Model::add_springs(const std::vector<Spring>& springs, const BlockMatrix::Values& values) {
   for (const Spring& s : springs) {
@@ -31,7 +53,7 @@ void Model::add_springs(const std::vector<Spring>& springs, const BlockMatrix::V
   }
 }
 
-void Model::add_sewing(ElementTerm<energy::SpringTerm>& term) {
+void Model::add_sewing(ElementTerm<energy::SeamTerm>& term) {
   sewing_term_ = &term;
   const LocalPoints& local = dofs().local();
   const mesh::SurfaceMesh& mesh = on_->mesh();
@@ -41,10 +63,23 @@ void Model::add_sewing(ElementTerm<energy::SpringTerm>& term) {
     for (std::size_t k = 0; k < seam.pairs.size(); ++k) {
       const auto& [v, w] = seam.pairs[k];
       if (on_->owned(v) == no_index && on_->owned(w) == no_index) continue;
-      sewing_lengths_.push_back((mesh.positions()[w] - mesh.positions()[v]).norm());
-      term.kernel.add({local.local_of[v], local.local_of[w]}, sewing_.stiffness * seam.lengths[k],
-                      sewing_lengths_.back(), on_->owned(v) != no_index, true);
+      const double length = (mesh.positions()[w] - mesh.positions()[v]).norm();
+      sewing_springs_.push_back({length, sewing_.stiffness * seam.lengths[k]});
+      term.kernel.add({local.local_of[v], local.local_of[w]}, sewing_springs_.back().stiffness,
+                      sewing_.force * seam.lengths[k], length, on_->owned(v) != no_index);
     }
+  }
+}
+
+/// Depends on the time alone, so that a restart needs no memory.
+void Model::tighten_seams(double time) {
+  if (sewing_.seams.empty()) return;
+  const double since = std::max(0.0, time - sewing_.start);
+  const double closed_for = std::max(0.0, since - longest_way(on_->mesh(), sewing_.seams) / sewing_.speed);
+  const double tighter = std::min(most_tight, std::exp2(closed_for / doubling_time));
+  for (std::size_t e = 0; e < sewing_springs_.size(); ++e) {
+    const auto& [length, stiffness] = sewing_springs_[e];
+    sewing_term_->kernel.set(static_cast<Index>(e), std::max(0.0, length - sewing_.speed * since), stiffness * tighter);
   }
 }
 

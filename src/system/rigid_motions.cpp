@@ -117,7 +117,7 @@ class Counter {
   template <class Work>
   void each_spring(const Work& work) const {
     for (const Spring& s : springs_) {
-      if (s.kind == Spring::Kind::pair) continue;
+      if (s.kind == Spring::Kind::pair || s.kind == Spring::Kind::band) continue;
       const auto at = [&](Index v) {
         if (s.direction) return work(v, s.direction->normalized());
         for (int k = 0; k < 3; ++k) work(v, Vec3::Unit(k));

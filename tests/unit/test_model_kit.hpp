@@ -1,10 +1,13 @@
 // Models and vectors for tests.
 #pragma once
 
+#include <doctest/doctest.h>
+
 #include <functional>
 #include <random>
 
 #include "test_meshes.hpp"
+#include "test_relative.hpp"
 #include "voile/system/model.hpp"
 
 namespace voile::testing {
@@ -84,6 +87,28 @@ inline double dot(Vec a, Vec b) {
 }
 
 /// Solves K x = f with MUMPS for the model's current tangent; PCLU if that is not symmetric.
+/// By central differences along d: the residual is the derivative of the energy, the exact tangent that of the residual.
+inline void check_potential(system::Model& model, Vec a, Vec d) {
+  const auto vector = [&] { return model.dofs().create_vector(); };
+  petsc::VecHandle moved = vector(), up = vector(), down = vector(), kd = vector(), r = vector();
+  model.assemble_tangent(a, {.kind = energy::Tangent::exact});
+  VOILE_PETSC(MatMult(model.tangent().matrix(), d, kd));
+  model.residual(a, r);
+  const double h = 1e-5;
+  VOILE_PETSC(VecWAXPY(moved, h, d, a));
+  const double above = model.energy(moved);
+  model.residual(moved, up);
+  VOILE_PETSC(VecWAXPY(moved, -h, d, a));
+  const double below = model.energy(moved);
+  model.residual(moved, down);
+  CHECK((above - below) / (2.0 * h) == relative(dot(r, d)).epsilon(1e-6));
+  VOILE_PETSC(VecAXPY(up, -1.0, down));
+  VOILE_PETSC(VecScale(up, 0.5 / h));
+  VOILE_PETSC(VecAXPY(up, -1.0, kd));
+  CHECK(norm(kd) > 0.0);
+  CHECK(norm(up) < 1e-6 * norm(kd));
+}
+
 inline void solve_linear(const system::Model& model, Vec f, Vec x, PCType type = PCCHOLESKY) {
   KSP ksp = nullptr;
   PC pc = nullptr;

@@ -10,25 +10,23 @@
 
 #include <algorithm>
 #include <array>
-#include <vector>
 
-#include "voile/energy/term.hpp"
+#include "voile/energy/pair_term.hpp"
 
 namespace voile::energy {
 
-class SpringTerm {
+struct SpringElement {
+  std::array<Index, 2> points;
+  double stiffness, length;
+  bool owned, only_pulls;
+};
+
+class SpringTerm : public PairTerm<SpringElement> {
  public:
   /// Between two local points; stiffness >= 0 [N/m], length >= 0 [m].
   void add(const std::array<Index, 2>& points, double stiffness, double length, bool owned, bool only_pulls = false) {
     elements_.push_back({points, stiffness, length, owned, only_pulls});
   }
-  /// Changes the length without force [m].
-  void set_length(Index e, double length) { elements_[e].length = length; }
-
-  [[nodiscard]] Index size() const { return static_cast<Index>(elements_.size()); }
-  [[nodiscard]] const Index* stencil(Index e) const { return elements_[e].points.data(); }
-  [[nodiscard]] int stencil_size(Index) const { return 2; }
-  [[nodiscard]] bool owned(Index e) const { return elements_[e].owned; }
 
   [[nodiscard]] double energy(Index e, const Configuration& c) const {
     double stretch = between(e, c).norm() - elements_[e].length;
@@ -37,50 +35,34 @@ class SpringTerm {
   }
   template <class Emit>
   void gradient(Index e, const Configuration& c, Emit&& emit) const {
-    const Element& el = elements_[e];
+    const SpringElement& el = elements_[e];
     const Vec3 d = between(e, c), f = el.stiffness * across(el, d) * d;
-    emit(0, Vec3(-f));
-    emit(1, f);
+    emit_forces(f, emit);
   }
   template <class Emit>
   void hessian(Index e, const Configuration& c, Emit&& emit) const {
-    const Element& el = elements_[e];
+    const SpringElement& el = elements_[e];
     const Vec3 d = between(e, c);
     double side = across(el, d);
-    if (is_slack(el, d)) side = 0.0;
     if (c.tangent == Tangent::positive && side < 0.0) side = 0.0;
     Mat3 k = side * Mat3::Identity();
     if (el.length > 0.0 && d.squaredNorm() > 0.0 && !is_slack(el, d))
       k += (1.0 - side) / d.squaredNorm() * d * d.transpose();
     k *= el.stiffness;
-    for (int i = 0; i < 2; ++i)
-      for (int j = 0; j < 2; ++j) emit(i, j, i == j ? k : Mat3(-k));
-  }
-  template <class Emit>
-  void blocks(Index, Emit&& emit) const {
-    for (int i = 0; i < 2; ++i)
-      for (int j = 0; j < 2; ++j) emit(i, j);
+    emit_blocks(k, emit);
   }
 
  private:
-  struct Element {
-    std::array<Index, 2> points;
-    double stiffness, length;
-    bool owned, only_pulls;
-  };
-  [[nodiscard]] Vec3 between(Index e, const Configuration& c) const {
-    return c.x[elements_[e].points[1]] - c.x[elements_[e].points[0]];
-  }
   /// 1 - L/l; a spring of no length that should have one has no direction, and no force.
-  [[nodiscard]] static double across(const Element& el, const Vec3& d) {
+  [[nodiscard]] static double across(const SpringElement& el, const Vec3& d) {
     if (el.length == 0.0) return 1.0;
     if (is_slack(el, d)) return 0.0;
     const double l = d.norm();
     return l > 0.0 ? 1.0 - el.length / l : 0.0;
   }
-  [[nodiscard]] static bool is_slack(const Element& el, const Vec3& d) { return el.only_pulls && d.norm() < el.length; }
-
-  std::vector<Element> elements_;
+  [[nodiscard]] static bool is_slack(const SpringElement& el, const Vec3& d) {
+    return el.only_pulls && d.norm() < el.length;
+  }
 };
 
 }  // namespace voile::energy

@@ -58,6 +58,7 @@ struct SeamSection {
 struct SewingSection {
   double stiffness = 1e5;  ///< per rest length of the seam [N/m^2]
   double speed = 0.5;      ///< [m/s]
+  double force = 0.0;      ///< largest, per rest length of the seam; 0: by the fabric [N/m]
   double gap = 1e-4;       ///< largest at which a seam is welded [m]
 };
 
@@ -161,9 +162,9 @@ struct OutputSection {
 struct StageSection {
   std::string name;  ///< of its folder too
   std::string analysis = "static";
-  std::size_t number = 0;                        ///< counted from 0
-  std::vector<std::size_t> supports{}, loads{};  ///< which of the file's hold in it
-  std::vector<std::string> sew{};                ///< seams that it closes; "all": every one
+  std::size_t number = 0;                                       ///< counted from 0
+  std::vector<std::size_t> supports{}, loads{}, attachments{};  ///< which of the file's hold in it
+  std::vector<std::string> sew{};                               ///< seams that it closes; "all": every one
 };
 
 struct Case {
@@ -181,6 +182,7 @@ struct Case {
   std::vector<system::Load> loads;
   std::vector<system::PointMass> masses;
   std::vector<system::Spring> springs;
+  std::vector<system::Attachment> attachments;
   ContactSection contact;
   std::vector<ObstacleSection> obstacles;
   std::vector<RuleSection> contact_rules;

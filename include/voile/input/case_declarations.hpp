@@ -30,6 +30,7 @@ class Declarations {
   system::Load load_;
   system::PointMass mass_;
   system::Spring spring_;
+  system::Attachment attachment_;
   ObstacleSection obstacle_;
   RuleSection rule_;
   Probe probe_;

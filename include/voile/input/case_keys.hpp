@@ -92,6 +92,7 @@ struct MaterialInput {
 [[nodiscard]] std::vector<Key> keys_of(system::Load& section);
 [[nodiscard]] std::vector<Key> keys_of(system::PointMass& section);
 [[nodiscard]] std::vector<Key> keys_of(system::Spring& section);
+[[nodiscard]] std::vector<Key> keys_of(system::Attachment& section);
 [[nodiscard]] std::vector<Key> keys_of(ContactSection& section);
 [[nodiscard]] std::vector<Key> keys_of(ObstacleSection& section);
 [[nodiscard]] std::vector<Key> keys_of(RuleSection& section);

@@ -47,12 +47,13 @@ enum class Sense {
 struct Stitch {
   std::array<StitchEnd, 2> sides;
   Sense sense = Sense::against;
+  std::size_t number = 0;  ///< in the file
 };
 
 struct Pattern {
   std::filesystem::path file;
   std::vector<Piece> pieces;
-  std::vector<Stitch> stitches;
+  std::vector<Stitch> stitches;    ///< those of which a side at least is among the pieces
   std::vector<std::string> notes;  ///< what a user should know
 };
 

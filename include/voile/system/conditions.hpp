@@ -67,15 +67,26 @@ struct Spring {
     point,  ///< on every vertex of the group [N/m]
     line,   ///< per rest length of a curve group [N/m^2]
     area,   ///< per rest area, an elastic foundation [N/m^3]
-    pair    ///< between every vertex of the group and the nearest one of `to` [N/m]
+    pair,   ///< between every vertex of the group and the nearest one of `to` [N/m]
+    band    ///< along the edges of a curve group, only pulls [N]: force per strain
   };
   Kind kind = Kind::point;
   std::string group;  ///< empty: the whole surface (area)
   double stiffness = 0.0;
   std::optional<Vec3> direction;  ///< acts along this direction only; absent: in all; none for pair
   std::string to = {};            ///< pair: the other group
-  double length =
-      std::numeric_limits<double>::quiet_NaN();  ///< pair: without force [m]; NaN: the distance at the start
+  /// Without force [m]. pair: NaN: the distance at the start; band: of the whole curve, NaN: its length at rest.
+  double length = std::numeric_limits<double>::quiet_NaN();
+};
+
+/// Vertices held to an obstacle's surface by springs, see attachments.hpp.
+struct Attachment {
+  int number = 0;                   ///< unique among those of a case
+  std::vector<std::string> groups;  ///< points, curves or surfaces
+  std::string obstacle;             ///< that has triangles
+  double stiffness = 1e4;           ///< at vertices of points [N/m], per rest length of curves [N/m^2], area [N/m^3]
+  double gap = std::numeric_limits<double>::quiet_NaN();     ///< to the surface [m]; NaN: what it is at the start
+  double release = std::numeric_limits<double>::infinity();  ///< time at which it lets go [s]
 };
 
 /// Seams that are pulled together: each pair of vertices by a spring that only pulls and gets shorter in time,
@@ -84,6 +95,7 @@ struct Sewing {
   std::vector<std::string> seams;  ///< names, or "all"; empty: none
   double stiffness = 1e5;          ///< per rest length of the seam [N/m^2]
   double speed = 0.5;              ///< at which the springs get shorter [m/s]
+  double force = 1e3;              ///< largest, per rest length of the seam [N/m]
   double start = 0.0;              ///< [s]
 };
 

@@ -14,13 +14,17 @@
 // energies count each triangle once, on its owner.
 #pragma once
 
+#include <map>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "voile/base/petsc.hpp"
+#include "voile/energy/anchor.hpp"
 #include "voile/energy/bending.hpp"
 #include "voile/energy/membrane.hpp"
 #include "voile/energy/spring.hpp"
+#include "voile/system/attachments.hpp"
 #include "voile/system/block_matrix.hpp"
 #include "voile/system/boundary_conditions.hpp"
 #include "voile/system/conditions.hpp"
@@ -30,6 +34,10 @@
 #include "voile/system/recovery.hpp"
 #include "voile/system/tangent.hpp"
 #include "voile/system/term.hpp"
+
+namespace voile::energy {
+class SeamTerm;
+}  // namespace voile::energy
 
 namespace voile::system {
 
@@ -44,6 +52,7 @@ struct ModelInput {
   std::vector<Spring> springs = {};
   bool motion_by_load = false;  ///< supports move with the load factor in place of the time
   Sewing sewing = {};
+  std::vector<Attachment> attachments = {};
 };
 
 struct Energies {
@@ -73,6 +82,14 @@ class Model {
   [[nodiscard]] Contact* contact() const { return contact_.get(); }
   /// Time of all later evaluations, for conditions and obstacles. Collective.
   void set_time(double time);
+  /// From now on supports, loads and obstacles stay where and what they are, whatever the time, until this is called
+  /// with false: for a motion that is only a way to an equilibrium. Not collective.
+  void hold_still(bool still);
+
+  /// Attachments of which `anchors` knows nothing take hold of what they hold where it is in state a, to the obstacles
+  /// at the time in force; the others go on as it says. `anchors`: becomes what is to be remembered. Until then they do
+  /// nothing. Collective.
+  void attach(Vec a, std::vector<Anchor>& anchors);
 
   /// r(a) as above. Collective.
   void residual(Vec a, Vec r);
@@ -120,7 +137,12 @@ class Model {
 
   // Construction, in this order.
   void build_terms(const Curvatures& curvatures, const std::vector<Spring>& springs);
-  void add_sewing(ElementTerm<energy::SpringTerm>& term);
+  void add_sewing(ElementTerm<energy::SeamTerm>& term);
+  void tighten_seams(double time);
+  void add_band(const Spring& spring, ElementTerm<energy::SpringTerm>& bands) const;
+  void add_attachments(std::vector<Attachment> list);
+  [[nodiscard]] std::size_t obstacle_of(const Attachment& attachment) const;
+  void place_anchors();
   void tie(const Spring& spring, ElementTerm<energy::SpringTerm>& ties) const;
   template <class Kernel>
   ElementTerm<Kernel>& add_term(double Energies::*part);
@@ -164,9 +186,22 @@ class Model {
   std::vector<NodalSpring> springs_;
   bool any_spring_ = false;
   Sewing sewing_;
-  ElementTerm<energy::SpringTerm>* sewing_term_ = nullptr;  ///< one of terms_
-  std::vector<double> sewing_lengths_;                      ///< of its springs at the start [m]
+  ElementTerm<energy::SeamTerm>* sewing_term_ = nullptr;  ///< one of terms_
+  struct SewingSpring {
+    double length, stiffness;  ///< at the start [m], [N/m]
+  };
+  std::vector<SewingSpring> sewing_springs_;  ///< of its elements
+  std::vector<Attachment> attachments_;
+  ElementTerm<energy::AnchorTerm>* anchor_term_ = nullptr;  ///< one of terms_
+  struct AnchorElement {
+    Index element;  ///< of the term
+    std::size_t obstacle;
+  };
+  std::map<std::pair<int, Index>, AnchorElement> anchored_;  ///< by attachment and owned vertex
+  std::vector<Anchor> anchors_;
+  std::optional<double> anchored_time_;  ///< for which their places are known [s]
   double force_scale_ = 0.0;
+  bool held_still_ = false;
 };
 
 }  // namespace voile::system

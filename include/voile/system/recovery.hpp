@@ -7,6 +7,7 @@
 
 #include <vector>
 
+#include "voile/base/mpi.hpp"
 #include "voile/energy/bending.hpp"
 #include "voile/energy/membrane.hpp"
 #include "voile/energy/sheet.hpp"

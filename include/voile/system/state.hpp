@@ -8,6 +8,7 @@
 #pragma once
 
 #include "voile/base/petsc.hpp"
+#include "voile/system/attachments.hpp"
 #include "voile/system/contact.hpp"
 
 namespace voile::system {
@@ -38,6 +39,7 @@ struct State {
   ContactMemory contact = {};
   Remeshings remeshings = {};
   SolverMemory solver = {};
+  std::vector<Anchor> anchors = {};  ///< alike on all ranks
 };
 
 /// The unloaded state of a model at rest. Collective.

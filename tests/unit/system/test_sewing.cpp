@@ -7,7 +7,7 @@
 #include <random>
 
 #include "test_model_kit.hpp"
-#include "voile/energy/spring.hpp"
+#include "voile/energy/seam.hpp"
 #include "voile/mesh/weld.hpp"
 #include "voile/solve/newton.hpp"
 
@@ -92,14 +92,18 @@ TEST_CASE("springs of a seam only pull, get shorter in time, and their derivativ
   for (const auto& [v, w] : open.seams[0].pairs) open.positions[w] = open.positions[v] + Vec3(0.1, 0, 0);
   const mesh::SurfaceMesh mesh(open);
   system::ModelInput in = input();
-  in.sewing = {{"all"}, 100.0, 0.5, 1.0};
+  in.sewing = {{"all"}, 100.0, 0.5, 1e6, 1.0};
   system::Model model(PETSC_COMM_WORLD, mesh, std::move(in));
   petsc::VecHandle u = model.dofs().create_vector();
   const double stiffness = 100.0 * 5.0 / 5.0;  // over the whole seam of 1 m
   for (const auto& [time, length] : {std::pair{0.0, 0.1}, {1.1, 0.05}, {1.2, 0.0}, {5.0, 0.0}}) {
     model.set_time(time);
-    CHECK(model.energies(u).springs == doctest::Approx(0.5 * stiffness * std::pow(0.1 - length, 2)).epsilon(1e-9));
+    const double tight = time < 1.2 ? 1.0 : time < 2.0 ? 1.0 : 128.0;  // one that has no length gets stiffer
+    CHECK(model.energies(u).springs ==
+          doctest::Approx(0.5 * tight * stiffness * std::pow(0.1 - length, 2)).epsilon(1e-6));
   }
+  model.set_time(1.23);
+  CHECK(model.energies(u).springs == doctest::Approx(0.5 * 2.0 * stiffness * 0.1 * 0.1).epsilon(1e-6));
   model.set_time(1.1);  // nearer than that nothing pushes
   set_displacement(model, u, [&](Index v) {
     const bool twin =
@@ -109,12 +113,36 @@ TEST_CASE("springs of a seam only pull, get shorter in time, and their derivativ
   CHECK(model.energies(u).springs == 0.0);
 }
 
-TEST_CASE("a spring that only pulls: derivatives by differences") {
-  energy::SpringTerm spring;
-  spring.add({0, 1}, 7.0, 0.3, true, true);
+TEST_CASE("a spring of a seam pulls with its stiffness at first, and never with more than its force") {
+  energy::SeamTerm seam;
+  seam.add({0, 1}, 100.0, 2.0, 0.3, true);
+  std::array<Vec3, 2> x{Vec3::Zero(), Vec3::Zero()};
+  energy::Configuration c;
+  c.x = x.data();
+  const auto force = [&](double length) {
+    x[1] = Vec3(0, length, 0);
+    double f = 0.0;
+    seam.gradient(0, c, [&](int a, const Vec3& part) { f += a == 1 ? part[1] : 0.0; });
+    return f;
+  };
+  CHECK(force(0.0) == 0.0);
+  CHECK(force(0.29) == 0.0);
+  CHECK(force(0.3001) == doctest::Approx(0.01).epsilon(1e-4));
+  CHECK(force(0.32) == doctest::Approx(2.0 / std::sqrt(2.0)));
+  CHECK(force(100.0) < 2.0);
+  CHECK(force(100.0) > 1.999);
+  seam.set(0, 0.0, 1e4);
+  CHECK(force(1e-6) == doctest::Approx(0.01).epsilon(1e-4));
+  CHECK(force(1.0) < 2.0);
+}
+
+TEST_CASE("a spring of a seam: derivatives by differences") {
+  energy::SeamTerm spring;
+  spring.add({0, 1}, 7.0, 1.5, 0.3, true);
   std::mt19937 random(3);
   std::uniform_real_distribution<double> uniform(-0.5, 0.5);
-  for (int k = 0; k < 20; ++k) {
+  for (int k = 0; k < 40; ++k) {
+    if (k == 20) spring.set(0, 0.0, 9.0);
     std::array<Vec3, 2> x;
     for (Vec3& p : x) p = Vec3(uniform(random), uniform(random), uniform(random));
     if (std::abs((x[1] - x[0]).norm() - 0.3) < 1e-3) continue;
@@ -142,7 +170,12 @@ TEST_CASE("a spring that only pulls: derivatives by differences") {
       const Vec3 gl = gradient();
       x[1][i] = at;
       CHECK(std::abs((high - low) / (2.0 * e) - g[1][i]) < 1e-7);
-      CHECK(((gh - gl) / (2.0 * e) - h.col(i)).norm() < 1e-6);
+      const double excess = (x[1] - x[0]).norm() - (k < 20 ? 0.3 : 0.0), linear = 1.5 / (k < 20 ? 7.0 : 9.0);
+      const double exact = (gh[i] - gl[i]) / (2.0 * e);
+      if (excess < linear)
+        CHECK(((gh - gl) / (2.0 * e) - h.col(i)).norm() < 1e-6);
+      else
+        CHECK(h(i, i) > exact - 1e-6);  // the secant is stiffer
     }
   }
 }
