@@ -2,7 +2,7 @@
 _voile() {
   local word="${COMP_WORDS[COMP_CWORD]}" previous="${COMP_WORDS[COMP_CWORD - 1]}" command="" options i
   for ((i = 1; i < COMP_CWORD; ++i)); do
-    case "${COMP_WORDS[i]}" in run | check | info | reference | init | render | plot | export | view) command="${COMP_WORDS[i]}" ;; esac
+    case "${COMP_WORDS[i]}" in run | check | info | reference | init | render | plot | export | view | manikin) command="${COMP_WORDS[i]}" ;; esac
   done
   case "$previous" in
     --output) mapfile -t COMPREPLY < <(compgen -d -- "$word") && return ;;
@@ -10,6 +10,8 @@ _voile() {
     --to) mapfile -t COMPREPLY < <(compgen -W "obj stl ply pc2 mdd glb usda msh csv" -- "$word") && return ;;
     --quality) mapfile -t COMPREPLY < <(compgen -W "draft final" -- "$word") && return ;;
     --view) mapfile -t COMPREPLY < <(compgen -W "three-quarter front back left right top bottom" -- "$word") && return ;;
+    --kind) mapfile -t COMPREPLY < <(compgen -W "figure form" -- "$word") && return ;;
+    --motion) mapfile -t COMPREPLY < <(compgen -W "walk turn" -- "$word") && return ;;
     --analysis) mapfile -t COMPREPLY < <(compgen -W "static linear modal buckling dynamic drape" -- "$word") && return ;;
   esac
   case "$command" in
@@ -21,7 +23,8 @@ _voile() {
     view) options="--steps --stage --field --output --rate --no-obstacles --quiet --help" ;;
     plot) options="--x --y --points --labels --x-label --y-label --title --output --size --quiet --help" ;;
     export) options="--to --steps --stage --output --field --rate --no-obstacles --one-mesh --tolerance --quiet --help" ;;
-    *) options="run check info reference init render plot export view --help --version" ;;
+    manikin) options="--kind --height --bust --waist --hip --inseam --arms --size --motion --seconds --fps --speed --cadence --angle --help" ;;
+    *) options="run check info reference init render plot export view manikin --help --version" ;;
   esac
   if [[ "$word" == -* || -z "$command" ]]; then
     mapfile -t COMPREPLY < <(compgen -W "$options" -- "$word")

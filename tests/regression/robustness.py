@@ -1,5 +1,6 @@
 """What goes wrong: signals, folders, options, damage, memory; and what users ask for besides solving."""
 
+import copy
 import json
 import os
 import re
@@ -14,7 +15,7 @@ import numpy as np
 
 from harness import OUT, solve, test
 from results import NAME, Results
-from solver import ROOT, command, environment, invoke, run, variant, write_case
+from solver import ROOT, command, environment, invoke, load_case, run, variant, write_case
 
 
 def strip(analysis="static", nx=20, ny=2, **changes):
@@ -289,6 +290,33 @@ def out_of_range(report):
     report.check(bent.history["largest_turn"][-1] > np.pi / 3, f"an edge turns by {np.degrees(bent.history['largest_turn'][-1]):.0f} degrees")
     small = solve("range_small", strip(), 1)
     report.check("warning" not in small.text, "no warning within the range")
+
+
+@test
+def linear_values(report):
+    """All that a linear analysis tells is linear: reactions balance loads of any size, fields are proportional, stored energy is half the work."""
+    hemisphere = {"mesh.file": str(ROOT / "meshes" / "hemisphere.geo"), "mesh.parameters": {"n": 8}}
+    curved = variant(load_case(ROOT / "runs" / "linear" / "hemisphere_hole.toml"), hemisphere)
+    for name, case in (("flat", strip("linear", nx=10)), ("curved", curved)):
+        case["probe"].append({"name": "energy", "type": "energy"})
+        known = []
+        for k, size in enumerate((1.0, 1e6)):
+            scaled = copy.deepcopy(case)
+            for load in scaled["load"]:
+                load["vector"] = [size * c for c in load["vector"]]
+            result = solve(f"linear_values_{name}_{k}", scaled, 1 + k)
+            step, h = result.results[-1], result.history
+            stored, work = h["energy_membrane"][-1] + h["energy_bending"][-1], -h["energy_external"][-1]
+            report.below(abs(stored / work - 0.5), 1e-7, f"{name} x {size:g}: stored energy over work, less a half")
+            if name == "flat":
+                report.below(abs(step["reaction"][:, 2].sum() / size + 0.4), 1e-7, f"{name} x {size:g}: the reactions balance the load")
+            known.append([step[field] / size for field in ("reaction", "bending_moment", "membrane_force", "membrane_strain")]
+                         + [np.array(result.summary["membrane_error"])])
+        # A strip that only bends has membrane forces and strains of no more than round-off.
+        bent = {"strain": 2e-3, "force": 240.0} if name == "flat" else {}
+        for field, (small, large) in zip(("reaction", "moment", "force", "strain", "error"), zip(*known)):
+            report.below(np.abs(small - large).max(), 1e-6 * bent.get(field, max(np.abs(small).max(), 1.0 if field == "error" else 0.0)),
+                         f"{name}: {field}s are proportional")
 
 
 @test

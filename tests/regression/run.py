@@ -28,6 +28,7 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "runs" / "lib"))
 
+import bodies  # noqa: E402, F401: adds its tests
 import contacting  # noqa: E402, F401: adds its tests
 import garments  # noqa: E402, F401: adds its tests
 import placing  # noqa: E402, F401: adds its tests
@@ -39,6 +40,7 @@ import staging  # noqa: E402, F401: adds its tests
 from benchmarks import BENCHMARKS, compare  # noqa: E402
 from curves import Table, at_load  # noqa: E402
 from harness import OUT, TESTS, Failure, Report, solve, test  # noqa: E402
+from jittered import strip_mesh  # noqa: E402
 from linear import LINEAR, answer  # noqa: E402
 from modes import MODES, computed_modes  # noqa: E402
 from results import Results  # noqa: E402
@@ -230,30 +232,6 @@ def newton_cost(report):
 
 # ------------------------------------------------------------------------------------------------------------- meshes
 
-def strip_mesh(file, nx, ny, jitter, split=None):
-    """A strip of 10 x 1 of nx x ny cells, inner vertices moved at random by up to a share of a cell; `split`: column of vertices
-    that is doubled."""
-    sys.path.insert(0, str(ROOT / "runs" / "contact" / "lib"))
-    from shapes import write_msh
-    rng = np.random.default_rng(1)
-    x, y = (g.astype(float) for g in np.meshgrid(np.arange(nx + 1), np.arange(ny + 1), indexing="ij"))
-    inside = (x > 0) & (x < nx) & (y > 0) & (y < ny)
-    x += inside * rng.uniform(-jitter, jitter, x.shape)
-    y += inside * rng.uniform(-jitter, jitter, y.shape)
-    points = np.column_stack([(10 * x / nx).ravel(), (y / ny).ravel(), 0 * x.ravel()])
-    at = lambda i, j: i * (ny + 1) + j
-    double = lambda i, j: len(points) + j if i == split else at(i, j)  # vertices of the cells to the right
-    cells = []
-    for i in range(nx):
-        for j in range(ny):
-            a, b, c, d = double(i, j), at(i + 1, j), at(i + 1, j + 1), double(i, j + 1)
-            cells += [(a, b, c), (a, c, d)]
-    if split is not None:
-        points = np.vstack([points, points[[at(split, j) for j in range(ny + 1)]]])
-    edge = lambda i: [(at(i, j), at(i, j + 1)) for j in range(ny)]
-    return write_msh(file, points, [("clamp", 1, edge(0)), ("tip", 1, edge(nx)), ("plate", 2, np.array(cells))])
-
-
 def strip_case(file, **changes):
     case = variant(load_case(BENCHMARKS["cantilever_shear"].case), {k.replace("__", "."): v for k, v in changes.items()})
     return without_stops(case) | {"mesh": {"file": str(file)}}
@@ -306,6 +284,26 @@ def estimated_errors(report):
             estimate = 0.01 * int(said[0])
     error = 1 - deflection[16] / deflection[64]
     report.check(0.5 < estimate / error < 2, f"it is {100 * error:.0f} % too small, estimated {100 * estimate:.0f} %")
+
+
+@test
+def corrected_membrane(report):
+    """Where straight chords lock, the corrected membrane does not, or less; where they do no harm it agrees with the six-node one."""
+    reference = BENCHMARKS["cantilever_shear"].reference["minus_u_tip_elastica"][-1]
+    beam, answers = LINEAR["twisted_beam_thin_y"], {}
+    for membrane in ("six_node", "six_node_corrected"):
+        case = variant(load_case(beam.case), {"mesh.parameters": {"nx": 24, "ny": 2, "pattern": 0}, "element": {"membrane": membrane}})
+        answers[membrane] = [answer(beam, solve(f"corrected_beam_{membrane}", case, 2)) / beam.reference - 1]
+        for nx, ny, jitter in ((20, 16, 0.25), (20, 2, 0.0)):
+            case = base("cantilever_shear", element={"membrane": membrane})
+            case["mesh"] = {"file": str(strip_mesh(OUT / f"corrected_{ny}.msh", nx, ny, jitter))}
+            result = solve(f"corrected_{ny}_{membrane}", case, 1)
+            answers[membrane].append(-result.history["tip_x"][-1] / reference - 1)
+            report.check((result.summary["membrane_error"] is None) == (membrane == "six_node_corrected"), "what is not estimated is not 0")
+    plain, corrected = answers["six_node"], answers["six_node_corrected"]
+    for name, before, after, limit in zip(("thin twisted beam, 24 x 2", "strip of uneven cells of aspect 8", "strip of even cells"), plain, corrected, (0.012, 0.085, 0.002)):
+        report.below(abs(after), limit, f"{name}: error; of six_node {100 * before:.2f} %")
+    report.check(abs(plain[0]) > 0.4 and abs(plain[1]) > 0.1, "the six-node membrane locks there")
 
 
 @test
