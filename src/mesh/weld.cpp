@@ -62,6 +62,10 @@ void renumber(Seam& seam, const std::vector<Index>& number) {
 
 }  // namespace
 
+std::string seam_group(const std::string& seam) {
+  return "seam " + seam;
+}
+
 std::vector<std::string> open_seams(const MeshData& mesh, const std::vector<std::string>& names) {
   std::vector<std::string> found;
   for (const Seam& seam : mesh.seams)

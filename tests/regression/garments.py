@@ -76,6 +76,43 @@ def garment_tube(report):
 
 
 @test
+def garment_measures(report):
+    """A tube stretched by 2.7 % over a limb: ease, hoop tension in its seam before and after the weld, pressure T/R, its weight, on 1 and 2 ranks."""
+    limb, tight = 0.095, 0.0935
+    file = svg("garment_tight.svg", rectangle("tube", 2 * np.pi * tight, HEIGHT))
+    case = tube(panel=[{"file": file, "size": 0.007, "wrap_axis": [0, 0, 1], "translate": [-np.pi * tight, -1.05 * RADIUS, 0]}],
+                obstacle=[{"name": "limb", "type": "capsule", "point": [0, 0, -0.5], "end": [0, 0, 0.5 + HEIGHT], "radius": limb}],
+                contact={"distance": 1e-3, "stiffness": 1e5},
+                probe=[{"name": "around", "type": "ease"}, {"name": "hem", "type": "height", "group": "tube/0", "ground": -0.2}])
+    case["stage"][0]["time"]["end"] = 0.5
+    cells = round(2 * np.pi * tight / 0.007)
+    for ranks in (1, 2):
+        result = solve(f"garment_measures_{ranks}", case, ranks)
+        for stage in ("sew", "rest"):
+            measured = json.loads((result.folder / stage / "summary.json").read_text())["garment"]
+            moment, history = Results(result.folder / stage)[-1], part(result, stage).history
+            x, what = moment.positions, f"{ranks} rank(s), {stage}"
+            distance = np.linalg.norm(x[:, :2], axis=1) - limb
+            report.below(np.abs(moment["ease"] - distance).max(), 1e-9, f"{what}: ease is the distance to the limb [m]")
+            report.near(history["around_min"][-1], distance.min(), 1e-9, f"{what}: the least of them")
+            report.near(measured["mean_ease"], history["around_mean"][-1], 1e-12, f"{what}: mean ease [m]")
+            hem = x[moment.mesh.group("tube/0"), 2]
+            report.near(history["hem_max"][-1], hem.max() + 0.2, 1e-9, f"{what}: hem above the ground [m]")
+            panel = measured["panels"][0]
+            report.percent(panel["mass"] / (2 * np.pi * tight * HEIGHT * 0.3), 1e-9, f"{what}: mass")
+            # Green-Lagrange strain (s^2 - 1)/2, a hoop force s E h (s^2 - 1)/2 per rest width; pressure per rest area.
+            # The cells are chords of the circle that vertices lie on: that circle is larger than the tube by a sixth of the angle squared.
+            s = (limb + history["around_mean"][-1]) * np.sinc(1 / cells) / tight
+            hoop = s * 1e3 * (s**2 - 1) / 2
+            (seam,) = measured["seams"]
+            report.percent(seam["mean_tension"] / hoop, 0.03, f"{what}: tension of the seam, {hoop:.2f} N/m")
+            if stage == "rest":
+                inner = np.abs(x[:, 2] - x[:, 2].mean()) < 0.3 * HEIGHT
+                report.percent(moment["contact_pressure"][inner].mean() / (hoop / tight), 0.02, f"{what}: pressure, {hoop / tight:.1f} Pa")
+                report.check(measured["largest_contact_pressure"] == moment["contact_pressure"].max(), f"{what}: and the largest")
+
+
+@test
 def garment_restart(report):
     """A run goes on from a checkpoint amid sewing, from the stage after the weld, and from within that stage."""
     case = tube()

@@ -18,6 +18,9 @@ struct Welded {
   std::vector<Index> target;
 };
 
+/// Name of the curve group with the edges of both sides of a seam, which stays when it is welded.
+[[nodiscard]] std::string seam_group(const std::string& seam);
+
 /// Those of the named seams that are open; "all" means every one.
 [[nodiscard]] std::vector<std::string> open_seams(const MeshData& mesh, const std::vector<std::string>& names);
 
