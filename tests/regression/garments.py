@@ -295,12 +295,18 @@ def garment_dart(report):
 
 @test
 def garment_tshirt(report):
-    """The T-shirt of runs/garments with coarse cells: sleeves, armholes, shoulders and sides close, and it hangs on the body."""
+    """The T-shirt of runs/garments with coarse cells: sleeves, armholes, shoulders, sides and neck close, it hangs on the figure and turns with it."""
     file = ROOT / "runs" / "garments" / "tshirt" / "case.toml"
     case = tomllib.loads(file.read_text())
     for panel in case["panel"]:
         panel |= {"file": str(file.parent / panel["file"]), "size": 0.04}
+    OUT.mkdir(parents=True, exist_ok=True)
+    figure = OUT / "garment_figure.obj"
+    code, text = invoke(["manikin", figure, "--arms", 53, "--motion", "turn", "--seconds", 2, "--angle", 90])
+    report.check(code == 0, f"manikin: code {code}: {text[-200:]}")
+    case["obstacle"][0] |= {"file": str(figure), "frames": str(figure.with_suffix(".pc2"))}
     case["material"] = [CLOTH]
+    case["stage"][2]["time"]["end"] = 1.5
     result = solve("garment_tshirt", case, 2)
     h = part(result, "sew").history
     report.check(h["seam_gap"][0] > 0.3, f"seams start {h['seam_gap'][0]:.2f} m apart")
@@ -314,6 +320,8 @@ def garment_tshirt(report):
     for a, b in border:
         loops[find(int(a))] = find(int(b))
     report.near(len({find(v) for v in loops}), 4, 0, "borders left: neck, hem, two sleeves")
-    for stage in ("sew", "settle"):
+    for stage in ("sew", "settle", "turn"):
         report.check(part(result, stage).history["intersections"].max() == 0, f"{stage}: no intersection")
-    report.check(end.positions[:, 2].max() > 1.28, f"it hangs on the shoulders, up to {end.positions[:, 2].max():.3f} m")
+    turned = Results(result.folder / "turn")[-1].positions - end.positions
+    report.check(turned[:, 1].max() > 0.03 and turned[:, 1].min() < -0.03, f"one side goes forward, the other back: {turned[:, 1].min():.3f}, {turned[:, 1].max():.3f} m")
+    report.check(end.positions[:, 2].max() > 1.4, f"it hangs on the shoulders, up to {end.positions[:, 2].max():.3f} m")
