@@ -147,8 +147,10 @@ pattern::Garment garment_of(const input::Case& c) {
   std::set<std::string> known;
   for (const Cut& cut : cuts)
     if (cut.section->stitches) add_stitches(cuts, cut, known, requests, notes);
-  for (const input::SeamSection& s : c.seams) {
-    pattern::SeamRequest r{s.name, fmt::format("{}: [[seam]] {}", c.file.string(), s.name), s.edges, s.to, s.meet};
+  for (std::size_t k = 0; k < c.seams.size(); ++k) {
+    const input::SeamSection& s = c.seams[k];
+    const std::string which = s.name.empty() ? fmt::format("number {}", k) : s.name;
+    pattern::SeamRequest r{s.name, fmt::format("{}: [[seam]] {}", c.file.string(), which), s.edges, s.to, s.meet};
     requests.push_back(std::move(r));
   }
   pattern::Garment garment = pattern::make_garment(std::move(panels), requests);

@@ -137,7 +137,7 @@ SeamGap widest_gap(const MeshData& mesh, const std::vector<std::string>& seams, 
     if (!contains(seams, seam.name)) continue;
     for (const auto& [v, w] : seam.pairs) {
       const double gap = (places[v] - places[w]).norm();
-      if (gap > widest.gap) widest = {seam.name, gap, 0.5 * (places[v] + places[w])};
+      if (gap > widest.gap) widest = {seam.name, gap, {v, w}, 0.5 * (places[v] + places[w])};
     }
   }
   return widest;

@@ -3,6 +3,7 @@
 import copy
 import json
 import shutil
+import struct
 import tomllib
 
 import numpy as np
@@ -224,6 +225,71 @@ def garment_refused(report):
     shutil.rmtree(folder, ignore_errors=True)
     result = run(write_case(late, OUT / "garment_late.toml"), folder, 2)
     report.check(result.code == 3 and "'side' is still open" in result.text, f"a seam without time: code {result.code}")
+
+
+def code_file(name, panels, stitches=()):
+    """GarmentCode, centimetres."""
+    return text_file(name, json.dumps({"pattern": {"panels": panels, "stitches": list(stitches)}, "properties": {"curvature_coords": "relative", "units_in_meter": 100}}))
+
+
+def panel_of(vertices=((0, 0), (20, 0), (20, 20), (0, 20)), edges=4, at=(0, 0, 0), turned=(0, 0, 0)):
+    return {"vertices": [list(v) for v in vertices], "translation": list(at), "rotation": list(turned), "edges": [{"endpoints": [k, (k + 1) % len(vertices)]} for k in range(edges)]}
+
+
+def box_file(name, flip=False, whole=True):
+    """A limb of twelve triangles, or of ten with two holes."""
+    points = [(x, y, z) for z in (-0.3, 0.3) for x, y in ((-0.05, -0.05), (0.05, -0.05), (0.05, 0.05), (-0.05, 0.05))]
+    faces = [(1, 3, 2), (5, 6, 7), (1, 4, 3), (5, 7, 8), (1, 2, 6), (1, 6, 5), (2, 3, 7), (2, 7, 6), (3, 4, 8), (3, 8, 7), (4, 1, 5), (4, 5, 8)][0 if whole else 2:]
+    lines = ["v {} {} {}".format(*p) for p in points] + ["f {} {} {}".format(*(f[::-1] if flip else f)) for f in faces]
+    return {"name": "body", "type": "mesh", "file": text_file(name, "\n".join(lines) + "\n")}, np.array(points)
+
+
+def frames_file(name, frames):
+    (OUT / name).write_bytes(b"POINTCACHE2\0" + struct.pack("<iiffi", 1, len(frames[0]), 0.0, 1.0, len(frames)) + np.array(frames, "<f4").tobytes())
+    return {"frames": str(OUT / name), "frames_per_second": 25}
+
+
+@test
+def garment_hostile(report):
+    """Patterns and bodies that go wrong in use: each ends with a message that tells what, where and what to do, or does no harm."""
+    def says(what, code, case, *words):
+        got, text = invoke(["check", write_case(case, OUT / "garment_hostile.toml")])
+        text = " ".join(text.split())
+        report.check(got == code and all(w in text for w in words), f"{what}: code {got}{'' if all(w in text for w in words) else ': ' + text[:300]}")
+
+    def pattern(panels, stitches=()):
+        return tube(panel=[{"file": code_file("garment_hostile.json", panels, stitches), "size": 0.05}], seam=[], spring=[])
+
+    says("a panel turned by two angles", 0, pattern({"a": panel_of(turned=(90, 45, 0))}), "'a' is turned about more than one axis", 'euler = "xyz"')
+    says("an open loop", 2, pattern({"a": panel_of(edges=3)}), "'a'", "the outline is open", "vertex 3")
+    says("a figure of eight", 2, pattern({"a": panel_of(((0, 0), (20, 20), (20, 0), (0, 20)))}), "edges 0 and 2", "near (0.1, 0.1) m")
+    says("an outline that touches itself", 2, pattern({"a": panel_of(((0, 0), (10, 10), (20, 0), (20, 20), (10, 10), (0, 20)), 6)}), "near (0.1, 0.1) m")
+    says("metres for centimetres", 2, pattern({"a": panel_of(((0, 0), (0.2, 0), (0.2, 0.2), (0, 0.2)))}), "0.002 m x 0.002 m", "unit")
+    chain = {"a": panel_of(), "b": panel_of(at=(30, 0, 0)), "c": panel_of(at=(15, 0, -30), turned=(0, 180, 0))}
+    ring = [[{"panel": p, "edge": 1}, {"panel": q, "edge": 3}] for p, q in (("a", "b"), ("b", "c"), ("c", "a"))]
+    says("a ring of three", 0, pattern(chain, ring), "'c/1-a/3'")
+    says("a ring with a twist", 2, pattern(chain, ring[:2] + [ring[2] + ["right_wrong"]]), "stitch 2", "with a twist")
+    says("an edge in two seams", 2, pattern(chain, ring[:1] + [ring[0][::-1]]), "stitch 1", "is in a seam already", "divide it")
+    dart = svg("garment_tipless.svg", '<path id="piece" d="M 0 0 L 400 0 L 400 300 L 230 300 L 210 180 L 190 180 L 170 300 L 0 300 Z"/>')
+    says("a dart without a tip", 2, tube(panel=[{"file": dart, "size": 0.025}], seam=[{"edges": ["piece/3"], "to": ["piece/5"]}], spring=[]), "[[seam]] number 0", "no common tip")
+    body, points = box_file("garment_box.obj")
+    short = tube(spring=[], obstacle=[body])
+    short["stage"][1] = {"name": "rest", "analysis": "dynamic", "time": {"end": 0.35, "step": 0.01}}
+    for what, other in (("a body with holes", box_file("garment_open.obj", whole=False)), ("an inverted body", box_file("garment_inverted.obj", flip=True))):
+        says(what, 0, short | {"obstacle": [other[0]]}, "no errors found")
+    says("a body in millimetres", 0, short | {"obstacle": [body | {"scale": 1000.0}]}, "'body' measures 600 m", "0.001 for millimetres")
+    leap = [points, points, points + [0.5, 0, 0], points + [0.5, 0, 0]]
+    says("a frame that leaps", 0, short | {"obstacle": [body | frames_file("garment_leap.pc2", leap)]}, "from frame 2 of", "goes 0.5 m")
+    walk = [points + [0.01 * k, 0, 0] for k in range(5)]
+    got, text = invoke(["check", write_case(short | {"obstacle": [body | frames_file("garment_walk.pc2", walk)]}, OUT / "garment_hostile.toml")])
+    report.check(got == 0 and "leap" not in text, f"steady frames: code {got}")
+    says("frames of another mesh", 2, short | {"obstacle": [body | frames_file("garment_other.pc2", [points[:6]] * 2)]}, "6 vertices", "has 8")
+    says("a clamp that lies inside once the seam is welded", 2, tube(spring=[], support=[{"group": "tube/1", "type": "clamped"}]), "stage 'rest'", "'tube/1'")
+    folder = OUT / "garment_pinned"
+    shutil.rmtree(folder, ignore_errors=True)
+    pinned = short | {"obstacle": [], "support": [{"group": g, "type": "hinged"} for g in ("tube/1", "tube/3")]}
+    result = run(write_case(pinned, OUT / "garment_pinned.toml"), folder, 2)
+    report.check(result.code == 3 and "hold both of its sides there, by the groups 'tube/1' and 'tube/3'" in result.text, f"both sides pinned apart: code {result.code}")
 
 
 @test

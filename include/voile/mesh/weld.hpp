@@ -4,6 +4,7 @@
 //           displacements and velocities alike, so that mass, its centre and momentum stay
 #pragma once
 
+#include <array>
 #include <string>
 #include <vector>
 
@@ -37,6 +38,7 @@ struct Welded {
 struct SeamGap {
   std::string seam;
   double gap = 0.0;  ///< [m]; 0 if no seam is open
+  std::array<Index, 2> pair{no_index, no_index};
   Vec3 place = Vec3::Zero();
 };
 [[nodiscard]] SeamGap widest_gap(const MeshData& mesh, const std::vector<std::string>& seams,
