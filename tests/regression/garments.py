@@ -279,6 +279,9 @@ def garment_hostile(report):
         says(what, 0, short | {"obstacle": [other[0]]}, "no errors found")
     says("a body in millimetres", 0, short | {"obstacle": [body | {"scale": 1000.0}]}, "'body' measures 600 m", "0.001 for millimetres")
     leap = [points, points, points + [0.5, 0, 0], points + [0.5, 0, 0]]
+    says("ease without a body", 2, short | {"obstacle": [], "probe": [{"name": "waist", "type": "ease"}]}, "[[probe]] 'waist'", "there is no body")
+    says("height of no edge", 2, short | {"probe": [{"name": "hem", "type": "height", "group": "tube/9"}]}, "tube/9")
+    says("a height along two axes", 2, short | {"probe": [{"name": "hem", "type": "height", "group": "tube/0", "components": ["x", "z"]}]}, "probe.components", "points up")
     says("a frame that leaps", 0, short | {"obstacle": [body | frames_file("garment_leap.pc2", leap)]}, "from frame 2 of", "goes 0.5 m")
     walk = [points + [0.01 * k, 0, 0] for k in range(5)]
     got, text = invoke(["check", write_case(short | {"obstacle": [body | frames_file("garment_walk.pc2", walk)]}, OUT / "garment_hostile.toml")])
