@@ -7,6 +7,7 @@
 #include "free_motions.hpp"
 #include "garment.hpp"
 #include "mesh_report.hpp"
+#include "probes.hpp"
 #include "remesher.hpp"
 #include "restart.hpp"
 #include "sewing.hpp"
@@ -104,8 +105,7 @@ void check(const input::Case& whole) {
   }
   if (model.contact()) examine_start(c, *model.contact(), start);
   mpi::on_root(PETSC_COMM_WORLD, [&] {
-    for (const input::Probe& p : c.probes)
-      if (!p.group.empty()) (void)mesh.group(p.group);
+    (void)Probes(c, model);
     report(mesh, quality, c.element);
     if (const std::string text = locking_warning(model.discretisation().sheet(), at_rest); !text.empty())
       fmt::print("warning: {}\n", text);

@@ -7,12 +7,14 @@
 #include <optional>
 #include <set>
 
+#include "garment_measures.hpp"
 #include "mesh_transfer.hpp"
 #include "voile/app/run.hpp"
 #include "voile/base/error.hpp"
 #include "voile/base/mpi.hpp"
 #include "voile/base/petsc.hpp"
 #include "voile/base/text.hpp"
+#include "voile/mesh/weld.hpp"
 #include "voile/pattern/garment.hpp"
 
 namespace voile::app {
@@ -120,7 +122,12 @@ void keep_sewn(const input::Case& c, mesh::MeshData& mesh) {
     }
   if (std::find(sewn.begin(), sewn.end(), "all") != sewn.end()) return;
   const auto is_sewn = [&](const mesh::Seam& s) { return std::find(sewn.begin(), sewn.end(), s.name) != sewn.end(); };
-  const auto left = std::erase_if(mesh.seams, [&](const mesh::Seam& s) { return !is_sewn(s); });
+  const auto is_left = [&](const mesh::Seam& s) { return !is_sewn(s); };
+  std::erase_if(mesh.groups, [&](const mesh::Group& g) {
+    return std::any_of(mesh.seams.begin(), mesh.seams.end(),
+                       [&](const mesh::Seam& s) { return is_left(s) && g.name == mesh::seam_group(s.name); });
+  });
+  const auto left = std::erase_if(mesh.seams, is_left);
   if (left > 0)
     mesh.notes.push_back(
         fmt::format("{} of {} seams stay open: no [[stage]] has them in its key sew", left, known.size()));
@@ -140,8 +147,10 @@ pattern::Garment garment_of(const input::Case& c) {
   std::set<std::string> known;
   for (const Cut& cut : cuts)
     if (cut.section->stitches) add_stitches(cuts, cut, known, requests, notes);
-  for (const input::SeamSection& s : c.seams) {
-    pattern::SeamRequest r{s.name, fmt::format("{}: [[seam]] {}", c.file.string(), s.name), s.edges, s.to, s.meet};
+  for (std::size_t k = 0; k < c.seams.size(); ++k) {
+    const input::SeamSection& s = c.seams[k];
+    const std::string which = s.name.empty() ? fmt::format("number {}", k) : s.name;
+    pattern::SeamRequest r{s.name, fmt::format("{}: [[seam]] {}", c.file.string(), which), s.edges, s.to, s.meet};
     requests.push_back(std::move(r));
   }
   pattern::Garment garment = pattern::make_garment(std::move(panels), requests);
@@ -164,7 +173,14 @@ mesh::SurfaceMesh case_mesh(const input::Case& c) {
 
 std::string garment_report(const input::Case& c) {
   std::string text;
-  if (!c.panels.empty()) mpi::on_root(PETSC_COMM_WORLD, [&] { text = pattern::garment_text(garment_of(c)); });
+  if (c.panels.empty()) return text;
+  mpi::on_root(PETSC_COMM_WORLD, [&] {
+    const pattern::Garment garment = garment_of(c);
+    std::vector<double> densities;
+    for (const GarmentMeasures::Panel& p : measure_panels(mesh::SurfaceMesh(garment.mesh), c.materials))
+      densities.push_back(p.mass / p.area);
+    text = pattern::garment_text(garment, densities);
+  });
   return text;
 }
 

@@ -19,6 +19,9 @@ namespace {
 constexpr double same_place = 1e-5;
 /// A seam over which a vertex goes so many times further than within any other frame is a jump to the eye.
 constexpr double jump = 2.0;
+/// So many times further than between any other frames is a leap, where there are more than a few frames.
+constexpr double leap = 5.0;
+constexpr Index least_frames = 3;
 
 struct Difference {
   double distance = 0.0;  ///< largest [m]
@@ -92,7 +95,14 @@ class PlacedFrames {
       all.push_back(name + fmt::format("the last frame of {} is at {:.6g} s, from then to the end of the run at {:.6g} "
                                        "s the body holds still; frames_loop = true repeats the frames",
                                        file, end, run_end));
-    const double step = scale_ * cache_.largest_step();
+    const io::PointCache::Step& most = cache_.largest_step();
+    if (cache_.frame_count() > least_frames && most.way > leap * most.elsewhere && most.way > 0.0)
+      all.push_back(name + fmt::format("from frame {} of {} to the next vertex {} (both counted from 1) goes {:.4g} m, "
+                                       "between other frames no vertex goes further than {:.4g} m; if the body should "
+                                       "not leap there, export it again or add frames",
+                                       most.frame + 1, file, most.vertex + 1, scale_ * most.way,
+                                       scale_ * most.elsewhere));
+    const double step = scale_ * most.way;
     if (loop_ && gap_ > 0.0 && seam_.distance > jump * step && run_end > end)
       all.push_back(name + fmt::format("the frames of {} do not end where they begin: within {:.4g} s vertex {} "
                                        "(counted from 1) goes back {:.4g} m, within other frames no vertex goes "

@@ -104,6 +104,24 @@ void check_size(const contact::Obstacle& o) {
         "[[obstacle]] '{}': {:g} m is no number to compute with; check its point, end and radius", o.name, size));
 }
 
+/// A body that nobody could wear the garment on.
+void note_size(const input::Case& c, const contact::Obstacle& o, std::vector<std::string>& notes) {
+  constexpr double smallest = 0.05, greatest = 50.0;
+  if (c.panels.empty() || o.triangles.empty()) return;
+  Vec3 low = o.points.front(), high = low;
+  for (const Vec3& x : o.points) {
+    low = low.cwiseMin(x);
+    high = high.cwiseMax(x);
+  }
+  const double size = (high - low).maxCoeff();
+  if (size < smallest || size > greatest)
+    notes.push_back(
+        fmt::format("[[obstacle]] '{}' measures {:.4g} m, which is no size of a body: if its file is in other units, "
+                    "give it the key "
+                    "scale: 0.001 for millimetres, 0.01 for centimetres",
+                    o.name, size));
+}
+
 }  // namespace
 
 system::ContactInput contact_input(MPI_Comm comm, const input::Case& c, KnownObstacles& known) {
@@ -118,6 +136,7 @@ system::ContactInput contact_input(MPI_Comm comm, const input::Case& c, KnownObs
     if (section.type == input::ObstacleSection::Type::cylinder) tessellate(section, input.options.distance, o);
     if (!section.frames.empty()) read_frames(comm, section, c.time.options.end_time, o, input.notes);
     check_size(o);
+    note_size(c, o, input.notes);
     known.emplace(o.name, o);
     input.obstacles.push_back(std::move(o));
   }

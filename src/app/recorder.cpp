@@ -6,25 +6,18 @@
 #include <cmath>
 #include <utility>
 
+#include "contact_fields.hpp"
 #include "linear_values.hpp"
 #include "sewing.hpp"
 #include "stresses.hpp"
 #include "voile/base/error.hpp"
 #include "voile/base/mpi.hpp"
 #include "voile/base/text.hpp"
+#include "voile/system/ease.hpp"
 
 namespace voile::app {
 
 namespace {
-
-constexpr std::array<const char*, 3> axis{"x", "y", "z"};
-
-Index nearest_vertex(const mesh::SurfaceMesh& mesh, const Vec3& point) {
-  Index best = 0;
-  for (Index v = 1; v < mesh.vertex_count(); ++v)
-    if ((mesh.positions()[v] - point).squaredNorm() < (mesh.positions()[best] - point).squaredNorm()) best = v;
-  return best;
-}
 
 std::string duration(double seconds) {
   const auto s = static_cast<long>(std::max(0.0, seconds));
@@ -41,9 +34,9 @@ Recorder::Recorder(const input::Case& c, const RunOptions& options, system::Mode
       model_(&model),
       mesh_(&model.dofs().mesh()),
       root_(mpi::rank(model.dofs().comm()) == 0),
+      probes_(std::in_place, c, model),
       linear_(c.analysis == "linear"),
       warnings_(linear_) {
-  resolve_probes();
   mpi::on_root(model.dofs().comm(), [&] {
     if (model.contact()) obstacles_.emplace(model.contact()->input(), model.dofs().mesh());
     results_.emplace(options.output, obstacles_ ? obstacles_->at_rest() : io::ObstacleTriangles{});
@@ -72,37 +65,8 @@ void Recorder::use(system::Model& model, const system::Dynamics* dynamics) {
   warnings_.begin_epoch();
   if (mesh_ == &model.dofs().mesh()) return;
   mesh_ = &model.dofs().mesh();
-  resolve_probes();
+  probes_.emplace(case_, model);
   mpi::on_root(model.dofs().comm(), [&] { begin_epoch(); });
-}
-
-petsc::VecHandle Recorder::functional(const std::string& name) const {
-  petsc::VecHandle c = model_->dofs().create_vector();
-  for (std::size_t p = 0; p < probes_.size(); ++p) {
-    if (case_.probes[p].name != name) continue;
-    std::vector<double> values(static_cast<std::size_t>(model_->dofs().unknowns()), 0.0);
-    for (Index v : probes_[p].vertices)
-      values[3 * static_cast<std::size_t>(v) + probes_[p].components.front()] +=
-          1.0 / static_cast<double>(probes_[p].vertices.size());
-    model_->dofs().scatter(values, c);
-  }
-  return c;
-}
-
-void Recorder::resolve_probes() {
-  probes_.clear();
-  for (const input::Probe& probe : case_.probes) {
-    ProbeVertices v;
-    v.components = probe.components;
-    if (v.components.empty()) v.components = {0, 1, 2};
-    const std::string named = "probe " + probe.name;  // where the vertex has to outlive its mesh
-    if (probe.point && mesh_->has_group(named))
-      v.vertices = mesh_->group(named).vertices;
-    else if (probe.kind != input::Probe::Kind::energy)
-      v.vertices = probe.point ? std::vector<Index>{nearest_vertex(model_->dofs().mesh(), *probe.point)}
-                               : model_->dofs().mesh().group(probe.group).vertices;
-    probes_.push_back(std::move(v));
-  }
 }
 
 std::vector<std::string> Recorder::columns() const {
@@ -121,18 +85,13 @@ std::vector<std::string> Recorder::columns() const {
     for (const char* name : {"contact_pairs", "smallest_gap", "cut_short", "shortest_iteration", "intersections"})
       names.emplace_back(name);
   if (model_->contact() && system::has_yielding_obstacles(model_->contact()->input())) names.emplace_back("gives_way");
-  for (std::size_t p = 0; p < probes_.size(); ++p) {
-    if (case_.probes[p].kind == input::Probe::Kind::energy)
-      for (const char* part : {"membrane", "bending", "external"})
-        names.push_back(fmt::format("{}_{}", case_.probes[p].name, part));
-    else
-      for (int k : probes_[p].components) names.push_back(fmt::format("{}_{}", case_.probes[p].name, axis[k]));
-  }
+  for (std::string& name : probes_->columns()) names.push_back(std::move(name));
   return names;
 }
 
 bool Recorder::wants(const std::string& field) const {
   const auto& f = case_.output.fields;
+  if (f.empty() && field == "ease") return !case_.panels.empty();  // of garments, unless it is asked for
   return f.empty() || std::find(f.begin(), f.end(), field) != f.end();
 }
 
@@ -141,13 +100,12 @@ Recorder::Snapshot Recorder::snapshot(Vec a) {
   petsc::VecHandle force = model_->dofs().create_vector();
   linear_ ? LinearValues(*model_, a).unbalanced_force(force) : model_->unbalanced_force(a, force);
   model_->dofs().clear_free(force);  // away from supports the force is only the residual that is left
-  s.displacement = model_->dofs().gather(a);
-  s.reaction = model_->dofs().gather(force);
-  if (root_) s.validity = assess(model_->dofs().mesh(), s.displacement);
+  s.state.displacement = model_->dofs().gather(a);
+  s.state.reaction = model_->dofs().gather(force);
+  if (root_) s.validity = assess(model_->dofs().mesh(), s.state.displacement);
   if (root_) warnings_.say_range(model_->dofs().mesh(), s.validity);
-  const bool energy_wanted = std::any_of(case_.probes.begin(), case_.probes.end(),
-                                         [](const input::Probe& p) { return p.kind == input::Probe::Kind::energy; });
-  if (energy_wanted) s.energies = linear_ ? LinearValues(*model_, a).energies() : model_->energies(a);
+  if (probes_->need_energies()) s.state.energies = linear_ ? LinearValues(*model_, a).energies() : model_->energies(a);
+  if (probes_->need_ease()) s.state.ease = system::ease(*model_->contact(), a);
   if (system::Contact* contact = model_->contact()) {
     s.contact = contact->report(a);
     if (case_.contact.check) s.intersections = count_intersections(a);
@@ -177,31 +135,6 @@ std::string Recorder::contact_note(const Snapshot& s, const solve::StepResult& r
   if (s.contact.pairs == 0) return given;
   return given + fmt::format("  {} contacts, gap {:.3g} m{}", s.contact.pairs, s.contact.gap,
                              r.cut_short > 0 ? fmt::format(", {} cut short (to {:.2g})", r.cut_short, r.shortest) : "");
-}
-
-void Recorder::add_contact_fields(io::StepFields& step, Vec a) const {
-  system::Contact* contact = model_->contact();
-  if (!contact) return;
-  const auto forces = [&](contact::ContactSet::Part part) {
-    petsc::VecHandle f = model_->dofs().create_vector();
-    contact->add_gradient(a, f, part);
-    VOILE_PETSC(VecScale(f, -1.0));
-    return model_->dofs().gather(f);
-  };
-  std::vector<double> normal = forces(contact::ContactSet::normal), pressure(normal.size() / 3);
-  for (std::size_t v = 0; v < pressure.size(); ++v)
-    pressure[v] = std::hypot(normal[3 * v], normal[3 * v + 1], normal[3 * v + 2]) / contact->set().surface().area[v];
-  if (wants("contact_pressure"))
-    step.fields.push_back({"contact_pressure", "Pa", io::Centre::vertex, 1, std::move(pressure)});
-  if (system::has_yielding_obstacles(contact->input()) && wants("gives_way")) {
-    std::vector<double> given(normal.size() / 3);
-    const std::vector<double>& yielding = contact->memory().yielding;
-    for (std::size_t v = 0; v < yielding.size(); ++v) given[v] = yielding[v] != 0.0 ? 1.0 : 0.0;
-    step.fields.push_back({"gives_way", "1", io::Centre::vertex, 1, std::move(given)});
-  }
-  if (wants("contact_force")) step.fields.push_back({"contact_force", "N", io::Centre::vertex, 3, std::move(normal)});
-  if (wants("friction_force"))
-    step.fields.push_back({"friction_force", "N", io::Centre::vertex, 3, forces(contact::ContactSet::friction)});
 }
 
 void Recorder::record(const system::State& state, const solve::StepResult& r, bool whole) {
@@ -287,7 +220,7 @@ std::vector<double> Recorder::common_values(const system::State& state, const so
 void Recorder::write_history(const system::State& state, const solve::StepResult& r, const Snapshot& s) {
   std::vector<double> values = common_values(state, r, s);
   values.insert(values.end(), {s.validity.strain, s.validity.turn});
-  if (!case_.stage.sew.empty()) values.push_back(seam_gap(case_, *mesh_, s.displacement));
+  if (!case_.stage.sew.empty()) values.push_back(seam_gap(case_, *mesh_, s.state.displacement));
   if (case_.remesh.active)
     values.insert(values.end(),
                   {static_cast<double>(mesh_->vertex_count()), static_cast<double>(state.remeshings.count)});
@@ -297,33 +230,21 @@ void Recorder::write_history(const system::State& state, const solve::StepResult
   if (model_->contact() && system::has_yielding_obstacles(model_->contact()->input()))
     values.push_back(static_cast<double>(system::yielding_count(model_->contact()->memory())));
   mpi::on_root(model_->dofs().comm(), [&] {
-    for (std::size_t p = 0; p < probes_.size(); ++p) {
-      const input::Probe::Kind kind = case_.probes[p].kind;
-      if (kind == input::Probe::Kind::energy) {
-        values.insert(values.end(), {s.energies.membrane, s.energies.bending, s.energies.external});
-        continue;
-      }
-      const std::vector<double>& field = kind == input::Probe::Kind::displacement ? s.displacement : s.reaction;
-      for (int k : probes_[p].components) {
-        double sum = 0.0;
-        for (Index v : probes_[p].vertices) sum += field[3 * static_cast<std::size_t>(v) + k];
-        values.push_back(
-            kind == input::Probe::Kind::displacement ? sum / static_cast<double>(probes_[p].vertices.size()) : sum);
-      }
-    }
+    for (const double value : probes_->values(s.state, *model_)) values.push_back(value);
     history_->write(values);
   });
 }
 
 void Recorder::write_fields(io::StepFields step, Vec a, const Snapshot& s) {
   const system::TriangleFields t = linear_ ? LinearValues(*model_, a).triangle_fields() : model_->triangle_fields(a);
-  add_contact_fields(step, a);
+  for (io::Field& f : contact_fields(*model_, a, [&](const std::string& name) { return wants(name); }))
+    step.fields.push_back(std::move(f));
   mpi::on_root(model_->dofs().comm(), [&] {
     const auto add = [&](const char* name, const char* unit, io::Centre centre, const std::vector<double>& values) {
       if (wants(name)) step.fields.push_back({name, unit, centre, 3, values});
     };
-    add("displacement", "m", io::Centre::vertex, s.displacement);
-    add("reaction", "N", io::Centre::vertex, s.reaction);
+    add("displacement", "m", io::Centre::vertex, s.state.displacement);
+    add("reaction", "N", io::Centre::vertex, s.state.reaction);
     add("membrane_strain", "1", io::Centre::triangle, t.membrane_strain);
     add("membrane_force", "N/m", io::Centre::triangle, t.membrane_force);
     add("curvature", "1/m", io::Centre::triangle, t.curvature);

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "obstacles.hpp"
+#include "probes.hpp"
 #include "voile/app/run.hpp"
 #include "voile/io/results.hpp"
 #include "voile/solve/stepper.hpp"
@@ -36,24 +37,20 @@ class Recorder {
   /// A remark of the path follower; printed unless quiet.
   void remark(const std::string& text) const;
   /// The displacement probe with one component as a linear function of the unknowns. Collective.
-  [[nodiscard]] petsc::VecHandle functional(const std::string& probe) const;
+  [[nodiscard]] petsc::VecHandle functional(const std::string& probe) const {
+    return probes_->functional(probe, *model_);
+  }
   [[nodiscard]] double wall_seconds() const;
   /// Energy that chords feign over that stored, in the last state whose fields were written; on rank 0. Not a
   /// number if it is not estimated.
   [[nodiscard]] double membrane_error() const { return membrane_error_; }
 
  private:
-  struct ProbeVertices {
-    std::vector<Index> vertices;
-    std::vector<int> components;
-  };
   void begin_epoch();
-  void resolve_probes();
   [[nodiscard]] std::vector<std::string> columns() const;
   /// What probes and fields are taken from, gathered.
   struct Snapshot {
-    std::vector<double> displacement, reaction;
-    system::Energies energies;
+    Observed state;
     system::ContactReport contact;
     long intersections = 0;
     double kinetic = 0.0;  ///< of a motion [J]
@@ -73,7 +70,6 @@ class Recorder {
   [[nodiscard]] std::string contact_note(const Snapshot& s, const solve::StepResult& r) const;
   [[nodiscard]] std::vector<double> common_values(const system::State& state, const solve::StepResult& r,
                                                   const Snapshot& s) const;
-  void add_contact_fields(io::StepFields& step, Vec a) const;
   [[nodiscard]] long count_intersections(Vec a) const;
   [[nodiscard]] bool wants(const std::string& field) const;
 
@@ -84,7 +80,7 @@ class Recorder {
   const system::Dynamics* dynamics_ = nullptr;
   bool root_;
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-  std::vector<ProbeVertices> probes_;
+  std::optional<Probes> probes_;
   std::optional<ObstaclePicture> obstacles_;  ///< rank 0, with contact
   std::optional<io::ResultsWriter> results_;
   std::optional<io::HistoryWriter> history_;

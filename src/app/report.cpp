@@ -27,31 +27,46 @@ double process_cpu_seconds() {
   return seconds(usage.ru_utime) + seconds(usage.ru_stime);
 }
 
+Json json_of(const GarmentMeasures& m) {
+  Json panels = Json::array(), seams = Json::array();
+  for (const GarmentMeasures::Panel& p : m.panels)
+    panels.push_back({{"name", p.name}, {"area", p.area}, {"mass", p.mass}});
+  for (const system::SeamTension& t : m.seams)
+    seams.push_back({{"name", t.name}, {"length", t.length}, {"mean_tension", t.mean}, {"largest_tension", t.largest}});
+  Json all{{"panels", panels}, {"seams", seams}};
+  if (m.ease) all["least_ease"] = m.ease->least;
+  if (m.ease) all["mean_ease"] = m.ease->mean;
+  if (m.largest_pressure) all["largest_contact_pressure"] = *m.largest_pressure;
+  return all;
+}
+
 Json json_of(const Summary& s) {
   Json critical = Json::array();
   for (const solve::CriticalPoint& p : s.critical)
     critical.push_back({{"kind", solve::name(p.kind)}, {"step", p.step}, {"load_factor", p.load_factor}});
-  return {{"converged", s.converged},
-          {"load_factor", s.load_factor},
-          {"steps", s.steps},
-          {"newton_iterations", s.newton_iterations},
-          {"factorisations", s.factorisations},
-          {"iterative_solutions", s.iterative.solutions},
-          {"iterative_iterations", s.iterative.iterations},
-          {"iterative_shifted", s.iterative.shifted},
-          {"negative_curvature", s.iterative.negative_curvature},
-          {"critical_points", critical},
-          {"eigenvalues", s.eigen},
-          {"time", s.time},
-          {"negative_pivots", s.negative_pivots},
-          {"residual", s.residual},
-          {"membrane_error", s.membrane_error},
-          {"unknowns", s.unknowns},
-          {"vertices", s.vertices},
-          {"triangles", s.triangles},
-          {"ranks", mpi::size(PETSC_COMM_WORLD)},
-          {"cpu_seconds", s.cpu_seconds},
-          {"wall_seconds", s.wall_seconds}};
+  Json all{{"converged", s.converged},
+           {"load_factor", s.load_factor},
+           {"steps", s.steps},
+           {"newton_iterations", s.newton_iterations},
+           {"factorisations", s.factorisations},
+           {"iterative_solutions", s.iterative.solutions},
+           {"iterative_iterations", s.iterative.iterations},
+           {"iterative_shifted", s.iterative.shifted},
+           {"negative_curvature", s.iterative.negative_curvature},
+           {"critical_points", critical},
+           {"eigenvalues", s.eigen},
+           {"time", s.time},
+           {"negative_pivots", s.negative_pivots},
+           {"residual", s.residual},
+           {"membrane_error", s.membrane_error},
+           {"unknowns", s.unknowns},
+           {"vertices", s.vertices},
+           {"triangles", s.triangles},
+           {"ranks", mpi::size(PETSC_COMM_WORLD)},
+           {"cpu_seconds", s.cpu_seconds},
+           {"wall_seconds", s.wall_seconds}};
+  if (s.garment) all["garment"] = json_of(*s.garment);
+  return all;
 }
 
 void write(const std::filesystem::path& file, const Json& summary) {

@@ -17,6 +17,7 @@
 #include "model_input.hpp"
 #include "modes.hpp"
 #include "output_folder.hpp"
+#include "probes.hpp"
 #include "recorder.hpp"
 #include "remesher.hpp"
 #include "report.hpp"
@@ -149,6 +150,7 @@ Summary run_stage(const Stage& stage, std::unique_ptr<Epoch> epoch, io::Checkpoi
   recorder.finish();
   summary.membrane_error = recorder.membrane_error();
   state = gather(epoch->state(), epoch->model().dofs());
+  if (!c.panels.empty() && c.analysis != "linear") summary.garment = measure_garment(c, epoch->model(), epoch->state());
   summary.wall_seconds = recorder.wall_seconds();
   summary.cpu_seconds = cpu_seconds() - cpu_before;
   report_end(c, stage.options, summary);
@@ -170,6 +172,7 @@ std::unique_ptr<Epoch> open_stage(const Stage& stage, const mesh::SurfaceMesh& m
                                   bool is_first) {
   check_remesh(stage.c, mesh);
   auto epoch = std::make_unique<Epoch>(stage.c, mesh, stage.input, stage.frozen, state);
+  (void)Probes(stage.c, epoch->model());  // what is wrong with them must show before old results go
   report_model(stage.c, stage.options, epoch->model(), is_first);
   return epoch;
 }

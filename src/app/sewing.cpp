@@ -52,15 +52,34 @@ std::string stretch_text(const mesh::SurfaceMesh& mesh, const std::vector<double
                      100.0 * most, place[0], place[1], place[2]);
 }
 
+/// The group of a support that holds a vertex; empty if none does.
+std::string holder_of(const input::Case& c, const mesh::SurfaceMesh& mesh, Index vertex) {
+  for (const system::Support& s : c.supports) {
+    const std::vector<Index>& held = mesh.group(s.group).vertices;
+    if (std::binary_search(held.begin(), held.end(), vertex)) return s.group;
+  }
+  return "";
+}
+
+/// What may help.
+std::string remedy(const input::Case& c, const mesh::SurfaceMesh& mesh, const mesh::SeamGap& widest) {
+  const std::string first = holder_of(c, mesh, widest.pair[0]), second = holder_of(c, mesh, widest.pair[1]);
+  if (first.empty() || second.empty())
+    return "give the stage more time, or the springs more force, or see what is in the way";
+  return fmt::format(
+      "supports hold both of its sides there, by the group{} '{}'{}: let them hold from a later stage on",
+      first == second ? "" : "s", first, first == second ? "" : fmt::format(" and '{}'", second));
+}
+
 /// On rank 0.
 std::string too_wide(const input::Case& c, const mesh::SurfaceMesh& mesh, const std::vector<std::string>& seams,
                      const std::vector<double>& displacement) {
   const mesh::SeamGap widest = gap_of(mesh, seams, displacement);
   if (widest.gap <= c.sewing.gap) return "";
   return fmt::format(
-             "seam '{}' is still open by {:.3g} m near ({:.4g}, {:.4g}, {:.4g}), more than [sewing] gap = {:g} m: "
-             "give the stage more time, or the springs more force, or see what is in the way",
-             widest.seam, widest.gap, widest.place[0], widest.place[1], widest.place[2], c.sewing.gap) +
+             "seam '{}' is still open by {:.3g} m near ({:.4g}, {:.4g}, {:.4g}), more than [sewing] gap = {:g} m: {}",
+             widest.seam, widest.gap, widest.place[0], widest.place[1], widest.place[2], c.sewing.gap,
+             remedy(c, mesh, widest)) +
          stretch_text(mesh, displacement);
 }
 

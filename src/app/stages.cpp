@@ -9,6 +9,7 @@
 
 #include "free_motions.hpp"
 #include "model_input.hpp"
+#include "probes.hpp"
 #include "voile/base/error.hpp"
 #include "voile/base/mpi.hpp"
 #include "voile/base/text.hpp"
@@ -159,12 +160,13 @@ Origin begin_from(const input::Case& c, RunOptions& options, std::vector<Stage>&
   return at == names.begin() ? Origin::nothing : Origin::stage;
 }
 
-void check_stage(const Stage& stage, const mesh::SurfaceMesh& mesh) {
+void check_stage(const Stage& stage, const mesh::SurfaceMesh& mesh) try {
   const system::Model model(PETSC_COMM_WORLD, mesh, stage.input);
   if (stage.c.analysis == "modal" || stage.c.analysis == "dynamic") system::require_mass(model);
   (void)check_free_motions(stage.c, model);
-  for (const input::Probe& p : stage.c.probes)
-    if (!p.group.empty()) (void)mesh.group(p.group);
+  (void)Probes(stage.c, model);
+} catch (const UserError& e) {
+  throw UserError(fmt::format("stage '{}': {}", stage.c.stage.name, e.what()));
 }
 
 }  // namespace voile::app

@@ -1,9 +1,11 @@
 // What a run, or a stage of it, came to; private to src/app.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "garment_measures.hpp"
 #include "voile/base/types.hpp"
 #include "voile/solve/stepper.hpp"
 
@@ -25,6 +27,7 @@ struct Summary {
   long unknowns = 0;
   Index vertices = 0, triangles = 0;
   double cpu_seconds = 0.0, wall_seconds = 0.0;
+  std::optional<GarmentMeasures> garment;  ///< of a case of panels
 };
 
 }  // namespace voile::app

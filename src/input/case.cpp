@@ -76,6 +76,8 @@ void check_probe(const SectionPlace& place, const Probe& probe, const std::vecto
       place.fail("name", fmt::format("'{}': a column name must not contain commas, quotes or line breaks", probe.name));
   for (const Probe& other : others)
     if (other.name == probe.name) place.fail("name", fmt::format("'{}': another probe has this name", probe.name));
+  if (probe.kind == Probe::Kind::height && probe.components.size() > 1)
+    place.fail("components", "a height is along one axis; name the one that points up");
   if (probe.kind != Probe::Kind::displacement) return;
   if (place.has("group") == place.has("point"))
     place.fail(place.has("point") ? "point" : "group", "a displacement probe needs either 'group' or 'point'");

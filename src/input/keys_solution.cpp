@@ -211,16 +211,21 @@ std::vector<Key> keys_of(Probe& s) {
           {.name = "type",
            .slot = choice(s.kind, {{"displacement", Probe::Kind::displacement},
                                    {"reaction", Probe::Kind::reaction},
-                                   {"energy", Probe::Kind::energy}}),
+                                   {"energy", Probe::Kind::energy},
+                                   {"height", Probe::Kind::height},
+                                   {"ease", Probe::Kind::ease}}),
            .meaning = "`displacement`: mean over a group or of the vertex nearest to a point. `reaction`: total over a "
-                      "group. `energy`: of the shell.",
+                      "group. `energy`: of the shell. `height`: least, mean and largest of the vertices of a group, "
+                      "columns `NAME_min`, `_mean`, `_max`. `ease`: least distance to the bodies and its mean over the "
+                      "area, `NAME_min`, `_mean`.",
            .unit = "m, N, J",
            .required = true},
           {.name = "group",
            .slot = &s.group,
-           .meaning = "Physical group to observe; a displacement needs this or `point`.",
-           .types = {"displacement", "reaction"},
-           .required_types = {"reaction"},
+           .meaning = "Physical group to observe; a displacement needs this or `point`; an ease without it is that of "
+                      "the whole surface.",
+           .types = {"displacement", "reaction", "height", "ease"},
+           .required_types = {"reaction", "height"},
            .absent = "none"},
           {.name = "point",
            .slot = &s.point,
@@ -230,9 +235,14 @@ std::vector<Key> keys_of(Probe& s) {
            .absent = "none"},
           {.name = "components",
            .slot = &s.components,
-           .meaning = "Which of `\"x\"`, `\"y\"`, `\"z\"` to record.",
-           .types = {"displacement", "reaction"},
-           .absent = "all three"}};
+           .meaning = "Which of `\"x\"`, `\"y\"`, `\"z\"` to record; of a height the one that points up.",
+           .types = {"displacement", "reaction", "height"},
+           .absent = "all three; height: `\"z\"`"},
+          {.name = "ground",
+           .slot = &s.ground,
+           .meaning = "Where heights count from, on the axis that points up.",
+           .unit = "m",
+           .types = {"height"}}};
 }
 
 std::vector<Key> keys_of(OutputSection& s) {
@@ -241,13 +251,13 @@ std::vector<Key> keys_of(OutputSection& s) {
        .slot = Words{&s.fields,
                      {"displacement", "reaction", "velocity", "membrane_force", "bending_moment", "curvature",
                       "membrane_strain", "membrane_error", "contact_force", "friction_force", "contact_pressure",
-                      "gives_way"}},
+                      "gives_way", "ease"}},
        .meaning =
            "Fields in `results.vtkhdf`, any of `displacement`, `velocity`, `reaction`, `membrane_force`, "
            "`bending_moment`, "
            "`curvature`, `membrane_strain`, `membrane_error`, `contact_force`, `friction_force`, `contact_pressure`, "
-           "`gives_way` (1 where an obstacle does).",
-       .absent = "all of them"},
+           "`gives_way` (1 where an obstacle does), `ease` (distance to the nearest body).",
+       .absent = "all of them; `ease` with `[[panel]]` only"},
       {.name = "stresses",
        .slot = choice(s.stresses, {{"none", OutputSection::Stresses::none},
                                    {"surface", OutputSection::Stresses::surface},

@@ -248,7 +248,7 @@ struct PointCache::Impl {
   std::array<std::pair<std::size_t, Positions>, 2> recent;  ///< key frames read last, by number
   std::size_t oldest = 0;                                   ///< which of them to replace next
   double largest = 0.0;                                     ///< coordinate of all
-  double largest_step = 0.0;                                ///< way of a vertex between frames
+  Step largest_step;
 
   /// Stays valid until the frame after next is asked for.
   const Positions& frame(std::size_t k) {
@@ -268,10 +268,17 @@ PointCache::PointCache(const fs::path& file, double frames_per_second) : impl_(s
   impl_->frames = open(file, frames_per_second);
   for (std::size_t k = 0; k < impl_->frames->times.size(); ++k) {
     const Positions &before = impl_->frame(k > 0 ? k - 1 : 0), &x = impl_->frame(k);
+    Step step{static_cast<Index>(k) - 1};
     for (std::size_t v = 0; v < x.size(); ++v) {
       impl_->largest = std::max(impl_->largest, x[v].cwiseAbs().maxCoeff());
-      impl_->largest_step = std::max(impl_->largest_step, (x[v] - before[v]).norm());
+      const double way = (x[v] - before[v]).norm();
+      if (way <= step.way) continue;
+      step.way = way;
+      step.vertex = static_cast<Index>(v);
     }
+    Step& most = impl_->largest_step;
+    if (step.way > most.way) std::swap(step, most);
+    most.elsewhere = std::max({most.elsewhere, step.way, step.elsewhere});
   }
 }
 PointCache::~PointCache() = default;
@@ -290,7 +297,7 @@ double PointCache::largest_coordinate() const {
   return impl_->largest;
 }
 
-double PointCache::largest_step() const {
+const PointCache::Step& PointCache::largest_step() const {
   return impl_->largest_step;
 }
 

@@ -59,6 +59,10 @@ void renumber(Seam& seam, const std::vector<Index>& number) {
 
 }  // namespace
 
+std::string seam_group(const std::string& seam) {
+  return "seam " + seam;
+}
+
 std::vector<std::string> open_seams(const MeshData& mesh, const std::vector<std::string>& names) {
   std::vector<std::string> found;
   for (const Seam& seam : mesh.seams)
@@ -130,7 +134,7 @@ SeamGap widest_gap(const MeshData& mesh, const std::vector<std::string>& seams, 
     if (!contains(seams, seam.name)) continue;
     for (const auto& [v, w] : seam.pairs) {
       const double gap = (places[v] - places[w]).norm();
-      if (gap > widest.gap) widest = {seam.name, gap, 0.5 * (places[v] + places[w])};
+      if (gap > widest.gap) widest = {seam.name, gap, {v, w}, 0.5 * (places[v] + places[w])};
     }
   }
   return widest;

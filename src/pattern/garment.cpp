@@ -9,6 +9,7 @@
 
 #include "voile/base/error.hpp"
 #include "voile/io/gmsh_polygon.hpp"
+#include "voile/mesh/weld.hpp"
 #include "voile/pattern/outline.hpp"
 
 namespace voile::pattern {
@@ -186,6 +187,21 @@ class Cutter {
       if (a[i].size() > 1 && b[i].size() > 1) pair(a[i].front(), b[i].back());
     }
     g_.mesh.seams.push_back(std::move(seam));
+    add_seam_group(line);
+  }
+
+  /// Both sides of a seam, which a weld makes one line of.
+  void add_seam_group(const SeamLine& line) {
+    mesh::Group group{mesh::seam_group(line.name), 1, {}, {}, {}};
+    for (const auto& side : line.sides)
+      for (const EdgeUse& e : side) {
+        const std::vector<Index>& v = nodes_[e.panel][e.edge].vertices;
+        group.vertices.insert(group.vertices.end(), v.begin(), v.end());
+        for (std::size_t i = 0; i + 1 < v.size(); ++i) group.segments.push_back({v[i], v[i + 1]});
+      }
+    std::sort(group.vertices.begin(), group.vertices.end());
+    group.vertices.erase(std::unique(group.vertices.begin(), group.vertices.end()), group.vertices.end());
+    g_.mesh.groups.push_back(std::move(group));
   }
 
   Garment& g_;
@@ -260,17 +276,20 @@ Garment make_garment(std::vector<Panel> panels, const std::vector<SeamRequest>& 
   return g;
 }
 
-std::string garment_text(const Garment& g) {
+std::string garment_text(const Garment& g, const std::vector<double>& densities) {
   std::string text = "panels:\n";
-  double area = 0.0, boxes = 0.0;
-  for (const Panel& p : g.panels) {
+  double area = 0.0, boxes = 0.0, mass = 0.0;
+  for (std::size_t k = 0; k < g.panels.size(); ++k) {
+    const Panel& p = g.panels[k];
     const Extent e = extent_of(p.piece);
     const Vec2 size = e.high - e.low;
     double around = 0.0;
     for (const Edge& edge : p.piece.edges) around += edge.curve.length();
-    text += fmt::format("  '{}': {:.6g} m^2, {:.4g} m x {:.4g} m, {} edges of {:.5g} m together\n", p.piece.name,
-                        std::abs(p.piece.signed_area()), size[0], size[1], p.piece.edges.size(), around);
-    area += std::abs(p.piece.signed_area());
+    const double own = std::abs(p.piece.signed_area());
+    text += fmt::format("  '{}': {:.6g} m^2, {:.4g} kg, {:.4g} m x {:.4g} m, {} edges of {:.5g} m together\n",
+                        p.piece.name, own, own * densities[k], size[0], size[1], p.piece.edges.size(), around);
+    area += own;
+    mass += own * densities[k];
     boxes += size[0] * size[1];
   }
   if (!g.seams.lines.empty()) text += "seams:\n";
@@ -280,8 +299,9 @@ std::string garment_text(const Garment& g) {
                         s.lengths[1], s.farthest);
     sewn += 0.5 * (s.lengths[0] + s.lengths[1]);
   }
-  text += fmt::format("fabric: {:.6g} m^2 in {} panels, {:.6g} m^2 of rectangles round them; {:.5g} m of seams\n", area,
-                      g.panels.size(), boxes, sewn);
+  text += fmt::format(
+      "fabric: {:.6g} m^2 in {} panels, {:.4g} kg, {:.6g} m^2 of rectangles round them; {:.5g} m of seams\n", area,
+      g.panels.size(), mass, boxes, sewn);
   return text;
 }
 

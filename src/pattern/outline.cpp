@@ -25,6 +25,15 @@ bool meet(const Vec2& a, const Vec2& b, const Vec2& p, const Vec2& q, double tol
   return crosses || std::min({distance(a, p, q), distance(b, p, q), distance(p, a, b), distance(q, a, b)}) <= tolerance;
 }
 
+/// A point that two segments which meet have in common.
+Vec2 common_point(const Vec2& a, const Vec2& b, const Vec2& p, const Vec2& q, double tolerance) {
+  for (const Vec2& x : {p, q})
+    if (distance(x, a, b) <= tolerance) return x;
+  for (const Vec2& x : {a, b})
+    if (distance(x, p, q) <= tolerance) return x;
+  return a + cross(p - a, q - p) / cross(b - a, q - p) * (b - a);
+}
+
 /// Whether the way a-b-c turns back onto itself.
 bool folds_back(const Vec2& a, const Vec2& b, const Vec2& c) {
   const Vec2 d = (a - b).normalized(), e = (c - b).normalized();
@@ -51,7 +60,8 @@ std::optional<Crossing> find_crossing(const std::vector<Vec2>& points) {
     for (std::size_t l = k + 1; l < n && low(order[l]) <= high; ++l) {
       const std::size_t j = order[l];
       if ((i + 1) % n == j || (j + 1) % n == i) continue;
-      if (meet(at(i), at(i + 1), at(j), at(j + 1), tolerance)) return Crossing{std::min(i, j), std::max(i, j), at(i)};
+      if (meet(at(i), at(i + 1), at(j), at(j + 1), tolerance))
+        return Crossing{std::min(i, j), std::max(i, j), common_point(at(i), at(i + 1), at(j), at(j + 1), tolerance)};
     }
   }
   return std::nullopt;

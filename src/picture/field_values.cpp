@@ -16,6 +16,7 @@ namespace {
 struct Component {
   std::string name;
   double (*value)(const double* row, double shear);
+  const char* unit = nullptr;  ///< null: that of the field
 };
 
 double larger(const double* r, double shear) {
@@ -23,6 +24,14 @@ double larger(const double* r, double shear) {
 }
 double smaller(const double* r, double shear) {
   return 0.5 * (r[0] + r[1]) - std::hypot(0.5 * (r[0] - r[1]), shear * r[2]);
+}
+
+double larger_in_size(const double* r, double shear) {
+  return std::max(std::abs(larger(r, shear)), std::abs(smaller(r, shear)));
+}
+/// By how much a line gets longer, from its Green-Lagrange strain. [%]
+double elongation(double strain) {
+  return 100.0 * (std::sqrt(std::max(0.0, 1.0 + 2.0 * strain)) - 1.0);
 }
 
 template <int k>
@@ -39,14 +48,19 @@ std::vector<Component> components_of(const io::Field& field) {
             {"z", entry<2>}};
   if (field.components == 3 && field.name.starts_with("principal_"))
     return {{"larger", entry<0>}, {"smaller", entry<1>}, {"angle", entry<2>}};
+  if (field.name == "membrane_strain")
+    return {{"larger", larger},
+            {"smaller", smaller},
+            {"max", larger_in_size},
+            {"11", entry<0>},
+            {"22", entry<1>},
+            {"12", entry<2>},
+            {"warp", [](const double* r, double) { return elongation(r[0]); }, "%"},
+            {"weft", [](const double* r, double) { return elongation(r[1]); }, "%"},
+            {"stretch", [](const double* r, double s) { return elongation(larger(r, s)); }, "%"}};
   if (field.components == 3)
-    return {
-        {"larger", larger},
-        {"smaller", smaller},
-        {"max", [](const double* r, double s) { return std::max(std::abs(larger(r, s)), std::abs(smaller(r, s))); }},
-        {"11", entry<0>},
-        {"22", entry<1>},
-        {"12", entry<2>}};
+    return {{"larger", larger}, {"smaller", smaller}, {"max", larger_in_size},
+            {"11", entry<0>},   {"22", entry<1>},     {"12", entry<2>}};
   return {{"1", entry<0>}, {"2", entry<1>}, {"3", entry<2>}, {"4", entry<3>}, {"5", entry<4>},
           {"6", entry<5>}, {"7", entry<6>}, {"8", entry<7>}, {"9", entry<8>}};
 }
@@ -74,7 +88,10 @@ FieldValues field_values(const io::Field& field, const std::string& component) {
   // Strains and curvatures have twice the tensor's component as their third.
   const double shear = field.name == "membrane_strain" || field.name == "curvature" ? 0.5 : 1.0;
   const auto columns = static_cast<std::size_t>(field.components);
-  const std::string unit = chosen->name == "angle" ? "rad" : field.name.starts_with("principal_") ? "Pa" : field.unit;
+  const std::string unit = chosen->unit                           ? chosen->unit
+                           : chosen->name == "angle"              ? "rad"
+                           : field.name.starts_with("principal_") ? "Pa"
+                                                                  : field.unit;
   FieldValues result;
   result.label =
       field.name + (chosen->name.empty() ? "" : ", " + chosen->name) + (unit == "1" ? "" : fmt::format(" [{}]", unit));

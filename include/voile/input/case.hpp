@@ -62,14 +62,15 @@ struct SewingSection {
   double gap = 1e-4;       ///< largest at which a seam is welded [m]
 };
 
-/// One named number recorded in history.csv after every accepted step.
+/// Named numbers recorded in history.csv after every accepted step.
 struct Probe {
-  enum class Kind { displacement, reaction, energy };
-  std::string name;  ///< column name; a vector quantity gets suffixes _x _y _z
+  enum class Kind { displacement, reaction, energy, height, ease };
+  std::string name;  ///< of the columns, before suffixes such as _x _y _z
   Kind kind = Kind::displacement;
-  std::string group;            ///< displacement: mean over the group's vertices; reaction: total over them
+  std::string group;  ///< displacement: mean over the group's vertices; reaction: total over them; ease: empty for all
   std::optional<Vec3> point;    ///< displacement of the vertex nearest to this rest position, instead of `group`
-  std::vector<int> components;  ///< 0, 1, 2; empty: all three
+  std::vector<int> components;  ///< 0, 1, 2; empty: all three; height: at most one, which points up, 2 if empty
+  double ground = 0.0;          ///< height: where it counts from [m]
 };
 
 /// How a support moves: texts as written, turned into system::Support::motion.

@@ -46,8 +46,12 @@ class PointCache {
   [[nodiscard]] double end() const;
   /// Largest size of a coordinate in all key frames [m].
   [[nodiscard]] double largest_coordinate() const;
-  /// Longest way of a vertex from one key frame to the next [m].
-  [[nodiscard]] double largest_step() const;
+  /// The longest way of a vertex from one key frame to the next.
+  struct Step {
+    Index frame = 0, vertex = 0;        ///< the frame that it begins with
+    double way = 0.0, elsewhere = 0.0;  ///< and the longest between other frames [m]
+  };
+  [[nodiscard]] const Step& largest_step() const;
   /// Positions at a time [s], in the order of the file [m]; the caller owns them.
   /// Throws UserError if the file has gone or changed its length since it was opened.
   [[nodiscard]] std::vector<Vec3> positions(double time) const;

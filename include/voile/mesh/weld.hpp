@@ -4,6 +4,7 @@
 //           displacements and velocities alike, so that mass, its centre and momentum stay
 #pragma once
 
+#include <array>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,9 @@ struct Welded {
       data;  ///< other seams are still open; every triangle keeps its rest corners, its number and its corners' order
   std::vector<Index> target;
 };
+
+/// Name of the curve group with the edges of both sides of a seam, which stays when it is welded.
+[[nodiscard]] std::string seam_group(const std::string& seam);
 
 /// Those of the named seams that are open; "all" means every one.
 [[nodiscard]] std::vector<std::string> open_seams(const MeshData& mesh, const std::vector<std::string>& names);
@@ -34,6 +38,7 @@ struct Welded {
 struct SeamGap {
   std::string seam;
   double gap = 0.0;  ///< [m]; 0 if no seam is open
+  std::array<Index, 2> pair{no_index, no_index};
   Vec3 place = Vec3::Zero();
 };
 [[nodiscard]] SeamGap widest_gap(const MeshData& mesh, const std::vector<std::string>& seams,

@@ -14,7 +14,7 @@ struct Garment {
   Seams seams;
   /// One chart per panel (the pieces side by side, so that no two lie on each other), the coordinates of the pieces as
   /// texture [m], positions as placed. Groups: each panel by its name, each edge as "PANEL/number", and "PANEL/label"
-  /// for the edges that have a label. All seams are open.
+  /// for the edges that have a label, both sides of each seam as "seam NAME". All seams are open.
   mesh::MeshData mesh;
 };
 
@@ -22,8 +22,8 @@ struct Garment {
 /// for an outline, seams that would fold cells onto themselves or join three edges.
 [[nodiscard]] Garment make_garment(std::vector<Panel> panels, const std::vector<SeamRequest>& requests);
 
-/// Panels with areas, seams with the lengths of both sides and their distance, and how much fabric it takes, as lines of
-/// text. Not collective.
-[[nodiscard]] std::string garment_text(const Garment& garment);
+/// Panels with areas and masses, seams with the lengths of both sides and their distance, and how much fabric it takes,
+/// as lines of text. `densities`: of the panels [kg/m^2]. Not collective.
+[[nodiscard]] std::string garment_text(const Garment& garment, const std::vector<double>& densities);
 
 }  // namespace voile::pattern

@@ -71,7 +71,12 @@ TEST_CASE("both sides of a seam have as many nodes at equal shares of their leng
   CHECK(area == doctest::Approx(0.3 * 0.4 + 0.3 * 0.5).epsilon(1e-12));
   CHECK(open.group("A/1", 1).segments.size() == 25);
   CHECK(open.group("B", 2).triangles.size() > 500);
-  CHECK(pattern::garment_text(g).find("fabric: 0.27 m^2 in 2 panels") != std::string::npos);
+  const std::string line = mesh::seam_group(s.name);
+  CHECK(open.group(line, 1).segments.size() == 50);  // both sides, of which a weld makes one
+  const std::vector<double> mass(g.mesh.positions.size(), 1.0);
+  const mesh::SurfaceMesh sewn(mesh::weld(g.mesh, {s.name}, g.mesh.positions, mass).data);
+  CHECK(sewn.group(line, 1).segments.size() == 25);
+  CHECK(pattern::garment_text(g, {0.2, 0.1}).find("fabric: 0.27 m^2 in 2 panels, 0.039 kg") != std::string::npos);
 }
 
 TEST_CASE("which points meet decides, not the order of edges") {

@@ -140,6 +140,13 @@ TEST_CASE("numbers out of fields: magnitude, components, principal values") {
   const io::Field e{"membrane_strain", "1", io::Centre::triangle, 3, {1, 1, 2}};
   CHECK(field_values(e, "larger").values == std::vector<float>{2});
   CHECK(field_values(e, "").label == "membrane strain, larger");
+  // A thread of length 1 that becomes 1.1 has the Green-Lagrange strain (1.21 - 1)/2.
+  const io::Field f{"membrane_strain", "1", io::Centre::triangle, 3, {0.105, -0.095, 0, 0, 0, 0.21}};
+  CHECK(field_values(f, "warp").values[0] == doctest::Approx(10.0));
+  CHECK(field_values(f, "weft").values[0] == doctest::Approx(-10.0));
+  CHECK(field_values(f, "stretch").values[1] == doctest::Approx(10.0));
+  CHECK(field_values(f, "warp").label == "membrane strain, warp [%]");
+  CHECK(field_values(f, "22").label == "membrane strain, 22");
 }
 
 TEST_CASE("a point cache is read back, and refused where the meshes are of different sheets") {

@@ -1,0 +1,18 @@
+// Fields of contact for results; private to src/app.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "voile/io/results.hpp"
+#include "voile/system/model.hpp"
+
+namespace voile::app {
+
+/// contact_force, friction_force, contact_pressure, and where they have a meaning gives_way and ease, at state a: those
+/// that are wanted. None without contact. Values on rank 0. Collective: `wants` must answer alike on every rank.
+[[nodiscard]] std::vector<io::Field> contact_fields(system::Model& model, Vec a,
+                                                    const std::function<bool(const std::string&)>& wants);
+
+}  // namespace voile::app
