@@ -31,6 +31,22 @@ std::vector<Vec3f> single(const std::vector<Vec3>& points) {
   return result;
 }
 
+/// Leaves out vertices of no triangle, as those of a floor: other programs take them into the extent of what they show.
+void leave_out_unused(Body& body) {
+  std::vector<Index> renumbered(body.positions.size(), -1);
+  for (const mesh::Triangle& t : body.triangles)
+    for (const Index v : t) renumbered[static_cast<std::size_t>(v)] = 0;
+  std::vector<Vec3f> used;
+  for (std::size_t v = 0; v < renumbered.size(); ++v)
+    if (renumbered[v] == 0) {
+      renumbered[v] = static_cast<Index>(used.size());
+      used.push_back(body.positions[v]);
+    }
+  for (mesh::Triangle& t : body.triangles)
+    for (Index& v : t) v = renumbered[static_cast<std::size_t>(v)];
+  body.positions = std::move(used);
+}
+
 }  // namespace
 
 const std::vector<std::string>& export_formats() {
@@ -121,8 +137,8 @@ Snapshot Exporter::snapshot(std::size_t i) const {
   const io::ObstacleTriangles& obstacles = recording_.parts()[moment.part].run.obstacles();
   s.bodies = {"bodies", single(s.state.obstacles), {}, obstacles.moves};
   if (options_.bodies) s.bodies.triangles = find_bodies(obstacles, s.state.obstacles, recording_.up()).triangles;
-  if (s.bodies.triangles.empty()) s.bodies.positions.clear();
   if (one_mesh_) put_on_one_mesh(s);
+  leave_out_unused(s.bodies);
   s.sheet = {"sheet", single(s.state.positions), s.state.mesh->data.triangles, true};
   return s;
 }

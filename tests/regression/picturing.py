@@ -34,6 +34,11 @@ def thrown():
     }
 
 
+def ball(step):
+    """Vertices of the ball, which are exported; not those of the floor, which come after them."""
+    return step.obstacles[:-4]
+
+
 def draw(*words, timeout=300):
     """(exit code, text) of voile with no display to draw on."""
     env = environment()
@@ -115,8 +120,7 @@ def exports(report):
     half = 0.5 * (steps[3].time + steps[4].time)
     middle = 0.5 * (steps[3].positions + steps[4].positions) @ Y_UP
     report.below(abs(glb_positions(text, accessor, 0, half) - middle).max(), 2e-7, "GLB: between two steps it moves straight on [m]")
-    ball = [s.obstacles for s in steps]
-    report.below(max(abs(glb_positions(text, accessor, 1, s.time) - x @ Y_UP).max() for s, x in zip(steps, ball)), 2e-7, "GLB: the body [m]")
+    report.below(max(abs(glb_positions(text, accessor, 1, s.time) - ball(s) @ Y_UP).max() for s in steps), 2e-7, "GLB: the body, without the floor [m]")
 
     obj = (out / "run.obj").read_text().splitlines()
     vertices = np.array([line.split()[1:] for line in obj if line.startswith("v ")], float)
@@ -267,11 +271,11 @@ def view_page(report):
         return
     done = subprocess.run(["node", "-", file], input=NODE, text=True, capture_output=True)
     frames = json.loads(done.stdout)
-    size = np.ptp(np.vstack([np.vstack([s.positions, s.obstacles]) for s in results]), axis=0)
+    size = np.ptp(np.vstack([np.vstack([s.positions, ball(s)]) for s in results]), axis=0)
     report.check(len(frames) == len(results), f"{len(frames)} frames")
     worst = max(np.abs((np.reshape(f["x"], (-1, 3)) - s.positions) / size).max() for f, s in zip(frames, results))
     report.below(worst, 0.6 / 65535, "positions, of the size of the motion")
-    worst = max(np.abs((np.reshape(f["bodies"], (-1, 3)) - s.obstacles) / size).max() for f, s in zip(frames, results))
+    worst = max(np.abs((np.reshape(f["bodies"], (-1, 3)) - ball(s)) / size).max() for f, s in zip(frames, results))
     report.below(worst, 0.6 / 65535, "bodies")
     report.check(all(np.array_equal(f["value"], s["contact_pressure"].astype(np.float32).ravel()) for f, s in zip(frames, results)), "a field, in single precision")
     report.check(all(np.array_equal(f["corners"], np.array(f["value"])[f["triangles"]]) for f in frames), "at the corners of the triangles")
