@@ -25,6 +25,8 @@ const std::vector<std::pair<std::string, Writer>>& writers() {
   return list;
 }
 
+const std::set<std::string> with_fields{"ply", "csv", "msh"};
+
 std::vector<Vec3f> single(const std::vector<Vec3>& points) {
   std::vector<Vec3f> result;
   for (const Vec3& x : points) result.push_back(x.cast<float>());
@@ -62,6 +64,8 @@ Exported export_results(const Recording& recording, const std::vector<Moment>& m
   if (!(options.rate > 0.0)) throw UserError(fmt::format("--rate {}: frames per second are more than 0", options.rate));
   for (const auto& [name, writer] : writers())
     if (name == options.format) {
+      if (!options.fields.empty() && !with_fields.contains(name))
+        throw UserError(fmt::format("--field: {} files have no fields; those of {} do", name, join(with_fields, ", ")));
       const Exporter exporter(recording, moments, options);
       Files files = writer(exporter);
       return {std::move(files), exporter.notes()};

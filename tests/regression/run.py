@@ -35,6 +35,7 @@ import placing  # noqa: E402, F401: adds its tests
 import robustness  # noqa: E402, F401: adds its tests
 import sewing  # noqa: E402, F401: adds its tests
 import picturing  # noqa: E402, F401: adds its tests
+import picture_mistakes  # noqa: E402, F401: adds its tests
 import remeshing  # noqa: E402, F401: adds its tests
 import staging  # noqa: E402, F401: adds its tests
 from benchmarks import BENCHMARKS, compare  # noqa: E402
