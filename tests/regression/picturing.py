@@ -230,6 +230,8 @@ def pictures(report):
         draw("render", done.folder, "--output", png, "--size", size, "--quality", "draft", "--no-stamp")
         right = plt.imread(png)[:, -int(size.split("x")[0]) // 3:]
         report.check(np.ptp(right) > 0.0, f"the right part of a picture of {size} is not blank")
+    draw("render", done.folder, "--output", png, "--field", "displacement:z", "--range", "-4.905e-06,-4.901e-06", *small)
+    report.check(np.ptp(plt.imread(png)[:, -2:], axis=1).max() < 0.02, "long numbers at the colour bar end before the border")
     code, said = draw("render", done.folder, "--steps", "1:3", "--output", png, *small)
     report.check(code == 0 and (OUT / "pictures_strip_000002.png").is_file(), "several steps get numbers")
     for ending in ("webp", "gif"):
