@@ -84,9 +84,8 @@ Exporter::Exporter(const Recording& recording, const std::vector<Moment>& moment
   }
   if (options.tolerance && !(*options.tolerance > 0.0))
     throw UserError(fmt::format("--tolerance {}: it is more than 0 m", *options.tolerance));
-  bool changes = false;
-  for (std::size_t i = 1; i < moments.size(); ++i) changes = changes || !same_mesh(i);
-  if (changes && (options.one_mesh || options.format == "pc2" || options.format == "mdd"))
+  for (std::size_t i = 1; i < moments.size(); ++i) meshes_ += same_mesh(i) ? 0 : 1;
+  if (meshes_ > 1 && (options.one_mesh || options.format == "pc2" || options.format == "mdd"))
     one_mesh_ = std::make_unique<Resampled>(recording, moments, options.tolerance);
 }
 
@@ -123,6 +122,9 @@ void Exporter::put_on_one_mesh(Snapshot& s) const {
 }
 
 std::vector<std::string> Exporter::notes() const {
+  if (!one_mesh_ && meshes_ > 1)
+    return {fmt::format("{} meshes one after another in {} frames, as in the run; --one-mesh puts all on one", meshes_,
+                        size())};
   if (!one_mesh_) return {};
   std::string intersections = "nothing intersects";
   if (!intersecting_.empty())
