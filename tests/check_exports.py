@@ -26,6 +26,7 @@ from results import Results  # noqa: E402
 from solver import ROOT, binary, environment, run, write_case  # noqa: E402
 
 OUT = ROOT / "results" / "check_exports"
+PACKAGES = {"vtk": "paraview python3-paraview xvfb", "gmsh": "python3-gmsh", "blender": "blender"}
 FPS = 100  # the steps of the run that keeps its mesh are 1/100 s
 Y_UP = np.array([[1, 0, 0], [0, 0, -1], [0, 1, 0]])  # x, z, -y of rows
 
@@ -213,7 +214,7 @@ def main():
     checks, missing = {"vtk": check_vtk, "gmsh": check_gmsh, "blender": check_blender}, []
     for name, start in programs().items():
         if start is None:
-            missing.append(name)
+            missing.append(f"{name} (packages {PACKAGES[name]})")
             continue
         read = read_with(check, name, start, job)
         if read is not None:
