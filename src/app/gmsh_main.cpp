@@ -28,7 +28,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int line_type = 1, triangle_type = 2, point_type = 15;  // Gmsh's element type numbers
+constexpr int line_type = 1, point_type = 15;  // Gmsh's element type numbers
 constexpr std::array<const char*, 3> dimension_names{"point", "curve", "surface"};
 
 /// Throws if Gmsh has logged errors so far.

@@ -16,7 +16,7 @@ namespace voile::io {
 
 namespace {
 
-constexpr int triangle_type = 2, frontal_delaunay = 6;  // Gmsh's numbers
+constexpr int frontal_delaunay = 6;  // Gmsh's number
 
 /// Each side is a curve of one element, so that Gmsh cannot divide it.
 void add_polygon(const Polygon& p) {

@@ -24,7 +24,7 @@ void add_edge(Surface& s, Index a, Index b, int body, bool bare) {
 }
 
 double area_of(const Surface& s, const std::array<Index, 3>& p) {
-  return 0.5 * (s.rest[p[1]] - s.rest[p[0]]).cross(s.rest[p[2]] - s.rest[p[0]]).norm();
+  return mesh::triangle_area(s.rest[p[0]], s.rest[p[1]], s.rest[p[2]]);
 }
 
 void add_face(Surface& s, const std::array<Index, 3>& p, int body, double area) {

@@ -8,6 +8,7 @@
 #include <numbers>
 #include <sstream>
 
+#include "case_toml.hpp"
 #include "voile/base/error.hpp"
 #include "voile/base/text.hpp"
 #include "voile/energy/material.hpp"
@@ -51,10 +52,6 @@ std::vector<std::string> figure_names() {
   std::vector<std::string> names;
   for (const Figure& figure : figures()) names.push_back(figure.name);
   return names;
-}
-
-int line_of(const toml::source_region& source) {
-  return static_cast<int>(source.begin.line);
 }
 
 std::string text_of(const SectionPlace& place, const std::string& key, const toml::node& node) {

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "keys_common.hpp"
+#include "voile/base/text.hpp"
 
 namespace voile::input {
 
@@ -15,10 +16,6 @@ Choice word(std::string& value, const std::vector<std::string>& names) {
   return {names,
           [&value, names] { return static_cast<int>(std::find(names.begin(), names.end(), value) - names.begin()); },
           [&value, names](int i) { value = names[static_cast<std::size_t>(i)]; }};
-}
-
-bool contains(const std::vector<std::string>& list, const std::string& item) {
-  return std::find(list.begin(), list.end(), item) != list.end();
 }
 
 }  // namespace

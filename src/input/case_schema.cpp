@@ -3,6 +3,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "voile/base/text.hpp"
 #include "voile/input/case_declarations.hpp"
 
 namespace voile::input {
@@ -67,10 +68,6 @@ Json table_of(const std::vector<Key>& keys) {
   Json table{{"type", "object"}, {"additionalProperties", false}, {"properties", std::move(properties)}};
   if (!required.empty()) table["required"] = std::move(required);
   return table;
-}
-
-bool contains(const std::vector<std::string>& names, const std::string& name) {
-  return std::find(names.begin(), names.end(), name) != names.end();
 }
 
 }  // namespace

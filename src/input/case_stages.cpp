@@ -7,15 +7,12 @@
 #include <sstream>
 
 #include "case_toml.hpp"
+#include "voile/base/text.hpp"
 #include "voile/input/case_keys.hpp"
 
 namespace voile::input {
 
 namespace {
-
-bool contains(const std::vector<std::string>& names, const std::string& name) {
-  return std::find(names.begin(), names.end(), name) != names.end();
-}
 
 /// Analyses that know no contact.
 bool has_contact(const std::string& analysis) {

@@ -12,6 +12,7 @@
 #include <string_view>
 
 #include "voile/base/error.hpp"
+#include "voile/base/text.hpp"
 
 namespace voile::io {
 
@@ -28,11 +29,6 @@ constexpr std::array<std::string_view, 3> printing{"Printf", "Error", "Warning"}
 constexpr std::array<std::string_view, 4> including{"Include", "Merge", "MergeWithBoundingBox", "ShapeFromFile"};
 /// Gmsh starts programs for these.
 constexpr std::array<std::string_view, 6> programs{".gz", ".py", ".m", ".exe", ".ol", ".sh"};
-
-template <class List>
-bool contains(const List& list, std::string_view word) {
-  return std::find(list.begin(), list.end(), word) != list.end();
-}
 
 bool in_word(char c) {
   return std::isalnum(static_cast<unsigned char>(c)) || c == '_';

@@ -19,10 +19,6 @@ UserError wrong(const std::string& source, const std::string& what) {
   return UserError(fmt::format("{}: [mesh] rest = \"texture\": {}", source, what));
 }
 
-double area_of(const Vec3& a, const Vec3& b, const Vec3& c) {
-  return 0.5 * (b - a).cross(c - a).norm();
-}
-
 /// Throws if there are such triangles; says of which one.
 void require_none(const MeshData& data, const std::vector<Index>& triangles, const std::string& what,
                   const std::string& remedy) {
@@ -51,7 +47,7 @@ void take_rest_from_texture(MeshData& data, double unit) {
       given = given && uv.allFinite();
       rest[i] = unit * Vec3(uv[0], uv[1], 0.0);
     }
-    const double area = area_of(rest[0], rest[1], rest[2]);
+    const double area = triangle_area(rest[0], rest[1], rest[2]);
     const double longest =
         std::max({(rest[1] - rest[0]).norm(), (rest[2] - rest[1]).norm(), (rest[0] - rest[2]).norm()});
     if (!given)
@@ -60,7 +56,7 @@ void take_rest_from_texture(MeshData& data, double unit) {
       flat.push_back(static_cast<Index>(t));
     const Triangle& v = data.triangles[t];
     panels += area;
-    positions += area_of(data.positions[v[0]], data.positions[v[1]], data.positions[v[2]]);
+    positions += triangle_area(data.positions[v[0]], data.positions[v[1]], data.positions[v[2]]);
   }
   require_none(data, missing, "have no texture coordinates",
                "give every face its place in the panels (\"vt\"), or remove what is not fabric");

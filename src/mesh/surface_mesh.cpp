@@ -19,10 +19,6 @@ constexpr double agreement = 1e-9;
 /// Largest ratio of the lengths of the two sides of a seam: gathers reach three.
 constexpr double largest_stretch = 4.0;
 
-double area_of(const Vec3& a, const Vec3& b, const Vec3& c) {
-  return 0.5 * (b - a).cross(c - a).norm();
-}
-
 Vec3 normal_of(const Vec3& a, const Vec3& b, const Vec3& c) {
   return (b - a).cross(c - a).normalized();
 }
@@ -262,7 +258,7 @@ std::vector<Index> SurfaceMesh::triangles_of_vertex(Index v) const {
 }
 
 double SurfaceMesh::area(Index t) const {
-  return area_of(rest_corner(t, 0), rest_corner(t, 1), rest_corner(t, 2));
+  return triangle_area(rest_corner(t, 0), rest_corner(t, 1), rest_corner(t, 2));
 }
 
 Vec3 SurfaceMesh::rest_normal(Index t) const {
@@ -331,6 +327,10 @@ double SurfaceMesh::extent() const {
     high = high.cwiseMax(x);
   }
   return (high - low).norm();
+}
+
+double triangle_area(const Vec3& a, const Vec3& b, const Vec3& c) {
+  return 0.5 * (b - a).cross(c - a).norm();
 }
 
 }  // namespace voile::mesh

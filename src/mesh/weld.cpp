@@ -7,14 +7,11 @@
 #include <set>
 
 #include "voile/base/error.hpp"
+#include "voile/base/text.hpp"
 
 namespace voile::mesh {
 
 namespace {
-
-bool contains(const std::vector<std::string>& names, const std::string& name) {
-  return std::find(names.begin(), names.end(), name) != names.end();
-}
 
 /// The lowest of the vertices that hang together through the wanted seams.
 template <class Wanted>

@@ -75,9 +75,9 @@ class Node {
   std::string where_;
 };
 
-class Reader {
+class GarmentCodeReader {
  public:
-  Reader(const std::filesystem::path& file, const Json& json, const ReadOptions& options)
+  GarmentCodeReader(const std::filesystem::path& file, const Json& json, const ReadOptions& options)
       : options_(options), root_(json, file.string()) {
     pattern_.file = file;
   }
@@ -230,7 +230,7 @@ Pattern read_garmentcode(const std::filesystem::path& file, const ReadOptions& o
   } catch (const Json::exception& e) {  // a number that none can hold
     throw UserError(fmt::format("{}: this is not valid JSON ({}); export the pattern again", file.string(), e.what()));
   }
-  Reader reader(file, json, options);
+  GarmentCodeReader reader(file, json, options);
   Pattern pattern = reader.run();
   for (const std::string& name : reader.two_angles_)
     pattern.notes.push_back(fmt::format(

@@ -102,9 +102,9 @@ double metres(const std::string& text) {
   return 0.0;
 }
 
-class Reader {
+class SvgReader {
  public:
-  Reader(const std::filesystem::path& file, const ReadOptions& options) : options_(options) { pattern_.file = file; }
+  SvgReader(const std::filesystem::path& file, const ReadOptions& options) : options_(options) { pattern_.file = file; }
 
   Pattern run() {
     const std::string text = text_of(pattern_.file);
@@ -230,7 +230,7 @@ class Reader {
 }  // namespace
 
 Pattern read_svg(const std::filesystem::path& file, const ReadOptions& options) {
-  return Reader(file, options).run();
+  return SvgReader(file, options).run();
 }
 
 }  // namespace voile::pattern

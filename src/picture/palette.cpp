@@ -9,7 +9,7 @@ namespace voile::picture {
 namespace {
 
 constexpr std::size_t most_colours = 256, most_sampled = 60'000;
-constexpr int cells = 32;  // of the table of nearest colours, along each axis
+constexpr int table_cells = 32;  // of the table of nearest colours, along each axis
 
 using Colours = std::vector<Bytes3>;
 
@@ -87,8 +87,8 @@ Reduced reduce(const Image& image) {
   Reduced result{median_cut(std::move(sampled)), {}};
   result.pixels.resize(count);
   constexpr std::array<int, 16> bayer{0, 8, 2, 10, 12, 4, 14, 6, 3, 11, 1, 9, 15, 7, 13, 5};
-  constexpr int width = 256 / cells;
-  std::vector<int> table(static_cast<std::size_t>(cells * cells * cells), -1);
+  constexpr int width = 256 / table_cells;
+  std::vector<int> table(static_cast<std::size_t>(table_cells * table_cells * table_cells), -1);
   for (int y = 0; y < image.height(); ++y)
     for (int x = 0; x < image.width(); ++x) {
       const std::uint8_t* p = image.at(x, y);
@@ -98,7 +98,7 @@ Reduced reduce(const Image& image) {
         cell[k] = std::clamp(p[k] + dither, 0, 255) / width;
         middle[k] = cell[k] * width + width / 2;
       }
-      int& known = table[static_cast<std::size_t>((cell[0] * cells + cell[1]) * cells + cell[2])];
+      int& known = table[static_cast<std::size_t>((cell[0] * table_cells + cell[1]) * table_cells + cell[2])];
       if (known < 0) known = nearest(result.palette, middle);
       result
           .pixels[static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width()) + static_cast<std::size_t>(x)] =

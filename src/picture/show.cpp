@@ -33,7 +33,7 @@ std::vector<Vec3f> single(const std::vector<Vec3>& points) {
   return result;
 }
 
-struct Box {
+struct Extent {
   Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity()), high = -low;
   void add(const Vec3& x) {
     low = low.cwiseMin(x);
@@ -59,14 +59,14 @@ Show::Show(const Recording& recording, std::vector<Moment> moments, ShowOptions 
 void Show::choose_scale() {
   scale_ = options_.scale.value_or(1.0);
   if (options_.scale || moments_.empty() || !recording_.parts()[moments_.front().part].modes) return;
-  Box box;
+  Extent box;
   for (const Vec3& x : recording_.state(moments_.front(), 0.0).positions) box.add(x);
   scale_ = mode_size * box.size();
 }
 
 /// What the pictures must hold, the height of the ground, the range of the field.
 void Show::survey() {
-  Box box;
+  Extent box;
   double lowest = std::numeric_limits<double>::infinity();
   std::pair<double, double> range{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
   std::vector<Vec3> bodies;

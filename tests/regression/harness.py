@@ -1,5 +1,6 @@
 """What the regression tests share: the list of tests, assertions, and runs in fresh folders."""
 
+import os
 import shutil
 import sys
 from pathlib import Path
@@ -8,7 +9,8 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "runs" / "lib"))
 
 from solver import ROOT, run, write_case  # noqa: E402
 
-OUT = ROOT / "results" / "regression"
+# Tests that run side by side have a folder each.
+OUT = Path(os.environ.get("VOILE_REGRESSION_FOLDER", ROOT / "results" / "regression"))
 TESTS = {}
 
 
@@ -41,7 +43,7 @@ class Report:
         self.check(abs(ratio - 1) <= limit, f"{what}: {100 * (ratio - 1):+.3f} % (limit {100 * limit:g} %)")
 
 
-def solve(name, case, ranks=2, options=(), timeout=1800):
+def solve(name, case, ranks=1, options=(), timeout=1800):
     """Runs a case (dictionaries) in a fresh folder; any exit code but 0 fails the test."""
     folder = OUT / name
     shutil.rmtree(folder, ignore_errors=True)

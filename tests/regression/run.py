@@ -3,6 +3,7 @@
 
     tests/regression/run.py               everything
     tests/regression/run.py annulus ranks some of it; --list names all
+    tests/regression/run.py --jobs 2      two tests at a time
 
 Published figures: Sze, Liu & Lo (2004), see runs/reference. Set VOILE to test another binary than build/voile.
 """
@@ -13,6 +14,7 @@ import importlib.machinery
 import importlib.util
 import json
 import math
+import os
 import re
 import shutil
 import signal
@@ -21,6 +23,7 @@ import sys
 import time
 import traceback
 import xml.etree.ElementTree as xml
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import h5py
@@ -102,7 +105,7 @@ def annulus(report):
     """12 x 120 cells one way, about 2400 vertices unstructured: 0.5 % at full load; union jack: 1 %; curves 1 %."""
     for name, pattern, end in (("one_way", 0, 0.005), ("unstructured", 2, 0.005), ("union_jack", 1, 0.01)):
         print(f" {name}")
-        result = solve(f"annulus_{name}", base("slit_annulus", mesh__parameters__pattern=pattern))
+        result = solve(f"annulus_{name}", base("slit_annulus", mesh__parameters__pattern=pattern), ranks=2)
         published(report, "slit_annulus", result, end, 0.01)
         report.near(abs(result.history["lip_force_z"][-1]), 3.2, 1e-5, "size of the reaction along z")
         if name == "unstructured":
@@ -957,10 +960,32 @@ def contact_pictures(report):
     report.check(code == 0 and (result.folder / "picture.png").is_file(), "voile render draws it" if code == 0 else said)
 
 
+def passes(name):
+    """Runs a test; whether it passes."""
+    print(f"{name}: {TESTS[name].__doc__}", flush=True)
+    report, begin = Report(), time.time()
+    try:
+        TESTS[name](report)
+    except (Failure, subprocess.TimeoutExpired, OSError, KeyError, json.JSONDecodeError, SystemExit) as error:
+        report.check(False, str(error) if isinstance(error, Failure) else traceback.format_exc(limit=2))
+    print(f"  {time.time() - begin:.1f} s", flush=True)
+    return report.failures == 0
+
+
+def passes_alone(name):
+    """The same in a process and a folder of its own; prints what it says in one piece."""
+    done = subprocess.run([sys.executable, __file__, name], env=os.environ | {"VOILE_REGRESSION_FOLDER": str(OUT / name)},
+                          text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+    said = done.stdout.splitlines()
+    print("\n".join(said[:-1] if done.returncode in (0, 1) else said), flush=True)  # the last line counts this one test
+    return done.returncode == 0
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("tests", nargs="*", help="names of tests; all by default")
     parser.add_argument("--list", action="store_true", help="name the tests and stop")
+    parser.add_argument("--jobs", type=int, default=1, help="tests that run side by side; 1 by default")
     arguments = parser.parse_args()
     if arguments.list:
         for name, function in TESTS.items():
@@ -970,18 +995,14 @@ def main():
     if unknown:
         parser.error(f"there is no test {', '.join(unknown)}; there are {', '.join(TESTS)}")
     OUT.mkdir(parents=True, exist_ok=True)
-    failed = []
-    for name in arguments.tests or TESTS:
-        print(f"{name}: {TESTS[name].__doc__}", flush=True)
-        report, begin = Report(), time.time()
-        try:
-            TESTS[name](report)
-        except (Failure, subprocess.TimeoutExpired, OSError, KeyError, json.JSONDecodeError, SystemExit) as error:
-            report.check(False, str(error) if isinstance(error, Failure) else traceback.format_exc(limit=2))
-        print(f"  {time.time() - begin:.1f} s", flush=True)
-        if report.failures:
-            failed.append(name)
-    total = len(arguments.tests or TESTS)
+    names = arguments.tests or list(TESTS)
+    if arguments.jobs > 1:
+        with ThreadPoolExecutor(arguments.jobs) as pool:
+            passed = list(pool.map(passes_alone, names))
+    else:
+        passed = [passes(name) for name in names]
+    failed = [name for name, good in zip(names, passed) if not good]
+    total = len(names)
     print(f"{total - len(failed)} regression tests passed, {len(failed)} failed" + (": " + ", ".join(failed) if failed else ""))
     return 1 if failed else 0
 

@@ -20,12 +20,6 @@ using adapt::Options;
 using adapt::Remeshed;
 using adapt::RestSurface;
 
-inline double total_area(const mesh::SurfaceMesh& m) {
-  double sum = 0.0;
-  for (Index t = 0; t < m.triangle_count(); ++t) sum += m.area(t);
-  return sum;
-}
-
 inline double group_area(const mesh::SurfaceMesh& m, const std::string& name) {
   double sum = 0.0;
   for (Index t : m.group(name).triangles) sum += m.area(t);

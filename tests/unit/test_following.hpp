@@ -2,6 +2,7 @@
 #pragma once
 
 #include "voile/solve/stepper.hpp"
+#include "voile/solve/time_integration.hpp"
 
 namespace voile::testing {
 
@@ -35,5 +36,14 @@ struct Report : solve::StepResult {
   Report(const system::State& s, const solve::StepResult& r, bool is_last)
       : solve::StepResult(r), step(s.step), load_factor(s.load_factor), last(is_last) {}
 };
+
+/// A motion with patience.
+inline solve::TimeOptions motion_options(double end, double step) {
+  solve::TimeOptions o;
+  o.end_time = end;
+  o.step = step;
+  o.target_iterations = 100;
+  return o;
+}
 
 }  // namespace voile::testing

@@ -134,4 +134,10 @@ inline mesh::MeshData mapped(mesh::MeshData d, const std::function<Vec3(const Ve
   return d;
 }
 
+inline double total_area(const mesh::SurfaceMesh& m) {
+  double sum = 0.0;
+  for (Index t = 0; t < m.triangle_count(); ++t) sum += m.area(t);
+  return sum;
+}
+
 }  // namespace voile::testing

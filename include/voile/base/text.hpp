@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <iterator>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -19,6 +21,11 @@ template <class List>
     text += fmt::format("{}", item);
   }
   return text;
+}
+
+template <class List, class Item>
+[[nodiscard]] bool contains(const List& list, const Item& item) {
+  return std::find(std::begin(list), std::end(list), item) != std::end(list);
 }
 
 /// What a terminal can show: other characters become question marks.

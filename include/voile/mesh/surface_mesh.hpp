@@ -64,6 +64,9 @@ struct Join {
   Mat3 turn = Mat3::Identity();  ///< takes directions in the neighbour's chart to that of the triangle
 };
 
+/// Area of a triangle in space [m^2].
+[[nodiscard]] double triangle_area(const Vec3& a, const Vec3& b, const Vec3& c);
+
 /// Immutable, oriented, manifold triangulation with boundary. Replicated on every rank.
 class SurfaceMesh {
  public:

@@ -35,12 +35,12 @@ struct Middle {
   explicit Middle(double share) : sheet(patches, materials, energy::assign_materials(mesh, materials), options(share)) {
     kernel = energy::MembraneTerm(sheet);
     Index t = 0;
-    const auto from_middle = [&](Index k) {
+    const auto from_middle = [&](Index k) -> Vec2 {
       return (mesh.start_corner(k, 0) + mesh.start_corner(k, 1) + mesh.start_corner(k, 2)).head<2>() / 3.0 -
              Vec2(0.5, 0.5);
     };
     for (Index k = 1; k < mesh.triangle_count(); ++k)
-      if (Vec2(from_middle(k)).norm() < Vec2(from_middle(t)).norm()) t = k;
+      if (from_middle(k).norm() < from_middle(t).norm()) t = k;
     area = mesh.area(t);
     energy::CurvatureBuilder builder(sheet);
     const energy::BendingElement bending = energy::make_bending_element(sheet, t, builder.build(t));

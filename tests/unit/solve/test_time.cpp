@@ -48,14 +48,6 @@ struct Falling {
   }
 };
 
-TimeOptions options(double end, double step) {
-  TimeOptions o;
-  o.end_time = end;
-  o.step = step;
-  o.target_iterations = 100;
-  return o;
-}
-
 /// Runs to the end; returns the final positions and velocities on every rank.
 template <class Problem>
 std::vector<double> integrate(Problem& p, const DynamicsOptions& d, const TimeOptions& o, const Look& look = {},
@@ -95,7 +87,7 @@ TEST_CASE("second order in time from a state with non-zero acceleration, for eve
       const double order = order_of(
           [&](int steps) {
             Falling f;
-            TimeOptions o = options(0.05, 0.05 / steps);
+            TimeOptions o = motion_options(0.05, 0.05 / steps);
             o.radius = radius;
             o.forces_at_end = at_end;
             return integrate(f, {}, o, {}, steps);
@@ -109,7 +101,7 @@ TEST_CASE("second order in time from a state with non-zero acceleration, for eve
 TEST_CASE("the first acceleration is that of the equations") {
   Falling f;
   Dynamics dynamics(f.model, {});
-  solve::TimeIntegration time(dynamics, options(1e-6, 1e-6));
+  solve::TimeIntegration time(dynamics, motion_options(1e-6, 1e-6));
   petsc::VecHandle a = f.model.dofs().create_vector();
   const Ended r = follow_from(state_of(f.u, f.v), time);
   REQUIRE(r.completed);
@@ -123,7 +115,7 @@ TEST_CASE("the first acceleration is that of the equations") {
 
 TEST_CASE("a run continued from its middle is the unbroken run") {
   Falling whole, part;
-  const TimeOptions all = options(0.04, 0.001);
+  const TimeOptions all = motion_options(0.04, 0.001);
   std::vector<double> u, v, a;
   int step = 0;
   double at = 0.0, next = 0.0;
@@ -177,7 +169,7 @@ TEST_CASE("a free sheet keeps its linear and angular momentum, and loses energy 
       DynamicsOptions d;
       d.mass = mass;
       Dynamics dynamics(f.model, d);
-      TimeOptions o = options(0.05, 0.0005);
+      TimeOptions o = motion_options(0.05, 0.0005);
       o.radius = radius;
       const Option rtol("-snes_rtol", "1e-10"), stol("-snes_stol", "1e-10");
       solve::TimeIntegration time(dynamics, o);
@@ -219,7 +211,7 @@ TEST_CASE("a plate in its first mode swings with the frequency of the mode") {
   const double period = 1.0 / modes.modes[0].value;
   VOILE_PETSC(VecAXPY(still.u, 1e-4, modes.modes[0].shape));
   const std::vector<double> begin = values_of(still.model, still.u);
-  TimeOptions o = options(period, period / 200.0);
+  TimeOptions o = motion_options(period, period / 200.0);
   o.radius = 1.0;
   const Option rtol("-snes_rtol", "1e-10");
   const std::vector<double> end = integrate(still, d, o);
@@ -234,8 +226,8 @@ TEST_CASE("a plate in its first mode swings with the frequency of the mode") {
 TEST_CASE("implicit and explicit motion agree") {
   Falling implicit_sheet, explicit_sheet;
   const double end = 0.02;
-  const std::vector<double> a = integrate(implicit_sheet, {}, options(end, end / 200));
-  TimeOptions o = options(end, end);
+  const std::vector<double> a = integrate(implicit_sheet, {}, motion_options(end, end / 200));
+  TimeOptions o = motion_options(end, end);
   o.method = TimeOptions::Method::central_difference;
   const std::vector<double> b = integrate(explicit_sheet, {}, o);
   double largest = 0.0;
@@ -278,7 +270,7 @@ TEST_CASE("damping: the mass-proportional one slows a drifting sheet as exp(-alp
   set_displacement(f.model, f.v, [](Index) { return Vec3(0.0, 0.0, 1.0); });
   DynamicsOptions d;
   d.mass_damping = 3.0;
-  const std::vector<double> end = integrate(f, d, options(0.5, 0.005));
+  const std::vector<double> end = integrate(f, d, motion_options(0.5, 0.005));
   const double expected = std::exp(-1.5);
   for (std::size_t i = end.size() / 2 + 2; i < end.size(); i += 3) CHECK(end[i] == relative(expected).epsilon(1e-3));
 }
@@ -311,7 +303,7 @@ TEST_CASE("a sheet that hangs and swings loses amplitude as its material's dampi
     REQUIRE(rate / omega > 0.01);
     REQUIRE(rate / omega < 0.1);
     const double period = 2.0 * M_PI / std::sqrt(omega * omega - rate * rate);
-    TimeOptions o = options(period, period / 200.0);
+    TimeOptions o = motion_options(period, period / 200.0);
     o.radius = 1.0;
     const Option rtol("-snes_rtol", "1e-10");
     /// What is left of the mode after a period.
@@ -339,7 +331,7 @@ TEST_CASE("damping of bending and membrane takes energy from a vibration") {
       return bending ? Vec3(0.0, 0.0, 0.1 * x * x) : Vec3(0.1 * x, 0.0, 0.0);
     });
     Dynamics dynamics(f.model, d);
-    TimeOptions o = options(bending ? 2.0 : 0.01, bending ? 0.02 : 1e-4);
+    TimeOptions o = motion_options(bending ? 2.0 : 0.01, bending ? 0.02 : 1e-4);
     o.radius = 1.0;
     const double before = dynamics.kinetic_energy(f.v);
     solve::TimeIntegration time(dynamics, o);
@@ -426,7 +418,7 @@ TEST_CASE("a falling sheet reaches its terminal velocity, one in the wind is car
     d.drag.tangential = tangential;
     d.drag.air_density = 1.2;
     d.drag.wind = wind;
-    const std::vector<double> end = integrate(f, d, options(6.0, 0.02));
+    const std::vector<double> end = integrate(f, d, motion_options(6.0, 0.02));
     std::vector<Vec3> v;
     for (std::size_t i = end.size() / 2; i < end.size(); i += 3) v.emplace_back(end[i], end[i + 1], end[i + 2]);
     return v;
@@ -452,7 +444,7 @@ TEST_CASE("supports move as functions of time say, and the load follows its hist
   d.load_history = [](double t) { return std::min(1.0, 10.0 * t); };
   double factor = -1.0;
   Dynamics dynamics(f.model, d);
-  solve::TimeIntegration time(dynamics, options(0.05, 0.001));
+  solve::TimeIntegration time(dynamics, motion_options(0.05, 0.001));
   const auto look = [&](const system::State& s, const solve::StepResult&) {
     const std::vector<Vec3> u = per_vertex(f.model, s.u);
     for (Index v : f.mesh.group("left").vertices) {
@@ -476,7 +468,7 @@ TEST_CASE("the step follows the error that is asked for") {
   std::vector<int> steps;
   for (const double tolerance : {1e-5, 1e-6}) {
     Falling f;
-    TimeOptions o = options(0.3, 1e-3);
+    TimeOptions o = motion_options(0.3, 1e-3);
     o.max_step = 0.1;
     o.step_error = tolerance;
     o.target_iterations = 1000;
@@ -498,7 +490,7 @@ TEST_CASE("the estimated error of a step is the error that it makes") {
   in.supports.clear();
   in.loads = {load(LoadKind::gravity, "", Vec3(0.0, 0.0, jerk))};
   Falling f(in);
-  TimeOptions o = options(end, 1e-3);
+  TimeOptions o = motion_options(end, 1e-3);
   o.max_step = 1.0;
   o.step_error = tolerance;
   o.target_iterations = 1000;
@@ -526,10 +518,10 @@ TEST_CASE("the estimated error of a step is the error that it makes") {
 TEST_CASE("options of TS are obeyed") {
   Falling f;
   const Option dt("-ts_dt", "0.002"), end("-ts_max_time", "0.01"), adapt("-ts_adapt_type", "none");
-  (void)integrate(f, {}, options(1.0, 0.1), {}, 5);
+  (void)integrate(f, {}, motion_options(1.0, 0.1), {}, 5);
   const Option type("-ts_type", "euler");
   Falling g;
   Dynamics dynamics(g.model, {});
-  solve::TimeIntegration time(dynamics, options(1.0, 0.1));
+  solve::TimeIntegration time(dynamics, motion_options(1.0, 0.1));
   CHECK_THROWS_AS((void)follow_from(state_of(g.u, g.v), time), UserError);
 }

@@ -86,14 +86,6 @@ std::size_t intersections(const system::Model& model, Vec u) {
   return geometry::intersecting_triangles(x, model.dofs().mesh().triangles()).size();
 }
 
-solve::TimeOptions options(double end, double step) {
-  solve::TimeOptions o;
-  o.end_time = end;
-  o.step = step;
-  o.target_iterations = 100;
-  return o;
-}
-
 /// Integrates and counts intersections after every step.
 Ended integrate(Problem& p, const system::DynamicsOptions& d, const solve::TimeOptions& o,
                 const std::function<void(const system::State&, system::Dynamics&)>& look = {}) {
@@ -184,7 +176,7 @@ TEST_CASE("free impact of two sheets without friction: momentum stays, nothing i
   double drift = 0.0;
   long most = 0;
   const Option rtol("-snes_rtol", "1e-10");
-  const Ended r = integrate(p, {}, options(0.06, 2e-3), [&](const system::State& state, system::Dynamics& d) {
+  const Ended r = integrate(p, {}, motion_options(0.06, 2e-3), [&](const system::State& state, system::Dynamics& d) {
     const Vec3 momentum = d.momentum(state.v);
     if (state.step == 0) first = momentum;
     drift = std::max(drift, (momentum - first).norm());
@@ -237,7 +229,7 @@ TEST_CASE("an obstacle that rushes through a resting sheet takes it along") {
   Obstacle piston = plane(-0.03);
   piston.motion = [](const Vec3&, double t) { return Vec3(0.0, 0.0, 20.0 * t); };
   Problem p(sheets(1, 6, 0.0), input({piston}, 0.02));
-  const Ended r = integrate(p, {}, options(0.05, 0.01));
+  const Ended r = integrate(p, {}, motion_options(0.05, 0.01));
   CHECK(r.completed);
   double lowest = 1e9;
   for (const Vec3& u : per_vertex(p.model, p.u)) lowest = std::min(lowest, u[2]);
@@ -248,7 +240,7 @@ TEST_CASE("a ball shot at a sheet does not pass through it") {
   Obstacle shot = ball(Vec3(0.5, 0.5, -0.4), 0.1);
   shot.motion = [](const Vec3&, double t) { return Vec3(0.0, 0.0, 40.0 * t); };
   Problem p(sheets(1, 8, 0.0), input({shot}, 0.02));
-  const Ended r = integrate(p, {}, options(0.02, 0.005));
+  const Ended r = integrate(p, {}, motion_options(0.02, 0.005));
   CHECK(r.completed);
   // The middle is still before the ball.
   double middle = -1e9;
@@ -264,7 +256,7 @@ TEST_CASE("what cannot be avoided ends the run and is named") {
   above.name = "press";
   above.motion = [](const Vec3&, double t) { return Vec3(0.0, 0.0, -t); };
   Problem p(sheets(1, 4, 0.0), input({plane(-0.03), above}, 0.02));
-  solve::TimeOptions o = options(0.1, 0.01);
+  solve::TimeOptions o = motion_options(0.1, 0.01);
   o.min_step = 1e-3;
   const Ended r = integrate(p, {}, o);
   CHECK(!r.completed);
@@ -363,7 +355,7 @@ TEST_CASE("a start inside the contact distance is let out gently") {
         p.model.contact()->begin_settling(p.u, residual(p), 0.0);
         CHECK(p.model.contact()->energy(p.u) == 0.0);
         double kinetic = 0.0, gap = 0.0;
-        const Ended r = integrate(p, {}, options(step < 0.01 ? 0.02 : 0.2, step),
+        const Ended r = integrate(p, {}, motion_options(step < 0.01 ? 0.02 : 0.2, step),
                                   [&](const system::State& state, system::Dynamics& dynamics) {
                                     kinetic = std::max(kinetic, dynamics.kinetic_energy(state.v));
                                     gap = p.model.contact()->report(state.u).gap;
@@ -453,7 +445,7 @@ TEST_CASE("an obstacle that yields gives way to what it pinches, until that is f
     in.loads = {load(LoadKind::gravity, "", Vec3(0.0, 0.0, -9.81))};
     Problem p(sheets(1, 8, 0.0), in);
     long most = 0, last = 0;
-    solve::TimeOptions o = options(0.3, 0.01);
+    solve::TimeOptions o = motion_options(0.3, 0.01);
     o.velocity_tolerance = 1e-3;
     const Ended r = integrate(p, {}, o, [&](const system::State&, system::Dynamics&) {
       last = system::yielding_count(p.model.contact()->memory());
@@ -532,7 +524,7 @@ TEST_CASE("a hem that ignores an obstacle lets it through, the rest of the sheet
     system::Model model(PETSC_COMM_WORLD, mesh, in);
     petsc::VecHandle u = model.dofs().create_vector(), v = model.dofs().create_vector();
     system::Dynamics dynamics(model, {});
-    solve::TimeIntegration time(dynamics, options(0.06, 0.005));
+    solve::TimeIntegration time(dynamics, motion_options(0.06, 0.005));
     REQUIRE(follow_from(state_of(u, v), time).completed);
     double lifted = 0.0;
     for (const Vec3& w : per_vertex(model, u)) lifted = std::max(lifted, w[2]);
@@ -559,7 +551,7 @@ TEST_CASE("a hem with friction of its own is taken along, where the sheet slips"
     system::Model model(PETSC_COMM_WORLD, mesh, in);
     petsc::VecHandle u = model.dofs().create_vector(), v = model.dofs().create_vector();
     system::Dynamics dynamics(model, {});
-    solve::TimeIntegration time(dynamics, options(0.1, 0.005));
+    solve::TimeIntegration time(dynamics, motion_options(0.1, 0.005));
     REQUIRE(follow_from(state_of(u, v), time).completed);
     return dynamics.momentum(v)[0];
   };

@@ -71,12 +71,6 @@ std::vector<Vec3> at_rest(const mesh::SurfaceMesh& mesh, const system::ModelInpu
   return f;
 }
 
-double total_area(const mesh::SurfaceMesh& mesh) {
-  double area = 0.0;
-  for (Index t = 0; t < mesh.triangle_count(); ++t) area += mesh.area(t);
-  return area;
-}
-
 /// Area vector of the surface from its boundary alone: 1/2 of the closed integral of x cross dx.
 Vec3 area_vector(const mesh::SurfaceMesh& mesh) {
   Vec3 total = Vec3::Zero();
