@@ -28,10 +28,11 @@ struct Commands {
 }  // namespace
 
 int main(int argc, char** argv) {
-  return app::command_program(argc, argv, "Pictures, animations and exchange of results",
-                              "the picture or the mesh is too large for this machine; make --size smaller",
-                              [](CLI::App& cli) {
-                                auto commands = std::make_shared<Commands>(cli);
-                                return [commands] { commands->act(); };
-                              });
+  return app::command_program(
+      argc, argv, "Pictures, animations and exchange of results",
+      "the picture or the mesh is too large for this machine; make --size smaller, or take fewer --steps",
+      [](CLI::App& cli) {
+        auto commands = std::make_shared<Commands>(cli);
+        return [commands] { commands->act(); };
+      });
 }

@@ -74,7 +74,10 @@ std::vector<std::string> read_texts(hid_t file, const std::string& name, const f
 
 StoredResults::StoredResults(const fs::path& path) : path_(path), file_(open_to_read(path)) {
   if (!file_.valid() || !has(file_, "voile") || !has(file_, "voile/steps"))
-    fail_reading(path, "this is not a results.vtkhdf that can be read");
+    fail_reading(
+        path,
+        "this is not a results.vtkhdf that can be read: it is of another program, damaged or not whole; copy it again, "
+        "or run again");
   if (const double layout = read_number(file_, "voile", "layout", path); layout != layout_version)
     fail_reading(path, fmt::format("it has layout {}, this program reads {}", layout, layout_version));
   complete_ = read_number(file_, "voile", "complete", path) != 0.0;

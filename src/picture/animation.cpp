@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>
@@ -144,12 +145,25 @@ class GifWriter : public AnimationWriter {
   GifFileType* gif_ = nullptr;
 };
 
+/// While it lives, writing to a pipe that nobody reads any more is an error that is returned, not the end of the program.
+class BrokenPipesReturn {
+ public:
+  BrokenPipesReturn() : before_(std::signal(SIGPIPE, SIG_IGN)) {}
+  ~BrokenPipesReturn() { (void)std::signal(SIGPIPE, before_); }
+  BrokenPipesReturn(const BrokenPipesReturn&) = delete;
+  BrokenPipesReturn& operator=(const BrokenPipesReturn&) = delete;
+
+ private:
+  void (*before_)(int);
+};
+
 /// Raw pictures through a pipe into ffmpeg.
 class Mp4Writer : public AnimationWriter {
  public:
   Mp4Writer(fs::path file, double rate) : file_(std::move(file)), rate_(rate) {
     if (std::system("command -v ffmpeg >/dev/null 2>&1") != 0)
       fail(file_, "MP4 needs the program ffmpeg, which is not there; install it, or take the ending .webp or .gif");
+    std::ofstream(file_) ? void() : fail(file_, "is the folder there?");
   }
   ~Mp4Writer() override {
     if (pipe_) (void)pclose(pipe_);
@@ -160,7 +174,8 @@ class Mp4Writer : public AnimationWriter {
   void add(const Image& frame) override {
     if (!pipe_) begin(frame);
     const std::size_t size = 3 * static_cast<std::size_t>(frame.width()) * static_cast<std::size_t>(frame.height());
-    if (std::fwrite(frame.at(0, 0), 1, size, pipe_) != size) fail(file_, "ffmpeg has ended early");
+    if (std::fwrite(frame.at(0, 0), 1, size, pipe_) != size)
+      fail(file_, "ffmpeg has ended early; is there room on the disk?");
   }
   void finish() override {
     if (!pipe_ || pclose(std::exchange(pipe_, nullptr)) != 0) fail(file_, "ffmpeg reports an error");
@@ -179,6 +194,7 @@ class Mp4Writer : public AnimationWriter {
   }
   fs::path file_;
   double rate_;
+  BrokenPipesReturn broken_pipes_return_;
   std::FILE* pipe_ = nullptr;
 };
 

@@ -53,7 +53,8 @@ std::vector<OkLab> smooth(const std::vector<OkLab>& points) {
 
 std::string number_text(double value, double step, double largest) {
   if (largest >= 1e5 || largest < 1e-3) {
-    const std::string text = fmt::format("{:.3g}", value);
+    const int digits = 1 + static_cast<int>(std::ceil(std::log10(largest / step) - 1e-9));
+    const std::string text = fmt::format("{:.{}g}", value, std::clamp(digits, 3, 15));
     return value == 0.0 ? "0" : text;
   }
   const int digits = std::clamp(static_cast<int>(std::ceil(-std::log10(step) - 1e-9)), 0, 9);

@@ -25,10 +25,28 @@ const std::vector<std::pair<std::string, Writer>>& writers() {
   return list;
 }
 
+const std::set<std::string> with_fields{"ply", "csv", "msh"};
+
 std::vector<Vec3f> single(const std::vector<Vec3>& points) {
   std::vector<Vec3f> result;
   for (const Vec3& x : points) result.push_back(x.cast<float>());
   return result;
+}
+
+/// Leaves out vertices of no triangle, as those of a floor: other programs take them into the extent of what they show.
+void leave_out_unused(Body& body) {
+  std::vector<Index> renumbered(body.positions.size(), -1);
+  for (const mesh::Triangle& t : body.triangles)
+    for (const Index v : t) renumbered[static_cast<std::size_t>(v)] = 0;
+  std::vector<Vec3f> used;
+  for (std::size_t v = 0; v < renumbered.size(); ++v)
+    if (renumbered[v] == 0) {
+      renumbered[v] = static_cast<Index>(used.size());
+      used.push_back(body.positions[v]);
+    }
+  for (mesh::Triangle& t : body.triangles)
+    for (Index& v : t) v = renumbered[static_cast<std::size_t>(v)];
+  body.positions = std::move(used);
 }
 
 }  // namespace
@@ -46,6 +64,8 @@ Exported export_results(const Recording& recording, const std::vector<Moment>& m
   if (!(options.rate > 0.0)) throw UserError(fmt::format("--rate {}: frames per second are more than 0", options.rate));
   for (const auto& [name, writer] : writers())
     if (name == options.format) {
+      if (!options.fields.empty() && !with_fields.contains(name))
+        throw UserError(fmt::format("--field: {} files have no fields; those of {} do", name, join(with_fields, ", ")));
       const Exporter exporter(recording, moments, options);
       Files files = writer(exporter);
       return {std::move(files), exporter.notes()};
@@ -64,9 +84,8 @@ Exporter::Exporter(const Recording& recording, const std::vector<Moment>& moment
   }
   if (options.tolerance && !(*options.tolerance > 0.0))
     throw UserError(fmt::format("--tolerance {}: it is more than 0 m", *options.tolerance));
-  bool changes = false;
-  for (std::size_t i = 1; i < moments.size(); ++i) changes = changes || !same_mesh(i);
-  if (changes && (options.one_mesh || options.format == "pc2" || options.format == "mdd"))
+  for (std::size_t i = 1; i < moments.size(); ++i) meshes_ += same_mesh(i) ? 0 : 1;
+  if (meshes_ > 1 && (options.one_mesh || options.format == "pc2" || options.format == "mdd"))
     one_mesh_ = std::make_unique<Resampled>(recording, moments, options.tolerance);
 }
 
@@ -103,6 +122,9 @@ void Exporter::put_on_one_mesh(Snapshot& s) const {
 }
 
 std::vector<std::string> Exporter::notes() const {
+  if (!one_mesh_ && meshes_ > 1)
+    return {fmt::format("{} meshes one after another in {} frames, as in the run; --one-mesh puts all on one", meshes_,
+                        size())};
   if (!one_mesh_) return {};
   std::string intersections = "nothing intersects";
   if (!intersecting_.empty())
@@ -121,8 +143,8 @@ Snapshot Exporter::snapshot(std::size_t i) const {
   const io::ObstacleTriangles& obstacles = recording_.parts()[moment.part].run.obstacles();
   s.bodies = {"bodies", single(s.state.obstacles), {}, obstacles.moves};
   if (options_.bodies) s.bodies.triangles = find_bodies(obstacles, s.state.obstacles, recording_.up()).triangles;
-  if (s.bodies.triangles.empty()) s.bodies.positions.clear();
   if (one_mesh_) put_on_one_mesh(s);
+  leave_out_unused(s.bodies);
   s.sheet = {"sheet", single(s.state.positions), s.state.mesh->data.triangles, true};
   return s;
 }

@@ -29,7 +29,6 @@ class Gltf {
     json_["scenes"] = Json::array({{{"nodes", Json::array()}}});
     for (const char* list : {"nodes", "meshes", "materials", "accessors", "bufferViews"}) json_[list] = Json::array();
     add_material("sheet", {66, 119, 178});
-    add_material("bodies", {196, 192, 186});
   }
 
   /// Positions of a body at the times of its frames.
@@ -117,6 +116,7 @@ std::vector<Vec3f> vertex_normals(const std::vector<Vec3f>& x, const std::vector
 void Gltf::add(const std::string& name, const std::vector<mesh::Triangle>& triangles,
                const std::vector<std::vector<Vec3f>>& frames, const std::vector<double>& times, int material,
                bool begins, bool ends) {
+  if (material == static_cast<int>(json_["materials"].size())) add_material("bodies", {196, 192, 186});
   const std::vector<Vec3f> base = turned(frames.front()), normals = vertex_normals(base, triangles);
   std::vector<std::uint32_t> corners;
   for (const mesh::Triangle& t : triangles)

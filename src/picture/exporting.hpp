@@ -60,6 +60,7 @@ class Exporter {
   void put_on_one_mesh(Snapshot& s) const;
 
   bool in_time_ = false;
+  std::size_t meshes_ = 1;  ///< that follow each other in the frames
   std::unique_ptr<Resampled> one_mesh_;
   mutable double distance_ = 0.0;       ///< largest of the snapshots so far [m]
   mutable std::set<int> intersecting_;  ///< numbers of those whose sheet intersects itself or a body

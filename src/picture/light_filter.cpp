@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <exception>
 #include <mutex>
+#include <system_error>
 #include <thread>
 
 namespace voile::picture {
@@ -24,7 +25,10 @@ void for_rows(int rows, int threads, const std::function<void(int)>& work) {
     }
   };
   std::vector<std::thread> others;
-  for (int i = 1; i < threads; ++i) others.emplace_back(loop);
+  try {
+    for (int i = 1; i < threads; ++i) others.emplace_back(loop);
+  } catch (const std::system_error&) {  // those that the machine gives do all rows
+  }
   loop();
   for (std::thread& t : others) t.join();
   if (failure) std::rethrow_exception(failure);

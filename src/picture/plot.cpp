@@ -125,6 +125,8 @@ Table read_table(const fs::path& place) {
     throw UserError(
         fmt::format("{}: there is no such table; give the output folder of a run, or a CSV file", table.file.string()));
   for (std::string line; std::getline(in, line);) {
+    if (line.find('\0') != std::string::npos)
+      throw UserError(fmt::format("{}: this is no CSV file: it is not text", table.file.string()));
     if (line.empty() || line[0] == '#') continue;
     const std::vector<std::string> row = cells(line);
     if (table.names.empty()) {

@@ -19,6 +19,7 @@ constexpr double sheet_crease = 75.0 / 57.29578, body_crease = 40.0 / 57.29578; 
 constexpr double mode_size = 0.12;   // of a mode as it is shown [sizes of the sheet]
 constexpr double near_bodies = 0.3;  // what of bodies is so near to the sheet is in the picture [sizes of the motion]
 constexpr std::size_t most_points = 1'500'000;
+constexpr int bar_ticks = 6;  // numbers at the colour bar, about
 
 const Bytes3 ink{38, 42, 48}, soft_ink{96, 102, 110};
 
@@ -169,7 +170,7 @@ Image Show::picture(const Moment& moment) const {
   const int views = options_.eye ? 1 : static_cast<int>(options_.views.size());
   const double line = line_height(image);
   // Several views leave a strip for the colour bar; a single one only keeps its subject out of it.
-  const int width = options_.width - (views > 1 && !label_.empty() ? static_cast<int>(6.0 * line) : 0);
+  const int width = options_.width - (views > 1 && !label_.empty() ? static_cast<int>(bar_room(line) + 1.6 * line) : 0);
   const int columns =
       std::clamp(static_cast<int>(std::ceil(std::sqrt(views * 0.75 * width / options_.height))), 1, views);
   const int rows = (views + columns - 1) / columns;
@@ -183,7 +184,7 @@ Image Show::picture(const Moment& moment) const {
     Frame frame{0.05, 0.95, 0.05, 0.95};
     const bool lettered = (options_.stamp || !options_.title.empty()) && y0 == 0;
     if (lettered || views > 1) frame.top += (lettered && views > 1 ? 2.6 : 1.6) * line / (y1 - y0);
-    if (!label_.empty() && views == 1) frame.right -= 4.6 * line / (x1 - x0);
+    if (!label_.empty() && views == 1) frame.right -= (bar_room(line) + 0.2 * line) / (x1 - x0);
     const Camera camera = fit_camera(view, up_, points_, static_cast<double>(x1 - x0) / (y1 - y0), frame);
     image.paste(render(scene, camera, x1 - x0, y1 - y0, options_.quality, options_.threads), x0, y0);
     if (views > 1)
@@ -208,15 +209,23 @@ void Show::letter(Image& image, const Moment& moment) const {
   draw_text(image, x, 1.5 * line, text, line, soft_ink, options_.title.empty() ? Align::left : Align::right);
 }
 
+/// From the colour bar to the right border: its numbers, on a picture whose lines are so high [pixels].
+double Show::bar_room(double line) const {
+  double widest = 0.0;
+  for (const auto& [value, text] : ticks(colours_.low, colours_.high, bar_ticks))
+    widest = std::max(widest, text_width(text, 0.85 * line));
+  return std::max(4.4 * line, widest + 1.6 * line);
+}
+
 void Show::draw_bar(Image& image) const {
   const double line = line_height(image);
   const int height = static_cast<int>(0.5 * image.height()), width = static_cast<int>(0.7 * line);
-  const int top = (image.height() - height) / 2, left = image.width() - static_cast<int>(4.4 * line);
+  const int top = (image.height() - height) / 2, left = image.width() - static_cast<int>(bar_room(line));
   for (int j = 0; j < height; ++j) {
     const float t = 1.0F - (static_cast<float>(j) + 0.5F) / static_cast<float>(height);
     image.fill(left, top + j, width, 1, to_bytes(colours_.map(t)));
   }
-  for (const auto& [value, text] : ticks(colours_.low, colours_.high, 6)) {
+  for (const auto& [value, text] : ticks(colours_.low, colours_.high, bar_ticks)) {
     const int y =
         top + height - 1 - static_cast<int>(std::lround(colours_.place(value) * static_cast<float>(height - 1)));
     image.fill(left + width, y, static_cast<int>(0.25 * line), std::max(1, static_cast<int>(line / 14.0)), ink);

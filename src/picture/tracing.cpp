@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <new>
 #include <numbers>
 
 #include "voile/base/error.hpp"
@@ -55,8 +56,7 @@ Rgb mix(const Rgb& a, const Rgb& b, float t) {
 Tracer::Tracer(const Scene& scene, const Camera& camera, int height, int threads)
     : scene_(scene), camera_(camera), up_(scene.up.cast<float>()), middle_(Vec3f::Zero()) {
   device_ = rtcNewDevice(fmt::format("threads={}", threads).c_str());
-  if (!device_)
-    throw InternalError(fmt::format("Embree does not start (error {})", static_cast<int>(rtcGetDeviceError(nullptr))));
+  check_device("start");
   rays_ = rtcNewScene(device_);
   rtcSetSceneFlags(rays_, RTC_SCENE_FLAG_ROBUST);
   Vec3f low = Vec3f::Constant(std::numeric_limits<float>::max()), high = -low;
@@ -75,6 +75,7 @@ Tracer::Tracer(const Scene& scene, const Camera& camera, int height, int threads
     }
   }
   rtcCommitScene(rays_);
+  check_device("take the scene");
   if (low[0] <= high[0]) {
     middle_ = 0.5F * (low + high);
     size_ = std::max((high - low).norm(), std::numeric_limits<float>::min());
@@ -83,6 +84,13 @@ Tracer::Tracer(const Scene& scene, const Camera& camera, int height, int threads
   // Over the viewer's left shoulder, but always from above.
   const Vec3f right = camera.right.cast<float>(), back = camera.back.cast<float>();
   lamp_ = (up_ - right * 0.95F + (back - back.dot(up_) * up_) * 0.6F).normalized();
+}
+
+void Tracer::check_device(const char* what) const {
+  const RTCError error = rtcGetDeviceError(device_);
+  if (error == RTC_ERROR_OUT_OF_MEMORY) throw std::bad_alloc();
+  if (!device_ || error != RTC_ERROR_NONE)
+    throw InternalError(fmt::format("Embree does not {} (error {})", what, static_cast<int>(error)));
 }
 
 Tracer::~Tracer() {

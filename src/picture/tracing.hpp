@@ -48,6 +48,8 @@ class Tracer {
 
  private:
   struct Corner;
+  /// Throws std::bad_alloc or InternalError if Embree has failed.
+  void check_device(const char* what) const;
   [[nodiscard]] bool blocked(const Vec3f& from, const Vec3f& direction, float far) const;
   [[nodiscard]] Rgb colour_at(const Surface& s, std::size_t t, const Eigen::Vector3f& bary, bool is_front,
                               float width) const;

@@ -14,6 +14,8 @@
 
 // The page, as the assembler has put it into the program (CMakeLists.txt).
 extern "C" const char voile_viewer[];
+// three.js with its OrbitControls; empty if it was not there when the program was built.
+extern "C" const char voile_three[];
 
 namespace voile::picture {
 
@@ -109,6 +111,8 @@ struct Shown {
 }  // namespace
 
 void write_viewer(const Recording& recording, const std::vector<Moment>& moments, const ViewerOptions& options) {
+  if (*voile_three == '\0')
+    throw UserError("view: this program was built without three.js; install it (package libjs-three) and build again");
   ExportOptions exported;
   exported.rate = options.rate;
   exported.bodies = options.bodies;
@@ -152,7 +156,7 @@ void write_viewer(const Recording& recording, const std::vector<Moment>& moments
     run["up"].push_back(recording.up()[k]);
   }
   std::string page = voile_viewer;
-  const std::string place = "/*RUN*/null";
+  const std::string three = "/*THREE*/", place = "/*RUN*/null";
   // Nothing of the run may end the script it stands in.
   std::string text;
   for (const char c : run.dump(-1, ' ', true, Json::error_handler_t::replace)) {
@@ -160,6 +164,7 @@ void write_viewer(const Recording& recording, const std::vector<Moment>& moments
     text += c;
   }
   page.replace(page.find(place), place.size(), text);
+  page.replace(page.find(three), three.size(), voile_three);
   OutFile out(options.output);
   Files files;
   out.stream() << page;

@@ -38,8 +38,10 @@ import placing  # noqa: E402, F401: adds its tests
 import robustness  # noqa: E402, F401: adds its tests
 import sewing  # noqa: E402, F401: adds its tests
 import picturing  # noqa: E402, F401: adds its tests
+import picture_mistakes  # noqa: E402, F401: adds its tests
 import remeshing  # noqa: E402, F401: adds its tests
 import staging  # noqa: E402, F401: adds its tests
+import viewing  # noqa: E402, F401: adds its tests
 from benchmarks import BENCHMARKS, compare  # noqa: E402
 from curves import Table, at_load  # noqa: E402
 from harness import OUT, TESTS, Failure, Report, solve, test  # noqa: E402

@@ -45,6 +45,7 @@ class Show {
   void add_bodies(const Moment& moment, const State& state, Scene& scene) const;
   [[nodiscard]] std::optional<FieldValues> values(const Moment& moment) const;
   void letter(Image& image, const Moment& moment) const;
+  [[nodiscard]] double bar_room(double line) const;
   void draw_bar(Image& image) const;
 
   const Recording& recording_;

@@ -1,4 +1,4 @@
-// A run as one HTML file that shows it in any browser with WebGL 2, without a network.
+// A run as one HTML file that shows it in any browser with WebGL, without a network.
 #pragma once
 
 #include <filesystem>

@@ -68,4 +68,8 @@ TEST_CASE("ticks are round numbers inside the range") {
   CHECK(t[2].second == "0.000");
   CHECK(ticks(0.0, 5e6, 5)[1].second == "1e+06");
   CHECK(ticks(1.0, 1.0, 5).size() == 1);
+  const auto near = ticks(-4.905e-6, -4.901e-6, 4);
+  REQUIRE(near.size() > 2);
+  CHECK(near[0].second == "-4.905e-06");
+  CHECK(near[0].second != near[1].second);
 }
