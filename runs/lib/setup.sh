@@ -108,7 +108,6 @@ build_in() {
   shift 2
   if [ ! -f "$folder/CMakeCache.txt" ]; then
     command -v ninja >/dev/null && generator=(-G Ninja)
-    generator+=(-DVOILE_UNITY=ON)
     command -v ccache >/dev/null && generator+=(-DCMAKE_C_COMPILER_LAUNCHER=ccache -DCMAKE_CXX_COMPILER_LAUNCHER=ccache)
   fi
   # Without these, ccache does not serve files that use precompiled headers.
