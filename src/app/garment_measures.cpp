@@ -4,6 +4,7 @@
 
 #include "contact_fields.hpp"
 #include "voile/base/mpi.hpp"
+#include "voile/base/text.hpp"
 #include "voile/mesh/weld.hpp"
 
 namespace voile::app {
@@ -18,15 +19,12 @@ std::vector<system::SeamTension> tensions(const input::Case& c, const system::Mo
   for (std::size_t v = 0; v < places.size(); ++v) places[v] += Eigen::Map<const Vec3>(&displacement[3 * v]);
   const std::vector<std::string> open = mesh::open_seams(mesh.data(), {"all"}),
                                  sewn = mesh::open_seams(mesh.data(), c.stage.sew);
-  const auto has = [](const std::vector<std::string>& names, const std::string& name) {
-    return std::find(names.begin(), names.end(), name) != names.end();
-  };
   std::vector<system::SeamTension> all;
   const std::string prefix = mesh::seam_group("");
   for (const mesh::Group& group : mesh.groups()) {
     if (group.dimension != 1 || !group.name.starts_with(prefix)) continue;
     const std::string name = group.name.substr(prefix.size());
-    if (has(open, name) && !has(sewn, name)) continue;
+    if (contains(open, name) && !contains(sewn, name)) continue;
     all.push_back(system::seam_tension(model.discretisation().sheet(), group, force, places));
     all.back().name = name;
   }

@@ -115,6 +115,11 @@ def frames_notes(report):
     moved = [x.copy() for x in path]
     moved[0][2] += [0.03, 0.04, 0]
     write_pc2(folder / "spike.pc2", moved)
+    code, notes = said()
+    report.check(len(notes) == 2 and "from frame 1" in notes[1] and "vertex 3" in notes[1] and "goes 0.05" in notes[1], f"a leap: {notes[1:]}")
+    for x in moved[1:]:
+        x[2] += [0.03, 0.04, 0]
+    write_pc2(folder / "spike.pc2", moved)
     for ranks in (1, 2, 3):
         code, notes = said(ranks=ranks)
         report.check(code == 0 and len(notes) == 1 and "vertex 3 (counted from 1) lies 0.05 m" in notes[0], f"another mesh, {ranks} rank(s): {notes}")
