@@ -6,11 +6,14 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <chrono>
 #include <functional>
 #include <new>
 #include <string>
+#include <thread>
 #include <vector>
 
+#include "launched_ranks.hpp"
 #include "voile/base/error.hpp"
 
 namespace voile::app {
@@ -36,20 +39,24 @@ inline void run_commands(int argc, char** argv, const char* what, const Declare&
   act();
 }
 
+/// Several ranks find the same mistakes: the first says so, and what has started them ends the others meanwhile.
+inline int fail(Exit code, const std::string& text) {
+  if (launched_rank().rank != 0) std::this_thread::sleep_for(std::chrono::seconds(1));
+  fmt::print(stderr, "voile: {}\n", text);
+  return static_cast<int>(code);
+}
+
 /// The exit code. `too_large`: what to do when memory is out.
 inline int command_program(int argc, char** argv, const char* what, const char* too_large, const Declare& declare) {
   try {
     run_commands(argc, argv, what, declare);
     return 0;
   } catch (const UserError& e) {
-    fmt::print(stderr, "voile: error: {}\n", e.what());
-    return static_cast<int>(Exit::user_error);
+    return fail(Exit::user_error, fmt::format("error: {}", e.what()));
   } catch (const std::bad_alloc&) {
-    fmt::print(stderr, "voile: error: out of memory: {}\n", too_large);
-    return static_cast<int>(Exit::user_error);
+    return fail(Exit::user_error, fmt::format("error: out of memory: {}", too_large));
   } catch (const std::exception& e) {
-    fmt::print(stderr, "voile: internal error: {}\n", e.what());
-    return static_cast<int>(Exit::internal_error);
+    return fail(Exit::internal_error, fmt::format("internal error: {}", e.what()));
   }
 }
 

@@ -8,27 +8,17 @@
 #include <filesystem>
 #include <string>
 
+#include "launched_ranks.hpp"
 #include "voile/base/error.hpp"
 
 namespace voile::app {
-
-namespace {
-
-/// What starts ranks tells each which it is.
-bool is_first_rank() {
-  for (const char* name : {"OMPI_COMM_WORLD_RANK", "PMIX_RANK", "PMI_RANK", "SLURM_PROCID"})
-    if (const char* rank = std::getenv(name)) return std::string(rank) == "0";
-  return true;
-}
-
-}  // namespace
 
 void delegate_command(int argc, char** argv) {
   if (argc < 2) return;
   const auto command = std::find_if(delegated_commands.begin(), delegated_commands.end(),
                                     [&](const DelegatedCommand& c) { return std::string(argv[1]) == c.name; });
   if (command == delegated_commands.end()) return;
-  if (!is_first_rank()) std::exit(0);
+  if (launched_rank().rank != 0 && !command->on_all_ranks) std::exit(0);
   std::error_code error;
   const std::filesystem::path program =
       std::filesystem::read_symlink("/proc/self/exe", error).parent_path() / command->program;

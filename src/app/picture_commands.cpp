@@ -8,6 +8,7 @@
 #include <set>
 #include <sstream>
 
+#include "picture_frames.hpp"
 #include "voile/base/error.hpp"
 #include "voile/base/text.hpp"
 #include "voile/picture/animation.hpp"
@@ -152,7 +153,9 @@ void RenderCommand::write_pictures(const picture::Recording& recording) const {
   const std::string steps = mode > 0 ? std::to_string(mode) : steps_.empty() ? "last" : steps_;
   const picture::Show show(recording, recording.select(steps), show_);
   const fs::path file = output_.empty() ? recording.folder() / "picture.png" : fs::path(output_);
+  const LaunchedRank own = launched_rank();
   for (std::size_t i = 0; i < show.moments().size(); ++i) {
+    if (!is_own(own, i)) continue;
     const fs::path name = show.moments().size() == 1 ? file : numbered(file, i);
     write_png(name, show.picture(show.moments()[i]));
     if (!quiet_) fmt::print("wrote {}\n", name.string());
@@ -171,11 +174,18 @@ void RenderCommand::write_animation(const picture::Recording& recording) const {
     moments = recording.select(steps_.empty() ? "all" : steps_);
   }
   const picture::Show show(recording, moments, show_);
-  const std::unique_ptr<picture::AnimationWriter> writer = picture::make_animation(animation_, rate_);
-  for (std::size_t i = 0; i < moments.size(); ++i) {
-    writer->add(show.picture(moments[i]));
-    if (!quiet_) fmt::print(stderr, "\rframe {} of {}", i + 1, moments.size());
-  }
+  const LaunchedRank own = launched_rank();
+  const bool writes = own.rank == 0;
+  const std::unique_ptr<picture::AnimationWriter> writer =
+      writes ? picture::make_animation(animation_, rate_) : nullptr;
+  SharedFrames(animation_, own)
+      .run(
+          moments.size(), [&](std::size_t i) { return show.picture(moments[i]); },
+          [&](std::size_t i, const picture::Image& image) {
+            writer->add(image);
+            if (!quiet_) fmt::print(stderr, "\rframe {} of {}", i + 1, moments.size());
+          });
+  if (!writes) return;
   if (!quiet_) fmt::print(stderr, "\n");
   writer->finish();
   if (!quiet_) fmt::print("wrote {}\n", animation_);

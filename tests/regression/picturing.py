@@ -247,6 +247,24 @@ def pictures(report):
     report.check(draw("render", OUT / "pictures_killed", "--output", png, *small)[0] == 0, "a run that was killed")
 
 
+@test
+def pictures_by_ranks(report):
+    """Ranks divide pictures and frames, which are the same to the last bit, and leave nothing else behind."""
+    done = solve("pictures_by_ranks", strip("dynamic", time__end=0.1), 1)
+    small = ("--size", "160x120", "--quality", "draft", "--field", "displacement:z")
+    files = {}
+    for ranks in (1, 3):
+        folder = fresh(f"pictures_by_{ranks}")
+        folder.mkdir()
+        for words in (("--steps", "all", "--output", folder / "step.png"), ("--animation", folder / "steps.gif")):
+            code, said = invoke(["render", done.folder, *words, *small], ranks)[:2]
+            report.check(code == 0, f"{words[0]} on {ranks} rank(s)" if code == 0 else said)
+        files[ranks] = {file.name: file.read_bytes() for file in folder.iterdir()}
+    report.check(len(files[1]) > 3 and files[1] == files[3], f"{len(files[1])} files are the same by one and three ranks")
+    code, said = invoke(["render", done.folder, "--field", "nothing"], 3)[:2]
+    report.check(code == 2 and said.count("voile: error") == 1, "a mistake is said once")
+
+
 def film_of(file):
     """Size, rate and frames (frames x rows x columns x 3) of a film, by ffmpeg."""
     said = subprocess.run(["ffprobe", "-v", "error", "-show_entries", "stream=width,height,r_frame_rate", "-of", "json", file], text=True, capture_output=True).stdout

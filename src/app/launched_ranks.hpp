@@ -1,0 +1,16 @@
+// What the program that starts ranks tells each of them, for commands that do without MPI; private to src/app.
+#pragma once
+
+#include <string>
+
+namespace voile::app {
+
+struct LaunchedRank {
+  int rank = 0, size = 1;
+  std::string job;  ///< one name for all ranks that were started together; empty: unknown, and the size then 1
+};
+
+/// From the environment of Open MPI, or of MPICH and its kin.
+[[nodiscard]] LaunchedRank launched_rank();
+
+}  // namespace voile::app

@@ -1,0 +1,65 @@
+#include "picture_frames.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <chrono>
+#include <thread>
+
+#include "voile/base/error.hpp"
+
+namespace voile::app {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+/// So long the first rank waits for a frame of another before it draws it itself.
+constexpr std::chrono::seconds longest_wait{120};
+constexpr std::chrono::milliseconds look_again{20};
+
+std::string as_file_name(std::string text) {
+  std::replace_if(
+      text.begin(), text.end(), [](unsigned char c) { return std::isalnum(c) == 0; }, '_');
+  return text;
+}
+
+}  // namespace
+
+SharedFrames::SharedFrames(const fs::path& animation, LaunchedRank own)
+    : own_(std::move(own)), folder_(animation.string() + ".frames_" + as_file_name(own_.job)) {}
+
+fs::path SharedFrames::file_of(std::size_t frame) const {
+  return folder_ / fmt::format("{:06d}.png", frame);
+}
+
+picture::Image SharedFrames::fetch(std::size_t frame, const Draw& draw) const {
+  const fs::path file = file_of(frame);
+  for (auto waited = look_again * 0; waited < longest_wait; waited += look_again) {
+    if (fs::exists(file)) return picture::read_png(file);
+    std::this_thread::sleep_for(look_again);
+  }
+  return draw(frame);
+}
+
+void SharedFrames::run(std::size_t count, const Draw& draw, const Take& take) const {
+  if (own_.size > 1) {
+    std::error_code error;
+    fs::create_directories(folder_, error);
+    if (error) throw UserError(fmt::format("{}: {}", folder_.string(), error.message()));
+  }
+  for (std::size_t i = 0; i < count; ++i) {
+    if (own_.rank == 0) {
+      take(i, is_own(own_, i) ? draw(i) : fetch(i, draw));
+    } else if (is_own(own_, i)) {
+      const fs::path begun = file_of(i).replace_extension(".part");
+      write_png(begun, draw(i));
+      fs::rename(begun, file_of(i));  // so that no half picture is fetched
+    }
+  }
+  std::error_code gone_already;
+  if (own_.size > 1 && own_.rank == 0) fs::remove_all(folder_, gone_already);
+}
+
+}  // namespace voile::app
