@@ -10,6 +10,7 @@
 #include "mesh_transfer.hpp"
 #include "voile/base/error.hpp"
 #include "voile/base/mpi.hpp"
+#include "voile/base/text.hpp"
 #include "voile/mesh/weld.hpp"
 #include "voile/system/attachments.hpp"
 
@@ -54,10 +55,8 @@ std::string stretch_text(const mesh::SurfaceMesh& mesh, const std::vector<double
 
 /// The group of a support that holds a vertex; empty if none does.
 std::string holder_of(const input::Case& c, const mesh::SurfaceMesh& mesh, Index vertex) {
-  for (const system::Support& s : c.supports) {
-    const std::vector<Index>& held = mesh.group(s.group).vertices;
-    if (std::binary_search(held.begin(), held.end(), vertex)) return s.group;
-  }
+  for (const system::Support& s : c.supports)
+    if (contains(mesh.group(s.group).vertices, vertex)) return s.group;
   return "";
 }
 
