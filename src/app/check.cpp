@@ -94,7 +94,7 @@ void check(const input::Case& whole) {
   const petsc::VecHandle start = model.dofs().create_vector();
   if (!c.mesh.start.empty()) model.dofs().scatter(start_shape(c, mesh), start);
   const system::TriangleFields at_rest = model.triangle_fields(start);
-  for (const Stage& stage : stages) check_remesh(stage.c, mesh);
+  check_remesh(c, mesh);
   std::string outlook;
   if (c.remesh.active) {
     const auto first = std::make_shared<const mesh::SurfaceMesh>(mesh.data());

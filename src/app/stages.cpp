@@ -10,6 +10,7 @@
 #include "free_motions.hpp"
 #include "model_input.hpp"
 #include "probes.hpp"
+#include "remesher.hpp"
 #include "voile/base/error.hpp"
 #include "voile/base/mpi.hpp"
 #include "voile/base/text.hpp"
@@ -165,6 +166,7 @@ void check_stage(const Stage& stage, const mesh::SurfaceMesh& mesh) try {
   if (stage.c.analysis == "modal" || stage.c.analysis == "dynamic") system::require_mass(model);
   (void)check_free_motions(stage.c, model);
   (void)Probes(stage.c, model);
+  check_remesh(stage.c, mesh);
 } catch (const UserError& e) {
   throw UserError(fmt::format("stage '{}': {}", stage.c.stage.name, e.what()));
 }
