@@ -1,6 +1,6 @@
-// voile-gmsh: reads what only the Gmsh library can, for src/io/gmsh.cpp, and fills polygons, for src/io/gmsh_polygon.cpp;
-// answers with the mesh as bytes. A program of
-// its own, so that the solver starts without the libraries for X and OpenGL that Gmsh needs.
+// voile-gmsh: reads what only the Gmsh library can, for src/io/gmsh.cpp and gmsh_view.cpp, and fills polygons, for
+// src/io/gmsh_polygon.cpp; answers with bytes. A program of its own, so that the solver starts without the libraries for
+// X and OpenGL that Gmsh needs.
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -16,6 +16,7 @@
 #include "../io/mesh_bytes.hpp"
 #include "gmsh_polygons.hpp"
 #include "gmsh_session.hpp"
+#include "gmsh_views.hpp"
 #include "voile/base/child_process.hpp"
 #include "voile/base/error.hpp"
 #include "voile/base/text.hpp"
@@ -339,6 +340,8 @@ int main(int argc, char** argv) {
   const std::vector<std::string> words(argv, argv + argc);
   return voile::answer_to_parent([&] {
     if (argc == 1) return voile::io::version();
-    return words.at(2) == "polygons" ? voile::io::fill_polygons(words.at(1)) : voile::io::read(words);
+    if (words.at(2) == "polygons") return voile::io::fill_polygons(words.at(1));
+    if (words.at(2) == "view") return voile::io::view_at_points(words.at(1));
+    return voile::io::read(words);
   });
 }

@@ -65,7 +65,7 @@ adapt::SizeOptions options_of(const Stage& stage, const mesh::SurfaceMesh& first
 }  // namespace
 
 /// Upper bounds on rank 0 from contact, velocity and the user's fields.
-std::vector<double> Remesher::bounds(Epoch& epoch, const std::vector<double>& curvature_squared) const {
+std::vector<double> Remesher::bounds(Epoch& epoch, const std::vector<double>& curvature_squared) {
   const system::Dofs& dofs = epoch.model().dofs();
   const mesh::SurfaceMesh& mesh = dofs.mesh();
   const auto vertices = static_cast<std::size_t>(mesh.vertex_count());
@@ -98,6 +98,11 @@ std::vector<double> Remesher::bounds(Epoch& epoch, const std::vector<double>& cu
       const double h = bound_(mesh.positions()[v]);
       if (std::isfinite(h) && h > 0.0) bound[v] = std::min(bound[v], h);
     }
+  mpi::on_root(dofs.comm(), [&] {
+    if (!background_) return;
+    const std::vector<double> sizes = background_->at(mesh.positions());
+    for (std::size_t v = 0; v < vertices; ++v) bound[v] = std::min(bound[v], sizes[v]);
+  });
   return bound;
 }
 
@@ -173,6 +178,8 @@ void check_remesh(const input::Case& c, const mesh::SurfaceMesh& mesh) {
       throw UserError(fmt::format("{}: [remesh] frozen: '{}': {}", c.file.string(), name, e.what()));
     }
   }
+  if (!c.remesh.background.empty())
+    mpi::on_root(PETSC_COMM_WORLD, [&] { (void)BackgroundSize(c).at(mesh.positions()); });
   const auto check = [&](const char* what, const std::string& group, const char* remedy) {
     if (group.empty() || mesh.group(group).dimension == 0) return;
     throw UserError(

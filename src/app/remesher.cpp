@@ -73,6 +73,7 @@ Remesher::Remesher(const Stage& stage, std::shared_ptr<const mesh::SurfaceMesh> 
   mpi::on_root(PETSC_COMM_WORLD, [&] {
     rest_.emplace(*first_);
     if (!keys_.size.empty()) bound_ = input::size_expression(keys_.size);
+    if (!keys_.background.empty()) background_.emplace(stage_.c);
   });
 }
 

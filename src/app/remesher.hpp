@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "background_size.hpp"
 #include "epoch.hpp"
 #include "stages.hpp"
 #include "voile/adapt/remesh.hpp"
@@ -51,7 +52,7 @@ class Remesher {
   /// Steps between two looks.
   [[nodiscard]] int every() const;
   [[nodiscard]] std::vector<double> wanted_sizes(Epoch& epoch);
-  [[nodiscard]] std::vector<double> bounds(Epoch& epoch, const std::vector<double>& curvature_squared) const;
+  [[nodiscard]] std::vector<double> bounds(Epoch& epoch, const std::vector<double>& curvature_squared);
   [[nodiscard]] adapt::Limits limits(Epoch& epoch) const;
   struct Made;
   [[nodiscard]] Made make_mesh(Epoch& epoch, const std::vector<double>& size, bool only_splits);
@@ -75,6 +76,7 @@ class Remesher {
   std::optional<io::HistoryWriter> table_;  ///< rank 0
   std::vector<double> size_;                ///< found by due()
   std::function<double(const Vec3&)> bound_;
+  std::optional<BackgroundSize> background_;  ///< rank 0
   double seconds_ = 0.0;
   int count_ = 0, refused_ = 0, at_end_ = 0;
 };
@@ -83,7 +85,7 @@ class Remesher {
 [[nodiscard]] double cpu_clock();
 
 /// Throws UserError where a case means vertices that a remeshing would multiply: forces, masses and springs at every
-/// vertex of a curve or surface. Not collective.
+/// vertex of a curve or surface; and for a size field that cannot be read. Collective.
 void check_remesh(const input::Case& c, const mesh::SurfaceMesh& mesh);
 
 /// Names the vertices that probes at points record, as groups "probe NAME", so that they stay. Not collective.

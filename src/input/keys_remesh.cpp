@@ -42,6 +42,13 @@ std::vector<Key> keys_of(RemeshSection& s) {
        .meaning = "Expression of x, y and z at the start: an upper bound of the edge length there [m], e.g. "
                   "`0.01 + 0.1*x`.",
        .absent = "none"},
+      {.name = "background",
+       .slot = &s.background,
+       .meaning =
+           "Field of Gmsh (`.pos`, one view of numbers): an upper bound of the edge length by place at the start. "
+           "Places and lengths are those of the mesh file, whose `scale`, `translate`, `rotate` and `up_axis` "
+           "hold for it too.",
+       .absent = "none"},
       {.name = "frozen",
        .slot = Words{&s.frozen, {}},
        .meaning = "Physical surfaces that are left as they are.",

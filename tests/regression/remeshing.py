@@ -181,6 +181,44 @@ def remesh_forces(report):
         report.percent(result.history[name][-1] / fine.history[name][-1], 0.01, f"{name}: {fine.history[name][-1]:.4g}")
 
 
+FIELD = """View "size" {
+ST(0, 0, 0, 10, 0, 0, 10, 1, 0){%s, %s, %s};
+ST(0, 0, 0, 10, 1, 0, 0, 1, 0){%s, %s, %s};
+};
+"""
+
+
+@test
+def remesh_background(report):
+    """A size field of Gmsh gives the mesh that the same expression gives, in the unit and place of the mesh file."""
+    keys = {"angle": 20.0, "smallest": 0.05, "largest": 0.5, "every": 1}
+    still = {"load": [], "time__end": 0.02}
+    meshes = {}
+    (OUT / "remesh_background.pos").write_text(FIELD % ((0.1, 0.4, 0.4) + (0.1, 0.4, 0.1)))
+    (OUT / "remesh_background_mm.pos").write_text(FIELD.replace("10", "10000").replace("1,", "1000,") % ((100, 400, 400) + (100, 400, 100)))
+    for name, change in {"expression": {"size": "0.1 + 0.03*x"}, "field": {"background": "remesh_background.pos"}}.items():
+        done = solve(f"remesh_background_{name}", swinging(remesh=keys | change, **still), 2 if name == "field" else 1)
+        report.check(done.code == 0 and done.history["remeshings"][-1] >= 1, f"{name}: code {done.code}")
+        meshes[name] = list(Results(done.folder))[-1]["displacement"]
+    report.check(meshes["field"].shape == meshes["expression"].shape and len(meshes["field"]) > 60,
+                 f"the same meshes: {len(meshes['field'])} and {len(meshes['expression'])} vertices")
+    moved = swinging(remesh=keys | {"background": "remesh_background_mm.pos"}, **still)
+    moved["mesh"] |= {"scale": 1e-3, "translate": [5.0, 0.0, 2.0], "rotate": [0.0, 0.0, 90.0],
+                      "parameters": moved["mesh"]["parameters"] | {"length": 1e4, "width": 1e3}}
+    moved.pop("probe")
+    done = solve("remesh_background_moved", moved, 1)
+    count = int(done.history["vertices"][-1])
+    report.check(abs(count - len(meshes["field"])) <= 0.02 * count, f"in millimetres and elsewhere: {count} vertices")
+    for number, (words, text) in enumerate((("there is no such file", None), ("0 views", "// nothing\n"), ("positive length", FIELD % ((0.1,) * 5 + (0,))),
+                                            ("of the kind VT", FIELD.replace("ST", "VT") % ((0.1,) * 6)), ("System", 'System "true";\n'),
+                                            ("no elements", 'View "size" {\n};\n'), ("Gmsh", 'View "size" {\nST(0, 0'))):
+        if text is not None:
+            (OUT / f"remesh_background_{number}.pos").write_text(text)
+        file = write_case(swinging(remesh=keys | {"background": f"remesh_background_{number}.pos"}), OUT / f"remesh_background_{number}.toml")
+        for code, said in (invoke(["check", file]), invoke(["run", file, "--output", fresh("remesh_background_wrong")], 2)):
+            report.check(code == 2 and words in said, f"code {code}: {said.strip().splitlines()[-1][:140]}")
+
+
 @test
 def remesh_mistakes(report):
     """What cannot be remeshed ends with code 2 and names the key."""
@@ -192,9 +230,13 @@ def remesh_mistakes(report):
             ("smallest", strip(remesh=SIZES | {"smallest": 0.6})),
             ("size", strip(remesh=SIZES | {"size": "0.1 + "})),
             ("size", strip(remesh=SIZES | {"size": "0.1*w"})),
+            ("background", strip(remesh=SIZES | {"background": "field.msh"})),
             ("[[load]] of type point", strip(remesh=SIZES, load=[tip_force])))):
         file = write_case(case, OUT / f"remesh_mistake_{number}.toml")
         for ranks in (1, 2):
             result = run(file, fresh("remesh_mistake"), ranks)
             report.check(result.code == 2 and words in result.text, f"{ranks} rank(s), code {result.code}: {result.text.splitlines()[-1][:110]}")
         report.check(invoke(["check", file])[0] == 2, "and `check` says so too")
+    later = staged([stage("first", "static"), stage("second", "static", remesh=SIZES)], load=[tip_force])
+    result = run(write_case(later, OUT / "remesh_mistake_later.toml"), fresh("remesh_mistake_later"), 1)
+    report.check(result.code == 2 and "stage 'second': " in result.text and not (result.folder / "first").exists(), "of a later stage before the first")

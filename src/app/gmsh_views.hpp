@@ -1,0 +1,11 @@
+// Values of Gmsh's views; private to the program voile-gmsh.
+#pragma once
+
+#include <string>
+
+namespace voile::io {
+
+/// For src/io/gmsh_view.cpp: reads its message, answers with a value for each point as bytes. Throws UserError.
+[[nodiscard]] std::string view_at_points(const std::string& message_file);
+
+}  // namespace voile::io

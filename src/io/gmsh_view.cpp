@@ -1,0 +1,24 @@
+#include "voile/io/gmsh_view.hpp"
+
+#include "gmsh_message.hpp"
+#include "voile/base/bytes.hpp"
+#include "voile/base/child_process.hpp"
+#include "voile/io/geo_safety.hpp"
+
+namespace voile::io {
+
+std::vector<double> view_values(const std::string& file, const std::vector<Vec3>& points) {
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(file, ignored)) throw UserError(fmt::format("{}: there is no such file", file));
+  refuse_dangerous_commands(file);
+  ByteWriter out;
+  out.put(file);
+  out.put(points);
+  const Message message(out.take());
+  ByteReader in(run_beside(file, "voile-gmsh", {message.path(), "view"}));
+  std::vector<double> values;
+  in.get(values);
+  return values;
+}
+
+}  // namespace voile::io
