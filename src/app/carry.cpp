@@ -1,6 +1,7 @@
 #include "carry.hpp"
 
 #include "voile/base/mpi.hpp"
+#include "voile/system/contact.hpp"
 
 namespace voile::app {
 

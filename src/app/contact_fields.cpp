@@ -3,6 +3,7 @@
 #include <cmath>
 #include <utility>
 
+#include "voile/system/contact.hpp"
 #include "voile/system/ease.hpp"
 
 namespace voile::app {

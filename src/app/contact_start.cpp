@@ -7,6 +7,7 @@
 #include "obstacles.hpp"
 #include "voile/base/error.hpp"
 #include "voile/base/mpi.hpp"
+#include "voile/system/contact.hpp"
 #include "voile/untangle/untangle.hpp"
 
 namespace voile::app {

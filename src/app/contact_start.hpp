@@ -4,6 +4,10 @@
 #include "voile/app/run.hpp"
 #include "voile/input/case.hpp"
 
+namespace voile::system {
+class Contact;
+}  // namespace voile::system
+
 namespace voile::app {
 
 /// What `check` finds of the start: throws UserError as settle_start does, but only says what untangle is there for,

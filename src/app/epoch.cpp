@@ -10,6 +10,7 @@
 #include "voile/solve/path_following.hpp"
 #include "voile/solve/single_step.hpp"
 #include "voile/solve/time_integration.hpp"
+#include "voile/system/contact.hpp"
 
 namespace voile::app {
 

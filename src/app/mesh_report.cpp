@@ -8,6 +8,7 @@
 
 #include "voile/base/petsc.hpp"
 #include "voile/energy/curvature.hpp"
+#include "voile/energy/sheet.hpp"
 #include "voile/mesh/coincident.hpp"
 #include "voile/mesh/panels.hpp"
 #include "voile/mesh/quality.hpp"

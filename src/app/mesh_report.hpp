@@ -9,6 +9,10 @@
 #include "voile/input/case.hpp"
 #include "voile/mesh/surface_mesh.hpp"
 
+namespace voile::energy {
+class Sheet;
+}  // namespace voile::energy
+
 namespace voile::app {
 
 /// One value per triangle, on rank 0.

@@ -13,6 +13,7 @@
 #include "voile/base/text.hpp"
 #include "voile/io/mesh_file.hpp"
 #include "voile/io/triangle_file.hpp"
+#include "voile/system/contact.hpp"
 
 namespace voile::app {
 

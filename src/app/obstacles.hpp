@@ -11,6 +11,10 @@
 #include "voile/input/case.hpp"
 #include "voile/io/results.hpp"
 
+namespace voile::system {
+class Contact;
+}  // namespace voile::system
+
 namespace voile::app {
 
 /// Obstacles that were read, by name, for the epochs and stages of a run.

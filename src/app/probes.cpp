@@ -6,6 +6,7 @@
 #include <array>
 
 #include "voile/base/error.hpp"
+#include "voile/system/contact.hpp"
 #include "voile/system/ease.hpp"
 
 namespace voile::app {

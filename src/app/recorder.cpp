@@ -13,6 +13,7 @@
 #include "voile/base/error.hpp"
 #include "voile/base/mpi.hpp"
 #include "voile/base/text.hpp"
+#include "voile/system/contact.hpp"
 #include "voile/system/ease.hpp"
 
 namespace voile::app {

@@ -12,6 +12,7 @@
 #include "voile/app/run.hpp"
 #include "voile/io/results.hpp"
 #include "voile/solve/stepper.hpp"
+#include "voile/system/contact_report.hpp"
 #include "voile/system/dynamics.hpp"
 #include "voile/system/model.hpp"
 #include "voile/system/state.hpp"

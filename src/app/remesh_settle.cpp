@@ -35,7 +35,7 @@ double Remesher::negligible_energy(const Epoch& epoch) {
   constexpr double strain = 1e-5;
   double stiffness = 0.0;
   const system::Discretisation& on = epoch.model().discretisation();
-  for (const energy::Material& m : on.sheet().materials()) stiffness = std::max(stiffness, m.membrane.trace());
+  for (const energy::Material& m : on.materials()) stiffness = std::max(stiffness, m.membrane.trace());
   return 0.5 * stiffness * strain * strain * on.mean_area() * on.mesh().triangle_count();
 }
 

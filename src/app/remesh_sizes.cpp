@@ -10,6 +10,7 @@
 #include "voile/base/error.hpp"
 #include "voile/base/mpi.hpp"
 #include "voile/input/expression.hpp"
+#include "voile/system/contact.hpp"
 
 namespace voile::app {
 

@@ -16,6 +16,7 @@
 #include "voile/base/mpi.hpp"
 #include "voile/input/expression.hpp"
 #include "voile/solve/load_path.hpp"
+#include "voile/system/contact.hpp"
 
 namespace voile::app {
 

@@ -26,6 +26,7 @@
 #include "stages.hpp"
 #include "voile/base/interrupt.hpp"
 #include "voile/base/mpi.hpp"
+#include "voile/system/contact.hpp"
 
 namespace voile::app {
 

@@ -13,7 +13,7 @@ namespace {
 double round_off_of(const system::Model& model) {
   const double cell = model.discretisation().mean_area();
   double stiffness = 0.0, distance = model.dofs().mesh().extent();
-  for (const energy::Material& m : model.discretisation().sheet().materials())
+  for (const energy::Material& m : model.discretisation().materials())
     stiffness = std::max(stiffness, m.membrane.norm() + m.bending.norm() / cell);
   for (const Vec3& x : model.dofs().mesh().positions()) distance = std::max(distance, x.norm());
   return std::numeric_limits<double>::epsilon() * stiffness * distance *

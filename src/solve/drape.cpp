@@ -11,6 +11,7 @@
 #include "voile/base/interrupt.hpp"
 #include "voile/solve/inverse_iteration.hpp"
 #include "voile/solve/stall.hpp"
+#include "voile/system/contact.hpp"
 
 namespace voile::solve {
 

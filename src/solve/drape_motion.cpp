@@ -7,6 +7,7 @@
 
 #include "voile/base/interrupt.hpp"
 #include "voile/solve/time_integration.hpp"
+#include "voile/system/contact.hpp"
 #include "voile/system/dynamics.hpp"
 
 namespace voile::solve {

@@ -115,7 +115,7 @@ int wanted(EPS eps) {
 /// A shift below the lowest mode of a plate as large as the model, so that K + shift M can be factored for free bodies.
 double small_shift(const system::Model& model) {
   double stiffness = 0.0, density = 0.0;
-  for (const energy::Material& m : model.discretisation().sheet().materials()) {
+  for (const energy::Material& m : model.discretisation().materials()) {
     stiffness = std::max(stiffness, m.bending.norm());
     density = std::max(density, m.areal_density);
   }

@@ -11,6 +11,7 @@
 #include "voile/base/error.hpp"
 #include "voile/base/interrupt.hpp"
 #include "voile/base/mpi.hpp"
+#include "voile/system/contact.hpp"
 
 namespace voile::solve {
 

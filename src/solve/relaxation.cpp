@@ -110,7 +110,7 @@ Relaxation relax(system::Model& model, Vec a, double tau, int steps, const std::
 
 double relaxation_time(const system::Model& model) {
   double longest = 0.0;
-  for (const energy::Material& m : model.discretisation().sheet().materials()) {
+  for (const energy::Material& m : model.discretisation().materials()) {
     const double stiffness = Eigen::SelfAdjointEigenSolver<Mat3>(m.membrane).eigenvalues().maxCoeff();
     const double density = m.areal_density > 0.0 ? m.areal_density : 1.0;  // as in the lumped mass
     longest = std::max(longest, std::sqrt(density / stiffness));

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "voile/system/contact.hpp"
 #include "voile/system/model.hpp"
 
 namespace voile::solve {

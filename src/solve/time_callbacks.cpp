@@ -9,6 +9,7 @@
 #include "voile/base/interrupt.hpp"
 #include "voile/solve/alpha_ts.hpp"
 #include "voile/solve/inexact_pc.hpp"
+#include "voile/system/contact.hpp"
 
 namespace voile::solve {
 

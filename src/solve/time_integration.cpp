@@ -17,6 +17,7 @@
 #include "voile/solve/inverse_iteration.hpp"
 #include "voile/solve/mixed_pc.hpp"
 #include "voile/solve/stall.hpp"
+#include "voile/system/contact.hpp"
 
 namespace voile::solve {
 

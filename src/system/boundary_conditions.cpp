@@ -7,6 +7,9 @@
 
 #include "voile/base/error.hpp"
 #include "voile/base/mpi.hpp"
+#include "voile/energy/loads.hpp"
+#include "voile/energy/sheet.hpp"
+#include "voile/system/term.hpp"
 
 namespace voile::system {
 
@@ -66,7 +69,8 @@ BoundaryConditions::BoundaryConditions(const Discretisation& on, std::vector<Sup
     : on_(&on),
       supports_(std::move(supports)),
       motion_by_load_(motion_by_load),
-      rotations_(supports_.size(), Mat3::Identity()) {
+      rotations_(supports_.size(), Mat3::Identity()),
+      followers_(std::make_unique<ElementTerm<energy::FollowerTerm>>()) {
   const Dofs& dofs = on.dofs();
   for (petsc::VecHandle* v : {&dead_, &constant_, &prescribed_, &motion_, &hold_}) *v = dofs.create_vector();
   const std::map<Index, VertexSupport>& supported = on.constraints().vertices;
@@ -87,9 +91,16 @@ BoundaryConditions::BoundaryConditions(const Discretisation& on, std::vector<Sup
   VOILE_PETSC(VecCopy(constant_, always_));
 }
 
+BoundaryConditions::~BoundaryConditions() = default;
+
+void BoundaryConditions::add_blocks(const energy::Configuration& c, const BlockMatrix& tangent, int pattern,
+                                    const BlockMatrix::Values& values) {
+  followers_->add_blocks(c, on_->dofs(), tangent, pattern, values);
+}
+
 void BoundaryConditions::set_load_factor(double factor) {
   load_factor_ = factor;
-  followers_.kernel.set_factor(energy::FollowerTerm::load_factor, factor);
+  followers_->kernel.set_factor(energy::FollowerTerm::load_factor, factor);
   if (motion_by_load_) move_supports(factor);
 }
 
@@ -98,7 +109,7 @@ void BoundaryConditions::set_time(double time) {
   for (const TimedLoad& load : timed_) {
     const double factor = load.history(time);
     VOILE_PETSC(VecAXPY(constant_, factor, load.force));
-    followers_.kernel.set_factor(load.factor, factor);
+    followers_->kernel.set_factor(load.factor, factor);
   }
   move_supports(time);
 }
@@ -136,7 +147,7 @@ void BoundaryConditions::write_off(const petsc::ReadArray& a, const petsc::Write
 
 void BoundaryConditions::add_followers(const energy::Configuration& c, std::vector<Vec3>& scratch, Vec f) const {
   std::fill(scratch.begin(), scratch.end(), Vec3::Zero());
-  followers_.add_forces(c, scratch);
+  followers_->add_forces(c, scratch);
   on_->dofs().add_forces(scratch, f);
 }
 
@@ -160,7 +171,7 @@ void BoundaryConditions::load_direction(const energy::Configuration& c, std::vec
   if (!any_follower_) return;
   // Follower loads are linear in the load factor: a difference over one unit is exact.
   for (const double sign : {1.0, -1.0}) {
-    followers_.kernel.set_factor(energy::FollowerTerm::load_factor, load_factor_ + (sign > 0.0 ? 1.0 : 0.0));
+    followers_->kernel.set_factor(energy::FollowerTerm::load_factor, load_factor_ + (sign > 0.0 ? 1.0 : 0.0));
     VOILE_PETSC(VecZeroEntries(work));
     add_followers(c, scratch, work);
     VOILE_PETSC(VecAXPY(f, -sign, work));
@@ -169,7 +180,7 @@ void BoundaryConditions::load_direction(const energy::Configuration& c, std::vec
 
 Vec BoundaryConditions::force_of(const Load& load) {
   if (!load.history) return load.constant ? constant_ : dead_;
-  TimedLoad timed{load.history, followers_.kernel.add_factor(), on_->dofs().create_vector()};
+  TimedLoad timed{load.history, followers_->kernel.add_factor(), on_->dofs().create_vector()};
   timed_.push_back(std::move(timed));
   return timed_.back().force;
 }
@@ -214,7 +225,7 @@ void BoundaryConditions::add_follower(const Load& load) {
   if (load.kind == Load::Kind::follower_pressure) {
     for (Index t : loaded_triangles(mesh, load)) {
       const auto points = local(mesh.triangles()[t]);
-      if (evaluated(points)) followers_.kernel.add_pressure(points, load.magnitude, factor, on_->owns(t));
+      if (evaluated(points)) followers_->kernel.add_pressure(points, load.magnitude, factor, on_->owns(t));
     }
     return;
   }
@@ -231,7 +242,7 @@ void BoundaryConditions::add_follower(const Load& load) {
       const mesh::Triangle& v = mesh.triangles()[t];
       const auto points = local({v[(side + 1) % 3], v[(side + 2) % 3], v[side]});
       const double length = mesh.rest_length(s);
-      if (evaluated(points)) followers_.kernel.add_moment(points, load.magnitude, length, factor, on_->owns(t));
+      if (evaluated(points)) followers_->kernel.add_moment(points, load.magnitude, length, factor, on_->owns(t));
     }
 }
 

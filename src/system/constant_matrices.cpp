@@ -3,12 +3,13 @@
 #include <algorithm>
 
 #include "voile/base/mpi.hpp"
+#include "voile/energy/sheet.hpp"
 
 namespace voile::system {
 
 ConstantMatrices::ConstantMatrices(const Discretisation& on, BlockPattern pattern, const std::vector<PointMass>& masses)
     : on_(&on), bending_(on.comm(), on.partition(), std::move(pattern)), mass_(on.dofs().create_vector()) {
-  const std::vector<energy::Material>& materials = on.sheet().materials();
+  const std::vector<energy::Material>& materials = on.materials();
   if (std::any_of(materials.begin(), materials.end(), [](const auto& m) { return m.bending_damping > 0.0; }))
     damping_ = bending_.twin();
   mpi::on_all(on.comm(), [&] { lump(masses); });

@@ -3,7 +3,10 @@
 #include <algorithm>
 
 #include "voile/base/mpi.hpp"
+#include "voile/energy/curvature.hpp"
 #include "voile/energy/membrane.hpp"
+#include "voile/energy/sheet.hpp"
+#include "voile/mesh/patch.hpp"
 
 namespace voile::system {
 
@@ -76,6 +79,12 @@ double Discretisation::mean_area() const {
   double area = 0.0;
   for (Index t = 0; t < mesh_->triangle_count(); ++t) area += mesh_->area(t);
   return area / mesh_->triangle_count();
+}
+
+Discretisation::~Discretisation() = default;
+
+std::vector<energy::CurvatureOperator> Discretisation::take_curvatures() {
+  return std::move(curvatures_);
 }
 
 /// The elements of this rank, and the points that they use.

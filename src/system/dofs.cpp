@@ -1,6 +1,7 @@
 #include "voile/system/dofs.hpp"
 
 #include "voile/base/mpi.hpp"
+#include "voile/mesh/patch.hpp"
 
 namespace voile::system {
 
@@ -14,6 +15,22 @@ Dofs::Dofs(MPI_Comm comm, const mesh::PatchMesh& patches, const mesh::Partition&
   number(patches, needed, constraints.turned_by);
   take_constraints(constraints);
   create_scatter();
+}
+
+Mat3 Dofs::axes(Index v) const {
+  return has_axes(v) ? axes_[axes_of_[v]] : Mat3(Mat3::Identity());
+}
+
+Vec3 Dofs::turned_to_own(Index v, const Vec3& f) const {
+  return axes_[axes_of_[v]].transpose() * f;
+}
+
+Vec3 Dofs::turned_to_global(Index v, const Vec3& a) const {
+  return axes_[axes_of_[v]] * a;
+}
+
+Vec3 Dofs::offset(Index point) const {
+  return point < local_.vertices ? Vec3(Vec3::Zero()) : mirrors_[point - local_.vertices].offset;
 }
 
 void Dofs::number(const mesh::PatchMesh& patches, const std::vector<char>& needed, const std::vector<int>& turned_by) {

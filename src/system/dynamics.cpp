@@ -5,11 +5,15 @@
 
 #include "voile/base/error.hpp"
 #include "voile/base/mpi.hpp"
+#include "voile/energy/drag.hpp"
+#include "voile/energy/sheet.hpp"
+#include "voile/system/contact.hpp"
+#include "voile/system/term.hpp"
 
 namespace voile::system {
 
 void require_mass(const Model& model) {
-  for (const energy::Material& m : model.discretisation().sheet().materials())
+  for (const energy::Material& m : model.discretisation().materials())
     if (!(m.areal_density > 0.0))
       throw UserError(
           "[[material]]: vibration and motion in time need the mass of every material: give density (or "
@@ -35,11 +39,14 @@ Dynamics::Dynamics(Model& model, DynamicsOptions options)
 }
 
 /// Air acts on the triangles of the membrane.
+Dynamics::~Dynamics() = default;
+
 void Dynamics::build_drag() {
-  drag_.kernel = energy::DragTerm(options_.drag);
+  drag_ = std::make_unique<ElementTerm<energy::DragTerm>>();
+  drag_->kernel = energy::DragTerm(options_.drag);
   if (!options_.drag.active()) return;
   for (const Discretisation::Element& e : model_.discretisation().elements())
-    drag_.kernel.add(e.points, model_.dofs().mesh().area(e.triangle), e.owned);
+    drag_->kernel.add(e.points, model_.dofs().mesh().area(e.triangle), e.owned);
   const auto points = static_cast<std::size_t>(model_.dofs().local().count());
   for (auto* v : {&velocity_, &position_, &force_}) v->resize(points);
 }
@@ -58,7 +65,7 @@ void Dynamics::start_step(Vec u, Vec v, double dt) {
   model_.start_step(u, options_.viscous_time / dt, options_.material_damping ? 1.0 / dt : 0.0);
   if (options_.drag.active()) {
     model_.dofs().update_points(u, force_, position_);
-    drag_.kernel.start_step(position_.data(), moving(v).x);
+    drag_->kernel.start_step(position_.data(), moving(v).x);
   }
   if (Contact* contact = model_.contact()) contact->start_step(u, contact->input().options.slip_speed * dt);
 }
@@ -92,7 +99,7 @@ void Dynamics::residual(Vec u, Vec v, Vec a, Vec f) {
   if (options_.drag.active()) {
     const energy::Configuration c = moving(v);
     std::fill(force_.begin(), force_.end(), Vec3::Zero());
-    drag_.add_forces(c, force_);
+    drag_->add_forces(c, force_);
     model_.dofs().add_forces(force_, sum_);
   }
   model_.dofs().clear_fixed(sum_);
@@ -119,7 +126,7 @@ double Dynamics::energy(Vec u, Vec v, Vec a, double s_v, double s_a) {
     VOILE_PETSC(VecDot(work_, v, &part));
     sum += 0.5 * part / s_v;
   }
-  if (options_.drag.active()) sum += mpi::sum(model_.dofs().comm(), drag_.energy(moving(v))) / s_v;
+  if (options_.drag.active()) sum += mpi::sum(model_.dofs().comm(), drag_->energy(moving(v))) / s_v;
   return sum;
 }
 
@@ -130,8 +137,8 @@ void Dynamics::assemble_tangent(Vec u, energy::Tangent kind, double s_v, double 
   request.damping = options_.material_damping ? s_v : 0.0;
   request.mass = s_a + options_.mass_damping * s_v;
   request.mass_matrix = consistent_ ? &*consistent_ : nullptr;
-  drag_.kernel.set_scale(s_v);
-  if (options_.drag.active()) request.extra = &drag_;
+  drag_->kernel.set_scale(s_v);
+  if (options_.drag.active()) request.extra = drag_.get();
   model_.assemble_tangent(u, request);
 }
 

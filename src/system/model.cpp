@@ -5,6 +5,9 @@
 
 #include "voile/base/error.hpp"
 #include "voile/base/mpi.hpp"
+#include "voile/energy/membrane.hpp"
+#include "voile/system/contact.hpp"
+#include "voile/system/term.hpp"
 
 namespace voile::system {
 

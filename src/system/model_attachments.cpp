@@ -7,7 +7,12 @@
 #include <map>
 
 #include "voile/base/error.hpp"
+#include "voile/energy/anchor.hpp"
+#include "voile/energy/sheet.hpp"
+#include "voile/energy/spring.hpp"
+#include "voile/system/contact.hpp"
 #include "voile/system/model.hpp"
+#include "voile/system/term.hpp"
 
 namespace voile::system {
 

@@ -1,12 +1,20 @@
+#include "voile/base/error.hpp"
+#include "voile/base/mpi.hpp"
+#include "voile/energy/anchor.hpp"
+#include "voile/energy/bending.hpp"
+#include "voile/energy/chord_correction.hpp"
+#include "voile/energy/membrane.hpp"
+#include "voile/energy/seam.hpp"
+#include "voile/energy/sheet.hpp"
+#include "voile/energy/spring.hpp"
+#include "voile/mesh/patch.hpp"
+#include "voile/system/contact.hpp"
 #include "voile/system/model.hpp"
+#include "voile/system/term.hpp"
 
 #include <fmt/format.h>
 
 #include <cmath>
-
-#include "voile/base/error.hpp"
-#include "voile/base/mpi.hpp"
-#include "voile/energy/seam.hpp"
 
 namespace voile::system {
 

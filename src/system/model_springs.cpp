@@ -4,8 +4,11 @@
 
 #include "voile/base/mpi.hpp"
 #include "voile/energy/seam.hpp"
+#include "voile/energy/sheet.hpp"
+#include "voile/energy/spring.hpp"
 #include "voile/mesh/weld.hpp"
 #include "voile/system/model.hpp"
+#include "voile/system/term.hpp"
 
 namespace voile::system {
 

@@ -10,7 +10,9 @@
 #include <algorithm>
 
 #include "voile/base/mpi.hpp"
+#include "voile/energy/bending.hpp"
 #include "voile/system/model.hpp"
+#include "voile/system/term.hpp"
 
 namespace voile::system {
 

@@ -3,6 +3,9 @@
 #include <Eigen/Geometry>
 
 #include "voile/base/mpi.hpp"
+#include "voile/energy/bending.hpp"
+#include "voile/energy/membrane.hpp"
+#include "voile/energy/sheet.hpp"
 
 namespace voile::system {
 

@@ -20,17 +20,10 @@
 #include <string>
 
 #include "voile/contact/broad_phase.hpp"
+#include "voile/contact/contact_options.hpp"
 #include "voile/contact/near_list.hpp"
 
 namespace voile::contact {
-
-struct ContactOptions {
-  double distance = 1e-3;      ///< at which the barrier begins [m]
-  double stiffness = 1e4;      ///< kappa [Pa]
-  double slip_speed = 1e-3;    ///< below it friction is smoothed [m/s]
-  double slip_distance = 0.0;  ///< the same per load step where there is no time [m]; 0: a thousandth of a cell
-  double settle_time = 0.1;    ///< in which a motion lets out what is nearer than `distance` at its start [s]
-};
 
 /// A half-space that only points can touch: n.x >= level + offset.
 struct Plane {

@@ -13,17 +13,10 @@
 #include <array>
 #include <vector>
 
+#include "voile/energy/drag_options.hpp"
 #include "voile/energy/term.hpp"
 
 namespace voile::energy {
-
-struct DragOptions {
-  double air_density = 1.2;  ///< rho [kg/m^3]
-  double normal = 0.0;       ///< C_n
-  double tangential = 0.0;   ///< C_t
-  Vec3 wind = Vec3::Zero();  ///< w [m/s]
-  [[nodiscard]] bool active() const { return normal > 0.0 || tangential > 0.0; }
-};
 
 /// The "positions" of the configurations below are velocities of the local points, except in start_step.
 class DragTerm {

@@ -14,13 +14,12 @@
 #include "voile/energy/element_options.hpp"
 #include "voile/energy/material.hpp"
 #include "voile/io/gmsh.hpp"
-#include "voile/solve/drape.hpp"
-#include "voile/solve/eigen.hpp"
+#include "voile/solve/drape_options.hpp"
 #include "voile/solve/static_options.hpp"
 #include "voile/solve/time_options.hpp"
 #include "voile/system/conditions.hpp"
-#include "voile/system/contact.hpp"
-#include "voile/system/dynamics.hpp"
+#include "voile/system/contact_input.hpp"
+#include "voile/system/dynamics_options.hpp"
 
 namespace voile::input {
 
@@ -171,6 +170,14 @@ struct StageSection {
 };
 
 struct Case {
+  // Made once: they are long, and many sources hold cases.
+  Case();
+  Case(const Case&);
+  Case(Case&&) noexcept;
+  Case& operator=(const Case&);
+  Case& operator=(Case&&) noexcept;
+  ~Case();
+
   std::filesystem::path file;
   std::string title;
   std::string analysis = "static";

@@ -11,16 +11,10 @@
 
 #include <memory>
 
+#include "voile/solve/drape_options.hpp"
 #include "voile/solve/stepper.hpp"
 
 namespace voile::solve {
-
-struct DrapeOptions {
-  int max_iterations = 2000;  ///< of each search
-  int max_escapes = 10;       ///< from unstable equilibria
-  double push = 0.1;          ///< largest displacement of an escape, in edge lengths
-  bool fall = true;           ///< with contact: a damped fall first, then the search
-};
 
 /// What is known of the state that a drape has come to.
 struct Stability {

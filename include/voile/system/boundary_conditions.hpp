@@ -8,15 +8,23 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <utility>
 #include <vector>
 
 #include "voile/base/petsc.hpp"
-#include "voile/energy/loads.hpp"
+#include "voile/energy/term.hpp"
+#include "voile/system/block_matrix.hpp"
 #include "voile/system/discretisation.hpp"
-#include "voile/system/term.hpp"
+
+namespace voile::energy {
+class FollowerTerm;
+}  // namespace voile::energy
 
 namespace voile::system {
+
+template <class Kernel>
+class ElementTerm;
 
 class BoundaryConditions {
  public:
@@ -24,6 +32,9 @@ class BoundaryConditions {
   /// Collective. Throws UserError.
   BoundaryConditions(const Discretisation& on, std::vector<Support> supports, const std::vector<Load>& loads,
                      const std::vector<PointMass>& masses, bool motion_by_load);
+  ~BoundaryConditions();
+  BoundaryConditions(const BoundaryConditions&) = delete;
+  BoundaryConditions& operator=(const BoundaryConditions&) = delete;
 
   /// Load factor of all later evaluations. Collective.
   void set_load_factor(double factor);
@@ -54,9 +65,7 @@ class BoundaryConditions {
   [[nodiscard]] double potential(Vec a) const;
   /// Adds the blocks of follower loads to the open values of a tangent.
   void add_blocks(const energy::Configuration& c, const BlockMatrix& tangent, int pattern,
-                  const BlockMatrix::Values& values) {
-    followers_.add_blocks(c, on_->dofs(), tangent, pattern, values);
-  }
+                  const BlockMatrix::Values& values);
   /// df/dlambda; `work` is scratch. Collective. [N]
   void load_direction(const energy::Configuration& c, std::vector<Vec3>& scratch, Vec work, Vec f);
 
@@ -76,7 +85,7 @@ class BoundaryConditions {
   };
   std::vector<Mover> movers_;
   std::vector<Mat3> rotations_;
-  ElementTerm<energy::FollowerTerm> followers_;
+  std::unique_ptr<ElementTerm<energy::FollowerTerm>> followers_;
   bool any_follower_ = false, has_prescribed_ = false;
   struct TimedLoad {  ///< with a history of its own
     std::function<double(double)> history;

@@ -15,45 +15,14 @@
 
 #include "voile/base/petsc.hpp"
 #include "voile/contact/contact_set.hpp"
-#include "voile/contact/obstacle.hpp"
+#include "voile/contact/obstacles.hpp"
 #include "voile/system/block_matrix.hpp"
+#include "voile/system/contact_input.hpp"
+#include "voile/system/contact_memory.hpp"
+#include "voile/system/contact_report.hpp"
 #include "voile/system/dofs.hpp"
 
 namespace voile::system {
-
-/// An exception to the rules between two bodies: obstacles, or surface or curve groups of the mesh (surface.hpp).
-struct ContactRule {
-  std::string first, second;
-  std::optional<double> friction;
-  bool ignore = false;
-};
-
-struct ContactInput {
-  bool active = false;
-  contact::ContactOptions options;
-  double thickness = 0.0;  ///< of the sheet: its layers keep this apart [m]
-  bool self = true;        ///< the sheet touches itself
-  double friction = 0.0;   ///< of the sheet against itself
-  std::vector<contact::Obstacle> obstacles;
-  std::vector<ContactRule> rules;
-  std::vector<std::string> notes;  ///< what a user should know of the obstacles
-};
-
-/// What a user wants to know of the contacts in a state.
-struct ContactReport {
-  long pairs = 0;                                        ///< within the contact distance
-  double gap = std::numeric_limits<double>::infinity();  ///< smallest [m]; infinite: nothing within the distance
-  std::string nearest;                                   ///< the pair with the smallest gap, in words; on every rank
-};
-
-/// What contact carries from step to step besides positions, alike on all ranks.
-struct ContactMemory {
-  /// How a start nearer than the contact distance is let out: smallest gap of each vertex then [m]; empty: not at all.
-  std::vector<double> gaps;
-  double start = 0.0;  ///< [s]
-  /// Which obstacles give way to each vertex: a sum of 2^k over them, k their number; empty: none do.
-  std::vector<double> yielding;
-};
 
 /// Whether an obstacle gives way to what it pinches.
 [[nodiscard]] bool has_yielding_obstacles(const ContactInput& input);

@@ -5,13 +5,21 @@
 #include <memory>
 #include <vector>
 
-#include "voile/energy/curvature.hpp"
-#include "voile/energy/sheet.hpp"
+#include "voile/energy/element_options.hpp"
+#include "voile/energy/material.hpp"
 #include "voile/mesh/partition.hpp"
-#include "voile/mesh/patch.hpp"
 #include "voile/system/conditions.hpp"
 #include "voile/system/constraints.hpp"
 #include "voile/system/dofs.hpp"
+
+namespace voile::energy {
+struct CurvatureOperator;
+class Sheet;
+}  // namespace voile::energy
+
+namespace voile::mesh {
+class PatchMesh;
+}  // namespace voile::mesh
 
 namespace voile::system {
 
@@ -29,6 +37,7 @@ class Discretisation {
   Discretisation(MPI_Comm comm, const mesh::SurfaceMesh& mesh, std::vector<energy::Material> materials,
                  const std::vector<Support>& supports, const std::vector<Spring>& springs,
                  const energy::ElementOptions& options);
+  ~Discretisation();
   Discretisation(const Discretisation&) = delete;
   Discretisation& operator=(const Discretisation&) = delete;
 
@@ -37,6 +46,7 @@ class Discretisation {
   [[nodiscard]] const mesh::Partition& partition() const { return partition_; }
   [[nodiscard]] const mesh::PatchMesh& patches() const { return *patches_; }
   [[nodiscard]] const energy::Sheet& sheet() const { return *sheet_; }
+  [[nodiscard]] const std::vector<energy::Material>& materials() const { return materials_; }
   [[nodiscard]] const Constraints& constraints() const { return constraints_; }
   /// Numbering, halo, fixed components.
   [[nodiscard]] const Dofs& dofs() const { return *dofs_; }
@@ -52,7 +62,7 @@ class Discretisation {
   /// Turns the mirror points of clamps: the rotation of each support, by number. Not collective.
   void turn_mirrors(const std::vector<Mat3>& rotation) { dofs_->turn_mirrors(rotation); }
   /// Gives away the curvature operators of elements(), which only the construction of a model needs.
-  [[nodiscard]] std::vector<energy::CurvatureOperator> take_curvatures() { return std::move(curvatures_); }
+  [[nodiscard]] std::vector<energy::CurvatureOperator> take_curvatures();
 
  private:
   [[nodiscard]] std::vector<char> find_elements(const std::vector<Spring>& springs);

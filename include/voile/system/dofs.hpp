@@ -12,8 +12,11 @@
 
 #include "voile/base/petsc.hpp"
 #include "voile/mesh/partition.hpp"
-#include "voile/mesh/patch.hpp"
 #include "voile/system/constraints.hpp"
+
+namespace voile::mesh {
+class PatchMesh;
+}  // namespace voile::mesh
 
 namespace voile::system {
 
@@ -44,12 +47,10 @@ class Dofs {
   // Vertices, by their number in the mesh; the same on every rank
   [[nodiscard]] bool has_axes(Index v) const { return axes_of_[v] != no_index; }
   /// Q_v.
-  [[nodiscard]] Mat3 axes(Index v) const { return has_axes(v) ? axes_[axes_of_[v]] : Mat3(Mat3::Identity()); }
+  [[nodiscard]] Mat3 axes(Index v) const;
   /// Components of a vector in the vertex's axes, and back.
-  [[nodiscard]] Vec3 to_own(Index v, const Vec3& f) const {
-    return has_axes(v) ? Vec3(axes_[axes_of_[v]].transpose() * f) : f;
-  }
-  [[nodiscard]] Vec3 to_global(Index v, const Vec3& a) const { return has_axes(v) ? Vec3(axes_[axes_of_[v]] * a) : a; }
+  [[nodiscard]] Vec3 to_own(Index v, const Vec3& f) const { return has_axes(v) ? turned_to_own(v, f) : f; }
+  [[nodiscard]] Vec3 to_global(Index v, const Vec3& a) const { return has_axes(v) ? turned_to_global(v, a) : a; }
   [[nodiscard]] bool is_fixed(Index v, int component) const {
     return fixed_flags_[3 * static_cast<std::size_t>(v) + static_cast<std::size_t>(component)] != 0;
   }
@@ -71,9 +72,7 @@ class Dofs {
   /// Turns the mirror points of clamps: the rotation of each support, by number. Not collective.
   void turn_mirrors(const std::vector<Mat3>& rotation);
   /// d: the displacement of a local point that turned clamps alone make [m].
-  [[nodiscard]] Vec3 offset(Index point) const {
-    return point < local_.vertices ? Vec3(Vec3::Zero()) : mirrors_[point - local_.vertices].offset;
-  }
+  [[nodiscard]] Vec3 offset(Index point) const;
   /// Displacements u and positions x of the local points, in global axes; both of size local().count(). Collective.
   void update_points(Vec a, std::vector<Vec3>& u, std::vector<Vec3>& x) const;
   /// Adds forces on the local points, in global axes, to the rows of this rank; `force` is used up. Not collective.
@@ -106,6 +105,8 @@ class Dofs {
   void number(const mesh::PatchMesh& patches, const std::vector<char>& needed, const std::vector<int>& turned_by);
   void take_constraints(const Constraints& constraints);
   void create_scatter();
+  [[nodiscard]] Vec3 turned_to_own(Index v, const Vec3& f) const;
+  [[nodiscard]] Vec3 turned_to_global(Index v, const Vec3& a) const;
 
   MPI_Comm comm_;
   const mesh::SurfaceMesh* mesh_;

@@ -13,26 +13,18 @@
 //   E(u) = W(u) + 1/2 a.M a/s_a + 1/2 v.(alpha M + beta K_b + C_b) v/s_v + drag power/s_v.
 #pragma once
 
-#include <functional>
-#include <optional>
+#include <memory>
+#include <vector>
 
-#include "voile/energy/drag.hpp"
+#include "voile/energy/term.hpp"
+#include "voile/system/dynamics_options.hpp"
 #include "voile/system/model.hpp"
 
+namespace voile::energy {
+class DragTerm;
+}  // namespace voile::energy
+
 namespace voile::system {
-
-enum class Mass { consistent, lumped };
-
-struct DynamicsOptions {
-  Mass mass = Mass::lumped;
-  bool any_mass = false;         ///< materials without a mass move with that of Model::mass()
-  double mass_damping = 0.0;     ///< alpha [1/s]
-  double bending_damping = 0.0;  ///< beta [s]
-  double viscous_time = 0.0;     ///< tau [s]
-  bool material_damping = true;  ///< materials damp as they say, besides
-  energy::DragOptions drag;
-  std::function<double(double time)> load_history;  ///< lambda(t); empty: 1
-};
 
 /// Throws UserError if a material has no mass.
 void require_mass(const Model& model);
@@ -45,6 +37,9 @@ class Dynamics {
  public:
   /// The model must outlive it. Collective. Throws UserError if a material has no mass.
   Dynamics(Model& model, DynamicsOptions options);
+  ~Dynamics();
+  Dynamics(const Dynamics&) = delete;
+  Dynamics& operator=(const Dynamics&) = delete;
 
   [[nodiscard]] Model& model() const { return model_; }
   [[nodiscard]] const DynamicsOptions& options() const { return options_; }
@@ -82,7 +77,7 @@ class Dynamics {
   Model& model_;
   DynamicsOptions options_;
   std::optional<BlockMatrix> consistent_;
-  ElementTerm<energy::DragTerm> drag_;
+  std::unique_ptr<ElementTerm<energy::DragTerm>> drag_;
   mutable std::vector<Vec3> velocity_, position_, force_;  ///< of the local points, for the drag
   mutable petsc::VecHandle work_, sum_;
   double force_scale_ = 0.0;

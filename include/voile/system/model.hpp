@@ -20,26 +20,33 @@
 #include <vector>
 
 #include "voile/base/petsc.hpp"
-#include "voile/energy/anchor.hpp"
-#include "voile/energy/bending.hpp"
-#include "voile/energy/membrane.hpp"
-#include "voile/energy/spring.hpp"
+#include "voile/energy/element_options.hpp"
+#include "voile/energy/material.hpp"
 #include "voile/system/attachments.hpp"
 #include "voile/system/block_matrix.hpp"
 #include "voile/system/boundary_conditions.hpp"
 #include "voile/system/conditions.hpp"
 #include "voile/system/constant_matrices.hpp"
-#include "voile/system/contact.hpp"
+#include "voile/system/contact_input.hpp"
 #include "voile/system/discretisation.hpp"
 #include "voile/system/recovery.hpp"
 #include "voile/system/tangent.hpp"
-#include "voile/system/term.hpp"
 
 namespace voile::energy {
+class AnchorTerm;
+struct BendingElement;
+struct CurvatureOperator;
+class MembraneTerm;
 class SeamTerm;
+class SpringTerm;
 }  // namespace voile::energy
 
 namespace voile::system {
+
+class Contact;
+class Term;
+template <class Kernel>
+class ElementTerm;
 
 /// What a model is built from besides the mesh.
 struct ModelInput {

@@ -8,9 +8,14 @@
 #include <vector>
 
 #include "voile/base/mpi.hpp"
-#include "voile/energy/bending.hpp"
-#include "voile/energy/membrane.hpp"
-#include "voile/energy/sheet.hpp"
+#include "voile/base/types.hpp"
+
+namespace voile::energy {
+struct BendingElement;
+struct Configuration;
+class MembraneTerm;
+class Sheet;
+}  // namespace voile::energy
 
 namespace voile::system {
 

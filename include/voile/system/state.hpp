@@ -9,7 +9,8 @@
 
 #include "voile/base/petsc.hpp"
 #include "voile/system/attachments.hpp"
-#include "voile/system/contact.hpp"
+#include "voile/system/contact_memory.hpp"
+#include "voile/system/dofs.hpp"
 
 namespace voile::system {
 

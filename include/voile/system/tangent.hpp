@@ -7,9 +7,10 @@
 #include "voile/energy/term.hpp"
 #include "voile/system/block_matrix.hpp"
 #include "voile/system/discretisation.hpp"
-#include "voile/system/term.hpp"
 
 namespace voile::system {
+
+class Term;
 
 /// What a tangent is made of besides the membrane and the follower loads.
 struct TangentRequest {

@@ -12,6 +12,7 @@
 #include "voile/geometry/intersections.hpp"
 #include "voile/solve/drape.hpp"
 #include "voile/solve/time_integration.hpp"
+#include "voile/system/contact.hpp"
 
 using namespace voile;
 using namespace voile::testing;

@@ -10,6 +10,7 @@
 #include "voile/energy/seam.hpp"
 #include "voile/mesh/weld.hpp"
 #include "voile/solve/newton.hpp"
+#include "voile/system/contact.hpp"
 #include "voile/system/seam_tension.hpp"
 
 using namespace voile;

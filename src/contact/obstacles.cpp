@@ -1,4 +1,4 @@
-#include "voile/contact/obstacle.hpp"
+#include "voile/contact/obstacles.hpp"
 
 #include <Eigen/Geometry>
 #include <algorithm>

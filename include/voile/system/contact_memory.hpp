@@ -1,0 +1,17 @@
+// What contact remembers between steps.
+#pragma once
+
+#include <vector>
+
+namespace voile::system {
+
+/// What contact carries from step to step besides positions, alike on all ranks.
+struct ContactMemory {
+  /// How a start nearer than the contact distance is let out: smallest gap of each vertex then [m]; empty: not at all.
+  std::vector<double> gaps;
+  double start = 0.0;  ///< [s]
+  /// Which obstacles give way to each vertex: a sum of 2^k over them, k their number; empty: none do.
+  std::vector<double> yielding;
+};
+
+}  // namespace voile::system

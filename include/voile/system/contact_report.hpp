@@ -1,0 +1,16 @@
+// Contacts in a state, in numbers and words.
+#pragma once
+
+#include <limits>
+#include <string>
+
+namespace voile::system {
+
+/// What a user wants to know of the contacts in a state.
+struct ContactReport {
+  long pairs = 0;                                        ///< within the contact distance
+  double gap = std::numeric_limits<double>::infinity();  ///< smallest [m]; infinite: nothing within the distance
+  std::string nearest;                                   ///< the pair with the smallest gap, in words; on every rank
+};
+
+}  // namespace voile::system
