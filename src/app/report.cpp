@@ -3,18 +3,12 @@
 #include <fmt/format.h>
 #include <sys/resource.h>
 
-#include <nlohmann/json.hpp>
-
-#include <fstream>
-
 #include "free_motions.hpp"
 #include "mesh_report.hpp"
 #include "voile/base/error.hpp"
 #include "voile/base/mpi.hpp"
 
 namespace voile::app {
-
-using Json = nlohmann::ordered_json;
 
 namespace {
 
@@ -25,54 +19,6 @@ double process_cpu_seconds() {
     return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
   };
   return seconds(usage.ru_utime) + seconds(usage.ru_stime);
-}
-
-Json json_of(const GarmentMeasures& m) {
-  Json panels = Json::array(), seams = Json::array();
-  for (const GarmentMeasures::Panel& p : m.panels)
-    panels.push_back({{"name", p.name}, {"area", p.area}, {"mass", p.mass}});
-  for (const system::SeamTension& t : m.seams)
-    seams.push_back({{"name", t.name}, {"length", t.length}, {"mean_tension", t.mean}, {"largest_tension", t.largest}});
-  Json all{{"panels", panels}, {"seams", seams}};
-  if (m.ease) all["least_ease"] = m.ease->least;
-  if (m.ease) all["mean_ease"] = m.ease->mean;
-  if (m.largest_pressure) all["largest_contact_pressure"] = *m.largest_pressure;
-  return all;
-}
-
-Json json_of(const Summary& s) {
-  Json critical = Json::array();
-  for (const solve::CriticalPoint& p : s.critical)
-    critical.push_back({{"kind", solve::name(p.kind)}, {"step", p.step}, {"load_factor", p.load_factor}});
-  Json all{{"converged", s.converged},
-           {"load_factor", s.load_factor},
-           {"steps", s.steps},
-           {"newton_iterations", s.newton_iterations},
-           {"factorisations", s.factorisations},
-           {"iterative_solutions", s.iterative.solutions},
-           {"iterative_iterations", s.iterative.iterations},
-           {"iterative_shifted", s.iterative.shifted},
-           {"negative_curvature", s.iterative.negative_curvature},
-           {"critical_points", critical},
-           {"eigenvalues", s.eigen},
-           {"time", s.time},
-           {"negative_pivots", s.negative_pivots},
-           {"residual", s.residual},
-           {"membrane_error", s.membrane_error},
-           {"unknowns", s.unknowns},
-           {"vertices", s.vertices},
-           {"triangles", s.triangles},
-           {"ranks", mpi::size(PETSC_COMM_WORLD)},
-           {"cpu_seconds", s.cpu_seconds},
-           {"wall_seconds", s.wall_seconds}};
-  if (s.garment) all["garment"] = json_of(*s.garment);
-  return all;
-}
-
-void write(const std::filesystem::path& file, const Json& summary) {
-  std::ofstream out(file);
-  out << summary.dump(2) << '\n' << std::flush;
-  if (!out) throw UserError(fmt::format("{}: cannot be written", file.string()));
 }
 
 std::string iterative_text(const solve::IterativeEffort& e) {
@@ -121,7 +67,7 @@ void report_model(const input::Case& c, const RunOptions& options, const system:
 void report_end(const input::Case& c, const RunOptions& options, const Summary& s) {
   const std::string folder = options.output.string();
   mpi::on_root(PETSC_COMM_WORLD, [&] {
-    write(options.output / "summary.json", json_of(s));
+    write_summary(options.output, s);
     if (options.verbosity != Verbosity::quiet)
       fmt::print("{} steps, {} Newton iterations, {} factorisations{}, {:.1f} CPU s, {:.1f} s; results in {}\n",
                  s.steps, s.newton_iterations, s.factorisations, iterative_text(s.iterative), s.cpu_seconds,
@@ -132,21 +78,6 @@ void report_end(const input::Case& c, const RunOptions& options, const Summary& 
                  c.analysis == "dynamic" ? fmt::format("t = {:.6g} s", s.time)
                                          : fmt::format("load factor {:.6g}", s.load_factor),
                  folder);
-  });
-}
-
-void report_stages(const std::filesystem::path& folder, const std::vector<std::pair<std::string, Summary>>& stages,
-                   std::size_t of) {
-  mpi::on_root(PETSC_COMM_WORLD, [&] {
-    Json all = Json::array();
-    bool converged = stages.size() == of;
-    for (const auto& [name, s] : stages) {
-      Json one{{"name", name}};
-      one.update(json_of(s));
-      all.push_back(one);
-      converged = converged && s.converged;
-    }
-    write(folder / "summary.json", {{"converged", converged}, {"stages", all}});
   });
 }
 

@@ -1,10 +1,7 @@
 // What a run says of its model before and of its work after; private to src/app.
 #pragma once
 
-#include <filesystem>
 #include <string>
-#include <utility>
-#include <vector>
 
 #include "summary.hpp"
 #include "voile/app/run.hpp"
@@ -22,9 +19,5 @@ void report_model(const input::Case& c, const RunOptions& options, const system:
 
 /// The last words and summary.json. Collective.
 void report_end(const input::Case& c, const RunOptions& options, const Summary& s);
-
-/// summary.json over stages by name; `of`: how many were to be run. Collective.
-void report_stages(const std::filesystem::path& folder, const std::vector<std::pair<std::string, Summary>>& stages,
-                   std::size_t of);
 
 }  // namespace voile::app

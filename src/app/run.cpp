@@ -216,7 +216,8 @@ Exit run(const input::Case& c, const RunOptions& given) {
     if (!summaries.back().second.converged) break;
     origin = Origin::stage;
   }
-  if (!c.stages.empty()) report_stages(options.output, summaries, stages.size());
+  if (!c.stages.empty())
+    mpi::on_root(PETSC_COMM_WORLD, [&] { write_stages(options.output, summaries, stages.size()); });
   const bool done = summaries.size() == stages.size() && summaries.back().second.converged;
   return done ? Exit::done : Exit::not_converged;
 }

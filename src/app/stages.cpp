@@ -2,15 +2,13 @@
 
 #include <fmt/format.h>
 
-#include <nlohmann/json.hpp>
-
 #include <algorithm>
-#include <fstream>
 
 #include "free_motions.hpp"
 #include "model_input.hpp"
 #include "probes.hpp"
 #include "remesher.hpp"
+#include "summary.hpp"
 #include "voile/base/error.hpp"
 #include "voile/base/mpi.hpp"
 #include "voile/base/text.hpp"
@@ -99,9 +97,7 @@ void hold_over_loads(const Stage& before, Stage& now) {
 /// Throws unless a stage in a folder of results has come to its end. Collective.
 void require_end_of(const std::string& stage, const std::filesystem::path& folder, const std::string& from) {
   mpi::on_root(PETSC_COMM_WORLD, [&] {
-    std::ifstream in(folder / stage / "summary.json");
-    const nlohmann::json summary = nlohmann::json::parse(in, nullptr, false);
-    if (summary.is_object() && summary.value("converged", false)) return;
+    if (has_converged(folder / stage)) return;
     throw UserError(
         fmt::format("--from {}: stage '{}' before it has not come to its end in {}; begin with that one, or "
                     "name a state to begin from with --restart",

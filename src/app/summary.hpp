@@ -1,8 +1,10 @@
 // What a run, or a stage of it, came to; private to src/app.
 #pragma once
 
+#include <filesystem>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "garment_measures.hpp"
@@ -29,5 +31,15 @@ struct Summary {
   double cpu_seconds = 0.0, wall_seconds = 0.0;
   std::optional<GarmentMeasures> garment;  ///< of a case of panels
 };
+
+/// summary.json in the folder of a run or stage. Not collective: call on one rank. Throws UserError.
+void write_summary(const std::filesystem::path& folder, const Summary& s);
+
+/// The same over stages by name; `of`: how many were to be run.
+void write_stages(const std::filesystem::path& folder, const std::vector<std::pair<std::string, Summary>>& stages,
+                  std::size_t of);
+
+/// Whether the summary in a folder says that its run or stage has come to its end. Not collective.
+[[nodiscard]] bool has_converged(const std::filesystem::path& folder);
 
 }  // namespace voile::app

@@ -1,0 +1,94 @@
+// What runs and stages came to, as JSON.
+#include "summary.hpp"
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include <fstream>
+
+#include "voile/base/error.hpp"
+#include "voile/base/mpi.hpp"
+
+namespace voile::app {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr const char* file_name = "summary.json";
+
+Json json_of(const GarmentMeasures& m) {
+  Json panels = Json::array(), seams = Json::array();
+  for (const GarmentMeasures::Panel& p : m.panels)
+    panels.push_back({{"name", p.name}, {"area", p.area}, {"mass", p.mass}});
+  for (const system::SeamTension& t : m.seams)
+    seams.push_back({{"name", t.name}, {"length", t.length}, {"mean_tension", t.mean}, {"largest_tension", t.largest}});
+  Json all{{"panels", panels}, {"seams", seams}};
+  if (m.ease) all["least_ease"] = m.ease->least;
+  if (m.ease) all["mean_ease"] = m.ease->mean;
+  if (m.largest_pressure) all["largest_contact_pressure"] = *m.largest_pressure;
+  return all;
+}
+
+Json json_of(const Summary& s) {
+  Json critical = Json::array();
+  for (const solve::CriticalPoint& p : s.critical)
+    critical.push_back({{"kind", solve::name(p.kind)}, {"step", p.step}, {"load_factor", p.load_factor}});
+  Json all{{"converged", s.converged},
+           {"load_factor", s.load_factor},
+           {"steps", s.steps},
+           {"newton_iterations", s.newton_iterations},
+           {"factorisations", s.factorisations},
+           {"iterative_solutions", s.iterative.solutions},
+           {"iterative_iterations", s.iterative.iterations},
+           {"iterative_shifted", s.iterative.shifted},
+           {"negative_curvature", s.iterative.negative_curvature},
+           {"critical_points", critical},
+           {"eigenvalues", s.eigen},
+           {"time", s.time},
+           {"negative_pivots", s.negative_pivots},
+           {"residual", s.residual},
+           {"membrane_error", s.membrane_error},
+           {"unknowns", s.unknowns},
+           {"vertices", s.vertices},
+           {"triangles", s.triangles},
+           {"ranks", mpi::size(PETSC_COMM_WORLD)},
+           {"cpu_seconds", s.cpu_seconds},
+           {"wall_seconds", s.wall_seconds}};
+  if (s.garment) all["garment"] = json_of(*s.garment);
+  return all;
+}
+
+void write(const std::filesystem::path& file, const Json& summary) {
+  std::ofstream out(file);
+  out << summary.dump(2) << '\n' << std::flush;
+  if (!out) throw UserError(fmt::format("{}: cannot be written", file.string()));
+}
+
+}  // namespace
+
+void write_summary(const std::filesystem::path& folder, const Summary& s) {
+  write(folder / file_name, json_of(s));
+}
+
+void write_stages(const std::filesystem::path& folder, const std::vector<std::pair<std::string, Summary>>& stages,
+                  std::size_t of) {
+  Json all = Json::array();
+  bool converged = stages.size() == of;
+  for (const auto& [name, s] : stages) {
+    Json one{{"name", name}};
+    one.update(json_of(s));
+    all.push_back(one);
+    converged = converged && s.converged;
+  }
+  write(folder / file_name, {{"converged", converged}, {"stages", all}});
+}
+
+bool has_converged(const std::filesystem::path& folder) {
+  std::ifstream in(folder / file_name);
+  const Json summary = Json::parse(in, nullptr, false);
+  return summary.is_object() && summary.value("converged", false);
+}
+
+}  // namespace voile::app
