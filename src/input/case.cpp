@@ -275,6 +275,8 @@ void check_petsc(const SectionPlace& place, const std::string& options) {
 void read_pattern(const CaseReader& reader, Case& c) {
   read_all(reader, "panel", c.panels, [&](const SectionPlace& place, PanelSection& s) {
     s.file = beside(c.file, s.file);
+    if (!s.grain.empty() && (s.grain.size() != 2 || !(std::hypot(s.grain[0], s.grain[1]) > 0.0)))
+      place.fail("grain", "two numbers [x, y] are needed that are not both zero");
     if (!s.wrap_axis && s.wrap_radius > 0.0)
       place.fail("wrap_axis", "the key is missing; wrap_radius is about an axis");
   });

@@ -175,6 +175,62 @@ def garment_sections(report):
     report.check(code == 0 and seams == 0, f"without stitches: code {code}, {seams} seams")
 
 
+def dxf(name, blocks, header=((9, "$INSUNITS"), (70, 4))):
+    """Millimetres. Each block: lists of (layer, closed, points), single points and lines included."""
+    lines = []
+
+    def put(*groups):
+        lines.extend(f"{code:3}\n{value}" for code, value in groups)
+
+    put((0, "SECTION"), (2, "HEADER"), *header, (0, "ENDSEC"), (0, "SECTION"), (2, "BLOCKS"))
+    for block, shapes in blocks.items():
+        put((0, "BLOCK"), (2, block))
+        for layer, closed, points in shapes:
+            if len(points) == 1:
+                put((0, "POINT"), (8, layer), (10, points[0][0]), (20, points[0][1]))
+                continue
+            put((0, "POLYLINE"), (8, layer), (66, 1), (70, int(closed)))
+            for x, y in points:
+                put((0, "VERTEX"), (8, layer), (10, x), (20, y))
+            put((0, "SEQEND"))
+        put((0, "ENDBLK"))
+    put((0, "ENDSEC"), (0, "EOF"))
+    return text_file(name, "\n".join(lines) + "\n")
+
+
+@test
+def garment_dxf(report):
+    """Half a piece of a DXF, with allowance and notch, and half a rectangle of an SVG unfold, and are sewn into tubes."""
+    width, height = 1000 * 2 * np.pi * RADIUS, 1000 * HEIGHT
+    half, allowance = width / 2, 10
+    block = [(1, True, [(0, -allowance), (half + allowance, -allowance), (half + allowance, height + allowance), (0, height + allowance)]),
+             (14, False, [(0, 0), (half, 0), (half, height), (0, height)]), (6, False, [(0, height + 20), (0, -20)]),
+             (4, False, [(half + allowance, height / 3)]), (7, False, [(10, 20), (10, 120)])]
+    case = tube(panel=[{"file": dxf("garment_half.dxf", {"tube": block}), "size": 0.015, "wrap_axis": [0, 0, 1], "translate": [0, -1.05 * RADIUS, 0]}],
+                seam=[{"name": "side", "edges": ["tube/c1..c2"], "to": ["tube/c2'..c1'"], "meet": ["tube@c1", "tube@c1'"]}])
+    folded = svg("garment_half.svg", f'<path id="tube" d="M 0 0 V {height} H {half} V 0 Z"/>')
+    other = tube(panel=[{"file": folded, "size": 0.015, "unfold": "0", "wrap_axis": [0, 0, 1], "translate": [0, -1.05 * RADIUS, 0]}],
+                 seam=[{"name": "side", "edges": ["tube/1"], "to": ["tube/4"], "meet": ["tube@1", "tube@5"]}])
+    for what, wanted, edges in (("DXF", case, 8), ("SVG", other, 6)):
+        wanted["stage"] = wanted["stage"][:1]
+        wanted["spring"] = []
+        code, text = invoke(["check", write_case(wanted, OUT / "garment_half.toml")], 2)
+        report.check(code == 0 and f"'tube': {2 * half * height * 1e-6:.6g} m^2" in text and f"{edges} edges" in text, f"{what}: the whole piece without allowance: code {code}: {text[-200:] if code else ''}")
+        result = solve(f"garment_half_{what}", wanted)
+        gap = part(result, "sew").history["seam_gap"]
+        report.check(gap[0] > 0.02, f"{what}: the seam starts {gap[0]:.4f} m apart")
+        report.below(gap[-1], 1e-4, f"{what}: and closes to [m]")
+
+    def refused(what, wanted, *words):
+        code, text = invoke(["check", write_case(wanted, OUT / "garment_half.toml")])
+        report.check(code == 2 and all(w in text for w in words), f"{what}: code {code}: {' '.join(text.split())[:260]}")
+
+    refused("no unit", case | {"panel": [{"file": dxf("garment_unitless.dxf", {"tube": block}, ())}]}, "garment_unitless.dxf", "$INSUNITS", "key unit")
+    refused("an unknown point", case | {"seam": [{"edges": ["tube/c1..c9"], "to": ["tube/c2'..c1'"]}]}, "tube/c1..c9", "FROM..TO", "n0'")
+    refused("an unknown fold", other | {"panel": [other["panel"][0] | {"unfold": "9"}]}, 'unfold = "9"', "it has 4")
+    refused("a grain line without direction", case | {"panel": [case["panel"][0] | {"grain": [0, 0]}]}, "panel.grain", "two numbers")
+
+
 @test
 def garment_refused(report):
     """Patterns and seams that cannot be: each mistake is named with its file and remedy; nothing crashes."""

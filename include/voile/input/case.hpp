@@ -32,12 +32,14 @@ struct MeshSection {
 
 /// Pieces of a pattern file, and where they begin.
 struct PanelSection {
-  std::filesystem::path file;       ///< GarmentCode .json or .svg, resolved relative to the case file
+  std::filesystem::path file;       ///< GarmentCode .json, .svg or .dxf, resolved relative to the case file
   std::vector<std::string> pieces;  ///< of the file; empty: all
   std::string name;                 ///< in place of the only piece's own; empty: that
   double unit = 0.0;                ///< length of the file's unit [m]; 0: as the file says
   double size = 0.02;               ///< of cells [m]
   bool mirror = false;              ///< x -> -x in the piece
+  std::string unfold;               ///< edge across which halves unfold, by number or label; empty: none
+  std::vector<double> grain;        ///< direction of the grain line as the file draws the piece; empty: as the file says
   bool stitches = true;             ///< those of the file are taken
   enum class Euler { zyx, xyz };
   Euler euler = Euler::zyx;  ///< order of the file's rotations: R = Rz Ry Rx or Rx Ry Rz
