@@ -39,8 +39,8 @@ struct PanelSection {
   double size = 0.02;               ///< of cells [m]
   bool mirror = false;              ///< x -> -x in the piece
   std::string unfold;               ///< edge across which halves unfold, by number or label; empty: none
-  std::vector<double> grain;        ///< direction of the grain line as the file draws the piece; empty: as the file says
-  bool stitches = true;             ///< those of the file are taken
+  std::vector<double> grain;  ///< direction of the grain line as the file draws the piece; empty: as the file says
+  bool stitches = true;       ///< those of the file are taken
   enum class Euler { zyx, xyz };
   Euler euler = Euler::zyx;  ///< order of the file's rotations: R = Rz Ry Rx or Rx Ry Rz
   io::Placement placement{.up_axis = io::Placement::UpAxis::y};
