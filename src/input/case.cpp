@@ -215,6 +215,10 @@ void read_remesh(const CaseReader& reader, Case& c) {
 
 void check_attachment(const SectionPlace& place, const Case& c, const system::Attachment& s) {
   if (s.groups.empty()) place.fail("groups", "the list is empty; name points, curves or surfaces of the mesh");
+  if (s.hard && !std::isnan(s.gap))
+    place.fail(
+        "gap",
+        "a hard attachment holds vertices where they are to the surface as it takes hold; remove the key, or hard");
   std::vector<std::string> known;
   for (const ObstacleSection& o : c.obstacles) {
     if (o.type == ObstacleSection::Type::mesh || o.type == ObstacleSection::Type::cylinder)

@@ -111,7 +111,15 @@ std::vector<Key> keys_of(SewingSection& s) {
        .meaning = "Largest distance of points that are made one at the end of the stage; if one is larger then, the "
                   "run ends there.",
        .unit = "m",
-       .range = positive}};
+       .range = positive},
+      {.name = "friction",
+       .slot = &s.friction,
+       .meaning = "Largest coefficient of friction in stages that sew. Fabric that slides along the body goes to where "
+                  "it fits "
+                  "before its seams are closed; it stays where it is as long as the coefficient exceeds the slope of "
+                  "the body.",
+       .range = not_negative,
+       .absent = "that of `[contact]`, `[[obstacle]]` and `[[contact_rule]]`"}};
 }
 
 }  // namespace voile::input

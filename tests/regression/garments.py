@@ -399,6 +399,29 @@ def garment_tight(report):
 
 
 @test
+def garment_slides(report):
+    """A strip sewn round a cone that is too wide for it: friction holds it there; with less while it is sewn it goes up to where it fits."""
+    low, high, slope, height = -0.2, 0.2, 0.25, 0.04
+    turns = np.linspace(0, 2 * np.pi, 64, endpoint=False)
+    points = [(r * np.cos(a), r * np.sin(a), z) for z in (low, high) for r in [RADIUS - slope * z] for a in turns] + [(0, 0, low), (0, 0, high)]
+    n = len(turns)
+    faces = [f for k in range(n) for m in [(k + 1) % n] for f in ((k, m, n + m), (k, n + m, n + k), (2 * n, m, k), (2 * n + 1, n + k, n + m))]
+    cone = text_file("garment_cone.obj", "".join("v %.9g %.9g %.9g\n" % p for p in points) + "".join("f %d %d %d\n" % tuple(i + 1 for i in f) for f in faces))
+    width = 2 * np.pi * RADIUS * 0.97
+    case = tube(panel=[{"file": svg("garment_strip.svg", rectangle("tube", width, height)), "size": 0.015, "wrap_axis": [0, 0, 1], "translate": [-width / 2, -1.25 * RADIUS, -height / 2]}],
+                spring=[], obstacle=[{"name": "body", "type": "mesh", "file": cone, "friction": 0.5}], contact={"distance": 1e-3, "friction": 0.5},
+                stage=[{"name": "sew", "analysis": "dynamic", "sew": ["all"], "time": {"end": 0.8, "step": 0.01}, "damping": {"mass": 20.0}}])
+    shutil.rmtree(OUT / "garment_slides_held", ignore_errors=True)
+    held = run(write_case(case, OUT / "garment_slides_held.toml"), OUT / "garment_slides_held", 1)
+    report.check(held.code == 3 and "[sewing] friction lets it slide" in held.text, f"held: code {held.code}")
+    sliding = solve("garment_slides", case | {"sewing": {"friction": 0.02}}, 2)
+    report.below(part(sliding, "sew").history["seam_gap"][-1], 1e-4, "sliding: gap [m]")
+    report.check(part(sliding, "sew").history["intersections"].max() == 0, "sliding: no intersection")
+    rise = part(sliding, "sew").results[-1].positions[:, 2].mean()
+    report.check(rise > 5e-3, f"sliding: up by {rise:.4f} m")
+
+
+@test
 def garment_dart(report):
     """A dart: two edges of one piece that share a point become one."""
     w, depth = 15, 120

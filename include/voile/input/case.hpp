@@ -62,6 +62,8 @@ struct SewingSection {
   double speed = 0.5;      ///< [m/s]
   double force = 0.0;      ///< largest, per rest length of the seam; 0: by the fabric [N/m]
   double gap = 1e-4;       ///< largest at which a seam is welded [m]
+  /// Largest coefficient in stages that sew; NaN: as [contact] says
+  double friction = std::numeric_limits<double>::quiet_NaN();
 };
 
 /// Named numbers recorded in history.csv after every accepted step.
