@@ -28,9 +28,11 @@ pattern::Panel panel_of(const input::PanelSection& s, const pattern::Pattern& fr
   p.turn = s.placement.rotation();
   p.shift = s.placement.translate;
   if (s.wrap_axis) p.wrap = pattern::Wrap{s.wrap_axis->normalized(), s.wrap_point, s.wrap_radius};
+  if (!s.grain.empty()) piece.grain = Vec2(s.grain[0], s.grain[1]).normalized();
   if (s.mirror) {
     const Mat2 mirror = Vec2(-1.0, 1.0).asDiagonal();
     for (pattern::Edge& e : piece.edges) e.curve = e.curve.mapped(mirror, Vec2::Zero());
+    piece.grain = mirror * piece.grain;
   }
   if (!s.name.empty()) piece.name = s.name;
   p.piece = std::move(piece);
@@ -51,7 +53,7 @@ struct Cut {
 };
 
 Cut read_panels(const input::PanelSection& s) {
-  Cut cut{&s, pattern::read_pattern(s.file, {s.unit, s.euler == input::PanelSection::Euler::xyz, s.pieces})};
+  Cut cut{&s, pattern::read_pattern(s.file, {s.unit, s.euler == input::PanelSection::Euler::xyz, s.pieces, s.unfold})};
   if (!s.name.empty() && cut.from.pieces.size() != 1)
     throw UserError(
         fmt::format("{}: [[panel]] name = \"{}\" is for one piece, but there are {}; name one with the key "

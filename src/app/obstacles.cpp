@@ -123,6 +123,14 @@ void note_size(const input::Case& c, const contact::Obstacle& o, std::vector<std
                     o.name, size));
 }
 
+/// While seams are closed fabric may slide more easily.
+void limit_friction(double most, system::ContactInput& input) {
+  input.friction = std::min(input.friction, most);
+  for (contact::Obstacle& o : input.obstacles) o.friction = std::min(o.friction, most);
+  for (auto& rule : input.rules)
+    if (rule.friction) rule.friction = std::min(*rule.friction, most);
+}
+
 }  // namespace
 
 system::ContactInput contact_input(MPI_Comm comm, const input::Case& c, KnownObstacles& known) {
@@ -144,6 +152,7 @@ system::ContactInput contact_input(MPI_Comm comm, const input::Case& c, KnownObs
   for (const input::RuleSection& r : c.contact_rules)
     input.rules.push_back(
         {r.first, r.second, std::isnan(r.friction) ? std::nullopt : std::optional<double>(r.friction), r.ignore});
+  if (!c.stage.sew.empty() && !std::isnan(c.sewing.friction)) limit_friction(c.sewing.friction, input);
   return input;
 }
 

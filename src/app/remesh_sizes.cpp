@@ -191,11 +191,6 @@ void check_remesh(const input::Case& c, const mesh::SurfaceMesh& mesh) {
     if (l.kind == system::Load::Kind::point)
       check("[[load]] of type point", l.group, "use a physical point, or type = \"line\" or \"area\"");
   for (const system::PointMass& m : c.masses) check("[[mass]]", m.group, "use physical points");
-  if (!c.attachments.empty())
-    throw UserError(
-        fmt::format("{}: [remesh]: [[attachment]] remembers where each vertex is held, and a new mesh has others; give "
-                    "[stage.remesh] to stages without attachments, or hold the edge by a [[spring]] of type \"band\"",
-                    c.file.string()));
   for (const system::Spring& s : c.springs)
     if (s.kind == system::Spring::Kind::point || s.kind == system::Spring::Kind::pair) {
       check("[[spring]]", s.group, "use physical points, or type = \"line\" or \"area\"");

@@ -4,13 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 #include <ctime>
 #include <numbers>
 
 #include "carry.hpp"
 #include "mesh_transfer.hpp"
 #include "obstacles.hpp"
+#include "remesh_carry.hpp"
 #include "voile/adapt/transfer.hpp"
 #include "voile/base/error.hpp"
 #include "voile/base/mpi.hpp"
@@ -252,31 +252,6 @@ std::string Remesher::text() const {
   return fmt::format("{} remeshings, {} refused, {:.1f} CPU s of rank 0", count_, refused_, seconds_);
 }
 
-namespace {
-
-/// Gaps from which a start is let out, and obstacles that give way, per new vertex; the same on every rank.
-void carry_contact(const mesh::SurfaceMesh& old_mesh, const std::vector<Index>& triangle,
-                   const std::vector<Index>& kept, io::Checkpoint& c) {
-  const std::vector<double> gaps = std::move(c.contact_gaps), yielding = std::move(c.yielding);
-  c.contact_gaps.clear();
-  c.yielding.clear();
-  const auto corners = [&](std::size_t v) {
-    const mesh::Triangle t = old_mesh.triangles()[triangle[v]];
-    return kept[v] != no_index ? mesh::Triangle{kept[v], kept[v], kept[v]} : t;
-  };
-  for (std::size_t v = 0; v < kept.size() && !gaps.empty(); ++v) {
-    const mesh::Triangle t = corners(v);
-    c.contact_gaps.push_back(std::min({gaps[t[0]], gaps[t[1]], gaps[t[2]]}));
-  }
-  for (std::size_t v = 0; v < kept.size() && !yielding.empty(); ++v) {
-    std::uint64_t all = 0;
-    for (Index i : corners(v)) all |= static_cast<std::uint64_t>(yielding[i]);
-    c.yielding.push_back(static_cast<double>(all));
-  }
-}
-
-}  // namespace
-
 /// One new mesh with its state; `what` says what it came to.
 std::optional<Adapted> Remesher::attempt(Epoch& epoch, const std::vector<double>& size, bool only_splits,
                                          std::string& what) {
@@ -288,7 +263,13 @@ std::optional<Adapted> Remesher::attempt(Epoch& epoch, const std::vector<double>
   for (const adapt::Remeshed::Source& s : made.from.source) triangles.push_back(s.triangle);
   mpi::broadcast(comm, triangles);
   mpi::broadcast(comm, kept);
-  carry_contact(epoch.model().dofs().mesh(), triangles, kept, carried);
+  std::vector<double> weights;
+  for (const adapt::Remeshed::Source& s : made.from.source)
+    weights.insert(weights.end(), s.weights.begin(), s.weights.end());
+  mpi::broadcast(comm, weights);
+  const Origins origins{triangles, weights, kept};
+  carry_contact(epoch.model().dofs().mesh(), origins, carried);
+  carry_anchors(epoch.model(), *made.mesh, origins, carried);
   const Ledger before = ledger(epoch);
 
   Adapted next{made.mesh, std::make_unique<Epoch>(stage_.c, *made.mesh, stage_.input, stage_.frozen, carried)};

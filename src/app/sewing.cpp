@@ -49,8 +49,10 @@ std::string stretch_text(const mesh::SurfaceMesh& mesh, const std::vector<double
       place = 0.5 * (a + b);
     }
   if (most < tight) return "";
-  return fmt::format("; the fabric is stretched by {:.0f} % near ({:.4g}, {:.4g}, {:.4g}): it may be too tight there",
-                     100.0 * most, place[0], place[1], place[2]);
+  return fmt::format(
+      "; the fabric is stretched by {:.0f} % near ({:.4g}, {:.4g}, {:.4g}): it may be too tight there, or held "
+      "by friction where the body is too wide for it: [sewing] friction lets it slide",
+      100.0 * most, place[0], place[1], place[2]);
 }
 
 /// The group of a support that holds a vertex; empty if none does.

@@ -219,6 +219,10 @@ void read_remesh(const CaseReader& reader, Case& c) {
 
 void check_attachment(const SectionPlace& place, const Case& c, const system::Attachment& s) {
   if (s.groups.empty()) place.fail("groups", "the list is empty; name points, curves or surfaces of the mesh");
+  if (s.hard && !std::isnan(s.gap))
+    place.fail(
+        "gap",
+        "a hard attachment holds vertices where they are to the surface as it takes hold; remove the key, or hard");
   std::vector<std::string> known;
   for (const ObstacleSection& o : c.obstacles) {
     if (o.type == ObstacleSection::Type::mesh || o.type == ObstacleSection::Type::cylinder)
@@ -279,6 +283,8 @@ void check_petsc(const SectionPlace& place, const std::string& options) {
 void read_pattern(const CaseReader& reader, Case& c) {
   read_all(reader, "panel", c.panels, [&](const SectionPlace& place, PanelSection& s) {
     s.file = beside(c.file, s.file);
+    if (!s.grain.empty() && (s.grain.size() != 2 || !(std::hypot(s.grain[0], s.grain[1]) > 0.0)))
+      place.fail("grain", "two numbers [x, y] are needed that are not both zero");
     if (!s.wrap_axis && s.wrap_radius > 0.0)
       place.fail("wrap_axis", "the key is missing; wrap_radius is about an axis");
   });

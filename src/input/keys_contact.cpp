@@ -159,9 +159,14 @@ std::vector<Key> keys_of(system::Attachment& s) {
                       "surfaces, so that it does not depend on the mesh.",
            .unit = "points N/m, curves N/m^2, surfaces N/m^3",
            .range = positive},
+          {.name = "hard",
+           .slot = &s.hard,
+           .meaning = "Whether they are exactly where the surface takes them, in place of springs: `stiffness` means "
+                      "nothing then. "
+                      "What presses them into something else ends the run."},
           {.name = "gap",
            .slot = &s.gap,
-           .meaning = "Distance from the surface at which they are held, along its normal. Less than the contact "
+           .meaning = "Distance from the surface at which springs hold them, along its normal. Less than the contact "
                       "distance presses them onto it.",
            .unit = "m",
            .range = not_negative,

@@ -26,7 +26,8 @@ std::vector<Key> keys_of(PanelSection& s) {
   std::vector<Key> keys{
       {.name = "file",
        .slot = &s.file,
-       .meaning = "Pattern: GarmentCode (`.json`) or outlines (`.svg`), relative to the folder of the case file.",
+       .meaning =
+           "Pattern: GarmentCode (`.json`) or outlines (`.svg`, `.dxf`), relative to the folder of the case file.",
        .required = true},
       {.name = "pieces",
        .slot = Words{&s.pieces, {}},
@@ -38,14 +39,26 @@ std::vector<Key> keys_of(PanelSection& s) {
        .absent = "the piece's own name"},
       {.name = "unit",
        .slot = &s.unit,
-       .meaning = "Length of one unit of the file's coordinates. 0: what the file says, which an SVG does by a width "
-                  "with a unit and a viewBox.",
+       .meaning = "Length of one unit of the file's coordinates. 0: what the file says: an SVG by a width "
+                  "with a unit and a viewBox, a DXF by $INSUNITS, a text 'Units:' or $MEASUREMENT.",
        .unit = "m",
        .range = not_negative},
       {.name = "size", .slot = &s.size, .meaning = "Length of the edges of cells.", .unit = "m", .range = positive},
       {.name = "mirror",
        .slot = &s.mirror,
        .meaning = "Whether the pieces are cut from the mirror image of their outlines (x becomes -x)."},
+      {.name = "unfold",
+       .slot = &s.unfold,
+       .meaning =
+           "Edge of each piece, by number or label, which is a fold line: what is drawn is half of the piece, and its "
+           "mirror image is added. The mirror line of a DXF block does so without this key.",
+       .absent = "pieces are whole"},
+      {.name = "grain",
+       .slot = &s.grain,
+       .meaning = "Direction `[x, y]` of the grain line as the file draws the pieces. Their texture coordinates are "
+                  "turned until "
+                  "it is along v, which `texture_direction = [0, 1]` of `[[material]]` means.",
+       .absent = "the grain line of a DXF block (layer 7), else `[0, 1]`"},
       {.name = "stitches", .slot = &s.stitches, .meaning = "Whether the stitches of a `.json` become seams."},
       {.name = "euler",
        .slot = choice(s.euler, {{"zyx", PanelSection::Euler::zyx}, {"xyz", PanelSection::Euler::xyz}}),
@@ -61,14 +74,16 @@ std::vector<Key> keys_of(SeamSection& s) {
       {.name = "name", .slot = &s.name, .meaning = "Of the seam.", .absent = "made of its edges"},
       {.name = "edges",
        .slot = Words{&s.edges, {}},
-       .meaning = "One side: edges `PIECE/EDGE` in the order in which they follow each other, EDGE being the number "
-                  "from 0 in the file or a label that only one edge of the piece has.",
+       .meaning =
+           "One side: edges `PIECE/EDGE` in the order in which they follow each other, EDGE being the number "
+           "from 0 in the file or a label that only one edge of the piece has, or `PIECE/FROM..TO` for all edges "
+           "from one point to another, round the piece in the order of the file.",
        .required = true},
       {.name = "to", .slot = Words{&s.to, {}}, .meaning = "The other side.", .required = true},
       {.name = "meet",
        .slot = &s.meet,
        .meaning = "Two points `PIECE@POINT` that come together, an end of each side; POINT counts from 0, edge k "
-                  "begins at point k.",
+                  "begins at point k; corners and notches of DXF blocks have names too, c0, c1, ... and n0, n1, ....",
        .absent = "the ends whose choice makes the way shorter at the start"}};
 }
 
@@ -96,7 +111,15 @@ std::vector<Key> keys_of(SewingSection& s) {
        .meaning = "Largest distance of points that are made one at the end of the stage; if one is larger then, the "
                   "run ends there.",
        .unit = "m",
-       .range = positive}};
+       .range = positive},
+      {.name = "friction",
+       .slot = &s.friction,
+       .meaning = "Largest coefficient of friction in stages that sew. Fabric that slides along the body goes to where "
+                  "it fits "
+                  "before its seams are closed; it stays where it is as long as the coefficient exceeds the slope of "
+                  "the body.",
+       .range = not_negative,
+       .absent = "that of `[contact]`, `[[obstacle]]` and `[[contact_rule]]`"}};
 }
 
 }  // namespace voile::input

@@ -100,13 +100,15 @@ class Cutter {
     const Vec3 shift(x - e.low[0], -e.low[1], 0.0);
     x += (1.0 + chart_room) * (e.high[0] - e.low[0]);
     for (const Vec2& at : cut.points) m.positions.push_back(panel(p).place(at));
+    const Vec2& grain = panel(p).piece.grain;
+    const Mat2 upright = (Mat2() << grain[1], -grain[0], grain[0], grain[1]).finished();  // the grain line along y
     mesh::Group whole{panel(p).piece.name, 2, {}, {}, {}};
     for (mesh::Triangle t : cut.triangles) {
       if (panel(p).piece.turned) std::swap(t[1], t[2]);
       whole.triangles.push_back(static_cast<Index>(m.triangles.size()));
       const auto at = [&](std::size_t i) { return cut.points[static_cast<std::size_t>(t[i])]; };
       const auto chart = [&](std::size_t i) { return Vec3(Vec3(at(i)[0], at(i)[1], 0.0) + shift); };
-      m.texture.push_back({at(0), at(1), at(2)});
+      m.texture.push_back({upright * at(0), upright * at(1), upright * at(2)});
       m.rest.push_back({chart(0), chart(1), chart(2)});
       m.triangles.push_back({first + t[0], first + t[1], first + t[2]});
     }

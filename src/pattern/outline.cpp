@@ -70,8 +70,8 @@ std::optional<Crossing> find_crossing(const std::vector<Vec2>& points) {
 Extent extent_of(const Piece& piece) {
   Extent e{piece.point(0), piece.point(0)};
   for (const Edge& edge : piece.edges)
-    for (int i = 0; i < 64; ++i) {
-      const Vec2 x = edge.curve.at(i / 64.0);
+    for (int i = 0, steps = edge.curve.steps(); i < steps; ++i) {
+      const Vec2 x = edge.curve.at(static_cast<double>(i) / steps);
       e.low = e.low.cwiseMin(x);
       e.high = e.high.cwiseMax(x);
     }

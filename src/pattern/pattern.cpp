@@ -56,7 +56,7 @@ void check_outline(const Pattern& pattern, const Piece& piece) {
   for (std::size_t k = 0; k < piece.edges.size(); ++k) {
     const Curve& c = piece.edges[k].curve;
     if (!(c.length() > 1e-6)) throw UserError(fmt::format("{}, edge {}: it has no length; remove it", at, k));
-    const int parts = c.is_line() ? 1 : 64;
+    const int parts = c.steps();
     for (int i = 0; i < parts; ++i) {
       points.push_back(c.at(static_cast<double>(i) / parts));
       edge_of.push_back(k);
@@ -94,11 +94,27 @@ std::string text_of(const std::filesystem::path& file) {
   return text;
 }
 
+std::optional<std::size_t> number_below(const std::string& text, std::size_t end) {
+  if (text.empty() || text.size() > 6 || !std::all_of(text.begin(), text.end(), ::isdigit)) return std::nullopt;
+  const std::size_t k = std::stoul(text);
+  return k < end ? std::optional(k) : std::nullopt;
+}
+
 namespace {
 
+std::string lower_extension(const std::filesystem::path& file) {
+  std::string extension = file.extension().string();
+  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return extension;
+}
+
 Pattern read_unguarded(const std::filesystem::path& file, const ReadOptions& options) {
-  Pattern pattern = file.extension() == ".json" ? read_garmentcode(file, options) : read_svg(file, options);
+  const std::string extension = lower_extension(file);
+  Pattern pattern = extension == ".json"  ? read_garmentcode(file, options)
+                    : extension == ".svg" ? read_svg(file, options)
+                                          : read_dxf(file, options);
   check_names(pattern, options.pieces);
+  if (!options.unfold.empty()) unfold_pieces(pattern, options.unfold);
   for (const Piece& piece : pattern.pieces) {
     check_size(pattern, piece);
     check_outline(pattern, piece);
@@ -109,10 +125,10 @@ Pattern read_unguarded(const std::filesystem::path& file, const ReadOptions& opt
 }  // namespace
 
 Pattern read_pattern(const std::filesystem::path& file, const ReadOptions& options) {
-  const std::string extension = file.extension().string();
-  if (extension != ".json" && extension != ".svg")
-    throw UserError(
-        fmt::format("{}: unknown kind of pattern '{}'; give a GarmentCode .json or an .svg", file.string(), extension));
+  if (const std::string extension = lower_extension(file);
+      extension != ".json" && extension != ".svg" && extension != ".dxf")
+    throw UserError(fmt::format("{}: unknown kind of pattern '{}'; give a GarmentCode .json, an .svg or a .dxf",
+                                file.string(), extension));
   try_in_child(file.string(), [&] { (void)read_unguarded(file, options); });
   return read_unguarded(file, options);
 }

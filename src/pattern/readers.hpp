@@ -1,12 +1,26 @@
 // Readers of pattern files, before any check of outlines; private to src/pattern.
 #pragma once
 
+#include <optional>
+
 #include "voile/pattern/pattern.hpp"
 
 namespace voile::pattern {
 
 [[nodiscard]] Pattern read_garmentcode(const std::filesystem::path& file, const ReadOptions& options);
 [[nodiscard]] Pattern read_svg(const std::filesystem::path& file, const ReadOptions& options);
+
+[[nodiscard]] Pattern read_dxf(const std::filesystem::path& file, const ReadOptions& options);
+
+/// A half becomes the whole: its edges from the one after `fold` on, then their mirror images. Names of those end in '.
+/// `where`: for messages. Throws UserError if that edge is not straight.
+void unfold(const std::string& where, Piece& piece, std::size_t fold);
+/// The same for all pieces, by number or label of the edge. Stitches follow, those of the fold line are left out. Throws
+/// UserError for unknown edges.
+void unfold_pieces(Pattern& pattern, const std::string& edge);
+
+/// A whole number below `end`, or nothing.
+[[nodiscard]] std::optional<std::size_t> number_below(const std::string& text, std::size_t end);
 
 /// Commands of an SVG path as curves in its own coordinates, lines to close it included. `where`: for messages. Throws
 /// UserError for what is no path, for several outlines, and for one that is open.

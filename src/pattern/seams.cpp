@@ -7,6 +7,7 @@
 #include <map>
 #include <numeric>
 
+#include "readers.hpp"
 #include "voile/base/error.hpp"
 #include "voile/base/text.hpp"
 
@@ -76,11 +77,36 @@ class Resolver {
     fail(r, fmt::format("'{}': there is no piece '{}':{}", given, name, suggestion(name, names)));
   }
 
-  /// A number below `end`, or nothing.
-  [[nodiscard]] static std::optional<std::size_t> number(const std::string& text, std::size_t end) {
-    if (text.empty() || text.size() > 6 || !std::all_of(text.begin(), text.end(), ::isdigit)) return std::nullopt;
-    const std::size_t k = std::stoul(text);
-    return k < end ? std::optional(k) : std::nullopt;
+  /// The point of a panel that has this number or name.
+  [[nodiscard]] std::optional<std::size_t> point_of(std::size_t p, const std::string& word) const {
+    const std::vector<std::string>& names = panels_[p].piece.point_names;
+    if (const auto at = std::find(names.begin(), names.end(), word); at != names.end())
+      return static_cast<std::size_t>(at - names.begin());
+    return number_below(word, panels_[p].piece.edges.size());
+  }
+
+  /// All edges of a side: "PIECE/FROM..TO" means those from a point to another, in the order of the file.
+  [[nodiscard]] Side uses(const SeamRequest& r, const std::vector<std::string>& given) const {
+    Side all;
+    for (const std::string& name : given) {
+      const std::size_t slash = name.rfind('/'), dots = name.find("..", slash == std::string::npos ? 0 : slash);
+      if (slash == std::string::npos || dots == std::string::npos) {
+        all.push_back(edge(r, name));
+        continue;
+      }
+      const std::size_t p = panel(r, name.substr(0, slash), name), n = panels_[p].piece.edges.size();
+      const auto from = point_of(p, name.substr(slash + 1, dots - slash - 1)), to = point_of(p, name.substr(dots + 2));
+      if (!from || !to || *from == *to)
+        fail(r, fmt::format("'{}': write PIECE/FROM..TO with two points of the piece, which has 0 to {}{}", name, n - 1,
+                            named_points(p)));
+      for (std::size_t k = *from; k != *to; k = (k + 1) % n) all.push_back({p, k, false});
+    }
+    return all;
+  }
+
+  [[nodiscard]] std::string named_points(std::size_t p) const {
+    const std::vector<std::string>& names = panels_[p].piece.point_names;
+    return names.empty() ? "" : fmt::format(", named {}", join(names, ", "));
   }
 
   [[nodiscard]] EdgeUse edge(const SeamRequest& r, const std::string& given) const {
@@ -89,7 +115,7 @@ class Resolver {
     const std::size_t p = panel(r, given.substr(0, slash), given);
     const std::string word = given.substr(slash + 1);
     const std::vector<Edge>& edges = panels_[p].piece.edges;
-    if (const auto k = number(word, edges.size())) return {p, *k, false};
+    if (const auto k = number_below(word, edges.size())) return {p, *k, false};
     std::vector<std::size_t> labelled;
     for (std::size_t k = 0; k < edges.size(); ++k)
       if (!word.empty() && edges[k].label == word) labelled.push_back(k);
@@ -104,8 +130,8 @@ class Resolver {
     const std::size_t at = given.rfind('@');
     if (at == std::string::npos) fail(r, fmt::format("meet: '{}': write a point as PIECE@POINT", given));
     const std::size_t p = panel(r, given.substr(0, at), given), points = panels_[p].piece.edges.size();
-    if (const auto k = number(given.substr(at + 1), points)) return {p, *k};
-    fail(r, fmt::format("meet: '{}': the piece has points 0 to {}", given, points - 1));
+    if (const auto k = point_of(p, given.substr(at + 1))) return {p, *k};
+    fail(r, fmt::format("meet: '{}': the piece has points 0 to {}{}", given, points - 1, named_points(p)));
   }
 
   void use(const SeamRequest& r, const EdgeUse& e) {
@@ -118,13 +144,13 @@ class Resolver {
 
   /// Directions of the edges of a side such that each begins where the one before ends.
   [[nodiscard]] Side chain(const SeamRequest& r, const std::vector<std::string>& names) const {
+    const Side given = uses(r, names);
     Side best;
     double least = std::numeric_limits<double>::infinity();
     for (const bool turned : {false, true}) {
       Side side;
       double gaps = 0.0;
-      for (const std::string& name : names) {
-        EdgeUse e = edge(r, name);
+      for (EdgeUse e : given) {
         e.reversed = turned;
         if (!side.empty()) gaps += append_direction(side.back(), e);
         side.push_back(e);

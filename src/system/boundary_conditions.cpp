@@ -121,10 +121,17 @@ void BoundaryConditions::move_supports(double time) {
   const petsc::WriteArray motion(motion_);
   const LocalPoints& local = on_->dofs().local();
   for (const Mover& m : movers_) {
+    if (supports_[static_cast<std::size_t>(m.support)].follows) continue;
     const Vec3 u = supports_[static_cast<std::size_t>(m.support)].motion(local.start[m.local], time);
     const Vec3 own = on_->dofs().to_own(local.point_of[m.local], u);
     for (int k = 0; k < 3; ++k) motion[3 * m.local + k] = own[k];
   }
+}
+
+void BoundaryConditions::set_displacement(Index local, const Vec3& u) {
+  const petsc::WriteArray motion(motion_);
+  const Vec3 own = on_->dofs().to_own(on_->dofs().local().point_of[local], u);
+  for (int k = 0; k < 3; ++k) motion[3 * local + k] = own[k];
 }
 
 void BoundaryConditions::enforce(Vec a) const {

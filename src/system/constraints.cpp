@@ -217,10 +217,10 @@ Constraints resolve_supports(const mesh::SurfaceMesh& mesh, const std::vector<Su
   }
   for (const auto& [v, list] : conditions) result.vertices.emplace(v, combine(mesh, v, list));
   for (std::size_t i = 0; i < supports.size(); ++i) {
-    if (!supports[i].motion) continue;
+    if (!supports[i].motion && !supports[i].follows) continue;
     for (Index v : mesh.group(supports[i].group).vertices) {
       int& motion = result.vertices.at(v).motion;
-      if (motion >= 0)
+      if (motion >= 0 && !(supports[i].follows && supports[static_cast<std::size_t>(motion)].follows))
         throw UserError(fmt::format("{} and {}: both move vertex {}; let one of them do it", name_of(supports[i]),
                                     name_of(supports[static_cast<std::size_t>(motion)]), mesh.data().vertex_tags[v]));
       motion = static_cast<int>(i);

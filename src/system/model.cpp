@@ -15,6 +15,7 @@ void Model::set_time(double time) {
   if (contact_) contact_->set_time(time);
   if (held_still_) return;
   conditions_->set_time(time);
+  place_anchors();
   tighten_seams(time);
 }
 

@@ -34,7 +34,6 @@ void Model::add_band(const Spring& spring, ElementTerm<energy::SpringTerm>& band
   }
 }
 
-/// The number of the obstacle that an attachment names.
 std::size_t Model::obstacle_of(const Attachment& attachment) const {
   if (contact_) {
     const std::vector<contact::Obstacle>& all = contact_->input().obstacles;
@@ -45,12 +44,30 @@ std::size_t Model::obstacle_of(const Attachment& attachment) const {
                               attachment.obstacle));
 }
 
+const std::vector<Support>& with_followers(ModelInput& input) {
+  for (const Attachment& attachment : input.attachments)
+    for (const std::string& group : attachment.groups) {
+      if (!attachment.hard) continue;
+      Support held;
+      held.group = group;
+      held.kind = Support::Kind::hinged;
+      held.follows = true;
+      input.supports.push_back(held);
+    }
+  return input.supports;
+}
+
 void Model::add_attachments(std::vector<Attachment> list) {
   attachments_ = std::move(list);
   if (attachments_.empty()) return;
   ElementTerm<energy::AnchorTerm>& term = *anchor_term_;
   for (const Attachment& attachment : attachments_) {
     const std::size_t obstacle = obstacle_of(attachment);
+    if (attachment.hard) {
+      for (const Index v : vertices_of(on_->mesh(), attachment))
+        if (on_->owned(v) != no_index) anchored_[{attachment.number, v}] = {on_->owned(v), obstacle, true};
+      continue;
+    }
     std::map<Index, double> stiffness;  // of a vertex
     for (const std::string& name : attachment.groups) {
       Load like;  // the same lumping as that of loads
@@ -63,7 +80,7 @@ void Model::add_attachments(std::vector<Attachment> list) {
     }
     for (const auto& [v, k] : stiffness) {
       if (on_->owned(v) == no_index) continue;
-      anchored_[{attachment.number, v}] = {term.kernel.size(), obstacle};
+      anchored_[{attachment.number, v}] = {term.kernel.size(), obstacle, false};
       term.kernel.add(dofs().local().local_of[v], k);
     }
   }
@@ -92,6 +109,7 @@ void Model::attach(Vec a, std::vector<Anchor>& anchors) {
   anchors = all;
   anchors_ = std::move(all);
   anchored_time_.reset();
+  place_anchors();
 }
 
 /// Puts the places of anchors where the obstacles are.
@@ -102,10 +120,14 @@ void Model::place_anchors() {
   for (const Anchor& anchor : anchors_) {
     const auto at = anchored_.find({anchor.attachment, anchor.vertex});
     if (at == anchored_.end()) continue;  // another rank's
-    const auto& [element, obstacle] = at->second;
+    const auto& [element, obstacle, hard] = at->second;
     if (!points.count(obstacle)) points[obstacle] = contact_->obstacle_points(obstacle);
     const auto& triangles = contact_->input().obstacles[obstacle].triangles;
-    anchor_term_->kernel.set_place(element, anchor_place(anchor, triangles[anchor.triangle], points[obstacle]));
+    const Vec3 place = anchor_place(anchor, triangles[anchor.triangle], points[obstacle]);
+    if (hard)
+      conditions_->set_displacement(element, place - dofs().local().start[element]);
+    else
+      anchor_term_->kernel.set_place(element, place);
   }
 }
 

@@ -19,7 +19,7 @@
 namespace voile::system {
 
 Model::Model(MPI_Comm comm, const mesh::SurfaceMesh& mesh, ModelInput input)
-    : on_(std::make_unique<Discretisation>(comm, mesh, std::move(input.materials), input.supports, input.springs,
+    : on_(std::make_unique<Discretisation>(comm, mesh, std::move(input.materials), with_followers(input), input.springs,
                                            input.element)),
       turns_now_(input.supports.size(), Mat3::Identity()) {
   const Curvatures curvatures = on_->take_curvatures();

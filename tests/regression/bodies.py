@@ -157,6 +157,54 @@ def attachment(report):
 
 
 @test
+def attachment_hard(report):
+    """A hard attachment carries an edge exactly where the block takes it, and lets go; the same on 2 ranks, from a checkpoint and from a later stage."""
+    hard = {"attachment__0__hard": True}
+    whole = solve("attachment_hard", held(**hard), 1)
+    report.below(max(edge_error(s, s.time) for s in whole.results), 1e-9, "the edge is where the block takes it [m]")
+    two = solve("attachment_hard_2", held(**hard), 2)
+    report.below(float(np.abs(two.displacement() - whole.displacement()).max()), 1e-5, "2 ranks [m]")
+    half = solve("attachment_hard_half", held(time__end=0.2, **hard), 1)
+    again = run(write_case(held(**hard), OUT / "attachment_again.toml"), fresh("attachment_again"), 2, ["--restart", half.folder / "checkpoint.h5"])
+    report.check(again.code == 0, "goes on from a checkpoint" + again.text[-300:] * (again.code != 0))
+    report.below(float(np.abs(again.displacement() - whole.displacement()).max()), 1e-5, "to the same end [m]")
+    free = solve("attachment_hard_release", held(attachment__0__release=0.2, time__end=0.5, **hard), 2)
+    before = [edge_error(s, s.time) for s in free.results if s.time <= 0.2 + 1e-9]
+    report.below(max(before), 1e-9, "held until it lets go [m]")
+    report.check(edge_error(free.results[-1], free.results[-1].time) > 0.02, "and not after that")
+    case = held(**hard)
+    case.pop("analysis")
+    case["attachment"][0]["stages"] = ["hold"]
+    case["initial_velocity"] = [{"velocity": [0, 0, 0.5], "stages": ["fly"]}]
+    case["obstacle"][0] |= {"motion": ["0", "0", "0.5*t"]}
+    case["stage"] = [{"name": n, "analysis": "dynamic", "time": {"step": 0.01, "end": e}} for n, e in (("fly", 0.1), ("hold", 0.25))]
+    later = part(solve("attachment_hard_later", case, 2), "hold").results
+    edge = later[0].mesh.group("clamp", 1)
+
+    def in_block(step):
+        angle = np.deg2rad(60 * step.time**2)
+        x = step.positions[edge]
+        c, s = np.cos(angle), np.sin(angle)
+        return np.stack([c * x[:, 0] + s * x[:, 1], -s * x[:, 0] + c * x[:, 1], x[:, 2] - 0.5 * step.time], axis=1)
+
+    report.below(max(float(np.abs(in_block(s) - in_block(later[0])).max()) for s in later), 1e-9, "a later stage holds it where it is [m]")
+
+
+@test
+def attachment_remesh(report):
+    """Attachments go on while the sheet is remeshed: the held edge stays where the block takes it, soft ones as far behind as without."""
+    remesh = {"remesh__smallest": 0.04, "remesh__largest": 0.3, "remesh__every": 2}
+    for what, keys, limit in (("hard", {"attachment__0__hard": True}, 1e-3), ("soft", {}, 2e-3)):
+        result = solve(f"attachment_remesh_{what}", held(**remesh, **keys), 2)
+        counts = {len(s.mesh.positions) for s in result.results}
+        report.check(len(counts) > 1, f"{what}: remeshed, {sorted(counts)} vertices")
+        held_edges = {len(s.mesh.group("clamp", 1)) for s in result.results}
+        report.below(max(edge_error(s, s.time) for s in result.results), limit, f"{what}: the edge, of {sorted(held_edges)} vertices, goes where the block does [m]")
+    lag = {k: solve(f"attachment_remesh_lag_{k}", held(attachment__0__stiffness=100.0, time__end=0.2, **more), 1).results[-1] for k, more in (("plain", {}), ("fine", remesh))}
+    report.percent(edge_error(lag["fine"], 0.2) / edge_error(lag["plain"], 0.2), 0.1, "a soft one lags as much as without remeshing")
+
+
+@test
 def attachment_stages(report):
     """It takes hold where the edge is when a stage first names it, goes on in the next, and through a weld."""
     case = held()
@@ -198,7 +246,7 @@ def attachment_mistakes(report):
     cases = {
         "blok": held(attachment__0__obstacle="blok"), "no triangles": held(obstacle=[body, ball], attachment__0__obstacle="ball"),
         "nowhere": held(attachment__0__groups=["nowhere"]), "groups": held(attachment__0__groups=[]),
-        "attachment": held(remesh={"largest": 0.3}), "stiffness": held(attachment__0__stiffness=-1.0),
+        "gap": held(attachment__0__hard=True, attachment__0__gap=0.01), "stiffness": held(attachment__0__stiffness=-1.0),
         "length": held(spring=[{"type": "band", "group": "clamp", "stiffness": 1.0, "length": 0.0}])}
     for word, case in cases.items():
         code, text = invoke(["check", write_case(case, OUT / "attachment_mistake.toml")])

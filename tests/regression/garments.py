@@ -175,6 +175,62 @@ def garment_sections(report):
     report.check(code == 0 and seams == 0, f"without stitches: code {code}, {seams} seams")
 
 
+def dxf(name, blocks, header=((9, "$INSUNITS"), (70, 4))):
+    """Millimetres. Each block: lists of (layer, closed, points), single points and lines included."""
+    lines = []
+
+    def put(*groups):
+        lines.extend(f"{code:3}\n{value}" for code, value in groups)
+
+    put((0, "SECTION"), (2, "HEADER"), *header, (0, "ENDSEC"), (0, "SECTION"), (2, "BLOCKS"))
+    for block, shapes in blocks.items():
+        put((0, "BLOCK"), (2, block))
+        for layer, closed, points in shapes:
+            if len(points) == 1:
+                put((0, "POINT"), (8, layer), (10, points[0][0]), (20, points[0][1]))
+                continue
+            put((0, "POLYLINE"), (8, layer), (66, 1), (70, int(closed)))
+            for x, y in points:
+                put((0, "VERTEX"), (8, layer), (10, x), (20, y))
+            put((0, "SEQEND"))
+        put((0, "ENDBLK"))
+    put((0, "ENDSEC"), (0, "EOF"))
+    return text_file(name, "\n".join(lines) + "\n")
+
+
+@test
+def garment_dxf(report):
+    """Half a piece of a DXF, with allowance and notch, and half a rectangle of an SVG unfold, and are sewn into tubes."""
+    width, height = 1000 * 2 * np.pi * RADIUS, 1000 * HEIGHT
+    half, allowance = width / 2, 10
+    block = [(1, True, [(0, -allowance), (half + allowance, -allowance), (half + allowance, height + allowance), (0, height + allowance)]),
+             (14, False, [(0, 0), (half, 0), (half, height), (0, height)]), (6, False, [(0, height + 20), (0, -20)]),
+             (4, False, [(half + allowance, height / 3)]), (7, False, [(10, 20), (10, 120)])]
+    case = tube(panel=[{"file": dxf("garment_half.dxf", {"tube": block}), "size": 0.015, "wrap_axis": [0, 0, 1], "translate": [0, -1.05 * RADIUS, 0]}],
+                seam=[{"name": "side", "edges": ["tube/c1..c2"], "to": ["tube/c2'..c1'"], "meet": ["tube@c1", "tube@c1'"]}])
+    folded = svg("garment_half.svg", f'<path id="tube" d="M 0 0 V {height} H {half} V 0 Z"/>')
+    other = tube(panel=[{"file": folded, "size": 0.015, "unfold": "0", "wrap_axis": [0, 0, 1], "translate": [0, -1.05 * RADIUS, 0]}],
+                 seam=[{"name": "side", "edges": ["tube/1"], "to": ["tube/4"], "meet": ["tube@1", "tube@5"]}])
+    for what, wanted, edges in (("DXF", case, 8), ("SVG", other, 6)):
+        wanted["stage"] = wanted["stage"][:1]
+        wanted["spring"] = []
+        code, text = invoke(["check", write_case(wanted, OUT / "garment_half.toml")], 2)
+        report.check(code == 0 and f"'tube': {2 * half * height * 1e-6:.6g} m^2" in text and f"{edges} edges" in text, f"{what}: the whole piece without allowance: code {code}: {text[-200:] if code else ''}")
+        result = solve(f"garment_half_{what}", wanted)
+        gap = part(result, "sew").history["seam_gap"]
+        report.check(gap[0] > 0.02, f"{what}: the seam starts {gap[0]:.4f} m apart")
+        report.below(gap[-1], 1e-4, f"{what}: and closes to [m]")
+
+    def refused(what, wanted, *words):
+        code, text = invoke(["check", write_case(wanted, OUT / "garment_half.toml")])
+        report.check(code == 2 and all(w in text for w in words), f"{what}: code {code}: {' '.join(text.split())[:260]}")
+
+    refused("no unit", case | {"panel": [{"file": dxf("garment_unitless.dxf", {"tube": block}, ())}]}, "garment_unitless.dxf", "$INSUNITS", "key unit")
+    refused("an unknown point", case | {"seam": [{"edges": ["tube/c1..c9"], "to": ["tube/c2'..c1'"]}]}, "tube/c1..c9", "FROM..TO", "n0'")
+    refused("an unknown fold", other | {"panel": [other["panel"][0] | {"unfold": "9"}]}, 'unfold = "9"', "it has 4")
+    refused("a grain line without direction", case | {"panel": [case["panel"][0] | {"grain": [0, 0]}]}, "panel.grain", "two numbers")
+
+
 @test
 def garment_refused(report):
     """Patterns and seams that cannot be: each mistake is named with its file and remedy; nothing crashes."""
@@ -340,6 +396,29 @@ def garment_tight(report):
     report.below(len(h["time"]), 100, "30 % short: steps, of 70 whole ones")
     report.check(h["smallest_gap"][-1] > 2e-4, f"30 % short: smallest gap to the body {h['smallest_gap'][-1]:.2e} m")
     report.check(h["intersections"].max() == 0, "30 % short: no intersection")
+
+
+@test
+def garment_slides(report):
+    """A strip sewn round a cone that is too wide for it: friction holds it there; with less while it is sewn it goes up to where it fits."""
+    low, high, slope, height = -0.2, 0.2, 0.25, 0.04
+    turns = np.linspace(0, 2 * np.pi, 64, endpoint=False)
+    points = [(r * np.cos(a), r * np.sin(a), z) for z in (low, high) for r in [RADIUS - slope * z] for a in turns] + [(0, 0, low), (0, 0, high)]
+    n = len(turns)
+    faces = [f for k in range(n) for m in [(k + 1) % n] for f in ((k, m, n + m), (k, n + m, n + k), (2 * n, m, k), (2 * n + 1, n + k, n + m))]
+    cone = text_file("garment_cone.obj", "".join("v %.9g %.9g %.9g\n" % p for p in points) + "".join("f %d %d %d\n" % tuple(i + 1 for i in f) for f in faces))
+    width = 2 * np.pi * RADIUS * 0.97
+    case = tube(panel=[{"file": svg("garment_strip.svg", rectangle("tube", width, height)), "size": 0.015, "wrap_axis": [0, 0, 1], "translate": [-width / 2, -1.25 * RADIUS, -height / 2]}],
+                spring=[], obstacle=[{"name": "body", "type": "mesh", "file": cone, "friction": 0.5}], contact={"distance": 1e-3, "friction": 0.5},
+                stage=[{"name": "sew", "analysis": "dynamic", "sew": ["all"], "time": {"end": 0.8, "step": 0.01}, "damping": {"mass": 20.0}}])
+    shutil.rmtree(OUT / "garment_slides_held", ignore_errors=True)
+    held = run(write_case(case, OUT / "garment_slides_held.toml"), OUT / "garment_slides_held", 1)
+    report.check(held.code == 3 and "[sewing] friction lets it slide" in held.text, f"held: code {held.code}")
+    sliding = solve("garment_slides", case | {"sewing": {"friction": 0.02}}, 2)
+    report.below(part(sliding, "sew").history["seam_gap"][-1], 1e-4, "sliding: gap [m]")
+    report.check(part(sliding, "sew").history["intersections"].max() == 0, "sliding: no intersection")
+    rise = part(sliding, "sew").results[-1].positions[:, 2].mean()
+    report.check(rise > 5e-3, f"sliding: up by {rise:.4f} m")
 
 
 @test

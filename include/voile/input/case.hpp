@@ -31,13 +31,15 @@ struct MeshSection {
 
 /// Pieces of a pattern file, and where they begin.
 struct PanelSection {
-  std::filesystem::path file;       ///< GarmentCode .json or .svg, resolved relative to the case file
+  std::filesystem::path file;       ///< GarmentCode .json, .svg or .dxf, resolved relative to the case file
   std::vector<std::string> pieces;  ///< of the file; empty: all
   std::string name;                 ///< in place of the only piece's own; empty: that
   double unit = 0.0;                ///< length of the file's unit [m]; 0: as the file says
   double size = 0.02;               ///< of cells [m]
   bool mirror = false;              ///< x -> -x in the piece
-  bool stitches = true;             ///< those of the file are taken
+  std::string unfold;               ///< edge across which halves unfold, by number or label; empty: none
+  std::vector<double> grain;  ///< direction of the grain line as the file draws the piece; empty: as the file says
+  bool stitches = true;       ///< those of the file are taken
   enum class Euler { zyx, xyz };
   Euler euler = Euler::zyx;  ///< order of the file's rotations: R = Rz Ry Rx or Rx Ry Rz
   io::Placement placement{.up_axis = io::Placement::UpAxis::y};
@@ -59,6 +61,8 @@ struct SewingSection {
   double speed = 0.5;      ///< [m/s]
   double force = 0.0;      ///< largest, per rest length of the seam; 0: by the fabric [N/m]
   double gap = 1e-4;       ///< largest at which a seam is welded [m]
+  /// Largest coefficient in stages that sew; NaN: as [contact] says
+  double friction = std::numeric_limits<double>::quiet_NaN();
 };
 
 /// Named numbers recorded in history.csv after every accepted step.

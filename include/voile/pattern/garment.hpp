@@ -13,7 +13,7 @@ struct Garment {
   std::vector<Panel> panels;
   Seams seams;
   /// One chart per panel (the pieces side by side, so that no two lie on each other), the coordinates of the pieces as
-  /// texture [m], positions as placed. Groups: each panel by its name, each edge as "PANEL/number", and "PANEL/label"
+  /// texture [m], turned until their grain line is along y, positions as placed. Groups: each panel by its name, each edge as "PANEL/number", and "PANEL/label"
   /// for the edges that have a label, both sides of each seam as "seam NAME". All seams are open.
   mesh::MeshData mesh;
 };

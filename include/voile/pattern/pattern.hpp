@@ -1,7 +1,8 @@
 // Sewing patterns as files hold them: pieces with their outlines, places and stitches.
 //
 // Symbols   (x, y)  coordinates in the plane of a piece [m], y up      X = R (x, y, 0) + t  its place in the file's space
-// Edge k of a piece runs from point k to point k + 1 (modulo their number). The right side of the fabric is where z > 0,
+// Edge k of a piece runs from point k to point k + 1 (modulo their number). A piece that unfolds across an edge is drawn to
+// half: its edges count from the one after the fold, round the half and then round its mirror image. The right side of the fabric is where z > 0,
 // or z < 0 if the piece is `turned`.
 #pragma once
 
@@ -22,6 +23,9 @@ struct Edge {
 struct Piece {
   std::string name;
   std::vector<Edge> edges;  ///< a closed loop
+  /// Of the points, one each or none: of a DXF the corners c0, c1, ... and the notches n0, n1, ..., mirrored ones with '.
+  std::vector<std::string> point_names{};
+  Vec2 grain = Vec2::UnitY();  ///< direction of the grain line in the plane of the piece, a unit vector
   bool turned = false;
   Mat3 rotation = Mat3::Identity();  ///< R
   Vec3 translation = Vec3::Zero();   ///< t [m]
@@ -61,9 +65,10 @@ struct ReadOptions {
   double unit = 0.0;                  ///< length of the file's unit [m]; 0: as the file says
   bool euler_xyz = false;             ///< R = Rx Ry Rz in place of Rz Ry Rx
   std::vector<std::string> pieces{};  ///< names of those wanted; empty: all
+  std::string unfold{};               ///< edge, by number or label, across which each piece unfolds; empty: none
 };
 
-/// Reads a GarmentCode .json or an .svg. Outlines are checked: closed, no edge without length, no crossing. Stitches of
+/// Reads a GarmentCode .json, an .svg or an ASCII .dxf. Outlines are checked: closed, no edge without length, no crossing. Stitches of
 /// pieces that are not wanted are left out. Throws UserError that names file, piece, edge and remedy.
 [[nodiscard]] Pattern read_pattern(const std::filesystem::path& file, const ReadOptions& options);
 

@@ -39,7 +39,7 @@ struct Panel {
 /// What is asked for: names as a case writes them, or a stitch of a file.
 struct SeamRequest {
   std::string name{}, where;           ///< of the seam; empty: made of its edges. For messages
-  std::vector<std::string> edges, to;  ///< "PANEL/EDGE"
+  std::vector<std::string> edges, to;  ///< "PANEL/EDGE", or "PANEL/POINT..POINT"
   std::vector<std::string> meet{};     ///< two points "PANEL@POINT", or empty
   Sense sense = Sense::nearest;        ///< of single edges, where `meet` is empty
 };

@@ -5,6 +5,7 @@
 //           F       axes of that triangle: along its first side, in its plane square to that, normal
 //   y(t) = sum_i l_i p_i(t) + F(t) d,   d = F_0^T (X_0 - y_0), or (0, 0, +-gap) on the side on which X_0 lies
 //   W    = k/2 |x - y(t)|^2           k: a share of the stiffness, spread as loads are (boundary_conditions.hpp)
+//   x    = y(t)                       of a hard one
 #pragma once
 
 #include <string>

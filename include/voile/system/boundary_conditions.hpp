@@ -42,6 +42,8 @@ class BoundaryConditions {
   /// Time of all later evaluations: supports with a motion go where they are then, loads with a history change.
   /// Collective.
   void set_time(double time);
+  /// Where an owned vertex goes that a support `follows` holds: its displacement from the start. Not collective. [m]
+  void set_displacement(Index local, const Vec3& u);
   /// Sets the fixed components of a to their prescribed values. Collective.
   void enforce(Vec a) const;
   /// Supports take hold of what they hold where it is in state a: from now on prescribed displacements and motions count

@@ -31,6 +31,8 @@ struct Support {
   double release = std::numeric_limits<double>::infinity();  ///< time at which it lets go [s]
   /// Displacement [m] of the vertex that starts at X at time t [s], added to `value`; empty: none.
   std::function<Vec3(const Vec3& rest, double time)> motion;
+  /// Where it goes is told vertex by vertex (BoundaryConditions::set_displacement) in place of `motion`.
+  bool follows = false;
   /// clamped: the rotation within `motion` at time t, with which the slope turns; empty: none.
   std::function<Mat3(double time)> rotation;
 };
@@ -79,12 +81,13 @@ struct Spring {
   double length = std::numeric_limits<double>::quiet_NaN();
 };
 
-/// Vertices held to an obstacle's surface by springs, see attachments.hpp.
+/// Vertices held to an obstacle's surface by springs or exactly, see attachments.hpp.
 struct Attachment {
   int number = 0;                   ///< unique among those of a case
   std::vector<std::string> groups;  ///< points, curves or surfaces
   std::string obstacle;             ///< that has triangles
   double stiffness = 1e4;           ///< at vertices of points [N/m], per rest length of curves [N/m^2], area [N/m^3]
+  bool hard = false;                ///< they are where the surface takes them, as supports hold, in place of springs
   double gap = std::numeric_limits<double>::quiet_NaN();     ///< to the surface [m]; NaN: what it is at the start
   double release = std::numeric_limits<double>::infinity();  ///< time at which it lets go [s]
 };

@@ -69,6 +69,9 @@ struct Energies {
   double springs = 0.0;                  ///< [J]
 };
 
+/// The supports, and those by which hard attachments hold, which are added to them.
+[[nodiscard]] const std::vector<Support>& with_followers(ModelInput& input);
+
 class Model {
  public:
   /// Builds everything. Collective; the mesh must be the same on all ranks and outlive the model.
@@ -97,6 +100,9 @@ class Model {
   /// at the time in force; the others go on as it says. `anchors`: becomes what is to be remembered. Until then they do
   /// nothing. Collective.
   void attach(Vec a, std::vector<Anchor>& anchors);
+  [[nodiscard]] const std::vector<Attachment>& attachments() const { return attachments_; }
+  /// The number of the obstacle that an attachment names. Throws UserError.
+  [[nodiscard]] std::size_t obstacle_of(const Attachment& attachment) const;
 
   /// r(a) as above. Collective.
   void residual(Vec a, Vec r);
@@ -148,7 +154,6 @@ class Model {
   void tighten_seams(double time);
   void add_band(const Spring& spring, ElementTerm<energy::SpringTerm>& bands) const;
   void add_attachments(std::vector<Attachment> list);
-  [[nodiscard]] std::size_t obstacle_of(const Attachment& attachment) const;
   void place_anchors();
   void tie(const Spring& spring, ElementTerm<energy::SpringTerm>& ties) const;
   template <class Kernel>
@@ -201,8 +206,9 @@ class Model {
   std::vector<Attachment> attachments_;
   ElementTerm<energy::AnchorTerm>* anchor_term_ = nullptr;  ///< one of terms_
   struct AnchorElement {
-    Index element;  ///< of the term
+    Index element;  ///< of the term; hard: the local point
     std::size_t obstacle;
+    bool hard;
   };
   std::map<std::pair<int, Index>, AnchorElement> anchored_;  ///< by attachment and owned vertex
   std::vector<Anchor> anchors_;

@@ -198,3 +198,15 @@ TEST_CASE("cells too coarse for an outline are named") {
   const std::string message = refusal_of({p}, {});
   CHECK((message.empty() || has(message, "too coarse") || has(message, "cannot be meshed")));
 }
+
+TEST_CASE("The texture coordinates of a panel have its grain line along v") {
+  pattern::Panel p = rectangle("a", 0.3, 0.1, 0.05);
+  p.piece.grain = Vec2(1.0, 1.0).normalized();
+  const pattern::Garment g = pattern::make_garment({p}, {});
+  for (std::size_t t = 0; t < g.mesh.triangles.size(); ++t)
+    for (std::size_t s = 0; s < 3; ++s) {
+      const Vec3& x = g.mesh.positions[static_cast<std::size_t>(g.mesh.triangles[t][s])];
+      CHECK(g.mesh.texture[t][s][1] == doctest::Approx((x[0] + x[1]) / std::sqrt(2.0)));
+      CHECK(g.mesh.texture[t][s][0] == doctest::Approx((x[0] - x[1]) / std::sqrt(2.0)));
+    }
+}

@@ -115,6 +115,6 @@ TEST_CASE("SVG: what is wrong is named with piece, edge and remedy") {
   says(R"(<rect id="P" width="5" height="5" rx="1"/>)", {"'P'", "round"});
   CHECK(has(refusal("pattern.svg", "<svg"), "not valid XML"));
   CHECK(has(refusal("pattern.svg", "<html/>"), "no <svg>"));
-  CHECK(has(refusal("pattern.dxf", "0"), "unknown kind of pattern '.dxf'"));
+  CHECK(has(refusal("pattern.dwg", "0"), "unknown kind of pattern '.dwg'"));
   CHECK(piece(R"(<defs><path id="Q" d="M0 0"/></defs>)" + path("M0 0 H100 V100 Z")).name == "P");
 }

@@ -1,0 +1,69 @@
+// What is remembered per vertex, on a new mesh.
+#include "remesh_carry.hpp"
+
+#include <algorithm>
+#include <cstdint>
+#include <limits>
+#include <map>
+
+namespace voile::app {
+
+void carry_contact(const mesh::SurfaceMesh& old_mesh, const Origins& from, io::Checkpoint& c) {
+  const std::vector<double> gaps = std::move(c.contact_gaps), yielding = std::move(c.yielding);
+  c.contact_gaps.clear();
+  c.yielding.clear();
+  const auto corners = [&](std::size_t v) {
+    const mesh::Triangle t = old_mesh.triangles()[from.triangle[v]];
+    return from.kept[v] != no_index ? mesh::Triangle{from.kept[v], from.kept[v], from.kept[v]} : t;
+  };
+  for (std::size_t v = 0; v < from.kept.size() && !gaps.empty(); ++v) {
+    const mesh::Triangle t = corners(v);
+    c.contact_gaps.push_back(std::min({gaps[t[0]], gaps[t[1]], gaps[t[2]]}));
+  }
+  for (std::size_t v = 0; v < from.kept.size() && !yielding.empty(); ++v) {
+    std::uint64_t all = 0;
+    for (Index i : corners(v)) all |= static_cast<std::uint64_t>(yielding[i]);
+    c.yielding.push_back(static_cast<double>(all));
+  }
+}
+
+void carry_anchors(const system::Model& model, const mesh::SurfaceMesh& mesh, const Origins& from, io::Checkpoint& c) {
+  if (c.anchors.empty()) return;
+  std::map<std::pair<int, Index>, system::Anchor> old;
+  for (const system::Anchor& a : system::anchors_of(c.anchors)) old.insert({{a.attachment, a.vertex}, a});
+  std::vector<system::Anchor> carried;
+  for (const system::Attachment& attachment : model.attachments()) {
+    const std::size_t obstacle = model.obstacle_of(attachment);
+    const std::vector<mesh::Triangle>& triangles = model.contact()->input().obstacles[obstacle].triangles;
+    const std::vector<Vec3> points = model.contact()->obstacle_points(obstacle);
+    std::vector<Vec3> places(mesh.positions().size());
+    std::vector<Index> fresh;
+    for (const Index v : system::vertices_of(mesh, attachment)) {
+      if (const auto same = old.find({attachment.number, from.kept[v]}); same != old.end()) {
+        carried.push_back(same->second);
+        carried.back().vertex = v;
+        continue;
+      }
+      Vec3 sum = Vec3::Zero();
+      double whole = 0.0;
+      for (int i = 0; i < 3; ++i) {
+        const Index corner = model.dofs().mesh().triangles()[from.triangle[v]][i];
+        const auto at = old.find({attachment.number, corner});
+        if (at == old.end()) continue;
+        const double w = from.weights[3 * static_cast<std::size_t>(v) + static_cast<std::size_t>(i)];
+        sum += w * system::anchor_place(at->second, triangles[at->second.triangle], points);
+        whole += w;
+      }
+      if (attachment.hard || !(whole > 1e-6)) continue;
+      places[v] = sum / whole;
+      fresh.push_back(v);
+    }
+    system::Attachment where = attachment;
+    where.gap = std::numeric_limits<double>::quiet_NaN();  // the place itself
+    const std::vector<system::Anchor> own = system::make_anchors(where, fresh, places, points, triangles);
+    carried.insert(carried.end(), own.begin(), own.end());
+  }
+  c.anchors = system::numbers_of(carried);
+}
+
+}  // namespace voile::app

@@ -1,0 +1,25 @@
+// What is remembered per vertex, on a new mesh.
+#pragma once
+
+#include <vector>
+
+#include "voile/io/checkpoint.hpp"
+#include "voile/system/model.hpp"
+
+namespace voile::app {
+
+/// Where new vertices come from, the same on every rank.
+struct Origins {
+  const std::vector<Index>& triangle;
+  const std::vector<double>& weights;  ///< three each
+  const std::vector<Index>& kept;      ///< the old vertex, if it is one
+};
+
+/// Gaps from which a start is let out, and obstacles that give way, per new vertex. Not collective, as what follows.
+void carry_contact(const mesh::SurfaceMesh& old_mesh, const Origins& from, io::Checkpoint& c);
+
+/// Places to which springs of new vertices pull are means of those of old ones, so that their forces stay. What is held
+/// exactly takes hold anew, as what is left out here does. `model`: of the old mesh.
+void carry_anchors(const system::Model& model, const mesh::SurfaceMesh& mesh, const Origins& from, io::Checkpoint& c);
+
+}  // namespace voile::app

@@ -1,0 +1,236 @@
+#include <doctest/doctest.h>
+
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <numbers>
+
+#include "test_pattern_kit.hpp"
+
+using namespace voile;
+using namespace voile::testing;
+
+namespace {
+
+using Words = std::vector<std::pair<int, std::string>>;
+
+std::string groups(const Words& words) {
+  std::string text;
+  for (const auto& [code, value] : words) text += fmt::format("{:>3}\n{}\n", code, value);
+  return text;
+}
+
+std::string pairs(int first, const std::vector<Vec2>& points) {
+  std::string text;
+  for (const Vec2& x : points)
+    text += groups({{first, fmt::format("{}", x[0])}, {first + 10, fmt::format("{}", x[1])}});
+  return text;
+}
+
+/// An entity of a layer and what else it has.
+std::string entity(const std::string& type, const std::string& layer, const std::string& more) {
+  return groups({{0, type}, {8, layer}}) + more;
+}
+
+std::string section(const std::string& name, const std::string& content) {
+  return groups({{0, "SECTION"}, {2, name}}) + content + groups({{0, "ENDSEC"}});
+}
+
+std::string header(int units) {
+  return section("HEADER", groups({{9, "$INSUNITS"}, {70, std::to_string(units)}}));
+}
+
+std::string drawing(const std::string& content, const std::string& head = header(4)) {
+  return head + section("ENTITIES", content) + groups({{0, "EOF"}});
+}
+
+std::string block(const std::string& name, const std::string& content) {
+  return groups({{0, "BLOCK"}, {8, "1"}, {2, name}, {70, "0"}}) + content + groups({{0, "ENDBLK"}});
+}
+
+std::string blocks(const std::string& content, const std::string& head = header(4)) {
+  return head + section("BLOCKS", content) + groups({{0, "EOF"}});
+}
+
+/// As releases before 14 have it.
+std::string polyline(const std::string& layer, const std::vector<Vec2>& points, bool closed = true) {
+  std::string text = entity("POLYLINE", layer, groups({{66, "1"}, {70, closed ? "1" : "0"}}));
+  for (const Vec2& x : points) text += entity("VERTEX", layer, pairs(10, {x}));
+  return text + groups({{0, "SEQEND"}});
+}
+
+std::string marks(const std::string& layer, const std::vector<Vec2>& points) {
+  std::string text;
+  for (const Vec2& x : points) text += entity("POINT", layer, pairs(10, {x}));
+  return text;
+}
+
+std::string line(const std::string& layer, const Vec2& a, const Vec2& b) {
+  return entity("LINE", layer, pairs(10, {a}) + pairs(11, {b}));
+}
+
+pattern::Piece piece(const std::string& text, const pattern::ReadOptions& o = {}) {
+  return read("pattern.dxf", text, o).pieces.at(0);
+}
+
+double length(const pattern::Piece& p) {
+  double sum = 0.0;
+  for (const pattern::Edge& e : p.edges) sum += e.curve.length();
+  return sum;
+}
+
+const std::vector<Vec2> square{{0, 0}, {200, 0}, {200, 200}, {0, 200}};
+
+}  // namespace
+
+TEST_CASE("DXF: curves to 1e-9 against closed forms") {
+  constexpr double pi = std::numbers::pi;
+  // A polyline whose lower side bulges by half a circle, its right side by an arc of 60 degrees inwards.
+  const double bulge = -std::tan(pi / 12.0);
+  const std::string light = entity("LWPOLYLINE", "front",
+                                   groups({{90, "4"}, {70, "1"}}) + pairs(10, {square[0]}) + groups({{42, "1"}}) +
+                                       pairs(10, {square[1]}) + groups({{42, fmt::format("{}", bulge)}}) +
+                                       pairs(10, {square[2]}) + groups({{42, "0"}}) + pairs(10, {square[3]}));
+  const pattern::Piece p = piece(drawing(light));
+  const double segment = 0.5 * 0.04 * (pi / 3.0 - std::sin(pi / 3.0));  // radius 0.2 m
+  CHECK(p.name == "front");
+  CHECK(std::abs(p.signed_area() - (0.04 + 0.5 * pi * 0.01 - segment)) < 1e-9);
+  CHECK(std::abs(p.edges[0].curve.length() - 0.1 * pi) < 1e-9);
+  CHECK(std::abs(p.edges[1].curve.length() - 0.2 * pi / 3.0) < 1e-9);
+
+  // Lines and an arc in any order and direction.
+  const std::string chain =
+      line("b", {0, 0}, {0, 200}) + line("b", {200, 200}, {0, 200}) +
+      entity("ARC", "b", pairs(10, {{100, 0}}) + groups({{40, "100"}, {50, "180"}, {51, "360"}})) +
+      line("b", {200, 0}, {200, 200});
+  const pattern::Piece joined = piece(drawing(chain));
+  CHECK(joined.edges.size() == 4);
+  CHECK(std::abs(std::abs(joined.signed_area()) - (0.04 + 0.5 * pi * 0.01)) < 1e-9);
+  CHECK(std::abs(length(joined) - (0.6 + 0.1 * pi)) < 1e-9);
+
+  // A quarter of a turned ellipse and two lines to its centre; a circle; an arc seen from below.
+  const std::string quarter = entity("ELLIPSE", "c",
+                                     pairs(10, {{0, 0}}) + pairs(11, {{60, 80}}) +
+                                         groups({{40, "0.5"}, {41, "0"}, {42, fmt::format("{}", 0.5 * pi)}})) +
+                              line("c", {0, 0}, {60, 80}) + line("c", {0, 0}, {-40, 30});
+  CHECK(std::abs(std::abs(piece(drawing(quarter)).signed_area()) - 0.25 * pi * 0.1 * 0.05) < 1e-9);
+  const std::string circle = entity("CIRCLE", "d", pairs(10, {{50, 50}}) + groups({{40, "100"}}));
+  CHECK(std::abs(length(piece(drawing(circle))) - 0.2 * pi) < 1e-9);
+  const std::string below =
+      entity("ARC", "e", pairs(10, {{-100, 0}}) + groups({{40, "100"}, {50, "0"}, {51, "180"}, {230, "-1"}})) +
+      line("e", {0, 0}, {200, 0});
+  CHECK(std::abs(std::abs(piece(drawing(below)).signed_area()) - 0.5 * pi * 0.01) < 1e-9);
+}
+
+TEST_CASE("DXF: a spline is the polynomials it consists of") {
+  // Two cubic spans with a knot in the middle: y = x^2 (in units of 100 mm) on 0..2 has the polar form (x1 x2 + ...)/3.
+  const std::vector<double> knots{0, 0, 0, 0, 1, 2, 2, 2, 2};
+  std::string text = groups({{70, "8"}, {71, "3"}});
+  for (const double k : knots) text += groups({{40, fmt::format("{}", k)}});
+  for (std::size_t i = 0; i < 5; ++i) {
+    const double a = knots[i + 1], b = knots[i + 2], c = knots[i + 3];
+    text += pairs(10, {{100.0 * (a + b + c) / 3.0, 100.0 * (a * b + b * c + a * c) / 3.0}});
+  }
+  const std::string outline =
+      entity("SPLINE", "S", text) + line("S", {200, 400}, {0, 400}) + line("S", {0, 400}, {0, 0});
+  const pattern::Piece p = piece(drawing(outline));
+  CHECK(p.edges.size() == 3);
+  CHECK(std::abs(p.signed_area() - 2.0 / 3.0 * 0.2 * 0.4) < 1e-9);
+  const double arc = 0.1 * (0.25 * (4.0 * std::sqrt(17.0) + std::asinh(4.0)));  // of y = x^2 up to x = 2
+  CHECK(std::abs(p.edges[0].curve.length() - arc) < 1e-9);
+  CHECK(std::abs(p.edges[0].curve.at(p.edges[0].curve.parameters_at({0.5}).front())[1] * 10.0 -
+                 std::pow(p.edges[0].curve.at(p.edges[0].curve.parameters_at({0.5}).front())[0] * 10.0, 2)) < 1e-9);
+}
+
+TEST_CASE("DXF: blocks of AAMA are pieces with corners, notches, grain line and sew line") {
+  // The boundary is 10 mm outside the seam; turn points tell the corners, between which the right side is bent.
+  const std::vector<Vec2> outer{{-10, -10}, {210, -10}, {210, 210}, {-10, 210}};
+  const std::string content = polyline("1", outer) +
+                              polyline("14", {{0, 0}, {200, 0}, {205, 100}, {200, 200}, {0, 200}}) +
+                              marks("2", {{0, 0}, {200, 0}, {200, 200}, {0, 200}}) + marks("4", {{100, -10}, {0, 50}}) +
+                              line("7", {50, 50}, {150, 50}) + entity("TEXT", "1", groups({{1, "Piece Name: FRONT"}}));
+  const pattern::Piece p = piece(blocks(block("B1", content)));
+  CHECK(p.name == "FRONT");
+  REQUIRE(p.edges.size() == 6);
+  CHECK(p.point_names == std::vector<std::string>{"c0", "n0", "c1", "c2", "c3", "n1"});
+  CHECK((p.point(1) - Vec2(0.1, 0.0)).norm() < 1e-9);
+  CHECK((p.point(5) - Vec2(0.0, 0.05)).norm() < 1e-9);
+  CHECK(std::abs(p.signed_area() - (0.04 + 0.0005)) < 1e-9);
+  CHECK(std::abs(p.edges[2].curve.length() - 2.0 * std::hypot(0.005, 0.1)) < 1e-9);
+  CHECK((p.grain - Vec2(1, 0)).norm() < 1e-12);
+  // Without a sew line the boundary is sewn.
+  const pattern::Piece all = piece(blocks(block("B1", polyline("1", outer))));
+  CHECK(all.name == "B1");
+  CHECK(std::abs(all.signed_area() - 0.22 * 0.22) < 1e-9);
+}
+
+TEST_CASE("DXF: a half unfolds across its mirror line") {
+  const std::vector<Vec2> half{{0, 0}, {100, 0}, {120, 200}, {0, 180}};
+  const std::string closed = polyline("1", half) + line("6", {0, 190}, {0, -10}) + marks("4", {{110, 100}});
+  const pattern::Piece p = piece(blocks(block("B", closed)));
+  CHECK(p.edges.size() == 8);
+  CHECK(std::abs(p.signed_area() - 2.0 * 1e-6 * 0.5 * (100.0 * 200 + (120.0 * 180 - 0))) < 1e-9);
+  CHECK(p.point_names == std::vector<std::string>{"c0", "c1", "n0", "c2", "c3", "c2'", "n0'", "c1'"});
+  for (std::size_t k = 0; k < 8; ++k) CHECK((p.edges[k].curve.end() - p.point(k + 1)).norm() < 1e-12);
+  // A sew line that ends at the fold.
+  const std::string open =
+      polyline("14", {{0, 0}, {100, 0}, {100, 100}, {0, 100}}, false) + line("6", {0, 0}, {0, 100});
+  CHECK(std::abs(std::abs(piece(blocks(block("B", open))).signed_area()) - 0.02) < 1e-9);
+  CHECK(has(refusal("p.dxf", blocks(block("B", polyline("1", half) + line("6", {50, 0}, {50, 100})))), "mirror line"));
+}
+
+TEST_CASE("DXF: the unit is stated or asked for") {
+  const std::string content = polyline("front", square);
+  const auto side = [&](const std::string& head, const pattern::ReadOptions& o = {}) {
+    return piece(drawing(content, head), o).edges[0].curve.length();
+  };
+  const auto measurement = [](const std::string& x) {
+    return section("HEADER", groups({{9, "$MEASUREMENT"}, {70, x}}));
+  };
+  CHECK(side(header(4)) == doctest::Approx(0.2));
+  CHECK(side(header(5)) == doctest::Approx(2.0));
+  CHECK(side(header(1)) == doctest::Approx(5.08));
+  CHECK(side(measurement("1")) == doctest::Approx(0.2));
+  CHECK(side(header(4), {.unit = 0.01}) == doctest::Approx(2.0));
+  CHECK(side(entity("TEXT", "1", "").substr(0, 0) + section("X", ""), {.unit = 0.001}) == doctest::Approx(0.2));
+  const std::string english = entity("TEXT", "front", groups({{1, "Units: ENGLISH"}}));
+  CHECK(piece(drawing(content + english, "")).edges[0].curve.length() == doctest::Approx(5.08));
+  for (const std::string& head : {std::string(), header(0), measurement("7")})
+    CHECK(has(refusal("p.dxf", drawing(content, head)), "the key unit of [[panel]]"));
+}
+
+TEST_CASE("DXF: what is wrong is named") {
+  const auto says = [](const std::string& text, const std::string& part, const pattern::ReadOptions& o = {}) {
+    const std::string message = refusal("p.dxf", text, o);
+    INFO(message);
+    CHECK(has(message, part));
+  };
+  says(drawing(line("a", {0, 0}, {100, 0}) + line("a", {100, 0}, {100, 100})), "the outline is open");
+  says(drawing(polyline("a", square) + line("a", {0, 0}, {-100, 0})), "the outline is open");
+  says(drawing(line("a", {0, 0}, {100, 0}) + line("a", {100, 0}, {100, 90}) + line("a", {100, 0}, {0, 90}) +
+               line("a", {0, 0}, {0, 90})),
+       "three curves or more meet near (100, 0)");
+  says(drawing(""), "there is no outline");
+  says(drawing(polyline("a", square)), "none of those there are: a", {.pieces = {"b"}});
+  says("AutoCAD Binary DXF\r\n", "binary drawing");
+  says("  0\nSECTION\nhello\n", "line 3: the number of a group");
+  says("  0\nSECTION\n  2", "ends within a group");
+  says(drawing(entity("LINE", "a", pairs(10, {{0, 0}}))), "groups 11 and 21 are missing");
+  says(drawing(entity("ARC", "a", pairs(10, {{0, 0}}) + groups({{40, "1e999"}}))), "finite number, not '1e999'");
+  says(drawing(entity("SPLINE", "a", groups({{71, "9"}}))), "its degree is 9");
+  says(blocks(block("B", polyline("1", square) + polyline("1", {{300, 0}, {400, 0}, {400, 100}}))), "has 2 outlines");
+  says(blocks(block("B", polyline("1", square)) + block("B", polyline("1", square))), "another piece has this name");
+}
+
+TEST_CASE("Halves of other formats unfold across an edge that is named") {
+  const std::string svg =
+      R"(<svg xmlns="http://www.w3.org/2000/svg" width="1000mm" height="1000mm" viewBox="0 0 1000 1000">)"
+      R"(<path id="P" d="M0 0 L0 200 L100 200 Q 160 100 100 0 Z"/></svg>)";
+  const pattern::Piece p = read("half.svg", svg, {.unfold = "0"}).pieces.at(0);
+  CHECK(p.edges.size() == 6);
+  CHECK(std::abs(std::abs(p.signed_area()) - 2.0 * (0.02 + 2.0 / 3.0 * 0.2 * 0.03)) < 1e-9);
+  CHECK((p.point(0) - Vec2(0.0, -0.2)).norm() < 1e-12);
+  CHECK(has(refusal("half.svg", svg, {.unfold = "2"}), "edge 2 is bent"));
+  CHECK(has(refusal("half.svg", svg, {.unfold = "7"}), "unfold = \"7\""));
+}
