@@ -3,7 +3,7 @@
 #include <Eigen/Dense>
 #include <cmath>
 
-#include "voile/energy/chord_correction.hpp"
+#include "voile/energy/chord_forms.hpp"
 #include "voile/energy/membrane.hpp"
 
 namespace voile::energy {

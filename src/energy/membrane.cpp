@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "membrane_samples.hpp"
+#include "voile/energy/chord_forms.hpp"
 
 namespace voile::energy {
 
@@ -122,10 +123,17 @@ std::array<Eigen::Matrix<double, MembraneTerm::nodes, MembraneTerm::nodes>, 3> M
   return forms;
 }
 
-void MembraneTerm::correct(const Sheet& sheet, const ChordForms& forms, Index t, const BendingElement& bending,
+void MembraneTerm::correct(const Sheet& sheet, const Mat3& trace, Index t, const BendingElement& bending,
                            const std::vector<Index>& local) {
-  correction_.add({forms.of(t, MembraneTerm::forms(sheet, t, 0.0)), forms.of(t, MembraneTerm::forms(sheet, t, 1.0))},
-                  bending, elements_.back().points, local);
+  const PatchCubic cubic = make_patch_cubic(sheet, t, bending);
+  const Chords chords = make_chords(sheet, t, cubic, {forms(sheet, t, 0.0), forms(sheet, t, 1.0)});
+  const Element& el = elements_.back();
+  ChordCorrection::Input input{cubic, chords, el.area * sheet.material(t).bending, trace, el.points, local, {}};
+  if (beside_crease(sheet, t)) input.stiffness.setZero();
+  for (const Index p : cubic.points)
+    input.of_cubic.push_back(local[static_cast<std::size_t>(std::find(bending.points.begin(), bending.points.end(), p) -
+                                                            bending.points.begin())]);
+  correction_.add(input);
 }
 
 MembraneTerm::Samples MembraneTerm::samples(Index e, const Configuration& c) const {
@@ -140,7 +148,7 @@ MembraneTerm::Samples MembraneTerm::samples(Index e, const Configuration& c) con
   }
   if (takes_mean()) f.side[0] = (f.side[0] + f.side[1] + f.side[2]) / 3.0;
   if (corrects()) {
-    const Mat3 change = correction_.change(e, c.u);
+    const Bends change = correction_.change(e, c.u);
     f.side[0] += correction_.of(e, ChordCorrection::mean, change).strain;
     f.own += correction_.of(e, ChordCorrection::own, change).strain;
   }
@@ -172,7 +180,8 @@ double MembraneTerm::energy(Index e, const Configuration& c) const {
   if (kind_ == MembraneOperator::cst) return el.area * density(f.own, at.own);
   if (takes_mean()) {
     const double own = cst_share_ > 0.0 ? cst_share_ * density(f.own, at.own) : 0.0;
-    return el.area * (own + (1.0 - cst_share_) * density(f.side[0], at.side[0]));
+    const double fourth = corrects() ? correction_.energy(e, correction_.change(e, c.u)) : 0.0;
+    return fourth + el.area * (own + (1.0 - cst_share_) * density(f.side[0], at.side[0]));
   }
   double w = 0.0;
   for (int s = 0; s < 3; ++s) w += density(f.side[s], at.side[s]) / 3.0;
@@ -190,7 +199,7 @@ Vec3 MembraneTerm::strain(Index e, const Configuration& c) const {
     mean += (half_metric(a.a1, a.a2) - el.side_metric[s]) / 3.0;
   }
   if (corrects()) {
-    const Mat3 change = correction_.change(e, c.u);
+    const Bends change = correction_.change(e, c.u);
     mean += correction_.of(e, ChordCorrection::mean, change).strain;
     constant += correction_.of(e, ChordCorrection::own, change).strain;
   }
@@ -201,17 +210,17 @@ Vec3 MembraneTerm::force(Index e, const Configuration& c) const {
   return stiffness_[elements_[e].material] * strain(e, c);
 }
 
-void MembraneTerm::gradient_of(Index e, const Configuration& c, std::array<Vec3, nodes>& g, Mat3& bent) const {
+void MembraneTerm::gradient_of(Index e, const Configuration& c, std::array<Vec3, nodes>& g, Bends& bent) const {
   g.fill(Vec3::Zero());
   const Element& el = elements_[e];
   static const Samples none{};
   const double viscosity = viscosity_of(el);
   const Samples& before = viscosity > 0.0 ? start_[e] : none;
   const Mat3& stiffness = stiffness_[el.material];
-  Mat3 change;
+  Bends change;
   if (corrects()) {
     change = correction_.change(e, c.u);
-    bent.setZero();
+    bent = correction_.pull(e, change);
   }
   // A strain with its correction; its stress, which pulls at the curvatures too.
   const auto corrected_stress = [&](ChordCorrection::Strain which, double weight, Vec3 strain, const Vec3& start) {

@@ -71,7 +71,7 @@ void MembraneTerm::prepare(Index e, const Configuration& c, Workspace& w) const 
   const Index* points = el.points.data();
   for (int i = 0; i < nodes; ++i)
     for (int j = i; j < nodes; ++j) w.k[i][j].setZero();
-  w.geometric.setZero();
+  if (corrects()) prepare_bends(e, c, w);
   if (kind_ == MembraneOperator::cst || cst_share_ > 0.0) prepare_own(e, c, stress, w);
   if (kind_ == MembraneOperator::cst) return;
   if (takes_mean()) return prepare_mean(e, c, stress, w);
@@ -91,11 +91,32 @@ void MembraneTerm::prepare(Index e, const Configuration& c, Workspace& w) const 
   }
 }
 
-Vec3 MembraneTerm::corrected(Index e, const Configuration& c, ChordCorrection::Strain which, Vec3 strain,
-                             Workspace::Rows& b) const {
-  const ChordCorrection::Corrected more = correction_.of(e, which, correction_.change(e, c.u));
-  for (int i = 0; i < correction_.stencil_size(e); ++i)
-    for (int r = 0; r < 3; ++r) b[i].row(r) += (more.by[r] * correction_.weight(e, i)).transpose();
+void MembraneTerm::prepare_bends(Index e, const Configuration& c, Workspace& w) const {
+  w.change = correction_.change(e, c.u);
+  const ChordCorrection::Curvature fourth = correction_.curvature(e, w.change, c.tangent == Tangent::positive);
+  w.geometric = fourth.form;
+  for (int i = 0; i < correction_.stencil_size(e); ++i) {
+    const BendWeights& weight = correction_.weight(e, i);
+    w.b[i].setZero();
+    w.stiff[i].setZero();
+    for (int k = 0; k < 2; ++k) {
+      w.b[i].col(6 + k).head<3>().noalias() = fourth.first[k] * weight;
+      w.stiff[i].row(6 + k).noalias() = (fourth.second[k] * weight).transpose();
+    }
+  }
+}
+
+template <std::size_t n>
+Vec3 MembraneTerm::corrected(Index e, ChordCorrection::Strain which, const Vec3& strain,
+                             const std::array<Mat3, n>& rows, const Mat3& material, Workspace& w) const {
+  const ChordCorrection::Corrected more = correction_.of(e, which, w.change);
+  for (int i = 0; i < correction_.stencil_size(e); ++i) {
+    Mat3 b;
+    for (int r = 0; r < 3; ++r) b.col(r).noalias() = more.by[r] * correction_.weight(e, i);
+    if (i < static_cast<int>(n)) b += rows[static_cast<std::size_t>(i)].transpose();
+    w.b[i].block<3, 3>(0, 3 * which) = b;
+    w.stiff[i].block<3, 3>(3 * which, 0).noalias() = material * b.transpose();
+  }
   return strain + more.strain;
 }
 
@@ -115,11 +136,8 @@ void MembraneTerm::prepare_own(Index e, const Configuration& c, const Stress& st
   for (int k = 0; k < 3; ++k) b[k] = strain_rows(a, el.own[0][k], el.own[1][k]);
   if (corrects()) {
     constexpr auto which = ChordCorrection::own;
-    const int count = correction_.stencil_size(e);
-    for (int i = 0; i < count; ++i) w.b[1][i] = i < 3 ? b[i] : Mat3::Zero();
-    strain = corrected(e, c, which, strain, w.b[1]);
+    strain = corrected(e, which, strain, b, material, w);
     if (stress.linearised) quadratic += correction_.quadratic(e, which, correction_.step(e, c));
-    for (int i = 0; i < count; ++i) w.stiff[1][i].noalias() = material * w.b[1][i];
     w.geometric += correction_.geometric(e, which, weight * stress(strain, quadratic, start), stress.positive);
   } else {
     add_material(w.k, b, std::array{0, 1, 2}, material);
@@ -150,11 +168,9 @@ void MembraneTerm::prepare_mean(Index e, const Configuration& c, const Stress& s
   }
   if (corrects()) {
     constexpr auto which = ChordCorrection::mean;
-    const int count = correction_.stencil_size(e);
-    for (int i = 0; i < count; ++i) w.b[0][i] = i < nodes ? Mat3(b[i] / 3.0) : Mat3::Zero();
-    strain = corrected(e, c, which, strain, w.b[0]);
+    for (Mat3& rows : b) rows /= 3.0;
+    strain = corrected(e, which, strain, b, weight * material, w);
     if (stress.linearised) quadratic += correction_.quadratic(e, which, correction_.step(e, c));
-    for (int i = 0; i < count; ++i) w.stiff[0][i].noalias() = weight * material * w.b[0][i];
     w.geometric += correction_.geometric(e, which, weight * stress(strain, quadratic, start), stress.positive);
   } else {
     add_material(w.k, b, std::array{0, 1, 2, 3, 4, 5}, weight / 9.0 * material);

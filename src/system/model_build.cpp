@@ -3,6 +3,7 @@
 #include "voile/energy/anchor.hpp"
 #include "voile/energy/bending.hpp"
 #include "voile/energy/chord_correction.hpp"
+#include "voile/energy/chord_forms.hpp"
 #include "voile/energy/membrane.hpp"
 #include "voile/energy/seam.hpp"
 #include "voile/energy/sheet.hpp"
@@ -82,7 +83,7 @@ void Model::build_terms(const Curvatures& curvatures, const std::vector<Spring>&
     const energy::BendingElement el = energy::make_bending_element(on_->sheet(), triangle, curvatures[k]);
     std::vector<Index> local(el.points.size());
     to_local(el.points, local);
-    if (forms) membrane_->kernel.correct(on_->sheet(), *forms, triangle, el, local);
+    if (forms) membrane_->kernel.correct(on_->sheet(), forms->trace(triangle), triangle, el, local);
     if (el.coupling.size() > 0) curved.kernel.add(el, local, owned);
     if (owned) recovery_.add(triangle, el, local, membrane_->kernel.size() - 1);
   }

@@ -1,84 +1,109 @@
-// What straight chords feign in the strain of a bent membrane, and its removal.
+// What straight chords feign in the strain of a bent membrane, and its removal; and what bending loses when chords are no
+// longer longer than they should be.
 //
-// Symbols   E_r      mean strain of the six-node membrane, r = 11, 22, 2 x 12: E_r = 1/2 sum_ij Q^r_ij x_i.x_j - rest
-//           k_A      curvature vectors k'(x) of the triangle, A = 11, 22, 2 x 12: kappa0_A N_s + r_A + sum_i B'_Ai u_i, see
-//                    bending.hpp; kappa0 at rest [1/m]
-//           l        p_j - p_i, chord between two points of the patch in the plane of the triangle [m]
-//           S        1/24 sum over sides of l (x) l, averaged twice from triangles to vertices and back [m^2]
-// If the surface bends without stretching, |x_i - x_j|^2 = |l|^2 - |l.k l|^2 / 12, so chords feign
-//   E_r = -1/2 sum_AB T^r_AB (k_A.k_B - kappa0_A kappa0_B),  T^r = -1/24 sum_{i != j} Q^r_ij lam lam^T,
-//   lam = (l1^2, l2^2, l1 l2).
-// On even cells all triangles feign the same, E_ab = -k_ac S_cd k_bd, which the sheet makes up for at next to no energy and
-// which keeps it from sharp folds; what differs from it locks. T^r here is without that part, and zero beside a crease.
-// Corrected strain:  E_r + 1/2 sum_AB T^r_AB (k_A.k_B - kappa0_A kappa0_B)
+// Symbols   E_r      strain of the six-node membrane or of the triangle alone, r = 11, 22, 2 x 12:
+//                    E_r = 1/2 sum_ij Q^r_ij x_i.x_j - rest
+//           K_B      how the surface bends across the patch, seven vectors (patch_cubic.hpp); the first three are the second
+//                    derivatives at the centroid; their normal parts at rest are kappa0_B
+//           k_c      sum_B s_cB K_B, bend along chord c from p_i to p_j times its squared length, at its middle [m]
+// If the surface bends without stretching, |x_i - x_j|^2 = |p_i - p_j|^2 - |k_c|^2 / 12 to the sixth order in the chord, so that
+//   E_r + 1/2 sum_c W_rc (|k_c|^2 - |k_c at rest|^2),   W_rc = -Q^r_ij / 12
+// is free of it. Zero beside a crease.
+// Second differences of an arc by the angle t per cell are too small by the factor 1 - t^2/12 once its length is right (by half of
+// that if its chords have the length of the arc, as in the uncorrected membrane). So the energy has the term
+//   A (q_D - q_D at rest) (q_S - q_S at rest),   q_D = sum_AB D_AB K_A.K_B,   q_S = sum_AB R_AB K_A.K_B = trace of k S k
+// with S the mean of the squared sides of the cells around (chord_forms.hpp): it is of fourth order in the curvature.
 #pragma once
 
 #include <array>
 #include <vector>
 
-#include "voile/energy/bending.hpp"
-#include "voile/energy/sheet.hpp"
+#include "voile/energy/patch_cubic.hpp"
 #include "voile/energy/term.hpp"
 
 namespace voile::energy {
 
-/// T^r of the triangles of a sheet, which must outlive it.
-class ChordForms {
- public:
-  /// Passes over all triangles. Not collective.
-  explicit ChordForms(const Sheet& sheet);
-  /// From the Q^r of triangle t [1/m^2]; T^r [m^2].
-  [[nodiscard]] std::array<Mat3, 3> of(Index t, const std::array<Eigen::Matrix<double, 6, 6>, 3>& q) const;
-
- private:
-  const Sheet* sheet_;
-  std::vector<Mat2> even_;  ///< S in the axes of each triangle
+/// The chords of a patch and what each adds to the strains of its triangle.
+struct Chords {
+  static constexpr int count = 12;
+  using Share = Eigen::Matrix<double, 3, count>;
+  Eigen::Matrix<double, bend_vectors, count> along;  ///< s_c [m^2]
+  std::array<Share, 2> share;                        ///< W_rc of the mean strain and of the triangle's own [1/m^2]
 };
+
+/// `quadratic`: Q^r of the two strains; all shares are zero beside a crease.
+[[nodiscard]] Chords make_chords(const Sheet& sheet, Index t, const PatchCubic& cubic,
+                                 const std::array<std::array<Eigen::Matrix<double, 6, 6>, 3>, 2>& quadratic);
 
 /// The correction of a number of triangles. Stencils: the six nodes of the membrane, then the other points of the bending.
 class ChordCorrection {
  public:
-  static constexpr int nodes = 6, most = 24;
-
-  /// T^r of the two strains of an element: the mean one, and that of the triangle alone.
-  using Forms = std::array<std::array<Mat3, 3>, 2>;
+  static constexpr int nodes = 6, most = 64;
+  using Form = Eigen::Matrix<double, bend_vectors, bend_vectors>;
   enum Strain { mean, own };
 
-  /// `six`: the membrane's nodes; `points`: the bending element's; in one numbering of the caller's. A bending element with
-  /// more points than fit is left uncorrected.
-  void add(const Forms& forms, const BendingElement& element, const std::array<Index, nodes>& six,
-           const std::vector<Index>& points);
+  /// A triangle as it is added; points in one numbering of the caller's.
+  struct Input {
+    const PatchCubic& cubic;
+    const Chords& chords;
+    Mat3 stiffness, trace;         ///< A D and R; zero: no term of fourth order
+    std::array<Index, nodes> six;  ///< the membrane's nodes
+    std::vector<Index> points;     ///< of the bending element, in its order
+    std::vector<Index> of_cubic;   ///< of the cubic, in its order
+  };
+  /// A bending element with more points than fit is left uncorrected.
+  void add(const Input& input);
   [[nodiscard]] const Index* stencil(Index e) const { return points_.data() + elements_[e].start; }
   [[nodiscard]] int stencil_size(Index e) const { return elements_[e].count; }
   /// B'_i of point i of the stencil.
-  [[nodiscard]] const Vec3& weight(Index e, int i) const { return weights_[elements_[e].start + i]; }
+  [[nodiscard]] const BendWeights& weight(Index e, int i) const { return weights_[elements_[e].start + i]; }
 
-  /// sum_i u_i B'_Ai, column A [1/m].
-  [[nodiscard]] Mat3 change(Index e, const Vec3* u) const;
+  /// sum_i u_i B'_iB, column B.
+  [[nodiscard]] Bends change(Index e, const Vec3* u) const;
   /// The same of the step from c.previous to c.x.
-  [[nodiscard]] Mat3 step(Index e, const Configuration& c) const;
+  [[nodiscard]] Bends step(Index e, const Configuration& c) const;
   struct Corrected {
-    Vec3 strain;             ///< to be added to E
-    std::array<Mat3, 3> by;  ///< dE_r/dk_A, column A
+    Vec3 strain;              ///< to be added to E
+    std::array<Bends, 3> by;  ///< dE_r/dK_B, column B
   };
   /// `change`: of the displacements from the start.
-  [[nodiscard]] Corrected of(Index e, Strain which, const Mat3& change) const;
+  [[nodiscard]] Corrected of(Index e, Strain which, const Bends& change) const;
   /// The part of the strain of second order in a step by `change`.
-  [[nodiscard]] Vec3 quadratic(Index e, Strain which, const Mat3& change) const;
-  /// sum_r n_r T^r; `positive`: without its negative part.
-  [[nodiscard]] Mat3 geometric(Index e, Strain which, const Vec3& n, bool positive) const;
+  [[nodiscard]] Vec3 quadratic(Index e, Strain which, const Bends& change) const;
+  /// Derivatives sum_r n_r d2E_r/dK_A dK_B, the same number for x, y and z; `positive`: without their negative part.
+  [[nodiscard]] Form geometric(Index e, Strain which, const Vec3& n, bool positive) const;
+
+  /// The term of fourth order W.
+  [[nodiscard]] double energy(Index e, const Bends& change) const;
+  /// dW/dK_B, column B.
+  [[nodiscard]] Bends pull(Index e, const Bends& change) const;
+  /// d2W/dK_A dK_B = form_AB I + sum_k first^k_A second^k_B^T.
+  struct Curvature {
+    Form form;
+    std::array<Bends, 2> first, second;
+  };
+  [[nodiscard]] Curvature curvature(Index e, const Bends& change, bool positive) const;
 
  private:
   struct Element {
     std::size_t start;
     int count;
-    Forms forms;                       ///< T^r
-    Mat3 start_curvature;              ///< kappa0_A N_s + r_A, column A
-    std::array<Vec3, 2> start_strain;  ///< 1/2 sum T^r_AB (k_A.k_B - kappa0_A kappa0_B) at the start
+    Chords chords;
+    Bends start_bends;                 ///< K at the start
+    std::array<Vec3, 2> start_strain;  ///< of the correction
+    Mat3 stiffness, trace;
+    double start_bending, start_trace;  ///< A (q_D - q_D at rest) and q_S - q_S at rest at the start
   };
+  /// A (q_D - ...) and q_S - ..., and half their derivatives by K_1..3.
+  struct Invariants {
+    double bending, trace;
+    Mat3 of_bending, of_trace;
+  };
+  [[nodiscard]] static Invariants invariants(const Element& el, const Bends& change);
+
   std::vector<Element> elements_;
   std::vector<Index> points_;
-  std::vector<Vec3> weights_;
+  std::vector<BendWeights> weights_;
 };
 
 }  // namespace voile::energy

@@ -8,7 +8,8 @@
 //           C        membrane stiffness per unit width [N/m];  A rest area;  s_c the constant-strain share
 // cst                   W = A/2 E_c.C E_c
 // six_node              W = A/2 [ (1-s_c) Em.C Em + s_c E_c.C E_c ],  Em = mean_s E_s
-// six_node_corrected    the same with E + 1/2 sum_AB T_AB (k_A.k_B - kappa0_A kappa0_B) for Em and E_c (chord_correction.hpp)
+// six_node_corrected    the same with Em and E_c corrected for what chords feign, and a term of fourth order in the curvature
+//                       (chord_correction.hpp)
 // six_node_three_point  W = A/2 mean_s E_s.C E_s
 // Viscosity (Kelvin-Voigt in rest axes, over a time step dt from a state with strains E_n): every W(E) above becomes
 //   W(E) + c W(E - E_n),  c = tau/dt, tau the relaxation time [s]: stress C (E + tau dE/dt), the rate by the backward
@@ -48,7 +49,8 @@ class MembraneTerm {
   /// Whether strains are corrected for chords; then each add() is followed by correct().
   [[nodiscard]] bool corrects() const { return kind_ == MembraneOperator::six_node_corrected; }
   /// The correction of the element added last, that of triangle t: its bending element, with points in local numbering.
-  void correct(const Sheet& sheet, const ChordForms& forms, Index t, const BendingElement& bending,
+  /// `trace`: see ChordForms::trace.
+  void correct(const Sheet& sheet, const Mat3& trace, Index t, const BendingElement& bending,
                const std::vector<Index>& local);
 
   [[nodiscard]] Index size() const { return static_cast<Index>(elements_.size()); }
@@ -69,7 +71,7 @@ class MembraneTerm {
   template <class Emit>
   void gradient(Index e, const Configuration& c, Emit&& emit) const {
     std::array<Vec3, nodes> g;
-    Mat3 bent;
+    Bends bent;
     gradient_of(e, c, g, bent);
     if (!corrects()) {
       for (int i = 0; i < nodes; ++i) emit(i, g[i]);
@@ -118,22 +120,25 @@ class MembraneTerm {
     std::array<Vec3, 3> side_metric;           ///< rest metric (A1.A1, A2.A2, 2 A1.A2)/2 of each side
     Vec3 own_metric;
   };
-  /// Upper blocks of one element's Hessian; of a corrected one without the part of b, the derivatives of the mean strain.
+  /// Upper blocks of one element's Hessian; of a corrected one without the part of b, the derivatives of its strains.
   struct Workspace {
     std::array<std::array<Mat3, nodes>, nodes> k;
-    using Rows = std::array<Mat3, ChordCorrection::most>;
-    std::array<Rows, 2> b, stiff;  ///< b_i and A C b_i of the mean strain and of the triangle's own
-    Mat3 geometric;                ///< A sum_r n_r T^r
+    /// Of each point eight vectors b (columns, with a fourth number so that they fill registers), and what multiplies them: for
+    /// each strain, mean and own, the rows of dE/dx and of A C dE/dx; for the term of fourth order two more.
+    std::array<Eigen::Matrix<double, 4, 8>, ChordCorrection::most> b;
+    std::array<Eigen::Matrix<double, 8, 3>, ChordCorrection::most> stiff;
+    Bends change;                     ///< of K from the start
+    ChordCorrection::Form geometric;  ///< derivatives by K_A and K_B that are the same for x, y and z
   };
   template <class Emit>
   void corrected_blocks(Index e, const Workspace& w, Emit&& emit) const {
     const int count = correction_.stencil_size(e);
     for (int i = 0; i < count; ++i) {
-      const Vec3 along = w.geometric * correction_.weight(e, i);
+      const BendWeights along = w.geometric * correction_.weight(e, i);
       for (int j = i; j < count; ++j) {
-        Mat3 k;
-        k.noalias() = w.b[0][i].transpose() * w.stiff[0][j];
-        if (cst_share_ > 0.0) k.noalias() += w.b[1][i].transpose() * w.stiff[1][j];
+        Eigen::Matrix<double, 4, 3> product;
+        product.noalias() = w.b[i].lazyProduct(w.stiff[j]);
+        Mat3 k = product.topRows<3>();
         k.diagonal().array() += along.dot(correction_.weight(e, j));
         if (j < nodes) k += w.k[i][j];
         emit(i, j, k);
@@ -145,15 +150,19 @@ class MembraneTerm {
   /// Without stencil and owner.
   [[nodiscard]] static Element element_of(const Sheet& sheet, Index t);
   /// `bent`: derivative by k_A in column A, of a corrected element.
-  void gradient_of(Index e, const Configuration& c, std::array<Vec3, nodes>& g, Mat3& bent) const;
+  void gradient_of(Index e, const Configuration& c, std::array<Vec3, nodes>& g, Bends& bent) const;
   void prepare(Index e, const Configuration& c, Workspace& w) const;
   /// Of `six_node` and `six_node_corrected`.
   struct Stress;
+  /// Of a corrected element: change; starts b, stiff and geometric.
+  void prepare_bends(Index e, const Configuration& c, Workspace& w) const;
   void prepare_mean(Index e, const Configuration& c, const Stress& stress, Workspace& w) const;
   void prepare_own(Index e, const Configuration& c, const Stress& stress, Workspace& w) const;
-  /// The strain with its correction; adds the latter to the rows b of the first nodes, and fills the others.
-  [[nodiscard]] Vec3 corrected(Index e, const Configuration& c, ChordCorrection::Strain which, Vec3 strain,
-                               Workspace::Rows& b) const;
+  /// The strain with its correction. Fills the vectors b of the strain, to whose first points `rows` belong, and what multiplies
+  /// them; `material`: A C.
+  template <std::size_t n>
+  [[nodiscard]] Vec3 corrected(Index e, ChordCorrection::Strain which, const Vec3& strain,
+                               const std::array<Mat3, n>& rows, const Mat3& material, Workspace& w) const;
   [[nodiscard]] bool takes_mean() const {
     return kind_ == MembraneOperator::six_node || kind_ == MembraneOperator::six_node_corrected;
   }
