@@ -6,6 +6,8 @@
 #include <limits>
 #include <map>
 
+#include "voile/system/contact.hpp"
+
 namespace voile::app {
 
 void carry_contact(const mesh::SurfaceMesh& old_mesh, const Origins& from, io::Checkpoint& c) {

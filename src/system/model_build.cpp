@@ -1,3 +1,9 @@
+#include "voile/system/model.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
 #include "voile/base/error.hpp"
 #include "voile/base/mpi.hpp"
 #include "voile/energy/anchor.hpp"
@@ -10,12 +16,7 @@
 #include "voile/energy/spring.hpp"
 #include "voile/mesh/patch.hpp"
 #include "voile/system/contact.hpp"
-#include "voile/system/model.hpp"
 #include "voile/system/term.hpp"
-
-#include <fmt/format.h>
-
-#include <cmath>
 
 namespace voile::system {
 
