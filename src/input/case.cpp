@@ -375,13 +375,6 @@ Case read_case(const CaseReader& reader, const std::filesystem::path& file, Stag
 
 }  // namespace
 
-Case::Case() = default;
-Case::Case(const Case&) = default;
-Case::Case(Case&&) noexcept = default;
-Case& Case::operator=(const Case&) = default;
-Case& Case::operator=(Case&&) noexcept = default;
-Case::~Case() = default;
-
 Case parse_case(const std::string& text, const std::filesystem::path& file, const std::vector<std::string>& settings) {
   Case names_only;
   const std::vector<Key> top = top_keys(names_only);
