@@ -224,6 +224,20 @@ def restart(report):
 
 
 @test
+def corrected_restart(report):
+    """The same with the corrected membrane on a laminate, whose limit load is near that of the six-node one."""
+    case = variant(mesh_of("roof_90_0_90_12.7", n_axial=8, n_circ=8), {"element": {"membrane": "six_node_corrected"}})
+    whole = solve("corrected_restart_whole", case, 2)
+    middle = whole.summary["steps"] // 2
+    again = solve("corrected_restart_again", case, 3, ["--restart", whole.results.file, "--restart-step", str(middle)])
+    difference = np.abs(again.displacement() - whole.displacement()).max() / np.abs(whole.displacement()).max()
+    report.below(difference, 1e-6, f"from step {middle} of {whole.summary['steps']} on 3 ranks, displacements")
+    plain = solve("corrected_restart_plain", variant(case, {"element": None}), 1)
+    first = [result.summary["critical_points"][0]["load_factor"] for result in (whole, plain)]
+    report.percent(first[0] / first[1], 0.02, "first limit load, against the six-node membrane")
+
+
+@test
 def newton_cost(report):
     """With the default steps: hemisphere in at most 25 factorisations at every mesh size, annulus in at most 35."""
     for n in (16, 32, 48):
