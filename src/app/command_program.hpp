@@ -40,8 +40,10 @@ inline void run_commands(int argc, char** argv, const char* what, const Declare&
 }
 
 /// Several ranks find the same mistakes: the first says so, and what has started them ends the others meanwhile.
+constexpr std::chrono::seconds after_the_first{10};
+
 inline int fail(Exit code, const std::string& text) {
-  if (launched_rank().rank != 0) std::this_thread::sleep_for(std::chrono::seconds(1));
+  if (launched_rank().rank != 0) std::this_thread::sleep_for(after_the_first);
   fmt::print(stderr, "voile: {}\n", text);
   return static_cast<int>(code);
 }

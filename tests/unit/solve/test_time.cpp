@@ -157,9 +157,10 @@ TEST_CASE("a free sheet keeps its linear and angular momentum, and loses energy 
   in.supports.clear();
   in.loads.clear();
   for (const auto membrane : {energy::MembraneOperator::six_node, energy::MembraneOperator::six_node_corrected})
-    for (const auto& [mass, radius] :
-         {std::pair{system::Mass::lumped, 1.0}, std::pair{system::Mass::lumped, 0.5},
-          std::pair{system::Mass::consistent, 1.0}, std::pair{system::Mass::consistent, 0.5}}) {
+    for (const auto& choice : {std::pair{system::Mass::lumped, 1.0}, std::pair{system::Mass::lumped, 0.5},
+                               std::pair{system::Mass::consistent, 1.0}, std::pair{system::Mass::consistent, 0.5}}) {
+      const system::Mass mass = choice.first;
+      const double radius = choice.second;
       if (membrane == energy::MembraneOperator::six_node_corrected && mass == system::Mass::consistent) continue;
       in.element.membrane = membrane;
       CAPTURE(static_cast<int>(membrane));
