@@ -54,15 +54,16 @@ system::ModelInput input(const RigidMotion& motion, energy::ElementOptions eleme
 TEST_CASE("a clamp that turns takes its sheet along as a rigid body, without force and energy") {
   const RigidMotion motion;
   for (const bool curved : {false, true})
-    for (const auto& [bending, membrane] :
+    for (const auto& choice :
          {std::pair{energy::BendingOperator::edge_slope, energy::MembraneOperator::six_node},
           std::pair{energy::BendingOperator::six_node, energy::MembraneOperator::six_node},
           std::pair{energy::BendingOperator::edge_slope, energy::MembraneOperator::six_node_corrected}}) {
+      const energy::MembraneOperator membrane = choice.second;
       CAPTURE(curved);
       CAPTURE(static_cast<int>(membrane));
       const mesh::SurfaceMesh mesh(sheet_of(curved));
       energy::ElementOptions element;
-      element.bending = bending;
+      element.bending = choice.first;
       element.membrane = membrane;
       system::Model model(PETSC_COMM_WORLD, mesh, input(motion, element));
       petsc::VecHandle a = model.dofs().create_vector(), r = model.dofs().create_vector(),
