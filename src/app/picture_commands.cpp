@@ -178,7 +178,7 @@ void RenderCommand::write_animation(const picture::Recording& recording) const {
   const bool writes = own.rank == 0;
   const std::unique_ptr<picture::AnimationWriter> writer =
       writes ? picture::make_animation(animation_, rate_) : nullptr;
-  SharedFrames(animation_, own)
+  SharedFrames(animation_, own, begun_)
       .run(
           moments.size(), [&](std::size_t i) { return show.picture(moments[i]); },
           [&](std::size_t i, const picture::Image& image) {

@@ -42,6 +42,7 @@ class RenderCommand {
   double rate_ = 25.0, scale_ = 1.0;
   int frames_ = 32;
   bool quiet_ = false, no_ground_ = false, no_stamp_ = false, no_obstacles_ = false;
+  std::filesystem::file_time_type begun_ = std::filesystem::file_time_type::clock::now();
 };
 
 class ExportCommand {

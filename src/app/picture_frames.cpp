@@ -18,6 +18,8 @@ namespace {
 /// So long the first rank waits for a frame of another before it draws it itself.
 constexpr std::chrono::seconds longest_wait{120};
 constexpr std::chrono::milliseconds look_again{20};
+/// By how much ranks of one job may begin apart.
+constexpr std::chrono::seconds apart{5};
 
 std::string as_file_name(std::string text) {
   std::replace_if(
@@ -27,17 +29,23 @@ std::string as_file_name(std::string text) {
 
 }  // namespace
 
-SharedFrames::SharedFrames(const fs::path& animation, LaunchedRank own)
-    : own_(std::move(own)), folder_(animation.string() + ".frames_" + as_file_name(own_.job)) {}
+SharedFrames::SharedFrames(const fs::path& animation, LaunchedRank own, fs::file_time_type begun)
+    : own_(std::move(own)), folder_(animation.string() + ".frames_" + as_file_name(own_.job)), begun_(begun) {}
 
 fs::path SharedFrames::file_of(std::size_t frame) const {
   return folder_ / fmt::format("{:06d}.png", frame);
 }
 
+bool SharedFrames::is_there(const fs::path& file) const {
+  std::error_code error;
+  const fs::file_time_type written = fs::last_write_time(file, error);
+  return !error && written >= begun_ - apart;
+}
+
 picture::Image SharedFrames::fetch(std::size_t frame, const Draw& draw) const {
   const fs::path file = file_of(frame);
   for (auto waited = look_again * 0; waited < longest_wait; waited += look_again) {
-    if (fs::exists(file)) return picture::read_png(file);
+    if (is_there(file)) return picture::read_png(file);
     std::this_thread::sleep_for(look_again);
   }
   return draw(frame);
@@ -53,9 +61,11 @@ void SharedFrames::run(std::size_t count, const Draw& draw, const Take& take) co
     if (own_.rank == 0) {
       take(i, is_own(own_, i) ? draw(i) : fetch(i, draw));
     } else if (is_own(own_, i)) {
-      const fs::path begun = file_of(i).replace_extension(".part");
-      write_png(begun, draw(i));
-      fs::rename(begun, file_of(i));  // so that no half picture is fetched
+      const picture::Image image = draw(i);
+      if (!fs::exists(folder_)) return;  // the first rank has waited too long, and drawn the rest itself
+      const fs::path part = file_of(i).replace_extension(".part");
+      write_png(part, image);
+      fs::rename(part, file_of(i));  // so that no half picture is fetched
     }
   }
   std::error_code gone_already;

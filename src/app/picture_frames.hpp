@@ -15,8 +15,9 @@ class SharedFrames {
  public:
   using Draw = std::function<picture::Image(std::size_t)>;
   using Take = std::function<void(std::size_t, const picture::Image&)>;
-  /// `animation`: the file that the first rank will write.
-  SharedFrames(const std::filesystem::path& animation, LaunchedRank own);
+  /// `animation`: the file that the first rank will write. `begun`: when this program began; older frames are of a
+  /// run that was killed, since names of jobs come again.
+  SharedFrames(const std::filesystem::path& animation, LaunchedRank own, std::filesystem::file_time_type begun);
 
   /// Draws this rank's frames of so many; on the first rank `take` is given all of them. Throws UserError if the folder
   /// cannot be written.
@@ -24,10 +25,12 @@ class SharedFrames {
 
  private:
   [[nodiscard]] std::filesystem::path file_of(std::size_t frame) const;
+  [[nodiscard]] bool is_there(const std::filesystem::path& file) const;
   [[nodiscard]] picture::Image fetch(std::size_t frame, const Draw& draw) const;
 
   LaunchedRank own_;
   std::filesystem::path folder_;
+  std::filesystem::file_time_type begun_;
 };
 
 /// Whether a rank draws this picture of a series.
