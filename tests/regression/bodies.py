@@ -130,6 +130,14 @@ def edge_error(step, time):
     return float(np.linalg.norm(step.positions[held_edge] - carried, axis=1).max())
 
 
+def in_block(step, edge):
+    """Vertices as seen from a block that rises by 0.5 m/s and turns as that of held()."""
+    angle = np.deg2rad(60 * step.time**2)
+    x = step.positions[edge]
+    c, s = np.cos(angle), np.sin(angle)
+    return np.stack([c * x[:, 0] + s * x[:, 1], -s * x[:, 0] + c * x[:, 1], x[:, 2] - 0.5 * step.time], axis=1)
+
+
 @test
 def attachment(report):
     """An edge follows a block that turns; the same on any number of ranks, from a checkpoint, on another mesh; it lets go in time."""
@@ -181,13 +189,7 @@ def attachment_hard(report):
     later = part(solve("attachment_hard_later", case, 2), "hold").results
     edge = later[0].mesh.group("clamp", 1)
 
-    def in_block(step):
-        angle = np.deg2rad(60 * step.time**2)
-        x = step.positions[edge]
-        c, s = np.cos(angle), np.sin(angle)
-        return np.stack([c * x[:, 0] + s * x[:, 1], -s * x[:, 0] + c * x[:, 1], x[:, 2] - 0.5 * step.time], axis=1)
-
-    report.below(max(float(np.abs(in_block(s) - in_block(later[0])).max()) for s in later), 1e-9, "a later stage holds it where it is [m]")
+    report.below(max(float(np.abs(in_block(s, edge) - in_block(later[0], edge)).max()) for s in later), 1e-9, "a later stage holds it where it is [m]")
 
 
 @test
@@ -226,14 +228,8 @@ def attachment_stages(report):
     hold, on = part(whole, "hold").results, part(whole, "on").results
     edge = hold[0].mesh.group("clamp", 1)
 
-    def in_block(step):
-        angle = np.deg2rad(60 * step.time**2)
-        x = step.positions[edge]
-        c, s = np.cos(angle), np.sin(angle)
-        return np.stack([c * x[:, 0] + s * x[:, 1], -s * x[:, 0] + c * x[:, 1], x[:, 2] - 0.5 * step.time], axis=1)
-
-    start = in_block(hold[0])
-    report.below(max(float(np.abs(in_block(s) - start).max()) for s in [*hold, *on]), 2e-3, "seen from the block the edge stays [m]")
+    start = in_block(hold[0], edge)
+    report.below(max(float(np.abs(in_block(s, edge) - start).max()) for s in [*hold, *on]), 2e-3, "seen from the block the edge stays [m]")
     again = run(OUT / "attachment_stages.toml", whole.folder, 1, ["--from", "on"])
     report.check(again.code == 0, "--from goes on with what it held")
     report.below(float(np.abs(part(again, "on").results[-1]["displacement"] - on[-1]["displacement"]).max()), 1e-5, "to the same end [m]")
