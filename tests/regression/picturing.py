@@ -261,6 +261,17 @@ def pictures_by_ranks(report):
             report.check(code == 0, f"{words[0]} on {ranks} rank(s)" if code == 0 else said)
         files[ranks] = {file.name: file.read_bytes() for file in folder.iterdir()}
     report.check(len(files[1]) > 3 and files[1] == files[3], f"{len(files[1])} files are the same by one and three ranks")
+    # As two ranks of one job, beside frames that another of the same name has left.
+    file = fresh("pictures_by_hand") / "steps.gif"
+    left = file.parent / "steps.gif.frames_job"
+    left.mkdir(parents=True)
+    for number in range(1, 11, 2):
+        shutil.copy(OUT / "pictures_by_1" / "step_000000.png", left / f"{number:06d}.png")
+        os.utime(left / f"{number:06d}.png", (1e9, 1e9))
+    ranks = [subprocess.Popen([binary(), "render", done.folder, "--animation", file, *small, "--quiet"],
+                              env=environment() | {"OMPI_COMM_WORLD_RANK": str(rank), "OMPI_COMM_WORLD_SIZE": "2", "PMIX_NAMESPACE": "job"}) for rank in (0, 1)]
+    report.check([rank.wait() for rank in ranks] == [0, 0] and file.read_bytes() == files[1]["steps.gif"], "frames that a killed run has left are not shown")
+    report.check(not left.exists(), "and go")
     code, said = invoke(["render", done.folder, "--field", "nothing"], 3)[:2]
     report.check(code == 2 and said.count("voile: error") == 1, "a mistake is said once")
 
