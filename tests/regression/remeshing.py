@@ -196,12 +196,16 @@ def remesh_background(report):
     meshes = {}
     (OUT / "remesh_background.pos").write_text(FIELD % ((0.1, 0.4, 0.4) + (0.1, 0.4, 0.1)))
     (OUT / "remesh_background_mm.pos").write_text(FIELD.replace("10", "10000").replace("1,", "1000,") % ((100, 400, 400) + (100, 400, 100)))
-    for name, change in {"expression": {"size": "0.1 + 0.03*x"}, "field": {"background": "remesh_background.pos"}}.items():
+    (OUT / "remesh_background_half.pos").write_text(FIELD.replace("10", "5") % ((0.1, 0.25, 0.25) + (0.1, 0.25, 0.1)))
+    for name, change in {"expression": {"size": "0.1 + 0.03*x"}, "field": {"background": "remesh_background.pos"},
+                         "half": {"background": "remesh_background_half.pos"}, "half_said": {"size": "0.1 + 0.03*min(x, 5)"}}.items():
         done = solve(f"remesh_background_{name}", swinging(remesh=keys | change, **still), 2 if name == "field" else 1)
         report.check(done.code == 0 and done.history["remeshings"][-1] >= 1, f"{name}: code {done.code}")
         meshes[name] = list(Results(done.folder))[-1]["displacement"]
     report.check(meshes["field"].shape == meshes["expression"].shape and len(meshes["field"]) > 60,
                  f"the same meshes: {len(meshes['field'])} and {len(meshes['expression'])} vertices")
+    report.check(meshes["half"].shape == meshes["half_said"].shape and len(meshes["half"]) > len(meshes["field"]),
+                 f"beyond the field its nearest node counts: {len(meshes['half'])} and {len(meshes['half_said'])} vertices")
     moved = swinging(remesh=keys | {"background": "remesh_background_mm.pos"}, **still)
     moved["mesh"] |= {"scale": 1e-3, "translate": [5.0, 0.0, 2.0], "rotate": [0.0, 0.0, 90.0],
                       "parameters": moved["mesh"]["parameters"] | {"length": 1e4, "width": 1e3}}
