@@ -40,9 +40,9 @@ std::string attempt(const untangle::UntangleResult& r, double limit) {
 /// `file`: for the triangles; empty: none.
 void check_start(const std::filesystem::path& file, system::Contact& contact, Vec a, const std::string& tried) {
   const std::vector<Vec3> positions = contact.positions(a);
+  const IntersectionCheck check(contact);
+  const std::vector<geometry::TrianglePair> pairs = check.find_by_ranks(positions);
   mpi::on_root(PETSC_COMM_WORLD, [&] {
-    const IntersectionCheck check(contact);
-    const std::vector<geometry::TrianglePair> pairs = check.find(positions);
     if (pairs.empty()) return;
     throw UserError(fmt::format(
         "[contact]: the start intersects: {}.{}{} Move the parts apart, {}let them ignore each other with a "
@@ -82,11 +82,7 @@ void print_notes(const input::Case& c, system::Contact& contact, Vec a) {
 
 /// Whether a start needs repair: it intersects or lies inside the contact distance. Collective.
 bool is_tangled(system::Contact& contact, Vec a) {
-  const std::vector<Vec3> positions = contact.positions(a);
-  double pairs = 0.0;
-  mpi::on_root(PETSC_COMM_WORLD,
-               [&] { pairs = static_cast<double>(IntersectionCheck(contact).find(positions).size()); });
-  return mpi::max(PETSC_COMM_WORLD, pairs) > 0.0 || contact.report(a).pairs > 0;
+  return !IntersectionCheck(contact).find_by_ranks(contact.positions(a)).empty() || contact.report(a).pairs > 0;
 }
 
 /// Moves a if that repairs it; says what was tried if it does not. Rank 0 works for all, so that the result does not

@@ -185,11 +185,31 @@ IntersectionCheck::Triangles IntersectionCheck::triangles_at(const std::vector<V
   return all;
 }
 
-std::vector<geometry::TrianglePair> IntersectionCheck::find(const std::vector<Vec3>& positions) const {
+std::vector<geometry::TrianglePair> IntersectionCheck::find_by_ranks(const std::vector<Vec3>& positions) const {
+  const system::Dofs& dofs = contact_.dofs();
+  const std::vector<int>& owner = dofs.partition().triangle_rank;
+  const int rank = mpi::rank(dofs.comm());
+  std::vector<Index> own;
+  mpi::on_all(dofs.comm(), [&] {
+    const auto counted = [&](Index t) {
+      return static_cast<std::size_t>(t) < owner.size() && owner[static_cast<std::size_t>(t)] == rank;
+    };
+    for (const auto& [i, j] : find(positions, counted)) own.insert(own.end(), {i, j});
+  });
+  std::vector<Index> all = mpi::gather_to_root(dofs.comm(), own);
+  mpi::broadcast(dofs.comm(), all);
+  std::vector<geometry::TrianglePair> pairs;
+  for (std::size_t k = 0; k < all.size(); k += 2) pairs.emplace_back(all[k], all[k + 1]);
+  std::sort(pairs.begin(), pairs.end());
+  return pairs;
+}
+
+std::vector<geometry::TrianglePair> IntersectionCheck::find(const std::vector<Vec3>& positions,
+                                                            const std::function<bool(Index)>& counted) const {
   const Triangles all = triangles_at(positions);
   const auto& rules = contact_.set().surface().rules;
   std::vector<geometry::TrianglePair> pairs = geometry::intersecting_triangles(
-      all.positions, all.triangles, all.body, [&](Index a, Index b) { return !rules[a][b].touch; });
+      all.positions, all.triangles, all.body, [&](Index a, Index b) { return !rules[a][b].touch; }, counted);
   const auto is_given_way = [&](Index i, Index j) {
     return system::gives_way(contact_, all.triangles[static_cast<std::size_t>(i)],
                              all.body[static_cast<std::size_t>(j)]);

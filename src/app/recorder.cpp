@@ -116,18 +116,15 @@ Recorder::Snapshot Recorder::snapshot(Vec a) {
 
 long Recorder::count_intersections(Vec a) const {
   const std::vector<Vec3> positions = model_->contact()->positions(a);
-  std::vector<double> count{0.0};
-  mpi::on_root(model_->dofs().comm(), [&] {
-    const IntersectionCheck check(*model_->contact());
-    const std::vector<geometry::TrianglePair> pairs = check.find(positions);
-    count[0] = static_cast<double>(pairs.size());
-    if (pairs.empty()) return;
-    const std::filesystem::path file = options_.output / "intersections.vtk";
-    fmt::print(stderr, "voile: contact let triangles intersect: {}; see {}\n", check.report(positions, pairs, file),
-               file.string());
-  });
-  mpi::broadcast(model_->dofs().comm(), count);
-  return static_cast<long>(count[0]);
+  const IntersectionCheck check(*model_->contact());
+  const std::vector<geometry::TrianglePair> pairs = check.find_by_ranks(positions);
+  if (!pairs.empty())
+    mpi::on_root(model_->dofs().comm(), [&] {
+      const std::filesystem::path file = options_.output / "intersections.vtk";
+      fmt::print(stderr, "voile: contact let triangles intersect: {}; see {}\n", check.report(positions, pairs, file),
+                 file.string());
+    });
+  return static_cast<long>(pairs.size());
 }
 
 std::string Recorder::contact_note(const Snapshot& s, const solve::StepResult& r) const {

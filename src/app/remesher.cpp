@@ -177,12 +177,7 @@ void Remesher::keep_momentum(Epoch& old_epoch, Epoch& fresh) {
 /// Whether triangles intersect, by exact predicates. Collective.
 bool Remesher::intersects(Epoch& epoch) {
   const system::Contact& contact = *epoch.model().contact();
-  const std::vector<Vec3> positions = contact.positions(epoch.state().u);
-  std::vector<double> count{0.0};
-  mpi::on_root(epoch.model().dofs().comm(),
-               [&] { count[0] = static_cast<double>(IntersectionCheck(contact).find(positions).size()); });
-  mpi::broadcast(epoch.model().dofs().comm(), count);
-  return count[0] > 0.0;
+  return !IntersectionCheck(contact).find_by_ranks(contact.positions(epoch.state().u)).empty();
 }
 
 void Remesher::write(const Epoch& epoch, const Made& made, const Ledger& before, const Ledger& after, bool accepted,

@@ -1,6 +1,7 @@
 #include "voile/base/mpi.hpp"
 
 #include <new>
+#include <numeric>
 
 #include "voile/base/error.hpp"
 
@@ -21,6 +22,32 @@ T reduce(MPI_Comm comm, T value, MPI_Datatype type, MPI_Op op) {
   T result{};
   MPI_Allreduce(&value, &result, 1, type, op, comm);
   return result;
+}
+
+/// Where each of several arrays begins when they stand one after another, and the end.
+std::vector<int> starts_of(const std::vector<int>& counts) {
+  std::vector<int> starts(counts.size() + 1, 0);
+  std::partial_sum(counts.begin(), counts.end(), starts.begin() + 1);
+  return starts;
+}
+
+template <class T>
+std::vector<std::vector<T>> divided(const std::vector<T>& all, const std::vector<int>& starts) {
+  std::vector<std::vector<T>> parts;
+  for (std::size_t r = 0; r + 1 < starts.size(); ++r)
+    parts.emplace_back(all.begin() + starts[r], all.begin() + starts[r + 1]);
+  return parts;
+}
+
+template <class T>
+std::vector<T> gather_items(MPI_Comm comm, const std::vector<T>& values, MPI_Datatype type) {
+  const int own = static_cast<int>(values.size());
+  std::vector<int> counts(static_cast<std::size_t>(size(comm)));
+  MPI_Gather(&own, 1, MPI_INT, counts.data(), 1, MPI_INT, 0, comm);
+  const std::vector<int> starts = starts_of(counts);
+  std::vector<T> all(rank(comm) == 0 ? static_cast<std::size_t>(starts.back()) : 0);
+  MPI_Gatherv(values.data(), own, type, all.data(), counts.data(), starts.data(), type, 0, comm);
+  return all;
 }
 
 enum Failure : int { none = 0, user = 1, internal = 2, memory = 3 };
@@ -65,6 +92,15 @@ int size(MPI_Comm comm) {
   return n;
 }
 
+Doubles::Doubles(int count) {
+  MPI_Type_contiguous(count, MPI_DOUBLE, &type_);
+  MPI_Type_commit(&type_);
+}
+
+Doubles::~Doubles() {
+  MPI_Type_free(&type_);
+}
+
 void broadcast_from(MPI_Comm comm, int root, std::string& text) {
   unsigned long count = text.size();
   MPI_Bcast(&count, 1, MPI_UNSIGNED_LONG, root, comm);
@@ -95,6 +131,12 @@ double max(MPI_Comm comm, double value) {
   return reduce(comm, value, MPI_DOUBLE, MPI_MAX);
 }
 
+std::array<double, 5> sum(MPI_Comm comm, const std::array<double, 5>& values) {
+  std::array<double, 5> all{};
+  MPI_Allreduce(values.data(), all.data(), static_cast<int>(all.size()), MPI_DOUBLE, MPI_SUM, comm);
+  return all;
+}
+
 void min(MPI_Comm comm, std::vector<double>& values) {
   MPI_Allreduce(MPI_IN_PLACE, values.data(), static_cast<int>(values.size()), MPI_DOUBLE, MPI_MIN, comm);
 }
@@ -106,13 +148,35 @@ void sum_to_root(MPI_Comm comm, std::vector<double>& values) {
 }
 
 std::vector<Index> gather_to_root(MPI_Comm comm, const std::vector<Index>& values) {
-  const int own = static_cast<int>(values.size()), ranks = size(comm);
-  std::vector<int> counts(static_cast<std::size_t>(ranks)), starts(counts.size() + 1, 0);
-  MPI_Gather(&own, 1, MPI_INT, counts.data(), 1, MPI_INT, 0, comm);
-  for (std::size_t r = 0; r < counts.size(); ++r) starts[r + 1] = starts[r] + counts[r];
-  std::vector<Index> all(rank(comm) == 0 ? static_cast<std::size_t>(starts.back()) : 0);
-  MPI_Gatherv(values.data(), own, MPI_INT32_T, all.data(), counts.data(), starts.data(), MPI_INT32_T, 0, comm);
-  return all;
+  return gather_items(comm, values, MPI_INT32_T);
+}
+std::vector<double> gather_to_root(MPI_Comm comm, const std::vector<double>& values) {
+  return gather_items(comm, values, MPI_DOUBLE);
+}
+
+std::vector<std::vector<double>> gather_to_all(MPI_Comm comm, const std::vector<double>& values) {
+  const int own = static_cast<int>(values.size());
+  std::vector<int> counts(static_cast<std::size_t>(size(comm)));
+  MPI_Allgather(&own, 1, MPI_INT, counts.data(), 1, MPI_INT, comm);
+  const std::vector<int> starts = starts_of(counts);
+  std::vector<double> all(static_cast<std::size_t>(starts.back()));
+  MPI_Allgatherv(values.data(), own, MPI_DOUBLE, all.data(), counts.data(), starts.data(), MPI_DOUBLE, comm);
+  return divided(all, starts);
+}
+
+std::vector<std::vector<Index>> exchange(MPI_Comm comm, const std::vector<std::vector<Index>>& to) {
+  std::vector<int> sent, received(to.size());
+  std::vector<Index> out;
+  for (const std::vector<Index>& list : to) {
+    sent.push_back(static_cast<int>(list.size()));
+    out.insert(out.end(), list.begin(), list.end());
+  }
+  MPI_Alltoall(sent.data(), 1, MPI_INT, received.data(), 1, MPI_INT, comm);
+  const std::vector<int> out_starts = starts_of(sent), in_starts = starts_of(received);
+  std::vector<Index> in(static_cast<std::size_t>(in_starts.back()));
+  MPI_Alltoallv(out.data(), sent.data(), out_starts.data(), MPI_INT32_T, in.data(), received.data(), in_starts.data(),
+                MPI_INT32_T, comm);
+  return divided(in, in_starts);
 }
 
 int fortran_handle(MPI_Comm comm) {

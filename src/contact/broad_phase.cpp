@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <numeric>
 
 namespace voile::contact {
 
@@ -175,24 +176,26 @@ Box padded(Box b, double by) {
 /// up.
 class Search {
  public:
-  Search(const Surface& s, const std::vector<Box>& boxes, const std::vector<char>& owned, double distance,
-         const std::vector<char>& asked)
-      : s_(s), boxes_(boxes), asked_(asked), make_(s, boxes, owned, distance), reach_(distance) {
-    for (const Face& f : s.faces) reach_ = std::max(reach_, s.bodies[f.body].thickness + distance);
+  Search(const Surface& s, const Figures& figures, const std::vector<Box>& boxes, const std::vector<char>& owned,
+         double distance, const std::vector<char>& asked)
+      : s_(s), in_(figures), boxes_(boxes), asked_(asked), make_(s, boxes, owned, distance), reach_(distance) {
     Box own, wanted;
     double size = 0.0;
     Index own_faces = 0;
-    face_box_.reserve(s.faces.size());
-    for (const Face& f : s.faces) {
-      const Box& box = face_box_.emplace_back(make_.hull(f.points));
-      if (any_asked(f.points)) wanted.include(box);
+    face_box_.reserve(in_.faces.size());
+    for (Index f : in_.faces) {
+      const Face& face = s.faces[f];
+      reach_ = std::max(reach_, s.bodies[face.body].thickness + distance);
+      const Box& box = face_box_.emplace_back(make_.hull(face.points));
+      if (any_asked(face.points)) wanted.include(box);
       const auto mine = [&](Index p) { return s.is_sheet(p) && owned[p]; };
-      if (!std::any_of(f.points.begin(), f.points.end(), mine)) continue;
+      if (!std::any_of(face.points.begin(), face.points.end(), mine)) continue;
       own.include(box);
       size += (box.high - box.low).maxCoeff();
       ++own_faces;
     }
-    for (const Edge& e : s.edges) edge_box_.push_back(make_.hull(e.points));
+    edge_box_.reserve(in_.edges.size());
+    for (Index e : in_.edges) edge_box_.push_back(make_.hull(s.edges[e].points));
     // A pair has a figure in each hull, and they are within reach of each other.
     domain_.low = (own.low.cwiseMax(wanted.low)).array() - reach_;
     domain_.high = (own.high.cwiseMin(wanted.high)).array() + reach_;
@@ -220,23 +223,23 @@ class Search {
   /// They are few and may reach far (a ball's radius): tried against everything of this rank.
   void bare_figures() {
     for (Index p : s_.bare_points)
-      for (Index f = 0; f < s_.sheet_faces; ++f)
-        if (is_asked(p) || any_asked(s_.faces[f].points)) make_.point_face(p, f, pairs_);
+      for (Index f : in_.faces)
+        if (f < s_.sheet_faces && (is_asked(p) || any_asked(s_.faces[f].points))) make_.point_face(p, f, pairs_);
     for (Index e = s_.sheet_edges; e < static_cast<Index>(s_.edges.size()); ++e) {
       if (!s_.edges[e].bare) continue;
       const bool asked = any_asked(s_.edges[e].points);
-      for (Index f = 0; f < s_.sheet_edges; ++f)
-        if (asked || any_asked(s_.edges[f].points)) make_.edge_edge(f, e, pairs_);
-      for (Index p = 0; p < s_.sheet_points; ++p)
-        if (asked || is_asked(p)) make_.point_edge(p, e, pairs_);
+      for (Index f : in_.edges)
+        if (f < s_.sheet_edges && (asked || any_asked(s_.edges[f].points))) make_.edge_edge(f, e, pairs_);
+      for (Index p : in_.points)
+        if (s_.is_sheet(p) && (asked || is_asked(p))) make_.point_edge(p, e, pairs_);
     }
   }
   void points_of_asked_faces() {
     Grid faces(cell_, domain_);
-    for (std::size_t f = 0; f < s_.faces.size(); ++f)
-      if (any_asked(s_.faces[f].points)) faces.add(static_cast<Index>(f), face_box_[f]);
+    for (std::size_t k = 0; k < in_.faces.size(); ++k)
+      if (any_asked(s_.faces[in_.faces[k]].points)) faces.add(in_.faces[k], face_box_[k]);
     faces.sort();
-    for (Index p = 0; p < s_.points(); ++p) {
+    for (Index p : in_.points) {
       if (!used_point(s_, p) || !boxes_[p].within(domain_, 0.0)) continue;
       faces.find(padded(boxes_[p], reach_), [&](Index f) { point_face(p, f); });
     }
@@ -244,23 +247,27 @@ class Search {
   void faces_of_asked_points() {
     if (asked_.empty()) return;  // met above
     Grid points(cell_, domain_);
-    for (Index p = 0; p < s_.points(); ++p)
+    for (Index p : in_.points)
       if (is_asked(p) && used_point(s_, p)) points.add(p, boxes_[p]);
     points.sort();
-    for (std::size_t f = 0; f < s_.faces.size(); ++f) {
-      if (any_asked(s_.faces[f].points) || !face_box_[f].within(domain_, 0.0)) continue;
-      points.find(padded(face_box_[f], reach_), [&](Index p) { point_face(p, static_cast<Index>(f)); });
+    for (std::size_t k = 0; k < in_.faces.size(); ++k) {
+      const Index f = in_.faces[k];
+      if (any_asked(s_.faces[f].points) || !face_box_[k].within(domain_, 0.0)) continue;
+      points.find(padded(face_box_[k], reach_), [&](Index p) { point_face(p, f); });
     }
   }
   void edges_of_asked_edges() {
     Grid edges(cell_, domain_);
-    for (std::size_t e = 0; e < s_.edges.size(); ++e)
-      if (!s_.edges[e].bare && any_asked(s_.edges[e].points)) edges.add(static_cast<Index>(e), edge_box_[e]);
+    for (std::size_t k = 0; k < in_.edges.size(); ++k) {
+      const Edge& edge = s_.edges[in_.edges[k]];
+      if (!edge.bare && any_asked(edge.points)) edges.add(in_.edges[k], edge_box_[k]);
+    }
     edges.sort();
-    for (Index e = 0; e < static_cast<Index>(s_.edges.size()); ++e) {
+    for (std::size_t k = 0; k < in_.edges.size(); ++k) {
+      const Index e = in_.edges[k];
       const bool asked = any_asked(s_.edges[e].points);  // then both edges of a pair may find each other
-      if (s_.edges[e].bare || (asked && e >= s_.sheet_edges) || !edge_box_[e].within(domain_, 0.0)) continue;
-      edges.find(padded(edge_box_[e], reach_), [&](Index f) {
+      if (s_.edges[e].bare || (asked && e >= s_.sheet_edges) || !edge_box_[k].within(domain_, 0.0)) continue;
+      edges.find(padded(edge_box_[k], reach_), [&](Index f) {
         if (asked ? f > e : e < s_.sheet_edges || f < s_.sheet_edges) make_.edge_edge(e, f, pairs_);
       });
     }
@@ -270,11 +277,12 @@ class Search {
   }
 
   const Surface& s_;
+  const Figures& in_;
   const std::vector<Box>& boxes_;
   const std::vector<char>& asked_;
   Maker make_;
   double reach_, cell_ = 0.0;
-  std::vector<Box> face_box_, edge_box_;
+  std::vector<Box> face_box_, edge_box_;  ///< of the figures
   Box domain_;
   bool empty_ = false;
   std::vector<Pair> pairs_;
@@ -282,9 +290,16 @@ class Search {
 
 }  // namespace
 
-std::vector<Pair> find_pairs(const Surface& s, const std::vector<Box>& boxes, const std::vector<char>& owned,
-                             double distance, const std::vector<char>& asked) {
-  return Search(s, boxes, owned, distance, asked).run();
+Figures all_figures(const Surface& s) {
+  Figures all{std::vector<Index>(s.rest.size()), std::vector<Index>(s.edges.size()),
+              std::vector<Index>(s.faces.size())};
+  for (std::vector<Index>* list : {&all.points, &all.edges, &all.faces}) std::iota(list->begin(), list->end(), 0);
+  return all;
+}
+
+std::vector<Pair> find_pairs(const Surface& s, const Figures& figures, const std::vector<Box>& boxes,
+                             const std::vector<char>& owned, double distance, const std::vector<char>& asked) {
+  return Search(s, figures, boxes, owned, distance, asked).run();
 }
 
 std::vector<Pair> find_pairs_by_force(const Surface& s, const std::vector<Box>& boxes, const std::vector<char>& owned,

@@ -7,13 +7,6 @@ namespace voile::contact {
 
 namespace {
 
-/// Room that the boxes of candidates leave around the asked path, in contact distances.
-constexpr double slack = 2.0;
-/// Candidates are found anew only for points that left their boxes, unless these are more than this share, or boxes of
-/// earlier, longer paths are on average longer than needed now by this share of the room.
-constexpr double most_left = 0.3, most_excess = 0.5;
-/// Gaps up to which the list of near pairs goes, and what it has to answer for after an iteration, in contact distances.
-constexpr double listed = 3.0, needed = 1.0;
 /// Share of the gap to a plane that a step leaves (as ccd.cpp for pairs).
 constexpr double plane_kept = 0.2;
 /// A first guess may lose this share of a gap, or of the contact distance.
@@ -28,82 +21,21 @@ Matrix positive_part(const Matrix& h) {
 }  // namespace
 
 ContactSet::ContactSet(Surface surface, std::vector<Plane> planes, ContactOptions options, std::vector<char> owned)
-    : surface_(std::move(surface)), planes_(std::move(planes)), options_(options), owned_(std::move(owned)) {
-  for (Index i = 0; i < surface_.sheet_points; ++i)
-    if (owned_[i]) own_points_.push_back(i);
-}
-
-bool ContactSet::cover(const std::vector<Vec3>& from, const std::vector<Vec3>& to) {
-  // What rests needs no room.
-  const auto room = [&](std::size_t i) {
-    return surface_.is_sheet(static_cast<Index>(i)) || from[i] != to[i] ? slack * options_.distance : 0.0;
-  };
-  std::vector<char> outside(from.size(), 1);
-  std::size_t left = from.size();
-  double excess = 0.0, rooms = 0.0;
-  for (std::size_t i = 0; i < from.size() && !boxes_.empty(); ++i) {
-    const bool inside = boxes_[i].contains(from[i]) && boxes_[i].contains(to[i]);
-    outside[i] = !inside;
-    left -= inside;
-    excess += (boxes_[i].high - boxes_[i].low).sum() - 6.0 * room(i) - (to[i] - from[i]).lpNorm<1>();
-    rooms += 6.0 * room(i);
-  }
-  if (left == 0) {
-    renew_list(from, to);
-    return false;
-  }
-  const auto points = static_cast<double>(from.size());
-  if (static_cast<double>(left) > most_left * points || excess > most_excess * rooms) {
-    outside.assign(from.size(), 1);
-    left = from.size();
-    boxes_.resize(from.size());
-  }
-  for (std::size_t i = 0; i < from.size(); ++i) {
-    if (!outside[i]) continue;
-    boxes_[i] = Box{};
-    boxes_[i].include(from[i]);
-    boxes_[i].include(to[i]);
-    boxes_[i].low.array() -= room(i);
-    boxes_[i].high.array() += room(i);
-  }
-  if (left == from.size())
-    pairs_ = find_pairs(surface_, boxes_, owned_, options_.distance);
-  else
-    renew_pairs(outside);
-  list_.forget();
-  renew_list(from, to);
-  return true;
-}
-
-void ContactSet::renew_list(const std::vector<Vec3>& from, const std::vector<Vec3>& to) {
-  const double reach = listed * options_.distance, limit = needed * options_.distance;
-  if (list_.made() && list_.holds(list_.moved(from, to), limit)) return;
-  double way = 0.0;
-  for (std::size_t i = 0; i < from.size(); ++i) way = std::max(way, (to[i] - from[i]).norm());
-  if (limit + 4.0 * way > reach) return;  // so far goes no list: all candidates are looked at
-  list_.make(pairs_, from, reach, [&](const Pair& pair) { return offset(pair); });
-}
-
-void ContactSet::renew_pairs(const std::vector<char>& points) {
-  std::erase_if(pairs_, [&](const Pair& pair) {
-    return std::any_of(pair.points.begin(), pair.points.end(), [&](Index p) { return p != no_index && points[p]; });
-  });
-  const auto kept = static_cast<std::ptrdiff_t>(pairs_.size());
-  const std::vector<Pair> found = find_pairs(surface_, boxes_, owned_, options_.distance, points);
-  pairs_.insert(pairs_.end(), found.begin(), found.end());
-  std::inplace_merge(pairs_.begin(), pairs_.begin() + kept, pairs_.end());
-}
+    : surface_(std::make_unique<Surface>(std::move(surface))),
+      planes_(std::move(planes)),
+      options_(options),
+      candidates_(*surface_, options.distance, std::move(owned)) {}
 
 bool ContactSet::counted(const std::array<Index, 4>& points) const {
-  Index lowest = surface_.sheet_points;
+  Index lowest = surface_->sheet_points;
   for (Index p : points)
     if (p != no_index) lowest = std::min(lowest, p);
-  return lowest < surface_.sheet_points && owned_[lowest];
+  return lowest < surface_->sheet_points && candidates_.owned()[lowest];
 }
 
 double ContactSet::step_fraction(const std::vector<Vec3>& from, const std::vector<Vec3>& to) const {
   double share = 1.0;
-  for_close(from, to, 0.0, [&](const Pair& pair) {
+  candidates_.for_close(from, to, 0.0, [&](const Pair& pair) {
     if (!acts(pair)) return;
     const std::array<Vec3, 4> x = gather(pair, from);
     std::array<Vec3, 4> p = gather(pair, to);
@@ -111,7 +43,7 @@ double ContactSet::step_fraction(const std::vector<Vec3>& from, const std::vecto
     share = contact::step_fraction(pair.kind, x, p, offset(pair), share);
   });
   for (const Plane& p : planes_)
-    for (Index i : own_points_) {
+    for (Index i : candidates_.own_points()) {
       if (!plane_acts(p, i)) continue;
       const double gap = plane_gap(p, i, from), end = plane_gap(p, i, to);
       if (end < plane_kept * gap) share = std::min(share, (1.0 - plane_kept) * gap / (gap - end));
@@ -125,7 +57,7 @@ void ContactSet::blocked(const std::vector<Vec3>& from, const std::vector<Vec3>&
   const auto lost = [&](double before, double after, double room) {
     return after < std::min(lost_share * before, room);
   };
-  for_close(from, to, lost_share * options_.distance, [&](const Pair& pair) {
+  candidates_.for_close(from, to, lost_share * options_.distance, [&](const Pair& pair) {
     if (std::none_of(pair.points.begin(), pair.points.end(), [&](Index p) { return p != no_index && asked[p]; }) ||
         !acts(pair))
       return;
@@ -139,7 +71,7 @@ void ContactSet::blocked(const std::vector<Vec3>& from, const std::vector<Vec3>&
       found(pair);
   });
   for (std::size_t k = 0; k < planes_.size(); ++k)
-    for (Index i : own_points_) {
+    for (Index i : candidates_.own_points()) {
       const Plane& p = planes_[k];
       if (asked[i] && plane_acts(p, i) &&
           lost(plane_gap(p, i, from), plane_gap(planes_to[k], i, to), lost_share * options_.distance))
@@ -153,7 +85,7 @@ double ContactSet::energy(const std::vector<Vec3>& x) const {
   double sum = 0.0;
   Near n;
   bool touches = false;
-  for_close(x, options_.distance, [&](const Pair& pair) {
+  candidates_.for_close(x, options_.distance, [&](const Pair& pair) {
     const double d = reach(pair);
     if (touches || !counted(pair.points) || !near(pair, x, d, n)) return;
     const double m = pair.mollify > 0.0 ? mollifier(cross_squared(n.x), pair.mollify).value : 1.0;
@@ -162,8 +94,8 @@ double ContactSet::energy(const std::vector<Vec3>& x) const {
   });
   if (touches) return std::numeric_limits<double>::infinity();
   for (const Plane& p : planes_)
-    for (Index i : own_points_)
-      if (plane_acts(p, i)) sum += surface_.area[i] * barrier(plane_gap(p, i, x), reach(i)).value;
+    for (Index i : candidates_.own_points())
+      if (plane_acts(p, i)) sum += surface_->area[i] * barrier(plane_gap(p, i, x), reach(i)).value;
   sum *= options_.stiffness;
   for (const Sliding& s : sliding_) {
     if (!counted(s.points)) continue;
@@ -216,17 +148,17 @@ void ContactSet::add_gradient(const std::vector<Vec3>& x, std::vector<Vec3>& f, 
   Near n;
   Vec12 g;
   if (part & normal) {
-    for_close(x, options_.distance, [&](const Pair& pair) {
+    candidates_.for_close(x, options_.distance, [&](const Pair& pair) {
       if (!near(pair, x, reach(pair), n)) return;
       pair_gradient(pair, n, g);
       for (int i = 0; i < 4; ++i)
-        if (pair.points[i] != no_index && surface_.is_sheet(pair.points[i])) f[pair.points[i]] += g.segment<3>(3 * i);
+        if (pair.points[i] != no_index && surface_->is_sheet(pair.points[i])) f[pair.points[i]] += g.segment<3>(3 * i);
     });
     for (const Plane& p : planes_)
-      for (Index i : own_points_) {
+      for (Index i : candidates_.own_points()) {
         if (!plane_acts(p, i)) continue;
         const double gap = plane_gap(p, i, x), d = reach(i);
-        if (gap < d) f[i] += options_.stiffness * surface_.area[i] * barrier(gap, d).first * p.normal;
+        if (gap < d) f[i] += options_.stiffness * surface_->area[i] * barrier(gap, d).first * p.normal;
       }
   }
   if (part & friction)
@@ -235,7 +167,7 @@ void ContactSet::add_gradient(const std::vector<Vec3>& x, std::vector<Vec3>& f, 
       const double y = r.norm(), rate = y >= slip_ ? 1.0 / y : 2.0 / slip_ - y / (slip_ * slip_);
       const Vec3 force = s.force * rate * (s.tangents * r);
       for (int i = 0; i < 4; ++i)
-        if (s.points[i] != no_index && surface_.is_sheet(s.points[i])) f[s.points[i]] += s.c[i] * force;
+        if (s.points[i] != no_index && surface_->is_sheet(s.points[i])) f[s.points[i]] += s.c[i] * force;
     }
 }
 
@@ -268,7 +200,7 @@ Mat2 ContactSet::friction_stiffness(const Vec2& r, bool secant) const {
 
 void ContactSet::add_sliding(const Pair& pair, const Vec4& c, const Vec3& n, double normal_force,
                              const std::vector<Vec3>& x, const std::vector<Vec3>& start) {
-  const double mu = surface_.rules[pair.body_a][pair.body_b].friction;
+  const double mu = surface_->rules[pair.body_a][pair.body_b].friction;
   if (mu <= 0.0 || normal_force <= 0.0) return;
   Sliding s{pair.points, c, {}, mu * normal_force, Vec3::Zero(), Vec3::Zero(), Vec3::Zero(), -1, 0.0, Vec3::Zero()};
   s.tangents.col(0) = n.unitOrthogonal();
@@ -278,11 +210,11 @@ void ContactSet::add_sliding(const Pair& pair, const Vec4& c, const Vec3& n, dou
     if (pair.points[i] == no_index) continue;
     const Vec3 part = c[i] * x[pair.points[i]];
     s.start += c[i] * start[pair.points[i]];
-    if (surface_.is_sheet(pair.points[i])) {
+    if (surface_->is_sheet(pair.points[i])) {
       s.place += part;
       sheet += c[i];
     } else {
-      s.carrier = surface_.body_of_point[pair.points[i]];
+      s.carrier = surface_->body_of_point[pair.points[i]];
       s.axis += part;
       s.weight += c[i];
     }
@@ -297,7 +229,7 @@ void ContactSet::add_sliding(const Pair& pair, const Vec4& c, const Vec3& n, dou
 }
 
 bool ContactSet::has_friction() const {
-  return std::any_of(surface_.rules.begin(), surface_.rules.end(), [](const auto& row) {
+  return std::any_of(surface_->rules.begin(), surface_->rules.end(), [](const auto& row) {
     return std::any_of(row.begin(), row.end(), [](const Rule& r) { return r.touch && r.friction > 0.0; });
   });
 }
@@ -307,9 +239,8 @@ void ContactSet::lag_friction(const std::vector<Vec3>& x, const std::vector<Vec3
   slips_known_ = false;
   slip_ = slip;
   if (!has_friction()) return;
-  (void)cover(x, x);
   Near n;
-  for_close(x, options_.distance, [&](const Pair& pair) {
+  candidates_.for_close(x, options_.distance, [&](const Pair& pair) {
     const double d = reach(pair);
     if (!near(pair, x, d, n)) return;
     const double m = pair.mollify > 0.0 ? mollifier(cross_squared(n.x), pair.mollify).value : 1.0;
@@ -317,12 +248,12 @@ void ContactSet::lag_friction(const std::vector<Vec3>& x, const std::vector<Vec3
     add_sliding(pair, n.closest.c, n.closest.w / n.closest.distance, force, x, start);
   });
   for (const Plane& p : planes_)
-    for (Index i : own_points_) {
+    for (Index i : candidates_.own_points()) {
       if (!plane_acts(p, i)) continue;
       const double g = plane_gap(p, i, x), d = reach(i);
       if (g >= d) continue;
       add_sliding(plane_pair(p, i), Vec4::UnitX(), p.normal,
-                  -options_.stiffness * surface_.area[i] * barrier(g, d).first, x, start);
+                  -options_.stiffness * surface_->area[i] * barrier(g, d).first, x, start);
     }
 }
 
@@ -336,26 +267,26 @@ void ContactSet::carry(const Carrier& displacement) {
 }
 
 std::vector<double> ContactSet::smallest_gaps(const std::vector<Vec3>& x) const {
-  return gaps_of(pairs_, x, options_.distance, true);
+  return gaps_of(candidates_.pairs(), x, options_.distance, true);
 }
 
 std::vector<double> ContactSet::gaps_within(const std::vector<Vec3>& x, double limit) const {
   std::vector<Box> boxes(x.size());
   for (std::size_t i = 0; i < x.size(); ++i) boxes[i].include(x[i]);
-  return gaps_of(find_pairs(surface_, boxes, owned_, limit), x, limit, false);
+  return gaps_of(find_pairs(*surface_, all_figures(*surface_), boxes, candidates_.owned(), limit), x, limit, false);
 }
 
 std::vector<double> ContactSet::gaps_of(const std::vector<Pair>& pairs, const std::vector<Vec3>& x, double limit,
                                         bool as_barrier) const {
-  std::vector<double> gaps(static_cast<std::size_t>(surface_.sheet_points), limit);
+  std::vector<double> gaps(static_cast<std::size_t>(surface_->sheet_points), limit);
   Near n;
   for (const Pair& pair : pairs) {
     if (!near(pair, x, as_barrier ? pair.share * limit : limit, n)) continue;
     for (Index i : pair.points)
-      if (i != no_index && surface_.is_sheet(i)) gaps[i] = std::min(gaps[i], n.gap);
+      if (i != no_index && surface_->is_sheet(i)) gaps[i] = std::min(gaps[i], n.gap);
   }
   for (const Plane& p : planes_)
-    for (Index i : own_points_)
+    for (Index i : candidates_.own_points())
       if (plane_acts(p, i)) gaps[i] = std::min(gaps[i], plane_gap(p, i, x));
   return gaps;
 }
@@ -363,7 +294,7 @@ std::vector<double> ContactSet::gaps_of(const std::vector<Pair>& pairs, const st
 ContactState ContactSet::state(const std::vector<Vec3>& x) const {
   ContactState r;
   Near n;
-  for_close(x, options_.distance, [&](const Pair& pair) {
+  candidates_.for_close(x, options_.distance, [&](const Pair& pair) {
     if (!counted(pair.points) || !near(pair, x, pair.share * options_.distance, n)) return;
     ++r.pairs;
     if (n.gap >= r.gap) return;
@@ -371,7 +302,7 @@ ContactState ContactSet::state(const std::vector<Vec3>& x) const {
     r.nearest = pair;
   });
   for (const Plane& p : planes_)
-    for (Index i : own_points_) {
+    for (Index i : candidates_.own_points()) {
       if (!plane_acts(p, i)) continue;
       const double g = plane_gap(p, i, x);
       if (g >= options_.distance) continue;

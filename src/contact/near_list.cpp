@@ -18,22 +18,22 @@ void NearList::make(const std::vector<Pair>& pairs, const std::vector<Vec3>& x, 
   }
   reference_ = x;
   reach_ = reach;
+  made_ = true;
 }
 
-std::vector<double> NearList::moved(const std::vector<Vec3>& x) const {
-  std::vector<double> m(x.size());
-  for (std::size_t i = 0; i < x.size(); ++i) m[i] = (x[i] - reference_[i]).norm();
-  return m;
+void NearList::measure(const std::vector<Index>& points, const std::vector<Vec3>& x, Moves& moves) const {
+  measure(points, x, x, moves);
 }
 
-std::vector<double> NearList::moved(const std::vector<Vec3>& x, const std::vector<Vec3>& to) const {
-  std::vector<double> m = moved(x);
-  for (std::size_t i = 0; i < x.size(); ++i) m[i] += 2.0 * (to[i] - x[i]).norm();
-  return m;
-}
-
-bool NearList::holds(const std::vector<double>& moved, double limit) const {
-  return made() && limit + 2.0 * *std::max_element(moved.begin(), moved.end()) <= reach_;
+void NearList::measure(const std::vector<Index>& points, const std::vector<Vec3>& x, const std::vector<Vec3>& to,
+                       Moves& moves) const {
+  moves.of_point.resize(reference_.size());
+  moves.most = 0.0;
+  for (Index i : points) {
+    const double m = (x[i] - reference_[i]).norm() + 2.0 * (to[i] - x[i]).norm();
+    moves.of_point[i] = m;
+    moves.most = std::max(moves.most, m);
+  }
 }
 
 }  // namespace voile::contact

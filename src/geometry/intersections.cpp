@@ -132,10 +132,11 @@ class Surface {
 };
 
 /// `is_idle(triangle)`: of a set of which no two are wanted, as the triangles of obstacles are: most of a scene, and
-/// they need not be tried against each other.
-template <class Wanted, class Idle>
+/// they need not be tried against each other. `is_counted(triangle)`: of those that are not idle, the ones whose pairs
+/// with higher ones and with idle ones are asked for.
+template <class Wanted, class Idle, class Counted>
 std::vector<TrianglePair> find_pairs(const std::vector<Vec3>& positions, const std::vector<mesh::Triangle>& triangles,
-                                     const Wanted& is_wanted, const Idle& is_idle) {
+                                     const Wanted& is_wanted, const Idle& is_idle, const Counted& is_counted) {
   const Surface surface(positions, triangles);
   std::vector<Box> boxes = surface.boxes();
   std::vector<TrianglePair> pairs;
@@ -143,12 +144,15 @@ std::vector<TrianglePair> find_pairs(const std::vector<Vec3>& positions, const s
     const auto [i, j] = std::minmax({a.info(), b.info()});
     if (is_wanted(i, j) && surface.intersect(i, j)) pairs.emplace_back(i, j);
   };
-  const auto idle = std::partition(boxes.begin(), boxes.end(), [&](const Box& b) { return !is_idle(b.info()); });
+  const auto others = std::partition(boxes.begin(), boxes.end(),
+                                     [&](const Box& b) { return !is_idle(b.info()) && is_counted(b.info()); });
   CGAL::Bbox_3 busy;
-  std::for_each(boxes.begin(), idle, [&](const Box& b) { busy += b.bbox(); });
-  const auto end = std::partition(idle, boxes.end(), [&](const Box& b) { return CGAL::do_overlap(b.bbox(), busy); });
-  CGAL::box_intersection_d(boxes.begin(), idle, idle, end, note);
-  CGAL::box_self_intersection_d(boxes.begin(), idle, note);
+  std::for_each(boxes.begin(), others, [&](const Box& b) { busy += b.bbox(); });
+  const auto end = std::partition(others, boxes.end(), [&](const Box& b) { return CGAL::do_overlap(b.bbox(), busy); });
+  CGAL::box_intersection_d(boxes.begin(), others, others, end, [&](const Box& a, const Box& b) {
+    if (a.info() < b.info() || is_idle(b.info())) note(a, b);
+  });
+  CGAL::box_self_intersection_d(boxes.begin(), others, note);
   std::sort(pairs.begin(), pairs.end());
   return pairs;
 }
@@ -174,13 +178,14 @@ void write_field(std::ofstream& out, const char* name, const std::vector<Index>&
 std::vector<TrianglePair> intersecting_triangles(const std::vector<Vec3>& positions,
                                                  const std::vector<mesh::Triangle>& triangles) {
   return find_pairs(
-      positions, triangles, [](Index, Index) { return true; }, [](Index) { return false; });
+      positions, triangles, [](Index, Index) { return true; }, [](Index) { return false; }, [](Index) { return true; });
 }
 
 std::vector<TrianglePair> intersecting_triangles(const std::vector<Vec3>& positions,
                                                  const std::vector<mesh::Triangle>& triangles,
                                                  const std::vector<Index>& body,
-                                                 const std::function<bool(Index, Index)>& skip) {
+                                                 const std::function<bool(Index, Index)>& skip,
+                                                 const std::function<bool(Index)>& counted) {
   if (body.size() != triangles.size())
     throw InternalError(
         fmt::format("check of intersections: {} body numbers for {} triangles", body.size(), triangles.size()));
@@ -190,7 +195,7 @@ std::vector<TrianglePair> intersecting_triangles(const std::vector<Vec3>& positi
   return find_pairs(
       positions, triangles,
       [&](Index i, Index j) { return !skip(body[static_cast<std::size_t>(i)], body[static_cast<std::size_t>(j)]); },
-      [&](Index t) { return is_idle[static_cast<std::size_t>(t)]; });
+      [&](Index t) { return is_idle[static_cast<std::size_t>(t)]; }, [&](Index t) { return !counted || counted(t); });
 }
 
 void write_pairs(const std::filesystem::path& file, const std::vector<Vec3>& positions,

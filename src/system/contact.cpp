@@ -98,10 +98,11 @@ Contact::Contact(const Dofs& dofs, ContactInput input)
     }
   }
 
-  petsc::VecHandle unknowns;
-  VOILE_PETSC(VecCreateMPI(comm_, 3 * row_count_, PETSC_DETERMINE, unknowns.out()));
-  VOILE_PETSC(VecScatterCreateToAll(unknowns, to_all_.out(), all_.out()));
-  for (std::vector<Vec3>* v : {&x_, &other_}) *v = set_->surface().rest;
+  change_ = dofs_->create_vector();
+  VOILE_PETSC(VecScatterCreateToAll(change_, to_all_.out(), all_.out()));
+  for (std::vector<Vec3>* v : {&x_, &other_, &start_}) *v = set_->surface().rest;
+  if (mpi::size(comm_) > 1)
+    halo_ = std::make_unique<ContactHalo>(comm_, mesh, *partition_, std::vector{&x_, &other_, &start_});
   force_.resize(static_cast<std::size_t>(mesh.vertex_count()));
   set_time(0.0);
   start_time_ = 0.0;
@@ -151,14 +152,25 @@ int Contact::body(const std::string& name) const {
 
 // ---- positions -----------------------------------------------------------------------------------------------------
 
-void Contact::fill_positions(Vec a, std::vector<Vec3>& x) const {
-  VOILE_PETSC(VecScatterBegin(to_all_, a, all_, INSERT_VALUES, SCATTER_FORWARD));
-  VOILE_PETSC(VecScatterEnd(to_all_, a, all_, INSERT_VALUES, SCATTER_FORWARD));
-  const petsc::ReadArray values(all_);
-  for (Index v = 0; v < mesh_->vertex_count(); ++v) {
-    const Vec3 u = Eigen::Map<const Vec3>(values.data() + 3 * partition_->row_of[v]);
-    x[v] = mesh_->positions()[v] + dofs_->to_global(v, u);
+void Contact::locate(Vec a, std::vector<Vec3>& x) const {
+  {
+    const petsc::ReadArray values(a);
+    for (Index i = 0; i < row_count_; ++i) {
+      const Index v = partition_->vertex_of[first_row_ + i];
+      x[v] = mesh_->positions()[v] + dofs_->to_global(v, Eigen::Map<const Vec3>(values.data() + 3 * i));
+    }
   }
+  if (halo_) halo_->update(x);
+}
+
+bool Contact::cover(const std::vector<Vec3>& from, const std::vector<Vec3>& to) {
+  const petsc::EventScope scope(petsc::events().contact_find);
+  return set_->cover(from, to, halo_.get());
+}
+
+void Contact::take_positions(Vec a) {
+  locate(a, x_);
+  cover(x_, x_);
 }
 
 void Contact::set_time(double time) {
@@ -175,7 +187,13 @@ void Contact::hold_obstacles(bool still) {
 
 std::vector<Vec3> Contact::positions(Vec a) const {
   std::vector<Vec3> x = x_;
-  fill_positions(a, x);
+  VOILE_PETSC(VecScatterBegin(to_all_, a, all_, INSERT_VALUES, SCATTER_FORWARD));
+  VOILE_PETSC(VecScatterEnd(to_all_, a, all_, INSERT_VALUES, SCATTER_FORWARD));
+  const petsc::ReadArray values(all_);
+  for (Index v = 0; v < mesh_->vertex_count(); ++v) {
+    const Vec3 u = Eigen::Map<const Vec3>(values.data() + 3 * partition_->row_of[v]);
+    x[v] = mesh_->positions()[v] + dofs_->to_global(v, u);
+  }
   return x;
 }
 
@@ -185,15 +203,9 @@ std::vector<Vec3> Contact::obstacle_points(std::size_t k) const {
 
 // ---- terms ---------------------------------------------------------------------------------------------------------
 
-/// Candidates for all positions between two states.
-void Contact::cover(const std::vector<Vec3>& from, const std::vector<Vec3>& to) {
-  const petsc::EventScope scope(petsc::events().contact_find);
-  (void)set_->cover(from, to);
-}
-
 void Contact::start_step(Vec a, double slip) {
-  fill_positions(a, x_);
-  end_yielding(x_);
+  take_positions(a);
+  end_yielding();
   start_time_ = time_;
   start_ = x_;
   slip_ = slip;
@@ -201,23 +213,24 @@ void Contact::start_step(Vec a, double slip) {
 }
 
 void Contact::lag_friction(Vec a) {
-  fill_positions(a, x_);
+  take_positions(a);
   set_->lag_friction(x_, start_, slip_);
   set_->carry([&](int b, const Vec3& place) { return displacement(b, place); });
 }
 
 double Contact::energy(Vec a) {
   const petsc::EventScope scope(petsc::events().contact_term);
-  fill_positions(a, x_);
-  cover(x_, x_);
+  take_positions(a);
   return mpi::sum(comm_, set_->energy(x_));
 }
 
 void Contact::add_gradient(Vec a, Vec f, ContactSet::Part part) {
   const petsc::EventScope scope(petsc::events().contact_term);
-  fill_positions(a, x_);
-  cover(x_, x_);
-  std::fill(force_.begin(), force_.end(), Vec3::Zero());
+  take_positions(a);
+  for (Index p : set_->candidates().seen()) {
+    if (!set_->surface().is_sheet(p)) break;  // those of obstacles follow
+    force_[p].setZero();
+  }
   set_->add_gradient(x_, force_, part);
   const petsc::WriteArray out(f);
   for (Index i = 0; i < row_count_; ++i) {
@@ -228,8 +241,7 @@ void Contact::add_gradient(Vec a, Vec f, ContactSet::Part part) {
 }
 
 bool Contact::extend_pattern(Vec a, const BlockMatrix& matrix, BlockPattern& pattern) {
-  fill_positions(a, x_);
-  cover(x_, x_);
+  take_positions(a);
   const contact::Surface& s = set_->surface();
   const auto for_entries = [&](const Pair& pair, const auto& f) {
     for (Index p : pair.points) {
@@ -282,8 +294,7 @@ void Contact::add_blocks(const BlockMatrix& matrix, const BlockMatrix::Values& v
 // ---- ways ----------------------------------------------------------------------------------------------------------
 
 ContactReport Contact::report(Vec a) {
-  fill_positions(a, x_);
-  cover(x_, x_);
+  take_positions(a);
   const contact::ContactState own = set_->state(x_);
   ContactReport r;
   r.pairs = mpi::sum(comm_, own.pairs);
@@ -293,8 +304,7 @@ ContactReport Contact::report(Vec a) {
 }
 
 std::vector<double> Contact::gaps(Vec a, double limit) {
-  fill_positions(a, x_);
-  std::vector<double> gaps = set_->gaps_within(x_, limit);
+  std::vector<double> gaps = set_->gaps_within(positions(a), limit);
   mpi::min(comm_, gaps);
   return gaps;
 }

@@ -36,8 +36,7 @@ void Contact::begin_settling(Vec a, Vec residual, double time) {
   memory_.gaps.clear();
   settle();
   if (input_.options.settle_time <= 0.0) return;
-  fill_positions(a, x_);
-  cover(x_, x_);
+  take_positions(a);
   std::vector<double> gaps = set_->smallest_gaps(x_);
   mpi::min(comm_, gaps);
   const petsc::VecHandle others = dofs_->create_vector();

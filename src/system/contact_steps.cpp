@@ -23,16 +23,16 @@ constexpr int last_rounds = 4;
 
 double Contact::step_fraction(Vec a, Vec da) {
   const petsc::EventScope scope(petsc::events().contact_clear);
-  fill_positions(a, x_);
+  locate(a, x_);
   other_ = x_;
-  fill_positions(da, other_);
-  for (Index v = 0; v < mesh_->vertex_count(); ++v) other_[v] += x_[v] - mesh_->positions()[v];
+  VOILE_PETSC(VecWAXPY(change_, 1.0, a, da));
+  locate(change_, other_);
   cover(x_, other_);
   return -mpi::max(comm_, -set_->step_fraction(x_, other_));
 }
 
-Vec3 Contact::common_motion(const Pair& pair, const std::vector<Vec3>& start, const std::vector<Vec3>& end,
-                            const std::vector<Plane>& planes, const std::vector<Plane>& planes_end) const {
+Vec3 Contact::common_motion(const Pair& pair, const std::vector<Plane>& planes,
+                            const std::vector<Plane>& planes_end) const {
   if (pair.points[1] == no_index) {  // of a point and a plane
     for (std::size_t k = 0; k < planes.size(); ++k)
       if (planes[k].body == pair.body_b) return (planes_end[k].level - planes[k].level) * planes[k].normal;
@@ -42,7 +42,7 @@ Vec3 Contact::common_motion(const Pair& pair, const std::vector<Vec3>& start, co
   int leaders = 0, points = 0;
   for (Index p : pair.points) {
     if (p == no_index) continue;
-    const Vec3 move = end[p] - start[p];
+    const Vec3 move = other_[p] - x_[p];
     all += move;
     ++points;
     if (s.is_sheet(p) && !dofs_->is_held(p)) continue;
@@ -55,52 +55,62 @@ Vec3 Contact::common_motion(const Pair& pair, const std::vector<Vec3>& start, co
 bool Contact::try_clear(Vec from, double t0, Vec to, double t1) {
   const petsc::EventScope scope(petsc::events().contact_clear);
   set_time(t0);
-  fill_positions(from, x_);
-  const std::vector<Vec3> start = x_;
-  std::vector<Vec3> end = x_;
+  locate(from, x_);
+  other_ = x_;
   const std::vector<Plane> planes = set_->planes();
   std::vector<Plane> planes_end = planes;
-  obstacles_->place(held_.value_or(t1), end, planes_end);
-  fill_positions(to, end);
-  const contact::Surface& s = set_->surface();
+  obstacles_->place(held_.value_or(t1), other_, planes_end);
+  locate(to, other_);
   bool clear = false;
-  std::vector<char> asked(end.size(), 1);  // a pair found clear stays so until one of its points is moved
+  std::vector<char> asked(x_.size(), 1);  // a pair found clear stays so until one of its points is moved
   for (int round = 0; round < most_rounds && !clear; ++round) {
-    cover(start, end);
-    std::vector<Vec3> sum(force_.size(), Vec3::Zero());
-    std::vector<double> count(force_.size(), 0.0);
-    std::string hit;
+    if (cover(x_, other_)) asked.assign(x_.size(), 1);
     set_->planes() = planes;
     // What two obstacles pinch is thrown from one to the other, round by round.
-    if (round <= most_rounds - last_rounds) blocked_.assign(force_.size(), 0.0);
-    set_->blocked(start, end, planes_end, asked, [&](const Pair& pair) {
-      if (hit.empty()) hit = words(pair);
-      note_blocked(pair);
-      const Vec3 common = common_motion(pair, start, end, planes, planes_end);
-      for (Index p : pair.points)
-        if (p != no_index && s.is_sheet(p)) {
-          sum[p] += common;
-          count[p] += 1.0;
-        }
-    });
-    obstruction_ = lowest_rank_text(hit);
+    if (round <= most_rounds - last_rounds && obstacles_->any_yields()) blocked_.assign(force_.size(), 0.0);
+    const std::vector<Motion> motions = blocked_motions(planes, planes_end, asked);
     clear = obstruction_.empty();
     if (clear) break;
-    // Each rank speaks for its own vertices.
-    {
-      const petsc::WriteArray out(to);
-      for (Index i = 0; i < row_count_; ++i) {
-        const Index v = partition_->vertex_of[first_row_ + i];
-        if (count[v] > 0.0) dofs_->place_vertex(i, start[v] + sum[v] / count[v], out);
-      }
-    }
-    const std::vector<Vec3> before = end;
-    fill_positions(to, end);
-    for (std::size_t p = 0; p < end.size(); ++p)
-      asked[p] = end[p] != before[p] || (p < count.size() && count[p] > 0.0);  // what was hit may not have moved
+    move_along(motions, to);
+    const std::vector<Vec3> before = other_;
+    locate(to, other_);
+    for (Index p : set_->candidates().seen()) asked[p] = other_[p] != before[p];
+    for (const Motion& m : motions) asked[m.point] = 1;  // what was hit may not have moved
   }
   set_time(t1);
   return clear;
+}
+
+std::vector<Contact::Motion> Contact::blocked_motions(const std::vector<Plane>& planes,
+                                                      const std::vector<Plane>& planes_end,
+                                                      const std::vector<char>& asked) {
+  std::vector<Motion> motions;
+  std::string hit;
+  set_->blocked(x_, other_, planes_end, asked, [&](const Pair& pair) {
+    if (hit.empty()) hit = words(pair);
+    note_blocked(pair);
+    const Vec3 common = common_motion(pair, planes, planes_end);
+    for (Index p : pair.points)
+      if (p != no_index && set_->surface().is_sheet(p)) motions.push_back({p, common});
+  });
+  obstruction_ = lowest_rank_text(hit);
+  std::stable_sort(motions.begin(), motions.end(), [](const Motion& a, const Motion& b) { return a.point < b.point; });
+  return motions;
+}
+
+/// Each rank speaks for its own vertices, which move by the mean of what their pairs ask for.
+void Contact::move_along(const std::vector<Motion>& motions, Vec to) const {
+  const petsc::WriteArray out(to);
+  for (std::size_t k = 0; k < motions.size();) {
+    const Index v = motions[k].point, i = partition_->row_of[v] - first_row_;
+    Vec3 sum = Vec3::Zero();
+    double count = 0.0;
+    for (; k < motions.size() && motions[k].point == v; ++k) {
+      sum += motions[k].way;
+      count += 1.0;
+    }
+    if (i >= 0 && i < row_count_) dofs_->place_vertex(i, x_[v] + sum / count, out);
+  }
 }
 
 // ---- reports -------------------------------------------------------------------------------------------------------

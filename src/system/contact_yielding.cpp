@@ -85,8 +85,7 @@ bool Contact::yield_to_blocked() {
 /// What was pinched is pressed hard against what does not give way, which would throw it through what does.
 void Contact::let_out_yielding(Vec a, double time, const std::vector<double>& before) {
   set_time(time);
-  fill_positions(a, x_);
-  cover(x_, x_);
+  take_positions(a);
   std::vector<double> gaps = set_->smallest_gaps(x_);
   mpi::min(comm_, gaps);
   for (std::size_t v = 0; v < gaps.size(); ++v) {
@@ -118,22 +117,23 @@ bool Contact::clear_predictor(Vec from, double t0, Vec to, double t1, bool may_y
   return false;
 }
 
-bool Contact::is_free(const mesh::Triangle& t, std::size_t k, const std::vector<Vec3>& x) const {
+bool Contact::is_free(const mesh::Triangle& t, std::size_t k) const {
   const contact::Surface& s = set_->surface();
   const double apart = s.offset(obstacles_->body(k), s.body_of_point[t[0]]) + input_.options.distance;
-  return obstacles_->is_free(k, {x[t[0]], x[t[1]], x[t[2]]}, x, set_->planes(), apart);
+  return obstacles_->is_free(k, {x_[t[0]], x_[t[1]], x_[t[2]]}, x_, set_->planes(), apart);
 }
 
-void Contact::end_yielding(const std::vector<Vec3>& x) {
+void Contact::end_yielding() {
   if (memory_.yielding.empty()) return;
   const std::vector<double> before = memory_.yielding;
-  for (std::size_t v = 0; v < before.size(); ++v)
+  for (const Index v : set_->candidates().own_points())
     for (std::size_t k = 0; before[v] != 0.0 && k < obstacles_->size(); ++k) {
       if (!(bits(before[v]) & bits(bit(k)))) continue;
-      const std::vector<Index> around = mesh_->triangles_of_vertex(static_cast<Index>(v));
-      if (std::all_of(around.begin(), around.end(), [&](Index t) { return is_free(mesh_->triangles()[t], k, x); }))
+      const std::vector<Index> around = mesh_->triangles_of_vertex(v);
+      if (std::all_of(around.begin(), around.end(), [&](Index t) { return is_free(mesh_->triangles()[t], k); }))
         memory_.yielding[v] -= bit(k);
     }
+  mpi::min(comm_, memory_.yielding);  // what other ranks have freed
   if (yielding_count(memory_) == 0) memory_.yielding.clear();
   if (memory_.yielding != before) tell_yielding();
 }

@@ -159,17 +159,18 @@ void Dofs::clear_free(Vec v) const {
 }
 
 std::vector<double> Dofs::gather(Vec a) const {
-  std::vector<double> values(static_cast<std::size_t>(unknowns()), 0.0);
+  std::vector<double> own;
   {
     const petsc::ReadArray in(a);
     for (Index i = 0; i < local_.owned; ++i) {
-      const Index v = local_.point_of[i];
-      const Vec3 u = to_global(v, Eigen::Map<const Vec3>(in.data() + 3 * i));
-      for (int k = 0; k < 3; ++k) values[3 * static_cast<std::size_t>(v) + k] = u[k];
+      const Vec3 u = to_global(local_.point_of[i], Eigen::Map<const Vec3>(in.data() + 3 * i));
+      own.insert(own.end(), u.begin(), u.end());
     }
   }
-  mpi::sum_to_root(comm_, values);
-  if (rank_ != 0) values.clear();
+  const std::vector<double> rows = mpi::gather_to_root(comm_, own);
+  std::vector<double> values(rows.size());
+  for (std::size_t row = 0; 3 * row < rows.size(); ++row)
+    std::copy_n(&rows[3 * row], 3, &values[3 * static_cast<std::size_t>(partition_->vertex_of[row])]);
   return values;
 }
 

@@ -34,7 +34,7 @@ void part_coincident(Tangle& tangle) {
   for (std::size_t i = 0; i < boxes.size(); ++i) boxes[i].include(tangle.x[i]);
   const std::vector<char> all(static_cast<std::size_t>(s.sheet_points), 1);
   std::vector<Vec3> way(all.size(), Vec3::Zero());
-  for (const Pair& pair : find_pairs(s, boxes, all, on_it * tangle.options.contact_distance)) {
+  for (const Pair& pair : find_pairs(s, all_figures(s), boxes, all, on_it * tangle.options.contact_distance)) {
     const auto& [p, a, b, c] = pair.points;
     if (pair.kind != PairKind::point_triangle || !s.is_sheet(p) || !s.is_sheet(a)) continue;
     if (tangle.pieces[p] == tangle.pieces[a]) continue;

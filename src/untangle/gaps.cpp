@@ -25,7 +25,7 @@ std::vector<Pair> Gaps::near_pairs() const {
   const std::vector<Vec3>& x = tangle_.x;
   std::vector<Box> boxes(x.size());
   for (std::size_t i = 0; i < x.size(); ++i) boxes[i].include(x[i]);
-  return find_pairs(tangle_.surface, boxes,
+  return find_pairs(tangle_.surface, all_figures(tangle_.surface), boxes,
                     std::vector<char>(static_cast<std::size_t>(tangle_.surface.sheet_points), 1),
                     tangle_.options.contact_distance);
 }

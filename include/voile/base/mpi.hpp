@@ -3,6 +3,7 @@
 
 #include <mpi.h>
 
+#include <array>
 #include <functional>
 #include <span>
 #include <string>
@@ -14,6 +15,19 @@ namespace voile::mpi {
 
 [[nodiscard]] int rank(MPI_Comm comm);
 [[nodiscard]] int size(MPI_Comm comm);
+
+/// The data type of `count` doubles one after another, while it lives.
+class Doubles {
+ public:
+  explicit Doubles(int count);
+  ~Doubles();
+  Doubles(const Doubles&) = delete;
+  Doubles& operator=(const Doubles&) = delete;
+  operator MPI_Datatype() const { return type_; }  // NOLINT: meant to be passed as it is
+
+ private:
+  MPI_Datatype type_{};
+};
 
 /// Copies rank 0's value to every rank. Collective.
 void broadcast(MPI_Comm comm, std::string& text);
@@ -29,6 +43,9 @@ void broadcast_from(MPI_Comm comm, int root, std::string& text);
 [[nodiscard]] long sum(MPI_Comm comm, long value);
 [[nodiscard]] double max(MPI_Comm comm, double value);
 
+/// Sums over the ranks, entry by entry, on every rank. Collective.
+[[nodiscard]] std::array<double, 5> sum(MPI_Comm comm, const std::array<double, 5>& values);
+
 /// Smallest over the ranks, entry by entry, on every rank. Collective; every rank passes the same length.
 void min(MPI_Comm comm, std::vector<double>& values);
 
@@ -37,6 +54,14 @@ void sum_to_root(MPI_Comm comm, std::vector<double>& values);
 
 /// The arrays of all ranks one after another on rank 0; empty elsewhere. Collective.
 [[nodiscard]] std::vector<Index> gather_to_root(MPI_Comm comm, const std::vector<Index>& values);
+
+[[nodiscard]] std::vector<double> gather_to_root(MPI_Comm comm, const std::vector<double>& values);
+
+/// The arrays of all ranks, by rank, on every rank. Collective.
+[[nodiscard]] std::vector<std::vector<double>> gather_to_all(MPI_Comm comm, const std::vector<double>& values);
+
+/// Sends to[r] to rank r; what each rank has sent to this one. Collective; `to` has a list for each rank.
+[[nodiscard]] std::vector<std::vector<Index>> exchange(MPI_Comm comm, const std::vector<std::vector<Index>>& to);
 
 /// For libraries that are written in Fortran.
 [[nodiscard]] int fortran_handle(MPI_Comm comm);

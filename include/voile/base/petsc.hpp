@@ -1,6 +1,7 @@
 // Error checking and ownership for PETSc objects.
 #pragma once
 
+#include <petscsf.h>
 #include <petscsnes.h>
 
 #include <exception>
@@ -67,6 +68,7 @@ using SnesHandle = Handle<SNES, SNESDestroy>;
 using KspHandle = Handle<KSP, KSPDestroy>;
 using ScatterHandle = Handle<VecScatter, VecScatterDestroy>;
 using IndexSetHandle = Handle<IS, ISDestroy>;
+using StarForestHandle = Handle<PetscSF, PetscSFDestroy>;
 
 /// Another owner of the same vector.
 [[nodiscard]] inline VecHandle share(Vec v) {

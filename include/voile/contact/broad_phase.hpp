@@ -47,11 +47,18 @@ struct Pair {
   return a.kind != b.kind ? a.kind < b.kind : a.points < b.points;
 }
 
-/// All candidates that hold an owned point, sorted. `boxes` per point; `owned` per point of the sheet; `asked` per
-/// point: only candidates that hold one of these, empty: all.
-[[nodiscard]] std::vector<Pair> find_pairs(const Surface& surface, const std::vector<Box>& boxes,
-                                           const std::vector<char>& owned, double contact_distance,
-                                           const std::vector<char>& asked = {});
+/// Numbers of the points, edges and faces of a surface that are looked at, each ascending.
+struct Figures {
+  std::vector<Index> points, edges, faces;
+};
+
+[[nodiscard]] Figures all_figures(const Surface& surface);
+
+/// All candidates among `figures` that hold an owned point, sorted. `boxes` per point; `owned` per point of the sheet;
+/// `asked` per point: only candidates that hold one of these, empty: all.
+[[nodiscard]] std::vector<Pair> find_pairs(const Surface& surface, const Figures& figures,
+                                           const std::vector<Box>& boxes, const std::vector<char>& owned,
+                                           double contact_distance, const std::vector<char>& asked = {});
 
 /// The same by trying every pair: the oracle of the tests.
 [[nodiscard]] std::vector<Pair> find_pairs_by_force(const Surface& surface, const std::vector<Box>& boxes,

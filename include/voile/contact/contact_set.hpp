@@ -16,12 +16,12 @@
 #include <algorithm>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 
-#include "voile/contact/broad_phase.hpp"
+#include "voile/contact/candidates.hpp"
 #include "voile/contact/contact_options.hpp"
-#include "voile/contact/near_list.hpp"
 
 namespace voile::contact {
 
@@ -43,16 +43,18 @@ class ContactSet {
   /// `owned`: per sheet point, whether it is this rank's.
   ContactSet(Surface surface, std::vector<Plane> planes, ContactOptions options, std::vector<char> owned);
 
-  [[nodiscard]] const Surface& surface() const { return surface_; }
+  [[nodiscard]] const Surface& surface() const { return *surface_; }
   [[nodiscard]] const ContactOptions& options() const { return options_; }
   std::vector<Plane>& planes() { return planes_; }
   [[nodiscard]] const std::vector<Plane>& planes() const { return planes_; }
-  Rule& rule(int a, int b) { return surface_.rules[a][b]; }
+  Rule& rule(int a, int b) { return surface_->rules[a][b]; }
 
-  /// Makes the candidates hold for all positions between `from` and `to` (all points) and some way around; true if some
-  /// were found anew.
-  bool cover(const std::vector<Vec3>& from, const std::vector<Vec3>& to);
-  [[nodiscard]] const std::vector<Pair>& candidates() const { return pairs_; }
+  /// Makes the candidates hold for all positions between `from` and `to` and some way around (candidates.hpp); true if
+  /// some were found anew. With peers collective.
+  bool cover(const std::vector<Vec3>& from, const std::vector<Vec3>& to, Peers* peers = nullptr) {
+    return candidates_.cover(from, to, peers);
+  }
+  [[nodiscard]] const Candidates& candidates() const { return candidates_; }
 
   /// Share of the way from `from` to `to` that this rank's pairs may go, planes staying where they are.
   [[nodiscard]] double step_fraction(const std::vector<Vec3>& from, const std::vector<Vec3>& to) const;
@@ -61,7 +63,8 @@ class ContactSet {
   void blocked(const std::vector<Vec3>& from, const std::vector<Vec3>& to, const std::vector<Plane>& planes_to,
                const std::vector<char>& asked, const std::function<void(const Pair&)>& found) const;
 
-  /// Takes normal forces and directions of friction from positions x; slips count from `start`. `slip`: e [m].
+  /// Takes normal forces and directions of friction from positions x, which are covered; slips count from `start`.
+  /// `slip`: e [m].
   void lag_friction(const std::vector<Vec3>& x, const std::vector<Vec3>& start, double slip);
   [[nodiscard]] bool has_friction() const;
   /// Displacement since then of an obstacle's material at a place where it was then; empty: that of its points.
@@ -80,7 +83,7 @@ class ContactSet {
   }
   /// The smallest gap of each sheet point over this rank's pairs, or the contact distance if that is less. [m]
   [[nodiscard]] std::vector<double> smallest_gaps(const std::vector<Vec3>& x) const;
-  /// The same up to any `limit`, over pairs found anew. [m]
+  /// The same up to any `limit`, over pairs found anew; positions of all points. [m]
   [[nodiscard]] std::vector<double> gaps_within(const std::vector<Vec3>& x, double limit) const;
 
   /// Sum over the pairs this rank counts; infinite if one has no gap. [J]
@@ -133,21 +136,21 @@ class ContactSet {
     for (int i = 0; i < 4; ++i) p[i] = pair.points[i] == no_index ? Vec3(Vec3::Zero()) : x[pair.points[i]];
     return p;
   }
-  [[nodiscard]] double offset(const Pair& p) const { return p.share * surface_.offset(p.body_a, p.body_b); }
+  [[nodiscard]] double offset(const Pair& p) const { return p.share * surface_->offset(p.body_a, p.body_b); }
   /// Gap at which the barrier of a pair, or of a point against a plane, begins. [m]
   [[nodiscard]] double reach(const Pair& p) const {
     double gap = p.share * options_.distance;
     if (reach_.empty()) return gap;
     for (Index i : p.points)
-      if (i != no_index && surface_.is_sheet(i)) gap = std::min(gap, reach_[i]);
+      if (i != no_index && surface_->is_sheet(i)) gap = std::min(gap, reach_[i]);
     return gap;
   }
   [[nodiscard]] double reach(Index point) const { return reach_.empty() ? options_.distance : reach_[point]; }
   [[nodiscard]] double plane_gap(const Plane& p, Index point, const std::vector<Vec3>& x) const {
-    return p.normal.dot(x[point]) - p.level - surface_.offset(p.body, surface_.body_of_point[point]);
+    return p.normal.dot(x[point]) - p.level - surface_->offset(p.body, surface_->body_of_point[point]);
   }
   [[nodiscard]] bool plane_acts(const Plane& p, Index point) const {
-    return surface_.rules[p.body][surface_.body_of_point[point]].touch &&
+    return surface_->rules[p.body][surface_->body_of_point[point]].touch &&
            (yielding_.empty() || !(yielding_[point] & yield_bits_[p.body]));
   }
   /// False if an obstacle gives way to a point of the pair.
@@ -155,39 +158,16 @@ class ContactSet {
     if (yielding_.empty()) return true;
     const std::uint64_t bits = yield_bits_[p.body_a] | yield_bits_[p.body_b];
     return bits == 0 || std::none_of(p.points.begin(), p.points.end(), [&](Index i) {
-             return i != no_index && surface_.is_sheet(i) && (yielding_[i] & bits);
+             return i != no_index && surface_->is_sheet(i) && (yielding_[i] & bits);
            });
   }
   /// A point and a plane, as a pair of the point alone.
   [[nodiscard]] Pair plane_pair(const Plane& p, Index point) const {
-    return {{point, no_index, no_index, no_index}, PairKind::point_edge, surface_.body_of_point[point], p.body, 0, 0};
+    return {{point, no_index, no_index, no_index}, PairKind::point_edge, surface_->body_of_point[point], p.body, 0, 0};
   }
   /// Smallest gaps over pairs; `as_barrier`: neighbours only where they feel each other.
   [[nodiscard]] std::vector<double> gaps_of(const std::vector<Pair>& pairs, const std::vector<Vec3>& x, double limit,
                                             bool as_barrier) const;
-  /// Calls f(pair) for candidates, at least for those whose gap at x is below `limit`.
-  template <class F>
-  void for_close(const std::vector<Vec3>& x, double limit, F&& f) const {
-    const std::vector<double> moved = list_.made() ? list_.moved(x) : std::vector<double>{};
-    for_listed(moved, limit, f);
-  }
-  /// The same for those whose gap may fall below `limit` on the way from x to `to`.
-  template <class F>
-  void for_close(const std::vector<Vec3>& x, const std::vector<Vec3>& to, double limit, F&& f) const {
-    const std::vector<double> moved = list_.made() ? list_.moved(x, to) : std::vector<double>{};
-    for_listed(moved, limit, f);
-  }
-  template <class F>
-  void for_listed(const std::vector<double>& moved, double limit, F&& f) const {
-    if (list_.holds(moved, limit))
-      list_.for_each(pairs_, moved, limit, f);
-    else
-      for (const Pair& pair : pairs_) f(pair);
-  }
-  /// Makes the list of near pairs where the one there is answers no longer.
-  void renew_list(const std::vector<Vec3>& from, const std::vector<Vec3>& to);
-  /// Finds the candidates anew that hold one of these points.
-  void renew_pairs(const std::vector<char>& points);
   [[nodiscard]] bool counted(const std::array<Index, 4>& points) const;
   /// Derivatives of kappa A m b of one pair.
   void pair_gradient(const Pair& pair, const Near& n, Vec12& g) const;
@@ -206,14 +186,10 @@ class ContactSet {
   void add_sliding(const Pair& pair, const Vec4& c, const Vec3& n, double normal_force, const std::vector<Vec3>& x,
                    const std::vector<Vec3>& start);
 
-  Surface surface_;
+  std::unique_ptr<Surface> surface_;
   std::vector<Plane> planes_;
   ContactOptions options_;
-  std::vector<char> owned_;
-  std::vector<Index> own_points_;
-  std::vector<Box> boxes_;
-  std::vector<Pair> pairs_;
-  NearList list_;  ///< of pairs_
+  Candidates candidates_;
   std::vector<Sliding> sliding_;
   std::vector<double> reach_;
   std::vector<std::uint64_t> yielding_, yield_bits_;
@@ -224,7 +200,7 @@ class ContactSet {
 template <class F>
 void ContactSet::for_near(const std::vector<Vec3>& x, double limit, F&& f) const {
   Near n;
-  for_close(x, limit, [&](const Pair& pair) {
+  candidates_.for_close(x, limit, [&](const Pair& pair) {
     if (near(pair, x, limit, n)) f(pair);
   });
 }
@@ -233,32 +209,32 @@ template <class Emit>
 void ContactSet::hessian(const std::vector<Vec3>& x, bool positive, Emit&& emit) const {
   Near n;
   Mat12 h;
-  for_close(x, options_.distance, [&](const Pair& pair) {
+  candidates_.for_close(x, options_.distance, [&](const Pair& pair) {
     if (!near(pair, x, reach(pair), n)) return;
     pair_hessian(pair, n, positive, h);
     for (int i = 0; i < 4; ++i) {
-      if (pair.points[i] == no_index || !surface_.is_sheet(pair.points[i])) continue;
+      if (pair.points[i] == no_index || !surface_->is_sheet(pair.points[i])) continue;
       for (int j = 0; j < 4; ++j)
-        if (pair.points[j] != no_index && surface_.is_sheet(pair.points[j]))
+        if (pair.points[j] != no_index && surface_->is_sheet(pair.points[j]))
           emit(pair.points[i], pair.points[j], Mat3(h.template block<3, 3>(3 * i, 3 * j)));
     }
   });
   for (const Plane& p : planes_)
-    for (Index i : own_points_) {
+    for (Index i : candidates_.own_points()) {
       if (!plane_acts(p, i)) continue;
       const double g = plane_gap(p, i, x), d = reach(i);
       if (g < d)
         emit(i, i,
-             Mat3(options_.stiffness * surface_.area[i] * barrier(g, d).second * p.normal * p.normal.transpose()));
+             Mat3(options_.stiffness * surface_->area[i] * barrier(g, d).second * p.normal * p.normal.transpose()));
     }
   for (const Sliding& s : sliding_) {
     const Vec2 r = s.tangents.transpose() * slip_of(s, x);
     const bool secant = positive && s.change > trusted_change * std::max(slip_, r.norm());
     const Mat3 block = s.force * s.tangents * friction_stiffness(r, secant) * s.tangents.transpose();
     for (int i = 0; i < 4; ++i) {
-      if (s.points[i] == no_index || !surface_.is_sheet(s.points[i])) continue;
+      if (s.points[i] == no_index || !surface_->is_sheet(s.points[i])) continue;
       for (int j = 0; j < 4; ++j)
-        if (s.points[j] != no_index && surface_.is_sheet(s.points[j]))
+        if (s.points[j] != no_index && surface_->is_sheet(s.points[j]))
           emit(s.points[i], s.points[j], Mat3(s.c[i] * s.c[j] * block));
     }
   }

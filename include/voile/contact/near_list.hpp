@@ -19,21 +19,29 @@ class NearList {
   void make(const std::vector<Pair>& pairs, const std::vector<Vec3>& x, double reach,
             const std::function<double(const Pair&)>& offset);
   /// The pairs have changed.
-  void forget() { reference_.clear(); }
-  [[nodiscard]] bool made() const { return !reference_.empty(); }
+  void forget() { made_ = false; }
+  [[nodiscard]] bool made() const { return made_; }
 
-  /// m_i at positions x. [m]
-  [[nodiscard]] std::vector<double> moved(const std::vector<Vec3>& x) const;
+  /// How far points have gone since the list was made; keeps its memory from one measurement to the next.
+  struct Moves {
+    std::vector<double> of_point;  ///< m_i, right for measured points [m]
+    double most = 0.0;             ///< of them [m]
+  };
+  /// m_i of `points` at positions x. [m]
+  void measure(const std::vector<Index>& points, const std::vector<Vec3>& x, Moves& moves) const;
   /// The same, with twice the way from there to `to` added. [m]
-  [[nodiscard]] std::vector<double> moved(const std::vector<Vec3>& x, const std::vector<Vec3>& to) const;
+  void measure(const std::vector<Index>& points, const std::vector<Vec3>& x, const std::vector<Vec3>& to,
+               Moves& moves) const;
   /// Whether no pair with a gap below `limit` is missing where points have moved so far.
-  [[nodiscard]] bool holds(const std::vector<double>& moved, double limit) const;
+  [[nodiscard]] bool holds(const Moves& moves, double limit) const {
+    return made() && limit + 2.0 * moves.most <= reach_;
+  }
   /// Calls f(pair) for every listed pair whose gap may be below `limit`, in the order of `pairs`.
   template <class F>
-  void for_each(const std::vector<Pair>& pairs, const std::vector<double>& moved, double limit, F&& f) const {
+  void for_each(const std::vector<Pair>& pairs, const Moves& moves, double limit, F&& f) const {
     for (const Entry& e : entries_) {
       const Pair& p = pairs[e.pair];
-      if (e.gap - way(p, moved) < limit) f(p);
+      if (e.gap - way(p, moves.of_point) < limit) f(p);
     }
   }
 
@@ -49,6 +57,7 @@ class NearList {
     return first + std::max({second, third, last});
   }
 
+  bool made_ = false;
   std::vector<Vec3> reference_;  ///< all points
   std::vector<Entry> entries_;
   double reach_ = 0.0;

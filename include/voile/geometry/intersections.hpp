@@ -38,11 +38,14 @@ using TrianglePair = std::pair<Index, Index>;
 
 /// The same without the pairs for which skip(body of the one, body of the other) is true: e.g. pairs inside one
 /// obstacle. `body` has a number for each triangle; `skip` may be asked in either order, as often as there are pairs of
-/// overlapping boxes. Throws also InternalError if `body` has another length than `triangles`.
+/// overlapping boxes. `counted`, where several share the work: only pairs of these triangles with higher ones, and with
+/// those of bodies that are wanted neither with themselves nor with each other; empty: all pairs. Throws also
+/// InternalError if `body` has another length than `triangles`.
 [[nodiscard]] std::vector<TrianglePair> intersecting_triangles(const std::vector<Vec3>& positions,
                                                                const std::vector<mesh::Triangle>& triangles,
                                                                const std::vector<Index>& body,
-                                                               const std::function<bool(Index, Index)>& skip);
+                                                               const std::function<bool(Index, Index)>& skip,
+                                                               const std::function<bool(Index)>& counted = {});
 
 /// Writes the triangles of the pairs as legacy VTK (ASCII polygons, .vtk; coordinates as passed [m]), which ParaView
 /// opens, with the cell fields `pair` (position in `pairs`), `triangle` (its number) and `body` (0 if `body` is empty).

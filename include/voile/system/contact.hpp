@@ -1,9 +1,10 @@
 // Contact of a model: obstacles that move, rules between bodies, and the terms of contact on distributed unknowns.
 //
-// Symbols   a      vector of unknowns (model.hpp);  x_v = X_v + Q_v a_v positions, known on every rank       [m]
+// Symbols   a      vector of unknowns (model.hpp);  x_v = X_v + Q_v a_v positions                             [m]
 //           t      time in force: where the obstacles are                                                   [s]
-// Positions are replicated (24 bytes per vertex), pairs are divided over the ranks: a rank has those that hold one of
-// its vertices, so that its rows are complete without communication.
+// Pairs are divided over the ranks: a rank has those that hold one of its vertices, so that its rows are complete
+// without communication. It knows the positions of its own vertices, of those of other ranks that may come near
+// (contact_halo.hpp), and of all obstacles; arrays have places for all points, most of them unused.
 #pragma once
 
 #include <array>
@@ -17,6 +18,7 @@
 #include "voile/contact/contact_set.hpp"
 #include "voile/contact/obstacles.hpp"
 #include "voile/system/block_matrix.hpp"
+#include "voile/system/contact_halo.hpp"
 #include "voile/system/contact_input.hpp"
 #include "voile/system/contact_memory.hpp"
 #include "voile/system/contact_report.hpp"
@@ -91,11 +93,20 @@ class Contact {
   [[nodiscard]] std::vector<Vec3> obstacle_points(std::size_t k) const;
 
  private:
-  /// The motion that the points of a colliding pair are given in common: that of the obstacle or support in it, or the
-  /// mean of two free parts. [m]
-  [[nodiscard]] Vec3 common_motion(const contact::Pair& pair, const std::vector<Vec3>& start,
-                                   const std::vector<Vec3>& end, const std::vector<contact::Plane>& planes,
+  /// What a pair that collides asks one of its points to do.
+  struct Motion {
+    Index point;
+    Vec3 way;  ///< [m]
+  };
+  /// The motion that the points of a pair that collides between x_ and other_ are given in common: that of the obstacle
+  /// or support in it, or the mean of two free parts. [m]
+  [[nodiscard]] Vec3 common_motion(const contact::Pair& pair, const std::vector<contact::Plane>& planes,
                                    const std::vector<contact::Plane>& planes_end) const;
+  /// Those of all pairs of this rank that collide, by point; says in obstruction_ what the first is. Collective.
+  [[nodiscard]] std::vector<Motion> blocked_motions(const std::vector<contact::Plane>& planes,
+                                                    const std::vector<contact::Plane>& planes_end,
+                                                    const std::vector<char>& asked);
+  void move_along(const std::vector<Motion>& motions, Vec to) const;
   /// Whether neighbours must be exempt; notes which. Throws UserError if that holds for much of the mesh.
   [[nodiscard]] bool lacks_room(const mesh::SurfaceMesh& mesh);
   /// Sets `balanced`, per vertex and alike on all ranks, to 0 where the other forces (minus `others`) do not balance the
@@ -111,12 +122,17 @@ class Contact {
   /// Begins to let out, from state a, what obstacles have come to give way to since `before`. Collective.
   void let_out_yielding(Vec a, double time, const std::vector<double>& before);
   /// Vertices that are free again see the obstacles again.
-  void end_yielding(const std::vector<Vec3>& x);
-  [[nodiscard]] bool is_free(const mesh::Triangle& t, std::size_t obstacle, const std::vector<Vec3>& x) const;
+  void end_yielding();
+  /// Of a triangle that holds an own vertex, at x_.
+  [[nodiscard]] bool is_free(const mesh::Triangle& t, std::size_t obstacle) const;
   void tell_yielding();
   [[nodiscard]] int body(const std::string& name) const;
-  void cover(const std::vector<Vec3>& from, const std::vector<Vec3>& to);
-  void fill_positions(Vec a, std::vector<Vec3>& x) const;
+  /// Candidates for all positions between two states; true if some were found anew. Collective.
+  bool cover(const std::vector<Vec3>& from, const std::vector<Vec3>& to);
+  /// Positions of own vertices and ghosts, of which there may be others after cover(). Collective.
+  void locate(Vec a, std::vector<Vec3>& x) const;
+  /// x_ at state a, covered. Collective.
+  void take_positions(Vec a);
   [[nodiscard]] Vec3 displacement(int body, const Vec3& place) const {
     return held_ ? Vec3(Vec3::Zero()) : obstacles_->displacement(body, place, start_time_, time_);
   }
@@ -131,9 +147,10 @@ class Contact {
   Index first_row_ = 0, row_count_ = 0;
   std::optional<contact::Obstacles> obstacles_;
   std::unique_ptr<contact::ContactSet> set_;
+  std::unique_ptr<ContactHalo> halo_;  ///< null on a rank that is alone
   petsc::ScatterHandle to_all_;
-  petsc::VecHandle all_;
-  std::vector<Vec3> x_, other_, force_, start_;
+  petsc::VecHandle all_, change_;
+  std::vector<Vec3> x_, other_, force_, start_;  ///< of all points, right for those that are seen
   double slip_ = 1.0;
   double time_ = 0.0, start_time_ = 0.0;
   std::optional<double> held_;  ///< time at which obstacles stand still [s]

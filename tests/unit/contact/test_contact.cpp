@@ -428,7 +428,8 @@ TEST_CASE("candidates: the grid finds what brute force finds, on any division ov
   for (int part = 0; part < 3; ++part) {
     std::vector<char> owned(static_cast<std::size_t>(s.sheet_points));
     for (std::size_t i = 0; i < owned.size(); ++i) owned[i] = static_cast<int>(i) % 3 == part;
-    const std::vector<Pair> fast = find_pairs(s, boxes, owned, 0.05), slow = find_pairs_by_force(s, boxes, owned, 0.05);
+    const std::vector<Pair> fast = find_pairs(s, all_figures(s), boxes, owned, 0.05),
+                            slow = find_pairs_by_force(s, boxes, owned, 0.05);
     REQUIRE(fast.size() == slow.size());
     REQUIRE(fast.size() > 100);
     for (std::size_t i = 0; i < fast.size(); ++i) {
@@ -442,7 +443,7 @@ TEST_CASE("candidates: the grid finds what brute force finds, on any division ov
                              [](const Pair& a, const Pair& b) { return a.points == b.points && a.kind == b.kind; }),
                  together.end());
   const std::vector<char> all(static_cast<std::size_t>(s.sheet_points), 1);
-  const std::vector<Pair> one = find_pairs(s, boxes, all, 0.05);
+  const std::vector<Pair> one = find_pairs(s, all_figures(s), boxes, all, 0.05);
   REQUIRE(one.size() == together.size());
   for (std::size_t i = 0; i < one.size(); ++i) CHECK(one[i].points == together[i].points);
   // Only those of some points: of the sheet, of an obstacle, of all kinds.
@@ -454,7 +455,7 @@ TEST_CASE("candidates: the grid finds what brute force finds, on any division ov
     std::erase_if(wanted, [&](const Pair& p) {
       return std::none_of(p.points.begin(), p.points.end(), [&](Index i) { return i != no_index && asked[i]; });
     });
-    const std::vector<Pair> some = find_pairs(s, boxes, all, 0.05, asked);
+    const std::vector<Pair> some = find_pairs(s, all_figures(s), boxes, all, 0.05, asked);
     REQUIRE(some.size() == wanted.size());
     for (std::size_t i = 0; i < some.size(); ++i) CHECK(some[i].points == wanted[i].points);
   }
@@ -498,6 +499,54 @@ TEST_CASE("candidates kept over many small moves are those found at once") {
   CHECK(contacts > 1000);
 }
 
+TEST_CASE("on long ways only what comes near at the same time is a candidate, and all of that") {
+  // Two sheets that fly along together by twenty cells and meet on the way.
+  mesh::MeshData d = grid(9, 7, true, 0.2);
+  const auto half = static_cast<Index>(d.positions.size());
+  const std::size_t count = d.triangles.size();
+  for (Index v = 0; v < half; ++v) d.positions.push_back(d.positions[v] + Vec3(0.02, 0.03, 0.4));
+  for (std::size_t t = 0; t < count; ++t) {
+    const auto [a, b, c] = d.triangles[t];
+    d.triangles.push_back({a + half, b + half, c + half});
+  }
+  const mesh::SurfaceMesh mesh(d);
+  Surface s = make_surface(mesh, {{"sheet", 0.01}, {"plate", 0.0}}, {});
+  append(s, 1, {Vec3(-9, -9, -0.3), Vec3(30, -9, -0.3), Vec3(0, 30, -0.3)}, {{0, 1, 2}}, {});
+  const std::vector<char> all(static_cast<std::size_t>(s.sheet_points), 1);
+  const std::vector<Vec3> x = s.rest;
+  for (const double meet : {0.35, 0.45}) {  // near misses, and through each other
+    CAPTURE(meet);
+    std::vector<Vec3> to = x;
+    for (Index v = 0; v < s.sheet_points; ++v) to[v] += Vec3(3.0, 0.5, v < half ? 0.1 : 0.1 - meet);
+    std::vector<Box> boxes(x.size());
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      boxes[i].include(x[i]);
+      boxes[i].include(to[i]);
+    }
+    double wanted = 1.0;
+    const std::vector<Pair> slow = find_pairs_by_force(s, boxes, all, 0.02);
+    for (const Pair& pair : slow) {
+      std::array<Vec3, 4> at, way;
+      for (int i = 0; i < 4; ++i) {
+        at[i] = pair.points[i] == no_index ? Vec3(Vec3::Zero()) : x[pair.points[i]];
+        way[i] = pair.points[i] == no_index ? Vec3(Vec3::Zero()) : Vec3(to[pair.points[i]] - at[i]);
+      }
+      wanted = contact::step_fraction(pair.kind, at, way, s.offset(pair.body_a, pair.body_b), wanted);
+    }
+    ContactSet set(s, {}, {0.02, 1e3, 1e-3}, all);
+    CHECK(set.cover(x, to));
+    CHECK(set.step_fraction(x, to) == relative(wanted).epsilon(1e-12));
+    CHECK((wanted < 1.0) == (meet > 0.4));
+    CHECK(set.candidates().pairs().size() < slow.size() / 4);
+    // Afterwards they hold around a place again.
+    CHECK(set.cover(to, to));
+    CHECK_FALSE(set.cover(to, to));
+    ContactSet fresh(s, {}, {0.02, 1e3, 1e-3}, all);
+    (void)fresh.cover(to, to);
+    CHECK(set.state(to).pairs == fresh.state(to).pairs);
+  }
+}
+
 TEST_CASE("the list of near pairs misses none, wherever points go within its reach") {
   std::mt19937 random(29);
   std::uniform_real_distribution<double> u(-1.0, 1.0);
@@ -510,7 +559,7 @@ TEST_CASE("the list of near pairs misses none, wherever points go within its rea
   for (Index i = 0; i < s.points(); ++i) boxes[i].include(s.rest[i]);
   for (Box& b : boxes) b.include(Box{b.low.array() - 0.2, b.high.array() + 0.2});
   const std::vector<char> all(static_cast<std::size_t>(s.sheet_points), 1);
-  const std::vector<Pair> pairs = find_pairs(s, boxes, all, 0.05);
+  const std::vector<Pair> pairs = find_pairs(s, all_figures(s), boxes, all, 0.05);
   const auto offset = [&](const Pair& p) { return p.share * s.offset(p.body_a, p.body_b); };
   const auto gap = [&](const Pair& p, const std::vector<Vec3>& x) {
     std::array<Vec3, 4> at;
@@ -526,7 +575,8 @@ TEST_CASE("the list of near pairs misses none, wherever points go within its rea
     const double size = k % 2 == 0 ? 0.03 : 0.01;
     std::vector<Vec3> x = s.rest;
     for (Vec3& p : x) p += size * Vec3(u(random), u(random), u(random)).normalized();
-    const std::vector<double> moved = list.moved(x);
+    NearList::Moves moved;
+    list.measure(all_figures(s).points, x, moved);
     REQUIRE(list.holds(moved, 0.15 - 2.01 * size));
     CHECK_FALSE(list.holds(moved, 0.15 - 1.99 * size));
     const double limit = 0.08;

@@ -229,6 +229,19 @@ TEST_CASE("pairs of bodies that need no look are left out") {
   for (const auto& [i, j] : all)
     if (!idle(body[i], body[j])) expected.emplace_back(i, j);
   CHECK(with_one == expected);
+  // Shared among three, each pair is found by one of them.
+  for (const auto& skip : {std::function<bool(Index, Index)>(idle),
+                           std::function<bool(Index, Index)>([](Index a, Index b) { return a == b; })}) {
+    std::vector<geometry::TrianglePair> together;
+    for (Index part = 0; part < 3; ++part) {
+      const auto own =
+          geometry::intersecting_triangles(x, triangles, body, skip, [=](Index t) { return t % 3 == part; });
+      CHECK_FALSE(own.empty());
+      together.insert(together.end(), own.begin(), own.end());
+    }
+    std::sort(together.begin(), together.end());
+    CHECK(together == geometry::intersecting_triangles(x, triangles, body, skip));
+  }
   CHECK(geometry::intersecting_triangles(x, triangles, body, [](Index, Index) { return true; }).empty());
 }
 

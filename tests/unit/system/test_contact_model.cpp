@@ -174,6 +174,83 @@ TEST_CASE("contact in a model: pairs, energy and forces are those of one rank") 
   CHECK(difference < 1e-12 * size);
 }
 
+TEST_CASE("pairs that come and go while sheets pass each other are those of one rank") {
+  // Wide apart and close together in turns, a mesh as obstacle among them, so that ranks see others' points for a while.
+  Obstacle table;
+  table.name = "table";
+  table.shape = Obstacle::Shape::mesh;
+  table.points = {Vec3(-1.0, -1.0, -0.1), Vec3(3.0, -1.0, -0.1), Vec3(0.0, 3.0, -0.1)};
+  table.triangles = {{0, 1, 2}};
+  table.motion = [](const Vec3&, double t) { return Vec3(0.0, 0.0, 0.2 * t); };
+  system::ModelInput in = input({table, ball(Vec3(0.3, 0.3, -0.4), 0.25)}, 0.03);
+  in.contact.friction = 0.3;
+  Problem p(sheets(4, 7, 0.025), in);
+  system::Contact& contact = *p.model.contact();
+  const contact::Surface& s = contact.set().surface();
+  const std::vector<char> all(static_cast<std::size_t>(s.sheet_points), 1);
+  petsc::VecHandle f = p.model.dofs().create_vector(), way = p.model.dofs().create_vector();
+  const Index sheet = p.mesh.vertex_count() / 4;
+  const auto place = [&](unsigned k) {
+    contact.set_time(0.1 * (k % 5));
+    // In turns all move, and the last sheet alone is taken away: too few points to look at everything anew.
+    const double slide = 0.3 * (k / 2 % 3), taken = k % 2 == 1 ? 0.3 : 0.0;
+    set_displacement(p.model, p.u, [&](Index v) {
+      const int layer = v / sheet;
+      return Vec3(noise(4e-3, k / 2)(v) + layer * Vec3(slide, -0.5 * slide, 0.0) +
+                  Vec3(0.0, 0.0, layer == 3 ? taken : 0.0));
+    });
+    return contact.positions(p.u);
+  };
+  long pairs = 0;
+  double shortest = 1.0;
+  for (unsigned k = 0; k < 24; ++k) {
+    CAPTURE(k);
+    // Slips count from the start of the step, also for points that a rank sees only later.
+    const std::vector<Vec3> start = place(k + 3);
+    contact.start_step(p.u, 1e-3);
+    const std::vector<Vec3> x = place(k);
+    ContactSet alone(s, {}, {0.03, 1e4, 1e-3}, all);
+    (void)alone.cover(x, x);
+    const contact::ContactState state = alone.state(x);
+    const system::ContactReport report = contact.report(p.u);
+    CHECK(report.pairs == state.pairs);
+    CHECK(report.gap == state.gap);
+    pairs += state.pairs;
+    contact.lag_friction(p.u);
+    alone.lag_friction(x, start, 1e-3);
+    CHECK(contact.energy(p.u) == relative(alone.energy(x)).epsilon(1e-12).scale(1.0));
+    const std::vector<Vec3> later = place(k ^ 1u);  // the last sheet taken away, or put back
+    (void)alone.cover(later, later);
+    CHECK(contact.report(p.u).pairs == alone.state(later).pairs);
+    place(k);
+    set_displacement(p.model, way, noise(0.02, 100 + k));
+    const std::vector<Vec3> ways = per_vertex(p.model, way);
+    std::vector<Vec3> to = x;
+    for (std::size_t i = 0; i < ways.size(); ++i) to[i] += ways[i];
+    (void)alone.cover(x, to);
+    const double fraction = contact.step_fraction(p.u, way);
+    CHECK(fraction == relative(alone.step_fraction(x, to)).epsilon(1e-9));
+    shortest = std::min(shortest, fraction);
+    VOILE_PETSC(VecAXPY(p.u, 0.5 * fraction, way));
+    const std::vector<Vec3> now = contact.positions(p.u);
+    alone.lag_friction(now, start, 1e-3);
+    contact.lag_friction(p.u);
+    VOILE_PETSC(VecZeroEntries(f));
+    contact.add_gradient(p.u, f);
+    std::vector<Vec3> wanted(ways.size(), Vec3::Zero());
+    alone.add_gradient(now, wanted);
+    const std::vector<Vec3> forces = per_vertex(p.model, f);
+    double difference = 0.0, size = 0.0;
+    for (std::size_t i = 0; i < forces.size(); ++i) {
+      difference = std::max(difference, (forces[i] - wanted[i]).norm());
+      size = std::max(size, wanted[i].norm());
+    }
+    CHECK(difference <= 1e-9 * size);
+  }
+  CHECK(pairs > 1000);
+  CHECK(shortest < 0.5);
+}
+
 TEST_CASE("free impact of two sheets without friction: momentum stays, nothing intersects") {
   Problem p(sheets(2, 6, 0.05), input({}, 0.02));
   set_displacement(p.model, p.v, [&](Index v) { return Vec3(0.2, 0.0, v < p.mesh.vertex_count() / 2 ? 1.0 : -1.5); });
