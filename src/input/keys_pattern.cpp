@@ -77,7 +77,7 @@ std::vector<Key> keys_of(SeamSection& s) {
        .meaning =
            "One side: edges `PIECE/EDGE` in the order in which they follow each other, EDGE being the number "
            "from 0 in the file or a label that only one edge of the piece has, or `PIECE/FROM..TO` for all edges "
-           "from one point to another, round the piece in the order of the file.",
+           "from one point to another, round the outline or a hole in the order of the file.",
        .required = true},
       {.name = "to", .slot = Words{&s.to, {}}, .meaning = "The other side.", .required = true},
       {.name = "meet",

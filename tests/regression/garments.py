@@ -232,6 +232,43 @@ def garment_dxf(report):
 
 
 @test
+def garment_holes(report):
+    """A patch sewn into a hole and a lens sewn to itself leave a sheet with the hole that is left; wrong holes are refused."""
+    lens = "M 200 40 Q 210 100 200 160 Q 190 100 200 40 Z"
+    sheet = svg("garment_holes.svg", f'<path id="sheet" d="M 0 0 H 300 V 200 H 0 Z M 40 60 H 120 V 140 H 40 Z {lens} M 240 90 h 30 v 30 h -30 Z"/>', rectangle("patch", 0.08, 0.08))
+    case = tube(panel=[{"file": sheet, "pieces": ["sheet"], "size": 0.02}, {"file": sheet, "pieces": ["patch"], "size": 0.02, "translate": [0.04, 0.01, -0.06]}],
+                seam=[{"name": "patch", "edges": ["sheet/4..7", "sheet/7"], "to": ["patch/0..3", "patch/3"], "meet": ["sheet@4", "patch@0"]},
+                      {"name": "lens", "edges": ["sheet/8"], "to": ["sheet/9"], "meet": ["sheet@8", "sheet@8"]}], spring=[],
+                stage=[{"name": "sew", "analysis": "dynamic", "sew": ["all"], "time": {"end": 0.3, "step": 0.01}, "damping": {"mass": 20.0}},
+                       {"name": "rest", "analysis": "dynamic", "time": {"end": 0.32, "step": 0.01}}])
+    code, text = invoke(["check", write_case(case, OUT / "garment_holes.toml")], 2)
+    area = 0.06 - 0.0064 - 2 * 2 / 3 * 0.12 * 0.005 - 0.0009
+    report.check(code == 0 and f"'sheet': {area:.6g} m^2" in text and "14 edges" in text and "3 holes" in text, f"check: code {code}")
+    result = solve("garment_holes", case, 2)
+    h = part(result, "sew").history
+    report.check(h["seam_gap"][0] > 0.009, f"seams start {h['seam_gap'][0]:.4f} m apart")
+    report.below(h["seam_gap"][-1], 1e-4, "and close to [m]")
+    report.check(h["intersections"].max() == 0, "no intersection")
+    end = Results(result.folder / "rest")[0].mesh
+    edges, count = np.unique(np.sort(end.triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1), axis=0, return_counts=True)
+    report.near(len(end.positions) - len(edges) + len(end.triangles), 0, 0, "Euler's number: a sheet with one hole")
+    report.check((count <= 2).all(), "a manifold")
+    panels = part(result, "rest").summary["garment"]["panels"]
+    report.near(sum(p["area"] for p in panels), area + 0.0064, 3e-5, "area of the fabric [m^2]")
+
+    def refused(what, loops, *words):
+        wrong = svg("garment_holes_wrong.svg", f'<path id="sheet" d="M 0 0 H 300 V 200 H 0 Z {loops}"/>')
+        code, text = invoke(["check", write_case(tube(panel=[{"file": wrong}], seam=[], spring=[]), OUT / "garment_holes_wrong.toml")])
+        report.check(code == 2 and all(w in text for w in ("piece 'sheet'", *words)), f"{what}: code {code}: {' '.join(text.split())[:260]}")
+
+    refused("a hole outside", "M 310 10 h 9 v 9 Z", "edges 4 to 6", "no hole", "pieces of their own")
+    refused("a hole across", "M 290 10 h 30 v 9 Z", "edges 1 and 4", "the hole (edges 4 to 6)", "move the hole")
+    refused("a hole that touches", "M 300 50 l -20 10 v -20 Z", "near (0.3, -0.05) m", "clear of each other")
+    refused("holes across each other", "M 10 10 h 50 v 50 Z M 40 10 h 50 v 50 Z", "the hole (edges 4 to 6)", "the hole (edges 7 to 9)")
+    refused("a hole within a hole", "M 10 10 h 50 v 50 h -50 Z M 20 20 h 9 v 9 Z", "edges 8 to 10", "inside of the hole (edges 4 to 7)")
+
+
+@test
 def garment_refused(report):
     """Patterns and seams that cannot be: each mistake is named with its file and remedy; nothing crashes."""
     def refused(what, case, *words, ranks=1):

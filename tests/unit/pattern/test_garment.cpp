@@ -146,6 +146,78 @@ TEST_CASE("a panel sewn to itself: a tube, a dart, and what is refused") {
   CHECK(has(message, "edge 2"));
 }
 
+TEST_CASE("holes are cut out of the mesh, and their edges are sewn as others") {
+  // A sheet with a square hole, and a patch that fills it, drawn the other way round and from another corner.
+  Panel sheet = rectangle("A", 0.6, 0.5, 0.03);
+  sheet.piece.add_loop(rectangle("hole", 0.2, 0.1, 0.03).piece.edges);
+  for (std::size_t k = 4; k < 8; ++k)
+    sheet.piece.edges[k].curve = sheet.piece.edges[k].curve.mapped(Mat2::Identity(), {0.2, 0.15});
+  const pattern::Garment open = pattern::make_garment({sheet}, {});
+  const mesh::SurfaceMesh cut(open.mesh);
+  CHECK(cut.group("A/0", 1).segments.size() == 20);
+  CHECK(cut.group("A/4", 1).segments.size() == 7);
+  for (const Index v : cut.group("A/6", 1).vertices)
+    CHECK(cut.positions()[v][1] == doctest::Approx(0.25).epsilon(1e-12));
+  const auto measures = [](const mesh::SurfaceMesh& m) {
+    Index boundary = 0;
+    double area = 0.0;
+    for (Index t = 0; t < m.triangle_count(); ++t) {
+      area += m.area(t);
+      for (int s = 0; s < 3; ++s) boundary += m.neighbour(t, s) == no_index ? 1 : 0;
+    }
+    const Index v = m.vertex_count(), f = m.triangle_count(), e = (3 * f + boundary) / 2;
+    return std::pair{area, v - e + f};  // the second is 1 for a disc, 0 for a ring
+  };
+  CHECK(measures(cut).first == doctest::Approx(0.3 - 0.02).epsilon(1e-12));
+  CHECK(measures(cut).second == 0);
+  CHECK(std::abs(sheet.piece.signed_area() - 0.28) < 1e-15);
+  CHECK(pattern::garment_text(open, {1.0})
+            .find("'A': 0.28 m^2, 0.28 kg, 0.6 m x 0.5 m, 8 edges of 2.8 m together, 1 hole\n") != std::string::npos);
+  Panel patch = moved(rectangle("P", 0.1, 0.2, 0.03), {0.4, 0.15, 0});
+  patch.turn << 0, -1, 0, 1, 0, 0, 0, 0, 1;  // its edge 0 goes up where the right side of the hole is
+  const std::vector<std::string> round{"A/4..7", "A/7"};
+  const std::vector<std::string> about{"P/3", "P/0", "P/1", "P/2"}, back{"P/2", "P/1", "P/0", "P/3"};
+  for (const auto& [to, meet] :
+       {std::pair{about, std::vector<std::string>{}}, {about, {"A@4", "P@3"}}, {back, {"A@4", "P@3"}}}) {
+    const pattern::Garment g = pattern::make_garment({sheet, patch}, {seam(round, to, meet)});
+    CHECK(g.mesh.seams[0].pairs.size() == 22);  // 7 + 4 + 7 + 4 cells, round and back
+    for (const auto& [v, w] : g.mesh.seams[0].pairs) CHECK((g.mesh.positions[v] - g.mesh.positions[w]).norm() < 1e-12);
+    const std::vector<double> mass(g.mesh.positions.size(), 1.0);
+    const mesh::SurfaceMesh whole(mesh::weld(g.mesh, mesh::open_seams(g.mesh, {"all"}), g.mesh.positions, mass).data);
+    CHECK(measures(whole).first == doctest::Approx(0.3).epsilon(1e-12));
+    CHECK(measures(whole).second == 1);
+  }
+  CHECK(has(refusal_of({sheet, patch}, {seam({"A/2..5"}, {"P/0"})}), "no edges lead from one to the other"));
+  // The lower side of the hole goes as the lower edge does, and the strip between them becomes a tube, or a Moebius strip.
+  CHECK(refusal_of({sheet}, {seam({"A/0"}, {"A/4"}, {"A@0", "A@4"})}).empty());
+  CHECK(has(refusal_of({sheet}, {seam({"A/0"}, {"A/4"}, {"A@0", "A@5"})}), "twist"));
+}
+
+TEST_CASE("a hole with two sides that are sewn to each other is a dart with two tips") {
+  Panel p = rectangle("A", 0.4, 0.6, 0.025);
+  using pattern::Curve;
+  p.piece.add_loop(
+      {{Curve::bezier({{0.2, 0.1}, {0.23, 0.3}, {0.2, 0.5}})}, {Curve::bezier({{0.2, 0.5}, {0.17, 0.3}, {0.2, 0.1}})}});
+  const pattern::Garment g = pattern::make_garment({p}, {seam({"A/4"}, {"A/5"}, {"A@4", "A@4"})});
+  const std::vector<double> mass(g.mesh.positions.size(), 1.0);
+  const mesh::SurfaceMesh sewn(mesh::weld(g.mesh, mesh::open_seams(g.mesh, {"all"}), g.mesh.positions, mass).data);
+  Index boundary = 0;
+  for (Index t = 0; t < sewn.triangle_count(); ++t)
+    for (int s = 0; s < 3; ++s) boundary += sewn.neighbour(t, s) == no_index ? 1 : 0;
+  const Index f = sewn.triangle_count();
+  CHECK(sewn.vertex_count() - (3 * f + boundary) / 2 + f == 1);
+  CHECK(boundary == 80);  // that of the rectangle
+  CHECK(has(refusal_of({p}, {seam({"A/4"}, {"A/5"}, {"A@4", "A@5"})}), "collapse"));
+  // A small hole beside a bent side of which coarse cells cut it off.
+  Panel bent = p;
+  bent.piece.edges[1].curve = Curve::bezier({{0.4, 0.0}, {0.8, 0.3}, {0.4, 0.6}});
+  bent.piece.edges[4].curve = Curve::bezier({{0.5815, 0.222}, {0.584, 0.225}, {0.5815, 0.228}});
+  bent.piece.edges[5].curve = Curve::bezier({{0.5815, 0.228}, {0.579, 0.225}, {0.5815, 0.222}});
+  CHECK(refusal_of({bent}, {}).empty());
+  bent.size = 0.5;
+  CHECK(has(refusal_of({bent}, {}), "too coarse"));
+}
+
 TEST_CASE("seams that cannot be are refused with seam, piece and edge") {
   const std::vector<Panel> panels{rectangle("A", 0.3, 0.4, 0.1), moved(rectangle("B", 0.3, 0.4, 0.1), {0.4, 0, 0}),
                                   moved(rectangle("C", 0.3, 0.05, 0.02), {0.4, 0.5, 0})};
