@@ -524,3 +524,38 @@ def garment_tshirt(report):
     turned = Results(result.folder / "turn")[-1].positions - end.positions
     report.check(turned[:, 1].max() > 0.03 and turned[:, 1].min() < -0.03, f"one side goes forward, the other back: {turned[:, 1].min():.3f}, {turned[:, 1].max():.3f} m")
     report.check(end.positions[:, 2].max() > 1.4, f"it hangs on the shoulders, up to {end.positions[:, 2].max():.3f} m")
+
+
+@test
+def garment_sewn_dress(report):
+    """The dress of runs/garments with coarse cells: half pieces unfold, four darts, sides, shoulders and waist close round the figure; welded it is one sheet without a dart."""
+    file = ROOT / "runs" / "garments" / "dress" / "case.toml"
+    case = tomllib.loads(file.read_text())
+    for panel in case["panel"]:
+        panel |= {"file": str(file.parent / panel["file"]), "size": 0.06}
+    OUT.mkdir(parents=True, exist_ok=True)
+    figure = OUT / "garment_dress_figure.obj"
+    code, text = invoke(["manikin", figure, "--arms", 53, "--size", 0.05])
+    report.check(code == 0, f"manikin: code {code}: {text[-200:]}")
+    body = case["obstacle"][0]
+    for key in ("frames", "frames_per_second", "frames_start"):
+        del body[key]
+    case["obstacle"] = [body | {"file": str(figure)}]
+    case["material"] = [CLOTH]
+    case["load"][0]["stages"] = ["rest"]
+    case["stage"] = [case["stage"][0], {"name": "rest", "analysis": "dynamic", "time": {"end": 1.22, "step": 0.01}}]
+    case["stage"][0]["time"]["step"] = 0.01
+    result = solve("garment_sewn_dress", case)
+    h = part(result, "sew").history
+    report.check(h["seam_gap"][0] > 0.25, f"seams start {h['seam_gap'][0]:.2f} m apart")
+    report.below(h["seam_gap"][-1], 1e-4, "and close to [m]")
+    for stage in ("sew", "rest"):
+        report.check(part(result, stage).history["intersections"].max() == 0, f"{stage}: no intersection")
+    before, after = Results(result.folder / "sew")[-1], Results(result.folder / "rest")[0]
+    report.below(abs(masses(after).sum() / masses(before).sum() - 1), 1e-12, "the weld keeps mass, relative")
+    edges, count = np.unique(np.sort(after.mesh.triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1), axis=0, return_counts=True)
+    report.check((count <= 2).all(), "the welded mesh is a manifold")
+    # Borders: neck, two armholes and the hem, so that Euler's number of the sphere loses four.
+    report.near(len(after.positions) - len(edges) + len(after.mesh.triangles), 2 - 4, 0, "Euler's number")
+    seams = {s["name"] for s in part(result, "rest").summary["garment"]["seams"]}
+    report.check(len(seams) == 12 and "front waist" in seams, f"{len(seams)} seams are measured")
