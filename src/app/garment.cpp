@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <optional>
 #include <set>
 
@@ -21,13 +22,27 @@ namespace voile::app {
 
 namespace {
 
+/// The cylinder or cone that pieces are bent onto.
+std::optional<pattern::Wrap> wrap_of(const input::PanelSection& s) {
+  if (!s.wrap_axis && !s.wrap_end) return std::nullopt;
+  const Vec3 along = s.wrap_axis ? *s.wrap_axis : Vec3(*s.wrap_end - s.wrap_point);
+  pattern::Wrap wrap{along.normalized(), s.wrap_point, s.wrap_radius, s.wrap_angle};
+  if (s.wrap_radii.empty()) return wrap;
+  wrap.half_angle = std::atan2(s.wrap_radii[1] - s.wrap_radii[0], along.norm());
+  wrap.radius = s.wrap_radii[0];
+  if (wrap.radius > 0.0) return wrap;
+  wrap.point = *s.wrap_end;  // it begins at the apex
+  wrap.radius = s.wrap_radii[1];
+  return wrap;
+}
+
 pattern::Panel panel_of(const input::PanelSection& s, const pattern::Pattern& from, pattern::Piece piece) {
   pattern::Panel p;
   p.file = from.file.string();
   p.size = s.size;
   p.turn = s.placement.rotation();
   p.shift = s.placement.translate;
-  if (s.wrap_axis) p.wrap = pattern::Wrap{s.wrap_axis->normalized(), s.wrap_point, s.wrap_radius};
+  p.wrap = wrap_of(s);
   if (!s.grain.empty()) piece.grain = Vec2(s.grain[0], s.grain[1]).normalized();
   if (s.mirror) {
     const Mat2 mirror = Vec2(-1.0, 1.0).asDiagonal();

@@ -22,16 +22,20 @@ constexpr int frontal_delaunay = 6;  // Gmsh's number
 void add_polygon(const Polygon& p) {
   namespace geo = gmsh::model::geo;
   gmsh::model::add(p.name);
-  const int n = static_cast<int>(p.points.size());
-  for (int i = 0; i < n; ++i) {
-    const Vec2& x = p.points[static_cast<std::size_t>(i)];
-    geo::addPoint(x[0], x[1], 0.0, p.size, i + 1);
+  std::vector<int> loops, all;
+  int point = 0;
+  for (const std::vector<Vec2>& loop : p.loops) {
+    const int first = point + 1;
+    for (const Vec2& x : loop) geo::addPoint(x[0], x[1], 0.0, p.size, ++point);
+    std::vector<int> lines;
+    for (int i = first; i <= point; ++i) lines.push_back(geo::addLine(i, i < point ? i + 1 : first));
+    loops.push_back(geo::addCurveLoop(lines));
+    all.insert(all.end(), lines.begin(), lines.end());
   }
-  std::vector<int> lines;
-  for (int i = 0; i < n; ++i) lines.push_back(geo::addLine(i + 1, (i + 1) % n + 1));
-  geo::addPlaneSurface({geo::addCurveLoop(lines)});
+  std::swap(loops.front(), loops[p.outline]);  // Gmsh takes the first for the outline
+  geo::addPlaneSurface(loops);
   geo::synchronize();
-  for (const int line : lines) gmsh::model::mesh::setTransfiniteCurve(line, 2);
+  for (const int line : all) gmsh::model::mesh::setTransfiniteCurve(line, 2);
 }
 
 Triangulation take_mesh(const Polygon& p) {
@@ -46,9 +50,11 @@ Triangulation take_mesh(const Polygon& p) {
       t.points.emplace_back(x[3 * k], x[3 * k + 1]);
     }
   };
-  for (std::size_t i = 0; i < p.points.size(); ++i) take(0, static_cast<int>(i) + 1);
-  if (t.points.size() != p.points.size()) return {};
-  t.points = p.points;
+  std::vector<Vec2> corners;
+  for (const std::vector<Vec2>& loop : p.loops) corners.insert(corners.end(), loop.begin(), loop.end());
+  for (std::size_t i = 0; i < corners.size(); ++i) take(0, static_cast<int>(i) + 1);
+  if (t.points.size() != corners.size()) return {};
+  t.points = corners;
   take(2, -1);
   std::vector<std::size_t> elements, nodes;
   gmsh::model::mesh::getElementsByType(triangle_type, elements, nodes);
@@ -100,7 +106,8 @@ std::string fill_polygons(const std::string& file) {
   for (std::size_t k = 0; k < count; ++k) {
     Polygon p;
     in.get(p.name);
-    in.get(p.points);
+    in.get(p.loops);
+    in.get(p.outline);
     in.get(p.size);
     const Triangulation t = fill(source, p);
     out.put(t.points);

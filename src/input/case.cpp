@@ -9,6 +9,8 @@
 #include <numbers>
 
 #include "case_materials.hpp"
+#include "case_pattern.hpp"
+#include "case_sections.hpp"
 #include "voile/base/error.hpp"
 #include "voile/input/case_read.hpp"
 #include "voile/input/command_line.hpp"
@@ -81,16 +83,6 @@ void check_probe(const SectionPlace& place, const Probe& probe, const std::vecto
   if (probe.kind != Probe::Kind::displacement) return;
   if (place.has("group") == place.has("point"))
     place.fail(place.has("point") ? "point" : "group", "a displacement probe needs either 'group' or 'point'");
-}
-
-template <class Section, class Check>
-void read_all(const CaseReader& reader, const char* name, std::vector<Section>& items, const Check& check) {
-  for (std::size_t n = 0; n < reader.count(name); ++n) {
-    Section item;
-    const SectionPlace place = reader.read(name, n, keys_of(item));
-    check(place, item);
-    items.push_back(std::move(item));
-  }
 }
 
 std::function<double(double)> time_function(const SectionPlace& place, const char* key, const std::string& text) {
@@ -278,37 +270,6 @@ void check_petsc(const SectionPlace& place, const std::string& options) {
   } catch (const UserError& e) {
     place.fail("options", e.what());
   }
-}
-
-void read_pattern(const CaseReader& reader, Case& c) {
-  read_all(reader, "panel", c.panels, [&](const SectionPlace& place, PanelSection& s) {
-    s.file = beside(c.file, s.file);
-    if (!s.grain.empty() && (s.grain.size() != 2 || !(std::hypot(s.grain[0], s.grain[1]) > 0.0)))
-      place.fail("grain", "two numbers [x, y] are needed that are not both zero");
-    if (!s.wrap_axis && s.wrap_radius > 0.0)
-      place.fail("wrap_axis", "the key is missing; wrap_radius is about an axis");
-  });
-  read_all(reader, "seam", c.seams, [&](const SectionPlace& place, const SeamSection& s) {
-    if (!s.meet.empty() && s.meet.size() != 2)
-      place.fail("meet", fmt::format("{} points; two are needed, an end of `edges` and an end of `to`", s.meet.size()));
-    if (c.panels.empty()) place.fail("edges", "there is no [[panel]] that they could belong to");
-  });
-  reader.read("sewing", 0, keys_of(c.sewing));
-  if (!c.stage.sew.empty() && c.panels.empty())
-    throw UserError(
-        fmt::format("{}: [[stage]] '{}' sew: there are no [[panel]] with seams", c.file.string(), c.stage.name));
-}
-
-/// The mesh is made from panels.
-void check_panel_mesh(const SectionPlace& place, const Case& c) {
-  for (const char* key : {"file", "start", "rest", "texture_unit", "scale", "size", "algorithm", "merge",
-                          "merge_tolerance", "parameters", "up_axis", "rotate", "translate"})
-    if (place.has(key)) place.fail(key, "the surface is cut from [[panel]]; remove the key, or the panels");
-  if (c.analysis == "linear")
-    throw UserError(
-        fmt::format("{}: analysis = \"linear\" begins from the shape without strain, which placed panels do "
-                    "not have; use analysis = \"static\"",
-                    c.file.string()));
 }
 
 void check_mesh(const SectionPlace& place, Case& c) {

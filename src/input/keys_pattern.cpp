@@ -8,16 +8,34 @@ namespace {
 std::vector<Key> wrapping_keys(PanelSection& s) {
   return {{.name = "wrap_axis",
            .slot = &s.wrap_axis,
-           .meaning = "Direction of the axis of a cylinder onto which each piece is bent after it has been placed, "
-                      "without stretch: the plane of the piece must be parallel to the axis.",
-           .absent = "the pieces stay flat"},
+           .meaning = "Direction of the axis of a cylinder or cone onto which each piece is bent after it has been "
+                      "placed, without stretch: the plane of the piece must be parallel to the axis.",
+           .absent = "the pieces stay flat, unless there is `wrap_end`"},
           {.name = "wrap_point", .slot = &s.wrap_point, .meaning = "A point on that axis.", .unit = "m"},
+          {.name = "wrap_end",
+           .slot = &s.wrap_end,
+           .meaning = "Another point on it, which gives its direction in place of `wrap_axis`.",
+           .unit = "m",
+           .absent = "`wrap_axis` has the direction"},
           {.name = "wrap_radius",
            .slot = &s.wrap_radius,
-           .meaning = "Radius of that cylinder. 0: the distance of the plane of the piece from the axis, which the "
-                      "cylinder then touches.",
+           .meaning = "Radius of that cylinder, or of the cone where `wrap_point` is. 0: the distance of the plane of "
+                      "the piece from the axis, which the cylinder then touches.",
            .unit = "m",
-           .range = not_negative}};
+           .range = not_negative},
+          {.name = "wrap_angle",
+           .slot = Degrees{&s.wrap_angle},
+           .meaning = "Between the axis of a cone and its surface, positive if it widens along the axis. A piece keeps "
+                      "its line nearest to the axis, which leans by this angle about the point at the height of "
+                      "`wrap_point`. 0: a cylinder.",
+           .unit = "degree",
+           .range = {-89.0, 89.0}},
+          {.name = "wrap_radii",
+           .slot = &s.wrap_radii,
+           .meaning = "Radii of a cone at `wrap_point` and at `wrap_end`, in place of `wrap_radius` and `wrap_angle`.",
+           .unit = "m",
+           .range = not_negative,
+           .absent = "as `wrap_radius` and `wrap_angle` say"}};
 }
 
 }  // namespace
@@ -77,7 +95,7 @@ std::vector<Key> keys_of(SeamSection& s) {
        .meaning =
            "One side: edges `PIECE/EDGE` in the order in which they follow each other, EDGE being the number "
            "from 0 in the file or a label that only one edge of the piece has, or `PIECE/FROM..TO` for all edges "
-           "from one point to another, round the piece in the order of the file.",
+           "from one point to another, round the outline or a hole in the order of the file.",
        .required = true},
       {.name = "to", .slot = Words{&s.to, {}}, .meaning = "The other side.", .required = true},
       {.name = "meet",

@@ -12,7 +12,8 @@ std::vector<Triangulation> mesh_polygons(const std::string& file, const std::vec
   out.put(polygons.size());
   for (const Polygon& p : polygons) {
     out.put(p.name);
-    out.put(p.points);
+    out.put(p.loops);
+    out.put(p.outline);
     out.put(p.size);
   }
   const Message message(out.take());

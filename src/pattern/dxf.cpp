@@ -10,6 +10,7 @@
 #include "readers.hpp"
 #include "voile/base/error.hpp"
 #include "voile/base/text.hpp"
+#include "voile/pattern/outline.hpp"
 
 namespace voile::pattern {
 
@@ -69,13 +70,16 @@ class BlockReader {
     std::vector<Curve> outline = one_outline(mirror);
     for (const Curve& c : outline) size_ = std::max(size_, (c.start() - outline.front().start()).norm());
     Piece piece;
-    piece.edges = divided(std::move(outline), mirror, piece.point_names);
+    piece.add_loop(divided(std::move(outline), mirror, piece.point_names));
+    const std::size_t fold = mirror.empty() ? no_edge : fold_of(piece, mirror.front());
+    const std::vector<std::vector<Curve>> holes =
+        join_curves(fmt::format("{}, layer {}", where_, cutout), curves_on(all, cutout), mirror);
+    for (std::size_t k = 0; k < holes.size(); ++k)
+      piece.add_loop(joined(holes[k], corners_of(holes[k], mirror), {}, {fmt::format("h{}", k), piece.point_names}));
     const std::vector<Curve> grain = curves_on(all, grain_line);
     if (!grain.empty()) piece.grain = (grain.front().end() - grain.front().start()).normalized();
-    if (!curves_on(all, cutout).empty())
-      notes.push_back(fmt::format("{}: its cutouts (layer 11) are passed over: pieces have no holes", where_));
     if (!mirror.empty()) {
-      unfold(where_, piece, fold_of(piece, mirror.front()));
+      unfold(where_, piece, fold);
       notes.push_back(fmt::format("{}: unfolded across its mirror line (layer 6)", where_));
     }
     return piece;
@@ -103,8 +107,17 @@ class BlockReader {
     return std::abs(std::atan2(d[0] * e[1] - d[1] * e[0], d.dot(e))) > corner_angle;
   }
 
-  /// Whether a corner lies before each curve: at turn points; without, at what is no curve point; without, where it turns.
-  [[nodiscard]] std::vector<bool> corners_of(const std::vector<Curve>& outline) const {
+  /// Whether a corner lies before each curve: where it begins on the mirror line, and as corners_without() says.
+  [[nodiscard]] std::vector<bool> corners_of(const std::vector<Curve>& outline,
+                                             const std::vector<Curve>& mirror) const {
+    std::vector<bool> corners = corners_without(outline);
+    for (std::size_t k = 0; k < outline.size() && !mirror.empty(); ++k)
+      if (distance_from(mirror.front(), outline[k].start()) <= on_outline * size_) corners[k] = true;
+    return corners;
+  }
+
+  /// At turn points; without, at what is no curve point; without, where it turns.
+  [[nodiscard]] std::vector<bool> corners_without(const std::vector<Curve>& outline) const {
     const std::size_t n = outline.size();
     const std::vector<Vec2> turn = points_on(block_.entities, turn_points),
                             smooth = points_on(block_.entities, curve_points);
@@ -149,24 +162,36 @@ class BlockReader {
   /// Edges between corners and notches, from the first corner on, and names of their points.
   std::vector<Edge> divided(std::vector<Curve> outline, const std::vector<Curve>& mirror,
                             std::vector<std::string>& names) const {
-    std::vector<bool> corners = corners_of(outline), marks(outline.size(), false);
-    for (std::size_t k = 0; k < outline.size() && !mirror.empty(); ++k)
-      if (distance_from(mirror.front(), outline[k].start()) <= on_outline * size_) corners[k] = true;
+    std::vector<bool> corners = corners_of(outline, mirror), marks(outline.size(), false);
     for (const Vec2& notch : points_on(block_.entities, notches))
       if (const std::size_t k = divide_at(outline, corners, marks, notch); k < outline.size()) marks[k] = true;
+    return joined(std::move(outline), std::move(corners), std::move(marks), {"", names});
+  }
+
+  /// Where names of points go, and what they begin with.
+  struct Naming {
+    std::string prefix;
+    std::vector<std::string>& names;
+  };
+
+  /// Edges from corner or notch to corner or notch, from the first corner on. `marks`: notches; may be empty.
+  static std::vector<Edge> joined(std::vector<Curve> loop, std::vector<bool> corners, std::vector<bool> marks,
+                                  const Naming& naming) {
+    marks.resize(loop.size(), false);
     const auto first = std::find(corners.begin(), corners.end(), true) - corners.begin();
     for (std::vector<bool>* some : {&corners, &marks}) std::rotate(some->begin(), some->begin() + first, some->end());
-    std::rotate(outline.begin(), outline.begin() + first, outline.end());
+    std::rotate(loop.begin(), loop.begin() + first, loop.end());
     std::vector<Edge> edges;
     std::vector<Curve> parts;
     std::size_t corner = 0, notch = 0;
-    for (std::size_t k = 0; k < outline.size(); ++k) {
+    for (std::size_t k = 0; k < loop.size(); ++k) {
       if (corners[k] || marks[k]) {
         if (!parts.empty()) edges.push_back({Curve::chain(std::move(parts))});
         parts.clear();
-        names.push_back(corners[k] ? fmt::format("c{}", corner++) : fmt::format("n{}", notch++));
+        naming.names.push_back(naming.prefix +
+                               (corners[k] ? fmt::format("c{}", corner++) : fmt::format("n{}", notch++)));
       }
-      parts.push_back(outline[k]);
+      parts.push_back(loop[k]);
     }
     edges.push_back({Curve::chain(std::move(parts))});
     return edges;
@@ -262,6 +287,12 @@ class DxfReader {
     pattern_.pieces.push_back(std::move(piece));
   }
 
+  static std::vector<Edge> edges_of(const std::vector<Curve>& loop) {
+    std::vector<Edge> edges;
+    for (const Curve& c : loop) edges.push_back({c});
+    return edges;
+  }
+
   void read_blocks(const std::vector<const DxfBlock*>& blocks) {
     std::map<std::string, int> count;
     for (const DxfBlock* b : blocks) ++count[told(b->entities, "piece name:")];
@@ -277,6 +308,24 @@ class DxfReader {
     }
   }
 
+  /// The outline that each one is a hole of, or its own number: of outlines that lie within each other every second one is a
+  /// hole in that around it.
+  static std::vector<std::size_t> pieces_of(const std::vector<std::vector<Curve>>& outlines) {
+    Polygons polygons;
+    for (const std::vector<Curve>& outline : outlines) polygons.push_back(polygon_of(outline));
+    std::vector<std::vector<std::size_t>> around(outlines.size());
+    for (std::size_t k = 0; k < outlines.size(); ++k)
+      for (std::size_t other = 0; other < outlines.size(); ++other)
+        if (other != k && is_inside(polygons[other], polygons[k].front())) around[k].push_back(other);
+    std::vector<std::size_t> piece_of(outlines.size());
+    for (std::size_t k = 0; k < outlines.size(); ++k) {
+      piece_of[k] = k;
+      for (const std::size_t other : around[k])
+        if (around[k].size() % 2 == 1 && around[other].size() + 1 == around[k].size()) piece_of[k] = other;
+    }
+    return piece_of;
+  }
+
   /// Each outline of a layer is a piece, called after the layer.
   void read_drawing() {
     std::vector<std::string> layers;
@@ -290,12 +339,18 @@ class DxfReader {
       }
       const std::vector<std::vector<Curve>> outlines =
           join_curves(fmt::format("{}: layer '{}'", name(), layer), curves_on(file_.entities, layer), {});
+      const std::vector<std::size_t> piece_of = pieces_of(outlines);
+      std::size_t count = 0, number = 0;
+      for (std::size_t k = 0; k < outlines.size(); ++k) count += piece_of[k] == k ? 1 : 0;
       for (std::size_t k = 0; k < outlines.size(); ++k) {
+        if (piece_of[k] != k) continue;
         Piece piece;
-        piece.name = outlines.size() == 1 ? layer : fmt::format("{}-{}", layer, k);
+        piece.name = count == 1 ? layer : fmt::format("{}-{}", layer, number++);
         seen_.push_back(piece.name);
         if (!is_wanted(piece.name)) continue;
-        for (const Curve& c : outlines[k]) piece.edges.push_back({c});
+        piece.add_loop(edges_of(outlines[k]));
+        for (std::size_t hole = 0; hole < outlines.size(); ++hole)
+          if (hole != k && piece_of[hole] == k) piece.add_loop(edges_of(outlines[hole]));
         add(std::move(piece));
       }
     }

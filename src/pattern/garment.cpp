@@ -74,8 +74,22 @@ class Cutter {
   }
 
   [[nodiscard]] io::Polygon polygon(std::size_t p) {
-    io::Polygon polygon{fmt::format("piece '{}'", panel(p).piece.name), {}, panel(p).size};
-    for (std::size_t k = 0; k < nodes_[p].size(); ++k) {
+    const Piece& piece = panel(p).piece;
+    io::Polygon polygon{fmt::format("piece '{}'", piece.name), {}, piece.outline(), panel(p).size};
+    bool is_too_coarse = false;
+    for (const Piece::Loop& loop : piece.loops()) {
+      polygon.loops.push_back(nodes_of(p, loop));
+      is_too_coarse = is_too_coarse || polygon.loops.back().size() < 3;
+    }
+    if (is_too_coarse || find_crossing(polygon.loops) || find_stray(polygon.loops, polygon.outline))
+      throw UserError(fmt::format("{}: cells of {:.4g} m are too coarse for its outline; make its key size smaller",
+                                  where(panel(p)), panel(p).size));
+    return polygon;
+  }
+
+  [[nodiscard]] std::vector<Vec2> nodes_of(std::size_t p, const Piece::Loop& loop) {
+    std::vector<Vec2> points;
+    for (std::size_t k = loop.begin; k < loop.end; ++k) {
       const Curve& c = panel(p).piece.edges[k].curve;
       std::vector<double>& shares = nodes_[p][k].shares;
       if (shares.empty()) {
@@ -84,18 +98,15 @@ class Cutter {
         for (int i = 0; i <= cells; ++i) shares.push_back(static_cast<double>(i) / cells);
       }
       const std::vector<double> t = c.parameters_at(shares);
-      for (std::size_t i = 0; i + 1 < t.size(); ++i) polygon.points.push_back(c.at(t[i]));
+      for (std::size_t i = 0; i + 1 < t.size(); ++i) points.push_back(c.at(t[i]));
     }
-    if (polygon.points.size() < 3 || find_crossing(polygon.points))
-      throw UserError(fmt::format("{}: cells of {:.4g} m are too coarse for its outline; make its key size smaller",
-                                  where(panel(p)), panel(p).size));
-    return polygon;
+    return points;
   }
 
   /// `x`: where the next chart begins.
   void add_panel(std::size_t p, const io::Triangulation& cut, double& x) {
     mesh::MeshData& m = g_.mesh;
-    const auto first = static_cast<Index>(m.positions.size());
+    auto first = static_cast<Index>(m.positions.size());
     const Extent e = extent_of(panel(p).piece);
     const Vec3 shift(x - e.low[0], -e.low[1], 0.0);
     x += (1.0 + chart_room) * (e.high[0] - e.low[0]);
@@ -115,13 +126,14 @@ class Cutter {
     whole.vertices.resize(cut.points.size());
     std::iota(whole.vertices.begin(), whole.vertices.end(), first);
     m.groups.push_back(std::move(whole));
-    add_edges(p, first);
+    for (const Piece::Loop& loop : panel(p).piece.loops()) add_edges(p, loop, first);
   }
 
-  void add_edges(std::size_t p, Index first) {
+  /// `first`: the vertex at which the loop begins; then that of the next loop.
+  void add_edges(std::size_t p, const Piece::Loop& loop, Index& first) {
     Index begin = 0, count = 0;
-    for (const EdgeNodes& e : nodes_[p]) count += static_cast<Index>(e.shares.size()) - 1;
-    for (std::size_t k = 0; k < nodes_[p].size(); ++k) {
+    for (std::size_t k = loop.begin; k < loop.end; ++k) count += static_cast<Index>(nodes_[p][k].shares.size()) - 1;
+    for (std::size_t k = loop.begin; k < loop.end; ++k) {
       EdgeNodes& e = nodes_[p][k];
       mesh::Group group{fmt::format("{}/{}", panel(p).piece.name, k), 1, {}, {}, {}};
       for (std::size_t i = 0; i < e.shares.size(); ++i)
@@ -135,6 +147,7 @@ class Cutter {
       const std::string& label = panel(p).piece.edges[k].label;
       if (!label.empty()) add_label(fmt::format("{}/{}", panel(p).piece.name, label), group);
     }
+    first += count;
   }
 
   /// Edges with the same label are one group.
@@ -180,8 +193,13 @@ class Cutter {
       const double low = i > 0 ? shares[0][i - 1] : 0.0, high = i + 1 < a.size() ? shares[0][i + 1] : 1.0;
       const auto pair = [&](Index v, Index w) {
         if (v == w) return;
+        const double own = 0.5 * (high - low) * length;
+        if (!seam.pairs.empty() && seam.pairs.front() == std::array{v, w}) {  // round a hole, and back
+          seam.lengths.front() += own;
+          return;
+        }
         seam.pairs.push_back({v, w});
-        seam.lengths.push_back(0.5 * (high - low) * length);
+        seam.lengths.push_back(own);
       };
       pair(a[i].front(), b[i].front());
       if (a[i].size() > 1) pair(a[i].back(), b[i].back());
@@ -288,8 +306,10 @@ std::string garment_text(const Garment& g, const std::vector<double>& densities)
     double around = 0.0;
     for (const Edge& edge : p.piece.edges) around += edge.curve.length();
     const double own = std::abs(p.piece.signed_area());
-    text += fmt::format("  '{}': {:.6g} m^2, {:.4g} kg, {:.4g} m x {:.4g} m, {} edges of {:.5g} m together\n",
-                        p.piece.name, own, own * densities[k], size[0], size[1], p.piece.edges.size(), around);
+    const std::size_t holes = p.piece.further_loops.size();
+    text += fmt::format("  '{}': {:.6g} m^2, {:.4g} kg, {:.4g} m x {:.4g} m, {} edges of {:.5g} m together{}\n",
+                        p.piece.name, own, own * densities[k], size[0], size[1], p.piece.edges.size(), around,
+                        holes > 0 ? fmt::format(", {} hole{}", holes, holes > 1 ? "s" : "") : "");
     area += own;
     mass += own * densities[k];
     boxes += size[0] * size[1];

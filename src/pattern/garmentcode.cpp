@@ -151,14 +151,20 @@ class GarmentCodeReader {
     std::vector<Vec2> points;
     for (std::size_t k = 0; k < vertices.size(); ++k)
       points.emplace_back(unit_ * vertices.at(k, fmt::format("{}", k)).vector<2>());
+    if (edges.size() == 0) edges.fail("there are no edges; a piece has at least two");
+    std::vector<Edge> loop;
     std::size_t at = 0, first = 0;
     for (std::size_t k = 0; k < edges.size(); ++k) {
       const Node edge = edges.at(k, fmt::format("edge {}", k)).object();
       const Node ends = edge["endpoints"].array(2);
       const std::size_t i = ends.at(0, "start").index(points.size(), "vertex"),
                         j = ends.at(1, "end").index(points.size(), "vertex");
-      if (k == 0) first = i;
-      if (k > 0 && i != at)
+      if (!loop.empty() && i != at && at == first) {  // a hole, or the outline after it
+        piece.add_loop(std::move(loop));
+        loop.clear();
+      }
+      if (loop.empty()) first = i;
+      if (!loop.empty() && i != at)
         edge.fail(
             fmt::format("it starts at vertex {}, but edge {} before it ends at vertex {}: the outline is open "
                         "there; let each edge begin where the one before ends",
@@ -166,11 +172,13 @@ class GarmentCodeReader {
       at = j;
       if ((points[i] - points[j]).norm() == 0.0)
         edge.fail("both ends are at the same place; remove the edge or move one of them");
-      piece.edges.push_back({read_curve(edge, points[i], points[j]), edge.has("label") ? edge["label"].text() : ""});
+      loop.push_back({read_curve(edge, points[i], points[j]), edge.has("label") ? edge["label"].text() : ""});
     }
-    if (piece.edges.size() < 2 || at != first)
-      panel.fail(fmt::format("the outline is open: edge {} ends at vertex {}, but edge 0 starts at vertex {}; close it",
-                             edges.size() - 1, at, first));
+    if (loop.size() < 2 || at != first)
+      panel.fail(
+          fmt::format("the outline is open: edge {} ends at vertex {}, but edge {} starts at vertex {}; close it",
+                      edges.size() - 1, at, edges.size() - loop.size(), first));
+    piece.add_loop(std::move(loop));
     piece.turned = piece.signed_area() < 0.0;
     piece.rotation = rotation(panel);
     piece.translation = unit_ * panel["translation"].vector<3>();

@@ -42,29 +42,63 @@ bool folds_back(const Vec2& a, const Vec2& b, const Vec2& c) {
 
 }  // namespace
 
-std::optional<Crossing> find_crossing(const std::vector<Vec2>& points) {
+std::optional<Crossing> find_crossing(const Polygons& loops) {
+  std::vector<Vec2> points;
+  std::vector<std::size_t> next;
+  for (const std::vector<Vec2>& loop : loops) {
+    const std::size_t begin = points.size();
+    for (std::size_t i = 0; i < loop.size(); ++i) next.push_back(begin + (i + 1) % loop.size());
+    points.insert(points.end(), loop.begin(), loop.end());
+  }
   const std::size_t n = points.size();
-  const auto at = [&](std::size_t i) -> const Vec2& { return points[i % n]; };
+  const auto start = [&](std::size_t i) -> const Vec2& { return points[i]; };
+  const auto end = [&](std::size_t i) -> const Vec2& { return points[next[i]]; };
   double length = 0.0;
-  for (std::size_t i = 0; i < n; ++i) length += (at(i + 1) - at(i)).norm();
+  for (std::size_t i = 0; i < n; ++i) length += (end(i) - start(i)).norm();
   const double tolerance = 1e-9 * length;
   for (std::size_t i = 0; i < n; ++i)
-    if (n > 2 && folds_back(at(i), at(i + 1), at(i + 2))) return Crossing{i, (i + 1) % n, at(i + 1)};
+    if (next[next[i]] != i && folds_back(start(i), end(i), end(next[i]))) return Crossing{i, next[i], end(i)};
   std::vector<std::size_t> order(n);  // by their lowest x, so that few pairs are compared
   std::iota(order.begin(), order.end(), std::size_t{0});
-  const auto low = [&](std::size_t i) { return std::min(at(i)[0], at(i + 1)[0]); };
+  const auto low = [&](std::size_t i) { return std::min(start(i)[0], end(i)[0]); };
   std::sort(order.begin(), order.end(), [&](std::size_t i, std::size_t j) { return low(i) < low(j); });
   for (std::size_t k = 0; k < n; ++k) {
     const std::size_t i = order[k];
-    const double high = std::max(at(i)[0], at(i + 1)[0]) + tolerance;
+    const double high = std::max(start(i)[0], end(i)[0]) + tolerance;
     for (std::size_t l = k + 1; l < n && low(order[l]) <= high; ++l) {
       const std::size_t j = order[l];
-      if ((i + 1) % n == j || (j + 1) % n == i) continue;
-      if (meet(at(i), at(i + 1), at(j), at(j + 1), tolerance))
-        return Crossing{std::min(i, j), std::max(i, j), common_point(at(i), at(i + 1), at(j), at(j + 1), tolerance)};
+      if (next[i] == j || next[j] == i) continue;
+      if (meet(start(i), end(i), start(j), end(j), tolerance))
+        return Crossing{std::min(i, j), std::max(i, j), common_point(start(i), end(i), start(j), end(j), tolerance)};
     }
   }
   return std::nullopt;
+}
+
+bool is_inside(const std::vector<Vec2>& polygon, const Vec2& x) {
+  bool inside = false;
+  for (std::size_t i = 0; i < polygon.size(); ++i) {
+    const Vec2 a = polygon[i] - x, b = polygon[(i + 1) % polygon.size()] - x;
+    if ((a[1] > 0.0) != (b[1] > 0.0) && (cross(a, b) > 0.0) == (b[1] > a[1])) inside = !inside;
+  }
+  return inside;
+}
+
+std::optional<Stray> find_stray(const Polygons& loops, std::size_t outline) {
+  for (std::size_t k = 0; k < loops.size(); ++k) {
+    if (k == outline) continue;
+    if (!is_inside(loops[outline], loops[k].front())) return Stray{k};
+    for (std::size_t other = 0; other < loops.size(); ++other)
+      if (other != k && other != outline && is_inside(loops[other], loops[k].front())) return Stray{k, other};
+  }
+  return std::nullopt;
+}
+
+std::vector<Vec2> polygon_of(const std::vector<Curve>& curves) {
+  std::vector<Vec2> points;
+  for (const Curve& c : curves)
+    for (int i = 0, steps = c.steps(); i < steps; ++i) points.push_back(c.at(static_cast<double>(i) / steps));
+  return points;
 }
 
 Extent extent_of(const Piece& piece) {

@@ -48,38 +48,119 @@ void check_names(const Pattern& pattern, const std::vector<std::string>& wanted)
                                   names.empty() ? "none" : join(names, ", ")));
 }
 
-void check_outline(const Pattern& pattern, const Piece& piece) {
+std::string loop_name(const Piece& piece, std::size_t edge) {
+  const Piece::Loop loop = piece.loop_of(edge);
+  return fmt::format("{} (edges {} to {})", piece.is_in_outline(edge) ? "the outline" : "the hole", loop.begin,
+                     loop.end - 1);
+}
+
+/// Why two edges must not have a point in common, and what to do.
+std::string crossing_text(const Piece& piece, std::size_t a, std::size_t b, const Vec2& x) {
+  const std::string place = fmt::format("near ({:.4g}, {:.4g}) m", x[0], x[1]);
+  if (a == b) return fmt::format(", edge {}: it crosses itself {}; correct the curve", a, place);
+  if (piece.loop_of(a).begin == piece.loop_of(b).begin)
+    return fmt::format(
+        ": edges {} and {} cross or touch {}: {} goes round once without a figure of eight; correct the order "
+        "or the place of its points",
+        a, b, place, piece.is_in_outline(a) ? "an outline" : "a hole");
+  return fmt::format(
+      ": edges {} and {} cross or touch {}: {} and {} must be clear of each other; move the hole, make it smaller, or "
+      "draw both as one",
+      a, b, place, loop_name(piece, a), loop_name(piece, b));
+}
+
+void check_holes(const std::string& at, const Piece& piece, const Polygons& polygons) {
+  const auto stray = find_stray(polygons, piece.outline());
+  if (!stray) return;
+  const std::vector<Piece::Loop> loops = piece.loops();
+  const Piece::Loop& loop = loops[stray->loop];
+  if (stray->hole)
+    throw UserError(
+        fmt::format("{}: the loop of edges {} to {} lies inside of {}, where there is no fabric; remove it, or make it "
+                    "a piece of its own",
+                    at, loop.begin, loop.end - 1, loop_name(piece, loops[*stray->hole].begin)));
+  throw UserError(
+      fmt::format("{}: the loop of edges {} to {} lies outside of the outline, so it is no hole; a piece has one "
+                  "outline: draw others as pieces of their own, or move the hole inside",
+                  at, loop.begin, loop.end - 1));
+}
+
+void check_loops(const Pattern& pattern, const Piece& piece) {
   const std::string at = where(pattern, piece);
-  if (piece.edges.size() < 2) throw UserError(fmt::format("{}: an outline has at least two edges", at));
-  std::vector<Vec2> points;
+  for (std::size_t k = 0; k < piece.edges.size(); ++k)
+    if (!(piece.edges[k].curve.length() > 1e-6))
+      throw UserError(fmt::format("{}, edge {}: it has no length; remove it", at, k));
+  Polygons polygons;
   std::vector<std::size_t> edge_of;
-  for (std::size_t k = 0; k < piece.edges.size(); ++k) {
-    const Curve& c = piece.edges[k].curve;
-    if (!(c.length() > 1e-6)) throw UserError(fmt::format("{}, edge {}: it has no length; remove it", at, k));
-    const int parts = c.steps();
-    for (int i = 0; i < parts; ++i) {
-      points.push_back(c.at(static_cast<double>(i) / parts));
-      edge_of.push_back(k);
+  for (const Piece::Loop& loop : piece.loops()) {
+    if (loop.end < loop.begin + 2)
+      throw UserError(fmt::format("{}: {} has at least two edges", at,
+                                  piece.loops().size() == 1 ? "an outline" : loop_name(piece, loop.begin)));
+    std::vector<Vec2>& points = polygons.emplace_back();
+    for (std::size_t k = loop.begin; k < loop.end; ++k) {
+      const std::vector<Vec2> own = polygon_of({piece.edges[k].curve});
+      points.insert(points.end(), own.begin(), own.end());
+      edge_of.insert(edge_of.end(), own.size(), k);
     }
   }
-  if (const auto crossing = find_crossing(points)) {
-    const std::size_t a = edge_of[crossing->first], b = edge_of[crossing->second];
-    const Vec2& x = crossing->place;
-    throw UserError(
-        a == b ? fmt::format("{}, edge {}: it crosses itself near ({:.4g}, {:.4g}) m; correct the curve", at, a, x[0],
-                             x[1])
-               : fmt::format("{}: edges {} and {} cross or touch near ({:.4g}, {:.4g}) m: an outline goes round once "
-                             "without a figure of eight; correct the order or the place of its points",
-                             at, a, b, x[0], x[1]));
-  }
+  if (const auto crossing = find_crossing(polygons))
+    throw UserError(at + crossing_text(piece, edge_of[crossing->first], edge_of[crossing->second], crossing->place));
+  check_holes(at, piece, polygons);
 }
 
 }  // namespace
 
-double Piece::signed_area() const {
+void Piece::add_loop(std::vector<Edge> loop) {
+  if (!edges.empty()) further_loops.push_back(edges.size());
+  edges.insert(edges.end(), std::make_move_iterator(loop.begin()), std::make_move_iterator(loop.end()));
+}
+
+std::vector<Piece::Loop> Piece::loops() const {
+  std::vector<Loop> all{{0, edges.size()}};
+  for (const std::size_t begin : further_loops) {
+    all.back().end = begin;
+    all.push_back({begin, edges.size()});
+  }
+  return all;
+}
+
+Piece::Loop Piece::loop_of(std::size_t edge) const {
+  for (const Loop& loop : loops())
+    if (edge < loop.end) return loop;
+  throw InternalError(fmt::format("piece '{}' has no edge {}", name, edge));
+}
+
+std::size_t Piece::outline() const {
+  const std::vector<Loop> all = loops();
+  std::size_t largest = 0;
+  for (std::size_t k = 1; k < all.size(); ++k)
+    if (std::abs(signed_area(all[k])) > std::abs(signed_area(all[largest]))) largest = k;
+  return largest;
+}
+
+bool Piece::is_in_outline(std::size_t edge) const {
+  return loop_of(edge).begin == loops()[outline()].begin;
+}
+
+std::size_t Piece::next(std::size_t edge) const {
+  const Loop loop = loop_of(edge);
+  return edge + 1 < loop.end ? edge + 1 : loop.begin;
+}
+
+double Piece::signed_area(const Loop& loop) const {
   double sum = 0.0;
-  for (const Edge& e : edges) sum += e.curve.area();
+  for (std::size_t k = loop.begin; k < loop.end; ++k) sum += edges[k].curve.area();
   return sum;
+}
+
+double Piece::signed_area() const {
+  double sum = 0.0, whole = 0.0;
+  for (const Loop& loop : loops()) {
+    const double own = signed_area(loop);
+    sum += std::abs(own);
+    if (std::abs(own) > std::abs(whole)) whole = own;
+  }
+  return std::copysign(2.0 * std::abs(whole) - sum, whole);
 }
 
 std::string text_of(const std::filesystem::path& file) {
@@ -117,7 +198,7 @@ Pattern read_unguarded(const std::filesystem::path& file, const ReadOptions& opt
   if (!options.unfold.empty()) unfold_pieces(pattern, options.unfold);
   for (const Piece& piece : pattern.pieces) {
     check_size(pattern, piece);
-    check_outline(pattern, piece);
+    check_loops(pattern, piece);
   }
   return pattern;
 }

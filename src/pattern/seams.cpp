@@ -25,7 +25,7 @@ std::string edge_name(const std::vector<Panel>& panels, const EdgeUse& e) {
 }
 
 std::size_t corner(const std::vector<Panel>& panels, const EdgeUse& e, bool at_end) {
-  return at_end == e.reversed ? e.edge : (e.edge + 1) % panels[e.panel].piece.edges.size();
+  return at_end == e.reversed ? e.edge : panels[e.panel].piece.next(e.edge);
 }
 
 Vec3 corner_place(const std::vector<Panel>& panels, const EdgeUse& e, bool at_end) {
@@ -94,12 +94,17 @@ class Resolver {
         all.push_back(edge(r, name));
         continue;
       }
-      const std::size_t p = panel(r, name.substr(0, slash), name), n = panels_[p].piece.edges.size();
+      const std::size_t p = panel(r, name.substr(0, slash), name);
+      const Piece& piece = panels_[p].piece;
       const auto from = point_of(p, name.substr(slash + 1, dots - slash - 1)), to = point_of(p, name.substr(dots + 2));
       if (!from || !to || *from == *to)
-        fail(r, fmt::format("'{}': write PIECE/FROM..TO with two points of the piece, which has 0 to {}{}", name, n - 1,
-                            named_points(p)));
-      for (std::size_t k = *from; k != *to; k = (k + 1) % n) all.push_back({p, k, false});
+        fail(r, fmt::format("'{}': write PIECE/FROM..TO with two points of the piece, which has 0 to {}{}", name,
+                            piece.edges.size() - 1, named_points(p)));
+      if (piece.loop_of(*from).begin != piece.loop_of(*to).begin)
+        fail(r, fmt::format("'{}': one of the points is on the outline, or on one hole, and the other on another hole, "
+                            "so no edges lead from one to the other; name points of one of them",
+                            name));
+      for (std::size_t k = *from; k != *to; k = piece.next(k)) all.push_back({p, k, false});
     }
     return all;
   }
@@ -218,11 +223,18 @@ class Resolver {
     side = reversed(side);
   }
 
+  /// Whether a side ends where it begins, as round a hole: then `meet` does not say which way it goes.
+  [[nodiscard]] bool is_closed(const Side& side) const {
+    return side.front().panel == side.back().panel &&
+           corner(panels_, side.front(), false) == corner(panels_, side.back(), true);
+  }
+
   void orient(const SeamRequest& r, SeamLine& line) {
     auto& [a, b] = line.sides;
     if (!r.meet.empty()) {
       begin_at(r, r.meet[0], a);
       begin_at(r, r.meet[1], b);
+      if (is_closed(a) && is_closed(b) && distances(a, reversed(b)).first < distances(a, b).first) b = reversed(b);
       return;
     }
     const double as_is = distances(a, b).first, turned = distances(a, reversed(b)).first;
@@ -266,9 +278,9 @@ class Resolver {
     const EdgeUse &a = line.sides[0].front(), &b = line.sides[1].front();
     if (a.panel != b.panel) return;
     const Panel& p = panels_[a.panel];
-    const std::size_t n = p.piece.edges.size();
     for (const auto& [first, second] : {std::pair{a.edge, b.edge}, std::pair{b.edge, a.edge}}) {
-      if ((first + 1) % n == second) {  // neighbours: their common corner must stay one point
+      const std::size_t between = p.piece.next(first);
+      if (between == second) {  // neighbours: their common corner must stay one point
         const bool tip = corner(panels_, a, false) == corner(panels_, b, false) ||
                          corner(panels_, a, true) == corner(panels_, b, true);
         if (!tip)
@@ -276,21 +288,24 @@ class Resolver {
                fmt::format("seam '{}': edges {} and {} of piece '{}' have point {} in common, but it would be sewn to "
                            "the far end of the other: an edge would collapse; let their far ends meet",
                            line.name, first, second, p.piece.name, second));
-      } else if ((first + 2) % n == second && n > 3) {
-        const double gap = p.piece.edges[(first + 1) % n].curve.length();
+      } else if (p.piece.next(between) == second && p.piece.next(second) != first) {
+        const double gap = p.piece.edges[between].curve.length();
         if (gap < p.size && gap < 0.2 * std::min(line.lengths[0], line.lengths[1]))
           fail(r, fmt::format(
                       "seam '{}': the legs {} and {} of a dart in piece '{}' have no common tip: edge {} of {:.3g} m "
                       "lies between them, shorter than a cell; let both legs end at one point, or make the cells "
                       "smaller",
-                      line.name, first, second, p.piece.name, (first + 1) % n, gap));
+                      line.name, first, second, p.piece.name, between, gap));
       }
     }
   }
 
-  /// +1 if the edges of a piece run round it as its triangles do.
-  [[nodiscard]] int way_round(std::size_t p) const {
-    return (panels_[p].piece.signed_area() > 0.0) != panels_[p].piece.turned ? 1 : -1;
+  /// +1 if the fabric lies on that side of an edge on which it lies of the sides of its triangles: an outline that goes round
+  /// as they do, a hole that goes the other way.
+  [[nodiscard]] int way_round(const EdgeUse& e) const {
+    const Piece& piece = panels_[e.panel].piece;
+    const bool as_triangles = (piece.signed_area(piece.loop_of(e.edge)) > 0.0) != piece.turned;
+    return as_triangles == piece.is_in_outline(e.edge) ? 1 : -1;
   }
 
   /// Whether all seams so far leave a surface with two sides: panels hang together in chains, each with a sense.
@@ -300,7 +315,7 @@ class Resolver {
       for (; chain_[p] != p; p = chain_[p]) sense *= sense_[p];
       return std::pair{p, sense};
     };
-    const auto way = [&](const EdgeUse& e) { return way_round(e.panel) * (e.reversed ? -1 : 1); };
+    const auto way = [&](const EdgeUse& e) { return way_round(e) * (e.reversed ? -1 : 1); };
     const auto tie = [&](const EdgeUse& a, const EdgeUse& b) {
       const int wanted = way(a) * way(b) < 0 ? 1 : -1;
       const auto [p, s] = root(a.panel);

@@ -209,16 +209,22 @@ class SvgReader {
     if (!wanted.empty() && std::find(wanted.begin(), wanted.end(), name) == wanted.end()) return;
     if (is_line) pattern_.notes.push_back(fmt::format("{} is passed over; a piece is a path, polygon or rect", where));
     if (!is_outline) return;
-    std::vector<Curve> curves = element == "path" ? read_svg_path(where, node.attribute("d").value())
-                                : element == "rect"
-                                    ? rectangle(where, node)
-                                    : polygon(where, node.attribute("points").value(), element == "polyline");
+    std::vector<std::vector<Curve>> loops;
+    if (element == "path")
+      loops = read_svg_path(where, node.attribute("d").value());
+    else
+      loops.push_back(element == "rect" ? rectangle(where, node)
+                                        : polygon(where, node.attribute("points").value(), element == "polyline"));
     Piece& piece = pattern_.pieces.emplace_back();
     piece.name = name;
     if (name.empty())
       throw UserError(fmt::format("{}: outline {} has no name; give it or its group an id", pattern_.file.string(),
                                   pattern_.pieces.size() - 1));
-    for (const Curve& c : curves) piece.edges.push_back({c.mapped(place.m, place.shift)});
+    for (const std::vector<Curve>& loop : loops) {
+      std::vector<Edge> edges;
+      for (const Curve& c : loop) edges.push_back({c.mapped(place.m, place.shift)});
+      piece.add_loop(std::move(edges));
+    }
   }
 
   const ReadOptions& options_;

@@ -31,7 +31,7 @@ class PathReader {
  public:
   PathReader(const std::string& where, const std::string& text) : where_(where), text_(text) {}
 
-  std::vector<Curve> run() {
+  std::vector<std::vector<Curve>> run() {
     while (skip(), at_ < text_.size()) {
       const char c = text_[at_];
       if (std::isalpha(static_cast<unsigned char>(c))) {
@@ -42,9 +42,9 @@ class PathReader {
       }
       step();
     }
-    if (curves_.empty()) fail("the path draws nothing; give it an outline");
-    if (!closed_) close(true);
-    return std::move(curves_);
+    if (!curves_.empty()) close(true);
+    if (loops_.empty()) fail("the path draws nothing; give it an outline");
+    return std::move(loops_);
   }
 
  private:
@@ -81,19 +81,17 @@ class PathReader {
   void draw(Curve curve, const Vec2& to) {
     if (closed_)
       fail(
-          "something is drawn after the outline is closed: a piece has one outline and no holes; put each "
-          "piece into a path of its own");
+          "something is drawn after a loop is closed (command Z); begin each hole by a command M, and put each piece "
+          "into "
+          "a path of its own");
     if (curve.length() > 0.0) curves_.push_back(std::move(curve));
     here_ = to;
   }
   void line(const Vec2& to) { draw(Curve::bezier({here_, to}), to); }
 
   void begin(const Vec2& at) {
-    if (!curves_.empty())
-      fail(
-          fmt::format("the path has more than one outline (the second begins at character {}): a piece has one, "
-                      "without holes; put each piece into a path of its own",
-                      at_));
+    if (!curves_.empty()) close(true);
+    closed_ = false;
     start_ = here_ = at;
   }
 
@@ -106,8 +104,11 @@ class PathReader {
       fail(
           fmt::format("the outline is open: its end is {:.4g} units away from its beginning, after edge {}; close the "
                       "path (command Z)",
-                      gap, curves_.size() - 1));
+                      gap, edges_before_ + curves_.size() - 1));
     if (gap > 1e-6 * size) line(start_);
+    edges_before_ += curves_.size();
+    if (!curves_.empty()) loops_.push_back(std::move(curves_));
+    curves_.clear();
     closed_ = true;
     here_ = start_;
   }
@@ -180,12 +181,14 @@ class PathReader {
   char command_ = 0, previous_ = 0;
   Vec2 start_ = Vec2::Zero(), here_ = Vec2::Zero(), mirror_ = Vec2::Zero();
   bool closed_ = false;
-  std::vector<Curve> curves_;
+  std::vector<Curve> curves_;  ///< of the loop that is being drawn
+  std::vector<std::vector<Curve>> loops_;
+  std::size_t edges_before_ = 0;  ///< in loops_
 };
 
 }  // namespace
 
-std::vector<Curve> read_svg_path(const std::string& where, const std::string& commands) {
+std::vector<std::vector<Curve>> read_svg_path(const std::string& where, const std::string& commands) {
   return PathReader(where, commands).run();
 }
 

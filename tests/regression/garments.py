@@ -232,6 +232,43 @@ def garment_dxf(report):
 
 
 @test
+def garment_holes(report):
+    """A patch sewn into a hole and a lens sewn to itself leave a sheet with the hole that is left; wrong holes are refused."""
+    lens = "M 200 40 Q 210 100 200 160 Q 190 100 200 40 Z"
+    sheet = svg("garment_holes.svg", f'<path id="sheet" d="M 0 0 H 300 V 200 H 0 Z M 40 60 H 120 V 140 H 40 Z {lens} M 240 90 h 30 v 30 h -30 Z"/>', rectangle("patch", 0.08, 0.08))
+    case = tube(panel=[{"file": sheet, "pieces": ["sheet"], "size": 0.02}, {"file": sheet, "pieces": ["patch"], "size": 0.02, "translate": [0.04, 0.01, -0.06]}],
+                seam=[{"name": "patch", "edges": ["sheet/4..7", "sheet/7"], "to": ["patch/0..3", "patch/3"], "meet": ["sheet@4", "patch@0"]},
+                      {"name": "lens", "edges": ["sheet/8"], "to": ["sheet/9"], "meet": ["sheet@8", "sheet@8"]}], spring=[],
+                stage=[{"name": "sew", "analysis": "dynamic", "sew": ["all"], "time": {"end": 0.3, "step": 0.01}, "damping": {"mass": 20.0}},
+                       {"name": "rest", "analysis": "dynamic", "time": {"end": 0.32, "step": 0.01}}])
+    code, text = invoke(["check", write_case(case, OUT / "garment_holes.toml")], 2)
+    area = 0.06 - 0.0064 - 2 * 2 / 3 * 0.12 * 0.005 - 0.0009
+    report.check(code == 0 and f"'sheet': {area:.6g} m^2" in text and "14 edges" in text and "3 holes" in text, f"check: code {code}")
+    result = solve("garment_holes", case, 2)
+    h = part(result, "sew").history
+    report.check(h["seam_gap"][0] > 0.009, f"seams start {h['seam_gap'][0]:.4f} m apart")
+    report.below(h["seam_gap"][-1], 1e-4, "and close to [m]")
+    report.check(h["intersections"].max() == 0, "no intersection")
+    end = Results(result.folder / "rest")[0].mesh
+    edges, count = np.unique(np.sort(end.triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1), axis=0, return_counts=True)
+    report.near(len(end.positions) - len(edges) + len(end.triangles), 0, 0, "Euler's number: a sheet with one hole")
+    report.check((count <= 2).all(), "a manifold")
+    panels = part(result, "rest").summary["garment"]["panels"]
+    report.near(sum(p["area"] for p in panels), area + 0.0064, 3e-5, "area of the fabric [m^2]")
+
+    def refused(what, loops, *words):
+        wrong = svg("garment_holes_wrong.svg", f'<path id="sheet" d="M 0 0 H 300 V 200 H 0 Z {loops}"/>')
+        code, text = invoke(["check", write_case(tube(panel=[{"file": wrong}], seam=[], spring=[]), OUT / "garment_holes_wrong.toml")])
+        report.check(code == 2 and all(w in text for w in ("piece 'sheet'", *words)), f"{what}: code {code}: {' '.join(text.split())[:260]}")
+
+    refused("a hole outside", "M 310 10 h 9 v 9 Z", "edges 4 to 6", "no hole", "pieces of their own")
+    refused("a hole across", "M 290 10 h 30 v 9 Z", "edges 1 and 4", "the hole (edges 4 to 6)", "move the hole")
+    refused("a hole that touches", "M 300 50 l -20 10 v -20 Z", "near (0.3, -0.05) m", "clear of each other")
+    refused("holes across each other", "M 10 10 h 50 v 50 Z M 40 10 h 50 v 50 Z", "the hole (edges 4 to 6)", "the hole (edges 7 to 9)")
+    refused("a hole within a hole", "M 10 10 h 50 v 50 h -50 Z M 20 20 h 9 v 9 Z", "edges 8 to 10", "inside of the hole (edges 4 to 7)")
+
+
+@test
 def garment_refused(report):
     """Patterns and seams that cannot be: each mistake is named with its file and remedy; nothing crashes."""
     def refused(what, case, *words, ranks=1):
@@ -257,6 +294,20 @@ def garment_refused(report):
     refused("one name for two", tube(panel=[{"file": svg("garment_two.svg", rectangle("a", 0.2, 0.1), rectangle("b", 0.2, 0.1)), "name": "c"}], seam=[]), "is for one piece")
     refused("another key of a mesh", tube(mesh={"size": 0.1}), "mesh.size", "[[panel]]")
     refused("a cylinder too thin", panel(wrap_radius=0.05), "'tube'", "overlap itself")
+    refused("a cone whose apex is in the piece", panel(wrap_angle=30, wrap_radius=0.05), "'tube'", "would pass the apex")
+    refused("a piece too wide for a cone", panel(wrap_angle=5), "'tube'", "overlap itself on a cone")
+    refused("a cone of no direction", panel(wrap_axis=[0, 0, 0]), "panel.wrap_axis", "must not be zero")
+    refused("a cone without an axis", tube(panel=[{"file": tube()["panel"][0]["file"], "wrap_angle": 5}]), "panel.wrap_axis", "wrap_angle is about an axis")
+    refused("an axis twice", panel(wrap_end=[0, 0, 1]), "panel.wrap_axis", "remove one")
+    two = panel(wrap_point=[0, 0, -HEIGHT], wrap_end=[0, 0, 0], wrap_radii=[0.11, 0.13])
+    del two["panel"][0]["wrap_axis"]
+    refused("an angle beside two radii", {**two, "panel": [two["panel"][0] | {"wrap_angle": 5}]}, "panel.wrap_radii", "remove those")
+    refused("three radii", {**two, "panel": [two["panel"][0] | {"wrap_radii": [1, 2, 3]}]}, "panel.wrap_radii", "two numbers")
+    refused("an end without length", {**two, "panel": [two["panel"][0] | {"wrap_end": [0, 0, -HEIGHT]}]}, "panel.wrap_end", "another point")
+    refused("radii without an end", panel(wrap_radii=[0.1, 0.2]), "panel.wrap_end", "the second of wrap_radii")
+    code, text = invoke(["check", write_case(two, OUT / "garment_cone.toml")])
+    report.check(code == 0 and "'side'" in text, f"a cone of two radii: code {code}: {text[-200:] if code else ''}")
+    refused("a cone that begins with its apex", {**two, "panel": [two["panel"][0] | {"wrap_point": [0, 0, -0.1], "wrap_end": [0, 0, -0.05], "wrap_radii": [0, 0.03]}]}, "apex of the cone at (0, 0, -0.1) m")
     refused("a leaning axis", panel(wrap_axis=[0, 0.2, 1]), "leans by")
     refused("a twisted seam", tube(seam=[{"name": "side", "edges": ["tube/1"], "to": ["tube/3"], "meet": ["tube@1", "tube@3"]}]), "'side'", "twist")
     refused("an edge sewn twice", tube(seam=[{"edges": ["tube/1"], "to": ["tube/3"]}, {"edges": ["tube/1"], "to": ["tube/0"]}]), "tube/1 is in a seam already")
@@ -473,3 +524,38 @@ def garment_tshirt(report):
     turned = Results(result.folder / "turn")[-1].positions - end.positions
     report.check(turned[:, 1].max() > 0.03 and turned[:, 1].min() < -0.03, f"one side goes forward, the other back: {turned[:, 1].min():.3f}, {turned[:, 1].max():.3f} m")
     report.check(end.positions[:, 2].max() > 1.4, f"it hangs on the shoulders, up to {end.positions[:, 2].max():.3f} m")
+
+
+@test
+def garment_sewn_dress(report):
+    """The dress of runs/garments with coarse cells: half pieces unfold, four darts, sides, shoulders and waist close round the figure; welded it is one sheet without a dart."""
+    file = ROOT / "runs" / "garments" / "dress" / "case.toml"
+    case = tomllib.loads(file.read_text())
+    for panel in case["panel"]:
+        panel |= {"file": str(file.parent / panel["file"]), "size": 0.06}
+    OUT.mkdir(parents=True, exist_ok=True)
+    figure = OUT / "garment_dress_figure.obj"
+    code, text = invoke(["manikin", figure, "--arms", 53, "--size", 0.05])
+    report.check(code == 0, f"manikin: code {code}: {text[-200:]}")
+    body = case["obstacle"][0]
+    for key in ("frames", "frames_per_second", "frames_start"):
+        del body[key]
+    case["obstacle"] = [body | {"file": str(figure)}]
+    case["material"] = [CLOTH]
+    case["load"][0]["stages"] = ["rest"]
+    case["stage"] = [case["stage"][0], {"name": "rest", "analysis": "dynamic", "time": {"end": 1.22, "step": 0.01}}]
+    case["stage"][0]["time"]["step"] = 0.01
+    result = solve("garment_sewn_dress", case)
+    h = part(result, "sew").history
+    report.check(h["seam_gap"][0] > 0.25, f"seams start {h['seam_gap'][0]:.2f} m apart")
+    report.below(h["seam_gap"][-1], 1e-4, "and close to [m]")
+    for stage in ("sew", "rest"):
+        report.check(part(result, stage).history["intersections"].max() == 0, f"{stage}: no intersection")
+    before, after = Results(result.folder / "sew")[-1], Results(result.folder / "rest")[0]
+    report.below(abs(masses(after).sum() / masses(before).sum() - 1), 1e-12, "the weld keeps mass, relative")
+    edges, count = np.unique(np.sort(after.mesh.triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1), axis=0, return_counts=True)
+    report.check((count <= 2).all(), "the welded mesh is a manifold")
+    # Borders: neck, two armholes and the hem, so that Euler's number of the sphere loses four.
+    report.near(len(after.positions) - len(edges) + len(after.mesh.triangles), 2 - 4, 0, "Euler's number")
+    seams = {s["name"] for s in part(result, "rest").summary["garment"]["seams"]}
+    report.check(len(seams) == 12 and "front waist" in seams, f"{len(seams)} seams are measured")

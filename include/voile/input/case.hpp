@@ -43,9 +43,12 @@ struct PanelSection {
   enum class Euler { zyx, xyz };
   Euler euler = Euler::zyx;  ///< order of the file's rotations: R = Rz Ry Rx or Rx Ry Rz
   io::Placement placement{.up_axis = io::Placement::UpAxis::y};
-  std::optional<Vec3> wrap_axis;   ///< direction of the axis of the cylinder they are wrapped on; absent: flat
+  /// Of the cylinder or cone they are wrapped on: direction of its axis, or a second point on it; neither: flat.
+  std::optional<Vec3> wrap_axis, wrap_end;
   Vec3 wrap_point = Vec3::Zero();  ///< a point on it [m]
-  double wrap_radius = 0.0;        ///< [m]; 0: the distance of each piece from the axis
+  double wrap_radius = 0.0;        ///< there [m]; 0: the distance of each piece from the axis
+  double wrap_angle = 0.0;         ///< half of the cone's, positive if it widens along the axis [rad]
+  std::vector<double> wrap_radii;  ///< at wrap_point and at wrap_end, in place of both [m]; may be empty
 };
 
 /// Edges sewn to edges. "PANEL/EDGE", points as "PANEL@POINT".

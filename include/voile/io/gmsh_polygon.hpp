@@ -8,15 +8,17 @@
 
 namespace voile::io {
 
-/// A closed polygon without crossings, either way round; its corners become vertices, its sides edges as they are.
+/// A polygon that may have holes: closed loops without crossings, either way round; their corners become vertices, their sides
+/// edges as they are.
 struct Polygon {
-  std::string name;  ///< for messages
-  std::vector<Vec2> points;
-  double size = 0.0;  ///< edge length wanted inside, > 0
+  std::string name;                      ///< for messages
+  std::vector<std::vector<Vec2>> loops;  ///< the outline and the holes in it
+  std::size_t outline = 0;               ///< which of them that is
+  double size = 0.0;                     ///< edge length wanted inside, > 0
 };
 
 struct Triangulation {
-  std::vector<Vec2> points;               ///< first those of the polygon, in their order
+  std::vector<Vec2> points;               ///< first those of the loops, in their order
   std::vector<mesh::Triangle> triangles;  ///< counter-clockwise
 };
 

@@ -1,9 +1,10 @@
 // Sewing patterns as files hold them: pieces with their outlines, places and stitches.
 //
 // Symbols   (x, y)  coordinates in the plane of a piece [m], y up      X = R (x, y, 0) + t  its place in the file's space
-// Edge k of a piece runs from point k to point k + 1 (modulo their number). A piece that unfolds across an edge is drawn to
-// half: its edges count from the one after the fold, round the half and then round its mirror image. The right side of the fabric is where z > 0,
-// or z < 0 if the piece is `turned`.
+// A piece has an outline and may have holes, each a closed loop of edges, either way round; edges count through all loops in the order of the
+// file, and edge k begins at point k. A piece that unfolds across an edge is drawn to
+// half: its edges count from the one after the fold, round the half and then round its mirror image; then come the holes. The right side of the
+// fabric is where z > 0, or z < 0 if the piece is `turned`.
 #pragma once
 
 #include <array>
@@ -22,7 +23,8 @@ struct Edge {
 
 struct Piece {
   std::string name;
-  std::vector<Edge> edges;  ///< a closed loop
+  std::vector<Edge> edges;                   ///< of all loops
+  std::vector<std::size_t> further_loops{};  ///< the first edge of each loop but the first
   /// Of the points, one each or none: of a DXF the corners c0, c1, ... and the notches n0, n1, ..., mirrored ones with '.
   std::vector<std::string> point_names{};
   Vec2 grain = Vec2::UnitY();  ///< direction of the grain line in the plane of the piece, a unit vector
@@ -30,8 +32,23 @@ struct Piece {
   Mat3 rotation = Mat3::Identity();  ///< R
   Vec3 translation = Vec3::Zero();   ///< t [m]
 
+  /// Edges begin to end - 1.
+  struct Loop {
+    std::size_t begin, end;
+  };
+
   [[nodiscard]] Vec2 point(std::size_t k) const { return edges[k % edges.size()].curve.start(); }
+  void add_loop(std::vector<Edge> loop);
+  [[nodiscard]] std::vector<Loop> loops() const;
+  [[nodiscard]] Loop loop_of(std::size_t edge) const;
+  /// Of loops(), that which goes round the largest area; the others are holes.
+  [[nodiscard]] std::size_t outline() const;
+  [[nodiscard]] bool is_in_outline(std::size_t edge) const;
+  /// The edge that begins where this one ends.
+  [[nodiscard]] std::size_t next(std::size_t edge) const;
   /// By Green's theorem, positive if the loop goes round counter-clockwise. [m^2]
+  [[nodiscard]] double signed_area(const Loop& loop) const;
+  /// Without the holes, with the sign of the outline. [m^2]
   [[nodiscard]] double signed_area() const;
 };
 
@@ -68,7 +85,8 @@ struct ReadOptions {
   std::string unfold{};               ///< edge, by number or label, across which each piece unfolds; empty: none
 };
 
-/// Reads a GarmentCode .json, an .svg or an ASCII .dxf. Outlines are checked: closed, no edge without length, no crossing. Stitches of
+/// Reads a GarmentCode .json, an .svg or an ASCII .dxf. Loops are checked: closed, no edge without length, no crossing, holes inside of
+/// the outline and not of each other. Stitches of
 /// pieces that are not wanted are left out. Throws UserError that names file, piece, edge and remedy.
 [[nodiscard]] Pattern read_pattern(const std::filesystem::path& file, const ReadOptions& options);
 

@@ -14,11 +14,14 @@
 
 namespace voile::pattern {
 
-/// A cylinder onto which planes that touch it, or are parallel to its axis, are bent without stretch.
+/// A cylinder or cone onto which planes parallel to its axis are bent without stretch. The line of the plane that is nearest to
+/// the axis becomes a straight line of the surface, on the same side of the axis; its point at the height of `point` comes to the distance `radius`
+/// from the axis, and of a cone it leans about that point.
 struct Wrap {
   Vec3 axis = Vec3::UnitZ();  ///< a unit vector
   Vec3 point = Vec3::Zero();  ///< on the axis [m]
-  double radius = 0.0;        ///< [m]; 0: the distance of the plane from the axis
+  double radius = 0.0;        ///< at that point [m]; 0: the distance of the plane from the axis
+  double half_angle = 0.0;    ///< of a cone [rad], positive if it widens along the axis; 0: a cylinder
 };
 
 /// A piece that is cut, and where it begins.
@@ -34,6 +37,9 @@ struct Panel {
   [[nodiscard]] Vec3 place(const Vec2& x) const;
   /// Throws UserError if the piece cannot be wrapped as asked.
   void check_wrap() const;
+
+ private:
+  [[nodiscard]] Vec3 flat_place(const Vec2& x) const;  ///< before it is wrapped
 };
 
 /// What is asked for: names as a case writes them, or a stitch of a file.

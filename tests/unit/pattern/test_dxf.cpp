@@ -180,6 +180,38 @@ TEST_CASE("DXF: a half unfolds across its mirror line") {
   CHECK(has(refusal("p.dxf", blocks(block("B", polyline("1", half) + line("6", {50, 0}, {50, 100})))), "mirror line"));
 }
 
+TEST_CASE("DXF: outlines within outlines and cutouts are holes") {
+  const std::string circle = entity("CIRCLE", "a", pairs(10, {{60, 60}}) + groups({{40, "30"}}));
+  const auto read_all = [](const std::string& text) { return read("p.dxf", text).pieces; };
+  // A piece beside it, and one within the hole.
+  const std::vector<pattern::Piece> pieces =
+      read_all(drawing(circle + polyline("a", square) + polyline("a", {{300, 0}, {400, 0}, {400, 100}, {300, 100}}) +
+                       polyline("a", {{50, 50}, {70, 50}, {70, 70}, {50, 70}})));
+  REQUIRE(pieces.size() == 3);
+  CHECK(pieces[0].name == "a-0");
+  CHECK(std::abs(pieces[0].signed_area() - (0.04 - 9e-4 * std::numbers::pi)) < 1e-9);
+  CHECK(pieces[0].edges.size() == 6);
+  CHECK(std::abs(pieces[1].signed_area() - 0.01) < 1e-12);
+  CHECK(std::abs(pieces[2].signed_area() - 4e-4) < 1e-12);
+  const pattern::Piece only = piece(drawing(polyline("a", square) + circle));
+  CHECK(only.name == "a");
+  CHECK(only.loops().size() == 2);
+  // Layer 11 of a block, drawn to half: a hole beside the fold and one across it.
+  const std::string half = polyline("1", {{0, 0}, {100, 0}, {100, 200}, {0, 200}}) + line("6", {0, 210}, {0, -10});
+  const std::string beside = polyline("11", {{30, 30}, {60, 30}, {60, 60}, {30, 60}}),
+                    across = polyline("11", {{0, 100}, {20, 100}, {20, 150}, {0, 150}}, false);
+  const pattern::Piece p = piece(blocks(block("B", half + beside + across)));
+  CHECK(p.loops().size() == 4);
+  CHECK(std::abs(p.signed_area() - (0.04 - 2.0 * 9e-4 - 0.04 * 0.05)) < 1e-12);
+  CHECK(p.point_names == std::vector<std::string>{"c0",   "c1",   "c2",   "c3",    "c2'",   "c1'",   "h0c0",
+                                                  "h0c1", "h0c2", "h0c3", "h0c0'", "h0c3'", "h0c2'", "h0c1'",
+                                                  "h1c0", "h1c1", "h1c2", "h1c3",  "h1c2'", "h1c1'"});
+  const std::string outside = polyline("11", {{150, 30}, {160, 30}, {160, 40}});
+  CHECK(has(refusal("p.dxf", blocks(block("B", half + outside))), "outside of the outline"));
+  CHECK(has(refusal("p.dxf", blocks(block("B", half + line("11", {30, 30}, {60, 60})))),
+            "layer 11: the outline is open"));
+}
+
 TEST_CASE("DXF: the unit is stated or asked for") {
   const std::string content = polyline("front", square);
   const auto side = [&](const std::string& head, const pattern::ReadOptions& o = {}) {

@@ -146,6 +146,78 @@ TEST_CASE("a panel sewn to itself: a tube, a dart, and what is refused") {
   CHECK(has(message, "edge 2"));
 }
 
+TEST_CASE("holes are cut out of the mesh, and their edges are sewn as others") {
+  // A sheet with a square hole, and a patch that fills it, drawn the other way round and from another corner.
+  Panel sheet = rectangle("A", 0.6, 0.5, 0.03);
+  sheet.piece.add_loop(rectangle("hole", 0.2, 0.1, 0.03).piece.edges);
+  for (std::size_t k = 4; k < 8; ++k)
+    sheet.piece.edges[k].curve = sheet.piece.edges[k].curve.mapped(Mat2::Identity(), {0.2, 0.15});
+  const pattern::Garment open = pattern::make_garment({sheet}, {});
+  const mesh::SurfaceMesh cut(open.mesh);
+  CHECK(cut.group("A/0", 1).segments.size() == 20);
+  CHECK(cut.group("A/4", 1).segments.size() == 7);
+  for (const Index v : cut.group("A/6", 1).vertices)
+    CHECK(cut.positions()[v][1] == doctest::Approx(0.25).epsilon(1e-12));
+  const auto measures = [](const mesh::SurfaceMesh& m) {
+    Index boundary = 0;
+    double area = 0.0;
+    for (Index t = 0; t < m.triangle_count(); ++t) {
+      area += m.area(t);
+      for (int s = 0; s < 3; ++s) boundary += m.neighbour(t, s) == no_index ? 1 : 0;
+    }
+    const Index v = m.vertex_count(), f = m.triangle_count(), e = (3 * f + boundary) / 2;
+    return std::pair{area, v - e + f};  // the second is 1 for a disc, 0 for a ring
+  };
+  CHECK(measures(cut).first == doctest::Approx(0.3 - 0.02).epsilon(1e-12));
+  CHECK(measures(cut).second == 0);
+  CHECK(std::abs(sheet.piece.signed_area() - 0.28) < 1e-15);
+  CHECK(pattern::garment_text(open, {1.0})
+            .find("'A': 0.28 m^2, 0.28 kg, 0.6 m x 0.5 m, 8 edges of 2.8 m together, 1 hole\n") != std::string::npos);
+  Panel patch = moved(rectangle("P", 0.1, 0.2, 0.03), {0.4, 0.15, 0});
+  patch.turn << 0, -1, 0, 1, 0, 0, 0, 0, 1;  // its edge 0 goes up where the right side of the hole is
+  const std::vector<std::string> round{"A/4..7", "A/7"};
+  const std::vector<std::string> about{"P/3", "P/0", "P/1", "P/2"}, back{"P/2", "P/1", "P/0", "P/3"};
+  for (const auto& [to, meet] :
+       {std::pair{about, std::vector<std::string>{}}, {about, {"A@4", "P@3"}}, {back, {"A@4", "P@3"}}}) {
+    const pattern::Garment g = pattern::make_garment({sheet, patch}, {seam(round, to, meet)});
+    CHECK(g.mesh.seams[0].pairs.size() == 22);  // 7 + 4 + 7 + 4 cells, round and back
+    for (const auto& [v, w] : g.mesh.seams[0].pairs) CHECK((g.mesh.positions[v] - g.mesh.positions[w]).norm() < 1e-12);
+    const std::vector<double> mass(g.mesh.positions.size(), 1.0);
+    const mesh::SurfaceMesh whole(mesh::weld(g.mesh, mesh::open_seams(g.mesh, {"all"}), g.mesh.positions, mass).data);
+    CHECK(measures(whole).first == doctest::Approx(0.3).epsilon(1e-12));
+    CHECK(measures(whole).second == 1);
+  }
+  CHECK(has(refusal_of({sheet, patch}, {seam({"A/2..5"}, {"P/0"})}), "no edges lead from one to the other"));
+  // The lower side of the hole goes as the lower edge does, and the strip between them becomes a tube, or a Moebius strip.
+  CHECK(refusal_of({sheet}, {seam({"A/0"}, {"A/4"}, {"A@0", "A@4"})}).empty());
+  CHECK(has(refusal_of({sheet}, {seam({"A/0"}, {"A/4"}, {"A@0", "A@5"})}), "twist"));
+}
+
+TEST_CASE("a hole with two sides that are sewn to each other is a dart with two tips") {
+  Panel p = rectangle("A", 0.4, 0.6, 0.025);
+  using pattern::Curve;
+  p.piece.add_loop(
+      {{Curve::bezier({{0.2, 0.1}, {0.23, 0.3}, {0.2, 0.5}})}, {Curve::bezier({{0.2, 0.5}, {0.17, 0.3}, {0.2, 0.1}})}});
+  const pattern::Garment g = pattern::make_garment({p}, {seam({"A/4"}, {"A/5"}, {"A@4", "A@4"})});
+  const std::vector<double> mass(g.mesh.positions.size(), 1.0);
+  const mesh::SurfaceMesh sewn(mesh::weld(g.mesh, mesh::open_seams(g.mesh, {"all"}), g.mesh.positions, mass).data);
+  Index boundary = 0;
+  for (Index t = 0; t < sewn.triangle_count(); ++t)
+    for (int s = 0; s < 3; ++s) boundary += sewn.neighbour(t, s) == no_index ? 1 : 0;
+  const Index f = sewn.triangle_count();
+  CHECK(sewn.vertex_count() - (3 * f + boundary) / 2 + f == 1);
+  CHECK(boundary == 80);  // that of the rectangle
+  CHECK(has(refusal_of({p}, {seam({"A/4"}, {"A/5"}, {"A@4", "A@5"})}), "collapse"));
+  // A small hole beside a bent side of which coarse cells cut it off.
+  Panel bent = p;
+  bent.piece.edges[1].curve = Curve::bezier({{0.4, 0.0}, {0.8, 0.3}, {0.4, 0.6}});
+  bent.piece.edges[4].curve = Curve::bezier({{0.5815, 0.222}, {0.584, 0.225}, {0.5815, 0.228}});
+  bent.piece.edges[5].curve = Curve::bezier({{0.5815, 0.228}, {0.579, 0.225}, {0.5815, 0.222}});
+  CHECK(refusal_of({bent}, {}).empty());
+  bent.size = 0.5;
+  CHECK(has(refusal_of({bent}, {}), "too coarse"));
+}
+
 TEST_CASE("seams that cannot be are refused with seam, piece and edge") {
   const std::vector<Panel> panels{rectangle("A", 0.3, 0.4, 0.1), moved(rectangle("B", 0.3, 0.4, 0.1), {0.4, 0, 0}),
                                   moved(rectangle("C", 0.3, 0.05, 0.02), {0.4, 0.5, 0})};
@@ -187,6 +259,95 @@ TEST_CASE("a piece on a cylinder keeps its lengths; one that cannot be wrapped i
   CHECK(has(refusal_of({p}, {}), "leans by"));
   p.wrap = pattern::Wrap{Vec3::UnitZ(), Vec3::Zero(), 0.05};
   CHECK(has(refusal_of({p}, {}), "overlap itself"));
+}
+
+TEST_CASE("a piece on a cone keeps its lengths: isometric to round-off, between any two points") {
+  // An upright plane 0.3 m in front of an oblique axis, up to the width of 3 radians round the cone.
+  const Vec3 axis = Vec3(1, 2, 2) / 3.0, normal = Vec3(2, 1, -2) / 3.0, across = axis.cross(normal);
+  for (const double half_angle : {0.5, -0.5, 0.05, -1.2, 1.4}) {
+    INFO(half_angle);
+    const double radius = 0.4, slope = std::tan(half_angle);
+    Panel p = rectangle("A", 0.6, 0.3, 0.02);
+    p.turn.col(0) = across;
+    p.turn.col(1) = axis;
+    p.turn.col(2) = across.cross(axis);
+    const Vec3 foot(0.1, 0.2, 0.3);
+    p.shift = foot + 0.3 * normal - 0.25 * across - 0.1 * axis;
+    p.wrap = pattern::Wrap{axis, foot, radius, half_angle};
+    // Where it comes to, in coordinates of the cone: way from the apex and angle round the axis.
+    const Vec3 apex = foot - radius / slope * axis;
+    const auto on_cone = [&](const Vec2& x) {
+      const Vec3 d = p.place(x) - foot;
+      const double height = d.dot(axis), r = (d - height * axis).norm();
+      CHECK(std::abs(r - (radius + height * slope)) < 1e-12);
+      return std::pair{(p.place(x) - apex).norm(), std::atan2(d.dot(across), d.dot(normal))};
+    };
+    double worst = 0.0;
+    std::vector<Vec2> points;
+    for (int i = 0; i <= 6; ++i)
+      for (int j = 0; j <= 4; ++j) points.emplace_back(0.1 * i, 0.075 * j);
+    for (const Vec2& x : points)
+      for (const Vec2& y : points) {  // the cone unrolled: the law of cosines at its apex
+        const auto [a, u] = on_cone(x);
+        const auto [b, v] = on_cone(y);
+        const double angle = (u - v) * std::sin(std::abs(half_angle)), half = std::sin(0.5 * angle);
+        const double way = std::sqrt(std::pow(a - b, 2) + 4.0 * a * b * half * half);
+        worst = std::max(worst, std::abs(way - (x - y).norm()));
+      }
+    CHECK(worst < 1e-12 * std::max(1.0, radius / std::sin(std::abs(half_angle))));
+    // Its middle line stays straight and begins at the radius asked for; a line of it is a ray from the apex.
+    const Vec3 low = p.place({0.25, 0.1}), high = p.place({0.25, 0.3});
+    CHECK((low - (foot + radius * normal)).norm() < 1e-12);
+    CHECK(std::abs((high - low).norm() - 0.2) < 1e-12);
+    CHECK((high - low).normalized().dot(axis) == doctest::Approx(std::cos(half_angle)).epsilon(1e-12));
+    // All round: an arc of the plane about the point that becomes the apex is an arc about the axis of its own length.
+    const double way = std::abs(radius / std::sin(half_angle)), turned = 0.3 * std::sin(std::abs(half_angle));
+    const Vec2 centre(0.25, 0.1 - radius / std::sin(half_angle));
+    const double sense = half_angle > 0.0 ? 1.0 : -1.0;
+    const Vec3 from = p.place({0.25, 0.1}),
+               to = p.place(centre + way * Vec2(std::sin(turned), sense * std::cos(turned)));
+    CHECK(std::abs((to - from).norm() - 2.0 * radius * std::sin(0.15)) < 1e-11);
+    CHECK(std::abs((to - from).dot(axis)) < 1e-11);
+  }
+  // A cone with hardly an angle is the cylinder.
+  Panel p = rectangle("A", 0.6, 0.3, 0.02);
+  p.turn << 1, 0, 0, 0, 0, -1, 0, 1, 0;
+  p.shift = {-0.3, -0.25, 1.0};
+  p.wrap = pattern::Wrap{Vec3::UnitZ(), Vec3(0, 0, 1.1), 0.0};
+  const Vec3 cylinder = p.place({0.1, 0.3});
+  p.wrap->half_angle = 1e-6;
+  CHECK((p.place({0.1, 0.3}) - cylinder).norm() < 1e-6);
+}
+
+TEST_CASE("a piece that would pass the apex of its cone, or overlap itself on it, is refused") {
+  Panel p = rectangle("A", 0.6, 0.3, 0.02);
+  p.turn << 1, 0, 0, 0, 0, -1, 0, 1, 0;
+  p.shift = {-0.3, -0.25, 1.0};
+  const auto says = [&](double from, double radius, double half_angle, const char* part) {
+    p.wrap = pattern::Wrap{Vec3::UnitZ(), Vec3(0, 0, from), radius, half_angle};
+    const std::string message = refusal_of({p}, {});
+    INFO(message);
+    CHECK((part ? has(message, part) && has(message, "piece 'A'") : message.empty()));
+  };
+  const double third = std::numbers::pi / 6.0;
+  says(1.0, 0.25, third, nullptr);
+  says(1.3, 0.25, -third, nullptr);
+  says(1.0, 0.25, -third, nullptr);                // 0.5 m from the apex, the far end of the piece 0.2 m
+  says(1.0, 0.1, -third, "would pass the apex");   // in the middle of the piece, after 0.2 m
+  says(1.0, 0.15, -third, "would pass the apex");  // on its edge
+  says(1.4, 0.1, third, "would pass the apex");    // 0.2 m below 1.4, so in the piece
+  says(2.0, 0.1, third, "would pass the apex");    // all of it beyond
+  says(1.0, 0.1, -third, "the apex of the cone at (0, 0, 1.173) m");
+  says(1.0, 0.02, 0.4, "overlap itself on a cone, which unrolls to 140.2 degrees");
+  says(1.0, 0.08, 0.1, "overlap itself");
+  says(1.0, 0.1, 0.02, nullptr);
+  says(1.0, 0.09, -0.02, "overlap itself");  // the upper edge comes nearer to the axis
+  // A piece that lies round the apex as a horseshoe: the middle is out of it.
+  p.piece.edges.clear();
+  const std::vector<Vec2> x{{0, 0}, {0.6, 0}, {0.6, 0.5}, {0.4, 0.5}, {0.4, 0.2}, {0.2, 0.2}, {0.2, 0.5}, {0, 0.5}};
+  for (std::size_t k = 0; k < 8; ++k) p.piece.edges.push_back({pattern::Curve::bezier({x[k], x[(k + 1) % 8]})});
+  says(1.0, 0.35 * std::sin(1.4), -1.4, nullptr);
+  says(1.0, 0.35 * std::sin(0.9), -0.9, "overlap itself");
 }
 
 TEST_CASE("cells too coarse for an outline are named") {

@@ -48,6 +48,35 @@ TEST_CASE("GarmentCode: lines, units, place") {
   CHECK(piece(file(clockwise)).turned);
 }
 
+TEST_CASE("GarmentCode: edges that begin anew after a closed loop are holes") {
+  const auto pattern_of = [](const std::string& edges) {
+    return fmt::format(R"({{"pattern": {{"panels": {{"P": {{"translation": [0, 0, 0], "rotation": [0, 0, 0], "vertices":
+      [[0, 0], [100, 0], [100, 100], [0, 100], [40, 40], [60, 40], [50, 70]], "edges": [{}]}}}}}}}})",
+                       edges);
+  };
+  const auto loop = [](const std::vector<int>& points) {
+    std::string text;
+    for (std::size_t k = 0; k < points.size(); ++k)
+      text +=
+          fmt::format(R"({}{{"endpoints": [{}, {}]}})", k > 0 ? ", " : "", points[k], points[(k + 1) % points.size()]);
+    return text;
+  };
+  const std::string outline = loop({0, 1, 2, 3}), hole = loop({4, 5, 6}), back = loop({0, 3, 2, 1});
+  const pattern::Piece p = piece(pattern_of(outline + ", " + hole));
+  CHECK(std::abs(p.signed_area() - (1.0 - 0.5 * 0.2 * 0.3)) < 1e-12);
+  CHECK(!p.turned);
+  const pattern::Piece q = piece(pattern_of(hole + ", " + back));  // the hole goes one way, the outline the other
+  CHECK(std::abs(q.signed_area() + (1.0 - 0.5 * 0.2 * 0.3)) < 1e-12);
+  CHECK(q.turned);
+  CHECK(!q.is_in_outline(0));
+  CHECK(q.is_in_outline(3));
+  const std::string open = R"(, {"endpoints": [4, 5]}, {"endpoints": [5, 6]})";
+  CHECK(has(refusal("p.json", pattern_of(outline + open)), "edge 5 ends at vertex 6, but edge 4 starts at vertex 4"));
+  CHECK(has(refusal("p.json", pattern_of(outline + R"(, {"endpoints": [4, 5]}, {"endpoints": [6, 4]})")),
+            "it starts at vertex 6, but edge 4 before it ends at vertex 5"));
+  CHECK(has(refusal("p.json", pattern_of("")), "there are no edges"));
+}
+
 TEST_CASE("GarmentCode: every curve to 1e-9 against closed forms") {
   // On an edge of 1 m; control points in terms of the edge and what is square to it, positive into the square.
   const auto area = [](const std::string& c) { return piece(file(curved(c))).signed_area(); };

@@ -71,6 +71,59 @@ TEST_CASE("SVG: curves to 1e-9 against closed forms") {
   CHECK(std::abs(area("M0 0 A10 10 0 0 1 200 0 V200 H0 Z") - (0.04 + half * 0.01)) < 1e-9);
 }
 
+TEST_CASE("SVG: further loops of a path are holes, whatever their sense and order") {
+  constexpr double pi = std::numbers::pi;
+  // In a square of 200 mm a circle of 30 mm, an ellipse of 10 and 20 mm, and a square with one side a parabola 6 mm high.
+  const std::string square = "M0 0 H200 V200 H0 Z", circle = "M30 60 a30 30 0 0 1 60 0 a30 30 0 0 1 -60 0 Z",
+                    ellipse = "M120 50 a10 20 0 0 0 20 0 a10 20 0 0 0 -20 0 Z",
+                    arched = "m100 100 q 20 -12 40 0 v40 h-40 z";
+  const double wanted = 0.04 - pi * 9e-4 - pi * 2e-4 - (0.0016 + 2.0 / 3.0 * 0.04 * 0.006);
+  for (const std::string& d : {square + circle + ellipse + "M0 0" + arched, circle + "M0 0" + arched + square + ellipse,
+                               "M0 0 V200 H200 V0 Z" + circle + ellipse + "M0 0" + arched}) {
+    INFO(d);
+    const pattern::Piece p = piece(path(d));
+    CHECK(p.loops().size() == 4);
+    CHECK(std::abs(std::abs(p.signed_area()) - wanted) < 1e-9);
+    CHECK(p.edges.size() == 12);
+    double around = 0.0;
+    for (const pattern::Edge& e : p.edges) around += e.curve.length();
+    // Of the parabola y = 4 h x (w - x) / w^2 with c = 4 h / w: w/2 (sqrt(1 + c^2) + asinh(c) / c).
+    const double c = 0.6, parabola = 0.02 * (std::hypot(1.0, c) + std::asinh(c) / c);
+    const double a = 0.02, e2 = 0.75;  // of the ellipse: 4 a E(e)
+    CHECK(std::abs(around - (0.8 + 0.06 * pi + 4.0 * a * std::comp_ellint_2(std::sqrt(e2)) + 0.12 + parabola)) < 1e-9);
+  }
+  // Edges count in the order of the file, from each loop's first point on and round it.
+  const pattern::Piece p = piece(path(circle + square));
+  CHECK(p.outline() == 1);
+  CHECK(!p.is_in_outline(1));
+  CHECK(p.is_in_outline(2));
+  CHECK(p.next(1) == 0);
+  CHECK(p.next(5) == 2);
+  CHECK((p.point(0) - Vec2(0.03, -0.06)).norm() < 1e-12);
+  CHECK((p.point(3) - Vec2(0.2, 0.0)).norm() < 1e-12);
+}
+
+TEST_CASE("SVG: halves with holes unfold; a hole that begins at the fold becomes one") {
+  const std::string half = "M0 0 V200 H100 V0 Z";
+  const pattern::Piece twice = piece(path(half + "M20 20 H60 V80 Z"), millimetres, {.unfold = "0"});
+  CHECK(twice.loops().size() == 3);
+  CHECK(twice.edges.size() == 12);
+  CHECK(std::abs(std::abs(twice.signed_area()) - (0.04 - 2.0 * 0.5 * 0.04 * 0.06)) < 1e-12);
+  CHECK((twice.point(6) - Vec2(0.02, -0.02)).norm() < 1e-12);
+  CHECK((twice.point(9) - Vec2(-0.02, -0.02)).norm() < 1e-12);
+  const pattern::Piece once = piece(path(half + "M0 50 V90 H30 V50 Z"), millimetres, {.unfold = "0"});
+  CHECK(once.loops().size() == 2);
+  CHECK(once.edges.size() == 12);
+  CHECK(std::abs(std::abs(once.signed_area()) - (0.04 - 0.06 * 0.04)) < 1e-12);
+  const auto says = [](const std::string& d, const std::string& edge, const char* part) {
+    const std::string message = refusal("pattern.svg", svg(path(d)), {.unfold = edge});
+    INFO(message);
+    CHECK(has(message, part));
+  };
+  says(half + "M20 20 H60 V80 H20 Z", "7", "edge 7 belongs to a hole");
+  says(half + "M0 50 L30 50 L30 90 Z", "0", "cross or touch near (0, -0.05)");  // a corner on the fold
+}
+
 TEST_CASE("SVG: the unit is stated or asked for") {
   const std::string content = path("M0 0 H100 V100 H0 Z");
   const auto side = [&](const std::string& head, const pattern::ReadOptions& o = {}) {
@@ -100,8 +153,19 @@ TEST_CASE("SVG: what is wrong is named with piece, edge and remedy") {
   says(path("M0 0 H100 V100"), {"'P'", "open", "after edge 1", "command Z"});
   says(path("M0 0 L100 100 L100 0 L0 100 Z"), {"'P'", "edges 0 and 2", "figure of eight"});
   says(path("M0 0 C 300 200 -200 200 100 0 Z"), {"'P'", "edge 0", "crosses itself"});
-  says(path("M0 0 H100 V100 Z M10 10 H20 V20 Z"), {"'P'", "more than one outline"});
-  says(path("M0 0 H100 V100 Z L5 5"), {"'P'", "after the outline is closed"});
+  says(path("M0 0 H100 V100 Z L5 5"), {"'P'", "after a loop is closed"});
+  // Holes outside, across, touching at a corner of either, on each other, within each other, open, folded, all around.
+  const std::string square = "M0 0 H100 V100 H0 Z ";
+  says(path(square + "M110 10 h9 v9 Z"), {"'P'", "edges 4 to 6", "outside of the outline", "pieces of their own"});
+  says(path(square + "M90 10 h30 v9 Z"), {"'P'", "edges 1 and 4", "the hole (edges 4 to 6)", "move the hole"});
+  says(path(square + "M50 100 L60 80 L40 80 Z"), {"'P'", "near (0.05, -0.1) m", "must be clear of each other"});
+  says(path(square + "M0 0 L60 80 L40 80 Z"), {"'P'", "the outline (edges 0 to 3)", "near (0, 0) m"});
+  says(path(square + "M10 10 h40 v40 Z M30 10 h40 v40 Z"), {"the hole (edges 4 to 6)", "the hole (edges 7 to 9)"});
+  says(path(square + "M10 10 h40 v40 h-40 Z M20 20 h9 v9 Z"), {"edges 8 to 10", "inside of the hole (edges 4 to 7)"});
+  says(path(square + "M20 20 h9 v9"), {"'P'", "open", "after edge 5"});
+  says(path(square + "M20 20 h30 l-30 10 h30 Z"), {"'P'", "edges 5 and 7", "a hole goes round once"});
+  says(path(square + "M20 20 c 40 40 -40 40 0 0 Z"), {"'P'", "the hole (edges 4 to 4) has at least two edges"});
+  says(path(square + square), {"'P'", "cross or touch"});
   says(path("M0 0 H100 Vx"), {"'P'", "a number is expected"});
   says(path("M0 0 H100 B3"), {"'P'", "unknown command 'B'"});
   says(path("M0 0 A5 5 0 2 1 9 9"), {"'P'", "flag"});
