@@ -332,6 +332,34 @@ def corrected_membrane(report):
 
 
 @test
+def membrane_auto(report):
+    """`auto` takes the corrected membrane where the other would lock, says so, and is decided alike by check, runs, ranks and stages."""
+    strip = base("cantilever_shear")
+    uneven = strip_mesh(OUT / "auto_uneven.msh", 20, 16, 0.25)
+    cloth = {"analysis": "drape", "mesh": {"file": str(uneven)}, "material": strip["material"], "support": strip["support"], "load": strip["load"]}
+    cases = {"uneven strip": (variant(strip, {"mesh": {"file": str(uneven)}}), True),
+             "even strip": (variant(strip, {"mesh": {"file": str(strip_mesh(OUT / "auto_even.msh", 40, 4, 0.0))}}), False),
+             "uneven strip, draped": (cloth, False),
+             "uneven strip, linear": (variant(strip, {"mesh": {"file": str(uneven)}, "analysis": "linear", "steps": None}), False),
+             "hemisphere 8": (base("hemisphere", mesh__parameters__n=8), True), "hemisphere 40": (base("hemisphere", mesh__parameters__n=40), False),
+             "moving hemisphere 8": (variant(base("hemisphere", mesh__parameters__n=8),
+                                             {"analysis": "dynamic", "steps": None, "time": {"end": 1.0}, "material.0.density": 1.0}), True)}
+    for name, (case, corrected) in cases.items():
+        file = write_case(variant(case, {"element": {"membrane": "auto"}}), OUT / "auto.toml")
+        code, text = invoke(["check", str(file)])
+        report.check(code == 0 and f"membrane: six_node{'_corrected' if corrected else ''}, chosen" in text, f"{name}: code {code}")
+    case = variant(cases["hemisphere 8"][0], {"analysis": "linear", "steps": None, "element": {"membrane": "auto"}})
+    for ranks in (1, 2):
+        result = solve(f"auto_{ranks}", case, ranks)
+        resolved = (OUT / f"auto_{ranks}" / "resolved_case.toml").read_text()
+        report.check(result.summary["membrane"] == "six_node_corrected" and "membrane: six_node_corrected, chosen" in result.text
+                     and 'membrane = "six_node_corrected"' in resolved, f"header, summary and resolved case, {ranks} rank(s)")
+    staged = variant(case, {"analysis": None, "stage": [{"name": "first", "analysis": "static", "steps": {"final_load_factor": 0.01}}]})
+    result = solve("auto_staged", staged, 1)
+    report.check(result.summary["stages"][0]["membrane"] == "six_node_corrected", "a stage")
+
+
+@test
 def corrected_roll(report):
     """Twelve cells rolled into a circle: without the term of fourth order in the curvature -u is 8 % too small."""
     case = base("cantilever_moment", mesh__parameters__nx=12, mesh__parameters__ny=1, mesh__parameters__pattern=0, element={"membrane": "six_node_corrected"})
