@@ -94,6 +94,7 @@ void check(const input::Case& as_given) {
   if (c.analysis == "modal" || c.analysis == "dynamic") system::require_mass(model);
   const std::vector<std::string> free = check_free_motions(c, model);
   const MeshQuality quality = measure_quality(PETSC_COMM_WORLD, mesh, c.element);
+  const std::string uncorrected = uncorrected_text(model.uncorrected_triangles());
   const petsc::VecHandle start = model.dofs().create_vector();
   if (!c.mesh.start.empty()) model.dofs().scatter(start_shape(c, mesh), start);
   const system::TriangleFields at_rest = model.triangle_fields(start);
@@ -113,6 +114,7 @@ void check(const input::Case& as_given) {
     if (!choice.text.empty()) fmt::print("{}\n", choice.text);
     if (const std::string text = locking_warning(model.discretisation().sheet(), at_rest); !text.empty())
       fmt::print("warning: {}\n", text);
+    if (!uncorrected.empty()) fmt::print("warning: {}\n", uncorrected);
     fmt::print("{}", garment);
     std::size_t fixed = 0;
     for (const auto& [v, support] : model.discretisation().constraints().vertices)

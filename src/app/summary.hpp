@@ -26,7 +26,7 @@ struct Summary {
   double time = 0.0;            ///< reached in a motion [s]
   long negative_pivots = -1;    ///< of the last tangent: the last state is unstable if > 0; -1: not known
   double residual = 0.0;        ///< relative, of the last state
-  double membrane_error = 0.0;  ///< energy that chords feign over that stored (energy/chord_error.hpp)
+  double membrane_error = 0.0;  ///< energy that should not be there over that stored, see Warnings::membrane_error()
   long unknowns = 0;
   Index vertices = 0, triangles = 0;
   double cpu_seconds = 0.0, wall_seconds = 0.0;

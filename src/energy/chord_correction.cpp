@@ -66,7 +66,6 @@ void ChordCorrection::add(const Input& input) {
     }
     return at;
   };
-  for (const Index p : input.points) place(p);
   for (std::size_t i = 0; i < input.of_cubic.size(); ++i) weight[place(input.of_cubic[i])] += input.cubic.weights[i];
   const bool fits = stencil.size() <= most;
   if (!fits) {
@@ -74,6 +73,7 @@ void ChordCorrection::add(const Input& input) {
     weight.assign(nodes, BendWeights::Zero());
   }
   el.count = static_cast<int>(stencil.size());
+  el.left_out = !fits;
   el.chords = input.chords;
   if (!fits)
     for (Chords::Share& share : el.chords.share) share.setZero();

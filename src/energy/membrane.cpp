@@ -128,7 +128,7 @@ void MembraneTerm::correct(const Sheet& sheet, const Mat3& trace, Index t, const
   const PatchCubic cubic = make_patch_cubic(sheet, t, bending);
   const Chords chords = make_chords(sheet, t, cubic, {forms(sheet, t, 0.0), forms(sheet, t, 1.0)});
   const Element& el = elements_.back();
-  ChordCorrection::Input input{cubic, chords, el.area * sheet.material(t).bending, trace, el.points, local, {}};
+  ChordCorrection::Input input{cubic, chords, el.area * sheet.material(t).bending, trace, el.points, {}};
   if (beside_crease(sheet, t)) input.stiffness.setZero();
   for (const Index p : cubic.points)
     input.of_cubic.push_back(local[static_cast<std::size_t>(std::find(bending.points.begin(), bending.points.end(), p) -

@@ -322,7 +322,9 @@ def corrected_membrane(report):
             case["material"][0] |= {"thickness": 0.1 * thin, "young": 1.2e6 / thin**3}
             result = solve(f"corrected_{ny}_{membrane}", case, 1)
             answers[membrane].append(-result.history["tip_x"][-1] / reference - 1)
-            report.check((result.summary["membrane_error"] is None) == (membrane == "six_node_corrected"), "what is not estimated is not 0")
+            if membrane == "six_node_corrected" and ny == 16:
+                error, estimate = -answers[membrane][-1], result.summary["membrane_error"]
+                report.check(0.5 < estimate / error < 2, f"thickness {thin}: -u is {100 * error:.1f} % too small, estimated {100 * estimate:.1f} %")
     plain, corrected = answers["six_node"], answers["six_node_corrected"]
     names = ("thin twisted beam, 24 x 2", "saddle, t/L = 1e-4, n = 48", "strip of uneven cells of aspect 8", "strip of even cells",
              "thin strip of uneven cells")

@@ -35,7 +35,7 @@ struct Chords {
 [[nodiscard]] Chords make_chords(const Sheet& sheet, Index t, const PatchCubic& cubic,
                                  const std::array<std::array<Eigen::Matrix<double, 6, 6>, 3>, 2>& quadratic);
 
-/// The correction of a number of triangles. Stencils: the six nodes of the membrane, then the other points of the bending.
+/// The correction of a number of triangles. Stencils: the six nodes of the membrane, then the other points of the cubic.
 class ChordCorrection {
  public:
   static constexpr int nodes = 6, most = 64;
@@ -48,13 +48,13 @@ class ChordCorrection {
     const Chords& chords;
     Mat3 stiffness, trace;         ///< A D and R; zero: no term of fourth order
     std::array<Index, nodes> six;  ///< the membrane's nodes
-    std::vector<Index> points;     ///< of the bending element, in its order
     std::vector<Index> of_cubic;   ///< of the cubic, in its order
   };
-  /// A bending element with more points than fit is left uncorrected.
+  /// A triangle with more points than `most` is left uncorrected: one whose cubic is that of a bending element of so many.
   void add(const Input& input);
   [[nodiscard]] const Index* stencil(Index e) const { return points_.data() + elements_[e].start; }
   [[nodiscard]] int stencil_size(Index e) const { return elements_[e].count; }
+  [[nodiscard]] bool left_out(Index e) const { return elements_[e].left_out; }
   /// B'_i of point i of the stencil.
   [[nodiscard]] const BendWeights& weight(Index e, int i) const { return weights_[elements_[e].start + i]; }
 
@@ -88,6 +88,7 @@ class ChordCorrection {
   struct Element {
     std::size_t start;
     int count;
+    bool left_out;
     Chords chords;
     Bends start_bends;                 ///< K at the start
     std::array<Vec3, 2> start_strain;  ///< of the correction

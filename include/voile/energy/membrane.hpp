@@ -53,6 +53,9 @@ class MembraneTerm {
   void correct(const Sheet& sheet, const Mat3& trace, Index t, const BendingElement& bending,
                const std::vector<Index>& local);
 
+  /// Whether the element has too many points to be corrected.
+  [[nodiscard]] bool left_out(Index e) const { return corrects() && correction_.left_out(e); }
+
   [[nodiscard]] Index size() const { return static_cast<Index>(elements_.size()); }
   [[nodiscard]] const Index* stencil(Index e) const {
     return corrects() ? correction_.stencil(e) : elements_[e].points.data();
