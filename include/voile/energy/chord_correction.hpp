@@ -62,12 +62,19 @@ class ChordCorrection {
   [[nodiscard]] Bends change(Index e, const Vec3* u) const;
   /// The same of the step from c.previous to c.x.
   [[nodiscard]] Bends step(Index e, const Configuration& c) const;
-  struct Corrected {
-    Vec3 strain;              ///< to be added to E
-    std::array<Bends, 3> by;  ///< dE_r/dK_B, column B
+  /// k_c, column c; x, y, z and a zero, with which a column fills a register.
+  struct ChordBends {
+    Eigen::Matrix<double, 4, Chords::count> now, change;
   };
   /// `change`: of the displacements from the start.
-  [[nodiscard]] Corrected of(Index e, Strain which, const Bends& change) const;
+  [[nodiscard]] ChordBends along_chords(Index e, const Bends& change) const;
+  /// To be added to E.
+  [[nodiscard]] Vec3 strain(Index e, Strain which, const ChordBends& bends) const;
+  /// dE_r/dK_B, column B.
+  using Slopes = std::array<Eigen::Matrix<double, 4, bend_vectors>, 3>;
+  [[nodiscard]] Slopes slopes(Index e, Strain which, const ChordBends& bends) const;
+  /// sum_r n_r dE_r/dK_B, column B.
+  [[nodiscard]] Bends pull(Index e, Strain which, const ChordBends& bends, const Vec3& n) const;
   /// The part of the strain of second order in a step by `change`.
   [[nodiscard]] Vec3 quadratic(Index e, Strain which, const Bends& change) const;
   /// Derivatives sum_r n_r d2E_r/dK_A dK_B, the same number for x, y and z; `positive`: without their negative part.
