@@ -6,6 +6,7 @@
 #include "contact_start.hpp"
 #include "free_motions.hpp"
 #include "garment.hpp"
+#include "membrane_choice.hpp"
 #include "mesh_report.hpp"
 #include "probes.hpp"
 #include "remesher.hpp"
@@ -79,9 +80,11 @@ void info(const mesh::SurfaceMesh& mesh, const energy::ElementOptions& element) 
   mpi::on_root(PETSC_COMM_WORLD, [&] { report(mesh, quality, element); });
 }
 
-void check(const input::Case& whole) {
-  const std::string garment = garment_report(whole);
-  const auto given = std::make_shared<const mesh::SurfaceMesh>(case_mesh(whole));
+void check(const input::Case& as_given) {
+  const std::string garment = garment_report(as_given);
+  const auto given = std::make_shared<const mesh::SurfaceMesh>(case_mesh(as_given));
+  const MembraneChoice choice = choose_membrane(as_given, *given);
+  const input::Case whole = with_membrane(as_given, choice.membrane);
   const mesh::SurfaceMesh& mesh = *given;
   const std::vector<Stage> stages = stages_of(whole, {});
   const auto meshes = stage_meshes(stages, given);
@@ -91,6 +94,7 @@ void check(const input::Case& whole) {
   if (c.analysis == "modal" || c.analysis == "dynamic") system::require_mass(model);
   const std::vector<std::string> free = check_free_motions(c, model);
   const MeshQuality quality = measure_quality(PETSC_COMM_WORLD, mesh, c.element);
+  const std::string uncorrected = uncorrected_text(model.uncorrected_triangles());
   const petsc::VecHandle start = model.dofs().create_vector();
   if (!c.mesh.start.empty()) model.dofs().scatter(start_shape(c, mesh), start);
   const system::TriangleFields at_rest = model.triangle_fields(start);
@@ -107,8 +111,10 @@ void check(const input::Case& whole) {
   mpi::on_root(PETSC_COMM_WORLD, [&] {
     (void)Probes(c, model);
     report(mesh, quality, c.element);
+    if (!choice.text.empty()) fmt::print("{}\n", choice.text);
     if (const std::string text = locking_warning(model.discretisation().sheet(), at_rest); !text.empty())
       fmt::print("warning: {}\n", text);
+    if (!uncorrected.empty()) fmt::print("warning: {}\n", uncorrected);
     fmt::print("{}", garment);
     std::size_t fixed = 0;
     for (const auto& [v, support] : model.discretisation().constraints().vertices)

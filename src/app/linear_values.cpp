@@ -65,6 +65,8 @@ system::TriangleFields LinearValues::triangle_fields() {
        {&F::membrane_strain, &F::membrane_force, &F::curvature, &F::whole_curvature, &F::bending_moment})
     for (std::size_t i = 0; i < (at.*field).size(); ++i)
       (at.*field)[i] += 0.5 * ((up.*field)[i] - (down.*field)[i]) / small_;
+  for (std::size_t i = 0; i < at.in_plane.size(); ++i)
+    at.in_plane[i] += 0.5 * (up.in_plane[i] + down.in_plane[i] - 2.0 * at.in_plane[i]) / (small_ * small_);
   return at;
 }
 

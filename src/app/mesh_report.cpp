@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "voile/base/petsc.hpp"
+#include "voile/energy/chord_correction.hpp"
 #include "voile/energy/curvature.hpp"
 #include "voile/energy/sheet.hpp"
 #include "voile/mesh/coincident.hpp"
@@ -186,6 +187,15 @@ std::vector<std::string> mesh_notes(const mesh::SurfaceMesh& mesh) {
                     "that is not meant, set mesh.merge = true",
                     c.vertices, c.places, tolerance, place_text(c.low), place_text(c.high)));
   return notes;
+}
+
+std::string uncorrected_text(long triangles) {
+  if (triangles == 0) return "";
+  return fmt::format(
+      "{} triangle(s) stay as six_node has them, since the points around them determine no quadratic and more than {} "
+      "would "
+      "be needed instead: fans of many triangles; mesh them anew",
+      triangles, energy::ChordCorrection::most);
 }
 
 std::vector<std::string> sheet_notes(const energy::Sheet& sheet) {

@@ -41,6 +41,9 @@ struct MeshQuality {
 /// What was made up about the materials' directions.
 [[nodiscard]] std::vector<std::string> sheet_notes(const energy::Sheet& sheet);
 
+/// What the corrected membrane leaves uncorrected; empty if nothing.
+[[nodiscard]] std::string uncorrected_text(long triangles);
+
 /// "(x, y, z)" with four digits.
 [[nodiscard]] std::string place_text(const Vec3& x);
 

@@ -247,8 +247,7 @@ void Recorder::write_fields(io::StepFields step, Vec a, const Snapshot& s) {
     add("membrane_force", "N/m", io::Centre::triangle, t.membrane_force);
     add("curvature", "1/m", io::Centre::triangle, t.curvature);
     add("bending_moment", "N", io::Centre::triangle, t.bending_moment);
-    const bool estimated = case_.element.membrane != energy::MembraneOperator::six_node_corrected;
-    if (estimated && case_.analysis != "modal" && case_.analysis != "buckling") {
+    if (case_.analysis != "modal" && case_.analysis != "buckling") {
       Warnings::MembraneError error = warnings_.membrane_error(model_->discretisation().sheet(), t);
       membrane_error_ = error.share;
       if (wants("membrane_error"))

@@ -39,6 +39,7 @@ void print_header(const input::Case& c, const system::Model& model) {
 void report_mesh(const input::Case& c, const RunOptions& options, const system::Model& model) {
   const mesh::SurfaceMesh& mesh = model.dofs().mesh();
   const MeshQuality quality = measure_quality(PETSC_COMM_WORLD, mesh, c.element);
+  const std::string uncorrected = uncorrected_text(model.uncorrected_triangles());
   mpi::on_root(PETSC_COMM_WORLD, [&] {
     if (options.verbosity != Verbosity::quiet) {
       fmt::print("{}", quality_text(mesh, quality, c.element));
@@ -46,6 +47,7 @@ void report_mesh(const input::Case& c, const RunOptions& options, const system::
       for (const std::string& text : sheet_notes(model.discretisation().sheet())) fmt::print("note: {}\n", text);
     }
     for (const std::string& text : quality_warnings(mesh, quality, c.element)) fmt::print("warning: {}\n", text);
+    if (!uncorrected.empty()) fmt::print("warning: {}\n", uncorrected);
   });
 }
 
@@ -62,6 +64,11 @@ void report_model(const input::Case& c, const RunOptions& options, const system:
   if (first) report_mesh(c, options, model);
   for (const std::string& text : check_free_motions(c, model))
     if (talks && c.analysis != "dynamic") fmt::print("note: {}\n", text);
+}
+
+void report_membrane(const RunOptions& options, const MembraneChoice& choice) {
+  const bool talks = mpi::rank(PETSC_COMM_WORLD) == 0 && options.verbosity != Verbosity::quiet;
+  if (talks && !choice.text.empty()) fmt::print("{}\n", choice.text);
 }
 
 void report_end(const input::Case& c, const RunOptions& options, const Summary& s) {

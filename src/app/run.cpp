@@ -14,6 +14,7 @@
 #include "contact_start.hpp"
 #include "epoch.hpp"
 #include "garment.hpp"
+#include "membrane_choice.hpp"
 #include "model_input.hpp"
 #include "modes.hpp"
 #include "output_folder.hpp"
@@ -91,6 +92,7 @@ Summary summary_of(const solve::Followed& all, const system::State& state, const
                    const system::Model& model) {
   Summary s;
   s.converged = all.completed;
+  s.membrane = name(c.element.membrane);
   s.reason = all.reason;
   s.load_factor = state.load_factor;
   s.steps = c.analysis == "static" ? state.step : all.steps;
@@ -187,9 +189,11 @@ void settle_contact_start(const Stage& stage, Epoch& epoch, Origin origin) {
 
 }  // namespace
 
-Exit run(const input::Case& c, const RunOptions& given) {
+Exit run(const input::Case& as_given, const RunOptions& given) {
   const SignalScope signals;
-  const Mesh first = std::make_shared<const mesh::SurfaceMesh>(load_case_mesh(c));
+  const Mesh first = std::make_shared<const mesh::SurfaceMesh>(load_case_mesh(as_given));
+  const MembraneChoice choice = choose_membrane(as_given, *first);
+  const input::Case c = with_membrane(as_given, choice.membrane);
   if (given.verbosity == Verbosity::verbose) show_iterations();
   RunOptions options = given;
   std::vector<Stage> stages = stages_of(c, options);
@@ -207,6 +211,7 @@ Exit run(const input::Case& c, const RunOptions& given) {
     weld_before(stage, origin, mesh, state);
     enter_stage(stage.c, *mesh, origin, state);
     std::unique_ptr<Epoch> epoch = open_stage(stage, *mesh, state, k == 0);
+    if (k == 0) report_membrane(options, choice);
     mpi::on_root(PETSC_COMM_WORLD, [&] {
       if (!folder) folder.emplace(c, options);
       if (stage.c.is_staged()) folder->add(stage.c);

@@ -16,7 +16,8 @@ namespace voile::app {
 /// What summary.json says.
 struct Summary {
   bool converged = false;
-  std::string reason;  ///< why not
+  std::string reason;    ///< why not
+  std::string membrane;  ///< in force, as in the case file
   double load_factor = 0.0;
   int steps = 0, newton_iterations = 0, factorisations = 0;
   solve::IterativeEffort iterative;
@@ -25,7 +26,7 @@ struct Summary {
   double time = 0.0;            ///< reached in a motion [s]
   long negative_pivots = -1;    ///< of the last tangent: the last state is unstable if > 0; -1: not known
   double residual = 0.0;        ///< relative, of the last state
-  double membrane_error = 0.0;  ///< energy that chords feign over that stored (energy/chord_error.hpp)
+  double membrane_error = 0.0;  ///< energy that should not be there over that stored, see Warnings::membrane_error()
   long unknowns = 0;
   Index vertices = 0, triangles = 0;
   double cpu_seconds = 0.0, wall_seconds = 0.0;

@@ -77,11 +77,12 @@ std::string locking_warning(const energy::Sheet& sheet, const system::TriangleFi
   for (std::size_t i = 0; i < rest.size(); ++i) rest[i] -= fields.curvature[i];
   const double share = energy::locking_estimate(sheet, rest);
   if (share <= error_limit) return "";
+  const bool corrected = sheet.options().membrane == energy::MembraneOperator::six_node_corrected;
   return fmt::format(
       "the mesh is too coarse for a curved shell this thin: where it bends without stretching, deflections can be too "
       "small "
-      "by about {:.2g} %; use a finer mesh, or element.membrane = \"cst\"",
-      100.0 * share);
+      "by about {:.2g} %; use a finer mesh{}",
+      100.0 * share, corrected ? "" : ", or element.membrane = \"six_node_corrected\" or \"auto\"");
 }
 
 }  // namespace voile::app

@@ -19,7 +19,8 @@ class Warnings {
   void begin_epoch() { chord_error_.reset(); }
   /// Of strains and turns beyond what the element is made for.
   void say_range(const mesh::SurfaceMesh& mesh, const Validity& v);
-  /// Energy that chords feign, per triangle [J/m^2], and its share of the stored energy; says if that is large.
+  /// Energy that chords feign (energy/chord_error.hpp), with `six_node_corrected` and that of second derivatives in the surface, per
+  /// triangle [J/m^2], and its share of the stored energy; says if that is large.
   struct MembraneError {
     std::vector<double> density;
     double share = 0.0;

@@ -16,6 +16,9 @@ constexpr std::array<std::array<int, 2>, Chords::count> ends{
 
 /// Of the chords, the triangle's sides: only these count in its own strain.
 constexpr int own_chords = 3;
+int chords_of(ChordCorrection::Strain which) {
+  return which == ChordCorrection::own ? own_chords : Chords::count;
+}
 
 /// Bends along each chord. Eigen's product for large matrices, which it would take here, is several times slower.
 using ChordBends = Eigen::Matrix<double, 3, Chords::count>;
@@ -66,7 +69,6 @@ void ChordCorrection::add(const Input& input) {
     }
     return at;
   };
-  for (const Index p : input.points) place(p);
   for (std::size_t i = 0; i < input.of_cubic.size(); ++i) weight[place(input.of_cubic[i])] += input.cubic.weights[i];
   const bool fits = stencil.size() <= most;
   if (!fits) {
@@ -74,6 +76,7 @@ void ChordCorrection::add(const Input& input) {
     weight.assign(nodes, BendWeights::Zero());
   }
   el.count = static_cast<int>(stencil.size());
+  el.left_out = !fits;
   el.chords = input.chords;
   if (!fits)
     for (Chords::Share& share : el.chords.share) share.setZero();
@@ -94,10 +97,13 @@ void ChordCorrection::add(const Input& input) {
 
 Bends ChordCorrection::change(Index e, const Vec3* u) const {
   const Element& el = elements_[e];
-  Bends sum = Bends::Zero();
-  for (std::size_t i = el.start; i < el.start + static_cast<std::size_t>(el.count); ++i)
-    sum.noalias() += u[points_[i]] * weights_[i].transpose();
-  return sum;
+  Eigen::Matrix<double, 4, bend_vectors> sum = Eigen::Matrix<double, 4, bend_vectors>::Zero();
+  for (std::size_t i = el.start; i < el.start + static_cast<std::size_t>(el.count); ++i) {
+    const Vec3& of_point = u[points_[i]];
+    const Eigen::Vector4d v(of_point[0], of_point[1], of_point[2], 0.0);
+    for (int b = 0; b < bend_vectors; ++b) sum.col(b) += weights_[i][b] * v;
+  }
+  return sum.topRows<3>();
 }
 
 Bends ChordCorrection::step(Index e, const Configuration& c) const {
@@ -108,26 +114,53 @@ Bends ChordCorrection::step(Index e, const Configuration& c) const {
   return sum;
 }
 
-ChordCorrection::Corrected ChordCorrection::of(Index e, Strain which, const Bends& change) const {
+ChordCorrection::ChordBends ChordCorrection::along_chords(Index e, const Bends& change) const {
   const Element& el = elements_[e];
-  const Chords& chords = el.chords;
-  const Chords::Share& share = chords.share[which];
-  const ChordBends before = bends_of(chords, el.start_bends), more = bends_of(chords, change), now = before + more;
-  Corrected s;
+  Eigen::Matrix<double, 4, bend_vectors> before, more;
+  before << el.start_bends, Eigen::Matrix<double, 1, bend_vectors>::Zero();
+  more << change, Eigen::Matrix<double, 1, bend_vectors>::Zero();
+  ChordBends bends;
+  for (int c = 0; c < Chords::count; ++c) {
+    Eigen::Vector4d start = Eigen::Vector4d::Zero(), difference = Eigen::Vector4d::Zero();
+    for (int b = 0; b < bend_vectors; ++b) {
+      start += el.chords.along(b, c) * before.col(b);
+      difference += el.chords.along(b, c) * more.col(b);
+    }
+    bends.change.col(c) = difference;
+    bends.now.col(c) = start + difference;
+  }
+  return bends;
+}
+
+Vec3 ChordCorrection::strain(Index e, Strain which, const ChordBends& bends) const {
+  const Element& el = elements_[e];
+  Vec3 strain = el.start_strain[which];
+  for (int c = 0; c < chords_of(which); ++c)
+    strain += bends.change.col(c).dot(bends.now.col(c) - 0.5 * bends.change.col(c)) * el.chords.share[which].col(c);
+  return strain;
+}
+
+ChordCorrection::Slopes ChordCorrection::slopes(Index e, Strain which, const ChordBends& bends) const {
+  const Chords& chords = elements_[e].chords;
+  Slopes slopes;
   for (int r = 0; r < 3; ++r) {
-    if (which == own) {
-      const Eigen::Matrix<double, 3, own_chords> pull =
-          now.leftCols<own_chords>() * share.row(r).head<own_chords>().asDiagonal();
-      s.by[r] = pull.lazyProduct(chords.along.leftCols<own_chords>().transpose());
-    } else {
-      const ChordBends pull = now * share.row(r).asDiagonal();
-      s.by[r] = pull.lazyProduct(chords.along.transpose());
+    slopes[r].setZero();
+    for (int c = 0; c < chords_of(which); ++c) {
+      const Eigen::Vector4d pull = chords.share[which](r, c) * bends.now.col(c);
+      for (int b = 0; b < bend_vectors; ++b) slopes[r].col(b) += chords.along(b, c) * pull;
     }
   }
-  const Eigen::Matrix<double, Chords::count, 1> squares =
-      more.cwiseProduct(before + 0.5 * more).colwise().sum().transpose();
-  s.strain = el.start_strain[which] + Vec3(share.lazyProduct(squares));
-  return s;
+  return slopes;
+}
+
+Bends ChordCorrection::pull(Index e, Strain which, const ChordBends& bends, const Vec3& n) const {
+  const Chords& chords = elements_[e].chords;
+  Eigen::Matrix<double, 4, bend_vectors> sum = Eigen::Matrix<double, 4, bend_vectors>::Zero();
+  for (int c = 0; c < chords_of(which); ++c) {
+    const Eigen::Vector4d pull = chords.share[which].col(c).dot(n) * bends.now.col(c);
+    for (int b = 0; b < bend_vectors; ++b) sum.col(b) += chords.along(b, c) * pull;
+  }
+  return sum.topRows<3>();
 }
 
 Vec3 ChordCorrection::quadratic(Index e, Strain which, const Bends& change) const {

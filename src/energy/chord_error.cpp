@@ -1,7 +1,9 @@
 #include "voile/energy/chord_error.hpp"
 
 #include <Eigen/Dense>
+#include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "voile/energy/chord_forms.hpp"
 #include "voile/energy/membrane.hpp"
@@ -13,19 +15,41 @@ namespace {
 /// r at which a shell deflects half as much as it should.
 constexpr double half_locked = 10.0;
 
+/// In which a sheet is tried to be rolled up, over half a turn.
+constexpr int directions = 8;
+
+bool corrects(const Sheet& sheet) {
+  return sheet.options().membrane == MembraneOperator::six_node_corrected;
+}
+
+double largest_principal(const Vec3& kappa) {
+  return std::abs(0.5 * (kappa[0] + kappa[1])) + std::hypot(0.5 * (kappa[0] - kappa[1]), 0.5 * kappa[2]);
+}
+
+/// L^2
+double mean_squared_side(const mesh::SurfaceMesh& mesh, Index t) {
+  double squared = 0.0;
+  for (int i = 0; i < 3; ++i)
+    squared += (mesh.rest_corner(t, (i + 1) % 3) - mesh.rest_corner(t, i)).squaredNorm() / 3.0;
+  return squared;
+}
+
+/// Share of the energy that chords feign which the correction by a cubic leaves. What a rest shape of curvature kappa0 feigns is smaller by
+/// the angle kappa0 L per cell, what bending to kappa feigns by its square.
+double left_over(const Sheet& sheet, Index t, const Vec3& rest, const Vec3& kappa) {
+  const double squared = mean_squared_side(sheet.mesh(), t);
+  return std::min(
+      1.0, std::pow(largest_principal(rest), 2) * squared + std::pow(largest_principal(kappa), 4) * squared * squared);
+}
+
 }  // namespace
 
 ChordError::ChordError(const Sheet& sheet) {
-  if (sheet.options().membrane == MembraneOperator::six_node_corrected) {
-    corrections_.assign(static_cast<std::size_t>(sheet.mesh().triangle_count()),
-                        {Mat3::Zero(), Mat3::Zero(), Mat3::Zero()});
-    return;
-  }
   const ChordForms forms(sheet);
   const MembraneOperator kind = sheet.options().membrane;
-  const double own = kind == MembraneOperator::cst        ? 1.0
-                     : kind == MembraneOperator::six_node ? sheet.options().cst_share
-                                                          : 0.0;
+  const double own = kind == MembraneOperator::cst                           ? 1.0
+                     : kind == MembraneOperator::six_node || corrects(sheet) ? sheet.options().cst_share
+                                                                             : 0.0;
   corrections_.reserve(static_cast<std::size_t>(sheet.mesh().triangle_count()));
   for (Index t = 0; t < sheet.mesh().triangle_count(); ++t)
     corrections_.push_back(forms.of(t, MembraneTerm::forms(sheet, t, own)));
@@ -43,9 +67,42 @@ std::vector<double> ChordError::energies(const Sheet& sheet, const std::vector<d
       const Mat3& form = corrections_[t][static_cast<std::size_t>(r)];
       feigned[r] = linear ? rest.dot(form * change) : 0.5 * (whole + rest).dot(form * change);
     }
-    energies.push_back(0.5 * feigned.dot(sheet.material(static_cast<Index>(t)).membrane * feigned));
+    const double left = corrects(sheet) ? left_over(sheet, static_cast<Index>(t), rest, linear ? rest : whole) : 1.0;
+    energies.push_back(0.5 * left * feigned.dot(sheet.material(static_cast<Index>(t)).membrane * feigned));
   }
   return energies;
+}
+
+RolledUp rolled_up(const Sheet& sheet) {
+  const mesh::SurfaceMesh& mesh = sheet.mesh();
+  Eigen::AlignedBox3d box;
+  for (Index t = 0; t < mesh.triangle_count(); ++t)
+    for (int i = 0; i < 3; ++i) box.extend(mesh.rest_corner(t, i));
+  const double bend = 2.0 * std::numbers::pi / box.diagonal().norm();
+  const ChordForms forms(sheet);
+  double feigned = 0.0, bending = 0.0, lost = 0.0, area = 0.0;
+  for (Index t = 0; t < mesh.triangle_count(); ++t) {
+    const std::array<Mat3, 3> form = forms.of(t, MembraneTerm::forms(sheet, t, sheet.options().cst_share));
+    const Mat3 trace = forms.trace(t);
+    const Material& m = sheet.material(t);
+    double worst_feigned = 0.0, worst_bending = 0.0, worst_lost = 0.0;
+    for (int k = 0; k < directions; ++k) {
+      const double angle = std::numbers::pi * k / directions, c = std::cos(angle), s = std::sin(angle);
+      const Vec3 kappa = bend * Vec3(c * c, s * s, 2.0 * c * s);
+      const Vec3 strain =
+          0.5 * Vec3(kappa.dot(form[0] * kappa), kappa.dot(form[1] * kappa), kappa.dot(form[2] * kappa));
+      const double w = 0.5 * strain.dot(m.membrane * strain), b = 0.5 * kappa.dot(m.bending * kappa);
+      worst_lost = std::max(worst_lost, 0.5 * kappa.dot(trace * kappa));
+      if (k > 0 && w * worst_bending <= worst_feigned * b) continue;
+      worst_feigned = w;
+      worst_bending = b;
+    }
+    feigned += mesh.area(t) * worst_feigned;
+    bending += mesh.area(t) * worst_bending;
+    lost += mesh.area(t) * worst_lost;
+    area += mesh.area(t);
+  }
+  return {feigned / (feigned + bending), lost / area};
 }
 
 double locking_estimate(const Sheet& sheet, const std::vector<double>& rest_curvature) {
@@ -54,13 +111,11 @@ double locking_estimate(const Sheet& sheet, const std::vector<double>& rest_curv
   double sum = 0.0, total = 0.0;
   for (Index t = 0; t < mesh.triangle_count(); ++t) {
     const Vec3 k = Eigen::Map<const Vec3>(&rest_curvature[3 * static_cast<std::size_t>(t)]);
-    const double largest = std::abs(0.5 * (k[0] + k[1])) + std::hypot(0.5 * (k[0] - k[1]), 0.5 * k[2]);
-    double squared = 0.0;
-    for (int i = 0; i < 3; ++i)
-      squared += (mesh.rest_corner(t, (i + 1) % 3) - mesh.rest_corner(t, i)).squaredNorm() / 3.0;
     const Material& m = sheet.material(t);
     const double thickness_squared = 12.0 * m.bending.trace() / m.membrane.trace();
-    sum += mesh.area(t) * std::pow(largest * squared, 2) / (12.0 * thickness_squared);
+    const double left = corrects(sheet) ? left_over(sheet, t, k, k) : 1.0;
+    sum += mesh.area(t) * left * std::pow(largest_principal(k) * mean_squared_side(mesh, t), 2) /
+           (12.0 * thickness_squared);
     total += mesh.area(t);
   }
   const double r = sum / total;

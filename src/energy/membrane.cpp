@@ -128,7 +128,7 @@ void MembraneTerm::correct(const Sheet& sheet, const Mat3& trace, Index t, const
   const PatchCubic cubic = make_patch_cubic(sheet, t, bending);
   const Chords chords = make_chords(sheet, t, cubic, {forms(sheet, t, 0.0), forms(sheet, t, 1.0)});
   const Element& el = elements_.back();
-  ChordCorrection::Input input{cubic, chords, el.area * sheet.material(t).bending, trace, el.points, local, {}};
+  ChordCorrection::Input input{cubic, chords, el.area * sheet.material(t).bending, trace, el.points, {}};
   if (beside_crease(sheet, t)) input.stiffness.setZero();
   for (const Index p : cubic.points)
     input.of_cubic.push_back(local[static_cast<std::size_t>(std::find(bending.points.begin(), bending.points.end(), p) -
@@ -148,9 +148,9 @@ MembraneTerm::Samples MembraneTerm::samples(Index e, const Configuration& c) con
   }
   if (takes_mean()) f.side[0] = (f.side[0] + f.side[1] + f.side[2]) / 3.0;
   if (corrects()) {
-    const Bends change = correction_.change(e, c.u);
-    f.side[0] += correction_.of(e, ChordCorrection::mean, change).strain;
-    f.own += correction_.of(e, ChordCorrection::own, change).strain;
+    const ChordCorrection::ChordBends bends = correction_.along_chords(e, correction_.change(e, c.u));
+    f.side[0] += correction_.strain(e, ChordCorrection::mean, bends);
+    f.own += correction_.strain(e, ChordCorrection::own, bends);
   }
   return f;
 }
@@ -199,9 +199,9 @@ Vec3 MembraneTerm::strain(Index e, const Configuration& c) const {
     mean += (half_metric(a.a1, a.a2) - el.side_metric[s]) / 3.0;
   }
   if (corrects()) {
-    const Bends change = correction_.change(e, c.u);
-    mean += correction_.of(e, ChordCorrection::mean, change).strain;
-    constant += correction_.of(e, ChordCorrection::own, change).strain;
+    const ChordCorrection::ChordBends bends = correction_.along_chords(e, correction_.change(e, c.u));
+    mean += correction_.strain(e, ChordCorrection::mean, bends);
+    constant += correction_.strain(e, ChordCorrection::own, bends);
   }
   return (1.0 - cst_share_) * mean + cst_share_ * constant;
 }
@@ -217,17 +217,18 @@ void MembraneTerm::gradient_of(Index e, const Configuration& c, std::array<Vec3,
   const double viscosity = viscosity_of(el);
   const Samples& before = viscosity > 0.0 ? start_[e] : none;
   const Mat3& stiffness = stiffness_[el.material];
-  Bends change;
+  ChordCorrection::ChordBends bends;
   if (corrects()) {
-    change = correction_.change(e, c.u);
+    const Bends change = correction_.change(e, c.u);
+    bends = correction_.along_chords(e, change);
     bent = correction_.pull(e, change);
   }
   // A strain with its correction; its stress, which pulls at the curvatures too.
   const auto corrected_stress = [&](ChordCorrection::Strain which, double weight, Vec3 strain, const Vec3& start) {
     if (!corrects()) return Vec3(weight * (stiffness * effective(strain, start, viscosity)));
-    const ChordCorrection::Corrected more = correction_.of(e, which, change);
-    const Vec3 n = weight * (stiffness * effective(strain + more.strain, start, viscosity));
-    bent += n[0] * more.by[0] + n[1] * more.by[1] + n[2] * more.by[2];
+    strain += correction_.strain(e, which, bends);
+    const Vec3 n = weight * (stiffness * effective(strain, start, viscosity));
+    bent += correction_.pull(e, which, bends, n);
     return n;
   };
   if (kind_ == MembraneOperator::cst || cst_share_ > 0.0) {

@@ -92,16 +92,17 @@ void MembraneTerm::prepare(Index e, const Configuration& c, Workspace& w) const 
 }
 
 void MembraneTerm::prepare_bends(Index e, const Configuration& c, Workspace& w) const {
-  w.change = correction_.change(e, c.u);
-  const ChordCorrection::Curvature fourth = correction_.curvature(e, w.change, c.tangent == Tangent::positive);
+  const Bends change = correction_.change(e, c.u);
+  w.bends = correction_.along_chords(e, change);
+  const ChordCorrection::Curvature fourth = correction_.curvature(e, change, c.tangent == Tangent::positive);
   w.geometric = fourth.form;
   for (int i = 0; i < correction_.stencil_size(e); ++i) {
     const BendWeights& weight = correction_.weight(e, i);
     w.b[i].setZero();
     w.stiff[i].setZero();
-    for (int k = 0; k < 2; ++k) {
-      w.b[i].col(6 + k).head<3>().noalias() = fourth.first[k] * weight;
-      w.stiff[i].row(6 + k).noalias() = (fourth.second[k] * weight).transpose();
+    for (int k = 0; k < 2; ++k) {  // the first three vectors, which alone are in the term of fourth order
+      w.b[i].col(6 + k).head<3>().noalias() = fourth.first[k].leftCols<3>() * weight.head<3>();
+      w.stiff[i].row(6 + k).noalias() = (fourth.second[k].leftCols<3>() * weight.head<3>()).transpose();
     }
   }
 }
@@ -109,15 +110,19 @@ void MembraneTerm::prepare_bends(Index e, const Configuration& c, Workspace& w) 
 template <std::size_t n>
 Vec3 MembraneTerm::corrected(Index e, ChordCorrection::Strain which, const Vec3& strain,
                              const std::array<Mat3, n>& rows, const Mat3& material, Workspace& w) const {
-  const ChordCorrection::Corrected more = correction_.of(e, which, w.change);
+  const ChordCorrection::Slopes slopes = correction_.slopes(e, which, w.bends);
   for (int i = 0; i < correction_.stencil_size(e); ++i) {
-    Mat3 b;
-    for (int r = 0; r < 3; ++r) b.col(r).noalias() = more.by[r] * correction_.weight(e, i);
+    const BendWeights& weight = correction_.weight(e, i);
+    for (int r = 0; r < 3; ++r) {
+      Eigen::Vector4d sum = Eigen::Vector4d::Zero();
+      for (int a = 0; a < bend_vectors; ++a) sum += weight[a] * slopes[r].col(a);
+      w.b[i].col(3 * which + r) = sum;
+    }
+    auto b = w.b[i].block<3, 3>(0, 3 * which);
     if (i < static_cast<int>(n)) b += rows[static_cast<std::size_t>(i)].transpose();
-    w.b[i].block<3, 3>(0, 3 * which) = b;
-    w.stiff[i].block<3, 3>(3 * which, 0).noalias() = material * b.transpose();
+    w.stiff[i].block<3, 3>(3 * which, 0).noalias() = material.lazyProduct(b.transpose());
   }
-  return strain + more.strain;
+  return strain + correction_.strain(e, which, w.bends);
 }
 
 void MembraneTerm::prepare_own(Index e, const Configuration& c, const Stress& stress, Workspace& w) const {

@@ -66,35 +66,38 @@ std::vector<Key> keys_of(MeshSection& s) {
 }
 
 std::vector<Key> keys_of(energy::ElementOptions& s) {
-  return {{.name = "bending",
-           .slot = choice(s.bending, {{"edge_slope", energy::BendingOperator::edge_slope},
-                                      {"six_node", energy::BendingOperator::six_node}}),
-           .meaning = "Curvature of a triangle: from one normal slope per edge, or from the quadratic through the "
-                      "triangle and its three neighbours (accurate on regular meshes only)."},
-          {.name = "membrane",
-           .slot = choice(s.membrane, {{"cst", energy::MembraneOperator::cst},
-                                       {"six_node", energy::MembraneOperator::six_node},
-                                       {"six_node_corrected", energy::MembraneOperator::six_node_corrected},
-                                       {"six_node_three_point", energy::MembraneOperator::six_node_three_point}}),
-           .meaning = "Membrane strain: constant-strain triangle; mid-side strains of the six-node patch averaged, as "
-                      "they are or corrected for what straight chords feign where the surface bends; or the energies "
-                      "of the three mid-side strains averaged."},
-          {.name = "cst_share",
-           .slot = &s.cst_share,
-           .meaning = "Share of constant-strain energy in `six_node` and `six_node_corrected`. Without it free edges "
-                      "can crumple; much of it "
-                      "makes the element stiff in folding.",
-           .range = {0, 1}},
-          {.name = "max_patch_condition",
-           .slot = &s.max_patch_condition,
-           .meaning = "A patch quadratic with a larger condition number is replaced by a fit over more neighbours.",
-           .range = {1, std::numeric_limits<double>::infinity(), true}},
-          {.name = "crease_angle",
-           .slot = Degrees{&s.crease_angle},
-           .meaning = "Dihedral angle at rest above which an edge is a crease that membrane strains are not averaged "
-                      "across.",
-           .unit = "degree",
-           .range = {0, 180}}};
+  return {
+      {.name = "bending",
+       .slot = choice(s.bending, {{"edge_slope", energy::BendingOperator::edge_slope},
+                                  {"six_node", energy::BendingOperator::six_node}}),
+       .meaning = "Curvature of a triangle: from one normal slope per edge, or from the quadratic through the "
+                  "triangle and its three neighbours (accurate on regular meshes only)."},
+      {.name = "membrane",
+       .slot = choice(s.membrane, {{"auto", energy::MembraneOperator::automatic},
+                                   {"cst", energy::MembraneOperator::cst},
+                                   {"six_node", energy::MembraneOperator::six_node},
+                                   {"six_node_corrected", energy::MembraneOperator::six_node_corrected},
+                                   {"six_node_three_point", energy::MembraneOperator::six_node_three_point}}),
+       .meaning = "Membrane strain: constant-strain triangle; mid-side strains of the six-node patch averaged, as "
+                  "they are or corrected for what straight chords feign where the surface bends; or the energies "
+                  "of the three mid-side strains averaged. `auto`: `six_node_corrected` where `six_node` would lock, "
+                  "decided once from mesh, thickness and analysis (docs/element.md)."},
+      {.name = "cst_share",
+       .slot = &s.cst_share,
+       .meaning = "Share of constant-strain energy in `six_node` and `six_node_corrected`. Without it free edges "
+                  "can crumple; much of it "
+                  "makes the element stiff in folding.",
+       .range = {0, 1}},
+      {.name = "max_patch_condition",
+       .slot = &s.max_patch_condition,
+       .meaning = "A patch quadratic with a larger condition number is replaced by a fit over more neighbours.",
+       .range = {1, std::numeric_limits<double>::infinity(), true}},
+      {.name = "crease_angle",
+       .slot = Degrees{&s.crease_angle},
+       .meaning = "Dihedral angle at rest above which an edge is a crease that membrane strains are not averaged "
+                  "across.",
+       .unit = "degree",
+       .range = {0, 180}}};
 }
 
 std::vector<Key> keys_of(MaterialInput& s) {

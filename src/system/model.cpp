@@ -148,4 +148,11 @@ TriangleFields Model::triangle_fields(Vec a) {
   return recovery_.fields(comm(), on_->sheet(), membrane_->kernel, configuration(a));
 }
 
+long Model::uncorrected_triangles() const {
+  const energy::MembraneTerm& kernel = membrane_->kernel;
+  long count = 0;
+  for (Index e = 0; e < kernel.size(); ++e) count += kernel.owned(e) && kernel.left_out(e) ? 1 : 0;
+  return mpi::sum(comm(), count);
+}
+
 }  // namespace voile::system

@@ -25,6 +25,7 @@ TriangleFields Recovery::fields(MPI_Comm comm, const energy::Sheet& sheet, const
   TriangleFields f;
   for (auto* v : {&f.membrane_strain, &f.membrane_force, &f.curvature, &f.whole_curvature, &f.bending_moment})
     v->assign(size, 0.0);
+  f.in_plane.assign(size / 3, 0.0);
   const auto store = [](std::vector<double>& to, Index t, const Vec3& value) {
     for (int k = 0; k < 3; ++k) to[3 * static_cast<std::size_t>(t) + k] = value[k];
   };
@@ -35,12 +36,19 @@ TriangleFields Recovery::fields(MPI_Comm comm, const energy::Sheet& sheet, const
     const Vec3 edge = c.x[p[1]] - c.x[p[0]], normal = edge.cross(Vec3(c.x[p[2]] - c.x[p[0]])).normalized();
     // n.k'(x) - kappa0 with k'(x) = kappa0 N_s + r + B'u.
     Vec3 kappa = (normal.dot(r.start_normal) - 1.0) * r.rest_curvature + r.start_bend * normal;
-    for (int i = 0; i < r.count; ++i) kappa += normal.dot(c.u[p[i]]) * weights_[r.start + i];
+    Mat3 bend = r.rest_curvature * r.start_normal.transpose() + r.start_bend;
+    for (int i = 0; i < r.count; ++i) {
+      kappa += normal.dot(c.u[p[i]]) * weights_[r.start + i];
+      bend += weights_[r.start + i] * c.u[p[i]].transpose();
+    }
+    const Mat3 in_plane = bend - (bend * normal) * normal.transpose(), &stiffness = sheet.material(r.triangle).bending;
+    f.in_plane[static_cast<std::size_t>(r.triangle)] = 0.5 * in_plane.cwiseProduct(stiffness * in_plane).sum();
     store(f.curvature, r.triangle, kappa);
     store(f.whole_curvature, r.triangle, kappa + r.rest_curvature);
-    store(f.bending_moment, r.triangle, sheet.material(r.triangle).bending * kappa);
+    store(f.bending_moment, r.triangle, stiffness * kappa);
   }
-  for (auto* v : {&f.membrane_strain, &f.membrane_force, &f.curvature, &f.whole_curvature, &f.bending_moment}) {
+  for (auto* v :
+       {&f.membrane_strain, &f.membrane_force, &f.curvature, &f.whole_curvature, &f.bending_moment, &f.in_plane}) {
     mpi::sum_to_root(comm, *v);
     if (mpi::rank(comm) != 0) v->clear();
   }

@@ -35,7 +35,7 @@ struct Chords {
 [[nodiscard]] Chords make_chords(const Sheet& sheet, Index t, const PatchCubic& cubic,
                                  const std::array<std::array<Eigen::Matrix<double, 6, 6>, 3>, 2>& quadratic);
 
-/// The correction of a number of triangles. Stencils: the six nodes of the membrane, then the other points of the bending.
+/// The correction of a number of triangles. Stencils: the six nodes of the membrane, then the other points of the cubic.
 class ChordCorrection {
  public:
   static constexpr int nodes = 6, most = 64;
@@ -48,13 +48,13 @@ class ChordCorrection {
     const Chords& chords;
     Mat3 stiffness, trace;         ///< A D and R; zero: no term of fourth order
     std::array<Index, nodes> six;  ///< the membrane's nodes
-    std::vector<Index> points;     ///< of the bending element, in its order
     std::vector<Index> of_cubic;   ///< of the cubic, in its order
   };
-  /// A bending element with more points than fit is left uncorrected.
+  /// A triangle with more points than `most` is left uncorrected: one whose cubic is that of a bending element of so many.
   void add(const Input& input);
   [[nodiscard]] const Index* stencil(Index e) const { return points_.data() + elements_[e].start; }
   [[nodiscard]] int stencil_size(Index e) const { return elements_[e].count; }
+  [[nodiscard]] bool left_out(Index e) const { return elements_[e].left_out; }
   /// B'_i of point i of the stencil.
   [[nodiscard]] const BendWeights& weight(Index e, int i) const { return weights_[elements_[e].start + i]; }
 
@@ -62,12 +62,19 @@ class ChordCorrection {
   [[nodiscard]] Bends change(Index e, const Vec3* u) const;
   /// The same of the step from c.previous to c.x.
   [[nodiscard]] Bends step(Index e, const Configuration& c) const;
-  struct Corrected {
-    Vec3 strain;              ///< to be added to E
-    std::array<Bends, 3> by;  ///< dE_r/dK_B, column B
+  /// k_c, column c; x, y, z and a zero, with which a column fills a register.
+  struct ChordBends {
+    Eigen::Matrix<double, 4, Chords::count> now, change;
   };
   /// `change`: of the displacements from the start.
-  [[nodiscard]] Corrected of(Index e, Strain which, const Bends& change) const;
+  [[nodiscard]] ChordBends along_chords(Index e, const Bends& change) const;
+  /// To be added to E.
+  [[nodiscard]] Vec3 strain(Index e, Strain which, const ChordBends& bends) const;
+  /// dE_r/dK_B, column B.
+  using Slopes = std::array<Eigen::Matrix<double, 4, bend_vectors>, 3>;
+  [[nodiscard]] Slopes slopes(Index e, Strain which, const ChordBends& bends) const;
+  /// sum_r n_r dE_r/dK_B, column B.
+  [[nodiscard]] Bends pull(Index e, Strain which, const ChordBends& bends, const Vec3& n) const;
   /// The part of the strain of second order in a step by `change`.
   [[nodiscard]] Vec3 quadratic(Index e, Strain which, const Bends& change) const;
   /// Derivatives sum_r n_r d2E_r/dK_A dK_B, the same number for x, y and z; `positive`: without their negative part.
@@ -88,6 +95,7 @@ class ChordCorrection {
   struct Element {
     std::size_t start;
     int count;
+    bool left_out;
     Chords chords;
     Bends start_bends;                 ///< K at the start
     std::array<Vec3, 2> start_strain;  ///< of the correction

@@ -5,6 +5,8 @@
 //           kappa    curvature of the triangle (k11, k22, 2 k12), kappa0 at rest [1/m]
 //   w = 1/2 dE.C dE per area,   dE_r = 1/2 (kappa.T^r kappa - kappa0.T^r kappa0), linear: kappa0.T^r (kappa - kappa0)
 // The sum of w over the stored energy estimates the share by which deflections of sheets that are flat at rest are too small.
+// six_node_corrected: w (kappa L)^2, kappa the largest principal curvature and L^2 as in locking_estimate(): the cubic that corrects
+// strains leaves those of the next order, measured on saddles and hemispheres.
 // Shells whose rest shape is curved can lock so far that they no longer bend, and w is small: see locking_estimate().
 #pragma once
 
@@ -17,7 +19,7 @@ namespace voile::energy {
 
 class ChordError {
  public:
-  /// Of all triangles of the sheet; zero for `six_node_corrected`. Not collective.
+  /// Of all triangles of the sheet. Not collective.
   explicit ChordError(const Sheet& sheet);
 
   /// w of each triangle [J/m^2] from curvatures in material axes, three per triangle: the change from rest, and the whole.
@@ -29,10 +31,21 @@ class ChordError {
   std::vector<std::array<Mat3, 3>> corrections_;
 };
 
+/// A sheet rolled up without stretching, once around over its extent l, in each cell in the direction that is worst: the bend
+/// kappa = 2 pi / l that large rotations give a sheet as a whole.
+struct RolledUp {
+  double stiffer = 0.0;  ///< energy that uneven chords feign over that with the energy of bending: w/(w + b)
+  double softer =
+      0.0;  ///< mean of 1/2 kappa.S kappa, the share of bending that chords of even cells lose (chord_forms.hpp)
+};
+/// Of the six-node membrane with its share of constant strain, whatever the options of the sheet name. Panels in one chart count
+/// as one sheet. Not collective.
+[[nodiscard]] RolledUp rolled_up(const Sheet& sheet);
+
 /// Share by which deflections of a thin curved shell that bends without stretching can be too small: r/(r + 10), r the mean
 /// over the area of (kappa0 L^2)^2 / h^2 / 12, with the largest principal curvature at rest, L^2 the mean of the squared
 /// sides and h^2 = 12 D/C. Measured on hemispheres and saddles of thickness 4e-3 to 1e-4 of their size, where it is right
-/// within a factor of 1.5. 0 for `cst`. `rest_curvature`: three per triangle. Not collective.
+/// within a factor of 1.5. 0 for `cst`; for `six_node_corrected` times (kappa0 L)^2 before the mean. `rest_curvature`: three per triangle. Not collective.
 [[nodiscard]] double locking_estimate(const Sheet& sheet, const std::vector<double>& rest_curvature);
 
 }  // namespace voile::energy

@@ -11,10 +11,11 @@ enum class BendingOperator {
 };
 
 enum class MembraneOperator {
-  cst,                  ///< constant-strain triangle
-  six_node,             ///< mid-side strains of the six-node patch averaged to one point
-  six_node_corrected,   ///< six_node without what straight chords feign where the surface bends
-  six_node_three_point  ///< energy of the three mid-side strains averaged; stiffer on coarse meshes
+  cst,                   ///< constant-strain triangle
+  six_node,              ///< mid-side strains of the six-node patch averaged to one point
+  six_node_corrected,    ///< six_node without what straight chords feign where the surface bends
+  six_node_three_point,  ///< energy of the three mid-side strains averaged; stiffer on coarse meshes
+  automatic  ///< six_node or six_node_corrected: to be replaced (preferred_membrane()) before a sheet is given terms
 };
 
 /// Choices of element; all are dimensionless except the angle.

@@ -53,6 +53,9 @@ class MembraneTerm {
   void correct(const Sheet& sheet, const Mat3& trace, Index t, const BendingElement& bending,
                const std::vector<Index>& local);
 
+  /// Whether the element has too many points to be corrected.
+  [[nodiscard]] bool left_out(Index e) const { return corrects() && correction_.left_out(e); }
+
   [[nodiscard]] Index size() const { return static_cast<Index>(elements_.size()); }
   [[nodiscard]] const Index* stencil(Index e) const {
     return corrects() ? correction_.stencil(e) : elements_[e].points.data();
@@ -127,7 +130,7 @@ class MembraneTerm {
     /// each strain, mean and own, the rows of dE/dx and of A C dE/dx; for the term of fourth order two more.
     std::array<Eigen::Matrix<double, 4, 8>, ChordCorrection::most> b;
     std::array<Eigen::Matrix<double, 8, 3>, ChordCorrection::most> stiff;
-    Bends change;                     ///< of K from the start
+    ChordCorrection::ChordBends bends;
     ChordCorrection::Form geometric;  ///< derivatives by K_A and K_B that are the same for x, y and z
   };
   template <class Emit>
@@ -154,7 +157,7 @@ class MembraneTerm {
   void prepare(Index e, const Configuration& c, Workspace& w) const;
   /// Of `six_node` and `six_node_corrected`.
   struct Stress;
-  /// Of a corrected element: change; starts b, stiff and geometric.
+  /// Of a corrected element: bends; starts b, stiff and geometric.
   void prepare_bends(Index e, const Configuration& c, Workspace& w) const;
   void prepare_mean(Index e, const Configuration& c, const Stress& stress, Workspace& w) const;
   void prepare_own(Index e, const Configuration& c, const Stress& stress, Workspace& w) const;

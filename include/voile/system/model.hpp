@@ -134,6 +134,8 @@ class Model {
   void start_step(Vec a, double viscosity, double inverse_step = 0.0);
   /// Collective; values on rank 0.
   [[nodiscard]] TriangleFields triangle_fields(Vec a);
+  /// Triangles that `six_node_corrected` leaves as `six_node` has them. Collective.
+  [[nodiscard]] long uncorrected_triangles() const;
 
  private:
   /// A term of the potential and the name under which its energy is counted.

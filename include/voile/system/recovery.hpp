@@ -26,6 +26,7 @@ struct TriangleFields {
   std::vector<double> curvature;        ///< k11, k22, 2 k12, change from rest [1/m]
   std::vector<double> whole_curvature;  ///< the same with that of the rest shape [1/m]
   std::vector<double> bending_moment;   ///< M11, M22, M12 [N]
+  std::vector<double> in_plane;  ///< energy of second derivatives in the surface, which bend nothing; one each [J/m^2]
 };
 
 class Recovery {

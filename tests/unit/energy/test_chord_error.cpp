@@ -5,9 +5,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "../test_meshes.hpp"
 #include "../test_model_kit.hpp"
+#include "../test_relative.hpp"
 #include "voile/base/mpi.hpp"
 
 using namespace voile;
@@ -91,7 +93,10 @@ TEST_CASE("the corrected membrane leaves nothing of what chords feign") {
     CAPTURE(share);
     CHECK(corrected.feigned < 1e-3 * plain.feigned);
     CHECK(corrected.even < 1e-3 * plain.even);
-    CHECK(*std::max_element(corrected.energies.begin(), corrected.energies.end()) == 0.0);
+    // What is estimated to be left is of the next order in the angle per cell.
+    const double left = *std::max_element(corrected.energies.begin(), corrected.energies.end());
+    CHECK(left > 0.0);
+    if (share == 0.1) CHECK(left < 1e-3 * *std::max_element(plain.energies.begin(), plain.energies.end()));
   }
 }
 
@@ -134,4 +139,78 @@ TEST_CASE("a thin curved shell is said to lock by as much as it does, a flat she
   CHECK(estimate(1e-4, MembraneOperator::six_node, 2.0) > 0.9);
   CHECK(estimate(1e-3, MembraneOperator::cst, 2.0) == 0.0);
   CHECK(estimate(1e-4, MembraneOperator::six_node, 0.0) == 0.0);
+}
+
+TEST_CASE("a sheet rolled up over its extent is stiffer by uneven cells, more so if thinner, and softer by long ones") {
+  const auto roll = [](Pattern pattern, double thickness, int cells, energy::MembraneOperator membrane) {
+    const mesh::SurfaceMesh mesh(square(pattern, cells));
+    const std::vector<energy::Material> materials{isotropic(1e6, 0.3, thickness, 1.0)};
+    const mesh::PatchMesh patches(mesh, {});
+    energy::ElementOptions options;
+    options.membrane = membrane;
+    return energy::rolled_up(energy::Sheet(patches, materials, energy::assign_materials(mesh, materials), options));
+  };
+  constexpr auto automatic = energy::MembraneOperator::automatic;
+  const energy::RolledUp even = roll(Pattern::diagonal, 1e-2, 20, automatic),
+                         uneven = roll(Pattern::jittered, 1e-2, 20, automatic),
+                         thin = roll(Pattern::jittered, 5e-3, 20, automatic),
+                         coarse = roll(Pattern::diagonal, 1e-2, 10, automatic);
+  const auto ratio = [](double share) { return share / (1.0 - share); };
+  CHECK(uneven.stiffer > 2.0 * even.stiffer);  // cells at the border are uneven in both
+  CHECK(ratio(thin.stiffer) == relative(4.0 * ratio(uneven.stiffer)));
+  CHECK(thin.softer == relative(uneven.softer));
+  CHECK(roll(Pattern::jittered, 1e-2, 20, energy::MembraneOperator::cst).stiffer == uneven.stiffer);
+  // Halves of squares of side a have S = a^2/8 along their hypotenuses.
+  const double bend = 2.0 * std::numbers::pi / std::sqrt(2.0);
+  CHECK(even.softer == relative(std::pow(bend / 20.0, 2) / 16.0).epsilon(0.02));
+  CHECK(coarse.softer == relative(4.0 * even.softer).epsilon(0.02));
+}
+
+TEST_CASE("the energy of bending is that of the curvatures and that of second derivatives in the surface") {
+  for (const bool curved : {false, true}) {
+    const double bow = curved ? 0.3 : 0.0;
+    const mesh::SurfaceMesh mesh(mapped(square(Pattern::jittered, 8),
+                                        [&](const Vec3& x) { return Vec3(x[0], x[1], bow * x[0] * (x[0] + x[1])); }));
+    system::ModelInput input;
+    input.materials = {isotropic(1e6, 0.3, 0.1, 1.0)};
+    system::Model model(PETSC_COMM_WORLD, mesh, input);
+    petsc::VecHandle a = model.dofs().create_vector();
+    set_displacement(model, a, noise(0.01, 7));
+    const double bending = model.energies(a).bending;
+    const system::TriangleFields f = model.triangle_fields(a);
+    if (mpi::rank(PETSC_COMM_WORLD) != 0) continue;
+    double normal = 0.0, in_plane = 0.0;
+    for (Index t = 0; t < mesh.triangle_count(); ++t) {
+      const auto at = 3 * static_cast<std::size_t>(t);
+      normal += 0.5 * mesh.area(t) *
+                Eigen::Map<const Vec3>(&f.curvature[at]).dot(Eigen::Map<const Vec3>(&f.bending_moment[at]));
+      in_plane += mesh.area(t) * f.in_plane[static_cast<std::size_t>(t)];
+    }
+    CAPTURE(curved);
+    CHECK(in_plane > 0.1 * bending);
+    CHECK(normal + in_plane == relative(bending).epsilon(1e-9));
+  }
+}
+
+TEST_CASE("triangles whose patches determine nothing and have too many points are counted, others are corrected") {
+  mesh::MeshData fan = square(Pattern::jittered, 6);
+  const auto count = [](const mesh::MeshData& data) {
+    const mesh::SurfaceMesh mesh(data);
+    system::ModelInput input;
+    input.materials = {isotropic(1e6, 0.3, 0.1, 1.0)};
+    input.element.membrane = energy::MembraneOperator::six_node_corrected;
+    return system::Model(PETSC_COMM_WORLD, mesh, input).uncorrected_triangles();
+  };
+  CHECK(count(fan) == 0);
+  fan.positions = {Vec3::Zero()};
+  fan.triangles.clear();
+  fan.groups.clear();
+  constexpr int spokes = 80;
+  for (int i = 0; i < spokes; ++i) {
+    const double angle = 2.0 * std::numbers::pi * i / spokes;
+    fan.positions.emplace_back(std::cos(angle), std::sin(angle), 0.0);
+    fan.triangles.push_back({0, i + 1, (i + 1) % spokes + 1});
+  }
+  fan.triangle_tags.assign(spokes, 1);
+  CHECK(count(fan) == spokes);
 }

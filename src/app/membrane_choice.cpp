@@ -1,0 +1,101 @@
+#include "membrane_choice.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+#include "voile/base/error.hpp"
+#include "voile/base/mpi.hpp"
+#include "voile/base/petsc.hpp"
+#include "voile/energy/chord_error.hpp"
+#include "voile/energy/curvature.hpp"
+#include "voile/mesh/patch.hpp"
+
+namespace voile::app {
+
+namespace {
+
+using energy::MembraneOperator;
+
+/// Share of the deflection that six_node may err by.
+constexpr double limit = 0.01;
+
+/// kappa0 of all triangles, on rank 0. Collective.
+std::vector<double> rest_curvature(MPI_Comm comm, const energy::Sheet& sheet) {
+  const auto n = static_cast<std::size_t>(sheet.mesh().triangle_count());
+  std::vector<double> curvature(3 * n, 0.0);
+  mpi::on_all(comm, [&] {
+    energy::CurvatureBuilder builder(sheet);
+    const auto rank = static_cast<std::size_t>(mpi::rank(comm)), ranks = static_cast<std::size_t>(mpi::size(comm));
+    for (std::size_t t = n * rank / ranks; t < n * (rank + 1) / ranks; ++t) {
+      const auto triangle = static_cast<Index>(t);
+      const Vec3 k = builder.build(triangle).rest * sheet.frame(triangle).normal;
+      std::copy_n(k.data(), 3, curvature.begin() + static_cast<std::ptrdiff_t>(3 * t));
+    }
+  });
+  mpi::sum_to_root(comm, curvature);
+  return curvature;
+}
+
+/// Whether all stages look for equilibria under large rotations, none for the folds of something that falls or moves.
+bool only_static(const input::Case& c) {
+  const auto is_static = [](const input::Case& one) { return one.analysis == "static"; };
+  return c.stages.empty() ? is_static(c) : std::all_of(c.stages.begin(), c.stages.end(), is_static);
+}
+
+MembraneChoice decide(const input::Case& c, const energy::Sheet& sheet, const std::vector<double>& rest) {
+  const double curved = energy::locking_estimate(sheet, rest);
+  const energy::RolledUp flat = only_static(c) ? energy::rolled_up(sheet) : energy::RolledUp{};
+  const bool corrected = std::max({curved, flat.stiffer, flat.softer}) > limit;
+  const MembraneOperator chosen = corrected ? MembraneOperator::six_node_corrected : MembraneOperator::six_node;
+  std::string text = fmt::format(
+      "membrane: {}, chosen by \"auto\": six_node is expected to err by {:.2g} % in bending a "
+      "shell of this curvature and thickness",
+      name(chosen), 100.0 * curved);
+  if (only_static(c))
+    text += fmt::format(", if rolled up by {:.2g} % for uneven cells and {:.2g} % for long ones", 100.0 * flat.stiffer,
+                        100.0 * flat.softer);
+  return {chosen, text + fmt::format(" (limit {:g} %)", 100.0 * limit)};
+}
+
+}  // namespace
+
+const char* name(MembraneOperator membrane) {
+  switch (membrane) {
+    case MembraneOperator::cst:
+      return "cst";
+    case MembraneOperator::six_node:
+      return "six_node";
+    case MembraneOperator::six_node_corrected:
+      return "six_node_corrected";
+    case MembraneOperator::six_node_three_point:
+      return "six_node_three_point";
+    case MembraneOperator::automatic:
+      break;
+  }
+  return "auto";
+}
+
+MembraneChoice choose_membrane(const input::Case& c, const mesh::SurfaceMesh& mesh) {
+  if (c.element.membrane != MembraneOperator::automatic) return {c.element.membrane, ""};
+  const mesh::PatchMesh patches(mesh, {});
+  const energy::Sheet sheet(patches, c.materials, energy::assign_materials(mesh, c.materials), c.element);
+  const std::vector<double> rest = rest_curvature(PETSC_COMM_WORLD, sheet);
+  MembraneChoice choice{MembraneOperator::six_node, ""};
+  mpi::on_root(PETSC_COMM_WORLD, [&] { choice = decide(c, sheet, rest); });
+  std::vector<Index> chosen{static_cast<Index>(choice.membrane)};
+  mpi::broadcast(PETSC_COMM_WORLD, chosen);
+  choice.membrane = static_cast<MembraneOperator>(chosen.front());
+  return choice;
+}
+
+input::Case with_membrane(input::Case c, MembraneOperator membrane) {
+  c.element.membrane = membrane;
+  for (input::Case& stage : c.stages) stage.element.membrane = membrane;
+  return c;
+}
+
+}  // namespace voile::app
