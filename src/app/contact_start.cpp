@@ -19,12 +19,6 @@ constexpr double most_cells = 5.0;
 /// Share of the contact distance below which two things touch rather than overlap.
 constexpr double touching = 1e-6;
 
-double mean_edge(const contact::Surface& s) {
-  double sum = 0.0;
-  for (Index e = 0; e < s.sheet_edges; ++e) sum += std::sqrt(s.edges[e].rest_length_squared);
-  return sum / s.sheet_edges;
-}
-
 /// What an attempt to untangle says if it fails.
 std::string attempt(const untangle::UntangleResult& r, double limit) {
   return r.farthest > limit
@@ -93,7 +87,7 @@ std::string repair(const RunOptions& options, system::Contact& contact, Vec a) {
   std::vector<double> values;
   mpi::on_root(PETSC_COMM_WORLD, [&] {
     const IntersectionCheck check(contact);
-    const double limit = most_cells * mean_edge(contact.set().surface());
+    const double limit = most_cells * contact::mean_edge(contact.set().surface());
     const untangle::UntangleResult r = untangle::untangle(
         contact.set().surface(), contact.set().planes(), system::free_directions(contact.dofs()),
         [&](const std::vector<Vec3>& at) { return check.find(at); },

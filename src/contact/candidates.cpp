@@ -62,10 +62,13 @@ void add_hulls(Iterator begin, Iterator end, int depth, std::vector<Box>& hulls)
 }  // namespace
 
 Candidates::Candidates(const Surface& surface, double contact_distance, std::vector<char> owned)
-    : surface_(&surface), distance_(contact_distance), reach_(contact_distance), owned_(std::move(owned)) {
+    : surface_(&surface),
+      distance_(contact_distance),
+      reach_(contact_distance),
+      mean_edge_(mean_edge(surface)),
+      owned_(std::move(owned)) {
   const Surface& s = surface;
   for (const Face& f : s.faces) reach_ = std::max(reach_, s.bodies[f.body].thickness + contact_distance);
-  for (Index e = 0; e < s.sheet_edges; ++e) mean_edge_ += std::sqrt(s.edges[e].rest_length_squared) / s.sheet_edges;
   for (Index i = 0; i < s.sheet_points; ++i)
     if (owned_[i]) own_points_.push_back(i);
   for (Index i = s.sheet_points; i < s.points(); ++i) obstacle_points_.push_back(i);

@@ -71,6 +71,12 @@ Surface make_surface(const mesh::SurfaceMesh& mesh, std::vector<Body> bodies, co
   return s;
 }
 
+double mean_edge(const Surface& s) {
+  double sum = 0.0;
+  for (Index e = 0; e < s.sheet_edges; ++e) sum += std::sqrt(s.edges[e].rest_length_squared);
+  return sum / s.sheet_edges;
+}
+
 Index append(Surface& s, int body, const std::vector<Vec3>& points, const std::vector<mesh::Triangle>& triangles,
              const std::vector<mesh::Segment>& bare_edges) {
   const Index first = s.points();

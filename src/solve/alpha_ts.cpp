@@ -119,14 +119,20 @@ PetscErrorCode guess(TS ts, Predictor predictor, PetscBool* possible) {
 
 /// First guess of a step; `possible` is false if nobody finds a place to start from, so that the step must be smaller.
 /// With contact the motion gone on with its acceleration may end in a wall: the velocity alone counts if that has less
-/// energy. (The state before would often have still less, but what rests there seems to stick.)
+/// energy. (The state before would often have still less, but what rests there seems to stick.) An acceleration that flies
+/// over many cells, as that of a seam which has just been welded while folded sharply, is no guess at all.
 PetscErrorCode predict(TS ts, PetscBool* possible) {
   Alpha& th = data(ts);
   PetscBool other = PETSC_FALSE;
-  PetscReal first = 0.0, second = 0.0;
+  PetscReal first = 0.0, second = 0.0, most = 0.0;
+  Predictor predictor = th.predictor;
   PetscFunctionBeginUser;
-  PetscCall(guess(ts, th.predictor, possible));
-  if (!th.callbacks.energy || th.predictor != Predictor::acceleration) PetscFunctionReturn(0);
+  if (th.callbacks.energy && predictor == Predictor::acceleration) {
+    PetscCall(VecNorm(th.a0, NORM_INFINITY, &most));
+    if (0.5 * ts->time_step * ts->time_step * most > th.callbacks.longest_flight) predictor = Predictor::velocity;
+  }
+  PetscCall(guess(ts, predictor, possible));
+  if (!th.callbacks.energy || predictor != Predictor::acceleration) PetscFunctionReturn(0);
   if (*possible) PetscCall(th.callbacks.energy(th.callbacks.context, th.x1, &first));
   PetscCall(VecCopy(th.x1, th.best));
   PetscCall(guess(ts, Predictor::velocity, &other));

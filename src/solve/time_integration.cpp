@@ -24,6 +24,8 @@ namespace voile::solve {
 namespace {
 
 constexpr const char* adapt_type = "voile";
+/// With contact the acceleration is left out of a first guess where it would fly over more edges than that.
+constexpr double longest_flight = 4.0;
 
 }  // namespace
 
@@ -126,7 +128,8 @@ void TimeIntegration::Impl::choose_method(const system::State& from) {
   }
   const bool contact = model.contact() != nullptr;
   set_alpha_callbacks(ts, {this, start_step, enforce, contact ? clear : nullptr,
-                           contact && model.conditions().symmetric() ? energy : nullptr});
+                           contact && model.conditions().symmetric() ? energy : nullptr,
+                           contact ? longest_flight * contact::mean_edge(model.contact()->set().surface()) : 0.0});
   linear.prepare();
   prepare_inexact(from.solver);
   SNES snes = nullptr;

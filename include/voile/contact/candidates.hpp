@@ -111,7 +111,7 @@ class Candidates {
 
   const Surface* surface_;
   double distance_, reach_;  ///< contact distance; how near figures must come to be a pair, at most [m]
-  double mean_edge_ = 0.0;   ///< of the sheet [m]
+  double mean_edge_;         ///< of the sheet [m]
   std::vector<char> owned_;
   std::vector<Index> own_points_, own_faces_;  ///< own faces hold an own point
   std::vector<Index> obstacle_points_;

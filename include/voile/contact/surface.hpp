@@ -78,6 +78,9 @@ struct Surface {
                                    const std::vector<int>& body_of_triangle,
                                    const std::vector<int>& body_of_vertex = {});
 
+/// Of the sheet's edges at rest. [m]
+[[nodiscard]] double mean_edge(const Surface& surface);
+
 /// Appends a rigid or deforming thing: points with triangles, bare edges, or alone. Returns its first point.
 Index append(Surface& surface, int body, const std::vector<Vec3>& points, const std::vector<mesh::Triangle>& triangles,
              const std::vector<mesh::Segment>& bare_edges);

@@ -34,6 +34,9 @@ struct AlphaCallbacks {
   PetscErrorCode (*clear)(void* context, PetscReal t0, Vec x0, PetscReal t1, Vec x1, PetscBool* possible) = nullptr;
   /// Potential whose minimum over X1 is looked for; with it the better of two first guesses is taken.
   PetscErrorCode (*energy)(void* context, Vec x1, PetscReal* energy) = nullptr;
+  /// With an energy: where the acceleration alone would carry a component further than this in the step [m], it is
+  /// left out of the first guess.
+  PetscReal longest_flight = PETSC_INFINITY;
 };
 
 /// What of a step tells about X1: stage (Xa, Va, Aa) with dVa/dXa = s_v and dAa/dXa = s_a.
