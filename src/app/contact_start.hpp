@@ -2,6 +2,7 @@
 #pragma once
 
 #include "voile/app/run.hpp"
+#include "voile/base/petsc.hpp"
 #include "voile/input/case.hpp"
 
 namespace voile::system {

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "voile/base/mpi.hpp"
 #include "voile/geometry/intersections.hpp"
 #include "voile/input/case.hpp"
 #include "voile/io/results.hpp"
