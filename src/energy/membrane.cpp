@@ -227,7 +227,7 @@ void MembraneTerm::gradient_of(Index e, const Configuration& c, std::array<Vec3,
   const auto corrected_stress = [&](ChordCorrection::Strain which, double weight, Vec3 strain, const Vec3& start) {
     if (!corrects()) return Vec3(weight * (stiffness * effective(strain, start, viscosity)));
     strain += correction_.strain(e, which, bends);
-    const Vec3 n = weight * (stiffness * effective(strain, start, viscosity));
+    Vec3 n = weight * (stiffness * effective(strain, start, viscosity));
     bent += correction_.pull(e, which, bends, n);
     return n;
   };

@@ -137,7 +137,7 @@ class GarmentCodeReader {
       return Mat3(Eigen::AngleAxisd(degrees[k] * std::numbers::pi / 180.0, Vec3::Unit(k)).toRotationMatrix());
     };
     const Mat3 zyx = turn(2) * turn(1) * turn(0), xyz = turn(0) * turn(1) * turn(2);
-    if ((zyx - xyz).norm() > 1e-6) two_angles_.push_back(pattern_.pieces.back().name);
+    if ((zyx - xyz).norm() > 1e-6) two_angles.push_back(pattern_.pieces.back().name);
     return options_.euler_xyz ? xyz : zyx;
   }
 
@@ -222,7 +222,7 @@ class GarmentCodeReader {
   bool is_old_ = false;  ///< written before stitches had a sense, as control points without a kind of curve tell
 
  public:
-  std::vector<std::string> two_angles_;  ///< panels whose place depends on the order of the angles
+  std::vector<std::string> two_angles;  ///< panels whose place depends on the order of the angles
 };
 
 }  // namespace
@@ -240,7 +240,7 @@ Pattern read_garmentcode(const std::filesystem::path& file, const ReadOptions& o
   }
   GarmentCodeReader reader(file, json, options);
   Pattern pattern = reader.run();
-  for (const std::string& name : reader.two_angles_)
+  for (const std::string& name : reader.two_angles)
     pattern.notes.push_back(fmt::format(
         "{}: panel '{}' is turned about more than one axis; the order taken is {}; if it is placed wrongly, give "
         "euler = \"{}\"",

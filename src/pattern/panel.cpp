@@ -123,7 +123,7 @@ Vec3 Panel::flat_place(const Vec2& x) const {
 }
 
 Vec3 Panel::place(const Vec2& x) const {
-  const Vec3 flat = flat_place(x);
+  Vec3 flat = flat_place(x);
   if (!wrap) return flat;
   const Plane plane = plane_of(*this, *wrap);
   double radius = radius_of(plane, *wrap);
