@@ -26,18 +26,17 @@ constexpr double limit = 0.01;
 /// kappa0 of all triangles, on rank 0. Collective.
 std::vector<double> rest_curvature(MPI_Comm comm, const energy::Sheet& sheet) {
   const auto n = static_cast<std::size_t>(sheet.mesh().triangle_count());
-  std::vector<double> curvature(3 * n, 0.0);
+  std::vector<double> own;
   mpi::on_all(comm, [&] {
     energy::CurvatureBuilder builder(sheet);
     const auto rank = static_cast<std::size_t>(mpi::rank(comm)), ranks = static_cast<std::size_t>(mpi::size(comm));
     for (std::size_t t = n * rank / ranks; t < n * (rank + 1) / ranks; ++t) {
       const auto triangle = static_cast<Index>(t);
       const Vec3 k = builder.build(triangle).rest * sheet.frame(triangle).normal;
-      std::copy_n(k.data(), 3, curvature.begin() + static_cast<std::ptrdiff_t>(3 * t));
+      own.insert(own.end(), k.begin(), k.end());
     }
   });
-  mpi::sum_to_root(comm, curvature);
-  return curvature;
+  return mpi::gather_to_root(comm, own);
 }
 
 /// Whether all stages look for equilibria under large rotations, none for the folds of something that falls or moves.

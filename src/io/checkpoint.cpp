@@ -101,10 +101,21 @@ void read_anchors(hid_t file, const mesh::SurfaceMesh& mesh, const std::filesyst
       fail_reading(path, "its anchors are not those of this mesh");
 }
 
+Hdf5Handle open_checkpoint(const std::filesystem::path& path) {
+  std::error_code error;
+  if (!std::filesystem::exists(path, error))
+    fail_reading(
+        path,
+        "there is no such file; a run writes one at its end, when it is stopped by a signal that it can see, and "
+        "every [time] checkpoint_minutes or checkpoint_steps");
+  Hdf5Handle file(H5Fopen(path.string().c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
+  if (!file.valid()) fail_reading(path, "this is not a checkpoint that can be read");
+  return file;
+}
+
 Checkpoint read_unguarded(const std::filesystem::path& path, const mesh::SurfaceMesh& mesh) {
   const Silence silence;
-  const Hdf5Handle file(H5Fopen(path.string().c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
-  if (!file.valid()) fail_reading(path, "this is not a checkpoint that can be read");
+  const Hdf5Handle file = open_checkpoint(path);
   check_mesh(file, "mesh/positions", mesh, path);
   check_rest(file, mesh, path);
   if (H5Aexists(file, "in_equilibrium") <= 0)
@@ -146,8 +157,7 @@ Checkpoint read_unguarded(const std::filesystem::path& path, const mesh::Surface
 
 mesh::MeshData read_mesh_unguarded(const std::filesystem::path& path) {
   const Silence silence;
-  const Hdf5Handle file(H5Fopen(path.string().c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
-  if (!file.valid()) fail_reading(path, "this is not a checkpoint that can be read");
+  const Hdf5Handle file = open_checkpoint(path);
   if (H5Aexists(file, "remeshings") <= 0 || read_number(file, "/", "remeshings", path) == 0.0) return {};
   return read_mesh_record(file, "mesh", path);
 }

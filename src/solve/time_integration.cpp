@@ -137,8 +137,8 @@ void TimeIntegration::Impl::choose_method(const system::State& from) {
   test.read(snes);
   if (contact && options.radius > 0.5 && remark)
     remark(
-        fmt::format("warning: radius = {:g} with contact: impacts can feed energy into what is hardly damped; 0.5 "
-                    "or less is safe",
+        fmt::format("warning: radius = {:g} with contact: impacts can feed energy into what is hardly damped; take 0.5 "
+                    "or less",
                     options.radius));
   if (from.a) set_acceleration(ts, from.a);
 }

@@ -59,7 +59,6 @@ std::vector<Index> ContactHalo::connect(const Lists& to) {
   VOILE_PETSC(PetscSFSetGraph(forest_, points_, static_cast<PetscInt>(leaves.size()), local.data(), PETSC_COPY_VALUES,
                               remote.data(), PETSC_COPY_VALUES));
   VOILE_PETSC(PetscSFSetUp(forest_));
-  ghosts_ = ghosts.size();
   return ghosts;
 }
 

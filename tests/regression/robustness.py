@@ -269,6 +269,8 @@ def damaged_restart(report):
         file["velocity"][0, 0] = np.inf
     result = run(longer, OUT / "damaged_run", 1, ["--restart", OUT / "damaged.h5"])
     report.check(result.code == 2 and "not finite" in result.text, f"an infinite velocity: code {result.code}")
+    result = run(longer, OUT / "damaged_run", 1, ["--restart", OUT / "nowhere.h5"])
+    report.check(result.code == 2 and "there is no such file" in result.text, f"a checkpoint that is not there: code {result.code}")
 
 
 @test

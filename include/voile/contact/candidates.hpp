@@ -8,7 +8,6 @@
 #pragma once
 
 #include <array>
-#include <functional>
 #include <vector>
 
 #include "voile/contact/broad_phase.hpp"
@@ -19,9 +18,9 @@ namespace voile::contact {
 /// How far points have outgrown their boxes.
 struct Departure {
   double points = 0.0, left = 0.0;  ///< how many, and how many of them are outside
-  double excess = 0.0,
-         room = 0.0;  ///< by how much boxes are larger than needed now, and what room they should have [m]
-  double way = 0.0;   ///< sum of the ways that are asked for [m]
+  double excess = 0.0;              ///< by how much boxes are larger than needed now [m]
+  double room = 0.0;                ///< that they should have [m]
+  double way = 0.0;                 ///< sum of the ways that are asked for [m]
 };
 
 class Candidates;

@@ -35,8 +35,8 @@ class ChordError {
 /// kappa = 2 pi / l that large rotations give a sheet as a whole.
 struct RolledUp {
   double stiffer = 0.0;  ///< energy that uneven chords feign over that with the energy of bending: w/(w + b)
-  double softer =
-      0.0;  ///< mean of 1/2 kappa.S kappa, the share of bending that chords of even cells lose (chord_forms.hpp)
+  /// Mean of 1/2 kappa.S kappa, the share of bending that chords of even cells lose (chord_forms.hpp).
+  double softer = 0.0;
 };
 /// Of the six-node membrane with its share of constant strain, whatever the options of the sheet name. Panels in one chart count
 /// as one sheet. Not collective.

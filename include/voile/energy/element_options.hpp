@@ -15,7 +15,7 @@ enum class MembraneOperator {
   six_node,              ///< mid-side strains of the six-node patch averaged to one point
   six_node_corrected,    ///< six_node without what straight chords feign where the surface bends
   six_node_three_point,  ///< energy of the three mid-side strains averaged; stiffer on coarse meshes
-  automatic  ///< six_node or six_node_corrected: to be replaced (preferred_membrane()) before a sheet is given terms
+  automatic  ///< six_node or six_node_corrected: to be replaced before a sheet is given terms (app/membrane_choice.hpp)
 };
 
 /// Choices of element; all are dimensionless except the angle.

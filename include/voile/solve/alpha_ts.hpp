@@ -13,7 +13,8 @@
 // a_f)^2/4) h^2 (A1 - A0), of third order, for TSAdapt. The unknown of the SNES is X1, its function F/a_f: with an
 // energy E(stage) whose gradient is F, E/a_f^2 is its potential. Options: -ts_voile_radius, -ts_voile_forces_at_end,
 // -ts_voile_predictor position|velocity|acceleration: what the first guess of X1 goes on with; with the callback
-// `energy`, the acceleration only where that has less of it than the velocity alone.
+// `energy`, the acceleration only where that has less of it than the velocity alone, and flies no further than
+// `longest_flight`.
 #pragma once
 
 #include <petscts.h>

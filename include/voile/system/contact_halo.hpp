@@ -25,8 +25,6 @@ class ContactHalo : public contact::Peers {
   void exchange(contact::Candidates& candidates) override;
   /// Fills in the positions of ghosts from their owners. Collective.
   void update(std::vector<Vec3>& x) const;
-  /// How many points of other ranks this one knows now.
-  [[nodiscard]] std::size_t ghosts() const { return ghosts_; }
 
  private:
   /// Numbers of points that a rank tells each of the others.
@@ -43,7 +41,6 @@ class ContactHalo : public contact::Peers {
   Lists always_;  ///< own points of triangles that hold points of another rank, too
   petsc::StarForestHandle forest_;
   mpi::Doubles position_{3}, box_{6};
-  std::size_t ghosts_ = 0;
 };
 
 }  // namespace voile::system

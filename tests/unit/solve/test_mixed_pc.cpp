@@ -103,6 +103,36 @@ TEST_CASE("mixed precision: solutions are those of double precision, also after 
   CHECK(solve::mixed_negative_pivots(solver.pc) == 0);
 }
 
+#ifdef __SSE__
+TEST_CASE("mixed precision: what is too small for normal floats counts as zero, here only") {
+  petsc::MatHandle one;
+  VOILE_PETSC(MatCreateAIJ(PETSC_COMM_SELF, 2, 2, 2, 2, 1, nullptr, 0, nullptr, one.out()));
+  for (PetscInt i = 0; i < 2; ++i) VOILE_PETSC(MatSetValue(one, i, i, 1.0, INSERT_VALUES));
+  VOILE_PETSC(MatAssemblyBegin(one, MAT_FINAL_ASSEMBLY));
+  VOILE_PETSC(MatAssemblyEnd(one, MAT_FINAL_ASSEMBLY));
+  petsc::VecHandle b, x;
+  VOILE_PETSC(MatCreateVecs(one, b.out(), x.out()));
+  VOILE_PETSC(VecSetValue(b, 0, 1.0, INSERT_VALUES));
+  VOILE_PETSC(VecSetValue(b, 1, 1e-40, INSERT_VALUES));
+  VOILE_PETSC(VecAssemblyBegin(b));
+  VOILE_PETSC(VecAssemblyEnd(b));
+  solve::register_mixed_pc();
+  KspHandle ksp;
+  VOILE_PETSC(KSPCreate(PETSC_COMM_SELF, ksp.out()));
+  VOILE_PETSC(KSPSetType(ksp, KSPPREONLY));
+  PC pc = nullptr;
+  VOILE_PETSC(KSPGetPC(ksp, &pc));
+  VOILE_PETSC(PCSetType(pc, solve::mixed_pc_type));
+  VOILE_PETSC(KSPSetOperators(ksp, one, one));
+  VOILE_PETSC(KSPSolve(ksp, b, x));
+  const petsc::ReadArray values(x);
+  CHECK(values[0] == 1.0);
+  CHECK(values[1] == 0.0);
+  const volatile float small = 1e-38f;
+  CHECK(small * 0.01f > 0.0f);
+}
+#endif
+
 TEST_CASE("mixed precision: negative pivots are negative eigenvalues") {
   // A negative definite matrix, and one whose only negative eigenvalue is that of the three translations.
   Grid negative(6, 1e-3, -100.0);
