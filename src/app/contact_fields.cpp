@@ -27,9 +27,10 @@ std::vector<io::Field> contact_fields(system::Model& model, Vec a,
   if (!contact) return fields;
   std::vector<double> normal = forces(model, a, contact::ContactSet::normal), pressure(normal.size() / 3);
   for (std::size_t v = 0; v < pressure.size(); ++v)
-    pressure[v] = std::hypot(normal[3 * v], normal[3 * v + 1], normal[3 * v + 2]) / contact->set().surface().area[v];
+    pressure[v] =
+        std::hypot(normal[3 * v], normal[3 * v + 1], normal[3 * v + 2]) / contact->scene().set().surface().area[v];
   if (wants("contact_pressure")) fields.push_back({"contact_pressure", "Pa", io::Centre::vertex, 1, pressure});
-  if (system::has_yielding_obstacles(contact->input()) && wants("gives_way")) {
+  if (system::has_yielding_obstacles(contact->scene().input()) && wants("gives_way")) {
     std::vector<double> given(pressure.size());
     const std::vector<double>& yielding = contact->memory().yielding;
     for (std::size_t v = 0; v < given.size() && v < yielding.size(); ++v) given[v] = yielding[v] != 0.0 ? 1.0 : 0.0;
@@ -38,8 +39,8 @@ std::vector<io::Field> contact_fields(system::Model& model, Vec a,
   if (wants("contact_force")) fields.push_back({"contact_force", "N", io::Centre::vertex, 3, std::move(normal)});
   if (wants("friction_force"))
     fields.push_back({"friction_force", "N", io::Centre::vertex, 3, forces(model, a, contact::ContactSet::friction)});
-  if (system::has_bodies(contact->input()) && wants("ease"))
-    fields.push_back({"ease", "m", io::Centre::vertex, 1, system::ease(*contact, a)});
+  if (system::has_bodies(contact->scene().input()) && wants("ease"))
+    fields.push_back({"ease", "m", io::Centre::vertex, 1, system::ease(contact->scene(), a)});
   return fields;
 }
 

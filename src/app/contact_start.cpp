@@ -33,7 +33,7 @@ std::string attempt(const untangle::UntangleResult& r, double limit) {
 /// Throws if the state is no start. Collective.
 /// `file`: for the triangles; empty: none.
 void check_start(const std::filesystem::path& file, system::Contact& contact, Vec a, const std::string& tried) {
-  const std::vector<Vec3> positions = contact.positions(a);
+  const std::vector<Vec3> positions = contact.scene().positions(a);
   const IntersectionCheck check(contact);
   const std::vector<geometry::TrianglePair> pairs = check.find_by_ranks(positions);
   mpi::on_root(PETSC_COMM_WORLD, [&] {
@@ -45,9 +45,9 @@ void check_start(const std::filesystem::path& file, system::Contact& contact, Ve
         file.empty() ? "" : fmt::format(" The triangles are in {} (ParaView).", file.string()), tried,
         tried.empty() ? "repair shallow intersections with untangle = true, or " : "or "));
   });
-  const system::ContactReport report = contact.report(a);
+  const system::ContactReport report = system::report(contact.scene(), a);
   if (report.gap > 0.0) return;
-  const bool touch = report.gap > -touching * contact.input().options.distance;
+  const bool touch = report.gap > -touching * contact.scene().input().options.distance;
   throw UserError(fmt::format(
       "[contact]: at the start {}.{} Move them apart, make them thinner, let untangle = true part them, or let them "
       "ignore each other with a [[contact_rule]]",
@@ -59,15 +59,15 @@ void check_start(const std::filesystem::path& file, system::Contact& contact, Ve
 
 /// Says what a user should know of a start that is none the worse for it. Collective.
 void print_notes(const input::Case& c, system::Contact& contact, Vec a) {
-  const system::ContactReport report = contact.report(a);
-  const double settle_time = contact.input().options.settle_time;
+  const system::ContactReport report = system::report(contact.scene(), a);
+  const double settle_time = contact.scene().input().options.settle_time;
   mpi::on_root(PETSC_COMM_WORLD, [&] {
-    for (const std::string& note : contact.input().notes) fmt::print("note: {}\n", note);
+    for (const std::string& note : contact.scene().input().notes) fmt::print("note: {}\n", note);
     if (report.pairs == 0) return;
     fmt::print(
         "note: [contact]: the start lies inside the contact distance of {:.4g} m: {} pair(s), smallest gap {:.4g} m, "
         "{}; {}\n",
-        contact.input().options.distance, report.pairs, report.gap, report.nearest,
+        contact.scene().input().options.distance, report.pairs, report.gap, report.nearest,
         c.analysis != "dynamic" ? "the search moves them apart"
         : settle_time > 0.0     ? fmt::format("they are let out within settle_time = {:g} s", settle_time)
                                 : "settle_time = 0 lets the barrier throw them apart");
@@ -76,22 +76,23 @@ void print_notes(const input::Case& c, system::Contact& contact, Vec a) {
 
 /// Whether a start needs repair: it intersects or lies inside the contact distance. Collective.
 bool is_tangled(system::Contact& contact, Vec a) {
-  return !IntersectionCheck(contact).find_by_ranks(contact.positions(a)).empty() || contact.report(a).pairs > 0;
+  return !IntersectionCheck(contact).find_by_ranks(contact.scene().positions(a)).empty() ||
+         system::report(contact.scene(), a).pairs > 0;
 }
 
 /// Moves a if that repairs it; says what was tried if it does not. Rank 0 works for all, so that the result does not
 /// depend on their number. Collective.
 std::string repair(const RunOptions& options, system::Contact& contact, Vec a) {
-  std::vector<Vec3> x = contact.positions(a);
+  std::vector<Vec3> x = contact.scene().positions(a);
   std::string tried;
   std::vector<double> values;
   mpi::on_root(PETSC_COMM_WORLD, [&] {
     const IntersectionCheck check(contact);
-    const double limit = most_cells * contact::mean_edge(contact.set().surface());
+    const double limit = most_cells * contact::mean_edge(contact.scene().set().surface());
     const untangle::UntangleResult r = untangle::untangle(
-        contact.set().surface(), contact.set().planes(), system::free_directions(contact.dofs()),
-        [&](const std::vector<Vec3>& at) { return check.find(at); },
-        {.contact_distance = contact.input().options.distance, .limit = limit}, x);
+        contact.scene().set().surface(), contact.scene().set().planes(),
+        system::free_directions(contact.scene().dofs()), [&](const std::vector<Vec3>& at) { return check.find(at); },
+        {.contact_distance = contact.scene().input().options.distance, .limit = limit}, x);
     if (!r.done) tried = attempt(r, limit);
     if (r.done && options.verbosity != Verbosity::quiet)
       fmt::print("untangled: {} vertices moved, at most {:.3g} m, in {} rounds\n", r.moved, r.farthest, r.rounds);
@@ -101,7 +102,7 @@ std::string repair(const RunOptions& options, system::Contact& contact, Vec a) {
   mpi::broadcast(PETSC_COMM_WORLD, values);
   if (!tried.empty()) return tried;
   for (std::size_t i = 0; i < x.size(); ++i) x[i] = Eigen::Map<const Vec3>(values.data() + 3 * i);
-  system::set_positions(contact.dofs(), x, a);
+  system::set_positions(contact.scene().dofs(), x, a);
   return tried;
 }
 

@@ -6,6 +6,7 @@
 #include "voile/base/mpi.hpp"
 #include "voile/base/text.hpp"
 #include "voile/mesh/weld.hpp"
+#include "voile/system/contact.hpp"
 
 namespace voile::app {
 
@@ -60,7 +61,7 @@ GarmentMeasures measure_garment(const input::Case& c, system::Model& model, cons
   mpi::on_root(model.dofs().comm(), [&] {
     m.panels = measure_panels(model.dofs().mesh(), c.materials);
     m.seams = tensions(c, model, displacement, fields.membrane_force);
-    if (!ease.empty()) m.ease = system::range_of_ease(*model.contact(), ease, {});
+    if (!ease.empty()) m.ease = system::range_of_ease(model.contact()->scene(), ease, {});
     if (!pressure.empty()) m.largest_pressure = *std::max_element(pressure.begin(), pressure.end());
   });
   return m;

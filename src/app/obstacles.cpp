@@ -159,7 +159,7 @@ system::ContactInput contact_input(MPI_Comm comm, const input::Case& c, KnownObs
 IntersectionCheck::IntersectionCheck(const system::Contact& contact) : contact_(contact) {}
 
 IntersectionCheck::Triangles IntersectionCheck::triangles_at(const std::vector<Vec3>& x) const {
-  const contact::Surface& s = contact_.set().surface();
+  const contact::Surface& s = contact_.scene().set().surface();
   Triangles all;
   all.positions = x;
   for (const contact::Face& f : s.faces) {
@@ -175,7 +175,7 @@ IntersectionCheck::Triangles IntersectionCheck::triangles_at(const std::vector<V
     }
   };
   std::size_t at = static_cast<std::size_t>(s.sheet_points);
-  for (const contact::Obstacle& o : contact_.input().obstacles) {
+  for (const contact::Obstacle& o : contact_.scene().input().obstacles) {
     if (o.shape == Shape::plane) continue;
     const Index body = s.body_of_point[at];
     if (o.shape == Shape::sphere) add(geometry::sphere_surface(x[at], o.radius, refinement), body);
@@ -186,7 +186,7 @@ IntersectionCheck::Triangles IntersectionCheck::triangles_at(const std::vector<V
 }
 
 std::vector<geometry::TrianglePair> IntersectionCheck::find_by_ranks(const std::vector<Vec3>& positions) const {
-  const system::Dofs& dofs = contact_.dofs();
+  const system::Dofs& dofs = contact_.scene().dofs();
   const std::vector<int>& owner = dofs.partition().triangle_rank;
   const int rank = mpi::rank(dofs.comm());
   std::vector<Index> own;
@@ -207,14 +207,14 @@ std::vector<geometry::TrianglePair> IntersectionCheck::find_by_ranks(const std::
 std::vector<geometry::TrianglePair> IntersectionCheck::find(const std::vector<Vec3>& positions,
                                                             const std::function<bool(Index)>& counted) const {
   const Triangles all = triangles_at(positions);
-  const auto& rules = contact_.set().surface().rules;
+  const auto& rules = contact_.scene().set().surface().rules;
   std::vector<geometry::TrianglePair> pairs = geometry::intersecting_triangles(
       all.positions, all.triangles, all.body, [&](Index a, Index b) { return !rules[a][b].touch; }, counted);
   const auto is_given_way = [&](Index i, Index j) {
     return system::gives_way(contact_, all.triangles[static_cast<std::size_t>(i)],
                              all.body[static_cast<std::size_t>(j)]);
   };
-  const contact::Surface& s = contact_.set().surface();
+  const contact::Surface& s = contact_.scene().set().surface();
   const auto are_sewn = [&](Index i, Index j) {  // they will share a vertex
     for (const Index p : all.triangles[static_cast<std::size_t>(i)])
       for (const Index q : all.triangles[static_cast<std::size_t>(j)])
@@ -232,9 +232,9 @@ std::string IntersectionCheck::report(const std::vector<Vec3>& positions,
                                       const std::filesystem::path& file) const {
   const Triangles all = triangles_at(positions);
   if (!file.empty()) geometry::write_pairs(file, all.positions, all.triangles, all.body, pairs);
-  const std::vector<contact::Body>& bodies_of_contact = contact_.set().surface().bodies;
+  const std::vector<contact::Body>& bodies_of_contact = contact_.scene().set().surface().bodies;
   const auto known = static_cast<Index>(bodies_of_contact.size());
-  const mesh::SurfaceMesh& sheet = contact_.dofs().mesh();
+  const mesh::SurfaceMesh& sheet = contact_.scene().dofs().mesh();
   std::vector<std::string> panels;
   std::vector<Index> panel_of(static_cast<std::size_t>(sheet.triangle_count()), no_index);
   if (!sheet.data().rest.empty())
@@ -280,15 +280,15 @@ ObstaclePicture::ObstaclePicture(const system::ContactInput& input, const mesh::
   first_.push_back(rest_.positions.size());
 }
 
-std::vector<Vec3> ObstaclePicture::positions(const system::Contact& contact) const {
+std::vector<Vec3> ObstaclePicture::positions(const system::ContactScene& scene) const {
   std::vector<Vec3> x = rest_.positions;
   for (std::size_t k = 0; k + 1 < first_.size(); ++k) {
-    const contact::Obstacle& o = contact.input().obstacles[k];
+    const contact::Obstacle& o = scene.input().obstacles[k];
     if (o.shape == Shape::mesh) {
-      const std::vector<Vec3> now = contact.obstacle_points(k);
+      const std::vector<Vec3> now = system::obstacle_points(scene, k);
       std::copy(now.begin(), now.end(), x.begin() + static_cast<std::ptrdiff_t>(first_[k]));
     } else if (o.motion) {
-      for (std::size_t i = first_[k]; i < first_[k + 1]; ++i) x[i] += o.motion(rest_.positions[i], contact.time());
+      for (std::size_t i = first_[k]; i < first_[k + 1]; ++i) x[i] += o.motion(rest_.positions[i], scene.time());
     }
   }
   return x;

@@ -15,6 +15,7 @@
 
 namespace voile::system {
 class Contact;
+class ContactScene;
 }  // namespace voile::system
 
 namespace voile::app {
@@ -65,8 +66,8 @@ class ObstaclePicture {
   ObstaclePicture(const system::ContactInput& input, const mesh::SurfaceMesh& sheet);
 
   [[nodiscard]] const io::ObstacleTriangles& at_rest() const { return rest_; }
-  /// Vertices at the time in force of a contact with the same obstacles [m]. Not collective.
-  [[nodiscard]] std::vector<Vec3> positions(const system::Contact& contact) const;
+  /// Vertices at the time in force of a scene with the same obstacles [m]. Not collective.
+  [[nodiscard]] std::vector<Vec3> positions(const system::ContactScene& scene) const;
 
  private:
   io::ObstacleTriangles rest_;

@@ -62,7 +62,7 @@ Probes::Probes(const input::Case& c, const system::Model& model) : case_(c) {
     Members m{vertices_of(probe, model.dofs().mesh()), probe.components};
     if (m.components.empty())
       m.components = probe.kind == Kind::height ? std::vector<int>{up} : std::vector<int>{0, 1, 2};
-    if (probe.kind == Kind::ease && !(model.contact() && system::has_bodies(model.contact()->input())))
+    if (probe.kind == Kind::ease && !(model.contact() && system::has_bodies(model.contact()->scene().input())))
       throw UserError(
           fmt::format("{}: [[probe]] '{}' type = \"ease\": there is no body to be near to; give the case "
                       "an [[obstacle]] that is no half-space{}",
@@ -104,7 +104,7 @@ std::vector<double> Probes::values(const Observed& state, const system::Model& m
     if (probe.kind == Kind::energy) {
       own = {state.energies.membrane, state.energies.bending, state.energies.external};
     } else if (probe.kind == Kind::ease) {
-      const system::EaseRange range = system::range_of_ease(*model.contact(), state.ease, m.vertices);
+      const system::EaseRange range = system::range_of_ease(model.contact()->scene(), state.ease, m.vertices);
       own = {range.least, range.mean};
     } else if (probe.kind == Kind::height) {
       own = heights(probe, m.vertices, m.components.front(), state.displacement, model.dofs().mesh());

@@ -39,7 +39,7 @@ Recorder::Recorder(const input::Case& c, const RunOptions& options, system::Mode
       linear_(c.analysis == "linear"),
       warnings_(linear_) {
   mpi::on_root(model.dofs().comm(), [&] {
-    if (model.contact()) obstacles_.emplace(model.contact()->input(), model.dofs().mesh());
+    if (model.contact()) obstacles_.emplace(model.contact()->scene().input(), model.dofs().mesh());
     results_.emplace(options.output, obstacles_ ? obstacles_->at_rest() : io::ObstacleTriangles{});
     begin_epoch();
     history_.emplace(options.output / "history.csv", columns());
@@ -85,7 +85,8 @@ std::vector<std::string> Recorder::columns() const {
   if (case_.contact.input.active)
     for (const char* name : {"contact_pairs", "smallest_gap", "cut_short", "shortest_iteration", "intersections"})
       names.emplace_back(name);
-  if (model_->contact() && system::has_yielding_obstacles(model_->contact()->input())) names.emplace_back("gives_way");
+  if (model_->contact() && system::has_yielding_obstacles(model_->contact()->scene().input()))
+    names.emplace_back("gives_way");
   for (std::string& name : probes_->columns()) names.push_back(std::move(name));
   return names;
 }
@@ -106,16 +107,16 @@ Recorder::Snapshot Recorder::snapshot(Vec a) {
   if (root_) s.validity = assess(model_->dofs().mesh(), s.state.displacement);
   if (root_) warnings_.say_range(model_->dofs().mesh(), s.validity);
   if (probes_->need_energies()) s.state.energies = linear_ ? LinearValues(*model_, a).energies() : model_->energies(a);
-  if (probes_->need_ease()) s.state.ease = system::ease(*model_->contact(), a);
+  if (probes_->need_ease()) s.state.ease = system::ease(model_->contact()->scene(), a);
   if (system::Contact* contact = model_->contact()) {
-    s.contact = contact->report(a);
+    s.contact = system::report(contact->scene(), a);
     if (case_.contact.check) s.intersections = count_intersections(a);
   }
   return s;
 }
 
 long Recorder::count_intersections(Vec a) const {
-  const std::vector<Vec3> positions = model_->contact()->positions(a);
+  const std::vector<Vec3> positions = model_->contact()->scene().positions(a);
   const IntersectionCheck check(*model_->contact());
   const std::vector<geometry::TrianglePair> pairs = check.find_by_ranks(positions);
   if (!pairs.empty())
@@ -225,7 +226,7 @@ void Recorder::write_history(const system::State& state, const solve::StepResult
   if (case_.contact.input.active)
     values.insert(values.end(), {static_cast<double>(s.contact.pairs), s.contact.gap, static_cast<double>(r.cut_short),
                                  r.shortest, static_cast<double>(s.intersections)});
-  if (model_->contact() && system::has_yielding_obstacles(model_->contact()->input()))
+  if (model_->contact() && system::has_yielding_obstacles(model_->contact()->scene().input()))
     values.push_back(static_cast<double>(system::yielding_count(model_->contact()->memory())));
   mpi::on_root(model_->dofs().comm(), [&] {
     for (const double value : probes_->values(s.state, *model_)) values.push_back(value);
@@ -257,7 +258,7 @@ void Recorder::write_fields(io::StepFields step, Vec a, const Snapshot& s) {
       for (io::Field& f : stress_fields(model_->discretisation().sheet(), t,
                                         case_.output.stresses == input::OutputSection::Stresses::plies))
         step.fields.push_back(std::move(f));
-    if (obstacles_ && obstacles_->at_rest().moves) step.obstacles = obstacles_->positions(*model_->contact());
+    if (obstacles_ && obstacles_->at_rest().moves) step.obstacles = obstacles_->positions(model_->contact()->scene());
     results_->write(step);
   });
 }

@@ -36,8 +36,8 @@ void carry_anchors(const system::Model& model, const mesh::SurfaceMesh& mesh, co
   std::vector<system::Anchor> carried;
   for (const system::Attachment& attachment : model.attachments()) {
     const std::size_t obstacle = model.obstacle_of(attachment);
-    const std::vector<mesh::Triangle>& triangles = model.contact()->input().obstacles[obstacle].triangles;
-    const std::vector<Vec3> points = model.contact()->obstacle_points(obstacle);
+    const std::vector<mesh::Triangle>& triangles = model.contact()->scene().input().obstacles[obstacle].triangles;
+    const std::vector<Vec3> points = system::obstacle_points(model.contact()->scene(), obstacle);
     std::vector<Vec3> places(mesh.positions().size());
     std::vector<Index> fresh;
     for (const Index v : system::vertices_of(mesh, attachment)) {

@@ -73,9 +73,9 @@ std::vector<double> Remesher::bounds(Epoch& epoch, const std::vector<double>& cu
   std::vector<double> bound(vertices, infinite), velocity;
   const auto lower = [&](Index v, double h) { bound[v] = std::min(bound[v], h); };
   if (system::Contact* contact = epoch.model().contact(); contact && keys_.near_contact) {
-    const double distance = contact->input().options.distance;
+    const double distance = contact->scene().input().options.distance;
     const double least = options_of(stage_, *first_).smallest;
-    const std::vector<double> gaps = contact->gaps(epoch.state().u, distance);
+    const std::vector<double> gaps = system::gaps(contact->scene(), epoch.state().u, distance);
     if (!curvature_squared.empty())
       for (Index t = 0; t < mesh.triangle_count(); ++t)
         for (Index v : mesh.triangles()[t])
@@ -164,7 +164,8 @@ adapt::Limits Remesher::limits(Epoch& epoch) const {
   for (const std::string& name : keys_.frozen)
     for (Index t : mesh.group(name, 2).triangles) limits.frozen[t] = 1;
   if (system::Contact* contact = epoch.model().contact()) {
-    limits.clearance = contact->gaps(epoch.state().u, gap_reach * contact->input().options.distance);
+    limits.clearance =
+        system::gaps(contact->scene(), epoch.state().u, gap_reach * contact->scene().input().options.distance);
     for (double& gap : limits.clearance) gap *= share_of_gap;
   }
   return limits;

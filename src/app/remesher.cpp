@@ -177,7 +177,7 @@ void Remesher::keep_momentum(Epoch& old_epoch, Epoch& fresh) {
 /// Whether triangles intersect, by exact predicates. Collective.
 bool Remesher::intersects(Epoch& epoch) {
   const system::Contact& contact = *epoch.model().contact();
-  return !IntersectionCheck(contact).find_by_ranks(contact.positions(epoch.state().u)).empty();
+  return !IntersectionCheck(contact).find_by_ranks(contact.scene().positions(epoch.state().u)).empty();
 }
 
 void Remesher::write(const Epoch& epoch, const Made& made, const Ledger& before, const Ledger& after, bool accepted,

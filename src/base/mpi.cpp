@@ -101,11 +101,15 @@ Doubles::~Doubles() {
   MPI_Type_free(&type_);
 }
 
-void broadcast_from(MPI_Comm comm, int root, std::string& text) {
+std::string first_text(MPI_Comm comm, const std::string& own) {
+  const int ranks = size(comm), lowest = static_cast<int>(-max(comm, own.empty() ? -ranks : -rank(comm)));
+  if (lowest == ranks) return "";
+  std::string text = own;
   unsigned long count = text.size();
-  MPI_Bcast(&count, 1, MPI_UNSIGNED_LONG, root, comm);
+  MPI_Bcast(&count, 1, MPI_UNSIGNED_LONG, lowest, comm);
   text.resize(count);
-  MPI_Bcast(text.data(), static_cast<int>(count), MPI_CHAR, root, comm);
+  MPI_Bcast(text.data(), static_cast<int>(count), MPI_CHAR, lowest, comm);
+  return text;
 }
 
 void broadcast(MPI_Comm comm, std::string& text) {

@@ -102,7 +102,7 @@ FallResult fall_to_rest(system::Model& model, system::State& state, double rest_
                         const Stepper::Remark& remark) {
   FallResult result;
   system::Contact* contact = model.contact();
-  const double now = contact ? contact->time() : 0.0;
+  const double now = contact ? contact->scene().time() : 0.0;
   system::settle_contact(model, state.u, now);
   const double unit = time_of_a_cell(model, state.u), factor = model.conditions().load_factor();
   result.rested = unit == 0.0;

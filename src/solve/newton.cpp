@@ -336,8 +336,8 @@ void Newton::on_progress(std::function<void(int, double)> progress) {
 
 void Newton::start_friction(Vec a) {
   system::Contact* contact = impl_->model.contact();
-  if (!contact || !contact->set().has_friction()) return;
-  const double given = contact->input().options.slip_distance;
+  if (!contact || !contact->scene().set().has_friction()) return;
+  const double given = contact->scene().input().options.slip_distance;
   const double cell = std::sqrt(impl_->model.discretisation().mean_area());
   contact->start_step(a, given > 0.0 ? given : slip_in_cells * cell);
 }
@@ -346,7 +346,7 @@ NewtonResult Newton::settle_friction(Vec a, NewtonResult first, const std::funct
   Impl& n = *impl_;
   system::Contact* contact = n.model.contact();
   NewtonResult result = std::move(first);
-  if (!contact || !contact->set().has_friction()) return result;
+  if (!contact || !contact->scene().set().has_friction()) return result;
   for (int k = 0; k < friction_lags && result.converged; ++k) {
     double norm = 0.0;
     contact->lag_friction(a);

@@ -116,22 +116,22 @@ PetscErrorCode TimeIntegration::Impl::accelerate(void* self, PetscReal t, Vec x,
 
 bool TimeIntegration::Impl::clear_predictor(double t0, Vec x0, double t1, Vec x1) {
   system::Contact& contact = *model.contact();
-  bool clear = contact.clear_predictor(x0, t0, x1, t1);
-  if (!clear) {  // a guess that flies on may be worse than none
+  system::Contact::Clearance way = contact.clear_predictor(x0, t0, x1, t1);
+  if (!way.clear) {  // a guess that flies on may be worse than none
     dynamics.set_time(t1);
     VOILE_PETSC(VecCopy(x0, x1));
     model.conditions().enforce(x1);
     // Only what is still blocked in small steps is pinched.
     const bool may_yield = t1 - t0 <= std::max(pinched_step * options.step, 2.0 * options.min_step);
     const long before = system::yielding_count(contact.memory());
-    clear = contact.clear_predictor(x0, t0, x1, t1, may_yield);
-    if (clear && system::yielding_count(contact.memory()) > before && before == 0 && remark)
+    way = contact.clear_predictor(x0, t0, x1, t1, may_yield);
+    if (way.clear && system::yielding_count(contact.memory()) > before && before == 0 && remark)
       remark(fmt::format("t = {:.6g} s: an obstacle gives way to {} vertices; {} was pinched", t0,
-                         system::yielding_count(contact.memory()), contact.obstruction()));
+                         system::yielding_count(contact.memory()), way.obstruction));
   }
-  if (!clear) obstruction = contact.obstruction();
+  if (!way.clear) obstruction = way.obstruction;
   dynamics.set_time(t1);
-  return clear;
+  return way.clear;
 }
 
 PetscErrorCode TimeIntegration::Impl::clear(void* self, PetscReal t0, Vec x0, PetscReal t1, Vec x1,

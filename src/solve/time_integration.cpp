@@ -127,9 +127,10 @@ void TimeIntegration::Impl::choose_method(const system::State& from) {
     return;
   }
   const bool contact = model.contact() != nullptr;
-  set_alpha_callbacks(ts, {this, start_step, enforce, contact ? clear : nullptr,
-                           contact && model.conditions().symmetric() ? energy : nullptr,
-                           contact ? longest_flight * contact::mean_edge(model.contact()->set().surface()) : 0.0});
+  set_alpha_callbacks(ts,
+                      {this, start_step, enforce, contact ? clear : nullptr,
+                       contact && model.conditions().symmetric() ? energy : nullptr,
+                       contact ? longest_flight * contact::mean_edge(model.contact()->scene().set().surface()) : 0.0});
   linear.prepare();
   prepare_inexact(from.solver);
   SNES snes = nullptr;

@@ -67,7 +67,7 @@ void Dynamics::start_step(Vec u, Vec v, double dt) {
     model_.dofs().update_points(u, force_, position_);
     drag_->kernel.start_step(position_.data(), moving(v).x);
   }
-  if (Contact* contact = model_.contact()) contact->start_step(u, contact->input().options.slip_speed * dt);
+  if (Contact* contact = model_.contact()) contact->start_step(u, contact->scene().input().options.slip_speed * dt);
 }
 
 void Dynamics::apply_mass(Vec x, Vec y) const {

@@ -47,17 +47,17 @@ bool has_bodies(const ContactInput& input) {
                      [](const Obstacle& o) { return o.shape != Obstacle::Shape::plane; });
 }
 
-std::vector<double> ease(const Contact& contact, Vec a) {
-  const MPI_Comm comm = contact.dofs().comm();
-  const auto count = static_cast<std::size_t>(contact.dofs().mesh().vertex_count());
+std::vector<double> ease(const ContactScene& scene, Vec a) {
+  const MPI_Comm comm = scene.dofs().comm();
+  const auto count = static_cast<std::size_t>(scene.dofs().mesh().vertex_count());
   const auto rank = static_cast<std::size_t>(mpi::rank(comm)), ranks = static_cast<std::size_t>(mpi::size(comm));
   const std::size_t begin = count * rank / ranks, end = count * (rank + 1) / ranks;
-  const std::vector<Vec3> x = contact.positions(a);
+  const std::vector<Vec3> x = scene.positions(a);
   std::vector<double> own(end, std::numeric_limits<double>::infinity());
   mpi::on_all(comm, [&] {
-    const std::vector<Obstacle>& all = contact.input().obstacles;
+    const std::vector<Obstacle>& all = scene.input().obstacles;
     for (std::size_t k = 0; k < all.size(); ++k)
-      if (all[k].shape != Obstacle::Shape::plane) lower_to(all[k], contact.obstacle_points(k), x, begin, own);
+      if (all[k].shape != Obstacle::Shape::plane) lower_to(all[k], obstacle_points(scene, k), x, begin, own);
   });
   std::fill_n(own.begin(), begin, 0.0);
   own.resize(count, 0.0);
@@ -66,8 +66,9 @@ std::vector<double> ease(const Contact& contact, Vec a) {
   return own;
 }
 
-EaseRange range_of_ease(const Contact& contact, const std::vector<double>& ease, const std::vector<Index>& vertices) {
-  const std::vector<double>& area = contact.set().surface().area;
+EaseRange range_of_ease(const ContactScene& scene, const std::vector<double>& ease,
+                        const std::vector<Index>& vertices) {
+  const std::vector<double>& area = scene.set().surface().area;
   EaseRange range{std::numeric_limits<double>::infinity(), 0.0};
   double whole = 0.0;
   const auto add = [&](std::size_t v) {

@@ -21,7 +21,7 @@ void Model::set_time(double time) {
 
 void Model::hold_still(bool still) {
   held_still_ = still;
-  if (contact_) contact_->hold_obstacles(still);
+  if (contact_) contact_->scene().hold_obstacles(still);
 }
 
 energy::Configuration Model::configuration(Vec a) {

@@ -36,7 +36,7 @@ void Model::add_band(const Spring& spring, ElementTerm<energy::SpringTerm>& band
 
 std::size_t Model::obstacle_of(const Attachment& attachment) const {
   if (contact_) {
-    const std::vector<contact::Obstacle>& all = contact_->input().obstacles;
+    const std::vector<contact::Obstacle>& all = contact_->scene().input().obstacles;
     for (std::size_t k = 0; k < all.size(); ++k)
       if (all[k].name == attachment.obstacle && !all[k].triangles.empty()) return k;
   }
@@ -88,10 +88,10 @@ void Model::add_attachments(std::vector<Attachment> list) {
 
 void Model::attach(Vec a, std::vector<Anchor>& anchors) {
   std::vector<Anchor> all;
-  const std::vector<Vec3> places = attachments_.empty() ? std::vector<Vec3>{} : contact_->positions(a);
+  const std::vector<Vec3> places = attachments_.empty() ? std::vector<Vec3>{} : contact_->scene().positions(a);
   for (const Attachment& attachment : attachments_) {
     const std::size_t k = obstacle_of(attachment);
-    const std::vector<mesh::Triangle>& triangles = contact_->input().obstacles[k].triangles;
+    const std::vector<mesh::Triangle>& triangles = contact_->scene().input().obstacles[k].triangles;
     std::vector<Index> free = vertices_of(on_->mesh(), attachment);
     for (const Anchor& anchor : anchors) {
       if (anchor.attachment != attachment.number || std::erase(free, anchor.vertex) == 0) continue;
@@ -103,7 +103,8 @@ void Model::attach(Vec a, std::vector<Anchor>& anchors) {
       all.push_back(anchor);
     }
     if (free.empty()) continue;
-    const std::vector<Anchor> own = make_anchors(attachment, free, places, contact_->obstacle_points(k), triangles);
+    const std::vector<Anchor> own =
+        make_anchors(attachment, free, places, obstacle_points(contact_->scene(), k), triangles);
     all.insert(all.end(), own.begin(), own.end());
   }
   anchors = all;
@@ -114,15 +115,15 @@ void Model::attach(Vec a, std::vector<Anchor>& anchors) {
 
 /// Puts the places of anchors where the obstacles are.
 void Model::place_anchors() {
-  if (anchors_.empty() || anchored_time_ == contact_->time()) return;
-  anchored_time_ = contact_->time();
+  if (anchors_.empty() || anchored_time_ == contact_->scene().time()) return;
+  anchored_time_ = contact_->scene().time();
   std::map<std::size_t, std::vector<Vec3>> points;
   for (const Anchor& anchor : anchors_) {
     const auto at = anchored_.find({anchor.attachment, anchor.vertex});
     if (at == anchored_.end()) continue;  // another rank's
     const auto& [element, obstacle, hard] = at->second;
-    if (!points.count(obstacle)) points[obstacle] = contact_->obstacle_points(obstacle);
-    const auto& triangles = contact_->input().obstacles[obstacle].triangles;
+    if (!points.count(obstacle)) points[obstacle] = obstacle_points(contact_->scene(), obstacle);
+    const auto& triangles = contact_->scene().input().obstacles[obstacle].triangles;
     const Vec3 place = anchor_place(anchor, triangles[anchor.triangle], points[obstacle]);
     if (hard)
       conditions_->set_displacement(element, place - dofs().local().start[element]);

@@ -35,8 +35,8 @@ void broadcast(MPI_Comm comm, std::vector<double>& values);
 void broadcast(MPI_Comm comm, std::vector<Index>& values);
 void broadcast(MPI_Comm comm, std::vector<std::size_t>& values);
 
-/// Copies the text of one rank to every rank. Collective.
-void broadcast_from(MPI_Comm comm, int root, std::string& text);
+/// The text of the lowest rank that has one, on every rank; empty if none has. Collective.
+[[nodiscard]] std::string first_text(MPI_Comm comm, const std::string& own);
 
 /// Sum and largest over the ranks, on every rank. Collective.
 [[nodiscard]] double sum(MPI_Comm comm, double value);

@@ -8,7 +8,7 @@
 
 #include <vector>
 
-#include "voile/system/contact.hpp"
+#include "voile/system/contact_scene.hpp"
 
 namespace voile::system {
 
@@ -17,13 +17,13 @@ namespace voile::system {
 
 /// Ease of each vertex at state a, obstacles at the time in force; on rank 0, empty elsewhere. At least one obstacle
 /// must be a body. Collective. [m]
-[[nodiscard]] std::vector<double> ease(const Contact& contact, Vec a);
+[[nodiscard]] std::vector<double> ease(const ContactScene& scene, Vec a);
 
 struct EaseRange {
   double least, mean;  ///< [m]
 };
 /// Over some vertices, all if `vertices` is empty. Not collective.
-[[nodiscard]] EaseRange range_of_ease(const Contact& contact, const std::vector<double>& ease,
+[[nodiscard]] EaseRange range_of_ease(const ContactScene& scene, const std::vector<double>& ease,
                                       const std::vector<Index>& vertices);
 
 }  // namespace voile::system

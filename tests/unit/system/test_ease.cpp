@@ -8,6 +8,7 @@
 #include "test_model_kit.hpp"
 #include "voile/base/error.hpp"
 #include "voile/base/mpi.hpp"
+#include "voile/system/contact.hpp"
 #include "voile/system/ease.hpp"
 
 using namespace voile;
@@ -71,7 +72,7 @@ TEST_CASE("ease: fabric round a limb keeps its gap; a limb that goes away, a wal
   const bool root = mpi::rank(PETSC_COMM_WORLD) == 0;
   for (const double t : {0.0, 0.05}) {
     model.set_time(t);
-    const std::vector<double> ease = system::ease(*model.contact(), rest);
+    const std::vector<double> ease = system::ease(model.contact()->scene(), rest);
     REQUIRE(ease.size() == (root ? mesh.positions().size() : 0));
     for (std::size_t v = 0; v < ease.size(); ++v) {
       const Vec3& x = mesh.positions()[v];
@@ -81,13 +82,13 @@ TEST_CASE("ease: fabric round a limb keeps its gap; a limb that goes away, a wal
   system::Model other(PETSC_COMM_WORLD, mesh, beside({wall(0.2), limb()}));
   petsc::VecHandle moved = other.dofs().create_vector();
   set_displacement(other, moved, [](Index) { return Vec3(0, -0.8, 0); });
-  const std::vector<double> ease = system::ease(*other.contact(), moved);
+  const std::vector<double> ease = system::ease(other.contact()->scene(), moved);
   for (std::size_t v = 0; v < ease.size(); ++v) {
     const Vec3& x = mesh.positions()[v];
     const double to_limb = std::abs(std::hypot(x[0], x[1] - 0.8) - radius), to_wall = std::abs(x[1] + 0.2 - 0.1);
     CHECK(ease[v] == doctest::Approx(std::min(to_limb, to_wall)).epsilon(1e-9));
   }
-  CHECK(system::has_bodies(other.contact()->input()));
+  CHECK(system::has_bodies(other.contact()->scene().input()));
   CHECK_FALSE(system::has_bodies(beside({ground(0.0)}).contact));
 }
 
@@ -108,7 +109,7 @@ TEST_CASE("probes of ease and height: columns and values") {
   set_displacement(model, u, [&](Index v) { return Vec3(0, 0, 0.1 * mesh.positions()[v][0]); });
   system::Model bare(PETSC_COMM_WORLD, mesh, beside({ground(-1.0)}));
   CHECK_THROWS_AS(app::Probes(c, bare), UserError);
-  app::Observed state{model.dofs().gather(u), {}, {}, system::ease(*model.contact(), u)};
+  app::Observed state{model.dofs().gather(u), {}, {}, system::ease(model.contact()->scene(), u)};
   if (mpi::rank(PETSC_COMM_WORLD) != 0) return;
   const std::vector<double> values = probes.values(state, model);
   REQUIRE(values.size() == 8);

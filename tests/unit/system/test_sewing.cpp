@@ -191,11 +191,11 @@ TEST_CASE("figures that share a seam's vertex are no pair of contact; others nea
   const mesh::SurfaceMesh mesh(open);
   system::Model model(PETSC_COMM_WORLD, mesh, in);
   petsc::VecHandle u = model.dofs().create_vector();
-  CHECK(model.contact()->report(u).pairs == 0);
+  CHECK(system::report(model.contact()->scene(), u).pairs == 0);
   open.seams.clear();  // now they are strangers
   const mesh::SurfaceMesh strangers(open);
   system::Model other(PETSC_COMM_WORLD, strangers, in);
-  CHECK(other.contact()->report(u).pairs > 0);
+  CHECK(system::report(other.contact()->scene(), u).pairs > 0);
 }
 
 TEST_CASE("tension of a seam, open or welded, is the traction across it in any homogeneous state") {

@@ -1,0 +1,243 @@
+#include "voile/system/contact_scene.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Dense>
+#include <algorithm>
+
+#include "voile/base/error.hpp"
+#include "voile/base/mpi.hpp"
+#include "voile/contact/neighbours.hpp"
+#include "voile/mesh/weld.hpp"
+
+namespace voile::system {
+
+namespace {
+
+using contact::ContactSet;
+
+/// Of the triangles that may be too low for the contact distance: a few slivers are exempt, a whole mesh is not.
+constexpr double most_narrow = 0.5;
+
+/// Parts of the sheet that rules name, then the obstacles.
+struct Bodies {
+  std::vector<contact::Body> list;
+  std::size_t sheets = 0;
+  std::vector<int> of_triangle, of_vertex;
+};
+
+Bodies make_bodies(const mesh::SurfaceMesh& mesh, const ContactInput& input) {
+  Bodies b{{{"sheet", input.thickness}},
+           0,
+           std::vector<int>(static_cast<std::size_t>(mesh.triangle_count()), 0),
+           std::vector<int>(static_cast<std::size_t>(mesh.vertex_count()), -1)};
+  const auto named = [](const std::string& name) { return [&name](const auto& x) { return x.name == name; }; };
+  for (const ContactRule& r : input.rules)
+    for (const std::string* name : {&r.first, &r.second}) {
+      if (std::any_of(input.obstacles.begin(), input.obstacles.end(), named(*name)) ||
+          std::any_of(b.list.begin(), b.list.end(), named(*name)))
+        continue;
+      if (!mesh.has_group(*name))
+        throw UserError(
+            fmt::format("[[contact_rule]]: there is no obstacle, physical surface or curve '{}'; correct the name, or "
+                        "name the group in the mesh",
+                        *name));
+      const mesh::Group& group = mesh.group(*name);
+      if (group.dimension == 0)
+        throw UserError(fmt::format("[[contact_rule]]: '{}' is a physical point; name a surface or a curve", *name));
+      for (Index t : group.triangles) b.of_triangle[t] = static_cast<int>(b.list.size());
+      if (group.dimension == 1)
+        for (Index v : group.vertices) b.of_vertex[v] = static_cast<int>(b.list.size());
+      b.list.push_back({*name, input.thickness});
+    }
+  b.sheets = b.list.size();
+  for (const contact::Obstacle& o : input.obstacles) b.list.push_back({o.name, o.thickness + 2.0 * o.radius});
+  return b;
+}
+
+void set_general_rules(const ContactInput& input, std::size_t sheets, contact::Surface& s) {
+  for (std::size_t i = 0; i < s.bodies.size(); ++i)
+    for (std::size_t j = 0; j < s.bodies.size(); ++j)
+      s.rules[i][j] = i < sheets && j < sheets
+                          ? contact::Rule{input.self, input.friction}
+                          : contact::Rule{i < sheets || j < sheets, input.obstacles[std::max(i, j) - sheets].friction};
+}
+
+}  // namespace
+
+ContactScene::ContactScene(const Dofs& dofs, ContactInput input) : dofs_(&dofs), input_(std::move(input)) {
+  const mesh::SurfaceMesh& mesh = dofs.mesh();
+  Bodies bodies = make_bodies(mesh, input_);
+  const std::size_t sheets = bodies.sheets;
+  contact::Surface surface = contact::make_surface(mesh, std::move(bodies.list), bodies.of_triangle, bodies.of_vertex);
+  obstacles_.emplace(input_.obstacles, static_cast<int>(sheets), surface);
+  set_general_rules(input_, sheets, surface);
+  surface.joined = mesh::joined_vertices(mesh.data());
+  if (lacks_room()) surface.neighbours = contact::find_neighbours(surface, input_.options.distance);
+  std::vector<char> owned(static_cast<std::size_t>(mesh.vertex_count()));
+  for (Index i = 0; i < dofs.local().owned; ++i) owned[dofs.local().point_of[i]] = 1;
+  set_ = std::make_unique<ContactSet>(std::move(surface), obstacles_->planes(), input_.options, std::move(owned));
+  set_rules();
+
+  VOILE_PETSC(VecScatterCreateToAll(dofs.create_vector(), to_all_.out(), all_.out()));
+  for (std::vector<Vec3>* v : {&points_.now, &points_.end, &points_.start}) *v = set_->surface().rest;
+  if (mpi::size(dofs.comm()) > 1)
+    halo_ = std::make_unique<ContactHalo>(dofs.comm(), mesh, dofs.partition(),
+                                          std::vector{&points_.now, &points_.end, &points_.start});
+  set_time(0.0);
+}
+
+void ContactScene::set_rules() {
+  for (const ContactRule& r : input_.rules) {
+    const int i = body(r.first), j = body(r.second);
+    for (contact::Rule* rule : {&set_->rule(i, j), &set_->rule(j, i)}) {
+      if (r.ignore) rule->touch = false;
+      if (r.friction) rule->friction = *r.friction;
+    }
+  }
+}
+
+bool ContactScene::lacks_room() {
+  const mesh::SurfaceMesh& mesh = dofs_->mesh();
+  double least = std::numeric_limits<double>::infinity();
+  Index narrow = 0, count = 0;
+  const double reach = input_.options.distance + input_.thickness;
+  for (Index t = 0; t < mesh.triangle_count(); ++t) {
+    double longest = 0.0;
+    for (int s = 0; s < 3; ++s)
+      longest = std::max(longest, (mesh.rest_corner(t, s) - mesh.rest_corner(t, (s + 1) % 3)).norm());
+    const double height = 2.0 * mesh.area(t) / longest;
+    count += reach < contact::room_between_neighbours * height ? 0 : 1;
+    if (height < least) {
+      least = height;
+      narrow = t;
+    }
+  }
+  if (!input_.self || count == 0) return false;
+  const long tag = mesh.data().triangle_tags.empty() ? narrow : static_cast<long>(mesh.data().triangle_tags[narrow]);
+  if (static_cast<double>(count) > most_narrow * mesh.triangle_count())
+    throw UserError(fmt::format(
+        "[contact]: distance + thickness = {:.4g} m is too much for this mesh: {} of {} triangles are less high than "
+        "{:.4g} m, triangle {} only {:.4g} m, and neighbours would push each other; make the sum smaller (less than "
+        "{:.4g} m keeps it whole everywhere), or the mesh coarser",
+        reach, count, mesh.triangle_count(), reach / contact::room_between_neighbours, tag, least,
+        contact::room_between_neighbours * least));
+  const Vec3 place = (mesh.start_corner(narrow, 0) + mesh.start_corner(narrow, 1) + mesh.start_corner(narrow, 2)) / 3.0;
+  input_.notes.push_back(fmt::format(
+      "[contact]: {} of {} triangles are less high than distance + thickness = {:.4g} m asks for ({:.4g} m), the "
+      "lowest "
+      "is triangle {} near ({:.4g}, {:.4g}, {:.4g}) with {:.4g} m: neighbours there feel each other from {} of their "
+      "distance at rest only",
+      count, mesh.triangle_count(), reach, reach / contact::room_between_neighbours, tag, place[0], place[1], place[2],
+      least, contact::room_between_neighbours));
+  return true;
+}
+
+int ContactScene::body(const std::string& name) const {
+  const auto& bodies = set_->surface().bodies;
+  const auto at = std::find_if(bodies.begin(), bodies.end(), [&](const contact::Body& b) { return b.name == name; });
+  if (at == bodies.end()) throw InternalError("a contact rule names no body");
+  return static_cast<int>(at - bodies.begin());
+}
+
+// ---- time ----------------------------------------------------------------------------------------------------------
+
+void ContactScene::set_time(double time) {
+  time_ = time;
+  place_obstacles(time, points_.now, set_->planes());
+  carry();
+}
+
+void ContactScene::hold_obstacles(bool still) {
+  if (held_) start_time_ = *held_;  // no way has been gone since
+  held_ = still ? std::optional(time_) : std::nullopt;
+}
+
+void ContactScene::place_obstacles(double time, std::vector<Vec3>& x, std::vector<contact::Plane>& planes) const {
+  obstacles_->place(held_.value_or(time), x, planes);
+}
+
+void ContactScene::begin_step() {
+  start_time_ = time_;
+  points_.start = points_.now;
+}
+
+void ContactScene::lag_friction(double slip) {
+  set_->lag_friction(points_.now, points_.start, slip);
+  carry();
+}
+
+void ContactScene::carry() {
+  set_->carry([this](int b, const Vec3& place) {
+    return held_ ? Vec3(Vec3::Zero()) : obstacles_->displacement(b, place, start_time_, time_);
+  });
+}
+
+// ---- positions -----------------------------------------------------------------------------------------------------
+
+void ContactScene::locate(Vec a, std::vector<Vec3>& x) const {
+  const LocalPoints& local = dofs_->local();
+  {
+    const petsc::ReadArray values(a);
+    for (Index i = 0; i < local.owned; ++i) {
+      const Index v = local.point_of[i];
+      x[v] = dofs_->mesh().positions()[v] + dofs_->to_global(v, Eigen::Map<const Vec3>(values.data() + 3 * i));
+    }
+  }
+  if (halo_) halo_->update(x);
+}
+
+bool ContactScene::cover(const std::vector<Vec3>& from, const std::vector<Vec3>& to) {
+  const petsc::EventScope scope(petsc::events().contact_find);
+  return set_->cover(from, to, halo_.get());
+}
+
+void ContactScene::take(Vec a) {
+  locate(a, points_.now);
+  cover(points_.now, points_.now);
+}
+
+std::vector<Vec3> ContactScene::positions(Vec a) const {
+  std::vector<Vec3> x = points_.now;
+  VOILE_PETSC(VecScatterBegin(to_all_, a, all_, INSERT_VALUES, SCATTER_FORWARD));
+  VOILE_PETSC(VecScatterEnd(to_all_, a, all_, INSERT_VALUES, SCATTER_FORWARD));
+  const petsc::ReadArray values(all_);
+  const mesh::SurfaceMesh& mesh = dofs_->mesh();
+  for (Index v = 0; v < mesh.vertex_count(); ++v) {
+    const Vec3 u = Eigen::Map<const Vec3>(values.data() + 3 * dofs_->partition().row_of[v]);
+    x[v] = mesh.positions()[v] + dofs_->to_global(v, u);
+  }
+  return x;
+}
+
+// ---- reports -------------------------------------------------------------------------------------------------------
+
+std::vector<Vec3> obstacle_points(const ContactScene& scene, std::size_t k) {
+  return scene.obstacles().points(k, scene.points().now);
+}
+
+std::string words(const ContactScene& scene, const contact::Pair& pair) {
+  const std::vector<contact::Body>& bodies = scene.set().surface().bodies;
+  const Vec3& x = scene.points().now[pair.points[0]];
+  return fmt::format("{} against {} near ({:.4g}, {:.4g}, {:.4g})", bodies[pair.body_a].name, bodies[pair.body_b].name,
+                     x[0], x[1], x[2]);
+}
+
+ContactReport report(ContactScene& scene, Vec a) {
+  scene.take(a);
+  const MPI_Comm comm = scene.dofs().comm();
+  const contact::ContactState own = scene.set().state(scene.points().now);
+  ContactReport r;
+  r.pairs = mpi::sum(comm, own.pairs);
+  r.gap = -mpi::max(comm, -own.gap);
+  r.nearest = mpi::first_text(comm, own.pairs > 0 && own.gap == r.gap ? words(scene, own.nearest) : "");
+  return r;
+}
+
+std::vector<double> gaps(const ContactScene& scene, Vec a, double limit) {
+  std::vector<double> gaps = scene.set().gaps_within(scene.positions(a), limit);
+  mpi::min(scene.dofs().comm(), gaps);
+  return gaps;
+}
+
+}  // namespace voile::system
