@@ -105,9 +105,9 @@ std::vector<Key> keys_of(TimeSection& s, system::Mass& mass) {
        .range = not_negative},
       {.name = "radius",
        .slot = &o.radius,
-       .meaning =
-           "Spectral radius at infinite frequency: 1 no numerical dissipation, 0 the most. With contact not more than "
-           "0.5: impacts can feed energy into what is hardly damped.",
+       .meaning = "Spectral radius at infinite frequency: 1 no numerical dissipation, 0 the most. With contact 0 if "
+                  "this key is "
+                  "not given: what hits something in one step can leave it with 1 + 2 `radius` times its speed.",
        .range = {0, 1}},
       {.name = "forces_at_end",
        .slot = &o.forces_at_end,

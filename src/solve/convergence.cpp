@@ -8,22 +8,27 @@ namespace voile::solve {
 
 namespace {
 
-/// Positions are known to eps |X|, forces per vertex to eps |X| times the stiffness of a cell against stretching, and
-/// against bending within it.
-double round_off_of(const system::Model& model) {
+/// Positions are known to eps |X|.
+double position_round_off(const system::Model& model) {
+  double distance = model.dofs().mesh().extent();
+  for (const Vec3& x : model.dofs().mesh().positions()) distance = std::max(distance, x.norm());
+  return std::numeric_limits<double>::epsilon() * distance * std::sqrt(static_cast<double>(model.dofs().unknowns()));
+}
+
+/// Of a cell against stretching, and against bending within it [N/m].
+double cell_stiffness(const system::Model& model) {
   const double cell = model.discretisation().mean_area();
-  double stiffness = 0.0, distance = model.dofs().mesh().extent();
+  double stiffness = 0.0;
   for (const energy::Material& m : model.discretisation().materials())
     stiffness = std::max(stiffness, m.membrane.norm() + m.bending.norm() / cell);
-  for (const Vec3& x : model.dofs().mesh().positions()) distance = std::max(distance, x.norm());
-  return std::numeric_limits<double>::epsilon() * stiffness * distance *
-         std::sqrt(static_cast<double>(model.dofs().unknowns()));
+  return stiffness;
 }
 
 }  // namespace
 
 ConvergenceTest::ConvergenceTest(const system::Model& model)
-    : round_off_(round_off_of(model)),
+    : position_round_off_(position_round_off(model)),
+      round_off_(position_round_off_ * cell_stiffness(model)),
       wild_(20.0 * model.dofs().mesh().extent() * std::sqrt(static_cast<double>(model.dofs().unknowns()))) {}
 
 void ConvergenceTest::read(SNES snes) {
@@ -43,6 +48,7 @@ SNESConvergedReason ConvergenceTest::judge(const Progress& p) const {
     return SNES_CONVERGED_SNORM_RELATIVE;
   // Round-off that another iteration cannot lower: forces far below the sheet's stiffness, or a start in equilibrium.
   if (p.residual <= round_off_ && p.residual >= 0.1 * p.residual_before) return SNES_CONVERGED_SNORM_RELATIVE;
+  if (p.increment <= position_round_off_ && p.residual >= 0.1 * p.residual_before) return SNES_CONVERGED_SNORM_RELATIVE;
   return SNES_CONVERGED_ITERATING;
 }
 

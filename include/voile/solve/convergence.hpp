@@ -3,7 +3,8 @@
 // Symbols   r residual, f scale of forces (Model::force_scale), dx increment, x - x0 change since the start of the step
 // Converged:  |r| <= rtol f and |dx| <= stol |x - x0|   (-snes_rtol, -snes_stol; also |r| <= -snes_atol), or, where
 //             the residual has reached its round-off, |dx| <= stol/1000 |x - x0| and |r.dx| <= rtol/1000 f |x - x0|,
-//             or |r| <= eps |A| |X| sqrt(unknowns) (A membrane stiffness) and no longer falling.
+//             or |r| <= eps |A| |X| sqrt(unknowns) (A membrane stiffness) and no longer falling,
+//             or |dx| <= eps |X| sqrt(unknowns) and |r| no longer falling: what rests for a moment on stiff contact.
 #pragma once
 
 #include <petscsnes.h>
@@ -40,8 +41,9 @@ class ConvergenceTest {
  private:
   double atol_ = 0.0, rtol_ = 0.0, stol_ = 0.0;
   int max_iterations_ = 0;
-  double round_off_;  ///< norm of the residual that the round-off of positions alone can leave [N]
-  double wild_;       ///< [m]
+  double position_round_off_;  ///< norm of an increment that positions cannot resolve [m]
+  double round_off_;           ///< norm of the residual that the round-off of positions alone can leave [N]
+  double wild_;                ///< [m]
 };
 
 }  // namespace voile::solve

@@ -327,6 +327,13 @@ TEST_CASE("steps fit each other") {
   CHECK(c.steps.initial_step == 0.1);
 }
 
+TEST_CASE("with contact the spectral radius of a motion is 0 if nothing else is asked for") {
+  const std::string motion = "analysis = \"dynamic\"\n" + minimal, contact = "[contact]\ndistance = 1e-3\n";
+  CHECK(parse_case(motion, "case.toml").time.options.radius == 0.5);
+  CHECK(parse_case(motion + contact, "case.toml").time.options.radius == 0.0);
+  CHECK(parse_case(motion + contact + "[time]\nradius = 0.3\n", "case.toml").time.options.radius == 0.3);
+}
+
 TEST_CASE("probes and loads need what they observe or act on") {
   CHECK(has(error_after("name = \"pull\"", "name = \"tip\""), "probe.name: 'tip': another probe has this name"));
   CHECK(has(error_after("name = \"pull\"", "name = \"a,b\""), "must not contain commas"));
