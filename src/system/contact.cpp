@@ -240,7 +240,7 @@ void Contact::add_gradient(Vec a, Vec f, ContactSet::Part part) {
   }
 }
 
-bool Contact::extend_pattern(Vec a, const BlockMatrix& matrix, BlockPattern& pattern) {
+bool Contact::extend_pattern(Vec a, const BlockMatrix& matrix, const BlockPattern& base, BlockPattern& pattern) {
   take_positions(a);
   const contact::Surface& s = set_->surface();
   const auto for_entries = [&](const Pair& pair, const auto& f) {
@@ -263,6 +263,7 @@ bool Contact::extend_pattern(Vec a, const BlockMatrix& matrix, BlockPattern& pat
     check(pair);
   });
   if (mpi::max(comm_, lacking ? 1.0 : 0.0) == 0.0) return false;
+  pattern = base;
   const auto add = [&](const Pair& pair) {
     for_entries(pair, [&](Index row, Index column) { pattern[row].push_back(column); });
   };
