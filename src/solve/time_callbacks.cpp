@@ -72,7 +72,8 @@ void TimeIntegration::Impl::note_indefinite() {
 /// 0: the last iteration says nothing.
 void TimeIntegration::Impl::note_rate(double rate) {
   const double last = std::exchange(again.rate, rate);
-  again.slow = rate > slow_rate && rate < steady_rate * last && last < steady_rate * rate;
+  // Falls of a drape seek no accuracy: their factors tell what is indefinite, and the search after them depends on where they end.
+  again.slow = inexact && rate > slow_rate && rate < steady_rate * last && last < steady_rate * rate;
   again.exact = again.exact || (rate > 0.0 && !tangent.positive && positive_left > 0);
 }
 
