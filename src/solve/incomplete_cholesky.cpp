@@ -3,6 +3,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace voile::solve {
 
@@ -41,39 +42,53 @@ bool invert(const Block& d, double scale, Block& inverse) {
 
 }  // namespace
 
-bool IncompleteCholesky::read_pattern(int block_rows, const int* starts, const int* columns) {
+bool IncompleteCholesky::read_pattern(const int* starts, const int* columns, std::vector<int> order) {
+  order_ = std::move(order);
+  position_.resize(order_.size());
+  for (std::size_t i = 0; i < order_.size(); ++i) position_[order_[i]] = static_cast<int>(i);
   row_starts_.assign(1, 0);
   columns_.clear();
   places_.clear();
   diagonals_.clear();
   strides_.clear();
-  for (int i = 0; i < block_rows; ++i) {
-    const int begin = starts[3 * i], stride = starts[3 * i + 1] - begin;
-    bool has_diagonal = false;
-    if (stride % 3 != 0 || starts[3 * i + 2] - begin != 2 * stride || starts[3 * i + 3] - begin != 3 * stride)
-      return false;
-    for (int at = begin; at < begin + stride; at += 3) {
-      const int column = columns[at];
-      for (int e = 0; e < 3; ++e)
-        for (int r = 0; r < 3; ++r)
-          if (column % 3 != 0 || columns[at + r * stride + e] != column + e) return false;
-      if (column == 3 * i) diagonals_.push_back(at);
-      has_diagonal = has_diagonal || column == 3 * i;
-      if (column >= 3 * i) continue;
-      columns_.push_back(column / 3);
-      places_.push_back(at);
-    }
-    if (!has_diagonal) return false;
-    strides_.push_back(stride);
-    row_starts_.push_back(static_cast<int>(columns_.size()));
-  }
+  for (const int row : order_)
+    if (!read_row(starts, columns, row)) return false;
   find_matches();
   w_.assign(9 * columns_.size(), 0.0F);
   inverse_.assign(9 * strides_.size(), 0.0F);
+  x_.assign(3 * strides_.size(), 0.0);
   int longest = 0;
-  for (int i = 0; i < block_rows; ++i) longest = std::max(longest, row_starts_[i + 1] - row_starts_[i]);
+  for (int i = 0; i < block_rows(); ++i) longest = std::max(longest, row_starts_[i + 1] - row_starts_[i]);
   row_.assign(9 * static_cast<std::size_t>(longest), 0.0);
   return true;
+}
+
+bool IncompleteCholesky::read_row(const int* starts, const int* columns, int row) {
+  const int begin = starts[3 * row], stride = starts[3 * row + 1] - begin;
+  if (stride % 3 != 0 || starts[3 * row + 2] - begin != 2 * stride || starts[3 * row + 3] - begin != 3 * stride)
+    return false;
+  std::vector<std::pair<int, int>> lower;  // column and place of each block that is eliminated before
+  bool has_diagonal = false;
+  for (int at = begin; at < begin + stride; at += 3) {
+    const int column = columns[at];
+    for (int e = 0; e < 3; ++e)
+      for (int r = 0; r < 3; ++r)
+        if (column % 3 != 0 || columns[at + r * stride + e] != column + e) return false;
+    if (column == 3 * row) {
+      diagonals_.push_back(at);
+      has_diagonal = true;
+    } else if (position_[column / 3] < position_[row]) {
+      lower.emplace_back(position_[column / 3], at);
+    }
+  }
+  std::sort(lower.begin(), lower.end());
+  for (const auto& [column, place] : lower) {
+    columns_.push_back(column);
+    places_.push_back(place);
+  }
+  strides_.push_back(stride);
+  row_starts_.push_back(static_cast<int>(columns_.size()));
+  return has_diagonal;
 }
 
 void IncompleteCholesky::find_matches() {
@@ -132,24 +147,25 @@ bool IncompleteCholesky::factor(const double* values, double shift, double first
   return false;
 }
 
-void IncompleteCholesky::solve(const double* b, double* x) const {
+void IncompleteCholesky::solve(const double* b, double* x) {
   using Eigen::Vector3d;
   const int n = block_rows();
   const auto block = [&](int at) { return Stored(w_.data() + 9 * static_cast<std::size_t>(at)).cast<double>(); };
+  const auto part = [&](int i) { return Eigen::Map<Vector3d>(x_.data() + 3 * i); };
   for (int i = 0; i < n; ++i) {
-    Vector3d y = Eigen::Map<const Vector3d>(b + 3 * i);
-    for (int at = row_starts_[i]; at < row_starts_[i + 1]; ++at)
-      y.noalias() -= block(at) * Eigen::Map<const Vector3d>(x + 3 * columns_[at]);
-    Eigen::Map<Vector3d>(x + 3 * i) = y;
+    Vector3d y = Eigen::Map<const Vector3d>(b + 3 * order_[i]);
+    for (int at = row_starts_[i]; at < row_starts_[i + 1]; ++at) y.noalias() -= block(at) * part(columns_[at]);
+    part(i) = y;
   }
   for (int i = 0; i < n; ++i) {
-    const Vector3d y = Eigen::Map<const Vector3d>(x + 3 * i);
-    Eigen::Map<Vector3d>(x + 3 * i).noalias() = Stored(inverse_.data() + 9 * i).cast<double>() * y;
+    const Vector3d y = part(i);
+    part(i).noalias() = Stored(inverse_.data() + 9 * i).cast<double>() * y;
   }
   for (int i = n - 1; i >= 0; --i) {
-    const Vector3d y = Eigen::Map<const Vector3d>(x + 3 * i);
+    const Vector3d y = part(i);
     for (int at = row_starts_[i]; at < row_starts_[i + 1]; ++at)
-      Eigen::Map<Vector3d>(x + 3 * columns_[at]).noalias() -= block(at).transpose() * y;
+      part(columns_[at]).noalias() -= block(at).transpose() * y;
+    Eigen::Map<Vector3d>(x + 3 * order_[i]) = y;
   }
 }
 

@@ -1,6 +1,6 @@
 // Incomplete Cholesky factor without fill of a symmetric matrix of 3 x 3 blocks; private to src/solve.
 //
-// Symbols   A    matrix, symmetric; entries of the lower triangle of blocks are read only
+// Symbols   A    matrix, symmetric, its block rows and columns in the order of elimination
 //           W    unit lower triangular matrix of blocks, with the pattern of A's lower triangle
 //           D    diagonal matrix of symmetric positive definite 3 x 3 blocks
 //           P    = W D W^T, equal to A on the pattern of A; equal to A everywhere where elimination makes no fill
@@ -18,14 +18,15 @@ namespace voile::solve {
 class IncompleteCholesky {
  public:
   /// Reads the pattern of a matrix of compressed rows whose block rows b are its rows 3b .. 3b+2: `starts` (3 n + 1) and
-  /// ascending `columns`, both in scalars. False, and nothing else can be done, if these are not made of full blocks
-  /// with all of the diagonal. Allocates; factor() and solve() do not.
-  [[nodiscard]] bool read_pattern(int block_rows, const int* starts, const int* columns);
+  /// ascending `columns`, both in scalars, both triangles; `order` has the block rows in the order of elimination. False, and
+  /// nothing else can be done, if these are not made of full blocks with all of the diagonal. Allocates; factor() and
+  /// solve() do not.
+  [[nodiscard]] bool read_pattern(const int* starts, const int* columns, std::vector<int> order);
   /// Factors the matrix of that pattern. Begins with the shift s = `shift`, for each failure takes the larger of four
   /// times the last and `first_shift`. False if the largest shift does not help, as with values that are not finite.
   [[nodiscard]] bool factor(const double* values, double shift, double first_shift);
   /// x = P^-1 b; both of three values per block row, may be the same.
-  void solve(const double* b, double* x) const;
+  void solve(const double* b, double* x);
 
   /// s of the factor in force, and how many it took.
   [[nodiscard]] double shift() const { return shift_; }
@@ -42,13 +43,17 @@ class IncompleteCholesky {
   void find_matches();
   [[nodiscard]] bool factor_shifted(const double* values, double shift);
 
-  std::vector<int> row_starts_, columns_;  ///< strictly lower blocks by rows
+  [[nodiscard]] bool read_row(const int* starts, const int* columns, int row);
+
+  std::vector<int> order_, position_;      ///< of elimination: rows, and the place of each in it
+  std::vector<int> row_starts_, columns_;  ///< strictly lower blocks by rows, both numbered in that order
   std::vector<int> places_, diagonals_;    ///< first entry of each block in the values, and of each on the diagonal
   std::vector<int> strides_;               ///< entries per scalar row, by block row
   std::vector<int> match_starts_;          ///< of each block
   std::vector<Match> matches_;
   std::vector<float> w_, inverse_;  ///< blocks of W by columns, and of D^-1, nine floats each
   std::vector<double> row_;         ///< blocks of W D in the row at work
+  std::vector<double> x_;           ///< solution, in the order of elimination
   double shift_ = 0.0;
   bool hopeless_ = false;
   int attempts_ = 0;

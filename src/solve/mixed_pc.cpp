@@ -61,6 +61,9 @@ PetscErrorCode create_refinement(PC pc) {
 PetscErrorCode factor_exactly(PC pc) {
   Mixed& m = data(pc);
   PetscFunctionBeginUser;
+  // Of a large problem either factor alone fills the memory.
+  m.single.reset();
+  m.pattern_read = false;
   if (!m.exact) {
     PetscCall(PCCreate(PetscObjectComm(reinterpret_cast<PetscObject>(pc)), &m.exact));
     PetscCall(PCSetOptionsPrefix(m.exact, reinterpret_cast<PetscObject>(pc)->prefix));
@@ -102,6 +105,7 @@ PetscErrorCode set_up(PC pc) {
     PetscFunctionReturn(0);
   }
   bool good = false;
+  PetscCall(PCDestroy(&m.exact));
   PetscCall(petsc::guarded([&] {
     const petsc::EventScope scope(petsc::events().factor_single);
     if (!m.single) m.single = std::make_unique<SingleFactor>(PetscObjectComm(reinterpret_cast<PetscObject>(pc)));

@@ -23,6 +23,8 @@ constexpr double energy_round_off = 1e-12;
 /// After an indefinite tangent so many positive ones are taken before the exact one is tried again. A sheet in contact
 /// is full of wrinkles about to form, and the positive tangent is as good there.
 constexpr int positive_tangents = 4, positive_tangents_in_contact = 40;
+/// Rate of the residual above which an iteration is slow, if it is that of the one before but for this factor.
+constexpr double slow_rate = 0.2, steady_rate = 1.5;
 /// Relative tolerance of linear systems at the first iterations of a step, and the factor of the forcing sequence.
 constexpr double loosest_tolerance = 1e-3, forcing_factor = 0.9;
 /// An increment this close to what ends a step has to be right.
@@ -44,14 +46,35 @@ PetscErrorCode TimeIntegration::Impl::jacobian(TS, PetscReal t, Vec u, Vec, Vec,
   return petsc::guarded([&] {
     n.dynamics.set_time(t);
     n.tangent = {u, s_v, s_a, false};
-    if (n.positive_left > 0) {
-      --n.positive_left;
+    if (n.stay_positive()) {
       (void)n.assemble(energy::Tangent::positive);
     } else if (!n.assemble(energy::Tangent::exact) || n.linear.negative_pivots() > 0) {
-      n.positive_left = n.model.contact() ? positive_tangents_in_contact : positive_tangents;
+      n.note_indefinite();
       (void)n.assemble(energy::Tangent::positive);
     }
   });
+}
+
+/// Near a solution the exact tangent is positive more often than on the way, and there the positive one would converge
+/// linearly only.
+bool TimeIntegration::Impl::stay_positive() {
+  const bool left = positive_left > 0;
+  if (left) --positive_left;
+  if (!left || again.exact) return false;
+  return !again.slow || --again.left >= 0;
+}
+
+void TimeIntegration::Impl::note_indefinite() {
+  positive_left = model.contact() ? positive_tangents_in_contact : positive_tangents;
+  again = {again.slow, false, again.patience, 2 * again.patience, again.rate};
+}
+
+/// 0: the last iteration says nothing.
+void TimeIntegration::Impl::note_rate(double rate) {
+  const double last = std::exchange(again.rate, rate);
+  // Falls of a drape seek no accuracy: their factors tell what is indefinite, and the search after them depends on where they end.
+  again.slow = inexact && rate > slow_rate && rate < steady_rate * last && last < steady_rate * rate;
+  again.exact = again.exact || (rate > 0.0 && !tangent.positive && positive_left > 0);
 }
 
 bool TimeIntegration::Impl::assemble(energy::Tangent kind) {
@@ -68,7 +91,7 @@ PetscErrorCode TimeIntegration::Impl::make_positive(void* self, PetscBool* chang
   return petsc::guarded([&] {
     *changed = n.tangent.positive ? PETSC_FALSE : PETSC_TRUE;
     if (n.tangent.positive) return;
-    n.positive_left = n.model.contact() ? positive_tangents_in_contact : positive_tangents;
+    n.note_indefinite();
     n.tangent.positive = true;
     n.dynamics.assemble_tangent(n.tangent.u, energy::Tangent::positive, n.tangent.s_v, n.tangent.s_a);
     n.linear.tangent_changed();
@@ -85,6 +108,7 @@ PetscErrorCode TimeIntegration::Impl::start_step(void* self, Vec x, Vec v, Petsc
     VOILE_PETSC(VecCopy(x, n.start));
     n.model.count_energy_from(x);  // so that a restart chooses its first guess by the same figures
     if (!n.model.contact()) n.positive_left = 0;
+    n.again = {};
     n.cuts = 0;
     n.shortest = 1.0;
     if (PC pc = n.linear.inexact()) set_inexact_tolerance(pc, 0.0);
@@ -206,6 +230,7 @@ SNESConvergedReason TimeIntegration::Impl::judge(SNES snes, PetscInt it, double 
   const double force = dynamics.force_scale(), before = std::exchange(residual_before, norm);
   residual = force > 0.0 ? norm / force : norm;
   set_tolerance(it, norm, before);
+  note_rate(it > 0 && !cut && length == 1.0 && before > 0.0 ? norm / before : 0.0);
   if (it == 0) return test.nothing_to_do(norm, force) ? SNES_CONVERGED_FNORM_ABS : SNES_CONVERGED_ITERATING;
   Vec x = nullptr;
   double step = 0.0, h = 0.0;

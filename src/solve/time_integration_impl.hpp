@@ -14,6 +14,7 @@ namespace voile::solve {
 using TsHandle = petsc::Handle<TS, TSDestroy>;
 
 struct TimeIntegration::Impl {
+  static constexpr int first_patience = 2;
   system::Dynamics& dynamics;
   system::Model& model;
   TimeOptions options;
@@ -32,6 +33,13 @@ struct TimeIntegration::Impl {
   double wanted = 0.0;      ///< size of the next step, which PETSc may cut to meet the end [s]
   IterativeEffort spent_iterative;
   int positive_left = 0, spent_factorisations = 0, spent_rejections = 0;
+  /// Of this step: the iteration gains a constant factor only, so that the exact tangent is worth another look; iterations
+  /// to go before the next one, and how many after it if it is indefinite still; it was not. Rate of the residual last.
+  struct {
+    bool slow = false, exact = false;
+    int left = 0, patience = first_patience;
+    double rate = 0.0;
+  } again;
   bool explicit_method = false;
   /// Of the tangent in force: its state, owned by the TS, what stands before its velocity and acceleration, its kind.
   struct {
@@ -55,6 +63,10 @@ struct TimeIntegration::Impl {
   [[nodiscard]] system::SolverMemory solver_memory() const;
   /// Assembles the tangent and prepares its solution; false if that failed.
   [[nodiscard]] bool assemble(energy::Tangent kind);
+  /// Whether the next tangent is to be the positive one.
+  [[nodiscard]] bool stay_positive();
+  void note_indefinite();
+  void note_rate(double rate);
   void set_tolerance(PetscInt it, double norm, double before);
   [[nodiscard]] bool is_last(Vec increment);
   [[nodiscard]] double objective(Vec x);

@@ -16,19 +16,15 @@ const PetscInt* row_starts(Mat part) {
   return start;
 }
 
-/// Adds factor times the values of one part of a matrix to `to`, each at its place there (empty: the same).
-void add_part(Mat from, double factor, const std::vector<Index>& place, double* to) {
+/// Adds factor times the values of one part of a matrix to those of a twin.
+void add_part(Mat from, double factor, double* to) {
   if (!from) return;
   const double* values = nullptr;
-  const PetscInt* starts = row_starts(from);
   PetscInt rows = 0;
   VOILE_PETSC(MatGetLocalSize(from, &rows, nullptr));
   VOILE_PETSC(MatSeqAIJGetArrayRead(from, &values));
-  const PetscInt count = starts[rows];
-  if (place.empty())
-    for (PetscInt i = 0; i < count; ++i) to[i] += factor * values[i];
-  else
-    for (PetscInt i = 0; i < count; ++i) to[place[i]] += factor * values[i];
+  const PetscInt count = row_starts(from)[rows];
+  for (PetscInt i = 0; i < count; ++i) to[i] += factor * values[i];
   VOILE_PETSC(MatSeqAIJRestoreArrayRead(from, &values));
 }
 
@@ -58,9 +54,12 @@ BlockMatrix::BlockMatrix(MPI_Comm comm, const mesh::Partition& partition, BlockP
 
 void BlockMatrix::preallocate() {
   std::vector<PetscInt> inside, outside;
+  inside_.clear();
   for (const auto& columns : *pattern_) {
-    PetscInt in = 0;
-    for (Index c : columns) in += c >= first_row_ && c < first_row_ + row_count_ ? 1 : 0;
+    const auto first = std::lower_bound(columns.begin(), columns.end(), first_row_);
+    const auto last = std::lower_bound(first, columns.end(), first_row_ + row_count_);
+    inside_.emplace_back(static_cast<Index>(first - columns.begin()), static_cast<Index>(last - first));
+    const PetscInt in = inside_.back().second;
     for (int i = 0; i < 3; ++i) {
       inside.push_back(3 * in);
       outside.push_back(3 * (static_cast<PetscInt>(columns.size()) - in));
@@ -87,6 +86,7 @@ BlockMatrix BlockMatrix::twin() const {
   other.pattern_ = pattern_;
   other.first_row_ = first_row_;
   other.row_count_ = row_count_;
+  other.inside_ = inside_;
   other.find_parts();
   return other;
 }
@@ -106,14 +106,11 @@ Slot BlockMatrix::slot(Index local_row, Index column) const {
   const auto& columns = (*pattern_)[local_row];
   const auto found = std::lower_bound(columns.begin(), columns.end(), column);
   if (found == columns.end() || *found != column) throw InternalError("matrix pattern lacks a block of an element");
-  const auto first = std::lower_bound(columns.begin(), columns.end(), first_row_);
-  const auto last = std::lower_bound(first, columns.end(), first_row_ + row_count_);
-  const bool inside = found >= first && found < last;
   // PETSc stores both parts by rows with ascending columns, so a block's place follows from counts alone.
-  const Index in = static_cast<Index>(last - first), out = static_cast<Index>(columns.size()) - in;
-  const Index position = static_cast<Index>(inside          ? found - first
-                                            : found < first ? found - columns.begin()
-                                                            : (found - columns.begin()) - in);
+  const auto [before, in] = inside_[local_row];
+  const Index at = static_cast<Index>(found - columns.begin()), out = static_cast<Index>(columns.size()) - in;
+  const bool inside = at >= before && at < before + in;
+  const Index position = inside ? at - before : at < before ? at : at - in;
   const Index offset = (inside ? diagonal_rows_ : off_diagonal_rows_)[3 * local_row] + 3 * position;
   return {inside ? offset : ~offset, 3 * (inside ? in : out)};
 }
@@ -138,23 +135,40 @@ void BlockMatrix::copy_values_from(const BlockMatrix& other) const {
 }
 
 void BlockMatrix::add_values_from(const BlockMatrix& other, double factor) const {
-  add_part(other.diagonal_, factor, diagonal_place_, open_values_.diagonal);
-  add_part(other.off_diagonal_, factor, off_diagonal_place_, open_values_.off_diagonal);
+  if (!extended_) {
+    add_part(other.diagonal_, factor, open_values_.diagonal);
+    add_part(other.off_diagonal_, factor, open_values_.off_diagonal);
+    return;
+  }
+  const auto [inside, outside] = other.read();
+  for (const auto& [from, to] : places_) {
+    const double* source = from.offset >= 0 ? inside + from.offset : outside + ~from.offset;
+    double* target = to.offset >= 0 ? open_values_.diagonal + to.offset : open_values_.off_diagonal + ~to.offset;
+    for (int r = 0; r < 3; ++r, source += from.stride, target += to.stride)
+      for (int c = 0; c < 3; ++c) target[c] += factor * source[c];
+  }
+}
+
+/// The arrays stay where they are when they are given back.
+std::pair<const double*, const double*> BlockMatrix::read() const {
+  std::pair<const double*, const double*> values{nullptr, nullptr};
+  for (auto [part, array] : {std::pair{diagonal_, &values.first}, std::pair{off_diagonal_, &values.second}}) {
+    if (!part) continue;
+    const double* taken = nullptr;
+    VOILE_PETSC(MatSeqAIJGetArrayRead(part, &taken));
+    *array = taken;
+    VOILE_PETSC(MatSeqAIJRestoreArrayRead(part, &taken));
+  }
+  return values;
 }
 
 void BlockMatrix::extend(const BlockMatrix& base, BlockPattern pattern) {
   pattern_ = std::make_shared<const BlockPattern>(std::move(pattern));
   preallocate();
   extended_ = true;
-  diagonal_place_.clear();
-  off_diagonal_place_.clear();
-  base.for_each_entry([&](bool inside, Index at, Index row, Index column) {
-    const Slot s = slot(row / 3 - first_row_, column / 3);
-    const Index offset = s.offset >= 0 ? s.offset : ~s.offset;
-    auto& place = inside ? diagonal_place_ : off_diagonal_place_;
-    if (static_cast<std::size_t>(at) >= place.size()) place.resize(static_cast<std::size_t>(at) + 1);
-    place[static_cast<std::size_t>(at)] = offset + row % 3 * s.stride + column % 3;
-  });
+  places_.clear();
+  for (Index r = 0; r < row_count_; ++r)
+    for (Index column : (*base.pattern_)[r]) places_.push_back({base.slot(r, column), slot(r, column)});
 }
 
 bool BlockMatrix::has(Index local_row, Index column) const {
@@ -163,6 +177,7 @@ bool BlockMatrix::has(Index local_row, Index column) const {
 }
 
 void BlockMatrix::close() {
+  ++version_;
   VOILE_PETSC(MatSeqAIJRestoreArray(diagonal_, &open_values_.diagonal));
   if (off_diagonal_) VOILE_PETSC(MatSeqAIJRestoreArray(off_diagonal_, &open_values_.off_diagonal));
   VOILE_PETSC(MatAssemblyBegin(mat_, MAT_FINAL_ASSEMBLY));

@@ -65,7 +65,7 @@ void Contact::add_gradient(Vec a, Vec f, ContactSet::Part part) {
   }
 }
 
-bool Contact::extend_pattern(Vec a, const BlockMatrix& matrix, BlockPattern& pattern) {
+bool Contact::extend_pattern(Vec a, const BlockMatrix& matrix, const BlockPattern& base, BlockPattern& pattern) {
   scene_.take(a);
   const ContactSet& set = scene_.set();
   const contact::Surface& s = set.surface();
@@ -90,6 +90,7 @@ bool Contact::extend_pattern(Vec a, const BlockMatrix& matrix, BlockPattern& pat
     check(pair);
   });
   if (mpi::max(scene_.dofs().comm(), lacking ? 1.0 : 0.0) == 0.0) return false;
+  pattern = base;
   const auto add = [&](const Pair& pair) {
     for_entries(pair, [&](Index row, Index column) { pattern[row].push_back(column); });
   };

@@ -89,11 +89,11 @@ void Dynamics::residual(Vec u, Vec v, Vec a, Vec f) {
     VOILE_PETSC(VecAXPY(sum_, options_.mass_damping, work_));
   }
   if (options_.bending_damping > 0.0) {
-    VOILE_PETSC(MatMult(model_.constant().bending(), v, work_));
+    model_.constant().multiply_bending(v, work_);
     VOILE_PETSC(VecAXPY(sum_, options_.bending_damping, work_));
   }
-  if (Mat damping = material_damping()) {
-    VOILE_PETSC(MatMult(damping, v, work_));
+  if (material_damping()) {
+    model_.constant().multiply_damping(v, work_);
     VOILE_PETSC(VecAXPY(sum_, 1.0, work_));
   }
   if (options_.drag.active()) {
@@ -117,12 +117,12 @@ double Dynamics::energy(Vec u, Vec v, Vec a, double s_v, double s_a) {
     sum += 0.5 * options_.mass_damping * part / s_v;
   }
   if (options_.bending_damping > 0.0) {
-    VOILE_PETSC(MatMult(model_.constant().bending(), v, work_));
+    model_.constant().multiply_bending(v, work_);
     VOILE_PETSC(VecDot(work_, v, &part));
     sum += 0.5 * options_.bending_damping * part / s_v;
   }
-  if (Mat damping = material_damping()) {
-    VOILE_PETSC(MatMult(damping, v, work_));
+  if (material_damping()) {
+    model_.constant().multiply_damping(v, work_);
     VOILE_PETSC(VecDot(work_, v, &part));
     sum += 0.5 * part / s_v;
   }

@@ -33,7 +33,8 @@ energy::Configuration Model::configuration(Vec a) {
 
 void Model::unbalanced_force(Vec a, Vec f) {
   const energy::Configuration c = configuration(a);
-  VOILE_PETSC(MatMultAdd(constant_.bending(), a, bending_force_, f));
+  constant_.multiply_bending(a, f);
+  VOILE_PETSC(VecAXPY(f, 1.0, bending_force_));
   std::fill(force_.begin(), force_.end(), Vec3::Zero());
   for (const Counted& t : terms_) t.term->add_forces(c, force_);
   dofs().add_forces(force_, f);
@@ -66,7 +67,7 @@ Energies Model::energies(Vec a) {
 
 void Model::count_energy_from(Vec a) {
   VOILE_PETSC(VecCopy(a, reference_));
-  VOILE_PETSC(MatMult(constant_.bending(), a, work_));
+  constant_.multiply_bending(a, work_);
   VOILE_PETSC(VecAXPY(work_, 2.0, bending_force_));
   VOILE_PETSC(VecDot(work_, a, &reference_bending_));
   reference_bending_ += bending_offset_;
@@ -78,7 +79,7 @@ Energies Model::energies_of_step(Vec a) {
   const energy::Configuration c = configuration(a);
   double bending = 0.0;
   VOILE_PETSC(VecWAXPY(sum_, 1.0, reference_, a));
-  VOILE_PETSC(MatMult(constant_.bending(), sum_, work_));
+  constant_.multiply_bending(sum_, work_);
   VOILE_PETSC(VecAXPY(work_, 2.0, bending_force_));
   VOILE_PETSC(VecWAXPY(sum_, -1.0, reference_, a));
   VOILE_PETSC(VecDot(work_, sum_, &bending));
@@ -105,7 +106,7 @@ void Model::assemble_tangent(Vec a, const TangentRequest& request) {
   BlockMatrix& tangent = tangent_.blocks();
   const BlockMatrix& bending = constant_.bending_blocks();
   if (contact_)
-    if (BlockPattern pattern = bending.pattern(); contact_->extend_pattern(a, tangent, pattern))
+    if (BlockPattern pattern; contact_->extend_pattern(a, tangent, bending.pattern(), pattern))
       tangent_.extend(bending, std::move(pattern));
   energy::Configuration c = configuration(a);
   c.tangent = request.kind;

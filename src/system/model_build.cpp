@@ -116,14 +116,17 @@ BlockPattern Model::make_pattern(const Curvatures& curvatures) const {
     std::sort(row.begin(), row.end());
     row.erase(std::unique(row.begin(), row.end()), row.end());
   };
+  // Rows are tidied before they grow: what one has once taken stays.
+  const auto add = [&](std::vector<Index>& row, const std::vector<Index>& columns) {
+    if (row.size() + columns.size() > row.capacity()) tidy(row);
+    row.insert(row.end(), columns.begin(), columns.end());
+  };
   for (Index i = 0; i < local.owned; ++i) pattern[i].push_back(local.row_of[i]);
   const auto couple = [&](const std::vector<Index>& vertices) {
-    for (Index v : vertices) {
-      if (on_->owned(v) == no_index) continue;
-      std::vector<Index>& row = pattern[on_->owned(v)];
-      for (Index w : vertices) row.push_back(on_->partition().row_of[w]);
-      if (row.size() > 400) tidy(row);
-    }
+    std::vector<Index> columns;
+    for (Index w : vertices) columns.push_back(on_->partition().row_of[w]);
+    for (Index v : vertices)
+      if (on_->owned(v) != no_index) add(pattern[on_->owned(v)], columns);
   };
   for (std::size_t k = 0; k < curvatures.size(); ++k)
     couple(vertices_of(on_->patches(), stencil_points(on_->sheet(), on_->elements()[k].triangle, curvatures[k])));

@@ -1,7 +1,8 @@
 // PC type "voile_block_icc": incomplete Cholesky factor without fill of 3 x 3 blocks, for conjugate gradients.
 //
 // For symmetric AIJ matrices of block size 3 in full blocks, as tangents are: -ksp_type cg -pc_type voile_block_icc. Each
-// rank factors its own diagonal part (block Jacobi over ranks). Where that comes out indefinite, a share of the
+// rank factors its own diagonal part (block Jacobi over ranks), in reverse Cuthill-McKee order unless
+// -pc_block_icc_ordering_type names another of PETSc's. Where that comes out indefinite, a share of the
 // diagonal blocks is added until it does not; so the preconditioner is positive definite whatever the matrix is. Works
 // without allocation while the pattern holds.
 #pragma once
@@ -14,6 +15,10 @@ inline constexpr const char* block_icc_pc_type = "voile_block_icc";
 
 /// Makes the type known to PETSc; again does nothing.
 void register_block_icc_pc();
+/// Share of the diagonal blocks to add from the start, as -pc_block_icc_shift. Before the first set-up.
+void set_block_icc_shift(PC pc, double shift);
+/// Whether a part that comes out indefinite is shifted more, which is the default, or is a failure (PCGetFailedReason).
+void allow_block_icc_shifts(PC pc, bool allowed);
 /// Largest share of the diagonal that some rank has added in the last factorisation. The same on all ranks.
 [[nodiscard]] double block_icc_shift(PC pc);
 /// Matrices so far of which some rank had to shift its part. The same on all ranks.

@@ -4,8 +4,10 @@
 // when the mesh changes. A Slot says where a block lies in the value arrays of the rank that owns its row.
 #pragma once
 
+#include <Eigen/Core>
 #include <array>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "voile/base/petsc.hpp"
@@ -62,6 +64,21 @@ class BlockMatrix {
   /// Adds a multiple of a twin's values to the open value arrays.
   void add_values_from(const BlockMatrix& twin, double factor) const;
 
+  /// How often values have been closed; the same on all ranks.
+  [[nodiscard]] long version() const { return version_; }
+
+  /// Calls f(owned block row, global block column, block) for every stored block of this rank.
+  template <class F>
+  void for_each_block(F&& f) const {
+    const auto [inside, outside] = read();
+    for (Index r = 0; r < static_cast<Index>(pattern_->size()); ++r)
+      for (Index column : (*pattern_)[r]) {
+        const Slot s = slot(r, column);
+        const double* at = s.offset >= 0 ? inside + s.offset : outside + ~s.offset;
+        f(r, column, Mat3(Eigen::Map<const Stored, 0, Eigen::OuterStride<>>(at, Eigen::OuterStride<>(s.stride))));
+      }
+  }
+
   /// Calls f(is_diagonal_part, offset, scalar row, scalar column) for every stored entry of this rank; global numbers.
   template <class F>
   void for_each_entry(F&& f) const {
@@ -77,16 +94,25 @@ class BlockMatrix {
   }
 
  private:
+  using Stored = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
+  /// Where a block of the base lies there and here.
+  struct Place {
+    Slot from, to;
+  };
   void preallocate();
   void find_parts();
+  /// Values of both parts.
+  [[nodiscard]] std::pair<const double*, const double*> read() const;
 
   petsc::MatHandle mat_;
   Mat diagonal_ = nullptr, off_diagonal_ = nullptr;                         ///< parts of mat_, not owned
   const PetscInt *diagonal_rows_ = nullptr, *off_diagonal_rows_ = nullptr;  ///< their row starts
   Values open_values_;
-  /// After extend(): where each entry of the base's value arrays lies in these.
-  std::vector<Index> diagonal_place_, off_diagonal_place_;
+  std::vector<Place> places_;  ///< after extend()
+  std::vector<std::pair<Index, Index>>
+      inside_;  ///< of each row: blocks before those of the diagonal part, and those in it
   bool extended_ = false;
+  long version_ = 0;
   std::shared_ptr<const BlockPattern> pattern_;
   Index first_row_ = 0, row_count_ = 0;
 };

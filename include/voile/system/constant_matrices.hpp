@@ -7,6 +7,7 @@
 
 #include "voile/base/petsc.hpp"
 #include "voile/system/block_matrix.hpp"
+#include "voile/system/block_product.hpp"
 #include "voile/system/discretisation.hpp"
 #include "voile/system/tangent.hpp"
 
@@ -20,9 +21,12 @@ class ConstantMatrices {
 
   /// The constant bending stiffness, with the springs to the ground, without elimination. [N/m]
   [[nodiscard]] Mat bending() const { return bending_.mat(); }
-  /// Sum over the materials of their bending damping times their bending stiffness [N s/m], without elimination; null if
-  /// no material damps bending.
-  [[nodiscard]] Mat damping() const { return damping_ ? damping_->mat() : nullptr; }
+  /// Whether a material damps bending: the sum over the materials of their bending damping times their bending stiffness
+  /// [N s/m], without elimination.
+  [[nodiscard]] bool has_damping() const { return damping_.has_value(); }
+  /// y = K_b x, and y = C_b x, with the matrices above. Collective.
+  void multiply_bending(Vec x, Vec y) const { bending_product_.multiply(bending_, x, y); }
+  void multiply_damping(Vec x, Vec y) const { damping_product_.multiply(*damping_, x, y); }
   /// Lumped mass per unknown: areal density (1 kg/m^2 where the material has none) times a third of the triangles. [kg]
   [[nodiscard]] Vec mass() const { return mass_; }
   /// Consistent mass of linear triangles, m/12 (1 + delta_ij) per pair of corners, with the density that each material
@@ -39,6 +43,7 @@ class ConstantMatrices {
   const Discretisation* on_ = nullptr;
   BlockMatrix bending_;
   std::optional<BlockMatrix> damping_;
+  mutable BlockProduct bending_product_, damping_product_;
   petsc::VecHandle mass_;
   std::vector<std::pair<Index, double>> masses_;  ///< of owned vertices, besides the sheet's [kg]
 };

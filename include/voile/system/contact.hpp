@@ -55,9 +55,9 @@ class Contact {
   [[nodiscard]] double energy(Vec a);
   /// Adds the derivative of the energy to f (all components, fixed ones too). Collective. [N]
   void add_gradient(Vec a, Vec f, contact::ContactSet::Part part = contact::ContactSet::both);
-  /// Columns that contacts within a few contact distances of state a need, added to a pattern of this rank's rows; true
-  /// if a pair that acts now lacks one on some rank. Collective.
-  [[nodiscard]] bool extend_pattern(Vec a, const BlockMatrix& matrix, BlockPattern& pattern);
+  /// True if a pair that acts at state a lacks its place in the matrix on some rank; then `pattern` becomes `base`, of this rank's
+  /// rows, with the columns that contacts within a few contact distances need. Collective.
+  [[nodiscard]] bool extend_pattern(Vec a, const BlockMatrix& matrix, const BlockPattern& base, BlockPattern& pattern);
   /// Adds the second derivative at the state of the last call of extend_pattern(). `positive`: pairs without their negative
   /// part.
   void add_blocks(const BlockMatrix& matrix, const BlockMatrix::Values& values, bool positive);

@@ -69,10 +69,8 @@ class Dynamics {
   void build_drag();
   /// Velocities of the local points in place of positions, for the drag.
   [[nodiscard]] energy::Configuration moving(Vec v) const;
-  /// C_b, or null if it is not to act or there is none.
-  [[nodiscard]] Mat material_damping() const {
-    return options_.material_damping ? model_.constant().damping() : nullptr;
-  }
+  /// Whether C_b is there and is to act.
+  [[nodiscard]] bool material_damping() const { return options_.material_damping && model_.constant().has_damping(); }
 
   Model& model_;
   DynamicsOptions options_;

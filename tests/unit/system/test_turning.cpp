@@ -181,3 +181,26 @@ TEST_CASE("a strip whose clamps turn against each other becomes an arc of a circ
   CHECK(fine.force < 0.05 * moment / length);
   CHECK(fine.force < 0.35 * coarse.force);
 }
+
+TEST_CASE("clamps: products with the bending stiffness are those with its matrix, also after a turn") {
+  const mesh::SurfaceMesh mesh(sheet_of(false));
+  system::Model model(PETSC_COMM_WORLD, mesh, input(RigidMotion{}));
+  const petsc::VecHandle x = model.dofs().create_vector(), y = model.dofs().create_vector(),
+                         z = model.dofs().create_vector();
+  PetscInt begin = 0, end = 0;
+  VOILE_PETSC(VecGetOwnershipRange(x, &begin, &end));
+  for (PetscInt i = begin; i < end; ++i) VOILE_PETSC(VecSetValue(x, i, 1e-3 * std::sin(1.0 * i * i), INSERT_VALUES));
+  VOILE_PETSC(VecAssemblyBegin(x));
+  VOILE_PETSC(VecAssemblyEnd(x));
+  for (const double load : {0.0, 0.7}) {
+    double size = 0.0, off = 0.0;
+    model.conditions().set_load_factor(load);
+    model.residual(x, y);
+    model.constant().multiply_bending(x, y);
+    VOILE_PETSC(MatMult(model.constant().bending(), x, z));
+    VOILE_PETSC(VecNorm(z, NORM_INFINITY, &size));
+    VOILE_PETSC(VecAXPY(z, -1.0, y));
+    VOILE_PETSC(VecNorm(z, NORM_INFINITY, &off));
+    CHECK(off < 1e-12 * size);
+  }
+}
