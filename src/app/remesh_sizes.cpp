@@ -34,9 +34,9 @@ double largest_squared(const double* k) {
   return std::pow(std::abs(mean) + radius, 2);
 }
 
-/// The same on all machines in spite of the last digits: results of other numbers of ranks differ there.
+/// To a per cent, so that decisions and smoothing do not see the last digits, in which other numbers of ranks differ.
 double rounded(double size) {
-  constexpr double steps = 1e5;
+  constexpr double steps = 100.0;
   return std::exp(std::round(std::log(size) * steps) / steps);
 }
 

@@ -10,7 +10,7 @@ from curves import Table
 from harness import OUT, solve, test
 from results import Results
 from robustness import fresh, lines, started, strip, wait_for
-from solver import invoke, load_case, run, variant, write_case
+from solver import ROOT, invoke, load_case, run, variant, write_case
 from staging import end_of, stage, staged
 
 SIZES = {"angle": 6.0, "smallest": 0.05, "largest": 0.5}
@@ -244,3 +244,24 @@ def remesh_mistakes(report):
     later = staged([stage("first", "static"), stage("second", "static", remesh=SIZES)], load=[tip_force])
     result = run(write_case(later, OUT / "remesh_mistake_later.toml"), fresh("remesh_mistake_later"), 1)
     report.check(result.code == 2 and "stage 'second': " in result.text and not (result.folder / "first").exists(), "of a later stage before the first")
+
+
+@test
+def remesh_ranks(report):
+    """A sheet that falls on a sphere gets the same meshes bit by bit on 1, 2 and 3 ranks: sizes do not see the last digits."""
+    free, radius, side = 2e-3, 0.06, 0.2
+    case = {"title": "A sheet falls on a sphere", "analysis": "dynamic",
+            "mesh": {"file": str(ROOT / "meshes" / "plate.geo"), "parameters": {"side": side, "n": 10, "pattern": 2}},
+            "material": [{"type": "isotropic", "young": 2e6, "poisson": 0.3, "thickness": 0.4e-3, "density": 400}],
+            "load": [{"type": "gravity", "vector": [0, 0, -9.81]}], "contact": {"distance": 1e-3, "stiffness": 1e4, "friction": 0.1},
+            "obstacle": [{"name": "sphere", "type": "sphere", "point": [0.12, 0.1, -free - radius], "radius": radius}],
+            "damping": {"mass": 1.0}, "time": {"end": 0.1, "step": 4e-3, "velocity_tolerance": 1e-5},
+            "remesh": {"smallest": 0.008, "largest": 0.02, "every": 3}, "output": {"every": 1, "fields": ["displacement"]}}
+    first = None
+    for ranks in (1, 2, 3):
+        result = solve(f"remesh_ranks_{ranks}", case, ranks)
+        steps = {s.number: (s.mesh.positions, s.mesh.triangles) for s in Results(result.folder)}
+        report.check(result.history["remeshings"][-1] >= 2, f"{ranks} rank(s): {result.history['remeshings'][-1]:.0f} remeshings")
+        first = first or steps
+        report.check(steps.keys() == first.keys() and all(np.array_equal(a, b) for n in steps for a, b in zip(steps[n], first[n])),
+                     f"{ranks} rank(s): the same meshes as on one, bit by bit")
