@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "step_bound.hpp"
+#include "voile/solve/inexact_pc.hpp"
 #include "voile/solve/linear_solver.hpp"
 
 namespace voile::solve {
@@ -16,6 +17,8 @@ namespace {
 constexpr double signal_times = 10.0;
 /// Halvings of an iteration that does not lower the energy.
 constexpr int most_halvings = 12;
+/// Of systems in a motion: so small that numbers of ranks hardly differ.
+constexpr double tolerance = 1e-8;
 /// On the mass of vertices that stay: they move by a millionth of what they would.
 constexpr double mass_factor = 1e6;
 
@@ -29,9 +32,10 @@ class Minimiser {
     VOILE_PETSC(VecCopy(a, start_));
     VOILE_PETSC(KSPCreate(model.dofs().comm(), ksp_.out()));
     VOILE_PETSC(KSPSetOptionsPrefix(ksp_, "relax_"));
-    linear_.set_defaults(ksp_);
+    linear_.set_defaults(ksp_, force_ ? LinearSolver::Way::inexact : LinearSolver::Way::direct);
     VOILE_PETSC(KSPSetFromOptions(ksp_));
     linear_.prepare();
+    if (PC pc = linear_.inexact()) set_inexact_tolerance(pc, tolerance);
     model.count_energy_from(a);
   }
 

@@ -31,7 +31,8 @@ struct RelaxationOptions {
 };
 
 /// From and into `a`, whose prescribed components are put right first. Contact bounds every iteration, and no iteration
-/// increases what is minimised. Collective.
+/// increases what is minimised. With p, as in a motion, systems are solved by voile_inexact unless options say otherwise.
+/// Collective.
 [[nodiscard]] Relaxation relax(system::Model& model, Vec a, const RelaxationOptions& options);
 
 /// The time tau that suits the model: some times that of a signal over a cell. [s]
