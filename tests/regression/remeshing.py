@@ -234,6 +234,9 @@ def remesh_mistakes(report):
             ("smallest", strip(remesh=SIZES | {"smallest": 0.6})),
             ("size", strip(remesh=SIZES | {"size": "0.1 + "})),
             ("size", strip(remesh=SIZES | {"size": "0.1*w"})),
+            ("a positive length is needed everywhere", strip(remesh=SIZES | {"size": "0.5 - 0.1*x"})),
+            ("the sizes ask for a mesh of about", strip(remesh=SIZES | {"size": "1e-4"})),
+            ("velocity_change", strip(remesh=SIZES | {"velocity_change": 0.6})),
             ("background", strip(remesh=SIZES | {"background": "field.msh"})),
             ("[[load]] of type point", strip(remesh=SIZES, load=[tip_force])))):
         file = write_case(case, OUT / f"remesh_mistake_{number}.toml")
