@@ -244,6 +244,8 @@ def remesh_mistakes(report):
             result = run(file, fresh("remesh_mistake"), ranks)
             report.check(result.code == 2 and words in result.text, f"{ranks} rank(s), code {result.code}: {result.text.splitlines()[-1][:110]}")
         report.check(invoke(["check", file])[0] == 2, "and `check` says so too")
+    plain = write_case(strip(), OUT / "remesh_mistake_plain.toml")
+    report.check("remeshing: edges of" in invoke(["check", plain, "--set", "remesh.smallest=0.1"])[1], "--set switches the section on")
     later = staged([stage("first", "static"), stage("second", "static", remesh=SIZES)], load=[tip_force])
     result = run(write_case(later, OUT / "remesh_mistake_later.toml"), fresh("remesh_mistake_later"), 1)
     report.check(result.code == 2 and "stage 'second': " in result.text and not (result.folder / "first").exists(), "of a later stage before the first")
