@@ -186,6 +186,13 @@ TEST_CASE("relaxation keeps what inertia balances") {
   CHECK(model.energy(a) == relative(energy).epsilon(1e-9));
   const solve::Relaxation lost = solve::relax(model, a, {tau, 3});
   CHECK(lost.moved > 1e-4);
+  // From rest the force moves what it pulls at.
+  petsc::VecHandle rest = model.dofs().create_vector();
+  CHECK(solve::relax(model, rest, {tau, 3}).moved < 1e-12);
+  CHECK(solve::relax(model, rest, {tau, 3, {}, force}).moved > 1e-5);
+  double work = 0.0;
+  VOILE_PETSC(VecDot(rest, force, &work));
+  CHECK(work > 0.0);
 }
 
 TEST_CASE("relaxation of a part leaves what is stored elsewhere") {
