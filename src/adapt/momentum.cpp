@@ -1,5 +1,7 @@
 #include <Eigen/Dense>
 #include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
 
 #include "voile/adapt/transfer.hpp"
 #include "voile/base/error.hpp"
@@ -37,40 +39,84 @@ Momentum momentum(const Motion& motion) {
   return m;
 }
 
-void conserve_momentum(const Motion& old_motion, const std::vector<double>& mass, const std::vector<Vec3>& places,
-                       const std::vector<char>& held, std::vector<Vec3>& velocity) {
-  if (mass.size() != places.size() || mass.size() != velocity.size() || (!held.empty() && held.size() != mass.size()))
-    throw InternalError("momentum: lengths of arrays do not fit");
-  const Momentum before = momentum(old_motion);
-  const Vec3 centre = centre_of(mass, places);
-  double size = 0.0;
-  for (const Vec3& x : places) size = std::max(size, (x - centre).norm());
-  if (!(size > 0.0)) size = 1.0;
-  // Velocity added to free vertices: a + w x r / size, so that both unknowns are velocities. A second pass takes off what
-  // round-off left.
-  for (int pass = 0; pass < 2; ++pass) {
-    const Momentum now = momentum({mass, places, velocity});
+namespace {
+
+/// The rigid motion of free vertices that has a given momentum, as velocity at the centre and turning times `size`.
+class RigidMotion {
+ public:
+  RigidMotion(const std::vector<double>& mass, const std::vector<Vec3>& places, const std::vector<char>& held)
+      : places_(places), held_(held), centre_(centre_of(mass, places)) {
+    for (const Vec3& x : places) size_ = std::max(size_, (x - centre_).norm());
+    if (!(size_ > 0.0)) size_ = 1.0;
     Eigen::MatrixXd m = Eigen::MatrixXd::Zero(6, 6);
-    Eigen::VectorXd wanted(6);
-    for (int d = 0; d < 3; ++d) {
-      wanted[d] = before.linear[d] - now.linear[d];
-      wanted[3 + d] = (before.angular[d] - now.angular[d]) / size;
-    }
     for (std::size_t v = 0; v < mass.size(); ++v) {
-      if (!held.empty() && held[v]) continue;
-      const Mat3 r = cross_matrix(places[v] - centre) / size;
+      if (!is_free(v)) continue;
+      const Mat3 r = cross_matrix(places[v] - centre_) / size_;
       m.topLeftCorner<3, 3>() += mass[v] * Mat3::Identity();
       m.topRightCorner<3, 3>() -= mass[v] * r;
       m.bottomLeftCorner<3, 3>() += mass[v] * r;
       m.bottomRightCorner<3, 3>() -= mass[v] * r * r;
     }
-    Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> solver;
-    solver.setThreshold(1e-10);
-    const Eigen::VectorXd motion = solver.compute(m).solve(wanted);
-    const Vec3 shift = motion.head<3>(), turn = motion.tail<3>() / size;
-    for (std::size_t v = 0; v < mass.size(); ++v)
-      if (held.empty() || !held[v]) velocity[v] += shift + turn.cross(places[v] - centre);
+    solver_.setThreshold(1e-10);
+    solver_.compute(m);
   }
+  [[nodiscard]] bool is_free(std::size_t v) const { return held_.empty() || !held_[v]; }
+  void fit(const Momentum& wanted) {
+    Eigen::VectorXd both(6);
+    both << wanted.linear, wanted.angular / size_;
+    const Eigen::VectorXd motion = solver_.solve(both);
+    shift_ = motion.head<3>();
+    turn_ = motion.tail<3>() / size_;
+  }
+  [[nodiscard]] Vec3 at(std::size_t v) const { return shift_ + turn_.cross(places_[v] - centre_); }
+
+ private:
+  const std::vector<Vec3>& places_;
+  const std::vector<char>& held_;
+  Vec3 centre_, shift_ = Vec3::Zero(), turn_ = Vec3::Zero();
+  double size_ = 0.0;
+  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> solver_;
+};
+
+void check_lengths(const std::vector<double>& mass, const std::vector<Vec3>& places, const std::vector<char>& held,
+                   const std::vector<Vec3>& velocity) {
+  if (mass.size() != places.size() || mass.size() != velocity.size() || (!held.empty() && held.size() != mass.size()))
+    throw InternalError("momentum: lengths of arrays do not fit");
+}
+
+}  // namespace
+
+void conserve_momentum(const Motion& old_motion, const std::vector<double>& mass, const std::vector<Vec3>& places,
+                       const std::vector<char>& held, std::vector<Vec3>& velocity) {
+  check_lengths(mass, places, held, velocity);
+  const Momentum before = momentum(old_motion);
+  RigidMotion added(mass, places, held);
+  // A second pass takes off what round-off left.
+  for (int pass = 0; pass < 2; ++pass) {
+    const Momentum now = momentum({mass, places, velocity});
+    added.fit({before.linear - now.linear, before.angular - now.angular});
+    for (std::size_t v = 0; v < mass.size(); ++v)
+      if (added.is_free(v)) velocity[v] += added.at(v);
+  }
+}
+
+double add_kinetic_energy(const std::vector<double>& mass, const std::vector<Vec3>& places,
+                          const std::vector<char>& held, const Addition& addition, std::vector<Vec3>& velocity) {
+  check_lengths(mass, places, held, velocity);
+  RigidMotion rigid(mass, places, held);
+  std::vector<Vec3> free = velocity;
+  for (std::size_t v = 0; v < mass.size(); ++v)
+    if (!rigid.is_free(v)) free[v].setZero();
+  // About the centre of all, as the momentum is.
+  rigid.fit(momentum({mass, places, free}));
+  double rest = 0.0;
+  for (std::size_t v = 0; v < mass.size(); ++v)
+    if (rigid.is_free(v)) rest += 0.5 * mass[v] * (velocity[v] - rigid.at(v)).squaredNorm();
+  const double square = rest > 0.0 ? 1.0 + addition.energy / rest : 1.0;
+  const double factor = std::clamp(std::sqrt(std::max(square, 0.0)), 1.0 - addition.most, 1.0 + addition.most);
+  for (std::size_t v = 0; v < mass.size(); ++v)
+    if (rigid.is_free(v)) velocity[v] = rigid.at(v) + factor * (velocity[v] - rigid.at(v));
+  return factor;
 }
 
 }  // namespace voile::adapt

@@ -2,9 +2,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "remesh_made.hpp"
 #include "remesher.hpp"
+#include "voile/adapt/transfer.hpp"
 #include "voile/base/mpi.hpp"
 #include "voile/solve/relaxation.hpp"
+#include "voile/system/contact.hpp"
 
 namespace voile::app {
 
@@ -50,20 +53,46 @@ double Remesher::energy_change(const Ledger& before, const Ledger& after, Epoch&
   return change[0];
 }
 
+/// By how much internal, contact and applied forces are out of balance on the old mesh, per mass, on the new one: what
+/// accelerates the sheet there. Friction is left out, which begins anew. Collective.
+petsc::VecHandle Remesher::inertia_force(Epoch& old_epoch, Epoch& fresh, const Made& made) {
+  system::Model& model = old_epoch.model();
+  const petsc::VecHandle r = model.dofs().create_vector(), friction = model.dofs().create_vector();
+  Vec u = old_epoch.state().u;
+  model.start_step(u, 0.0);
+  model.residual(u, r);
+  if (model.contact()) model.contact()->add_gradient(u, friction, contact::ContactSet::friction);
+  VOILE_PETSC(VecAXPY(r, -1.0, friction));
+  model.dofs().clear_fixed(r);
+  VOILE_PETSC(VecPointwiseDivide(r, r, model.constant().mass()));
+  std::vector<double> values = model.dofs().gather(r);
+  mpi::on_root(model.dofs().comm(), [&] {
+    values =
+        as_values(adapt::transfer(model.dofs().mesh(), made.from, as_points(values), adapt::Interpolation::linear));
+  });
+  petsc::VecHandle force = fresh.model().dofs().create_vector();
+  fresh.model().dofs().scatter(values, force);
+  VOILE_PETSC(VecPointwiseMult(force, force, fresh.model().constant().mass()));
+  return force;
+}
+
 /// Takes the noise out of the membrane. A motion keeps what is stored away from new triangles, and its momentum; a drape
 /// goes on until its energy is not above the old one, since what is left would lead the search elsewhere. Returns the
-/// change of energy. `same`: per new triangle the old one, on rank 0. Collective.
-double Remesher::settle(Epoch& old_epoch, Epoch& fresh, const Ledger& before, const std::vector<Index>& same) const {
+/// change of energy. Collective.
+double Remesher::settle(Epoch& old_epoch, Epoch& fresh, const Ledger& before, const Made& made) {
   const bool moves = fresh.state().v, drapes = stage_.c.analysis == "drape";
-  std::vector<char> stays;
-  if (moves) stays = far_from_change(fresh.model().dofs().mesh(), same, fresh.model().dofs().comm());
-  double tau = solve::relaxation_time(fresh.model());
-  for (int k = 0; k < most_relaxations; ++k, tau *= longer) {
-    if (keys_.relaxation_steps > 0)
-      (void)solve::relax(fresh.model(), fresh.state().u, tau, keys_.relaxation_steps, stays);
+  solve::RelaxationOptions options{solve::relaxation_time(fresh.model()), keys_.relaxation_steps};
+  petsc::VecHandle inertia;
+  if (moves) {
+    options.stays = far_from_change(fresh.model().dofs().mesh(), made.from.same_triangle, fresh.model().dofs().comm());
+    inertia = inertia_force(old_epoch, fresh, made);
+    options.force = inertia;
+  }
+  for (int k = 0; k < most_relaxations; ++k, options.tau *= longer) {
+    if (keys_.relaxation_steps > 0) (void)solve::relax(fresh.model(), fresh.state().u, options);
     if (!drapes || keys_.relaxation_steps == 0 || energy_change(before, ledger(fresh), fresh) <= 0.0) break;
   }
-  if (moves) keep_momentum(old_epoch, fresh);
+  if (moves) keep_momentum(old_epoch, fresh, before);
   return energy_change(before, ledger(fresh), fresh);
 }
 

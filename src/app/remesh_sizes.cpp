@@ -23,6 +23,8 @@ constexpr double most_too_long = 0.02, most_too_short = 0.3;
 constexpr double most_too_long_at_end = 0.002;
 /// Looks in a row at the end of a path or a drape.
 constexpr int most_looks_at_end = 6;
+/// Of any mesh: every rank holds the whole of it.
+constexpr double most_vertices = 5e6;
 /// Surfaces may come nearer by this share of their gap: both sides move, and half of the gap stays.
 constexpr double share_of_gap = 0.25;
 /// Gaps are looked for within so many contact distances, so that what is far from everything is free to move.
@@ -34,9 +36,9 @@ double largest_squared(const double* k) {
   return std::pow(std::abs(mean) + radius, 2);
 }
 
-/// The same on all machines in spite of the last digits: results of other numbers of ranks differ there.
+/// To a per cent, so that decisions and smoothing do not see the last digits, in which other numbers of ranks differ.
 double rounded(double size) {
-  constexpr double steps = 1e5;
+  constexpr double steps = 100.0;
   return std::exp(std::round(std::log(size) * steps) / steps);
 }
 
@@ -49,6 +51,15 @@ double vertices_of(const mesh::SurfaceMesh& mesh, const std::vector<double>& siz
     count += 0.5 * mesh.area(t) / (0.25 * std::numbers::sqrt3 * h * h);
   }
   return count;
+}
+
+/// Throws UserError for a mesh that no run would get to the end of, as where sizes are in another unit.
+void check_count(const input::Case& c, double vertices) {
+  if (vertices <= most_vertices) return;
+  throw UserError(fmt::format(
+      "{}: [remesh]: the sizes ask for a mesh of about {:.2g} vertices, more than {:.2g}; give a larger `smallest`, "
+      "`size`, `background`, `angle` or `velocity` (in the unit of the mesh), or `max_vertices`",
+      c.file.string(), vertices, most_vertices));
 }
 
 adapt::SizeOptions options_of(const Stage& stage, const mesh::SurfaceMesh& first) {
@@ -97,7 +108,7 @@ std::vector<double> Remesher::bounds(Epoch& epoch, const std::vector<double>& cu
   if (bound_)
     for (std::size_t v = 0; v < vertices; ++v) {
       const double h = bound_(mesh.positions()[v]);
-      if (std::isfinite(h) && h > 0.0) bound[v] = std::min(bound[v], h);
+      if (h > 0.0) bound[v] = std::min(bound[v], h);
     }
   mpi::on_root(dofs.comm(), [&] {
     if (!background_) return;
@@ -126,6 +137,7 @@ std::vector<double> Remesher::wanted_sizes(Epoch& epoch) {
       if (excess > 1.0)
         for (double& h : size) h *= std::sqrt(excess);
     }
+    check_count(stage_.c, vertices_of(mesh, size));
     for (double& h : size) h = rounded(h);
   });
   return size;
@@ -179,6 +191,15 @@ void check_remesh(const input::Case& c, const mesh::SurfaceMesh& mesh) {
     } catch (const UserError& e) {
       throw UserError(fmt::format("{}: [remesh] frozen: '{}': {}", c.file.string(), name, e.what()));
     }
+  }
+  if (!c.remesh.size.empty()) {
+    const auto size = input::size_expression(c.remesh.size);
+    for (const Vec3& x : mesh.positions())
+      if (const double h = size(x); !(h > 0.0))
+        throw UserError(
+            fmt::format("{}: [remesh] size: '{}' is {:.3g} at ({:.4g}, {:.4g}, {:.4g}); a positive length is "
+                        "needed everywhere, e.g. max(..., 0.01)",
+                        c.file.string(), c.remesh.size, h, x.x(), x.y(), x.z()));
   }
   if (!c.remesh.background.empty())
     mpi::on_root(PETSC_COMM_WORLD, [&] { (void)BackgroundSize(c).at(mesh.positions()); });

@@ -11,6 +11,7 @@
 #include "mesh_transfer.hpp"
 #include "obstacles.hpp"
 #include "remesh_carry.hpp"
+#include "remesh_made.hpp"
 #include "voile/adapt/transfer.hpp"
 #include "voile/base/error.hpp"
 #include "voile/base/mpi.hpp"
@@ -26,20 +27,6 @@ using adapt::Interpolation;
 
 /// Looks that a run at most lets pass after a refusal, before it tries again.
 constexpr int most_wait = 32;
-
-std::vector<Vec3> as_points(const std::vector<double>& values) {
-  std::vector<Vec3> points;
-  points.reserve(values.size() / 3);
-  for (std::size_t i = 0; i + 2 < values.size(); i += 3) points.emplace_back(values[i], values[i + 1], values[i + 2]);
-  return points;
-}
-
-std::vector<double> as_values(const std::vector<Vec3>& points) {
-  std::vector<double> values;
-  values.reserve(3 * points.size());
-  for (const Vec3& x : points) values.insert(values.end(), x.begin(), x.end());
-  return values;
-}
 
 bool is_zero(Vec v) {
   double largest = 0.0;
@@ -60,14 +47,6 @@ std::vector<double> masses(const system::Model& model) {
 double cpu_clock() {
   return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
 }
-
-/// A new mesh on every rank, and on rank 0 where it comes from.
-struct Remesher::Made {
-  std::shared_ptr<const mesh::SurfaceMesh> mesh;
-  adapt::Remeshed from;      ///< rank 0
-  adapt::SizeMatch match;    ///< rank 0: how well it meets the sizes
-  std::vector<Vec3> places;  ///< rank 0: of the old vertices
-};
 
 Remesher::Remesher(const Stage& stage, std::shared_ptr<const mesh::SurfaceMesh> first)
     : stage_(stage), keys_(stage.c.remesh), first_(std::move(first)) {
@@ -151,12 +130,14 @@ Ledger Remesher::ledger(Epoch& epoch) {
   return l;
 }
 
-/// Puts the momentum of the old state into the velocities of the new one. Collective.
-void Remesher::keep_momentum(Epoch& old_epoch, Epoch& fresh) {
+/// Puts the momentum of the old state into the velocities of the new one, and the energy that relaxation has set free, as
+/// far as small changes of velocity do. Collective.
+void Remesher::keep_momentum(Epoch& old_epoch, Epoch& fresh, const Ledger& before) {
   const auto gathered = [](Epoch& e, Vec v) { return as_points(e.model().dofs().gather(v)); };
   const std::vector<double> old_mass = masses(old_epoch.model()), mass = masses(fresh.model());
   const std::vector<Vec3> old_u = gathered(old_epoch, old_epoch.state().u), u = gathered(fresh, fresh.state().u);
   const std::vector<Vec3> old_velocity = gathered(old_epoch, old_epoch.state().v);
+  const double now = ledger(fresh).stored();
   std::vector<Vec3> velocity = gathered(fresh, fresh.state().v);
   std::vector<double> values;
   mpi::on_root(fresh.model().dofs().comm(), [&] {
@@ -167,8 +148,12 @@ void Remesher::keep_momentum(Epoch& old_epoch, Epoch& fresh) {
     const system::Dofs& dofs = fresh.model().dofs();
     std::vector<char> held(velocity.size());
     for (std::size_t v = 0; v < held.size(); ++v) held[v] = dofs.is_held(static_cast<Index>(v));
-    const std::vector<Vec3> old_places = moved(old_epoch.model().dofs().mesh(), old_u);
-    adapt::conserve_momentum({old_mass, old_places, old_velocity}, mass, moved(dofs.mesh(), u), held, velocity);
+    const std::vector<Vec3> old_places = moved(old_epoch.model().dofs().mesh(), old_u), places = moved(dofs.mesh(), u);
+    adapt::conserve_momentum({old_mass, old_places, old_velocity}, mass, places, held, velocity);
+    double kinetic = 0.0;
+    for (std::size_t v = 0; v < mass.size(); ++v) kinetic += 0.5 * mass[v] * velocity[v].squaredNorm();
+    velocity_factor_ = adapt::add_kinetic_energy(mass, places, held,
+                                                 {before.total() - now - kinetic, keys_.velocity_change}, velocity);
     values = as_values(velocity);
   });
   fresh.model().dofs().scatter(values, fresh.state().v);
@@ -209,6 +194,7 @@ void Remesher::write(const Epoch& epoch, const Made& made, const Ledger& before,
                                                                                      "mass",
                                                                                      "momentum_change",
                                                                                      "angular_change",
+                                                                                     "velocity_factor",
                                                                                      "cpu_seconds"});
   const system::State& s = epoch.state();
   const adapt::Remeshed& m = made.from;
@@ -239,6 +225,7 @@ void Remesher::write(const Epoch& epoch, const Made& made, const Ledger& before,
                  after.mass,
                  (after.momentum - before.momentum).norm(),
                  (after.angular - before.angular).norm(),
+                 velocity_factor_,
                  seconds});
 }
 
@@ -277,9 +264,9 @@ std::optional<Adapted> Remesher::attempt(Epoch& epoch, const std::vector<double>
   const bool at_rest = epoch.state().in_equilibrium && is_zero(epoch.state().u);
   double change = 0.0;
   if (!at_rest)
-    change = settle(epoch, fresh, before, made.from.same_triangle);
+    change = settle(epoch, fresh, before, made);
   else if (fresh.state().v)
-    keep_momentum(epoch, fresh);
+    keep_momentum(epoch, fresh, before);
   bool accepted = true;
   if (fresh.model().contact() && stage_.c.contact.check && intersects(fresh)) {
     what = "the new surface would intersect";
@@ -307,6 +294,7 @@ std::optional<Adapted> Remesher::attempt(Epoch& epoch, const std::vector<double>
   what = fmt::format("remeshed: {} vertices became {}, {:.0f} % of them kept; energy {:+.2g} %",
                      epoch.model().dofs().mesh().vertex_count(), made.mesh->vertex_count(),
                      100.0 * same / made.mesh->vertex_count(), 100.0 * change);
+  if (velocity_factor_ != 1.0) what += fmt::format(", velocities {:+.2g} %", 100.0 * (velocity_factor_ - 1.0));
   return next;
 }
 

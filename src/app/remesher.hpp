@@ -28,10 +28,12 @@ struct Ledger {
   system::Energies energies;                             ///< [J]
   double kinetic = 0.0, mass = 0.0;                      ///< [J], [kg]
   Vec3 momentum = Vec3::Zero(), angular = Vec3::Zero();  ///< [kg m/s], about the origin [kg m^2/s]
-  /// Stored in the sheet and in contact, and kinetic. [J]
-  [[nodiscard]] double total() const {
-    return energies.membrane + energies.bending + energies.contact + energies.springs + kinetic;
+  /// In the sheet, in contact and in springs. [J]
+  [[nodiscard]] double stored() const {
+    return energies.membrane + energies.bending + energies.contact + energies.springs;
   }
+  /// And kinetic. [J]
+  [[nodiscard]] double total() const { return stored() + kinetic; }
 };
 
 class Remesher {
@@ -60,12 +62,12 @@ class Remesher {
   [[nodiscard]] std::optional<Adapted> attempt(Epoch& epoch, const std::vector<double>& size, bool only_splits,
                                                std::string& what);
   [[nodiscard]] static Ledger ledger(Epoch& epoch);
-  static void keep_momentum(Epoch& old_epoch, Epoch& fresh);
+  void keep_momentum(Epoch& old_epoch, Epoch& fresh, const Ledger& before);
   [[nodiscard]] static bool intersects(Epoch& epoch);
   [[nodiscard]] static double negligible_energy(const Epoch& epoch);
   [[nodiscard]] double energy_change(const Ledger& before, const Ledger& after, Epoch& fresh) const;
-  [[nodiscard]] double settle(Epoch& old_epoch, Epoch& fresh, const Ledger& before,
-                              const std::vector<Index>& same) const;
+  [[nodiscard]] static petsc::VecHandle inertia_force(Epoch& old_epoch, Epoch& fresh, const Made& made);
+  [[nodiscard]] double settle(Epoch& old_epoch, Epoch& fresh, const Ledger& before, const Made& made);
   void write(const Epoch& epoch, const Made& made, const Ledger& before, const Ledger& after, bool accepted,
              double seconds);
 
@@ -78,6 +80,7 @@ class Remesher {
   std::function<double(const Vec3&)> bound_;
   std::optional<BackgroundSize> background_;  ///< rank 0
   double seconds_ = 0.0;
+  double velocity_factor_ = 1.0;  ///< of the last remeshing, on rank 0
   int count_ = 0, refused_ = 0, at_end_ = 0;
 };
 

@@ -179,7 +179,8 @@ void read_obstacle(const SectionPlace& place, Case& c, ObstacleSection& s) {
 void read_remesh(const CaseReader& reader, Case& c) {
   RemeshSection& s = c.remesh;
   const SectionPlace place = reader.read("remesh", 0, keys_of(s));
-  if (place.line > 0 && !place.has("active")) s.active = true;
+  // Keys given by --set have no header.
+  if ((place.line > 0 || !place.key_lines.empty()) && !place.has("active")) s.active = true;
   if (!s.active) return;
   if (c.analysis != "static" && c.analysis != "dynamic" && c.analysis != "drape") {
     if (!c.is_staged())

@@ -63,10 +63,17 @@ std::vector<Key> keys_of(RemeshSection& s) {
        .slot = &s.relaxation_steps,
        .meaning = "Steps of damped relaxation after a remeshing, which take the noise out of the membrane.",
        .range = {0, 10}},
+      {.name = "velocity_change",
+       .slot = &s.velocity_change,
+       .meaning =
+           "Largest share by which a remeshing of a motion may change velocities so that stored and kinetic energy "
+           "together stay what they were. 0: what the mesh changes is lost or gained.",
+       .range = {0, 0.5}},
       {.name = "energy_change",
        .slot = &s.energy_change,
-       .meaning = "A remeshing that changes stored and kinetic energy by more than this share, after relaxation, is "
-                  "refused; outside `dynamic` only one that increases it.",
+       .meaning =
+           "A remeshing that changes stored and kinetic energy by more than this share, after relaxation and change "
+           "of velocities, is refused; outside `dynamic` only one that increases it.",
        .range = positive},
       {.name = "max_vertices",
        .slot = &s.max_vertices,

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "step_bound.hpp"
+#include "voile/solve/inexact_pc.hpp"
 #include "voile/solve/linear_solver.hpp"
 
 namespace voile::solve {
@@ -16,22 +17,25 @@ namespace {
 constexpr double signal_times = 10.0;
 /// Halvings of an iteration that does not lower the energy.
 constexpr int most_halvings = 12;
+/// Of systems in a motion: so small that numbers of ranks hardly differ.
+constexpr double tolerance = 1e-8;
 /// On the mass of vertices that stay: they move by a millionth of what they would.
 constexpr double mass_factor = 1e6;
 
 class Minimiser {
  public:
-  Minimiser(system::Model& model, Vec a, double tau, const std::vector<char>& stays)
-      : model_(model), linear_(model), inverse_(1.0 / (tau * tau)) {
+  Minimiser(system::Model& model, Vec a, const RelaxationOptions& options)
+      : model_(model), linear_(model), force_(options.force), inverse_(1.0 / (options.tau * options.tau)) {
     for (petsc::VecHandle* v : {&start_, &gradient_, &increment_, &trial_, &scratch_, &mass_})
       *v = model.dofs().create_vector();
-    set_masses(stays);
+    set_masses(options.stays);
     VOILE_PETSC(VecCopy(a, start_));
     VOILE_PETSC(KSPCreate(model.dofs().comm(), ksp_.out()));
     VOILE_PETSC(KSPSetOptionsPrefix(ksp_, "relax_"));
-    linear_.set_defaults(ksp_);
+    linear_.set_defaults(ksp_, force_ ? LinearSolver::Way::inexact : LinearSolver::Way::direct);
     VOILE_PETSC(KSPSetFromOptions(ksp_));
     linear_.prepare();
+    if (PC pc = linear_.inexact()) set_inexact_tolerance(pc, tolerance);
     model.count_energy_from(a);
   }
 
@@ -40,6 +44,7 @@ class Minimiser {
     model_.residual(a, gradient_);
     damp(a);
     VOILE_PETSC(VecAXPY(gradient_, inverse_, scratch_));
+    if (force_) VOILE_PETSC(VecAXPY(gradient_, -1.0, force_));
     model_.dofs().clear_fixed(gradient_);
     model_.assemble_tangent(a, {.kind = energy::Tangent::positive, .mass = inverse_, .masses = mass_});
     VOILE_PETSC(KSPSetOperators(ksp_, model_.tangent().matrix(), model_.tangent().matrix()));
@@ -82,27 +87,32 @@ class Minimiser {
     VOILE_PETSC(VecPointwiseMult(mass_, model_.constant().mass(), scratch_));
   }
   double energy(Vec a) {
-    double damping = 0.0, with_start = 0.0;
+    double damping = 0.0, with_start = 0.0, work = 0.0;
     damp(a);
     VOILE_PETSC(VecDot(scratch_, a, &damping));
     VOILE_PETSC(VecDot(scratch_, start_, &with_start));
-    return model_.energy(a) + 0.5 * inverse_ * (damping - with_start);
+    if (force_) {
+      VOILE_PETSC(VecWAXPY(scratch_, -1.0, start_, a));
+      VOILE_PETSC(VecDot(force_, scratch_, &work));
+    }
+    return model_.energy(a) - work + 0.5 * inverse_ * (damping - with_start);
   }
 
   system::Model& model_;
   petsc::KspHandle ksp_;
   LinearSolver linear_;
+  Vec force_;
   double inverse_;
   petsc::VecHandle start_, gradient_, increment_, trial_, scratch_, mass_;
 };
 
 }  // namespace
 
-Relaxation relax(system::Model& model, Vec a, double tau, int steps, const std::vector<char>& stays) {
+Relaxation relax(system::Model& model, Vec a, const RelaxationOptions& options) {
   model.conditions().enforce(a);
-  Minimiser minimiser(model, a, tau, stays);
+  Minimiser minimiser(model, a, options);
   Relaxation r;
-  while (r.steps < steps && minimiser.iterate(a)) ++r.steps;
+  while (r.steps < options.steps && minimiser.iterate(a)) ++r.steps;
   r.factorisations = minimiser.factorisations();
   r.moved = minimiser.moved(a);
   return r;

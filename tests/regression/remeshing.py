@@ -10,7 +10,7 @@ from curves import Table
 from harness import OUT, solve, test
 from results import Results
 from robustness import fresh, lines, started, strip, wait_for
-from solver import invoke, load_case, run, variant, write_case
+from solver import ROOT, invoke, load_case, run, variant, write_case
 from staging import end_of, stage, staged
 
 SIZES = {"angle": 6.0, "smallest": 0.05, "largest": 0.5}
@@ -119,7 +119,7 @@ def remesh_stages(report):
 @test
 def remesh_refused(report):
     """What would change the energy is refused, said, and tried again after 1, 2, 4, ... looks, also after a restart."""
-    case = swinging(remesh={"angle": 5.0, "smallest": 0.1, "largest": 1.0, "every": 1, "energy_change": 1e-9}, time__checkpoint_steps=1)
+    case = swinging(remesh={"angle": 5.0, "smallest": 0.1, "largest": 1.0, "every": 1, "energy_change": 1e-9, "velocity_change": 0.0}, time__checkpoint_steps=1)
     whole = solve("remesh_refused", case, 1)
     table = Table(whole.folder / "remeshing.csv")
     report.check(whole.code == 0 and not np.any(table["accepted"]), "nothing is accepted")
@@ -234,6 +234,9 @@ def remesh_mistakes(report):
             ("smallest", strip(remesh=SIZES | {"smallest": 0.6})),
             ("size", strip(remesh=SIZES | {"size": "0.1 + "})),
             ("size", strip(remesh=SIZES | {"size": "0.1*w"})),
+            ("a positive length is needed everywhere", strip(remesh=SIZES | {"size": "0.5 - 0.1*x"})),
+            ("the sizes ask for a mesh of about", strip(remesh=SIZES | {"size": "1e-4"})),
+            ("velocity_change", strip(remesh=SIZES | {"velocity_change": 0.6})),
             ("background", strip(remesh=SIZES | {"background": "field.msh"})),
             ("[[load]] of type point", strip(remesh=SIZES, load=[tip_force])))):
         file = write_case(case, OUT / f"remesh_mistake_{number}.toml")
@@ -241,6 +244,33 @@ def remesh_mistakes(report):
             result = run(file, fresh("remesh_mistake"), ranks)
             report.check(result.code == 2 and words in result.text, f"{ranks} rank(s), code {result.code}: {result.text.splitlines()[-1][:110]}")
         report.check(invoke(["check", file])[0] == 2, "and `check` says so too")
+    plain = write_case(strip(), OUT / "remesh_mistake_plain.toml")
+    report.check("remeshing: edges of" in invoke(["check", plain, "--set", "remesh.smallest=0.1"])[1], "--set switches the section on")
     later = staged([stage("first", "static"), stage("second", "static", remesh=SIZES)], load=[tip_force])
     result = run(write_case(later, OUT / "remesh_mistake_later.toml"), fresh("remesh_mistake_later"), 1)
     report.check(result.code == 2 and "stage 'second': " in result.text and not (result.folder / "first").exists(), "of a later stage before the first")
+
+
+@test
+def remesh_ranks(report):
+    """A sheet that falls on a sphere gets the same meshes bit by bit on 1, 2 and 3 ranks, since sizes do not see the last digits, and keeps its energy."""
+    free, radius, side = 2e-3, 0.06, 0.2
+    case = {"title": "A sheet falls on a sphere", "analysis": "dynamic",
+            "mesh": {"file": str(ROOT / "meshes" / "plate.geo"), "parameters": {"side": side, "n": 10, "pattern": 2}},
+            "material": [{"type": "isotropic", "young": 2e6, "poisson": 0.3, "thickness": 0.4e-3, "density": 400}],
+            "load": [{"type": "gravity", "vector": [0, 0, -9.81]}], "contact": {"distance": 1e-3, "stiffness": 1e4, "friction": 0.1},
+            "obstacle": [{"name": "sphere", "type": "sphere", "point": [0.12, 0.1, -free - radius], "radius": radius}],
+            "damping": {"mass": 1.0}, "time": {"end": 0.1, "step": 4e-3, "velocity_tolerance": 1e-5},
+            "remesh": {"smallest": 0.008, "largest": 0.02, "every": 3, "velocity_change": 0.5}, "output": {"every": 1, "fields": ["displacement"]}}
+    first = None
+    for ranks in (1, 2, 3):
+        result = solve(f"remesh_ranks_{ranks}", case, ranks)
+        steps = {s.number: (s.mesh.positions, s.mesh.triangles) for s in Results(result.folder)}
+        report.check(result.history["remeshings"][-1] >= 2, f"{ranks} rank(s): {result.history['remeshings'][-1]:.0f} remeshings")
+        first = first or steps
+        report.check(steps.keys() == first.keys() and all(np.array_equal(a, b) for n in steps for a, b in zip(steps[n], first[n])),
+                     f"{ranks} rank(s): the same meshes as on one, bit by bit")
+        table = Table(result.folder / "remeshing.csv")
+        before, after = (sum(np.array(table[p + end]) for p in ("membrane", "bending", "contact", "kinetic")) for end in ("_before", ""))
+        report.below(np.abs(after / before - 1).max(), 1e-9, f"{ranks} rank(s): energy")
+        report.check(1e-3 < np.abs(table["velocity_factor"] - 1).max() < 0.4, f"{ranks} rank(s): by velocities times {table['velocity_factor']}")

@@ -38,4 +38,13 @@ struct Momentum {
 void conserve_momentum(const Motion& old_motion, const std::vector<double>& mass, const std::vector<Vec3>& places,
                        const std::vector<char>& held, std::vector<Vec3>& velocity);
 
+/// Kinetic energy [J], and the largest share by which velocities may change for it.
+struct Addition {
+  double energy = 0.0, most = 0.0;
+};
+/// Adds kinetic energy (or takes it away) by one factor on what velocities of free vertices have beyond their rigid motion,
+/// so that momentum stays. Returns the factor. Arguments as above. Not collective.
+double add_kinetic_energy(const std::vector<double>& mass, const std::vector<Vec3>& places,
+                          const std::vector<char>& held, const Addition& addition, std::vector<Vec3>& velocity);
+
 }  // namespace voile::adapt

@@ -156,8 +156,9 @@ struct RemeshSection {
       background;                   ///< .pos of Gmsh with upper bounds, resolved relative to the case file; empty: none
   std::vector<std::string> frozen;  ///< surface groups that are left alone
   int relaxation_steps = 2;
-  double energy_change = 0.1;  ///< largest, relative; a remeshing beyond is refused
-  int max_vertices = 0;        ///< 0: no bound
+  double velocity_change = 0.1;  ///< largest, relative, so that the energy of a motion stays
+  double energy_change = 0.1;    ///< largest, relative; a remeshing beyond is refused
+  int max_vertices = 0;          ///< 0: no bound
 };
 
 struct OutputSection {

@@ -171,6 +171,45 @@ TEST_CASE("momentum is that of the old mesh to round-off, also where vertices ar
   CHECK((v[0] + v[1] - speed[0] - speed[1]).norm() < 1e-12);
 }
 
+TEST_CASE("kinetic energy is added by one factor on what is not rigid: momentum and held vertices stay") {
+  const mesh::SurfaceMesh m(square(Pattern::gmsh, 8));
+  const auto mass = lumped(m);
+  const std::vector<Vec3>& places = m.positions();
+  const auto start =
+      field_of(m, [](const Vec3& x) { return Vec3(1 + x[1], -2 * x[0], std::sin(7 * x[0] + 3 * x[1])); });
+  for (const bool hold : {false, true}) {
+    std::vector<char> held;
+    if (hold)
+      for (const Vec3& x : places) held.push_back(x[0] == 0.0);
+    const adapt::Momentum before = adapt::momentum({mass, places, start});
+    const double energy = kinetic(mass, start);
+    for (const double wanted : {0.01, -0.01}) {
+      auto v = start;
+      const double factor = adapt::add_kinetic_energy(mass, places, held, {wanted * energy, 0.1}, v);
+      CHECK((factor > 1.0) == (wanted > 0.0));
+      CHECK(kinetic(mass, v) / energy - 1.0 == relative(wanted).epsilon(1e-9));
+      const adapt::Momentum now = adapt::momentum({mass, places, v});
+      CHECK((now.linear - before.linear).norm() < 1e-12 * before.linear.norm());
+      CHECK((now.angular - before.angular).norm() < 1e-12 * before.linear.norm());
+      for (std::size_t i = 0; i < held.size(); ++i)
+        if (held[i]) CHECK(v[i] == start[i]);
+    }
+    auto v = start;
+    CHECK(adapt::add_kinetic_energy(mass, places, held, {energy, 0.05}, v) == relative(1.05));
+    v = start;
+    CHECK(adapt::add_kinetic_energy(mass, places, held, {-2.0 * energy, 1.0}, v) == doctest::Approx(0.0));
+    CHECK(adapt::add_kinetic_energy(mass, places, held, {energy, 0.0}, v) == 1.0);
+  }
+  // A rigid motion has nothing to change, nor has what stands still.
+  auto rigid = field_of(m, [](const Vec3& x) { return Vec3(1, 0, 0) + Vec3(0, 1, 2).cross(x); });
+  const auto same = rigid;
+  const double factor = adapt::add_kinetic_energy(mass, places, {}, {1.0, 0.1}, rigid);
+  CHECK(factor <= 1.1);
+  for (std::size_t i = 0; i < same.size(); ++i) CHECK((rigid[i] - same[i]).norm() < 1e-12);
+  std::vector<Vec3> still(same.size(), Vec3::Zero());
+  CHECK(adapt::add_kinetic_energy(mass, places, {}, {1.0, 0.1}, still) == 1.0);
+}
+
 TEST_CASE("a wave of eight edges keeps its kinetic energy through 20 remeshings") {
   const double h = 1.0 / 24;
   const auto wave = [](const Vec3& x) { return Vec3(0, 0, std::sin(2 * pi * 3 * x[0]) * std::cos(2 * pi * x[1])); };

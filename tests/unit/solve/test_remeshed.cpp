@@ -98,7 +98,7 @@ double relaxed_energy(const mesh::SurfaceMesh& mesh, const std::vector<Vec3>& pl
   system::Model model(PETSC_COMM_WORLD, mesh, clamped_left());
   petsc::VecHandle a = model.dofs().create_vector();
   set_displacement(model, a, [&](Index v) { return Vec3(places[v] - mesh.positions()[v]); });
-  (void)solve::relax(model, a, solve::relaxation_time(model), 2);
+  (void)solve::relax(model, a, {solve::relaxation_time(model), 2});
   const system::Energies e = model.energies(a);
   return e.membrane + e.bending;
 }
@@ -157,7 +157,7 @@ TEST_CASE("relaxation lowers the energy, leaves held vertices, long waves and co
   set_displacement(model, a, [&](Index v) { return mesh.positions()[v][0] == 0.0 ? Vec3(0, 0, 0) : wobble(v); });
   const std::vector<Vec3> before = per_vertex(model, a);
   const double energy = model.energy(a);
-  const solve::Relaxation r = solve::relax(model, a, solve::relaxation_time(model), 3);
+  const solve::Relaxation r = solve::relax(model, a, {solve::relaxation_time(model), 3});
   const std::vector<Vec3> after = per_vertex(model, a);
   CHECK(r.steps > 0);
   CHECK(model.energy(a) < 0.5 * energy);
@@ -169,6 +169,30 @@ TEST_CASE("relaxation lowers the energy, leaves held vertices, long waves and co
   }
   CHECK(r.moved == doctest::Approx(moved));
   CHECK(least > 0.0);
+}
+
+TEST_CASE("relaxation keeps what inertia balances") {
+  const mesh::SurfaceMesh mesh(square(Pattern::gmsh, 10));
+  system::Model model(PETSC_COMM_WORLD, mesh, clamped_left());
+  petsc::VecHandle a = model.dofs().create_vector();
+  const petsc::VecHandle force = model.dofs().create_vector();
+  const auto wobble = noise(5e-4, 7);
+  set_displacement(model, a, [&](Index v) { return mesh.positions()[v][0] == 0.0 ? Vec3(0, 0, 0) : wobble(v); });
+  model.residual(a, force);
+  model.dofs().clear_fixed(force);
+  const double energy = model.energy(a), tau = solve::relaxation_time(model);
+  const solve::Relaxation kept = solve::relax(model, a, {tau, 3, {}, force});
+  CHECK(kept.moved < 1e-12);
+  CHECK(model.energy(a) == relative(energy).epsilon(1e-9));
+  const solve::Relaxation lost = solve::relax(model, a, {tau, 3});
+  CHECK(lost.moved > 1e-4);
+  // From rest the force moves what it pulls at.
+  petsc::VecHandle rest = model.dofs().create_vector();
+  CHECK(solve::relax(model, rest, {tau, 3}).moved < 1e-12);
+  CHECK(solve::relax(model, rest, {tau, 3, {}, force}).moved > 1e-5);
+  double work = 0.0;
+  VOILE_PETSC(VecDot(rest, force, &work));
+  CHECK(work > 0.0);
 }
 
 TEST_CASE("relaxation of a part leaves what is stored elsewhere") {
@@ -184,7 +208,7 @@ TEST_CASE("relaxation of a part leaves what is stored elsewhere") {
   noisy(a);
   const std::vector<Vec3> before = per_vertex(model, a);
   const double energy = model.energy(a), tau = solve::relaxation_time(model);
-  (void)solve::relax(model, a, tau, 3, stays);
+  (void)solve::relax(model, a, {tau, 3, stays});
   const std::vector<Vec3> after = per_vertex(model, a);
   double stayed = 0.0, moved = 0.0;
   for (std::size_t v = 0; v < after.size(); ++v) {
@@ -195,7 +219,7 @@ TEST_CASE("relaxation of a part leaves what is stored elsewhere") {
   CHECK(stayed < 1e-3 * moved);
   const double part = model.energy(a);
   noisy(a);
-  (void)solve::relax(model, a, tau, 3);
+  (void)solve::relax(model, a, {tau, 3});
   CHECK(part < 0.8 * energy);
   CHECK(model.energy(a) < 0.5 * part);
 }
