@@ -234,7 +234,7 @@ void name_probes(const input::Case& c, mesh::MeshData& mesh) {
   }
 }
 
-std::string remesh_outlook(const Stage& stage, std::shared_ptr<const mesh::SurfaceMesh> mesh, Epoch& epoch) {
+std::string remesh_outlook(const Stage& stage, const std::shared_ptr<const mesh::SurfaceMesh>& mesh, Epoch& epoch) {
   Remesher remesher(stage, mesh);
   const bool due = remesher.due(epoch, stage.c.analysis == "drape");
   const adapt::SizeOptions o = options_of(stage, *mesh);

@@ -95,7 +95,7 @@ void check_remesh(const input::Case& c, const mesh::SurfaceMesh& mesh);
 void name_probes(const input::Case& c, mesh::MeshData& mesh);
 
 /// What remeshing would do at the start, for `check`. Collective.
-[[nodiscard]] std::string remesh_outlook(const Stage& stage, std::shared_ptr<const mesh::SurfaceMesh> mesh,
+[[nodiscard]] std::string remesh_outlook(const Stage& stage, const std::shared_ptr<const mesh::SurfaceMesh>& mesh,
                                          Epoch& epoch);
 
 }  // namespace voile::app
