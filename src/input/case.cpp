@@ -179,8 +179,7 @@ void read_obstacle(const SectionPlace& place, Case& c, ObstacleSection& s) {
 void read_remesh(const CaseReader& reader, Case& c) {
   RemeshSection& s = c.remesh;
   const SectionPlace place = reader.read("remesh", 0, keys_of(s));
-  // Keys given by --set have no header.
-  if ((place.line > 0 || !place.key_lines.empty()) && !place.has("active")) s.active = true;
+  if (place.is_there() && !place.has("active")) s.active = true;
   if (!s.active) return;
   if (c.analysis != "static" && c.analysis != "dynamic" && c.analysis != "drape") {
     if (!c.is_staged())
@@ -235,7 +234,7 @@ void read_contact(const CaseReader& reader, Case& c) {
   read_all(reader, "contact_rule", c.contact_rules, [](const SectionPlace&, const auto&) {});
   read_all(reader, "attachment", c.attachments,
            [&](const SectionPlace& at, const system::Attachment& s) { check_attachment(at, c, s); });
-  c.contact.input.active = place.line > 0 || !c.obstacles.empty() || !c.contact_rules.empty();
+  c.contact.input.active = place.is_there() || !c.obstacles.empty() || !c.contact_rules.empty();
   if (!c.contact.input.active) return;
   if (c.analysis != "static" && c.analysis != "dynamic" && c.analysis != "drape")
     throw UserError(

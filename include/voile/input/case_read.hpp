@@ -17,6 +17,8 @@ struct SectionPlace {
   int line = 0;      ///< of its header; 0 if the section is not there
   std::map<std::string, int> key_lines;
 
+  /// Whether the file has the section, or --set gives a key of it, for which there is no header.
+  [[nodiscard]] bool is_there() const { return line > 0 || !key_lines.empty(); }
   [[nodiscard]] bool has(const std::string& key) const { return key_lines.count(key) > 0; }
   /// Throws UserError "file:line: section.key: message".
   [[noreturn]] void fail(const std::string& key, const std::string& message) const;

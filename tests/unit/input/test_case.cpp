@@ -334,6 +334,13 @@ TEST_CASE("with contact the spectral radius of a motion is 0 if nothing else is 
   CHECK(parse_case(motion + contact + "[time]\nradius = 0.3\n", "case.toml").time.options.radius == 0.3);
 }
 
+TEST_CASE("a section of which only --set gives a key is there") {
+  const std::string motion = "analysis = \"dynamic\"\n" + minimal;
+  CHECK_FALSE(input::parse_case(motion, "case.toml", {}).contact.input.active);
+  CHECK(input::parse_case(motion, "case.toml", {"contact.distance=1e-3"}).contact.input.active);
+  CHECK(input::parse_case(motion, "case.toml", {"remesh.smallest=0.1"}).remesh.active);
+}
+
 TEST_CASE("probes and loads need what they observe or act on") {
   CHECK(has(error_after("name = \"pull\"", "name = \"tip\""), "probe.name: 'tip': another probe has this name"));
   CHECK(has(error_after("name = \"pull\"", "name = \"a,b\""), "must not contain commas"));
