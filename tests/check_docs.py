@@ -19,6 +19,8 @@ from solver import environment  # noqa: E402
 ROOT = Path(__file__).resolve().parents[1]
 # Folders that a documented command creates.
 CREATED = ("results", "build")
+# Marks of unfinished work, spelt so that this file passes its own check.
+UNFINISHED = ("TO" "DO", "FIX" "ME", "X" * 3)
 
 
 def pages():
@@ -49,9 +51,9 @@ def fenced_blocks(path):
 # --------------------------------------------------------------------------------------------------- without program
 
 def check_loose_ends():
-    pattern = re.compile(r"\b(TODO|FIXME|XXX)\b")
+    pattern = re.compile(rf"\b({'|'.join(UNFINISHED)})\b")
     for path in [*pages(), *(p for d in ("include", "src", "tests", "runs", "meshes") for p in (ROOT / d).rglob("*"))]:
-        if not path.is_file() or "__pycache__" in path.parts or path.suffix in (".png", ".h5") or path == Path(__file__).resolve():
+        if not path.is_file() or "__pycache__" in path.parts or path.suffix in (".png", ".h5"):
             continue
         for number, line in enumerate(path.read_text(errors="replace").splitlines(), 1):
             if pattern.search(line):

@@ -167,66 +167,47 @@ bool Remesher::intersects(Epoch& epoch) {
 
 void Remesher::write(const Epoch& epoch, const Made& made, const Ledger& before, const Ledger& after, bool accepted,
                      double seconds) {
-  if (!table_)
-    table_.emplace(stage_.options.output / "remeshing.csv", std::vector<std::string>{"step",
-                                                                                     "time",
-                                                                                     "load_factor",
-                                                                                     "accepted",
-                                                                                     "vertices_before",
-                                                                                     "vertices",
-                                                                                     "kept",
-                                                                                     "splits",
-                                                                                     "collapses",
-                                                                                     "flips",
-                                                                                     "smoothed",
-                                                                                     "refused_by_clearance",
-                                                                                     "smallest_angle",
-                                                                                     "ill_conditioned",
-                                                                                     "membrane_before",
-                                                                                     "membrane",
-                                                                                     "bending_before",
-                                                                                     "bending",
-                                                                                     "contact_before",
-                                                                                     "contact",
-                                                                                     "kinetic_before",
-                                                                                     "kinetic",
-                                                                                     "mass_before",
-                                                                                     "mass",
-                                                                                     "momentum_change",
-                                                                                     "angular_change",
-                                                                                     "velocity_factor",
-                                                                                     "cpu_seconds"});
   const system::State& s = epoch.state();
   const adapt::Remeshed& m = made.from;
   const auto number = [](auto value) { return static_cast<double>(value); };
-  table_->write({number(s.step),
-                 s.time,
-                 s.load_factor,
-                 accepted ? 1.0 : 0.0,
-                 number(epoch.model().dofs().mesh().vertex_count()),
-                 number(made.mesh->vertex_count()),
-                 number(std::count_if(m.kept.begin(), m.kept.end(), [](Index v) { return v != no_index; })),
-                 number(m.counts.splits),
-                 number(m.counts.collapses),
-                 number(m.counts.flips),
-                 number(m.counts.smoothed),
-                 number(m.counts.refused_by_clearance),
-                 m.quality.smallest_angle * 180.0 / std::numbers::pi,
-                 number(m.quality.ill_conditioned),
-                 before.energies.membrane,
-                 after.energies.membrane,
-                 before.energies.bending,
-                 after.energies.bending,
-                 before.energies.contact,
-                 after.energies.contact,
-                 before.kinetic,
-                 after.kinetic,
-                 before.mass,
-                 after.mass,
-                 (after.momentum - before.momentum).norm(),
-                 (after.angular - before.angular).norm(),
-                 velocity_factor_,
-                 seconds});
+  const std::vector<std::pair<std::string, double>> columns{
+      {"step", number(s.step)},
+      {"time", s.time},
+      {"load_factor", s.load_factor},
+      {"accepted", accepted ? 1.0 : 0.0},
+      {"vertices_before", number(epoch.model().dofs().mesh().vertex_count())},
+      {"vertices", number(made.mesh->vertex_count())},
+      {"kept", number(std::count_if(m.kept.begin(), m.kept.end(), [](Index v) { return v != no_index; }))},
+      {"splits", number(m.counts.splits)},
+      {"collapses", number(m.counts.collapses)},
+      {"flips", number(m.counts.flips)},
+      {"smoothed", number(m.counts.smoothed)},
+      {"refused_by_clearance", number(m.counts.refused_by_clearance)},
+      {"smallest_angle", m.quality.smallest_angle * 180.0 / std::numbers::pi},
+      {"ill_conditioned", number(m.quality.ill_conditioned)},
+      {"membrane_before", before.energies.membrane},
+      {"membrane", after.energies.membrane},
+      {"bending_before", before.energies.bending},
+      {"bending", after.energies.bending},
+      {"contact_before", before.energies.contact},
+      {"contact", after.energies.contact},
+      {"kinetic_before", before.kinetic},
+      {"kinetic", after.kinetic},
+      {"mass_before", before.mass},
+      {"mass", after.mass},
+      {"momentum_change", (after.momentum - before.momentum).norm()},
+      {"angular_change", (after.angular - before.angular).norm()},
+      {"velocity_factor", velocity_factor_},
+      {"cpu_seconds", seconds},
+  };
+  std::vector<std::string> names;
+  std::vector<double> values;
+  for (const auto& [name, value] : columns) {
+    names.push_back(name);
+    values.push_back(value);
+  }
+  if (!table_) table_.emplace(stage_.options.output / "remeshing.csv", names);
+  table_->write(values);
 }
 
 std::string Remesher::text() const {

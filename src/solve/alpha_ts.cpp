@@ -370,6 +370,10 @@ void set_alpha_parameters(TS ts, double radius, bool forces_at_end) {
   data(ts).at_end = forces_at_end;
 }
 
+double alpha_radius(TS ts) {
+  return data(ts).radius;
+}
+
 AlphaStage alpha_stage(TS ts, Vec x1) {
   VOILE_PETSC(set_stage(ts, x1));
   const Alpha& th = data(ts);

@@ -136,11 +136,11 @@ void TimeIntegration::Impl::choose_method(const system::State& from) {
   SNES snes = nullptr;
   VOILE_PETSC(TSGetSNES(ts, &snes));
   test.read(snes);
-  if (contact && options.radius > 0.0 && remark)
+  if (const double radius = alpha_radius(ts); contact && radius > 0.0 && remark)
     remark(
         fmt::format("warning: radius = {:g} with contact: what hits something in one step can leave it with {:g} times "
                     "its speed; 0, the default, gains nothing",
-                    options.radius, 1.0 + 2.0 * options.radius));
+                    radius, 1.0 + 2.0 * radius));
   if (from.a) set_acceleration(ts, from.a);
 }
 

@@ -24,8 +24,7 @@ Contact::Contact(const Dofs& dofs, ContactInput input)
       force_(static_cast<std::size_t>(dofs.mesh().vertex_count())) {}
 
 void Contact::set_time(double time) {
-  scene_.set_time(time);
-  settle(scene_, memory_);
+  system::set_time(scene_, memory_, time);
 }
 
 void Contact::start_step(Vec a, double slip) {

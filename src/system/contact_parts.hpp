@@ -12,6 +12,8 @@ namespace voile::system {
 
 /// Sets the distances at which barriers begin at the time in force. Not collective.
 void settle(ContactScene& scene, const ContactMemory& memory);
+/// Puts the obstacles where they are at a time, and the barriers that grow. Not collective.
+void set_time(ContactScene& scene, const ContactMemory& memory, double time);
 /// Tells the pairs which obstacles give way to whom. Not collective.
 void tell_yielding(ContactScene& scene, const ContactMemory& memory);
 /// Vertices that are free again see the obstacles again. Collective.
@@ -37,7 +39,6 @@ class PredictorWay {
     Index point;
     Vec3 way;  ///< [m]
   };
-  void set_time(double time);
   /// The motion that the points of a pair that collides are given in common: that of the obstacle or support in it, or
   /// the mean of two free parts. [m]
   [[nodiscard]] Vec3 common_motion(const contact::Pair& pair) const;

@@ -60,6 +60,11 @@ void Contact::restore(ContactMemory memory) {
   tell_yielding(scene_, memory_);
 }
 
+void set_time(ContactScene& scene, const ContactMemory& memory, double time) {
+  scene.set_time(time);
+  settle(scene, memory);
+}
+
 void settle(ContactScene& scene, const ContactMemory& memory) {
   const contact::ContactOptions& options = scene.input().options;
   std::vector<double> reach;

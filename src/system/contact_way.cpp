@@ -21,11 +21,6 @@ constexpr int last_rounds = 4;
 PredictorWay::PredictorWay(ContactScene& scene, ContactMemory& memory, Vec from, double t0, Vec to, double t1)
     : scene_(scene), memory_(memory), from_(from), to_(to), t0_(t0), t1_(t1) {}
 
-void PredictorWay::set_time(double time) {
-  scene_.set_time(time);
-  settle(scene_, memory_);
-}
-
 Vec3 PredictorWay::common_motion(const Pair& pair) const {
   if (pair.points[1] == no_index) {  // of a point and a plane
     for (std::size_t k = 0; k < planes_.size(); ++k)
@@ -49,7 +44,7 @@ Vec3 PredictorWay::common_motion(const Pair& pair) const {
 bool PredictorWay::clear() {
   const petsc::EventScope scope(petsc::events().contact_clear);
   std::vector<Vec3>&x = scene_.points().now, &end = scene_.points().end;
-  set_time(t0_);
+  set_time(scene_, memory_, t0_);
   scene_.locate(from_, x);
   end = x;
   planes_ = planes_end_ = scene_.set().planes();
@@ -72,7 +67,7 @@ bool PredictorWay::clear() {
     for (Index p : scene_.set().candidates().seen()) asked[p] = end[p] != before[p];
     for (const Motion& m : motions) asked[m.point] = 1;  // what was hit may not have moved
   }
-  set_time(t1_);
+  set_time(scene_, memory_, t1_);
   return clear;
 }
 

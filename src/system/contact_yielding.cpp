@@ -88,7 +88,7 @@ bool PredictorWay::yield_to_blocked() {
 
 /// What was pinched is pressed hard against what does not give way, which would throw it through what does.
 void PredictorWay::let_out(const std::vector<double>& before) {
-  set_time(t0_);
+  set_time(scene_, memory_, t0_);
   scene_.take(from_);
   const contact::ContactSet& set = scene_.set();
   std::vector<double> gaps = set.smallest_gaps(scene_.points().now);
@@ -99,7 +99,7 @@ void PredictorWay::let_out(const std::vector<double>& before) {
   }
   memory_.gaps = std::move(gaps);
   memory_.start = t0_;
-  set_time(t1_);
+  set_time(scene_, memory_, t1_);
 }
 
 bool PredictorWay::clear_yielding() {

@@ -55,6 +55,8 @@ void register_alpha_ts();
 void set_alpha_callbacks(TS ts, const AlphaCallbacks& callbacks);
 /// Spectral radius in [0, 1] and whether forces are taken at the end of the step.
 void set_alpha_parameters(TS ts, double radius, bool forces_at_end);
+/// Spectral radius in force, which the command line may have changed.
+[[nodiscard]] double alpha_radius(TS ts);
 /// The stage that belongs to a trial X1. The vectors belong to the TS.
 [[nodiscard]] AlphaStage alpha_stage(TS ts, Vec x1);
 /// Gives the acceleration at the current state, as a checkpoint does; copied.
