@@ -1,11 +1,19 @@
 #include "voile/system/attachments.hpp"
 
+#include <fmt/format.h>
+
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
 
+#include "voile/base/error.hpp"
+#include "voile/energy/anchor.hpp"
+#include "voile/energy/sheet.hpp"
 #include "voile/geometry/closest_triangle.hpp"
+#include "voile/system/boundary_conditions.hpp"
+#include "voile/system/contact.hpp"
+#include "voile/system/discretisation.hpp"
 
 namespace voile::system {
 
@@ -74,6 +82,91 @@ std::vector<Index> vertices_of(const mesh::SurfaceMesh& mesh, const Attachment& 
   std::sort(all.begin(), all.end());
   all.erase(std::unique(all.begin(), all.end()), all.end());
   return all;
+}
+
+Attachments::Attachments(const Discretisation& on, std::vector<Attachment> list, const Contact* contact,
+                         BoundaryConditions& conditions, energy::AnchorTerm* term)
+    : on_(&on), list_(std::move(list)), contact_(contact), conditions_(&conditions), term_(term) {
+  for (const Attachment& attachment : list_) {
+    const std::size_t obstacle = obstacle_of(attachment);
+    if (!attachment.hard)
+      hold_softly(attachment, obstacle);
+    else
+      for (const Index v : vertices_of(on.mesh(), attachment))
+        if (on.owned(v) != no_index) held_[{attachment.number, v}] = {on.owned(v), obstacle, true};
+  }
+}
+
+void Attachments::hold_softly(const Attachment& attachment, std::size_t obstacle) {
+  std::map<Index, double> stiffness;  // of a vertex
+  for (const std::string& name : attachment.groups) {
+    Load like;  // the same lumping as that of loads
+    constexpr std::array kinds{Load::Kind::point, Load::Kind::line, Load::Kind::area};
+    like.kind = kinds[static_cast<std::size_t>(on_->mesh().group(name).dimension)];
+    like.group = name;
+    like.vector = attachment.stiffness * Vec3::UnitX();
+    spread(on_->sheet(), like, [&](Index v, const Vec3& share) { stiffness[v] += share.x(); });
+  }
+  for (const auto& [v, k] : stiffness) {
+    if (on_->owned(v) == no_index) continue;
+    held_[{attachment.number, v}] = {term_->size(), obstacle, false};
+    term_->add(on_->dofs().local().local_of[v], k);
+  }
+}
+
+std::size_t Attachments::obstacle_of(const Attachment& attachment) const {
+  if (contact_) {
+    const std::vector<contact::Obstacle>& all = contact_->scene().input().obstacles;
+    for (std::size_t k = 0; k < all.size(); ++k)
+      if (all[k].name == attachment.obstacle && !all[k].triangles.empty()) return k;
+  }
+  throw UserError(fmt::format("[[attachment]] obstacle '{}': there is no such obstacle of type mesh or cylinder here",
+                              attachment.obstacle));
+}
+
+void Attachments::attach(Vec a, std::vector<Anchor>& anchors) {
+  std::vector<Anchor> all;
+  const std::vector<Vec3> places = list_.empty() ? std::vector<Vec3>{} : contact_->scene().positions(a);
+  for (const Attachment& attachment : list_) {
+    const std::size_t k = obstacle_of(attachment);
+    const std::vector<mesh::Triangle>& triangles = contact_->scene().input().obstacles[k].triangles;
+    std::vector<Index> free = vertices_of(on_->mesh(), attachment);
+    for (const Anchor& anchor : anchors) {
+      if (anchor.attachment != attachment.number || std::erase(free, anchor.vertex) == 0) continue;
+      if (anchor.triangle < 0 || anchor.triangle >= static_cast<Index>(triangles.size()))
+        throw UserError(
+            fmt::format("[[attachment]] obstacle '{}': the state that the run goes on from was attached to another "
+                        "mesh of it; begin with the stage that takes hold",
+                        attachment.obstacle));
+      all.push_back(anchor);
+    }
+    if (free.empty()) continue;
+    const std::vector<Anchor> own =
+        make_anchors(attachment, free, places, obstacle_points(contact_->scene(), k), triangles);
+    all.insert(all.end(), own.begin(), own.end());
+  }
+  anchors = all;
+  anchors_ = std::move(all);
+  placed_at_.reset();
+  place();
+}
+
+void Attachments::place() {
+  if (anchors_.empty() || placed_at_ == contact_->scene().time()) return;
+  placed_at_ = contact_->scene().time();
+  std::map<std::size_t, std::vector<Vec3>> points;
+  for (const Anchor& anchor : anchors_) {
+    const auto at = held_.find({anchor.attachment, anchor.vertex});
+    if (at == held_.end()) continue;  // another rank's
+    const auto& [element, obstacle, hard] = at->second;
+    if (!points.count(obstacle)) points[obstacle] = obstacle_points(contact_->scene(), obstacle);
+    const auto& triangles = contact_->scene().input().obstacles[obstacle].triangles;
+    const Vec3 place = anchor_place(anchor, triangles[anchor.triangle], points[obstacle]);
+    if (hard)
+      conditions_->set_displacement(element, place - on_->dofs().local().start[element]);
+    else
+      term_->set_place(element, place);
+  }
 }
 
 }  // namespace voile::system

@@ -6,7 +6,9 @@
 #include "voile/base/error.hpp"
 #include "voile/base/mpi.hpp"
 #include "voile/energy/membrane.hpp"
+#include "voile/system/bending_energy.hpp"
 #include "voile/system/contact.hpp"
+#include "voile/system/sewing_springs.hpp"
 #include "voile/system/term.hpp"
 
 namespace voile::system {
@@ -15,8 +17,8 @@ void Model::set_time(double time) {
   if (contact_) contact_->set_time(time);
   if (held_still_) return;
   conditions_->set_time(time);
-  place_anchors();
-  tighten_seams(time);
+  attachments_->place();
+  if (sewing_) sewing_->tighten(time);
 }
 
 void Model::hold_still(bool still) {
@@ -25,16 +27,15 @@ void Model::hold_still(bool still) {
 }
 
 energy::Configuration Model::configuration(Vec a) {
-  turn_clamps();
-  place_anchors();
+  bending_->turn(conditions_->rotations());
+  attachments_->place();
   dofs().update_points(a, u_, x_);
   return {x_.data(), u_.data(), nullptr, energy::Tangent::exact};
 }
 
 void Model::unbalanced_force(Vec a, Vec f) {
   const energy::Configuration c = configuration(a);
-  constant_.multiply_bending(a, f);
-  VOILE_PETSC(VecAXPY(f, 1.0, bending_force_));
+  bending_->force(a, f);
   std::fill(force_.begin(), force_.end(), Vec3::Zero());
   for (const Counted& t : terms_) t.term->add_forces(c, force_);
   dofs().add_forces(force_, f);
@@ -66,26 +67,16 @@ Energies Model::energies(Vec a) {
 }
 
 void Model::count_energy_from(Vec a) {
-  VOILE_PETSC(VecCopy(a, reference_));
-  constant_.multiply_bending(a, work_);
-  VOILE_PETSC(VecAXPY(work_, 2.0, bending_force_));
-  VOILE_PETSC(VecDot(work_, a, &reference_bending_));
-  reference_bending_ += bending_offset_;
+  bending_->count_from(a);
 }
 
 Energies Model::energies_of_step(Vec a) {
   const petsc::EventScope scope(petsc::events().energy);
   Energies e;
   const energy::Configuration c = configuration(a);
-  double bending = 0.0;
-  VOILE_PETSC(VecWAXPY(sum_, 1.0, reference_, a));
-  constant_.multiply_bending(sum_, work_);
-  VOILE_PETSC(VecAXPY(work_, 2.0, bending_force_));
-  VOILE_PETSC(VecWAXPY(sum_, -1.0, reference_, a));
-  VOILE_PETSC(VecDot(work_, sum_, &bending));
   for (const Counted& t : terms_) e.*t.part += mpi::sum(comm(), t.term->energy(c));
-  const double ground = spring_energy(a);
-  e.bending += 0.5 * (reference_bending_ + bending) - ground;  // springs to the ground are part of the constant matrix
+  const double ground = bending_->ground_energy(a);
+  e.bending += bending_->energy(a) - ground;
   e.springs += ground;
   e.external = conditions_->potential(a);
   if (contact_) e.contact = contact_->energy(a);

@@ -15,40 +15,49 @@
 #include "voile/energy/sheet.hpp"
 #include "voile/energy/spring.hpp"
 #include "voile/mesh/patch.hpp"
+#include "voile/system/bending_energy.hpp"
 #include "voile/system/contact.hpp"
+#include "voile/system/sewing_springs.hpp"
 #include "voile/system/term.hpp"
 
 namespace voile::system {
 
+const std::vector<Support>& with_followers(ModelInput& input) {
+  for (const Attachment& attachment : input.attachments)
+    for (const std::string& group : attachment.groups) {
+      if (!attachment.hard) continue;
+      Support held;
+      held.group = group;
+      held.kind = Support::Kind::hinged;
+      held.follows = true;
+      input.supports.push_back(held);
+    }
+  return input.supports;
+}
+
 Model::Model(MPI_Comm comm, const mesh::SurfaceMesh& mesh, ModelInput input)
     : on_(std::make_unique<Discretisation>(comm, mesh, std::move(input.materials), with_followers(input), input.springs,
-                                           input.element)),
-      turns_now_(input.supports.size(), Mat3::Identity()) {
+                                           input.element)) {
   const Curvatures curvatures = on_->take_curvatures();
   BlockPattern pattern;
-  sewing_ = std::move(input.sewing);
+  energy::AnchorTerm* anchors = nullptr;
   mpi::on_all(comm, [&] {
-    build_terms(curvatures, input.springs);
-    if (!input.attachments.empty()) anchor_term_ = &add_term<energy::AnchorTerm>(&Energies::springs);
+    build_terms(curvatures, input.springs, std::move(input.sewing));
+    if (!input.attachments.empty()) anchors = &add_term<energy::AnchorTerm>(&Energies::springs).kernel;
     pattern = make_pattern(curvatures);
   });
   constant_ = ConstantMatrices(*on_, std::move(pattern), input.masses);
   tangent_ = Tangent(*on_, constant_.bending_blocks());
-  for (petsc::VecHandle* v : {&work_, &sum_, &reference_, &steady_force_, &bending_force_}) *v = dofs().create_vector();
-  assemble_bending(curvatures, input.springs);
-  close_start();
-  if (turns_) {
-    steady_bending_ = constant_.bending_blocks().twin();
-    (void)steady_bending_.open();
-    steady_bending_.copy_values_from(constant_.bending_blocks());
-    steady_bending_.close();
-    assemble_turning();
-  }
+  work_ = dofs().create_vector();
+  bending_ = std::make_unique<BendingEnergy>(*on_, constant_, curvatures, input.springs);
   conditions_ = std::make_unique<BoundaryConditions>(*on_, std::move(input.supports), input.loads, input.masses,
                                                      input.motion_by_load);
   if (input.contact.active)
     mpi::on_all(comm, [&] { contact_ = std::make_unique<Contact>(dofs(), std::move(input.contact)); });
-  mpi::on_all(comm, [&] { add_attachments(std::move(input.attachments)); });
+  mpi::on_all(comm, [&] {
+    attachments_ =
+        std::make_unique<Attachments>(*on_, std::move(input.attachments), contact_.get(), *conditions_, anchors);
+  });
   const PetscBool symmetric = conditions_->symmetric() ? PETSC_TRUE : PETSC_FALSE;
   VOILE_PETSC(MatSetOption(constant_.bending(), MAT_SYMMETRIC, PETSC_TRUE));
   VOILE_PETSC(MatSetOption(tangent_.matrix(), MAT_SYMMETRIC, symmetric));
@@ -66,7 +75,7 @@ ElementTerm<Kernel>& Model::add_term(double Energies::*part) {
 }
 
 /// Here a new term joins the potential.
-void Model::build_terms(const Curvatures& curvatures, const std::vector<Spring>& springs) {
+void Model::build_terms(const Curvatures& curvatures, const std::vector<Spring>& springs, Sewing sewing) {
   membrane_ = &add_term<energy::MembraneTerm>(&Energies::membrane);
   membrane_->kernel = energy::MembraneTerm(on_->sheet());
   std::optional<energy::ChordForms> forms;
@@ -94,7 +103,9 @@ void Model::build_terms(const Curvatures& curvatures, const std::vector<Spring>&
       add_band(spring, ties);
     else
       tie(spring, ties);
-  if (!sewing_.seams.empty()) add_sewing(add_term<energy::SeamTerm>(&Energies::springs));
+  if (!sewing.seams.empty())
+    sewing_ =
+        std::make_unique<SewingSprings>(*on_, std::move(sewing), add_term<energy::SeamTerm>(&Energies::springs).kernel);
   for (auto* v : {&u_, &x_, &previous_u_, &previous_x_, &force_})
     v->assign(static_cast<std::size_t>(dofs().local().count()), Vec3::Zero());
 }
@@ -106,6 +117,24 @@ void Model::tie(const Spring& spring, ElementTerm<energy::SpringTerm>& ties) con
     const double length =
         std::isnan(spring.length) ? (on_->mesh().positions()[w] - on_->mesh().positions()[v]).norm() : spring.length;
     ties.kernel.add({local.local_of[v], local.local_of[w]}, spring.stiffness, length, on_->owned(v) != no_index);
+  }
+}
+
+void Model::add_band(const Spring& spring, ElementTerm<energy::SpringTerm>& bands) const {
+  const LocalPoints& local = dofs().local();
+  const mesh::SurfaceMesh& mesh = on_->mesh();
+  const mesh::Group& group = mesh.group(spring.group, 1);
+  double whole = 0.0;
+  for (const mesh::Segment& s : group.segments) whole += mesh.rest_length(s);
+  const double share = std::isnan(spring.length) ? 1.0 : spring.length / whole;
+  if (!(share > 0.0))
+    throw UserError(fmt::format("[[spring]] type 'band', group '{}': length = {:g} m; a band has a length",
+                                spring.group, spring.length));
+  for (const mesh::Segment& s : group.segments) {
+    if (on_->owned(s[0]) == no_index && on_->owned(s[1]) == no_index) continue;
+    const double length = share * mesh.rest_length(s);
+    bands.kernel.add({local.local_of[s[0]], local.local_of[s[1]]}, spring.stiffness / length, length,
+                     on_->owned(s[0]) != no_index, true);
   }
 }
 
@@ -138,65 +167,6 @@ BlockPattern Model::make_pattern(const Curvatures& curvatures) const {
     });
   for (auto& row : pattern) tidy(row);
   return pattern;
-}
-
-void Model::assemble_bending(const Curvatures& curvatures, const std::vector<Spring>& springs) {
-  const petsc::EventScope scope(petsc::events().bending_assemble);
-  const std::vector<Index>& local_of = dofs().local().local_of;
-  BlockMatrix& bending = constant_.bending_blocks();
-  std::optional<BlockMatrix>& damped = constant_.damping_blocks();
-  const BlockMatrix::Values values = bending.open();
-  std::optional<BlockMatrix::Values> damping;
-  if (damped) damping.emplace(damped->open());
-  const auto is_turned = [&](Index p) {
-    return on_->patches().is_mirror(p) && on_->constraints().turned_by[p - on_->mesh().vertex_count()] >= 0;
-  };
-  mpi::on_all(comm(), [&] {
-    for (std::size_t k = 0; k < curvatures.size(); ++k) {
-      const Discretisation::Element& item = on_->elements()[k];
-      const energy::BendingElement el = energy::make_bending_element(on_->sheet(), item.triangle, curvatures[k]);
-      if (std::any_of(el.points.begin(), el.points.end(), is_turned)) {  // without damping of their own
-        TurningElement& turning = turning_.emplace_back();
-        for (Index p : el.points) turning.points.push_back(local_of[p]);
-        turning.stiffness = el.stiffness;
-        turning.start_force = el.start_force;
-        turning.owned = item.owned;
-        if (item.owned) steady_offset_ += 2.0 * el.start_energy;
-        continue;
-      }
-      take_start(el, item.owned);
-      const double own_damping = on_->sheet().material(item.triangle).bending_damping;
-      for (std::size_t i = 0; i < el.points.size(); ++i)
-        for (std::size_t j = 0; j < el.points.size(); ++j) {
-          const Index p = local_of[el.points[i]], q = local_of[el.points[j]];
-          const Mat3 block =
-              el.stiffness(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) * Mat3::Identity();
-          add_block(dofs(), bending, p, q, block, values);
-          if (own_damping > 0.0) add_block(dofs(), *damped, p, q, own_damping * block, *damping);
-        }
-    }
-    any_spring_ = !springs.empty();
-    add_springs(springs, values);
-  });
-  bending.close();
-  if (damped) damped->close();
-  turns_ = std::any_of(on_->constraints().turned_by.begin(), on_->constraints().turned_by.end(),
-                       [](int s) { return s >= 0; });
-}
-
-/// Collects what a bent start adds to the constant force and energy of bending.
-void Model::take_start(const energy::BendingElement& element, bool owned) {
-  for (Eigen::Index i = 0; i < element.start_force.rows(); ++i)
-    force_[dofs().local().local_of[element.points[static_cast<std::size_t>(i)]]] +=
-        element.start_force.row(i).transpose();
-  if (owned) steady_offset_ += 2.0 * element.start_energy;
-}
-
-void Model::close_start() {
-  dofs().add_forces(force_, steady_force_);
-  VOILE_PETSC(VecCopy(steady_force_, bending_force_));
-  steady_offset_ = bending_offset_ = mpi::sum(comm(), steady_offset_);
-  count_energy_from(reference_);
 }
 
 }  // namespace voile::system

@@ -8,13 +8,25 @@
 //   x    = y(t)                       of a hard one
 #pragma once
 
+#include <map>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "voile/base/petsc.hpp"
 #include "voile/mesh/surface_mesh.hpp"
 #include "voile/system/conditions.hpp"
 
+namespace voile::energy {
+class AnchorTerm;
+}  // namespace voile::energy
+
 namespace voile::system {
+
+class BoundaryConditions;
+class Contact;
+class Discretisation;
 
 /// What is remembered of one vertex, alike on all ranks.
 struct Anchor {
@@ -40,5 +52,41 @@ struct Anchor {
 
 /// The vertices of the groups of an attachment, ascending, each once. Not collective. Throws UserError.
 [[nodiscard]] std::vector<Index> vertices_of(const mesh::SurfaceMesh& mesh, const Attachment& attachment);
+
+/// The attachments of a model. Until attach() they do nothing.
+class Attachments {
+ public:
+  /// Soft ones become elements of `term`; the vertices of hard ones have supports that follow, whose displacements in
+  /// `conditions` are set here. `contact` has the obstacles, `term` is null where there are no attachments. All must
+  /// outlive it. Not collective. Throws UserError.
+  Attachments(const Discretisation& on, std::vector<Attachment> list, const Contact* contact,
+              BoundaryConditions& conditions, energy::AnchorTerm* term);
+
+  [[nodiscard]] const std::vector<Attachment>& list() const { return list_; }
+  /// The number of the obstacle that an attachment names. Throws UserError.
+  [[nodiscard]] std::size_t obstacle_of(const Attachment& attachment) const;
+  /// Those of which `anchors` knows nothing take hold of what they hold where it is in state a, to the obstacles at the
+  /// time in force; the others go on as it says. `anchors`: becomes what is to be remembered. Collective.
+  void attach(Vec a, std::vector<Anchor>& anchors);
+  /// Puts the places of anchors where the obstacles are at the time in force. Not collective.
+  void place();
+
+ private:
+  void hold_softly(const Attachment& attachment, std::size_t obstacle);
+
+  struct Held {
+    Index element;  ///< of the term; hard: the local point
+    std::size_t obstacle;
+    bool hard;
+  };
+  const Discretisation* on_;
+  std::vector<Attachment> list_;
+  const Contact* contact_;
+  BoundaryConditions* conditions_;
+  energy::AnchorTerm* term_;
+  std::map<std::pair<int, Index>, Held> held_;  ///< by attachment and owned vertex
+  std::vector<Anchor> anchors_;
+  std::optional<double> placed_at_;  ///< time for which the places are known [s]
+};
 
 }  // namespace voile::system

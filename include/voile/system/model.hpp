@@ -4,8 +4,7 @@
 //           u_v   = Q_v a_v displacement;  mirror points follow from the vertices (see patch.hpp)
 //           K_b   constant bending stiffness, assembled once and copied into each tangent                       [N/m]
 //                 (with the springs to the ground, which are constant too)
-//           f_b   constant force of bending at a = 0: where the start is not the rest shape (bending.hpp), and of
-//                 clamps that turn (model_turning.cpp)                                                               [N]
+//           f_b   constant force of bending at a = 0 (bending_energy.hpp)                                              [N]
 //           E_t    terms of the potential (term.hpp): membrane, bending of curved rest shapes beyond K_b, ties  [J]
 //           E_k    contact and friction (contact.hpp)                                                           [J]
 //   r(a)  = K_b a + f_b + sum_t dE_t/da + dE_k/da - f      free components, f the applied forces
@@ -14,9 +13,7 @@
 // energies count each triangle once, on its owner.
 #pragma once
 
-#include <map>
 #include <memory>
-#include <optional>
 #include <vector>
 
 #include "voile/base/petsc.hpp"
@@ -33,17 +30,16 @@
 #include "voile/system/tangent.hpp"
 
 namespace voile::energy {
-class AnchorTerm;
-struct BendingElement;
 struct CurvatureOperator;
 class MembraneTerm;
-class SeamTerm;
 class SpringTerm;
 }  // namespace voile::energy
 
 namespace voile::system {
 
+class BendingEnergy;
 class Contact;
+class SewingSprings;
 class Term;
 template <class Kernel>
 class ElementTerm;
@@ -90,19 +86,13 @@ class Model {
   [[nodiscard]] const BoundaryConditions& conditions() const { return *conditions_; }
   /// Contact, or null if the case has none.
   [[nodiscard]] Contact* contact() const { return contact_.get(); }
+  /// What is held to obstacles.
+  [[nodiscard]] Attachments& attachments() const { return *attachments_; }
   /// Time of all later evaluations, for conditions and obstacles. Collective.
   void set_time(double time);
   /// From now on supports, loads and obstacles stay where and what they are, whatever the time, until this is called
   /// with false: for a motion that is only a way to an equilibrium. Not collective.
   void hold_still(bool still);
-
-  /// Attachments of which `anchors` knows nothing take hold of what they hold where it is in state a, to the obstacles
-  /// at the time in force; the others go on as it says. `anchors`: becomes what is to be remembered. Until then they do
-  /// nothing. Collective.
-  void attach(Vec a, std::vector<Anchor>& anchors);
-  [[nodiscard]] const std::vector<Attachment>& attachments() const { return attachments_; }
-  /// The number of the obstacle that an attachment names. Throws UserError.
-  [[nodiscard]] std::size_t obstacle_of(const Attachment& attachment) const;
 
   /// r(a) as above. Collective.
   void residual(Vec a, Vec r);
@@ -151,24 +141,12 @@ class Model {
   void find_coupling(Vec a);
 
   // Construction, in this order.
-  void build_terms(const Curvatures& curvatures, const std::vector<Spring>& springs);
-  void add_sewing(ElementTerm<energy::SeamTerm>& term);
-  void tighten_seams(double time);
+  void build_terms(const Curvatures& curvatures, const std::vector<Spring>& springs, Sewing sewing);
   void add_band(const Spring& spring, ElementTerm<energy::SpringTerm>& bands) const;
-  void add_attachments(std::vector<Attachment> list);
-  void place_anchors();
   void tie(const Spring& spring, ElementTerm<energy::SpringTerm>& ties) const;
   template <class Kernel>
   ElementTerm<Kernel>& add_term(double Energies::*part);
   [[nodiscard]] BlockPattern make_pattern(const Curvatures& curvatures) const;
-  void assemble_bending(const Curvatures& curvatures, const std::vector<Spring>& springs);
-  void take_start(const energy::BendingElement& element, bool owned);
-  void close_start();
-  void add_springs(const std::vector<Spring>& springs, const BlockMatrix::Values& values);
-  [[nodiscard]] double spring_energy(Vec a) const;
-
-  void turn_clamps();
-  void assemble_turning();
 
   std::unique_ptr<Discretisation> on_;
   std::vector<Vec3> u_, x_, previous_u_, previous_x_, force_;  ///< of the local points
@@ -177,44 +155,12 @@ class Model {
   Recovery recovery_;
   ConstantMatrices constant_;
   Tangent tangent_;
+  std::unique_ptr<BendingEnergy> bending_;
+  std::unique_ptr<SewingSprings> sewing_;  ///< null where nothing is sewn
   std::unique_ptr<BoundaryConditions> conditions_;
   std::unique_ptr<Contact> contact_;
-  petsc::VecHandle work_, sum_, reference_;
-  double reference_bending_ = 0.0;  ///< twice the bending energy of reference_ [J]
-  struct TurningElement {           ///< bending of a triangle whose stencil has a mirror point that turns; local points
-    std::vector<Index> points;
-    Eigen::MatrixXd stiffness;
-    Eigen::MatrixX3d start_force;  ///< empty where the start is bent as the rest shape is
-    bool owned;
-  };
-  std::vector<TurningElement> turning_;
-  bool turns_ = false;                                 ///< on some rank there are such elements
-  std::vector<Mat3> turns_now_;                        ///< rotation of each support
-  BlockMatrix steady_bending_;                         ///< K_b without them
-  petsc::VecHandle steady_force_, bending_force_;      ///< f_b without clamps that turn, and all of it [N]
-  double steady_offset_ = 0.0, bending_offset_ = 0.0;  ///< twice the constant bending energies at a = 0 [J]
-  struct NodalSpring {
-    Index vertex;    ///< owned, local
-    Mat3 stiffness;  ///< in the vertex's own axes [N/m]
-  };
-  std::vector<NodalSpring> springs_;
-  bool any_spring_ = false;
-  Sewing sewing_;
-  ElementTerm<energy::SeamTerm>* sewing_term_ = nullptr;  ///< one of terms_
-  struct SewingSpring {
-    double length, stiffness;  ///< at the start [m], [N/m]
-  };
-  std::vector<SewingSpring> sewing_springs_;  ///< of its elements
-  std::vector<Attachment> attachments_;
-  ElementTerm<energy::AnchorTerm>* anchor_term_ = nullptr;  ///< one of terms_
-  struct AnchorElement {
-    Index element;  ///< of the term; hard: the local point
-    std::size_t obstacle;
-    bool hard;
-  };
-  std::map<std::pair<int, Index>, AnchorElement> anchored_;  ///< by attachment and owned vertex
-  std::vector<Anchor> anchors_;
-  std::optional<double> anchored_time_;  ///< for which their places are known [s]
+  std::unique_ptr<Attachments> attachments_;
+  petsc::VecHandle work_;
   double force_scale_ = 0.0;
   bool held_still_ = false;
 };

@@ -143,7 +143,7 @@ TEST_CASE(
   const auto vector = [&] { return model.dofs().create_vector(); };
   petsc::VecHandle a = vector(), d = vector();
   std::vector<system::Anchor> anchors;
-  model.attach(a, anchors);
+  model.attachments().attach(a, anchors);
   CHECK(anchors.size() == 12);
   model.set_time(0.05);
   set_displacement(model, a, noise(0.02, 3));
@@ -159,7 +159,7 @@ TEST_CASE("an attachment's energy does not depend on the mesh, and goes by the m
     petsc::VecHandle a = model.dofs().create_vector();
     CHECK(model.energies(a).springs == 0.0);
     std::vector<system::Anchor> anchors;
-    model.attach(a, anchors);
+    model.attachments().attach(a, anchors);
     CHECK(std::abs(model.energies(a).springs) < 1e-25);
     model.set_time(0.02);
     CHECK(model.energies(a).springs == relative(0.5 * 7.0 * (0.02 * way).squaredNorm()).epsilon(1e-12));
@@ -168,7 +168,7 @@ TEST_CASE("an attachment's energy does not depend on the mesh, and goes by the m
     petsc::VecHandle elsewhere = again.dofs().create_vector();
     set_displacement(again, elsewhere, [&](Index) { return Vec3(0.01, 0.0, 0.01); });
     again.set_time(0.02);
-    again.attach(elsewhere, anchors);
+    again.attachments().attach(elsewhere, anchors);
     CHECK(again.energies(elsewhere).springs ==
           relative(0.5 * 7.0 * (0.02 * way - Vec3(0.01, 0.0, 0.01)).squaredNorm()).epsilon(1e-12));
   }
@@ -188,7 +188,7 @@ TEST_CASE("a free sheet follows what it is attached to") {
     system::Model model(PETSC_COMM_WORLD, sheet, in);
     petsc::VecHandle a = model.dofs().create_vector();
     std::vector<system::Anchor> anchors;
-    model.attach(a, anchors);
+    model.attachments().attach(a, anchors);
     model.set_time(0.04);
     model.conditions().set_load_factor(1.0);
     solve::Newton newton(model);

@@ -1,0 +1,38 @@
+// Springs that pull the two sides of open seams together.
+//
+// Symbols   L_k   distance of a pair of points at the start;  l_k its share of the seam's length                   [m]
+//           v     closing speed [m/s],  t_0 start [s]
+//   rest length  max(0, L_k - v (t - t_0)),   stiffness k l_k, doubling again and again once all rest lengths are 0
+#pragma once
+
+#include <vector>
+
+#include "voile/system/conditions.hpp"
+
+namespace voile::energy {
+class SeamTerm;
+}  // namespace voile::energy
+
+namespace voile::system {
+
+class Discretisation;
+
+class SewingSprings {
+ public:
+  /// Adds its elements to `term`, which must outlive it. Not collective. Throws UserError for unknown seams.
+  SewingSprings(const Discretisation& on, Sewing sewing, energy::SeamTerm& term);
+  /// Sets rest lengths and stiffnesses at a time, on which alone they depend, so that a restart needs no memory. Not
+  /// collective.
+  void tighten(double time);
+
+ private:
+  struct Spring {
+    double length, stiffness;  ///< at the start [m], [N/m]
+  };
+  Sewing sewing_;
+  energy::SeamTerm* term_;
+  std::vector<Spring> springs_;  ///< of its elements
+  double longest_way_ = 0.0;     ///< of points that are sewn together, at the start [m]
+};
+
+}  // namespace voile::system

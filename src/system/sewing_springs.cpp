@@ -1,0 +1,50 @@
+#include "voile/system/sewing_springs.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "voile/energy/seam.hpp"
+#include "voile/mesh/weld.hpp"
+#include "voile/system/discretisation.hpp"
+
+namespace voile::system {
+
+namespace {
+
+/// When no spring has a length any more, all double their stiffness in this time [s], up to this factor: fabric in
+/// tension would keep soft ones open. Before, while all moves, stiff springs that saturate would only cost iterations.
+constexpr double doubling_time = 0.03, most_tight = 128.0;
+
+}  // namespace
+
+SewingSprings::SewingSprings(const Discretisation& on, Sewing sewing, energy::SeamTerm& term)
+    : sewing_(std::move(sewing)), term_(&term) {
+  const LocalPoints& local = on.dofs().local();
+  const mesh::SurfaceMesh& mesh = on.mesh();
+  const std::vector<std::string> sewn = mesh::open_seams(mesh.data(), sewing_.seams);
+  for (const mesh::Seam& seam : mesh.data().seams) {
+    if (std::find(sewn.begin(), sewn.end(), seam.name) == sewn.end()) continue;
+    for (std::size_t k = 0; k < seam.pairs.size(); ++k) {
+      const auto& [v, w] = seam.pairs[k];
+      const double length = (mesh.positions()[w] - mesh.positions()[v]).norm();
+      longest_way_ = std::max(longest_way_, length);
+      if (on.owned(v) == no_index && on.owned(w) == no_index) continue;
+      springs_.push_back({length, sewing_.stiffness * seam.lengths[k]});
+      term.add({local.local_of[v], local.local_of[w]}, springs_.back().stiffness, sewing_.force * seam.lengths[k],
+               length, on.owned(v) != no_index);
+    }
+  }
+}
+
+void SewingSprings::tighten(double time) {
+  const double since = std::max(0.0, time - sewing_.start);
+  const double closed_for = std::max(0.0, since - longest_way_ / sewing_.speed);
+  const double tighter = std::min(most_tight, std::exp2(closed_for / doubling_time));
+  for (std::size_t e = 0; e < springs_.size(); ++e) {
+    const auto& [length, stiffness] = springs_[e];
+    term_->set(static_cast<Index>(e), std::max(0.0, length - sewing_.speed * since), stiffness * tighter);
+  }
+}
+
+}  // namespace voile::system
