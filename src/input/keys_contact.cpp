@@ -57,11 +57,14 @@ std::vector<Key> keys_of(ContactSection& s) {
            "cells, until nothing intersects. Not with `--restart`."}};
 }
 
-std::vector<Key> keys_of(ObstacleSection& s) {
-  const std::vector<std::string> mesh{"mesh"}, plane{"plane"}, sphere{"sphere"}, axis{"capsule", "cylinder"};
-  contact::Obstacle& o = s.shape;
-  std::vector<Key> keys{
-      {.name = "name", .slot = &o.name, .meaning = "Unique; for rules and messages.", .required = true},
+namespace {
+
+const std::vector<std::string> of_mesh{"mesh"};
+
+/// Which obstacle, and those from files.
+std::vector<Key> mesh_keys(ObstacleSection& s) {
+  return {
+      {.name = "name", .slot = &s.shape.name, .meaning = "Unique; for rules and messages.", .required = true},
       {.name = "type",
        .slot = choice(s.type, {{"mesh", ObstacleSection::Type::mesh},
                                {"plane", ObstacleSection::Type::plane},
@@ -75,36 +78,43 @@ std::vector<Key> keys_of(ObstacleSection& s) {
       {.name = "file",
        .slot = &s.file,
        .meaning = "Triangles: OBJ, STL, PLY, OFF or `.msh`, relative to the folder of the case file.",
-       .types = mesh,
+       .types = of_mesh,
        .required = true},
       {.name = "scale",
        .slot = &s.scale,
        .meaning = "Coordinates in files are multiplied by this to become metres.",
        .range = positive,
-       .types = mesh},
+       .types = of_mesh},
       {.name = "frames",
        .slot = &s.frames,
        .meaning = "Positions of the vertices in time, linear between key frames: PC2, MDD, or OBJ files as "
                   "`walk_%04d.obj`. They are scaled and put in place as the mesh is.",
-       .types = mesh,
+       .types = of_mesh,
        .absent = "none"},
       {.name = "frames_per_second",
        .slot = &s.frames_per_second,
        .meaning = "Of `frames` that do not say it themselves (PC2, OBJ).",
        .unit = "1/s",
        .range = positive,
-       .types = mesh},
+       .types = of_mesh},
       {.name = "frames_start",
        .slot = &s.frames_start,
        .meaning = "Time of the first key frame, whatever the file says of it. Before it the body is held in the first "
                   "frame, after the last one in the last; below 0 the run begins within the frames.",
        .unit = "s",
-       .types = mesh},
+       .types = of_mesh},
       {.name = "frames_loop",
        .slot = &s.frames_loop,
        .meaning = "Whether the frames repeat: where the last one is the first again, at once, else the body goes from "
                   "the last to the first within one more frame.",
-       .types = mesh},
+       .types = of_mesh}};
+}
+
+/// Those given by figures, and what all have.
+std::vector<Key> shape_keys(ObstacleSection& s) {
+  const std::vector<std::string> plane{"plane"}, axis{"capsule", "cylinder"};
+  contact::Obstacle& o = s.shape;
+  return {
       {.name = "point",
        .slot = &s.point,
        .meaning = "A point of the plane, the centre of the sphere, one end of the axis of capsule or cylinder.",
@@ -140,8 +150,13 @@ std::vector<Key> keys_of(ObstacleSection& s) {
        .meaning =
            "When it closes on the sheet and leaves no room: `stop` ends the run, `yield` lets its surface give way "
            "to the vertices that are pinched until they are free again (`dynamic` only)."}};
-  return joined(with_keys_after("scale", std::move(keys), placement_keys(s.placement, mesh)),
-                motion_keys(s.motion, {}));
+}
+
+}  // namespace
+
+std::vector<Key> keys_of(ObstacleSection& s) {
+  const std::vector<Key> files = with_keys_after("scale", mesh_keys(s), placement_keys(s.placement, of_mesh));
+  return joined(joined(files, shape_keys(s)), motion_keys(s.motion, {}));
 }
 
 std::vector<Key> keys_of(system::Attachment& s) {

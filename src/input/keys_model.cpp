@@ -3,9 +3,12 @@
 
 namespace voile::input {
 
-std::vector<Key> keys_of(MeshSection& s) {
+namespace {
+
+/// The shapes at rest and at the start.
+std::vector<Key> shape_keys(MeshSection& s) {
   io::MeshOptions& o = s.options;
-  std::vector<Key> keys{
+  return {
       {.name = "file",
        .slot = &s.file,
        .meaning =
@@ -31,7 +34,12 @@ std::vector<Key> keys_of(MeshSection& s) {
        .slot = &o.texture_unit,
        .meaning = "Length that a texture coordinate of 1 is in the panels, for `rest = \"texture\"`.",
        .unit = "m",
-       .range = positive},
+       .range = positive}};
+}
+
+/// How a file is read.
+std::vector<Key> reading_keys(io::MeshOptions& o) {
+  return {
       {.name = "scale",
        .slot = &o.scale,
        .meaning = "The file's coordinates are multiplied by this to become metres.",
@@ -62,7 +70,13 @@ std::vector<Key> keys_of(MeshSection& s) {
        .slot = &o.parameters,
        .meaning = "Numbers that a `.geo` declares with `DefineConstant` (or `DefineNumber`), by name of the variable.",
        .absent = "as the `.geo` says"}};
-  return with_keys_after("scale", std::move(keys), placement_keys(o.placement, {}));
+}
+
+}  // namespace
+
+std::vector<Key> keys_of(MeshSection& s) {
+  return joined(shape_keys(s),
+                with_keys_after("scale", reading_keys(s.options), placement_keys(s.options.placement, {})));
 }
 
 std::vector<Key> keys_of(energy::ElementOptions& s) {
@@ -100,10 +114,12 @@ std::vector<Key> keys_of(energy::ElementOptions& s) {
        .range = {0, 180}}};
 }
 
-std::vector<Key> keys_of(MaterialInput& s) {
-  const std::vector<std::string> iso{"isotropic"}, matrices{"matrices"}, laminate{"laminate"}, fabric{"fabric"},
-      ortho{"orthotropic", "laminate"}, plates{"isotropic", "orthotropic"},
-      solids{"isotropic", "orthotropic", "laminate"};
+namespace {
+
+/// Of what it is, by elastic constants.
+std::vector<Key> elastic_keys(MaterialInput& s) {
+  const std::vector<std::string> iso{"isotropic"}, laminate{"laminate"}, ortho{"orthotropic", "laminate"},
+      plates{"isotropic", "orthotropic"};
   return {
       {.name = "type",
        .slot = choice(s.type, {{"isotropic", MaterialInput::Type::isotropic},
@@ -148,36 +164,46 @@ std::vector<Key> keys_of(MaterialInput& s) {
        .unit = "m",
        .range = positive,
        .types = laminate,
-       .required = true},
-      {"density", &s.density, "Mass per volume; used by gravity and vibration.", "kg/m^3", not_negative, solids},
-      {.name = "membrane",
-       .slot = &s.membrane,
-       .meaning = "Membrane stiffness A as three rows, order 11, 22, 12 with engineering shear: N = A E.",
-       .unit = "N/m",
-       .types = matrices,
-       .required = true},
-      {.name = "bending",
-       .slot = &s.bending,
-       .meaning = "Bending stiffness D as three rows, M = D (k11, k22, 2 k12).",
-       .unit = "N m",
-       .types = matrices,
-       .required = true},
-      {.name = "areal_density",
-       .slot = &s.areal_density,
-       .meaning = "Mass per area; used by gravity and vibration.",
-       .unit = "kg/m^2",
-       .range = not_negative,
-       .types = matrices},
-      {.name = "fabric",
-       .slot = &s.fabric,
-       .meaning = "Fabric file (see [fabrics.md](fabrics.md)), relative to the folder of the case file.",
-       .types = fabric,
-       .required = true},
-      {.name = "warp_angle",
-       .slot = Degrees{&s.warp_angle},
-       .meaning = "Angle from `direction` to the warp, positive about the normal of the triangles.",
-       .unit = "degree",
-       .types = fabric},
+       .required = true}};
+}
+
+/// Density, and stiffnesses by other figures.
+std::vector<Key> sheet_keys(MaterialInput& s) {
+  const std::vector<std::string> matrices{"matrices"}, fabric{"fabric"}, solids{"isotropic", "orthotropic", "laminate"};
+  return {{"density", &s.density, "Mass per volume; used by gravity and vibration.", "kg/m^3", not_negative, solids},
+          {.name = "membrane",
+           .slot = &s.membrane,
+           .meaning = "Membrane stiffness A as three rows, order 11, 22, 12 with engineering shear: N = A E.",
+           .unit = "N/m",
+           .types = matrices,
+           .required = true},
+          {.name = "bending",
+           .slot = &s.bending,
+           .meaning = "Bending stiffness D as three rows, M = D (k11, k22, 2 k12).",
+           .unit = "N m",
+           .types = matrices,
+           .required = true},
+          {.name = "areal_density",
+           .slot = &s.areal_density,
+           .meaning = "Mass per area; used by gravity and vibration.",
+           .unit = "kg/m^2",
+           .range = not_negative,
+           .types = matrices},
+          {.name = "fabric",
+           .slot = &s.fabric,
+           .meaning = "Fabric file (see [fabrics.md](fabrics.md)), relative to the folder of the case file.",
+           .types = fabric,
+           .required = true},
+          {.name = "warp_angle",
+           .slot = Degrees{&s.warp_angle},
+           .meaning = "Angle from `direction` to the warp, positive about the normal of the triangles.",
+           .unit = "degree",
+           .types = fabric}};
+}
+
+/// Axes and damping.
+std::vector<Key> axis_keys(MaterialInput& s) {
+  return {
       {.name = "direction",
        .slot = &s.direction,
        .meaning =
@@ -206,6 +232,12 @@ std::vector<Key> keys_of(MaterialInput& s) {
        .meaning = "Relaxation time of the membrane of this material (Kelvin-Voigt), likewise besides `[damping]`.",
        .unit = "s",
        .range = not_negative}};
+}
+
+}  // namespace
+
+std::vector<Key> keys_of(MaterialInput& s) {
+  return joined(joined(elastic_keys(s), sheet_keys(s)), axis_keys(s));
 }
 
 std::vector<Key> motion_keys(MotionInput& m, const std::vector<std::string>& types) {

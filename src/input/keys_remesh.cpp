@@ -3,7 +3,10 @@
 
 namespace voile::input {
 
-std::vector<Key> keys_of(RemeshSection& s) {
+namespace {
+
+/// What sizes the mesh is to have.
+std::vector<Key> size_keys(RemeshSection& s) {
   return {
       {.name = "active",
        .slot = &s.active,
@@ -48,7 +51,12 @@ std::vector<Key> keys_of(RemeshSection& s) {
            "Field of Gmsh (`.pos`, one view of numbers): an upper bound of the edge length by place at the start. "
            "Places and lengths are those of the mesh file, whose `scale`, `translate`, `rotate` and `up_axis` "
            "hold for it too.",
-       .absent = "none"},
+       .absent = "none"}};
+}
+
+/// Where and when it is changed, and what a change may do.
+std::vector<Key> course_keys(RemeshSection& s) {
+  return {
       {.name = "frozen",
        .slot = Words{&s.frozen, {}},
        .meaning = "Physical surfaces that are left as they are.",
@@ -79,6 +87,12 @@ std::vector<Key> keys_of(RemeshSection& s) {
        .slot = &s.max_vertices,
        .meaning = "Sizes are made larger by one factor where more vertices than this would be needed. 0: no bound.",
        .range = {0}}};
+}
+
+}  // namespace
+
+std::vector<Key> keys_of(RemeshSection& s) {
+  return joined(size_keys(s), course_keys(s));
 }
 
 }  // namespace voile::input

@@ -3,7 +3,10 @@
 
 namespace voile::input {
 
-std::vector<Key> keys_of(solve::StaticOptions& s) {
+namespace {
+
+/// What a path is followed by, and where it ends.
+std::vector<Key> end_keys(solve::StaticOptions& s) {
   return {
       {.name = "control",
        .slot = choice(s.control, {{"load", solve::StaticOptions::Control::load},
@@ -30,7 +33,12 @@ std::vector<Key> keys_of(solve::StaticOptions& s) {
        .meaning = "First increment of the load factor; a share of `final_displacement` under `displacement`; under "
                   "`arc_length` the length that this increment of the load factor has at the start. `min_step` and "
                   "`max_step` are in the same unit. `max_step` if that is smaller and this key is not given.",
-       .range = positive},
+       .range = positive}};
+}
+
+/// Steps on the way.
+std::vector<Key> step_keys(solve::StaticOptions& s) {
+  return {
       {.name = "max_steps",
        .slot = &s.max_steps,
        .meaning = "A path that has not ended after so many steps ends with exit code 3.",
@@ -68,6 +76,12 @@ std::vector<Key> keys_of(solve::StaticOptions& s) {
        .meaning = "First step along the mode, in units of the step in force; its sign picks the side."}};
 }
 
+}  // namespace
+
+std::vector<Key> keys_of(solve::StaticOptions& s) {
+  return joined(end_keys(s), step_keys(s));
+}
+
 std::vector<Key> keys_of(EigenSection& s) {
   return {
       {.name = "modes", .slot = &s.modes, .meaning = "How many modes, lowest first.", .range = {1}},
@@ -78,8 +92,10 @@ std::vector<Key> keys_of(EigenSection& s) {
        .range = not_negative}};
 }
 
-std::vector<Key> keys_of(TimeSection& s, system::Mass& mass) {
-  solve::TimeOptions& o = s.options;
+namespace {
+
+/// The integrator and its steps.
+std::vector<Key> integration_keys(solve::TimeOptions& o) {
   return {
       {.name = "method",
        .slot = choice(o.method, {{"alpha", solve::TimeOptions::Method::implicit_alpha},
@@ -111,7 +127,14 @@ std::vector<Key> keys_of(TimeSection& s, system::Mass& mass) {
        .range = {0, 1}},
       {.name = "forces_at_end",
        .slot = &o.forces_at_end,
-       .meaning = "Take forces at the end of the step (Wood-Bossak-Zienkiewicz) instead of within it (Chung-Hulbert)."},
+       .meaning =
+           "Take forces at the end of the step (Wood-Bossak-Zienkiewicz) instead of within it (Chung-Hulbert)."}};
+}
+
+/// What ends a step, what moves, what is kept.
+std::vector<Key> course_keys(TimeSection& s, system::Mass& mass) {
+  solve::TimeOptions& o = s.options;
+  return {
       {.name = "target_iterations",
        .slot = &o.target_iterations,
        .meaning =
@@ -140,6 +163,12 @@ std::vector<Key> keys_of(TimeSection& s, system::Mass& mass) {
        .meaning = "Write `checkpoint.h5` after so many minutes. 0: not by time.",
        .unit = "min",
        .range = not_negative}};
+}
+
+}  // namespace
+
+std::vector<Key> keys_of(TimeSection& s, system::Mass& mass) {
+  return joined(integration_keys(s.options), course_keys(s, mass));
 }
 
 std::vector<Key> keys_of(InitialVelocity& s) {

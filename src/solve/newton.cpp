@@ -65,6 +65,9 @@ struct Newton::Impl {
     return model.energy(a);
   }
   [[nodiscard]] double backtrack(Vec a, double longest, double energy, double slope);
+  /// Moves a against the increment, as far as contact allows and the energy falls: the share taken (0: nowhere), and the
+  /// share that contact allowed.
+  [[nodiscard]] std::pair<double, double> advance(Vec a, double energy);
   [[nodiscard]] SNESConvergedReason judge(PetscInt iteration, double increment_norm, double residual_norm);
 
   static PetscErrorCode form_function(SNES, Vec a, Vec r, void* self);
@@ -225,6 +228,17 @@ double Newton::Impl::backtrack(Vec a, double longest, double energy, double slop
   return 0.0;
 }
 
+std::pair<double, double> Newton::Impl::advance(Vec a, double energy) {
+  double slope = 0.0;
+  VOILE_PETSC(VecDot(residual, increment, &slope));
+  // Prescribed motion does work that the energy balance does not see: the first step then moves the supports in full.
+  const bool balanced = model.conditions().symmetric() && model.tangent().fixed_coupling() == nullptr;
+  const double most = allowed_fraction(model, a, increment, trial);
+  const double length = balanced ? backtrack(a, most, energy, slope) : most;
+  VOILE_PETSC(VecAXPY(a, -length, increment));
+  return {length, most};
+}
+
 double Newton::Impl::first_shift() {
   const double cell = std::sqrt(model.discretisation().mean_area());
   double acceleration = 0.0;
@@ -258,7 +272,6 @@ NewtonResult Newton::continuation(Vec a, int max_iterations) {
   system::Model& model = n.model;
   NewtonResult result;
   const int before = n.linear.factorisations();
-  const bool potential = model.conditions().symmetric();
   double shift = -1.0, energy = 0.0, handover = handover_below;
   int linear_failures = 0;
   n.largest_force = 0.0;
@@ -295,17 +308,11 @@ NewtonResult Newton::continuation(Vec a, int max_iterations) {
       shift *= 4.0;
       continue;
     }
-    double slope = 0.0;
-    VOILE_PETSC(VecDot(n.residual, n.increment, &slope));
-    // Prescribed motion does work that the energy balance does not see: the first step then moves the supports in full.
-    const bool moving = model.tangent().fixed_coupling() != nullptr;
-    const double allowed = allowed_fraction(model, a, n.increment, n.trial);
-    const double length = potential && !moving ? n.backtrack(a, allowed, energy, slope) : allowed;
+    const auto [length, allowed] = n.advance(a, energy);
     if (length == 0.0) {
       shift *= 8.0;
       continue;
     }
-    VOILE_PETSC(VecAXPY(a, -length, n.increment));
     energy = n.energy_at(a);
     // A step that contact cut short says nothing against the shift.
     shift *= length == 1.0 ? 0.5 : length == allowed ? 1.0 : 2.0;

@@ -6,7 +6,7 @@ import h5py
 import numpy as np
 from garments import part, tube
 from harness import OUT, solve, test
-from robustness import fresh
+from common import fresh
 from solver import ROOT, invoke, run, variant, write_case
 
 

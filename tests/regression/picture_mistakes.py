@@ -6,7 +6,7 @@ import subprocess
 
 from harness import OUT, solve, test
 from picturing import draw
-from robustness import fresh, lines, started, strip, wait_for
+from common import fresh, lines, started, strip, wait_for
 from solver import binary, environment, write_case
 
 

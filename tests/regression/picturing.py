@@ -10,7 +10,7 @@ import sys
 import matplotlib.pyplot as plt
 import numpy as np
 from harness import OUT, solve, test
-from robustness import fresh, lines, started, strip, wait_for
+from common import fresh, lines, started, strip, wait_for
 from solver import ROOT, binary, environment, invoke, write_case
 from voile import Case, Results
 from voile import run as run_python

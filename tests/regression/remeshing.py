@@ -9,7 +9,7 @@ from benchmarks import BENCHMARKS
 from curves import Table
 from harness import OUT, solve, test
 from results import Results
-from robustness import fresh, lines, started, strip, wait_for
+from common import fresh, lines, started, strip, wait_for
 from solver import ROOT, invoke, load_case, run, variant, write_case
 from staging import end_of, stage, staged
 

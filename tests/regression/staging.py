@@ -5,7 +5,7 @@ import signal
 
 import numpy as np
 from harness import OUT, solve, test
-from robustness import fresh, lines, started, strip, wait_for
+from common import fresh, lines, started, strip, wait_for
 from solver import Result, run, write_case
 
 

@@ -5,127 +5,24 @@
 #include <doctest/doctest.h>
 
 #include <Eigen/Geometry>
-#include <limits>
 
 #include "test_following.hpp"
 #include "test_model_kit.hpp"
+#include "test_newton_kit.hpp"
 #include "test_relative.hpp"
 #include "voile/solve/load_path.hpp"
 #include "voile/solve/newton.hpp"
 
 using namespace voile;
 using namespace voile::testing;
-using Kind = system::Support::Kind;
-using LoadKind = system::Load::Kind;
+using namespace voile::testing::newton;
 
 namespace {
-
-/// Tolerances close to round-off, for comparisons tighter than the defaults of 1e-8 and 1e-6.
-struct Tight {
-  Option rtol{"-snes_rtol", "1e-12"}, stol{"-snes_stol", "1e-10"};
-};
-
-system::Support displacement(const std::string& group, std::array<bool, 3> components, const Vec3& value) {
-  system::Support s = support(group, Kind::displacement);
-  s.components = components;
-  s.value = value;
-  return s;
-}
-
-double largest(const std::vector<Vec3>& u) {
-  double size = 0.0;
-  for (const Vec3& x : u) size = std::max(size, x.norm());
-  return size;
-}
-
-double difference(const std::vector<Vec3>& p, const std::vector<Vec3>& q) {
-  REQUIRE(p.size() == q.size());
-  double size = 0.0;
-  for (std::size_t i = 0; i < p.size(); ++i) size = std::max(size, (p[i] - q[i]).norm());
-  return size;
-}
-
-bool is_finite(const std::vector<Vec3>& u) {
-  return std::all_of(u.begin(), u.end(), [](const Vec3& x) { return x.allFinite(); });
-}
 
 /// Residual norms of a solve, by iteration.
 PetscErrorCode record_norm(SNES, PetscInt, PetscReal norm, void* to) {
   static_cast<std::vector<double>*>(to)->push_back(norm);
   return 0;
-}
-
-/// Strip clamped at the left, 10 x 1 x 0.1, end shear 4 at load factor 1.
-mesh::MeshData strip(int nx, int ny) {
-  mesh::MeshData d = grid(nx, ny, false, 0.0);
-  add_square_groups(d);
-  return mapped(d, [](const Vec3& x) { return Vec3(10.0 * x[0], x[1], 0.0); });
-}
-
-system::ModelInput cantilever() {
-  system::ModelInput input;
-  input.materials = {isotropic(1.2e6, 0.0, 0.1)};
-  input.supports = {support("left", Kind::clamped)};
-  input.loads = {load(LoadKind::line, "right", Vec3(0.0, 0.0, 4.0))};
-  return input;
-}
-
-/// A shallow arch between hinges with a dead load at its crown; it snaps through near load factor 0.7.
-mesh::MeshData arch() {
-  mesh::MeshData d = grid(12, 2, true, 0.0);
-  add_square_groups(d);
-  d.groups.push_back({"crown", 0, {6, 19, 32}, {}, {}});
-  return mapped(d, [](const Vec3& x) { return Vec3(x[0], 0.2 * x[1], 0.24 * x[0] * (1.0 - x[0])); });
-}
-
-system::ModelInput pressed_arch() {
-  system::ModelInput input;
-  input.materials = {isotropic(1e6, 0.3, 0.01)};
-  input.supports = {support("left", Kind::hinged), support("right", Kind::hinged)};
-  input.loads = {load(LoadKind::point, "crown", Vec3(0.0, 0.0, -0.1))};
-  return input;
-}
-
-/// A curved panel in turned space: one edge moved, one in a symmetry plane, under its own weight.
-struct TurnedPanel {
-  Mat3 turn;
-  mesh::SurfaceMesh mesh;
-  system::Model model;
-  petsc::VecHandle a;
-
-  explicit TurnedPanel(const Mat3& t)
-      : turn(t),
-        mesh(mapped(square(Pattern::jittered, 8),
-                    [&](const Vec3& x) {
-                      return Vec3(t * Vec3(x[0], x[1], 0.2 * std::cos(1.2 * (1.0 - x[0])) + 0.15 * x[1] * x[1]));
-                    })),
-        model(PETSC_COMM_WORLD, mesh, input(t)),
-        a(model.dofs().create_vector()) {
-    model.conditions().set_load_factor(1.0);
-  }
-
-  static system::ModelInput input(const Mat3& t) {
-    system::ModelInput in;
-    // Which of two patch fits gives an edge its slope is decided by a condition number that depends on the axes; here
-    // all fits are used, so that nothing but round-off does.
-    in.element.max_patch_condition = 1e6;
-    in.materials = {isotropic(3e5, 0.3, 0.02, 0.1)};
-    in.supports = {support("left", Kind::hinged), support("right", Kind::symmetry)};
-    in.supports[0].value = t * Vec3(-0.02, 0.01, 0.03);
-    in.supports[1].normal = t * Vec3::UnitX();
-    in.loads = {load(LoadKind::gravity, "", t * Vec3(0.0, 0.3, -9.81))};
-    return in;
-  }
-  /// Displacements in the axes before the turn.
-  std::vector<Vec3> turned_back() const {
-    std::vector<Vec3> u = per_vertex(model, a);
-    for (Vec3& x : u) x = turn.transpose() * x;
-    return u;
-  }
-};
-
-Mat3 oblique_turn() {
-  return Eigen::AngleAxisd(0.9, Vec3(1.0, -0.5, 0.8).normalized()).toRotationMatrix();
 }
 
 /// n x n cells on the unit square, each cut by both diagonals: mirror-symmetric about every line of the grid.
@@ -319,18 +216,6 @@ TEST_CASE("a problem turned in space has the turned solution") {
   CHECK(difference(u, turned.turned_back()) < 1e-9 * largest(u));
 }
 
-TEST_CASE("continuation moves prescribed edges to the same equilibrium as Newton") {
-  const Tight tight;
-  TurnedPanel by_step(oblique_turn()), by_continuation(oblique_turn());
-  solve::Newton first(by_step.model), second(by_continuation.model);
-  REQUIRE(first.step(by_step.a).converged);
-  const solve::NewtonResult result = second.continuation(by_continuation.a);
-  CAPTURE(result.reason);
-  REQUIRE(result.converged);
-  CHECK(result.factorisations > 0);
-  CHECK(difference(by_step.turned_back(), by_continuation.turned_back()) < 1e-9);
-}
-
 TEST_CASE("the cantilever takes its full end shear in one step of few iterations") {
   const mesh::SurfaceMesh mesh(strip(40, 4));
   system::Model model(PETSC_COMM_WORLD, mesh, cantilever());
@@ -346,144 +231,6 @@ TEST_CASE("the cantilever takes its full end shear in one step of few iterations
   CHECK(-tip.x() == relative(3.286).epsilon(0.002));
   CHECK(tip.z() == relative(6.698).epsilon(0.002));
   CHECK(std::abs(tip.y()) < 1e-3);  // the diagonals are not symmetric
-}
-
-TEST_CASE("a diverging step says so and leaves the solver usable") {
-  const mesh::SurfaceMesh mesh(strip(16, 2));
-  system::Model model(PETSC_COMM_WORLD, mesh, cantilever());
-  solve::Newton newton(model), fresh(model);
-  petsc::VecHandle a = model.dofs().create_vector();
-  const auto small_load = [&](solve::Newton& solver) {
-    model.conditions().set_load_factor(0.05);
-    VOILE_PETSC(VecZeroEntries(a));
-    CHECK(solver.step(a).converged);
-    return per_vertex(model, a);
-  };
-  const std::vector<Vec3> expected = small_load(fresh);
-  for (const double factor : {400.0, 1e160, std::numeric_limits<double>::quiet_NaN()}) {
-    CAPTURE(factor);
-    model.conditions().set_load_factor(factor);
-    VOILE_PETSC(VecZeroEntries(a));
-    const solve::NewtonResult result = newton.step(a);
-    CHECK_FALSE(result.converged);
-    CHECK_FALSE(result.reason.empty());
-    const std::vector<Vec3> u = small_load(newton);
-    CHECK(is_finite(u));
-    CHECK(difference(u, expected) < 1e-12);
-  }
-}
-
-TEST_CASE("a sheet without supports is not reported as solved") {
-  const mesh::SurfaceMesh mesh(strip(16, 2));
-  system::ModelInput input = cantilever();
-  input.supports.clear();
-  system::Model model(PETSC_COMM_WORLD, mesh, input);
-  solve::Newton newton(model);
-  model.conditions().set_load_factor(1.0);
-  petsc::VecHandle a = model.dofs().create_vector();
-  const solve::NewtonResult result = newton.step(a);
-  CHECK_FALSE(result.converged);
-  CHECK_FALSE(result.reason.empty());
-}
-
-TEST_CASE("continuation finds the equilibrium that stepping finds") {
-  const mesh::SurfaceMesh mesh(strip(16, 2));
-  const Tight tight;
-  system::Model model(PETSC_COMM_WORLD, mesh, cantilever());
-  solve::Newton newton(model);
-  petsc::VecHandle a = model.dofs().create_vector(), b = model.dofs().create_vector();
-  model.conditions().set_load_factor(0.5);
-  REQUIRE(newton.step(a).converged);
-  const solve::NewtonResult result = newton.continuation(b);
-  CAPTURE(result.reason);
-  REQUIRE(result.converged);
-  const std::vector<Vec3> u = per_vertex(model, a);
-  CHECK(largest(u) > 4.0);
-  CHECK(difference(u, per_vertex(model, b)) < 1e-7);  // -snes_stol 1e-11 of the unknowns, times the slenderness
-}
-
-TEST_CASE("continuation settles where the decrease of the energy drowns in its round-off") {
-  // A fine, slender strip: its energy is a small sum of large terms. Shows on two ranks; on others the rounding
-  // differs.
-  const mesh::SurfaceMesh mesh(strip(40, 16));
-  system::Model model(PETSC_COMM_WORLD, mesh, cantilever());
-  solve::Newton newton(model);
-  petsc::VecHandle a = model.dofs().create_vector(), b = model.dofs().create_vector();
-  for (const double factor : {0.02, 0.05, 0.08}) {
-    CAPTURE(factor);
-    model.conditions().set_load_factor(factor);
-    VOILE_PETSC(VecZeroEntries(a));
-    VOILE_PETSC(VecZeroEntries(b));
-    CHECK(newton.step(a).converged);
-    const solve::NewtonResult result = newton.continuation(b);
-    CAPTURE(result.reason);
-    CHECK(result.converged);
-    CHECK(result.factorisations < 60);
-    CHECK(difference(per_vertex(model, a), per_vertex(model, b)) < 1e-6 * largest(per_vertex(model, a)));
-  }
-}
-
-TEST_CASE("continuation passes a snap that one step does not") {
-  const mesh::SurfaceMesh mesh(arch());
-  system::Model model(PETSC_COMM_WORLD, mesh, pressed_arch());
-  solve::Newton newton(model);
-  petsc::VecHandle a = model.dofs().create_vector(), r = model.dofs().create_vector();
-  model.conditions().set_load_factor(1.0);
-  const double before = model.energy(a);
-  CHECK_FALSE(newton.step(a).converged);
-  VOILE_PETSC(VecZeroEntries(a));
-  const solve::NewtonResult result = newton.continuation(a);
-  CAPTURE(result.reason);
-  REQUIRE(result.converged);
-  CHECK(result.negative_pivots == 0);  // a stable state
-  const double crown = per_vertex(model, a)[19].z();
-  CHECK(crown < -0.10);  // from 0.06 above the hinges to as far below
-  CHECK(crown > -0.14);
-  CHECK(model.energy(a) < before);
-  model.residual(a, r);
-  CHECK(norm(r) < 1e-7 * model.force_scale());
-}
-
-TEST_CASE("MUMPS's lack of workspace is answered with more of it") {
-  const mesh::SurfaceMesh mesh(strip(24, 10));
-  const auto solve = [&](bool continuation) {
-    system::Model model(PETSC_COMM_WORLD, mesh, cantilever());
-    solve::Newton newton(model);
-    model.conditions().set_load_factor(0.05);
-    petsc::VecHandle a = model.dofs().create_vector();
-    const solve::NewtonResult result = continuation ? newton.continuation(a) : newton.step(a);
-    CAPTURE(result.reason);
-    CHECK(result.converged);
-    return std::pair(result.factorisations, per_vertex(model, a));
-  };
-  for (const bool continuation : {false, true}) {
-    CAPTURE(continuation);
-    const auto enough = solve(continuation);
-    const Option hopeless("-mat_mumps_icntl_14", "-60");
-    const auto starved = solve(continuation);
-    CHECK(starved.first > enough.first);  // the failure did happen
-    CHECK(difference(starved.second, enough.second) < 1e-6 * largest(enough.second));
-  }
-}
-
-TEST_CASE("an unstable equilibrium is reported by its negative pivots") {
-  const mesh::SurfaceMesh mesh(square(Pattern::diagonal, 10));
-  system::ModelInput input;
-  input.materials = {isotropic(1e4, 0.3, 0.01)};
-  input.supports = {support("left", Kind::hinged), displacement("right", {true, true, true}, Vec3(-1e-3, 0.0, 0.0))};
-  system::Model model(PETSC_COMM_WORLD, mesh, input);
-  solve::Newton newton(model);
-  petsc::VecHandle a = model.dofs().create_vector();
-  // A wide column buckles near the strain pi^2 h^2/(12 (1 - nu^2)) = 9e-5.
-  model.conditions().set_load_factor(0.03);
-  const solve::NewtonResult stable = newton.step(a);
-  CHECK(stable.converged);
-  CHECK(stable.negative_pivots == 0);
-  model.conditions().set_load_factor(1.0);
-  const solve::NewtonResult buckled = newton.step(a);
-  CHECK(buckled.converged);
-  for (const Vec3& u : per_vertex(model, a)) CHECK(std::abs(u.z()) < 1e-12);  // nothing pushes it out of its plane
-  CHECK(buckled.negative_pivots >= 3);                                        // (k pi h)^2/10.92 < 1e-3 for k = 1, 2, 3
 }
 
 TEST_CASE("a quarter between oblique symmetry planes is the whole") {

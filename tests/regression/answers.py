@@ -1,0 +1,235 @@
+"""What users ask for besides solving: ranges of validity, stresses, springs, axes, histories, an installed program."""
+
+import copy
+import json
+import os
+import subprocess
+import tomllib
+
+import numpy as np
+from common import fresh, strip
+from harness import OUT, solve, test
+from solver import ROOT, invoke, load_case, run, variant, write_case
+
+
+@test
+def out_of_range(report):
+    """A strip stretched by 80 %, and one folded at an edge: one warning each with the place; the history has the figures."""
+    stretched = solve("range_stretched", strip(load=[{"type": "line", "group": "tip", "vector": [1.2e5, 0, 0]}]), 2)
+    said = [line for line in stretched.text.splitlines() if "membrane strain" in line]
+    report.check(len(said) == 1 and " m at rest" in said[0], f"{said}")
+    stretch = 1 + stretched.history["tip_x"][-1] / 10
+    report.near(stretched.history["largest_strain"][-1], 0.5 * (stretch**2 - 1), 0.02, f"strain at a stretch of {stretch:.3f}")
+    report.check(stretched.history["largest_turn"][-1] < 1e-6, "no edge turns")
+    # Two cells pushed together by 7 of their 10 m, while a pressure lifts their middle.
+    folded = strip(nx=2, ny=1, load=[{"type": "area", "vector": [0, 0, 2.0], "constant": True}],
+                   support=[{"type": "hinged", "group": "clamp"}, {"type": "hinged", "group": "tip", "value": [-7, 0, 1]}],
+                   steps={"initial_step": 0.02, "max_step": 0.05})
+    bent = solve("range_folded", folded, 1)
+    said = [line for line in bent.text.splitlines() if "across one edge" in line]
+    report.check(len(said) == 1 and "(5, 0.5, 0) m at rest" in said[0], f"{said}")
+    report.check(bent.history["largest_turn"][-1] > np.pi / 3, f"an edge turns by {np.degrees(bent.history['largest_turn'][-1]):.0f} degrees")
+    small = solve("range_small", strip(), 1)
+    report.check("warning" not in small.text, "no warning within the range")
+
+
+@test
+def linear_values(report):
+    """All that a linear analysis tells is linear: reactions balance loads of any size, fields are proportional, stored energy is half the work."""
+    hemisphere = {"mesh.file": str(ROOT / "meshes" / "hemisphere.geo"), "mesh.parameters": {"n": 8}}
+    curved = variant(load_case(ROOT / "runs" / "linear" / "hemisphere_hole.toml"), hemisphere)
+    for name, case in (("flat", strip("linear", nx=10)), ("curved", curved)):
+        case["probe"].append({"name": "energy", "type": "energy"})
+        known = []
+        for k, size in enumerate((1.0, 1e6)):
+            scaled = copy.deepcopy(case)
+            for load in scaled["load"]:
+                load["vector"] = [size * c for c in load["vector"]]
+            result = solve(f"linear_values_{name}_{k}", scaled, 1 + k)
+            step, h = result.results[-1], result.history
+            stored, work = h["energy_membrane"][-1] + h["energy_bending"][-1], -h["energy_external"][-1]
+            report.below(abs(stored / work - 0.5), 1e-7, f"{name} x {size:g}: stored energy over work, less a half")
+            if name == "flat":
+                report.below(abs(step["reaction"][:, 2].sum() / size + 0.4), 1e-7, f"{name} x {size:g}: the reactions balance the load")
+            known.append([step[field] / size for field in ("reaction", "bending_moment", "membrane_force", "membrane_strain")]
+                         + [np.array(result.summary["membrane_error"])])
+        # A strip that only bends has membrane forces and strains of no more than round-off.
+        bent = {"strain": 2e-3, "force": 240.0} if name == "flat" else {}
+        for field, (small, large) in zip(("reaction", "moment", "force", "strain", "error"), zip(*known)):
+            report.below(np.abs(small - large).max(), 1e-6 * bent.get(field, max(np.abs(small).max(), 1.0 if field == "error" else 0.0)),
+                         f"{name}: {field}s are proportional")
+
+
+@test
+def linear_output(report):
+    """The cost of output grows with the number of steps, not with its square: results.vtkhdf is not rewritten in every step."""
+    case = strip("dynamic", nx=4, ny=1, time__end=2.0, time__step=0.002, load=[{"type": "line", "group": "tip", "vector": [0, 0, 0.01]}])
+    result = solve("linear_output", case, 1)
+    report.check(len(result.results) == 1001, f"{len(result.results)} steps in the results")
+    wall = result.history["wall_seconds"]
+    first, last = wall[200] - wall[0], wall[1000] - wall[800]
+    report.check(last < 4 * first, f"first 200 steps {first:.2f} s, last 200 steps {last:.2f} s (they took 10 times as long)")
+
+
+@test
+def chains(report):
+    """A motion from a static equilibrium stays there; a drape from a motion; initial velocities; --set; init; the schema."""
+    static = solve("chain_static", strip(), 2)
+    moved = strip("dynamic", time__load_history="1")
+    result = run(write_case(moved, OUT / "chain_motion.toml"), fresh("chain_motion"), 2, ["--restart", static.results.file])
+    tip = static.history["tip_z"][-1]
+    report.check(result.code == 0 and result.history["time"][0] == 0, f"a motion begins at the equilibrium: code {result.code}")
+    report.below((np.abs(result.history["tip_z"] - tip) / tip).max(), 1e-6, "it stays there: change of the tip")
+    back = run(write_case(strip(), OUT / "chain_back.toml"), fresh("chain_back"), 1, ["--restart", OUT / "chain_motion" / "checkpoint.h5"])
+    report.check(back.code == 0, f"a static path from a motion: code {back.code}")
+    report.below(back.history["tip_z"][-1] / tip - 1, 1e-6, "it finds the same equilibrium")
+    thrown = strip("dynamic", support=[], load=[], initial_velocity=[{"velocity": [1, 2, 3], "angular_velocity": [0, 0, 2], "centre": [5, 0.5, 0]}],
+                   time__end=0.1)
+    result = solve("chain_thrown", thrown, 2)
+    u = result.displacement()
+    report.below(np.abs(u.mean(axis=0) - 0.1 * np.array([1, 2, 3])).max(), 1e-3, "a thrown sheet flies on: error of the middle [m]")
+    x = rest(result) + u
+    turned = np.arctan2(*(x[np.argmax(data_x(result))] - x.mean(axis=0))[[1, 0]]) - np.arctan2(*(rest(result)[np.argmax(data_x(result))] - rest(result).mean(axis=0))[[1, 0]])
+    report.near(turned, 0.2, 2e-3, "and turns [rad]")
+    file = write_case(strip(), OUT / "chain_set.toml")
+    code, text = invoke(["check", file, "--set", "mesh.parameters.nx=7", "--set", "load.0.vector=[0, 0, 1]"])
+    report.check(code == 0 and "24 vertices" in text, f"--set: code {code}: {text.splitlines()[0]}")
+    for wrong, word in (("load.3.vector=[0,0,1]", "load"), ("mesh.paramters.n=3", "paramters"), ("nonsense", "key=value"), ("title.x=1", "title")):
+        code, text = invoke(["check", file, "--set", wrong])
+        report.check(code == 2 and word in text, f"--set {wrong}: code {code}: {text.strip()[-90:]}")
+    for analysis in ("static", "linear", "modal", "buckling", "dynamic", "drape"):
+        folder = fresh(f"init_{analysis}")
+        code, text = invoke(["init", folder, "--analysis", analysis])
+        result = run(folder / "case.toml", folder / "out", 1)
+        report.check(code == 0 and result.code == 0, f"init --analysis {analysis}: codes {code}, {result.code} {result.text.strip()[-100:] if result.code else ''}")
+    code, text = invoke(["init", folder])
+    report.check(code == 2 and "exists already" in text, f"init over a case: code {code}")
+    schema = json.loads(invoke(["reference", "--schema"])[1])
+    template = tomllib.loads((OUT / "init_dynamic" / "case.toml").read_text())
+    report.check(set(template) <= set(schema["properties"]) and not schema["additionalProperties"], "the schema knows the template's sections")
+    report.check(schema["properties"]["material"]["items"]["properties"]["poisson"]["maximum"] == 0.5, "and ranges")
+
+
+def rest(result):
+    return result.results.mesh().positions
+
+
+def data_x(result):
+    return rest(result)[:, 0]
+
+
+@test
+def springs_and_masses(report):
+    """A plate strip on springs sinks by force / stiffness; a point mass at the tip lowers the frequency as beam theory says."""
+    length, width, pressure, k = 10.0, 1.0, 3.0, 50.0
+    case = strip(support=[{"type": "displacement", "group": "plate", "components": ["x", "y"]}], load=[{"type": "pressure", "magnitude": pressure}],
+                 spring=[{"type": "area", "stiffness": k}])
+    sunk = solve("springs_area", case, 2)
+    report.near(sunk.history["tip_z"][-1], pressure / k, 1e-9, "elastic foundation: deflection [m]")
+    case = strip(support=[{"type": "clamped", "group": "clamp"}], spring=[{"type": "line", "group": "tip", "stiffness": 1e7, "direction": [0, 0, 1]}])
+    held = solve("springs_line", case, 1)
+    report.below(held.history["tip_z"][-1], 1e-6, "a stiff spring line holds the tip [m]")
+    mass, density, h = 200.0, 100.0, 0.1
+    case = strip("modal", nx=40, ny=4, load=[], mass=[{"group": "tip", "mass": mass / 5}])
+    first = float((solve("masses", case, 2).folder / "modes.csv").read_text().splitlines()[1].split(",")[1])
+    ei = 1.2e6 * width * h**3 / 12
+    # Rayleigh's quotient with the static deflection under the tip mass: 33/140 of the beam's mass counts.
+    expected = np.sqrt(3 * ei / length**3 / (mass + 33 / 140 * density * h * width * length)) / (2 * np.pi)
+    report.below(first / expected - 1, 0.01, f"frequency with a mass at the tip, {first:.5f} Hz: difference from beam theory")
+    weight = strip("static", load=[{"type": "gravity", "vector": [0, 0, -1e-3]}], mass=[{"group": "tip", "mass": mass / 3}])
+    tip = solve("masses_weight", weight, 1).history["tip_z"][-1]
+    expected = -1e-3 * length**3 / ei * (mass / 3 + density * h * width * length / 8)
+    report.below(tip / expected - 1, 0.02, "weight of the mass: difference from beam theory")
+
+
+@test
+def stresses(report):
+    """A bent strip: top and bottom stress are -+6 M/h^2; of a laminate, each ply carries what its stiffness gives it."""
+    load, length, h = 1e-4, 10.0, 0.1
+    case = strip("linear", nx=80, ny=8, load=[{"type": "line", "group": "tip", "vector": [0, 0, load]}],
+                 output={"fields": ["displacement"], "every": 1, "stresses": "surface"})
+    result = solve("stresses", case, 2)
+    step = result.results.step(1)
+    centre = step.mesh.positions[step.mesh.triangles].mean(axis=1)
+    middle = (np.abs(centre[:, 0] - 4) < 1) & (np.abs(centre[:, 1] - 0.5) < 0.3)
+    expected = 6 * load * (length - centre[middle, 0]) / h**2
+    for side, sign in (("top", -1), ("bottom", 1)):
+        principal = step[f"principal_stress_{side}"][middle, 0 if sign > 0 else 1]
+        report.below(np.abs(principal / (sign * expected) - 1).max(), 0.02, f"{side}: principal stress against 6 M / h^2")
+        report.below(np.abs(step[f"von_mises_{side}"][middle] / expected - 1).max(), 0.02, f"{side}: von Mises")
+    ply = {"type": "laminate", "young_1": 1e7, "young_2": 1e6, "poisson_12": 0.0, "shear_12": 5e5, "angles": [0, 90, 0],
+           "ply_thicknesses": [h / 3], "direction": [1, 0, 0]}
+    pulled = strip("linear", nx=20, ny=4, material=[ply], load=[{"type": "line", "group": "tip", "vector": [0.003, 0, 0]}],
+                   output={"fields": ["displacement"], "every": 1, "stresses": "plies"})
+    step = solve("stresses_plies", pulled, 1).results.step(1)
+    strain = 0.003 / ((2 * 1e7 + 1e6) * h / 3)
+    for number, modulus in ((1, 1e7), (2, 1e6), (3, 1e7)):
+        report.below(np.abs(step[f"stress_ply_{number}_top"][:, 0] / (modulus * strain) - 1).max(), 1e-6, f"ply {number}: stress along the strip")
+
+
+@test
+def local_axes(report):
+    """A support in turned axes is the turned support; a tube under pressure free to grow radially only."""
+    angle = np.radians(30)
+    direction = [float(np.cos(angle)), float(np.sin(angle)), 0.0]
+    case = strip("linear", load=[{"type": "area", "vector": [2.0, 0.5, 0.0]}],
+                 support=[{"type": "hinged", "group": "clamp"},
+                          {"type": "displacement", "group": "tip", "components": ["x"], "x_axis": direction, "value": [0.01, 0, 0]},
+                          {"type": "displacement", "group": "plate", "components": ["z"]}])
+    result = solve("local_axes", case, 2)
+    u = np.array([result.history[f"tip_{k}"][-1] for k in "xy"])
+    report.near(float(u @ direction[:2]), 0.01, 1e-12, "displacement along the local x [m]")
+    report.check(abs(float(u @ [-direction[1], direction[0]])) > 1e-6, "free across it")
+    wrong = strip(support=[{"type": "displacement", "group": "clamp", "components": ["x"], "y_axis": [0, 1, 0]}])
+    code, text = invoke(["check", write_case(wrong, OUT / "local_axes_wrong.toml")])
+    report.check(code == 2 and "x_axis" in text, f"y_axis alone: code {code}")
+    poisson, inner, outer = 0.3, 6.0, 10.0
+    ring = {"title": "Ring", "analysis": "linear",
+            "mesh": {"file": str(ROOT / "meshes" / "annulus.geo"), "parameters": {"n_radial": 16, "n_circ": 160}},
+            "material": [{"type": "isotropic", "young": 1e6, "poisson": poisson, "thickness": 0.03}],
+            "support": [{"type": "displacement", "group": "plate", "components": ["y", "z"], "cylinder_axis": [0, 0, 1]},
+                        {"type": "displacement", "group": "inner", "components": ["x"], "cylinder_axis": [0, 0, 1], "value": [0.1, 0, 0]}]}
+    result = solve("local_axes_ring", ring, 2)
+    x, u = rest(result), result.displacement()
+    radius = np.hypot(x[:, 0], x[:, 1])
+    radial = (u[:, :2] * x[:, :2]).sum(axis=1) / radius
+    # Lame's ring in plane stress: u = A r + B / r, no stress at the outer edge.
+    b = 0.1 / ((1 - poisson) / (1 + poisson) * inner / outer**2 + 1 / inner)
+    exact = b * ((1 - poisson) / (1 + poisson) * radius / outer**2 + 1 / radius)
+    report.below(np.abs(radial - exact).max() / 0.1, 2e-3, "ring in cylindrical axes: error of the radial displacement")
+    report.below(np.abs(u[:, 0] * x[:, 1] - u[:, 1] * x[:, 0]).max(), 1e-12, "nothing turns")
+
+
+@test
+def own_histories(report):
+    """A load with a history of its own moves the strip as the same history of the load factor does."""
+    load = {"type": "line", "group": "tip", "vector": [0, 0, 0.4]}
+    one = solve("history_factor", strip("dynamic", time__load_history="sin(20*t)"), 1)
+    two = solve("history_own", strip("dynamic", load=[load | {"history": "sin(20*t)"}]), 2)
+    report.below(np.abs(one.history["tip_z"] - two.history["tip_z"]).max() / np.abs(one.history["tip_z"]).max(), 1e-8, "difference")
+    pressure = {"type": "follower_pressure", "magnitude": 0.04}
+    one = solve("history_follower_factor", strip("dynamic", time__load_history="t/0.2", load=[pressure]), 1)
+    two = solve("history_follower_own", strip("dynamic", load=[pressure | {"history": "t/0.2"}]), 1)
+    report.below(np.abs(one.history["tip_z"] - two.history["tip_z"]).max() / np.abs(one.history["tip_z"]).max(), 1e-8, "follower: difference")
+
+
+@test
+def few_unknowns(report):
+    """Follower loads on a mesh of eight triangles, on one rank: MUMPS orders the unknowns itself."""
+    case = strip(nx=4, ny=1, load=[{"type": "follower_moment", "group": "tip", "magnitude": -60.0}])
+    one, two = (solve(f"few_unknowns_{n}", case, n) for n in (1, 2))
+    report.below(np.abs(one.displacement() - two.displacement()).max(), 1e-9, "1 and 2 ranks: difference [m]")
+    report.check(one.history["tip_z"][-1] != 0, f"the tip moves by {one.history['tip_z'][-1]:.4g} m")
+
+
+@test
+def installed(report):
+    """cmake --install brings the program, its manual page, completion and documentation."""
+    prefix = fresh("installed")
+    done = subprocess.run(["cmake", "--install", ROOT / "build", "--prefix", prefix], text=True, capture_output=True)
+    report.check(done.returncode == 0, f"code {done.returncode} {done.stderr[-200:]}")
+    for file in ("bin/voile", "share/man/man1/voile.1", "share/bash-completion/completions/voile"):
+        report.check((prefix / file).is_file(), file)
+    script = f"source {prefix}/share/bash-completion/completions/voile; COMP_WORDS=(voile run --ov); COMP_CWORD=2; _voile; echo ${{COMPREPLY[@]}}"
+    text = subprocess.run(["bash", "-c", script], text=True, capture_output=True, env=os.environ).stdout
+    report.check(text.strip() == "--overwrite", f"completion of --ov: {text.strip()}")

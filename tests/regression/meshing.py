@@ -1,0 +1,244 @@
+"""Meshes and membranes: poor ones are told, formats agree, what locks and what does not."""
+
+import re
+import shutil
+
+import numpy as np
+from benchmarks import BENCHMARKS
+from common import base, plate, sheet_on_ball, strip_case
+from harness import OUT, solve, test
+from jittered import strip_mesh
+from linear import LINEAR, answer
+from solver import ROOT, command, invoke, load_case, run, variant, write_case
+
+
+@test
+def poor_meshes(report):
+    """Meshes that lock or stall are called so by info, check and run, also quietly; good ones are not."""
+    for name, nx, ny, jitter, poor in (("stretched", 20, 16, 0.25, True), ("narrow", 20, 40, 0.0, True), ("even", 40, 4, 0.25, False)):
+        mesh = strip_mesh(OUT / f"poor_{name}.msh", nx, ny, jitter)
+        case = write_case(strip_case(mesh, load__0__vector=[0, 0, 1e-3]), OUT / f"poor_{name}.toml")
+        texts = {command: invoke([command, file]) for command, file in (("info", mesh), ("check", case))}
+        shutil.rmtree(OUT / f"poor_{name}_run", ignore_errors=True)
+        texts["run"] = invoke(["run", case, "--output", OUT / f"poor_{name}_run", "--quiet"])
+        for command, (code, text) in texts.items():
+            said = "warning:" in text and "the membrane can lock" in text
+            report.check(code == 0 and said == poor, f"{name}, {command}: code {code}, {'a' if said else 'no'} warning of locking")
+    mesh = strip_mesh(OUT / "poor_sliver.msh", 20, 2, 0.0)
+    text = mesh.read_text().replace("\n14 2 0.5 0\n", "\n14 2.4995 0.499 0\n")  # next to a neighbour
+    mesh.write_text(text)
+    code, text = invoke(["info", mesh])
+    report.check("below 2 degrees" in text and "Newton" in text, f"sliver: {[t for t in text.splitlines() if 'warning' in t]}")
+
+
+@test
+def estimated_errors(report):
+    """Wrong deflections are told: chords of uneven cells by the share of the energy, thin curved shells by how much they lock."""
+    reference = BENCHMARKS["cantilever_shear"].reference
+    for nx, ny, jitter in ((20, 16, 0.25), (20, 2, 0.0)):
+        case = base("cantilever_shear", output={"fields": ["displacement", "membrane_error"], "every": 100})
+        case["mesh"] = {"file": str(strip_mesh(OUT / f"estimated_{ny}.msh", nx, ny, jitter))}
+        result = solve(f"estimated_{ny}", case, 1)
+        error, estimate = 1 + result.history["tip_x"][-1] / reference["minus_u_tip_elastica"][-1], result.summary["membrane_error"]
+        told = "feign membrane strains" in result.text
+        field = result.results[-1]["membrane_error"]
+        report.check(np.all(field >= 0) and field.max() > 0, "the field says where")
+        if jitter:
+            report.check(told and 0.5 < estimate / error < 2, f"-u of the tip is {100 * error:.1f} % too small, estimated {100 * estimate:.1f} %")
+        else:
+            report.check(not told and estimate < 1e-3, f"even cells: {100 * error:.2f} %, estimated {100 * estimate:.3f} %")
+    hypar = load_case(ROOT / "runs" / "linear" / "hypar_1000.toml")
+    deflection = {}
+    for n in (16, 64):
+        result = solve(f"estimated_hypar_{n}", variant(hypar, {"mesh.parameters.n": n}), 1)
+        deflection[n] = result.history["A_z"][-1]
+        said = re.findall(r"too small by about (\d+) %", result.text)
+        checked = re.findall(r"too small by about (\d+) %", invoke(["check", OUT / f"estimated_hypar_{n}.toml"])[1])
+        report.check(said == checked and bool(said) == (n == 16), f"saddle, n = {n}: run says {said}, check {checked}")
+        if said:
+            estimate = 0.01 * int(said[0])
+    error = 1 - deflection[16] / deflection[64]
+    report.check(0.5 < estimate / error < 2, f"it is {100 * error:.0f} % too small, estimated {100 * estimate:.0f} %")
+
+
+@test
+def corrected_membrane(report):
+    """Where straight chords lock, the corrected membrane does not; where they do no harm it agrees with the six-node one."""
+    reference = BENCHMARKS["cantilever_shear"].reference["minus_u_tip_elastica"][-1]
+    beam, saddle, answers = LINEAR["twisted_beam_thin_y"], LINEAR["hypar_10000"], {}
+    for membrane in ("six_node", "six_node_corrected"):
+        case = variant(load_case(beam.case), {"mesh.parameters": {"nx": 24, "ny": 2, "pattern": 0}, "element": {"membrane": membrane}})
+        answers[membrane] = [answer(beam, solve(f"corrected_beam_{membrane}", case, 2)) / beam.reference - 1]
+        case = variant(load_case(saddle.case), {"mesh.parameters.n": 48, "mesh.parameters.pattern": 1, "element": {"membrane": membrane}})
+        answers[membrane].append(answer(saddle, solve(f"corrected_saddle_{membrane}", case, 1)) / saddle.reference - 1)
+        # The last one is a tenth as thick, at the same bending stiffness.
+        for nx, ny, jitter, thin in ((20, 16, 0.25, 1.0), (20, 2, 0.0, 1.0), (20, 16, 0.25, 0.1)):
+            case = base("cantilever_shear", element={"membrane": membrane})
+            case["mesh"] = {"file": str(strip_mesh(OUT / f"corrected_{ny}.msh", nx, ny, jitter))}
+            case["material"][0] |= {"thickness": 0.1 * thin, "young": 1.2e6 / thin**3}
+            result = solve(f"corrected_{ny}_{membrane}", case, 1)
+            answers[membrane].append(-result.history["tip_x"][-1] / reference - 1)
+            if membrane == "six_node_corrected" and ny == 16:
+                error, estimate = -answers[membrane][-1], result.summary["membrane_error"]
+                report.check(0.5 < estimate / error < 2, f"thickness {thin}: -u is {100 * error:.1f} % too small, estimated {100 * estimate:.1f} %")
+    plain, corrected = answers["six_node"], answers["six_node_corrected"]
+    names = ("thin twisted beam, 24 x 2", "saddle, t/L = 1e-4, n = 48", "strip of uneven cells of aspect 8", "strip of even cells",
+             "thin strip of uneven cells")
+    for name, before, after, limit in zip(names, plain, corrected, (0.006, 0.01, 0.045, 0.002, 0.055)):
+        report.below(abs(after), limit, f"{name}: error; of six_node {100 * before:.2f} %")
+    report.check(abs(plain[0]) > 0.4 and abs(plain[1]) > 0.1 and abs(plain[2]) > 0.1 and abs(plain[4]) > 0.6, "the six-node membrane locks there")
+
+
+@test
+def membrane_auto(report):
+    """`auto` takes the corrected membrane where the other would lock, says so, and is decided alike by check, runs, ranks and stages."""
+    strip = base("cantilever_shear")
+    uneven = strip_mesh(OUT / "auto_uneven.msh", 20, 16, 0.25)
+    cloth = {"analysis": "drape", "mesh": {"file": str(uneven)}, "material": strip["material"], "support": strip["support"], "load": strip["load"]}
+    cases = {"uneven strip": (variant(strip, {"mesh": {"file": str(uneven)}}), True),
+             "even strip": (variant(strip, {"mesh": {"file": str(strip_mesh(OUT / "auto_even.msh", 40, 4, 0.0))}}), False),
+             "uneven strip, draped": (cloth, False),
+             "uneven strip, linear": (variant(strip, {"mesh": {"file": str(uneven)}, "analysis": "linear", "steps": None}), False),
+             "hemisphere 8": (base("hemisphere", mesh__parameters__n=8), True), "hemisphere 40": (base("hemisphere", mesh__parameters__n=40), False),
+             "moving hemisphere 8": (variant(base("hemisphere", mesh__parameters__n=8),
+                                             {"analysis": "dynamic", "steps": None, "time": {"end": 1.0}, "material.0.density": 1.0}), True)}
+    for name, (case, corrected) in cases.items():
+        file = write_case(variant(case, {"element": {"membrane": "auto"}}), OUT / "auto.toml")
+        code, text = invoke(["check", str(file)])
+        report.check(code == 0 and f"membrane: six_node{'_corrected' if corrected else ''}, chosen" in text, f"{name}: code {code}")
+    case = variant(cases["hemisphere 8"][0], {"analysis": "linear", "steps": None, "element": {"membrane": "auto"}})
+    for ranks in (1, 2):
+        result = solve(f"auto_{ranks}", case, ranks)
+        resolved = (OUT / f"auto_{ranks}" / "resolved_case.toml").read_text()
+        report.check(result.summary["membrane"] == "six_node_corrected" and "membrane: six_node_corrected, chosen" in result.text
+                     and 'membrane = "six_node_corrected"' in resolved, f"header, summary and resolved case, {ranks} rank(s)")
+    staged = variant(case, {"analysis": None, "stage": [{"name": "first", "analysis": "static", "steps": {"final_load_factor": 0.01}}]})
+    result = solve("auto_staged", staged, 1)
+    report.check(result.summary["stages"][0]["membrane"] == "six_node_corrected", "a stage")
+
+
+@test
+def corrected_roll(report):
+    """Twelve cells rolled into a circle: without the term of fourth order in the curvature -u is 8 % too small."""
+    case = base("cantilever_moment", mesh__parameters__nx=12, mesh__parameters__ny=1, mesh__parameters__pattern=0, element={"membrane": "six_node_corrected"})
+    result = solve("corrected_roll", case, 2)
+    benchmark = BENCHMARKS["cantilever_moment"]
+    computed, published = -result.history["tip_x"][-1], benchmark.reference[benchmark.curves[0].reference][-1]
+    report.below(abs(computed / published - 1), 0.005, "error of -u")
+
+
+@test
+def stalled(report):
+    """A run that ends without convergence names the triangles where the residual is largest, alike on 1 and 2 ranks."""
+    case = strip_case(strip_mesh(OUT / "stalled.msh", 20, 2, 0.0), load__0__vector=[0, 0, 400.0])
+    case["steps"] = {"initial_step": 1.0, "min_step": 0.9, "fallback": False}
+    said = []
+    for ranks in (1, 2):
+        shutil.rmtree(OUT / f"stalled_{ranks}", ignore_errors=True)
+        result = run(write_case(case, OUT / "stalled.toml"), OUT / f"stalled_{ranks}", ranks, ["-snes_max_it", "2"], 300)
+        found = re.findall(r"the residual is largest at triangle \d+ at \([^)]*\), smallest angle [\d.e+]+ degrees", result.text)
+        report.check(result.code == 3 and len(found) == 1, f"{ranks} rank(s): code {result.code}: {found}")
+        said += found
+    report.check(len(set(said)) == 1, "the same place")
+
+
+@test
+def coincident_vertices(report):
+    """A plate with its middle line doubled bends like two plates; with mesh.merge it is the plate that was meant."""
+    whole = strip_mesh(OUT / "coincident_whole.msh", 20, 2, 0.0)
+    double = strip_mesh(OUT / "coincident_double.msh", 20, 2, 0.0, split=10)
+    base_case = strip_case(whole, load__0__vector=[0, 0, 0.04])
+    good = solve("coincident_whole", base_case, 1)
+    case = variant(base_case, {"mesh.file": str(double), "mesh.merge": True})
+    merged = solve("coincident_merged", case, 2)
+    report.near(merged.history["tip_z"][-1] / good.history["tip_z"][-1], 1.0, 1e-9, "merged against whole, deflection")
+    report.check("3 vertices were merged" in merged.text, "the run says how many were merged")
+    code, text = invoke(["info", double])
+    report.check(code == 0 and "6 vertices lie at 3 places" in text and "(5, 0, 0) to (5, 1, 0)" in text, "info counts them and says where")
+    case["mesh"].pop("merge")
+    code, text = invoke(["check", write_case(case, OUT / "coincident.toml")])
+    report.check(code == 2 and "nothing holds it" in text and "20 triangles" not in text and "40 triangles" in text,
+                 f"the loose half is refused: code {code}: {text.strip()[-160:]}")
+
+
+@test
+def sheet_formats(report):
+    """One orthotropic sheet from OBJ (axis by texture), Abaqus, VTK and Gmsh (axis by direction): the same bending."""
+    seeds = ROOT / "tests" / "fuzz" / "seeds"
+    material = {"type": "orthotropic", "young_1": 1.2e6, "young_2": 1e5, "poisson_12": 0.2, "shear_12": 4e4, "thickness": 0.1}
+    found = []
+    for name, clamp, axis in (("square.obj", "rim", {"texture_direction": [2.0, 1.0]}), ("square.obj", "rim", {"direction": [2, 1, 0]}),
+                              ("square.inp", "LEFT", {"direction": [2, 1, 0]}), ("square.vtk", "group-3", {"direction": [2, 1, 0]}),
+                              ("square.obj", "rim", {"texture_direction": [1.0, 2.0]})):
+        case = {"title": name, "mesh": {"file": str(seeds / name)}, "material": [material | axis],
+                "support": [{"type": "clamped", "group": clamp}], "load": [{"type": "pressure", "magnitude": 2.0}],
+                "probe": [{"name": "inside", "type": "displacement", "point": [1 / 3, 1 / 3, 0], "components": ["z"]}]}
+        result = solve(f"sheet_formats_{len(found)}", case, 1 + len(found) % 2)
+        found.append(result.history["inside_z"][-1])
+        echo, text = invoke(["check", result.folder / "resolved_case.toml"])
+        report.check(echo == 0, f"{name}: the echoed case is a valid case" + ("" if echo == 0 else f": {text.strip()}"))
+    *found, other = found
+    for value, name in zip(found[1:], ("OBJ by direction", "Abaqus", "VTK")):
+        report.near(value / found[0], 1.0, 1e-9, f"{name} against OBJ by texture, deflection")
+    report.check(abs(other / found[0]) > 1.2, f"it bends by {found[0]:.4g} m, with another axis by {other:.4g} m")
+
+
+@test
+def nothing_held(report):
+    """Statics of a sheet that nothing holds ends with code 2 before anything is factorised; motion and modes take it."""
+    case = plate(6, 1.0)
+    case["support"] = []
+    code, text = invoke(["check", write_case(case, OUT / "nothing_held.toml")], 2)
+    report.check(code == 2 and "6 free rigid-body motions" in text, f"check: code {code}: {text.strip()[-150:]}")
+    code, text = invoke(["run", OUT / "nothing_held.toml", "--output", OUT / "nothing_held"])
+    report.check(code == 2 and "nothing holds it" in text, f"run: code {code}")
+    case["support"] = [{"type": "displacement", "group": "left", "components": ["x", "z"]}]
+    code, text = invoke(["check", write_case(case, OUT / "sliding.toml")])
+    report.check(code == 2 and "1 translation(s) along (0, 1, 0)" in text, f"free to slide: code {code}: {text.strip()[-150:]}")
+    case["support"] = [{"type": "hinged", "group": "left"}]
+    code, text = invoke(["check", write_case(case, OUT / "hinged.toml")])
+    report.check(code == 0 and "1 free rigid-body motion(s), 1 rotation(s)" in text, f"hung by one edge: code {code}, a note")
+    case |= {"support": [], "analysis": "modal"}
+    case["material"][0]["density"] = 7800
+    code, text = invoke(["check", write_case(case, OUT / "free_modes.toml")])
+    report.check(code == 0 and "nothing holds it" in text, f"modes of a free plate: code {code}")
+
+
+@test
+def absurd_numbers(report):
+    """Sizes that no power of is a number end with code 2 on reading, whatever file or key they come from."""
+    seeds = ROOT / "tests" / "fuzz" / "seeds"
+    body = {"name": "body", "type": "mesh", "file": str(seeds / "body.obj")}
+    huge = OUT / "absurd.obj"
+    OUT.mkdir(parents=True, exist_ok=True)
+    huge.write_text((seeds / "body.obj").read_text().replace("v 0.3 0.3 -0.3", "v 0.3 1e200 -0.3"))
+    for k in range(2):
+        (OUT / f"absurd_{k}.obj").write_text((seeds / "body.obj").read_text().replace("-0.3", "1e120" if k else "-0.3"))
+    frames = {"frames": str(OUT / "absurd_*.obj"), "frames_per_second": 25}
+    for name, changes, word in (
+        ("sheet scaled up", {"mesh.scale": 1e300}, "scale"), ("sheet scaled down", {"mesh.scale": 1e-300}, "scale"),
+        ("sheet with one far vertex", {"mesh.file": str(huge), "mesh.parameters": None}, "absurd.obj"),
+        ("obstacle scaled up", {"obstacle": [body | {"scale": 1e300}]}, "body.obj"),
+        ("obstacle with one far vertex", {"obstacle": [body | {"file": str(huge)}]}, "absurd.obj"),
+        ("key frame far away", {"obstacle": [body | frames]}, "absurd_*.obj"),
+        ("ball far away", {"obstacle.0.point": [0, 1e200, 0]}, "'ball'"), ("huge ball", {"obstacle.0.radius": 1e300}, "'ball'"),
+    ):
+        code, text = invoke(["check", write_case(variant(sheet_on_ball(), changes), OUT / "absurd.toml")])
+        report.check(code == 2 and word in text, f"{name}: code {code}: {' '.join(text.split())[-130:]}")
+
+
+@test
+def foreign_scripts(report):
+    """A .geo that runs a command does so under no subcommand unless it is allowed to; n = 1e9 is a user's mistake."""
+    script, made = OUT / "foreign.geo", OUT / "foreign_was_here"
+    made.unlink(missing_ok=True)
+    script.write_text(f'SystemCall "touch {made}";\nInclude "{ROOT / "meshes" / "plate.geo"}";\n')
+    case = variant(plate(4, 1.0), {"mesh": {"file": str(script)}})
+    write_case(case, OUT / "foreign.toml")
+    for arguments in (["info", script], ["check", OUT / "foreign.toml"], ["run", OUT / "foreign.toml", "--output", OUT / "foreign"]):
+        code, text = invoke(arguments)
+        report.check(code == 2 and "foreign.geo:1: 'SystemCall'" in text and not made.exists(), f"{arguments[0]}: code {code}")
+    code, text = invoke(["info", script, "--allow-system-call"])
+    report.check(code == 0 and made.exists(), f"info --allow-system-call: code {code}")
+    code, text = invoke(["check", write_case(plate(1e9, 1.0), OUT / "huge.toml")], timeout=300)
+    report.check(code == 2 and "plate.geo" in text and "memory" in text, f"n = 1e9: code {code}: {text.strip()[-150:]}")
