@@ -76,6 +76,23 @@ def check_links():
                 yield f"{name_of(path)}: broken link to {target}"
 
 
+def check_names():
+    """What pages call by its name in the code (`room::Class::method`, `src/room/file`) is there."""
+    sources = [p for d in ("include", "src") for p in (ROOT / d).rglob("*") if p.suffix in (".hpp", ".cpp")]
+    words = set(re.findall(r"\w+", "\n".join(p.read_text() for p in sources)))
+    rooms = {p.name for p in (ROOT / "src").iterdir()}
+    files = {str(p.relative_to(ROOT / "src").with_suffix("")) for p in sources if (ROOT / "src") in p.parents}
+    files |= {str(p.relative_to(ROOT / "include/voile").with_suffix("")) for p in sources if (ROOT / "include") in p.parents}
+    for path in pages():
+        text = path.read_text()
+        for room, rest in re.findall(rf"`({'|'.join(rooms)})((?:::\w+)+)", text):
+            for gone in [n for n in rest.split("::")[1:] if n not in words]:
+                yield f"{name_of(path)}: {room}{rest}: there is no {gone} in the code"
+        for file in re.findall(rf"`(?:src/|voile/)?((?:{'|'.join(rooms)})/\w+)(?:\.[ch]pp)?`", text):
+            if file not in files and not (ROOT / "tests" / "unit" / file).exists() and not any(f.startswith(file) for f in files):
+                yield f"{name_of(path)}: there is no {file} in the code"
+
+
 def check_fences():
     for path in pages():
         for language, line, _ in fenced_blocks(path):
@@ -221,7 +238,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--voile", type=Path, help="the program to compare with")
     voile = parser.parse_args().voile
-    problems = [*check_loose_ends(), *check_sources(), *check_links(), *check_fences()]
+    problems = [*check_loose_ends(), *check_sources(), *check_links(), *check_names(), *check_fences()]
     subcommands = options = None
     if voile:
         voile = voile.resolve()
