@@ -67,16 +67,21 @@ def refine(name, operators, patterns, levels=None, ranks=2):
     return answers
 
 
-def store(name, answers, seconds):
+def answers_file(name, membrane=None):
+    """Of a problem; `membrane`: of another membrane beside the default one."""
+    return RESULTS / name / (f"answers_{membrane}.json" if membrane else "answers.json")
+
+
+def store(name, answers, seconds, membrane=None):
     folder = RESULTS / name
     folder.mkdir(parents=True, exist_ok=True)
     text = json.dumps({"seconds": seconds, "answers": [asdict(a) for a in answers]}, indent=1)
-    (folder / "answers.json").write_text(text + "\n")
+    answers_file(name, membrane).write_text(text + "\n")
 
 
-def stored(name):
+def stored(name, membrane=None):
     """(answers, seconds) of the last refinement of a problem; none if there was none."""
-    file = RESULTS / name / "answers.json"
+    file = answers_file(name, membrane)
     if not file.is_file():
         return [], 0.0
     data = json.loads(file.read_text())

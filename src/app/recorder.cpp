@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "contact_fields.hpp"
+#include "energy_text.hpp"
 #include "linear_values.hpp"
 #include "sewing.hpp"
 #include "stresses.hpp"
@@ -80,6 +81,8 @@ std::vector<std::string> Recorder::columns() const {
                              "wall_seconds"};
   Names names = case_.analysis == "dynamic" ? of_motion : of_path;
   names.insert(names.end(), {"largest_strain", "largest_turn"});
+  if (keeps_balance())
+    for (const auto& [name, value] : named_parts({})) names.emplace_back(name);
   if (!case_.stage.sew.empty()) names.emplace_back("seam_gap");
   if (case_.remesh.active) names.insert(names.end(), {"vertices", "remeshings"});
   if (case_.contact.input.active)
@@ -219,6 +222,8 @@ std::vector<double> Recorder::common_values(const system::State& state, const so
 void Recorder::write_history(const system::State& state, const solve::StepResult& r, const Snapshot& s) {
   std::vector<double> values = common_values(state, r, s);
   values.insert(values.end(), {s.validity.strain, s.validity.turn});
+  if (keeps_balance())
+    for (const auto& [name, value] : named_parts(state.balance)) values.push_back(value);
   if (!case_.stage.sew.empty()) values.push_back(seam_gap(case_, *mesh_, s.state.displacement));
   if (case_.remesh.active)
     values.insert(values.end(),

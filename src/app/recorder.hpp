@@ -73,6 +73,7 @@ class Recorder {
                                                   const Snapshot& s) const;
   [[nodiscard]] long count_intersections(Vec a) const;
   [[nodiscard]] bool wants(const std::string& field) const;
+  [[nodiscard]] bool keeps_balance() const { return case_.analysis == "dynamic" && case_.output.energy_balance; }
 
   const input::Case& case_;
   const RunOptions& options_;

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <sys/resource.h>
 
+#include "energy_text.hpp"
 #include "free_motions.hpp"
 #include "mesh_report.hpp"
 #include "voile/base/error.hpp"
@@ -79,6 +80,7 @@ void report_end(const input::Case& c, const RunOptions& options, const Summary& 
       fmt::print("{} steps, {} Newton iterations, {} factorisations{}, {:.1f} CPU s, {:.1f} s; results in {}\n",
                  s.steps, s.newton_iterations, s.factorisations, iterative_text(s.iterative), s.cpu_seconds,
                  s.wall_seconds, folder);
+    if (options.verbosity != Verbosity::quiet && s.balance.kept) fmt::print("{}\n", balance_text(s.balance));
     if (!s.converged)
       fmt::print(stderr, "voile: {}not converged: {}; everything up to {} is in {}\n",
                  c.is_staged() ? fmt::format("stage '{}': ", c.stage.name) : "", s.reason,

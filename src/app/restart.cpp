@@ -40,6 +40,7 @@ void begin_anew(const input::Case& c, io::Checkpoint& s) {
     s.positive_tangents = s.factors_left = s.wait = 0;
     s.acceleration.clear();
     s.velocity.clear();
+    s.energy_balance.clear();
   }
   if (moves || in_time || c.analysis == "drape") s.previous.clear();
   if (c.analysis != "drape") return;
@@ -165,6 +166,7 @@ io::Checkpoint read_start(const input::Case& c, const RunOptions& options, const
   mpi::broadcast(PETSC_COMM_WORLD, start.contact_gaps);
   mpi::broadcast(PETSC_COMM_WORLD, start.yielding);
   mpi::broadcast(PETSC_COMM_WORLD, start.anchors);
+  mpi::broadcast(PETSC_COMM_WORLD, start.energy_balance);
   return start;
 }
 
@@ -175,6 +177,7 @@ void enter_stage(const input::Case& c, const mesh::SurfaceMesh& mesh, Origin ori
     state.next_step = 0.0;
     state.acceleration.clear();  // other supports and loads act
     state.previous.clear();
+    state.energy_balance.clear();
     if (c.analysis != "dynamic" && c.analysis != "drape") {
       state.load_factor = 0.0;
       state.in_equilibrium = false;

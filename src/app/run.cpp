@@ -101,6 +101,7 @@ Summary summary_of(const solve::Followed& all, const system::State& state, const
   s.iterative = all.iterative;
   s.critical = all.critical;
   s.time = state.time;
+  if (c.analysis == "dynamic") s.balance = state.balance;
   s.negative_pivots = all.newton.negative_pivots;
   s.residual = all.newton.residual;
   s.unknowns = model.dofs().unknowns();

@@ -7,6 +7,7 @@
 
 #include <fstream>
 
+#include "energy_text.hpp"
 #include "voile/base/error.hpp"
 #include "voile/base/mpi.hpp"
 
@@ -28,6 +29,12 @@ Json json_of(const GarmentMeasures& m) {
   if (m.ease) all["least_ease"] = m.ease->least;
   if (m.ease) all["mean_ease"] = m.ease->mean;
   if (m.largest_pressure) all["largest_contact_pressure"] = *m.largest_pressure;
+  return all;
+}
+
+Json json_of(const system::EnergyBalance& b) {
+  Json all{{"initial_energy", b.initial}, {"kinetic_energy", b.kinetic}};
+  for (const auto& [name, value] : named_parts(b)) all[name] = value;
   return all;
 }
 
@@ -57,6 +64,7 @@ Json json_of(const Summary& s) {
            {"ranks", mpi::size(PETSC_COMM_WORLD)},
            {"cpu_seconds", s.cpu_seconds},
            {"wall_seconds", s.wall_seconds}};
+  if (s.balance.kept) all["energy"] = json_of(s.balance);
   if (s.garment) all["garment"] = json_of(*s.garment);
   return all;
 }

@@ -10,6 +10,7 @@
 #include "garment_measures.hpp"
 #include "voile/base/types.hpp"
 #include "voile/solve/stepper.hpp"
+#include "voile/system/energy_balance.hpp"
 
 namespace voile::app {
 
@@ -30,6 +31,7 @@ struct Summary {
   long unknowns = 0;
   Index vertices = 0, triangles = 0;
   double cpu_seconds = 0.0, wall_seconds = 0.0;
+  system::EnergyBalance balance;           ///< of a motion
   std::optional<GarmentMeasures> garment;  ///< of a case of panels
 };
 

@@ -81,7 +81,19 @@ void ContactSet::blocked(const std::vector<Vec3>& from, const std::vector<Vec3>&
 
 // ---- normal contact ------------------------------------------------------------------------------------------------
 
-double ContactSet::energy(const std::vector<Vec3>& x) const {
+double ContactSet::energy(const std::vector<Vec3>& x, Part part) const {
+  const double barriers = part & normal ? barrier_energy(x) : 0.0;
+  if (!(part & friction) || std::isinf(barriers)) return barriers;
+  double sum = barriers;
+  for (const Sliding& s : sliding_) {
+    if (!counted(s.points)) continue;
+    const double y = (s.tangents.transpose() * slip_of(s, x)).norm();
+    sum += s.force * (y >= slip_ ? y - slip_ / 3.0 : y * y / slip_ * (1.0 - y / (3.0 * slip_)));
+  }
+  return sum;
+}
+
+double ContactSet::barrier_energy(const std::vector<Vec3>& x) const {
   double sum = 0.0;
   Near n;
   bool touches = false;
@@ -96,13 +108,7 @@ double ContactSet::energy(const std::vector<Vec3>& x) const {
   for (const Plane& p : planes_)
     for (Index i : candidates_.own_points())
       if (plane_acts(p, i)) sum += surface_->area[i] * barrier(plane_gap(p, i, x), reach(i)).value;
-  sum *= options_.stiffness;
-  for (const Sliding& s : sliding_) {
-    if (!counted(s.points)) continue;
-    const double y = (s.tangents.transpose() * slip_of(s, x)).norm();
-    sum += s.force * (y >= slip_ ? y - slip_ / 3.0 : y * y / slip_ * (1.0 - y / (3.0 * slip_)));
-  }
-  return sum;
+  return options_.stiffness * sum;
 }
 
 void ContactSet::pair_gradient(const Pair& pair, const Near& n, Vec12& g) const {
@@ -164,11 +170,38 @@ void ContactSet::add_gradient(const std::vector<Vec3>& x, std::vector<Vec3>& f, 
   if (part & friction)
     for (const Sliding& s : sliding_) {
       const Vec2 r = s.tangents.transpose() * slip_of(s, x);
-      const double y = r.norm(), rate = y >= slip_ ? 1.0 / y : 2.0 / slip_ - y / (slip_ * slip_);
+      const double y = r.norm(), rate = friction_rate(y);
       const Vec3 force = s.force * rate * (s.tangents * r);
       for (int i = 0; i < 4; ++i)
         if (s.points[i] != no_index && surface_->is_sheet(s.points[i])) f[s.points[i]] += s.c[i] * force;
     }
+}
+
+double ContactSet::obstacle_work(const std::vector<Vec3>& x, const std::vector<Vec3>& start,
+                                 const std::vector<Plane>& planes_then) const {
+  double sum = 0.0;
+  Near n;
+  Vec12 g;
+  candidates_.for_close(x, options_.distance, [&](const Pair& pair) {
+    const bool moved = std::any_of(pair.points.begin(), pair.points.end(), [&](Index p) {
+      return p != no_index && !surface_->is_sheet(p) && x[p] != start[p];
+    });
+    if (!moved || !counted(pair.points) || !near(pair, x, reach(pair), n)) return;
+    pair_gradient(pair, n, g);
+    for (int i = 0; i < 4; ++i)
+      if (const Index p = pair.points[i]; p != no_index && !surface_->is_sheet(p))
+        sum += g.segment<3>(3 * i).dot(x[p] - start[p]);
+  });
+  for (std::size_t k = 0; k < planes_.size(); ++k)
+    for (Index i : candidates_.own_points()) {
+      const Plane &now = planes_[k], &then = planes_then[k];
+      if (!plane_acts(now, i)) continue;
+      const double gap = plane_gap(now, i, x), d = reach(i);
+      // The gap changes by the way of the point, and by this.
+      const double change = (now.normal - then.normal).dot(start[i]) - (now.level - then.level);
+      if (gap < d) sum += options_.stiffness * surface_->area[i] * barrier(gap, d).first * change;
+    }
+  return sum;
 }
 
 // ---- friction ------------------------------------------------------------------------------------------------------
@@ -178,6 +211,16 @@ Vec3 ContactSet::slip_of(const Sliding& s, const std::vector<Vec3>& x) const {
   for (int i = 0; i < 4; ++i)
     if (s.points[i] != no_index) w += s.c[i] * x[s.points[i]];
   return w;
+}
+
+double ContactSet::friction_work(const std::vector<Vec3>& x) const {
+  double sum = 0.0;
+  for (const Sliding& s : sliding_) {
+    if (!counted(s.points)) continue;
+    const double y = (s.tangents.transpose() * slip_of(s, x)).norm();
+    sum += s.force * friction_rate(y) * y * y;
+  }
+  return sum;
 }
 
 void ContactSet::follow_slips(const std::vector<Vec3>& x) {
@@ -192,7 +235,7 @@ void ContactSet::follow_slips(const std::vector<Vec3>& x) {
 /// With the true second derivative what slips overshoots, sticks and slips in turns as long as iterates are far from
 /// the solution; near it the secant converges only linearly, and at the limit of sticking hardly at all.
 Mat2 ContactSet::friction_stiffness(const Vec2& r, bool secant) const {
-  const double y = r.norm(), rate = y >= slip_ ? 1.0 / y : 2.0 / slip_ - y / (slip_ * slip_);
+  const double y = r.norm(), rate = friction_rate(y);
   Mat2 k = rate * Mat2::Identity();
   if (!secant && y > 0.0) k -= r * r.transpose() / (y * std::pow(std::max(y, slip_), 2));
   return k;

@@ -331,7 +331,9 @@ Case read_case(const CaseReader& reader, const std::filesystem::path& file, Stag
   read_all(reader, "probe", c.probes,
            [&](const SectionPlace& place, const Probe& probe) { check_probe(place, probe, c.probes); });
   check_control(steps, c.steps, c.probes);
-  reader.read("output", 0, keys_of(c.output));
+  const SectionPlace output = reader.read("output", 0, keys_of(c.output));
+  if (c.time.options.method == solve::TimeOptions::Method::central_difference && !output.has("energy_balance"))
+    c.output.energy_balance = false;
   check_petsc(reader.read("petsc", 0, petsc_keys(c)), c.petsc_options);
   return c;
 }

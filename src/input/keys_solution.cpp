@@ -297,7 +297,12 @@ std::vector<Key> keys_of(OutputSection& s) {
       {.name = "every",
        .slot = &s.every,
        .meaning = "Results every so many steps; stops and the last step always.",
-       .range = {1}}};
+       .range = {1}},
+      {.name = "energy_balance",
+       .slot = &s.energy_balance,
+       .meaning =
+           "Of a motion: account for its energy in `history.csv` and `summary.json`, see results.md. `false` with "
+           "`central_difference` if this key is not given: there it doubles the cost of a step."}};
 }
 
 std::vector<Key> petsc_keys(Case& c) {

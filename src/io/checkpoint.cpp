@@ -13,7 +13,8 @@ namespace voile::io {
 
 namespace {
 
-constexpr std::size_t anchor_numbers = 8;  // of each anchor
+constexpr std::size_t anchor_numbers = 8;    // of each anchor
+constexpr std::size_t balance_numbers = 12;  // of an energy balance
 
 /// The vectors of a checkpoint, const or not, under their names in the file.
 template <class C>
@@ -80,6 +81,8 @@ void write_checkpoint(const std::filesystem::path& path, const Checkpoint& c, co
   if (!c.yielding.empty()) file.dataset("yielding", H5T_NATIVE_DOUBLE, vertices, 1, c.yielding.data());
   if (!c.anchors.empty())
     file.dataset("anchors", H5T_NATIVE_DOUBLE, c.anchors.size() / anchor_numbers, anchor_numbers, c.anchors.data());
+  if (!c.energy_balance.empty())
+    file.dataset("energy_balance", H5T_NATIVE_DOUBLE, 1, c.energy_balance.size(), c.energy_balance.data());
   file.number("/", "anchors_count", static_cast<double>(c.anchors.size()));
   file.finish();
 }
@@ -151,6 +154,8 @@ Checkpoint read_unguarded(const std::filesystem::path& path, const mesh::Surface
   }
   if (H5Lexists(file, "yielding", H5P_DEFAULT) > 0)
     c.yielding = read_values(file, "yielding", static_cast<std::size_t>(mesh.vertex_count()), path);
+  if (H5Lexists(file, "energy_balance", H5P_DEFAULT) > 0)
+    c.energy_balance = read_values(file, "energy_balance", balance_numbers, path);
   read_anchors(file, mesh, path, c);
   return c;
 }

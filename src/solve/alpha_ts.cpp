@@ -204,6 +204,7 @@ PetscErrorCode step(TS ts) {
     PetscCall(count_rejection(ts, &rejections));
   }
   if (accepted) {
+    if (th.callbacks.accepted) PetscCall(th.callbacks.accepted(th.callbacks.context, th.x0, th.x1, th.v1));
     ts->ptime += ts->time_step;
     ts->time_step = next;
     th.has_acceleration = true;

@@ -123,6 +123,20 @@ PetscErrorCode TimeIntegration::Impl::enforce(void* self, PetscReal t, Vec stage
   });
 }
 
+PetscErrorCode TimeIntegration::Impl::accepted(void* self, Vec x0, Vec x1, Vec v1) {
+  auto& n = *static_cast<Impl*>(self);
+  return petsc::guarded([&] {
+    const AlphaStage s = alpha_stage(n.ts, x1);
+    double t = 0.0, h = 0.0;
+    VOILE_PETSC(TSGetTime(n.ts, &t));
+    VOILE_PETSC(TSGetTimeStep(n.ts, &h));
+    n.dynamics.set_time(s.time);
+    n.account->take_forces(x0, x1, s.x, s.v, s.a);
+    n.dynamics.set_time(t + h);
+    n.account->end_step(x1, v1);
+  });
+}
+
 PetscErrorCode TimeIntegration::Impl::accelerate(void* self, PetscReal t, Vec x, Vec v, Vec a) {
   auto& n = *static_cast<Impl*>(self);
   return petsc::guarded([&] {
@@ -131,10 +145,12 @@ PetscErrorCode TimeIntegration::Impl::accelerate(void* self, PetscReal t, Vec x,
     n.dynamics.set_time(t);
     VOILE_PETSC(VecZeroEntries(a));
     n.dynamics.residual(x, v, a, n.trial);
-    n.dynamics.start_step(x, v, h);  // drag and viscosity of the next half step
     n.model.dofs().clear_fixed(n.trial);
     VOILE_PETSC(VecPointwiseDivide(a, n.trial, n.model.constant().mass()));
     VOILE_PETSC(VecScale(a, -1.0));
+    if (n.account) n.account->take_forces(n.start, x, x, v, a);
+    VOILE_PETSC(VecCopy(x, n.start));
+    n.dynamics.start_step(x, v, h);  // drag and viscosity of the next half step
   });
 }
 

@@ -123,6 +123,7 @@ void TimeIntegration::Impl::choose_method(const system::State& from) {
       throw UserError("the explicit method needs mass = \"lumped\"");
     set_central_callbacks(ts, {this, accelerate, enforce});
     set_explicit_step(from.u);
+    VOILE_PETSC(VecCopy(from.u, start));
     dynamics.start_step(from.u, from.v, options.step);
     return;
   }
@@ -130,7 +131,8 @@ void TimeIntegration::Impl::choose_method(const system::State& from) {
   set_alpha_callbacks(ts,
                       {this, start_step, enforce, contact ? clear : nullptr,
                        contact && model.conditions().symmetric() ? energy : nullptr,
-                       contact ? longest_flight * contact::mean_edge(model.contact()->scene().set().surface()) : 0.0});
+                       contact ? longest_flight * contact::mean_edge(model.contact()->scene().set().surface()) : 0.0,
+                       account ? accepted : nullptr});
   linear.prepare();
   prepare_inexact(from.solver);
   SNES snes = nullptr;
@@ -197,6 +199,8 @@ void TimeIntegration::Impl::accept(system::State& state, StepResult& r) {
   if (is_end(state.time)) state.time = until();
   if (ended() && wanted > 0.0) state.next_step = wanted;
   dynamics.set_time(state.time);
+  if (account && explicit_method) account->end_step(state.u, state.v);
+  if (account) state.balance = account->balance();
   state.load_factor = model.conditions().load_factor();
   if (model.contact()) state.contact = model.contact()->memory();
   state.solver = solver_memory();
@@ -256,6 +260,10 @@ StepResult TimeIntegration::begin(system::State& state) {
   if (!state.v) state.v = n.model.dofs().create_vector();
   n.dynamics.set_time(state.time);
   n.model.conditions().enforce(state.u);
+  if (n.options.energy_balance) {
+    n.account.emplace(n.dynamics).begin(state.u, state.v, state.balance);
+    state.balance = n.account->balance();
+  }
   n.create(state);
   n.choose_method(state);
   n.prepare_first_step(state);

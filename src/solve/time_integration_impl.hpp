@@ -5,9 +5,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <string>
 
 #include "voile/solve/time_integration.hpp"
+#include "voile/system/energy_account.hpp"
 
 namespace voile::solve {
 
@@ -22,6 +24,7 @@ struct TimeIntegration::Impl {
   bool inexact;
   TsHandle ts;
   LinearSolver linear;
+  std::optional<system::EnergyAccount> account;
   ConvergenceTest test;
   petsc::VecHandle trial, start, product;
   double residual_before = 0.0, work = 0.0, rms = -1.0, length = 1.0, residual = 0.0;
@@ -95,6 +98,7 @@ struct TimeIntegration::Impl {
   static PetscErrorCode enforce(void* self, PetscReal t, Vec stage);
   static PetscErrorCode clear(void* self, PetscReal t0, Vec x0, PetscReal t1, Vec x1, PetscBool* possible);
   static PetscErrorCode energy(void* self, Vec x1, PetscReal* value);
+  static PetscErrorCode accepted(void* self, Vec x0, Vec x1, Vec v1);
   static PetscErrorCode accelerate(void* self, PetscReal t, Vec x, Vec v, Vec a);
   static PetscErrorCode make_positive(void* self, PetscBool* changed);
   static PetscErrorCode line_search(SNESLineSearch ls, void* self);

@@ -40,10 +40,21 @@ void Contact::lag_friction(Vec a) {
   scene_.lag_friction(slip_);
 }
 
-double Contact::energy(Vec a) {
+double Contact::energy(Vec a, ContactSet::Part part) {
   const petsc::EventScope scope(petsc::events().contact_term);
   scene_.take(a);
-  return mpi::sum(scene_.dofs().comm(), scene_.set().energy(scene_.points().now));
+  return mpi::sum(scene_.dofs().comm(), scene_.set().energy(scene_.points().now, part));
+}
+
+double Contact::friction_work(Vec a) {
+  scene_.take(a);
+  return mpi::sum(scene_.dofs().comm(), scene_.set().friction_work(scene_.points().now));
+}
+
+double Contact::obstacle_work(Vec a) {
+  scene_.take(a);
+  const ContactScene::Points& points = scene_.points();
+  return mpi::sum(scene_.dofs().comm(), scene_.set().obstacle_work(points.now, points.start, scene_.planes_at_start()));
 }
 
 void Contact::add_gradient(Vec a, Vec f, ContactSet::Part part) {

@@ -162,6 +162,13 @@ void ContactScene::begin_step() {
   points_.start = points_.now;
 }
 
+std::vector<contact::Plane> ContactScene::planes_at_start() const {
+  std::vector<contact::Plane> planes = set_->planes();
+  std::vector<Vec3> places = points_.start;
+  place_obstacles(start_time_, places, planes);
+  return planes;
+}
+
 void ContactScene::lag_friction(double slip) {
   set_->lag_friction(points_.now, points_.start, slip);
   carry();

@@ -78,6 +78,13 @@ void Dynamics::apply_mass(Vec x, Vec y) const {
   model_.dofs().clear_fixed(y);
 }
 
+void Dynamics::add_drag(Vec v, Vec f) {
+  const energy::Configuration c = moving(v);
+  std::fill(force_.begin(), force_.end(), Vec3::Zero());
+  drag_->add_forces(c, force_);
+  model_.dofs().add_forces(force_, f);
+}
+
 void Dynamics::residual(Vec u, Vec v, Vec a, Vec f) {
   model_.residual(u, f);
   apply_mass(a, sum_);
@@ -96,12 +103,7 @@ void Dynamics::residual(Vec u, Vec v, Vec a, Vec f) {
     model_.constant().multiply_damping(v, work_);
     VOILE_PETSC(VecAXPY(sum_, 1.0, work_));
   }
-  if (options_.drag.active()) {
-    const energy::Configuration c = moving(v);
-    std::fill(force_.begin(), force_.end(), Vec3::Zero());
-    drag_->add_forces(c, force_);
-    model_.dofs().add_forces(force_, sum_);
-  }
+  if (options_.drag.active()) add_drag(v, sum_);
   model_.dofs().clear_fixed(sum_);
   VOILE_PETSC(VecAXPY(f, 1.0, sum_));
 }
@@ -140,6 +142,39 @@ void Dynamics::assemble_tangent(Vec u, energy::Tangent kind, double s_v, double 
   drag_->kernel.set_scale(s_v);
   if (options_.drag.active()) request.extra = drag_.get();
   model_.assemble_tangent(u, request);
+}
+
+Dynamics::Work Dynamics::work(Vec u, Vec v, Vec a, Vec way) {
+  Work w;
+  w.model = model_.work(u, way, sum_);
+  const auto add = [&](double factor) {
+    double product = 0.0;
+    VOILE_PETSC(VecDot(work_, way, &product));
+    VOILE_PETSC(VecAXPY(sum_, factor, work_));
+    return factor * product;
+  };
+  apply_mass(a, work_);
+  w.inertia = add(1.0);
+  if (options_.mass_damping > 0.0) {
+    apply_mass(v, work_);
+    w.damping += add(options_.mass_damping);
+  }
+  if (options_.bending_damping > 0.0) {
+    model_.constant().multiply_bending(v, work_);
+    w.damping += add(options_.bending_damping);
+  }
+  if (material_damping()) {
+    model_.constant().multiply_damping(v, work_);
+    w.damping += add(1.0);
+  }
+  if (options_.drag.active()) {
+    VOILE_PETSC(VecZeroEntries(work_));
+    add_drag(v, work_);
+    w.drag = add(1.0);
+  }
+  model_.dofs().clear_free(sum_);
+  VOILE_PETSC(VecDot(sum_, way, &w.reactions));
+  return w;
 }
 
 double Dynamics::kinetic_energy(Vec v) const {

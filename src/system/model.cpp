@@ -58,10 +58,10 @@ void Model::residual(Vec a, Vec r) {
   force_scale_ = std::max(applied, std::sqrt(mpi::sum(comm(), reaction)));
 }
 
-Energies Model::energies(Vec a) {
+Energies Model::energies(Vec a, contact::ContactSet::Part contact) {
   const std::vector<double> viscosity = membrane_->kernel.viscosity();
   membrane_->kernel.set_viscosity({});
-  const Energies e = energies_of_step(a);
+  const Energies e = energies_of_step(a, contact);
   membrane_->kernel.set_viscosity(viscosity);
   return e;
 }
@@ -70,7 +70,7 @@ void Model::count_energy_from(Vec a) {
   bending_->count_from(a);
 }
 
-Energies Model::energies_of_step(Vec a) {
+Energies Model::energies_of_step(Vec a, contact::ContactSet::Part contact) {
   const petsc::EventScope scope(petsc::events().energy);
   Energies e;
   const energy::Configuration c = configuration(a);
@@ -79,12 +79,12 @@ Energies Model::energies_of_step(Vec a) {
   e.bending += bending_->energy(a) - ground;
   e.springs += ground;
   e.external = conditions_->potential(a);
-  if (contact_) e.contact = contact_->energy(a);
+  if (contact_ && contact != contact::ContactSet::none) e.contact = contact_->energy(a, contact);
   return e;
 }
 
 double Model::energy(Vec a) {
-  const Energies e = energies_of_step(a);
+  const Energies e = energies_of_step(a, contact::ContactSet::both);
   return e.membrane + e.bending + e.springs + e.external + e.contact;
 }
 

@@ -86,9 +86,15 @@ class ContactSet {
   /// The same up to any `limit`, over pairs found anew; positions of all points. [m]
   [[nodiscard]] std::vector<double> gaps_within(const std::vector<Vec3>& x, double limit) const;
 
+  enum Part { none = 0, normal = 1, friction = 2, both = 3 };
   /// Sum over the pairs this rank counts; infinite if one has no gap. [J]
-  [[nodiscard]] double energy(const std::vector<Vec3>& x) const;
-  enum Part { normal = 1, friction = 2, both = 3 };
+  [[nodiscard]] double energy(const std::vector<Vec3>& x, Part part = both) const;
+  /// What friction takes, sum of force times slip over the pairs this rank counts. [J]
+  [[nodiscard]] double friction_work(const std::vector<Vec3>& x) const;
+  /// Work of what moves points of obstacles, from `start`, and planes, from `planes_then`, with the normal forces at x,
+  /// over the pairs this rank counts. [J]
+  [[nodiscard]] double obstacle_work(const std::vector<Vec3>& x, const std::vector<Vec3>& start,
+                                     const std::vector<Plane>& planes_then) const;
   /// Adds the derivative of the energy to f, per sheet point; right for own points only. [N]
   void add_gradient(const std::vector<Vec3>& x, std::vector<Vec3>& f, Part part = both) const;
   /// Takes over how much each slip has changed since the last call with other positions; before hessian(x, true, ...).
@@ -168,6 +174,11 @@ class ContactSet {
   /// Smallest gaps over pairs; `as_barrier`: neighbours only where they feel each other.
   [[nodiscard]] std::vector<double> gaps_of(const std::vector<Pair>& pairs, const std::vector<Vec3>& x, double limit,
                                             bool as_barrier) const;
+  [[nodiscard]] double barrier_energy(const std::vector<Vec3>& x) const;
+  /// f0' over the size of a slip y [1/m].
+  [[nodiscard]] double friction_rate(double y) const {
+    return y >= slip_ ? 1.0 / y : 2.0 / slip_ - y / (slip_ * slip_);
+  }
   [[nodiscard]] bool counted(const std::array<Index, 4>& points) const;
   /// Derivatives of kappa A m b of one pair.
   void pair_gradient(const Pair& pair, const Near& n, Vec12& g) const;

@@ -164,6 +164,7 @@ struct RemeshSection {
 struct OutputSection {
   std::vector<std::string> fields;  ///< names of fields to write; empty: all
   int every = 1;                    ///< results every so many accepted steps (the last one always)
+  bool energy_balance = true;       ///< of a motion: whether its energy is accounted for
   enum class Stresses { none, surface, plies };
   Stresses stresses = Stresses::none;  ///< which stresses through the thickness are written besides
 };

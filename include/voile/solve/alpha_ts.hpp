@@ -38,6 +38,8 @@ struct AlphaCallbacks {
   /// With an energy: where the acceleration alone would carry a component further than this in the step [m], it is
   /// left out of the first guess.
   PetscReal longest_flight = PETSC_INFINITY;
+  /// A step from X0 to (X1, V1) is accepted; time and step size are still those of its start, for alpha_stage().
+  PetscErrorCode (*accepted)(void* context, Vec x0, Vec x1, Vec v1) = nullptr;
 };
 
 /// What of a step tells about X1: stage (Xa, Va, Aa) with dVa/dXa = s_v and dAa/dXa = s_a.

@@ -21,6 +21,7 @@ struct TimeOptions {
   int target_iterations = 10;                   ///< a step that needs more makes the next one smaller
   double velocity_tolerance = 0.0;  ///< an increment below this, as a root mean square over the mass and per step, ends
                                     ///< the iterations of a step [m/s]; 0: only the SNES's tolerances do
+  bool energy_balance = false;      ///< whether State::balance is kept
 };
 
 }  // namespace voile::solve

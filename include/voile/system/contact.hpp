@@ -52,7 +52,11 @@ class Contact {
   void begin_settling(Vec a, Vec residual, double time);
 
   /// Energy of contact and friction, the same on every rank; infinite if something touches. Collective. [J]
-  [[nodiscard]] double energy(Vec a);
+  [[nodiscard]] double energy(Vec a, contact::ContactSet::Part part = contact::ContactSet::both);
+  /// What friction takes from the start of the step to state a, with the forces there. Collective. [J]
+  [[nodiscard]] double friction_work(Vec a);
+  /// Work of what moves the obstacles from the start of the step, with the normal forces at state a. Collective. [J]
+  [[nodiscard]] double obstacle_work(Vec a);
   /// Adds the derivative of the energy to f (all components, fixed ones too). Collective. [N]
   void add_gradient(Vec a, Vec f, contact::ContactSet::Part part = contact::ContactSet::both);
   /// True if a pair that acts at state a lacks its place in the matrix on some rank; then `pattern` becomes `base`, of this rank's

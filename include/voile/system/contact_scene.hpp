@@ -65,6 +65,8 @@ class ContactScene {
   void take(Vec a);
   /// From now on slips count from the state last taken, at the time in force. Not collective.
   void begin_step();
+  /// The planes at the start of the step. Not collective.
+  [[nodiscard]] std::vector<contact::Plane> planes_at_start() const;
   /// Takes normal forces and directions of friction from the state last taken. Not collective.
   void lag_friction(double slip);
 

@@ -59,6 +59,14 @@ class Dynamics {
   /// What a residual is small against: the largest of applied forces, reactions and inertia of the last residual. [N]
   [[nodiscard]] double force_scale() const { return force_scale_; }
 
+  /// Works of the forces at (u, v, a) along a way [J]; positive where they take energy from the motion.
+  struct Work {
+    Model::Work model;
+    double inertia = 0.0, damping = 0.0, drag = 0.0;
+    double reactions = 0.0;  ///< of supports; positive where they give energy
+  };
+  /// Damping and drag also on what is held, whose supports then do that work. Collective.
+  [[nodiscard]] Work work(Vec u, Vec v, Vec a, Vec way);
   [[nodiscard]] double kinetic_energy(Vec v) const;
   /// Of all vertices, in global axes; supports included. Collective.
   [[nodiscard]] Vec3 momentum(Vec v) const;
@@ -67,6 +75,7 @@ class Dynamics {
 
  private:
   void build_drag();
+  void add_drag(Vec v, Vec f);
   /// Velocities of the local points in place of positions, for the drag.
   [[nodiscard]] energy::Configuration moving(Vec v) const;
   /// Whether C_b is there and is to act.

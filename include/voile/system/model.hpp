@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "voile/base/petsc.hpp"
+#include "voile/contact/contact_set.hpp"
 #include "voile/energy/element_options.hpp"
 #include "voile/energy/material.hpp"
 #include "voile/system/attachments.hpp"
@@ -61,7 +62,7 @@ struct ModelInput {
 struct Energies {
   double membrane = 0.0, bending = 0.0;  ///< [J]
   double external = 0.0;                 ///< work potential of dead loads, -f.u [J]
-  double contact = 0.0;                  ///< barriers and lagged friction [J]
+  double contact = 0.0;                  ///< barriers [J]
   double springs = 0.0;                  ///< [J]
 };
 
@@ -106,8 +107,19 @@ class Model {
   /// Stored minus external energy, viscous part of the time step included; only meaningful for a symmetric model.
   /// Collective.
   [[nodiscard]] double energy(Vec a);
-  /// The same in parts, without viscosity. Collective.
-  [[nodiscard]] Energies energies(Vec a);
+  /// What is stored, in parts, and the work potential of dead loads; without viscosity and friction. `contact`: which of
+  /// it, `none` or `normal`. Collective.
+  [[nodiscard]] Energies energies(Vec a, contact::ContactSet::Part contact = contact::ContactSet::normal);
+  /// Whether that changes with the time alone: clamps that turn, seams that are pulled, attachments. Not collective.
+  [[nodiscard]] bool stores_by_time() const;
+
+  /// Works of forces on a way [J]; positive where a load does it, or where the others take energy from the motion.
+  struct Work {
+    double internal = 0.0, viscous = 0.0;  ///< of what is stored, and of the viscosity of the time step
+    double contact = 0.0, friction = 0.0, loads = 0.0;
+  };
+  /// Of the forces at a along `way`, all components. Overwrites f with the unbalanced force as above. Collective.
+  [[nodiscard]] Work work(Vec a, Vec way, Vec f);
 
   /// Tangent at a. Fixed rows and columns are eliminated. Collective.
   void assemble_tangent(Vec a, const TangentRequest& request);
@@ -137,7 +149,8 @@ class Model {
 
   [[nodiscard]] MPI_Comm comm() const { return on_->comm(); }
   [[nodiscard]] energy::Configuration configuration(Vec a);
-  [[nodiscard]] Energies energies_of_step(Vec a);
+  [[nodiscard]] Energies energies_of_step(Vec a, contact::ContactSet::Part contact);
+  void add_term_forces(const Term& term, const energy::Configuration& c, Vec f);
   void find_coupling(Vec a);
 
   // Construction, in this order.

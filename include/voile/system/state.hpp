@@ -11,6 +11,7 @@
 #include "voile/system/attachments.hpp"
 #include "voile/system/contact_memory.hpp"
 #include "voile/system/dofs.hpp"
+#include "voile/system/energy_balance.hpp"
 
 namespace voile::system {
 
@@ -40,6 +41,7 @@ struct State {
   ContactMemory contact = {};
   Remeshings remeshings = {};
   SolverMemory solver = {};
+  EnergyBalance balance = {};        ///< of a motion, where it is kept
   std::vector<Anchor> anchors = {};  ///< alike on all ranks
 };
 

@@ -236,6 +236,16 @@ TEST_CASE("with contact the spectral radius of a motion is 0 if nothing else is 
   CHECK(parse_case(motion + contact + "[time]\nradius = 0.3\n", "case.toml").time.options.radius == 0.3);
 }
 
+TEST_CASE("the balance of energy is kept unless the method is explicit or it is not wanted") {
+  const std::string motion = "analysis = \"dynamic\"\n" + minimal;
+  const std::string by_differences = "[time]\nmethod = \"central_difference\"\nmass = \"lumped\"\n";
+  const auto kept = [](const std::string& text) { return parse_case(text, "case.toml").output.energy_balance; };
+  CHECK(kept(motion));
+  CHECK_FALSE(kept(motion + "[output]\nenergy_balance = false\n"));
+  CHECK_FALSE(kept(motion + by_differences));
+  CHECK(kept(motion + by_differences + "[output]\nenergy_balance = true\n"));
+}
+
 TEST_CASE("a section of which only --set gives a key is there") {
   const std::string motion = "analysis = \"dynamic\"\n" + minimal;
   CHECK_FALSE(input::parse_case(motion, "case.toml", {}).contact.input.active);

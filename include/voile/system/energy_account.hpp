@@ -1,0 +1,41 @@
+// Keeps the balance of a motion's energy, step by step (energy_balance.hpp).
+#pragma once
+
+#include "voile/base/petsc.hpp"
+#include "voile/system/dynamics.hpp"
+#include "voile/system/energy_balance.hpp"
+
+namespace voile::system {
+
+class EnergyAccount {
+ public:
+  /// `dynamics` must outlive it. Collective.
+  explicit EnergyAccount(Dynamics& dynamics);
+
+  /// Goes on from state (u, v) at the time in force with what came before: where energies are others now than in the last
+  /// state, a new mesh or supports that have let go made them so. Collective.
+  void begin(Vec u, Vec v, const EnergyBalance& before);
+  /// The forces of a step from u_0 to u_1, at its stage (u, v, a) and the stage's time, which is in force. Collective.
+  void take_forces(Vec u_0, Vec u_1, Vec u, Vec v, Vec a);
+  /// The step has ended with (u_1, v_1), at the time in force. Collective.
+  void end_step(Vec u_1, Vec v_1);
+
+  [[nodiscard]] const EnergyBalance& balance() const { return balance_; }
+
+ private:
+  struct Levels {
+    double kinetic = 0.0, internal = 0.0, contact = 0.0;
+    [[nodiscard]] double sum() const { return kinetic + internal + contact; }
+  };
+  [[nodiscard]] Levels levels(Vec u, Vec v);
+  [[nodiscard]] double internal_energy(Vec u);
+
+  Dynamics& dynamics_;
+  EnergyBalance balance_;
+  Levels before_;
+  Dynamics::Work work_;
+  double friction_ = 0.0, obstacles_ = 0.0;  ///< of the step: taken by friction; work of obstacles against barriers
+  petsc::VecHandle start_, way_;
+};
+
+}  // namespace voile::system

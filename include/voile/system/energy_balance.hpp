@@ -1,0 +1,40 @@
+// Where the energy of a motion comes from and goes to.
+//
+// Symbols   K, U, E   kinetic energy, energy stored in the sheet (membrane, bending, springs), energy of barriers     [J]
+//           u_0, u_1  start and end of a step, du = u_1 - u_0;  F(s) a force at the stage of the step (alpha_ts.hpp)
+//   K + U + E - initial = loads + supports + obstacles - damping - drag - friction - numerical + remeshing + unaccounted
+// Sums over the accepted steps, each of them a force at the stage times du. With y what is prescribed for obstacles,
+//   numerical  = -(dK - du.M a(s)) - (dU - du.F_int(s) - dU|y) - (dE - du.F_c(s) - dy.dE/dy(s))
+// is what the scheme takes by evaluating inertia and stored energies at one place for a whole step. What is then left is
+// the residual of the steps times du: what Newton's method leaves open, or a force that somebody forgot.
+#pragma once
+
+#include <vector>
+
+namespace voile::system {
+
+/// Sums since a motion began; none before. Alike on all ranks. [J]
+struct EnergyBalance {
+  bool kept = false;
+  double initial = 0.0;                ///< K + U + E at the start
+  double kinetic = 0.0, stored = 0.0;  ///< K and U + E in the last state
+  double loads = 0.0;                  ///< work of loads
+  double supports = 0.0;               ///< of what moves supports, clamps, attachments and seams
+  double obstacles = 0.0;              ///< of what moves obstacles
+  double damping = 0.0;                ///< taken by damping with mass and bending, and by viscosity
+  double drag = 0.0, friction = 0.0;   ///< taken by the air (in wind it may give), and by friction
+  double numerical = 0.0;              ///< taken by the scheme
+  double remeshing = 0.0;              ///< given at once by new meshes and by supports that let go
+  double unaccounted = 0.0;
+
+  /// What shares are told of: all that came in.
+  [[nodiscard]] double turnover() const;
+};
+
+/// For files and other ranks; and back (none if there are none).
+[[nodiscard]] std::vector<double> numbers_of(const EnergyBalance& balance);
+[[nodiscard]] EnergyBalance balance_of(const std::vector<double>& numbers);
+/// How many numbers these are.
+inline constexpr std::size_t balance_numbers = 12;
+
+}  // namespace voile::system

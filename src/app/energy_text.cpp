@@ -1,0 +1,41 @@
+#include "energy_text.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+namespace voile::app {
+
+std::array<std::pair<const char*, double>, 10> named_parts(const system::EnergyBalance& b) {
+  return {{{"stored_energy", b.stored},
+           {"work_of_loads", b.loads},
+           {"work_of_supports", b.supports},
+           {"work_of_obstacles", b.obstacles},
+           {"damping_loss", b.damping},
+           {"drag_loss", b.drag},
+           {"friction_loss", b.friction},
+           {"numerical_loss", b.numerical},
+           {"remeshing_gain", b.remeshing},
+           {"energy_unaccounted", b.unaccounted}}};
+}
+
+std::string balance_text(const system::EnergyBalance& b) {
+  std::string text = fmt::format("energy [J]: {:.4g} at the start", b.initial);
+  const auto add = [&](const char* what, double value, bool always) {
+    if (always || value != 0.0) text += fmt::format(", {} {:.4g}", what, value);
+  };
+  add("work of loads", b.loads, true);
+  add("of supports", b.supports, false);
+  add("of obstacles", b.obstacles, false);
+  add("remeshing", b.remeshing, false);
+  text += fmt::format("; kinetic {:.4g}, stored {:.4g}", b.kinetic, b.stored);
+  add("damping", b.damping, false);
+  add("drag", b.drag, false);
+  add("friction", b.friction, false);
+  add("numerical", b.numerical, true);
+  const double all = b.turnover();
+  return text + fmt::format("; unaccounted {:.2g} ({:.2g} %)", b.unaccounted,
+                            all > 0.0 ? 100.0 * std::abs(b.unaccounted) / all : 0.0);
+}
+
+}  // namespace voile::app

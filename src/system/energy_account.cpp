@@ -1,0 +1,103 @@
+#include "voile/system/energy_account.hpp"
+
+#include <cmath>
+
+#include "voile/base/error.hpp"
+#include "voile/system/contact.hpp"
+
+namespace voile::system {
+
+namespace {
+
+template <class Balance>
+auto members_of(Balance& b) {
+  return std::array{&b.initial, &b.kinetic, &b.stored,   &b.loads,     &b.supports,  &b.obstacles,
+                    &b.damping, &b.drag,    &b.friction, &b.numerical, &b.remeshing, &b.unaccounted};
+}
+
+}  // namespace
+
+double EnergyBalance::turnover() const {
+  return std::abs(initial) + std::abs(loads) + std::abs(supports) + std::abs(obstacles);
+}
+
+std::vector<double> numbers_of(const EnergyBalance& balance) {
+  std::vector<double> numbers;
+  if (balance.kept)
+    for (const double* value : members_of(balance)) numbers.push_back(*value);
+  return numbers;
+}
+
+EnergyBalance balance_of(const std::vector<double>& numbers) {
+  EnergyBalance balance;
+  if (numbers.empty()) return balance;
+  if (numbers.size() != balance_numbers) throw InternalError("an energy balance of another size");
+  balance.kept = true;
+  std::size_t i = 0;
+  for (double* value : members_of(balance)) *value = numbers[i++];
+  return balance;
+}
+
+EnergyAccount::EnergyAccount(Dynamics& dynamics)
+    : dynamics_(dynamics),
+      start_(dynamics.model().dofs().create_vector()),
+      way_(dynamics.model().dofs().create_vector()) {}
+
+double EnergyAccount::internal_energy(Vec u) {
+  const Energies e = dynamics_.model().energies(u, contact::ContactSet::none);
+  return e.membrane + e.bending + e.springs;
+}
+
+EnergyAccount::Levels EnergyAccount::levels(Vec u, Vec v) {
+  Contact* contact = dynamics_.model().contact();
+  return {dynamics_.kinetic_energy(v), internal_energy(u),
+          contact ? contact->energy(u, contact::ContactSet::normal) : 0.0};
+}
+
+void EnergyAccount::begin(Vec u, Vec v, const EnergyBalance& before) {
+  before_ = levels(u, v);
+  balance_ = before;
+  if (before.kept)
+    balance_.remeshing += before_.sum() - before.kinetic - before.stored;
+  else
+    balance_.initial = before_.sum();
+  balance_.kept = true;
+  balance_.kinetic = before_.kinetic;
+  balance_.stored = before_.internal + before_.contact;
+}
+
+void EnergyAccount::take_forces(Vec u_0, Vec u_1, Vec u, Vec v, Vec a) {
+  VOILE_PETSC(VecCopy(u_0, start_));
+  VOILE_PETSC(VecWAXPY(way_, -1.0, u_0, u_1));
+  work_ = dynamics_.work(u, v, a, way_);
+  if (Contact* contact = dynamics_.model().contact()) {
+    friction_ = contact->friction_work(u);
+    obstacles_ = contact->obstacle_work(u);
+  }
+}
+
+void EnergyAccount::end_step(Vec u_1, Vec v_1) {
+  // What is prescribed changes the energy stored, at first with the sheet as it was; how the sheet gives way is in du.F.
+  const double prescribed = dynamics_.model().stores_by_time() ? internal_energy(start_) - before_.internal : 0.0;
+  const Levels now = levels(u_1, v_1);
+  const Model::Work& w = work_.model;
+  EnergyBalance step;
+  step.loads = w.loads;
+  step.supports = work_.reactions + prescribed;
+  step.friction = friction_;
+  step.obstacles = obstacles_ + friction_ - w.friction;
+  step.damping = work_.damping + w.viscous;
+  step.drag = work_.drag;
+  step.numerical = work_.inertia - (now.kinetic - before_.kinetic) + w.internal + prescribed -
+                   (now.internal - before_.internal) + w.contact + obstacles_ - (now.contact - before_.contact);
+  step.unaccounted = now.sum() - before_.sum() - (step.loads + step.supports + step.obstacles) + step.damping +
+                     step.drag + step.friction + step.numerical;
+  const auto sums = members_of(balance_);
+  const auto more = members_of(step);
+  for (std::size_t i = 0; i < sums.size(); ++i) *sums[i] += *more[i];
+  balance_.kinetic = now.kinetic;
+  balance_.stored = now.internal + now.contact;
+  before_ = now;
+}
+
+}  // namespace voile::system
