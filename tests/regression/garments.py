@@ -503,7 +503,7 @@ def garment_tshirt(report):
     figure = OUT / "garment_figure.obj"
     code, text = invoke(["manikin", figure, "--arms", 53, "--motion", "turn", "--seconds", 2, "--angle", 90])
     report.check(code == 0, f"manikin: code {code}: {text[-200:]}")
-    case["obstacle"][0] |= {"file": str(figure), "frames": str(figure.with_suffix(".pc2"))}
+    case["obstacle"][0] |= {"file": str(figure), "frames": str(figure.with_suffix(".pc2")), "landmarks": str(figure.with_suffix(".landmarks.csv"))}
     case["material"] = [CLOTH]
     case["stage"][2]["time"]["end"] = 1.5
     result = solve("garment_tshirt", case, 2)

@@ -34,6 +34,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "runs" / "lib"))
 import bodies  # noqa: E402, F401: adds its tests
 import contacting  # noqa: E402, F401: adds its tests
 import garments  # noqa: E402, F401: adds its tests
+import landmarks  # noqa: E402, F401: adds its tests
 import placing  # noqa: E402, F401: adds its tests
 import robustness  # noqa: E402, F401: adds its tests
 import sewing  # noqa: E402, F401: adds its tests
