@@ -210,6 +210,11 @@ void read_remesh(const CaseReader& reader, Case& c) {
                "edge_slope");
 }
 
+/// Which obstacles there are depends on it.
+std::string in_stage(const Case& c) {
+  return c.stage.name.empty() ? "" : fmt::format(" in stage '{}'", c.stage.name);
+}
+
 void check_attachment(const SectionPlace& place, const Case& c, const system::Attachment& s) {
   if (s.groups.empty()) place.fail("groups", "the list is empty; name points, curves or surfaces of the mesh");
   if (s.hard && !std::isnan(s.gap))
@@ -225,7 +230,8 @@ void check_attachment(const SectionPlace& place, const Case& c, const system::At
                  fmt::format("'{}' has no triangles to hold to; attach to one of type mesh or cylinder", s.obstacle));
   }
   if (std::find(known.begin(), known.end(), s.obstacle) == known.end())
-    place.fail("obstacle", fmt::format("there is no [[obstacle]] '{}':{}", s.obstacle, suggestion(s.obstacle, known)));
+    place.fail("obstacle", fmt::format("there is no [[obstacle]] '{}'{}:{}", s.obstacle, in_stage(c),
+                                       suggestion(s.obstacle, known)));
 }
 
 void check_landmark(const SectionPlace& place, const Case& c, const LandmarkSection& s) {
@@ -244,7 +250,8 @@ void check_landmark(const SectionPlace& place, const Case& c, const LandmarkSect
       place.fail("point", fmt::format("the key is missing; '{}' is no mesh with vertices", s.obstacle));
   }
   if (std::find(known.begin(), known.end(), s.obstacle) == known.end())
-    place.fail("obstacle", fmt::format("there is no [[obstacle]] '{}':{}", s.obstacle, suggestion(s.obstacle, known)));
+    place.fail("obstacle", fmt::format("there is no [[obstacle]] '{}'{}:{}", s.obstacle, in_stage(c),
+                                       suggestion(s.obstacle, known)));
 }
 
 void read_contact(const CaseReader& reader, Case& c) {
