@@ -7,6 +7,7 @@
 #include "obstacles.hpp"
 #include "voile/base/error.hpp"
 #include "voile/base/mpi.hpp"
+#include "voile/geometry/winding.hpp"
 #include "voile/system/contact.hpp"
 #include "voile/untangle/untangle.hpp"
 
@@ -57,12 +58,35 @@ void check_start(const std::filesystem::path& file, system::Contact& contact, Ve
       tried));
 }
 
+/// Pieces that were placed inside of a body, of which contact would never let them out. One vertex tells: nothing intersects.
+std::vector<std::string> enclosed_pieces(const system::ContactScene& scene, const std::vector<Vec3>& positions) {
+  std::vector<std::string> notes;
+  const mesh::SurfaceMesh& sheet = scene.dofs().mesh();
+  for (std::size_t k = 0; k < scene.input().obstacles.size(); ++k) {
+    const contact::Obstacle& o = scene.input().obstacles[k];
+    if (o.shape != contact::Obstacle::Shape::mesh || !geometry::is_closed(o.triangles)) continue;
+    const std::vector<Vec3> body = system::obstacle_points(scene, k);
+    for (const mesh::Group& g : sheet.groups())
+      if (g.dimension == 2 && !g.vertices.empty() &&
+          std::abs(geometry::winding_number(positions[static_cast<std::size_t>(g.vertices.front())], body,
+                                            o.triangles)) > 0.5)
+        notes.push_back(
+            fmt::format("panel '{}' lies inside of [[obstacle]] '{}', which it cannot leave; place it "
+                        "outside by translate, origin or wrap_radius",
+                        g.name, o.name));
+  }
+  return notes;
+}
+
 /// Says what a user should know of a start that is none the worse for it. Collective.
 void print_notes(const input::Case& c, system::Contact& contact, Vec a) {
   const system::ContactReport report = system::report(contact.scene(), a);
   const double settle_time = contact.scene().input().options.settle_time;
+  const std::vector<Vec3> positions = contact.scene().positions(a);
   mpi::on_root(PETSC_COMM_WORLD, [&] {
     for (const std::string& note : contact.scene().input().notes) fmt::print("note: {}\n", note);
+    if (!c.panels.empty())
+      for (const std::string& note : enclosed_pieces(contact.scene(), positions)) fmt::print("note: {}\n", note);
     if (report.pairs == 0) return;
     fmt::print(
         "note: [contact]: the start lies inside the contact distance of {:.4g} m: {} pair(s), smallest gap {:.4g} m, "

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -9,6 +10,7 @@
 #include <set>
 
 #include "garment_measures.hpp"
+#include "landmarks.hpp"
 #include "mesh_transfer.hpp"
 #include "voile/app/run.hpp"
 #include "voile/base/error.hpp"
@@ -22,27 +24,59 @@ namespace voile::app {
 
 namespace {
 
+/// What a panel is called in messages.
+std::string where_of(const input::Case& c, const input::PanelSection& s) {
+  const std::size_t number = static_cast<std::size_t>(&s - c.panels.data());
+  const std::string name = s.name.empty() ? fmt::format("number {}", number) : fmt::format("'{}'", s.name);
+  return fmt::format("{}: [[panel]] {}", c.file.string(), name);
+}
+
 /// The cylinder or cone that pieces are bent onto.
-std::optional<pattern::Wrap> wrap_of(const input::PanelSection& s) {
+std::optional<pattern::Wrap> wrap_of(const input::Case& c, const input::PanelSection& s, Landmarks& landmarks) {
   if (!s.wrap_axis && !s.wrap_end) return std::nullopt;
-  const Vec3 along = s.wrap_axis ? *s.wrap_axis : Vec3(*s.wrap_end - s.wrap_point);
-  pattern::Wrap wrap{along.normalized(), s.wrap_point, s.wrap_radius, s.wrap_angle};
+  const std::string where = where_of(c, s);
+  const Vec3 point = landmarks.place(s.wrap_point, where + " wrap_point");
+  const Vec3 end = s.wrap_end ? landmarks.place(*s.wrap_end, where + " wrap_end") : Vec3(point + *s.wrap_axis);
+  const Vec3 along = end - point;
+  if (!(along.norm() > 0.0))
+    throw UserError(fmt::format("{} wrap_end: it is where wrap_point is; name another point on the axis", where));
+  pattern::Wrap wrap{along.normalized(), point, s.wrap_radius, s.wrap_angle};
   if (s.wrap_radii.empty()) return wrap;
   wrap.half_angle = std::atan2(s.wrap_radii[1] - s.wrap_radii[0], along.norm());
   wrap.radius = s.wrap_radii[0];
   if (wrap.radius > 0.0) return wrap;
-  wrap.point = *s.wrap_end;  // it begins at the apex
+  wrap.point = end;  // it begins at the apex
   wrap.radius = s.wrap_radii[1];
   return wrap;
 }
 
-pattern::Panel panel_of(const input::PanelSection& s, const pattern::Pattern& from, pattern::Piece piece) {
+/// Turns a panel about its origin until a direction in it is that of the axis.
+void turn_along(const input::Case& c, const input::PanelSection& s, pattern::Panel& p) {
+  using Along = input::PanelSection::Along;
+  if (s.wrap_along == Along::as_placed || !p.wrap) return;
+  const bool is_x = s.wrap_along == Along::x || s.wrap_along == Along::minus_x;
+  const bool is_against = s.wrap_along == Along::minus_x || s.wrap_along == Along::minus_y;
+  const Vec3 drawn = (is_against ? -1.0 : 1.0) * (is_x ? Vec3::UnitX() : Vec3::UnitY());
+  const Vec3 placed = p.turn * p.piece.rotation * drawn;
+  constexpr double opposite = 1e-6;
+  if ((placed + p.wrap->axis).norm() < opposite)
+    throw UserError(
+        fmt::format("{} wrap_along: piece '{}' would be turned by 180 degrees, any way round; turn it "
+                    "nearer to the axis with rotate, or name the opposite direction",
+                    where_of(c, s), p.piece.name));
+  const Mat3 turn = Eigen::Quaterniond::FromTwoVectors(placed, p.wrap->axis).toRotationMatrix() * p.turn;
+  p.shift += (p.turn - turn) * p.piece.translation;
+  p.turn = turn;
+}
+
+pattern::Panel panel_of(const input::Case& c, const input::PanelSection& s, const pattern::Pattern& from,
+                        pattern::Piece piece, Landmarks& landmarks) {
   pattern::Panel p;
   p.file = from.file.string();
   p.size = s.size;
   p.turn = s.placement.rotation();
-  p.shift = s.placement.translate;
-  p.wrap = wrap_of(s);
+  p.shift = landmarks.place(s.origin, where_of(c, s) + " origin") + s.placement.translate;
+  p.wrap = wrap_of(c, s, landmarks);
   if (!s.grain.empty()) piece.grain = Vec2(s.grain[0], s.grain[1]).normalized();
   if (s.mirror) {
     const Mat2 mirror = Vec2(-1.0, 1.0).asDiagonal();
@@ -51,6 +85,8 @@ pattern::Panel panel_of(const input::PanelSection& s, const pattern::Pattern& fr
   }
   if (!s.name.empty()) piece.name = s.name;
   p.piece = std::move(piece);
+  turn_along(c, s, p);
+  if (p.wrap) p.shift += s.wrap_shift * p.wrap->axis;
   return p;
 }
 
@@ -156,11 +192,14 @@ pattern::Garment garment_of(const input::Case& c) {
   std::vector<pattern::SeamRequest> requests;
   std::vector<std::string> notes;
   std::vector<Cut> cuts;
+  Landmarks landmarks(c);
   for (const input::PanelSection& section : c.panels) {
     const Cut& cut = cuts.emplace_back(read_panels(section));
     notes.insert(notes.end(), cut.from.notes.begin(), cut.from.notes.end());
-    for (const pattern::Piece& piece : cut.from.pieces) panels.push_back(panel_of(section, cut.from, piece));
+    for (const pattern::Piece& piece : cut.from.pieces)
+      panels.push_back(panel_of(c, section, cut.from, piece, landmarks));
   }
+  notes.insert(notes.end(), landmarks.notes().begin(), landmarks.notes().end());
   std::set<std::string> known;
   for (const Cut& cut : cuts)
     if (cut.section->stitches) add_stitches(cuts, cut, known, requests, notes);

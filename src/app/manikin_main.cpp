@@ -27,7 +27,7 @@ void declare(CLI::App& cli, Request& r) {
   c->footer(
       "Lengths are metres. z is up from the floor, the body looks along -y and walks that way. With --motion the "
       "positions of all frames go to a .pc2 beside the .obj, for the keys frames and frames_per_second of an "
-      "obstacle.");
+      "obstacle; named points (waist, left wrist, ...) to a .landmarks.csv.");
   c->add_option("file", r.file, "File to write (.obj); replaced if it exists")->required();
   c->add_option("--kind", r.kind, "figure: with head, arms and legs; form: a tailor's, on a stand [figure]")
       ->check(CLI::IsMember({"figure", "form"}));
@@ -52,6 +52,36 @@ void write_obj(const fs::path& file, const geometry::TriangleSoup& surface) {
   for (const Vec3& p : surface.positions) out << fmt::format("v {:.7f} {:.7f} {:.7f}\n", p.x(), p.y(), p.z());
   for (const mesh::Triangle& t : surface.triangles) out << fmt::format("f {} {} {}\n", t[0] + 1, t[1] + 1, t[2] + 1);
   if (!out.flush()) throw UserError(fmt::format("{}: cannot be written", file.string()));
+}
+
+/// Names for the places of pieces: where joints are, and the middle of the trunk at the heights of girths.
+std::vector<std::pair<std::string, Vec3>> landmarks_of(const manikin::Shape& shape) {
+  const manikin::Levels& l = shape.levels();
+  std::vector<std::pair<std::string, Vec3>> named;
+  for (const auto& [name, z] : {std::pair{"neck", l.neck}, {"bust", l.bust}, {"waist", l.waist}, {"hip", l.hip}})
+    named.emplace_back(name, Vec3(0.0, 0.0, z));
+  if (shape.kind() == manikin::Kind::form) return named;
+  named.emplace_back("crotch", Vec3(0.0, 0.0, l.crotch));
+  const manikin::Joints& j = shape.joints();
+  for (const auto& [name, at] : {std::pair{"shoulder", j.shoulder},
+                                 {"elbow", j.elbow},
+                                 {"wrist", j.wrist},
+                                 {"hip joint", j.hip},
+                                 {"knee", j.knee},
+                                 {"ankle", j.ankle}}) {
+    named.emplace_back(std::string("left ") + name, at);
+    named.emplace_back(std::string("right ") + name, Vec3(-at.x(), at.y(), at.z()));
+  }
+  return named;
+}
+
+fs::path write_landmarks(fs::path file, const manikin::Shape& shape) {
+  file.replace_extension(".landmarks.csv");
+  std::ofstream out(file);
+  for (const auto& [name, p] : landmarks_of(shape))
+    out << fmt::format("{},{:.7f},{:.7f},{:.7f}\n", name, p.x(), p.y(), p.z());
+  if (!out.flush()) throw UserError(fmt::format("{}: cannot be written", file.string()));
+  return file;
 }
 
 template <class Value>
@@ -112,6 +142,8 @@ void make(Request& r) {
              figure.surface.triangles.size());
   fmt::print("girth of bust {:.4f} m at height {:.4f}, waist {:.4f} at {:.4f}, hip {:.4f} at {:.4f}\n",
              figure.girths.bust, l.bust, figure.girths.waist, l.waist, figure.girths.hip, l.hip);
+  fmt::print("{}: names of points of it, for the key landmarks of an obstacle\n",
+             write_landmarks(r.file, figure.shape).string());
   if (frames.empty()) return;
   const fs::path cache = fs::path(r.file).replace_extension(".pc2");
   write_pc2(cache, frames);

@@ -133,6 +133,19 @@ void limit_friction(double most, system::ContactInput& input) {
 
 }  // namespace
 
+std::vector<Vec3> vertices_at_start(const input::ObstacleSection& section) {
+  contact::Obstacle o = section.shape;
+  std::vector<std::string> notes;  // said when the obstacle itself is read
+  read_shape(PETSC_COMM_SELF, section, o);
+  if (!section.frames.empty()) {
+    read_frames(PETSC_COMM_SELF, section, 0.0, o, notes);
+    return o.frames(0.0);
+  }
+  if (o.motion)
+    for (Vec3& x : o.points) x += o.motion(x, 0.0);
+  return o.points;
+}
+
 system::ContactInput contact_input(MPI_Comm comm, const input::Case& c, KnownObstacles& known) {
   system::ContactInput input = c.contact.input;
   for (const input::ObstacleSection& section : c.obstacles) {

@@ -27,6 +27,9 @@ using KnownObstacles = std::map<std::string, contact::Obstacle>;
 /// receives them. Collective. Throws UserError for files that cannot be read and frames that do not fit their mesh.
 [[nodiscard]] system::ContactInput contact_input(MPI_Comm comm, const input::Case& c, KnownObstacles& known);
 
+/// Vertices of an obstacle of type mesh in the scene at time 0 [m]. Not collective. Throws UserError as above.
+[[nodiscard]] std::vector<Vec3> vertices_at_start(const input::ObstacleSection& section);
+
 /// Counts triangles that intersect, by exact predicates (see io/intersections.hpp). Balls and capsules count as
 /// polyhedra inscribed in them, a half-space is compared vertex by vertex.
 class IntersectionCheck {

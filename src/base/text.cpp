@@ -34,6 +34,7 @@ std::string nearest(const std::string& word, const std::vector<std::string>& nam
 }
 
 std::string suggestion(const std::string& word, const std::vector<std::string>& names) {
+  if (names.empty()) return " there is none";
   const std::string near = nearest(word, names);
   return near.empty() ? fmt::format(" valid: {}", join(names, ", ")) : fmt::format(" did you mean '{}'?", near);
 }

@@ -167,6 +167,7 @@ void read_obstacle(const SectionPlace& place, Case& c, ObstacleSection& s) {
   else if (o.shape != Shape::mesh)
     o.points = {s.point};
   if (!s.file.empty()) s.file = beside(c.file, s.file);
+  if (!s.landmarks.empty()) s.landmarks = beside(c.file, s.landmarks);
   if (s.frames.empty() && (s.frames_loop || s.frames_start != 0.0))
     place.fail(s.frames_loop ? "frames_loop" : "frames_start", "there are no frames; give them, or remove the key");
   if (s.frames.empty()) return;
@@ -209,6 +210,11 @@ void read_remesh(const CaseReader& reader, Case& c) {
                "edge_slope");
 }
 
+/// Which obstacles there are depends on it.
+std::string in_stage(const Case& c) {
+  return c.stage.name.empty() ? "" : fmt::format(" in stage '{}'", c.stage.name);
+}
+
 void check_attachment(const SectionPlace& place, const Case& c, const system::Attachment& s) {
   if (s.groups.empty()) place.fail("groups", "the list is empty; name points, curves or surfaces of the mesh");
   if (s.hard && !std::isnan(s.gap))
@@ -224,13 +230,36 @@ void check_attachment(const SectionPlace& place, const Case& c, const system::At
                  fmt::format("'{}' has no triangles to hold to; attach to one of type mesh or cylinder", s.obstacle));
   }
   if (std::find(known.begin(), known.end(), s.obstacle) == known.end())
-    place.fail("obstacle", fmt::format("there is no [[obstacle]] '{}':{}", s.obstacle, suggestion(s.obstacle, known)));
+    place.fail("obstacle", fmt::format("there is no [[obstacle]] '{}'{}:{}", s.obstacle, in_stage(c),
+                                       suggestion(s.obstacle, known)));
+}
+
+void check_landmark(const SectionPlace& place, const Case& c, const LandmarkSection& s) {
+  if (static_cast<int>(s.point.has_value()) + static_cast<int>(s.near.has_value()) + (s.vertices.empty() ? 0 : 1) != 1)
+    place.fail("point", "one of point, near and vertices says where it is");
+  for (const double v : s.vertices)
+    if (v != std::floor(v)) place.fail("vertices", fmt::format("{}: a whole number is needed", v));
+  for (const LandmarkSection& other : c.landmarks)
+    if (other.obstacle == s.obstacle && other.name == s.name)
+      place.fail("name", fmt::format("'{}': '{}' has another landmark of this name", s.name, s.obstacle));
+  if (c.stage.number > 0) return;  // pieces are placed in the first stage, others may be without the obstacle
+  std::vector<std::string> known;
+  for (const ObstacleSection& o : c.obstacles) {
+    known.push_back(o.shape.name);
+    if (o.shape.name == s.obstacle && o.type != ObstacleSection::Type::mesh && !s.point)
+      place.fail("point", fmt::format("the key is missing; '{}' is no mesh with vertices", s.obstacle));
+  }
+  if (std::find(known.begin(), known.end(), s.obstacle) == known.end())
+    place.fail("obstacle", fmt::format("there is no [[obstacle]] '{}'{}:{}", s.obstacle, in_stage(c),
+                                       suggestion(s.obstacle, known)));
 }
 
 void read_contact(const CaseReader& reader, Case& c) {
   const SectionPlace place = reader.read("contact", 0, keys_of(c.contact));
   read_all(reader, "obstacle", c.obstacles,
            [&](const SectionPlace& at, ObstacleSection& s) { read_obstacle(at, c, s); });
+  read_all(reader, "landmark", c.landmarks,
+           [&](const SectionPlace& at, const LandmarkSection& s) { check_landmark(at, c, s); });
   read_all(reader, "contact_rule", c.contact_rules, [](const SectionPlace&, const auto&) {});
   read_all(reader, "attachment", c.attachments,
            [&](const SectionPlace& at, const system::Attachment& s) { check_attachment(at, c, s); });

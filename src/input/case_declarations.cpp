@@ -16,6 +16,7 @@ Declarations::Declarations()
             {"spring", keys_of(spring_)},
             {"contact", keys_of(case_.contact)},
             {"obstacle", keys_of(obstacle_)},
+            {"landmark", keys_of(landmark_)},
             {"contact_rule", keys_of(rule_)},
             {"attachment", keys_of(attachment_)},
             {"steps", keys_of(case_.steps)},

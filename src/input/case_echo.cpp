@@ -79,6 +79,10 @@ struct Printer {
   }
   std::string operator()(const Vec3* x) const { return vector_text(*x); }
   std::string operator()(const std::optional<Vec3>* x) const { return *x ? vector_text(**x) : ""; }
+  std::string operator()(const PointInput* x) const {
+    return x->landmark.empty() ? vector_text(x->at) : quoted(x->landmark);
+  }
+  std::string operator()(const std::optional<PointInput>* x) const { return *x ? (*this)(&**x) : ""; }
   std::string operator()(const Mat3* x) const {
     return list(std::array{0, 1, 2}, [&](int i) { return vector_text(x->row(i)); });
   }
@@ -105,6 +109,8 @@ struct TypeName {
   std::string operator()(const std::array<bool, 3>*) const { return "list of axes"; }
   std::string operator()(const Vec3*) const { return "3 numbers"; }
   std::string operator()(const std::optional<Vec3>*) const { return "3 numbers"; }
+  std::string operator()(const PointInput*) const { return "3 numbers, or a landmark `\"OBSTACLE.NAME\"`"; }
+  std::string operator()(const std::optional<PointInput>*) const { return (*this)(static_cast<PointInput*>(nullptr)); }
   std::string operator()(const Mat3*) const { return "3 rows of 3 numbers"; }
   std::string operator()(const std::map<std::string, double>*) const { return "table of numbers"; }
 };
@@ -252,6 +258,7 @@ std::string echo_case(const Case& c) {
   if (copy.contact.input.active) {
     out += "\n[contact]\n" + echo_keys(keys_of(copy.contact));
     out += echo_all("obstacle", copy.obstacles);
+    out += echo_all("landmark", copy.landmarks);
     out += echo_all("contact_rule", copy.contact_rules);
     out += echo_all("attachment", copy.attachments);
   }

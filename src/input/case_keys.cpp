@@ -130,6 +130,9 @@ const std::vector<SectionInfo>& sections() {
       {"contact", false,
        "Contact without interpenetration, see [contact.md](contact.md). This section, or an obstacle, switches it on."},
       {"obstacle", true, "What the sheet can touch."},
+      {"landmark", true,
+       "Points of obstacles by name, from which pieces are placed: keys of `[[panel]]` take `\"OBSTACLE.NAME\"`, see "
+       "[garment.md](garment.md). One of `point`, `near` and `vertices` says where it is."},
       {"contact_rule", true, "What holds between two bodies instead of the general rules."},
       {"attachment", true,
        "Vertices that springs hold to the surface of an obstacle, each where it is nearest when the attachment takes "

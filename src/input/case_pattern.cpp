@@ -15,9 +15,10 @@ namespace {
 void check_wrap(const SectionPlace& place, const PanelSection& s) {
   if (s.wrap_axis && s.wrap_end)
     place.fail("wrap_axis", "wrap_point and wrap_end have a direction; remove one of the keys");
-  if (s.wrap_end && !((*s.wrap_end - s.wrap_point).norm() > 0.0))
+  const bool by_numbers = s.wrap_end && s.wrap_end->landmark.empty() && s.wrap_point.landmark.empty();
+  if (by_numbers && !((s.wrap_end->at - s.wrap_point.at).norm() > 0.0))
     place.fail("wrap_end", "it is wrap_point itself; give another point on the axis");
-  for (const char* key : {"wrap_point", "wrap_radius", "wrap_angle", "wrap_radii"})
+  for (const char* key : {"wrap_point", "wrap_along", "wrap_shift", "wrap_radius", "wrap_angle", "wrap_radii"})
     if (place.has(key) && !s.wrap_axis && !s.wrap_end)
       place.fail("wrap_axis", fmt::format("the key is missing; {} is about an axis", key));
   if (s.wrap_radii.empty()) return;

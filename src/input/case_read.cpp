@@ -84,6 +84,14 @@ class ValueReader {
     // All optional vectors are directions but the point of a probe, which may be the origin.
     if (key_.unit.empty() && (*x)->norm() == 0.0) refuse("a direction must not be zero");
   }
+  void operator()(PointInput* x) const {
+    *x = {};
+    if (node_.is_string())
+      x->landmark = filled(text(node_));
+    else
+      x->at = vector(node_, "three numbers [x, y, z], or a landmark \"OBSTACLE.NAME\" in quotes, are needed");
+  }
+  void operator()(std::optional<PointInput>* x) const { (*this)(&x->emplace()); }
   void operator()(Mat3* x) const {
     constexpr const char* wanted = "three rows of three numbers are needed: [[a, b, c], [b, d, e], [c, e, f]]";
     const toml::array& rows = array(wanted);

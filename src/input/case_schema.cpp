@@ -49,6 +49,10 @@ struct Type {
   Json operator()(const std::array<bool, 3>*) const { return axes(); }
   Json operator()(const Vec3*) const { return array_of({{"type", "number"}}, 3); }
   Json operator()(const std::optional<Vec3>*) const { return array_of({{"type", "number"}}, 3); }
+  Json operator()(const PointInput*) const {
+    return {{"anyOf", {array_of({{"type", "number"}}, 3), {{"type", "string"}}}}};
+  }
+  Json operator()(const std::optional<PointInput>*) const { return (*this)(static_cast<PointInput*>(nullptr)); }
   Json operator()(const Mat3*) const { return array_of(array_of({{"type", "number"}}, 3), 3); }
   Json operator()(const std::map<std::string, double>*) const {
     return {{"type", "object"}, {"additionalProperties", {{"type", "number"}}}};

@@ -85,6 +85,12 @@ std::vector<Key> mesh_keys(ObstacleSection& s) {
        .meaning = "Coordinates in files are multiplied by this to become metres.",
        .range = positive,
        .types = of_mesh},
+      {.name = "landmarks",
+       .slot = &s.landmarks,
+       .meaning = "Named points, for the places of pieces: lines `NAME,X,Y,Z`, in the coordinates of `file`, as `voile "
+                  "manikin` writes them. More by `[[landmark]]`.",
+       .types = of_mesh,
+       .absent = "none"},
       {.name = "frames",
        .slot = &s.frames,
        .meaning = "Positions of the vertices in time, linear between key frames: PC2, MDD, or OBJ files as "
@@ -192,6 +198,23 @@ std::vector<Key> keys_of(system::Attachment& s) {
            .unit = "s",
            .range = not_negative,
            .absent = "never"}};
+}
+
+std::vector<Key> keys_of(LandmarkSection& s) {
+  return {{.name = "obstacle", .slot = &s.obstacle, .meaning = "Whose point it is.", .required = true},
+          {.name = "name", .slot = &s.name, .meaning = "Of the point; unique for the obstacle.", .required = true},
+          {.name = "point", .slot = &s.point, .meaning = "Where it is in the scene.", .unit = "m", .absent = "-"},
+          {.name = "near",
+           .slot = &s.near,
+           .meaning = "It is the vertex of the obstacle's mesh that is nearest to this point of the scene.",
+           .unit = "m",
+           .absent = "-"},
+          {.name = "vertices",
+           .slot = &s.vertices,
+           .meaning = "It is the mean of these vertices of the obstacle's mesh, counted from 1 in the order of its "
+                      "file, where the body is at the start. Two on either side of a limb give a point within it.",
+           .range = {1.0},
+           .absent = "-"}};
 }
 
 std::vector<Key> keys_of(RuleSection& s) {

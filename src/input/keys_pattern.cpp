@@ -17,10 +17,23 @@ std::vector<Key> wrapping_keys(PanelSection& s) {
            .meaning = "Another point on it, which gives its direction in place of `wrap_axis`.",
            .unit = "m",
            .absent = "`wrap_axis` has the direction"},
+          {.name = "wrap_along",
+           .slot = choice(s.wrap_along, {{"as_placed", PanelSection::Along::as_placed},
+                                         {"x", PanelSection::Along::x},
+                                         {"y", PanelSection::Along::y},
+                                         {"-x", PanelSection::Along::minus_x},
+                                         {"-y", PanelSection::Along::minus_y}}),
+           .meaning = "Direction in the piece as it is drawn that shall be the direction of the axis: each piece is "
+                      "turned about its origin, after `rotate`, by the least angle that makes it so."},
+          {.name = "wrap_shift",
+           .slot = &s.wrap_shift,
+           .meaning = "By how much pieces are moved along the axis.",
+           .unit = "m"},
           {.name = "wrap_radius",
            .slot = &s.wrap_radius,
            .meaning = "Radius of that cylinder, or of the cone where `wrap_point` is. 0: the distance of the plane of "
-                      "the piece from the axis, which the cylinder then touches.",
+                      "the piece from the axis, which the cylinder then touches. Of a piece whose plane contains the "
+                      "axis the right side is outside.",
            .unit = "m",
            .range = not_negative},
           {.name = "wrap_angle",
@@ -84,6 +97,10 @@ std::vector<Key> keys_of(PanelSection& s) {
            "Order of the angles of a `.json`: `zyx`: R = Rz Ry Rx, as its simulator reads them; `xyz`: R = Rx Ry "
            "Rz, as its writer stores them. The two differ where more than one angle is not zero."}};
   std::vector<Key> places = placement_keys(s.placement, {});
+  places.push_back({.name = "origin",
+                    .slot = &s.origin,
+                    .meaning = "Where the origin of the file comes before `translate` moves it on.",
+                    .unit = "m"});
   return joined(joined(std::move(keys), places), wrapping_keys(s));
 }
 

@@ -28,7 +28,8 @@ struct Plane {
 Plane plane_of(const Panel& p, const Wrap& w) {
   Vec3 normal = p.turn * p.piece.rotation.col(2);
   const Vec3 foot = p.turn * p.piece.translation + p.shift - w.point;
-  if (normal.dot(foot) < 0.0) normal = -normal;
+  const bool contains_axis = std::abs(normal.dot(foot)) < least_radius;  // the right side is outside then
+  if (contains_axis ? p.piece.turned : normal.dot(foot) < 0.0) normal = -normal;
   return {normal, w.axis.cross(normal), normal.dot(foot)};
 }
 

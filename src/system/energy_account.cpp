@@ -44,7 +44,7 @@ EnergyAccount::EnergyAccount(Dynamics& dynamics)
       way_(dynamics.model().dofs().create_vector()) {}
 
 double EnergyAccount::internal_energy(Vec u) {
-  const Energies e = dynamics_.model().energies(u, contact::ContactSet::none);
+  const Energies e = dynamics_.model().energies(u, false);
   return e.membrane + e.bending + e.springs;
 }
 

@@ -58,11 +58,13 @@ void Model::residual(Vec a, Vec r) {
   force_scale_ = std::max(applied, std::sqrt(mpi::sum(comm(), reaction)));
 }
 
-Energies Model::energies(Vec a, contact::ContactSet::Part contact) {
+Energies Model::energies(Vec a, bool with_contact) {
+  const petsc::EventScope scope(petsc::events().energy);
   const std::vector<double> viscosity = membrane_->kernel.viscosity();
   membrane_->kernel.set_viscosity({});
-  const Energies e = energies_of_step(a, contact);
+  Energies e = energies_of_sheet(a);
   membrane_->kernel.set_viscosity(viscosity);
+  if (contact_ && with_contact) e.contact = contact_->energy(a, contact::ContactSet::normal);
   return e;
 }
 
@@ -70,8 +72,7 @@ void Model::count_energy_from(Vec a) {
   bending_->count_from(a);
 }
 
-Energies Model::energies_of_step(Vec a, contact::ContactSet::Part contact) {
-  const petsc::EventScope scope(petsc::events().energy);
+Energies Model::energies_of_sheet(Vec a) {
   Energies e;
   const energy::Configuration c = configuration(a);
   for (const Counted& t : terms_) e.*t.part += mpi::sum(comm(), t.term->energy(c));
@@ -79,13 +80,14 @@ Energies Model::energies_of_step(Vec a, contact::ContactSet::Part contact) {
   e.bending += bending_->energy(a) - ground;
   e.springs += ground;
   e.external = conditions_->potential(a);
-  if (contact_ && contact != contact::ContactSet::none) e.contact = contact_->energy(a, contact);
   return e;
 }
 
 double Model::energy(Vec a) {
-  const Energies e = energies_of_step(a, contact::ContactSet::both);
-  return e.membrane + e.bending + e.springs + e.external + e.contact;
+  const petsc::EventScope scope(petsc::events().energy);
+  const Energies e = energies_of_sheet(a);
+  const double sheet = e.membrane + e.bending + e.springs + e.external;
+  return contact_ ? sheet + contact_->energy(a) : sheet;
 }
 
 void Model::start_step(Vec a, double viscosity, double inverse_step) {

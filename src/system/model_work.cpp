@@ -2,14 +2,16 @@
 #include <algorithm>
 
 #include "voile/energy/membrane.hpp"
+#include "voile/system/bending_energy.hpp"
 #include "voile/system/contact.hpp"
 #include "voile/system/model.hpp"
+#include "voile/system/sewing_springs.hpp"
 #include "voile/system/term.hpp"
 
 namespace voile::system {
 
 bool Model::stores_by_time() const {
-  return turns_ || !sewing_.seams.empty() || !attachments_.empty();
+  return bending_->turns() || sewing_ || !attachments_->list().empty();
 }
 
 /// Adds the forces of a term on the local points to f.
@@ -34,8 +36,7 @@ Model::Work Model::work(Vec a, Vec way, Vec f) {
     VOILE_PETSC(VecAXPY(f, sign, work_));
     return along(work_);
   };
-  constant_.multiply_bending(a, f);
-  VOILE_PETSC(VecAXPY(f, 1.0, bending_force_));
+  bending_->force(a, f);
   const std::vector<double> viscosity = membrane_->kernel.viscosity();
   membrane_->kernel.set_viscosity({});
   for (const Counted& t : terms_) add_term_forces(*t.term, c, f);

@@ -74,6 +74,9 @@ def manikin(report):
         heights = {"bust": words[5], "waist": words[9], "hip": words[13]}
         for name, z in heights.items():
             report.percent(tape(x, triangles, float(z.rstrip(","))) / asked[name], 0.01, f"{kind}: tape at {name}")
+        marks = {name: float(z) for name, _, _, z in (line.split(",") for line in file.with_suffix(".landmarks.csv").read_text().splitlines())}
+        report.check(all(f"{marks[n]:.4f}" == heights[n].rstrip(",") for n in heights), f"{kind}: the points of these names are at these heights")
+        report.check(("left wrist" in marks) == (kind == "figure"), f"{kind}: points of arms")
         sides = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
         twins = {tuple(s) for s in sides}
         report.check(len(twins) == len(sides) and all((b, a) in twins for a, b in twins), f"{kind}: closed and oriented")

@@ -385,6 +385,13 @@ def garment_hostile(report):
     for what, other in (("a body with holes", box_file("garment_open.obj", whole=False)), ("an inverted body", box_file("garment_inverted.obj", flip=True))):
         says(what, 0, short | {"obstacle": [other[0]]}, "no errors found")
     says("a body in millimetres", 0, short | {"obstacle": [body | {"scale": 1000.0}]}, "'body' measures 600 m", "0.001 for millimetres")
+    inner = {"file": svg("garment_inner.svg", rectangle("inner", 0.03, 0.03)), "size": 0.02, "translate": [-0.015, 0, 0]}
+    for what, limb in (("a piece inside of the body", body), ("inside of an inverted body", box_file("garment_inverted.obj", flip=True)[0])):
+        says(what, 0, short | {"obstacle": [limb], "panel": [*short["panel"], inner]}, "panel 'inner' lies inside of [[obstacle]] 'body'", "origin")
+    got, text = invoke(["check", write_case(short | {"obstacle": [body]}, OUT / "garment_hostile.toml")])
+    report.check(got == 0 and "lies inside" not in text, f"a tube round the body does not: code {got}")
+    early = {"groups": ["tube/0"], "obstacle": "body"}
+    says("held to a body that comes later", 2, short | {"obstacle": [body | {"stages": ["rest"]}], "attachment": [early]}, "attachment.obstacle", "no [[obstacle]] 'body' in stage 'sew': there is none")
     leap = [points, points, points + [0.5, 0, 0], points + [0.5, 0, 0]]
     says("ease without a body", 2, short | {"obstacle": [], "probe": [{"name": "waist", "type": "ease"}]}, "[[probe]] 'waist'", "there is no body")
     says("height of no edge", 2, short | {"probe": [{"name": "hem", "type": "height", "group": "tube/9"}]}, "tube/9")
@@ -503,7 +510,7 @@ def garment_tshirt(report):
     figure = OUT / "garment_figure.obj"
     code, text = invoke(["manikin", figure, "--arms", 53, "--motion", "turn", "--seconds", 2, "--angle", 90])
     report.check(code == 0, f"manikin: code {code}: {text[-200:]}")
-    case["obstacle"][0] |= {"file": str(figure), "frames": str(figure.with_suffix(".pc2"))}
+    case["obstacle"][0] |= {"file": str(figure), "frames": str(figure.with_suffix(".pc2")), "landmarks": str(figure.with_suffix(".landmarks.csv"))}
     case["material"] = [CLOTH]
     case["stage"][2]["time"]["end"] = 1.5
     result = solve("garment_tshirt", case, 2)

@@ -37,7 +37,7 @@ template <class List, class Item>
 
 /// The name of `names` nearest to a misspelt one, or "" if none is near.
 [[nodiscard]] std::string nearest(const std::string& word, const std::vector<std::string>& names);
-/// " did you mean 'x'?" or, if nothing is near, " valid: a, b, c".
+/// " did you mean 'x'?" or, if nothing is near, " valid: a, b, c", or " there is none".
 [[nodiscard]] std::string suggestion(const std::string& word, const std::vector<std::string>& names);
 
 }  // namespace voile

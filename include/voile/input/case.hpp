@@ -29,6 +29,12 @@ struct MeshSection {
   io::MeshOptions options;
 };
 
+/// A point of the scene: its coordinates, or a landmark.
+struct PointInput {
+  Vec3 at = Vec3::Zero();  ///< [m]
+  std::string landmark;    ///< "OBSTACLE.NAME", in place of them; empty: none
+};
+
 /// Pieces of a pattern file, and where they begin.
 struct PanelSection {
   std::filesystem::path file;       ///< GarmentCode .json, .svg or .dxf, resolved relative to the case file
@@ -43,12 +49,17 @@ struct PanelSection {
   enum class Euler { zyx, xyz };
   Euler euler = Euler::zyx;  ///< order of the file's rotations: R = Rz Ry Rx or Rx Ry Rz
   io::Placement placement{.up_axis = io::Placement::UpAxis::y};
+  PointInput origin;  ///< where `placement` begins
   /// Of the cylinder or cone they are wrapped on: direction of its axis, or a second point on it; neither: flat.
-  std::optional<Vec3> wrap_axis, wrap_end;
-  Vec3 wrap_point = Vec3::Zero();  ///< a point on it [m]
-  double wrap_radius = 0.0;        ///< there [m]; 0: the distance of each piece from the axis
-  double wrap_angle = 0.0;         ///< half of the cone's, positive if it widens along the axis [rad]
-  std::vector<double> wrap_radii;  ///< at wrap_point and at wrap_end, in place of both [m]; may be empty
+  std::optional<Vec3> wrap_axis;
+  std::optional<PointInput> wrap_end;
+  PointInput wrap_point;  ///< a point on it
+  enum class Along { as_placed, x, y, minus_x, minus_y };
+  Along wrap_along = Along::as_placed;  ///< direction in the piece that is turned into that of the axis
+  double wrap_shift = 0.0;              ///< of the pieces along the axis [m]
+  double wrap_radius = 0.0;             ///< there [m]; 0: the distance of each piece from the axis
+  double wrap_angle = 0.0;              ///< half of the cone's, positive if it widens along the axis [rad]
+  std::vector<double> wrap_radii;       ///< at wrap_point and at wrap_end, in place of both [m]; may be empty
 };
 
 /// Edges sewn to edges. "PANEL/EDGE", points as "PANEL@POINT".
@@ -95,8 +106,9 @@ struct ObstacleSection {
   contact::Obstacle shape;     ///< without what files give; a cylinder gets its triangles with the mesh
   std::filesystem::path file;  ///< mesh
   double scale = 1.0;
-  io::Placement placement;       ///< of mesh and frames
-  std::filesystem::path frames;  ///< point cache of a deforming mesh; empty: none
+  io::Placement placement;          ///< of mesh and frames
+  std::filesystem::path landmarks;  ///< names and coordinates of points of a mesh; empty: none
+  std::filesystem::path frames;     ///< point cache of a deforming mesh; empty: none
   double frames_per_second = 25.0;
   double frames_start = 0.0;  ///< time of the first frame [s]
   bool frames_loop = false;   ///< from the last frame on to the first
@@ -104,6 +116,14 @@ struct ObstacleSection {
   enum class OnPinch { stop, yield };
   OnPinch on_pinch = OnPinch::stop;
   MotionInput motion;
+};
+
+/// A point of an obstacle by name; one of the three says where it is.
+struct LandmarkSection {
+  std::string name, obstacle;
+  std::optional<Vec3> point;     ///< [m]
+  std::optional<Vec3> near;      ///< the vertex nearest to this [m]
+  std::vector<double> vertices;  ///< the mean of these, counted from 1 in the order of the file
 };
 
 /// An exception to the rules of contact; NaN: no friction given.
@@ -204,6 +224,7 @@ struct Case {
   std::vector<system::Attachment> attachments;
   ContactSection contact;
   std::vector<ObstacleSection> obstacles;
+  std::vector<LandmarkSection> landmarks;
   std::vector<RuleSection> contact_rules;
   solve::StaticOptions steps;
   EigenSection eigen;

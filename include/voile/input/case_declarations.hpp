@@ -32,6 +32,7 @@ class Declarations {
   system::Spring spring_;
   system::Attachment attachment_;
   ObstacleSection obstacle_;
+  LandmarkSection landmark_;
   RuleSection rule_;
   Probe probe_;
   InitialVelocity initial_velocity_;

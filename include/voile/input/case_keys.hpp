@@ -47,7 +47,8 @@ struct Words {
 /// Where a key's value goes; the alternative decides what may be written in the file.
 using Slot = std::variant<double*, int*, bool*, std::string*, std::filesystem::path*, Degrees, Choice, Words,
                           std::vector<double>*, std::vector<int>*, std::array<bool, 3>*, Vec3*, std::optional<Vec3>*,
-                          Mat3*, std::map<std::string, double>*, std::vector<std::string>*>;
+                          PointInput*, std::optional<PointInput>*, Mat3*, std::map<std::string, double>*,
+                          std::vector<std::string>*>;
 
 struct Key {
   std::string name;
@@ -95,6 +96,7 @@ struct MaterialInput {
 [[nodiscard]] std::vector<Key> keys_of(system::Attachment& section);
 [[nodiscard]] std::vector<Key> keys_of(ContactSection& section);
 [[nodiscard]] std::vector<Key> keys_of(ObstacleSection& section);
+[[nodiscard]] std::vector<Key> keys_of(LandmarkSection& section);
 [[nodiscard]] std::vector<Key> keys_of(RuleSection& section);
 [[nodiscard]] std::vector<Key> keys_of(solve::StaticOptions& section);
 [[nodiscard]] std::vector<Key> keys_of(EigenSection& section);

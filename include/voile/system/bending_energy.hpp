@@ -48,6 +48,8 @@ class BendingEnergy {
   [[nodiscard]] double energy(Vec a) const;
   /// The springs to the ground alone. Collective. [J]
   [[nodiscard]] double ground_energy(Vec a) const;
+  /// Whether clamps turn in this model.
+  [[nodiscard]] bool turns() const { return turns_; }
   /// Turns clamps: the rotation of each support, by number. Assembles again if that changes anything. Collective.
   void turn(const std::vector<Mat3>& rotations);
 

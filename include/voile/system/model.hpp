@@ -17,7 +17,6 @@
 #include <vector>
 
 #include "voile/base/petsc.hpp"
-#include "voile/contact/contact_set.hpp"
 #include "voile/energy/element_options.hpp"
 #include "voile/energy/material.hpp"
 #include "voile/system/attachments.hpp"
@@ -107,9 +106,9 @@ class Model {
   /// Stored minus external energy, viscous part of the time step included; only meaningful for a symmetric model.
   /// Collective.
   [[nodiscard]] double energy(Vec a);
-  /// What is stored, in parts, and the work potential of dead loads; without viscosity and friction. `contact`: which of
-  /// it, `none` or `normal`. Collective.
-  [[nodiscard]] Energies energies(Vec a, contact::ContactSet::Part contact = contact::ContactSet::normal);
+  /// What is stored, in parts, and the work potential of dead loads; without viscosity and friction, on request without
+  /// contact. Collective.
+  [[nodiscard]] Energies energies(Vec a, bool with_contact = true);
   /// Whether that changes with the time alone: clamps that turn, seams that are pulled, attachments. Not collective.
   [[nodiscard]] bool stores_by_time() const;
 
@@ -149,7 +148,7 @@ class Model {
 
   [[nodiscard]] MPI_Comm comm() const { return on_->comm(); }
   [[nodiscard]] energy::Configuration configuration(Vec a);
-  [[nodiscard]] Energies energies_of_step(Vec a, contact::ContactSet::Part contact);
+  [[nodiscard]] Energies energies_of_sheet(Vec a);
   void add_term_forces(const Term& term, const energy::Configuration& c, Vec f);
   void find_coupling(Vec a);
 
