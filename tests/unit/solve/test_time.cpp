@@ -68,6 +68,34 @@ TEST_CASE("the first acceleration is that of the equations") {
   }
 }
 
+TEST_CASE("the first acceleration is that of the forces where these are stiff") {
+  Falling f;
+  const std::vector<Vec3>& rest = f.mesh.positions();
+  set_displacement(f.model, f.u, [&](Index v) { return Vec3(rest[v][0] * noise(1e-2, 3)(v)); });
+  DynamicsOptions options;
+  options.mass = system::Mass::lumped;
+  Dynamics dynamics(f.model, options);
+  f.model.conditions().set_load_factor(1.0);
+  petsc::VecHandle forces = f.model.dofs().create_vector();
+  f.model.unbalanced_force(f.u, forces);
+  VOILE_PETSC(VecPointwiseDivide(forces, forces, f.model.constant().mass()));
+  const std::vector<Vec3> wanted = per_vertex(f.model, forces);
+  solve::TimeIntegration time(dynamics, motion_options(1e-7, 1e-7));
+  const Ended r = follow_from(state_of(f.u, f.v), time);
+  REQUIRE(r.completed);
+  petsc::VecHandle a = f.model.dofs().create_vector();
+  VOILE_PETSC(VecCopy(r.state.a, a));
+  const std::vector<Vec3> found = per_vertex(f.model, a);
+  double largest = 0.0, error = 0.0;
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    if (found[i].isZero()) continue;  // held
+    largest = std::max(largest, wanted[i].norm());
+    error = std::max(error, (found[i] + wanted[i]).norm());
+  }
+  CHECK(largest > 1e3);
+  CHECK(error < 1e-4 * largest);
+}
+
 TEST_CASE("a run continued from its middle is the unbroken run") {
   Falling whole, part;
   const TimeOptions all = motion_options(0.04, 0.001);
