@@ -4,7 +4,7 @@ import struct
 
 import h5py
 import numpy as np
-from garments import part, tube
+from pattern_files import part, tube
 from harness import OUT, solve, test
 from common import fresh
 from solver import ROOT, invoke, run, variant, write_case

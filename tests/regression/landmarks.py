@@ -4,7 +4,7 @@ import re
 import shutil
 
 import numpy as np
-from garments import CLOTH, box_file, frames_file, rectangle, svg, text_file
+from pattern_files import CLOTH, box_file, frames_file, rectangle, svg, text_file
 from harness import OUT, test
 from results import Results
 from solver import ROOT, Result, invoke, run, write_case

@@ -29,6 +29,7 @@ import falling  # noqa: E402, F401
 import garments  # noqa: E402, F401
 import landmarks  # noqa: E402, F401
 import meshing  # noqa: E402, F401
+import patterns  # noqa: E402, F401
 import picture_mistakes  # noqa: E402, F401
 import picturing  # noqa: E402, F401
 import placing  # noqa: E402, F401

@@ -1,0 +1,132 @@
+// Keys of materials.
+#include "keys_common.hpp"
+
+namespace voile::input {
+
+namespace {
+
+/// Of what it is, by elastic constants.
+std::vector<Key> elastic_keys(MaterialInput& s) {
+  const std::vector<std::string> iso{"isotropic"}, laminate{"laminate"}, ortho{"orthotropic", "laminate"},
+      plates{"isotropic", "orthotropic"};
+  return {
+      {.name = "type",
+       .slot = choice(s.type, {{"isotropic", MaterialInput::Type::isotropic},
+                               {"orthotropic", MaterialInput::Type::orthotropic},
+                               {"matrices", MaterialInput::Type::matrices},
+                               {"laminate", MaterialInput::Type::laminate},
+                               {"fabric", MaterialInput::Type::fabric}}),
+       .meaning = "How the stiffness is given. `laminate`: from plies of one orthotropic material. `fabric`: from a "
+                  "file of measured figures.",
+       .required = true},
+      {.name = "groups",
+       .slot = Words{&s.groups, {}},
+       .meaning = "Physical surfaces made of this material.",
+       .absent = "every triangle that no other material covers"},
+      {"young", &s.young, "Young's modulus.", "Pa", positive, iso, true},
+      {.name = "poisson",
+       .slot = &s.poisson,
+       .meaning = "Poisson's ratio.",
+       .range = {-1, 0.5, true},
+       .types = iso,
+       .required = true},
+      {"young_1", &s.young_1, "Young's modulus along the material direction.", "Pa", positive, ortho, true},
+      {"young_2", &s.young_2, "Young's modulus across it, in the surface.", "Pa", positive, ortho, true},
+      {.name = "poisson_12",
+       .slot = &s.poisson_12,
+       .meaning = "Contraction across the material direction per unit of stretch along it.",
+       .types = ortho,
+       .required = true},
+      {"shear_12", &s.shear_12, "Shear modulus in the surface.", "Pa", positive, ortho, true},
+      {"thickness", &s.thickness, "Thickness of the shell.", "m", positive, plates, true},
+      {.name = "angles",
+       .slot = &s.angles,
+       .meaning = "Directions of the plies' fibres against material axis 1, one per ply, along the normal of the "
+                  "triangles from the lowest. The stack must be free of coupling between stretching and bending, as "
+                  "symmetric stacks are.",
+       .unit = "degree",
+       .types = laminate,
+       .required = true},
+      {.name = "ply_thicknesses",
+       .slot = &s.ply_thicknesses,
+       .meaning = "Thickness of each ply, in the order of `angles`, or one for all.",
+       .unit = "m",
+       .range = positive,
+       .types = laminate,
+       .required = true}};
+}
+
+/// Density, and stiffnesses by other figures.
+std::vector<Key> sheet_keys(MaterialInput& s) {
+  const std::vector<std::string> matrices{"matrices"}, fabric{"fabric"}, solids{"isotropic", "orthotropic", "laminate"};
+  return {{"density", &s.density, "Mass per volume; used by gravity and vibration.", "kg/m^3", not_negative, solids},
+          {.name = "membrane",
+           .slot = &s.membrane,
+           .meaning = "Membrane stiffness A as three rows, order 11, 22, 12 with engineering shear: N = A E.",
+           .unit = "N/m",
+           .types = matrices,
+           .required = true},
+          {.name = "bending",
+           .slot = &s.bending,
+           .meaning = "Bending stiffness D as three rows, M = D (k11, k22, 2 k12).",
+           .unit = "N m",
+           .types = matrices,
+           .required = true},
+          {.name = "areal_density",
+           .slot = &s.areal_density,
+           .meaning = "Mass per area; used by gravity and vibration.",
+           .unit = "kg/m^2",
+           .range = not_negative,
+           .types = matrices},
+          {.name = "fabric",
+           .slot = &s.fabric,
+           .meaning = "Fabric file (see [fabrics.md](fabrics.md)), relative to the folder of the case file.",
+           .types = fabric,
+           .required = true},
+          {.name = "warp_angle",
+           .slot = Degrees{&s.warp_angle},
+           .meaning = "Angle from `direction` to the warp, positive about the normal of the triangles.",
+           .unit = "degree",
+           .types = fabric}};
+}
+
+/// Axes and damping.
+std::vector<Key> axis_keys(MaterialInput& s) {
+  return {
+      {.name = "direction",
+       .slot = &s.direction,
+       .meaning =
+           "Direction of material axis 1 in space (with `mesh.rest = \"texture\"`: in the panels), projected into each "
+           "triangle; the warp of a `fabric` lies at "
+           "`warp_angle` to it. Triangles that are normal to it continue it from their neighbours; another direction "
+           "for some `groups` is another `[[material]]`. Either this or `texture_direction` is needed, by `matrices` "
+           "unless both are those of an isotropic material.",
+       .types = {"orthotropic", "laminate", "matrices", "fabric"},
+       .absent = "none"},
+      {.name = "texture_direction",
+       .slot = &s.texture_direction,
+       .meaning =
+           "Direction of material axis 1 in the texture coordinates (u, v) of an OBJ mesh, e.g. `[0, 1]`: the grain "
+           "line of the flat piece that a part of a garment is cut from.",
+       .types = {"orthotropic", "laminate", "matrices", "fabric"},
+       .absent = "none"},
+      {.name = "bending_damping",
+       .slot = &s.bending_damping,
+       .meaning = "Damping in proportion to the bending stiffness of this material, in `dynamic`, besides that of "
+                  "`[damping]`. A `fabric` has its own if the key is missing, see [fabrics.md](fabrics.md).",
+       .unit = "s",
+       .range = not_negative},
+      {.name = "membrane_damping",
+       .slot = &s.membrane_damping,
+       .meaning = "Relaxation time of the membrane of this material (Kelvin-Voigt), likewise besides `[damping]`.",
+       .unit = "s",
+       .range = not_negative}};
+}
+
+}  // namespace
+
+std::vector<Key> keys_of(MaterialInput& s) {
+  return joined(joined(elastic_keys(s), sheet_keys(s)), axis_keys(s));
+}
+
+}  // namespace voile::input
