@@ -5,9 +5,9 @@
 #include <cmath>
 #include <cstdio>
 #include <numbers>
-#include <set>
 #include <sstream>
 
+#include "history_columns.hpp"
 #include "picture_frames.hpp"
 #include "voile/base/error.hpp"
 #include "voile/base/text.hpp"
@@ -244,44 +244,13 @@ PlotCommand::PlotCommand(CLI::App& cli) : sub_(cli.add_subcommand("plot", "Draw 
   sub_->add_flag("--quiet", quiet_, "Print errors only");
 }
 
-/// What is not among the columns that every history has, is of probes.
 void PlotCommand::choose_columns(const picture::Table& table, std::vector<std::string>& x,
                                  std::vector<std::string>& y) const {
-  static const std::set<std::string> always{"step",
-                                            "load_factor",
-                                            "time",
-                                            "step_size",
-                                            "newton_iterations",
-                                            "factorisations",
-                                            "residual",
-                                            "negative_pivots",
-                                            "critical",
-                                            "critical_load_factor",
-                                            "rejections",
-                                            "kinetic_energy",
-                                            "wall_seconds",
-                                            "largest_strain",
-                                            "largest_turn",
-                                            "stored_energy",
-                                            "work_of_loads",
-                                            "work_of_supports",
-                                            "work_of_obstacles",
-                                            "damping_loss",
-                                            "drag_loss",
-                                            "friction_loss",
-                                            "numerical_loss",
-                                            "remeshing_gain",
-                                            "energy_unaccounted",
-                                            "contact_pairs",
-                                            "smallest_gap",
-                                            "cut_short",
-                                            "shortest_iteration",
-                                            "intersections"};
   x = words_of(x_, '/');
   y = words_of(y_, '/');
   std::vector<std::string> probes;
   for (const std::string& name : table.names)
-    if (!always.contains(name)) probes.push_back(name);
+    if (is_of_probe(name)) probes.push_back(name);
   const bool in_time = table.has("time");
   if (x.empty() && (in_time || !y.empty())) x = {in_time ? "time" : "load_factor"};
   if (y.empty() && !in_time) y = {"load_factor"};

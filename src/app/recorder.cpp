@@ -8,6 +8,7 @@
 
 #include "contact_fields.hpp"
 #include "energy_text.hpp"
+#include "history_columns.hpp"
 #include "linear_values.hpp"
 #include "sewing.hpp"
 #include "stresses.hpp"
@@ -72,24 +73,14 @@ void Recorder::use(system::Model& model, const system::Dynamics* dynamics) {
 }
 
 std::vector<std::string> Recorder::columns() const {
-  using Names = std::vector<std::string>;
-  static const Names of_motion{"step",           "time",     "step_size",       "load_factor", "newton_iterations",
-                               "factorisations", "residual", "negative_pivots", "rejections",  "kinetic_energy",
-                               "wall_seconds"};
-  static const Names of_path{"step",        "load_factor",     "newton_iterations", "factorisations",
-                             "residual",    "negative_pivots", "critical",          "critical_load_factor",
-                             "wall_seconds"};
-  Names names = case_.analysis == "dynamic" ? of_motion : of_path;
-  names.insert(names.end(), {"largest_strain", "largest_turn"});
-  if (keeps_balance())
-    for (const auto& [name, value] : named_parts({})) names.emplace_back(name);
-  if (!case_.stage.sew.empty()) names.emplace_back("seam_gap");
-  if (case_.remesh.active) names.insert(names.end(), {"vertices", "remeshings"});
-  if (case_.contact.input.active)
-    for (const char* name : {"contact_pairs", "smallest_gap", "cut_short", "shortest_iteration", "intersections"})
-      names.emplace_back(name);
-  if (model_->contact() && system::has_yielding_obstacles(model_->contact()->scene().input()))
-    names.emplace_back("gives_way");
+  const system::Contact* contact = model_->contact();
+  std::vector<std::string> names =
+      names_of({.in_time = case_.analysis == "dynamic",
+                .energy_balance = keeps_balance(),
+                .sewing = !case_.stage.sew.empty(),
+                .remeshing = case_.remesh.active,
+                .contact = case_.contact.input.active,
+                .yielding = contact && system::has_yielding_obstacles(contact->scene().input())});
   for (std::string& name : probes_->columns()) names.push_back(std::move(name));
   return names;
 }

@@ -6,9 +6,23 @@
 #include <limits>
 #include <map>
 
+#include "voile/base/mpi.hpp"
 #include "voile/system/contact.hpp"
 
 namespace voile::app {
+
+Origins origins_of(MPI_Comm comm, const adapt::Remeshed& from) {
+  Origins origins;
+  origins.kept = from.kept;
+  for (const adapt::Remeshed::Source& s : from.source) {
+    origins.triangle.push_back(s.triangle);
+    origins.weights.insert(origins.weights.end(), s.weights.begin(), s.weights.end());
+  }
+  mpi::broadcast(comm, origins.triangle);
+  mpi::broadcast(comm, origins.weights);
+  mpi::broadcast(comm, origins.kept);
+  return origins;
+}
 
 void carry_contact(const mesh::SurfaceMesh& old_mesh, const Origins& from, io::Checkpoint& c) {
   const std::vector<double> gaps = std::move(c.contact_gaps), yielding = std::move(c.yielding);

@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "voile/adapt/remesh.hpp"
 #include "voile/io/checkpoint.hpp"
 #include "voile/system/model.hpp"
 
@@ -10,10 +11,13 @@ namespace voile::app {
 
 /// Where new vertices come from, the same on every rank.
 struct Origins {
-  const std::vector<Index>& triangle;
-  const std::vector<double>& weights;  ///< three each
-  const std::vector<Index>& kept;      ///< the old vertex, if it is one
+  std::vector<Index> triangle;
+  std::vector<double> weights;  ///< three each
+  std::vector<Index> kept;      ///< the old vertex, if it is one
 };
+
+/// Tells all ranks what rank 0 has found. Collective.
+[[nodiscard]] Origins origins_of(MPI_Comm comm, const adapt::Remeshed& from);
 
 /// Gaps from which a start is let out, and obstacles that give way, per new vertex. Not collective, as what follows.
 void carry_contact(const mesh::SurfaceMesh& old_mesh, const Origins& from, io::Checkpoint& c);

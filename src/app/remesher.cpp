@@ -222,15 +222,7 @@ std::optional<Adapted> Remesher::attempt(Epoch& epoch, const std::vector<double>
   const double begin = cpu_clock();
   Made made = make_mesh(epoch, size, only_splits);
   io::Checkpoint carried = carry_over(epoch, made);
-  std::vector<Index> triangles, kept = made.from.kept;
-  for (const adapt::Remeshed::Source& s : made.from.source) triangles.push_back(s.triangle);
-  mpi::broadcast(comm, triangles);
-  mpi::broadcast(comm, kept);
-  std::vector<double> weights;
-  for (const adapt::Remeshed::Source& s : made.from.source)
-    weights.insert(weights.end(), s.weights.begin(), s.weights.end());
-  mpi::broadcast(comm, weights);
-  const Origins origins{triangles, weights, kept};
+  const Origins origins = origins_of(comm, made.from);
   carry_contact(epoch.model().dofs().mesh(), origins, carried);
   carry_anchors(epoch.model(), *made.mesh, origins, carried);
   const Ledger before = ledger(epoch);
@@ -271,7 +263,7 @@ std::optional<Adapted> Remesher::attempt(Epoch& epoch, const std::vector<double>
   mpi::on_root(comm, [&] { write(epoch, made, before, after, accepted, cpu_clock() - begin); });
   if (!accepted) return std::nullopt;
   Index same = 0;
-  for (Index v : kept) same += v != no_index ? 1 : 0;
+  for (Index v : origins.kept) same += v != no_index ? 1 : 0;
   what = fmt::format("remeshed: {} vertices became {}, {:.0f} % of them kept; energy {:+.2g} %",
                      epoch.model().dofs().mesh().vertex_count(), made.mesh->vertex_count(),
                      100.0 * same / made.mesh->vertex_count(), 100.0 * change);

@@ -1,5 +1,6 @@
 #include "voile/system/energy_account.hpp"
 
+#include <array>
 #include <cmath>
 
 #include "voile/base/error.hpp"
@@ -13,6 +14,10 @@ template <class Balance>
 auto members_of(Balance& b) {
   return std::array{&b.initial, &b.kinetic, &b.stored,   &b.loads,     &b.supports,  &b.obstacles,
                     &b.damping, &b.drag,    &b.friction, &b.numerical, &b.remeshing, &b.unaccounted};
+}
+
+double internal_of(const Energies& e) {
+  return e.membrane + e.bending + e.springs;
 }
 
 }  // namespace
@@ -43,15 +48,9 @@ EnergyAccount::EnergyAccount(Dynamics& dynamics)
       start_(dynamics.model().dofs().create_vector()),
       way_(dynamics.model().dofs().create_vector()) {}
 
-double EnergyAccount::internal_energy(Vec u) {
-  const Energies e = dynamics_.model().energies(u, false);
-  return e.membrane + e.bending + e.springs;
-}
-
 EnergyAccount::Levels EnergyAccount::levels(Vec u, Vec v) {
-  Contact* contact = dynamics_.model().contact();
-  return {dynamics_.kinetic_energy(v), internal_energy(u),
-          contact ? contact->energy(u, contact::ContactSet::normal) : 0.0};
+  const Energies e = dynamics_.model().energies(u);
+  return {dynamics_.kinetic_energy(v), internal_of(e), e.contact};
 }
 
 void EnergyAccount::begin(Vec u, Vec v, const EnergyBalance& before) {
@@ -77,8 +76,10 @@ void EnergyAccount::take_forces(Vec u_0, Vec u_1, Vec u, Vec v, Vec a) {
 }
 
 void EnergyAccount::end_step(Vec u_1, Vec v_1) {
+  Model& model = dynamics_.model();
   // What is prescribed changes the energy stored, at first with the sheet as it was; how the sheet gives way is in du.F.
-  const double prescribed = dynamics_.model().stores_by_time() ? internal_energy(start_) - before_.internal : 0.0;
+  const double prescribed =
+      model.stores_by_time() ? internal_of(model.energies(start_, false)) - before_.internal : 0.0;
   const Levels now = levels(u_1, v_1);
   const Model::Work& w = work_.model;
   EnergyBalance step;

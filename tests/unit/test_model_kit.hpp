@@ -4,6 +4,7 @@
 #include <doctest/doctest.h>
 
 #include <functional>
+#include <numeric>
 #include <random>
 
 #include "test_meshes.hpp"
@@ -124,6 +125,16 @@ inline void solve_linear(const system::Model& model, Vec f, Vec x, PCType type =
   VOILE_PETSC(MatMumpsSetIcntl(factor, 14, 200));
   VOILE_PETSC(KSPSolve(ksp, f, x));
   VOILE_PETSC(KSPDestroy(&ksp));
+}
+
+/// The tangent assembled last, of a model on one rank, as it stands in full.
+inline Eigen::MatrixXd dense_tangent(const system::Model& model) {
+  const PetscInt n = model.dofs().unknowns();
+  std::vector<PetscInt> all(static_cast<std::size_t>(n));
+  std::iota(all.begin(), all.end(), 0);
+  Eigen::MatrixXd k(n, n);
+  VOILE_PETSC(MatGetValues(model.tangent().matrix(), n, all.data(), n, all.data(), k.data()));
+  return k;
 }
 
 }  // namespace voile::testing

@@ -28,7 +28,6 @@ class EnergyAccount {
     [[nodiscard]] double sum() const { return kinetic + internal + contact; }
   };
   [[nodiscard]] Levels levels(Vec u, Vec v);
-  [[nodiscard]] double internal_energy(Vec u);
 
   Dynamics& dynamics_;
   EnergyBalance balance_;

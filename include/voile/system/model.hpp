@@ -150,7 +150,6 @@ class Model {
   [[nodiscard]] energy::Configuration configuration(Vec a);
   [[nodiscard]] Energies energies_of_sheet(Vec a);
   void add_term_forces(const Term& term, const energy::Configuration& c, Vec f);
-  void find_coupling(Vec a);
 
   // Construction, in this order.
   void build_terms(const Curvatures& curvatures, const std::vector<Spring>& springs, Sewing sewing);
