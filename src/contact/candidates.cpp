@@ -8,8 +8,9 @@ namespace voile::contact {
 
 namespace {
 
-/// Room that the boxes of candidates leave around the asked path, in contact distances.
-constexpr double slack = 2.0;
+/// Room that the boxes of candidates leave around the asked path: in contact distances, and in what a cell is larger than
+/// one. Where two such rooms and the contact distance are longer than a cell, rings of neighbours become candidates.
+constexpr double slack = 2.0, slack_in_cell = 0.4, least_slack = 0.1;
 /// Candidates are found anew only for points that left their boxes, unless these are more than this share, or boxes of
 /// earlier, longer paths are on average longer than needed now by this share of the room.
 constexpr double most_left = 0.3, most_excess = 0.5;
@@ -86,7 +87,10 @@ Candidates::Candidates(const Surface& surface, double contact_distance, std::vec
 
 /// What rests needs no room.
 double Candidates::room(Index i, const std::vector<Vec3>& from, const std::vector<Vec3>& to) const {
-  return surface_->is_sheet(i) || from[i] != to[i] ? slack * distance_ : 0.0;
+  if (!surface_->is_sheet(i) && from[i] == to[i]) return 0.0;
+  const double cell = std::sqrt(surface_->area[i]), wanted = slack * distance_;
+  if (cell == 0.0) return wanted;
+  return std::min(wanted, std::max(least_slack * cell, slack_in_cell * (cell - distance_)));
 }
 
 Departure Candidates::departure(const std::vector<Index>& points, const std::vector<Vec3>& from,

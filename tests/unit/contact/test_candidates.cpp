@@ -64,6 +64,18 @@ TEST_CASE("candidates: the grid finds what brute force finds, on any division ov
   }
 }
 
+TEST_CASE("a flat sheet that rests has few candidates, however small its cells are") {
+  const mesh::SurfaceMesh mesh(grid(20, 20, false, 0.0));
+  const Surface s = make_surface(mesh, {{"sheet", 0.0}}, {});
+  const double cell = std::sqrt(s.area[static_cast<std::size_t>(s.sheet_points / 2)]);
+  for (const double cells : {0.01, 0.2, 0.45}) {  // contact distance
+    CAPTURE(cells);
+    Candidates candidates(s, cells * cell, std::vector<char>(static_cast<std::size_t>(s.sheet_points), 1));
+    candidates.cover(s.rest, s.rest, nullptr);
+    CHECK(static_cast<double>(candidates.pairs().size()) < 12.0 * s.sheet_points);
+  }
+}
+
 TEST_CASE("candidates kept over many small moves are those found at once") {
   std::mt19937 random(23);
   std::uniform_real_distribution<double> u(-1.0, 1.0);
