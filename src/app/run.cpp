@@ -154,6 +154,8 @@ Summary run_stage(const Stage& stage, std::unique_ptr<Epoch> epoch, io::Checkpoi
   recorder.finish();
   summary.membrane_error = recorder.membrane_error();
   state = gather(epoch->state(), epoch->model().dofs());
+  if (system::Contact* contact = epoch->model().contact())
+    summary.contact = system::report(contact->scene(), epoch->state().u);
   if (!c.panels.empty() && c.analysis != "linear") summary.garment = measure_garment(c, epoch->model(), epoch->state());
   summary.wall_seconds = recorder.wall_seconds();
   summary.cpu_seconds = cpu_seconds() - cpu_before;

@@ -38,6 +38,13 @@ Json json_of(const system::EnergyBalance& b) {
   return all;
 }
 
+Json json_of(const system::ContactReport& r) {
+  return {{"pairs", r.pairs},
+          {"most_pairs_of_a_rank", r.most_pairs},
+          {"candidates", r.candidates},
+          {"most_candidates_of_a_rank", r.most_candidates}};
+}
+
 Json json_of(const Summary& s) {
   Json critical = Json::array();
   for (const solve::CriticalPoint& p : s.critical)
@@ -65,6 +72,7 @@ Json json_of(const Summary& s) {
            {"cpu_seconds", s.cpu_seconds},
            {"wall_seconds", s.wall_seconds}};
   if (s.balance.kept) all["energy"] = json_of(s.balance);
+  if (s.contact) all["contact"] = json_of(*s.contact);
   if (s.garment) all["garment"] = json_of(*s.garment);
   return all;
 }

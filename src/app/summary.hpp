@@ -10,6 +10,7 @@
 #include "garment_measures.hpp"
 #include "voile/base/types.hpp"
 #include "voile/solve/stepper.hpp"
+#include "voile/system/contact_report.hpp"
 #include "voile/system/energy_balance.hpp"
 
 namespace voile::app {
@@ -31,8 +32,9 @@ struct Summary {
   long unknowns = 0;
   Index vertices = 0, triangles = 0;
   double cpu_seconds = 0.0, wall_seconds = 0.0;
-  system::EnergyBalance balance;           ///< of a motion
-  std::optional<GarmentMeasures> garment;  ///< of a case of panels
+  system::EnergyBalance balance;                 ///< of a motion
+  std::optional<system::ContactReport> contact;  ///< of the last state
+  std::optional<GarmentMeasures> garment;        ///< of a case of panels
 };
 
 /// summary.json in the folder of a run or stage. Not collective: call on one rank. Throws UserError.

@@ -4,6 +4,7 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <cmath>
 
 #include "voile/base/error.hpp"
 #include "voile/base/mpi.hpp"
@@ -235,7 +236,11 @@ ContactReport report(ContactScene& scene, Vec a) {
   const MPI_Comm comm = scene.dofs().comm();
   const contact::ContactState own = scene.set().state(scene.points().now);
   ContactReport r;
+  const long candidates = static_cast<long>(scene.set().candidates().pairs().size());
   r.pairs = mpi::sum(comm, own.pairs);
+  r.most_pairs = std::lround(mpi::max(comm, static_cast<double>(own.pairs)));
+  r.candidates = mpi::sum(comm, candidates);
+  r.most_candidates = std::lround(mpi::max(comm, static_cast<double>(candidates)));
   r.gap = -mpi::max(comm, -own.gap);
   r.nearest = mpi::first_text(comm, own.pairs > 0 && own.gap == r.gap ? words(scene, own.nearest) : "");
   return r;

@@ -11,6 +11,9 @@ struct ContactReport {
   long pairs = 0;                                        ///< within the contact distance
   double gap = std::numeric_limits<double>::infinity();  ///< smallest [m]; infinite: nothing within the distance
   std::string nearest;                                   ///< the pair with the smallest gap, in words; on every rank
+  long most_pairs = 0;                                   ///< of them on one rank
+  long candidates = 0;       ///< of all ranks; those with vertices of several are counted by each of them
+  long most_candidates = 0;  ///< of them on one rank
 };
 
 }  // namespace voile::system
