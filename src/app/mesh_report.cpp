@@ -82,6 +82,16 @@ double union_jack_share(const mesh::SurfaceMesh& mesh) {
   return interior ? static_cast<double>(suspicious) / interior : 0.0;
 }
 
+/// What long cells do to large rotations; the numbers are of docs/membranes.md, cells of aspect 8 to 19.
+const char* long_cell_error(energy::MembraneOperator membrane) {
+  return membrane == energy::MembraneOperator::six_node_corrected
+             ? "the corrected membrane does not lock there, but in large rotations bending is too stiff, and "
+               "deflections can be too small by 4 to 10 %"
+             : "the membrane can lock there in large rotations, and deflections then are too small by several percent "
+               "without any other sign, the more the thinner the sheet is; element.membrane = \"auto\" errs less on "
+               "uneven cells";
+}
+
 energy::Material unit_material() {
   energy::Material unit;
   unit.membrane = energy::isotropic_membrane(1.0, 0.3, 1.0);
@@ -152,12 +162,12 @@ std::vector<std::string> quality_warnings(const mesh::SurfaceMesh& mesh, const M
         "may stall there; move its vertices or remesh",
         slivers, sliver_angle, q.angle[worst], triangle_text(mesh, worst)));
   if (const double share = share_of_locking(q); share > locking_share)
-    warnings.push_back(fmt::format(
-        "{:.0f} % of the area lies in long cells (median aspect {:.3g}, median smallest angle {:.1f} degrees) that are "
-        "uneven or longer than {:g} times their width: the membrane can lock there in large rotations, and deflections "
-        "then are too small by several percent without any other sign; make cells about as long as wide, or refine "
-        "along their long side",
-        100.0 * share, quantile(q.aspect, 0.5), quantile(q.angle, 0.5), very_long_cell));
+    warnings.push_back(
+        fmt::format("{:.0f} % of the area lies in long cells (median aspect {:.3g}, median smallest angle {:.1f} "
+                    "degrees) that are uneven or longer than {:g} times their width: {}; make cells about as long as "
+                    "wide, or refine along their long side",
+                    100.0 * share, quantile(q.aspect, 0.5), quantile(q.angle, 0.5), very_long_cell,
+                    long_cell_error(element.membrane)));
   if (const double share = share_above(q.condition, element.max_patch_condition);
       share > fitted_share && quantile(q.condition, 0.5) > 2.0 * element.max_patch_condition)
     warnings.push_back(fmt::format(

@@ -89,7 +89,11 @@ std::vector<Key> keys_of(EigenSection& s) {
        .slot = &s.load_factor,
        .meaning = "Load factor of the equilibrium about which modes are found; the path of `steps` leads to it. 0: the "
                   "unloaded state (constant loads act).",
-       .range = not_negative}};
+       .range = not_negative},
+      {.name = "mass",
+       .slot = choice(s.mass, {{"consistent", system::Mass::consistent}, {"lumped", system::Mass::lumped}}),
+       .meaning = "Mass matrix of `modal`: consistent with linear displacements in the triangles, or lumped at the "
+                  "vertices (better for taut sheets with `six_node_corrected`, see docs/solver.md)."}};
 }
 
 namespace {
