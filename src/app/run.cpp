@@ -28,6 +28,7 @@
 #include "voile/base/interrupt.hpp"
 #include "voile/base/mpi.hpp"
 #include "voile/system/contact.hpp"
+#include "weld_settle.hpp"
 
 namespace voile::app {
 
@@ -211,7 +212,7 @@ Exit run(const input::Case& as_given, const RunOptions& given) {
   std::vector<std::pair<std::string, Summary>> summaries;
   for (std::size_t k = 0; k < stages.size(); ++k) {
     const Stage& stage = stages[k];
-    weld_before(stage, origin, mesh, state);
+    const std::vector<std::string> welded = weld_before(stage, origin, mesh, state);
     enter_stage(stage.c, *mesh, origin, state);
     std::unique_ptr<Epoch> epoch = open_stage(stage, *mesh, state, k == 0);
     if (k == 0) report_membrane(options, choice);
@@ -220,6 +221,9 @@ Exit run(const input::Case& as_given, const RunOptions& given) {
       if (stage.c.is_staged()) folder->add(stage.c);
     });
     settle_contact_start(stage, *epoch, origin);
+    const std::string unfolded = settle_weld(*epoch, welded, stage.c.dynamics);
+    if (!unfolded.empty() && options.verbosity != Verbosity::quiet)
+      mpi::on_root(PETSC_COMM_WORLD, [&] { fmt::print("{}\n", unfolded); });
     summaries.emplace_back(stage.c.stage.name, run_stage(stage, std::move(epoch), state, origin, meshes[k], mesh));
     if (!summaries.back().second.converged) break;
     origin = Origin::stage;

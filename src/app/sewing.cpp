@@ -182,7 +182,7 @@ std::vector<Mesh> stage_meshes(const std::vector<Stage>& stages, const Mesh& fir
   return meshes;
 }
 
-void weld_before(const Stage& stage, Origin origin, Mesh& mesh, io::Checkpoint& state) {
+std::vector<std::string> weld_before(const Stage& stage, Origin origin, Mesh& mesh, io::Checkpoint& state) {
   const std::vector<std::string> open = mesh::open_seams(mesh->data(), stage.sewn_before);
   std::string wrong;
   double moved = 0.0;
@@ -197,6 +197,7 @@ void weld_before(const Stage& stage, Origin origin, Mesh& mesh, io::Checkpoint& 
   const bool begins_to_sew =
       !stage.c.stage.sew.empty() && origin == Origin::stage && mpi::max(PETSC_COMM_WORLD, moved) > 0.0;
   if (!open.empty() || begins_to_sew) weld_state(stage, open, mesh, state);
+  return open;
 }
 
 }  // namespace voile::app

@@ -26,8 +26,8 @@ namespace voile::app {
 
 /// Before a stage: closes the seams that earlier ones have pulled together and that are open yet, in the mesh and in the
 /// state, which then counts displacements from where it is. A stage that closes seams begins so too. Mass and momentum
-/// stay. Collective. Throws UserError if the seams are too wide.
-void weld_before(const Stage& stage, Origin origin, std::shared_ptr<const mesh::SurfaceMesh>& mesh,
-                 io::Checkpoint& state);
+/// stay. Returns the seams it has closed. Collective. Throws UserError if the seams are too wide.
+std::vector<std::string> weld_before(const Stage& stage, Origin origin, std::shared_ptr<const mesh::SurfaceMesh>& mesh,
+                                     io::Checkpoint& state);
 
 }  // namespace voile::app

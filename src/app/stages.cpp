@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "free_motions.hpp"
 #include "model_input.hpp"
@@ -94,6 +95,25 @@ void hold_over_loads(const Stage& before, Stage& now) {
       now.c.loads[i].constant = true;
 }
 
+/// Time in which bands get shorter that first act after sewing, unless the case says [s].
+constexpr double usual_rise = 0.1;
+
+/// Bands get shorter from the start of the first stage that has them, if that is one in time. `before`: null for the first.
+void rise_bands(const Stage* before, Stage& now) {
+  for (std::size_t i = 0; i < now.input.springs.size(); ++i) {
+    system::Spring& band = now.input.springs[i];
+    const auto& numbers = now.c.stage.springs;
+    const std::size_t was = before && !numbers.empty() ? place_of(numbers[i], before->c.stage.springs) : npos;
+    if (was != npos) {
+      band.start = before->input.springs[was].start;
+      band.rise = before->input.springs[was].rise;
+    } else if (now.c.analysis == "dynamic") {
+      band.start = before ? now.input.sewing.start : 0.0;
+      if (std::isnan(band.rise)) band.rise = now.sewn_before.empty() ? 0.0 : usual_rise;
+    }
+  }
+}
+
 /// Throws unless a stage in a folder of results has come to its end. Collective.
 void require_end_of(const std::string& stage, const std::filesystem::path& folder, const std::string& from) {
   mpi::on_root(PETSC_COMM_WORLD, [&] {
@@ -126,6 +146,7 @@ std::vector<Stage> stages_of(const input::Case& c, const RunOptions& options) {
       s.input.sewing.start =
           before.c.analysis == "dynamic" ? before.c.time.options.end_time : before.input.sewing.start;
     }
+    rise_bands(stages.empty() ? nullptr : &stages.back(), s);
     stages.push_back(std::move(s));
   };
   check_times(c.stages);

@@ -297,7 +297,16 @@ std::vector<Key> keys_of(system::Spring& s) {
        .unit = "m",
        .range = not_negative,
        .types = {"pair", "band"},
-       .absent = "pair: the distance at the start; band: the length of the curve at rest"}};
+       .absent = "pair: the distance at the start; band: the length of the curve at rest"},
+      {.name = "rise",
+       .slot = &s.rise,
+       .meaning =
+           "Time in which a band that is shorter than its curve gets so, in a stage in time, from where it first "
+           "acts. 0: at once, which snaps it onto the body in a fraction of a millisecond.",
+       .unit = "s",
+       .range = not_negative,
+       .types = {"band"},
+       .absent = "0.1 where it first acts after sewing, else 0"}};
 }
 
 }  // namespace voile::input

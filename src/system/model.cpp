@@ -6,6 +6,7 @@
 #include "voile/base/error.hpp"
 #include "voile/base/mpi.hpp"
 #include "voile/energy/membrane.hpp"
+#include "voile/system/bands.hpp"
 #include "voile/system/bending_energy.hpp"
 #include "voile/system/contact.hpp"
 #include "voile/system/sewing_springs.hpp"
@@ -18,6 +19,7 @@ void Model::set_time(double time) {
   if (held_still_) return;
   conditions_->set_time(time);
   attachments_->place();
+  bands_->tighten(time);
   if (sewing_) sewing_->tighten(time);
 }
 

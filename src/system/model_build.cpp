@@ -15,6 +15,7 @@
 #include "voile/energy/sheet.hpp"
 #include "voile/energy/spring.hpp"
 #include "voile/mesh/patch.hpp"
+#include "voile/system/bands.hpp"
 #include "voile/system/bending_energy.hpp"
 #include "voile/system/contact.hpp"
 #include "voile/system/sewing_springs.hpp"
@@ -98,9 +99,10 @@ void Model::build_terms(const Curvatures& curvatures, const std::vector<Spring>&
     if (owned) recovery_.add(triangle, el, local, membrane_->kernel.size() - 1);
   }
   auto& ties = add_term<energy::SpringTerm>(&Energies::springs);
+  bands_ = std::make_unique<Bands>(*on_, ties.kernel);
   for (const Spring& spring : springs)
     if (spring.kind == Spring::Kind::band)
-      add_band(spring, ties);
+      bands_->add(spring);
     else
       tie(spring, ties);
   if (!sewing.seams.empty())
@@ -117,24 +119,6 @@ void Model::tie(const Spring& spring, ElementTerm<energy::SpringTerm>& ties) con
     const double length =
         std::isnan(spring.length) ? (on_->mesh().positions()[w] - on_->mesh().positions()[v]).norm() : spring.length;
     ties.kernel.add({local.local_of[v], local.local_of[w]}, spring.stiffness, length, on_->owned(v) != no_index);
-  }
-}
-
-void Model::add_band(const Spring& spring, ElementTerm<energy::SpringTerm>& bands) const {
-  const LocalPoints& local = dofs().local();
-  const mesh::SurfaceMesh& mesh = on_->mesh();
-  const mesh::Group& group = mesh.group(spring.group, 1);
-  double whole = 0.0;
-  for (const mesh::Segment& s : group.segments) whole += mesh.rest_length(s);
-  const double share = std::isnan(spring.length) ? 1.0 : spring.length / whole;
-  if (!(share > 0.0))
-    throw UserError(fmt::format("[[spring]] type 'band', group '{}': length = {:g} m; a band has a length",
-                                spring.group, spring.length));
-  for (const mesh::Segment& s : group.segments) {
-    if (on_->owned(s[0]) == no_index && on_->owned(s[1]) == no_index) continue;
-    const double length = share * mesh.rest_length(s);
-    bands.kernel.add({local.local_of[s[0]], local.local_of[s[1]]}, spring.stiffness / length, length,
-                     on_->owned(s[0]) != no_index, true);
   }
 }
 

@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "voile/energy/membrane.hpp"
+#include "voile/system/bands.hpp"
 #include "voile/system/bending_energy.hpp"
 #include "voile/system/contact.hpp"
 #include "voile/system/model.hpp"
@@ -11,7 +12,7 @@
 namespace voile::system {
 
 bool Model::stores_by_time() const {
-  return bending_->turns() || sewing_ || !attachments_->list().empty();
+  return bending_->turns() || bands_->rise() || sewing_ || !attachments_->list().empty();
 }
 
 /// Adds the forces of a term on the local points to f.

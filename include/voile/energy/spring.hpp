@@ -28,6 +28,11 @@ class SpringTerm : public PairTerm<SpringElement> {
     elements_.push_back({points, stiffness, length, owned, only_pulls});
   }
 
+  void set(Index e, double stiffness, double length) {
+    elements_[e].stiffness = stiffness;
+    elements_[e].length = length;
+  }
+
   [[nodiscard]] double energy(Index e, const Configuration& c) const {
     double stretch = between(e, c).norm() - elements_[e].length;
     if (elements_[e].only_pulls) stretch = std::max(stretch, 0.0);

@@ -193,9 +193,9 @@ struct OutputSection {
 struct StageSection {
   std::string name;  ///< of its folder too
   std::string analysis = "static";
-  std::size_t number = 0;                                       ///< counted from 0
-  std::vector<std::size_t> supports{}, loads{}, attachments{};  ///< which of the file's hold in it
-  std::vector<std::string> sew{};                               ///< seams that it closes; "all": every one
+  std::size_t number = 0;                                                  ///< counted from 0
+  std::vector<std::size_t> supports{}, loads{}, springs{}, attachments{};  ///< which of the file's hold in it
+  std::vector<std::string> sew{};                                          ///< seams that it closes; "all": every one
 };
 
 struct Case {

@@ -39,6 +39,7 @@ namespace voile::system {
 
 class BendingEnergy;
 class Contact;
+class Bands;
 class SewingSprings;
 class Term;
 template <class Kernel>
@@ -153,7 +154,6 @@ class Model {
 
   // Construction, in this order.
   void build_terms(const Curvatures& curvatures, const std::vector<Spring>& springs, Sewing sewing);
-  void add_band(const Spring& spring, ElementTerm<energy::SpringTerm>& bands) const;
   void tie(const Spring& spring, ElementTerm<energy::SpringTerm>& ties) const;
   template <class Kernel>
   ElementTerm<Kernel>& add_term(double Energies::*part);
@@ -167,6 +167,7 @@ class Model {
   ConstantMatrices constant_;
   Tangent tangent_;
   std::unique_ptr<BendingEnergy> bending_;
+  std::unique_ptr<Bands> bands_;
   std::unique_ptr<SewingSprings> sewing_;  ///< null where nothing is sewn
   std::unique_ptr<BoundaryConditions> conditions_;
   std::unique_ptr<Contact> contact_;

@@ -226,6 +226,28 @@ TEST_CASE("a band pulls with its stiffness times its strain, whatever the mesh, 
     }
 }
 
+TEST_CASE("a band that is shorter than its curve gets so in the time of its rise") {
+  const mesh::SurfaceMesh mesh(square(Pattern::jittered, 3));
+  system::ModelInput in;
+  in.materials = {isotropic(100.0, 0.3, 0.1, 1.0)};
+  system::Spring band;
+  band.kind = system::Spring::Kind::band;
+  band.group = edge;
+  band.stiffness = 3.0;
+  band.length = 0.8;
+  band.rise = 0.5;
+  band.start = 2.0;
+  in.springs = {band};
+  system::Model model(PETSC_COMM_WORLD, mesh, in);
+  CHECK(model.stores_by_time());
+  petsc::VecHandle a = model.dofs().create_vector();
+  for (const auto& [time, length] : {std::pair{1.0, 1.0}, {2.0, 1.0}, {2.25, 0.9}, {2.5, 0.8}, {9.0, 0.8}}) {
+    model.set_time(time);
+    const double strain = 1.0 / length - 1.0;
+    CHECK(model.energies(a).springs == relative(0.5 * 3.0 * strain * strain * length).scale(1.0).epsilon(1e-12));
+  }
+}
+
 TEST_CASE("attachments to what is not there are refused") {
   const mesh::SurfaceMesh mesh(square(Pattern::jittered, 3));
   system::Attachment wrong = hold(edge, 1.0);
