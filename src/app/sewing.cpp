@@ -183,7 +183,7 @@ std::vector<Mesh> stage_meshes(const std::vector<Stage>& stages, const Mesh& fir
 }
 
 std::vector<std::string> weld_before(const Stage& stage, Origin origin, Mesh& mesh, io::Checkpoint& state) {
-  const std::vector<std::string> open = mesh::open_seams(mesh->data(), stage.sewn_before);
+  std::vector<std::string> open = mesh::open_seams(mesh->data(), stage.sewn_before);
   std::string wrong;
   double moved = 0.0;
   mpi::on_root(PETSC_COMM_WORLD, [&] {

@@ -105,6 +105,17 @@ void check_same(const std::vector<Vec3>& forces, const std::vector<Vec3>& wanted
   CHECK(difference <= 1e-9 * size);
 }
 
+/// `all`: candidates of one rank.
+void check_shares(const system::ContactReport& report, long all) {
+  const long ranks = mpi::size(PETSC_COMM_WORLD);
+  CHECK(report.most_pairs <= report.pairs);
+  CHECK(report.most_pairs * ranks >= report.pairs);
+  CHECK(report.candidates >= report.pairs);
+  CHECK(report.candidates <= 2 * ranks * all);
+  CHECK(report.most_candidates * ranks >= report.candidates);
+  CHECK((report.most_candidates == report.candidates) == (ranks == 1));
+}
+
 }  // namespace
 
 TEST_CASE("pairs that come and go while sheets pass each other are those of one rank") {
@@ -138,13 +149,7 @@ TEST_CASE("pairs that come and go while sheets pass each other are those of one 
     const system::ContactReport report = system::report(contact.scene(), p.u);
     CHECK(report.pairs == state.pairs);
     CHECK(report.gap == state.gap);
-    const long ranks = mpi::size(PETSC_COMM_WORLD), of_all = static_cast<long>(alone.candidates().pairs().size());
-    CHECK(report.most_pairs <= report.pairs);
-    CHECK(report.most_pairs * ranks >= report.pairs);
-    CHECK(report.candidates >= state.pairs);
-    CHECK(report.candidates <= 2 * ranks * of_all);
-    CHECK(report.most_candidates * ranks >= report.candidates);
-    CHECK((report.most_candidates == report.candidates) == (ranks == 1));
+    check_shares(report, static_cast<long>(alone.candidates().pairs().size()));
     pairs += state.pairs;
     contact.lag_friction(p.u);
     alone.lag_friction(x, start, 1e-3);
