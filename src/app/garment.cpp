@@ -214,9 +214,19 @@ pattern::Garment garment_of(const input::Case& c) {
   return garment;
 }
 
-}  // namespace
+/// The model would tell of the mesh only, where the mistake is in the case.
+void check_attached_groups(const input::Case& stage, const mesh::SurfaceMesh& mesh) {
+  std::vector<std::string> known;
+  for (const mesh::Group& g : mesh.groups()) known.push_back(g.name);
+  for (std::size_t i = 0; i < stage.attachments.size(); ++i)
+    for (const std::string& name : stage.attachments[i].groups)
+      if (!contains(known, name))
+        throw UserError(fmt::format("{}: [[attachment]] number {} groups: there is no group '{}' in {}:{}",
+                                    stage.file.string(), stage.is_staged() ? stage.stage.attachments[i] : i, name,
+                                    mesh.source(), suggestion(name, known)));
+}
 
-mesh::SurfaceMesh case_mesh(const input::Case& c) {
+mesh::SurfaceMesh mesh_of(const input::Case& c) {
   if (c.panels.empty()) return load_mesh(c.mesh.file, c.mesh.options);
   mesh::MeshData data;
   mpi::on_root(PETSC_COMM_WORLD, [&] {
@@ -225,6 +235,15 @@ mesh::SurfaceMesh case_mesh(const input::Case& c) {
   });
   broadcast_mesh(PETSC_COMM_WORLD, data);
   return mesh::SurfaceMesh(std::move(data));
+}
+
+}  // namespace
+
+mesh::SurfaceMesh case_mesh(const input::Case& c) {
+  mesh::SurfaceMesh mesh = mesh_of(c);
+  check_attached_groups(c, mesh);
+  for (const input::Case& stage : c.stages) check_attached_groups(stage, mesh);
+  return mesh;
 }
 
 std::string garment_report(const input::Case& c) {

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "case_attachments.hpp"
 #include "case_materials.hpp"
 #include "case_pattern.hpp"
 #include "case_sections.hpp"
@@ -210,51 +211,7 @@ void read_remesh(const CaseReader& reader, Case& c) {
                "edge_slope");
 }
 
-/// Which obstacles there are depends on it.
-std::string in_stage(const Case& c) {
-  return c.stage.name.empty() ? "" : fmt::format(" in stage '{}'", c.stage.name);
-}
-
-void check_attachment(const SectionPlace& place, const Case& c, const system::Attachment& s) {
-  if (s.groups.empty()) place.fail("groups", "the list is empty; name points, curves or surfaces of the mesh");
-  if (s.hard && !std::isnan(s.gap))
-    place.fail(
-        "gap",
-        "a hard attachment holds vertices where they are to the surface as it takes hold; remove the key, or hard");
-  std::vector<std::string> known;
-  for (const ObstacleSection& o : c.obstacles) {
-    if (o.type == ObstacleSection::Type::mesh || o.type == ObstacleSection::Type::cylinder)
-      known.push_back(o.shape.name);
-    else if (o.shape.name == s.obstacle)
-      place.fail("obstacle",
-                 fmt::format("'{}' has no triangles to hold to; attach to one of type mesh or cylinder", s.obstacle));
-  }
-  if (std::find(known.begin(), known.end(), s.obstacle) == known.end())
-    place.fail("obstacle", fmt::format("there is no [[obstacle]] '{}'{}:{}", s.obstacle, in_stage(c),
-                                       suggestion(s.obstacle, known)));
-}
-
-void check_landmark(const SectionPlace& place, const Case& c, const LandmarkSection& s) {
-  if (static_cast<int>(s.point.has_value()) + static_cast<int>(s.near.has_value()) + (s.vertices.empty() ? 0 : 1) != 1)
-    place.fail("point", "one of point, near and vertices says where it is");
-  for (const double v : s.vertices)
-    if (v != std::floor(v)) place.fail("vertices", fmt::format("{}: a whole number is needed", v));
-  for (const LandmarkSection& other : c.landmarks)
-    if (other.obstacle == s.obstacle && other.name == s.name)
-      place.fail("name", fmt::format("'{}': '{}' has another landmark of this name", s.name, s.obstacle));
-  if (c.stage.number > 0) return;  // pieces are placed in the first stage, others may be without the obstacle
-  std::vector<std::string> known;
-  for (const ObstacleSection& o : c.obstacles) {
-    known.push_back(o.shape.name);
-    if (o.shape.name == s.obstacle && o.type != ObstacleSection::Type::mesh && !s.point)
-      place.fail("point", fmt::format("the key is missing; '{}' is no mesh with vertices", s.obstacle));
-  }
-  if (std::find(known.begin(), known.end(), s.obstacle) == known.end())
-    place.fail("obstacle", fmt::format("there is no [[obstacle]] '{}'{}:{}", s.obstacle, in_stage(c),
-                                       suggestion(s.obstacle, known)));
-}
-
-void read_contact(const CaseReader& reader, Case& c) {
+void read_contact(const CaseReader& reader, Case& c, const StagesBefore& before) {
   const SectionPlace place = reader.read("contact", 0, keys_of(c.contact));
   read_all(reader, "obstacle", c.obstacles,
            [&](const SectionPlace& at, ObstacleSection& s) { read_obstacle(at, c, s); });
@@ -262,7 +219,7 @@ void read_contact(const CaseReader& reader, Case& c) {
            [&](const SectionPlace& at, const LandmarkSection& s) { check_landmark(at, c, s); });
   read_all(reader, "contact_rule", c.contact_rules, [](const SectionPlace&, const auto&) {});
   read_all(reader, "attachment", c.attachments,
-           [&](const SectionPlace& at, const system::Attachment& s) { check_attachment(at, c, s); });
+           [&](const SectionPlace& at, const system::Attachment& s) { check_attachment(at, c, s, before); });
   c.contact.input.active = place.is_there() || !c.obstacles.empty() || !c.contact_rules.empty();
   if (!c.contact.input.active) return;
   if (c.analysis != "static" && c.analysis != "dynamic" && c.analysis != "drape")
@@ -327,7 +284,8 @@ void check_mesh(const SectionPlace& place, Case& c) {
                "vertices that `merge` joins would have two places; merge them in both files, or remove the key");
 }
 
-Case read_case(const CaseReader& reader, const std::filesystem::path& file, StageSection stage) {
+Case read_case(const CaseReader& reader, const std::filesystem::path& file, StageSection stage,
+               const StagesBefore& before) {
   Case c;
   c.file = file;
   c.stage = std::move(stage);
@@ -348,7 +306,7 @@ Case read_case(const CaseReader& reader, const std::filesystem::path& file, Stag
       std::any_of(c.motions.begin(), c.motions.end(), [](const MotionInput& m) { return m.any(); }))
     steps.fail("control", "supports with a motion or rotation need \"load\": they move with the load factor");
   reader.read("eigen", 0, keys_of(c.eigen));
-  read_contact(reader, c);
+  read_contact(reader, c, before);
   check_time(reader.read("time", 0, keys_of(c.time, c.dynamics.mass)), c);
   read_all(reader, "initial_velocity", c.initial_velocities, [&](const SectionPlace& place, const InitialVelocity&) {
     if (c.analysis != "dynamic") place.fail("velocity", "only analysis = \"dynamic\" has one; remove the section");
@@ -373,12 +331,14 @@ Case parse_case(const std::string& text, const std::filesystem::path& file, cons
   Case names_only;
   const std::vector<Key> top = top_keys(names_only);
   CaseReader whole(text, file, top, settings);
-  if (whole.stage_count() == 0) return read_case(whole, file, {});
+  if (whole.stage_count() == 0) return read_case(whole, file, {}, {});
   std::vector<Case> stages;
+  StagesBefore before;
   for (std::size_t n = 0; n < whole.stage_count(); ++n) {
     CaseReader reader(text, file, top, settings);
     StageSection stage = reader.select_stage(n);
-    stages.push_back(read_case(reader, file, std::move(stage)));
+    stages.push_back(read_case(reader, file, std::move(stage), before));
+    before.add(stages.back());
   }
   Case c = stages.front();
   c.stage = {};

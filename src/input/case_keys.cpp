@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "keys_common.hpp"
 #include "voile/base/text.hpp"
@@ -21,9 +22,11 @@ Choice word(std::string& value, const std::vector<std::string>& names) {
 }  // namespace
 
 std::string Range::text() const {
+  constexpr double many_zeros = 1e6;
+  const auto number = [](double x) { return std::abs(x) < many_zeros ? fmt::format("{}", x) : fmt::format("{:g}", x); };
   std::string lower =
-      low > -std::numeric_limits<double>::infinity() ? fmt::format("{} {}", low_open ? ">" : ">=", low) : "";
-  std::string upper = high < std::numeric_limits<double>::infinity() ? fmt::format("<= {}", high) : "";
+      low > -std::numeric_limits<double>::infinity() ? fmt::format("{} {}", low_open ? ">" : ">=", number(low)) : "";
+  std::string upper = high < std::numeric_limits<double>::infinity() ? fmt::format("<= {}", number(high)) : "";
   return lower + (lower.empty() || upper.empty() ? "" : " and ") + upper;
 }
 

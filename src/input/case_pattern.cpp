@@ -12,6 +12,26 @@ namespace voile::input {
 
 namespace {
 
+/// Coordinate of a place that a garment could have [m]; far beyond it cells have no area in double precision.
+constexpr double largest = 1e6;
+
+void check_place(const SectionPlace& place, const PanelSection& s, const char* key, const Vec3& value) {
+  if (value.cwiseAbs().maxCoeff() <= largest) return;
+  const std::string panel = s.name.empty() ? s.file.filename().string() : s.name;
+  place.fail(key,
+             fmt::format("[{:g}, {:g}, {:g}]: panel '{}' would lie further away than {:g} m; give coordinates near "
+                         "the body, in metres",
+                         value[0], value[1], value[2], panel, largest));
+}
+
+/// What says where the pieces of a panel are.
+void check_places(const SectionPlace& place, const PanelSection& s) {
+  check_place(place, s, "translate", s.placement.translate);
+  check_place(place, s, "origin", s.origin.at);
+  check_place(place, s, "wrap_point", s.wrap_point.at);
+  if (s.wrap_end) check_place(place, s, "wrap_end", s.wrap_end->at);
+}
+
 void check_wrap(const SectionPlace& place, const PanelSection& s) {
   if (s.wrap_axis && s.wrap_end)
     place.fail("wrap_axis", "wrap_point and wrap_end have a direction; remove one of the keys");
@@ -36,6 +56,7 @@ void read_pattern(const CaseReader& reader, Case& c) {
     s.file = beside(c.file, s.file);
     if (!s.grain.empty() && (s.grain.size() != 2 || !(std::hypot(s.grain[0], s.grain[1]) > 0.0)))
       place.fail("grain", "two numbers [x, y] are needed that are not both zero");
+    check_places(place, s);
     check_wrap(place, s);
   });
   read_all(reader, "seam", c.seams, [&](const SectionPlace& place, const SeamSection& s) {

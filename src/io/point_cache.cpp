@@ -1,12 +1,14 @@
 #include "voile/io/point_cache.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
 #include <cstdint>
+#include <cstdlib>
 #include <fstream>
 #include <regex>
 #include <sstream>
@@ -160,32 +162,72 @@ class ObjFrames : public Frames {
       files_.push_back(file);
       times.push_back(static_cast<double>(number) / frames_per_second);
     }
-    vertex_count = read_vertices(files_.front()).size();
+    Contents first = read_contents(files_.front());
+    vertex_count = first.vertices.size();
+    faces_ = std::move(first.faces);
   }
 
   [[nodiscard]] Positions read(std::size_t k) const override {
-    Positions x = read_vertices(files_[k]);
-    if (x.size() != vertex_count)
+    Contents now = read_contents(files_[k]);
+    if (now.vertices.size() != vertex_count)
       fail(files_[k], fmt::format("there are {} vertices, but {} in {}; all files of a sequence must have the same",
-                                  x.size(), vertex_count, files_.front().filename().string()));
-    return x;
+                                  now.vertices.size(), vertex_count, files_.front().filename().string()));
+    // A file of vertices alone says nothing about faces.
+    if (!now.faces.empty() && !faces_.empty() && now.faces != faces_) fail_at_face(files_[k], now.faces);
+    return std::move(now.vertices);
   }
 
  private:
-  static Positions read_vertices(const fs::path& file) {
+  /// Numbers of the vertices round it, counted from 1, the smallest first.
+  using Face = std::vector<long>;
+  struct Contents {
+    Positions vertices;
+    std::vector<Face> faces;
+  };
+
+  [[noreturn]] void fail_at_face(const fs::path& file, const std::vector<Face>& faces) const {
+    const auto text = [](const std::vector<Face>& all, std::size_t f) {
+      return f < all.size() ? fmt::format("{}", fmt::join(all[f], " ")) : std::string("not there");
+    };
+    const auto at = std::mismatch(faces.begin(), faces.end(), faces_.begin(), faces_.end()).first;
+    const auto f = static_cast<std::size_t>(at - faces.begin());
+    fail(file,
+         fmt::format("face {} (counted from 1, {} in all) is {}, but {} in {} ({} in all): all files of a sequence "
+                     "must be of one mesh; export them with the same faces",
+                     f + 1, faces.size(), text(faces, f), text(faces_, f), files_.front().filename().string(),
+                     faces_.size()));
+  }
+
+  /// What follows 'f': vertex, vertex/texture, vertex//normal or all three; negative numbers count back.
+  static Face face_of(const std::string& line, std::size_t vertices) {
+    Face face;
+    std::istringstream words(line);
+    std::string word;
+    for (words >> word; words >> word;) {
+      const long v = std::strtol(word.c_str(), nullptr, 10);
+      face.push_back(v < 0 ? static_cast<long>(vertices) + 1 + v : v);
+    }
+    std::rotate(face.begin(), std::min_element(face.begin(), face.end()), face.end());
+    return face;
+  }
+
+  static Contents read_contents(const fs::path& file) {
     std::ifstream in(file);
     if (!in) fail(file, "the file cannot be read; check its permissions");
-    Positions x;
+    Contents contents;
+    Positions& x = contents.vertices;
     std::string line, word;
     for (int number = 1; std::getline(in, line); ++number) {
       std::istringstream words(line);
-      if (!(words >> word) || word != "v") continue;
+      if (!(words >> word)) continue;
+      if (word == "f") contents.faces.push_back(face_of(line, x.size()));
+      if (word != "v") continue;
       Vec3& last = x.emplace_back(Vec3::Zero());
       if (!(words >> last[0] >> last[1] >> last[2]))
         fail(file, fmt::format("line {}: 'v' must be followed by three finite numbers", number));
     }
     if (x.empty()) fail(file, "there are no vertices (lines 'v x y z'); export it again");
-    return x;
+    return contents;
   }
 
   /// The files of a pattern with the numbers of their frames, ascending. Throws if there are none.
@@ -223,6 +265,7 @@ class ObjFrames : public Frames {
   }
 
   std::vector<fs::path> files_;
+  std::vector<Face> faces_;  ///< of the first
   std::int64_t last_ = 0;
 };
 

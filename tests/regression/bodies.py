@@ -254,7 +254,21 @@ def attachment_mistakes(report):
         "blok": held(attachment__0__obstacle="blok"), "no triangles": held(obstacle=[body, ball], attachment__0__obstacle="ball"),
         "nowhere": held(attachment__0__groups=["nowhere"]), "groups": held(attachment__0__groups=[]),
         "gap": held(attachment__0__hard=True, attachment__0__gap=0.01), "stiffness": held(attachment__0__stiffness=-1.0),
+        "attachment_mistake.toml: [[attachment]] number 0 groups: there is no group 'clam' in": held(attachment__0__groups=["clam"]),
+        "attachment.release: 0 s: it takes hold at 0 s, when the run begins": held(attachment__0__release=0.0),
         "length": held(spring=[{"type": "band", "group": "clamp", "stiffness": 1.0, "length": 0.0}])}
     for word, case in cases.items():
         code, text = invoke(["check", write_case(case, OUT / "attachment_mistake.toml")])
         report.check(code == 2 and word in text, f"'{word}' is named" + f": {code} {text[-300:]}" * (code != 2 or word not in text))
+    case = held(attachment__0__release=0.1)
+    case.pop("analysis")
+    case["stage"] = [{"name": n, "analysis": "dynamic", "time": {"step": 0.01, "end": e}} for n, e in (("fly", 0.1), ("hold", 0.15))]
+    for stages, good in ((["hold"], False), (["fly", "hold"], True)):
+        case["attachment"][0]["stages"] = stages
+        file = write_case(case, OUT / "attachment_mistake.toml")
+        for arguments in (["check", file], ["run", file, "--output", OUT / "attachment_mistake", "--overwrite"]):
+            if good and arguments[0] == "run":
+                continue
+            code, text = invoke(arguments, 2)
+            told = "attachment.release: 0.1 s: it takes hold at 0.1 s, when stage 'hold', the first that names it, begins" in " ".join(text.split())
+            report.check((code, told) == ((0, False) if good else (2, True)), f"{arguments[0]}: lets go at 0.1 s, held in {stages}: code {code}" + f": {text[-300:]}" * (told == good))

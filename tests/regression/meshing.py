@@ -9,6 +9,7 @@ from common import base, plate, sheet_on_ball, strip_case
 from harness import OUT, solve, test
 from jittered import strip_mesh
 from linear import LINEAR, answer
+from pattern_files import tube
 from solver import ROOT, command, invoke, load_case, run, variant, write_case
 
 
@@ -242,9 +243,16 @@ def absurd_numbers(report):
         ("obstacle with one far vertex", {"obstacle": [body | {"file": str(huge)}]}, "absurd.obj"),
         ("key frame far away", {"obstacle": [body | frames]}, "absurd_*.obj"),
         ("ball far away", {"obstacle.0.point": [0, 1e200, 0]}, "'ball'"), ("huge ball", {"obstacle.0.radius": 1e300}, "'ball'"),
+        ("stiff seams", {"sewing.stiffness": 1e30}, "sewing.stiffness: 1e+30: must be > 0 and <= 1e+10 [N/m^2]"),
+        ("fast seams", {"sewing.speed": 1e30}, "sewing.speed"), ("strong seams", {"sewing.force": 1e30}, "sewing.force"),
+        ("wide seams", {"sewing.gap": 1e30}, "sewing.gap"),
+        *((f"a panel's {key}", {"mesh": None, "panel": [tube()["panel"][0] | {"name": "sleeve", key: value}]}, f"panel.{key}: [{value[0]:g}, 0, 0]: panel 'sleeve'")
+          for key, value in (("origin", [1e300, 0, 0]), ("translate", [-2e6, 0, 0]), ("wrap_point", [1e300, 0, 0]))),
+        ("a panel's wrap_shift", {"mesh": None, "panel": [tube()["panel"][0] | {"wrap_shift": 1e300}]}, "panel.wrap_shift"),
     ):
         code, text = invoke(["check", write_case(variant(sheet_on_ball(), changes), OUT / "absurd.toml")])
-        report.check(code == 2 and word in text, f"{name}: code {code}: {' '.join(text.split())[-130:]}")
+        text = " ".join(text.split())
+        report.check(code == 2 and word in text, f"{name}: code {code}: {text[-130:]}")
 
 
 @test

@@ -31,8 +31,8 @@ class PointCache {
   /// place of the '*' (or by name, unless all are numbers), are the frames 0, 1, 2, ... The file's numbers are taken as
   /// metres. `frames_per_second` applies to PC2 and OBJ; MDD has seconds.
   /// Throws UserError that names the file if it is missing, cut short, too long or of another kind, if values are not
-  /// finite or times do not ascend, if files of a sequence differ in their number of vertices, or if
-  /// frames_per_second is not positive.
+  /// finite or times do not ascend, if files of a sequence differ in their number of vertices or
+  /// in their faces, or if frames_per_second is not positive.
   explicit PointCache(const std::filesystem::path& file, double frames_per_second = 24.0);
   ~PointCache();
   PointCache(PointCache&&) noexcept;

@@ -190,6 +190,18 @@ TEST_CASE("what is wrong with a point cache is said") {
   complains([&] { io::PointCache(folder.path / "s*.obj"); }, "there are 1 vertices, but 4 in s1.obj");
   (void)folder.write("s2.obj", "f 1 2 3\n");
   complains([&] { io::PointCache(folder.path / "s*.obj"); }, "there are no vertices");
+  const std::string points = obj(1).substr(0, obj(1).find("f "));
+  for (const char* same : {"", "f 1 2 3\n", "f 2/1 3/2 1/3\n", "f -4//1 -3//1 -2//1\n"}) {
+    (void)folder.write("s2.obj", points + same);
+    CHECK_NOTHROW(io::PointCache(folder.path / "s*.obj"));
+  }
+  for (const auto& [faces, told] :
+       {std::pair{"f 1 3 2\n", "face 1 (counted from 1, 1 in all) is 1 3 2, but 1 2 3 in s1"},
+        std::pair{"f 1 2 3\nf 2 3 4\n", "face 2 (counted from 1, 2 in all) is 2 3 4, but not"},
+        std::pair{"f 1 2 3 4\n", "s2.obj: face 1 (counted from 1, 1 in all) is 1 2 3 4"}}) {
+    (void)folder.write("s2.obj", points + faces);
+    complains([&] { io::PointCache(folder.path / "s*.obj"); }, told);
+  }
 }
 
 TEST_CASE("a point cache that is cut short while in use is noticed") {
