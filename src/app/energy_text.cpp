@@ -6,19 +6,6 @@
 
 namespace voile::app {
 
-std::array<std::pair<const char*, double>, 10> named_parts(const system::EnergyBalance& b) {
-  return {{{"stored_energy", b.stored},
-           {"work_of_loads", b.loads},
-           {"work_of_supports", b.supports},
-           {"work_of_obstacles", b.obstacles},
-           {"damping_loss", b.damping},
-           {"drag_loss", b.drag},
-           {"friction_loss", b.friction},
-           {"numerical_loss", b.numerical},
-           {"remeshing_gain", b.remeshing},
-           {"energy_unaccounted", b.unaccounted}}};
-}
-
 std::string balance_text(const system::EnergyBalance& b) {
   std::string text = fmt::format("energy [J]: {:.4g} at the start", b.initial);
   const auto add = [&](const char* what, double value, bool always) {

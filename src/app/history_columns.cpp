@@ -1,6 +1,5 @@
 #include "history_columns.hpp"
 
-#include "energy_text.hpp"
 #include "voile/base/text.hpp"
 
 namespace voile::app {
@@ -32,6 +31,19 @@ Names names_of(const HistoryColumns& columns) {
   add(columns.contact, {"contact_pairs", "smallest_gap", "cut_short", "shortest_iteration", "intersections"});
   add(columns.yielding, {"gives_way"});
   return names;
+}
+
+std::array<std::pair<const char*, double>, 10> named_parts(const system::EnergyBalance& b) {
+  return {{{"stored_energy", b.stored},
+           {"work_of_loads", b.loads},
+           {"work_of_supports", b.supports},
+           {"work_of_obstacles", b.obstacles},
+           {"damping_loss", b.damping},
+           {"drag_loss", b.drag},
+           {"friction_loss", b.friction},
+           {"numerical_loss", b.numerical},
+           {"remeshing_gain", b.remeshing},
+           {"energy_unaccounted", b.unaccounted}}};
 }
 
 bool is_of_probe(const std::string& column) {

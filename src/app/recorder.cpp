@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "contact_fields.hpp"
-#include "energy_text.hpp"
 #include "history_columns.hpp"
 #include "linear_values.hpp"
 #include "sewing.hpp"

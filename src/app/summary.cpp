@@ -7,7 +7,7 @@
 
 #include <fstream>
 
-#include "energy_text.hpp"
+#include "history_columns.hpp"
 #include "voile/base/error.hpp"
 #include "voile/base/mpi.hpp"
 
