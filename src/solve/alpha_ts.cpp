@@ -67,13 +67,13 @@ PetscErrorCode set_shifts(TS ts) {
 }
 
 /// Solves F(t0, X0 + eps A, V0, A) = 0 for A: with eps small against the square of every period that matters, the
-/// Jacobian eps dF/dX + dF/dA needs no mass matrix of its own and holds fixed rows. With contact, eps and V1 are those of the
+/// Jacobian eps dF/dX + dF/dA needs no mass matrix of its own and holds fixed rows. With `stiff_start` eps and V1 are those of the
 /// step: friction without slip holds nothing at X0, and V1 would take what it balances as accelerations of 1e4 m/s^2.
 PetscErrorCode start_acceleration(TS ts) {
   Alpha& th = data(ts);
   PetscFunctionBeginUser;
-  th.start_scale = (th.callbacks.clear ? th.beta : 1e-8) * ts->time_step * ts->time_step;
-  th.start_s_v = th.callbacks.clear ? th.s_v : 0.0;
+  th.start_scale = (th.callbacks.stiff_start ? th.beta : 1e-8) * ts->time_step * ts->time_step;
+  th.start_s_v = th.callbacks.stiff_start ? th.s_v : 0.0;
   th.starting = true;
   PetscCall(VecZeroEntries(th.a0));
   PetscCall(VecCopy(th.x0, th.x1));
