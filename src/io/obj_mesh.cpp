@@ -32,6 +32,11 @@ class ObjReader {
     }
     if (!textured_) mesh_.data.texture.clear();
     mesh_.note_split();
+    if (stitches_ > 0)
+      mesh_.data.notes.push_back(
+          fmt::format("{} lines 'stitch' are passed over, and what they sew stays apart; mesh.merge joins vertices at "
+                      "the same place, a [[spring]] of type 'pair' pulls others together",
+                      stitches_));
     return std::move(mesh_.data);
   }
 
@@ -47,6 +52,7 @@ class ObjReader {
     if (keyword == "f") add_face(rest);
     if (keyword == "l") add_line(rest);
     if (keyword == "g") groups_ = rest;
+    if (keyword == "stitch") ++stitches_;
     if (keyword == "o") object_ = rest.empty() ? "" : rest[0];
     if (keyword == "usemtl") material_ = rest.empty() ? "" : rest[0];
   }
@@ -105,7 +111,7 @@ class ObjReader {
   std::vector<Vec2> texture_;
   std::vector<std::string> groups_;
   std::string object_, material_;
-  std::size_t line_ = 0, faces_ = 0;
+  std::size_t line_ = 0, faces_ = 0, stitches_ = 0;
   bool textured_ = false;
 };
 

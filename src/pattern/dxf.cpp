@@ -230,20 +230,28 @@ class DxfReader {
 
   Pattern run() {
     unit_ = options_.unit > 0.0 ? options_.unit : file_unit();
+    note_placed();
     std::vector<const DxfBlock*> blocks;
     for (const DxfBlock& b : file_.blocks)
       if (std::any_of(b.entities.begin(), b.entities.end(),
                       [](const DxfEntity& e) { return e.layer == boundary || e.layer == sew_line; }))
         blocks.push_back(&b);
-    if (blocks.empty())
+    if (blocks.empty()) {
       read_drawing();
-    else
+      if (!placed_.empty() && !pattern_.pieces.empty())
+        pattern_.notes.push_back(fmt::format(
+            "{}: blocks that are placed are passed over; explode {} if they are pieces", name(), join(placed_, ", ")));
+    } else {
       read_blocks(blocks);
+    }
     if (pattern_.pieces.empty())
       throw UserError(fmt::format(
           "{}: there is no outline in it; draw each piece as a closed polyline or as lines, arcs and splines "
-          "that join, or export blocks of AAMA/ASTM{}",
-          name(), seen_.empty() ? "" : fmt::format("; `pieces` names none of those there are: {}", join(seen_, ", "))));
+          "that join, or export blocks of AAMA/ASTM{}{}",
+          name(),
+          placed_.empty() ? ""
+                          : fmt::format("; blocks that are placed are passed over, explode {}", join(placed_, ", ")),
+          seen_.empty() ? "" : fmt::format("; `pieces` names none of those there are: {}", join(seen_, ", "))));
     return std::move(pattern_);
   }
 
@@ -279,6 +287,19 @@ class DxfReader {
         fmt::format("{}: $MEASUREMENT = {}, so a unit is taken for {}; the key unit of [[panel]] would say so", name(),
                     measurement, measurement == 1 ? "a millimetre" : "an inch"));
     return measurement == 1 ? 1e-3 : 0.0254;
+  }
+
+  /// Blocks are read as they are, wherever a drawing places them: in no other size.
+  void note_placed() {
+    for (const DxfEntity& e : file_.entities) {
+      if (e.type != "INSERT") continue;
+      const std::string block = e.text(2);
+      for (const int scale : {41, 42})
+        if (std::abs(std::abs(e.real(scale, 1.0)) - 1.0) > 1e-9)
+          e.fail(fmt::format("it places block '{}' {:g} times as large; explode it, or draw the block in its size",
+                             block, e.real(scale, 1.0)));
+      if (std::find(placed_.begin(), placed_.end(), block) == placed_.end()) placed_.push_back(block);
+    }
   }
 
   void add(Piece piece) {
@@ -359,7 +380,8 @@ class DxfReader {
   const ReadOptions& options_;
   DxfFile file_;
   Pattern pattern_;
-  std::vector<std::string> seen_;  ///< names of outlines
+  std::vector<std::string> seen_;    ///< names of outlines
+  std::vector<std::string> placed_;  ///< names of blocks
   double unit_ = 0.0;
 };
 

@@ -165,10 +165,9 @@ class GarmentCodeReader {
       }
       if (loop.empty()) first = i;
       if (!loop.empty() && i != at)
-        edge.fail(
-            fmt::format("it starts at vertex {}, but edge {} before it ends at vertex {}: the outline is open "
-                        "there; let each edge begin where the one before ends",
-                        i, k - 1, at));
+        edge.fail(fmt::format("it starts at vertex {}, but edge {} before it ends at vertex {}: {}", i, k - 1, at,
+                              j == at ? "the edge runs backwards; exchange its endpoints, and turn its curvature round"
+                                      : "the outline is open there; let each edge begin where the one before ends"));
       at = j;
       if ((points[i] - points[j]).norm() == 0.0)
         edge.fail("both ends are at the same place; remove the edge or move one of them");

@@ -91,15 +91,36 @@ Affine transform_of(const std::string& where, const std::string& text) {
   return all;
 }
 
+constexpr double inch = 0.0254, user_units_of_inch = 96.0;  ///< W3C, Cascading Style Sheets Level 2, 4.3.2
+
 /// Length of a width or height in metres, or 0 if it has no unit of length.
 double metres(const std::string& text) {
-  constexpr std::array units{std::pair{"mm", 1e-3},          std::pair{"cm", 1e-2},         std::pair{"in", 0.0254},
-                             std::pair{"pt", 0.0254 / 72.0}, std::pair{"pc", 0.0254 / 6.0}, std::pair{"m", 1.0}};
+  constexpr std::array units{std::pair{"mm", 1e-3},        std::pair{"cm", 1e-2},       std::pair{"in", inch},
+                             std::pair{"pt", inch / 72.0}, std::pair{"pc", inch / 6.0}, std::pair{"m", 1.0}};
   char* end = nullptr;
   const double x = std::strtod(text.c_str(), &end);
   for (const auto& [name, length] : units)
     if (std::strcmp(end, name) == 0) return x * length;
   return 0.0;
+}
+
+/// A length in user units of where it stands; one with a unit is that of 96 user units an inch, whatever the drawing's scale.
+double user_units(const std::string& where, const pugi::xml_node& node, const char* key) {
+  const std::string text = node.attribute(key).value();
+  if (text.empty()) return 0.0;
+  char* end = nullptr;
+  const double x = std::strtod(text.c_str(), &end), length = metres(text);
+  if (length != 0.0) return length / inch * user_units_of_inch;
+  if (end != text.c_str() && std::isfinite(x) && (*end == 0 || std::strcmp(end, "px") == 0 || x == 0.0)) return x;
+  throw UserError(
+      fmt::format("{}: {} = '{}' is no length; give a number, or one with mm, cm, in, pt, pc or px", where, key, text));
+}
+
+/// The style of an element without spaces, each entry after a semicolon.
+std::string style_of(const pugi::xml_node& node) {
+  std::string style = std::string(";") + node.attribute("style").value();
+  std::erase_if(style, [](unsigned char c) { return std::isspace(c); });
+  return style;
 }
 
 class SvgReader {
@@ -154,6 +175,18 @@ class SvgReader {
     return false;
   }
 
+  /// What would be drawn in another size or place than is read here.
+  static void refuse_placed(const pugi::xml_node& node, const std::string& element, const std::string& where) {
+    if (style_of(node).find(";transform:") != std::string::npos)
+      throw UserError(fmt::format("{}: its style has a transform; make it the attribute transform", where));
+    if (element == "svg" &&
+        (node.attribute("viewBox") || node.attribute("x").as_double() != 0.0 || node.attribute("y").as_double() != 0.0))
+      throw UserError(fmt::format(
+          "{}: a drawing within the drawing, with a place or a viewBox of its own; make it a group (<g>) with a "
+          "transform",
+          where));
+  }
+
   void walk(const pugi::xml_node& parent, const Affine& outer, const std::string& group) {
     for (const pugi::xml_node& node : parent.children()) {
       std::string element = node.name();
@@ -163,6 +196,12 @@ class SvgReader {
       if (name.empty()) name = node.attribute("id").value();
       if (name.empty()) name = group;
       const std::string where = fmt::format("{}: {} '{}'", pattern_.file.string(), element, name);
+      if (std::strcmp(node.attribute("display").value(), "none") == 0 ||
+          style_of(node).find(";display:none") != std::string::npos) {
+        pattern_.notes.push_back(fmt::format("{} is hidden (display: none), and is passed over", where));
+        continue;
+      }
+      refuse_placed(node, element, where);
       const Affine here = outer.then_inside(transform_of(where, node.attribute("transform").value()));
       if (element == "g" || element == "svg" || element == "a" || element == "switch")
         walk(node, here, name);
@@ -191,8 +230,8 @@ class SvgReader {
   }
 
   [[nodiscard]] static std::vector<Curve> rectangle(const std::string& where, const pugi::xml_node& node) {
-    const double x = node.attribute("x").as_double(), y = node.attribute("y").as_double(),
-                 w = node.attribute("width").as_double(), h = node.attribute("height").as_double();
+    const double x = user_units(where, node, "x"), y = user_units(where, node, "y"),
+                 w = user_units(where, node, "width"), h = user_units(where, node, "height");
     if (!(w > 0.0 && h > 0.0)) throw UserError(fmt::format("{}: width and height must be positive numbers", where));
     if (node.attribute("rx") || node.attribute("ry"))
       throw UserError(fmt::format("{}: its corners are round; convert it to a path", where));

@@ -23,9 +23,9 @@ struct Alpha {
   AlphaCallbacks callbacks;
   Vec x0 = nullptr, xa = nullptr, x1 = nullptr, v0 = nullptr, va = nullptr, v1 = nullptr, a0 = nullptr, aa = nullptr,
       a1 = nullptr, best = nullptr;
-  bool has_acceleration = false;  ///< a1 belongs to the current state
-  bool starting = false;          ///< the SNES is solving for the first acceleration
-  double start_scale = 0.0;
+  bool has_acceleration = false;              ///< a1 belongs to the current state
+  bool starting = false;                      ///< the SNES is solving for the first acceleration
+  double start_scale = 0.0, start_s_v = 0.0;  ///< over X1 - X0 then: A by 1/start_scale, V1 - V0 by start_s_v
   double stage_time = 0, s_v = 0, s_a = 0;
 
   void set_parameters() {
@@ -67,11 +67,13 @@ PetscErrorCode set_shifts(TS ts) {
 }
 
 /// Solves F(t0, X0 + eps A, V0, A) = 0 for A: with eps small against the square of every period that matters, the
-/// Jacobian eps dF/dX + dF/dA needs no mass matrix of its own and holds fixed rows.
+/// Jacobian eps dF/dX + dF/dA needs no mass matrix of its own and holds fixed rows. With `stiff_start` eps and V1 are those of the
+/// step: friction without slip holds nothing at X0, and V1 would take what it balances as accelerations of 1e4 m/s^2.
 PetscErrorCode start_acceleration(TS ts) {
   Alpha& th = data(ts);
   PetscFunctionBeginUser;
-  th.start_scale = 1e-8 * ts->time_step * ts->time_step;
+  th.start_scale = (th.callbacks.stiff_start ? th.beta : 1e-8) * ts->time_step * ts->time_step;
+  th.start_s_v = th.callbacks.stiff_start ? th.s_v : 0.0;
   th.starting = true;
   PetscCall(VecZeroEntries(th.a0));
   PetscCall(VecCopy(th.x0, th.x1));
@@ -265,7 +267,7 @@ PetscErrorCode snes_jacobian(SNES, Vec, Mat j, Mat p, TS ts) {
   Alpha& th = data(ts);
   PetscFunctionBeginUser;
   if (th.starting)
-    PetscCall(TSComputeI2Jacobian(ts, ts->ptime, th.x1, th.v0, th.a0, 0.0, 1.0 / th.start_scale, j, p));
+    PetscCall(TSComputeI2Jacobian(ts, ts->ptime, th.x1, th.v0, th.a0, th.start_s_v, 1.0 / th.start_scale, j, p));
   else
     PetscCall(TSComputeI2Jacobian(ts, th.stage_time, th.xa, th.va, th.aa, th.s_v, th.s_a, j, p));
   PetscFunctionReturn(0);

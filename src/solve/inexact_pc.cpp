@@ -39,7 +39,7 @@ struct Inexact {
   InexactCounts counts;
   InexactMemory memory;
   int longest_said = 0;  ///< wait that the log already has
-  double rtol = 0.0, last_rtol = 1e-4, break_even = 1.0;
+  double rtol = 0.0, last_rtol = 1e-4, break_even = 3.0;
   // of the solution at work
   double first_norm = 0.0;
   bool must_be_exact = false;

@@ -132,7 +132,7 @@ void TimeIntegration::Impl::choose_method(const system::State& from) {
                       {this, start_step, enforce, contact ? clear : nullptr,
                        contact && model.conditions().symmetric() ? energy : nullptr,
                        contact ? longest_flight * contact::mean_edge(model.contact()->scene().set().surface()) : 0.0,
-                       account ? accepted : nullptr});
+                       account ? accepted : nullptr, contact && inexact});  // falls of a drape start from other states
   linear.prepare();
   prepare_inexact(from.solver);
   SNES snes = nullptr;

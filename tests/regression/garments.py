@@ -3,9 +3,11 @@
 import copy
 import json
 import shutil
+import signal
 import tomllib
 
 import numpy as np
+from common import fresh, started, wait_for
 from harness import OUT, solve, test
 from pattern_files import CLOTH, HEIGHT, RADIUS, part, rectangle, svg, text_file, tube
 from results import Results
@@ -77,7 +79,7 @@ def garment_measures(report):
 
 @test
 def garment_restart(report):
-    """A run goes on from a checkpoint amid sewing, from the stage after the weld, and from within that stage."""
+    """A run goes on from a checkpoint amid sewing, killed in the weld, from the stage after it, and from within that stage."""
     case = tube()
     fixed = {"step": 0.01, "max_step": 0.01, "target_iterations": 1000, "velocity_tolerance": 0.0}  # so that the runs take the same steps
     case["stage"][0]["time"] |= {"end": 0.16} | fixed
@@ -103,6 +105,16 @@ def garment_restart(report):
     again = run(OUT / "garment_whole.toml", whole.folder, 1, ["--from", "move"])
     report.check(again.code == 0, f"--from move welds what sew has left: code {again.code}")
     report.below(np.abs(part(again, "move").displacement() - end).max(), 1e-9, "to the same end [m]")
+    folder = fresh("garment_killed")
+    process = started(OUT / "garment_whole.toml", folder)
+    wait_for(lambda: (folder / "move").exists(), process)
+    process.send_signal(signal.SIGKILL)
+    process.communicate(timeout=60)
+    amid = (folder / "sew" / "checkpoint.h5").exists() and not (folder / "move" / "checkpoint.h5").exists()
+    report.check(amid, "killed in the weld, after the last checkpoint of sew and before the first of move")
+    again = run(OUT / "garment_whole.toml", folder, 1, ["--from", "move"])
+    report.check(again.code == 0, f"--from move in its folder: code {again.code}")
+    report.below(np.abs(part(again, "move").displacement() - end).max(), 1e-7, "to the same end [m]")
     folder = OUT / "garment_within"
     shutil.rmtree(folder, ignore_errors=True)
     within = run(OUT / "garment_whole.toml", folder, 2, ["--from", "move", "--restart", whole.folder / "move" / "results.vtkhdf", "--restart-step", "2"])

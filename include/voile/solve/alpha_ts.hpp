@@ -40,6 +40,8 @@ struct AlphaCallbacks {
   PetscReal longest_flight = PETSC_INFINITY;
   /// A step from X0 to (X1, V1) is accepted; time and step size are still those of its start, for alpha_stage().
   PetscErrorCode (*accepted)(void* context, Vec x0, Vec x1, Vec v1) = nullptr;
+  /// The first acceleration is found with the stiffness and damping of a step, not with the mass alone.
+  bool stiff_start = false;
 };
 
 /// What of a step tells about X1: stage (Xa, Va, Aa) with dVa/dXa = s_v and dAa/dXa = s_a.

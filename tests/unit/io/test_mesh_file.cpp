@@ -99,6 +99,12 @@ TEST_CASE("groups of OBJ, Abaqus and VTK") {
   CHECK(vtk.group("group-3", 1).segments.size() == 3);
 }
 
+TEST_CASE("OBJ: lines that sew are counted and said") {
+  const mesh::MeshData obj = read(".obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nf 1 2 3\nstitch 0 1 1 0\nstitch 1 2 2 0\n");
+  REQUIRE(obj.notes.size() == 1);
+  CHECK(obj.notes[0].find("2 lines 'stitch' are passed over") != std::string::npos);
+}
+
 TEST_CASE("quadrangles are split along their shorter diagonal, and this is said") {
   const char* points = "v 0 0 0\nv 1 0 0\nv 1.2 1 0\nv 0 1 0\n";  // 2-4 is shorter than 1-3
   const mesh::MeshData obj = read(".obj", std::string(points) + "g all\nf 1 2 3 4\n");

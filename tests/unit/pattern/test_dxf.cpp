@@ -255,6 +255,18 @@ TEST_CASE("DXF: what is wrong is named") {
   says(blocks(block("B", polyline("1", square)) + block("B", polyline("1", square))), "another piece has this name");
 }
 
+TEST_CASE("DXF: blocks that are placed are passed over and named; in another size they are refused") {
+  const std::string placed = entity("INSERT", "0", groups({{2, "SLEEVE"}})),
+                    larger = entity("INSERT", "0", groups({{2, "SLEEVE"}, {41, "2"}, {42, "2"}}));
+  CHECK(has(refusal("p.dxf", drawing(placed)), "explode SLEEVE"));
+  const pattern::Pattern other = read("p.dxf", drawing(polyline("front", square) + placed + placed));
+  REQUIRE(other.notes.size() == 1);
+  CHECK(has(other.notes[0], "explode SLEEVE if"));
+  CHECK(has(refusal("p.dxf", drawing(polyline("front", square) + larger)), "places block 'SLEEVE' 2 times as large"));
+  const std::string own = section("BLOCKS", block("SLEEVE", polyline("1", square)));
+  CHECK(read("p.dxf", drawing(placed, header(4) + own)).notes.empty());
+}
+
 TEST_CASE("Halves of other formats unfold across an edge that is named") {
   const std::string svg =
       R"(<svg xmlns="http://www.w3.org/2000/svg" width="1000mm" height="1000mm" viewBox="0 0 1000 1000">)"

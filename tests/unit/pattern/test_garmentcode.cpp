@@ -128,6 +128,8 @@ TEST_CASE("GarmentCode: what is wrong is named with panel, edge and remedy") {
   says(R"({"pattern": {"panels": {}}})", {"no panels"});
   says(file(R"({"endpoints": [0, 1]}, )" + line2 + ", " + line3), {"'P'", "edge 1", "open", "vertex 1"});
   says(file(R"({"endpoints": [0, 1]}, )" + line1 + ", " + line2), {"'P'", "open", "edge 2 ends at vertex 3"});
+  says(file(R"({"endpoints": [0, 1]}, {"endpoints": [1, 2]}, {"endpoints": [3, 2]}, {"endpoints": [3, 0]})"),
+       {"'P'", "edge 2", "runs backwards", "exchange its endpoints"});
   says(file(R"({"endpoints": [0, 7]})"), {"'P'", "edge 0", "no vertex 7"});
   says(file(R"({"endpoints": [0, 0]}, )" + line1), {"edge 0", "same place"});
   says(file(R"({"endpoints": [0, 2]}, {"endpoints": [2, 1]}, {"endpoints": [1, 3]}, {"endpoints": [3, 0]})"),

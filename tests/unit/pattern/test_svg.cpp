@@ -143,6 +143,32 @@ TEST_CASE("SVG: the unit is stated or asked for") {
   CHECK(has(refusal("pattern.svg", svg(content), {.unit = 1.0}), "100 m x 100 m"));  // millimetres taken for metres
 }
 
+TEST_CASE("SVG: lengths with units, and what is hidden or drawn in another size") {
+  const auto square = [](const std::string& more) { return R"(<rect id="P" width="100" height="100" )" + more + "/>"; };
+  // An inch is 96 user units, whatever one is in the drawing.
+  const pattern::Piece p = piece(R"(<rect id="P" x="1in" width="2in" height="12.7mm"/>)",
+                                 R"(width="40in" height="30in" viewBox="0 0 3840 2880")");
+  CHECK(p.edges[0].curve.length() == doctest::Approx(0.0508).epsilon(1e-12));
+  CHECK(p.edges[1].curve.length() == doctest::Approx(0.0127).epsilon(1e-12));
+  CHECK(p.point(0)[0] == doctest::Approx(0.0254).epsilon(1e-12));
+  const pattern::Pattern shown =
+      read("pattern.svg", svg(R"(<g id="guides" style="fill:red; display : none">)" + path("M0 0 H50 V50 Z") +
+                              R"(</g><g display="none">)" + path("M0 0 H50 V50 Z") + "</g>" + square("")));
+  CHECK(shown.pieces.size() == 1);
+  REQUIRE(shown.notes.size() == 2);
+  CHECK(has(shown.notes[0], "'guides' is hidden"));
+  const auto says = [](const std::string& content, const char* part) {
+    const std::string message = refusal("pattern.svg", svg(content));
+    INFO(message);
+    CHECK(has(message, part));
+  };
+  says(R"(<rect id="P" width="50%" height="5"/>)", "width = '50%' is no length");
+  says(square(R"x(style="fill:none;transform:scale(2)")x"), "make it the attribute transform");
+  says(R"(<svg width="50" height="50" viewBox="0 0 10 10">)" + square("") + "</svg>", "a drawing within the drawing");
+  says(R"(<svg x="5">)" + square("") + "</svg>", "a drawing within the drawing");
+  CHECK(piece("<svg>" + square(R"(style="text-transform:none")") + "</svg>").edges.size() == 4);
+}
+
 TEST_CASE("SVG: what is wrong is named with piece, edge and remedy") {
   const auto says = [](const std::string& content, std::initializer_list<const char*> parts) {
     const std::string message = refusal("pattern.svg", svg(content));
