@@ -102,7 +102,8 @@ void check_size(const contact::Obstacle& o) {
   for (const Vec3& x : o.points) size = std::max(size, x.cwiseAbs().maxCoeff());
   if (!(size <= largest))
     throw UserError(fmt::format(
-        "[[obstacle]] '{}': {:g} m is no number to compute with; check its point, end and radius", o.name, size));
+        "[[obstacle]] '{}': {:g} m is no number to compute with; check its point, end, radius and thickness", o.name,
+        size));
 }
 
 /// A body that nobody could wear the garment on.

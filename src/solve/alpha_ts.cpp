@@ -91,9 +91,10 @@ PetscErrorCode start_acceleration(TS ts) {
   PetscCall(KSPGetConvergedReason(ksp, &reason));
   ts->ksp_its += 1;
   th.starting = false;
-  if (reason < 0)
-    SETERRQ(PetscObjectComm(reinterpret_cast<PetscObject>(ts)), PETSC_ERR_NOT_CONVERGED,
-            "the linear solver failed at the start");
+  if (reason < 0) {  // forces, masses or their ratio are no numbers: the run ends as one that does not converge
+    ts->reason = TSFORWARD_DIVERGED_LINEAR_SOLVE;
+    PetscCall(VecZeroEntries(th.a0));
+  }
   PetscCall(VecScale(th.a0, -1.0 / th.start_scale));
   PetscCall(VecCopy(th.a0, th.a1));
   th.has_acceleration = true;

@@ -213,6 +213,13 @@ void TimeIntegration::Impl::fail(system::State& state, StepResult& r, TSConverge
   note_effort(r);
   // The size that failed is no size to go on with.
   state.next_step = last_taken > 0.0 ? last_taken : options.step;
+  if (reason == TSFORWARD_DIVERGED_LINEAR_SOLVE) {
+    r.reason = fmt::format(
+        "no acceleration follows from the forces and masses at t = {:.6g} s with steps of {:g} s; check "
+        "the values of [[load]], [[support]], [[material]], [damping] and [time]",
+        state.time, options.step);
+    return;
+  }
   r.reason = fmt::format("{} at t = {:.6g} s: no step of {:.3g} s or more succeeds", TSConvergedReasons[reason],
                          state.time, options.min_step) +
              (obstruction.empty() ? "" : "; in the way was " + obstruction) + place_of_failure();

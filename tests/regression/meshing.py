@@ -243,6 +243,7 @@ def absurd_numbers(report):
         ("obstacle with one far vertex", {"obstacle": [body | {"file": str(huge)}]}, "absurd.obj"),
         ("key frame far away", {"obstacle": [body | frames]}, "absurd_*.obj"),
         ("ball far away", {"obstacle.0.point": [0, 1e200, 0]}, "'ball'"), ("huge ball", {"obstacle.0.radius": 1e300}, "'ball'"),
+        ("thick ball", {"obstacle.0.thickness": 1e300}, "radius and thickness"),
         ("stiff seams", {"sewing.stiffness": 1e30}, "sewing.stiffness: 1e+30: must be > 0 and <= 1e+10 [N/m^2]"),
         ("fast seams", {"sewing.speed": 1e30}, "sewing.speed"), ("strong seams", {"sewing.force": 1e30}, "sewing.force"),
         ("wide seams", {"sewing.gap": 1e30}, "sewing.gap"),
@@ -253,6 +254,11 @@ def absurd_numbers(report):
         code, text = invoke(["check", write_case(variant(sheet_on_ball(), changes), OUT / "absurd.toml")])
         text = " ".join(text.split())
         report.check(code == 2 and word in text, f"{name}: code {code}: {text[-130:]}")
+    for key, value in (("material.0.membrane_damping", 1e300), ("time.step", 1e-300)):
+        file = write_case(variant(sheet_on_ball(), {key: value, "contact": None, "obstacle": None}), OUT / "absurd.toml")
+        code, text = invoke(["run", file, "--output", OUT / "absurd_run", "--overwrite"])
+        text = " ".join(text.split())
+        report.check(code == 3 and "no acceleration follows" in text, f"{key} = {value:g}: code {code}: {text[-130:]}")
 
 
 @test
