@@ -141,6 +141,10 @@ std::array<double, 5> sum(MPI_Comm comm, const std::array<double, 5>& values) {
   return all;
 }
 
+void sum(MPI_Comm comm, std::vector<double>& values) {
+  MPI_Allreduce(MPI_IN_PLACE, values.data(), static_cast<int>(values.size()), MPI_DOUBLE, MPI_SUM, comm);
+}
+
 void min(MPI_Comm comm, std::vector<double>& values) {
   MPI_Allreduce(MPI_IN_PLACE, values.data(), static_cast<int>(values.size()), MPI_DOUBLE, MPI_MIN, comm);
 }

@@ -4,7 +4,10 @@
 #include <metis.h>
 
 #include <algorithm>
+#include <array>
 #include <numeric>
+#include <type_traits>
+#include <utility>
 
 #include "voile/base/error.hpp"
 
@@ -12,8 +15,8 @@ namespace voile::mesh {
 
 namespace {
 
-/// Vertex adjacency in METIS's compressed form.
-void vertex_graph(const SurfaceMesh& mesh, std::vector<idx_t>& start, std::vector<idx_t>& adjacent) {
+/// Vertex adjacency as divide_graph takes it.
+void vertex_graph(const SurfaceMesh& mesh, std::vector<int>& start, std::vector<int>& adjacent) {
   start.assign(1, 0);
   for (Index v = 0; v < mesh.vertex_count(); ++v) {
     std::vector<Index> around;
@@ -23,7 +26,7 @@ void vertex_graph(const SurfaceMesh& mesh, std::vector<idx_t>& start, std::vecto
     std::sort(around.begin(), around.end());
     around.erase(std::unique(around.begin(), around.end()), around.end());
     adjacent.insert(adjacent.end(), around.begin(), around.end());
-    start.push_back(static_cast<idx_t>(adjacent.size()));
+    start.push_back(static_cast<int>(adjacent.size()));
   }
 }
 
@@ -34,23 +37,27 @@ int majority(int a, int b, int c) {
 
 }  // namespace
 
-std::vector<int> divide_vertices(const SurfaceMesh& mesh, int parts) {
-  std::vector<int> part(static_cast<std::size_t>(mesh.vertex_count()), 0);
+std::vector<int> divide_graph(std::vector<int> start, std::vector<int> adjacent, int parts) {
+  static_assert(std::is_same_v<idx_t, int>, "METIS with 32-bit indices");
+  std::vector<int> part(start.size() - 1, 0);
   if (parts == 1) return part;
-  if (parts > mesh.vertex_count())
-    throw UserError(fmt::format("{} ranks for {} vertices; use fewer ranks", parts, mesh.vertex_count()));
-  std::vector<idx_t> start, adjacent, result(part.size());
-  vertex_graph(mesh, start, adjacent);
-  idx_t n = mesh.vertex_count(), constraints = 1, count = parts, cut = 0;
+  idx_t n = static_cast<idx_t>(part.size()), constraints = 1, cut = 0;
   std::array<idx_t, METIS_NOPTIONS> options{};
   METIS_SetDefaultOptions(options.data());
   options[METIS_OPTION_SEED] = 1;
   options[METIS_OPTION_NUMBERING] = 0;
   const int status = METIS_PartGraphKway(&n, &constraints, start.data(), adjacent.data(), nullptr, nullptr, nullptr,
-                                         &count, nullptr, nullptr, options.data(), &cut, result.data());
+                                         &parts, nullptr, nullptr, options.data(), &cut, part.data());
   if (status != METIS_OK) throw InternalError(fmt::format("METIS_PartGraphKway failed with status {}", status));
-  std::copy(result.begin(), result.end(), part.begin());
   return part;
+}
+
+std::vector<int> divide_vertices(const SurfaceMesh& mesh, int parts) {
+  if (parts > 1 && parts > mesh.vertex_count())
+    throw UserError(fmt::format("{} ranks for {} vertices; use fewer ranks", parts, mesh.vertex_count()));
+  std::vector<int> start, adjacent;
+  vertex_graph(mesh, start, adjacent);
+  return divide_graph(std::move(start), std::move(adjacent), parts);
 }
 
 Partition make_partition(MPI_Comm comm, const SurfaceMesh& mesh) {

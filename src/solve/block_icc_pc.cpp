@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "coarse_space.hpp"
 #include "incomplete_cholesky.hpp"
 #include "voile/base/mpi.hpp"
 #include "voile/base/petsc.hpp"
@@ -15,11 +16,17 @@ namespace voile::solve {
 
 namespace {
 
+/// The coarse matrix is dense and on every rank.
+constexpr int most_aggregates = 2000;
+
 /// The type's own data (pc->data).
 struct BlockIcc {
   IncompleteCholesky factor;
-  double shift = 0.0, first_shift = 1e-2;  ///< options
-  std::string ordering = MATORDERINGRCM;   ///< option
+  CoarseSpace coarse;
+  int aggregates = 0;                            ///< option; 0: no coarse level
+  bool coarse_fits = false, use_coarse = false;  ///< the pattern, and the matrix at hand
+  double shift = 0.0, first_shift = 1e-2;        ///< options
+  std::string ordering = MATORDERINGRCM;         ///< option
   bool more_shifts = true;
   double largest_shift = 0.0;  ///< over the ranks, of the last matrix
   long matrices = 0, patterns = 0, shifted = 0;
@@ -63,6 +70,8 @@ PetscErrorCode read_pattern(PC pc, Mat part) {
   if (!good)
     SETERRQ(PetscObjectComm(reinterpret_cast<PetscObject>(pc)), PETSC_ERR_SUP,
             "-pc_type %s is for matrices of full 3 x 3 blocks", block_icc_pc_type);
+  if (d.aggregates > 0)
+    PetscCall(petsc::guarded([&] { d.coarse_fits = d.coarse.read_pattern(pc->pmat, d.aggregates); }));
   ++d.patterns;
   PetscFunctionReturn(0);
 }
@@ -83,6 +92,8 @@ PetscErrorCode set_up(PC pc) {
   PetscCall(MatSeqAIJGetArrayRead(part, &values));
   const bool good = d.factor.factor(values, d.shift, d.more_shifts ? d.first_shift : HUGE_VAL);
   PetscCall(MatSeqAIJRestoreArrayRead(part, &values));
+  d.use_coarse = false;
+  if (d.coarse_fits) PetscCall(petsc::guarded([&] { d.use_coarse = d.coarse.take(pc->pmat); }));
   // Largest over the ranks: whether it failed, whether it took a shift, and which.
   std::vector<double> worst{good ? 0.0 : -1.0, d.factor.attempts() > 1 ? -1.0 : 0.0, -d.factor.shift()};
   PetscCall(petsc::guarded([&] { mpi::min(PetscObjectComm(reinterpret_cast<PetscObject>(pc)), worst); }));
@@ -100,7 +111,16 @@ PetscErrorCode apply(PC pc, Vec b, Vec x) {
   PetscFunctionBeginUser;
   PetscCall(VecGetArrayRead(b, &right));
   PetscCall(VecGetArrayWrite(x, &left));
-  data(pc).factor.solve(right, left);
+  BlockIcc& d = data(pc);
+  if (d.use_coarse) {
+    PetscCall(petsc::guarded([&] {
+      d.coarse.project(right, left);
+      d.factor.solve(left, left);
+      d.coarse.correct(left);
+    }));
+  } else {
+    d.factor.solve(right, left);
+  }
   PetscCall(VecRestoreArrayRead(b, &right));
   PetscCall(VecRestoreArrayWrite(x, &left));
   PetscFunctionReturn(0);
@@ -114,21 +134,27 @@ PetscErrorCode ask_options(PC pc, PetscOptionItems* PetscOptionsObject) {
                              d.shift, &d.shift, nullptr));
   PetscCall(PetscOptionsReal("-pc_block_icc_first_shift", "The same after the first failure; then four times more each",
                              nullptr, d.first_shift, &d.first_shift, nullptr));
+  PetscCall(PetscOptionsInt("-pc_block_icc_aggregates", "Aggregates of the coarse level, 0 for none", nullptr,
+                            d.aggregates, &d.aggregates, nullptr));
   char type[64] = {};
   PetscBool given = PETSC_FALSE;
   PetscCall(PetscOptionsFList("-pc_block_icc_ordering_type", "Order of elimination", "MatGetOrdering", MatOrderingList,
                               d.ordering.c_str(), type, sizeof type, &given));
   if (given) d.ordering = type;
   PetscOptionsHeadEnd();
-  if (d.shift < 0.0 || !(d.first_shift > 0.0))
+  if (d.shift < 0.0 || !(d.first_shift > 0.0) || d.aggregates < 0 || d.aggregates > most_aggregates)
     SETERRQ(PetscObjectComm(reinterpret_cast<PetscObject>(pc)), PETSC_ERR_USER_INPUT,
-            "-pc_block_icc_shift must be >= 0 and -pc_block_icc_first_shift > 0");
+            "-pc_block_icc_shift must be >= 0, -pc_block_icc_first_shift > 0 and -pc_block_icc_aggregates in 0 to %d",
+            most_aggregates);
   PetscFunctionReturn(0);
 }
 
 PetscErrorCode reset(PC pc) {
   PetscFunctionBeginUser;
-  data(pc).factor = IncompleteCholesky{};
+  BlockIcc& d = data(pc);
+  d.factor = IncompleteCholesky{};
+  d.coarse = CoarseSpace{};
+  d.coarse_fits = d.use_coarse = false;
   PetscFunctionReturn(0);
 }
 
@@ -146,6 +172,8 @@ PetscErrorCode view(PC pc, PetscViewer viewer) {
                                    d.ordering.c_str()));
   PetscCall(PetscViewerASCIIPrintf(viewer, "  matrices %ld with %ld patterns, of them %ld with a shift, the last %g\n",
                                    d.matrices, d.patterns, d.shifted, d.largest_shift));
+  if (d.coarse_fits)
+    PetscCall(PetscViewerASCIIPrintf(viewer, "  coarse level: translations of %d aggregates\n", d.coarse.aggregates()));
   PetscFunctionReturn(0);
 }
 
@@ -172,6 +200,10 @@ void register_block_icc_pc() {
 
 void set_block_icc_shift(PC pc, double shift) {
   data(pc).shift = shift;
+}
+
+void set_block_icc_aggregates(PC pc, int aggregates) {
+  data(pc).aggregates = aggregates;
 }
 
 void allow_block_icc_shifts(PC pc, bool allowed) {

@@ -21,6 +21,9 @@ constexpr double exact_rtol = 1e-12, least_rtol = 1e-10;
 constexpr PetscInt least_longest = 30;
 /// Share of the diagonal that the incomplete factor adds from the start: fewer iterations than without, and hardly ever a second try.
 constexpr double usual_shift = 3e-3;
+/// From so many vertices on the incomplete factor has a coarse level of so many aggregates: with fewer vertices it costs what it saves.
+constexpr double coarse_vertices = 15000.0;
+constexpr int usual_aggregates = 128;
 /// After the first failure so many matrices are factored; at most so many.
 constexpr int first_wait = 8, longest_wait = 512;
 /// Share of the allowed iterations after which hopeless solutions are given up, and what is hopeless: needing this many
@@ -106,6 +109,7 @@ PetscErrorCode create_iteration(PC pc) {
   PetscCall(petsc::guarded([] { register_block_icc_pc(); }));
   PetscCall(PCSetType(inner, block_icc_pc_type));
   set_block_icc_shift(inner, usual_shift);
+  if (vertices >= coarse_vertices) set_block_icc_aggregates(inner, usual_aggregates);
   PetscCall(KSPSetFromOptions(m.iteration));
   PetscCall(KSPGetTolerances(m.iteration, nullptr, nullptr, nullptr, &given));
   m.longest = given;

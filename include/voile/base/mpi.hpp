@@ -46,6 +46,9 @@ void broadcast(MPI_Comm comm, std::vector<std::size_t>& values);
 /// Sums over the ranks, entry by entry, on every rank. Collective.
 [[nodiscard]] std::array<double, 5> sum(MPI_Comm comm, const std::array<double, 5>& values);
 
+/// The same in place. Collective; every rank passes the same length.
+void sum(MPI_Comm comm, std::vector<double>& values);
+
 /// Smallest over the ranks, entry by entry, on every rank. Collective; every rank passes the same length.
 void min(MPI_Comm comm, std::vector<double>& values);
 

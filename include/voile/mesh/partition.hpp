@@ -29,4 +29,8 @@ struct Partition {
 /// Division over a given number of parts without any communication (for reports).
 [[nodiscard]] std::vector<int> divide_vertices(const SurfaceMesh& mesh, int parts);
 
+/// The same for any graph in compressed rows, with both directions of every edge and no loops: node v's neighbours are
+/// adjacent[start[v]] .. adjacent[start[v + 1] - 1]. Some parts may stay empty. Not collective.
+[[nodiscard]] std::vector<int> divide_graph(std::vector<int> start, std::vector<int> adjacent, int parts);
+
 }  // namespace voile::mesh

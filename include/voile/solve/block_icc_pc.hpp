@@ -3,7 +3,9 @@
 // For symmetric AIJ matrices of block size 3 in full blocks, as tangents are: -ksp_type cg -pc_type voile_block_icc. Each
 // rank factors its own diagonal part (block Jacobi over ranks), in reverse Cuthill-McKee order unless
 // -pc_block_icc_ordering_type names another of PETSc's. Where that comes out indefinite, a share of the
-// diagonal blocks is added until it does not; so the preconditioner is positive definite whatever the matrix is. Works
+// diagonal blocks is added until it does not; so the preconditioner is positive definite whatever the matrix is. With
+// -pc_block_icc_aggregates N a coarse level of the translations of about N aggregates of vertices is solved exactly
+// (balancing, src/solve/coarse_space.hpp); matrices that are not positive definite there go without it. Works
 // without allocation while the pattern holds.
 #pragma once
 
@@ -17,6 +19,8 @@ inline constexpr const char* block_icc_pc_type = "voile_block_icc";
 void register_block_icc_pc();
 /// Share of the diagonal blocks to add from the start, as -pc_block_icc_shift. Before the first set-up.
 void set_block_icc_shift(PC pc, double shift);
+/// Aggregates of the coarse level, 0 (the start) for none, as -pc_block_icc_aggregates. Before the first set-up.
+void set_block_icc_aggregates(PC pc, int aggregates);
 /// Whether a part that comes out indefinite is shifted more, which is the default, or is a failure (PCGetFailedReason).
 void allow_block_icc_shifts(PC pc, bool allowed);
 /// Largest share of the diagonal that some rank has added in the last factorisation. The same on all ranks.

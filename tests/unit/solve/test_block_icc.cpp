@@ -237,3 +237,96 @@ TEST_CASE("incomplete factor: a matrix of other blocks is refused with words") {
   CHECK(code == PETSC_ERR_SUP);
   CHECK_THROWS_AS(petsc::check(code, "KSPSetUp"), UserError);
 }
+
+namespace {
+
+/// A sheet that is stiff in its plane: blocks of springs on a strip of `nodes` x `across` vertices per rank, joined over the ranks, on
+/// a ground as soft as inertia makes it.
+petsc::MatHandle stiff_strip(int along, int across) {
+  petsc::MatHandle k;
+  const PetscInt rows = 3 * along * across;
+  VOILE_PETSC(MatCreate(PETSC_COMM_WORLD, k.out()));
+  VOILE_PETSC(MatSetSizes(k, rows, rows, PETSC_DETERMINE, PETSC_DETERMINE));
+  VOILE_PETSC(MatSetBlockSize(k, 3));
+  VOILE_PETSC(MatSetType(k, MATAIJ));
+  VOILE_PETSC(MatSetUp(k));
+  PetscInt first = 0, end = 0, all = 0;
+  VOILE_PETSC(MatGetOwnershipRange(k, &first, &end));
+  VOILE_PETSC(MatGetSize(k, &all, nullptr));
+  const auto add = [&](PetscInt i, PetscInt j, const Mat3& block) {
+    const Eigen::Matrix<double, 3, 3, Eigen::RowMajor> entries = block;
+    VOILE_PETSC(MatSetValuesBlocked(k, 1, &i, 1, &j, entries.data(), ADD_VALUES));
+  };
+  for (PetscInt i = first / 3; i < end / 3; ++i) {
+    add(i, i, 1e-3 * Mat3::Identity());
+    for (const PetscInt j : {i + 1, i + across, i + across + 1}) {
+      if (j >= all / 3 || (j != i + across && j % across == 0)) continue;
+      const Vec3 way(static_cast<double>((j - i) / across), static_cast<double>((j - i) % across), 0.1);
+      const Mat3 spring = way * way.transpose() + 0.01 * Mat3::Identity();
+      add(i, i, spring);
+      add(j, j, spring);
+      add(i, j, -spring);
+      add(j, i, -spring);
+    }
+  }
+  VOILE_PETSC(MatAssemblyBegin(k, MAT_FINAL_ASSEMBLY));
+  VOILE_PETSC(MatAssemblyEnd(k, MAT_FINAL_ASSEMBLY));
+  return k;
+}
+
+petsc::VecHandle applied(PC pc, Vec b) {
+  petsc::VecHandle x;
+  VOILE_PETSC(VecDuplicate(b, x.out()));
+  VOILE_PETSC(PCApply(pc, b, x));
+  return x;
+}
+
+double dot(Vec a, Vec b) {
+  double value = 0.0;
+  VOILE_PETSC(VecDot(a, b, &value));
+  return value;
+}
+
+/// Iterations to the solver's tolerance.
+PetscInt iterations_with(Mat k, int aggregates) {
+  Solver solver(k);
+  solve::set_block_icc_aggregates(solver.pc, aggregates);
+  const petsc::VecHandle b = right_side(k);
+  petsc::VecHandle x;
+  PetscInt count = 0;
+  VOILE_PETSC(VecDuplicate(b, x.out()));
+  VOILE_PETSC(KSPSolve(solver.ksp, b, x));
+  VOILE_PETSC(KSPGetIterationNumber(solver.ksp, &count));
+  return count;
+}
+
+}  // namespace
+
+TEST_CASE("incomplete factor with a coarse level: symmetric, positive, exact for what the whole does together") {
+  const petsc::MatHandle k = stiff_strip(60, 12);
+  Solver solver(k);
+  solve::set_block_icc_aggregates(solver.pc, 8);
+  VOILE_PETSC(KSPSetUp(solver.ksp));
+  const petsc::VecHandle b = right_side(k);
+  petsc::VecHandle c, shift, force;
+  for (auto* v : {&c, &shift, &force}) VOILE_PETSC(VecDuplicate(b, v->out()));
+  VOILE_PETSC(VecPointwiseMult(c, b, b));
+  const petsc::VecHandle pb = applied(solver.pc, b), pc = applied(solver.pc, c);
+  CHECK(std::abs(dot(b, pc) - dot(c, pb)) < 1e-5 * std::abs(dot(b, pc)));
+  CHECK(dot(b, pb) > 0.0);
+  VOILE_PETSC(VecSet(shift, 1.0));
+  VOILE_PETSC(MatMult(k, shift, force));
+  const petsc::VecHandle back = applied(solver.pc, force);
+  VOILE_PETSC(VecAXPY(back, -1.0, shift));
+  double off = 0.0;
+  VOILE_PETSC(VecNorm(back, NORM_INFINITY, &off));
+  CHECK(off < 1e-3);
+}
+
+TEST_CASE("incomplete factor with a coarse level: fewer iterations for a stiff sheet") {
+  const petsc::MatHandle k = stiff_strip(60, 12);
+  const PetscInt with = iterations_with(k, 8 * mpi::size(PETSC_COMM_WORLD)), without = iterations_with(k, 0);
+  CAPTURE(with);
+  CAPTURE(without);
+  CHECK(3 * with < 2 * without);
+}
