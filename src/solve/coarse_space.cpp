@@ -92,7 +92,7 @@ bool CoarseSpace::read_parts(Mat a) {
 void CoarseSpace::number_aggregates(int wanted) {
   const auto all = static_cast<double>(mpi::sum(comm_, static_cast<long>(block_rows_)));
   const int own =
-      std::clamp(static_cast<int>(std::lround(wanted * block_rows_ / all)), std::min(1, block_rows_), block_rows_);
+      std::clamp(static_cast<int>(std::lround(wanted * (block_rows_ / all))), std::min(1, block_rows_), block_rows_);
   std::vector<int> start{0}, adjacent;
   for (int i = 0; i < block_rows_; ++i) {
     const Part& p = parts_[0];
