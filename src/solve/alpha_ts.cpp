@@ -21,8 +21,7 @@ struct Alpha {
   Predictor predictor = Predictor::acceleration;
   double a_m = 0, a_f = 0, gamma = 0, beta = 0;
   AlphaCallbacks callbacks;
-  Vec x0 = nullptr, xa = nullptr, x1 = nullptr, v0 = nullptr, va = nullptr, v1 = nullptr, a0 = nullptr, aa = nullptr,
-      a1 = nullptr, best = nullptr;
+  Vec x0{}, xa{}, x1{}, v0{}, va{}, v1{}, a0{}, aa{}, a1{}, best{};
   bool has_acceleration = false;              ///< a1 belongs to the current state
   bool starting = false;                      ///< the SNES is solving for the first acceleration
   double start_scale = 0.0, start_s_v = 0.0;  ///< over X1 - X0 then: A by 1/start_scale, V1 - V0 by start_s_v

@@ -6,6 +6,7 @@
 #include <map>
 #include <utility>
 
+#include "block_rows.hpp"
 #include "voile/base/petsc.hpp"
 #include "voile/mesh/partition.hpp"
 
@@ -18,74 +19,22 @@ using Kept = Eigen::Map<Eigen::Matrix3d>;
 using Stored = Eigen::Map<const Eigen::Matrix3f>;
 using Eigen::Vector3d;
 
-/// Three values per block row: copies those of own rows to the columns of other ranks.
-class Ghosts {
- public:
-  /// For the columns of a that this rank has and does not own; none of a sequential one.
-  explicit Ghosts(Mat a) {
-    Mat inside = nullptr, outside = nullptr;
-    const PetscInt* columns = nullptr;
-    petsc::IndexSetHandle which;
-    PetscBool sequential = PETSC_FALSE;
-    VOILE_PETSC(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(a), MATSEQAIJ, &sequential));
-    if (sequential) return;
-    VOILE_PETSC(MatMPIAIJGetSeqAIJ(a, &inside, &outside, &columns));
-    VOILE_PETSC(MatGetLocalSize(outside, nullptr, &count_));
-    VOILE_PETSC(MatCreateVecs(a, own_.out(), nullptr));
-    VOILE_PETSC(VecCreateSeq(PETSC_COMM_SELF, count_, others_.out()));
-    VOILE_PETSC(ISCreateGeneral(PETSC_COMM_SELF, count_, columns, PETSC_COPY_VALUES, which.out()));
-    VOILE_PETSC(VecScatterCreate(own_, which, others_, nullptr, scatter_.out()));
-  }
-  [[nodiscard]] std::vector<double> fetch(const std::vector<double>& values) {
-    if (!scatter_) return {};
-    {
-      const petsc::WriteArray to(own_);
-      std::copy(values.begin(), values.end(), to.data());
-    }
-    VOILE_PETSC(VecScatterBegin(scatter_, own_, others_, INSERT_VALUES, SCATTER_FORWARD));
-    VOILE_PETSC(VecScatterEnd(scatter_, own_, others_, INSERT_VALUES, SCATTER_FORWARD));
-    const petsc::ReadArray from(others_);
-    return {from.data(), from.data() + count_};
-  }
-
- private:
-  PetscInt count_ = 0;
-  petsc::VecHandle own_, others_;
-  petsc::ScatterHandle scatter_;
-};
-
 }  // namespace
 
-bool CoarseSpace::Part::read(Mat from, int first, int block_rows) {
-  mat = from;
-  first_column = first;
-  VOILE_PETSC(MatSeqAIJGetCSRAndMemType(mat, &starts, &columns, nullptr, nullptr));
-  for (int i = 0; i < block_rows; ++i) {
-    const int begin = starts[3 * i], stride = starts[3 * i + 1] - begin;
-    if (stride % 3 != 0 || starts[3 * i + 2] - begin != 2 * stride || starts[3 * i + 3] - begin != 3 * stride)
-      return false;
-    for (int at = begin; at < begin + stride; at += 3)
-      for (int r = 0; r < 3; ++r)
-        if (columns[at] % 3 != 0 || columns[at + r * stride] != columns[at] ||
-            columns[at + r * stride + 2] != columns[at] + 2)
-          return false;
-  }
-  return true;
+void CoarseSpace::find_parts(Mat a) {
+  Mat inside = a, outside = nullptr;
+  PetscBool sequential = PETSC_FALSE;
+  VOILE_PETSC(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(a), MATSEQAIJ, &sequential));
+  if (!sequential) VOILE_PETSC(MatMPIAIJGetSeqAIJ(a, &inside, &outside, &ghost_columns_));
+  parts_.assign(1, {inside, nullptr, nullptr, 0});
+  if (outside) parts_.push_back({outside, nullptr, nullptr, block_rows_});
+  for (Part& p : parts_) VOILE_PETSC(MatSeqAIJGetCSRAndMemType(p.mat, &p.starts, &p.columns, nullptr, nullptr));
 }
 
-bool CoarseSpace::read_parts(Mat a) {
-  Mat inside = a, outside = nullptr;
-  const PetscInt* columns = nullptr;
-  PetscBool sequential = PETSC_FALSE;
-  PetscInt rows = 0;
-  VOILE_PETSC(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(a), MATSEQAIJ, &sequential));
-  if (!sequential) VOILE_PETSC(MatMPIAIJGetSeqAIJ(a, &inside, &outside, &columns));
-  VOILE_PETSC(MatGetLocalSize(a, &rows, nullptr));
-  block_rows_ = rows / 3;
-  parts_.assign(outside ? 2 : 1, {});
-  bool good = rows % 3 == 0 && parts_[0].read(inside, 0, block_rows_);
-  if (outside) good = good && parts_[1].read(outside, block_rows_, block_rows_);
-  comm_ = PetscObjectComm(reinterpret_cast<PetscObject>(a));
+bool CoarseSpace::has_full_blocks() const {
+  bool good = true;
+  for (const Part& p : parts_)
+    for (int i = 0; i < block_rows_; ++i) good = good && is_block_row(p.starts, p.columns, i);
   return mpi::max(comm_, good ? 0.0 : 1.0) == 0.0;
 }
 
@@ -163,14 +112,30 @@ void CoarseSpace::find_targets() {
 
 bool CoarseSpace::read_pattern(Mat a, int aggregates) {
   static_assert(most == 3, "shares are sent like the coordinates of vertices");
-  if (!read_parts(a)) return false;
+  comm_ = PetscObjectComm(reinterpret_cast<PetscObject>(a));
+  PetscInt rows = 0;
+  VOILE_PETSC(MatGetLocalSize(a, &rows, nullptr));
+  block_rows_ = rows / 3;
+  find_parts(a);
+  if (!has_full_blocks()) return false;
   number_aggregates(aggregates);
-  Ghosts ghosts(a);
-  const auto of_others = [&](auto&& value) {
-    std::vector<double> own;
-    for (int i = 0; i < block_rows_; ++i)
-      for (int k = 0; k < most; ++k) own.push_back(value(i, k));
-    return ghosts.fetch(own);
+  GhostColumns ghosts;
+  petsc::VecHandle own;
+  VOILE_PETSC(MatCreateVecs(a, own.out(), nullptr));
+  if (parts_.size() > 1) ghosts.read(a, parts_[1].mat, ghost_columns_);
+  const auto of_others = [&](auto&& value) -> std::vector<double> {
+    if (parts_.size() == 1) return {};
+    {
+      const petsc::WriteArray to(own);
+      for (int i = 0; i < block_rows_; ++i)
+        for (int k = 0; k < most; ++k) to[most * i + k] = value(i, k);
+    }
+    ghosts.begin(own);
+    ghosts.end(own);
+    PetscInt count = 0;
+    VOILE_PETSC(VecGetLocalSize(ghosts.values, &count));
+    const petsc::ReadArray from(ghosts.values);
+    return {from.data(), from.data() + count};
   };
   std::vector<int> aggregate = aggregate_;
   const std::vector<double> others = of_others([&](int i, int) { return aggregate_[i]; });
@@ -203,7 +168,7 @@ std::size_t CoarseSpace::sum_row(int i, const std::array<const double*, 2>& valu
 }
 
 bool CoarseSpace::take(Mat a) {
-  if (!read_parts(a)) return false;
+  find_parts(a);
   std::array<const double*, 2> values{};
   for (std::size_t p = 0; p < parts_.size(); ++p) VOILE_PETSC(MatSeqAIJGetArrayRead(parts_[p].mat, &values[p]));
   const int n = 3 * aggregates_;

@@ -55,9 +55,9 @@ class CoarseSpace {
     Mat mat = nullptr;  ///< not owned
     const int *starts = nullptr, *columns = nullptr;
     int first_column = 0;  ///< of shares_
-    bool read(Mat from, int first, int block_rows);
   };
-  bool read_parts(Mat a);
+  void find_parts(Mat a);
+  [[nodiscard]] bool has_full_blocks() const;
   void number_aggregates(int wanted);
   void find_shares(const std::vector<int>& aggregate);
   void find_targets();
@@ -68,11 +68,12 @@ class CoarseSpace {
   MPI_Comm comm_ = MPI_COMM_NULL;
   int block_rows_ = 0, aggregates_ = 0;
   std::vector<Part> parts_;
-  std::vector<int> aggregate_;      ///< of each own block row
-  std::vector<Shares> shares_;      ///< of own block rows, then of the columns of others
-  std::vector<int> slot_starts_;    ///< of each block row of A Z
-  std::vector<int> slots_;          ///< aggregates of these
-  std::vector<int> target_starts_;  ///< of each block, by rows, within a row by parts
+  const PetscInt* ghost_columns_ = nullptr;  ///< of the second part, in the whole matrix; not owned
+  std::vector<int> aggregate_;               ///< of each own block row
+  std::vector<Shares> shares_;               ///< of own block rows, then of the columns of others
+  std::vector<int> slot_starts_;             ///< of each block row of A Z
+  std::vector<int> slots_;                   ///< aggregates of these
+  std::vector<int> target_starts_;           ///< of each block, by rows, within a row by parts
   std::vector<Target> targets_;
   std::vector<float> az_;              ///< blocks of A Z, nine floats each, by rows
   std::vector<double> row_;            ///< of one block row at work

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <utility>
 
+#include "block_rows.hpp"
+
 namespace voile::solve {
 
 namespace {
@@ -64,16 +66,12 @@ bool IncompleteCholesky::read_pattern(const int* starts, const int* columns, std
 }
 
 bool IncompleteCholesky::read_row(const int* starts, const int* columns, int row) {
+  if (!is_block_row(starts, columns, row)) return false;
   const int begin = starts[3 * row], stride = starts[3 * row + 1] - begin;
-  if (stride % 3 != 0 || starts[3 * row + 2] - begin != 2 * stride || starts[3 * row + 3] - begin != 3 * stride)
-    return false;
   std::vector<std::pair<int, int>> lower;  // column and place of each block that is eliminated before
   bool has_diagonal = false;
   for (int at = begin; at < begin + stride; at += 3) {
     const int column = columns[at];
-    for (int e = 0; e < 3; ++e)
-      for (int r = 0; r < 3; ++r)
-        if (column % 3 != 0 || columns[at + r * stride + e] != column + e) return false;
     if (column == 3 * row) {
       diagonals_.push_back(at);
       has_diagonal = true;

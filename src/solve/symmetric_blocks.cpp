@@ -30,11 +30,8 @@ bool SymmetricBlocks::read_pattern(Mat k) {
   for (PetscInt i = 0; i < rows / 3 && good; ++i) {
     const PetscInt begin = starts[3 * i], stride = starts[3 * i + 1] - begin;
     bool has_diagonal = false;
-    good = stride % 3 == 0 && starts[3 * i + 2] - begin == 2 * stride && starts[3 * i + 3] - begin == 3 * stride;
+    good = is_block_row(starts, columns, i);
     for (PetscInt at = begin; good && at < begin + stride && columns[at] <= 3 * i; at += 3) {
-      for (int r = 0; r < 3; ++r)
-        good = good && columns[at] % 3 == 0 && columns[at + r * stride] == columns[at] &&
-               columns[at + r * stride + 2] == columns[at] + 2;
       has_diagonal = columns[at] == 3 * i;
       columns_.push_back(columns[at] / 3);
       places_.push_back(at);
@@ -62,16 +59,7 @@ bool SymmetricBlocks::take(Mat k, bool new_pattern) {
   if (new_pattern) {
     shell_.reset();
     if (!read_pattern(k)) return false;
-    if (outside_) {
-      PetscInt count = 0;
-      petsc::VecHandle x;
-      petsc::IndexSetHandle which;
-      VOILE_PETSC(MatGetLocalSize(outside_, nullptr, &count));
-      VOILE_PETSC(MatCreateVecs(k, x.out(), nullptr));
-      VOILE_PETSC(VecCreateSeq(PETSC_COMM_SELF, count, ghosts_.out()));
-      VOILE_PETSC(ISCreateGeneral(PETSC_COMM_SELF, count, ghosts, PETSC_COPY_VALUES, which.out()));
-      VOILE_PETSC(VecScatterCreate(x, which, ghosts_, nullptr, to_ghosts_.out()));
-    }
+    if (outside_) ghosts_.read(k, outside_, ghosts);
   }
   const double* from = nullptr;
   VOILE_PETSC(MatSeqAIJGetArrayRead(inside_, &from));
@@ -108,15 +96,15 @@ void SymmetricBlocks::multiply_inside(const double* x, double* y) const {
 }
 
 void SymmetricBlocks::multiply(Vec x, Vec y) const {
-  if (outside_) VOILE_PETSC(VecScatterBegin(to_ghosts_, x, ghosts_, INSERT_VALUES, SCATTER_FORWARD));
+  if (outside_) ghosts_.begin(x);
   {
     const petsc::ReadArray from(x);
     const petsc::WriteArray to(y);
     multiply_inside(from.data(), to.data());
   }
   if (!outside_) return;
-  VOILE_PETSC(VecScatterEnd(to_ghosts_, x, ghosts_, INSERT_VALUES, SCATTER_FORWARD));
-  VOILE_PETSC(MatMultAdd(outside_, ghosts_, y, y));
+  ghosts_.end(x);
+  VOILE_PETSC(MatMultAdd(outside_, ghosts_.values, y, y));
 }
 
 }  // namespace voile::solve

@@ -4,6 +4,7 @@
 
 #include <vector>
 
+#include "block_rows.hpp"
 #include "voile/base/petsc.hpp"
 
 namespace voile::solve {
@@ -27,8 +28,7 @@ class SymmetricBlocks {
   std::vector<int> starts_, columns_, places_, strides_;  ///< of the blocks of the lower triangle, the diagonal last
   std::vector<double> values_;                            ///< nine per block, by rows
   petsc::MatHandle shell_;
-  petsc::VecHandle ghosts_;  ///< values of columns of other ranks
-  petsc::ScatterHandle to_ghosts_;
+  GhostColumns ghosts_;
 };
 
 }  // namespace voile::solve

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <functional>
 
+#include "test_blocks.hpp"
+#include "test_model_kit.hpp"
 #include "voile/base/error.hpp"
 #include "voile/base/mpi.hpp"
 #include "voile/base/petsc.hpp"
@@ -14,6 +16,7 @@
 namespace {
 
 using namespace voile;
+using namespace voile::testing;
 using KspHandle = petsc::Handle<KSP, KSPDestroy>;
 using Dense = Eigen::MatrixXd;
 
@@ -22,12 +25,7 @@ constexpr int nodes = 12;  ///< per rank
 /// A matrix of which each rank has the same diagonal part `own`; with `coupling`, neighbours on two ranks are joined.
 petsc::MatHandle distributed(const Dense& own, double coupling = 0.0) {
   const auto rows = static_cast<PetscInt>(own.rows());
-  petsc::MatHandle k;
-  VOILE_PETSC(MatCreate(PETSC_COMM_WORLD, k.out()));
-  VOILE_PETSC(MatSetSizes(k, rows, rows, PETSC_DETERMINE, PETSC_DETERMINE));
-  VOILE_PETSC(MatSetBlockSize(k, 3));
-  VOILE_PETSC(MatSetType(k, MATAIJ));
-  VOILE_PETSC(MatSetUp(k));
+  petsc::MatHandle k = empty_matrix(rows);
   PetscInt first = 0, end = 0, all = 0;
   VOILE_PETSC(MatGetOwnershipRange(k, &first, &end));
   VOILE_PETSC(MatGetSize(k, &all, nullptr));
@@ -104,16 +102,6 @@ struct Solver {
     VOILE_PETSC(KSPSetOperators(ksp, k, k));
   }
 };
-
-petsc::VecHandle right_side(Mat k) {
-  petsc::VecHandle b;
-  VOILE_PETSC(MatCreateVecs(k, b.out(), nullptr));
-  const petsc::WriteArray values(b);
-  PetscInt count = 0;
-  VOILE_PETSC(VecGetLocalSize(b, &count));
-  for (PetscInt i = 0; i < count; ++i) values[i] = std::sin(1.0 + i * i);
-  return b;
-}
 
 /// |x - P^-1 b| / |x| of one application on this rank's part, with PETSc's order of this name, or the default.
 double error_of_application(Mat k, const Dense& p, const char* order = nullptr) {
@@ -240,51 +228,11 @@ TEST_CASE("incomplete factor: a matrix of other blocks is refused with words") {
 
 namespace {
 
-/// A sheet that is stiff in its plane: blocks of springs on a strip of `nodes` x `across` vertices per rank, joined over the ranks, on
-/// a ground as soft as inertia makes it.
-petsc::MatHandle stiff_strip(int along, int across) {
-  petsc::MatHandle k;
-  const PetscInt rows = 3 * along * across;
-  VOILE_PETSC(MatCreate(PETSC_COMM_WORLD, k.out()));
-  VOILE_PETSC(MatSetSizes(k, rows, rows, PETSC_DETERMINE, PETSC_DETERMINE));
-  VOILE_PETSC(MatSetBlockSize(k, 3));
-  VOILE_PETSC(MatSetType(k, MATAIJ));
-  VOILE_PETSC(MatSetUp(k));
-  PetscInt first = 0, end = 0, all = 0;
-  VOILE_PETSC(MatGetOwnershipRange(k, &first, &end));
-  VOILE_PETSC(MatGetSize(k, &all, nullptr));
-  const auto add = [&](PetscInt i, PetscInt j, const Mat3& block) {
-    const Eigen::Matrix<double, 3, 3, Eigen::RowMajor> entries = block;
-    VOILE_PETSC(MatSetValuesBlocked(k, 1, &i, 1, &j, entries.data(), ADD_VALUES));
-  };
-  for (PetscInt i = first / 3; i < end / 3; ++i) {
-    add(i, i, 1e-3 * Mat3::Identity());
-    for (const PetscInt j : {i + 1, i + across, i + across + 1}) {
-      if (j >= all / 3 || (j != i + across && j % across == 0)) continue;
-      const Vec3 way(static_cast<double>((j - i) / across), static_cast<double>((j - i) % across), 0.1);
-      const Mat3 spring = way * way.transpose() + 0.01 * Mat3::Identity();
-      add(i, i, spring);
-      add(j, j, spring);
-      add(i, j, -spring);
-      add(j, i, -spring);
-    }
-  }
-  VOILE_PETSC(MatAssemblyBegin(k, MAT_FINAL_ASSEMBLY));
-  VOILE_PETSC(MatAssemblyEnd(k, MAT_FINAL_ASSEMBLY));
-  return k;
-}
-
 petsc::VecHandle applied(PC pc, Vec b) {
   petsc::VecHandle x;
   VOILE_PETSC(VecDuplicate(b, x.out()));
   VOILE_PETSC(PCApply(pc, b, x));
   return x;
-}
-
-double dot(Vec a, Vec b) {
-  double value = 0.0;
-  VOILE_PETSC(VecDot(a, b, &value));
-  return value;
 }
 
 /// Iterations to the solver's tolerance.
@@ -329,4 +277,25 @@ TEST_CASE("incomplete factor with a coarse level: fewer iterations for a stiff s
   CAPTURE(with);
   CAPTURE(without);
   CHECK(3 * with < 2 * without);
+}
+
+TEST_CASE(
+    "incomplete factor with a coarse level: none for a matrix that is not positive there, nor for no aggregates") {
+  const petsc::MatHandle k = stiff_strip(60, 12, -1e-3);
+  const petsc::VecHandle b = right_side(k);
+  Solver with(k), without(k);
+  solve::set_block_icc_aggregates(with.pc, 8);
+  for (Solver* s : {&with, &without}) VOILE_PETSC(KSPSetUp(s->ksp));
+  const petsc::VecHandle x = applied(with.pc, b), y = applied(without.pc, b);
+  PetscBool same = PETSC_FALSE;
+  VOILE_PETSC(VecEqual(x, y, &same));
+  CHECK(same);
+  CHECK(dot(b, x) > 0.0);
+  for (const char* number : {"-1", "2001"}) {
+    const Option given("-pc_block_icc_aggregates", number);
+    VOILE_PETSC(PetscPushErrorHandler(PetscReturnErrorHandler, nullptr));  // PETSc's own would end the process
+    const PetscErrorCode code = PCSetFromOptions(with.pc);
+    VOILE_PETSC(PetscPopErrorHandler());
+    CHECK(code == PETSC_ERR_USER_INPUT);
+  }
 }

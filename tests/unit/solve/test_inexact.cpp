@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 
+#include "test_blocks.hpp"
 #include "test_following.hpp"
 #include "test_problems.hpp"
 #include "test_relative.hpp"
@@ -217,6 +218,49 @@ TEST_CASE("inexact: negative curvature is met with a positive matrix, or with a 
   CHECK(solve::inexact_counts(other.pc).negative_curvature == 1);
   CHECK(solve::inexact_counts(other.pc).factors == 0);
   CHECK(solve::inexact_negative_pivots(other.pc) == -1);
+}
+
+namespace {
+
+/// Solutions as exact as can be of a strip of about that many vertices, by voile_inexact as it is without other options.
+solve::InexactCounts inexact_solution(int vertices, int across, double ground) {
+  const petsc::MatHandle k = stiff_strip(vertices / across / mpi::size(PETSC_COMM_WORLD), across, ground);
+  const petsc::VecHandle b = right_side(k);
+  petsc::VecHandle x;
+  Solver solver(k);
+  VOILE_PETSC(KSPSetFromOptions(solver.ksp));
+  VOILE_PETSC(VecDuplicate(b, x.out()));
+  VOILE_PETSC(KSPSolve(solver.ksp, b, x));
+  return solve::inexact_counts(solver.pc);
+}
+
+}  // namespace
+
+TEST_CASE("inexact: a coarse level from 15 000 vertices on") {
+  for (const int vertices : {14400, 15600}) {
+    const long usual = inexact_solution(vertices, 60, 1e-2).iterations;
+    const Option none("-inexact_pc_block_icc_aggregates", "0");
+    const long without = inexact_solution(vertices, 60, 1e-2).iterations;
+    CAPTURE(vertices);
+    CAPTURE(without);
+    if (vertices < 15000)
+      CHECK(usual == without);
+    else
+      CHECK(2 * usual < without);
+  }
+}
+
+TEST_CASE("inexact: three iterations per square root of the vertices are worth a factor, more are not") {
+  const Option poor("-inexact_pc_type", "jacobi");
+  const double root = 40.0;
+  const solve::InexactCounts some = inexact_solution(1600, 20, 0.2), many = inexact_solution(1600, 20, 1e-3);
+  CHECK(some.solutions == 1);
+  CHECK(static_cast<double>(some.iterations) > 1.5 * root);
+  CHECK(static_cast<double>(some.iterations) < 3.0 * root);
+  CHECK(many.solutions == 0);
+  CHECK(many.factors == 1);
+  const Option earlier("-pc_inexact_break_even", "1");
+  CHECK(inexact_solution(1600, 20, 0.2).factors == 1);
 }
 
 TEST_CASE("motion: iterations and factors end in the same state") {
