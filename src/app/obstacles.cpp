@@ -200,18 +200,14 @@ IntersectionCheck::Triangles IntersectionCheck::triangles_at(const std::vector<V
 }
 
 std::vector<geometry::TrianglePair> IntersectionCheck::find_by_ranks(const std::vector<Vec3>& positions) const {
-  const system::Dofs& dofs = contact_.scene().dofs();
-  const std::vector<int>& owner = dofs.partition().triangle_rank;
-  const int rank = mpi::rank(dofs.comm());
+  MPI_Comm comm = contact_.scene().dofs().comm();
   std::vector<Index> own;
-  mpi::on_all(dofs.comm(), [&] {
-    const auto counted = [&](Index t) {
-      return static_cast<std::size_t>(t) < owner.size() && owner[static_cast<std::size_t>(t)] == rank;
-    };
-    for (const auto& [i, j] : find(positions, counted)) own.insert(own.end(), {i, j});
+  mpi::on_all(comm, [&] {
+    for (const auto& [i, j] : find(positions, geometry::Share{mpi::rank(comm), mpi::size(comm)}))
+      own.insert(own.end(), {i, j});
   });
-  std::vector<Index> all = mpi::gather_to_root(dofs.comm(), own);
-  mpi::broadcast(dofs.comm(), all);
+  std::vector<Index> all = mpi::gather_to_root(comm, own);
+  mpi::broadcast(comm, all);
   std::vector<geometry::TrianglePair> pairs;
   for (std::size_t k = 0; k < all.size(); k += 2) pairs.emplace_back(all[k], all[k + 1]);
   std::sort(pairs.begin(), pairs.end());
@@ -219,11 +215,11 @@ std::vector<geometry::TrianglePair> IntersectionCheck::find_by_ranks(const std::
 }
 
 std::vector<geometry::TrianglePair> IntersectionCheck::find(const std::vector<Vec3>& positions,
-                                                            const std::function<bool(Index)>& counted) const {
+                                                            geometry::Share share) const {
   const Triangles all = triangles_at(positions);
   const auto& rules = contact_.scene().set().surface().rules;
   std::vector<geometry::TrianglePair> pairs = geometry::intersecting_triangles(
-      all.positions, all.triangles, all.body, [&](Index a, Index b) { return !rules[a][b].touch; }, counted);
+      all.positions, all.triangles, all.body, [&](Index a, Index b) { return !rules[a][b].touch; }, share);
   const auto is_given_way = [&](Index i, Index j) {
     return system::gives_way(contact_, all.triangles[static_cast<std::size_t>(i)],
                              all.body[static_cast<std::size_t>(j)]);

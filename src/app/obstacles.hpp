@@ -40,9 +40,9 @@ class IntersectionCheck {
   /// Intersecting pairs of the sheet with itself and with obstacles that it can touch, at positions of all points of
   /// the contact surface; those to which an obstacle gives way do not count. Not collective, for rank 0.
   [[nodiscard]] std::vector<geometry::TrianglePair> find(const std::vector<Vec3>& positions) const {
-    return find(positions, {});
+    return find(positions, geometry::Share{});
   }
-  /// The same, found by all ranks together, each for its triangles; on every rank. Collective.
+  /// The same, found by all ranks together, each in its part of space; on every rank. Collective.
   [[nodiscard]] std::vector<geometry::TrianglePair> find_by_ranks(const std::vector<Vec3>& positions) const;
   /// What was found, in words, by pairs of bodies; the triangles go to `file` for ParaView, unless that is empty.
   [[nodiscard]] std::string report(const std::vector<Vec3>& positions, const std::vector<geometry::TrianglePair>& pairs,
@@ -55,7 +55,7 @@ class IntersectionCheck {
     std::vector<Index> body;
   };
   [[nodiscard]] std::vector<geometry::TrianglePair> find(const std::vector<Vec3>& positions,
-                                                         const std::function<bool(Index)>& counted) const;
+                                                         geometry::Share share) const;
   [[nodiscard]] Triangles triangles_at(const std::vector<Vec3>& positions) const;
 
   const system::Contact& contact_;

@@ -9,8 +9,10 @@
 
 #include <algorithm>
 #include <array>
+#include <cstddef>
 #include <fstream>
 #include <iterator>
+#include <limits>
 #include <optional>
 #include <set>
 #include <variant>
@@ -131,28 +133,57 @@ class Surface {
   mutable std::vector<std::optional<Shape>> shapes_;
 };
 
+/// What one of several has to look at: pairs whose boxes begin to overlap, along one axis, in its interval.
+struct Slab {
+  int axis = 0;
+  double low = -std::numeric_limits<double>::infinity(), high = std::numeric_limits<double>::infinity();
+
+  /// About as many of the boxes for each part, along the axis in which they reach farthest.
+  Slab(std::vector<Box>::const_iterator first, std::vector<Box>::const_iterator last, Share share) {
+    if (share.parts == 1 || first == last) return;
+    CGAL::Bbox_3 all;
+    std::for_each(first, last, [&](const Box& b) { all += b.bbox(); });
+    for (int k = 1; k < 3; ++k)
+      if (all.max(k) - all.min(k) > all.max(axis) - all.min(axis)) axis = k;
+    std::vector<double> begins;
+    std::transform(first, last, std::back_inserter(begins), [&](const Box& b) { return b.min_coord(axis); });
+    const auto bound = [&](int part) {
+      const auto at = begins.begin() + static_cast<std::ptrdiff_t>(begins.size() * static_cast<std::size_t>(part) /
+                                                                   static_cast<std::size_t>(share.parts));
+      std::nth_element(begins.begin(), at, begins.end());
+      return *at;
+    };
+    if (share.part > 0) low = bound(share.part);
+    if (share.part + 1 < share.parts) high = bound(share.part + 1);
+  }
+  [[nodiscard]] bool meets(const Box& b) const { return b.max_coord(axis) >= low && b.min_coord(axis) < high; }
+  [[nodiscard]] bool has(const Box& a, const Box& b) const {
+    const double begin = std::max(a.min_coord(axis), b.min_coord(axis));
+    return begin >= low && begin < high;
+  }
+};
+
 /// `is_idle(triangle)`: of a set of which no two are wanted, as the triangles of obstacles are: most of a scene, and
-/// they need not be tried against each other. `is_counted(triangle)`: of those that are not idle, the ones whose pairs
-/// with higher ones and with idle ones are asked for.
-template <class Wanted, class Idle, class Counted>
+/// they need not be tried against each other.
+template <class Wanted, class Idle>
 std::vector<TrianglePair> find_pairs(const std::vector<Vec3>& positions, const std::vector<mesh::Triangle>& triangles,
-                                     const Wanted& is_wanted, const Idle& is_idle, const Counted& is_counted) {
+                                     const Wanted& is_wanted, const Idle& is_idle, Share share) {
   const Surface surface(positions, triangles);
   std::vector<Box> boxes = surface.boxes();
+  const auto all_busy = std::partition(boxes.begin(), boxes.end(), [&](const Box& b) { return !is_idle(b.info()); });
+  const Slab slab(boxes.begin(), all_busy, share);
+  const auto busy = std::partition(boxes.begin(), all_busy, [&](const Box& b) { return slab.meets(b); });
+  CGAL::Bbox_3 near;
+  std::for_each(boxes.begin(), busy, [&](const Box& b) { near += b.bbox(); });
+  const auto idle =
+      std::partition(all_busy, boxes.end(), [&](const Box& b) { return CGAL::do_overlap(b.bbox(), near); });
   std::vector<TrianglePair> pairs;
   const auto note = [&](const Box& a, const Box& b) {
     const auto [i, j] = std::minmax({a.info(), b.info()});
-    if (is_wanted(i, j) && surface.intersect(i, j)) pairs.emplace_back(i, j);
+    if (slab.has(a, b) && is_wanted(i, j) && surface.intersect(i, j)) pairs.emplace_back(i, j);
   };
-  const auto others = std::partition(boxes.begin(), boxes.end(),
-                                     [&](const Box& b) { return !is_idle(b.info()) && is_counted(b.info()); });
-  CGAL::Bbox_3 busy;
-  std::for_each(boxes.begin(), others, [&](const Box& b) { busy += b.bbox(); });
-  const auto end = std::partition(others, boxes.end(), [&](const Box& b) { return CGAL::do_overlap(b.bbox(), busy); });
-  CGAL::box_intersection_d(boxes.begin(), others, others, end, [&](const Box& a, const Box& b) {
-    if (a.info() < b.info() || is_idle(b.info())) note(a, b);
-  });
-  CGAL::box_self_intersection_d(boxes.begin(), others, note);
+  CGAL::box_intersection_d(boxes.begin(), busy, all_busy, idle, note);
+  CGAL::box_self_intersection_d(boxes.begin(), busy, note);
   std::sort(pairs.begin(), pairs.end());
   return pairs;
 }
@@ -178,14 +209,13 @@ void write_field(std::ofstream& out, const char* name, const std::vector<Index>&
 std::vector<TrianglePair> intersecting_triangles(const std::vector<Vec3>& positions,
                                                  const std::vector<mesh::Triangle>& triangles) {
   return find_pairs(
-      positions, triangles, [](Index, Index) { return true; }, [](Index) { return false; }, [](Index) { return true; });
+      positions, triangles, [](Index, Index) { return true; }, [](Index) { return false; }, {});
 }
 
 std::vector<TrianglePair> intersecting_triangles(const std::vector<Vec3>& positions,
                                                  const std::vector<mesh::Triangle>& triangles,
                                                  const std::vector<Index>& body,
-                                                 const std::function<bool(Index, Index)>& skip,
-                                                 const std::function<bool(Index)>& counted) {
+                                                 const std::function<bool(Index, Index)>& skip, Share share) {
   if (body.size() != triangles.size())
     throw InternalError(
         fmt::format("check of intersections: {} body numbers for {} triangles", body.size(), triangles.size()));
@@ -195,7 +225,7 @@ std::vector<TrianglePair> intersecting_triangles(const std::vector<Vec3>& positi
   return find_pairs(
       positions, triangles,
       [&](Index i, Index j) { return !skip(body[static_cast<std::size_t>(i)], body[static_cast<std::size_t>(j)]); },
-      [&](Index t) { return is_idle[static_cast<std::size_t>(t)]; }, [&](Index t) { return !counted || counted(t); });
+      [&](Index t) { return is_idle[static_cast<std::size_t>(t)]; }, share);
 }
 
 void write_pairs(const std::filesystem::path& file, const std::vector<Vec3>& positions,

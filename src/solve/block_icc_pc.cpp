@@ -9,6 +9,7 @@
 
 #include "coarse_space.hpp"
 #include "incomplete_cholesky.hpp"
+#include "overlapping_part.hpp"
 #include "voile/base/mpi.hpp"
 #include "voile/base/petsc.hpp"
 
@@ -22,7 +23,10 @@ constexpr int most_aggregates = 2000;
 /// The type's own data (pc->data).
 struct BlockIcc {
   IncompleteCholesky factor;
+  OverlappingPart overlapping;
   CoarseSpace coarse;
+  bool overlap = true;                           ///< option
+  bool overlaps = false;                         ///< on this number of ranks
   int aggregates = 0;                            ///< option; 0: no coarse level
   bool coarse_fits = false, use_coarse = false;  ///< the pattern, and the matrix at hand
   double shift = 0.0, first_shift = 1e-2;        ///< options
@@ -36,43 +40,77 @@ BlockIcc& data(PC pc) {
   return *static_cast<BlockIcc*>(pc->data);
 }
 
-/// Block rows of a matrix in the order of elimination. In which order matters: that of a mesh generator, which goes to and fro, has cost
-/// 2.5 times the iterations.
-PetscErrorCode order_blocks(Mat part, const std::string& type, std::vector<int>& order) {
+/// Block rows in the order of elimination. In which order matters: that of a mesh generator, which goes to and fro, has cost 2.5 times the
+/// iterations.
+PetscErrorCode order_blocks(const BlockPattern& pattern, const std::string& type, std::vector<int>& order) {
+  petsc::MatHandle graph;
   petsc::IndexSetHandle rows, columns;
-  PetscInt count = 0;
+  std::vector<double> ones(pattern.columns.size(), 1.0);
   const PetscInt* row = nullptr;
   PetscFunctionBeginUser;
-  PetscCall(MatGetOrdering(part, type.c_str(), rows.out(), columns.out()));
-  PetscCall(ISGetLocalSize(rows, &count));
+  PetscCall(MatCreateSeqAIJWithArrays(PETSC_COMM_SELF, pattern.rows(), pattern.rows(),
+                                      const_cast<int*>(pattern.starts.data()), const_cast<int*>(pattern.columns.data()),
+                                      ones.data(), graph.out()));
+  PetscCall(MatGetOrdering(graph, type.c_str(), rows.out(), columns.out()));
   PetscCall(ISGetIndices(rows, &row));
-  order.clear();
-  for (PetscInt i = 0; i < count; ++i)
-    if (row[i] % 3 == 0) order.push_back(row[i] / 3);
+  order.assign(row, row + pattern.rows());
   PetscCall(ISRestoreIndices(rows, &row));
+  PetscFunctionReturn(0);
+}
+
+/// The blocks of a sequential matrix.
+PetscErrorCode read_blocks(Mat part, BlockPattern& pattern) {
+  PetscInt rows = 0;
+  const PetscInt *starts = nullptr, *columns = nullptr;
+  PetscFunctionBeginUser;
+  PetscCall(MatGetLocalSize(part, &rows, nullptr));
+  PetscCall(MatSeqAIJGetCSRAndMemType(part, &starts, &columns, nullptr, nullptr));
+  pattern.full = rows % 3 == 0;
+  pattern.reserve(rows / 3, starts[rows] / 9);
+  for (int i = 0; i < rows / 3 && pattern.full; ++i, pattern.end_row()) pattern.add(0, starts, columns, i);
   PetscFunctionReturn(0);
 }
 
 PetscErrorCode read_pattern(PC pc, Mat part) {
   BlockIcc& d = data(pc);
+  MPI_Comm comm = PetscObjectComm(reinterpret_cast<PetscObject>(pc));
+  BlockPattern pattern;
   std::vector<int> order;
-  PetscInt rows = 0;
-  const PetscInt *starts = nullptr, *columns = nullptr;
+  PetscBool sequential = PETSC_FALSE;
   bool good = false;
   PetscFunctionBeginUser;
-  PetscCall(MatGetLocalSize(part, &rows, nullptr));
-  PetscCall(MatSeqAIJGetCSRAndMemType(part, &starts, &columns, nullptr, nullptr));
-  if (rows % 3 == 0) PetscCall(order_blocks(part, d.ordering, order));
+  PetscCall(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(pc->pmat), MATSEQAIJ, &sequential));
+  d.overlaps = d.overlap && !sequential;
+  if (d.overlaps)
+    PetscCall(petsc::guarded([&] { pattern = d.overlapping.read_pattern(pc->pmat); }));
+  else
+    PetscCall(read_blocks(part, pattern));
+  if (pattern.full) PetscCall(order_blocks(pattern, d.ordering, order));
   PetscCall(petsc::guarded([&] {
-    const bool own = rows % 3 == 0 && d.factor.read_pattern(starts, columns, std::move(order));
-    good = mpi::max(PetscObjectComm(reinterpret_cast<PetscObject>(pc)), own ? 0.0 : 1.0) == 0.0;
+    const bool own = d.factor.read_pattern(pattern, std::move(order));
+    good = mpi::max(comm, own ? 0.0 : 1.0) == 0.0;
   }));
-  if (!good)
-    SETERRQ(PetscObjectComm(reinterpret_cast<PetscObject>(pc)), PETSC_ERR_SUP,
-            "-pc_type %s is for matrices of full 3 x 3 blocks", block_icc_pc_type);
+  if (!good) SETERRQ(comm, PETSC_ERR_SUP, "-pc_type %s is for matrices of full 3 x 3 blocks", block_icc_pc_type);
   if (d.aggregates > 0)
     PetscCall(petsc::guarded([&] { d.coarse_fits = d.coarse.read_pattern(pc->pmat, d.aggregates); }));
   ++d.patterns;
+  PetscFunctionReturn(0);
+}
+
+/// Of this rank's part; whether it has come out.
+PetscErrorCode factor(BlockIcc& d, Mat a, Mat part, bool* good) {
+  const double* values = nullptr;
+  const auto use = [&](const BlockPattern::Values& v) {
+    *good = d.factor.factor(v, d.shift, d.more_shifts ? d.first_shift : HUGE_VAL);
+  };
+  PetscFunctionBeginUser;
+  if (d.overlaps) {
+    PetscCall(petsc::guarded([&] { d.overlapping.take(a, use); }));
+    PetscFunctionReturn(0);
+  }
+  PetscCall(MatSeqAIJGetArrayRead(part, &values));
+  use({values, nullptr, nullptr});
+  PetscCall(MatSeqAIJRestoreArrayRead(part, &values));
   PetscFunctionReturn(0);
 }
 
@@ -80,7 +118,7 @@ PetscErrorCode set_up(PC pc) {
   BlockIcc& d = data(pc);
   Mat part = nullptr;
   PetscBool is_aij = PETSC_FALSE;
-  const double* values = nullptr;
+  bool good = false;
   PetscFunctionBeginUser;
   const petsc::EventScope scope(petsc::events().incomplete_factor);
   PetscCall(MatGetDiagonalBlock(pc->pmat, &part));
@@ -89,9 +127,7 @@ PetscErrorCode set_up(PC pc) {
     SETERRQ(PetscObjectComm(reinterpret_cast<PetscObject>(pc)), PETSC_ERR_SUP,
             "-pc_type %s is for matrices of type aij", block_icc_pc_type);
   if (!pc->setupcalled || pc->flag != SAME_NONZERO_PATTERN) PetscCall(read_pattern(pc, part));
-  PetscCall(MatSeqAIJGetArrayRead(part, &values));
-  const bool good = d.factor.factor(values, d.shift, d.more_shifts ? d.first_shift : HUGE_VAL);
-  PetscCall(MatSeqAIJRestoreArrayRead(part, &values));
+  PetscCall(factor(d, pc->pmat, part, &good));
   d.use_coarse = false;
   if (d.coarse_fits) PetscCall(petsc::guarded([&] { d.use_coarse = d.coarse.take(pc->pmat); }));
   // Largest over the ranks: whether it failed, whether it took a shift, and which.
@@ -105,24 +141,36 @@ PetscErrorCode set_up(PC pc) {
   PetscFunctionReturn(0);
 }
 
-PetscErrorCode apply(PC pc, Vec b, Vec x) {
-  const double* right = nullptr;
-  double* left = nullptr;
-  PetscFunctionBeginUser;
-  PetscCall(VecGetArrayRead(b, &right));
-  PetscCall(VecGetArrayWrite(x, &left));
-  BlockIcc& d = data(pc);
-  if (d.use_coarse) {
-    PetscCall(petsc::guarded([&] {
-      d.coarse.project(right, left);
-      d.factor.solve(left, left);
-      d.coarse.correct(left);
-    }));
+/// x = P^-1 b without the coarse level; may be the same.
+void solve_parts(BlockIcc& d, Vec b, Vec x) {
+  if (d.overlaps) {
+    double* v = d.overlapping.restricted(b);
+    d.factor.solve(v, v);
+    d.overlapping.add_up(x);
+  } else if (b == x) {
+    const petsc::WriteArray to(x);
+    d.factor.solve(to.data(), to.data());
   } else {
-    d.factor.solve(right, left);
+    const petsc::ReadArray from(b);
+    const petsc::WriteArray to(x);
+    d.factor.solve(from.data(), to.data());
   }
-  PetscCall(VecRestoreArrayRead(b, &right));
-  PetscCall(VecRestoreArrayWrite(x, &left));
+}
+
+PetscErrorCode apply(PC pc, Vec b, Vec x) {
+  PetscFunctionBeginUser;
+  PetscCall(petsc::guarded([&] {
+    BlockIcc& d = data(pc);
+    if (!d.use_coarse) return solve_parts(d, b, x);
+    {
+      const petsc::ReadArray from(b);
+      const petsc::WriteArray to(x);
+      d.coarse.project(from.data(), to.data());
+    }
+    solve_parts(d, x, x);
+    const petsc::WriteArray to(x);
+    d.coarse.correct(to.data());
+  }));
   PetscFunctionReturn(0);
 }
 
@@ -136,6 +184,10 @@ PetscErrorCode ask_options(PC pc, PetscOptionItems* PetscOptionsObject) {
                              nullptr, d.first_shift, &d.first_shift, nullptr));
   PetscCall(PetscOptionsInt("-pc_block_icc_aggregates", "Aggregates of the coarse level, 0 for none", nullptr,
                             d.aggregates, &d.aggregates, nullptr));
+  PetscBool overlap = d.overlap ? PETSC_TRUE : PETSC_FALSE;
+  PetscCall(PetscOptionsBool("-pc_block_icc_overlap", "Factor each rank's part with the next vertices of other ranks",
+                             nullptr, overlap, &overlap, nullptr));
+  d.overlap = overlap;
   char type[64] = {};
   PetscBool given = PETSC_FALSE;
   PetscCall(PetscOptionsFList("-pc_block_icc_ordering_type", "Order of elimination", "MatGetOrdering", MatOrderingList,
@@ -153,6 +205,7 @@ PetscErrorCode reset(PC pc) {
   PetscFunctionBeginUser;
   BlockIcc& d = data(pc);
   d.factor = IncompleteCholesky{};
+  d.overlapping = OverlappingPart{};
   d.coarse = CoarseSpace{};
   d.coarse_fits = d.use_coarse = false;
   PetscFunctionReturn(0);
@@ -168,8 +221,8 @@ PetscErrorCode destroy(PC pc) {
 PetscErrorCode view(PC pc, PetscViewer viewer) {
   const BlockIcc& d = data(pc);
   PetscFunctionBeginUser;
-  PetscCall(PetscViewerASCIIPrintf(viewer, "  incomplete Cholesky of 3 x 3 blocks without fill, by ranks, order %s\n",
-                                   d.ordering.c_str()));
+  PetscCall(PetscViewerASCIIPrintf(viewer, "  incomplete Cholesky of 3 x 3 blocks without fill, by ranks%s, order %s\n",
+                                   d.overlaps ? " with an overlap of one vertex" : "", d.ordering.c_str()));
   PetscCall(PetscViewerASCIIPrintf(viewer, "  matrices %ld with %ld patterns, of them %ld with a shift, the last %g\n",
                                    d.matrices, d.patterns, d.shifted, d.largest_shift));
   if (d.coarse_fits)

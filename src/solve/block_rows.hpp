@@ -37,6 +37,11 @@ struct GhostColumns {
   }
   void begin(Vec x) const { VOILE_PETSC(VecScatterBegin(to_values, x, values, INSERT_VALUES, SCATTER_FORWARD)); }
   void end(Vec x) const { VOILE_PETSC(VecScatterEnd(to_values, x, values, INSERT_VALUES, SCATTER_FORWARD)); }
+  /// Adds the values to those of x where they come from.
+  void add(Vec x) const {
+    VOILE_PETSC(VecScatterBegin(to_values, values, x, ADD_VALUES, SCATTER_REVERSE));
+    VOILE_PETSC(VecScatterEnd(to_values, values, x, ADD_VALUES, SCATTER_REVERSE));
+  }
 };
 
 }  // namespace voile::solve

@@ -5,8 +5,6 @@
 #include <cmath>
 #include <utility>
 
-#include "block_rows.hpp"
-
 namespace voile::solve {
 
 namespace {
@@ -44,7 +42,8 @@ bool invert(const Block& d, double scale, Block& inverse) {
 
 }  // namespace
 
-bool IncompleteCholesky::read_pattern(const int* starts, const int* columns, std::vector<int> order) {
+bool IncompleteCholesky::read_pattern(const BlockPattern& pattern, std::vector<int> order) {
+  if (!pattern.full) return false;
   order_ = std::move(order);
   position_.resize(order_.size());
   for (std::size_t i = 0; i < order_.size(); ++i) position_[order_[i]] = static_cast<int>(i);
@@ -52,45 +51,41 @@ bool IncompleteCholesky::read_pattern(const int* starts, const int* columns, std
   columns_.clear();
   places_.clear();
   diagonals_.clear();
-  strides_.clear();
   for (const int row : order_)
-    if (!read_row(starts, columns, row)) return false;
+    if (!read_row(pattern, row)) return false;
   find_matches();
   w_.assign(9 * columns_.size(), 0.0F);
-  inverse_.assign(9 * strides_.size(), 0.0F);
-  x_.assign(3 * strides_.size(), 0.0);
+  inverse_.assign(9 * diagonals_.size(), 0.0F);
+  x_.assign(3 * diagonals_.size(), 0.0);
   int longest = 0;
   for (int i = 0; i < block_rows(); ++i) longest = std::max(longest, row_starts_[i + 1] - row_starts_[i]);
   row_.assign(9 * static_cast<std::size_t>(longest), 0.0);
   return true;
 }
 
-bool IncompleteCholesky::read_row(const int* starts, const int* columns, int row) {
-  if (!is_block_row(starts, columns, row)) return false;
-  const int begin = starts[3 * row], stride = starts[3 * row + 1] - begin;
-  std::vector<std::pair<int, int>> lower;  // column and place of each block that is eliminated before
+bool IncompleteCholesky::read_row(const BlockPattern& pattern, int row) {
+  std::vector<std::pair<int, int>> lower;  // column and number of each block that is eliminated before
   bool has_diagonal = false;
-  for (int at = begin; at < begin + stride; at += 3) {
-    const int column = columns[at];
-    if (column == 3 * row) {
-      diagonals_.push_back(at);
+  for (int at = pattern.starts[row]; at < pattern.starts[row + 1]; ++at) {
+    const int column = pattern.columns[at];
+    if (column == row) {
+      diagonals_.push_back(pattern.places[at]);
       has_diagonal = true;
-    } else if (position_[column / 3] < position_[row]) {
-      lower.emplace_back(position_[column / 3], at);
+    } else if (position_[column] < position_[row]) {
+      lower.emplace_back(position_[column], at);
     }
   }
   std::sort(lower.begin(), lower.end());
-  for (const auto& [column, place] : lower) {
+  for (const auto& [column, at] : lower) {
     columns_.push_back(column);
-    places_.push_back(place);
+    places_.push_back(pattern.places[at]);
   }
-  strides_.push_back(stride);
   row_starts_.push_back(static_cast<int>(columns_.size()));
   return has_diagonal;
 }
 
 void IncompleteCholesky::find_matches() {
-  std::vector<int> place(strides_.size(), -1);  // of a column in the row at work, counted from its start
+  std::vector<int> place(diagonals_.size(), -1);  // of a column in the row at work, counted from its start
   match_starts_.assign(1, 0);
   matches_.clear();
   for (int i = 0; i < block_rows(); ++i) {
@@ -106,15 +101,17 @@ void IncompleteCholesky::find_matches() {
   }
 }
 
-bool IncompleteCholesky::factor_shifted(const double* values, double shift) {
-  const auto block_at = [&](int place, int stride) { return Entries(values + place, Eigen::OuterStride<>(stride)); };
+bool IncompleteCholesky::factor_shifted(const BlockPattern::Values& values, double shift) {
+  const auto block_at = [&](const BlockPattern::Place& place) {
+    return Entries(values[static_cast<std::size_t>(place.source)] + place.first, Eigen::OuterStride<>(place.stride));
+  };
   for (int i = 0; i < block_rows(); ++i) {
-    const int begin = row_starts_[i], end = row_starts_[i + 1], stride = strides_[i];
-    Block pivot = block_at(diagonals_[i], stride);
+    const int begin = row_starts_[i], end = row_starts_[i + 1];
+    Block pivot = block_at(diagonals_[i]);
     const double scale = pivot.diagonal().cwiseAbs().maxCoeff();
     pivot *= 1.0 + shift;
     for (int at = begin; at < end; ++at) {
-      Block t = block_at(places_[at], stride);
+      Block t = block_at(places_[at]);
       for (int m = match_starts_[at]; m < match_starts_[at + 1]; ++m)
         t.noalias() -= Eigen::Map<const Block>(row_.data() + 9 * matches_[m].in_row) *
                        Stored(w_.data() + 9 * static_cast<std::size_t>(matches_[m].other)).cast<double>().transpose();
@@ -125,7 +122,7 @@ bool IncompleteCholesky::factor_shifted(const double* values, double shift) {
     }
     Block inverse;
     if (!invert(pivot, scale, inverse)) {
-      const Block own = block_at(diagonals_[i], stride);
+      const Block own = block_at(diagonals_[i]);
       hopeless_ = !invert(own, scale, inverse);  // a block of the diagonal is indefinite itself, and with any shift
       return false;
     }
@@ -134,7 +131,7 @@ bool IncompleteCholesky::factor_shifted(const double* values, double shift) {
   return true;
 }
 
-bool IncompleteCholesky::factor(const double* values, double shift, double first_shift) {
+bool IncompleteCholesky::factor(const BlockPattern::Values& values, double shift, double first_shift) {
   hopeless_ = false;
   for (attempts_ = 1; shift <= largest_shift; ++attempts_) {
     shift_ = shift;

@@ -11,20 +11,18 @@
 
 #include <vector>
 
-#include "voile/base/types.hpp"
+#include "block_pattern.hpp"
 
 namespace voile::solve {
 
 class IncompleteCholesky {
  public:
-  /// Reads the pattern of a matrix of compressed rows whose block rows b are its rows 3b .. 3b+2: `starts` (3 n + 1) and
-  /// ascending `columns`, both in scalars, both triangles; `order` has the block rows in the order of elimination. False, and
-  /// nothing else can be done, if these are not made of full blocks with all of the diagonal. Allocates; factor() and
-  /// solve() do not.
-  [[nodiscard]] bool read_pattern(const int* starts, const int* columns, std::vector<int> order);
+  /// Reads the pattern of both triangles of a matrix; `order` has the block rows in the order of elimination. False, and nothing
+  /// else can be done, if these are not made of full blocks with all of the diagonal. Allocates; factor() and solve() do not.
+  [[nodiscard]] bool read_pattern(const BlockPattern& pattern, std::vector<int> order);
   /// Factors the matrix of that pattern. Begins with the shift s = `shift`, for each failure takes the larger of four
   /// times the last and `first_shift`. False if the largest shift does not help, as with values that are not finite.
-  [[nodiscard]] bool factor(const double* values, double shift, double first_shift);
+  [[nodiscard]] bool factor(const BlockPattern::Values& values, double shift, double first_shift);
   /// x = P^-1 b; both of three values per block row, may be the same.
   void solve(const double* b, double* x);
 
@@ -41,15 +39,14 @@ class IncompleteCholesky {
     int in_row, other;
   };
   void find_matches();
-  [[nodiscard]] bool factor_shifted(const double* values, double shift);
+  [[nodiscard]] bool factor_shifted(const BlockPattern::Values& values, double shift);
 
-  [[nodiscard]] bool read_row(const int* starts, const int* columns, int row);
+  [[nodiscard]] bool read_row(const BlockPattern& pattern, int row);
 
-  std::vector<int> order_, position_;      ///< of elimination: rows, and the place of each in it
-  std::vector<int> row_starts_, columns_;  ///< strictly lower blocks by rows, both numbered in that order
-  std::vector<int> places_, diagonals_;    ///< first entry of each block in the values, and of each on the diagonal
-  std::vector<int> strides_;               ///< entries per scalar row, by block row
-  std::vector<int> match_starts_;          ///< of each block
+  std::vector<int> order_, position_;                    ///< of elimination: rows, and the place of each in it
+  std::vector<int> row_starts_, columns_;                ///< strictly lower blocks by rows, both numbered in that order
+  std::vector<BlockPattern::Place> places_, diagonals_;  ///< of each block in the values, and of each on the diagonal
+  std::vector<int> match_starts_;                        ///< of each block
   std::vector<Match> matches_;
   std::vector<float> w_, inverse_;  ///< blocks of W by columns, and of D^-1, nine floats each
   std::vector<double> row_;         ///< blocks of W D in the row at work

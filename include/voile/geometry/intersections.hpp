@@ -30,6 +30,11 @@ namespace voile::geometry {
 /// Numbers of two triangles, the lower one first.
 using TrianglePair = std::pair<Index, Index>;
 
+/// What is to be done of work that several share.
+struct Share {
+  int part = 0, parts = 1;
+};
+
 /// All pairs of intersecting triangles, ascending. Positions in any unit (nothing depends on the scale).
 /// Not collective, no tolerance, the caller owns the result; O(n log^3 n) plus the pairs of overlapping boxes.
 /// Throws InternalError for coordinates that are not finite or vertex numbers that do not exist.
@@ -38,14 +43,13 @@ using TrianglePair = std::pair<Index, Index>;
 
 /// The same without the pairs for which skip(body of the one, body of the other) is true: e.g. pairs inside one
 /// obstacle. `body` has a number for each triangle; `skip` may be asked in either order, as often as there are pairs of
-/// overlapping boxes. `counted`, where several share the work: only pairs of these triangles with higher ones, and with
-/// those of bodies that are wanted neither with themselves nor with each other; empty: all pairs. Throws also
-/// InternalError if `body` has another length than `triangles`.
+/// overlapping boxes. `share`: only this part of the pairs, which are divided by where they are, so that each pair is in one.
+/// Throws also InternalError if `body` has another length than `triangles`.
 [[nodiscard]] std::vector<TrianglePair> intersecting_triangles(const std::vector<Vec3>& positions,
                                                                const std::vector<mesh::Triangle>& triangles,
                                                                const std::vector<Index>& body,
                                                                const std::function<bool(Index, Index)>& skip,
-                                                               const std::function<bool(Index)>& counted = {});
+                                                               Share share = {});
 
 /// Writes the triangles of the pairs as legacy VTK (ASCII polygons, .vtk; coordinates as passed [m]), which ParaView
 /// opens, with the cell fields `pair` (position in `pairs`), `triangle` (its number) and `body` (0 if `body` is empty).

@@ -1,8 +1,9 @@
 // PC type "voile_block_icc": incomplete Cholesky factor without fill of 3 x 3 blocks, for conjugate gradients.
 //
 // For symmetric AIJ matrices of block size 3 in full blocks, as tangents are: -ksp_type cg -pc_type voile_block_icc. Each
-// rank factors its own diagonal part (block Jacobi over ranks), in reverse Cuthill-McKee order unless
-// -pc_block_icc_ordering_type names another of PETSc's. Where that comes out indefinite, a share of the
+// rank factors its own rows with those of other ranks that they couple to, and what the ranks find there is added (additive
+// Schwarz, src/solve/overlapping_part.hpp); with -pc_block_icc_overlap 0 its own diagonal part alone (block Jacobi). In reverse
+// Cuthill-McKee order unless -pc_block_icc_ordering_type names another of PETSc's. Where a part comes out indefinite, a share of the
 // diagonal blocks is added until it does not; so the preconditioner is positive definite whatever the matrix is. With
 // -pc_block_icc_aggregates N a coarse level of the translations of about N aggregates of vertices is solved exactly
 // (balancing, src/solve/coarse_space.hpp); matrices that are not positive definite there go without it. Works

@@ -233,16 +233,47 @@ TEST_CASE("pairs of bodies that need no look are left out") {
   for (const auto& skip : {std::function<bool(Index, Index)>(idle),
                            std::function<bool(Index, Index)>([](Index a, Index b) { return a == b; })}) {
     std::vector<geometry::TrianglePair> together;
-    for (Index part = 0; part < 3; ++part) {
-      const auto own =
-          geometry::intersecting_triangles(x, triangles, body, skip, [=](Index t) { return t % 3 == part; });
-      CHECK_FALSE(own.empty());
+    for (int part = 0; part < 3; ++part) {
+      const auto own = geometry::intersecting_triangles(x, triangles, body, skip, {part, 3});
       together.insert(together.end(), own.begin(), own.end());
     }
     std::sort(together.begin(), together.end());
     CHECK(together == geometry::intersecting_triangles(x, triangles, body, skip));
   }
   CHECK(geometry::intersecting_triangles(x, triangles, body, [](Index, Index) { return true; }).empty());
+}
+
+TEST_CASE(
+    "shared among many, each pair is found once, also where many boxes begin at one place or there are fewer than "
+    "parts") {
+  std::srand(11);
+  std::vector<Vec3> x;
+  std::vector<mesh::Triangle> triangles;
+  for (Index t = 0; t < 240; ++t) {
+    const Vec3 centre = 2.0 * Vec3::Random();
+    for (Index k = 0; k < 3; ++k) {
+      x.emplace_back(centre + 0.7 * Vec3::Random());
+      if (t % 2 == 0) x.back() = x.back().array().round();  // on a grid, so that they touch
+    }
+    triangles.push_back({3 * t, 3 * t + 1, 3 * t + 2});
+  }
+  const auto skip = [](Index, Index) { return false; };
+  const std::vector<Index> body(triangles.size(), 0);
+  const auto all = geometry::intersecting_triangles(x, triangles);
+  REQUIRE(all.size() > 200);
+  for (const int parts : {2, 7, 500}) {
+    std::vector<geometry::TrianglePair> together;
+    std::size_t most = 0;
+    for (int part = 0; part < parts; ++part) {
+      const auto own = geometry::intersecting_triangles(x, triangles, body, skip, {part, parts});
+      together.insert(together.end(), own.begin(), own.end());
+      most = std::max(most, own.size());
+    }
+    std::sort(together.begin(), together.end());
+    CAPTURE(parts);
+    CHECK(together == all);
+    if (parts < 10) CHECK(most * static_cast<std::size_t>(parts) < 3 * all.size());
+  }
 }
 
 TEST_CASE("the triangles of the pairs are written for ParaView") {
