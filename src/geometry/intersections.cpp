@@ -157,9 +157,9 @@ struct Slab {
     if (share.part + 1 < share.parts) high = bound(share.part + 1);
   }
   [[nodiscard]] bool meets(const Box& b) const { return b.max_coord(axis) >= low && b.min_coord(axis) < high; }
+  /// Of two that meet the slab; their begins are below `high`.
   [[nodiscard]] bool has(const Box& a, const Box& b) const {
-    const double begin = std::max(a.min_coord(axis), b.min_coord(axis));
-    return begin >= low && begin < high;
+    return std::max(a.min_coord(axis), b.min_coord(axis)) >= low;
   }
 };
 
