@@ -23,8 +23,10 @@ std::size_t next_number(const Case& c) {
   return c.is_staged() ? c.stage.attachments[c.attachments.size()] : c.attachments.size();
 }
 
-/// An attachment that lets go before it takes hold would do nothing.
+/// One that lets go before it takes hold would do nothing, nor does a time where there is none.
 void check_release(const SectionPlace& place, const Case& c, const system::Attachment& s, const StagesBefore& before) {
+  if (std::isfinite(s.release) && c.analysis != "dynamic" && !c.is_staged())
+    place.fail("release", "an attachment lets go only with analysis = \"dynamic\"");
   if (c.analysis != "dynamic" || s.release > before.end || contains(before.attachments, next_number(c))) return;
   const std::string first = c.is_staged()
                                 ? fmt::format(", when stage '{}', the first that names it, begins", c.stage.name)

@@ -140,6 +140,13 @@ TEST_CASE("contradictions in time sections are refused") {
   REQUIRE(turning.supports[0].rotation);
   CHECK((turning.supports[0].rotation(1.0) * Vec3::UnitX() + Vec3::UnitZ()).norm() < 1e-15);
   CHECK(has(error_of(still + support + "release = 1\n"), "only with analysis = \"dynamic\""));
+  const std::string held =
+      "[contact]\ndistance = 0.01\n[[obstacle]]\nname = \"pole\"\ntype = \"cylinder\"\npoint = [0, 0, 0]\n"
+      "end = [0, 0, 1]\nradius = 0.1\n[[attachment]]\ngroups = [\"left\"]\nobstacle = \"pole\"\n";
+  CHECK(error_of(still + held) == "no error");
+  CHECK(has(error_of(still + held + "release = 1\n"),
+            "attachment.release: an attachment lets go only with analysis = \"dynamic\""));
+  CHECK(error_of(head + held + "release = 1\n") == "no error");
 }
 
 TEST_CASE("path control is checked against the probes") {
