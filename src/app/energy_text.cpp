@@ -25,4 +25,10 @@ std::string balance_text(const system::EnergyBalance& b) {
                             all > 0.0 ? 100.0 * std::abs(b.unaccounted) / all : 0.0);
 }
 
+std::string rest_text(const KineticEnergy& k) {
+  if (k.largest == 0.0) return "";
+  return fmt::format("{} at the end: kinetic energy {:.3g} J, {:.2g} of the largest, {:.3g} J at t = {:.6g} s",
+                     k.at_rest() ? "at rest" : "in motion", k.last, k.last / k.largest, k.largest, k.time_of_largest);
+}
+
 }  // namespace voile::app

@@ -1,4 +1,4 @@
-// The balance of a motion's energy in words; private to src/app.
+// What became of a motion's energy, in words; private to src/app.
 #pragma once
 
 #include <string>
@@ -7,7 +7,21 @@
 
 namespace voile::app {
 
-/// One line for the end of a run.
+/// Of the states that a run has recorded [J, s].
+struct KineticEnergy {
+  double last = 0.0, largest = 0.0, time_of_largest = 0.0;
+  void add(double time, double value) {
+    last = value;
+    if (!(value > largest)) return;
+    largest = value;
+    time_of_largest = time;
+  }
+  /// Below a millionth of the largest, which is a thousandth of its velocities.
+  [[nodiscard]] bool at_rest() const { return largest > 0.0 && last < 1e-6 * largest; }
+};
+
+/// One line each for the end of a run; the second is empty if nothing has moved.
 [[nodiscard]] std::string balance_text(const system::EnergyBalance& balance);
+[[nodiscard]] std::string rest_text(const KineticEnergy& kinetic);
 
 }  // namespace voile::app

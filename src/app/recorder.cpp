@@ -133,6 +133,7 @@ void Recorder::record(const system::State& state, const solve::StepResult& r, bo
   const petsc::EventScope scope(petsc::events().output);
   Snapshot s = snapshot(state.u);
   if (dynamics_) s.kinetic = dynamics_->kinetic_energy(state.v);
+  if (dynamics_) kinetic_.add(state.time, s.kinetic);
   write_history(state, r, s);
   io::StepFields step;
   step.step = state.step;

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "energy_text.hpp"
 #include "obstacles.hpp"
 #include "probes.hpp"
 #include "voile/app/run.hpp"
@@ -45,6 +46,8 @@ class Recorder {
   /// Energy that chords feign over that stored, in the last state whose fields were written; on rank 0. Not a
   /// number if it is not estimated.
   [[nodiscard]] double membrane_error() const { return membrane_error_; }
+  /// Of the motion so far.
+  [[nodiscard]] const KineticEnergy& kinetic() const { return kinetic_; }
 
  private:
   void begin_epoch();
@@ -90,6 +93,7 @@ class Recorder {
   bool linear_;
   Warnings warnings_;
   double membrane_error_ = std::nan("");
+  KineticEnergy kinetic_;
 };
 
 }  // namespace voile::app

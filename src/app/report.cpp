@@ -81,6 +81,8 @@ void report_end(const input::Case& c, const RunOptions& options, const Summary& 
                  s.steps, s.newton_iterations, s.factorisations, iterative_text(s.iterative), s.cpu_seconds,
                  s.wall_seconds, folder);
     if (options.verbosity != Verbosity::quiet && s.balance.kept) fmt::print("{}\n", balance_text(s.balance));
+    if (options.verbosity != Verbosity::quiet && s.kinetic && s.kinetic->largest > 0.0)
+      fmt::print("{}\n", rest_text(*s.kinetic));
     if (!s.converged)
       fmt::print(stderr, "voile: {}not converged: {}; everything up to {} is in {}\n",
                  c.is_staged() ? fmt::format("stage '{}': ", c.stage.name) : "", s.reason,

@@ -154,6 +154,7 @@ Summary run_stage(const Stage& stage, std::unique_ptr<Epoch> epoch, io::Checkpoi
   if (remesher && !remesher->text().empty()) recorder.remark(remesher->text());
   recorder.finish();
   summary.membrane_error = recorder.membrane_error();
+  if (c.analysis == "dynamic") summary.kinetic = recorder.kinetic();
   state = gather(epoch->state(), epoch->model().dofs());
   if (system::Contact* contact = epoch->model().contact())
     summary.contact = system::report(contact->scene(), epoch->state().u);

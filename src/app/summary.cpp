@@ -38,6 +38,10 @@ Json json_of(const system::EnergyBalance& b) {
   return all;
 }
 
+Json json_of(const KineticEnergy& k) {
+  return {{"last", k.last}, {"largest", k.largest}, {"time_of_largest", k.time_of_largest}, {"at_rest", k.at_rest()}};
+}
+
 Json json_of(const system::ContactReport& r) {
   return {{"pairs", r.pairs},
           {"most_pairs_of_a_rank", r.most_pairs},
@@ -72,6 +76,7 @@ Json json_of(const Summary& s) {
            {"cpu_seconds", s.cpu_seconds},
            {"wall_seconds", s.wall_seconds}};
   if (s.balance.kept) all["energy"] = json_of(s.balance);
+  if (s.kinetic) all["motion"] = json_of(*s.kinetic);
   if (s.contact) all["contact"] = json_of(*s.contact);
   if (s.garment) all["garment"] = json_of(*s.garment);
   return all;

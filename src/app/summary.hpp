@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "energy_text.hpp"
 #include "garment_measures.hpp"
 #include "voile/base/types.hpp"
 #include "voile/solve/stepper.hpp"
@@ -33,6 +34,7 @@ struct Summary {
   Index vertices = 0, triangles = 0;
   double cpu_seconds = 0.0, wall_seconds = 0.0;
   system::EnergyBalance balance;                 ///< of a motion
+  std::optional<KineticEnergy> kinetic;          ///< of a motion
   std::optional<system::ContactReport> contact;  ///< of the last state
   std::optional<GarmentMeasures> garment;        ///< of a case of panels
 };

@@ -76,6 +76,8 @@ def remesh_restart(report):
     report.below(max(map(abs, h["remeshing_gain"])) / work, 1e-4, "velocities have taken up what the new mesh changed")
     report.below(max(map(abs, h["energy_unaccounted"])) / work, 1e-4, "hardly anything is unaccounted for")
     report.check(abs(whole.summary["energy"]["work_of_loads"] / h["work_of_loads"][-1] - 1) < 1e-12 and "unaccounted" in whole.text, "and told at the end")
+    motion, peak = whole.summary["motion"], max(h["kinetic_energy"])
+    report.check(motion["largest"] == peak and h["time"][list(h["kinetic_energy"]).index(peak)] == motion["time_of_largest"] and not motion["at_rest"], "it is still in motion, and when it was fastest is told")
     file = OUT / "remesh_whole.toml"
     for number, steps in enumerate((30, 35, 50)):  # before, at and after the step at which the mesh is exchanged
         short = run(file, fresh("remesh_short"), 2, ["-ts_max_steps", str(steps)])
