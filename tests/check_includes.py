@@ -20,7 +20,7 @@ LAYERS = {
     "solve": {"system", "mesh", "base"},
     "io": {"geometry", "mesh", "base"},
     "manikin": {"geometry", "mesh", "base"},
-    "pattern": {"io", "mesh", "base"},
+    "pattern": {"io", "geometry", "mesh", "base"},
     "input": {"solve", "system", "energy", "io", "mesh", "base"},
     "picture": {"adapt", "io", "geometry", "mesh", "base"},
     "app": {"base", "mesh", "energy", "geometry", "adapt", "contact", "untangle", "system", "solve", "io", "pattern", "manikin", "input", "picture"},

@@ -78,6 +78,11 @@ pattern::Panel panel_of(const input::Case& c, const input::PanelSection& s, cons
   p.shift = landmarks.place(s.origin, where_of(c, s) + " origin") + s.placement.translate;
   p.wrap = wrap_of(c, s, landmarks);
   if (!s.grain.empty()) piece.grain = Vec2(s.grain[0], s.grain[1]).normalized();
+  if (s.mirror && piece.bent)
+    throw UserError(
+        fmt::format("{} mirror: piece '{}' is bent where its file has it, and its mirror image has no place; "
+                    "remove the key, or lay the piece flat in the file",
+                    where_of(c, s), piece.name));
   if (s.mirror) {
     const Mat2 mirror = Vec2(-1.0, 1.0).asDiagonal();
     for (pattern::Edge& e : piece.edges) e.curve = e.curve.mapped(mirror, Vec2::Zero());
@@ -104,7 +109,8 @@ struct Cut {
 };
 
 Cut read_panels(const input::PanelSection& s) {
-  Cut cut{&s, pattern::read_pattern(s.file, {s.unit, s.euler == input::PanelSection::Euler::xyz, s.pieces, s.unfold})};
+  Cut cut{&s, pattern::read_pattern(
+                  s.file, {s.unit, s.euler == input::PanelSection::Euler::xyz, s.pieces, s.unfold, s.texture_unit})};
   if (!s.name.empty() && cut.from.pieces.size() != 1)
     throw UserError(
         fmt::format("{}: [[panel]] name = \"{}\" is for one piece, but there are {}; name one with the key "

@@ -70,7 +70,8 @@ std::vector<Key> keys_of(PanelSection& s) {
       {.name = "file",
        .slot = &s.file,
        .meaning =
-           "Pattern: GarmentCode (`.json`) or outlines (`.svg`, `.dxf`), relative to the folder of the case file.",
+           "Pattern: GarmentCode (`.json`), outlines (`.svg`, `.dxf`) or a mesh whose texture coordinates are those of "
+           "the pieces (`.obj`), relative to the folder of the case file.",
        .required = true},
       {.name = "pieces",
        .slot = Words{&s.pieces, {}},
@@ -83,7 +84,14 @@ std::vector<Key> keys_of(PanelSection& s) {
       {.name = "unit",
        .slot = &s.unit,
        .meaning = "Length of one unit of the file's coordinates. 0: what the file says: an SVG by a width "
-                  "with a unit and a viewBox, a DXF by $INSUNITS, a text 'Units:' or $MEASUREMENT.",
+                  "with a unit and a viewBox, a DXF by $INSUNITS, a text 'Units:' or $MEASUREMENT; "
+                  "an OBJ is in metres.",
+       .unit = "m",
+       .range = not_negative},
+      {.name = "texture_unit",
+       .slot = &s.texture_unit,
+       .meaning = "Length of 1 in the texture coordinates of an `.obj`. 0: what edges of its mesh are long in space, "
+                  "where they are so alike.",
        .unit = "m",
        .range = not_negative},
       {.name = "size", .slot = &s.size, .meaning = "Length of the edges of cells.", .unit = "m", .range = positive},
@@ -102,7 +110,9 @@ std::vector<Key> keys_of(PanelSection& s) {
                   "turned until "
                   "it is along v, which `texture_direction = [0, 1]` of `[[material]]` means.",
        .absent = "the grain line of a DXF block (layer 7), else `[0, 1]`"},
-      {.name = "stitches", .slot = &s.stitches, .meaning = "Whether the stitches of a `.json` become seams."},
+      {.name = "stitches",
+       .slot = &s.stitches,
+       .meaning = "Whether the stitches of a `.json`, or of an `.obj`, become seams."},
       {.name = "euler",
        .slot = choice(s.euler, {{"zyx", PanelSection::Euler::zyx}, {"xyz", PanelSection::Euler::xyz}}),
        .meaning =

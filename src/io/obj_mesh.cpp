@@ -2,10 +2,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <sstream>
 
 #include "mesh_text.hpp"
 #include "voile/base/error.hpp"
+#include "voile/io/obj_sheet.hpp"
 
 namespace voile::io {
 
@@ -15,7 +17,13 @@ class ObjReader {
  public:
   explicit ObjReader(const std::string& file) : file_(file) {}
 
-  mesh::MeshData run() {
+  /// A line of stitches is kept as it is.
+  struct StitchLine {
+    std::vector<std::string> words;
+    std::size_t line;
+  };
+
+  void run() {
     std::istringstream in(file_text(file_));
     std::string text;
     while (std::getline(in, text)) {
@@ -31,16 +39,38 @@ class ObjReader {
       read_line(text.substr(0, text.find('#')));
     }
     if (!textured_) mesh_.data.texture.clear();
+  }
+
+  mesh::MeshData take_mesh() {
     mesh_.note_split();
-    if (stitches_ > 0)
+    if (!stitches_.empty())
       mesh_.data.notes.push_back(
           fmt::format("{} lines 'stitch' are passed over, and what they sew stays apart; mesh.merge joins vertices at "
-                      "the same place, a [[spring]] of type 'pair' pulls others together",
-                      stitches_));
+                      "the same place, a [[spring]] of type 'pair' pulls others together, and pieces that are cut by "
+                      "[[panel]] are sewn there",
+                      stitches_.size()));
     return std::move(mesh_.data);
   }
 
+  ObjSheet take_sheet() {
+    ObjSheet sheet{std::move(mesh_.data), {}};
+    for (const StitchLine& s : stitches_) sheet.stitches.push_back(stitch(s, sheet.mesh.positions.size()));
+    return sheet;
+  }
+
  private:
+  [[nodiscard]] PointStitch stitch(const StitchLine& s, std::size_t vertices) const {
+    std::array<long, 3> v{};
+    for (std::size_t i = 0; i < 3; ++i)
+      if (i >= s.words.size() || !parse_integer(s.words[i], v[i]) || v[i] < 0 || v[i] >= static_cast<long>(vertices))
+        fail_in_line(file_, s.line,
+                     fmt::format("three vertices must follow 'stitch', counted from 0; there are {}", vertices));
+    PointStitch found{static_cast<Index>(v[0]), static_cast<Index>(v[1]), static_cast<Index>(v[2]), 0.0, s.line};
+    if (s.words.size() != 4 || !parse_number(s.words[3], found.share) || found.share < 0.0 || found.share > 1.0)
+      fail_in_line(file_, s.line, "a share from 0 to 1 must follow the vertices of 'stitch', and nothing more");
+    return found;
+  }
+
   void read_line(const std::string& text) {
     std::istringstream words(text);
     std::string keyword, word;
@@ -52,7 +82,7 @@ class ObjReader {
     if (keyword == "f") add_face(rest);
     if (keyword == "l") add_line(rest);
     if (keyword == "g") groups_ = rest;
-    if (keyword == "stitch") ++stitches_;
+    if (keyword == "stitch") stitches_.push_back({rest, line_});
     if (keyword == "o") object_ = rest.empty() ? "" : rest[0];
     if (keyword == "usemtl") material_ = rest.empty() ? "" : rest[0];
   }
@@ -111,14 +141,23 @@ class ObjReader {
   std::vector<Vec2> texture_;
   std::vector<std::string> groups_;
   std::string object_, material_;
-  std::size_t line_ = 0, faces_ = 0, stitches_ = 0;
+  std::size_t line_ = 0, faces_ = 0;
+  std::vector<StitchLine> stitches_;
   bool textured_ = false;
 };
 
 }  // namespace
 
 mesh::MeshData read_obj_mesh(const std::string& file) {
-  return ObjReader(file).run();
+  ObjReader reader(file);
+  reader.run();
+  return reader.take_mesh();
+}
+
+ObjSheet read_obj_sheet(const std::string& file) {
+  ObjReader reader(file);
+  reader.run();
+  return reader.take_sheet();
 }
 
 }  // namespace voile::io

@@ -120,7 +120,7 @@ void check_cone(const std::string& where, const std::vector<Vec2>& outline, cons
 }  // namespace
 
 Vec3 Panel::flat_place(const Vec2& x) const {
-  return turn * (piece.rotation * Vec3(x[0], x[1], 0.0) + piece.translation) + shift;
+  return turn * (piece.bent ? piece.bent->at(x) : piece.rotation * Vec3(x[0], x[1], 0.0) + piece.translation) + shift;
 }
 
 Vec3 Panel::place(const Vec2& x) const {
@@ -144,6 +144,8 @@ Vec3 Panel::place(const Vec2& x) const {
 void Panel::check_wrap() const {
   if (!wrap) return;
   const std::string where = fmt::format("{}: piece '{}'", file, piece.name);
+  if (piece.bent)
+    throw UserError(fmt::format("{}: wrap_axis: it is bent already where the file has it; remove the key", where));
   const Plane plane = plane_of(*this, *wrap);
   const double tilt = plane.normal.dot(wrap->axis);
   if (std::abs(tilt) > parallel)

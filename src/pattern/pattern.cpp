@@ -20,6 +20,12 @@ namespace {
 /// Bounds of the extent of a piece [m]: beyond them its unit is wrong.
 constexpr double smallest_piece = 0.005, largest_piece = 20.0;
 
+std::vector<Vec3> flat(const std::vector<Vec2>& plane) {
+  std::vector<Vec3> all;
+  for (const Vec2& x : plane) all.emplace_back(x[0], x[1], 0.0);
+  return all;
+}
+
 std::string where(const Pattern& pattern, const Piece& piece) {
   return fmt::format("{}: piece '{}'", pattern.file.string(), piece.name);
 }
@@ -110,6 +116,17 @@ void check_loops(const Pattern& pattern, const Piece& piece) {
 
 }  // namespace
 
+BentShape::BentShape(const std::vector<Vec2>& plane, std::vector<Vec3> space, std::vector<mesh::Triangle> triangles)
+    : plane_(flat(plane)), space_(std::move(space)), triangles_(std::move(triangles)), closest_(plane_, triangles_) {}
+
+Vec3 BentShape::at(const Vec2& x) const {
+  const Vec3 p(x[0], x[1], 0.0);
+  const mesh::Triangle& t = triangles_[static_cast<std::size_t>(closest_.find(p))];
+  const auto corner = [&](std::size_t i) { return static_cast<std::size_t>(t[i]); };
+  const Vec3 w = geometry::nearest_weights(p, {plane_[corner(0)], plane_[corner(1)], plane_[corner(2)]});
+  return w[0] * space_[corner(0)] + w[1] * space_[corner(1)] + w[2] * space_[corner(2)];
+}
+
 void Piece::add_loop(std::vector<Edge> loop) {
   if (!edges.empty()) further_loops.push_back(edges.size());
   edges.insert(edges.end(), std::make_move_iterator(loop.begin()), std::make_move_iterator(loop.end()));
@@ -193,9 +210,18 @@ Pattern read_unguarded(const std::filesystem::path& file, const ReadOptions& opt
   const std::string extension = lower_extension(file);
   Pattern pattern = extension == ".json"  ? read_garmentcode(file, options)
                     : extension == ".svg" ? read_svg(file, options)
+                    : extension == ".obj" ? read_obj(file, options)
                                           : read_dxf(file, options);
   check_names(pattern, options.pieces);
-  if (!options.unfold.empty()) unfold_pieces(pattern, options.unfold);
+  if (!options.unfold.empty()) {
+    for (const Piece& piece : pattern.pieces)
+      if (piece.bent)
+        throw UserError(
+            fmt::format("{}: unfold: it is bent in space, where its other half would have no place; remove the "
+                        "key, or lay the piece flat in the file",
+                        where(pattern, piece)));
+    unfold_pieces(pattern, options.unfold);
+  }
   for (const Piece& piece : pattern.pieces) {
     check_size(pattern, piece);
     check_loops(pattern, piece);
@@ -207,9 +233,12 @@ Pattern read_unguarded(const std::filesystem::path& file, const ReadOptions& opt
 
 Pattern read_pattern(const std::filesystem::path& file, const ReadOptions& options) {
   if (const std::string extension = lower_extension(file);
-      extension != ".json" && extension != ".svg" && extension != ".dxf")
-    throw UserError(fmt::format("{}: unknown kind of pattern '{}'; give a GarmentCode .json, an .svg or a .dxf",
-                                file.string(), extension));
+      extension != ".json" && extension != ".svg" && extension != ".dxf" && extension != ".obj")
+    throw UserError(
+        fmt::format("{}: unknown kind of pattern '{}'; give a GarmentCode .json, an .svg, a .dxf or an .obj",
+                    file.string(), extension));
+  else if (options.texture_unit > 0.0 && extension != ".obj")
+    throw UserError(fmt::format("{}: texture_unit: only an .obj has texture coordinates; give unit", file.string()));
   try_in_child(file.string(), [&] { (void)read_unguarded(file, options); });
   return read_unguarded(file, options);
 }

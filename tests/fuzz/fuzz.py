@@ -36,7 +36,7 @@ GOOD = {0, 2, 3}
 NUMBERS = ["0", "-1", "1", "99", "1e300", "-1e300", "1e-300", "nan", "inf", "1e9", "2147483648", "-2147483649", "4294967296",
            "18446744073709551616", "0.1", "1e38", "007", ""]
 WORDS = ["$Nodes", "$EndNodes", "$Elements", "$PhysicalNames", "element", "property float x", "property list uchar int v",
-         "end_header", "facet normal", "endsolid", "f 1 2 3", "f -1 -2 -3", "f 1/1/1 2 3 4 5 6", "vt 0 0", "l 1 2", "g x",
+         "end_header", "facet normal", "endsolid", "f 1 2 3", "f -1 -2 -3", "f 1/1/1 2 3 4 5 6", "vt 0 0", "stitch 0 1 2 0.5", "l 1 2", "g x",
          "*NODE", "*ELEMENT, TYPE=S3", "*ELEMENT, TYPE=S4, ELSET=q", "*NSET, NSET=a, GENERATE", "CELLS 1 4", "POLYGONS 1 4",
          "[mesh]", "[[support]]", "[[load]]", "= [", "{ a = 1 }", '"', "'", "\\", "#", "\0", "\n\n", ";", "{", "}", "(", ")", "LINE", "POLYLINE", "SPLINE", "ENDSEC", "ENDBLK", "EOF"]
 
@@ -204,7 +204,7 @@ def targets(folder):
     found.append(Target("square.geo", ["info", "{}"], slow=True))
     found += [Target(name, ["check", "{}"], small) for name in ("motion.toml", "path.toml", "cloth.toml")]
     found += [Target(name, [*run, "-snes_max_it", "8"], small, slow=True) for name in ("motion.toml", "path.toml", "cloth.toml")]
-    pieces = ["garment.toml", "pieces.json", "pieces.svg", "block.dxf", "drawing.dxf"]
+    pieces = ["garment.toml", "pieces.json", "pieces.svg", "block.dxf", "drawing.dxf", "panels.obj"]
     found += [Target(name, ["check", "garment.toml"], [other for other in pieces if other != name]) for name in pieces]
     found.append(Target("fabric.toml", ["check", "cloth.toml"], ["cloth.toml", "square.msh", "body.obj"]))
     for name in ("body.obj", "binary.stl", "binary.ply", "text.stl", "text.ply", "text.off", "square41.msh"):

@@ -40,6 +40,48 @@ def garment_tube(report):
         report.below(np.abs(radius / RADIUS - 1).max(), 0.01, f"{ranks} rank(s): radius, relative")
 
 
+def sheet_file(name, cells, reach, unit):
+    """An OBJ of a sheet, bent to a cylinder that it does not close; vertices of its upper end are stitched between two of its other one."""
+    around, up = cells
+    lines, width = [], 2 * np.pi * RADIUS
+    for i in range(around + 1):
+        for j in range(up + 1):
+            # Rows of the two ends lie at different heights, so that no stitch joins two vertices.
+            f, z = i / around, (j / up) ** (1 + 0.3 * i / around)
+            angle, r = reach * 2 * np.pi * (f - 0.5), RADIUS / reach
+            lines += [f"v {r * np.sin(angle):.12g} {HEIGHT * z:.12g} {-r * np.cos(angle):.12g}", f"vt {width * f / unit:.12g} {HEIGHT * z / unit:.12g}"]
+    corner = lambda i, j: (lambda v: f"{v}/{v}")(i * (up + 1) + j + 1)  # noqa: E731
+    lines += ["f {} {} {} {}".format(corner(i, j), corner(i + 1, j), corner(i + 1, j + 1), corner(i, j + 1)) for i in range(around) for j in range(up)]
+    last = around * (up + 1)
+    for j in range(up + 1):
+        z = (j / up) ** 1.3
+        k = min(int(z * up), up - 1)
+        lines.append(f"stitch {last + j} {k} {k + 1} {z * up - k:.12g}")
+    return text_file(name, "\n".join(lines) + "\n")
+
+
+@test
+def garment_obj(report):
+    """The sheet as an OBJ with texture coordinates and lines 'stitch', bent where it lies: the tube again; and what is not possible with it."""
+    bending = np.pi * HEIGHT / RADIUS * 1e6 * 1e-3**3 / 12
+    file = sheet_file("garment_sheet.obj", (40, 9), 0.95, 0.001)
+    keys = {"file": file, "size": 0.015, "name": "tube"}
+    change = {"panel": [keys], "seam": [], "spring": [{"type": "point", "group": "tube/3", "stiffness": 1e-4}]}
+    for ranks in (1, 2):
+        result = solve(f"garment_obj_{ranks}", tube(**change), ranks)
+        report.check("1 in texture coordinates (vt) is taken for 0.001 m" in result.text, f"{ranks} rank(s): the unit is told")
+        gap = part(result, "sew").history["seam_gap"]
+        report.check(0.02 < gap[0] < 0.04, f"{ranks} rank(s): the seam starts {gap[0]:.4f} m apart")
+        report.below(gap[-1], 1e-4, f"{ranks} rank(s): and is welded from [m]")
+        h = part(result, "rest").history
+        report.percent(h["energy_bending"][-1] / bending, 0.005, f"{ranks} rank(s): bending energy")
+    for text, more in (("is bent already", {"wrap_axis": [0, 0, 1]}), ("mirror: piece 'piece' is bent", {"mirror": True}), ("unfold: it is bent", {"unfold": "0"}),
+                       ("no piece 'front': valid: piece", {"pieces": ["front"]}), ("the length of a unit must be wrong", {"texture_unit": 1.0}),
+                       ("only an .obj has texture coordinates", {"file": svg("garment_tube.svg", rectangle("tube", 0.4, 0.2)), "texture_unit": 0.01})):
+        code, said = invoke(["check", write_case(tube(**change | {"panel": [keys | more]}), OUT / "garment_obj_wrong.toml")])
+        report.check(code == 2 and text in said, f"{more}: code {code}, {said.strip()[-200:] if text not in said else 'told'}")
+
+
 @test
 def garment_measures(report):
     """A tube stretched by 2.7 % over a limb: ease, hoop tension in its seam before and after the weld, pressure T/R, its weight, on 1 and 2 ranks."""

@@ -9,9 +9,11 @@
 
 #include <array>
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <vector>
 
+#include "voile/geometry/closest_triangle.hpp"
 #include "voile/pattern/curve.hpp"
 
 namespace voile::pattern {
@@ -19,6 +21,19 @@ namespace voile::pattern {
 struct Edge {
   Curve curve;
   std::string label{};  ///< of the file; may be empty or that of others too
+};
+
+/// A piece that its file does not lay flat in space: triangles in its plane, and where they are.
+class BentShape {
+ public:
+  BentShape(const std::vector<Vec2>& plane, std::vector<Vec3> space, std::vector<mesh::Triangle> triangles);
+  /// Linear in each triangle; beside them as at their nearest point. [m]
+  [[nodiscard]] Vec3 at(const Vec2& x) const;
+
+ private:
+  std::vector<Vec3> plane_, space_;  ///< [m]
+  std::vector<mesh::Triangle> triangles_;
+  geometry::ClosestTriangle closest_;
 };
 
 struct Piece {
@@ -29,8 +44,9 @@ struct Piece {
   std::vector<std::string> point_names{};
   Vec2 grain = Vec2::UnitY();  ///< direction of the grain line in the plane of the piece, a unit vector
   bool turned = false;
-  Mat3 rotation = Mat3::Identity();  ///< R
-  Vec3 translation = Vec3::Zero();   ///< t [m]
+  Mat3 rotation = Mat3::Identity();         ///< R
+  Vec3 translation = Vec3::Zero();          ///< t [m]
+  std::shared_ptr<const BentShape> bent{};  ///< in place of R and t, which are then 1 and 0
 
   /// Edges begin to end - 1.
   struct Loop {
@@ -83,9 +99,10 @@ struct ReadOptions {
   bool euler_xyz = false;             ///< R = Rx Ry Rz in place of Rz Ry Rx
   std::vector<std::string> pieces{};  ///< names of those wanted; empty: all
   std::string unfold{};               ///< edge, by number or label, across which each piece unfolds; empty: none
+  double texture_unit = 0.0;          ///< length of 1 in texture coordinates of an .obj [m]; 0: as its vertices say
 };
 
-/// Reads a GarmentCode .json, an .svg or an ASCII .dxf. Loops are checked: closed, no edge without length, no crossing, holes inside of
+/// Reads a GarmentCode .json, an .svg, an ASCII .dxf or an .obj with texture coordinates. Loops are checked: closed, no edge without length, no crossing, holes inside of
 /// the outline and not of each other. Stitches of
 /// pieces that are not wanted are left out. Throws UserError that names file, piece, edge and remedy.
 [[nodiscard]] Pattern read_pattern(const std::filesystem::path& file, const ReadOptions& options);
