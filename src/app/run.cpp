@@ -143,7 +143,7 @@ Summary run_stage(const Stage& stage, std::unique_ptr<Epoch> epoch, io::Checkpoi
   }
   checkpoints.write(epoch->state(), epoch->model().dofs());
   if (all.completed && !c.stage.sew.empty()) {
-    all.reason = open_seam_text(c, epoch->model().dofs().mesh(), gather(epoch->state(), epoch->model().dofs()));
+    all.reason = open_seam_text(c, epoch->model(), epoch->state());
     all.completed = all.reason.empty();
   }
   Summary summary = summary_of(all, epoch->state(), c, epoch->model());

@@ -7,12 +7,15 @@
 #include <cstdint>
 #include <limits>
 
+#include "carry.hpp"
 #include "mesh_transfer.hpp"
+#include "seam_obstruction.hpp"
 #include "voile/base/error.hpp"
 #include "voile/base/mpi.hpp"
 #include "voile/base/text.hpp"
 #include "voile/mesh/weld.hpp"
 #include "voile/system/attachments.hpp"
+#include "voile/system/contact.hpp"
 
 namespace voile::app {
 
@@ -152,10 +155,18 @@ double seam_gap(const input::Case& c, const mesh::SurfaceMesh& mesh, const std::
   return displacement.empty() ? 0.0 : gap_of(mesh, c.stage.sew, displacement).gap;
 }
 
-std::string open_seam_text(const input::Case& c, const mesh::SurfaceMesh& mesh, const io::Checkpoint& state) {
+std::string open_seam_text(const input::Case& c, const system::Model& model, const system::State& state) {
   std::string text;
   if (c.stage.sew.empty()) return text;
-  mpi::on_root(PETSC_COMM_WORLD, [&] { text = too_wide(c, mesh, c.stage.sew, state.displacement); });
+  const mesh::SurfaceMesh& mesh = model.dofs().mesh();
+  const std::vector<double> displacement = gather(state, model.dofs()).displacement;
+  const system::Contact* contact = model.contact();
+  const std::vector<Vec3> positions = contact != nullptr ? contact->scene().positions(state.u) : std::vector<Vec3>{};
+  mpi::on_root(PETSC_COMM_WORLD, [&] {
+    text = too_wide(c, mesh, c.stage.sew, displacement);
+    if (text.empty() || contact == nullptr) return;
+    text += obstruction_text(contact->scene(), positions, gap_of(mesh, c.stage.sew, displacement).seam, c.sewing.gap);
+  });
   mpi::broadcast(PETSC_COMM_WORLD, text);
   return text;
 }

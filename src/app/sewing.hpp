@@ -15,9 +15,9 @@ namespace voile::app {
 [[nodiscard]] double seam_gap(const input::Case& c, const mesh::SurfaceMesh& mesh,
                               const std::vector<double>& displacement);
 
-/// Why the seams of a stage cannot be welded at its end; empty if they can, on every rank. Collective.
-[[nodiscard]] std::string open_seam_text(const input::Case& c, const mesh::SurfaceMesh& mesh,
-                                         const io::Checkpoint& state);
+/// Why the seams of a stage cannot be welded at its end, and what lies between their sides; empty if they can, on every rank.
+/// Collective.
+[[nodiscard]] std::string open_seam_text(const input::Case& c, const system::Model& model, const system::State& state);
 
 /// The mesh of the case as each stage finds it, seams of earlier ones closed where their sides begin: for what depends
 /// on the rest shape only. Throws UserError for remeshing while seams are open. Not collective.

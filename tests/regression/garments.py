@@ -219,6 +219,30 @@ def garment_slides(report):
 
 
 @test
+def garment_in_the_way(report):
+    """What lies between the two sides of a seam is named: an arm through it, a fin, a piece, on 1 and 2 ranks; what does not is not."""
+    arm = {"name": "arm", "type": "capsule", "point": [0, -0.5 * RADIUS, -HEIGHT / 2], "end": [0, 2.5 * RADIUS, -HEIGHT / 2], "radius": 8e-3}
+    stage = [tube()["stage"][0] | {"time": {"end": 0.15, "step": 0.01}}]
+    corners = [(x, y, z) for z in (-0.3, 0.1) for x, y in ((-2e-3, -0.7 * RADIUS), (2e-3, -0.7 * RADIUS), (2e-3, 2 * RADIUS), (-2e-3, 2 * RADIUS))]
+    faces = [(1, 4, 3, 2), (5, 6, 7, 8), (1, 2, 6, 5), (2, 3, 7, 6), (3, 4, 8, 7), (4, 1, 5, 8)]
+    fin = {"name": "fin", "type": "mesh", "file": text_file("garment_fin.obj", "".join("v %g %g %g\n" % c for c in corners) + "".join("f %d %d %d %d\n" % f for f in faces))}
+    for ranks, name, bodies in ((1, "arm", [arm]), (2, "fin", [fin])):
+        shutil.rmtree(OUT / "garment_fin", ignore_errors=True)
+        ended = run(write_case(tube(obstacle=bodies, stage=stage), OUT / "garment_fin.toml"), OUT / "garment_fin", ranks)
+        report.check(ended.code == 3 and f"obstacle '{name}' (at " in ended.text, f"{name}: code {ended.code}, {ended.text[-400:]}")
+    strip = svg("garment_strap.svg", rectangle("strap", 2.7 * RADIUS, 1.4 * HEIGHT))
+    case = tube(stage=stage, panel=[*tube()["panel"], {"file": strip, "size": 0.02, "rotate": [0, 0, 90], "translate": [0, -0.7 * RADIUS, -0.2 * HEIGHT]}],
+                support=[{"type": "clamped", "group": "strap"}])
+    shutil.rmtree(OUT / "garment_strap", ignore_errors=True)
+    ended = run(write_case(case, OUT / "garment_strap.toml"), OUT / "garment_strap", 1)
+    report.check(ended.code == 3 and "lies piece 'strap' (at " in ended.text, f"a piece: code {ended.code}, {ended.text[-400:]}")
+    slow = tube(stage=[stage[0] | {"time": {"end": 0.02, "step": 0.01}}])
+    shutil.rmtree(OUT / "garment_slow", ignore_errors=True)
+    ended = run(write_case(slow, OUT / "garment_slow.toml"), OUT / "garment_slow", 1)
+    report.check(ended.code == 3 and "is still open" in ended.text and "between the two sides" not in ended.text, f"nothing: code {ended.code}, {ended.text[-300:]}")
+
+
+@test
 def garment_dart(report):
     """A dart: two edges of one piece that share a point become one."""
     w, depth = 15, 120
