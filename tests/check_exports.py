@@ -1,9 +1,10 @@
 #!/usr/bin/python3
-"""Checks exported files as other programs read them: VTK's readers (in ParaView's Python), Gmsh and Blender.
+"""Checks exported files as other programs read them: VTK's readers (in ParaView's Python), Gmsh, Blender and Khronos' glTF validator.
 
 Two small runs, one of them remeshed on the way, are exported in every format; what each program reads is compared with the results:
 positions to single precision, triangles, axes, numbers of frames and their times. USD, which none of them reads in Debian 12, is read
-by the few lines below. A program that is missing is left out, with a message: packages paraview python3-paraview xvfb, python3-gmsh, blender.
+by the few lines below. A program that is missing is left out, with a message: packages paraview python3-paraview xvfb, python3-gmsh, blender; nodejs and, from
+npm, gltf-validator where node finds it (NODE_PATH).
 
     tests/check_exports.py
 """
@@ -159,6 +160,27 @@ def check_gmsh(check, read, runs):
         check.good(f"{name}/msh/{len(results.epochs)}/positions" not in read, f"Gmsh, {name}: no more meshes than the run has")
 
 
+# ------------------------------------------------------------------------------------------------------------------------- glTF
+
+def has_gltf_validator():
+    return bool(shutil.which("node")) and subprocess.run(["node", "-e", "require('gltf-validator')"], capture_output=True).returncode == 0
+
+
+def check_gltf(check, file, name, results):
+    """No error and no warning by the rules of glTF 2.0; animated, with as many triangles as were drawn."""
+    done = subprocess.run(["node", str(TESTS / "readers" / "with_gltf_validator.js"), file], text=True, capture_output=True)
+    check.good(done.returncode == 0, f"glTF validator, {name}: {done.stderr[-300:]}")
+    if done.returncode != 0:
+        return
+    report = json.loads(done.stdout)
+    bad = [m for m in report["issues"]["messages"] if m["severity"] <= 1]
+    check.good(not bad and not report["issues"]["truncated"], f"glTF validator, {name}: {len(bad)} errors and warnings: {bad[:3]}")
+    info = report["info"]
+    check.good(info["version"] == "2.0" and info["animationCount"] >= 1 and info["hasMorphTargets"], f"glTF validator, {name}: {info}")
+    triangles = sum(len(Frame([s for s in results if s.epoch == epoch][0], False).triangles) for epoch in results.epochs)
+    check.good(info["totalTriangleCount"] >= triangles, f"glTF validator, {name}: {info['totalTriangleCount']} triangles, the sheets alone have {triangles}")
+
+
 # --------------------------------------------------------------------------------------------------------------------------- USD
 
 def usd_samples(prim, name):
@@ -210,8 +232,12 @@ def main():
         runs[name] = Results(OUT / name)
         job["runs"][name] = export_all(check, name, runs[name])
         check_usd(check, job["runs"][name]["files"]["usda"], name, runs[name])
+        if has_gltf_validator():
+            check_gltf(check, job["runs"][name]["files"]["glb"], name, runs[name])
     check.good(len(runs["remeshed"].epochs) > 1, "a run was remeshed")
     checks, missing = {"vtk": check_vtk, "gmsh": check_gmsh, "blender": check_blender}, []
+    if not has_gltf_validator():
+        missing.append("glTF validator (package nodejs; npm install gltf-validator)")
     for name, start in programs().items():
         if start is None:
             missing.append(f"{name} (packages {PACKAGES[name]})")
