@@ -22,6 +22,8 @@ using energy::MembraneOperator;
 
 /// Share of the deflection that six_node may err by.
 constexpr double limit = 0.01;
+/// Share from which on a case that has chosen six_node is told.
+constexpr double told = 0.05;
 
 /// kappa0 of all triangles, on rank 0. Collective.
 std::vector<double> rest_curvature(MPI_Comm comm, const energy::Sheet& sheet) {
@@ -60,6 +62,20 @@ MembraneChoice decide(const input::Case& c, const energy::Sheet& sheet, const st
   return {chosen, text + fmt::format(" (limit {:g} %)", 100.0 * limit)};
 }
 
+/// What six_node could do to a static case that has it, or nothing. On one rank.
+std::string outlook(const input::Case& c, const mesh::SurfaceMesh& mesh) {
+  const mesh::PatchMesh patches(mesh, {});
+  const energy::Sheet sheet(patches, c.materials, energy::assign_materials(mesh, c.materials), c.element);
+  const energy::RolledUp flat = energy::rolled_up(sheet);
+  if (!(std::max(flat.stiffer, flat.softer) > told)) return "";
+  return fmt::format(
+      "note: membrane: if the sheet bent as far as a roll over its extent, six_node would be expected to err by {:.2g} "
+      "% "
+      "for uneven cells and {:.2g} % for long ones (limit {:g} %); finer or more even cells, or "
+      "element.membrane = \"auto\"",
+      100.0 * flat.stiffer, 100.0 * flat.softer, 100.0 * told);
+}
+
 }  // namespace
 
 const char* name(MembraneOperator membrane) {
@@ -79,7 +95,12 @@ const char* name(MembraneOperator membrane) {
 }
 
 MembraneChoice choose_membrane(const input::Case& c, const mesh::SurfaceMesh& mesh) {
-  if (c.element.membrane != MembraneOperator::automatic) return {c.element.membrane, ""};
+  if (c.element.membrane != MembraneOperator::automatic) {
+    std::string text;
+    if (c.element.membrane == MembraneOperator::six_node && only_static(c))
+      mpi::on_root(PETSC_COMM_WORLD, [&] { text = outlook(c, mesh); });
+    return {c.element.membrane, text};
+  }
   const mesh::PatchMesh patches(mesh, {});
   const energy::Sheet sheet(patches, c.materials, energy::assign_materials(mesh, c.materials), c.element);
   const std::vector<double> rest = rest_curvature(PETSC_COMM_WORLD, sheet);

@@ -4,7 +4,8 @@
 //   curved at rest   energy::locking_estimate(), in every analysis
 //   flat             energy::rolled_up(), either part, only where rotations are large and folds are not what is looked for: in
 //                    static analyses. Draped and moving cloth stays with six_node, whose folds are smoother and cost fewer iterations.
-// Decided once for all stages, from the mesh of the case.
+// Decided once for all stages, from the mesh of the case. Where a static case has six_node, flat sheets that could err by more than
+// 0.05 so are told.
 #pragma once
 
 #include <string>
@@ -19,7 +20,8 @@ namespace voile::app {
 
 struct MembraneChoice {
   energy::MembraneOperator membrane;
-  std::string text;  ///< what is chosen and why, on rank 0; empty if the case names one
+  /// What is chosen and why, or what is to be expected of the six_node that the case names; may be empty. On rank 0.
+  std::string text;
 };
 
 /// Of a case as it stands in the file. `mesh`: that of the case. Collective. Throws UserError for materials that do not suit the mesh.
