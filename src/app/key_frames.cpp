@@ -52,6 +52,7 @@ class PlacedFrames {
         placement_(section.placement),
         scale_(section.scale),
         start_(section.frames_start),
+        smoothing_(section.frames_smoothing),
         loop_(section.frames_loop) {
     if (static_cast<std::size_t>(cache_.vertex_count()) != vertices)
       throw UserError(fmt::format("{}: it has {} vertices, but {} has {}; frames must be of the same mesh",
@@ -67,14 +68,16 @@ class PlacedFrames {
   }
 
   [[nodiscard]] std::vector<Vec3> positions(double time) const {
-    const double first = cache_.start(), since = time - start_;
-    if (!loop_ || since <= 0.0 || period_ == 0.0) return at(first + since);
-    const double within = std::fmod(since, period_), after = within - (period_ - gap_);
-    if (after <= 0.0) return at(first + within);
-    std::vector<Vec3> x = at(cache_.end());
-    const std::vector<Vec3> next = at(first);
-    for (std::size_t v = 0; v < x.size(); ++v) x[v] += after / gap_ * (next[v] - x[v]);
-    return x;
+    if (smoothing_ == 0.0) return by_frames(time);
+    std::vector<Vec3> mean(static_cast<std::size_t>(cache_.vertex_count()), Vec3::Zero()), before;
+    const std::vector<double> times = knots(time - smoothing_, time);
+    for (std::size_t k = 0; k < times.size(); ++k) {  // linear between knots
+      std::vector<Vec3> now = by_frames(times[k]);
+      const double half = k > 0 ? 0.5 * (times[k] - times[k - 1]) / smoothing_ : 0.0;
+      for (std::size_t v = 0; k > 0 && v < mean.size(); ++v) mean[v] += half * (before[v] + now[v]);
+      before = std::move(now);
+    }
+    return mean;
   }
 
   [[nodiscard]] std::vector<std::string> notes(const input::ObstacleSection& section, const std::vector<Vec3>& mesh,
@@ -112,6 +115,34 @@ class PlacedFrames {
   }
 
  private:
+  /// At a time of the run, linear between frames.
+  [[nodiscard]] std::vector<Vec3> by_frames(double time) const {
+    const double first = cache_.start(), since = time - start_;
+    if (!loop_ || since <= 0.0 || period_ == 0.0) return at(first + since);
+    const double within = std::fmod(since, period_), after = within - (period_ - gap_);
+    if (after <= 0.0) return at(first + within);
+    std::vector<Vec3> x = at(cache_.end());
+    const std::vector<Vec3> next = at(first);
+    for (std::size_t v = 0; v < x.size(); ++v) x[v] += after / gap_ * (next[v] - x[v]);
+    return x;
+  }
+
+  /// Two times of the run, and those between at which a frame is reached.
+  [[nodiscard]] std::vector<double> knots(double from, double to) const {
+    std::vector<double> times{from, to};
+    for (Index k = 0; k < cache_.frame_count(); ++k) {
+      double at = start_ + cache_.time(k) - cache_.start();
+      const bool repeats = loop_ && period_ > 0.0;
+      if (repeats && at < from) at += std::floor((from - at) / period_) * period_;
+      for (; at < to; at += period_) {
+        if (at > from) times.push_back(at);
+        if (!repeats) break;
+      }
+    }
+    std::sort(times.begin(), times.end());
+    return times;
+  }
+
   /// At a time of the file.
   [[nodiscard]] std::vector<Vec3> at(double file_time) const {
     std::vector<Vec3> x = cache_.positions(file_time);
@@ -122,7 +153,7 @@ class PlacedFrames {
 
   io::PointCache cache_;
   io::Placement placement_;
-  double scale_, start_;
+  double scale_, start_, smoothing_;
   bool loop_;
   Difference seam_;
   double gap_ = 0.0, period_ = 0.0;  ///< d (0: none) and T [s]

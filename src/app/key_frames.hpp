@@ -4,7 +4,8 @@
 //
 // At the time t of the run the body is where the file has it at t_0 + t - s. A loop begins anew after the period
 // T = t_n - t_0 if its last frame is the first again. Otherwise a frame is missing from the last to the first: the body
-// goes that way in d = (t_n - t_0) / n, and T = t_n - t_0 + d.
+// goes that way in d = (t_n - t_0) / n, and T = t_n - t_0 + d. With smoothing over the time c it is at the mean of these
+// places from t - c to t: its velocity is continuous, it begins where the first frame has it, and it follows c/2 later.
 #pragma once
 
 #include <string>

@@ -169,8 +169,10 @@ void read_obstacle(const SectionPlace& place, Case& c, ObstacleSection& s) {
     o.points = {s.point};
   if (!s.file.empty()) s.file = beside(c.file, s.file);
   if (!s.landmarks.empty()) s.landmarks = beside(c.file, s.landmarks);
-  if (s.frames.empty() && (s.frames_loop || s.frames_start != 0.0))
-    place.fail(s.frames_loop ? "frames_loop" : "frames_start", "there are no frames; give them, or remove the key");
+  for (const auto& [key, given] : {std::pair{"frames_loop", s.frames_loop},
+                                   {"frames_start", s.frames_start != 0.0},
+                                   {"frames_smoothing", s.frames_smoothing != 0.0}})
+    if (s.frames.empty() && given) place.fail(key, "there are no frames; give them, or remove the key");
   if (s.frames.empty()) return;
   s.frames = beside(c.file, s.frames);
   if (o.motion) place.fail("frames", "a mesh moves by frames or by motion, not by both");

@@ -59,6 +59,9 @@ std::vector<Key> keys_of(ContactSection& s) {
 
 namespace {
 
+/// Beyond this nothing is left of a motion [s].
+constexpr double longest_smoothing = 10.0;
+
 const std::vector<std::string> of_mesh{"mesh"};
 
 /// Which obstacle, and those from files.
@@ -113,6 +116,14 @@ std::vector<Key> mesh_keys(ObstacleSection& s) {
        .slot = &s.frames_loop,
        .meaning = "Whether the frames repeat: where the last one is the first again, at once, else the body goes from "
                   "the last to the first within one more frame.",
+       .types = of_mesh},
+      {.name = "frames_smoothing",
+       .slot = &s.frames_smoothing,
+       .meaning = "The body is at the mean of where frames have it during this time before each moment, so that its "
+                  "velocity does not jump from frame to frame and what shakes is smoothed; it follows half of this "
+                  "time later. 0: linear between frames.",
+       .unit = "s",
+       .range = {0.0, longest_smoothing},
        .types = of_mesh}};
 }
 

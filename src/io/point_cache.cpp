@@ -336,6 +336,10 @@ Index PointCache::frame_count() const {
   return static_cast<Index>(impl_->frames->times.size());
 }
 
+double PointCache::time(Index frame) const {
+  return impl_->frames->times[static_cast<std::size_t>(frame)];
+}
+
 double PointCache::largest_coordinate() const {
   return impl_->largest;
 }

@@ -63,6 +63,12 @@ def between(times, frames, t):
     return np.array([[np.interp(s, times, column) for column in flat.T] for s in t]).reshape(len(t), -1, 3)
 
 
+def smoothed(times, frames, t, window):
+    """The mean over the window before each time: fine midpoint sums of the linear interpolation."""
+    shares = (np.arange(2000) + 0.5) / 2000
+    return np.array([between(times, frames, s - window * shares).mean(axis=0) for s in t])
+
+
 @test
 def frames_clock(report):
     """Key frames begin at frames_start, repeat with frames_loop, closed or not, and lie where the mesh is put."""
@@ -81,12 +87,15 @@ def frames_clock(report):
          lambda t: between(np.arange(5) / 25, closed, (t + 0.03) % 0.16)),
         ("open", frames, {"frames_loop": True, "frames_start": 0.02},
          lambda t: between(np.arange(5) / 25, closed, np.maximum(t - 0.02, 0) % 0.16)),
+        ("smooth", frames, {"frames_start": 0.02, "frames_smoothing": 0.1}, lambda t: smoothed(0.02 + np.arange(4) / 25, frames, t, 0.1)),
+        ("smooth_loop", frames, {"frames_loop": True, "frames_smoothing": 0.09},
+         lambda t: smoothed(np.arange(-40, 60) / 25, np.array([frames[k % 4 if k > 0 else 0] for k in range(-40, 60)]), t, 0.09)),
         ("placed", frames, {"scale": 0.5, "up_axis": "y", "rotate": [20, -35, 110], "translate": list(shift)},
          lambda t: between(np.arange(4) / 25, frames, t) * 0.5 @ flip.T @ turned.T + shift),
     ):
         write_pc2(folder / "spike.pc2", given, first=7.0)  # of its own clock, which does not count
         far = {"contact.distance": 1e-3, "mesh.translate": [5, 5, 5]}
-        for ranks in (1, 2, 3) if name in ("open", "placed") else (2,):
+        for ranks in (1, 2, 3) if name in ("open", "placed", "smooth_loop") else (2,):
             result = solve(f"frames_clock_{name}", variant(sheet([body(folder, **keys)], end=0.4), far), ranks)
             t, x = obstacle_path(result)
             report.check(len(t) > 30, f"{name}: {len(t)} states up to {t[-1]:.2f} s")
@@ -127,6 +136,7 @@ def frames_notes(report):
     code, notes = said()
     report.check(len(notes) == 1 and "0.2 s" in notes[0] and "frames_start" in notes[0], f"a clock of its own: {notes}")
     for keys, word in (({"frames": None, "frames_loop": True}, "frames_loop"), ({"frames": None, "frames_start": 1.0}, "frames_start"),
+                       ({"frames": None, "frames_smoothing": 0.1}, "frames_smoothing"), ({"frames_smoothing": -0.1}, "frames_smoothing"),
                        ({"frames_start": "soon"}, "frames_start"), ({"frames_loop": 1}, "frames_loop")):
         case = sheet([{k: v for k, v in body(folder, **keys).items() if v is not None}])
         code, text = invoke(["check", write_case(case, folder / "case.toml")])

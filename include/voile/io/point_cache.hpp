@@ -41,6 +41,8 @@ class PointCache {
   [[nodiscard]] Index vertex_count() const;
   /// Number of key frames, at least 1.
   [[nodiscard]] Index frame_count() const;
+  /// Time of a key frame [s].
+  [[nodiscard]] double time(Index frame) const;
   /// Times of the first and last key frame [s].
   [[nodiscard]] double start() const;
   [[nodiscard]] double end() const;
