@@ -12,6 +12,7 @@
 #include "garment_measures.hpp"
 #include "landmarks.hpp"
 #include "mesh_transfer.hpp"
+#include "model_input.hpp"
 #include "voile/app/run.hpp"
 #include "voile/base/error.hpp"
 #include "voile/base/mpi.hpp"
@@ -257,10 +258,13 @@ std::string garment_report(const input::Case& c) {
   if (c.panels.empty()) return text;
   mpi::on_root(PETSC_COMM_WORLD, [&] {
     const pattern::Garment garment = garment_of(c);
-    std::vector<double> densities;
-    for (const GarmentMeasures::Panel& p : measure_panels(mesh::SurfaceMesh(garment.mesh), c.materials))
-      densities.push_back(p.mass / p.area);
-    text = pattern::garment_text(garment, densities);
+    std::vector<double> densities, allowances;
+    for (const GarmentMeasures::Panel& p :
+         measure_panels(mesh::SurfaceMesh(garment.mesh), c.materials, seam_rules(c))) {
+      densities.push_back(p.mass / (p.area + p.allowance));
+      allowances.push_back(p.allowance);
+    }
+    text = pattern::garment_text(garment, densities, allowances);
   });
   return text;
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "contact_fields.hpp"
+#include "model_input.hpp"
 #include "voile/base/mpi.hpp"
 #include "voile/base/text.hpp"
 #include "voile/mesh/weld.hpp"
@@ -35,15 +36,19 @@ std::vector<system::SeamTension> tensions(const input::Case& c, const system::Mo
 }  // namespace
 
 std::vector<GarmentMeasures::Panel> measure_panels(const mesh::SurfaceMesh& mesh,
-                                                   const std::vector<energy::Material>& materials) {
+                                                   const std::vector<energy::Material>& materials,
+                                                   const std::vector<system::SeamRule>& seams) {
   const std::vector<int> material_of = energy::assign_materials(mesh, materials);
+  const std::vector<double> allowances = system::allowance_areas(mesh, seams);
   std::vector<GarmentMeasures::Panel> panels;
   for (const mesh::Group& group : mesh.groups()) {
     if (group.dimension != 2) continue;
-    GarmentMeasures::Panel panel{group.name, 0.0, 0.0};
+    GarmentMeasures::Panel panel{group.name, 0.0, 0.0, 0.0};
     for (const Index t : group.triangles) {
+      const double allowance = allowances.empty() ? 0.0 : allowances[t];
       panel.area += mesh.area(t);
-      panel.mass += mesh.area(t) * materials[static_cast<std::size_t>(material_of[t])].areal_density;
+      panel.allowance += allowance;
+      panel.mass += (mesh.area(t) + allowance) * materials[static_cast<std::size_t>(material_of[t])].areal_density;
     }
     panels.push_back(std::move(panel));
   }
@@ -59,7 +64,7 @@ GarmentMeasures measure_garment(const input::Case& c, system::Model& model, cons
            model, state.u, [](const std::string& name) { return name == "ease" || name == "contact_pressure"; }))
     (f.name == "ease" ? ease : pressure) = std::move(f.values);
   mpi::on_root(model.dofs().comm(), [&] {
-    m.panels = measure_panels(model.dofs().mesh(), c.materials);
+    m.panels = measure_panels(model.dofs().mesh(), c.materials, seam_rules(c));
     m.seams = tensions(c, model, displacement, fields.membrane_force);
     if (!ease.empty()) m.ease = system::range_of_ease(model.contact()->scene(), ease, {});
     if (!pressure.empty()) m.largest_pressure = *std::max_element(pressure.begin(), pressure.end());

@@ -16,7 +16,7 @@ namespace voile::app {
 struct GarmentMeasures {
   struct Panel {
     std::string name;
-    double area, mass;  ///< as meshed [m^2], [kg]
+    double area, allowance, mass;  ///< as meshed, of the strips along its seams [m^2], of both [kg]
   };
   std::vector<Panel> panels;
   std::vector<system::SeamTension> seams;  ///< those that are sewn, by springs or welded
@@ -29,6 +29,7 @@ struct GarmentMeasures {
 
 /// Each surface group, as meshed. Not collective. Throws UserError as energy::assign_materials() does.
 [[nodiscard]] std::vector<GarmentMeasures::Panel> measure_panels(const mesh::SurfaceMesh& mesh,
-                                                                 const std::vector<energy::Material>& materials);
+                                                                 const std::vector<energy::Material>& materials,
+                                                                 const std::vector<system::SeamRule>& seams);
 
 }  // namespace voile::app

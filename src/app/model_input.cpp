@@ -1,7 +1,10 @@
 #include "model_input.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
+
+#include "voile/pattern/seams.hpp"
 
 namespace voile::app {
 
@@ -20,6 +23,15 @@ double sewing_force(const input::Case& c) {
 
 }  // namespace
 
+std::vector<system::SeamRule> seam_rules(const input::Case& c) {
+  if (c.panels.empty()) return {};
+  std::vector<system::SeamRule> rules{{"", c.sewing.bending, c.sewing.allowance}};
+  for (const input::SeamSection& s : c.seams)
+    rules.push_back({pattern::seam_name(s.name, s.edges, s.to), std::isnan(s.bending) ? c.sewing.bending : s.bending,
+                     std::isnan(s.allowance) ? c.sewing.allowance : s.allowance});
+  return rules;
+}
+
 system::ModelInput model_input(const input::Case& c, KnownObstacles& known) {
   std::vector<system::Attachment> attachments = c.attachments;
   for (std::size_t i = 0; i < attachments.size(); ++i)
@@ -33,7 +45,8 @@ system::ModelInput model_input(const input::Case& c, KnownObstacles& known) {
           c.springs,
           c.analysis == "static",
           {c.stage.sew, c.sewing.stiffness, c.sewing.speed, sewing_force(c), 0.0},
-          std::move(attachments)};
+          std::move(attachments),
+          seam_rules(c)};
 }
 
 }  // namespace voile::app

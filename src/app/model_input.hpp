@@ -10,6 +10,9 @@
 namespace voile::app {
 
 /// Reads the files of obstacles that are not known yet. Collective. Throws UserError.
+/// What [sewing] and [[seam]] say of seams; none without panels.
+[[nodiscard]] std::vector<system::SeamRule> seam_rules(const input::Case& c);
+
 [[nodiscard]] system::ModelInput model_input(const input::Case& c, KnownObstacles& known);
 
 }  // namespace voile::app

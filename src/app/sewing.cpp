@@ -93,6 +93,7 @@ std::vector<double> masses(const Stage& stage, const mesh::SurfaceMesh& mesh) {
   input.element = stage.input.element;
   input.materials = stage.input.materials;
   input.masses = stage.input.masses;
+  input.seams = stage.input.seams;
   const system::Model model(PETSC_COMM_WORLD, mesh, std::move(input));
   std::vector<double> all = model.dofs().gather(model.constant().mass()), mass;
   for (std::size_t i = 0; i < all.size(); i += 3) mass.push_back(all[i]);

@@ -22,7 +22,7 @@ constexpr const char* file_name = "summary.json";
 Json json_of(const GarmentMeasures& m) {
   Json panels = Json::array(), seams = Json::array();
   for (const GarmentMeasures::Panel& p : m.panels)
-    panels.push_back({{"name", p.name}, {"area", p.area}, {"mass", p.mass}});
+    panels.push_back({{"name", p.name}, {"area", p.area}, {"allowance", p.allowance}, {"mass", p.mass}});
   for (const system::SeamTension& t : m.seams)
     seams.push_back({{"name", t.name}, {"length", t.length}, {"mean_tension", t.mean}, {"largest_tension", t.largest}});
   Json all{{"panels", panels}, {"seams", seams}};

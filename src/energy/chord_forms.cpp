@@ -103,8 +103,7 @@ Mat3 ChordForms::trace(Index t) const {
 
 bool beside_crease(const Sheet& sheet, Index t) {
   for (int s = 0; s < 3; ++s)
-    if (sheet.patches().apex(t, s) != no_index && sheet.patches().rest_dihedral(t, s) > sheet.options().crease_angle)
-      return true;
+    if (sheet.patches().apex(t, s) != no_index && sheet.is_crease(t, s)) return true;
   return false;
 }
 

@@ -2,7 +2,7 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Dense>
-#include <Eigen/SVD>
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -10,12 +10,11 @@
 #include <optional>
 #include <unordered_map>
 
+#include "patch_fit.hpp"
+
 namespace voile::energy {
 
 namespace {
-
-using Row6 = Eigen::Matrix<double, 1, 6>;
-using Mat6 = Eigen::Matrix<double, 6, 6>;
 
 /// A linear functional of the point positions, and what it is of the rest shape, in some chart.
 struct Functional {
@@ -27,13 +26,6 @@ struct Functional {
 constexpr double max_ring_condition = 60.0;
 constexpr int max_rings = 3;
 
-/// Values of 1, x, y, x^2/2, y^2/2, xy.
-Row6 monomials(const Vec2& p) {
-  Row6 row;
-  row << 1.0, p.x(), p.y(), 0.5 * p.x() * p.x(), 0.5 * p.y() * p.y(), p.x() * p.y();
-  return row;
-}
-
 /// Derivative of the monomials along direction n.
 Row6 slope_row(const Vec2& p, const Vec2& n) {
   Row6 row;
@@ -41,107 +33,9 @@ Row6 slope_row(const Vec2& p, const Vec2& n) {
   return row;
 }
 
-/// A side in the plane of its triangle.
-struct Side {
-  double length;
-  Vec2 middle, tangent, normal;
-};
-
-Side side_of(const mesh::Patch& p, int s) {
-  const Vec2 a = p.coordinates[(s + 1) % 3], b = p.coordinates[(s + 2) % 3];
-  const double length = (b - a).norm();
-  const Vec2 t = (b - a) / length;
-  return {length, 0.5 * (a + b), t, {t.y(), -t.x()}};
-}
-
 /// Contribution of a slope along n on a side to (k11, k22, 2 k12).
 Vec3 voigt(const Vec2& slope, const Vec2& n) {
   return {slope.x() * n.x(), slope.y() * n.y(), slope.x() * n.y() + slope.y() * n.x()};
-}
-
-/// Coefficients of a quadratic (rows: monomials) as functionals of points (columns), about the triangle's centroid.
-struct Fit {
-  std::vector<Index> points;
-  std::vector<Vec3> rest;  ///< of the points, from the triangle's centroid, in its chart [m]
-  Eigen::Matrix<double, 6, Eigen::Dynamic> coefficients;
-  double condition = std::numeric_limits<double>::infinity();
-  bool complete = false;
-};
-
-/// Undoes the scaling x = scale * xi of coefficients found in xi.
-void unscale(Fit& fit, double scale) {
-  const std::array<double, 6> power{1.0, scale, scale, scale * scale, scale * scale, scale * scale};
-  for (int r = 0; r < 6; ++r) fit.coefficients.row(r) /= power[r];
-}
-
-/// Weights of the columns under which the condition number does not depend on the direction of the axes:
-/// |H|^2 = H11^2 + H22^2 + 2 H12^2 is the norm of a Hessian.
-Eigen::Matrix<double, 6, 1> invariant_columns() {
-  Eigen::Matrix<double, 6, 1> w;
-  w << 1.0, 1.0, 1.0, 1.0, 1.0, std::sqrt(0.5);
-  return w;
-}
-
-double condition_of(const Eigen::VectorXd& singular_values) {
-  const double smallest = singular_values.minCoeff();
-  return smallest > 0.0 ? singular_values.maxCoeff() / smallest : std::numeric_limits<double>::infinity();
-}
-
-/// The quadratic of the patch. A missing neighbour's row is replaced by M_nn = 0 on that side.
-Fit fit_patch(const mesh::Patch& patch, const Vec3& centroid, const Mat3& bending) {
-  Fit fit;
-  fit.complete = patch.complete();
-  const double scale = std::sqrt(patch.area);
-  Mat6 v;
-  std::array<int, 6> column{};
-  for (int i = 0; i < 6; ++i) {
-    if (patch.points[i] == no_index) {
-      const Vec2 n = side_of(patch, i - 3).normal;
-      const Vec3 nn(n.x() * n.x(), n.y() * n.y(), 2.0 * n.x() * n.y());
-      const Vec3 moment = bending * nn / bending.norm();
-      v.row(i) << 0.0, 0.0, 0.0, moment.x(), moment.y(), 2.0 * moment.z();
-      column[i] = -1;
-    } else {
-      v.row(i) = monomials(patch.coordinates[i] / scale);
-      column[i] = static_cast<int>(fit.points.size());
-      fit.points.push_back(patch.points[i]);
-      fit.rest.push_back(patch.rest[i] - centroid);
-    }
-  }
-  const Eigen::JacobiSVD<Mat6> svd(v * invariant_columns().asDiagonal());
-  fit.condition = condition_of(svd.singularValues());
-  fit.coefficients.setZero(6, static_cast<Eigen::Index>(fit.points.size()));
-  if (!(fit.condition < 1e12)) return fit;
-  const Mat6 inverse = v.fullPivLu().inverse();
-  for (int i = 0; i < 6; ++i)
-    if (column[i] >= 0) fit.coefficients.col(column[i]) = inverse.col(i);
-  unscale(fit, scale);
-  return fit;
-}
-
-/// Weighted least-squares quadratic about `origin` over the points.
-Fit fit_rings(const std::vector<mesh::PatchMesh::UnfoldedPoint>& points, const Vec3& centroid, const Vec2& origin,
-              double scale) {
-  Fit fit;
-  const auto n = static_cast<Eigen::Index>(points.size());
-  if (n < 6) return fit;
-  Eigen::Matrix<double, Eigen::Dynamic, 6> v(n, 6);
-  Eigen::VectorXd weight(n);
-  for (Eigen::Index i = 0; i < n; ++i) {
-    const Vec2 p = (points[i].coordinates - origin) / scale;
-    weight[i] = 1.0 / (1.0 + p.squaredNorm());
-    v.row(i) = weight[i] * monomials(p);
-    fit.points.push_back(points[i].point);
-    fit.rest.push_back(points[i].rest - centroid);
-  }
-  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(v * invariant_columns().asDiagonal(),
-                                              Eigen::ComputeThinU | Eigen::ComputeThinV);
-  fit.condition = condition_of(svd.singularValues());
-  if (!(fit.condition < 1e12)) return fit;
-  fit.coefficients = invariant_columns().asDiagonal() * svd.matrixV() *
-                     svd.singularValues().cwiseInverse().asDiagonal() * svd.matrixU().transpose() * weight.asDiagonal();
-  unscale(fit, scale);
-  return fit;
 }
 
 /// `turn`: from the chart of the fit to that of `to`.
@@ -164,6 +58,7 @@ struct CurvatureBuilder::Impl {
   };
 
   const Sheet& sheet;
+  mesh::PatchMesh patches;
   std::unordered_map<Index, Entry> entries;
 
   const Entry& entry(Index t) {
@@ -171,7 +66,7 @@ struct CurvatureBuilder::Impl {
     if (found != entries.end()) return found->second;
     const mesh::Frame frame = sheet.frame(t);
     Entry e;
-    e.patch = sheet.patches().patch(t, frame);
+    e.patch = patches.patch(t, frame);
     e.fit = fit_patch(e.patch, frame.origin, sheet.material(t).bending);
     return entries.emplace(t, std::move(e)).first->second;
   }
@@ -184,7 +79,7 @@ struct CurvatureBuilder::Impl {
     const double scale = std::sqrt(entry(t).patch.area);
     Fit best;
     for (int rings = 1; rings <= max_rings; ++rings) {
-      Fit fit = fit_rings(sheet.patches().unfolded_rings(t, s, rings, frame), frame.origin, origin, scale);
+      Fit fit = fit_rings(patches.unfolded_rings(t, s, rings, frame), frame.origin, origin, scale);
       if (fit.condition < best.condition) best = std::move(fit);
       if (best.condition <= max_ring_condition) break;
     }
@@ -237,26 +132,33 @@ struct CurvatureBuilder::Impl {
     to.rest += turn * ((factor / height) * ((1.0 - along) * (p.rest[a] - p.rest[s]) + along * (p.rest[b] - p.rest[s])));
   }
 
+  CurvatureOperator build(Index t);
   CurvatureOperator edge_slope(Index t);
   CurvatureOperator six_node(Index t);
 };
 
 namespace {
 
-/// Moves one-row functionals into an operator with ascending points.
-CurvatureOperator collect(const std::array<Functional, 3>& rows) {
-  std::map<Index, Vec3> columns;
+CurvatureOperator operator_of(const std::map<Index, Vec3>& columns, const Mat3& rest) {
   CurvatureOperator op;
-  for (int r = 0; r < 3; ++r) {
-    for (const auto& [point, w] : rows[r].weights) columns.try_emplace(point, Vec3::Zero()).first->second[r] += w;
-    op.rest.row(r) = rows[r].rest.transpose();
-  }
+  op.rest = rest;
   op.weights.resize(3, static_cast<Eigen::Index>(columns.size()));
   for (const auto& [point, w] : columns) {
     op.weights.col(static_cast<Eigen::Index>(op.points.size())) = w;
     op.points.push_back(point);
   }
   return op;
+}
+
+/// Moves one-row functionals into an operator with ascending points.
+CurvatureOperator collect(const std::array<Functional, 3>& rows) {
+  std::map<Index, Vec3> columns;
+  Mat3 rest;
+  for (int r = 0; r < 3; ++r) {
+    for (const auto& [point, w] : rows[r].weights) columns.try_emplace(point, Vec3::Zero()).first->second[r] += w;
+    rest.row(r) = rows[r].rest.transpose();
+  }
+  return operator_of(columns, rest);
 }
 
 /// Projector that condenses the slopes of free sides: kappa = P kappa'' with M_nn = 0 on each of them.
@@ -291,7 +193,7 @@ CurvatureOperator CurvatureBuilder::Impl::edge_slope(Index t) {
       continue;
     }
     Functional slope;
-    if (sheet.patches().is_mirror(patch.points[3 + s])) {
+    if (patches.is_mirror(patch.points[3 + s])) {
       const double height = 2.0 * patch.area / side.length;
       slope.weights[patch.points[3 + s]] = 0.5 / height;
       slope.weights[patch.points[s]] = -0.5 / height;
@@ -327,11 +229,83 @@ CurvatureOperator CurvatureBuilder::Impl::six_node(Index t) {
   return collect(rows);
 }
 
-CurvatureBuilder::CurvatureBuilder(const Sheet& sheet) : impl_(std::make_unique<Impl>(Impl{sheet, {}})) {}
+CurvatureOperator CurvatureBuilder::Impl::build(Index t) {
+  return sheet.options().bending == BendingOperator::edge_slope ? edge_slope(t) : six_node(t);
+}
+
+namespace {
+
+/// cut + weight (whole - cut).
+CurvatureOperator between(const CurvatureOperator& cut, const CurvatureOperator& whole, double weight) {
+  std::map<Index, Vec3> columns;
+  const auto add_columns = [&](const CurvatureOperator& op, double share) {
+    for (std::size_t i = 0; i < op.points.size(); ++i)
+      columns.try_emplace(op.points[i], Vec3::Zero()).first->second +=
+          share * op.weights.col(static_cast<Eigen::Index>(i));
+  };
+  add_columns(cut, 1.0 - weight);
+  add_columns(whole, weight);
+  return operator_of(columns, (1.0 - weight) * cut.rest + weight * whole.rest);
+}
+
+}  // namespace
+
+/// The sheet cut along its seams, and which triangles know of that.
+struct CurvatureBuilder::Cut {
+  Impl impl;
+  std::unordered_map<Index, double> factor;  ///< of triangles beside a seam, then of their neighbours
+  std::vector<char> near;                    ///< triangles that a fit could reach a seam from
+  double smallest;
+
+  explicit Cut(const Sheet& sheet);
+  [[nodiscard]] double factor_of(Index t) const {
+    const auto found = factor.find(t);
+    return found == factor.end() ? smallest : found->second;
+  }
+};
+
+CurvatureBuilder::Cut::Cut(const Sheet& sheet)
+    : impl{sheet, sheet.patches(), {}},
+      near(static_cast<std::size_t>(sheet.mesh().triangle_count()), 0),
+      smallest(std::numeric_limits<double>::infinity()) {
+  const mesh::SurfaceMesh& mesh = sheet.mesh();
+  std::vector<mesh::TriangleSide> sides;
+  const auto lower = [&](Index t, double f) {
+    double& least = factor.try_emplace(t, f).first->second;
+    least = std::min(least, f);
+  };
+  for (const BendingSide& s : sheet.seams()) {
+    sides.push_back(s.side);
+    smallest = std::min(smallest, s.factor);
+    lower(s.side.triangle, s.factor);
+    near[s.side.triangle] = 1;
+  }
+  impl.patches = sheet.patches().cut_along(sides);
+  const std::unordered_map<Index, double> beside = factor;
+  for (const auto& [t, f] : beside)
+    for (int k = 0; k < 3; ++k)
+      if (const Index n = mesh.neighbour(t, k); n != no_index && !beside.contains(n)) lower(n, f);
+  for (int ring = 0; ring <= max_rings; ++ring) {
+    const std::vector<char> before = near;
+    for (Index t = 0; t < mesh.triangle_count(); ++t)
+      if (before[t])
+        for (const Index v : mesh.triangles()[t])
+          for (const Index n : mesh.triangles_of_vertex(v)) near[n] = 1;
+  }
+}
+
+CurvatureBuilder::CurvatureBuilder(const Sheet& sheet)
+    : impl_(std::make_unique<Impl>(Impl{sheet, sheet.patches(), {}})) {
+  if (!sheet.seams().empty()) cut_ = std::make_unique<Cut>(sheet);
+}
 CurvatureBuilder::~CurvatureBuilder() = default;
 
 CurvatureOperator CurvatureBuilder::build(Index t) {
-  return impl_->sheet.options().bending == BendingOperator::edge_slope ? impl_->edge_slope(t) : impl_->six_node(t);
+  CurvatureOperator whole = impl_->build(t);
+  if (!cut_ || !cut_->near[t]) return whole;
+  const CurvatureOperator cut = cut_->impl.build(t);
+  if (cut.points == whole.points && cut.weights == whole.weights) return whole;
+  return between(cut, whole, std::sqrt(cut_->factor_of(t)));
 }
 
 double CurvatureBuilder::patch_condition(Index t) {

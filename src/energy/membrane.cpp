@@ -59,7 +59,7 @@ MembraneTerm::Element MembraneTerm::element_of(const Sheet& sheet, Index t) {
     SideWeights& d = el.side[s];
     for (int alpha = 0; alpha < 2; ++alpha) d[alpha] = {el.own[alpha][0], el.own[alpha][1], el.own[alpha][2], 0.0};
     el.side_metric[s] = el.own_metric;
-    if (patch.points[3 + s] == no_index || sheet.patches().rest_dihedral(t, s) > sheet.options().crease_angle) continue;
+    if (patch.points[3 + s] == no_index || sheet.is_crease(t, s)) continue;
     const int a = (s + 1) % 3, b = (s + 2) % 3;
     // The neighbour's gradient belongs to its own rest shape, the patch has this `stretch` times as long.
     const double stretch = patch.stretch[s];

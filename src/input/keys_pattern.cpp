@@ -16,6 +16,10 @@ constexpr double strongest_seam = 1e9;
 /// Faster than anything is sewn [m/s]: the springs have no length from the first step on.
 constexpr double fastest_seam = 1e6;
 
+/// Beyond these nothing is sewn: a factor of the bending stiffness, and the width of an allowance [m].
+constexpr double stiffest_bend = 1e4;
+constexpr double widest_allowance = 1.0;
+
 std::vector<Key> wrapping_keys(PanelSection& s) {
   return {{.name = "wrap_axis",
            .slot = &s.wrap_axis,
@@ -141,7 +145,18 @@ std::vector<Key> keys_of(SeamSection& s) {
        .slot = &s.meet,
        .meaning = "Two points `PIECE@POINT` that come together, an end of each side; POINT counts from 0, edge k "
                   "begins at point k; corners and notches of DXF blocks have names too, c0, c1, ... and n0, n1, ....",
-       .absent = "the ends whose choice makes the way shorter at the start"}};
+       .absent = "the ends whose choice makes the way shorter at the start"},
+      {.name = "bending",
+       .slot = &s.bending,
+       .meaning = "As `[sewing] bending`, of this seam.",
+       .range = {0.0, stiffest_bend},
+       .absent = "`[sewing] bending`"},
+      {.name = "allowance",
+       .slot = &s.allowance,
+       .meaning = "As `[sewing] allowance`, of this seam.",
+       .unit = "m",
+       .range = {0.0, widest_allowance},
+       .absent = "`[sewing] allowance`"}};
 }
 
 std::vector<Key> keys_of(SewingSection& s) {
@@ -170,6 +185,17 @@ std::vector<Key> keys_of(SewingSection& s) {
                   "run ends there.",
        .unit = "m",
        .range = {0.0, farthest, true}},
+      {.name = "bending",
+       .slot = &s.bending,
+       .meaning = "Factor of the fabric's bending energy across a welded seam, over the cells beside it: 0 is a hinge, "
+                  "1 the fabric as it is elsewhere. Others count over one row of cells, whose size then matters.",
+       .range = {0.0, stiffest_bend}},
+      {.name = "allowance",
+       .slot = &s.allowance,
+       .meaning = "Width of the strip of the same fabric that lies on each side of a seam, inside of it: it adds its "
+                  "mass, and its stiffness against stretch and bending as that of another layer.",
+       .unit = "m",
+       .range = {0.0, widest_allowance}},
       {.name = "friction",
        .slot = &s.friction,
        .meaning = "Largest coefficient of friction in stages that sew. Fabric that slides along the body goes to where "

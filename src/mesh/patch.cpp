@@ -71,7 +71,15 @@ Vec3 PatchMesh::rest_apex(Index t, int s) const {
   return mesh_->rest_corner(t, (s + 1) % 3) + join.stretch * join.turn * (x - mesh_->rest_corner(n, (sn + 2) % 3));
 }
 
+PatchMesh PatchMesh::cut_along(const std::vector<TriangleSide>& sides) const {
+  PatchMesh cut = *this;
+  cut.cut_.resize(static_cast<std::size_t>(mesh_->triangle_count()), {false, false, false});
+  for (const TriangleSide& side : sides) cut.cut_[side.triangle][side.side] = true;
+  return cut;
+}
+
 Index PatchMesh::apex(Index t, int s) const {
+  if (!cut_.empty() && cut_[t][s]) return no_index;
   const Index vertex = mesh_->apex(t, s);
   if (vertex != no_index || slot_[t] == no_index) return vertex;
   return mirror_of_side_[slot_[t]][s];

@@ -296,9 +296,10 @@ Garment make_garment(std::vector<Panel> panels, const std::vector<SeamRequest>& 
   return g;
 }
 
-std::string garment_text(const Garment& g, const std::vector<double>& densities) {
+std::string garment_text(const Garment& g, const std::vector<double>& densities,
+                         const std::vector<double>& allowances) {
   std::string text = "panels:\n";
-  double area = 0.0, boxes = 0.0, mass = 0.0;
+  double area = 0.0, boxes = 0.0, mass = 0.0, added = 0.0;
   for (std::size_t k = 0; k < g.panels.size(); ++k) {
     const Panel& p = g.panels[k];
     const Extent e = extent_of(p.piece);
@@ -307,11 +308,13 @@ std::string garment_text(const Garment& g, const std::vector<double>& densities)
     for (const Edge& edge : p.piece.edges) around += edge.curve.length();
     const double own = std::abs(p.piece.signed_area());
     const std::size_t holes = p.piece.further_loops.size();
+    const double own_mass = (own + allowances[k]) * densities[k];
     text += fmt::format("  '{}': {:.6g} m^2, {:.4g} kg, {:.4g} m x {:.4g} m, {} edges of {:.5g} m together{}\n",
-                        p.piece.name, own, own * densities[k], size[0], size[1], p.piece.edges.size(), around,
+                        p.piece.name, own, own_mass, size[0], size[1], p.piece.edges.size(), around,
                         holes > 0 ? fmt::format(", {} hole{}", holes, holes > 1 ? "s" : "") : "");
     area += own;
-    mass += own * densities[k];
+    added += allowances[k];
+    mass += own_mass;
     boxes += size[0] * size[1];
   }
   if (!g.seams.lines.empty()) text += "seams:\n";
@@ -322,8 +325,8 @@ std::string garment_text(const Garment& g, const std::vector<double>& densities)
     sewn += 0.5 * (s.lengths[0] + s.lengths[1]);
   }
   text += fmt::format(
-      "fabric: {:.6g} m^2 in {} panels, {:.4g} kg, {:.6g} m^2 of rectangles round them; {:.5g} m of seams\n", area,
-      g.panels.size(), mass, boxes, sewn);
+      "fabric: {:.6g} m^2 in {} panels{}, {:.4g} kg, {:.6g} m^2 of rectangles round them; {:.5g} m of seams\n", area,
+      g.panels.size(), added > 0.0 ? fmt::format(" and {:.4g} m^2 of seam allowances", added) : "", mass, boxes, sewn);
   return text;
 }
 

@@ -50,7 +50,7 @@ class Resolver {
     line.sides = {chain(r, r.edges), chain(r, r.to)};
     for (const Side& side : line.sides)
       for (const EdgeUse& e : side) use(r, e);
-    line.name = r.name.empty() ? fmt::format("{}-{}", r.edges.front(), r.to.front()) : r.name;
+    line.name = seam_name(r.name, r.edges, r.to);
     for (const SeamLine& other : found_.lines)
       if (other.name == line.name)
         throw UserError(fmt::format("{}: seam '{}': another seam has this name", r.where, line.name));
@@ -354,6 +354,11 @@ double length_of(const std::vector<Panel>& panels, const std::vector<EdgeUse>& s
   double sum = 0.0;
   for (const EdgeUse& e : side) sum += panels[e.panel].piece.edges[e.edge].curve.length();
   return sum;
+}
+
+std::string seam_name(const std::string& given, const std::vector<std::string>& edges,
+                      const std::vector<std::string>& to) {
+  return given.empty() ? fmt::format("{}-{}", edges.front(), to.front()) : given;
 }
 
 Seams resolve_seams(const std::vector<Panel>& panels, const std::vector<SeamRequest>& requests) {

@@ -57,7 +57,7 @@ std::vector<Index> stencil_points(const energy::Sheet& sheet, Index t, const ene
 
 Discretisation::Discretisation(MPI_Comm comm, const mesh::SurfaceMesh& mesh, std::vector<energy::Material> materials,
                                const std::vector<Support>& supports, const std::vector<Spring>& springs,
-                               const energy::ElementOptions& options)
+                               const energy::ElementOptions& options, const std::vector<SeamRule>& seams)
     : mesh_(&mesh),
       rank_(mpi::rank(comm)),
       materials_(std::move(materials)),
@@ -66,8 +66,10 @@ Discretisation::Discretisation(MPI_Comm comm, const mesh::SurfaceMesh& mesh, std
   mpi::on_all(comm, [&] {
     constraints_ = resolve_supports(mesh, supports);
     patches_ = std::make_unique<mesh::PatchMesh>(mesh, constraints_.mirrors);
-    sheet_ =
-        std::make_unique<energy::Sheet>(*patches_, materials_, energy::assign_materials(mesh, materials_), options);
+    std::vector<int> material_of = energy::assign_materials(mesh, materials_);
+    add_allowances(mesh, seams, materials_, material_of);
+    sheet_ = std::make_unique<energy::Sheet>(*patches_, materials_, std::move(material_of), options,
+                                             bending_across_seams(mesh, seams));
     needed = find_elements(springs);
   });
   dofs_ = std::make_unique<Dofs>(comm, *patches_, partition_, constraints_, needed);

@@ -38,7 +38,7 @@ const std::vector<Support>& with_followers(ModelInput& input) {
 
 Model::Model(MPI_Comm comm, const mesh::SurfaceMesh& mesh, ModelInput input)
     : on_(std::make_unique<Discretisation>(comm, mesh, std::move(input.materials), with_followers(input), input.springs,
-                                           input.element)) {
+                                           input.element, input.seams)) {
   const Curvatures curvatures = on_->take_curvatures();
   BlockPattern pattern;
   energy::AnchorTerm* anchors = nullptr;

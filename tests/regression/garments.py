@@ -329,3 +329,50 @@ def garment_sewn_dress(report):
     report.near(len(after.positions) - len(edges) + len(after.mesh.triangles), 2 - 4, 0, "Euler's number")
     seams = {s["name"] for s in part(result, "rest").summary["garment"]["seams"]}
     report.check(len(seams) == 12 and "front waist" in seams, f"{len(seams)} seams are measured")
+
+
+@test
+def garment_seam_bending(report):
+    """Two pieces sewn edge to edge, one clamped: the other hangs from a hinge, or goes on as the fabric; allowances weigh and stiffen."""
+    side, density = 0.2, 0.2
+    piece = {"file": svg("garment_square.svg", rectangle("piece", side, side)), "size": 0.025, "rotate": [-90, 0, 0]}
+    flat = np.array([[1.0, 0, 0], [0, 1, 0], [0, 0, 0.5]])
+
+    def case(sewing=None, **seam):
+        return {"panel": [piece | {"name": "a"}, piece | {"name": "b", "translate": [side, 0, 0]}],
+                "seam": [{"name": "middle", "edges": ["a/1"], "to": ["b/3"], "meet": ["a@1", "b@0"]} | seam],
+                "sewing": sewing or {},
+                "material": [{"type": "matrices", "membrane": (1e4 * flat).tolist(), "bending": (0.1 * flat).tolist(), "areal_density": density}],
+                "support": [{"type": "clamped", "group": "a/3"}],
+                "load": [{"type": "gravity", "vector": [0, 0, -9.81], "stages": ["hang"]}],
+                "probe": [{"name": name, "type": "height", "group": group} for name, group in (("hem", "b/1"), ("seam", "seam middle"))],
+                "stage": [{"name": "sew", "analysis": "dynamic", "sew": ["all"], "time": {"end": 0.2, "step": 0.02}, "damping": {"mass": 10.0}},
+                          {"name": "hang", "analysis": "drape"}]}
+
+    def hang(name, ranks, *args, **keys):
+        """By how much the second piece leans down [degrees], how far the seam hangs [m], and the mass of both [kg]."""
+        result = part(solve(f"garment_seam_{name}", case(*args, **keys), ranks), "hang")
+        hem, seam = (result.history[f"{k}_mean"][-1] for k in ("hem", "seam"))
+        panels = json.loads((result.folder / "summary.json").read_text())["garment"]["panels"]
+        return np.degrees(np.arcsin(min((seam - hem) / side, 1.0))), -seam, sum(p["mass"] for p in panels)
+
+    whole = hang("fabric", 1)
+    report.near(whole[2], 2 * side**2 * density, 1e-12, "without allowance: mass [kg]")
+    # A cantilever of both pieces at small deflections: q x^2 (6 L^2 - 4 L x + x^2) / 24 D.
+    q, length = 9.81 * density, 2 * side
+    deflection = lambda x: q * x**2 * (6 * length**2 - 4 * length * x + x**2) / (24 * 0.1)  # noqa: E731
+    report.percent(whole[1] / deflection(side), 0.04, "as the fabric: deflection of the seam")
+    for ranks in (1, 2):
+        angle, sag, _ = hang(f"hinge_{ranks}", ranks, bending=0)
+        report.near(angle, 90.0, 2.0, f"{ranks} rank(s), hinge: the second piece hangs down [degrees]")
+        # The first is a cantilever with the weight of the second at its end.
+        report.percent(sag / (q * side**4 / 8 / 0.1 + q * side * side**3 / 3 / 0.1), 0.04, f"{ranks} rank(s), hinge: deflection of the seam")
+    soft, stiff = hang("soft", 1, bending=0.1), hang("stiff", 2, {"bending": 10})
+    report.check(whole[0] < soft[0] < 80 and stiff[0] < whole[0], f"leaning by {stiff[0]:.1f}, {whole[0]:.1f}, {soft[0]:.1f} degrees with factors 10, 1, 0.1")
+    heavy = hang("allowance", 2, {"allowance": 0.02}, bending=0)
+    report.near(heavy[2], 2 * (side**2 + 0.02 * side) * density, 1e-12, "with allowances of 2 cm: mass [kg]")
+    said = invoke(["check", write_case(case({"allowance": 0.02}), OUT / "garment_seam_check.toml")])
+    report.check(said[0] == 0 and "and 0.008 m^2 of seam allowances" in said[1], f"check tells the fabric they take: code {said[0]}")
+    for key, value in (("bending", -1), ("allowance", -0.01), ("allowance", 5.0), ("bending", "hinge")):
+        code, text = invoke(["check", write_case(case(**{key: value}), OUT / "garment_seam_wrong.toml")])
+        report.check(code == 2 and f"seam.{key}: " in text, f"{key} = {value}: code {code}: {text.strip()[:160]}")

@@ -13,6 +13,10 @@
 // test passes on every mesh. Free edge: phi_e minimises the bending energy, i.e. M_nn = 0. Mirrored edge: phi_e from
 // the mirror point. Where a patch is incomplete or ill conditioned (six points near a conic) phi_e comes from the other
 // side, and where both are, from a weighted least-squares quadratic over rings of vertices.
+// Seams whose bending differs by a factor f (BendingSide):  B = B_cut + sqrt(f) (B - B_cut), B_cut that of the sheet cut
+// along them. Where nothing else bends, M_nn = 0 makes the two parts of kappa orthogonal in D, and the energy is
+// f times that across the seam: f = 0 is a hinge, f = 1 the fabric as it is. Triangles further away take the factor of
+// the seam next to them, else the smallest.
 #pragma once
 
 #include <Eigen/Core>
@@ -44,7 +48,9 @@ class CurvatureBuilder {
 
  private:
   struct Impl;
+  struct Cut;
   std::unique_ptr<Impl> impl_;
+  std::unique_ptr<Cut> cut_;  ///< null: no seam bends otherwise
 };
 
 }  // namespace voile::energy

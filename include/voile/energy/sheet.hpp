@@ -2,6 +2,8 @@
 // materials live in the chart of each triangle.
 #pragma once
 
+#include <unordered_set>
+#include <utility>
 #include <vector>
 
 #include "voile/energy/element_options.hpp"
@@ -26,16 +28,27 @@ struct MaterialAxes {
 [[nodiscard]] MaterialAxes material_axes(const mesh::SurfaceMesh& mesh, const std::vector<Material>& materials,
                                          const std::vector<int>& material_of);
 
+/// A side across which the sheet bends more or less easily than elsewhere: a seam.
+struct BendingSide {
+  mesh::TriangleSide side;
+  double factor = 1.0;  ///< of the bending energy across it; 0: a hinge
+};
+
 /// References patches and materials, which must outlive it. Throws as material_axes() does.
 class Sheet {
  public:
+  /// `seams`: each side named from both of its triangles.
   Sheet(const mesh::PatchMesh& patches, const std::vector<Material>& materials, std::vector<int> material_of,
-        const ElementOptions& options)
+        const ElementOptions& options, std::vector<BendingSide> seams = {})
       : patches_(&patches),
         materials_(&materials),
         material_of_(std::move(material_of)),
         axes_(material_axes(patches.mesh(), materials, material_of_)),
-        options_(options) {}
+        options_(options),
+        seams_(std::move(seams)) {
+    for (const BendingSide& s : seams_)
+      if (s.factor < 1.0) folds_.insert(3 * s.side.triangle + s.side.side);
+  }
 
   [[nodiscard]] const mesh::PatchMesh& patches() const { return *patches_; }
   [[nodiscard]] const mesh::SurfaceMesh& mesh() const { return patches_->mesh(); }
@@ -48,6 +61,12 @@ class Sheet {
     const bool own = !axes_.of.empty() && axes_.of[static_cast<std::size_t>(t)] != Vec3::Zero();
     return patches_->frame(t, own ? std::optional<Vec3>(axes_.of[static_cast<std::size_t>(t)]) : material(t).direction);
   }
+  /// Sides across which bending differs.
+  [[nodiscard]] const std::vector<BendingSide>& seams() const { return seams_; }
+  /// Whether the sheet folds at side s of t, so that no strain is averaged across it. It has a neighbour or mirror point.
+  [[nodiscard]] bool is_crease(Index t, int s) const {
+    return patches_->rest_dihedral(t, s) > options_.crease_angle || (!folds_.empty() && folds_.contains(3 * t + s));
+  }
   /// Triangles whose material axis is continued from neighbours.
   [[nodiscard]] Index continued_axes() const { return axes_.continued; }
 
@@ -57,6 +76,8 @@ class Sheet {
   std::vector<int> material_of_;
   MaterialAxes axes_;
   ElementOptions options_;
+  std::vector<BendingSide> seams_;
+  std::unordered_set<Index> folds_;  ///< 3 t + s of the sides that bend more easily
 };
 
 }  // namespace voile::energy

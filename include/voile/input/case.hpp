@@ -68,6 +68,8 @@ struct SeamSection {
   std::string name;                    ///< empty: made from the edges
   std::vector<std::string> edges, to;  ///< the two sides, each a chain
   std::vector<std::string> meet;       ///< two points, one of each side; empty: what lies nearer
+  /// In place of those of [sewing]; NaN: as there
+  double bending = std::numeric_limits<double>::quiet_NaN(), allowance = std::numeric_limits<double>::quiet_NaN();
 };
 
 /// How seams are closed.
@@ -76,6 +78,8 @@ struct SewingSection {
   double speed = 0.5;      ///< [m/s]
   double force = 0.0;      ///< largest, per rest length of the seam; 0: by the fabric [N/m]
   double gap = 1e-4;       ///< largest at which a seam is welded [m]
+  double bending = 1.0;    ///< factor across welded seams
+  double allowance = 0.0;  ///< width of the strips along both sides of seams [m]
   /// Largest coefficient in stages that sew; NaN: as [contact] says
   double friction = std::numeric_limits<double>::quiet_NaN();
 };
@@ -111,8 +115,9 @@ struct ObstacleSection {
   std::filesystem::path landmarks;  ///< names and coordinates of points of a mesh; empty: none
   std::filesystem::path frames;     ///< point cache of a deforming mesh; empty: none
   double frames_per_second = 25.0;
-  double frames_start = 0.0;  ///< time of the first frame [s]
-  bool frames_loop = false;   ///< from the last frame on to the first
+  double frames_start = 0.0;      ///< time of the first frame [s]
+  bool frames_loop = false;       ///< from the last frame on to the first
+  double frames_smoothing = 0.0;  ///< time over which their mean is taken [s]
   Vec3 point = Vec3::Zero(), end = Vec3::Zero();
   enum class OnPinch { stop, yield };
   OnPinch on_pinch = OnPinch::stop;

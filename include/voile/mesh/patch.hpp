@@ -29,6 +29,12 @@ struct MirrorSide {
   Mat3 reflection = Mat3::Identity();  ///< R
 };
 
+/// A side of a triangle.
+struct TriangleSide {
+  Index triangle = no_index;
+  int side = 0;
+};
+
 struct MirrorPoint {
   Index apex = no_index, a = no_index, b = no_index;
   double foot = 0.0;  ///< alpha
@@ -59,6 +65,9 @@ class PatchMesh {
   /// Throws UserError if a mirrored side has a neighbour or is named twice.
   PatchMesh(const SurfaceMesh& mesh, const std::vector<MirrorSide>& mirrors);
 
+  /// The same where these sides, each named from both of its triangles, are free edges: nothing reaches across them.
+  [[nodiscard]] PatchMesh cut_along(const std::vector<TriangleSide>& sides) const;
+
   [[nodiscard]] const SurfaceMesh& mesh() const { return *mesh_; }
   [[nodiscard]] Index point_count() const { return mesh_->vertex_count() + static_cast<Index>(mirrors_.size()); }
   [[nodiscard]] bool is_mirror(Index p) const { return p >= mesh_->vertex_count(); }
@@ -66,7 +75,7 @@ class PatchMesh {
   [[nodiscard]] const std::vector<MirrorPoint>& mirrors() const { return mirrors_; }
   /// Place at the start [m].
   [[nodiscard]] Vec3 start(Index p) const { return is_mirror(p) ? mirror(p).start : mesh_->positions()[p]; }
-  /// Point across side s of triangle t: a vertex, a mirror point, or no_index at a free edge.
+  /// Point across side s of triangle t: a vertex, a mirror point, or no_index at a free edge or cut.
   [[nodiscard]] Index apex(Index t, int s) const;
 
   /// Axes of triangle t with its centroid as origin; e1 along the projection of `direction`, or of an axis of the chart.
@@ -95,6 +104,7 @@ class PatchMesh {
   std::vector<MirrorPoint> mirrors_;
   std::vector<std::array<Index, 3>> mirror_of_side_;  ///< only for triangles with mirrors, see slot_
   std::vector<Index> slot_;                           ///< per triangle: row in mirror_of_side_, or no_index
+  std::vector<std::array<bool, 3>> cut_;              ///< per triangle and side; empty: none
 };
 
 /// Place in the plane of the point `x` lying beyond the edge a -> b (plane coordinates pa, pb, outward normal to the

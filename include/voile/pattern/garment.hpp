@@ -23,7 +23,8 @@ struct Garment {
 [[nodiscard]] Garment make_garment(std::vector<Panel> panels, const std::vector<SeamRequest>& requests);
 
 /// Panels with areas and masses, seams with the lengths of both sides and their distance, and how much fabric it takes,
-/// as lines of text. `densities`: of the panels [kg/m^2]. Not collective.
-[[nodiscard]] std::string garment_text(const Garment& garment, const std::vector<double>& densities);
+/// as lines of text. Per panel: `densities` [kg/m^2], area of `allowances` of its seams [m^2]. Not collective.
+[[nodiscard]] std::string garment_text(const Garment& garment, const std::vector<double>& densities,
+                                       const std::vector<double>& allowances);
 
 }  // namespace voile::pattern

@@ -50,6 +50,10 @@ struct SeamRequest {
   Sense sense = Sense::nearest;        ///< of single edges, where `meet` is empty
 };
 
+/// The name it was given, or one made of the first edge of each side.
+[[nodiscard]] std::string seam_name(const std::string& given, const std::vector<std::string>& edges,
+                                    const std::vector<std::string>& to);
+
 /// One edge as part of a side.
 struct EdgeUse {
   std::size_t panel = 0, edge = 0;

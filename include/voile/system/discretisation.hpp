@@ -11,6 +11,7 @@
 #include "voile/system/conditions.hpp"
 #include "voile/system/constraints.hpp"
 #include "voile/system/dofs.hpp"
+#include "voile/system/seam_rules.hpp"
 
 namespace voile::energy {
 struct CurvatureOperator;
@@ -36,7 +37,7 @@ class Discretisation {
   /// and contradictions.
   Discretisation(MPI_Comm comm, const mesh::SurfaceMesh& mesh, std::vector<energy::Material> materials,
                  const std::vector<Support>& supports, const std::vector<Spring>& springs,
-                 const energy::ElementOptions& options);
+                 const energy::ElementOptions& options, const std::vector<SeamRule>& seams = {});
   ~Discretisation();
   Discretisation(const Discretisation&) = delete;
   Discretisation& operator=(const Discretisation&) = delete;
@@ -46,6 +47,7 @@ class Discretisation {
   [[nodiscard]] const mesh::Partition& partition() const { return partition_; }
   [[nodiscard]] const mesh::PatchMesh& patches() const { return *patches_; }
   [[nodiscard]] const energy::Sheet& sheet() const { return *sheet_; }
+  /// Those given, and more for triangles with allowances of seams.
   [[nodiscard]] const std::vector<energy::Material>& materials() const { return materials_; }
   [[nodiscard]] const Constraints& constraints() const { return constraints_; }
   /// Numbering, halo, fixed components.

@@ -57,6 +57,7 @@ struct ModelInput {
   bool motion_by_load = false;  ///< supports move with the load factor in place of the time
   Sewing sewing = {};
   std::vector<Attachment> attachments = {};
+  std::vector<SeamRule> seams = {};
 };
 
 struct Energies {

@@ -76,7 +76,10 @@ TEST_CASE("both sides of a seam have as many nodes at equal shares of their leng
   const std::vector<double> mass(g.mesh.positions.size(), 1.0);
   const mesh::SurfaceMesh sewn(mesh::weld(g.mesh, {s.name}, g.mesh.positions, mass).data);
   CHECK(sewn.group(line, 1).segments.size() == 25);
-  CHECK(pattern::garment_text(g, {0.2, 0.1}).find("fabric: 0.27 m^2 in 2 panels, 0.039 kg") != std::string::npos);
+  CHECK(pattern::garment_text(g, {0.2, 0.1}, {0.0, 0.0}).find("fabric: 0.27 m^2 in 2 panels, 0.039 kg") !=
+        std::string::npos);
+  CHECK(pattern::garment_text(g, {0.2, 0.1}, {0.01, 0.02})
+            .find("fabric: 0.27 m^2 in 2 panels and 0.03 m^2 of seam allowances, 0.043 kg") != std::string::npos);
 }
 
 TEST_CASE("which points meet decides, not the order of edges") {
@@ -171,7 +174,7 @@ TEST_CASE("holes are cut out of the mesh, and their edges are sewn as others") {
   CHECK(measures(cut).first == doctest::Approx(0.3 - 0.02).epsilon(1e-12));
   CHECK(measures(cut).second == 0);
   CHECK(std::abs(sheet.piece.signed_area() - 0.28) < 1e-15);
-  CHECK(pattern::garment_text(open, {1.0})
+  CHECK(pattern::garment_text(open, {1.0}, {0.0})
             .find("'A': 0.28 m^2, 0.28 kg, 0.6 m x 0.5 m, 8 edges of 2.8 m together, 1 hole\n") != std::string::npos);
   Panel patch = moved(rectangle("P", 0.1, 0.2, 0.03), {0.4, 0.15, 0});
   patch.turn << 0, -1, 0, 1, 0, 0, 0, 0, 1;  // its edge 0 goes up where the right side of the hole is

@@ -1,0 +1,34 @@
+// What seams do to the fabric beside them: how it bends across, and the strips that are folded back (allowances).
+//
+// Symbols   f   factor of the bending energy across a welded seam: 0 a hinge, 1 as the fabric elsewhere
+//           w   width of the strip of the same fabric that lies along each side of a seam, inside of it      [m]
+//           A_T rest area of triangle T, a_T the part of it that strips cover (counted as often as they do)  [m^2]
+// Triangle T has 1 + a_T/A_T layers, which are not glued together: membrane stiffness A, bending stiffness D and mass
+// per area are those of the fabric times that. Strips end where their panel ends; mass grows by exactly what they weigh.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "voile/energy/sheet.hpp"
+
+namespace voile::system {
+
+struct SeamRule {
+  std::string seam{};      ///< name; empty: of all seams that no other rule names
+  double bending = 1.0;    ///< f
+  double allowance = 0.0;  ///< w [m]
+};
+
+/// Sides of welded seams whose factor is not 1, each from both triangles. Not collective.
+[[nodiscard]] std::vector<energy::BendingSide> bending_across_seams(const mesh::SurfaceMesh& mesh,
+                                                                    const std::vector<SeamRule>& rules);
+
+/// Area of the strips in each triangle [m^2], of open and welded seams; empty if no rule has an allowance. Not collective.
+[[nodiscard]] std::vector<double> allowance_areas(const mesh::SurfaceMesh& mesh, const std::vector<SeamRule>& rules);
+
+/// Appends the materials of triangles that strips cover, and has `material_of` name them. Not collective.
+void add_allowances(const mesh::SurfaceMesh& mesh, const std::vector<SeamRule>& rules,
+                    std::vector<energy::Material>& materials, std::vector<int>& material_of);
+
+}  // namespace voile::system

@@ -1,0 +1,104 @@
+#include "patch_fit.hpp"
+
+#include <Eigen/Dense>
+#include <Eigen/SVD>
+#include <array>
+#include <cmath>
+
+namespace voile::energy {
+
+namespace {
+
+using Mat6 = Eigen::Matrix<double, 6, 6>;
+
+/// Values of 1, x, y, x^2/2, y^2/2, xy.
+Row6 monomials(const Vec2& p) {
+  Row6 row;
+  row << 1.0, p.x(), p.y(), 0.5 * p.x() * p.x(), 0.5 * p.y() * p.y(), p.x() * p.y();
+  return row;
+}
+
+/// Undoes the scaling x = scale * xi of coefficients found in xi.
+void unscale(Fit& fit, double scale) {
+  const std::array<double, 6> power{1.0, scale, scale, scale * scale, scale * scale, scale * scale};
+  for (int r = 0; r < 6; ++r) fit.coefficients.row(r) /= power[r];
+}
+
+/// Weights of the columns under which the condition number does not depend on the direction of the axes:
+/// |H|^2 = H11^2 + H22^2 + 2 H12^2 is the norm of a Hessian.
+Eigen::Matrix<double, 6, 1> invariant_columns() {
+  Eigen::Matrix<double, 6, 1> w;
+  w << 1.0, 1.0, 1.0, 1.0, 1.0, std::sqrt(0.5);
+  return w;
+}
+
+double condition_of(const Eigen::VectorXd& singular_values) {
+  const double smallest = singular_values.minCoeff();
+  return smallest > 0.0 ? singular_values.maxCoeff() / smallest : std::numeric_limits<double>::infinity();
+}
+
+}  // namespace
+
+Side side_of(const mesh::Patch& p, int s) {
+  const Vec2 a = p.coordinates[(s + 1) % 3], b = p.coordinates[(s + 2) % 3];
+  const double length = (b - a).norm();
+  const Vec2 t = (b - a) / length;
+  return {length, 0.5 * (a + b), t, {t.y(), -t.x()}};
+}
+
+Fit fit_patch(const mesh::Patch& patch, const Vec3& centroid, const Mat3& bending) {
+  Fit fit;
+  fit.complete = patch.complete();
+  const double scale = std::sqrt(patch.area);
+  Mat6 v;
+  std::array<int, 6> column{};
+  for (int i = 0; i < 6; ++i) {
+    if (patch.points[i] == no_index) {
+      const Vec2 n = side_of(patch, i - 3).normal;
+      const Vec3 nn(n.x() * n.x(), n.y() * n.y(), 2.0 * n.x() * n.y());
+      const Vec3 moment = bending * nn / bending.norm();
+      v.row(i) << 0.0, 0.0, 0.0, moment.x(), moment.y(), 2.0 * moment.z();
+      column[i] = -1;
+    } else {
+      v.row(i) = monomials(patch.coordinates[i] / scale);
+      column[i] = static_cast<int>(fit.points.size());
+      fit.points.push_back(patch.points[i]);
+      fit.rest.push_back(patch.rest[i] - centroid);
+    }
+  }
+  const Eigen::JacobiSVD<Mat6> svd(v * invariant_columns().asDiagonal());
+  fit.condition = condition_of(svd.singularValues());
+  fit.coefficients.setZero(6, static_cast<Eigen::Index>(fit.points.size()));
+  if (!(fit.condition < 1e12)) return fit;
+  const Mat6 inverse = v.fullPivLu().inverse();
+  for (int i = 0; i < 6; ++i)
+    if (column[i] >= 0) fit.coefficients.col(column[i]) = inverse.col(i);
+  unscale(fit, scale);
+  return fit;
+}
+
+Fit fit_rings(const std::vector<mesh::PatchMesh::UnfoldedPoint>& points, const Vec3& centroid, const Vec2& origin,
+              double scale) {
+  Fit fit;
+  const auto n = static_cast<Eigen::Index>(points.size());
+  if (n < 6) return fit;
+  Eigen::Matrix<double, Eigen::Dynamic, 6> v(n, 6);
+  Eigen::VectorXd weight(n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const Vec2 p = (points[i].coordinates - origin) / scale;
+    weight[i] = 1.0 / (1.0 + p.squaredNorm());
+    v.row(i) = weight[i] * monomials(p);
+    fit.points.push_back(points[i].point);
+    fit.rest.push_back(points[i].rest - centroid);
+  }
+  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(v * invariant_columns().asDiagonal(),
+                                              Eigen::ComputeThinU | Eigen::ComputeThinV);
+  fit.condition = condition_of(svd.singularValues());
+  if (!(fit.condition < 1e12)) return fit;
+  fit.coefficients = invariant_columns().asDiagonal() * svd.matrixV() *
+                     svd.singularValues().cwiseInverse().asDiagonal() * svd.matrixU().transpose() * weight.asDiagonal();
+  unscale(fit, scale);
+  return fit;
+}
+
+}  // namespace voile::energy

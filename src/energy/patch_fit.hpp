@@ -1,0 +1,38 @@
+// Quadratics through patches and rings of points; private to src/energy.
+#pragma once
+
+#include <Eigen/Core>
+#include <limits>
+#include <vector>
+
+#include "voile/mesh/patch.hpp"
+
+namespace voile::energy {
+
+using Row6 = Eigen::Matrix<double, 1, 6>;
+
+/// A side in the plane of its triangle.
+struct Side {
+  double length;
+  Vec2 middle, tangent, normal;
+};
+
+[[nodiscard]] Side side_of(const mesh::Patch& p, int s);
+
+/// Coefficients of a quadratic (rows: monomials) as functionals of points (columns), about the triangle's centroid.
+struct Fit {
+  std::vector<Index> points;
+  std::vector<Vec3> rest;  ///< of the points, from the triangle's centroid, in its chart [m]
+  Eigen::Matrix<double, 6, Eigen::Dynamic> coefficients;
+  double condition = std::numeric_limits<double>::infinity();
+  bool complete = false;
+};
+
+/// The quadratic of the patch. A missing neighbour's row is replaced by M_nn = 0 on that side.
+[[nodiscard]] Fit fit_patch(const mesh::Patch& patch, const Vec3& centroid, const Mat3& bending);
+
+/// Weighted least-squares quadratic about `origin` over the points.
+[[nodiscard]] Fit fit_rings(const std::vector<mesh::PatchMesh::UnfoldedPoint>& points, const Vec3& centroid,
+                            const Vec2& origin, double scale);
+
+}  // namespace voile::energy

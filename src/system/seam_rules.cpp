@@ -1,0 +1,138 @@
+#include "voile/system/seam_rules.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <set>
+
+#include "voile/mesh/weld.hpp"
+
+namespace voile::system {
+
+namespace {
+
+const SeamRule* rule_of(const mesh::Group& group, const std::vector<SeamRule>& rules) {
+  const std::string prefix = mesh::seam_group("");
+  if (group.dimension != 1 || !group.name.starts_with(prefix)) return nullptr;
+  const SeamRule* general = nullptr;
+  for (const SeamRule& rule : rules) {
+    if (prefix + rule.seam == group.name) return &rule;
+    if (rule.seam.empty()) general = &rule;
+  }
+  return general;
+}
+
+/// Calls visit(triangle, side) for the triangles on either side of an edge.
+template <class Visit>
+void for_sides(const mesh::SurfaceMesh& mesh, const mesh::Segment& edge, const Visit& visit) {
+  for (const Index t : mesh.triangles_of_vertex(edge[0]))
+    if (const int s = mesh.side_of(t, edge[0], edge[1]); s >= 0) visit(t, s);
+}
+
+/// The part of a convex polygon where normal . x <= bound.
+std::vector<Vec2> clipped(const std::vector<Vec2>& polygon, const Vec2& normal, double bound) {
+  std::vector<Vec2> kept;
+  for (std::size_t i = 0; i < polygon.size(); ++i) {
+    const Vec2 &a = polygon[i], &b = polygon[(i + 1) % polygon.size()];
+    const double da = normal.dot(a) - bound, db = normal.dot(b) - bound;
+    if (da <= 0.0) kept.push_back(a);
+    if ((da < 0.0 && db > 0.0) || (da > 0.0 && db < 0.0)) kept.push_back(a + da / (da - db) * (b - a));
+  }
+  return kept;
+}
+
+double area_of(const std::vector<Vec2>& polygon) {
+  double twice = 0.0;
+  for (std::size_t i = 0; i < polygon.size(); ++i) {
+    const Vec2 &a = polygon[i], &b = polygon[(i + 1) % polygon.size()];
+    twice += a[0] * b[1] - a[1] * b[0];
+  }
+  return 0.5 * std::abs(twice);
+}
+
+/// The strip along one side of a triangle, in the plane of that triangle: [0, length] x [0, width].
+class Strip {
+ public:
+  Strip(const mesh::SurfaceMesh& mesh, Index t, int s, double width) : mesh_(mesh), width_(width) {
+    origin_ = mesh.rest_corner(t, (s + 1) % 3);
+    const Vec3 side = mesh.rest_corner(t, (s + 2) % 3) - origin_;
+    length_ = side.norm();
+    along_ = side / length_;
+    inward_ = mesh.rest_normal(t).cross(along_);
+  }
+
+  [[nodiscard]] double covered(Index t) const {
+    std::vector<Vec2> polygon;
+    for (int i = 0; i < 3; ++i) {
+      const Vec3 x = mesh_.rest_corner(t, i) - origin_;
+      polygon.emplace_back(x.dot(along_), x.dot(inward_));
+    }
+    polygon = clipped(clipped(polygon, -Vec2::UnitX(), 0.0), Vec2::UnitX(), length_);
+    return area_of(clipped(clipped(polygon, -Vec2::UnitY(), 0.0), Vec2::UnitY(), width_));
+  }
+
+ private:
+  const mesh::SurfaceMesh& mesh_;
+  double width_, length_ = 0.0;
+  Vec3 origin_, along_, inward_;
+};
+
+/// Spreads a strip from triangle t over the triangles of its chart that it reaches.
+void lay(const mesh::SurfaceMesh& mesh, Index t, int s, double width, std::vector<double>& areas) {
+  const Strip strip(mesh, t, s, width);
+  std::vector<Index> queue{t};
+  std::set<Index> seen{t};
+  for (std::size_t k = 0; k < queue.size(); ++k) {
+    const double area = strip.covered(queue[k]);
+    if (!(area > 0.0)) continue;
+    areas[queue[k]] += area;
+    for (int i = 0; i < 3; ++i) {
+      const Index n = mesh.neighbour(queue[k], i);
+      if (n != no_index && mesh.chart_join(queue[k], i).same_chart && seen.insert(n).second) queue.push_back(n);
+    }
+  }
+}
+
+}  // namespace
+
+std::vector<energy::BendingSide> bending_across_seams(const mesh::SurfaceMesh& mesh,
+                                                      const std::vector<SeamRule>& rules) {
+  std::vector<energy::BendingSide> sides;
+  for (const mesh::Group& group : mesh.groups()) {
+    const SeamRule* rule = rule_of(group, rules);
+    if (!rule || rule->bending == 1.0) continue;
+    for (const mesh::Segment& edge : group.segments)
+      for_sides(mesh, edge, [&](Index t, int s) {
+        if (mesh.neighbour(t, s) != no_index) sides.push_back({{t, s}, rule->bending});
+      });
+  }
+  return sides;
+}
+
+std::vector<double> allowance_areas(const mesh::SurfaceMesh& mesh, const std::vector<SeamRule>& rules) {
+  std::vector<double> areas;
+  for (const mesh::Group& group : mesh.groups()) {
+    const SeamRule* rule = rule_of(group, rules);
+    if (!rule || rule->allowance == 0.0) continue;
+    areas.resize(static_cast<std::size_t>(mesh.triangle_count()), 0.0);
+    for (const mesh::Segment& edge : group.segments)
+      for_sides(mesh, edge, [&](Index t, int s) { lay(mesh, t, s, rule->allowance, areas); });
+  }
+  return areas;
+}
+
+void add_allowances(const mesh::SurfaceMesh& mesh, const std::vector<SeamRule>& rules,
+                    std::vector<energy::Material>& materials, std::vector<int>& material_of) {
+  const std::vector<double> areas = allowance_areas(mesh, rules);
+  for (std::size_t t = 0; t < areas.size(); ++t) {
+    if (areas[t] == 0.0) continue;
+    energy::Material m = materials[static_cast<std::size_t>(material_of[t])];
+    const double layers = 1.0 + areas[t] / mesh.area(static_cast<Index>(t));
+    m.membrane *= layers;
+    m.bending *= layers;
+    m.areal_density *= layers;
+    material_of[t] = static_cast<int>(materials.size());
+    materials.push_back(std::move(m));
+  }
+}
+
+}  // namespace voile::system
