@@ -107,6 +107,11 @@ struct Cut {
     if (std::none_of(from.pieces.begin(), from.pieces.end(), is_it)) return std::nullopt;
     return fmt::format("{}/{}", section->name.empty() ? e.piece : section->name, e.edge);
   }
+  /// Whether a piece of the garment is one of these.
+  [[nodiscard]] bool holds(const std::string& name) const {
+    if (!section->name.empty()) return section->name == name;
+    return std::any_of(from.pieces.begin(), from.pieces.end(), [&](const pattern::Piece& p) { return p.name == name; });
+  }
 };
 
 Cut read_panels(const input::PanelSection& s) {
@@ -193,6 +198,19 @@ void keep_sewn(const input::Case& c, mesh::MeshData& mesh) {
         fmt::format("{} of {} seams stay open: no [[stage]] has them in its key sew", left, known.size()));
 }
 
+/// Marks are where the file draws them, also in a piece that is cut from its mirror image.
+std::vector<pattern::MarkRequest> marks_of(const input::Case& c, const std::vector<Cut>& cuts) {
+  std::vector<pattern::MarkRequest> marks;
+  for (const input::MarkSection& s : c.marks) {
+    pattern::MarkRequest m{s.name, fmt::format("{}: [[mark]] '{}'", c.file.string(), s.name), s.point, s.panel};
+    if (s.at.size() == 2) m.at = Vec2(s.at[0], s.at[1]);
+    for (const Cut& cut : cuts)
+      if (cut.section->mirror && cut.holds(s.panel)) m.at[0] = -m.at[0];
+    marks.push_back(std::move(m));
+  }
+  return marks;
+}
+
 /// On rank 0.
 pattern::Garment garment_of(const input::Case& c) {
   std::vector<pattern::Panel> panels;
@@ -216,7 +234,7 @@ pattern::Garment garment_of(const input::Case& c) {
     pattern::SeamRequest r{s.name, fmt::format("{}: [[seam]] {}", c.file.string(), which), s.edges, s.to, s.meet};
     requests.push_back(std::move(r));
   }
-  pattern::Garment garment = pattern::make_garment(std::move(panels), requests);
+  pattern::Garment garment = pattern::make_garment(std::move(panels), requests, marks_of(c, cuts));
   garment.mesh.notes.insert(garment.mesh.notes.begin(), notes.begin(), notes.end());
   return garment;
 }

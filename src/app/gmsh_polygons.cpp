@@ -32,9 +32,12 @@ void add_polygon(const Polygon& p) {
     loops.push_back(geo::addCurveLoop(lines));
     all.insert(all.end(), lines.begin(), lines.end());
   }
+  std::vector<int> inside;
+  for (const Vec2& x : p.inside) inside.push_back(geo::addPoint(x[0], x[1], 0.0, p.size, ++point));
   std::swap(loops.front(), loops[p.outline]);  // Gmsh takes the first for the outline
-  geo::addPlaneSurface(loops);
+  const int surface = geo::addPlaneSurface(loops);
   geo::synchronize();
+  if (!inside.empty()) gmsh::model::mesh::embed(0, inside, 2, surface);
   for (const int line : all) gmsh::model::mesh::setTransfiniteCurve(line, 2);
 }
 
@@ -52,6 +55,7 @@ Triangulation take_mesh(const Polygon& p) {
   };
   std::vector<Vec2> corners;
   for (const std::vector<Vec2>& loop : p.loops) corners.insert(corners.end(), loop.begin(), loop.end());
+  corners.insert(corners.end(), p.inside.begin(), p.inside.end());
   for (std::size_t i = 0; i < corners.size(); ++i) take(0, static_cast<int>(i) + 1);
   if (t.points.size() != corners.size()) return {};
   t.points = corners;
@@ -109,6 +113,7 @@ std::string fill_polygons(const std::string& file) {
     in.get(p.loops);
     in.get(p.outline);
     in.get(p.size);
+    in.get(p.inside);
     const Triangulation t = fill(source, p);
     out.put(t.points);
     out.put(t.triangles);

@@ -7,6 +7,7 @@ Declarations::Declarations()
       keys_{{"mesh", keys_of(case_.mesh)},
             {"panel", keys_of(panel_)},
             {"seam", keys_of(seam_)},
+            {"mark", keys_of(mark_)},
             {"sewing", keys_of(case_.sewing)},
             {"element", keys_of(case_.element)},
             {"material", keys_of(material_)},

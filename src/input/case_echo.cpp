@@ -247,6 +247,7 @@ std::string echo_case(const Case& c) {
   out += "\n[mesh]\n" + echo_keys(keys_of(copy.mesh));
   out += echo_all("panel", copy.panels);
   out += echo_all("seam", copy.seams);
+  out += echo_all("mark", copy.marks);
   if (!copy.panels.empty()) out += "\n[sewing]\n" + echo_keys(keys_of(copy.sewing));
   out += "\n[element]\n" + echo_keys(keys_of(copy.element));
   out += echo_all("material", materials);

@@ -123,6 +123,9 @@ const std::vector<SectionInfo>& sections() {
        "is "
        "a physical surface of its name, each of its edges a physical curve `PIECE/EDGE`."},
       {"seam", true, "Edges of pieces that are sewn together, besides the stitches of pattern files."},
+      {"mark", true,
+       "Points of pieces with a name, each a vertex and a group of it: for buttons ([[spring]] of type \"pair\"), "
+       "supports, loads and probes."},
       {"sewing", false, "How seams are closed in a stage that has the key `sew`."},
       {"element", false, "Operators of the shell element."},
       {"material", true, "Stiffness and mass of the shell. At least one."},

@@ -64,6 +64,14 @@ void read_pattern(const CaseReader& reader, Case& c) {
       place.fail("meet", fmt::format("{} points; two are needed, an end of `edges` and an end of `to`", s.meet.size()));
     if (c.panels.empty()) place.fail("edges", "there is no [[panel]] that they could belong to");
   });
+  read_all(reader, "mark", c.marks, [&](const SectionPlace& place, const MarkSection& m) {
+    if (c.panels.empty()) place.fail("name", "there is no [[panel]] that it could belong to");
+    if (m.point.empty() == m.panel.empty())
+      place.fail("point", m.point.empty() ? "the key is missing; give it, or panel and at"
+                                          : "it says where the mark is; remove the key panel, or this one");
+    if (!m.panel.empty() && m.at.size() != 2) place.fail("at", "two numbers [x, y] are needed, in metres");
+    if (m.panel.empty() && !m.at.empty()) place.fail("at", "point says where the mark is; remove the key");
+  });
   reader.read("sewing", 0, keys_of(c.sewing));
   if (!c.stage.sew.empty() && c.panels.empty())
     throw UserError(

@@ -159,6 +159,22 @@ std::vector<Key> keys_of(SeamSection& s) {
        .absent = "`[sewing] allowance`"}};
 }
 
+std::vector<Key> keys_of(MarkSection& s) {
+  return {
+      {.name = "name", .slot = &s.name, .meaning = "Of the mark and its group.", .required = true},
+      {.name = "point",
+       .slot = &s.point,
+       .meaning = "A point of an outline as `PIECE@POINT`, as in `[[seam]] meet`.",
+       .absent = "`panel` and `at` say where it is"},
+      {.name = "panel", .slot = &s.panel, .meaning = "The piece that it is in.", .absent = "there is `point`"},
+      {.name = "at",
+       .slot = &s.at,
+       .meaning = "Its place [x, y] inside of that piece as its file draws it: x to the right, y up, from the origin "
+                  "of the file.",
+       .unit = "m",
+       .absent = "there is `point`"}};
+}
+
 std::vector<Key> keys_of(SewingSection& s) {
   return {
       {.name = "stiffness",

@@ -15,6 +15,7 @@ std::vector<Triangulation> mesh_polygons(const std::string& file, const std::vec
     out.put(p.loops);
     out.put(p.outline);
     out.put(p.size);
+    out.put(p.inside);
   }
   const Message message(out.take());
   ByteReader in(run_beside(file, "voile-gmsh", {message.path(), "polygons"}));

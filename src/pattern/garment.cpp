@@ -36,7 +36,7 @@ std::string where(const Panel& p) {
 
 class Cutter {
  public:
-  Cutter(Garment& garment) : g_(garment), nodes_(garment.panels.size()) {
+  Cutter(Garment& garment, const std::vector<Mark>& marks) : g_(garment), marks_(marks), nodes_(garment.panels.size()) {
     for (std::size_t p = 0; p < nodes_.size(); ++p) nodes_[p].resize(panel(p).piece.edges.size());
   }
 
@@ -51,6 +51,7 @@ class Cutter {
     double x = 0.0;
     for (std::size_t p = 0; p < nodes_.size(); ++p) add_panel(p, cut[p], x);
     for (std::size_t k = 0; k < seam_shares_.size(); ++k) add_seam(k);
+    for (mesh::Group& group : mark_groups_) g_.mesh.groups.push_back(std::move(group));
   }
 
  private:
@@ -84,6 +85,8 @@ class Cutter {
     if (is_too_coarse || find_crossing(polygon.loops) || find_stray(polygon.loops, polygon.outline))
       throw UserError(fmt::format("{}: cells of {:.4g} m are too coarse for its outline; make its key size smaller",
                                   where(panel(p)), panel(p).size));
+    for (const Mark& mark : marks_)
+      if (mark.panel == p && !mark.point) polygon.inside.push_back(mark.at);
     return polygon;
   }
 
@@ -127,7 +130,13 @@ class Cutter {
     std::iota(whole.vertices.begin(), whole.vertices.end(), first);
     m.groups.push_back(std::move(whole));
     for (const Piece::Loop& loop : panel(p).piece.loops()) add_edges(p, loop, first);
+    for (const Mark& mark : marks_)
+      if (mark.panel == p)
+        mark_groups_.push_back({mark.name, 0, {mark.point ? corner_of(p, *mark.point) : first++}, {}, {}});
   }
+
+  /// Vertex of a point of a panel.
+  [[nodiscard]] Index corner_of(std::size_t p, std::size_t point) const { return nodes_[p][point].vertices.front(); }
 
   /// `first`: the vertex at which the loop begins; then that of the next loop.
   void add_edges(std::size_t p, const Piece::Loop& loop, Index& first) {
@@ -225,6 +234,8 @@ class Cutter {
   }
 
   Garment& g_;
+  const std::vector<Mark>& marks_;
+  std::vector<mesh::Group> mark_groups_;
   std::vector<std::vector<EdgeNodes>> nodes_;
   std::vector<std::array<std::vector<double>, 2>> seam_shares_;
 };
@@ -273,7 +284,8 @@ void check_welded(const Garment& g) {
 
 }  // namespace
 
-Garment make_garment(std::vector<Panel> panels, const std::vector<SeamRequest>& requests) {
+Garment make_garment(std::vector<Panel> panels, const std::vector<SeamRequest>& seams,
+                     const std::vector<MarkRequest>& mark_requests) {
   Garment g;
   if (panels.empty()) throw InternalError("a garment without panels");
   for (std::size_t p = 0; p < panels.size(); ++p) {
@@ -288,10 +300,16 @@ Garment make_garment(std::vector<Panel> panels, const std::vector<SeamRequest>& 
             fmt::format("{}: another piece has this name; give one of them the key name", where(panels[p])));
   }
   g.mesh.source = panels.front().file;
-  g.seams = resolve_seams(panels, requests);
+  g.seams = resolve_seams(panels, seams);
+  const std::vector<Mark> marks = resolve_marks(panels, mark_requests);
   g.panels = std::move(panels);
   g.mesh.notes = g.seams.notes;
-  Cutter(g).run();
+  Cutter(g, marks).run();
+  for (std::size_t k = 0; k < g.mesh.groups.size(); ++k)
+    for (std::size_t l = 0; l < k; ++l)
+      if (g.mesh.groups[k].dimension == 0 && g.mesh.groups[l].name == g.mesh.groups[k].name)
+        throw UserError(fmt::format("{}: mark '{}': a piece, edge or seam has this name; choose another", g.mesh.source,
+                                    g.mesh.groups[k].name));
   check_welded(g);
   return g;
 }

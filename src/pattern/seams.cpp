@@ -7,6 +7,7 @@
 #include <map>
 #include <numeric>
 
+#include "names.hpp"
 #include "readers.hpp"
 #include "voile/base/error.hpp"
 #include "voile/base/text.hpp"
@@ -69,20 +70,7 @@ class Resolver {
   }
 
   [[nodiscard]] std::size_t panel(const SeamRequest& r, const std::string& name, const std::string& given) const {
-    std::vector<std::string> names;
-    for (std::size_t p = 0; p < panels_.size(); ++p) {
-      if (panels_[p].piece.name == name) return p;
-      names.push_back(panels_[p].piece.name);
-    }
-    fail(r, fmt::format("'{}': there is no piece '{}':{}", given, name, suggestion(name, names)));
-  }
-
-  /// The point of a panel that has this number or name.
-  [[nodiscard]] std::optional<std::size_t> point_of(std::size_t p, const std::string& word) const {
-    const std::vector<std::string>& names = panels_[p].piece.point_names;
-    if (const auto at = std::find(names.begin(), names.end(), word); at != names.end())
-      return static_cast<std::size_t>(at - names.begin());
-    return number_below(word, panels_[p].piece.edges.size());
+    return find_panel(panels_, name, r.where, given);
   }
 
   /// All edges of a side: "PIECE/FROM..TO" means those from a point to another, in the order of the file.
@@ -96,10 +84,11 @@ class Resolver {
       }
       const std::size_t p = panel(r, name.substr(0, slash), name);
       const Piece& piece = panels_[p].piece;
-      const auto from = point_of(p, name.substr(slash + 1, dots - slash - 1)), to = point_of(p, name.substr(dots + 2));
+      const auto from = find_point(panels_[p], name.substr(slash + 1, dots - slash - 1)),
+                 to = find_point(panels_[p], name.substr(dots + 2));
       if (!from || !to || *from == *to)
         fail(r, fmt::format("'{}': write PIECE/FROM..TO with two points of the piece, which has 0 to {}{}", name,
-                            piece.edges.size() - 1, named_points(p)));
+                            piece.edges.size() - 1, named_points(panels_[p])));
       if (piece.loop_of(*from).begin != piece.loop_of(*to).begin)
         fail(r, fmt::format("'{}': one of the points is on the outline, or on one hole, and the other on another hole, "
                             "so no edges lead from one to the other; name points of one of them",
@@ -107,11 +96,6 @@ class Resolver {
       for (std::size_t k = *from; k != *to; k = piece.next(k)) all.push_back({p, k, false});
     }
     return all;
-  }
-
-  [[nodiscard]] std::string named_points(std::size_t p) const {
-    const std::vector<std::string>& names = panels_[p].piece.point_names;
-    return names.empty() ? "" : fmt::format(", named {}", join(names, ", "));
   }
 
   [[nodiscard]] EdgeUse edge(const SeamRequest& r, const std::string& given) const {
@@ -128,15 +112,6 @@ class Resolver {
     fail(r, labelled.empty()
                 ? fmt::format("'{}': the piece has no such edge; it has {}, counted from 0", given, edges.size())
                 : fmt::format("'{}': edges {} have this label; name one by its number", given, join(labelled, ", ")));
-  }
-
-  /// Panel and number of a point.
-  [[nodiscard]] std::pair<std::size_t, std::size_t> point(const SeamRequest& r, const std::string& given) const {
-    const std::size_t at = given.rfind('@');
-    if (at == std::string::npos) fail(r, fmt::format("meet: '{}': write a point as PIECE@POINT", given));
-    const std::size_t p = panel(r, given.substr(0, at), given), points = panels_[p].piece.edges.size();
-    if (const auto k = point_of(p, given.substr(at + 1))) return {p, *k};
-    fail(r, fmt::format("meet: '{}': the piece has points 0 to {}{}", given, points - 1, named_points(p)));
   }
 
   void use(const SeamRequest& r, const EdgeUse& e) {
@@ -211,7 +186,7 @@ class Resolver {
 
   /// The side turned so that it begins at a point.
   void begin_at(const SeamRequest& r, const std::string& given, Side& side) const {
-    const auto [p, k] = point(r, given);
+    const auto [p, k] = find_point(panels_, r.where + ": meet", given);
     const auto is_here = [&, p = p, k = k](const EdgeUse& e, bool at_end) {
       return e.panel == p && corner(panels_, e, at_end) == k;
     };

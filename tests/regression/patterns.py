@@ -279,3 +279,49 @@ def garment_dress(report):
     report.check(result.code == 3 and "is still open" in result.text, f"in so short a time they do not close: code {result.code}")
     gap = part(result, "sew").history["seam_gap"]
     report.check(gap[-1] < gap[0] - 0.005, f"but begin to: {gap[0]:.3f} m to {gap[-1]:.3f} m")
+
+
+@test
+def garment_marks(report):
+    """Buttons: named points of pieces are vertices there, in mirrored pieces too, and springs bring them together; wrong ones are named."""
+    side = 0.2
+    file = svg("garment_square.svg", rectangle("piece", side, side))
+    piece = {"file": file, "size": 0.025}
+    flat = np.array([[1.0, 0, 0], [0, 1, 0], [0, 0, 0.5]])
+
+    def case(*marks, **changes):
+        return {"panel": [piece | {"name": "a"}, piece | {"name": "b", "mirror": True, "translate": [0.25, 0, 0]}],
+                "mark": list(marks),
+                "material": [{"type": "matrices", "membrane": (1e3 * flat).tolist(), "bending": (1e-4 * flat).tolist(), "areal_density": 0.2}],
+                "support": [{"type": "hinged", "group": g} for g in ("a/0", "b/0")],
+                "stage": [{"name": "button", "analysis": "drape"}]} | changes
+
+    button, hole = {"name": "button", "panel": "a", "at": [0.17, -0.13]}, {"name": "hole", "panel": "b", "at": [0.171, -0.131]}
+    corner = {"name": "corner", "point": "b@2"}
+    for ranks in (1, 2):
+        spring = [{"type": "pair", "group": "button", "to": "hole", "stiffness": 50.0, "length": 0.0}]
+        result = part(solve(f"garment_marks_{ranks}", case(button, hole, corner, spring=spring), ranks), "button")
+        last = Results(result.folder)[-1]
+        at = {name: last.mesh.group(name, 0) for name in ("button", "hole", "corner")}
+        report.check(all(len(v) == 1 for v in at.values()), f"{ranks} rank(s): a vertex each: {at}")
+        start = {name: last.mesh.positions[v[0]] for name, v in at.items()}
+        report.near(np.abs(start["button"] - [0.17, 0, -0.13]).max(), 0, 1e-12, f"{ranks} rank(s): the button begins where it is drawn [m]")
+        report.near(np.abs(start["hole"] - [0.25 - 0.171, 0, -0.131]).max(), 0, 1e-12, f"{ranks} rank(s): the hole of a mirrored piece [m]")
+        away = np.linalg.norm(last.positions[at["button"][0]] - last.positions[at["hole"][0]])
+        report.below(away, 0.02, f"{ranks} rank(s): from {np.linalg.norm(start['button'] - start['hole']):.3f} m apart to [m]")
+
+    def refused(what, *words, marks):
+        code, text = invoke(["check", write_case(case(*marks), OUT / "garment_marks_wrong.toml")], 2)
+        report.check(code == 2 and all(w in text for w in words), f"{what}: code {code}: {' '.join(text.split())[:260]}")
+
+    refused("outside", "[[mark]] 'button'", "outside of piece 'a'", "from [0, -0.2] to [0.2, 0]", marks=[button | {"at": [17, -13]}])
+    refused("near an edge", "'button'", "too near for cells", marks=[button | {"at": [0.17, -0.001]}])
+    refused("near another", "'button'", "mark 'other'", "too near", marks=[button | {"name": "other", "at": [0.171, -0.13]}, button])
+    refused("not a number", "mark.at", "finite", marks=[button | {"at": [float("nan"), 0.1]}])
+    refused("no such piece", "'button'", "there is no piece 'c'", marks=[button | {"panel": "c"}])
+    refused("no such point", "'corner'", "points 0 to 3", marks=[corner | {"point": "b@9"}])
+    refused("twice", "another mark has this name", marks=[button, button | {"at": [0.1, -0.1]}])
+    refused("a name that is taken", "'a/0'", "choose another", marks=[button | {"name": "a/0"}])
+    refused("both", "mark.point", marks=[button | {"point": "a@1"}])
+    refused("neither", "mark.point", marks=[{"name": "button"}])
+    refused("one number", "mark.at", "two numbers", marks=[button | {"at": [0.1]}])

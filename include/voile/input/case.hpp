@@ -72,6 +72,12 @@ struct SeamSection {
   double bending = std::numeric_limits<double>::quiet_NaN(), allowance = std::numeric_limits<double>::quiet_NaN();
 };
 
+/// A point of a piece with a name.
+struct MarkSection {
+  std::string name, point, panel;  ///< point: "PANEL@POINT", or empty: panel and at
+  std::vector<double> at;          ///< x, y in the plane of the piece [m]
+};
+
 /// How seams are closed.
 struct SewingSection {
   double stiffness = 1e5;  ///< per rest length of the seam [N/m^2]
@@ -219,6 +225,7 @@ struct Case {
   MeshSection mesh;
   std::vector<PanelSection> panels;
   std::vector<SeamSection> seams;
+  std::vector<MarkSection> marks;
   SewingSection sewing;
   energy::ElementOptions element;
   std::vector<energy::Material> materials;

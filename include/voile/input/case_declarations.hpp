@@ -24,6 +24,7 @@ class Declarations {
   Case case_;
   PanelSection panel_;
   SeamSection seam_;
+  MarkSection mark_;
   MaterialInput material_;
   system::Support support_;
   MotionInput motion_;

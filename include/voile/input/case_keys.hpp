@@ -85,6 +85,7 @@ struct MaterialInput {
 [[nodiscard]] std::vector<Key> keys_of(MeshSection& section);
 [[nodiscard]] std::vector<Key> keys_of(PanelSection& section);
 [[nodiscard]] std::vector<Key> keys_of(SeamSection& section);
+[[nodiscard]] std::vector<Key> keys_of(MarkSection& section);
 [[nodiscard]] std::vector<Key> keys_of(SewingSection& section);
 [[nodiscard]] std::vector<Key> keys_of(energy::ElementOptions& section);
 [[nodiscard]] std::vector<Key> keys_of(MaterialInput& section);

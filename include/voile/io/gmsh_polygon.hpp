@@ -15,10 +15,11 @@ struct Polygon {
   std::vector<std::vector<Vec2>> loops;  ///< the outline and the holes in it
   std::size_t outline = 0;               ///< which of them that is
   double size = 0.0;                     ///< edge length wanted inside, > 0
+  std::vector<Vec2> inside{};            ///< points that become vertices, inside of the outline and of no hole
 };
 
 struct Triangulation {
-  std::vector<Vec2> points;               ///< first those of the loops, in their order
+  std::vector<Vec2> points;               ///< first those of the loops, then those inside, in their order
   std::vector<mesh::Triangle> triangles;  ///< counter-clockwise
 };
 
