@@ -103,11 +103,15 @@ class Step:
 
 
 class Results:
-    """A list of steps. `place`: the folder of the results or the file in it; it is opened for each look."""
+    """A list of steps. `place`: the folder of the results (of a run in stages that of a stage, of modes `modes` in it) or the file
+    in it; it is opened for each look."""
 
     def __init__(self, place: str | os.PathLike[str]) -> None:
         place = Path(place)
         self.file = place / NAME if place.is_dir() else place
+        if not self.file.is_file():
+            inside = sorted(f.parent.name for f in place.glob(f"*/{NAME}")) if place.is_dir() else []
+            raise FileNotFoundError(f"{self.file} is not there" + (f"; the folder has results of: {', '.join(inside)}" if inside else ""))
         self._meshes: dict[int, Mesh] = {}
         with h5py.File(self.file, "r") as data:
             own = data["voile"]

@@ -19,7 +19,7 @@ from .results import Results
 def program() -> Path:
     """The solver to use; FileNotFoundError if there is none."""
     built = Path(__file__).resolve().parents[2] / "build" / "voile"
-    found = os.environ.get("VOILE") or (built if built.is_file() else shutil.which("voile"))
+    found: str | None = os.environ.get("VOILE") or (str(built) if built.is_file() else shutil.which("voile"))
     if not found or not Path(found).is_file():
         raise FileNotFoundError(f"{found or 'voile'}: the solver is not there; build it, install it, or name it in the variable VOILE")
     return Path(found)

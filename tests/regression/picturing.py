@@ -326,6 +326,14 @@ def python_package(report):
     except RuntimeError as error:
         report.check(bad.code == 2 and "voile: error" in str(error), "check() says what the program said")
 
+    staged = fresh("python_stages")
+    shutil.copytree(OUT / "python_strip", staged / "first")
+    try:
+        Results(staged)
+        report.check(False, "a folder of stages is no result")
+    except FileNotFoundError as error:
+        report.check("has results of: first" in str(error), f"a folder of stages names them: {error}")
+
     class Sheet:
         def __init__(self, points, faces):
             self.points, self.faces, self.point_data, self.cell_data = points, faces, {}, {}
