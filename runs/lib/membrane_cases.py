@@ -9,9 +9,9 @@ from dataclasses import asdict, dataclass
 
 import convergence
 import numpy as np
-from benchmarks import BENCHMARKS
+from benchmarks import BENCHMARKS, compare
 from cloth import Surface
-from jittered import strip_mesh
+from jittered import annulus_mesh, strip_mesh
 from problems import PATTERNS, PROBLEMS
 from solver import ROOT, load_case, run, variant, write_case
 
@@ -118,6 +118,36 @@ def thickness(membranes):
         yield from answers_of(name, membranes, [2])
     for name in ("pinched_cylinder_free_100", "pinched_cylinder_free_10000"):
         yield from answers_of(name, membranes, [2])
+
+
+# Meshes that aims were set for, besides the strips: name and its parameters.
+AIMS = (("slit_annulus", {"n_radial": 24, "n_circ": 60}), ("hemisphere", {"n": 24}), ("hypar_10000", {"n": 32}), ("hypar_10000", {"n": 64}),
+        ("cantilever_moment", {"nx": 24, "ny": 2}), ("cantilever_moment", {"nx": 48, "ny": 4}))
+
+
+def uneven_annulus(membranes):
+    """The slit annulus of 24 x 60 with vertices moved at random by 25 %, three seeds."""
+    benchmark = BENCHMARKS["slit_annulus"]
+    for membrane in membranes:
+        for seed in SEEDS:
+            mesh = annulus_mesh(OUT / f"annulus_{seed}.msh", 24, 60, 0.25, seed)
+            result = solved(load_case(benchmark.case) | {"mesh": {"file": str(mesh)}, "element": element(membrane)}, "annulus")
+            for c in compare(benchmark, result.history) if result else ():
+                yield Answer("slit_annulus, moved by 25 %, 24 x 60", c.curve.label, membrane, 100 * (c.final / c.published - 1))
+
+
+def aims(membranes):
+    """The last deflection on the meshes that aims were set for, on each pattern."""
+    for name, parameters in AIMS:
+        mesh = " x ".join(str(v) for v in parameters.values())
+        for pattern in ("one_way",) if name == "cantilever_moment" else PATTERNS:
+            own = dict(parameters)
+            if name == "slit_annulus" and pattern == "union_jack":
+                own["n_circ"] = 64  # a multiple of 8
+            for membrane in membranes:
+                for q in PROBLEMS[name].solve(pattern, f"edge_slope/{membrane}", own, OUT / f"aim_{name}", 1):
+                    yield Answer(f"{name}, {pattern.replace('_', ' ')}, {mesh}", q.name, membrane, 100 * q.error)
+    yield from uneven_annulus(membranes)
 
 
 def curves(membranes):
@@ -237,4 +267,4 @@ def cloth(membranes):
 
 
 SECTIONS = {"strips": strips, **{name: problem(name) for name in LEVELS}, "thickness": thickness, "slivers": slivers,
-            "plate": plate, "drum": drum, "cloth": cloth, "curves": curves}
+            "plate": plate, "drum": drum, "cloth": cloth, "aims": aims, "curves": curves}

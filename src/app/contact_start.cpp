@@ -31,6 +31,12 @@ std::string attempt(const untangle::UntangleResult& r, double limit) {
                            r.left, r.gap, r.rounds);
 }
 
+/// Where the picture of what intersects is, if it could be drawn.
+std::string picture_text(std::filesystem::path file) {
+  const std::filesystem::path picture = file.replace_extension(".png");
+  return std::filesystem::exists(picture) ? fmt::format(", a picture in {}", picture.string()) : "";
+}
+
 /// Throws if the state is no start. Collective.
 /// `file`: for the triangles; empty: none.
 void check_start(const std::filesystem::path& file, system::Contact& contact, Vec a, const std::string& tried) {
@@ -39,12 +45,13 @@ void check_start(const std::filesystem::path& file, system::Contact& contact, Ve
   const std::vector<geometry::TrianglePair> pairs = check.find_by_ranks(positions);
   mpi::on_root(PETSC_COMM_WORLD, [&] {
     if (pairs.empty()) return;
+    const std::string found = check.report(positions, pairs, file);
     throw UserError(fmt::format(
         "[contact]: the start intersects: {}.{}{} Move the parts apart, {}let them ignore each other with a "
         "[[contact_rule]]",
-        check.report(positions, pairs, file),
-        file.empty() ? "" : fmt::format(" The triangles are in {} (ParaView).", file.string()), tried,
-        tried.empty() ? "repair shallow intersections with untangle = true, or " : "or "));
+        found,
+        file.empty() ? "" : fmt::format(" The triangles are in {} (ParaView){}.", file.string(), picture_text(file)),
+        tried, tried.empty() ? "repair shallow intersections with untangle = true, or " : "or "));
   });
   const system::ContactReport report = system::report(contact.scene(), a);
   if (report.gap > 0.0) return;

@@ -8,10 +8,13 @@
 #include <cmath>
 #include <map>
 
+#include "voile/base/bytes.hpp"
+#include "voile/base/child_process.hpp"
 #include "voile/base/error.hpp"
 #include "voile/base/mpi.hpp"
 #include "voile/base/text.hpp"
 #include "voile/io/mesh_file.hpp"
+#include "voile/io/message.hpp"
 #include "voile/io/triangle_file.hpp"
 #include "voile/system/contact.hpp"
 
@@ -237,11 +240,40 @@ std::vector<geometry::TrianglePair> IntersectionCheck::find(const std::vector<Ve
   return pairs;
 }
 
+void IntersectionCheck::draw(const Triangles& all, const std::vector<geometry::TrianglePair>& pairs,
+                             const std::filesystem::path& file) const {
+  const mesh::SurfaceMesh& sheet = contact_.scene().dofs().mesh();
+  std::vector<Index> piece(all.triangles.size(), no_index);
+  for (Index t = 0; t < sheet.triangle_count(); ++t) piece[t] = all.body[static_cast<std::size_t>(t)];
+  Index number = 0;
+  for (const mesh::Group& g : sheet.groups()) {
+    if (g.dimension != 2) continue;
+    for (const Index t : g.triangles) piece[t] = number;
+    ++number;
+  }
+  std::vector<std::uint8_t> hit(all.triangles.size(), 0);
+  for (const auto& [i, j] : pairs) hit[static_cast<std::size_t>(i)] = hit[static_cast<std::size_t>(j)] = 1;
+  ByteWriter out;
+  out.put(all.positions);
+  out.put(all.triangles);
+  out.put(piece);
+  out.put(hit);
+  try {
+    const io::Message message(out.take());
+    const std::string picture = std::filesystem::path(file).replace_extension(".png").string();
+    (void)run_beside(picture, "voile-picture", {"tangle", message.path(), picture});
+  } catch (const UserError&) {  // no room, no program: what matters is in the file
+  }
+}
+
 std::string IntersectionCheck::report(const std::vector<Vec3>& positions,
                                       const std::vector<geometry::TrianglePair>& pairs,
                                       const std::filesystem::path& file) const {
   const Triangles all = triangles_at(positions);
-  if (!file.empty()) geometry::write_pairs(file, all.positions, all.triangles, all.body, pairs);
+  if (!file.empty()) {
+    geometry::write_pairs(file, all.positions, all.triangles, all.body, pairs);
+    draw(all, pairs, file);
+  }
   const std::vector<contact::Body>& bodies_of_contact = contact_.scene().set().surface().bodies;
   const auto known = static_cast<Index>(bodies_of_contact.size());
   const mesh::SurfaceMesh& sheet = contact_.scene().dofs().mesh();

@@ -44,7 +44,8 @@ class IntersectionCheck {
   }
   /// The same, found by all ranks together, each in its part of space; on every rank. Collective.
   [[nodiscard]] std::vector<geometry::TrianglePair> find_by_ranks(const std::vector<Vec3>& positions) const;
-  /// What was found, in words, by pairs of bodies; the triangles go to `file` for ParaView, unless that is empty.
+  /// What was found, in words, by pairs of bodies; the triangles go to `file` for ParaView, unless that is empty, and with all others
+  /// as a picture to a .png beside it, if that can be drawn.
   [[nodiscard]] std::string report(const std::vector<Vec3>& positions, const std::vector<geometry::TrianglePair>& pairs,
                                    const std::filesystem::path& file) const;
 
@@ -57,6 +58,9 @@ class IntersectionCheck {
   [[nodiscard]] std::vector<geometry::TrianglePair> find(const std::vector<Vec3>& positions,
                                                          geometry::Share share) const;
   [[nodiscard]] Triangles triangles_at(const std::vector<Vec3>& positions) const;
+  /// A picture beside `file`. Says nothing if it cannot be drawn: the triangles are there.
+  void draw(const Triangles& all, const std::vector<geometry::TrianglePair>& pairs,
+            const std::filesystem::path& file) const;
 
   const system::Contact& contact_;
 };

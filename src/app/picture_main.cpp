@@ -1,10 +1,14 @@
 // voile-picture render | export | plot | view: what `voile` does with these commands.
+// voile-picture tangle MESSAGE PICTURE: for src/app/obstacles.cpp, of triangles that intersect.
 //
 // A program of its own, which starts without the solver's libraries.
 #include <memory>
+#include <string>
 
 #include "command_program.hpp"
 #include "picture_commands.hpp"
+#include "picture_tangle.hpp"
+#include "voile/base/child_process.hpp"
 
 namespace {
 
@@ -28,6 +32,8 @@ struct Commands {
 }  // namespace
 
 int main(int argc, char** argv) {
+  if (argc == 4 && std::string(argv[1]) == "tangle")
+    return answer_to_parent([&] { return app::draw_tangle(argv[2], argv[3]); });
   return app::command_program(
       argc, argv, "Pictures, animations and exchange of results",
       "the picture or the mesh is too large for this machine; make --size smaller, or take fewer --steps",

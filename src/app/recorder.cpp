@@ -21,6 +21,9 @@ namespace voile::app {
 
 namespace {
 
+/// Names of groups that differ in the results, of which so many are told: a pattern has dozens.
+constexpr std::size_t told_groups = 3;
+
 std::string duration(double seconds) {
   const auto s = static_cast<long>(std::max(0.0, seconds));
   if (s < 100) return fmt::format("{:.1f}s", seconds);
@@ -44,8 +47,12 @@ Recorder::Recorder(const input::Case& c, const RunOptions& options, system::Mode
     results_.emplace(options.output, obstacles_ ? obstacles_->at_rest() : io::ObstacleTriangles{});
     begin_epoch();
     history_.emplace(options.output / "history.csv", columns());
-    if (const std::vector<std::string> renamed = results_->renamed_groups(); !renamed.empty())
-      remark("names of groups in results.vtkhdf: " + join(renamed, ", "));
+    if (std::vector<std::string> renamed = results_->renamed_groups(); !renamed.empty()) {
+      const std::size_t more = renamed.size() > told_groups ? renamed.size() - told_groups : 0;
+      renamed.resize(renamed.size() - more);
+      remark("names of groups in results.vtkhdf: " + join(renamed, ", ") +
+             (more > 0 ? fmt::format(", and {} more so (their attribute `name` has the name)", more) : ""));
+    }
   });
   if (root_ && options.verbosity != Verbosity::quiet)
     fmt::print("{}", case_.analysis == "dynamic"

@@ -1,8 +1,8 @@
 #include "voile/io/gmsh_polygon.hpp"
 
-#include "gmsh_message.hpp"
 #include "voile/base/bytes.hpp"
 #include "voile/base/child_process.hpp"
+#include "voile/io/message.hpp"
 
 namespace voile::io {
 

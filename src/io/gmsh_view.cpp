@@ -1,9 +1,9 @@
 #include "voile/io/gmsh_view.hpp"
 
-#include "gmsh_message.hpp"
 #include "voile/base/bytes.hpp"
 #include "voile/base/child_process.hpp"
 #include "voile/io/geo_safety.hpp"
+#include "voile/io/message.hpp"
 
 namespace voile::io {
 

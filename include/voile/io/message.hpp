@@ -1,4 +1,4 @@
-// Bytes handed to voile-gmsh through a file; private to src/io.
+// Bytes handed to another program of this project through a file.
 #pragma once
 
 #include <fmt/format.h>
@@ -12,7 +12,7 @@
 
 namespace voile::io {
 
-/// A file that another program reads; removed on destruction.
+/// A file that another program reads; owned, removed on destruction. Throws UserError if it cannot be written. Not collective.
 class Message {
  public:
   explicit Message(const std::string& bytes) {
