@@ -17,7 +17,7 @@ def write_obj(path, points, triangles):
 
 
 def write_msh(path, points, groups):
-    """`groups`: (name, dimension, cells) with rows of 2 or 3 vertices as cells; each triangle in one group."""
+    """`groups`: (name, dimension, cells) with rows of 1, 2 or 3 vertices as cells; each triangle in one group."""
     path = Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)
     lines = ["$MeshFormat", "2.2 0 8", "$EndMeshFormat", "$PhysicalNames", str(len(groups))]
@@ -26,7 +26,7 @@ def write_msh(path, points, groups):
     lines += [f"{k} {x:.12g} {y:.12g} {z:.12g}" for k, (x, y, z) in enumerate(points, 1)]
     elements = [(dimension, k, cell) for k, (_, dimension, cells) in enumerate(groups, 1) for cell in cells]
     lines += ["$EndNodes", "$Elements", str(len(elements))]
-    lines += [f"{number} {dimension} 2 {k} {k} " + " ".join(str(v + 1) for v in cell)
+    lines += [f"{number} {dimension or 15} 2 {k} {k} " + " ".join(str(v + 1) for v in cell)
               for number, (dimension, k, cell) in enumerate(elements, 1)]
     path.write_text("\n".join([*lines, "$EndElements"]) + "\n")
     return path
