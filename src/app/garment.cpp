@@ -114,9 +114,9 @@ struct Cut {
   }
 };
 
-Cut read_panels(const input::PanelSection& s) {
-  Cut cut{&s, pattern::read_pattern(
-                  s.file, {s.unit, s.euler == input::PanelSection::Euler::xyz, s.pieces, s.unfold, s.texture_unit})};
+Cut read_panels(const input::PanelSection& s, bool allow_system_call) {
+  Cut cut{&s, pattern::read_pattern(s.file, {s.unit, s.euler == input::PanelSection::Euler::xyz, s.pieces, s.unfold,
+                                             s.texture_unit, s.parameters, allow_system_call})};
   if (!s.name.empty() && cut.from.pieces.size() != 1)
     throw UserError(
         fmt::format("{}: [[panel]] name = \"{}\" is for one piece, but there are {}; name one with the key "
@@ -219,7 +219,7 @@ pattern::Garment garment_of(const input::Case& c) {
   std::vector<Cut> cuts;
   Landmarks landmarks(c);
   for (const input::PanelSection& section : c.panels) {
-    const Cut& cut = cuts.emplace_back(read_panels(section));
+    const Cut& cut = cuts.emplace_back(read_panels(section, c.mesh.options.allow_system_call));
     notes.insert(notes.end(), cut.from.notes.begin(), cut.from.notes.end());
     for (const pattern::Piece& piece : cut.from.pieces)
       panels.push_back(panel_of(c, section, cut.from, piece, landmarks));

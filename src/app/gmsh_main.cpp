@@ -14,7 +14,9 @@
 #include <set>
 
 #include "../io/mesh_bytes.hpp"
+#include "gmsh_outlines.hpp"
 #include "gmsh_polygons.hpp"
+#include "gmsh_script.hpp"
 #include "gmsh_session.hpp"
 #include "gmsh_views.hpp"
 #include "voile/base/child_process.hpp"
@@ -32,71 +34,8 @@ namespace fs = std::filesystem;
 constexpr int line_type = 1, point_type = 15;  // Gmsh's element type numbers
 constexpr std::array<const char*, 3> dimension_names{"point", "curve", "surface"};
 
-/// Throws if Gmsh has logged errors so far.
-void check_log(const std::string& file, const char* doing) {
-  constexpr std::size_t shown = 4;
-  std::vector<std::string> log, errors;
-  gmsh::logger::get(log);
-  for (const std::string& line : log)
-    if (line.rfind("Error", 0) == 0) errors.push_back(printable(line.substr(std::min<std::size_t>(7, line.size()))));
-  if (errors.empty()) return;
-  const std::size_t n = errors.size();
-  errors.resize(std::min(n, shown));
-  throw UserError(fmt::format("{}: Gmsh failed while {} it: {}{}", file, doing, join(errors, "; "),
-                              n > shown ? fmt::format(" (and {} more errors)", n - shown) : ""));
-}
-
-/// Throws if a parameter is not among the known ones or not finite.
-void check_parameters(const std::string& file, const std::map<std::string, double>& given, const GeoParameters& known) {
-  for (const auto& [name, value] : given) {
-    if (!std::isfinite(value)) throw UserError(fmt::format("{}: parameter '{}' is {}", file, name, value));
-    if (known.count(name)) continue;
-    std::vector<std::string> names;
-    for (const auto& entry : known) names.push_back(entry.first);
-    throw UserError(fmt::format("{}: there is no parameter '{}'; {}", file, name,
-                                names.empty() ? "the file declares none (use DefineConstant[ name = value ];)"
-                                              : fmt::format("the file declares: {}", join(names, ", "))));
-  }
-}
-
-/// Removes the file on destruction.
-struct TemporaryFile {
-  fs::path path;
-  ~TemporaryFile() {
-    std::error_code ignored;
-    fs::remove(path, ignored);
-  }
-};
-
-/// Opens the script with its parameters preset: DefineConstant keeps a variable that exists already. (The option
-/// -setnumber is no alternative: Gmsh never forgets its values, not even after finalize.)
-void open_geo(const std::string& file, const MeshOptions& options) {
-  const GeoParameters known = geo_parameters(file);
-  check_parameters(file, options.parameters, known);
-  if (options.parameters.empty()) return gmsh::open(file);
-  const std::string pattern = (fs::temp_directory_path() / "voile_XXXXXX.geo").string();
-  std::vector<char> name(pattern.begin(), pattern.end());
-  name.push_back('\0');
-  const int descriptor = mkstemps(name.data(), 4);
-  if (descriptor < 0) throw UserError(fmt::format("{}: no temporary file can be created there", pattern));
-  close(descriptor);
-  const TemporaryFile wrapper{name.data()};
-  std::ofstream out(wrapper.path);
-  for (const auto& [variable, value] : options.parameters) {
-    const std::string& onelab_name = known.at(variable);
-    if (onelab_name.empty())
-      out << fmt::format("{} = {};\n", variable, value);
-    else
-      gmsh::onelab::setNumber(onelab_name, {value});
-  }
-  out << fmt::format("Include \"{}\";\n", fs::absolute(file).string());
-  out.close();
-  gmsh::open(wrapper.path.string());
-}
-
 void mesh_geo(const std::string& file, const MeshOptions& options) {
-  open_geo(file, options);
-  check_log(file, "reading");
+  open_geo(file, options.parameters);
   if (options.size > 0.0) {
     for (const char* name : {"Mesh.MeshSizeMin", "Mesh.MeshSizeMax"}) gmsh::option::setNumber(name, options.size);
     gmsh::option::setNumber("Mesh.MeshSizeFactor", 1.0);
@@ -277,12 +216,6 @@ class Converter {
     }
   }
 
-  [[nodiscard]] static std::string group_name(int dimension, int tag) {
-    std::string name;
-    gmsh::model::getPhysicalName(dimension, tag, name);
-    return name.empty() ? fmt::format("{}-{}", dimension_names[static_cast<std::size_t>(dimension)], tag) : name;
-  }
-
   static void sort_unique(std::vector<Index>& values) {
     std::sort(values.begin(), values.end());
     values.erase(std::unique(values.begin(), values.end()), values.end());
@@ -341,6 +274,7 @@ int main(int argc, char** argv) {
   return voile::answer_to_parent([&] {
     if (argc == 1) return voile::io::version();
     if (words.at(2) == "polygons") return voile::io::fill_polygons(words.at(1));
+    if (words.at(2) == "outlines") return voile::io::outlines_of(words);
     if (words.at(2) == "view") return voile::io::view_at_points(words.at(1));
     return voile::io::read(words);
   });

@@ -74,9 +74,13 @@ std::vector<Key> keys_of(PanelSection& s) {
       {.name = "file",
        .slot = &s.file,
        .meaning =
-           "Pattern: GarmentCode (`.json`), outlines (`.svg`, `.dxf`) or a mesh whose texture coordinates are those of "
-           "the pieces (`.obj`), relative to the folder of the case file.",
+           "Pattern: GarmentCode (`.json`), outlines (`.svg`, `.dxf`, `.geo`) or a mesh whose texture coordinates are "
+           "those of the pieces (`.obj`), relative to the folder of the case file.",
        .required = true},
+      {.name = "parameters",
+       .slot = &s.parameters,
+       .meaning = "Numbers that a `.geo` declares by DefineConstant, e.g. `{ waist = 0.7 }`.",
+       .absent = "as the file has them"},
       {.name = "pieces",
        .slot = Words{&s.pieces, {}},
        .meaning = "Names of the pieces that are taken from it.",
@@ -89,7 +93,7 @@ std::vector<Key> keys_of(PanelSection& s) {
        .slot = &s.unit,
        .meaning = "Length of one unit of the file's coordinates. 0: what the file says: an SVG by a width "
                   "with a unit and a viewBox, a DXF by $INSUNITS, a text 'Units:' or $MEASUREMENT; "
-                  "an OBJ is in metres.",
+                  "an OBJ and a Gmsh script are in metres.",
        .unit = "m",
        .range = not_negative},
       {.name = "texture_unit",

@@ -211,6 +211,7 @@ Pattern read_unguarded(const std::filesystem::path& file, const ReadOptions& opt
   Pattern pattern = extension == ".json"  ? read_garmentcode(file, options)
                     : extension == ".svg" ? read_svg(file, options)
                     : extension == ".obj" ? read_obj(file, options)
+                    : extension == ".geo" ? read_geo(file, options)
                                           : read_dxf(file, options);
   check_names(pattern, options.pieces);
   if (!options.unfold.empty()) {
@@ -233,13 +234,16 @@ Pattern read_unguarded(const std::filesystem::path& file, const ReadOptions& opt
 
 Pattern read_pattern(const std::filesystem::path& file, const ReadOptions& options) {
   if (const std::string extension = lower_extension(file);
-      extension != ".json" && extension != ".svg" && extension != ".dxf" && extension != ".obj")
+      extension != ".json" && extension != ".svg" && extension != ".dxf" && extension != ".obj" && extension != ".geo")
     throw UserError(
-        fmt::format("{}: unknown kind of pattern '{}'; give a GarmentCode .json, an .svg, a .dxf or an .obj",
+        fmt::format("{}: unknown kind of pattern '{}'; give a GarmentCode .json, an .svg, a .dxf, a .geo or an .obj",
                     file.string(), extension));
   else if (options.texture_unit > 0.0 && extension != ".obj")
     throw UserError(fmt::format("{}: texture_unit: only an .obj has texture coordinates; give unit", file.string()));
-  try_in_child(file.string(), [&] { (void)read_unguarded(file, options); });
+  else if (!options.parameters.empty() && extension != ".geo")
+    throw UserError(fmt::format("{}: parameters: only a .geo has some; remove the key", file.string()));
+  if (lower_extension(file) != ".geo")  // which is read by a process of its own
+    try_in_child(file.string(), [&] { (void)read_unguarded(file, options); });
   return read_unguarded(file, options);
 }
 

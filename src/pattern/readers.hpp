@@ -12,6 +12,8 @@ namespace voile::pattern {
 
 [[nodiscard]] Pattern read_dxf(const std::filesystem::path& file, const ReadOptions& options);
 
+[[nodiscard]] Pattern read_geo(const std::filesystem::path& file, const ReadOptions& options);
+
 [[nodiscard]] Pattern read_obj(const std::filesystem::path& file, const ReadOptions& options);
 
 /// A half becomes the whole: its edges from the one after `fold` on, then their mirror images, whose names end in '; then

@@ -37,14 +37,15 @@ struct PointInput {
 
 /// Pieces of a pattern file, and where they begin.
 struct PanelSection {
-  std::filesystem::path file;       ///< GarmentCode .json, .svg, .dxf or .obj, resolved relative to the case file
-  std::vector<std::string> pieces;  ///< of the file; empty: all
-  std::string name;                 ///< in place of the only piece's own; empty: that
-  double unit = 0.0;                ///< length of the file's unit [m]; 0: as the file says
-  double texture_unit = 0.0;        ///< of the texture coordinates of an .obj [m]; 0: as its vertices say
-  double size = 0.02;               ///< of cells [m]
-  bool mirror = false;              ///< x -> -x in the piece
-  std::string unfold;               ///< edge across which halves unfold, by number or label; empty: none
+  std::filesystem::path file;  ///< GarmentCode .json, .svg, .dxf, .geo or .obj, resolved relative to the case file
+  std::map<std::string, double> parameters;  ///< of a .geo
+  std::vector<std::string> pieces;           ///< of the file; empty: all
+  std::string name;                          ///< in place of the only piece's own; empty: that
+  double unit = 0.0;                         ///< length of the file's unit [m]; 0: as the file says
+  double texture_unit = 0.0;                 ///< of the texture coordinates of an .obj [m]; 0: as its vertices say
+  double size = 0.02;                        ///< of cells [m]
+  bool mirror = false;                       ///< x -> -x in the piece
+  std::string unfold;                        ///< edge across which halves unfold, by number or label; empty: none
   std::vector<double> grain;  ///< direction of the grain line as the file draws the piece; empty: as the file says
   bool stitches = true;       ///< those of the file are taken
   enum class Euler { zyx, xyz };

@@ -9,6 +9,7 @@
 
 #include <array>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -100,9 +101,11 @@ struct ReadOptions {
   std::vector<std::string> pieces{};  ///< names of those wanted; empty: all
   std::string unfold{};               ///< edge, by number or label, across which each piece unfolds; empty: none
   double texture_unit = 0.0;          ///< length of 1 in texture coordinates of an .obj [m]; 0: as its vertices say
+  std::map<std::string, double> parameters{};  ///< of a .geo
+  bool allow_system_call = false;              ///< of a .geo, see io/geo_safety.hpp
 };
 
-/// Reads a GarmentCode .json, an .svg, an ASCII .dxf or an .obj with texture coordinates. Loops are checked: closed, no edge without length, no crossing, holes inside of
+/// Reads a GarmentCode .json, an .svg, an ASCII .dxf, a Gmsh .geo or an .obj with texture coordinates. Loops are checked: closed, no edge without length, no crossing, holes inside of
 /// the outline and not of each other. Stitches of
 /// pieces that are not wanted are left out. Throws UserError that names file, piece, edge and remedy.
 [[nodiscard]] Pattern read_pattern(const std::filesystem::path& file, const ReadOptions& options);
