@@ -16,7 +16,6 @@
 #include "voile/base/error.hpp"
 #include "voile/base/mpi.hpp"
 #include "voile/input/expression.hpp"
-#include "voile/solve/load_path.hpp"
 #include "voile/system/contact.hpp"
 
 namespace voile::app {
@@ -235,6 +234,11 @@ std::optional<Adapted> Remesher::attempt(Epoch& epoch, const std::vector<double>
   fresh.prepare(Origin::mesh);
   // Nothing has moved yet: Newton's method would be asked to improve on round-off.
   const bool at_rest = epoch.state().in_equilibrium && is_zero(epoch.state().u);
+  petsc::VecHandle direction;  // of a path
+  if (fresh.state().previous) {
+    direction = fresh.model().dofs().create_vector();
+    VOILE_PETSC(VecWAXPY(direction, -1.0, fresh.state().u, fresh.state().previous));
+  }
   double change = 0.0;
   if (!at_rest)
     change = settle(epoch, fresh, before, made);
@@ -245,15 +249,14 @@ std::optional<Adapted> Remesher::attempt(Epoch& epoch, const std::vector<double>
     what = "the new surface would intersect";
     accepted = false;
   }
-  if (accepted && stage_.c.analysis == "static" && !at_rest) {
-    fresh.state().in_equilibrium = false;
-    if (solve::find_equilibrium(fresh.model(), fresh.state()).outcome == solve::Outcome::failed) {
-      what = "no equilibrium was found on the new mesh";
-      accepted = false;
-    }
-  }
+  const bool is_path = stage_.c.analysis == "static";
+  if (is_path && !at_rest) accepted = accepted && find_equilibrium(epoch, fresh, what);
+  // Potentials are compared under the same loads.
+  if (is_path) fresh.model().conditions().set_load_factor(epoch.state().load_factor);
+  if (direction) VOILE_PETSC(VecWAXPY(fresh.state().previous, 1.0, direction, fresh.state().u));
   const Ledger after = ledger(fresh);
-  if (stage_.c.analysis == "static") change = energy_change(before, after, fresh);
+  if (is_path) fresh.model().conditions().set_load_factor(fresh.state().load_factor);
+  if (is_path) change = energy_change(before, after, fresh);
   // Paths and draping go on to an equilibrium: less energy is what a finer mesh is for. A motion must neither gain nor
   // lose any.
   if (accepted && (stage_.c.analysis == "dynamic" ? std::abs(change) : change) > keys_.energy_change) {
