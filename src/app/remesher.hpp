@@ -10,6 +10,7 @@
 #include "background_size.hpp"
 #include "epoch.hpp"
 #include "stages.hpp"
+#include "summary.hpp"
 #include "voile/adapt/remesh.hpp"
 #include "voile/adapt/rest_surface.hpp"
 #include "voile/adapt/sizing.hpp"
@@ -36,6 +37,12 @@ struct Ledger {
   [[nodiscard]] double total() const { return stored() + kinetic; }
 };
 
+/// CPU seconds of this process.
+[[nodiscard]] double cpu_clock();
+
+/// As the log says it; empty if there were no remeshings.
+[[nodiscard]] std::string text_of(const RemeshingEffort& effort);
+
 class Remesher {
  public:
   /// `first`: the mesh of the case, whose rest shape all later ones approach. Collective.
@@ -45,8 +52,8 @@ class Remesher {
   [[nodiscard]] bool due(Epoch& epoch, bool finished);
   /// The next epoch, or nothing if what was found is refused. `remark` says what was done. Collective.
   [[nodiscard]] std::optional<Adapted> adapt(Epoch& epoch, const std::function<void(const std::string&)>& remark);
-  /// What all remeshings together came to. Not collective.
-  [[nodiscard]] std::string text() const;
+  /// What all remeshings together came to so far. Not collective.
+  [[nodiscard]] RemeshingEffort effort() const;
   /// Vertices of a mesh of the sizes that the last call of due() found, about; on rank 0.
   [[nodiscard]] double expected_vertices() const;
 
@@ -80,13 +87,10 @@ class Remesher {
   std::vector<double> size_;                ///< found by due()
   std::function<double(const Vec3&)> bound_;
   std::optional<BackgroundSize> background_;  ///< rank 0
-  double seconds_ = 0.0;
+  double begin_ = cpu_clock(), seconds_ = 0.0;
   double velocity_factor_ = 1.0;  ///< of the last remeshing, on rank 0
-  int count_ = 0, refused_ = 0, at_end_ = 0;
+  int count_ = 0, refused_ = 0, attempts_ = 0, at_end_ = 0;
 };
-
-/// CPU seconds of this process.
-[[nodiscard]] double cpu_clock();
 
 /// Throws UserError where a case means vertices that a remeshing would multiply: forces, masses and springs at every
 /// vertex of a curve or surface; and for a size field that cannot be read. Collective.

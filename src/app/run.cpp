@@ -152,7 +152,8 @@ Summary run_stage(const Stage& stage, std::unique_ptr<Epoch> epoch, io::Checkpoi
     summary.reason = fmt::format("stopped by a signal; go on with --restart {}", checkpoints.file().string());
   if (summary.converged && (c.analysis == "modal" || c.analysis == "buckling"))
     run_modes(c, stage.options, epoch->model(), epoch->state().u, summary);
-  if (remesher && !remesher->text().empty()) recorder.remark(remesher->text());
+  if (remesher) summary.remeshing = remesher->effort();
+  if (remesher && !text_of(*summary.remeshing).empty()) recorder.remark(text_of(*summary.remeshing));
   recorder.finish();
   summary.membrane_error = recorder.membrane_error();
   if (c.analysis == "dynamic") summary.kinetic = recorder.kinetic();

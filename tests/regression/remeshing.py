@@ -1,5 +1,6 @@
 """Regression tests of remeshing within a run: the answer, restarts, stages, supports and probes, and mistakes."""
 
+import re
 import signal
 
 import h5py
@@ -145,6 +146,29 @@ def remesh_refused(report):
     again = run(file, fresh("remesh_refused_again"), 2, ["--restart", OUT / "remesh_refused_short" / "checkpoint.h5"])
     later = Table(again.folder / "remeshing.csv")
     report.check(again.code == 0 and list(later["step"]) == [s for s in table["step"] if s > at], "tried at the same steps after a restart")
+
+
+@test
+def remesh_effort(report):
+    """What remeshing took is told, the bending stiffness is assembled once per epoch and refused mesh, and edges are as long as wanted."""
+    folder = OUT / "remesh_effort.log"
+    path = strip(nx=10, steps__initial_step=0.1, steps__max_step=0.1, remesh=SIZES, load=[{"type": "line", "group": "tip", "vector": [0, 0, 20.0]}])
+    refused = swinging(remesh={"angle": 5.0, "smallest": 0.1, "largest": 1.0, "every": 5, "energy_change": 1e-9, "velocity_change": 0.0})
+    for name, case in (("count", path), ("refused", refused)):
+        result = solve(f"remesh_effort_{name}", case, 2, ["-log_view", f":{folder}"])
+        told, table = result.summary["remeshing"], Table(result.folder / "remeshing.csv")
+        report.check(told["count"] == np.sum(table["accepted"]) == result.history["remeshings"][-1], f"{told['count']} remeshings")
+        report.check(told["attempts"] == len(table["accepted"]) and told["attempts"] == told["count"] + told["refused"], f"{told['attempts']} attempts")
+        assembled = int(re.search(r"^VoileBendAssemble\s+(\d+)", folder.read_text(), re.M).group(1))
+        report.check(assembled == 1 + told["attempts"], f"the bending stiffness was assembled {assembled} times")
+        report.check(0 < told["share"] < 1 and 0 < told["cpu_seconds"] < result.summary["cpu_seconds"], f"{100 * told['share']:.0f} % of the time")
+        report.check(f"{told['count']} remeshings, {told['refused']} refused" in result.text and "% of its time" in result.text, "said at the end")
+        report.check(told[name] >= 2, "there was such a one")
+        ratios = [table[f"ratio_{p}"] for p in (1, 50, 99)]
+        report.check(np.all(ratios[0] > 0.5) and np.all(np.abs(ratios[1] - 1) < 0.2) and np.all(ratios[2] < 1.5), f"edges over their wanted length: {ratios}")
+        low, high = table["wanted_smallest"], table["wanted_largest"]
+        keys = case["remesh"]
+        report.check(np.all(low <= high) and np.all(low > 0.99 * keys["smallest"]) and np.all(high < 1.01 * keys["largest"]), f"wanted sizes: {low} to {high}")
 
 
 @test
