@@ -175,8 +175,8 @@ def remesh_effort(report):
 def remesh_gives_way(report):
     """In equilibrium a finer mesh that stores more because it gives way is accepted: the potential counts, loads included."""
     case = variant(load_case(BENCHMARKS["pinched_cylinder"].case),
-                   {"mesh.parameters.n_axial": 12, "mesh.parameters.n_circ": 12, "steps.final_displacement": -20,
-                    "steps.initial_step": 0.04, "steps.max_step": 0.15,
+                   {"mesh.parameters.n_axial": 12, "mesh.parameters.n_circ": 12,
+                    "steps": {"final_load_factor": 0.09, "initial_step": 0.01, "max_step": 0.02},
                     "remesh": {"angle": 10.0, "smallest": 1.0, "largest": 15.0, "energy_change": 0.02}})
     result = solve("remesh_gives_way", case, 2)
     table = Table(result.folder / "remeshing.csv")
