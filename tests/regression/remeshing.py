@@ -176,14 +176,14 @@ def remesh_gives_way(report):
     """In equilibrium a finer mesh that stores more because it gives way is accepted: the potential counts, loads included."""
     case = variant(load_case(BENCHMARKS["pinched_cylinder"].case),
                    {"mesh.parameters.n_axial": 12, "mesh.parameters.n_circ": 12,
-                    "steps": {"final_load_factor": 0.09, "initial_step": 0.01, "max_step": 0.02},
+                    "steps": {"final_load_factor": 0.12, "initial_step": 0.01, "max_step": 0.02},
                     "remesh": {"angle": 10.0, "smallest": 1.0, "largest": 15.0, "energy_change": 0.02}})
     result = solve("remesh_gives_way", case, 2)
     table = Table(result.folder / "remeshing.csv")
     before, after = (table["membrane" + end] + table["bending" + end] for end in ("_before", ""))
     grown = after / before - 1
     report.check(len(grown) >= 2 and np.all(table["accepted"]), f"{len(grown)} remeshings, all accepted")
-    report.check(grown.max() > 0.04, f"stored energy grows by up to {100 * grown.max():.1f} %, more than the bound of 2 %")
+    report.check(grown.max() > 0.03, f"stored energy grows by up to {100 * grown.max():.1f} %, more than the bound of 2 %")
 
 
 @test
