@@ -62,6 +62,9 @@ class Remesher {
   [[nodiscard]] int every() const;
   [[nodiscard]] std::vector<double> wanted_sizes(Epoch& epoch);
   [[nodiscard]] std::vector<double> bounds(Epoch& epoch, const std::vector<double>& curvature_squared);
+  [[nodiscard]] double time_ahead(const Epoch& epoch) const;
+  void bound_by_obstacles(Epoch& epoch, const std::vector<Vec3>& places, const std::vector<double>& velocity,
+                          std::vector<double>& bound);
   [[nodiscard]] adapt::Limits limits(Epoch& epoch) const;
   struct Made;
   [[nodiscard]] Made make_mesh(Epoch& epoch, const std::vector<double>& size, bool only_splits);
@@ -85,6 +88,7 @@ class Remesher {
   std::optional<adapt::RestSurface> rest_;  ///< rank 0
   std::optional<io::HistoryWriter> table_;  ///< rank 0
   std::vector<double> size_;                ///< found by due()
+  std::vector<char> near_obstacle_;         ///< per vertex, on rank 0: beside a bend; found by due()
   std::function<double(const Vec3&)> bound_;
   std::optional<BackgroundSize> background_;  ///< rank 0
   double begin_ = cpu_clock(), seconds_ = 0.0;
