@@ -100,8 +100,10 @@ std::vector<double> size_field(const mesh::SurfaceMesh& mesh, const std::vector<
   return h;
 }
 
-SizeMatch match(const mesh::SurfaceMesh& mesh, const std::vector<double>& size) {
-  if (size.size() != static_cast<std::size_t>(mesh.vertex_count())) throw InternalError("sizes: not one per vertex");
+SizeMatch match(const mesh::SurfaceMesh& mesh, const std::vector<double>& size, const std::vector<char>& counted) {
+  if (size.size() != static_cast<std::size_t>(mesh.vertex_count()) ||
+      (!counted.empty() && counted.size() != size.size()))
+    throw InternalError("sizes: not one per vertex");
   std::vector<double> sum(size.size(), 0.0), ratios;
   std::vector<int> edges(size.size(), 0);
   for (Index t = 0; t < mesh.triangle_count(); ++t)
@@ -116,6 +118,7 @@ SizeMatch match(const mesh::SurfaceMesh& mesh, const std::vector<double>& size) 
     }
   SizeMatch m;
   for (std::size_t v = 0; v < size.size(); ++v) {
+    if (!counted.empty() && !counted[v]) continue;
     if (sum[v] > 1.5 * edges[v]) m.too_long += 1.0 / static_cast<double>(size.size());
     if (sum[v] < 0.5 * edges[v]) m.too_short += 1.0 / static_cast<double>(size.size());
   }

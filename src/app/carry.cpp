@@ -22,6 +22,7 @@ io::Checkpoint gather(const system::State& s, const system::Dofs& dofs) {
   c.yielding = s.contact.yielding;
   c.anchors = system::numbers_of(s.anchors);
   c.energy_balance = system::numbers_of(s.balance);
+  c.path = system::numbers_of(s.path);
   c.remeshings = s.remeshings.count;
   c.too_long = s.remeshings.too_long;
   c.too_short = s.remeshings.too_short;
@@ -43,6 +44,7 @@ system::State scatter(const io::Checkpoint& c, const system::Dofs& dofs) {
   s.contact = {c.contact_gaps, c.contact_start, c.yielding};
   s.anchors = system::anchors_of(c.anchors);
   s.balance = system::balance_of(c.energy_balance);
+  s.path = system::path_of(c.path);
   s.remeshings = {c.remeshings, c.too_long, c.too_short, c.remeshing_wait, c.remeshing_step};
   s.solver = {c.positive_tangents, c.factors_left, c.wait};
   s.u = dofs.create_vector();

@@ -6,6 +6,8 @@
 #include <limits>
 #include <numbers>
 
+#include "obstacle_sizes.hpp"
+#include "remesh_made.hpp"
 #include "remesher.hpp"
 #include "voile/base/error.hpp"
 #include "voile/base/mpi.hpp"
@@ -21,6 +23,8 @@ constexpr double infinite = std::numeric_limits<double>::infinity();
 constexpr double most_too_long = 0.02, most_too_short = 0.3;
 /// The first one where a path or a drape ends: one sharp fold decides the shape, and there is no later look.
 constexpr double most_too_long_at_end = 0.002;
+/// Beside an obstacle: what is small pierces or creases a coarse sheet in one place.
+constexpr double most_too_long_ahead = 0.002;
 /// Looks in a row at the end of a path or a drape.
 constexpr int most_looks_at_end = 6;
 /// Of any mesh: every rank holds the whole of it.
@@ -118,6 +122,31 @@ std::vector<double> Remesher::bounds(Epoch& epoch, const std::vector<double>& cu
   return bound;
 }
 
+/// In which the sheet may come to an obstacle before another mesh is made: that of two looks. [s]
+double Remesher::time_ahead(const Epoch& epoch) const {
+  if (!epoch.moves()) return 0.0;
+  const double next = epoch.state().next_step;
+  return 2.0 * every() * (next > 0.0 ? next : stage_.c.time.options.step);
+}
+
+/// Lowers the bounds beside what bends the sheet as soon as it gets there; on rank 0. `velocity`: empty outside a motion.
+void Remesher::bound_by_obstacles(Epoch& epoch, const std::vector<Vec3>& places, const std::vector<double>& velocity,
+                                  std::vector<double>& bound) {
+  near_obstacle_.assign(places.size(), 0);
+  const system::Contact* contact = epoch.model().contact();
+  if (!contact || !keys_.near_obstacles) return;
+  const adapt::SizeOptions o = options_of(stage_, *first_);
+  const double ahead = time_ahead(epoch);
+  std::vector<double> advance;
+  for (const Vec3& v : as_points(velocity)) advance.push_back(ahead * v.norm());
+  std::vector<double> near(places.size(), infinite);
+  bound_near(bends_of(contact->scene(), o, ahead), places, advance, o.largest, near);
+  for (std::size_t v = 0; v < near.size(); ++v) {
+    near_obstacle_[v] = near[v] < o.largest ? 1 : 0;
+    bound[v] = std::min(bound[v], near[v]);
+  }
+}
+
 /// On rank 0.
 std::vector<double> Remesher::wanted_sizes(Epoch& epoch) {
   system::Model& model = epoch.model();
@@ -126,11 +155,14 @@ std::vector<double> Remesher::wanted_sizes(Epoch& epoch) {
   std::vector<double> squared(fields.curvature.size() / 3);
   for (std::size_t t = 0; t < squared.size(); ++t)
     squared[t] = std::max(largest_squared(&fields.curvature[3 * t]), largest_squared(&fields.whole_curvature[3 * t]));
-  const std::vector<double> bound = bounds(epoch, squared), u = model.dofs().gather(epoch.state().u);
+  std::vector<double> bound = bounds(epoch, squared), velocity;
+  const std::vector<double> u = model.dofs().gather(epoch.state().u);
+  if (epoch.state().v) velocity = model.dofs().gather(epoch.state().v);
   std::vector<double> size;
   mpi::on_root(model.dofs().comm(), [&] {
     std::vector<Vec3> places = mesh.positions();
     for (std::size_t v = 0; v < places.size(); ++v) places[v] += Eigen::Map<const Vec3>(&u[3 * v]);
+    bound_by_obstacles(epoch, places, velocity, bound);
     size = adapt::size_field(mesh, places, squared, bound, options_of(stage_, *first_));
     if (keys_.max_vertices > 0) {
       const double excess = vertices_of(mesh, size) / keys_.max_vertices;
@@ -159,8 +191,9 @@ bool Remesher::due(Epoch& epoch, bool finished) {
   mpi::on_root(epoch.model().dofs().comm(), [&] {
     const adapt::SizeMatch m = adapt::match(epoch.model().dofs().mesh(), size_);
     const system::Remeshings& left = epoch.state().remeshings;
+    const double ahead = adapt::match(epoch.model().dofs().mesh(), size_, near_obstacle_).too_long;
     yes[0] = m.too_long > left.too_long + (finished ? most_too_long_at_end : most_too_long) ||
-                     m.too_short > left.too_short + most_too_short
+                     ahead > left.too_long + most_too_long_ahead || m.too_short > left.too_short + most_too_short
                  ? 1.0
                  : 0.0;
   });

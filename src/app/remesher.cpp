@@ -16,7 +16,6 @@
 #include "voile/base/error.hpp"
 #include "voile/base/mpi.hpp"
 #include "voile/input/expression.hpp"
-#include "voile/solve/load_path.hpp"
 #include "voile/system/contact.hpp"
 
 namespace voile::app {
@@ -185,6 +184,11 @@ void Remesher::write(const Epoch& epoch, const Made& made, const Ledger& before,
       {"refused_by_clearance", number(m.counts.refused_by_clearance)},
       {"smallest_angle", m.quality.smallest_angle * 180.0 / std::numbers::pi},
       {"ill_conditioned", number(m.quality.ill_conditioned)},
+      {"wanted_smallest", made.match.smallest},
+      {"wanted_largest", made.match.largest},
+      {"ratio_1", made.match.p1},
+      {"ratio_50", made.match.p50},
+      {"ratio_99", made.match.p99},
       {"membrane_before", before.energies.membrane},
       {"membrane", after.energies.membrane},
       {"bending_before", before.energies.bending},
@@ -210,16 +214,35 @@ void Remesher::write(const Epoch& epoch, const Made& made, const Ledger& before,
   table_->write(values);
 }
 
-std::string Remesher::text() const {
-  if (count_ + refused_ == 0) return "";
-  return fmt::format("{} remeshings, {} refused, {:.1f} CPU s of rank 0", count_, refused_, seconds_);
+RemeshingEffort Remesher::effort() const {
+  const double all = cpu_clock() - begin_;
+  return {count_, refused_, attempts_, seconds_, all > 0.0 ? seconds_ / all : 0.0};
 }
+
+std::string text_of(const RemeshingEffort& e) {
+  if (e.count + e.refused == 0) return "";
+  return fmt::format("{} remeshings, {} refused, {:.1f} CPU s of rank 0, {:.2g} % of its time", e.count, e.refused,
+                     e.seconds, 100.0 * e.share);
+}
+
+namespace {
+
+std::string text_of(const adapt::SizeMatch& m, Index before, Index after, std::ptrdiff_t kept, double energy_change) {
+  return fmt::format(
+      "remeshed: {} vertices became {}, {:.0f} % of them kept; edges {:.2f}, {:.2f}, {:.2f} of {:.3g} to {:.3g} m (1, "
+      "50, 99 %); energy {:+.2g} %",
+      before, after, 100.0 * static_cast<double>(kept) / after, m.p1, m.p50, m.p99, m.smallest, m.largest,
+      100.0 * energy_change);
+}
+
+}  // namespace
 
 /// One new mesh with its state; `what` says what it came to.
 std::optional<Adapted> Remesher::attempt(Epoch& epoch, const std::vector<double>& size, bool only_splits,
                                          std::string& what) {
   const MPI_Comm comm = epoch.model().dofs().comm();
   const double begin = cpu_clock();
+  ++attempts_;
   Made made = make_mesh(epoch, size, only_splits);
   io::Checkpoint carried = carry_over(epoch, made);
   const Origins origins = origins_of(comm, made.from);
@@ -235,6 +258,11 @@ std::optional<Adapted> Remesher::attempt(Epoch& epoch, const std::vector<double>
   fresh.prepare(Origin::mesh);
   // Nothing has moved yet: Newton's method would be asked to improve on round-off.
   const bool at_rest = epoch.state().in_equilibrium && is_zero(epoch.state().u);
+  petsc::VecHandle direction;  // of a path
+  if (fresh.state().previous) {
+    direction = fresh.model().dofs().create_vector();
+    VOILE_PETSC(VecWAXPY(direction, -1.0, fresh.state().u, fresh.state().previous));
+  }
   double change = 0.0;
   if (!at_rest)
     change = settle(epoch, fresh, before, made);
@@ -245,15 +273,14 @@ std::optional<Adapted> Remesher::attempt(Epoch& epoch, const std::vector<double>
     what = "the new surface would intersect";
     accepted = false;
   }
-  if (accepted && stage_.c.analysis == "static" && !at_rest) {
-    fresh.state().in_equilibrium = false;
-    if (solve::find_equilibrium(fresh.model(), fresh.state()).outcome == solve::Outcome::failed) {
-      what = "no equilibrium was found on the new mesh";
-      accepted = false;
-    }
-  }
+  const bool is_path = stage_.c.analysis == "static";
+  if (is_path && !at_rest) accepted = accepted && find_equilibrium(epoch, fresh, what);
+  // Potentials are compared under the same loads.
+  if (is_path) fresh.model().conditions().set_load_factor(epoch.state().load_factor);
+  if (direction) VOILE_PETSC(VecWAXPY(fresh.state().previous, 1.0, direction, fresh.state().u));
   const Ledger after = ledger(fresh);
-  if (stage_.c.analysis == "static") change = energy_change(before, after, fresh);
+  if (is_path) fresh.model().conditions().set_load_factor(fresh.state().load_factor);
+  if (is_path) change = energy_change(before, after, fresh);
   // Paths and draping go on to an equilibrium: less energy is what a finer mesh is for. A motion must neither gain nor
   // lose any.
   if (accepted && (stage_.c.analysis == "dynamic" ? std::abs(change) : change) > keys_.energy_change) {
@@ -262,11 +289,8 @@ std::optional<Adapted> Remesher::attempt(Epoch& epoch, const std::vector<double>
   }
   mpi::on_root(comm, [&] { write(epoch, made, before, after, accepted, cpu_clock() - begin); });
   if (!accepted) return std::nullopt;
-  Index same = 0;
-  for (Index v : origins.kept) same += v != no_index ? 1 : 0;
-  what = fmt::format("remeshed: {} vertices became {}, {:.0f} % of them kept; energy {:+.2g} %",
-                     epoch.model().dofs().mesh().vertex_count(), made.mesh->vertex_count(),
-                     100.0 * same / made.mesh->vertex_count(), 100.0 * change);
+  const auto same = std::count_if(origins.kept.begin(), origins.kept.end(), [](Index v) { return v != no_index; });
+  what = text_of(made.match, epoch.model().dofs().mesh().vertex_count(), made.mesh->vertex_count(), same, change);
   if (velocity_factor_ != 1.0) what += fmt::format(", velocities {:+.2g} %", 100.0 * (velocity_factor_ - 1.0));
   return next;
 }

@@ -10,6 +10,7 @@
 #include "background_size.hpp"
 #include "epoch.hpp"
 #include "stages.hpp"
+#include "summary.hpp"
 #include "voile/adapt/remesh.hpp"
 #include "voile/adapt/rest_surface.hpp"
 #include "voile/adapt/sizing.hpp"
@@ -36,6 +37,12 @@ struct Ledger {
   [[nodiscard]] double total() const { return stored() + kinetic; }
 };
 
+/// CPU seconds of this process.
+[[nodiscard]] double cpu_clock();
+
+/// As the log says it; empty if there were no remeshings.
+[[nodiscard]] std::string text_of(const RemeshingEffort& effort);
+
 class Remesher {
  public:
   /// `first`: the mesh of the case, whose rest shape all later ones approach. Collective.
@@ -45,8 +52,8 @@ class Remesher {
   [[nodiscard]] bool due(Epoch& epoch, bool finished);
   /// The next epoch, or nothing if what was found is refused. `remark` says what was done. Collective.
   [[nodiscard]] std::optional<Adapted> adapt(Epoch& epoch, const std::function<void(const std::string&)>& remark);
-  /// What all remeshings together came to. Not collective.
-  [[nodiscard]] std::string text() const;
+  /// What all remeshings together came to so far. Not collective.
+  [[nodiscard]] RemeshingEffort effort() const;
   /// Vertices of a mesh of the sizes that the last call of due() found, about; on rank 0.
   [[nodiscard]] double expected_vertices() const;
 
@@ -55,6 +62,9 @@ class Remesher {
   [[nodiscard]] int every() const;
   [[nodiscard]] std::vector<double> wanted_sizes(Epoch& epoch);
   [[nodiscard]] std::vector<double> bounds(Epoch& epoch, const std::vector<double>& curvature_squared);
+  [[nodiscard]] double time_ahead(const Epoch& epoch) const;
+  void bound_by_obstacles(Epoch& epoch, const std::vector<Vec3>& places, const std::vector<double>& velocity,
+                          std::vector<double>& bound);
   [[nodiscard]] adapt::Limits limits(Epoch& epoch) const;
   struct Made;
   [[nodiscard]] Made make_mesh(Epoch& epoch, const std::vector<double>& size, bool only_splits);
@@ -64,6 +74,7 @@ class Remesher {
   [[nodiscard]] static Ledger ledger(Epoch& epoch);
   void keep_momentum(Epoch& old_epoch, Epoch& fresh, const Ledger& before);
   [[nodiscard]] static bool intersects(Epoch& epoch);
+  [[nodiscard]] bool find_equilibrium(Epoch& old_epoch, Epoch& fresh, std::string& what) const;
   [[nodiscard]] static double negligible_energy(const Epoch& epoch);
   [[nodiscard]] double energy_change(const Ledger& before, const Ledger& after, Epoch& fresh) const;
   [[nodiscard]] static petsc::VecHandle inertia_force(Epoch& old_epoch, Epoch& fresh, const Made& made);
@@ -77,15 +88,13 @@ class Remesher {
   std::optional<adapt::RestSurface> rest_;  ///< rank 0
   std::optional<io::HistoryWriter> table_;  ///< rank 0
   std::vector<double> size_;                ///< found by due()
+  std::vector<char> near_obstacle_;         ///< per vertex, on rank 0: beside a bend; found by due()
   std::function<double(const Vec3&)> bound_;
   std::optional<BackgroundSize> background_;  ///< rank 0
-  double seconds_ = 0.0;
+  double begin_ = cpu_clock(), seconds_ = 0.0;
   double velocity_factor_ = 1.0;  ///< of the last remeshing, on rank 0
-  int count_ = 0, refused_ = 0, at_end_ = 0;
+  int count_ = 0, refused_ = 0, attempts_ = 0, at_end_ = 0;
 };
-
-/// CPU seconds of this process.
-[[nodiscard]] double cpu_clock();
 
 /// Throws UserError where a case means vertices that a remeshing would multiply: forces, masses and springs at every
 /// vertex of a curve or surface; and for a size field that cannot be read. Collective.

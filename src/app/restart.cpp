@@ -43,6 +43,8 @@ void begin_anew(const input::Case& c, io::Checkpoint& s) {
     s.energy_balance.clear();
   }
   if (moves || in_time || c.analysis == "drape") s.previous.clear();
+  if (s.previous.empty()) s.path.clear();
+  if (!s.path.empty()) s.path.front() = 0.0;  // `max_steps` counts anew
   if (c.analysis != "drape") return;
   s.step = s.remeshing_wait = s.remeshing_step = 0;
   s.load_factor = 0.0;
@@ -167,6 +169,7 @@ io::Checkpoint read_start(const input::Case& c, const RunOptions& options, const
   mpi::broadcast(PETSC_COMM_WORLD, start.yielding);
   mpi::broadcast(PETSC_COMM_WORLD, start.anchors);
   mpi::broadcast(PETSC_COMM_WORLD, start.energy_balance);
+  mpi::broadcast(PETSC_COMM_WORLD, start.path);
   return start;
 }
 
@@ -177,6 +180,7 @@ void enter_stage(const input::Case& c, const mesh::SurfaceMesh& mesh, Origin ori
     state.next_step = 0.0;
     state.acceleration.clear();  // other supports and loads act
     state.previous.clear();
+    state.path.clear();
     state.energy_balance.clear();
     if (c.analysis != "dynamic" && c.analysis != "drape") {
       state.load_factor = 0.0;

@@ -78,7 +78,8 @@ std::optional<Adapted> advance(Epoch& epoch, Origin origin, const Following& f) 
     // A checkpoint is of the state that was to be looked at: a run that goes on from it looks first, as the unbroken
     // one did.
     if (accepted && !finished) stop_if_asked(dofs.comm());
-    const bool looks = !is_start || origin == Origin::nothing || origin == Origin::restart;
+    // A path that stops at a critical point, or leaves it along the mode of this mesh, keeps the mesh there.
+    const bool looks = !r.mode && (!is_start || origin == Origin::nothing || origin == Origin::restart);
     if (accepted && remesher && looks && remesher->due(epoch, finished)) {
       recorder.write_pending();
       if (std::optional<Adapted> next = remesher->adapt(epoch, [&](const auto& text) { recorder.remark(text); }))
@@ -151,7 +152,8 @@ Summary run_stage(const Stage& stage, std::unique_ptr<Epoch> epoch, io::Checkpoi
     summary.reason = fmt::format("stopped by a signal; go on with --restart {}", checkpoints.file().string());
   if (summary.converged && (c.analysis == "modal" || c.analysis == "buckling"))
     run_modes(c, stage.options, epoch->model(), epoch->state().u, summary);
-  if (remesher && !remesher->text().empty()) recorder.remark(remesher->text());
+  if (remesher) summary.remeshing = remesher->effort();
+  if (remesher && !text_of(*summary.remeshing).empty()) recorder.remark(text_of(*summary.remeshing));
   recorder.finish();
   summary.membrane_error = recorder.membrane_error();
   if (c.analysis == "dynamic") summary.kinetic = recorder.kinetic();

@@ -49,6 +49,14 @@ Json json_of(const system::ContactReport& r) {
           {"most_candidates_of_a_rank", r.most_candidates}};
 }
 
+Json json_of(const RemeshingEffort& r) {
+  return {{"count", r.count},
+          {"refused", r.refused},
+          {"attempts", r.attempts},
+          {"cpu_seconds", r.seconds},
+          {"share", r.share}};
+}
+
 Json json_of(const Summary& s) {
   Json critical = Json::array();
   for (const solve::CriticalPoint& p : s.critical)
@@ -79,6 +87,7 @@ Json json_of(const Summary& s) {
   if (s.kinetic) all["motion"] = json_of(*s.kinetic);
   if (s.contact) all["contact"] = json_of(*s.contact);
   if (s.garment) all["garment"] = json_of(*s.garment);
+  if (s.remeshing) all["remeshing"] = json_of(*s.remeshing);
   return all;
 }
 

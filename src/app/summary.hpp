@@ -16,6 +16,14 @@
 
 namespace voile::app {
 
+/// What all remeshings of a stage came to; on rank 0.
+struct RemeshingEffort {
+  int count = 0, refused = 0;  ///< meshes taken over; looks after which the run kept the mesh it had
+  int attempts = 0;            ///< new meshes and models made, refused ones included: up to two per look
+  double seconds = 0.0;        ///< CPU time of rank 0, looks and new models included [s]
+  double share = 0.0;          ///< of the CPU time that rank 0 took for the stage
+};
+
 /// What summary.json says.
 struct Summary {
   bool converged = false;
@@ -37,6 +45,7 @@ struct Summary {
   std::optional<KineticEnergy> kinetic;          ///< of a motion
   std::optional<system::ContactReport> contact;  ///< of the last state
   std::optional<GarmentMeasures> garment;        ///< of a case of panels
+  std::optional<RemeshingEffort> remeshing;      ///< of a stage that looks whether it needs another mesh
 };
 
 /// summary.json in the folder of a run or stage. Not collective: call on one rank. Throws UserError.

@@ -16,8 +16,8 @@ constexpr double slack = 2.0, slack_in_cell = 0.4, least_slack = 0.1;
 constexpr double most_left = 0.3, most_excess = 0.5;
 /// Gaps up to which the list of near pairs goes, and what it has to answer for after an iteration, in contact distances.
 constexpr double listed = 3.0, needed = 1.0;
-/// Ways longer than so many edges on the mean are looked at in parts of one edge, of which there are at most so many.
-constexpr double long_way = 2.0, most_parts = 64.0;
+/// Trajectories longer than so many edges on the mean are looked at in parts of one edge, of which there are at most so many.
+constexpr double long_trajectory = 2.0, most_parts = 64.0;
 /// Boxes that hold the faces of a rank are halved so often: a few follow a bent sheet much closer than one.
 constexpr int halvings = 4;
 
@@ -101,7 +101,7 @@ Departure Candidates::departure(const std::vector<Index>& points, const std::vec
     const bool inside = begun_ && boxes_[i].contains(from[i]) && boxes_[i].contains(to[i]);
     renewed_[i] = !inside;
     if (!inside) d.left += 1.0;
-    d.way += (to[i] - from[i]).norm();
+    d.displacement += (to[i] - from[i]).norm();
     if (!begun_) continue;
     const double wanted = 6.0 * room(i, from, to);
     d.excess += (boxes_[i].high - boxes_[i].low).sum() - wanted - (to[i] - from[i]).lpNorm<1>();
@@ -211,7 +211,7 @@ bool Candidates::cover(const std::vector<Vec3>& from, const std::vector<Vec3>& t
     renew_list(from, to);
     return false;
   }
-  const int parts = parts_of_way(sheet, obstacles);
+  const int parts = parts_of_trajectory(sheet, obstacles);
   const bool whole = parts > 1 || left > most_left * (sheet.points + obstacles.points) ||
                      sheet.excess + obstacles.excess > most_excess * (sheet.room + obstacles.room);
   for (const std::vector<Index>* points : {&own_points_, &obstacle_points_}) {
@@ -222,7 +222,7 @@ bool Candidates::cover(const std::vector<Vec3>& from, const std::vector<Vec3>& t
   if (peers) peers->exchange(*this);
   select_figures();
   if (parts > 1)
-    pairs_ = pairs_on_way(from, to, parts);
+    pairs_ = pairs_on_trajectory(from, to, parts);
   else if (whole)
     pairs_ = find_pairs(*surface_, seen_, boxes_, owned_, distance_);
   else
@@ -233,13 +233,16 @@ bool Candidates::cover(const std::vector<Vec3>& from, const std::vector<Vec3>& t
   return true;
 }
 
-int Candidates::parts_of_way(const Departure& sheet, const Departure& obstacles) const {
-  const double way = std::max(sheet.way / sheet.points, obstacles.way / std::max(obstacles.points, 1.0));
-  return way > long_way * mean_edge_ ? static_cast<int>(std::min(std::ceil(way / mean_edge_), most_parts)) : 1;
+int Candidates::parts_of_trajectory(const Departure& sheet, const Departure& obstacles) const {
+  const double displacement =
+      std::max(sheet.displacement / sheet.points, obstacles.displacement / std::max(obstacles.points, 1.0));
+  return displacement > long_trajectory * mean_edge_
+             ? static_cast<int>(std::min(std::ceil(displacement / mean_edge_), most_parts))
+             : 1;
 }
 
-std::vector<Pair> Candidates::pairs_on_way(const std::vector<Vec3>& from, const std::vector<Vec3>& to,
-                                           int parts) const {
+std::vector<Pair> Candidates::pairs_on_trajectory(const std::vector<Vec3>& from, const std::vector<Vec3>& to,
+                                                  int parts) const {
   std::vector<Box> boxes(from.size());
   std::vector<Pair> all;
   for (int k = 0; k < parts; ++k) {
@@ -274,9 +277,9 @@ void Candidates::renew_list(const std::vector<Vec3>& from, const std::vector<Vec
     list_.measure(seen_.points, from, to, moves_);
     if (list_.holds(moves_, limit)) return;
   }
-  double way = 0.0;
-  for (Index i : seen_.points) way = std::max(way, (to[i] - from[i]).norm());
-  if (limit + 4.0 * way > reach) return;  // so far goes no list: all candidates are looked at
+  double displacement = 0.0;
+  for (Index i : seen_.points) displacement = std::max(displacement, (to[i] - from[i]).norm());
+  if (limit + 4.0 * displacement > reach) return;  // so far goes no list: all candidates are looked at
   list_.make(pairs_, from, reach,
              [&](const Pair& pair) { return pair.share * surface_->offset(pair.body_a, pair.body_b); });
 }

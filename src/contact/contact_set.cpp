@@ -197,7 +197,7 @@ double ContactSet::obstacle_work(const std::vector<Vec3>& x, const std::vector<V
       const Plane &now = planes_[k], &then = planes_then[k];
       if (!plane_acts(now, i)) continue;
       const double gap = plane_gap(now, i, x), d = reach(i);
-      // The gap changes by the way of the point, and by this.
+      // The gap changes by the displacement of the point, and by this.
       const double change = (now.normal - then.normal).dot(start[i]) - (now.level - then.level);
       if (gap < d) sum += options_.stiffness * surface_->area[i] * barrier(gap, d).first * change;
     }

@@ -35,6 +35,11 @@ std::vector<Key> size_keys(RemeshSection& s) {
        .slot = &s.near_contact,
        .meaning = "Also ask for edges that keep the flat triangles within a quarter of the contact distance from the "
                   "bent sheet, where something is in contact."},
+      {.name = "near_obstacles",
+       .slot = &s.near_obstacles,
+       .meaning =
+           "Also ask for edges that are short enough to go round spheres, capsules and convex edges of meshes that "
+           "the sheet comes near, before it bends."},
       {.name = "velocity",
        .slot = &s.velocity,
        .meaning = "Largest difference of velocity between the ends of an edge. 0: any.",

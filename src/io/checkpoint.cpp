@@ -15,6 +15,7 @@ namespace {
 
 constexpr std::size_t anchor_numbers = 8;    // of each anchor
 constexpr std::size_t balance_numbers = 12;  // of an energy balance
+constexpr std::size_t path_numbers = 5;      // of a path
 
 /// The vectors of a checkpoint, const or not, under their names in the file.
 template <class C>
@@ -83,6 +84,7 @@ void write_checkpoint(const std::filesystem::path& path, const Checkpoint& c, co
     file.dataset("anchors", H5T_NATIVE_DOUBLE, c.anchors.size() / anchor_numbers, anchor_numbers, c.anchors.data());
   if (!c.energy_balance.empty())
     file.dataset("energy_balance", H5T_NATIVE_DOUBLE, 1, c.energy_balance.size(), c.energy_balance.data());
+  if (!c.path.empty()) file.dataset("path", H5T_NATIVE_DOUBLE, 1, c.path.size(), c.path.data());
   file.number("/", "anchors_count", static_cast<double>(c.anchors.size()));
   file.finish();
 }
@@ -156,6 +158,10 @@ Checkpoint read_unguarded(const std::filesystem::path& path, const mesh::Surface
     c.yielding = read_values(file, "yielding", static_cast<std::size_t>(mesh.vertex_count()), path);
   if (H5Lexists(file, "energy_balance", H5P_DEFAULT) > 0)
     c.energy_balance = read_values(file, "energy_balance", balance_numbers, path);
+  if (H5Lexists(file, "path", H5P_DEFAULT) > 0) c.path = read_values(file, "path", path_numbers, path);
+  for (const double number : c.path)
+    if (!std::isfinite(number) || std::abs(c.path[0]) > 1e9 || std::abs(c.path[3]) > 1e9)
+      fail_reading(path, "its memory of the path makes no sense");
   read_anchors(file, mesh, path, c);
   return c;
 }

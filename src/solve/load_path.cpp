@@ -116,7 +116,7 @@ StepResult LoadPath::begin(system::State& state) {
   accepted_ = model_.dofs().create_vector();
   VOILE_PETSC(VecCopy(state.u, accepted_));
   step_ = state.next_step > 0.0 ? std::min(state.next_step, options_.max_step) : options_.initial_step;
-  steps_ = halvings_ = 0;
+  halvings_ = 0;
   return r;
 }
 
@@ -131,7 +131,7 @@ NewtonResult LoadPath::settle(Vec a, bool by_continuation) {
 StepResult LoadPath::advance(system::State& state) {
   StepResult r;
   r.outcome = Outcome::failed;
-  if (steps_ >= options_.max_steps) {
+  if (state.path.steps >= options_.max_steps) {
     r.reason = fmt::format("max_steps = {} steps did not reach the end of the path", options_.max_steps);
     return r;
   }
@@ -173,7 +173,7 @@ StepResult LoadPath::attempt(system::State& state) {
   state.v.reset();
   state.a.reset();
   ++state.step;
-  ++steps_;
+  ++state.path.steps;
   r.taken = taken;
   // A step cut short by a stop says nothing against the step size in force; one after a failure does not grow,
   // unless continuation took it, which does not mind long steps.

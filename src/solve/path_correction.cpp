@@ -26,6 +26,7 @@ PathFollower::Impl::Tangent PathFollower::Impl::tangent_at(Vec a) {
 }
 
 double PathFollower::Impl::load_correction(const Constraint& constraint) const {
+  if (constraint.nearest) return dot(load_solution, residual_solution) / dot(load_solution, load_solution);
   switch (constraint.kind) {
     case Control::load:
       return 0.0;
@@ -89,6 +90,37 @@ NewtonResult PathFollower::Impl::correct(Vec a, double& lambda, const Constraint
     VOILE_PETSC(VecNorm(increment, NORM_2, &p.step));
     VOILE_PETSC(VecDot(residual, residual_solution, &p.work));
   }
+}
+
+/// What keeps the place of a state along the path on another mesh, whose limit loads may be lower than the load in force.
+PathFollower::Impl::Constraint PathFollower::Impl::constraint_of_place(double probed_before) const {
+  const bool by_probe = options.final_displacement != 0.0;
+  if (is_end(probed_before, factor))
+    return {by_probe ? Control::displacement : Control::load, options.final_displacement};
+  if (options.control == Control::displacement) return {Control::displacement, probed_before};
+  return {Control::arc_length, 0.0, true};
+}
+
+NewtonResult PathFollower::Impl::regain(system::State& state, double probed_before) {
+  start_from(state);
+  VOILE_PETSC(VecZeroEntries(increment));
+  const bool by_probe = options.final_displacement != 0.0;
+  const double before = by_probe ? probed_before : factor,
+               end = by_probe ? options.final_displacement : options.final_load_factor;
+  const Constraint place = constraint_of_place(probed_before);
+  double lambda = factor;
+  NewtonResult n = correct(state.u, lambda, place);
+  const double now = by_probe ? probed(state.u) : lambda;
+  if (n.converged && place.nearest && (now - end) * (before - end) <= 0.0) {  // the end must not be left behind
+    if (!by_probe) lambda = end;
+    n = correct(state.u, lambda, {by_probe ? Control::displacement : Control::load, end});
+  }
+  state.in_equilibrium = n.converged;
+  if (n.converged) {
+    state.load_factor = lambda;
+    n.negative_pivots = tangent_at(state.u).negative_pivots;
+  }
+  return n;
 }
 
 /// Sets the increment, lambda and the rate from the tangent at the accepted state.

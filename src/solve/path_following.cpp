@@ -29,23 +29,37 @@ double extremum(double s, double y0, double y1, double d0, double d1) {
 
 }  // namespace
 
-void PathFollower::Impl::begin(const system::State& state) {
+/// Without the tangent.
+void PathFollower::Impl::start_from(const system::State& state) {
   VOILE_PETSC(VecCopy(state.u, accepted));
   factor = state.load_factor;
-  steps = first_step = state.step;
+  steps = state.step;
   if (state.previous) VOILE_PETSC(VecWAXPY(previous, -1.0, state.previous, state.u));
   model.conditions().set_load_factor(factor);
   model.residual(state.u, residual);
   force = model.force_scale();
+}
+
+void PathFollower::Impl::begin(const system::State& state, StepResult& r) {
+  start_from(state);
   tangent = tangent_at(state.u);
   if (!tangent.good)
     throw UserError(
         "the tangent at the start of the path is singular or the load does nothing; check supports and loads, or run "
         "`voile check`");
   VOILE_PETSC(VecCopy(load_solution, tangent_solution));
-  unit = options.control == Control::arc_length ? tangent.speed : std::abs(options.final_displacement);
-  length = options.initial_step * unit;
-  may_branch = options.at_critical_point == AtCriticalPoint::switch_branch;
+  const system::PathMemory& memory = state.path;
+  unit = std::abs(options.final_displacement);
+  if (options.control == Control::arc_length) unit = memory.unit > 0.0 ? memory.unit : tangent.speed;
+  length = (state.next_step > 0.0 ? std::min(state.next_step, options.max_step) : options.initial_step) * unit;
+  may_branch = options.at_critical_point == AtCriticalPoint::switch_branch && !memory.has_branched;
+  if (memory.rate == 0.0 || !state.previous) return;
+  // Another mesh may have its critical point on the other side of the state.
+  rate = std::copysign(1.0 / tangent.speed, dot(previous, load_solution));
+  const auto kind = kind_between(memory.rate, memory.negative_pivots, rate, tangent.negative_pivots);
+  if (!kind) return;
+  r.critical = {*kind, steps, factor};
+  if (remark) remark(fmt::format("{} at about load factor {:.6g}, between two meshes", name(*kind), factor));
 }
 
 PathFollower::Impl::Constraint PathFollower::Impl::next_constraint(double length) const {
@@ -62,10 +76,10 @@ PathFollower::Impl::Constraint PathFollower::Impl::share(const Constraint& whole
   return {whole.kind, from + part * (whole.value - from)};
 }
 
-bool PathFollower::Impl::at_end() const {
+bool PathFollower::Impl::is_end(double probed, double lambda) const {
   if (options.final_displacement != 0.0)
-    return std::abs(probed(accepted) - options.final_displacement) <= 1e-9 * std::abs(options.final_displacement);
-  return std::abs(factor - options.final_load_factor) <= 1e-12 * std::max(1.0, std::abs(options.final_load_factor));
+    return std::abs(probed - options.final_displacement) <= 1e-9 * std::abs(options.final_displacement);
+  return std::abs(lambda - options.final_load_factor) <= 1e-12 * std::max(1.0, std::abs(options.final_load_factor));
 }
 
 bool PathFollower::Impl::passes_end(Vec a, double lambda) const {
@@ -99,19 +113,26 @@ NewtonResult PathFollower::Impl::attempt(Vec a, double& lambda, const Constraint
   return n;
 }
 
+std::optional<CriticalPoint::Kind> PathFollower::Impl::kind_between(double rate_before, long pivots_before,
+                                                                    double rate_after, long pivots_after) const {
+  const bool turned = rate_before * rate_after < 0.0;
+  const long change = pivots_after - pivots_before;
+  if (!turned && change == 0) return std::nullopt;
+  if (!turned) return CriticalPoint::Kind::bifurcation;
+  return std::abs(change) > 1 ? CriticalPoint::Kind::both : CriticalPoint::Kind::limit;
+}
+
 /// The critical point between the accepted state and the state increment, lambda with the tangent `after`.
 std::optional<CriticalPoint> PathFollower::Impl::passed(const Tangent& after, double lambda) const {
   const double rate_after = rate_of(after), length = std::sqrt(dot(increment, increment));
-  const bool turned = rate * rate_after < 0.0;
-  const long change = after.negative_pivots - tangent.negative_pivots;
-  if (!turned && change == 0) return std::nullopt;
+  const auto kind = kind_between(rate, tangent.negative_pivots, rate_after, after.negative_pivots);
+  if (!kind) return std::nullopt;
   CriticalPoint point;
+  point.kind = *kind;
   point.step = steps + 1;
-  if (turned) {
-    point.kind = std::abs(change) > 1 ? CriticalPoint::Kind::both : CriticalPoint::Kind::limit;
+  if (point.kind != CriticalPoint::Kind::bifurcation) {
     point.load_factor = extremum(length, factor, lambda, rate, rate_after);
   } else {
-    point.kind = CriticalPoint::Kind::bifurcation;
     const double before = tangent.eigenvalue, behind = after.eigenvalue;
     const double part = before * behind < 0.0 ? before / (before - behind) : 0.5;
     point.load_factor = factor + part * (lambda - factor);
@@ -220,6 +241,12 @@ StepResult PathFollower::Impl::advance(system::State& state) {
     remark(fmt::format("{} at load factor {:.6g}", name(t.critical->kind), t.critical->load_factor));
   const double growth = std::sqrt(static_cast<double>(options.target_iterations) / std::max(1, t.newton.iterations));
   if (!t.found) length = std::min(options.max_step * unit, length * std::clamp(growth, 0.5, 2.0));
+  state.next_step = length / unit;
+  state.path.unit = options.control == Control::arc_length ? unit : 0.0;
+  state.path.rate = rate;
+  state.path.negative_pivots = tangent.negative_pivots;
+  state.path.has_branched = options.at_critical_point == AtCriticalPoint::switch_branch && !may_branch && !branching;
+  ++state.path.steps;
   return r;
 }
 
@@ -248,9 +275,13 @@ StepResult PathFollower::begin(system::State& state) {
   StepResult r = find_equilibrium(impl_->model, state);
   if (r.outcome == Outcome::failed) return r;
   const int before = impl_->linear.factorisations();
-  impl_->begin(state);
+  impl_->begin(state, r);
   r.factorisations += impl_->linear.factorisations() - before;
   return r;
+}
+
+NewtonResult PathFollower::regain(system::State& state, double probed_before) {
+  return impl_->regain(state, probed_before);
 }
 
 bool PathFollower::finished(const system::State&) const {
@@ -261,7 +292,7 @@ StepResult PathFollower::advance(system::State& state) {
   Impl& p = *impl_;
   StepResult r;
   r.outcome = Outcome::failed;
-  if (p.steps - p.first_step >= p.options.max_steps) {
+  if (state.path.steps >= p.options.max_steps) {
     r.reason = fmt::format("max_steps = {} steps did not reach the end of the path", p.options.max_steps);
     return r;
   }

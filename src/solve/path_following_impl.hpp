@@ -23,12 +23,12 @@ struct PathFollower::Impl {
   petsc::VecHandle accepted, increment, previous;  ///< accepted state, Da, the increment that led to the accepted state
   petsc::VecHandle tangent_solution;               ///< x_f of the accepted state
   petsc::VecHandle load_solution, residual_solution, residual, load, scratch, trial;
-  petsc::VecHandle mode;          ///< eigenvector nearest to singularity, <mode, mode> = 1
-  double factor = 0.0;            ///< load factor of the accepted state
-  double rate = 0.0;              ///< dlambda/ds in the accepted state along the path
-  double force = 0.0;             ///< largest scale of forces accepted: at load factor 0 the present one may vanish
-  int steps = 0, first_step = 0;  ///< accepted, those before this path included; those before
-  int iterations = 0;             ///< of Newton's method so far
+  petsc::VecHandle mode;  ///< eigenvector nearest to singularity, <mode, mode> = 1
+  double factor = 0.0;    ///< load factor of the accepted state
+  double rate = 0.0;      ///< dlambda/ds in the accepted state along the path
+  double force = 0.0;     ///< largest scale of forces accepted: at load factor 0 the present one may vanish
+  int steps = 0;          ///< accepted, those before this path included
+  int iterations = 0;     ///< of Newton's method so far
   // How the next step is tried.
   double unit = 0.0;    ///< length of the step whose size is 1
   double length = 0.0;  ///< of the next step
@@ -45,7 +45,8 @@ struct PathFollower::Impl {
   /// The scalar equation that goes with r = 0.
   struct Constraint {
     Control kind;
-    double value;  ///< load: ignored; displacement: q; arc length: L
+    double value;          ///< load: ignored; displacement: q; arc length: L
+    bool nearest = false;  ///< instead: every correction is orthogonal to the path
   };
 
   Impl(system::Model& m, StaticOptions o, const Remark& r, Vec c)
@@ -80,13 +81,19 @@ struct PathFollower::Impl {
   [[nodiscard]] NewtonResult correct(Vec a, double& lambda, const Constraint& constraint);
   [[nodiscard]] double load_correction(const Constraint& constraint) const;
   void predict(const Constraint& constraint, double& lambda);
-  void begin(const system::State& state);
+  void start_from(const system::State& state);
+  void begin(const system::State& state, StepResult& r);
+  [[nodiscard]] NewtonResult regain(system::State& state, double probed_before);
   [[nodiscard]] Constraint next_constraint(double length) const;
   [[nodiscard]] Constraint share(const Constraint& whole, double part) const;
   [[nodiscard]] bool passes_end(Vec a, double lambda) const;
-  [[nodiscard]] bool at_end() const;
+  [[nodiscard]] bool is_end(double probed, double lambda) const;
+  [[nodiscard]] bool at_end() const { return is_end(probed(accepted), factor); }
   [[nodiscard]] NewtonResult land(Vec a, double& lambda);
   [[nodiscard]] NewtonResult attempt(Vec a, double& lambda, const Constraint& constraint);
+  [[nodiscard]] Constraint constraint_of_place(double probed_before) const;
+  [[nodiscard]] std::optional<CriticalPoint::Kind> kind_between(double rate_before, long pivots_before,
+                                                                double rate_after, long pivots_after) const;
   [[nodiscard]] std::optional<CriticalPoint> passed(const Tangent& after, double lambda) const;
   [[nodiscard]] NewtonResult locate(Vec a, double& lambda, const Constraint& constraint, Tangent& after);
   [[nodiscard]] NewtonResult branch(Vec a, double& lambda, double length);

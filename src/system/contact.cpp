@@ -143,9 +143,9 @@ double Contact::step_fraction(Vec a, Vec da) {
 }
 
 Contact::Clearance Contact::clear_predictor(Vec from, double t0, Vec to, double t1, bool may_yield) {
-  PredictorWay way(scene_, memory_, from, t0, to, t1);
-  const bool clear = may_yield ? way.clear_yielding() : way.clear();
-  return {clear, way.obstruction()};
+  PredictorTrajectory trajectory(scene_, memory_, from, t0, to, t1);
+  const bool clear = may_yield ? trajectory.clear_yielding() : trajectory.clear();
+  return {clear, trajectory.obstruction()};
 }
 
 }  // namespace voile::system

@@ -32,7 +32,7 @@ ContactHalo::ContactHalo(MPI_Comm comm, const mesh::SurfaceMesh& mesh, const mes
 }
 
 Departure ContactHalo::sum(const Departure& own) {
-  const std::array<double, 5> all = mpi::sum(comm_, {own.points, own.left, own.excess, own.room, own.way});
+  const std::array<double, 5> all = mpi::sum(comm_, {own.points, own.left, own.excess, own.room, own.displacement});
   return {all[0], all[1], all[2], all[3], all[4]};
 }
 

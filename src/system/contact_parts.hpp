@@ -19,11 +19,11 @@ void tell_yielding(ContactScene& scene, const ContactMemory& memory);
 /// Vertices that are free again see the obstacles again. Collective.
 void end_yielding(ContactScene& scene, ContactMemory& memory);
 
-/// The way of a predictor from one state to another, while obstacles move; made clear by moving its end.
-class PredictorWay {
+/// The trajectory of a predictor from one state to another, while obstacles move; made clear by moving its end.
+class PredictorTrajectory {
  public:
   /// From state `from` at time t0 to state `to` at t1. All must outlive it.
-  PredictorWay(ContactScene& scene, ContactMemory& memory, Vec from, double t0, Vec to, double t1);
+  PredictorTrajectory(ContactScene& scene, ContactMemory& memory, Vec from, double t0, Vec to, double t1);
 
   /// One attempt: changes the free components of `to` until nothing collides; false if no such end is found. Sets the
   /// time to t1. Collective.
@@ -37,7 +37,7 @@ class PredictorWay {
   /// What a pair that collides asks one of its points to do.
   struct Motion {
     Index point;
-    Vec3 way;  ///< [m]
+    Vec3 displacement;  ///< [m]
   };
   /// The motion that the points of a pair that collides are given in common: that of the obstacle or support in it, or
   /// the mean of two free parts. [m]

@@ -150,7 +150,7 @@ void ContactScene::set_time(double time) {
 }
 
 void ContactScene::hold_obstacles(bool still) {
-  if (held_) start_time_ = *held_;  // no way has been gone since
+  if (held_) start_time_ = *held_;  // nothing has moved since
   held_ = still ? std::optional(time_) : std::nullopt;
 }
 

@@ -52,7 +52,7 @@ void tell_yielding(ContactScene& scene, const ContactMemory& memory) {
   scene.set().set_yielding(std::move(points), std::move(bodies));
 }
 
-void PredictorWay::note_blocked(const contact::Pair& pair) {
+void PredictorTrajectory::note_blocked(const contact::Pair& pair) {
   const contact::Obstacles& obstacles = scene_.obstacles();
   for (std::size_t k = 0; k < obstacles.size(); ++k) {
     const int b = obstacles.body(k);
@@ -64,7 +64,7 @@ void PredictorWay::note_blocked(const contact::Pair& pair) {
 }
 
 /// One obstacle at a time: what two of them pinch still lies on the other, and is not left behind when they part.
-bool PredictorWay::yield_to_blocked() {
+bool PredictorTrajectory::yield_to_blocked() {
   const contact::Obstacles& obstacles = scene_.obstacles();
   bool more = false;
   std::vector<double> all = memory_.yielding;
@@ -87,7 +87,7 @@ bool PredictorWay::yield_to_blocked() {
 }
 
 /// What was pinched is pressed hard against what does not give way, which would throw it through what does.
-void PredictorWay::let_out(const std::vector<double>& before) {
+void PredictorTrajectory::let_out(const std::vector<double>& before) {
   set_time(scene_, memory_, t0_);
   scene_.take(from_);
   const contact::ContactSet& set = scene_.set();
@@ -102,7 +102,7 @@ void PredictorWay::let_out(const std::vector<double>& before) {
   set_time(scene_, memory_, t1_);
 }
 
-bool PredictorWay::clear_yielding() {
+bool PredictorTrajectory::clear_yielding() {
   if (!scene_.obstacles().any_yields()) return clear();
   petsc::VecHandle guess;
   VOILE_PETSC(VecDuplicate(to_, guess.out()));

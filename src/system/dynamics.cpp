@@ -144,12 +144,12 @@ void Dynamics::assemble_tangent(Vec u, energy::Tangent kind, double s_v, double 
   model_.assemble_tangent(u, request);
 }
 
-Dynamics::Work Dynamics::work(Vec u, Vec v, Vec a, Vec way) {
+Dynamics::Work Dynamics::work(Vec u, Vec v, Vec a, Vec displacement) {
   Work w;
-  w.model = model_.work(u, way, sum_);
+  w.model = model_.work(u, displacement, sum_);
   const auto add = [&](double factor) {
     double product = 0.0;
-    VOILE_PETSC(VecDot(work_, way, &product));
+    VOILE_PETSC(VecDot(work_, displacement, &product));
     VOILE_PETSC(VecAXPY(sum_, factor, work_));
     return factor * product;
   };
@@ -173,7 +173,7 @@ Dynamics::Work Dynamics::work(Vec u, Vec v, Vec a, Vec way) {
     w.drag = add(1.0);
   }
   model_.dofs().clear_free(sum_);
-  VOILE_PETSC(VecDot(sum_, way, &w.reactions));
+  VOILE_PETSC(VecDot(sum_, displacement, &w.reactions));
   return w;
 }
 

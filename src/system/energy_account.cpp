@@ -46,7 +46,7 @@ EnergyBalance balance_of(const std::vector<double>& numbers) {
 EnergyAccount::EnergyAccount(Dynamics& dynamics)
     : dynamics_(dynamics),
       start_(dynamics.model().dofs().create_vector()),
-      way_(dynamics.model().dofs().create_vector()) {}
+      displacement_(dynamics.model().dofs().create_vector()) {}
 
 EnergyAccount::Levels EnergyAccount::levels(Vec u, Vec v) {
   const Energies e = dynamics_.model().energies(u);
@@ -67,8 +67,8 @@ void EnergyAccount::begin(Vec u, Vec v, const EnergyBalance& before) {
 
 void EnergyAccount::take_forces(Vec u_0, Vec u_1, Vec u, Vec v, Vec a) {
   VOILE_PETSC(VecCopy(u_0, start_));
-  VOILE_PETSC(VecWAXPY(way_, -1.0, u_0, u_1));
-  work_ = dynamics_.work(u, v, a, way_);
+  VOILE_PETSC(VecWAXPY(displacement_, -1.0, u_0, u_1));
+  work_ = dynamics_.work(u, v, a, displacement_);
   if (Contact* contact = dynamics_.model().contact()) {
     friction_ = contact->friction_work(u);
     obstacles_ = contact->obstacle_work(u);

@@ -1,4 +1,4 @@
-// Work of the forces of a model on a way, each kind for itself.
+// Work of the forces of a model in a displacement, each kind for itself.
 #include <algorithm>
 
 #include "voile/energy/membrane.hpp"
@@ -22,13 +22,13 @@ void Model::add_term_forces(const Term& term, const energy::Configuration& c, Ve
   dofs().add_forces(force_, f);
 }
 
-Model::Work Model::work(Vec a, Vec way, Vec f) {
+Model::Work Model::work(Vec a, Vec displacement, Vec f) {
   const petsc::EventScope scope(petsc::events().residual);
   Work w;
   const energy::Configuration c = configuration(a);
   const auto along = [&](Vec force) {
     double product = 0.0;
-    VOILE_PETSC(VecDot(force, way, &product));
+    VOILE_PETSC(VecDot(force, displacement, &product));
     return product;
   };
   const auto part = [&](const auto& add, double sign) {

@@ -28,7 +28,7 @@ SewingSprings::SewingSprings(const Discretisation& on, Sewing sewing, energy::Se
     for (std::size_t k = 0; k < seam.pairs.size(); ++k) {
       const auto& [v, w] = seam.pairs[k];
       const double length = (mesh.positions()[w] - mesh.positions()[v]).norm();
-      longest_way_ = std::max(longest_way_, length);
+      longest_distance_ = std::max(longest_distance_, length);
       if (on.owned(v) == no_index && on.owned(w) == no_index) continue;
       springs_.push_back({length, sewing_.stiffness * seam.lengths[k]});
       term.add({local.local_of[v], local.local_of[w]}, springs_.back().stiffness, sewing_.force * seam.lengths[k],
@@ -39,7 +39,7 @@ SewingSprings::SewingSprings(const Discretisation& on, Sewing sewing, energy::Se
 
 void SewingSprings::tighten(double time) {
   const double since = std::max(0.0, time - sewing_.start);
-  const double closed_for = std::max(0.0, since - longest_way_ / sewing_.speed);
+  const double closed_for = std::max(0.0, since - longest_distance_ / sewing_.speed);
   const double tighter = std::min(most_tight, std::exp2(closed_for / doubling_time));
   for (std::size_t e = 0; e < springs_.size(); ++e) {
     const auto& [length, stiffness] = springs_[e];

@@ -35,6 +35,8 @@ import picturing  # noqa: E402, F401
 import placing  # noqa: E402, F401
 import published  # noqa: E402, F401
 import remeshing  # noqa: E402, F401
+import remeshing_motion  # noqa: E402, F401
+import remeshing_paths  # noqa: E402, F401
 import robustness  # noqa: E402, F401
 import running  # noqa: E402, F401
 import sewing  # noqa: E402, F401

@@ -1,10 +1,24 @@
-// Starts MPI and PETSc once, runs the tests on every rank, and fails if any rank fails. On several ranks, folders and
+// Starts MPI and PETSc once, runs the tests on every rank, and fails if any rank fails or hangs. On several ranks, folders and
 // files whose tests know nothing of ranks are left out.
 #define DOCTEST_CONFIG_IMPLEMENT
 #include <doctest/doctest.h>
 #include <petscsys.h>
 
 #include "voile/solve/eigen.hpp"
+#include "watchdog.hpp"
+
+REGISTER_LISTENER("watchdog", 1, voile::testing::Watched);
+
+// Left out of runs of all tests; tests/run asks for it.
+TEST_CASE("a reduction that one rank does not join" * doctest::skip()) {
+  int rank = 0, sum = 0;
+  MPI_Comm comm = MPI_COMM_NULL;
+  MPI_Comm_dup(PETSC_COMM_WORLD, &comm);
+  MPI_Comm_rank(comm, &rank);
+  if (rank > 0) MPI_Allreduce(&rank, &sum, 1, MPI_INT, MPI_SUM, comm);
+  CHECK(sum == 0);
+  MPI_Comm_free(&comm);
+}
 
 int main(int argc, char** argv) {
   if (PetscInitialize(nullptr, nullptr, nullptr, nullptr)) return 1;
@@ -20,6 +34,7 @@ int main(int argc, char** argv) {
     const voile::solve::SlepcSession slepc;
     failed = context.run();
   }
+  voile::testing::watchdog().expect("the end of all test cases, where ranks wait for each other,", 2.0);
   MPI_Allreduce(&failed, &worst, 1, MPI_INT, MPI_MAX, PETSC_COMM_WORLD);
   PetscFinalize();
   return worst;

@@ -39,7 +39,9 @@ struct SizeMatch {
   double smallest = 0.0, largest = 0.0;                         ///< of the wanted sizes [m]
 };
 
-/// Not collective. Throws InternalError if `size` is not per vertex.
-[[nodiscard]] SizeMatch match(const mesh::SurfaceMesh& mesh, const std::vector<double>& size);
+/// `counted` per vertex: which ones the shares, of all vertices, count; empty: all. Not collective. Throws InternalError
+/// if an array is not per vertex.
+[[nodiscard]] SizeMatch match(const mesh::SurfaceMesh& mesh, const std::vector<double>& size,
+                              const std::vector<char>& counted = {});
 
 }  // namespace voile::adapt

@@ -20,7 +20,7 @@ struct Departure {
   double points = 0.0, left = 0.0;  ///< how many, and how many of them are outside
   double excess = 0.0;              ///< by how much boxes are larger than needed now [m]
   double room = 0.0;                ///< that they should have [m]
-  double way = 0.0;                 ///< sum of the ways that are asked for [m]
+  double displacement = 0.0;        ///< sum of the displacements that are asked for [m]
 };
 
 class Candidates;
@@ -42,9 +42,9 @@ class Candidates {
   Candidates(const Surface& surface, double contact_distance, std::vector<char> owned);
 
   /// Makes the candidates hold for all positions between `from` and `to` (all points; right are those of seen points and
-  /// of obstacles) and some way around; true if some were found anew. Where points go far, boxes around their ways would
-  /// all overlap: then candidates hold only as long as all go straight from `from` to `to` at the same time. `peers`:
-  /// null for a rank that is alone; else collective.
+  /// of obstacles) and some room around; true if some were found anew. Where points go far, boxes around their
+  /// trajectories would all overlap: then candidates hold only as long as all go straight from `from` to `to` at the
+  /// same time. `peers`: null for a rank that is alone; else collective.
   bool cover(const std::vector<Vec3>& from, const std::vector<Vec3>& to, Peers* peers);
   [[nodiscard]] const std::vector<Pair>& pairs() const { return pairs_; }
   [[nodiscard]] const std::vector<char>& owned() const { return owned_; }
@@ -70,7 +70,7 @@ class Candidates {
     if (list_.made()) list_.measure(seen_.points, x, moves_);
     for_listed(limit, f);
   }
-  /// The same for those whose gap may fall below `limit` on the way from x to `to`.
+  /// The same for those whose gap may fall below `limit` between x and `to`.
   template <class F>
   void for_close(const std::vector<Vec3>& x, const std::vector<Vec3>& to, double limit, F&& f) const {
     if (list_.made()) list_.measure(seen_.points, x, to, moves_);
@@ -92,11 +92,11 @@ class Candidates {
   void renew_boxes(const std::vector<Index>& points, const std::vector<Vec3>& from, const std::vector<Vec3>& to);
   void select_figures();
   void select_obstacles();
-  /// Of how many parts ways are that are to be looked at one after the other; 1: they are short.
-  [[nodiscard]] int parts_of_way(const Departure& sheet, const Departure& obstacles) const;
-  /// The pairs that come near on straight ways.
-  [[nodiscard]] std::vector<Pair> pairs_on_way(const std::vector<Vec3>& from, const std::vector<Vec3>& to,
-                                               int parts) const;
+  /// In how many parts trajectories are looked at one after the other; 1: they are short.
+  [[nodiscard]] int parts_of_trajectory(const Departure& sheet, const Departure& obstacles) const;
+  /// The pairs that come near on straight trajectories.
+  [[nodiscard]] std::vector<Pair> pairs_on_trajectory(const std::vector<Vec3>& from, const std::vector<Vec3>& to,
+                                                      int parts) const;
   /// Finds the candidates anew that hold a point with a renewed box.
   void renew_pairs();
   /// Makes the list of near pairs where the one there is answers no longer.

@@ -56,9 +56,9 @@ class ContactSet {
   }
   [[nodiscard]] const Candidates& candidates() const { return candidates_; }
 
-  /// Share of the way from `from` to `to` that this rank's pairs may go, planes staying where they are.
+  /// Share of the displacements from `from` to `to` that this rank's pairs admit, planes staying where they are.
   [[nodiscard]] double step_fraction(const std::vector<Vec3>& from, const std::vector<Vec3>& to) const;
-  /// Every candidate with a point in `asked` that may not go the whole way or would lose more than half of its gap
+  /// Every candidate with a point in `asked` that may not go all of it or would lose more than half of its gap
   /// within the contact distance, while planes go to `planes_to`; a plane as a pair of its point alone.
   void blocked(const std::vector<Vec3>& from, const std::vector<Vec3>& to, const std::vector<Plane>& planes_to,
                const std::vector<char>& asked, const std::function<void(const Pair&)>& found) const;

@@ -29,7 +29,7 @@ class NearList {
   };
   /// m_i of `points` at positions x. [m]
   void measure(const std::vector<Index>& points, const std::vector<Vec3>& x, Moves& moves) const;
-  /// The same, with twice the way from there to `to` added. [m]
+  /// The same, with twice the displacement from there to `to` added. [m]
   void measure(const std::vector<Index>& points, const std::vector<Vec3>& x, const std::vector<Vec3>& to,
                Moves& moves) const;
   /// Whether no pair with a gap below `limit` is missing where points have moved so far.
@@ -41,7 +41,7 @@ class NearList {
   void for_each(const std::vector<Pair>& pairs, const Moves& moves, double limit, F&& f) const {
     for (const Entry& e : entries_) {
       const Pair& p = pairs[e.pair];
-      if (e.gap - way(p, moves.of_point) < limit) f(p);
+      if (e.gap - displacement(p, moves.of_point) < limit) f(p);
     }
   }
 
@@ -50,7 +50,7 @@ class NearList {
     std::size_t pair;
     double gap;
   };
-  [[nodiscard]] static double way(const Pair& p, const std::vector<double>& m) {
+  [[nodiscard]] static double displacement(const Pair& p, const std::vector<double>& m) {
     const double first = m[p.points[0]], second = m[p.points[1]], third = m[p.points[2]];
     if (p.kind == PairKind::edge_edge) return std::max(first, second) + std::max(third, m[p.points[3]]);
     const double last = p.kind == PairKind::point_edge ? 0.0 : m[p.points[3]];

@@ -177,14 +177,15 @@ struct EigenSection {
 /// Meshes that follow the folds.
 struct RemeshSection {
   bool active = false;
-  int every = 0;             ///< accepted steps between two looks; 0: 5 in a motion, 1 along a path
-  double angle = 0.25;       ///< wanted between neighbouring triangles, per edge [rad]
-  double smallest = 0.0;     ///< edge [m]; 0: 1/200 of the extent, or four contact thicknesses if that is more
-  double largest = 0.0;      ///< edge [m]; 0: 1/12 of the extent
-  double growth = 0.3;       ///< largest slope of the size over distance
-  bool near_contact = true;  ///< smaller where things are in contact
-  double velocity = 0.0;     ///< largest difference of velocity along an edge [m/s]; 0: any
-  std::string size;          ///< expression of x, y, z [m]: an upper bound; empty: none
+  int every = 0;               ///< accepted steps between two looks; 0: 5 in a motion, 1 along a path
+  double angle = 0.25;         ///< wanted between neighbouring triangles, per edge [rad]
+  double smallest = 0.0;       ///< edge [m]; 0: 1/200 of the extent, or four contact thicknesses if that is more
+  double largest = 0.0;        ///< edge [m]; 0: 1/12 of the extent
+  double growth = 0.3;         ///< largest slope of the size over distance
+  bool near_contact = true;    ///< smaller where things are in contact
+  bool near_obstacles = true;  ///< smaller beside bends of obstacles
+  double velocity = 0.0;       ///< largest difference of velocity along an edge [m/s]; 0: any
+  std::string size;            ///< expression of x, y, z [m]: an upper bound; empty: none
   std::filesystem::path
       background;                   ///< .pos of Gmsh with upper bounds, resolved relative to the case file; empty: none
   std::vector<std::string> frozen;  ///< surface groups that are left alone

@@ -36,7 +36,7 @@ class LoadPath : public Stepper {
   std::optional<Newton> newton_;
   petsc::VecHandle accepted_;
   double step_ = 0.0;
-  int steps_ = 0, halvings_ = 0;
+  int halvings_ = 0;
 };
 
 /// Brings a state to equilibrium at its load factor by pseudo-transient continuation, unless it is in one; the model's

@@ -11,6 +11,11 @@
 // (1986) 261-279; Crisfield, Non-linear Finite Element Analysis of Solids and Structures 1 (1991), chapter 9.)
 // Predictor   Da = +-L x_f/|x_f|, the sign such that <Da, previous Da> > 0.
 // Step length grows with sqrt(wanted/needed iterations), at most by 2, and is halved when a step fails.
+// On another mesh   every correction is orthogonal to the path of its load factor, <da, x_f> = 0:
+//                        dlambda = <x_r, x_f> / <x_f, x_f>      (normal flow; Ragon, Gurdal & Watson, Int. J. Solids
+//                        Structures 39 (2002) 689-698), until the state is in equilibrium.
+// The length of a step, the unit that it is measured in, the direction, and what is known of critical points go on from
+// system::State, so that a path is the same through remeshings and restarts.
 // Critical points: between two states a limit point changes the sign of dlambda along the path, a bifurcation changes
 // the number of negative pivots without it. The eigenvalue of K (in W) nearest to zero is followed by inverse
 // iteration.
@@ -34,6 +39,11 @@ class PathFollower : public Stepper {
   [[nodiscard]] StepResult begin(system::State& state) override;
   [[nodiscard]] StepResult advance(system::State& state) override;
   [[nodiscard]] bool finished(const system::State& state) const override;
+  /// Instead of begin(): brings a state of another mesh to the path of this one and leaves it near the place where it was,
+  /// which load factor and displacements share: limit loads of this mesh may be lower than the load in force. With
+  /// displacement control, and at the end of the path, the probe keeps `probed_before` [m]. The state's load factor
+  /// changes. Collective.
+  [[nodiscard]] NewtonResult regain(system::State& state, double probed_before);
 
  private:
   struct Impl;

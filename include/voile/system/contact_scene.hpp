@@ -27,7 +27,7 @@ class ContactScene {
   /// Positions of all points, right for those that this rank sees [m].
   struct Points {
     std::vector<Vec3> now;    ///< at the state last taken, obstacles at the time in force
-    std::vector<Vec3> end;    ///< of the way looked at last
+    std::vector<Vec3> end;    ///< of the trajectory looked at last
     std::vector<Vec3> start;  ///< of the step
   };
 

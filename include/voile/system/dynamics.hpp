@@ -59,14 +59,14 @@ class Dynamics {
   /// What a residual is small against: the largest of applied forces, reactions and inertia of the last residual. [N]
   [[nodiscard]] double force_scale() const { return force_scale_; }
 
-  /// Works of the forces at (u, v, a) along a way [J]; positive where they take energy from the motion.
+  /// Works of the forces at (u, v, a) in a displacement [J]; positive where they take energy from the motion.
   struct Work {
     Model::Work model;
     double inertia = 0.0, damping = 0.0, drag = 0.0;
     double reactions = 0.0;  ///< of supports; positive where they give energy
   };
   /// Damping and drag also on what is held, whose supports then do that work. Collective.
-  [[nodiscard]] Work work(Vec u, Vec v, Vec a, Vec way);
+  [[nodiscard]] Work work(Vec u, Vec v, Vec a, Vec displacement);
   [[nodiscard]] double kinetic_energy(Vec v) const;
   /// Of all vertices, in global axes; supports included. Collective.
   [[nodiscard]] Vec3 momentum(Vec v) const;

@@ -34,7 +34,7 @@ class EnergyAccount {
   Levels before_;
   Dynamics::Work work_;
   double friction_ = 0.0, obstacles_ = 0.0;  ///< of the step: taken by friction; work of obstacles against barriers
-  petsc::VecHandle start_, way_;
+  petsc::VecHandle start_, displacement_;
 };
 
 }  // namespace voile::system

@@ -114,13 +114,13 @@ class Model {
   /// Whether that changes with the time alone: clamps that turn, seams that are pulled, attachments. Not collective.
   [[nodiscard]] bool stores_by_time() const;
 
-  /// Works of forces on a way [J]; positive where a load does it, or where the others take energy from the motion.
+  /// Works of forces in a displacement [J]; positive where a load does it, or where the others take energy from the motion.
   struct Work {
     double internal = 0.0, viscous = 0.0;  ///< of what is stored, and of the viscosity of the time step
     double contact = 0.0, friction = 0.0, loads = 0.0;
   };
-  /// Of the forces at a along `way`, all components. Overwrites f with the unbalanced force as above. Collective.
-  [[nodiscard]] Work work(Vec a, Vec way, Vec f);
+  /// Of the forces at a in `displacement`, all components. Overwrites f with the unbalanced force as above. Collective.
+  [[nodiscard]] Work work(Vec a, Vec displacement, Vec f);
 
   /// Tangent at a. Fixed rows and columns are eliminated. Collective.
   void assemble_tangent(Vec a, const TangentRequest& request);

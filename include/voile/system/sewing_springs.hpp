@@ -31,8 +31,8 @@ class SewingSprings {
   };
   Sewing sewing_;
   energy::SeamTerm* term_;
-  std::vector<Spring> springs_;  ///< of its elements
-  double longest_way_ = 0.0;     ///< of points that are sewn together, at the start [m]
+  std::vector<Spring> springs_;    ///< of its elements
+  double longest_distance_ = 0.0;  ///< of points that are sewn together, at the start [m]
 };
 
 }  // namespace voile::system

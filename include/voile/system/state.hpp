@@ -7,6 +7,8 @@
 // (io/checkpoint.hpp).
 #pragma once
 
+#include <vector>
+
 #include "voile/base/petsc.hpp"
 #include "voile/system/attachments.hpp"
 #include "voile/system/contact_memory.hpp"
@@ -30,10 +32,31 @@ struct SolverMemory {
   int wait = 0;               ///< how many they were at first; 0: iterations have not failed since they last worked
 };
 
+/// What a path goes by besides its last two states (solve/path_following.hpp); all of it outlives a mesh.
+struct PathMemory {
+  int steps = 0;              ///< accepted since the path began or was gone on with
+  double unit = 0.0;          ///< arc length of the step whose size is 1; 0: none yet
+  double rate = 0.0;          ///< dlambda/ds, whose sign changes at limit points; 0: not known
+  long negative_pivots = -1;  ///< of the tangent at the state; -1: not known
+  bool has_branched = false;
+};
+constexpr std::size_t path_numbers = 5;
+/// Nothing where there is nothing to remember.
+[[nodiscard]] inline std::vector<double> numbers_of(const PathMemory& p) {
+  if (p.steps == 0 && p.unit == 0.0) return {};
+  return {static_cast<double>(p.steps), p.unit, p.rate, static_cast<double>(p.negative_pivots),
+          p.has_branched ? 1.0 : 0.0};
+}
+/// Nothing is remembered if there are no numbers.
+[[nodiscard]] inline PathMemory path_of(const std::vector<double>& n) {
+  if (n.size() != path_numbers) return {};
+  return {static_cast<int>(n[0]), n[1], n[2], static_cast<long>(n[3]), n[4] > 0.0};
+}
+
 struct State {
   int step = 0;  ///< accepted steps so far
   double time = 0.0, load_factor = 0.0;
-  double next_step = 0.0;  ///< size of the step to come: of time [s]; 0: as the options say
+  double next_step = 0.0;  ///< size of the step to come: of time [s], of a path; 0: as the options say
   petsc::VecHandle u;
   petsc::VecHandle v, a;       ///< none: at rest; to be found from the equations
   petsc::VecHandle previous;   ///< u one step before, which gives a path its direction; none: it begins here
@@ -41,6 +64,7 @@ struct State {
   ContactMemory contact = {};
   Remeshings remeshings = {};
   SolverMemory solver = {};
+  PathMemory path = {};
   EnergyBalance balance = {};        ///< of a motion, where it is kept
   std::vector<Anchor> anchors = {};  ///< alike on all ranks
 };

@@ -18,10 +18,11 @@ constexpr int last_rounds = 4;
 
 }  // namespace
 
-PredictorWay::PredictorWay(ContactScene& scene, ContactMemory& memory, Vec from, double t0, Vec to, double t1)
+PredictorTrajectory::PredictorTrajectory(ContactScene& scene, ContactMemory& memory, Vec from, double t0, Vec to,
+                                         double t1)
     : scene_(scene), memory_(memory), from_(from), to_(to), t0_(t0), t1_(t1) {}
 
-Vec3 PredictorWay::common_motion(const Pair& pair) const {
+Vec3 PredictorTrajectory::common_motion(const Pair& pair) const {
   if (pair.points[1] == no_index) {  // of a point and a plane
     for (std::size_t k = 0; k < planes_.size(); ++k)
       if (planes_[k].body == pair.body_b) return (planes_end_[k].level - planes_[k].level) * planes_[k].normal;
@@ -41,7 +42,7 @@ Vec3 PredictorWay::common_motion(const Pair& pair) const {
   return leaders > 0 ? Vec3(leading / leaders) : Vec3(all / count);
 }
 
-bool PredictorWay::clear() {
+bool PredictorTrajectory::clear() {
   const petsc::EventScope scope(petsc::events().contact_clear);
   std::vector<Vec3>&x = scene_.points().now, &end = scene_.points().end;
   set_time(scene_, memory_, t0_);
@@ -71,7 +72,7 @@ bool PredictorWay::clear() {
   return clear;
 }
 
-std::vector<PredictorWay::Motion> PredictorWay::blocked_motions(const std::vector<char>& asked) {
+std::vector<PredictorTrajectory::Motion> PredictorTrajectory::blocked_motions(const std::vector<char>& asked) {
   std::vector<Motion> motions;
   std::string hit;
   const ContactScene::Points& points = scene_.points();
@@ -88,7 +89,7 @@ std::vector<PredictorWay::Motion> PredictorWay::blocked_motions(const std::vecto
 }
 
 /// Each rank speaks for its own vertices, which move by the mean of what their pairs ask for.
-void PredictorWay::move_along(const std::vector<Motion>& motions) const {
+void PredictorTrajectory::move_along(const std::vector<Motion>& motions) const {
   const Dofs& dofs = scene_.dofs();
   const petsc::WriteArray out(to_);
   for (std::size_t k = 0; k < motions.size();) {
@@ -96,7 +97,7 @@ void PredictorWay::move_along(const std::vector<Motion>& motions) const {
     Vec3 sum = Vec3::Zero();
     double count = 0.0;
     for (; k < motions.size() && motions[k].point == v; ++k) {
-      sum += motions[k].way;
+      sum += motions[k].displacement;
       count += 1.0;
     }
     if (i != no_index && i < dofs.local().owned) dofs.place_vertex(i, scene_.points().now[v] + sum / count, out);

@@ -1,0 +1,91 @@
+"""Regression tests of remeshing in motions with contact: friction that holds, and what a sheet comes near."""
+
+import math
+
+import numpy as np
+from harness import OUT, solve, test
+from results import Results
+from solver import ROOT
+from staging import end_of, stage
+
+ANGLE, FRICTION, SLIP_SPEED, STEP, STAGES = math.radians(15), 0.4, 1e-3, 2e-3, 16
+
+
+def on_slope(name, sizes, ranks):
+    """A limp sheet that lies on a plane, gravity turned by 15 degrees: a stage in which it comes to rest, then one after the
+    other with wanted sizes of their own, of two steps each. Returns how far its middle and its corner slip."""
+    def motion(k, size):
+        return stage(f"part_{k}", "dynamic", time={"end": 0.1 + 2 * k * STEP, "step": STEP, "velocity_tolerance": 1e-6},
+                     **({"remesh": {"size": size, "smallest": 0.01, "largest": 0.04, "every": 1}} if size else {}))
+
+    case = {"title": "A sheet on a slope", "mesh": {"file": str(ROOT / "meshes" / "plate.geo"), "parameters": {"side": 0.2, "n": 8, "pattern": 2}},
+            "material": [{"type": "isotropic", "young": 2e6, "poisson": 0.3, "thickness": 0.4e-3, "density": 400}],
+            "load": [{"type": "gravity", "vector": [9.81 * math.sin(ANGLE), 0, -9.81 * math.cos(ANGLE)]}],
+            "contact": {"distance": 1e-3, "stiffness": 1e4, "slip_speed": SLIP_SPEED},
+            "obstacle": [{"name": "slope", "type": "plane", "normal": [0, 0, 1], "friction": FRICTION, "point": [0, 0, -0.9e-3]}],
+            "damping": {"mass": 5.0}, "output": {"fields": ["displacement"], "every": 1000},
+            "probe": [{"name": "middle", "type": "displacement", "point": [0.1, 0.1, 0]}, {"name": "corner", "type": "displacement", "point": [0, 0, 0]}],
+            "stage": [motion(k, size) for k, size in enumerate([None, *sizes])]}
+    result = solve(name, case, ranks)
+    last, first = end_of(result, f"part_{len(sizes)}"), end_of(result, "part_1")
+    changes = [end_of(result, f"part_{k}").summary["remeshing"]["count"] for k in range(1, len(sizes) + 1) if sizes[k - 1]]
+    return [last.history[p][-1] - first.history[p][0] for p in ("middle_x", "corner_x")], changes, result
+
+
+@test
+def remesh_on_slope(report):
+    """Friction that holds a sheet below the angle at which it would slide goes on holding it through a remeshing in every other step: it slips as on one mesh."""
+    time = 2 * STAGES * STEP
+    share = 1 - math.sqrt(1 - math.tan(ANGLE) / FRICTION)  # of the slip speed at which smoothed friction bears the weight
+    still, _, _ = on_slope("remesh_slope_still", [None] * STAGES, 1)
+    report.percent(still[0] / (share * SLIP_SPEED * time), 0.05, f"on one mesh it slips by {still[0]:.3g} m")
+    for ranks in (1, 2):
+        slips, changes, result = on_slope(f"remesh_slope_{ranks}", ["0.014", "0.03"] * (STAGES // 2), ranks)
+        report.check(changes == [1] * STAGES and "refused" not in result.text.replace("0 refused", ""), f"{ranks} rank(s): {sum(changes)} remeshings in {2 * STAGES} steps")
+        for slip, plain, what in zip(slips, still, ("middle", "corner")):
+            report.percent(slip / plain, 1e-4, f"{ranks} rank(s): slip of the {what}, {slip:.3g} m, against one mesh")
+
+
+def box(low, high):
+    """An OBJ file of a box between two corners."""
+    corners = [[(low, high)[i][0], (low, high)[j][1], (low, high)[k][2]] for k in (0, 1) for j in (0, 1) for i in (0, 1)]
+    faces = [(1, 3, 4, 2), (5, 6, 8, 7), (1, 2, 6, 5), (3, 7, 8, 4), (1, 5, 7, 3), (2, 4, 8, 6)]
+    return "".join("v {} {} {}\n".format(*c) for c in corners) + "".join(f"f {a} {b} {c}\nf {a} {c} {d}\n" for a, b, c, d in faces)
+
+
+def cell_sizes(step, centre, within):
+    """Longest edge of the triangles whose middle is at most so far from a vertical axis."""
+    at, triangles = step.mesh.positions + step["displacement"], step.mesh.triangles
+    middles = at[triangles].mean(axis=1)
+    near = np.linalg.norm(middles[:, :2] - centre, axis=1) < within
+    corners = at[triangles[near]]
+    return np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)
+
+
+@test
+def remesh_ahead(report):
+    """A coarse sheet that falls on a knob of 6 mm, or on the edge of a box, is fine there before it touches; without the key it is not."""
+    side, smallest, free = 0.2, 2e-3, 0.02
+    (OUT / "remesh_ahead.obj").write_text(box([0.07, -0.05, -0.1], [0.13, 0.25, -free]))
+    knob = {"name": "knob", "type": "sphere", "point": [0.11, 0.09, -free - 0.006], "radius": 0.006}
+    edge = {"name": "edge", "type": "mesh", "file": str(OUT / "remesh_ahead.obj")}
+    for what, obstacle, places in (("knob", knob, [(0.11, 0.09)]), ("edge", edge, [(0.07, 0.1), (0.13, 0.05)])):
+        first = None
+        for on, ranks in ((True, 1), (True, 2), (False, 1)):
+            case = {"title": "A sheet falls", "analysis": "dynamic", "mesh": {"file": str(ROOT / "meshes" / "plate.geo"), "parameters": {"side": side, "n": 10, "pattern": 2}},
+                    "material": [{"type": "isotropic", "young": 2e6, "poisson": 0.3, "thickness": 0.4e-3, "density": 400}],
+                    "load": [{"type": "gravity", "vector": [0, 0, -9.81]}], "contact": {"distance": 1e-3, "stiffness": 1e4}, "obstacle": [obstacle],
+                    "damping": {"mass": 1.0}, "time": {"end": 0.07, "step": 2e-3, "velocity_tolerance": 1e-5},
+                    "remesh": {"smallest": smallest, "largest": 0.02, "near_obstacles": on}, "output": {"every": 1, "fields": ["displacement"]}}
+            result = solve(f"remesh_ahead_{what}_{on}_{ranks}", case, ranks)
+            h = result.history
+            touches = int(h["step"][np.argmax(np.array(h["contact_pairs"]) > 0)])
+            steps = {s.number: s for s in Results(result.folder)}
+            report.check(max(h["contact_pairs"]) > 0 and sum(h["intersections"]) == 0, f"{what}, {ranks} rank(s): touches in step {touches}, with {h['vertices'][list(h['step']).index(touches)]:.0f} vertices")
+            cells = np.concatenate([cell_sizes(steps[touches - 1], place, 0.004 if on else 0.012) for place in places])
+            if on:
+                report.check(cells.max() < 2.5 * smallest, f"{what}, {ranks} rank(s): one step before, cells of {cells.max():.3g} m there")
+                first = first or steps
+                report.check(all(np.array_equal(steps[n].mesh.positions, first[n].mesh.positions) for n in first if n < touches), f"{what}, {ranks} rank(s): the same meshes as on one")
+            else:
+                report.check(cells.max() > 5 * smallest, f"{what}: cells of {cells.max():.3g} m without")

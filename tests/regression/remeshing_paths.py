@@ -1,0 +1,78 @@
+"""Regression tests of remeshing along paths that snap through: the place on the path, its length, its critical points."""
+
+import numpy as np
+
+from common import base, fresh
+from curves import distances
+from harness import OUT, solve, test
+from solver import run, variant, write_case
+
+PUBLISHED = "roof_isotropic_6.35"
+REMESH = {"angle": 1.0, "smallest": 10.0, "largest": 80.0}
+
+
+def roof(cells, **changes):
+    return base(PUBLISHED, mesh__parameters__n_axial=cells, mesh__parameters__n_circ=cells,
+                output={"fields": ["displacement"], "every": 1000}, **changes)
+
+
+def curve(history):
+    return np.column_stack([history["C_z"], history["load_factor"]])
+
+
+def written(case, name):
+    return write_case(case, OUT / f"{name}.toml")
+
+
+@test
+def remesh_snap_through(report):
+    """A roof of 25 vertices at first: the snap-through of the fine mesh by as many steps, on 1, 2 and 3 ranks, also where a new mesh cannot bear the load."""
+    fine = solve("remesh_snap_fine", roof(16))
+    points = [c["load_factor"] for c in fine.summary["critical_points"]]
+    first = None
+    for ranks in (1, 2, 3):
+        result = solve(f"remesh_snap_{ranks}", roof(4, remesh=REMESH), ranks)
+        h = result.history
+        report.check(h["remeshings"][-1] >= 6 and "refused" not in result.text.replace("0 refused", ""), f"{ranks} rank(s): {h['remeshings'][-1]:.0f} remeshings, {h['vertices'][-1]:.0f} vertices")
+        before_end = h["C_z"] > -38.5
+        report.below(distances(curve(h)[before_end], curve(fine.history)).max(), 0.01, f"{ranks} rank(s): the curve, from that of {fine.summary['vertices']} vertices")
+        report.near(h["C_z"][-1], -39.2, 1e-7, f"{ranks} rank(s): its end")
+        found = [c["load_factor"] for c in result.summary["critical_points"]]
+        report.check(len(found) == 2, f"{ranks} rank(s): {len(found)} limit points")
+        for a, b in zip(found, points):
+            report.percent(a / b, 0.02, f"{ranks} rank(s): limit load")
+        report.percent(result.summary["steps"] / fine.summary["steps"], 0.1, f"{ranks} rank(s): number of steps")
+        first = first or h
+        report.check(list(h["vertices"]) == list(first["vertices"]), f"{ranks} rank(s): the same meshes as on one")
+        report.below(np.abs(curve(h) - curve(first)).max(), 1e-6, f"{ranks} rank(s): the same path as on one")
+    # Near the limit point of a fine mesh a coarse one, which bears less, stays at the place and falls in load.
+    case = roof(10)
+    for steps, pivots in ((10, 0), (12, 1)):
+        short = run(written(case, "remesh_snap_10"), fresh("remesh_snap_part"), 2, ["-path_max_steps", str(steps)])
+        again = run(written(variant(case, {"remesh": {"angle": 20.0, "smallest": 100.0, "largest": 130.0}}), "remesh_snap_coarser"),
+                    fresh("remesh_snap_coarser"), 1, ["--restart", short.folder / "checkpoint.h5"])
+        h = again.history
+        fell = (h["load_factor"][0] - h["load_factor"][1]) / h["load_factor"][0]
+        report.check(again.code == 0 and h["remeshings"][1] == 1 and 0.02 < fell < 0.05, f"code {again.code}, {100 * fell:.1f} % less load on {h['vertices'][1]:.0f} vertices")
+        report.near(h["C_z"][1] / h["C_z"][0], 1.0, 0.15, "deflection, before the snap")
+        report.check(h["negative_pivots"][2] == pivots, f"{h['negative_pivots'][2]:.0f} negative pivots after it")
+        report.near(h["C_z"][-1], -39.2, 1e-7, "the end is reached")
+
+
+@test
+def remesh_critical_points(report):
+    """A path that is to stop at a critical point does so with remeshing, one with a limited number of steps ends after as many."""
+    stopped = solve("remesh_stop", roof(4, remesh=REMESH, steps__at_critical_point="stop"), 2)
+    h = stopped.history
+    report.check(h["remeshings"][-1] >= 2 and h["step"][-1] == stopped.summary["critical_points"][0]["step"], "it stops at the point")
+    report.percent(h["load_factor"][-1] / 0.1945, 0.05, "its load")
+    late = solve("remesh_stop_late", roof(4, remesh={"angle": 2.0, "smallest": 16.0, "largest": 130.0, "every": 12}, steps__at_critical_point="stop"), 1)
+    plain = solve("remesh_stop_plain", roof(4, steps__at_critical_point="stop"), 1)
+    report.check(late.history["load_factor"][-1] == plain.history["load_factor"][-1] and late.history["remeshings"][-1] == 0, "whose mesh stays, though a path that goes on would get another one")
+    result = run(written(roof(4, remesh=REMESH | {"every": 2}), "remesh_few_steps"), fresh("remesh_few_steps"), 1, ["-path_max_steps", "7"])
+    report.check(result.code == 3 and result.summary["steps"] == 7 and result.history["remeshings"][-1] >= 2, f"code {result.code} after {result.summary['steps']} steps")
+    whole = solve("remesh_few_whole", roof(4, remesh=REMESH | {"every": 2}), 1).history
+    again = run(OUT / "remesh_few_steps.toml", fresh("remesh_few_again"), 3, ["--restart", OUT / "remesh_few_steps" / "checkpoint.h5"])
+    last = len(again.history["step"])
+    report.check(again.code == 0 and list(again.history["vertices"][1:]) == list(whole["vertices"][-last + 1:]), "gone on with from there: the same meshes")
+    report.below(np.abs(curve(again.history)[1:] - curve(whole)[-last + 1:]).max(), 1e-6, "and the same path")
