@@ -103,7 +103,8 @@ NewtonResult PathFollower::Impl::attempt(Vec a, double& lambda, const Constraint
 std::optional<CriticalPoint> PathFollower::Impl::passed(const Tangent& after, double lambda) const {
   const double rate_after = rate_of(after), length = std::sqrt(dot(increment, increment));
   const bool turned = rate * rate_after < 0.0;
-  const long change = after.negative_pivots - tangent.negative_pivots;
+  const bool known = after.negative_pivots >= 0 && tangent.negative_pivots >= 0;
+  const long change = known ? after.negative_pivots - tangent.negative_pivots : 0;
   if (!turned && change == 0) return std::nullopt;
   CriticalPoint point;
   point.step = steps + 1;
