@@ -3,6 +3,7 @@
 #include <petsc/private/pcimpl.h>
 
 #include <algorithm>
+#include <array>
 #include <memory>
 
 #include "mumps_single.hpp"
@@ -16,6 +17,12 @@ namespace {
 /// After single precision has failed, so many matrices are factored in double before it is tried again.
 constexpr int double_factors_after_failure = 10;
 
+/// The diagonal times 1 + shift is what one factor after the other has, where conjugate gradients find the one before indefinite.
+/// What single precision loses is of the size of its last digit; the few modes that a shift slows cost iterations.
+constexpr std::array shifts{0.0, 1.2e-7, 1e-6};
+/// So many times the iterations then, and where the matrix is so large that a factor in double costs more, and twice the memory.
+constexpr int patience = 5;
+
 /// The type's own data (pc->data).
 struct Mixed {
   std::unique_ptr<SingleFactor> single;
@@ -24,6 +31,8 @@ struct Mixed {
   bool use_exact = false;     ///< for the matrix in force
   bool pattern_read = false;  ///< by `single`
   int exact_left = 0;
+  std::size_t shift = 0;  ///< number of the shift in force
+  PetscInt most_iterations = 30;
   bool always_exact = false;
   long factors = 0, patterns = 0, exact_factors = 0, solutions = 0, iterations = 0;
 };
@@ -49,12 +58,13 @@ PetscErrorCode create_refinement(PC pc) {
   PetscCall(KSPAppendOptionsPrefix(m.refinement, "mixed_"));
   PetscCall(KSPSetType(m.refinement, KSPCG));
   PetscCall(KSPSetNormType(m.refinement, KSP_NORM_UNPRECONDITIONED));
-  PetscCall(KSPSetTolerances(m.refinement, 1e-8, PETSC_DEFAULT, PETSC_DEFAULT, 30));
+  PetscCall(KSPSetTolerances(m.refinement, 1e-8, PETSC_DEFAULT, PETSC_DEFAULT, m.most_iterations));
   PetscCall(KSPGetPC(m.refinement, &shell));
   PetscCall(PCSetType(shell, PCSHELL));
   PetscCall(PCShellSetContext(shell, &m));
   PetscCall(PCShellSetApply(shell, apply_single));
   PetscCall(KSPSetFromOptions(m.refinement));
+  PetscCall(KSPGetTolerances(m.refinement, nullptr, nullptr, nullptr, &m.most_iterations));
   PetscFunctionReturn(0);
 }
 
@@ -92,6 +102,19 @@ PetscErrorCode factor_exactly(PC pc) {
   PetscFunctionReturn(0);
 }
 
+PetscErrorCode factor_single(PC pc, bool& good) {
+  Mixed& m = data(pc);
+  PetscFunctionBeginUser;
+  PetscCall(petsc::guarded([&] {
+    const petsc::EventScope scope(petsc::events().factor_single);
+    if (!m.single) m.single = std::make_unique<SingleFactor>(PetscObjectComm(reinterpret_cast<PetscObject>(pc)));
+    m.patterns += m.pattern_read ? 0 : 1;
+    good = m.single->factor(pc->pmat, !m.pattern_read, shifts[m.shift]);
+    m.pattern_read = good;
+  }));
+  PetscFunctionReturn(0);
+}
+
 PetscErrorCode set_up(PC pc) {
   Mixed& m = data(pc);
   PetscFunctionBeginUser;
@@ -106,14 +129,8 @@ PetscErrorCode set_up(PC pc) {
   }
   bool good = false;
   PetscCall(PCDestroy(&m.exact));
-  PetscCall(petsc::guarded([&] {
-    const petsc::EventScope scope(petsc::events().factor_single);
-    if (!m.single) m.single = std::make_unique<SingleFactor>(PetscObjectComm(reinterpret_cast<PetscObject>(pc)));
-    m.patterns += m.pattern_read ? 0 : 1;
-    good = m.single->factor(pc->pmat, !m.pattern_read);
-    m.pattern_read = good;
-  }));
   m.use_exact = false;
+  PetscCall(factor_single(pc, good));
   if (!good) {
     m.exact_left = double_factors_after_failure;
     PetscCall(factor_exactly(pc));
@@ -121,19 +138,38 @@ PetscErrorCode set_up(PC pc) {
   PetscFunctionReturn(0);
 }
 
+/// K x = b by conjugate gradients with the single factor.
+PetscErrorCode refine(PC pc, Vec b, Vec x, KSPConvergedReason& reason) {
+  Mixed& m = data(pc);
+  PetscInt iterations = 0;
+  PetscFunctionBeginUser;
+  const petsc::EventScope scope(petsc::events().refine);
+  PetscCall(KSPSetTolerances(m.refinement, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT,
+                             (m.shift > 0 || m.single->compressed() ? patience : 1) * m.most_iterations));
+  PetscCall(KSPSolve(m.refinement, b, x));
+  PetscCall(KSPGetConvergedReason(m.refinement, &reason));
+  PetscCall(KSPGetIterationNumber(m.refinement, &iterations));
+  ++m.solutions;
+  m.iterations += iterations;
+  PetscFunctionReturn(0);
+}
+
 PetscErrorCode apply(PC pc, Vec b, Vec x) {
   Mixed& m = data(pc);
   KSPConvergedReason reason = KSP_CONVERGED_ITERATING;
-  PetscInt iterations = 0;
   PetscFunctionBeginUser;
   if (!m.use_exact) {
-    const petsc::EventScope scope(petsc::events().refine);
-    PetscCall(KSPSolve(m.refinement, b, x));
-    PetscCall(KSPGetConvergedReason(m.refinement, &reason));
-    PetscCall(KSPGetIterationNumber(m.refinement, &iterations));
-    ++m.solutions;
-    m.iterations += iterations;
+    const std::size_t shift = m.shift;
+    PetscCall(refine(pc, b, x, reason));
+    while (reason == KSP_DIVERGED_INDEFINITE_PC && m.shift + 1 < shifts.size()) {
+      bool good = false;
+      ++m.shift;
+      PetscCall(factor_single(pc, good));
+      if (!good) break;
+      if (m.single->negative_pivots() == 0) PetscCall(refine(pc, b, x, reason));
+    }
     if (reason > 0) PetscFunctionReturn(0);
+    m.shift = shift;  // none of them was of use
     PetscCall(PetscInfo(pc, "single precision is not enough (%s): factoring in double\n", KSPConvergedReasons[reason]));
     m.exact_left = double_factors_after_failure;
     PetscCall(factor_exactly(pc));
@@ -164,6 +200,7 @@ PetscErrorCode view(PC pc, PetscViewer viewer) {
   const Mixed& m = data(pc);
   PetscFunctionBeginUser;
   PetscCall(PetscViewerASCIIPrintf(viewer, "  MUMPS in single precision, refined by conjugate gradients\n"));
+  if (m.shift > 0) PetscCall(PetscViewerASCIIPrintf(viewer, "  %g of the diagonal added\n", shifts[m.shift]));
   PetscCall(PetscViewerASCIIPrintf(
       viewer,
       "  matrices %ld with %ld patterns, of them %ld in double; solutions refined %ld, with %.1f iterations each\n",
@@ -197,7 +234,7 @@ void set_mixed_double(PC pc) {
 
 long mixed_negative_pivots(PC pc) {
   const Mixed& m = data(pc);
-  if (!m.use_exact) return m.single ? m.single->negative_pivots() : -1;
+  if (!m.use_exact) return m.single && m.shift == 0 ? m.single->negative_pivots() : -1;
   Mat factor = nullptr;
   PetscInt count = 0;
   VOILE_PETSC(PCFactorGetMatrix(m.exact, &factor));

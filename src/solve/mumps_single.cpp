@@ -21,6 +21,10 @@ namespace {
 enum Job { begin = -1, end = -2, analyse = 1, factorise = 2, back_substitute = 3 };
 constexpr int first_workspace = 100, most_workspace = 6400;
 constexpr int lacks_integers = -8, lacks_reals = -9;
+constexpr int no_scaling = 0, iterated_scaling = 7;  ///< ICNTL(8)
+/// From so many rows on blocks of low rank save more than they cost, and how exact they are.
+constexpr PetscInt low_rank_rows = 60000;
+constexpr float low_rank = 1e-7F;
 
 /// Numbers too small for normal single precision count as zero while it lives. A flat sheet's factor is full of them, since
 /// nothing couples its directions but round-off, and processors that compute them in microcode take ten times as long.
@@ -46,6 +50,7 @@ class FlushToZero {
 struct Parts {
   Mat diagonal = nullptr, off_diagonal = nullptr;
   const PetscInt* column_of = nullptr;
+  PetscInt first_row = 0, first_column = 0;
   explicit Parts(Mat k) {
     PetscBool sequential = PETSC_FALSE;
     VOILE_PETSC(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(k), MATSEQAIJ, &sequential));
@@ -53,6 +58,27 @@ struct Parts {
       diagonal = k;
     else
       VOILE_PETSC(MatMPIAIJGetSeqAIJ(k, &diagonal, &off_diagonal, &column_of));
+    VOILE_PETSC(MatGetOwnershipRange(k, &first_row, nullptr));
+    VOILE_PETSC(MatGetOwnershipRangeColumn(k, &first_column, nullptr));
+  }
+  /// Calls f(row, column, value) for every entry of this rank in the lower triangle; global numbers.
+  template <class F>
+  void for_lower(F&& f) const {
+    for (Mat part : {diagonal, off_diagonal}) {
+      if (!part) continue;
+      PetscInt local_rows = 0;
+      const PetscInt *starts = nullptr, *local_columns = nullptr;
+      const double* values = nullptr;
+      VOILE_PETSC(MatGetLocalSize(part, &local_rows, nullptr));
+      VOILE_PETSC(MatSeqAIJGetCSRAndMemType(part, &starts, &local_columns, nullptr, nullptr));
+      VOILE_PETSC(MatSeqAIJGetArrayRead(part, &values));
+      for (PetscInt r = 0; r < local_rows; ++r)
+        for (PetscInt at = starts[r]; at < starts[r + 1]; ++at) {
+          const PetscInt c = local_columns[at], column = part == diagonal ? first_column + c : column_of[c];
+          if (column <= first_row + r) f(first_row + r, column, values[at]);
+        }
+      VOILE_PETSC(MatSeqAIJRestoreArrayRead(part, &values));
+    }
   }
 };
 
@@ -84,7 +110,6 @@ struct SingleFactor::Impl {
   MPI_Comm comm;
   SMUMPS_STRUC_C mumps{};
   std::vector<MUMPS_INT> rows, columns;  ///< of this rank's entries, from 1
-  std::vector<PetscInt> places;          ///< where they lie: >= 0 in the diagonal part, else ~place in the other
   std::vector<float> values, right_side;
   petsc::ScatterHandle to_root;
   petsc::VecHandle on_root;
@@ -112,25 +137,9 @@ struct SingleFactor::Impl {
   [[nodiscard]] int answer(int number) const { return mumps.infog[number - 1]; }
 
   void read_pattern(Mat k);
-  void add_entries(Mat part, PetscInt first_row, PetscInt first_column, const PetscInt* column_of);
   void order(PetscInt size, int block_size);
-  void read_values(Mat k);
+  void read_values(Mat k, double shift);
 };
-
-void SingleFactor::Impl::add_entries(Mat part, PetscInt first_row, PetscInt first_column, const PetscInt* column_of) {
-  PetscInt local_rows = 0;
-  const PetscInt *starts = nullptr, *local_columns = nullptr;
-  VOILE_PETSC(MatGetLocalSize(part, &local_rows, nullptr));
-  VOILE_PETSC(MatSeqAIJGetCSRAndMemType(part, &starts, &local_columns, nullptr, nullptr));
-  for (PetscInt r = 0; r < local_rows; ++r)
-    for (PetscInt at = starts[r]; at < starts[r + 1]; ++at) {
-      const PetscInt column = column_of ? column_of[local_columns[at]] : first_column + local_columns[at];
-      if (column > first_row + r) continue;
-      rows.push_back(static_cast<MUMPS_INT>(first_row + r + 1));
-      columns.push_back(static_cast<MUMPS_INT>(column + 1));
-      places.push_back(column_of ? ~at : at);
-    }
-}
 
 /// Analysis in nested-dissection order, on rank 0, which knows the graph of the blocks.
 void SingleFactor::Impl::order(PetscInt size, int block_size) {
@@ -151,16 +160,22 @@ void SingleFactor::Impl::order(PetscInt size, int block_size) {
 
 void SingleFactor::Impl::read_pattern(Mat k) {
   const Parts parts(k);
-  PetscInt size = 0, first_row = 0, first_column = 0, block_size = 1;
+  PetscInt size = 0, block_size = 1;
+  std::size_t count = 0;
   VOILE_PETSC(MatGetSize(k, &size, nullptr));
-  VOILE_PETSC(MatGetOwnershipRange(k, &first_row, nullptr));
-  VOILE_PETSC(MatGetOwnershipRangeColumn(k, &first_column, nullptr));
   VOILE_PETSC(MatGetBlockSize(k, &block_size));
-  for (auto* v : {&rows, &columns}) v->clear();
-  places.clear();
-  add_entries(parts.diagonal, first_row, first_column, nullptr);
-  if (parts.off_diagonal) add_entries(parts.off_diagonal, first_row, first_column, parts.column_of);
-  values.resize(places.size());
+  parts.for_lower([&](PetscInt, PetscInt, double) { ++count; });
+  for (auto* v : {&rows, &columns}) {
+    v->clear();
+    v->reserve(count);
+  }
+  parts.for_lower([&](PetscInt row, PetscInt column, double) {
+    rows.push_back(static_cast<MUMPS_INT>(row + 1));
+    columns.push_back(static_cast<MUMPS_INT>(column + 1));
+  });
+  values.resize(count);
+  control(35) = size >= low_rank_rows ? 2 : 0;
+  mumps.cntl[7 - 1] = low_rank;
   mumps.n = static_cast<MUMPS_INT>(size);
   mumps.nnz_loc = static_cast<MUMPS_INT8>(rows.size());
   mumps.irn_loc = rows.data();
@@ -169,26 +184,24 @@ void SingleFactor::Impl::read_pattern(Mat k) {
   order(size, static_cast<int>(block_size));
 }
 
-void SingleFactor::Impl::read_values(Mat k) {
-  const Parts parts(k);
-  const double *inside = nullptr, *outside = nullptr;
-  VOILE_PETSC(MatSeqAIJGetArrayRead(parts.diagonal, &inside));
-  if (parts.off_diagonal) VOILE_PETSC(MatSeqAIJGetArrayRead(parts.off_diagonal, &outside));
-  for (std::size_t e = 0; e < places.size(); ++e)
-    values[e] = static_cast<float>(places[e] >= 0 ? inside[places[e]] : outside[~places[e]]);
-  VOILE_PETSC(MatSeqAIJRestoreArrayRead(parts.diagonal, &inside));
-  if (parts.off_diagonal) VOILE_PETSC(MatSeqAIJRestoreArrayRead(parts.off_diagonal, &outside));
+void SingleFactor::Impl::read_values(Mat k, double shift) {
+  auto value = values.begin();
+  Parts(k).for_lower([&](PetscInt row, PetscInt column, double entry) {
+    *value++ = static_cast<float>(row == column ? (1.0 + shift) * entry : entry);
+  });
+  // What is dropped, and what a shift has to outweigh, is small against each row alone if these are scaled.
+  control(8) = shift > 0.0 || control(35) > 0 ? iterated_scaling : no_scaling;
 }
 
 SingleFactor::SingleFactor(MPI_Comm comm) : impl_(std::make_unique<Impl>(comm)) {}
 SingleFactor::~SingleFactor() = default;
 
-bool SingleFactor::factor(Mat k, bool new_pattern) {
+bool SingleFactor::factor(Mat k, bool new_pattern, double shift) {
   Impl& f = *impl_;
   if (new_pattern) f.read_pattern(k);
   check_mumps_memory(f.answer(1), f.answer(2));
   if (f.answer(1) < 0 && new_pattern) return false;
-  f.read_values(k);
+  f.read_values(k, shift);
   for (;;) {
     f.run(factorise);
     const int code = f.answer(1);
@@ -217,6 +230,9 @@ void SingleFactor::solve(Vec b, Vec x) {
   VOILE_PETSC(VecScatterEnd(f.to_root, f.on_root, x, INSERT_VALUES, SCATTER_REVERSE));
 }
 
+bool SingleFactor::compressed() const {
+  return impl_->mumps.icntl[35 - 1] > 0;
+}
 long SingleFactor::negative_pivots() const {
   return impl_->answer(12);
 }

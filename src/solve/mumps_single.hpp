@@ -1,7 +1,8 @@
 // Symmetric factor in single precision, by MUMPS; private to src/solve.
 //
 // Half the time and memory of a double factor. Its solutions have about seven digits less the condition number's:
-// something to refine (mixed_pc.hpp). Ordering: nested dissection of METIS on the graph of the blocks.
+// something to refine (mixed_pc.hpp). Ordering: nested dissection of METIS on the graph of the blocks. Factors of many rows
+// are compressed: blocks of low rank to 1e-7 of the scaled matrix, which single precision does not tell from the whole ones.
 #pragma once
 
 #include <petscmat.h>
@@ -18,12 +19,14 @@ class SingleFactor {
   SingleFactor(const SingleFactor&) = delete;
   SingleFactor& operator=(const SingleFactor&) = delete;
 
-  /// Factors an AIJ matrix, of which it reads the lower triangle; `new_pattern`: not that of the last one. False if
-  /// MUMPS gives up, also with more workspace. Collective.
-  [[nodiscard]] bool factor(Mat k, bool new_pattern);
+  /// Factors an AIJ matrix, of which it reads the lower triangle, with its diagonal times 1 + shift; `new_pattern`: not that of
+  /// the last one. False if MUMPS gives up, also with more workspace. Collective.
+  [[nodiscard]] bool factor(Mat k, bool new_pattern, double shift = 0.0);
+  /// Whether the last pattern had so many rows that blocks of low rank are compressed.
+  [[nodiscard]] bool compressed() const;
   /// x = K^-1 b to single precision. Collective.
   void solve(Vec b, Vec x);
-  /// Negative eigenvalues of the last matrix (Sylvester's law of inertia).
+  /// Negative eigenvalues of the last matrix, shifted as it was (Sylvester's law of inertia).
   [[nodiscard]] long negative_pivots() const;
   /// Of the last factorisation or solution, in the numbers of MUMPS's manual; >= 0: none.
   [[nodiscard]] int error() const;

@@ -116,7 +116,8 @@ NewtonResult PathFollower::Impl::attempt(Vec a, double& lambda, const Constraint
 std::optional<CriticalPoint::Kind> PathFollower::Impl::kind_between(double rate_before, long pivots_before,
                                                                     double rate_after, long pivots_after) const {
   const bool turned = rate_before * rate_after < 0.0;
-  const long change = pivots_after - pivots_before;
+  const bool known = pivots_before >= 0 && pivots_after >= 0;
+  const long change = known ? pivots_after - pivots_before : 0;
   if (!turned && change == 0) return std::nullopt;
   if (!turned) return CriticalPoint::Kind::bifurcation;
   return std::abs(change) > 1 ? CriticalPoint::Kind::both : CriticalPoint::Kind::limit;

@@ -107,6 +107,7 @@ void BendingEnergy::assemble(const std::vector<energy::CurvatureOperator>& curva
   });
   bending.close();
   if (damped) damped->close();
+  constant_->make_compact(turns_);
 }
 
 /// Collects what a bent start adds to the constant force and energy.
@@ -172,6 +173,7 @@ void BendingEnergy::assemble_turning() {
       if (e.owned) twice += 2.0 * force.dot(on_->dofs().offset(p));
     }
   bending.close();
+  constant_->make_compact(true);
   VOILE_PETSC(VecCopy(steady_force_, force_));
   on_->dofs().add_forces(forces_, force_);
   offset_ = steady_offset_ + mpi::sum(on_->comm(), twice);

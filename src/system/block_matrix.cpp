@@ -41,11 +41,15 @@ void copy_part(Mat from, double* to) {
 }  // namespace
 
 BlockMatrix::BlockMatrix(MPI_Comm comm, const mesh::Partition& partition, BlockPattern pattern)
-    : pattern_(std::make_shared<const BlockPattern>(std::move(pattern))) {
+    : pattern_(std::make_shared<const BlockPattern>(std::move(pattern))), comm_(comm) {
   const int rank = mpi::rank(comm);
   first_row_ = partition.owned_begin(rank);
   row_count_ = partition.owned_count(rank);
-  VOILE_PETSC(MatCreate(comm, mat_.out()));
+  create();
+}
+
+void BlockMatrix::create() {
+  VOILE_PETSC(MatCreate(comm_, mat_.out()));
   VOILE_PETSC(MatSetSizes(mat_, 3 * row_count_, 3 * row_count_, PETSC_DETERMINE, PETSC_DETERMINE));
   VOILE_PETSC(MatSetBlockSize(mat_, 3));
   VOILE_PETSC(MatSetType(mat_, MATAIJ));
@@ -54,16 +58,19 @@ BlockMatrix::BlockMatrix(MPI_Comm comm, const mesh::Partition& partition, BlockP
 
 void BlockMatrix::preallocate() {
   std::vector<PetscInt> inside, outside;
-  inside_.clear();
+  rows_.clear();
+  Row row;
   for (const auto& columns : *pattern_) {
     const auto first = std::lower_bound(columns.begin(), columns.end(), first_row_);
     const auto last = std::lower_bound(first, columns.end(), first_row_ + row_count_);
-    inside_.emplace_back(static_cast<Index>(first - columns.begin()), static_cast<Index>(last - first));
-    const PetscInt in = inside_.back().second;
-    for (int i = 0; i < 3; ++i) {
-      inside.push_back(3 * in);
-      outside.push_back(3 * (static_cast<PetscInt>(columns.size()) - in));
-    }
+    row.before = static_cast<Index>(first - columns.begin());
+    row.in = static_cast<Index>(last - first);
+    const Index out = static_cast<Index>(columns.size()) - row.in;
+    rows_.push_back(row);
+    row.diagonal += 9 * row.in;
+    row.off_diagonal += 9 * out;
+    inside.insert(inside.end(), 3, 3 * row.in);
+    outside.insert(outside.end(), 3, 3 * out);
   }
   VOILE_PETSC(MatSeqAIJSetPreallocation(mat_, 0, inside.data()));
   VOILE_PETSC(MatMPIAIJSetPreallocation(mat_, 0, inside.data(), 0, outside.data()));
@@ -82,13 +89,24 @@ void BlockMatrix::preallocate() {
 
 BlockMatrix BlockMatrix::twin() const {
   BlockMatrix other;
-  VOILE_PETSC(MatDuplicate(mat_, MAT_DO_NOT_COPY_VALUES, other.mat_.out()));
   other.pattern_ = pattern_;
+  other.comm_ = comm_;
   other.first_row_ = first_row_;
   other.row_count_ = row_count_;
-  other.inside_ = inside_;
+  if (!mat_) {
+    other.create();
+    return other;
+  }
+  other.rows_ = rows_;
+  VOILE_PETSC(MatDuplicate(mat_, MAT_DO_NOT_COPY_VALUES, other.mat_.out()));
   other.find_parts();
   return other;
+}
+
+void BlockMatrix::release() {
+  mat_.reset();
+  diagonal_ = off_diagonal_ = nullptr;
+  open_values_ = {};
 }
 
 void BlockMatrix::find_parts() {
@@ -98,21 +116,13 @@ void BlockMatrix::find_parts() {
     diagonal_ = mat_;
   else
     VOILE_PETSC(MatMPIAIJGetSeqAIJ(mat_, &diagonal_, &off_diagonal_, nullptr));
-  diagonal_rows_ = row_starts(diagonal_);
-  off_diagonal_rows_ = row_starts(off_diagonal_);
 }
 
 Slot BlockMatrix::slot(Index local_row, Index column) const {
   const auto& columns = (*pattern_)[local_row];
   const auto found = std::lower_bound(columns.begin(), columns.end(), column);
   if (found == columns.end() || *found != column) throw InternalError("matrix pattern lacks a block of an element");
-  // PETSc stores both parts by rows with ascending columns, so a block's place follows from counts alone.
-  const auto [before, in] = inside_[local_row];
-  const Index at = static_cast<Index>(found - columns.begin()), out = static_cast<Index>(columns.size()) - in;
-  const bool inside = at >= before && at < before + in;
-  const Index position = inside ? at - before : at < before ? at : at - in;
-  const Index offset = (inside ? diagonal_rows_ : off_diagonal_rows_)[3 * local_row] + 3 * position;
-  return {inside ? offset : ~offset, 3 * (inside ? in : out)};
+  return slot_at(local_row, static_cast<Index>(found - columns.begin()));
 }
 
 BlockMatrix::Values BlockMatrix::open() {
@@ -123,14 +133,21 @@ BlockMatrix::Values BlockMatrix::open() {
   return v;
 }
 
+void BlockMatrix::clear() const {
+  if (rows_.empty()) return;
+  const Row& last = rows_.back();
+  const Index out = static_cast<Index>(pattern_->back().size()) - last.in;
+  std::fill_n(open_values_.diagonal, last.diagonal + 9 * last.in, 0.0);
+  if (off_diagonal_) std::fill_n(open_values_.off_diagonal, last.off_diagonal + 9 * out, 0.0);
+}
+
 void BlockMatrix::copy_values_from(const BlockMatrix& other) const {
   if (!extended_) {
     copy_part(other.diagonal_, open_values_.diagonal);
     copy_part(other.off_diagonal_, open_values_.off_diagonal);
     return;
   }
-  std::fill_n(open_values_.diagonal, diagonal_rows_[3 * row_count_], 0.0);
-  if (off_diagonal_) std::fill_n(open_values_.off_diagonal, off_diagonal_rows_[3 * row_count_], 0.0);
+  clear();
   add_values_from(other, 1.0);
 }
 

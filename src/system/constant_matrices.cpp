@@ -33,6 +33,14 @@ void ConstantMatrices::lump(const std::vector<PointMass>& masses) {
       if (add(v, m.mass)) masses_.emplace_back(on_->owned(v), m.mass);
 }
 
+void ConstantMatrices::make_compact(bool keep) {
+  compact_bending_.read(bending_);
+  if (damping_) compact_damping_.read(*damping_);
+  if (keep) return;
+  bending_.release();
+  if (damping_) damping_->release();
+}
+
 BlockMatrix ConstantMatrices::consistent_mass() const {
   BlockMatrix mass = bending_.twin();
   const BlockMatrix::Values values = mass.open();

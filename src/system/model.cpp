@@ -99,10 +99,10 @@ void Model::start_step(Vec a, double viscosity, double inverse_step) {
 void Model::assemble_tangent(Vec a, const TangentRequest& request) {
   const petsc::EventScope scope(petsc::events().tangent);
   BlockMatrix& tangent = tangent_.blocks();
-  const BlockMatrix& bending = constant_.bending_blocks();
+  const BlockMatrix& base = constant_.base();
   if (contact_)
-    if (BlockPattern pattern; contact_->extend_pattern(a, tangent, bending.pattern(), pattern))
-      tangent_.extend(bending, std::move(pattern));
+    if (BlockPattern pattern; contact_->extend_pattern(a, tangent, base.pattern(), pattern))
+      tangent_.extend(base, std::move(pattern));
   energy::Configuration c = configuration(a);
   c.tangent = request.kind;
   if (request.previous) {
@@ -112,10 +112,9 @@ void Model::assemble_tangent(Vec a, const TangentRequest& request) {
   const BlockMatrix::Values values = tangent.open();
   {
     const petsc::EventScope copy(petsc::events().bending_copy);
-    tangent.copy_values_from(bending);
-    if (request.bending != 1.0) tangent.add_values_from(bending, request.bending - 1.0);
-    if (const auto& damping = constant_.damping_blocks(); damping && request.damping > 0.0)
-      tangent.add_values_from(*damping, request.damping);
+    tangent.clear();
+    constant_.add_bending(tangent, values, request.bending);
+    if (constant_.has_damping() && request.damping > 0.0) constant_.add_damping(tangent, values, request.damping);
   }
   const int pattern = tangent_.pattern_version();
   for (const Counted& t : terms_) t.term->add_blocks(c, dofs(), tangent, pattern, values);

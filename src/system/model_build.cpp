@@ -39,7 +39,7 @@ const std::vector<Support>& with_followers(ModelInput& input) {
 Model::Model(MPI_Comm comm, const mesh::SurfaceMesh& mesh, ModelInput input)
     : on_(std::make_unique<Discretisation>(comm, mesh, std::move(input.materials), with_followers(input), input.springs,
                                            input.element, input.seams)) {
-  const Curvatures curvatures = on_->take_curvatures();
+  Curvatures curvatures = on_->take_curvatures();
   BlockPattern pattern;
   energy::AnchorTerm* anchors = nullptr;
   mpi::on_all(comm, [&] {
@@ -48,9 +48,10 @@ Model::Model(MPI_Comm comm, const mesh::SurfaceMesh& mesh, ModelInput input)
     pattern = make_pattern(curvatures);
   });
   constant_ = ConstantMatrices(*on_, std::move(pattern), input.masses);
-  tangent_ = Tangent(*on_, constant_.bending_blocks());
   work_ = dofs().create_vector();
   bending_ = std::make_unique<BendingEnergy>(*on_, constant_, curvatures, input.springs);
+  curvatures = {};  // room for the tangent, which is the largest part
+  tangent_ = Tangent(*on_, constant_.base());
   conditions_ = std::make_unique<BoundaryConditions>(*on_, std::move(input.supports), input.loads, input.masses,
                                                      input.motion_by_load);
   if (input.contact.active)
@@ -60,7 +61,6 @@ Model::Model(MPI_Comm comm, const mesh::SurfaceMesh& mesh, ModelInput input)
         std::make_unique<Attachments>(*on_, std::move(input.attachments), contact_.get(), *conditions_, anchors);
   });
   const PetscBool symmetric = conditions_->symmetric() ? PETSC_TRUE : PETSC_FALSE;
-  VOILE_PETSC(MatSetOption(constant_.bending(), MAT_SYMMETRIC, PETSC_TRUE));
   VOILE_PETSC(MatSetOption(tangent_.matrix(), MAT_SYMMETRIC, symmetric));
   VOILE_PETSC(MatSetOption(tangent_.matrix(), MAT_SYMMETRY_ETERNAL, symmetric));
 }
@@ -81,6 +81,7 @@ void Model::build_terms(const Curvatures& curvatures, const std::vector<Spring>&
   membrane_->kernel = energy::MembraneTerm(on_->sheet());
   std::optional<energy::ChordForms> forms;
   if (membrane_->kernel.corrects()) forms.emplace(on_->sheet());
+  membrane_->kernel.reserve(curvatures.size());
   auto& curved = add_term<energy::CurvedBendingTerm>(&Energies::bending);
   const std::vector<Index>& local_of = dofs().local().local_of;
   const auto to_local = [&](const auto& points, auto& local) {
@@ -98,6 +99,7 @@ void Model::build_terms(const Curvatures& curvatures, const std::vector<Spring>&
     if (el.coupling.size() > 0) curved.kernel.add(el, local, owned);
     if (owned) recovery_.add(triangle, el, local, membrane_->kernel.size() - 1);
   }
+  recovery_.end_adding();
   auto& ties = add_term<energy::SpringTerm>(&Energies::springs);
   bands_ = std::make_unique<Bands>(*on_, ties.kernel);
   for (const Spring& spring : springs)

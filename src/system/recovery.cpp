@@ -19,6 +19,12 @@ void Recovery::add(Index triangle, const energy::BendingElement& element, const 
   }
 }
 
+void Recovery::end_adding() {
+  items_.shrink_to_fit();
+  points_.shrink_to_fit();
+  weights_.shrink_to_fit();
+}
+
 TriangleFields Recovery::fields(MPI_Comm comm, const energy::Sheet& sheet, const energy::MembraneTerm& membrane,
                                 const energy::Configuration& c) const {
   const auto size = 3 * static_cast<std::size_t>(sheet.mesh().triangle_count());

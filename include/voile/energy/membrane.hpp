@@ -44,6 +44,8 @@ class MembraneTerm {
   /// one with a share `own` of that of the triangle alone.
   [[nodiscard]] static std::array<Eigen::Matrix<double, nodes, nodes>, 3> forms(const Sheet& sheet, Index t,
                                                                                 double own);
+  /// Room for so many elements.
+  void reserve(std::size_t count) { elements_.reserve(count); }
   /// Adds the element of triangle t, with its stencil in local numbering.
   void add(const Sheet& sheet, Index t, const std::array<Index, nodes>& local, bool owned);
   /// Whether strains are corrected for chords; then each add() is followed by correct().

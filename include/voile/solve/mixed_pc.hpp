@@ -1,9 +1,12 @@
 // PC type "voile_mixed": a direct solver for symmetric matrices that factors in single precision and answers in double.
 //
 // K ~ L L^T by MUMPS in single precision, in nested-dissection order; K x = b by conjugate gradients on the double
-// matrix with that factor as preconditioner: two to four iterations where inertia makes K well conditioned. Where they
+// matrix with that factor as preconditioner: two to four iterations where inertia makes K well conditioned. Where round-off
+// has made L L^T indefinite, as it does on fine plates in statics, K + s diag(K) is factored, s = 1.2e-7 and then 1e-6: some
+// tens of iterations, of which five times as many are allowed. Where they
 // do not converge, K is factored in double, and so are the next ones. Tuned by -mixed_ksp_rtol, -mixed_ksp_max_it
-// and so on; the double factor by -mixed_double_mat_mumps_icntl_...
+// and so on; the double factor by -mixed_double_mat_mumps_icntl_... From 60 000 rows on
+// the single factor is compressed, with as many iterations.
 #pragma once
 
 #include <petscksp.h>
@@ -16,7 +19,7 @@ inline constexpr const char* mixed_pc_type = "voile_mixed";
 void register_mixed_pc();
 /// From now on in double only, where round-off counts. Not collective.
 void set_mixed_double(PC pc);
-/// Of the last factorisation, in whichever precision; -1 if unknown.
+/// Of the last factorisation, in whichever precision; -1 if unknown, as with a shift.
 [[nodiscard]] long mixed_negative_pivots(PC pc);
 /// How often single precision was not enough, so far.
 [[nodiscard]] long mixed_double_factors(PC pc);

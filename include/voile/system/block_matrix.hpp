@@ -44,13 +44,15 @@ class BlockMatrix {
   BlockMatrix(MPI_Comm comm, const mesh::Partition& partition, BlockPattern pattern);
 
   [[nodiscard]] Mat mat() const { return mat_; }
-  /// A second matrix with the same pattern and the same slots, filled with zeros. Collective.
+  /// A second matrix with the same pattern and the same slots, filled with zeros; not of one that was extended. Collective.
   [[nodiscard]] BlockMatrix twin() const;
   /// Slot of the block (owned block row counted from the first of this rank, global block column).
   /// Throws InternalError if the pattern has no such block.
   [[nodiscard]] Slot slot(Index local_row, Index column) const;
   [[nodiscard]] bool has(Index local_row, Index column) const;
   [[nodiscard]] const BlockPattern& pattern() const { return *pattern_; }
+  /// Gives the values back to the system; pattern, slots and twins remain. Collective.
+  void release();
   /// Gives the same PETSc matrix another pattern, which holds that of `base` (a matrix never extended): slots change,
   /// values are lost, and `base` and its twins can be copied from as before. Collective.
   void extend(const BlockMatrix& base, BlockPattern pattern);
@@ -58,6 +60,8 @@ class BlockMatrix {
   /// Opens the value arrays; close() ends the assembly. Collective as a pair.
   [[nodiscard]] Values open();
   void close();
+  /// Sets the open value arrays to zero.
+  void clear() const;
   /// Overwrites the open value arrays with those of a twin (nothing but two copies of memory) or of the base that this
   /// matrix extends.
   void copy_values_from(const BlockMatrix& twin) const;
@@ -66,6 +70,18 @@ class BlockMatrix {
 
   /// How often values have been closed; the same on all ranks.
   [[nodiscard]] long version() const { return version_; }
+
+  /// Calls f(slot) for every block of this rank in the pattern of the base (its own one, if never extended): rows one after
+  /// the other, columns ascending.
+  template <class F>
+  void for_each_base_slot(F&& f) const {
+    if (extended_) {
+      for (const Place& p : places_) f(p.to);
+      return;
+    }
+    for (Index r = 0; r < row_count_; ++r)
+      for (Index at = 0; at < static_cast<Index>((*pattern_)[r].size()); ++at) f(slot_at(r, at));
+  }
 
   /// Calls f(owned block row, global block column, block) for every stored block of this rank.
   template <class F>
@@ -99,21 +115,34 @@ class BlockMatrix {
   struct Place {
     Slot from, to;
   };
+  /// Where the rows of a block row lie. PETSc stores both parts by rows with ascending columns, so that places follow from
+  /// counts alone.
+  struct Row {
+    Index before = 0, in = 0;              ///< blocks before those of the diagonal part, and those in it
+    Index diagonal = 0, off_diagonal = 0;  ///< offset of the first entry in each part
+  };
+  /// Slot of a block by its position in its row.
+  [[nodiscard]] Slot slot_at(Index local_row, Index at) const {
+    const Row& row = rows_[local_row];
+    const Index out = static_cast<Index>((*pattern_)[local_row].size()) - row.in;
+    if (at >= row.before && at < row.before + row.in) return {row.diagonal + 3 * (at - row.before), 3 * row.in};
+    return {~(row.off_diagonal + 3 * (at < row.before ? at : at - row.in)), 3 * out};
+  }
+  void create();
   void preallocate();
   void find_parts();
   /// Values of both parts.
   [[nodiscard]] std::pair<const double*, const double*> read() const;
 
   petsc::MatHandle mat_;
-  Mat diagonal_ = nullptr, off_diagonal_ = nullptr;                         ///< parts of mat_, not owned
-  const PetscInt *diagonal_rows_ = nullptr, *off_diagonal_rows_ = nullptr;  ///< their row starts
+  Mat diagonal_ = nullptr, off_diagonal_ = nullptr;  ///< parts of mat_, not owned
   Values open_values_;
   std::vector<Place> places_;  ///< after extend()
-  std::vector<std::pair<Index, Index>>
-      inside_;  ///< of each row: blocks before those of the diagonal part, and those in it
+  std::vector<Row> rows_;
   bool extended_ = false;
   long version_ = 0;
   std::shared_ptr<const BlockPattern> pattern_;
+  MPI_Comm comm_ = MPI_COMM_NULL;
   Index first_row_ = 0, row_count_ = 0;
 };
 

@@ -34,6 +34,8 @@ class Recovery {
   /// A triangle that this rank owns: its bending element with its points in local numbering, and the number of its
   /// membrane element.
   void add(Index triangle, const energy::BendingElement& element, const std::vector<Index>& local, Index membrane);
+  /// After the last add(): gives back what the lists have grown beyond.
+  void end_adding();
   /// At configuration c of the local points. Collective; values on rank 0.
   [[nodiscard]] TriangleFields fields(MPI_Comm comm, const energy::Sheet& sheet, const energy::MembraneTerm& membrane,
                                       const energy::Configuration& c) const;

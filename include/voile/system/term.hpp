@@ -110,6 +110,7 @@ class ElementTerm final : public Term {
         slots_.push_back(row < local.owned ? matrix.slot(row, local.row_of[stencil[b]]) : Slot{});
       });
     }
+    slots_.shrink_to_fit();  // what follows has as many, or nearly
     located_ = pattern;
   }
 

@@ -47,7 +47,7 @@ double patch_error(BendingOperator op, const Vec3& k) {
     const Vec3 x = mesh.positions()[v];
     return Vec3(0.0, 0.0, 0.5 * k[0] * x[0] * x[0] + 0.5 * k[1] * x[1] * x[1] + 0.5 * k[2] * x[0] * x[1]);
   });
-  VOILE_PETSC(MatMult(model.constant().bending(), a, f));
+  model.constant().multiply_bending(a, f);
   model.dofs().clear_fixed(f);
   model.assemble_tangent(flat, {.kind = energy::Tangent::exact});
   solve_linear(model, f, error);

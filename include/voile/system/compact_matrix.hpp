@@ -1,0 +1,36 @@
+// A constant matrix of 3x3 blocks that are multiples of the unit block, but for a few.
+//
+// Bending acts on x, y and z alike: K = k (x) I, of which only the scalars k are kept: a ninth of K. PETSc's MAIJ multiplies by them.
+// The other blocks (of mirror points and of vertices with axes of their own) are a matrix beside it.
+#pragma once
+
+#include <utility>
+#include <vector>
+
+#include "voile/base/petsc.hpp"
+#include "voile/system/block_matrix.hpp"
+
+namespace voile::system {
+
+class CompactMatrix {
+ public:
+  /// K becomes the closed values of k, which was never extended. Collective.
+  void read(const BlockMatrix& k);
+  /// y = K x. Collective.
+  void multiply(Vec x, Vec y) const;
+  /// Adds factor K to the open values of `target`, a twin of k or an extension of it. Not collective.
+  void add_to(const BlockMatrix& target, const BlockMatrix::Values& values, double factor) const;
+
+ private:
+  [[nodiscard]] std::pair<const double*, const double*> scalars() const;
+
+  petsc::MatHandle product_;  ///< k (x) I, with a scalar, which may be 0, for every block of the pattern
+  petsc::MatHandle rest_;     ///< blocks that are no multiples; null if no rank has any
+  struct Other {
+    Index row, column;  ///< owned block row, global block column
+    Mat3 block;
+  };
+  std::vector<Other> others_;  ///< the blocks of `rest_`
+};
+
+}  // namespace voile::system
