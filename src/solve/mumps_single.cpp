@@ -19,7 +19,8 @@ namespace voile::solve {
 namespace {
 
 enum Job { begin = -1, end = -2, analyse = 1, factorise = 2, back_substitute = 3 };
-constexpr int first_workspace = 100, most_workspace = 6400;
+/// ICNTL(14): what a rank needs depends on the others' pace, and is known beforehand without them.
+constexpr int sequential_workspace = 10, first_workspace = 100, most_workspace = 6400;
 constexpr int lacks_integers = -8, lacks_reals = -9;
 constexpr int no_scaling = 0, iterated_scaling = 7;  ///< ICNTL(8)
 /// From so many rows on blocks of low rank save more than they cost, and how exact they are.
@@ -122,7 +123,7 @@ struct SingleFactor::Impl {
     for (int k : {1, 2, 3}) control(k) = -1;  // no output
     control(4) = 0;
     control(13) = 1;  // no ScaLAPACK, which would stop at a negative pivot and not count it
-    control(14) = first_workspace;
+    control(14) = mpi::size(comm) == 1 ? sequential_workspace : first_workspace;
     control(18) = 3;  // every rank has its entries
     control(28) = 1;
   }
@@ -228,6 +229,11 @@ void SingleFactor::solve(Vec b, Vec x) {
   }
   VOILE_PETSC(VecScatterBegin(f.to_root, f.on_root, x, INSERT_VALUES, SCATTER_REVERSE));
   VOILE_PETSC(VecScatterEnd(f.to_root, f.on_root, x, INSERT_VALUES, SCATTER_REVERSE));
+}
+
+void SingleFactor::forget_matrix() {
+  impl_->rows = impl_->columns = std::vector<MUMPS_INT>();  // not {}, which keeps the room
+  impl_->values = std::vector<float>();
 }
 
 bool SingleFactor::compressed() const {

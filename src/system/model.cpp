@@ -131,6 +131,12 @@ void Model::assemble_tangent(Vec a, const TangentRequest& request) {
   tangent_.close(values, work_, conditions_->prescribed());
 }
 
+std::vector<double> Model::owned_places() const {
+  std::vector<double> places;
+  for (Index i = 0; i < dofs().local().owned; ++i) places.insert(places.end(), x_[i].data(), x_[i].data() + 3);
+  return places;
+}
+
 void Model::load_direction(Vec a, Vec f) {
   conditions_->load_direction(configuration(a), force_, work_, f);
   if (conditions_->has_prescribed()) VOILE_PETSC(VecAXPY(f, -1.0, tangent_.load_coupling()));

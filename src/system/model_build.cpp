@@ -50,7 +50,7 @@ Model::Model(MPI_Comm comm, const mesh::SurfaceMesh& mesh, ModelInput input)
   constant_ = ConstantMatrices(*on_, std::move(pattern), input.masses);
   work_ = dofs().create_vector();
   bending_ = std::make_unique<BendingEnergy>(*on_, constant_, curvatures, input.springs);
-  curvatures = {};  // room for the tangent, which is the largest part
+  curvatures = Curvatures();  // room for the tangent, which is the largest part
   tangent_ = Tangent(*on_, constant_.base());
   conditions_ = std::make_unique<BoundaryConditions>(*on_, std::move(input.supports), input.loads, input.masses,
                                                      input.motion_by_load);

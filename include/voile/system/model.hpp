@@ -124,6 +124,8 @@ class Model {
 
   /// Tangent at a. Fixed rows and columns are eliminated. Collective.
   void assemble_tangent(Vec a, const TangentRequest& request);
+  /// Of the rank's own vertices in the state of the last evaluation, three coordinates each [m].
+  [[nodiscard]] std::vector<double> owned_places() const;
   /// The one assembled last.
   [[nodiscard]] const Tangent& tangent() const { return tangent_; }
   /// f = -dr/dlambda at a: how the load grows with the load factor. Where displacements are prescribed it needs the
