@@ -74,14 +74,13 @@ std::vector<Vec3> derivatives_of(const std::vector<Vec3>& x) {
   const std::size_t n = x.size();
   if (n < 5) return std::vector<Vec3>(n, x.back() - x.front());
   std::vector<Vec3> d(n);
-  const auto at_end = [&](std::size_t first, int way) {
-    const auto p = [&](int i) { return x[static_cast<std::size_t>(static_cast<int>(first) + way * i)]; };
-    d[first] = way / 12.0 * (-25.0 * p(0) + 48.0 * p(1) - 36.0 * p(2) + 16.0 * p(3) - 3.0 * p(4));
-    d[static_cast<std::size_t>(static_cast<int>(first) + way)] =
-        way / 12.0 * (-3.0 * p(0) - 10.0 * p(1) + 18.0 * p(2) - 6.0 * p(3) + p(4));
-  };
-  at_end(0, 1);
-  at_end(n - 1, -1);
+  for (const bool from_end : {false, true}) {
+    const auto place = [&](std::size_t i) { return from_end ? n - 1 - i : i; };
+    const auto p = [&](std::size_t i) -> const Vec3& { return x[place(i)]; };
+    const double step = (from_end ? -1.0 : 1.0) / 12.0;
+    d[place(0)] = step * (-25.0 * p(0) + 48.0 * p(1) - 36.0 * p(2) + 16.0 * p(3) - 3.0 * p(4));
+    d[place(1)] = step * (-3.0 * p(0) - 10.0 * p(1) + 18.0 * p(2) - 6.0 * p(3) + p(4));
+  }
   for (std::size_t k = 2; k + 2 < n; ++k) d[k] = (x[k - 2] - 8.0 * x[k - 1] + 8.0 * x[k + 1] - x[k + 2]) / 12.0;
   return d;
 }

@@ -19,7 +19,7 @@ struct Sides {
     const mesh::Patch patch = sheet.patches().patch(t, sheet.frame(t));
     for (int k = 0; k < 2; ++k) {
       start.col(k) = mesh.start_corner(t, k + 1) - mesh.start_corner(t, 0);
-      rest.col(k) = patch.coordinates[static_cast<std::size_t>(k + 1)] - patch.coordinates[0];
+      rest.col(k) = patch.coordinates[static_cast<std::size_t>(k) + 1] - patch.coordinates[0];
     }
   }
   [[nodiscard]] Mat3 to_space(const Mat2& s) const {

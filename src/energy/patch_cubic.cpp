@@ -34,7 +34,7 @@ void add_neighbour(const Sheet& sheet, Index t, const mesh::Patch& patch, int s,
   turn << cosine, -sine, sine, cosine;
   const mesh::Join join = mesh.chart_join(t, s);
   for (const int k : {a, b}) {
-    const std::size_t apex = static_cast<std::size_t>(3 + k);
+    const std::size_t apex = 3 + static_cast<std::size_t>(k);
     if (far.points[apex] == no_index || sheet.is_crease(n, k)) continue;
     places.push_back({far.points[apex], origin + join.stretch * (turn * (far.coordinates[apex] - far.coordinates[a])),
                       patch.rest[static_cast<std::size_t>((s + 2) % 3)] +
