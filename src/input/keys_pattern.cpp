@@ -67,6 +67,34 @@ std::vector<Key> wrapping_keys(PanelSection& s) {
            .absent = "as `wrap_radius` and `wrap_angle` say"}};
 }
 
+/// How pieces come out of what the file draws.
+std::vector<Key> cutting_keys(PanelSection& s) {
+  return {
+      {.name = "mirror",
+       .slot = &s.mirror,
+       .meaning = "Whether the pieces are cut from the mirror image of their outlines (x becomes -x)."},
+      {.name = "unfold",
+       .slot = &s.unfold,
+       .meaning =
+           "Edge of each piece, by number or label, which is a fold line: what is drawn is half of the piece, and its "
+           "mirror image is added. The mirror line of a DXF block does so without this key.",
+       .absent = "pieces are whole"},
+      {.name = "grain",
+       .slot = &s.grain,
+       .meaning = "Direction `[x, y]` of the grain line as the file draws the pieces. Their texture coordinates are "
+                  "turned until "
+                  "it is along v, which `texture_direction = [0, 1]` of `[[material]]` means.",
+       .absent = "the grain line of a DXF block (layer 7), else `[0, 1]`"},
+      {.name = "stitches",
+       .slot = &s.stitches,
+       .meaning = "Whether the stitches of a `.json`, or of an `.obj`, become seams."},
+      {.name = "euler",
+       .slot = choice(s.euler, {{"zyx", PanelSection::Euler::zyx}, {"xyz", PanelSection::Euler::xyz}}),
+       .meaning =
+           "Order of the angles of a `.json`: `zyx`: R = Rz Ry Rx, as its simulator reads them; `xyz`: R = Rx Ry "
+           "Rz, as its writer stores them. The two differ where more than one angle is not zero."}};
+}
+
 }  // namespace
 
 std::vector<Key> keys_of(PanelSection& s) {
@@ -102,36 +130,13 @@ std::vector<Key> keys_of(PanelSection& s) {
                   "where they are so alike.",
        .unit = "m",
        .range = not_negative},
-      {.name = "size", .slot = &s.size, .meaning = "Length of the edges of cells.", .unit = "m", .range = positive},
-      {.name = "mirror",
-       .slot = &s.mirror,
-       .meaning = "Whether the pieces are cut from the mirror image of their outlines (x becomes -x)."},
-      {.name = "unfold",
-       .slot = &s.unfold,
-       .meaning =
-           "Edge of each piece, by number or label, which is a fold line: what is drawn is half of the piece, and its "
-           "mirror image is added. The mirror line of a DXF block does so without this key.",
-       .absent = "pieces are whole"},
-      {.name = "grain",
-       .slot = &s.grain,
-       .meaning = "Direction `[x, y]` of the grain line as the file draws the pieces. Their texture coordinates are "
-                  "turned until "
-                  "it is along v, which `texture_direction = [0, 1]` of `[[material]]` means.",
-       .absent = "the grain line of a DXF block (layer 7), else `[0, 1]`"},
-      {.name = "stitches",
-       .slot = &s.stitches,
-       .meaning = "Whether the stitches of a `.json`, or of an `.obj`, become seams."},
-      {.name = "euler",
-       .slot = choice(s.euler, {{"zyx", PanelSection::Euler::zyx}, {"xyz", PanelSection::Euler::xyz}}),
-       .meaning =
-           "Order of the angles of a `.json`: `zyx`: R = Rz Ry Rx, as its simulator reads them; `xyz`: R = Rx Ry "
-           "Rz, as its writer stores them. The two differ where more than one angle is not zero."}};
+      {.name = "size", .slot = &s.size, .meaning = "Length of the edges of cells.", .unit = "m", .range = positive}};
   std::vector<Key> places = placement_keys(s.placement, {});
   places.push_back({.name = "origin",
                     .slot = &s.origin,
                     .meaning = "Where the origin of the file comes before `translate` moves it on, both within 1e6 m.",
                     .unit = "m"});
-  return joined(joined(std::move(keys), places), wrapping_keys(s));
+  return joined(joined(joined(std::move(keys), cutting_keys(s)), places), wrapping_keys(s));
 }
 
 std::vector<Key> keys_of(SeamSection& s) {

@@ -123,6 +123,10 @@ def membrane_auto(report):
              "hemisphere 8": (base("hemisphere", mesh__parameters__n=8), True), "hemisphere 40": (base("hemisphere", mesh__parameters__n=40), False),
              "moving hemisphere 8": (variant(base("hemisphere", mesh__parameters__n=8),
                                              {"analysis": "dynamic", "steps": None, "time": {"end": 1.0}, "material.0.density": 1.0}), True)}
+    told = "note: membrane: if the sheet bent as far as a roll"
+    for name, expected in (("uneven strip", True), ("even strip", False), ("uneven strip, draped", False), ("uneven strip, linear", False)):
+        code, text = invoke(["check", str(write_case(variant(cases[name][0], {"element": {"membrane": "six_node"}}), OUT / "auto_told.toml"))])
+        report.check(code == 0 and (told in text) == expected, f"{name} with six nodes: {'told' if told in text else 'nothing said'}")
     for name, (case, corrected) in cases.items():
         file = write_case(variant(case, {"element": {"membrane": "auto"}}), OUT / "auto.toml")
         code, text = invoke(["check", str(file)])
