@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "features.hpp"
+#include "voile/base/decompositions.hpp"
 #include "voile/mesh/patch.hpp"
 
 namespace voile::adapt {
@@ -111,10 +112,9 @@ Eigen::Matrix<double, 3, 2> corner_gradient(const mesh::SurfaceMesh& mesh, Index
         m.row(r) = w * monomials(x, d);
         values.row(r++) = w * (field[p.vertex] - field[v]).transpose();
       }
-      Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(m);
-      qr.setThreshold(rank_threshold);
-      if (qr.rank() < unknowns) continue;
-      const Eigen::MatrixXd c = qr.solve(values);
+      const LeastSquares fit(m, rank_threshold);
+      if (fit.rank() < unknowns) continue;
+      const Eigen::MatrixXd c = fit.solve(values);
       return c.topRows<2>().transpose() / reach;
     }
   return Eigen::Matrix<double, 3, 2>::Zero();

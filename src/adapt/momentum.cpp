@@ -2,8 +2,10 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "voile/adapt/transfer.hpp"
+#include "voile/base/decompositions.hpp"
 #include "voile/base/error.hpp"
 
 namespace voile::adapt {
@@ -57,14 +59,13 @@ class RigidMotion {
       m.bottomLeftCorner<3, 3>() += mass[v] * r;
       m.bottomRightCorner<3, 3>() -= mass[v] * r * r;
     }
-    solver_.setThreshold(1e-10);
-    solver_.compute(m);
+    solver_.emplace(m, 1e-10);
   }
   [[nodiscard]] bool is_free(std::size_t v) const { return held_.empty() || !held_[v]; }
   void fit(const Momentum& wanted) {
     Eigen::VectorXd both(6);
     both << wanted.linear, wanted.angular / size_;
-    const Eigen::VectorXd motion = solver_.solve(both);
+    const Eigen::VectorXd motion = solver_->solve(both);
     shift_ = motion.head<3>();
     turn_ = motion.tail<3>() / size_;
   }
@@ -75,7 +76,7 @@ class RigidMotion {
   const std::vector<char>& held_;
   Vec3 centre_, shift_ = Vec3::Zero(), turn_ = Vec3::Zero();
   double size_ = 0.0;
-  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> solver_;
+  std::optional<LeastSquares> solver_;
 };
 
 void check_lengths(const std::vector<double>& mass, const std::vector<Vec3>& places, const std::vector<char>& held,

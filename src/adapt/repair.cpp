@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "operations.hpp"
+#include "voile/base/decompositions.hpp"
 
 namespace voile::adapt {
 
@@ -21,7 +22,6 @@ constexpr double improvement = 0.98;
 constexpr double shortish = 0.9;
 
 using Row6 = Eigen::Matrix<double, 1, 6>;
-using Mat6 = Eigen::Matrix<double, 6, 6>;
 
 /// Monomials, scaled so that the condition number does not depend on the direction of the axes.
 Row6 row_of(const Vec2& p) {
@@ -201,8 +201,8 @@ double patch_condition(const Surface& s, Index t) {
     const double stretch = d.norm() / own;
     m.row(3 + i) = row_of((a + stretch * (along * unit + away * Vec2(unit.y(), -unit.x()))) / scale);
   }
-  const Eigen::SelfAdjointEigenSolver<Mat6> solver(m.transpose() * m, Eigen::EigenvaluesOnly);
-  const double low = solver.eigenvalues()[0], high = solver.eigenvalues()[5];
+  const Vec6 squares = eigenvalues(Mat6(m.transpose() * m));
+  const double low = squares[0], high = squares[5];
   // Below this the small one is round-off.
   return low > 1e-14 * high ? std::sqrt(high / low) : std::numeric_limits<double>::infinity();
 }

@@ -8,6 +8,7 @@
 #include "chart_search.hpp"
 #include "features.hpp"
 #include "rest_curves.hpp"
+#include "voile/base/decompositions.hpp"
 
 namespace voile::adapt {
 
@@ -134,7 +135,7 @@ Height RestSurface::Impl::fit(const std::vector<Index>& sector) const {
     v.row(i) << w * x, w * y, w * x * x, w * x * y, w * y * y;
     z[i] = w * d.dot(f.normal);
   }
-  f.c = v.completeOrthogonalDecomposition().solve(z);
+  f.c = LeastSquares(v).solve(z);
   f.c.tail<3>() /= reach;
   return f;
 }

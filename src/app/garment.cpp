@@ -14,6 +14,7 @@
 #include "mesh_transfer.hpp"
 #include "model_input.hpp"
 #include "voile/app/run.hpp"
+#include "voile/base/decompositions.hpp"
 #include "voile/base/error.hpp"
 #include "voile/base/mpi.hpp"
 #include "voile/base/petsc.hpp"
@@ -65,7 +66,7 @@ void turn_along(const input::Case& c, const input::PanelSection& s, pattern::Pan
         fmt::format("{} wrap_along: piece '{}' would be turned by 180 degrees, any way round; turn it "
                     "nearer to the axis with rotate, or name the opposite direction",
                     where_of(c, s), p.piece.name));
-  const Mat3 turn = Eigen::Quaterniond::FromTwoVectors(placed, p.wrap->axis).toRotationMatrix() * p.turn;
+  const Mat3 turn = rotation_between(placed, p.wrap->axis) * p.turn;
   p.shift += (p.turn - turn) * p.piece.translation;
   p.turn = turn;
 }

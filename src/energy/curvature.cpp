@@ -165,10 +165,14 @@ CurvatureOperator collect(const std::array<Functional, 3>& rows) {
 Mat3 condense_free_sides(const std::vector<Vec3>& free_sides, const Mat3& bending) {
   if (free_sides.empty()) return Mat3::Identity();
   if (free_sides.size() == 3) return Mat3::Zero();
-  Eigen::Matrix<double, 3, Eigen::Dynamic> q(3, static_cast<Eigen::Index>(free_sides.size()));
-  for (std::size_t i = 0; i < free_sides.size(); ++i) q.col(static_cast<Eigen::Index>(i)) = free_sides[i].normalized();
-  const Eigen::MatrixXd qd = q.transpose() * bending;
-  return Mat3::Identity() - q * (qd * q).llt().solve(qd);
+  if (free_sides.size() == 1) {
+    const Vec3 q = free_sides[0].normalized(), qd = bending * q;
+    return Mat3::Identity() - q * qd.transpose() / q.dot(qd);
+  }
+  Eigen::Matrix<double, 3, 2> q;
+  q << free_sides[0].normalized(), free_sides[1].normalized();
+  const Eigen::Matrix<double, 2, 3> qd = q.transpose() * bending;
+  return Mat3::Identity() - q * Mat2(qd * q).inverse() * qd;
 }
 
 }  // namespace

@@ -3,6 +3,8 @@
 #include <Eigen/Eigenvalues>
 #include <cmath>
 
+#include "voile/base/decompositions.hpp"
+
 namespace voile::energy {
 
 Mat3 isotropic_membrane(double youngs_modulus, double poisson_ratio, double thickness) {
@@ -58,8 +60,7 @@ LaminateStiffness laminate(const Mat3& ply_stiffness, const std::vector<Ply>& pl
 
 bool is_positive_definite(const Mat3& m) {
   if (!m.allFinite()) return false;
-  const Eigen::SelfAdjointEigenSolver<Mat3> spectrum(0.5 * (m + m.transpose()), Eigen::EigenvaluesOnly);
-  const Vec3& values = spectrum.eigenvalues();  // ascending
+  const Eigen::VectorXd values = eigenvalues(Eigen::MatrixXd(0.5 * (m + m.transpose())));
   // A singular matrix comes out with a smallest eigenvalue of either sign at round-off.
   return values[0] > 1e-14 * values[2];
 }

@@ -3,6 +3,8 @@
 #include <Eigen/Dense>
 #include <algorithm>
 
+#include "voile/base/decompositions.hpp"
+
 namespace voile::energy {
 
 namespace {
@@ -76,9 +78,9 @@ Eigen::MatrixXd fit(const std::vector<Place>& places, PatchCubic& cubic) {
     v.row(i) << 1.0, a, b, 0.5 * a * a, 0.5 * b * b, a * b, a * a * a, a * a * b, a * b * b, b * b * b;
   }
   v.bottomRightCorner<4, 4>() = restraint * Eigen::Matrix4d::Identity();
-  const Eigen::VectorXd singular = Eigen::JacobiSVD<Eigen::MatrixXd>(v.topLeftCorner(n, 6)).singularValues();
+  const Eigen::VectorXd singular = singular_values(Eigen::MatrixXd(v.topLeftCorner(n, 6)));
   if (!(singular[5] > least_singular * singular[0])) return {};
-  const Eigen::MatrixXd inverse = v.colPivHouseholderQr().solve(Eigen::MatrixXd::Identity(n + 4, n));
+  const Eigen::MatrixXd inverse = LeastSquares(v).solve(Eigen::MatrixXd::Identity(n + 4, n));
   Eigen::MatrixXd k(bend_vectors, n);
   k.topRows<3>() = second_derivatives(cubic.spread) * inverse.middleRows<3>(3);
   k.bottomRows<4>() = inverse.bottomRows<4>();

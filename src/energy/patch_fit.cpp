@@ -1,15 +1,14 @@
 #include "patch_fit.hpp"
 
 #include <Eigen/Dense>
-#include <Eigen/SVD>
 #include <array>
 #include <cmath>
+
+#include "voile/base/decompositions.hpp"
 
 namespace voile::energy {
 
 namespace {
-
-using Mat6 = Eigen::Matrix<double, 6, 6>;
 
 /// Values of 1, x, y, x^2/2, y^2/2, xy.
 Row6 monomials(const Vec2& p) {
@@ -66,8 +65,7 @@ Fit fit_patch(const mesh::Patch& patch, const Vec3& centroid, const Mat3& bendin
       fit.rest.push_back(patch.rest[i] - centroid);
     }
   }
-  const Eigen::JacobiSVD<Mat6> svd(v * invariant_columns().asDiagonal());
-  fit.condition = condition_of(svd.singularValues());
+  fit.condition = condition_of(singular_values(Mat6(v * invariant_columns().asDiagonal())));
   fit.coefficients.setZero(6, static_cast<Eigen::Index>(fit.points.size()));
   if (!(fit.condition < 1e12)) return fit;
   const Mat6 inverse = v.fullPivLu().inverse();
@@ -91,12 +89,11 @@ Fit fit_rings(const std::vector<mesh::PatchMesh::UnfoldedPoint>& points, const V
     fit.points.push_back(points[i].point);
     fit.rest.push_back(points[i].rest - centroid);
   }
-  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(v * invariant_columns().asDiagonal(),
-                                              Eigen::ComputeThinU | Eigen::ComputeThinV);
-  fit.condition = condition_of(svd.singularValues());
+  const SingularValues svd = singular_value_decomposition(v * invariant_columns().asDiagonal());
+  fit.condition = condition_of(svd.values);
   if (!(fit.condition < 1e12)) return fit;
-  fit.coefficients = invariant_columns().asDiagonal() * svd.matrixV() *
-                     svd.singularValues().cwiseInverse().asDiagonal() * svd.matrixU().transpose() * weight.asDiagonal();
+  fit.coefficients = invariant_columns().asDiagonal() * svd.v * svd.values.cwiseInverse().asDiagonal() *
+                     svd.u.transpose() * weight.asDiagonal();
   unscale(fit, scale);
   return fit;
 }

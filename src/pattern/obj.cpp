@@ -11,6 +11,7 @@
 
 #include "islands.hpp"
 #include "readers.hpp"
+#include "voile/base/decompositions.hpp"
 #include "voile/base/error.hpp"
 #include "voile/base/text.hpp"
 #include "voile/io/obj_sheet.hpp"
@@ -215,9 +216,9 @@ class ObjReader {
     }
     const Vec3 from = drawn.rowwise().mean(), to = placed.rowwise().mean();
     const Mat3 covariance = (placed.colwise() - to) * (drawn.colwise() - from).transpose();
-    const Eigen::JacobiSVD<Mat3> svd(covariance, Eigen::ComputeFullU | Eigen::ComputeFullV);
-    const double sense = (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0.0 ? -1.0 : 1.0;
-    const Mat3 turn = svd.matrixU() * Vec3(1.0, 1.0, sense).asDiagonal() * svd.matrixV().transpose();
+    const SingularValues svd = singular_value_decomposition(covariance);
+    const double sense = Mat3(svd.u * svd.v.transpose()).determinant() < 0.0 ? -1.0 : 1.0;
+    const Mat3 turn = svd.u * Vec3(1.0, 1.0, sense).asDiagonal() * svd.v.transpose();
     const double extent = (drawn.colwise() - from).colwise().norm().maxCoeff();
     const double away = ((placed.colwise() - to) - turn * (drawn.colwise() - from)).colwise().norm().maxCoeff();
     if (away <= flat_in_space * extent) {

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "exporting.hpp"
+#include "voile/base/decompositions.hpp"
 #include "voile/base/error.hpp"
 #include "voile/picture/scene.hpp"
 
@@ -23,7 +24,7 @@ constexpr int type_float = 5126, type_unsigned = 5125, target_vertices = 34962, 
 
 class Gltf {
  public:
-  explicit Gltf(const Vec3& up) : turn_(Eigen::Quaterniond::FromTwoVectors(up, Vec3::UnitY()).toRotationMatrix()) {
+  explicit Gltf(const Vec3& up) : turn_(rotation_between(up, Vec3::UnitY())) {
     json_["asset"] = {{"version", "2.0"}, {"generator", "Voile"}};
     json_["scene"] = 0;
     json_["scenes"] = Json::array({{{"nodes", Json::array()}}});

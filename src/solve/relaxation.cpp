@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "step_bound.hpp"
+#include "voile/base/decompositions.hpp"
 #include "voile/solve/inexact_pc.hpp"
 #include "voile/solve/linear_solver.hpp"
 
@@ -121,7 +122,7 @@ Relaxation relax(system::Model& model, Vec a, const RelaxationOptions& options) 
 double relaxation_time(const system::Model& model) {
   double longest = 0.0;
   for (const energy::Material& m : model.discretisation().materials()) {
-    const double stiffness = Eigen::SelfAdjointEigenSolver<Mat3>(m.membrane).eigenvalues().maxCoeff();
+    const double stiffness = eigenvalues(Eigen::MatrixXd(m.membrane)).maxCoeff();
     const double density = m.areal_density > 0.0 ? m.areal_density : 1.0;  // as in the lumped mass
     longest = std::max(longest, std::sqrt(density / stiffness));
   }

@@ -3,11 +3,11 @@
 #include <fmt/format.h>
 
 #include <Eigen/Dense>
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <set>
 
+#include "voile/base/decompositions.hpp"
 #include "voile/base/error.hpp"
 
 namespace voile::system {
@@ -68,12 +68,12 @@ Vec3 symmetry_normal(const mesh::SurfaceMesh& mesh, const mesh::Group& group,
     const Vec3 d = mesh.positions()[v] - centre;
     moment += d * d.transpose();
   }
-  const Eigen::SelfAdjointEigenSolver<Mat3> eigen(moment);
-  const double largest = eigen.eigenvalues()[2];
-  if (eigen.eigenvalues()[1] > 1e-10 * largest) {
-    if (eigen.eigenvalues()[0] > 1e-10 * largest)
+  const Spectrum inertia = spectrum(moment);
+  const double largest = inertia.values[2];
+  if (inertia.values[1] > 1e-10 * largest) {
+    if (inertia.values[0] > 1e-10 * largest)
       throw UserError(name_of(support) + ": the group's vertices do not lie in a plane; give the plane's `normal`");
-    return eigen.eigenvectors().col(0);
+    return inertia.vectors.col(0);
   }
   Vec3 normal = Vec3::Zero();
   for (const mesh::MirrorSide& m : sides) {
@@ -190,16 +190,17 @@ VertexSupport combine(const mesh::SurfaceMesh& mesh, Index v, const std::vector<
     directions.row(static_cast<Eigen::Index>(i)) = conditions[i].direction.transpose();
     values[static_cast<Eigen::Index>(i)] = conditions[i].value;
   }
-  Eigen::JacobiSVD<Eigen::MatrixXd> svd(directions, Eigen::ComputeThinU | Eigen::ComputeThinV);
-  svd.setThreshold(1e-8);
-  const Vec3 displacement = svd.solve(values);
+  const SingularValues svd = singular_value_decomposition(directions);
+  const Eigen::Index rank = svd.rank(1e-8);
+  const Vec3 displacement = svd.v.leftCols(rank) * svd.values.head(rank).cwiseInverse().asDiagonal() *
+                            svd.u.leftCols(rank).transpose() * values;
   if ((directions * displacement - values).norm() > 1e-12 * (1.0 + values.norm()))
     throw UserError(fmt::format(
         "[[support]]: contradicting displacements are prescribed at vertex {} ({}, {}, {}); "
         "remove one of the supports that share it",
         mesh.data().vertex_tags[v], mesh.positions()[v].x(), mesh.positions()[v].y(), mesh.positions()[v].z()));
   VertexSupport s;
-  s.axes = axes_of(svd.matrixV().leftCols(svd.rank()), s.fixed);
+  s.axes = axes_of(svd.v.leftCols(rank), s.fixed);
   s.value = s.axes.transpose() * displacement;
   return s;
 }

@@ -6,6 +6,8 @@
 #include <map>
 #include <numeric>
 
+#include "voile/base/decompositions.hpp"
+
 namespace voile::system {
 
 namespace {
@@ -41,9 +43,9 @@ std::vector<Vec3> tidy_axes(const Eigen::MatrixXd& columns) {
   std::vector<Vec3> axes;
   if (columns.cols() == 0) return axes;
   Mat3 projector = Mat3::Zero();
-  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(columns, Eigen::ComputeThinU);
-  for (Eigen::Index k = 0; k < svd.singularValues().size(); ++k)
-    if (svd.singularValues()[k] > 1e-6) projector += svd.matrixU().col(k) * svd.matrixU().col(k).transpose();
+  const SingularValues svd = singular_value_decomposition(columns);
+  for (Eigen::Index k = 0; k < svd.values.size(); ++k)
+    if (svd.values[k] > 1e-6) projector += svd.u.col(k) * svd.u.col(k).transpose();
   while (projector.trace() > 0.5) {
     Eigen::Index longest = 0;
     projector.diagonal().maxCoeff(&longest);
@@ -225,23 +227,22 @@ class Counter {
       vertices += bodies_[b].vertices;
     }
     piece.centre /= vertices;
-    const Eigen::SelfAdjointEigenSolver<Matrix> spectrum(normal_matrix(group));
+    const Spectrum modes = spectrum(normal_matrix(group));
     // Eigenvalues are squares of the singular values of the equations. A unit row counts at least 1 in the trace.
-    const double limit = std::max(1.0, spectrum.eigenvalues().maxCoeff()) * rank_tolerance * rank_tolerance;
+    const double limit = std::max(1.0, modes.values.maxCoeff()) * rank_tolerance * rank_tolerance;
     Eigen::Index free = 0;
-    while (free < spectrum.eigenvalues().size() && spectrum.eigenvalues()[free] <= limit) ++free;
+    while (free < modes.values.size() && modes.values[free] <= limit) ++free;
     if (free == 0) return piece;
     // Rotations among the free motions; the rest are translations.
-    const Matrix motions = spectrum.eigenvectors().leftCols(free);
+    const Matrix motions = modes.vectors.leftCols(free);
     Matrix turning(static_cast<Eigen::Index>(3 * group.size()), free);
     for (std::size_t k = 0; k < group.size(); ++k)
       turning.middleRows(static_cast<Eigen::Index>(3 * k), 3) =
           motions.middleRows(static_cast<Eigen::Index>(6 * k + 3), 3);
-    const Eigen::JacobiSVD<Matrix> svd(turning, Eigen::ComputeFullV);
-    while (piece.rotations < svd.singularValues().size() && svd.singularValues()[piece.rotations] > 1e-6)
-      ++piece.rotations;
+    const SingularValues svd = singular_value_decomposition(turning);
+    while (piece.rotations < svd.values.size() && svd.values[piece.rotations] > 1e-6) ++piece.rotations;
     piece.translations = static_cast<int>(free) - piece.rotations;
-    const Matrix drifts = motions * svd.matrixV().rightCols(piece.translations);
+    const Matrix drifts = motions * svd.v.rightCols(piece.translations);
     piece.directions = tidy_axes(drifts.middleRows(bodies_[group.front()].column, 3));
     return piece;
   }

@@ -24,9 +24,9 @@ def masses(moment):
 
 @test
 def garment_tube(report):
-    """A flat sheet sewn into a tube has the energy of a cylinder, and no seam to be seen, on 1, 2 and 3 ranks."""
+    """A flat sheet sewn into a tube has the energy of a cylinder, and no seam to be seen, on 1 and 3 ranks."""
     bending = np.pi * HEIGHT / RADIUS * 1e6 * 1e-3**3 / 12
-    for ranks in (1, 2, 3):
+    for ranks in (1, 3):
         result = solve(f"garment_tube_{ranks}", tube(), ranks)
         gap = part(result, "sew").history["seam_gap"]
         report.check(gap[0] > 0.02, f"{ranks} rank(s): the seam starts {gap[0]:.4f} m apart")

@@ -59,7 +59,7 @@ def passes(name):
 
 def passes_alone(name):
     """The same in a process and a folder of its own; prints what it says in one piece."""
-    done = subprocess.run([sys.executable, __file__, name], env=os.environ | {"VOILE_REGRESSION_FOLDER": str(OUT / name)},
+    done = subprocess.run([sys.executable, __file__, name], env=os.environ | {"VOILE_REGRESSION_FOLDER": str(OUT / "jobs" / name)},
                           text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
     said = done.stdout.splitlines()
     print("\n".join(said[:-1] if done.returncode in (0, 1) else said), flush=True)  # the last line counts this one test

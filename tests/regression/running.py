@@ -17,9 +17,9 @@ from results import Results
 from solver import ROOT, command, environment, invoke, run, variant, write_case
 
 
-def compare_ranks(report, name, case, limit=1e-9):
+def compare_ranks(report, name, case, counts=(1, 2, 3, 4), limit=1e-9):
     reference = None
-    for ranks in (1, 2, 3, 4):
+    for ranks in counts:
         result = solve(f"ranks_{name}_{ranks}", case, ranks)
         u = result.displacement()
         if reference is None:
@@ -33,10 +33,10 @@ def compare_ranks(report, name, case, limit=1e-9):
 
 @test
 def ranks(report):
-    """Same displacements on 1 to 4 ranks to 1e-9: 1 000 triangles far into the nonlinear range, 50 000 triangles."""
+    """Same displacements to 1e-9: 1 000 triangles far into the nonlinear range on 1 to 4 ranks, 50 000 triangles on 1 and 4."""
     annulus = base("slit_annulus", mesh__parameters__n_radial=7, mesh__parameters__n_circ=72)
     compare_ranks(report, "annulus", without_stops(annulus))
-    compare_ranks(report, "plate", plate(158, 2e5))
+    compare_ranks(report, "plate", plate(158, 2e5), (1, 4))
 
 
 @test

@@ -201,7 +201,7 @@ TEST_CASE("kinetic energy is added by one factor on what is not rigid: momentum 
     CHECK(adapt::add_kinetic_energy(mass, places, held, {energy, 0.0}, v) == 1.0);
   }
   // A rigid motion has nothing to change, nor has what stands still.
-  auto rigid = field_of(m, [](const Vec3& x) { return Vec3(1, 0, 0) + Vec3(0, 1, 2).cross(x); });
+  auto rigid = field_of(m, [](const Vec3& x) -> Vec3 { return Vec3(1, 0, 0) + Vec3(0, 1, 2).cross(x); });
   const auto same = rigid;
   const double factor = adapt::add_kinetic_energy(mass, places, {}, {1.0, 0.1}, rigid);
   CHECK(factor <= 1.1);

@@ -6,6 +6,7 @@
 
 #include "test_meshes.hpp"
 #include "test_relative.hpp"
+#include "voile/base/decompositions.hpp"
 #include "voile/base/error.hpp"
 #include "voile/geometry/intersections.hpp"
 #include "voile/geometry/winding.hpp"
@@ -83,9 +84,7 @@ struct Scene {
 /// A cube of half the side h around c, turned onto a corner if asked for.
 geometry::TriangleSoup cube(const Vec3& c, double h, bool on_corner) {
   geometry::TriangleSoup s;
-  const Mat3 turn = on_corner
-                        ? Eigen::Quaterniond::FromTwoVectors(Vec3(1, 1, 1), Vec3(0.02, 0.01, 1)).toRotationMatrix()
-                        : Mat3(Mat3::Identity());
+  const Mat3 turn = on_corner ? rotation_between(Vec3(1, 1, 1), Vec3(0.02, 0.01, 1)) : Mat3(Mat3::Identity());
   for (int i = 0; i < 8; ++i)
     s.positions.push_back(c + h * (turn * Vec3(i & 1 ? 1 : -1, i & 2 ? 1 : -1, i & 4 ? 1 : -1)));
   s.triangles = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
