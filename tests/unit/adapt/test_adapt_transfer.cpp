@@ -291,6 +291,12 @@ TEST_CASE("match: shares and percentiles") {
   const auto nv = static_cast<std::size_t>(m.vertex_count());
   CHECK(adapt::match(m, std::vector<double>(nv, 0.05)).too_long == relative(1.0).epsilon(1e-9));
   CHECK(adapt::match(m, std::vector<double>(nv, 0.3)).too_short == relative(1.0).epsilon(1e-9));
+  // Inside, edges of a vertex are (4 + 2 sqrt 2)/6 = 1.14 sides long on the mean, in corners as little as one.
+  const auto of_sides = [&](double ratio) { return adapt::match(m, std::vector<double>(nv, 0.1138 / ratio)); };
+  CHECK(of_sides(1.55).too_long > 0.6);
+  CHECK(of_sides(1.45).too_long == 0.0);
+  CHECK(of_sides(0.48).too_short > 0.6);
+  CHECK(of_sides(0.58).too_short == 0.0);
   const adapt::SizeMatch match = adapt::match(m, std::vector<double>(nv, 0.1));
   CHECK(match.too_long + match.too_short == 0.0);
   CHECK(match.p1 == relative(1.0).epsilon(1e-9));
