@@ -64,5 +64,7 @@ def remesh_sewing(report):
         report.check(changes > 0 and again.code == 0, f"from step {steps}, after {changes} remeshings, on {ranks} rank(s): codes {short.code}, {again.code}")
         report.check(all(same_meshes(whole.folder / s, again.folder / s) for s in ("sew", "move")), "the meshes of the unbroken run")
         report.below(np.abs(part(again, "move").displacement() - part(whole, "move").displacement()).max(), 1e-6, "and its end [m]")
+    code, text = invoke(["export", whole.folder, "--stage", "sew", "--to", "pc2", "--output", OUT / "remesh_sewing.pc2"])
+    report.check(code == 0 and "nothing intersects" in text, f"on one mesh for all frames nothing intersects: code {code}, {text.splitlines()[-1][:150]}")
     code, text = invoke(["check", file])
     report.check(code == 0 and "remeshing: edges of 0.012 to 0.04 m" in text, f"check tells what it would do: code {code}")
