@@ -198,7 +198,7 @@ Index Surface::halve(Index h) {
   const bool line = side_class[h] != 0;
   const auto middle = [&](Index side) -> Vec3 {
     const Vec3 &a = rest[next(side)], &b = rest[prev(side)];
-    const Vec3 chord = 0.5 * (a + b);
+    Vec3 chord = 0.5 * (a + b);
     if (line) return first->curve_middle(a, b).value_or(chord);
     if (!first->curved()) return chord;
     Index& hint = rest_hint[side / 3];
