@@ -29,10 +29,14 @@ OpenSeams::OpenSeams(const mesh::SurfaceMesh& mesh, const HalfEdges& edges) : se
   const std::vector<Index> root = mesh::joined_vertices(mesh.data());
   if (root.empty()) return;
   std::map<Index, std::vector<Index>> members;
-  for (Index v = 0; v < mesh.vertex_count(); ++v) members[root[v]].push_back(v);
+  for (Index v = 0; v < mesh.vertex_count(); ++v) {
+    if (root[v] == v) continue;
+    std::vector<Index>& all = members[root[v]];
+    if (all.empty()) all.push_back(root[v]);
+    all.push_back(v);
+  }
   for (const auto& [first, all] : members)
-    if (all.size() > 1)
-      for (const Index v : all) class_of_[v] = all;
+    for (const Index v : all) class_of_[v] = all;
   std::map<Ends, std::vector<Index>> meeting;
   for (Index h = 0; h < static_cast<Index>(edges.twin.size()); ++h) {
     const Index a = root[edges.origin(h)], b = root[edges.dest(h)];

@@ -81,7 +81,8 @@ bool Surface::locked(Index h) const {
   if (frozen[h / 3] || (beyond != no_index && frozen[beyond / 3])) return true;
   if (twin[h] != no_index || open_seams.empty()) return false;
   const OpenSeams::Edge* sewn = open_seams.find(origin(h), dest(h));
-  return sewn != nullptr && (sewn->seam < 0 || beyond == no_index);
+  // Halving one side of a triangle gives its others new numbers.
+  return sewn != nullptr && (sewn->seam < 0 || beyond == no_index || beyond / 3 == h / 3);
 }
 
 double Surface::metric_length(Index h) const {
@@ -183,11 +184,10 @@ Index Surface::half_split(Index h, Index m, const Vec3& at) {
 }
 
 std::array<Index, 2> Surface::split(Index h) {
-  const Index o = origin(h), d = dest(h);
-  const OpenSeams::Edge* sewn = twin[h] == no_index ? open_seams.find(o, d) : nullptr;
+  const Index o = origin(h), d = dest(h), other = twin[h] == no_index ? across(h) : no_index;
   const Index m = halve(h);
-  if (sewn == nullptr) return {m, no_index};
-  const Index n = halve(boundary_side(sewn->other[0], sewn->other[1]));
+  if (other == no_index) return {m, no_index};
+  const Index n = halve(other);
   open_seams.split(o, d, m, n);
   fixed[m] = fixed[n] = 1;
   return {m, n};
