@@ -56,7 +56,7 @@ bool topology_allows(const Surface& s, const Star& star, int k) {
   }
   for (int i = 0; i < m; ++i) {
     const int apart = std::min(std::abs(i - k), star.closed ? m - std::abs(i - k) : m);
-    if (apart > 1 && s.joined(s.leaving[u], star.ring[i])) return false;
+    if (apart > 1 && (s.joined(s.leaving[u], star.ring[i]) || !s.can_join(u, star.ring[i]))) return false;
   }
   return true;
 }

@@ -100,7 +100,8 @@ Outcome try_flip(Surface& s, Index h, const Options& options, FlipRule rule) {
       angle_at(rest.a, rest.o, rest.d) + angle_at(rest.b, rest.o, rest.d) < std::numbers::pi + delaunay_slack)
     return Outcome::feature;
   if (rule == FlipRule::valence && !lowers_misfit(s, h)) return Outcome::feature;
-  if (!valences_allow_flip(s, h, rule) || s.joined(prev(h), s.apex(g)) || !rest_shape_allows(s, rest, rule))
+  if (!valences_allow_flip(s, h, rule) || s.joined(prev(h), s.apex(g)) || !s.can_join(s.apex(h), s.apex(g)) ||
+      !rest_shape_allows(s, rest, rule))
     return Outcome::quality;
   if (rule == FlipRule::valence &&
       2.0 * (rest.b - rest.a).norm() > options.split * (s.size[s.apex(h)] + s.size[s.apex(g)]))

@@ -65,6 +65,13 @@ Remeshed::Source source_of(const Surface& s, Index v) {
     for (std::size_t i = 0; i < 3; ++i) source.weights[i] = s.old_triangles[source.triangle][i] == s.old[v] ? 1.0 : 0.0;
     return source;
   }
+  if (const std::optional<OldShare> at = s.open_seams.origin_of(v)) {
+    // At the same share of both sides of the seam, to the last digit.
+    Remeshed::Source source{at->side / 3, {0.0, 0.0, 0.0}};
+    source.weights[static_cast<std::size_t>(next(at->side) % 3)] = 1.0 - at->share;
+    source.weights[static_cast<std::size_t>(prev(at->side) % 3)] = at->share;
+    return source;
+  }
   int line = 0;
   if (s.on_feature[v]) {
     // The line's side with the triangle to its left, coming or going.
@@ -155,6 +162,12 @@ void fill_groups(const Surface& s, const Numbers& n, const mesh::SurfaceMesh& ol
   }
 }
 
+void fill_seams(const Surface& s, const Numbers& n, Remeshed& r) {
+  r.mesh.seams = s.open_seams.seams();
+  for (mesh::Seam& seam : r.mesh.seams)
+    for (std::array<Index, 2>& pair : seam.pairs) pair = {n.vertex[pair[0]], n.vertex[pair[1]]};
+}
+
 }  // namespace
 
 Remeshed make_output(const Surface& s, const mesh::SurfaceMesh& old_mesh) {
@@ -164,6 +177,7 @@ Remeshed make_output(const Surface& s, const mesh::SurfaceMesh& old_mesh) {
   fill_vertices(s, n, old_mesh, r);
   fill_triangles(s, n, old_mesh, r);
   fill_groups(s, n, old_mesh, r);
+  fill_seams(s, n, r);
   r.counts = s.counts;
   r.quality = quality_of(s);
   return r;

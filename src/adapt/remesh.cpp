@@ -41,7 +41,7 @@ bool is_still(const Surface& s, const Waiting& w) {
 bool leaves_needle(const Surface& s, Index h) {
   constexpr double needle = 0.2;  // rad
   const double length = s.rest_length(h);
-  for (const Index side : {h, s.twin[h]}) {
+  for (const Index side : {h, s.across(h)}) {
     if (side == no_index || std::max(s.rest_length(next(side)), s.rest_length(prev(side))) <= length) continue;
     const Vec3 &apex = s.rest[side], &a = s.rest[next(side)], &b = s.rest[prev(side)], middle = 0.5 * (a + b);
     const Vec3 normal = (a - apex).cross(b - apex);
@@ -56,7 +56,7 @@ bool leaves_needle(const Surface& s, Index h) {
 Index halved_before(const Surface& s, Index h) {
   while (leaves_needle(s, h)) {
     Index longest = h;
-    for (const Index side : {h, s.twin[h]}) {
+    for (const Index side : {h, s.across(h)}) {
       if (side == no_index) continue;
       for (const Index other : {next(side), prev(side)})
         if (s.rest_length(other) > s.rest_length(longest)) longest = other;
@@ -90,12 +90,14 @@ void split_long(Surface& s, const Options& options) {
       if (side == no_index) continue;
       queue.push(top);
     }
-    const Index m = s.split(side);
-    for (Index e : star_of(s, m).spokes) {
-      offer(e);
-      // Sides opposite to the new vertex have moved to other numbers; the last edge of an open star has one side only.
-      offer(next(e));
-      if (s.twin[prev(e)] == no_index) offer(prev(e));
+    for (const Index m : s.split(side)) {
+      if (m == no_index) continue;
+      for (Index e : star_of(s, m).spokes) {
+        offer(e);
+        // Sides opposite to the new vertex have moved to other numbers; the last edge of an open star has one side only.
+        offer(next(e));
+        if (s.twin[prev(e)] == no_index) offer(prev(e));
+      }
     }
   }
 }

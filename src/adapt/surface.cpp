@@ -16,7 +16,8 @@ Surface::Surface(const mesh::SurfaceMesh& mesh, const RestSurface& rest_surface,
       search(mesh),
       old_triangles(mesh.triangles()),
       old_size(&sizes),
-      features(find_features(mesh, *this, limits, options.crease)) {
+      features(find_features(mesh, *this, limits, options.crease)),
+      open_seams(mesh, *this) {
   const auto nt = static_cast<std::size_t>(mesh.triangle_count()), nv = static_cast<std::size_t>(mesh.vertex_count());
   side_class = features.side_class;
   triangle_class = features.triangle_class;
@@ -36,7 +37,10 @@ Surface::Surface(const mesh::SurfaceMesh& mesh, const RestSurface& rest_surface,
       if (!mesh.data().texture.empty()) texture.push_back(mesh.data().texture[t][i]);
     }
   }
-  for (Index v = 0; v < mesh.vertex_count(); ++v) old.push_back(v);
+  for (Index v = 0; v < mesh.vertex_count(); ++v) {
+    old.push_back(v);
+    if (open_seams.holds(v)) fixed[v] = 1;
+  }
   for (Index h = 0; h < side_count(); ++h)
     if (leaving[origin(h)] == no_index) leaving[origin(h)] = h;
   // Corners that agree within round-off must agree when their edges have become short, too.
@@ -56,10 +60,46 @@ Index Surface::live_vertices() const {
   return static_cast<Index>(std::count(gone.begin(), gone.end(), 0));
 }
 
+/// The side on the boundary that joins two vertices, whichever way; no_index where two fans touch in one of them and
+/// hide it.
+Index Surface::boundary_side(Index a, Index b) const {
+  for (const auto& [from, to] : {std::pair{a, b}, std::pair{b, a}}) {
+    const Index h = first_around(leaving[from]);
+    if (twin[h] == no_index && dest(h) == to) return h;
+  }
+  return no_index;
+}
+
+Index Surface::across(Index h) const {
+  if (twin[h] != no_index || open_seams.empty()) return twin[h];
+  const OpenSeams::Edge* sewn = open_seams.find(origin(h), dest(h));
+  return sewn == nullptr ? no_index : boundary_side(sewn->other[0], sewn->other[1]);
+}
+
+bool Surface::locked(Index h) const {
+  const Index beyond = across(h);
+  if (frozen[h / 3] || (beyond != no_index && frozen[beyond / 3])) return true;
+  if (twin[h] != no_index || open_seams.empty()) return false;
+  const OpenSeams::Edge* sewn = open_seams.find(origin(h), dest(h));
+  // Halving one side of a triangle gives its others new numbers.
+  return sewn != nullptr && (sewn->seam < 0 || beyond == no_index || beyond / 3 == h / 3);
+}
+
 double Surface::metric_length(Index h) const {
-  double length = rest_length(h);
-  if (side_class[h] != 0 && twin[h] != no_index) length = std::max(length, rest_length(twin[h]));
-  return 2.0 * length / (size[origin(h)] + size[dest(h)]);
+  double length = 2.0 * rest_length(h) / (size[origin(h)] + size[dest(h)]);
+  const Index beyond = side_class[h] != 0 ? across(h) : no_index;
+  if (beyond != no_index)
+    length = std::max(length, 2.0 * rest_length(beyond) / (size[origin(beyond)] + size[dest(beyond)]));
+  return length;
+}
+
+bool Surface::can_join(Index v, Index w) const {
+  if (open_seams.empty()) return true;
+  const std::vector<Index> at_w = open_seams.members(w);
+  for (const Index a : open_seams.members(v))
+    for (const Index b : at_w)
+      if (a == b || joined(leaving[a], b)) return false;
+  return true;
 }
 
 Vec3 Surface::rest_normal(Index t) const {
@@ -143,12 +183,22 @@ Index Surface::half_split(Index h, Index m, const Vec3& at) {
   return other;
 }
 
-Index Surface::split(Index h) {
+std::array<Index, 2> Surface::split(Index h) {
+  const Index o = origin(h), d = dest(h), other = twin[h] == no_index ? across(h) : no_index;
+  const Index m = halve(h);
+  if (other == no_index) return {m, no_index};
+  const Index n = halve(other);
+  open_seams.split(o, d, m, n);
+  fixed[m] = fixed[n] = 1;
+  return {m, n};
+}
+
+Index Surface::halve(Index h) {
   const Index g = twin[h], o = origin(h), d = dest(h);
   const bool line = side_class[h] != 0;
   const auto middle = [&](Index side) -> Vec3 {
     const Vec3 &a = rest[next(side)], &b = rest[prev(side)];
-    const Vec3 chord = 0.5 * (a + b);
+    Vec3 chord = 0.5 * (a + b);
     if (line) return first->curve_middle(a, b).value_or(chord);
     if (!first->curved()) return chord;
     Index& hint = rest_hint[side / 3];

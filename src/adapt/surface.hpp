@@ -7,6 +7,7 @@
 #include "chart_search.hpp"
 #include "features.hpp"
 #include "half_edges.hpp"
+#include "open_seams.hpp"
 #include "voile/adapt/remesh.hpp"
 
 namespace voile::adapt {
@@ -37,6 +38,7 @@ struct Surface : HalfEdges {
   std::vector<mesh::Triangle> old_triangles;
   const std::vector<double>* old_size;
   Features features;  ///< of the old mesh
+  OpenSeams open_seams;
   Counts counts;
 
   [[nodiscard]] Index triangle_slots() const { return static_cast<Index>(dead.size()); }
@@ -45,8 +47,11 @@ struct Surface : HalfEdges {
   [[nodiscard]] Index side_count() const { return static_cast<Index>(twin.size()); }
   /// Each pair of sides once: the lower one, alive.
   [[nodiscard]] bool is_edge(Index h) const { return !dead[h / 3] && (twin[h] == no_index || twin[h] > h); }
-  [[nodiscard]] bool locked(Index h) const { return frozen[h / 3] || (twin[h] != no_index && frozen[twin[h] / 3]); }
-  /// Rest length over wanted size, the longer side of a seam.
+  /// The side beyond an edge: of the neighbour, or where the edge is sewn, of the other panel; no_index if there is none.
+  [[nodiscard]] Index across(Index h) const;
+  /// Whether a side stays: of frozen triangles, or of an open seam whose other side is not to be found.
+  [[nodiscard]] bool locked(Index h) const;
+  /// Rest length over wanted size, the longer side of a seam, open or not.
   [[nodiscard]] double metric_length(Index h) const;
   [[nodiscard]] double rest_length(Index h) const { return (rest[prev(h)] - rest[next(h)]).norm(); }
   [[nodiscard]] Vec3 rest_normal(Index t) const;
@@ -59,8 +64,11 @@ struct Surface : HalfEdges {
   /// Whether an edge joins the origin of e to vertex w.
   [[nodiscard]] bool joined(Index e, Index w) const;
 
-  /// Halves an edge; the new vertex.
-  Index split(Index h);
+  /// Whether an edge between two vertices could be made: one that coincides with no other when open seams are welded.
+  [[nodiscard]] bool can_join(Index v, Index w) const;
+
+  /// Halves an edge, and what it is sewn to; the new vertices, of which the second may be no_index.
+  std::array<Index, 2> split(Index h);
   /// Turns the edge inside its two triangles.
   void flip(Index h);
   /// Wanted size at a rest position [m]; `hint`: old triangle near to it.
@@ -74,7 +82,9 @@ struct Surface : HalfEdges {
   void charge(const std::vector<Index>& triangles, const Budget& budget, double displacement);
 
  private:
+  Index halve(Index h);
   Index half_split(Index h, Index m, const Vec3& at);
+  [[nodiscard]] Index boundary_side(Index a, Index b) const;
   void link(Index a, Index b);
   Index add_triangle_like(Index t);
 };

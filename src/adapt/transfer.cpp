@@ -159,11 +159,15 @@ std::vector<Vec3> transfer(const mesh::SurfaceMesh& old_mesh, const Remeshed& re
     throw InternalError("transfer: the field is not per vertex of the old mesh");
   std::vector<Vec3> result;
   result.reserve(remeshed.kept.size());
+  // The gap of an open seam stays what it is: what is new there lies on the old sides.
+  std::vector<char> sewn(remeshed.kept.size(), 0);
+  for (const mesh::Seam& seam : remeshed.mesh.seams)
+    for (const auto& [a, b] : seam.pairs) sewn[a] = sewn[b] = 1;
   Interpolator smooth(old_mesh, field, kind == Interpolation::smoother ? 3 : 2);
   for (std::size_t v = 0; v < remeshed.kept.size(); ++v) {
     if (remeshed.kept[v] != no_index)
       result.push_back(field[remeshed.kept[v]]);
-    else if (kind == Interpolation::linear)
+    else if (kind == Interpolation::linear || sewn[v])
       result.push_back(linear(old_mesh, field, remeshed.source[v]));
     else
       result.push_back(kind == Interpolation::smooth

@@ -183,12 +183,6 @@ std::vector<Mesh> stage_meshes(const std::vector<Stage>& stages, const Mesh& fir
   };
   for (const Stage& stage : stages) {
     close(stage.sewn_before);
-    if (stage.c.remesh.active && !mesh->data().seams.empty())
-      throw UserError(fmt::format(
-          "{}: {}[remesh]: seam '{}' is still open, and its two sides must keep their nodes until it is welded; give "
-          "the section to the stages after sewing, [stage.remesh]",
-          stage.c.file.string(), stage.c.is_staged() ? fmt::format("stage '{}': ", stage.c.stage.name) : "",
-          mesh->data().seams.front().name));
     meshes.push_back(mesh);
   }
   return meshes;

@@ -20,7 +20,7 @@ namespace voile::app {
 [[nodiscard]] std::string open_seam_text(const input::Case& c, const system::Model& model, const system::State& state);
 
 /// The mesh of the case as each stage finds it, seams of earlier ones closed where their sides begin: for what depends
-/// on the rest shape only. Throws UserError for remeshing while seams are open. Not collective.
+/// on the rest shape only. Not collective.
 [[nodiscard]] std::vector<std::shared_ptr<const mesh::SurfaceMesh>> stage_meshes(
     const std::vector<Stage>& stages, const std::shared_ptr<const mesh::SurfaceMesh>& first);
 

@@ -154,8 +154,7 @@ const std::vector<SectionInfo>& sections() {
       {"drape", false, "The search of `analysis = \"drape\"`."},
       {"remesh", false,
        "Meshes that get finer where the sheet folds and coarser where it is flat, see [remeshing.md](remeshing.md). "
-       "This "
-       "section switches it on."},
+       "This section switches it on. While seams are open their two sides are split together and not made coarser."},
       {"probe", true, "Numbers recorded in `history.csv` after every step."},
       {"output", false, "What is written to `results.vtkhdf` and `results.xdmf`."},
       {"stage", true,

@@ -9,6 +9,7 @@
 #include "voile/base/error.hpp"
 #include "voile/base/text.hpp"
 #include "voile/geometry/intersections.hpp"
+#include "voile/mesh/weld.hpp"
 
 namespace voile::picture {
 
@@ -23,6 +24,15 @@ const std::vector<std::pair<std::string, Writer>>& writers() {
       {"obj", export_obj}, {"stl", export_stl},   {"ply", export_ply}, {"pc2", export_pc2}, {"mdd", export_mdd},
       {"glb", export_glb}, {"usda", export_usda}, {"msh", export_msh}, {"csv", export_csv}};
   return list;
+}
+
+/// Whether open seams will give two triangles of the sheet a common vertex: contact lets these meet.
+bool will_meet(const std::vector<Index>& joined, const mesh::Triangle& a, const mesh::Triangle& b) {
+  const auto root = [&](Index v) { return v < static_cast<Index>(joined.size()) ? joined[v] : no_index; };
+  return std::any_of(a.begin(), a.end(), [&](Index v) {
+    return std::any_of(b.begin(), b.end(),
+                       [&](Index w) { return v != w && root(v) != no_index && root(v) == root(w); });
+  });
 }
 
 const std::set<std::string> with_fields{"ply", "csv", "msh"};
@@ -118,7 +128,14 @@ void Exporter::put_on_one_mesh(Snapshot& s) const {
   }
   if (!s.bodies.triangles.empty()) x.insert(x.end(), s.state.obstacles.begin(), s.state.obstacles.end());
   const auto both_obstacles = [](Index a, Index b) { return a == 1 && b == 1; };
-  if (!geometry::intersecting_triangles(x, triangles, body, both_obstacles).empty()) intersecting_.insert(s.number);
+  const std::vector<geometry::TrianglePair> pairs =
+      geometry::intersecting_triangles(x, triangles, body, both_obstacles);
+  const std::vector<Index> joined = mesh::joined_vertices(s.state.mesh->data);
+  if (!std::all_of(pairs.begin(), pairs.end(), [&](const auto& p) {
+        return will_meet(joined, triangles[static_cast<std::size_t>(p.first)],
+                         triangles[static_cast<std::size_t>(p.second)]);
+      }))
+    intersecting_.insert(s.number);
 }
 
 std::vector<std::string> Exporter::notes() const {

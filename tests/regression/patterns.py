@@ -184,7 +184,6 @@ def garment_refused(report):
     wrong = tube()
     wrong["stage"][1]["sew"] = ["all"]
     refused("sewing without time", wrong, "'rest' sew", "dynamic")
-    refused("remeshing open seams", tube(remesh={}), "[remesh]", "'side'", "still open")
     # Two pieces through each other, and one through a body.
     two = [{"file": tube()["panel"][0]["file"], "name": n, "size": 0.03, "translate": [0, y, 0], "rotate": [0, 0, a]} for n, y, a in (("front", 0, 0), ("back", -0.1, 70))]
     refused("pieces through each other", tube(panel=two, seam=[], spring=[], stage=[{"name": "rest", "analysis": "drape"}]), "panel 'front'", "panel 'back'", "intersects", ranks=2)

@@ -37,6 +37,7 @@ import published  # noqa: E402, F401
 import remeshing  # noqa: E402, F401
 import remeshing_motion  # noqa: E402, F401
 import remeshing_paths  # noqa: E402, F401
+import remeshing_sewn  # noqa: E402, F401
 import robustness  # noqa: E402, F401
 import running  # noqa: E402, F401
 import sewing  # noqa: E402, F401

@@ -8,6 +8,8 @@
 // Features are kept: boundaries, group lines, borders between groups and of frozen regions, seams, creases (rest dihedral
 // angle above `crease`). Vertices are made and removed along them, on the geometry of the RestSurface. Corners stay: group
 // points, junctions, ends, turns above `crease`, changes of group along a curve, pinned vertices.
+// Open seams: the vertices of both sides stay, and an edge is halved together with the one that it is sewn to, so that the
+// sides have as many nodes at the same shares; new nodes are new pairs. No edges are made that would coincide after a weld.
 // The vertices of a group of dimension 1 or 2 are those of its segments or triangles, and others that it has, which stay.
 //
 // Contact. `clearance` says how far the surface may move. Every operation but the split, which moves nothing, is measured:
@@ -65,7 +67,8 @@ struct Remeshed {
     Index triangle = no_index;
     std::array<double, 3> weights{};
   };
-  mesh::MeshData mesh;            ///< positions: at rest, or where the mesh has charts, interpolated from the old ones
+  mesh::MeshData mesh;            ///< positions: at rest, or where the mesh has charts, interpolated from the old ones;
+                                  ///< open seams with their pairs in new numbers
   std::vector<Index> kept;        ///< per vertex: the old vertex that it is, or no_index
   std::vector<Source> source;     ///< per vertex: its material point; on features, a point of the old feature
   std::vector<Vec3> places;       ///< per vertex [m]: on the surface that `clearance` speaks of; kept: bitwise

@@ -4,6 +4,7 @@
 //   linear      barycentric: the old surface itself
 //   smooth      Clough-Tocher triangle with gradients from the quadratics fitted to one ring of vertices
 //   smoother    the same with gradients from cubics over two rings: for velocities, whose waves it damps less
+// New vertices of open seams get linear values, so that the two sides are as far apart as they were.
 // The smooth ones are exact for fields that are quadratic in a flat chart; charts are carried across seams by their joins.
 #pragma once
 
