@@ -1,4 +1,4 @@
-// voile-picture render | export | plot | view: what `voile` does with these commands.
+// voile-picture render | export | plot | sheet | view: what `voile` does with these commands.
 // voile-picture tangle MESSAGE PICTURE: for src/app/obstacles.cpp, of triangles that intersect.
 //
 // A program of its own, which starts without the solver's libraries.
@@ -7,6 +7,7 @@
 
 #include "command_program.hpp"
 #include "picture_commands.hpp"
+#include "picture_plot.hpp"
 #include "picture_tangle.hpp"
 #include "voile/base/child_process.hpp"
 
@@ -15,17 +16,19 @@ namespace {
 using namespace voile;
 
 struct Commands {
-  explicit Commands(CLI::App& cli) : render(cli), exporting(cli), plot(cli), view(cli) {}
+  explicit Commands(CLI::App& cli) : render(cli), exporting(cli), plot(cli), sheet(cli), view(cli) {}
   void act() {
     if (render.chosen()) render.run();
     if (exporting.chosen()) exporting.run();
     if (plot.chosen()) plot.run();
+    if (sheet.chosen()) sheet.run();
     if (view.chosen()) view.run();
   }
 
   app::RenderCommand render;
   app::ExportCommand exporting;
   app::PlotCommand plot;
+  app::SheetCommand sheet;
   app::ViewCommand view;
 };
 

@@ -36,6 +36,11 @@ class Svg : public Canvas {
     for (const Vec2& p : points) text_ += fmt::format("{:.2f},{:.2f} ", p[0], p[1]);
     text_ += "\"/>\n";
   }
+  void box(const Vec2& low, const Vec2& high, const Bytes3& colour, double cover) override {
+    text_ += fmt::format(
+        "<rect x=\"{:.2f}\" y=\"{:.2f}\" width=\"{:.2f}\" height=\"{:.2f}\" fill=\"{}\" fill-opacity=\"{}\"/>\n",
+        low[0], low[1], high[0] - low[0], high[1] - low[1], hex(colour), cover);
+  }
   void mark(const Vec2& at, const Bytes3& colour, double radius) override {
     text_ += fmt::format(
         "<circle cx=\"{:.2f}\" cy=\"{:.2f}\" r=\"{}\" fill=\"#ffffff\" stroke=\"{}\" stroke-width=\"1.5\"/>\n", at[0],
@@ -83,6 +88,10 @@ class Pixels : public Canvas {
                                   static_cast<std::size_t>(x)];
             c > 0.0F)
           image_.blend(x, y, colour, c);
+  }
+  void box(const Vec2& low, const Vec2& high, const Bytes3& colour, double cover) override {
+    image_.fill(static_cast<int>(low[0]), static_cast<int>(low[1]), static_cast<int>(high[0] - low[0]),
+                static_cast<int>(high[1] - low[1]), colour, static_cast<float>(cover));
   }
   void mark(const Vec2& at, const Bytes3& colour, double radius) override {
     around(at, at, radius + 2.0, [&](int x, int y, const Vec2& p) {

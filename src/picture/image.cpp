@@ -6,7 +6,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <numeric>
 
+#include "palette.hpp"
 #include "voile/base/error.hpp"
 
 namespace voile::picture {
@@ -80,13 +82,20 @@ void Image::paste(const Image& other, int x, int y) {
     std::memcpy(at(x + begin, y + j), other.at(begin, j), 3 * static_cast<std::size_t>(end - begin));
 }
 
-void write_png(const std::filesystem::path& file, const Image& image) {
+void write_png(const std::filesystem::path& file, const Image& image, bool palette) {
   png_image png{};
   png.version = PNG_IMAGE_VERSION;
   png.width = static_cast<png_uint_32>(image.width());
   png.height = static_cast<png_uint_32>(image.height());
   png.format = PNG_FORMAT_RGB;
-  if (!png_image_write_to_file(&png, file.c_str(), 0, image.at(0, 0), 0, nullptr))
+  Reduced reduced;
+  if (palette) {
+    reduced = reduce(image);
+    png.format = PNG_FORMAT_RGB_COLORMAP;
+    png.colormap_entries = static_cast<png_uint_32>(reduced.palette.size());
+  }
+  const std::uint8_t* pixels = palette ? reduced.pixels.data() : image.at(0, 0);
+  if (!png_image_write_to_file(&png, file.c_str(), 0, pixels, 0, palette ? reduced.palette.data() : nullptr))
     throw UserError(fmt::format("{}: cannot be written ({}); is the folder there, and room on the disk?", file.string(),
                                 png.message));
 }
@@ -101,6 +110,27 @@ Image read_png(const std::filesystem::path& file) {
   if (!png_image_finish_read(&png, nullptr, image.at(0, 0), 0, nullptr))
     throw UserError(fmt::format("{}: is damaged ({})", file.string(), png.message));
   return image;
+}
+
+Image sheet_of(const std::vector<Image>& pictures, int columns) {
+  if (pictures.empty() || columns < 1) throw UserError("a sheet needs one picture at least, and one column");
+  const auto across = std::min(static_cast<std::size_t>(columns), pictures.size());
+  std::vector<int> left(across + 1, 0), top((pictures.size() + across - 1) / across + 1, 0);
+  for (std::size_t i = 0; i < pictures.size(); ++i) {
+    // Widths and heights first, places afterwards.
+    int &width = left[i % across + 1], &height = top[i / across + 1];
+    width = std::max(width, pictures[i].width());
+    height = std::max(height, pictures[i].height());
+  }
+  std::partial_sum(left.begin(), left.end(), left.begin());
+  std::partial_sum(top.begin(), top.end(), top.begin());
+  Image sheet(left.back(), top.back());
+  for (std::size_t i = 0; i < pictures.size(); ++i) {
+    const std::size_t c = i % across, r = i / across;
+    sheet.paste(pictures[i], (left[c] + left[c + 1] - pictures[i].width()) / 2,
+                (top[r] + top[r + 1] - pictures[i].height()) / 2);
+  }
+  return sheet;
 }
 
 }  // namespace voile::picture
