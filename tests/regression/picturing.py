@@ -7,10 +7,9 @@ import struct
 import subprocess
 import sys
 
-import matplotlib.pyplot as plt
 import numpy as np
 from harness import OUT, solve, test
-from common import fresh, lines, started, strip, wait_for
+from common import fresh, lines, pixels, started, strip, wait_for
 from solver import ROOT, binary, environment, invoke, write_case
 from voile import Case, Results
 from voile import run as run_python
@@ -223,16 +222,16 @@ def pictures(report):
     png = OUT / "pictures_strip.png"
     small = ("--size", "160x120", "--quality", "draft")
     for words in ((), ("--field", "displacement:z", "--mesh"), ("--steps", "2", "--partition"), ("--view", "top/front/30,20", "--panels", "--title", "Größe"),
-                  ("--eye", "3,3,3", "--target", "0,0,0", "--contours"), ("--scale", "2", "--no-ground", "--range", "-1,1", "--field", "displacement:x")):
+                  ("--eye", "3,3,3", "--target", "0,0,0", "--contours"), ("--scale", "2", "--no-ground", "--range", "-1,1", "--field", "displacement:x"), ("--creases", "20", "--palette")):
         png.unlink(missing_ok=True)
         code, said = draw("render", done.folder, "--output", png, *small, *words)
         report.check(code == 0 and png.read_bytes()[:8] == b"\x89PNG\r\n\x1a\n", f"render {' '.join(words)}" if code == 0 else said)
     for size in ("160x112", "160x40", "40x160"):
         draw("render", done.folder, "--output", png, "--size", size, "--quality", "draft", "--no-stamp")
-        right = plt.imread(png)[:, -int(size.split("x")[0]) // 3:]
+        right = pixels(png)[:, -int(size.split("x")[0]) // 3:]
         report.check(np.ptp(right) > 0.0, f"the right part of a picture of {size} is not blank")
     draw("render", done.folder, "--output", png, "--field", "displacement:z", "--range", "-4.905e-06,-4.901e-06", *small)
-    report.check(np.ptp(plt.imread(png)[:, -2:], axis=1).max() < 0.02, "long numbers at the colour bar end before the border")
+    report.check(np.ptp(pixels(png)[:, -2:], axis=1).max() < 0.02, "long numbers at the colour bar end before the border")
     code, said = draw("render", done.folder, "--steps", "1:3", "--output", png, *small)
     report.check(code == 0 and (OUT / "pictures_strip_000002.png").is_file(), "several steps get numbers")
     for ending in ("webp", "gif"):
@@ -301,7 +300,7 @@ def film(report):
     rate, frames = film_of(file)
     report.check(rate == "25/2", f"{rate} frames a second")
     report.check(frames.shape == (len(results), 122, 162, 3), f"frames x rows x columns: {frames.shape}, sides made even")
-    stills = [255 * plt.imread(png)[:, :, :3] for png in sorted(OUT.glob("pictures_still_*.png"))]
+    stills = [255 * pixels(png) for png in sorted(OUT.glob("pictures_still_*.png"))]
     worst = max(np.abs(frame[:121, :161] - picture).mean() for frame, picture in zip(frames, stills))
     report.check(len(stills) == len(results), f"{len(stills)} stills")
     report.below(worst, 3, "difference of a frame from its still, of 255")
