@@ -42,7 +42,7 @@ void ResultsOptions::declare(CLI::App& sub, bool modes) {
   sub.add_option("--stage", choice.stage, "Of a run in stages: this one [all]");
   if (modes)
     sub.add_option("--mode", choice.mode, "A mode of vibration or buckling instead of steps")
-        ->check(CLI::PositiveNumber);
+        ->check(CLI::Range(1, 1'000'000));
 }
 
 RenderCommand::RenderCommand(CLI::App& cli) : sub_(cli.add_subcommand("render", "Draw results: PNG, WebP, GIF, MP4")) {
@@ -73,8 +73,7 @@ void RenderCommand::declare_look() {
       ->excludes(field);
   sub_->add_flag("--contours", show_.contours, "Draw lines of groups, borders of panels and seams");
   sub_->add_flag("--mesh", show_.mesh_lines, "Draw the edges of triangles");
-  sub_->add_option("--creases", creases_, "Draw edges red where the sheet is folded by more than these degrees")
-      ->check(CLI::Range(0.0, 180.0));
+  sub_->add_option("--creases", creases_, "Draw edges red where the sheet is folded by more than these degrees");
   sub_->add_option("--title", show_.title, "Text above the picture");
   sub_->add_flag("--no-stamp", no_stamp_, "Leave out the time or load factor");
   sub_->add_flag("--no-ground", no_ground_, "Leave out the ground and the shadow on it");
@@ -105,7 +104,10 @@ void RenderCommand::take_numbers() {
   if (!eye_.empty()) show_.eye = vector_of("--eye", eye_);
   if (!target_.empty()) show_.target = vector_of("--target", target_);
   if (!up_.empty()) show_.up = axis_of(up_);
+  if (!(std::abs(scale_) <= 1e9)) throw UserError(fmt::format("--scale {}: it is a number up to 1e9 in size", scale_));
   if (sub_->count("--scale") > 0) show_.scale = scale_;
+  if (!(creases_ >= 0.0 && creases_ <= 180.0))
+    throw UserError(fmt::format("--creases {}: it is an angle from 0 to 180 degrees", creases_));
   if (sub_->count("--creases") > 0) show_.creases = creases_ * std::numbers::pi / 180.0;
   show_.ground = !no_ground_;
   show_.stamp = !no_stamp_;
@@ -213,6 +215,7 @@ ViewCommand::ViewCommand(CLI::App& cli)
 }
 
 void ViewCommand::run() {
+  if (!std::isfinite(viewer_.rate)) throw UserError("--rate: it is a number of frames per second");
   const picture::Recording recording(results_.results, results_.choice);
   viewer_.output = output_.empty() ? recording.folder() / "view.html" : fs::path(output_);
   viewer_.fields = words_of(fields_, '/');

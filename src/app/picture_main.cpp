@@ -10,6 +10,7 @@
 #include "picture_plot.hpp"
 #include "picture_tangle.hpp"
 #include "voile/base/child_process.hpp"
+#include "voile/io/stored_run.hpp"
 
 namespace {
 
@@ -37,6 +38,7 @@ struct Commands {
 int main(int argc, char** argv) {
   if (argc == 4 && std::string(argv[1]) == "tangle")
     return answer_to_parent([&] { return app::draw_tangle(argv[2], argv[3]); });
+  io::leave_hdf5_at_exit();
   return app::command_program(
       argc, argv, "Pictures, animations and exchange of results",
       "the picture or the mesh is too large for this machine; make --size smaller, or take fewer --steps",

@@ -166,7 +166,7 @@ void PlotCommand::run() {
 
 SheetCommand::SheetCommand(CLI::App& cli) : sub_(cli.add_subcommand("sheet", "Put pictures beside each other: PNG")) {
   sub_->add_option("pictures", pictures_, "PNG files, row by row")->required();
-  sub_->add_option("--columns", columns_, "Pictures beside each other [all]")->check(CLI::PositiveNumber);
+  sub_->add_option("--columns", columns_, "Pictures beside each other [all]")->check(CLI::Range(1, 1000));
   sub_->add_option("--output", output_, "PNG to write")->required();
   sub_->add_flag("--palette", palette_, "256 colours at most: a smaller file");
   sub_->add_flag("--quiet", quiet_, "Print errors only");

@@ -25,6 +25,10 @@ fs::path results_in(const fs::path& place) {
 
 }  // namespace
 
+void leave_hdf5_at_exit() {
+  (void)H5dont_atexit();
+}
+
 StoredRun::StoredRun(const fs::path& place) : file_(results_in(place)) {
   guarded(file_, [&](const StoredResults& results) {
     complete_ = results.complete();

@@ -4,11 +4,15 @@
 #include <png.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <cmath>
+#include <cstdio>
 #include <cstring>
+#include <memory>
 #include <numeric>
 
 #include "palette.hpp"
+#include "unfinished.hpp"
 #include "voile/base/error.hpp"
 
 namespace voile::picture {
@@ -83,6 +87,8 @@ void Image::paste(const Image& other, int x, int y) {
 }
 
 void write_png(const std::filesystem::path& file, const Image& image, bool palette) {
+  if (file.has_extension() && file.extension() != ".png" && file.extension() != ".part")
+    throw UserError(fmt::format("{}: pictures are written as PNG: the name must end in .png", file.string()));
   png_image png{};
   png.version = PNG_IMAGE_VERSION;
   png.width = static_cast<png_uint_32>(image.width());
@@ -95,9 +101,18 @@ void write_png(const std::filesystem::path& file, const Image& image, bool palet
     png.colormap_entries = static_cast<png_uint_32>(reduced.palette.size());
   }
   const std::uint8_t* pixels = palette ? reduced.pixels.data() : image.at(0, 0);
-  if (!png_image_write_to_file(&png, file.c_str(), 0, pixels, 0, palette ? reduced.palette.data() : nullptr))
-    throw UserError(fmt::format("{}: cannot be written ({}); is the folder there, and room on the disk?", file.string(),
-                                png.message));
+  // Not png_image_write_to_file, which removes what it could not write to: a device, if it is told so by root.
+  Unfinished unfinished;
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> out(std::fopen(file.c_str(), "wb"), std::fclose);
+  if (!out)
+    throw UserError(
+        fmt::format("{}: cannot be written ({}); is the folder there?", file.string(), std::strerror(errno)));
+  unfinished.begin(file);
+  if (!png_image_write_to_stdio(&png, out.get(), 0, pixels, 0, palette ? reduced.palette.data() : nullptr) ||
+      std::fflush(out.get()) != 0)
+    throw UserError(fmt::format("{}: cannot be written ({}); is there room on the disk?", file.string(),
+                                errno != 0 ? std::strerror(errno) : png.message));
+  unfinished.finish();
 }
 
 Image read_png(const std::filesystem::path& file) {

@@ -211,6 +211,9 @@ void write_plot(const fs::path& file, const Plot& plot) {
   x.begin = label + 1.6 * letters;
   x.end = plot.width - 1.5 * letters -
           (legend.height > 0.0 && plot.legend == Legend::beside ? legend.width + letters : 0.0);
+  if (x.end - x.begin < 3.0 * letters || y.begin - y.end < 2.0 * letters)
+    throw UserError(fmt::format("--size {}x{}: that is too small for the numbers and the legend of the diagram",
+                                plot.width, plot.height));
   if (plot.equal) equalise(x, y);
   draw_axes(*canvas, plot, x, y);
   for (const Curve& c : plot.curves) draw_curve(*canvas, c, x, y);
