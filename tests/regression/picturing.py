@@ -6,6 +6,7 @@ import shutil
 import struct
 import subprocess
 import sys
+import xml.etree.ElementTree as xml
 
 import numpy as np
 from harness import OUT, solve, test
@@ -244,6 +245,35 @@ def pictures(report):
     killed.kill()
     killed.wait()
     report.check(draw("render", OUT / "pictures_killed", "--output", png, *small)[0] == 0, "a run that was killed")
+
+
+def polyline(svg):
+    """Points of the first curve of a diagram [pixels]."""
+    text = next(line.get("points") for line in xml.parse(svg).getroot().iter("{http://www.w3.org/2000/svg}polyline") if line.get("stroke-width") == "2.2")
+    return np.array([pair.split(",") for pair in text.split()], float)
+
+
+@test
+def diagrams(report):
+    """Expressions of columns, scales and several tables in one diagram: an XML reader finds the curve where it should be; diagrams beside each other."""
+    done = solve("pictures_strip", strip("dynamic", time__end=0.1), 1)
+    svg, png, table = OUT / "diagram.svg", OUT / "diagram.png", OUT / "diagram.csv"
+    time, energy = np.array(done.history["time"]), np.array(done.history["kinetic_energy"])
+    for words, y in ((("--log", "y"), np.log10(energy[1:])), ((), 0.5 - 1000 * energy)):
+        wanted = "kinetic_energy" if words else "0.5 - 1000*kinetic_energy"
+        code, said = draw("plot", "--curve", f"{done.folder}:time:{wanted}:energy", *words, "--output", svg)
+        x = time[1:] if words else time
+        found = polyline(svg) if code == 0 else np.zeros((len(x), 2))
+        fit = [np.polynomial.Polynomial.fit(a, b, 1)(a) - b for a, b in zip((x, y), found.T)]
+        report.below(max(abs(f).max() for f in fit), 0.02, f"{wanted} {' '.join(words)}: places [pixels]" if code == 0 else said)
+    table.write_text("# points\nt, a value\n0, 1e-9\n0.1, 1e-8\n")
+    code, said = draw("plot", done.folder, "--y", "kinetic_energy", "--points", f"{table}:t:a value:given", "--dashed", f"{table}:t:a value:", "--legend", "top-left",
+                      "--size", "400x300", "--output", png)
+    report.check(code == 0 and pixels(png).shape == (300, 400, 3), "a run, points and dashes in one diagram" if code == 0 else said)
+    code, said = draw("sheet", png, png, png, "--columns", "2", "--palette", "--output", OUT / "sheet.png")
+    sheet = pixels(OUT / "sheet.png") if code == 0 else np.zeros((1, 1, 3))
+    report.check(sheet.shape == (600, 800, 3) and np.array_equal(sheet[300:, 600:], np.ones((300, 200, 3))), "three of them on one sheet" if code == 0 else said)
+    report.below(abs(sheet[:300, :400] - pixels(png)).mean(), 0.01, "in nearly the same colours")
 
 
 @test
