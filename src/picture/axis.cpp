@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "voile/base/error.hpp"
 #include "voile/picture/colour_map.hpp"
 
 namespace voile::picture {
@@ -49,9 +50,12 @@ void Axis::finish() {
   if (options_.range) {
     low = scaled(options_.range->first);
     high = scaled(options_.range->second);
-    return;
+    if (resolved()) return;
+    throw UserError(fmt::format("the range {}, {} of an axis is too narrow or too wide for double precision",
+                                options_.range->first, options_.range->second));
   }
-  if (low == high) {
+  if (!std::isfinite(width())) throw UserError("the values of the curves are too large to be drawn");
+  if (!resolved()) {
     const double half = options_.logarithmic ? 0.5 : 0.5 * std::max(std::abs(low), 1e-12);
     low -= half;
     high += half;
@@ -61,6 +65,10 @@ void Axis::finish() {
   if (!options_.logarithmic && high < 0.0 && high > -0.3 * old) high = 0.0;
   if (low != 0.0 || options_.logarithmic) low -= 0.04 * old;
   if (high != 0.0 || options_.logarithmic) high += 0.04 * old;
+}
+
+bool Axis::resolved() const {
+  return std::isfinite(width()) && width() > 1e-12 * std::max(std::abs(low), std::abs(high));
 }
 
 void Axis::widen_to(double width) {

@@ -21,7 +21,8 @@ class Axis {
   /// Makes the range hold a value that can be shown.
   void add(double value);
   [[nodiscard]] bool empty() const { return !(low <= high); }
-  /// A margin, but not beyond a zero that is near; or the range that was asked for.
+  /// A margin, but not beyond a zero that is near; or the range that was asked for. Throws UserError if double precision does not
+  /// resolve it.
   void finish();
   /// Makes the range wider about its middle.
   void widen_to(double width);
@@ -35,6 +36,7 @@ class Axis {
 
  private:
   [[nodiscard]] double scaled(double value) const;
+  [[nodiscard]] bool resolved() const;
   [[nodiscard]] double at(double scaled) const { return begin + (end - begin) * (scaled - low) / (high - low); }
 
   const AxisOptions& options_;

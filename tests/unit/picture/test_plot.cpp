@@ -124,6 +124,11 @@ TEST_CASE("a decade is as long as the next one on a logarithmic scale, which lea
   write_plot(file.path, plot);
   CHECK(has(file.text(), ">0.02<") == false);
   CHECK(has(file.text(), ">0.1<"));
+  Plot flat = one_curve({1, 2}, {3, 3 + 1e-15});
+  write_plot(file.path, flat);
+  CHECK(lines_of(file.text(), blue).size() == 1);
+  flat.curves[0].y = {-1e308, 1e308};
+  CHECK(has(error_of([&] { write_plot(file.path, flat); }), "too large"));
   plot.curves[0].y.assign(5, -1.0);
   CHECK(has(error_of([&] { write_plot(file.path, plot); }), "positive numbers"));
 }
@@ -147,6 +152,11 @@ TEST_CASE("a range cuts curves off at its ends, and leaves marks out") {
   const double width = all[0][1][0] - all[0][0][0], height = all[0][0][1] - all[0][1][1];
   CHECK(lines[0][1][0] - lines[0][0][0] == doctest::Approx(0.2 * width).epsilon(0.02));
   CHECK(lines[0][0][1] - lines[0][1][1] == doctest::Approx(height).epsilon(0.001));
+  for (const double low : {9.999999999999999, -1e308}) {
+    plot.x.range = {low, low < 0 ? 1e308 : 10.0};
+    CHECK(has(error_of([&] { write_plot(file.path, plot); }), "double precision"));
+  }
+  plot.x.range = {0, 10};
   plot.curves.erase(plot.curves.begin());
   write_plot(file.path, plot);
   CHECK(!has(file.text(), "<circle"));
