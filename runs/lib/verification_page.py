@@ -196,6 +196,7 @@ def draw_cylinders(file):
 
 
 def draw_pictures():
+    """Published points alone where a problem has not been solved."""
     draw_roofs(IMAGES / "roofs.png")
     draw_cylinders(IMAGES / "cylinders.png")
     plots(IMAGES / "slit_annulus_curves.png", [{**finest_diagram("slit_annulus"), "legend": "top-left", "size": (640, 460)}])

@@ -16,7 +16,7 @@ namespace {
 
 fs::path results_in(const fs::path& place) {
   std::error_code ignored;
-  const fs::path file = fs::is_directory(place, ignored) ? place / results_name : place;
+  fs::path file = fs::is_directory(place, ignored) ? place / results_name : place;
   if (!fs::is_regular_file(file, ignored))
     throw UserError(fmt::format("{}: there are no results: give the output folder of a run, with {} in it",
                                 place.string(), results_name));

@@ -47,7 +47,7 @@ Bytes3 to_bytes(const Rgb& linear) {
   Bytes3 bytes{};
   for (int k = 0; k < 3; ++k) {
     const float x = linear[k] > 0.0F ? std::min(linear[k], 1.0F) : 0.0F;
-    bytes[static_cast<std::size_t>(k)] = table[static_cast<std::size_t>(8192.0F * x + 0.5F)];
+    bytes[static_cast<std::size_t>(k)] = table[static_cast<std::size_t>(std::lround(8192.0F * x))];
   }
   return bytes;
 }
