@@ -126,7 +126,8 @@ Reduced reduce(const Image& image) {
         cell[k] = std::clamp(p[k] + dither, 0, 255) / width;
         middle[k] = cell[k] * width + width / 2;
       }
-      int& known = table[static_cast<std::size_t>((cell[0] * table_cells + cell[1]) * table_cells + cell[2])];
+      const int place = (cell[0] * table_cells + cell[1]) * table_cells + cell[2];
+      int& known = table[static_cast<std::size_t>(place)];
       if (known < 0) known = nearest(result.palette, middle);
       pixel = static_cast<std::uint8_t>(known);
     }
