@@ -7,6 +7,7 @@
 
 import argparse
 import re
+import shlex
 import subprocess
 import sys
 import tomllib
@@ -119,7 +120,7 @@ def check_commands(subcommands, options):
             if language in ("toml", "csv", "cpp", "text"):
                 continue
             for command in commands_of(text):
-                for problem in command_problems(command.split(), subcommands, options):
+                for problem in command_problems(shlex.split(command), subcommands, options):
                     yield f"{name_of(path)}:{line}: {command}\n    {problem}"
 
 

@@ -33,8 +33,12 @@ class Benchmark:
         return ROOT / "runs" / self.name / "case.toml"
 
     @property
+    def reference_file(self):
+        return ROOT / "runs" / "reference" / f"{self.table or self.name}.csv"
+
+    @property
     def reference(self):
-        return Table(ROOT / "runs" / "reference" / f"{self.table or self.name}.csv")
+        return Table(self.reference_file)
 
     def points(self, curve):
         table = self.reference
@@ -87,12 +91,27 @@ BENCHMARKS = {
 }
 
 
+def column_of(history, curve):
+    """Name of its column; a probe of one component may have none in its name."""
+    name = curve.history
+    return name.rsplit("_", 1)[0] if name not in history and name.rsplit("_", 1)[0] in history else name
+
+
 def computed_points(history, curve):
     """Rows (load factor, deflection with the published sign) of one column of history.csv."""
-    name = curve.history
-    if name not in history and name.rsplit("_", 1)[0] in history:
-        name = name.rsplit("_", 1)[0]
-    return np.column_stack([history["load_factor"], curve.sign * history[name]])
+    return np.column_stack([history["load_factor"], curve.sign * history[column_of(history, curve)]])
+
+
+def diagram(benchmark, file, labels=None, legend_of_points=False):
+    """What runs/lib/drawing.py draws of a history, and the published points; only these if `file` is None."""
+    names = labels or [c.label for c in benchmark.curves]
+    source = lambda name: f"{name}: {benchmark.source}" if legend_of_points else ""
+    history = Table(file) if file else None
+    return {
+        "curves": [(file, ("-" if c.sign < 0 else "") + column_of(history, c), "load_factor", name)
+                   for c, name in zip(benchmark.curves, names)] if file else [],
+        "points": [(benchmark.reference_file, c.reference, "load_fraction", source(name)) for c, name in zip(benchmark.curves, names)],
+        "x_label": benchmark.deflection_label, "y_label": benchmark.load_label}
 
 
 @dataclass(frozen=True)

@@ -79,6 +79,36 @@ class Surface:
         return edges[pairs], np.degrees(np.arccos(np.clip(cosine, -1, 1)))
 
 
+class FlatInterpolation:
+    """Barycentric coordinates of places in a flat mesh: `self @ field` are the values of a field of its vertices there; nan outside."""
+
+    def __init__(self, positions, triangles, places, slack=1e-9):
+        corners = positions[triangles]
+        low, high = corners.min(axis=1), corners.max(axis=1)
+        size, origin = np.median(high - low) + 1e-300, low.min(axis=0)
+        # The triangles over each cell of a grid.
+        first, last = ((x - origin) // size for x in (low, high))
+        cells = {}
+        for t, (a, b) in enumerate(zip(first.astype(int), last.astype(int))):
+            for i in range(a[0], b[0] + 1):
+                for j in range(a[1], b[1] + 1):
+                    cells.setdefault((i, j), []).append(t)
+        self.vertices, self.weights = np.zeros((len(places), 3), int), np.full((len(places), 3), np.nan)
+        for k, (place, cell) in enumerate(zip(places, ((places - origin) // size).astype(int))):
+            near = np.array(cells.get(tuple(cell), []), int)
+            if len(near) == 0:
+                continue
+            a, b, c = corners[near].transpose(1, 0, 2)
+            weights = np.linalg.solve(np.stack([b - a, c - a], axis=-1), (place - a)[..., None])[..., 0]
+            weights = np.column_stack([1 - weights.sum(axis=1), weights])
+            best = np.argmax(weights.min(axis=1))
+            if weights[best].min() >= -slack:
+                self.vertices[k], self.weights[k] = triangles[near[best]], weights[best]
+
+    def __matmul__(self, field):
+        return np.einsum("ki,ki...->k...", self.weights, field[self.vertices])
+
+
 def outline(surface, vertices):
     """Displaced positions of vertices on a closed curve, in order around its centre at rest."""
     place = surface.rest[vertices, :2] - surface.rest[vertices, :2].mean(axis=0)

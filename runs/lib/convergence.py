@@ -5,14 +5,12 @@ import math
 import time
 from dataclasses import asdict, dataclass
 
-from benchmarks import BENCHMARKS, computed_points
-from curves import Table, fitted_order, observed_order
+from benchmarks import BENCHMARKS, diagram
+from curves import fitted_order, observed_order
+from drawing import plot, plots
 from problems import PROBLEMS
 from solver import ROOT
-from style import COLOURS, new_figure, save
 from tables import markdown, write_csv
-
-from matplotlib.lines import Line2D
 
 RESULTS = ROOT / "results" / "convergence"
 
@@ -129,34 +127,19 @@ def report(name, answers):
 
 
 def draw(name, answers, file):
-    """Errors against the reference over the mesh. Colours stand for mesh and operator, line styles for the quantity."""
-    quantities = list(dict.fromkeys(a.quantity for a in answers))
-    kinds = list(dict.fromkeys((a.pattern, a.operator) for a in answers))
-    styles = ("o-", "s--", "^:", "d-.", "v-", "x--")
-    style = {q: styles[i % len(styles)] for i, q in enumerate(quantities)}
-    figure, axes = new_figure(8.6, 4.8)
-    for (quantity, pattern, operator), series in groups(answers).items():
-        axes.plot([a.factor for a in series], [max(100 * abs(a.error), 1e-4) for a in series], style[quantity], ms=5,
-                  mfc="white", color=COLOURS[kinds.index((pattern, operator)) % len(COLOURS)])
-    meshes = {a.factor: a.mesh for a in sorted(answers, key=lambda a: a.factor)}
-    factors, top = list(meshes), max(100 * abs(a.error) for a in answers)
-    if len(factors) > 1:
-        axes.plot(factors, [top * (factors[0] / f) ** 2 for f in factors], color="#999999", lw=1.0, zorder=0)
-        axes.annotate("second order", (factors[-1], top * (factors[0] / factors[-1]) ** 2), fontsize=8.5,
-                      color="#777777", ha="right", va="top", xytext=(0, -4), textcoords="offset points")
-    axes.axhline(1.0, color="#bbbbbb", lw=1.0, ls=":", zorder=0)
-    axes.set(xscale="log", yscale="log", xlabel="mesh", ylabel="difference from the reference [%]")
-    axes.set_xticks(factors, list(meshes.values()))
-    axes.minorticks_off()
-    axes.set_title(PROBLEMS[name].title)
-    several = len({operator for _, operator in kinds}) > 1
-    entries = [Line2D([], [], color=COLOURS[i % len(COLOURS)], lw=4,
-                      label=pattern.replace("_", " ") + (f", {operator}" if several else ""))
-               for i, (pattern, operator) in enumerate(kinds)]
-    entries += [Line2D([], [], color="#444444", ls=style[q][1:], marker=style[q][0], ms=5, mfc="white", label=q)
-                for q in quantities]
-    axes.legend(handles=entries, loc="center left", bbox_to_anchor=(1.01, 0.5))
-    save(figure, file)
+    """Errors against the reference over the mesh, a diagram for each quantity; tables beside the file."""
+    several = len({a.operator for a in answers}) > 1
+    diagrams = {}
+    for k, ((quantity, pattern, operator), series) in enumerate(groups(answers).items()):
+        table, first = file.with_name(f"{file.stem}_{k}.csv"), series[0]
+        write_csv(table, ["refinement", "error", "second_order"], [[a.factor, max(100 * abs(a.error), 1e-4), 100 * abs(first.error) *
+                                                                    (first.factor / a.factor) ** 2] for a in series])
+        shown = diagrams.setdefault(quantity, {
+            "curves": [], "points": [], "dashed": [(table, "refinement", "second_order", "second order")] if len(series) > 1 else [], "log": "xy",
+            "title": quantity, "x_label": "refinement", "y_label": "difference from the reference [%]", "size": (560, 400)})
+        shown["points"].append((table, "refinement", "error", ""))
+        shown["curves"].append((table, "refinement", "error", pattern.replace("_", " ") + (f", {operator}" if several else "")))
+    plots(file, diagrams.values(), min(3, len(diagrams)))
 
 
 def finest_run(name, pattern="one_way"):
@@ -164,27 +147,14 @@ def finest_run(name, pattern="one_way"):
     for factor in reversed(PROBLEMS[name].factors):
         file = RESULTS / name / f"edge_slope-six_node_{pattern}_{factor}" / "history.csv"
         if file.is_file():
-            return Table(file)
+            return file
     return None
 
 
-def draw_curves(axes, name, colours, labels=None):
-    history, benchmark = finest_run(name), BENCHMARKS[name]
-    for k, (curve, colour) in enumerate(zip(benchmark.curves, colours)):
-        label = labels[k] if labels else curve.label
-        points = benchmark.points(curve)
-        if history is not None:
-            computed = computed_points(history, curve)
-            axes.plot([0, *computed[:, 1]], [0, *computed[:, 0]], color=colour, lw=1.4,
-                      label=label)
-        axes.plot(points[:, 1], points[:, 0], "o", mfc="white", mec=colour, mew=1.1, ms=4, zorder=3)
-    axes.set(xlabel=benchmark.deflection_label, ylabel=benchmark.load_label)
+def finest_diagram(name, labels=None):
+    """The load-deflection curves of the finest mesh with the published points."""
+    return diagram(BENCHMARKS[name], finest_run(name), labels)
 
 
 def draw_path(name, file):
-    """The load-deflection curves of the finest mesh with the published points."""
-    figure, axes = new_figure()
-    draw_curves(axes, name, COLOURS)
-    axes.set_title(PROBLEMS[name].title)
-    axes.legend()
-    save(figure, file)
+    plot(file, **finest_diagram(name), title=PROBLEMS[name].title)

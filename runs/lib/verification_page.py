@@ -5,15 +5,13 @@ import os
 import textwrap
 
 from benchmarks import LAYUPS
-from convergence import draw_curves, groups, number, order_of, stored
+from convergence import finest_diagram, groups, number, order_of, stored
+from drawing import plots
 from linear import LINEAR
 from modes import MODES
 from problems import PROBLEMS
 from solver import ROOT, invoke
-from style import COLOURS, save
 from tables import markdown
-
-import matplotlib.pyplot as plt
 
 EDGE_SLOPE, SIX_NODE = "edge_slope/six_node", "six_node/six_node"
 LIMIT = 0.01
@@ -178,28 +176,30 @@ def miss_list():
 
 # ----------------------------------------------------------------------------------------------------------- pictures
 
+def together(names, labels):
+    """One diagram of several problems with one curve each."""
+    parts = [finest_diagram(name, [label]) for name, label in zip(names, labels)]
+    return {**parts[0], **{key: [c for part in parts for c in part[key]] for key in ("curves", "points")}}
+
+
 def draw_roofs(file):
-    figure, axes = plt.subplots(1, 2, figsize=(9.6, 4.2), layout="constrained", sharey=True)
-    for side, thickness in zip(axes, ("12.7", "6.35")):
-        for (layup, label), colour in zip(LAYUPS.items(), COLOURS):
-            draw_curves(side, f"roof_{layup}_{thickness}", [colour], [label])
-        side.axhline(0, color="#999999", lw=0.8)
-        side.set_title(f"Hinged roofs, {thickness} thick")
-        side.legend(loc="upper left")
-    axes[1].set_ylabel("")
-    save(figure, file, dpi=110)
+    shown = {"size": (480, 420), "legend": "top-left", "y_range": "-0.25,1.25"}
+    plots(file, [{**together([f"roof_{layup}_{thickness}" for layup in LAYUPS], LAYUPS.values()),
+                  "title": f"Hinged roofs, {thickness} thick", **shown} for thickness in ("12.7", "6.35")])
 
 
 def draw_cylinders(file):
-    figure, axes = plt.subplots(1, 3, figsize=(12.0, 4.0), layout="constrained")
-    for (layup, label), colour in zip(LAYUPS.items(), COLOURS):
-        draw_curves(axes[0], f"semicylinder_{layup}", [colour], [label])
-    draw_curves(axes[1], "pullout_cylinder", COLOURS)
-    draw_curves(axes[2], "pinched_cylinder", COLOURS)
-    for side, title in zip(axes, ("Semi-cylinder", "Cylinder pulled open", "Pinched cylinder")):
-        side.set_title(title)
-        side.legend()
-    save(figure, file, dpi=110)
+    shown = {"size": (460, 400), "legend": "top-left"}
+    plots(file, [{**together([f"semicylinder_{layup}" for layup in LAYUPS], LAYUPS.values()), "title": "Semi-cylinder", **shown},
+                 {**finest_diagram("pullout_cylinder"), "title": "Cylinder pulled open", **shown, "legend": "bottom-right", "x_range": "0,7"},
+                 {**finest_diagram("pinched_cylinder"), "title": "Pinched cylinder", **shown, "legend": "bottom-right", "x_range": "-8,140"}])
+
+
+def draw_pictures():
+    """Published points alone where a problem has not been solved."""
+    draw_roofs(IMAGES / "roofs.png")
+    draw_cylinders(IMAGES / "cylinders.png")
+    plots(IMAGES / "slit_annulus_curves.png", [{**finest_diagram("slit_annulus"), "legend": "top-left", "size": (640, 460)}])
 
 
 TEXT = """# Verification
@@ -284,8 +284,7 @@ def write_page():
              ("nonlinear", "linear", "plates", "vibration", "buckling")}
     times = {name: stored(name)[1] for name in PROBLEMS}
     code, version = invoke(["--version"])
-    draw_roofs(IMAGES / "roofs.png")
-    draw_cylinders(IMAGES / "cylinders.png")
+    draw_pictures()
     shaken = named["vibration"] + named["buckling"]
     name = version.strip().splitlines()[0] if code == 0 else "Voile"
     setting = (f"{name}, {ranks_used()}, on {os.cpu_count()} cores shared with other work. The times of all problems "

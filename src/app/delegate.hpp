@@ -14,6 +14,7 @@ inline constexpr std::array delegated_commands{
     DelegatedCommand{"export", "Write results in other formats: OBJ, STL, PLY, PC2, MDD, GLB, USDA, MSH, CSV",
                      "voile-picture"},
     DelegatedCommand{"plot", "Draw curves of the history: SVG, PNG", "voile-picture"},
+    DelegatedCommand{"sheet", "Put pictures beside each other: PNG", "voile-picture"},
     DelegatedCommand{"view", "Write one HTML file that shows results in a browser", "voile-picture"},
     DelegatedCommand{"manikin", "Make a dress form or a walking figure from measurements: OBJ, PC2", "voile-manikin"}};
 

@@ -3,14 +3,11 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <cstdio>
 #include <numbers>
-#include <sstream>
 
-#include "history_columns.hpp"
 #include "picture_frames.hpp"
+#include "picture_words.hpp"
 #include "voile/base/error.hpp"
-#include "voile/base/text.hpp"
 #include "voile/picture/animation.hpp"
 
 namespace voile::app {
@@ -18,28 +15,6 @@ namespace voile::app {
 namespace fs = std::filesystem;
 
 namespace {
-
-std::vector<std::string> words_of(const std::string& text, char separator) {
-  std::vector<std::string> words;
-  std::istringstream in(text);
-  for (std::string word; std::getline(in, word, separator);)
-    if (!word.empty()) words.push_back(word);
-  return words;
-}
-
-/// Numbers separated by commas.
-std::vector<double> numbers_of(const std::string& option, const std::string& text, std::size_t count) {
-  std::vector<double> numbers;
-  for (const std::string& word : words_of(text, ',')) {
-    char* end = nullptr;
-    const double x = std::strtod(word.c_str(), &end);
-    if (*end != '\0' || !std::isfinite(x)) throw UserError(fmt::format("{} {}: '{}' is no number", option, text, word));
-    numbers.push_back(x);
-  }
-  if (numbers.size() != count)
-    throw UserError(fmt::format("{} {}: {} numbers are needed, with commas between them", option, text, count));
-  return numbers;
-}
 
 Vec3 vector_of(const std::string& option, const std::string& text) {
   const std::vector<double> x = numbers_of(option, text, 3);
@@ -55,12 +30,6 @@ Vec3 axis_of(const std::string& text) {
   return axis.normalized();
 }
 
-void take_size(const std::string& text, int& width, int& height) {
-  char end = '\0';
-  if (std::sscanf(text.c_str(), "%dx%d%c", &width, &height, &end) != 2 || width < 16 || height < 16)
-    throw UserError(fmt::format("--size {}: it is WIDTHxHEIGHT in pixels, at least 16x16, e.g. 1280x960", text));
-}
-
 /// out.png and 12: out_000012.png
 fs::path numbered(const fs::path& file, std::size_t number) {
   return file.parent_path() / fmt::format("{}_{:06d}{}", file.stem().string(), number, file.extension().string());
@@ -73,7 +42,7 @@ void ResultsOptions::declare(CLI::App& sub, bool modes) {
   sub.add_option("--stage", choice.stage, "Of a run in stages: this one [all]");
   if (modes)
     sub.add_option("--mode", choice.mode, "A mode of vibration or buckling instead of steps")
-        ->check(CLI::PositiveNumber);
+        ->check(CLI::Range(1, 1'000'000));
 }
 
 RenderCommand::RenderCommand(CLI::App& cli) : sub_(cli.add_subcommand("render", "Draw results: PNG, WebP, GIF, MP4")) {
@@ -86,6 +55,7 @@ RenderCommand::RenderCommand(CLI::App& cli) : sub_(cli.add_subcommand("render", 
   sub_->add_option("--size", size_, "Pixels [1280x960]");
   sub_->add_option("--quality", quality_, "draft or final [final]")->check(CLI::IsMember({"draft", "final"}));
   sub_->add_option("--threads", show_.threads, "Threads [one per core]")->check(CLI::Range(0, 1024));
+  sub_->add_flag("--palette", palette_, "256 colours at most: a smaller file (PNG)");
   sub_->add_flag("--quiet", quiet_, "Print errors only");
   declare_look();
   declare_camera();
@@ -103,6 +73,7 @@ void RenderCommand::declare_look() {
       ->excludes(field);
   sub_->add_flag("--contours", show_.contours, "Draw lines of groups, borders of panels and seams");
   sub_->add_flag("--mesh", show_.mesh_lines, "Draw the edges of triangles");
+  sub_->add_option("--creases", creases_, "Draw edges red where the sheet is folded by more than these degrees");
   sub_->add_option("--title", show_.title, "Text above the picture");
   sub_->add_flag("--no-stamp", no_stamp_, "Leave out the time or load factor");
   sub_->add_flag("--no-ground", no_ground_, "Leave out the ground and the shadow on it");
@@ -133,7 +104,11 @@ void RenderCommand::take_numbers() {
   if (!eye_.empty()) show_.eye = vector_of("--eye", eye_);
   if (!target_.empty()) show_.target = vector_of("--target", target_);
   if (!up_.empty()) show_.up = axis_of(up_);
+  if (!(std::abs(scale_) <= 1e9)) throw UserError(fmt::format("--scale {}: it is a number up to 1e9 in size", scale_));
   if (sub_->count("--scale") > 0) show_.scale = scale_;
+  if (!(creases_ >= 0.0 && creases_ <= 180.0))
+    throw UserError(fmt::format("--creases {}: it is an angle from 0 to 180 degrees", creases_));
+  if (sub_->count("--creases") > 0) show_.creases = creases_ * std::numbers::pi / 180.0;
   show_.ground = !no_ground_;
   show_.stamp = !no_stamp_;
   show_.obstacles = !no_obstacles_;
@@ -157,7 +132,7 @@ void RenderCommand::write_pictures(const picture::Recording& recording) const {
   for (std::size_t i = 0; i < show.moments().size(); ++i) {
     if (!is_own(own, i)) continue;
     const fs::path name = show.moments().size() == 1 ? file : numbered(file, i);
-    write_png(name, show.picture(show.moments()[i]));
+    write_png(name, show.picture(show.moments()[i]), palette_);
     if (!quiet_) fmt::print("wrote {}\n", name.string());
   }
 }
@@ -227,74 +202,6 @@ void ExportCommand::run() {
   for (const std::string& note : exported.notes) fmt::print("{}\n", note);
 }
 
-PlotCommand::PlotCommand(CLI::App& cli) : sub_(cli.add_subcommand("plot", "Draw curves of the history: SVG, PNG")) {
-  sub_->add_option("results", results_, "Output folders of runs, or CSV files")->required();
-  sub_->add_option("--x", x_,
-                   "Column across; several with / between them [time; probes over which the load factor is drawn]");
-  sub_->add_option("--y", y_, "Column upwards; several with / between them [probes; the load factor]");
-  sub_->add_option("--points", points_,
-                   "Points to compare with, FILE.csv:X:Y with the names of its columns; may be repeated")
-      ->allow_extra_args(false);
-  sub_->add_option("--labels", labels_, "Names of the runs, with / between them [their folders]");
-  sub_->add_option("--x-label", plot_.x_label, "Text of the axis across [the column]");
-  sub_->add_option("--y-label", plot_.y_label, "Text of the axis upwards [the column]");
-  sub_->add_option("--title", plot_.title, "Text above");
-  sub_->add_option("--output", output_, "SVG or PNG to write [plot.svg beside the first history]");
-  sub_->add_option("--size", size_, "Pixels [960x640]");
-  sub_->add_flag("--quiet", quiet_, "Print errors only");
-}
-
-void PlotCommand::choose_columns(const picture::Table& table, std::vector<std::string>& x,
-                                 std::vector<std::string>& y) const {
-  x = words_of(x_, '/');
-  y = words_of(y_, '/');
-  std::vector<std::string> probes;
-  for (const std::string& name : table.names)
-    if (is_of_probe(name)) probes.push_back(name);
-  const bool in_time = table.has("time");
-  if (x.empty() && (in_time || !y.empty())) x = {in_time ? "time" : "load_factor"};
-  if (y.empty() && !in_time) y = {"load_factor"};
-  std::vector<std::string>& rest = x.empty() ? x : y;
-  if (rest.empty()) rest = probes;
-  if (rest.empty())
-    throw UserError(fmt::format("{}: it has no probes; give --x and --y, which are among {}", table.file.string(),
-                                join(table.names, ", ")));
-  if (x.size() > 1 && y.size() > 1) throw UserError("plot: either --x or --y may name several columns, not both");
-}
-
-void PlotCommand::run() {
-  take_size(size_, plot_.width, plot_.height);
-  const std::vector<std::string> labels = words_of(labels_, '/');
-  std::vector<std::string> x, y;
-  std::size_t colour = 0;
-  for (std::size_t i = 0; i < results_.size(); ++i) {
-    const picture::Table table = picture::read_table(results_[i]);
-    if (i == 0) choose_columns(table, x, y);
-    const std::string run = i < labels.size() ? labels[i] : fs::absolute(table.file).parent_path().filename().string();
-    for (std::size_t k = 0; k < std::max(x.size(), y.size()); ++k) {
-      const std::string &of_x = x[x.size() > 1 ? k : 0], &of_y = y[y.size() > 1 ? k : 0];
-      const std::string column = x.size() > 1 ? of_x : of_y;
-      const std::string label = results_.size() == 1                ? column
-                                : std::max(x.size(), y.size()) == 1 ? run
-                                                                    : run + ": " + column;
-      plot_.curves.push_back({label, table.column(of_x), table.column(of_y), false, colour++});
-    }
-  }
-  for (std::size_t i = 0; i < points_.size(); ++i) {
-    const std::vector<std::string> parts = words_of(points_[i], ':');
-    if (parts.size() != 3) throw UserError(fmt::format("--points {}: it is FILE.csv:X:Y", points_[i]));
-    const picture::Table table = picture::read_table(parts[0]);
-    plot_.curves.push_back(
-        {table.file.stem().string() + ": " + parts[1], table.column(parts[1]), table.column(parts[2]), true, i});
-  }
-  if (plot_.x_label.empty() && x.size() == 1) plot_.x_label = x.front() == "time" ? "time [s]" : x.front();
-  if (plot_.y_label.empty() && y.size() == 1) plot_.y_label = y.front();
-  const fs::path file =
-      output_.empty() ? picture::read_table(results_.front()).file.parent_path() / "plot.svg" : fs::path(output_);
-  write_plot(file, plot_);
-  if (!quiet_) fmt::print("wrote {}\n", file.string());
-}
-
 ViewCommand::ViewCommand(CLI::App& cli)
     : sub_(cli.add_subcommand("view", "Write one HTML file that shows results in a browser")) {
   results_.declare(*sub_, false);
@@ -308,6 +215,7 @@ ViewCommand::ViewCommand(CLI::App& cli)
 }
 
 void ViewCommand::run() {
+  if (!std::isfinite(viewer_.rate)) throw UserError("--rate: it is a number of frames per second");
   const picture::Recording recording(results_.results, results_.choice);
   viewer_.output = output_.empty() ? recording.folder() / "view.html" : fs::path(output_);
   viewer_.fields = words_of(fields_, '/');

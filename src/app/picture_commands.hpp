@@ -1,4 +1,4 @@
-// The commands of voile-picture: their options and what they do.
+// The commands of voile-picture that show results: their options and what they do.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "voile/picture/export.hpp"
-#include "voile/picture/plot.hpp"
 #include "voile/picture/show.hpp"
 #include "voile/picture/viewer.hpp"
 
@@ -39,9 +38,9 @@ class RenderCommand {
   picture::ShowOptions show_;
   std::string steps_, size_ = "1280x960", quality_ = "final", range_, views_ = "three-quarter", eye_, target_, up_;
   std::string output_, animation_;
-  double rate_ = 25.0, scale_ = 1.0;
+  double rate_ = 25.0, scale_ = 1.0, creases_ = 0.0;
   int frames_ = 32;
-  bool quiet_ = false, no_ground_ = false, no_stamp_ = false, no_obstacles_ = false;
+  bool quiet_ = false, palette_ = false, no_ground_ = false, no_stamp_ = false, no_obstacles_ = false;
   std::filesystem::file_time_type begun_ = std::filesystem::file_time_type::clock::now();
 };
 
@@ -58,23 +57,6 @@ class ExportCommand {
   picture::ExportOptions export_;
   std::string steps_, output_, fields_;
   bool quiet_ = false, no_obstacles_ = false;
-};
-
-class PlotCommand {
- public:
-  explicit PlotCommand(CLI::App& cli);
-  [[nodiscard]] bool chosen() const { return sub_->parsed(); }
-  /// Throws UserError.
-  void run();
-
- private:
-  void choose_columns(const picture::Table& table, std::vector<std::string>& x, std::vector<std::string>& y) const;
-
-  CLI::App* sub_;
-  picture::Plot plot_;
-  std::vector<std::string> results_, points_;
-  std::string x_, y_, labels_, output_, size_ = "960x640";
-  bool quiet_ = false;
 };
 
 class ViewCommand {

@@ -27,6 +27,15 @@ std::string as_file_name(std::string text) {
   return text;
 }
 
+/// Removes a folder in the end, whatever happens before.
+struct FolderGoes {
+  fs::path folder;
+  ~FolderGoes() {
+    std::error_code gone_already;
+    if (!folder.empty()) fs::remove_all(folder, gone_already);
+  }
+};
+
 }  // namespace
 
 SharedFrames::SharedFrames(const fs::path& animation, LaunchedRank own, fs::file_time_type begun)
@@ -57,6 +66,7 @@ void SharedFrames::run(std::size_t count, const Draw& draw, const Take& take) co
     fs::create_directories(folder_, error);
     if (error) throw UserError(fmt::format("{}: {}", folder_.string(), error.message()));
   }
+  const FolderGoes goes{own_.size > 1 && own_.rank == 0 ? folder_ : fs::path()};
   for (std::size_t i = 0; i < count; ++i) {
     if (own_.rank == 0) {
       take(i, is_own(own_, i) ? draw(i) : fetch(i, draw));
@@ -68,8 +78,6 @@ void SharedFrames::run(std::size_t count, const Draw& draw, const Take& take) co
       fs::rename(part, file_of(i));  // so that no half picture is fetched
     }
   }
-  std::error_code gone_already;
-  if (own_.size > 1 && own_.rank == 0) fs::remove_all(folder_, gone_already);
 }
 
 }  // namespace voile::app

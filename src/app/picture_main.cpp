@@ -1,4 +1,4 @@
-// voile-picture render | export | plot | view: what `voile` does with these commands.
+// voile-picture render | export | plot | sheet | view: what `voile` does with these commands.
 // voile-picture tangle MESSAGE PICTURE: for src/app/obstacles.cpp, of triangles that intersect.
 //
 // A program of its own, which starts without the solver's libraries.
@@ -7,25 +7,29 @@
 
 #include "command_program.hpp"
 #include "picture_commands.hpp"
+#include "picture_plot.hpp"
 #include "picture_tangle.hpp"
 #include "voile/base/child_process.hpp"
+#include "voile/io/stored_run.hpp"
 
 namespace {
 
 using namespace voile;
 
 struct Commands {
-  explicit Commands(CLI::App& cli) : render(cli), exporting(cli), plot(cli), view(cli) {}
+  explicit Commands(CLI::App& cli) : render(cli), exporting(cli), plot(cli), sheet(cli), view(cli) {}
   void act() {
     if (render.chosen()) render.run();
     if (exporting.chosen()) exporting.run();
     if (plot.chosen()) plot.run();
+    if (sheet.chosen()) sheet.run();
     if (view.chosen()) view.run();
   }
 
   app::RenderCommand render;
   app::ExportCommand exporting;
   app::PlotCommand plot;
+  app::SheetCommand sheet;
   app::ViewCommand view;
 };
 
@@ -34,6 +38,7 @@ struct Commands {
 int main(int argc, char** argv) {
   if (argc == 4 && std::string(argv[1]) == "tangle")
     return answer_to_parent([&] { return app::draw_tangle(argv[2], argv[3]); });
+  io::leave_hdf5_at_exit();
   return app::command_program(
       argc, argv, "Pictures, animations and exchange of results",
       "the picture or the mesh is too large for this machine; make --size smaller, or take fewer --steps",

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "voile/base/error.hpp"
+#include "voile/base/text.hpp"
 #include "voile/input/expression.hpp"
 
 namespace voile::input {
@@ -67,6 +68,32 @@ std::function<double(const Vec3&)> size_expression(const std::string& text) {
     parsed->x = x;
     return parsed->parser.Eval();
   };
+}
+
+std::vector<double> row_expression(const std::string& text, const std::vector<std::string>& names,
+                                   const std::vector<std::vector<double>>& columns) {
+  std::vector<double> row(names.size()), values(columns.empty() ? 0 : columns.front().size());
+  mu::Parser parser;
+  for (std::size_t k = 0; k < names.size(); ++k) {
+    const bool is_word = !names[k].empty() &&
+                         names[k].find_first_not_of(parser.ValidNameChars()) == std::string::npos &&
+                         (names[k][0] < '0' || names[k][0] > '9');
+    if (is_word) parser.DefineVar(names[k], &row[k]);
+  }
+  try {
+    if (!contains(names, "pi")) parser.DefineConst("pi", std::numbers::pi);
+    parser.SetExpr(text);
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      for (std::size_t k = 0; k < names.size(); ++k) row[k] = columns[k][i];
+      values[i] = parser.Eval();
+    }
+  } catch (const mu::ParserError& e) {
+    if (e.GetCode() == mu::ecUNASSIGNABLE_TOKEN)
+      throw UserError(fmt::format("there is no column '{}':{}", e.GetToken(), suggestion(e.GetToken(), names)));
+    throw UserError(
+        fmt::format("'{}': {}; write the name of a column, or an expression such as -1000*tip_z", text, e.GetMsg()));
+  }
+  return values;
 }
 
 }  // namespace voile::input

@@ -16,7 +16,7 @@ namespace {
 
 fs::path results_in(const fs::path& place) {
   std::error_code ignored;
-  const fs::path file = fs::is_directory(place, ignored) ? place / results_name : place;
+  fs::path file = fs::is_directory(place, ignored) ? place / results_name : place;
   if (!fs::is_regular_file(file, ignored))
     throw UserError(fmt::format("{}: there are no results: give the output folder of a run, with {} in it",
                                 place.string(), results_name));
@@ -24,6 +24,10 @@ fs::path results_in(const fs::path& place) {
 }
 
 }  // namespace
+
+void leave_hdf5_at_exit() {
+  (void)H5dont_atexit();
+}
 
 StoredRun::StoredRun(const fs::path& place) : file_(results_in(place)) {
   guarded(file_, [&](const StoredResults& results) {

@@ -15,6 +15,7 @@
 #include <utility>
 
 #include "palette.hpp"
+#include "unfinished.hpp"
 #include "voile/base/error.hpp"
 
 namespace voile::picture {
@@ -27,11 +28,14 @@ namespace {
   throw UserError(fmt::format("{}: the animation cannot be written: {}", file.string(), what));
 }
 
+void begin(const fs::path& file, Unfinished& unfinished) {
+  if (!std::ofstream(file)) fail(file, "is the folder there?");
+  unfinished.begin(file);
+}
+
 class WebpWriter : public AnimationWriter {
  public:
-  WebpWriter(fs::path file, double rate) : file_(std::move(file)), rate_(rate) {
-    std::ofstream(file_) ? void() : fail(file_, "is the folder there?");
-  }
+  WebpWriter(fs::path file, double rate) : file_(std::move(file)), rate_(rate) { begin(file_, unfinished_); }
   ~WebpWriter() override { WebPAnimEncoderDelete(encoder_); }
   WebpWriter(const WebpWriter&) = delete;
   WebpWriter& operator=(const WebpWriter&) = delete;
@@ -68,11 +72,13 @@ class WebpWriter : public AnimationWriter {
     out.write(reinterpret_cast<const char*>(data.bytes), static_cast<std::streamsize>(data.size)).flush();
     WebPDataClear(&data);
     if (!out) fail(file_, "is there room on the disk?");
+    unfinished_.finish();
   }
 
  private:
   [[nodiscard]] int time() const { return static_cast<int>(std::lround(1000.0 * frames_ / rate_)); }
   fs::path file_;
+  Unfinished unfinished_;
   double rate_;
   int frames_ = 0;
   WebPAnimEncoder* encoder_ = nullptr;
@@ -82,7 +88,7 @@ class GifWriter : public AnimationWriter {
  public:
   GifWriter(fs::path file, double rate) : file_(std::move(file)), rate_(rate) {
     int error = 0;
-    std::ofstream(file_).flush();  // the library would make a file that nobody else can read
+    begin(file_, unfinished_);  // the library would make a file that nobody else can read
     gif_ = EGifOpenFileName(file_.c_str(), false, &error);
     if (!gif_) fail(file_, GifErrorString(error));
   }
@@ -93,7 +99,7 @@ class GifWriter : public AnimationWriter {
   GifWriter& operator=(const GifWriter&) = delete;
 
   void add(const Image& frame) override {
-    if (frames_ == 0) begin(frame);
+    if (frames_ == 0) describe(frame);
     const Reduced reduced = reduce(frame);
     int size = 2;
     while (size < static_cast<int>(reduced.palette.size())) size *= 2;
@@ -126,10 +132,11 @@ class GifWriter : public AnimationWriter {
     int error = 0;
     if (frames_ == 0) fail(file_, "it has no frames");
     if (EGifCloseFile(std::exchange(gif_, nullptr), &error) != GIF_OK) fail(file_, GifErrorString(error));
+    unfinished_.finish();
   }
 
  private:
-  void begin(const Image& frame) {
+  void describe(const Image& frame) {
     EGifSetGifVersion(gif_, true);
     // Repeats for ever.
     const std::array<GifByteType, 3> loop{1, 0, 0};
@@ -140,6 +147,7 @@ class GifWriter : public AnimationWriter {
       fail(file_, GifErrorString(gif_->Error));
   }
   fs::path file_;
+  Unfinished unfinished_;
   double rate_;
   int frames_ = 0;
   GifFileType* gif_ = nullptr;
@@ -163,7 +171,7 @@ class Mp4Writer : public AnimationWriter {
   Mp4Writer(fs::path file, double rate) : file_(std::move(file)), rate_(rate) {
     if (std::system("command -v ffmpeg >/dev/null 2>&1") != 0)
       fail(file_, "MP4 needs the program ffmpeg, which is not there; install it, or take the ending .webp or .gif");
-    std::ofstream(file_) ? void() : fail(file_, "is the folder there?");
+    begin(file_, unfinished_);
   }
   ~Mp4Writer() override {
     if (pipe_) (void)pclose(pipe_);
@@ -172,27 +180,31 @@ class Mp4Writer : public AnimationWriter {
   Mp4Writer& operator=(const Mp4Writer&) = delete;
 
   void add(const Image& frame) override {
-    if (!pipe_) begin(frame);
+    if (!pipe_) start(frame);
     const std::size_t size = 3 * static_cast<std::size_t>(frame.width()) * static_cast<std::size_t>(frame.height());
     if (std::fwrite(frame.at(0, 0), 1, size, pipe_) != size)
       fail(file_, "ffmpeg has ended early; is there room on the disk?");
   }
   void finish() override {
     if (!pipe_ || pclose(std::exchange(pipe_, nullptr)) != 0) fail(file_, "ffmpeg reports an error");
+    unfinished_.finish();
   }
 
  private:
-  void begin(const Image& frame) {
+  void start(const Image& frame) {
     std::string name;
     for (const char c : fs::absolute(file_).string()) name += c == '\'' ? std::string("'\\''") : std::string(1, c);
+    // On a full disk ffmpeg complains, but ends with code 0.
     const std::string command = fmt::format(
-        "ffmpeg -loglevel error -y -f rawvideo -pix_fmt rgb24 -s {}x{} -r {} -i - -vf 'pad=ceil(iw/2)*2:ceil(ih/2)*2' "
-        "-pix_fmt yuv420p -crf 18 '{}'",
+        "said=$(ffmpeg -loglevel error -y -f rawvideo -pix_fmt rgb24 -s {}x{} -r {} -i - -vf "
+        "'pad=ceil(iw/2)*2:ceil(ih/2)*2' -pix_fmt yuv420p -crf 18 '{}' 2>&1) && test -z \"$said\" || "
+        "{{ echo \"$said\" >&2; exit 1; }}",
         frame.width(), frame.height(), rate_, name);
     pipe_ = popen(command.c_str(), "w");
     if (!pipe_) fail(file_, "ffmpeg does not start");
   }
   fs::path file_;
+  Unfinished unfinished_;
   double rate_;
   BrokenPipesReturn broken_pipes_return_;
   std::FILE* pipe_ = nullptr;

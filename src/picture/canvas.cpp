@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "exporting.hpp"
 
@@ -36,6 +37,11 @@ class Svg : public Canvas {
     for (const Vec2& p : points) text_ += fmt::format("{:.2f},{:.2f} ", p[0], p[1]);
     text_ += "\"/>\n";
   }
+  void box(const Vec2& low, const Vec2& high, const Bytes3& colour, double cover) override {
+    text_ += fmt::format(
+        "<rect x=\"{:.2f}\" y=\"{:.2f}\" width=\"{:.2f}\" height=\"{:.2f}\" fill=\"{}\" fill-opacity=\"{}\"/>\n",
+        low[0], low[1], high[0] - low[0], high[1] - low[1], hex(colour), cover);
+  }
   void mark(const Vec2& at, const Bytes3& colour, double radius) override {
     text_ += fmt::format(
         "<circle cx=\"{:.2f}\" cy=\"{:.2f}\" r=\"{}\" fill=\"#ffffff\" stroke=\"{}\" stroke-width=\"1.5\"/>\n", at[0],
@@ -64,25 +70,35 @@ class Pixels : public Canvas {
   Pixels(int width, int height) : image_(width, height) {}
   /// Each pixel is covered once, however many pieces of the line touch it.
   void line(const std::vector<Vec2>& points, const Bytes3& colour, double width) override {
-    std::vector<float> cover(static_cast<std::size_t>(image_.width()) * static_cast<std::size_t>(image_.height()),
-                             0.0F);
+    Vec2 low = Vec2::Constant(std::numeric_limits<double>::infinity()), high = -low;
+    for (const Vec2& p : points) {
+      low = low.cwiseMin(p);
+      high = high.cwiseMax(p);
+    }
+    const double reach = 0.5 * width + 1.0;
+    const int left = std::max(0, static_cast<int>(low[0] - reach)), top = std::max(0, static_cast<int>(low[1] - reach));
+    const int right = std::min(image_.width() - 1, static_cast<int>(high[0] + reach));
+    const int bottom = std::min(image_.height() - 1, static_cast<int>(high[1] + reach));
+    if (points.empty() || right < left || bottom < top) return;
+    const auto columns = static_cast<std::size_t>(right - left) + 1, rows = static_cast<std::size_t>(bottom - top) + 1;
+    std::vector<float> cover(columns * rows, 0.0F);
     for (std::size_t i = 1; i < points.size(); ++i)
-      around(points[i - 1], points[i], 0.5 * width + 1.0, [&](int x, int y, const Vec2& p) {
+      around(points[i - 1], points[i], reach, [&](int x, int y, const Vec2& p) {
         const Vec2 along = points[i] - points[i - 1];
         const double t = along.squaredNorm() > 0.0
                              ? std::clamp((p - points[i - 1]).dot(along) / along.squaredNorm(), 0.0, 1.0)
                              : 0.0;
         const double far = (p - points[i - 1] - t * along).norm();
-        float& c =
-            cover[static_cast<std::size_t>(y) * static_cast<std::size_t>(image_.width()) + static_cast<std::size_t>(x)];
+        float& c = cover[static_cast<std::size_t>(y - top) * columns + static_cast<std::size_t>(x - left)];
         c = std::max(c, static_cast<float>(std::clamp(0.5 * width + 0.5 - far, 0.0, 1.0)));
       });
-    for (int y = 0; y < image_.height(); ++y)
-      for (int x = 0; x < image_.width(); ++x)
-        if (const float c = cover[static_cast<std::size_t>(y) * static_cast<std::size_t>(image_.width()) +
-                                  static_cast<std::size_t>(x)];
-            c > 0.0F)
-          image_.blend(x, y, colour, c);
+    for (std::size_t i = 0; i < cover.size(); ++i)
+      if (cover[i] > 0.0F)
+        image_.blend(left + static_cast<int>(i % columns), top + static_cast<int>(i / columns), colour, cover[i]);
+  }
+  void box(const Vec2& low, const Vec2& high, const Bytes3& colour, double cover) override {
+    image_.fill(static_cast<int>(low[0]), static_cast<int>(low[1]), static_cast<int>(high[0] - low[0]),
+                static_cast<int>(high[1] - low[1]), colour, static_cast<float>(cover));
   }
   void mark(const Vec2& at, const Bytes3& colour, double radius) override {
     around(at, at, radius + 2.0, [&](int x, int y, const Vec2& p) {

@@ -134,7 +134,9 @@ ColourScale make_scale(double low, double high) {
 
 std::vector<std::pair<double, std::string>> ticks(double low, double high, int count) {
   const double width = high - low;
-  if (!(width > 0.0) || !std::isfinite(width)) return {{low, fmt::format("{:.4g}", low)}};
+  // Narrower than double precision resolves, steps would not move on.
+  if (!(width > 1e-12 * std::max(std::abs(low), std::abs(high))) || !std::isfinite(width))
+    return {{low, fmt::format("{:.4g}", low)}};
   const double raw = width / count, power = std::pow(10.0, std::floor(std::log10(raw)));
   const double step = power * (raw < 1.5 * power ? 1.0 : raw < 3.5 * power ? 2.0 : raw < 7.5 * power ? 5.0 : 10.0);
   std::vector<std::pair<double, std::string>> list;

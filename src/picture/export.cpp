@@ -194,11 +194,13 @@ fs::path Exporter::frame_file(std::size_t i) const {
 
 OutFile::OutFile(const fs::path& file) : file_(file), out_(file, std::ios::binary) {
   if (!out_) throw UserError(fmt::format("{}: cannot be written; is the folder there?", file.string()));
+  unfinished_.begin(file);
 }
 
 void OutFile::finish(Files& files) {
   out_.close();
   if (!out_) throw UserError(fmt::format("{}: cannot be written; is there room on the disk?", file_.string()));
+  unfinished_.finish();
   files.push_back(file_);
 }
 

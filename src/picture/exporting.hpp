@@ -12,6 +12,7 @@
 
 #include "pieces.hpp"
 #include "resample.hpp"
+#include "unfinished.hpp"
 #include "voile/picture/export.hpp"
 #include "voile/picture/image.hpp"
 
@@ -77,11 +78,12 @@ class OutFile {
   void put(const Value& value) {
     out_.write(reinterpret_cast<const char*>(&value), sizeof(Value));
   }
-  /// Throws UserError if anything could not be written; then adds the name.
+  /// Throws UserError if anything could not be written; then adds the name. Without it the file is removed in the end.
   void finish(Files& files);
 
  private:
   std::filesystem::path file_;
+  Unfinished unfinished_;  // goes after the stream is closed
   std::ofstream out_;
 };
 

@@ -4,9 +4,15 @@
 #include <png.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <cmath>
+#include <cstdio>
 #include <cstring>
+#include <memory>
+#include <numeric>
 
+#include "palette.hpp"
+#include "unfinished.hpp"
 #include "voile/base/error.hpp"
 
 namespace voile::picture {
@@ -41,7 +47,7 @@ Bytes3 to_bytes(const Rgb& linear) {
   Bytes3 bytes{};
   for (int k = 0; k < 3; ++k) {
     const float x = linear[k] > 0.0F ? std::min(linear[k], 1.0F) : 0.0F;
-    bytes[static_cast<std::size_t>(k)] = table[static_cast<std::size_t>(8192.0F * x + 0.5F)];
+    bytes[static_cast<std::size_t>(k)] = table[static_cast<std::size_t>(std::lround(8192.0F * x))];
   }
   return bytes;
 }
@@ -80,15 +86,33 @@ void Image::paste(const Image& other, int x, int y) {
     std::memcpy(at(x + begin, y + j), other.at(begin, j), 3 * static_cast<std::size_t>(end - begin));
 }
 
-void write_png(const std::filesystem::path& file, const Image& image) {
+void write_png(const std::filesystem::path& file, const Image& image, bool palette) {
+  if (file.has_extension() && file.extension() != ".png" && file.extension() != ".part")
+    throw UserError(fmt::format("{}: pictures are written as PNG: the name must end in .png", file.string()));
   png_image png{};
   png.version = PNG_IMAGE_VERSION;
   png.width = static_cast<png_uint_32>(image.width());
   png.height = static_cast<png_uint_32>(image.height());
   png.format = PNG_FORMAT_RGB;
-  if (!png_image_write_to_file(&png, file.c_str(), 0, image.at(0, 0), 0, nullptr))
-    throw UserError(fmt::format("{}: cannot be written ({}); is the folder there, and room on the disk?", file.string(),
-                                png.message));
+  Reduced reduced;
+  if (palette) {
+    reduced = reduce(image);
+    png.format = PNG_FORMAT_RGB_COLORMAP;
+    png.colormap_entries = static_cast<png_uint_32>(reduced.palette.size());
+  }
+  const std::uint8_t* pixels = palette ? reduced.pixels.data() : image.at(0, 0);
+  // Not png_image_write_to_file, which removes what it could not write to: a device, if it is told so by root.
+  Unfinished unfinished;
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> out(std::fopen(file.c_str(), "wb"), std::fclose);
+  if (!out)
+    throw UserError(
+        fmt::format("{}: cannot be written ({}); is the folder there?", file.string(), std::strerror(errno)));
+  unfinished.begin(file);
+  if (!png_image_write_to_stdio(&png, out.get(), 0, pixels, 0, palette ? reduced.palette.data() : nullptr) ||
+      std::fflush(out.get()) != 0)
+    throw UserError(fmt::format("{}: cannot be written ({}); is there room on the disk?", file.string(),
+                                errno != 0 ? std::strerror(errno) : png.message));
+  unfinished.finish();
 }
 
 Image read_png(const std::filesystem::path& file) {
@@ -101,6 +125,27 @@ Image read_png(const std::filesystem::path& file) {
   if (!png_image_finish_read(&png, nullptr, image.at(0, 0), 0, nullptr))
     throw UserError(fmt::format("{}: is damaged ({})", file.string(), png.message));
   return image;
+}
+
+Image sheet_of(const std::vector<Image>& pictures, int columns) {
+  if (pictures.empty() || columns < 1) throw UserError("a sheet needs one picture at least, and one column");
+  const auto across = std::min(static_cast<std::size_t>(columns), pictures.size());
+  std::vector<int> left(across + 1, 0), top((pictures.size() + across - 1) / across + 1, 0);
+  for (std::size_t i = 0; i < pictures.size(); ++i) {
+    // Widths and heights first, places afterwards.
+    int &width = left[i % across + 1], &height = top[i / across + 1];
+    width = std::max(width, pictures[i].width());
+    height = std::max(height, pictures[i].height());
+  }
+  std::partial_sum(left.begin(), left.end(), left.begin());
+  std::partial_sum(top.begin(), top.end(), top.begin());
+  Image sheet(left.back(), top.back());
+  for (std::size_t i = 0; i < pictures.size(); ++i) {
+    const std::size_t c = i % across, r = i / across;
+    sheet.paste(pictures[i], (left[c] + left[c + 1] - pictures[i].width()) / 2,
+                (top[r] + top[r + 1] - pictures[i].height()) / 2);
+  }
+  return sheet;
 }
 
 }  // namespace voile::picture

@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <numeric>
 #include <set>
@@ -116,6 +117,23 @@ std::vector<std::uint8_t> group_borders(const mesh::MeshData& mesh) {
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
     for (std::size_t s = 0; s < 3; ++s)
       if (lines.contains(side_of(mesh.triangles[t], s))) mark(t, s);
+  return marks;
+}
+
+std::vector<std::uint8_t> folded_sides(const mesh::MeshData& mesh, const std::vector<Vec3>& positions, double angle) {
+  std::vector<std::uint8_t> marks(mesh.triangles.size(), 0);
+  const auto normal = [&](std::size_t t) {
+    const mesh::Triangle& v = mesh.triangles[t];
+    const Vec3& a = positions[static_cast<std::size_t>(v[0])];
+    return Vec3((positions[static_cast<std::size_t>(v[1])] - a).cross(positions[static_cast<std::size_t>(v[2])] - a));
+  };
+  const auto mark = [&](std::size_t t, std::size_t s) { marks[t] = static_cast<std::uint8_t>(marks[t] | (1U << s)); };
+  for_neighbours(mesh, [&](std::size_t t, std::size_t s, std::size_t u, std::size_t r) {
+    const Vec3 m = normal(t), n = normal(u);
+    if (std::atan2(m.cross(n).norm(), m.dot(n)) <= angle) return;
+    mark(t, s);
+    mark(u, r);
+  });
   return marks;
 }
 

@@ -22,6 +22,10 @@ struct Bodies {
 /// Bit s of a triangle: its side s is a line of a group, or the border of a group of triangles, or a seam.
 [[nodiscard]] std::vector<std::uint8_t> group_borders(const mesh::MeshData& mesh);
 
+/// Bit s of a triangle: at its side s the sheet is folded by more than `angle` [rad].
+[[nodiscard]] std::vector<std::uint8_t> folded_sides(const mesh::MeshData& mesh, const std::vector<Vec3>& positions,
+                                                     double angle);
+
 /// Number of the panel of each triangle: the group of triangles that it is in; without such groups the piece of the
 /// texture.
 [[nodiscard]] std::vector<std::size_t> panels_of(const mesh::MeshData& mesh);

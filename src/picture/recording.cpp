@@ -157,6 +157,8 @@ std::vector<Moment> Recording::select(const std::string& steps) const {
     for (auto m = every.rbegin(); m != every.rend() && chosen.empty(); ++m)
       if (number(*m) == first) chosen.push_back(*m);
   } else if (parse_range(steps, first, last, stride)) {
+    if (first > last)
+      throw UserError(fmt::format("--steps {}: the first number must not be larger than the last one", steps));
     for (const Moment& m : every)
       if (number(m) >= first && number(m) <= last && (number(m) - first) % stride == 0) chosen.push_back(m);
   } else {

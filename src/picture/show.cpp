@@ -130,6 +130,7 @@ Surface Show::sheet(const Moment& moment, const State& state) const {
   s.sheen = 0.6F;
   s.mesh_lines = options_.mesh_lines;
   if (options_.contours || options_.panels) s.marked_sides = group_borders(state.mesh->data);
+  if (options_.creases) s.red_sides = folded_sides(state.mesh->data, state.positions, *options_.creases);
   if (options_.partition)
     for (const int rank : state.mesh->triangle_rank)
       s.triangle_colours.push_back(category_colour(static_cast<std::size_t>(rank)));

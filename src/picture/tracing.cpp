@@ -121,13 +121,14 @@ Rgb Tracer::colour_at(const Surface& s, std::size_t t, const Eigen::Vector3f& ba
     colour = scene_.scale.map(scene_.scale.place(value));
   }
   const unsigned marks = s.marked_sides.empty() ? 0U : s.marked_sides[t];
-  if (!s.mesh_lines && marks == 0U) return colour;
+  const unsigned reds = s.red_sides.empty() ? 0U : s.red_sides[t];
+  if (!s.mesh_lines && marks == 0U && reds == 0U) return colour;
   const auto x = [&](std::size_t i) -> const Vec3f& { return s.positions[static_cast<std::size_t>(corners[i % 3])]; };
   const float twice_area = (x(1) - x(0)).cross(x(2) - x(0)).norm();
   for (std::size_t i = 0; i < 3; ++i) {
     const float side = (x(i + 2) - x(i + 1)).norm(), height = twice_area / std::max(side, 1e-30F);
     const float pixels = bary[static_cast<int>(i)] * height / width;
-    const bool marked = (marks >> i & 1U) != 0U;
+    const bool red = (reds >> i & 1U) != 0U, marked = red || (marks >> i & 1U) != 0U;
     if (s.mesh_lines && !marked) {
       // Lines closer than a few pixels would make the surface dark.
       const float fade = std::clamp((height / width - 3.0F) / 5.0F, 0.0F, 1.0F);
@@ -135,7 +136,8 @@ Rgb Tracer::colour_at(const Surface& s, std::size_t t, const Eigen::Vector3f& ba
                    fade * line_strength * std::clamp(line_pixels + 0.5F - pixels, 0.0F, 1.0F));
     }
     if (marked)
-      colour = mix(colour, Rgb(0.015F, 0.015F, 0.02F), 0.9F * std::clamp(mark_pixels + 0.5F - pixels, 0.0F, 1.0F));
+      colour = mix(colour, red ? Rgb(0.55F, 0.02F, 0.01F) : Rgb(0.015F, 0.015F, 0.02F),
+                   0.9F * std::clamp((red ? 2.0F : 1.0F) * mark_pixels + 0.5F - pixels, 0.0F, 1.0F));
   }
   return colour;
 }

@@ -9,9 +9,16 @@ import xml.etree.ElementTree as xml
 
 import h5py
 import numpy as np
+import PIL.Image
 from benchmarks import BENCHMARKS
 from harness import OUT
 from solver import ROOT, command, environment, load_case, variant
+
+
+def pixels(png):
+    """Red, green and blue of a picture, 0 to 1 (rows x columns x 3)."""
+    with PIL.Image.open(png) as picture:
+        return np.asarray(picture.convert("RGB")) / 255.0
 
 
 def base(name, **changes):

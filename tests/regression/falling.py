@@ -7,9 +7,8 @@ import sys
 import time
 
 import contacting
-import matplotlib.pyplot as plt
 import numpy as np
-from common import check_xdmf, drape_script, sheet_on_ball
+from common import check_xdmf, drape_script, pixels, sheet_on_ball
 from harness import OUT, solve, test
 from solver import ROOT, invoke, run, variant, write_case
 
@@ -145,7 +144,7 @@ def contact_starts(report):
     result = run(write_case(case, OUT / "contact_start.toml"), OUT / "contact_start")
     report.check(result.code == 2 and "sheet and ball" in result.text, f"exit code {result.code}: {result.text.strip()[-200:]}")
     report.check((OUT / "contact_start" / "intersections.vtk").is_file(), "the triangles are in intersections.vtk")
-    picture = plt.imread(OUT / "contact_start" / "intersections.png")[:, :, :3]
+    picture = pixels(OUT / "contact_start" / "intersections.png")
     red, blue = (picture[:, :, 0] > 2 * picture[:, :, 2]).mean(), (picture[:, :, 2] > 1.3 * picture[:, :, 0]).mean()
     report.check(picture.shape == (960, 1280, 3) and red > 1e-3 and blue > 1e-2, f"and drawn: {100 * red:.2f} % of the picture red, {100 * blue:.1f} % in the colour of the sheet")
     case["contact_rule"] = [{"first": "sheet", "second": "ball", "ignore": True}]

@@ -2,8 +2,10 @@
 
 import os
 import resource
+import shutil
 import subprocess
 
+import numpy as np
 from harness import OUT, solve, test
 from picturing import draw
 from common import fresh, lines, started, strip, wait_for
@@ -27,7 +29,11 @@ def pictures_of_mistakes(report):
                         (("--field", "displacement:w", *png), "magnitude, x, y, z"), (("--size", "1e9x3", *png), "--size"),
                         (("--size", "32000x90000", *png), "pixels"), (("--view", "frnt", *png), "three-quarter"), (("--mode", "1", *png), "no modes"),
                         (("--stage", "a", *png), "not a run in stages"), (("--output", "/nonexistent/x.png"), "cannot be written"),
-                        (("--animation", OUT / "x.avi"), ".webp"), (("--range", "2,1", "--field", "displacement", *png), "smaller")):
+                        (("--animation", OUT / "x.avi"), ".webp"), (("--range", "2,1", "--field", "displacement", *png), "smaller"),
+                        (("--steps", "5:1", *png), "must not be larger"), (("--steps", "1:5:0", *png), "names no steps"), (("--size", "-64x48", *png), "--size"),
+                        (("--scale", "nan", *png), "--scale"), (("--creases", "nan", *png), "--creases"), (("--eye", "1,2,3", "--target", "1,2,3", *png), "--eye"),
+                        (("--output", OUT / "x.jpg"), ".png"), (("--output", OUT), "directory"), (("--output", "/dev/full"), "No space"),
+                        (("--animation", OUT / "x.webp", "--steps", "100:200"), "there is no step 100:200"), (("--animation", OUT / "x.gif", "--rate", "nan"), "--rate")):
         refused(report, ("render", folder, *words), part)
     refused(report, ("render",), "results")
 
@@ -43,8 +49,18 @@ def exports_of_mistakes(report):
     for words, part in ((("--steps", "77"), "there is no step 77"), (("--field", "velocty"), "did you mean 'velocity'"),
                         (("--output", "/nonexistent/x.html"), "cannot be written")):
         refused(report, ("view", folder, *words), part)
-    for words, part in ((("--y", "kinetic_enrgy"), "did you mean 'kinetic_energy'"), (("--x", "time", "--y", "step", "--output", OUT / "x.jpg"), ".svg or .png")):
+    for words, part in ((("--y", "kinetic_enrgy"), "did you mean 'kinetic_energy'"), (("--x", "time", "--y", "step", "--output", OUT / "x.jpg"), ".svg or .png"),
+                        (("--y", "2*kinetic_enrgy"), "did you mean 'kinetic_energy'"), (("--y", "2*(step"), "an expression such as"), (("--points", "x.csv:a"), "FILE:X:Y"),
+                        (("--y", "step", "--log", "y", "--y-range", "-1,1"), "begins above 0"), (("--y", "step", "--x-range", "3,1"), "smaller"),
+                        (("--y", "step", "--log", "y", "--equal"), "linear"), (("--y", "step", "--size", "16x16", "--output", OUT / "x.svg"), "too small"),
+                        (("--y", "0*step", "--log", "y", "--output", OUT / "x.svg"), "positive numbers")):
         refused(report, ("plot", folder, *words), part)
+    refused(report, ("plot", "--output", OUT / "x.svg"), "--curve")
+    draw("render", folder, "--size", "64x64", "--output", OUT / "x.png")
+    for words, part in (((OUT / "nowhere.png", "--output", OUT / "x.png"), "no PNG"), ((OUT, "--output", OUT / "x.png"), "no PNG"),
+                        ((folder / "history.csv", "--output", OUT / "x.png"), "no PNG"), ((OUT / "x.png", "--output", OUT / "y.jpg"), ".png"),
+                        ((OUT / "x.png", "--columns", "0", "--output", OUT / "y.png"), "--columns"), ((), "pictures")):
+        refused(report, ("sheet", *words), part)
 
 
 @test
@@ -70,6 +86,39 @@ def results_that_are_not_there(report):
     refused(report, ("render", cut, "--steps", "3", "--output", OUT / "x.png"), "steps/000003.h5 beside it, which is missing or cannot be read")
     code, said = draw("render", cut, "--steps", "2", "--size", "64x64", "--output", OUT / "x.png")
     report.check(code == 0, "other steps are drawn" if code == 0 else said)
+
+
+@test
+def results_with_flipped_bytes(report):
+    """Results with bytes that are wrong, or an end that is missing: drawn, or refused with one line that says so."""
+    whole, folder, wrong = some_results().results.file.read_bytes(), fresh("pictures_flipped"), []
+    folder.mkdir()
+    random = np.random.default_rng(1)
+    for k in range(24):
+        data = bytearray(whole[:int(len(whole) * random.random())] if k % 2 else whole)
+        for at in [] if k % 2 else random.integers(0, random.choice([2000, 20000, len(data)]), 5):
+            data[at] = random.integers(0, 256)
+        (folder / "results.vtkhdf").write_bytes(data)
+        code, said = draw("render", folder, "--size", "32x32", "--quality", "draft", "--quiet", "--output", OUT / "x.png")
+        if code not in (0, 2) or code == 2 and (not said.startswith("voile: error: ") or said.count("\n") != 1):
+            wrong.append(f"{k}: code {code}: {said[-300:]}")
+    report.check(not wrong, f"24 of them, {len(wrong)} not so {wrong[:2]}")
+
+
+@test
+def pictures_on_a_full_disk(report):
+    """A disk that fills up while pictures are written: code 2, and half a picture does not stay."""
+    results, out = some_results().folder, fresh("pictures_full")
+    out.mkdir()
+    films = ("webp", "gif", "mp4") if shutil.which("ffmpeg") else ("webp", "gif")
+    commands = [("render", results, "--output", out / "x.png"), *(("render", results, "--animation", out / f"x.{e}") for e in films),
+                ("view", results, "--output", out / "x.html"), *(("export", results, "--output", out / f"x.{e}") for e in ("glb", "obj", "usda", "csv"))]
+    for words in commands:
+        size = ("--size", "640x480", "--quality", "draft") if words[0] == "render" else ()
+        done = subprocess.run(["bash", "-c", "trap '' XFSZ; ulimit -f 2; exec \"$0\" \"$@\"", binary(), *words, *size, "--quiet"], env=environment(), text=True,
+                              stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+        left = [f.name for f in out.iterdir()]
+        report.check(done.returncode == 2 and not left, f"{words[0]}, {words[-1].suffix}: code {done.returncode}, left {left}: {done.stdout.strip()[-120:]}")
 
 
 @test

@@ -6,11 +6,11 @@ import shutil
 import struct
 import subprocess
 import sys
+import xml.etree.ElementTree as xml
 
-import matplotlib.pyplot as plt
 import numpy as np
 from harness import OUT, solve, test
-from common import fresh, lines, started, strip, wait_for
+from common import fresh, lines, pixels, started, strip, wait_for
 from solver import ROOT, binary, environment, invoke, write_case
 from voile import Case, Results
 from voile import run as run_python
@@ -223,16 +223,16 @@ def pictures(report):
     png = OUT / "pictures_strip.png"
     small = ("--size", "160x120", "--quality", "draft")
     for words in ((), ("--field", "displacement:z", "--mesh"), ("--steps", "2", "--partition"), ("--view", "top/front/30,20", "--panels", "--title", "Größe"),
-                  ("--eye", "3,3,3", "--target", "0,0,0", "--contours"), ("--scale", "2", "--no-ground", "--range", "-1,1", "--field", "displacement:x")):
+                  ("--eye", "3,3,3", "--target", "0,0,0", "--contours"), ("--scale", "2", "--no-ground", "--range", "-1,1", "--field", "displacement:x"), ("--creases", "20", "--palette")):
         png.unlink(missing_ok=True)
         code, said = draw("render", done.folder, "--output", png, *small, *words)
         report.check(code == 0 and png.read_bytes()[:8] == b"\x89PNG\r\n\x1a\n", f"render {' '.join(words)}" if code == 0 else said)
     for size in ("160x112", "160x40", "40x160"):
         draw("render", done.folder, "--output", png, "--size", size, "--quality", "draft", "--no-stamp")
-        right = plt.imread(png)[:, -int(size.split("x")[0]) // 3:]
+        right = pixels(png)[:, -int(size.split("x")[0]) // 3:]
         report.check(np.ptp(right) > 0.0, f"the right part of a picture of {size} is not blank")
     draw("render", done.folder, "--output", png, "--field", "displacement:z", "--range", "-4.905e-06,-4.901e-06", *small)
-    report.check(np.ptp(plt.imread(png)[:, -2:], axis=1).max() < 0.02, "long numbers at the colour bar end before the border")
+    report.check(np.ptp(pixels(png)[:, -2:], axis=1).max() < 0.02, "long numbers at the colour bar end before the border")
     code, said = draw("render", done.folder, "--steps", "1:3", "--output", png, *small)
     report.check(code == 0 and (OUT / "pictures_strip_000002.png").is_file(), "several steps get numbers")
     for ending in ("webp", "gif"):
@@ -245,6 +245,35 @@ def pictures(report):
     killed.kill()
     killed.wait()
     report.check(draw("render", OUT / "pictures_killed", "--output", png, *small)[0] == 0, "a run that was killed")
+
+
+def polyline(svg):
+    """Points of the first curve of a diagram [pixels]."""
+    text = next(line.get("points") for line in xml.parse(svg).getroot().iter("{http://www.w3.org/2000/svg}polyline") if line.get("stroke-width") == "2.2")
+    return np.array([pair.split(",") for pair in text.split()], float)
+
+
+@test
+def diagrams(report):
+    """Expressions of columns, scales and several tables in one diagram: an XML reader finds the curve where it should be; diagrams beside each other."""
+    done = solve("pictures_strip", strip("dynamic", time__end=0.1), 1)
+    svg, png, table = OUT / "diagram.svg", OUT / "diagram.png", OUT / "diagram.csv"
+    time, energy = np.array(done.history["time"]), np.array(done.history["kinetic_energy"])
+    for words, y in ((("--log", "y"), np.log10(energy[1:])), ((), 0.5 - 1000 * energy)):
+        wanted = "kinetic_energy" if words else "0.5 - 1000*kinetic_energy"
+        code, said = draw("plot", "--curve", f"{done.folder}:time:{wanted}:energy", *words, "--output", svg)
+        x = time[1:] if words else time
+        found = polyline(svg) if code == 0 else np.zeros((len(x), 2))
+        fit = [np.polynomial.Polynomial.fit(a, b, 1)(a) - b for a, b in zip((x, y), found.T)]
+        report.below(max(abs(f).max() for f in fit), 0.02, f"{wanted} {' '.join(words)}: places [pixels]" if code == 0 else said)
+    table.write_text("# points\nt, a value\n0, 1e-9\n0.1, 1e-8\n")
+    code, said = draw("plot", done.folder, "--y", "kinetic_energy", "--points", f"{table}:t:a value:given", "--dashed", f"{table}:t:a value:", "--legend", "top-left",
+                      "--size", "400x300", "--output", png)
+    report.check(code == 0 and pixels(png).shape == (300, 400, 3), "a run, points and dashes in one diagram" if code == 0 else said)
+    code, said = draw("sheet", png, png, png, "--columns", "2", "--palette", "--output", OUT / "sheet.png")
+    sheet = pixels(OUT / "sheet.png") if code == 0 else np.zeros((1, 1, 3))
+    report.check(sheet.shape == (600, 800, 3) and np.array_equal(sheet[300:, 600:], np.ones((300, 200, 3))), "three of them on one sheet" if code == 0 else said)
+    report.below(abs(sheet[:300, :400] - pixels(png)).mean(), 0.01, "in nearly the same colours")
 
 
 @test
@@ -301,7 +330,7 @@ def film(report):
     rate, frames = film_of(file)
     report.check(rate == "25/2", f"{rate} frames a second")
     report.check(frames.shape == (len(results), 122, 162, 3), f"frames x rows x columns: {frames.shape}, sides made even")
-    stills = [255 * plt.imread(png)[:, :, :3] for png in sorted(OUT.glob("pictures_still_*.png"))]
+    stills = [255 * pixels(png) for png in sorted(OUT.glob("pictures_still_*.png"))]
     worst = max(np.abs(frame[:121, :161] - picture).mean() for frame, picture in zip(frames, stills))
     report.check(len(stills) == len(results), f"{len(stills)} stills")
     report.below(worst, 3, "difference of a frame from its still, of 255")

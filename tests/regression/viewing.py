@@ -5,8 +5,8 @@ import re
 import shutil
 import subprocess
 
-import matplotlib.pyplot as plt
 import numpy as np
+from common import pixels
 from harness import OUT, solve, test
 from picturing import ball, draw, thrown
 
@@ -62,7 +62,7 @@ class Browser:
         png = OUT / "pictures_browser.png"
         png.unlink(missing_ok=True)
         self.run(words, f"--screenshot={png}")
-        return plt.imread(png)[:, :, :3] if png.is_file() else np.zeros((1, 1, 3))
+        return pixels(png) if png.is_file() else np.zeros((1, 1, 3))
 
     def after(self, script):
         """The same page with a script after its own."""

@@ -4,6 +4,7 @@
 
 #include <functional>
 #include <string>
+#include <vector>
 
 #include "voile/base/types.hpp"
 
@@ -14,5 +15,9 @@ namespace voile::input {
 [[nodiscard]] std::function<double(double t)> expression(const std::string& text);
 /// The same of x, y and z [m], for a size [m].
 [[nodiscard]] std::function<double(const Vec3& x)> size_expression(const std::string& text);
+/// A value for each row of `columns`, of equal lengths, in an expression of their names. Names that are no words of an
+/// expression (a=1, force [N]) cannot be in it. Throws UserError that says what is wrong.
+[[nodiscard]] std::vector<double> row_expression(const std::string& text, const std::vector<std::string>& names,
+                                                 const std::vector<std::vector<double>>& columns);
 
 }  // namespace voile::input

@@ -10,6 +10,10 @@
 
 namespace voile::io {
 
+/// Leaves HDF5 as it is when the program ends, for programs that only read: after a damaged file it cannot close itself and fills
+/// the terminal with its inner tables. Before anything is read.
+void leave_hdf5_at_exit();
+
 struct StoredStepInfo {
   int number = 0;     ///< as the run printed it
   double time = 0.0;  ///< [s]; of a load path its load factor

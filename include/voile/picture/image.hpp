@@ -48,9 +48,14 @@ class Image {
   std::vector<std::uint8_t> bytes_;
 };
 
-/// Throws UserError if the file cannot be written.
-void write_png(const std::filesystem::path& file, const Image& image);
+/// `palette`: with 256 colours at most, which makes the file two to three times smaller. Throws UserError if the name
+/// ends in anything but .png (or .part, for what is renamed later), or the file cannot be written.
+void write_png(const std::filesystem::path& file, const Image& image, bool palette = false);
 /// Throws UserError if the file is not a PNG that can be read.
 [[nodiscard]] Image read_png(const std::filesystem::path& file);
+
+/// Pictures beside each other, row by row; each in the middle of its place, which is as large as the largest in its row and column.
+/// Throws UserError if there are none or they are too large together.
+[[nodiscard]] Image sheet_of(const std::vector<Image>& pictures, int columns);
 
 }  // namespace voile::picture

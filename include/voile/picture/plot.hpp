@@ -2,7 +2,9 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "voile/picture/image.hpp"
@@ -23,15 +25,29 @@ struct Table {
 /// `place`: a file, or a folder with history.csv in it. Throws UserError if it is not there or holds no table.
 [[nodiscard]] Table read_table(const std::filesystem::path& place);
 
+enum class Stroke { line, dashed, points };
+
 struct Curve {
+  std::string label;         ///< empty: not in the legend
+  std::vector<double> x, y;  ///< NaN, or not positive where the scale is logarithmic: a gap
+  Stroke stroke = Stroke::line;
+  std::size_t colour = 0;  ///< number of the colour: curves that belong together share it
+};
+
+/// Beside the axes at the right, in a corner of them, or nowhere.
+enum class Legend { beside, top_left, top_right, bottom_left, bottom_right, none };
+
+struct AxisOptions {
   std::string label;
-  std::vector<double> x, y;  ///< NaN: a gap
-  bool points = false;       ///< marks instead of a line
-  std::size_t colour = 0;    ///< number of the colour: curves that belong together share it
+  bool logarithmic = false;
+  std::optional<std::pair<double, double>> range;  ///< else that of the curves, with a margin
 };
 
 struct Plot {
-  std::string title, x_label, y_label;
+  std::string title;
+  AxisOptions x, y;
+  bool equal = false;  ///< a unit across is as long as one upwards
+  Legend legend = Legend::beside;
   std::vector<Curve> curves;
   int width = 960, height = 640;  ///< [pixels]
 };

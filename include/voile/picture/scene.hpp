@@ -19,6 +19,7 @@ struct Surface {
   std::vector<Rgb> triangle_colours;  ///< wins over values; empty: none
   std::vector<std::uint8_t>
       marked_sides{};  ///< bit s of a triangle: its side s (opposite to vertex s) is drawn; empty: none
+  std::vector<std::uint8_t> red_sides{};  ///< the same in red, over the others
   bool mesh_lines = false;
 };
 

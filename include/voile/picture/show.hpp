@@ -24,7 +24,8 @@ struct ShowOptions {
   std::vector<std::string> views{"three-quarter"};
   std::optional<Vec3> eye, target;  ///< a place of the camera instead [m]
   std::optional<Vec3> up;
-  std::optional<double> scale;  ///< of displacements; of modes the largest displacement [m]
+  std::optional<double> creases;  ///< edges that are folded by more are red [rad]
+  std::optional<double> scale;    ///< of displacements; of modes the largest displacement [m]
 };
 
 /// Pictures of moments that belong together: one camera, one scale of colours, one ground.

@@ -1,14 +1,9 @@
-"""Pictures of a scene at some recorded steps side by side, drawn by voile render."""
+"""Pictures of a scene at some recorded steps side by side, drawn by voile."""
 
 import math
-import subprocess
-import tempfile
-from pathlib import Path
 
-import matplotlib.pyplot as plt
+import drawing
 import numpy as np
-
-from solver import binary, environment
 
 SLOPE = 0.28  # of the left and right side of the picture, as voile render has it, less a margin
 
@@ -32,16 +27,9 @@ def draw(folder, steps, file, view=(25, -60), limits=None, columns=3, size=(360,
     if limits is None:
         everything = np.vstack([x for _, x in steps])
         boxes = [(everything.min(axis=0), everything.max(axis=0))] * len(steps)
-    with tempfile.TemporaryDirectory() as temporary:
-        pictures = []
+    with drawing.Sheet(file, min(columns, len(steps))) as sheet:
         for (number, _), box in zip(steps, boxes):
             eye, middle = (",".join(f"{c:.6g}" for c in x) for x in eye_of(box, view, size))
-            png = Path(temporary) / f"{number}.png"
-            subprocess.run([binary(), "render", folder, "--steps", str(number), "--eye", eye, "--target", middle, "--size", f"{size[0]}x{size[1]}",
-                            "--panels", "--output", png, "--quiet", *([] if bodies else ["--no-obstacles"])], env=environment(), check=True)
-            pictures.append(plt.imread(png))
-    columns = min(columns, len(pictures))
-    blank = np.ones_like(pictures[0])
-    pictures += [blank] * (-len(pictures) % columns)
-    plt.imsave(file, np.vstack([np.hstack(pictures[k : k + columns]) for k in range(0, len(pictures), columns)]))
+            drawing.draw("render", folder, "--steps", number, "--eye", eye, "--target", middle, "--size", f"{size[0]}x{size[1]}", "--panels", "--output",
+                         sheet.place(), "--quiet", *([] if bodies else ["--no-obstacles"]))
     print(f"wrote {file}")

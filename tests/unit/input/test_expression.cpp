@@ -54,6 +54,20 @@ TEST_CASE("expressions know t, pi, functions and tables") {
   CHECK(kept(3.0) == 9.0);
 }
 
+TEST_CASE("expressions of columns have a value for each row") {
+  const std::vector<std::string> names{"tip_z", "load factor", "n=4", "2nd", "pi"};
+  const std::vector<std::vector<double>> columns{{1, 2, std::nan("")}, {4, 5, 6}, {7, 8, 9}, {1, 1, 1}, {2, 2, 2}};
+  const std::vector<double> values = input::row_expression("-1000*tip_z + pi", names, columns);
+  REQUIRE(values.size() == 3);
+  CHECK(values[0] == -998.0);
+  CHECK(values[1] == -1998.0);
+  CHECK(std::isnan(values[2]));
+  CHECK(input::row_expression("cos(pi)", {"a"}, {{1, 2}}) == std::vector<double>{-1, -1});
+  CHECK(input::row_expression("a", {"a"}, {{}}).empty());
+  CHECK(has(error_of([&] { (void)input::row_expression("2*tip_y", names, columns); }), "did you mean 'tip_z'"));
+  CHECK(has(error_of([&] { (void)input::row_expression("2*(tip_z", names, columns); }), "expression such as"));
+}
+
 TEST_CASE("bad expressions say what is wrong") {
   for (const char* text : {"2*", "speed*t", "table(t, 0, 1, 2)", "table(t, 1, 0, 0, 1)", "", "1/0", "sqrt(-1)"})
     CHECK_THROWS_AS((void)expression(text), UserError);

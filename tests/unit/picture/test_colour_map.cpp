@@ -61,6 +61,7 @@ TEST_CASE("signed numbers have a scale symmetric about zero") {
 }
 
 TEST_CASE("ticks are round numbers inside the range") {
+  CHECK(ticks(1.0, 1.0000000000000002, 6).size() == 1);
   const auto t = ticks(-0.013, 0.021, 6);
   REQUIRE(t.size() == 7);
   CHECK(t.front().first == doctest::Approx(-0.01));

@@ -9,6 +9,7 @@
 #include <cstring>
 #include <fstream>
 #include <iterator>
+#include <set>
 
 #include "../test_case_kit.hpp"
 #include "voile/base/error.hpp"
@@ -62,6 +63,51 @@ TEST_CASE("a PNG is read back as it was") {
   CHECK_THROWS_AS(write_png("/nonexistent/x.png", image), UserError);
   CHECK_THROWS_AS(Image(0, 5), UserError);
   CHECK_THROWS_AS(Image(40000, 5), UserError);
+}
+
+TEST_CASE("a PNG of 256 colours is smaller, near to the picture, and keeps what is flat as it is") {
+  const fs::path file = place("_palette.png");
+  Image image(200, 150);
+  std::uint32_t noise = 1;
+  for (int y = 0; y < 150; ++y)
+    for (int x = 0; x < 100; ++x) {
+      Bytes3 colour{};
+      for (std::uint8_t& c : colour)
+        c = static_cast<std::uint8_t>(x + y / 2 + (noise = noise * 1664525U + 1013904223U) / (1U << 28U));
+      std::copy(colour.begin(), colour.end(), image.at(x, y));
+    }
+  write_png(file, image);
+  const auto whole = fs::file_size(file);
+  write_png(file, image, true);
+  CHECK(fs::file_size(file) < 0.7 * static_cast<double>(whole));
+  const Image again = read_png(file);
+  double sum = 0.0;
+  std::set<Bytes3> colours;
+  for (int y = 0; y < 150; ++y)
+    for (int x = 0; x < 200; ++x) {
+      const std::uint8_t *a = image.at(x, y), *b = again.at(x, y);
+      colours.insert({b[0], b[1], b[2]});
+      for (int k = 0; k < 3; ++k) sum += std::abs(a[k] - b[k]) / (3.0 * 200 * 150);
+    }
+  CHECK(sum < 8.0);
+  CHECK(colours.size() <= 256);
+  CHECK(Bytes3{again.at(150, 70)[0], again.at(150, 70)[1], again.at(150, 70)[2]} == Bytes3{255, 255, 255});
+  fs::remove(file);
+}
+
+TEST_CASE("pictures beside each other stand in the middle of their places") {
+  const Image sheet = sheet_of({Image(10, 20, {1, 1, 1}), Image(30, 20, {2, 2, 2}), Image(20, 6, {3, 3, 3})}, 2);
+  CHECK(sheet.width() == 50);
+  CHECK(sheet.height() == 26);
+  CHECK(sheet.at(0, 0)[0] == 255);
+  CHECK(sheet.at(5, 0)[0] == 1);
+  CHECK(sheet.at(14, 19)[0] == 1);
+  CHECK(sheet.at(20, 0)[0] == 2);
+  CHECK(sheet.at(19, 25)[0] == 3);
+  CHECK(sheet.at(20, 25)[0] == 255);
+  CHECK(sheet_of({Image(10, 20)}, 7).width() == 10);
+  CHECK_THROWS_AS((void)sheet_of({}, 2), UserError);
+  CHECK_THROWS_AS((void)sheet_of({Image(30000, 2), Image(30000, 2)}, 2), UserError);
 }
 
 TEST_CASE("a GIF has its frames, colours and times") {

@@ -6,7 +6,9 @@
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
+#include <numbers>
 
+#include "../../../src/picture/pieces.hpp"
 #include "voile/picture/lettering.hpp"
 #include "voile/picture/ray_tracer.hpp"
 
@@ -130,6 +132,41 @@ TEST_CASE("each side of a sheet has its colour, whichever way the viewer looks")
   CHECK(middle("top")[2] < 30);
   CHECK(middle("bottom")[2] > 120);
   CHECK(middle("bottom")[0] < 30);
+}
+
+TEST_CASE("edges are red where the sheet is folded by more than asked for") {
+  // Upwards at x = 1 by 90 degrees, on by 45 degrees at x = 2.
+  mesh::MeshData mesh;
+  mesh.triangles = {{0, 1, 3}, {0, 3, 2}, {2, 3, 5}, {2, 5, 4}, {4, 5, 7}, {4, 7, 6}};
+  const double c = std::sqrt(0.5);
+  const std::vector<Vec3> x{{0, 1, 0}, {0, 0, 0}, {1, 1, 0},         {1, 0, 0},
+                            {1, 1, 1}, {1, 0, 1}, {1 + c, 1, 1 + c}, {1 + c, 0, 1 + c}};
+  const auto marked = [&](double degrees) {
+    std::vector<int> sides;
+    for (const std::uint8_t m : folded_sides(mesh, x, degrees * std::numbers::pi / 180.0)) sides.push_back(m);
+    return sides;
+  };
+  CHECK(marked(91) == std::vector{0, 0, 0, 0, 0, 0});
+  CHECK(marked(89) == std::vector{0, 1, 4, 0, 0, 0});
+  CHECK(marked(44) == std::vector{0, 1, 4, 1, 4, 0});
+
+  Scene scene;
+  Surface& s = scene.surfaces.emplace_back();
+  for (const Vec3& p : x) s.positions.push_back(p.cast<float>());
+  s.triangles = mesh.triangles;
+  s.normals = corner_normals(s.positions, s.triangles, 1.0);
+  s.front = s.back = Rgb(0.1F, 0.1F, 0.9F);
+  const Camera camera = fit_camera(named_view("left", Vec3::UnitZ()), Vec3::UnitZ(), x, 1.0, {});
+  const auto red = [&] {
+    const Image image = render(scene, camera, 64, 64, Quality::draft(), 1);
+    int count = 0;
+    for (int j = 0; j < 64; ++j)
+      for (int i = 0; i < 64; ++i) count += image.at(i, j)[0] > image.at(i, j)[2] + 40;
+    return count;
+  };
+  CHECK(red() == 0);
+  s.red_sides = folded_sides(mesh, x, 0.7);
+  CHECK(red() > 20);
 }
 
 TEST_CASE("normals are smooth over a round surface and break at a crease") {

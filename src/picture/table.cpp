@@ -1,0 +1,71 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <fstream>
+#include <limits>
+#include <sstream>
+
+#include "voile/base/error.hpp"
+#include "voile/base/text.hpp"
+#include "voile/picture/plot.hpp"
+
+namespace voile::picture {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+std::vector<std::string> cells(const std::string& line) {
+  std::vector<std::string> row;
+  std::string cell;
+  for (std::istringstream in(line + ","); std::getline(in, cell, ',');) {
+    while (!cell.empty() && (cell.back() == ' ' || cell.back() == '\r')) cell.pop_back();
+    while (!cell.empty() && cell.front() == ' ') cell.erase(0, 1);
+    row.push_back(cell);
+  }
+  return row;
+}
+
+}  // namespace
+
+bool Table::has(const std::string& name) const {
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+const std::vector<double>& Table::column(const std::string& name) const {
+  const auto at = std::find(names.begin(), names.end(), name);
+  if (at == names.end())
+    throw UserError(fmt::format("{}: there is no column '{}':{}", file.string(), name, suggestion(name, names)));
+  return columns[static_cast<std::size_t>(at - names.begin())];
+}
+
+Table read_table(const fs::path& place) {
+  std::error_code ignored;
+  Table table;
+  table.file = fs::is_directory(place, ignored) ? place / "history.csv" : place;
+  std::ifstream in(table.file);
+  if (!in)
+    throw UserError(
+        fmt::format("{}: there is no such table; give the output folder of a run, or a CSV file", table.file.string()));
+  for (std::string line; std::getline(in, line);) {
+    if (line.find('\0') != std::string::npos)
+      throw UserError(fmt::format("{}: this is no CSV file: it is not text", table.file.string()));
+    if (line.empty() || line[0] == '#') continue;
+    const std::vector<std::string> row = cells(line);
+    if (table.names.empty()) {
+      table.names = row;
+      table.columns.resize(row.size());
+    } else if (row.size() == table.names.size()) {
+      for (std::size_t i = 0; i < row.size(); ++i) {
+        char* end = nullptr;
+        const double x = std::strtod(row[i].c_str(), &end);
+        table.columns[i].push_back(row[i].empty() || *end != '\0' ? std::numeric_limits<double>::quiet_NaN() : x);
+      }
+    }
+  }
+  if (table.names.empty()) throw UserError(fmt::format("{}: the table is empty", table.file.string()));
+  return table;
+}
+
+}  // namespace voile::picture
