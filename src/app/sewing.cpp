@@ -65,6 +65,20 @@ std::string holder_of(const input::Case& c, const mesh::SurfaceMesh& mesh, Index
   return "";
 }
 
+/// The ratio of the lengths of a seam's sides from which on its cells are too strained to be trusted to close.
+constexpr double gathers = 1.6;
+
+/// Where one side is much longer.
+std::string gathers_text(const mesh::SurfaceMesh& mesh, const std::string& seam) {
+  const auto [first, second] = mesh::side_lengths(mesh, seam);
+  const double longer = std::max(first, second), shorter = std::min(first, second);
+  if (!(shorter > 0.0) || longer < gathers * shorter) return "";
+  return fmt::format(
+      "; one of its sides is {:.2g} times as long as the other, and their nodes meet one to one, so that "
+      "the cells beside the seam take all of that; a strip between them, sewn to both, halves it",
+      longer / shorter);
+}
+
 /// What may help.
 std::string remedy(const input::Case& c, const mesh::SurfaceMesh& mesh, const mesh::SeamGap& widest) {
   const std::string first = holder_of(c, mesh, widest.pair[0]), second = holder_of(c, mesh, widest.pair[1]);
@@ -84,7 +98,7 @@ std::string too_wide(const input::Case& c, const mesh::SurfaceMesh& mesh, const 
              "seam '{}' is still open by {:.3g} m near ({:.4g}, {:.4g}, {:.4g}), more than [sewing] gap = {:g} m: {}",
              widest.seam, widest.gap, widest.place[0], widest.place[1], widest.place[2], c.sewing.gap,
              remedy(c, mesh, widest)) +
-         stretch_text(mesh, displacement);
+         gathers_text(mesh, widest.seam) + stretch_text(mesh, displacement);
 }
 
 /// Per vertex, on rank 0. Collective.

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
 #include <numeric>
 #include <set>
 
@@ -68,6 +69,28 @@ std::vector<std::string> open_seams(const MeshData& mesh, const std::vector<std:
   for (const Seam& seam : mesh.seams)
     if (contains(names, "all") || contains(names, seam.name)) found.push_back(seam.name);
   return found;
+}
+
+std::array<double, 2> side_lengths(const SurfaceMesh& mesh, const std::string& seam) {
+  std::array<double, 2> lengths{0.0, 0.0};
+  const std::string group = seam_group(seam);
+  if (!mesh.has_group(group)) return lengths;
+  std::map<Index, int> sides;  // bits; the tip of a dart has none
+  for (const Seam& s : mesh.data().seams)
+    if (s.name == seam)
+      for (const auto& [first, second] : s.pairs) {
+        sides[first] |= 1;
+        sides[second] |= 2;
+      }
+  const auto side_of = [&](Index v) {
+    const auto found = sides.find(v);
+    return found == sides.end() ? 0 : found->second;
+  };
+  for (const Segment& e : mesh.group(group, 1).segments) {
+    const int side = side_of(e[0]) | side_of(e[1]);
+    if (side == 1 || side == 2) lengths[side == 1 ? 0 : 1] += mesh.rest_length(e);
+  }
+  return lengths;
 }
 
 Welded weld(const MeshData& mesh, const std::vector<std::string>& seams, const std::vector<Vec3>& places,

@@ -83,6 +83,29 @@ def garment_obj(report):
 
 
 @test
+def garment_gathers(report):
+    """A ruffle 1.4 times as long as its yoke is gathered and hangs; where a seam of 2 to 1 stays open, the message says why."""
+    wool = [{"type": "fabric", "fabric": str(ROOT / "runs" / "fabrics" / "wool_tropical.toml"), "texture_direction": [0, 1]}]
+    for name, ratio in (("even", 1.4), ("too_long", 2.0)):
+        width = 0.2 * ratio
+        file = svg(f"garment_gathers_{name}.svg", rectangle("yoke", 0.2, 0.06), rectangle("ruffle", width, 0.1))
+        case = {"panel": [{"file": file, "pieces": ["yoke"], "size": 0.02},
+                          {"file": file, "pieces": ["ruffle"], "size": 0.02, "translate": [0.1 - width / 2, 0, -0.08]}],
+                "seam": [{"name": "gather", "edges": ["yoke/2"], "to": ["ruffle/0"], "meet": ["yoke@2", "ruffle@1"]}],
+                "material": wool, "support": [{"type": "hinged", "group": "yoke/0"}],
+                "load": [{"type": "gravity", "vector": [0, 0, -9.81], "stages": ["hang"]}], "contact": {"distance": 1e-3},
+                "stage": [{"name": "sew", "analysis": "dynamic", "sew": ["all"], "time": {"end": 0.6, "step": 0.005}, "damping": {"mass": 10.0}},
+                          {"name": "hang", "analysis": "drape"}]}
+        result = run(write_case(case, OUT / f"garment_gathers_{name}.toml"), OUT / f"garment_gathers_{name}", 1, ["--overwrite"])
+        if ratio < 1.5:
+            report.check(result.code == 0, f"{ratio}: code {result.code}: {result.text.strip()[-200:]}")
+            for stage in ("sew", "hang"):
+                report.check(part(result, stage).history["intersections"].max() == 0, f"{ratio}, {stage}: no intersection")
+        else:
+            report.check(result.code == 3 and "2 times as long" in result.text, f"{ratio}: code {result.code}")
+
+
+@test
 def garment_measures(report):
     """A tube stretched by 2.7 % over a limb: ease, hoop tension in its seam before and after the weld, pressure T/R, its weight, on 1 and 2 ranks."""
     limb, tight = 0.095, 0.0935

@@ -44,6 +44,10 @@ struct SeamGap {
 [[nodiscard]] SeamGap widest_gap(const MeshData& mesh, const std::vector<std::string>& seams,
                                  const std::vector<Vec3>& places);
 
+/// Rest lengths of the two sides of an open seam [m], from its group; zeros if there is no such seam or group. Not
+/// collective.
+[[nodiscard]] std::array<double, 2> side_lengths(const SurfaceMesh& mesh, const std::string& seam);
+
 /// Per vertex the lowest of those that it becomes one with when all open seams are closed; empty if none is open.
 [[nodiscard]] std::vector<Index> joined_vertices(const MeshData& mesh);
 

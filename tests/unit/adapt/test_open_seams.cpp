@@ -163,9 +163,10 @@ void check_seams(const mesh::MeshData& first, const mesh::SurfaceMesh& after, co
 std::vector<double> patchy(const mesh::SurfaceMesh& m, unsigned seed) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> uniform(0.0, 1.0);
-  const Vec3 centre(uniform(random), uniform(random), 0);
+  const double y = uniform(random), x = uniform(random);  // in one order with every compiler
+  const Vec3 centre(x, y, 0);
   const double finest = 0.01 + 0.03 * uniform(random);
-  return sizes(m, [&](const Vec3& x) { return finest + 0.3 * (x - centre).norm(); });
+  return sizes(m, [&](const Vec3& p) { return finest + 0.3 * (p - centre).norm(); });
 }
 
 }  // namespace
