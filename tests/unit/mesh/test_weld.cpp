@@ -73,3 +73,25 @@ TEST_CASE("the welded mesh: charts, groups, other seams") {
   m.seams = {{"fold", {{0, 1}}, {1.0}}};
   CHECK_THROWS_AS((void)mesh::weld(m, {"fold"}, m.positions, mass), UserError);
 }
+
+TEST_CASE("lengths of the sides of an open seam are those at rest, a dart's with its tip") {
+  mesh::MeshData m = two_squares();
+  for (Vec3& corner : m.rest[2]) corner *= 2.5;
+  for (Vec3& corner : m.rest[3]) corner *= 2.5;
+  CHECK(mesh::side_lengths(mesh::SurfaceMesh(m), "side") == std::array{0.0, 0.0});  // without a group
+  m.groups.push_back({mesh::seam_group("side"), 1, {1, 2, 4, 7}, {{1, 2}, {7, 4}}, {}});
+  const std::array<double, 2> sides = mesh::side_lengths(mesh::SurfaceMesh(m), "side");
+  CHECK(sides[0] == doctest::Approx(1.0));
+  CHECK(sides[1] == doctest::Approx(2.5));
+  CHECK(mesh::side_lengths(mesh::SurfaceMesh(m), "gone") == std::array{0.0, 0.0});
+
+  mesh::MeshData dart;
+  dart.source = "test";
+  dart.positions = {{0, 0, 0}, {3, 4, 0}, {-1, 1, 0}, {-1, -1, 0}, {6, -8, 0}};
+  dart.triangles = {{0, 1, 2}, {0, 2, 3}, {0, 3, 4}};
+  dart.groups = {{mesh::seam_group("dart"), 1, {0, 1, 4}, {{0, 1}, {4, 0}}, {}}};
+  dart.seams = {{"dart", {{1, 4}}, {5.0}}};
+  const std::array<double, 2> legs = mesh::side_lengths(mesh::SurfaceMesh(dart), "dart");
+  CHECK(legs[0] == doctest::Approx(5.0));
+  CHECK(legs[1] == doctest::Approx(10.0));
+}
