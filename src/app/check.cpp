@@ -94,10 +94,10 @@ void check(const input::Case& as_given) {
   if (c.analysis == "modal" || c.analysis == "dynamic") system::require_mass(model);
   const std::vector<std::string> free = check_free_motions(c, model);
   const MeshQuality quality = measure_quality(PETSC_COMM_WORLD, mesh, c.element);
-  const std::string uncorrected = uncorrected_text(model.uncorrected_triangles());
+  const std::string uncorrected = uncorrected_text(model.potential().uncorrected_triangles());
   const petsc::VecHandle start = model.dofs().create_vector();
   if (!c.mesh.start.empty()) model.dofs().scatter(start_shape(c, mesh), start);
-  const system::TriangleFields at_rest = model.triangle_fields(start);
+  const system::TriangleFields at_rest = model.potential().triangle_fields(start);
   check_remesh(c, mesh);
   std::string outlook;
   if (c.remesh.active) {

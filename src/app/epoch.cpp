@@ -10,6 +10,7 @@
 #include "voile/solve/path_following.hpp"
 #include "voile/solve/single_step.hpp"
 #include "voile/solve/time_integration.hpp"
+#include "voile/system/attachments.hpp"
 #include "voile/system/contact.hpp"
 
 namespace voile::app {
@@ -79,7 +80,7 @@ void Epoch::prepare(Origin origin) {
   const bool in_time = stage_.analysis == "dynamic";
   if (model_.contact()) model_.contact()->restore(in_time ? state_.contact : system::ContactMemory{});
   if (in_time || stage_.is_staged()) model_.set_time(state_.time);
-  model_.attachments().attach(state_.u, state_.anchors);
+  model_.potential().attachments().attach(state_.u, state_.anchors);
   if (stage_.stage.number > 0) take_hold(origin);
   if (goes_on(origin)) model_.conditions().set_load_factor(state_.load_factor);
 }

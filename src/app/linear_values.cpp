@@ -32,8 +32,8 @@ void LinearValues::unbalanced_force(Vec f) {
 }
 
 system::Energies LinearValues::energies() {
-  system::Energies at = model_.energies(rest_);
-  const system::Energies up = model_.energies(forward_), down = model_.energies(backward_);
+  system::Energies at = system::energies(model_, rest_);
+  const system::Energies up = system::energies(model_, forward_), down = system::energies(model_, backward_);
   using E = system::Energies;
   const double before = at.membrane + at.bending + at.springs + at.external;
   for (double E::*part : {&E::membrane, &E::springs}) {
@@ -58,8 +58,9 @@ double LinearValues::work() {
 }
 
 system::TriangleFields LinearValues::triangle_fields() {
-  system::TriangleFields at = model_.triangle_fields(rest_);
-  const system::TriangleFields up = model_.triangle_fields(forward_), down = model_.triangle_fields(backward_);
+  system::TriangleFields at = model_.potential().triangle_fields(rest_);
+  const system::TriangleFields up = model_.potential().triangle_fields(forward_),
+                               down = model_.potential().triangle_fields(backward_);
   using F = system::TriangleFields;
   for (std::vector<double> F::*field :
        {&F::membrane_strain, &F::membrane_force, &F::curvature, &F::whole_curvature, &F::bending_moment})

@@ -18,9 +18,9 @@ class LinearValues {
   LinearValues(system::Model& model, Vec u);
   /// As Model::unbalanced_force. Collective.
   void unbalanced_force(Vec f);
-  /// As Model::energies. Collective.
+  /// As energies(). Collective.
   [[nodiscard]] system::Energies energies();
-  /// As Model::triangle_fields. Collective; values on rank 0.
+  /// As Potential::triangle_fields. Collective; values on rank 0.
   [[nodiscard]] system::TriangleFields triangle_fields();
 
  private:

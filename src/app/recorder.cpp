@@ -106,7 +106,8 @@ Recorder::Snapshot Recorder::snapshot(Vec a) {
   s.state.reaction = model_->dofs().gather(force);
   if (root_) s.validity = assess(model_->dofs().mesh(), s.state.displacement);
   if (root_) warnings_.say_range(model_->dofs().mesh(), s.validity);
-  if (probes_->need_energies()) s.state.energies = linear_ ? LinearValues(*model_, a).energies() : model_->energies(a);
+  if (probes_->need_energies())
+    s.state.energies = linear_ ? LinearValues(*model_, a).energies() : system::energies(*model_, a);
   if (probes_->need_ease()) s.state.ease = system::ease(model_->contact()->scene(), a);
   if (system::Contact* contact = model_->contact()) {
     s.contact = system::report(contact->scene(), a);
@@ -238,7 +239,8 @@ void Recorder::write_history(const system::State& state, const solve::StepResult
 }
 
 void Recorder::write_fields(io::StepFields step, Vec a, const Snapshot& s) {
-  const system::TriangleFields t = linear_ ? LinearValues(*model_, a).triangle_fields() : model_->triangle_fields(a);
+  const system::TriangleFields t =
+      linear_ ? LinearValues(*model_, a).triangle_fields() : model_->potential().triangle_fields(a);
   for (io::Field& f : contact_fields(*model_, a, [&](const std::string& name) { return wants(name); }))
     step.fields.push_back(std::move(f));
   mpi::on_root(model_->dofs().comm(), [&] {

@@ -7,6 +7,7 @@
 #include <map>
 
 #include "voile/base/mpi.hpp"
+#include "voile/system/attachments.hpp"
 #include "voile/system/contact.hpp"
 
 namespace voile::app {
@@ -48,8 +49,8 @@ void carry_anchors(const system::Model& model, const mesh::SurfaceMesh& mesh, co
   std::map<std::pair<int, Index>, system::Anchor> old;
   for (const system::Anchor& a : system::anchors_of(c.anchors)) old.insert({{a.attachment, a.vertex}, a});
   std::vector<system::Anchor> carried;
-  for (const system::Attachment& attachment : model.attachments().list()) {
-    const std::size_t obstacle = model.attachments().obstacle_of(attachment);
+  for (const system::Attachment& attachment : model.potential().attachments().list()) {
+    const std::size_t obstacle = model.potential().attachments().obstacle_of(attachment);
     const std::vector<mesh::Triangle>& triangles = model.contact()->scene().input().obstacles[obstacle].triangles;
     const std::vector<Vec3> points = system::obstacle_points(model.contact()->scene(), obstacle);
     std::vector<Vec3> places(mesh.positions().size());

@@ -59,12 +59,12 @@ petsc::VecHandle Remesher::inertia_force(Epoch& old_epoch, Epoch& fresh, const M
   system::Model& model = old_epoch.model();
   const petsc::VecHandle r = model.dofs().create_vector(), friction = model.dofs().create_vector();
   Vec u = old_epoch.state().u;
-  model.start_step(u, 0.0);
+  model.potential().start_step(u, 0.0);
   model.residual(u, r);
   if (model.contact()) model.contact()->add_gradient(u, friction, contact::ContactSet::friction);
   VOILE_PETSC(VecAXPY(r, -1.0, friction));
   model.dofs().clear_fixed(r);
-  VOILE_PETSC(VecPointwiseDivide(r, r, model.constant().mass()));
+  VOILE_PETSC(VecPointwiseDivide(r, r, model.potential().constant().mass()));
   std::vector<double> values = model.dofs().gather(r);
   mpi::on_root(model.dofs().comm(), [&] {
     values =
@@ -72,7 +72,7 @@ petsc::VecHandle Remesher::inertia_force(Epoch& old_epoch, Epoch& fresh, const M
   });
   petsc::VecHandle force = fresh.model().dofs().create_vector();
   fresh.model().dofs().scatter(values, force);
-  VOILE_PETSC(VecPointwiseMult(force, force, fresh.model().constant().mass()));
+  VOILE_PETSC(VecPointwiseMult(force, force, fresh.model().potential().constant().mass()));
   return force;
 }
 

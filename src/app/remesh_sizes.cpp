@@ -151,7 +151,7 @@ void Remesher::bound_by_obstacles(Epoch& epoch, const std::vector<Vec3>& places,
 std::vector<double> Remesher::wanted_sizes(Epoch& epoch) {
   system::Model& model = epoch.model();
   const mesh::SurfaceMesh& mesh = model.dofs().mesh();
-  const system::TriangleFields fields = model.triangle_fields(epoch.state().u);
+  const system::TriangleFields fields = model.potential().triangle_fields(epoch.state().u);
   std::vector<double> squared(fields.curvature.size() / 3);
   for (std::size_t t = 0; t < squared.size(); ++t)
     squared[t] = std::max(largest_squared(&fields.curvature[3 * t]), largest_squared(&fields.whole_curvature[3 * t]));

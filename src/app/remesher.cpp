@@ -35,7 +35,7 @@ bool is_zero(Vec v) {
 
 /// Per vertex, on rank 0. Collective.
 std::vector<double> masses(const system::Model& model) {
-  const std::vector<double> all = model.dofs().gather(model.constant().mass());
+  const std::vector<double> all = model.dofs().gather(model.potential().constant().mass());
   std::vector<double> mass;
   for (std::size_t i = 0; i < all.size(); i += 3) mass.push_back(all[i]);
   return mass;
@@ -112,7 +112,7 @@ Ledger Remesher::ledger(Epoch& epoch) {
   system::Model& model = epoch.model();
   const system::State& s = epoch.state();
   Ledger l;
-  l.energies = model.energies(s.u);
+  l.energies = system::energies(model, s.u);
   const std::vector<double> mass = masses(model), u = model.dofs().gather(s.u),
                             v = s.v ? model.dofs().gather(s.v) : std::vector<double>{};
   mpi::on_root(model.dofs().comm(), [&] {

@@ -40,7 +40,7 @@ void print_header(const input::Case& c, const system::Model& model) {
 void report_mesh(const input::Case& c, const RunOptions& options, const system::Model& model) {
   const mesh::SurfaceMesh& mesh = model.dofs().mesh();
   const MeshQuality quality = measure_quality(PETSC_COMM_WORLD, mesh, c.element);
-  const std::string uncorrected = uncorrected_text(model.uncorrected_triangles());
+  const std::string uncorrected = uncorrected_text(model.potential().uncorrected_triangles());
   mpi::on_root(PETSC_COMM_WORLD, [&] {
     if (options.verbosity != Verbosity::quiet) {
       fmt::print("{}", quality_text(mesh, quality, c.element));

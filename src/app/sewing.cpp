@@ -109,7 +109,7 @@ std::vector<double> masses(const Stage& stage, const mesh::SurfaceMesh& mesh) {
   input.masses = stage.input.masses;
   input.seams = stage.input.seams;
   const system::Model model(PETSC_COMM_WORLD, mesh, std::move(input));
-  std::vector<double> all = model.dofs().gather(model.constant().mass()), mass;
+  std::vector<double> all = model.dofs().gather(model.potential().constant().mass()), mass;
   for (std::size_t i = 0; i < all.size(); i += 3) mass.push_back(all[i]);
   if (std::all_of(mass.begin(), mass.end(), [](double m) { return m == 0.0; })) mass.assign(mass.size(), 1.0);
   return mass;

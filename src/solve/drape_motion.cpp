@@ -29,9 +29,9 @@ double time_of_a_cell(system::Model& model, Vec a) {
   const auto mean_square = [&] {
     double square = 0.0, mass = 0.0;
     model.dofs().clear_fixed(force);
-    VOILE_PETSC(VecPointwiseDivide(acceleration, force, model.constant().mass()));
+    VOILE_PETSC(VecPointwiseDivide(acceleration, force, model.potential().constant().mass()));
     VOILE_PETSC(VecDot(acceleration, force, &square));
-    VOILE_PETSC(VecSum(model.constant().mass(), &mass));
+    VOILE_PETSC(VecSum(model.potential().constant().mass(), &mass));
     return 3.0 * square / mass;
   };
   model.load_direction(a, force);
@@ -68,7 +68,7 @@ class KineticDamping {
  public:
   KineticDamping(const system::Model& model, const system::Dynamics& dynamics, double unit)
       : model_(model), dynamics_(dynamics), unit_(unit), cell_(std::sqrt(model.discretisation().mean_area())) {
-    VOILE_PETSC(VecSum(model.constant().mass(), &mass_));
+    VOILE_PETSC(VecSum(model.potential().constant().mass(), &mass_));
     mass_ /= 3.0;
   }
   /// True if the motion is over. Collective.

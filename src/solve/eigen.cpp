@@ -38,7 +38,7 @@ void use_mumps(EPS eps, bool symmetric) {
 /// Diagonal matrix of the lumped mass, zero where the displacement is fixed.
 petsc::MatHandle lumped_mass(const system::Model& model) {
   petsc::VecHandle mass = model.dofs().create_vector();
-  VOILE_PETSC(VecCopy(model.constant().mass(), mass));
+  VOILE_PETSC(VecCopy(model.potential().constant().mass(), mass));
   model.dofs().clear_fixed(mass);
   petsc::MatHandle m;
   PetscInt rows = 0, first = 0;
@@ -156,7 +156,7 @@ EigenResult vibration_modes(system::Model& model, Vec a, int count, Mass kind) {
   if (kind == Mass::lumped)
     lumped = lumped_mass(model);
   else
-    consistent = model.constant().consistent_mass();
+    consistent = model.potential().constant().consistent_mass();
   const EpsHandle eps = create(model, model.tangent().matrix(),
                                kind == Mass::lumped ? static_cast<Mat>(lumped) : consistent.mat(), count);
   ST st = nullptr;

@@ -8,7 +8,7 @@ namespace {
 
 double weighted_dot(const system::Model& model, Vec x, Vec y, Vec scratch) {
   double value = 0.0;
-  VOILE_PETSC(VecPointwiseMult(scratch, model.constant().mass(), x));
+  VOILE_PETSC(VecPointwiseMult(scratch, model.potential().constant().mass(), x));
   VOILE_PETSC(VecDot(scratch, y, &value));
   return value;
 }
@@ -31,7 +31,7 @@ double inverse_iteration(const system::Model& model, LinearSolver& linear, Vec m
                    scratch = model.dofs().create_vector();
   double eigenvalue = 0.0;
   for (int k = 0; k < iterations; ++k) {
-    VOILE_PETSC(VecPointwiseMult(rhs, model.constant().mass(), mode));
+    VOILE_PETSC(VecPointwiseMult(rhs, model.potential().constant().mass(), mode));
     model.dofs().clear_fixed(rhs);
     if (!linear.solve(rhs, solution)) break;
     const double inverse = weighted_dot(model, mode, solution, scratch),

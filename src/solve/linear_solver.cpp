@@ -154,7 +154,7 @@ void LinearSolver::tangent_changed() {
   VOILE_PETSC(KSPGetPC(ksp_, &pc));
   VOILE_PETSC(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(pc), schwarz_pc_type, &schwarz));
   if (schwarz) {
-    std::vector<double> places = model_.owned_places();
+    std::vector<double> places = model_.potential().owned_places();
     VOILE_PETSC(PCSetCoordinates(pc, 3, static_cast<PetscInt>(places.size() / 3), places.data()));
   }
   if (std::exchange(pattern_version_, model_.tangent().pattern_version()) == model_.tangent().pattern_version() ||

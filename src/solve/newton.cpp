@@ -61,7 +61,7 @@ struct Newton::Impl {
   void assemble_shifted(Vec a, bool exact, double shift);
   /// Energy of a, from which those of later states are counted.
   [[nodiscard]] double energy_at(Vec a) {
-    model.count_energy_from(a);
+    model.potential().count_from(a);
     return model.energy(a);
   }
   [[nodiscard]] double backtrack(Vec a, double longest, double energy, double slope);
@@ -242,7 +242,7 @@ std::pair<double, double> Newton::Impl::advance(Vec a, double energy) {
 double Newton::Impl::first_shift() {
   const double cell = std::sqrt(model.discretisation().mean_area());
   double acceleration = 0.0;
-  VOILE_PETSC(VecPointwiseDivide(trial, residual, model.constant().mass()));
+  VOILE_PETSC(VecPointwiseDivide(trial, residual, model.potential().constant().mass()));
   VOILE_PETSC(VecNorm(trial, NORM_INFINITY, &acceleration));
   return std::max(acceleration / cell, 1e-30);
 }

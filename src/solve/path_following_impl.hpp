@@ -63,7 +63,7 @@ struct PathFollower::Impl {
 
   [[nodiscard]] double dot(Vec x, Vec y) const {
     double value = 0.0;
-    VOILE_PETSC(VecPointwiseMult(scratch, model.constant().mass(), x));
+    VOILE_PETSC(VecPointwiseMult(scratch, model.potential().constant().mass(), x));
     VOILE_PETSC(VecDot(scratch, y, &value));
     return value;
   }

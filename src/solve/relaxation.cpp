@@ -37,7 +37,7 @@ class Minimiser {
     VOILE_PETSC(KSPSetFromOptions(ksp_));
     linear_.prepare();
     if (PC pc = linear_.inexact()) set_inexact_tolerance(pc, tolerance);
-    model.count_energy_from(a);
+    model.potential().count_from(a);
   }
 
   /// False if nothing better was found.
@@ -85,7 +85,7 @@ class Minimiser {
     for (std::size_t i = 0; i < factors.size() && !stays.empty(); ++i)
       if (stays[i / 3]) factors[i] = mass_factor;
     model_.dofs().scatter(factors, scratch_);
-    VOILE_PETSC(VecPointwiseMult(mass_, model_.constant().mass(), scratch_));
+    VOILE_PETSC(VecPointwiseMult(mass_, model_.potential().constant().mass(), scratch_));
   }
   double energy(Vec a) {
     double damping = 0.0, with_start = 0.0, work = 0.0;

@@ -106,7 +106,7 @@ PetscErrorCode TimeIntegration::Impl::start_step(void* self, Vec x, Vec v, Petsc
     n.dynamics.set_time(t);
     n.dynamics.start_step(x, v, step);
     VOILE_PETSC(VecCopy(x, n.start));
-    n.model.count_energy_from(x);  // so that a restart chooses its first guess by the same figures
+    n.model.potential().count_from(x);  // so that a restart chooses its first guess by the same figures
     if (!n.model.contact()) n.positive_left = 0;
     n.again = {};
     n.cuts = 0;
@@ -146,7 +146,7 @@ PetscErrorCode TimeIntegration::Impl::accelerate(void* self, PetscReal t, Vec x,
     VOILE_PETSC(VecZeroEntries(a));
     n.dynamics.residual(x, v, a, n.trial);
     n.model.dofs().clear_fixed(n.trial);
-    VOILE_PETSC(VecPointwiseDivide(a, n.trial, n.model.constant().mass()));
+    VOILE_PETSC(VecPointwiseDivide(a, n.trial, n.model.potential().constant().mass()));
     VOILE_PETSC(VecScale(a, -1.0));
     if (n.account) n.account->take_forces(n.start, x, x, v, a);
     VOILE_PETSC(VecCopy(x, n.start));
@@ -204,7 +204,7 @@ void TimeIntegration::Impl::search(SNESLineSearch ls) {
   cut = length < 1.0;
   cuts += cut ? 1 : 0;
   if (model.conditions().symmetric()) {
-    model.count_energy_from(alpha_stage(ts, x).x);
+    model.potential().count_from(alpha_stage(ts, x).x);
     const double before = objective(x);
     for (;; length *= 0.5) {
       VOILE_PETSC(VecWAXPY(trial, -length, y, x));
@@ -225,10 +225,10 @@ void TimeIntegration::Impl::search(SNESLineSearch ls) {
   }
   shortest = std::min(shortest, length);
   VOILE_PETSC(VecAXPY(x, -length, y));
-  VOILE_PETSC(VecPointwiseMult(product, model.constant().mass(), y));
+  VOILE_PETSC(VecPointwiseMult(product, model.potential().constant().mass(), y));
   double square = 0.0, mass = 0.0;
   VOILE_PETSC(VecDot(product, y, &square));
-  VOILE_PETSC(VecSum(model.constant().mass(), &mass));
+  VOILE_PETSC(VecSum(model.potential().constant().mass(), &mass));
   rms = length * std::sqrt(3.0 * square / mass);
   VOILE_PETSC(SNESComputeFunction(snes, x, f));
   VOILE_PETSC(SNESLineSearchSetLambda(ls, length));
@@ -316,9 +316,9 @@ bool TimeIntegration::Impl::is_last(Vec y) {
   VOILE_PETSC(TSGetSNES(ts, &snes));
   VOILE_PETSC(SNESGetSolution(snes, &x));
   VOILE_PETSC(TSGetTimeStep(ts, &h));
-  VOILE_PETSC(VecPointwiseMult(product, model.constant().mass(), y));
+  VOILE_PETSC(VecPointwiseMult(product, model.potential().constant().mass(), y));
   VOILE_PETSC(VecDot(product, y, &square));
-  VOILE_PETSC(VecSum(model.constant().mass(), &mass));
+  VOILE_PETSC(VecSum(model.potential().constant().mass(), &mass));
   if (std::sqrt(3.0 * square / mass) <= nearly_last * options.velocity_tolerance * h) return true;
   if (!x) return true;
   VOILE_PETSC(VecNorm(y, NORM_2, &norm));

@@ -327,7 +327,7 @@ double largest_frequency(system::Dynamics& dynamics, Vec u) {
     VOILE_PETSC(VecNorm(x, NORM_2, &size));
     VOILE_PETSC(VecScale(x, 1.0 / size));
     VOILE_PETSC(MatMult(model.tangent().matrix(), x, y));
-    VOILE_PETSC(VecPointwiseDivide(x, y, model.constant().mass()));
+    VOILE_PETSC(VecPointwiseDivide(x, y, model.potential().constant().mass()));
     model.dofs().clear_fixed(x);
     VOILE_PETSC(VecNorm(x, NORM_2, &next));
     if (k > 10 && std::abs(next - estimate) <= 1e-4 * next) return std::sqrt(1.02 * next);

@@ -34,7 +34,7 @@ Dynamics::Dynamics(Model& model, DynamicsOptions options)
       work_(model.dofs().create_vector()),
       sum_(model.dofs().create_vector()) {
   if (!options_.any_mass) require_mass(model);
-  if (options_.mass == Mass::consistent) consistent_ = model.constant().consistent_mass();
+  if (options_.mass == Mass::consistent) consistent_ = model.potential().constant().consistent_mass();
   build_drag();
 }
 
@@ -62,7 +62,7 @@ void Dynamics::set_time(double time) {
 }
 
 void Dynamics::start_step(Vec u, Vec v, double dt) {
-  model_.start_step(u, options_.viscous_time / dt, options_.material_damping ? 1.0 / dt : 0.0);
+  model_.potential().start_step(u, options_.viscous_time / dt, options_.material_damping ? 1.0 / dt : 0.0);
   if (options_.drag.active()) {
     model_.dofs().update_points(u, force_, position_);
     drag_->kernel.start_step(position_.data(), moving(v).x);
@@ -74,7 +74,7 @@ void Dynamics::apply_mass(Vec x, Vec y) const {
   if (consistent_)
     VOILE_PETSC(MatMult(consistent_->mat(), x, y));
   else
-    VOILE_PETSC(VecPointwiseMult(y, model_.constant().mass(), x));
+    VOILE_PETSC(VecPointwiseMult(y, model_.potential().constant().mass(), x));
   model_.dofs().clear_fixed(y);
 }
 
@@ -96,11 +96,11 @@ void Dynamics::residual(Vec u, Vec v, Vec a, Vec f) {
     VOILE_PETSC(VecAXPY(sum_, options_.mass_damping, work_));
   }
   if (options_.bending_damping > 0.0) {
-    model_.constant().multiply_bending(v, work_);
+    model_.potential().constant().multiply_bending(v, work_);
     VOILE_PETSC(VecAXPY(sum_, options_.bending_damping, work_));
   }
   if (material_damping()) {
-    model_.constant().multiply_damping(v, work_);
+    model_.potential().constant().multiply_damping(v, work_);
     VOILE_PETSC(VecAXPY(sum_, 1.0, work_));
   }
   if (options_.drag.active()) add_drag(v, sum_);
@@ -119,12 +119,12 @@ double Dynamics::energy(Vec u, Vec v, Vec a, double s_v, double s_a) {
     sum += 0.5 * options_.mass_damping * part / s_v;
   }
   if (options_.bending_damping > 0.0) {
-    model_.constant().multiply_bending(v, work_);
+    model_.potential().constant().multiply_bending(v, work_);
     VOILE_PETSC(VecDot(work_, v, &part));
     sum += 0.5 * options_.bending_damping * part / s_v;
   }
   if (material_damping()) {
-    model_.constant().multiply_damping(v, work_);
+    model_.potential().constant().multiply_damping(v, work_);
     VOILE_PETSC(VecDot(work_, v, &part));
     sum += 0.5 * part / s_v;
   }
@@ -146,7 +146,7 @@ void Dynamics::assemble_tangent(Vec u, energy::Tangent kind, double s_v, double 
 
 Dynamics::Work Dynamics::work(Vec u, Vec v, Vec a, Vec displacement) {
   Work w;
-  w.model = model_.work(u, displacement, sum_);
+  w.model = work_of_forces(model_, u, displacement, sum_, work_);
   const auto add = [&](double factor) {
     double product = 0.0;
     VOILE_PETSC(VecDot(work_, displacement, &product));
@@ -160,11 +160,11 @@ Dynamics::Work Dynamics::work(Vec u, Vec v, Vec a, Vec displacement) {
     w.damping += add(options_.mass_damping);
   }
   if (options_.bending_damping > 0.0) {
-    model_.constant().multiply_bending(v, work_);
+    model_.potential().constant().multiply_bending(v, work_);
     w.damping += add(options_.bending_damping);
   }
   if (material_damping()) {
-    model_.constant().multiply_damping(v, work_);
+    model_.potential().constant().multiply_damping(v, work_);
     w.damping += add(1.0);
   }
   if (options_.drag.active()) {

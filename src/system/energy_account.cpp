@@ -49,7 +49,7 @@ EnergyAccount::EnergyAccount(Dynamics& dynamics)
       displacement_(dynamics.model().dofs().create_vector()) {}
 
 EnergyAccount::Levels EnergyAccount::levels(Vec u, Vec v) {
-  const Energies e = dynamics_.model().energies(u);
+  const Energies e = energies(dynamics_.model(), u);
   return {dynamics_.kinetic_energy(v), internal_of(e), e.contact};
 }
 
@@ -79,9 +79,9 @@ void EnergyAccount::end_step(Vec u_1, Vec v_1) {
   Model& model = dynamics_.model();
   // What is prescribed changes the energy stored, at first with the sheet as it was; how the sheet gives way is in du.F.
   const double prescribed =
-      model.stores_by_time() ? internal_of(model.energies(start_, false)) - before_.internal : 0.0;
+      model.potential().depends_on_time() ? internal_of(energies(model, start_, false)) - before_.internal : 0.0;
   const Levels now = levels(u_1, v_1);
-  const Model::Work& w = work_.model;
+  const ForceWork& w = work_.model;
   EnergyBalance step;
   step.loads = w.loads;
   step.supports = work_.reactions + prescribed;

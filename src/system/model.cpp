@@ -5,22 +5,50 @@
 
 #include "voile/base/error.hpp"
 #include "voile/base/mpi.hpp"
-#include "voile/energy/membrane.hpp"
-#include "voile/system/bands.hpp"
-#include "voile/system/bending_energy.hpp"
 #include "voile/system/contact.hpp"
-#include "voile/system/sewing_springs.hpp"
 #include "voile/system/term.hpp"
 
 namespace voile::system {
+
+const std::vector<Support>& with_followers(ModelInput& input) {
+  for (const Attachment& attachment : input.attachments)
+    for (const std::string& group : attachment.groups) {
+      if (!attachment.hard) continue;
+      Support held;
+      held.group = group;
+      held.kind = Support::Kind::hinged;
+      held.follows = true;
+      input.supports.push_back(held);
+    }
+  return input.supports;
+}
+
+Model::Model(MPI_Comm comm, const mesh::SurfaceMesh& mesh, ModelInput input)
+    : on_(std::make_unique<Discretisation>(comm, mesh, std::move(input.materials), with_followers(input), input.springs,
+                                           input.element, input.seams)),
+      conditions_(std::make_unique<BoundaryConditions>(*on_, std::move(input.supports), input.loads, input.masses,
+                                                       input.motion_by_load)) {
+  if (input.contact.active)
+    mpi::on_all(comm, [&] { contact_ = std::make_unique<Contact>(dofs(), std::move(input.contact)); });
+  potential_ = std::make_unique<Potential>(*on_, *conditions_, contact_.get(),
+                                           PotentialInput{std::move(input.masses), std::move(input.springs),
+                                                          std::move(input.sewing), std::move(input.attachments)});
+  tangent_ = Tangent(*on_, potential_->constant().base());
+  work_ = dofs().create_vector();
+  for (auto* v : {&previous_u_, &previous_x_, &force_})
+    v->assign(static_cast<std::size_t>(dofs().local().count()), Vec3::Zero());
+  const PetscBool symmetric = conditions_->symmetric() ? PETSC_TRUE : PETSC_FALSE;
+  VOILE_PETSC(MatSetOption(tangent_.matrix(), MAT_SYMMETRIC, symmetric));
+  VOILE_PETSC(MatSetOption(tangent_.matrix(), MAT_SYMMETRY_ETERNAL, symmetric));
+}
+
+Model::~Model() = default;
 
 void Model::set_time(double time) {
   if (contact_) contact_->set_time(time);
   if (held_still_) return;
   conditions_->set_time(time);
-  attachments_->place();
-  bands_->tighten(time);
-  if (sewing_) sewing_->tighten(time);
+  potential_->set_time(time);
 }
 
 void Model::hold_still(bool still) {
@@ -28,19 +56,9 @@ void Model::hold_still(bool still) {
   if (contact_) contact_->scene().hold_obstacles(still);
 }
 
-energy::Configuration Model::configuration(Vec a) {
-  bending_->turn(conditions_->rotations());
-  attachments_->place();
-  dofs().update_points(a, u_, x_);
-  return {x_.data(), u_.data(), nullptr, energy::Tangent::exact};
-}
-
 void Model::unbalanced_force(Vec a, Vec f) {
-  const energy::Configuration c = configuration(a);
-  bending_->force(a, f);
-  std::fill(force_.begin(), force_.end(), Vec3::Zero());
-  for (const Counted& t : terms_) t.term->add_forces(c, force_);
-  dofs().add_forces(force_, f);
+  const energy::Configuration c = potential_->configuration(a);
+  potential_->force(c, a, f);
   if (contact_) contact_->add_gradient(a, f);
   // Applied forces collect in work_, so that their size is known.
   conditions_->applied_forces(c, force_, work_);
@@ -60,50 +78,22 @@ void Model::residual(Vec a, Vec r) {
   force_scale_ = std::max(applied, std::sqrt(mpi::sum(comm(), reaction)));
 }
 
-Energies Model::energies(Vec a, bool with_contact) {
-  const petsc::EventScope scope(petsc::events().energy);
-  const std::vector<double> viscosity = membrane_->kernel.viscosity();
-  membrane_->kernel.set_viscosity({});
-  Energies e = energies_of_sheet(a);
-  membrane_->kernel.set_viscosity(viscosity);
-  if (contact_ && with_contact) e.contact = contact_->energy(a, contact::ContactSet::normal);
-  return e;
-}
-
-void Model::count_energy_from(Vec a) {
-  bending_->count_from(a);
-}
-
-Energies Model::energies_of_sheet(Vec a) {
-  Energies e;
-  const energy::Configuration c = configuration(a);
-  for (const Counted& t : terms_) e.*t.part += mpi::sum(comm(), t.term->energy(c));
-  const double ground = bending_->ground_energy(a);
-  e.bending += bending_->energy(a) - ground;
-  e.springs += ground;
-  e.external = conditions_->potential(a);
-  return e;
-}
-
 double Model::energy(Vec a) {
   const petsc::EventScope scope(petsc::events().energy);
-  const Energies e = energies_of_sheet(a);
-  const double sheet = e.membrane + e.bending + e.springs + e.external;
+  const Energies e = potential_->energies(potential_->configuration(a), a, true);
+  const double sheet = e.membrane + e.bending + e.springs + conditions_->potential(a);
   return contact_ ? sheet + contact_->energy(a) : sheet;
-}
-
-void Model::start_step(Vec a, double viscosity, double inverse_step) {
-  membrane_->kernel.start_step(configuration(a), viscosity, inverse_step);
 }
 
 void Model::assemble_tangent(Vec a, const TangentRequest& request) {
   const petsc::EventScope scope(petsc::events().tangent);
   BlockMatrix& tangent = tangent_.blocks();
-  const BlockMatrix& base = constant_.base();
+  const ConstantMatrices& constant = potential_->constant();
+  const BlockMatrix& base = constant.base();
   if (contact_)
     if (BlockPattern pattern; contact_->extend_pattern(a, tangent, base.pattern(), pattern))
       tangent_.extend(base, std::move(pattern));
-  energy::Configuration c = configuration(a);
+  energy::Configuration c = potential_->configuration(a);
   c.tangent = request.kind;
   if (request.previous) {
     dofs().update_points(request.previous, previous_u_, previous_x_);
@@ -113,17 +103,17 @@ void Model::assemble_tangent(Vec a, const TangentRequest& request) {
   {
     const petsc::EventScope copy(petsc::events().bending_copy);
     tangent.clear();
-    constant_.add_bending(tangent, values, request.bending);
-    if (constant_.has_damping() && request.damping > 0.0) constant_.add_damping(tangent, values, request.damping);
+    constant.add_bending(tangent, values, request.bending);
+    if (constant.has_damping() && request.damping > 0.0) constant.add_damping(tangent, values, request.damping);
   }
   const int pattern = tangent_.pattern_version();
-  for (const Counted& t : terms_) t.term->add_blocks(c, dofs(), tangent, pattern, values);
+  potential_->add_blocks(c, tangent, pattern, values);
   conditions_->add_blocks(c, tangent, pattern, values);
   if (request.extra) request.extra->add_blocks(c, dofs(), tangent, pattern, values);
   if (request.mass > 0.0 && request.mass_matrix)
     tangent.add_values_from(*request.mass_matrix, request.mass);
   else if (request.mass > 0.0)
-    tangent_.add_mass(values, request.masses ? request.masses : constant_.mass(), request.mass);
+    tangent_.add_mass(values, request.masses ? request.masses : constant.mass(), request.mass);
   if (contact_) contact_->add_blocks(tangent, values, !request.exact_contact);
   if (!conditions_->has_prescribed()) return tangent_.close(values, nullptr, nullptr);
   VOILE_PETSC(VecZeroEntries(work_));
@@ -131,29 +121,20 @@ void Model::assemble_tangent(Vec a, const TangentRequest& request) {
   tangent_.close(values, work_, conditions_->prescribed());
 }
 
-std::vector<double> Model::owned_places() const {
-  std::vector<double> places;
-  for (Index i = 0; i < dofs().local().owned; ++i) places.insert(places.end(), x_[i].data(), x_[i].data() + 3);
-  return places;
-}
-
 void Model::load_direction(Vec a, Vec f) {
-  conditions_->load_direction(configuration(a), force_, work_, f);
+  conditions_->load_direction(potential_->configuration(a), force_, work_, f);
   if (conditions_->has_prescribed()) VOILE_PETSC(VecAXPY(f, -1.0, tangent_.load_coupling()));
   const petsc::ReadArray prescribed(conditions_->prescribed());
   const petsc::WriteArray out(f);
   for (PetscInt i : dofs().fixed()) out[i] = prescribed[i];
 }
 
-TriangleFields Model::triangle_fields(Vec a) {
-  return recovery_.fields(comm(), on_->sheet(), membrane_->kernel, configuration(a));
-}
-
-long Model::uncorrected_triangles() const {
-  const energy::MembraneTerm& kernel = membrane_->kernel;
-  long count = 0;
-  for (Index e = 0; e < kernel.size(); ++e) count += kernel.owned(e) && kernel.left_out(e) ? 1 : 0;
-  return mpi::sum(comm(), count);
+Energies energies(Model& model, Vec a, bool with_contact) {
+  const petsc::EventScope scope(petsc::events().energy);
+  Energies e = model.potential().energies(model.potential().configuration(a), a, false);
+  e.external = model.conditions().potential(a);
+  if (model.contact() && with_contact) e.contact = model.contact()->energy(a, contact::ContactSet::normal);
+  return e;
 }
 
 }  // namespace voile::system

@@ -19,6 +19,7 @@
 #include "voile/energy/term.hpp"
 #include "voile/system/dynamics_options.hpp"
 #include "voile/system/model.hpp"
+#include "voile/system/work.hpp"
 
 namespace voile::energy {
 class DragTerm;
@@ -61,7 +62,7 @@ class Dynamics {
 
   /// Works of the forces at (u, v, a) in a displacement [J]; positive where they take energy from the motion.
   struct Work {
-    Model::Work model;
+    ForceWork model;
     double inertia = 0.0, damping = 0.0, drag = 0.0;
     double reactions = 0.0;  ///< of supports; positive where they give energy
   };
@@ -79,7 +80,9 @@ class Dynamics {
   /// Velocities of the local points in place of positions, for the drag.
   [[nodiscard]] energy::Configuration moving(Vec v) const;
   /// Whether C_b is there and is to act.
-  [[nodiscard]] bool material_damping() const { return options_.material_damping && model_.constant().has_damping(); }
+  [[nodiscard]] bool material_damping() const {
+    return options_.material_damping && model_.potential().constant().has_damping();
+  }
 
   Model& model_;
   DynamicsOptions options_;

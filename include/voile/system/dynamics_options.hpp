@@ -11,7 +11,7 @@ enum class Mass { consistent, lumped };
 
 struct DynamicsOptions {
   Mass mass = Mass::lumped;
-  bool any_mass = false;         ///< materials without a mass move with that of Model::mass()
+  bool any_mass = false;         ///< materials without a mass move with that of ConstantMatrices::mass()
   double mass_damping = 0.0;     ///< alpha [1/s]
   double bending_damping = 0.0;  ///< beta [s]
   double viscous_time = 0.0;     ///< tau [s]

@@ -1,7 +1,7 @@
 // A term of the potential in a distributed model: element kernels (energy/term.hpp) with their places in a matrix.
 //
-// The model calls a term once per evaluation; the loop over its elements is inside, so nothing is virtual there. To add
-// a term: write its kernel (energy/), collect its elements where Model builds its terms, and say under which name its
+// The potential calls a term once per evaluation; the loop over its elements is inside, so nothing is virtual there. To add
+// a term: write its kernel (energy/), collect its elements where Potential builds its terms, and say under which name its
 // energy is counted.
 #pragma once
 

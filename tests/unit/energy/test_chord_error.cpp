@@ -46,7 +46,7 @@ Bent bend(const mesh::MeshData& data, energy::MembraneOperator membrane = energy
     return rolled(x) - x;
   };
   set_displacement(model, a, place);
-  const system::TriangleFields fields = model.triangle_fields(a);
+  const system::TriangleFields fields = model.potential().triangle_fields(a);
   Bent b;
   if (mpi::rank(PETSC_COMM_WORLD) != 0) return b;
   const energy::Sheet& sheet = model.discretisation().sheet();
@@ -176,8 +176,8 @@ TEST_CASE("the energy of bending is that of the curvatures and that of second de
     system::Model model(PETSC_COMM_WORLD, mesh, input);
     petsc::VecHandle a = model.dofs().create_vector();
     set_displacement(model, a, noise(0.01, 7));
-    const double bending = model.energies(a).bending;
-    const system::TriangleFields f = model.triangle_fields(a);
+    const double bending = system::energies(model, a).bending;
+    const system::TriangleFields f = model.potential().triangle_fields(a);
     if (mpi::rank(PETSC_COMM_WORLD) != 0) continue;
     double normal = 0.0, in_plane = 0.0;
     for (Index t = 0; t < mesh.triangle_count(); ++t) {
@@ -199,7 +199,7 @@ TEST_CASE("triangles whose patches determine nothing and have too many points ar
     system::ModelInput input;
     input.materials = {isotropic(1e6, 0.3, 0.1, 1.0)};
     input.element.membrane = energy::MembraneOperator::six_node_corrected;
-    return system::Model(PETSC_COMM_WORLD, mesh, input).uncorrected_triangles();
+    return system::Model(PETSC_COMM_WORLD, mesh, input).potential().uncorrected_triangles();
   };
   CHECK(count(fan) == 0);
   fan.positions = {Vec3::Zero()};

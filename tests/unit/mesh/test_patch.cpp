@@ -88,7 +88,7 @@ double bending_patch_error(Pattern p, energy::BendingOperator op, const energy::
     const Vec3 x = mesh.positions()[v];
     return Vec3(0.0, 0.0, 0.5 * k[0] * x[0] * x[0] + 0.5 * k[1] * x[1] * x[1] + 0.5 * k[2] * x[0] * x[1]);
   });
-  model.constant().multiply_bending(a, f);
+  model.potential().constant().multiply_bending(a, f);
   // The plate problem is linear: its tangent is that of the flat state.
   return solution_error(model, a, f, flat);
 }

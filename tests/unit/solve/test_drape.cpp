@@ -128,7 +128,7 @@ TEST_CASE("inverse iteration finds the eigenvalue nearest to zero") {
   const double value = solve::inverse_iteration(strip.model, newton.linear_solver(), mode, 60);
   CHECK(value > 0.0);
   VOILE_PETSC(MatMult(strip.model.tangent().matrix(), mode, product));
-  VOILE_PETSC(VecPointwiseMult(inertia, strip.model.constant().mass(), mode));
+  VOILE_PETSC(VecPointwiseMult(inertia, strip.model.potential().constant().mass(), mode));
   strip.model.dofs().clear_fixed(inertia);
   VOILE_PETSC(VecAXPY(product, -value, inertia));
   CHECK(norm(product) < 1e-6 * value * norm(inertia));

@@ -103,7 +103,7 @@ TEST_CASE("the mass matrix knows the mass, its first moment, supports and obliqu
   system::ModelInput in;
   in.materials = {isotropic(1e3, 0.3, 0.05, 7.0)};
   system::Model free(PETSC_COMM_WORLD, mesh, in);
-  const system::BlockMatrix mass = free.constant().consistent_mass();
+  const system::BlockMatrix mass = free.potential().constant().consistent_mass();
   petsc::VecHandle x = free.dofs().create_vector(), y = free.dofs().create_vector(),
                    product = free.dofs().create_vector();
   set_displacement(free, x, [](Index) { return Vec3(1.0, 2.0, -2.0); });
@@ -118,7 +118,7 @@ TEST_CASE("the mass matrix knows the mass, its first moment, supports and obliqu
   plane.normal = Vec3(0.0, 0.8, 0.6);
   in.supports = {plane};
   system::Model held(PETSC_COMM_WORLD, mesh, in);
-  const system::BlockMatrix held_mass = held.constant().consistent_mass();
+  const system::BlockMatrix held_mass = held.potential().constant().consistent_mass();
   petsc::VecHandle z = held.dofs().create_vector(), held_product = held.dofs().create_vector();
   const Vec3 along(0.3, 0.6, -0.8);  // in the plane of symmetry
   set_displacement(held, z, [&](Index) { return along; });

@@ -218,7 +218,7 @@ TEST_CASE("every state on the arc is in equilibrium and an arc length from the o
     arch.model.residual(s.u, residual);
     CHECK(norm(residual) < 1e-6 * std::max(1e-2, arch.model.force_scale()));
     VOILE_PETSC(VecWAXPY(step, -1.0, before, s.u));
-    VOILE_PETSC(VecPointwiseMult(weighted, arch.model.constant().mass(), step));
+    VOILE_PETSC(VecPointwiseMult(weighted, arch.model.potential().constant().mass(), step));
     const double taken = std::sqrt(dot(weighted, step));
     if (s.step == 1) length = taken;
     if (s.step > 1 && !path.finished(s)) CHECK(taken == relative(length).epsilon(1e-6));

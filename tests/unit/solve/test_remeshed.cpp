@@ -47,7 +47,7 @@ double patch_error(BendingOperator op, const Vec3& k) {
     const Vec3 x = mesh.positions()[v];
     return Vec3(0.0, 0.0, 0.5 * k[0] * x[0] * x[0] + 0.5 * k[1] * x[1] * x[1] + 0.5 * k[2] * x[0] * x[1]);
   });
-  model.constant().multiply_bending(a, f);
+  model.potential().constant().multiply_bending(a, f);
   model.dofs().clear_fixed(f);
   model.assemble_tangent(flat, {.kind = energy::Tangent::exact});
   solve_linear(model, f, error);
@@ -99,7 +99,7 @@ double relaxed_energy(const mesh::SurfaceMesh& mesh, const std::vector<Vec3>& pl
   petsc::VecHandle a = model.dofs().create_vector();
   set_displacement(model, a, [&](Index v) { return Vec3(places[v] - mesh.positions()[v]); });
   (void)solve::relax(model, a, {solve::relaxation_time(model), 2});
-  const system::Energies e = model.energies(a);
+  const system::Energies e = system::energies(model, a);
   return e.membrane + e.bending;
 }
 

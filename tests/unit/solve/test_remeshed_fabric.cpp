@@ -33,7 +33,7 @@ double membrane_energy(const mesh::SurfaceMesh& mesh, const std::vector<energy::
   system::Model model(PETSC_COMM_WORLD, mesh, input);
   petsc::VecHandle a = model.dofs().create_vector();
   set_displacement(model, a, [&](Index v) { return u(mesh.positions()[v]); });
-  return model.energies(a).membrane;
+  return system::energies(model, a).membrane;
 }
 
 /// Largest angle between material axis 1 of the triangles, carried from their charts to the start shape, and the

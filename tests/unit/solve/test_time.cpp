@@ -79,7 +79,7 @@ TEST_CASE("the first acceleration is that of the forces where these are stiff") 
   f.model.conditions().set_load_factor(1.0);
   petsc::VecHandle forces = f.model.dofs().create_vector();
   f.model.unbalanced_force(f.u, forces);
-  VOILE_PETSC(VecPointwiseDivide(forces, forces, f.model.constant().mass()));
+  VOILE_PETSC(VecPointwiseDivide(forces, forces, f.model.potential().constant().mass()));
   const std::vector<Vec3> wanted = per_vertex(f.model, forces);
   solve::TimeIntegration time(dynamics, motion_options(1e-7, 1e-7));
   const Ended r = follow_from(state_of(f.u, f.v), time);
@@ -243,7 +243,7 @@ TEST_CASE("the largest frequency is that of the full eigenvalue problem, from ab
   };
   Eigen::MatrixXd k(n, n);
   for (PetscInt j = 0; j < n; ++j) k.col(j) = column(j);
-  const std::vector<double> masses = values_of(f.model, f.model.constant().mass());
+  const std::vector<double> masses = values_of(f.model, f.model.potential().constant().mass());
   const Eigen::VectorXd root = Eigen::Map<const Eigen::VectorXd>(masses.data(), n).cwiseSqrt().cwiseInverse();
   const Eigen::MatrixXd scaled = root.asDiagonal() * k * root.asDiagonal();
   const double exact = std::sqrt(eigenvalues(scaled)[n - 1]);

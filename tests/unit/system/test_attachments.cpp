@@ -143,7 +143,7 @@ TEST_CASE(
   const auto vector = [&] { return model.dofs().create_vector(); };
   petsc::VecHandle a = vector(), d = vector();
   std::vector<system::Anchor> anchors;
-  model.attachments().attach(a, anchors);
+  model.potential().attachments().attach(a, anchors);
   CHECK(anchors.size() == 12);
   model.set_time(0.05);
   set_displacement(model, a, noise(0.02, 3));
@@ -157,19 +157,19 @@ TEST_CASE("an attachment's energy does not depend on the mesh, and goes by the m
     const mesh::SurfaceMesh mesh(square(Pattern::jittered, cells));
     system::Model model(PETSC_COMM_WORLD, mesh, input(block(-height, lifted), {hold(edge, 7.0)}));
     petsc::VecHandle a = model.dofs().create_vector();
-    CHECK(model.energies(a).springs == 0.0);
+    CHECK(system::energies(model, a).springs == 0.0);
     std::vector<system::Anchor> anchors;
-    model.attachments().attach(a, anchors);
-    CHECK(std::abs(model.energies(a).springs) < 1e-25);
+    model.potential().attachments().attach(a, anchors);
+    CHECK(std::abs(system::energies(model, a).springs) < 1e-25);
     model.set_time(0.02);
-    CHECK(model.energies(a).springs == relative(0.5 * 7.0 * (0.02 * way).squaredNorm()).epsilon(1e-12));
+    CHECK(system::energies(model, a).springs == relative(0.5 * 7.0 * (0.02 * way).squaredNorm()).epsilon(1e-12));
     // What a restart remembers goes on, from wherever the sheet is then.
     system::Model again(PETSC_COMM_WORLD, mesh, input(block(-height, lifted), {hold(edge, 7.0)}));
     petsc::VecHandle elsewhere = again.dofs().create_vector();
     set_displacement(again, elsewhere, [&](Index) { return Vec3(0.01, 0.0, 0.01); });
     again.set_time(0.02);
-    again.attachments().attach(elsewhere, anchors);
-    CHECK(again.energies(elsewhere).springs ==
+    again.potential().attachments().attach(elsewhere, anchors);
+    CHECK(system::energies(again, elsewhere).springs ==
           relative(0.5 * 7.0 * (0.02 * way - Vec3(0.01, 0.0, 0.01)).squaredNorm()).epsilon(1e-12));
   }
 }
@@ -188,7 +188,7 @@ TEST_CASE("a free sheet follows what it is attached to") {
     system::Model model(PETSC_COMM_WORLD, sheet, in);
     petsc::VecHandle a = model.dofs().create_vector();
     std::vector<system::Anchor> anchors;
-    model.attachments().attach(a, anchors);
+    model.potential().attachments().attach(a, anchors);
     model.set_time(0.04);
     model.conditions().set_load_factor(1.0);
     solve::Newton newton(model);
@@ -221,7 +221,7 @@ TEST_CASE("a band pulls with its stiffness times its strain, whatever the mesh, 
       system::Model model(PETSC_COMM_WORLD, mesh, in);
       petsc::VecHandle a = model.dofs().create_vector();
       const double strain = 1.0 / length - 1.0;
-      CHECK(model.energies(a).springs ==
+      CHECK(system::energies(model, a).springs ==
             relative(strain > 0.0 ? 0.5 * 3.0 * strain * strain * length : 0.0).scale(1.0).epsilon(1e-12));
     }
 }
@@ -239,12 +239,13 @@ TEST_CASE("a band that is shorter than its curve gets so in the time of its rise
   band.start = 2.0;
   in.springs = {band};
   system::Model model(PETSC_COMM_WORLD, mesh, in);
-  CHECK(model.stores_by_time());
+  CHECK(model.potential().depends_on_time());
   petsc::VecHandle a = model.dofs().create_vector();
   for (const auto& [time, length] : {std::pair{1.0, 1.0}, {2.0, 1.0}, {2.25, 0.9}, {2.5, 0.8}, {9.0, 0.8}}) {
     model.set_time(time);
     const double strain = 1.0 / length - 1.0;
-    CHECK(model.energies(a).springs == relative(0.5 * 3.0 * strain * strain * length).scale(1.0).epsilon(1e-12));
+    CHECK(system::energies(model, a).springs ==
+          relative(0.5 * 3.0 * strain * strain * length).scale(1.0).epsilon(1e-12));
   }
 }
 

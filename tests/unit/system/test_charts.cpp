@@ -203,7 +203,7 @@ TEST_CASE("charts of curved pieces, uneven seams, clamps that turn: forces and t
         system::Model model(PETSC_COMM_WORLD, mesh, in);
         model.set_time(0.4);
         const petsc::VecHandle start = model.dofs().create_vector();
-        model.start_step(start, viscosity);
+        model.potential().start_step(start, viscosity);
         const Slopes s = slopes(model, 0.02);
         CHECK(s.force < 1e-9);
         CHECK(s.tangent < 1e-8);
@@ -228,7 +228,7 @@ TEST_CASE("a panel larger than its place is compressed, up to the seam; too larg
   const mesh::SurfaceMesh mesh(enlarged(1.1));
   system::Model model(PETSC_COMM_WORLD, mesh, free_sheet(0.3));
   const petsc::VecHandle a = model.dofs().create_vector();
-  const std::vector<double> strain = model.triangle_fields(a).membrane_strain;
+  const std::vector<double> strain = model.potential().triangle_fields(a).membrane_strain;
   for (std::size_t i = 0; i < strain.size(); ++i) {
     const auto t = static_cast<Index>(i / 3);
     // The gradients of the two sides of an edge, each on its own rest shape, weighted by rest areas.
@@ -243,7 +243,7 @@ TEST_CASE("a panel larger than its place is compressed, up to the seam; too larg
     CHECK(strain[i] == relative(i % 3 < 2 ? wanted : 0.0).scale(1.0).epsilon(1e-13));
   }
   // Where the sheet is flat it does not bend, however its panels differ.
-  CHECK(std::abs(model.energies(a).bending) < 1e-3 * model.energies(a).membrane);
+  CHECK(std::abs(system::energies(model, a).bending) < 1e-3 * system::energies(model, a).membrane);
   CHECK_THROWS_WITH_AS(mesh::SurfaceMesh(enlarged(4.5)), doctest::Contains("differ in length by a factor of 4.5"),
                        UserError);
 }

@@ -57,10 +57,10 @@ inline Answers ask(system::Model& model, const std::function<Vec3(Index)>& state
   model.assemble_tangent(a, {.kind = energy::Tangent::exact, .mass = 0.3});
   VOILE_PETSC(MatMult(model.tangent().matrix(), d, r));
   all.tangent = per_vertex(model, r);
-  all.mass = per_vertex(model, model.constant().mass());
-  const system::Energies e = model.energies(a);
+  all.mass = per_vertex(model, model.potential().constant().mass());
+  const system::Energies e = system::energies(model, a);
   all.energies = {e.membrane, e.bending, e.external, e.springs};
-  all.fields = model.triangle_fields(a);
+  all.fields = model.potential().triangle_fields(a);
   return all;
 }
 
@@ -179,7 +179,7 @@ inline Slopes slopes(system::Model& model, double size) {
   Slopes s{};
   const double exact = dot(r, d);
   REQUIRE(std::abs(exact) > 0.0);
-  model.count_energy_from(a);
+  model.potential().count_from(a);
   s.force = std::abs(slope([&](double step) {
                        at(step, moved);
                        return model.energy(moved);

@@ -71,10 +71,10 @@ Answer answer(MPI_Comm comm, const mesh::SurfaceMesh& mesh, bool follower) {
   r.force_scale = model.force_scale();
   model.unbalanced_force(a, f);
   r.unbalanced = all(f);
-  r.energies = model.energies(a);
+  r.energies = system::energies(model, a);
   r.energy = model.energy(a);
   r.area = model.discretisation().mean_area() * model.dofs().mesh().triangle_count();
-  const system::TriangleFields fields = model.triangle_fields(a);
+  const system::TriangleFields fields = model.potential().triangle_fields(a);
   r.membrane_force = everywhere(comm, fields.membrane_force);
   r.bending_moment = everywhere(comm, fields.bending_moment);
   // At a rough state, so that the comparison is of the assembly and not of two solutions.
@@ -84,7 +84,7 @@ Answer answer(MPI_Comm comm, const mesh::SurfaceMesh& mesh, bool follower) {
   VOILE_PETSC(MatMult(model.tangent().matrix(), x, f));
   r.product = all(f);
   // The mass is the same for all components, so the vertex axes do not matter to it, but gather() would turn it.
-  VOILE_PETSC(VecPointwiseMult(f, model.constant().mass(), x));
+  VOILE_PETSC(VecPointwiseMult(f, model.potential().constant().mass(), x));
   r.mass = all(f);
   return r;
 }

@@ -1,8 +1,10 @@
-#include "voile/system/model.hpp"
+#include "voile/system/potential.hpp"
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "voile/base/error.hpp"
 #include "voile/base/mpi.hpp"
@@ -15,60 +17,36 @@
 #include "voile/energy/sheet.hpp"
 #include "voile/energy/spring.hpp"
 #include "voile/mesh/patch.hpp"
+#include "voile/system/attachments.hpp"
 #include "voile/system/bands.hpp"
 #include "voile/system/bending_energy.hpp"
-#include "voile/system/contact.hpp"
+#include "voile/system/boundary_conditions.hpp"
+#include "voile/system/discretisation.hpp"
 #include "voile/system/sewing_springs.hpp"
 #include "voile/system/term.hpp"
 
 namespace voile::system {
 
-const std::vector<Support>& with_followers(ModelInput& input) {
-  for (const Attachment& attachment : input.attachments)
-    for (const std::string& group : attachment.groups) {
-      if (!attachment.hard) continue;
-      Support held;
-      held.group = group;
-      held.kind = Support::Kind::hinged;
-      held.follows = true;
-      input.supports.push_back(held);
-    }
-  return input.supports;
-}
-
-Model::Model(MPI_Comm comm, const mesh::SurfaceMesh& mesh, ModelInput input)
-    : on_(std::make_unique<Discretisation>(comm, mesh, std::move(input.materials), with_followers(input), input.springs,
-                                           input.element, input.seams)) {
-  Curvatures curvatures = on_->take_curvatures();
+Potential::Potential(Discretisation& on, BoundaryConditions& conditions, const Contact* contact, PotentialInput input)
+    : on_(&on), conditions_(&conditions) {
+  Curvatures curvatures = on.take_curvatures();
   BlockPattern pattern;
-  energy::AnchorTerm* anchors = nullptr;
-  mpi::on_all(comm, [&] {
-    build_terms(curvatures, input.springs, std::move(input.sewing));
-    if (!input.attachments.empty()) anchors = &add_term<energy::AnchorTerm>(&Energies::springs).kernel;
+  mpi::on_all(on.comm(), [&] {
+    build_terms(curvatures, input);
     pattern = make_pattern(curvatures);
   });
-  constant_ = ConstantMatrices(*on_, std::move(pattern), input.masses);
-  work_ = dofs().create_vector();
-  bending_ = std::make_unique<BendingEnergy>(*on_, constant_, curvatures, input.springs);
-  curvatures = Curvatures();  // room for the tangent, which is the largest part
-  tangent_ = Tangent(*on_, constant_.base());
-  conditions_ = std::make_unique<BoundaryConditions>(*on_, std::move(input.supports), input.loads, input.masses,
-                                                     input.motion_by_load);
-  if (input.contact.active)
-    mpi::on_all(comm, [&] { contact_ = std::make_unique<Contact>(dofs(), std::move(input.contact)); });
-  mpi::on_all(comm, [&] {
-    attachments_ =
-        std::make_unique<Attachments>(*on_, std::move(input.attachments), contact_.get(), *conditions_, anchors);
+  constant_ = ConstantMatrices(on, std::move(pattern), input.masses);
+  work_ = on.dofs().create_vector();
+  bending_ = std::make_unique<BendingEnergy>(on, constant_, curvatures, input.springs);
+  mpi::on_all(on.comm(), [&] {
+    attachments_ = std::make_unique<Attachments>(on, std::move(input.attachments), contact, conditions, anchors_);
   });
-  const PetscBool symmetric = conditions_->symmetric() ? PETSC_TRUE : PETSC_FALSE;
-  VOILE_PETSC(MatSetOption(tangent_.matrix(), MAT_SYMMETRIC, symmetric));
-  VOILE_PETSC(MatSetOption(tangent_.matrix(), MAT_SYMMETRY_ETERNAL, symmetric));
 }
 
-Model::~Model() = default;
+Potential::~Potential() = default;
 
 template <class Kernel>
-ElementTerm<Kernel>& Model::add_term(double Energies::*part) {
+ElementTerm<Kernel>& Potential::add_term(double Energies::*part) {
   auto term = std::make_unique<ElementTerm<Kernel>>();
   ElementTerm<Kernel>& reference = *term;
   terms_.push_back({std::move(term), part});
@@ -76,14 +54,31 @@ ElementTerm<Kernel>& Model::add_term(double Energies::*part) {
 }
 
 /// Here a new term joins the potential.
-void Model::build_terms(const Curvatures& curvatures, const std::vector<Spring>& springs, Sewing sewing) {
+void Potential::build_terms(const Curvatures& curvatures, const PotentialInput& input) {
+  build_sheet(curvatures);
+  auto& ties = add_term<energy::SpringTerm>(&Energies::springs);
+  bands_ = std::make_unique<Bands>(*on_, ties.kernel);
+  for (const Spring& spring : input.springs)
+    if (spring.kind == Spring::Kind::band)
+      bands_->add(spring);
+    else
+      tie(spring, ties);
+  if (!input.sewing.seams.empty())
+    sewing_ =
+        std::make_unique<SewingSprings>(*on_, input.sewing, add_term<energy::SeamTerm>(&Energies::springs).kernel);
+  if (!input.attachments.empty()) anchors_ = &add_term<energy::AnchorTerm>(&Energies::springs).kernel;
+  for (auto* v : {&u_, &x_, &force_}) v->assign(static_cast<std::size_t>(on_->dofs().local().count()), Vec3::Zero());
+}
+
+/// The membrane, bending of curved rest shapes beyond K_b, and what is recovered from both.
+void Potential::build_sheet(const Curvatures& curvatures) {
   membrane_ = &add_term<energy::MembraneTerm>(&Energies::membrane);
   membrane_->kernel = energy::MembraneTerm(on_->sheet());
   std::optional<energy::ChordForms> forms;
   if (membrane_->kernel.corrects()) forms.emplace(on_->sheet());
   membrane_->kernel.reserve(curvatures.size());
   auto& curved = add_term<energy::CurvedBendingTerm>(&Energies::bending);
-  const std::vector<Index>& local_of = dofs().local().local_of;
+  const std::vector<Index>& local_of = on_->dofs().local().local_of;
   const auto to_local = [&](const auto& points, auto& local) {
     std::transform(points.begin(), points.end(), local.begin(), [&](Index p) { return local_of[p]; });
   };
@@ -100,22 +95,10 @@ void Model::build_terms(const Curvatures& curvatures, const std::vector<Spring>&
     if (owned) recovery_.add(triangle, el, local, membrane_->kernel.size() - 1);
   }
   recovery_.end_adding();
-  auto& ties = add_term<energy::SpringTerm>(&Energies::springs);
-  bands_ = std::make_unique<Bands>(*on_, ties.kernel);
-  for (const Spring& spring : springs)
-    if (spring.kind == Spring::Kind::band)
-      bands_->add(spring);
-    else
-      tie(spring, ties);
-  if (!sewing.seams.empty())
-    sewing_ =
-        std::make_unique<SewingSprings>(*on_, std::move(sewing), add_term<energy::SeamTerm>(&Energies::springs).kernel);
-  for (auto* v : {&u_, &x_, &previous_u_, &previous_x_, &force_})
-    v->assign(static_cast<std::size_t>(dofs().local().count()), Vec3::Zero());
 }
 
-void Model::tie(const Spring& spring, ElementTerm<energy::SpringTerm>& ties) const {
-  const LocalPoints& local = dofs().local();
+void Potential::tie(const Spring& spring, ElementTerm<energy::SpringTerm>& ties) const {
+  const LocalPoints& local = on_->dofs().local();
   for (const auto& [v, w] : pairs_of(on_->mesh(), spring)) {
     if (on_->owned(v) == no_index && on_->owned(w) == no_index) continue;
     const double length =
@@ -124,8 +107,8 @@ void Model::tie(const Spring& spring, ElementTerm<energy::SpringTerm>& ties) con
   }
 }
 
-BlockPattern Model::make_pattern(const Curvatures& curvatures) const {
-  const LocalPoints& local = dofs().local();
+BlockPattern Potential::make_pattern(const Curvatures& curvatures) const {
+  const LocalPoints& local = on_->dofs().local();
   BlockPattern pattern(static_cast<std::size_t>(local.owned));
   const auto tidy = [](std::vector<Index>& row) {
     std::sort(row.begin(), row.end());

@@ -1,0 +1,139 @@
+// What a sheet stores: bending with its constant stiffness, and the terms of the potential on the points of this rank.
+//
+// Symbols   a     vector of unknowns (model.hpp)                                                              [m]
+//           K_b   constant bending stiffness, assembled once and copied into each tangent                     [N/m]
+//                 (with the springs to the ground, which are constant too)
+//           f_b   constant force of bending at a = 0 (bending_energy.hpp)                                     [N]
+//           E_t   terms (term.hpp): membrane, bending of curved rest shapes beyond K_b, ties, seams, anchors  [J]
+//   E(a) = 1/2 a.K_b a + f_b.a + E_0 + sum_t E_t,     internal forces K_b a + f_b + sum_t dE_t/da
+// Elements that touch an owned vertex are evaluated by its rank, so that rows are complete without communication;
+// energies count each triangle once, on its owner.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "voile/base/petsc.hpp"
+#include "voile/energy/term.hpp"
+#include "voile/system/block_matrix.hpp"
+#include "voile/system/conditions.hpp"
+#include "voile/system/constant_matrices.hpp"
+#include "voile/system/energies.hpp"
+#include "voile/system/recovery.hpp"
+
+namespace voile::energy {
+struct CurvatureOperator;
+class AnchorTerm;
+class MembraneTerm;
+class SpringTerm;
+}  // namespace voile::energy
+
+namespace voile::system {
+
+class Attachments;
+class Bands;
+class BendingEnergy;
+class BoundaryConditions;
+class Contact;
+class Discretisation;
+class SewingSprings;
+class Term;
+template <class Kernel>
+class ElementTerm;
+
+/// What is stored in besides the sheet itself.
+struct PotentialInput {
+  std::vector<PointMass> masses;  ///< they store nothing, but are part of what is constant
+  std::vector<Spring> springs;
+  Sewing sewing;
+  std::vector<Attachment> attachments;
+};
+
+class Potential {
+ public:
+  /// `conditions` turn clamps and are moved by hard attachments; `contact` has the obstacles, or is null. All references
+  /// must outlive it. Collective. Throws UserError on every rank.
+  Potential(Discretisation& on, BoundaryConditions& conditions, const Contact* contact, PotentialInput input);
+  ~Potential();
+  Potential(const Potential&) = delete;
+  Potential& operator=(const Potential&) = delete;
+
+  /// Bending stiffness, damping and mass.
+  [[nodiscard]] const ConstantMatrices& constant() const { return constant_; }
+  /// What is held to obstacles.
+  [[nodiscard]] Attachments& attachments() const { return *attachments_; }
+  /// Time of all later evaluations, on which bands, seams and attachments depend. Not collective.
+  void set_time(double time);
+  /// Whether what is stored changes with the time alone: clamps that turn, seams that are pulled, attachments. Not
+  /// collective.
+  [[nodiscard]] bool depends_on_time() const;
+
+  /// The local points at state a, which stay until the next call; clamps and anchors are where conditions and obstacles
+  /// have put them. Collective.
+  [[nodiscard]] energy::Configuration configuration(Vec a);
+  /// Positions of the rank's own vertices at the state taken last, three coordinates each [m].
+  [[nodiscard]] std::vector<double> owned_places() const;
+
+  /// Overwrites f with the internal forces at a, of which c is the configuration. Collective. [N]
+  void force(const energy::Configuration& c, Vec a, Vec f);
+  /// Energies at a, of which c is the configuration; on request with the viscous part of the time step among that of the
+  /// membrane. Collective. [J]
+  [[nodiscard]] Energies energies(const energy::Configuration& c, Vec a, bool viscous);
+  /// From now on bending energies are found by the change since a: K_b a sums stiff forces that nearly cancel, and near
+  /// a the differences of energies would be lost in its round-off. Collective.
+  void count_from(Vec a);
+  /// Remembers state a as the start of a time step: viscosity = relaxation time / time step; the materials' own
+  /// relaxation times count with inverse_step = 1 / time step. Collective.
+  void start_step(Vec a, double viscosity, double inverse_step = 0.0);
+
+  /// Works of internal forces in a displacement [J]; positive where they take energy from the motion.
+  struct Work {
+    double elastic = 0.0, viscous = 0.0;  ///< of what is stored, and of the viscosity of the time step
+  };
+  /// As force(), with its works. Collective.
+  [[nodiscard]] Work work(const energy::Configuration& c, Vec a, Vec displacement, Vec f);
+
+  /// Adds the second derivatives of the terms to the open values of `tangent`, whose pattern has this number; K_b is in
+  /// constant(). [N/m]
+  void add_blocks(const energy::Configuration& c, const BlockMatrix& tangent, int pattern,
+                  const BlockMatrix::Values& values);
+
+  /// Strains, forces and curvatures of the triangles. Collective; values on rank 0.
+  [[nodiscard]] TriangleFields triangle_fields(Vec a);
+  /// Triangles that `six_node_corrected` leaves as `six_node` has them. Collective.
+  [[nodiscard]] long uncorrected_triangles() const;
+
+ private:
+  /// A term of the potential and the name under which its energy is counted.
+  struct Counted {
+    std::unique_ptr<Term> term;
+    double Energies::*part;
+  };
+  using Curvatures = std::vector<energy::CurvatureOperator>;
+
+  void add_term_forces(const Term& term, const energy::Configuration& c, Vec f);
+
+  // Construction, in this order.
+  void build_terms(const Curvatures& curvatures, const PotentialInput& input);
+  void build_sheet(const Curvatures& curvatures);
+  void tie(const Spring& spring, ElementTerm<energy::SpringTerm>& ties) const;
+  template <class Kernel>
+  ElementTerm<Kernel>& add_term(double Energies::*part);
+  [[nodiscard]] BlockPattern make_pattern(const Curvatures& curvatures) const;
+
+  Discretisation* on_;
+  BoundaryConditions* conditions_;
+  std::vector<Vec3> u_, x_, force_;  ///< of the local points
+  std::vector<Counted> terms_;
+  ElementTerm<energy::MembraneTerm>* membrane_ = nullptr;  ///< one of terms_
+  energy::AnchorTerm* anchors_ = nullptr;                  ///< kernel of one of them, or null
+  Recovery recovery_;
+  ConstantMatrices constant_;
+  std::unique_ptr<BendingEnergy> bending_;
+  std::unique_ptr<Bands> bands_;
+  std::unique_ptr<SewingSprings> sewing_;  ///< null where nothing is sewn
+  std::unique_ptr<Attachments> attachments_;
+  petsc::VecHandle work_;
+};
+
+}  // namespace voile::system

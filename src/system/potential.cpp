@@ -1,0 +1,115 @@
+#include "voile/system/potential.hpp"
+
+#include <algorithm>
+
+#include "voile/base/mpi.hpp"
+#include "voile/energy/membrane.hpp"
+#include "voile/system/attachments.hpp"
+#include "voile/system/bands.hpp"
+#include "voile/system/bending_energy.hpp"
+#include "voile/system/boundary_conditions.hpp"
+#include "voile/system/discretisation.hpp"
+#include "voile/system/sewing_springs.hpp"
+#include "voile/system/term.hpp"
+
+namespace voile::system {
+
+void Potential::set_time(double time) {
+  attachments_->place();
+  bands_->tighten(time);
+  if (sewing_) sewing_->tighten(time);
+}
+
+bool Potential::depends_on_time() const {
+  return bending_->turns() || bands_->rise() || sewing_ || !attachments_->list().empty();
+}
+
+energy::Configuration Potential::configuration(Vec a) {
+  bending_->turn(conditions_->rotations());
+  attachments_->place();
+  on_->dofs().update_points(a, u_, x_);
+  return {x_.data(), u_.data(), nullptr, energy::Tangent::exact};
+}
+
+std::vector<double> Potential::owned_places() const {
+  std::vector<double> places;
+  for (Index i = 0; i < on_->dofs().local().owned; ++i) places.insert(places.end(), x_[i].data(), x_[i].data() + 3);
+  return places;
+}
+
+void Potential::force(const energy::Configuration& c, Vec a, Vec f) {
+  bending_->force(a, f);
+  std::fill(force_.begin(), force_.end(), Vec3::Zero());
+  for (const Counted& t : terms_) t.term->add_forces(c, force_);
+  on_->dofs().add_forces(force_, f);
+}
+
+Energies Potential::energies(const energy::Configuration& c, Vec a, bool viscous) {
+  const std::vector<double> viscosity = membrane_->kernel.viscosity();
+  if (!viscous) membrane_->kernel.set_viscosity({});
+  Energies e;
+  for (const Counted& t : terms_) e.*t.part += mpi::sum(on_->comm(), t.term->energy(c));
+  if (!viscous) membrane_->kernel.set_viscosity(viscosity);
+  const double ground = bending_->ground_energy(a);
+  e.bending += bending_->energy(a) - ground;
+  e.springs += ground;
+  return e;
+}
+
+void Potential::count_from(Vec a) {
+  bending_->count_from(a);
+}
+
+void Potential::start_step(Vec a, double viscosity, double inverse_step) {
+  membrane_->kernel.start_step(configuration(a), viscosity, inverse_step);
+}
+
+/// Adds the forces of a term on the local points to f.
+void Potential::add_term_forces(const Term& term, const energy::Configuration& c, Vec f) {
+  std::fill(force_.begin(), force_.end(), Vec3::Zero());
+  term.add_forces(c, force_);
+  on_->dofs().add_forces(force_, f);
+}
+
+Potential::Work Potential::work(const energy::Configuration& c, Vec a, Vec displacement, Vec f) {
+  const auto along = [&](Vec force) {
+    double product = 0.0;
+    VOILE_PETSC(VecDot(force, displacement, &product));
+    return product;
+  };
+  const auto membrane = [&](double sign) {
+    VOILE_PETSC(VecZeroEntries(work_));
+    add_term_forces(*membrane_, c, work_);
+    VOILE_PETSC(VecAXPY(f, sign, work_));
+    return along(work_);
+  };
+  Work w;
+  bending_->force(a, f);
+  const std::vector<double> viscosity = membrane_->kernel.viscosity();
+  membrane_->kernel.set_viscosity({});
+  for (const Counted& t : terms_) add_term_forces(*t.term, c, f);
+  w.elastic = along(f);
+  if (viscosity.empty()) return w;
+  const double elastic = membrane(-1.0);
+  membrane_->kernel.set_viscosity(viscosity);
+  w.viscous = membrane(1.0) - elastic;
+  return w;
+}
+
+void Potential::add_blocks(const energy::Configuration& c, const BlockMatrix& tangent, int pattern,
+                           const BlockMatrix::Values& values) {
+  for (const Counted& t : terms_) t.term->add_blocks(c, on_->dofs(), tangent, pattern, values);
+}
+
+TriangleFields Potential::triangle_fields(Vec a) {
+  return recovery_.fields(on_->comm(), on_->sheet(), membrane_->kernel, configuration(a));
+}
+
+long Potential::uncorrected_triangles() const {
+  const energy::MembraneTerm& kernel = membrane_->kernel;
+  long count = 0;
+  for (Index e = 0; e < kernel.size(); ++e) count += kernel.owned(e) && kernel.left_out(e) ? 1 : 0;
+  return mpi::sum(on_->comm(), count);
+}
+
+}  // namespace voile::system
