@@ -241,6 +241,7 @@ void Recorder::write_history(const system::State& state, const solve::StepResult
 void Recorder::write_fields(io::StepFields step, Vec a, const Snapshot& s) {
   const system::TriangleFields t =
       linear_ ? LinearValues(*model_, a).triangle_fields() : model_->potential().triangle_fields(a);
+  if (sizes_ && wants("wanted_size")) step.fields.push_back({"wanted_size", "m", io::Centre::vertex, 1, sizes_()});
   for (io::Field& f : contact_fields(*model_, a, [&](const std::string& name) { return wants(name); }))
     step.fields.push_back(std::move(f));
   mpi::on_root(model_->dofs().comm(), [&] {

@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <cmath>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -36,6 +37,9 @@ class Recorder {
   /// The model of later records, perhaps on another mesh; the dynamics of its motion, null outside one. What is pending
   /// must have been written. Collective.
   void use(system::Model& model, const system::Dynamics* dynamics);
+  /// Where the field `wanted_size` of later records comes from: sizes of the state in force, right on rank 0; collective.
+  /// May be empty.
+  void use_sizes(std::function<std::vector<double>()> sizes) { sizes_ = std::move(sizes); }
   /// A remark of the path follower; printed unless quiet.
   void remark(const std::string& text) const;
   /// The displacement probe with one component as a linear function of the unknowns. Collective.
@@ -83,6 +87,7 @@ class Recorder {
   system::Model* model_;
   const mesh::SurfaceMesh* mesh_;  ///< of the results' last epoch
   const system::Dynamics* dynamics_ = nullptr;
+  std::function<std::vector<double>()> sizes_;
   bool root_;
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
   std::optional<Probes> probes_;

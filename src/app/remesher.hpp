@@ -50,6 +50,8 @@ class Remesher {
 
   /// Whether the sizes of the state ask for another mesh, at a step that is looked at. Collective.
   [[nodiscard]] bool due(Epoch& epoch, bool finished);
+  /// How long edges should be in the state of the epoch, per vertex, on rank 0 [m]. Collective. Throws UserError.
+  [[nodiscard]] std::vector<double> wanted_sizes(Epoch& epoch);
   /// The next epoch, or nothing if what was found is refused. `remark` says what was done. Collective.
   [[nodiscard]] std::optional<Adapted> adapt(Epoch& epoch, const std::function<void(const std::string&)>& remark);
   /// What all remeshings together came to so far. Not collective.
@@ -60,7 +62,6 @@ class Remesher {
  private:
   /// Steps between two looks.
   [[nodiscard]] int every() const;
-  [[nodiscard]] std::vector<double> wanted_sizes(Epoch& epoch);
   [[nodiscard]] std::vector<double> bounds(Epoch& epoch, const std::vector<double>& curvature_squared);
   [[nodiscard]] double time_ahead(const Epoch& epoch) const;
   void bound_by_obstacles(Epoch& epoch, const std::vector<Vec3>& places, const std::vector<double>& velocity,

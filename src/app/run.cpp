@@ -64,6 +64,7 @@ std::optional<Adapted> advance(Epoch& epoch, Origin origin, const Following& f) 
   solve::Stepper& stepper = epoch.make_stepper(recorder, origin);
   stepper.on_remark([&](const std::string& text) { recorder.remark(text); });
   recorder.use(epoch.model(), epoch.dynamics());
+  if (remesher) recorder.use_sizes([&] { return remesher->wanted_sizes(epoch); });
   for (StepResult r = stepper.begin(epoch.state());; r = stepper.advance(epoch.state())) {
     const bool accepted = r.outcome == Outcome::accepted, finished = accepted && stepper.finished(epoch.state());
     const bool is_start = r.taken == 0.0;

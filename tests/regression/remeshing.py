@@ -50,7 +50,7 @@ def remesh_path(report):
     reference = BENCHMARKS["cantilever_shear"].reference
     case = variant(load_case(BENCHMARKS["cantilever_shear"].case),
                    {"mesh.parameters.nx": 10, "mesh.parameters.ny": 1, "remesh": SIZES,
-                    "output": {"fields": ["displacement"], "every": 4}})
+                    "output": {"fields": ["displacement", "wanted_size"], "every": 4}})
     first = None
     for ranks in (1, 2, 3):
         result = solve(f"remesh_path_{ranks}", case, ranks)
@@ -60,6 +60,13 @@ def remesh_path(report):
         report.check(h["remeshings"][-1] >= 1 and "refused" not in result.text.replace("0 refused", ""), f"{ranks} rank(s): remeshed, nothing refused")
         report.percent(-h["tip_x"][-1] / reference["minus_u_tip_elastica"][-1], 0.01, f"{ranks} rank(s): -u of the tip, against the elastica")
         report.percent(h["tip_z"][-1] / reference["w_tip_elastica"][-1], 0.01, f"{ranks} rank(s): w of the tip")
+        wanted = [s["wanted_size"] for s in steps]
+        table = Table(result.folder / "remeshing.csv")
+        report.check([len(w) for w in wanted] == counts and wanted[0].min() == table["wanted_smallest"][0]
+                     and wanted[0].max() == table["wanted_largest"][0],
+                     f"{ranks} rank(s): the field of wanted sizes is what the first remeshing went by")
+        report.check(SIZES["smallest"] < wanted[-1].min() < 0.9 * wanted[-1].max() < SIZES["largest"],
+                     f"{ranks} rank(s): in the bent strip sizes follow the curvature")
         first = first or h
         report.check(list(h["vertices"]) == list(first["vertices"]), f"{ranks} rank(s): the same meshes as on one")
         report.below(h["tip_z"][-1] / first["tip_z"][-1] - 1, 1e-8, f"{ranks} rank(s): the same tip as on one")
