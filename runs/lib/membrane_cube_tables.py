@@ -104,3 +104,24 @@ def flat_table(membranes):
         if counts:
             rows.append([problem.title, *(f"{sum(counts.get(m, []))} of {len(counts.get(m, []))}" for m in membranes)])
     return markdown(["problem", *(f"`{m}`" for m in membranes)], rows)
+
+
+# ------------------------------------------------------------------------------------------------- what runs said
+
+def told_counts(name, membrane, limit=5.0):
+    """(wrong runs that warned, wrong runs, right runs that warned, right runs); wrong: a deflection is too small by more than the limit [%]."""
+    runs = [r for key, r in stored(name).items() if key.split("|")[-1] == membrane and r["values"] and "warned" in r]
+    wrong = [r["warned"] for r in runs if min(r["values"].values()) < -limit]
+    right = [r["warned"] for r in runs if min(r["values"].values()) >= -limit / 2]
+    return sum(wrong), len(wrong), sum(right), len(right)
+
+
+def told_table(membranes):
+    """What is missing of a wrong deflection's warning, and warnings without need, by problem."""
+    rows = []
+    for name, problem in CUBE.items():
+        counts = [told_counts(name, m) for m in membranes]
+        if name not in ("cube_cloth", "cube_drum", "cube_pinched_path") and any(c[1] + c[3] for c in counts):
+            rows.append([problem.title, *(text for a, b, c, d in counts for text in (f"{a} of {b}", f"{c} of {d}"))])
+    header = [text for m in membranes for text in (f"`{m}`: wrong, told", "right, told all the same")]
+    return markdown(["problem", *header], rows) if rows else ""

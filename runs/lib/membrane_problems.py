@@ -25,6 +25,7 @@ SHELL = tuple(SEEDS)
 THIN = (1e-2, 1e-3, 1e-4)
 ANNULUS_THIN = (1e-2, 3e-3, 1e-3)  # at 1e-4 a load step takes hundreds of Newton iterations
 TIMEOUT = 300  # seconds for one run
+SAID = "said.txt"  # what a run wrote, in its folder
 STEPS = {"initial_step": 0.1, "max_step": 0.25}
 EDGE_LENGTHS = {1: 1.0, 2: 0.98, 3: 1.02}  # a seed of Gmsh is another edge length: its own draws of random numbers seldom change a mesh
 
@@ -93,6 +94,7 @@ def solved(case, folder, timeout=TIMEOUT):
         result = run(write_case(case, folder.with_suffix(".toml")), folder, timeout=timeout)
     except subprocess.TimeoutExpired:
         return None
+    (folder / SAID).write_text(result.text)
     return result if result.code == 0 else None
 
 
