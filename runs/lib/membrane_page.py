@@ -52,8 +52,8 @@ one unless said. References, with what they are uncertain by: `runs/reference/me
 **Flat over the thickness**: meshes on which no error is more than 1.5 times that at 1e-2, where what is below 1 % counts as 1 %.
 
 {flat}
-**What the runs said themselves**: those with a deflection more than 5 % too small, and how many of them warned; those less than 2.5 % too
-small, and how many warned all the same.
+**What the runs said themselves**, where errors are deflections: those more than 5 % too small, and how many of them warned; those less than
+2.5 % too small, and how many warned all the same.
 
 {told}
 {cube}
@@ -104,5 +104,6 @@ def write_page(cases, membranes):
                      f"deflection in %.\n\n{section_table(problems)}")
     code, version = invoke(["--version"])
     PAGE.write_text(TEXT.format(version=version.split(" (")[0].strip() if code == 0 else "Voile", aims=aims_table(sections),
-                                flat=flat_table(membranes), told=told_table(["six_node", "six_node_corrected"]), cube="\n".join(cube_parts(membranes)), sections="\n".join(parts)))
+                                flat=flat_table(membranes), told=told_table(["six_node", "six_node_corrected"]),
+                                cube="\n".join(cube_parts(membranes)), sections="\n".join(parts)))
     print(f"wrote {PAGE.relative_to(ROOT)}")
