@@ -107,9 +107,11 @@ TEST_CASE("displacements, reactions, stresses, energies and tangents do not depe
   const Option rtol("-snes_rtol", "1e-12"), stol("-snes_stol", "1e-12");  // as far as round-off lets them
   const mesh::SurfaceMesh mesh(panel());
   REQUIRE(mesh.triangle_count() == 968);
-  for (const auto& [follower, membrane] :
+  for (const auto& choice :
        {std::pair{false, energy::MembraneOperator::six_node}, std::pair{true, energy::MembraneOperator::six_node},
         std::pair{true, energy::MembraneOperator::six_node_corrected}}) {
+    const bool follower = choice.first;
+    const energy::MembraneOperator membrane = choice.second;
     CAPTURE(follower);
     CAPTURE(static_cast<int>(membrane));
     const system::ModelInput input = problem(follower, membrane);
