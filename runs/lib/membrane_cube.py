@@ -80,7 +80,7 @@ CUBE = {
         "Pinched cylinder on diaphragms, along its path", "radius",
         "Largest distance of a published point from the curve. At the published thickness alone: thinner ones buckle into dimples that these meshes "
         "do not resolve, and there are no references. At random on the coarsest mesh.",
-        sizes(n_axial=[16, 24, 32], n_circ=[16, 24, 32]), FLAT, pinched_path, thicknesses=(1e-2,), seeds_of=coarsest_at_random((16, 16))),
+        sizes(n_axial=[24, 32, 40], n_circ=[24, 32, 40]), FLAT, pinched_path, thicknesses=(1e-2,), seeds_of=coarsest_at_random((24, 24))),
 }
 
 
