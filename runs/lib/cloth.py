@@ -109,10 +109,10 @@ class FlatInterpolation:
         return np.einsum("ki,ki...->k...", self.weights, field[self.vertices])
 
 
-def outline(surface, vertices):
-    """Displaced positions of vertices on a closed curve, in order around its centre at rest."""
+def outline(surface, vertices, at_rest=False):
+    """Displaced positions of vertices on a closed curve, or those at rest, in order around its centre at rest."""
     place = surface.rest[vertices, :2] - surface.rest[vertices, :2].mean(axis=0)
-    return surface.points[vertices[np.argsort(np.arctan2(place[:, 1], place[:, 0]))]]
+    return (surface.rest if at_rest else surface.points)[vertices[np.argsort(np.arctan2(place[:, 1], place[:, 0]))]]
 
 
 def shadow_area(surface, pixel=2.5e-4):

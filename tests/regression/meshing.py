@@ -5,6 +5,7 @@ import shutil
 import subprocess
 
 import numpy as np
+import random_meshes
 from benchmarks import BENCHMARKS
 from common import base, plate, sheet_on_ball, strip_case
 from harness import OUT, solve, test
@@ -109,6 +110,29 @@ def corrected_membrane(report):
     for name, before, after, limit in zip(names, plain, corrected, (0.006, 0.01, 0.045, 0.002, 0.055)):
         report.below(abs(after), limit, f"{name}: error; of six_node {100 * before:.2f} %")
     report.check(abs(plain[0]) > 0.4 and abs(plain[1]) > 0.1 and abs(plain[2]) > 0.1 and abs(plain[4]) > 0.6, "the six-node membrane locks there")
+
+
+@test
+def meshes_at_random(report):
+    """Grids of runs/lib/random_meshes.py are the meshes of meshes/*.geo before their vertices are moved, and hardly another answer after."""
+    for name, shape, size, column in (
+            ("linear/hypar_100", random_meshes.hypar, {"n": 16}, "A_z"),
+            ("linear/twisted_beam_thick_y", random_meshes.twisted_strip, {"nx": 24, "ny": 2}, "tip_y"),
+            ("linear/pinched_cylinder_free_100", random_meshes.cylinder(4.953, 10.35), {"n_axial": 16, "n_circ": 24}, "A_z"),
+            ("linear/scordelis_lo", random_meshes.panel(25.0, 50.0, np.radians(40)), {"n_axial": 16, "n_circ": 16}, "A_z"),
+            ("hemisphere/case", random_meshes.hemisphere, {"n": 24}, "pulled_x"), ("cantilever_shear/case", random_meshes.cantilever, {"nx": 24, "ny": 2}, "tip_z")):
+        case = variant(load_case(ROOT / "runs" / f"{name}.toml"), {"analysis": "linear", "steps": None, "element": {"membrane": "six_node_corrected"}})
+        if name.startswith("cantilever"):
+            case["mesh"]["parameters"]["length"] = 12
+        label = name.replace("/", "_")
+        told = variant(case, {f"mesh.parameters.{k}": v for k, v in (size | {"pattern": 0}).items()})
+        expected = solve(f"random_{label}", told, 1).history[column][-1]
+        # Gmsh puts vertices evenly along the saddle's edges, not along x.
+        for jitter, limit in ((0.0, 0.01 if name == "linear/hypar_100" else 1e-5), (0.25, 0.03)):
+            falling = "cylinder" in name or "scordelis" in name  # as Gmsh cuts cells of these
+            mesh = random_meshes.grid_mesh(OUT / f"random_{label}_{jitter}.msh", *shape(size), jitter=jitter, falling=falling)
+            computed = solve(f"random_{label}_{jitter}", case | {"mesh": {"file": str(mesh)}}, 1).history[column][-1]
+            report.percent(computed / expected, limit, f"{name}, moved by {jitter} of a cell")
 
 
 @test

@@ -23,8 +23,9 @@ mesh::MeshData panel() {
   });
 }
 
-system::ModelInput problem(bool follower) {
+system::ModelInput problem(bool follower, energy::MembraneOperator membrane) {
   system::ModelInput input;
+  input.element.membrane = membrane;
   input.materials = {isotropic(1e6, 0.3, 0.01, 0.02)};
   input.supports = {support("left", system::Support::Kind::clamped),
                     support("bottom", system::Support::Kind::symmetry)};
@@ -57,8 +58,8 @@ std::vector<double> everywhere(MPI_Comm comm, std::vector<double> values) {
   return values;
 }
 
-Answer answer(MPI_Comm comm, const mesh::SurfaceMesh& mesh, bool follower) {
-  system::Model model(comm, mesh, problem(follower));
+Answer answer(MPI_Comm comm, const mesh::SurfaceMesh& mesh, const system::ModelInput& input) {
+  system::Model model(comm, mesh, input);
   petsc::VecHandle a = model.dofs().create_vector(), f = model.dofs().create_vector(), x = model.dofs().create_vector();
   solve::LoadPath path(model, {});
   const testing::Ended result = testing::follow_from(testing::state_of(a), path);
@@ -106,9 +107,15 @@ TEST_CASE("displacements, reactions, stresses, energies and tangents do not depe
   const Option rtol("-snes_rtol", "1e-12"), stol("-snes_stol", "1e-12");  // as far as round-off lets them
   const mesh::SurfaceMesh mesh(panel());
   REQUIRE(mesh.triangle_count() == 968);
-  for (const bool follower : {false, true}) {
+  for (const auto& choice :
+       {std::pair{false, energy::MembraneOperator::six_node}, std::pair{true, energy::MembraneOperator::six_node},
+        std::pair{true, energy::MembraneOperator::six_node_corrected}}) {
+    const bool follower = choice.first;
+    const energy::MembraneOperator membrane = choice.second;
     CAPTURE(follower);
-    const Answer alone = answer(MPI_COMM_SELF, mesh, follower), together = answer(PETSC_COMM_WORLD, mesh, follower);
+    CAPTURE(static_cast<int>(membrane));
+    const system::ModelInput input = problem(follower, membrane);
+    const Answer alone = answer(MPI_COMM_SELF, mesh, input), together = answer(PETSC_COMM_WORLD, mesh, input);
     double largest = 0.0;
     for (double u : alone.displacement) largest = std::max(largest, std::abs(u));
     CHECK(largest > 0.3);  // a third of the panel's side
@@ -132,7 +139,7 @@ TEST_CASE("models on different communicators live side by side") {
   // A rank may solve alone while others wait: nothing in a model may be collective on the world.
   const mesh::SurfaceMesh mesh(panel());
   if (mpi::rank(PETSC_COMM_WORLD) == 0) {
-    system::Model model(MPI_COMM_SELF, mesh, problem(false));
+    system::Model model(MPI_COMM_SELF, mesh, problem(false, energy::MembraneOperator::six_node));
     petsc::VecHandle a = model.dofs().create_vector();
     model.conditions().set_load_factor(0.1);
     solve::Newton newton(model);
