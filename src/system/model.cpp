@@ -20,7 +20,10 @@ void Model::set_time(double time) {
   conditions_->set_time(time);
   attachments_->place();
   bands_->tighten(time);
-  if (sewing_) sewing_->tighten(time);
+  if (!sewing_) return;
+  sewing_->tighten(time);
+  drawn_in_ = sewing_->drawn_in(time);
+  membrane_->kernel.gather(drawn_in_);
 }
 
 void Model::hold_still(bool still) {

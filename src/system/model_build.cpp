@@ -38,7 +38,7 @@ const std::vector<Support>& with_followers(ModelInput& input) {
 
 Model::Model(MPI_Comm comm, const mesh::SurfaceMesh& mesh, ModelInput input)
     : on_(std::make_unique<Discretisation>(comm, mesh, std::move(input.materials), with_followers(input), input.springs,
-                                           input.element, input.seams)) {
+                                           input.element, Seams{std::move(input.seams), input.sewing.seams})) {
   Curvatures curvatures = on_->take_curvatures();
   BlockPattern pattern;
   energy::AnchorTerm* anchors = nullptr;
@@ -92,6 +92,7 @@ void Model::build_terms(const Curvatures& curvatures, const std::vector<Spring>&
     std::array<Index, energy::MembraneTerm::nodes> stencil{};
     to_local(energy::MembraneTerm::stencil_of(on_->sheet(), triangle), stencil);
     membrane_->kernel.add(on_->sheet(), triangle, stencil, owned);
+    if (on_->draws_in()) membrane_->kernel.add_gather(on_->sheet(), on_->patches_before(), triangle);
     const energy::BendingElement el = energy::make_bending_element(on_->sheet(), triangle, curvatures[k]);
     std::vector<Index> local(el.points.size());
     to_local(el.points, local);
@@ -107,9 +108,11 @@ void Model::build_terms(const Curvatures& curvatures, const std::vector<Spring>&
       bands_->add(spring);
     else
       tie(spring, ties);
-  if (!sewing.seams.empty())
+  if (!sewing.seams.empty()) {
     sewing_ =
         std::make_unique<SewingSprings>(*on_, std::move(sewing), add_term<energy::SeamTerm>(&Energies::springs).kernel);
+    membrane_->kernel.gather(drawn_in_ = 0.0);
+  }
   for (auto* v : {&u_, &x_, &previous_u_, &previous_x_, &force_})
     v->assign(static_cast<std::size_t>(dofs().local().count()), Vec3::Zero());
 }

@@ -108,6 +108,8 @@ class Model {
   /// Stored minus external energy, viscous part of the time step included; only meaningful for a symmetric model.
   /// Collective.
   [[nodiscard]] double energy(Vec a);
+  /// What share of the way from Discretisation::patches_before() to the sheet's rest shape gathers have gone; 1: all, or there are none.
+  [[nodiscard]] double drawn_in() const { return drawn_in_; }
   /// What is stored, in parts, and the work potential of dead loads; without viscosity and friction, on request without
   /// contact. Collective.
   [[nodiscard]] Energies energies(Vec a, bool with_contact = true);
@@ -177,6 +179,7 @@ class Model {
   std::unique_ptr<Attachments> attachments_;
   petsc::VecHandle work_;
   double force_scale_ = 0.0;
+  double drawn_in_ = 1.0;
   bool held_still_ = false;
 };
 
