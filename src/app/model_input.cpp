@@ -13,6 +13,13 @@ namespace {
 /// Share by which the softest fabric may be stretched by a seam that pulls, unless the case says how much.
 constexpr double sewing_strain = 0.1;
 
+/// Ratio of lengths from which on the longer side of a seam is gathered.
+double gather_from(input::SeamSection::Gather gather) {
+  constexpr double round_off = 1e-9;
+  if (gather == input::SeamSection::Gather::automatic) return system::SeamRule{}.gather_from;
+  return gather == input::SeamSection::Gather::always ? 1.0 + round_off : std::numeric_limits<double>::infinity();
+}
+
 /// Largest tension across a seam [N/m].
 double sewing_force(const input::Case& c) {
   if (c.sewing.force > 0.0) return c.sewing.force;
@@ -28,7 +35,7 @@ std::vector<system::SeamRule> seam_rules(const input::Case& c) {
   std::vector<system::SeamRule> rules{{"", c.sewing.bending, c.sewing.allowance}};
   for (const input::SeamSection& s : c.seams)
     rules.push_back({pattern::seam_name(s.name, s.edges, s.to), std::isnan(s.bending) ? c.sewing.bending : s.bending,
-                     std::isnan(s.allowance) ? c.sewing.allowance : s.allowance});
+                     std::isnan(s.allowance) ? c.sewing.allowance : s.allowance, gather_from(s.gather)});
   return rules;
 }
 

@@ -104,7 +104,7 @@ Recorder::Snapshot Recorder::snapshot(Vec a) {
   model_->dofs().clear_free(force);  // away from supports the force is only the residual that is left
   s.state.displacement = model_->dofs().gather(a);
   s.state.reaction = model_->dofs().gather(force);
-  if (root_) s.validity = assess(model_->dofs().mesh(), s.state.displacement);
+  if (root_) s.validity = assess(*model_, s.state.displacement);
   if (root_) warnings_.say_range(model_->dofs().mesh(), s.validity);
   if (probes_->need_energies())
     s.state.energies = linear_ ? LinearValues(*model_, a).energies() : system::energies(*model_, a);

@@ -14,6 +14,7 @@
 #include "voile/base/mpi.hpp"
 #include "voile/base/text.hpp"
 #include "voile/mesh/weld.hpp"
+#include "voile/pattern/seams.hpp"
 #include "voile/system/attachments.hpp"
 #include "voile/system/contact.hpp"
 
@@ -65,18 +66,21 @@ std::string holder_of(const input::Case& c, const mesh::SurfaceMesh& mesh, Index
   return "";
 }
 
-/// The ratio of the lengths of a seam's sides from which on its cells are too strained to be trusted to close.
-constexpr double gathers = 1.6;
+/// The ratio of the lengths of a seam's sides from which on cells that are not gathered are too strained to close.
+constexpr double strained = 1.6;
 
 /// Where one side is much longer.
-std::string gathers_text(const mesh::SurfaceMesh& mesh, const std::string& seam) {
+std::string gathers_text(const input::Case& c, const mesh::SurfaceMesh& mesh, const std::string& seam) {
   const auto [first, second] = mesh::side_lengths(mesh, seam);
   const double longer = std::max(first, second), shorter = std::min(first, second);
-  if (!(shorter > 0.0) || longer < gathers * shorter) return "";
-  return fmt::format(
-      "; one of its sides is {:.2g} times as long as the other, and their nodes meet one to one, so that "
-      "the cells beside the seam take all of that; a strip between them, sewn to both, halves it",
-      longer / shorter);
+  if (!(shorter > 0.0) || longer < strained * shorter) return "";
+  const bool gathers = std::none_of(c.seams.begin(), c.seams.end(), [&](const input::SeamSection& s) {
+    return pattern::seam_name(s.name, s.edges, s.to) == seam && s.gather == input::SeamSection::Gather::never;
+  });
+  return fmt::format("; one of its sides is {:.2g} times as long as the other, and {}", longer / shorter,
+                     gathers ? "its folds may have got between them: let gravity act in this stage, so that the piece "
+                               "hangs while it is gathered, or give it more [stage.damping] mass"
+                             : "gather = \"never\" leaves all of that to the cells beside the seam; remove the key");
 }
 
 /// What may help.
@@ -98,7 +102,7 @@ std::string too_wide(const input::Case& c, const mesh::SurfaceMesh& mesh, const 
              "seam '{}' is still open by {:.3g} m near ({:.4g}, {:.4g}, {:.4g}), more than [sewing] gap = {:g} m: {}",
              widest.seam, widest.gap, widest.place[0], widest.place[1], widest.place[2], c.sewing.gap,
              remedy(c, mesh, widest)) +
-         gathers_text(mesh, widest.seam) + stretch_text(mesh, displacement);
+         gathers_text(c, mesh, widest.seam) + stretch_text(mesh, displacement);
 }
 
 /// Per vertex, on rank 0. Collective.

@@ -8,6 +8,8 @@
 #include <numbers>
 
 #include "voile/energy/chord_error.hpp"
+#include "voile/energy/sheet.hpp"
+#include "voile/mesh/patch.hpp"
 
 namespace voile::app {
 
@@ -38,8 +40,14 @@ double rest_turn(const mesh::SurfaceMesh& mesh, Index t, int s) {
 
 }  // namespace
 
-Validity assess(const mesh::SurfaceMesh& mesh, const std::vector<double>& displacement) {
+Validity assess(const system::Model& model, const std::vector<double>& displacement) {
+  const mesh::SurfaceMesh &mesh = model.dofs().mesh(), &sheet = model.discretisation().sheet().mesh(),
+                          &before = model.discretisation().patches_before().mesh();
   Validity v;
+  const double share = model.potential().drawn_in();
+  const auto rest = [&](Index t, int i) -> Vec3 {
+    return (1.0 - share) * before.rest_corner(t, i) + share * sheet.rest_corner(t, i);
+  };
   const auto now = [&](Index i) -> Vec3 {
     return mesh.positions()[i] + Eigen::Map<const Vec3>(displacement.data() + 3 * static_cast<std::size_t>(i));
   };
@@ -47,9 +55,8 @@ Validity assess(const mesh::SurfaceMesh& mesh, const std::vector<double>& displa
   for (Index t = 0; t < mesh.triangle_count(); ++t) {
     const mesh::Triangle& i = mesh.triangles()[t];
     const Vec3 x0 = now(i[0]), x1 = now(i[1]), x2 = now(i[2]);
-    const Vec3 corner = mesh.rest_corner(t, 0);
-    const double strain =
-        principal_strain(mesh.rest_corner(t, 1) - corner, mesh.rest_corner(t, 2) - corner, x1 - x0, x2 - x0);
+    const Vec3 corner = rest(t, 0);
+    const double strain = principal_strain(rest(t, 1) - corner, rest(t, 2) - corner, x1 - x0, x2 - x0);
     if (strain > v.strain) {
       v.strain = strain;
       v.triangle = t;

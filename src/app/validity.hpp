@@ -11,6 +11,7 @@
 
 #include "voile/energy/sheet.hpp"
 #include "voile/mesh/surface_mesh.hpp"
+#include "voile/system/model.hpp"
 #include "voile/system/recovery.hpp"
 
 namespace voile::app {
@@ -27,8 +28,9 @@ struct Validity {
   Index vertex_a = no_index, vertex_b = no_index;  ///< ends of that edge
 };
 
-/// `displacement`: three components per vertex in global axes, mesh order [m]. Not collective.
-[[nodiscard]] Validity assess(const mesh::SurfaceMesh& mesh, const std::vector<double>& displacement);
+/// Of the model's sheet at the time that it has: where it is gathered, its strain is that beyond the gathers. `displacement`: three
+/// components per vertex in global axes, mesh order [m]. Not collective.
+[[nodiscard]] Validity assess(const system::Model& model, const std::vector<double>& displacement);
 
 /// What to tell the user of a curved shell that locks, empty if it does not. `fields` of any state, on rank 0.
 [[nodiscard]] std::string locking_warning(const energy::Sheet& sheet, const system::TriangleFields& fields);

@@ -123,6 +123,55 @@ std::array<Eigen::Matrix<double, MembraneTerm::nodes, MembraneTerm::nodes>, 3> M
   return forms;
 }
 
+void MembraneTerm::add_gather(const Sheet& sheet, const mesh::PatchMesh& before, Index t) {
+  const Element& el = elements_.back();
+  constexpr std::array<Index, nodes> order{0, 1, 2, 3, 4, 5};
+  const auto bases = [&](const mesh::PatchMesh& of) {
+    const mesh::Patch patch = of.patch(t, of.frame(t));
+    std::array<std::array<Vec3, 2>, 4> all;
+    for (int s = 0; s < 3; ++s) {
+      const Base a = side_base(el.side[s], patch.rest.data(), order.data(), s);
+      all[s] = {a.a1, a.a2};
+    }
+    const Base own = own_base(el.own, patch.rest.data(), order.data());
+    all[3] = {own.a1, own.a2};
+    return all;
+  };
+  const Gathered g{size() - 1, bases(before), bases(sheet.patches())};
+  constexpr double same = 1e-9;
+  double change = 0.0;
+  for (std::size_t k = 0; k < 4; ++k)
+    for (std::size_t i = 0; i < 2; ++i) change = std::max(change, (g.before[k][i] - g.drawn_in[k][i]).norm());
+  if (change > same) gathered_.push_back(g);
+}
+
+void MembraneTerm::gather(double share) {
+  for (const Gathered& g : gathered_) {
+    Element& el = elements_[g.element];
+    const auto metric = [&](std::size_t k) {
+      const auto base = [&](std::size_t i) { return Vec3((1.0 - share) * g.before[k][i] + share * g.drawn_in[k][i]); };
+      return half_metric(base(0), base(1));
+    };
+    const Samples metric_before{el.side_metric, el.own_metric};
+    for (std::size_t s = 0; s < 3; ++s) el.side_metric[s] = metric(s);
+    el.own_metric = metric(3);
+    if (!viscosity_.empty()) move_start(g.element, metric_before);
+  }
+}
+
+/// Viscosity acts against strains, not against a rest shape that changes in the step.
+void MembraneTerm::move_start(Index e, const Samples& metric) {
+  const Element& el = elements_[e];
+  Samples& start = start_[e];
+  start.own += metric.own - el.own_metric;
+  std::array<Vec3, 3> change;
+  for (std::size_t s = 0; s < 3; ++s) change[s] = metric.side[s] - el.side_metric[s];
+  if (takes_mean())
+    start.side[0] += (change[0] + change[1] + change[2]) / 3.0;
+  else
+    for (std::size_t s = 0; s < 3; ++s) start.side[s] += change[s];
+}
+
 void MembraneTerm::correct(const Sheet& sheet, const Mat3& trace, Index t, const BendingElement& bending,
                            const std::vector<Index>& local) {
   const PatchCubic cubic = make_patch_cubic(sheet, t, bending);

@@ -155,6 +155,14 @@ std::vector<Key> keys_of(SeamSection& s) {
        .meaning = "Two points `PIECE@POINT` that come together, an end of each side; POINT counts from 0, edge k "
                   "begins at point k; corners and notches of DXF blocks have names too, c0, c1, ... and n0, n1, ....",
        .absent = "the ends whose choice makes the way shorter at the start"},
+      {.name = "gather",
+       .slot = choice(s.gather, {{"auto", SeamSection::Gather::automatic},
+                                 {"always", SeamSection::Gather::always},
+                                 {"never", SeamSection::Gather::never}}),
+       .meaning =
+           "Whether the longer side is gathered: drawn in along the seam to the length of the other, in folds that "
+           "are finer than its cells. auto: from 1.25 times that length on; always: whatever ease there is; "
+           "never: the cells beside the seam are strained, as where the shorter side is to be stretched."},
       {.name = "bending",
        .slot = &s.bending,
        .meaning = "As `[sewing] bending`, of this seam.",

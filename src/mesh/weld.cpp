@@ -163,9 +163,10 @@ SeamGap widest_gap(const MeshData& mesh, const std::vector<std::string>& seams, 
   return widest;
 }
 
-std::vector<Index> joined_vertices(const MeshData& mesh) {
-  if (mesh.seams.empty()) return {};
-  return roots(mesh, [](const std::string&) { return true; });
+std::vector<Index> joined_vertices(const MeshData& mesh, const std::vector<std::string>& seams) {
+  const std::vector<std::string> open = open_seams(mesh, seams);
+  if (open.empty()) return {};
+  return roots(mesh, [&](const std::string& name) { return contains(open, name); });
 }
 
 }  // namespace voile::mesh

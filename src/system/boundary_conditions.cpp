@@ -25,16 +25,16 @@ std::vector<Index> loaded_triangles(const mesh::SurfaceMesh& mesh, const Load& l
 }
 
 /// Force per rest area on triangle t.
-Vec3 traction(const energy::Sheet& sheet, const Load& load, Index t) {
-  if (load.kind == Load::Kind::pressure) return load.magnitude * sheet.mesh().start_normal(t);
-  if (load.kind == Load::Kind::gravity) return sheet.material(t).areal_density * load.vector;
+Vec3 traction(const Discretisation& on, const Load& load, Index t) {
+  if (load.kind == Load::Kind::pressure) return load.magnitude * on.mesh().start_normal(t);
+  if (load.kind == Load::Kind::gravity) return on.sheet().material(t).areal_density * load.vector;
   return load.vector;
 }
 
-void add_surface_load(const energy::Sheet& sheet, const Load& load, const AddForce& add) {
-  for (Index t : loaded_triangles(sheet.mesh(), load)) {
-    const Vec3 share = traction(sheet, load, t) * sheet.mesh().area(t) / 3.0;
-    for (Index v : sheet.mesh().triangles()[t]) add(v, share);
+void add_surface_load(const Discretisation& on, const Load& load, const AddForce& add) {
+  for (Index t : loaded_triangles(on.mesh(), load)) {
+    const Vec3 share = traction(on, load, t) * on.mesh().area(t) / 3.0;
+    for (Index v : on.mesh().triangles()[t]) add(v, share);
   }
 }
 
@@ -46,21 +46,21 @@ void add_line_load(const mesh::SurfaceMesh& mesh, const Load& load, const AddFor
 }
 
 /// Weight without mass is a mistake that a run would answer with silence.
-void check_gravity(const energy::Sheet& sheet, const Load& load) {
-  for (Index t : loaded_triangles(sheet.mesh(), load))
-    if (sheet.material(t).areal_density > 0.0) return;
+void check_gravity(const Discretisation& on, const Load& load) {
+  for (Index t : loaded_triangles(on.mesh(), load))
+    if (on.sheet().material(t).areal_density > 0.0) return;
   throw UserError("[[load]] type 'gravity': no material under it has a density; give `density` in [[material]]");
 }
 
 }  // namespace
 
-void spread(const energy::Sheet& sheet, const Load& load, const AddForce& add) {
+void spread(const Discretisation& on, const Load& load, const AddForce& add) {
   if (load.kind == Load::Kind::point)
-    for (Index v : sheet.mesh().group(load.group).vertices) add(v, load.vector);
+    for (Index v : on.mesh().group(load.group).vertices) add(v, load.vector);
   else if (load.kind == Load::Kind::line)
-    add_line_load(sheet.mesh(), load, add);
+    add_line_load(on.mesh(), load, add);
   else
-    add_surface_load(sheet, load, add);
+    add_surface_load(on, load, add);
 }
 
 BoundaryConditions::BoundaryConditions(const Discretisation& on, std::vector<Support> supports,
@@ -207,12 +207,12 @@ void BoundaryConditions::build_loads(const std::vector<Load>& loads, const std::
       continue;
     }
     if (load.kind == Load::Kind::gravity) {
-      if (masses.empty()) check_gravity(on_->sheet(), load);
+      if (masses.empty()) check_gravity(*on_, load);
       for (const PointMass& m : masses)
         if (load.group.empty() || load.group == m.group)
           for (Index v : on_->mesh().group(m.group).vertices) add(v, m.mass * load.vector);
     }
-    spread(on_->sheet(), load, add);
+    spread(*on_, load, add);
   }
 }
 

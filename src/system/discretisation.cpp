@@ -57,7 +57,7 @@ std::vector<Index> stencil_points(const energy::Sheet& sheet, Index t, const ene
 
 Discretisation::Discretisation(MPI_Comm comm, const mesh::SurfaceMesh& mesh, std::vector<energy::Material> materials,
                                const std::vector<Support>& supports, const std::vector<Spring>& springs,
-                               const energy::ElementOptions& options, const std::vector<SeamRule>& seams)
+                               const energy::ElementOptions& options, const Seams& seams)
     : mesh_(&mesh),
       rank_(mpi::rank(comm)),
       materials_(std::move(materials)),
@@ -66,15 +66,30 @@ Discretisation::Discretisation(MPI_Comm comm, const mesh::SurfaceMesh& mesh, std
   mpi::on_all(comm, [&] {
     constraints_ = resolve_supports(mesh, supports);
     patches_ = std::make_unique<mesh::PatchMesh>(mesh, constraints_.mirrors);
+    drawn_in_ = gathered_sheet(gathers(mesh, seams));
+    if (std::vector<mesh::Gather> welded = gathers(mesh, {seams.rules, {}}); !drawn_in_.seams.empty()) {
+      before_ = gathered_sheet(welded);
+      draws_in_ = before_.seams != drawn_in_.seams;
+    }
     std::vector<int> material_of = energy::assign_materials(mesh, materials_);
-    add_allowances(mesh, seams, materials_, material_of);
-    sheet_ = std::make_unique<energy::Sheet>(*patches_, materials_, std::move(material_of), options,
-                                             bending_across_seams(mesh, seams));
+    add_allowances(mesh, seams.rules, materials_, material_of);
+    sheet_ = std::make_unique<energy::Sheet>(sheet_patches(), materials_, std::move(material_of), options,
+                                             bending_across_seams(mesh, seams.rules));
     needed = find_elements(springs);
   });
   dofs_ = std::make_unique<Dofs>(comm, *patches_, partition_, constraints_, needed);
   for (Element& e : elements_)
     for (std::size_t i = 0; i < 3; ++i) e.points[i] = dofs_->local().local_of[mesh.triangles()[e.triangle][i]];
+}
+
+Discretisation::GatheredSheet Discretisation::gathered_sheet(const std::vector<mesh::Gather>& seams) const {
+  GatheredSheet sheet;
+  std::optional<mesh::Gathered> gathered = mesh::gathered(*mesh_, seams);
+  if (!gathered) return sheet;
+  sheet.seams = std::move(gathered->seams);
+  sheet.mesh = std::make_unique<mesh::SurfaceMesh>(std::move(gathered->mesh));
+  sheet.patches = std::make_unique<mesh::PatchMesh>(*sheet.mesh, constraints_.mirrors);
+  return sheet;
 }
 
 double Discretisation::mean_area() const {

@@ -25,7 +25,7 @@ const std::vector<Support>& with_followers(ModelInput& input) {
 
 Model::Model(MPI_Comm comm, const mesh::SurfaceMesh& mesh, ModelInput input)
     : on_(std::make_unique<Discretisation>(comm, mesh, std::move(input.materials), with_followers(input), input.springs,
-                                           input.element, input.seams)),
+                                           input.element, Seams{std::move(input.seams), input.sewing.seams})),
       conditions_(std::make_unique<BoundaryConditions>(*on_, std::move(input.supports), input.loads, input.masses,
                                                        input.motion_by_load)) {
   if (input.contact.active)

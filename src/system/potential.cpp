@@ -17,7 +17,10 @@ namespace voile::system {
 void Potential::set_time(double time) {
   attachments_->place();
   bands_->tighten(time);
-  if (sewing_) sewing_->tighten(time);
+  if (!sewing_) return;
+  sewing_->tighten(time);
+  drawn_in_ = sewing_->drawn_in(time);
+  membrane_->kernel.gather(drawn_in_);
 }
 
 bool Potential::depends_on_time() const {

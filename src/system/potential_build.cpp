@@ -63,9 +63,11 @@ void Potential::build_terms(const Curvatures& curvatures, const PotentialInput& 
       bands_->add(spring);
     else
       tie(spring, ties);
-  if (!input.sewing.seams.empty())
+  if (!input.sewing.seams.empty()) {
     sewing_ =
         std::make_unique<SewingSprings>(*on_, input.sewing, add_term<energy::SeamTerm>(&Energies::springs).kernel);
+    membrane_->kernel.gather(drawn_in_ = 0.0);
+  }
   if (!input.attachments.empty()) anchors_ = &add_term<energy::AnchorTerm>(&Energies::springs).kernel;
   for (auto* v : {&u_, &x_, &force_}) v->assign(static_cast<std::size_t>(on_->dofs().local().count()), Vec3::Zero());
 }
@@ -87,6 +89,7 @@ void Potential::build_sheet(const Curvatures& curvatures) {
     std::array<Index, energy::MembraneTerm::nodes> stencil{};
     to_local(energy::MembraneTerm::stencil_of(on_->sheet(), triangle), stencil);
     membrane_->kernel.add(on_->sheet(), triangle, stencil, owned);
+    if (on_->draws_in()) membrane_->kernel.add_gather(on_->sheet(), on_->patches_before(), triangle);
     const energy::BendingElement el = energy::make_bending_element(on_->sheet(), triangle, curvatures[k]);
     std::vector<Index> local(el.points.size());
     to_local(el.points, local);

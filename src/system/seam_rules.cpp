@@ -2,8 +2,10 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
 #include <set>
 
+#include "voile/base/text.hpp"
 #include "voile/mesh/weld.hpp"
 
 namespace voile::system {
@@ -118,6 +120,20 @@ std::vector<double> allowance_areas(const mesh::SurfaceMesh& mesh, const std::ve
       for_sides(mesh, edge, [&](Index t, int s) { lay(mesh, t, s, rule->allowance, areas); });
   }
   return areas;
+}
+
+std::vector<mesh::Gather> gathers(const mesh::SurfaceMesh& mesh, const Seams& seams) {
+  const std::vector<std::string> open = mesh::open_seams(mesh.data(), {"all"}),
+                                 closing = mesh::open_seams(mesh.data(), seams.pulled);
+  std::vector<mesh::Gather> found;
+  const std::size_t prefix = mesh::seam_group("").size();
+  for (const mesh::Group& group : mesh.groups()) {
+    const SeamRule* rule = rule_of(group, seams.rules);
+    if (!rule || !std::isfinite(rule->gather_from)) continue;
+    const std::string seam = group.name.substr(prefix);
+    if (!contains(open, seam) || contains(closing, seam)) found.push_back({seam, rule->gather_from});
+  }
+  return found;
 }
 
 void add_allowances(const mesh::SurfaceMesh& mesh, const std::vector<SeamRule>& rules,

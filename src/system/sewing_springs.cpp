@@ -15,6 +15,8 @@ namespace {
 /// When no spring has a length any more, all double their stiffness in this time [s], up to this factor: fabric in
 /// tension would keep soft ones open. Before, while all moves, stiff springs that saturate would only cost iterations.
 constexpr double doubling_time = 0.03, most_tight = 128.0;
+/// Largest speed over the mean one of what begins and ends at rest.
+constexpr double peak = 1.5;
 
 }  // namespace
 
@@ -25,25 +27,39 @@ SewingSprings::SewingSprings(const Discretisation& on, Sewing sewing, energy::Se
   const std::vector<std::string> sewn = mesh::open_seams(mesh.data(), sewing_.seams);
   for (const mesh::Seam& seam : mesh.data().seams) {
     if (std::find(sewn.begin(), sewn.end(), seam.name) == sewn.end()) continue;
+    const std::vector<std::string>& gathered = on.gathered_seams();
+    const bool is_gathered = std::find(gathered.begin(), gathered.end(), seam.name) != gathered.end();
+    gathers_ = gathers_ || is_gathered;
     for (std::size_t k = 0; k < seam.pairs.size(); ++k) {
       const auto& [v, w] = seam.pairs[k];
       const double length = (mesh.positions()[w] - mesh.positions()[v]).norm();
       longest_distance_ = std::max(longest_distance_, length);
       if (on.owned(v) == no_index && on.owned(w) == no_index) continue;
-      springs_.push_back({length, sewing_.stiffness * seam.lengths[k]});
+      springs_.push_back({length, sewing_.stiffness * seam.lengths[k], is_gathered});
       term.add({local.local_of[v], local.local_of[w]}, springs_.back().stiffness, sewing_.force * seam.lengths[k],
                length, on.owned(v) != no_index);
     }
   }
 }
 
+double SewingSprings::closing_time() const {
+  return (gathers_ ? peak : 1.0) * longest_distance_ / sewing_.speed;
+}
+
+double SewingSprings::drawn_in(double time) const {
+  const double since = std::max(0.0, time - sewing_.start), whole = closing_time();
+  if (since >= whole) return 1.0;
+  const double share = since / whole;
+  return share * share * (3.0 - 2.0 * share);
+}
+
 void SewingSprings::tighten(double time) {
   const double since = std::max(0.0, time - sewing_.start);
-  const double closed_for = std::max(0.0, since - longest_distance_ / sewing_.speed);
-  const double tighter = std::min(most_tight, std::exp2(closed_for / doubling_time));
+  const double tighter = std::min(most_tight, std::exp2(std::max(0.0, since - closing_time()) / doubling_time));
   for (std::size_t e = 0; e < springs_.size(); ++e) {
-    const auto& [length, stiffness] = springs_[e];
-    term_->set(static_cast<Index>(e), std::max(0.0, length - sewing_.speed * since), stiffness * tighter);
+    const auto& [length, stiffness, gathered] = springs_[e];
+    const double now = gathered ? length * (1.0 - drawn_in(time)) : std::max(0.0, length - sewing_.speed * since);
+    term_->set(static_cast<Index>(e), now, stiffness * tighter);
   }
 }
 

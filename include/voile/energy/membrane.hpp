@@ -48,6 +48,10 @@ class MembraneTerm {
   void reserve(std::size_t count) { elements_.reserve(count); }
   /// Adds the element of triangle t, with its stencil in local numbering.
   void add(const Sheet& sheet, Index t, const std::array<Index, nodes>& local, bool owned);
+  /// After add(): a triangle that is gathered in time, from the rest shape that `before`, patches of the same mesh, have to that of the sheet.
+  void add_gather(const Sheet& sheet, const mesh::PatchMesh& before, Index t);
+  /// Rest lengths of gathers go this share of the way.
+  void gather(double share);
   /// Whether strains are corrected for chords; then each add() is followed by correct().
   [[nodiscard]] bool corrects() const { return kind_ == MembraneOperator::six_node_corrected; }
   /// The correction of the element added last, that of triangle t: its bending element, with points in local numbering.
@@ -177,6 +181,7 @@ class MembraneTerm {
     Vec3 own;
   };
   [[nodiscard]] Samples samples(Index e, const Configuration& c) const;
+  void move_start(Index e, const Samples& metric);
   /// (1 + c) E - c E_n: the strain whose elastic stress is the whole stress.
   [[nodiscard]] double viscosity_of(const Element& el) const {
     return viscosity_.empty() ? 0.0 : viscosity_[static_cast<std::size_t>(el.material)];
@@ -185,7 +190,14 @@ class MembraneTerm {
     return viscosity > 0.0 ? Vec3((1.0 + viscosity) * strain - viscosity * before) : strain;
   }
 
+  /// An element whose rest shape changes in time.
+  struct Gathered {
+    Index element;
+    std::array<std::array<Vec3, 2>, 4> before, drawn_in;  ///< base vectors of the sides and its own, in one chart
+  };
+
   std::vector<Element> elements_;
+  std::vector<Gathered> gathered_;
   ChordCorrection correction_;
   std::vector<Mat3> stiffness_;
   MembraneOperator kind_ = MembraneOperator::six_node;

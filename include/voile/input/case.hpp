@@ -69,6 +69,8 @@ struct SeamSection {
   std::string name;                    ///< empty: made from the edges
   std::vector<std::string> edges, to;  ///< the two sides, each a chain
   std::vector<std::string> meet;       ///< two points, one of each side; empty: what lies nearer
+  enum class Gather { automatic, always, never };
+  Gather gather = Gather::automatic;  ///< the longer side
   /// In place of those of [sewing]; NaN: as there
   double bending = std::numeric_limits<double>::quiet_NaN(), allowance = std::numeric_limits<double>::quiet_NaN();
 };

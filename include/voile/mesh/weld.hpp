@@ -48,7 +48,7 @@ struct SeamGap {
 /// collective.
 [[nodiscard]] std::array<double, 2> side_lengths(const SurfaceMesh& mesh, const std::string& seam);
 
-/// Per vertex the lowest of those that it becomes one with when all open seams are closed; empty if none is open.
-[[nodiscard]] std::vector<Index> joined_vertices(const MeshData& mesh);
+/// Per vertex the lowest of those that it becomes one with when the named seams are closed; empty if none of them is open.
+[[nodiscard]] std::vector<Index> joined_vertices(const MeshData& mesh, const std::vector<std::string>& seams = {"all"});
 
 }  // namespace voile::mesh

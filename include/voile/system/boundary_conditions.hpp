@@ -102,6 +102,6 @@ class BoundaryConditions {
 
 /// Shares of vertices in what is spread over a surface or curve, as loads are: calls add(vertex, share) with the force
 /// of `load` on it. Not collective. Throws UserError for unknown groups.
-void spread(const energy::Sheet& sheet, const Load& load, const std::function<void(Index, const Vec3&)>& add);
+void spread(const Discretisation& on, const Load& load, const std::function<void(Index, const Vec3&)>& add);
 
 }  // namespace voile::system

@@ -37,7 +37,7 @@ class Discretisation {
   /// and contradictions.
   Discretisation(MPI_Comm comm, const mesh::SurfaceMesh& mesh, std::vector<energy::Material> materials,
                  const std::vector<Support>& supports, const std::vector<Spring>& springs,
-                 const energy::ElementOptions& options, const std::vector<SeamRule>& seams = {});
+                 const energy::ElementOptions& options, const Seams& seams = {});
   ~Discretisation();
   Discretisation(const Discretisation&) = delete;
   Discretisation& operator=(const Discretisation&) = delete;
@@ -46,6 +46,14 @@ class Discretisation {
   [[nodiscard]] const mesh::SurfaceMesh& mesh() const { return *mesh_; }
   [[nodiscard]] const mesh::Partition& partition() const { return partition_; }
   [[nodiscard]] const mesh::PatchMesh& patches() const { return *patches_; }
+  /// Seams that are gathered: if any, the sheet has another rest shape than the mesh, which is as it is cut.
+  [[nodiscard]] const std::vector<std::string>& gathered_seams() const { return drawn_in_.seams; }
+  /// With the rest shape from which open seams are drawn in: that of the sheet if there are none.
+  [[nodiscard]] const mesh::PatchMesh& patches_before() const {
+    return before_.patches ? *before_.patches : draws_in_ ? *patches_ : sheet_patches();
+  }
+  /// Whether that is another one than the sheet's.
+  [[nodiscard]] bool draws_in() const { return draws_in_; }
   [[nodiscard]] const energy::Sheet& sheet() const { return *sheet_; }
   /// Those given, and more for triangles with allowances of seams.
   [[nodiscard]] const std::vector<energy::Material>& materials() const { return materials_; }
@@ -67,6 +75,16 @@ class Discretisation {
   [[nodiscard]] std::vector<energy::CurvatureOperator> take_curvatures();
 
  private:
+  /// The same mesh and mirror points with the rest shape of gathered fabric.
+  struct GatheredSheet {
+    std::vector<std::string> seams;
+    std::unique_ptr<mesh::SurfaceMesh> mesh;
+    std::unique_ptr<mesh::PatchMesh> patches;
+  };
+  [[nodiscard]] GatheredSheet gathered_sheet(const std::vector<mesh::Gather>& seams) const;
+  [[nodiscard]] const mesh::PatchMesh& sheet_patches() const {
+    return drawn_in_.patches ? *drawn_in_.patches : *patches_;
+  }
   [[nodiscard]] std::vector<char> find_elements(const std::vector<Spring>& springs);
 
   const mesh::SurfaceMesh* mesh_;
@@ -75,6 +93,8 @@ class Discretisation {
   mesh::Partition partition_;
   Constraints constraints_;
   std::unique_ptr<mesh::PatchMesh> patches_;
+  GatheredSheet drawn_in_, before_;  ///< without patches: as it is cut
+  bool draws_in_ = false;
   std::unique_ptr<energy::Sheet> sheet_;
   std::unique_ptr<Dofs> dofs_;
   std::vector<Element> elements_;

@@ -67,6 +67,9 @@ class Potential {
   /// Whether what is stored changes with the time alone: clamps that turn, seams that are pulled, attachments. Not
   /// collective.
   [[nodiscard]] bool depends_on_time() const;
+  /// What share of the way from Discretisation::patches_before() to the sheet's rest shape gathers have gone; 1: all, or
+  /// there are none.
+  [[nodiscard]] double drawn_in() const { return drawn_in_; }
 
   /// The local points at state a, which stay until the next call; clamps and anchors are where conditions and obstacles
   /// have put them. Collective.
@@ -134,6 +137,7 @@ class Potential {
   std::unique_ptr<SewingSprings> sewing_;  ///< null where nothing is sewn
   std::unique_ptr<Attachments> attachments_;
   petsc::VecHandle work_;
+  double drawn_in_ = 1.0;
 };
 
 }  // namespace voile::system

@@ -11,13 +11,21 @@
 #include <vector>
 
 #include "voile/energy/sheet.hpp"
+#include "voile/mesh/gathers.hpp"
 
 namespace voile::system {
 
 struct SeamRule {
-  std::string seam{};      ///< name; empty: of all seams that no other rule names
-  double bending = 1.0;    ///< f
-  double allowance = 0.0;  ///< w [m]
+  std::string seam{};         ///< name; empty: of all seams that no other rule names
+  double bending = 1.0;       ///< f
+  double allowance = 0.0;     ///< w [m]
+  double gather_from = 1.25;  ///< ratio of lengths from which on the longer side is gathered (mesh/gathers.hpp)
+};
+
+/// What is known of the seams of a mesh.
+struct Seams {
+  std::vector<SeamRule> rules;
+  std::vector<std::string> pulled;  ///< open ones that are pulled together; "all": every one
 };
 
 /// Sides of welded seams whose factor is not 1, each from both triangles. Not collective.
@@ -26,6 +34,9 @@ struct SeamRule {
 
 /// Area of the strips in each triangle [m^2], of open and welded seams; empty if no rule has an allowance. Not collective.
 [[nodiscard]] std::vector<double> allowance_areas(const mesh::SurfaceMesh& mesh, const std::vector<SeamRule>& rules);
+
+/// The seams whose longer side is gathered: those that are welded or pulled together. Not collective.
+[[nodiscard]] std::vector<mesh::Gather> gathers(const mesh::SurfaceMesh& mesh, const Seams& seams);
 
 /// Appends the materials of triangles that strips cover, and has `material_of` name them. Not collective.
 void add_allowances(const mesh::SurfaceMesh& mesh, const std::vector<SeamRule>& rules,

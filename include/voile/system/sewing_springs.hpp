@@ -24,14 +24,21 @@ class SewingSprings {
   /// Sets rest lengths and stiffnesses at a time, on which alone they depend, so that a restart needs no memory. Not
   /// collective.
   void tighten(double time);
+  /// What share of the way gathers have gone at a time, 1 when no spring has a length any more. The same on every rank.
+  [[nodiscard]] double drawn_in(double time) const;
 
  private:
   struct Spring {
     double length, stiffness;  ///< at the start [m], [N/m]
+    bool gathered;
   };
+  /// Until no spring has a length any more. [s]
+  [[nodiscard]] double closing_time() const;
+
   Sewing sewing_;
   energy::SeamTerm* term_;
   std::vector<Spring> springs_;    ///< of its elements
+  bool gathers_ = false;           ///< whether any seam is gathered; the same on every rank
   double longest_distance_ = 0.0;  ///< of points that are sewn together, at the start [m]
 };
 
