@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -17,6 +18,18 @@ namespace voile::solve {
 namespace {
 
 constexpr int workspace_retries = 5;
+/// From here on single precision saves memory at no cost of time.
+constexpr PetscInt vertices_of_mixed = 10000;
+
+/// Whether the user tunes the factor in double, which then has to be one.
+bool factor_is_tuned() {
+  char* all = nullptr;
+  VOILE_PETSC(PetscOptionsGetAll(nullptr, &all));
+  const std::string_view options(all);
+  const bool tuned = options.find("-mat_mumps_") != options.npos || options.find("-pc_factor_") != options.npos;
+  VOILE_PETSC(PetscFree(all));
+  return tuned;
+}
 
 }  // namespace
 
@@ -29,10 +42,16 @@ void LinearSolver::set_defaults(KSP ksp, Way way) {
   PC pc = nullptr;
   VOILE_PETSC(KSPSetType(ksp_, KSPPREONLY));
   VOILE_PETSC(KSPGetPC(ksp_, &pc));
-  if (model_.conditions().symmetric() && way == Way::inexact)
+  const bool large = model_.dofs().unknowns() >= 3 * vertices_of_mixed;
+  if (!model_.conditions().symmetric())
+    VOILE_PETSC(PCSetType(pc, PCLU));
+  else if (way == Way::inexact)
     VOILE_PETSC(PCSetType(pc, inexact_pc_type));
+  else if (way == Way::mixed)
+    VOILE_PETSC(PCSetType(pc, mixed_pc_type));
   else
-    VOILE_PETSC(PCSetType(pc, model_.conditions().symmetric() ? PCCHOLESKY : PCLU));
+    VOILE_PETSC(PCSetType(pc, large && !factor_is_tuned() ? mixed_pc_type : PCCHOLESKY));
+  statics_ = way == Way::direct;
 }
 
 void LinearSolver::prepare() {
@@ -46,6 +65,7 @@ void LinearSolver::prepare() {
   VOILE_PETSC(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(pc), inexact_pc_type, &inexact));
   mixed_ = mixed;
   inexact_ = inexact;
+  if (mixed_ && statics_) set_mixed_proves(pc);
   if (!cholesky && !lu) return;
   MatSolverType type = nullptr;
   VOILE_PETSC(PCFactorGetMatSolverType(pc, &type));

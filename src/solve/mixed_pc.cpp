@@ -20,6 +20,8 @@ constexpr int double_factors_after_failure = 10;
 /// The diagonal times 1 + shift is what one factor after the other has, where conjugate gradients find the one before indefinite.
 /// What single precision loses is of the size of its last digit; the few modes that a shift slows cost iterations.
 constexpr std::array shifts{0.0, 1.2e-7, 1e-6};
+/// In statics so many failures are enough for the rest of a run to be factored in double.
+constexpr int most_failures = 2;
 /// So many times the iterations then, and where the matrix is so large that a factor in double costs more, and twice the memory.
 constexpr int patience = 5;
 
@@ -34,11 +36,21 @@ struct Mixed {
   std::size_t shift = 0;  ///< number of the shift in force
   PetscInt most_iterations = 30;
   bool always_exact = false;
+  bool proves = false;    ///< that matrices have no negative pivots
+  bool definite = false;  ///< proved of the matrix in force
+  int failures = 0;
   long factors = 0, patterns = 0, exact_factors = 0, solutions = 0, iterations = 0;
 };
 
 Mixed& data(PC pc) {
   return *static_cast<Mixed*>(pc->data);
+}
+
+/// The next matrices in double, too.
+void remember_failure(Mixed& m) {
+  m.exact_left = double_factors_after_failure;
+  ++m.failures;
+  if (m.proves && m.failures >= most_failures) m.always_exact = true;
 }
 
 PetscErrorCode apply_single(PC shell, Vec b, Vec x) {
@@ -81,8 +93,9 @@ PetscErrorCode factor_exactly(PC pc) {
     PetscCall(PCSetType(m.exact, PCCHOLESKY));
     PetscCall(PCFactorSetMatSolverType(m.exact, MATSOLVERMUMPS));
     PetscCall(PCSetFromOptions(m.exact));
-  } else if (m.exact->failedreason) {
-    PetscCall(PCReset(m.exact));  // MUMPS's factor is of no use after an error
+  } else if (m.exact->failedreason || pc->flag != SAME_NONZERO_PATTERN) {
+    // MUMPS's factor is of no use after an error, and PETSc would replace it by another while a new pattern is set up.
+    PetscCall(PCReset(m.exact));
   }
   PetscCall(PCSetOperators(m.exact, pc->pmat, pc->pmat));
   PetscCall(PCFactorSetUpMatSolverType(m.exact));
@@ -98,6 +111,7 @@ PetscErrorCode factor_exactly(PC pc) {
     check_mumps_memory(error, size);
   }));
   m.use_exact = true;
+  m.definite = false;
   ++m.exact_factors;
   PetscFunctionReturn(0);
 }
@@ -129,10 +143,10 @@ PetscErrorCode set_up(PC pc) {
   }
   bool good = false;
   PetscCall(PCDestroy(&m.exact));
-  m.use_exact = false;
+  m.use_exact = m.definite = false;
   PetscCall(factor_single(pc, good));
   if (!good) {
-    m.exact_left = double_factors_after_failure;
+    remember_failure(m);
     PetscCall(factor_exactly(pc));
   }
   PetscFunctionReturn(0);
@@ -154,27 +168,49 @@ PetscErrorCode refine(PC pc, Vec b, Vec x, KSPConvergedReason& reason) {
   PetscFunctionReturn(0);
 }
 
-PetscErrorCode apply(PC pc, Vec b, Vec x) {
+/// The same, with as much added to the diagonal as makes the factor definite; in double where nothing of that is of use, with
+/// x not set then.
+PetscErrorCode refine_or_factor(PC pc, Vec b, Vec x) {
   Mixed& m = data(pc);
+  const std::size_t shift = m.shift;
   KSPConvergedReason reason = KSP_CONVERGED_ITERATING;
   PetscFunctionBeginUser;
-  if (!m.use_exact) {
-    const std::size_t shift = m.shift;
-    PetscCall(refine(pc, b, x, reason));
-    while (reason == KSP_DIVERGED_INDEFINITE_PC && m.shift + 1 < shifts.size()) {
-      bool good = false;
-      ++m.shift;
-      PetscCall(factor_single(pc, good));
-      if (!good) break;
-      if (m.single->negative_pivots() == 0) PetscCall(refine(pc, b, x, reason));
-    }
-    if (reason > 0) PetscFunctionReturn(0);
-    m.shift = shift;  // none of them was of use
-    PetscCall(PetscInfo(pc, "single precision is not enough (%s): factoring in double\n", KSPConvergedReasons[reason]));
-    m.exact_left = double_factors_after_failure;
-    PetscCall(factor_exactly(pc));
+  PetscCall(refine(pc, b, x, reason));
+  while (reason == KSP_DIVERGED_INDEFINITE_PC && m.shift + 1 < shifts.size()) {
+    bool good = false;
+    ++m.shift;
+    PetscCall(factor_single(pc, good));
+    if (!good) break;
+    if (m.single->negative_pivots() == 0) PetscCall(refine(pc, b, x, reason));
   }
-  if (!pc->failedreason) PetscCall(PCApply(m.exact, b, x));
+  if (reason > 0) PetscFunctionReturn(0);
+  m.shift = shift;  // none of them was of use
+  PetscCall(PetscInfo(pc, "single precision is not enough (%s): factoring in double\n", KSPConvergedReasons[reason]));
+  remember_failure(m);
+  PetscCall(factor_exactly(pc));
+  PetscFunctionReturn(0);
+}
+
+PetscErrorCode apply(PC pc, Vec b, Vec x) {
+  Mixed& m = data(pc);
+  PetscFunctionBeginUser;
+  if (!m.use_exact) PetscCall(refine_or_factor(pc, b, x));
+  if (m.use_exact && !pc->failedreason) PetscCall(PCApply(m.exact, b, x));
+  PetscFunctionReturn(0);
+}
+
+/// Solves for a right side drawn at random. While no search direction meets negative curvature, all roots of the polynomial p
+/// that has made of b the residual p(K M^-1) b are positive, so that |p| > 1 at a negative eigenvalue: its mode v, |v| = 1, then has
+/// |v.b| <= rtol |b|, which one of n rows drawn at random has with a probability of rtol sqrt(2 n/pi).
+PetscErrorCode prove_definite(PC pc) {
+  Mixed& m = data(pc);
+  petsc::VecHandle b, x;
+  PetscFunctionBeginUser;
+  PetscCall(MatCreateVecs(pc->pmat, x.out(), b.out()));
+  PetscCall(VecSetRandom(b, nullptr));
+  PetscCall(VecShift(b, -0.5));
+  PetscCall(refine_or_factor(pc, b, x));
+  m.definite = !m.use_exact;
   PetscFunctionReturn(0);
 }
 
@@ -232,8 +268,14 @@ void set_mixed_double(PC pc) {
   data(pc).always_exact = true;
 }
 
+void set_mixed_proves(PC pc) {
+  data(pc).proves = true;
+}
+
 long mixed_negative_pivots(PC pc) {
   const Mixed& m = data(pc);
+  if (m.proves && !m.use_exact && !m.definite && m.single) VOILE_PETSC(prove_definite(pc));
+  if (m.definite) return 0;
   if (!m.use_exact) return m.single && m.shift == 0 ? m.single->negative_pivots() : -1;
   Mat factor = nullptr;
   PetscInt count = 0;

@@ -15,7 +15,6 @@
 #include "voile/solve/central_ts.hpp"
 #include "voile/solve/inexact_pc.hpp"
 #include "voile/solve/inverse_iteration.hpp"
-#include "voile/solve/mixed_pc.hpp"
 #include "voile/solve/stall.hpp"
 #include "voile/system/contact.hpp"
 
@@ -45,11 +44,7 @@ void TimeIntegration::Impl::create_snes() {
 #endif
   VOILE_PETSC(SNESSetConvergenceTest(snes, converged, this, nullptr));
   VOILE_PETSC(SNESGetKSP(snes, &ksp));
-  linear.set_defaults(ksp, inexact ? LinearSolver::Way::inexact : LinearSolver::Way::direct);
-  if (inexact || !model.conditions().symmetric()) return;
-  PC pc = nullptr;
-  VOILE_PETSC(KSPGetPC(ksp, &pc));
-  VOILE_PETSC(PCSetType(pc, mixed_pc_type));
+  linear.set_defaults(ksp, inexact ? LinearSolver::Way::inexact : LinearSolver::Way::mixed);
 }
 
 void TimeIntegration::Impl::set_explicit_step(Vec u) {

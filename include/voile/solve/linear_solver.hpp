@@ -1,7 +1,8 @@
 // Linear systems K x = b with the tangent of a model, through PETSc's KSP.
 //
 // Defaults, set before the user's options: -ksp_type preonly -pc_type cholesky (lu with follower loads)
-// -pc_factor_mat_solver_type mumps -mat_mumps_icntl_14 100; or, in motion, where systems are many and inertia makes K
+// -pc_factor_mat_solver_type mumps -mat_mumps_icntl_14 100; from 10 000 vertices on, if K is symmetric and no option tunes
+// that factor, -pc_type voile_mixed (mixed_pc.hpp), which takes half the memory; or, in motion, where systems are many and inertia makes K
 // well conditioned, if K is symmetric, -pc_type voile_inexact (inexact_pc.hpp). MUMPS's lack of workspace
 // is answered with twice as much, several times. Negative pivots of the symmetric factor count the negative eigenvalues
 // of K (Sylvester's law of inertia).
@@ -22,7 +23,8 @@ class LinearSolver {
   /// The model must outlive the solver. Call `set_defaults`, the KSP's options, then `prepare`.
   explicit LinearSolver(system::Model& model) : model_(model) {}
 
-  enum class Way { direct, inexact };
+  /// Of statics, of motions that are to find a place of rest, and of motions.
+  enum class Way { direct, mixed, inexact };
   /// Takes the KSP (not owned) and gives it the defaults. Collective.
   void set_defaults(KSP ksp, Way way = Way::direct);
   /// Sees what the user's options chose. Collective.
@@ -44,7 +46,7 @@ class LinearSolver {
   [[nodiscard]] int factorisations() const;
   /// The PC if it is of type voile_inexact, otherwise null.
   [[nodiscard]] PC inexact() const;
-  /// Of the last factorisation; -1 if the solver does not tell.
+  /// Of the last factorisation; -1 if the solver does not tell. Collective.
   [[nodiscard]] long negative_pivots() const;
   /// What failed last, for the log; emptied by the call.
   [[nodiscard]] std::string take_failure();
@@ -55,7 +57,7 @@ class LinearSolver {
 
   system::Model& model_;
   KSP ksp_ = nullptr;
-  bool mumps_ = false, mixed_ = false, inexact_ = false;
+  bool mumps_ = false, mixed_ = false, inexact_ = false, statics_ = false;
   int factorisations_ = 0, pattern_version_ = 0;
   std::string failure_;
 };

@@ -57,6 +57,36 @@ struct Grid {
   }
 };
 
+/// Beam of 400 cells by finite differences, (w'')^2, clamped at one end, on a foundation: condition number 5e10. Two of three
+/// unknowns of a node are held by springs of their own.
+struct Beam {
+  petsc::MatHandle k;
+
+  explicit Beam(double foundation) {
+    constexpr PetscInt nodes = 400;
+    VOILE_PETSC(MatCreateAIJ(PETSC_COMM_WORLD, PETSC_DECIDE, PETSC_DECIDE, 3 * nodes, 3 * nodes, 5, nullptr, 5, nullptr,
+                             k.out()));
+    for (PetscInt c = 0; c < nodes - 1; ++c) {
+      const std::array<double, 3> bend{1.0, -2.0, 1.0};
+      for (PetscInt i = 0; i < 3; ++i)
+        for (PetscInt j = 0; j < 3; ++j)
+          if (c + i > 0 && c + j > 0) add(3 * (c + i - 1), 3 * (c + j - 1), bend[i] * bend[j]);
+    }
+    add(0, 0, 5.0);
+    for (PetscInt i = 0; i < nodes; ++i) {
+      add(3 * i, 3 * i, foundation);
+      for (PetscInt c : {1, 2}) add(3 * i + c, 3 * i + c, 1.0);
+    }
+    VOILE_PETSC(MatAssemblyBegin(k, MAT_FINAL_ASSEMBLY));
+    VOILE_PETSC(MatAssemblyEnd(k, MAT_FINAL_ASSEMBLY));
+  }
+  void add(PetscInt row, PetscInt column, double value) {
+    PetscInt begin = 0, end = 0;
+    VOILE_PETSC(MatGetOwnershipRange(k, &begin, &end));
+    if (row >= begin && row < end) VOILE_PETSC(MatSetValue(k, row, column, value, ADD_VALUES));
+  }
+};
+
 struct Solver {
   KspHandle ksp;
   PC pc = nullptr;
@@ -148,32 +178,48 @@ TEST_CASE("mixed precision: negative pivots are negative eigenvalues") {
 }
 
 TEST_CASE("mixed precision: a factor that round-off has made indefinite is shifted") {
-  // A beam of many cells by finite differences, (w'')^2, clamped at one end: condition number 5e10. Two of three unknowns
-  // of a node are held by springs of their own.
-  constexpr PetscInt nodes = 400;
-  petsc::MatHandle k;
-  VOILE_PETSC(MatCreateAIJ(PETSC_COMM_WORLD, PETSC_DECIDE, PETSC_DECIDE, 3 * nodes, 3 * nodes, 5, nullptr, 5, nullptr,
-                           k.out()));
-  PetscInt begin = 0, end = 0;
-  VOILE_PETSC(MatGetOwnershipRange(k, &begin, &end));
-  const auto add = [&](PetscInt row, PetscInt column, double value) {
-    if (row >= begin && row < end) VOILE_PETSC(MatSetValue(k, row, column, value, ADD_VALUES));
-  };
-  for (PetscInt c = 0; c < nodes - 1; ++c) {
-    const std::array<double, 3> bend{1.0, -2.0, 1.0};
-    for (PetscInt i = 0; i < 3; ++i)
-      for (PetscInt j = 0; j < 3; ++j)
-        if (c + i > 0 && c + j > 0) add(3 * (c + i - 1), 3 * (c + j - 1), bend[i] * bend[j]);
-  }
-  add(0, 0, 5.0);
-  for (PetscInt i = 0; i < nodes; ++i)
-    for (PetscInt c : {1, 2}) add(3 * i + c, 3 * i + c, 1.0);
-  VOILE_PETSC(MatAssemblyBegin(k, MAT_FINAL_ASSEMBLY));
-  VOILE_PETSC(MatAssemblyEnd(k, MAT_FINAL_ASSEMBLY));
+  const Beam beam(0.0);
   Solver solver;
-  CHECK(solver.residual(k) < 1e-7);
+  CHECK(solver.residual(beam.k) < 1e-7);
   CHECK(solve::mixed_double_factors(solver.pc) == 0);
   CHECK(solve::mixed_negative_pivots(solver.pc) == -1);
+}
+
+TEST_CASE("mixed precision: in statics a negative mode below the round-off of the factor is found, and no other") {
+  // Euler & Bernoulli's clamped beam: (1.8751/400)^4 = 4.83e-10 is the lowest eigenvalue, (4.694/400)^4 = 1.9e-8 the next.
+  for (const double foundation : {0.0, -4.4e-10, -5.2e-10, -1.8e-8, -2.1e-8}) {
+    const Beam beam(foundation);
+    Solver solver;
+    solve::set_mixed_proves(solver.pc);
+    VOILE_PETSC(KSPSetOperators(solver.ksp, beam.k, beam.k));
+    VOILE_PETSC(KSPSetUp(solver.ksp));
+    const long negative = foundation > -4.83e-10 ? 0 : foundation > -1.9e-8 ? 1 : 2;
+    CAPTURE(foundation);
+    CHECK(solve::mixed_negative_pivots(solver.pc) == negative);
+    CHECK(solve::mixed_double_factors(solver.pc) == (negative > 0 ? 1 : 0));
+    CHECK(solve::mixed_negative_pivots(solver.pc) == negative);  // and is known from then on
+    CHECK(solver.residual(beam.k) < 1e-5);  // 1e-16 of the condition number, 5e10 and more
+  }
+}
+
+TEST_CASE("mixed precision: in statics two failures are enough") {
+  Grid indefinite(6, 1.0, -1e-2), definite(6, 1.0, 1.0);
+  for (const bool statics : {false, true}) {
+    Solver solver;
+    if (statics) solve::set_mixed_proves(solver.pc);
+    const auto rounds = [&](Mat k, int count) {
+      for (int round = 0; round < count; ++round) {
+        VOILE_PETSC(MatScale(k, round % 2 == 0 ? 2.0 : 0.5));  // another matrix to the solver
+        CHECK(solver.residual(k) < 1e-7);
+      }
+    };
+    rounds(indefinite.k, 1);
+    rounds(definite.k, 11);
+    CHECK(solve::mixed_double_factors(solver.pc) == 11);
+    rounds(indefinite.k, 1);
+    rounds(definite.k, 12);
+    CHECK(solve::mixed_double_factors(solver.pc) == (statics ? 24 : 22));
+  }
 }
 
 TEST_CASE("mixed precision: what single precision cannot do is done in double") {
