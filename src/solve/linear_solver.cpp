@@ -132,8 +132,8 @@ void check_mumps_memory(int error, int size) {
   throw UserError(fmt::format(
       "out of memory: the direct solver MUMPS asked for another {:.3g} GB (INFOG(1) = {}) and did not get it. More "
       "ranks "
-      "on more machines, or a coarser mesh, need less per process; -pc_type voile_mixed (single precision) halves the "
-      "factor; -mat_mumps_icntl_22 1 keeps it on disk",
+      "on more machines, or a coarser mesh, need less per process; -pc_type voile_mixed (single precision, the default "
+      "of large symmetric statics) halves the factor; -mat_mumps_icntl_22 1 keeps it on disk",
       8e-9 * entries, error));
 }
 

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 from benchmarks import BENCHMARKS, compare
-from common import base, without_stops
+from common import base, plate, without_stops
 from curves import at_load
 from harness import solve, test
 from linear import LINEAR, answer
@@ -107,6 +107,26 @@ MODE_LIMITS = {
     "buckling_supported": (0.2, 0.85, 0.6),
     "buckling_panel": (0.35, 0.4, 0.3),
 }
+
+
+@test
+def mixed_statics(report):
+    """Factors in single precision see what those in double see: the pivots of every step of a snap-through, its limit points, and
+    large plates, which have them by default."""
+    case = mesh_of("roof_isotropic_6.35", n_axial=8, n_circ=8)
+    double, mixed = (solve(f"mixed_roof_{pc}", case, 1, ("-pc_type", pc)).history for pc in ("cholesky", "voile_mixed"))
+    report.check(len(double["step"]) == len(mixed["step"]) and all(double["negative_pivots"] == mixed["negative_pivots"])
+                 and max(double["negative_pivots"]) > 0, f"negative pivots of {len(mixed['step'])} steps are the same")
+    found = [h["critical_load_factor"][~np.isnan(h["critical_load_factor"])] for h in (double, mixed)]
+    report.below(np.abs(found[0] - found[1]).max(), 1e-9, f"{len(found[1])} critical load factors")
+    large = plate(102, 1e5) | {"analysis": "linear"}
+    view = {name: solve(f"mixed_plate_{name}", large, ranks, (*options, "-ksp_view"))
+            for name, ranks, options in (("default", 2, ()), ("double", 1, ("-pc_type", "cholesky")), ("tuned", 1, ("-mat_mumps_icntl_14", "80")))}
+    report.check([("voile_mixed" in r.text) for r in view.values()] == [True, False, False],
+                 "single precision by default, but not where the factor in double is tuned")
+    w = [r.history["centre_z"][-1] for r in view.values()]
+    report.below(w[0] / w[1] - 1, 1e-7, "the same deflection")
+    report.check(view["default"].summary["negative_pivots"] == 0, "a clamped plate is stable")
 
 
 @test
