@@ -198,7 +198,7 @@ TEST_CASE("mixed precision: in statics a negative mode below the round-off of th
     CHECK(solve::mixed_negative_pivots(solver.pc) == negative);
     CHECK(solve::mixed_double_factors(solver.pc) == (negative > 0 ? 1 : 0));
     CHECK(solve::mixed_negative_pivots(solver.pc) == negative);  // and is known from then on
-    CHECK(solver.residual(beam.k) < 1e-5);  // 1e-16 of the condition number, 5e10 and more
+    CHECK(solver.residual(beam.k) < 1e-5);                       // 1e-16 of the condition number, 5e10 and more
   }
 }
 
