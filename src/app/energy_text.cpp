@@ -6,6 +6,13 @@
 
 namespace voile::app {
 
+namespace {
+
+/// Share of the turnover that is much.
+constexpr double much = 0.05;
+
+}  // namespace
+
 std::string balance_text(const system::EnergyBalance& b) {
   std::string text = fmt::format("energy [J]: {:.4g} at the start", b.initial);
   const auto add = [&](const char* what, double value, bool always) {
@@ -23,6 +30,21 @@ std::string balance_text(const system::EnergyBalance& b) {
   const double all = b.turnover();
   return text + fmt::format("; unaccounted {:.2g} ({:.2g} %)", b.unaccounted,
                             all > 0.0 ? 100.0 * std::abs(b.unaccounted) / all : 0.0);
+}
+
+std::string balance_warning(const system::EnergyBalance& b, const solve::TimeOptions& options) {
+  const double all = b.turnover();
+  if (!(std::abs(b.unaccounted) > much * all)) return "";
+  const bool iterates = options.method == solve::TimeOptions::Method::implicit_alpha;
+  std::string remedy = "a smaller time.step";
+  if (iterates && options.velocity_tolerance > 0.0)
+    remedy += fmt::format(", or a time.velocity_tolerance below {:.3g} m/s,", options.velocity_tolerance);
+  else if (iterates)
+    remedy += ", or smaller -snes_rtol and -snes_stol,";
+  return fmt::format(
+      "{:.2g} % of the energy is not accounted for: forces that steps leave unbalanced did that work; {} is needed "
+      "where energies or speeds count (history: energy_unaccounted)",
+      100.0 * std::abs(b.unaccounted) / all, remedy);
 }
 
 std::string rest_text(const KineticEnergy& k) {

@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "voile/solve/time_options.hpp"
 #include "voile/system/energy_balance.hpp"
 
 namespace voile::app {
@@ -20,8 +21,10 @@ struct KineticEnergy {
   [[nodiscard]] bool at_rest() const { return largest > 0.0 && last < 1e-6 * largest; }
 };
 
-/// One line each for the end of a run; the second is empty if nothing has moved.
+/// One line each for the end of a run; the last one is empty if nothing has moved.
 [[nodiscard]] std::string balance_text(const system::EnergyBalance& balance);
+/// What to do if much of the energy is not accounted for, else empty.
+[[nodiscard]] std::string balance_warning(const system::EnergyBalance& balance, const solve::TimeOptions& options);
 [[nodiscard]] std::string rest_text(const KineticEnergy& kinetic);
 
 }  // namespace voile::app

@@ -81,6 +81,10 @@ void report_end(const input::Case& c, const RunOptions& options, const Summary& 
                  s.steps, s.newton_iterations, s.factorisations, iterative_text(s.iterative), s.cpu_seconds,
                  s.wall_seconds, folder);
     if (options.verbosity != Verbosity::quiet && s.balance.kept) fmt::print("{}\n", balance_text(s.balance));
+    // Stages that sew pull things into their place; what that takes is not looked at.
+    if (const std::string text = balance_warning(s.balance, c.time.options);
+        s.balance.kept && c.stage.sew.empty() && !text.empty())
+      fmt::print(stderr, "voile: warning: {}\n", text);
     if (options.verbosity != Verbosity::quiet && s.kinetic && s.kinetic->largest > 0.0)
       fmt::print("{}\n", rest_text(*s.kinetic));
     if (!s.converged)

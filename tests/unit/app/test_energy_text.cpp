@@ -20,3 +20,25 @@ TEST_CASE("a motion is at rest below a millionth of its largest kinetic energy")
   CHECK(k.at_rest());
   CHECK(rest_text(k) == "at rest at the end: kinetic energy 3e-06 J, 7.5e-07 of the largest, 4 J at t = 0.2 s");
 }
+
+TEST_CASE("energy that is not accounted for is warned of from a twentieth on, with what mends it") {
+  using voile::app::balance_warning;
+  voile::solve::TimeOptions loose, tight, explicit_steps;
+  loose.velocity_tolerance = 3e-3;
+  explicit_steps.method = voile::solve::TimeOptions::Method::central_difference;
+  voile::system::EnergyBalance b;
+  b.initial = 1.0;
+  b.loads = -2.0;
+  b.obstacles = 1.0;
+  b.unaccounted = -0.19;
+  CHECK(balance_warning(b, loose).empty());
+  b.unaccounted = -0.21;
+  CHECK(balance_warning(b, loose).find("5.2 % of the energy") == 0);
+  const auto names = [&](const voile::solve::TimeOptions& options, const char* text) {
+    return balance_warning(b, options).find(text) != std::string::npos;
+  };
+  CHECK(names(loose, "time.velocity_tolerance below 0.003 m/s"));
+  CHECK(names(tight, "-snes_rtol"));
+  CHECK(names(explicit_steps, "time.step is needed"));
+  CHECK(balance_warning({}, loose).empty());
+}
