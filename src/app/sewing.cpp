@@ -196,7 +196,10 @@ std::vector<Mesh> stage_meshes(const std::vector<Stage>& stages, const Mesh& fir
   const auto close = [&](const std::vector<std::string>& names) {
     const std::vector<std::string> open = mesh::open_seams(mesh->data(), names);
     if (open.empty()) return;
-    const std::vector<double> mass(mesh->positions().size(), 1.0);
+    // Where pieces lie now, means of two sides may all be one point, as those of the halves of an edge that is folded.
+    const std::vector<Index> first_of = mesh::joined_vertices(mesh->data(), open);
+    std::vector<double> mass(first_of.size());
+    for (std::size_t v = 0; v < mass.size(); ++v) mass[v] = first_of[v] == static_cast<Index>(v) ? 1.0 : 0.0;
     mesh = std::make_shared<const mesh::SurfaceMesh>(mesh::weld(mesh->data(), open, mesh->positions(), mass).data);
   };
   for (const Stage& stage : stages) {

@@ -2,6 +2,7 @@
 
 import numpy as np
 from harness import OUT, solve, test
+from pattern_files import part
 from results import Results
 from solver import invoke, run, write_case
 
@@ -122,3 +123,22 @@ def sewn_wrongly(report):
     refused("one panel in another scale", {"file": tube_file("tube_scale.obj", ellipse, texture=lambda u, v, panel: ((1 + 4 * panel) * u, (1 + 4 * panel) * v))} | key, "factor of", "scale of the two panels")
     refused("a unit without panels", {"file": good, "texture_unit": 0.01}, "texture_unit", 'rest = "texture"')
     refused("a linear solution", {"file": good} | key, "rest", "static", analysis="linear")
+
+
+@test
+def sewn_folded_edge(report):
+    """The halves of an edge, sewn to each other with the piece lying flat: the middles between their nodes are all one point before
+    it is folded."""
+    OUT.mkdir(parents=True, exist_ok=True)
+    (OUT / "folded.svg").write_text('<svg xmlns="http://www.w3.org/2000/svg" width="200mm" height="100mm" viewBox="0 0 200 100">'
+                                    '<path id="p" d="M 0 0 L 100 0 L 200 0 L 200 100 L 100 100 L 0 100 Z"/></svg>\n')
+    case = {"panel": [{"file": str(OUT / "folded.svg"), "name": "p", "size": 0.02, "up_axis": "z"}],
+            "seam": [{"name": "edge", "edges": ["p/0"], "to": ["p/1"], "meet": ["p@0", "p@2"]}],
+            "material": [{"type": "isotropic", "young": 5e7, "poisson": 0.3, "thickness": 5e-5, "density": 900.0}],
+            "contact": {"distance": 5e-4, "stiffness": 1e4}, "damping": {"mass": 20.0}, "output": {"every": 1000},
+            "stage": [{"name": "sew", "analysis": "dynamic", "sew": ["all"], "time": {"end": 1.0, "step": 5e-3}},
+                      {"name": "rest", "analysis": "dynamic", "time": {"end": 1.1, "step": 5e-3, "velocity_tolerance": 3e-3}}]}
+    result = solve("sewn_folded_edge", case)
+    stages = result.summary["stages"]
+    report.check(result.summary["converged"] and stages[0]["vertices"] - stages[1]["vertices"] == 5, "five pairs of nodes are welded")
+    report.check(all(part(result, s["name"]).history["intersections"].max() == 0 for s in stages), "nothing intersects")
