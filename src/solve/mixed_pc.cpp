@@ -38,6 +38,7 @@ struct Mixed {
   bool always_exact = false;
   bool proves = false;    ///< that matrices have no negative pivots
   bool definite = false;  ///< proved of the matrix in force
+  PetscBool on_disk = PETSC_FALSE;
   int failures = 0;
   long factors = 0, patterns = 0, exact_factors = 0, solutions = 0, iterations = 0;
 };
@@ -121,7 +122,10 @@ PetscErrorCode factor_single(PC pc, bool& good) {
   PetscFunctionBeginUser;
   PetscCall(petsc::guarded([&] {
     const petsc::EventScope scope(petsc::events().factor_single);
-    if (!m.single) m.single = std::make_unique<SingleFactor>(PetscObjectComm(reinterpret_cast<PetscObject>(pc)));
+    if (!m.single) {
+      m.single = std::make_unique<SingleFactor>(PetscObjectComm(reinterpret_cast<PetscObject>(pc)));
+      m.single->keep_on_disk(m.on_disk);
+    }
     m.patterns += m.pattern_read ? 0 : 1;
     good = m.single->factor(pc->pmat, !m.pattern_read, shifts[m.shift]);
     m.pattern_read = good;
@@ -214,6 +218,16 @@ PetscErrorCode prove_definite(PC pc) {
   PetscFunctionReturn(0);
 }
 
+PetscErrorCode ask_options(PC pc, PetscOptionItems* PetscOptionsObject) {
+  Mixed& m = data(pc);
+  PetscFunctionBeginUser;
+  PetscOptionsHeadBegin(PetscOptionsObject, "A factor in single precision, refined");
+  PetscCall(PetscOptionsBool("-pc_mixed_on_disk", "Keep the factor in files (folder: MUMPS_OOC_TMPDIR)", nullptr,
+                             m.on_disk, &m.on_disk, nullptr));
+  PetscOptionsHeadEnd();
+  PetscFunctionReturn(0);
+}
+
 PetscErrorCode reset(PC pc) {
   Mixed& m = data(pc);
   PetscFunctionBeginUser;
@@ -253,6 +267,7 @@ PetscErrorCode create(PC pc) {
   pc->ops->reset = reset;
   pc->ops->destroy = destroy;
   pc->ops->view = view;
+  pc->ops->setfromoptions = ask_options;
   PetscFunctionReturn(0);
 }
 

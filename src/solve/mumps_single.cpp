@@ -236,6 +236,10 @@ void SingleFactor::forget_matrix() {
   impl_->values = std::vector<float>();
 }
 
+void SingleFactor::keep_on_disk(bool on_disk) {
+  impl_->control(22) = on_disk ? 1 : 0;
+}
+
 bool SingleFactor::compressed() const {
   return impl_->mumps.icntl[35 - 1] > 0;
 }

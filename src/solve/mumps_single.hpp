@@ -24,6 +24,8 @@ class SingleFactor {
   [[nodiscard]] bool factor(Mat k, bool new_pattern, double shift = 0.0);
   /// Whether the last pattern had so many rows that blocks of low rank are compressed.
   [[nodiscard]] bool compressed() const;
+  /// From the next pattern on: the factor is kept in files, which MUMPS puts where MUMPS_OOC_TMPDIR says.
+  void keep_on_disk(bool on_disk);
   /// Gives back the copy of the matrix: the next one is of a new pattern.
   void forget_matrix();
   /// x = K^-1 b to single precision. Collective.

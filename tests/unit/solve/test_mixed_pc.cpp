@@ -202,6 +202,17 @@ TEST_CASE("mixed precision: in statics a negative mode below the round-off of th
   }
 }
 
+TEST_CASE("mixed precision: a factor on disk is the same factor") {
+  const Grid grid(12, 1e-3, 1e-2);
+  Solver here, on_disk;
+  VOILE_PETSC(KSPSetOptionsPrefix(on_disk.ksp, "disk_"));
+  VOILE_PETSC(PetscOptionsSetValue(nullptr, "-disk_pc_mixed_on_disk", "1"));
+  VOILE_PETSC(KSPSetFromOptions(on_disk.ksp));
+  VOILE_PETSC(PetscOptionsClearValue(nullptr, "-disk_pc_mixed_on_disk"));
+  CHECK(on_disk.residual(grid.k) == doctest::Approx(here.residual(grid.k)));
+  CHECK(solve::mixed_double_factors(on_disk.pc) == 0);
+}
+
 TEST_CASE("mixed precision: in statics two failures are enough") {
   Grid indefinite(6, 1.0, -1e-2), definite(6, 1.0, 1.0);
   for (const bool statics : {false, true}) {
