@@ -117,7 +117,11 @@ long LinearSolver::negative_pivots() const {
   return count;
 }
 
-void check_mumps_memory(int error, int size) {
+void check_mumps_room(int error, int size) {
+  if (error == -90)
+    throw UserError(
+        "the direct solver MUMPS could not keep its factor in files (INFOG(1) = -90): the folder that the environment "
+        "variable MUMPS_OOC_TMPDIR names, /tmp without it, must exist, be writable on all machines and have room");
   switch (error) {
     case -5:   // analysis, reals
     case -7:   // analysis, integers
@@ -144,7 +148,7 @@ bool LinearSolver::repair(int attempt) {
   if (error >= 0) return false;
   PetscInt size = 0;
   VOILE_PETSC(MatMumpsGetInfog(factor(), mumps_error + 1, &size));
-  check_mumps_memory(error, size);
+  check_mumps_room(error, size);
   // PETSc refuses to factor again after an error of MUMPS, without a word: only a new factor object helps.
   VOILE_PETSC(MatMumpsGetIcntl(factor(), mumps_workspace_percent, &percent));
   const bool lacks_workspace = error == -8 || error == -9;

@@ -109,7 +109,7 @@ PetscErrorCode factor_exactly(PC pc) {
     PetscInt error = 0, size = 0;
     VOILE_PETSC(MatMumpsGetInfog(factor, mumps_error, &error));
     VOILE_PETSC(MatMumpsGetInfog(factor, mumps_error + 1, &size));
-    check_mumps_memory(error, size);
+    check_mumps_room(error, size);
   }));
   m.use_exact = true;
   m.definite = false;

@@ -200,13 +200,13 @@ SingleFactor::~SingleFactor() = default;
 bool SingleFactor::factor(Mat k, bool new_pattern, double shift) {
   Impl& f = *impl_;
   if (new_pattern) f.read_pattern(k);
-  check_mumps_memory(f.answer(1), f.answer(2));
+  check_mumps_room(f.answer(1), f.answer(2));
   if (f.answer(1) < 0 && new_pattern) return false;
   f.read_values(k, shift);
   for (;;) {
     f.run(factorise);
     const int code = f.answer(1);
-    check_mumps_memory(code, f.answer(2));
+    check_mumps_room(code, f.answer(2));
     if (code != lacks_integers && code != lacks_reals) return code >= 0;
     if (f.control(14) >= most_workspace) return false;
     f.control(14) *= 2;

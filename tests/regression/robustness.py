@@ -160,6 +160,16 @@ def lacking_memory(report):
 
 
 @test
+def lacking_disk(report):
+    """A factor that shall be kept in files, where there is no such folder: exit code 2 and what is wrong, in either precision."""
+    file = write_case(strip("static"), OUT / "lacking_disk.toml")
+    for options in (["-pc_type", "voile_mixed", "-pc_mixed_on_disk"], ["-mat_mumps_icntl_22", "1"]):
+        done = subprocess.run(command(["run", file, "--output", OUT / "lacking_disk", "--overwrite", *options], 2), text=True, timeout=60,
+                              env=environment(2) | {"MUMPS_OOC_TMPDIR": "/no/such/folder"}, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+        report.check(done.returncode == 2 and "MUMPS_OOC_TMPDIR" in done.stdout, f"{options[0]}: code {done.returncode}: {done.stdout.strip()[:250]}")
+
+
+@test
 def folders(report):
     """Nobody's files are lost: no foreign folder, no earlier run unless asked, no input, one run at a time."""
     folder = fresh("folders")

@@ -14,9 +14,9 @@
 
 namespace voile::solve {
 
-/// Throws UserError if INFOG(1) of MUMPS says that memory was lacking; `size` is INFOG(2). Both are the same on all
+/// Throws UserError if INFOG(1) of MUMPS says that memory, or room for its files, was lacking; `size` is INFOG(2). Both are the same on all
 /// ranks.
-void check_mumps_memory(int error, int size);
+void check_mumps_room(int error, int size);
 
 class LinearSolver {
  public:
