@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <Eigen/Dense>
+#include <algorithm>
 #include <cmath>
 
 #include "validity.hpp"
@@ -14,6 +15,9 @@ namespace {
 
 /// Strains below which a nonlinear state is nothing but round-off, such as that of a sheet that has only moved.
 constexpr double no_strain = 1e-9;
+
+/// Share of a deflection beyond which the estimate is no number any more, only large.
+constexpr double most_told = 0.99;
 
 Vec3 of_triangle(const std::vector<double>& values, std::size_t t) {
   return Eigen::Map<const Vec3>(&values[3 * t]);
@@ -94,7 +98,7 @@ void DiscretisationError::judge(const energy::Sheet& sheet, const system::Triang
       "not {:.2g} m "
       "(summary.json: recovery_error; fields membrane_recovery_error and bending_recovery_error say where)",
       bending > membrane ? "bending moments" : "membrane forces", at[0], at[1], at[2],
-      mesh.has_charts() ? "the start" : "rest", 100.0 * std::sqrt(share_), 100.0 * share_,
+      mesh.has_charts() ? "the start" : "rest", 100.0 * std::sqrt(share_), 100.0 * std::min(share_, most_told),
       size * std::sqrt(error_limit / share_), size);
 }
 
