@@ -118,8 +118,8 @@ def told_counts(name, membrane, limit=5.0):
 
 
 def effectivity(name, membrane, least=2.0):
-    """Estimates by recovery over errors of at least `least` [%], ascending."""
-    return sorted(100 * r["estimates"]["recovery_error"] / largest(r) for r in runs_told(name, membrane) if largest(r) >= least)
+    """The larger one of a run's two estimates over its error, of errors of at least `least` [%], ascending."""
+    return sorted(100 * max(r["estimates"].values()) / largest(r) for r in runs_told(name, membrane) if largest(r) >= least)
 
 
 def runs_told(name, membrane):
@@ -144,5 +144,5 @@ def told_table(membranes):
             row += [f"{a} of {b}", f"{c} of {d}", f"{good} of {len(ratios)}, {ratios[len(ratios) // 2]:.2g}" if ratios else "-"]
         if any(runs_told(name, m) for m in membranes):
             rows.append(row)
-    header = [text for m in membranes for text in (f"`{m}`: wrong, told", "right, told all the same", "estimate within 0.5 to 2, median")]
+    header = [text for m in membranes for text in (f"`{m}`: wrong, told", "right, told all the same", "estimate 0.5 to 2 times the error, median")]
     return markdown(["problem", *header], rows) if rows else ""

@@ -54,8 +54,8 @@ one unless said. References, with what they are uncertain by: `runs/reference/me
 
 {flat}
 **What the runs said themselves**, where errors are deflections: those more than 5 % too small or too large, and how many of them warned; those less
-than 2.5 % off, and how many warned all the same; of those at least 2 % off how many have an estimate by recovery (`recovery_error`, [limits.md](limits.md)) of 0.5 to 2 times
-the error, and its median over the error.
+than 2.5 % off, and how many warned all the same; of those at least 2 % off for how many the larger of both estimates (`membrane_error` and `recovery_error`,
+[limits.md](limits.md)) is 0.5 to 2 times the error, and its median over the error.
 
 {told}
 {cube}
