@@ -26,7 +26,6 @@ using TensorField = std::function<Mat2(const Vec2&)>;
 
 struct Stressed {
   std::vector<double> membrane, bending;  ///< e_N, e_M of each triangle
-  std::vector<double> area;
   [[nodiscard]] double largest() const {
     return std::max(*std::max_element(membrane.begin(), membrane.end()),
                     *std::max_element(bending.begin(), bending.end()));
@@ -40,7 +39,7 @@ struct Cut {
   Vec3 shift = Vec3::Zero();
 };
 
-/// N = M = the field at the centroids, in the axes of each triangle. `bend`: of the rest shape in space.
+/// N = M = the field at the centroids, in the axes of each triangle.
 Stressed stress(const mesh::MeshData& flat, const std::vector<energy::Material>& materials, const TensorField& field,
                 energy::MembraneOperator membrane = energy::MembraneOperator::six_node, const Cut& cut = {}) {
   mesh::MeshData data = flat;
@@ -76,7 +75,6 @@ Stressed stress(const mesh::MeshData& flat, const std::vector<energy::Material>&
     const RecoveryError::Density d = error.of(t, values, values);
     result.membrane.push_back(d.membrane);
     result.bending.push_back(d.bending);
-    result.area.push_back(mesh.area(t));
   }
   return result;
 }
