@@ -106,7 +106,7 @@ def unresolved(report):
         report.below(np.ptp(estimates) / estimates[0], 1e-6, "the same on all numbers of ranks")
         if cause:
             report.check(0.4 < estimates[0] / abs(error) < 2.5 and result.summary["membrane_error"] < 0.05, "within a factor of 2.5; chords say nothing")
-        if place:
+        if place and said:
             where = np.array([float(x) for x in said[0][1].split(",")])
             report.below(np.linalg.norm(where - place), 40.0, "the place is at the force")
             fields = result.results[-1]
