@@ -94,10 +94,13 @@ def stored(name):
     return json.loads(file.read_text()) if file.is_file() else {}
 
 
-def warned(folder):
-    """Whether the run told that its deflections are wrong."""
-    said = folder / SAID
-    return said.is_file() and "too small by" in said.read_text()
+def told(folder):
+    """What a run said of its own error: whether it warned of wrong deflections, and the estimates of its summary."""
+    said, summary = folder / SAID, folder / "summary.json"
+    found = json.loads(summary.read_text()) if summary.is_file() else {}
+    text = said.read_text() if said.is_file() else ""
+    return {"warned": any(words in text for words in ("too small by", "wrong by about")),
+            "estimates": {name: found.get(name) for name in ("membrane_error", "recovery_error")}}
 
 
 def refresh(name, membranes, jobs=1, again=False):
@@ -112,7 +115,7 @@ def refresh(name, membranes, jobs=1, again=False):
         start = time.time()
         values = problem.solve(setting, folder)
         with lock:
-            found[setting.key] = {"values": values, "seconds": round(time.time() - start, 2), "warned": warned(folder)}
+            found[setting.key] = {"values": values, "seconds": round(time.time() - start, 2)} | told(folder)
             partly = cache_file(name).with_suffix(".part")
             partly.write_text(json.dumps(found, indent=0))
             partly.replace(cache_file(name))

@@ -110,19 +110,39 @@ def flat_table(membranes):
 # ------------------------------------------------------------------------------------------------- what runs said
 
 def told_counts(name, membrane, limit=5.0):
-    """(wrong runs that warned, wrong runs, right runs that warned, right runs); wrong: a deflection is too small by more than the limit [%]."""
-    runs = [r for key, r in stored(name).items() if key.split("|")[-1] == membrane and r["values"] and "warned" in r]
-    wrong = [r["warned"] for r in runs if min(r["values"].values()) < -limit]
-    right = [r["warned"] for r in runs if min(r["values"].values()) >= -limit / 2]
+    """(wrong runs that warned, wrong runs, right runs that warned, right runs); wrong: a deflection is off by more than the limit [%]."""
+    runs = [(largest(r), r["warned"]) for r in runs_told(name, membrane)]
+    wrong = [warned for error, warned in runs if error > limit]
+    right = [warned for error, warned in runs if error <= limit / 2]
     return sum(wrong), len(wrong), sum(right), len(right)
 
 
+def effectivity(name, membrane, least=2.0):
+    """The larger one of a run's two estimates over its error, of errors of at least `least` [%], ascending."""
+    return sorted(100 * max(r["estimates"].values()) / largest(r) for r in runs_told(name, membrane) if largest(r) >= least)
+
+
+def runs_told(name, membrane):
+    return [r for key, r in stored(name).items() if key.split("|")[-1] == membrane and r["values"] and r.get("estimates")]
+
+
+def largest(run):
+    return max(abs(v) for v in run["values"].values())
+
+
 def told_table(membranes):
-    """What is missing of a wrong deflection's warning, and warnings without need, by problem."""
+    """What is missing of a wrong deflection's warning, warnings without need, and how good the estimate is, by problem."""
     rows = []
     for name, problem in CUBE.items():
-        counts = [told_counts(name, m) for m in membranes]
-        if name not in ("cube_cloth", "cube_drum", "cube_pinched_path", "cube_pullout", "cube_rolled") and any(c[1] + c[3] for c in counts):
-            rows.append([problem.title, *(text for a, b, c, d in counts for text in (f"{a} of {b}", f"{c} of {d}"))])
-    header = [text for m in membranes for text in (f"`{m}`: wrong, told", "right, told all the same")]
+        if name in ("cube_cloth", "cube_drum", "cube_pinched_path", "cube_pullout", "cube_rolled"):
+            continue
+        row = [problem.title]
+        for m in membranes:
+            a, b, c, d = told_counts(name, m)
+            ratios = effectivity(name, m)
+            good = sum(0.5 <= r <= 2 for r in ratios)
+            row += [f"{a} of {b}", f"{c} of {d}", f"{good} of {len(ratios)}, {ratios[len(ratios) // 2]:.2g}" if ratios else "-"]
+        if any(runs_told(name, m) for m in membranes):
+            rows.append(row)
+    header = [text for m in membranes for text in (f"`{m}`: wrong, told", "right, told all the same", "estimate 0.5 to 2 times the error, median")]
     return markdown(["problem", *header], rows) if rows else ""

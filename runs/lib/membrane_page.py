@@ -53,8 +53,9 @@ one unless said. References, with what they are uncertain by: `runs/reference/me
 **Flat over the thickness**: meshes on which no error is more than 1.5 times that at 1e-2, where what is below 1 % counts as 1 %.
 
 {flat}
-**What the runs said themselves**, where errors are deflections: those more than 5 % too small, and how many of them warned; those less than
-2.5 % too small, and how many warned all the same.
+**What the runs said themselves**, where errors are deflections: those more than 5 % too small or too large, and how many of them warned; those less
+than 2.5 % off, and how many warned all the same; of those at least 2 % off for how many the larger of both estimates (`membrane_error` and `recovery_error`,
+[limits.md](limits.md)) is 0.5 to 2 times the error, and its median over the error.
 
 {told}
 {cube}

@@ -41,7 +41,8 @@ Recorder::Recorder(const input::Case& c, const RunOptions& options, system::Mode
       root_(mpi::rank(model.dofs().comm()) == 0),
       probes_(std::in_place, c, model),
       linear_(c.analysis == "linear"),
-      warnings_(linear_) {
+      warnings_(linear_),
+      discretisation_error_(linear_) {
   mpi::on_root(model.dofs().comm(), [&] {
     if (model.contact()) obstacles_.emplace(model.contact()->scene().input(), model.dofs().mesh());
     results_.emplace(options.output, obstacles_ ? obstacles_->at_rest() : io::ObstacleTriangles{});
@@ -72,6 +73,7 @@ void Recorder::use(system::Model& model, const system::Dynamics* dynamics) {
   model_ = &model;
   dynamics_ = dynamics;
   warnings_.begin_epoch();
+  discretisation_error_.begin_epoch();
   if (mesh_ == &model.dofs().mesh()) return;
   mesh_ = &model.dofs().mesh();
   probes_.emplace(case_, model);
@@ -188,6 +190,8 @@ void Recorder::write_pending() {
 void Recorder::finish() {
   write_pending();
   mpi::on_root(model_->dofs().comm(), [&] { results_->finish(); });
+  if (!discretisation_error_.warning().empty())
+    fmt::print(stderr, "voile: warning: {}\n", discretisation_error_.warning());
 }
 
 std::vector<double> Recorder::common_values(const system::State& state, const solve::StepResult& r,
@@ -244,6 +248,8 @@ void Recorder::write_fields(io::StepFields step, Vec a, const Snapshot& s) {
   if (sizes_ && wants("wanted_size")) step.fields.push_back({"wanted_size", "m", io::Centre::vertex, 1, sizes_()});
   for (io::Field& f : contact_fields(*model_, a, [&](const std::string& name) { return wants(name); }))
     step.fields.push_back(std::move(f));
+  DiscretisationError::Densities recovered;
+  if (estimates()) recovered = discretisation_error_.of(*model_, t);
   mpi::on_root(model_->dofs().comm(), [&] {
     const auto add = [&](const char* name, const char* unit, io::Centre centre, const std::vector<double>& values) {
       if (wants(name)) step.fields.push_back({name, unit, centre, 3, values});
@@ -254,11 +260,15 @@ void Recorder::write_fields(io::StepFields step, Vec a, const Snapshot& s) {
     add("membrane_force", "N/m", io::Centre::triangle, t.membrane_force);
     add("curvature", "1/m", io::Centre::triangle, t.curvature);
     add("bending_moment", "N", io::Centre::triangle, t.bending_moment);
-    if (case_.analysis != "modal" && case_.analysis != "buckling") {
+    const auto add_density = [&](const char* name, std::vector<double>& values) {
+      if (wants(name)) step.fields.push_back({name, "J/m^2", io::Centre::triangle, 1, std::move(values)});
+    };
+    if (estimates()) {
       Warnings::MembraneError error = warnings_.membrane_error(model_->discretisation().sheet(), t);
       membrane_error_ = error.share;
-      if (wants("membrane_error"))
-        step.fields.push_back({"membrane_error", "J/m^2", io::Centre::triangle, 1, std::move(error.density)});
+      add_density("membrane_error", error.density);
+      add_density("membrane_recovery_error", recovered.membrane);
+      add_density("bending_recovery_error", recovered.bending);
     }
     if (case_.output.stresses != input::OutputSection::Stresses::none)
       for (io::Field& f : stress_fields(model_->discretisation().sheet(), t,

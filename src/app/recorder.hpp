@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "discretisation_error.hpp"
 #include "energy_text.hpp"
 #include "obstacles.hpp"
 #include "probes.hpp"
@@ -32,7 +33,7 @@ class Recorder {
   /// Writes the fields of the last recorded state if `every` has left them out. Collective; the model must be that of
   /// the last record.
   void write_pending();
-  /// Does so, and closes the results. Collective.
+  /// Does so, closes the results, and tells if the cells do not resolve the last state. Collective.
   void finish();
   /// The model of later records, perhaps on another mesh; the dynamics of its motion, null outside one. What is pending
   /// must have been written. Collective.
@@ -50,6 +51,8 @@ class Recorder {
   /// Energy that chords feign over that stored, in the last state whose fields were written; on rank 0. Not a
   /// number if it is not estimated.
   [[nodiscard]] double membrane_error() const { return membrane_error_; }
+  /// Energy by which stress resultants differ from smooth ones over that stored, likewise.
+  [[nodiscard]] double recovery_error() const { return discretisation_error_.share(); }
   /// Of the motion so far.
   [[nodiscard]] const KineticEnergy& kinetic() const { return kinetic_; }
 
@@ -70,6 +73,8 @@ class Recorder {
     petsc::VecHandle position, velocity;
   };
   [[nodiscard]] Snapshot snapshot(Vec a);
+  /// Whether estimates of error are made: not of modes, which have no size.
+  [[nodiscard]] bool estimates() const { return case_.analysis != "modal" && case_.analysis != "buckling"; }
   void write_fields(io::StepFields step, Vec a, const Snapshot& s);
   void write_or_keep(bool write, io::StepFields step, Vec position, Vec velocity, const Snapshot& s);
   void write_history(const system::State& state, const solve::StepResult& r, const Snapshot& s);
@@ -98,6 +103,7 @@ class Recorder {
   bool linear_;
   Warnings warnings_;
   double membrane_error_ = std::nan("");
+  DiscretisationError discretisation_error_;
   KineticEnergy kinetic_;
 };
 

@@ -157,6 +157,7 @@ Summary run_stage(const Stage& stage, std::unique_ptr<Epoch> epoch, io::Checkpoi
   if (remesher && !text_of(*summary.remeshing).empty()) recorder.remark(text_of(*summary.remeshing));
   recorder.finish();
   summary.membrane_error = recorder.membrane_error();
+  summary.recovery_error = recorder.recovery_error();
   if (c.analysis == "dynamic") summary.kinetic = recorder.kinetic();
   state = gather(epoch->state(), epoch->model().dofs());
   if (system::Contact* contact = epoch->model().contact())

@@ -77,6 +77,7 @@ Json json_of(const Summary& s) {
            {"negative_pivots", s.negative_pivots},
            {"residual", s.residual},
            {"membrane_error", s.membrane_error},
+           {"recovery_error", s.recovery_error},
            {"unknowns", s.unknowns},
            {"vertices", s.vertices},
            {"triangles", s.triangles},

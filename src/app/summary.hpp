@@ -38,6 +38,7 @@ struct Summary {
   long negative_pivots = -1;    ///< of the last tangent: the last state is unstable if > 0; -1: not known
   double residual = 0.0;        ///< relative, of the last state
   double membrane_error = 0.0;  ///< energy that should not be there over that stored, see Warnings::membrane_error()
+  double recovery_error = 0.0;  ///< of the last state, see DiscretisationError::share()
   long unknowns = 0;
   Index vertices = 0, triangles = 0;
   double cpu_seconds = 0.0, wall_seconds = 0.0;

@@ -6,6 +6,8 @@
 #include <numbers>
 #include <utility>
 
+#include "discretisation_error.hpp"
+
 namespace voile::app {
 
 // Results beyond go on, but the law no longer holds.
@@ -42,16 +44,9 @@ Warnings::MembraneError Warnings::membrane_error(const energy::Sheet& sheet, con
   // Chords that are corrected leave little: what remains is bending that is none.
   const bool corrected = sheet.options().membrane == energy::MembraneOperator::six_node_corrected;
   for (std::size_t k = 0; corrected && k < error.size(); ++k) error[k] += t.in_plane[k];
-  double feigned = 0.0, stored = 0.0, in_plane = 0.0;
-  for (std::size_t k = 0; k < error.size(); ++k) {
-    const auto of = [k](const std::vector<double>& values) { return Eigen::Map<const Vec3>(&values[3 * k]); };
-    const double area = sheet.mesh().area(static_cast<Index>(k));
-    feigned += area * error[k];
-    in_plane += area * t.in_plane[k];
-    stored +=
-        0.5 * area * (of(t.membrane_strain).dot(of(t.membrane_force)) + of(t.curvature).dot(of(t.bending_moment)));
-  }
-  if (corrected) stored += in_plane;
+  double feigned = 0.0;
+  for (std::size_t k = 0; k < error.size(); ++k) feigned += sheet.mesh().area(static_cast<Index>(k)) * error[k];
+  const double stored = stored_energy(sheet, t);
   const double share = stored > 0.0 ? feigned / stored : 0.0;
   if (share > error_limit && !std::exchange(said_error_, true))
     fmt::print(

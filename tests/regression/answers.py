@@ -52,7 +52,7 @@ def linear_values(report):
             if name == "flat":
                 report.below(abs(step["reaction"][:, 2].sum() / size + 0.4), 1e-7, f"{name} x {size:g}: the reactions balance the load")
             known.append([step[field] / size for field in ("reaction", "bending_moment", "membrane_force", "membrane_strain")]
-                         + [np.array(result.summary["membrane_error"])])
+                         + [np.array([result.summary["membrane_error"], result.summary["recovery_error"]])])
         # A strip that only bends has membrane forces and strains of no more than round-off.
         bent = {"strain": 2e-3, "force": 240.0} if name == "flat" else {}
         for field, (small, large) in zip(("reaction", "moment", "force", "strain", "error"), zip(*known)):

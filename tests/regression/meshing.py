@@ -11,6 +11,8 @@ from common import base, plate, sheet_on_ball, strip_case
 from harness import OUT, solve, test
 from jittered import strip_mesh
 from linear import LINEAR, answer
+from membrane_problems import Setting, linear_case
+from membrane_references import reference
 from pattern_files import tube
 from solver import ROOT, command, environment, invoke, load_case, run, variant, write_case
 
@@ -82,6 +84,34 @@ def estimated_errors(report):
             estimate = 0.01 * int(said[0])
     error = 1 - deflection[16] / deflection[64]
     report.check(0.5 < estimate / error < 2, f"it is {100 * error:.0f} % too small, estimated {100 * estimate:.0f} %")
+
+
+@test
+def unresolved(report):
+    """Deflections that are too large or too small because cells do not resolve moments or forces are told with cause and place; fine cells are not."""
+    around, wide = {"n_axial": 16, "n_circ": 16}, {"n_axial": 8, "n_circ": 8}
+    for name, kind, size, cause, place in (("pinched_diaphragm", "random", around, "bending moments", (0.0, 0.0, 300.0)),
+                                           ("scordelis_lo", "union jack", wide, "membrane forces", None),
+                                           ("scordelis_lo", "union jack", {k: 4 * n for k, n in wide.items()}, "", None)):
+        setting = Setting("six_node_corrected", kind, size, 1e-3, 1)
+        label = f"unresolved_{name}_{setting.mesh_name.replace(' ', '')}"
+        case = linear_case(name, setting, OUT / f"{label}_mesh")
+        estimates = []
+        for ranks in (1, 2, 3) if place else (1,):
+            result = solve(f"{label}_{ranks}", case, ranks)
+            estimates.append(result.summary["recovery_error"])
+        error = -result.history["A_z"][-1] / reference(name, 1e-3)["A_z"] - 1
+        said = re.findall(r"cells do not resolve how (.*) change, most near \(([^)]*)\) m", result.text)
+        report.check([s[0] for s in said] == ([cause] if cause else []), f"{label}: {100 * error:+.1f} %, estimated {100 * estimates[0]:.1f} %: {said}")
+        report.below(np.ptp(estimates) / estimates[0], 1e-6, "the same on all numbers of ranks")
+        if cause:
+            report.check(0.4 < estimates[0] / abs(error) < 2.5 and result.summary["membrane_error"] < 0.05, "within a factor of 2.5; chords say nothing")
+        if place and said:
+            where = np.array([float(x) for x in said[0][1].split(",")])
+            report.below(np.linalg.norm(where - place), 40.0, "the place is at the force")
+            fields = result.results[-1]
+            report.check(all(fields[f"{part}_recovery_error"].min() >= 0 for part in ("membrane", "bending"))
+                         and fields["bending_recovery_error"].max() > fields["membrane_recovery_error"].max(), "the fields say where")
 
 
 @test

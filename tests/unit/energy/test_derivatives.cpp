@@ -161,6 +161,26 @@ TEST_CASE("derivatives of the corrected membrane agree on slivers, under stress 
   }
 }
 
+TEST_CASE("derivatives of the corrected membrane agree for laminates, flat and curved") {
+  // Angle plies: A and D have all their parts, and differ by more than a factor.
+  const Mat3 ply = energy::orthotropic_membrane(2500.0, 100.0, 0.25, 50.0, 1.0);
+  const energy::LaminateStiffness l =
+      energy::laminate(ply, {{0.5, 0.03}, {-0.9, 0.04}, {0.2, 0.06}, {-0.9, 0.04}, {0.5, 0.03}});
+  CHECK(std::abs(l.membrane(0, 2)) > 0.01 * l.membrane(0, 0));
+  CHECK(std::abs(l.bending(1, 2)) > 0.01 * l.bending(0, 0));
+  CHECK(l.coupling.norm() < 1e-12 * l.membrane.norm());
+  const mesh::SurfaceMesh flat(square(Pattern::jittered, 6)), curved(curved_shell());
+  for (const bool supported : {false, true}) {
+    CAPTURE(supported);
+    system::ModelInput input =
+        input_for(energy::BendingOperator::edge_slope, energy::MembraneOperator::six_node_corrected, supported);
+    input.materials[0].membrane = l.membrane;
+    input.materials[0].bending = l.bending;
+    check_derivatives(curved, input);
+    if (!supported) check_derivatives(flat, input);
+  }
+}
+
 TEST_CASE("follower pressure and follower moment have their full stiffness") {
   const mesh::SurfaceMesh curved(curved_shell());
   for (const auto kind : {system::Load::Kind::follower_pressure, system::Load::Kind::follower_moment}) {

@@ -1,0 +1,105 @@
+#include "discretisation_error.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+
+#include "validity.hpp"
+#include "voile/base/mpi.hpp"
+
+namespace voile::app {
+
+namespace {
+
+/// Strains below which a nonlinear state is nothing but round-off, such as that of a sheet that has only moved.
+constexpr double no_strain = 1e-9;
+
+/// Share of a deflection beyond which the estimate is no number any more, only large.
+constexpr double most_told = 0.99;
+
+Vec3 of_triangle(const std::vector<double>& values, std::size_t t) {
+  return Eigen::Map<const Vec3>(&values[3 * t]);
+}
+
+/// Energy of `no_strain` throughout.
+double no_energy(const energy::Sheet& sheet) {
+  double sum = 0.0;
+  for (Index t = 0; t < sheet.mesh().triangle_count(); ++t)
+    sum += 0.5 * sheet.mesh().area(t) * sheet.material(t).membrane.trace() * no_strain * no_strain;
+  return sum;
+}
+
+/// Side of an equilateral triangle.
+double cell_size(double area) {
+  return std::sqrt(4.0 * area / std::sqrt(3.0));
+}
+
+}  // namespace
+
+double stored_energy(const energy::Sheet& sheet, const system::TriangleFields& f) {
+  const bool in_plane = sheet.options().membrane == energy::MembraneOperator::six_node_corrected;
+  double stored = 0.0;
+  for (std::size_t t = 0; t < f.in_plane.size(); ++t) {
+    const double density = of_triangle(f.membrane_strain, t).dot(of_triangle(f.membrane_force, t)) +
+                           of_triangle(f.curvature, t).dot(of_triangle(f.bending_moment, t));
+    stored += sheet.mesh().area(static_cast<Index>(t)) * (0.5 * density + (in_plane ? f.in_plane[t] : 0.0));
+  }
+  return stored;
+}
+
+DiscretisationError::Densities DiscretisationError::of(const system::Model& model,
+                                                       const system::TriangleFields& fields) {
+  const energy::Sheet& sheet = model.discretisation().sheet();
+  const MPI_Comm comm = model.dofs().comm();
+  if (!recovery_) recovery_.emplace(sheet);
+  std::vector<double> force = fields.membrane_force, moment = fields.bending_moment;
+  mpi::broadcast(comm, force);
+  mpi::broadcast(comm, moment);
+  const auto count = static_cast<std::size_t>(sheet.mesh().triangle_count());
+  Densities d{std::vector<double>(count, 0.0), std::vector<double>(count, 0.0)};
+  const std::vector<int>& owner = model.dofs().partition().triangle_rank;
+  const int own = mpi::rank(comm);
+  for (std::size_t t = 0; t < count; ++t) {
+    if (owner[t] != own) continue;
+    const energy::RecoveryError::Density e = recovery_->of(static_cast<Index>(t), force, moment);
+    d.membrane[t] = e.membrane;
+    d.bending[t] = e.bending;
+  }
+  mpi::sum_to_root(comm, d.membrane);
+  mpi::sum_to_root(comm, d.bending);
+  if (own == 0) judge(sheet, fields, d);
+  return d;
+}
+
+void DiscretisationError::judge(const energy::Sheet& sheet, const system::TriangleFields& fields, const Densities& d) {
+  const mesh::SurfaceMesh& mesh = sheet.mesh();
+  double membrane = 0.0, bending = 0.0, largest = 0.0;
+  Index worst = 0;
+  for (std::size_t t = 0; t < d.membrane.size(); ++t) {
+    const double area = mesh.area(static_cast<Index>(t)), whole = area * (d.membrane[t] + d.bending[t]);
+    membrane += area * d.membrane[t];
+    bending += area * d.bending[t];
+    if (whole <= largest) continue;
+    largest = whole;
+    worst = static_cast<Index>(t);
+  }
+  const double stored = stored_energy(sheet, fields);
+  share_ = stored > (linear_ ? 0.0 : no_energy(sheet)) ? (membrane + bending) / stored : 0.0;
+  warning_.clear();
+  if (share_ <= error_limit) return;
+  const Vec3 at = (mesh.start_corner(worst, 0) + mesh.start_corner(worst, 1) + mesh.start_corner(worst, 2)) / 3.0;
+  const double size = cell_size(mesh.area(worst));
+  warning_ = fmt::format(
+      "cells do not resolve how {} change, most near ({:.4g}, {:.4g}, {:.4g}) m at {}: they are {:.2g} % off in the "
+      "mean, and "
+      "deflections may be wrong by about {:.2g} %, too large or too small; cells of about {:.2g} m are needed there, "
+      "not {:.2g} m "
+      "(summary.json: recovery_error; fields membrane_recovery_error and bending_recovery_error say where)",
+      bending > membrane ? "bending moments" : "membrane forces", at[0], at[1], at[2],
+      mesh.has_charts() ? "the start" : "rest", 100.0 * std::sqrt(share_), 100.0 * std::min(share_, most_told),
+      size * std::sqrt(error_limit / share_), size);
+}
+
+}  // namespace voile::app
