@@ -76,7 +76,7 @@ class Remesher {
                                                std::string& what);
   [[nodiscard]] static Ledger ledger(Epoch& epoch);
   void keep_momentum(Epoch& old_epoch, Epoch& fresh, const Ledger& before);
-  [[nodiscard]] static bool intersects(Epoch& epoch);
+  [[nodiscard]] static std::string intersections(Epoch& epoch);
   [[nodiscard]] bool find_equilibrium(Epoch& old_epoch, Epoch& fresh, std::string& what) const;
   [[nodiscard]] static double negligible_energy(const Epoch& epoch);
   [[nodiscard]] double energy_change(const Ledger& before, const Ledger& after, Epoch& fresh) const;
