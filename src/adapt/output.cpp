@@ -92,6 +92,25 @@ Remeshed::Source source_of(const Surface& s, Index v) {
   return {hit.triangle, hit.weights};
 }
 
+/// Place at the start of a new vertex of panels. On a curved rim it lies beside the triangle that it comes from, which goes on
+/// there as it is, so that what is not strained stays so. On open seams it stays on the old edge, as its partner does.
+Vec3 start_of(const Surface& s, Index v, const Remeshed::Source& at, const mesh::SurfaceMesh& old_mesh) {
+  const mesh::Triangle& corners = old_mesh.triangles()[at.triangle];
+  Eigen::Matrix<double, 3, 2> rest, start;
+  Vec3 x = Vec3::Zero(), source = Vec3::Zero();
+  for (std::size_t i = 0; i < 3; ++i) {
+    const Vec3 &place = old_mesh.positions()[corners[i]], &chart = s.search.rest(at.triangle)[i];
+    x += at.weights[i] * place;
+    source += at.weights[i] * chart;
+    if (i == 0) continue;
+    start.col(static_cast<Eigen::Index>(i) - 1) = place - old_mesh.positions()[corners[0]];
+    rest.col(static_cast<Eigen::Index>(i) - 1) = chart - s.search.rest(at.triangle)[0];
+  }
+  const Index side = s.first_around(s.leaving[v]);
+  if (s.twin[side] != no_index || s.open_seams.origin_of(v)) return x;
+  return x + start * rest.colPivHouseholderQr().solve(s.rest[next(side)] - source);
+}
+
 void fill_vertices(const Surface& s, const Numbers& n, const mesh::SurfaceMesh& old_mesh, Remeshed& r) {
   const mesh::MeshData& from = old_mesh.data();
   std::size_t tag = *std::max_element(from.vertex_tags.begin(), from.vertex_tags.end());
@@ -102,15 +121,12 @@ void fill_vertices(const Surface& s, const Numbers& n, const mesh::SurfaceMesh& 
     const bool is_old = s.old[v] != no_index;
     r.mesh.vertex_tags.push_back(is_old ? from.vertex_tags[s.old[v]] : ++tag);
     const Remeshed::Source& at = r.source.back();
-    const mesh::Triangle& corners = from.triangles[at.triangle];
     if (is_old) {
       r.mesh.positions.push_back(from.positions[s.old[v]]);
     } else if (!old_mesh.has_charts()) {
       r.mesh.positions.push_back(s.rest[next(s.leaving[v])]);
     } else {
-      Vec3 x = Vec3::Zero();
-      for (std::size_t i = 0; i < 3; ++i) x += at.weights[i] * from.positions[corners[i]];
-      r.mesh.positions.push_back(x);
+      r.mesh.positions.push_back(start_of(s, v, at, old_mesh));
     }
   }
   if (s.allowed.empty()) return;

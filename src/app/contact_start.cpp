@@ -85,13 +85,19 @@ std::vector<std::string> enclosed_pieces(const system::ContactScene& scene, cons
   return notes;
 }
 
+/// Says what is odd about obstacles as they were read: before the start is checked, which that may explain.
+void print_obstacle_notes(const system::Contact& contact) {
+  mpi::on_root(PETSC_COMM_WORLD, [&] {
+    for (const std::string& note : contact.scene().input().notes) fmt::print("note: {}\n", note);
+  });
+}
+
 /// Says what a user should know of a start that is none the worse for it. Collective.
 void print_notes(const input::Case& c, system::Contact& contact, Vec a) {
   const system::ContactReport report = system::report(contact.scene(), a);
   const double settle_time = contact.scene().input().options.settle_time;
   const std::vector<Vec3> positions = contact.scene().positions(a);
   mpi::on_root(PETSC_COMM_WORLD, [&] {
-    for (const std::string& note : contact.scene().input().notes) fmt::print("note: {}\n", note);
     if (!c.panels.empty())
       for (const std::string& note : enclosed_pieces(contact.scene(), positions)) fmt::print("note: {}\n", note);
     if (report.pairs == 0) return;
@@ -141,6 +147,7 @@ std::string repair(const RunOptions& options, system::Contact& contact, Vec a) {
 
 void examine_start(const input::Case& c, system::Contact& contact, Vec a) {
   contact.set_time(0.0);
+  print_obstacle_notes(contact);
   if (c.contact.untangle && is_tangled(contact, a))
     mpi::on_root(PETSC_COMM_WORLD, [] {
       fmt::print(
@@ -154,10 +161,12 @@ void examine_start(const input::Case& c, system::Contact& contact, Vec a) {
 void settle_start(const input::Case& c, const RunOptions& options, system::Contact& contact, Vec a, double time,
                   bool is_first) {
   contact.set_time(time);
+  const bool says = options.verbosity != Verbosity::quiet && is_first;
+  if (says) print_obstacle_notes(contact);
   const bool repairs = c.contact.untangle && is_first && is_tangled(contact, a);
   const std::string tried = repairs ? repair(options, contact, a) : "";
   check_start(options.output / "intersections.vtk", contact, a, tried);
-  if (options.verbosity != Verbosity::quiet && is_first) print_notes(c, contact, a);
+  if (says) print_notes(c, contact, a);
 }
 
 }  // namespace voile::app

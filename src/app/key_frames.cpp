@@ -84,6 +84,7 @@ class PlacedFrames {
                                                double run_end) const {
     std::vector<std::string> all;
     const std::string name = fmt::format("[[obstacle]] '{}': ", section.shape.name), file = section.frames.string();
+    if (!cache_.remark().empty()) all.push_back(name + fmt::format("{}: {}", file, cache_.remark()));
     if (const Difference d = difference(mesh, at(cache_.start())); d.distance > same_place * extent(mesh))
       all.push_back(name + fmt::format("the first frame of {} is not {}: vertex {} (counted from 1) lies {:.4g} m away "
                                        "from there, and the body is where the frame has it; if it should not, export "

@@ -26,7 +26,8 @@ struct Bend {
 [[nodiscard]] std::vector<Bend> bends_of(const std::vector<Vec3>& points, const std::vector<mesh::Triangle>& triangles,
                                          const adapt::SizeOptions& o, double apart);
 
-/// Those of all obstacles where they are; `ahead` [s]: the time in which they may come nearer. Not collective.
+/// Those of all obstacles where they are; `ahead` [s]: the time in which they may come nearer. Collective: bodies in frames
+/// are read by rank 0.
 [[nodiscard]] std::vector<Bend> bends_of(const system::ContactScene& scene, const adapt::SizeOptions& o, double ahead);
 
 /// Lowers the bound of every vertex that comes near a bend. `places` [m] and `advance` [m] of vertices, which may be empty:

@@ -129,20 +129,24 @@ double Remesher::time_ahead(const Epoch& epoch) const {
   return 2.0 * every() * (next > 0.0 ? next : stage_.c.time.options.step);
 }
 
-/// Lowers the bounds beside what bends the sheet as soon as it gets there; on rank 0. `velocity`: empty outside a motion.
-void Remesher::bound_by_obstacles(Epoch& epoch, const std::vector<Vec3>& places, const std::vector<double>& velocity,
-                                  std::vector<double>& bound) {
-  near_obstacle_.assign(places.size(), 0);
+/// What bends the sheet as soon as it gets there. Collective: rank 0 reads the frames of bodies for all.
+std::vector<Bend> Remesher::bends(Epoch& epoch) const {
   const system::Contact* contact = epoch.model().contact();
-  if (!contact || !keys_.near_obstacles) return;
-  const adapt::SizeOptions o = options_of(stage_, *first_);
-  const double ahead = time_ahead(epoch);
+  if (!contact || !keys_.near_obstacles) return {};
+  return bends_of(contact->scene(), options_of(stage_, *first_), time_ahead(epoch));
+}
+
+/// Lowers the bounds beside bends; on rank 0. `velocity`: empty outside a motion.
+void Remesher::bound_by_obstacles(const std::vector<Bend>& bends, double ahead, const std::vector<Vec3>& places,
+                                  const std::vector<double>& velocity, std::vector<double>& bound) {
+  near_obstacle_.assign(places.size(), 0);
+  const double largest = options_of(stage_, *first_).largest;
   std::vector<double> advance;
   for (const Vec3& v : as_points(velocity)) advance.push_back(ahead * v.norm());
   std::vector<double> near(places.size(), infinite);
-  bound_near(bends_of(contact->scene(), o, ahead), places, advance, o.largest, near);
+  bound_near(bends, places, advance, largest, near);
   for (std::size_t v = 0; v < near.size(); ++v) {
-    near_obstacle_[v] = near[v] < o.largest ? 1 : 0;
+    near_obstacle_[v] = near[v] < largest ? 1 : 0;
     bound[v] = std::min(bound[v], near[v]);
   }
 }
@@ -158,11 +162,12 @@ std::vector<double> Remesher::wanted_sizes(Epoch& epoch) {
   std::vector<double> bound = bounds(epoch, squared), velocity;
   const std::vector<double> u = model.dofs().gather(epoch.state().u);
   if (epoch.state().v) velocity = model.dofs().gather(epoch.state().v);
+  const std::vector<Bend> bends = this->bends(epoch);
   std::vector<double> size;
   mpi::on_root(model.dofs().comm(), [&] {
     std::vector<Vec3> places = mesh.positions();
     for (std::size_t v = 0; v < places.size(); ++v) places[v] += Eigen::Map<const Vec3>(&u[3 * v]);
-    bound_by_obstacles(epoch, places, velocity, bound);
+    bound_by_obstacles(bends, time_ahead(epoch), places, velocity, bound);
     size = adapt::size_field(mesh, places, squared, bound, options_of(stage_, *first_));
     if (keys_.max_vertices > 0) {
       const double excess = vertices_of(mesh, size) / keys_.max_vertices;

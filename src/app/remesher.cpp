@@ -158,10 +158,18 @@ void Remesher::keep_momentum(Epoch& old_epoch, Epoch& fresh, const Ledger& befor
   fresh.model().dofs().scatter(values, fresh.state().v);
 }
 
-/// Whether triangles intersect, by exact predicates. Collective.
-bool Remesher::intersects(Epoch& epoch) {
+/// What intersects, by exact predicates, and where; empty if nothing does. The same on every rank. Collective.
+std::string Remesher::intersections(Epoch& epoch) {
   const system::Contact& contact = *epoch.model().contact();
-  return !IntersectionCheck(contact).find_by_ranks(contact.scene().positions(epoch.state().u)).empty();
+  const std::vector<Vec3> positions = contact.scene().positions(epoch.state().u);
+  const IntersectionCheck check(contact);
+  const std::vector<geometry::TrianglePair> pairs = check.find_by_ranks(positions);
+  std::string text;
+  mpi::on_root(epoch.model().dofs().comm(), [&] {
+    if (!pairs.empty()) text = check.report(positions, pairs, {});
+  });
+  mpi::broadcast(epoch.model().dofs().comm(), text);
+  return text;
 }
 
 void Remesher::write(const Epoch& epoch, const Made& made, const Ledger& before, const Ledger& after, bool accepted,
@@ -269,9 +277,10 @@ std::optional<Adapted> Remesher::attempt(Epoch& epoch, const std::vector<double>
   else if (fresh.state().v)
     keep_momentum(epoch, fresh, before);
   bool accepted = true;
-  if (fresh.model().contact() && stage_.c.contact.check && intersects(fresh)) {
-    what = "the new surface would intersect";
-    accepted = false;
+  if (fresh.model().contact() && stage_.c.contact.check) {
+    const std::string found = intersections(fresh);
+    accepted = found.empty();
+    if (!accepted) what = fmt::format("the new surface would intersect: {}", found);
   }
   const bool is_path = stage_.c.analysis == "static";
   if (is_path && !at_rest) accepted = accepted && find_equilibrium(epoch, fresh, what);

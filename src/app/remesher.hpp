@@ -9,6 +9,7 @@
 
 #include "background_size.hpp"
 #include "epoch.hpp"
+#include "obstacle_sizes.hpp"
 #include "stages.hpp"
 #include "summary.hpp"
 #include "voile/adapt/remesh.hpp"
@@ -64,8 +65,9 @@ class Remesher {
   [[nodiscard]] int every() const;
   [[nodiscard]] std::vector<double> bounds(Epoch& epoch, const std::vector<double>& curvature_squared);
   [[nodiscard]] double time_ahead(const Epoch& epoch) const;
-  void bound_by_obstacles(Epoch& epoch, const std::vector<Vec3>& places, const std::vector<double>& velocity,
-                          std::vector<double>& bound);
+  [[nodiscard]] std::vector<Bend> bends(Epoch& epoch) const;
+  void bound_by_obstacles(const std::vector<Bend>& bends, double ahead, const std::vector<Vec3>& places,
+                          const std::vector<double>& velocity, std::vector<double>& bound);
   [[nodiscard]] adapt::Limits limits(Epoch& epoch) const;
   struct Made;
   [[nodiscard]] Made make_mesh(Epoch& epoch, const std::vector<double>& size, bool only_splits);
@@ -74,7 +76,7 @@ class Remesher {
                                                std::string& what);
   [[nodiscard]] static Ledger ledger(Epoch& epoch);
   void keep_momentum(Epoch& old_epoch, Epoch& fresh, const Ledger& before);
-  [[nodiscard]] static bool intersects(Epoch& epoch);
+  [[nodiscard]] static std::string intersections(Epoch& epoch);
   [[nodiscard]] bool find_equilibrium(Epoch& old_epoch, Epoch& fresh, std::string& what) const;
   [[nodiscard]] static double negligible_energy(const Epoch& epoch);
   [[nodiscard]] double energy_change(const Ledger& before, const Ledger& after, Epoch& fresh) const;

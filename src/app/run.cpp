@@ -206,6 +206,7 @@ Exit run(const input::Case& as_given, const RunOptions& given) {
   if (given.verbosity == Verbosity::verbose) show_iterations();
   RunOptions options = given;
   std::vector<Stage> stages = stages_of(c, options);
+  for (Stage& stage : stages) stage.input.seams = system::with_gather_widths(std::move(stage.input.seams), *first);
   Origin origin = begin_from(c, options, stages);
   const std::vector<Mesh> meshes = stage_meshes(stages, first);
   for (std::size_t k = 1; k < stages.size(); ++k) check_stage(stages[k], *meshes[k]);

@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <cstdlib>
 #include <fstream>
+#include <limits>
 #include <regex>
 #include <sstream>
 #include <string>
@@ -49,6 +50,7 @@ class Frames {
 
   std::vector<double> times;  ///< [s]
   std::size_t vertex_count = 0;
+  std::string remark;
 };
 
 // -------------------------------------------------------------------------------------------------------- PC2 and MDD
@@ -154,7 +156,7 @@ using Numbered = std::pair<std::int64_t, fs::path>;
 class ObjFrames : public Frames {
  public:
   ObjFrames(const fs::path& pattern, double frames_per_second) {
-    for (const auto& [number, file] : matching(pattern)) {
+    for (const auto& [number, file] : matching(pattern, remark)) {
       if (!files_.empty() && number == last_)
         fail(pattern, fmt::format("two files have the number {}: {} and {}; remove one", number,
                                   files_.back().filename().string(), file.filename().string()));
@@ -231,7 +233,7 @@ class ObjFrames : public Frames {
   }
 
   /// The files of a pattern with the numbers of their frames, ascending. Throws if there are none.
-  static std::vector<Numbered> matching(const fs::path& pattern) {
+  static std::vector<Numbered> matching(const fs::path& pattern, std::string& remark) {
     const std::string name = pattern.filename().string();
     std::smatch place;
     if (!std::regex_search(name, place, std::regex("%(0(\\d))?d|\\*")))
@@ -255,9 +257,24 @@ class ObjFrames : public Frames {
     for (const std::string& middle : middles)
       files.emplace_back(all_numbers ? std::stoll(middle) : 0, folder / (before + middle + after));
     std::sort(files.begin(), files.end());
-    if (mark == "*")
-      for (std::size_t k = 0; k < files.size(); ++k) files[k].first = static_cast<std::int64_t>(k);
+    if (mark != "*") return files;
+    if (all_numbers) remark = uneven_steps(files);
+    for (std::size_t k = 0; k < files.size(); ++k) files[k].first = static_cast<std::int64_t>(k);
     return files;
+  }
+
+  /// Where files are counted one that is missing shifts all that follow: says where that may be.
+  static std::string uneven_steps(const std::vector<Numbered>& files) {
+    std::int64_t least = std::numeric_limits<std::int64_t>::max();
+    for (std::size_t k = 1; k < files.size(); ++k) least = std::min(least, files[k].first - files[k - 1].first);
+    for (std::size_t k = 1; k < files.size(); ++k)
+      if (const std::int64_t step = files[k].first - files[k - 1].first; step != least)
+        return fmt::format(
+            "'*' counts files, but after {} comes {}, {} on where others are {} apart: if a frame is "
+            "missing, all later ones come too early; export it, or write %d in place of '*', so that "
+            "files have the numbers of their frames",
+            files[k - 1].second.filename().string(), files[k].second.filename().string(), step, least);
+    return "";
   }
 
   static bool is_number(const std::string& text) {
@@ -346,6 +363,10 @@ double PointCache::largest_coordinate() const {
 
 const PointCache::Step& PointCache::largest_step() const {
   return impl_->largest_step;
+}
+
+const std::string& PointCache::remark() const {
+  return impl_->frames->remark;
 }
 
 double PointCache::start() const {

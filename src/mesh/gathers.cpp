@@ -17,11 +17,16 @@ constexpr double rows = 3.0;
 /// Height of a triangle over its longest side that it may not fall below.
 constexpr double least_height = 0.1;
 
-/// Side s of triangle t, and the length that it gets.
+/// Width of the rows of cells whose edges on the seam are so long.
+double width_of_rows(double length) {
+  return rows * 0.5 * std::sqrt(3.0) * length;
+}
+
+/// Side s of triangle t, the length that it gets, and the width of the gathered rows.
 struct GatheredSide {
   Index t;
   int s;
-  double length;
+  double length, width;
 };
 
 /// A node of a chart near a gathered seam.
@@ -42,6 +47,7 @@ class Gathering {
 
   void add(const Gather& gather);
   [[nodiscard]] bool empty() const { return sides_.empty(); }
+  [[nodiscard]] double mean_width() const;
   [[nodiscard]] Gathered result();
 
  private:
@@ -79,16 +85,22 @@ void Gathering::add(const Gather& gather) {
     const Index a = root(e[0]), b = root(e[1]);
     for (const Index t : mesh_.triangles_of_vertex(e[0]))
       if (const int s = mesh_.side_of(t, e[0], e[1]); s >= 0)
-        edges[{std::min(a, b), std::max(a, b)}].push_back({t, s, length(t, s)});
+        edges[{std::min(a, b), std::max(a, b)}].push_back({t, s, length(t, s), gather.width});
   }
   const std::size_t before = sides_.size();
   for (const auto& [edge, sides] : edges) {
     double shortest = sides.front().length;
     for (const GatheredSide& g : sides) shortest = std::min(shortest, g.length);
     for (const GatheredSide& g : sides)
-      if (g.length > gather.least_ratio * shortest) sides_.push_back({g.t, g.s, shortest});
+      if (g.length > gather.least_ratio * shortest) sides_.push_back({g.t, g.s, shortest, g.width});
   }
   if (sides_.size() > before) seams_.push_back(gather.seam);
+}
+
+double Gathering::mean_width() const {
+  double cut = 0.0;
+  for (const GatheredSide& g : sides_) cut += length(g.t, g.s);
+  return sides_.empty() ? 0.0 : width_of_rows(cut / static_cast<double>(sides_.size()));
 }
 
 void Gathering::find_charts() {
@@ -118,6 +130,7 @@ void Gathering::begin_nodes() {
     for (const int i : {(g.s + 1) % 3, (g.s + 2) % 3}) {
       const Key at = key(g.t, i);
       Node& node = nodes_.try_emplace(at, Node{1.0, Vec3::Zero(), mesh_.rest_corner(g.t, i)}).first->second;
+      node.width = std::max(node.width, g.width);
       node.along += side(g.t, g.s);
       cut[at] += length(g.t, g.s);
       gathered[at] += g.length;
@@ -126,7 +139,7 @@ void Gathering::begin_nodes() {
   for (auto& [at, node] : nodes_) {
     node.along.normalize();
     node.k = node.remains = gathered[at] / cut[at];
-    node.width = rows * 0.5 * std::sqrt(3.0) * cut[at] / count[at];
+    if (node.width == 0.0) node.width = width_of_rows(cut[at] / count[at]);
   }
 }
 
@@ -249,6 +262,13 @@ Gathered Gathering::result() {
 }
 
 }  // namespace
+
+double gather_width(const SurfaceMesh& mesh, const Gather& gather) {
+  if (!mesh.has_charts()) return 0.0;
+  Gathering gathering(mesh);
+  gathering.add(gather);
+  return gathering.mean_width();
+}
 
 std::optional<Gathered> gathered(const SurfaceMesh& mesh, const std::vector<Gather>& seams) {
   if (!mesh.has_charts()) return std::nullopt;

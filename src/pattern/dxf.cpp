@@ -70,7 +70,7 @@ class BlockReader {
     std::vector<Curve> outline = one_outline(mirror);
     for (const Curve& c : outline) size_ = std::max(size_, (c.start() - outline.front().start()).norm());
     Piece piece;
-    piece.add_loop(divided(std::move(outline), mirror, piece.point_names));
+    piece.add_loop(divided(std::move(outline), mirror, piece.point_names, notes));
     const std::size_t fold = mirror.empty() ? no_edge : fold_of(piece, mirror.front());
     const std::vector<std::vector<Curve>> holes =
         join_curves(fmt::format("{}, layer {}", where_, cutout), curves_on(all, cutout), mirror);
@@ -161,10 +161,15 @@ class BlockReader {
 
   /// Edges between corners and notches, from the first corner on, and names of their points.
   std::vector<Edge> divided(std::vector<Curve> outline, const std::vector<Curve>& mirror,
-                            std::vector<std::string>& names) const {
+                            std::vector<std::string>& names, std::vector<std::string>& notes) const {
     std::vector<bool> corners = corners_of(outline, mirror), marks(outline.size(), false);
     for (const Vec2& notch : points_on(block_.entities, notches))
-      if (const std::size_t k = divide_at(outline, corners, marks, notch); k < outline.size()) marks[k] = true;
+      if (const std::size_t k = divide_at(outline, corners, marks, notch); k < outline.size())
+        marks[k] = true;
+      else
+        notes.push_back(
+            fmt::format("{}: a notch, ({:.4g}, {:.4g}) in the file's units, is too far from the outline to divide it",
+                        where_, notch[0], notch[1]));
     return joined(std::move(outline), std::move(corners), std::move(marks), {"", names});
   }
 
@@ -226,6 +231,7 @@ class DxfReader {
   DxfReader(const std::filesystem::path& file, const ReadOptions& options)
       : options_(options), file_(read_dxf_entities(file)) {
     pattern_.file = file;
+    pattern_.notes = file_.notes;
   }
 
   Pattern run() {

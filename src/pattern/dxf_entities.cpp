@@ -25,17 +25,21 @@ class EntityReader {
   explicit EntityReader(const std::filesystem::path& file) : file_(file.string()), text_(text_of(file)) {
     if (text_.starts_with("AutoCAD Binary DXF") || text_.starts_with("AC10"))
       throw UserError(fmt::format("{}: this is a binary drawing; export it as an ASCII DXF", file_));
+    if (text_.starts_with("\xff\xfe") || text_.starts_with("\xfe\xff"))
+      throw UserError(fmt::format("{}: this is text of two bytes for each letter (UTF-16); save it as UTF-8", file_));
   }
 
   DxfFile run() {
     DxfGroup g;
     std::string section;
     bool named = false;  // whether the group before has begun a section
+    bool ends = false;
     while (next(g)) {
       if (g.code == 0) {
         end_entity();
         named = g.text == "SECTION";
-        if (g.text == "EOF") break;
+        ends = g.text == "EOF";
+        if (ends) break;
         if (named || g.text == "ENDSEC")
           section.clear();
         else if (section == "BLOCKS" || section == "ENTITIES")
@@ -53,6 +57,9 @@ class EntityReader {
       }
     }
     end_entity();
+    if (!ends)
+      out_.notes.push_back(fmt::format(
+          "{}: it does not end with EOF; if it was cut short, pieces may be missing: export it again", file_));
     return std::move(out_);
   }
 

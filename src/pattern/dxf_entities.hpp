@@ -44,6 +44,7 @@ struct DxfFile {
   std::map<std::string, std::string> variables;  ///< of the header, those of one group
   std::vector<DxfBlock> blocks;
   std::vector<DxfEntity> entities;
+  std::vector<std::string> notes;  ///< if it seems to be cut short
 };
 
 /// Not collective, as all of this layer. Throws UserError that names file and line.

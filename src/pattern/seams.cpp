@@ -204,8 +204,21 @@ class Resolver {
            corner(panels_, side.front(), false) == corner(panels_, side.back(), true);
   }
 
+  /// Whether two sides end in one point of a piece: at the end of each that is named.
+  [[nodiscard]] bool share_end(const Side& a, bool a_at_end, const Side& b, bool b_at_end) const {
+    const EdgeUse &e = a_at_end ? a.back() : a.front(), &f = b_at_end ? b.back() : b.front();
+    return e.panel == f.panel && corner(panels_, e, a_at_end) == corner(panels_, f, b_at_end);
+  }
+
   void orient(const SeamRequest& r, SeamLine& line) {
     auto& [a, b] = line.sides;
+    // The legs of a dart meet in their tip, whatever else is nearer.
+    if (r.meet.empty() && r.sense == Sense::nearest) {
+      const bool as_is = share_end(a, false, b, false) || share_end(a, true, b, true);
+      const bool turned = share_end(a, false, b, true) || share_end(a, true, b, false);
+      if (turned && !as_is) b = reversed(b);
+      if (turned != as_is) return;
+    }
     if (!r.meet.empty()) {
       begin_at(r, r.meet[0], a);
       begin_at(r, r.meet[1], b);

@@ -131,9 +131,28 @@ std::vector<mesh::Gather> gathers(const mesh::SurfaceMesh& mesh, const Seams& se
     const SeamRule* rule = rule_of(group, seams.rules);
     if (!rule || !std::isfinite(rule->gather_from)) continue;
     const std::string seam = group.name.substr(prefix);
-    if (!contains(open, seam) || contains(closing, seam)) found.push_back({seam, rule->gather_from});
+    if (!contains(open, seam) || contains(closing, seam))
+      found.push_back({seam, rule->gather_from, rule->gather_width});
   }
   return found;
+}
+
+std::vector<SeamRule> with_gather_widths(std::vector<SeamRule> rules, const mesh::SurfaceMesh& first) {
+  for (const mesh::Gather& gather : gathers(first, {rules, {"all"}})) {
+    const double width = mesh::gather_width(first, gather);
+    if (width == 0.0) continue;
+    const auto own =
+        std::find_if(rules.begin(), rules.end(), [&](const SeamRule& rule) { return rule.seam == gather.seam; });
+    if (own != rules.end()) {
+      own->gather_width = width;
+      continue;
+    }
+    SeamRule rule = *rule_of(first.group(mesh::seam_group(gather.seam), 1), rules);
+    rule.seam = gather.seam;
+    rule.gather_width = width;
+    rules.push_back(std::move(rule));
+  }
+  return rules;
 }
 
 void add_allowances(const mesh::SurfaceMesh& mesh, const std::vector<SeamRule>& rules,

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 from harness import OUT, solve, test
+from pattern_files import frames_file
 from results import Results
 from solver import ROOT
 from staging import end_of, stage
@@ -64,11 +65,13 @@ def cell_sizes(step, centre, within):
 
 @test
 def remesh_ahead(report):
-    """A coarse sheet that falls on a knob of 6 mm, or on the edge of a box, is fine there before it touches; without the key it is not."""
+    """A coarse sheet that falls on a knob of 6 mm, or on the edge of a box that comes up in frames, is fine there before it touches, on one rank and two; without the key it is not."""
     side, smallest, free = 0.2, 2e-3, 0.02
-    (OUT / "remesh_ahead.obj").write_text(box([0.07, -0.05, -0.1], [0.13, 0.25, -free]))
+    text = box([0.07, -0.05, -0.1], [0.13, 0.25, -free])
+    (OUT / "remesh_ahead.obj").write_text(text)
+    corners = np.array([line.split()[1:] for line in text.splitlines() if line[0] == "v"], float)
     knob = {"name": "knob", "type": "sphere", "point": [0.11, 0.09, -free - 0.006], "radius": 0.006}
-    edge = {"name": "edge", "type": "mesh", "file": str(OUT / "remesh_ahead.obj")}
+    edge = {"name": "edge", "type": "mesh", "file": str(OUT / "remesh_ahead.obj")} | frames_file("remesh_ahead.pc2", [corners + [0, 0, 2e-3 * k] for k in range(4)])
     for what, obstacle, places in (("knob", knob, [(0.11, 0.09)]), ("edge", edge, [(0.07, 0.1), (0.13, 0.05)])):
         first = None
         for on, ranks in ((True, 1), (True, 2), (False, 1)):
@@ -77,7 +80,7 @@ def remesh_ahead(report):
                     "load": [{"type": "gravity", "vector": [0, 0, -9.81]}], "contact": {"distance": 1e-3, "stiffness": 1e4}, "obstacle": [obstacle],
                     "damping": {"mass": 1.0}, "time": {"end": 0.07, "step": 2e-3, "velocity_tolerance": 1e-5},
                     "remesh": {"smallest": smallest, "largest": 0.02, "near_obstacles": on}, "output": {"every": 1, "fields": ["displacement"]}}
-            result = solve(f"remesh_ahead_{what}_{on}_{ranks}", case, ranks)
+            result = solve(f"remesh_ahead_{what}_{on}_{ranks}", case, ranks, timeout=300)
             h = result.history
             touches = int(h["step"][np.argmax(np.array(h["contact_pairs"]) > 0)])
             steps = {s.number: s for s in Results(result.folder)}

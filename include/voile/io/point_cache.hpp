@@ -16,6 +16,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "voile/base/types.hpp"
@@ -54,6 +55,8 @@ class PointCache {
     double way = 0.0, elsewhere = 0.0;  ///< and the longest between other frames [m]
   };
   [[nodiscard]] const Step& largest_step() const;
+  /// What is odd about the files: numbers of which some are left out where files are counted; empty: nothing.
+  [[nodiscard]] const std::string& remark() const;
   /// Positions at a time [s], in the order of the file [m]; the caller owns them.
   /// Throws UserError if the file has gone or changed its length since it was opened.
   [[nodiscard]] std::vector<Vec3> positions(double time) const;

@@ -21,12 +21,17 @@ namespace voile::mesh {
 struct Gather {
   std::string seam;          ///< whether open or welded
   double least_ratio = 1.0;  ///< L/l of two edges from which on the longer is gathered
+  double width = 0.0;        ///< w [m]; 0: three rows of the cells beside each node of the seam
 };
 
 struct Gathered {
   MeshData mesh;                   ///< as it was, with the rest shape of the gathered fabric
   std::vector<std::string> seams;  ///< of which an edge is gathered
 };
+
+/// The width that three rows of cells have on average, so that a finer mesh gathers the same fabric [m]; 0 if no edge of
+/// the seam is gathered. Not collective.
+[[nodiscard]] double gather_width(const SurfaceMesh& mesh, const Gather& gather);
 
 /// Nothing if no edge is gathered. Not collective.
 [[nodiscard]] std::optional<Gathered> gathered(const SurfaceMesh& mesh, const std::vector<Gather>& seams);

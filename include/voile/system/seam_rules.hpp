@@ -20,6 +20,7 @@ struct SeamRule {
   double bending = 1.0;       ///< f
   double allowance = 0.0;     ///< w [m]
   double gather_from = 1.25;  ///< ratio of lengths from which on the longer side is gathered (mesh/gathers.hpp)
+  double gather_width = 0.0;  ///< of the gathered rows [m]; 0: that of three rows of the cells that there are
 };
 
 /// What is known of the seams of a mesh.
@@ -37,6 +38,10 @@ struct Seams {
 
 /// The seams whose longer side is gathered: those that are welded or pulled together. Not collective.
 [[nodiscard]] std::vector<mesh::Gather> gathers(const mesh::SurfaceMesh& mesh, const Seams& seams);
+
+/// The rules with a width of the gathered rows for each seam that is gathered, open or welded: that of three rows of the
+/// first mesh, so that every later one gathers the same fabric. Not collective.
+[[nodiscard]] std::vector<SeamRule> with_gather_widths(std::vector<SeamRule> rules, const mesh::SurfaceMesh& first);
 
 /// Appends the materials of triangles that strips cover, and has `material_of` name them. Not collective.
 void add_allowances(const mesh::SurfaceMesh& mesh, const std::vector<SeamRule>& rules,

@@ -159,6 +159,33 @@ TEST_CASE("a flat disc becomes rounder along its edge, and its area tends to the
   }
 }
 
+TEST_CASE("a panel with a curved edge is not strained by a mesh that is rounder, wherever it lies") {
+  const int n = 16;
+  const Mat3 turn = Eigen::AngleAxisd(1.1, Vec3(1, 2, 3).normalized()).toRotationMatrix();
+  mesh::MeshData d;
+  d.positions.push_back({0, 0, 0});
+  for (int i = 0; i < n; ++i) d.positions.push_back({std::cos(2 * pi * i / n), std::sin(2 * pi * i / n), 0});
+  for (Index i = 0; i < n; ++i) {
+    d.triangles.push_back({0, 1 + i, 1 + (i + 1) % n});
+    d.rest.push_back({d.positions[0], d.positions[1 + i], d.positions[1 + (i + 1) % n]});
+  }
+  for (Vec3& x : d.positions) x = turn * x + Vec3(0.1, 0.2, 0.3);
+  mesh::SurfaceMesh m(d);
+  const RestSurface rest(m);
+  REQUIRE(m.has_charts());
+  for (const double h : {0.1, 0.05, 0.09, 0.6}) {
+    m = mesh::SurfaceMesh(remeshed(m, rest, uniform(m, h)).mesh);
+    double worst = 0.0, round = 0.0;
+    for (Index t = 0; t < m.triangle_count(); ++t)
+      for (int i = 0; i < 3; ++i) {
+        worst = std::max(worst, (m.start_corner(t, i) - turn * m.rest_corner(t, i) - Vec3(0.1, 0.2, 0.3)).norm());
+        round = std::max(round, m.rest_corner(t, i).norm());
+      }
+    CHECK(worst < 1e-12);
+    CHECK(round < 1.0 + 2e-4);
+  }
+}
+
 TEST_CASE("a crease stays an edge, with its place") {
   // A gutter: three planes that meet at 90 degrees.
   const auto gutter = [](const Vec3& x) {

@@ -137,7 +137,12 @@ TEST_CASE("a sequence of OBJ files is read and interpolated") {
   (void)folder.write("cloth_0012.obj.bak", "another ending");
   check_cache(io::PointCache(folder.path / "cloth_%04d.obj", 8.0), {1.0, 1.5, 2.0});
   check_cache(io::PointCache(folder.path / "n*.obj", 2.0), {0.0, 0.5, 1.0});
+  CHECK(io::PointCache(folder.path / "n*.obj").remark().find("after n2.obj comes n9.obj, 7 on where others are 1") !=
+        std::string::npos);
+  CHECK(io::PointCache(folder.path / "cloth_0*.obj").remark().empty());
+  CHECK(io::PointCache(folder.path / "*.Obj").remark().empty());
   const io::PointCache numbered(folder.path / "n%d.obj", 1.0);
+  CHECK(numbered.remark().empty());
   CHECK(numbered.start() == 2.0);
   CHECK(numbered.positions(9.5)[1] == Vec3(0.5 * key(1, 1) + 0.5 * key(2, 1)));
   check_cache(io::PointCache(folder.path / "*.Obj", 4.0), {0.0, 0.25, 0.5});

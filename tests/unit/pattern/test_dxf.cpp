@@ -165,6 +165,20 @@ TEST_CASE("DXF: blocks of AAMA are pieces with corners, notches, grain line and 
   CHECK(std::abs(all.signed_area() - 0.22 * 0.22) < 1e-9);
 }
 
+TEST_CASE("DXF: a notch beside no outline, and a file that does not end, are told") {
+  const std::vector<Vec2> outline{{0, 0}, {200, 0}, {200, 300}, {0, 300}};
+  const auto notes = [](const std::string& text) { return read("p.dxf", text).notes; };
+  const std::string near = polyline("1", outline) + marks("4", {{100, 10}}), far = near + marks("4", {{500, 500}});
+  CHECK(notes(blocks(block("B", near))).empty());
+  const std::vector<std::string> told = notes(blocks(block("B", far)));
+  REQUIRE(told.size() == 1);
+  CHECK(has(told[0], "block 'B': a notch, (500, 500)"));
+  const std::string whole = drawing(polyline("a", outline));
+  CHECK(notes(whole).empty());
+  REQUIRE(notes(whole.substr(0, whole.size() - groups({{0, "EOF"}}).size())).size() == 1);
+  CHECK(has(refusal("p.dxf", "\xff\xfe" + whole), "UTF-16"));
+}
+
 TEST_CASE("DXF: a half unfolds across its mirror line") {
   const std::vector<Vec2> half{{0, 0}, {100, 0}, {120, 200}, {0, 180}};
   const std::string closed = polyline("1", half) + line("6", {0, 190}, {0, -10}) + marks("4", {{110, 100}});

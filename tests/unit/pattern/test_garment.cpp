@@ -139,6 +139,9 @@ TEST_CASE("a panel sewn to itself: a tube, a dart, and what is refused") {
   const pattern::Garment g = pattern::make_garment({dart}, {seam({"D/1"}, {"D/2"}, {"D@1", "D@3"})});
   CHECK(g.mesh.seams[0].pairs.size() == 5);  // 0.151 m in cells of 0.03 m, without the tip
   CHECK(has(refusal_of({dart}, {seam({"D/1"}, {"D/2"}, {"D@1", "D@2"})}), "collapse"));
+  const pattern::Garment unsaid = pattern::make_garment({dart}, {seam({"D/1"}, {"D/2"})});
+  CHECK(unsaid.seams.notes.empty());  // the tip says what meets
+  CHECK(unsaid.mesh.seams[0].pairs == g.mesh.seams[0].pairs);
   Panel blunt = dart;
   const std::array<Vec2, 8> y{Vec2(0, 0),    Vec2(0.18, 0), Vec2(0.198, 0.15), Vec2(0.202, 0.15),
                               Vec2(0.22, 0), Vec2(0.4, 0),  Vec2(0.4, 0.3),    Vec2(0, 0.3)};

@@ -17,9 +17,11 @@ namespace {
 
 constexpr int cells = 12;
 
-/// A yoke, 1 wide, and above it a ruffle `ratio` times as wide; cells of 1/12 of either width. They lie flat as they are cut.
-mesh::MeshData yoke_and_ruffle(double ratio, double jitter = 0.0) {
-  const double step = 1.0 / cells;
+/// A yoke, 1 wide, and above it a ruffle `ratio` times as wide, both half as high; cells of 1/12 of either width, or divided
+/// into `fine` each way. They lie flat as they are cut.
+mesh::MeshData yoke_and_ruffle(double ratio, double jitter = 0.0, int fine = 1) {
+  const int around = fine * cells, rows = around / 2;
+  const double step = 1.0 / around;
   mesh::MeshData d;
   d.source = "ruffle";
   mesh::Group line{mesh::seam_group("gather"), 1, {}, {}, {}};
@@ -27,8 +29,7 @@ mesh::MeshData yoke_and_ruffle(double ratio, double jitter = 0.0) {
   Index first[2];
   for (const int piece : {0, 1}) {
     const double width = piece == 0 ? 1.0 : ratio;
-    const int rows = 6;
-    mesh::MeshData part = mapped(grid(cells, rows, true, jitter, 3), [&](const Vec3& x) {
+    mesh::MeshData part = mapped(grid(around, rows, true, jitter, 3), [&](const Vec3& x) {
       return Vec3(width * x[0], piece == 0 ? rows * step * (x[1] - 1.0) : 0.2 + ratio * rows * step * x[1], 0.0);
     });
     first[piece] = static_cast<Index>(d.positions.size());
@@ -50,7 +51,7 @@ mesh::MeshData yoke_and_ruffle(double ratio, double jitter = 0.0) {
   }
   for (std::vector<Index>& side : sides) {
     std::sort(side.begin(), side.end(), [&](Index v, Index w) { return d.positions[v][0] < d.positions[w][0]; });
-    REQUIRE(side.size() == cells + 1);
+    REQUIRE(static_cast<int>(side.size()) == around + 1);
     for (std::size_t i = 0; i + 1 < side.size(); ++i) line.segments.push_back({side[i], side[i + 1]});
     line.vertices.insert(line.vertices.end(), side.begin(), side.end());
   }
@@ -124,6 +125,38 @@ TEST_CASE("gathered: the seam is as long as its shorter side, neighbours agree, 
       }
       CHECK(changed > 2 * cells);
     }
+}
+
+TEST_CASE("gathered: a finer mesh, open or welded, gathers the same fabric where the first one has said how wide") {
+  const double ratio = 2.0, width = 3.0 * 0.5 * std::sqrt(3.0) * ratio / cells,
+               gathers_away = 0.5 * ratio * 0.5 * width;
+  const mesh::SurfaceMesh first(yoke_and_ruffle(ratio));
+  const std::vector<system::SeamRule> general{{"", 0.5, 0.01, usual}},
+      own{{"", 1.0, 0.0, never}, {"gather", 0.5, 0.01, usual}};
+  for (const std::vector<system::SeamRule>& given : {general, own}) {
+    const std::vector<system::SeamRule> rules = system::with_gather_widths(given, first);
+    REQUIRE(rules.size() == 2);
+    CHECK(rules[0].gather_width == 0.0);
+    CHECK(rules[1].seam == "gather");
+    CHECK(rules[1].bending == 0.5);
+    CHECK(rules[1].allowance == 0.01);
+    CHECK(rules[1].gather_width == doctest::Approx(width).epsilon(1e-12));
+    for (const int fine : {1, 2, 4})
+      for (const bool is_welded : {false, true}) {
+        const mesh::MeshData open = yoke_and_ruffle(ratio, 0.0, fine);
+        const mesh::SurfaceMesh cut(is_welded ? welded(open) : open);
+        const auto lost = [&](const std::vector<mesh::Gather>& seams) {
+          const mesh::SurfaceMesh drawn(mesh::gathered(cut, seams)->mesh);
+          double area = 0.0;
+          for (Index t = 0; t < cut.triangle_count(); ++t) area += cut.area(t) - drawn.area(t);
+          return area;
+        };
+        CHECK(lost(system::gathers(cut, {rules, {"all"}})) == doctest::Approx(gathers_away).epsilon(0.05));
+        if (fine > 1) CHECK(lost({{"gather", usual}}) < 0.6 * gathers_away);
+      }
+  }
+  CHECK(system::with_gather_widths(general, mesh::SurfaceMesh(yoke_and_ruffle(1.2))).size() == 1);
+  CHECK(system::with_gather_widths({{"", 1.0, 0.0, never}}, first).size() == 1);
 }
 
 TEST_CASE("gathered: nothing where the sides are alike, where it is not wanted, or no seam of that name") {
