@@ -17,6 +17,8 @@ namespace {
 constexpr double infinite = std::numeric_limits<double>::infinity();
 /// Edges of a polygon per radius: h <= R/10.
 constexpr double edges_per_radius = 10.0;
+/// Edges are divided by no more at once where the error asks for shorter ones.
+constexpr double most_finer = 2.0;
 /// Turns above this are corners, not curvature [rad].
 constexpr double corner = 0.5235987755982988;
 
@@ -97,6 +99,25 @@ std::vector<double> size_field(const mesh::SurfaceMesh& mesh, const std::vector<
     if (!bound.empty()) h[v] = std::min(h[v], bound[v]);
   }
   grade(mesh, edges, o.growth, h);
+  return h;
+}
+
+std::vector<double> sizes_for_error(const mesh::SurfaceMesh& mesh, const std::vector<double>& density, double stored,
+                                    double wanted) {
+  std::vector<double> h(static_cast<std::size_t>(mesh.vertex_count()), 0.0), area = h;
+  double sum = 0.0;
+  for (Index t = 0; t < mesh.triangle_count(); ++t) sum += std::sqrt(mesh.area(t) * density[t]);
+  if (!(stored > 0.0) || !(sum > 0.0)) return std::vector<double>(h.size(), infinite);
+  for (Index t = 0; t < mesh.triangle_count(); ++t) {
+    const double a = mesh.area(t), edge_squared = 4.0 * a / std::sqrt(3.0);
+    const double inverse_square =
+        std::min(std::sqrt(a * density[t]) * sum / (wanted * stored), most_finer * most_finer) / edge_squared;
+    for (Index v : mesh.triangles()[t]) {
+      h[v] += a * inverse_square;
+      area[v] += a;
+    }
+  }
+  for (std::size_t v = 0; v < h.size(); ++v) h[v] = h[v] > 0.0 ? std::sqrt(area[v] / h[v]) : infinite;
   return h;
 }
 

@@ -6,6 +6,7 @@
 #include <limits>
 #include <numbers>
 
+#include "discretisation_error.hpp"
 #include "obstacle_sizes.hpp"
 #include "remesh_made.hpp"
 #include "remesher.hpp"
@@ -122,6 +123,20 @@ std::vector<double> Remesher::bounds(Epoch& epoch, const std::vector<double>& cu
   return bound;
 }
 
+/// Lowers the bounds where stress resultants are further from smooth ones than the case wants; on rank 0. Collective.
+void Remesher::bound_by_error(Epoch& epoch, const system::TriangleFields& fields, std::vector<double>& bound) const {
+  if (keys_.error == 0.0) return;
+  const system::Model& model = epoch.model();
+  DiscretisationError::Densities error = DiscretisationError(false).of(model, fields);
+  mpi::on_root(model.dofs().comm(), [&] {
+    for (std::size_t t = 0; t < error.membrane.size(); ++t) error.membrane[t] += error.bending[t];
+    const double stored = stored_energy(model.discretisation().sheet(), fields);
+    const std::vector<double> size = adapt::sizes_for_error(model.dofs().mesh(), error.membrane, stored, keys_.error);
+    const double least = options_of(stage_, *first_).smallest;
+    for (std::size_t v = 0; v < size.size(); ++v) bound[v] = std::min(bound[v], std::max(least, size[v]));
+  });
+}
+
 /// In which the sheet may come to an obstacle before another mesh is made: that of two looks. [s]
 double Remesher::time_ahead(const Epoch& epoch) const {
   if (!epoch.moves()) return 0.0;
@@ -160,6 +175,7 @@ std::vector<double> Remesher::wanted_sizes(Epoch& epoch) {
   for (std::size_t t = 0; t < squared.size(); ++t)
     squared[t] = std::max(largest_squared(&fields.curvature[3 * t]), largest_squared(&fields.whole_curvature[3 * t]));
   std::vector<double> bound = bounds(epoch, squared), velocity;
+  bound_by_error(epoch, fields, bound);
   const std::vector<double> u = model.dofs().gather(epoch.state().u);
   if (epoch.state().v) velocity = model.dofs().gather(epoch.state().v);
   const std::vector<Bend> bends = this->bends(epoch);

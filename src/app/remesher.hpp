@@ -64,6 +64,7 @@ class Remesher {
   /// Steps between two looks.
   [[nodiscard]] int every() const;
   [[nodiscard]] std::vector<double> bounds(Epoch& epoch, const std::vector<double>& curvature_squared);
+  void bound_by_error(Epoch& epoch, const system::TriangleFields& fields, std::vector<double>& bound) const;
   [[nodiscard]] double time_ahead(const Epoch& epoch) const;
   [[nodiscard]] std::vector<Bend> bends(Epoch& epoch) const;
   void bound_by_obstacles(const std::vector<Bend>& bends, double ahead, const std::vector<Vec3>& places,

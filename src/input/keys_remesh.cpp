@@ -18,11 +18,17 @@ std::vector<Key> size_keys(RemeshSection& s) {
                   "finer: 9 fine, 20 draft.",
        .unit = "degree",
        .range = positive},
+      {.name = "error",
+       .slot = &s.error,
+       .meaning =
+           "Largest `recovery_error` wanted: the share of the stored energy that membrane forces and moments are "
+           "off by, the same in every cell. Smaller is finer: 0.02 draft, 0.005 fine; `angle` holds besides. 0: any.",
+       .range = not_negative},
       {.name = "smallest",
        .slot = &s.smallest,
-       .meaning =
-           "Smallest edge that curvature can ask for. 0: a two-hundredth of the extent of the mesh, or four times "
-           "the `thickness` of contact if that is more.",
+       .meaning = "Smallest edge that curvature and `error` can ask for. 0: a two-hundredth of the extent of the mesh, "
+                  "or four times "
+                  "the `thickness` of contact if that is more.",
        .unit = "m",
        .range = not_negative},
       {.name = "largest",

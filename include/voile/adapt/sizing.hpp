@@ -31,6 +31,15 @@ struct SizeOptions {
                                              const std::vector<double>& curvature_squared,
                                              const std::vector<double>& bound, const SizeOptions& options);
 
+/// Edge lengths of every vertex [m] for which the error of the stress resultants is `wanted` times the stored energy, and the same in
+/// every cell. With e_T the error per area of a triangle T of area A and edge l, sum_T A e_T the whole, and e of the second order in the edge:
+///   h_T = l sqrt( wanted stored / (eta_T sum eta) ) >= l/2,  eta_T = sqrt(A e_T);  1/h_v^2 = mean of 1/h_T^2 over the triangles of v, by area
+/// What a coarse mesh says of a much finer one is not to be relied on, hence the half.
+/// `density`: e_T per triangle [J/m^2]; `stored` [J]. Infinite where nothing is wrong, and everywhere if `stored` is 0. Not collective.
+/// Source: Zienkiewicz & Zhu, Int. J. Numer. Meth. Engng 24 (1987) 337-357.
+[[nodiscard]] std::vector<double> sizes_for_error(const mesh::SurfaceMesh& mesh, const std::vector<double>& density,
+                                                  double stored, double wanted);
+
 /// How well the edges meet the wanted sizes. L: rest length of an edge, h: mean of the sizes at its ends.
 struct SizeMatch {
   double too_long = 0.0;   ///< share of vertices whose mean of L/h over its edges is above 1.5

@@ -181,6 +181,7 @@ struct RemeshSection {
   bool active = false;
   int every = 0;               ///< accepted steps between two looks; 0: 5 in a motion, 1 along a path
   double angle = 0.25;         ///< wanted between neighbouring triangles, per edge [rad]
+  double error = 0.0;          ///< share of the stored energy that stress resultants may be wrong by; 0: any
   double smallest = 0.0;       ///< edge [m]; 0: 1/200 of the extent, or four contact thicknesses if that is more
   double largest = 0.0;        ///< edge [m]; 0: 1/12 of the extent
   double growth = 0.3;         ///< largest slope of the size over distance

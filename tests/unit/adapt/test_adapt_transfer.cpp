@@ -286,6 +286,36 @@ TEST_CASE("sizes: angle over curvature, bounds, growth, curved edges") {
   CHECK(h[2 * 41 + 20] > 0.5);
 }
 
+TEST_CASE("sizes for an error: the same in every cell, and in all what is wanted") {
+  const mesh::SurfaceMesh m(square(Pattern::union_jack, 20));
+  // Three times as much on the right, falling with the square of the edge.
+  std::vector<double> density;
+  for (Index t = 0; t < m.triangle_count(); ++t) density.push_back(0.5 + m.rest_corner(t, 0).x());
+  double whole = 0.0;
+  for (Index t = 0; t < m.triangle_count(); ++t) whole += m.area(t) * density[t];
+  const double edge = std::sqrt(4.0 * m.area(0) / std::sqrt(3.0)), stored = 20.0;
+  for (const double share : {0.5, 1.0, 2.0}) {
+    const std::vector<double> h = adapt::sizes_for_error(m, density, stored, share * whole / stored);
+    double after = 0.0, least = 1e300, most = 0.0;
+    for (Index t = 0; t < m.triangle_count(); ++t) {
+      double size = 0.0;
+      for (Index v : m.triangles()[t]) size += h[v] / 3.0;
+      const double error = density[t] * std::pow(size / edge, 2);
+      after += m.area(t) * error;
+      least = std::min(least, error * size * size);
+      most = std::max(most, error * size * size);
+    }
+    CHECK(after == relative(share * whole).epsilon(0.02));
+    CHECK(most < 1.2 * least);  // means at the vertices
+  }
+  // No more than half at once; nothing where nothing is wrong or stored.
+  for (const double h : adapt::sizes_for_error(m, density, stored, 1e-6 * whole / stored))
+    CHECK(h == relative(0.5 * edge).epsilon(1e-12));
+  for (const double h : adapt::sizes_for_error(m, density, 0.0, 0.1)) CHECK(std::isinf(h));
+  density.assign(density.size(), 0.0);
+  for (const double h : adapt::sizes_for_error(m, density, stored, 0.1)) CHECK(std::isinf(h));
+}
+
 TEST_CASE("match: shares and percentiles") {
   const mesh::SurfaceMesh m(square(Pattern::diagonal, 10));
   const auto nv = static_cast<std::size_t>(m.vertex_count());
