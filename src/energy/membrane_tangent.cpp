@@ -193,7 +193,7 @@ void MembraneTerm::prepare_mean(Index e, const Configuration& c, const Stress& s
   }
   if (corrects()) {
     constexpr auto which = ChordCorrection::mean;
-    for (Quads& slopes : b) slopes /= 3.0;
+    for (Quads& node : b) node /= 3.0;
     strain = corrected(e, which, strain, b, weight * material, w);
     if (stress.linearised) quadratic += correction_.quadratic(e, which, correction_.step(e, c));
     w.geometric += correction_.geometric(e, which, weight * stress(strain, quadratic, start), stress.positive);
