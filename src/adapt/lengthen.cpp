@@ -1,8 +1,10 @@
 #include <algorithm>
+#include <array>
 #include <limits>
 #include <numbers>
+#include <queue>
 
-#include "repair.hpp"
+#include "operations.hpp"
 
 namespace voile::adapt {
 
@@ -54,7 +56,7 @@ Outcome try_lengthen(Surface& s, Index v, const Options& options) {
     }
   }
   if (reached.least < options.shortest) return Outcome::quality;
-  return try_move_well(s, star, fan, best, std::max(options.smallest_angle, good_angle));
+  return try_move(s, star, fan, best, std::max(options.smallest_angle, good_angle));
 }
 
 }  // namespace voile::adapt
