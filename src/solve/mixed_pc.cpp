@@ -291,6 +291,7 @@ long mixed_negative_pivots(PC pc) {
   const Mixed& m = data(pc);
   if (m.proves && !m.use_exact && !m.definite && m.single) VOILE_PETSC(prove_definite(pc));
   if (m.definite) return 0;
+  if (pc->failedreason) return -1;
   if (!m.use_exact) return m.single && m.shift == 0 ? m.single->negative_pivots() : -1;
   Mat factor = nullptr;
   PetscInt count = 0;

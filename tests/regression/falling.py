@@ -256,3 +256,12 @@ def contact_pictures(report):
     check_xdmf(report, still.folder / "obstacles.xdmf", 0)
     code, said = invoke(["render", result.folder, "--size", "160x120", "--quality", "draft"])
     report.check(code == 0 and (result.folder / "picture.png").is_file(), "voile render draws it" if code == 0 else said)
+
+
+@test
+def energy_left_open(report):
+    """A fall whose steps are hardly solved says that its energy does not balance, and what mends it; solved well it says nothing."""
+    for tolerance, warns in ((0.3, True), (1e-4, False)):
+        result = solve(f"energy_left_open_{tolerance:g}", sheet_on_ball(time__velocity_tolerance=tolerance, mesh__parameters__n=12, time__end=0.2))
+        said = [line for line in result.text.splitlines() if "of the energy is not accounted for" in line]
+        report.check(len(said) == warns and all("time.velocity_tolerance below 0.3 m/s" in line for line in said), f"at {tolerance:g} m/s: {said}")

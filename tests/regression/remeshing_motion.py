@@ -92,3 +92,17 @@ def remesh_ahead(report):
                 report.check(all(np.array_equal(steps[n].mesh.positions, first[n].mesh.positions) for n in first if n < touches), f"{what}, {ranks} rank(s): the same meshes as on one")
             else:
                 report.check(cells.max() > 5 * smallest, f"{what}: cells of {cells.max():.3g} m without")
+
+
+@test
+def remesh_flying(report):
+    """A sheet that flies has stresses of nothing but round-off, whose error asks for no other mesh; one that is bent does."""
+    case = {"analysis": "dynamic", "mesh": {"file": str(ROOT / "meshes" / "plate.geo"), "parameters": {"side": 1, "n": 8}},
+            "material": [{"type": "isotropic", "young": 1e6, "poisson": 0.3, "thickness": 5e-4, "density": 400.0}],
+            "load": [{"type": "gravity", "vector": [0, 0, -9.81]}], "initial_velocity": [{"velocity": [1.0, 0.3, 2.0]}],
+            "remesh": {"error": 0.02, "angle": 30.0, "smallest": 0.05, "largest": 0.3}, "time": {"end": 0.15, "step": 0.01},
+            "output": {"every": 1000}}
+    flies = solve("remesh_flying", case, 2)
+    report.check(flies.summary["vertices"] <= 81, f"free: {flies.summary['vertices']} vertices")
+    held = solve("remesh_flying_held", case | {"initial_velocity": [], "support": [{"type": "clamped", "group": "left"}]})
+    report.check(held.summary["vertices"] > 100, f"held along an edge: {held.summary['vertices']} vertices")

@@ -5,7 +5,7 @@
 // has made L L^T indefinite, as it does on fine plates in statics, K + s diag(K) is factored, s = 1.2e-7 and then 1e-6: some
 // tens of iterations, of which five times as many are allowed. Where they
 // do not converge, K is factored in double, and so are the next ones. Tuned by -mixed_ksp_rtol, -mixed_ksp_max_it
-// and so on; the double factor by -mixed_double_mat_mumps_icntl_... From 60 000 rows on
+// and so on; the double factor by -mixed_double_mat_mumps_icntl_..., -pc_mixed_on_disk keeps the single one in files. From 60 000 rows on
 // the single factor is compressed, with as many iterations.
 #pragma once
 
