@@ -6,8 +6,9 @@ namespace voile::app {
 
 namespace {
 
-/// Largest displacement of e u over the length of a cell: terms of third order are its square, and round-off is not felt.
-constexpr double share_of_cell = 1e-6;
+/// Largest displacement of e u over the length of a cell: terms of third order are its square, and round-off of the coordinates is
+/// divided by it, so about the cube root of round-off.
+constexpr double share_of_cell = 1e-5;
 
 }  // namespace
 
