@@ -81,6 +81,7 @@ Candidates::Candidates(const Surface& surface, double contact_distance, std::vec
   is_seen_.assign(s.rest.size(), 0);
   renewed_.assign(s.rest.size(), 0);
   boxes_.resize(s.rest.size());
+  select_sheet();
 }
 
 // ---- boxes ---------------------------------------------------------------------------------------------------------
@@ -175,17 +176,23 @@ void Candidates::select_obstacles() {
   seen_.points.insert(seen_.points.end(), s.bare_points.begin(), s.bare_points.end());
 }
 
-void Candidates::select_figures() {
+void Candidates::see(std::vector<Index> ghosts) {
+  if (ghosts == ghosts_) return;
+  ghosts_ = std::move(ghosts);
+  select_sheet();
+}
+
+void Candidates::select_sheet() {
   const Surface& s = *surface_;
-  for (Index p : seen_.points) is_seen_[p] = 0;
-  seen_.points = own_points_;
-  seen_.points.insert(seen_.points.end(), ghosts_.begin(), ghosts_.end());
-  for (Index p : seen_.points) is_seen_[p] = 1;
+  for (Index p : sheet_.points) is_seen_[p] = 0;
+  sheet_.points = own_points_;
+  sheet_.points.insert(sheet_.points.end(), ghosts_.begin(), ghosts_.end());
+  for (Index p : sheet_.points) is_seen_[p] = 1;
   // A figure is seen with its last point.
   const auto add = [&](const auto& figures, const std::vector<Index>& from, const std::vector<Index>& of,
                        std::vector<Index>& list) {
     list.clear();
-    for (Index p : seen_.points)
+    for (Index p : sheet_.points)
       for (Index k = from[p]; k < from[p + 1]; ++k) {
         const auto& points = figures[of[k]].points;
         if (p != *std::max_element(points.begin(), points.end())) continue;
@@ -193,11 +200,17 @@ void Candidates::select_figures() {
       }
     std::sort(list.begin(), list.end());
   };
-  add(s.faces, faces_from_, faces_of_, seen_.faces);
-  add(s.edges, edges_from_, edges_of_, seen_.edges);
+  add(s.faces, faces_from_, faces_of_, sheet_.faces);
+  add(s.edges, edges_from_, edges_of_, sheet_.edges);
+  std::sort(sheet_.points.begin(), sheet_.points.end());
+}
+
+void Candidates::select_figures() {
+  seen_ = sheet_;
+  const auto sheet = static_cast<std::ptrdiff_t>(seen_.points.size());
   select_obstacles();
-  make_ascending(seen_.points);
-  for (Index p : seen_.points) is_seen_[p] = 1;
+  std::sort(seen_.points.begin() + sheet, seen_.points.end());  // all of them follow those of the sheet
+  seen_.points.erase(std::unique(seen_.points.begin() + sheet, seen_.points.end()), seen_.points.end());
 }
 
 // ---- pairs ---------------------------------------------------------------------------------------------------------

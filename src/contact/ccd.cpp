@@ -39,6 +39,17 @@ Closest closest(PairKind kind, const std::array<Vec3, 4>& x) {
   }
 }
 
+double distance(PairKind kind, const std::array<Vec3, 4>& x) {
+  switch (kind) {
+    case PairKind::point_triangle:
+      return point_triangle_distance(x);
+    case PairKind::point_edge:
+      return point_edge_distance(x);
+    default:
+      return edge_edge_distance(x);
+  }
+}
+
 double axis_distance(PairKind kind, const std::array<Vec3, 4>& x) {
   const int first = kind == PairKind::edge_edge ? 2 : 1, count = kind == PairKind::point_edge ? 3 : 4;
   Vec3 low[2] = {x[0], x[first]}, high[2] = {x[0], x[first]};
@@ -57,7 +68,7 @@ double step_fraction(PairKind kind, std::array<Vec3, 4> x, std::array<Vec3, 4> p
   for (int i = 0; i < count; ++i) p[i] -= mean;
   const double speed = speed_bound(kind, p);
   if (axis_distance(kind, x) - xi > speed * limit) return limit;
-  double gap = closest(kind, x).distance - xi;
+  double gap = distance(kind, x) - xi;
   double size = xi;
   for (int i = 1; i < count; ++i) size = std::max(size, (x[i] - x[0]).norm());
   if (!(gap > no_gap * size)) return 0.0;
@@ -68,7 +79,7 @@ double step_fraction(PairKind kind, std::array<Vec3, 4> x, std::array<Vec3, 4> p
     const double advance = (1.0 - kept) * gap / speed;
     if (covered + advance >= limit) return limit;
     for (int i = 0; i < count; ++i) x[i] += advance * p[i];
-    gap = closest(kind, x).distance - xi;
+    gap = distance(kind, x) - xi;
     covered += advance;
     if (gap < least) return covered;
   }

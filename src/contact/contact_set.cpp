@@ -66,7 +66,7 @@ void ContactSet::blocked(const std::vector<Vec3>& from, const std::vector<Vec3>&
     for (int i = 0; i < 4; ++i) p[i] = end[i] - x[i];
     const double xi = offset(pair), room = lost_share * pair.share * options_.distance;
     const bool near_at_end = axis_distance(pair.kind, end) - xi < room;  // false for most candidates
-    if ((near_at_end && lost(closest(pair.kind, x).distance - xi, closest(pair.kind, end).distance - xi, room)) ||
+    if ((near_at_end && lost(distance(pair.kind, x) - xi, distance(pair.kind, end) - xi, room)) ||
         contact::step_fraction(pair.kind, x, p, xi) < 1.0)
       found(pair);
   });

@@ -13,7 +13,7 @@ void NearList::make(const std::vector<Pair>& pairs, const std::vector<Vec3>& x, 
     for (int i = 0; i < 4; ++i) p[i] = pair.points[i] == no_index ? Vec3(Vec3::Zero()) : x[pair.points[i]];
     const double xi = offset(pair);
     if (axis_distance(pair.kind, p) - xi >= reach) continue;
-    const double gap = closest(pair.kind, p).distance - xi;
+    const double gap = distance(pair.kind, p) - xi;
     if (gap < reach) entries_.push_back({k, gap});
   }
   reference_ = x;

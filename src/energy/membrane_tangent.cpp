@@ -10,30 +10,47 @@ namespace {
 
 /// Principal stress resultants below zero are removed.
 Vec3 tensile_part(const Vec3& n) {
-  const double mean = 0.5 * (n[0] + n[1]), radius = std::hypot(0.5 * (n[0] - n[1]), n[2]);
+  const double mean = 0.5 * (n[0] + n[1]), half_difference = 0.5 * (n[0] - n[1]);
+  const double radius = std::sqrt(half_difference * half_difference + n[2] * n[2]);
   if (mean - radius >= 0.0) return n;
   if (mean + radius <= 0.0) return Vec3::Zero();
   // One tensile direction p: N+ = (mean + radius) p (x) p, with 2 p p^T = I + (N - mean I)/radius.
   const double half = 0.5 * (mean + radius);
-  return {half * (1.0 + 0.5 * (n[0] - n[1]) / radius), half * (1.0 - 0.5 * (n[0] - n[1]) / radius),
-          half * n[2] / radius};
+  return {half * (1.0 + half_difference / radius), half * (1.0 - half_difference / radius), half * n[2] / radius};
 }
 
-/// Derivative of (E11, E22, 2 E12) with respect to a node with gradient weights (d1, d2).
-Mat3 strain_rows(const Base& a, double d1, double d2) {
-  Mat3 b;
-  b.row(0) = d1 * a.a1.transpose();
-  b.row(1) = d2 * a.a2.transpose();
-  b.row(2) = (d2 * a.a1 + d1 * a.a2).transpose();
-  return b;
+using Quad = Eigen::Vector4d;
+
+Quad quad(const Vec3& a) {
+  return {a[0], a[1], a[2], 0.0};
 }
 
-/// Adds b_i^T C b_j to the upper blocks; `node` ascends.
+/// Derivatives of (E11, E22, 2 E12), one in each column, with respect to a node with gradient weights (d1, d2).
+class StrainSlopes {
+ public:
+  explicit StrainSlopes(const Base& a) : a1_(quad(a.a1)), a2_(quad(a.a2)) {}
+  Quads operator()(double d1, double d2) const {
+    Quads b;
+    b.col(0) = d1 * a1_;
+    b.col(1) = d2 * a2_;
+    b.col(2) = d2 * a1_ + d1 * a2_;
+    return b;
+  }
+
+ private:
+  Quad a1_, a2_;
+};
+
+/// Adds b_i C b_j^T to the upper blocks, C symmetric; `node` ascends.
 template <class Blocks, std::size_t n>
-void add_material(Blocks& k, const std::array<Mat3, n>& b, const std::array<int, n>& node, const Mat3& stiffness) {
+void add_material(Blocks& k, const std::array<Quads, n>& b, const std::array<int, n>& node, const Mat3& stiffness) {
   for (std::size_t j = 0; j < n; ++j) {
-    const Mat3 cb = stiffness * b[j];
-    for (std::size_t i = 0; i <= j; ++i) k[node[i]][node[j]].noalias() += b[i].transpose() * cb;
+    const Mat3 cb = stiffness.lazyProduct(b[j].template topRows<3>().transpose());
+    for (std::size_t i = 0; i <= j; ++i) {
+      Quads& block = k[node[i]][node[j]];
+      for (int c = 0; c < 3; ++c)
+        block.col(c) += cb(0, c) * b[i].col(0) + cb(1, c) * b[i].col(1) + cb(2, c) * b[i].col(2);
+    }
   }
 }
 
@@ -83,8 +100,9 @@ void MembraneTerm::prepare(Index e, const Configuration& c, Workspace& w) const 
       quadratic = half_metric(base.a1 - before.a1, base.a2 - before.a2);
     }
     const std::array<int, 4> node{0, 1, 2, 3 + s};
-    std::array<Mat3, 4> b;
-    for (int k = 0; k < 4; ++k) b[k] = strain_rows(base, el.side[s][0][k], el.side[s][1][k]);
+    std::array<Quads, 4> b;
+    const StrainSlopes slopes(base);
+    for (int k = 0; k < 4; ++k) b[k] = slopes(el.side[s][0][k], el.side[s][1][k]);
     add_material(w.k, b, node, el.area / 3.0 * (1.0 + viscosity) * stress.stiffness);
     const Vec3 strain = half_metric(base.a1, base.a2) - el.side_metric[s];
     add_geometric(w.k, el.area / 3.0 * stress.clipped(stress(strain, quadratic, start.side[s])), el.side[s], node);
@@ -109,7 +127,7 @@ void MembraneTerm::prepare_bends(Index e, const Configuration& c, Workspace& w) 
 
 template <std::size_t n>
 Vec3 MembraneTerm::corrected(Index e, ChordCorrection::Strain which, const Vec3& strain,
-                             const std::array<Mat3, n>& rows, const Mat3& material, Workspace& w) const {
+                             const std::array<Quads, n>& own, const Mat3& material, Workspace& w) const {
   const ChordCorrection::Slopes slopes = correction_.slopes(e, which, w.bends);
   for (int i = 0; i < correction_.stencil_size(e); ++i) {
     const BendWeights& weight = correction_.weight(e, i);
@@ -118,8 +136,8 @@ Vec3 MembraneTerm::corrected(Index e, ChordCorrection::Strain which, const Vec3&
       for (int a = 0; a < bend_vectors; ++a) sum += weight[a] * slopes[r].col(a);
       w.b[i].col(3 * which + r) = sum;
     }
-    auto b = w.b[i].block<3, 3>(0, 3 * which);
-    if (i < static_cast<int>(n)) b += rows[static_cast<std::size_t>(i)].transpose();
+    if (i < static_cast<int>(n)) w.b[i].middleCols<3>(3 * which) += own[static_cast<std::size_t>(i)];
+    const auto b = w.b[i].block<3, 3>(0, 3 * which);
     w.stiff[i].block<3, 3>(3 * which, 0).noalias() = material.lazyProduct(b.transpose());
   }
   return strain + correction_.strain(e, which, w.bends);
@@ -137,8 +155,9 @@ void MembraneTerm::prepare_own(Index e, const Configuration& c, const Stress& st
     const Base before = own_base(el.own, c.previous, points);
     quadratic = half_metric(a.a1 - before.a1, a.a2 - before.a2);
   }
-  std::array<Mat3, 3> b;
-  for (int k = 0; k < 3; ++k) b[k] = strain_rows(a, el.own[0][k], el.own[1][k]);
+  std::array<Quads, 3> b;
+  const StrainSlopes slopes(a);
+  for (int k = 0; k < 3; ++k) b[k] = slopes(el.own[0][k], el.own[1][k]);
   if (corrects()) {
     constexpr auto which = ChordCorrection::own;
     strain = corrected(e, which, strain, b, material, w);
@@ -165,15 +184,16 @@ void MembraneTerm::prepare_mean(Index e, const Configuration& c, const Stress& s
     const Base before = side_base(el.side[s], c.previous, points, s);
     quadratic += half_metric(base[s].a1 - before.a1, base[s].a2 - before.a2) / 3.0;
   }
-  std::array<Mat3, nodes> b;
+  const std::array slopes{StrainSlopes(base[0]), StrainSlopes(base[1]), StrainSlopes(base[2])};
+  std::array<Quads, nodes> b;
   for (int k = 0; k < 3; ++k) {
     b[k].setZero();
-    for (int s = 0; s < 3; ++s) b[k] += strain_rows(base[s], el.side[s][0][k], el.side[s][1][k]);
-    b[3 + k] = strain_rows(base[k], el.side[k][0][3], el.side[k][1][3]);
+    for (int s = 0; s < 3; ++s) b[k] += slopes[s](el.side[s][0][k], el.side[s][1][k]);
+    b[3 + k] = slopes[k](el.side[k][0][3], el.side[k][1][3]);
   }
   if (corrects()) {
     constexpr auto which = ChordCorrection::mean;
-    for (Mat3& rows : b) rows /= 3.0;
+    for (Quads& node : b) node /= 3.0;
     strain = corrected(e, which, strain, b, weight * material, w);
     if (stress.linearised) quadratic += correction_.quadratic(e, which, correction_.step(e, c));
     w.geometric += correction_.geometric(e, which, weight * stress(strain, quadratic, start), stress.positive);

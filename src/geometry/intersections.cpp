@@ -30,6 +30,9 @@ using Face = Kernel::Triangle_3;
 using Shape = std::variant<Point, Segment, Face>;
 using Box = CGAL::Box_intersection_d::Box_with_info_d<double, 3, Index>;
 
+/// So many boxes are scanned one after the other and divided no further.
+constexpr std::ptrdiff_t most_scanned = 200;
+
 /// The convex hull of two points.
 Shape hull(const Point& a, const Point& b) {
   if (a == b) return a;
@@ -182,8 +185,8 @@ std::vector<TrianglePair> find_pairs(const std::vector<Vec3>& positions, const s
     const auto [i, j] = std::minmax({a.info(), b.info()});
     if (slab.has(a, b) && is_wanted(i, j) && surface.intersect(i, j)) pairs.emplace_back(i, j);
   };
-  CGAL::box_intersection_d(boxes.begin(), busy, all_busy, idle, note);
-  CGAL::box_self_intersection_d(boxes.begin(), busy, note);
+  CGAL::box_intersection_d(boxes.begin(), busy, all_busy, idle, note, most_scanned);
+  CGAL::box_self_intersection_d(boxes.begin(), busy, note, most_scanned);
   std::sort(pairs.begin(), pairs.end());
   return pairs;
 }

@@ -12,10 +12,11 @@ namespace {
 constexpr double shift_growth = 4.0, largest_shift = 16.0;
 /// Pivots below this share of the matrix's own block are as good as indefinite.
 constexpr double least_pivot = 1e-8;
+/// Blocks of the matrix, which lie all over the memory in the order of elimination, are fetched so many before their turn.
+constexpr int ahead = 16;
 
 using Block = Eigen::Matrix3d;
-using Stored = Eigen::Map<const Eigen::Matrix3f>;
-/// A block in compressed rows, or as kept for the row at work.
+/// A block in compressed rows.
 using Entries = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>, 0, Eigen::OuterStride<>>;
 
 /// D^-1 of a block that is symmetric but for round-off; false unless it is well enough positive.
@@ -40,6 +41,19 @@ bool invert(const Block& d, double scale, Block& inverse) {
   return true;
 }
 
+Rows read_rows(const double* first, int stride) {
+  Rows t;
+  for (int r = 0; r < 3; ++r, first += stride) t.col(r) << first[0], first[1], first[2], 0.0;
+  return t;
+}
+
+/// Rows of the product of a block, by rows, and a symmetric one.
+Rows times_rows(const double* left, const float* right) {
+  Rows product;
+  for (int r = 0; r < 3; ++r) product.col(r) = combined(Eigen::Map<const Lanes>(left + 4 * r), right);
+  return product;
+}
+
 }  // namespace
 
 bool IncompleteCholesky::read_pattern(const BlockPattern& pattern, std::vector<int> order) {
@@ -54,12 +68,12 @@ bool IncompleteCholesky::read_pattern(const BlockPattern& pattern, std::vector<i
   for (const int row : order_)
     if (!read_row(pattern, row)) return false;
   find_matches();
-  w_.assign(9 * columns_.size(), 0.0F);
-  inverse_.assign(9 * diagonals_.size(), 0.0F);
-  x_.assign(3 * diagonals_.size(), 0.0);
+  w_.assign(9 * columns_.size() + 1, 0.0F);  // one more, since lanes are read by fours
+  inverse_.assign(9 * diagonals_.size() + 1, 0.0F);
+  x_.assign(4 * diagonals_.size(), 0.0);
   int longest = 0;
   for (int i = 0; i < block_rows(); ++i) longest = std::max(longest, row_starts_[i + 1] - row_starts_[i]);
-  row_.assign(9 * static_cast<std::size_t>(longest), 0.0);
+  row_.assign(Rows::SizeAtCompileTime * static_cast<std::size_t>(longest), 0.0);
   return true;
 }
 
@@ -102,33 +116,51 @@ void IncompleteCholesky::find_matches() {
 }
 
 bool IncompleteCholesky::factor_shifted(const BlockPattern::Values& values, double shift) {
-  const auto block_at = [&](const BlockPattern::Place& place) {
-    return Entries(values[static_cast<std::size_t>(place.source)] + place.first, Eigen::OuterStride<>(place.stride));
+  const auto first_of = [&](const BlockPattern::Place& place) {
+    return values[static_cast<std::size_t>(place.source)] + place.first;
+  };
+  const auto fetch = [&](const BlockPattern::Place& place) {
+    for (int r = 0; r < 3; ++r) __builtin_prefetch(first_of(place) + r * place.stride);
   };
   for (int i = 0; i < block_rows(); ++i) {
     const int begin = row_starts_[i], end = row_starts_[i + 1];
-    Block pivot = block_at(diagonals_[i]);
-    const double scale = pivot.diagonal().cwiseAbs().maxCoeff();
-    pivot *= 1.0 + shift;
+    const Block own = Entries(first_of(diagonals_[i]), Eigen::OuterStride<>(diagonals_[i].stride));
+    const double scale = own.diagonal().cwiseAbs().maxCoeff();
+    Block pivot = (1.0 + shift) * own;
     for (int at = begin; at < end; ++at) {
-      Block t = block_at(places_[at]);
-      for (int m = match_starts_[at]; m < match_starts_[at + 1]; ++m)
-        t.noalias() -= Eigen::Map<const Block>(row_.data() + 9 * matches_[m].in_row) *
-                       Stored(w_.data() + 9 * static_cast<std::size_t>(matches_[m].other)).cast<double>().transpose();
-      Eigen::Map<Block>(row_.data() + 9 * (at - begin)) = t;
-      const Block w = t * Stored(inverse_.data() + 9 * columns_[at]).cast<double>();
-      Eigen::Map<Eigen::Matrix3f>(w_.data() + 9 * static_cast<std::size_t>(at)) = w.cast<float>();
-      pivot.noalias() -= t * w.transpose();
+      if (at + ahead < static_cast<int>(places_.size())) fetch(places_[at + ahead]);
+      double* row = row_.data() + Rows::SizeAtCompileTime * (at - begin);
+      const Rows t = eliminated(at, read_rows(first_of(places_[at]), places_[at].stride));
+      Eigen::Map<Rows>{row} = t;
+      const Rows w = times_rows(row, inverse_.data() + 9 * columns_[at]);
+      Eigen::Map<Eigen::Matrix3f>(w_.data() + 9 * static_cast<std::size_t>(at)) =
+          w.topRows<3>().transpose().cast<float>();
+      pivot -= t.topRows<3>().transpose().lazyProduct(w.topRows<3>());
     }
     Block inverse;
     if (!invert(pivot, scale, inverse)) {
-      const Block own = block_at(diagonals_[i]);
       hopeless_ = !invert(own, scale, inverse);  // a block of the diagonal is indefinite itself, and with any shift
       return false;
     }
     Eigen::Map<Eigen::Matrix3f>(inverse_.data() + 9 * i) = inverse.cast<float>();
   }
+  for (std::size_t at = 0; at < columns_.size(); ++at)
+    Eigen::Map<Eigen::Matrix3f>(w_.data() + 9 * at).transposeInPlace();
   return true;
+}
+
+/// Takes off T what the matches of its block say: the products of blocks of the row at work and blocks of W by columns.
+Rows IncompleteCholesky::eliminated(int at, const Rows& own) const {
+  Rows t = own;
+  for (int m = match_starts_[at]; m < match_starts_[at + 1]; ++m) {
+    const double* left = row_.data() + Rows::SizeAtCompileTime * matches_[m].in_row;
+    const float* right = w_.data() + 9 * static_cast<std::size_t>(matches_[m].other);
+    for (int k = 0; k < 3; ++k) {
+      const Lanes column = lanes(right + 3 * k);
+      for (int r = 0; r < 3; ++r) t.col(r) -= left[4 * r + k] * column;
+    }
+  }
+  return t;
 }
 
 bool IncompleteCholesky::factor(const BlockPattern::Values& values, double shift, double first_shift) {
@@ -143,24 +175,23 @@ bool IncompleteCholesky::factor(const BlockPattern::Values& values, double shift
 }
 
 void IncompleteCholesky::solve(const double* b, double* x) {
-  using Eigen::Vector3d;
   const int n = block_rows();
-  const auto block = [&](int at) { return Stored(w_.data() + 9 * static_cast<std::size_t>(at)).cast<double>(); };
-  const auto part = [&](int i) { return Eigen::Map<Vector3d>(x_.data() + 3 * i); };
   for (int i = 0; i < n; ++i) {
-    Vector3d y = Eigen::Map<const Vector3d>(b + 3 * order_[i]);
-    for (int at = row_starts_[i]; at < row_starts_[i + 1]; ++at) y.noalias() -= block(at) * part(columns_[at]);
-    part(i) = y;
+    Lanes sum[3] = {Lanes::Zero(), Lanes::Zero(), Lanes::Zero()};
+    for (int at = row_starts_[i]; at < row_starts_[i + 1]; ++at) {
+      const Lanes y = part(columns_[at]);
+      const float* w = w_.data() + 9 * static_cast<std::size_t>(at);
+      for (int r = 0; r < 3; ++r) sum[r] += lanes(w + 3 * r).cwiseProduct(y);
+    }
+    const double* own = b + 3 * order_[i];
+    part(i) << own[0] - total(sum[0]), own[1] - total(sum[1]), own[2] - total(sum[2]), 0.0;
   }
-  for (int i = 0; i < n; ++i) {
-    const Vector3d y = part(i);
-    part(i).noalias() = Stored(inverse_.data() + 9 * i).cast<double>() * y;
-  }
+  for (int i = 0; i < n; ++i) part(i) = combined(part(i), inverse_.data() + 9 * i);
   for (int i = n - 1; i >= 0; --i) {
-    const Vector3d y = part(i);
+    const Lanes y = part(i);
     for (int at = row_starts_[i]; at < row_starts_[i + 1]; ++at)
-      part(columns_[at]).noalias() -= block(at).transpose() * y;
-    Eigen::Map<Vector3d>(x + 3 * order_[i]) = y;
+      part(columns_[at]) -= combined(y, w_.data() + 9 * static_cast<std::size_t>(at));
+    Eigen::Map<Eigen::Vector3d>(x + 3 * order_[i]) = y.head<3>();
   }
 }
 

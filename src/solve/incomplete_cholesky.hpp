@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "block_pattern.hpp"
+#include "lanes.hpp"
 
 namespace voile::solve {
 
@@ -40,6 +41,8 @@ class IncompleteCholesky {
   };
   void find_matches();
   [[nodiscard]] bool factor_shifted(const BlockPattern::Values& values, double shift);
+  [[nodiscard]] Rows eliminated(int at, const Rows& own) const;
+  [[nodiscard]] Eigen::Map<Lanes> part(int i) { return Eigen::Map<Lanes>(x_.data() + 4 * i); }
 
   [[nodiscard]] bool read_row(const BlockPattern& pattern, int row);
 
@@ -48,9 +51,10 @@ class IncompleteCholesky {
   std::vector<BlockPattern::Place> places_, diagonals_;  ///< of each block in the values, and of each on the diagonal
   std::vector<int> match_starts_;                        ///< of each block
   std::vector<Match> matches_;
-  std::vector<float> w_, inverse_;  ///< blocks of W by columns, and of D^-1, nine floats each
-  std::vector<double> row_;         ///< blocks of W D in the row at work
-  std::vector<double> x_;           ///< solution, in the order of elimination
+  /// Blocks of W, by columns until all are there, then by rows, and of D^-1, nine floats each.
+  std::vector<float> w_, inverse_;
+  std::vector<double> row_;  ///< blocks of W D in the row at work
+  std::vector<double> x_;    ///< solution, in the order of elimination, in lanes
   double shift_ = 0.0;
   bool hopeless_ = false;
   int attempts_ = 0;

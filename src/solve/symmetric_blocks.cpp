@@ -42,7 +42,9 @@ bool SymmetricBlocks::read_pattern(Mat k) {
   }
   MPI_Comm comm = PetscObjectComm(reinterpret_cast<PetscObject>(k));
   if (mpi::max(comm, good ? 0.0 : 1.0) > 0.0) return false;
-  values_.resize(9 * columns_.size());
+  values_.resize(9 * columns_.size() + 1);  // one more, since lanes are read by fours
+  x_.resize(4 * strides_.size());
+  y_.resize(4 * strides_.size());
   PetscInt all_rows = 0;
   VOILE_PETSC(MatGetSize(k, &all_rows, nullptr));
   VOILE_PETSC(MatCreateShell(comm, rows, rows, all_rows, all_rows, this, shell_.out()));
@@ -73,26 +75,25 @@ bool SymmetricBlocks::take(Mat k, bool new_pattern) {
 }
 
 void SymmetricBlocks::multiply_inside(const double* x, double* y) const {
+  const int rows = static_cast<int>(strides_.size());
   const double* a = values_.data();
-  for (int i = 0; i + 1 < static_cast<int>(starts_.size()); ++i) {
-    const double x0 = x[3 * i], x1 = x[3 * i + 1], x2 = x[3 * i + 2];
-    double y0 = 0.0, y1 = 0.0, y2 = 0.0;
+  for (int i = 0; i < rows; ++i) Eigen::Map<Lanes>(x_.data() + 4 * i) << x[3 * i], x[3 * i + 1], x[3 * i + 2], 0.0;
+  for (int i = 0; i < rows; ++i) {
+    const Lanes own = lanes(x_.data() + 4 * i);
+    Lanes sum[3] = {Lanes::Zero(), Lanes::Zero(), Lanes::Zero()};
     const int last = starts_[i + 1] - 1;
     for (int at = starts_[i]; at < last; ++at, a += 9) {
-      const double* u = x + 3 * columns_[at];
-      double* v = y + 3 * columns_[at];
-      y0 += a[0] * u[0] + a[1] * u[1] + a[2] * u[2];
-      y1 += a[3] * u[0] + a[4] * u[1] + a[5] * u[2];
-      y2 += a[6] * u[0] + a[7] * u[1] + a[8] * u[2];
-      v[0] += a[0] * x0 + a[3] * x1 + a[6] * x2;
-      v[1] += a[1] * x0 + a[4] * x1 + a[7] * x2;
-      v[2] += a[2] * x0 + a[5] * x1 + a[8] * x2;
+      const Lanes u = lanes(x_.data() + 4 * columns_[at]);
+      Eigen::Map<Lanes> v(y_.data() + 4 * columns_[at]);
+      const Lanes row[3] = {lanes(a), lanes(a + 3), lanes(a + 6)};
+      for (int r = 0; r < 3; ++r) sum[r] += row[r].cwiseProduct(u);
+      v += own[0] * row[0] + own[1] * row[1] + own[2] * row[2];
     }
-    y[3 * i] = y0 + a[0] * x0 + a[1] * x1 + a[2] * x2;
-    y[3 * i + 1] = y1 + a[3] * x0 + a[4] * x1 + a[5] * x2;
-    y[3 * i + 2] = y2 + a[6] * x0 + a[7] * x1 + a[8] * x2;
-    a += 9;
+    for (int r = 0; r < 3; ++r, a += 3) sum[r] += lanes(a).cwiseProduct(own);
+    Eigen::Map<Lanes>(y_.data() + 4 * i) << total(sum[0]), total(sum[1]), total(sum[2]), 0.0;
   }
+  for (int i = 0; i < rows; ++i)
+    for (int k = 0; k < 3; ++k) y[3 * i + k] = y_[static_cast<std::size_t>(4 * i + k)];
 }
 
 void SymmetricBlocks::multiply(Vec x, Vec y) const {

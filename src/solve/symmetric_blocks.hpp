@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "block_rows.hpp"
+#include "lanes.hpp"
 #include "voile/base/petsc.hpp"
 
 namespace voile::solve {
@@ -27,6 +28,7 @@ class SymmetricBlocks {
   Mat inside_ = nullptr, outside_ = nullptr;              ///< parts of k, not owned
   std::vector<int> starts_, columns_, places_, strides_;  ///< of the blocks of the lower triangle, the diagonal last
   std::vector<double> values_;                            ///< nine per block, by rows
+  mutable std::vector<double> x_, y_;                     ///< vectors of a product, in lanes
   petsc::MatHandle shell_;
   GhostColumns ghosts_;
 };

@@ -62,7 +62,7 @@ class Candidates {
   /// Own points whose faces come into one of these boxes, ascending.
   [[nodiscard]] std::vector<Index> points_within(const std::vector<Box>& region) const;
   /// Points of the sheet that other ranks own and this one is to see from now on.
-  void see(std::vector<Index> ghosts) { ghosts_ = std::move(ghosts); }
+  void see(std::vector<Index> ghosts);
 
   /// Calls f(pair) for candidates, at least for those whose gap at x is below `limit`.
   template <class F>
@@ -90,6 +90,8 @@ class Candidates {
   [[nodiscard]] Departure departure(const std::vector<Index>& points, const std::vector<Vec3>& from,
                                     const std::vector<Vec3>& to);
   void renew_boxes(const std::vector<Index>& points, const std::vector<Vec3>& from, const std::vector<Vec3>& to);
+  /// Of the sheet, what own points and ghosts hold.
+  void select_sheet();
   void select_figures();
   void select_obstacles();
   /// In how many parts trajectories are looked at one after the other; 1: they are short.
@@ -116,8 +118,8 @@ class Candidates {
   std::vector<Index> obstacle_points_;
   std::vector<Index> faces_from_, faces_of_, edges_from_, edges_of_;  ///< of each sheet point, one after another
   std::vector<Index> ghosts_;
-  Figures seen_;
-  std::vector<char> is_seen_;  ///< per point
+  Figures sheet_, seen_;       ///< those of the sheet, and with obstacles
+  std::vector<char> is_seen_;  ///< per point of the sheet
   std::vector<Box> boxes_;
   std::vector<char> renewed_;
   bool begun_ = false;  ///< boxes and pairs hold

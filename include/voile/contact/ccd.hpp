@@ -17,6 +17,8 @@ namespace voile::contact {
 enum class PairKind : unsigned char { point_triangle, edge_edge, point_edge };
 
 [[nodiscard]] Closest closest(PairKind kind, const std::array<Vec3, 4>& x);
+/// closest(kind, x).distance to round-off, for less. [m]
+[[nodiscard]] double distance(PairKind kind, const std::array<Vec3, 4>& x);
 /// Lower bound of the distance, or a negative number: how far apart the figures are along a coordinate axis. [m]
 [[nodiscard]] double axis_distance(PairKind kind, const std::array<Vec3, 4>& x);
 

@@ -35,6 +35,11 @@ struct Closest {
 /// Segments x[0], x[1] and x[2], x[3], which may be parallel or points.
 [[nodiscard]] Closest edge_edge(const std::array<Vec3, 4>& x);
 
+/// The distances alone, of the same pairs: several times cheaper than their closest points. [m]
+[[nodiscard]] double point_triangle_distance(const std::array<Vec3, 4>& x);
+[[nodiscard]] double point_edge_distance(const std::array<Vec3, 4>& x);
+[[nodiscard]] double edge_edge_distance(const std::array<Vec3, 4>& x);
+
 /// The basis of the five motions that change the distance: motion k moves vertex i by frame[k] weight[k][i].
 struct Motions {
   std::array<Vec3, 5> frame;

@@ -29,6 +29,9 @@
 
 namespace voile::energy {
 
+/// Three vectors in space as columns, with a fourth number, zero, so that they fill registers.
+using Quads = Eigen::Matrix<double, 4, 3>;
+
 class MembraneTerm {
  public:
   static constexpr int nodes = 6;
@@ -98,8 +101,8 @@ class MembraneTerm {
     if (corrects()) return corrected_blocks(e, w, emit);
     for (int i = 0; i < nodes; ++i)
       for (int j = i; j < nodes; ++j) {
-        emit(i, j, w.k[i][j]);
-        if (j != i) emit(j, i, w.k[i][j].transpose());
+        emit(i, j, w.k[i][j].template topRows<3>());
+        if (j != i) emit(j, i, w.k[i][j].template topRows<3>().transpose());
       }
   }
   template <class Emit>
@@ -131,8 +134,8 @@ class MembraneTerm {
   };
   /// Upper blocks of one element's Hessian; of a corrected one without the part of b, the derivatives of its strains.
   struct Workspace {
-    std::array<std::array<Mat3, nodes>, nodes> k;
-    /// Of each point eight vectors b (columns, with a fourth number so that they fill registers), and what multiplies them: for
+    std::array<std::array<Quads, nodes>, nodes> k;
+    /// Of each point eight vectors b (columns, in quads), and what multiplies them: for
     /// each strain, mean and own, the rows of dE/dx and of A C dE/dx; for the term of fourth order two more.
     std::array<Eigen::Matrix<double, 4, 8>, ChordCorrection::most> b;
     std::array<Eigen::Matrix<double, 8, 3>, ChordCorrection::most> stiff;
@@ -149,7 +152,7 @@ class MembraneTerm {
         product.noalias() = w.b[i].lazyProduct(w.stiff[j]);
         Mat3 k = product.topRows<3>();
         k.diagonal().array() += along.dot(correction_.weight(e, j));
-        if (j < nodes) k += w.k[i][j];
+        if (j < nodes) k += w.k[i][j].template topRows<3>();
         emit(i, j, k);
         if (j != i) emit(j, i, k.transpose());
       }
@@ -167,11 +170,11 @@ class MembraneTerm {
   void prepare_bends(Index e, const Configuration& c, Workspace& w) const;
   void prepare_mean(Index e, const Configuration& c, const Stress& stress, Workspace& w) const;
   void prepare_own(Index e, const Configuration& c, const Stress& stress, Workspace& w) const;
-  /// The strain with its correction. Fills the vectors b of the strain, to whose first points `rows` belong, and what multiplies
+  /// The strain with its correction. Fills the vectors b of the strain, to whose first points `own` belongs, and what multiplies
   /// them; `material`: A C.
   template <std::size_t n>
   [[nodiscard]] Vec3 corrected(Index e, ChordCorrection::Strain which, const Vec3& strain,
-                               const std::array<Mat3, n>& rows, const Mat3& material, Workspace& w) const;
+                               const std::array<Quads, n>& own, const Mat3& material, Workspace& w) const;
   [[nodiscard]] bool takes_mean() const {
     return kind_ == MembraneOperator::six_node || kind_ == MembraneOperator::six_node_corrected;
   }

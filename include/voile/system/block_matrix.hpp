@@ -37,6 +37,11 @@ class BlockMatrix {
       for (int r = 0; r < 3; ++r, at += slot.stride)
         for (int c = 0; c < 3; ++c) at[c] += block(r, c);
     }
+    /// Has the place of a block fetched from memory for an add() that will follow soon.
+    void fetch(Slot slot) const {
+      const double* at = slot.offset >= 0 ? diagonal + slot.offset : off_diagonal + ~slot.offset;
+      for (int r = 0; r < 3; ++r, at += slot.stride) __builtin_prefetch(at, 1);
+    }
   };
 
   BlockMatrix() = default;

@@ -86,12 +86,19 @@ class ElementTerm final : public Term {
             e, c, [&](int a, int b, const Mat3& k) { add_block(dofs, matrix, stencil[a], stencil[b], k, values); });
       } else {
         const Slot* slot = slots_.data() + first_slot_[e];
+        fetch(e + 1, values);
         kernel.hessian(e, c, [&](int, int, const Mat3& k) { values.add(*slot++, k); });
       }
     }
   }
 
  private:
+  /// Fetches the places of the blocks of an element whose turn comes next: adding to them would mostly be waiting for memory.
+  void fetch(Index e, const BlockMatrix::Values& values) const {
+    if (e >= kernel.size()) return;
+    const std::size_t end = e + 1 < kernel.size() ? first_slot_[e + 1] : slots_.size();
+    for (std::size_t at = first_slot_[e]; at < end; ++at) values.fetch(slots_[at]);
+  }
   /// Finds the places of all blocks.
   void locate(const Dofs& dofs, const BlockMatrix& matrix, int pattern) {
     const LocalPoints& local = dofs.local();

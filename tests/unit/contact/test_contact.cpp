@@ -177,6 +177,25 @@ TEST_CASE("distance: closest points of degenerate and parallel figures") {
   CHECK(edge_edge({Vec3(0, 0, 1), {0, 0, 1}, {0, 0, 0}, {0, 0, 0}}).distance == relative(1.0));
 }
 
+TEST_CASE("distance alone: that of the closest points, of figures anywhere, degenerate and parallel ones too") {
+  const auto check = [](PairKind kind, const Four& x) {
+    const double wanted = closest(kind, x).distance;
+    CHECK(std::abs(distance(kind, x) - wanted) <= 1e-12 * (1.0 + wanted));
+  };
+  for (const Case& c : cases()) check(c.kind, c.x);
+  std::mt19937 random(11);
+  std::uniform_real_distribution<double> place(-1.0, 1.0);
+  const Vec3 far(30.0, -20.0, 10.0);
+  for (int k = 0; k < 3000; ++k) {
+    Four x;
+    for (Vec3& v : x) v = far + Vec3(place(random), place(random), place(random));
+    if (k % 5 == 1) x[3] = x[2] + x[1] - x[0];  // parallel edges
+    if (k % 5 == 2) x[3] = x[2];                // an edge, or two corners, in one place
+    if (k % 5 == 3) x[3] = 0.5 * (x[1] + x[2]);
+    for (const PairKind kind : {PairKind::point_triangle, PairKind::edge_edge, PairKind::point_edge}) check(kind, x);
+  }
+}
+
 TEST_CASE("barrier and mollifier: derivatives, and where they begin") {
   const double h = 1e-6;
   for (const double g : {0.05, 0.3, 0.7, 0.99}) {
