@@ -234,7 +234,7 @@ CurvatureOperator CurvatureBuilder::Impl::six_node(Index t) {
 }
 
 CurvatureOperator CurvatureBuilder::Impl::build(Index t) {
-  return sheet.options().bending == BendingOperator::edge_slope ? edge_slope(t) : six_node(t);
+  return sheet.options().bending == BendingOperator::six_node ? six_node(t) : edge_slope(t);
 }
 
 namespace {

@@ -207,7 +207,7 @@ void read_remesh(const CaseReader& reader, Case& c) {
     place.fail("background",
                fmt::format("{} is no .pos; in Gmsh, save the view in that format", s.background.string()));
   if (!s.background.empty()) s.background = beside(c.file, s.background);
-  if (c.element.bending != energy::BendingOperator::edge_slope)
+  if (c.element.bending == energy::BendingOperator::six_node)
     place.fail("active",
                "remeshed meshes are irregular, and element.bending = \"six_node\" is wrong on those; use "
                "edge_slope");

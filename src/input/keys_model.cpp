@@ -83,9 +83,11 @@ std::vector<Key> keys_of(energy::ElementOptions& s) {
   return {
       {.name = "bending",
        .slot = choice(s.bending, {{"edge_slope", energy::BendingOperator::edge_slope},
+                                  {"edge_angle", energy::BendingOperator::edge_angle},
                                   {"six_node", energy::BendingOperator::six_node}}),
-       .meaning = "Curvature of a triangle: from one normal slope per edge, or from the quadratic through the "
-                  "triangle and its three neighbours (accurate on regular meshes only)."},
+       .meaning = "Curvature of a triangle: from one normal slope per edge; the same from the angles at edges, which "
+                  "leaves out what happens in the plane of the sheet and takes more time (docs/element.md); or from "
+                  "the quadratic through the triangle and its three neighbours (accurate on regular meshes only)."},
       {.name = "membrane",
        .slot = choice(s.membrane, {{"auto", energy::MembraneOperator::automatic},
                                    {"cst", energy::MembraneOperator::cst},

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "voile/base/mpi.hpp"
+#include "voile/energy/angle_bending.hpp"
 #include "voile/energy/membrane.hpp"
 #include "voile/system/attachments.hpp"
 #include "voile/system/bands.hpp"
@@ -105,7 +106,7 @@ void Potential::add_blocks(const energy::Configuration& c, const BlockMatrix& ta
 }
 
 TriangleFields Potential::triangle_fields(Vec a) {
-  return recovery_.fields(on_->comm(), on_->sheet(), membrane_->kernel, configuration(a));
+  return recovery_.fields(on_->comm(), on_->sheet(), membrane_->kernel, angles_->kernel, configuration(a));
 }
 
 long Potential::uncorrected_triangles() const {

@@ -9,6 +9,7 @@
 #include "voile/base/error.hpp"
 #include "voile/base/mpi.hpp"
 #include "voile/energy/anchor.hpp"
+#include "voile/energy/angle_bending.hpp"
 #include "voile/energy/bending.hpp"
 #include "voile/energy/chord_correction.hpp"
 #include "voile/energy/chord_forms.hpp"
@@ -80,6 +81,7 @@ void Potential::build_sheet(const Curvatures& curvatures) {
   if (membrane_->kernel.corrects()) forms.emplace(on_->sheet());
   membrane_->kernel.reserve(curvatures.size());
   auto& curved = add_term<energy::CurvedBendingTerm>(&Energies::bending);
+  angles_ = &add_term<energy::AngleBendingTerm>(&Energies::bending);
   const std::vector<Index>& local_of = on_->dofs().local().local_of;
   const auto to_local = [&](const auto& points, auto& local) {
     std::transform(points.begin(), points.end(), local.begin(), [&](Index p) { return local_of[p]; });
@@ -93,11 +95,26 @@ void Potential::build_sheet(const Curvatures& curvatures) {
     const energy::BendingElement el = energy::make_bending_element(on_->sheet(), triangle, curvatures[k]);
     std::vector<Index> local(el.points.size());
     to_local(el.points, local);
-    if (forms) membrane_->kernel.correct(on_->sheet(), forms->trace(triangle), triangle, el, local);
-    if (el.coupling.size() > 0) curved.kernel.add(el, local, owned);
-    if (owned) recovery_.add(triangle, el, local, membrane_->kernel.size() - 1);
+    const bool by_angles = add_angles(triangle, curvatures[k], el, local, owned);
+    if (forms)  // the term of fourth order is for sums of vectors
+      membrane_->kernel.correct(on_->sheet(), by_angles ? Mat3(Mat3::Zero()) : forms->trace(triangle), triangle, el,
+                                local);
+    if (!by_angles && el.coupling.size() > 0) curved.kernel.add(el, local, owned);
+    if (owned)
+      recovery_.add(triangle, el, local, membrane_->kernel.size() - 1,
+                    by_angles ? angles_->kernel.size() - 1 : no_index);
   }
   recovery_.end_adding();
+}
+
+bool Potential::add_angles(Index t, const energy::CurvatureOperator& op, const energy::BendingElement& el,
+                           const std::vector<Index>& local, bool owned) {
+  const energy::Sheet& sheet = on_->sheet();
+  if (sheet.options().bending != energy::BendingOperator::edge_angle) return false;
+  if (local.size() > energy::AngleBendingTerm::most) return false;
+  const std::optional<energy::EdgeAngles> angles = energy::make_edge_angles(sheet, t, op, el);
+  if (angles) angles_->kernel.add(el, *angles, local, sheet.mesh().area(t) * sheet.material(t).bending, owned);
+  return angles.has_value();
 }
 
 void Potential::tie(const Spring& spring, ElementTerm<energy::SpringTerm>& ties) const {

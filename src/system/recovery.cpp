@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 
 #include "voile/base/mpi.hpp"
+#include "voile/energy/angle_bending.hpp"
 #include "voile/energy/bending.hpp"
 #include "voile/energy/membrane.hpp"
 #include "voile/energy/sheet.hpp"
@@ -10,8 +11,8 @@
 namespace voile::system {
 
 void Recovery::add(Index triangle, const energy::BendingElement& element, const std::vector<Index>& local,
-                   Index membrane) {
-  items_.push_back({triangle, membrane, points_.size(), static_cast<int>(local.size()), element.rest_curvature,
+                   Index membrane, Index angles) {
+  items_.push_back({triangle, membrane, angles, points_.size(), static_cast<int>(local.size()), element.rest_curvature,
                     element.start_normal, element.start_bend});
   for (std::size_t i = 0; i < local.size(); ++i) {
     points_.push_back(local[i]);
@@ -26,7 +27,7 @@ void Recovery::end_adding() {
 }
 
 TriangleFields Recovery::fields(MPI_Comm comm, const energy::Sheet& sheet, const energy::MembraneTerm& membrane,
-                                const energy::Configuration& c) const {
+                                const energy::AngleBendingTerm& angles, const energy::Configuration& c) const {
   const auto size = 3 * static_cast<std::size_t>(sheet.mesh().triangle_count());
   TriangleFields f;
   for (auto* v : {&f.membrane_strain, &f.membrane_force, &f.curvature, &f.whole_curvature, &f.bending_moment})
@@ -38,6 +39,14 @@ TriangleFields Recovery::fields(MPI_Comm comm, const energy::Sheet& sheet, const
   for (const Item& r : items_) {
     store(f.membrane_strain, r.triangle, membrane.strain(r.membrane, c));
     store(f.membrane_force, r.triangle, membrane.force(r.membrane, c));
+    const Mat3& stiffness = sheet.material(r.triangle).bending;
+    if (r.angles != no_index) {  // nothing in the plane bends
+      const Vec3 kappa = angles.curvature(r.angles, c);
+      store(f.curvature, r.triangle, kappa);
+      store(f.whole_curvature, r.triangle, kappa + angles.rest_curvature(r.angles));
+      store(f.bending_moment, r.triangle, stiffness * kappa);
+      continue;
+    }
     const Index* p = points_.data() + r.start;
     const Vec3 edge = c.x[p[1]] - c.x[p[0]], normal = edge.cross(Vec3(c.x[p[2]] - c.x[p[0]])).normalized();
     // n.k'(x) - kappa0 with k'(x) = kappa0 N_s + r + B'u.
@@ -47,7 +56,7 @@ TriangleFields Recovery::fields(MPI_Comm comm, const energy::Sheet& sheet, const
       kappa += normal.dot(c.u[p[i]]) * weights_[r.start + i];
       bend += weights_[r.start + i] * c.u[p[i]].transpose();
     }
-    const Mat3 in_plane = bend - (bend * normal) * normal.transpose(), &stiffness = sheet.material(r.triangle).bending;
+    const Mat3 in_plane = bend - (bend * normal) * normal.transpose();
     f.in_plane[static_cast<std::size_t>(r.triangle)] = 0.5 * in_plane.cwiseProduct(stiffness * in_plane).sum();
     store(f.curvature, r.triangle, kappa);
     store(f.whole_curvature, r.triangle, kappa + r.rest_curvature);

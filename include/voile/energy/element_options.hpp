@@ -7,6 +7,7 @@ namespace voile::energy {
 
 enum class BendingOperator {
   edge_slope,  ///< one normal slope per edge from the patch quadratics, curvature by the divergence theorem
+  edge_angle,  ///< edge_slope by the angles at the edges that it is made up of; not constant
   six_node     ///< the quadratic through the triangle and its three neighbours
 };
 

@@ -22,8 +22,10 @@
 #include "voile/system/recovery.hpp"
 
 namespace voile::energy {
+struct BendingElement;
 struct CurvatureOperator;
 class AnchorTerm;
+class AngleBendingTerm;
 class MembraneTerm;
 class SpringTerm;
 }  // namespace voile::energy
@@ -119,6 +121,9 @@ class Potential {
   // Construction, in this order.
   void build_terms(const Curvatures& curvatures, const PotentialInput& input);
   void build_sheet(const Curvatures& curvatures);
+  /// Lets triangle t bend by the angles at edges where that is chosen and possible.
+  bool add_angles(Index t, const energy::CurvatureOperator& op, const energy::BendingElement& el,
+                  const std::vector<Index>& local, bool owned);
   void tie(const Spring& spring, ElementTerm<energy::SpringTerm>& ties) const;
   template <class Kernel>
   ElementTerm<Kernel>& add_term(double Energies::*part);
@@ -129,7 +134,8 @@ class Potential {
   std::vector<Vec3> u_, x_, force_;  ///< of the local points
   std::vector<Counted> terms_;
   ElementTerm<energy::MembraneTerm>* membrane_ = nullptr;  ///< one of terms_
-  energy::AnchorTerm* anchors_ = nullptr;                  ///< kernel of one of them, or null
+  ElementTerm<energy::AngleBendingTerm>* angles_ = nullptr;
+  energy::AnchorTerm* anchors_ = nullptr;  ///< kernel of one of them, or null
   Recovery recovery_;
   ConstantMatrices constant_;
   std::unique_ptr<BendingEnergy> bending_;

@@ -2,7 +2,8 @@
 //
 // Symbols   B'      curvature operator of a triangle,  kappa0 its rest curvature,  n current unit normal
 //           r       by how much the start is bent beyond the rest shape,  N_s its normal (bending.hpp)
-//           D       bending stiffness [N m];  kappa = (n.N_s - 1) kappa0 + n.r + sum_i (n.u_i) B'_i
+//           D       bending stiffness [N m];  kappa = (n.N_s - 1) kappa0 + n.r + sum_i (n.u_i) B'_i, or that of the angles
+//                   at edges (angle_bending.hpp)
 #pragma once
 
 #include <vector>
@@ -11,6 +12,7 @@
 #include "voile/base/types.hpp"
 
 namespace voile::energy {
+class AngleBendingTerm;
 struct BendingElement;
 struct Configuration;
 class MembraneTerm;
@@ -31,18 +33,19 @@ struct TriangleFields {
 
 class Recovery {
  public:
-  /// A triangle that this rank owns: its bending element with its points in local numbering, and the number of its
-  /// membrane element.
-  void add(Index triangle, const energy::BendingElement& element, const std::vector<Index>& local, Index membrane);
+  /// A triangle that this rank owns: its bending element with its points in local numbering, and the numbers of its
+  /// membrane element and of its angles (no_index: it bends without).
+  void add(Index triangle, const energy::BendingElement& element, const std::vector<Index>& local, Index membrane,
+           Index angles);
   /// After the last add(): gives back what the lists have grown beyond.
   void end_adding();
   /// At configuration c of the local points. Collective; values on rank 0.
   [[nodiscard]] TriangleFields fields(MPI_Comm comm, const energy::Sheet& sheet, const energy::MembraneTerm& membrane,
-                                      const energy::Configuration& c) const;
+                                      const energy::AngleBendingTerm& angles, const energy::Configuration& c) const;
 
  private:
   struct Item {
-    Index triangle, membrane;
+    Index triangle, membrane, angles;
     std::size_t start;
     int count;
     Vec3 rest_curvature, start_normal;

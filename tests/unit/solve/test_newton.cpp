@@ -247,8 +247,8 @@ TEST_CASE("a quarter between oblique symmetry planes is the whole") {
   // of the method; six_node has no such slope, and on a flat mesh with symmetric boundary triangles both are exact.
   // The corrected membrane sees a ring of vertices more, of which only the nearest have mirror points.
   for (const Case c :
-       {Case{energy::BendingOperator::edge_slope, 0.0}, Case{energy::BendingOperator::six_node, 0.0},
-        Case{energy::BendingOperator::six_node, 0.2},
+       {Case{energy::BendingOperator::edge_slope, 0.0}, Case{energy::BendingOperator::edge_angle, 0.0},
+        Case{energy::BendingOperator::six_node, 0.0}, Case{energy::BendingOperator::six_node, 0.2},
         Case{energy::BendingOperator::edge_slope, 0.0, energy::MembraneOperator::six_node_corrected, 2e-3}}) {
     CAPTURE(static_cast<int>(c.bending));
     CAPTURE(c.rise);

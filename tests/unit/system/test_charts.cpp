@@ -94,7 +94,8 @@ void check_same(const Answers& a, const Answers& b, bool fields, double toleranc
 
 TEST_CASE("a plate in four panels that lie anywhere answers as the uncut one") {
   for (const Pattern pattern : {Pattern::jittered, Pattern::gmsh, Pattern::split})
-    for (const auto bending : {energy::BendingOperator::edge_slope, energy::BendingOperator::six_node})
+    for (const auto bending :
+         {energy::BendingOperator::edge_slope, energy::BendingOperator::edge_angle, energy::BendingOperator::six_node})
       for (const auto membrane :
            {energy::MembraneOperator::cst, energy::MembraneOperator::six_node,
             energy::MembraneOperator::six_node_three_point, energy::MembraneOperator::six_node_corrected})
@@ -146,7 +147,8 @@ TEST_CASE("a curved shell whose rest shape lies elsewhere answers as in place") 
   const mesh::MeshData in_place = mapped(square(Pattern::jittered, 6), [](const Vec3& x) {
     return Vec3(x[0], x[1], 0.25 * std::sin(2.0 * x[0]) + 0.15 * x[1] * x[1]);
   });
-  for (const auto bending : {energy::BendingOperator::edge_slope, energy::BendingOperator::six_node}) {
+  for (const auto bending :
+       {energy::BendingOperator::edge_slope, energy::BendingOperator::edge_angle, energy::BendingOperator::six_node}) {
     system::ModelInput in;
     in.element.bending = bending;
     in.materials = {isotropic(100.0, 0.3, 0.1, 1.0)};

@@ -67,7 +67,8 @@ system::Energies energies(system::Model& model, const std::function<Vec3(Index)>
 
 TEST_CASE("a hinge folds by any angle without energy, and holds what bends beside it") {
   const mesh::SurfaceMesh mesh(sewn_square(Pattern::union_jack, 8));
-  for (const auto op : {energy::BendingOperator::edge_slope, energy::BendingOperator::six_node})
+  for (const auto op :
+       {energy::BendingOperator::edge_slope, energy::BendingOperator::edge_angle, energy::BendingOperator::six_node})
     for (const auto membrane : {energy::MembraneOperator::six_node, energy::MembraneOperator::six_node_corrected}) {
       system::Model hinge(PETSC_COMM_WORLD, mesh, with_rule(0.0, 0.0, op, membrane)),
           fabric(PETSC_COMM_WORLD, mesh, with_rule(1.0, 0.0, op, membrane));
@@ -91,7 +92,8 @@ TEST_CASE("a hinge folds by any angle without energy, and holds what bends besid
 TEST_CASE("bending across a seam in proportion to its factor") {
   const mesh::SurfaceMesh mesh(sewn_square(Pattern::union_jack, 8));
   const auto bent = folded(mesh, 0.2);
-  for (const auto op : {energy::BendingOperator::edge_slope, energy::BendingOperator::six_node}) {
+  for (const auto op :
+       {energy::BendingOperator::edge_slope, energy::BendingOperator::edge_angle, energy::BendingOperator::six_node}) {
     system::Model fabric(PETSC_COMM_WORLD, mesh, with_rule(1.0, 0.0, op));
     const double whole = energies(fabric, bent).bending;
     for (const double factor : {0.01, 0.25, 2.0, 9.0}) {

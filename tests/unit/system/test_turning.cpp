@@ -57,6 +57,7 @@ TEST_CASE("a clamp that turns takes its sheet along as a rigid body, without for
     for (const auto& choice :
          {std::pair{energy::BendingOperator::edge_slope, energy::MembraneOperator::six_node},
           std::pair{energy::BendingOperator::six_node, energy::MembraneOperator::six_node},
+          std::pair{energy::BendingOperator::edge_angle, energy::MembraneOperator::six_node},
           std::pair{energy::BendingOperator::edge_slope, energy::MembraneOperator::six_node_corrected}}) {
       const energy::MembraneOperator membrane = choice.second;
       CAPTURE(curved);
