@@ -22,8 +22,8 @@ struct Hinge {
   double rest;                 ///< theta_e at rest
 };
 
-/// Of side s of the triangle whose patch it is, `scale`: of lengths in the patch that the edges are for.
-Hinge make_hinge(const mesh::Patch& patch, int s, double scale) {
+/// Of side s of the triangle whose patch it is.
+Hinge make_hinge(const mesh::Patch& patch, int s) {
   const auto a = static_cast<std::size_t>((s + 1) % 3), b = static_cast<std::size_t>((s + 2) % 3),
              p = static_cast<std::size_t>(s), q = static_cast<std::size_t>(3 + s);
   const Vec2 e = patch.coordinates[b] - patch.coordinates[a], to_p = patch.coordinates[p] - patch.coordinates[a],
@@ -32,7 +32,7 @@ Hinge make_hinge(const mesh::Patch& patch, int s, double scale) {
   const double of_p = cross(e, to_q) / cross(e, to_p), of_b = cross(to_q, to_p) / cross(e, to_p);
   return {{{patch.points[a], patch.points[b], patch.points[p], patch.points[q]}, Vec3::Zero()},
           {of_b + of_p - 1.0, -of_b, -of_p, 1.0},
-          scale * std::abs(cross(e, to_q)) / e.norm(),
+          std::abs(cross(e, to_q)) / e.norm(),
           edge_angle({patch.rest[a], patch.rest[b], patch.rest[p], patch.rest[q]})};
 }
 
@@ -42,7 +42,7 @@ class Hinges {
   Hinges(const Sheet& sheet, const std::vector<Index>& points) : sheet_(&sheet), points_(&points) {}
 
   /// The sides of triangle t that have not been added from their other triangle.
-  void add(Index t, double scale) {
+  void add(Index t) {
     const mesh::SurfaceMesh& mesh = sheet_->mesh();
     const mesh::Patch patch = sheet_->patches().patch(t, sheet_->frame(t));
     for (int s = 0; s < 3; ++s) {
@@ -51,7 +51,7 @@ class Hinges {
       if (other != no_index && !seen_.insert(std::minmax(3 * t + s, 3 * other + mesh.side_in_neighbour(t, s))).second)
         continue;
       even_ = even_ && std::abs(patch.stretch[static_cast<std::size_t>(s)] - 1.0) < same_scale;
-      hinges_.push_back(make_hinge(patch, s, scale));
+      hinges_.push_back(make_hinge(patch, s));
     }
   }
   [[nodiscard]] bool has(Index p) const { return std::find(points_->begin(), points_->end(), p) != points_->end(); }
@@ -110,10 +110,10 @@ std::optional<EdgeAngles> make_edge_angles(const Sheet& sheet, Index t, const Cu
   const Eigen::MatrixX3d weights = weights_of(op, bending.points);
   const mesh::Patch patch = sheet.patches().patch(t, sheet.frame(t));
   Hinges tree(sheet, bending.points);
-  tree.add(t, 1.0);
+  tree.add(t);
   for (int s = 0; s < 3; ++s)
     if (const Index n = mesh.neighbour(t, s); n != no_index && tree.has(patch.points[static_cast<std::size_t>(3 + s)]))
-      tree.add(n, patch.stretch[static_cast<std::size_t>(s)]);
+      tree.add(n);
   if (std::optional<EdgeAngles> angles = tree.making_up(weights, 0.0, round_off)) return angles;
   std::set<Index> inside;
   for (const Index p : bending.points) {
@@ -124,7 +124,7 @@ std::optional<EdgeAngles> make_edge_angles(const Sheet& sheet, Index t, const Cu
     }
   }
   Hinges all(sheet, bending.points);
-  for (const Index n : inside) all.add(n, 1.0);
+  for (const Index n : inside) all.add(n);
   if (!all.even()) return {};
   return all.making_up(weights, threshold, defect);
 }

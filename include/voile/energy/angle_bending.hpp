@@ -33,7 +33,8 @@ struct EdgeAngles {
 };
 
 /// Between points of `bending`, the element of triangle t, whose operator without its correction for curved rest shapes is `op`. Nothing where its
-/// edges do not make up B: fits over rings of a doubly curved rest shape, whose unfolding depends on the way around a vertex.
+/// edges do not make up B: fits over rings of a doubly curved rest shape, whose unfolding depends on the way around a vertex, and beside seams whose sides
+/// differ in length, where slopes of two scales are averaged.
 [[nodiscard]] std::optional<EdgeAngles> make_edge_angles(const Sheet& sheet, Index t, const CurvatureOperator& op,
                                                          const BendingElement& bending);
 

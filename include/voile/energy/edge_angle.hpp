@@ -18,7 +18,7 @@ namespace voile::energy {
 /// a, b, p, q. [m]
 using EdgePoints = std::array<Vec3, 4>;
 
-/// theta; not a number where a triangle has no area.
+/// theta; 0 where a triangle has no area, where its derivatives are not numbers.
 [[nodiscard]] double edge_angle(const EdgePoints& x);
 /// Its derivatives by the four points [1/m].
 [[nodiscard]] EdgePoints edge_angle_slopes(const EdgePoints& x);

@@ -199,8 +199,12 @@ TEST_CASE("charts of curved pieces, uneven seams, clamps that turn: forces and t
       left.rotation = turn;
     }
     in.supports = {left, top};
-    for (const auto membrane : {energy::MembraneOperator::six_node, energy::MembraneOperator::six_node_corrected})
+    for (const auto& [bending, membrane] :
+         {std::pair{energy::BendingOperator::edge_slope, energy::MembraneOperator::six_node},
+          std::pair{energy::BendingOperator::edge_slope, energy::MembraneOperator::six_node_corrected},
+          std::pair{energy::BendingOperator::edge_angle, energy::MembraneOperator::six_node}})
       for (const double viscosity : {0.0, 0.5}) {
+        in.element.bending = bending;
         in.element.membrane = membrane;
         system::Model model(PETSC_COMM_WORLD, mesh, in);
         model.set_time(0.4);
@@ -211,6 +215,53 @@ TEST_CASE("charts of curved pieces, uneven seams, clamps that turn: forces and t
         CHECK(s.tangent < 1e-8);
       }
   }
+}
+
+TEST_CASE("curvature by angles is per length at rest of each panel, beside the triangles at the seam") {
+  constexpr int n = 8;
+  constexpr double larger = 1.15, radius = 0.3;
+  const mesh::MeshData whole = square(Pattern::diagonal, n);
+  const auto right = [&](Index t) {
+    const mesh::Triangle& v = whole.triangles[t];
+    return (whole.positions[v[0]] + whole.positions[v[1]] + whole.positions[v[2]])[0] > 1.5;
+  };
+  mesh::MeshData d = cut(
+      whole, [&](Index t) { return right(t) ? 1 : 0; }, true);
+  for (std::size_t t = 0; t < d.rest.size(); ++t)
+    if (right(static_cast<Index>(t)))
+      for (Vec3& x : d.rest[t]) x *= larger;
+  const mesh::SurfaceMesh mesh(d);
+  system::ModelInput in;
+  in.element.bending = energy::BendingOperator::edge_angle;
+  in.materials = {isotropic(100.0, 0.0, 0.1, 1.0)};
+  system::Model model(PETSC_COMM_WORLD, mesh, in);
+  const petsc::VecHandle a = model.dofs().create_vector();
+  const auto roll = [&](const Vec3& x) {
+    return Vec3(radius * std::sin(x[0] / radius), x[1], radius * (1.0 - std::cos(x[0] / radius)));
+  };
+  set_displacement(model, a, [&](Index v) { return Vec3(roll(mesh.positions()[v]) - mesh.positions()[v]); });
+  // The same where it starts rolled up.
+  mesh::MeshData bent = d;
+  for (Vec3& x : bent.positions) x = roll(x);
+  const mesh::SurfaceMesh bent_mesh(bent);
+  system::Model rolled(PETSC_COMM_WORLD, bent_mesh, in);
+  const petsc::VecHandle none = rolled.dofs().create_vector();
+  CHECK(system::energies(rolled, none).bending == relative(system::energies(model, a).bending).epsilon(1e-10));
+  const system::TriangleFields fields = model.potential().triangle_fields(a);
+  if (mpi::rank(PETSC_COMM_WORLD) > 0) return;
+  int found = 0;
+  for (Index t = 0; t < mesh.triangle_count(); ++t) {
+    bool inside = true;
+    int on_seam = 0;
+    for (const Index v : mesh.triangles()[t]) on_seam += whole.positions[v][0] == 0.5 ? 1 : 0;
+    for (const Index v : mesh.triangles()[t])
+      for (int k = 0; k < 2; ++k) inside = inside && std::abs(whole.positions[v][k] - 0.5) < 0.5 - 1.5 / n;
+    if (!inside || on_seam == 2) continue;
+    const double* kappa = fields.curvature.data() + 3 * static_cast<std::size_t>(t);
+    CHECK(kappa[0] + kappa[1] == relative(1.0 / (right(t) ? larger * radius : radius)).epsilon(1e-9));
+    ++found;
+  }
+  CHECK(found == 2 * (n - 4) * (n - 5));
 }
 
 TEST_CASE("a panel larger than its place is compressed, up to the seam; too large it is refused") {
