@@ -1,10 +1,8 @@
 #include <algorithm>
-#include <array>
 #include <limits>
 #include <numbers>
-#include <queue>
 
-#include "operations.hpp"
+#include "repair.hpp"
 
 namespace voile::adapt {
 
@@ -56,7 +54,7 @@ Outcome try_lengthen(Surface& s, Index v, const Options& options) {
     }
   }
   if (reached.least < options.shortest) return Outcome::quality;
-  return try_move(s, star, fan, best, std::max(options.smallest_angle, good_angle));
+  return try_move_well(s, star, fan, best, std::max(options.smallest_angle, good_angle));
 }
 
 }  // namespace voile::adapt

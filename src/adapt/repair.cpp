@@ -9,7 +9,6 @@
 #include <tuple>
 #include <utility>
 
-#include "operations.hpp"
 #include "voile/base/decompositions.hpp"
 
 namespace voile::adapt {
@@ -222,6 +221,17 @@ void repair(Surface& s, const Options& options) {
     std::sort(again.begin(), again.end());
     look.swap(again);
   }
+}
+
+Outcome try_move_well(Surface& s, const Star& star, const Fan& fan, const Vec2& target, double angle) {
+  std::vector<Index> around;
+  for (Index e : star.spokes) add_patches(s, e / 3, around);
+  const double limit = std::max(largest_condition, worst_condition(s, around));
+  const Undo undo(s, star);
+  const Outcome outcome = try_move(s, star, fan, target, angle);
+  if (outcome != Outcome::done || worst_condition(s, around) <= limit) return outcome;
+  undo(s, star);
+  return Outcome::quality;
 }
 
 Quality quality_of(const Surface& s) {
