@@ -40,7 +40,13 @@ bool lowers_misfit(const Surface& s, Index h) {
   return after < before;
 }
 
-bool rest_shape_allows(const Surface& s, const Quad& q, FlipRule rule) {
+/// Smallest angle that turning an edge may leave [rad].
+double angle_left(double before, FlipRule rule, const Options& options) {
+  if (rule == FlipRule::valence) return std::min(0.7 * good_angle, before);
+  return rule == FlipRule::none ? std::min(options.smallest_angle, before) : std::min(good_angle, 0.99 * before);
+}
+
+bool rest_shape_allows(const Surface& s, const Quad& q, FlipRule rule, const Options& options) {
   const double pi = std::numbers::pi;
   if (angle_at(q.o, q.a, q.d) + angle_at(q.o, q.d, q.b) > 0.99 * pi ||
       angle_at(q.d, q.a, q.o) + angle_at(q.d, q.o, q.b) > 0.99 * pi)
@@ -48,9 +54,7 @@ bool rest_shape_allows(const Surface& s, const Quad& q, FlipRule rule) {
   const Vec3 normal = (q.o - q.a).cross(q.d - q.a) + (q.d - q.b).cross(q.o - q.b);
   const double after = std::min(smallest_angle(q.a, q.o, q.b, normal), smallest_angle(q.b, q.d, q.a, normal));
   const double before = std::min(smallest_angle(q.a, q.o, q.d, normal), smallest_angle(q.b, q.d, q.o, normal));
-  if (after <= 0.0 ||
-      after < (rule == FlipRule::valence ? std::min(0.7 * good_angle, before) : std::min(good_angle, 0.99 * before)))
-    return false;
+  if (after <= 0.0 || after < angle_left(before, rule, options)) return false;
   if (!s.first->curved()) return true;
   const Vec3 n1 = (q.o - q.a).cross(q.b - q.a).normalized(), n2 = (q.d - q.b).cross(q.a - q.b).normalized();
   return n1.dot(n2) >= std::cos(largest_rest_dihedral);
@@ -101,7 +105,7 @@ Outcome try_flip(Surface& s, Index h, const Options& options, FlipRule rule) {
     return Outcome::feature;
   if (rule == FlipRule::valence && !lowers_misfit(s, h)) return Outcome::feature;
   if (!valences_allow_flip(s, h, rule) || s.joined(prev(h), s.apex(g)) || !s.can_join(s.apex(h), s.apex(g)) ||
-      !rest_shape_allows(s, rest, rule))
+      !rest_shape_allows(s, rest, rule, options))
     return Outcome::quality;
   if (rule == FlipRule::valence &&
       2.0 * (rest.b - rest.a).norm() > options.split * (s.size[s.apex(h)] + s.size[s.apex(g)]))

@@ -32,6 +32,9 @@ struct LongerFirst {
 template <typename Order>
 using Queue = std::priority_queue<Waiting, std::vector<Waiting>, Order>;
 
+/// Of the shortest edges that are wanted: what is no shorter is left as it is.
+constexpr double hardly_shorter = 0.98;
+
 bool is_still(const Surface& s, const Waiting& w) {
   return !s.dead[w.side / 3] && s.origin(w.side) == w.from && s.dest(w.side) == w.to;
 }
@@ -179,6 +182,20 @@ void improve(Surface& s, const Options& options) {
   flip_edges(s, options, FlipRule::delaunay);
 }
 
+/// Of the edges that are too short and stay: one of their ends is moved.
+void lengthen_short(Surface& s, const Options& options) {
+  if (!options.smoothing) return;
+  Queue<ShorterFirst> queue;
+  for (Index h = 0; h < s.side_count(); ++h)
+    if (s.is_edge(h) && !s.locked(h) && s.metric_length(h) < hardly_shorter * options.shortest)
+      queue.push({s.metric_length(h), h, s.origin(h), s.dest(h)});
+  for (; !queue.empty(); queue.pop()) {
+    const Waiting& top = queue.top();
+    if (s.metric_length(top.side) >= hardly_shorter * options.shortest) continue;
+    if (try_lengthen(s, top.from, options) != Outcome::done) (void)try_lengthen(s, top.to, options);
+  }
+}
+
 void check(const mesh::SurfaceMesh& mesh, const std::vector<Vec3>& places, const std::vector<double>& size,
            const Limits& limits) {
   const auto nv = static_cast<std::size_t>(mesh.vertex_count()), nt = static_cast<std::size_t>(mesh.triangle_count());
@@ -207,7 +224,10 @@ Remeshed remesh(const mesh::SurfaceMesh& mesh, const RestSurface& rest, const st
     ++s.counts.rounds;
     if (100 * (s.counts.splits + s.counts.collapses - changes) < s.live_vertices()) break;
   }
-  if (!options.only_splits) repair(s, options);
+  if (!options.only_splits) {
+    lengthen_short(s, options);
+    repair(s, options);
+  }
   return make_output(s, mesh);
 }
 

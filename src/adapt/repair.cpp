@@ -9,7 +9,6 @@
 #include <tuple>
 #include <utility>
 
-#include "operations.hpp"
 #include "voile/base/decompositions.hpp"
 
 namespace voile::adapt {
@@ -20,6 +19,12 @@ namespace {
 constexpr double improvement = 0.98;
 /// L/h of edges that may go where a patch is bad.
 constexpr double shortish = 0.9;
+/// What counts as such where sums are made.
+constexpr double infinite_condition = 1e6;
+/// Times that what is left is looked at again.
+constexpr int searches = 4;
+/// Of triangles in all searches of a remeshing: a few seconds.
+constexpr double most_copies = 3e7;
 
 using Row6 = Eigen::Matrix<double, 1, 6>;
 
@@ -116,14 +121,8 @@ class Undo {
   std::vector<Corner> corners_;
 };
 
-/// Moves a vertex towards the mean of its neighbours if the worst patch around gets better by that.
-bool mend_by_move(Surface& s, Index v, const Options& options) {
-  if (s.fixed[v] || s.on_feature[v]) return false;
-  const Star star = star_of(s, v);
-  std::vector<Index> around;
-  for (Index e : star.spokes) add_patches(s, e / 3, around);
-  const double before = worst_condition(s, around);
-  const Fan fan = make_fan(s, star, 0, star.triangles());
+/// Where a vertex may be moved to: towards the mean of its neighbours, and around.
+std::vector<Vec2> targets_of(const Fan& fan) {
   Vec2 mean = Vec2::Zero();
   for (const Vec2& p : fan.plane) mean += p / fan.size();
   double reach = std::numeric_limits<double>::infinity();
@@ -134,8 +133,19 @@ bool mend_by_move(Surface& s, Index v, const Options& options) {
       const double a = k * std::numbers::pi / 4.0;
       targets.emplace_back(fan.centre + step * reach * Vec2(std::cos(a), std::sin(a)));
     }
+  return targets;
+}
+
+/// Moves a vertex towards the mean of its neighbours if the worst patch around gets better by that.
+bool mend_by_move(Surface& s, Index v, const Options& options) {
+  if (s.fixed[v] || s.on_feature[v]) return false;
+  const Star star = star_of(s, v);
+  std::vector<Index> around;
+  for (Index e : star.spokes) add_patches(s, e / 3, around);
+  const double before = worst_condition(s, around);
+  const Fan fan = make_fan(s, star, 0, star.triangles());
   const Undo undo(s, star);
-  for (const Vec2& target : targets) {
+  for (const Vec2& target : targets_of(fan)) {
     if (try_move(s, star, fan, target, options.smallest_angle) != Outcome::done) continue;
     if (worst_condition(s, around) < improvement * before) return true;
     undo(s, star);
@@ -180,6 +190,77 @@ bool mend(Surface& s, Index t, const Options& options) {
   return four != no_index && remove_vertex(s, four, options);
 }
 
+/// Whether a patch wants to be mended.
+bool is_bad(const Surface& s, Index t) {
+  return !s.dead[t] && !s.frozen[t] && patch_condition(s, t) > largest_condition;
+}
+
+void unite(std::vector<Index>& list) {
+  std::sort(list.begin(), list.end());
+  list.erase(std::unique(list.begin(), list.end()), list.end());
+}
+
+/// A triangle and those that share a vertex with it, `rings` times over.
+std::vector<Index> triangles_around(const Surface& s, Index t, int rings) {
+  std::vector<Index> found{t};
+  for (int ring = 0; ring < rings; ++ring) {
+    std::vector<Index> vertices;
+    for (Index n : found)
+      for (Index h = 3 * n; h < 3 * n + 3; ++h) vertices.push_back(s.vertex[h]);
+    unite(vertices);
+    for (Index v : vertices)
+      for (Index e : star_of(s, v).spokes) found.push_back(e / 3);
+    unite(found);
+  }
+  return found;
+}
+
+/// How far patches are beyond the limit, all together.
+double excess(const Surface& s, const std::vector<Index>& triangles) {
+  double sum = 0.0;
+  for (Index t : triangles)
+    if (is_bad(s, t)) sum += std::log(std::min(patch_condition(s, t), infinite_condition) / largest_condition);
+  return sum;
+}
+
+/// What single changes cannot mend: one that need not gain by itself, then what gains beside it, all taken back if patches
+/// around are not better together. `copies`: of triangles, that may still be made to take changes back.
+bool mend_by_search(Surface& s, Index t, int rings, const Options& options, double& copies) {
+  const std::vector<Index> near = triangles_around(s, t, rings), inner = triangles_around(s, t, rings + 1),
+                           outer = triangles_around(s, t, rings + 3);
+  const double before = excess(s, outer);
+  const Surface start = s;
+  const auto gains = [&] {
+    copies -= s.triangle_slots();
+    for (int pass = 0; pass < 4; ++pass)
+      for (Index n : inner)
+        if (is_bad(s, n)) (void)mend(s, n, options);
+    if (excess(s, outer) < improvement * before) return true;
+    s = start;
+    return false;
+  };
+  std::vector<Index> sides, vertices;
+  for (Index n : near)
+    for (Index h = 3 * n; h < 3 * n + 3; ++h) {
+      if (s.twin[h] == no_index || s.twin[h] > h) sides.push_back(h);
+      if (!s.fixed[s.vertex[h]] && !s.on_feature[s.vertex[h]]) vertices.push_back(s.vertex[h]);
+    }
+  unite(vertices);
+  for (Index h : sides)
+    if (copies > 0.0 && try_flip(s, h, options, FlipRule::none) == Outcome::done && gains()) return true;
+  for (Index v : vertices) {
+    const Star star = star_of(s, v);
+    const Fan fan = make_fan(s, star, 0, star.triangles());
+    for (const Vec2& target : targets_of(fan))
+      if (copies > 0.0 && try_move(s, star, fan, target, options.smallest_angle) == Outcome::done && gains())
+        return true;
+  }
+  for (Index h : sides)
+    if (copies > 0.0 && s.metric_length(h) < shortish && try_collapse_edge(s, h, options) == Outcome::done && gains())
+      return true;
+  return false;
+}
+
 }  // namespace
 
 double patch_condition(const Surface& s, Index t) {
@@ -208,20 +289,37 @@ double patch_condition(const Surface& s, Index t) {
 }
 
 void repair(Surface& s, const Options& options) {
-  std::vector<Index> look;
+  std::vector<Index> look, left;
   for (Index t = 0; t < s.triangle_slots(); ++t) look.push_back(t);
   for (int pass = 0; pass < 8 && !look.empty(); ++pass) {
     std::vector<Index> again;
     for (Index t : look) {
-      if (s.dead[t] || s.frozen[t] || !(patch_condition(s, t) > largest_condition)) continue;
-      if (!mend(s, t, options) || s.dead[t]) continue;
-      add_patches(s, t, again);
-      for (Index h = 3 * t; h < 3 * t + 3; ++h)
-        if (s.twin[h] != no_index) add_patches(s, s.twin[h] / 3, again);
+      if (!is_bad(s, t)) continue;
+      // Found before: the triangle itself may go.
+      const std::vector<Index> around = triangles_around(s, t, 2);
+      std::vector<Index>& to = mend(s, t, options) ? again : left;
+      to.insert(to.end(), around.begin(), around.end());
     }
-    std::sort(again.begin(), again.end());
+    unite(again);
     look.swap(again);
   }
+  left.insert(left.end(), look.begin(), look.end());
+  unite(left);
+  double copies = most_copies;
+  for (int pass = 0; pass < searches; ++pass)
+    for (Index t : left)
+      if (copies > 0.0 && is_bad(s, t)) (void)mend_by_search(s, t, std::min(pass + 1, 2), options, copies);
+}
+
+Outcome try_move_well(Surface& s, const Star& star, const Fan& fan, const Vec2& target, double angle) {
+  std::vector<Index> around;
+  for (Index e : star.spokes) add_patches(s, e / 3, around);
+  const double limit = std::max(largest_condition, worst_condition(s, around));
+  const Undo undo(s, star);
+  const Outcome outcome = try_move(s, star, fan, target, angle);
+  if (outcome != Outcome::done || worst_condition(s, around) <= limit) return outcome;
+  undo(s, star);
+  return Outcome::quality;
 }
 
 Quality quality_of(const Surface& s) {

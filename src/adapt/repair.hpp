@@ -1,6 +1,7 @@
 // Patches whose six points lie near a conic, found and mended.
 #pragma once
 
+#include "operations.hpp"
 #include "surface.hpp"
 
 namespace voile::adapt {
@@ -14,6 +15,9 @@ inline constexpr double largest_condition = 30.0;
 
 /// Mends what can be mended: inner vertices of three triangles removed, edges turned, vertices moved.
 void repair(Surface& s, const Options& options);
+
+/// try_move, taken back if a patch around gets ill conditioned by it, or worse than it was.
+Outcome try_move_well(Surface& s, const Star& star, const Fan& fan, const Vec2& target, double angle);
 
 [[nodiscard]] Quality quality_of(const Surface& s);
 

@@ -38,6 +38,7 @@ struct Options {
   double split = 1.4;           ///< of L/h
   double collapse = 0.65;       ///< of L/h
   double longest_after = 1.26;  ///< of L/h of the edges that a collapse makes: 0.9 of `split`
+  double shortest = 0.72;       ///< of L/h of the edges that are left, where that can be
   int rounds = 4;               ///< at most
   bool only_splits = false;     ///< neither collapses nor flips nor smoothing
   bool smoothing = true;

@@ -117,6 +117,26 @@ TEST_CASE("1e5 operations leave an oriented manifold with its area, lines, group
   }
 }
 
+TEST_CASE("no patch near a conic is left, with sizes that differ in their last digits as with another compiler") {
+  const mesh::SurfaceMesh start(rich_square(16));
+  const RestSurface rest(start);
+  for (const unsigned chain : {21, 23}) {
+    std::mt19937 random(1000 + chain);
+    std::uniform_real_distribution<double> last_digits(-1e-13, 1e-13);
+    mesh::SurfaceMesh m(start);
+    for (unsigned cycle = 0; cycle < 13; ++cycle) {
+      CAPTURE(chain);
+      CAPTURE(cycle);
+      auto h = sizes(m, bumps(1000 * chain + cycle, cycle % 3 == 0 ? 0.04 : 0.012));
+      for (double& size : h) size *= 1.0 + last_digits(random);
+      const Remeshed r = remeshed(m, rest, h);
+      CHECK(r.quality.ill_conditioned == 0);
+      CHECK(r.quality.smallest_angle > 0.349);
+      m = mesh::SurfaceMesh(r.mesh);
+    }
+  }
+}
+
 TEST_CASE("wanted sizes are met, and kept where nothing changes") {
   for (const Pattern p : {Pattern::diagonal, Pattern::gmsh, Pattern::union_jack}) {
     CAPTURE(name_of(p));
@@ -127,7 +147,7 @@ TEST_CASE("wanted sizes are met, and kept where nothing changes") {
     const adapt::SizeMatch match = adapt::match(m, sizes(m, wanted));
     CAPTURE(match.p1);
     CAPTURE(match.p99);
-    CHECK(match.p1 > 0.65);
+    CHECK(match.p1 > 0.7);
     CHECK(match.p99 < 1.5);
     CHECK(match.p50 == doctest::Approx(0.95).epsilon(0.08));
     CHECK(match.too_long == 0.0);
@@ -141,6 +161,23 @@ TEST_CASE("wanted sizes are met, and kept where nothing changes") {
       CHECK(static_cast<double>(kept) > (change == 0.0 ? 0.98 : 0.65) * m.vertex_count());
     }
   }
+}
+
+TEST_CASE("98 % of the edges are 0.7 to 1.5 times as long as wanted, on fields at random, at once and again") {
+  for (const Pattern p : {Pattern::diagonal, Pattern::gmsh, Pattern::union_jack})
+    for (unsigned seed = 0; seed < 4; ++seed) {
+      CAPTURE(name_of(p));
+      CAPTURE(seed);
+      mesh::SurfaceMesh m(square(p, 12));
+      const RestSurface rest(m);
+      const auto wanted = bumps(seed, 0.012);
+      for (int cycle = 0; cycle < 2; ++cycle) {
+        m = mesh::SurfaceMesh(remeshed(m, rest, sizes(m, wanted)).mesh);
+        const adapt::SizeMatch match = adapt::match(m, sizes(m, wanted));
+        CHECK(match.p1 > 0.7);
+        CHECK(match.p99 < 1.5);
+      }
+    }
 }
 
 TEST_CASE("refined and coarsened again: the number of vertices follows") {
