@@ -25,7 +25,7 @@ struct Hinge {
 /// Of side s of the triangle whose patch it is.
 Hinge make_hinge(const mesh::Patch& patch, int s) {
   const auto a = static_cast<std::size_t>((s + 1) % 3), b = static_cast<std::size_t>((s + 2) % 3),
-             p = static_cast<std::size_t>(s), q = static_cast<std::size_t>(3 + s);
+             p = static_cast<std::size_t>(s), q = 3 + static_cast<std::size_t>(s);
   const Vec2 e = patch.coordinates[b] - patch.coordinates[a], to_p = patch.coordinates[p] - patch.coordinates[a],
              to_q = patch.coordinates[q] - patch.coordinates[a];
   const auto cross = [](const Vec2& u, const Vec2& v) { return u.x() * v.y() - u.y() * v.x(); };
@@ -47,7 +47,7 @@ class Hinges {
     const mesh::Patch patch = sheet_->patches().patch(t, sheet_->frame(t));
     for (int s = 0; s < 3; ++s) {
       const Index other = mesh.neighbour(t, s);
-      if (!has(patch.points[static_cast<std::size_t>(3 + s)])) continue;
+      if (!has(patch.points[3 + static_cast<std::size_t>(s)])) continue;
       if (other != no_index && !seen_.insert(std::minmax(3 * t + s, 3 * other + mesh.side_in_neighbour(t, s))).second)
         continue;
       even_ = even_ && std::abs(patch.stretch[static_cast<std::size_t>(s)] - 1.0) < same_scale;
@@ -112,7 +112,7 @@ std::optional<EdgeAngles> make_edge_angles(const Sheet& sheet, Index t, const Cu
   Hinges tree(sheet, bending.points);
   tree.add(t);
   for (int s = 0; s < 3; ++s)
-    if (const Index n = mesh.neighbour(t, s); n != no_index && tree.has(patch.points[static_cast<std::size_t>(3 + s)]))
+    if (const Index n = mesh.neighbour(t, s); n != no_index && tree.has(patch.points[3 + static_cast<std::size_t>(s)]))
       tree.add(n);
   if (std::optional<EdgeAngles> angles = tree.making_up(weights, 0.0, round_off)) return angles;
   std::set<Index> inside;
