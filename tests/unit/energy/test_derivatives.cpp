@@ -168,7 +168,7 @@ TEST_CASE("derivatives of the corrected membrane agree on slivers, under stress 
     }
 }
 
-TEST_CASE("derivatives of the corrected membrane agree for laminates, flat and curved") {
+TEST_CASE("derivatives of the corrected membrane and of bending by angles agree for laminates, flat and curved") {
   // Angle plies: A and D have all their parts, and differ by more than a factor.
   const Mat3 ply = energy::orthotropic_membrane(2500.0, 100.0, 0.25, 50.0, 1.0);
   const energy::LaminateStiffness l =
@@ -177,15 +177,16 @@ TEST_CASE("derivatives of the corrected membrane agree for laminates, flat and c
   CHECK(std::abs(l.bending(1, 2)) > 0.01 * l.bending(0, 0));
   CHECK(l.coupling.norm() < 1e-12 * l.membrane.norm());
   const mesh::SurfaceMesh flat(square(Pattern::jittered, 6)), curved(curved_shell());
-  for (const bool supported : {false, true}) {
-    CAPTURE(supported);
-    system::ModelInput input =
-        input_for(energy::BendingOperator::edge_slope, energy::MembraneOperator::six_node_corrected, supported);
-    input.materials[0].membrane = l.membrane;
-    input.materials[0].bending = l.bending;
-    check_derivatives(curved, input);
-    if (!supported) check_derivatives(flat, input);
-  }
+  for (const auto bending : {energy::BendingOperator::edge_slope, energy::BendingOperator::edge_angle})
+    for (const bool supported : {false, true}) {
+      CAPTURE(static_cast<int>(bending));
+      CAPTURE(supported);
+      system::ModelInput input = input_for(bending, energy::MembraneOperator::six_node_corrected, supported);
+      input.materials[0].membrane = l.membrane;
+      input.materials[0].bending = l.bending;
+      check_derivatives(curved, input);
+      if (!supported) check_derivatives(flat, input);
+    }
 }
 
 TEST_CASE("follower pressure and follower moment have their full stiffness") {
