@@ -16,15 +16,15 @@ using namespace voile::testing;
 using namespace voile::testing::contacts;
 
 TEST_CASE("free impact of two sheets without friction: momentum stays, nothing intersects") {
-  for (const auto& [membrane, bending] :
+  for (const auto& element :
        {std::pair{energy::MembraneOperator::six_node, energy::BendingOperator::edge_slope},
         std::pair{energy::MembraneOperator::six_node_corrected, energy::BendingOperator::edge_slope},
         std::pair{energy::MembraneOperator::six_node_corrected, energy::BendingOperator::edge_angle}}) {
-    CAPTURE(static_cast<int>(membrane));
-    CAPTURE(static_cast<int>(bending));
+    CAPTURE(static_cast<int>(element.first));
+    CAPTURE(static_cast<int>(element.second));
     system::ModelInput in = input({}, 0.02);
-    in.element.membrane = membrane;
-    in.element.bending = bending;
+    in.element.membrane = element.first;
+    in.element.bending = element.second;
     Problem p(sheets(2, 6, 0.05), in);
     set_displacement(p.model, p.v, [&](Index v) { return Vec3(0.2, 0.0, v < p.mesh.vertex_count() / 2 ? 1.0 : -1.5); });
     Vec3 first = Vec3::Zero();
