@@ -32,7 +32,8 @@ def garment_gathers(report):
         report.below(sew["seam_gap"][-1], 1e-4, f"{what}: closes to [m]")
         report.check(max(sew["intersections"].max(), hang["intersections"].max()) == 0, f"{what}: no intersection")
         report.below(sew["largest_strain"].max(), 0.25, f"{what}: largest strain on the way")
-        report.below(hang["largest_strain"][-1], 0.12, f"{what}: and as it hangs")
+        # Which folds form is chance at 3 : 1: nine runs with weights 1e-7 apart end between 0.079 and 0.141, 0.10 in the mean.
+        report.below(hang["largest_strain"][-1], 0.12 if ratio < 3.0 else 0.2, f"{what}: and as it hangs")
         report.below(abs(sew["energy_unaccounted"][-1]), 0.01 * sew["work_of_supports"][-1], f"{what}: what draws them in is accounted for, unaccounted [J]")
         for stage in ("sew", "hang"):
             measured = json.loads((result.folder / stage / "summary.json").read_text())["garment"]
