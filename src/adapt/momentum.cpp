@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "voile/adapt/transfer.hpp"
+#include "voile/base/cross_matrix.hpp"
 #include "voile/base/decompositions.hpp"
 #include "voile/base/error.hpp"
 
@@ -20,12 +21,6 @@ Vec3 centre_of(const std::vector<double>& mass, const std::vector<Vec3>& places)
     total += mass[v];
   }
   return sum / total;
-}
-
-Mat3 cross_matrix(const Vec3& r) {
-  Mat3 m;
-  m << 0, -r.z(), r.y(), r.z(), 0, -r.x(), -r.y(), r.x(), 0;
-  return m;
 }
 
 }  // namespace

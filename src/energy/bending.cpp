@@ -4,18 +4,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "voile/base/cross_matrix.hpp"
+
 namespace voile::energy {
 
 namespace {
 
 /// Rest curvature below this fraction of 1/size counts as flat: it is round-off of the coordinates.
 constexpr double flat_tolerance = 1e-10;
-
-Mat3 cross_matrix(const Vec3& v) {
-  Mat3 m;
-  m << 0.0, -v.z(), v.y(), v.z(), 0.0, -v.x(), -v.y(), v.x(), 0.0;
-  return m;
-}
 
 /// Operator with the triangle's vertices in front (added with zero weight where absent).
 void order_points(const mesh::Triangle& corners, const CurvatureOperator& op, BendingElement& el) {

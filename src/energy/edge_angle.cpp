@@ -3,15 +3,11 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
+#include "voile/base/cross_matrix.hpp"
+
 namespace voile::energy {
 
 namespace {
-
-Mat3 cross_matrix(const Vec3& v) {
-  Mat3 m;
-  m << 0.0, -v.z(), v.y(), v.z(), 0.0, -v.x(), -v.y(), v.x(), 0.0;
-  return m;
-}
 
 /// What the angle is made of.
 struct Edge {

@@ -2,15 +2,11 @@
 
 #include <Eigen/Geometry>
 
+#include "voile/base/cross_matrix.hpp"
+
 namespace voile::energy {
 
 namespace {
-
-Mat3 cross_matrix(const Vec3& v) {
-  Mat3 m;
-  m << 0.0, -v.z(), v.y(), v.z(), 0.0, -v.x(), -v.y(), v.x(), 0.0;
-  return m;
-}
 
 /// d/dx_j of (x1-x0) x (x2-x0).
 std::array<Mat3, 3> area_vector_derivative(const Vec3& x0, const Vec3& x1, const Vec3& x2) {
