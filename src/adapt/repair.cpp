@@ -23,8 +23,8 @@ constexpr double shortish = 0.9;
 constexpr double infinite_condition = 1e6;
 /// Times that what is left is looked at again.
 constexpr int searches = 4;
-/// Of triangles in all searches of a remeshing: a few seconds.
-constexpr double most_copies = 3e7;
+/// Of the triangulation in all searches of a remeshing: where contact refuses what would help, all are made.
+constexpr int most_copies = 100;
 
 using Row6 = Eigen::Matrix<double, 1, 6>;
 
@@ -224,14 +224,14 @@ double excess(const Surface& s, const std::vector<Index>& triangles) {
 }
 
 /// What single changes cannot mend: one that need not gain by itself, then what gains beside it, all taken back if patches
-/// around are not better together. `copies`: of triangles, that may still be made to take changes back.
-bool mend_by_search(Surface& s, Index t, int rings, const Options& options, double& copies) {
+/// around are not better together. `copies`: how many may still be made to take changes back.
+bool mend_by_search(Surface& s, Index t, int rings, const Options& options, int& copies) {
   const std::vector<Index> near = triangles_around(s, t, rings), inner = triangles_around(s, t, rings + 1),
                            outer = triangles_around(s, t, rings + 3);
   const double before = excess(s, outer);
   const Surface start = s;
   const auto gains = [&] {
-    copies -= s.triangle_slots();
+    --copies;
     for (int pass = 0; pass < 4; ++pass)
       for (Index n : inner)
         if (is_bad(s, n)) (void)mend(s, n, options);
@@ -247,16 +247,15 @@ bool mend_by_search(Surface& s, Index t, int rings, const Options& options, doub
     }
   unite(vertices);
   for (Index h : sides)
-    if (copies > 0.0 && try_flip(s, h, options, FlipRule::none) == Outcome::done && gains()) return true;
+    if (copies > 0 && try_flip(s, h, options, FlipRule::none) == Outcome::done && gains()) return true;
   for (Index v : vertices) {
     const Star star = star_of(s, v);
     const Fan fan = make_fan(s, star, 0, star.triangles());
     for (const Vec2& target : targets_of(fan))
-      if (copies > 0.0 && try_move(s, star, fan, target, options.smallest_angle) == Outcome::done && gains())
-        return true;
+      if (copies > 0 && try_move(s, star, fan, target, options.smallest_angle) == Outcome::done && gains()) return true;
   }
   for (Index h : sides)
-    if (copies > 0.0 && s.metric_length(h) < shortish && try_collapse_edge(s, h, options) == Outcome::done && gains())
+    if (copies > 0 && s.metric_length(h) < shortish && try_collapse_edge(s, h, options) == Outcome::done && gains())
       return true;
   return false;
 }
@@ -305,10 +304,12 @@ void repair(Surface& s, const Options& options) {
   }
   left.insert(left.end(), look.begin(), look.end());
   unite(left);
-  double copies = most_copies;
-  for (int pass = 0; pass < searches; ++pass)
+  int copies = most_copies;
+  for (int pass = 0, mended = 1; pass < searches && (pass < 2 || mended > 0); ++pass) {
+    mended = 0;
     for (Index t : left)
-      if (copies > 0.0 && is_bad(s, t)) (void)mend_by_search(s, t, std::min(pass + 1, 2), options, copies);
+      if (copies > 0 && is_bad(s, t)) mended += mend_by_search(s, t, std::min(pass + 1, 2), options, copies);
+  }
 }
 
 Outcome try_move_well(Surface& s, const Star& star, const Fan& fan, const Vec2& target, double angle) {
