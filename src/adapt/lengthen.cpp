@@ -11,6 +11,8 @@ namespace {
 constexpr int directions = 8, halvings = 3;
 /// Of the wanted length: the first step of a search.
 constexpr double first_step = 0.12;
+/// Of the wanted length: what the shortest edge has to gain where it does not get as long as `shortest`.
+constexpr double least_gain = 0.03;
 
 /// Shortest and longest edge of a star, L/h, with its centre at a point of the plane.
 struct Range {
@@ -53,7 +55,7 @@ Outcome try_lengthen(Surface& s, Index v, const Options& options) {
       --left;
     }
   }
-  if (reached.least < options.shortest) return Outcome::quality;
+  if (reached.least < std::min(options.shortest, start.least + least_gain)) return Outcome::quality;
   return try_move_well(s, star, fan, best, std::max(options.smallest_angle, good_angle));
 }
 

@@ -34,6 +34,7 @@ using Queue = std::priority_queue<Waiting, std::vector<Waiting>, Order>;
 
 /// Of the shortest edges that are wanted: what is no shorter is left as it is.
 constexpr double hardly_shorter = 0.98;
+constexpr int relieving_sweeps = 3;
 
 bool is_still(const Surface& s, const Waiting& w) {
   return !s.dead[w.side / 3] && s.origin(w.side) == w.from && s.dest(w.side) == w.to;
@@ -182,17 +183,25 @@ void improve(Surface& s, const Options& options) {
   flip_edges(s, options, FlipRule::delaunay);
 }
 
-/// Of the edges that are too short and stay: one of their ends is moved.
-void lengthen_short(Surface& s, const Options& options) {
-  if (!options.smoothing) return;
-  Queue<ShorterFirst> queue;
-  for (Index h = 0; h < s.side_count(); ++h)
-    if (s.is_edge(h) && !s.locked(h) && s.metric_length(h) < hardly_shorter * options.shortest)
-      queue.push({s.metric_length(h), h, s.origin(h), s.dest(h)});
-  for (; !queue.empty(); queue.pop()) {
-    const Waiting& top = queue.top();
-    if (s.metric_length(top.side) >= hardly_shorter * options.shortest) continue;
-    if (try_lengthen(s, top.from, options) != Outcome::done) (void)try_lengthen(s, top.to, options);
+/// Of an edge that is too short and has stayed: one of its ends is moved, or removed although that makes edges longer than `longest_after`.
+void relieve(Surface& s, const Waiting& edge, const Options& options) {
+  if (try_lengthen(s, edge.from, options) == Outcome::done || try_lengthen(s, edge.to, options) == Outcome::done)
+    return;
+  Options at_last = options;
+  at_last.longest_after = options.longest_at_last;
+  count(s.counts, try_collapse_edge(s, edge.side, at_last));
+}
+
+/// What has moved makes room beside it, so this is done more than once.
+void relieve_short_edges(Surface& s, const Options& options) {
+  const double enough = hardly_shorter * options.shortest;
+  for (int sweep = 0; sweep < relieving_sweeps; ++sweep) {
+    Queue<ShorterFirst> queue;
+    for (Index h = 0; h < s.side_count(); ++h)
+      if (s.is_edge(h) && !s.locked(h) && s.metric_length(h) < enough)
+        queue.push({s.metric_length(h), h, s.origin(h), s.dest(h)});
+    for (; !queue.empty(); queue.pop())
+      if (is_still(s, queue.top()) && s.metric_length(queue.top().side) < enough) relieve(s, queue.top(), options);
   }
 }
 
@@ -225,7 +234,7 @@ Remeshed remesh(const mesh::SurfaceMesh& mesh, const RestSurface& rest, const st
     if (100 * (s.counts.splits + s.counts.collapses - changes) < s.live_vertices()) break;
   }
   if (!options.only_splits) {
-    lengthen_short(s, options);
+    if (options.smoothing) relieve_short_edges(s, options);
     repair(s, options);
   }
   return make_output(s, mesh);

@@ -5,6 +5,7 @@
 //   split the longest edge first, while L/h > split
 //   collapse the shortest first, while L/h < collapse and every edge made stays below `longest_after`
 //   flips towards Delaunay and towards valence six; smoothing of vertices beside changes
+// Then edges with L/h < shortest: an end is moved, or the edge collapsed if every edge made stays below `longest_at_last`
 // Features are kept: boundaries, group lines, borders between groups and of frozen regions, seams, creases (rest dihedral
 // angle above `crease`). Vertices are made and removed along them, on the geometry of the RestSurface. Corners stay: group
 // points, junctions, ends, turns above `crease`, changes of group along a curve, pinned vertices.
@@ -35,12 +36,13 @@ struct Limits {
 };
 
 struct Options {
-  double split = 1.4;           ///< of L/h
-  double collapse = 0.65;       ///< of L/h
-  double longest_after = 1.26;  ///< of L/h of the edges that a collapse makes: 0.9 of `split`
-  double shortest = 0.72;       ///< of L/h of the edges that are left, where that can be
-  int rounds = 4;               ///< at most
-  bool only_splits = false;     ///< neither collapses nor flips nor smoothing
+  double split = 1.4;             ///< of L/h
+  double collapse = 0.65;         ///< of L/h
+  double longest_after = 1.26;    ///< of L/h of the edges that a collapse makes: 0.9 of `split`
+  double shortest = 0.72;         ///< of L/h of the edges that are left, where that can be
+  double longest_at_last = 1.38;  ///< as `longest_after`, for edges below `shortest` that nothing else has made longer
+  int rounds = 4;                 ///< at most
+  bool only_splits = false;       ///< neither collapses nor flips nor smoothing
   bool smoothing = true;
   double crease = 0.5235987755982988;          ///< [rad] 30 degrees
   double largest_flip = 0.6981317007977318;    ///< [rad] dihedral angle in space above which no edge is flipped
