@@ -103,7 +103,7 @@ def flat_table(membranes):
                 if None not in errors:
                     counts[m][places.index(mesh) % 3].append(is_flat(errors))
         if any(counts[membranes[0]]):
-            rows.append([problem.title, *(", ".join(f"{sum(c)} of {len(c)}" for c in counts[m]) for m in membranes)])
+            rows.append([problem.title, *(", ".join(f"{sum(c)} of {len(c)}" if c else "-" for c in counts[m]) for m in membranes)])
     return markdown(["problem", *(f"`{m}`: coarse, middle, fine" for m in membranes)], rows)
 
 
