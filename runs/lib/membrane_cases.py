@@ -1,8 +1,10 @@
 """The problems of runs/membranes: each yields answers, one number of one mesh with one membrane.
 
-A membrane is its name, with a number after a slash for its share of constant-strain energy: "six_node_corrected/0".
+A membrane is its name, with a number after a slash for its share of constant-strain energy, "six_node_corrected/0", and another bending than
+edge_slope after a plus: "six_node_corrected+edge_angle".
 """
 
+import itertools
 import math
 import shutil
 from dataclasses import asdict, dataclass
@@ -13,11 +15,14 @@ from benchmarks import BENCHMARKS, compare
 from jittered import annulus_mesh, strip_mesh
 from measure import read_log_view
 from problems import PATTERNS, PROBLEMS
+from problems import element as element_of
 from solver import ROOT, load_case, run, variant, write_case
 
 OUT = ROOT / "results" / "membranes"
 LEVELS = {"cantilever_moment": 2, "slit_annulus": 2, "hemisphere": 3, "cook_membrane": 2}  # meshes of each, the coarsest
 SEEDS = (1, 2, 3)
+PLATES = ("buckling_supported", "buckling_panel", "plates", "vibration_supported", "fv12_free", "fv15_rhombic", "fv16_cantilever")
+DISTANCE = "distance of the curve"
 FABRICS = ("silk_habutai", "wool_plain", "denim_11oz")
 
 
@@ -32,9 +37,14 @@ class Answer:
         return asdict(self)
 
 
+def operator(membrane):
+    """As problems.py takes it: "bending/membrane/share"."""
+    name, _, bending = membrane.partition("+")
+    return f"{bending or 'edge_slope'}/{name}"
+
+
 def element(membrane):
-    name, *share = membrane.split("/")
-    return {"membrane": name} | ({"cst_share": float(share[0])} if share else {})
+    return element_of(operator(membrane))
 
 
 def solved(case, name):
@@ -87,7 +97,7 @@ def answers_of(name, membranes, level_list, patterns=tuple(PATTERNS)):
     for membrane in membranes:
         for pattern in patterns:
             for level in level_list:
-                for a in convergence.answers_on_mesh(PROBLEMS[name], f"edge_slope/{membrane}", pattern, level, 1):
+                for a in convergence.answers_on_mesh(PROBLEMS[name], operator(membrane), pattern, level, 1):
                     yield Answer(f"{name}, {pattern.replace('_', ' ')}, {a.mesh}", a.quantity, membrane, 100 * a.error)
 
 
@@ -134,7 +144,7 @@ def aims(membranes):
             if name == "slit_annulus" and pattern == "union_jack":
                 own["n_circ"] = 64  # a multiple of 8
             for membrane in membranes:
-                for q in PROBLEMS[name].solve(pattern, f"edge_slope/{membrane}", own, OUT / f"aim_{name}", 1):
+                for q in PROBLEMS[name].solve(pattern, operator(membrane), own, OUT / f"aim_{name}", 1):
                     yield Answer(f"{name}, {pattern.replace('_', ' ')}, {mesh}", q.name, membrane, 100 * q.error)
     yield from uneven_annulus(membranes)
     yield from uneven_hemisphere(membranes)
@@ -148,9 +158,36 @@ def curves(membranes):
         mesh = " x ".join(str(v) for v in parameters.values())
         for membrane in membranes:
             folder = OUT / f"curve_{name}_{membrane.replace('/', '-')}"
-            found = list(whole.solve("one_way", f"edge_slope/{membrane}", parameters, folder, 1))
+            found = list(whole.solve("one_way", operator(membrane), parameters, folder, 1))
             distances = [q.curve_error for q in found if q.curve_error == q.curve_error]
-            yield Answer(f"{name}, {mesh}", "distance of the curve", membrane, 100 * max(distances, default=math.nan))
+            yield Answer(f"{name}, {mesh}", DISTANCE, membrane, 100 * max(distances, default=math.nan))
+            yield Answer(f"{name}, {mesh}", "Newton iterations", membrane, found[0].summary["newton_iterations"] if found else math.nan)
+
+
+def worst_of(names, count):
+    """The quantity furthest off of each of these problems on its `count` coarsest meshes."""
+    def answers(membranes):
+        for name, membrane, pattern, level in itertools.product(names, membranes, PATTERNS, range(count)):
+            found = convergence.answers_on_mesh(PROBLEMS[name], operator(membrane), pattern, level, 1)
+            mesh = " x ".join(str(v) for v in PROBLEMS[name].mesh(level).values())
+            yield Answer(f"{name}, {pattern.replace('_', ' ')}, {mesh}", "worst", membrane, 100 * max((a.error for a in found), key=abs, default=math.nan))
+    return answers
+
+
+def in_plane(membranes):
+    """What a strip loses by its thickness, h/b = 0.1 against 1e-3, where it bends in its plane; the thick twisted beam; Cook's panel."""
+    for nx, ny in ((40, 4), (80, 8)):
+        for membrane in membranes:
+            tips = []
+            for thickness in (0.1, 1e-3):
+                case = variant(load_case(BENCHMARKS["cantilever_shear"].case),
+                               {"analysis": "linear", "element": element(membrane), "mesh.parameters.nx": nx, "mesh.parameters.ny": ny,
+                                "material.0.thickness": thickness, "load.0.vector": [0, thickness, 0], "probe.0.components": ["y", "z"]})
+                result = solved(case, "in_plane")
+                tips.append(result.history["tip_y"][-1] if result else math.nan)
+            yield Answer(f"strip that bends in its plane, {nx} x {ny}", "tip", membrane, 100 * (tips[0] / tips[1] - 1))
+    for name in ("twisted_beam_thick_y", "twisted_beam_thick_z", "cook_membrane"):
+        yield from answers_of(name, membranes, (2,))
 
 
 def cost(membranes):
@@ -168,4 +205,5 @@ def cost(membranes):
                 yield Answer(row, f"{name} [us per triangle]", membrane, 1e6 * value)
 
 
-SECTIONS = {**{name: problem(name) for name in LEVELS}, "slivers": slivers, "aims": aims, "curves": curves, "cost": cost}
+SECTIONS = {**{name: problem(name) for name in LEVELS}, "slivers": slivers, "aims": aims, "curves": curves,
+            "plates": worst_of(PLATES, 3), "in_plane": in_plane, "cost": cost}

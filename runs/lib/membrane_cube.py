@@ -95,18 +95,25 @@ def stored(name):
 
 
 def told(folder):
-    """What a run said of its own error: whether it warned of wrong deflections, and the estimates of its summary."""
+    """What a run said: whether it warned of wrong deflections, the estimates of its summary, and its iterations."""
     said, summary = folder / SAID, folder / "summary.json"
     found = json.loads(summary.read_text()) if summary.is_file() else {}
     text = said.read_text() if said.is_file() else ""
     return {"warned": any(words in text for words in ("too small by", "wrong by about")),
-            "estimates": {name: found.get(name) for name in ("membrane_error", "recovery_error")}}
+            "estimates": {name: found.get(name) for name in ("membrane_error", "recovery_error")},
+            "iterations": found.get("newton_iterations")}
 
 
-def refresh(name, membranes, jobs=1, again=False):
+def wanted(problem, membranes, meshes, seeds):
+    """The settings on the `meshes` coarsest of each three meshes, with no more than so many seeds."""
+    shown = [size for place, size in enumerate(problem.sizes) if place % 3 < meshes]
+    return [s for s in problem.settings(membranes) if s.size in shown and s.seed <= seeds]
+
+
+def refresh(name, membranes, jobs=1, again=False, meshes=3, seeds=3):
     """Solves what the cache of a problem does not have; all with `again`."""
     problem, found, lock = CUBE[name], stored(name), threading.Lock()
-    missing = [s for s in problem.settings(membranes) if again or s.key not in found]
+    missing = [s for s in wanted(problem, membranes, meshes, seeds) if again or s.key not in found]
 
     def one(numbered):
         number, setting = numbered

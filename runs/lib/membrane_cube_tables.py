@@ -103,7 +103,7 @@ def flat_table(membranes):
                 if None not in errors:
                     counts[m][places.index(mesh) % 3].append(is_flat(errors))
         if any(counts[membranes[0]]):
-            rows.append([problem.title, *(", ".join(f"{sum(c)} of {len(c)}" for c in counts[m]) for m in membranes)])
+            rows.append([problem.title, *(", ".join(f"{sum(c)} of {len(c)}" if c else "-" for c in counts[m]) for m in membranes)])
     return markdown(["problem", *(f"`{m}`: coarse, middle, fine" for m in membranes)], rows)
 
 
@@ -146,3 +146,20 @@ def told_table(membranes):
             rows.append(row)
     header = [text for m in membranes for text in (f"`{m}`: wrong, told", "right, told all the same", "estimate 0.5 to 2 times the error, median")]
     return markdown(["problem", *header], rows) if rows else ""
+
+
+# --------------------------------------------------------------------------------------------------------- iterations
+
+def iterations_table(membranes):
+    """Newton iterations over the runs of which all membranes have them, by problem, where a run needs more than one; with a heading, or nothing."""
+    rows = []
+    for name, problem in CUBE.items():
+        of = [{key.rpartition("|")[0]: r["iterations"] for key, r in stored(name).items() if key.split("|")[-1] == m and r["values"] and r.get("iterations")}
+              for m in membranes]
+        common = set.intersection(*map(set, of))
+        sums = [sum(found[key] for key in common) for found in of]
+        if sums[0] > len(common):
+            rows.append([problem.title, len(common), *sums])
+    if not rows:
+        return ""
+    return "**Newton iterations**, over the runs that all of them finished.\n\n" + markdown(["problem", "runs", *(f"`{m}`" for m in membranes)], rows) + "\n"

@@ -94,6 +94,8 @@ def solved(case, folder, timeout=TIMEOUT):
         result = run(write_case(case, folder.with_suffix(".toml")), folder, timeout=timeout)
     except subprocess.TimeoutExpired:
         return None
+    if not folder.is_dir():
+        raise SystemExit(f"{folder.name} was refused: {result.text}")
     (folder / SAID).write_text(result.text)
     return result if result.code == 0 else None
 

@@ -4,6 +4,7 @@
 #include <doctest/doctest.h>
 
 #include <Eigen/Dense>
+#include <algorithm>
 #include <cmath>
 
 #include "../test_model_kit.hpp"
@@ -138,6 +139,28 @@ TEST_CASE("arcs have their whole curvature by angles, and folds grow with the sq
     const double by_slope = bending_energy(mesh, bending_by(BendingOperator::edge_slope), folded),
                  by_angle = bending_energy(mesh, bending_by(BendingOperator::edge_angle), folded);
     CHECK(by_angle == relative(by_slope * angle * angle / (2.0 - 2.0 * std::cos(angle))).epsilon(1e-10));
+  }
+}
+
+TEST_CASE("a sheet that is folded at rest twists by angles as the flat one does, across the crease too") {
+  const auto energy_of = [](BendingOperator op, double crease) {
+    const mesh::SurfaceMesh mesh(mapped(square(Pattern::diagonal, 8), [&](const Vec3& x) {
+      const double past = std::max(x[0] - 0.5, 0.0);
+      return Vec3(std::min(x[0], 0.5) - 0.5 + past * std::cos(crease), x[1], past * std::sin(crease));
+    }));
+    system::ModelInput in = bending_by(op);
+    in.materials[0].direction = Vec3(0.0, 1.0, 0.0);  // along the crease, about which it is twisted
+    return bending_energy(mesh, in, [&](Index v) {
+      const Vec3 x = mesh.positions()[v];
+      return Vec3(1e-4 * x[1] * Vec3(x[2], 0.0, -x[0]));
+    });
+  };
+  for (const double crease : {0.5, 1.5, -2.5}) {
+    CAPTURE(crease);
+    CHECK(energy_of(BendingOperator::edge_angle, crease) ==
+          relative(energy_of(BendingOperator::edge_angle, 0.0)).epsilon(1e-6));
+    // Vectors also have what one side moves in its plane.
+    CHECK(energy_of(BendingOperator::edge_slope, crease) > 1.02 * energy_of(BendingOperator::edge_slope, 0.0));
   }
 }
 
