@@ -71,6 +71,7 @@ void report(const mesh::SurfaceMesh& mesh, const MeshQuality& quality, const ene
   fmt::print("{}", quality_text(mesh, quality, element));
   for (const std::string& text : mesh_notes(mesh)) fmt::print("note: {}\n", text);
   for (const std::string& text : quality_warnings(mesh, quality, element)) fmt::print("warning: {}\n", text);
+  if (const std::string text = fold_warning(mesh, quality, element); !text.empty()) fmt::print("warning: {}\n", text);
 }
 
 }  // namespace

@@ -21,6 +21,7 @@ struct MeshQuality {
   std::vector<double> aspect, unevenness;  ///< see mesh/quality.hpp
   std::vector<double> condition;           ///< of the six-point fit (energy/curvature.hpp)
   std::vector<double> area;                ///< [m^2]
+  std::vector<double> fold;                ///< over its creases: sum of sin^2(t/2) (side/height)^2, t the angle at rest
 };
 
 /// Measured by all ranks, each a part of the triangles. Collective.
@@ -34,6 +35,10 @@ struct MeshQuality {
 /// What of it spoils results or convergence, with cause, place and remedy; empty for a good mesh.
 [[nodiscard]] std::vector<std::string> quality_warnings(const mesh::SurfaceMesh& mesh, const MeshQuality& quality,
                                                         const energy::ElementOptions& element);
+
+/// Where folds of the rest shape make bending too stiff, and what mends it; empty if they do not, or hardly.
+[[nodiscard]] std::string fold_warning(const mesh::SurfaceMesh& mesh, const MeshQuality& quality,
+                                       const energy::ElementOptions& element);
 
 /// What is legal but perhaps not meant: vertices that coincide, vertices that were merged.
 [[nodiscard]] std::vector<std::string> mesh_notes(const mesh::SurfaceMesh& mesh);

@@ -48,6 +48,8 @@ void report_mesh(const input::Case& c, const RunOptions& options, const system::
       for (const std::string& text : sheet_notes(model.discretisation().sheet())) fmt::print("note: {}\n", text);
     }
     for (const std::string& text : quality_warnings(mesh, quality, c.element)) fmt::print("warning: {}\n", text);
+    if (const std::string text = fold_warning(mesh, quality, c.element); !text.empty())
+      fmt::print("warning: {}\n", text);
     if (!uncorrected.empty()) fmt::print("warning: {}\n", uncorrected);
   });
 }

@@ -14,6 +14,7 @@ from linear import LINEAR, answer
 from membrane_problems import Setting, linear_case
 from membrane_references import reference
 from pattern_files import tube
+from shapes import write_msh
 from solver import ROOT, command, environment, invoke, load_case, run, variant, write_case
 
 
@@ -37,6 +38,36 @@ def poor_meshes(report):
     mesh.write_text(text)
     code, text = invoke(["info", mesh])
     report.check("below 2 degrees" in text and "Newton" in text, f"sliver: {[t for t in text.splitlines() if 'warning' in t]}")
+
+
+def profile(legs, cells, file):
+    """Two legs of 1 that meet at an angle [degree], 3 long, with so many cells to a leg and along."""
+    angle, n = np.deg2rad(legs), cells
+    across, along = np.linspace(-1, 1, 2 * n + 1), np.linspace(0, 3, n + 1)
+    points = [(x if x < 0 else x * np.cos(angle), max(x, 0.0) * np.sin(angle), y) for y in along for x in across]
+    corners = [(j * (2 * n + 1) + i, j * (2 * n + 1) + i + 1, (j + 1) * (2 * n + 1) + i + 1, (j + 1) * (2 * n + 1) + i) for j in range(n) for i in range(2 * n)]
+    return write_msh(OUT / file, np.array(points), [("end", 1, [(i, i + 1) for i in range(2 * n)]),
+                                                    ("sheet", 2, np.array([t for a, b, c, d in corners for t in ((a, b, c), (a, c, d))]))])
+
+
+@test
+def folded_at_rest(report):
+    """An L profile of long cells vibrates too fast with slopes at edges, and the run says by how much; by angles it does not; a shallow fold is none."""
+    keys = {"analysis": "modal", "eigen": {"modes": 1}, "support": [{"type": "clamped", "group": "end"}],
+            "material": [{"type": "isotropic", "young": 1e3, "poisson": 0.3, "thickness": 0.03, "density": 1.0}]}
+    first, said = {}, {}
+    for bending, cells in (("edge_slope", 8), ("edge_slope", 16), ("edge_angle", 8), ("edge_angle", 24)):
+        case = keys | {"mesh": {"file": str(profile(90, cells, f"profile_{cells}.msh"))}, "element": {"membrane": "six_node_corrected", "bending": bending}}
+        result = solve(f"profile_{bending}_{cells}", case)
+        first[bending, cells] = np.loadtxt(result.folder / "modes.csv", delimiter=",", skiprows=1, ndmin=2)[0, 1]
+        said[bending, cells] = re.findall(r"folded at rest, .* frequencies too high by about ([\d.]+) %", result.text)
+    right = first["edge_angle", 24]
+    report.below(abs(first["edge_angle", 8] / right - 1), 0.02, "by angles, 8 cells against 24")
+    report.check(not said["edge_angle", 8] and not said["edge_angle", 24], "nothing said of angles")
+    for cells in (8, 16):
+        told = 0.01 * float((said["edge_slope", cells] or ["0"])[0])
+        report.near(told, first["edge_slope", cells] / right - 1, 0.3 * told, f"by slopes, {cells} cells: what the run says of the frequency")
+    report.check("folded" not in invoke(["info", profile(30, 8, "profile_shallow.msh")])[1], "30 degrees: nothing said")
 
 
 @test
