@@ -142,7 +142,11 @@ Outcome try_move(Surface& s, const Star& star, const Fan& fan, const Vec2& targe
   const auto mean = [&](const auto& centre, const auto& a, const auto& b) {
     return (in.weights[0] * centre + in.weights[1] * a + in.weights[2] * b).eval();
   };
-  const Vec3 place = mean(fan.centre_place, fan.place[in.i], fan.place[in.j]);
+  Vec3 place = mean(fan.centre_place, fan.place[in.i], fan.place[in.j]);
+  // On a curved rest shape it stays as far off its triangles as it is there.
+  if (s.first->curved() && !s.allowed.empty())
+    place += s.carried(star.spokes[static_cast<std::size_t>(in.i)] / 3,
+                       rest - mean(fan.centre_rest, fan.rest[in.i], fan.rest[in.j]));
   Vec2 texture = Vec2::Zero();
   if (!s.texture.empty()) {
     const Index e = star.spokes[static_cast<std::size_t>(in.i)];

@@ -17,7 +17,8 @@ Surface::Surface(const mesh::SurfaceMesh& mesh, const RestSurface& rest_surface,
       old_triangles(mesh.triangles()),
       old_size(&sizes),
       features(find_features(mesh, *this, limits, options.crease)),
-      open_seams(mesh, *this) {
+      open_seams(mesh, *this),
+      only_splits(options.only_splits) {
   const auto nt = static_cast<std::size_t>(mesh.triangle_count()), nv = static_cast<std::size_t>(mesh.vertex_count());
   side_class = features.side_class;
   triangle_class = features.triangle_class;
@@ -193,6 +194,38 @@ std::array<Index, 2> Surface::split(Index h) {
   return {m, n};
 }
 
+Vec3 Surface::carried(Index t, const Vec3& offset) const {
+  Eigen::Matrix3d at_rest, now;
+  for (Index i = 0; i < 2; ++i) {
+    at_rest.col(i) = rest[3 * t + i + 1] - rest[3 * t];
+    now.col(i) = place[vertex[3 * t + i + 1]] - place[vertex[3 * t]];
+  }
+  at_rest.col(2) = at_rest.col(0).cross(at_rest.col(1)).normalized();
+  now.col(2) = now.col(0).cross(now.col(1)).normalized();
+  return now * at_rest.inverse() * offset;
+}
+
+/// Where the rest shape is curved its middle lies beside the edge, and so it should now: what is not strained stays so. Zero
+/// where contact leaves no room for that. Charged.
+Vec3 Surface::room_off_edge(Index h, const Vec3& here, const Vec3& there) {
+  if (allowed.empty() || only_splits || (twin[h] == no_index && across(h) != no_index)) return Vec3::Zero();
+  const auto beside = [&](Index side, const Vec3& middle) -> Vec3 {
+    const Vec3 offset = middle - 0.5 * (rest[next(side)] + rest[prev(side)]);
+    return offset.isZero(0.0) ? Vec3::Zero() : carried(side / 3, offset);
+  };
+  const Index g = twin[h];
+  std::vector<Index> triangles{h / 3};
+  Vec3 off = beside(h, here);
+  if (g != no_index) {
+    off = 0.5 * (off + beside(g, there));
+    triangles.push_back(g / 3);
+  }
+  const Budget b = budget(triangles);
+  if (off.isZero(0.0) || !(b.moved + off.norm() <= b.allowed)) return Vec3::Zero();
+  charge(triangles, b, off.norm());
+  return off;
+}
+
 Index Surface::halve(Index h) {
   const Index g = twin[h], o = origin(h), d = dest(h);
   const bool line = side_class[h] != 0;
@@ -208,13 +241,14 @@ Index Surface::halve(Index h) {
   const Vec3 here = middle(h);
   Vec3 there = here;
   if (g != no_index && line && (rest[next(g)] != rest[prev(h)] || rest[prev(g)] != rest[next(h)])) there = middle(g);
+  const Vec3 off = room_off_edge(h, here, there);
   const Index m = vertex_slots();
   gone.push_back(0);
   fixed.push_back(0);
   on_feature.push_back(line);
   dirty.push_back(1);
   dirty[o] = dirty[d] = dirty[apex(h)] = 1;
-  place.push_back(0.5 * (place[o] + place[d]));
+  place.push_back(0.5 * (place[o] + place[d]) + off);
   size.push_back(size_at(here, old_hint[h / 3]));
   old.push_back(no_index);
   leaving.push_back(no_index);

@@ -39,6 +39,7 @@ struct Surface : HalfEdges {
   const std::vector<double>* old_size;
   Features features;  ///< of the old mesh
   OpenSeams open_seams;
+  bool only_splits;  ///< which move nothing
   Counts counts;
 
   [[nodiscard]] Index triangle_slots() const { return static_cast<Index>(dead.size()); }
@@ -74,6 +75,9 @@ struct Surface : HalfEdges {
   /// Wanted size at a rest position [m]; `hint`: old triangle near to it.
   [[nodiscard]] double size_at(const Vec3& position, Index& hint) const;
 
+  /// A small offset at rest [m] as triangle t has turned and stretched it.
+  [[nodiscard]] Vec3 carried(Index t, const Vec3& offset) const;
+
   /// What contact leaves of a set of triangles, and charging it.
   struct Budget {
     double moved = 0.0, allowed = 0.0;
@@ -83,6 +87,7 @@ struct Surface : HalfEdges {
 
  private:
   Index halve(Index h);
+  Vec3 room_off_edge(Index h, const Vec3& here, const Vec3& there);
   Index half_split(Index h, Index m, const Vec3& at);
   [[nodiscard]] Index boundary_side(Index a, Index b) const;
   void link(Index a, Index b);

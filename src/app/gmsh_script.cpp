@@ -63,12 +63,20 @@ struct TemporaryFile {
   }
 };
 
+/// Of a last line without a line feed Gmsh leaves out what it has not read yet, without a word, but not of an included file.
+bool ends_within_line(const std::string& file) {
+  std::ifstream in(file, std::ios::binary | std::ios::ate);
+  if (!in || in.tellg() <= 0) return false;
+  in.seekg(-1, std::ios::end);
+  return in.get() != '\n';
+}
+
 /// Opens the script with its parameters preset: DefineConstant keeps a variable that exists already. (The option
 /// -setnumber is no alternative: Gmsh never forgets its values, not even after finalize.)
 void open_script(const std::string& file, const std::map<std::string, double>& parameters) {
   const GeoParameters known = geo_parameters(file);
   check_parameters(file, parameters, known);
-  if (parameters.empty()) return gmsh::open(file);
+  if (parameters.empty() && !ends_within_line(file)) return gmsh::open(file);
   const std::string pattern = (fs::temp_directory_path() / "voile_XXXXXX.geo").string();
   std::vector<char> name(pattern.begin(), pattern.end());
   name.push_back('\0');

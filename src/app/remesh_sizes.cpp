@@ -32,7 +32,7 @@ constexpr int most_looks_at_end = 6;
 constexpr double most_vertices = 5e6;
 /// Surfaces may come nearer by this share of their gap: both sides move, and half of the gap stays.
 constexpr double share_of_gap = 0.25;
-/// Gaps are looked for within so many contact distances, so that what is far from everything is free to move.
+/// Gaps are looked for within so many contact distances; what is far from everything may move as if it were at this gap.
 constexpr double gap_reach = 4.0;
 
 /// Largest principal value of a curvature k11, k22, 2 k12, squared.
@@ -232,8 +232,10 @@ adapt::Limits Remesher::limits(Epoch& epoch) const {
   for (const std::string& name : keys_.frozen)
     for (Index t : mesh.group(name, 2).triangles) limits.frozen[t] = 1;
   if (system::Contact* contact = epoch.model().contact()) {
-    limits.clearance =
-        system::gaps(contact->scene(), epoch.state().u, gap_reach * contact->scene().input().options.distance);
+    double reach = gap_reach * contact->scene().input().options.distance;
+    // Every operation on a curved rest shape moves the surface by what cells lie off it, however small that distance is.
+    if (curved_) reach = std::max(reach, std::sqrt(epoch.model().discretisation().mean_area()));
+    limits.clearance = system::gaps(contact->scene(), epoch.state().u, reach);
     for (double& gap : limits.clearance) gap *= share_of_gap;
   }
   return limits;

@@ -49,11 +49,15 @@ double cpu_clock() {
 
 Remesher::Remesher(const Stage& stage, std::shared_ptr<const mesh::SurfaceMesh> first)
     : stage_(stage), keys_(stage.c.remesh), first_(std::move(first)) {
+  std::vector<Index> curved{0};
   mpi::on_root(PETSC_COMM_WORLD, [&] {
     rest_.emplace(*first_);
+    curved[0] = rest_->curved();
     if (!keys_.size.empty()) bound_ = input::size_expression(keys_.size);
     if (!keys_.background.empty()) background_.emplace(stage_.c);
   });
+  mpi::broadcast(PETSC_COMM_WORLD, curved);
+  curved_ = curved[0] != 0;
 }
 
 Remesher::Made Remesher::make_mesh(Epoch& epoch, const std::vector<double>& size, bool only_splits) {
@@ -272,10 +276,12 @@ std::optional<Adapted> Remesher::attempt(Epoch& epoch, const std::vector<double>
     VOILE_PETSC(VecWAXPY(direction, -1.0, fresh.state().u, fresh.state().previous));
   }
   double change = 0.0;
-  if (!at_rest)
+  if (!at_rest) {
     change = settle(epoch, fresh, before, made);
-  else if (fresh.state().v)
+  } else if (fresh.state().v) {
     keep_momentum(epoch, fresh, before);
+    change = energy_change(before, ledger(fresh), fresh);
+  }
   bool accepted = true;
   if (fresh.model().contact() && stage_.c.contact.check) {
     const std::string found = intersections(fresh);

@@ -90,6 +90,7 @@ class Remesher {
   const input::RemeshSection& keys_;
   std::shared_ptr<const mesh::SurfaceMesh> first_;
   std::optional<adapt::RestSurface> rest_;  ///< rank 0
+  bool curved_ = false;                     ///< whether any chart of it is
   std::optional<io::HistoryWriter> table_;  ///< rank 0
   std::vector<double> size_;                ///< found by due()
   std::vector<char> near_obstacle_;         ///< per vertex, on rank 0: beside a bend; found by due()

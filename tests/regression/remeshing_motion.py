@@ -106,3 +106,30 @@ def remesh_flying(report):
     report.check(flies.summary["vertices"] <= 81, f"free: {flies.summary['vertices']} vertices")
     held = solve("remesh_flying_held", case | {"initial_velocity": [], "support": [{"type": "clamped", "group": "left"}]})
     report.check(held.summary["vertices"] > 100, f"held along an edge: {held.summary['vertices']} vertices")
+
+
+ELLIPSE = """Point(1) = {0, 0, 0, 0.03}; Point(2) = {0.16, 0, 0, 0.03}; Point(3) = {0, 0.13, 0, 0.03}; Point(4) = {-0.16, 0, 0, 0.03}; Point(5) = {0, -0.13, 0, 0.03};
+Ellipse(1) = {2, 1, 2, 3}; Ellipse(2) = {3, 1, 4, 4}; Ellipse(3) = {4, 1, 4, 5}; Ellipse(4) = {5, 1, 2, 2}; Curve Loop(1) = {1:4}; Plane Surface(1) = {1};
+"""
+GUTTER = """Point(1) = {0, 0, 0, 0.02}; Point(2) = {0.06, 0, 0, 0.02}; Point(3) = {0, 0, 0.06, 0.02}; Point(4) = {-0.06, 0, 0, 0.02};
+Circle(1) = {2, 1, 3}; Circle(2) = {3, 1, 4}; s[] = Extrude{0, 0.2, 0}{ Curve{1, 2}; };
+"""
+
+
+@test
+def remesh_curved_start(report):
+    """A sheet with a curved rim and a curved shell, both without strain, get no energy from the mesh of their start, contact or not; where contact leaves no room for that the mesh is refused."""
+    for what, text, ground, ranks in (("rim", ELLIPSE, -0.1, 1), ("shell", GUTTER, -0.1, 2), ("rim near the ground", ELLIPSE, -1.6e-3, 1)):
+        path = OUT / f"remesh_curved_{what.split()[0]}.geo"
+        path.write_text(text)
+        case = {"analysis": "dynamic", "mesh": {"file": str(path)},
+                "material": [{"type": "isotropic", "young": 2e6, "poisson": 0.3, "thickness": 4e-4, "density": 400}],
+                "load": [{"type": "gravity", "vector": [0, 0, -9.81]}], "contact": {"distance": 1.5e-3, "stiffness": 1e4},
+                "obstacle": [{"name": "ground", "type": "plane", "normal": [0, 0, 1], "point": [0, 0, ground]}],
+                "remesh": {"smallest": 8e-3, "largest": 0.05}, "time": {"end": 8e-3, "step": 4e-3}, "output": {"fields": ["displacement"]}}
+        result = solve(f"remesh_curved_{what.replace(' ', '_')}", case, ranks)
+        h = result.history
+        given = max(abs(e) for e in h["remeshing_gain"])
+        room = "near" not in what
+        report.check(given < 0.02 * h["work_of_loads"][-1], f"{what}: remeshing gives {given:.2g} J, gravity {h['work_of_loads'][-1]:.2g} J")
+        report.check(sum(h["intersections"]) == 0 and (result.summary["remeshing"]["count"] > 0 or not room), f"{what}: {result.summary['remeshing']['count']} remeshings")

@@ -13,7 +13,8 @@
 // sides have as many nodes at the same shares; new nodes are new pairs. No edges are made that would coincide after a weld.
 // The vertices of a group of dimension 1 or 2 are those of its segments or triangles, and others that it has, which stay.
 //
-// Contact. `clearance` says how far the surface may move. Every operation but the split, which moves nothing, is measured:
+// Contact. `clearance` says how far the surface may move. A split moves nothing, but on a curved rest shape or line its new
+// vertex lies off the edge as it does at rest, where there is room, and is charged with that. Every other operation is measured:
 // the old and the new piecewise linear surface at equal material points, largest at the corners of their overlay. Each
 // triangle carries what its points have moved at most and what they may; an operation beyond that is left out.
 //

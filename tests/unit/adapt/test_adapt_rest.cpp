@@ -2,10 +2,12 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <limits>
 #include <numbers>
 
 #include "test_adapt_kit.hpp"
 #include "test_relative.hpp"
+#include "voile/contact/distance.hpp"
 
 using namespace voile;
 using namespace voile::testing;
@@ -251,6 +253,43 @@ TEST_CASE("operations move the surface in space no farther than contact allows")
   const Remeshed r = adapt::remesh(m, rest, places, h, half, {});
   CHECK(r.counts.refused_by_clearance > 0);
   CHECK(r.counts.collapses > 0);
+}
+
+TEST_CASE(
+    "what is curved and not strained stays so where contact leaves room, and moves no farther where it does not") {
+  const Mat3 turn(Eigen::AngleAxisd(0.7, Vec3(1, 2, 3).normalized()));
+  const Vec3 shift(0.3, -0.2, 0.1);
+  const auto disc = [](const Vec3& x) -> Vec3 {
+    const double a = 2 * x[0] - 1, b = 2 * x[1] - 1;
+    return {a * std::sqrt(1 - 0.5 * b * b), b * std::sqrt(1 - 0.5 * a * a), 0};
+  };
+  for (const auto& shape : {+disc, &on_cylinder}) {
+    const int cells = shape == on_cylinder ? 8 : 6;
+    const mesh::SurfaceMesh m(mapped(square(Pattern::jittered, cells), shape));
+    std::vector<Vec3> places;
+    for (const Vec3& x : m.positions()) places.emplace_back(turn * x + shift);
+    for (const double clearance : {0.2, 1e-3}) {
+      Limits limits;
+      limits.clearance.assign(static_cast<std::size_t>(m.vertex_count()), clearance);
+      const Remeshed r = adapt::remesh(m, RestSurface(m), places, uniform(m, 0.12), limits, {});
+      const mesh::SurfaceMesh after(r.mesh);
+      double strained = 0.0, moved = 0.0;
+      for (std::size_t v = 0; v < r.places.size(); ++v) {
+        double off = std::numeric_limits<double>::infinity();
+        for (const mesh::Triangle& t : m.triangles())
+          off =
+              std::min(off, contact::point_triangle_distance({r.places[v], places[t[0]], places[t[1]], places[t[2]]}));
+        strained = std::max(strained, (turn * after.positions()[v] + shift - r.places[v]).norm());
+        moved = std::max(moved, off);
+        CHECK(off <= clearance - r.clearance[v] + 1e-12);
+      }
+      CAPTURE(cells);
+      CAPTURE(clearance);
+      if (clearance < 0.2) continue;
+      CHECK(moved > 1e-3);  // it went with the curve
+      CHECK(strained < 1e-12);
+    }
+  }
 }
 
 TEST_CASE("folds in space are not turned") {

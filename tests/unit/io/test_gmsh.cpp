@@ -123,6 +123,20 @@ TEST_CASE("a geometry is meshed with its groups, the circle's centre is dropped"
   CHECK(mesh.component_count() == 1);
 }
 
+TEST_CASE("the last line of a geometry counts without a line feed, too") {
+  const Folder folder;
+  const std::string text =
+      "Point(1) = {0, 0, 0, 1}; Point(2) = {1, 0, 0, 1}; Point(3) = {0, 1, 0, 1};\n"
+      "Line(1) = {1, 2}; Line(2) = {2, 3}; Line(3) = {3, 1}; Curve Loop(1) = {1, 2, 3};\n"
+      "Plane Surface(1) = {1};\n"
+      "Physical Surface(\"all\") = {1}; Physical Curve(\"edge\") = {2}; Physical Point(\"p\") = {3};";
+  const std::string whole = folder.write("whole.geo", text + "\n"), cut = folder.write("cut.geo", text);
+  const mesh::MeshData a = io::read_gmsh(whole, {}), b = io::read_gmsh(cut, {});
+  CHECK(a.triangles == b.triangles);
+  CHECK(a.groups.size() == 3);
+  CHECK(b.groups.size() == 3);
+}
+
 TEST_CASE("versions 2.2 and 4.1, ASCII and binary, give the same mesh") {
   const Folder folder;
   const std::string geo = folder.write("plate.geo", plate);
