@@ -105,6 +105,11 @@ NewtonResult PathFollower::Impl::attempt(Vec a, double& lambda, const Constraint
   predict(constraint, lambda);
   NewtonResult n = correct(a, lambda, constraint);
   iterations += n.iterations;
+  if (n.converged && constraint.kind == Control::arc_length && rate * dot(increment, tangent_solution) < 0.0) {
+    // As far away as wanted, but behind: where the path has turned by less than 180 degrees in a step it is not.
+    n.converged = false;
+    n.reason = "the iteration turned back along the path";
+  }
   if (!n.converged || !passes_end(a, lambda)) return n;
   const int before = n.iterations;
   n = land(a, lambda);

@@ -97,3 +97,27 @@ def remesh_by_error(report):
     report.near(adapted[0].summary["recovery_error"], 0.01, 0.005, "error at the end")
     report.check(adapted[0].summary["vertices"] == adapted[1].summary["vertices"], "as many vertices on 3 ranks")
     report.below(max(abs(adapted[1].history[p][-1] / adapted[0].history[p][-1] - 1) for p in points), 1e-6, "the same deflections")
+
+
+@test
+def path_goes_forward(report):
+    """A step by arc length whose iteration ends behind, on the part of the path that is known, is tried again: a shallow dome under pressure passes its limit point, in place of being blown up."""
+    n, points = 12, []
+    for j in range(n + 1):
+        for i in range(n + 1):
+            a, b = 2 * i / n - 1, 2 * j / n - 1
+            x, y = a * np.sqrt(1 - b * b / 2), b * np.sqrt(1 - a * a / 2)
+            points.append((0.3 * x, 0.3 * y, 0.02 * (1 - x * x - y * y)))
+    corners = [(j * (n + 1) + i, j * (n + 1) + i + 1, (j + 1) * (n + 1) + i + 1, (j + 1) * (n + 1) + i) for j in range(n) for i in range(n)]
+    file = OUT / "path_goes_forward.obj"
+    file.write_text("".join(f"v {x} {y} {z}\n" for x, y, z in points) + "".join(f"f {k + 1} {m + 1} {p + 1}\n" for a, b, c, d in corners for k, m, p in ((a, b, c), (a, c, d))))
+    case = {"mesh": {"file": str(file)}, "material": [{"type": "isotropic", "young": 1e7, "poisson": 0.3, "thickness": 0.004}],
+            "support": [{"type": "hinged", "group": "boundary"}], "load": [{"type": "follower_pressure", "magnitude": -300.0}],
+            "probe": [{"name": "top", "type": "displacement", "point": [0, 0, 0.02], "components": ["z"]}],
+            "remesh": {"smallest": 0.015, "largest": 0.08, "angle": 4.0},
+            "steps": {"control": "arc_length", "initial_step": 0.1, "max_steps": 20, "final_displacement": -0.045, "control_probe": "top"}}
+    result = run(write_case(case, OUT / "path_goes_forward.toml"), OUT / "path_goes_forward", 1, ["--overwrite"])
+    load = result.history["load_factor"]
+    report.check("turned back" in result.text, "a step ended behind, and was said to")
+    report.check(load.min() >= 0.0 and result.history["top_z"].max() <= 0.0, "it is nowhere blown up")
+    report.check(load.max() > 0.08, f"the load gets as far as {load.max():.4f}")
