@@ -86,12 +86,16 @@ void check_probe(const SectionPlace& place, const Probe& probe, const std::vecto
     place.fail(place.has("point") ? "point" : "group", "a displacement probe needs either 'group' or 'point'");
 }
 
+/// What it throws, now and later, names the key.
 std::function<double(double)> time_function(const SectionPlace& place, const char* key, const std::string& text) {
-  try {
-    return expression(text);
-  } catch (const UserError& e) {
-    place.fail(key, e.what());
-  }
+  const auto named = [place, key](const auto& f) {
+    try {
+      return f();
+    } catch (const UserError& e) {
+      place.fail(key, e.what());
+    }
+  };
+  return [named, value = named([&] { return expression(text); })](double t) { return named([&] { return value(t); }); };
 }
 
 using Motion = std::function<Vec3(const Vec3& rest, double time)>;
@@ -134,7 +138,8 @@ void read_supports(const CaseReader& reader, Case& c) {
     support.motion = motion_function(place, motion, c.is_staged() || c.analysis == "dynamic" || c.analysis == "static",
                                      "\"dynamic\" or \"static\"");
     if (support.kind == system::Support::Kind::clamped && motion.axis)
-      support.rotation = [angle = expression(motion.angle), axis = Vec3(motion.axis->normalized())](double t) {
+      support.rotation = [angle = time_function(place, "rotation_angle", motion.angle),
+                          axis = Vec3(motion.axis->normalized())](double t) {
         return Mat3(Eigen::AngleAxisd(angle(t) * (std::numbers::pi / 180.0), axis));
       };
     if (support.cylinder_axis && support.x_axis)

@@ -44,9 +44,11 @@ std::function<double(double)> expression(const std::string& text) {
   } catch (const mu::ParserError& e) {
     throw UserError(fmt::format("'{}': {}; write an expression of t such as 0.1*sin(2*pi*t)", text, e.GetMsg()));
   }
-  return [parsed](double t) {
+  return [parsed, text](double t) {
     parsed->t = t;
-    return parsed->parser.Eval();
+    const double value = parsed->parser.Eval();
+    if (!std::isfinite(value)) throw UserError(fmt::format("'{}' is not a finite number at t = {:g}", text, t));
+    return value;
   };
 }
 

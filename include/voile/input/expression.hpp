@@ -11,7 +11,7 @@
 namespace voile::input {
 
 /// Parses an expression of t; the function may be copied and outlives everything. Throws UserError that says what is
-/// wrong.
+/// wrong, and so does the function where its value is not finite.
 [[nodiscard]] std::function<double(double t)> expression(const std::string& text);
 /// The same of x, y and z [m], for a size [m].
 [[nodiscard]] std::function<double(const Vec3& x)> size_expression(const std::string& text);

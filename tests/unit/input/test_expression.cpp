@@ -80,6 +80,22 @@ TEST_CASE("bad expressions say what is wrong") {
   }
 }
 
+TEST_CASE("an expression that is no number later says where it is from, and when") {
+  const auto f = expression("log(0.01-t)");
+  CHECK(std::isfinite(f(0.0)));
+  CHECK(has(error_of([&] { (void)f(0.02); }), "'log(0.01-t)' is not a finite number at t = 0.02"));
+  const input::Case c = parse_case(head + R"toml([[load]]
+type = "gravity"
+vector = [0, 0, -1]
+history = "1/(1-t)"
+)toml",
+                                   "case.toml");
+  CHECK(c.loads.at(0).history(0.5) == 2.0);
+  const std::string said = error_of([&] { (void)c.loads.at(0).history(1.0); });
+  CHECK(has(said, "case.toml:"));
+  CHECK(has(said, "load.history: '1/(1-t)' is not a finite number at t = 1"));
+}
+
 TEST_CASE("a support that moves and lets go") {
   const input::Case c = parse_case(head + R"toml([[support]]
 type = "hinged"
