@@ -207,8 +207,7 @@ std::string fold_warning(const mesh::SurfaceMesh& mesh, const MeshQuality& q, co
   if (share <= folded_limit) return "";
   return fmt::format(
       "the sheet is folded at rest, most in {}: beside such edges what one side moves in its plane counts as bending. "
-      "Deflections can be too small by about {:.2g} % and frequencies too high by about {:.2g} %; use element.bending "
-      "= "
+      "Deflections can be too small by about {:.0f} % and frequencies too high by about {:.0f} %; use bending = "
       "\"edge_angle\", or cells along these edges that are smaller, and no longer than wide",
       triangle_text(mesh, place_of_largest(q.fold)), 100.0 * share / (1.0 + share),
       100.0 * (std::sqrt(1.0 + share) - 1.0));
