@@ -7,6 +7,14 @@
 
 namespace voile::app {
 
+/// Under a given load without contact: the equilibrium of the new mesh is near, and relaxation would only be on the way.
+/// False where it was not found, or where the load is not what is followed. Collective.
+bool Remesher::find_equilibrium_nearby(Epoch& fresh) const {
+  if (stage_.c.analysis != "static" || stage_.c.steps.control != solve::StaticOptions::Control::load) return false;
+  if (fresh.model().contact()) return false;
+  return solve::regain_equilibrium(fresh.model(), fresh.state()).outcome != solve::Outcome::failed;
+}
+
 /// Brings what the old mesh had in equilibrium to one of the new mesh: at its load, where that is what is followed,
 /// otherwise at its place along the path. Collective.
 bool Remesher::find_equilibrium(Epoch& old_epoch, Epoch& fresh, std::string& what) const {
@@ -16,7 +24,8 @@ bool Remesher::find_equilibrium(Epoch& old_epoch, Epoch& fresh, std::string& wha
   state.in_equilibrium = false;
   what = "no equilibrium was found on the new mesh";
   if (steps.control == Options::Control::load)
-    return solve::find_equilibrium(fresh.model(), state).outcome != solve::Outcome::failed;
+    return solve::regain_equilibrium(fresh.model(), state).outcome != solve::Outcome::failed ||
+           solve::find_equilibrium(fresh.model(), state).outcome != solve::Outcome::failed;
   petsc::VecHandle probe;
   double probed = 0.0;
   if (!steps.control_probe.empty()) {

@@ -276,7 +276,8 @@ std::optional<Adapted> Remesher::attempt(Epoch& epoch, const std::vector<double>
     VOILE_PETSC(VecWAXPY(direction, -1.0, fresh.state().u, fresh.state().previous));
   }
   double change = 0.0;
-  if (!at_rest) {
+  const bool found = !at_rest && find_equilibrium_nearby(fresh);
+  if (!at_rest && !found) {
     change = settle(epoch, fresh, before, made);
   } else if (fresh.state().v) {
     keep_momentum(epoch, fresh, before);
@@ -289,7 +290,7 @@ std::optional<Adapted> Remesher::attempt(Epoch& epoch, const std::vector<double>
     if (!accepted) what = fmt::format("the new surface would intersect: {}", found);
   }
   const bool is_path = stage_.c.analysis == "static";
-  if (is_path && !at_rest) accepted = accepted && find_equilibrium(epoch, fresh, what);
+  if (is_path && !at_rest && !found) accepted = accepted && find_equilibrium(epoch, fresh, what);
   // Potentials are compared under the same loads.
   if (is_path) fresh.model().conditions().set_load_factor(epoch.state().load_factor);
   if (direction) VOILE_PETSC(VecWAXPY(fresh.state().previous, 1.0, direction, fresh.state().u));

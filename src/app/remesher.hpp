@@ -79,6 +79,7 @@ class Remesher {
   void keep_momentum(Epoch& old_epoch, Epoch& fresh, const Ledger& before);
   [[nodiscard]] static std::string intersections(Epoch& epoch);
   [[nodiscard]] bool find_equilibrium(Epoch& old_epoch, Epoch& fresh, std::string& what) const;
+  [[nodiscard]] bool find_equilibrium_nearby(Epoch& fresh) const;
   [[nodiscard]] static double negligible_energy(const Epoch& epoch);
   [[nodiscard]] double energy_change(const Ledger& before, const Ledger& after, Epoch& fresh) const;
   [[nodiscard]] static petsc::VecHandle inertia_force(Epoch& old_epoch, Epoch& fresh, const Made& made);

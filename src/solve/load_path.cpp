@@ -89,6 +89,23 @@ StepResult find_equilibrium(system::Model& model, system::State& state) {
   return r;
 }
 
+StepResult regain_equilibrium(system::Model& model, system::State& state) {
+  model.conditions().set_load_factor(state.load_factor);
+  const petsc::VecHandle start = model.dofs().create_vector();
+  VOILE_PETSC(VecCopy(state.u, start));
+  StepResult r;
+  Newton newton(model);
+  r.newton = newton.step(state.u);
+  r.newton_iterations = r.newton.iterations;
+  r.factorisations = r.newton.factorisations;
+  state.in_equilibrium = r.newton.converged && r.newton.negative_pivots <= 0;
+  if (state.in_equilibrium) return r;
+  VOILE_PETSC(VecCopy(start, state.u));
+  r.outcome = Outcome::failed;
+  r.reason = r.newton.converged ? "an unstable state was found" : r.newton.reason;
+  return r;
+}
+
 double LoadPath::next_target(double from, double step) const {
   const double direction = options_.final_load_factor >= from ? 1.0 : -1.0;
   const double slack = 1e-9 * std::max(1.0, std::abs(options_.final_load_factor));

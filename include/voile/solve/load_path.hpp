@@ -42,5 +42,8 @@ class LoadPath : public Stepper {
 /// Brings a state to equilibrium at its load factor by pseudo-transient continuation, unless it is in one; the model's
 /// load factor becomes that of the state. Collective.
 [[nodiscard]] StepResult find_equilibrium(system::Model& model, system::State& state);
+/// The same from a state near a stable equilibrium, as after a remeshing, by Newton's method with full steps; where that
+/// fails or ends in an unstable state, the state is as before. Collective.
+[[nodiscard]] StepResult regain_equilibrium(system::Model& model, system::State& state);
 
 }  // namespace voile::solve

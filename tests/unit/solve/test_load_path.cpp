@@ -2,8 +2,10 @@
 #include <doctest/doctest.h>
 
 #include "test_following.hpp"
+#include "test_newton_kit.hpp"
 #include "test_problems.hpp"
 #include "voile/solve/load_path.hpp"
+#include "voile/solve/newton.hpp"
 
 using namespace voile;
 using namespace voile::testing;
@@ -194,4 +196,52 @@ TEST_CASE("a negative final load factor is approached downwards, stops included"
   // The strip is flat: the deflections are mirrored.
   for (std::size_t i = 0; i < u.states.back().size(); ++i)
     CHECK(std::abs(d.states.back()[i] - (i % 3 == 2 ? -1.0 : 1.0) * u.states.back()[i]) < 1e-9);
+}
+
+TEST_CASE("an equilibrium nearby is regained by a few full steps, which an unstable state is not") {
+  const auto regain = [](system::Model& model, Vec a, double factor, double size) {
+    const petsc::VecHandle noisy = model.dofs().create_vector();
+    set_displacement(model, noisy, noise(size, 3));
+    VOILE_PETSC(VecAXPY(a, 1.0, noisy));
+    model.conditions().set_load_factor(factor);
+    model.conditions().enforce(a);
+    const std::vector<double> start = values_of(model, a);
+    system::State state = state_of(a);
+    state.load_factor = factor;
+    const solve::StepResult r = solve::regain_equilibrium(model, state);
+    VOILE_PETSC(VecCopy(state.u, a));
+    return std::tuple(r, state.in_equilibrium, start);
+  };
+  const auto apart = [](const std::vector<double>& a, const std::vector<double>& b) {
+    double largest = 0.0;
+    for (std::size_t i = 0; i < a.size(); ++i) largest = std::max(largest, std::abs(a[i] - b[i]));
+    return largest;
+  };
+  Strip strip(1.0);
+  strip.model.conditions().set_load_factor(0.5);
+  solve::Newton first(strip.model);
+  REQUIRE(first.step(strip.a).converged);
+  const std::vector<double> bent = values_of(strip.model, strip.a);
+  const auto [found, settled, moved] = regain(strip.model, strip.a, 0.5, 1e-3);
+  CHECK(found.outcome == solve::Outcome::accepted);
+  CHECK(settled);
+  CHECK(apart(moved, bent) > 1e-4);
+  CHECK(found.newton_iterations <= 8);
+  CHECK(apart(values_of(strip.model, strip.a), bent) < 1e-6);
+
+  // A flat column under five times its buckling load.
+  const mesh::SurfaceMesh mesh(square(Pattern::diagonal, 10));
+  system::ModelInput input;
+  input.materials = {isotropic(1e4, 0.3, 0.01)};
+  input.supports = {support("left", system::Support::Kind::hinged),
+                    newton::displacement("right", {true, true, true}, Vec3(-5e-4, 0.0, 0.0))};
+  system::Model column(PETSC_COMM_WORLD, mesh, input);
+  petsc::VecHandle a = column.dofs().create_vector();
+  column.conditions().set_load_factor(1.0);
+  solve::Newton flat(column);
+  REQUIRE(flat.step(a).negative_pivots > 0);
+  const auto [unstable, at_rest, start] = regain(column, a, 1.0, 1e-6);
+  CHECK(unstable.outcome == solve::Outcome::failed);
+  CHECK_FALSE(at_rest);
+  CHECK(values_of(column, a) == start);
 }
