@@ -35,6 +35,10 @@ Outcome try_lengthen(Surface& s, Index v, const Options& options);
 /// Moves a vertex along a straight feature line to where both its edges are as long as wanted.
 Outcome try_slide(Surface& s, Index v, const Options& options);
 
+/// Removes a vertex of an edge on a straight feature line whose neighbours there come nearer first, so that the edges left are as
+/// long as each other and none longer than `options.longest_at_last`, unless one was.
+Outcome try_thin(Surface& s, Index h, const Options& options);
+
 /// Adds an outcome to the counts of what was refused.
 void count(Counts& counts, Outcome outcome);
 
