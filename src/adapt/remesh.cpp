@@ -187,7 +187,9 @@ void improve(Surface& s, const Options& options) {
 void relieve(Surface& s, const Waiting& edge, const Options& options) {
   if (try_lengthen(s, edge.from, options) == Outcome::done || try_lengthen(s, edge.to, options) == Outcome::done)
     return;
-  if (try_thin(s, edge.side, options) == Outcome::done) return;
+  for (const Index v : {edge.from, edge.to})
+    if (s.on_feature[v] && try_slide(s, v, options) == Outcome::done) return;
+  if (try_merge(s, edge.side, options) == Outcome::done) return;
   Options at_last = options;
   at_last.longest_after = options.longest_at_last;
   count(s.counts, try_collapse_edge(s, edge.side, at_last));

@@ -113,7 +113,7 @@ bool remove_vertex(Surface& s, Index v, const Options& options) {
   if (s.fixed[v] || s.on_feature[v]) return false;
   const Star star = star_of(s, v);
   for (int k = 0; k < star.triangles(); ++k)
-    if (try_collapse(s, star, k, options, false) == Outcome::done) return true;
+    if (try_collapse(s, star, k, options, {false}) == Outcome::done) return true;
   return false;
 }
 

@@ -4,7 +4,6 @@
 #include <limits>
 
 #include "operations.hpp"
-#include "undo.hpp"
 
 namespace voile::adapt {
 
@@ -118,86 +117,6 @@ bool is_straight(const Surface& s, const std::vector<Bank>& banks) {
   return std::all_of(banks.begin(), banks.end(), [&](const Bank& b) { return is_straight(s, b); });
 }
 
-/// A neighbour on its line of a vertex that is to go: how far [m] it and the one after it are, and their sizes [m].
-struct Beside {
-  Index vertex;
-  double near = 0.0, far = 0.0, size = 0.0, far_size = 0.0;
-  Star star;
-  std::vector<Bank> banks;  ///< empty: it stays
-  bool first = false;       ///< whether the vertex that goes is where the first chord begins
-};
-
-Beside beside(const Surface& s, Index vertex, Index gone, double near) {
-  Beside b{vertex, near, 0.0, s.size[vertex], 0.0, {}, {}, false};
-  if (s.fixed[vertex]) return b;
-  b.star = star_of(s, vertex);
-  const Ends ends = ends_of(s, b.star);
-  b.banks = banks_of(s, b.star, ends);
-  b.first = b.star.ring[ends.k] == gone;
-  const Bank& bank = b.banks[0];
-  b.far = (bank.fan.rest[b.first ? bank.w : bank.u] - bank.fan.centre_rest).norm();
-  b.far_size = s.size[b.star.ring[b.first ? ends.j : ends.k]];
-  return b;
-}
-
-/// Longest edge, L/h, of a vertex, without that to another one.
-double longest_edge(const Surface& s, Index v, Index but) {
-  double most = 0.0;
-  const Star star = star_of(s, v);
-  for (int i = 0; i < static_cast<int>(star.ring.size()); ++i) {
-    if (star.ring[i] == but) continue;
-    const Index side = i < star.triangles() ? star.spokes[i] : prev(star.spokes.back());
-    most = std::max(most, s.metric_length(side));
-  }
-  return most;
-}
-
-/// Removes a vertex of a straight line once its neighbours there have come nearer.
-Outcome thin_at(Surface& s, Index v, const Options& options) {
-  if (s.fixed[v] || !s.on_feature[v]) return Outcome::feature;
-  const Star star = star_of(s, v);
-  const Ends ends = ends_of(s, star);
-  const std::vector<Bank> banks = banks_of(s, star, ends);
-  if (!is_straight(s, banks)) return Outcome::feature;
-  const Bank& own = banks[0];
-  const double chord = (own.fan.rest[own.w] - own.fan.rest[own.u]).norm();
-  Beside l = beside(s, star.ring[ends.k], v, own.share * chord),
-         r = beside(s, star.ring[ends.j], v, (1.0 - own.share) * chord);
-  if (l.vertex == r.vertex || (!l.banks.empty() && !is_straight(s, l.banks)) ||
-      (!r.banks.empty() && !is_straight(s, r.banks)))
-    return Outcome::feature;
-  // The same L/h for the edges that are left.
-  const double w_l = l.banks.empty() ? 0.0 : l.far_size + l.size, w_r = r.banks.empty() ? 0.0 : r.far_size + r.size;
-  const double unit = (l.far + chord + r.far) / (w_l + l.size + r.size + w_r);
-  const MoveUndo undo_l(s, star_of(s, l.vertex)), undo_r(s, star_of(s, r.vertex));
-  double before = options.longest_at_last;
-  for (const Beside* b : {&l, &r}) before = std::max(before, longest_edge(s, b->vertex, v));
-  const auto come = [&](const Beside& b, double far) {
-    if (b.banks.empty()) return true;
-    const double share = far / (b.far + b.near);
-    return share < 1.0 &&
-           slide_to(s, b.star, b.banks, b.first ? 1.0 - share : share, options.smallest_angle) == Outcome::done;
-  };
-  Outcome outcome = Outcome::quality;
-  if (come(l, unit * w_l)) {
-    r = beside(s, r.vertex, v, r.near);
-    if (come(r, unit * w_r)) {
-      bool good = true;
-      for (const Beside* b : {&l, &r}) good = good && longest_edge(s, b->vertex, v) <= before;
-      Options at_last = options;
-      at_last.longest_after = options.longest_at_last;
-      const Star now = star_of(s, v);
-      if (good)
-        for (const int k : {ends.k, ends.j})
-          if (outcome != Outcome::done) outcome = try_collapse(s, now, k, at_last);
-      if (outcome == Outcome::done) return outcome;
-      undo_r(s, star_of(s, r.vertex));
-    }
-    undo_l(s, star_of(s, l.vertex));
-  }
-  return outcome;
-}
-
 }  // namespace
 
 Outcome try_slide(Surface& s, Index v, const Options& options) {
@@ -212,11 +131,13 @@ Outcome try_slide(Surface& s, Index v, const Options& options) {
   return slide_to(s, star, banks, share, std::max(options.smallest_angle, good_angle));
 }
 
-Outcome try_thin(Surface& s, Index h, const Options& options) {
-  if (s.side_class[h] == 0 || s.locked(h)) return Outcome::feature;
-  for (const Index v : {s.origin(h), s.dest(h)})
-    if (thin_at(s, v, options) == Outcome::done) return Outcome::done;
-  return Outcome::quality;
+Outcome try_slide_towards(Surface& s, Index v, Index end, double angle) {
+  const Star star = star_of(s, v);
+  const Ends ends = ends_of(s, star);
+  const std::vector<Bank> banks = banks_of(s, star, ends);
+  if (!is_straight(s, banks)) return Outcome::feature;
+  const double at = banks[0].share;
+  return slide_to(s, star, banks, star.ring[ends.k] == end ? 0.5 * at : 0.5 * (1.0 + at), angle);
 }
 
 }  // namespace voile::adapt
