@@ -43,12 +43,14 @@ Outcome move_half_way(Surface& s, const Star& star, Index v) {
 /// Removes v into u, which is half-way then.
 Outcome merge(Surface& s, Index u, Index v, double shortest, const Options& options) {
   const Star star = star_of(s, u);
+  // What is shorter already may stay so.
+  shortest = std::min(shortest, left_at(s, u, v).least);
   const MoveUndo undo(s, star);
   const Outcome moved = move_half_way(s, star, v);
   if (moved != Outcome::done) return moved;
   const Left left = left_at(s, u, v);
   Outcome outcome = Outcome::quality;
-  if (left.angle >= options.smallest_angle && left.least > shortest && left.most < options.longest_at_last) {
+  if (left.angle >= options.smallest_angle && left.least >= shortest && left.most < options.longest_at_last) {
     const Star removed = star_of(s, v);
     const auto k = std::find(removed.ring.begin(), removed.ring.end(), u) - removed.ring.begin();
     Options at_last = options;
