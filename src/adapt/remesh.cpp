@@ -205,6 +205,7 @@ void relieve_short_edges(Surface& s, const Options& options) {
         queue.push({s.metric_length(h), h, s.origin(h), s.dest(h)});
     for (; !queue.empty(); queue.pop())
       if (is_still(s, queue.top()) && s.metric_length(queue.top().side) < enough) relieve(s, queue.top(), options);
+    flip_edges(s, options, FlipRule::delaunay);
   }
 }
 
