@@ -11,6 +11,9 @@ namespace {
 /// Smallest angle [rad] that is left on the way: what gets so pointed goes.
 constexpr double on_the_way = 0.02;
 
+/// Smallest angle [rad] of what is made.
+constexpr double least_angle = 0.7 * good_angle;
+
 /// Of the triangles and edges of a vertex that do not meet another one: smallest angle [rad], shortest and longest edge, L/h.
 struct Left {
   double angle = std::numeric_limits<double>::infinity(), least = angle, most = 0.0;
@@ -50,12 +53,12 @@ Outcome merge(Surface& s, Index u, Index v, double shortest, const Options& opti
   if (moved != Outcome::done) return moved;
   const Left left = left_at(s, u, v);
   Outcome outcome = Outcome::quality;
-  if (left.angle >= options.smallest_angle && left.least >= shortest && left.most < options.longest_at_last) {
+  if (left.angle >= least_angle && left.least >= shortest && left.most < options.longest_at_last) {
     const Star removed = star_of(s, v);
     const auto k = std::find(removed.ring.begin(), removed.ring.end(), u) - removed.ring.begin();
     Options at_last = options;
     at_last.longest_after = options.longest_at_last;
-    outcome = try_collapse(s, removed, static_cast<int>(k), at_last, {true, options.smallest_angle});
+    outcome = try_collapse(s, removed, static_cast<int>(k), at_last, {true, least_angle});
   }
   if (outcome != Outcome::done) undo(s, star);
   return outcome;
