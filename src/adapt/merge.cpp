@@ -8,13 +8,12 @@ namespace voile::adapt {
 
 namespace {
 
-/// Smallest angle [rad] that is left on the way: what gets so pointed goes.
+/// Smallest angle [rad] while one end is half-way: what is as pointed as that goes.
 constexpr double on_the_way = 0.02;
-
-/// Smallest angle [rad] of what is made.
+/// Smallest angle [rad] of what is made: with less, beside lines that stay finer than wanted, patches get near a conic.
 constexpr double least_angle = 0.7 * good_angle;
 
-/// Of the triangles and edges of a vertex that do not meet another one: smallest angle [rad], shortest and longest edge, L/h.
+/// Of the triangles and edges of a vertex that do not meet another one: smallest angle [rad], shortest and longest edge (L/h).
 struct Left {
   double angle = std::numeric_limits<double>::infinity(), least = angle, most = 0.0;
 };
@@ -43,7 +42,7 @@ Outcome move_half_way(Surface& s, const Star& star, Index v) {
   return try_move(s, star, fan, 0.5 * (fan.centre + fan.plane[static_cast<std::size_t>(k)]), on_the_way);
 }
 
-/// Removes v into u, which is half-way then.
+/// Moves u half-way to v and removes v into it.
 Outcome merge(Surface& s, Index u, Index v, double shortest, const Options& options) {
   const Star star = star_of(s, u);
   // What is shorter already may stay so.

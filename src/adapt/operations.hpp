@@ -42,8 +42,8 @@ Outcome try_slide(Surface& s, Index v, const Options& options);
 /// Moves a vertex of a straight feature line half-way to its neighbour `end` there, if no angle falls below `angle` [rad].
 Outcome try_slide_towards(Surface& s, Index v, Index end, double angle);
 
-/// Removes an edge into its middle, where edges of up to twice its length would be made at either end. None gets longer than
-/// `options.longest_at_last`.
+/// Removes an edge into its middle, on straight lines too: into either end, edges of twice its length could be made. None of those made
+/// is longer than `options.longest_at_last`.
 Outcome try_merge(Surface& s, Index h, const Options& options);
 
 /// Adds an outcome to the counts of what was refused.

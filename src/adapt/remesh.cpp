@@ -183,7 +183,8 @@ void improve(Surface& s, const Options& options) {
   flip_edges(s, options, FlipRule::delaunay);
 }
 
-/// Of an edge that is too short and has stayed: one of its ends is moved, or removed although that makes edges longer than `longest_after`.
+/// Of an edge that is too short and has stayed: one of its ends is moved, or the edge removed into its middle, or into an end although that
+/// makes edges longer than `longest_after`.
 void relieve(Surface& s, const Waiting& edge, const Options& options) {
   if (try_lengthen(s, edge.from, options) == Outcome::done || try_lengthen(s, edge.to, options) == Outcome::done)
     return;
@@ -195,7 +196,7 @@ void relieve(Surface& s, const Waiting& edge, const Options& options) {
   count(s.counts, try_collapse_edge(s, edge.side, at_last));
 }
 
-/// What has moved makes room beside it, so this is done more than once.
+/// What has moved makes room beside it, so this is done more than once. Edges that are removed leave long diagonals, which hinder the next.
 void relieve_short_edges(Surface& s, const Options& options) {
   const double enough = hardly_shorter * options.shortest;
   for (int sweep = 0; sweep < relieving_sweeps; ++sweep) {
