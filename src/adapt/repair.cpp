@@ -6,8 +6,6 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <tuple>
-#include <utility>
 
 #include "undo.hpp"
 #include "voile/base/decompositions.hpp"
