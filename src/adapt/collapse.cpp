@@ -87,7 +87,7 @@ bool lines_allow(const Surface& s, const std::vector<Part>& parts) {
 }
 
 /// Smallest angles before and after, and whether new triangles fit the smooth piece.
-bool shape_allows(const Surface& s, const Star& star, const Part& p, double angle) {
+bool shape_allows(const Surface& s, const Star& star, const Part& p, double angle, double least) {
   const Fan& fan = p.fan;
   const Vec3& u = fan.rest[p.at];
   double before = std::numeric_limits<double>::infinity(), after = before;
@@ -109,7 +109,7 @@ bool shape_allows(const Surface& s, const Star& star, const Part& p, double angl
     if (last != Vec3::Zero() && normal.dot(last) < limit) return false;
     last = normal;
   }
-  return after >= std::min(angle, before);
+  return after >= std::max(least, std::min(angle, before));
 }
 
 bool lengths_allow(const Surface& s, const Star& star, const Part& p, double longest) {
@@ -168,14 +168,14 @@ void perform(Surface& s, const Star& star, int k, const std::vector<Part>& parts
 
 }  // namespace
 
-Outcome try_collapse(Surface& s, const Star& star, int k, const Options& options, bool sizes) {
+Outcome try_collapse(Surface& s, const Star& star, int k, const Options& options, const CollapseRule& rule) {
   if (!topology_allows(s, star, k)) return Outcome::feature;
   if (!valences_allow(s, star, k)) return Outcome::quality;
   const std::vector<Part> parts = parts_of(s, star, k);
   if (!lines_allow(s, parts)) return Outcome::feature;
   for (const Part& p : parts)
-    if ((sizes && !lengths_allow(s, star, p, options.longest_after)) ||
-        !shape_allows(s, star, p, options.smallest_angle))
+    if ((rule.sizes && !lengths_allow(s, star, p, options.longest_after)) ||
+        !shape_allows(s, star, p, options.smallest_angle, rule.angle))
       return Outcome::quality;
   if (!s.allowed.empty()) {
     std::vector<Index> triangles;

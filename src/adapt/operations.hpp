@@ -11,8 +11,12 @@ enum class Outcome { done, feature, quality, clearance };
 /// Largest rest dihedral angle that an operation may make inside a smooth piece [rad]: well below that of a crease.
 inline constexpr double largest_rest_dihedral = 0.436;
 
-/// Removes a vertex into ring vertex k of its star. `sizes`: whether lengths of new edges count.
-Outcome try_collapse(Surface& s, const Star& star, int k, const Options& options, bool sizes = true);
+struct CollapseRule {
+  bool sizes = true;   ///< whether lengths of new edges count
+  double angle = 0.0;  ///< [rad] that new triangles must have, whatever there was
+};
+/// Removes a vertex into ring vertex k of its star.
+Outcome try_collapse(Surface& s, const Star& star, int k, const Options& options, const CollapseRule& rule = {});
 /// Removes either end of an edge, preferably a new one.
 Outcome try_collapse_edge(Surface& s, Index h, const Options& options);
 
@@ -34,6 +38,13 @@ Outcome try_lengthen(Surface& s, Index v, const Options& options);
 
 /// Moves a vertex along a straight feature line to where both its edges are as long as wanted.
 Outcome try_slide(Surface& s, Index v, const Options& options);
+
+/// Moves a vertex of a straight feature line half-way to its neighbour `end` there, if no angle falls below `angle` [rad].
+Outcome try_slide_towards(Surface& s, Index v, Index end, double angle);
+
+/// Removes an edge into its middle, on straight lines too: into either end, edges of twice its length could be made. None of those made
+/// is longer than `options.longest_at_last`.
+Outcome try_merge(Surface& s, Index h, const Options& options);
 
 /// Adds an outcome to the counts of what was refused.
 void count(Counts& counts, Outcome outcome);

@@ -183,16 +183,20 @@ void improve(Surface& s, const Options& options) {
   flip_edges(s, options, FlipRule::delaunay);
 }
 
-/// Of an edge that is too short and has stayed: one of its ends is moved, or removed although that makes edges longer than `longest_after`.
+/// Of an edge that is too short and has stayed: one of its ends is moved, or the edge removed into its middle, or into an end although that
+/// makes edges longer than `longest_after`.
 void relieve(Surface& s, const Waiting& edge, const Options& options) {
   if (try_lengthen(s, edge.from, options) == Outcome::done || try_lengthen(s, edge.to, options) == Outcome::done)
     return;
+  for (const Index v : {edge.from, edge.to})
+    if (s.on_feature[v] && try_slide(s, v, options) == Outcome::done) return;
+  if (try_merge(s, edge.side, options) == Outcome::done) return;
   Options at_last = options;
   at_last.longest_after = options.longest_at_last;
   count(s.counts, try_collapse_edge(s, edge.side, at_last));
 }
 
-/// What has moved makes room beside it, so this is done more than once.
+/// What has moved makes room beside it, so this is done more than once. Edges that are removed leave long diagonals, which hinder the next.
 void relieve_short_edges(Surface& s, const Options& options) {
   const double enough = hardly_shorter * options.shortest;
   for (int sweep = 0; sweep < relieving_sweeps; ++sweep) {
@@ -202,6 +206,7 @@ void relieve_short_edges(Surface& s, const Options& options) {
         queue.push({s.metric_length(h), h, s.origin(h), s.dest(h)});
     for (; !queue.empty(); queue.pop())
       if (is_still(s, queue.top()) && s.metric_length(queue.top().side) < enough) relieve(s, queue.top(), options);
+    flip_edges(s, options, FlipRule::delaunay);
   }
 }
 

@@ -6,9 +6,8 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <tuple>
-#include <utility>
 
+#include "undo.hpp"
 #include "voile/base/decompositions.hpp"
 
 namespace voile::adapt {
@@ -76,51 +75,6 @@ bool mend_by_flip(Surface& s, Index h, const Options& options) {
   return false;
 }
 
-/// What moving a vertex changes, to put it back.
-class Undo {
- public:
-  Undo(const Surface& s, const Star& star)
-      : place_(s.place[star.vertex]), size_(s.size[star.vertex]), old_(s.old[star.vertex]), counts_(s.counts) {
-    for (Index e : star.spokes) {
-      const Index t = e / 3;
-      Corner c{s.rest[next(e)], Vec2::Zero(), s.rest_hint[t], s.old_hint[t], s.touched[t], 0.0, 0.0};
-      if (!s.texture.empty()) c.texture = s.texture[next(e)];
-      if (!s.allowed.empty()) std::tie(c.moved, c.allowed) = std::pair(s.moved[t], s.allowed[t]);
-      corners_.push_back(c);
-    }
-  }
-  void operator()(Surface& s, const Star& star) const {
-    s.place[star.vertex] = place_;
-    s.size[star.vertex] = size_;
-    s.old[star.vertex] = old_;
-    s.counts = counts_;
-    for (std::size_t k = 0; k < corners_.size(); ++k) {
-      const Index e = star.spokes[k], t = e / 3;
-      const Corner& c = corners_[k];
-      s.rest[next(e)] = c.rest;
-      s.rest_hint[t] = c.rest_hint;
-      s.old_hint[t] = c.old_hint;
-      s.touched[t] = c.touched;
-      if (!s.texture.empty()) s.texture[next(e)] = c.texture;
-      if (!s.allowed.empty()) std::tie(s.moved[t], s.allowed[t]) = std::pair(c.moved, c.allowed);
-    }
-  }
-
- private:
-  struct Corner {
-    Vec3 rest;
-    Vec2 texture;
-    Index rest_hint, old_hint;
-    char touched;
-    double moved, allowed;
-  };
-  Vec3 place_;
-  double size_;
-  Index old_;
-  Counts counts_;
-  std::vector<Corner> corners_;
-};
-
 /// Where a vertex may be moved to: towards the mean of its neighbours, and around.
 std::vector<Vec2> targets_of(const Fan& fan) {
   Vec2 mean = Vec2::Zero();
@@ -144,7 +98,7 @@ bool mend_by_move(Surface& s, Index v, const Options& options) {
   for (Index e : star.spokes) add_patches(s, e / 3, around);
   const double before = worst_condition(s, around);
   const Fan fan = make_fan(s, star, 0, star.triangles());
-  const Undo undo(s, star);
+  const MoveUndo undo(s, star);
   for (const Vec2& target : targets_of(fan)) {
     if (try_move(s, star, fan, target, options.smallest_angle) != Outcome::done) continue;
     if (worst_condition(s, around) < improvement * before) return true;
@@ -157,7 +111,7 @@ bool remove_vertex(Surface& s, Index v, const Options& options) {
   if (s.fixed[v] || s.on_feature[v]) return false;
   const Star star = star_of(s, v);
   for (int k = 0; k < star.triangles(); ++k)
-    if (try_collapse(s, star, k, options, false) == Outcome::done) return true;
+    if (try_collapse(s, star, k, options, {false}) == Outcome::done) return true;
   return false;
 }
 
@@ -316,7 +270,7 @@ Outcome try_move_well(Surface& s, const Star& star, const Fan& fan, const Vec2& 
   std::vector<Index> around;
   for (Index e : star.spokes) add_patches(s, e / 3, around);
   const double limit = std::max(largest_condition, worst_condition(s, around));
-  const Undo undo(s, star);
+  const MoveUndo undo(s, star);
   const Outcome outcome = try_move(s, star, fan, target, angle);
   if (outcome != Outcome::done || worst_condition(s, around) <= limit) return outcome;
   undo(s, star);

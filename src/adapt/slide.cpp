@@ -65,28 +65,36 @@ void move(Surface& s, const Star& star, const Bank& b, const Vec3& rest, double 
   }
 }
 
-}  // namespace
+/// The spokes of a vertex on a line, of its ring.
+struct Ends {
+  int k, j;
+};
 
-Outcome try_slide(Surface& s, Index v, const Options& options) {
-  if (s.fixed[v] || !s.on_feature[v]) return Outcome::feature;
-  const Star star = star_of(s, v);
-  const int n = star.triangles(), k = star.closed ? other_line(s, star, -1) : 0;
-  const int j = star.closed ? other_line(s, star, k) : n;
+Ends ends_of(const Surface& s, const Star& star) {
+  if (!star.closed) return {0, star.triangles()};
+  const int k = other_line(s, star, -1);
+  return {k, other_line(s, star, k)};
+}
+
+std::vector<Bank> banks_of(const Surface& s, const Star& star, const Ends& ends) {
+  const int n = star.triangles(), k = ends.k, j = ends.j;
   std::vector<Bank> banks{make_bank(s, star, k, j - k, true)};
   if (star.closed) banks.push_back(make_bank(s, star, j, n - (j - k), false));
-  for (const Bank& b : banks)
-    if (!is_straight(s, b)) return Outcome::feature;
-  const double at = banks[0].share, u = s.size[star.ring[k]], w = s.size[star.ring[j]];
-  const double share = (u + s.size[v]) / (u + 2.0 * s.size[v] + w);
-  if (std::abs(share - at) < 0.05 * std::min(at, 1.0 - at)) return Outcome::feature;
+  return banks;
+}
+
+/// Moves a vertex to a share of the chord of its first bank.
+Outcome slide_to(Surface& s, const Star& star, const std::vector<Bank>& banks, double share, double angle) {
+  const double at = banks[0].share;
   // On the other bank, whose side may be longer, at the same place of the line.
   const auto share_on = [&](const Bank& b) { return between(0.0, b.share, 1.0, at, share); };
   const auto rest_on = [&](const Bank& b) -> Vec3 {
     return b.fan.rest[b.u] + share_on(b) * (b.fan.rest[b.w] - b.fan.rest[b.u]);
   };
   for (const Bank& b : banks)
-    if (!shape_allows(b, rest_on(b), std::max(options.smallest_angle, good_angle))) return Outcome::quality;
-  const Vec3 place = between<Vec3>(s.place[star.ring[k]], s.place[v], s.place[star.ring[j]], at, share);
+    if (!shape_allows(b, rest_on(b), angle)) return Outcome::quality;
+  const Fan& fan = banks[0].fan;
+  const Vec3 place = between<Vec3>(fan.place[banks[0].u], fan.centre_place, fan.place[banks[0].w], at, share);
   if (!s.allowed.empty()) {
     std::vector<Index> triangles;
     for (Index e : star.spokes) triangles.push_back(e / 3);
@@ -97,11 +105,39 @@ Outcome try_slide(Surface& s, Index v, const Options& options) {
     s.charge(triangles, budget, moved);
   }
   for (const Bank& b : banks) move(s, star, b, rest_on(b), share_on(b));
-  s.place[v] = place;
-  s.size[v] = s.size_at(rest_on(banks[0]), s.old_hint[star.spokes[k] / 3]);
-  s.old[v] = no_index;
+  s.place[star.vertex] = place;
+  s.size[star.vertex] =
+      s.size_at(rest_on(banks[0]), s.old_hint[star.spokes[static_cast<std::size_t>(fan.triangles[0])] / 3]);
+  s.old[star.vertex] = no_index;
   ++s.counts.smoothed;
   return Outcome::done;
+}
+
+bool is_straight(const Surface& s, const std::vector<Bank>& banks) {
+  return std::all_of(banks.begin(), banks.end(), [&](const Bank& b) { return is_straight(s, b); });
+}
+
+}  // namespace
+
+Outcome try_slide(Surface& s, Index v, const Options& options) {
+  if (s.fixed[v] || !s.on_feature[v]) return Outcome::feature;
+  const Star star = star_of(s, v);
+  const Ends ends = ends_of(s, star);
+  const std::vector<Bank> banks = banks_of(s, star, ends);
+  if (!is_straight(s, banks)) return Outcome::feature;
+  const double at = banks[0].share, u = s.size[star.ring[ends.k]], w = s.size[star.ring[ends.j]];
+  const double share = (u + s.size[v]) / (u + 2.0 * s.size[v] + w);
+  if (std::abs(share - at) < 0.05 * std::min(at, 1.0 - at)) return Outcome::feature;
+  return slide_to(s, star, banks, share, std::max(options.smallest_angle, good_angle));
+}
+
+Outcome try_slide_towards(Surface& s, Index v, Index end, double angle) {
+  const Star star = star_of(s, v);
+  const Ends ends = ends_of(s, star);
+  const std::vector<Bank> banks = banks_of(s, star, ends);
+  if (!is_straight(s, banks)) return Outcome::feature;
+  const double at = banks[0].share;
+  return slide_to(s, star, banks, star.ring[ends.k] == end ? 0.5 * at : 0.5 * (1.0 + at), angle);
 }
 
 }  // namespace voile::adapt

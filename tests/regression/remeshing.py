@@ -35,10 +35,11 @@ BALANCE = ("stored_energy", "work_of_loads", "numerical_loss")
 
 
 def compare(report, again, whole, limit, what, balanced=True):
-    """The steps of a run that went on against those of the unbroken one: meshes the same, values to `limit`."""
-    for name in ("vertices", "remeshings"):
+    """The steps of a run that went on against those of the unbroken one: meshes the same (where the state is not, `balanced` is false, nearly:
+    a size that is rounded the other way is another mesh), values to `limit`."""
+    for name, slack in (("vertices", 0.0 if balanced else 0.05), ("remeshings", 0.0)):
         a, b = at_steps(again.history, name), at_steps(whole.history, name)
-        report.check(all(a[s] == b[s] for s in a), f"{what}: the same {name}")
+        report.check(all(abs(a[s] - b[s]) <= slack * b[s] for s in a), f"{what}: the same {name}" + ", to 5 %" * (slack > 0.0))
     for name in ("tip_z", "middle_z", "kinetic_energy", *(BALANCE if balanced else ())):
         a, b = at_steps(again.history, name), at_steps(whole.history, name)
         report.below(max(abs(a[s] - b[s]) for s in a) / max(map(abs, b.values())), limit, f"{what}: {name}")

@@ -5,7 +5,8 @@
 //   split the longest edge first, while L/h > split
 //   collapse the shortest first, while L/h < collapse and every edge made stays below `longest_after`
 //   flips towards Delaunay and towards valence six; smoothing of vertices beside changes
-// Then edges with L/h < shortest: an end is moved, or the edge collapsed if every edge made stays below `longest_at_last`
+// Then edges with L/h < shortest, in sweeps with flips towards Delaunay: an end is moved, or the edge collapsed into its middle or an
+// end, if every edge made stays below `longest_at_last`
 // Features are kept: boundaries, group lines, borders between groups and of frozen regions, seams, creases (rest dihedral
 // angle above `crease`). Vertices are made and removed along them, on the geometry of the RestSurface. Corners stay: group
 // points, junctions, ends, turns above `crease`, changes of group along a curve, pinned vertices.

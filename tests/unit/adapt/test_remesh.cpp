@@ -2,6 +2,7 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <array>
 #include <numbers>
 #include <random>
 
@@ -195,6 +196,31 @@ TEST_CASE("98 % of the edges are 0.7 to 1.5 times as long as wanted, on fields a
       CHECK(match.p1 > 0.68);
       CHECK(match.p99 < 1.45);
     }
+}
+
+TEST_CASE("sizes are met where every remeshing has another field, on coarse meshes of 11 to 16 cells per side") {
+  // The boundary of the first mesh has edges of 0.694 of the wanted length throughout: two of them are one too long.
+  int short_ones = 0;
+  for (unsigned chain = 0; chain < 16; ++chain) {
+    mesh::SurfaceMesh m(square(std::array{Pattern::diagonal, Pattern::gmsh, Pattern::union_jack}[chain % 3], 12));
+    const RestSurface rest(m);
+    for (unsigned cycle = 0; cycle < 8; ++cycle) {
+      CAPTURE(chain);
+      CAPTURE(cycle);
+      const auto wanted = sizes(m, bumps(1000 * chain + cycle, 0.03));
+      const Remeshed r = remeshed(m, rest, wanted);
+      const mesh::SurfaceMesh after(r.mesh);
+      const adapt::SizeMatch match = adapt::match(after, interpolated(m, r, wanted));
+      CHECK(match.p1 > 0.69);
+      CHECK(match.p99 < 1.4);
+      CHECK(r.quality.ill_conditioned == 0);
+      CHECK(angle_percentile(r) > 24.0);
+      short_ones += match.p1 < 0.7;
+      m = after;
+    }
+  }
+  CAPTURE(short_ones);
+  CHECK(short_ones <= 4);
 }
 
 TEST_CASE("refined and coarsened again: the number of vertices follows") {
