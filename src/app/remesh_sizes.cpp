@@ -30,6 +30,8 @@ constexpr double most_too_long_ahead = 0.002;
 constexpr int most_looks_at_end = 6;
 /// Of any mesh: every rank holds the whole of it.
 constexpr double most_vertices = 5e6;
+/// Edges of a new mesh over what is wanted, in the middle of remeshings seen (0.83 to 1.07): halves of what was too long.
+constexpr double usual_ratio = 0.9;
 /// Surfaces may come nearer by this share of their gap: both sides move, and half of the gap stays.
 constexpr double share_of_gap = 0.25;
 /// Gaps are looked for within so many contact distances; what is far from everything may move as if it were at this gap.
@@ -47,15 +49,44 @@ double rounded(double size) {
   return std::exp(std::round(std::log(size) * steps) / steps);
 }
 
-/// Vertices that a mesh of these sizes has, about.
-double vertices_of(const mesh::SurfaceMesh& mesh, const std::vector<double>& size) {
-  double count = 0.0;
+/// Vertices that a mesh of some sizes has, about: half of the triangles and half of the edges on the boundary.
+struct VertexCount {
+  double inside = 0.0, boundary = 0.0;  ///< inversely as the square of the sizes, and as the sizes
+  double frozen = 0.0;                  ///< of triangles that stay, whatever the sizes
+  [[nodiscard]] double all() const { return inside + boundary + frozen; }
+  /// By which all sizes have to become larger for no more than `most`.
+  [[nodiscard]] double factor_for(double most) const {
+    const double room = std::max(most - frozen, 1.0);
+    return std::max(1.0, (boundary + std::sqrt(boundary * boundary + 4.0 * room * inside)) / (2.0 * room));
+  }
+};
+
+VertexCount vertices_of(const mesh::SurfaceMesh& mesh, const std::vector<double>& size,
+                        const std::vector<char>& frozen) {
+  VertexCount count;
   for (Index t = 0; t < mesh.triangle_count(); ++t) {
+    const mesh::Triangle& corners = mesh.triangles()[t];
+    const bool stays = !frozen.empty() && frozen[t];
     double h = 0.0;
-    for (Index v : mesh.triangles()[t]) h += size[v] / 3.0;
-    count += 0.5 * mesh.area(t) / (0.25 * std::numbers::sqrt3 * h * h);
+    for (Index v : corners) h += usual_ratio * size[v] / 3.0;
+    (stays ? count.frozen : count.inside) += stays ? 0.5 : 0.5 * mesh.area(t) / (0.25 * std::numbers::sqrt3 * h * h);
+    for (int s = 0; s < 3; ++s) {
+      if (mesh.neighbour(t, s) != no_index) continue;
+      const mesh::Segment e{corners[(s + 1) % 3], corners[(s + 2) % 3]};
+      const double wanted = usual_ratio * (size[e[0]] + size[e[1]]);
+      (stays ? count.frozen : count.boundary) += stays ? 0.5 : mesh.rest_length(e) / wanted;
+    }
   }
   return count;
+}
+
+/// Per triangle whether it is to stay; empty if all may change.
+std::vector<char> frozen_triangles(const input::RemeshSection& keys, const mesh::SurfaceMesh& mesh) {
+  std::vector<char> frozen;
+  if (!keys.frozen.empty()) frozen.assign(static_cast<std::size_t>(mesh.triangle_count()), 0);
+  for (const std::string& name : keys.frozen)
+    for (Index t : mesh.group(name, 2).triangles) frozen[t] = 1;
+  return frozen;
 }
 
 /// Throws UserError for a mesh that no run would get to the end of, as where sizes are in another unit.
@@ -187,12 +218,12 @@ std::vector<double> Remesher::wanted_sizes(Epoch& epoch) {
     for (std::size_t v = 0; v < places.size(); ++v) places[v] += Eigen::Map<const Vec3>(&u[3 * v]);
     bound_by_obstacles(bends, time_ahead(epoch), places, velocity, bound);
     size = adapt::size_field(mesh, places, squared, bound, options_of(stage_, *first_));
+    const std::vector<char> frozen = frozen_triangles(keys_, mesh);
     if (keys_.max_vertices > 0) {
-      const double excess = vertices_of(mesh, size) / keys_.max_vertices;
-      if (excess > 1.0)
-        for (double& h : size) h *= std::sqrt(excess);
+      const double factor = vertices_of(mesh, size, frozen).factor_for(keys_.max_vertices);
+      for (double& h : size) h *= factor;
     }
-    check_count(stage_.c, vertices_of(mesh, size));
+    check_count(stage_.c, vertices_of(mesh, size, frozen).all());
     for (double& h : size) h = rounded(h);
   });
   return size;
@@ -212,9 +243,10 @@ bool Remesher::due(Epoch& epoch, bool finished) {
   size_ = wanted_sizes(epoch);
   std::vector<double> yes{0.0};
   mpi::on_root(epoch.model().dofs().comm(), [&] {
-    const adapt::SizeMatch m = adapt::match(epoch.model().dofs().mesh(), size_);
+    const mesh::SurfaceMesh& mesh = epoch.model().dofs().mesh();
+    const adapt::SizeMatch m = adapt::match(mesh, size_, changeable(mesh, {}));
     const system::Remeshings& left = epoch.state().remeshings;
-    const double ahead = adapt::match(epoch.model().dofs().mesh(), size_, near_obstacle_).too_long;
+    const double ahead = adapt::match(mesh, size_, changeable(mesh, near_obstacle_)).too_long;
     yes[0] = m.too_long > left.too_long + (finished ? most_too_long_at_end : most_too_long) ||
                      ahead > left.too_long + most_too_long_ahead || m.too_short > left.too_short + most_too_short
                  ? 1.0
@@ -225,12 +257,21 @@ bool Remesher::due(Epoch& epoch, bool finished) {
   return yes[0] > 0.0;
 }
 
+/// Vertices that lie in a triangle that may change, and are marked by `marked` if that is not empty; empty: all.
+std::vector<char> Remesher::changeable(const mesh::SurfaceMesh& mesh, const std::vector<char>& marked) const {
+  const std::vector<char> frozen = frozen_triangles(keys_, mesh);
+  if (frozen.empty()) return marked;
+  std::vector<char> may(static_cast<std::size_t>(mesh.vertex_count()), 0);
+  for (Index t = 0; t < mesh.triangle_count(); ++t)
+    if (!frozen[t])
+      for (Index v : mesh.triangles()[t]) may[v] = marked.empty() ? 1 : marked[v];
+  return may;
+}
+
 adapt::Limits Remesher::limits(Epoch& epoch) const {
   const mesh::SurfaceMesh& mesh = epoch.model().dofs().mesh();
   adapt::Limits limits;
-  if (!keys_.frozen.empty()) limits.frozen.assign(static_cast<std::size_t>(mesh.triangle_count()), 0);
-  for (const std::string& name : keys_.frozen)
-    for (Index t : mesh.group(name, 2).triangles) limits.frozen[t] = 1;
+  limits.frozen = frozen_triangles(keys_, mesh);
   if (system::Contact* contact = epoch.model().contact()) {
     double reach = gap_reach * contact->scene().input().options.distance;
     // Every operation on a curved rest shape moves the surface by what cells lie off it, however small that distance is.
@@ -294,17 +335,20 @@ void name_probes(const input::Case& c, mesh::MeshData& mesh) {
 
 std::string remesh_outlook(const Stage& stage, const std::shared_ptr<const mesh::SurfaceMesh>& mesh, Epoch& epoch) {
   Remesher remesher(stage, mesh);
-  const bool due = remesher.due(epoch, stage.c.analysis == "drape");
+  const bool drapes = stage.c.analysis == "drape", due = remesher.due(epoch, drapes);
   const adapt::SizeOptions o = options_of(stage, *mesh);
+  std::string text = "the start mesh suits the start";
+  if (due)
+    text = fmt::format("the start mesh {} one of about {:.0f} vertices",
+                       drapes ? "would suit the start less than" : "is exchanged at once, for",
+                       remesher.expected_vertices());
+  if (drapes) text += "; it is not looked at before it has come to rest";
   return fmt::format("remeshing: edges of {:.3g} to {:.3g} m, {:.3g} degrees each; {}", o.smallest, o.largest,
-                     o.angle * 180.0 / std::numbers::pi,
-                     due ? fmt::format("the start mesh is exchanged at once, for one of about {:.0f} vertices",
-                                       remesher.expected_vertices())
-                         : "the start mesh suits the start");
+                     o.angle * 180.0 / std::numbers::pi, text);
 }
 
 double Remesher::expected_vertices() const {
-  return size_.empty() ? 0.0 : vertices_of(*first_, size_);
+  return size_.empty() ? 0.0 : vertices_of(*first_, size_, frozen_triangles(keys_, *first_)).all();
 }
 
 }  // namespace voile::app

@@ -83,7 +83,7 @@ Remesher::Made Remesher::make_mesh(Epoch& epoch, const std::vector<double>& size
       for (int i = 0; i < 3; ++i) h += s.weights[i] * size[dofs.mesh().triangles()[s.triangle][i]];
       new_size.push_back(h);
     }
-    made.match = adapt::match(*made.mesh, new_size);
+    made.match = adapt::match(*made.mesh, new_size, changeable(*made.mesh, {}));
   });
   return made;
 }

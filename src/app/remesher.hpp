@@ -69,6 +69,7 @@ class Remesher {
   [[nodiscard]] std::vector<Bend> bends(Epoch& epoch) const;
   void bound_by_obstacles(const std::vector<Bend>& bends, double ahead, const std::vector<Vec3>& places,
                           const std::vector<double>& velocity, std::vector<double>& bound);
+  [[nodiscard]] std::vector<char> changeable(const mesh::SurfaceMesh& mesh, const std::vector<char>& marked) const;
   [[nodiscard]] adapt::Limits limits(Epoch& epoch) const;
   struct Made;
   [[nodiscard]] Made make_mesh(Epoch& epoch, const std::vector<double>& size, bool only_splits);

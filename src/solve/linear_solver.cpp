@@ -69,7 +69,11 @@ void LinearSolver::prepare() {
   if (!cholesky && !lu) return;
   MatSolverType type = nullptr;
   VOILE_PETSC(PCFactorGetMatSolverType(pc, &type));
-  if (!type) VOILE_PETSC(PCFactorSetMatSolverType(pc, MATSOLVERMUMPS));
+  if (!type) {
+    // Options that were read with the matrix at hand, as for a motion, have made a factor of PETSc's own: it would stay.
+    VOILE_PETSC(PCReset(pc));
+    VOILE_PETSC(PCFactorSetMatSolverType(pc, MATSOLVERMUMPS));
+  }
   VOILE_PETSC(PCFactorGetMatSolverType(pc, &type));
   VOILE_PETSC(PetscStrcmp(type, MATSOLVERMUMPS, &is_mumps));
   mumps_ = is_mumps;

@@ -5,8 +5,9 @@ import math
 import numpy as np
 
 from cloth import Surface
+from common import fresh
 from harness import OUT, solve, test
-from solver import ROOT
+from solver import ROOT, run, write_case
 
 GRAVITY = 9.81
 
@@ -141,3 +142,21 @@ def contact_last_iterations(report):
     iterations = result.summary["newton_iterations"]
     report.check(iterations < 560, f"{iterations} iterations for {result.summary['steps']} steps, allowed 560")
     report.check(result.history["residual"].max() < 1e-6 and pierced_in_states(result)[0] == 0, "in equilibrium, nothing intersects")
+
+
+@test
+def contact_follower(report):
+    """A load that follows the sheet makes tangents unsymmetric: a motion that begins in contact, which fills the matrix before the first factor, goes on, the same on 1 and 2 ranks."""
+    case = {"title": "A sheet is pressed on another", "analysis": "dynamic",
+            "mesh": {"file": str(ROOT / "meshes" / "sheets.geo"), "parameters": {"sheets": 2, "n": 4, "gap": 0.008}},
+            "material": [{"type": "isotropic", "young": 1e6, "poisson": 0.3, "thickness": 1e-3, "density": 1000.0}],
+            "support": [{"type": "hinged", "group": side} for side in ("left 1", "right 1")],
+            "load": [{"type": "follower_pressure", "group": "sheet 2", "magnitude": -50.0}],
+            "contact": {"distance": 0.01}, "time": {"end": 0.05, "step": 5e-3}}
+    ends = []
+    for ranks in (1, 2):
+        result = run(write_case(case, OUT / "contact_follower.toml"), fresh(f"contact_follower_{ranks}"), ranks)
+        report.check(result.code == 0, f"{ranks} rank(s), code {result.code}: {result.text.strip().splitlines()[-1][:120]}")
+        if result.code == 0:
+            ends.append(result.history["kinetic_energy"][-1])
+    report.check(len(ends) == 2 and abs(ends[1] / ends[0] - 1) < 1e-6, f"kinetic energy at the end: {ends}")

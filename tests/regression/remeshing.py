@@ -267,6 +267,50 @@ def remesh_background(report):
             report.check(code == 2 and words in said, f"code {code}: {said.strip().splitlines()[-1][:140]}")
 
 
+TWO_PLATES = """h = 0.05;
+For k In {0 : 2}
+  Point(1 + k) = {0.5 * k, 0, 0, h};
+  Point(4 + k) = {0.5 * k, 0.2, 0, h};
+EndFor
+Line(1) = {1, 2}; Line(2) = {2, 3}; Line(3) = {3, 6}; Line(4) = {6, 5}; Line(5) = {5, 4}; Line(6) = {4, 1}; Line(7) = {2, 5};
+Curve Loop(1) = {1, 7, 5, 6}; Curve Loop(2) = {2, 3, 4, -7};
+Plane Surface(1) = {1}; Plane Surface(2) = {2};
+Physical Surface("a") = {1}; Physical Surface("b") = {2};
+Physical Curve("clamp") = {6}; Physical Curve("tip") = {3};
+Mesh.Algorithm = 6;
+"""
+
+
+@test
+def remesh_outlook(report):
+    """What `check` says comes true: frozen triangles neither ask for a mesh nor are counted otherwise than they are, `max_vertices` holds, a drape is looked at when it rests."""
+    (OUT / "remesh_outlook.geo").write_text(TWO_PLATES)
+
+    def told(name, analysis="static", load=0.05, **keys):
+        case = strip(analysis, mesh={"file": str(OUT / "remesh_outlook.geo")}, load=[{"type": "line", "group": "tip", "vector": [0, 0, load]}],
+                     material=[{"type": "isotropic", "young": 1e6, "poisson": 0.0, "thickness": 0.01, "density": 100.0}],
+                     steps__initial_step=0.1, steps__max_step=0.1, remesh={"angle": 10.0, "smallest": 0.01, "largest": 0.1} | keys)
+        file = write_case(case, OUT / f"remesh_outlook_{name}.toml")
+        said = next(line for line in invoke(["check", file])[1].splitlines() if line.startswith("remeshing:"))
+        return said, run(file, fresh(f"remesh_outlook_{name}"), 2)
+
+    said, done = told("all", frozen=["a", "b"])
+    report.check("suits the start" in said and done.code == 0 and "remeshed:" not in done.text and done.history["remeshings"][-1] == 0,
+                 "where all is frozen nothing is remeshed: " + said)
+    for name, keys in {"boundary": {}, "half": {"frozen": ["b"]}, "bound": {"size": "0.02", "max_vertices": 300},
+                       "half_bound": {"size": "0.02", "max_vertices": 250, "frozen": ["b"]}}.items():
+        said, done = told(name, **keys)
+        count, first = int(re.search(r"about (\d+)", said)[1]), Table(done.folder / "remeshing.csv")["vertices"][0]
+        report.check(done.code == 0 and 0.75 < first / count < 1.25, f"{name}: about {count} vertices, {first:.0f}")
+        if most := keys.get("max_vertices"):
+            report.check(max(done.history["vertices"][1:]) < 1.25 * most, f"{name}: up to {max(done.history['vertices'][1:]):.0f} vertices, {most} wanted at most")
+    said, done = told("later", load=0.4, angle=4.0, size="x > 0.5 ? 0.01 : 1", growth=10.0, frozen=["b"])
+    vertices = done.history["vertices"]
+    report.check(done.code == 0 and vertices[-1] > 1.2 * vertices[1], f"frozen cells that are too long do not keep others from getting shorter: {vertices[1]:.0f} to {vertices[-1]:.0f} vertices")
+    said, done = told("drape", "drape", frozen=["b"])
+    report.check("at once" not in said and "come to rest" in said, "a drape: " + said)
+
+
 @test
 def remesh_mistakes(report):
     """What cannot be remeshed ends with code 2 and names the key."""
