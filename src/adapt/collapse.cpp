@@ -9,8 +9,9 @@ namespace voile::adapt {
 
 namespace {
 
-/// Chord error of a line that a collapse may leave, relative to the edge.
-constexpr double largest_chord_error = 0.01;
+/// Chord error of a line that a collapse may leave, relative to the edge: L/(8 R) of an arc, with the longest edge that is not halved,
+/// 1.4 times the tenth of R that curved free edges get (sizing.hpp).
+constexpr double largest_chord_error = 1.4 / 80.0;
 constexpr int largest_valence = 9;
 
 /// A fan of the star and which of its ring the centre becomes; on lines also the other end of the line.

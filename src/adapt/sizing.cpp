@@ -125,24 +125,29 @@ SizeMatch match(const mesh::SurfaceMesh& mesh, const std::vector<double>& size, 
   if (size.size() != static_cast<std::size_t>(mesh.vertex_count()) ||
       (!counted.empty() && counted.size() != size.size()))
     throw InternalError("sizes: not one per vertex");
+  const auto counts = [&](Index v) { return counted.empty() || counted[v]; };
   std::vector<double> sum(size.size(), 0.0), ratios;
   std::vector<int> edges(size.size(), 0);
   for (Index t = 0; t < mesh.triangle_count(); ++t)
     for (int s = 0; s < 3; ++s) {
       if (mesh.neighbour(t, s) != no_index && mesh.neighbour(t, s) < t) continue;
       const mesh::Segment e{mesh.triangles()[t][(s + 1) % 3], mesh.triangles()[t][(s + 2) % 3]};
-      ratios.push_back(2.0 * mesh.rest_length(e) / (size[e[0]] + size[e[1]]));
+      const double ratio = 2.0 * mesh.rest_length(e) / (size[e[0]] + size[e[1]]);
+      if (counts(e[0]) && counts(e[1])) ratios.push_back(ratio);
       for (Index v : e) {
-        sum[v] += ratios.back();
+        sum[v] += ratio;
         ++edges[v];
       }
     }
   SizeMatch m;
   for (std::size_t v = 0; v < size.size(); ++v) {
-    if (!counted.empty() && !counted[v]) continue;
+    if (!counts(static_cast<Index>(v))) continue;
     if (sum[v] > 1.5 * edges[v]) m.too_long += 1.0 / static_cast<double>(size.size());
     if (sum[v] < 0.5 * edges[v]) m.too_short += 1.0 / static_cast<double>(size.size());
   }
+  std::tie(m.smallest, m.largest) =
+      std::tuple(*std::min_element(size.begin(), size.end()), *std::max_element(size.begin(), size.end()));
+  if (ratios.empty()) return m;
   std::sort(ratios.begin(), ratios.end());
   const auto percentile = [&](double p) {
     return ratios[static_cast<std::size_t>(p * static_cast<double>(ratios.size() - 1))];
@@ -152,8 +157,6 @@ SizeMatch match(const mesh::SurfaceMesh& mesh, const std::vector<double>& size, 
   m.p50 = percentile(0.5);
   m.p90 = percentile(0.9);
   m.p99 = percentile(0.99);
-  std::tie(m.smallest, m.largest) =
-      std::tuple(*std::min_element(size.begin(), size.end()), *std::max_element(size.begin(), size.end()));
   return m;
 }
 

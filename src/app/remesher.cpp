@@ -247,6 +247,11 @@ std::string text_of(const adapt::SizeMatch& m, Index before, Index after, std::p
       100.0 * energy_change);
 }
 
+std::string text_of_change(double change, const Ledger& before, const Ledger& after) {
+  return fmt::format("the energy would change by {:+.2g} % of {:.2g} J, more than `energy_change`", 100.0 * change,
+                     std::max(std::abs(before.total()), std::abs(after.total())));
+}
+
 }  // namespace
 
 /// One new mesh with its state; `what` says what it came to.
@@ -300,7 +305,7 @@ std::optional<Adapted> Remesher::attempt(Epoch& epoch, const std::vector<double>
   // Paths and draping go on to an equilibrium: less energy is what a finer mesh is for. A motion must neither gain nor
   // lose any.
   if (accepted && (stage_.c.analysis == "dynamic" ? std::abs(change) : change) > keys_.energy_change) {
-    what = fmt::format("the energy would change by {:+.2g} %", 100.0 * change);
+    what = text_of_change(change, before, after);
     accepted = false;
   }
   mpi::on_root(comm, [&] { write(epoch, made, before, after, accepted, cpu_clock() - begin); });

@@ -80,7 +80,9 @@ std::vector<Key> course_keys(RemeshSection& s) {
        .range = {0}},
       {.name = "relaxation_steps",
        .slot = &s.relaxation_steps,
-       .meaning = "Steps of damped relaxation after a remeshing, which take the noise out of the membrane.",
+       .meaning =
+           "Steps of damped relaxation after a remeshing, which take the noise out of the membrane. Under load control "
+           "without contact only where Newton's method does not find the equilibrium of the new mesh at once.",
        .range = {0, 10}},
       {.name = "velocity_change",
        .slot = &s.velocity_change,

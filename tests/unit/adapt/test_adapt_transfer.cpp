@@ -331,4 +331,13 @@ TEST_CASE("match: shares and percentiles") {
   CHECK(match.too_long + match.too_short == 0.0);
   CHECK(match.p1 == relative(1.0).epsilon(1e-9));
   CHECK(match.p99 == relative(std::sqrt(2.0)).epsilon(1e-9));
+  // On the left half sizes are a third: only the right half counts.
+  std::vector<double> size(nv, 0.1);
+  std::vector<char> counted(nv, 1);
+  for (std::size_t v = 0; v < nv; ++v)
+    if (m.positions()[v].x() < 0.55) std::tie(size[v], counted[v]) = std::pair(0.1 / 3.0, char{0});
+  CHECK(adapt::match(m, size).p99 > 4.0);
+  CHECK(adapt::match(m, size, counted).p1 == relative(1.0).epsilon(1e-9));
+  CHECK(adapt::match(m, size, counted).p99 == relative(std::sqrt(2.0)).epsilon(1e-9));
+  CHECK(adapt::match(m, size, std::vector<char>(nv, 0)).p99 == 0.0);
 }
