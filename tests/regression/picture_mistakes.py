@@ -5,10 +5,11 @@ import resource
 import shutil
 import subprocess
 
+import h5py
 import numpy as np
 from harness import OUT, solve, test
 from picturing import draw
-from common import fresh, lines, started, strip, wait_for
+from common import fresh, started, strip, wait_for
 from solver import binary, environment, write_case
 
 
@@ -63,6 +64,14 @@ def exports_of_mistakes(report):
         refused(report, ("sheet", *words), part)
 
 
+def indexed_steps(file):
+    """How many steps the index of a running run names; it lags behind the history."""
+    if not file.is_file():
+        return 0
+    with h5py.File(file, "r") as index:
+        return int(index["VTKHDF/Steps"].attrs["NSteps"]) if "VTKHDF/Steps" in index else 0
+
+
 @test
 def results_that_are_not_there(report):
     """Folders that are missing, empty or half written: code 2 and a message from each command; a step that was cut off is named."""
@@ -79,7 +88,7 @@ def results_that_are_not_there(report):
         refused(report, (command[0], OUT / "nowhere", *command[1:]), "there is no such")
         refused(report, (command[0], half, *command[1:]), "this is no CSV file" if history else "damaged or not whole")
     process = started(write_case(strip("dynamic", time__end=100.0), OUT / "pictures_cut.toml"), cut)
-    wait_for(lambda: lines(cut / "history.csv") > 100, process)  # so many that the index names the step
+    wait_for(lambda: indexed_steps(cut / "results.vtkhdf") > 4, process)
     process.kill()
     process.wait()
     os.truncate(cut / "steps" / "000003.h5", 3000)
