@@ -48,8 +48,8 @@ struct SizeMatch {
   double smallest = 0.0, largest = 0.0;                         ///< of the wanted sizes [m]
 };
 
-/// `counted` per vertex: which ones the shares, of all vertices, and the percentiles count (edges with both ends); empty: all. Not collective. Throws InternalError
-/// if an array is not per vertex.
+/// `counted` per vertex: which ones the shares, of all vertices, and the percentiles count (edges with both ends); empty:
+/// all. Not collective. Throws InternalError if an array is not per vertex.
 [[nodiscard]] SizeMatch match(const mesh::SurfaceMesh& mesh, const std::vector<double>& size,
                               const std::vector<char>& counted = {});
 

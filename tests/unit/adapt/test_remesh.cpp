@@ -223,6 +223,35 @@ TEST_CASE("sizes are met where every remeshing has another field, on coarse mesh
   CHECK(short_ones <= 4);
 }
 
+TEST_CASE("sizes are met along bent edges, too, whose bound is a tenth of their radius") {
+  // An edge of 0.65 goes only if its line may be left by 1.7 % of the edge that is made.
+  const double radius = 1.0 / std::numbers::pi;
+  const auto bent = [&](const Vec3& x) {
+    const double angle = std::numbers::pi * x[0];
+    return Vec3(radius * std::cos(angle), x[1], radius * std::sin(angle));
+  };
+  int short_ones = 0;
+  for (unsigned chain = 0; chain < 6; ++chain) {
+    mesh::SurfaceMesh m(mapped(square(chain % 2 ? Pattern::gmsh : Pattern::diagonal, 12), bent));
+    const RestSurface rest(m);
+    for (unsigned cycle = 0; cycle < 9; ++cycle) {
+      const auto field = bumps(1000 * chain + cycle, cycle % 3 == 0 ? 0.04 : 0.012);
+      const auto wanted = sizes(m, [&](const Vec3& x) {
+        const double bound = 0.1 * radius + 0.3 * std::min(x[1], 1.0 - x[1]);
+        return std::min(bound, field(Vec3(std::atan2(x[2], x[0]) / std::numbers::pi, x[1], 0.0)));
+      });
+      const Remeshed r = remeshed(m, rest, wanted);
+      const mesh::SurfaceMesh after(r.mesh);
+      short_ones += adapt::match(after, interpolated(m, r, wanted)).p1 < 0.7;
+      CHECK(r.quality.ill_conditioned == 0);
+      // A polygon of edges of at most 1.4 R/10 is shorter than its arc by (L/R)^2/24.
+      for (const char* end : {"bottom", "top"}) CHECK(group_length(after, end) > 1.0 - 0.14 * 0.14 / 24.0);
+      m = after;
+    }
+  }
+  CHECK(short_ones <= 1);
+}
+
 TEST_CASE("refined and coarsened again: the number of vertices follows") {
   mesh::SurfaceMesh m(square(Pattern::gmsh, 10));
   const RestSurface rest(m);
