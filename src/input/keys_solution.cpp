@@ -160,7 +160,7 @@ std::vector<Key> course_keys(TimeSection& s, system::Mass& mass) {
        .absent = "1 throughout"},
       {.name = "checkpoint_steps",
        .slot = &s.checkpoint_steps,
-       .meaning = "Write `checkpoint.h5` every so many steps. 0: not by steps.",
+       .meaning = "Write `checkpoint.h5` every so many steps of a motion. 0: not by steps.",
        .range = not_negative},
       {.name = "checkpoint_minutes",
        .slot = &s.checkpoint_minutes,

@@ -111,8 +111,10 @@ Hdf5Handle open_checkpoint(const std::filesystem::path& path) {
   if (!std::filesystem::exists(path, error))
     fail_reading(
         path,
-        "there is no such file; a run writes one at its end, when it is stopped by a signal that it can see, and "
-        "every [time] checkpoint_minutes or checkpoint_steps");
+        "there is no such file; a run writes one at its end, when it is stopped by a signal that it can see, every "
+        "[time] checkpoint_minutes and, in a motion, every checkpoint_steps; the results.vtkhdf of a run that was "
+        "killed "
+        "serves as well");
   Hdf5Handle file(H5Fopen(path.string().c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
   if (!file.valid()) fail_reading(path, "this is not a checkpoint that can be read");
   return file;
