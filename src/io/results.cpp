@@ -21,8 +21,6 @@ namespace fs = std::filesystem;
 
 namespace {
 
-using Clock = std::chrono::steady_clock;
-
 /// Between renewals of the index lies so many times what the last one took: they cost a twentieth of the time.
 constexpr int least_pause = 20;
 
@@ -118,8 +116,9 @@ struct ResultsWriter::Impl {
   std::size_t triangles = 0;
   std::vector<std::string> grids{}, obstacle_grids{};  ///< XDMF of each step
   std::size_t named = 0;                               ///< steps that results.vtkhdf names
-  Clock::time_point last_index{};
-  Clock::duration index_cost{};
+  Clock now{};
+  std::chrono::steady_clock::time_point last_index{};
+  std::chrono::steady_clock::duration index_cost{};
   bool finished = false;
 
   [[nodiscard]] bool index_is_due() const;
@@ -169,21 +168,22 @@ void ResultsWriter::Impl::write_xdmf() const {
 
 /// Naming steps costs as much as there are steps: those that follow each other quickly wait.
 bool ResultsWriter::Impl::index_is_due() const {
-  return Clock::now() - last_index >= least_pause * index_cost;
+  return now() - last_index >= least_pause * index_cost;
 }
 
 /// What names goes last: it then names what is there.
 void ResultsWriter::Impl::write_names() {
-  const Clock::time_point begin = Clock::now();
+  const auto begin = now();
   write_index(folder, catalogue);
   write_xdmf();
   named = grids.size();
-  last_index = Clock::now();
+  last_index = now();
   index_cost = last_index - begin;
 }
 
-ResultsWriter::ResultsWriter(const fs::path& folder, ObstacleTriangles obstacles)
-    : impl_(std::make_unique<Impl>(Impl{.folder = folder, .obstacles = std::move(obstacles)})) {
+ResultsWriter::ResultsWriter(const fs::path& folder, ObstacleTriangles obstacles, Clock clock)
+    : impl_(
+          std::make_unique<Impl>(Impl{.folder = folder, .obstacles = std::move(obstacles), .now = std::move(clock)})) {
   const Silence silence;
   remove_old(folder);
   std::error_code error;

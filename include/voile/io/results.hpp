@@ -3,7 +3,9 @@
 // each step.
 #pragma once
 
+#include <chrono>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -58,8 +60,12 @@ struct ObstacleTriangles {
 /// forced to the disk, so a power failure can lose the latest; finish() forces its file there before steps/ goes.
 class ResultsWriter {
  public:
-  /// Creates the folder, without results of an earlier run. Throws UserError if it cannot be written.
-  explicit ResultsWriter(const std::filesystem::path& folder, ObstacleTriangles obstacles = {});
+  using Clock = std::function<std::chrono::steady_clock::time_point()>;
+
+  /// Creates the folder, without results of an earlier run. `clock` tells when names are due, see write(). Throws
+  /// UserError if the folder cannot be written.
+  explicit ResultsWriter(const std::filesystem::path& folder, ObstacleTriangles obstacles = {},
+                         Clock clock = std::chrono::steady_clock::now);
   ~ResultsWriter();
   ResultsWriter(ResultsWriter&&) noexcept;
   ResultsWriter& operator=(ResultsWriter&&) noexcept;
