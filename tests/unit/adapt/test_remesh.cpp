@@ -6,6 +6,7 @@
 #include <numbers>
 #include <random>
 
+#include "extent.hpp"
 #include "test_adapt_kit.hpp"
 #include "test_relative.hpp"
 #include "voile/base/error.hpp"
@@ -231,7 +232,7 @@ TEST_CASE("sizes are met along bent edges, too, whose bound is a tenth of their 
     return Vec3(radius * std::cos(angle), x[1], radius * std::sin(angle));
   };
   int short_ones = 0;
-  for (unsigned chain = 0; chain < 6; ++chain) {
+  for (unsigned chain = 0; chain < extent(6U, 2U); ++chain) {
     mesh::SurfaceMesh m(mapped(square(chain % 2 ? Pattern::gmsh : Pattern::diagonal, 12), bent));
     const RestSurface rest(m);
     for (unsigned cycle = 0; cycle < 9; ++cycle) {
@@ -302,7 +303,7 @@ TEST_CASE("frozen triangles stay bit by bit, pinned vertices stay") {
   for (Index t = 0; t < m.triangle_count(); ++t)
     if ((m.rest_corner(t, 0) - Vec3(0.3, 0.3, 0)).norm() < 0.2) frozen += limits.frozen[t] = 1;
   for (Index v = 5; v < m.vertex_count(); v += 17) limits.pinned[v] = 1;
-  for (const double h : {0.02, 0.25}) {
+  for (const double h : {extent(0.02, 0.04), 0.25}) {
     const Remeshed r = remeshed(m, rest, std::vector<double>(static_cast<std::size_t>(m.vertex_count()), h), limits);
     const mesh::SurfaceMesh after(r.mesh);
     check_result(m, r, after);

@@ -8,6 +8,7 @@
 
 #include "../../../src/app/obstacle_sizes.hpp"
 #include "../test_relative.hpp"
+#include "extent.hpp"
 
 using namespace voile;
 using app::Bend;
@@ -110,7 +111,7 @@ TEST_CASE("bounds grow with the distance from a bend, less what comes nearer, as
   }
   std::vector<Vec3> places;
   std::vector<double> advance;
-  for (int v = 0; v < 300; ++v) {
+  for (int v = 0; v < extent(300, 60); ++v) {
     places.push_back(point());
     advance.push_back(0.001 * (v % 7));
   }
@@ -133,5 +134,5 @@ TEST_CASE("bounds grow with the distance from a bend, less what comes nearer, as
     ++near;
     CHECK(std::abs(bound[v] - expected) < 1e-6);
   }
-  CHECK(near > 30);
+  CHECK(near > extent(30, 6));
 }

@@ -11,6 +11,7 @@
 #include <set>
 #include <string>
 
+#include "extent.hpp"
 #include "test_case_kit.hpp"
 #include "test_relative.hpp"
 #include "voile/base/child_process.hpp"
@@ -285,7 +286,7 @@ TEST_CASE("cut binary files give a message and do not end the program") {
   for (const char* name : {"plate_2.2_1.msh", "plate_4.1_1.msh", "plate_4.1_0.msh"}) {
     std::ifstream in(folder / name, std::ios::binary);
     const std::string whole((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
-    for (int part = 1; part < 20; ++part) {
+    for (int part = 1; part < 20; part += extent(1, 4)) {
       CAPTURE(name);
       CAPTURE(part);
       const std::size_t length = whole.size() * static_cast<std::size_t>(part) / 20;

@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "extent.hpp"
 #include "test_meshes.hpp"
 #include "test_relative.hpp"
 #include "voile/base/error.hpp"
@@ -283,12 +284,12 @@ TEST_CASE("a file that is cut short anywhere is refused") {
     CAPTURE(extension);
     int accepted = 0;
     const std::size_t size = content.back() == '\n' ? content.size() - 1 : content.size();
-    for (std::size_t length = 0; length < size; length += 1 + length / 16)
+    for (std::size_t length = 0; length < size; length += extent(1U, 5U) + length / 16)
       if (complaint(extension, content.substr(0, length)) == "nothing") ++accepted;
     if (complaint(extension, content.substr(0, size - 1)) == "nothing") ++accepted;
     CHECK(accepted == 0);
   }
-  for (std::size_t length = 0; length < obj_box().size(); length += 3)
+  for (std::size_t length = 0; length < obj_box().size(); length += extent(3U, 20U))
     (void)complaint(".obj", obj_box().substr(0, length));
 }
 

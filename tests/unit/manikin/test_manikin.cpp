@@ -4,7 +4,9 @@
 #include <Eigen/Geometry>
 #include <cmath>
 #include <numbers>
+#include <span>
 
+#include "extent.hpp"
 #include "test_relative.hpp"
 #include "voile/base/error.hpp"
 #include "voile/geometry/implicit_surface.hpp"
@@ -36,6 +38,11 @@ double least_distance_of_legs(const std::vector<Vec3>& rest, const std::vector<V
   return least;
 }
 
+const Figure& usual_figure() {
+  static const Figure figure = make_figure({}, Kind::figure, 0.05);
+  return figure;
+}
+
 }  // namespace
 
 TEST_CASE("an implicit surface: corners on it, closed, outwards") {
@@ -61,10 +68,10 @@ TEST_CASE("manikins of many measurements are sound, have their girths, and move 
   const double pi = std::numbers::pi;
   const std::array bodies{body(1.74, 0.88, 0.68, 0.94, 0.80, 0.44), body(1.60, 0.80, 0.60, 0.88, 0.72, pi / 12.0),
                           body(1.70, 1.20, 1.15, 1.25, 0.75, 0.44), body(1.30, 0.68, 0.60, 0.70, 0.58, 0.5)};
-  for (const Measurements& m : bodies)
+  for (const Measurements& m : std::span(bodies).first(extent(bodies.size(), std::size_t{1})))
     for (const Kind kind : {Kind::figure, Kind::form}) {
       CAPTURE(m.height);
-      const Figure f = make_figure(m, kind, 0.045);
+      const Figure f = make_figure(m, kind, extent(0.045, 0.06));
       const geometry::TriangleSoup& s = f.surface;
       const Levels& l = f.shape.levels();
       CHECK(tape_girth(s, l.bust) == relative(m.bust).epsilon(0.003));
@@ -84,10 +91,10 @@ TEST_CASE("manikins of many measurements are sound, have their girths, and move 
       for (const Motion motion : {Motion::walk, Motion::turn}) {
         MotionOptions o;
         o.motion = motion;
-        o.seconds = 2.0;
-        o.frames_per_second = 12.5;
+        o.seconds = extent(2.0, 0.4);
+        o.frames_per_second = extent(12.5, 10.0);
         const auto all = frames(f, o);
-        REQUIRE(all.size() == 26);
+        REQUIRE(all.size() == extent(26U, 5U));
         double legs = 1.0;
         for (const auto& frame : all) {
           CHECK(geometry::intersecting_triangles(frame, s.triangles).empty());
@@ -99,7 +106,7 @@ TEST_CASE("manikins of many measurements are sound, have their girths, and move 
 }
 
 TEST_CASE("a figure walks from standing, without a jerk, and gets along") {
-  const Figure f = make_figure({}, Kind::figure, 0.05);
+  const Figure& f = usual_figure();
   MotionOptions o;
   o.frames_per_second = 200.0;
   o.seconds = 3.0;
@@ -123,7 +130,7 @@ TEST_CASE("a figure walks from standing, without a jerk, and gets along") {
 }
 
 TEST_CASE("a figure that turns ends where it was asked to face") {
-  const Figure f = make_figure({}, Kind::figure, 0.05);
+  const Figure& f = usual_figure();
   MotionOptions o;
   o.motion = Motion::turn;
   o.angle = 0.5 * std::numbers::pi;

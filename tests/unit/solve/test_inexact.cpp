@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 
+#include "extent.hpp"
 #include "test_blocks.hpp"
 #include "test_following.hpp"
 #include "test_problems.hpp"
@@ -238,6 +239,7 @@ solve::InexactCounts inexact_solution(int vertices, int across, double ground) {
 
 TEST_CASE("inexact: a coarse level from 15 000 vertices on") {
   for (const int vertices : {14400, 15600}) {
+    if (extent(false, vertices < 15000)) continue;
     const long usual = inexact_solution(vertices, 60, 1e-2).iterations;
     const Option none("-inexact_pc_block_icc_aggregates", "0");
     const long without = inexact_solution(vertices, 60, 1e-2).iterations;

@@ -8,6 +8,7 @@
 
 #include <cmath>
 
+#include "extent.hpp"
 #include "test_model_kit.hpp"
 
 using namespace voile;
@@ -71,11 +72,7 @@ double ratio(const Plate& plate, Pattern pattern, int n) {
 TEST_CASE("edge_slope plates converge with second order on four kinds of mesh") {
   const bool root = mpi::rank(PETSC_COMM_WORLD) == 0;
   // The finest level is run on one rank only; the rank comparison has its own test.
-#ifdef VOILE_SANITIZED
-  const int finest = 16;  // the sanitizers look for errors of memory, not of the element
-#else
-  const int finest = mpi::size(PETSC_COMM_WORLD) == 1 ? 64 : 32;
-#endif
+  const int finest = extent(mpi::size(PETSC_COMM_WORLD) == 1 ? 64 : 32, 16);
   for (const Plate& plate : plates())
     for (const Pattern pattern : {Pattern::diagonal, Pattern::union_jack, Pattern::jittered, Pattern::gmsh}) {
       std::vector<double> error;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "extent.hpp"
 #include "test_adapt_kit.hpp"
 #include "test_model_kit.hpp"
 #include "test_relative.hpp"
@@ -146,23 +147,25 @@ TEST_CASE("flat fabric: a remeshed sheet stores the same in a uniform strain, wi
       CHECK(membrane_energy(*mesh, two, stretched) == relative(sum).epsilon(1e-12));
     }
   }
-  for (const bool charts : {false, true}) {
-    CAPTURE(charts);
-    mesh::MeshData d = two_pieces();
-    if (charts) mesh::take_rest_from_texture(d, 1.0);
-    const mesh::SurfaceMesh first(d), next = changed(first, 0.05);
-    for (const bool textured : {true, false}) {
-      CAPTURE(textured);
-      if (!textured && !charts) continue;  // a direction in space has no pieces
-      energy::Material m = plain;
-      if (textured) m.texture_direction = Vec2(0.8, 0.6);
-      if (!textured) m.direction = Vec3(0.8, 0.6, 0.0);  // in the chart, which is the texture
-      CHECK(membrane_energy(next, {m}, stretched) == relative(membrane_energy(first, {m}, stretched)).epsilon(1e-10));
-      const auto expected = [](Index, const Vec3& x) -> Vec3 {
-        const Vec2 axis = Eigen::Rotation2Dd(is_left(x) ? -0.7 : 2.1) * Vec2(0.8, 0.6);
-        return {axis[0], axis[1], 0.0};
-      };
-      CHECK(axis_error(next, {m}, expected) < 1e-7);
+  SUBCASE("two pieces with textures of their own, as charts or on the surface in space") {
+    for (const bool charts : {false, true}) {
+      CAPTURE(charts);
+      mesh::MeshData d = two_pieces();
+      if (charts) mesh::take_rest_from_texture(d, 1.0);
+      const mesh::SurfaceMesh first(d), next = changed(first, extent(0.05, 0.1));
+      for (const bool textured : {true, false}) {
+        CAPTURE(textured);
+        if (!textured && !charts) continue;  // a direction in space has no pieces
+        energy::Material m = plain;
+        if (textured) m.texture_direction = Vec2(0.8, 0.6);
+        if (!textured) m.direction = Vec3(0.8, 0.6, 0.0);  // in the chart, which is the texture
+        CHECK(membrane_energy(next, {m}, stretched) == relative(membrane_energy(first, {m}, stretched)).epsilon(1e-10));
+        const auto expected = [](Index, const Vec3& x) -> Vec3 {
+          const Vec2 axis = Eigen::Rotation2Dd(is_left(x) ? -0.7 : 2.1) * Vec2(0.8, 0.6);
+          return {axis[0], axis[1], 0.0};
+        };
+        CHECK(axis_error(next, {m}, expected) < 1e-7);
+      }
     }
   }
 }
