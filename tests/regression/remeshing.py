@@ -99,6 +99,25 @@ def remesh_restart(report):
 
 
 @test
+def remesh_taken_over(report):
+    """Results of a remeshed run are gone on with without [remesh], on the mesh of the step; a motion recorded without velocities is only for statics."""
+    case = strip("static", nx=8, load=[{"type": "line", "group": "tip", "vector": [0, 0, 4.0]}],
+                 remesh={"angle": 5.0, "smallest": 0.1, "largest": 1.0}, output={"fields": ["displacement"]})
+    whole = solve("remesh_taken", case, 1)
+    vertices = [len(s["displacement"]) for s in Results(whole.folder)]
+    report.check(len(set(vertices)) > 1, f"remeshed: {sorted(set(vertices))} vertices")
+    for ranks, changes in ((1, {"remesh": None}), (2, {"remesh": {"active": False}})):
+        file = write_case(variant(case, {**changes, "steps.final_load_factor": 1.5}), OUT / "remesh_taken_on.toml")
+        on = run(file, fresh("remesh_taken_on"), ranks, ["--restart", whole.folder / "results.vtkhdf"])
+        report.check(on.code == 0 and len(on.displacement()) == vertices[-1], f"{ranks} rank(s): code {on.code}, on the mesh of the last step" + on.text[-300:] * (on.code != 0))
+    moving = solve("remesh_taken_moving", swinging(time__end=0.3, output={"fields": ["displacement"]}), 1)
+    again = run(OUT / "remesh_taken_moving.toml", fresh("remesh_taken_on"), 1, ["--restart", moving.folder / "results.vtkhdf"])
+    report.check(again.code == 2 and "`velocity` is not among the fields" in again.text, f"a motion without its velocities does not begin anew at time 0: code {again.code}")
+    still = run(OUT / "remesh_taken.toml", fresh("remesh_taken_on"), 1, ["--restart", moving.folder / "results.vtkhdf"])
+    report.check(still.code == 0, "statics begin at its shape" + still.text[-300:] * (still.code != 0))
+
+
+@test
 def remesh_killed(report):
     """kill -9 in the middle of a remeshed motion: its checkpoint goes on on another number of ranks."""
     case = swinging(time__step=0.002)
