@@ -276,9 +276,12 @@ def remesh_background(report):
     done = solve("remesh_background_moved", moved, 1)
     count = int(done.history["vertices"][-1])
     report.check(abs(count - len(meshes["field"])) <= 0.02 * count, f"in millimetres and elsewhere: {count} vertices")
+    (OUT / "remesh_background_flat.pos").write_text('View "size" {\nST(0, 0, 0, 10, 0, 0, 5, 0, 0){0.2, 0.2, 0.2};\nSL(0, 1, 0, 0, 1, 0){0.2, 0.2};\n};\n')
+    done = solve("remesh_background_flat", swinging(remesh=keys | {"background": "remesh_background_flat.pos"}, **still), 1)
+    report.check(done.code == 0 and done.history["remeshings"][-1] >= 1, f"of elements without area or length the nodes count: code {done.code}")
     for number, (words, text) in enumerate((("there is no such file", None), ("0 views", "// nothing\n"), ("positive length", FIELD % ((0.1,) * 5 + (0,))),
                                             ("of the kind VT", FIELD.replace("ST", "VT") % ((0.1,) * 6)), ("System", 'System "true";\n'),
-                                            ("no elements", 'View "size" {\n};\n'), ("Gmsh", 'View "size" {\nST(0, 0'))):
+                                            ("no elements", 'View "size" {\n};\n'), ("2 time steps", 'View "size" {\nSP(0, 0, 0){1, 0.1};\n};\n'), ("Gmsh", 'View "size" {\nST(0, 0'))):
         if text is not None:
             (OUT / f"remesh_background_{number}.pos").write_text(text)
         file = write_case(swinging(remesh=keys | {"background": f"remesh_background_{number}.pos"}), OUT / f"remesh_background_{number}.toml")
