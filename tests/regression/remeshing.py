@@ -99,26 +99,6 @@ def remesh_restart(report):
 
 
 @test
-def remesh_consistent_mass(report):
-    """With the consistent mass matrix energy and momentum are those of that matrix: a new mesh of a strip that is hit neither gives nor takes energy, a plate that turns freely keeps its angular momentum."""
-    for ranks in (1, 2):
-        result = solve(f"remesh_consistent_{ranks}", swinging(time__mass="consistent", nx=10), ranks)
-        h, table = result.history, Table(result.folder / "remeshing.csv")
-        report.check(h["remeshings"][-1] >= 2, f"{ranks} rank(s): {h['remeshings'][-1]:.0f} remeshings")
-        report.below(max(map(abs, h["remeshing_gain"])) / max(map(abs, h["work_of_loads"])), 1e-6, f"{ranks} rank(s): energy of remeshings, of the work")
-        kinetic = at_steps(h, "kinetic_energy")
-        report.below(max(abs(k / kinetic[s] - 1) for s, k in zip(table["step"], table["kinetic_before"])), 1e-10, f"{ranks} rank(s): remeshing.csv has the energy of the history")
-    spin = [{"angular_velocity": [0, 0, 2.0], "centre": [5.0, 0.5, 0]}]
-    plate = strip("dynamic", nx=4, ny=2, load=[], support=[], probe=[], initial_velocity=spin, time__mass="consistent", remesh={"size": "0.3", "smallest": 0.2, "largest": 2.0})
-    result = solve("remesh_consistent_spin", plate, 1)
-    turned = result.displacement(-1)
-    kinetic = result.history["kinetic_energy"]
-    report.check(result.history["remeshings"][-1] >= 1 and len(turned) > 100, "the plate got a mesh of many vertices")
-    report.percent(kinetic[0] / (0.5 * 2.0**2 * 100.0 * (100 + 1) / 12), 1e-9, "kinetic energy of the plate, exact")
-    report.percent(kinetic[-1] / kinetic[0], 1e-3, "and at the end")
-
-
-@test
 def remesh_taken_over(report):
     """Results of a remeshed run are gone on with without [remesh], on the mesh of the step; a motion recorded without velocities is only for statics."""
     case = strip("static", nx=8, load=[{"type": "line", "group": "tip", "vector": [0, 0, 4.0]}],
