@@ -115,6 +115,10 @@ void check_remesh(const input::Case& c, const mesh::SurfaceMesh& mesh);
 /// Names the vertices that probes at points record, as groups "probe NAME", so that they stay. Not collective.
 void name_probes(const input::Case& c, mesh::MeshData& mesh);
 
+/// The same for a mesh that an earlier run has made from `first`: probes of that run stay on their vertices, those that are
+/// new or at another point get theirs. Not collective.
+void rename_probes(const input::Case& c, const mesh::SurfaceMesh& first, mesh::MeshData& mesh);
+
 /// What remeshing would do at the start, for `check`. Collective.
 [[nodiscard]] std::string remesh_outlook(const Stage& stage, const std::shared_ptr<const mesh::SurfaceMesh>& mesh,
                                          Epoch& epoch);

@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "mesh_transfer.hpp"
+#include "remesher.hpp"
 #include "voile/base/error.hpp"
 #include "voile/base/mpi.hpp"
 #include "voile/io/mesh_file.hpp"
@@ -102,6 +103,16 @@ std::vector<double> read_shape(const input::Case& c, const mesh::SurfaceMesh& me
   return u;
 }
 
+/// The mesh of what --restart names; empty if it is `first` or has to be. Rank 0 only.
+mesh::MeshData stored_mesh(const input::Case& c, const RunOptions& options, const mesh::SurfaceMesh& first) {
+  if (!io::is_results(options.restart)) return io::read_checkpoint_mesh(options.restart);
+  // Without remeshing another mesh is a mistake, unless it was remeshing that made it.
+  if (!c.remesh.active && c.panels.empty() && !io::is_remeshed(options.restart, options.restart_step)) return {};
+  mesh::MeshData stored = io::read_step_mesh(options.restart, options.restart_step);
+  const bool is_first = stored.triangles == first.triangles() && stored.positions == first.positions();
+  return is_first ? mesh::MeshData{} : stored;
+}
+
 }  // namespace
 
 std::vector<double> start_shape(const input::Case& c, const mesh::SurfaceMesh& mesh) {
@@ -115,14 +126,8 @@ std::shared_ptr<const mesh::SurfaceMesh> mesh_of_start(const input::Case& c, con
   if (options.restart.empty()) return first;
   mesh::MeshData data;
   mpi::on_root(PETSC_COMM_WORLD, [&] {
-    if (!io::is_results(options.restart)) {
-      data = io::read_checkpoint_mesh(options.restart);
-      return;
-    }
-    // Without remeshing another mesh is a mistake, unless it was remeshing that made it.
-    if (!c.remesh.active && c.panels.empty() && !io::is_remeshed(options.restart, options.restart_step)) return;
-    mesh::MeshData stored = io::read_step_mesh(options.restart, options.restart_step);
-    if (stored.triangles != first->triangles() || stored.positions != first->positions()) data = std::move(stored);
+    data = stored_mesh(c, options, *first);
+    if (!data.triangles.empty()) rename_probes(c, *first, data);
   });
   broadcast_mesh(PETSC_COMM_WORLD, data);
   return data.triangles.empty() ? first : std::make_shared<const mesh::SurfaceMesh>(std::move(data));

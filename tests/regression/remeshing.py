@@ -110,6 +110,12 @@ def remesh_taken_over(report):
         file = write_case(variant(case, {**changes, "steps.final_load_factor": 1.5}), OUT / "remesh_taken_on.toml")
         on = run(file, fresh("remesh_taken_on"), ranks, ["--restart", whole.folder / "results.vtkhdf"])
         report.check(on.code == 0 and len(on.displacement()) == vertices[-1], f"{ranks} rank(s): code {on.code}, on the mesh of the last step" + on.text[-300:] * (on.code != 0))
+    places = [[0.25 * k, 0.5, 0] for k in (9, 21)]
+    for k, point in enumerate(places):
+        probe = {"name": "middle", "type": "displacement", "point": point}
+        on = run(write_case(swinging(probe=[probe]), OUT / f"remesh_taken_probe_{k}.toml"), fresh(f"remesh_taken_probe_{k}"), 1, ["--restart", OUT / "remesh_taken_probe_0" / "checkpoint.h5"] * k + ["-ts_max_steps", "40"] * (1 - k))
+        kept = [on.results.mesh(e).positions[on.results.mesh(e).group("probe middle")] for e in on.results.epochs]
+        report.check(len(kept) > 1 - k and all(np.linalg.norm(x - point) < 0.7 and (x == kept[0]).all() for x in kept), f"code {on.code}: the probe is at the point that the case says, and stays: {kept[0].round(3)} at {point}")
     moving = solve("remesh_taken_moving", swinging(time__end=0.3, output={"fields": ["displacement"]}), 1)
     again = run(OUT / "remesh_taken_moving.toml", fresh("remesh_taken_on"), 1, ["--restart", moving.folder / "results.vtkhdf"])
     report.check(again.code == 2 and "`velocity` is not among the fields" in again.text, f"a motion without its velocities does not begin anew at time 0: code {again.code}")
