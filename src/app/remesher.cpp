@@ -316,6 +316,8 @@ std::optional<Adapted> Remesher::attempt(Epoch& epoch, const std::vector<double>
   const double begin = cpu_clock();
   ++attempts_;
   Made made = make_mesh(epoch, size, only_splits);
+  // An epoch needs a vertex on every rank.
+  if (made.mesh->vertex_count() < mpi::size(comm)) return what = "it has fewer vertices than ranks", std::nullopt;
   io::Checkpoint carried = carry_over(epoch, made);
   const Origins origins = origins_of(comm, made.from);
   carry_contact(epoch.model().dofs().mesh(), origins, carried);
