@@ -38,6 +38,9 @@ Momentum momentum(const Motion& motion) {
 
 namespace {
 
+/// Of kinetic energy, as a share.
+constexpr double round_off = 1e-20;
+
 /// The rigid motion of free vertices that has a given momentum, as velocity at the centre and turning times `size`.
 class RigidMotion {
  public:
@@ -84,13 +87,19 @@ void check_lengths(const std::vector<double>& mass, const std::vector<Vec3>& pla
 
 void conserve_momentum(const Motion& old_motion, const std::vector<double>& mass, const std::vector<Vec3>& places,
                        const std::vector<char>& held, std::vector<Vec3>& velocity) {
+  const auto of = [&](const std::vector<Vec3>& v) { return momentum({mass, places, v}); };
+  conserve_momentum(momentum(old_motion), of, mass, places, held, velocity);
+}
+
+void conserve_momentum(const Momentum& wanted, const std::function<Momentum(const std::vector<Vec3>&)>& of,
+                       const std::vector<double>& mass, const std::vector<Vec3>& places, const std::vector<char>& held,
+                       std::vector<Vec3>& velocity) {
   check_lengths(mass, places, held, velocity);
-  const Momentum before = momentum(old_motion);
   RigidMotion added(mass, places, held);
   // A second pass takes off what round-off left.
   for (int pass = 0; pass < 2; ++pass) {
-    const Momentum now = momentum({mass, places, velocity});
-    added.fit({before.linear - now.linear, before.angular - now.angular});
+    const Momentum now = of(velocity);
+    added.fit({wanted.linear - now.linear, wanted.angular - now.angular});
     for (std::size_t v = 0; v < mass.size(); ++v)
       if (added.is_free(v)) velocity[v] += added.at(v);
   }
@@ -105,10 +114,12 @@ double add_kinetic_energy(const std::vector<double>& mass, const std::vector<Vec
     if (!rigid.is_free(v)) free[v].setZero();
   // About the centre of all, as the momentum is.
   rigid.fit(momentum({mass, places, free}));
-  double rest = 0.0;
+  double rest = 0.0, all = 0.0;
+  for (std::size_t v = 0; v < mass.size(); ++v) all += 0.5 * mass[v] * velocity[v].squaredNorm();
   for (std::size_t v = 0; v < mass.size(); ++v)
     if (rigid.is_free(v)) rest += 0.5 * mass[v] * (velocity[v] - rigid.at(v)).squaredNorm();
-  const double square = rest > 0.0 ? 1.0 + addition.energy / rest : 1.0;
+  // A rigid motion has nothing but round-off to change.
+  const double square = rest > round_off * all ? 1.0 + addition.energy / rest : 1.0;
   const double factor = std::clamp(std::sqrt(std::max(square, 0.0)), 1.0 - addition.most, 1.0 + addition.most);
   for (std::size_t v = 0; v < mass.size(); ++v)
     if (rigid.is_free(v)) velocity[v] = rigid.at(v) + factor * (velocity[v] - rigid.at(v));

@@ -226,6 +226,13 @@ Vec3 Surface::room_off_edge(Index h, const Vec3& here, const Vec3& there) {
   return off;
 }
 
+namespace {
+
+/// Of the middle of an arc, per chord: that of a third of a circle.
+constexpr double most_off_chord = 0.29;
+
+}  // namespace
+
 Index Surface::halve(Index h) {
   const Index g = twin[h], o = origin(h), d = dest(h);
   const bool line = side_class[h] != 0;
@@ -236,7 +243,9 @@ Index Surface::halve(Index h) {
     if (!first->curved()) return chord;
     Index& hint = rest_hint[side / 3];
     if (hint == no_index) hint = first->locate(chord, rest_normal(side / 3));
-    return first->on_surface(chord, hint);
+    // At a tip the surface through the first mesh leaps: a middle beyond the leap would leave a half as long as the edge.
+    const Vec3 smooth = first->on_surface(chord, hint);
+    return (smooth - chord).norm() <= most_off_chord * (b - a).norm() ? smooth : chord;
   };
   const Vec3 here = middle(h);
   Vec3 there = here;

@@ -30,7 +30,7 @@ std::size_t nodes_of(char shape) {
   return at == shapes + count.size() ? 0 : count[static_cast<std::size_t>(at - shapes)];
 }
 
-/// The nodes of all elements, with their values at the first step.
+/// The nodes of all elements, with their values.
 std::vector<Node> nodes_of_view(const std::string& file, int view) {
   std::vector<std::string> kinds;
   std::vector<int> counts;
@@ -45,6 +45,10 @@ std::vector<Node> nodes_of_view(const std::string& file, int view) {
                       "triangles, quadrangles or solids of first order (SP, SL, ST, SQ, SS, SH, SI, SY)",
                       file, printable(kinds[k])));
     const std::size_t stride = counts[k] > 0 ? data[k].size() / static_cast<std::size_t>(counts[k]) : 0;
+    if (stride > 4 * n)
+      throw UserError(
+          fmt::format("{}: its view has {} time steps; save the one whose sizes are wanted as a view of its own", file,
+                      (stride - 3 * n) / n));
     for (std::size_t e = 0; stride >= 4 * n && e < data[k].size(); e += stride)
       for (std::size_t i = 0; i < n; ++i)
         nodes.push_back({{data[k][e + i], data[k][e + n + i], data[k][e + 2 * n + i]}, data[k][e + 3 * n + i]});
@@ -83,7 +87,8 @@ std::vector<double> values_at(const std::string& file, const std::vector<Vec3>& 
   std::vector<double> values, found;
   for (const Vec3& x : points) {
     gmsh::view::probe(views[0], x[0], x[1], x[2], found, 0, 1);
-    values.push_back(found.size() == 1 ? found[0] : nearest_value(nodes, x));
+    // In an element without area Gmsh divides by zero.
+    values.push_back(found.size() == 1 && std::isfinite(found[0]) ? found[0] : nearest_value(nodes, x));
   }
   return values;
 }

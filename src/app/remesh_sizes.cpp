@@ -319,17 +319,42 @@ void check_remesh(const input::Case& c, const mesh::SurfaceMesh& mesh) {
     }
 }
 
+namespace {
+
+std::string vertex_group(const input::Probe& p) {
+  return "probe " + p.name;
+}
+
+mesh::Group nearest(const input::Probe& p, const std::vector<Vec3>& positions) {
+  const auto nearer = [&](const Vec3& a, const Vec3& b) {
+    return (a - *p.point).squaredNorm() < (b - *p.point).squaredNorm();
+  };
+  const auto at = std::min_element(positions.begin(), positions.end(), nearer);
+  mesh::Group group;
+  group.name = vertex_group(p);
+  group.vertices = {static_cast<Index>(at - positions.begin())};
+  return group;
+}
+
+}  // namespace
+
 void name_probes(const input::Case& c, mesh::MeshData& mesh) {
+  for (const input::Probe& p : c.probes)
+    if (p.point) mesh.groups.push_back(nearest(p, mesh.positions));
+}
+
+void rename_probes(const input::Case& c, const mesh::SurfaceMesh& first, mesh::MeshData& mesh) {
+  const double same_place = 1e-9 * first.extent();
   for (const input::Probe& p : c.probes) {
     if (!p.point) continue;
-    const auto nearer = [&](const Vec3& a, const Vec3& b) {
-      return (a - *p.point).squaredNorm() < (b - *p.point).squaredNorm();
-    };
-    const auto at = std::min_element(mesh.positions.begin(), mesh.positions.end(), nearer);
-    mesh::Group group;
-    group.name = "probe " + p.name;
-    group.vertices = {static_cast<Index>(at - mesh.positions.begin())};
-    mesh.groups.push_back(std::move(group));
+    const Vec3& place = first.positions()[nearest(p, first.positions()).vertices[0]];
+    const auto has_name = [&](const mesh::Group& g) { return g.name == vertex_group(p); };
+    const auto group = std::find_if(mesh.groups.begin(), mesh.groups.end(), has_name);
+    if (group != mesh.groups.end()) {
+      if (group->vertices.size() == 1 && (mesh.positions[group->vertices[0]] - place).norm() <= same_place) continue;
+      mesh.groups.erase(group);
+    }
+    if (first.has_group(vertex_group(p))) mesh.groups.push_back(nearest(p, mesh.positions));
   }
 }
 

@@ -41,6 +41,34 @@ std::vector<double> masses(const system::Model& model) {
   return mass;
 }
 
+/// What masses at the vertices have beyond the consistent mass of linear triangles: kinetic energy [J], angular momentum
+/// [kg m^2/s]. On rank 0.
+struct Excess {
+  double kinetic = 0.0;
+  Vec3 angular = Vec3::Zero();
+};
+Excess excess_of_lumping(const system::Model& model, const std::vector<Vec3>& places,
+                         const std::vector<Vec3>& velocity) {
+  const mesh::SurfaceMesh& mesh = model.dofs().mesh();
+  Excess excess;
+  for (Index t = 0; t < mesh.triangle_count(); ++t) {
+    const mesh::Triangle& v = mesh.triangles()[t];
+    const double mass = model.discretisation().sheet().material(t).areal_density * mesh.area(t);
+    for (int s = 0; s < 3; ++s) {
+      const Vec3 faster = velocity[v[s]] - velocity[v[(s + 1) % 3]];
+      excess.kinetic += mass / 24.0 * faster.squaredNorm();
+      excess.angular += mass / 12.0 * (places[v[s]] - places[v[(s + 1) % 3]]).cross(faster);
+    }
+  }
+  return excess;
+}
+
+/// Where vertices are that have moved by u.
+std::vector<Vec3> moved(const mesh::SurfaceMesh& mesh, std::vector<Vec3> u) {
+  for (std::size_t v = 0; v < u.size(); ++v) u[v] += mesh.positions()[v];
+  return u;
+}
+
 }  // namespace
 
 double cpu_clock() {
@@ -112,7 +140,7 @@ io::Checkpoint Remesher::carry_over(Epoch& epoch, const Made& made) const {
   return c;
 }
 
-Ledger Remesher::ledger(Epoch& epoch) {
+Ledger Remesher::ledger(Epoch& epoch) const {
   system::Model& model = epoch.model();
   const system::State& s = epoch.state();
   Ledger l;
@@ -129,8 +157,42 @@ Ledger Remesher::ledger(Epoch& epoch) {
       l.momentum += mass[i] * velocity;
       l.angular += mass[i] * x.cross(velocity);
     }
+    if (!is_consistent() || v.empty()) return;
+    const Excess excess = excess_of_lumping(model, moved(model.dofs().mesh(), as_points(u)), as_points(v));
+    l.kinetic -= excess.kinetic;
+    l.angular -= excess.angular;
   });
   return l;
+}
+
+bool Remesher::is_consistent() const {
+  return stage_.c.dynamics.mass == system::Mass::consistent;
+}
+
+/// Of a motion with the mass of the case, on rank 0.
+adapt::Momentum Remesher::momentum(const system::Model& model, const adapt::Motion& motion) const {
+  adapt::Momentum m = adapt::momentum(motion);
+  if (is_consistent()) m.angular -= excess_of_lumping(model, motion.places, motion.velocity).angular;
+  return m;
+}
+
+/// Momentum and kinetic energy become `wanted` and `energy`, this one as far as `velocity_change` lets it. On rank 0. Sets `velocity_factor_`.
+void Remesher::keep(const system::Model& model, const adapt::Motion& motion, const std::vector<char>& held,
+                    const adapt::Momentum& wanted, double energy, std::vector<Vec3>& velocity) {
+  const std::vector<double>& mass = motion.mass;
+  const std::vector<Vec3>& places = motion.places;
+  const auto of = [&](const std::vector<Vec3>& v) { return momentum(model, {mass, places, v}); };
+  // Corrections are those of masses at the vertices: with consistent ones a part is left to the next pass.
+  const int passes = is_consistent() ? 8 : 1;
+  velocity_factor_ = 1.0;
+  for (int pass = 0; pass < passes; ++pass) {
+    adapt::conserve_momentum(wanted, of, mass, places, held, velocity);
+    double kinetic = is_consistent() ? -excess_of_lumping(model, places, velocity).kinetic : 0.0;
+    for (std::size_t v = 0; v < velocity.size(); ++v) kinetic += 0.5 * mass[v] * velocity[v].squaredNorm();
+    const double missing = energy - kinetic, bound = 1.0 + std::copysign(keys_.velocity_change, missing);
+    const double most = std::abs(bound / velocity_factor_ - 1.0);
+    velocity_factor_ *= adapt::add_kinetic_energy(mass, places, held, {missing, most}, velocity);
+  }
 }
 
 /// Puts the momentum of the old state into the velocities of the new one, and the energy that relaxation has set free, as
@@ -144,19 +206,12 @@ void Remesher::keep_momentum(Epoch& old_epoch, Epoch& fresh, const Ledger& befor
   std::vector<Vec3> velocity = gathered(fresh, fresh.state().v);
   std::vector<double> values;
   mpi::on_root(fresh.model().dofs().comm(), [&] {
-    const auto moved = [](const mesh::SurfaceMesh& mesh, std::vector<Vec3> x) {
-      for (std::size_t v = 0; v < x.size(); ++v) x[v] += mesh.positions()[v];
-      return x;
-    };
     const system::Dofs& dofs = fresh.model().dofs();
     std::vector<char> held(velocity.size());
     for (std::size_t v = 0; v < held.size(); ++v) held[v] = dofs.is_held(static_cast<Index>(v));
     const std::vector<Vec3> old_places = moved(old_epoch.model().dofs().mesh(), old_u), places = moved(dofs.mesh(), u);
-    adapt::conserve_momentum({old_mass, old_places, old_velocity}, mass, places, held, velocity);
-    double kinetic = 0.0;
-    for (std::size_t v = 0; v < mass.size(); ++v) kinetic += 0.5 * mass[v] * velocity[v].squaredNorm();
-    velocity_factor_ = adapt::add_kinetic_energy(mass, places, held,
-                                                 {before.total() - now - kinetic, keys_.velocity_change}, velocity);
+    const adapt::Momentum wanted = momentum(old_epoch.model(), {old_mass, old_places, old_velocity});
+    keep(fresh.model(), {mass, places, velocity}, held, wanted, before.total() - now, velocity);
     values = as_values(velocity);
   });
   fresh.model().dofs().scatter(values, fresh.state().v);
@@ -261,6 +316,8 @@ std::optional<Adapted> Remesher::attempt(Epoch& epoch, const std::vector<double>
   const double begin = cpu_clock();
   ++attempts_;
   Made made = make_mesh(epoch, size, only_splits);
+  // An epoch needs a vertex on every rank.
+  if (made.mesh->vertex_count() < mpi::size(comm)) return what = "it has fewer vertices than ranks", std::nullopt;
   io::Checkpoint carried = carry_over(epoch, made);
   const Origins origins = origins_of(comm, made.from);
   carry_contact(epoch.model().dofs().mesh(), origins, carried);

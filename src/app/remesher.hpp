@@ -15,6 +15,7 @@
 #include "voile/adapt/remesh.hpp"
 #include "voile/adapt/rest_surface.hpp"
 #include "voile/adapt/sizing.hpp"
+#include "voile/adapt/transfer.hpp"
 #include "voile/io/results.hpp"
 
 namespace voile::app {
@@ -76,8 +77,12 @@ class Remesher {
   [[nodiscard]] io::Checkpoint carry_over(Epoch& epoch, const Made& made) const;
   [[nodiscard]] std::optional<Adapted> attempt(Epoch& epoch, const std::vector<double>& size, bool only_splits,
                                                std::string& what);
-  [[nodiscard]] static Ledger ledger(Epoch& epoch);
+  [[nodiscard]] Ledger ledger(Epoch& epoch) const;
+  [[nodiscard]] bool is_consistent() const;  ///< the mass of the motion
   void keep_momentum(Epoch& old_epoch, Epoch& fresh, const Ledger& before);
+  [[nodiscard]] adapt::Momentum momentum(const system::Model& model, const adapt::Motion& motion) const;
+  void keep(const system::Model& model, const adapt::Motion& motion, const std::vector<char>& held,
+            const adapt::Momentum& wanted, double energy, std::vector<Vec3>& velocity);
   [[nodiscard]] static std::string intersections(Epoch& epoch);
   [[nodiscard]] bool find_equilibrium(Epoch& old_epoch, Epoch& fresh, std::string& what) const;
   [[nodiscard]] bool find_equilibrium_nearby(Epoch& fresh) const;
@@ -109,6 +114,10 @@ void check_remesh(const input::Case& c, const mesh::SurfaceMesh& mesh);
 
 /// Names the vertices that probes at points record, as groups "probe NAME", so that they stay. Not collective.
 void name_probes(const input::Case& c, mesh::MeshData& mesh);
+
+/// The same for a mesh that an earlier run has made from `first`: probes of that run stay on their vertices, those that are
+/// new or at another point get theirs. Not collective.
+void rename_probes(const input::Case& c, const mesh::SurfaceMesh& first, mesh::MeshData& mesh);
 
 /// What remeshing would do at the start, for `check`. Collective.
 [[nodiscard]] std::string remesh_outlook(const Stage& stage, const std::shared_ptr<const mesh::SurfaceMesh>& mesh,

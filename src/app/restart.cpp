@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "mesh_transfer.hpp"
+#include "remesher.hpp"
 #include "voile/base/error.hpp"
 #include "voile/base/mpi.hpp"
 #include "voile/io/mesh_file.hpp"
@@ -16,18 +17,24 @@ namespace voile::app {
 namespace {
 
 /// What --restart names. Rank 0 only.
-io::Checkpoint read_any(const RunOptions& options, const mesh::SurfaceMesh& mesh) {
+io::Checkpoint read_any(const input::Case& wanted, const RunOptions& options, const mesh::SurfaceMesh& mesh) {
   if (!io::is_results(options.restart)) return io::read_checkpoint(options.restart, mesh);
   io::StoredStep stored = io::read_step(options.restart, options.restart_step, mesh);
+  const bool shape_only = stored.in_motion && stored.velocity.empty();
+  // A motion would begin anew at time 0, and what moves jump back to where it was then.
+  if (shape_only && wanted.analysis == "dynamic")
+    throw UserError(
+        fmt::format("--restart {}: its step {} is of a motion, but `velocity` is not among the fields; use a "
+                    "checkpoint.h5, or results of a run with `velocity` in [output] fields",
+                    options.restart.string(), stored.step));
   io::Checkpoint c;
-  c.step = stored.step;
+  c.step = shape_only ? 0 : stored.step;
   c.load_factor = stored.load_factor;
   c.displacement = std::move(stored.displacement);
-  c.previous = std::move(stored.previous);
-  if (stored.velocity.empty()) return c;
+  if (!shape_only) c.previous = std::move(stored.previous);
+  c.in_equilibrium = !stored.in_motion;
   c.time = stored.time;
   c.velocity = std::move(stored.velocity);
-  c.in_equilibrium = false;
   return c;
 }
 
@@ -96,6 +103,16 @@ std::vector<double> read_shape(const input::Case& c, const mesh::SurfaceMesh& me
   return u;
 }
 
+/// The mesh of what --restart names; empty if it is `first` or has to be. Rank 0 only.
+mesh::MeshData stored_mesh(const input::Case& c, const RunOptions& options, const mesh::SurfaceMesh& first) {
+  if (!io::is_results(options.restart)) return io::read_checkpoint_mesh(options.restart);
+  // Without remeshing another mesh is a mistake, unless it was remeshing that made it.
+  if (!c.remesh.active && c.panels.empty() && !io::is_remeshed(options.restart, options.restart_step)) return {};
+  mesh::MeshData stored = io::read_step_mesh(options.restart, options.restart_step);
+  const bool is_first = stored.triangles == first.triangles() && stored.positions == first.positions();
+  return is_first ? mesh::MeshData{} : stored;
+}
+
 }  // namespace
 
 std::vector<double> start_shape(const input::Case& c, const mesh::SurfaceMesh& mesh) {
@@ -109,13 +126,8 @@ std::shared_ptr<const mesh::SurfaceMesh> mesh_of_start(const input::Case& c, con
   if (options.restart.empty()) return first;
   mesh::MeshData data;
   mpi::on_root(PETSC_COMM_WORLD, [&] {
-    if (!io::is_results(options.restart)) {
-      data = io::read_checkpoint_mesh(options.restart);
-      return;
-    }
-    if (!c.remesh.active && c.panels.empty()) return;
-    mesh::MeshData stored = io::read_step_mesh(options.restart, options.restart_step);
-    if (stored.triangles != first->triangles()) data = std::move(stored);
+    data = stored_mesh(c, options, *first);
+    if (!data.triangles.empty()) rename_probes(c, *first, data);
   });
   broadcast_mesh(PETSC_COMM_WORLD, data);
   return data.triangles.empty() ? first : std::make_shared<const mesh::SurfaceMesh>(std::move(data));
@@ -133,7 +145,7 @@ io::Checkpoint read_start(const input::Case& c, const RunOptions& options, const
   }
   std::vector<double> numbers(14);
   mpi::on_root(PETSC_COMM_WORLD, [&] {
-    start = read_any(options, mesh);
+    start = read_any(c, options, mesh);
     if (origin == Origin::restart) begin_anew(c, start);
     numbers = {static_cast<double>(start.step),
                start.time,

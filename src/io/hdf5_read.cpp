@@ -56,7 +56,8 @@ std::vector<double> read_values(hid_t file, const std::string& name, std::size_t
   const Hdf5Handle set = open_dataset(file, name, path);
   const Hdf5Handle space(H5Dget_space(set), H5Sclose);
   if (static_cast<std::size_t>(H5Sget_simple_extent_npoints(space)) != count)
-    fail_reading(path, "it belongs to another mesh; use the mesh and the parameters of the run that wrote it");
+    fail_reading(
+        path, "it belongs to another mesh; use the mesh and the parameters of the run that wrote it, and its [remesh]");
   std::vector<double> values(count);
   if (H5Dread(set, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) < 0) fail_damaged(path, name);
   check_finite(values, path, name);

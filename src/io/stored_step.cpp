@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <optional>
 #include <string>
 
@@ -13,6 +14,12 @@ namespace voile::io {
 namespace {
 
 namespace fs = std::filesystem;
+
+/// Paths and drapes record the load factor or the step as time.
+bool is_motion(const StoredResults& results) {
+  return std::any_of(results.steps().begin(), results.steps().end(),
+                     [](const StoredStepInfo& s) { return s.time != s.load_factor && s.time != s.number; });
+}
 
 StoredStep step_of(const StoredResults& results, const fs::path& path, int number, const mesh::SurfaceMesh& mesh) {
   const std::size_t at = results.find(number);
@@ -27,6 +34,7 @@ StoredStep step_of(const StoredResults& results, const fs::path& path, int numbe
   stored.displacement = std::move(*u);
   stored.velocity = results.vectors(at, "velocity", vertices).value_or(std::vector<double>());
   if (!stored.velocity.empty()) stored.time = record.time;
+  stored.in_motion = !stored.velocity.empty() || is_motion(results);
   if (at > 0 && results.steps()[at - 1].epoch == record.epoch)
     stored.previous = results.vectors(at - 1, "displacement", vertices).value_or(std::vector<double>());
   return stored;
@@ -51,6 +59,12 @@ StoredStep read_step(const fs::path& path, int step, const mesh::SurfaceMesh& me
 mesh::MeshData read_step_mesh(const fs::path& path, int step) {
   return for_restart(
       path, [&](const StoredResults& results) { return results.mesh(results.steps()[results.find(step)].epoch).data; });
+}
+
+bool is_remeshed(const fs::path& path, int step) {
+  return for_restart(path, [&](const StoredResults& results) {
+    return results.steps()[results.find(step)].epoch != results.steps().front().epoch;
+  });
 }
 
 bool is_results(const fs::path& path) {

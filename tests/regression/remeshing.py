@@ -99,6 +99,31 @@ def remesh_restart(report):
 
 
 @test
+def remesh_taken_over(report):
+    """Results of a remeshed run are gone on with without [remesh], on the mesh of the step; a motion recorded without velocities is only for statics."""
+    case = strip("static", nx=8, load=[{"type": "line", "group": "tip", "vector": [0, 0, 4.0]}],
+                 remesh={"angle": 5.0, "smallest": 0.1, "largest": 1.0}, output={"fields": ["displacement"]})
+    whole = solve("remesh_taken", case, 1)
+    vertices = [len(s["displacement"]) for s in Results(whole.folder)]
+    report.check(len(set(vertices)) > 1, f"remeshed: {sorted(set(vertices))} vertices")
+    for ranks, changes in ((1, {"remesh": None}), (2, {"remesh": {"active": False}})):
+        file = write_case(variant(case, {**changes, "steps.final_load_factor": 1.5}), OUT / "remesh_taken_on.toml")
+        on = run(file, fresh("remesh_taken_on"), ranks, ["--restart", whole.folder / "results.vtkhdf"])
+        report.check(on.code == 0 and len(on.displacement()) == vertices[-1], f"{ranks} rank(s): code {on.code}, on the mesh of the last step" + on.text[-300:] * (on.code != 0))
+    places = [[0.25 * k, 0.5, 0] for k in (9, 21)]
+    for k, point in enumerate(places):
+        probe = {"name": "middle", "type": "displacement", "point": point}
+        on = run(write_case(swinging(probe=[probe]), OUT / f"remesh_taken_probe_{k}.toml"), fresh(f"remesh_taken_probe_{k}"), 1, ["--restart", OUT / "remesh_taken_probe_0" / "checkpoint.h5"] * k + ["-ts_max_steps", "40"] * (1 - k))
+        kept = [on.results.mesh(e).positions[on.results.mesh(e).group("probe middle")] for e in on.results.epochs]
+        report.check(len(kept) > 1 - k and all(np.linalg.norm(x - point) < 0.7 and (x == kept[0]).all() for x in kept), f"code {on.code}: the probe is at the point that the case says, and stays: {kept[0].round(3)} at {point}")
+    moving = solve("remesh_taken_moving", swinging(time__end=0.3, output={"fields": ["displacement"]}), 1)
+    again = run(OUT / "remesh_taken_moving.toml", fresh("remesh_taken_on"), 1, ["--restart", moving.folder / "results.vtkhdf"])
+    report.check(again.code == 2 and "`velocity` is not among the fields" in again.text, f"a motion without its velocities does not begin anew at time 0: code {again.code}")
+    still = run(OUT / "remesh_taken.toml", fresh("remesh_taken_on"), 1, ["--restart", moving.folder / "results.vtkhdf"])
+    report.check(still.code == 0, "statics begin at its shape" + still.text[-300:] * (still.code != 0))
+
+
+@test
 def remesh_killed(report):
     """kill -9 in the middle of a remeshed motion: its checkpoint goes on on another number of ranks."""
     case = swinging(time__step=0.002)
@@ -257,9 +282,12 @@ def remesh_background(report):
     done = solve("remesh_background_moved", moved, 1)
     count = int(done.history["vertices"][-1])
     report.check(abs(count - len(meshes["field"])) <= 0.02 * count, f"in millimetres and elsewhere: {count} vertices")
+    (OUT / "remesh_background_flat.pos").write_text('View "size" {\nST(0, 0, 0, 10, 0, 0, 5, 0, 0){0.2, 0.2, 0.2};\nSL(0, 1, 0, 0, 1, 0){0.2, 0.2};\n};\n')
+    done = solve("remesh_background_flat", swinging(remesh=keys | {"background": "remesh_background_flat.pos"}, **still), 1)
+    report.check(done.code == 0 and done.history["remeshings"][-1] >= 1, f"of elements without area or length the nodes count: code {done.code}")
     for number, (words, text) in enumerate((("there is no such file", None), ("0 views", "// nothing\n"), ("positive length", FIELD % ((0.1,) * 5 + (0,))),
                                             ("of the kind VT", FIELD.replace("ST", "VT") % ((0.1,) * 6)), ("System", 'System "true";\n'),
-                                            ("no elements", 'View "size" {\n};\n'), ("Gmsh", 'View "size" {\nST(0, 0'))):
+                                            ("no elements", 'View "size" {\n};\n'), ("2 time steps", 'View "size" {\nSP(0, 0, 0){1, 0.1};\n};\n'), ("Gmsh", 'View "size" {\nST(0, 0'))):
         if text is not None:
             (OUT / f"remesh_background_{number}.pos").write_text(text)
         file = write_case(swinging(remesh=keys | {"background": f"remesh_background_{number}.pos"}), OUT / f"remesh_background_{number}.toml")

@@ -1,10 +1,13 @@
-"""Regression tests of remeshing in motions with contact: friction that holds, and what a sheet comes near."""
+"""Regression tests of remeshing in motions: friction that holds, what a sheet comes near, and what the mass matrix keeps."""
 
 import math
 
 import numpy as np
+from common import strip
+from curves import Table
 from harness import OUT, solve, test
 from pattern_files import frames_file
+from remeshing import at_steps, swinging
 from results import Results
 from solver import ROOT
 from staging import end_of, stage
@@ -133,3 +136,23 @@ def remesh_curved_start(report):
         room = "near" not in what
         report.check(given < 0.02 * h["work_of_loads"][-1], f"{what}: remeshing gives {given:.2g} J, gravity {h['work_of_loads'][-1]:.2g} J")
         report.check(sum(h["intersections"]) == 0 and (result.summary["remeshing"]["count"] > 0 or not room), f"{what}: {result.summary['remeshing']['count']} remeshings")
+
+
+@test
+def remesh_consistent_mass(report):
+    """With the consistent mass matrix energy and momentum are those of that matrix: a new mesh of a strip that is hit neither gives nor takes energy, a plate that turns freely keeps its angular momentum."""
+    for ranks in (1, 2):
+        result = solve(f"remesh_consistent_{ranks}", swinging(time__mass="consistent", nx=10), ranks)
+        h, table = result.history, Table(result.folder / "remeshing.csv")
+        report.check(h["remeshings"][-1] >= 2, f"{ranks} rank(s): {h['remeshings'][-1]:.0f} remeshings")
+        report.below(max(map(abs, h["remeshing_gain"])) / max(map(abs, h["work_of_loads"])), 1e-6, f"{ranks} rank(s): energy of remeshings, of the work")
+        kinetic = at_steps(h, "kinetic_energy")
+        report.below(max(abs(k / kinetic[s] - 1) for s, k in zip(table["step"], table["kinetic_before"])), 1e-10, f"{ranks} rank(s): remeshing.csv has the energy of the history")
+    spin = [{"angular_velocity": [0, 0, 2.0], "centre": [5.0, 0.5, 0]}]
+    plate = strip("dynamic", nx=4, ny=2, load=[], support=[], probe=[], initial_velocity=spin, time__mass="consistent", remesh={"size": "0.3", "smallest": 0.2, "largest": 2.0})
+    result = solve("remesh_consistent_spin", plate, 1)
+    turned = result.displacement(-1)
+    kinetic = result.history["kinetic_energy"]
+    report.check(result.history["remeshings"][-1] >= 1 and len(turned) > 100, "the plate got a mesh of many vertices")
+    report.percent(kinetic[0] / (0.5 * 2.0**2 * 100.0 * (100 + 1) / 12), 1e-9, "kinetic energy of the plate, exact")
+    report.percent(kinetic[-1] / kinetic[0], 1e-3, "and at the end")

@@ -5,7 +5,7 @@ import numpy as np
 from common import base, fresh
 from curves import distances
 from harness import OUT, solve, test
-from solver import run, variant, write_case
+from solver import ROOT, run, variant, write_case
 
 PUBLISHED = "roof_isotropic_6.35"
 REMESH = {"angle": 1.0, "smallest": 10.0, "largest": 80.0}
@@ -122,3 +122,30 @@ def path_goes_forward(report):
     report.check(load.min() >= 0.0 and result.history["top_z"].max() <= 0.0, "it is nowhere blown up")
     # Limit loads of meshes of 179 to 220 vertices lie between 0.074 and 0.088, those of 505 and 1985 at 0.0916 and 0.0920. The step that turned back began at 0.0718.
     report.check(load.max() > 0.073, f"the load gets as far as {load.max():.4f}")
+
+
+def cone(n, rings, radius, height):
+    """An OBJ file of a cone with its tip up and n cells around."""
+    points = [(0.0, 0.0, height)] + [(radius * j / rings * np.cos(2 * np.pi * i / n), radius * j / rings * np.sin(2 * np.pi * i / n), height * (1 - j / rings))
+                                     for j in range(1, rings + 1) for i in range(n)]
+    at = lambda i, j: 2 + (j - 1) * n + i % n
+    faces = [(1, at(i, 1), at(i + 1, 1)) for i in range(n)]
+    for j in range(1, rings):
+        for i in range(n):
+            faces += [(at(i, j), at(i, j + 1), at(i + 1, j + 1)), (at(i, j), at(i + 1, j + 1), at(i + 1, j))]
+    return "".join("v {} {} {}\n".format(*p) for p in points) + "".join("f {} {} {}\n".format(*f) for f in faces)
+
+
+@test
+def remesh_tip(report):
+    """A cone: at its tip, where no smooth surface goes through the first mesh, edges are halved a finite number of times. And a mesh of fewer vertices than ranks is refused."""
+    (OUT / "remesh_tip.obj").write_text(cone(24, 6, 0.3, 0.5))
+    case = {"mesh": {"file": str(OUT / "remesh_tip.obj")}, "material": [{"type": "isotropic", "young": 2e6, "poisson": 0.3, "thickness": 2e-3, "density": 400}],
+            "support": [{"type": "clamped", "group": "boundary"}], "load": [{"type": "gravity", "vector": [0.5, 0, -9.81]}]}
+    for ranks, sizes, code in ((1, (0.01, 0.06, 8.0), 0), (2, (0.02, 0.06, 8.0), 0), (3, (0.015, 0.04, 12.0), 0)):
+        keys = dict(zip(("smallest", "largest", "angle"), sizes))
+        done = run(write_case(case | {"remesh": keys}, OUT / "remesh_tip.toml"), OUT / "remesh_tip", ranks, timeout=60)
+        report.check(done.code == code and done.history["remeshings"][-1] >= 1, f"{ranks} rank(s), {keys}: {done.history['vertices'][-1]:.0f} vertices")
+    two = case | {"mesh": {"file": str(ROOT / "meshes" / "plate.geo"), "parameters": {"n": 4}}, "support": [{"type": "clamped", "group": "left"}], "remesh": {"smallest": 20.0, "largest": 50.0}}
+    done = run(write_case(two, OUT / "remesh_few.toml"), OUT / "remesh_few", 12, timeout=60)
+    report.check(done.code == 0 and "fewer vertices than ranks" in done.text, f"12 ranks: code {done.code}" + done.text[-200:] * (done.code != 0))

@@ -8,6 +8,7 @@
 // The smooth ones are exact for fields that are quadratic in a flat chart; charts are carried across seams by their joins.
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include "voile/adapt/remesh.hpp"
@@ -38,6 +39,11 @@ struct Momentum {
 /// keeps its velocity; empty: none does. Not collective. Directions that the free vertices cannot turn in are left.
 void conserve_momentum(const Motion& old_motion, const std::vector<double>& mass, const std::vector<Vec3>& places,
                        const std::vector<char>& held, std::vector<Vec3>& velocity);
+
+/// The same so that the momentum that `of` finds is `wanted`; nearly, where mass is not at the vertices alone.
+void conserve_momentum(const Momentum& wanted, const std::function<Momentum(const std::vector<Vec3>&)>& of,
+                       const std::vector<double>& mass, const std::vector<Vec3>& places, const std::vector<char>& held,
+                       std::vector<Vec3>& velocity);
 
 /// Kinetic energy [J], and the largest share by which velocities may change for it.
 struct Addition {

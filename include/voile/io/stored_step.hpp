@@ -11,6 +11,7 @@ namespace voile::io {
 struct StoredStep {
   int step = 0;
   double load_factor = 0.0, time = 0.0;
+  bool in_motion = false;            ///< whether its run was a motion, whatever fields it recorded
   std::vector<double> displacement;  ///< vertices x 3, global axes, mesh order [m]
   std::vector<double> velocity;      ///< of a motion, else empty [m/s]
   std::vector<double> previous;      ///< of the step stored before on the same mesh, empty if there is none [m]
@@ -26,6 +27,10 @@ struct StoredStep {
 /// groups, texture and the numbers that vertices and triangles had in their file; no notes. Not collective: root only.
 /// Throws UserError as read_step does.
 [[nodiscard]] mesh::MeshData read_step_mesh(const std::filesystem::path& file, int step);
+
+/// Whether step number `step`, or the last one if negative, is on another mesh than the first step of its run. Not
+/// collective: root only. Throws UserError as read_step does.
+[[nodiscard]] bool is_remeshed(const std::filesystem::path& file, int step);
 
 /// Whether a file is a results.vtkhdf rather than a checkpoint. Not collective: root only.
 [[nodiscard]] bool is_results(const std::filesystem::path& file);

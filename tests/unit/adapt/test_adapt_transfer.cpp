@@ -204,7 +204,7 @@ TEST_CASE("kinetic energy is added by one factor on what is not rigid: momentum 
   auto rigid = field_of(m, [](const Vec3& x) -> Vec3 { return Vec3(1, 0, 0) + Vec3(0, 1, 2).cross(x); });
   const auto same = rigid;
   const double factor = adapt::add_kinetic_energy(mass, places, {}, {1.0, 0.1}, rigid);
-  CHECK(factor <= 1.1);
+  CHECK(factor == 1.0);
   for (std::size_t i = 0; i < same.size(); ++i) CHECK((rigid[i] - same[i]).norm() < 1e-12);
   std::vector<Vec3> still(same.size(), Vec3::Zero());
   CHECK(adapt::add_kinetic_energy(mass, places, {}, {1.0, 0.1}, still) == 1.0);

@@ -173,6 +173,29 @@ TEST_CASE("a full disk is said, and what was there stays readable") {
   CHECK(io::read_step(file, -1, mesh).displacement == step(mesh, 6).fields[0].values);
 }
 
+TEST_CASE("results tell a motion from a path, whatever fields they have, and steps on a later mesh") {
+  const Folder folder;
+  const mesh::SurfaceMesh mesh = plate(3), finer = plate(4);
+  const fs::path file = folder.path / "results.vtkhdf";
+  for (const bool moves : {false, true}) {
+    io::ResultsWriter writer = begin(folder.path, mesh);
+    for (int n : {0, 1, 2}) {
+      if (n == 2) writer.begin_epoch(finer, ramp(finer.vertex_count()), ramp(finer.triangle_count()));
+      io::StepFields fields = step(n == 2 ? finer : mesh, n);
+      fields.load_factor = moves && n == 1 ? 1.0 : fields.time;  // a motion may pass where time and load factor agree
+      writer.write(fields);
+    }
+    const auto check = [&] {
+      for (int n : {0, 1, 2}) CHECK(io::read_step(file, n, n == 2 ? finer : mesh).in_motion == moves);
+      CHECK(!io::is_remeshed(file, 1));
+      CHECK(io::is_remeshed(file, 2));
+    };
+    check();
+    writer.finish();
+    check();
+  }
+}
+
 TEST_CASE("a stored step is read back with the one before it, and only into its own mesh") {
   const Folder folder;
   const mesh::SurfaceMesh mesh = plate(3), other = plate(4);
@@ -192,6 +215,7 @@ TEST_CASE("a stored step is read back with the one before it, and only into its 
     CHECK(last.previous == step(mesh, 2).fields[0].values);
     CHECK(last.velocity.empty());
     CHECK(last.time == 0.0);
+    CHECK(last.in_motion);
     CHECK(motion.velocity == step(mesh, 9).fields[0].values);
     CHECK(motion.time == 0.1 * 2);
     CHECK(first.step == 0);
