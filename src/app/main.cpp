@@ -11,6 +11,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
+#include <csignal>
 #include <cstdio>
 #include <fstream>
 #include <optional>
@@ -184,6 +185,8 @@ class PetscSession {
     count_ = static_cast<int>(words_.size());
     argv_ = pointers_.data();
     VOILE_PETSC(PetscInitialize(&count_, &argv_, nullptr, nullptr));
+    // `voile ... | head` ends as other programs do: PETSc would tell of a crash.
+    (void)std::signal(SIGPIPE, SIG_DFL);
     petsc::collect_errors();
     slepc_.emplace();
   }

@@ -10,7 +10,7 @@ import numpy as np
 from common import fresh, lines, started, strip, wait_for
 from harness import OUT, solve, test
 from results import NAME, Results
-from solver import command, environment, invoke, run, variant, write_case
+from solver import binary, command, environment, invoke, run, variant, write_case
 
 
 @test
@@ -167,6 +167,23 @@ def lacking_disk(report):
         done = subprocess.run(command(["run", file, "--output", OUT / "lacking_disk", "--overwrite", *options], 2), text=True, timeout=60,
                               env=environment(2) | {"MUMPS_OOC_TMPDIR": "/no/such/folder"}, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
         report.check(done.returncode == 2 and "MUMPS_OOC_TMPDIR" in done.stdout, f"{options[0]}: code {done.returncode}: {done.stdout.strip()[:250]}")
+
+
+@test
+def nobody_listens(report):
+    """`voile run case.toml | head`: ends as other programs do, without a word of a crash; its steps are there."""
+    folder = fresh("nobody_listens")
+    file = write_case(strip("static", steps__max_step=0.01, steps__initial_step=0.01), OUT / "nobody_listens.toml")
+    process = subprocess.Popen([binary(), "run", file, "--output", folder, "-snes_monitor"], env=environment(1), text=True,
+                               stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    for line in process.stdout:
+        if lines(folder / "history.csv") > 3:
+            break
+    process.stdout.close()
+    said = process.stderr.read()
+    process.wait()
+    report.check(process.returncode == -signal.SIGPIPE and not said.strip(), f"code {process.returncode}: {said.strip()[:200]}")
+    report.check(len(Results(folder)) >= 2, "what it had done is readable")
 
 
 @test
