@@ -6,11 +6,13 @@
 """
 
 import argparse
+import os
 import re
 import shlex
 import subprocess
 import sys
 import tomllib
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "runs" / "lib"))
@@ -229,10 +231,15 @@ def check_cases(voile):
     subprocess.run([ROOT / "runs" / "contact" / "scenes", "--make"], check=True, stdout=subprocess.DEVNULL)
     for maker in (ROOT / "runs" / "garments").glob("*/body"):
         subprocess.run([maker, maker.with_suffix(".obj")], check=True, stdout=subprocess.DEVNULL)
-    for case in sorted(p for p in (ROOT / "runs").rglob("*.toml") if p.parent.name != "fabrics"):
-        done = subprocess.run([str(voile), "check", str(case)], env=environment(), text=True, capture_output=True)
-        if done.returncode != 0:
-            yield f"{name_of(case)}: voile check: {(done.stdout + done.stderr).strip()}"
+    cases = sorted(p for p in (ROOT / "runs").rglob("*.toml") if p.parent.name != "fabrics")
+
+    def check(case):
+        return subprocess.run([str(voile), "check", str(case)], env=environment(), text=True, capture_output=True)
+
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        for case, done in zip(cases, pool.map(check, cases)):
+            if done.returncode != 0:
+                yield f"{name_of(case)}: voile check: {(done.stdout + done.stderr).strip()}"
 
 
 def main():

@@ -3,6 +3,7 @@
 // energy cures it.
 #include <doctest/doctest.h>
 
+#include "extent.hpp"
 #include "test_model_kit.hpp"
 #include "voile/solve/newton.hpp"
 
@@ -63,6 +64,7 @@ TEST_CASE("a share of constant-strain energy keeps free edges from crumpling") {
   CHECK(cured > 1.5 * averaged);
   // The correction takes away part of what resists: more of the share is needed (docs/decisions/membrane.md).
   for (const double share : {0.1, 0.3, 0.5}) {
+    if (extent(false, share != 0.3)) continue;
     const double corrected = stored_energy(energy::MembraneOperator::six_node_corrected, share);
     MESSAGE("corrected, with a share of " << share << ": " << corrected / constant_strain);
     if (share == 0.3) CHECK(corrected > 1.5 * averaged);
