@@ -33,42 +33,6 @@ bool is_zero(Vec v) {
   return largest == 0.0;
 }
 
-/// Per vertex, on rank 0. Collective.
-std::vector<double> masses(const system::Model& model) {
-  const std::vector<double> all = model.dofs().gather(model.potential().constant().mass());
-  std::vector<double> mass;
-  for (std::size_t i = 0; i < all.size(); i += 3) mass.push_back(all[i]);
-  return mass;
-}
-
-/// What masses at the vertices have beyond the consistent mass of linear triangles: kinetic energy [J], angular momentum
-/// [kg m^2/s]. On rank 0.
-struct Excess {
-  double kinetic = 0.0;
-  Vec3 angular = Vec3::Zero();
-};
-Excess excess_of_lumping(const system::Model& model, const std::vector<Vec3>& places,
-                         const std::vector<Vec3>& velocity) {
-  const mesh::SurfaceMesh& mesh = model.dofs().mesh();
-  Excess excess;
-  for (Index t = 0; t < mesh.triangle_count(); ++t) {
-    const mesh::Triangle& v = mesh.triangles()[t];
-    const double mass = model.discretisation().sheet().material(t).areal_density * mesh.area(t);
-    for (int s = 0; s < 3; ++s) {
-      const Vec3 faster = velocity[v[s]] - velocity[v[(s + 1) % 3]];
-      excess.kinetic += mass / 24.0 * faster.squaredNorm();
-      excess.angular += mass / 12.0 * (places[v[s]] - places[v[(s + 1) % 3]]).cross(faster);
-    }
-  }
-  return excess;
-}
-
-/// Where vertices are that have moved by u.
-std::vector<Vec3> moved(const mesh::SurfaceMesh& mesh, std::vector<Vec3> u) {
-  for (std::size_t v = 0; v < u.size(); ++v) u[v] += mesh.positions()[v];
-  return u;
-}
-
 }  // namespace
 
 double cpu_clock() {
@@ -138,83 +102,6 @@ io::Checkpoint Remesher::carry_over(Epoch& epoch, const Made& made) const {
     }
   });
   return c;
-}
-
-Ledger Remesher::ledger(Epoch& epoch) const {
-  system::Model& model = epoch.model();
-  const system::State& s = epoch.state();
-  Ledger l;
-  l.energies = system::energies(model, s.u);
-  const std::vector<double> mass = masses(model), u = model.dofs().gather(s.u),
-                            v = s.v ? model.dofs().gather(s.v) : std::vector<double>{};
-  mpi::on_root(model.dofs().comm(), [&] {
-    for (std::size_t i = 0; i < mass.size(); ++i) {
-      l.mass += mass[i];
-      if (v.empty()) continue;
-      const Vec3 velocity = Eigen::Map<const Vec3>(&v[3 * i]);
-      const Vec3 x = model.dofs().mesh().positions()[i] + Eigen::Map<const Vec3>(&u[3 * i]);
-      l.kinetic += 0.5 * mass[i] * velocity.squaredNorm();
-      l.momentum += mass[i] * velocity;
-      l.angular += mass[i] * x.cross(velocity);
-    }
-    if (!is_consistent() || v.empty()) return;
-    const Excess excess = excess_of_lumping(model, moved(model.dofs().mesh(), as_points(u)), as_points(v));
-    l.kinetic -= excess.kinetic;
-    l.angular -= excess.angular;
-  });
-  return l;
-}
-
-bool Remesher::is_consistent() const {
-  return stage_.c.dynamics.mass == system::Mass::consistent;
-}
-
-/// Of a motion with the mass of the case, on rank 0.
-adapt::Momentum Remesher::momentum(const system::Model& model, const adapt::Motion& motion) const {
-  adapt::Momentum m = adapt::momentum(motion);
-  if (is_consistent()) m.angular -= excess_of_lumping(model, motion.places, motion.velocity).angular;
-  return m;
-}
-
-/// Momentum and kinetic energy become `wanted` and `energy`, this one as far as `velocity_change` lets it. On rank 0. Sets `velocity_factor_`.
-void Remesher::keep(const system::Model& model, const adapt::Motion& motion, const std::vector<char>& held,
-                    const adapt::Momentum& wanted, double energy, std::vector<Vec3>& velocity) {
-  const std::vector<double>& mass = motion.mass;
-  const std::vector<Vec3>& places = motion.places;
-  const auto of = [&](const std::vector<Vec3>& v) { return momentum(model, {mass, places, v}); };
-  // Corrections are those of masses at the vertices: with consistent ones a part is left to the next pass.
-  const int passes = is_consistent() ? 8 : 1;
-  velocity_factor_ = 1.0;
-  for (int pass = 0; pass < passes; ++pass) {
-    adapt::conserve_momentum(wanted, of, mass, places, held, velocity);
-    double kinetic = is_consistent() ? -excess_of_lumping(model, places, velocity).kinetic : 0.0;
-    for (std::size_t v = 0; v < velocity.size(); ++v) kinetic += 0.5 * mass[v] * velocity[v].squaredNorm();
-    const double missing = energy - kinetic, bound = 1.0 + std::copysign(keys_.velocity_change, missing);
-    const double most = std::abs(bound / velocity_factor_ - 1.0);
-    velocity_factor_ *= adapt::add_kinetic_energy(mass, places, held, {missing, most}, velocity);
-  }
-}
-
-/// Puts the momentum of the old state into the velocities of the new one, and the energy that relaxation has set free, as
-/// far as small changes of velocity do. Collective.
-void Remesher::keep_momentum(Epoch& old_epoch, Epoch& fresh, const Ledger& before) {
-  const auto gathered = [](Epoch& e, Vec v) { return as_points(e.model().dofs().gather(v)); };
-  const std::vector<double> old_mass = masses(old_epoch.model()), mass = masses(fresh.model());
-  const std::vector<Vec3> old_u = gathered(old_epoch, old_epoch.state().u), u = gathered(fresh, fresh.state().u);
-  const std::vector<Vec3> old_velocity = gathered(old_epoch, old_epoch.state().v);
-  const double now = ledger(fresh).stored();
-  std::vector<Vec3> velocity = gathered(fresh, fresh.state().v);
-  std::vector<double> values;
-  mpi::on_root(fresh.model().dofs().comm(), [&] {
-    const system::Dofs& dofs = fresh.model().dofs();
-    std::vector<char> held(velocity.size());
-    for (std::size_t v = 0; v < held.size(); ++v) held[v] = dofs.is_held(static_cast<Index>(v));
-    const std::vector<Vec3> old_places = moved(old_epoch.model().dofs().mesh(), old_u), places = moved(dofs.mesh(), u);
-    const adapt::Momentum wanted = momentum(old_epoch.model(), {old_mass, old_places, old_velocity});
-    keep(fresh.model(), {mass, places, velocity}, held, wanted, before.total() - now, velocity);
-    values = as_values(velocity);
-  });
-  fresh.model().dofs().scatter(values, fresh.state().v);
 }
 
 /// What intersects, by exact predicates, and where; empty if nothing does. The same on every rank. Collective.
@@ -302,6 +189,15 @@ std::string text_of(const adapt::SizeMatch& m, Index before, Index after, std::p
       100.0 * energy_change);
 }
 
+/// Of a path, to the step before; else none. Collective.
+petsc::VecHandle direction_of(const system::State& state) {
+  if (!state.previous) return {};
+  petsc::VecHandle direction;
+  VOILE_PETSC(VecDuplicate(state.u, direction.out()));
+  VOILE_PETSC(VecWAXPY(direction, -1.0, state.u, state.previous));
+  return direction;
+}
+
 std::string text_of_change(double change, const Ledger& before, const Ledger& after) {
   return fmt::format("the energy would change by {:+.2g} % of {:.2g} J, more than `energy_change`", 100.0 * change,
                      std::max(std::abs(before.total()), std::abs(after.total())));
@@ -332,11 +228,7 @@ std::optional<Adapted> Remesher::attempt(Epoch& epoch, const std::vector<double>
   fresh.prepare(Origin::mesh);
   // Nothing has moved yet: Newton's method would be asked to improve on round-off.
   const bool at_rest = epoch.state().in_equilibrium && is_zero(epoch.state().u);
-  petsc::VecHandle direction;  // of a path
-  if (fresh.state().previous) {
-    direction = fresh.model().dofs().create_vector();
-    VOILE_PETSC(VecWAXPY(direction, -1.0, fresh.state().u, fresh.state().previous));
-  }
+  const petsc::VecHandle direction = direction_of(fresh.state());
   double change = 0.0;
   const bool found = !at_rest && find_equilibrium_nearby(fresh);
   if (!at_rest && !found) {
@@ -347,9 +239,9 @@ std::optional<Adapted> Remesher::attempt(Epoch& epoch, const std::vector<double>
   }
   bool accepted = true;
   if (fresh.model().contact() && stage_.c.contact.check) {
-    const std::string found = intersections(fresh);
-    accepted = found.empty();
-    if (!accepted) what = fmt::format("the new surface would intersect: {}", found);
+    const std::string pairs = intersections(fresh);
+    accepted = pairs.empty();
+    if (!accepted) what = fmt::format("the new surface would intersect: {}", pairs);
   }
   const bool is_path = stage_.c.analysis == "static";
   if (is_path && !at_rest && !found) accepted = accepted && find_equilibrium(epoch, fresh, what);
