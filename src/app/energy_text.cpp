@@ -2,13 +2,14 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace voile::app {
 
 namespace {
 
-/// Share of the turnover that is much.
+/// Fraction of the turnover that is too much.
 constexpr double much = 0.05;
 
 }  // namespace
@@ -33,7 +34,13 @@ std::string balance_text(const system::EnergyBalance& b) {
 }
 
 std::string balance_warning(const system::EnergyBalance& b, const solve::TimeOptions& options) {
-  const double all = b.turnover();
+  const double all = b.turnover(), gained = std::max(0.0, -b.numerical);
+  if (gained > much * all && gained > std::abs(b.unaccounted))
+    return fmt::format(
+        "the time stepping has created {:.3g} J, {:.2g} % of the energy that came in: speeds or stiffnesses are beyond "
+        "what "
+        "steps of this size resolve; use a smaller time.step (history: numerical_loss)",
+        gained, 100.0 * gained / all);
   if (!(std::abs(b.unaccounted) > much * all)) return "";
   const bool iterates = options.method == solve::TimeOptions::Method::implicit_alpha;
   std::string remedy = "a smaller time.step";

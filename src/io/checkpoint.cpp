@@ -14,7 +14,7 @@ namespace voile::io {
 namespace {
 
 constexpr std::size_t anchor_numbers = 8;    // of each anchor
-constexpr std::size_t balance_numbers = 12;  // of an energy balance
+constexpr std::size_t balance_numbers = 13;  // of an energy balance
 constexpr std::size_t path_numbers = 5;      // of a path
 
 /// The vectors of a checkpoint, const or not, under their names in the file.

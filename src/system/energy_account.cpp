@@ -1,5 +1,6 @@
 #include "voile/system/energy_account.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -12,8 +13,8 @@ namespace {
 
 template <class Balance>
 auto members_of(Balance& b) {
-  return std::array{&b.initial, &b.kinetic, &b.stored,   &b.loads,     &b.supports,  &b.obstacles,
-                    &b.damping, &b.drag,    &b.friction, &b.numerical, &b.remeshing, &b.unaccounted};
+  return std::array{&b.initial, &b.kinetic,  &b.stored,    &b.loads,     &b.supports,    &b.obstacles, &b.damping,
+                    &b.drag,    &b.friction, &b.numerical, &b.remeshing, &b.unaccounted, &b.inflow};
 }
 
 double internal_of(const Energies& e) {
@@ -23,7 +24,7 @@ double internal_of(const Energies& e) {
 }  // namespace
 
 double EnergyBalance::turnover() const {
-  return std::abs(initial) + std::abs(loads) + std::abs(supports) + std::abs(obstacles);
+  return std::abs(initial) + inflow;
 }
 
 std::vector<double> numbers_of(const EnergyBalance& balance) {
@@ -75,12 +76,20 @@ void EnergyAccount::take_forces(Vec u_0, Vec u_1, Vec u, Vec v, Vec a) {
   }
 }
 
-void EnergyAccount::end_step(Vec u_1, Vec v_1) {
+double EnergyAccount::driven(Vec u_1, double t_0, double t_1, double internal_now) {
   Model& model = dynamics_.model();
-  // What is prescribed changes the energy stored, at first with the sheet as it was; how the sheet gives way is in du.F.
-  const double prescribed =
-      model.potential().depends_on_time() ? internal_of(energies(model, start_, false)) - before_.internal : 0.0;
+  if (!model.potential().depends_on_time()) return 0.0;
+  const double with_start = internal_of(energies(model, start_, false)) - before_.internal;
+  dynamics_.set_time(t_0);
+  const double with_end = internal_now - internal_of(energies(model, u_1, false));
+  dynamics_.set_time(t_1);
+  return 0.5 * (with_start + with_end);
+}
+
+void EnergyAccount::end_step(Vec u_1, Vec v_1, double t_0, double t_1) {
+  dynamics_.set_time(t_1);
   const Levels now = levels(u_1, v_1);
+  const double prescribed = driven(u_1, t_0, t_1, now.internal);
   const ForceWork& w = work_.model;
   EnergyBalance step;
   step.loads = w.loads;
@@ -93,6 +102,7 @@ void EnergyAccount::end_step(Vec u_1, Vec v_1) {
                    (now.internal - before_.internal) + w.contact + obstacles_ - (now.contact - before_.contact);
   step.unaccounted = now.sum() - before_.sum() - (step.loads + step.supports + step.obstacles) + step.damping +
                      step.drag + step.friction + step.numerical;
+  step.inflow = std::max(0.0, step.loads + step.supports + step.obstacles);
   const auto sums = members_of(balance_);
   const auto more = members_of(step);
   for (std::size_t i = 0; i < sums.size(); ++i) *sums[i] += *more[i];

@@ -17,8 +17,8 @@ class EnergyAccount {
   void begin(Vec u, Vec v, const EnergyBalance& before);
   /// The forces of a step from u_0 to u_1, at its stage (u, v, a) and the stage's time, which is in force. Collective.
   void take_forces(Vec u_0, Vec u_1, Vec u, Vec v, Vec a);
-  /// The step has ended with (u_1, v_1), at the time in force. Collective.
-  void end_step(Vec u_1, Vec v_1);
+  /// The step from time `t_0` has ended at `t_1` with (u_1, v_1); leaves t_1 in force. Collective. [s]
+  void end_step(Vec u_1, Vec v_1, double t_0, double t_1);
 
   [[nodiscard]] const EnergyBalance& balance() const { return balance_; }
 
@@ -28,6 +28,8 @@ class EnergyAccount {
     [[nodiscard]] double sum() const { return kinetic + internal + contact; }
   };
   [[nodiscard]] Levels levels(Vec u, Vec v);
+  /// Work of what drives places and lengths of springs, clamps and seams in the step.
+  [[nodiscard]] double driven(Vec u_1, double t_0, double t_1, double internal_now);
 
   Dynamics& dynamics_;
   EnergyBalance balance_;

@@ -5,6 +5,10 @@
 //   K + U + E - initial = loads + supports + obstacles - damping - drag - friction - numerical + remeshing + unaccounted
 // Sums over the accepted steps, each of them a force at the stage times du. With y what is prescribed for obstacles,
 //   numerical  = -(dK - du.M a(s)) - (dU - du.F_int(s) - dU|y) - (dE - du.F_c(s) - dy.dE/dy(s))
+// With z(t) the places and lengths that are driven (attachments, bands, seams, clamps that turn), z_0 and z_1 at the start and end:
+//   supports += 1/2 [U(u_0, z_1) - U(u_0, z_0) + U(u_1, z_1) - U(u_1, z_0)]
+// which for a linear spring is its force in the middle of the step times the way of z: with either state alone, a sheet that
+// goes along with z would be charged k/2 |dz|^2. The numerical part
 // is what the scheme takes by evaluating inertia and stored energies at one place for a whole step. What is then left is
 // the residual of the steps times du: what Newton's method leaves open, or a force that somebody forgot.
 #pragma once
@@ -26,8 +30,9 @@ struct EnergyBalance {
   double numerical = 0.0;              ///< taken by the scheme
   double remeshing = 0.0;              ///< given at once by new meshes and by supports that let go
   double unaccounted = 0.0;
+  double inflow = 0.0;  ///< sum of what loads, supports and obstacles gave in the steps in which they gave
 
-  /// What shares are told of: all that came in.
+  /// What fractions are taken of: all that was there or came in.
   [[nodiscard]] double turnover() const;
 };
 
@@ -35,6 +40,6 @@ struct EnergyBalance {
 [[nodiscard]] std::vector<double> numbers_of(const EnergyBalance& balance);
 [[nodiscard]] EnergyBalance balance_of(const std::vector<double>& numbers);
 /// How many numbers these are.
-inline constexpr std::size_t balance_numbers = 12;
+inline constexpr std::size_t balance_numbers = 13;
 
 }  // namespace voile::system
