@@ -5,6 +5,7 @@
 #include "voile/base/mpi.hpp"
 #include "voile/energy/angle_bending.hpp"
 #include "voile/energy/membrane.hpp"
+#include "voile/energy/mirror_fold.hpp"
 #include "voile/system/attachments.hpp"
 #include "voile/system/bands.hpp"
 #include "voile/system/bending_energy.hpp"
@@ -30,6 +31,7 @@ bool Potential::depends_on_time() const {
 
 energy::Configuration Potential::configuration(Vec a) {
   bending_->turn(conditions_->rotations());
+  folds_->turn(conditions_->rotations());
   attachments_->place();
   on_->dofs().update_points(a, u_, x_);
   return {x_.data(), u_.data(), nullptr, energy::Tangent::exact};

@@ -14,6 +14,7 @@
 #include "voile/energy/chord_correction.hpp"
 #include "voile/energy/chord_forms.hpp"
 #include "voile/energy/membrane.hpp"
+#include "voile/energy/mirror_fold.hpp"
 #include "voile/energy/seam.hpp"
 #include "voile/energy/sheet.hpp"
 #include "voile/energy/spring.hpp"
@@ -57,6 +58,7 @@ ElementTerm<Kernel>& Potential::add_term(double Energies::*part) {
 /// Here a new term joins the potential.
 void Potential::build_terms(const Curvatures& curvatures, const PotentialInput& input) {
   build_sheet(curvatures);
+  build_mirror_folds();
   auto& ties = add_term<energy::SpringTerm>(&Energies::springs);
   bands_ = std::make_unique<Bands>(*on_, ties.kernel);
   for (const Spring& spring : input.springs)
@@ -115,6 +117,34 @@ bool Potential::add_angles(Index t, const energy::CurvatureOperator& op, const e
   const std::optional<energy::EdgeAngles> angles = energy::make_edge_angles(sheet, t, op, el);
   if (angles) angles_->kernel.add(el, *angles, local, sheet.mesh().area(t) * sheet.material(t).bending, owned);
   return angles.has_value();
+}
+
+void Potential::build_mirror_folds() {
+  folds_ = &add_term<energy::MirrorFoldTerm>(&Energies::bending).kernel;
+  const mesh::SurfaceMesh& mesh = on_->mesh();
+  const LocalPoints& local = on_->dofs().local();
+  const std::vector<mesh::MirrorPoint>& mirrors = on_->patches().mirrors();
+  for (std::size_t k = 0; k < mirrors.size(); ++k) {
+    const mesh::MirrorPoint& m = mirrors[k];
+    const std::array<Index, 3> vertices{m.apex, m.a, m.b};
+    if (std::none_of(vertices.begin(), vertices.end(), [&](Index v) { return on_->owned(v) != no_index; })) continue;
+    Index triangle = no_index;
+    for (const Index t : mesh.triangles_of_vertex(m.apex))
+      if (mesh.side_of(t, m.a, m.b) >= 0) triangle = t;
+    const auto start = [&](Index v) { return local.start[local.local_of[v]]; };
+    const Vec3 arm = start(m.apex) - ((1.0 - m.foot) * start(m.a) + m.foot * start(m.b));
+    const double length = mesh.rest_length({m.a, m.b}), height = 2.0 * mesh.area(triangle) / length;
+    const double bending = 0.5 * on_->sheet().material(triangle).bending.topLeftCorner<2, 2>().trace();
+    energy::MirrorFoldTerm::Edge edge;
+    std::transform(vertices.begin(), vertices.end(), edge.points.begin(), [&](Index v) { return local.local_of[v]; });
+    edge.foot = m.foot;
+    edge.height = height;
+    edge.stiffness = 2.0 * bending * length / height;
+    edge.outward = -arm.normalized();
+    edge.support = on_->constraints().turned_by[k];
+    edge.owned = on_->owned(m.apex) != no_index;
+    folds_->add(edge);
+  }
 }
 
 void Potential::tie(const Spring& spring, ElementTerm<energy::SpringTerm>& ties) const {

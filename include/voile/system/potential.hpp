@@ -27,6 +27,7 @@ struct CurvatureOperator;
 class AnchorTerm;
 class AngleBendingTerm;
 class MembraneTerm;
+class MirrorFoldTerm;
 class SpringTerm;
 }  // namespace voile::energy
 
@@ -124,6 +125,7 @@ class Potential {
   /// Lets triangle t bend by the angles at edges where that is chosen and possible.
   bool add_angles(Index t, const energy::CurvatureOperator& op, const energy::BendingElement& el,
                   const std::vector<Index>& local, bool owned);
+  void build_mirror_folds();
   void tie(const Spring& spring, ElementTerm<energy::SpringTerm>& ties) const;
   template <class Kernel>
   ElementTerm<Kernel>& add_term(double Energies::*part);
@@ -135,6 +137,7 @@ class Potential {
   std::vector<Counted> terms_;
   ElementTerm<energy::MembraneTerm>* membrane_ = nullptr;  ///< one of terms_
   ElementTerm<energy::AngleBendingTerm>* angles_ = nullptr;
+  energy::MirrorFoldTerm* folds_ = nullptr;                ///< kernel of one of them
   energy::AnchorTerm* anchors_ = nullptr;  ///< kernel of one of them, or null
   Recovery recovery_;
   ConstantMatrices constant_;
