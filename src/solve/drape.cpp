@@ -4,10 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <optional>
 
 #include "drape_motion.hpp"
+#include "step_bound.hpp"
 #include "voile/base/interrupt.hpp"
 #include "voile/solve/inverse_iteration.hpp"
 #include "voile/solve/stall.hpp"
@@ -21,6 +23,8 @@ constexpr int inverse_iterations = 20;
 /// Load steps of the cheap way without contact, halved steps included.
 constexpr int most_load_steps = 16;
 constexpr double first_load_step = 0.25;
+/// Growth of the push where an escape was in vain, and the part of an energy by which a state may be lower and the same.
+constexpr double push_growth = 3.0, same_energy = 1e-6;
 /// From the unloaded state to the load factor in force by Newton's method; on failure `a` is unloaded again.
 /// Collective.
 bool ramp(Newton& newton, system::Model& model, Vec a, NewtonResult& result) {
@@ -32,8 +36,11 @@ bool ramp(Newton& newton, system::Model& model, Vec a, NewtonResult& result) {
   VOILE_PETSC(VecCopy(a, accepted));
   double done = 0.0, step = first_load_step;
   bool stable = true;
-  for (int k = 0; k < most_load_steps && done < 1.0 && stable; ++k) {
-    const double target = std::min(1.0, done + step);
+  // Clamps that turn far take steps of their own.
+  const int turns = static_cast<int>(model.conditions().turn_between(0.0, full, true) / largest_turn);
+  for (int k = 0; k < most_load_steps + 2 * turns && done < 1.0 && stable; ++k) {
+    const double whole = std::min(1.0, done + step) - done;
+    const double target = done + whole * fraction_by_turn(model, done * full, (done + whole) * full, true);
     model.conditions().set_load_factor(target * full);
     const NewtonResult n = newton.step(a);
     result.iterations += n.iterations;
@@ -164,6 +171,8 @@ struct Drape::Impl {
   petsc::VecHandle mode;
   Stability now;
   bool done = false;
+  double push = 0.0;                                                ///< of the last escape [cells]
+  double escaped_energy = std::numeric_limits<double>::infinity();  ///< of the state that it left [J]
 
   Impl(system::Model& m, DrapeOptions o, const Remark& r) : model(m), options(o), remark(r), mode(start_mode(m)) {}
 
@@ -180,7 +189,7 @@ void Drape::Impl::judge(Vec a, NewtonResult& n) {
   model.assemble_tangent(a, request);
   linear.tangent_changed();
   const bool factored = linear.factorise();
-  n.negative_pivots = factored ? linear.negative_pivots() : -1;
+  n.negative_pivots = factored ? linear.negative_eigenvalues() : -1;
   now.stable = n.negative_pivots == 0;
   now.eigenvalue = factored ? inverse_iteration(model, linear, mode, inverse_iterations) : 0.0;
   if (remark)
@@ -196,7 +205,12 @@ StepResult Drape::Impl::attempt(system::State& state) {
   r.newton_iterations = r.newton.iterations;
   if (r.newton.converged && r.newton.negative_pivots > 0 && now.escapes < options.max_escapes) {
     const double cell = std::sqrt(model.discretisation().mean_area());
-    escape(model, state.u, mode, options.push * cell);
+    // A search that has come back to the state it was pushed from needs a longer push.
+    const double energy = model.energy(state.u);
+    const bool is_new = std::isinf(escaped_energy) || energy < escaped_energy - same_energy * std::abs(escaped_energy);
+    push = is_new ? options.push : push_growth * push;
+    escaped_energy = energy;
+    escape(model, state.u, mode, push * cell);
     ++now.escapes;
     r.outcome = Outcome::not_yet;
   } else {
@@ -219,7 +233,7 @@ void Drape::Impl::conclude(system::State& state, StepResult& r) {
     remark(fmt::format("residual {:.3e} N ({:.1e} of the forces); {}; eigenvalue nearest to zero {:.4g} 1/s^2",
                        now.residual, r.newton.residual,
                        now.stable                     ? "stable"
-                       : r.newton.negative_pivots < 0 ? "stability not known (follower loads)"
+                       : r.newton.negative_pivots < 0 ? "stability not known (follower loads without a potential)"
                                                       : "UNSTABLE",
                        now.eigenvalue));
   done = r.newton.converged && r.newton.negative_pivots <= 0;

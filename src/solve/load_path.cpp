@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "step_bound.hpp"
 #include "voile/base/error.hpp"
 #include "voile/base/interrupt.hpp"
 #include "voile/solve/stall.hpp"
@@ -119,7 +120,8 @@ double LoadPath::next_target(double from, double step) const {
   };
   limit(options_.final_load_factor, 0.0);
   for (const double stop : options_.stops) limit(stop, slack);
-  return target;
+  const double fraction = fraction_by_turn(model_, from, target, true);
+  return fraction < 1.0 ? from + fraction * (target - from) : target;
 }
 
 bool LoadPath::finished(const system::State& state) const {
@@ -185,6 +187,10 @@ StepResult LoadPath::attempt(system::State& state) {
     halve(state, r, target, taken);
     return r;
   }
+  // Newton's last tangent is that of the iterate before, with other stresses: what it says is looked at again.
+  const bool last = std::abs(options_.final_load_factor - target) <= 1e-12 * std::max(1.0, std::abs(target));
+  if (last || r.newton.negative_pivots > 0 || !model_.conditions().symmetric())
+    r.newton.negative_pivots = newton_->negative_eigenvalues(state.u);
   VOILE_PETSC(VecCopy(state.u, accepted_));
   state.load_factor = target;
   state.v.reset();

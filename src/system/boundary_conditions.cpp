@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 
 #include "voile/base/error.hpp"
@@ -126,6 +127,25 @@ void BoundaryConditions::move_supports(double time) {
     const Vec3 own = on_->dofs().to_own(local.point_of[m.local], u);
     for (int k = 0; k < 3; ++k) motion[3 * m.local + k] = own[k];
   }
+}
+
+double BoundaryConditions::turn_between(double from, double to, bool by_load) const {
+  // A turn and back again, or by 360 degrees, is a turn.
+  constexpr int parts = 16;
+  double largest = 0.0;
+  if (by_load != motion_by_load_) return largest;
+  for (const Support& s : supports_) {
+    if (!s.rotation) continue;
+    double angle = 0.0;
+    Mat3 before = s.rotation(from);
+    for (int k = 1; k <= parts; ++k) {
+      const Mat3 now = s.rotation(from + (to - from) * k / parts);
+      angle += Eigen::AngleAxisd(before.transpose() * now).angle();
+      before = now;
+    }
+    largest = std::max(largest, angle);
+  }
+  return largest;
 }
 
 void BoundaryConditions::set_displacement(Index local, const Vec3& u) {

@@ -60,6 +60,9 @@ class BoundaryConditions {
   [[nodiscard]] Vec prescribed() const { return prescribed_; }
   /// Rotation of each support, by number.
   [[nodiscard]] const std::vector<Mat3>& rotations() const { return rotations_; }
+  /// The largest angle by which a clamp turns between two times [rad]; with `by_load`, between two load factors. 0 where
+  /// clamps turn with the other of the two. Not collective.
+  [[nodiscard]] double turn_between(double from, double to, bool by_load) const;
 
   /// Overwrites f with the applied forces. `scratch` has one entry per local point. Collective. [N]
   void applied_forces(const energy::Configuration& c, std::vector<Vec3>& scratch, Vec f) const;
