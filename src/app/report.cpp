@@ -89,6 +89,13 @@ void report_end(const input::Case& c, const RunOptions& options, const Summary& 
       fmt::print(stderr, "voile: warning: {}\n", text);
     if (options.verbosity != Verbosity::quiet && s.kinetic && s.kinetic->largest > 0.0)
       fmt::print("{}\n", rest_text(*s.kinetic));
+    if (s.unstable)
+      fmt::print(
+          stderr,
+          "voile: warning: the last state is an unstable equilibrium ({} negative eigenvalue(s)): a real sheet leaves "
+          "it; find the stable one with analysis = \"drape\", or follow the path with [steps] control = \"arc_length\" "
+          "and at_critical_point = \"switch_branch\" (exit code {})\n",
+          s.negative_pivots, static_cast<int>(Exit::unstable));
     if (!s.converged)
       fmt::print(stderr, "voile: {}not converged: {}; everything up to {} is in {}\n",
                  c.is_staged() ? fmt::format("stage '{}': ", c.stage.name) : "", s.reason,

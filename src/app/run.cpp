@@ -106,6 +106,9 @@ Summary summary_of(const solve::Followed& all, const system::State& state, const
   s.time = state.time;
   if (c.analysis == "dynamic") s.balance = state.balance;
   s.negative_pivots = all.newton.negative_pivots;
+  // Path following goes along unstable branches on purpose.
+  s.unstable = c.analysis == "static" && c.steps.control == solve::StaticOptions::Control::load && s.converged &&
+               s.negative_pivots > 0;
   s.residual = all.newton.residual;
   s.unknowns = model.dofs().unknowns();
   s.vertices = model.dofs().mesh().vertex_count();
@@ -237,7 +240,8 @@ Exit run(const input::Case& as_given, const RunOptions& given) {
   if (!c.stages.empty())
     mpi::on_root(PETSC_COMM_WORLD, [&] { write_stages(options.output, summaries, stages.size()); });
   const bool done = summaries.size() == stages.size() && summaries.back().second.converged;
-  return done ? Exit::done : Exit::not_converged;
+  if (!done) return Exit::not_converged;
+  return summaries.back().second.unstable ? Exit::unstable : Exit::done;
 }
 
 }  // namespace voile::app

@@ -75,6 +75,7 @@ Json json_of(const Summary& s) {
            {"eigenvalues", s.eigen},
            {"time", s.time},
            {"negative_pivots", s.negative_pivots},
+           {"unstable", s.unstable},
            {"residual", s.residual},
            {"membrane_error", s.membrane_error},
            {"recovery_error", s.recovery_error},

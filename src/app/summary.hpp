@@ -36,6 +36,7 @@ struct Summary {
   std::vector<double> eigen;    ///< frequencies or critical load factors
   double time = 0.0;            ///< reached in a motion [s]
   long negative_pivots = -1;    ///< of the last tangent: the last state is unstable if > 0; -1: not known
+  bool unstable = false;        ///< load control has ended in an unstable equilibrium
   double residual = 0.0;        ///< relative, of the last state
   double membrane_error = 0.0;  ///< energy that should not be there over that stored, see Warnings::membrane_error()
   double recovery_error = 0.0;  ///< of the last state, see DiscretisationError::share()

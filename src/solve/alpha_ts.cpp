@@ -184,6 +184,7 @@ PetscErrorCode step(TS ts) {
     PetscInt its = 0, lits = 0;
     PetscCall(TSPreStage(ts, th.stage_time));
     PetscCall(SNESSolve(ts->snes, nullptr, th.x1));
+    if (th.callbacks.solved) PetscCall(th.callbacks.solved(th.callbacks.context, th.x1));
     PetscCall(SNESGetIterationNumber(ts->snes, &its));
     PetscCall(SNESGetLinearSolveIterations(ts->snes, &lits));
     ts->snes_its += its;

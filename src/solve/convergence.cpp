@@ -8,11 +8,10 @@ namespace voile::solve {
 
 namespace {
 
-/// Positions are known to eps |X|.
-double position_round_off(const system::Model& model) {
+double farthest(const system::Model& model) {
   double distance = model.dofs().mesh().extent();
   for (const Vec3& x : model.dofs().mesh().positions()) distance = std::max(distance, x.norm());
-  return std::numeric_limits<double>::epsilon() * distance * std::sqrt(static_cast<double>(model.dofs().unknowns()));
+  return distance;
 }
 
 /// Of a cell against stretching, and against bending within it [N/m].
@@ -27,9 +26,23 @@ double cell_stiffness(const system::Model& model) {
 }  // namespace
 
 ConvergenceTest::ConvergenceTest(const system::Model& model)
-    : position_round_off_(position_round_off(model)),
-      round_off_(position_round_off_ * cell_stiffness(model)),
-      wild_(20.0 * model.dofs().mesh().extent() * std::sqrt(static_cast<double>(model.dofs().unknowns()))) {}
+    : distance_(farthest(model)),
+      resolution_(std::numeric_limits<double>::epsilon() * std::sqrt(static_cast<double>(model.dofs().unknowns()))),
+      stiffness_(cell_stiffness(model)),
+      wild_(20.0 * model.dofs().mesh().extent() * std::sqrt(static_cast<double>(model.dofs().unknowns()))) {
+  set_round_off(distance_);
+}
+
+void ConvergenceTest::set_round_off(double distance) {
+  position_round_off_ = resolution_ * distance;
+  round_off_ = position_round_off_ * stiffness_;
+}
+
+void ConvergenceTest::see(Vec a) {
+  double moved = 0.0;
+  VOILE_PETSC(VecNorm(a, NORM_INFINITY, &moved));
+  set_round_off(distance_ + (std::isfinite(moved) && moved > distance_ ? moved : 0.0));
+}
 
 void ConvergenceTest::read(SNES snes) {
   PetscInt iterations = 0;
@@ -42,6 +55,11 @@ bool ConvergenceTest::nothing_to_do(double residual, double force) const {
 }
 
 SNESConvergedReason ConvergenceTest::judge(const Progress& p) const {
+  if (!p.is_newton) {
+    if (p.residual <= std::max(atol_, rtol_ * p.force)) return SNES_CONVERGED_FNORM_RELATIVE;
+    return p.residual <= round_off_ && p.residual >= 0.1 * p.residual_before ? SNES_CONVERGED_FNORM_ABS
+                                                                             : SNES_CONVERGED_ITERATING;
+  }
   if (p.residual <= std::max(atol_, rtol_ * p.force) && p.increment <= stol_ * p.step)
     return SNES_CONVERGED_FNORM_RELATIVE;
   if (p.increment <= 1e-3 * stol_ * p.step && std::abs(p.work) <= 1e-3 * rtol_ * p.force * p.step)
@@ -50,6 +68,10 @@ SNESConvergedReason ConvergenceTest::judge(const Progress& p) const {
   if (p.residual <= round_off_ && p.residual >= 0.1 * p.residual_before) return SNES_CONVERGED_SNORM_RELATIVE;
   if (p.increment <= position_round_off_ && p.residual >= 0.1 * p.residual_before) return SNES_CONVERGED_SNORM_RELATIVE;
   return SNES_CONVERGED_ITERATING;
+}
+
+bool ConvergenceTest::is_balanced(double residual, double force) const {
+  return residual <= std::max({atol_, rtol_ * force, round_off_});
 }
 
 }  // namespace voile::solve

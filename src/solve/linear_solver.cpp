@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "inertia.hpp"
 #include "voile/base/error.hpp"
 #include "voile/solve/block_icc_pc.hpp"
 #include "voile/solve/inexact_pc.hpp"
@@ -20,6 +21,9 @@ namespace {
 constexpr int workspace_retries = 5;
 /// From here on single precision saves memory at no cost of time.
 constexpr PetscInt vertices_of_mixed = 10000;
+
+/// Part of the right-hand side that a solution may leave without being called inexact.
+constexpr double left_unsolved = 1e-2;
 
 /// Whether the user tunes the factor in double, which then has to be one.
 bool factor_is_tuned() {
@@ -65,6 +69,9 @@ void LinearSolver::prepare() {
   VOILE_PETSC(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(pc), inexact_pc_type, &inexact));
   mixed_ = mixed;
   inexact_ = inexact;
+  PetscBool direct = PETSC_FALSE;
+  VOILE_PETSC(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(ksp_), KSPPREONLY, &direct));
+  trusted_ = direct && (mixed || inexact || ((cholesky || lu) && !factor_is_tuned()));
   if (mixed_ && statics_) set_mixed_proves(pc);
   if (!cholesky && !lu) return;
   MatSolverType type = nullptr;
@@ -119,6 +126,12 @@ long LinearSolver::negative_pivots() const {
   PetscInt count = 0;
   VOILE_PETSC(MatMumpsGetInfog(factor(), mumps_negative_pivots, &count));
   return count;
+}
+
+long LinearSolver::negative_eigenvalues() {
+  if (model_.conditions().symmetric()) return negative_pivots();
+  const Inertia inertia = inertia_of(model_.tangent().matrix());
+  return inertia.conservative || inertia.negative == 0 ? inertia.negative : -1;
 }
 
 void check_mumps_room(int error, int size) {
@@ -199,10 +212,25 @@ bool LinearSolver::solve(Vec rhs, Vec x) {
     VOILE_PETSC(KSPSolve(ksp_, rhs, x));
     KSPConvergedReason reason = KSP_CONVERGED_ITERATING;
     VOILE_PETSC(KSPGetConvergedReason(ksp_, &reason));
-    if (reason > 0) return true;
+    if (reason > 0) {
+      check_solution(rhs, x);
+      return true;
+    }
     if (!repair(attempt)) return false;
     ++factorisations_;
   }
+}
+
+void LinearSolver::check_solution(Vec rhs, Vec x) {
+  solved_ = true;
+  if (trusted_) return;
+  const petsc::VecHandle rest = model_.dofs().create_vector();
+  double size = 0.0, left = 0.0;
+  VOILE_PETSC(MatMult(model_.tangent().matrix(), x, rest));
+  VOILE_PETSC(VecAXPY(rest, -1.0, rhs));
+  VOILE_PETSC(VecNorm(rhs, NORM_2, &size));
+  VOILE_PETSC(VecNorm(rest, NORM_2, &left));
+  solved_ = left <= left_unsolved * size;
 }
 
 bool LinearSolver::factorise() {

@@ -7,6 +7,7 @@
 #include <limits>
 #include <utility>
 
+#include "newton_impl.hpp"
 #include "step_bound.hpp"
 #include "voile/base/error.hpp"
 #include "voile/base/interrupt.hpp"
@@ -19,116 +20,17 @@ namespace {
 
 /// Relative residual below which continuation uses the exact tangent, and below which it hands over to Newton.
 constexpr double exact_tangent_below = 1e-2, handover_below = 1e-4;
-/// Forces below this share of the largest of a search vanish: a sheet that no load holds comes to rest without any.
-constexpr double vanishing_force = 1e-3;
 /// Slip below which friction is smoothed in a load step.
 constexpr double slip_in_cells = 1e-3;
 /// Rounds in which friction follows the normal forces, and the residual (of the forces) at which it does.
 constexpr int friction_lags = 30;
 constexpr double friction_settled = 1e-4;
+/// What a linear solution may leave of its forces: factors of large thin shells leave up to 1e-3 by their round-off.
+constexpr double unsolved_linear = 1e-2;
 /// Iterations of continuation between two words on its progress.
 constexpr int progress_every = 100;
 
 }  // namespace
-
-struct Newton::Impl {
-  system::Model& model;
-  petsc::SnesHandle snes;
-  LinearSolver linear;
-  ConvergenceTest test;
-  petsc::VecHandle residual, start, previous, increment, trial;
-  bool has_previous = false;
-  double allowed = 1.0;  ///< share of the last increment that contact let pass
-  double step_norm = 0.0, last_work = 0.0, last_residual = 0.0;
-  double largest_force = 0.0;  ///< largest scale of forces in this search [N]
-  std::function<void(int, double)> progress;
-
-  explicit Impl(system::Model& m) : model(m), linear(m), test(m) {
-    for (petsc::VecHandle* v : {&residual, &start, &previous, &increment, &trial}) *v = m.dofs().create_vector();
-  }
-
-  void create();
-  [[nodiscard]] NewtonResult solve_once(Vec a);
-  /// |r|/f in a search, with f no less than what counts as vanishing.
-  [[nodiscard]] double relative(double norm) {
-    largest_force = std::max(largest_force, model.force_scale());
-    const double force = std::max(model.force_scale(), vanishing_force * largest_force);
-    return force > 0.0 ? norm / force : norm;
-  }
-  /// Shift at which the residual moves the fastest vertex by about one cell.
-  [[nodiscard]] double first_shift();
-  /// Tangent with inertia-like shift: the exact one, or with membrane and contact made positive.
-  void assemble_shifted(Vec a, bool exact, double shift);
-  /// Energy of a, from which those of later states are counted.
-  [[nodiscard]] double energy_at(Vec a) {
-    model.potential().count_from(a);
-    return model.energy(a);
-  }
-  [[nodiscard]] double backtrack(Vec a, double longest, double energy, double slope);
-  /// Moves a against the increment, as far as contact allows and the energy falls: the share taken (0: nowhere), and the
-  /// share that contact allowed.
-  [[nodiscard]] std::pair<double, double> advance(Vec a, double energy);
-  [[nodiscard]] SNESConvergedReason judge(PetscInt iteration, double increment_norm, double residual_norm);
-
-  static PetscErrorCode form_function(SNES, Vec a, Vec r, void* self);
-  static PetscErrorCode form_jacobian(SNES, Vec a, Mat, Mat, void* self);
-  static PetscErrorCode converged(SNES, PetscInt it, PetscReal xnorm, PetscReal snorm, PetscReal fnorm,
-                                  SNESConvergedReason* reason, void* self);
-  static PetscErrorCode before_line_search(SNESLineSearch, Vec a, Vec y, PetscBool* changed, void* self);
-  static PetscErrorCode before_linear_solve(KSP, Vec rhs, Vec x, void* self);
-  static PetscErrorCode after_linear_solve(KSP, Vec rhs, Vec x, void* self);
-};
-
-// ---- callbacks: an exception must not cross PETSc's C frames -------------------------------------------------------
-
-PetscErrorCode Newton::Impl::form_function(SNES, Vec a, Vec r, void* self) {
-  auto& n = *static_cast<Impl*>(self);
-  return petsc::guarded([&] { n.model.residual(a, r); });
-}
-
-PetscErrorCode Newton::Impl::form_jacobian(SNES, Vec a, Mat, Mat, void* self) {
-  auto& n = *static_cast<Impl*>(self);
-  return petsc::guarded([&] {
-    system::TangentRequest request;
-    request.kind = energy::Tangent::linearised_stress;
-    request.previous = n.has_previous ? static_cast<Vec>(n.previous) : nullptr;
-    request.exact_contact = true;
-    n.model.assemble_tangent(a, request);
-    VOILE_PETSC(VecCopy(a, n.previous));
-    n.has_previous = true;
-    n.linear.tangent_changed();
-  });
-}
-
-PetscErrorCode Newton::Impl::converged(SNES, PetscInt it, PetscReal, PetscReal snorm, PetscReal fnorm,
-                                       SNESConvergedReason* reason, void* self) {
-  auto& n = *static_cast<Impl*>(self);
-  return petsc::guarded([&] { *reason = n.judge(it, it > 0 ? snorm : -1.0, fnorm); });
-}
-
-PetscErrorCode Newton::Impl::before_line_search(SNESLineSearch, Vec a, Vec y, PetscBool* changed, void* self) {
-  auto& n = *static_cast<Impl*>(self);
-  return petsc::guarded([&] {
-    n.allowed = allowed_fraction(n.model, a, y, n.trial);
-    *changed = n.allowed < 1.0 ? PETSC_TRUE : PETSC_FALSE;
-    if (*changed) VOILE_PETSC(VecScale(y, n.allowed));
-  });
-}
-
-PetscErrorCode Newton::Impl::before_linear_solve(KSP, Vec rhs, Vec, void* self) {
-  auto& n = *static_cast<Impl*>(self);
-  return petsc::guarded([&] {
-    if (n.model.tangent().fixed_coupling()) VOILE_PETSC(VecAXPY(rhs, -1.0, n.model.tangent().fixed_coupling()));
-  });
-}
-
-PetscErrorCode Newton::Impl::after_linear_solve(KSP, Vec rhs, Vec x, void* self) {
-  auto& n = *static_cast<Impl*>(self);
-  return petsc::guarded([&] {
-    if (n.model.tangent().fixed_coupling()) VOILE_PETSC(VecAXPY(rhs, 1.0, n.model.tangent().fixed_coupling()));
-    VOILE_PETSC(VecDot(rhs, x, &n.last_work));
-  });
-}
 
 // ---- set-up --------------------------------------------------------------------------------------------------------
 
@@ -142,43 +44,31 @@ void Newton::Impl::create() {
   SNESLineSearch line_search = nullptr;
   VOILE_PETSC(SNESGetLineSearch(snes, &line_search));
   VOILE_PETSC(SNESLineSearchSetType(line_search, SNESLINESEARCHBASIC));
-  if (model.contact()) VOILE_PETSC(SNESLineSearchSetPreCheck(line_search, before_line_search, this));
+  VOILE_PETSC(SNESLineSearchSetPreCheck(line_search, before_line_search, this));
+  if (model.contact()) VOILE_PETSC(SNESLineSearchSetPostCheck(line_search, after_line_search, this));
   KSP ksp = nullptr;
   VOILE_PETSC(SNESGetKSP(snes, &ksp));
   linear.set_defaults(ksp);
   VOILE_PETSC(KSPSetPreSolve(ksp, before_linear_solve, this));
   VOILE_PETSC(KSPSetPostSolve(ksp, after_linear_solve, this));
+  refuse_snes_options();
   VOILE_PETSC(SNESSetFromOptions(snes));
+  VOILE_PETSC(SNESSetConvergenceTest(snes, converged, this, nullptr));  // an option may have put another in its place
   linear.prepare();
   test.read(snes);
+  choice.read(snes, model.contact() != nullptr);
+  if (!choice.is_current()) linear.expect_stale_factor();
 }
 
 // ---- Newton --------------------------------------------------------------------------------------------------------
 
-SNESConvergedReason Newton::Impl::judge(PetscInt iteration, double increment_norm, double residual_norm) {
-  stop_if_asked(model.dofs().comm());
-  if (!std::isfinite(residual_norm)) return SNES_DIVERGED_FNORM_NAN;
-  const double force = model.force_scale(), before = std::exchange(last_residual, residual_norm);
-  if (increment_norm < 0.0) {
-    if (test.nothing_to_do(residual_norm, force)) return SNES_CONVERGED_FNORM_ABS;
-  } else {
-    Vec a = nullptr;
-    VOILE_PETSC(SNESGetSolution(snes, &a));
-    VOILE_PETSC(VecWAXPY(trial, -1.0, start, a));
-    VOILE_PETSC(VecNorm(trial, NORM_2, &step_norm));
-    if (test.is_wild(increment_norm)) return SNES_DIVERGED_DTOL;
-    if (allowed < 1.0) return iteration >= test.max_iterations() ? SNES_DIVERGED_MAX_IT : SNES_CONVERGED_ITERATING;
-    const SNESConvergedReason reason = test.judge({residual_norm, before, force, increment_norm, step_norm, last_work});
-    if (reason != SNES_CONVERGED_ITERATING) return reason;
-  }
-  return iteration >= test.max_iterations() ? SNES_DIVERGED_MAX_IT : SNES_CONVERGED_ITERATING;
-}
-
 NewtonResult Newton::Impl::solve_once(Vec a) {
-  has_previous = false;
+  has_previous = judged_converged = false;
+  full_increment = 0.0;
   allowed = 1.0;
   const int before = linear.factorisations();
   VOILE_PETSC(VecCopy(a, start));
+  test.see(a);
   const PetscErrorCode code = SNESSolve(snes, nullptr, a);
   petsc::check(code, "SNESSolve");
   NewtonResult result;
@@ -196,6 +86,7 @@ NewtonResult Newton::Impl::solve_once(Vec a) {
   result.residual = model.force_scale() > 0.0 ? norm / model.force_scale() : norm;
   result.negative_pivots = linear.negative_pivots();
   result.reason = text;
+  confirm(a, result);
   return result;
 }
 
@@ -275,6 +166,7 @@ NewtonResult Newton::continuation(Vec a, int max_iterations) {
   double shift = -1.0, energy = 0.0, handover = handover_below;
   int linear_failures = 0;
   n.largest_force = 0.0;
+  n.test.see(a);
   for (result.iterations = 0; result.iterations < max_iterations; ++result.iterations) {
     stop_if_asked(model.dofs().comm());
     double norm = 0.0;
@@ -372,6 +264,15 @@ NewtonResult Newton::settle_friction(Vec a, NewtonResult first, const std::funct
   return result;
 }
 
+long Newton::negative_eigenvalues(Vec a) {
+  Impl& n = *impl_;
+  system::TangentRequest request;
+  request.exact_contact = true;
+  n.model.assemble_tangent(a, request);
+  n.linear.tangent_changed();
+  return n.linear.factorise() ? n.linear.negative_eigenvalues() : -1;
+}
+
 NewtonResult Newton::linear_step(Vec a) {
   Impl& n = *impl_;
   NewtonResult result;
@@ -394,6 +295,12 @@ NewtonResult Newton::linear_step(Vec a) {
   double force = 0.0;
   VOILE_PETSC(VecNorm(n.residual, NORM_2, &force));
   if (force > 0.0) result.residual /= force;
+  if (result.residual <= unsolved_linear) return result;
+  result.converged = false;
+  result.reason = fmt::format(
+      "the linear solver left {:.2g} of the forces unbalanced; give it a lower -ksp_rtol, or use "
+      "the direct solver (the default)",
+      result.residual);
   return result;
 }
 

@@ -20,7 +20,7 @@ PathFollower::Impl::Tangent PathFollower::Impl::tangent_at(Vec a) {
   if (!t.good) return t;
   t.speed = std::sqrt(dot(load_solution, load_solution));
   t.good = std::isfinite(t.speed) && t.speed > 0.0;
-  t.negative_pivots = linear.negative_pivots();
+  t.negative_pivots = linear.negative_eigenvalues();
   if (t.good) t.eigenvalue = inverse_iteration(model, linear, mode, inverse_iterations);
   return t;
 }
@@ -89,6 +89,7 @@ NewtonResult PathFollower::Impl::correct(Vec a, double& lambda, const Constraint
     VOILE_PETSC(VecNorm(residual_solution, NORM_2, &p.increment));
     VOILE_PETSC(VecNorm(increment, NORM_2, &p.step));
     VOILE_PETSC(VecDot(residual, residual_solution, &p.work));
+    p.is_newton = linear.is_solved();
   }
 }
 

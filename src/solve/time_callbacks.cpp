@@ -106,6 +106,7 @@ PetscErrorCode TimeIntegration::Impl::start_step(void* self, Vec x, Vec v, Petsc
     n.dynamics.set_time(t);
     n.dynamics.start_step(x, v, step);
     VOILE_PETSC(VecCopy(x, n.start));
+    n.test.see(x);
     n.model.potential().count_from(x);  // so that a restart chooses its first guess by the same figures
     if (!n.model.contact()) n.positive_left = 0;
     n.again = {};
@@ -132,8 +133,7 @@ PetscErrorCode TimeIntegration::Impl::accepted(void* self, Vec x0, Vec x1, Vec v
     VOILE_PETSC(TSGetTimeStep(n.ts, &h));
     n.dynamics.set_time(s.time);
     n.account->take_forces(x0, x1, s.x, s.v, s.a);
-    n.dynamics.set_time(t + h);
-    n.account->end_step(x1, v1);
+    n.account->end_step(x1, v1, t, t + h);
   });
 }
 
@@ -225,11 +225,7 @@ void TimeIntegration::Impl::search(SNESLineSearch ls) {
   }
   shortest = std::min(shortest, length);
   VOILE_PETSC(VecAXPY(x, -length, y));
-  VOILE_PETSC(VecPointwiseMult(product, model.potential().constant().mass(), y));
-  double square = 0.0, mass = 0.0;
-  VOILE_PETSC(VecDot(product, y, &square));
-  VOILE_PETSC(VecSum(model.potential().constant().mass(), &mass));
-  rms = length * std::sqrt(3.0 * square / mass);
+  rms = length * root_mean_square(y);
   VOILE_PETSC(SNESComputeFunction(snes, x, f));
   VOILE_PETSC(SNESLineSearchSetLambda(ls, length));
   VOILE_PETSC(SNESLineSearchComputeNorms(ls));
@@ -238,35 +234,6 @@ void TimeIntegration::Impl::search(SNESLineSearch ls) {
 PetscErrorCode TimeIntegration::Impl::line_search(SNESLineSearch ls, void* self) {
   auto& n = *static_cast<Impl*>(self);
   return petsc::guarded([&] { n.search(ls); });
-}
-
-SNESConvergedReason TimeIntegration::Impl::judge(SNES snes, PetscInt it, double increment, double norm) {
-  stop_if_asked(model.dofs().comm());
-  if (!std::isfinite(norm)) return SNES_DIVERGED_FNORM_NAN;
-  const double force = dynamics.force_scale(), before = std::exchange(residual_before, norm);
-  residual = force > 0.0 ? norm / force : norm;
-  set_tolerance(it, norm, before);
-  note_rate(it > 0 && !cut && length == 1.0 && before > 0.0 ? norm / before : 0.0);
-  if (it == 0) return test.nothing_to_do(norm, force) ? SNES_CONVERGED_FNORM_ABS : SNES_CONVERGED_ITERATING;
-  Vec x = nullptr;
-  double step = 0.0, h = 0.0;
-  VOILE_PETSC(SNESGetSolution(snes, &x));
-  VOILE_PETSC(VecWAXPY(trial, -1.0, start, x));
-  VOILE_PETSC(VecNorm(trial, NORM_2, &step));
-  VOILE_PETSC(TSGetTimeStep(ts, &h));
-  if (test.is_wild(increment)) return SNES_DIVERGED_DTOL;
-  // A truncated increment says nothing about how far the solution is.
-  if (cut) return it >= test.max_iterations() ? SNES_DIVERGED_MAX_IT : SNES_CONVERGED_ITERATING;
-  if (length == 1.0 && rms <= options.velocity_tolerance * h) return SNES_CONVERGED_SNORM_RELATIVE;
-  const SNESConvergedReason reason = test.judge({norm, before, force, increment, step, work});
-  if (reason != SNES_CONVERGED_ITERATING) return reason;
-  return it >= test.max_iterations() ? SNES_DIVERGED_MAX_IT : SNES_CONVERGED_ITERATING;
-}
-
-PetscErrorCode TimeIntegration::Impl::converged(SNES snes, PetscInt it, PetscReal, PetscReal snorm, PetscReal fnorm,
-                                                SNESConvergedReason* reason, void* self) {
-  auto& n = *static_cast<Impl*>(self);
-  return petsc::guarded([&] { *reason = n.judge(snes, it, it > 0 ? snorm : -1.0, fnorm); });
 }
 
 // ---- how exactly systems are solved ---------------------------------------------------------------------------------
@@ -310,16 +277,13 @@ void TimeIntegration::Impl::set_tolerance(PetscInt it, double norm, double befor
 }
 
 bool TimeIntegration::Impl::is_last(Vec y) {
-  double square = 0.0, mass = 0.0, h = 0.0, norm = 0.0, step = 0.0;
+  double h = 0.0, norm = 0.0, step = 0.0;
   Vec x = nullptr;
   SNES snes = nullptr;
   VOILE_PETSC(TSGetSNES(ts, &snes));
   VOILE_PETSC(SNESGetSolution(snes, &x));
   VOILE_PETSC(TSGetTimeStep(ts, &h));
-  VOILE_PETSC(VecPointwiseMult(product, model.potential().constant().mass(), y));
-  VOILE_PETSC(VecDot(product, y, &square));
-  VOILE_PETSC(VecSum(model.potential().constant().mass(), &mass));
-  if (std::sqrt(3.0 * square / mass) <= nearly_last * options.velocity_tolerance * h) return true;
+  if (root_mean_square(y) <= nearly_last * options.velocity_tolerance * h) return true;
   if (!x) return true;
   VOILE_PETSC(VecNorm(y, NORM_2, &norm));
   VOILE_PETSC(VecWAXPY(trial, -1.0, start, x));
@@ -328,6 +292,11 @@ bool TimeIntegration::Impl::is_last(Vec y) {
 }
 
 // ---- step size -----------------------------------------------------------------------------------------------------
+
+/// The size of a step from time t, or what of it turns clamps by little.
+double TimeIntegration::Impl::by_turn(double t, double h) const {
+  return std::max(std::min(h, options.min_step), h * fraction_by_turn(model, t, t + h, false));
+}
 
 double TimeIntegration::Impl::next_step(double h, PetscBool* accept, PetscReal* error) {
   *accept = PETSC_TRUE;
@@ -350,7 +319,10 @@ double TimeIntegration::Impl::next_step(double h, PetscBool* accept, PetscReal* 
   // A step that was only cut to meet the end says nothing against the size that was wanted.
   const bool only_cut = *accept && h < 0.999 * wanted && rejections == spent_rejections;
   const double next = std::clamp(factor * h, options.min_step, options.max_step);
-  return wanted = only_cut ? std::max(next, wanted) : next;
+  wanted = only_cut ? std::max(next, wanted) : next;
+  double t = 0.0;
+  VOILE_PETSC(TSGetTime(ts, &t));
+  return by_turn(t + h, wanted);
 }
 
 PetscErrorCode TimeIntegration::Impl::choose(TSAdapt adapt, TS, PetscReal h, PetscInt* scheme, PetscReal* next,

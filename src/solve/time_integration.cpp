@@ -42,8 +42,11 @@ void TimeIntegration::Impl::create_snes() {
 #else
   VOILE_PETSC(SNESLineSearchShellSetUserFunc(ls, line_search, this));
 #endif
+  VOILE_PETSC(SNESLineSearchSetPreCheck(ls, before_line_search, this));
+  VOILE_PETSC(SNESLineSearchSetPostCheck(ls, after_line_search, this));
   VOILE_PETSC(SNESSetConvergenceTest(snes, converged, this, nullptr));
   VOILE_PETSC(SNESGetKSP(snes, &ksp));
+  VOILE_PETSC(KSPSetPostSolve(ksp, after_linear_solve, this));
   linear.set_defaults(ksp, inexact ? LinearSolver::Way::inexact : LinearSolver::Way::mixed);
 }
 
@@ -77,7 +80,7 @@ void TimeIntegration::Impl::create(const system::State& from) {
   VOILE_PETSC(TSSetStepNumber(ts, from.step));
   VOILE_PETSC(TSSetMaxTime(ts, until()));
   VOILE_PETSC(TSSetMaxSteps(ts, PETSC_MAX_INT));
-  VOILE_PETSC(TSSetTimeStep(ts, from.next_step > 0.0 ? from.next_step : options.step));
+  VOILE_PETSC(TSSetTimeStep(ts, by_turn(from.time, from.next_step > 0.0 ? from.next_step : options.step)));
   VOILE_PETSC(TSSetExactFinalTime(ts, TS_EXACTFINALTIME_MATCHSTEP));
   VOILE_PETSC(TSSetMaxSNESFailures(ts, -1));
   VOILE_PETSC(TSSetMaxStepRejections(ts, 20));
@@ -96,6 +99,7 @@ void TimeIntegration::Impl::create(const system::State& from) {
     throw UserError(
         "contact needs the implicit method with forces_at_end = true: its barrier holds at the end of a step");
   create_snes();
+  refuse_snes_options();
   VOILE_PETSC(TSSetFromOptions(ts));
   // -ts_max_time is known to the caller (read_time_options), who may want to stop earlier.
   PetscReal max_time = 0.0;
@@ -123,22 +127,35 @@ void TimeIntegration::Impl::choose_method(const system::State& from) {
     return;
   }
   const bool contact = model.contact() != nullptr;
-  set_alpha_callbacks(ts,
-                      {this, start_step, enforce, contact ? clear : nullptr,
-                       contact && model.conditions().symmetric() ? energy : nullptr,
-                       contact ? longest_flight * contact::mean_edge(model.contact()->scene().set().surface()) : 0.0,
-                       account ? accepted : nullptr, contact && inexact});  // falls of a drape start from other states
+  set_alpha_callbacks(
+      ts, {this, start_step, enforce, contact ? clear : nullptr,
+           contact && model.conditions().symmetric() ? energy : nullptr,
+           contact ? longest_flight * contact::mean_edge(model.contact()->scene().set().surface()) : 0.0,
+           account ? accepted : nullptr, contact && inexact, solved});  // falls of a drape start from other states
   linear.prepare();
   prepare_inexact(from.solver);
-  SNES snes = nullptr;
-  VOILE_PETSC(TSGetSNES(ts, &snes));
-  test.read(snes);
+  read_solver_choice();
   if (const double radius = alpha_radius(ts); contact && radius > 0.0 && remark)
     remark(
         fmt::format("warning: radius = {:g} with contact: what hits something in one step can leave it with {:g} times "
                     "its speed; 0, the default, gains nothing",
                     radius, 1.0 + 2.0 * radius));
   if (from.a) set_acceleration(ts, from.a);
+}
+
+/// What the options of the SNES finally are.
+void TimeIntegration::Impl::read_solver_choice() {
+  SNES snes = nullptr;
+  SNESLineSearch search = nullptr;
+  PetscBool ours = PETSC_FALSE;
+  VOILE_PETSC(TSGetSNES(ts, &snes));
+  VOILE_PETSC(SNESSetConvergenceTest(snes, converged, this, nullptr));  // an option may have put another in its place
+  test.read(snes);
+  choice.read(snes, model.contact() != nullptr);
+  if (!choice.is_current()) linear.expect_stale_factor();
+  VOILE_PETSC(SNESGetLineSearch(snes, &search));
+  VOILE_PETSC(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(search), SNESLINESEARCHSHELL, &ours));
+  own_search = ours == PETSC_TRUE;
 }
 
 std::string TimeIntegration::Impl::place_of_failure() {
@@ -194,7 +211,7 @@ void TimeIntegration::Impl::accept(system::State& state, StepResult& r) {
   if (is_end(state.time)) state.time = until();
   if (ended() && wanted > 0.0) state.next_step = wanted;
   dynamics.set_time(state.time);
-  if (account && explicit_method) account->end_step(state.u, state.v);
+  if (account && explicit_method) account->end_step(state.u, state.v, before, state.time);
   if (account) state.balance = account->balance();
   state.load_factor = model.conditions().load_factor();
   if (model.contact()) state.contact = model.contact()->memory();

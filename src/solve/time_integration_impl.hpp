@@ -8,6 +8,7 @@
 #include <optional>
 #include <string>
 
+#include "solver_choice.hpp"
 #include "voile/solve/time_integration.hpp"
 #include "voile/system/energy_account.hpp"
 
@@ -26,7 +27,11 @@ struct TimeIntegration::Impl {
   LinearSolver linear;
   std::optional<system::EnergyAccount> account;
   ConvergenceTest test;
+  SolverChoice choice;
   petsc::VecHandle trial, start, product;
+  bool own_search = true;         ///< the line search is ours
+  double full_increment = 0.0;    ///< norm of the increment before a line search of PETSc shortens it [m]
+  bool judged_converged = false;  ///< by `judge`, at the last iterate
   double residual_before = 0.0, work = 0.0, rms = -1.0, length = 1.0, residual = 0.0;
   bool cut = false;  ///< contact did not let the last iteration go the whole way
   int cuts = 0;      ///< iterations of this step for which that holds
@@ -61,6 +66,7 @@ struct TimeIntegration::Impl {
   void create(const system::State& from);
   void choose_method(const system::State& from);
   void create_snes();
+  void read_solver_choice();
   void set_explicit_step(Vec u);
   void prepare_inexact(const system::SolverMemory& memory);
   [[nodiscard]] system::SolverMemory solver_memory() const;
@@ -73,11 +79,18 @@ struct TimeIntegration::Impl {
   void set_tolerance(PetscInt it, double norm, double before);
   [[nodiscard]] bool is_last(Vec increment);
   [[nodiscard]] double objective(Vec x);
+  /// Of the vertices' displacements in y, over the mass [m].
+  [[nodiscard]] double root_mean_square(Vec y);
   [[nodiscard]] bool clear_predictor(double t0, Vec x0, double t1, Vec x1);
   void search(SNESLineSearch line_search);
   /// Where the last solve left the largest residuals, in words. Collective.
   [[nodiscard]] std::string place_of_failure();
+  void see_increment(SNESLineSearch search, Vec x, Vec y);
+  /// The verdict on where a SNES has stopped for reasons of its own.
+  void confirm(SNES snes, Vec x1);
+  [[nodiscard]] SNESConvergedReason judge_iterate(SNES snes, PetscInt it, double increment, double norm);
   [[nodiscard]] SNESConvergedReason judge(SNES snes, PetscInt it, double increment, double norm);
+  [[nodiscard]] double by_turn(double t, double h) const;
   [[nodiscard]] double next_step(double h, PetscBool* accept, PetscReal* error);
   [[nodiscard]] double until() const { return std::min(options.end_time, options.until); }
   void accept(system::State& state, StepResult& r);
@@ -102,6 +115,11 @@ struct TimeIntegration::Impl {
   static PetscErrorCode accelerate(void* self, PetscReal t, Vec x, Vec v, Vec a);
   static PetscErrorCode make_positive(void* self, PetscBool* changed);
   static PetscErrorCode line_search(SNESLineSearch ls, void* self);
+  static PetscErrorCode before_line_search(SNESLineSearch ls, Vec x, Vec y, PetscBool* changed, void* self);
+  static PetscErrorCode after_line_search(SNESLineSearch ls, Vec x, Vec y, Vec next, PetscBool* y_changed,
+                                          PetscBool* next_changed, void* self);
+  static PetscErrorCode after_linear_solve(KSP, Vec rhs, Vec x, void* self);
+  static PetscErrorCode solved(void* self, Vec x1);
   static PetscErrorCode converged(SNES, PetscInt it, PetscReal, PetscReal snorm, PetscReal fnorm,
                                   SNESConvergedReason* reason, void* self);
   static PetscErrorCode choose(TSAdapt adapt, TS ts, PetscReal h, PetscInt* scheme, PetscReal* next, PetscBool* accept,

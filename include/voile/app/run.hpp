@@ -21,7 +21,8 @@ struct RunOptions {
   Verbosity verbosity = Verbosity::normal;
 };
 
-/// Solves the case and writes its results. Returns done or not_converged.
+/// Solves the case and writes its results. Returns done, not_converged, or unstable where load control ends in an unstable
+/// equilibrium.
 [[nodiscard]] Exit run(const input::Case& c, const RunOptions& options);
 
 /// Builds everything that a run would build and reports it, without solving. Throws UserError if anything is wrong.

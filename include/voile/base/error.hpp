@@ -7,7 +7,7 @@
 namespace voile {
 
 /// Exit codes of the program.
-enum class Exit : int { done = 0, user_error = 2, not_converged = 3, internal_error = 4 };
+enum class Exit : int { done = 0, user_error = 2, not_converged = 3, internal_error = 4, unstable = 5 };
 
 /// A mistake in the user's input. The message names file, key, value and remedy.
 class UserError : public std::runtime_error {

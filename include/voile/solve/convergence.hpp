@@ -5,6 +5,8 @@
 //             the residual has reached its round-off, |dx| <= stol/1000 |x - x0| and |r.dx| <= rtol/1000 f |x - x0|,
 //             or |r| <= eps |A| |X| sqrt(unknowns) (A membrane stiffness) and no longer falling,
 //             or |dx| <= eps |X| sqrt(unknowns) and |r| no longer falling: what rests for a moment on stiff contact.
+// Where dx is not the full increment of Newton's method (the user's choice of SNES, line search or linear solver), it does
+// not bound the distance to the solution, and only the residual counts.
 #pragma once
 
 #include <petscsnes.h>
@@ -21,6 +23,7 @@ struct Progress {
   double increment = 0.0;        ///< |dx| [m]
   double step = 0.0;             ///< |x - x0| [m]
   double work = 0.0;             ///< r.dx [J]
+  bool is_newton = true;         ///< dx is the full increment of Newton's method
 };
 
 class ConvergenceTest {
@@ -32,6 +35,12 @@ class ConvergenceTest {
   [[nodiscard]] SNESConvergedReason judge(const Progress& p) const;
   /// True if a state is in equilibrium by far before anything was done.
   [[nodiscard]] bool nothing_to_do(double residual, double force) const;
+  /// True if forces are in balance to the tolerance or to their round-off.
+  [[nodiscard]] bool is_balanced(double residual, double force) const;
+  /// Norm of the residual that round-off of the positions can leave [N].
+  [[nodiscard]] double round_off() const { return round_off_; }
+  /// From now on positions may be as far away as in state a: their round-off grows with it. Collective.
+  void see(Vec a);
   /// True if an increment cannot be right.
   [[nodiscard]] bool is_wild(double increment) const { return !(increment <= wild_); }
   /// True if an increment is nearly as small as the last one has to be.
@@ -39,11 +48,15 @@ class ConvergenceTest {
   [[nodiscard]] int max_iterations() const { return max_iterations_; }
 
  private:
+  void set_round_off(double distance);
+
   double atol_ = 0.0, rtol_ = 0.0, stol_ = 0.0;
   int max_iterations_ = 0;
-  double position_round_off_;  ///< norm of an increment that positions cannot resolve [m]
-  double round_off_;           ///< norm of the residual that the round-off of positions alone can leave [N]
-  double wild_;                ///< [m]
+  double distance_;    ///< of the farthest vertex from the origin, at the start [m]
+  double resolution_;  ///< norm of an increment that cannot be resolved per that distance
+  double stiffness_;   ///< of a cell [N/m]
+  double position_round_off_ = 0.0, round_off_ = 0.0;  ///< norms of increments [m] and residuals [N] below round-off
+  double wild_;                                        ///< [m]
 };
 
 }  // namespace voile::solve

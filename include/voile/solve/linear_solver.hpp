@@ -38,6 +38,14 @@ class LinearSolver {
   /// After a failed solve: makes the factor usable again. True if trying again with more workspace may help.
   /// Collective.
   [[nodiscard]] bool repair(int attempt);
+  /// Measures how well K x = b was solved, unless the solver is one of ours, which proves it. After each solution that
+  /// did not come from `solve`. Collective.
+  void check_solution(Vec rhs, Vec x);
+  /// False where the last solution left more than a hundredth of its right-hand side: such an increment does not tell how
+  /// far the equilibrium is.
+  [[nodiscard]] bool is_solved() const { return solved_; }
+  /// The factor may be of an earlier tangent (-snes_lag_preconditioner): solutions are measured.
+  void expect_stale_factor() { trusted_ = false; }
   /// Tells the solver that the tangent was assembled anew: for the count of factorisations, and so that a factor of
   /// another pattern goes. Collective.
   void tangent_changed();
@@ -48,6 +56,9 @@ class LinearSolver {
   [[nodiscard]] PC inexact() const;
   /// Of the last factorisation; -1 if the solver does not tell. Collective.
   [[nodiscard]] long negative_pivots() const;
+  /// Negative eigenvalues of the model's last tangent, which is factored: of its symmetric part where follower loads
+  /// make it unsymmetric, and -1 where those have no potential and the count is not 0. Collective.
+  [[nodiscard]] long negative_eigenvalues();
   /// What failed last, for the log; emptied by the call.
   [[nodiscard]] std::string take_failure();
 
@@ -57,7 +68,7 @@ class LinearSolver {
 
   system::Model& model_;
   KSP ksp_ = nullptr;
-  bool mumps_ = false, mixed_ = false, inexact_ = false, statics_ = false;
+  bool mumps_ = false, mixed_ = false, inexact_ = false, statics_ = false, trusted_ = false, solved_ = true;
   int factorisations_ = 0, pattern_version_ = 0;
   std::string failure_;
 };
