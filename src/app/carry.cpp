@@ -65,16 +65,18 @@ Checkpoints::Checkpoints(const input::Case& c, const std::filesystem::path& fold
       minutes_(c.time.checkpoint_minutes),
       file_(folder / "checkpoint.h5") {}
 
-void Checkpoints::after_step(const system::State& s, const system::Dofs& dofs, bool asked) {
+void Checkpoints::after_step(const system::State& s, const system::Model& model, bool asked) {
   const double minutes = std::chrono::duration<double>(Clock::now() - last_).count() / 60.0;
   const bool by_time = minutes_ > 0.0 && minutes >= minutes_;
   const bool by_step = every_ > 0 && s.step % every_ == 0;
-  const bool due = mpi::max(dofs.comm(), by_time ? 1.0 : 0.0) > 0.0;  // clocks differ between ranks
-  if (due || by_step || asked) write(s, dofs);
+  const bool due = mpi::max(model.dofs().comm(), by_time ? 1.0 : 0.0) > 0.0;  // clocks differ between ranks
+  if (due || by_step || asked) write(s, model);
 }
 
-void Checkpoints::write(const system::State& s, const system::Dofs& dofs) {
-  const io::Checkpoint c = gather(s, dofs);
+void Checkpoints::write(const system::State& s, const system::Model& model) {
+  const system::Dofs& dofs = model.dofs();
+  io::Checkpoint c = gather(s, dofs);
+  c.couplings = model.couplings();
   mpi::on_root(dofs.comm(), [&] { io::write_checkpoint(file_, c, dofs.mesh()); });
   last_ = Clock::now();
 }

@@ -24,9 +24,9 @@ class Checkpoints {
   Checkpoints(const input::Case& c, const std::filesystem::path& folder);
 
   /// `asked`: by a signal. Collective.
-  void after_step(const system::State& s, const system::Dofs& dofs, bool asked);
+  void after_step(const system::State& s, const system::Model& model, bool asked);
   /// Collective.
-  void write(const system::State& s, const system::Dofs& dofs);
+  void write(const system::State& s, const system::Model& model);
   [[nodiscard]] const std::filesystem::path& file() const { return file_; }
 
  private:

@@ -13,6 +13,7 @@
 #include "restart.hpp"
 #include "sewing.hpp"
 #include "stages.hpp"
+#include "start_supports.hpp"
 #include "validity.hpp"
 #include "voile/app/run.hpp"
 #include "voile/base/mpi.hpp"
@@ -98,6 +99,7 @@ void check(const input::Case& as_given) {
   const std::string uncorrected = uncorrected_text(model.potential().uncorrected_triangles());
   const petsc::VecHandle start = model.dofs().create_vector();
   if (!c.mesh.start.empty()) model.dofs().scatter(start_shape(c, mesh), start);
+  check_start_supports(c, model, start);
   const system::TriangleFields at_rest = model.potential().triangle_fields(start);
   check_remesh(c, mesh);
   std::string outlook;

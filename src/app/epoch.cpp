@@ -69,6 +69,7 @@ Epoch::Epoch(const input::Case& stage, const mesh::SurfaceMesh& mesh, system::Mo
       state_(scatter(start, model_.dofs())) {
   if (stage.analysis == "dynamic" || stage.analysis == "modal") system::require_mass(model_);
   if (lets_go_at(stage, start.time)) state_.a.reset();
+  model_.couple(start.couplings);
 }
 
 bool Epoch::ends_at(double time) const {

@@ -25,6 +25,7 @@
 #include "restart.hpp"
 #include "sewing.hpp"
 #include "stages.hpp"
+#include "start_supports.hpp"
 #include "voile/base/interrupt.hpp"
 #include "voile/base/mpi.hpp"
 #include "voile/system/contact.hpp"
@@ -74,7 +75,7 @@ std::optional<Adapted> advance(Epoch& epoch, Origin origin, const Following& f) 
     if ((accepted && !is_known) || r.worth_keeping) {
       const bool asked = SignalScope::take_checkpoint(dofs.comm());
       recorder.record(epoch.state(), r, finished || r.worth_keeping || asked);
-      if (!is_start) f.checkpoints.after_step(epoch.state(), dofs, asked);
+      if (!is_start) f.checkpoints.after_step(epoch.state(), epoch.model(), asked);
     }
     // A checkpoint is of the state that was to be looked at: a run that goes on from it looks first, as the unbroken
     // one did.
@@ -146,7 +147,7 @@ Summary run_stage(const Stage& stage, std::unique_ptr<Epoch> epoch, io::Checkpoi
     all.interrupted = true;
     all.reason = e.what();
   }
-  checkpoints.write(epoch->state(), epoch->model().dofs());
+  checkpoints.write(epoch->state(), epoch->model());
   if (all.completed && !c.stage.sew.empty()) {
     all.reason = open_seam_text(c, epoch->model(), epoch->state());
     all.completed = all.reason.empty();
@@ -224,6 +225,7 @@ Exit run(const input::Case& as_given, const RunOptions& given) {
     const std::vector<std::string> welded = weld_before(stage, origin, mesh, state);
     enter_stage(stage.c, *mesh, origin, state);
     std::unique_ptr<Epoch> epoch = open_stage(stage, *mesh, state, k == 0);
+    if (k == 0 && origin == Origin::nothing) check_start_supports(stage.c, epoch->model(), epoch->state().u);
     if (k == 0) report_membrane(options, choice);
     mpi::on_root(PETSC_COMM_WORLD, [&] {
       if (!folder) folder.emplace(c, options);

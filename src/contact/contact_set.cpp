@@ -319,6 +319,15 @@ std::vector<double> ContactSet::gaps_within(const std::vector<Vec3>& x, double l
   return gaps_of(find_pairs(*surface_, all_figures(*surface_), boxes, candidates_.owned(), limit), x, limit, false);
 }
 
+std::vector<Pair> ContactSet::sheet_pairs_within(const std::vector<Vec3>& x, double limit) const {
+  std::vector<Box> boxes(x.size());
+  for (const Index i : candidates_.sheet().points) boxes[i].include(x[i]);
+  std::vector<Pair> pairs = find_pairs(*surface_, candidates_.sheet(), boxes, candidates_.owned(), limit);
+  Near n;
+  std::erase_if(pairs, [&](const Pair& pair) { return !near(pair, x, limit, n); });
+  return pairs;
+}
+
 std::vector<double> ContactSet::gaps_of(const std::vector<Pair>& pairs, const std::vector<Vec3>& x, double limit,
                                         bool as_barrier) const {
   std::vector<double> gaps(static_cast<std::size_t>(surface_->sheet_points), limit);

@@ -84,6 +84,10 @@ void write_checkpoint(const std::filesystem::path& path, const Checkpoint& c, co
     file.dataset("anchors", H5T_NATIVE_DOUBLE, c.anchors.size() / anchor_numbers, anchor_numbers, c.anchors.data());
   if (!c.energy_balance.empty())
     file.dataset("energy_balance", H5T_NATIVE_DOUBLE, 1, c.energy_balance.size(), c.energy_balance.data());
+  if (!c.couplings.empty()) {
+    file.number("/", "couplings_count", static_cast<double>(c.couplings.size()));
+    file.dataset("couplings", H5T_NATIVE_DOUBLE, c.couplings.size() / 2, 2, c.couplings.data());
+  }
   if (!c.path.empty()) file.dataset("path", H5T_NATIVE_DOUBLE, 1, c.path.size(), c.path.data());
   file.number("/", "anchors_count", static_cast<double>(c.anchors.size()));
   file.finish();
@@ -104,6 +108,16 @@ void read_anchors(hid_t file, const mesh::SurfaceMesh& mesh, const std::filesyst
     if (!good(c.anchors[i], 1e6) || !good(c.anchors[i + vertex], mesh.vertex_count()) ||
         !good(c.anchors[i + vertex + 1], 2e9))
       fail_reading(path, "its anchors are not those of this mesh");
+}
+
+void read_couplings(hid_t file, const mesh::SurfaceMesh& mesh, const std::filesystem::path& path, Checkpoint& c) {
+  if (H5Lexists(file, "couplings", H5P_DEFAULT) <= 0) return;
+  const double count = read_number(file, "/", "couplings_count", path);
+  if (!(count >= 0.0 && count < 1e9)) fail_reading(path, "its number of couplings makes no sense");
+  c.couplings = read_values(file, "couplings", static_cast<std::size_t>(count), path);
+  for (const double v : c.couplings)
+    if (!(v >= 0.0 && v < mesh.vertex_count() && v == std::floor(v)))
+      fail_reading(path, "its couplings are not those of this mesh");
 }
 
 Hdf5Handle open_checkpoint(const std::filesystem::path& path) {
@@ -165,6 +179,7 @@ Checkpoint read_unguarded(const std::filesystem::path& path, const mesh::Surface
     if (!std::isfinite(number) || std::abs(c.path[0]) > 1e9 || std::abs(c.path[3]) > 1e9)
       fail_reading(path, "its memory of the path makes no sense");
   read_anchors(file, mesh, path, c);
+  read_couplings(file, mesh, path, c);
   return c;
 }
 

@@ -223,6 +223,9 @@ void TimeIntegration::Impl::accept(system::State& state, StepResult& r) {
 void TimeIntegration::Impl::fail(system::State& state, StepResult& r, TSConvergedReason reason) {
   r.outcome = Outcome::failed;
   note_effort(r);
+  // Obstacles are still where the step that failed wanted to go.
+  dynamics.set_time(state.time);
+  if (model.contact()) model.contact()->restore(state.contact);
   // The size that failed is no size to go on with.
   state.next_step = last_taken > 0.0 ? last_taken : options.step;
   if (reason == TSFORWARD_DIVERGED_LINEAR_SOLVE) {

@@ -21,6 +21,12 @@ double internal_of(const Energies& e) {
   return e.membrane + e.bending + e.springs;
 }
 
+/// a - b, or 0 where that is the round-off of energies that are counted from another state.
+double difference(double a, double b) {
+  constexpr double round_off = 1e-12;
+  return std::abs(a - b) <= round_off * std::max(std::abs(a), std::abs(b)) ? 0.0 : a - b;
+}
+
 }  // namespace
 
 double EnergyBalance::turnover() const {
@@ -58,7 +64,7 @@ void EnergyAccount::begin(Vec u, Vec v, const EnergyBalance& before) {
   before_ = levels(u, v);
   balance_ = before;
   if (before.kept)
-    balance_.remeshing += before_.sum() - before.kinetic - before.stored;
+    balance_.remeshing += difference(before_.sum(), before.kinetic + before.stored);
   else
     balance_.initial = before_.sum();
   balance_.kept = true;

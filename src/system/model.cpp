@@ -129,6 +129,35 @@ void Model::load_direction(Vec a, Vec f) {
   for (PetscInt i : dofs().fixed()) out[i] = prescribed[i];
 }
 
+std::vector<double> Model::couplings() const {
+  std::vector<double> pairs;
+  const BlockPattern &now = tangent_.blocks().pattern(), &base = potential_->constant().base().pattern();
+  const std::vector<Index>& vertex_of = dofs().partition().vertex_of;
+  const Index first = dofs().first_row();
+  for (std::size_t r = 0; r < now.size() && &now != &base; ++r)
+    for (const Index column : now[r])
+      if (!std::binary_search(base[r].begin(), base[r].end(), column))
+        pairs.insert(pairs.end(), {static_cast<double>(vertex_of[first + static_cast<Index>(r)]),
+                                   static_cast<double>(vertex_of[column])});
+  return mpi::gather_to_root(comm(), pairs);
+}
+
+void Model::couple(std::vector<double> pairs) {
+  mpi::broadcast(comm(), pairs);
+  if (pairs.empty()) return;
+  const BlockMatrix& base = potential_->constant().base();
+  BlockPattern pattern = base.pattern();
+  for (std::size_t i = 0; i + 1 < pairs.size(); i += 2) {
+    const Index row = on_->owned(static_cast<Index>(pairs[i]));
+    if (row != no_index) pattern[row].push_back(dofs().partition().row_of[static_cast<Index>(pairs[i + 1])]);
+  }
+  for (auto& row : pattern) {
+    std::sort(row.begin(), row.end());
+    row.erase(std::unique(row.begin(), row.end()), row.end());
+  }
+  tangent_.extend(base, std::move(pattern));
+}
+
 Energies energies(Model& model, Vec a, bool with_contact) {
   const petsc::EventScope scope(petsc::events().energy);
   Energies e = model.potential().energies(model.potential().configuration(a), a, false);

@@ -46,6 +46,8 @@ class Candidates {
   /// trajectories would all overlap: then candidates hold only as long as all go straight from `from` to `to` at the
   /// same time. `peers`: null for a rank that is alone; else collective.
   bool cover(const std::vector<Vec3>& from, const std::vector<Vec3>& to, Peers* peers);
+  /// Those of the sheet that this rank sees.
+  [[nodiscard]] const Figures& sheet() const { return sheet_; }
   [[nodiscard]] const std::vector<Pair>& pairs() const { return pairs_; }
   [[nodiscard]] const std::vector<char>& owned() const { return owned_; }
   [[nodiscard]] const std::vector<Index>& own_points() const { return own_points_; }

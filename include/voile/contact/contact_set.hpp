@@ -108,6 +108,9 @@ class ContactSet {
   /// Calls near(pair) for candidates with a gap below `limit`.
   template <class F>
   void for_near(const std::vector<Vec3>& x, double limit, F&& near) const;
+  /// Pairs of the sheet with itself with a gap below `limit` at x, searched anew: what candidates hold beyond the contact
+  /// distance depends on where the sheet has been.
+  [[nodiscard]] std::vector<Pair> sheet_pairs_within(const std::vector<Vec3>& x, double limit) const;
   /// Calls f(points) for each pair with friction.
   template <class F>
   void for_sliding(F&& f) const {

@@ -26,6 +26,7 @@ struct Checkpoint {
   std::vector<double> anchors{};                          ///< of attachments, see system::numbers_of; empty: none
   std::vector<double> energy_balance{};                   ///< see system::numbers_of; empty: not kept
   std::vector<double> path{};                             ///< system::PathMemory; empty: none
+  std::vector<double> couplings{};                        ///< see system::Model::couplings
   int remeshings = 0;                                     ///< that led to its mesh
   double too_long = 0.0, too_short = 0.0;                 ///< what the last of them left, see system::Remeshings
   int remeshing_wait = 0, remeshing_step = 0;             ///< Remeshings::wait, next_step

@@ -87,6 +87,11 @@ class Model {
   /// f = -dr/dlambda at a: how the load grows with the load factor. Where displacements are prescribed it needs the
   /// tangent assembled last, which must be that at a. Collective.
   void load_direction(Vec a, Vec f);
+  /// Pairs of vertices that contact has coupled in the tangent so far, besides the sheet: two numbers each, on rank 0. How
+  /// exactly an incomplete factor solves depends on them, and so where a step ends within its tolerance. Collective.
+  [[nodiscard]] std::vector<double> couplings() const;
+  /// The same pairs again, in a model of the same mesh: as given on rank 0. Collective.
+  void couple(std::vector<double> pairs);
 
  private:
   [[nodiscard]] MPI_Comm comm() const { return on_->comm(); }

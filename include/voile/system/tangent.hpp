@@ -47,6 +47,7 @@ class Tangent {
 
   // For the model, which fills it
   [[nodiscard]] BlockMatrix& blocks() { return matrix_; }
+  [[nodiscard]] const BlockMatrix& blocks() const { return matrix_; }
   /// Gives it a pattern that holds that of the base. Collective.
   void extend(const BlockMatrix& base, BlockPattern pattern);
   /// Adds a factor times lumped masses, one per unknown.
