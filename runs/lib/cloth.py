@@ -29,7 +29,8 @@ def solve(case, folder, ranks=1, options=(), timeout=3600, keep=False):
 def start_file(case, displacement, folder):
     """Results for --restart whose step has a displacement of one's own, a function of the rest positions (vertices x 3).
     None if the mesh cannot be made."""
-    flat = solve({**case, "analysis": "linear"}, folder)
+    still = [{key: value for key, value in s.items() if not key.startswith("rotation")} for s in case["support"]]
+    flat = solve({**case, "analysis": "linear", "support": still}, folder)
     if flat is None:
         return None
     results = flat.results

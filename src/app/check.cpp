@@ -95,7 +95,8 @@ void check(const input::Case& as_given) {
   system::Model model(PETSC_COMM_WORLD, mesh, stages.front().input);
   if (c.analysis == "modal" || c.analysis == "dynamic") system::require_mass(model);
   const std::vector<std::string> free = check_free_motions(c, model);
-  const MeshQuality quality = measure_quality(PETSC_COMM_WORLD, mesh, c.element);
+  MeshQuality quality = measure_quality(PETSC_COMM_WORLD, mesh, c.element);
+  quality.large_rotations = is_nonlinear(whole);
   const std::string uncorrected = uncorrected_text(model.potential().uncorrected_triangles());
   const petsc::VecHandle start = model.dofs().create_vector();
   if (!c.mesh.start.empty()) model.dofs().scatter(start_shape(c, mesh), start);

@@ -111,6 +111,13 @@ std::string place_text(const Vec3& x) {
   return fmt::format("({:.4g}, {:.4g}, {:.4g})", tidy(x[0]), tidy(x[1]), tidy(x[2]));
 }
 
+bool is_nonlinear(const input::Case& c) {
+  const auto one = [](const input::Case& stage) {
+    return stage.analysis != "linear" && stage.analysis != "modal" && stage.analysis != "buckling";
+  };
+  return c.stages.empty() ? one(c) : std::any_of(c.stages.begin(), c.stages.end(), one);
+}
+
 MeshQuality measure_quality(MPI_Comm comm, const mesh::SurfaceMesh& mesh, const energy::ElementOptions& element) {
   const auto n = static_cast<std::size_t>(mesh.triangle_count());
   MeshQuality q;
@@ -172,7 +179,7 @@ std::vector<std::string> quality_warnings(const mesh::SurfaceMesh& mesh, const M
         "{} triangle(s) have an angle below {:g} degrees, the smallest is {:.2g} degrees in {}: Newton's method "
         "may stall there; move its vertices or remesh",
         slivers, sliver_angle, q.angle[worst], triangle_text(mesh, worst)));
-  if (const double share = share_of_locking(q); share > locking_share)
+  if (const double share = share_of_locking(q); q.large_rotations && share > locking_share)
     warnings.push_back(
         fmt::format("{:.0f} % of the area lies in long cells (median aspect {:.3g}, median smallest angle {:.1f} "
                     "degrees) that are uneven or longer than {:g} times their width: {}; make cells about as long as "

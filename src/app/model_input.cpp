@@ -50,7 +50,7 @@ system::ModelInput model_input(const input::Case& c, KnownObstacles& known) {
           contact_input(PETSC_COMM_WORLD, c, known),
           c.masses,
           c.springs,
-          c.analysis == "static",
+          c.analysis == "static" || (c.analysis == "drape" && !c.is_staged()),
           {c.stage.sew, c.sewing.stiffness, c.sewing.speed, sewing_force(c), 0.0},
           std::move(attachments),
           seam_rules(c)};

@@ -190,6 +190,8 @@ void Recorder::write_pending() {
 void Recorder::finish() {
   write_pending();
   mpi::on_root(model_->dofs().comm(), [&] { results_->finish(); });
+  if (root_ && !warnings_.membrane_text().empty())
+    fmt::print(stderr, "voile: warning: {}\n", warnings_.membrane_text());
   if (!discretisation_error_.warning().empty())
     fmt::print(stderr, "voile: warning: {}\n", discretisation_error_.warning());
 }

@@ -39,7 +39,8 @@ void print_header(const input::Case& c, const system::Model& model) {
 /// What the mesh lets expect; with --quiet only if it is bad. Collective.
 void report_mesh(const input::Case& c, const RunOptions& options, const system::Model& model) {
   const mesh::SurfaceMesh& mesh = model.dofs().mesh();
-  const MeshQuality quality = measure_quality(PETSC_COMM_WORLD, mesh, c.element);
+  MeshQuality quality = measure_quality(PETSC_COMM_WORLD, mesh, c.element);
+  quality.large_rotations = is_nonlinear(c);
   const std::string uncorrected = uncorrected_text(model.potential().uncorrected_triangles());
   mpi::on_root(PETSC_COMM_WORLD, [&] {
     if (options.verbosity != Verbosity::quiet) {

@@ -32,6 +32,13 @@ bool passes(const Way& way, const Vec3& a, const Vec3& b, const Vec3& c) {
   return u >= 0.0 && v >= 0.0 && u + v <= 1.0 && t >= 0.0 && t <= 1.0;
 }
 
+/// What is in the way of one seam.
+struct Obstruction {
+  std::string seam;
+  std::map<std::string, int> count;  ///< places by the name of what is there
+  int open = 0, places = 0;          ///< open places; those at which something is
+};
+
 class Search {
  public:
   Search(const system::ContactScene& scene, const std::vector<Vec3>& positions)
@@ -40,6 +47,20 @@ class Search {
       for (const Index t : g.triangles) piece_of_.insert({t, &g.name});
   }
 
+  [[nodiscard]] Obstruction of(const mesh::Seam& seam, double gap) const {
+    Obstruction all{seam.name, {}, 0, 0};
+    for (const auto& [from, to] : seam.pairs) {
+      const Way way{from, to, x_[from], x_[to]};
+      if ((way.end - way.begin).norm() <= gap) continue;
+      const std::set<std::string> found = on(way);
+      ++all.open;
+      all.places += found.empty() ? 0 : 1;
+      for (const std::string& name : found) ++all.count[name];
+    }
+    return all;
+  }
+
+ private:
   /// Names of what lies on a way.
   [[nodiscard]] std::set<std::string> on(const Way& way) const {
     std::set<std::string> found;
@@ -59,7 +80,6 @@ class Search {
     return found;
   }
 
- private:
   /// Balls and capsules are points and edges with a thickness.
   void add_if_near(double distance, int body, std::set<std::string>& found) const {
     if (distance < 0.5 * surface_.bodies[body].thickness) found.insert(obstacle(body));
@@ -82,24 +102,21 @@ class Search {
 }  // namespace
 
 std::string obstruction_text(const system::ContactScene& scene, const std::vector<Vec3>& positions,
-                             const std::string& seam, double gap) {
-  const std::vector<mesh::Seam>& seams = scene.dofs().mesh().data().seams;
-  const auto at = std::find_if(seams.begin(), seams.end(), [&](const mesh::Seam& s) { return s.name == seam; });
-  if (at == seams.end()) return "";
+                             const std::vector<std::string>& seams, double gap) {
   const Search search(scene, positions);
-  std::map<std::string, int> count;
-  int open = 0;
-  for (const auto& [from, to] : at->pairs) {
-    const Way way{from, to, positions[from], positions[to]};
-    if ((way.end - way.begin).norm() <= gap) continue;
-    ++open;
-    for (const std::string& name : search.on(way)) ++count[name];
+  Obstruction largest;
+  for (const mesh::Seam& seam : scene.dofs().mesh().data().seams) {
+    if (std::find(seams.begin(), seams.end(), seam.name) == seams.end()) continue;
+    Obstruction now = search.of(seam, gap);
+    if (now.places > largest.places) largest = std::move(now);
   }
+  if (largest.places == 0) return "";
   std::vector<std::string> names;
-  for (const auto& [name, times] : count) names.push_back(fmt::format("{} (at {} of {})", name, times, open));
-  if (names.empty()) return "";
-  return fmt::format("; between the two sides of its {} open places lies {}: lead the pieces round that from the start",
-                     open, join(names, ", "));
+  for (const auto& [name, times] : largest.count)
+    names.push_back(fmt::format("{} (at {} of {})", name, times, largest.open));
+  return fmt::format(
+      "; between the two sides of seam '{}', at its {} open places, lies {}: lead the pieces round that from the start",
+      largest.seam, largest.open, join(names, ", "));
 }
 
 }  // namespace voile::app

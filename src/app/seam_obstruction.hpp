@@ -9,9 +9,9 @@
 
 namespace voile::app {
 
-/// What lies on the straight ways between points of a seam that are further apart than `gap`: obstacles and pieces by name, and at
-/// how many of these places; empty if nothing does. `positions`: of all points of the contact [m]. Not collective.
+/// What lies on the straight ways between points of seams that are further apart than `gap`, for the seam with most such
+/// places: obstacles and pieces by name; empty if nothing does. `positions`: of all points of the contact [m]. Not collective.
 [[nodiscard]] std::string obstruction_text(const system::ContactScene& scene, const std::vector<Vec3>& positions,
-                                           const std::string& seam, double gap);
+                                           const std::vector<std::string>& seams, double gap);
 
 }  // namespace voile::app

@@ -184,7 +184,7 @@ std::string open_seam_text(const input::Case& c, const system::Model& model, con
   mpi::on_root(PETSC_COMM_WORLD, [&] {
     text = too_wide(c, mesh, c.stage.sew, displacement);
     if (text.empty() || contact == nullptr) return;
-    text += obstruction_text(contact->scene(), positions, gap_of(mesh, c.stage.sew, displacement).seam, c.sewing.gap);
+    text += obstruction_text(contact->scene(), positions, mesh::open_seams(mesh.data(), c.stage.sew), c.sewing.gap);
   });
   mpi::broadcast(PETSC_COMM_WORLD, text);
   return text;

@@ -48,16 +48,23 @@ Warnings::MembraneError Warnings::membrane_error(const energy::Sheet& sheet, con
   for (std::size_t k = 0; k < error.size(); ++k) feigned += sheet.mesh().area(static_cast<Index>(k)) * error[k];
   const double stored = stored_energy(sheet, t);
   const double share = stored > 0.0 ? feigned / stored : 0.0;
-  if (share > error_limit && !std::exchange(said_error_, true))
-    fmt::print(
-        stderr,
-        "voile: warning: {} {:.2g} % of the stored energy: "
-        "deflections may be too small by about as much; a finer mesh, or cells that are less stretched and uneven, is "
-        "needed (summary.json: membrane_error; field membrane_error says where)\n",
-        corrected ? "second derivatives in the surface and what the correction of chords leaves feign"
-                  : "straight chords between vertices feign membrane strains of",
-        100.0 * share);
-  return {std::move(error), share};
+  if (share > largest_error_) {
+    largest_error_ = share;
+    is_corrected_ = corrected;
+  }
+  return {std::move(error), largest_error_};
+}
+
+std::string Warnings::membrane_text() const {
+  if (!(largest_error_ > error_limit)) return "";
+  // What is spurious stands in the stored energy too: of a fraction f of it, deflections are too small by f/(1 + f).
+  return fmt::format(
+      "{} up to {:.2g} % of the stored energy: deflections may be too small by as much as {:.2g} %; use a finer mesh, "
+      "or "
+      "cells that are less stretched and uneven (summary.json: membrane_error; field membrane_error)",
+      is_corrected_ ? "second derivatives within the surface, and what the correction of chords leaves, take"
+                    : "spurious membrane strains of straight chords between vertices take",
+      100.0 * largest_error_, 100.0 * largest_error_ / (1.0 + largest_error_));
 }
 
 }  // namespace voile::app

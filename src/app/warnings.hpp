@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "validity.hpp"
@@ -19,17 +20,20 @@ class Warnings {
   void begin_epoch() { chord_error_.reset(); }
   /// Of strains and turns beyond what the element is made for.
   void say_range(const mesh::SurfaceMesh& mesh, const Validity& v);
-  /// Energy that chords feign (energy/chord_error.hpp), with `six_node_corrected` and that of second derivatives in the surface, per
-  /// triangle [J/m^2], and its share of the stored energy; says if that is large.
+  /// Spurious energy of chords (energy/chord_error.hpp), with `six_node_corrected` and that of second derivatives in the
+  /// surface, per triangle [J/m^2]; and the largest fraction of the stored energy that it has had so far.
   struct MembraneError {
     std::vector<double> density;
     double share = 0.0;
   };
   [[nodiscard]] MembraneError membrane_error(const energy::Sheet& sheet, const system::TriangleFields& t);
+  /// What to warn of at the end; empty: nothing.
+  [[nodiscard]] std::string membrane_text() const;
 
  private:
   bool linear_;
-  bool said_strain_ = false, said_turn_ = false, said_error_ = false, said_locking_ = false;
+  bool said_strain_ = false, said_turn_ = false, said_locking_ = false, is_corrected_ = false;
+  double largest_error_ = 0.0;
   std::optional<energy::ChordError> chord_error_;  ///< of the epoch
 };
 

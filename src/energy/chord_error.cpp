@@ -105,18 +105,38 @@ RolledUp rolled_up(const Sheet& sheet) {
   return {feigned / (feigned + bending), lost / area};
 }
 
+namespace {
+
+/// Triangles at creases of the rest shape, and beside those: their curvature is that of the fold, not of a curved shell.
+std::vector<char> beside_creases(const Sheet& sheet) {
+  const mesh::SurfaceMesh& mesh = sheet.mesh();
+  std::vector<char> beside(static_cast<std::size_t>(mesh.triangle_count()), 0);
+  for (Index t = 0; t < mesh.triangle_count(); ++t)
+    for (int s = 0; s < 3; ++s) {
+      if (mesh.neighbour(t, s) == no_index || !sheet.is_crease(t, s)) continue;
+      beside[static_cast<std::size_t>(t)] = 1;
+      for (int k = 0; k < 3; ++k)
+        if (mesh.neighbour(t, k) != no_index) beside[static_cast<std::size_t>(mesh.neighbour(t, k))] = 1;
+    }
+  return beside;
+}
+
+}  // namespace
+
 double locking_estimate(const Sheet& sheet, const std::vector<double>& rest_curvature) {
   if (sheet.options().membrane == MembraneOperator::cst) return 0.0;
   const mesh::SurfaceMesh& mesh = sheet.mesh();
+  const std::vector<char> folded = beside_creases(sheet);
   double sum = 0.0, total = 0.0;
   for (Index t = 0; t < mesh.triangle_count(); ++t) {
+    total += mesh.area(t);
+    if (folded[static_cast<std::size_t>(t)] != 0) continue;
     const Vec3 k = Eigen::Map<const Vec3>(&rest_curvature[3 * static_cast<std::size_t>(t)]);
     const Material& m = sheet.material(t);
     const double thickness_squared = 12.0 * m.bending.trace() / m.membrane.trace();
     const double left = corrects(sheet) ? left_over(sheet, t, k, k) : 1.0;
     sum += mesh.area(t) * left * std::pow(largest_principal(k) * mean_squared_side(mesh, t), 2) /
            (12.0 * thickness_squared);
-    total += mesh.area(t);
   }
   const double r = sum / total;
   return r / (r + half_locked);

@@ -135,8 +135,8 @@ void read_supports(const CaseReader& reader, Case& c) {
     system::Support support;
     MotionInput motion;
     const SectionPlace place = reader.read("support", n, keys_of(support, motion));
-    support.motion = motion_function(place, motion, c.is_staged() || c.analysis == "dynamic" || c.analysis == "static",
-                                     "\"dynamic\" or \"static\"");
+    const bool moves = c.is_staged() || c.analysis == "dynamic" || c.analysis == "static" || c.analysis == "drape";
+    support.motion = motion_function(place, motion, moves, "\"dynamic\", \"static\" or \"drape\"");
     if (support.kind == system::Support::Kind::clamped && motion.axis)
       support.rotation = [angle = time_function(place, "rotation_angle", motion.angle),
                           axis = Vec3(motion.axis->normalized())](double t) {

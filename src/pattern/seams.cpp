@@ -117,9 +117,10 @@ class Resolver {
   void use(const SeamRequest& r, const EdgeUse& e) {
     const auto [at, is_new] = used_.insert({{e.panel, e.edge}, r.where});
     if (!is_new)
-      fail(r,
-           fmt::format("edge {} is in a seam already ({}); an edge is sewn once: divide it, or remove one of the seams",
-                       edge_name(panels_, e), at->second));
+      fail(r, fmt::format("edge {} is in a seam already ({}); an edge is sewn once, so that a pleat or tuck, which "
+                          "sews three layers "
+                          "together, is not possible: divide the edge, or remove one of the seams",
+                          edge_name(panels_, e), at->second));
   }
 
   /// Directions of the edges of a side such that each begins where the one before ends.

@@ -167,6 +167,8 @@ NewtonResult Newton::continuation(Vec a, int max_iterations) {
   int linear_failures = 0;
   n.largest_force = 0.0;
   n.test.see(a);
+  // mesh.start may have what is held a little off: tangents couple to that only where supports are prescribed to move.
+  if (!model.contact() && !model.conditions().has_prescribed()) model.conditions().enforce(a);
   for (result.iterations = 0; result.iterations < max_iterations; ++result.iterations) {
     stop_if_asked(model.dofs().comm());
     double norm = 0.0;

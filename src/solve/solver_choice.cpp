@@ -77,10 +77,6 @@ void SolverChoice::read(SNES snes, bool contact) {
                       "which never go further than the increment",
                       search_type));
   }
-  if (lag == -1 || lag_preconditioner == -1)
-    throw UserError(
-        "options -snes_lag_jacobian and -snes_lag_preconditioner: -1 never computes the tangent; give 1 "
-        "(the default), -2 (once) or more");
   newton_ = line_search && !preconditioned && lag == 1;
   current_ = lag == 1 && lag_preconditioner == 1;
 }

@@ -43,6 +43,7 @@ import robustness  # noqa: E402, F401
 import running  # noqa: E402, F401
 import sewing  # noqa: E402, F401
 import staging  # noqa: E402, F401
+import trusting  # noqa: E402, F401
 import viewing  # noqa: E402, F401
 from harness import OUT, TESTS, Failure, Report  # noqa: E402
 

@@ -159,7 +159,7 @@ TEST_CASE("contradictions in time sections are refused") {
     std::string text = head;
     text.replace(text.find("dynamic"), 7, other);
     CHECK(
-        has(error_of(text + moving), "support.motion: something moves only with analysis = \"dynamic\" or \"static\""));
+        has(error_of(text + moving), "support.motion: something moves only with analysis = \"dynamic\", \"static\" or \"drape\""));
   }
   CHECK(has(error_of(still + "[[obstacle]]\nname = \"floor\"\ntype = \"plane\"\npoint = [0, 0, 0]\nnormal = [0, 0, 1]\n"
                              "rotation_axis = [1, 0, 0]\nrotation_angle = \"t\"\n"),

@@ -269,7 +269,7 @@ TEST_CASE("prescribed displacements and follower moments can be followed along a
     solve::LoadPath load_control(load_model, steps);
     REQUIRE(follow_from(state_of(b), load_control).completed);
     CHECK(largest_difference(values_of(arc_model, a), values_of(load_model, b)) < 1e-5);
-    CHECK((r.reports.back().newton.negative_pivots == -1) == follower);  // LU does not count them
+    CHECK(r.reports.back().newton.negative_pivots == 0);  // with follower loads those of the symmetric part
   }
 }
 

@@ -1,0 +1,262 @@
+"""Exit code 0 means right: choices of solvers, turning clamps, follower loads, driven energies, starts and restarts."""
+
+import math
+import signal
+
+import numpy as np
+from common import fresh, started, strip, wait_for
+from gathering import ruffle
+from harness import OUT, Failure, solve, test
+from solver import run, variant, write_case
+
+
+def grid_mesh(name, place, cells, groups, closed=False):
+    """A Gmsh file of `cells` squares, each two triangles, whose vertex (i, j) lies at place(i/nx, j/ny). `groups`: for each
+    name of a curve its side: left, right, bottom or top. `closed`: the right side is the left one."""
+    (nx, ny), number = cells, 0
+    columns = nx if closed else nx + 1
+    node = lambda i, j: j * columns + (i % nx if closed else i) + 1  # noqa: E731
+    nodes = [place(i / nx, j / ny) for j in range(ny + 1) for i in range(columns)]
+    sides = {"left": [(node(0, j), node(0, j + 1)) for j in range(ny)], "right": [(node(nx, j), node(nx, j + 1)) for j in range(ny)],
+             "bottom": [(node(i, 0), node(i + 1, 0)) for i in range(nx)], "top": [(node(i, ny), node(i + 1, ny)) for i in range(nx)]}
+    elements = []
+    for j in range(ny):
+        for i in range(nx):
+            a, b, c, d = node(i, j), node(i + 1, j), node(i, j + 1), node(i + 1, j + 1)
+            elements += [f"2 2 1 1 {a} {b} {d}", f"2 2 1 1 {a} {d} {c}"]
+    names = ['2 1 "sheet"']
+    for number, (group, side) in enumerate(groups.items(), 2):
+        names.append(f'1 {number} "{group}"')
+        elements += [f"1 2 {number} {number} {a} {b}" for a, b in sides[side]]
+    file = OUT / name
+    OUT.mkdir(parents=True, exist_ok=True)
+    file.write_text("\n".join(
+        ["$MeshFormat", "2.2 0 8", "$EndMeshFormat", "$PhysicalNames", str(len(names)), *names, "$EndPhysicalNames", "$Nodes",
+         str(len(nodes)), *(f"{k} {x:.17g} {y:.17g} {z:.17g}" for k, (x, y, z) in enumerate(nodes, 1)), "$EndNodes", "$Elements",
+         str(len(elements)), *(f"{k} {e}" for k, e in enumerate(elements, 1)), "$EndElements", ""]))
+    return str(file)
+
+
+def long_strip(start=None):
+    mesh = grid_mesh("trusting_strip.msh", lambda s, t: (12 * s, t, 0.0), (48, 4), {"left": "left", "right": "right"})
+    return {
+        "mesh": {"file": mesh} | ({"start": start} if start else {}),
+        "material": [{"type": "isotropic", "young": 1.2e6, "poisson": 0.3, "thickness": 0.1}],
+        "support": [{"type": "clamped", "group": "left"}],
+        "probe": [{"name": "E", "type": "energy"}, {"name": "R", "type": "reaction", "group": "right"},
+                  {"name": "tip", "type": "displacement", "group": "right"}],
+    }
+
+
+def turned(angle, axis, centre):
+    return {"rotation_axis": axis, "rotation_centre": centre, "rotation_angle": f"{angle}*t"}
+
+
+def pushed(analysis):
+    """A strip pushed up at its end, quasi-statically or fast; with `contact` from above onto a floor."""
+    case = {
+        "mesh": {"file": grid_mesh("trusting_push.msh", lambda s, t: (s, 0.2 * t, 0.0), (10, 2), {"left": "left", "right": "right"})},
+        "material": [{"type": "isotropic", "young": 1e6, "poisson": 0.3, "thickness": 0.01, "density": 1000}],
+        "support": [{"type": "clamped", "group": "left"}],
+        "load": [{"type": "line", "group": "right", "vector": [0, 0, 20.0 if analysis != "static" else 0.05]}],
+        "probe": [{"name": "tip", "type": "displacement", "group": "right", "components": ["z"]}],
+    }
+    if analysis != "static":
+        case |= {"analysis": "dynamic", "time": {"end": 0.2, "step": 0.02}}
+    if analysis == "contact":
+        case["load"][0]["vector"] = [0, 0, -2.0]
+        case["contact"] = {"distance": 5e-3}
+        case["obstacle"] = [{"name": "floor", "type": "plane", "point": [0, 0, -0.05], "normal": [0, 0, 1]}]
+        case["time"] = {"end": 0.2, "step": 0.01, "velocity_tolerance": 1e-4}
+    return case
+
+
+# Those that this PETSc has and Voile takes; what is measured against the default is the tip at the end.
+TAKEN = ["-snes_linesearch_type bt", "-snes_linesearch_type basic", "-snes_linesearch_type nleqerr", "-snes_type newtontr",
+         "-snes_type qn", "-snes_type ksponly", "-ksp_type preonly -pc_type jacobi", "-ksp_type cg -pc_type jacobi -ksp_rtol 0.5",
+         "-snes_lag_preconditioner 4", "-snes_linesearch_type basic -snes_linesearch_damping 1.9"]
+REFUSED = ["-snes_type ngmres", "-snes_type ngs", "-snes_type aspin", "-snes_type fas", "-snes_convergence_test skip",
+           "-snes_mf", "-snes_lag_jacobian -1"]
+
+
+@test
+def solver_options(report):
+    """Solvers of PETSc that a user chooses end at the right place, or with code 3, or are refused: static, in motion, in contact."""
+    for kind, tolerance in (("static", 1e-4), ("motion", 4e-3), ("contact", 4e-3)):
+        case = pushed(kind)
+        right = solve(f"options_{kind}", case).history["tip_z"][-1]
+        report.check(abs(right) > 0.01, f"{kind}: the end goes to {right:.4g} m")
+        for options in TAKEN + (["-snes_linesearch_type l2", "-snes_linesearch_type cp"] if kind != "contact" else []):
+            done = run(write_case(case, OUT / f"options_{kind}.toml"), fresh("options_other"), 1, options.split(), 120)
+            end = done.history["tip_z"][-1] if done.code == 0 else math.nan
+            good = done.code == 3 or (done.code == 0 and abs(end - right) <= tolerance) or (done.code == 2 and "option -snes" in done.text)
+            report.check(good, f"{kind}, {options}: code {done.code}, {end:.6g} m" + ("" if good else done.text[-300:]))
+    for options in REFUSED:
+        done = run(OUT / "options_motion.toml", fresh("options_other"), 1, options.split(), 120)
+        report.check(done.code == 2 and "option" in done.text, f"{options}: code {done.code}")
+    for options in ("-snes_linesearch_type l2", "-snes_type newtontr"):
+        done = run(OUT / "options_contact.toml", fresh("options_other"), 1, options.split(), 120)
+        report.check(done.code == 2 and "contact" in done.text, f"in contact {options}: code {done.code}")
+
+
+@test
+def linear_options(report):
+    """A linear solver that leaves the forces unbalanced does not end a linear analysis as done."""
+    case = variant(strip("linear"), {})
+    right = solve("linear_right", case).history
+    probe = "tip_z"
+    for options in ("-ksp_type preonly -pc_type jacobi", "-ksp_type richardson -pc_type jacobi -ksp_max_it 3 -ksp_convergence_test skip"):
+        done = run(write_case(case, OUT / "linear_other.toml"), fresh("linear_other"), 1, options.split(), 120)
+        report.check(done.code in (2, 3), f"{options}: code {done.code}")
+    done = run(OUT / "linear_other.toml", fresh("linear_other"), 1, "-ksp_type cg -pc_type icc".split(), 120)
+    good = done.code == 3 or abs(done.history[probe][-1] / right[probe][-1] - 1) < 1e-4
+    report.check(good, f"conjugate gradients: code {done.code}")
+
+
+@test
+def clamps_turn_far(report):
+    """Clamps that turn by 90 and 180 degrees in default steps carry a free strip along, bend and twist one; a fold at a clamp unfolds."""
+    strip_case = long_strip()
+    free = variant(strip_case, {"support.0": strip_case["support"][0] | turned(90, [0, 1, 0], [0, 0, 0])})
+    h = solve("turned_free", free).history
+    report.near(h["tip_x"][-1], -12.0, 1e-6, "a free strip is carried along: x [m]")
+    report.near(h["tip_z"][-1], -12.0, 1e-6, "and z [m]")
+    report.below(h["E_membrane"][-1] + h["E_bending"][-1], 1e-6, "without energy [J]")
+    fine = solve("turned_fine", variant(free | {"steps": {"initial_step": 0.05, "max_step": 0.05}}, {
+        "support": [strip_case["support"][0], {"type": "clamped", "group": "right"} | turned(90, [0, 1, 0], [12, 0, 0])]})).history
+    coarse = solve("turned_coarse", variant(free, {
+        "support": [strip_case["support"][0], {"type": "clamped", "group": "right"} | turned(90, [0, 1, 0], [12, 0, 0])]})).history
+    report.near(coarse["R_x"][-1] / fine["R_x"][-1], 1.0, 1e-6, "bent by 90 degrees, reaction in default steps over that in 20 steps")
+    twisted = variant(strip_case, {
+        "support": [strip_case["support"][0], {"type": "clamped", "group": "right"} | turned(180, [1, 0, 0], [12, 0.5, 0])]})
+    fine = solve("twisted_fine", twisted | {"steps": {"initial_step": 0.05, "max_step": 0.05}}).history
+    coarse = solve("twisted_coarse", twisted).history
+    report.near(coarse["R_x"][-1] / fine["R_x"][-1], 1.0, 1e-6, f"twisted by 180 degrees ({fine['R_x'][-1]:.4g} N), the same")
+    mirrored = grid_mesh("trusting_mirrored.msh", lambda s, t: (-12 * s, t, 0.0), (48, 4), {"left": "left", "right": "right"})
+    folded = long_strip(mirrored) | {"analysis": "drape", "load": [{"type": "line", "group": "right", "vector": [0, 0, 1e-6]}]}
+    h = solve("turned_folded", folded | {"element": {"bending": "edge_slope"}}).history
+    report.near(h["tip_x"][-1], 0.0, 1e-6, "folded back on its clamp it turns over, x [m]")
+
+
+@test
+def follower_pressure_is_judged(report):
+    """A ring beyond its buckling pressure: instability is counted, reported in the exit code, found on the path, and left."""
+    mesh = grid_mesh("trusting_ring.msh", lambda s, t: (math.cos(math.pi / 2 * s), math.sin(math.pi / 2 * s), 0.2 * t), (12, 2),
+                     {"a": "left", "b": "right"})
+    case = {
+        "mesh": {"file": mesh},
+        "material": [{"type": "isotropic", "young": 1.2e6, "poisson": 0.0, "thickness": 0.1}],
+        "support": [{"type": "symmetry", "group": "a", "normal": [0, 1, 0]}, {"type": "symmetry", "group": "b", "normal": [1, 0, 0]},
+                    {"type": "displacement", "group": "sheet", "components": ["z"]}],
+        "load": [{"type": "follower_pressure", "magnitude": -300.0}],  # 3 E I/R^3
+        "probe": [{"name": "a", "type": "displacement", "group": "a", "components": ["x"]}],
+        "steps": {"initial_step": 0.25, "max_step": 0.25, "final_load_factor": 1.3},
+    }
+    done = run(write_case(case, OUT / "ring.toml"), fresh("ring"), 1, [], 120)
+    report.check(done.code == 5 and "unstable" in done.text, f"load control ends unstable: code {done.code}")
+    report.check(done.summary["unstable"] is True and done.summary["negative_pivots"] == 1, "summary.json says so")
+    pivots = done.history["negative_pivots"]
+    report.check(pivots[done.history["load_factor"] < 1.0].max() == 0 and pivots[-1] == 1, "one negative eigenvalue beyond 3 E I/R^3")
+    done = run(write_case(variant(case, {"steps.final_load_factor": 0.9}), OUT / "ring.toml"), fresh("ring"), 2, [], 120)
+    report.check(done.code == 0, f"below it is stable, on 2 ranks: code {done.code}")
+    path = {"steps.control": "arc_length", "steps.at_critical_point": "stop"}
+    stop = solve("ring_stop", variant(case, path))
+    report.near(stop.summary["critical_points"][0]["load_factor"], 1.0, 0.01, "bifurcation on the path, over 3 E I/R^3")
+    left = solve("ring_left", variant(case, {"load.0.magnitude": -390.0, "steps": None}) | {"analysis": "drape"})
+    report.check(left.summary["negative_pivots"] == 0 and abs(left.history["a_x"][-1]) > 0.3,
+                 f"drape leaves it: {left.history['a_x'][-1]:.3g} m, {left.summary['negative_pivots']} negative")
+
+
+@test
+def driven_work(report):
+    """A sheet held softly to a box that moves: what drives it gives no more work for longer steps, and energy from nothing is told."""
+    sheet = grid_mesh("trusting_sheet.msh", lambda s, t: (0.1 * s, 0.1 * t, 0.0), (4, 4), {"w": "left"})
+    box = OUT / "trusting_box.obj"
+    box.write_text("".join(f"v {x} {y} {z}\n" for x, y, z in ((-.03, 0, -.05), (-.01, 0, -.05), (-.01, .1, -.05), (-.03, .1, -.05), (-.02, .05, .05)))
+                   + "f 1 4 3\nf 1 3 2\nf 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n")
+    case = {
+        "analysis": "dynamic",
+        "mesh": {"file": sheet},
+        "material": [{"type": "isotropic", "young": 1e6, "poisson": 0.3, "thickness": 5e-4, "density": 400}],
+        "attachment": [{"groups": ["w"], "obstacle": "box"}],
+        "contact": {"distance": 1e-3},
+        "obstacle": [{"name": "box", "type": "mesh", "file": str(box), "motion": ["0.25*(t-sin(10*t)/10)", "0", "0"]}],
+        "time": {"end": 0.2, "step": 0.01, "velocity_tolerance": 1e-5},
+    }
+    works = []
+    for step in (0.01, 0.005):
+        h = solve("driven", variant(case, {"time.step": step})).history
+        works.append(h["work_of_supports"][-1])
+        kinetic = h["kinetic_energy"][-1]
+        report.below(h["numerical_loss"][-1], 0.1 * kinetic, f"steps of {step} s: numerical loss [J], kinetic {kinetic:.3g}")
+        report.near(works[-1] / kinetic, 1.0, 0.2, "work over the kinetic energy that it has become")
+    fast = {
+        "analysis": "dynamic", "mesh": {"file": sheet}, "material": case["material"],
+        "initial_velocity": [{"velocity": [0, 0, -1e4]}], "contact": {"distance": 1e-3},
+        "obstacle": [{"name": "floor", "type": "plane", "point": [0, 0, -0.01], "normal": [0, 0, 1]}],
+        "time": {"end": 4e-5, "step": 2e-6, "radius": 0.9},
+    }
+    done = run(write_case(fast, OUT / "fast.toml"), fresh("fast"), 1, [], 120)
+    gained = done.history["kinetic_energy"].max() / done.history["kinetic_energy"][0]
+    report.check(gained < 1.05 or done.code != 0 or "created" in done.text or "not accounted" in done.text,
+                 f"at 1e4 m/s onto a floor the kinetic energy grows to {gained:.3g} times: {done.text[-200:]}")
+
+
+@test
+def start_elsewhere(report):
+    """mesh.start that supports would pull across the room is refused; one a little off is told; supports of a later stage take hold."""
+    lifted = grid_mesh("trusting_lifted.msh", lambda s, t: (12 * s, t, 3.0), (48, 4), {"left": "left", "right": "right"})
+    done = run(write_case(long_strip(lifted), OUT / "elsewhere.toml"), fresh("elsewhere"), 1, [], 120)
+    report.check(done.code == 2 and "[mesh] start" in done.text and "3 m" in done.text, f"3 m away: code {done.code}")
+    near = grid_mesh("trusting_near.msh", lambda s, t: (12 * s, t, 1e-3), (48, 4), {"left": "left", "right": "right"})
+    done = run(write_case(long_strip(near), OUT / "elsewhere.toml"), fresh("elsewhere"), 1, [], 120)
+    report.check(done.code == 0 and "note: [mesh] start" in done.text, f"1 mm away: code {done.code}")
+
+
+@test
+def unloaded_stages(report):
+    """Stages without load after one that has moved the sheet by micrometres: at rest, and the same frequencies as never loaded."""
+    mesh = grid_mesh("trusting_plate.msh", lambda s, t: (100 * s, 30 * t, 0.0), (10, 3), {"left": "left", "right": "right"})
+    case = {
+        "mesh": {"file": mesh},
+        "material": [{"type": "isotropic", "young": 210000.0, "poisson": 0.3, "thickness": 1.0, "density": 7.85e-9}],
+        "support": [{"type": "clamped", "group": "left"}],
+        "probe": [{"name": "tip", "type": "displacement", "group": "right"}],
+    }
+    first = lambda folder: float((folder / "modes.csv").read_text().splitlines()[1].split(",")[1])  # noqa: E731
+    never = first(solve("unloaded_never", case | {"analysis": "modal"}).folder)
+    after = case | {"load": [{"type": "line", "group": "right", "vector": [0, 0, 5e-4], "stages": ["s1"]}]}
+    for load in (5e-4, 0.5):
+        staged = variant(after, {"load.0.vector": [0, 0, load]})
+        for last in ("modal", "static", "drape"):
+            result = solve(f"unloaded_{last}", staged | {"stage": [{"name": "s1", "analysis": "static"}, {"name": "m", "analysis": last}]})
+            if last == "modal":
+                report.near(first(result.folder / "m") / never, 1.0, 1e-6, f"after a load of {load} N/mm, frequency over that of a sheet never loaded")
+
+
+@test
+def restart_in_contact(report):
+    """A ruffle that is gathered in contact with itself, stopped by a signal at three times: the run that goes on is the same to the bit."""
+    case = ruffle(2.0)
+    case["stage"] = case["stage"][:1]
+    case["stage"][0]["time"] |= {"end": 0.4, "checkpoint_steps": 7}
+    whole = run(write_case(case, OUT / "ruffle_whole.toml"), fresh("ruffle_whole"), 1)
+    if whole.code not in (0, 3):
+        raise Failure(f"the whole run ends with code {whole.code}: {whole.text[-300:]}")
+    end = whole.folder / "sew"
+    rows = [line.split(",") for line in (end / "history.csv").read_text().splitlines()]
+    clock = rows[0].index("wall_seconds")
+    known = {row[0]: row[:clock] + row[clock + 1:] for row in rows}
+    for steps in (10, 30, 60):
+        folder = fresh("ruffle_part")
+        process = started(OUT / "ruffle_whole.toml", folder)
+        history = folder / "sew" / "history.csv"
+        wait_for(lambda: history.exists() and len(history.read_text().splitlines()) > steps, process)  # noqa: B023
+        process.send_signal(signal.SIGKILL if steps == 30 else signal.SIGTERM)
+        process.communicate(timeout=60)
+        rest = run(OUT / "ruffle_whole.toml", fresh("ruffle_rest"), 1, ["--from", "sew", "--restart", folder / "sew" / "checkpoint.h5"])
+        later = [line.split(",") for line in (rest.folder / "sew" / "history.csv").read_text().splitlines()[2:]]
+        same = [known[row[0]] == row[:clock] + row[clock + 1:] for row in later]
+        report.check(len(same) > 10 and all(same), f"killed after {steps} steps: {sum(same)} of {len(same)} later lines are the same")
+    last = np.abs(rest.displacement() - whole.displacement()).max() if (whole.folder / "results.vtkhdf").exists() else 0.0
+    report.check(last == 0.0, "and the same places")
