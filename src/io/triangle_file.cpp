@@ -23,6 +23,7 @@
 #include "voile/base/bytes.hpp"
 #include "voile/base/child_process.hpp"
 #include "voile/base/error.hpp"
+#include "voile/base/plain_file.hpp"
 #include "voile/io/gmsh.hpp"
 
 namespace voile::io {
@@ -168,7 +169,7 @@ void check_off(const fs::path& file, std::istream& in) {
 }
 
 bool read_format(const fs::path& file, const std::string& extension, PolygonSoup& soup) {
-  std::ifstream in(file, std::ios::binary);
+  std::ifstream in = open_input(file);
   if (!in) fail(file, "the file cannot be read; check its permissions");
   if (in.peek() == std::char_traits<char>::eof()) fail(file, "the file is empty; export it again");
   if (extension == ".obj") {
@@ -264,6 +265,7 @@ geometry::TriangleSoup read_triangles(const fs::path& file) {
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   std::error_code ignored;
   if (!fs::exists(file, ignored)) fail(file, "there is no such file of triangles");
+  require_plain_file(file);
   if (!fs::is_regular_file(file, ignored)) fail(file, "this is not a file");
   if (file.extension() == ".msh") return checked(file, read_msh(file));  // Gmsh wants lower case
   constexpr std::array<const char*, 4> known{".obj", ".stl", ".ply", ".off"};

@@ -10,6 +10,7 @@
 #include "readers.hpp"
 #include "voile/base/child_process.hpp"
 #include "voile/base/error.hpp"
+#include "voile/base/plain_file.hpp"
 #include "voile/base/text.hpp"
 #include "voile/pattern/outline.hpp"
 
@@ -183,7 +184,7 @@ double Piece::signed_area() const {
 std::string text_of(const std::filesystem::path& file) {
   std::error_code ignored;
   if (!std::filesystem::exists(file, ignored)) throw UserError(fmt::format("{}: there is no such file", file.string()));
-  std::ifstream in(file, std::ios::binary);
+  std::ifstream in = open_input(file);
   std::string text{std::istreambuf_iterator<char>(in), {}};
   if (!in.is_open() || std::filesystem::is_directory(file, ignored))
     throw UserError(fmt::format("{}: the file cannot be read; check its permissions", file.string()));
