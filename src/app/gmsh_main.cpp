@@ -11,6 +11,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <optional>
 #include <set>
 
 #include "../io/mesh_bytes.hpp"
@@ -34,8 +35,8 @@ namespace fs = std::filesystem;
 constexpr int line_type = 1, point_type = 15;  // Gmsh's element type numbers
 constexpr std::array<const char*, 3> dimension_names{"point", "curve", "surface"};
 
-void mesh_geo(const std::string& file, const MeshOptions& options) {
-  open_geo(file, options.parameters);
+void mesh_geo(const std::string& file, const Script& script, const MeshOptions& options) {
+  script.open();
   if (options.size > 0.0) {
     for (const char* name : {"Mesh.MeshSizeMin", "Mesh.MeshSizeMax"}) gmsh::option::setNumber(name, options.size);
     gmsh::option::setNumber("Mesh.MeshSizeFactor", 1.0);
@@ -242,16 +243,24 @@ std::string read(const std::vector<std::string>& words) {
   options.size = number(words.at(3));
   options.algorithm = static_cast<int>(number(words.at(4)));
   options.scale = number(words.at(5));
-  for (std::size_t k = 6; k + 1 < words.size(); k += 2) options.parameters[words[k]] = number(words[k + 1]);
+  for (std::size_t k = 7; k + 1 < words.size(); k += 2) options.parameters[words[k]] = number(words[k + 1]);
   try {
-    const Session session;
-    if (words.at(2) == "geo") {
-      mesh_geo(file, options);
+    std::optional<Script> script;
+    if (words.at(2) == "geo") script.emplace(file, options.parameters);
+    const Session session(rights_of(words.at(6)));
+    if (script) {
+      mesh_geo(file, *script, options);
     } else {
       gmsh::open(file);
       check_log(file, "reading");
     }
-    return to_bytes(Converter(file, options.scale).run());
+    mesh::MeshData data = Converter(file, options.scale).run();
+    if (!session.filtered())
+      data.notes.push_back(fmt::format(
+          "{}: this system does not filter system calls (seccomp), so that Gmsh has read it with more rights "
+          "than it needs; see docs/security.md before you open files of strangers here",
+          file));
+    return to_bytes(data);
   } catch (const std::string& message) {  // what Gmsh throws
     throw UserError(fmt::format("{}: Gmsh: {}", file, printable(message)));
   }
@@ -259,7 +268,7 @@ std::string read(const std::vector<std::string>& words) {
 
 std::string version() {
   // The library tells its version at run time only once it is initialised.
-  const Session session;
+  const Session session(Rights::confined);
   std::string text;
   gmsh::option::getString("General.Version", text);
   return text;
