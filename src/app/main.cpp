@@ -13,11 +13,14 @@
 #include <array>
 #include <csignal>
 #include <cstdio>
+#include <filesystem>
 #include <fstream>
 #include <optional>
 #include <sstream>
 
 #include "delegate.hpp"
+#include "launched_ranks.hpp"
+#include "temporary_folder.hpp"
 #include "voile/app/run.hpp"
 #include "voile/app/version.hpp"
 #include "voile/base/error.hpp"
@@ -163,10 +166,10 @@ void begin_case(const std::filesystem::path& folder, const std::string& analysis
   mpi::on_root(MPI_COMM_WORLD, [&] {
     const std::array files{std::pair{folder / "case.toml", input::case_template(analysis)},
                            std::pair{folder / "plate.geo", input::template_geometry()}};
-    for (const auto& [file, text] : files)
-      if (std::filesystem::symlink_status(file).type() != std::filesystem::file_type::not_found)
-        throw UserError(fmt::format("{}: the file exists already", file.string()));
     std::error_code ignored;
+    for (const auto& [file, text] : files)
+      if (std::filesystem::exists(std::filesystem::symlink_status(file, ignored)))
+        throw UserError(fmt::format("{}: the file exists already", file.string()));
     std::filesystem::create_directories(folder, ignored);
     for (const auto& [file, text] : files)
       if (!(std::ofstream(file) << text << std::flush))
@@ -265,6 +268,8 @@ auto or_abort(const Work& work) {
     abort_for_memory(e.what());
   } catch (const std::bad_alloc&) {
     abort_for_memory("an array could not be had");
+  } catch (const std::filesystem::filesystem_error& e) {  // of a name or a folder that the user has chosen
+    abort_all("error", e.what(), Exit::user_error);
   } catch (const std::exception& e) {
     abort_all("internal error", e.what(), Exit::internal_error);
   } catch (...) {
@@ -318,8 +323,9 @@ int main(int argc, char** argv) {
   keep_output_streams();
   try {
     app::delegate_command(argc, argv);
+    app::check_temporary_folder();
   } catch (const UserError& e) {
-    fmt::print(stderr, "voile: error: {}\n", e.what());
+    if (app::launched_rank().rank == 0) fmt::print(stderr, "voile: error: {}\n", e.what());
     return static_cast<int>(Exit::user_error);
   }
   MPI_Init(&argc, &argv);

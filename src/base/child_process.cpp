@@ -98,6 +98,8 @@ void answer(int descriptor, const std::function<std::string()>& work) {
     send(descriptor, Answer::done, work());
   } catch (const UserError& e) {
     send(descriptor, Answer::user_error, e.what());
+  } catch (const std::filesystem::filesystem_error& e) {
+    send(descriptor, Answer::user_error, fmt::format("{}: {}", e.path1().string(), e.code().message()));
   } catch (const std::bad_alloc&) {
     send(descriptor, Answer::no_memory, "");
   } catch (const std::length_error&) {

@@ -101,6 +101,26 @@ def full_terminal(report):
 
 
 @test
+def impossible_names(report):
+    """Names that cannot be, loops of links, and temporary folders that cannot be written: exit code 2 and what to do."""
+    folder = fresh("impossible_names")
+    folder.mkdir(parents=True)
+    (folder / "a").symlink_to("b")
+    (folder / "b").symlink_to("a")
+    file = write_case(strip("static"), folder / "case.toml")
+    for name in ("n" * 300, folder / "a", folder / "a" / "x", "/proc/version/x"):
+        for ranks, words in ((1, ["run", file, "--output", name]), (2, ["run", file, "--output", name]), (1, ["run", name]), (1, ["init", name]),
+                             (1, ["info", f"{name}.obj"]), (1, ["run", file, "--output", folder / "r", "--restart", name]),
+                             (1, ["render", name]), (1, ["plot", name, "--output", "x.svg"])):
+            code, text = invoke(words, ranks)
+            report.check(code == 2 and "error" in text, f"{words[0]} {str(name)[-30:]} on {ranks} rank(s): code {code}")
+    for temporary, limit in (("/proc/version/x", ""), ("/proc", ""), (str(folder), "ulimit -f 1;")):
+        done = subprocess.run(["bash", "-c", f'{limit} exec "$0" "$@"', *command(["check", file])], env=environment(1) | {"TMPDIR": temporary}, text=True,
+                              stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+        report.check(done.returncode == 2 and "set TMPDIR" in done.stdout, f"TMPDIR={temporary} {limit}: code {done.returncode}: {done.stdout[:150]}")
+
+
+@test
 def failed_motion(report):
     """A motion that does not converge: exit code 3, a summary, the reason, no step twice, a checkpoint of the last good state."""
     for name, case, options in (("first", strip("dynamic", time__min_step=0.01), ["-snes_max_it", "1", "-snes_rtol", "1e-14", "-snes_stol", "1e-14"]),
