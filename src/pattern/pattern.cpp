@@ -117,6 +117,11 @@ void check_loops(const Pattern& pattern, const Piece& piece) {
 
 }  // namespace
 
+void check_piece(const Pattern& pattern, const Piece& piece) {
+  check_size(pattern, piece);
+  check_loops(pattern, piece);
+}
+
 BentShape::BentShape(const std::vector<Vec2>& plane, std::vector<Vec3> space, std::vector<mesh::Triangle> triangles)
     : plane_(flat(plane)), space_(std::move(space)), triangles_(std::move(triangles)), closest_(plane_, triangles_) {}
 
@@ -224,10 +229,7 @@ Pattern read_unguarded(const std::filesystem::path& file, const ReadOptions& opt
                         where(pattern, piece)));
     unfold_pieces(pattern, options.unfold);
   }
-  for (const Piece& piece : pattern.pieces) {
-    check_size(pattern, piece);
-    check_loops(pattern, piece);
-  }
+  for (const Piece& piece : pattern.pieces) check_piece(pattern, piece);
   return pattern;
 }
 
