@@ -10,9 +10,11 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <sstream>
 #include <vector>
 
 #include "voile/base/error.hpp"
+#include "voile/base/plain_file.hpp"
 #include "voile/base/text.hpp"
 #include "voile/io/geo_parameters.hpp"
 
@@ -65,6 +67,30 @@ bool ends_within_line(const std::string& file) {
 
 }  // namespace
 
+MemoryFile::MemoryFile(const std::string& bytes) : descriptor_(memfd_create("voile", 0)) {
+  for (std::size_t done = 0; done < bytes.size();) {
+    const ssize_t count = descriptor_ < 0 ? -1 : write(descriptor_, bytes.data() + done, bytes.size() - done);
+    if (count <= 0) throw InternalError("a file in memory cannot be made for Gmsh");
+    done += static_cast<std::size_t>(count);
+  }
+}
+
+MemoryFile::~MemoryFile() {
+  if (descriptor_ >= 0) close(descriptor_);
+}
+
+std::string MemoryFile::name() const {
+  return fmt::format("/proc/self/fd/{}", descriptor_);
+}
+
+std::unique_ptr<MemoryFile> without_byte_order_mark(const std::string& file) {
+  std::ifstream in = open_input(file);
+  if (in.tellg() == std::streampos(0)) return nullptr;
+  std::stringstream rest;
+  rest << in.rdbuf();
+  return std::make_unique<MemoryFile>(rest.str());
+}
+
 Script::Script(const std::string& file, const std::map<std::string, double>& parameters) : file_(file) {
   const GeoParameters known = geo_parameters(file);
   check_parameters(file, parameters, known);
@@ -78,18 +104,12 @@ Script::Script(const std::string& file, const std::map<std::string, double>& par
       numbers_[onelab_name] = value;
   }
   text += fmt::format("Include \"{}\";\n", fs::absolute(file).string());
-  wrapper_ = memfd_create("voile", 0);
-  if (wrapper_ < 0 || write(wrapper_, text.data(), text.size()) != static_cast<ssize_t>(text.size()))
-    throw InternalError(fmt::format("{}: its parameters cannot be handed to Gmsh", file));
-}
-
-Script::~Script() {
-  if (wrapper_ >= 0) close(wrapper_);
+  wrapper_ = std::make_unique<MemoryFile>(text);
 }
 
 void Script::open() const {
   for (const auto& [name, value] : numbers_) gmsh::onelab::setNumber(name, {value});
-  gmsh::open(wrapper_ < 0 ? file_ : fmt::format("/proc/self/fd/{}", wrapper_));
+  gmsh::open(wrapper_ ? wrapper_->name() : file_);
   check_log(file_, "reading");
 }
 

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <string_view>
+
 #include "voile/base/error.hpp"
 
 namespace voile {
@@ -29,7 +31,19 @@ void require_no_link(const fs::path& file) {
 
 std::ifstream open_input(const fs::path& file) {
   require_plain_file(file);
-  return std::ifstream(file, std::ios::binary);
+  std::ifstream in(file, std::ios::binary);
+  if (in) rewind(in);
+  return in;
+}
+
+void rewind(std::ifstream& in) {
+  constexpr std::string_view mark = "\xef\xbb\xbf";
+  char first[3] = {0, 0, 0};
+  in.clear();
+  in.seekg(0);
+  in.read(first, 3);
+  in.clear();
+  in.seekg(std::string_view(first, 3) == mark ? 3 : 0);
 }
 
 }  // namespace voile

@@ -127,11 +127,10 @@ std::stringstream obj_vertices_and_faces(const fs::path& file, std::istream& in)
 }
 
 /// CGAL would take a number that is not finite for an equal of any vertex, and cannot say that a file is cut short.
-void check_stl(const fs::path& file, std::istream& in) {
+void check_stl(const fs::path& file, std::ifstream& in) {
   constexpr std::size_t header = 84, record = 50;
   const std::string bytes{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
-  in.clear();
-  in.seekg(0);
+  rewind(in);
   const auto value = [&](auto number, std::size_t at) {
     std::memcpy(&number, bytes.data() + at, sizeof number);
     return number;
@@ -151,7 +150,7 @@ void check_stl(const fs::path& file, std::istream& in) {
 }
 
 /// CGAL reserves memory for what the header of an ASCII file claims before it looks any further.
-void check_off(const fs::path& file, std::istream& in) {
+void check_off(const fs::path& file, std::ifstream& in) {
   std::vector<double> counts;  // vertices, faces
   std::string line, word;
   while (counts.size() < 2 && std::getline(in, line)) {
@@ -160,8 +159,7 @@ void check_off(const fs::path& file, std::istream& in) {
       if (word.find_first_not_of("0123456789") == std::string::npos)
         counts.push_back(std::strtod(word.c_str(), nullptr));
   }
-  in.clear();
-  in.seekg(0);
+  rewind(in);
   const auto length = static_cast<double>(fs::file_size(file));
   for (const double count : counts)
     if (count > length)
