@@ -50,6 +50,7 @@ THIRD_PARTY = [
     (r"fmt/.*", r".*"),
     (r"dlfcn\.h|xmmintrin\.h", r".*/mumps.*"),
     (r"unistd\.h|fcntl\.h|sys/.*\.h", r"io/.*|app/.*|input/.*|base/.*"),
+    (r"linux/.*\.h|poll\.h", r"base/.*"),
     (r"doctest/.*", r"(?!)"),  # tests only
 ]
 # It prints the versions of all libraries.

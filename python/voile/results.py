@@ -31,6 +31,34 @@ def text(value: Any) -> str:
     return value.decode() if isinstance(value, bytes) else str(value)
 
 
+def opened(file: Path, index: bool = False) -> h5py.File:
+    """A file whose data are all in itself; ValueError if it names others, which a stranger's file is not to have read.
+    `index`: of a run that has not ended, which names the files of its steps; these are opened by name instead."""
+    if file.exists() and not file.is_file():
+        raise ValueError(f"{file}: this is a pipe, a socket or a device")
+    data = h5py.File(file, "r")
+    try:
+        _refuse_foreign(data, ("/voile/epochs", "/voile/obstacles", "/voile/steps/obstacle_positions", "/VTKHDF") if index else ())
+    except ValueError:
+        data.close()
+        raise
+    return data
+
+
+def _refuse_foreign(group: h5py.Group, but: tuple[str, ...]) -> None:
+    for name in group:
+        path = f"{group.name.rstrip('/')}/{name}"
+        if path in but:
+            continue
+        if not isinstance(group.get(name, getlink=True), h5py.HardLink):
+            raise ValueError(f"{group.file.filename}: '{path}' is a link, perhaps to another file; it is not read")
+        item = group[name]
+        if isinstance(item, h5py.Group):
+            _refuse_foreign(item, but)
+        elif isinstance(item, h5py.Dataset) and (item.is_virtual or item.external):
+            raise ValueError(f"{group.file.filename}: '{path}' has its values in other files; it is not read")
+
+
 class Mesh:
     """The mesh of an epoch: positions at the start, triangles, the rest positions of their corners (those of a garment lie in
     its panels), groups and the rank that each vertex and triangle was on."""
@@ -69,9 +97,9 @@ class Step:
 
     @property
     def obstacles(self) -> Array:
-        """Where the vertices of obstacles are; at rest if none moves."""
+        """Where the vertices of obstacles are (rows of x, y, z); at rest if none moves, and no rows if there are none."""
         moving = self.results._obstacles_of(self.place)
-        return self.results.obstacles["positions"] if moving is None else moving
+        return self.results.obstacles.get("positions", np.empty((0, 3))) if moving is None else moving
 
     def names(self) -> list[str]:
         return self.results._fields_of(self.place)
@@ -114,16 +142,19 @@ class Results:
             raise FileNotFoundError(f"{self.file} is not there" + (f"; the folder has results of: {', '.join(inside)}" if inside else ""))
         self._meshes: dict[int, Mesh] = {}
         with h5py.File(self.file, "r") as data:
+            if not isinstance(data.get("voile", getlink=True), h5py.HardLink):
+                raise ValueError(f"{self.file}: 'voile' is missing, or a link perhaps to another file; it is not read")
+            self.complete = bool(data["voile"].attrs["complete"])
+        with opened(self.file, index=not self.complete) as data:
             own = data["voile"]
-            self.complete = bool(own.attrs["complete"])
             table = own["steps"]
             columns = [table[name][...] for name in ("number", "time", "load_factor", "epoch")]
             self.named = len(columns[0])
             self.steps = [Step(self, i, *row) for i, row in enumerate(zip(*columns))]
-            self._paths = self._fields(data)
+            self._paths = self._fields(data) if self.complete else {}
             self._has = {name: flags[...] for name, flags in table.get("has", {}).items()}
         while not self.complete and self._file(len(self.steps)).is_file():  # the index does not name them yet
-            with h5py.File(self._file(len(self.steps)), "r") as data:
+            with opened(self._file(len(self.steps))) as data:
                 values = [data.attrs[name] for name in ("step", "time", "load_factor", "epoch")]
             self.steps.append(Step(self, len(self.steps), *values))
 
@@ -163,17 +194,20 @@ class Results:
                 with h5py.File(self.file, "r") as data:
                     self._meshes[epoch] = Mesh(data[f"voile/epochs/{epoch:06d}"])
             else:
-                with h5py.File(self.file.parent / "steps" / f"epoch_{epoch:06d}.h5", "r") as data:
+                with opened(self.file.parent / "steps" / f"epoch_{epoch:06d}.h5") as data:
                     self._meshes[epoch] = Mesh(data["mesh"])
         return self._meshes[epoch]
 
     @cached_property
     def obstacles(self) -> dict[str, Any]:
         """{"names", "positions" at rest, "triangles", "obstacle" of each triangle}; empty if there are none."""
-        with h5py.File(self.file, "r") as data:
-            if "obstacles" not in data["voile"]:
+        where, at = (self.file, "voile/obstacles") if self.complete else (self.file.parent / "steps" / "obstacles.h5", "obstacles")
+        if not where.is_file():
+            return {}
+        with opened(where) as data:
+            if at not in data:
                 return {}
-            found = {name: values[...] for name, values in data["voile/obstacles"].items()}
+            found = {name: values[...] for name, values in data[at].items()}
         return {**found, "names": [text(n) for n in found["names"]], "positions": found["positions"].astype(float)}
 
     def replace(self, place: int, name: str, values: Array) -> None:
@@ -199,12 +233,12 @@ class Results:
     def _fields_of(self, place: int) -> list[str]:
         if self.complete:
             return [name for name, flags in self._has.items() if flags[place]]
-        with h5py.File(self._file(place), "r") as data:
+        with opened(self._file(place)) as data:
             return list(data["fields"])
 
     def _unit(self, place: int, name: str) -> str:
         if not self.complete:
-            with h5py.File(self._file(place), "r") as data:
+            with opened(self._file(place)) as data:
                 return text(data["fields"][name].attrs["unit"])
         with h5py.File(self.file, "r") as data:
             return text(data[self._paths[name]].attrs["unit"])
@@ -219,7 +253,7 @@ class Results:
 
     def _field(self, place: int, epoch: int, name: str) -> Array:
         if not self.complete:
-            with h5py.File(self._file(place), "r") as data:
+            with opened(self._file(place)) as data:
                 return data["fields"][name][...]
         path, begin, rows = self._where(place, epoch, name)
         with h5py.File(self.file, "r") as data:
@@ -227,7 +261,7 @@ class Results:
 
     def _obstacles_of(self, place: int) -> Array | None:
         if not self.complete:
-            with h5py.File(self._file(place), "r") as data:
+            with opened(self._file(place)) as data:
                 return data["obstacles"][...].astype(float) if "obstacles" in data else None
         with h5py.File(self.file, "r") as data:
             if "obstacle_positions" not in data["voile/steps"]:

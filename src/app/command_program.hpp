@@ -7,6 +7,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
+#include <filesystem>
 #include <functional>
 #include <new>
 #include <string>
@@ -55,6 +56,8 @@ inline int command_program(int argc, char** argv, const char* what, const char* 
     return 0;
   } catch (const UserError& e) {
     return fail(Exit::user_error, fmt::format("error: {}", e.what()));
+  } catch (const std::filesystem::filesystem_error& e) {
+    return fail(Exit::user_error, fmt::format("error: {}: {}", e.path1().string(), e.code().message()));
   } catch (const std::bad_alloc&) {
     return fail(Exit::user_error, fmt::format("error: out of memory: {}", too_large));
   } catch (const std::exception& e) {

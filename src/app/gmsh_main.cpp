@@ -11,9 +11,11 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <optional>
 #include <set>
 
 #include "../io/mesh_bytes.hpp"
+#include "gmsh_elements.hpp"
 #include "gmsh_outlines.hpp"
 #include "gmsh_polygons.hpp"
 #include "gmsh_script.hpp"
@@ -21,6 +23,7 @@
 #include "gmsh_views.hpp"
 #include "voile/base/child_process.hpp"
 #include "voile/base/error.hpp"
+#include "voile/base/plain_file.hpp"
 #include "voile/base/text.hpp"
 #include "voile/io/geo_parameters.hpp"
 #include "voile/io/gmsh.hpp"
@@ -31,11 +34,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int line_type = 1, point_type = 15;  // Gmsh's element type numbers
 constexpr std::array<const char*, 3> dimension_names{"point", "curve", "surface"};
 
-void mesh_geo(const std::string& file, const MeshOptions& options) {
-  open_geo(file, options.parameters);
+void mesh_geo(const std::string& file, const Script& script, const MeshOptions& options) {
+  script.open();
   if (options.size > 0.0) {
     for (const char* name : {"Mesh.MeshSizeMin", "Mesh.MeshSizeMax"}) gmsh::option::setNumber(name, options.size);
     gmsh::option::setNumber("Mesh.MeshSizeFactor", 1.0);
@@ -47,42 +49,9 @@ void mesh_geo(const std::string& file, const MeshOptions& options) {
 
 // ------------------------------------------------------------------------------------------------------ model -> data
 
-struct Elements {
-  std::vector<std::size_t> tags;
-  std::vector<std::size_t> nodes;  ///< node tags, element by element
-};
-
-/// Elements of one entity (or of all: tag -1). Throws if they are not of the one type that `dimension` may have.
-Elements elements_of(const std::string& file, int dimension, int tag) {
-  constexpr std::array<int, 3> wanted{point_type, line_type, triangle_type};
-  constexpr std::array<const char*, 3> remedies{
-      "", "use straight 2-node lines (Mesh.ElementOrder = 1)",
-      "use 3-node triangles: no Recombine, no transfinite quadrangles, Mesh.ElementOrder = 1"};
-  std::vector<int> types;
-  std::vector<std::vector<std::size_t>> tags, nodes;
-  gmsh::model::mesh::getElements(types, tags, nodes, dimension, tag);
-  Elements result;
-  for (std::size_t k = 0; k < types.size(); ++k) {
-    if (tags[k].empty()) continue;
-    if (dimension < 3 && types[k] == wanted[static_cast<std::size_t>(dimension)]) {
-      result = {tags[k], nodes[k]};
-      continue;
-    }
-    std::string name;
-    int d = 0, order = 0, node_count = 0, primary = 0;
-    std::vector<double> local;
-    gmsh::model::mesh::getElementProperties(types[k], name, d, order, node_count, local, primary);
-    throw UserError(fmt::format("{}: {} element(s) of type '{}' ({} nodes), the first is element {}; {}", file,
-                                tags[k].size(), name, node_count, *std::min_element(tags[k].begin(), tags[k].end()),
-                                dimension == 3 ? "delete the volume mesh: a shell needs its surface only"
-                                               : remedies[static_cast<std::size_t>(dimension)]));
-  }
-  return result;
-}
-
 /// Version of a .msh file, 0 for a .geo.
 double file_version(const std::string& file) {
-  std::ifstream in(file, std::ios::binary);
+  std::ifstream in = open_input(file);
   std::string word;
   for (int k = 0; k < 100 && in >> word; ++k)
     if (word == "$MeshFormat") {
@@ -95,11 +64,13 @@ double file_version(const std::string& file) {
 
 class Converter {
  public:
-  Converter(const std::string& file, double scale) : file_(file), scale_(scale) { data_.source = file; }
+  Converter(const std::string& file, double scale) : file_(file), scale_(scale), elements_(file) {
+    data_.source = file;
+  }
 
   mesh::MeshData run() {
-    elements_of(file_, 3, -1);
-    elements_of(file_, 2, -1);
+    (void)elements_.of(3, -1);
+    (void)elements_.of(2, -1);
     find_repetitions();
     add_triangles();
     add_vertices();
@@ -107,6 +78,7 @@ class Converter {
     gmsh::model::getPhysicalGroups(groups);
     for (const auto& [dimension, tag] : groups)
       if (dimension <= 2) add_group(dimension, tag);
+    if (const std::string note = split_note(file_); !note.empty()) data_.notes.push_back(note);
     return std::move(data_);
   }
 
@@ -122,7 +94,7 @@ class Converter {
       std::vector<int> groups;
       gmsh::model::getPhysicalGroupsForEntity(dimension, tag, groups);
       if (groups.size() < 2 || dimension > 2) continue;
-      const Elements all = elements_of(file_, dimension, tag);
+      const Elements all = elements_.of(dimension, tag);
       const std::size_t n = static_cast<std::size_t>(dimension) + 1;
       std::map<std::vector<std::size_t>, std::size_t> copies;
       for (std::size_t e = 0; e < all.tags.size(); ++e) {
@@ -144,7 +116,7 @@ class Converter {
   }
 
   void add_triangles() {
-    const Elements all = elements_of(file_, 2, -1);
+    const Elements all = elements_.all(2);
     std::vector<std::pair<std::size_t, std::size_t>> order;  // tag, position
     for (std::size_t e = 0; e < all.tags.size(); ++e)
       if (!repeated_.count(all.tags[e])) order.emplace_back(all.tags[e], e);
@@ -165,14 +137,9 @@ class Converter {
   }
 
   void add_vertices() {
-    std::vector<std::size_t> tags;
-    std::vector<double> coordinates, parametric;
-    gmsh::model::mesh::getNodes(tags, coordinates, parametric);
     data_.positions.assign(data_.vertex_tags.size(), Vec3::Constant(std::nan("")));
-    for (std::size_t k = 0; k < tags.size(); ++k)
-      if (const Index v = vertex(tags[k]); v != no_index)
-        data_.positions[static_cast<std::size_t>(v)] =
-            scale_ * Vec3(coordinates[3 * k], coordinates[3 * k + 1], coordinates[3 * k + 2]);
+    for (const auto& [tag, x] : elements_.nodes())
+      if (const Index v = vertex(tag); v != no_index) data_.positions[static_cast<std::size_t>(v)] = scale_ * x;
     for (std::size_t v = 0; v < data_.positions.size(); ++v)
       if (!data_.positions[v].allFinite())
         throw UserError(fmt::format("{}: node {} has no finite coordinates", file_, data_.vertex_tags[v]));
@@ -188,7 +155,7 @@ class Converter {
     }
     std::vector<int> entities;
     gmsh::model::getEntitiesForPhysicalGroup(dimension, tag, entities);
-    for (const int entity : entities) add_entity(*at, elements_of(file_, dimension, entity));
+    for (const int entity : entities) add_entity(*at, elements_.of(dimension, entity));
     if (at->vertices.empty())
       throw UserError(fmt::format("{}: physical {} '{}' has no elements; mesh it or remove the group", file_,
                                   dimension_names[static_cast<std::size_t>(dimension)], name));
@@ -212,8 +179,15 @@ class Converter {
         group.vertices.push_back(v[i]);
       }
       if (group.dimension == 1) group.segments.push_back({v[0], v[1]});
-      if (group.dimension == 2) group.triangles.push_back(triangle(elements.tags[e]));
+      if (group.dimension == 2) add_triangles_of(elements.tags[e], group);
     }
+  }
+
+  /// An element that was split has several, which its tag stands for.
+  void add_triangles_of(std::size_t tag, mesh::Group& group) const {
+    const auto [begin, end] = std::equal_range(data_.triangle_tags.begin(), data_.triangle_tags.end(), tag);
+    for (auto at = begin; at != end; ++at)
+      group.triangles.push_back(static_cast<Index>(at - data_.triangle_tags.begin()));
   }
 
   static void sort_unique(std::vector<Index>& values) {
@@ -226,10 +200,10 @@ class Converter {
     return at != tags.end() && *at == tag ? static_cast<Index>(at - tags.begin()) : no_index;
   }
   [[nodiscard]] Index vertex(std::size_t tag) const { return position(data_.vertex_tags, tag); }
-  [[nodiscard]] Index triangle(std::size_t tag) const { return position(data_.triangle_tags, tag); }
 
   std::string file_;
   double scale_;
+  ElementReader elements_;
   mesh::MeshData data_;
   std::set<std::size_t> repeated_;  ///< tags of elements that repeat an earlier one of their entity
 };
@@ -242,16 +216,28 @@ std::string read(const std::vector<std::string>& words) {
   options.size = number(words.at(3));
   options.algorithm = static_cast<int>(number(words.at(4)));
   options.scale = number(words.at(5));
-  for (std::size_t k = 6; k + 1 < words.size(); k += 2) options.parameters[words[k]] = number(words[k + 1]);
+  for (std::size_t k = 7; k + 1 < words.size(); k += 2) options.parameters[words[k]] = number(words[k + 1]);
   try {
-    const Session session;
-    if (words.at(2) == "geo") {
-      mesh_geo(file, options);
+    std::optional<Script> script;
+    std::unique_ptr<MemoryFile> bytes;
+    if (words.at(2) == "geo")
+      script.emplace(file, options.parameters);
+    else
+      bytes = without_byte_order_mark(file);
+    const Session session(rights_of(words.at(6)));
+    if (script) {
+      mesh_geo(file, *script, options);
     } else {
-      gmsh::open(file);
+      gmsh::open(bytes ? bytes->name() : file);
       check_log(file, "reading");
     }
-    return to_bytes(Converter(file, options.scale).run());
+    mesh::MeshData data = Converter(file, options.scale).run();
+    if (!session.filtered())
+      data.notes.push_back(fmt::format(
+          "{}: this system does not filter system calls (seccomp), so that Gmsh has read it with more rights "
+          "than it needs; see docs/security.md before you open files of strangers here",
+          file));
+    return to_bytes(data);
   } catch (const std::string& message) {  // what Gmsh throws
     throw UserError(fmt::format("{}: Gmsh: {}", file, printable(message)));
   }
@@ -259,7 +245,7 @@ std::string read(const std::vector<std::string>& words) {
 
 std::string version() {
   // The library tells its version at run time only once it is initialised.
-  const Session session;
+  const Session session(Rights::confined);
   std::string text;
   gmsh::option::getString("General.Version", text);
   return text;

@@ -127,11 +127,12 @@ std::string outlines(const std::string& file) {
 std::string outlines_of(const std::vector<std::string>& words) {
   const std::string& file = words.at(1);
   std::map<std::string, double> parameters;
-  for (std::size_t k = 3; k + 1 < words.size(); k += 2)
+  for (std::size_t k = 4; k + 1 < words.size(); k += 2)
     parameters[words[k]] = std::strtod(words[k + 1].c_str(), nullptr);
   try {
-    const Session session;
-    open_geo(file, parameters);
+    const Script script(file, parameters);
+    const Session session(rights_of(words.at(3)));
+    script.open();
     return outlines(file);
   } catch (const std::string& message) {  // what Gmsh throws
     throw UserError(fmt::format("{}: Gmsh: {}", file, printable(message)));

@@ -105,7 +105,7 @@ std::string fill_polygons(const std::string& file) {
   in.get(source);
   in.get(count);
   ByteWriter out;
-  const Session session;
+  const Session session(Rights::confined);
   gmsh::option::setNumber("Mesh.Algorithm", frontal_delaunay);
   for (std::size_t k = 0; k < count; ++k) {
     Polygon p;

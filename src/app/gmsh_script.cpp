@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <gmsh.h>
+#include <sys/mman.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -9,9 +10,11 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <sstream>
 #include <vector>
 
 #include "voile/base/error.hpp"
+#include "voile/base/plain_file.hpp"
 #include "voile/base/text.hpp"
 #include "voile/io/geo_parameters.hpp"
 
@@ -54,15 +57,6 @@ void check_parameters(const std::string& file, const std::map<std::string, doubl
   }
 }
 
-/// Removes the file on destruction.
-struct TemporaryFile {
-  fs::path path;
-  ~TemporaryFile() {
-    std::error_code ignored;
-    fs::remove(path, ignored);
-  }
-};
-
 /// Of a last line without a line feed Gmsh leaves out what it has not read yet, without a word, but not of an included file.
 bool ends_within_line(const std::string& file) {
   std::ifstream in(file, std::ios::binary | std::ios::ate);
@@ -71,37 +65,52 @@ bool ends_within_line(const std::string& file) {
   return in.get() != '\n';
 }
 
-/// Opens the script with its parameters preset: DefineConstant keeps a variable that exists already. (The option
-/// -setnumber is no alternative: Gmsh never forgets its values, not even after finalize.)
-void open_script(const std::string& file, const std::map<std::string, double>& parameters) {
+}  // namespace
+
+MemoryFile::MemoryFile(const std::string& bytes) : descriptor_(memfd_create("voile", 0)) {
+  for (std::size_t done = 0; done < bytes.size();) {
+    const ssize_t count = descriptor_ < 0 ? -1 : write(descriptor_, bytes.data() + done, bytes.size() - done);
+    if (count <= 0) throw InternalError("a file in memory cannot be made for Gmsh");
+    done += static_cast<std::size_t>(count);
+  }
+}
+
+MemoryFile::~MemoryFile() {
+  if (descriptor_ >= 0) close(descriptor_);
+}
+
+std::string MemoryFile::name() const {
+  return fmt::format("/proc/self/fd/{}", descriptor_);
+}
+
+std::unique_ptr<MemoryFile> without_byte_order_mark(const std::string& file) {
+  std::ifstream in = open_input(file);
+  if (in.tellg() == std::streampos(0)) return nullptr;
+  std::stringstream rest;
+  rest << in.rdbuf();
+  return std::make_unique<MemoryFile>(rest.str());
+}
+
+Script::Script(const std::string& file, const std::map<std::string, double>& parameters) : file_(file) {
   const GeoParameters known = geo_parameters(file);
   check_parameters(file, parameters, known);
-  if (parameters.empty() && !ends_within_line(file)) return gmsh::open(file);
-  const std::string pattern = (fs::temp_directory_path() / "voile_XXXXXX.geo").string();
-  std::vector<char> name(pattern.begin(), pattern.end());
-  name.push_back('\0');
-  const int descriptor = mkstemps(name.data(), 4);
-  if (descriptor < 0) throw UserError(fmt::format("{}: no temporary file can be created there", pattern));
-  close(descriptor);
-  const TemporaryFile wrapper{name.data()};
-  std::ofstream out(wrapper.path);
+  if (parameters.empty() && !ends_within_line(file)) return;
+  std::string text;
   for (const auto& [variable, value] : parameters) {
     const std::string& onelab_name = known.at(variable);
     if (onelab_name.empty())
-      out << fmt::format("{} = {};\n", variable, value);
+      text += fmt::format("{} = {};\n", variable, value);
     else
-      gmsh::onelab::setNumber(onelab_name, {value});
+      numbers_[onelab_name] = value;
   }
-  out << fmt::format("Include \"{}\";\n", fs::absolute(file).string());
-  out.close();
-  gmsh::open(wrapper.path.string());
+  text += fmt::format("Include \"{}\";\n", fs::absolute(file).string());
+  wrapper_ = std::make_unique<MemoryFile>(text);
 }
 
-}  // namespace
-
-void open_geo(const std::string& file, const std::map<std::string, double>& parameters) {
-  open_script(file, parameters);
-  check_log(file, "reading");
+void Script::open() const {
+  for (const auto& [name, value] : numbers_) gmsh::onelab::setNumber(name, {value});
+  gmsh::open(wrapper_ ? wrapper_->name() : file_);
+  check_log(file_, "reading");
 }
 
 }  // namespace voile::io

@@ -103,7 +103,7 @@ std::string view_at_points(const std::string& message_file) {
   in.get(file);
   in.get(points);
   try {
-    const Session session;
+    const Session session(Rights::confined);
     ByteWriter out;
     out.put(values_at(file, points));
     return out.take();

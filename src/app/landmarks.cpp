@@ -8,6 +8,7 @@
 
 #include "obstacles.hpp"
 #include "voile/base/error.hpp"
+#include "voile/base/plain_file.hpp"
 #include "voile/base/text.hpp"
 
 namespace voile::app {
@@ -30,7 +31,7 @@ bool read_number(const std::string& text, double& value) {
 
 /// Lines NAME,X,Y,Z in the coordinates of the file.
 std::map<std::string, Vec3> read_landmarks(const std::filesystem::path& file) {
-  std::ifstream in(file);
+  std::ifstream in = open_input(file);
   if (!in) throw UserError(fmt::format("{}: the file cannot be opened", file.string()));
   std::map<std::string, Vec3> named;
   std::string line;

@@ -1,8 +1,8 @@
 // voile run | check | info | reference | init, and through other programs render | export | plot | view | manikin
 //
 // Start-up order: MPI, the command line, the case file, then PETSc. The case's PETSc options are set before PETSc
-// starts, so that PETSc's own sources (.petscrc, PETSC_OPTIONS, command line) override them and options that only count
-// at the start, such as -log_view, work from the case file too.
+// starts, so that PETSC_OPTIONS and the command line override them; only `run` applies them. A .petscrc, which may come
+// with a foreign folder, is read only where the user asks for it on the command line.
 #include <fmt/format.h>
 #include <mpi.h>
 #include <petscsys.h>
@@ -13,16 +13,21 @@
 #include <array>
 #include <csignal>
 #include <cstdio>
+#include <filesystem>
 #include <fstream>
 #include <optional>
 #include <sstream>
 
 #include "delegate.hpp"
+#include "launched_ranks.hpp"
+#include "temporary_folder.hpp"
 #include "voile/app/run.hpp"
 #include "voile/app/version.hpp"
 #include "voile/base/error.hpp"
 #include "voile/base/mpi.hpp"
 #include "voile/base/petsc.hpp"
+#include "voile/base/plain_file.hpp"
+#include "voile/base/terminal.hpp"
 #include "voile/input/case.hpp"
 #include "voile/input/case_declarations.hpp"
 #include "voile/input/command_line.hpp"
@@ -116,7 +121,8 @@ Request parse_command_line(int argc, char** argv) {
   CLI::App cli(
       "Voile: nonlinear thin shells in parallel\n\n"
       "Every option of PETSc works as well, e.g. -snes_monitor -snes_rtol 1e-9 -log_view; -help lists those in force.\n"
-      "Options also come from PETSC_OPTIONS, .petscrc and the case file, in this order of precedence.\n"
+      "Options also come from PETSC_OPTIONS and the case file, in this order of precedence, and with -skip_petscrc 0 "
+      "from .petscrc.\n"
       "Exit codes: 0 done, 2 error in the input, 3 not converged, 4 internal error.\n",
       "voile");
   declare(cli, request);
@@ -144,7 +150,7 @@ input::Case read_case(const std::string& file, const std::vector<std::string>& s
   std::string text;
   mpi::on_root(MPI_COMM_WORLD, [&] {
     std::error_code ignored;
-    std::ifstream in(file, std::ios::binary);
+    std::ifstream in = open_input(file);
     if (!in || std::filesystem::is_directory(file, ignored))
       throw UserError(fmt::format("{}: there is no such case file", file));
     std::ostringstream buffer;
@@ -160,9 +166,10 @@ void begin_case(const std::filesystem::path& folder, const std::string& analysis
   mpi::on_root(MPI_COMM_WORLD, [&] {
     const std::array files{std::pair{folder / "case.toml", input::case_template(analysis)},
                            std::pair{folder / "plate.geo", input::template_geometry()}};
-    for (const auto& [file, text] : files)
-      if (std::filesystem::exists(file)) throw UserError(fmt::format("{}: the file exists already", file.string()));
     std::error_code ignored;
+    for (const auto& [file, text] : files)
+      if (std::filesystem::exists(std::filesystem::symlink_status(file, ignored)))
+        throw UserError(fmt::format("{}: the file exists already", file.string()));
     std::filesystem::create_directories(folder, ignored);
     for (const auto& [file, text] : files)
       if (!(std::ofstream(file) << text << std::flush))
@@ -179,6 +186,7 @@ class PetscSession {
     for (const auto& [name, value] : input::petsc_pairs(case_options))
       VOILE_PETSC(PetscOptionsSetValue(nullptr, name.c_str(), value.empty() ? nullptr : value.c_str()));
     words_.emplace_back(program);
+    if (std::find(words.begin(), words.end(), "-skip_petscrc") == words.end()) words_.emplace_back("-skip_petscrc");
     words_.insert(words_.end(), words.begin(), words.end());
     for (std::string& word : words_) pointers_.push_back(word.data());
     pointers_.push_back(nullptr);
@@ -260,6 +268,8 @@ auto or_abort(const Work& work) {
     abort_for_memory(e.what());
   } catch (const std::bad_alloc&) {
     abort_for_memory("an array could not be had");
+  } catch (const std::filesystem::filesystem_error& e) {  // of a name or a folder that the user has chosen
+    abort_all("error", e.what(), Exit::user_error);
   } catch (const std::exception& e) {
     abort_all("internal error", e.what(), Exit::internal_error);
   } catch (...) {
@@ -298,7 +308,7 @@ Exit execute(const Request& request, const char* program) {
   std::optional<input::Case> c;
   if (!is_mesh) c = read_case(request.file, request.settings);
   if (c) c->mesh.options.allow_system_call = request.allow_system_call;
-  const PetscSession petsc(program, request.petsc, c ? c->petsc_options : "");
+  const PetscSession petsc(program, request.petsc, request.command == Command::run ? c->petsc_options : "");
   return or_abort([&] {
     if (request.command == Command::run) return run_case(*c, request.options);
     if (request.command == Command::check) app::check(*c);
@@ -310,18 +320,30 @@ Exit execute(const Request& request, const char* program) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  keep_output_streams();
   try {
     app::delegate_command(argc, argv);
+    app::check_temporary_folder();
   } catch (const UserError& e) {
-    fmt::print(stderr, "voile: error: {}\n", e.what());
+    if (app::launched_rank().rank == 0) fmt::print(stderr, "voile: error: {}\n", e.what());
     return static_cast<int>(Exit::user_error);
   }
   MPI_Init(&argc, &argv);
   Exit result = Exit::done;
+  bool is_run = false;
   try {
-    result = or_abort([&] { return execute(parse_command_line(argc, argv), argv[0]); });
+    result = or_abort([&] {
+      const Request request = parse_command_line(argc, argv);
+      is_run = request.command == Request::Command::run;
+      return execute(request, argv[0]);
+    });
   } catch (const UserError& e) {
     if (is_root()) fmt::print(stderr, "voile: error: {}\n", e.what());
+    result = Exit::user_error;
+  }
+  // Of a run the results count; what other commands print is all there is of them.
+  if (result == Exit::done && !is_run && is_root() && output_was_lost()) {
+    fmt::print(stderr, "voile: error: standard output cannot be written; is the disk full?\n");
     result = Exit::user_error;
   }
   std::fflush(nullptr);

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "command_program.hpp"
+#include "voile/base/terminal.hpp"
 #include "voile/geometry/intersections.hpp"
 #include "voile/manikin/figure.hpp"
 
@@ -154,6 +155,7 @@ void make(Request& r) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  keep_output_streams();
   return app::command_program(argc, argv, "Bodies to try garments on", "give a larger --size, or fewer frames",
                               [](CLI::App& cli) {
                                 auto request = std::make_shared<Request>();

@@ -14,6 +14,8 @@
 #include <fstream>
 
 #include "voile/base/error.hpp"
+#include "voile/base/plain_file.hpp"
+#include "voile/base/text.hpp"
 
 namespace voile::app {
 
@@ -35,6 +37,7 @@ std::string host_name() {
 /// A folder of one file per step, which goes if nothing else is in it.
 void remove_steps(const fs::path& folder) {
   std::error_code ignored;
+  if (fs::is_symlink(folder, ignored)) return;
   for (const auto& entry : fs::directory_iterator(folder, ignored)) {
     std::string name = entry.path().filename().string();
     if (name.starts_with("epoch_")) name.erase(0, 6);
@@ -49,12 +52,40 @@ void remove_steps(const fs::path& folder) {
 
 void remove_results(const fs::path& folder) {
   std::error_code ignored;
+  if (fs::is_symlink(folder, ignored)) return;
   for (const char* name : own_files)
     for (const char* ending : {"", ".part"}) fs::remove(folder / (std::string(name) + ending), ignored);
   remove_steps(folder / "steps");
   if (!fs::is_directory(folder / "modes")) return;
   remove_results(folder / "modes");
   fs::remove(folder / "modes", ignored);
+}
+
+bool is_own(const std::string& name) {
+  const bool part = name.ends_with(".part");
+  const std::string whole = part ? name.substr(0, name.size() - 5) : name;
+  return contains(own_files, whole) || whole == lock_name || whole == "steps" || whole == "modes";
+}
+
+/// A folder that somebody else has made must not lead a run out of it. Throws UserError if what a run
+/// writes into it is a symbolic link, a pipe or a device, or a file that has another name elsewhere.
+void refuse_links(const fs::path& folder) {
+  const auto refuse = [](const fs::path& place, const char* what) {
+    throw UserError(fmt::format(
+        "--output: {} is {}, through which this run could write to another place; remove it, or choose another folder",
+        place.string(), what));
+  };
+  std::error_code ignored;
+  for (const auto& entry : fs::directory_iterator(folder, ignored)) {
+    const std::string name = entry.path().filename().string();
+    if (!is_own(name) && folder.filename() != "steps") continue;
+    const fs::file_status status = entry.symlink_status(ignored);
+    if (fs::is_symlink(status)) refuse(entry.path(), "a symbolic link");
+    if (!fs::is_regular_file(status) && !fs::is_directory(status)) refuse(entry.path(), "a pipe, a socket or a device");
+    if (fs::is_directory(status)) refuse_links(entry.path());
+    if (name == lock_name && entry.hard_link_count(ignored) > 1)
+      refuse(entry.path(), "a file that has another name elsewhere");
+  }
 }
 
 void write_echo(const fs::path& folder, const input::Case& c) {
@@ -68,6 +99,11 @@ void write_echo(const fs::path& folder, const input::Case& c) {
 OutputFolder::OutputFolder(const input::Case& c, const RunOptions& options)
     : folder_(options.output), lock_file_(folder_ / lock_name) {
   create();
+  refuse_links(folder_);
+  for (const input::Case& stage : c.stages) {
+    require_no_link(folder_ / stage.stage.name);
+    refuse_links(folder_ / stage.stage.name);
+  }
   for (const fs::path& input : {c.file, options.restart}) refuse_input(input);
   lock();
   try {
@@ -84,9 +120,9 @@ OutputFolder::~OutputFolder() {
 }
 
 void OutputFolder::create() const {
-  std::error_code error;
+  std::error_code error, ignored;
   fs::create_directories(folder_, error);
-  if (!fs::is_directory(folder_))
+  if (!fs::is_directory(folder_, ignored))
     throw UserError(fmt::format("--output {}: the folder cannot be made: {}", folder_.string(),
                                 error ? error.message() : "a file has that name"));
 }
@@ -104,7 +140,7 @@ void OutputFolder::refuse_input(const fs::path& input) const {
 
 /// The system frees the lock when the process ends, however it ends; the file tells who holds it.
 void OutputFolder::lock() {
-  descriptor_ = open(lock_file_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
+  descriptor_ = open(lock_file_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0644);
   if (descriptor_ < 0)
     throw UserError(fmt::format("--output {}: the folder cannot be written: {}", folder_.string(), strerror(errno)));
   // Some network drives know no locks; there the run goes on without.
@@ -160,7 +196,7 @@ void OutputFolder::replace(bool allowed) const {
   remove_results(folder_);
   std::error_code ignored;
   for (const auto& entry : fs::directory_iterator(folder_)) {
-    if (!fs::exists(entry.path() / echo_name)) continue;  // not a stage
+    if (entry.is_symlink(ignored) || !fs::exists(entry.path() / echo_name, ignored)) continue;  // not a stage
     remove_results(entry.path());
     fs::remove(entry.path(), ignored);
   }
@@ -172,8 +208,8 @@ void OutputFolder::replace_stages(const input::Case& c, const RunOptions& option
   for (const input::Case& stage : c.stages) {
     begun = begun || stage.stage.name == options.from;
     const fs::path of_stage = folder_ / stage.stage.name;
-    if (!begun || !fs::exists(of_stage)) continue;
     std::error_code ignored;
+    if (!begun || !fs::exists(of_stage, ignored)) continue;
     if (!options.restart.empty() && fs::equivalent(options.restart.parent_path(), of_stage, ignored))
       throw UserError(fmt::format("--restart {}: this run would overwrite its own input; choose another --output",
                                   options.restart.string()));

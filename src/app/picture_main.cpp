@@ -10,6 +10,7 @@
 #include "picture_plot.hpp"
 #include "picture_tangle.hpp"
 #include "voile/base/child_process.hpp"
+#include "voile/base/terminal.hpp"
 #include "voile/io/stored_run.hpp"
 
 namespace {
@@ -36,6 +37,7 @@ struct Commands {
 }  // namespace
 
 int main(int argc, char** argv) {
+  keep_output_streams();
   if (argc == 4 && std::string(argv[1]) == "tangle")
     return answer_to_parent([&] { return app::draw_tangle(argv[2], argv[3]); });
   io::leave_hdf5_at_exit();

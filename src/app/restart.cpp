@@ -4,6 +4,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
 
 #include "mesh_transfer.hpp"
 #include "remesher.hpp"
@@ -36,6 +37,25 @@ io::Checkpoint read_any(const input::Case& wanted, const RunOptions& options, co
   c.time = stored.time;
   c.velocity = std::move(stored.velocity);
   return c;
+}
+
+/// Throws UserError if a state cannot be one of this mesh: what overflows later would be blamed on the solver.
+void check_size(const RunOptions& options, const io::Checkpoint& s, const mesh::SurfaceMesh& mesh) {
+  constexpr double most = 1e6;          // displacements by the size of the mesh
+  constexpr double most_per_s = 1e12;   // velocities
+  constexpr double most_per_s2 = 1e18;  // accelerations
+  const auto check = [&](const char* name, const char* unit, const std::vector<double>& values, double factor) {
+    for (std::size_t i = 0; i < values.size(); ++i)
+      if (!(std::abs(values[i]) <= factor * mesh.extent()))
+        throw UserError(
+            fmt::format("--restart {}: the {} of vertex {} is {:.3g} {}, larger than any of a mesh of {:.3g} m can be; "
+                        "use another step or checkpoint",
+                        options.restart.string(), name, i / 3, values[i], unit, mesh.extent()));
+  };
+  check("displacement", "m", s.displacement, most);
+  check("displacement", "m", s.previous, most);
+  check("velocity", "m/s", s.velocity, most_per_s);
+  check("acceleration", "m/s^2", s.acceleration, most_per_s2);
 }
 
 /// What of a state the analysis goes on with. Rank 0 only.
@@ -146,6 +166,7 @@ io::Checkpoint read_start(const input::Case& c, const RunOptions& options, const
   std::vector<double> numbers(14);
   mpi::on_root(PETSC_COMM_WORLD, [&] {
     start = read_any(c, options, mesh);
+    check_size(options, start, mesh);
     if (origin == Origin::restart) begin_anew(c, start);
     numbers = {static_cast<double>(start.step),
                start.time,

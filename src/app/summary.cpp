@@ -10,6 +10,7 @@
 #include "history_columns.hpp"
 #include "voile/base/error.hpp"
 #include "voile/base/mpi.hpp"
+#include "voile/base/plain_file.hpp"
 
 namespace voile::app {
 
@@ -119,7 +120,7 @@ void write_stages(const std::filesystem::path& folder, const std::vector<std::pa
 }
 
 bool has_converged(const std::filesystem::path& folder) {
-  std::ifstream in(folder / file_name);
+  std::ifstream in = open_input(folder / file_name);
   const Json summary = Json::parse(in, nullptr, false);
   return summary.is_object() && summary.value("converged", false);
 }

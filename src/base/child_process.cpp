@@ -18,6 +18,7 @@
 #include <new>
 #include <stdexcept>
 
+#include "voile/base/confinement.hpp"
 #include "voile/base/error.hpp"
 
 namespace voile {
@@ -25,7 +26,7 @@ namespace voile {
 namespace {
 
 /// First byte of what the child sends.
-enum class Answer : char { done = 'd', user_error = 'u', no_memory = 'm', failed = 'f' };
+enum class Answer : char { done = 'd', user_error = 'u', no_memory = 'm', failed = 'f', program = 'p', file = 'w' };
 
 /// A number of kB in a file of /proc, in bytes; 0 if it is not there.
 std::size_t kilobytes_of(const char* file, const std::string& name) {
@@ -52,7 +53,8 @@ void limit_memory() {
 /// Nothing of the parent's is touched: no handlers, no output, no core file, no life of its own.
 void become_child() {
   (void)prctl(PR_SET_PDEATHSIG, SIGKILL);
-  for (const int number : {SIGSEGV, SIGBUS, SIGILL, SIGFPE, SIGABRT, SIGTERM, SIGINT, SIGHUP, SIGUSR1, SIGUSR2})
+  for (const int number :
+       {SIGSEGV, SIGBUS, SIGILL, SIGFPE, SIGABRT, SIGTERM, SIGINT, SIGHUP, SIGUSR1, SIGUSR2, SIGALRM, SIGSYS})
     (void)std::signal(number, SIG_DFL);
   const rlimit no_core{0, 0};
   (void)setrlimit(RLIMIT_CORE, &no_core);
@@ -71,13 +73,15 @@ void write_all(int descriptor, const char* bytes, std::size_t count) {
   }
 }
 
+int answer_descriptor = -1;      // of the child, for its handlers below
+volatile bool answered = false;  // it has sent, or is sending
+
 void send(int descriptor, Answer answer, const std::string& bytes) {
+  answered = true;
   const char first = static_cast<char>(answer);
   write_all(descriptor, &first, 1);
   write_all(descriptor, bytes.data(), bytes.size());
 }
-
-int answer_descriptor = -1;  // of the child, for its handler below
 
 /// Before bad_alloc: libraries run into std::terminate with it.
 void out_of_memory() {
@@ -94,6 +98,8 @@ void answer(int descriptor, const std::function<std::string()>& work) {
     send(descriptor, Answer::done, work());
   } catch (const UserError& e) {
     send(descriptor, Answer::user_error, e.what());
+  } catch (const std::filesystem::filesystem_error& e) {
+    send(descriptor, Answer::user_error, fmt::format("{}: {}", e.path1().string(), e.code().message()));
   } catch (const std::bad_alloc&) {
     send(descriptor, Answer::no_memory, "");
   } catch (const std::length_error&) {
@@ -145,6 +151,24 @@ std::string read_all(int descriptor) {
 
 namespace {
 
+UserError refused(const std::string& file, Refused what) {
+  return UserError(fmt::format(
+      "{}: it tries to {}, which reading a mesh does not need, and was stopped; remove the command, or give "
+      "--allow-system-call if you trust the file and what it includes",
+      file, what == Refused::program ? "run a program" : "write a file or make a folder"));
+}
+
+/// Throws if a child was ended for what it did.
+void explain_signal(const std::string& file, int signal) {
+  if (signal == SIGSYS) throw refused(file, Refused::program);
+  if (signal == SIGXFSZ) throw refused(file, Refused::file);
+  if (signal == SIGALRM)
+    throw UserError(
+        fmt::format("{}: reading and meshing it took more than {} s and was stopped; if it needs longer, set the "
+                    "environment variable VOILE_READ_SECONDS to the seconds that it may take",
+                    file, limit_of_reading()));
+}
+
 /// What a child, made of this process by `become`, answers.
 std::string answer_of(const std::string& file, const std::function<void(int descriptor)>& become) {
   int ends[2] = {-1, -1};
@@ -164,6 +188,7 @@ std::string answer_of(const std::string& file, const std::function<void(int desc
   close(ends[0]);
   int status = 0;
   while (waitpid(pid, &status, 0) < 0 && errno == EINTR) continue;
+  if (WIFSIGNALED(status)) explain_signal(file, WTERMSIG(status));
   if (WIFSIGNALED(status) || bytes.empty())
     throw UserError(
         fmt::format("{}: reading it failed ({}): the file is damaged, or asks for something that its reader cannot do; "
@@ -173,6 +198,8 @@ std::string answer_of(const std::string& file, const std::function<void(int desc
   bytes.erase(0, 1);
   if (answer == Answer::done) return bytes;
   if (answer == Answer::user_error) throw UserError(bytes);
+  if (answer == Answer::program) throw refused(file, Refused::program);
+  if (answer == Answer::file) throw refused(file, Refused::file);
   if (answer == Answer::no_memory)
     throw UserError(fmt::format(
         "{}: reading or meshing it needs more memory than there is: a count or a parameter in it is too large, "
@@ -197,6 +224,12 @@ std::string run_beside(const std::string& file, const std::string& program, cons
 int answer_to_parent(const std::function<std::string()>& work) {
   answer(answer_stream, work);
   return 0;
+}
+
+void end_child(Refused what) {
+  const char first = static_cast<char>(what == Refused::program ? Answer::program : Answer::file);
+  if (!answered) write_all(answer_descriptor, &first, 1);
+  _exit(0);
 }
 
 void try_in_child(const std::string& file, const std::function<void()>& work) {

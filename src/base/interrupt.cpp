@@ -34,6 +34,7 @@ SignalScope::SignalScope() {
   old_interrupt_ = std::signal(SIGINT, remember);
   old_terminate_ = std::signal(SIGTERM, remember);
   old_user_ = std::signal(SIGUSR1, remember);
+  old_second_user_ = std::signal(SIGUSR2, remember);
   active = true;
 }
 
@@ -42,6 +43,7 @@ SignalScope::~SignalScope() {
   std::signal(SIGINT, old_interrupt_);
   std::signal(SIGTERM, old_terminate_);
   std::signal(SIGUSR1, old_user_);
+  std::signal(SIGUSR2, old_second_user_);
 }
 
 bool SignalScope::stop_asked(MPI_Comm comm) {

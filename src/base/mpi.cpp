@@ -1,5 +1,8 @@
 #include "voile/base/mpi.hpp"
 
+#include <fmt/format.h>
+
+#include <filesystem>
 #include <new>
 #include <numeric>
 
@@ -58,6 +61,9 @@ Failure outcome(const std::function<void()>& work, std::string& message) {
     work();
   } catch (const UserError& e) {
     message = e.what();
+    return user;
+  } catch (const std::filesystem::filesystem_error& e) {  // of a name or a folder that the user has chosen
+    message = fmt::format("{}: {}", e.path1().string(), e.code().message());
     return user;
   } catch (const OutOfMemory& e) {
     message = e.what();

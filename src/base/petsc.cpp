@@ -66,8 +66,8 @@ void check(PetscErrorCode code, const char* where) {
     throw OutOfMemory(fmt::format("an array of the linear algebra could not be had in {}", where));
   if (is_of_options(code, error))
     throw UserError(fmt::format(
-        "PETSc refuses one of its options: {} (in {}); see the options on the command line, in PETSC_OPTIONS, .petscrc "
-        "and [petsc] of the case, and -help for what is known",
+        "PETSc refuses one of its options: {} (in {}); see the options on the command line, in PETSC_OPTIONS and in "
+        "[petsc] of the case, and -help for what is known",
         what, error.function));
   throw InternalError(fmt::format("PETSc error {} ({}) in {}{}", static_cast<int>(code), what, where, error.stack));
 }

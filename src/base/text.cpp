@@ -22,6 +22,12 @@ int distance(const std::string& a, const std::string& b) {
 
 }  // namespace
 
+std::string csv_name(std::string name) {
+  for (char& c : name)
+    if (c == ',' || c == '"' || static_cast<unsigned char>(c) < 32) c = '_';
+  return is_formula(name) ? "'" + name : name;
+}
+
 std::string nearest(const std::string& word, const std::vector<std::string>& names) {
   std::string best;
   int best_distance = std::max(2, static_cast<int>(word.size()) / 3) + 1;

@@ -13,9 +13,11 @@
 #include "case_pattern.hpp"
 #include "case_sections.hpp"
 #include "voile/base/error.hpp"
+#include "voile/base/text.hpp"
 #include "voile/input/case_read.hpp"
 #include "voile/input/command_line.hpp"
 #include "voile/input/expression.hpp"
+#include "voile/input/petsc_allowed.hpp"
 
 namespace voile::input {
 
@@ -77,6 +79,9 @@ void check_probe(const SectionPlace& place, const Probe& probe, const std::vecto
   for (const char c : probe.name)
     if (c == ',' || c == '"' || static_cast<unsigned char>(c) < 32)
       place.fail("name", fmt::format("'{}': a column name must not contain commas, quotes or line breaks", probe.name));
+  if (is_formula(probe.name))
+    place.fail("name", fmt::format("'{}': a column name must not begin with =, +, - or @: spreadsheets would run it",
+                                   probe.name));
   for (const Probe& other : others)
     if (other.name == probe.name) place.fail("name", fmt::format("'{}': another probe has this name", probe.name));
   if (probe.kind == Probe::Kind::height && probe.components.size() > 1)
@@ -260,11 +265,15 @@ void check_time(const SectionPlace& place, Case& c) {
 }
 
 void check_petsc(const SectionPlace& place, const std::string& options) {
+  std::vector<std::pair<std::string, std::string>> pairs;
   try {
-    (void)petsc_pairs(options);
+    pairs = petsc_pairs(options);
   } catch (const UserError& e) {
     place.fail("options", e.what());
   }
+  for (const auto& [name, value] : pairs)
+    if (const std::string why = refusal_of_petsc_option(name, value); !why.empty())
+      place.fail("options", why + "; give it on the command line");
 }
 
 void check_mesh(const SectionPlace& place, Case& c) {

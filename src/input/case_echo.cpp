@@ -226,7 +226,8 @@ group = "free edge"
 
 constexpr const char* reference_tail = R"(
 Where an option is given more than once, the first of these wins: the command line, the environment variable
-`PETSC_OPTIONS`, the file `.petscrc`, the case file, Voile's own default. Everything on the command line that starts with a
+`PETSC_OPTIONS`, the case file, Voile's own default. `check` and `info` do not apply those of the case file. The file
+`.petscrc` is read only with `-skip_petscrc 0` on the command line. Everything on the command line that starts with a
 single dash and at least two characters belongs to PETSc; the word after it is its value unless it starts with a dash and a
 letter. Options that nothing used are reported at the end of a run.
 )";

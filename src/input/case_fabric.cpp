@@ -10,6 +10,7 @@
 
 #include "case_toml.hpp"
 #include "voile/base/error.hpp"
+#include "voile/base/plain_file.hpp"
 #include "voile/base/text.hpp"
 #include "voile/energy/material.hpp"
 #include "voile/input/case_read.hpp"
@@ -185,7 +186,7 @@ Fabric parse_fabric(const std::string& text, const std::filesystem::path& file) 
 
 Fabric read_fabric(const std::filesystem::path& file) {
   std::error_code ignored;
-  std::ifstream in(file, std::ios::binary);
+  std::ifstream in = open_input(file);
   if (!in || std::filesystem::is_directory(file, ignored))
     throw UserError(fmt::format("{}: there is no such fabric file", file.string()));
   std::ostringstream buffer;

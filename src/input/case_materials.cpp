@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "voile/base/error.hpp"
+#include "voile/base/plain_file.hpp"
 #include "voile/input/fabric.hpp"
 
 namespace voile::input {
@@ -62,7 +63,9 @@ void fill_laminate(const SectionPlace& place, const MaterialInput& in, energy::M
 
 /// The file of a fabric states its own mistakes; only a missing file is one of the case.
 void fill_fabric(const SectionPlace& place, const MaterialInput& in, energy::Material& m) {
-  if (!std::filesystem::is_regular_file(in.fabric))
+  std::error_code ignored;
+  require_plain_file(in.fabric);
+  if (!std::filesystem::is_regular_file(in.fabric, ignored))
     place.fail("fabric", fmt::format("there is no fabric file {}", in.fabric.string()));
   const Fabric fabric = read_fabric(in.fabric);
   m.membrane = energy::rotated_stiffness(membrane_stiffness(fabric), in.warp_angle);

@@ -315,7 +315,9 @@ std::vector<Key> keys_of(OutputSection& s) {
 std::vector<Key> petsc_keys(Case& c) {
   return {{.name = "options",
            .slot = &c.petsc_options,
-           .meaning = "Options of PETSc as on its command line, e.g. `\"-snes_rtol 1e-10 -ksp_type cg\"`."}};
+           .meaning = "Options of PETSc as on its command line, e.g. `\"-snes_rtol 1e-10 -ksp_type cg\"`, that choose "
+                      "and tune solvers "
+                      "or print to the screen; others belong on the command line (security.md)."}};
 }
 
 }  // namespace voile::input

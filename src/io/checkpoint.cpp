@@ -34,9 +34,9 @@ std::vector<double> rest_of(const mesh::SurfaceMesh& mesh) {
 
 void check_rest(hid_t file, const mesh::SurfaceMesh& mesh, const std::filesystem::path& path) {
   const std::vector<double> own = rest_of(mesh);
-  const bool has = H5Lexists(file, "mesh/rest", H5P_DEFAULT) > 0;
-  bool same = has == !own.empty();
-  if (same && has) {
+  const bool stored_rest = has(file, "mesh/rest");
+  bool same = stored_rest == !own.empty();
+  if (same && stored_rest) {
     const std::vector<double> stored = read_values(file, "mesh/rest", own.size(), path);
     for (std::size_t i = 0; i < own.size(); ++i) same = same && std::abs(own[i] - stored[i]) <= 1e-9 * mesh.extent();
   }
@@ -96,7 +96,7 @@ void write_checkpoint(const std::filesystem::path& path, const Checkpoint& c, co
 namespace {
 
 void read_anchors(hid_t file, const mesh::SurfaceMesh& mesh, const std::filesystem::path& path, Checkpoint& c) {
-  if (H5Lexists(file, "anchors", H5P_DEFAULT) <= 0) return;
+  if (!has(file, "anchors")) return;
   const double count = read_number(file, "/", "anchors_count", path);
   const auto good = [](double number, double end) {
     return number >= 0.0 && number < end && number == std::floor(number);
@@ -129,7 +129,7 @@ Hdf5Handle open_checkpoint(const std::filesystem::path& path) {
         "[time] checkpoint_minutes and, in a motion, every checkpoint_steps; the results.vtkhdf of a run that was "
         "killed "
         "serves as well");
-  Hdf5Handle file(H5Fopen(path.string().c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
+  Hdf5Handle file = open_to_read(path);
   if (!file.valid()) fail_reading(path, "this is not a checkpoint that can be read");
   return file;
 }
@@ -151,7 +151,7 @@ Checkpoint read_unguarded(const std::filesystem::path& path, const mesh::Surface
   c.load_factor = read_number(file, "/", "load_factor", path);
   c.in_equilibrium = read_number(file, "/", "in_equilibrium", path) != 0.0;
   for (const auto& [name, values] : vectors_of(c))
-    if (H5Lexists(file, name, H5P_DEFAULT) > 0) *values = read_values(file, name, count, path);
+    if (has(file, name)) *values = read_values(file, name, count, path);
   if (H5Aexists(file, "remeshings") > 0) {
     c.remeshings = static_cast<int>(read_number(file, "/", "remeshings", path));
     c.too_long = read_number(file, "/", "too_long", path);
@@ -166,15 +166,14 @@ Checkpoint read_unguarded(const std::filesystem::path& path, const mesh::Surface
     c.factors_left = static_cast<int>(read_number(file, "/", "factors_left", path));
     c.wait = static_cast<int>(read_number(file, "/", "factors_wait", path));
   }
-  if (H5Lexists(file, "contact_gaps", H5P_DEFAULT) > 0) {
+  if (has(file, "contact_gaps")) {
     c.contact_start = read_number(file, "/", "contact_start", path);
     c.contact_gaps = read_values(file, "contact_gaps", static_cast<std::size_t>(mesh.vertex_count()), path);
   }
-  if (H5Lexists(file, "yielding", H5P_DEFAULT) > 0)
+  if (has(file, "yielding"))
     c.yielding = read_values(file, "yielding", static_cast<std::size_t>(mesh.vertex_count()), path);
-  if (H5Lexists(file, "energy_balance", H5P_DEFAULT) > 0)
-    c.energy_balance = read_values(file, "energy_balance", balance_numbers, path);
-  if (H5Lexists(file, "path", H5P_DEFAULT) > 0) c.path = read_values(file, "path", path_numbers, path);
+  if (has(file, "energy_balance")) c.energy_balance = read_values(file, "energy_balance", balance_numbers, path);
+  if (has(file, "path")) c.path = read_values(file, "path", path_numbers, path);
   for (const double number : c.path)
     if (!std::isfinite(number) || std::abs(c.path[0]) > 1e9 || std::abs(c.path[3]) > 1e9)
       fail_reading(path, "its memory of the path makes no sense");

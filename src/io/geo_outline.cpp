@@ -10,8 +10,9 @@ namespace voile::io {
 
 std::vector<GeoFace> read_geo_faces(const std::string& file, const std::map<std::string, double>& parameters,
                                     bool allow_system_call) {
+  check_script_name(file);
   if (!allow_system_call) refuse_dangerous_commands(file);
-  std::vector<std::string> words{file, "outlines"};
+  std::vector<std::string> words{file, "outlines", allow_system_call ? "trusted" : "confined"};
   for (const auto& [name, value] : parameters) words.insert(words.end(), {name, fmt::format("{:a}", value)});
   ByteReader in(run_beside(file, "voile-gmsh", words));
   std::size_t count = 0;

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "voile/base/error.hpp"
+#include "voile/base/plain_file.hpp"
 
 namespace voile::io {
 
@@ -19,7 +20,7 @@ namespace fs = std::filesystem;
 namespace {
 
 std::string read_text(const fs::path& file) {
-  std::ifstream in(file, std::ios::binary);
+  std::ifstream in = open_input(file);
   std::stringstream text;
   text << in.rdbuf();
   if (!in) throw UserError(fmt::format("{}: the file cannot be read; check its name and permissions", file.string()));

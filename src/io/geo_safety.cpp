@@ -12,6 +12,7 @@
 #include <string_view>
 
 #include "voile/base/error.hpp"
+#include "voile/base/plain_file.hpp"
 #include "voile/base/text.hpp"
 
 namespace voile::io {
@@ -41,14 +42,13 @@ bool is_quote(char c) {
 class Scan {
  public:
   Scan(fs::path file, std::set<fs::path>& seen) : file_(std::move(file)), seen_(seen) {
-    std::ifstream in(file_, std::ios::binary);
+    std::ifstream in = open_input(file_);
     std::stringstream buffer;
     buffer << in.rdbuf();
     text_ = buffer.str();
   }
 
   void run() {
-    if (text_.starts_with("$MeshFormat")) return;  // merged meshes hold no commands
     for (std::size_t i = 0; i < text_.size();) {
       if (!in_word(text_[i])) {
         ++i;
@@ -140,8 +140,11 @@ class Scan {
     if (contains(programs, named.extension().string()))
       refuse(begin, fmt::format("'{}' of '{}' runs a program", word, named.filename().string()));
     std::error_code ignored;
+    if (fs::exists(named, ignored)) require_plain_file(named);
     if (!fs::is_regular_file(named, ignored) || !seen_.insert(named.lexically_normal()).second) return;
-    Scan(named, seen_).run();
+    Scan other(named, seen_);
+    // A merged mesh holds no commands; an included file is a script whatever it begins with.
+    if (word == "Include" || word == "ShapeFromFile" || !other.text_.starts_with("$MeshFormat")) other.run();
   }
 
   fs::path file_;
@@ -151,9 +154,20 @@ class Scan {
 
 }  // namespace
 
+void check_script_name(const std::string& file) {
+  const std::string name = fs::absolute(file).string();
+  for (const char c : name)
+    if (c == '"' || c == '\\' || static_cast<unsigned char>(c) < 32)
+      throw UserError(fmt::format(
+          "{}: the path of a script must not contain quotes, backslashes or line breaks; rename the file or its folder",
+          printable(file)));
+}
+
 void refuse_dangerous_commands(const std::string& file) {
   std::set<fs::path> seen{fs::path(file).lexically_normal()};
   Scan(file, seen).run();
+  std::error_code ignored;
+  if (fs::is_regular_file(file + ".opt", ignored)) Scan(file + ".opt", seen).run();  // Gmsh reads it too
 }
 
 }  // namespace voile::io

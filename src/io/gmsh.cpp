@@ -9,6 +9,7 @@
 #include "mesh_bytes.hpp"
 #include "voile/base/child_process.hpp"
 #include "voile/base/error.hpp"
+#include "voile/base/plain_file.hpp"
 #include "voile/base/text.hpp"
 #include "voile/io/geo_safety.hpp"
 
@@ -22,6 +23,7 @@ namespace fs = std::filesystem;
 bool check_file(const std::string& file) {
   std::error_code ignored;
   if (!fs::exists(file, ignored)) throw UserError(fmt::format("{}: there is no such mesh file", file));
+  require_plain_file(file);
   if (!fs::is_regular_file(file, ignored)) throw UserError(fmt::format("{}: this is not a file", file));
   const std::string extension = fs::path(file).extension().string();
   if (extension != ".msh" && extension != ".geo")
@@ -29,7 +31,7 @@ bool check_file(const std::string& file) {
         fmt::format("{}: unknown kind of mesh file '{}'; give a Gmsh mesh (.msh) or geometry (.geo), or .obj, .inp, "
                     ".vtk, .stl, .ply, .off",
                     file, extension));
-  std::ifstream in(file, std::ios::binary);
+  std::ifstream in = open_input(file);
   const int first = in.get();
   if (!in.is_open()) throw UserError(fmt::format("{}: the file cannot be read; check its permissions", file));
   if (first == std::char_traits<char>::eof()) throw UserError(fmt::format("{}: the file is empty", file));
@@ -46,7 +48,7 @@ bool check_file(const std::string& file) {
 
 /// Gmsh counts physical names by dimension without looking whether it is one.
 void check_physical_names(const std::string& file) {
-  std::ifstream in(file, std::ios::binary);
+  std::ifstream in = open_input(file);
   std::string line;
   while (std::getline(in, line) && !line.starts_with("$PhysicalNames"))
     if (line.starts_with("$Nodes") || line.starts_with("$Elements")) return;  // they come before
@@ -68,10 +70,15 @@ mesh::MeshData read_gmsh(const std::string& file, const MeshOptions& options) {
   const bool is_geo = check_file(file);
   if (!is_geo && !options.parameters.empty())
     throw UserError(fmt::format("{}: parameters can only be set for a .geo file, not for a finished mesh", file));
+  if (is_geo) check_script_name(file);
   if (is_geo && !options.allow_system_call) refuse_dangerous_commands(file);
   if (!is_geo) try_in_child(file, [&] { check_physical_names(file); });
-  std::vector<std::string> words{file, is_geo ? "geo" : "msh", fmt::format("{:a}", options.size),
-                                 fmt::format("{}", options.algorithm), fmt::format("{:a}", options.scale)};
+  std::vector<std::string> words{file,
+                                 is_geo ? "geo" : "msh",
+                                 fmt::format("{:a}", options.size),
+                                 fmt::format("{}", options.algorithm),
+                                 fmt::format("{:a}", options.scale),
+                                 options.allow_system_call ? "trusted" : "confined"};
   for (const auto& [name, value] : options.parameters) words.insert(words.end(), {name, fmt::format("{:a}", value)});
   return mesh_from_bytes(run_beside(file, reader, words));
 }

@@ -2,6 +2,7 @@
 
 #include "voile/base/bytes.hpp"
 #include "voile/base/child_process.hpp"
+#include "voile/base/plain_file.hpp"
 #include "voile/io/geo_safety.hpp"
 #include "voile/io/message.hpp"
 
@@ -9,6 +10,7 @@ namespace voile::io {
 
 std::vector<double> view_values(const std::string& file, const std::vector<Vec3>& points) {
   std::error_code ignored;
+  require_plain_file(file);
   if (!std::filesystem::is_regular_file(file, ignored)) throw UserError(fmt::format("{}: there is no such file", file));
   refuse_dangerous_commands(file);
   ByteWriter out;

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "voile/base/error.hpp"
+#include "voile/base/plain_file.hpp"
 
 namespace voile::io {
 
@@ -22,11 +23,14 @@ void rethrow_for_restart(const UserError& e) {
 
 namespace {
 
-Hdf5Handle open_dataset(hid_t file, const std::string& name, const fs::path& path) {
-  Hdf5Handle set(H5Dopen2(file, name.c_str(), H5P_DEFAULT), H5Dclose);
-  if (!set.valid()) fail_reading(path, fmt::format("there is no '{}' in it", name));
-  return set;
+std::string name_of(hid_t place) {
+  std::string name(4096, '\0');
+  const ssize_t length = H5Fget_name(place, name.data(), name.size());
+  name.resize(length > 0 ? std::min<std::size_t>(static_cast<std::size_t>(length), name.size() - 1) : 0);
+  return name;
 }
+
+constexpr const char* foreign = "its data are to be read from this file alone; do not use it, or have it made anew";
 
 [[noreturn]] void fail_damaged(const fs::path& path, const std::string& name) {
   fail_reading(path, fmt::format("'{}' cannot be read: the file is damaged (its checksum does not fit); use another "
@@ -51,6 +55,34 @@ std::vector<Real> read_list(hid_t file, const std::string& name, hid_t type, con
 }
 
 }  // namespace
+
+Hdf5Handle open_to_read(const fs::path& file) {
+  require_plain_file(file);
+  return {H5Fopen(file.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose};
+}
+
+bool has(hid_t place, const std::string& name) {
+  for (std::size_t end = 0; end != name.npos;) {
+    end = name.find('/', end + 1);
+    const std::string part = name.substr(0, end);
+    if (part.empty() || part == "/") continue;
+    H5L_info_t link{};
+    if (H5Lexists(place, part.c_str(), H5P_DEFAULT) <= 0) return false;
+    if (H5Lget_info(place, part.c_str(), &link, H5P_DEFAULT) < 0) return false;
+    if (link.type != H5L_TYPE_HARD)
+      fail_reading(name_of(place), fmt::format("'{}' is a link to something else; {}", part, foreign));
+  }
+  return true;
+}
+
+Hdf5Handle open_dataset(hid_t file, const std::string& name, const fs::path& path) {
+  Hdf5Handle set(has(file, name) ? H5Dopen2(file, name.c_str(), H5P_DEFAULT) : -1, H5Dclose);
+  if (!set.valid()) fail_reading(path, fmt::format("there is no '{}' in it", name));
+  const Hdf5Handle how(H5Dget_create_plist(set), H5Pclose);
+  if (!how.valid() || H5Pget_layout(how) == H5D_VIRTUAL || H5Pget_external_count(how) != 0)
+    fail_reading(path, fmt::format("'{}' has its values in other files; {}", name, foreign));
+  return set;
+}
 
 std::vector<double> read_values(hid_t file, const std::string& name, std::size_t count, const fs::path& path) {
   const Hdf5Handle set = open_dataset(file, name, path);
@@ -94,7 +126,8 @@ std::vector<double> read_all(hid_t file, const std::string& name, const fs::path
 }
 
 std::string read_text(hid_t file, const std::string& object, const char* name, const fs::path& path) {
-  const Hdf5Handle a(H5Aopen_by_name(file, object.c_str(), name, H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
+  const Hdf5Handle a(has(file, object) ? H5Aopen_by_name(file, object.c_str(), name, H5P_DEFAULT, H5P_DEFAULT) : -1,
+                     H5Aclose);
   const Hdf5Handle type(a.valid() ? H5Aget_type(a) : -1, H5Tclose);
   if (!type.valid() || H5Tget_class(type) != H5T_STRING || H5Tis_variable_str(type) != 0)
     fail_reading(path, fmt::format("it has no text '{}'", name));
@@ -105,7 +138,8 @@ std::string read_text(hid_t file, const std::string& object, const char* name, c
 }
 
 double read_number(hid_t file, const std::string& object, const char* name, const fs::path& path) {
-  const Hdf5Handle a(H5Aopen_by_name(file, object.c_str(), name, H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
+  const Hdf5Handle a(has(file, object) ? H5Aopen_by_name(file, object.c_str(), name, H5P_DEFAULT, H5P_DEFAULT) : -1,
+                     H5Aclose);
   double value = 0.0;
   if (!a.valid() || H5Aread(a, H5T_NATIVE_DOUBLE, &value) < 0)
     fail_reading(path, fmt::format("it has no number '{}'", name));

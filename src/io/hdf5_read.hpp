@@ -16,6 +16,14 @@ namespace voile::io {
 /// Says that what failed was read for --restart.
 [[noreturn]] void rethrow_for_restart(const UserError& e);
 
+/// Opens a file, which must be a plain one: HDF5 would wait for ever at a pipe. Invalid if it cannot be read.
+[[nodiscard]] Hdf5Handle open_to_read(const std::filesystem::path& file);
+/// Whether an object is there. Throws UserError if a link on the way to it leads elsewhere, as into another file: what a
+/// stranger's file names is not read for him.
+[[nodiscard]] bool has(hid_t place, const std::string& name);
+/// Opens a dataset that has its values in this file. Throws UserError if they are in others, and if it is not there.
+[[nodiscard]] Hdf5Handle open_dataset(hid_t file, const std::string& name, const std::filesystem::path& path);
+
 /// Rows of a dataset; `count` rows from `begin` on.
 struct Rows {
   std::size_t begin, count;

@@ -26,7 +26,9 @@ struct HistoryWriter::Impl {
 
 HistoryWriter::HistoryWriter(const fs::path& file, const std::vector<std::string>& columns)
     : impl_(std::make_unique<Impl>(Impl{file, std::ofstream(file), columns.size()})) {
-  impl_->line(join(columns, ","));
+  std::vector<std::string> names;
+  for (const std::string& column : columns) names.push_back(csv_name(column));
+  impl_->line(join(names, ","));
 }
 
 HistoryWriter::~HistoryWriter() = default;

@@ -17,6 +17,7 @@
 #include "mesh_text.hpp"
 #include "voile/base/child_process.hpp"
 #include "voile/base/error.hpp"
+#include "voile/base/plain_file.hpp"
 #include "voile/io/triangle_file.hpp"
 
 namespace voile::io {
@@ -171,6 +172,7 @@ mesh::MeshData read_mesh(const std::string& file, const MeshOptions& options) {
   } else {
     std::error_code ignored;
     if (!fs::exists(file, ignored)) throw UserError(fmt::format("{}: there is no such mesh file", file));
+    require_plain_file(file);
     if (!options.parameters.empty())
       throw UserError(fmt::format("{}: parameters can only be set for a .geo file, not for a finished mesh", file));
     data = mesh_from_bytes(run_in_child(file, [&] { return to_bytes(read_other(file, extension)); }));
@@ -240,7 +242,7 @@ std::vector<mesh::Segment> boundary_edges(const std::vector<mesh::Triangle>& tri
 }
 
 std::string file_text(const std::string& file) {
-  std::ifstream in(file, std::ios::binary);
+  std::ifstream in = open_input(file);
   std::stringstream text;
   text << in.rdbuf();
   if (!in.is_open()) throw UserError(fmt::format("{}: the file cannot be read; check its permissions", file));

@@ -37,7 +37,7 @@ std::vector<mesh::Group> read_groups(hid_t file, const std::string& where, const
   std::vector<mesh::Group> groups;
   for (;;) {
     const std::string at = fmt::format("{}/groups/{:06d}", where, groups.size());
-    if (H5Lexists(file, at.c_str(), H5P_DEFAULT) <= 0) return groups;
+    if (!has(file, at)) return groups;
     mesh::Group& group = groups.emplace_back();
     group.name = read_text(file, at, "name", path);
     group.dimension = static_cast<int>(read_number(file, at, "dimension", path));
@@ -50,10 +50,10 @@ std::vector<mesh::Group> read_groups(hid_t file, const std::string& where, const
 std::vector<mesh::Seam> read_seams(hid_t file, const std::string& where, const mesh::MeshData& mesh,
                                    const fs::path& path) {
   std::vector<mesh::Seam> seams;
-  if (H5Lexists(file, (where + "/seams").c_str(), H5P_DEFAULT) <= 0) return seams;
+  if (!has(file, where + "/seams")) return seams;
   for (;;) {
     const std::string at = fmt::format("{}/seams/{:06d}", where, seams.size());
-    if (H5Lexists(file, at.c_str(), H5P_DEFAULT) <= 0) return seams;
+    if (!has(file, at)) return seams;
     mesh::Seam& seam = seams.emplace_back();
     seam.name = read_text(file, at, "name", path);
     seam.pairs = grouped<2>(read_members(file, at + "/pairs", mesh.positions.size(), path));
@@ -117,7 +117,7 @@ mesh::MeshData read_mesh_record(hid_t file, const std::string& where, const fs::
   for (std::size_t i = 0; i + 5 < texture.size(); i += 6)
     mesh.texture.push_back(
         {Vec2(texture[i], texture[i + 1]), Vec2(texture[i + 2], texture[i + 3]), Vec2(texture[i + 4], texture[i + 5])});
-  if (H5Lexists(file, (where + "/rest").c_str(), H5P_DEFAULT) > 0) {
+  if (has(file, where + "/rest")) {
     const std::vector<Vec3> corners = points_of(read_all(file, where + "/rest", path));
     for (std::size_t i = 0; i + 2 < corners.size(); i += 3)
       mesh.rest.push_back({corners[i], corners[i + 1], corners[i + 2]});

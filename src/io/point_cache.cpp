@@ -17,6 +17,7 @@
 #include <utility>
 
 #include "voile/base/error.hpp"
+#include "voile/base/plain_file.hpp"
 
 namespace voile::io {
 
@@ -94,7 +95,7 @@ class BinaryFrames : public Frames {
  private:
   [[nodiscard]] std::string read_bytes(std::size_t begin, std::size_t size) const {
     std::string bytes(size, '\0');
-    std::ifstream in(file_, std::ios::binary);
+    std::ifstream in = open_input(file_);
     in.seekg(static_cast<std::streamoff>(begin));
     in.read(bytes.data(), static_cast<std::streamsize>(size));
     if (!in) fail(file_, fmt::format("{} bytes cannot be read from byte {} on; is the file complete?", size, begin));
@@ -214,7 +215,7 @@ class ObjFrames : public Frames {
   }
 
   static Contents read_contents(const fs::path& file) {
-    std::ifstream in(file);
+    std::ifstream in = open_input(file);
     if (!in) fail(file, "the file cannot be read; check its permissions");
     Contents contents;
     Positions& x = contents.vertices;
@@ -297,6 +298,7 @@ std::unique_ptr<Frames> open(const fs::path& file, double frames_per_second) {
     fail(file, fmt::format("unknown kind of point cache '{}'; give .pc2, .mdd or a pattern for .obj", extension));
   std::error_code ignored;
   if (!fs::exists(file, ignored)) fail(file, "there is no such point cache");
+  require_plain_file(file);
   if (!fs::is_regular_file(file, ignored)) fail(file, "this is not a file");
   return std::make_unique<BinaryFrames>(file, frames_per_second, extension == ".pc2");
 }

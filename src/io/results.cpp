@@ -49,6 +49,7 @@ void write_text(const fs::path& file, const std::string& text) {
 /// Files of steps and epochs, and nothing else. The folder goes if it is empty then.
 void remove_steps(const fs::path& folder) {
   std::error_code ignored;
+  if (fs::is_symlink(folder, ignored)) return;
   for (const auto& entry : fs::directory_iterator(folder, ignored)) {
     std::string name = entry.path().filename().string();
     if (name.ends_with(".part")) name.resize(name.size() - 5);

@@ -14,14 +14,6 @@ namespace voile::io {
 
 namespace fs = std::filesystem;
 
-bool has(hid_t place, const std::string& name) {
-  return H5Lexists(place, name.c_str(), H5P_DEFAULT) > 0;
-}
-
-Hdf5Handle open_to_read(const fs::path& file) {
-  return {H5Fopen(file.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose};
-}
-
 namespace {
 
 /// Names of what lies in a group.
@@ -38,8 +30,8 @@ std::vector<std::string> names_in(hid_t file, const std::string& group) {
 
 /// How many numbers a row of a table has.
 int columns_of(hid_t file, const std::string& name, const fs::path& path) {
-  const Hdf5Handle set(H5Dopen2(file, name.c_str(), H5P_DEFAULT), H5Dclose);
-  const Hdf5Handle space(set.valid() ? H5Dget_space(set) : -1, H5Sclose);
+  const Hdf5Handle set = open_dataset(file, name, path);
+  const Hdf5Handle space(H5Dget_space(set), H5Sclose);
   const int dimensions = space.valid() ? H5Sget_simple_extent_ndims(space) : 0;
   std::array<hsize_t, 2> size{0, 1};
   if (dimensions < 1 || dimensions > 2 || H5Sget_simple_extent_dims(space, size.data(), nullptr) < 0 || size[1] > 9)
@@ -56,9 +48,9 @@ std::vector<Vec3> points_of(const std::vector<double>& x) {
 
 /// A list of texts of one length.
 std::vector<std::string> read_texts(hid_t file, const std::string& name, const fs::path& path) {
-  const Hdf5Handle set(H5Dopen2(file, name.c_str(), H5P_DEFAULT), H5Dclose);
-  const Hdf5Handle type(set.valid() ? H5Dget_type(set) : -1, H5Tclose);
-  const Hdf5Handle space(set.valid() ? H5Dget_space(set) : -1, H5Sclose);
+  const Hdf5Handle set = open_dataset(file, name, path);
+  const Hdf5Handle type(H5Dget_type(set), H5Tclose);
+  const Hdf5Handle space(H5Dget_space(set), H5Sclose);
   if (!type.valid() || H5Tget_class(type) != H5T_STRING || H5Tis_variable_str(type) != 0)
     fail_reading(path, fmt::format("it has no texts '{}'", name));
   const std::size_t width = H5Tget_size(type), count = static_cast<std::size_t>(H5Sget_simple_extent_npoints(space));
@@ -174,7 +166,7 @@ std::vector<FieldInfo> StoredResults::fields(std::size_t step) const {
     const std::string part = centre == Centre::vertex ? "VTKHDF/PointData" : "VTKHDF/CellData";
     for (const std::string& shown : names_in(file_, part)) {
       const std::string path = part + "/" + shown;
-      if (H5Aexists_by_name(file_, path.c_str(), "unit", H5P_DEFAULT) <= 0) continue;
+      if (!has(file_, path) || H5Aexists_by_name(file_, path.c_str(), "unit", H5P_DEFAULT) <= 0) continue;
       const std::string name = read_text(file_, path, "name", path_), present = "voile/steps/has/" + name;
       if (has(file_, "voile/steps/has") && has(file_, present) && read_entry(present, step) != 0)
         found.push_back({name, read_text(file_, path, "unit", path_), centre, columns_of(file_, path, path_)});
@@ -220,15 +212,24 @@ StoredMesh StoredResults::mesh(std::size_t epoch) const {
 }
 
 ObstacleTriangles StoredResults::obstacles() const {
+  if (complete_) return obstacles_in(file_, "voile/obstacles", path_);
+  const fs::path file = path_.parent_path() / obstacle_file;
+  std::error_code ignored;
+  if (!fs::exists(file, ignored)) return {};
+  const Hdf5Handle opened = open_to_read(file);
+  if (!opened.valid()) fail_missing(obstacle_file);
+  return obstacles_in(opened, "obstacles", file);
+}
+
+/// `at`: the group of that name in an open file.
+ObstacleTriangles StoredResults::obstacles_in(hid_t file, const std::string& at, const fs::path& place) const {
   ObstacleTriangles o;
-  const std::string where = "voile/obstacles";
-  if (!has(file_, where)) return o;
-  o.positions = points_of(read_all(file_, where + "/positions", path_));
-  o.triangles = grouped<3>(read_members(file_, where + "/triangles", o.positions.size(), path_));
-  for (const std::int64_t i : read_integers(file_, where + "/obstacle", path_))
-    o.obstacle.push_back(static_cast<int>(i));
-  o.names = read_texts(file_, where + "/names", path_);
-  if (o.obstacle.size() != o.triangles.size()) fail_reading(path_, "its obstacles make no sense: the file is damaged");
+  if (!has(file, at)) return o;
+  o.positions = points_of(read_all(file, at + "/positions", place));
+  o.triangles = grouped<3>(read_members(file, at + "/triangles", o.positions.size(), place));
+  for (const std::int64_t i : read_integers(file, at + "/obstacle", place)) o.obstacle.push_back(static_cast<int>(i));
+  o.names = read_texts(file, at + "/names", place);
+  if (o.obstacle.size() != o.triangles.size()) fail_reading(place, "its obstacles make no sense: the file is damaged");
   o.moves = has(file_, "voile/steps/obstacle_positions");
   return o;
 }

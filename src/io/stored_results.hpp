@@ -17,9 +17,6 @@
 
 namespace voile::io {
 
-[[nodiscard]] bool has(hid_t place, const std::string& name);
-[[nodiscard]] Hdf5Handle open_to_read(const std::filesystem::path& file);
-
 /// The open file; throws UserError if something that is asked for is not there or damaged.
 class StoredResults {
  public:
@@ -48,6 +45,8 @@ class StoredResults {
   void with_epoch(std::size_t epoch, const Work& work) const;
   void read_named();
   void find_unnamed();
+  [[nodiscard]] ObstacleTriangles obstacles_in(hid_t file, const std::string& at,
+                                               const std::filesystem::path& place) const;
   [[nodiscard]] std::pair<Hdf5Handle, std::filesystem::path> open_step(std::size_t step) const;
   [[nodiscard]] std::int64_t read_entry(const std::string& list, std::size_t step) const;
   [[noreturn]] void fail_missing(const std::string& file) const;

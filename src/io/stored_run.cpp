@@ -6,6 +6,7 @@
 
 #include "stored_results.hpp"
 #include "voile/base/error.hpp"
+#include "voile/base/plain_file.hpp"
 #include "voile/base/text.hpp"
 
 namespace voile::io {
@@ -17,6 +18,7 @@ namespace {
 fs::path results_in(const fs::path& place) {
   std::error_code ignored;
   fs::path file = fs::is_directory(place, ignored) ? place / results_name : place;
+  require_plain_file(file);
   if (!fs::is_regular_file(file, ignored))
     throw UserError(fmt::format("{}: there are no results: give the output folder of a run, with {} in it",
                                 place.string(), results_name));

@@ -23,6 +23,7 @@
 #include "voile/base/bytes.hpp"
 #include "voile/base/child_process.hpp"
 #include "voile/base/error.hpp"
+#include "voile/base/plain_file.hpp"
 #include "voile/io/gmsh.hpp"
 
 namespace voile::io {
@@ -126,11 +127,10 @@ std::stringstream obj_vertices_and_faces(const fs::path& file, std::istream& in)
 }
 
 /// CGAL would take a number that is not finite for an equal of any vertex, and cannot say that a file is cut short.
-void check_stl(const fs::path& file, std::istream& in) {
+void check_stl(const fs::path& file, std::ifstream& in) {
   constexpr std::size_t header = 84, record = 50;
   const std::string bytes{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
-  in.clear();
-  in.seekg(0);
+  rewind(in);
   const auto value = [&](auto number, std::size_t at) {
     std::memcpy(&number, bytes.data() + at, sizeof number);
     return number;
@@ -150,7 +150,7 @@ void check_stl(const fs::path& file, std::istream& in) {
 }
 
 /// CGAL reserves memory for what the header of an ASCII file claims before it looks any further.
-void check_off(const fs::path& file, std::istream& in) {
+void check_off(const fs::path& file, std::ifstream& in) {
   std::vector<double> counts;  // vertices, faces
   std::string line, word;
   while (counts.size() < 2 && std::getline(in, line)) {
@@ -159,8 +159,7 @@ void check_off(const fs::path& file, std::istream& in) {
       if (word.find_first_not_of("0123456789") == std::string::npos)
         counts.push_back(std::strtod(word.c_str(), nullptr));
   }
-  in.clear();
-  in.seekg(0);
+  rewind(in);
   const auto length = static_cast<double>(fs::file_size(file));
   for (const double count : counts)
     if (count > length)
@@ -168,7 +167,7 @@ void check_off(const fs::path& file, std::istream& in) {
 }
 
 bool read_format(const fs::path& file, const std::string& extension, PolygonSoup& soup) {
-  std::ifstream in(file, std::ios::binary);
+  std::ifstream in = open_input(file);
   if (!in) fail(file, "the file cannot be read; check its permissions");
   if (in.peek() == std::char_traits<char>::eof()) fail(file, "the file is empty; export it again");
   if (extension == ".obj") {
@@ -264,6 +263,7 @@ geometry::TriangleSoup read_triangles(const fs::path& file) {
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   std::error_code ignored;
   if (!fs::exists(file, ignored)) fail(file, "there is no such file of triangles");
+  require_plain_file(file);
   if (!fs::is_regular_file(file, ignored)) fail(file, "this is not a file");
   if (file.extension() == ".msh") return checked(file, read_msh(file));  // Gmsh wants lower case
   constexpr std::array<const char*, 4> known{".obj", ".stl", ".ply", ".off"};

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <map>
 
-#include "dxf_entities.hpp"
+#include "dxf_block.hpp"
 #include "readers.hpp"
 #include "voile/base/error.hpp"
 #include "voile/base/text.hpp"
@@ -15,16 +15,6 @@
 namespace voile::pattern {
 
 namespace {
-
-/// Layers of a piece.
-const std::string boundary = "1", turn_points = "2", curve_points = "3", notches = "4", mirror_line = "6",
-                  grain_line = "7", cutout = "11", sew_line = "14";
-/// Change of direction at which a boundary without turn points has a corner [rad].
-constexpr double corner_angle = 15.0 * 3.14159265358979 / 180.0;
-/// Share of the extent of a piece within which marks count as on its outline, and lines as the same.
-constexpr double on_outline = 1e-3;
-/// Share of the extent of a piece within which a notch belongs to its outline: those of the boundary, seen from the sew line, do.
-constexpr double near_outline = 0.08;
 
 std::string lower(std::string text) {
   std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
@@ -43,189 +33,6 @@ std::string told(const std::vector<DxfEntity>& entities, const std::string& word
   return "";
 }
 
-std::vector<Curve> curves_on(const std::vector<DxfEntity>& entities, const std::string& layer) {
-  std::vector<Curve> all;
-  for (const DxfEntity& e : entities)
-    if (e.layer == layer)
-      for (Curve& c : curves_of(e)) all.push_back(std::move(c));
-  return all;
-}
-
-std::vector<Vec2> points_on(const std::vector<DxfEntity>& entities, const std::string& layer) {
-  std::vector<Vec2> all;
-  for (const DxfEntity& e : entities)
-    if (e.layer == layer && e.type == "POINT") all.push_back(e.point(10, 20));
-  return all;
-}
-
-/// One block.
-class BlockReader {
- public:
-  BlockReader(std::string where, const DxfBlock& block) : where_(std::move(where)), block_(block) {}
-
-  /// In the file's units. The outline is unfolded across its mirror line.
-  Piece run(std::vector<std::string>& notes) {
-    const std::vector<DxfEntity>& all = block_.entities;
-    const std::vector<Curve> mirror = curves_on(all, mirror_line);
-    std::vector<Curve> outline = one_outline(mirror);
-    for (const Curve& c : outline) size_ = std::max(size_, (c.start() - outline.front().start()).norm());
-    Piece piece;
-    piece.add_loop(divided(std::move(outline), mirror, piece.point_names, notes));
-    const std::size_t fold = mirror.empty() ? no_edge : fold_of(piece, mirror.front());
-    const std::vector<std::vector<Curve>> holes =
-        join_curves(fmt::format("{}, layer {}", where_, cutout), curves_on(all, cutout), mirror);
-    for (std::size_t k = 0; k < holes.size(); ++k)
-      piece.add_loop(joined(holes[k], corners_of(holes[k], mirror), {}, {fmt::format("h{}", k), piece.point_names}));
-    const std::vector<Curve> grain = curves_on(all, grain_line);
-    if (!grain.empty()) piece.grain = (grain.front().end() - grain.front().start()).normalized();
-    if (!mirror.empty()) {
-      unfold(where_, piece, fold);
-      notes.push_back(fmt::format("{}: unfolded across its mirror line (layer 6)", where_));
-    }
-    return piece;
-  }
-
- private:
-  std::vector<Curve> one_outline(const std::vector<Curve>& mirror) const {
-    std::string layer = sew_line;
-    std::vector<Curve> curves = curves_on(block_.entities, layer);
-    if (curves.empty()) curves = curves_on(block_.entities, layer = boundary);
-    std::vector<std::vector<Curve>> outlines = join_curves(fmt::format("{}, layer {}", where_, layer), curves, mirror);
-    if (outlines.size() != 1)
-      throw UserError(fmt::format("{}: layer {} has {} outlines, and a piece has one; put others on other layers",
-                                  where_, layer, outlines.size()));
-    return std::move(outlines.front());
-  }
-
-  [[nodiscard]] bool is_among(const std::vector<Vec2>& marks, const Vec2& x) const {
-    return std::any_of(marks.begin(), marks.end(), [&](const Vec2& m) { return (m - x).norm() <= on_outline * size_; });
-  }
-
-  /// Whether the outline turns between two of its curves.
-  static bool turns(const Curve& a, const Curve& b) {
-    const Vec2 d = a.derivative(1.0), e = b.derivative(0.0);
-    return std::abs(std::atan2(d[0] * e[1] - d[1] * e[0], d.dot(e))) > corner_angle;
-  }
-
-  /// Whether a corner lies before each curve: where it begins on the mirror line, and as corners_without() says.
-  [[nodiscard]] std::vector<bool> corners_of(const std::vector<Curve>& outline,
-                                             const std::vector<Curve>& mirror) const {
-    std::vector<bool> corners = corners_without(outline);
-    for (std::size_t k = 0; k < outline.size() && !mirror.empty(); ++k)
-      if (distance_from(mirror.front(), outline[k].start()) <= on_outline * size_) corners[k] = true;
-    return corners;
-  }
-
-  /// At turn points; without, at what is no curve point; without, where it turns.
-  [[nodiscard]] std::vector<bool> corners_without(const std::vector<Curve>& outline) const {
-    const std::size_t n = outline.size();
-    const std::vector<Vec2> turn = points_on(block_.entities, turn_points),
-                            smooth = points_on(block_.entities, curve_points);
-    std::vector<bool> marked(n), unmarked(n), sharp(n);
-    for (std::size_t k = 0; k < n; ++k) {
-      marked[k] = is_among(turn, outline[k].start());
-      unmarked[k] = !is_among(smooth, outline[k].start());
-      sharp[k] = turns(outline[(k + n - 1) % n], outline[k]);
-    }
-    const auto count = [&](const std::vector<bool>& some) {
-      return static_cast<std::size_t>(std::count(some.begin(), some.end(), true));
-    };
-    for (const std::vector<bool>* some : {&marked, &unmarked, &sharp})
-      if (count(*some) >= 2 && (some != &unmarked || count(unmarked) < n)) return *some;
-    return std::vector<bool>(n, true);
-  }
-
-  /// Divides the curve of the outline that a notch lies nearest to, and says before which curve it then lies.
-  std::size_t divide_at(std::vector<Curve>& outline, std::vector<bool>& corners, std::vector<bool>& marks,
-                        const Vec2& notch) const {
-    std::size_t best = 0;
-    double least = std::numeric_limits<double>::infinity(), share = 0.0;
-    for (std::size_t k = 0; k < outline.size(); ++k) {
-      const auto [t, distance] = outline[k].nearest(notch);
-      if (distance < least) best = k, share = t;
-      least = std::min(least, distance);
-    }
-    if (least > near_outline * size_) return outline.size();
-    const std::size_t next = (best + 1) % outline.size();
-    const double tolerance = on_outline * size_;
-    const auto at = static_cast<std::ptrdiff_t>(best);
-    if ((outline[best].start() - outline[best].at(share)).norm() <= tolerance) return best;
-    if ((outline[best].end() - outline[best].at(share)).norm() <= tolerance) return next;
-    auto [first, second] = outline[best].split(share);
-    outline[best] = std::move(first);
-    outline.insert(outline.begin() + at + 1, std::move(second));
-    corners.insert(corners.begin() + at + 1, false);
-    marks.insert(marks.begin() + at + 1, false);
-    return best + 1;
-  }
-
-  /// Edges between corners and notches, from the first corner on, and names of their points.
-  std::vector<Edge> divided(std::vector<Curve> outline, const std::vector<Curve>& mirror,
-                            std::vector<std::string>& names, std::vector<std::string>& notes) const {
-    std::vector<bool> corners = corners_of(outline, mirror), marks(outline.size(), false);
-    for (const Vec2& notch : points_on(block_.entities, notches))
-      if (const std::size_t k = divide_at(outline, corners, marks, notch); k < outline.size())
-        marks[k] = true;
-      else
-        notes.push_back(
-            fmt::format("{}: a notch, ({:.4g}, {:.4g}) in the file's units, is too far from the outline to divide it",
-                        where_, notch[0], notch[1]));
-    return joined(std::move(outline), std::move(corners), std::move(marks), {"", names});
-  }
-
-  /// Where names of points go, and what they begin with.
-  struct Naming {
-    std::string prefix;
-    std::vector<std::string>& names;
-  };
-
-  /// Edges from corner or notch to corner or notch, from the first corner on. `marks`: notches; may be empty.
-  static std::vector<Edge> joined(std::vector<Curve> loop, std::vector<bool> corners, std::vector<bool> marks,
-                                  const Naming& naming) {
-    marks.resize(loop.size(), false);
-    const auto first = std::find(corners.begin(), corners.end(), true) - corners.begin();
-    for (std::vector<bool>* some : {&corners, &marks}) std::rotate(some->begin(), some->begin() + first, some->end());
-    std::rotate(loop.begin(), loop.begin() + first, loop.end());
-    std::vector<Edge> edges;
-    std::vector<Curve> parts;
-    std::size_t corner = 0, notch = 0;
-    for (std::size_t k = 0; k < loop.size(); ++k) {
-      if (corners[k] || marks[k]) {
-        if (!parts.empty()) edges.push_back({Curve::chain(std::move(parts))});
-        parts.clear();
-        naming.names.push_back(naming.prefix +
-                               (corners[k] ? fmt::format("c{}", corner++) : fmt::format("n{}", notch++)));
-      }
-      parts.push_back(loop[k]);
-    }
-    edges.push_back({Curve::chain(std::move(parts))});
-    return edges;
-  }
-
-  /// Of a point from a straight line, prolonged.
-  static double distance_from(const Curve& line, const Vec2& x) {
-    const Vec2 along = (line.end() - line.start()).normalized(), d = x - line.start();
-    return std::abs(along[0] * d[1] - along[1] * d[0]);
-  }
-
-  /// The edge that lies on the mirror line.
-  [[nodiscard]] std::size_t fold_of(const Piece& piece, const Curve& mirror) const {
-    for (std::size_t k = 0; k < piece.edges.size(); ++k) {
-      double away = 0.0;
-      for (int i = 0; i <= 8; ++i) away = std::max(away, distance_from(mirror, piece.edges[k].curve.at(i / 8.0)));
-      if (away <= on_outline * size_) return k;
-    }
-    throw UserError(fmt::format(
-        "{}: no edge of the outline lies on its mirror line (layer 6), across which it would unfold; let the "
-        "outline of the half run along it in one edge",
-        where_));
-  }
-
-  std::string where_;
-  const DxfBlock& block_;
-  double size_ = 0.0;  ///< of the outline
-};
-
 class DxfReader {
  public:
   DxfReader(const std::filesystem::path& file, const ReadOptions& options)
@@ -239,9 +46,7 @@ class DxfReader {
     note_placed();
     std::vector<const DxfBlock*> blocks;
     for (const DxfBlock& b : file_.blocks)
-      if (std::any_of(b.entities.begin(), b.entities.end(),
-                      [](const DxfEntity& e) { return e.layer == boundary || e.layer == sew_line; }))
-        blocks.push_back(&b);
+      if (is_piece(b)) blocks.push_back(&b);
     if (blocks.empty()) {
       read_drawing();
       if (!placed_.empty() && !pattern_.pieces.empty())
@@ -308,10 +113,10 @@ class DxfReader {
     }
   }
 
-  void add(Piece piece) {
+  [[nodiscard]] Piece scaled(Piece piece) const {
     const Mat2 scale = unit_ * Mat2::Identity();
     for (Edge& e : piece.edges) e.curve = e.curve.mapped(scale, Vec2::Zero());
-    pattern_.pieces.push_back(std::move(piece));
+    return piece;
   }
 
   static std::vector<Edge> edges_of(const std::vector<Curve>& loop) {
@@ -322,6 +127,7 @@ class DxfReader {
 
   void read_blocks(const std::vector<const DxfBlock*>& blocks) {
     std::map<std::string, int> count;
+    std::string wrong;  // the first mistake
     for (const DxfBlock* b : blocks) ++count[told(b->entities, "piece name:")];
     for (const DxfBlock* b : blocks) {
       // Where sizes of one piece are there, or none has a name, blocks go by their own.
@@ -329,10 +135,22 @@ class DxfReader {
                         piece_name = own.empty() || count[own] > 1 ? b->name : own;
       seen_.push_back(piece_name);
       if (!is_wanted(piece_name)) continue;
-      Piece piece = BlockReader(fmt::format("{}: block '{}'", name(), b->name), *b).run(pattern_.notes);
-      piece.name = piece_name;
-      add(std::move(piece));
+      // One size that is wrong does not keep the others of a nest away, unless it is the one that is asked for.
+      const bool alone = blocks.size() == 1 || !options_.pieces.empty();
+      std::vector<std::string> notes;
+      try {
+        Piece piece = scaled(read_block(fmt::format("{}: block '{}'", name(), b->name), *b, notes));
+        piece.name = piece_name;
+        if (!alone) check_piece(pattern_, piece);
+        pattern_.notes.insert(pattern_.notes.end(), notes.begin(), notes.end());
+        pattern_.pieces.push_back(std::move(piece));
+      } catch (const UserError& e) {
+        if (alone) throw;
+        if (wrong.empty()) wrong = e.what();
+        pattern_.notes.push_back(fmt::format("{}; this piece is left out, `pieces` names those to read", e.what()));
+      }
     }
+    if (pattern_.pieces.empty() && !wrong.empty()) throw UserError(wrong);
   }
 
   /// The outline that each one is a hole of, or its own number: of outlines that lie within each other every second one is a
@@ -378,7 +196,7 @@ class DxfReader {
         piece.add_loop(edges_of(outlines[k]));
         for (std::size_t hole = 0; hole < outlines.size(); ++hole)
           if (hole != k && piece_of[hole] == k) piece.add_loop(edges_of(outlines[hole]));
-        add(std::move(piece));
+        pattern_.pieces.push_back(scaled(std::move(piece)));
       }
     }
   }

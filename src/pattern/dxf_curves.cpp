@@ -32,7 +32,85 @@ Curve bulged(const Vec2& a, const Vec2& b, double bulge) {
   return Curve::arc(centre, from.norm() * Mat2::Identity(), std::atan2(from[1], from[0]), 4.0 * std::atan(bulge));
 }
 
-std::vector<Curve> polyline(const std::vector<Corner>& corners, bool closed) {
+/// The corners of a polyline without those that have no length between them, and without slits.
+class CleanCorners {
+ public:
+  CleanCorners(const std::vector<Corner>& corners, bool closed) {
+    double longest = 0.0;
+    for (std::size_t k = 0; k + (closed ? 0 : 1) < corners.size(); ++k)
+      longest = std::max(longest, (corners[(k + 1) % corners.size()].place - corners[k].place).norm());
+    near_ = same_place * longest;
+    for (const Corner& c : corners) add(c);
+    while (closed && close()) continue;
+  }
+
+  [[nodiscard]] std::vector<Corner> corners() const {
+    std::vector<Corner> all;
+    for (const Kept& k : kept_) all.push_back(k.corner);
+    return all;
+  }
+  /// Where slits begin.
+  [[nodiscard]] std::vector<Vec2> slits() const {
+    std::vector<Vec2> all;
+    for (const Kept& k : kept_)
+      if (k.slit) all.push_back(k.corner.place);
+    return all;
+  }
+
+ private:
+  struct Kept {
+    Corner corner;
+    bool slit = false;
+  };
+
+  [[nodiscard]] bool same(const Kept& a, const Vec2& b) const { return (a.corner.place - b).norm() <= near_; }
+
+  void add(const Corner& c) {
+    const std::size_t n = kept_.size();
+    if (n > 0 && same(kept_[n - 1], c.place)) {
+      kept_[n - 1].corner.bulge = c.bulge;  // that of the way on
+    } else if (n > 1 && kept_[n - 1].corner.bulge == 0.0 && kept_[n - 2].corner.bulge == 0.0 &&
+               same(kept_[n - 2], c.place)) {
+      kept_.pop_back();  // the tip of a slit
+      kept_.back().corner.bulge = c.bulge;
+      kept_.back().slit = true;
+    } else {
+      kept_.push_back({c});
+    }
+  }
+
+  /// Whether something was to be mended where the end meets the beginning.
+  bool close() {
+    const std::size_t n = kept_.size();
+    if (n < 3) return false;
+    if (same(kept_[n - 1], kept_[0].corner.place)) {
+      kept_[0].slit = kept_[0].slit || kept_[n - 1].slit;
+      kept_.pop_back();
+      return true;
+    }
+    const bool straight = kept_[n - 1].corner.bulge == 0.0;
+    if (straight && kept_[n - 2].corner.bulge == 0.0 && same(kept_[n - 2], kept_[0].corner.place)) {
+      kept_.pop_back();  // the last corner is a tip
+      kept_[0].slit = true;
+      return true;
+    }
+    if (straight && kept_[0].corner.bulge == 0.0 && same(kept_[n - 1], kept_[1].corner.place)) {
+      kept_.erase(kept_.begin());  // the first one
+      kept_[0].slit = true;
+      return true;
+    }
+    return false;
+  }
+
+  std::vector<Kept> kept_;
+  double near_ = 0.0;
+};
+
+std::vector<Curve> polyline(const std::vector<Corner>& given, bool closed, std::vector<Vec2>* slits) {
+  const CleanCorners clean(given, closed);
+  const std::vector<Corner> corners = clean.corners();
+  if (slits)
+    for (const Vec2& x : clean.slits()) slits->push_back(x);
   std::vector<Curve> curves;
   for (std::size_t k = 0; k + (closed ? 0 : 1) < corners.size(); ++k) {
     const Corner &a = corners[k], &b = corners[(k + 1) % corners.size()];
@@ -41,7 +119,7 @@ std::vector<Curve> polyline(const std::vector<Corner>& corners, bool closed) {
   return curves;
 }
 
-std::vector<Curve> light_polyline(const DxfEntity& e) {
+std::vector<Curve> light_polyline(const DxfEntity& e, std::vector<Vec2>* slits) {
   std::vector<Corner> corners;
   const std::vector<double> x = e.reals(10), y = e.reals(20);
   if (x.size() != y.size())
@@ -52,17 +130,17 @@ std::vector<Curve> light_polyline(const DxfEntity& e) {
     if (g.code == 10) ++k;
     if (g.code == 42 && k > 0) corners[k - 1].bulge = DxfEntity{e.type, e.layer, e.where, {g}}.real(42, 0.0);
   }
-  return polyline(corners, (e.whole(70, 0) & 1) != 0);
+  return polyline(corners, (e.whole(70, 0) & 1) != 0, slits);
 }
 
-std::vector<Curve> old_polyline(const DxfEntity& e) {
+std::vector<Curve> old_polyline(const DxfEntity& e, std::vector<Vec2>* slits) {
   constexpr int closed = 1, meshes = 16 | 64, control_point = 16;
   const int flags = e.whole(70, 0);
   if (flags & meshes) return {};
   std::vector<Corner> corners;
   for (const DxfEntity& v : e.vertices)
     if (!(v.whole(70, 0) & control_point)) corners.push_back({v.point(10, 20), v.real(42, 0.0)});
-  return polyline(corners, (flags & closed) != 0);
+  return polyline(corners, (flags & closed) != 0, slits);
 }
 
 /// Control points of the part of a B-spline between knots i and i + 1, by its polar form.
@@ -142,6 +220,9 @@ class Joiner {
       throw UserError(
           fmt::format("{}: {} curves are more than outlines have; simplify the drawing", where, curves_.size()));
     for (const Curve& c : curves_) size_ = std::max({size_, (c.start() - c.end()).norm(), c.length()});
+    // What is shorter than ends may be apart would make three curves meet.
+    std::erase_if(curves_, [&](const Curve& c) { return c.length() <= same_place * size_; });
+    used_.resize(curves_.size());
   }
 
   std::vector<std::vector<Curve>> run() {
@@ -203,16 +284,16 @@ class Joiner {
 
 }  // namespace
 
-std::vector<Curve> curves_of(const DxfEntity& e) {
+std::vector<Curve> curves_of(const DxfEntity& e, std::vector<Vec2>* slits) {
   const bool in_own_plane = e.type == "LWPOLYLINE" || e.type == "POLYLINE" || e.type == "ARC" || e.type == "CIRCLE";
   std::vector<Curve> curves;
   if (e.type == "LINE") {
     const Vec2 a = e.point(10, 20), b = e.point(11, 21);
     if (a != b) curves.push_back(Curve::bezier({a, b}));
   } else if (e.type == "LWPOLYLINE") {
-    curves = light_polyline(e);
+    curves = light_polyline(e, slits);
   } else if (e.type == "POLYLINE") {
-    curves = old_polyline(e);
+    curves = old_polyline(e, slits);
   } else if (e.type == "SPLINE") {
     curves = spline(e);
   } else if (e.type == "ELLIPSE") {

@@ -51,9 +51,11 @@ struct DxfFile {
 [[nodiscard]] DxfFile read_dxf_entities(const std::filesystem::path& file);
 
 /// What an entity draws, in the file's units, in the order in which it is drawn: nothing if it is no curve. A spline is one
-/// curve. Points that repeat are left out. Throws UserError for curves of other kinds than lines, arcs and polynomial splines
+/// curve. Points that repeat, or lie nearer than ends of curves that meet, are
+/// left out, and so are slits: where a polyline goes out and back on the same way, as a notch; `slits` gets the points where
+/// they begin, if it is not null. Throws UserError for curves of other kinds than lines, arcs and polynomial splines
 /// of the third degree at most, and for those that do not lie in the plane of the drawing.
-[[nodiscard]] std::vector<Curve> curves_of(const DxfEntity& entity);
+[[nodiscard]] std::vector<Curve> curves_of(const DxfEntity& entity, std::vector<Vec2>* slits = nullptr);
 
 /// Joins curves to outlines, turning them where needed: each begins where the one before it ends, the last one ends where
 /// the first one begins. `bridge`: straight lines, prolonged; an outline whose two

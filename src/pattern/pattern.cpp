@@ -10,6 +10,7 @@
 #include "readers.hpp"
 #include "voile/base/child_process.hpp"
 #include "voile/base/error.hpp"
+#include "voile/base/plain_file.hpp"
 #include "voile/base/text.hpp"
 #include "voile/pattern/outline.hpp"
 
@@ -116,6 +117,11 @@ void check_loops(const Pattern& pattern, const Piece& piece) {
 
 }  // namespace
 
+void check_piece(const Pattern& pattern, const Piece& piece) {
+  check_size(pattern, piece);
+  check_loops(pattern, piece);
+}
+
 BentShape::BentShape(const std::vector<Vec2>& plane, std::vector<Vec3> space, std::vector<mesh::Triangle> triangles)
     : plane_(flat(plane)), space_(std::move(space)), triangles_(std::move(triangles)), closest_(plane_, triangles_) {}
 
@@ -183,7 +189,7 @@ double Piece::signed_area() const {
 std::string text_of(const std::filesystem::path& file) {
   std::error_code ignored;
   if (!std::filesystem::exists(file, ignored)) throw UserError(fmt::format("{}: there is no such file", file.string()));
-  std::ifstream in(file, std::ios::binary);
+  std::ifstream in = open_input(file);
   std::string text{std::istreambuf_iterator<char>(in), {}};
   if (!in.is_open() || std::filesystem::is_directory(file, ignored))
     throw UserError(fmt::format("{}: the file cannot be read; check its permissions", file.string()));
@@ -223,10 +229,7 @@ Pattern read_unguarded(const std::filesystem::path& file, const ReadOptions& opt
                         where(pattern, piece)));
     unfold_pieces(pattern, options.unfold);
   }
-  for (const Piece& piece : pattern.pieces) {
-    check_size(pattern, piece);
-    check_loops(pattern, piece);
-  }
+  for (const Piece& piece : pattern.pieces) check_piece(pattern, piece);
   return pattern;
 }
 

@@ -26,6 +26,9 @@ inline constexpr std::size_t no_edge = static_cast<std::size_t>(-1);
 /// UserError for unknown edges.
 void unfold_pieces(Pattern& pattern, const std::string& edge);
 
+/// Throws UserError unless a piece has a size that patterns have, and an outline and holes that do not cross.
+void check_piece(const Pattern& pattern, const Piece& piece);
+
 /// A whole number below `end`, or nothing.
 [[nodiscard]] std::optional<std::size_t> number_below(const std::string& text, std::size_t end);
 

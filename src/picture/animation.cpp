@@ -17,6 +17,7 @@
 #include "palette.hpp"
 #include "unfinished.hpp"
 #include "voile/base/error.hpp"
+#include "voile/base/plain_file.hpp"
 
 namespace voile::picture {
 

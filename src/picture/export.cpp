@@ -7,6 +7,7 @@
 
 #include "exporting.hpp"
 #include "voile/base/error.hpp"
+#include "voile/base/plain_file.hpp"
 #include "voile/base/text.hpp"
 #include "voile/geometry/intersections.hpp"
 #include "voile/mesh/weld.hpp"
@@ -192,7 +193,14 @@ fs::path Exporter::frame_file(std::size_t i) const {
   return size() == 1 ? options_.output : file(fmt::format("_{:06d}", i));
 }
 
-OutFile::OutFile(const fs::path& file) : file_(file), out_(file, std::ios::binary) {
+namespace {
+const fs::path& without_link(const fs::path& file) {
+  require_no_link(file);
+  return file;
+}
+}  // namespace
+
+OutFile::OutFile(const fs::path& file) : file_(without_link(file)), out_(file, std::ios::binary) {
   if (!out_) throw UserError(fmt::format("{}: cannot be written; is the folder there?", file.string()));
   unfinished_.begin(file);
 }

@@ -3,6 +3,7 @@
 #include <fmt/ostream.h>
 
 #include "exporting.hpp"
+#include "voile/base/text.hpp"
 
 namespace voile::picture {
 
@@ -145,7 +146,7 @@ void write_table(const fs::path& file, const std::string& header, std::size_t ro
   OutFile out(file);
   out.stream() << header;
   for (const io::Field& f : fields)
-    for (int k = 0; k < f.components; ++k) out.stream() << ',' << column_name(f, k);
+    for (int k = 0; k < f.components; ++k) out.stream() << ',' << csv_name(column_name(f, k));
   out.stream() << '\n';
   for (std::size_t row = 0; row < rows; ++row) {
     out.stream() << begin(row);

@@ -14,6 +14,7 @@
 #include "palette.hpp"
 #include "unfinished.hpp"
 #include "voile/base/error.hpp"
+#include "voile/base/plain_file.hpp"
 
 namespace voile::picture {
 
@@ -102,6 +103,7 @@ void write_png(const std::filesystem::path& file, const Image& image, bool palet
   }
   const std::uint8_t* pixels = palette ? reduced.pixels.data() : image.at(0, 0);
   // Not png_image_write_to_file, which removes what it could not write to: a device, if it is told so by root.
+  require_no_link(file);
   Unfinished unfinished;
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> out(std::fopen(file.c_str(), "wb"), std::fclose);
   if (!out)
@@ -118,6 +120,7 @@ void write_png(const std::filesystem::path& file, const Image& image, bool palet
 Image read_png(const std::filesystem::path& file) {
   png_image png{};
   png.version = PNG_IMAGE_VERSION;
+  require_plain_file(file);
   if (!png_image_begin_read_from_file(&png, file.c_str()))
     throw UserError(fmt::format("{}: is no PNG that can be read ({})", file.string(), png.message));
   png.format = PNG_FORMAT_RGB;

@@ -10,6 +10,7 @@
 #include <sstream>
 
 #include "voile/base/error.hpp"
+#include "voile/base/plain_file.hpp"
 #include "voile/base/text.hpp"
 
 namespace voile::picture {
@@ -28,7 +29,7 @@ bool is_there(const fs::path& file) {
 /// Rows of a CSV file; the first is its header. Empty if there is no such file.
 std::vector<std::vector<std::string>> read_csv(const fs::path& file) {
   std::vector<std::vector<std::string>> rows;
-  std::ifstream in(file);
+  std::ifstream in = open_input(file);
   for (std::string line; std::getline(in, line);) {
     std::istringstream cells(line);
     std::vector<std::string>& row = rows.emplace_back();
@@ -127,6 +128,7 @@ void Recording::add_modes(const fs::path& folder, const std::string& stage, cons
 void Recording::read_case(const fs::path& file, std::vector<std::string>& stages) {
   if (!is_there(file)) return;
   try {
+    require_plain_file(file);
     const toml::table table = toml::parse_file(file.string());
     if (const toml::array* list = table["stage"].as_array())
       for (const toml::node& node : *list)

@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "voile/base/error.hpp"
+#include "voile/base/plain_file.hpp"
 #include "voile/base/text.hpp"
 #include "voile/picture/plot.hpp"
 
@@ -44,7 +45,7 @@ Table read_table(const fs::path& place) {
   std::error_code ignored;
   Table table;
   table.file = fs::is_directory(place, ignored) ? place / "history.csv" : place;
-  std::ifstream in(table.file);
+  std::ifstream in = open_input(table.file);
   if (!in)
     throw UserError(
         fmt::format("{}: there is no such table; give the output folder of a run, or a CSV file", table.file.string()));

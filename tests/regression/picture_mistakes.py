@@ -29,7 +29,7 @@ def pictures_of_mistakes(report):
     for words, part in ((("--steps", "77", *png), "there is no step 77"), (("--field", "displacment", *png), "did you mean 'displacement'"),
                         (("--field", "displacement:w", *png), "magnitude, x, y, z"), (("--size", "1e9x3", *png), "--size"),
                         (("--size", "32000x90000", *png), "pixels"), (("--view", "frnt", *png), "three-quarter"), (("--mode", "1", *png), "no modes"),
-                        (("--stage", "a", *png), "not a run in stages"), (("--output", "/nonexistent/x.png"), "cannot be written"),
+                        (("--stage", "a", *png), "not a run in stages"), (("--output", "/proc/version/x.png"), "cannot be written"),
                         (("--animation", OUT / "x.avi"), ".webp"), (("--range", "2,1", "--field", "displacement", *png), "smaller"),
                         (("--steps", "5:1", *png), "must not be larger"), (("--steps", "1:5:0", *png), "names no steps"), (("--size", "-64x48", *png), "--size"),
                         (("--scale", "nan", *png), "--scale"), (("--creases", "nan", *png), "--creases"), (("--eye", "1,2,3", "--target", "1,2,3", *png), "--eye"),
@@ -45,10 +45,10 @@ def exports_of_mistakes(report):
     folder = some_results().folder
     for words, part in ((("--to", "fbx"), "obj, stl"), ((), "--to"), (("--to", "ply", "--field", "velocty"), "did you mean 'velocity'"),
                         (("--to", "glb", "--field", "velocity"), "glb files have no fields"), (("--to", "obj", "--steps", "77"), "there is no step 77"),
-                        (("--output", "/nonexistent/x.glb"), "cannot be written")):
+                        (("--output", "/proc/version/x.glb"), "cannot be written")):
         refused(report, ("export", folder, *words), part)
     for words, part in ((("--steps", "77"), "there is no step 77"), (("--field", "velocty"), "did you mean 'velocity'"),
-                        (("--output", "/nonexistent/x.html"), "cannot be written")):
+                        (("--output", "/proc/version/x.html"), "cannot be written")):
         refused(report, ("view", folder, *words), part)
     for words, part in ((("--y", "kinetic_enrgy"), "did you mean 'kinetic_energy'"), (("--x", "time", "--y", "step", "--output", OUT / "x.jpg"), ".svg or .png"),
                         (("--y", "2*kinetic_enrgy"), "did you mean 'kinetic_energy'"), (("--y", "2*(step"), "an expression such as"), (("--points", "x.csv:a"), "FILE:X:Y"),
@@ -162,7 +162,7 @@ def film_without_ffmpeg(report):
     code, said = drawn(str(place), film)
     report.check(code == 2 and "needs the program ffmpeg" in said, f"without ffmpeg: code {code}: {said.strip()[-120:]}")
     for name, text, file, part in (("fails at once", "exit 1", film, "ffmpeg"), ("fails in the end", "cat >/dev/null; exit 1", film, "ffmpeg reports an error"),
-                                   ("works", "cat >/dev/null", "/nonexistent/x.mp4", "is the folder there?")):
+                                   ("works", "cat >/dev/null", "/proc/version/x.mp4", "is the folder there?")):
         (place / "ffmpeg").write_text(f"#!/bin/sh\n{text}\n")
         (place / "ffmpeg").chmod(0o755)
         code, said = drawn(f"{place}:{os.environ['PATH']}", file)

@@ -69,6 +69,58 @@ def signal_twice(report):
 
 
 @test
+def signals_to_mpirun(report):
+    """mpirun hands SIGUSR2 on: the ranks end with the last good state on disk, and mpirun with their exit code 3. SIGINT it keeps."""
+    case = strip("static", nx=160, ny=16, steps__max_step=0.002, steps__initial_step=0.002,
+                 output={"fields": ["displacement"], "every": 1000})
+    file = write_case(case, OUT / "signals_to_mpirun.toml")
+    for number, code in ((signal.SIGUSR2, 3), (signal.SIGINT, 1)):
+        folder = fresh("signals_to_mpirun")
+        process = subprocess.Popen(command(["run", file, "--output", folder], 2), env=environment(2), text=True,
+                                   stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+        running = wait_for(lambda: lines(folder / "history.csv") >= 5, process)
+        process.send_signal(number)
+        process.communicate(timeout=60)
+        report.check(running and process.returncode == code, f"{number.name}: code {process.returncode}")
+        report.check((folder / "checkpoint.h5").is_file(), "the last good state is a checkpoint")
+
+
+@test
+def full_terminal(report):
+    """A log that cannot be written, or that is closed, ends nothing: the results are whole, the exit code is that of the run."""
+    file = write_case(strip("static"), OUT / "full_terminal.toml")
+    for redirection in ("2>/dev/full", ">/dev/full", ">/dev/full 2>&1", ">&-", "<&- >&- 2>&-"):
+        for ranks in (1, 2) if "2>&1" in redirection else (1,):
+            folder = fresh("full_terminal")
+            done = subprocess.run(["bash", "-c", f'exec "$0" "$@" {redirection}', *command(["run", file, "--output", folder, "--verbose"], ranks)],
+                                  env=environment(ranks), timeout=60, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+            report.check(done.returncode == 0 and len(Results(folder)) > 1 and (folder / "checkpoint.h5").is_file(),
+                         f"{redirection} on {ranks} rank(s): code {done.returncode}")
+    done = subprocess.run(["bash", "-c", 'exec "$0" reference >/dev/full', str(binary())], env=environment(1), text=True, stderr=subprocess.PIPE)
+    report.check(done.returncode == 2 and "standard output" in done.stderr, f"a reference that is lost: code {done.returncode}")
+
+
+@test
+def impossible_names(report):
+    """Names that cannot be, loops of links, and temporary folders that cannot be written: exit code 2 and what to do."""
+    folder = fresh("impossible_names")
+    folder.mkdir(parents=True)
+    (folder / "a").symlink_to("b")
+    (folder / "b").symlink_to("a")
+    file = write_case(strip("static"), folder / "case.toml")
+    for name in ("n" * 300, folder / "a", folder / "a" / "x", "/proc/version/x"):
+        for ranks, words in ((1, ["run", file, "--output", name]), (2, ["run", file, "--output", name]), (1, ["run", name]), (1, ["init", name]),
+                             (1, ["info", f"{name}.obj"]), (1, ["run", file, "--output", folder / "r", "--restart", name]),
+                             (1, ["render", name]), (1, ["plot", name, "--output", "x.svg"])):
+            code, text = invoke(words, ranks)
+            report.check(code == 2 and "error" in text, f"{words[0]} {str(name)[-30:]} on {ranks} rank(s): code {code}")
+    for temporary, limit in (("/proc/version/x", ""), ("/proc", ""), (str(folder), "ulimit -f 1;")):
+        done = subprocess.run(["bash", "-c", f'{limit} exec "$0" "$@"', *command(["check", file])], env=environment(1) | {"TMPDIR": temporary}, text=True,
+                              stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+        report.check(done.returncode == 2 and "set TMPDIR" in done.stdout, f"TMPDIR={temporary} {limit}: code {done.returncode}: {done.stdout[:150]}")
+
+
+@test
 def failed_motion(report):
     """A motion that does not converge: exit code 3, a summary, the reason, no step twice, a checkpoint of the last good state."""
     for name, case, options in (("first", strip("dynamic", time__min_step=0.01), ["-snes_max_it", "1", "-snes_rtol", "1e-14", "-snes_stol", "1e-14"]),
@@ -165,7 +217,7 @@ def lacking_disk(report):
     file = write_case(strip("static"), OUT / "lacking_disk.toml")
     for options in (["-pc_type", "voile_mixed", "-pc_mixed_on_disk"], ["-mat_mumps_icntl_22", "1"]):
         done = subprocess.run(command(["run", file, "--output", OUT / "lacking_disk", "--overwrite", *options], 2), text=True, timeout=60,
-                              env=environment(2) | {"MUMPS_OOC_TMPDIR": "/no/such/folder"}, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+                              env=environment(2) | {"MUMPS_OOC_TMPDIR": "/proc/version/folder"}, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
         report.check(done.returncode == 2 and "MUMPS_OOC_TMPDIR" in done.stdout, f"{options[0]}: code {done.returncode}: {done.stdout.strip()[:250]}")
 
 

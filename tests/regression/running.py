@@ -57,6 +57,7 @@ def files(report):
     report.check(not (result.folder / "steps").exists(), "steps/ is gone: the results are one file")
     report.check(last.mesh.positions.shape == (summary["vertices"], 3), "positions of all vertices")
     report.check(last.mesh.triangles.shape == (summary["triangles"], 3), "all triangles")
+    report.check(last.obstacles.shape == (0, 3), "without obstacles there are none")
     report.check({"load_x", "load_y", "sym_x", "sym_y", "equator", "hole", "shell"} <= {name for name, _ in last.mesh.groups},
                  "groups by name")
     for field in ("displacement", "reaction", "membrane_force", "bending_moment", "curvature"):

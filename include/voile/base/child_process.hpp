@@ -10,7 +10,8 @@ namespace voile {
 /// Runs `work` in a forked child process and returns the bytes that it made; they may be of any length.
 /// The child has neither standard output nor the parent's signal handlers, gets half of the memory that the
 /// machine has available, must not call MPI and ends without cleaning up. `file` is what it reads, for messages.
-/// Throws UserError: what `work` threw as such; and if the child runs out of memory, dies of a signal or ends without a
+/// Throws UserError: what `work` threw as such; and if the child tries what a confined program may not or takes too long
+/// (confinement.hpp), runs out of memory, dies of a signal or ends without a
 /// result, that the file is damaged or too large. Other exceptions of `work` become UserErrors too: a foreign file made
 /// its reader fail. With VOILE_READ_HERE in the environment the work is done in this process, for debuggers and
 /// sanitizers. Throws InternalError if no process can be started. Not collective.
@@ -22,6 +23,11 @@ namespace voile {
                                      const std::vector<std::string>& words);
 /// In such a program: does the work, and sends what comes of it. Returns the exit code.
 [[nodiscard]] int answer_to_parent(const std::function<std::string()>& work);
+
+/// What a confined program (confinement.hpp) was stopped from doing.
+enum class Refused { program, file };
+/// Ends such a program in the middle of its work with a message that says so; from handlers of signals.
+[[noreturn]] void end_child(Refused what);
 
 /// The same for work whose result is not needed: whether it can be done at all. What passes is then done again here.
 void try_in_child(const std::string& file, const std::function<void()>& work);

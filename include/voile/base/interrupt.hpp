@@ -1,7 +1,8 @@
 // Requests from outside while a run goes on.
 //
-// SIGUSR1 asks for a checkpoint; SIGINT (Ctrl-C) and SIGTERM ask for the last good state and the end of the run. They
-// are noticed between the iterations of Newton's method. A second SIGINT ends the process at once.
+// SIGUSR1 asks for a checkpoint; SIGINT (Ctrl-C), SIGTERM and SIGUSR2 ask for the last good state and the end of the run.
+// They are noticed between the iterations of Newton's method. A second SIGINT ends the process at once. Open MPI's
+// mpirun keeps SIGINT and SIGTERM for itself, kills the ranks and ends with code 1; SIGUSR2 it hands on.
 #pragma once
 
 #include <csignal>
@@ -32,7 +33,7 @@ class SignalScope {
 
  private:
   using Handler = void (*)(int);
-  Handler old_interrupt_, old_terminate_, old_user_;
+  Handler old_interrupt_, old_terminate_, old_user_, old_second_user_;
 };
 
 /// Throws Interrupted on all ranks if any of them was asked to stop. Collective.

@@ -35,6 +35,13 @@ template <class List, class Item>
   return text;
 }
 
+/// Whether a spreadsheet takes a cell for a formula, which may run programs.
+[[nodiscard]] inline bool is_formula(std::string_view cell) {
+  return !cell.empty() && std::string_view("=+-@\t\r").find(cell.front()) != std::string_view::npos;
+}
+/// A name as a cell of a CSV file: one cell, and no formula.
+[[nodiscard]] std::string csv_name(std::string name);
+
 /// The name of `names` nearest to a misspelt one, or "" if none is near.
 [[nodiscard]] std::string nearest(const std::string& word, const std::vector<std::string>& names);
 /// " did you mean 'x'?" or, if nothing is near, " valid: a, b, c", or " there is none".

@@ -234,14 +234,48 @@ TEST_CASE("groups that format 2.2 cannot tell apart are refused, not mixed up") 
   CHECK(has(error, "the elements of elementary surface 1 belong to different physical groups ('a', 'b')"));
 }
 
-TEST_CASE("elements other than 3-node triangles are refused by name") {
+TEST_CASE("quadrangles and elements of second order are split, with a note") {
   const Folder folder;
-  const std::string quad = mesh_error(folder.write("quad.msh", two_triangles("1\n8 3 2 6 1 10 20 30 40\n")));
-  CHECK(has(quad, "quad.msh: 1 element(s) of type 'Quadrilateral 4' (4 nodes), the first is element 8; use 3-node"));
-  const std::string six = mesh_error(folder.write("six.geo", plate + "Mesh.ElementOrder = 2;\n"));
-  CHECK(has(six, "'Triangle 6' (6 nodes), the first is element"));
-  CHECK(has(six, "Mesh.ElementOrder = 1"));
-  CHECK(has(mesh_error(folder.write("recombined.geo", plate + "Recombine Surface{1};\n")), "Quadrilateral 4"));
+  const auto area_of = [](const mesh::MeshData& data) {
+    const mesh::SurfaceMesh mesh(data);
+    double sum = 0.0;
+    for (Index t = 0; t < mesh.triangle_count(); ++t) sum += mesh.area(t);
+    return sum;
+  };
+  const mesh::MeshData quad = io::read_gmsh(folder.write("quad.msh", two_triangles("1\n8 3 2 6 1 10 20 30 40\n")), {});
+  CHECK(quad.triangles.size() == 2);
+  CHECK(group(quad, "a", 2).triangles.size() == 2);
+  REQUIRE(quad.notes.size() == 1);
+  CHECK(has(quad.notes[0], "1 quadrangles were split"));
+  const mesh::MeshData three = io::read_gmsh(folder.write("first.geo", plate), {});
+  for (const char* more : {"Mesh.ElementOrder = 2;\n", "Mesh.ElementOrder = 2; Recombine Surface{1};\n",
+                           "Mesh.ElementOrder = 2; Mesh.SecondOrderIncomplete = 1; Recombine Surface{1};\n"}) {
+    const mesh::MeshData second = io::read_gmsh(folder.write("second.geo", plate + more), {});
+    REQUIRE(second.notes.size() == 1);
+    CHECK(has(second.notes[0], "of second order were split"));
+    CHECK(area_of(second) == doctest::Approx(area_of(three)).epsilon(0.02));
+    for (const mesh::Group& g : three.groups)
+      CHECK(group(second, g.name, g.dimension).vertices.size() >= g.vertices.size());
+  }
+  const mesh::MeshData recombined =
+      io::read_gmsh(folder.write("recombined.geo", plate + "Recombine Surface{1};\n"), {});
+  CHECK(has(recombined.notes.at(0), "quadrangles were split"));
+}
+
+TEST_CASE("a byte-order mark before a mesh, and ghosts of partitions, do not matter") {
+  const Folder folder;
+  const std::string text = two_triangles("2\n1 2 2 6 1 10 20 30\n2 2 2 6 1 10 30 40\n");
+  CHECK(io::read_gmsh(folder.write("marked.msh", "\xef\xbb\xbf" + text), {}).triangles.size() == 2);
+  const mesh::SurfaceMesh parts(io::read_gmsh(VOILE_SOURCE_FOLDER "/tests/unit/io/ghosts.msh", {}));
+  CHECK(parts.triangle_count() == 128);
+  CHECK(parts.group("left", 1).segments.size() == 5);
+}
+
+TEST_CASE("elements that are no sheet are refused by name") {
+  const Folder folder;
+  const std::string third = mesh_error(folder.write("third.geo", plate + "Mesh.ElementOrder = 3;\n"));
+  CHECK(has(third, "'Triangle 10' (10 nodes), the first is element"));
+  CHECK(has(third, "Mesh.ElementOrder = 1"));
   const std::string solid =
       mesh_error(folder.write("solid.msh", two_triangles("2\n1 2 2 6 1 10 20 30\n9 4 2 8 1 10 20 30 50\n")));
   CHECK(has(solid, "1 element(s) of type 'Tetrahedron 4' (4 nodes), the first is element 9; delete the volume mesh"));

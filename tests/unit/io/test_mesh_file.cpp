@@ -4,6 +4,7 @@
 #include <Eigen/LU>
 #include <bit>
 #include <cmath>
+#include <fstream>
 
 #include "test_meshes.hpp"
 #include "test_relative.hpp"
@@ -29,6 +30,10 @@ std::string message(const std::string& suffix, const std::string& text, const io
     return e.what();
   }
   return "nothing is wrong";
+}
+
+bool has(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
 }
 
 template <class Number>
@@ -119,6 +124,70 @@ TEST_CASE("quadrangles are split along their shorter diagonal, and this is said"
   CHECK(mesh::SurfaceMesh(inp).group("q").triangles.size() == 2);
 }
 
+TEST_CASE("Abaqus: lines are curves, second order is split, what is no sheet is left out with a note") {
+  const std::string nodes = "*NODE\n1,0,0\n2,1,0\n3,1,1\n4,0,1\n5,.5,0\n6,1,.5\n7,.5,1\n8,0,.5\n9,.5,.5\n";
+  const mesh::MeshData gmsh = read(
+      ".inp", nodes +
+                  "*ELEMENT, type=T3D2, ELSET=Line1\n1,1,5\n2,5,2\n*ELEMENT, type=CPS3, ELSET=S\n3,1,5,4\n4,5,2,3\n5,5,3,4\n"
+                  "*ELSET, ELSET=front\n1,2\n*ELSET, ELSET=sheet\n3,4,5\n");
+  const auto group = [](const mesh::MeshData& data, const std::string& name) {
+    for (const mesh::Group& g : data.groups)
+      if (g.name == name) return g;
+    FAIL("there is no group ", name);
+    return mesh::Group{};
+  };
+  CHECK(group(gmsh, "front").dimension == 1);
+  CHECK(group(gmsh, "front").segments.size() == 2);
+  CHECK(group(gmsh, "sheet").triangles.size() == 3);
+  const mesh::MeshData second =
+      read(".inp", nodes +
+                       "*ELEMENT, TYPE=S6, ELSET=a\n1,1,2,3,5,6,9\n2,1,3,4,9,7,8\n*ELEMENT, TYPE=B31\n3,1,2\n"
+                       "*ELEMENT, TYPE=MASS, ELSET=m\n4,1\n");
+  CHECK(second.triangles.size() == 8);
+  CHECK(group(second, "a").triangles.size() == 8);
+  REQUIRE(second.notes.size() == 3);
+  CHECK(has(second.notes[0], "2 elements of second order were split"));
+  CHECK(has(second.notes[1], "1 elements of type B31 were left out"));
+  CHECK(has(second.notes[2], "MASS"));
+  for (const auto& [type, list] : {std::pair{"S8R", "1,1,2,3,4,5,6,7,8"}, {"M3D9", "1,1,2,3,4,5,6,7,8,9"}}) {
+    const mesh::MeshData eight = read(".inp", nodes + "*ELEMENT, TYPE=" + type + "\n" + list + "\n");
+    CHECK(eight.triangles.size() == (std::string(type) == "S8R" ? 6 : 8));
+    CHECK(has(eight.notes.at(0), "1 elements of second order"));
+  }
+}
+
+TEST_CASE("Abaqus: files are included beside each other, not without end") {
+  const TemporaryFile elements(".inp", "*ELEMENT, TYPE=S3, ELSET=a\n1,1,2,3\n");
+  const std::string name = elements.path().filename().string();
+  const std::string nodes = "*NODE\n1,0,0\n2,1,0\n3,1,1\n4,0,1\n*INCLUDE, INPUT=";
+  const mesh::MeshData both = read(".inp", nodes + name + "\n*ELEMENT, TYPE=S3\n2,1,3,4\n");
+  CHECK(both.triangles.size() == 2);
+  const TemporaryFile loop(".inp", "");
+  std::ofstream(loop.path()) << "*INCLUDE, INPUT=" << loop.path().filename().string() << "\n";
+  CHECK(has(message(".inp", "*INCLUDE, INPUT=" + loop.path().filename().string() + "\n"), "include each other"));
+}
+
+TEST_CASE("a byte-order mark before a file does not matter") {
+  const std::string mark = "\xef\xbb\xbf", nodes = "*NODE\n1,0,0\n2,1,0\n3,1,1\n";
+  for (const auto& [suffix, text] :
+       {std::pair{".inp", nodes + "*ELEMENT, TYPE=S3\n1,1,2,3\n"},
+        {".obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nf 1 2 3\n"},
+        {".off", "OFF\n3 1 0\n0 0 0\n1 0 0\n1 1 0\n3 0 1 2\n"},
+        {".vtk",
+         "# vtk DataFile Version 2.0\nx\nASCII\nDATASET POLYDATA\nPOINTS 3 float\n0 0 0 1 0 0 1 1 0\nPOLYGONS 1 4\n3 0 "
+         "1 2\n"},
+        {".ply",
+         "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+         "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n1 1 0\n3 0 1 2\n"},
+        {".stl",
+         "solid s\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 1 1 0\nendloop\nendfacet\n"
+         "endsolid s\n"}}) {
+    INFO(suffix);
+    CHECK(read(suffix, mark + text).triangles == read(suffix, text).triangles);
+    CHECK(read(suffix, text).triangles.size() == 1);
+  }
+}
+
 TEST_CASE("loops of the boundary are numbered from the longest; vertices without a triangle go") {
   // A square with a square hole, and a point beside it.
   std::string text = "v 9 9 9\n";
@@ -158,11 +227,12 @@ TEST_CASE("VTK of version 5, binary, and STL, PLY and OFF as sheets") {
 }
 
 TEST_CASE("what is wrong with a mesh names the file, the line and the remedy") {
-  const auto has = [](const std::string& text, const char* words) { return text.find(words) != std::string::npos; };
   CHECK(has(message(".obj", "v 0 0 0\nv 1 0\n"), ".obj:2: finite numbers"));
   CHECK(has(message(".obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 7\n"), ".obj:4: '7' is no number of one of 3 vertices"));
   CHECK(has(message(".obj", "v 0 0 0\n"), "no triangles"));
-  CHECK(has(message(".inp", "*ELEMENT, TYPE=C3D8\n"), ".inp:1: elements of type 'C3D8'"));
+  CHECK(has(message(".inp", "*ELEMENT, TYPE=C3D8\n"), ".inp: elements of type 'C3D8'"));
+  CHECK(has(message(".inp", "*INCLUDE, INPUT=/etc/hostname\n"), ".inp:1: *INCLUDE needs"));
+  CHECK(has(message(".inp", "*INCLUDE, INPUT=not_there.inp\n"), "there is no file"));
   CHECK(has(message(".inp", "*NODE\n1,0,0\n*ELEMENT, TYPE=S3\n1,1,2,3\n"), ".inp:4: there is no node 2"));
   CHECK(has(message(".inp", "*PART, NAME=A\n*PART, NAME=B\n"), ".inp:2: *PART is not read"));
   CHECK(has(message(".vtk", "no vtk\n"), "no legacy VTK"));

@@ -179,6 +179,63 @@ TEST_CASE("DXF: a notch beside no outline, and a file that does not end, are tol
   CHECK(has(refusal("p.dxf", "\xff\xfe" + whole), "UTF-16"));
 }
 
+TEST_CASE("DXF: points nearer than ends that meet are one, and slits are notches") {
+  const auto of = [](const std::vector<Vec2>& outline) { return piece(blocks(block("B", polyline("1", outline)))); };
+  const pattern::Piece plain = of({{0, 0}, {400, 0}, {400, 500}, {0, 500}});
+  REQUIRE(plain.edges.size() == 4);
+  for (const std::vector<Vec2>& outline :
+       {std::vector<Vec2>{{0, 0}, {200, 0}, {200.0001, 0}, {400, 0}, {400, 500}, {0, 500}},
+        {{0, 0}, {200, 0}, {200.0025, 0}, {200, 0}, {400, 0}, {400, 500}, {0, 500}},
+        {{0, 0}, {200, 0.0001}, {200, 0}, {200, 0}, {400, 0}, {400, 500}, {0, 500}},
+        {{0, 0}, {400, 0}, {400, 500}, {0, 500}, {0, 1e-4}}}) {
+    const pattern::Piece p = of(outline);
+    CHECK(p.edges.size() == 4);
+    CHECK(std::abs(p.signed_area() - 0.2) < 1e-6);
+  }
+  // In the middle of a side, of two segments, with the first corner, or the last one, as its tip.
+  for (const std::vector<Vec2>& outline :
+       {std::vector<Vec2>{{0, 0}, {200, 0}, {200, 10}, {200, 0}, {400, 0}, {400, 500}, {0, 500}},
+        {{0, 0}, {200, 0}, {200, 5}, {203, 10}, {200, 5}, {200, 0}, {400, 0}, {400, 500}, {0, 500}},
+        {{200, 10}, {200, 0}, {400, 0}, {400, 500}, {0, 500}, {0, 0}, {200, 0}},
+        {{200, 0}, {400, 0}, {400, 500}, {0, 500}, {0, 0}, {200, 0}, {200, 10}}}) {
+    const pattern::Piece p = of(outline);
+    REQUIRE(p.edges.size() == 5);
+    CHECK(std::count(p.point_names.begin(), p.point_names.end(), "n0") == 1);
+    const auto n =
+        static_cast<std::size_t>(std::find(p.point_names.begin(), p.point_names.end(), "n0") - p.point_names.begin());
+    CHECK((p.point(n) - Vec2(0.2, 0.0)).norm() < 1e-9);
+    CHECK(std::abs(p.signed_area() - 0.2) < 1e-9);
+  }
+}
+
+TEST_CASE("DXF: notches on the mirror line leave it whole") {
+  const std::string half = polyline("1", {{0, 0}, {400, 0}, {400, 500}, {0, 500}}) + line("6", {0, 500}, {400, 500});
+  for (const double x : {5.0, 200.0, 395.0}) {
+    const pattern::Piece p = piece(blocks(block("B", half + marks("4", {{x, 500}, {200, 0}}))));
+    CHECK(p.edges.size() == 8);
+    CHECK(std::abs(p.signed_area() - 0.4) < 1e-9);
+  }
+  const std::vector<std::string> told = read("p.dxf", blocks(block("B", half + marks("4", {{200, 500}})))).notes;
+  REQUIRE(told.size() == 2);
+  CHECK(has(told[0], "on the mirror line"));
+}
+
+TEST_CASE("DXF: one size that is wrong does not keep the others of a nest away") {
+  const std::vector<Vec2> good{{0, 0}, {200, 0}, {200, 300}, {0, 300}}, eight{{0, 0}, {200, 300}, {200, 0}, {0, 300}};
+  const std::string open = polyline("1", good, false);
+  for (const std::string& bad : {polyline("1", eight), open}) {
+    const std::string nest =
+        blocks(block("S", polyline("1", good)) + block("M", bad) + block("L", polyline("1", good)));
+    const pattern::Pattern p = read("p.dxf", nest);
+    CHECK(p.pieces.size() == 2);
+    REQUIRE(p.notes.size() == 1);
+    CHECK(has(p.notes[0], "left out"));
+    CHECK(has(p.notes[0], "'M'"));
+    CHECK(has(refusal("p.dxf", blocks(block("M", bad))), "'M'"));
+    CHECK(has(refusal("p.dxf", blocks(block("M", bad) + block("N", bad))), "'M'"));
+  }
+}
+
 TEST_CASE("DXF: a half unfolds across its mirror line") {
   const std::vector<Vec2> half{{0, 0}, {100, 0}, {120, 200}, {0, 180}};
   const std::string closed = polyline("1", half) + line("6", {0, 190}, {0, -10}) + marks("4", {{110, 100}});
