@@ -6,6 +6,7 @@
 #include "contact_start.hpp"
 #include "free_motions.hpp"
 #include "garment.hpp"
+#include "group_names.hpp"
 #include "membrane_choice.hpp"
 #include "mesh_report.hpp"
 #include "probes.hpp"
@@ -85,6 +86,7 @@ void info(const mesh::SurfaceMesh& mesh, const energy::ElementOptions& element) 
 void check(const input::Case& as_given) {
   const std::string garment = garment_report(as_given);
   const auto given = std::make_shared<const mesh::SurfaceMesh>(case_mesh(as_given));
+  check_group_names(as_given, *given);
   const MembraneChoice choice = choose_membrane(as_given, *given);
   const input::Case whole = with_membrane(as_given, choice.membrane);
   const mesh::SurfaceMesh& mesh = *given;
@@ -119,6 +121,7 @@ void check(const input::Case& as_given) {
     if (const std::string text = locking_warning(model.discretisation().sheet(), at_rest); !text.empty())
       fmt::print("warning: {}\n", text);
     if (!uncorrected.empty()) fmt::print("warning: {}\n", uncorrected);
+    for (const std::string& text : probe_warnings(c, mesh)) fmt::print("warning: {}\n", text);
     fmt::print("{}", garment);
     std::size_t fixed = 0;
     for (const auto& [v, support] : model.discretisation().constraints().vertices)

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "launched_ranks.hpp"
+#include "option_hint.hpp"
 #include "voile/base/error.hpp"
 
 namespace voile::app {
@@ -35,7 +36,8 @@ inline void run_commands(int argc, char** argv, const char* what, const Declare&
     fmt::print("{}", chosen.empty() ? cli.help() : chosen.front()->help("voile"));
     return;
   } catch (const CLI::ParseError& e) {
-    throw UserError(fmt::format("{}; see voile {} --help", e.what(), argc > 1 ? argv[1] : ""));
+    throw UserError(fmt::format("{}{}; see voile {} --help", e.what(), option_hint(cli, {argv + 1, argv + argc}),
+                                argc > 1 ? argv[1] : ""));
   }
   act();
 }

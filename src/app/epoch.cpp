@@ -103,6 +103,7 @@ void Epoch::make_motion(Origin origin) {
   solve::TimeOptions options = stage_.time.options;
   options.until = end_;
   options.goes_on = goes_on(origin);
+  options.restarted = origin == Origin::restart;
   options.energy_balance = stage_.output.energy_balance;
   dynamics_.emplace(model_, stage_.dynamics);
   stepper_ = std::make_unique<solve::TimeIntegration>(*dynamics_, options);

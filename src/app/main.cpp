@@ -20,6 +20,7 @@
 
 #include "delegate.hpp"
 #include "launched_ranks.hpp"
+#include "option_hint.hpp"
 #include "temporary_folder.hpp"
 #include "voile/app/run.hpp"
 #include "voile/app/version.hpp"
@@ -134,7 +135,8 @@ Request parse_command_line(int argc, char** argv) {
     print_on_root(chosen.empty() ? cli.help() : chosen.front()->help("voile"));
     return {};
   } catch (const CLI::ParseError& e) {
-    throw UserError(fmt::format("{}{}; see voile --help", e.what(), swallowed_hint(split.petsc)));
+    throw UserError(fmt::format("{}{}{}; see voile --help", e.what(), app::option_hint(cli, split.own),
+                                swallowed_hint(split.petsc)));
   }
   if (request.command == Request::Command::nothing) {
     // PETSc's users ask a program for its options with -help.
@@ -209,6 +211,24 @@ class PetscSession {
   PetscSession(const PetscSession&) = delete;
   PetscSession& operator=(const PetscSession&) = delete;
 
+  /// Throws UserError for tolerances and limits below zero, which PETSc takes without a word.
+  static void check_tolerances() {
+    char* all = nullptr;
+    VOILE_PETSC(PetscOptionsGetAll(nullptr, &all));
+    std::istringstream words(all);
+    VOILE_PETSC(PetscFree(all));
+    std::string name;
+    for (std::string word; words >> word; name = word) {
+      const bool is_limit = name.ends_with("tol") || name.ends_with("_max_it") || name.ends_with("_max_steps") ||
+                            name.ends_with("_dt") || name.ends_with("_max_time");
+      if (!is_limit || name.find("divergence") != name.npos) continue;
+      char* end = nullptr;
+      const double value = std::strtod(word.c_str(), &end);
+      if (end != word.c_str() && *end == '\0' && !(value >= 0.0))
+        throw UserError(fmt::format("{} {}: it must not be negative; give a number of 0 or more", name, word));
+    }
+  }
+
   /// Warns on rank 0 about options that nothing asked for, unless -options_left makes PETSc do so.
   static void report_unused_options() {
     PetscBool asked = PETSC_FALSE;
@@ -279,6 +299,7 @@ auto or_abort(const Work& work) {
 
 Exit run_case(const input::Case& c, app::RunOptions options) {
   if (options.output.empty()) options.output = c.file.stem().string() + "_results";
+  PetscSession::check_tolerances();
   const Exit result = app::run(c, options);
   PetscSession::report_unused_options();
   return result;

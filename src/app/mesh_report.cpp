@@ -225,7 +225,13 @@ std::vector<std::string> mesh_notes(const mesh::SurfaceMesh& mesh) {
   for (std::string& text : mesh::seam_notes(mesh)) notes.push_back(std::move(text));
   const double tolerance = mesh::default_merge_tolerance(mesh.data());
   const mesh::Coincidence c = mesh::find_coincident(mesh.data(), tolerance);
-  if (c.places > 0 && mesh.data().seams.empty())
+  if (c.joints > 0 && mesh.data().seams.empty())
+    notes.push_back(fmt::format(
+        "{} vertices on the rim of a part lie at inner vertices of another (within {:.2g} m), as near {}: a T "
+        "joint, or a smaller layer; they are not joined, and mesh.merge cannot; a [[spring]] of type "
+        "\"pair\" holds them together",
+        c.joints, tolerance, place_text(c.joint)));
+  else if (c.places > 0 && mesh.data().seams.empty())
     notes.push_back(
         fmt::format("{} vertices lie at {} places that others share (within {:.2g} m), from {} to {}: the surface is "
                     "slit there; if "

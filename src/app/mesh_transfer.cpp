@@ -85,7 +85,14 @@ mesh::SurfaceMesh load_mesh(const std::filesystem::path& file, const io::MeshOpt
     data = io::read_mesh(file.string(), options);
     if (!options.merge) return;
     const double given = options.merge_tolerance;
-    const Index gone = mesh::merge_coincident(data, given > 0.0 ? given : mesh::default_merge_tolerance(data));
+    const double tolerance = given > 0.0 ? given : mesh::default_merge_tolerance(data);
+    const Index gone = mesh::merge_coincident(data, tolerance);
+    if (const mesh::Coincidence left = mesh::find_coincident(data, tolerance); left.joints > 0)
+      throw UserError(fmt::format(
+          "{}: mesh.merge: near ({:.4g}, {:.4g}, {:.4g}) m and at {} places in all a part ends on the inside "
+          "of another: a T joint, and a sheet does not branch. Remove `merge`, name the two lines as groups, "
+          "and hold them together by a [[spring]] of type \"pair\"",
+          file.string(), left.joint[0], left.joint[1], left.joint[2], left.joints));
     data.notes.push_back(fmt::format("{} vertices were merged with others at the same place", gone));
   });
   broadcast_mesh(PETSC_COMM_WORLD, data);

@@ -57,6 +57,26 @@ std::vector<double> heights(const input::Probe& probe, const std::vector<Index>&
 
 }  // namespace
 
+std::vector<std::string> probe_warnings(const input::Case& c, const mesh::SurfaceMesh& mesh) {
+  std::vector<std::string> texts;
+  for (const input::Probe& probe : c.probes) {
+    if (!probe.point || mesh.has_group("probe " + probe.name)) continue;
+    const Index v = nearest_vertex(mesh, *probe.point);
+    const Vec3& x = mesh.positions()[v];
+    double longest = 0.0;
+    for (const Index t : mesh.triangles_of_vertex(v))
+      for (const Index w : mesh.triangles()[t]) longest = std::max(longest, (mesh.positions()[w] - x).norm());
+    const Vec3& p = *probe.point;
+    if (const double away = (p - x).norm(); away > longest)
+      texts.push_back(
+          fmt::format("probe '{}' at ({:.4g}, {:.4g}, {:.4g}) m is {:.3g} m away from the sheet: it measures the "
+                      "nearest vertex, at "
+                      "({:.4g}, {:.4g}, {:.4g}) m; correct its `point`",
+                      probe.name, p[0], p[1], p[2], away, x[0], x[1], x[2]));
+  }
+  return texts;
+}
+
 Probes::Probes(const input::Case& c, const system::Model& model) : case_(c) {
   for (const input::Probe& probe : c.probes) {
     Members m{vertices_of(probe, model.dofs().mesh()), probe.components};

@@ -16,6 +16,9 @@ struct Observed {
   std::vector<double> ease;  ///< per vertex [m]; only if some probe needs it
 };
 
+/// What to say of probes whose point is farther from the nearest vertex than the triangles there are large. Not collective.
+[[nodiscard]] std::vector<std::string> probe_warnings(const input::Case& c, const mesh::SurfaceMesh& mesh);
+
 class Probes {
  public:
   /// The case must outlive them. Throws UserError for groups that the mesh does not have, and for a probe of ease without

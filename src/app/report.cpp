@@ -6,6 +6,7 @@
 #include "energy_text.hpp"
 #include "free_motions.hpp"
 #include "mesh_report.hpp"
+#include "probes.hpp"
 #include "voile/base/error.hpp"
 #include "voile/base/mpi.hpp"
 
@@ -49,6 +50,7 @@ void report_mesh(const input::Case& c, const RunOptions& options, const system::
       for (const std::string& text : sheet_notes(model.discretisation().sheet())) fmt::print("note: {}\n", text);
     }
     for (const std::string& text : quality_warnings(mesh, quality, c.element)) fmt::print("warning: {}\n", text);
+    for (const std::string& text : probe_warnings(c, mesh)) fmt::print("warning: {}\n", text);
     if (const std::string text = fold_warning(mesh, quality, c.element); !text.empty())
       fmt::print("warning: {}\n", text);
     if (!uncorrected.empty()) fmt::print("warning: {}\n", uncorrected);

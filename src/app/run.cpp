@@ -14,6 +14,7 @@
 #include "contact_start.hpp"
 #include "epoch.hpp"
 #include "garment.hpp"
+#include "group_names.hpp"
 #include "membrane_choice.hpp"
 #include "model_input.hpp"
 #include "modes.hpp"
@@ -205,6 +206,7 @@ void settle_contact_start(const Stage& stage, Epoch& epoch, Origin origin) {
 Exit run(const input::Case& as_given, const RunOptions& given) {
   const SignalScope signals;
   const Mesh first = std::make_shared<const mesh::SurfaceMesh>(load_case_mesh(as_given));
+  check_group_names(as_given, *first);
   const MembraneChoice choice = choose_membrane(as_given, *first);
   const input::Case c = with_membrane(as_given, choice.membrane);
   if (given.verbosity == Verbosity::verbose) show_iterations();

@@ -69,6 +69,13 @@ void hold_over(const input::Case& before, const Support& was, Support& now) {
   if (was.rotation) now.rotation = [turned = was.rotation(before.steps.final_load_factor)](double) { return turned; };
 }
 
+/// Whether a support of the stage before holds the slopes that another one of this stage shall hold: they are those at rest.
+bool holds_slopes(const input::Case& before, const Support& s) {
+  return std::any_of(before.supports.begin(), before.supports.end(), [&](const Support& was) {
+    return was.kind == s.kind && was.group == s.group && !was.rotation && !s.rotation && was.normal == s.normal;
+  });
+}
+
 void hold_over_supports(const Stage& before, Stage& now) {
   const std::vector<std::size_t>& numbers = now.c.stage.supports;
   now.frozen.assign(numbers.size(), 0);
@@ -78,10 +85,10 @@ void hold_over_supports(const Stage& before, Stage& now) {
     if (was != npos) {
       hold_over(before.c, before.c.supports[was], s);
       now.frozen[i] = now.c.analysis == "static" ? 1 : 0;
-    } else if (s.kind == Support::Kind::clamped || s.kind == Support::Kind::symmetry) {
+    } else if ((s.kind == Support::Kind::clamped || s.kind == Support::Kind::symmetry) && !holds_slopes(before.c, s)) {
       throw UserError(fmt::format(
           "{}: [[support]] group '{}': a slope is held from the first stage on, and this one begins in stage '{}'; let "
-          "it hold in all stages before, or use type = \"hinged\"",
+          "it, or another one of its group that does not turn, hold in all stages before, or use type = \"hinged\"",
           now.c.file.string(), s.group, now.c.stage.name));
     }
   }

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <muParser.h>
 
+#include <cctype>
 #include <cmath>
 #include <memory>
 #include <numbers>
@@ -30,6 +31,18 @@ struct Parsed {
   mu::Parser parser;
 };
 
+/// What somebody who writes if(...) looks for.
+std::string condition_hint(const std::string& text) {
+  for (std::size_t at = text.find("if"); at != text.npos; at = text.find("if", at + 2)) {
+    const auto is_word = [&](std::size_t i) {
+      return i < text.size() && (std::isalnum(static_cast<unsigned char>(text[i])) || text[i] == '_');
+    };
+    if (!is_word(at + 2) && (at == 0 || !is_word(at - 1)))
+      return "; a condition is written t > 1 ? 2 : 3, with the value where it holds and the one where it does not";
+  }
+  return "";
+}
+
 }  // namespace
 
 std::function<double(double)> expression(const std::string& text) {
@@ -42,7 +55,8 @@ std::function<double(double)> expression(const std::string& text) {
     if (!std::isfinite(parsed->parser.Eval()))
       throw UserError(fmt::format("'{}' is not a finite number at t = 0", text));
   } catch (const mu::ParserError& e) {
-    throw UserError(fmt::format("'{}': {}; write an expression of t such as 0.1*sin(2*pi*t)", text, e.GetMsg()));
+    throw UserError(fmt::format("'{}': {}; write an expression of t such as 0.1*sin(2*pi*t){}", text, e.GetMsg(),
+                                condition_hint(text)));
   }
   return [parsed, text](double t) {
     parsed->t = t;
@@ -64,7 +78,8 @@ std::function<double(const Vec3&)> size_expression(const std::string& text) {
     parsed->parser.SetExpr(text);
     (void)parsed->parser.Eval();
   } catch (const mu::ParserError& e) {
-    throw UserError(fmt::format("'{}': {}; write an expression of x, y and z such as 0.01 + 0.1*x", text, e.GetMsg()));
+    throw UserError(fmt::format("'{}': {}; write an expression of x, y and z such as 0.01 + 0.1*x{}", text, e.GetMsg(),
+                                condition_hint(text)));
   }
   return [parsed](const Vec3& x) {
     parsed->x = x;
@@ -92,8 +107,8 @@ std::vector<double> row_expression(const std::string& text, const std::vector<st
   } catch (const mu::ParserError& e) {
     if (e.GetCode() == mu::ecUNASSIGNABLE_TOKEN)
       throw UserError(fmt::format("there is no column '{}':{}", e.GetToken(), suggestion(e.GetToken(), names)));
-    throw UserError(
-        fmt::format("'{}': {}; write the name of a column, or an expression such as -1000*tip_z", text, e.GetMsg()));
+    throw UserError(fmt::format("'{}': {}; write the name of a column, or an expression such as -1000*tip_z{}", text,
+                                e.GetMsg(), condition_hint(text)));
   }
   return values;
 }

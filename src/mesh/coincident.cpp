@@ -108,10 +108,12 @@ Coincidence find_coincident(const MeshData& data, double tolerance) {
   std::vector<Index> all(data.positions.size()), lowest(all.size());
   std::iota(all.begin(), all.end(), Index{0});
   lowest = all;
-  std::vector<char> alone(all.size(), 1);
+  std::vector<char> alone(all.size(), 1), at_rim(all.size(), 0);
+  for (const Index v : boundary_vertices(data)) at_rim[v] = 1;
   each_near_pair(data.positions, all, tolerance, [&](Index v, Index w) {
     alone[v] = alone[w] = 0;
     lowest[v] = lowest[w] = std::min(lowest[v], lowest[w]);
+    if (at_rim[v] != at_rim[w] && c.joints++ == 0) c.joint = data.positions[v];
   });
   for (const Index v : all) {
     if (alone[v]) continue;

@@ -283,7 +283,7 @@ StepResult TimeIntegration::begin(system::State& state) {
   n.dynamics.set_time(state.time);
   n.model.conditions().enforce(state.u);
   if (n.options.energy_balance) {
-    n.account.emplace(n.dynamics).begin(state.u, state.v, state.balance);
+    n.account.emplace(n.dynamics).begin(state.u, state.v, state.balance, n.options.restarted);
     state.balance = n.account->balance();
   }
   n.create(state);

@@ -60,11 +60,11 @@ EnergyAccount::Levels EnergyAccount::levels(Vec u, Vec v) {
   return {dynamics_.kinetic_energy(v), internal_of(e), e.contact};
 }
 
-void EnergyAccount::begin(Vec u, Vec v, const EnergyBalance& before) {
+void EnergyAccount::begin(Vec u, Vec v, const EnergyBalance& before, bool other_case) {
   before_ = levels(u, v);
   balance_ = before;
   if (before.kept)
-    balance_.remeshing += difference(before_.sum(), before.kinetic + before.stored);
+    (other_case ? balance_.initial : balance_.remeshing) += difference(before_.sum(), before.kinetic + before.stored);
   else
     balance_.initial = before_.sum();
   balance_.kept = true;

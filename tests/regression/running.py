@@ -99,6 +99,19 @@ def exit_codes(report):
     for arguments in (["run", OUT / "no_such.toml"], ["sun"], ["check"], ["run", file, "--outptu", "x"]):
         code, text = invoke(arguments)
         report.check(code == 2, f"voile {' '.join(Path(str(a)).name for a in arguments)}: code {code}")
+    for words, hint in ((["run", file, "--outpt", "x"], "did you mean --output?"), (["rum", file], "did you mean run?"),
+                        (["render", OUT, "--ouput", "x.png"], "did you mean --output?")):
+        code, text = invoke(words)
+        report.check(code == 2 and hint in text, f"voile {words[0]} {words[-2]}: code {code}: {text.strip()[:100]}")
+    for section in ("support", "load", "probe"):
+        code, text = invoke(["check", write_case(variant(good, {f"{section}.0.group": "lft"}), OUT / "bad" / "group.toml")])
+        report.check(code == 2 and f"[[{section}]]" in text, f"an unknown group of a {section} is named with its section: {text.strip()[:100]}")
+    far = {"probe": [{"name": "far", "type": "displacement", "point": [500.0, 0.0, 0.0]}]}
+    code, text = invoke(["check", write_case(variant(good, far), OUT / "bad" / "far.toml")])
+    report.check(code == 0 and "away from the sheet" in text, "a probe far outside the sheet is warned of")
+    for option in ("-snes_rtol", "-snes_stol", "-ksp_max_it"):
+        result = run(write_case(good, OUT / "bad" / "good.toml"), OUT / "negative", 1, [option, "-1"])
+        report.check(result.code == 2 and "must not be negative" in result.text, f"{option} -1: code {result.code}")
     for arguments in (["--help"], ["--version"], ["info", ROOT / "meshes" / "annulus.geo"], ["reference"]):
         code, text = invoke(arguments)
         report.check(code == 0 and text.strip() != "", f"voile {' '.join(Path(str(a)).name for a in arguments)}: code {code}")

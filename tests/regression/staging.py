@@ -55,6 +55,33 @@ def stages(report):
 
 
 @test
+def clamp_anew(report):
+    """A clamp given anew for the group of the one before is the same clamp; another group, whose slope was free, is refused."""
+    def supports(second):
+        return [{"type": "clamped", "group": "clamp", "stages": ["bend"]}, {"type": "clamped", "group": second, "stages": ["more"]}]
+
+    bend = [BEND, stage("more", "static")]
+    one = solve("clamp_anew_one", staged(bend), 1)
+    two = solve("clamp_anew_two", staged(bend, support=supports("clamp")), 1)
+    report.below(largest(end_of(two, "more").displacement(), end_of(one, "more").displacement()), 1e-9, "two supports and one")
+    free = run(write_case(staged(bend, support=supports("tip")), OUT / "clamp_anew_free.toml"), fresh("clamp_anew_free"))
+    report.check(free.code == 2 and "slope" in free.text, f"a slope that was free: code {free.code}")
+
+
+@test
+def other_material(report):
+    """A restart with another material changes the energy at the start, not that of remeshing, and the balance still closes."""
+    first = solve("other_material_first", strip("dynamic"), 1)
+    for young in (1.2e6, 2.4e6):
+        case = strip("dynamic", time__end=0.3, material__0__young=young)
+        result = run(write_case(case, OUT / "other_material.toml"), fresh("other_material"), 1, ["--restart", first.folder / "checkpoint.h5"])
+        h = result.history
+        report.check(result.code == 0 and max(map(abs, h["remeshing_gain"])) < 1e-12, f"E = {young:g}: code {result.code}, "
+                     f"remeshing_gain {max(map(abs, h['remeshing_gain'])):.3g} J of {max(h['stored_energy']):.3g} J")
+        report.below(max(map(abs, h["energy_unaccounted"])) / max(h["stored_energy"]), 1e-3, "unaccounted, of what is stored")
+
+
+@test
 def stages_echo(report):
     """What a run with stages writes of its case can be run: the whole, and each first stage by itself."""
     whole = solve("stages_echo", staged([BEND, SWING]), 1)

@@ -148,7 +148,7 @@ def scripts(f):
     (f.here / named).write_text("DefineConstant[ n = 1 ];\n" + (f.here / "square.geo").read_text())
     for more in ("", "[mesh.parameters]\nn = 2\n"):
         f.refused("a name with quotes", "check", f.case(mesh=named, more=more), saying="quotes")
-    code, _, _ = f.voile("check", f.case(mesh="header_of_mesh.geo"), "--allow-system-call")
+    code, _, _ = f.voile("check", f.case(mesh="computed.geo"), "--allow-system-call")
     f.check(bool(f.harmed()), f"--allow-system-call: it is done, code {code}")
 
 

@@ -10,6 +10,8 @@ struct Coincidence {
   Index places = 0;                              ///< where two or more vertices lie
   Index vertices = 0;                            ///< how many lie there in all
   Vec3 first = Vec3::Zero();                     ///< one of the places [m]
+  Index joints = 0;                              ///< vertices on a boundary that share a place with one that is not
+  Vec3 joint = Vec3::Zero();                     ///< one of these places [m]
   Vec3 low = Vec3::Zero(), high = Vec3::Zero();  ///< box around all of them [m]
 };
 

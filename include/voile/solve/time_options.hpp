@@ -11,6 +11,7 @@ struct TimeOptions {
   double end_time = 1.0;  ///< [s]
   double until =
       std::numeric_limits<double>::infinity();  ///< another integration goes on from there, if before the end [s]
+  bool restarted = false;                       ///< from a state of another run, whose case may have been another
   bool goes_on = false;                         ///< from another integration, which has shown the start to -ts_monitor
   double step = 0.01;                           ///< first step, and the largest unless max_step is larger [s]
   double min_step = 0.0;                        ///< a step that fails at this size ends the run [s]; 0: step/1000

@@ -14,7 +14,8 @@ class EnergyAccount {
 
   /// Goes on from state (u, v) at the time in force with what came before: where energies are others now than in the last
   /// state, a new mesh or supports that have let go made them so. Collective.
-  void begin(Vec u, Vec v, const EnergyBalance& before);
+  /// `other_case`: a restart, whose case may differ; then the motion has begun with that energy.
+  void begin(Vec u, Vec v, const EnergyBalance& before, bool other_case = false);
   /// The forces of a step from u_0 to u_1, at its stage (u, v, a) and the stage's time, which is in force. Collective.
   void take_forces(Vec u_0, Vec u_1, Vec u, Vec v, Vec a);
   /// The step from time `t_0` has ended at `t_1` with (u_1, v_1); leaves t_1 in force. Collective. [s]

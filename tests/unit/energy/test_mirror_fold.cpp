@@ -39,7 +39,7 @@ TEST_CASE("a fold over a clamp costs nothing up to 75 degrees, and with the slop
   for (const double angle : {0.0, 45.0, 74.9, -74.9}) CHECK(energy_of(t, turned(angle * degree)) == 0.0);
   CHECK(energy_of(t, turned(76.0 * degree)) > 0.0);
   const double c = std::cos(75.0 * degree);
-  CHECK(energy_of(t, turned(180.0 * degree)) == voile::testing::relative(3.0 * (1.0 + c) * (1.0 + c)).epsilon(1e-12));
+  CHECK(energy_of(t, turned(180.0 * degree)) == relative(3.0 * (1.0 + c) * (1.0 + c)).epsilon(1e-12));
   // K = 2 D l/h: with half of it, times sin^2, for the slope.
   double before = 0.0;
   for (double angle = 1.0; angle <= 180.0; angle += 1.0) {
@@ -56,7 +56,7 @@ TEST_CASE("a fold over a clamp: forces and tangents are derivatives, and turn wi
   std::array<Vec3, 3> x = turned(130.0 * degree);
   const double still = energy_of(term(), x);
   for (Vec3& p : x) p = turn * p;
-  CHECK(energy_of(t, x) == voile::testing::relative(still).epsilon(1e-12));
+  CHECK(energy_of(t, x) == relative(still).epsilon(1e-12));
   for (int i = 0; i < 3; ++i) x[i] += Vec3(0.03 * i, -0.02, 0.05 * (i - 1));
   constexpr double h = 1e-5;
   std::array<Vec3, 3> force;

@@ -179,6 +179,13 @@ TEST_CASE("contradictions in time sections are refused") {
   CHECK(error_of(head + held + "release = 1\n") == "no error");
 }
 
+TEST_CASE("who writes if(...) is told how conditions are written") {
+  for (const char* text : {"if(t > 1, 2, 3)", "1 + if (t > 1, 2, 3)"})
+    CHECK(has(error_of([&] { (void)input::expression(text); }), "t > 1 ? 2 : 3"));
+  CHECK(input::expression("t > 1 ? 2 : 3")(2.0) == 2.0);
+  CHECK_FALSE(has(error_of([] { (void)input::expression("shift(t)"); }), "?"));
+}
+
 TEST_CASE("path control is checked against the probes") {
   std::string text = head;
   text.replace(text.find("dynamic"), 7, "static");

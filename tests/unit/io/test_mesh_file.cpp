@@ -127,9 +127,10 @@ TEST_CASE("quadrangles are split along their shorter diagonal, and this is said"
 TEST_CASE("Abaqus: lines are curves, second order is split, what is no sheet is left out with a note") {
   const std::string nodes = "*NODE\n1,0,0\n2,1,0\n3,1,1\n4,0,1\n5,.5,0\n6,1,.5\n7,.5,1\n8,0,.5\n9,.5,.5\n";
   const mesh::MeshData gmsh = read(
-      ".inp", nodes +
-                  "*ELEMENT, type=T3D2, ELSET=Line1\n1,1,5\n2,5,2\n*ELEMENT, type=CPS3, ELSET=S\n3,1,5,4\n4,5,2,3\n5,5,3,4\n"
-                  "*ELSET, ELSET=front\n1,2\n*ELSET, ELSET=sheet\n3,4,5\n");
+      ".inp",
+      nodes +
+          "*ELEMENT, type=T3D2, ELSET=Line1\n1,1,5\n2,5,2\n*ELEMENT, type=CPS3, ELSET=S\n3,1,5,4\n4,5,2,3\n5,5,3,4\n"
+          "*ELSET, ELSET=front\n1,2\n*ELSET, ELSET=sheet\n3,4,5\n");
   const auto group = [](const mesh::MeshData& data, const std::string& name) {
     for (const mesh::Group& g : data.groups)
       if (g.name == name) return g;
