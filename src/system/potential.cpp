@@ -102,6 +102,9 @@ Potential::Work Potential::work(const energy::Configuration& c, Vec a, Vec displ
 
 void Potential::add_blocks(const energy::Configuration& c, const BlockMatrix& tangent, int pattern,
                            const BlockMatrix::Values& values) {
+  double* halves = halves_.open();
+  for (const Counted& t : terms_) t.term->add_halves(c, halves);
+  halves_.add_to(on_->dofs(), tangent, pattern, values);
   for (const Counted& t : terms_) t.term->add_blocks(c, on_->dofs(), tangent, pattern, values);
 }
 
@@ -110,10 +113,7 @@ TriangleFields Potential::triangle_fields(Vec a) {
 }
 
 long Potential::uncorrected_triangles() const {
-  const energy::MembraneTerm& kernel = membrane_->kernel;
-  long count = 0;
-  for (Index e = 0; e < kernel.size(); ++e) count += kernel.owned(e) && kernel.left_out(e) ? 1 : 0;
-  return mpi::sum(on_->comm(), count);
+  return mpi::sum(on_->comm(), membrane_->kernel.left_out());
 }
 
 }  // namespace voile::system

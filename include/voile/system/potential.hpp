@@ -19,6 +19,7 @@
 #include "voile/system/conditions.hpp"
 #include "voile/system/constant_matrices.hpp"
 #include "voile/system/energies.hpp"
+#include "voile/system/half_blocks.hpp"
 #include "voile/system/recovery.hpp"
 
 namespace voile::energy {
@@ -40,6 +41,8 @@ class Contact;
 class Discretisation;
 class SewingSprings;
 class Term;
+template <class Kernel>
+class BatchTerm;
 template <class Kernel>
 class ElementTerm;
 
@@ -125,19 +128,20 @@ class Potential {
   bool add_angles(Index t, const energy::CurvatureOperator& op, const energy::BendingElement& el,
                   const std::vector<Index>& local, bool owned);
   void tie(const Spring& spring, ElementTerm<energy::SpringTerm>& ties) const;
-  template <class Kernel>
-  ElementTerm<Kernel>& add_term(double Energies::*part);
+  template <class AnyTerm>
+  AnyTerm& add_term(double Energies::*part);
   [[nodiscard]] BlockPattern make_pattern(const Curvatures& curvatures) const;
 
   Discretisation* on_;
   BoundaryConditions* conditions_;
   std::vector<Vec3> u_, x_, force_;  ///< of the local points
   std::vector<Counted> terms_;
-  ElementTerm<energy::MembraneTerm>* membrane_ = nullptr;  ///< one of terms_
+  BatchTerm<energy::MembraneTerm>* membrane_ = nullptr;  ///< one of terms_
   ElementTerm<energy::AngleBendingTerm>* angles_ = nullptr;
   energy::AnchorTerm* anchors_ = nullptr;  ///< kernel of one of them, or null
   Recovery recovery_;
   ConstantMatrices constant_;
+  HalfBlocks halves_;
   std::unique_ptr<BendingEnergy> bending_;
   std::unique_ptr<Bands> bands_;
   std::unique_ptr<SewingSprings> sewing_;  ///< null where nothing is sewn

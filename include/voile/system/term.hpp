@@ -13,6 +13,7 @@
 #include "voile/energy/term.hpp"
 #include "voile/system/block_matrix.hpp"
 #include "voile/system/dofs.hpp"
+#include "voile/system/half_blocks.hpp"
 
 namespace voile::system {
 
@@ -49,6 +50,34 @@ class Term {
   /// Adds the blocks of the tangent to the open values of `matrix`, whose pattern has this number. [N/m]
   virtual void add_blocks(const energy::Configuration& c, const Dofs& dofs, const BlockMatrix& matrix, int pattern,
                           const BlockMatrix::Values& values) = 0;
+  /// For terms whose blocks go to `halves` instead: finds their places there, once; adds them to its open values.
+  virtual void locate(HalfBlocks& /*halves*/) {}
+  virtual void add_halves(const energy::Configuration& /*c*/, double* /*halves*/) const {}
+};
+
+/// The elements of a kernel that runs over batches (energy/batches.hpp).
+template <class Kernel>
+class BatchTerm final : public Term {
+ public:
+  Kernel kernel;
+
+  void for_stencils(const std::function<void(const Index*, int)>& f) const override {
+    for (Index e = 0; e < kernel.size(); ++e) f(kernel.stencil(e), kernel.stencil_size(e));
+  }
+  [[nodiscard]] double energy(const energy::Configuration& c) const override { return kernel.total_energy(c); }
+  void add_forces(const energy::Configuration& c, std::vector<Vec3>& force) const override {
+    kernel.add_gradients(c, force.data());
+  }
+  void add_blocks(const energy::Configuration& /*c*/, const Dofs& /*dofs*/, const BlockMatrix& /*matrix*/,
+                  int /*pattern*/, const BlockMatrix::Values& /*values*/) override {}
+  void locate(HalfBlocks& halves) override {
+    for (Index e = 0; e < kernel.size(); ++e)
+      kernel.batches().set_slots(
+          e,
+          halves.places_of(kernel.stencil(e), kernel.stencil_size(e), [&](int i) { return kernel.depends_on(e, i); }),
+          halves.none());
+  }
+  void add_halves(const energy::Configuration& c, double* halves) const override { kernel.add_tangents(c, halves); }
 };
 
 /// The elements of one kernel.

@@ -1,0 +1,88 @@
+// Element kernels over batches of eight triangles, compiled once per instruction set and chosen at start.
+//
+// Plain arrays only: what lies behind these functions is compiled with other options than the rest of the program. Every array
+// of a batch has `batch_lanes` numbers for each thing it holds, one per triangle; the lanes that a last batch has too many repeat
+// one of its triangles and are never counted.
+#pragma once
+
+namespace voile::energy {
+
+constexpr int batch_lanes = 8;
+
+/// The state that kernels are given: three numbers per local point.
+struct KernelState {
+  const double* x = nullptr;         ///< positions [m]
+  const double* u = nullptr;         ///< displacements [m]
+  const double* previous = nullptr;  ///< positions of the previous iterate; null unless the stress is linearised
+  bool positive = false;             ///< the tangent is to have no negative part
+};
+
+/// Which strains a membrane element has; see membrane.hpp. Samples 0 to 2 are the sides, 3 is the triangle alone.
+struct MembraneShape {
+  int first_sample = 0, last_sample = 4;  ///< last: one beyond
+  int groups = 2;                         ///< strains that energies are taken of
+  int group[4] = {0, 0, 0, 1};            ///< of each sample
+  double weight[4] = {};                  ///< of each sample in the strain of its group
+  double factor[3] = {};                  ///< of each group in the energy
+  bool corrected = false;                 ///< for chords
+};
+
+/// Places of a membrane element's numbers.
+namespace membrane_fields {
+constexpr int side = 0;               ///< d_{s,alpha,k} at 8 s + 4 alpha + k
+constexpr int own = 24;               ///< at 3 alpha + k
+constexpr int metric = 30;            ///< what is taken off each group's strain, 3 each
+constexpr int stiffness = 39;         ///< L of A C = L L^T: 11 21 31 22 32 33
+constexpr int plain = 45;             ///< so many without correction
+constexpr int chord = 45;             ///< -1/12, or 0 beside a crease
+constexpr int place = 46;             ///< y of the six points
+constexpr int start = 58;             ///< K at the start, seven vectors
+constexpr int bending = 79;           ///< A D: 11 12 13 22 23 33
+constexpr int trace = 85;             ///< R
+constexpr int start_invariants = 91;  ///< A (q_D - q_D at rest), q_S - q_S at rest at the start
+constexpr int weights = 93;           ///< B'_i, seven for each point
+}  // namespace membrane_fields
+
+struct MembraneBatch {
+  const double* fields;
+  const int* gather;        ///< local point of each stencil position
+  const int* scatter;       ///< where forces go to; its order says which block of a pair is the upper one
+  const int* slots;         ///< where the blocks of pairs i <= j go to, row by row, in units of nine numbers
+  const double* start;      ///< strains at the start of a time step, 3 per group; null: no viscosity
+  const double* viscosity;  ///< c
+  int points;               ///< stencil positions
+  int first, last;          ///< lanes to be done
+  bool fourth;              ///< whether a triangle has a term of fourth order
+};
+
+struct MembraneKernels {
+  /// To `energy`, one per lane [J].
+  void (*energy)(const MembraneShape& shape, const MembraneBatch& batch, const KernelState& state, double* energy);
+  /// Strains of the groups, 3 each, one per lane, to `strain`.
+  void (*strain)(const MembraneShape& shape, const MembraneBatch& batch, const KernelState& state, double* strain);
+  /// Adds to three numbers per point of `scatter` [N].
+  void (*gradient)(const MembraneShape& shape, const MembraneBatch& batch, const KernelState& state, double* force);
+  /// Adds to nine numbers per slot [N/m].
+  void (*tangent)(const MembraneShape& shape, const MembraneBatch& batch, const KernelState& state, double* blocks);
+};
+
+/// The kernels of one instruction set.
+struct ElementKernels {
+  const char* name;
+  int lanes;
+  bool (*usable)();  ///< on this machine
+  MembraneKernels membrane;
+};
+
+/// All variants of this build, the scalar one first.
+struct KernelVariants {
+  const ElementKernels* const* variants;
+  int count;
+};
+[[nodiscard]] KernelVariants kernel_variants();
+/// One triangle at a time.
+[[nodiscard]] const ElementKernels& scalar_kernels();
+/// The widest that this machine has.
+[[nodiscard]] const ElementKernels& batch_kernels();
+
+}  // namespace voile::energy
