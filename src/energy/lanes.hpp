@@ -155,16 +155,20 @@ VOILE_INLINE Four load_four(const double* from) {
   return *reinterpret_cast<const LooseFour*>(from);
 }
 #if VOILE_LANES >= 4
-/// Four numbers of four lanes, rows of `from`, to four numbers of each lane.
-VOILE_INLINE void transpose(const double (*from)[width], int lane, Four (&to)[4]) {
-  Four r[4];
-  for (int i = 0; i < 4; ++i) r[i] = *reinterpret_cast<const LooseFour*>(&from[i][lane]);
+/// Four numbers of four lanes, lane by lane or number by number, the other way round.
+VOILE_INLINE void transpose(const Four (&r)[4], Four (&to)[4]) {
   const Four a = __builtin_shufflevector(r[0], r[1], 0, 4, 2, 6), b = __builtin_shufflevector(r[0], r[1], 1, 5, 3, 7),
              c = __builtin_shufflevector(r[2], r[3], 0, 4, 2, 6), d = __builtin_shufflevector(r[2], r[3], 1, 5, 3, 7);
   to[0] = __builtin_shufflevector(a, c, 0, 1, 4, 5);
   to[1] = __builtin_shufflevector(b, d, 0, 1, 4, 5);
   to[2] = __builtin_shufflevector(a, c, 2, 3, 6, 7);
   to[3] = __builtin_shufflevector(b, d, 2, 3, 6, 7);
+}
+/// Four rows of lanes, from one lane on.
+VOILE_INLINE void transpose(const double (*from)[width], int lane, Four (&to)[4]) {
+  const Four rows[4] = {load_four(&from[0][lane]), load_four(&from[1][lane]), load_four(&from[2][lane]),
+                        load_four(&from[3][lane])};
+  transpose(rows, to);
 }
 #endif
 

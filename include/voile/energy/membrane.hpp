@@ -69,7 +69,12 @@ class MembraneTerm {
   [[nodiscard]] bool owned(Index e) const { return batches_.owned(e); }
   /// Whether the energy depends on the point at position i: not where an apex is missing.
   [[nodiscard]] bool depends_on(Index e, int i) const;
-  [[nodiscard]] Batches& batches() { return batches_; }
+  /// places_of(points, count, depends_on) gives the places of the blocks of pairs i <= j; `none` takes what goes nowhere.
+  template <class PlacesOf>
+  void locate(PlacesOf&& places_of, Index none) {
+    for (Index e = 0; e < size(); ++e)
+      batches_.set_slots(e, places_of(stencil(e), stencil_size(e), [&](int i) { return depends_on(e, i); }), none);
+  }
 
   /// Starts a time step: viscosity acts against strains other than those of `c`. ratio = tau/dt for all materials, to
   /// which each adds its own relaxation time over dt; inverse_step = 1/dt, 0: they do not.

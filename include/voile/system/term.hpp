@@ -71,11 +71,9 @@ class BatchTerm final : public Term {
   void add_blocks(const energy::Configuration& /*c*/, const Dofs& /*dofs*/, const BlockMatrix& /*matrix*/,
                   int /*pattern*/, const BlockMatrix::Values& /*values*/) override {}
   void locate(HalfBlocks& halves) override {
-    for (Index e = 0; e < kernel.size(); ++e)
-      kernel.batches().set_slots(
-          e,
-          halves.places_of(kernel.stencil(e), kernel.stencil_size(e), [&](int i) { return kernel.depends_on(e, i); }),
-          halves.none());
+    kernel.locate([&](const Index* points, int count,
+                      const auto& depends_on) { return halves.places_of(points, count, depends_on); },
+                  halves.none());
   }
   void add_halves(const energy::Configuration& c, double* halves) const override { kernel.add_tangents(c, halves); }
 };
