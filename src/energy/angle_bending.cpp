@@ -19,8 +19,8 @@ void AngleBendingTerm::add(const BendingElement& bending, const EdgeAngles& angl
   for (int r = 0; r < 3; ++r) write(start.row(r).transpose());
   for (Eigen::Index i = 0; i < bending.operator_.cols(); ++i) write(factor.transpose() * bending.operator_.col(i));
   const Batches::Place place = batches_.add({local, numbers, owned});
-  first_hinge_.resize(place.batch + 1);
-  last_hinge_.resize(place.batch + 1);
+  first_hinge_.resize(batches_.all().size());
+  last_hinge_.resize(batches_.all().size());
   for (auto lane = static_cast<std::size_t>(place.lane); lane < batch_lanes; ++lane) {
     first_hinge_[place.batch][lane] = first;
     last_hinge_[place.batch][lane] = static_cast<int>(hinges_.size());
@@ -113,27 +113,19 @@ AngleBatch AngleBendingTerm::view(std::size_t batch) const {
           b.lanes};
 }
 
-double AngleBendingTerm::total_energy(const Configuration& c) const {
+double AngleBendingTerm::add_gradients(const Configuration& c, Vec3* force) const {
   const KernelState state{c.x->data(), c.u->data()};
+  std::fill(pull_.begin(), pull_.end(), Line{});
   for (std::size_t k = 0; k < edge_batches(); ++k) kernels_->edges.angles(edge_view(k), state);
   double sum = 0.0;
   for (std::size_t b = 0; b < batches_.all().size(); ++b) {
     Line energy;
-    kernels_->angles.energy(view(b), state, angle_.front().of.data(), energy.of.data());
-    const Batches::Batch& of = batches_.all()[b];
-    for (std::size_t lane = 0; lane < static_cast<std::size_t>(of.lanes); ++lane)
-      if (of.owned[lane]) sum += energy.of[lane];
+    kernels_->angles.gradient(view(b), state, angle_.front().of.data(), pull_.front().of.data(), force->data(),
+                              energy.of.data());
+    sum += batches_.all()[b].owned_sum(energy);
   }
-  return sum;
-}
-
-void AngleBendingTerm::add_gradients(const Configuration& c, Vec3* force) const {
-  const KernelState state{c.x->data(), c.u->data()};
-  std::fill(pull_.begin(), pull_.end(), Line{});
-  for (std::size_t k = 0; k < edge_batches(); ++k) kernels_->edges.angles(edge_view(k), state);
-  for (std::size_t b = 0; b < batches_.all().size(); ++b)
-    kernels_->angles.gradient(view(b), state, angle_.front().of.data(), pull_.front().of.data(), force->data());
   for (std::size_t k = 0; k < edge_batches(); ++k) kernels_->edges.gradient(edge_view(k), state, force->data());
+  return sum;
 }
 
 void AngleBendingTerm::add_tangents(const Configuration& c, double* blocks) const {

@@ -42,17 +42,6 @@ VOILE_INLINE void bend_of(const AngleBatch& batch, int lane, const KernelState& 
   }
 }
 
-inline void angle_energy(const AngleBatch& batch, const KernelState& state, const double* angles, double* energy) {
-  for (int lane = batch.first; lane < batch.last; lane += width) {
-    Real kappa[3], sum = all(0.0);
-    Vector bend[3];
-    curvature_of(batch, lane, angles, kappa);
-    bend_of(batch, lane, state, bend);
-    for (int r = 0; r < 3; ++r) sum += kappa[r] * kappa[r] - dot(bend[r], bend[r]);
-    store(energy + lane, 0.5 * sum);
-  }
-}
-
 /// Adds the derivatives by the angles of the active lanes.
 VOILE_INLINE void add_pulls(const AngleBatch& batch, int lane, const Real (&kappa)[3], double* pulls) {
   alignas(64) double moment[3][width];
@@ -65,13 +54,16 @@ VOILE_INLINE void add_pulls(const AngleBatch& batch, int lane, const Real (&kapp
 }
 
 inline void angle_gradient(const AngleBatch& batch, const KernelState& state, const double* angles, double* pulls,
-                           double* force) {
+                           double* force, double* energy) {
   for (int lane = batch.first; lane < batch.last; lane += width) {
     Real kappa[3];
     Vector bend[3];
     curvature_of(batch, lane, angles, kappa);
     add_pulls(batch, lane, kappa, pulls);
     bend_of(batch, lane, state, bend);
+    Real sum = all(0.0);
+    for (int r = 0; r < 3; ++r) sum += kappa[r] * kappa[r] - dot(bend[r], bend[r]);
+    store(energy + lane, 0.5 * sum);
     for (int i = 0; i < batch.points; ++i) {
       Vector g = zero();
       for (int r = 0; r < 3; ++r) g = g - angle_number(batch, lane, angle_fields::weights + 3 * i + r) * bend[r];

@@ -12,8 +12,8 @@ extern const ElementKernels kernels;
 const ElementKernels kernels{VOILE_VARIANT,
                              width,
                              usable,
-                             {membrane_energy, membrane_strain, membrane_gradient, membrane_tangent},
+                             {membrane_strain, membrane_gradient, membrane_tangent},
                              {edge_angles, edge_slopes, edge_gradient, edge_tangent},
-                             {angle_energy, angle_gradient, angle_tangent}};
+                             {angle_gradient, angle_tangent}};
 
 }  // namespace voile::energy::VOILE_KERNELS

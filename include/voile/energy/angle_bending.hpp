@@ -68,18 +68,19 @@ class AngleBendingTerm {
     const auto always = [](int) { return true; };
     for (Index e = 0; e < size(); ++e) batches_.set_slots(e, places_of(stencil(e), stencil_size(e), always), none);
     edge_slots_.assign(pairs_per_edge * edge_batches(), {});
-    for (PerLane<int>& slots : edge_slots_) slots.fill(none);
+    for (PerLane<int>& slots : edge_slots_) slots.fill(numbers_per_block * none);
     for (std::size_t k = 0; k < edges_.size(); ++k) {
       const std::vector<Index> places = places_of(edges_[k].data(), 4, always);
       for (std::size_t i = 0; i < pairs_per_edge; ++i)
-        edge_slots_[pairs_per_edge * (k / batch_lanes) + i][k % batch_lanes] = places[i];
+        edge_slots_[pairs_per_edge * (k / batch_lanes) + i][k % batch_lanes] = numbers_per_block * places[i];
     }
   }
 
-  /// All elements: energy of the owned ones [J], forces added to those of the local points [N], blocks added at the slots [N/m].
-  [[nodiscard]] double total_energy(const Configuration& c) const;
-  void add_gradients(const Configuration& c, Vec3* force) const;
+  /// All elements: forces added to those of the local points [N], energy of the owned ones [J], blocks added at the slots [N/m].
+  double add_gradients(const Configuration& c, Vec3* force) const;
   void add_tangents(const Configuration& c, double* blocks) const;
+  /// Does not change: see MembraneTerm.
+  [[nodiscard]] static long version() { return 0; }
   /// The kernels of another instruction set.
   void use(const ElementKernels& kernels) { kernels_ = &kernels; }
 

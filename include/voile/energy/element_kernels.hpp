@@ -47,7 +47,7 @@ struct MembraneBatch {
   const double* fields;
   const int* gather;        ///< local point of each stencil position
   const int* scatter;       ///< where forces go to; its order says which block of a pair is the upper one
-  const int* slots;         ///< where the blocks of pairs i <= j go to, row by row, in units of nine numbers
+  const int* slots;         ///< where the nine numbers of pairs i <= j go to, row by row
   const double* start;      ///< strains at the start of a time step, 3 per group; null: no viscosity
   const double* viscosity;  ///< c
   int points;               ///< stencil positions
@@ -56,13 +56,12 @@ struct MembraneBatch {
 };
 
 struct MembraneKernels {
-  /// To `energy`, one per lane [J].
-  void (*energy)(const MembraneShape& shape, const MembraneBatch& batch, const KernelState& state, double* energy);
   /// Strains of the groups, 3 each, one per lane, to `strain`.
   void (*strain)(const MembraneShape& shape, const MembraneBatch& batch, const KernelState& state, double* strain);
-  /// Adds to three numbers per point of `scatter` [N].
-  void (*gradient)(const MembraneShape& shape, const MembraneBatch& batch, const KernelState& state, double* force);
-  /// Adds to nine numbers per slot [N/m].
+  /// Adds to three numbers per point of `scatter` [N]; energies, one per lane, to `energy` [J].
+  void (*gradient)(const MembraneShape& shape, const MembraneBatch& batch, const KernelState& state, double* force,
+                   double* energy);
+  /// Adds to the nine numbers at each slot [N/m].
   void (*tangent)(const MembraneShape& shape, const MembraneBatch& batch, const KernelState& state, double* blocks);
 };
 
@@ -106,11 +105,9 @@ struct AngleBatch {
   int points, first, last;
 };
 struct AngleKernels {
-  /// To `energy`, one per lane [J].
-  void (*energy)(const AngleBatch& batch, const KernelState& state, const double* angles, double* energy);
-  /// Adds to the pulls of edges and to forces, the latter without those through angles.
+  /// Adds to the pulls of edges and to forces, the latter without those through angles; energies, one per lane, to `energy`.
   void (*gradient)(const AngleBatch& batch, const KernelState& state, const double* angles, double* pulls,
-                   double* force);
+                   double* force, double* energy);
   /// Adds to the pulls of edges and to blocks, the latter without second derivatives of angles.
   void (*tangent)(const AngleBatch& batch, const double* angles, const double* slopes, double* pulls, double* blocks);
 };
