@@ -102,8 +102,14 @@ Potential::Work Potential::work(const energy::Configuration& c, Vec a, Vec displ
   return w;
 }
 
-void Potential::add_blocks(const energy::Configuration& c, const BlockMatrix& tangent, int pattern,
-                           const BlockMatrix::Values& values) {
+void Potential::write_tangent(const energy::Configuration& c, const BlockMatrix& tangent, int pattern,
+                              const BlockMatrix::Values& values, double bending) {
+  double* halves = halves_.open();
+  for (const Counted& t : terms_) t.term->add_halves(c, halves);
+  {
+    const petsc::EventScope copy(petsc::events().bending_copy);
+    halves_.write_to(tangent, values, constant_.bending(), bending);
+  }
   for (const Counted& t : terms_) t.term->add_blocks(c, on_->dofs(), tangent, pattern, values);
 }
 
@@ -112,10 +118,7 @@ TriangleFields Potential::triangle_fields(Vec a) {
 }
 
 long Potential::uncorrected_triangles() const {
-  const energy::MembraneTerm& kernel = membrane_->kernel;
-  long count = 0;
-  for (Index e = 0; e < kernel.size(); ++e) count += kernel.owned(e) && kernel.left_out(e) ? 1 : 0;
-  return mpi::sum(on_->comm(), count);
+  return mpi::sum(on_->comm(), membrane_->kernel.left_out());
 }
 
 }  // namespace voile::system

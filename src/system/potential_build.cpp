@@ -38,6 +38,12 @@ Potential::Potential(Discretisation& on, BoundaryConditions& conditions, const C
     pattern = make_pattern(curvatures);
   });
   constant_ = ConstantMatrices(on, std::move(pattern), input.masses);
+  mpi::on_all(on.comm(), [&] {
+    halves_ = HalfBlocks(on.dofs(), constant_.base());
+    for (const Counted& t : terms_) t.term->locate(halves_);
+    halves_.end_counting();
+    for (const Counted& t : terms_) t.term->locate(halves_);
+  });
   work_ = on.dofs().create_vector();
   bending_ = std::make_unique<BendingEnergy>(on, constant_, curvatures, input.springs);
   mpi::on_all(on.comm(), [&] {
@@ -47,10 +53,10 @@ Potential::Potential(Discretisation& on, BoundaryConditions& conditions, const C
 
 Potential::~Potential() = default;
 
-template <class Kernel>
-ElementTerm<Kernel>& Potential::add_term(double Energies::*part) {
-  auto term = std::make_unique<ElementTerm<Kernel>>();
-  ElementTerm<Kernel>& reference = *term;
+template <class AnyTerm>
+AnyTerm& Potential::add_term(double Energies::*part) {
+  auto term = std::make_unique<AnyTerm>();
+  AnyTerm& reference = *term;
   terms_.push_back({std::move(term), part});
   return reference;
 }
@@ -59,7 +65,7 @@ ElementTerm<Kernel>& Potential::add_term(double Energies::*part) {
 void Potential::build_terms(const Curvatures& curvatures, const PotentialInput& input) {
   build_sheet(curvatures);
   build_mirror_folds();
-  auto& ties = add_term<energy::SpringTerm>(&Energies::springs);
+  auto& ties = add_term<ElementTerm<energy::SpringTerm>>(&Energies::springs);
   bands_ = std::make_unique<Bands>(*on_, ties.kernel);
   for (const Spring& spring : input.springs)
     if (spring.kind == Spring::Kind::band)
@@ -67,23 +73,23 @@ void Potential::build_terms(const Curvatures& curvatures, const PotentialInput& 
     else
       tie(spring, ties);
   if (!input.sewing.seams.empty()) {
-    sewing_ =
-        std::make_unique<SewingSprings>(*on_, input.sewing, add_term<energy::SeamTerm>(&Energies::springs).kernel);
+    sewing_ = std::make_unique<SewingSprings>(*on_, input.sewing,
+                                              add_term<ElementTerm<energy::SeamTerm>>(&Energies::springs).kernel);
     membrane_->kernel.gather(drawn_in_ = 0.0);
   }
-  if (!input.attachments.empty()) anchors_ = &add_term<energy::AnchorTerm>(&Energies::springs).kernel;
+  if (!input.attachments.empty()) anchors_ = &add_term<ElementTerm<energy::AnchorTerm>>(&Energies::springs).kernel;
   for (auto* v : {&u_, &x_, &force_}) v->assign(static_cast<std::size_t>(on_->dofs().local().count()), Vec3::Zero());
 }
 
 /// The membrane, bending of curved rest shapes beyond K_b, and what is recovered from both.
 void Potential::build_sheet(const Curvatures& curvatures) {
-  membrane_ = &add_term<energy::MembraneTerm>(&Energies::membrane);
+  membrane_ = &add_term<BatchTerm<energy::MembraneTerm>>(&Energies::membrane);
   membrane_->kernel = energy::MembraneTerm(on_->sheet());
   std::optional<energy::ChordForms> forms;
   if (membrane_->kernel.corrects()) forms.emplace(on_->sheet());
   membrane_->kernel.reserve(curvatures.size());
-  auto& curved = add_term<energy::CurvedBendingTerm>(&Energies::bending);
-  angles_ = &add_term<energy::AngleBendingTerm>(&Energies::bending);
+  auto& curved = add_term<ElementTerm<energy::CurvedBendingTerm>>(&Energies::bending);
+  angles_ = &add_term<BatchTerm<energy::AngleBendingTerm>>(&Energies::bending);
   const std::vector<Index>& local_of = on_->dofs().local().local_of;
   const auto to_local = [&](const auto& points, auto& local) {
     std::transform(points.begin(), points.end(), local.begin(), [&](Index p) { return local_of[p]; });
@@ -93,7 +99,6 @@ void Potential::build_sheet(const Curvatures& curvatures) {
     std::array<Index, energy::MembraneTerm::nodes> stencil{};
     to_local(energy::MembraneTerm::stencil_of(on_->sheet(), triangle), stencil);
     membrane_->kernel.add(on_->sheet(), triangle, stencil, owned);
-    if (on_->draws_in()) membrane_->kernel.add_gather(on_->sheet(), on_->patches_before(), triangle);
     const energy::BendingElement el = energy::make_bending_element(on_->sheet(), triangle, curvatures[k]);
     std::vector<Index> local(el.points.size());
     to_local(el.points, local);
@@ -101,11 +106,13 @@ void Potential::build_sheet(const Curvatures& curvatures) {
     if (forms)  // the term of fourth order is for sums of vectors
       membrane_->kernel.correct(on_->sheet(), by_angles ? Mat3(Mat3::Zero()) : forms->trace(triangle), triangle, el,
                                 local);
+    if (on_->draws_in()) membrane_->kernel.add_gather(on_->sheet(), on_->patches_before(), triangle);
     if (!by_angles && el.coupling.size() > 0) curved.kernel.add(el, local, owned);
     if (owned)
       recovery_.add(triangle, el, local, membrane_->kernel.size() - 1,
                     by_angles ? angles_->kernel.size() - 1 : no_index);
   }
+  angles_->kernel.end_adding();
   recovery_.end_adding();
 }
 
@@ -120,7 +127,7 @@ bool Potential::add_angles(Index t, const energy::CurvatureOperator& op, const e
 }
 
 void Potential::build_mirror_folds() {
-  folds_ = &add_term<energy::MirrorFoldTerm>(&Energies::bending).kernel;
+  folds_ = &add_term<ElementTerm<energy::MirrorFoldTerm>>(&Energies::bending).kernel;
   const mesh::SurfaceMesh& mesh = on_->mesh();
   const LocalPoints& local = on_->dofs().local();
   const std::vector<mesh::MirrorPoint>& mirrors = on_->patches().mirrors();

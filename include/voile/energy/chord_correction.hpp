@@ -13,105 +13,39 @@
 // that if its chords have the length of the arc, as in the uncorrected membrane). So the energy has the term
 //   A (q_D - q_D at rest) (q_S - q_S at rest),   q_D = sum_AB D_AB K_A.K_B,   q_S = sum_AB R_AB K_A.K_B = trace of k S k
 // with S the mean of the squared sides of the cells around (chord_forms.hpp): it is of fourth order in the curvature.
+// The kernels (membrane_lanes.hpp) take all of it in the axes y of the cubic, in which s follows from the places of two points.
 #pragma once
 
 #include <array>
 #include <vector>
 
 #include "voile/energy/patch_cubic.hpp"
-#include "voile/energy/term.hpp"
+#include "voile/energy/sheet.hpp"
 
 namespace voile::energy {
 
-/// The chords of a patch and what each adds to the strains of its triangle.
-struct Chords {
-  static constexpr int count = 12;
-  using Share = Eigen::Matrix<double, 3, count>;
-  Eigen::Matrix<double, bend_vectors, count> along;  ///< s_c [m^2]
-  std::array<Share, 2> share;                        ///< W_rc of the mean strain and of the triangle's own [1/m^2]
+/// What the membrane element of a triangle is given besides.
+struct ChordCorrection {
+  static constexpr int most = 64;    ///< points
+  std::vector<Index> stencil;        ///< the six nodes of the membrane, then the other points of the cubic
+  std::vector<double> numbers;       ///< from membrane_fields::chord on
+  std::array<Vec3, 2> start_strain;  ///< of the correction, to be added to the mean strain and the triangle's own
+  bool left_out = false;             ///< too many points: not corrected
+  bool fourth = false;               ///< has the term of fourth order
 };
 
-/// `quadratic`: Q^r of the two strains; all shares are zero beside a crease.
-[[nodiscard]] Chords make_chords(const Sheet& sheet, Index t, const PatchCubic& cubic,
-                                 const std::array<std::array<Eigen::Matrix<double, 6, 6>, 3>, 2>& quadratic);
-
-/// The correction of a number of triangles. Stencils: the six nodes of the membrane, then the other points of the cubic.
-class ChordCorrection {
- public:
-  static constexpr int nodes = 6, most = 64;
-  using Form = Eigen::Matrix<double, bend_vectors, bend_vectors>;
-  enum Strain { mean, own };
-
-  /// A triangle as it is added; points in one numbering of the caller's.
-  struct Input {
-    const PatchCubic& cubic;
-    const Chords& chords;
-    Mat3 stiffness, trace;         ///< A D and R; zero: no term of fourth order
-    std::array<Index, nodes> six;  ///< the membrane's nodes
-    std::vector<Index> of_cubic;   ///< of the cubic, in its order
-  };
-  /// A triangle with more points than `most` is left uncorrected: one whose cubic is that of a bending element of so many.
-  void add(const Input& input);
-  [[nodiscard]] const Index* stencil(Index e) const { return points_.data() + elements_[e].start; }
-  [[nodiscard]] int stencil_size(Index e) const { return elements_[e].count; }
-  [[nodiscard]] bool left_out(Index e) const { return elements_[e].left_out; }
-  /// B'_i of point i of the stencil.
-  [[nodiscard]] const BendWeights& weight(Index e, int i) const { return weights_[elements_[e].start + i]; }
-
-  /// sum_i u_i B'_iB, column B.
-  [[nodiscard]] Bends change(Index e, const Vec3* u) const;
-  /// The same of the step from c.previous to c.x.
-  [[nodiscard]] Bends step(Index e, const Configuration& c) const;
-  /// k_c, column c; x, y, z and a zero, with which a column fills a register.
-  struct ChordBends {
-    Eigen::Matrix<double, 4, Chords::count> now, change;
-  };
-  /// `change`: of the displacements from the start.
-  [[nodiscard]] ChordBends along_chords(Index e, const Bends& change) const;
-  /// To be added to E.
-  [[nodiscard]] Vec3 strain(Index e, Strain which, const ChordBends& bends) const;
-  /// dE_r/dK_B, column B.
-  using Slopes = std::array<Eigen::Matrix<double, 4, bend_vectors>, 3>;
-  [[nodiscard]] Slopes slopes(Index e, Strain which, const ChordBends& bends) const;
-  /// sum_r n_r dE_r/dK_B, column B.
-  [[nodiscard]] Bends pull(Index e, Strain which, const ChordBends& bends, const Vec3& n) const;
-  /// The part of the strain of second order in a step by `change`.
-  [[nodiscard]] Vec3 quadratic(Index e, Strain which, const Bends& change) const;
-  /// Derivatives sum_r n_r d2E_r/dK_A dK_B, the same number for x, y and z; `positive`: without their negative part.
-  [[nodiscard]] Form geometric(Index e, Strain which, const Vec3& n, bool positive) const;
-
-  /// The term of fourth order W.
-  [[nodiscard]] double energy(Index e, const Bends& change) const;
-  /// dW/dK_B, column B.
-  [[nodiscard]] Bends pull(Index e, const Bends& change) const;
-  /// d2W/dK_A dK_B = form_AB I + sum_k first^k_A second^k_B^T.
-  struct Curvature {
-    Form form;
-    std::array<Bends, 2> first, second;
-  };
-  [[nodiscard]] Curvature curvature(Index e, const Bends& change, bool positive) const;
-
- private:
-  struct Element {
-    std::size_t start;
-    int count;
-    bool left_out;
-    Chords chords;
-    Bends start_bends;                 ///< K at the start
-    std::array<Vec3, 2> start_strain;  ///< of the correction
-    Mat3 stiffness, trace;
-    double start_bending, start_trace;  ///< A (q_D - q_D at rest) and q_S - q_S at rest at the start
-  };
-  /// A (q_D - ...) and q_S - ..., and half their derivatives by K_1..3.
-  struct Invariants {
-    double bending, trace;
-    Mat3 of_bending, of_trace;
-  };
-  [[nodiscard]] static Invariants invariants(const Element& el, const Bends& change);
-
-  std::vector<Element> elements_;
-  std::vector<Index> points_;
-  std::vector<BendWeights> weights_;
+/// A triangle and what its correction is made from; points in one numbering of the caller's.
+struct ChordInput {
+  using Forms = std::array<Eigen::Matrix<double, 6, 6>, 3>;
+  const Sheet& sheet;
+  Index triangle;
+  const BendingElement& bending;
+  const std::vector<Index>& local;       ///< points of `bending`
+  const std::array<Index, 6>& six;       ///< the membrane's nodes
+  const std::array<Forms, 2> quadratic;  ///< Q^r of the two strains
+  Mat3 trace;                            ///< R; zero: no term of fourth order
 };
+/// A triangle with more than `most` points is left uncorrected: one whose cubic is that of a bending element of so many.
+[[nodiscard]] ChordCorrection make_chord_correction(const ChordInput& input);
 
 }  // namespace voile::energy

@@ -23,22 +23,21 @@
 #include <array>
 #include <vector>
 
+#include "voile/energy/batches.hpp"
 #include "voile/energy/chord_correction.hpp"
 #include "voile/energy/sheet.hpp"
 #include "voile/energy/term.hpp"
 
 namespace voile::energy {
 
-/// Three vectors in space as columns, with a fourth number, zero, so that they fill registers.
-using Quads = Eigen::Matrix<double, 4, 3>;
-
+/// The elements are evaluated in batches by the kernels of this machine's instruction set; single ones, for fields and tests, by the
+/// scalar variant of the same source.
 class MembraneTerm {
  public:
   static constexpr int nodes = 6;
 
   MembraneTerm() = default;
-  /// `shares`: 1 for elements counted on this rank. Stencils are local point numbers.
-  MembraneTerm(const Sheet& sheet);
+  explicit MembraneTerm(const Sheet& sheet);
 
   /// Points of the stencil of triangle t in mesh numbering; a missing apex is replaced by the first vertex (its weights
   /// are zero).
@@ -48,165 +47,130 @@ class MembraneTerm {
   [[nodiscard]] static std::array<Eigen::Matrix<double, nodes, nodes>, 3> forms(const Sheet& sheet, Index t,
                                                                                 double own);
   /// Room for so many elements.
-  void reserve(std::size_t count) { elements_.reserve(count); }
-  /// Adds the element of triangle t, with its stencil in local numbering.
+  void reserve(std::size_t count) { batches_.reserve(count, corrects() ? 2 * nodes : nodes); }
+  /// Adds the element of triangle t, with its stencil in local numbering. `owned`: counted on this rank.
   void add(const Sheet& sheet, Index t, const std::array<Index, nodes>& local, bool owned);
-  /// After add(): a triangle that is gathered in time, from the rest shape that `before`, patches of the same mesh, have to that of the sheet.
-  void add_gather(const Sheet& sheet, const mesh::PatchMesh& before, Index t);
-  /// Rest lengths of gathers go this share of the way.
-  void gather(double share);
   /// Whether strains are corrected for chords; then each add() is followed by correct().
-  [[nodiscard]] bool corrects() const { return kind_ == MembraneOperator::six_node_corrected; }
-  /// The correction of the element added last, that of triangle t: its bending element, with points in local numbering.
+  [[nodiscard]] bool corrects() const { return shape_.corrected; }
+  /// Completes the element added last, that of triangle t: its bending element, with points in local numbering.
   /// `trace`: see ChordForms::trace.
   void correct(const Sheet& sheet, const Mat3& trace, Index t, const BendingElement& bending,
                const std::vector<Index>& local);
+  /// After add() and correct(): a triangle that is gathered in time, from the rest shape that `before`, patches of the same mesh, have to that of the sheet.
+  void add_gather(const Sheet& sheet, const mesh::PatchMesh& before, Index t);
+  /// Rest lengths of gathers go this share of the way.
+  void gather(double share);
+  /// Triangles of this rank that have too many points to be corrected.
+  [[nodiscard]] long left_out() const { return left_out_; }
 
-  /// Whether the element has too many points to be corrected.
-  [[nodiscard]] bool left_out(Index e) const { return corrects() && correction_.left_out(e); }
-
-  [[nodiscard]] Index size() const { return static_cast<Index>(elements_.size()); }
-  [[nodiscard]] const Index* stencil(Index e) const {
-    return corrects() ? correction_.stencil(e) : elements_[e].points.data();
+  [[nodiscard]] Index size() const { return batches_.size(); }
+  [[nodiscard]] const Index* stencil(Index e) const { return batches_.stencil(e); }
+  [[nodiscard]] int stencil_size(Index e) const { return batches_.stencil_size(e); }
+  [[nodiscard]] bool owned(Index e) const { return batches_.owned(e); }
+  /// Whether the energy depends on the point at position i: not where an apex is missing.
+  [[nodiscard]] bool depends_on(Index e, int i) const;
+  /// places_of(points, count, depends_on) gives the places of the blocks of pairs i <= j; `none` takes what goes nowhere.
+  template <class PlacesOf>
+  void locate(PlacesOf&& places_of, Index none) {
+    for (Index e = 0; e < size(); ++e)
+      batches_.set_slots(e, places_of(stencil(e), stencil_size(e), [&](int i) { return depends_on(e, i); }), none);
   }
-  [[nodiscard]] int stencil_size(Index e) const { return corrects() ? correction_.stencil_size(e) : nodes; }
-  [[nodiscard]] bool owned(Index e) const { return elements_[e].owned; }
 
   /// Starts a time step: viscosity acts against strains other than those of `c`. ratio = tau/dt for all materials, to
   /// which each adds its own relaxation time over dt; inverse_step = 1/dt, 0: they do not.
   void start_step(const Configuration& c, double ratio, double inverse_step = 0.0);
   /// c of each material; empty: no viscosity.
   [[nodiscard]] const std::vector<double>& viscosity() const { return viscosity_; }
-  void set_viscosity(std::vector<double> ratios) { viscosity_ = std::move(ratios); }
+  void set_viscosity(std::vector<double> ratios);
 
+  /// All elements: forces added to those of the local points [N], energy of the owned ones [J], blocks added at the slots [N/m].
+  double add_gradients(const Configuration& c, Vec3* force) const;
+  void add_tangents(const Configuration& c, double* blocks) const;
+  /// Another one after everything that changes energies of the same configuration.
+  [[nodiscard]] long version() const { return version_; }
+  /// The kernels of another instruction set.
+  void use(const ElementKernels& kernels) { kernels_ = &kernels; }
+
+  // Single elements
   [[nodiscard]] double energy(Index e, const Configuration& c) const;
   template <class Emit>
   void gradient(Index e, const Configuration& c, Emit&& emit) const {
-    std::array<Vec3, nodes> g;
-    Bends bent;
-    gradient_of(e, c, g, bent);
-    if (!corrects()) {
-      for (int i = 0; i < nodes; ++i) emit(i, g[i]);
-      return;
-    }
-    for (int i = 0; i < correction_.stencil_size(e); ++i) {
-      const Vec3 more = bent * correction_.weight(e, i);
-      emit(i, i < nodes ? Vec3(g[i] + more) : more);
-    }
+    double energy = 0.0;
+    const std::vector<double> g = gradient_of(e, c, energy);
+    for (int i = 0; i < stencil_size(e); ++i) emit(i, Vec3(Eigen::Map<const Vec3>(g.data() + 3 * i)));
   }
   template <class Emit>
   void hessian(Index e, const Configuration& c, Emit&& emit) const {
-    Workspace w;
-    prepare(e, c, w);
-    if (corrects()) return corrected_blocks(e, w, emit);
-    for (int i = 0; i < nodes; ++i)
-      for (int j = i; j < nodes; ++j) {
-        emit(i, j, w.k[i][j].template topRows<3>());
-        if (j != i) emit(j, i, w.k[i][j].template topRows<3>().transpose());
-      }
-  }
-  template <class Emit>
-  void blocks(Index e, Emit&& emit) const {
-    const int count = stencil_size(e);
-    for (int i = 0; i < count; ++i)
-      for (int j = i; j < count; ++j) {
-        emit(i, j);
-        if (j != i) emit(j, i);
+    const std::vector<double> k = hessian_of(e, c);
+    for (int i = 0; i < stencil_size(e); ++i)
+      for (int j = i; j < stencil_size(e); ++j) {
+        const double* at = k.data() + 9 * pair_place(i, j, batches_.batch_of(e).size);
+        const Mat3 block = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(at);
+        emit(i, j, block);
+        if (j != i) emit(j, i, Mat3(block.transpose()));
       }
   }
 
   /// Strain that the stress resultants are taken from: (E11, E22, 2 E12), the mean for six_node.
   [[nodiscard]] Vec3 strain(Index e, const Configuration& c) const;
-  /// Membrane force N = dW/dE / A in material axes [N/m]: that of the energy, shares included.
-  [[nodiscard]] Vec3 force(Index e, const Configuration& c) const;
+  /// The same of all elements.
+  [[nodiscard]] std::vector<Vec3> strains(const Configuration& c) const;
+  /// Membrane force N = dW/dE / A in material axes [N/m] at a strain: that of the energy, shares included.
+  [[nodiscard]] Vec3 force(Index e, const Vec3& strain) const {
+    return stiffness_[static_cast<std::size_t>(material_[static_cast<std::size_t>(e)])] * strain;
+  }
 
  private:
   using SideWeights = std::array<std::array<double, 4>, 2>;
   struct Element {
-    std::array<Index, nodes> points;
     double area;
-    int material;
-    bool owned;
     std::array<SideWeights, 3> side;           ///< d_{s,alpha,k}; k = 3 is the apex across s
     std::array<std::array<double, 3>, 2> own;  ///< constant-strain gradient
-    std::array<Vec3, 3> side_metric;           ///< rest metric (A1.A1, A2.A2, 2 A1.A2)/2 of each side
-    Vec3 own_metric;
+    std::array<Vec3, 4> metric;                ///< rest metric (A1.A1, A2.A2, 2 A1.A2)/2 of each side, and its own
   };
-  /// Upper blocks of one element's Hessian; of a corrected one without the part of b, the derivatives of its strains.
-  struct Workspace {
-    std::array<std::array<Quads, nodes>, nodes> k;
-    /// Of each point eight vectors b (columns, in quads), and what multiplies them: for
-    /// each strain, mean and own, the rows of dE/dx and of A C dE/dx; for the term of fourth order two more.
-    std::array<Eigen::Matrix<double, 4, 8>, ChordCorrection::most> b;
-    std::array<Eigen::Matrix<double, 8, 3>, ChordCorrection::most> stiff;
-    ChordCorrection::ChordBends bends;
-    ChordCorrection::Form geometric;  ///< derivatives by K_A and K_B that are the same for x, y and z
-  };
-  template <class Emit>
-  void corrected_blocks(Index e, const Workspace& w, Emit&& emit) const {
-    const int count = correction_.stencil_size(e);
-    for (int i = 0; i < count; ++i) {
-      const BendWeights along = w.geometric * correction_.weight(e, i);
-      for (int j = i; j < count; ++j) {
-        Eigen::Matrix<double, 4, 3> product;
-        product.noalias() = w.b[i].lazyProduct(w.stiff[j]);
-        Mat3 k = product.topRows<3>();
-        k.diagonal().array() += along.dot(correction_.weight(e, j));
-        if (j < nodes) k += w.k[i][j].template topRows<3>();
-        emit(i, j, k);
-        if (j != i) emit(j, i, k.transpose());
-      }
-    }
-  }
-
-  /// Without stencil and owner.
-  [[nodiscard]] static Element element_of(const Sheet& sheet, Index t);
-  /// `bent`: derivative by k_A in column A, of a corrected element.
-  void gradient_of(Index e, const Configuration& c, std::array<Vec3, nodes>& g, Bends& bent) const;
-  void prepare(Index e, const Configuration& c, Workspace& w) const;
-  /// Of `six_node` and `six_node_corrected`.
-  struct Stress;
-  /// Of a corrected element: bends; starts b, stiff and geometric.
-  void prepare_bends(Index e, const Configuration& c, Workspace& w) const;
-  void prepare_mean(Index e, const Configuration& c, const Stress& stress, Workspace& w) const;
-  void prepare_own(Index e, const Configuration& c, const Stress& stress, Workspace& w) const;
-  /// The strain with its correction. Fills the vectors b of the strain, to whose first points `own` belongs, and what multiplies
-  /// them; `material`: A C.
-  template <std::size_t n>
-  [[nodiscard]] Vec3 corrected(Index e, ChordCorrection::Strain which, const Vec3& strain,
-                               const std::array<Quads, n>& own, const Mat3& material, Workspace& w) const;
-  [[nodiscard]] bool takes_mean() const {
-    return kind_ == MembraneOperator::six_node || kind_ == MembraneOperator::six_node_corrected;
-  }
-  /// Strains of the samples that W is made of: the sides' or their mean, and the triangle's own.
-  struct Samples {
-    std::array<Vec3, 3> side;
-    Vec3 own;
-  };
-  [[nodiscard]] Samples samples(Index e, const Configuration& c) const;
-  void move_start(Index e, const Samples& metric);
-  /// (1 + c) E - c E_n: the strain whose elastic stress is the whole stress.
-  [[nodiscard]] double viscosity_of(const Element& el) const {
-    return viscosity_.empty() ? 0.0 : viscosity_[static_cast<std::size_t>(el.material)];
-  }
-  [[nodiscard]] static Vec3 effective(const Vec3& strain, const Vec3& before, double viscosity) {
-    return viscosity > 0.0 ? Vec3((1.0 + viscosity) * strain - viscosity * before) : strain;
-  }
-
+  using Metrics = std::array<Vec3, 3>;  ///< of the groups of samples
   /// An element whose rest shape changes in time.
   struct Gathered {
     Index element;
     std::array<std::array<Vec3, 2>, 4> before, drawn_in;  ///< base vectors of the sides and its own, in one chart
+    Metrics correction;                                   ///< what is taken off besides
   };
 
-  std::vector<Element> elements_;
-  std::vector<Gathered> gathered_;
-  ChordCorrection correction_;
+  [[nodiscard]] static Element element_of(const Sheet& sheet, Index t);
+  void set_shape(MembraneOperator kind, double cst_share);
+  [[nodiscard]] Metrics metrics_of(const std::array<Vec3, 4>& samples) const;
+  void set_metrics(Index e, const Metrics& metrics);
+  [[nodiscard]] Metrics taken_off(Index e) const;
+  void place(std::vector<double> numbers, const std::vector<Index>& stencil, bool fourth);
+  [[nodiscard]] MembraneBatch view(const Batches::Batch& b) const;
+  /// Only the lane of element e, its numbers by stencil positions.
+  [[nodiscard]] MembraneBatch view(Index e) const;
+  [[nodiscard]] Vec3 strain_in(const std::array<Line, 9>& groups, int lane) const;
+  /// `energy`: that of the element.
+  [[nodiscard]] std::vector<double> gradient_of(Index e, const Configuration& c, double& energy) const;
+  [[nodiscard]] std::vector<double> hessian_of(Index e, const Configuration& c) const;
+  /// Calls f(batch, number of the batch).
+  template <class F>
+  void for_batches(F&& f) const {
+    for (std::size_t b = 0; b < batches_.all().size(); ++b) f(view(batches_.all()[b]), b);
+  }
+
+  long version_ = 0;
+  MembraneShape shape_;
+  const ElementKernels* kernels_ = &batch_kernels();
+  Batches batches_;
+  std::vector<int> material_;  ///< of each element
   std::vector<Mat3> stiffness_;
-  MembraneOperator kind_ = MembraneOperator::six_node;
-  double cst_share_ = 0.0;
+  std::vector<Gathered> gathered_;
+  long left_out_ = 0;
+  // The element added last
+  Element last_{};
+  bool last_owned_ = false;
+  std::array<Index, nodes> last_points_{};
+  Metrics last_correction_{};
+
   std::vector<double> viscous_time_, viscosity_;  ///< tau and c of each material; c is empty where all are 0
-  std::vector<Samples> start_;                    ///< E_n of each element; side[0] holds the mean for six_node
+  std::vector<Line> start_, ratio_;               ///< of each batch: E_n, nine numbers, and c
 };
 
 }  // namespace voile::energy

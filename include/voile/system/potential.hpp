@@ -19,6 +19,7 @@
 #include "voile/system/conditions.hpp"
 #include "voile/system/constant_matrices.hpp"
 #include "voile/system/energies.hpp"
+#include "voile/system/half_blocks.hpp"
 #include "voile/system/recovery.hpp"
 
 namespace voile::energy {
@@ -41,6 +42,8 @@ class Contact;
 class Discretisation;
 class SewingSprings;
 class Term;
+template <class Kernel>
+class BatchTerm;
 template <class Kernel>
 class ElementTerm;
 
@@ -99,10 +102,10 @@ class Potential {
   /// As force(), with its works. Collective.
   [[nodiscard]] Work work(const energy::Configuration& c, Vec a, Vec displacement, Vec f);
 
-  /// Adds the second derivatives of the terms to the open values of `tangent`, whose pattern has this number; K_b is in
-  /// constant(). [N/m]
-  void add_blocks(const energy::Configuration& c, const BlockMatrix& tangent, int pattern,
-                  const BlockMatrix::Values& values);
+  /// Overwrites the open values of `tangent`, whose pattern has this number, with the second derivatives of the terms and
+  /// `bending` times K_b. [N/m]
+  void write_tangent(const energy::Configuration& c, const BlockMatrix& tangent, int pattern,
+                     const BlockMatrix::Values& values, double bending);
 
   /// Strains, forces and curvatures of the triangles. Collective; values on rank 0.
   [[nodiscard]] TriangleFields triangle_fields(Vec a);
@@ -127,20 +130,21 @@ class Potential {
                   const std::vector<Index>& local, bool owned);
   void build_mirror_folds();
   void tie(const Spring& spring, ElementTerm<energy::SpringTerm>& ties) const;
-  template <class Kernel>
-  ElementTerm<Kernel>& add_term(double Energies::*part);
+  template <class AnyTerm>
+  AnyTerm& add_term(double Energies::*part);
   [[nodiscard]] BlockPattern make_pattern(const Curvatures& curvatures) const;
 
   Discretisation* on_;
   BoundaryConditions* conditions_;
   std::vector<Vec3> u_, x_, force_;  ///< of the local points
   std::vector<Counted> terms_;
-  ElementTerm<energy::MembraneTerm>* membrane_ = nullptr;  ///< one of terms_
-  ElementTerm<energy::AngleBendingTerm>* angles_ = nullptr;
-  energy::MirrorFoldTerm* folds_ = nullptr;                ///< kernel of one of them
-  energy::AnchorTerm* anchors_ = nullptr;  ///< kernel of one of them, or null
+  BatchTerm<energy::MembraneTerm>* membrane_ = nullptr;  ///< one of terms_
+  BatchTerm<energy::AngleBendingTerm>* angles_ = nullptr;
+  energy::MirrorFoldTerm* folds_ = nullptr;  ///< kernel of one of them
+  energy::AnchorTerm* anchors_ = nullptr;    ///< kernel of one of them, or null
   Recovery recovery_;
   ConstantMatrices constant_;
+  HalfBlocks halves_;
   std::unique_ptr<BendingEnergy> bending_;
   std::unique_ptr<Bands> bands_;
   std::unique_ptr<SewingSprings> sewing_;  ///< null where nothing is sewn
