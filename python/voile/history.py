@@ -16,6 +16,8 @@ class History:
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
         self.path = Path(path)
+        if self.path.exists() and not self.path.is_file():
+            raise ValueError(f"{path}: this is a folder, a pipe or a device, and no table")
         lines = self.path.read_text().splitlines()
         self.comments = [line.lstrip("# ") for line in lines if line.startswith("#")]
         rows = list(csv.reader(line for line in lines if line.strip() and not line.startswith("#")))

@@ -20,7 +20,7 @@ void check_temporary_folder() {
       folder = given;
       break;
     }
-  constexpr std::size_t wanted = 64 * 1024;
+  constexpr std::size_t wanted = 4096;
   std::string name = folder + "/voile_XXXXXX";
   const int descriptor = mkstemp(name.data());
   const std::string bytes(wanted, '\0');
