@@ -110,11 +110,14 @@ constexpr std::uint32_t failing[] = {SYS_unlinkat,
                                      SYS_ioprio_set,
                                      SYS_setuid,
                                      SYS_setgid,
+#ifdef SYS_renameat
+                                     SYS_renameat,
+#endif
 #ifdef SYS_open
                                      SYS_unlink,
                                      SYS_rmdir,
                                      SYS_rename,
-                                     SYS_renameat,
+
                                      SYS_link,
                                      SYS_symlink,
                                      SYS_chmod,
