@@ -155,11 +155,11 @@ TEST_CASE("contradictions in time sections are refused") {
   const std::string moving = support + "motion = [\"t\", \"0\", \"0\"]\n";
   CHECK(error_of(still + moving) == "no error");  // t is the load factor then
   CHECK(has(error_of(still + moving + "[steps]\ncontrol = \"arc_length\"\n"), "steps.control: supports with a motion"));
-  for (const char* other : {"linear", "drape", "modal"}) {
+  for (const char* other : {"linear", "buckling", "modal"}) {
     std::string text = head;
     text.replace(text.find("dynamic"), 7, other);
-    CHECK(
-        has(error_of(text + moving), "support.motion: something moves only with analysis = \"dynamic\", \"static\" or \"drape\""));
+    CHECK(has(error_of(text + moving),
+              "support.motion: something moves only with analysis = \"dynamic\", \"static\" or \"drape\""));
   }
   CHECK(has(error_of(still + "[[obstacle]]\nname = \"floor\"\ntype = \"plane\"\npoint = [0, 0, 0]\nnormal = [0, 0, 1]\n"
                              "rotation_axis = [1, 0, 0]\nrotation_angle = \"t\"\n"),
