@@ -12,9 +12,9 @@ int pairs_of(int points) {
   return points * (points + 1) / 2;
 }
 
-std::vector<int> in_rows_of_eight(int count) {
+std::vector<int> in_rows_of_eight(int count, int step) {
   std::vector<int> rows;
-  for (int i = 0; i < count; ++i) rows.insert(rows.end(), batch_lanes, i);
+  for (int i = 0; i < count; ++i) rows.insert(rows.end(), batch_lanes, step * i);
   return rows;
 }
 
@@ -80,17 +80,17 @@ void Batches::set_slots(Index e, const std::vector<Index>& slots, Index none) {
     for (int i = 0; i < b.size; ++i)
       for (int j = i; j < b.size; ++j)
         slots_[b.slots + static_cast<std::size_t>(pair_place(i, j, b.size))][static_cast<std::size_t>(l)] =
-            j < n && l == lane ? slots[at++] : none;
+            numbers_per_block * (j < n && l == lane ? slots[at++] : none);
   }
 }
 
 const int* own_positions() {
-  static const std::vector<int> rows = in_rows_of_eight(most_points);
+  static const std::vector<int> rows = in_rows_of_eight(most_points, 1);
   return rows.data();
 }
 
 const int* own_pairs() {
-  static const std::vector<int> rows = in_rows_of_eight(pairs_of(most_points));
+  static const std::vector<int> rows = in_rows_of_eight(pairs_of(most_points), numbers_per_block);
   return rows.data();
 }
 

@@ -1,6 +1,8 @@
 // The element kernels of one instruction set: included by the source of each variant, which names it.
 #pragma once
 
+#include "angle_kernel.hpp"
+#include "edge_kernel.hpp"
 #include "membrane_tangent_kernel.hpp"
 
 namespace voile::energy::VOILE_KERNELS {
@@ -10,6 +12,8 @@ extern const ElementKernels kernels;
 const ElementKernels kernels{VOILE_VARIANT,
                              width,
                              usable,
-                             {membrane_energy, membrane_strain, membrane_gradient, membrane_tangent}};
+                             {membrane_strain, membrane_gradient, membrane_tangent},
+                             {edge_angles, edge_slopes, edge_gradient, edge_tangent},
+                             {angle_gradient, angle_tangent}};
 
 }  // namespace voile::energy::VOILE_KERNELS

@@ -102,6 +102,14 @@ VOILE_INLINE Real dot(const Vector& a, const Vector& b) {
 VOILE_INLINE Vector cross(const Vector& a, const Vector& b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
+/// Keeps a vector that is used several times in registers: GCC would load it from memory for each product.
+VOILE_INLINE void hold([[maybe_unused]] Vector& a) {
+#if defined(__x86_64__) && VOILE_LANES == 8
+  asm("" : "+v"(a.x), "+v"(a.y), "+v"(a.z));
+#elif defined(__x86_64__)
+  asm("" : "+x"(a.x), "+x"(a.y), "+x"(a.z));
+#endif
+}
 VOILE_INLINE Vector gather_vector(const double* from, const int* at) {
   return {gather(from, at, 3), gather(from + 1, at, 3), gather(from + 2, at, 3)};
 }
@@ -155,10 +163,8 @@ VOILE_INLINE Four load_four(const double* from) {
   return *reinterpret_cast<const LooseFour*>(from);
 }
 #if VOILE_LANES >= 4
-/// Four numbers of four lanes, rows of `from`, to four numbers of each lane.
-VOILE_INLINE void transpose(const double (*from)[width], int lane, Four (&to)[4]) {
-  Four r[4];
-  for (int i = 0; i < 4; ++i) r[i] = *reinterpret_cast<const LooseFour*>(&from[i][lane]);
+/// Four numbers of four lanes, lane by lane or number by number, the other way round.
+VOILE_INLINE void transpose(const Four (&r)[4], Four (&to)[4]) {
   const Four a = __builtin_shufflevector(r[0], r[1], 0, 4, 2, 6), b = __builtin_shufflevector(r[0], r[1], 1, 5, 3, 7),
              c = __builtin_shufflevector(r[2], r[3], 0, 4, 2, 6), d = __builtin_shufflevector(r[2], r[3], 1, 5, 3, 7);
   to[0] = __builtin_shufflevector(a, c, 0, 1, 4, 5);
@@ -166,38 +172,76 @@ VOILE_INLINE void transpose(const double (*from)[width], int lane, Four (&to)[4]
   to[2] = __builtin_shufflevector(a, c, 2, 3, 6, 7);
   to[3] = __builtin_shufflevector(b, d, 2, 3, 6, 7);
 }
+/// Four rows of lanes, from one lane on.
+VOILE_INLINE void transpose(const double (*from)[width], int lane, Four (&to)[4]) {
+  const Four rows[4] = {load_four(&from[0][lane]), load_four(&from[1][lane]), load_four(&from[2][lane]),
+                        load_four(&from[3][lane])};
+  transpose(rows, to);
+}
 #endif
 
-/// Adds a block of each lane to the nine numbers at 9 slot[lane].
+#if VOILE_LANES == 8
+/// Eight numbers of eight lanes, number by number, to lane by lane.
+VOILE_INLINE void transpose(const Real* r, Real (&to)[8]) {
+  Real even[4], odd[4];  // of the lanes, two numbers of each side by side
+  for (int k = 0; k < 4; ++k) {
+    even[k] = __builtin_shufflevector(r[2 * k], r[2 * k + 1], 0, 8, 2, 10, 4, 12, 6, 14);
+    odd[k] = __builtin_shufflevector(r[2 * k], r[2 * k + 1], 1, 9, 3, 11, 5, 13, 7, 15);
+  }
+  for (int lane = 0; lane < 2; ++lane) {
+    const Real* pair = lane == 0 ? even : odd;
+    const Real a = __builtin_shufflevector(pair[0], pair[1], 0, 1, 8, 9, 4, 5, 12, 13),
+               b = __builtin_shufflevector(pair[2], pair[3], 0, 1, 8, 9, 4, 5, 12, 13),
+               c = __builtin_shufflevector(pair[0], pair[1], 2, 3, 10, 11, 6, 7, 14, 15),
+               d = __builtin_shufflevector(pair[2], pair[3], 2, 3, 10, 11, 6, 7, 14, 15);
+    to[lane] = __builtin_shufflevector(a, b, 0, 1, 2, 3, 8, 9, 10, 11);
+    to[lane + 2] = __builtin_shufflevector(c, d, 0, 1, 2, 3, 8, 9, 10, 11);
+    to[lane + 4] = __builtin_shufflevector(a, b, 4, 5, 6, 7, 12, 13, 14, 15);
+    to[lane + 6] = __builtin_shufflevector(c, d, 4, 5, 6, 7, 12, 13, 14, 15);
+  }
+}
+#endif
+
+/// Adds a block of each lane to the nine numbers at slot[lane].
 VOILE_INLINE void scatter_block(double* to, const int* slot, const Block& block, int lanes) {
+#if VOILE_LANES == 8
+  if (lanes == width) {
+    Real eight[8];
+    transpose(block.k, eight);
+    for (int lane = 0; lane < width; ++lane) {
+      double* at = to + slot[lane];
+      *reinterpret_cast<LooseReal*>(at) += eight[lane];
+      at[8] += block.k[8][lane];
+    }
+    return;
+  }
+#endif
   alignas(64) double k[9][width];
   for (int r = 0; r < 9; ++r) store(k[r], block.k[r]);
-#if VOILE_LANES >= 4
+#if VOILE_LANES == 4
   if (lanes == width) {
-    for (int first = 0; first < width; first += 4) {
-      Four upper[4], lower[4];
-      transpose(k, first, upper);
-      transpose(k + 4, first, lower);
-      for (int lane = 0; lane < 4; ++lane) {
-        double* at = to + 9 * static_cast<long>(slot[first + lane]);
-        *reinterpret_cast<LooseFour*>(at) += upper[lane];
-        *reinterpret_cast<LooseFour*>(at + 4) += lower[lane];
-        at[8] += k[8][first + lane];
-      }
+    Four upper[4], lower[4];
+    transpose(k, 0, upper);
+    transpose(k + 4, 0, lower);
+    for (int lane = 0; lane < 4; ++lane) {
+      double* at = to + slot[lane];
+      *reinterpret_cast<LooseFour*>(at) += upper[lane];
+      *reinterpret_cast<LooseFour*>(at + 4) += lower[lane];
+      at[8] += k[8][lane];
     }
     return;
   }
 #endif
   for (int lane = 0; lane < lanes; ++lane) {
-    double* at = to + 9 * static_cast<long>(slot[lane]);
+    double* at = to + slot[lane];
     for (int r = 0; r < 9; ++r) at[r] += k[r][lane];
   }
 }
 /// Fetches the places of blocks that will be added to soon.
 VOILE_INLINE void fetch_blocks(const double* to, const int* slot) {
   for (int lane = 0; lane < width; ++lane) {
-    __builtin_prefetch(to + 9 * static_cast<long>(slot[lane]), 1);
-    __builtin_prefetch(to + 9 * static_cast<long>(slot[lane]) + 8, 1);
+    __builtin_prefetch(to + slot[lane], 1);
+    __builtin_prefetch(to + slot[lane] + 8, 1);
   }
 }
 /// Turns the blocks of lanes where the second point has the smaller number.

@@ -229,6 +229,7 @@ void MembraneTerm::add_gather(const Sheet& sheet, const mesh::PatchMesh& before,
 }
 
 void MembraneTerm::gather(double share) {
+  ++version_;
   for (const Gathered& g : gathered_) {
     std::array<Vec3, 4> samples;
     for (std::size_t k = 0; k < 4; ++k) {

@@ -54,6 +54,8 @@ void MembraneTerm::start_step(const Configuration& c, double ratio, double inver
 }
 
 void MembraneTerm::set_viscosity(std::vector<double> ratios) {
+  if (ratios.empty() && viscosity_.empty()) return;
+  ++version_;
   viscosity_ = std::move(ratios);
   if (viscosity_.empty()) return;
   ratio_.resize(batches_.all().size());
@@ -64,24 +66,15 @@ void MembraneTerm::set_viscosity(std::vector<double> ratios) {
   }
 }
 
-double MembraneTerm::total_energy(const Configuration& c) const {
+double MembraneTerm::add_gradients(const Configuration& c, Vec3* force) const {
   double sum = 0.0;
   const KernelState state = state_of(c);
   for_batches([&](const MembraneBatch& batch, std::size_t b) {
     Line energy;
-    kernels_->membrane.energy(shape_, batch, state, energy.of.data());
-    const Batches::Batch& of = batches_.all()[b];
-    for (std::size_t lane = 0; lane < static_cast<std::size_t>(of.lanes); ++lane)
-      if (of.owned[lane]) sum += energy.of[lane];
+    kernels_->membrane.gradient(shape_, batch, state, force->data(), energy.of.data());
+    sum += batches_.all()[b].owned_sum(energy);
   });
   return sum;
-}
-
-void MembraneTerm::add_gradients(const Configuration& c, Vec3* force) const {
-  const KernelState state = state_of(c);
-  for_batches([&](const MembraneBatch& batch, std::size_t) {
-    kernels_->membrane.gradient(shape_, batch, state, force->data());
-  });
 }
 
 void MembraneTerm::add_tangents(const Configuration& c, double* blocks) const {
@@ -91,14 +84,16 @@ void MembraneTerm::add_tangents(const Configuration& c, double* blocks) const {
 }
 
 double MembraneTerm::energy(Index e, const Configuration& c) const {
-  Line energy;
-  scalar_kernels().membrane.energy(shape_, view(e), state_of(c), energy.of.data());
-  return energy.of[batches_.place(e).lane];
+  double energy = 0.0;
+  (void)gradient_of(e, c, energy);
+  return energy;
 }
 
-std::vector<double> MembraneTerm::gradient_of(Index e, const Configuration& c) const {
+std::vector<double> MembraneTerm::gradient_of(Index e, const Configuration& c, double& energy) const {
   std::vector<double> force(3 * static_cast<std::size_t>(batches_.batch_of(e).size));
-  scalar_kernels().membrane.gradient(shape_, view(e), state_of(c), force.data());
+  Line energies;
+  scalar_kernels().membrane.gradient(shape_, view(e), state_of(c), force.data(), energies.of.data());
+  energy = energies.of[batches_.place(e).lane];
   return force;
 }
 
@@ -109,17 +104,29 @@ std::vector<double> MembraneTerm::hessian_of(Index e, const Configuration& c) co
   return blocks;
 }
 
-Vec3 MembraneTerm::strain(Index e, const Configuration& c) const {
-  std::array<Line, 9> all;
-  scalar_kernels().membrane.strain(shape_, view(e), state_of(c), all[0].of.data());
+Vec3 MembraneTerm::strain_in(const std::array<Line, 9>& groups, int lane) const {
   Vec3 strain = Vec3::Zero();
   for (int g = 0; g < shape_.groups; ++g)
-    for (int r = 0; r < 3; ++r) strain[r] += shape_.factor[g] * all[3 * g + r].of[batches_.place(e).lane];
+    for (int r = 0; r < 3; ++r) strain[r] += shape_.factor[g] * groups[3 * g + r].of[lane];
   return strain;
 }
 
-Vec3 MembraneTerm::force(Index e, const Configuration& c) const {
-  return stiffness_[material_[e]] * strain(e, c);
+Vec3 MembraneTerm::strain(Index e, const Configuration& c) const {
+  std::array<Line, 9> groups;
+  scalar_kernels().membrane.strain(shape_, view(e), state_of(c), groups[0].of.data());
+  return strain_in(groups, batches_.place(e).lane);
+}
+
+std::vector<Vec3> MembraneTerm::strains(const Configuration& c) const {
+  std::vector<std::array<Line, 9>> groups(batches_.all().size());
+  const KernelState state = state_of(c);
+  for_batches([&](const MembraneBatch& batch, std::size_t b) {
+    kernels_->membrane.strain(shape_, batch, state, groups[b][0].of.data());
+  });
+  std::vector<Vec3> strains;
+  for (Index e = 0; e < size(); ++e)
+    strains.push_back(strain_in(groups[batches_.place(e).batch], batches_.place(e).lane));
+  return strains;
 }
 
 }  // namespace voile::energy

@@ -26,18 +26,13 @@ VOILE_INLINE Real group_energy(const MembraneBatch& batch, int lane, int group, 
   return elastic + load(batch.viscosity + lane) * half_square(d[0], d[1], d[2]);
 }
 
-inline void membrane_energy(const MembraneShape& shape, const MembraneBatch& batch, const KernelState& state,
-                            double* energy) {
-  for (int lane = batch.first; lane < batch.last; lane += width) {
-    Strained s;
-    strain_lanes(shape, batch, lane, state, s);
-    Real l[6];
-    Fields{batch.fields + lane}.six_numbers(membrane_fields::stiffness, l);
-    Real sum = shape.corrected && batch.fourth ? s.invariants.bending * s.invariants.trace : all(0.0);
-    for (int g = 0; g < shape.groups; ++g)
-      if (shape.factor[g] > 0.0) sum += shape.factor[g] * group_energy(batch, lane, g, l, s.samples.strain[g]);
-    store(energy + lane, sum);
-  }
+/// Energy of the triangles.
+VOILE_INLINE Real energy_of(const MembraneShape& shape, const MembraneBatch& batch, int lane, const Real (&l)[6],
+                            const Strained& s) {
+  Real sum = shape.corrected && batch.fourth ? s.invariants.bending * s.invariants.trace : all(0.0);
+  for (int g = 0; g < shape.groups; ++g)
+    if (shape.factor[g] > 0.0) sum += shape.factor[g] * group_energy(batch, lane, g, l, s.samples.strain[g]);
+  return sum;
 }
 
 inline void membrane_strain(const MembraneShape& shape, const MembraneBatch& batch, const KernelState& state,
@@ -99,15 +94,16 @@ VOILE_INLINE void stresses_of(const MembraneShape& shape, const MembraneBatch& b
 }
 
 inline void membrane_gradient(const MembraneShape& shape, const MembraneBatch& batch, const KernelState& state,
-                              double* force) {
+                              double* force, double* energy) {
   for (int lane = batch.first; lane < batch.last; lane += width) {
     Strained s;
     strain_lanes(shape, batch, lane, state, s);
     const Fields f{batch.fields + lane};
     Real l[6], stress[3][3];
     f.six_numbers(membrane_fields::stiffness, l);
+    store(energy + lane, energy_of(shape, batch, lane, l, s));
     stresses_of(shape, batch, lane, l, s.samples, stress);
-    Vector at_six[six], at_bends[bends];
+    Vector at_six[six], at_bends[bends]{};
     pull_at_six(shape, f, s.samples, stress, at_six);
     if (shape.corrected) pull_at_bends(s, stress, batch.fourth, at_bends);
     const int active = count_lanes(batch, lane);

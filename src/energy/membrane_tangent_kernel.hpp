@@ -207,7 +207,12 @@ VOILE_INLINE void emit_blocks(const MembraneBatch& batch, int lane, const Tangen
       if (at + ahead < pairs) fetch_blocks(blocks, slot + ahead * batch_lanes);
       Block block;
       for (Real& k : block.k) k = all(0.0);
-      for (int v = 0; v < t.vectors; ++v) add_outer(block, t.b[i][v], t.b[j][v]);
+      for (int v = 0; v < t.vectors; ++v) {
+        Vector a = t.b[i][v], b = t.b[j][v];
+        hold(a);
+        hold(b);
+        add_outer(block, a, b);
+      }
       if (corrected && t.indefinite) add_outer(block, all(-1.0) * t.b[i][7], t.b[j][7]);
       Real d = j < six ? t.six_by_six[pair_place(i, j, six)] : all(0.0);
       if constexpr (corrected)

@@ -76,10 +76,9 @@ void CompactMatrix::add_to(const BlockMatrix& target, const BlockMatrix::Values&
     const double k = factor * (s.offset >= 0 ? *inside++ : *outside++);
     for (int i = 0; i < 3; ++i, at += s.stride) at[i] += k;
   });
-  for (const Other& o : others_) values.add(target.slot(o.row, o.column), factor * o.block);
+  add_others(target, values, factor);
 }
 
-/// Values of the two parts of the scalar matrix, which stay where they are.
 std::pair<const double*, const double*> CompactMatrix::scalars() const {
   Mat whole = nullptr, diagonal = nullptr, off_diagonal = nullptr;
   PetscBool sequential = PETSC_FALSE;

@@ -100,14 +100,9 @@ void Model::assemble_tangent(Vec a, const TangentRequest& request) {
     c.previous = previous_x_.data();
   }
   const BlockMatrix::Values values = tangent.open();
-  {
-    const petsc::EventScope copy(petsc::events().bending_copy);
-    tangent.clear();
-    constant.add_bending(tangent, values, request.bending);
-    if (constant.has_damping() && request.damping > 0.0) constant.add_damping(tangent, values, request.damping);
-  }
   const int pattern = tangent_.pattern_version();
-  potential_->add_blocks(c, tangent, pattern, values);
+  potential_->write_tangent(c, tangent, pattern, values, request.bending);
+  if (constant.has_damping() && request.damping > 0.0) constant.add_damping(tangent, values, request.damping);
   conditions_->add_blocks(c, tangent, pattern, values);
   if (request.extra) request.extra->add_blocks(c, dofs(), tangent, pattern, values);
   if (request.mass > 0.0 && request.mass_matrix)

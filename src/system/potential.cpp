@@ -100,11 +100,14 @@ Potential::Work Potential::work(const energy::Configuration& c, Vec a, Vec displ
   return w;
 }
 
-void Potential::add_blocks(const energy::Configuration& c, const BlockMatrix& tangent, int pattern,
-                           const BlockMatrix::Values& values) {
+void Potential::write_tangent(const energy::Configuration& c, const BlockMatrix& tangent, int pattern,
+                              const BlockMatrix::Values& values, double bending) {
   double* halves = halves_.open();
   for (const Counted& t : terms_) t.term->add_halves(c, halves);
-  halves_.add_to(on_->dofs(), tangent, pattern, values);
+  {
+    const petsc::EventScope copy(petsc::events().bending_copy);
+    halves_.write_to(tangent, values, constant_.bending(), bending);
+  }
   for (const Counted& t : terms_) t.term->add_blocks(c, on_->dofs(), tangent, pattern, values);
 }
 

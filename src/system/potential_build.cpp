@@ -40,6 +40,8 @@ Potential::Potential(Discretisation& on, BoundaryConditions& conditions, const C
   mpi::on_all(on.comm(), [&] {
     halves_ = HalfBlocks(on.dofs(), constant_.base());
     for (const Counted& t : terms_) t.term->locate(halves_);
+    halves_.end_counting();
+    for (const Counted& t : terms_) t.term->locate(halves_);
   });
   work_ = on.dofs().create_vector();
   bending_ = std::make_unique<BendingEnergy>(on, constant_, curvatures, input.springs);
@@ -85,7 +87,7 @@ void Potential::build_sheet(const Curvatures& curvatures) {
   if (membrane_->kernel.corrects()) forms.emplace(on_->sheet());
   membrane_->kernel.reserve(curvatures.size());
   auto& curved = add_term<ElementTerm<energy::CurvedBendingTerm>>(&Energies::bending);
-  angles_ = &add_term<ElementTerm<energy::AngleBendingTerm>>(&Energies::bending);
+  angles_ = &add_term<BatchTerm<energy::AngleBendingTerm>>(&Energies::bending);
   const std::vector<Index>& local_of = on_->dofs().local().local_of;
   const auto to_local = [&](const auto& points, auto& local) {
     std::transform(points.begin(), points.end(), local.begin(), [&](Index p) { return local_of[p]; });
@@ -108,6 +110,7 @@ void Potential::build_sheet(const Curvatures& curvatures) {
       recovery_.add(triangle, el, local, membrane_->kernel.size() - 1,
                     by_angles ? angles_->kernel.size() - 1 : no_index);
   }
+  angles_->kernel.end_adding();
   recovery_.end_adding();
 }
 

@@ -36,9 +36,11 @@ TriangleFields Recovery::fields(MPI_Comm comm, const energy::Sheet& sheet, const
   const auto store = [](std::vector<double>& to, Index t, const Vec3& value) {
     for (int k = 0; k < 3; ++k) to[3 * static_cast<std::size_t>(t) + k] = value[k];
   };
+  const std::vector<Vec3> strains = membrane.strains(c);
   for (const Item& r : items_) {
-    store(f.membrane_strain, r.triangle, membrane.strain(r.membrane, c));
-    store(f.membrane_force, r.triangle, membrane.force(r.membrane, c));
+    const Vec3& strain = strains[r.membrane];
+    store(f.membrane_strain, r.triangle, strain);
+    store(f.membrane_force, r.triangle, membrane.force(r.membrane, strain));
     const Mat3& stiffness = sheet.material(r.triangle).bending;
     if (r.angles != no_index) {  // nothing in the plane bends
       const Vec3 kappa = angles.curvature(r.angles, c);

@@ -14,9 +14,11 @@
 //   E - A/2 (r + B'u).D (r + B'u).
 #pragma once
 
+#include <map>
 #include <optional>
 #include <vector>
 
+#include "voile/energy/batches.hpp"
 #include "voile/energy/bending.hpp"
 #include "voile/energy/edge_angle.hpp"
 
@@ -38,6 +40,8 @@ struct EdgeAngles {
 [[nodiscard]] std::optional<EdgeAngles> make_edge_angles(const Sheet& sheet, Index t, const CurvatureOperator& op,
                                                          const BendingElement& bending);
 
+/// Angles are found once per edge, and so are their derivatives; triangles add up what their edges have and hand back the pull at each,
+/// the derivative of the energy by its angle.
 class AngleBendingTerm {
  public:
   static constexpr int most = 64;
@@ -45,69 +49,62 @@ class AngleBendingTerm {
   /// `local`: the points of `bending` in local numbering, at most `most`. `stiffness`: A D.
   void add(const BendingElement& bending, const EdgeAngles& angles, const std::vector<Index>& local,
            const Mat3& stiffness, bool owned);
+  /// After the last add().
+  void end_adding();
 
-  [[nodiscard]] Index size() const { return static_cast<Index>(elements_.size()); }
-  [[nodiscard]] const Index* stencil(Index e) const { return points_.data() + elements_[e].start; }
-  [[nodiscard]] int stencil_size(Index e) const { return elements_[e].count; }
-  [[nodiscard]] bool owned(Index e) const { return elements_[e].owned; }
+  [[nodiscard]] Index size() const { return batches_.size(); }
+  [[nodiscard]] const Index* stencil(Index e) const { return batches_.stencil(e); }
+  [[nodiscard]] int stencil_size(Index e) const { return batches_.stencil_size(e); }
+  [[nodiscard]] Index edge_count() const { return static_cast<Index>(edges_.size()); }
 
   /// kappa - kappa0 [1/m].
   [[nodiscard]] Vec3 curvature(Index e, const Configuration& c) const;
-  [[nodiscard]] const Vec3& rest_curvature(Index e) const { return elements_[e].rest; }
+  /// kappa0.
+  [[nodiscard]] Vec3 rest_curvature(Index e) const;
 
-  [[nodiscard]] double energy(Index e, const Configuration& c) const;
-  template <class Emit>
-  void gradient(Index e, const Configuration& c, Emit&& emit) const {
-    std::array<Vec3, most> g;
-    gradient_of(e, c, g);
-    for (int i = 0; i < elements_[e].count; ++i) emit(i, g[static_cast<std::size_t>(i)]);
+  /// places_of(points, count, depends_on) gives the places of the blocks of pairs i <= j; `none` takes what goes nowhere.
+  template <class PlacesOf>
+  void locate(PlacesOf&& places_of, Index none) {
+    const auto always = [](int) { return true; };
+    for (Index e = 0; e < size(); ++e) batches_.set_slots(e, places_of(stencil(e), stencil_size(e), always), none);
+    edge_slots_.assign(pairs_per_edge * edge_batches(), {});
+    for (PerLane<int>& slots : edge_slots_) slots.fill(numbers_per_block * none);
+    for (std::size_t k = 0; k < edges_.size(); ++k) {
+      const std::vector<Index> places = places_of(edges_[k].data(), 4, always);
+      for (std::size_t i = 0; i < pairs_per_edge; ++i)
+        edge_slots_[pairs_per_edge * (k / batch_lanes) + i][k % batch_lanes] = numbers_per_block * places[i];
+    }
   }
-  template <class Emit>
-  void hessian(Index e, const Configuration& c, Emit&& emit) const {
-    Upper k;
-    hessian_of(e, c, k);
-    std::size_t at = 0;
-    for (int i = 0; i < elements_[e].count; ++i)
-      for (int j = i; j < elements_[e].count; ++j, ++at) {
-        emit(i, j, k[at]);
-        if (j != i) emit(j, i, k[at].transpose());
-      }
-  }
-  template <class Emit>
-  void blocks(Index e, Emit&& emit) const {
-    for (int i = 0; i < elements_[e].count; ++i)
-      for (int j = i; j < elements_[e].count; ++j) {
-        emit(i, j);
-        if (j != i) emit(j, i);
-      }
-  }
+
+  /// All elements: forces added to those of the local points [N], energy of the owned ones [J], blocks added at the slots [N/m].
+  double add_gradients(const Configuration& c, Vec3* force) const;
+  void add_tangents(const Configuration& c, double* blocks) const;
+  /// Does not change: see MembraneTerm.
+  [[nodiscard]] static long version() { return 0; }
+  /// The kernels of another instruction set.
+  void use(const ElementKernels& kernels) { kernels_ = &kernels; }
 
  private:
-  struct Element {
-    std::size_t start, first_edge;
-    int count, edges;
-    bool owned;
-    Mat3 stiffness;   ///< A D
-    Vec3 rest;        ///< kappa0
-    Mat3 start_bend;  ///< r
-  };
-  struct Edge {
-    std::array<int, 4> at;  ///< in the stencil
-    Vec3 weight;
-  };
-  using Upper = std::array<Mat3, most*(most + 1) / 2>;  ///< blocks of pairs i <= j, row by row
+  static constexpr std::size_t pairs_per_edge = 10;
+  using Ends = std::array<Index, 4>;  ///< a < b, p, q: local points
 
-  [[nodiscard]] EdgePoints points_of(const Element& el, const Edge& edge, const Configuration& c) const;
-  /// r + B'u.
-  [[nodiscard]] Mat3 bend(const Element& el, const Configuration& c) const;
-  void gradient_of(Index e, const Configuration& c, std::array<Vec3, most>& g) const;
-  void hessian_of(Index e, const Configuration& c, Upper& k) const;
-  void add_geometric(const Element& el, const Configuration& c, const Vec3& moment, Upper& k) const;
+  [[nodiscard]] std::size_t edge_batches() const { return (edges_.size() + batch_lanes - 1) / batch_lanes; }
+  void add_hinge(const EdgeAngles::Edge& edge, const BendingElement& bending, const std::vector<Index>& local,
+                 const Mat3& factor);
+  [[nodiscard]] Vec3 unscaled(Index e, const Vec3& kappa) const;
+  [[nodiscard]] EdgeBatch edge_view(std::size_t batch) const;
+  [[nodiscard]] AngleBatch view(std::size_t batch) const;
 
-  std::vector<Element> elements_;
-  std::vector<Edge> edges_;
-  std::vector<Index> points_;
-  std::vector<Vec3> weights_;  ///< B'_i
+  const ElementKernels* kernels_ = &batch_kernels();
+  Batches batches_{angle_fields::weights, 3};
+  std::vector<PerLane<int>> first_hinge_, last_hinge_;  ///< of each batch
+  std::vector<HingeAt> hinges_;
+  std::vector<Line> hinge_weights_;            ///< of two hinges each, L^T c_e H_e and a zero
+  std::vector<std::array<double, 6>> factor_;  ///< L of each element
+  std::vector<Ends> edges_;
+  std::map<Ends, Index> number_of_;  ///< of each edge, while elements are added
+  std::vector<PerLane<int>> edge_points_, edge_slots_;
+  mutable std::vector<Line> angle_, slopes_, pull_;  ///< of the edges, from one evaluation to its end
 };
 
 }  // namespace voile::energy

@@ -12,6 +12,7 @@
 
 namespace voile::energy {
 
+constexpr int numbers_per_block = 9;
 /// A number, or something else, of each triangle of a batch.
 template <class T>
 using PerLane = std::array<T, batch_lanes>;
@@ -31,6 +32,13 @@ class Batches {
     int size, lanes;                    ///< points of each stencil, elements
     bool flag;                          ///< whether it was raised for one of its elements
     PerLane<char> owned;
+    /// Over the owned elements.
+    [[nodiscard]] double owned_sum(const Line& values) const {
+      double sum = 0.0;
+      for (std::size_t lane = 0; lane < static_cast<std::size_t>(lanes); ++lane)
+        if (owned[lane] != 0) sum += values.of[lane];
+      return sum;
+    }
   };
   /// What is added: its first `fixed` numbers, `per_point` for each point.
   struct Item {
@@ -56,7 +64,7 @@ class Batches {
     return fields_[batch_of(e).fields + field].of[places_[e].lane];
   }
   void set_number(Index e, int field, double value) { fields_[batch_of(e).fields + field].of[places_[e].lane] = value; }
-  /// Where the blocks of the pairs i <= j of stencil positions go to, row by row, in units of nine numbers; `none` takes what goes nowhere.
+  /// Numbers of the blocks that the pairs i <= j of stencil positions go to, row by row; `none` takes what goes nowhere.
   void set_slots(Index e, const std::vector<Index>& slots, Index none);
 
   [[nodiscard]] const double* fields(const Batch& b) const { return fields_[b.fields].of.data(); }

@@ -47,7 +47,7 @@ struct MembraneBatch {
   const double* fields;
   const int* gather;        ///< local point of each stencil position
   const int* scatter;       ///< where forces go to; its order says which block of a pair is the upper one
-  const int* slots;         ///< where the blocks of pairs i <= j go to, row by row, in units of nine numbers
+  const int* slots;         ///< where the nine numbers of pairs i <= j go to, row by row
   const double* start;      ///< strains at the start of a time step, 3 per group; null: no viscosity
   const double* viscosity;  ///< c
   int points;               ///< stencil positions
@@ -56,14 +56,60 @@ struct MembraneBatch {
 };
 
 struct MembraneKernels {
-  /// To `energy`, one per lane [J].
-  void (*energy)(const MembraneShape& shape, const MembraneBatch& batch, const KernelState& state, double* energy);
   /// Strains of the groups, 3 each, one per lane, to `strain`.
   void (*strain)(const MembraneShape& shape, const MembraneBatch& batch, const KernelState& state, double* strain);
-  /// Adds to three numbers per point of `scatter` [N].
-  void (*gradient)(const MembraneShape& shape, const MembraneBatch& batch, const KernelState& state, double* force);
-  /// Adds to nine numbers per slot [N/m].
+  /// Adds to three numbers per point of `scatter` [N]; energies, one per lane, to `energy` [J].
+  void (*gradient)(const MembraneShape& shape, const MembraneBatch& batch, const KernelState& state, double* force,
+                   double* energy);
+  /// Adds to the nine numbers at each slot [N/m].
   void (*tangent)(const MembraneShape& shape, const MembraneBatch& batch, const KernelState& state, double* blocks);
+};
+
+/// Edges with two triangles (a, b, p) and (b, a, q): edge_angle.hpp.
+struct EdgeBatch {
+  const int* points;   ///< a, b, p, q
+  const int* scatter;  ///< where forces go to, and the order, as in MembraneBatch
+  const int* slots;    ///< where the blocks of pairs go to: aa ab ap aq bb bp bq pp pq qq
+  int lanes;
+  double* angle;   ///< theta
+  double* slopes;  ///< of each edge sixteen numbers: its derivatives by a, b, p, q, each with a zero behind
+  double* pull;    ///< derivative of the energy by theta
+};
+struct EdgeKernels {
+  void (*angles)(const EdgeBatch& batch, const KernelState& state);
+  /// Angles and slopes.
+  void (*slopes)(const EdgeBatch& batch, const KernelState& state);
+  /// Adds pull times slope to the forces.
+  void (*gradient)(const EdgeBatch& batch, const KernelState& state, double* force);
+  /// Adds pull times second derivatives.
+  void (*tangent)(const EdgeBatch& batch, const KernelState& state, double* blocks);
+};
+
+/// Where the angle at an edge acts on a triangle.
+struct HingeAt {
+  int edge;
+  unsigned char at[4];  ///< stencil positions of a, b, p, q
+};
+/// Places of the numbers of a triangle that bends by angles (angle_bending.hpp). All curvatures are times L^T, A D = L L^T.
+namespace angle_fields {
+constexpr int rest = 0;      ///< kappa0
+constexpr int start = 3;     ///< r, a vector for each component
+constexpr int weights = 12;  ///< B'_i, three for each point
+}  // namespace angle_fields
+struct AngleBatch {
+  const double* fields;
+  const int *gather, *scatter, *slots;  ///< as in MembraneBatch
+  const HingeAt* hinges;                ///< of all triangles
+  const double* hinge_weights;          ///< of each four numbers: c_e H_e and a zero
+  const int *first_hinge, *last_hinge;  ///< of each lane; last: one beyond
+  int points, first, last;
+};
+struct AngleKernels {
+  /// Adds to the pulls of edges and to forces, the latter without those through angles; energies, one per lane, to `energy`.
+  void (*gradient)(const AngleBatch& batch, const KernelState& state, const double* angles, double* pulls,
+                   double* force, double* energy);
+  /// Adds to the pulls of edges and to blocks, the latter without second derivatives of angles.
+  void (*tangent)(const AngleBatch& batch, const double* angles, const double* slopes, double* pulls, double* blocks);
 };
 
 /// The kernels of one instruction set.
@@ -72,6 +118,8 @@ struct ElementKernels {
   int lanes;
   bool (*usable)();  ///< on this machine
   MembraneKernels membrane;
+  EdgeKernels edges;
+  AngleKernels angles;
 };
 
 /// All variants of this build, the scalar one first.

@@ -69,7 +69,12 @@ class MembraneTerm {
   [[nodiscard]] bool owned(Index e) const { return batches_.owned(e); }
   /// Whether the energy depends on the point at position i: not where an apex is missing.
   [[nodiscard]] bool depends_on(Index e, int i) const;
-  [[nodiscard]] Batches& batches() { return batches_; }
+  /// places_of(points, count, depends_on) gives the places of the blocks of pairs i <= j; `none` takes what goes nowhere.
+  template <class PlacesOf>
+  void locate(PlacesOf&& places_of, Index none) {
+    for (Index e = 0; e < size(); ++e)
+      batches_.set_slots(e, places_of(stencil(e), stencil_size(e), [&](int i) { return depends_on(e, i); }), none);
+  }
 
   /// Starts a time step: viscosity acts against strains other than those of `c`. ratio = tau/dt for all materials, to
   /// which each adds its own relaxation time over dt; inverse_step = 1/dt, 0: they do not.
@@ -78,10 +83,11 @@ class MembraneTerm {
   [[nodiscard]] const std::vector<double>& viscosity() const { return viscosity_; }
   void set_viscosity(std::vector<double> ratios);
 
-  /// All elements: energy of the owned ones [J], forces added to those of the local points [N], blocks added at the slots [N/m].
-  [[nodiscard]] double total_energy(const Configuration& c) const;
-  void add_gradients(const Configuration& c, Vec3* force) const;
+  /// All elements: forces added to those of the local points [N], energy of the owned ones [J], blocks added at the slots [N/m].
+  double add_gradients(const Configuration& c, Vec3* force) const;
   void add_tangents(const Configuration& c, double* blocks) const;
+  /// Another one after everything that changes energies of the same configuration.
+  [[nodiscard]] long version() const { return version_; }
   /// The kernels of another instruction set.
   void use(const ElementKernels& kernels) { kernels_ = &kernels; }
 
@@ -89,7 +95,8 @@ class MembraneTerm {
   [[nodiscard]] double energy(Index e, const Configuration& c) const;
   template <class Emit>
   void gradient(Index e, const Configuration& c, Emit&& emit) const {
-    const std::vector<double> g = gradient_of(e, c);
+    double energy = 0.0;
+    const std::vector<double> g = gradient_of(e, c, energy);
     for (int i = 0; i < stencil_size(e); ++i) emit(i, Vec3(Eigen::Map<const Vec3>(g.data() + 3 * i)));
   }
   template <class Emit>
@@ -106,8 +113,12 @@ class MembraneTerm {
 
   /// Strain that the stress resultants are taken from: (E11, E22, 2 E12), the mean for six_node.
   [[nodiscard]] Vec3 strain(Index e, const Configuration& c) const;
-  /// Membrane force N = dW/dE / A in material axes [N/m]: that of the energy, shares included.
-  [[nodiscard]] Vec3 force(Index e, const Configuration& c) const;
+  /// The same of all elements.
+  [[nodiscard]] std::vector<Vec3> strains(const Configuration& c) const;
+  /// Membrane force N = dW/dE / A in material axes [N/m] at a strain: that of the energy, shares included.
+  [[nodiscard]] Vec3 force(Index e, const Vec3& strain) const {
+    return stiffness_[static_cast<std::size_t>(material_[static_cast<std::size_t>(e)])] * strain;
+  }
 
  private:
   using SideWeights = std::array<std::array<double, 4>, 2>;
@@ -134,7 +145,9 @@ class MembraneTerm {
   [[nodiscard]] MembraneBatch view(const Batches::Batch& b) const;
   /// Only the lane of element e, its numbers by stencil positions.
   [[nodiscard]] MembraneBatch view(Index e) const;
-  [[nodiscard]] std::vector<double> gradient_of(Index e, const Configuration& c) const;
+  [[nodiscard]] Vec3 strain_in(const std::array<Line, 9>& groups, int lane) const;
+  /// `energy`: that of the element.
+  [[nodiscard]] std::vector<double> gradient_of(Index e, const Configuration& c, double& energy) const;
   [[nodiscard]] std::vector<double> hessian_of(Index e, const Configuration& c) const;
   /// Calls f(batch, number of the batch).
   template <class F>
@@ -142,6 +155,7 @@ class MembraneTerm {
     for (std::size_t b = 0; b < batches_.all().size(); ++b) f(view(batches_.all()[b]), b);
   }
 
+  long version_ = 0;
   MembraneShape shape_;
   const ElementKernels* kernels_ = &batch_kernels();
   Batches batches_;

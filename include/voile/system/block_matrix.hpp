@@ -73,6 +73,9 @@ class BlockMatrix {
   /// Adds a multiple of a twin's values to the open value arrays.
   void add_values_from(const BlockMatrix& twin, double factor) const;
 
+  /// Whether extend() was called.
+  [[nodiscard]] bool extended() const { return extended_; }
+
   /// How often values have been closed; the same on all ranks.
   [[nodiscard]] long version() const { return version_; }
 

@@ -21,9 +21,14 @@ class CompactMatrix {
   /// Adds factor K to the open values of `target`, a twin of k or an extension of it. Not collective.
   void add_to(const BlockMatrix& target, const BlockMatrix::Values& values, double factor) const;
 
- private:
+  /// Only that of blocks that are no multiples of the unit block.
+  void add_others(const BlockMatrix& target, const BlockMatrix::Values& values, double factor) const {
+    for (const Other& o : others_) values.add(target.slot(o.row, o.column), factor * o.block);
+  }
+  /// The scalars of the two parts of K, in the order of the blocks of the pattern; they stay where they are.
   [[nodiscard]] std::pair<const double*, const double*> scalars() const;
 
+ private:
   petsc::MatHandle product_;  ///< k (x) I, with a scalar, which may be 0, for every block of the pattern
   petsc::MatHandle rest_;     ///< blocks that are no multiples; null if no rank has any
   struct Other {

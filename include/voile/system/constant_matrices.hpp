@@ -28,10 +28,9 @@ class ConstantMatrices {
   /// y = C_b x, with the sum over the materials of their bending damping times their bending stiffness, without
   /// elimination [N s/m]. Collective.
   void multiply_damping(Vec x, Vec y) const { compact_damping_.multiply(x, y); }
-  /// Adds K_b or C_b times a factor to the open values of a matrix with the pattern of base() or an extended one.
-  void add_bending(const BlockMatrix& to, const BlockMatrix::Values& values, double factor) const {
-    compact_bending_.add_to(to, values, factor);
-  }
+  /// K_b.
+  [[nodiscard]] const CompactMatrix& bending() const { return compact_bending_; }
+  /// Adds C_b times a factor to the open values of a matrix with the pattern of base() or an extended one.
   void add_damping(const BlockMatrix& to, const BlockMatrix::Values& values, double factor) const {
     compact_damping_.add_to(to, values, factor);
   }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "voile/system/block_matrix.hpp"
+#include "voile/system/compact_matrix.hpp"
 #include "voile/system/dofs.hpp"
 
 namespace voile::system {
@@ -15,8 +16,10 @@ namespace voile::system {
 class HalfBlocks {
  public:
   HalfBlocks() = default;
-  /// The pattern of `base`, which is that of a tangent without contact.
+  /// `base` has the pattern of a tangent without contact. Every element asks twice for its places: before end_counting(), so that only
+  /// blocks that are needed are stored, and after it.
   HalfBlocks(const Dofs& dofs, const BlockMatrix& base);
+  void end_counting();
 
   /// Where the blocks of the pairs i <= j of an element's points go to, row by row, which it has to itself if that is necessary.
   /// depends_on(i): whether the element has numbers for point i; where not, a point may be there twice.
@@ -36,8 +39,9 @@ class HalfBlocks {
 
   /// Sets all blocks to zero and gives their array.
   [[nodiscard]] double* open();
-  /// Adds the blocks to the open values of `matrix`, the base or an extension of it, whose pattern has this number.
-  void add_to(const Dofs& dofs, const BlockMatrix& matrix, int pattern, const BlockMatrix::Values& values);
+  /// Overwrites the open values of `matrix`, the base or an extension of it, with the blocks and factor K.
+  void write_to(const BlockMatrix& matrix, const BlockMatrix::Values& values, const CompactMatrix& k,
+                double factor) const;
 
  private:
   template <class DependsOn>
@@ -50,30 +54,25 @@ class HalfBlocks {
     }
     return false;
   }
-  [[nodiscard]] Index place_of(Index a, Index b) const;
+  [[nodiscard]] std::size_t block_of(Index row, Index column) const;
+  [[nodiscard]] Index place_of(Index a, Index b);
   [[nodiscard]] Index place_alone(Index a, Index b, bool diagonal);
-  void locate(const Dofs& dofs, const BlockMatrix& matrix);
 
   const Dofs* dofs_ = nullptr;
   const BlockMatrix* base_ = nullptr;
-  struct Pair {
-    Index a, b;  ///< own block row, global block column
-  };
-  std::vector<Pair> pairs_;       ///< of the upper blocks
   std::vector<std::size_t> row_;  ///< first block of the base in each row
-  std::vector<Index> number_;     ///< of the upper block, for each block of the base; no_index: lower
+  /// For each block of the base the number of its upper block, unused, or turned(number) where that is its transpose.
+  std::vector<Index> source_;
+  static constexpr Index unused = -1;
+  [[nodiscard]] static Index turned(Index number) { return -2 - number; }
   struct Alone {
     Index a, b;  ///< local points, ascending
     bool diagonal;
   };
-  std::vector<Alone> alone_;  ///< the blocks after them
+  std::vector<Alone> alone_;  ///< the blocks after those
   Index none_ = 0;            ///< between both
+  bool counting_ = true;
   std::vector<double> values_;
-  struct Places {
-    Slot upper, lower;  ///< lower: stride 0 on the diagonal and where the row is another rank's
-  };
-  std::vector<Places> places_;
-  int located_ = -1;  ///< number of the pattern that the places belong to
 };
 
 }  // namespace voile::system

@@ -101,10 +101,10 @@ class Potential {
   /// As force(), with its works. Collective.
   [[nodiscard]] Work work(const energy::Configuration& c, Vec a, Vec displacement, Vec f);
 
-  /// Adds the second derivatives of the terms to the open values of `tangent`, whose pattern has this number; K_b is in
-  /// constant(). [N/m]
-  void add_blocks(const energy::Configuration& c, const BlockMatrix& tangent, int pattern,
-                  const BlockMatrix::Values& values);
+  /// Overwrites the open values of `tangent`, whose pattern has this number, with the second derivatives of the terms and
+  /// `bending` times K_b. [N/m]
+  void write_tangent(const energy::Configuration& c, const BlockMatrix& tangent, int pattern,
+                     const BlockMatrix::Values& values, double bending);
 
   /// Strains, forces and curvatures of the triangles. Collective; values on rank 0.
   [[nodiscard]] TriangleFields triangle_fields(Vec a);
@@ -137,7 +137,7 @@ class Potential {
   std::vector<Vec3> u_, x_, force_;  ///< of the local points
   std::vector<Counted> terms_;
   BatchTerm<energy::MembraneTerm>* membrane_ = nullptr;  ///< one of terms_
-  ElementTerm<energy::AngleBendingTerm>* angles_ = nullptr;
+  BatchTerm<energy::AngleBendingTerm>* angles_ = nullptr;
   energy::AnchorTerm* anchors_ = nullptr;  ///< kernel of one of them, or null
   Recovery recovery_;
   ConstantMatrices constant_;

@@ -55,7 +55,8 @@ class Term {
   virtual void add_halves(const energy::Configuration& /*c*/, double* /*halves*/) const {}
 };
 
-/// The elements of a kernel that runs over batches (energy/batches.hpp).
+/// The elements of a kernel that runs over batches (energy/batches.hpp). Energy and forces come from one pass; whoever asks for the
+/// second at the same configuration gets what was kept.
 template <class Kernel>
 class BatchTerm final : public Term {
  public:
@@ -64,20 +65,49 @@ class BatchTerm final : public Term {
   void for_stencils(const std::function<void(const Index*, int)>& f) const override {
     for (Index e = 0; e < kernel.size(); ++e) f(kernel.stencil(e), kernel.stencil_size(e));
   }
-  [[nodiscard]] double energy(const energy::Configuration& c) const override { return kernel.total_energy(c); }
+  [[nodiscard]] double energy(const energy::Configuration& c) const override {
+    if (kernel.size() == 0) return 0.0;
+    evaluate(c);
+    return kept_.energy;
+  }
   void add_forces(const energy::Configuration& c, std::vector<Vec3>& force) const override {
-    kernel.add_gradients(c, force.data());
+    if (kernel.size() == 0) return;
+    evaluate(c);
+    for (std::size_t i = 0; i < kept_.force.size(); ++i) force[i] += kept_.force[i];
   }
   void add_blocks(const energy::Configuration& /*c*/, const Dofs& /*dofs*/, const BlockMatrix& /*matrix*/,
                   int /*pattern*/, const BlockMatrix::Values& /*values*/) override {}
   void locate(HalfBlocks& halves) override {
-    for (Index e = 0; e < kernel.size(); ++e)
-      kernel.batches().set_slots(
-          e,
-          halves.places_of(kernel.stencil(e), kernel.stencil_size(e), [&](int i) { return kernel.depends_on(e, i); }),
-          halves.none());
+    kernel.locate([&](const Index* points, int count,
+                      const auto& depends_on) { return halves.places_of(points, count, depends_on); },
+                  halves.none());
+    std::size_t points = 0;
+    for_stencils([&](const Index* stencil, int count) {
+      for (int i = 0; i < count; ++i) points = std::max(points, static_cast<std::size_t>(stencil[i]) + 1);
+    });
+    kept_.force.resize(points);
   }
   void add_halves(const energy::Configuration& c, double* halves) const override { kernel.add_tangents(c, halves); }
+
+ private:
+  void evaluate(const energy::Configuration& c) const {
+    const std::size_t count = kept_.force.size();
+    if (kept_.version == kernel.version() && std::equal(kept_.x.begin(), kept_.x.end(), c.x) &&
+        std::equal(kept_.u.begin(), kept_.u.end(), c.u))
+      return;
+    kept_.x.assign(c.x, c.x + count);
+    kept_.u.assign(c.u, c.u + count);
+    kept_.version = kernel.version();
+    std::fill(kept_.force.begin(), kept_.force.end(), Vec3::Zero());
+    kept_.energy = kernel.add_gradients(c, kept_.force.data());
+  }
+
+  struct Kept {
+    long version = -1;
+    std::vector<Vec3> x, u, force;  ///< of the points that there are elements at
+    double energy = 0.0;
+  };
+  mutable Kept kept_;
 };
 
 /// The elements of one kernel.

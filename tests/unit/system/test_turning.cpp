@@ -201,8 +201,8 @@ TEST_CASE("clamps: products with the bending stiffness are those with its matrix
     system::BlockMatrix whole = model.potential().constant().base().twin();
     const system::BlockMatrix::Values values = whole.open();
     whole.clear();
-    model.potential().constant().add_bending(whole, values, 0.5);
-    model.potential().constant().add_bending(whole, values, 0.5);
+    model.potential().constant().bending().add_to(whole, values, 0.5);
+    model.potential().constant().bending().add_to(whole, values, 0.5);
     whole.close();
     VOILE_PETSC(MatMult(whole.mat(), x, z));
     VOILE_PETSC(VecNorm(z, NORM_INFINITY, &size));
