@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "voile/base/cross_matrix.hpp"
-
 namespace voile::energy {
 
 namespace {
@@ -73,61 +71,32 @@ BendingElement make_bending_element(const Sheet& sheet, Index t, const Curvature
 }
 
 void CurvedBendingTerm::add(const BendingElement& element, const std::vector<Index>& local, bool owned) {
-  elements_.push_back({points_.size(), static_cast<int>(local.size()), owned, element.rest_energy, element.start_normal,
-                       element.start_coupling});
-  points_.insert(points_.end(), local.begin(), local.end());
-  coupling_.insert(coupling_.end(), element.coupling.begin(), element.coupling.end());
+  std::vector<double> numbers{element.rest_energy};
+  for (const Vec3& a : {element.start_normal, element.start_coupling})
+    for (const double number : a) numbers.push_back(number);
+  for (const double number : element.coupling) numbers.push_back(number);
+  batches_.add({local, numbers, owned});
 }
 
-CurvedBendingTerm::Normal CurvedBendingTerm::normal(const Element& el, const Configuration& c) const {
-  const Index* p = points_.data() + el.start;
-  Normal n;
-  n.a = c.x[p[1]] - c.x[p[0]];
-  n.b = c.x[p[2]] - c.x[p[0]];
-  n.unit = n.a.cross(n.b);
-  n.length = n.unit.norm();
-  n.unit /= n.length;
-  return n;
+CurvedBatch CurvedBendingTerm::view(const Batches::Batch& b) const {
+  const int* points = batches_.points(b);
+  return {batches_.fields(b), points, points, batches_.slots(b), b.size, 0, b.lanes};
 }
 
-Vec3 CurvedBendingTerm::coupled(const Element& el, const Configuration& c) const {
-  Vec3 v = el.rest_energy * el.normal + el.start_coupling;
-  for (int i = 0; i < el.count; ++i) v += coupling_[el.start + i] * c.u[points_[el.start + i]];
-  return v;
+double CurvedBendingTerm::add_gradients(const Configuration& c, Vec3* force) const {
+  const KernelState state{c.x->data(), c.u->data()};
+  double sum = 0.0;
+  for (const Batches::Batch& b : batches_.all()) {
+    Line energy;
+    kernels_->curved.gradient(view(b), state, force->data(), energy.of.data());
+    sum += b.owned_sum(energy);
+  }
+  return sum;
 }
 
-double CurvedBendingTerm::energy(Index e, const Configuration& c) const {
-  const Element& el = elements_[e];
-  const Vec3 n = normal(el, c).unit;
-  const Vec3 change = coupled(el, c) - el.rest_energy * el.normal;
-  return el.rest_energy * (1.0 - n.dot(el.normal)) + (el.normal - n).dot(change);
-}
-
-void CurvedBendingTerm::blocks_of(const Element& el, const Configuration& c, std::array<std::array<Mat3, 3>, 3>& centre,
-                                  std::array<Mat3, 3>& mixed) const {
-  const Normal n = normal(el, c);
-  const Vec3 v = coupled(el, c);
-  const Mat3 projector = Mat3::Identity() - n.unit * n.unit.transpose();
-  const Vec3 pv = projector * v;
-  const Mat3 second =
-      (n.unit * pv.transpose() + pv * n.unit.transpose() + n.unit.dot(v) * projector) / (n.length * n.length);
-  const Mat3 bilinear = cross_matrix(-pv / n.length);
-  std::array<Mat3, 3> j;
-  j[1] = -cross_matrix(n.b);
-  j[2] = cross_matrix(n.a);
-  j[0] = -j[1] - j[2];
-  for (int i = 0; i < 3; ++i) mixed[i] = -j[i].transpose() * projector / n.length;
-  for (int i = 0; i < 3; ++i)
-    for (int k = 0; k < 3; ++k)
-      centre[i][k] = j[i].transpose() * second * j[k] + coupling_[el.start + k] * mixed[i] +
-                     coupling_[el.start + i] * mixed[k].transpose();
-  // The normal direction m = a x b is bilinear: second derivative -[q]x for the pair (a, b), with a = x1-x0, b = x2-x0.
-  centre[1][2] -= bilinear;
-  centre[2][1] += bilinear;
-  centre[1][0] += bilinear;
-  centre[0][1] -= bilinear;
-  centre[2][0] -= bilinear;
-  centre[0][2] += bilinear;
+void CurvedBendingTerm::add_tangents(const Configuration& c, double* blocks) const {
+  const KernelState state{c.x->data(), c.u->data()};
+  for (const Batches::Batch& b : batches_.all()) kernels_->curved.tangent(view(b), state, blocks);
 }
 
 }  // namespace voile::energy

@@ -10,7 +10,8 @@ VOILE_INLINE Real curved_number(const CurvedBatch& batch, int lane, int place) {
   return load(batch.fields + place * batch_lanes + lane);
 }
 VOILE_INLINE Vector curved_vector(const CurvedBatch& batch, int lane, int place) {
-  return {curved_number(batch, lane, place), curved_number(batch, lane, place + 1), curved_number(batch, lane, place + 2)};
+  return {curved_number(batch, lane, place), curved_number(batch, lane, place + 1),
+          curved_number(batch, lane, place + 2)};
 }
 VOILE_INLINE int count_lanes(const CurvedBatch& batch, int lane) {
   return batch.last - lane < width ? batch.last - lane : width;
@@ -18,7 +19,7 @@ VOILE_INLINE int count_lanes(const CurvedBatch& batch, int lane) {
 
 /// The normal and what it meets.
 struct Curved {
-  Vector arm[3];  ///< of the corners: dm/dx_i = [arm_i]_x for m = (x_1 - x_0) x (x_2 - x_0)
+  Vector arm[3];                      ///< of the corners: dm/dx_i = [arm_i]_x for m = (x_1 - x_0) x (x_2 - x_0)
   Vector unit, start_normal, change;  ///< n, N_s, w + sum_i c_i u_i
   Real length, rest_energy;           ///< |m|, e0
 };

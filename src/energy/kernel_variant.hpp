@@ -2,6 +2,7 @@
 #pragma once
 
 #include "angle_kernel.hpp"
+#include "curved_kernel.hpp"
 #include "edge_kernel.hpp"
 #include "membrane_tangent_kernel.hpp"
 
@@ -14,6 +15,7 @@ const ElementKernels kernels{VOILE_VARIANT,
                              usable,
                              {membrane_strain, membrane_gradient, membrane_tangent},
                              {edge_angles, edge_slopes, edge_gradient, edge_tangent},
-                             {angle_gradient, angle_tangent}};
+                             {angle_gradient, angle_tangent},
+                             {curved_gradient, curved_tangent}};
 
 }  // namespace voile::energy::VOILE_KERNELS

@@ -88,7 +88,7 @@ void Potential::build_sheet(const Curvatures& curvatures) {
   std::optional<energy::ChordForms> forms;
   if (membrane_->kernel.corrects()) forms.emplace(on_->sheet());
   membrane_->kernel.reserve(curvatures.size());
-  auto& curved = add_term<ElementTerm<energy::CurvedBendingTerm>>(&Energies::bending);
+  auto& curved = add_term<BatchTerm<energy::CurvedBendingTerm>>(&Energies::bending);
   angles_ = &add_term<BatchTerm<energy::AngleBendingTerm>>(&Energies::bending);
   const std::vector<Index>& local_of = on_->dofs().local().local_of;
   const auto to_local = [&](const auto& points, auto& local) {

@@ -18,6 +18,7 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "voile/energy/batches.hpp"
 #include "voile/energy/curvature.hpp"
 #include "voile/energy/sheet.hpp"
 #include "voile/energy/term.hpp"
@@ -47,72 +48,30 @@ class CurvedBendingTerm {
   /// `local`: the element's points in local numbering, in its order.
   void add(const BendingElement& element, const std::vector<Index>& local, bool owned);
 
-  [[nodiscard]] Index size() const { return static_cast<Index>(elements_.size()); }
-  [[nodiscard]] const Index* stencil(Index e) const { return points_.data() + elements_[e].start; }
-  [[nodiscard]] int stencil_size(Index e) const { return elements_[e].count; }
-  [[nodiscard]] bool owned(Index e) const { return elements_[e].owned; }
+  [[nodiscard]] Index size() const { return batches_.size(); }
+  [[nodiscard]] const Index* stencil(Index e) const { return batches_.stencil(e); }
+  [[nodiscard]] int stencil_size(Index e) const { return batches_.stencil_size(e); }
 
-  [[nodiscard]] double energy(Index e, const Configuration& c) const;
-  template <class Emit>
-  void gradient(Index e, const Configuration& c, Emit&& emit) const {
-    const Element& el = elements_[e];
-    const Normal n = normal(el, c);
-    const Vec3 v = coupled(el, c);
-    const Vec3 change = el.normal - n.unit;
-    const Vec3 q = -(v - n.unit.dot(v) * n.unit) / n.length;
-    const Vec3 g1 = n.b.cross(q), g2 = q.cross(n.a);
-    emit(0, coupling_[el.start] * change - g1 - g2);
-    emit(1, coupling_[el.start + 1] * change + g1);
-    emit(2, coupling_[el.start + 2] * change + g2);
-    for (int i = 3; i < el.count; ++i) emit(i, coupling_[el.start + i] * change);
+  /// places_of(points, count, depends_on) gives the places of the blocks of pairs i <= j; `none` takes what goes nowhere.
+  template <class PlacesOf>
+  void locate(PlacesOf&& places_of, Index none) {
+    for (Index e = 0; e < size(); ++e)
+      batches_.set_slots(e, places_of(stencil(e), stencil_size(e), [](int) { return true; }), none);
   }
-  template <class Emit>
-  void hessian(Index e, const Configuration& c, Emit&& emit) const {
-    const Element& el = elements_[e];
-    std::array<std::array<Mat3, 3>, 3> centre;
-    std::array<Mat3, 3> mixed;
-    blocks_of(el, c, centre, mixed);
-    for (int j = 0; j < 3; ++j)
-      for (int i = 0; i < 3; ++i) emit(j, i, centre[j][i]);
-    for (int i = 3; i < el.count; ++i)
-      for (int j = 0; j < 3; ++j) {
-        const Mat3 k = coupling_[el.start + i] * mixed[j];
-        emit(j, i, k);
-        emit(i, j, k.transpose());
-      }
-  }
-  template <class Emit>
-  void blocks(Index e, Emit&& emit) const {
-    for (int j = 0; j < 3; ++j)
-      for (int i = 0; i < 3; ++i) emit(j, i);
-    for (int i = 3; i < elements_[e].count; ++i)
-      for (int j = 0; j < 3; ++j) {
-        emit(j, i);
-        emit(i, j);
-      }
-  }
+
+  /// All elements: forces added to those of the local points [N], energy of the owned ones [J], blocks added at the slots [N/m].
+  double add_gradients(const Configuration& c, Vec3* force) const;
+  void add_tangents(const Configuration& c, double* blocks) const;
+  /// Does not change: see MembraneTerm.
+  [[nodiscard]] static long version() { return 0; }
+  /// The kernels of another instruction set.
+  void use(const ElementKernels& kernels) { kernels_ = &kernels; }
 
  private:
-  struct Element {
-    std::size_t start;
-    int count;
-    bool owned;
-    double rest_energy;
-    Vec3 normal, start_coupling;  ///< N_s, w
-  };
-  struct Normal {
-    Vec3 a, b, unit;
-    double length;
-  };
-  [[nodiscard]] Normal normal(const Element& el, const Configuration& c) const;
-  /// v = e0 N_s + w + sum_i c_i u_i, equal to A kappa0.D k'(x).
-  [[nodiscard]] Vec3 coupled(const Element& el, const Configuration& c) const;
-  void blocks_of(const Element& el, const Configuration& c, std::array<std::array<Mat3, 3>, 3>& centre,
-                 std::array<Mat3, 3>& mixed) const;
+  [[nodiscard]] CurvedBatch view(const Batches::Batch& b) const;
 
-  std::vector<Element> elements_;
-  std::vector<Index> points_;
-  std::vector<double> coupling_;
+  const ElementKernels* kernels_ = &batch_kernels();
+  Batches batches_{curved_fields::coupling, 1};
 };
 
 }  // namespace voile::energy

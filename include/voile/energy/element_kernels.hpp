@@ -112,6 +112,24 @@ struct AngleKernels {
   void (*tangent)(const AngleBatch& batch, const double* angles, const double* slopes, double* pulls, double* blocks);
 };
 
+/// Places of the numbers of a triangle whose bending depends on its normal (bending.hpp); its points 0, 1, 2 are the corners.
+namespace curved_fields {
+constexpr int rest_energy = 0;     ///< e0
+constexpr int normal = 1;          ///< N_s
+constexpr int start_coupling = 4;  ///< w
+constexpr int coupling = 7;        ///< c_i, one for each point
+}  // namespace curved_fields
+struct CurvedBatch {
+  const double* fields;
+  const int *gather, *scatter, *slots;  ///< as in MembraneBatch; only the pairs of corners with all points have blocks
+  int points, first, last;
+};
+struct CurvedKernels {
+  /// Adds to forces; energies, one per lane, to `energy`.
+  void (*gradient)(const CurvedBatch& batch, const KernelState& state, double* force, double* energy);
+  void (*tangent)(const CurvedBatch& batch, const KernelState& state, double* blocks);
+};
+
 /// The kernels of one instruction set.
 struct ElementKernels {
   const char* name;
@@ -120,6 +138,7 @@ struct ElementKernels {
   MembraneKernels membrane;
   EdgeKernels edges;
   AngleKernels angles;
+  CurvedKernels curved;
 };
 
 /// All variants of this build, the scalar one first.

@@ -232,7 +232,7 @@ struct Case {
   std::vector<SeamSection> seams;
   std::vector<MarkSection> marks;
   SewingSection sewing;
-  energy::ElementOptions element{.membrane = energy::MembraneOperator::six_node_corrected};
+  energy::ElementOptions element;
   std::vector<energy::Material> materials;
   std::vector<system::Support> supports;
   std::vector<MotionInput> motions;  ///< one per support

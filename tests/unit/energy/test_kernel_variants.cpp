@@ -31,6 +31,7 @@ struct Kernels {
   energy::Sheet sheet;
   energy::MembraneTerm membrane;
   energy::AngleBendingTerm angles;
+  energy::CurvedBendingTerm curved;
   std::size_t blocks = 1;
 
   Kernels(const mesh::MeshData& data, energy::MembraneOperator kind)
@@ -44,6 +45,7 @@ struct Kernels {
       const energy::BendingElement bending = energy::make_bending_element(sheet, t, op);
       membrane.add(sheet, t, energy::MembraneTerm::stencil_of(sheet, t), t % 3 != 0);
       if (membrane.corrects()) membrane.correct(sheet, forms.trace(t), t, bending, bending.points);
+      if (bending.coupling.size() > 0) curved.add(bending, bending.points, t % 3 != 0);
       if (const auto by_angles = energy::make_edge_angles(sheet, t, op, bending))
         angles.add(bending, *by_angles, bending.points, mesh.area(t) * materials[0].bending, t % 3 != 0);
     }
@@ -55,6 +57,7 @@ struct Kernels {
     };
     membrane.locate(own, 0);
     angles.locate(own, 0);
+    curved.locate(own, 0);
   }
   static energy::ElementOptions options(energy::MembraneOperator kind) {
     energy::ElementOptions o;
@@ -121,7 +124,9 @@ TEST_CASE("the kernels of every instruction set agree with the scalar ones") {
           k.membrane.set_viscosity({});
           if (viscous) k.membrane.start_step({previous.data(), u.data()}, 0.5);
           compare(k.membrane, k, c);
-          if (!viscous) compare(k.angles, k, c);
+          if (viscous) continue;
+          compare(k.angles, k, c);
+          compare(k.curved, k, c);
         }
     }
 }
