@@ -158,7 +158,7 @@ PetscErrorCode count_rejection(TS ts, PetscInt* rejections) {
 
 PetscErrorCode step(TS ts) {
   Alpha& th = data(ts);
-  PetscInt rejections = 0;
+  PetscInt rejections = 0, its = 0, lits = 0;
   PetscBool stage_good = PETSC_FALSE, accepted = PETSC_FALSE;
   PetscReal next = ts->time_step;
   PetscFunctionBeginUser;
@@ -181,7 +181,6 @@ PetscErrorCode step(TS ts) {
       PetscCall(count_rejection(ts, &rejections));
       continue;
     }
-    PetscInt its = 0, lits = 0;
     PetscCall(TSPreStage(ts, th.stage_time));
     PetscCall(SNESSolve(ts->snes, nullptr, th.x1));
     if (th.callbacks.solved) PetscCall(th.callbacks.solved(th.callbacks.context, th.x1));

@@ -227,7 +227,7 @@ def garment_hostile(report):
     ring = [[{"panel": p, "edge": 1}, {"panel": q, "edge": 3}] for p, q in (("a", "b"), ("b", "c"), ("c", "a"))]
     says("a ring of three", 0, pattern(chain, ring), "'c/1-a/3'")
     says("a ring with a twist", 2, pattern(chain, ring[:2] + [ring[2] + ["right_wrong"]]), "stitch 2", "with a twist")
-    says("an edge in two seams", 2, pattern(chain, ring[:1] + [ring[0][::-1]]), "stitch 1", "is in a seam already", "divide it")
+    says("an edge in two seams", 2, pattern(chain, ring[:1] + [ring[0][::-1]]), "stitch 1", "is in a seam already", "divide the edge", "pleat")
     dart = svg("garment_tipless.svg", '<path id="piece" d="M 0 0 L 400 0 L 400 300 L 230 300 L 210 180 L 190 180 L 170 300 L 0 300 Z"/>')
     says("a dart without a tip", 2, tube(panel=[{"file": dart, "size": 0.025}], seam=[{"edges": ["piece/3"], "to": ["piece/5"]}], spring=[]), "[[seam]] number 0", "no common tip")
     body, points = box_file("garment_box.obj")
