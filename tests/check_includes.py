@@ -48,7 +48,8 @@ THIRD_PARTY = [
     (r"boost/math/.*", r"pattern/curve"),
     (r"Eigen/.*", r".*"),
     (r"fmt/.*", r".*"),
-    (r"dlfcn\.h|xmmintrin\.h", r".*/mumps.*"),
+    (r"dlfcn\.h", r".*/mumps.*|app/threads.*"),
+    (r"xmmintrin\.h", r".*/mumps.*"),
     (r"unistd\.h|fcntl\.h|sys/.*\.h", r"io/.*|app/.*|input/.*|base/.*"),
     (r"linux/.*\.h|poll\.h", r"base/.*"),
     (r"doctest/.*", r"(?!)"),  # tests only

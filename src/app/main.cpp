@@ -22,6 +22,7 @@
 #include "launched_ranks.hpp"
 #include "option_hint.hpp"
 #include "temporary_folder.hpp"
+#include "threads.hpp"
 #include "voile/app/run.hpp"
 #include "voile/app/version.hpp"
 #include "voile/base/error.hpp"
@@ -342,6 +343,7 @@ Exit execute(const Request& request, const char* program) {
 
 int main(int argc, char** argv) {
   keep_output_streams();
+  app::use_one_thread();
   try {
     app::delegate_command(argc, argv);
     app::check_temporary_folder();

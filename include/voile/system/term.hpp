@@ -137,7 +137,7 @@ class ElementTerm final : public Term {
 
   void add_blocks(const energy::Configuration& c, const Dofs& dofs, const BlockMatrix& matrix, int pattern,
                   const BlockMatrix::Values& values) override {
-    if (pattern != located_) locate(dofs, matrix, pattern);
+    if (pattern != located_) find_slots(dofs, matrix, pattern);
     for (Index e = 0; e < kernel.size(); ++e) {
       if (special_[e]) {
         const Index* stencil = kernel.stencil(e);
@@ -159,7 +159,7 @@ class ElementTerm final : public Term {
     for (std::size_t at = first_slot_[e]; at < end; ++at) values.fetch(slots_[at]);
   }
   /// Finds the places of all blocks.
-  void locate(const Dofs& dofs, const BlockMatrix& matrix, int pattern) {
+  void find_slots(const Dofs& dofs, const BlockMatrix& matrix, int pattern) {
     const LocalPoints& local = dofs.local();
     slots_.clear();
     first_slot_.clear();

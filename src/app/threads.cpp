@@ -1,0 +1,18 @@
+#include "threads.hpp"
+
+#include <dlfcn.h>
+
+#include <cstdlib>
+
+namespace voile::app {
+
+void use_one_thread() {
+  for (const char* name : {"OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"})
+    if (std::getenv(name)) return;
+  setenv("OMP_NUM_THREADS", "1", 0);
+  setenv("OPENBLAS_NUM_THREADS", "1", 0);
+  // OpenBLAS has read its environment when it was loaded; another BLAS does not have this function.
+  if (void* set = dlsym(RTLD_DEFAULT, "openblas_set_num_threads")) reinterpret_cast<void (*)(int)>(set)(1);
+}
+
+}  // namespace voile::app
