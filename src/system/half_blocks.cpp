@@ -66,7 +66,8 @@ double* HalfBlocks::open() {
 void HalfBlocks::write_to(const BlockMatrix& matrix, const BlockMatrix::Values& values, const CompactMatrix& k,
                           double factor) const {
   if (matrix.extended()) matrix.clear();
-  auto [inside, outside] = k.scalars();
+  auto scalars = k.scalars();
+  auto &inside = scalars.first, &outside = scalars.second;
   const Index* source = source_.data();
   matrix.for_each_base_slot([&](Slot s) {  // in the order of the two parts
     double* at = s.offset >= 0 ? values.diagonal + s.offset : values.off_diagonal + ~s.offset;

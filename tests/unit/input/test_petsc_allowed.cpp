@@ -41,8 +41,10 @@ TEST_CASE("options of a case that choose and tune solvers or print are allowed")
                                     {"-inexact_ksp_monitor", ""},
                                     {"-inexact_factor_pc_type", "cholesky"},
                                     {"-mixed_ksp_rtol", "1e-10"},
-                                    {"-path_control", "load"}})
-    CHECK_MESSAGE(allowed(name, value), name);
+                                    {"-path_control", "load"}}) {
+    const std::string option = name;
+    CHECK_MESSAGE(allowed(name, value), option);
+  }
 }
 
 TEST_CASE("options of a case that write, load, start or open something are refused") {
@@ -98,6 +100,8 @@ TEST_CASE("options of a case that write, load, start or open something are refus
                                     {"-ksp_type", "/a/b"},
                                     {"-snes", "x"},
                                     {"-snes_", "x"},
-                                    {"-anything", ""}})
-    CHECK_MESSAGE(!allowed(name, value), name, " ", value);
+                                    {"-anything", ""}}) {
+    const std::string option = name, given = value;
+    CHECK_MESSAGE(!allowed(name, value), option, " ", given);
+  }
 }

@@ -183,7 +183,8 @@ TEST_CASE("a byte-order mark before a file does not matter") {
         {".stl",
          "solid s\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 1 1 0\nendloop\nendfacet\n"
          "endsolid s\n"}}) {
-    INFO(suffix);
+    const std::string kind = suffix;
+    INFO(kind);
     CHECK(read(suffix, mark + text).triangles == read(suffix, text).triangles);
     CHECK(read(suffix, text).triangles.size() == 1);
   }
