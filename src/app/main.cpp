@@ -212,7 +212,7 @@ class PetscSession {
   PetscSession(const PetscSession&) = delete;
   PetscSession& operator=(const PetscSession&) = delete;
 
-  /// Throws UserError for tolerances and limits below zero, which PETSc takes without a word.
+  /// Throws UserError for tolerances and limits below zero, which PETSc takes silently.
   static void check_tolerances() {
     char* all = nullptr;
     VOILE_PETSC(PetscOptionsGetAll(nullptr, &all));

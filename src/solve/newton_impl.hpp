@@ -24,7 +24,7 @@ struct Newton::Impl {
   SolverChoice choice;
   petsc::VecHandle residual, start, previous, increment, trial;
   bool has_previous = false;
-  double allowed = 1.0;  ///< share of the last increment that contact let pass
+  double allowed = 1.0;  ///< fraction of the last increment that contact let pass
   double step_norm = 0.0, last_work = 0.0, last_residual = 0.0;
   double full_increment = 0.0;    ///< norm of the increment before a line search shortens it [m]
   bool judged_converged = false;  ///< by `judge`, at the last iterate
