@@ -2,12 +2,14 @@
 
 #include <dlfcn.h>
 
+#include <array>
 #include <cstdlib>
 
 namespace voile::app {
 
 void use_one_thread() {
-  for (const char* name : {"OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"})
+  constexpr std::array names{"OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"};
+  for (const char* name : names)
     if (std::getenv(name)) return;
   setenv("OMP_NUM_THREADS", "1", 0);
   setenv("OPENBLAS_NUM_THREADS", "1", 0);

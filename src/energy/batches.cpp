@@ -50,7 +50,8 @@ std::size_t Batches::open(int size) {
 
 void Batches::fill(const Batch& b, int lane, const Item& item) {
   const auto l = static_cast<std::size_t>(lane);
-  for (std::size_t k = 0; k < static_cast<std::size_t>(fixed_ + per_point_ * b.size); ++k)
+  const int fields = fixed_ + per_point_ * b.size;
+  for (std::size_t k = 0; k < static_cast<std::size_t>(fields); ++k)
     fields_[b.fields + k].of[l] = k < item.numbers.size() ? item.numbers[k] : 0.0;
   for (std::size_t i = 0; i < static_cast<std::size_t>(b.size); ++i)
     points_[b.points + i][l] = item.stencil[i < item.stencil.size() ? i : 0];

@@ -15,8 +15,8 @@ struct Single {
   KernelState state;
 
   explicit Single(const EdgePoints& x) {
-    for (int k = 0; k < 4; ++k) points[static_cast<std::size_t>(k * batch_lanes)] = k;
-    for (int k = 0; k < 10; ++k) slots[static_cast<std::size_t>(k * batch_lanes)] = 9 * k;
+    for (int k = 0; k < 4; ++k) points[static_cast<std::size_t>(k) * batch_lanes] = k;
+    for (int k = 0; k < 10; ++k) slots[static_cast<std::size_t>(k) * batch_lanes] = 9 * k;
     pull[0] = 1.0;
     state.x = x[0].data();
   }
