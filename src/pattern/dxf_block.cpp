@@ -18,9 +18,9 @@ const std::string boundary = "1", turn_points = "2", curve_points = "3", notches
                   grain_line = "7", cutout = "11", sew_line = "14";
 /// Change of direction at which a boundary without turn points has a corner [rad].
 constexpr double corner_angle = 15.0 * 3.14159265358979 / 180.0;
-/// Share of the extent of a piece within which marks count as on its outline, and lines as the same.
+/// Fraction of the extent of a piece within which marks count as on its outline, and lines as the same.
 constexpr double on_outline = 1e-3;
-/// Share of the extent of a piece within which a notch belongs to its outline: those of the boundary, seen from the sew line, do.
+/// Fraction of the extent of a piece within which a notch belongs to its outline: those of the boundary, seen from the sew line, do.
 constexpr double near_outline = 0.08;
 
 std::vector<Vec2> points_on(const std::vector<DxfEntity>& entities, const std::string& layer) {
