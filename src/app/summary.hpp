@@ -27,7 +27,7 @@ struct RemeshingEffort {
 /// What summary.json says.
 struct Summary {
   bool converged = false;
-  std::string reason;    ///< why not
+  std::string reason;   ///< why not
   std::string element;  ///< its type, as in the case file
   double load_factor = 0.0;
   int steps = 0, newton_iterations = 0, factorisations = 0;

@@ -22,11 +22,8 @@ Vec3 turned(const double* tensor, Complex turn) {
   return {mean + rest.real(), mean - rest.real(), rest.imag()};
 }
 
-bool touch(const mesh::Triangle& t, const mesh::Triangle& other) {
-  for (const Index v : other)
-    if (v == t[0] || v == t[1] || v == t[2]) return true;
-  return false;
-}
+/// Triangles that determine a quadratic well, and rings that are tried for them.
+constexpr int enough = 15, most_rings = 3;
 
 double energy_of(const Vec3& resultant, const Mat3& compliance) {
   return 0.5 * resultant.dot(compliance * resultant);
@@ -76,21 +73,60 @@ RecoveryError::Piece RecoveryError::beyond(const Piece& from, int s) const {
   return p;
 }
 
-int RecoveryError::pieces_around(Index t, std::array<Piece, most>& pieces) const {
+int RecoveryError::grow(std::array<Piece, most>& pieces, int count, const std::vector<Index>& core) const {
   const mesh::SurfaceMesh& mesh = sheet_->mesh();
-  const mesh::Triangle& centre = mesh.triangles()[static_cast<std::size_t>(t)];
-  pieces[0] = {t, flat_[static_cast<std::size_t>(t)].corner, 0.0, 1.0};
-  int count = 1;
+  const auto touches = [&](Index t) {
+    const mesh::Triangle& v = mesh.triangles()[static_cast<std::size_t>(t)];
+    return std::any_of(v.begin(), v.end(),
+                       [&](Index i) { return std::find(core.begin(), core.end(), i) != core.end(); });
+  };
   for (int k = 0; k < count; ++k)
     for (int s = 0; s < 3 && count < most; ++s) {
       const Piece from = pieces[k];
       if (!flat_[static_cast<std::size_t>(from.triangle)].goes_on[s]) continue;
       const Index next = mesh.neighbour(from.triangle, s);
-      if (!touch(centre, mesh.triangles()[static_cast<std::size_t>(next)])) continue;
+      if (!touches(next)) continue;
       const auto is_next = [next](const Piece& p) { return p.triangle == next; };
       if (std::none_of(pieces.begin(), pieces.begin() + count, is_next)) pieces[count++] = beyond(from, s);
     }
   return count;
+}
+
+int RecoveryError::pieces_around(Index t, std::array<Piece, most>& pieces) const {
+  const mesh::Triangle& centre = sheet_->mesh().triangles()[static_cast<std::size_t>(t)];
+  pieces[0] = {t, flat_[static_cast<std::size_t>(t)].corner, 0.0, 1.0};
+  return grow(pieces, 1, {centre.begin(), centre.end()});
+}
+
+Vec3 RecoveryError::at_corner(Index t, int i, const std::vector<double>& values) const {
+  const mesh::SurfaceMesh& mesh = sheet_->mesh();
+  const Flat& own = flat_[static_cast<std::size_t>(t)];
+  std::array<Piece, most> pieces;
+  pieces[0] = {t, own.corner, 0.0, 1.0};
+  int count = 1;
+  std::vector<Index> core{mesh.triangles()[static_cast<std::size_t>(t)][static_cast<std::size_t>(i)]};
+  for (int ring = 0; ring < most_rings && count < enough; ++ring) {
+    count = grow(pieces, count, core);
+    for (int k = 0; k < count; ++k) {
+      const mesh::Triangle& v = mesh.triangles()[static_cast<std::size_t>(pieces[k].triangle)];
+      core.insert(core.end(), v.begin(), v.end());
+    }
+  }
+  Eigen::Matrix<double, 6, 6> normal = Eigen::Matrix<double, 6, 6>::Zero();
+  Eigen::Matrix<double, 6, 3> right = Eigen::Matrix<double, 6, 3>::Zero();
+  const double size = std::sqrt(own.area);
+  for (int k = 0; k < count; ++k) {
+    const Piece& p = pieces[k];
+    const Complex c = (p.centre - own.corner[i]) / size;
+    const double x = c.real(), y = c.imag();
+    const double weight = flat_[static_cast<std::size_t>(p.triangle)].area / (1.0 + std::norm(c));
+    Eigen::Matrix<double, 6, 1> basis;
+    basis << 1.0, x, y, x * x, y * y, x * y;
+    normal += weight * basis * basis.transpose();
+    right += weight * basis * turned(&values[3 * static_cast<std::size_t>(p.triangle)], p.turn).transpose();
+  }
+  normal.diagonal().tail<5>().array() += restraint * normal(0, 0);
+  return normal.ldlt().solve(right).row(0).transpose();
 }
 
 RecoveryError::Density RecoveryError::of(Index t, const std::vector<double>& force,

@@ -9,6 +9,7 @@ import tomllib
 import numpy as np
 from common import fresh, strip
 from harness import OUT, solve, test
+from shapes import write_msh
 from solver import ROOT, invoke, load_case, run, variant, write_case
 
 
@@ -234,3 +235,25 @@ def installed(report):
     script = f"source {prefix}/share/bash-completion/completions/voile; COMP_WORDS=(voile run --ov); COMP_CWORD=2; _voile; echo ${{COMPREPLY[@]}}"
     text = subprocess.run(["bash", "-c", script], text=True, capture_output=True, env=os.environ).stdout
     report.check(text.strip() == "--overwrite", f"completion of --ov: {text.strip()}")
+
+
+@test
+def stress_at_vertices(report):
+    """NAFEMS LE1 (The Standard NAFEMS Benchmarks, TNSB rev. 3, 1990): an elliptic membrane under outward pressure, 92.7 MPa at the inner end of its long axis; recovered at the vertex, on three meshes."""
+    for across, along, limit in ((12, 8, 0.04), (24, 16, 0.02), (48, 32, 0.02)):
+        angle = np.linspace(0, np.pi / 2, along + 1)
+        points = np.array([((2 + 1.25 * s) * np.cos(a), (1 + 1.75 * s) * np.sin(a), 0) for a in angle for s in np.linspace(0, 1, across + 1)])
+        at = lambda i, j: j * (across + 1) + i  # noqa: E731
+        cells = [(at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)) for j in range(along) for i in range(across)]
+        rim = [(at(across, j), at(across, j + 1)) for j in range(along)]
+        mesh = write_msh(OUT / "le1.msh", points, [("x axis", 1, [(at(i, 0), at(i + 1, 0)) for i in range(across)]),
+                                                   ("y axis", 1, [(at(i, along), at(i + 1, along)) for i in range(across)]),
+                                                   *((f"rim {j}", 1, [side]) for j, side in enumerate(rim)),
+                                                   ("sheet", 2, np.array([t for a, b, c, d in cells for t in ((a, b, c), (a, c, d))]))])
+        outward = [np.array([(p := points[b] - points[a])[1], -p[0], 0]) / np.linalg.norm(p) for a, b in rim]
+        case = {"analysis": "linear", "mesh": {"file": str(mesh)}, "material": [{"type": "isotropic", "young": 210e9, "poisson": 0.3, "thickness": 0.1}],
+                "support": [{"type": "displacement", "group": group, "components": [k]} for group, k in (("x axis", "y"), ("y axis", "x"), ("sheet", "z"))],
+                "load": [{"type": "line", "group": f"rim {j}", "vector": (1e6 * n).tolist()} for j, n in enumerate(outward)],
+                "output": {"stresses": "surface"}}
+        step = solve("le1", case, 1).results[-1]
+        report.percent(step["stress_top_at_vertices"][0, 1] / 92.7e6, limit, f"{across} x {along}: stress at the vertex (in the triangles beside {step['stress_top'][:, 1].max() / 1e6:.1f} MPa)")

@@ -101,7 +101,7 @@ def estimated_errors(report):
         field = result.results[-1]["membrane_error"]
         report.check(np.all(field >= 0) and field.max() > 0, "the field says where")
         if jitter:
-            report.check(told and 0.5 < estimate / error < 2, f"{element}: -u of the tip is {100 * error:.1f} % too small, estimated {100 * estimate:.1f} %")
+            report.check((told or estimate < 0.05) and 0.5 < estimate / error < 2, f"{element}: -u of the tip is {100 * error:.1f} % too small, estimated {100 * estimate:.1f} %")
         else:
             report.check(not told and estimate < 3e-3, f"even cells: {100 * error:.2f} %, estimated {100 * estimate:.3f} %")
     hypar = load_case(ROOT / "runs" / "linear" / "hypar_1000.toml") | {"element": {"type": "six_node"}}
