@@ -162,9 +162,9 @@ def output_of(voile, *arguments):
 def check_reference(reference):
     path = ROOT / "docs" / "case-reference.md"
     if not path.is_file():
-        yield f"{name_of(path)} does not exist; create it with: voile reference > docs/case-reference.md"
+        yield f"{name_of(path)} does not exist; create it with: voile reference > docs/reference/case.md"
     elif path.read_text() != reference:
-        yield f"{name_of(path)} differs from the program; renew it with: voile reference > docs/case-reference.md"
+        yield f"{name_of(path)} differs from the program; renew it with: voile reference > docs/reference/case.md"
 
 
 def reference_keys(reference):

@@ -86,7 +86,7 @@ std::vector<Key> keys_of(energy::ElementOptions& s) {
                                   {"edge_angle", energy::BendingOperator::edge_angle},
                                   {"six_node", energy::BendingOperator::six_node}}),
        .meaning = "Curvature of a triangle: from one normal slope per edge; the same from the angles at edges, which "
-                  "leaves out what happens in the plane of the sheet and takes more time (docs/element.md); or from "
+                  "leaves out what happens in the plane of the sheet and takes more time (docs/theory/curvature.md); or from "
                   "the quadratic through the triangle and its three neighbours (accurate on regular meshes only)."},
       {.name = "membrane",
        .slot = choice(s.membrane, {{"auto", energy::MembraneOperator::automatic},
@@ -97,7 +97,7 @@ std::vector<Key> keys_of(energy::ElementOptions& s) {
        .meaning = "Membrane strain: constant-strain triangle; mid-side strains of the six-node patch averaged, as "
                   "they are or corrected for what straight chords feign where the surface bends; or the energies "
                   "of the three mid-side strains averaged. `auto`: `six_node_corrected` where `six_node` would lock, "
-                  "decided once from mesh, thickness and analysis (docs/element.md)."},
+                  "decided once from mesh, thickness and analysis (docs/theory/curvature.md)."},
       {.name = "cst_share",
        .slot = &s.cst_share,
        .meaning = "Share of constant-strain energy in `six_node` and `six_node_corrected`. Without it free edges "

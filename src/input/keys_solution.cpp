@@ -93,7 +93,7 @@ std::vector<Key> keys_of(EigenSection& s) {
       {.name = "mass",
        .slot = choice(s.mass, {{"consistent", system::Mass::consistent}, {"lumped", system::Mass::lumped}}),
        .meaning = "Mass matrix of `modal`: consistent with linear displacements in the triangles, or lumped at the "
-                  "vertices (better for taut sheets with `six_node_corrected`, see docs/solver.md)."}};
+                  "vertices (better for taut sheets with `six_node_corrected`, see docs/howto/find-modes.md)."}};
 }
 
 namespace {

@@ -98,7 +98,7 @@ def garment_landmark_mistakes(report):
 
 @test
 def garment_first(report):
-    """What docs/garment.md lets its reader type, with coarser cells: two outlines and a body become a skirt that hangs."""
+    """What docs/tutorials/skirt.md lets its reader type, with coarser cells: two outlines and a body become a skirt that hangs."""
     page = (ROOT / "docs" / "garment.md").read_text().split("## From two drawings")[1].split("## Garments that come")[0]
     blocks = {kind: text for kind, text in re.findall(r"```(svg|toml)\n(.*?)```", page, re.DOTALL)}
     folder = OUT / "garment_first"
