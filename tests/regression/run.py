@@ -44,6 +44,7 @@ import running  # noqa: E402, F401
 import sewing  # noqa: E402, F401
 import staging  # noqa: E402, F401
 import trusting  # noqa: E402, F401
+import tutorials  # noqa: E402, F401
 import viewing  # noqa: E402, F401
 from harness import OUT, TESTS, Failure, Report  # noqa: E402
 
