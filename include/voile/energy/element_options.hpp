@@ -24,7 +24,7 @@ struct ElementOptions {
   BendingOperator bending = BendingOperator::edge_slope;
   MembraneOperator membrane = MembraneOperator::six_node;
   /// Share of constant-strain energy mixed into `six_node` and `six_node_corrected`, 0..1: W = (1-s) W(mean E) + s W(E_cst). Without it free
-  /// edges crumple at little energy; more costs accuracy on coarse meshes (docs/developers/decisions/cst-share.md).
+  /// edges crumple at little energy; more costs accuracy on coarse meshes (docs/developers/decisions/cst-fraction.md).
   double cst_share = 0.1;
   /// A patch quadratic whose scaled 6x6 fit has a larger condition number is not used. Smaller: more edges take the
   /// dearer ring fit.
