@@ -7,7 +7,6 @@
 #include "free_motions.hpp"
 #include "garment.hpp"
 #include "group_names.hpp"
-#include "membrane_choice.hpp"
 #include "mesh_report.hpp"
 #include "probes.hpp"
 #include "remesher.hpp"
@@ -83,12 +82,10 @@ void info(const mesh::SurfaceMesh& mesh, const energy::ElementOptions& element) 
   mpi::on_root(PETSC_COMM_WORLD, [&] { report(mesh, quality, element); });
 }
 
-void check(const input::Case& as_given) {
-  const std::string garment = garment_report(as_given);
-  const auto given = std::make_shared<const mesh::SurfaceMesh>(case_mesh(as_given));
-  check_group_names(as_given, *given);
-  const MembraneChoice choice = choose_membrane(as_given, *given);
-  const input::Case whole = with_membrane(as_given, choice.membrane);
+void check(const input::Case& whole) {
+  const std::string garment = garment_report(whole);
+  const auto given = std::make_shared<const mesh::SurfaceMesh>(case_mesh(whole));
+  check_group_names(whole, *given);
   const mesh::SurfaceMesh& mesh = *given;
   const std::vector<Stage> stages = stages_of(whole, {});
   const auto meshes = stage_meshes(stages, given);
@@ -117,7 +114,6 @@ void check(const input::Case& as_given) {
   mpi::on_root(PETSC_COMM_WORLD, [&] {
     (void)Probes(c, model);
     report(mesh, quality, c.element);
-    if (!choice.text.empty()) fmt::print("{}\n", choice.text);
     if (const std::string text = locking_warning(model.discretisation().sheet(), at_rest); !text.empty())
       fmt::print("warning: {}\n", text);
     if (!uncorrected.empty()) fmt::print("warning: {}\n", uncorrected);

@@ -72,11 +72,6 @@ void report_model(const input::Case& c, const RunOptions& options, const system:
     if (talks && c.analysis != "dynamic") fmt::print("note: {}\n", text);
 }
 
-void report_membrane(const RunOptions& options, const MembraneChoice& choice) {
-  const bool talks = mpi::rank(PETSC_COMM_WORLD) == 0 && options.verbosity != Verbosity::quiet;
-  if (talks && !choice.text.empty()) fmt::print("{}\n", choice.text);
-}
-
 void report_end(const input::Case& c, const RunOptions& options, const Summary& s) {
   const std::string folder = options.output.string();
   mpi::on_root(PETSC_COMM_WORLD, [&] {

@@ -15,7 +15,6 @@
 #include "epoch.hpp"
 #include "garment.hpp"
 #include "group_names.hpp"
-#include "membrane_choice.hpp"
 #include "model_input.hpp"
 #include "modes.hpp"
 #include "output_folder.hpp"
@@ -97,7 +96,7 @@ Summary summary_of(const solve::Followed& all, const system::State& state, const
                    const system::Model& model) {
   Summary s;
   s.converged = all.completed;
-  s.membrane = name(c.element.membrane);
+  s.element = energy::element_types[energy::type_of(c.element)].name;
   s.reason = all.reason;
   s.load_factor = state.load_factor;
   s.steps = c.analysis == "static" ? state.step : all.steps;
@@ -203,12 +202,10 @@ void settle_contact_start(const Stage& stage, Epoch& epoch, Origin origin) {
 
 }  // namespace
 
-Exit run(const input::Case& as_given, const RunOptions& given) {
+Exit run(const input::Case& c, const RunOptions& given) {
   const SignalScope signals;
-  const Mesh first = std::make_shared<const mesh::SurfaceMesh>(load_case_mesh(as_given));
-  check_group_names(as_given, *first);
-  const MembraneChoice choice = choose_membrane(as_given, *first);
-  const input::Case c = with_membrane(as_given, choice.membrane);
+  const Mesh first = std::make_shared<const mesh::SurfaceMesh>(load_case_mesh(c));
+  check_group_names(c, *first);
   if (given.verbosity == Verbosity::verbose) show_iterations();
   RunOptions options = given;
   std::vector<Stage> stages = stages_of(c, options);
@@ -228,7 +225,6 @@ Exit run(const input::Case& as_given, const RunOptions& given) {
     enter_stage(stage.c, *mesh, origin, state);
     std::unique_ptr<Epoch> epoch = open_stage(stage, *mesh, state, k == 0);
     if (k == 0 && origin == Origin::nothing) check_start_supports(stage.c, epoch->model(), epoch->state().u);
-    if (k == 0) report_membrane(options, choice);
     mpi::on_root(PETSC_COMM_WORLD, [&] {
       if (!folder) folder.emplace(c, options);
       if (stage.c.is_staged()) folder->add(stage.c);

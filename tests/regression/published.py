@@ -198,7 +198,7 @@ def restart(report):
 @test
 def corrected_restart(report):
     """The same with the corrected membrane on a laminate, whose limit load is near that of the six-node one."""
-    case = variant(mesh_of("roof_90_0_90_12.7", n_axial=8, n_circ=8), {"element": {"membrane": "six_node_corrected"}})
+    case = variant(mesh_of("roof_90_0_90_12.7", n_axial=8, n_circ=8), {"element": {"type": "corrected"}})
     whole = solve("corrected_restart_whole", case, 2)
     middle = whole.summary["steps"] // 2
     again = solve("corrected_restart_again", case, 3, ["--restart", whole.results.file, "--restart-step", str(middle)])

@@ -345,7 +345,7 @@ def remesh_mistakes(report):
     tip_force = {"type": "point", "group": "tip", "vector": [0, 0, 1.0]}
     for number, (words, case) in enumerate((
             ("[remesh]: nothing is remeshed with analysis", strip("modal", time=None, remesh=SIZES)),
-            ("six_node", strip(remesh=SIZES, element={"bending": "six_node"})),
+            ("six_node", strip(remesh=SIZES, element={"type": "sze_zhou_2016"})),
             ("frozen: 'nowhere'", strip(remesh=SIZES | {"frozen": ["nowhere"]})),
             ("smallest", strip(remesh=SIZES | {"smallest": 0.6})),
             ("size", strip(remesh=SIZES | {"size": "0.1 + "})),

@@ -61,7 +61,7 @@ TEST_CASE("every key is read") {
   CHECK(c.mesh.options.parameters == std::map<std::string, double>{{"L", 2.5}, {"n", 12.0}});
   CHECK(c.element.bending == energy::BendingOperator::six_node);
   CHECK(c.element.membrane == energy::MembraneOperator::cst);
-  CHECK(c.element.cst_share == 0.3);
+  CHECK(c.element.cst_fraction == 0.3);
   CHECK(c.element.max_patch_condition == 50.0);
   CHECK(c.element.crease_angle == relative(33.3 * std::numbers::pi / 180).epsilon(1e-15));
   REQUIRE(c.materials.size() == 3);
@@ -176,7 +176,7 @@ TEST_CASE("values of the wrong type or range") {
   CHECK(has(error_after("n = 12", "n = \"12\""), "mesh.parameters: { L = 2.5, n = '12' }: 'n' must be a number"));
   CHECK(has(error_after("{ n = 12, L = 2.5 }", "{ }"), "the table is empty"));
   CHECK(has(error_after("fallback = false", "fallback = \"no\""), "steps.fallback: 'no': write true or false"));
-  CHECK(has(error_after("cst_share = 0.3", "cst_share = 1.5"), "must be >= 0 and <= 1"));
+  CHECK(has(error_after("cst_fraction = 0.3", "cst_fraction = 1.5"), "must be >= 0 and <= 1"));
   CHECK(has(error_after("value = [0.1, 0, -0.2]", "value = [0.1, 0]"), "three numbers [x, y, z] are needed"));
   CHECK(has(error_after("direction = [1, 1, 0]", "direction = [0, 0, 0]"), "a direction must not be zero"));
   CHECK(has(error_after("[[2, 1, 0.1], ", "[[2, 1], "), "three rows of three numbers are needed"));
