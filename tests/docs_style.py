@@ -84,6 +84,10 @@ def check_style():
             for pattern, instead in AVOIDED.items():
                 if found := re.search(pattern, block, re.I):
                     yield f"{name_of(path)}: '{found[0]}' in '{block[max(0, found.start() - 30):found.end() + 30]}'; write: {instead}"
+    for number, line in enumerate(GENERATED.read_text().splitlines(), 1):
+        line = re.sub(r"`[^`]*`", "code", line)
+        yield from (f"{name_of(GENERATED)}:{number}: '{found[0]}'; write: {instead}" for pattern, instead in AVOIDED.items()
+                    if (found := re.search(pattern, line, re.I)))
     if total > WORDS:
         yield f"docs: {total} words; at most {WORDS}"
 
