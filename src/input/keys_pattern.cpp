@@ -204,7 +204,7 @@ std::vector<Key> keys_of(SewingSection& s) {
        .range = {0.0, stiffest_seam, true}},
       {.name = "force",
        .slot = &s.force,
-       .meaning = "With which they pull at most until none has a length any more, per rest length of the seam. 0: what "
+       .meaning = "With which they pull at most until none has a length left, per rest length of the seam. 0: what "
                   "stretches the softest material of the case by a tenth.",
        .unit = "N/m",
        .range = {0.0, strongest_seam}},
