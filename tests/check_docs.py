@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """Checks that the documentation agrees with the program.
 
-    tests/check_docs.py                       what needs no program: files, links, sources of published figures, no loose ends
+    tests/check_docs.py                       what needs no program: files, links, style, sources of published figures, no loose ends
     tests/check_docs.py --voile build/voile   also subcommands, options and keys of the case file
 """
 
@@ -15,8 +15,9 @@ import tomllib
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "runs" / "lib"))
+sys.path[:0] = [str(Path(__file__).resolve().parent), str(Path(__file__).resolve().parents[1] / "runs" / "lib")]
 
+from docs_style import check_style, counts  # noqa: E402
 from solver import environment  # noqa: E402
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -27,7 +28,7 @@ UNFINISHED = ("TO" "DO", "FIX" "ME", "X" * 3)
 
 
 def pages():
-    return sorted([*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md"), *(ROOT / "runs").rglob("README.md")])
+    return sorted([*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md"), *(ROOT / "runs").rglob("*.md")])
 
 
 def name_of(path):
@@ -72,11 +73,39 @@ def check_sources():
             yield f"{name_of(case.parent)}: there is no README.md"
 
 
+def anchors(path):
+    """Names of the headings of a page, as links have them."""
+    headings = re.findall(r"^#+ +(.*)$", re.sub(r"^```.*?^```", "", path.read_text(), flags=re.M | re.S), re.M)
+    return {re.sub(r"[^\w\- ]", "", re.sub(r"[`*]", "", h)).strip().lower().replace(" ", "-") for h in headings}
+
+
 def check_links():
     for path in pages():
-        for target in re.findall(r"\]\(([^)#\s]+)[^)]*\)", path.read_text()):
-            if not re.match(r"[a-z]+:", target) and not (path.parent / target).exists():
+        text = path.read_text()
+        for target in [*re.findall(r"\]\(([^)\s]+)[^)]*\)", text), *re.findall(r'<img src="([^"]+)"', text)]:
+            file, _, anchor = target.partition("#")
+            where = path.parent / file if file else path
+            if re.match(r"[a-z]+:", target):
+                continue
+            if not where.exists():
                 yield f"{name_of(path)}: broken link to {target}"
+            elif anchor and where.suffix == ".md" and anchor not in anchors(where):
+                yield f"{name_of(path)}: {file or 'this page'} has no heading #{anchor}"
+
+
+def check_cited():
+    """Pages that code, tests, studies and meshes name are there."""
+    for folder in ("include", "src", "tests", "runs", "python", "meshes"):
+        for path in sorted(p for p in (ROOT / folder).rglob("*") if p.is_file() and "__pycache__" not in p.parts and p.suffix not in (".png", ".h5")):
+            for target in set(re.findall(r"\b((?:docs|runs/convergence|runs/element_study)/[\w/.-]+\.md)\b", path.read_text(errors="replace"))):
+                if not (ROOT / target).exists() and "MEMBRANE" not in target:
+                    yield f"{name_of(path)}: there is no {target}"
+
+
+def check_reached():
+    """Every page of docs is linked from another one."""
+    linked = {(p.parent / t.partition("#")[0]).resolve() for p in pages() for t in re.findall(r"\]\(([^)\s]+)[^)]*\)", p.read_text())}
+    yield from (f"{name_of(p)}: no page links to it" for p in (ROOT / "docs").rglob("*.md") if p.resolve() not in linked)
 
 
 def check_names():
@@ -146,6 +175,8 @@ def command_problems(words, subcommands, options):
     if subcommands is not None and positional[0] not in subcommands:
         yield f"the program has no command '{positional[0]}'"
     for file in positional[1:]:
+        if "/" not in file:
+            continue  # of the reader's folder
         if not is_placeholder(file) and file.split("/")[0] not in CREATED and not (ROOT / file).exists():
             yield f"there is no file {file}"
 
@@ -160,11 +191,11 @@ def output_of(voile, *arguments):
 
 
 def check_reference(reference):
-    path = ROOT / "docs" / "case-reference.md"
+    path = ROOT / "docs" / "reference" / "case.md"
     if not path.is_file():
-        yield f"{name_of(path)} does not exist; create it with: voile reference > docs/case-reference.md"
+        yield f"{name_of(path)} does not exist; create it with: voile reference > docs/reference/case.md"
     elif path.read_text() != reference:
-        yield f"{name_of(path)} differs from the program; renew it with: voile reference > docs/case-reference.md"
+        yield f"{name_of(path)} differs from the program; renew it with: voile reference > docs/reference/case.md"
 
 
 def reference_keys(reference):
@@ -246,7 +277,8 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--voile", type=Path, help="the program to compare with")
     voile = parser.parse_args().voile
-    problems = [*check_loose_ends(), *check_sources(), *check_links(), *check_names(), *check_fences()]
+    problems = [*check_loose_ends(), *check_sources(), *check_links(), *check_cited(), *check_reached(), *check_names(), *check_fences(),
+                *check_style()]
     subcommands = options = None
     if voile:
         voile = voile.resolve()
@@ -261,6 +293,7 @@ def main():
                      *check_man_and_completion(subcommands, options)]
     problems += check_commands(subcommands, options)
     print("\n".join(problems) if problems else f"{len(pages())} pages agree with {'the program' if voile else 'the files'}")
+    print(counts())
     return 1 if problems else 0
 
 

@@ -18,7 +18,7 @@ from typing import Any
 
 
 class Case(dict[str, Any]):
-    """A case as its sections and keys, which docs/case-reference.md lists. File names are relative to the folder it is
+    """A case as its sections and keys, which docs/reference/case.md lists. File names are relative to the folder it is
     written to, or absolute."""
 
     @classmethod

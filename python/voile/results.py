@@ -4,7 +4,7 @@
     last = results[-1]
     print(last.load_factor, abs(last["displacement"]).max(), last.mesh.group("tip"))
 
-The layout of the files is in docs/results.md.
+The layout of the files is in docs/reference/results.md.
 """
 
 from __future__ import annotations

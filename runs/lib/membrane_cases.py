@@ -144,7 +144,7 @@ def aims(membranes):
 
 
 def curves(membranes):
-    """The published curves on one-way meshes of half the vertices of the finest mesh of docs/verification.md."""
+    """The published curves on one-way meshes of half the vertices of the finest mesh of runs/convergence/README.md."""
     for name in BENCHMARKS:
         whole = PROBLEMS[name]
         parameters = {k: max(1, round(v * whole.factors[-1] / math.sqrt(2))) for k, v in whole.parameters}

@@ -60,7 +60,7 @@ CUBE = {
         compared_with="scordelis_lo", seeds_of=fewer_at_finest((32, 32))),
     "cube_twisted_beam": CubeProblem(
         "Twisted beam, force along y, linear", "length",
-        "Against finer meshes: at 1e-2 these, too, are stiffer than a beam by what [limits.md](limits.md) says of strips that bend in their plane.",
+        "Against finer meshes: at 1e-2 these, too, are stiffer than a beam by what [limits](../../docs/verification/limits.md) says of strips that bend in their plane.",
         sizes(nx=[24, 48, 96], ny=[2, 4, 8]), SHELL, linear("twisted_beam"),
         compared_with="twisted_beam", seeds_of=fewer_at_finest((96, 8))),
     "cube_disc": CubeProblem(

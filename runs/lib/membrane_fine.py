@@ -24,7 +24,7 @@ HYPAR = {1e-2: "hypar_100", 1e-3: "hypar_1000", 1e-4: "hypar_10000"}
 HEADER = """# Source: computed by runs/membranes --references but for the saddle (Bathe, Iosilevich & Chapelle 2000, see runs/linear/README.md).
 # How: series of runs/lib/series.py; von Karman's equations and the drum's characteristic equation, runs/lib/membrane_references.py;
 # fine meshes, extrapolated, runs/lib/membrane_fine.py. Uncertainty: from truncation, or between two membranes.
-# Thickness over the length that docs/membranes.md names; units are those of the cases.
+# Thickness over the length that runs/element_study/membranes.md names; units are those of the cases.
 """
 
 

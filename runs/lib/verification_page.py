@@ -1,4 +1,4 @@
-"""docs/verification.md and its pictures from the stored results of runs/convergence."""
+"""runs/convergence/README.md and its pictures from the stored results of runs/convergence."""
 
 import math
 import os
@@ -15,7 +15,7 @@ from tables import markdown
 
 DEFAULT, PUBLISHED = "corrected", "sze_zhou_2016"
 LIMIT = 0.01
-PAGE, IMAGES = ROOT / "docs" / "verification.md", ROOT / "docs" / "images"
+PAGE, IMAGES = ROOT / "runs" / "convergence" / "README.md", ROOT / "docs" / "images"
 
 
 def percent(value):
@@ -88,7 +88,7 @@ def nonlinear_table(names):
     rows = []
     for name, pattern, mine, other in by_pattern(names):
         finest = levels(mine)[-1]
-        rows.append([f"[{name}](../runs/{name}/README.md)", pattern.replace("_", " "), finest[0].mesh, finest[0].vertices,
+        rows.append([f"[{name}](../{name}/README.md)", pattern.replace("_", " "), finest[0].mesh, finest[0].vertices,
                      percent(largest(finest)), series(worst_curve(level) for level in levels(mine)),
                      number(100 * worst_limit(finest), ".2f"), orders(name, mine), *cost(finest),
                      series(worst_curve(level) for level in levels(other))])
@@ -160,7 +160,7 @@ REASONS = {
 def reason(name):
     if PROBLEMS[name].family == "linear":
         known = LINEAR[name].expected.partition(": ")[2]
-        return (f"Why: {known}; see" if known else "See") + " [runs/linear/README.md](../runs/linear/README.md)."
+        return (f"Why: {known}; see" if known else "See") + " [runs/linear/README.md](../linear/README.md)."
     return REASONS.get(name, "")
 
 
@@ -230,17 +230,17 @@ Elements in Analysis and Design 40 (2004) 1551-1569 (ABAQUS S4R), copied to `run
 a closed form.
 
 {nonlinear}
-![Slit annular plate](images/slit_annulus.png)
-![Its load-deflection curves](images/slit_annulus_curves.png)
+![Slit annular plate](../../docs/images/slit_annulus.png)
+![Its load-deflection curves](../../docs/images/slit_annulus_curves.png)
 
 Lines: one-way meshes, the finest; circles: published points.
 
-![Load-deflection curves of the six roofs](images/roofs.png)
-![Load-deflection curves of the cylinders](images/cylinders.png)
+![Load-deflection curves of the six roofs](../../docs/images/roofs.png)
+![Load-deflection curves of the cylinders](../../docs/images/cylinders.png)
 
 ## Linear problems
 
-References and sources in full: [runs/linear/README.md](../runs/linear/README.md).
+References and sources in full: [runs/linear/README.md](../linear/README.md).
 
 {linear}
 ## Plates
@@ -251,7 +251,7 @@ deflections.
 {plates}
 ## Vibration and buckling
 
-Sources: [runs/modal/README.md](../runs/modal/README.md), [runs/buckling/README.md](../runs/buckling/README.md). The
+Sources: [runs/modal/README.md](../modal/README.md), [runs/buckling/README.md](../buckling/README.md). The
 error is that of the worst mode: six of vibration, two of buckling.
 
 {modes}

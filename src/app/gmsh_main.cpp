@@ -235,7 +235,7 @@ std::string read(const std::vector<std::string>& words) {
     if (!session.filtered())
       data.notes.push_back(fmt::format(
           "{}: this system does not filter system calls (seccomp), so that Gmsh has read it with more rights "
-          "than it needs; see docs/security.md before you open files of strangers here",
+          "than it needs; see docs/reference/security.md before you open files of strangers here",
           file));
     return to_bytes(data);
   } catch (const std::string& message) {  // what Gmsh throws

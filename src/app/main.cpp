@@ -125,7 +125,7 @@ Request parse_command_line(int argc, char** argv) {
       "Every option of PETSc works as well, e.g. -snes_monitor -snes_rtol 1e-9 -log_view; -help lists those in force.\n"
       "Options also come from PETSC_OPTIONS and the case file, in this order of precedence, and with -skip_petscrc 0 "
       "from .petscrc.\n"
-      "Exit codes: 0 done, 2 error in the input, 3 not converged, 4 internal error.\n",
+      "Exit codes: 0 done, 2 error in the input, 3 not converged, 4 internal error, 5 ended unstable.\n",
       "voile");
   declare(cli, request);
   std::vector<std::string> words(split.own.rbegin(), split.own.rend());  // CLI11 wants them reversed

@@ -86,7 +86,7 @@ double union_jack_share(const mesh::SurfaceMesh& mesh) {
   return interior ? static_cast<double>(suspicious) / interior : 0.0;
 }
 
-/// What long cells do to large rotations; the numbers are of docs/membranes.md, cells of aspect 8 to 19.
+/// What long cells do to large rotations; the numbers are of runs/element_study/membranes.md, cells of aspect 8 to 19.
 const char* long_cell_error(energy::MembraneOperator membrane) {
   return membrane == energy::MembraneOperator::six_node_corrected
              ? "the corrected membrane does not lock there, but in large rotations bending is too stiff, and "

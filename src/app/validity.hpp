@@ -3,7 +3,7 @@
 // Symbols   F in-plane deformation gradient of the triangle's three vertices, E = (F^T F - I)/2; E_1, E_2 principal
 //           theta_e   angle between the normals of the two triangles of edge e, less that at rest
 // The law is linear in E (St. Venant-Kirchhoff), which stands for small strains; bending acts as D sin(theta) instead
-// of D theta per edge (docs/limits.md).
+// of D theta per edge (docs/verification/limits.md).
 #pragma once
 
 #include <string>

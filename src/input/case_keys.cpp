@@ -119,7 +119,7 @@ const std::vector<SectionInfo>& sections() {
   static const std::vector<SectionInfo> all{
       {"mesh", false, "The surface. Required, unless it is cut from `[[panel]]`."},
       {"panel", true,
-       "Pieces of a sewing pattern in place of a mesh, cut, meshed and placed, see [garment.md](garment.md). A piece "
+       "Pieces of a sewing pattern instead of a mesh, cut, meshed and placed, see [patterns](patterns.md). A piece "
        "is "
        "a physical surface of its name, each of its edges a physical curve `PIECE/EDGE`."},
       {"seam", true, "Edges of pieces that are sewn together, besides the stitches of pattern files."},
@@ -134,32 +134,35 @@ const std::vector<SectionInfo>& sections() {
       {"mass", true, "Masses at vertices."},
       {"spring", true, "Linear springs to where vertices are at rest, between vertices, and elastic bands."},
       {"contact", false,
-       "Contact without interpenetration, see [contact.md](contact.md). This section, or an obstacle, switches it on."},
+       "Contact without interpenetration, see [contact](../theory/contact.md). This section, or an obstacle, switches "
+       "it on."},
       {"obstacle", true, "What the sheet can touch."},
       {"landmark", true,
        "Points of obstacles by name, from which pieces are placed: keys of `[[panel]]` take `\"OBSTACLE.NAME\"`, see "
-       "[garment.md](garment.md). One of `point`, `near` and `vertices` says where it is."},
+       "[patterns](patterns.md). One of `point`, `near` and `vertices` gives its place."},
       {"contact_rule", true, "What holds between two bodies instead of the general rules."},
       {"attachment", true,
        "Vertices that springs hold to the surface of an obstacle, each where it is nearest when the attachment takes "
        "hold: at the start of the first stage that names it. They follow the surface as it moves and deforms, see "
-       "[garment.md](garment.md)."},
+       "[patterns](patterns.md)."},
       {"steps", false, "How the path of equilibria is followed from the unloaded state."},
       {"eigen", false, "Modes of vibration and buckling."},
       {"time", false, "Motion in time, `analysis = \"dynamic\"`."},
       {"initial_velocity", true,
-       "How a motion starts, unless `--restart` goes on from another; where groups overlap the last one counts."},
+       "How a motion starts, unless `--restart` continues another; where groups overlap the last one counts."},
       {"damping", false, "Damping of `dynamic`."},
       {"air", false, "Drag by air and wind in `dynamic`. Speed and normal are those of the start of each step."},
       {"drape", false, "The search of `analysis = \"drape\"`."},
       {"remesh", false,
-       "Meshes that get finer where the sheet folds and coarser where it is flat, see [remeshing.md](remeshing.md). "
+       "Meshes that get finer where the sheet folds and coarser where it is flat, see "
+       "[remeshing](../theory/remeshing.md). "
        "This section switches it on. While seams are open their two sides are split together and not made coarser."},
       {"probe", true, "Numbers recorded in `history.csv` after every step."},
       {"output", false, "What is written to `results.vtkhdf` and `results.xdmf`."},
       {"stage", true,
        "Stages, run one after the other: each begins in the state that the one before has left, see "
-       "[stages.md](stages.md). Tables of its own, `[stage.time]`, `[stage.steps]`, `[stage.drape]`, `[stage.eigen]`, "
+       "[stages](../howto/run-in-stages.md). Tables of its own, `[stage.time]`, `[stage.steps]`, `[stage.drape]`, "
+       "`[stage.eigen]`, "
        "`[stage.damping]`, `[stage.air]`, `[stage.contact]`, `[stage.remesh]` and `[stage.output]`, win over those of "
        "the case, key by "
        "key. `[[support]]`, `[[load]]`, `[[mass]]`, `[[spring]]`, `[[obstacle]]`, `[[contact_rule]]`, "

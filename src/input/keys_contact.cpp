@@ -108,7 +108,7 @@ std::vector<Key> mesh_keys(ObstacleSection& s) {
        .types = of_mesh},
       {.name = "frames_start",
        .slot = &s.frames_start,
-       .meaning = "Time of the first key frame, whatever the file says of it. Before it the body is held in the first "
+       .meaning = "Time of the first key frame, whatever the file states. Before it the body is held in the first "
                   "frame, after the last one in the last; below 0 the run begins within the frames.",
        .unit = "s",
        .types = of_mesh},
@@ -119,7 +119,7 @@ std::vector<Key> mesh_keys(ObstacleSection& s) {
        .types = of_mesh},
       {.name = "frames_smoothing",
        .slot = &s.frames_smoothing,
-       .meaning = "The body is at the mean of where frames have it during this time before each moment, so that its "
+       .meaning = "The body is at the mean of where frames have it during this time before each instant, so that its "
                   "velocity does not jump from frame to frame and what shakes is smoothed; it follows half of this "
                   "time later. 0: linear between frames.",
        .unit = "s",
@@ -164,9 +164,8 @@ std::vector<Key> shape_keys(ObstacleSection& s) {
       {.name = "on_pinch",
        .slot =
            choice(s.on_pinch, {{"stop", ObstacleSection::OnPinch::stop}, {"yield", ObstacleSection::OnPinch::yield}}),
-       .meaning =
-           "When it closes on the sheet and leaves no room: `stop` ends the run, `yield` lets its surface give way "
-           "to the vertices that are pinched until they are free again (`dynamic` only)."}};
+       .meaning = "When it closes on the sheet and leaves no room: `stop` ends the run, `yield` makes the "
+                  "pinched vertices ignore it until they are free again (`dynamic` only)."}};
 }
 
 }  // namespace
@@ -193,7 +192,7 @@ std::vector<Key> keys_of(system::Attachment& s) {
            .range = positive},
           {.name = "hard",
            .slot = &s.hard,
-           .meaning = "Whether they are exactly where the surface takes them, in place of springs: `stiffness` means "
+           .meaning = "Whether they are exactly where the surface takes them, instead of springs: `stiffness` means "
                       "nothing then. "
                       "What presses them into something else ends the run."},
           {.name = "gap",
@@ -205,7 +204,7 @@ std::vector<Key> keys_of(system::Attachment& s) {
            .absent = "where they are to the surface as it takes hold"},
           {.name = "release",
            .slot = &s.release,
-           .meaning = "Time at which it lets go, in `dynamic`.",
+           .meaning = "Time at which it releases, in `dynamic`.",
            .unit = "s",
            .range = not_negative,
            .absent = "never"}};

@@ -19,17 +19,17 @@ std::vector<Key> shape_keys(MeshSection& s) {
        .slot = &s.start,
        .meaning =
            "A file with the same triangles in another place or shape, from which `static`, `drape` and `dynamic` "
-           "begin; `file` (or what `rest` says) remains the shape without strain, and `file` where supports hold. "
+           "begin; `file` (or what `rest` names) remains the shape without strain, and `file` where supports hold. "
            "`scale` and the placement below "
            "are for "
            "both.",
        .absent = "the shape of `file`"},
       {.name = "rest",
        .slot = choice(o.rest, {{"positions", io::RestShape::positions}, {"texture", io::RestShape::texture}}),
-       .meaning =
-           "What is without strain: `positions`: the shape of `file`. `texture`: the flat panels of its texture "
-           "coordinates, one per corner (OBJ), sewn where triangles share an edge; the vertices of `file` are then the "
-           "start, and where supports hold (see [meshes.md](meshes.md))."},
+       .meaning = "What is without strain: `positions`: the shape of `file`. `texture`: the flat panels of its texture "
+                  "coordinates, one per corner (OBJ), sewn where triangles have a common edge; the vertices of `file` "
+                  "are then the "
+                  "start, and where supports hold (see [meshes.md](meshes.md))."},
       {.name = "texture_unit",
        .slot = &o.texture_unit,
        .meaning = "Length that a texture coordinate of 1 is in the panels, for `rest = \"texture\"`.",
@@ -46,13 +46,13 @@ std::vector<Key> reading_keys(io::MeshOptions& o) {
        .range = positive},
       {.name = "size",
        .slot = &o.size,
-       .meaning = "Target edge length everywhere, for a `.geo`, in its own unit of length. 0: as the `.geo` says.",
+       .meaning = "Target edge length everywhere, for a `.geo`, in its own unit of length. 0: as in the `.geo`.",
        .unit = "file unit",
        .range = not_negative},
       {.name = "algorithm",
        .slot = &o.algorithm,
        .meaning = "Gmsh's number of the 2-D meshing algorithm, for a `.geo` (5 Delaunay, 6 Frontal-Delaunay, ...). "
-                  "0: as the `.geo` says.",
+                  "0: as in the `.geo`.",
        .range = {0, 9}},
       {.name = "merge",
        .slot = &o.merge,
@@ -69,7 +69,7 @@ std::vector<Key> reading_keys(io::MeshOptions& o) {
       {.name = "parameters",
        .slot = &o.parameters,
        .meaning = "Numbers that a `.geo` declares with `DefineConstant` (or `DefineNumber`), by name of the variable.",
-       .absent = "as the `.geo` says"}};
+       .absent = "as in the `.geo`"}};
 }
 
 }  // namespace
@@ -106,7 +106,8 @@ std::vector<Key> keys_of(energy::ElementOptions& s) {
                   "folds at rest and long uneven cells; up to 1.5 times the time. `six_node`: without the correction "
                   "of chords, the default of version 0.1. `sze_zhou_2016` and `zhou_sze_2012`: the published elements "
                   "for comparison, with the quadratic through a triangle and its three neighbours for bending "
-                  "(accurate on regular meshes only), the second with constant membrane strain (docs/element.md)."},
+                  "(accurate on regular meshes only), the second with constant membrane strain "
+                  "(docs/howto/choose-an-element.md)."},
       {.name = "cst_fraction",
        .slot = &s.cst_fraction,
        .meaning = "Fraction of constant-strain energy in six-node membranes. Without it free edges can crumple; much "
@@ -203,7 +204,7 @@ std::vector<Key> keys_of(system::Support& s, MotionInput& m) {
        .absent = "found from the mesh"},
       {.name = "release",
        .slot = &s.release,
-       .meaning = "Time at which the support lets go.",
+       .meaning = "Time at which the support releases.",
        .unit = "s",
        .range = not_negative,
        .absent = "never"}};
@@ -247,7 +248,7 @@ std::vector<Key> keys_of(system::Load& s) {
       {.name = "constant", .slot = &s.constant, .meaning = "Acts in full at every load factor, as a dead weight does."},
       {.name = "history",
        .slot = &s.history_text,
-       .meaning = "Factor as an expression of the time t, in place of the load factor. Needs `analysis = \"dynamic\"`.",
+       .meaning = "Factor as an expression of the time t, instead of the load factor. Needs `analysis = \"dynamic\"`.",
        .absent = "none"}};
 }
 

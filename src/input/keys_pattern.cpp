@@ -30,7 +30,7 @@ std::vector<Key> wrapping_keys(PanelSection& s) {
           {.name = "wrap_point", .slot = &s.wrap_point, .meaning = "A point on that axis.", .unit = "m"},
           {.name = "wrap_end",
            .slot = &s.wrap_end,
-           .meaning = "Another point on it, which gives its direction in place of `wrap_axis`.",
+           .meaning = "Another point on it, which gives its direction instead of `wrap_axis`.",
            .unit = "m",
            .absent = "`wrap_axis` has the direction"},
           {.name = "wrap_along",
@@ -62,7 +62,7 @@ std::vector<Key> wrapping_keys(PanelSection& s) {
            .range = {-89.0, 89.0}},
           {.name = "wrap_radii",
            .slot = &s.wrap_radii,
-           .meaning = "Radii of a cone at `wrap_point` and at `wrap_end`, in place of `wrap_radius` and `wrap_angle`.",
+           .meaning = "Radii of a cone at `wrap_point` and at `wrap_end`, instead of `wrap_radius` and `wrap_angle`.",
            .unit = "m",
            .range = {0.0, farthest},
            .absent = "as `wrap_radius` and `wrap_angle` say"}};
@@ -120,7 +120,7 @@ std::vector<Key> keys_of(PanelSection& s) {
        .absent = "the piece's own name"},
       {.name = "unit",
        .slot = &s.unit,
-       .meaning = "Length of one unit of the file's coordinates. 0: what the file says: an SVG by a width "
+       .meaning = "Length of one unit of the file's coordinates. 0: what the file states: an SVG by a width "
                   "with a unit and a viewBox, a DXF by $INSUNITS, a text 'Units:' or $MEASUREMENT; "
                   "an OBJ and a Gmsh script are in metres.",
        .unit = "m",
@@ -198,13 +198,13 @@ std::vector<Key> keys_of(SewingSection& s) {
       {.name = "stiffness",
        .slot = &s.stiffness,
        .meaning = "Of the springs that pull a seam together, per rest length of the seam. When none has a "
-                  "length any more it doubles every 0.03 s, up to 128 times. Double precision resolves no more beside "
+                  "length left it doubles every 0.03 s, up to 128 times. Double precision resolves no more beside "
                   "a membrane.",
        .unit = "N/m^2",
        .range = {0.0, stiffest_seam, true}},
       {.name = "force",
        .slot = &s.force,
-       .meaning = "With which they pull at most until none has a length any more, per rest length of the seam. 0: what "
+       .meaning = "With which they pull at most until none has a length left, per rest length of the seam. 0: what "
                   "stretches the softest material of the case by a tenth.",
        .unit = "N/m",
        .range = {0.0, strongest_seam}},

@@ -21,7 +21,7 @@ std::vector<Key> size_keys(RemeshSection& s) {
       {.name = "error",
        .slot = &s.error,
        .meaning =
-           "Largest `recovery_error` wanted: the share of the stored energy that membrane forces and moments are "
+           "Largest `recovery_error` wanted: the fraction of the stored energy that membrane forces and moments are "
            "off by, the same in every cell. Smaller is finer: 0.02 draft, 0.005 fine; `angle` holds besides. 0: any.",
        .range = not_negative},
       {.name = "smallest",
@@ -74,9 +74,8 @@ std::vector<Key> course_keys(RemeshSection& s) {
        .absent = "none"},
       {.name = "every",
        .slot = &s.every,
-       .meaning =
-           "Accepted steps between two looks at the sizes. 0: 5 in `dynamic`, 1 along a path; `drape` looks when "
-           "it has come to rest.",
+       .meaning = "Accepted steps between two remeshing checks. 0: 5 in `dynamic`, 1 along a path; `drape` checks when "
+                  "it has come to rest.",
        .range = {0}},
       {.name = "relaxation_steps",
        .slot = &s.relaxation_steps,
@@ -87,13 +86,13 @@ std::vector<Key> course_keys(RemeshSection& s) {
       {.name = "velocity_change",
        .slot = &s.velocity_change,
        .meaning =
-           "Largest share by which a remeshing of a motion may change velocities so that stored and kinetic energy "
+           "Largest fraction by which a remeshing of a motion may change velocities so that stored and kinetic energy "
            "together stay what they were. 0: what the mesh changes is lost or gained.",
        .range = {0, 0.5}},
       {.name = "energy_change",
        .slot = &s.energy_change,
        .meaning =
-           "A remeshing that changes stored and kinetic energy by more than this share, after relaxation and change "
+           "A remeshing that changes stored and kinetic energy by more than this fraction, after relaxation and change "
            "of velocities, is refused; outside `dynamic` only one that increases it.",
        .range = positive},
       {.name = "max_vertices",

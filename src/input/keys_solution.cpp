@@ -30,7 +30,7 @@ std::vector<Key> end_keys(solve::StaticOptions& s) {
        .unit = "m"},
       {.name = "initial_step",
        .slot = &s.initial_step,
-       .meaning = "First increment of the load factor; a share of `final_displacement` under `displacement`; under "
+       .meaning = "First increment of the load factor; a fraction of `final_displacement` under `displacement`; under "
                   "`arc_length` the length that this increment of the load factor has at the start. `min_step` and "
                   "`max_step` are in the same unit. `max_step` if that is smaller and this key is not given.",
        .range = positive}};
@@ -93,7 +93,7 @@ std::vector<Key> keys_of(EigenSection& s) {
       {.name = "mass",
        .slot = choice(s.mass, {{"consistent", system::Mass::consistent}, {"lumped", system::Mass::lumped}}),
        .meaning = "Mass matrix of `modal`: consistent with linear displacements in the triangles, or lumped at the "
-                  "vertices (better for taut sheets with `six_node_corrected`, see docs/solver.md)."}};
+                  "vertices (better for taut sheets with `six_node_corrected`, see docs/howto/find-modes.md)."}};
 }
 
 namespace {

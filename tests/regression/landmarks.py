@@ -1,13 +1,12 @@
-"""Pieces of garments placed by named points of a body; the first garment of the documentation."""
+"""Pieces of garments placed by named points of a body."""
 
-import re
 import shutil
 
 import numpy as np
 from pattern_files import CLOTH, box_file, frames_file, rectangle, svg, text_file
 from harness import OUT, test
 from results import Results
-from solver import ROOT, Result, invoke, run, write_case
+from solver import ROOT, invoke, run, write_case
 
 LENGTH, RADIUS, SHIFT = 0.3, 0.2, 0.1
 WAY = np.array([0.5, -0.1, 0.2])
@@ -94,31 +93,3 @@ def garment_landmark_mistakes(report):
     for line, words in (("top,0,0", "NAME,X,Y,Z"), ("top,0,0,nan", "NAME,X,Y,Z"), ("top,0,0,1\ntop,0,0,2", "'top' is there twice")):
         says("a file of points that is wrong", ends, [], "landmarks_wrong.csv:", words, landmarks=text_file("landmarks_wrong.csv", line + "\n"))
     says("a file of points that is not there", ends, [], "landmarks_none.csv", "cannot be opened", landmarks=str(OUT / "landmarks_none.csv"))
-
-
-@test
-def garment_first(report):
-    """What docs/garment.md lets its reader type, with coarser cells: two outlines and a body become a skirt that hangs."""
-    page = (ROOT / "docs" / "garment.md").read_text().split("## From two drawings")[1].split("## Garments that come")[0]
-    blocks = {kind: text for kind, text in re.findall(r"```(svg|toml)\n(.*?)```", page, re.DOTALL)}
-    folder = OUT / "garment_first"
-    shutil.rmtree(folder, ignore_errors=True)
-    folder.mkdir(parents=True)
-    (folder / "front.svg").write_text(blocks["svg"])
-    (folder / "back.svg").write_text(blocks["svg"].replace('id="front"', 'id="back"'))
-    fabric = ROOT / "runs" / "fabrics" / "wool_tropical.toml"
-    (folder / "case.toml").write_text(blocks["toml"].replace("../../runs/fabrics/wool_tropical.toml", str(fabric)).replace("size = 0.03", "size = 0.06"))
-    (made,) = re.findall(r"build/voile (manikin) results/my_skirt/body.obj(.*)", page)
-    code, text = invoke([made[0], folder / "body.obj", *made[1].split(), "--size", 0.04])
-    report.check(code == 0, f"manikin: code {code} {text[-200:] if code else ''}")
-    code, text = invoke(["check", folder / "case.toml"])
-    report.check(code == 0 and "'left': 0.52811 m to 0.52811 m" in text, f"check: code {code}")
-    result = run(folder / "case.toml", folder / "run", 2)
-    report.check(result.code == 0, f"run: code {result.code} {result.text[-300:] if result.code else ''}")
-    for stage in ("sew", "settle"):
-        report.check(Result(folder / "run" / stage, 0, "", 0.0).history["intersections"].max() == 0, f"{stage}: no intersection")
-    x = Results(folder / "run" / "settle")[-1].positions
-    report.check(0.95 < x[:, 2].max() < 1.1 and 0.45 < x[:, 2].min() < 0.6, f"it hangs from {x[:, 2].max():.3f} to {x[:, 2].min():.3f} m")
-    picture = re.search(r"build/voile (render) results/my_skirt/run (.*) --output", page)
-    code, text = invoke([picture[1], folder / "run", *picture[2].split(), "--quality", "draft", "--output", folder / "picture.png"])
-    report.check(code == 0 and (folder / "picture.png").stat().st_size > 10_000, f"picture: code {code} {text[-200:] if code else ''}")

@@ -28,6 +28,7 @@ import draping  # noqa: E402, F401
 import falling  # noqa: E402, F401
 import garments  # noqa: E402, F401
 import gathering  # noqa: E402, F401
+import howtos  # noqa: E402, F401
 import landmarks  # noqa: E402, F401
 import meshing  # noqa: E402, F401
 import patterns  # noqa: E402, F401
@@ -44,6 +45,7 @@ import running  # noqa: E402, F401
 import sewing  # noqa: E402, F401
 import staging  # noqa: E402, F401
 import trusting  # noqa: E402, F401
+import tutorials  # noqa: E402, F401
 import viewing  # noqa: E402, F401
 from harness import OUT, TESTS, Failure, Report  # noqa: E402
 

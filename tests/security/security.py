@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""What a stranger's files may not do: run programs, load libraries, write or empty files, hang. docs/security.md says what they may.
+"""What a stranger's files may not do: run programs, load libraries, write or empty files, hang. docs/reference/security.md says what they may.
 
     tests/security/security.py            everything, half a minute
     tests/security/security.py scripts    some of it; --list names all

@@ -1,4 +1,4 @@
-// How long the edges of a mesh should be, from the curvature of the sheet.
+// How long the edges of a mesh should be, from the curvature of the sheet. Theory: docs/theory/remeshing.md (1).
 //
 // Symbols   kappa   largest principal curvature of a triangle [1/m]
 //           h       wanted edge length at a vertex [m]

@@ -1,4 +1,4 @@
-// Barrier potential of a gap, and the mollifier of edges that become parallel.
+// Barrier potential of a gap, and the mollifier of edges that become parallel. Theory: docs/theory/contact.md (1).
 //
 // Symbols   g     gap: distance of two mid-surfaces less their offset                       [m]
 //           dh    contact distance: where the barrier begins                                [m]

@@ -10,7 +10,7 @@
 // The barrier of a pair begins at dh, or nearer while a start is let out (set_reaches) and between neighbours
 // (neighbours.hpp). A sheet point's area enters with half its size where the other side has points of its own. Nothing
 // here communicates: every rank evaluates the pairs with an own point; energies count on the owner of the lowest sheet
-// point. Source: Li et al. 2020 and 2021 (barrier.hpp), with area weights.
+// point. Source: Li et al. 2020 and 2021 (barrier.hpp), with area weights. Theory: docs/theory/contact.md (2).
 #pragma once
 
 #include <algorithm>

@@ -11,7 +11,7 @@
 // An arc of n equal steps turns by theta = s/R at each whatever its chords, so that kappa = 1/R: no cosine is lost in the sum of vectors of
 // different directions, and no term of fourth order (chord_correction.hpp) is needed. E does not depend on strains that leave angles alone.
 // The constant part of edge_slope stays in K_b, where damping and the start take it from; the term adds
-//   E - A/2 (r + B'u).D (r + B'u).
+//   E - A/2 (r + B'u).D (r + B'u). Theory: docs/theory/curvature.md (3).
 #pragma once
 
 #include <map>

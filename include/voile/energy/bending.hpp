@@ -12,7 +12,7 @@
 //   E     = 1/2 u.K u + f.u + e_r  +  e0 (1 - n.N_s) + (N_s - n).(w + sum_i c_i u_i)
 //   K     = A B'^T D B' (x) I3,  f_i = A B'_i.D r,  e_r = A/2 r.D r,  w = A kappa0.D r,  e0 = A kappa0.D kappa0
 // where K, f and e_r are constant, so a flat sheet needs nothing but these, assembled once. Source of the flat form: Zhou & Sze, Int. J. Numer. Meth. Engng
-// 89 (2012) 509-536, eq. (3) of the abstract; the curved form is rotation invariant and free of stress at rest.
+// 89 (2012) 509-536, eq. (3) of the abstract; the curved form is rotation invariant and free of stress at rest. Theory: docs/theory/curved-rest-shapes.md (1).
 #pragma once
 
 #include <Eigen/Core>

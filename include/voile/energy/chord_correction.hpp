@@ -8,7 +8,7 @@
 //           k_c      sum_B s_cB K_B, bend along chord c from p_i to p_j times its squared length, at its middle [m]
 // If the surface bends without stretching, |x_i - x_j|^2 = |p_i - p_j|^2 - |k_c|^2 / 12 to the sixth order in the chord, so that
 //   E_r + 1/2 sum_c W_rc (|k_c|^2 - |k_c at rest|^2),   W_rc = -Q^r_ij / 12
-// is free of it. Zero beside a crease.
+// is free of it. Zero beside a crease. Theory: docs/theory/membrane.md (4).
 // Second differences of an arc by the angle t per cell are too small by the factor 1 - t^2/12 once its length is right (by half of
 // that if its chords have the length of the arc, as in the uncorrected membrane). So the energy has the term
 //   A (q_D - q_D at rest) (q_S - q_S at rest),   q_D = sum_AB D_AB K_A.K_B,   q_S = sum_AB R_AB K_A.K_B = trace of k S k

@@ -1,5 +1,5 @@
 // How much of the stored energy the membrane's strains owe to chords: they are measured along straight lines between
-// vertices, which are shorter than the bent surface.
+// vertices, which are shorter than the bent surface. Theory: docs/theory/error-estimates.md (3).
 //
 // Symbols   T^r      what chords feign in the strain r, without the part that even cells feign (chord_forms.hpp) [m^2]
 //           kappa    curvature of the triangle (k11, k22, 2 k12), kappa0 at rest [1/m]

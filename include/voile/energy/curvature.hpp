@@ -16,7 +16,7 @@
 // Seams whose bending differs by a factor f (BendingSide):  B = B_cut + sqrt(f) (B - B_cut), B_cut that of the sheet cut
 // along them. Where nothing else bends, M_nn = 0 makes the two parts of kappa orthogonal in D, and the energy is
 // f times that across the seam: f = 0 is a hinge, f = 1 the fabric as it is. Triangles further away take the factor of
-// the seam next to them, else the smallest.
+// the seam next to them, else the smallest. Theory: docs/theory/curvature.md (2), edge-slopes.md.
 #pragma once
 
 #include <Eigen/Core>

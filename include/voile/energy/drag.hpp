@@ -1,4 +1,4 @@
-// Air drag of a sheet in wind, linear within a time step.
+// Air drag of a sheet in wind, linear within a time step. Theory: docs/theory/time-integration.md (2).
 //
 // Symbols   v         mean velocity of a triangle's vertices at the end of the step                          [m/s]
 //           v_n, n_n  velocity and unit normal at its start;  w wind                                         [m/s]

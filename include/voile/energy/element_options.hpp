@@ -22,7 +22,7 @@ struct ElementOptions {
   BendingOperator bending = BendingOperator::edge_slope;
   MembraneOperator membrane = MembraneOperator::six_node_corrected;
   /// Fraction of constant-strain energy in `six_node` and `six_node_corrected`, 0..1: W = (1-f) W(mean E) + f W(E_cst). Without it
-  /// free edges crumple at little energy; more costs accuracy on coarse meshes (docs/decisions/cst-share.md).
+  /// free edges crumple at little energy; more costs accuracy on coarse meshes (docs/developers/decisions/cst-fraction.md).
   double cst_fraction = 0.1;
   /// A patch quadratic whose scaled 6x6 fit has a larger condition number is not used. Smaller: more edges take the
   /// dearer ring fit.

@@ -15,7 +15,7 @@
 // difference of the step, which keeps a potential.
 // Source: mid-side gradients after Onate & Flores, Comput. Methods Appl. Mech. Engng 194 (2005) 2406-2443 (EBST);
 // six-node membrane of the rotation-free triangle: Sze & Zhou, Int. J. Comput. Methods 13 (2016) 1650021. A side on a
-// free boundary or on a crease uses the triangle's own gradient.
+// free boundary or on a crease uses the triangle's own gradient. Theory: docs/theory/membrane.md (2).
 #pragma once
 
 #include <Eigen/Core>

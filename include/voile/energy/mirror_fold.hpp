@@ -11,7 +11,7 @@
 // The constant bending matrix holds only the part of the slope square to the plane, sin theta: a sheet folded back by 180
 // degrees satisfies it without energy. With W the energy of a fold, about D l/h (sin^2 theta + 2 max(0, c_0 - cos theta)^2),
 // grows all the way to 180 degrees, where the fold is unstable. Up to 75 degrees W vanishes: cells that resolve a bend turn
-// by less.
+// by less. Theory: docs/theory/patch.md (4).
 #pragma once
 
 #include <algorithm>

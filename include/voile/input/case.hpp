@@ -1,7 +1,7 @@
 // The case file: what a user asks for, parsed strictly from TOML, in SI units.
 //
 // Every key is declared once, in case_keys.cpp, with its unit, default and meaning; parsing, the echo of the resolved
-// case and docs/case-reference.md all come from that declaration.
+// case and docs/reference/case.md all come from that declaration.
 #pragma once
 
 #include <array>
@@ -274,7 +274,7 @@ struct Case {
 /// The resolved case as TOML: every key with the value in force.
 [[nodiscard]] std::string echo_case(const Case& c);
 
-/// docs/case-reference.md, generated from the declarations of the keys.
+/// docs/reference/case.md, generated from the declarations of the keys.
 [[nodiscard]] std::string case_reference_markdown();
 
 }  // namespace voile::input

@@ -38,6 +38,6 @@ struct Fabric {
 /// bending length l = (B / (rho_s g))^(1/3) and B the geometric mean of both directions. Without a measured loop, 2HB/B
 /// is typical_hysteresis.
 [[nodiscard]] double bending_damping(const Fabric& fabric);
-inline constexpr double typical_hysteresis = 46.0;  ///< [1/m], see docs/fabrics.md
+inline constexpr double typical_hysteresis = 46.0;  ///< [1/m], see docs/reference/fabrics.md
 
 }  // namespace voile::input

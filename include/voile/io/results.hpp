@@ -44,7 +44,7 @@ struct ObstacleTriangles {
 
 /// results.vtkhdf + results.xdmf in a folder, and steps/ while steps come. Not collective: root only.
 ///
-/// Layout (see docs/results.md): /VTKHDF as version 2.0 of that format has it (an UnstructuredGrid with steps), all that
+/// Layout (see docs/reference/results.md): /VTKHDF as version 2.0 of that format has it (an UnstructuredGrid with steps), all that
 /// is ours under /voile. Points of a step are positions at rest plus the field `displacement`, if there is one, in
 /// single precision: they are looked at. Fields are /VTKHDF/PointData/FIELD and CellData/FIELD in double precision; one of 3
 /// components on triangles is called FIELD_11_22_12, for ParaView's X, Y, Z then mean 11, 22, 12. A step without a field

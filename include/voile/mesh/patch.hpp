@@ -11,7 +11,7 @@
 // The reflection is that of the start: it acts in space. At rest the sheet goes on flat beyond a mirrored side of a
 // triangle whose rest shape lies in a chart of its own, since the plane of symmetry is not in the chart.
 // Unfolding: a neighbour is rotated about the shared side into the plane of the triangle; lengths are kept. Across a seam
-// (surface_mesh.hpp) it is first carried into the chart of the triangle.
+// (surface_mesh.hpp) it is first carried into the chart of the triangle. Theory: docs/theory/patch.md.
 #pragma once
 
 #include <array>

@@ -14,7 +14,7 @@
 // energy E(stage) whose gradient is F, E/a_f^2 is its potential. Options: -ts_voile_radius, -ts_voile_forces_at_end,
 // -ts_voile_predictor position|velocity|acceleration: what the first guess of X1 goes on with; with the callback
 // `energy`, the acceleration only where that has less of it than the velocity alone, and flies no further than
-// `longest_flight`.
+// `longest_flight`. Theory: docs/theory/time-integration.md (3).
 #pragma once
 
 #include <petscts.h>

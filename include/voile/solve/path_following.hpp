@@ -18,7 +18,7 @@
 // system::State, so that a path is the same through remeshings and restarts.
 // Critical points: between two states a limit point changes the sign of dlambda along the path, a bifurcation changes
 // the number of negative pivots without it. The eigenvalue of K (in W) nearest to zero is followed by inverse
-// iteration.
+// iteration. Theory: docs/theory/path-following.md (2).
 #pragma once
 
 #include <memory>

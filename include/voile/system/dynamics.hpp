@@ -1,4 +1,4 @@
-// Motion in time: inertia, damping, and loads and supports that follow the time.
+// Motion in time: inertia, damping, and loads and supports that follow the time. Theory: docs/theory/time-integration.md (1).
 //
 // Symbols   u, v, a   unknowns, their velocities and accelerations;  M mass;  K_b constant bending stiffness
 //           lambda(t) load factor;  r static residual (model.hpp)

@@ -62,7 +62,7 @@ TEST_CASE("a share of constant-strain energy keeps free edges from crumpling") {
           << averaged / constant_strain << ", with the default share " << cured / constant_strain);
   CHECK(averaged < 0.25 * constant_strain);
   CHECK(cured > 1.5 * averaged);
-  // The correction takes away part of what resists: more of the share is needed (docs/decisions/membrane.md).
+  // The correction takes away part of what resists: more of the share is needed (docs/developers/decisions/membrane.md).
   for (const double share : {0.1, 0.3, 0.5}) {
     if (extent(false, share != 0.3)) continue;
     const double corrected = stored_energy(energy::MembraneOperator::six_node_corrected, share);

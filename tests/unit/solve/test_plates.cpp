@@ -2,7 +2,7 @@
 //
 // References, unit square, nu = 0.3, q L^4/D = 1: clamped centre 0.00126532 (Timoshenko & Woinowsky-Krieger, Theory of
 // Plates and Shells, table 35: 0.00126), simply supported centre 0.00406235 (Navier series), cantilever middle of the
-// free edge 0.12908 (Richardson value of this operator on diagonal meshes, see docs/verification.md).
+// free edge 0.12908 (Richardson value of this operator on diagonal meshes, see runs/convergence/README.md).
 #include <doctest/doctest.h>
 #include <fmt/format.h>
 
