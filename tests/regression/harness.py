@@ -6,6 +6,7 @@ import sys
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "runs" / "lib"))
+sys.path.insert(1, str(Path(__file__).resolve().parents[2] / "runs" / "contact" / "lib"))
 
 from solver import ROOT, run, write_case  # noqa: E402
 

@@ -12,6 +12,7 @@
 #include "voile/solve/newton.hpp"
 #include "voile/system/contact.hpp"
 #include "voile/system/seam_tension.hpp"
+#include "voile/system/sewing_springs.hpp"
 
 using namespace voile;
 using namespace voile::testing;
@@ -115,6 +116,28 @@ TEST_CASE("springs of a seam only pull, get shorter in time, and their derivativ
   CHECK(system::energies(model, u).springs == 0.0);
 }
 
+TEST_CASE("the force of seams that stay open rises when their springs have no length any more, up to a bound") {
+  mesh::MeshData open = two_panels(4);
+  for (const auto& [v, w] : open.seams[0].pairs) open.positions[w] = open.positions[v] + Vec3(0.1, 0, 0);
+  const mesh::SurfaceMesh mesh(open);
+  system::ModelInput in = input();
+  in.sewing = {{"all"}, 1e6, 0.5, 2.0, 1.0, 6.0};
+  system::Model model(PETSC_COMM_WORLD, mesh, std::move(in));
+  const petsc::VecHandle u = model.dofs().create_vector();
+  const system::SewingSprings& springs = *model.potential().sewing();
+  CHECK(springs.largest_force(0.0) == 2.0);
+  CHECK(springs.largest_force(1.2) == 2.0);  // closed after 0.2 s
+  CHECK(springs.largest_force(1.3) == doctest::Approx(4.0));
+  CHECK(springs.rises(1.3));
+  CHECK(springs.largest_force(5.0) == 6.0);
+  CHECK_FALSE(springs.rises(5.0));
+  // Far beyond l0 the energy is the force times the distance.
+  for (const double time : {1.2, 1.3, 5.0}) {
+    model.set_time(time);
+    CHECK(system::energies(model, u).springs == doctest::Approx(0.1 * springs.largest_force(time)).epsilon(1e-3));
+  }
+}
+
 TEST_CASE("a spring of a seam pulls with its stiffness at first, and never with more than its force") {
   energy::SeamTerm seam;
   seam.add({0, 1}, 100.0, 2.0, 0.3, true);
@@ -133,7 +156,7 @@ TEST_CASE("a spring of a seam pulls with its stiffness at first, and never with 
   CHECK(force(0.32) == doctest::Approx(2.0 / std::sqrt(2.0)));
   CHECK(force(100.0) < 2.0);
   CHECK(force(100.0) > 1.999);
-  seam.set(0, 0.0, 1e4);
+  seam.set(0, 0.0, 1e4, 2.0);
   CHECK(force(1e-6) == doctest::Approx(0.01).epsilon(1e-4));
   CHECK(force(1.0) < 2.0);
 }
@@ -144,7 +167,7 @@ TEST_CASE("a spring of a seam: derivatives by differences") {
   std::mt19937 random(3);
   std::uniform_real_distribution<double> uniform(-0.5, 0.5);
   for (int k = 0; k < 40; ++k) {
-    if (k == 20) spring.set(0, 0.0, 9.0);
+    if (k == 20) spring.set(0, 0.0, 9.0, 1.5);
     std::array<Vec3, 2> x;
     for (Vec3& p : x) p = Vec3(uniform(random), uniform(random), uniform(random));
     if (std::abs((x[1] - x[0]).norm() - 0.3) < 1e-3) continue;
