@@ -94,20 +94,20 @@ const char* name(MembraneOperator membrane) {
   return "auto";
 }
 
-MembraneChoice choose_membrane(const input::Case& c, const mesh::SurfaceMesh& mesh) {
+MembraneChoice choose_membrane(MPI_Comm comm, const input::Case& c, const mesh::SurfaceMesh& mesh) {
   if (c.element.membrane != MembraneOperator::automatic) {
     std::string text;
     if (c.element.membrane == MembraneOperator::six_node && only_static(c))
-      mpi::on_root(PETSC_COMM_WORLD, [&] { text = outlook(c, mesh); });
+      mpi::on_root(comm, [&] { text = outlook(c, mesh); });
     return {c.element.membrane, text};
   }
   const mesh::PatchMesh patches(mesh, {});
   const energy::Sheet sheet(patches, c.materials, energy::assign_materials(mesh, c.materials), c.element);
-  const std::vector<double> rest = rest_curvature(PETSC_COMM_WORLD, sheet);
+  const std::vector<double> rest = rest_curvature(comm, sheet);
   MembraneChoice choice{MembraneOperator::six_node, ""};
-  mpi::on_root(PETSC_COMM_WORLD, [&] { choice = decide(c, sheet, rest); });
+  mpi::on_root(comm, [&] { choice = decide(c, sheet, rest); });
   std::vector<Index> chosen{static_cast<Index>(choice.membrane)};
-  mpi::broadcast(PETSC_COMM_WORLD, chosen);
+  mpi::broadcast(comm, chosen);
   choice.membrane = static_cast<MembraneOperator>(chosen.front());
   return choice;
 }

@@ -10,6 +10,7 @@
 
 #include <string>
 
+#include "voile/base/mpi.hpp"
 #include "voile/input/case.hpp"
 #include "voile/mesh/surface_mesh.hpp"
 
@@ -25,7 +26,7 @@ struct MembraneChoice {
 };
 
 /// Of a case as it stands in the file. `mesh`: that of the case. Collective. Throws UserError for materials that do not suit the mesh.
-[[nodiscard]] MembraneChoice choose_membrane(const input::Case& c, const mesh::SurfaceMesh& mesh);
+[[nodiscard]] MembraneChoice choose_membrane(MPI_Comm comm, const input::Case& c, const mesh::SurfaceMesh& mesh);
 
 /// The case, stages included, with that membrane.
 [[nodiscard]] input::Case with_membrane(input::Case c, energy::MembraneOperator membrane);
