@@ -23,7 +23,7 @@ def __getattr__(name: str) -> Any:
         raise AttributeError(f"module 'voile' has no attribute {name!r}")
     try:
         from . import simulation
-    except ModuleNotFoundError as error:
+    except ImportError as error:
         raise ImportError(f"voile.{name} needs the binding voile._core: build Voile with the packages pybind11-dev and python3-dev, "
-                          "and use the package in the folder `python` of the build, or install it") from error
+                          f"and use the package in the folder `python` of the build, or install it ({error})") from error
     return getattr(simulation, name)

@@ -78,13 +78,13 @@ void report_membrane(const RunOptions& options, const MembraneChoice& choice) {
 }
 
 void report_end(const input::Case& c, const RunOptions& options, const Summary& s) {
-  const std::string folder = options.output.string();
+  const std::string folder = options.output.string(), where = folder.empty() ? "" : "; results in " + folder;
   mpi::on_root(options.comm, [&] {
-    write_summary(options.output, s);
+    if (!folder.empty()) write_summary(options.output, s);
     if (options.verbosity != Verbosity::quiet)
-      fmt::print("{} steps, {} Newton iterations, {} factorisations{}, {:.1f} CPU s, {:.1f} s; results in {}\n",
-                 s.steps, s.newton_iterations, s.factorisations, iterative_text(s.iterative), s.cpu_seconds,
-                 s.wall_seconds, folder);
+      fmt::print("{} steps, {} Newton iterations, {} factorisations{}, {:.1f} CPU s, {:.1f} s{}\n", s.steps,
+                 s.newton_iterations, s.factorisations, iterative_text(s.iterative), s.cpu_seconds, s.wall_seconds,
+                 where);
     if (options.verbosity != Verbosity::quiet && s.balance.kept) fmt::print("{}\n", balance_text(s.balance));
     // Stages that sew pull things into their place; what that takes is not looked at.
     if (const std::string text = balance_warning(s.balance, c.time.options);
@@ -99,7 +99,7 @@ void report_end(const input::Case& c, const RunOptions& options, const Summary& 
           "it; find the stable one with analysis = \"drape\", or follow the path with [steps] control = \"arc_length\" "
           "and at_critical_point = \"switch_branch\" (exit code {})\n",
           s.negative_pivots, static_cast<int>(Exit::unstable));
-    if (!s.converged)
+    if (!s.converged && !folder.empty())  // who names no folder asks for the reason
       fmt::print(stderr, "voile: {}not converged: {}; everything up to {} is in {}\n",
                  c.is_staged() ? fmt::format("stage '{}': ", c.stage.name) : "", s.reason,
                  c.analysis == "dynamic" ? fmt::format("t = {:.6g} s", s.time)

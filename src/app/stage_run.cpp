@@ -206,7 +206,9 @@ Summary StageRun::end() {
   }
   Summary summary = summary_of(all_, state, c, model);
   if (all_.interrupted && c.analysis == "dynamic")
-    summary.reason = fmt::format("stopped by a signal; go on with --restart {}", checkpoints_.file().string());
+    summary.reason = checkpoints_.file().empty()
+                         ? all_.reason
+                         : fmt::format("stopped by a signal; go on with --restart {}", checkpoints_.file().string());
   if (summary.converged && (c.analysis == "modal" || c.analysis == "buckling"))
     run_modes(c, stage_.options, model, state.u, summary);
   if (remesher_) summary.remeshing = remesher_->effort();

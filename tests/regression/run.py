@@ -28,6 +28,7 @@ import draping  # noqa: E402, F401
 import falling  # noqa: E402, F401
 import garments  # noqa: E402, F401
 import gathering  # noqa: E402, F401
+import library  # noqa: E402, F401
 import landmarks  # noqa: E402, F401
 import meshing  # noqa: E402, F401
 import patterns  # noqa: E402, F401

@@ -64,6 +64,22 @@ TEST_CASE("files are written where a folder is named, and nowhere else") {
   });
   CHECK_THROWS_AS(Simulation(PETSC_COMM_WORLD, strip("dynamic"), {.output = folder}), UserError);
   mpi::on_root(PETSC_COMM_WORLD, [&] { std::filesystem::remove_all(folder); });
+  const std::filesystem::path before = std::filesystem::current_path();
+  mpi::on_root(PETSC_COMM_WORLD, [&] {
+    std::filesystem::create_directories(folder);
+    std::filesystem::current_path(folder);
+  });
+  for (const char* analysis : {"linear", "static", "dynamic", "drape", "modal", "buckling"}) {
+    Case c = strip(analysis);
+    if (analysis == std::string("buckling")) c.set("load.0.vector", {-0.4, 0, 0});
+    Simulation s(PETSC_COMM_WORLD, c);
+    CHECK(s.run());
+  }
+  mpi::on_root(PETSC_COMM_WORLD, [&] {
+    CHECK(std::filesystem::is_empty(folder));
+    std::filesystem::current_path(before);
+    std::filesystem::remove_all(folder);
+  });
 }
 
 }  // namespace voile
