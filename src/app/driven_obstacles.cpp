@@ -51,7 +51,10 @@ void DrivenObstacles::take(Obstacle& o) {
   const Obstacle given = at->second.as_given;
   const std::shared_ptr<const Track> track = at->second.track;
   if (o.shape == Obstacle::Shape::mesh) {
-    o.motion = nullptr;
+    if (given.motion)  // of which friction takes how the surface turns
+      o.motion = [given, track](const Vec3& rest, double time) {
+        return track->to.empty() ? given.motion(rest, time) : Vec3(Vec3::Zero());
+      };
     o.frames = [given, track](double time) { return track->to.empty() ? points_of(given, time) : track->at(time); };
     return;
   }

@@ -4,8 +4,10 @@ import os
 import shlex
 import subprocess
 
+import numpy as np
+from bodies import held
 from common import fresh, strip
-from harness import OUT, test
+from harness import OUT, solve, test
 from solver import ROOT, binary, environment, write_case
 
 EXAMPLES = ROOT / "runs" / "library"
@@ -124,6 +126,33 @@ def library_python(report):
               "if u: assert abs(u[0] / u[1] - 2) < 1e-3, u\n")
     done = python("-c", halves, ranks=2)
     report.check(done.returncode == 0, f"two halves: {done.stdout[-800:]}")
+
+
+SAME = """
+import sys, tomllib, numpy as np
+from voile import Simulation
+s = Simulation(sys.argv[1])
+assert s.run(), s.reason
+np.savez(sys.argv[2], **s.history())
+"""
+
+
+@test
+def library_same_as_program(report):
+    """What the program writes and what the library finds are the same to the last digit: an edge held to a body that turns, with friction."""
+    if not any(PACKAGE.glob("voile/_core*.so")):
+        return report.check(True, "SKIPPED: the binding is not built (packages pybind11-dev, python3-dev)")
+    case = held(nx=6, time={"end": 0.1, "step": 0.01})
+    case["contact"]["friction"] = 0.3
+    whole = solve("library_same", case, 1)
+    file = OUT / "library_same.npz"
+    done = python("-c", SAME, str(OUT / "library_same.toml"), str(file))
+    report.check(done.returncode == 0, done.stdout[-500:])
+    own = np.load(file)
+    for name in whole.history.names:
+        if name != "elapsed" and "seconds" not in name:
+            finite = np.where(np.isfinite(own[name]), own[name], np.nan)  # the file leaves others out
+            report.check(np.array_equal(finite, whole.history[name], equal_nan=True), name)
 
 
 @test
