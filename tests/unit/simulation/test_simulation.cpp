@@ -115,4 +115,33 @@ TEST_CASE("frequencies after a run") {
   CHECK(s.eigenvalues()[0] == doctest::Approx(3.516 * std::sqrt(1e7 * 1e-6 / 12.0 / 1.0) / 6.2832).epsilon(0.02));
 }
 
+TEST_CASE("stages follow each other, and a state is gone back to in its own stage only") {
+  std::string text = strip("static").source();
+  text.replace(text.find("analysis = \"static\""), 19, "");
+  const Case c = Case::parse(text + R"(
+[[stage]]
+name = "bend"
+analysis = "static"
+[[stage]]
+name = "swing"
+analysis = "dynamic"
+)");
+  Simulation s(PETSC_COMM_WORLD, c);
+  const State bending = s.save();
+  double bent = 0.0;
+  while (s.time() == 0.0) {
+    bent = tip_height(s);
+    s.advance();
+  }
+  CHECK(s.history().columns[1] == "time");
+  const State swinging = s.save();
+  CHECK_THROWS_AS(s.restore(bending), UserError);
+  CHECK(s.run());
+  CHECK(s.time() == 0.1);
+  CHECK(tip_height(s) == doctest::Approx(bent).epsilon(0.01));  // it hangs in equilibrium
+  s.restore(swinging);
+  CHECK(!s.finished());
+  CHECK(s.run());
+}
+
 }  // namespace voile
