@@ -12,17 +12,25 @@ TEST_CASE("a saved state is gone back to, on one rank bit by bit") {
     CAPTURE(contact);
     Case c = contact ? ball_below() : strip("dynamic");
     c.set("time.end", 0.2);
+    if (contact) c.set("load.0.vector", {0, 0, -4}).set("contact.friction", 0.3);
     Simulation s(PETSC_COMM_WORLD, c);
-    if (contact) s.set_obstacle("ball", {0.8, 0.125, 0.0}, 0.1);
+    if (contact) s.set_obstacle("ball", {0.7, 0.125, -0.09}, 0.15);
     CHECK(s.advance_to(0.1));
     const State saved = s.save();
     const std::vector<double> before = s.positions();
     const Energy energy = s.energy();
     CHECK(saved.time() == 0.1);
+    CHECK((energy.contact > 0.0) == contact);
     CHECK(s.run());
     const std::vector<double> x = s.positions(), v = s.velocities();
     const std::size_t rows = s.history().rows.size();
     for (int k = 0; k < 2; ++k) {
+      if (contact) {  // it is gone back to where it was going, too
+        s.restore(saved);
+        s.set_obstacle("ball", {0.8, 0.125, -0.5}, 0.15);
+        CHECK(s.run());
+        CHECK(s.obstacle("ball")[2] == -0.5);
+      }
       s.restore(saved);
       CHECK(same(s.positions(), before));
       CHECK(!s.finished());
@@ -135,6 +143,25 @@ TEST_CASE("residual and tangent are those of Newton's method") {
     VecDestroy(&r);
   }
   CHECK(last < 1e-8 * first);
+  // Derivative in a direction that bends the strip, where it is bent far.
+  Vec slope = nullptr;
+  VecDuplicate(x, &slope);
+  Mat tangent = s.tangent(x);
+  MatMult(tangent, x, slope);
+  constexpr double h = 1e-6;
+  VecScale(x, 1.0 + h);
+  Vec above = s.residual(x);
+  VecScale(x, (1.0 - h) / (1.0 + h));
+  Vec below = s.residual(x);
+  VecScale(x, 1.0 / (1.0 - h));
+  VecAXPY(above, -1.0, below);
+  VecAXPY(above, -2.0 * h, slope);
+  double off = 0.0, size = 0.0;
+  VecNorm(above, NORM_2, &off);
+  VecNorm(slope, NORM_2, &size);
+  CHECK(off < 1e-6 * 2.0 * h * size);
+  MatDestroy(&tangent);
+  for (Vec* v : {&slope, &above, &below}) VecDestroy(v);
   const std::vector<double> u = s.to_array(x);
   Simulation known(PETSC_COMM_WORLD, c);
   known.set_forces(tip_forces(known, 0.1));
@@ -149,15 +176,16 @@ TEST_CASE("residual and tangent are those of Newton's method") {
 TEST_CASE("a new mesh is told, takes forces from outside away, and is gone back on") {
   Case c = Case::parse(strip("dynamic").source() +
                        "[remesh]\nsmallest = 0.03\nlargest = 0.2\nangle = 5\nevery = 1\nenergy_change = 1.0\n");
-  c.set("load.0.vector", {0, 0, 4.0}).set("time.end", 0.6);
+  c.set("load.0.vector", {0, 0, 0}).set("time.end", 0.6);
   Simulation s(PETSC_COMM_WORLD, c);
-  s.set_forces(tip_forces(s, 0.1));
+  s.set_forces(tip_forces(s, 1.0));
   const State start = s.save();
   const std::vector<double> x = s.positions();
   bool exchanged = false;
   while (!s.finished() && !exchanged) exchanged = s.advance().new_mesh;
   REQUIRE(exchanged);
   CHECK(s.positions().size() != x.size());
+  CHECK(s.energy().external == 0.0);
   s.restore(start);
   CHECK(same(s.positions(), x));
   CHECK(s.advance().accepted);
