@@ -43,6 +43,20 @@ TEST_CASE("a saved state is gone back to, on one rank bit by bit") {
   }
 }
 
+TEST_CASE("a state is gone back to in the middle of an impact") {
+  Case c = ball_below();
+  c.set("time.end", 0.1).set("load.0.vector", {0, 0, -0.4});
+  Simulation s(PETSC_COMM_WORLD, c);
+  s.set_obstacle("ball", {0.8, 0.125, 0.0}, 0.1);
+  while (s.energy().contact == 0.0) REQUIRE(s.advance().accepted);
+  const State saved = s.save();
+  CHECK(s.run());
+  const std::vector<double> x = s.positions();
+  s.restore(saved);
+  CHECK(s.run());
+  CHECK(difference(s.positions(), x) <= (is_alone() ? 0.0 : 1e-9));
+}
+
 TEST_CASE("a path is gone back on, too") {
   Case c = strip("static");
   c.set("load.0.vector", {0, 0, 4.0}).set("steps.initial_step", 0.25);
