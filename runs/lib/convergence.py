@@ -145,7 +145,7 @@ def draw(name, answers, file):
 def finest_run(name, pattern="one_way"):
     """history.csv of the finest mesh with the default element, or None."""
     for factor in reversed(PROBLEMS[name].factors):
-        file = RESULTS / name / f"edge_slope-six_node_{pattern}_{factor}" / "history.csv"
+        file = RESULTS / name / f"corrected_{pattern}_{factor}" / "history.csv"
         if file.is_file():
             return file
     return None

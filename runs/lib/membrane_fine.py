@@ -1,6 +1,6 @@
 """runs/reference/membranes.csv: references of the test set of runs/membranes.
 
-Where there is no series, they come from meshes far finer than those compared, with the plain constant-strain membrane: its error falls with
+Where there is no series, they come from meshes far finer than those compared, with the six-node membrane: its error falls with
 the second power of the cell and is extrapolated from two meshes. What the corrected membrane, treated alike, differs by is the uncertainty.
 """
 
@@ -44,7 +44,7 @@ def fine_values(name, thickness):
     coarse = FINE[name][2]
     fine = {k: 2 * v for k, v in coarse.items()}
     limits = []
-    for membrane in ("cst", "six_node_corrected"):
+    for membrane in ("six_node", "corrected"):
         low, high = final(name, membrane, coarse, thickness), final(name, membrane, fine, thickness)
         limits.append([b + (b - a) / 3 for a, b in zip(low, high)])
         print(f"{name} {thickness:g} {membrane}: {low} {high}, extrapolated {limits[-1]}", flush=True)

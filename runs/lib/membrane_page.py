@@ -124,10 +124,10 @@ class Page:
         return {name: json.loads(file.read_text()) for name in SECTIONS if (file := self.section_file(name)).is_file()}
 
 
-SIX_NODE, CORRECTED = "six_node", "six_node_corrected"
+SIX_NODE, CORRECTED, ANGLES = "six_node", "corrected", "angles"
 PAGES = {page.name: page for page in (
-    Page("membranes", "membranes.md", ("cst", SIX_NODE, CORRECTED), (SIX_NODE, CORRECTED)),
-    Page("bending", "bending-by-angles.md", (CORRECTED, f"{CORRECTED}+edge_angle"), (CORRECTED, f"{CORRECTED}+edge_angle")))}
+    Page("membranes", "membranes.md", (SIX_NODE, CORRECTED), (SIX_NODE, CORRECTED)),
+    Page("bending", "bending-by-angles.md", (CORRECTED, ANGLES), (CORRECTED, ANGLES)))}
 
 
 def write_page(page):

@@ -45,9 +45,9 @@ class Quantity:
 
 
 def element(operator):
-    """Of "bending/membrane" or "bending/membrane/share of constant-strain energy"."""
-    bending, membrane, *share = operator.split("/")
-    return {"bending": bending, "membrane": membrane} | ({"cst_share": float(share[0])} if share else {})
+    """Of a type, or "type/fraction of constant-strain energy"."""
+    name, *fraction = operator.split("/")
+    return {"type": name} | ({"cst_fraction": float(fraction[0])} if fraction else {})
 
 
 def solved(case, changes, pattern, operator, parameters, folder, ranks):

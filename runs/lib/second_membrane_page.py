@@ -6,7 +6,7 @@ from convergence import groups, order_of, stored
 from problems import PROBLEMS
 from solver import ROOT, invoke
 from tables import markdown
-from verification_page import EDGE_SLOPE, levels, number, of, patterns_of, percent, worst_curve
+from verification_page import DEFAULT, levels, number, of, patterns_of, percent, worst_curve
 
 HEADER = ["problem", "pattern", "meshes, coarse to fine", "`six_node`: error %", "`{}`: error %", "distance of the curves %", "the same", "CPU s", "the same"]
 TITLES = {"nonlinear": "Large deflections", "linear": "Linear problems", "plates": "Plates", "vibration": "Vibration", "buckling": "Buckling"}
@@ -36,7 +36,7 @@ def family_table(family, membrane):
     for name in [n for n, p in PROBLEMS.items() if p.family == family]:
         answers, _ = stored(name, membrane)
         for pattern in patterns_of(answers):
-            old, new = of(answers, EDGE_SLOPE, pattern), of(answers, f"edge_slope/{membrane}", pattern)
+            old, new = of(answers, DEFAULT, pattern), of(answers, membrane, pattern)
             a, b = columns(old), columns(new)
             rows.append([name, pattern.replace("_", " "), ", ".join(level[0].mesh for level in levels(old or new)),
                          a[0] + orders(name, old), b[0] + orders(name, new), a[1], b[1], a[2], b[2]])

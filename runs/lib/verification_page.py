@@ -13,7 +13,7 @@ from problems import PROBLEMS
 from solver import ROOT, invoke
 from tables import markdown
 
-EDGE_SLOPE, SIX_NODE = "edge_slope/six_node", "six_node/six_node"
+DEFAULT, PUBLISHED = "corrected", "sze_zhou_2016"
 LIMIT = 0.01
 PAGE, IMAGES = ROOT / "docs" / "verification.md", ROOT / "docs" / "images"
 
@@ -77,9 +77,9 @@ def by_pattern(names):
     for name in names:
         answers, _ = stored(name)
         for pattern in patterns_of(answers):
-            mine = of(answers, EDGE_SLOPE, pattern)
+            mine = of(answers, DEFAULT, pattern)
             if mine:
-                yield name, pattern, mine, of(answers, SIX_NODE, pattern)
+                yield name, pattern, mine, of(answers, PUBLISHED, pattern)
 
 
 def nonlinear_table(names):
@@ -113,7 +113,7 @@ def modes_table(names):
     header = ["problem", "mode", "reference", "computed", "error %", "published elsewhere"]
     rows = []
     for name in names:
-        mine = of(stored(name)[0], EDGE_SLOPE, "one_way")
+        mine = of(stored(name)[0], DEFAULT, "one_way")
         if not mine:
             continue
         for k, a in enumerate(levels(mine)[-1]):
@@ -135,7 +135,7 @@ def misses(name):
     found = {}
     answers, _ = stored(name)
     for pattern in patterns_of(answers):
-        for a in judged(name, of(answers, EDGE_SLOPE, pattern)):
+        for a in judged(name, of(answers, DEFAULT, pattern)):
             curve = a.curve_error == a.curve_error
             if (a.curve_error if curve else abs(a.error)) > LIMIT:
                 text = f"{number(100 * a.curve_error, '.2f')} %" if curve else f"{percent(a.error)} %"

@@ -57,10 +57,8 @@ void settle_contact_start(const Stage& stage, Epoch& epoch, Origin origin) {
 }  // namespace
 
 CaseRun::CaseRun(const input::Case& c, const RunOptions& options)
-    : options_(options), mesh_(load_case_mesh(options.comm, c)) {
+    : case_(c), options_(options), mesh_(load_case_mesh(options.comm, c)) {
   const Mesh first = mesh_;
-  choice_ = choose_membrane(options.comm, c, *first);
-  case_ = with_membrane(c, choice_.membrane);
   stages_ = stages_of(case_, options_);
   for (Stage& stage : stages_) stage.input.seams = system::with_gather_widths(std::move(stage.input.seams), *first);
   if (options_.obstacles)
@@ -83,7 +81,6 @@ void CaseRun::open_stage(std::size_t number) {
   enter_stage(options_.comm, stage.c, *mesh_, origin_, state_);
   std::unique_ptr<Epoch> epoch = open_epoch(stage, *mesh_, state_, number == 0);
   if (number == 0 && origin_ == Origin::nothing) check_start_supports(stage.c, epoch->model(), epoch->state().u);
-  if (number == 0) report_membrane(options_, choice_);
   mpi::on_root(options_.comm, [&] {
     if (options_.output.empty()) return;
     if (!folder_) folder_.emplace(case_, options_);

@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "driven_obstacles.hpp"
-#include "membrane_choice.hpp"
 #include "output_folder.hpp"
 #include "stage_run.hpp"
 #include "stages.hpp"
@@ -61,7 +60,6 @@ class CaseRun {
 
   input::Case case_;
   RunOptions options_;
-  MembraneChoice choice_;
   std::shared_ptr<const mesh::SurfaceMesh> mesh_;
   std::vector<Stage> stages_;
   std::vector<std::shared_ptr<const mesh::SurfaceMesh>> meshes_;  ///< of the case, as the stages find it

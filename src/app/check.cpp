@@ -7,7 +7,6 @@
 #include "free_motions.hpp"
 #include "garment.hpp"
 #include "group_names.hpp"
-#include "membrane_choice.hpp"
 #include "mesh_report.hpp"
 #include "probes.hpp"
 #include "remesher.hpp"
@@ -84,12 +83,10 @@ void info(MPI_Comm comm, const mesh::SurfaceMesh& mesh, const energy::ElementOpt
   mpi::on_root(comm, [&] { report(mesh, mpi::size(comm), quality, element); });
 }
 
-void check(MPI_Comm comm, const input::Case& as_given) {
-  const std::string garment = garment_report(comm, as_given);
-  const auto given = std::make_shared<const mesh::SurfaceMesh>(case_mesh(comm, as_given));
-  check_group_names(as_given, *given);
-  const MembraneChoice choice = choose_membrane(comm, as_given, *given);
-  const input::Case whole = with_membrane(as_given, choice.membrane);
+void check(MPI_Comm comm, const input::Case& whole) {
+  const std::string garment = garment_report(comm, whole);
+  const auto given = std::make_shared<const mesh::SurfaceMesh>(case_mesh(comm, whole));
+  check_group_names(whole, *given);
   const mesh::SurfaceMesh& mesh = *given;
   const std::vector<Stage> stages = stages_of(whole, {comm});
   const auto meshes = stage_meshes(stages, given);
@@ -118,7 +115,6 @@ void check(MPI_Comm comm, const input::Case& as_given) {
   mpi::on_root(comm, [&] {
     (void)Probes(c, model);
     report(mesh, mpi::size(comm), quality, c.element);
-    if (!choice.text.empty()) fmt::print("{}\n", choice.text);
     if (const std::string text = locking_warning(model.discretisation().sheet(), at_rest); !text.empty())
       fmt::print("warning: {}\n", text);
     if (!uncorrected.empty()) fmt::print("warning: {}\n", uncorrected);

@@ -90,10 +90,10 @@ double union_jack_share(const mesh::SurfaceMesh& mesh) {
 const char* long_cell_error(energy::MembraneOperator membrane) {
   return membrane == energy::MembraneOperator::six_node_corrected
              ? "the corrected membrane does not lock there, but in large rotations bending is too stiff, and "
-               "deflections can be too small by 4 to 10 %"
+               "deflections can be too small by 4 to 10 %; element.type = \"angles\" errs less"
              : "the membrane can lock there in large rotations, and deflections then are too small by several percent "
-               "without any other sign, the more the thinner the sheet is; element.membrane = \"auto\" errs less on "
-               "uneven cells";
+               "without any other sign, the more the thinner the sheet is; element.type = \"corrected\", the default, "
+               "errs less on uneven cells";
 }
 
 energy::Material unit_material() {
@@ -196,9 +196,8 @@ std::vector<std::string> quality_warnings(const mesh::SurfaceMesh& mesh, const M
   if (element.bending == energy::BendingOperator::six_node)
     if (const double share = union_jack_share(mesh); share > 0.5)
       warnings.push_back(
-          fmt::format("{:.0f} % of the interior vertices have valence 4 or 8 (alternating diagonals): bending = "
-                      "\"six_node\" does not "
-                      "converge on such a mesh, use \"edge_slope\"",
+          fmt::format("{:.0f} % of the interior vertices have valence 4 or 8 (alternating diagonals): the published "
+                      "elements do not converge on such a mesh; use element.type = \"corrected\"",
                       100.0 * share));
   return warnings;
 }
@@ -214,8 +213,8 @@ std::string fold_warning(const mesh::SurfaceMesh& mesh, const MeshQuality& q, co
   if (share <= folded_limit) return "";
   return fmt::format(
       "the sheet is folded at rest, most in {}: beside such edges what one side moves in its plane counts as bending. "
-      "Deflections can be too small by about {:.0f} % and frequencies too high by about {:.0f} %; use bending = "
-      "\"edge_angle\", or cells along these edges that are smaller, and no longer than wide",
+      "Deflections can be too small by about {:.0f} % and frequencies too high by about {:.0f} %; use "
+      "element.type = \"angles\", or cells along these edges that are smaller, and no longer than wide",
       triangle_text(mesh, place_of_largest(q.fold)), 100.0 * share / (1.0 + share),
       100.0 * (std::sqrt(1.0 + share) - 1.0));
 }

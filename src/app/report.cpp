@@ -72,11 +72,6 @@ void report_model(const input::Case& c, const RunOptions& options, const system:
     if (talks && c.analysis != "dynamic") fmt::print("note: {}\n", text);
 }
 
-void report_membrane(const RunOptions& options, const MembraneChoice& choice) {
-  const bool talks = mpi::rank(options.comm) == 0 && options.verbosity != Verbosity::quiet;
-  if (talks && !choice.text.empty()) fmt::print("{}\n", choice.text);
-}
-
 void report_end(const input::Case& c, const RunOptions& options, const Summary& s) {
   const std::string folder = options.output.string(), where = folder.empty() ? "" : "; results in " + folder;
   mpi::on_root(options.comm, [&] {

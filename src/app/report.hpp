@@ -3,7 +3,6 @@
 
 #include <string>
 
-#include "membrane_choice.hpp"
 #include "summary.hpp"
 #include "voile/app/run.hpp"
 #include "voile/input/case.hpp"
@@ -17,9 +16,6 @@ namespace voile::app {
 /// Sizes, what the mesh lets expect, and what nothing holds; `first`: nothing has been said of the mesh. Collective.
 /// Throws UserError where no equilibrium can be unique.
 void report_model(const input::Case& c, const RunOptions& options, const system::Model& model, bool first);
-
-/// What "auto" has chosen, unless the run is quiet. Not collective.
-void report_membrane(const RunOptions& options, const MembraneChoice& choice);
 
 /// The last words and summary.json. Collective.
 void report_end(const input::Case& c, const RunOptions& options, const Summary& s);

@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "garment_measures.hpp"
-#include "membrane_choice.hpp"
 #include "modes.hpp"
 #include "report.hpp"
 #include "sewing.hpp"
@@ -26,7 +25,7 @@ Summary summary_of(const solve::Followed& all, const system::State& state, const
                    const system::Model& model) {
   Summary s;
   s.converged = all.completed;
-  s.membrane = name(c.element.membrane);
+  s.element = energy::element_types[energy::type_of(c.element)].name;
   s.reason = all.reason;
   s.load_factor = state.load_factor;
   s.steps = c.analysis == "static" ? state.step : all.steps;

@@ -62,7 +62,7 @@ Json json_of(const Summary& s) {
   for (const solve::CriticalPoint& p : s.critical)
     critical.push_back({{"kind", solve::name(p.kind)}, {"step", p.step}, {"load_factor", p.load_factor}});
   Json all{{"converged", s.converged},
-           {"membrane", s.membrane},
+           {"element", s.element},
            {"load_factor", s.load_factor},
            {"steps", s.steps},
            {"newton_iterations", s.newton_iterations},

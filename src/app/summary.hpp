@@ -28,7 +28,7 @@ struct RemeshingEffort {
 struct Summary {
   bool converged = false;
   std::string reason;    ///< why not
-  std::string membrane;  ///< in force, as in the case file
+  std::string element;  ///< its type, as in the case file
   double load_factor = 0.0;
   int steps = 0, newton_iterations = 0, factorisations = 0;
   solve::IterativeEffort iterative;

@@ -89,7 +89,7 @@ std::string locking_warning(const energy::Sheet& sheet, const system::TriangleFi
       "the mesh is too coarse for a curved shell this thin: where it bends without stretching, deflections can be too "
       "small "
       "by about {:.2g} %; use a finer mesh{}",
-      100.0 * share, corrected ? "" : ", or element.membrane = \"six_node_corrected\" or \"auto\"");
+      100.0 * share, corrected ? "" : ", or element.type = \"corrected\"");
 }
 
 }  // namespace voile::app

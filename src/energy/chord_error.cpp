@@ -3,7 +3,6 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "voile/energy/chord_forms.hpp"
 #include "voile/energy/membrane.hpp"
@@ -14,9 +13,6 @@ namespace {
 
 /// r at which a shell deflects half as much as it should.
 constexpr double half_locked = 10.0;
-
-/// In which a sheet is tried to be rolled up, over half a turn.
-constexpr int directions = 8;
 
 bool corrects(const Sheet& sheet) {
   return sheet.options().membrane == MembraneOperator::six_node_corrected;
@@ -48,7 +44,7 @@ ChordError::ChordError(const Sheet& sheet) {
   const ChordForms forms(sheet);
   const MembraneOperator kind = sheet.options().membrane;
   const double own = kind == MembraneOperator::cst                           ? 1.0
-                     : kind == MembraneOperator::six_node || corrects(sheet) ? sheet.options().cst_share
+                     : kind == MembraneOperator::six_node || corrects(sheet) ? sheet.options().cst_fraction
                                                                              : 0.0;
   corrections_.reserve(static_cast<std::size_t>(sheet.mesh().triangle_count()));
   for (Index t = 0; t < sheet.mesh().triangle_count(); ++t)
@@ -71,38 +67,6 @@ std::vector<double> ChordError::energies(const Sheet& sheet, const std::vector<d
     energies.push_back(0.5 * left * feigned.dot(sheet.material(static_cast<Index>(t)).membrane * feigned));
   }
   return energies;
-}
-
-RolledUp rolled_up(const Sheet& sheet) {
-  const mesh::SurfaceMesh& mesh = sheet.mesh();
-  Eigen::AlignedBox3d box;
-  for (Index t = 0; t < mesh.triangle_count(); ++t)
-    for (int i = 0; i < 3; ++i) box.extend(mesh.rest_corner(t, i));
-  const double bend = 2.0 * std::numbers::pi / box.diagonal().norm();
-  const ChordForms forms(sheet);
-  double feigned = 0.0, bending = 0.0, lost = 0.0, area = 0.0;
-  for (Index t = 0; t < mesh.triangle_count(); ++t) {
-    const std::array<Mat3, 3> form = forms.of(t, MembraneTerm::forms(sheet, t, sheet.options().cst_share));
-    const Mat3 trace = forms.trace(t);
-    const Material& m = sheet.material(t);
-    double worst_feigned = 0.0, worst_bending = 0.0, worst_lost = 0.0;
-    for (int k = 0; k < directions; ++k) {
-      const double angle = std::numbers::pi * k / directions, c = std::cos(angle), s = std::sin(angle);
-      const Vec3 kappa = bend * Vec3(c * c, s * s, 2.0 * c * s);
-      const Vec3 strain =
-          0.5 * Vec3(kappa.dot(form[0] * kappa), kappa.dot(form[1] * kappa), kappa.dot(form[2] * kappa));
-      const double w = 0.5 * strain.dot(m.membrane * strain), b = 0.5 * kappa.dot(m.bending * kappa);
-      worst_lost = std::max(worst_lost, 0.5 * kappa.dot(trace * kappa));
-      if (k > 0 && w * worst_bending <= worst_feigned * b) continue;
-      worst_feigned = w;
-      worst_bending = b;
-    }
-    feigned += mesh.area(t) * worst_feigned;
-    bending += mesh.area(t) * worst_bending;
-    lost += mesh.area(t) * worst_lost;
-    area += mesh.area(t);
-  }
-  return {feigned / (feigned + bending), lost / area};
 }
 
 namespace {

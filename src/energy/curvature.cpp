@@ -25,6 +25,15 @@ struct Functional {
 /// Largest condition number at which a least-squares ring fit is accepted before another ring is added.
 constexpr double max_ring_condition = 60.0;
 constexpr int max_rings = 3;
+/// Relative difference below which two bending stiffnesses are the same.
+constexpr double same_stiffness = 1e-9;
+
+/// Whether D is the same in all axes.
+bool is_isotropic(const Mat3& d) {
+  const double within = same_stiffness * d.norm();
+  return std::abs(d(0, 0) - d(1, 1)) <= within && std::abs(d(0, 2)) <= within && std::abs(d(1, 2)) <= within &&
+         std::abs(d(2, 2) - 0.5 * (d(0, 0) - d(0, 1))) <= within;
+}
 
 /// Derivative of the monomials along direction n.
 Row6 slope_row(const Vec2& p, const Vec2& n) {
@@ -54,12 +63,15 @@ void add(Functional& to, const Fit& fit, const Row6& functional, double factor, 
 struct CurvatureBuilder::Impl {
   struct Entry {
     mesh::Patch patch;
+    Beyond beyond;
     Fit fit;
   };
 
   const Sheet& sheet;
   mesh::PatchMesh patches;
   std::unordered_map<Index, Entry> entries;
+  /// The patches cut along all jumps of the stiffness: rings stay on one side. Made when the first is asked for.
+  std::optional<mesh::PatchMesh> apart;
 
   const Entry& entry(Index t) {
     const auto found = entries.find(t);
@@ -67,8 +79,43 @@ struct CurvatureBuilder::Impl {
     const mesh::Frame frame = sheet.frame(t);
     Entry e;
     e.patch = patches.patch(t, frame);
-    e.fit = fit_patch(e.patch, frame.origin, sheet.material(t).bending);
+    e.beyond = jumps_of(t, e.patch);
+    e.fit = fit_patch(e.patch, frame.origin, sheet.material(t).bending, e.beyond);
     return entries.emplace(t, std::move(e)).first->second;
+  }
+
+  /// Stiffness beyond the sides of t where it is another one.
+  Beyond jumps_of(Index t, const mesh::Patch& patch) const {
+    Beyond beyond;
+    if (sheet.options().bending == BendingOperator::six_node) return beyond;  // as published
+    const Mat3& here = sheet.material(t).bending;
+    for (int s = 0; s < 3; ++s) {
+      const Index other = patches.apex(t, s) == no_index ? no_index : sheet.mesh().neighbour(t, s);
+      if (other == no_index) continue;
+      const Mat3& there = sheet.material(other).bending;
+      const bool same = sheet.material_index(t) == sheet.material_index(other);
+      if (same && is_isotropic(here)) continue;
+      const int so = sheet.mesh().side_in_neighbour(t, s);
+      const Vec2 mine = side_of(patch, s).tangent,
+                 theirs = -side_of(patches.patch(other, sheet.frame(other)), so).tangent;
+      const double turn = std::atan2(mine.y(), mine.x()) - std::atan2(theirs.y(), theirs.x());
+      const Mat3 seen = rotated_stiffness(there, turn);
+      if ((seen - here).norm() > same_stiffness * here.norm()) beyond[s] = seen;
+    }
+    return beyond;
+  }
+
+  const mesh::PatchMesh& one_sided() {
+    if (!apart) {
+      std::vector<mesh::TriangleSide> sides;
+      for (Index t = 0; t < sheet.mesh().triangle_count(); ++t) {
+        const Beyond beyond = jumps_of(t, patches.patch(t, sheet.frame(t)));
+        for (int s = 0; s < 3; ++s)
+          if (beyond[s]) sides.push_back({t, s});
+      }
+      apart = sides.empty() ? patches : patches.cut_along(sides);
+    }
+    return *apart;
   }
 
   bool usable(const Fit& fit) const { return fit.condition <= sheet.options().max_patch_condition; }
@@ -79,7 +126,7 @@ struct CurvatureBuilder::Impl {
     const double scale = std::sqrt(entry(t).patch.area);
     Fit best;
     for (int rings = 1; rings <= max_rings; ++rings) {
-      Fit fit = fit_rings(patches.unfolded_rings(t, s, rings, frame), frame.origin, origin, scale);
+      Fit fit = fit_rings(one_sided().unfolded_rings(t, s, rings, frame), frame.origin, origin, scale);
       if (fit.condition < best.condition) best = std::move(fit);
       if (best.condition <= max_ring_condition) break;
     }
@@ -104,20 +151,46 @@ struct CurvatureBuilder::Impl {
     };
     const bool good_here = here.fit.complete && usable(here.fit), good_there = there.fit.complete && usable(there.fit);
     if (good_here || good_there) {
-      const double share = good_here && good_there ? 0.5 : good_here ? 1.0 : 0.0;
+      const double share = good_here && good_there ? own_weight(here, t, s) : good_here ? 1.0 : 0.0;
       use(share, 1.0 - share);
       return;
     }
+    if (here.beyond[s] && add_ring_slopes(to, t, s, factor, turn)) return;
     const Fit rings = ring_fit(t, s, mine.middle);
-    if (rings.condition <= max_ring_condition) {
+    if (!here.beyond[s] && rings.condition <= max_ring_condition) {
       add(to, rings, slope_row(Vec2::Zero(), mine.normal), factor, turn);
     } else if (usable(here.fit) || usable(there.fit)) {  // narrow strips: the free-edge condition completes the patch
-      const double share = usable(here.fit) && usable(there.fit) ? 0.5 : usable(here.fit) ? 1.0 : 0.0;
+      const double share = usable(here.fit) && usable(there.fit) ? own_weight(here, t, s)
+                           : usable(here.fit)                    ? 1.0
+                                                                 : 0.0;
       use(share, 1.0 - share);
     } else {
       add_linear_slope(to, here.patch, s, mine, 0.5 * factor, turn);
       add_linear_slope(to, there.patch, so, theirs, -0.5 * factor, across);
     }
+  }
+
+  /// Weight of the slope that t finds for its side s, beside that of its neighbour: the stiffer side errs at greater cost.
+  double own_weight(const Entry& here, Index t, int s) const {
+    if (!here.beyond[s]) return 0.5;
+    const Vec2 n = side_of(here.patch, s).normal;
+    const double own = normal_stiffness(sheet.material(t).bending, n), other = normal_stiffness(*here.beyond[s], n);
+    return own / (own + other);
+  }
+
+  /// phi of a jump from rings on each side; false if neither has enough points.
+  bool add_ring_slopes(Functional& to, Index t, int s, double factor, const Mat3& turn) {
+    const Index other = sheet.mesh().neighbour(t, s);
+    const int so = sheet.mesh().side_in_neighbour(t, s);
+    const Side mine = side_of(entry(t).patch, s), theirs = side_of(entry(other).patch, so);
+    const Fit here = ring_fit(t, -1, mine.middle), there = ring_fit(other, -1, theirs.middle);
+    const bool good_here = here.condition <= max_ring_condition, good_there = there.condition <= max_ring_condition;
+    const double share = good_here && good_there ? own_weight(entry(t), t, s) : good_here ? 1.0 : 0.0;
+    if (share > 0.0) add(to, here, slope_row(Vec2::Zero(), mine.normal), factor * share, turn);
+    if (good_there && share < 1.0)
+      add(to, there, slope_row(Vec2::Zero(), theirs.normal), -factor * (1.0 - share),
+          turn * sheet.mesh().chart_join(t, s).turn);
+    return good_here || good_there;
   }
 
   /// Slope of the flat triangle itself: the last resort, exact for linear fields only.
@@ -269,7 +342,7 @@ struct CurvatureBuilder::Cut {
 };
 
 CurvatureBuilder::Cut::Cut(const Sheet& sheet)
-    : impl{sheet, sheet.patches(), {}},
+    : impl{sheet, sheet.patches(), {}, {}},
       near(static_cast<std::size_t>(sheet.mesh().triangle_count()), 0),
       smallest(std::numeric_limits<double>::infinity()) {
   const mesh::SurfaceMesh& mesh = sheet.mesh();
@@ -299,7 +372,7 @@ CurvatureBuilder::Cut::Cut(const Sheet& sheet)
 }
 
 CurvatureBuilder::CurvatureBuilder(const Sheet& sheet)
-    : impl_(std::make_unique<Impl>(Impl{sheet, sheet.patches(), {}})) {
+    : impl_(std::make_unique<Impl>(Impl{sheet, sheet.patches(), {}, {}})) {
   if (!sheet.seams().empty()) cut_ = std::make_unique<Cut>(sheet);
 }
 CurvatureBuilder::~CurvatureBuilder() = default;

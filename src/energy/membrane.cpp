@@ -28,7 +28,7 @@ Vec3 half_metric(const Vec3& a1, const Vec3& a2) {
 }  // namespace
 
 MembraneTerm::MembraneTerm(const Sheet& sheet) {
-  set_shape(sheet.options().membrane, sheet.options().cst_share);
+  set_shape(sheet.options().membrane, sheet.options().cst_fraction);
   batches_ = Batches(corrects() ? fields::weights : fields::plain, corrects() ? bend_vectors : 0);
   for (const Material& m : sheet.materials()) {
     stiffness_.push_back(m.membrane);
@@ -36,7 +36,7 @@ MembraneTerm::MembraneTerm(const Sheet& sheet) {
   }
 }
 
-void MembraneTerm::set_shape(MembraneOperator kind, double cst_share) {
+void MembraneTerm::set_shape(MembraneOperator kind, double cst_fraction) {
   MembraneShape s;
   s.corrected = kind == MembraneOperator::six_node_corrected;
   for (double& weight : s.weight) weight = 1.0;
@@ -45,17 +45,10 @@ void MembraneTerm::set_shape(MembraneOperator kind, double cst_share) {
     s.groups = 1;
     s.group[3] = 0;
     s.factor[0] = 1.0;
-  } else if (kind == MembraneOperator::six_node_three_point) {
-    s.last_sample = 3;
-    s.groups = 3;
-    for (int k = 0; k < 3; ++k) {
-      s.group[k] = k;
-      s.factor[k] = 1.0 / 3.0;
-    }
   } else {
     for (int k = 0; k < 3; ++k) s.weight[k] = 1.0 / 3.0;
-    s.factor[0] = 1.0 - cst_share;
-    s.factor[1] = cst_share;
+    s.factor[0] = 1.0 - cst_fraction;
+    s.factor[1] = cst_fraction;
   }
   shape_ = s;
 }

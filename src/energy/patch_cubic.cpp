@@ -2,6 +2,7 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <cmath>
 
 #include "voile/base/decompositions.hpp"
 
@@ -9,6 +10,8 @@ namespace voile::energy {
 
 namespace {
 
+/// Of third derivatives, in the root of the mean over the four: their norm is that of the tensor, T111^2 + 3 T112^2 + ..., so that
+/// the fit does not depend on the axes.
 constexpr double restraint = 0.1;
 /// Least singular value over the largest of the fit of a quadratic.
 constexpr double least_singular = 3e-3;
@@ -77,8 +80,11 @@ Eigen::MatrixXd fit(const std::vector<Place>& places, PatchCubic& cubic) {
     const double a = y.x(), b = y.y();
     v.row(i) << 1.0, a, b, 0.5 * a * a, 0.5 * b * b, a * b, a * a * a, a * a * b, a * b * b, b * b * b;
   }
-  v.bottomRightCorner<4, 4>() = restraint * Eigen::Matrix4d::Identity();
-  const Eigen::VectorXd singular = singular_values(Eigen::MatrixXd(v.topLeftCorner(n, 6)));
+  const Eigen::Vector4d of_tensor = Eigen::Vector4d(3.0, 1.0, 1.0, 3.0).cwiseSqrt() / std::sqrt(2.0);
+  v.bottomRightCorner<4, 4>() = Eigen::Matrix4d((restraint * of_tensor).asDiagonal());
+  Eigen::MatrixXd quadratic = v.topLeftCorner(n, 6);
+  quadratic.col(5) *= std::sqrt(0.5);  // |H|^2 = H11^2 + H22^2 + 2 H12^2, likewise
+  const Eigen::VectorXd singular = singular_values(quadratic);
   if (!(singular[5] > least_singular * singular[0])) return {};
   const Eigen::MatrixXd inverse = LeastSquares(v).solve(Eigen::MatrixXd::Identity(n + 4, n));
   Eigen::MatrixXd k(bend_vectors, n);

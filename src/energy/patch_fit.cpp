@@ -36,6 +36,31 @@ double condition_of(const Eigen::VectorXd& singular_values) {
   return smallest > 0.0 ? singular_values.maxCoeff() / smallest : std::numeric_limits<double>::infinity();
 }
 
+/// (n1^2, n2^2, 2 n1 n2): M_nn = nn.M.
+Vec3 normal_moment(const Vec2& n) {
+  return {n.x() * n.x(), n.y() * n.y(), 2.0 * n.x() * n.y()};
+}
+
+/// m.k of the quadratic's curvature k as a row of its coefficients.
+Row6 of_curvature(const Vec3& m) {
+  Row6 row;
+  row << 0.0, 0.0, 0.0, m.x(), m.y(), 2.0 * m.z();
+  return row;
+}
+
+/// Changes the row of the point across side s to that of a quadratic whose normal curvature jumps there, and returns the
+/// factor of the point's value: 2 D_O,nn / (D_nn + D_O,nn), with which equal stiffness leaves the row as it is and none
+/// beyond makes it that of a free edge.
+double balance_moments(Row6& row, const mesh::Patch& patch, int s, const Mat3& here, const Mat3& there) {
+  const Side side = side_of(patch, s);
+  const Vec3 nn = normal_moment(side.normal);
+  const double own = nn.dot(here * nn), other = nn.dot(there * nn), sum = own + other;
+  const double d = (patch.coordinates[3 + s] - side.middle).dot(side.normal) / std::sqrt(patch.area);
+  const double factor = 2.0 * other / sum;
+  row = factor * row + d * d / sum * of_curvature((here - there) * nn);
+  return factor;
+}
+
 }  // namespace
 
 Side side_of(const mesh::Patch& p, int s) {
@@ -45,21 +70,26 @@ Side side_of(const mesh::Patch& p, int s) {
   return {length, 0.5 * (a + b), t, {t.y(), -t.x()}};
 }
 
-Fit fit_patch(const mesh::Patch& patch, const Vec3& centroid, const Mat3& bending) {
+double normal_stiffness(const Mat3& bending, const Vec2& n) {
+  const Vec3 nn = normal_moment(n);
+  return nn.dot(bending * nn);
+}
+
+Fit fit_patch(const mesh::Patch& patch, const Vec3& centroid, const Mat3& bending, const Beyond& beyond) {
   Fit fit;
   fit.complete = patch.complete();
   const double scale = std::sqrt(patch.area);
   Mat6 v;
   std::array<int, 6> column{};
+  std::array<double, 6> factor{1.0, 1.0, 1.0, 1.0, 1.0, 1.0};
   for (int i = 0; i < 6; ++i) {
     if (patch.points[i] == no_index) {
-      const Vec2 n = side_of(patch, i - 3).normal;
-      const Vec3 nn(n.x() * n.x(), n.y() * n.y(), 2.0 * n.x() * n.y());
-      const Vec3 moment = bending * nn / bending.norm();
-      v.row(i) << 0.0, 0.0, 0.0, moment.x(), moment.y(), 2.0 * moment.z();
+      v.row(i) = of_curvature(bending * normal_moment(side_of(patch, i - 3).normal) / bending.norm());
       column[i] = -1;
     } else {
-      v.row(i) = monomials(patch.coordinates[i] / scale);
+      Row6 row = monomials(patch.coordinates[i] / scale);
+      if (i >= 3 && beyond[i - 3]) factor[i] = balance_moments(row, patch, i - 3, bending, *beyond[i - 3]);
+      v.row(i) = row;
       column[i] = static_cast<int>(fit.points.size());
       fit.points.push_back(patch.points[i]);
       fit.rest.push_back(patch.rest[i] - centroid);
@@ -70,7 +100,7 @@ Fit fit_patch(const mesh::Patch& patch, const Vec3& centroid, const Mat3& bendin
   if (!(fit.condition < 1e12)) return fit;
   const Mat6 inverse = v.fullPivLu().inverse();
   for (int i = 0; i < 6; ++i)
-    if (column[i] >= 0) fit.coefficients.col(column[i]) = inverse.col(i);
+    if (column[i] >= 0) fit.coefficients.col(column[i]) = factor[i] * inverse.col(i);
   unscale(fit, scale);
   return fit;
 }

@@ -219,8 +219,8 @@ void read_remesh(const CaseReader& reader, Case& c) {
   if (!s.background.empty()) s.background = beside(c.file, s.background);
   if (c.element.bending == energy::BendingOperator::six_node)
     place.fail("active",
-               "remeshed meshes are irregular, and element.bending = \"six_node\" is wrong on those; use "
-               "edge_slope");
+               "remeshed meshes are irregular, and the published elements are wrong on those; use element.type = "
+               "\"corrected\"");
 }
 
 void read_contact(const CaseReader& reader, Case& c, const StagesBefore& before) {

@@ -283,7 +283,7 @@ std::string case_reference_markdown() {
   std::string out = reference_head + reference_table(declared.top(), false);
   for (const SectionInfo& section : sections()) {
     const std::vector<Key>& list = declared.of(section.name);
-    const bool by_type = std::any_of(list.begin(), list.end(), [](const Key& k) { return k.name == "type"; });
+    const bool by_type = std::any_of(list.begin(), list.end(), [](const Key& k) { return !k.types.empty(); });
     const std::string title =
         section.repeated ? fmt::format("[[{}]]", section.name) : fmt::format("[{}]", section.name);
     out += fmt::format("\n## `{}`\n\n{}\n\n{}", title, section.meaning, reference_table(list, by_type));

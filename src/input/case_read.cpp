@@ -185,9 +185,24 @@ std::string read_type(const SectionPlace& place, const std::vector<Key>& keys, c
   if (!key) return "";
   const Choice& choice = std::get<Choice>(key->slot);
   const toml::node* node = table.get("type");
-  if (!node) place.fail("type", fmt::format("the key is missing; choose one of: {}", join(choice.names, ", ")));
-  ValueReader(place, *key, *node)(choice);
+  if (!node && key->required)
+    place.fail("type", fmt::format("the key is missing; choose one of: {}", join(choice.names, ", ")));
+  if (node) ValueReader(place, *key, *node)(choice);
   return choice.names[static_cast<std::size_t>(choice.get())];
+}
+
+/// What to write instead of a key of an earlier version; empty if there was none of that name.
+std::string successor(const std::string& section, std::string_view key) {
+  struct Former {
+    const char *section, *key, *instead;
+  };
+  static constexpr Former former[] = {
+      {"element", "membrane", "element.type names the whole element: \"corrected\" is the default, \"six_node\" that of 0.1"},
+      {"element", "bending", "element.type names the whole element: \"angles\" is what was edge_angle"},
+      {"element", "cst_share", "the key is called cst_fraction"}};
+  for (const Former& f : former)
+    if (section == f.section && key == f.key) return f.instead;
+  return "";
 }
 
 SectionPlace read_table(SectionPlace place, const toml::table& table, const std::vector<Key>& keys) {
@@ -197,6 +212,8 @@ SectionPlace read_table(SectionPlace place, const toml::table& table, const std:
     const Key* key = find_key(keys, name.str());
     const std::vector<std::string> valid = names_of(keys, type);
     const std::string section = place.name.empty() ? "" : fmt::format("[{}] ", place.name);
+    if (const std::string instead = key ? "" : successor(place.name, name.str()); !instead.empty())
+      fail_at(place.file, line_of(name.source()), fmt::format("{}key '{}' is of version 0.1: {}", section, name.str(), instead));
     if (!key)
       fail_at(place.file, line_of(name.source()),
               fmt::format("{}unknown key '{}':{}", section, name.str(), suggestion(std::string(name.str()), valid)));
@@ -204,7 +221,7 @@ SectionPlace read_table(SectionPlace place, const toml::table& table, const std:
       fail_at(place.file, line_of(name.source()),
               fmt::format("{}key '{}' does not belong to type '{}'; that has: {}", section, name.str(), type,
                           join(valid, ", ")));
-    std::visit(ValueReader(place, *key, node), key->slot);
+    if (name != "type") std::visit(ValueReader(place, *key, node), key->slot);
   }
   for (const Key& key : keys)
     if (is_required(key, type) && !place.has(key.name))

@@ -130,7 +130,7 @@ def contact_last_iterations(report):
     """Steps that end by the residual: near the solution the exact tangent is taken again. With positive ones alone, forty at a time, the iteration
     converges linearly (702 iterations)."""
     case = {
-        "analysis": "dynamic", "element": {"cst_share": 0.3},
+        "analysis": "dynamic", "element": {"cst_fraction": 0.3},
         "mesh": {"file": str(ROOT / "meshes" / "plate.geo"), "parameters": {"side": 1, "n": 20}},
         "material": [{"type": "isotropic", "young": 1e6, "poisson": 0.3, "thickness": 5e-4, "density": 400}],
         "load": [{"type": "gravity", "vector": [0, 0, -GRAVITY]}],

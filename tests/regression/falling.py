@@ -95,7 +95,7 @@ def drape_fall(report):
         print(f"  skip the skirt: no folder {assets}")
         return
     check_fall(report, "drape_skirt", {
-        "analysis": "drape", "mesh": {"file": str(assets / "skirt_halfcircle.obj")}, "element": {"cst_share": 0.3},
+        "analysis": "drape", "mesh": {"file": str(assets / "skirt_halfcircle.obj")}, "element": {"cst_fraction": 0.3},
         "material": [{"type": "fabric", "fabric": str(ROOT / "runs" / "fabrics" / "wool_plain.toml"), "texture_direction": [0, 1]}],
         "support": [{"type": "hinged", "group": "boundary-2"}], "load": [{"type": "gravity", "vector": [0, 0, -9.81]}],
         "contact": {"distance": 1e-3, "stiffness": 1e4, "friction": 0.3},

@@ -73,20 +73,20 @@ def hemisphere(report):
 
 # Errors in % on the second mesh of runs/lib/linear.py: parallel diagonals, unstructured.
 LINEAR_ERRORS = {
-    "scordelis_lo": (-0.06, 0.04),
-    "pinched_cylinder_diaphragm": (19.60, 20.68),
-    "pinched_cylinder_free_100": (0.48, 0.56),
-    "pinched_cylinder_free_10000": (-93.35, -88.02),
-    "hemisphere_hole": (-3.65, -0.53),
-    "hemisphere_closed": (-4.66, -1.10),
-    "twisted_beam_thick_y": (-4.81, -4.86),
-    "twisted_beam_thick_z": (-0.71, -0.77),
-    "twisted_beam_thin_y": (-5.89, -1.95),
-    "twisted_beam_thin_z": (-6.01, -2.18),
-    "raasch_hook": (-7.12, -6.29),
-    "hypar_100": (-0.74, 1.02),
-    "hypar_1000": (-11.22, 0.72),
-    "hypar_10000": (-91.00, -56.53),
+    "scordelis_lo": (0.15, 0.02),
+    "pinched_cylinder_diaphragm": (17.48, 23.16),
+    "pinched_cylinder_free_100": (0.56, 0.67),
+    "pinched_cylinder_free_10000": (0.28, 0.27),
+    "hemisphere_hole": (0.47, 1.10),
+    "hemisphere_closed": (0.34, 0.62),
+    "twisted_beam_thick_y": (-4.75, -4.82),
+    "twisted_beam_thick_z": (-0.69, -0.75),
+    "twisted_beam_thin_y": (0.04, -0.01),
+    "twisted_beam_thin_z": (0.07, 0.01),
+    "raasch_hook": (-6.77, -6.03),
+    "hypar_100": (0.05, 1.60),
+    "hypar_1000": (0.62, 3.56),
+    "hypar_10000": (-14.80, 0.72),
     "skew_plate": (-0.85, 0.28),
     "circular_plate_clamped": (1.79, 1.63),
     "circular_plate_supported": (0.27, 0.20),
@@ -94,7 +94,7 @@ LINEAR_ERRORS = {
     "square_plate_uniform": (0.54, 0.57),
     "square_plate_centre": (3.04, 2.91),
     "cook_membrane": (-0.47, -0.25),
-    "slit_cylinder_torque": (-0.48, -0.06),
+    "slit_cylinder_torque": (-0.27, 0.01),
 }
 
 
@@ -104,8 +104,9 @@ MODE_LIMITS = {
     "fv12_free": (0.44, 0.05, 0.25),
     "fv15_rhombic": (4.1, 7.7, 7.5),
     "fv16_cantilever": (0.6, 0.95, 0.75),
-    "buckling_supported": (0.2, 0.85, 0.6),
-    "buckling_panel": (0.35, 0.4, 0.3),
+    # Bending is too soft by as much; what chords take from the slopes with six_node hides it (0.85 % and 0.4 %).
+    "buckling_supported": (3.5, 3.9, 3.8),
+    "buckling_panel": (1.6, 2.1, 2.1),
 }
 
 
@@ -140,14 +141,16 @@ def roofs(report):
             report.below(comparison.curve_error, 0.01, f"{name}, pattern {pattern}, whole curve")
             report.check(len(comparison.limits) == 2, f"{len(comparison.limits)} limit loads")
             for computed, expected in comparison.limits:
-                report.percent(computed / expected, 0.01, f"limit load {computed:.5g} against {expected:.5g}")
+                # The published one of the 0/90/0 roof is itself off: 1.40, 1.26, 1.18 % at 16, 20, 24 cells.
+                report.percent(computed / expected, 0.015 if name == "roof_0_90_0_12.7" else 0.01, f"limit load {computed:.5g} against {expected:.5g}")
 
 
 @test
 def cylinders(report):
     """Coarse meshes under displacement control: laminate semi-cylinder 20 x 20, cylinder pulled open 20 x 30."""
     for name, mesh, whole in (("semicylinder_90_0_90", {"n_axial": 20, "n_circ": 20}, 0.02),
-                              ("pullout_cylinder", {"n_axial": 20, "n_circ": 30}, 0.01)):
+                              # Points B of the published curve are off by 1.18 % here, by 1.15 % at 24 x 36 cells.
+                              ("pullout_cylinder", {"n_axial": 20, "n_circ": 30}, 0.0125)):
         case = mesh_of(name, **mesh)
         result = solve(name, variant(case, {"steps.max_step": 2 * case["steps"]["max_step"]}))
         for c in compare(BENCHMARKS[name], result.history):
@@ -198,7 +201,7 @@ def restart(report):
 @test
 def corrected_restart(report):
     """The same with the corrected membrane on a laminate, whose limit load is near that of the six-node one."""
-    case = variant(mesh_of("roof_90_0_90_12.7", n_axial=8, n_circ=8), {"element": {"membrane": "six_node_corrected"}})
+    case = variant(mesh_of("roof_90_0_90_12.7", n_axial=8, n_circ=8), {"element": {"type": "corrected"}})
     whole = solve("corrected_restart_whole", case, 2)
     middle = whole.summary["steps"] // 2
     again = solve("corrected_restart_again", case, 3, ["--restart", whole.results.file, "--restart-step", str(middle)])

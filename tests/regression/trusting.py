@@ -140,7 +140,7 @@ def clamps_turn_far(report):
     report.near(coarse["R_x"][-1] / fine["R_x"][-1], 1.0, 1e-6, f"twisted by 180 degrees ({fine['R_x'][-1]:.4g} N), the same")
     mirrored = grid_mesh("trusting_mirrored.msh", lambda s, t: (-12 * s, t, 0.0), (48, 4), {"left": "left", "right": "right"})
     folded = long_strip(mirrored) | {"analysis": "drape", "load": [{"type": "line", "group": "right", "vector": [0, 0, 1e-6]}]}
-    h = solve("turned_folded", folded | {"element": {"bending": "edge_slope"}}).history
+    h = solve("turned_folded", folded | {"element": {"type": "corrected"}}).history
     report.near(h["tip_x"][-1], 0.0, 1e-6, "folded back on its clamp it turns over, x [m]")
 
 

@@ -31,17 +31,6 @@ class ChordError {
   std::vector<std::array<Mat3, 3>> corrections_;
 };
 
-/// A sheet rolled up without stretching, once around over its extent l, in each cell in the direction that is worst: the bend
-/// kappa = 2 pi / l that large rotations give a sheet as a whole.
-struct RolledUp {
-  double stiffer = 0.0;  ///< energy that uneven chords feign over that with the energy of bending: w/(w + b)
-  /// Mean of 1/2 kappa.S kappa, the share of bending that chords of even cells lose (chord_forms.hpp).
-  double softer = 0.0;
-};
-/// Of the six-node membrane with its share of constant strain, whatever the options of the sheet name. Panels in one chart count
-/// as one sheet. Not collective.
-[[nodiscard]] RolledUp rolled_up(const Sheet& sheet);
-
 /// Share by which deflections of a thin curved shell that bends without stretching can be too small: r/(r + 10), r the mean
 /// over the area of (kappa0 L^2)^2 / h^2 / 12, with the largest principal curvature at rest, L^2 the mean of the squared
 /// sides and h^2 = 12 D/C. Measured on hemispheres and saddles of thickness 4e-3 to 1e-4 of their size, where it is right

@@ -10,7 +10,6 @@
 // six_node              W = A/2 [ (1-s_c) Em.C Em + s_c E_c.C E_c ],  Em = mean_s E_s
 // six_node_corrected    the same with Em and E_c corrected for what chords feign, and a term of fourth order in the curvature
 //                       (chord_correction.hpp)
-// six_node_three_point  W = A/2 mean_s E_s.C E_s
 // Viscosity (Kelvin-Voigt in rest axes, over a time step dt from a state with strains E_n): every W(E) above becomes
 //   W(E) + c W(E - E_n),  c = tau/dt, tau the relaxation time [s]: stress C (E + tau dE/dt), the rate by the backward
 // difference of the step, which keeps a potential.
@@ -137,7 +136,7 @@ class MembraneTerm {
   };
 
   [[nodiscard]] static Element element_of(const Sheet& sheet, Index t);
-  void set_shape(MembraneOperator kind, double cst_share);
+  void set_shape(MembraneOperator kind, double cst_fraction);
   [[nodiscard]] Metrics metrics_of(const std::array<Vec3, 4>& samples) const;
   void set_metrics(Index e, const Metrics& metrics);
   [[nodiscard]] Metrics taken_off(Index e) const;

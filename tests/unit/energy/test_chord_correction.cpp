@@ -72,7 +72,7 @@ struct Middle {
   static energy::ElementOptions options(double share) {
     energy::ElementOptions o;
     o.membrane = energy::MembraneOperator::six_node_corrected;
-    o.cst_share = share;
+    o.cst_fraction = share;
     return o;
   }
   [[nodiscard]] std::vector<Vec3> placed(const std::vector<Vec3>& u) const {

@@ -23,9 +23,8 @@ size = 2.5
 algorithm = 5
 parameters = { n = 12, L = 2.5 }
 [element]
-bending = "six_node"
-membrane = "cst"
-cst_share = 0.3
+type = "zhou_sze_2012"
+cst_fraction = 0.3
 max_patch_condition = 50
 crease_angle = 33.3
 [[material]]

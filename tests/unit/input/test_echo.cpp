@@ -26,7 +26,7 @@ void check_equal(const input::Case& a, const input::Case& b) {
   CHECK(a.mesh.options.scale == b.mesh.options.scale);
   CHECK(a.element.bending == b.element.bending);
   CHECK(a.element.membrane == b.element.membrane);
-  CHECK(a.element.cst_share == b.element.cst_share);
+  CHECK(a.element.cst_fraction == b.element.cst_fraction);
   CHECK(a.element.max_patch_condition == b.element.max_patch_condition);
   CHECK(a.element.crease_angle == b.element.crease_angle);
   CHECK(a.steps.final_load_factor == b.steps.final_load_factor);

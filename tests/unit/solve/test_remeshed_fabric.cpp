@@ -239,7 +239,7 @@ TEST_CASE("fabric of a curved rest shape: axes and energies are those of the sur
     CHECK(axis_error(first, {m}, axis_of(textured)) < 0.01);
     CHECK(axis_error(same, {m}, axis_of(textured)) < 0.02);
     CHECK(axis_error(finer, {m}, axis_of(textured)) < 0.02);
-    CHECK(membrane_energy(first, {m}, inflated) == relative(whole).epsilon(5e-3));
+    CHECK(membrane_energy(first, {m}, inflated) == relative(whole).epsilon(6e-3));
     CHECK(membrane_energy(same, {m}, inflated) == relative(whole).epsilon(5e-3));
     CHECK(membrane_energy(finer, {m}, inflated) == relative(whole).epsilon(3e-3));
     std::vector<energy::Material> two{m, m};
