@@ -28,7 +28,9 @@ class VOILE_API Case {
   Case& set(const std::string& key, const char* value) { return set(key, std::string(value)); }
   Case& set(const std::string& key, const std::string& value);
   Case& set(const std::string& key, const std::vector<double>& value);
-  Case& set(const std::string& key, std::initializer_list<double> value) { return set(key, std::vector<double>(value)); }
+  Case& set(const std::string& key, std::initializer_list<double> value) {
+    return set(key, std::vector<double>(value));
+  }
 
   /// The case as TOML: every key with the value in force. Throws UserError that names file, line, key and remedy.
   [[nodiscard]] std::string text() const;

@@ -3,7 +3,7 @@
 // Units are SI. Arrays have three components per vertex, x y z in global axes, one vertex after the other, in the order in
 // which the mesh was read; that order does not depend on the ranks. Every rank of the communicator receives the whole array.
 // All functions are collective over the communicator unless their comment says otherwise, and throw on every rank
-// (errors.hpp). What the case does not ask for is neither written nor printed: only warnings go to standard error.
+// (errors.hpp). Nothing is written without an output folder, and only warnings are printed unless the options say more.
 #pragma once
 
 #include <mpi.h>

@@ -34,7 +34,10 @@ py::array_t<T> rows(const std::vector<T>& values, py::ssize_t columns) {
   return all;
 }
 
+/// Of an array with three columns, or an empty one.
 std::vector<double> numbers(const Doubles& array) {
+  if (array.size() > 0 && (array.ndim() != 2 || array.shape(1) != 3))
+    throw voile::UserError("an array of n x 3 numbers is needed: a row per vertex or point");
   return {array.data(), array.data() + array.size()};
 }
 
@@ -116,6 +119,7 @@ class Held {
   Held(const voile::Case& c, const py::object& comm, voile::Options options) {
     if (!session()) session() = std::make_unique<voile::Session>();
     options.signals = true;
+    comm_ = comm;
     simulation_ = std::make_unique<Simulation>(communicator(comm), c, std::move(options));
     alive().insert(this);
   }
@@ -136,6 +140,7 @@ class Held {
   }
 
  private:
+  py::object comm_;  // must outlive the simulation
   std::unique_ptr<Simulation> simulation_;
 };
 

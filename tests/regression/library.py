@@ -106,6 +106,11 @@ try:
     raise SystemExit("no error")
 except UserError:
     pass
+try:
+    s.set_forces(np.zeros((3, s.vertex_count)))
+    raise SystemExit("no error")
+except UserError as e:
+    assert "n x 3" in str(e)
 print("fine")
 """
 
