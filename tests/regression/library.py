@@ -1,6 +1,7 @@
 """The library: programs that are built against what is installed, and simulations in Python's own process."""
 
 import os
+import re
 import shlex
 import subprocess
 
@@ -158,6 +159,21 @@ def library_same_as_program(report):
         if name != "elapsed" and "seconds" not in name:
             finite = np.where(np.isfinite(own[name]), own[name], np.nan)  # the file leaves others out
             report.check(np.array_equal(finite, whole.history[name], equal_nan=True), name)
+
+
+@test
+def library_page(report):
+    """The programs of docs/library.md run as they stand there."""
+    page = (ROOT / "docs" / "library.md").read_text()
+    code = {language: re.search(rf"```{language}\n(.*?)```", page, re.S)[1] for language in ("cpp", "python")}
+    report.check(code["cpp"] == (EXAMPLES / "cpp" / "ten.cpp").read_text(), "the C++ program is that of runs/library/cpp")
+    if not any(PACKAGE.glob("voile/_core*.so")):
+        return report.check(True, "SKIPPED: the binding is not built (packages pybind11-dev, python3-dev)")
+    folder = fresh("library_page")
+    write_case(strip("dynamic", nx=6), folder / "case.toml")
+    done = python("-c", code["python"], cwd=folder)
+    report.check(done.returncode == 0 and done.stdout.startswith("0.2 "), done.stdout[-500:])
+    report.check([p.name for p in folder.iterdir()] == ["case.toml"], "nothing is written")
 
 
 @test
