@@ -12,7 +12,7 @@ import numpy as np
 from strip import strip
 from voile import Simulation
 
-STEP, END = 0.01, 0.5  # [s]
+STEP, END = 0.02, 0.5  # [s]
 K, M_PARTNER, Z_S = 6.0, 0.1, 0.05  # [N/m], [kg], [m]
 
 case = strip("dynamic", time={"end": END, "step": STEP, "radius": 1.0})
