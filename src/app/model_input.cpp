@@ -10,8 +10,8 @@ namespace voile::app {
 
 namespace {
 
-/// Share by which the softest fabric may be stretched by a seam that pulls, unless the case says how much.
-constexpr double sewing_strain = 0.1;
+/// Strain of the softest fabric at the force that seams begin to pull with, and at that to which it rises, unless the case says.
+constexpr double first_strain = 0.1, most_strain = 0.3;
 
 /// Ratio of lengths from which on the longer side of a seam is gathered.
 double gather_from(input::SeamSection::Gather gather) {
@@ -20,12 +20,13 @@ double gather_from(input::SeamSection::Gather gather) {
   return gather == input::SeamSection::Gather::always ? 1.0 + round_off : std::numeric_limits<double>::infinity();
 }
 
-/// Largest tension across a seam [N/m].
-double sewing_force(const input::Case& c) {
-  if (c.sewing.force > 0.0) return c.sewing.force;
+system::Sewing sewing_of(const input::Case& c) {
   double least = std::numeric_limits<double>::infinity();
   for (const energy::Material& m : c.materials) least = std::min({least, m.membrane(0, 0), m.membrane(1, 1)});
-  return sewing_strain * least;
+  const bool given = c.sewing.force > 0.0, rises = !std::isnan(c.sewing.strain);
+  const double force = given ? c.sewing.force : first_strain * least;
+  const double most = rises ? c.sewing.strain * least : given ? force : most_strain * least;
+  return {c.stage.sew, c.sewing.stiffness, c.sewing.speed, std::min(force, most), 0.0, most};
 }
 
 }  // namespace
@@ -51,7 +52,7 @@ system::ModelInput model_input(MPI_Comm comm, const input::Case& c, KnownObstacl
           c.masses,
           c.springs,
           c.analysis == "static" || (c.analysis == "drape" && !c.is_staged()),
-          {c.stage.sew, c.sewing.stiffness, c.sewing.speed, sewing_force(c), 0.0},
+          sewing_of(c),
           std::move(attachments),
           seam_rules(c)};
 }

@@ -17,6 +17,7 @@
 #include "voile/pattern/seams.hpp"
 #include "voile/system/attachments.hpp"
 #include "voile/system/contact.hpp"
+#include "voile/system/sewing_springs.hpp"
 
 namespace voile::app {
 
@@ -105,6 +106,19 @@ std::string too_wide(const input::Case& c, const mesh::SurfaceMesh& mesh, const 
          gathers_text(c, mesh, widest.seam) + stretch_text(mesh, displacement);
 }
 
+/// How hard the seams were pulled at the end, and whether more is to be had.
+std::string force_text(const input::Case& c, const system::Model& model, double time) {
+  const system::SewingSprings* springs = model.potential().sewing();
+  if (springs == nullptr) return "";
+  double least = std::numeric_limits<double>::infinity();
+  for (const energy::Material& m : c.materials) least = std::min({least, m.membrane(0, 0), m.membrane(1, 1)});
+  const double force = springs->largest_force(time);
+  return fmt::format("; seams were pulled with up to {:.3g} N/m, which stretches the softest material by {:.2g} %: {}",
+                     force, 100.0 * force / least,
+                     springs->rises(time) ? "the force was rising yet; give the stage more time"
+                                          : "[sewing] strain lets it rise further");
+}
+
 /// Per vertex, on rank 0. Collective.
 std::vector<double> masses(const Stage& stage, const mesh::SurfaceMesh& mesh) {
   system::ModelInput input;
@@ -184,7 +198,9 @@ std::string open_seam_text(const input::Case& c, const system::Model& model, con
   const std::vector<Vec3> positions = contact != nullptr ? contact->scene().positions(state.u) : std::vector<Vec3>{};
   mpi::on_root(model.dofs().comm(), [&] {
     text = too_wide(c, mesh, c.stage.sew, displacement);
-    if (text.empty() || contact == nullptr) return;
+    if (text.empty()) return;
+    text += force_text(c, model, state.time);
+    if (contact == nullptr) return;
     text += obstruction_text(contact->scene(), positions, mesh::open_seams(mesh.data(), c.stage.sew), c.sewing.gap);
   });
   mpi::broadcast(model.dofs().comm(), text);

@@ -197,7 +197,8 @@ std::string successor(const std::string& section, std::string_view key) {
     const char *section, *key, *instead;
   };
   static constexpr Former former[] = {
-      {"element", "membrane", "element.type names the whole element: \"corrected\" is the default, \"six_node\" that of 0.1"},
+      {"element", "membrane",
+       "element.type names the whole element: \"corrected\" is the default, \"six_node\" that of 0.1"},
       {"element", "bending", "element.type names the whole element: \"angles\" is what was edge_angle"},
       {"element", "cst_share", "the key is called cst_fraction"}};
   for (const Former& f : former)
@@ -213,7 +214,8 @@ SectionPlace read_table(SectionPlace place, const toml::table& table, const std:
     const std::vector<std::string> valid = names_of(keys, type);
     const std::string section = place.name.empty() ? "" : fmt::format("[{}] ", place.name);
     if (const std::string instead = key ? "" : successor(place.name, name.str()); !instead.empty())
-      fail_at(place.file, line_of(name.source()), fmt::format("{}key '{}' is of version 0.1: {}", section, name.str(), instead));
+      fail_at(place.file, line_of(name.source()),
+              fmt::format("{}key '{}' is of version 0.1: {}", section, name.str(), instead));
     if (!key)
       fail_at(place.file, line_of(name.source()),
               fmt::format("{}unknown key '{}':{}", section, name.str(), suggestion(std::string(name.str()), valid)));

@@ -13,6 +13,7 @@ constexpr double farthest = 1e6;
 constexpr double stiffest_seam = 1e10;
 /// Largest force per length of a seam [N/m]: what stretches a plate of steel, 5 mm thick, to twice its length.
 constexpr double strongest_seam = 1e9;
+constexpr double most_sewing_strain = 10.0;
 /// Faster than anything is sewn [m/s]: the springs have no length from the first step on.
 constexpr double fastest_seam = 1e6;
 
@@ -203,10 +204,16 @@ std::vector<Key> keys_of(SewingSection& s) {
        .range = {0.0, stiffest_seam, true}},
       {.name = "force",
        .slot = &s.force,
-       .meaning = "Largest with which they pull, per rest length of the seam. 0: what stretches the softest material "
-                  "of the case by a tenth.",
+       .meaning = "With which they pull at most until none has a length any more, per rest length of the seam. 0: what "
+                  "stretches the softest material of the case by a tenth.",
        .unit = "N/m",
        .range = {0.0, strongest_seam}},
+      {.name = "strain",
+       .slot = &s.strain,
+       .meaning = "From then on the force doubles every 0.1 s for seams that are open yet, up to what stretches the "
+                  "softest material of the case by this strain.",
+       .range = {0.0, most_sewing_strain, true},
+       .absent = "0.3; no rise where `force` is given"},
       {.name = "speed",
        .slot = &s.speed,
        .meaning = "At which they get shorter, down to no length.",

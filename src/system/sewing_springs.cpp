@@ -15,6 +15,8 @@ namespace {
 /// When no spring has a length any more, all double their stiffness in this time [s], up to this factor: fabric in
 /// tension would keep soft ones open. Before, while all moves, stiff springs that saturate would only cost iterations.
 constexpr double doubling_time = 0.03, most_tight = 128.0;
+/// In which the largest force doubles from then on [s]: slowly enough that fabric follows.
+constexpr double force_doubling_time = 0.1;
 /// Largest speed over the mean one of what begins and ends at rest.
 constexpr double peak = 1.5;
 
@@ -35,7 +37,7 @@ SewingSprings::SewingSprings(const Discretisation& on, Sewing sewing, energy::Se
       const double length = (mesh.positions()[w] - mesh.positions()[v]).norm();
       longest_distance_ = std::max(longest_distance_, length);
       if (on.owned(v) == no_index && on.owned(w) == no_index) continue;
-      springs_.push_back({length, sewing_.stiffness * seam.lengths[k], is_gathered});
+      springs_.push_back({length, sewing_.stiffness * seam.lengths[k], seam.lengths[k], is_gathered});
       term.add({local.local_of[v], local.local_of[w]}, springs_.back().stiffness, sewing_.force * seam.lengths[k],
                length, on.owned(v) != no_index);
     }
@@ -53,13 +55,19 @@ double SewingSprings::drawn_in(double time) const {
   return share * share * (3.0 - 2.0 * share);
 }
 
+double SewingSprings::largest_force(double time) const {
+  const double since = std::max(0.0, time - sewing_.start - closing_time());
+  return std::max(sewing_.force, std::min(sewing_.most_force, sewing_.force * std::exp2(since / force_doubling_time)));
+}
+
 void SewingSprings::tighten(double time) {
   const double since = std::max(0.0, time - sewing_.start);
   const double tighter = std::min(most_tight, std::exp2(std::max(0.0, since - closing_time()) / doubling_time));
+  const double force = largest_force(time);
   for (std::size_t e = 0; e < springs_.size(); ++e) {
-    const auto& [length, stiffness, gathered] = springs_[e];
-    const double now = gathered ? length * (1.0 - drawn_in(time)) : std::max(0.0, length - sewing_.speed * since);
-    term_->set(static_cast<Index>(e), now, stiffness * tighter);
+    const Spring& s = springs_[e];
+    const double now = s.gathered ? s.length * (1.0 - drawn_in(time)) : std::max(0.0, s.length - sewing_.speed * since);
+    term_->set(static_cast<Index>(e), now, s.stiffness * tighter, force * s.part);
   }
 }
 

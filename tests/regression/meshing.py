@@ -215,6 +215,74 @@ def element_types(report):
     report.check(solve("element_staged", staged, 1).summary["stages"][0]["element"] == "corrected", "a stage")
 
 
+# Strip of 10 x 2, clamped, that changes at half its length: tip deflection under a unit line load and first angular frequency with
+# unit mass, by Morley's element with all slopes unknown on 40, 80, 160 cells, extrapolated (D = 1 beyond the change, nu = 0.3; ply:
+# D1 = 10, D2 = 1, D66 = 0.5).
+JUMPS = {"five times as stiff": (5.0, 107.7304, 0.0689842), "125 times": (125.0, 46.7333, 0.1306382), "a 125th": (1 / 125, 38901.7, 0.00312739),
+         "0/90": ((0.0, 90.0), 70.7458, 0.0911225), "30/-45": ((30.0, -45.0), 140.991, 0.0563261), "soft band": ("band", 2922.8, 0.0146888)}
+
+
+def jump_case(jump, n, jitter, analysis):
+    """`jump`: stiffness of the clamped half, or directions of both halves, or a band of a 125th and one width."""
+    mesh = OUT / f"jump_{n}_{jitter}.msh"
+    across = max(2, n // 5)
+    points, cells = strip_cells(n, across, 10.0, 2.0, jitter)
+    middle = np.array([points[list(c)].mean(axis=0)[0] for c in cells])
+    parts = ("root", middle < 5), ("band", (middle > 5) & (middle < 6)), ("tip", middle > 6)
+    write_msh(mesh, points, [("left", 1, [(j * (n + 1), (j + 1) * (n + 1)) for j in range(across)]),
+                             ("right", 1, [(j * (n + 1) + n, (j + 1) * (n + 1) + n) for j in range(across)]),
+                             *((name, 2, np.array(cells)[where]) for name, where in parts)])
+    plain = lambda d: [[d, 0.3 * d, 0], [0.3 * d, d, 0], [0, 0, 0.35 * d]]  # noqa: E731
+    stiff = np.diag([1e4, 1e4, 4e3]).tolist()
+
+    def material(groups, bending, angle=0.0):
+        return {"type": "matrices", "groups": groups, "membrane": stiff, "bending": bending, "areal_density": 1.0,
+                "direction": [float(np.cos(np.radians(angle))), float(np.sin(np.radians(angle))), 0.0]}
+    if isinstance(jump, tuple):
+        c = 1 / (1 - 0.09 * 0.1)
+        ply = [[10 * c, 0.3 * c, 0], [0.3 * c, c, 0], [0, 0, 0.5]]
+        materials = [material(["root"], ply, jump[0]), material(["band", "tip"], ply, jump[1])]
+    elif jump == "band":
+        materials = [material(["root", "tip"], plain(1.0)), material(["band"], plain(1 / 125))]
+    else:
+        materials = [material(["root"], plain(jump)), material(["band", "tip"], plain(1.0))]
+    return {"analysis": analysis, "mesh": {"file": str(mesh)}, "material": materials, "support": [{"type": "clamped", "group": "left"}],
+            "load": [{"type": "line", "group": "right", "vector": [0, 0, 1.0]}], "eigen": {"modes": 1, "mass": "lumped"},
+            "probe": [{"name": "tip", "type": "displacement", "group": "right", "components": ["z"]}]}
+
+
+def strip_cells(nx, ny, length, width, jitter):
+    """Points and triangles of a strip; vertices inside are moved by up to `jitter` of a cell, but stay on the lines at 5 and 6."""
+    moved = np.random.default_rng(1)
+    points = []
+    for y in np.linspace(0, width, ny + 1):
+        for x in np.linspace(0, length, nx + 1):
+            dx, dy = moved.uniform(-jitter, jitter, 2) * (length / nx, width / ny)
+            on_line = min(abs(x - at) for at in (0, 5, 6, length)) < 1e-9
+            points.append((x + (0 if on_line else dx), y + (0 if y in (0, width) else dy), 0.0))
+    corners = [(j * (nx + 1) + i, j * (nx + 1) + i + 1, (j + 1) * (nx + 1) + i + 1, (j + 1) * (nx + 1) + i) for j in range(ny) for i in range(nx)]
+    return np.array(points), [t for a, b, c, d in corners for t in ((a, b, c), (a, c, d))]
+
+
+@test
+def stiffness_jumps(report):
+    """Where the bending stiffness jumps deflections and frequencies converge with second order, by slopes and by angles."""
+    for name, (jump, deflection, frequency) in JUMPS.items():
+        errors = {}
+        for jitter in (0.0, 0.25):
+            for n in (10, 40):
+                case = jump_case(jump, n, jitter, "linear")
+                errors[jitter, n] = abs(solve("jump", case, 1).history["tip_z"][-1] / deflection - 1)
+            order = np.log(errors[jitter, 10] / errors[jitter, 40]) / np.log(4)
+            report.check(errors[jitter, 40] < 1.5e-3 and (order > 1.6 or errors[jitter, 10] < 0.01),
+                         f"{name}, vertices moved by {jitter}: error {100 * errors[jitter, 10]:.2f}, {100 * errors[jitter, 40]:.2f} %, order {order:.1f}")
+        modal = solve("jump", jump_case(jump, 20, 0.25, "modal"), 1)
+        first = 2 * np.pi * np.loadtxt(modal.folder / "modes.csv", delimiter=",", skiprows=1, ndmin=2)[0, 1]
+        report.below(abs(first / frequency - 1), 0.015, f"{name}: first frequency at 20 cells")
+    by_angles = solve("jump", variant(jump_case(125.0, 20, 0.25, "linear"), {"element": {"type": "angles"}}), 1)
+    report.percent(by_angles.history["tip_z"][-1] / JUMPS["125 times"][1], 0.01, "by angles")
+
+
 @test
 def corrected_roll(report):
     """Twelve cells rolled into a circle: without the term of fourth order in the curvature -u is 8 % too small."""

@@ -29,10 +29,11 @@ class SeamTerm : public PairTerm<SeamElement> {
   void add(const std::array<Index, 2>& points, double stiffness, double force, double length, bool owned) {
     elements_.push_back({points, stiffness, force, length, owned});
   }
-  /// Changes length [m] and stiffness [N/m].
-  void set(Index e, double length, double stiffness) {
+  /// Changes length [m], stiffness [N/m] and largest force [N].
+  void set(Index e, double length, double stiffness, double force) {
     elements_[e].length = length;
     elements_[e].stiffness = stiffness;
+    elements_[e].force = force;
   }
 
   [[nodiscard]] double energy(Index e, const Configuration& c) const {

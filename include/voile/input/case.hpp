@@ -85,7 +85,9 @@ struct MarkSection {
 struct SewingSection {
   double stiffness = 1e5;  ///< per rest length of the seam [N/m^2]
   double speed = 0.5;      ///< [m/s]
-  double force = 0.0;      ///< largest, per rest length of the seam; 0: by the fabric [N/m]
+  double force = 0.0;      ///< with which springs pull at most until they have no length; 0: by the fabric [N/m]
+  /// Of the softest material, up to which the force rises then; NaN: 0.3, or not at all where `force` is given
+  double strain = std::numeric_limits<double>::quiet_NaN();
   double gap = 1e-4;       ///< largest at which a seam is welded [m]
   double bending = 1.0;    ///< factor across welded seams
   double allowance = 0.0;  ///< width of the strips along both sides of seams [m]

@@ -101,8 +101,9 @@ struct Sewing {
   std::vector<std::string> seams;  ///< names, or "all"; empty: none
   double stiffness = 1e5;          ///< per rest length of the seam [N/m^2]
   double speed = 0.5;              ///< at which the springs get shorter [m/s]
-  double force = 1e3;              ///< largest, per rest length of the seam [N/m]
+  double force = 1e3;              ///< largest until no spring has a length any more, per rest length of the seam [N/m]
   double start = 0.0;              ///< [s]
+  double most_force = 0.0;         ///< to which it rises from then on, if that is more [N/m]
 };
 
 }  // namespace voile::system

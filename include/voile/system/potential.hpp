@@ -76,6 +76,8 @@ class Potential {
   /// What share of the way from Discretisation::patches_before() to the sheet's rest shape gathers have gone; 1: all, or
   /// there are none.
   [[nodiscard]] double drawn_in() const { return drawn_in_; }
+  /// Seams that are pulled together; null: none.
+  [[nodiscard]] const SewingSprings* sewing() const { return sewing_.get(); }
 
   /// The local points at state a, which stay until the next call; clamps and anchors are where conditions and obstacles
   /// have put them. Collective.

@@ -3,6 +3,7 @@
 // Symbols   L_k   distance of a pair of points at the start;  l_k its share of the seam's length                   [m]
 //           v     closing speed [m/s],  t_0 start [s]
 //   rest length  max(0, L_k - v (t - t_0)),   stiffness k l_k, doubling again and again once all rest lengths are 0
+//   largest force T l_k, doubling likewise, up to T_max l_k: seams that are closed do not notice
 #pragma once
 
 #include <vector>
@@ -26,10 +27,15 @@ class SewingSprings {
   void tighten(double time);
   /// What share of the way gathers have gone at a time, 1 when no spring has a length any more. The same on every rank.
   [[nodiscard]] double drawn_in(double time) const;
+  /// Largest force per length with which springs pull at a time [N/m]. The same on every rank.
+  [[nodiscard]] double largest_force(double time) const;
+  /// Whether it rises from that time on.
+  [[nodiscard]] bool rises(double time) const { return largest_force(time) < sewing_.most_force; }
 
  private:
   struct Spring {
     double length, stiffness;  ///< at the start [m], [N/m]
+    double part;               ///< l_k
     bool gathered;
   };
   /// Until no spring has a length any more. [s]

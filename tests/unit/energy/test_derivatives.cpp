@@ -127,9 +127,8 @@ TEST_CASE("energy, force and tangent agree for every operator, flat and curved, 
   const mesh::SurfaceMesh flat(square(Pattern::jittered, 6)), curved(curved_shell());
   for (const auto bending :
        {energy::BendingOperator::edge_slope, energy::BendingOperator::edge_angle, energy::BendingOperator::six_node})
-    for (const auto membrane :
-         {energy::MembraneOperator::cst, energy::MembraneOperator::six_node,
-          energy::MembraneOperator::six_node_corrected})
+    for (const auto membrane : {energy::MembraneOperator::cst, energy::MembraneOperator::six_node,
+                                energy::MembraneOperator::six_node_corrected})
       for (const bool supported : {false, true}) {
         CAPTURE(static_cast<int>(bending));
         CAPTURE(static_cast<int>(membrane));
@@ -252,9 +251,8 @@ TEST_CASE("the projected tangent keeps the tensile principal force alone") {
   input.materials = {isotropic(100.0, 0.0, 0.1, 1.0)};
   const double thickness = 0.1, young = 100.0, turned = 0.5;
   const Mat3 turn = Eigen::AngleAxisd(turned, Vec3::UnitZ()).toRotationMatrix();
-  for (const auto membrane :
-       {energy::MembraneOperator::cst, energy::MembraneOperator::six_node,
-        energy::MembraneOperator::six_node_corrected})
+  for (const auto membrane : {energy::MembraneOperator::cst, energy::MembraneOperator::six_node,
+                              energy::MembraneOperator::six_node_corrected})
     for (const std::pair<double, double>& strains :
          {std::pair{0.1, 0.05}, std::pair{0.1, -0.05}, std::pair{-0.1, 0.05}, std::pair{-0.1, -0.05}}) {
       const double first = strains.first, second = strains.second;

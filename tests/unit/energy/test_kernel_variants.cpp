@@ -106,8 +106,8 @@ void compare(Term& term, const Kernels& k, const energy::Configuration& c) {
 TEST_CASE("the kernels of every instruction set agree with the scalar ones") {
   using energy::MembraneOperator;
   for (const double aspect : {1.0, 0.2})
-    for (const MembraneOperator kind : {MembraneOperator::cst, MembraneOperator::six_node,
-                                        MembraneOperator::six_node_corrected}) {
+    for (const MembraneOperator kind :
+         {MembraneOperator::cst, MembraneOperator::six_node, MembraneOperator::six_node_corrected}) {
       Kernels k(shell(aspect), kind);
       std::vector<Vec3> u, x = k.mesh.positions(), previous = x;
       for (Index v = 0; v < k.mesh.vertex_count(); ++v) {

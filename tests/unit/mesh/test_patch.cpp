@@ -148,9 +148,8 @@ TEST_CASE("both operators reproduce the curvature of a quadratic in the interior
 
 TEST_CASE("membranes pass the constant-strain patch test on every mesh") {
   for (const Pattern p : patterns)
-    for (const auto op :
-         {energy::MembraneOperator::cst, energy::MembraneOperator::six_node,
-          energy::MembraneOperator::six_node_corrected}) {
+    for (const auto op : {energy::MembraneOperator::cst, energy::MembraneOperator::six_node,
+                          energy::MembraneOperator::six_node_corrected}) {
       CAPTURE(name_of(p));
       mesh::MeshData data = square(p, 12);
       add_outer_group(data, 2);

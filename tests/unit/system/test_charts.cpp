@@ -98,9 +98,8 @@ TEST_CASE("a plate in four panels that lie anywhere answers as the uncut one") {
     if (extent(false, pattern != Pattern::gmsh)) continue;
     for (const auto bending :
          {energy::BendingOperator::edge_slope, energy::BendingOperator::edge_angle, energy::BendingOperator::six_node})
-      for (const auto membrane :
-           {energy::MembraneOperator::cst, energy::MembraneOperator::six_node,
-            energy::MembraneOperator::six_node_corrected})
+      for (const auto membrane : {energy::MembraneOperator::cst, energy::MembraneOperator::six_node,
+                                  energy::MembraneOperator::six_node_corrected})
         for (const bool in_plane : {true, false}) {
           CAPTURE(name_of(pattern));
           CAPTURE(in_plane);
