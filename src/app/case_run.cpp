@@ -96,7 +96,7 @@ void CaseRun::open_stage(std::size_t number) {
 }
 
 solve::StepResult CaseRun::advance(double until) {
-  const solve::StepResult r = stage_->advance(until);
+  solve::StepResult r = stage_->advance(until);
   go_on();
   return r;
 }

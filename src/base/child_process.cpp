@@ -225,7 +225,7 @@ constexpr int folders_above = 6, folders_of_build = 3;
 /// folder above it, or in `bin` there.
 std::filesystem::path program_of_ours(const std::string& name) {
   std::error_code ignored;
-  const std::filesystem::path beside = std::filesystem::read_symlink("/proc/self/exe", ignored).parent_path() / name;
+  std::filesystem::path beside = std::filesystem::read_symlink("/proc/self/exe", ignored).parent_path() / name;
   Dl_info here{};
   if (std::filesystem::exists(beside, ignored) || dladdr(reinterpret_cast<void*>(&answer_to_parent), &here) == 0)
     return beside;

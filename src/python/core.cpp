@@ -52,7 +52,7 @@ void need_petsc4py() {
 
 py::object taken(Vec v) {
   need_petsc4py();
-  const auto object = py::reinterpret_steal<py::object>(PyPetscVec_New(v));
+  auto object = py::reinterpret_steal<py::object>(PyPetscVec_New(v));
   (void)VecDestroy(&v);  // the object counts as an owner of its own
   if (!object) throw py::error_already_set();
   return object;
@@ -60,7 +60,7 @@ py::object taken(Vec v) {
 
 py::object taken(Mat m) {
   need_petsc4py();
-  const auto object = py::reinterpret_steal<py::object>(PyPetscMat_New(m));
+  auto object = py::reinterpret_steal<py::object>(PyPetscMat_New(m));
   (void)MatDestroy(&m);
   if (!object) throw py::error_already_set();
   return object;
