@@ -63,9 +63,10 @@ system::State scatter(const io::Checkpoint& c, const system::Dofs& dofs) {
 Checkpoints::Checkpoints(const input::Case& c, const std::filesystem::path& folder)
     : every_(c.analysis == "dynamic" ? c.time.checkpoint_steps : 0),
       minutes_(c.time.checkpoint_minutes),
-      file_(folder / "checkpoint.h5") {}
+      file_(folder.empty() ? folder : folder / "checkpoint.h5") {}
 
 void Checkpoints::after_step(const system::State& s, const system::Model& model, bool asked) {
+  if (file_.empty()) return;
   const double minutes = std::chrono::duration<double>(Clock::now() - last_).count() / 60.0;
   const bool by_time = minutes_ > 0.0 && minutes >= minutes_;
   const bool by_step = every_ > 0 && s.step % every_ == 0;
@@ -74,6 +75,7 @@ void Checkpoints::after_step(const system::State& s, const system::Model& model,
 }
 
 void Checkpoints::write(const system::State& s, const system::Model& model) {
+  if (file_.empty()) return;
   const system::Dofs& dofs = model.dofs();
   io::Checkpoint c = gather(s, dofs);
   c.couplings = model.couplings();

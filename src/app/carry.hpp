@@ -21,6 +21,7 @@ namespace voile::app {
 /// Writes checkpoint.h5 when it is due or asked for.
 class Checkpoints {
  public:
+  /// `folder` empty: nothing is written.
   Checkpoints(const input::Case& c, const std::filesystem::path& folder);
 
   /// `asked`: by a signal. Collective.

@@ -60,7 +60,8 @@ void print_balance(const mesh::SurfaceMesh& mesh, int ranks) {
              cut);
 }
 
-void report(const mesh::SurfaceMesh& mesh, const MeshQuality& quality, const energy::ElementOptions& element) {
+void report(const mesh::SurfaceMesh& mesh, int ranks, const MeshQuality& quality,
+            const energy::ElementOptions& element) {
   fmt::print("{}: {} vertices, {} triangles, {} unknowns, {} connected piece(s)\n", mesh.source(), mesh.vertex_count(),
              mesh.triangle_count(), 3 * mesh.vertex_count(), mesh.component_count());
   if (mesh.reoriented_count() > 0)
@@ -68,7 +69,7 @@ void report(const mesh::SurfaceMesh& mesh, const MeshQuality& quality, const ene
   fmt::print("groups:\n");
   print_groups(mesh);
   print_edges(mesh);
-  print_balance(mesh, mpi::size(PETSC_COMM_WORLD));
+  print_balance(mesh, ranks);
   fmt::print("{}", quality_text(mesh, quality, element));
   for (const std::string& text : mesh_notes(mesh)) fmt::print("note: {}\n", text);
   for (const std::string& text : quality_warnings(mesh, quality, element)) fmt::print("warning: {}\n", text);
@@ -77,43 +78,43 @@ void report(const mesh::SurfaceMesh& mesh, const MeshQuality& quality, const ene
 
 }  // namespace
 
-void info(const mesh::SurfaceMesh& mesh, const energy::ElementOptions& element) {
-  const MeshQuality quality = measure_quality(PETSC_COMM_WORLD, mesh, element);
-  mpi::on_root(PETSC_COMM_WORLD, [&] { report(mesh, quality, element); });
+void info(MPI_Comm comm, const mesh::SurfaceMesh& mesh, const energy::ElementOptions& element) {
+  const MeshQuality quality = measure_quality(comm, mesh, element);
+  mpi::on_root(comm, [&] { report(mesh, mpi::size(comm), quality, element); });
 }
 
-void check(const input::Case& whole) {
-  const std::string garment = garment_report(whole);
-  const auto given = std::make_shared<const mesh::SurfaceMesh>(case_mesh(whole));
+void check(MPI_Comm comm, const input::Case& whole) {
+  const std::string garment = garment_report(comm, whole);
+  const auto given = std::make_shared<const mesh::SurfaceMesh>(case_mesh(comm, whole));
   check_group_names(whole, *given);
   const mesh::SurfaceMesh& mesh = *given;
-  const std::vector<Stage> stages = stages_of(whole, {});
+  const std::vector<Stage> stages = stages_of(whole, {comm});
   const auto meshes = stage_meshes(stages, given);
   for (std::size_t k = 1; k < stages.size(); ++k) check_stage(stages[k], *meshes[k]);
   const input::Case& c = stages.front().c;
-  system::Model model(PETSC_COMM_WORLD, mesh, stages.front().input);
+  system::Model model(comm, mesh, stages.front().input);
   if (c.analysis == "modal" || c.analysis == "dynamic") system::require_mass(model);
   const std::vector<std::string> free = check_free_motions(c, model);
-  MeshQuality quality = measure_quality(PETSC_COMM_WORLD, mesh, c.element);
+  MeshQuality quality = measure_quality(comm, mesh, c.element);
   quality.large_rotations = is_nonlinear(whole);
   const std::string uncorrected = uncorrected_text(model.potential().uncorrected_triangles());
   const petsc::VecHandle start = model.dofs().create_vector();
-  if (!c.mesh.start.empty()) model.dofs().scatter(start_shape(c, mesh), start);
+  if (!c.mesh.start.empty()) model.dofs().scatter(start_shape(comm, c, mesh), start);
   check_start_supports(c, model, start);
   const system::TriangleFields at_rest = model.potential().triangle_fields(start);
-  check_remesh(c, mesh);
+  check_remesh(comm, c, mesh);
   std::string outlook;
   if (c.remesh.active) {
     const auto first = std::make_shared<const mesh::SurfaceMesh>(mesh.data());
     io::Checkpoint at_start;
-    at_start.displacement = start_shape(c, mesh);
-    Epoch epoch(c, *first, stages.front().input, stages.front().frozen, at_start);
+    at_start.displacement = start_shape(comm, c, mesh);
+    Epoch epoch(comm, c, *first, stages.front().input, stages.front().frozen, at_start);
     outlook = remesh_outlook(stages.front(), first, epoch);
   }
   if (model.contact()) examine_start(c, *model.contact(), start);
-  mpi::on_root(PETSC_COMM_WORLD, [&] {
+  mpi::on_root(comm, [&] {
     (void)Probes(c, model);
-    report(mesh, quality, c.element);
+    report(mesh, mpi::size(comm), quality, c.element);
     if (const std::string text = locking_warning(model.discretisation().sheet(), at_rest); !text.empty())
       fmt::print("warning: {}\n", text);
     if (!uncorrected.empty()) fmt::print("warning: {}\n", uncorrected);

@@ -43,7 +43,7 @@ void check_start(const std::filesystem::path& file, system::Contact& contact, Ve
   const std::vector<Vec3> positions = contact.scene().positions(a);
   const IntersectionCheck check(contact);
   const std::vector<geometry::TrianglePair> pairs = check.find_by_ranks(positions);
-  mpi::on_root(PETSC_COMM_WORLD, [&] {
+  mpi::on_root(contact.scene().dofs().comm(), [&] {
     if (pairs.empty()) return;
     const std::string found = check.report(positions, pairs, file);
     throw UserError(fmt::format(
@@ -87,7 +87,7 @@ std::vector<std::string> enclosed_pieces(const system::ContactScene& scene, cons
 
 /// Says what is odd about obstacles as they were read: before the start is checked, which that may explain.
 void print_obstacle_notes(const system::Contact& contact) {
-  mpi::on_root(PETSC_COMM_WORLD, [&] {
+  mpi::on_root(contact.scene().dofs().comm(), [&] {
     for (const std::string& note : contact.scene().input().notes) fmt::print("note: {}\n", note);
   });
 }
@@ -97,7 +97,7 @@ void print_notes(const input::Case& c, system::Contact& contact, Vec a) {
   const system::ContactReport report = system::report(contact.scene(), a);
   const double settle_time = contact.scene().input().options.settle_time;
   const std::vector<Vec3> positions = contact.scene().positions(a);
-  mpi::on_root(PETSC_COMM_WORLD, [&] {
+  mpi::on_root(contact.scene().dofs().comm(), [&] {
     if (!c.panels.empty())
       for (const std::string& note : enclosed_pieces(contact.scene(), positions)) fmt::print("note: {}\n", note);
     if (report.pairs == 0) return;
@@ -123,7 +123,7 @@ std::string repair(const RunOptions& options, system::Contact& contact, Vec a) {
   std::vector<Vec3> x = contact.scene().positions(a);
   std::string tried;
   std::vector<double> values;
-  mpi::on_root(PETSC_COMM_WORLD, [&] {
+  mpi::on_root(contact.scene().dofs().comm(), [&] {
     const IntersectionCheck check(contact);
     const double limit = most_cells * contact::mean_edge(contact.scene().set().surface());
     const untangle::UntangleResult r = untangle::untangle(
@@ -135,8 +135,8 @@ std::string repair(const RunOptions& options, system::Contact& contact, Vec a) {
       fmt::print("untangled: {} vertices moved, at most {:.3g} m, in {} rounds\n", r.moved, r.farthest, r.rounds);
     for (const Vec3& p : x) values.insert(values.end(), p.begin(), p.end());
   });
-  mpi::broadcast(PETSC_COMM_WORLD, tried);
-  mpi::broadcast(PETSC_COMM_WORLD, values);
+  mpi::broadcast(contact.scene().dofs().comm(), tried);
+  mpi::broadcast(contact.scene().dofs().comm(), values);
   if (!tried.empty()) return tried;
   for (std::size_t i = 0; i < x.size(); ++i) x[i] = Eigen::Map<const Vec3>(values.data() + 3 * i);
   system::set_positions(contact.scene().dofs(), x, a);
@@ -149,7 +149,7 @@ void examine_start(const input::Case& c, system::Contact& contact, Vec a) {
   contact.set_time(0.0);
   print_obstacle_notes(contact);
   if (c.contact.untangle && is_tangled(contact, a))
-    mpi::on_root(PETSC_COMM_WORLD, [] {
+    mpi::on_root(contact.scene().dofs().comm(), [] {
       fmt::print(
           "note: [contact]: the start intersects or lies inside the contact distance; a run begins with untangling\n");
     });
@@ -165,7 +165,7 @@ void settle_start(const input::Case& c, const RunOptions& options, system::Conta
   if (says) print_obstacle_notes(contact);
   const bool repairs = c.contact.untangle && is_first && is_tangled(contact, a);
   const std::string tried = repairs ? repair(options, contact, a) : "";
-  check_start(options.output / "intersections.vtk", contact, a, tried);
+  check_start(options.output.empty() ? "" : options.output / "intersections.vtk", contact, a, tried);
   if (says) print_notes(c, contact, a);
 }
 

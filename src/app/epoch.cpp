@@ -9,7 +9,6 @@
 #include "voile/solve/drape.hpp"
 #include "voile/solve/path_following.hpp"
 #include "voile/solve/single_step.hpp"
-#include "voile/solve/time_integration.hpp"
 #include "voile/system/attachments.hpp"
 #include "voile/system/contact.hpp"
 
@@ -54,18 +53,18 @@ bool lets_go_at(const input::Case& stage, double time) {
 }
 
 bool goes_on(Origin origin) {
-  return origin == Origin::epoch || origin == Origin::mesh;
+  return origin == Origin::epoch || origin == Origin::mesh || origin == Origin::saved;
 }
 
 }  // namespace
 
-Epoch::Epoch(const input::Case& stage, const mesh::SurfaceMesh& mesh, system::ModelInput input,
+Epoch::Epoch(MPI_Comm comm, const input::Case& stage, const mesh::SurfaceMesh& mesh, system::ModelInput input,
              const std::vector<char>& frozen, const io::Checkpoint& start)
     : stage_(stage),
       end_(end_of_epoch(stage, start.time)),
       supports_(static_cast<std::size_t>(std::count_if(input.supports.begin(), input.supports.end(),
                                                        [&](const auto& s) { return holds(stage, s, start.time); }))),
-      model_(PETSC_COMM_WORLD, mesh, holding(std::move(input), stage, frozen, start.time)),
+      model_(comm, mesh, holding(std::move(input), stage, frozen, start.time)),
       state_(scatter(start, model_.dofs())) {
   if (stage.analysis == "dynamic" || stage.analysis == "modal") system::require_mass(model_);
   if (lets_go_at(stage, start.time)) state_.a.reset();
@@ -106,7 +105,9 @@ void Epoch::make_motion(Origin origin) {
   options.restarted = origin == Origin::restart;
   options.energy_balance = stage_.output.energy_balance;
   dynamics_.emplace(model_, stage_.dynamics);
-  stepper_ = std::make_unique<solve::TimeIntegration>(*dynamics_, options);
+  auto motion = std::make_unique<solve::TimeIntegration>(*dynamics_, options);
+  motion_ = motion.get();
+  stepper_ = std::move(motion);
   if (!model_.contact() || goes_on(origin) || origin == Origin::restart) return;
   dynamics_->set_time(state_.time);
   system::settle_contact(model_, state_.u, state_.time);

@@ -10,19 +10,21 @@
 #include "voile/input/case.hpp"
 #include "voile/io/checkpoint.hpp"
 #include "voile/solve/stepper.hpp"
+#include "voile/solve/time_integration.hpp"
 #include "voile/system/dynamics.hpp"
 #include "voile/system/state.hpp"
 
 namespace voile::app {
 
-/// What an epoch goes on from: `epoch` the same mesh with other supports, `mesh` another mesh.
-enum class Origin { nothing, restart, stage, epoch, mesh };
+/// What an epoch goes on from: `epoch` the same mesh with other supports, `mesh` another mesh, `saved` an earlier state of this
+/// run.
+enum class Origin { nothing, restart, stage, epoch, mesh, saved };
 
 class Epoch {
  public:
   /// `input` holds all that the stage names; supports which have let go before the start are left out, of those that
   /// are `frozen` only what they hold counts. Mesh and case must outlive it. Collective. Throws UserError.
-  Epoch(const input::Case& stage, const mesh::SurfaceMesh& mesh, system::ModelInput input,
+  Epoch(MPI_Comm comm, const input::Case& stage, const mesh::SurfaceMesh& mesh, system::ModelInput input,
         const std::vector<char>& frozen, const io::Checkpoint& start);
 
   [[nodiscard]] system::Model& model() { return model_; }
@@ -35,6 +37,10 @@ class Epoch {
   void prepare(Origin origin);
   /// The stepper that the stage's analysis asks for. Collective.
   solve::Stepper& make_stepper(const Recorder& recorder, Origin origin);
+  /// The stepper, if it is one in time; null otherwise and before make_stepper().
+  [[nodiscard]] solve::TimeIntegration* motion() { return motion_; }
+  /// Time at which it ends: supports let go, or the stage does [s].
+  [[nodiscard]] double end() const { return end_; }
   /// Whether another epoch of the stage begins at this time.
   [[nodiscard]] bool ends_at(double time) const;
   [[nodiscard]] std::size_t support_count() const { return supports_; }
@@ -53,6 +59,7 @@ class Epoch {
   bool prepared_ = false;
   std::optional<system::Dynamics> dynamics_;
   std::unique_ptr<solve::Stepper> stepper_;
+  solve::TimeIntegration* motion_ = nullptr;  ///< the same
 };
 
 }  // namespace voile::app

@@ -252,30 +252,30 @@ void check_attached_groups(const input::Case& stage, const mesh::SurfaceMesh& me
                                     mesh.source(), suggestion(name, known)));
 }
 
-mesh::SurfaceMesh mesh_of(const input::Case& c) {
-  if (c.panels.empty()) return load_mesh(c.mesh.file, c.mesh.options);
+mesh::SurfaceMesh mesh_of(MPI_Comm comm, const input::Case& c) {
+  if (c.panels.empty()) return load_mesh(comm, c.mesh.file, c.mesh.options);
   mesh::MeshData data;
-  mpi::on_root(PETSC_COMM_WORLD, [&] {
+  mpi::on_root(comm, [&] {
     data = garment_of(c).mesh;
     keep_sewn(c, data);
   });
-  broadcast_mesh(PETSC_COMM_WORLD, data);
+  broadcast_mesh(comm, data);
   return mesh::SurfaceMesh(std::move(data));
 }
 
 }  // namespace
 
-mesh::SurfaceMesh case_mesh(const input::Case& c) {
-  mesh::SurfaceMesh mesh = mesh_of(c);
+mesh::SurfaceMesh case_mesh(MPI_Comm comm, const input::Case& c) {
+  mesh::SurfaceMesh mesh = mesh_of(comm, c);
   check_attached_groups(c, mesh);
   for (const input::Case& stage : c.stages) check_attached_groups(stage, mesh);
   return mesh;
 }
 
-std::string garment_report(const input::Case& c) {
+std::string garment_report(MPI_Comm comm, const input::Case& c) {
   std::string text;
   if (c.panels.empty()) return text;
-  mpi::on_root(PETSC_COMM_WORLD, [&] {
+  mpi::on_root(comm, [&] {
     const pattern::Garment garment = garment_of(c);
     std::vector<double> densities, allowances;
     for (const GarmentMeasures::Panel& p :

@@ -3,15 +3,16 @@
 
 #include <string>
 
+#include "voile/base/mpi.hpp"
 #include "voile/input/case.hpp"
 #include "voile/mesh/surface_mesh.hpp"
 
 namespace voile::app {
 
 /// Its seams are those that some stage sews. Collective. Throws UserError on every rank.
-[[nodiscard]] mesh::SurfaceMesh case_mesh(const input::Case& c);
+[[nodiscard]] mesh::SurfaceMesh case_mesh(MPI_Comm comm, const input::Case& c);
 
 /// Panels, seams and fabric of a case that has them, on rank 0; otherwise empty. Collective.
-[[nodiscard]] std::string garment_report(const input::Case& c);
+[[nodiscard]] std::string garment_report(MPI_Comm comm, const input::Case& c);
 
 }  // namespace voile::app

@@ -312,8 +312,8 @@ void show_info(const Request& request, const std::optional<input::Case>& c) {
   const std::filesystem::path mesh_file = c ? c->mesh.file : std::filesystem::path(request.file);
   io::MeshOptions options = c ? c->mesh.options : io::MeshOptions{};
   options.allow_system_call = request.allow_system_call;
-  const mesh::SurfaceMesh mesh = app::load_mesh(mesh_file, options);
-  app::info(mesh, c ? c->element : energy::ElementOptions{});
+  const mesh::SurfaceMesh mesh = app::load_mesh(MPI_COMM_WORLD, mesh_file, options);
+  app::info(MPI_COMM_WORLD, mesh, c ? c->element : energy::ElementOptions{});
 }
 
 Exit execute(const Request& request, const char* program) {
@@ -333,7 +333,7 @@ Exit execute(const Request& request, const char* program) {
   const PetscSession petsc(program, request.petsc, request.command == Command::run ? c->petsc_options : "");
   return or_abort([&] {
     if (request.command == Command::run) return run_case(*c, request.options);
-    if (request.command == Command::check) app::check(*c);
+    if (request.command == Command::check) app::check(MPI_COMM_WORLD, *c);
     if (request.command == Command::info) show_info(request, c);
     return Exit::done;
   });

@@ -79,9 +79,9 @@ void broadcast_mesh(MPI_Comm comm, mesh::MeshData& data) {
     data.triangles[t] = {corners[3 * t], corners[3 * t + 1], corners[3 * t + 2]};
 }
 
-mesh::SurfaceMesh load_mesh(const std::filesystem::path& file, const io::MeshOptions& options) {
+mesh::SurfaceMesh load_mesh(MPI_Comm comm, const std::filesystem::path& file, const io::MeshOptions& options) {
   mesh::MeshData data;
-  mpi::on_root(PETSC_COMM_WORLD, [&] {
+  mpi::on_root(comm, [&] {
     data = io::read_mesh(file.string(), options);
     if (!options.merge) return;
     const double given = options.merge_tolerance;
@@ -95,7 +95,7 @@ mesh::SurfaceMesh load_mesh(const std::filesystem::path& file, const io::MeshOpt
           file.string(), left.joint[0], left.joint[1], left.joint[2], left.joints));
     data.notes.push_back(fmt::format("{} vertices were merged with others at the same place", gone));
   });
-  broadcast_mesh(PETSC_COMM_WORLD, data);
+  broadcast_mesh(comm, data);
   // The same data give the same verdict on every rank, so this throws everywhere or nowhere.
   const bool panels = options.rest == io::RestShape::texture;
   if (panels) mesh::take_rest_from_texture(data, options.texture_unit);

@@ -40,7 +40,7 @@ std::vector<system::SeamRule> seam_rules(const input::Case& c) {
   return rules;
 }
 
-system::ModelInput model_input(const input::Case& c, KnownObstacles& known) {
+system::ModelInput model_input(MPI_Comm comm, const input::Case& c, KnownObstacles& known) {
   std::vector<system::Attachment> attachments = c.attachments;
   for (std::size_t i = 0; i < attachments.size(); ++i)
     attachments[i].number = static_cast<int>(c.is_staged() ? c.stage.attachments[i] : i);
@@ -48,7 +48,7 @@ system::ModelInput model_input(const input::Case& c, KnownObstacles& known) {
           c.materials,
           c.supports,
           c.loads,
-          contact_input(PETSC_COMM_WORLD, c, known),
+          contact_input(comm, c, known),
           c.masses,
           c.springs,
           c.analysis == "static" || (c.analysis == "drape" && !c.is_staged()),

@@ -13,6 +13,6 @@ namespace voile::app {
 /// What [sewing] and [[seam]] say of seams; none without panels.
 [[nodiscard]] std::vector<system::SeamRule> seam_rules(const input::Case& c);
 
-[[nodiscard]] system::ModelInput model_input(const input::Case& c, KnownObstacles& known);
+[[nodiscard]] system::ModelInput model_input(MPI_Comm comm, const input::Case& c, KnownObstacles& known);
 
 }  // namespace voile::app

@@ -19,6 +19,7 @@ void write_modes(const input::Case& c, const RunOptions& options, const system::
   std::optional<io::ResultsWriter> fields;
   std::optional<io::HistoryWriter> table;
   mpi::on_root(model.dofs().comm(), [&] {
+    if (options.output.empty()) return;
     const mesh::Partition& p = model.dofs().partition();
     fields.emplace(options.output / "modes");
     fields->begin_epoch(model.dofs().mesh(), p.vertex_rank, p.triangle_rank);
@@ -31,15 +32,17 @@ void write_modes(const input::Case& c, const RunOptions& options, const system::
     std::vector<double> shape = model.dofs().gather(mode.shape);
     mpi::on_root(model.dofs().comm(), [&] {
       const int number = static_cast<int>(i) + 1;
-      table->write({static_cast<double>(number), mode.value, mode.eigenvalue, mode.residual});
+      if (table) table->write({static_cast<double>(number), mode.value, mode.eigenvalue, mode.residual});
       io::StepFields step{number, static_cast<double>(number), model.conditions().load_factor(), {}};
       step.fields.push_back({"mode", "1", io::Centre::vertex, 3, std::move(shape)});
-      fields->write(step);
+      if (fields) fields->write(step);
       if (options.verbosity != Verbosity::quiet)
         fmt::print("{:>5} {:>16.8g} {:>12.2e}\n", number, mode.value, mode.residual);
     });
   }
-  mpi::on_root(model.dofs().comm(), [&] { fields->finish(); });
+  mpi::on_root(model.dofs().comm(), [&] {
+    if (fields) fields->finish();
+  });
 }
 
 }  // namespace

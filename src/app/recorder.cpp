@@ -6,11 +6,9 @@
 #include <cmath>
 #include <utility>
 
-#include "contact_fields.hpp"
 #include "history_columns.hpp"
 #include "linear_values.hpp"
 #include "sewing.hpp"
-#include "stresses.hpp"
 #include "voile/base/error.hpp"
 #include "voile/base/mpi.hpp"
 #include "voile/base/text.hpp"
@@ -44,10 +42,12 @@ Recorder::Recorder(const input::Case& c, const RunOptions& options, system::Mode
       warnings_(linear_),
       discretisation_error_(linear_) {
   mpi::on_root(model.dofs().comm(), [&] {
+    kept_.columns = columns();
+    if (!has_folder()) return;
     if (model.contact()) obstacles_.emplace(model.contact()->scene().input(), model.dofs().mesh());
     results_.emplace(options.output, obstacles_ ? obstacles_->at_rest() : io::ObstacleTriangles{});
     begin_epoch();
-    history_.emplace(options.output / "history.csv", columns());
+    history_.emplace(options.output / "history.csv", kept_.columns);
     if (std::vector<std::string> renamed = results_->renamed_groups(); !renamed.empty()) {
       const std::size_t more = renamed.size() > told_groups ? renamed.size() - told_groups : 0;
       renamed.resize(renamed.size() - more);
@@ -65,6 +65,7 @@ Recorder::Recorder(const input::Case& c, const RunOptions& options, system::Mode
 
 /// On rank 0.
 void Recorder::begin_epoch() {
+  if (!results_) return;
   const mesh::Partition& p = model_->dofs().partition();
   results_->begin_epoch(*mesh_, p.vertex_rank, p.triangle_rank);
 }
@@ -99,13 +100,18 @@ bool Recorder::wants(const std::string& field) const {
   return f.empty() || std::find(f.begin(), f.end(), field) != f.end();
 }
 
-Recorder::Snapshot Recorder::snapshot(Vec a) {
+Recorder::Snapshot Recorder::gathered(Vec a) {
   Snapshot s;
   petsc::VecHandle force = model_->dofs().create_vector();
   linear_ ? LinearValues(*model_, a).unbalanced_force(force) : model_->unbalanced_force(a, force);
   model_->dofs().clear_free(force);  // away from supports the force is only the residual that is left
   s.state.displacement = model_->dofs().gather(a);
   s.state.reaction = model_->dofs().gather(force);
+  return s;
+}
+
+Recorder::Snapshot Recorder::snapshot(Vec a) {
+  Snapshot s = gathered(a);
   if (root_) s.validity = assess(*model_, s.state.displacement);
   if (root_) warnings_.say_range(model_->dofs().mesh(), s.validity);
   if (probes_->need_energies())
@@ -124,9 +130,10 @@ long Recorder::count_intersections(Vec a) const {
   const std::vector<geometry::TrianglePair> pairs = check.find_by_ranks(positions);
   if (!pairs.empty())
     mpi::on_root(model_->dofs().comm(), [&] {
-      const std::filesystem::path file = options_.output / "intersections.vtk";
-      fmt::print(stderr, "voile: contact let triangles intersect: {}; see {}\n", check.report(positions, pairs, file),
-                 file.string());
+      const std::filesystem::path file = has_folder() ? options_.output / "intersections.vtk" : "";
+      const std::string found = check.report(positions, pairs, file),
+                        see = has_folder() ? "; see " + file.string() : "";
+      fmt::print(stderr, "voile: contact let triangles intersect: {}{}\n", found, see);
     });
   return static_cast<long>(pairs.size());
 }
@@ -145,14 +152,7 @@ void Recorder::record(const system::State& state, const solve::StepResult& r, bo
   if (dynamics_) s.kinetic = dynamics_->kinetic_energy(state.v);
   if (dynamics_) kinetic_.add(state.time, s.kinetic);
   write_history(state, r, s);
-  io::StepFields step;
-  step.step = state.step;
-  // Along an arc the load factor goes up and down, but a time must not.
-  step.time = dynamics_ ? state.time : case_.steps.control == Control::load ? state.load_factor : state.step;
-  step.load_factor = state.load_factor;
-  if (r.mode) step.fields.push_back({"critical_mode", "1", io::Centre::vertex, 3, model_->dofs().gather(r.mode)});
-  write_or_keep(state.step % case_.output.every == 0 || whole || r.mode || s.intersections > 0, std::move(step),
-                state.u, dynamics_ ? static_cast<Vec>(state.v) : nullptr, s);
+  if (has_folder()) write_step(state, r, s, whole);
   // Contact promises that there is none: one that is found is a fault of the program, and nothing after it counts.
   if (s.intersections > 0)
     throw InternalError(
@@ -161,6 +161,17 @@ void Recorder::record(const system::State& state, const solve::StepResult& r, bo
                     s.intersections, state.step));
   if (!root_ || options_.verbosity == Verbosity::quiet) return;
   dynamics_ ? print_motion(state, r, s) : print_path(state, r, s);
+}
+
+void Recorder::write_step(const system::State& state, const solve::StepResult& r, const Snapshot& s, bool whole) {
+  io::StepFields step;
+  step.step = state.step;
+  // Along an arc the load factor goes up and down, but a time must not.
+  step.time = dynamics_ ? state.time : case_.steps.control == Control::load ? state.load_factor : state.step;
+  step.load_factor = state.load_factor;
+  if (r.mode) step.fields.push_back({"critical_mode", "1", io::Centre::vertex, 3, model_->dofs().gather(r.mode)});
+  write_or_keep(state.step % case_.output.every == 0 || whole || r.mode || s.intersections > 0, std::move(step),
+                state.u, dynamics_ ? static_cast<Vec>(state.v) : nullptr, s);
 }
 
 void Recorder::write_or_keep(bool write, io::StepFields step, Vec position, Vec velocity, const Snapshot& s) {
@@ -189,7 +200,7 @@ void Recorder::write_pending() {
 
 void Recorder::finish() {
   write_pending();
-  mpi::on_root(model_->dofs().comm(), [&] { results_->finish(); });
+  if (has_folder()) mpi::on_root(model_->dofs().comm(), [&] { results_->finish(); });
   if (root_ && !warnings_.membrane_text().empty())
     fmt::print(stderr, "voile: warning: {}\n", warnings_.membrane_text());
   if (!discretisation_error_.warning().empty())
@@ -240,44 +251,8 @@ void Recorder::write_history(const system::State& state, const solve::StepResult
     values.push_back(static_cast<double>(system::yielding_count(model_->contact()->memory())));
   mpi::on_root(model_->dofs().comm(), [&] {
     for (const double value : probes_->values(s.state, *model_)) values.push_back(value);
-    history_->write(values);
-  });
-}
-
-void Recorder::write_fields(io::StepFields step, Vec a, const Snapshot& s) {
-  const system::TriangleFields t =
-      linear_ ? LinearValues(*model_, a).triangle_fields() : model_->potential().triangle_fields(a);
-  if (sizes_ && wants("wanted_size")) step.fields.push_back({"wanted_size", "m", io::Centre::vertex, 1, sizes_()});
-  for (io::Field& f : contact_fields(*model_, a, [&](const std::string& name) { return wants(name); }))
-    step.fields.push_back(std::move(f));
-  DiscretisationError::Densities recovered;
-  if (estimates()) recovered = discretisation_error_.of(*model_, t);
-  mpi::on_root(model_->dofs().comm(), [&] {
-    const auto add = [&](const char* name, const char* unit, io::Centre centre, const std::vector<double>& values) {
-      if (wants(name)) step.fields.push_back({name, unit, centre, 3, values});
-    };
-    add("displacement", "m", io::Centre::vertex, s.state.displacement);
-    add("reaction", "N", io::Centre::vertex, s.state.reaction);
-    add("membrane_strain", "1", io::Centre::triangle, t.membrane_strain);
-    add("membrane_force", "N/m", io::Centre::triangle, t.membrane_force);
-    add("curvature", "1/m", io::Centre::triangle, t.curvature);
-    add("bending_moment", "N", io::Centre::triangle, t.bending_moment);
-    const auto add_density = [&](const char* name, std::vector<double>& values) {
-      if (wants(name)) step.fields.push_back({name, "J/m^2", io::Centre::triangle, 1, std::move(values)});
-    };
-    if (estimates()) {
-      Warnings::MembraneError error = warnings_.membrane_error(model_->discretisation().sheet(), t);
-      membrane_error_ = error.share;
-      add_density("membrane_error", error.density);
-      add_density("membrane_recovery_error", recovered.membrane);
-      add_density("bending_recovery_error", recovered.bending);
-    }
-    if (case_.output.stresses != input::OutputSection::Stresses::none)
-      for (io::Field& f : stress_fields(model_->discretisation().sheet(), t,
-                                        case_.output.stresses == input::OutputSection::Stresses::plies))
-        step.fields.push_back(std::move(f));
-    if (obstacles_ && obstacles_->at_rest().moves) step.obstacles = obstacles_->positions(model_->contact()->scene());
-    results_->write(step);
+    if (history_) history_->write(values);
+    if (options_.keep_history) kept_.rows.push_back(std::move(values));
   });
 }
 

@@ -1,4 +1,5 @@
-// Records accepted states: results.vtkhdf/.xdmf, history.csv and the progress lines; private to src/app.
+// Records accepted states: results.vtkhdf/.xdmf and history.csv, if there is a folder for them, and the progress lines;
+// private to src/app.
 #pragma once
 
 #include <chrono>
@@ -26,13 +27,18 @@ namespace voile::app {
 class Recorder {
  public:
   using Control = solve::StaticOptions::Control;
-  /// Creates the files on rank 0. Collective.
+  /// Which fields are meant, by name.
+  using Wants = std::function<bool(const std::string& name)>;
+  /// Creates the files on rank 0, unless the folder of the options is empty. Collective.
   Recorder(const input::Case& c, const RunOptions& options, system::Model& model);
   /// An accepted step, or the start. `whole`: with its fields, even if `every` would leave them out. Collective.
   void record(const system::State& state, const solve::StepResult& r, bool whole);
   /// Writes the fields of the last recorded state if `every` has left them out. Collective; the model must be that of
   /// the last record.
   void write_pending();
+  /// Fields of a state by name, as the results would have them; values on rank 0. Collective; the model must be that of the
+  /// state.
+  [[nodiscard]] std::vector<io::Field> fields(const system::State& state, const Wants& wants);
   /// Does so, closes the results, and tells if the cells do not resolve the last state. Collective.
   void finish();
   /// The model of later records, perhaps on another mesh; the dynamics of its motion, null outside one. What is pending
@@ -53,6 +59,16 @@ class Recorder {
   [[nodiscard]] double membrane_error() const { return membrane_error_; }
   /// Energy by which stress resultants differ from smooth ones over that stored, likewise.
   [[nodiscard]] double recovery_error() const { return discretisation_error_.share(); }
+  /// What history.csv has or would have, on rank 0; rows only where the options keep them. Not collective.
+  struct History {
+    std::vector<std::string> columns;
+    std::vector<std::vector<double>> rows;
+  };
+  [[nodiscard]] const History& history() const { return kept_; }
+  /// Forgets the rows after the first `count`: the run goes on from an earlier state. Not collective.
+  void forget_rows(std::size_t count) {
+    if (count < kept_.rows.size()) kept_.rows.resize(count);
+  }
   /// Of the motion so far.
   [[nodiscard]] const KineticEnergy& kinetic() const { return kinetic_; }
 
@@ -73,10 +89,16 @@ class Recorder {
     petsc::VecHandle position, velocity;
   };
   [[nodiscard]] Snapshot snapshot(Vec a);
+  /// Only its displacements and reactions.
+  [[nodiscard]] Snapshot gathered(Vec a);
   /// Whether estimates of error are made: not of modes, which have no size.
   [[nodiscard]] bool estimates() const { return case_.analysis != "modal" && case_.analysis != "buckling"; }
   void write_fields(io::StepFields step, Vec a, const Snapshot& s);
+  /// `judges`: estimates of error are made, wanted or not, and remembered.
+  [[nodiscard]] std::vector<io::Field> fields_of(Vec a, const Snapshot& s, const Wants& wants, bool judges);
+  [[nodiscard]] std::vector<io::Field> stresses(const system::TriangleFields& t, const Wants& wants, bool all) const;
   void write_or_keep(bool write, io::StepFields step, Vec position, Vec velocity, const Snapshot& s);
+  void write_step(const system::State& state, const solve::StepResult& r, const Snapshot& s, bool whole);
   void write_history(const system::State& state, const solve::StepResult& r, const Snapshot& s);
   void print_motion(const system::State& state, const solve::StepResult& r, const Snapshot& s) const;
   void print_path(const system::State& state, const solve::StepResult& r, const Snapshot& s) const;
@@ -85,6 +107,7 @@ class Recorder {
                                                   const Snapshot& s) const;
   [[nodiscard]] long count_intersections(Vec a) const;
   [[nodiscard]] bool wants(const std::string& field) const;
+  [[nodiscard]] bool has_folder() const { return !options_.output.empty(); }
   [[nodiscard]] bool keeps_balance() const { return case_.analysis == "dynamic" && case_.output.energy_balance; }
 
   const input::Case& case_;
@@ -99,6 +122,7 @@ class Recorder {
   std::optional<ObstaclePicture> obstacles_;  ///< rank 0, with contact
   std::optional<io::ResultsWriter> results_;
   std::optional<io::HistoryWriter> history_;
+  History kept_;
   std::optional<Pending> pending_;
   bool linear_;
   Warnings warnings_;

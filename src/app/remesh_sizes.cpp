@@ -282,7 +282,7 @@ adapt::Limits Remesher::limits(Epoch& epoch) const {
   return limits;
 }
 
-void check_remesh(const input::Case& c, const mesh::SurfaceMesh& mesh) {
+void check_remesh(MPI_Comm comm, const input::Case& c, const mesh::SurfaceMesh& mesh) {
   if (!c.remesh.active) return;
   for (const std::string& name : c.remesh.frozen) {
     try {
@@ -300,8 +300,7 @@ void check_remesh(const input::Case& c, const mesh::SurfaceMesh& mesh) {
                         "needed everywhere, e.g. max(..., 0.01)",
                         c.file.string(), c.remesh.size, h, x.x(), x.y(), x.z()));
   }
-  if (!c.remesh.background.empty())
-    mpi::on_root(PETSC_COMM_WORLD, [&] { (void)BackgroundSize(c).at(mesh.positions()); });
+  if (!c.remesh.background.empty()) mpi::on_root(comm, [&] { (void)BackgroundSize(c).at(mesh.positions()); });
   const auto check = [&](const char* what, const std::string& group, const char* remedy) {
     if (group.empty() || mesh.group(group).dimension == 0) return;
     throw UserError(

@@ -42,13 +42,13 @@ double cpu_clock() {
 Remesher::Remesher(const Stage& stage, std::shared_ptr<const mesh::SurfaceMesh> first)
     : stage_(stage), keys_(stage.c.remesh), first_(std::move(first)) {
   std::vector<Index> curved{0};
-  mpi::on_root(PETSC_COMM_WORLD, [&] {
+  mpi::on_root(stage_.options.comm, [&] {
     rest_.emplace(*first_);
     curved[0] = rest_->curved();
     if (!keys_.size.empty()) bound_ = input::size_expression(keys_.size);
     if (!keys_.background.empty()) background_.emplace(stage_.c);
   });
-  mpi::broadcast(PETSC_COMM_WORLD, curved);
+  mpi::broadcast(stage_.options.comm, curved);
   curved_ = curved[0] != 0;
 }
 
@@ -120,6 +120,7 @@ std::string Remesher::intersections(Epoch& epoch) {
 
 void Remesher::write(const Epoch& epoch, const Made& made, const Ledger& before, const Ledger& after, bool accepted,
                      double seconds) {
+  if (stage_.options.output.empty()) return;
   const system::State& s = epoch.state();
   const adapt::Remeshed& m = made.from;
   const auto number = [](auto value) { return static_cast<double>(value); };
@@ -220,7 +221,7 @@ std::optional<Adapted> Remesher::attempt(Epoch& epoch, const std::vector<double>
   carry_anchors(epoch.model(), *made.mesh, origins, carried);
   const Ledger before = ledger(epoch);
 
-  Adapted next{made.mesh, std::make_unique<Epoch>(stage_.c, *made.mesh, stage_.input, stage_.frozen, carried)};
+  Adapted next{made.mesh, std::make_unique<Epoch>(comm, stage_.c, *made.mesh, stage_.input, stage_.frozen, carried)};
   Epoch& fresh = *next.epoch;
   std::vector<double> left{made.match.too_long, made.match.too_short};
   mpi::broadcast(comm, left);

@@ -110,7 +110,7 @@ class Remesher {
 
 /// Throws UserError where a case means vertices that a remeshing would multiply: forces, masses and springs at every
 /// vertex of a curve or surface; and for a size field that cannot be read. Collective.
-void check_remesh(const input::Case& c, const mesh::SurfaceMesh& mesh);
+void check_remesh(MPI_Comm comm, const input::Case& c, const mesh::SurfaceMesh& mesh);
 
 /// Names the vertices that probes at points record, as groups "probe NAME", so that they stay. Not collective.
 void name_probes(const input::Case& c, mesh::MeshData& mesh);

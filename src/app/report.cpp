@@ -40,10 +40,10 @@ void print_header(const input::Case& c, const system::Model& model) {
 /// What the mesh lets expect; with --quiet only if it is bad. Collective.
 void report_mesh(const input::Case& c, const RunOptions& options, const system::Model& model) {
   const mesh::SurfaceMesh& mesh = model.dofs().mesh();
-  MeshQuality quality = measure_quality(PETSC_COMM_WORLD, mesh, c.element);
+  MeshQuality quality = measure_quality(options.comm, mesh, c.element);
   quality.large_rotations = is_nonlinear(c);
   const std::string uncorrected = uncorrected_text(model.potential().uncorrected_triangles());
-  mpi::on_root(PETSC_COMM_WORLD, [&] {
+  mpi::on_root(options.comm, [&] {
     if (options.verbosity != Verbosity::quiet) {
       fmt::print("{}", quality_text(mesh, quality, c.element));
       for (const std::string& text : mesh_notes(mesh)) fmt::print("note: {}\n", text);
@@ -59,12 +59,12 @@ void report_mesh(const input::Case& c, const RunOptions& options, const system::
 
 }  // namespace
 
-double cpu_seconds() {
-  return mpi::sum(PETSC_COMM_WORLD, process_cpu_seconds());
+double cpu_seconds(MPI_Comm comm) {
+  return mpi::sum(comm, process_cpu_seconds());
 }
 
 void report_model(const input::Case& c, const RunOptions& options, const system::Model& model, bool first) {
-  const bool talks = mpi::rank(PETSC_COMM_WORLD) == 0 && options.verbosity != Verbosity::quiet;
+  const bool talks = mpi::rank(options.comm) == 0 && options.verbosity != Verbosity::quiet;
   if (talks && first) print_header(c, model);
   if (talks && c.is_staged()) fmt::print("stage '{}': {}\n", c.stage.name, c.analysis);
   if (first) report_mesh(c, options, model);
@@ -73,13 +73,13 @@ void report_model(const input::Case& c, const RunOptions& options, const system:
 }
 
 void report_end(const input::Case& c, const RunOptions& options, const Summary& s) {
-  const std::string folder = options.output.string();
-  mpi::on_root(PETSC_COMM_WORLD, [&] {
-    write_summary(options.output, s);
+  const std::string folder = options.output.string(), where = folder.empty() ? "" : "; results in " + folder;
+  mpi::on_root(options.comm, [&] {
+    if (!folder.empty()) write_summary(options.output, s);
     if (options.verbosity != Verbosity::quiet)
-      fmt::print("{} steps, {} Newton iterations, {} factorisations{}, {:.1f} CPU s, {:.1f} s; results in {}\n",
-                 s.steps, s.newton_iterations, s.factorisations, iterative_text(s.iterative), s.cpu_seconds,
-                 s.wall_seconds, folder);
+      fmt::print("{} steps, {} Newton iterations, {} factorisations{}, {:.1f} CPU s, {:.1f} s{}\n", s.steps,
+                 s.newton_iterations, s.factorisations, iterative_text(s.iterative), s.cpu_seconds, s.wall_seconds,
+                 where);
     if (options.verbosity != Verbosity::quiet && s.balance.kept) fmt::print("{}\n", balance_text(s.balance));
     // Stages that sew pull things into their place; what that takes is not looked at.
     if (const std::string text = balance_warning(s.balance, c.time.options);
@@ -94,7 +94,7 @@ void report_end(const input::Case& c, const RunOptions& options, const Summary& 
           "it; find the stable one with analysis = \"drape\", or follow the path with [steps] control = \"arc_length\" "
           "and at_critical_point = \"switch_branch\" (exit code {})\n",
           s.negative_pivots, static_cast<int>(Exit::unstable));
-    if (!s.converged)
+    if (!s.converged && !folder.empty())  // who names no folder asks for the reason
       fmt::print(stderr, "voile: {}not converged: {}; everything up to {} is in {}\n",
                  c.is_staged() ? fmt::format("stage '{}': ", c.stage.name) : "", s.reason,
                  c.analysis == "dynamic" ? fmt::format("t = {:.6g} s", s.time)

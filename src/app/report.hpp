@@ -11,7 +11,7 @@
 namespace voile::app {
 
 /// Of the process since it began, summed over the ranks [s]. Collective.
-[[nodiscard]] double cpu_seconds();
+[[nodiscard]] double cpu_seconds(MPI_Comm comm);
 
 /// Sizes, what the mesh lets expect, and what nothing holds; `first`: nothing has been said of the mesh. Collective.
 /// Throws UserError where no equilibrium can be unique.

@@ -135,9 +135,9 @@ mesh::MeshData stored_mesh(const input::Case& c, const RunOptions& options, cons
 
 }  // namespace
 
-std::vector<double> start_shape(const input::Case& c, const mesh::SurfaceMesh& mesh) {
+std::vector<double> start_shape(MPI_Comm comm, const input::Case& c, const mesh::SurfaceMesh& mesh) {
   std::vector<double> u;
-  if (!c.mesh.start.empty()) mpi::on_root(PETSC_COMM_WORLD, [&] { u = read_shape(c, mesh); });
+  if (!c.mesh.start.empty()) mpi::on_root(comm, [&] { u = read_shape(c, mesh); });
   return u;
 }
 
@@ -145,11 +145,11 @@ std::shared_ptr<const mesh::SurfaceMesh> mesh_of_start(const input::Case& c, con
                                                        std::shared_ptr<const mesh::SurfaceMesh> first) {
   if (options.restart.empty()) return first;
   mesh::MeshData data;
-  mpi::on_root(PETSC_COMM_WORLD, [&] {
+  mpi::on_root(options.comm, [&] {
     data = stored_mesh(c, options, *first);
     if (!data.triangles.empty()) rename_probes(c, *first, data);
   });
-  broadcast_mesh(PETSC_COMM_WORLD, data);
+  broadcast_mesh(options.comm, data);
   return data.triangles.empty() ? first : std::make_shared<const mesh::SurfaceMesh>(std::move(data));
 }
 
@@ -159,12 +159,12 @@ io::Checkpoint read_start(const input::Case& c, const RunOptions& options, const
   if (!options.restart.empty() && c.analysis == "linear")
     throw UserError("--restart: analysis = \"linear\" starts from the unloaded state; leave the option out");
   if (options.restart.empty()) {
-    start.displacement = start_shape(c, mesh);
+    start.displacement = start_shape(options.comm, c, mesh);
     start.in_equilibrium = c.mesh.start.empty() && !mesh.has_charts();
     return start;
   }
   std::vector<double> numbers(14);
-  mpi::on_root(PETSC_COMM_WORLD, [&] {
+  mpi::on_root(options.comm, [&] {
     start = read_any(c, options, mesh);
     check_size(options, start, mesh);
     if (origin == Origin::restart) begin_anew(c, start);
@@ -183,7 +183,7 @@ io::Checkpoint read_start(const input::Case& c, const RunOptions& options, const
                static_cast<double>(start.factors_left),
                static_cast<double>(start.wait)};
   });
-  mpi::broadcast(PETSC_COMM_WORLD, numbers);
+  mpi::broadcast(options.comm, numbers);
   start.step = static_cast<int>(numbers[0]);
   start.time = numbers[1];
   start.next_step = numbers[2];
@@ -198,15 +198,16 @@ io::Checkpoint read_start(const input::Case& c, const RunOptions& options, const
   start.positive_tangents = static_cast<int>(numbers[11]);
   start.factors_left = static_cast<int>(numbers[12]);
   start.wait = static_cast<int>(numbers[13]);
-  mpi::broadcast(PETSC_COMM_WORLD, start.contact_gaps);
-  mpi::broadcast(PETSC_COMM_WORLD, start.yielding);
-  mpi::broadcast(PETSC_COMM_WORLD, start.anchors);
-  mpi::broadcast(PETSC_COMM_WORLD, start.energy_balance);
-  mpi::broadcast(PETSC_COMM_WORLD, start.path);
+  mpi::broadcast(options.comm, start.contact_gaps);
+  mpi::broadcast(options.comm, start.yielding);
+  mpi::broadcast(options.comm, start.anchors);
+  mpi::broadcast(options.comm, start.energy_balance);
+  mpi::broadcast(options.comm, start.path);
   return start;
 }
 
-void enter_stage(const input::Case& c, const mesh::SurfaceMesh& mesh, Origin origin, io::Checkpoint& state) {
+void enter_stage(MPI_Comm comm, const input::Case& c, const mesh::SurfaceMesh& mesh, Origin origin,
+                 io::Checkpoint& state) {
   if (origin == Origin::stage) {
     state.step = state.remeshing_wait = state.remeshing_step = 0;
     state.positive_tangents = state.factors_left = state.wait = 0;
@@ -220,7 +221,7 @@ void enter_stage(const input::Case& c, const mesh::SurfaceMesh& mesh, Origin ori
       state.in_equilibrium = false;
     }
   }
-  mpi::on_root(PETSC_COMM_WORLD, [&] {
+  mpi::on_root(comm, [&] {
     if (c.analysis == "dynamic" && state.velocity.empty()) state.velocity = initial_velocities(c, mesh);
   });
 }

@@ -11,7 +11,7 @@ namespace voile::app {
 
 /// Displacements from the mesh to the shape of `mesh.start`, three per vertex in mesh order, on rank 0; empty if the
 /// case has none. Collective. Throws UserError if that file holds another mesh.
-[[nodiscard]] std::vector<double> start_shape(const input::Case& c, const mesh::SurfaceMesh& mesh);
+[[nodiscard]] std::vector<double> start_shape(MPI_Comm comm, const input::Case& c, const mesh::SurfaceMesh& mesh);
 
 /// The mesh of what --restart names if remeshing has made it, otherwise `first`, that of the case. Collective. Throws
 /// UserError if the file cannot be read.
@@ -28,6 +28,7 @@ namespace voile::app {
 /// Prepares a state for the stage it enters: steps are counted and chosen from the beginning, a path begins at load
 /// factor 0 under what has acted before, a motion that begins at rest gets the case's initial velocities. Collective.
 /// Throws UserError.
-void enter_stage(const input::Case& c, const mesh::SurfaceMesh& mesh, Origin origin, io::Checkpoint& state);
+void enter_stage(MPI_Comm comm, const input::Case& c, const mesh::SurfaceMesh& mesh, Origin origin,
+                 io::Checkpoint& state);
 
 }  // namespace voile::app

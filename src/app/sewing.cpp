@@ -126,7 +126,7 @@ std::vector<double> masses(const Stage& stage, const mesh::SurfaceMesh& mesh) {
   input.materials = stage.input.materials;
   input.masses = stage.input.masses;
   input.seams = stage.input.seams;
-  const system::Model model(PETSC_COMM_WORLD, mesh, std::move(input));
+  const system::Model model(stage.options.comm, mesh, std::move(input));
   std::vector<double> all = model.dofs().gather(model.potential().constant().mass()), mass;
   for (std::size_t i = 0; i < all.size(); i += 3) mass.push_back(all[i]);
   if (std::all_of(mass.begin(), mass.end(), [](double m) { return m == 0.0; })) mass.assign(mass.size(), 1.0);
@@ -161,10 +161,11 @@ void merge_anchors(const std::vector<Index>& target, io::Checkpoint& c) {
 
 /// Closes seams and counts displacements from where the state is. Collective.
 void weld_state(const Stage& stage, const std::vector<std::string>& seams, Mesh& mesh, io::Checkpoint& state) {
+  const MPI_Comm comm = stage.options.comm;
   const std::vector<double> mass = masses(stage, *mesh);
   mesh::MeshData data;
   std::vector<Index> target;
-  mpi::on_root(PETSC_COMM_WORLD, [&] {
+  mpi::on_root(comm, [&] {
     mesh::Welded w = mesh::weld(mesh->data(), seams, places_of(*mesh, state.displacement), mass);
     data = std::move(w.data);
     target = std::move(w.target);
@@ -173,8 +174,8 @@ void weld_state(const Stage& stage, const std::vector<std::string>& seams, Mesh&
     state.displacement.assign(3 * data.positions.size(), 0.0);
     state.previous.clear();
   });
-  broadcast_mesh(PETSC_COMM_WORLD, data);
-  mpi::broadcast(PETSC_COMM_WORLD, target);
+  broadcast_mesh(comm, data);
+  mpi::broadcast(comm, target);
   merge_contact(target, data.positions.size(), state);
   merge_anchors(target, state);
   mesh = std::make_shared<const mesh::SurfaceMesh>(std::move(data));
@@ -195,14 +196,14 @@ std::string open_seam_text(const input::Case& c, const system::Model& model, con
   const std::vector<double> displacement = gather(state, model.dofs()).displacement;
   const system::Contact* contact = model.contact();
   const std::vector<Vec3> positions = contact != nullptr ? contact->scene().positions(state.u) : std::vector<Vec3>{};
-  mpi::on_root(PETSC_COMM_WORLD, [&] {
+  mpi::on_root(model.dofs().comm(), [&] {
     text = too_wide(c, mesh, c.stage.sew, displacement);
     if (text.empty()) return;
     text += force_text(c, model, state.time);
     if (contact == nullptr) return;
     text += obstruction_text(contact->scene(), positions, mesh::open_seams(mesh.data(), c.stage.sew), c.sewing.gap);
   });
-  mpi::broadcast(PETSC_COMM_WORLD, text);
+  mpi::broadcast(model.dofs().comm(), text);
   return text;
 }
 
@@ -229,16 +230,16 @@ std::vector<std::string> weld_before(const Stage& stage, Origin origin, Mesh& me
   std::vector<std::string> open = mesh::open_seams(mesh->data(), stage.sewn_before);
   std::string wrong;
   double moved = 0.0;
-  mpi::on_root(PETSC_COMM_WORLD, [&] {
+  mpi::on_root(stage.options.comm, [&] {
     wrong = too_wide(stage.c, *mesh, open, state.displacement);
     for (const double u : state.displacement) moved = std::max(moved, std::abs(u));
   });
-  mpi::broadcast(PETSC_COMM_WORLD, wrong);
+  mpi::broadcast(stage.options.comm, wrong);
   if (!wrong.empty())
     throw UserError(fmt::format("{}: stage '{}' begins with welded seams, but {}", stage.c.file.string(),
                                 stage.c.stage.name, wrong));
   const bool begins_to_sew =
-      !stage.c.stage.sew.empty() && origin == Origin::stage && mpi::max(PETSC_COMM_WORLD, moved) > 0.0;
+      !stage.c.stage.sew.empty() && origin == Origin::stage && mpi::max(stage.options.comm, moved) > 0.0;
   if (!open.empty() || begins_to_sew) weld_state(stage, open, mesh, state);
   return open;
 }

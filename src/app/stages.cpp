@@ -25,8 +25,8 @@ namespace {
 using system::Support;
 
 /// What PETSc's options have to say wins over the case file.
-void take_options(input::Case& c) {
-  solve::read_path_options(PETSC_COMM_WORLD, c.steps);
+void take_options(MPI_Comm comm, input::Case& c) {
+  solve::read_path_options(comm, c.steps);
   if (c.analysis == "modal" || c.analysis == "buckling") {
     c.steps.final_load_factor = c.eigen.load_factor;
     std::erase_if(c.steps.stops, [&](double stop) { return stop > c.eigen.load_factor; });
@@ -122,8 +122,10 @@ void rise_bands(const Stage* before, Stage& now) {
 }
 
 /// Throws unless a stage in a folder of results has come to its end. Collective.
-void require_end_of(const std::string& stage, const std::filesystem::path& folder, const std::string& from) {
-  mpi::on_root(PETSC_COMM_WORLD, [&] {
+void require_end_of(const std::string& stage, const RunOptions& options) {
+  const std::filesystem::path& folder = options.output;
+  const std::string& from = options.from;
+  mpi::on_root(options.comm, [&] {
     if (has_converged(folder / stage)) return;
     throw UserError(
         fmt::format("--from {}: stage '{}' before it has not come to its end in {}; begin with that one, or "
@@ -140,12 +142,12 @@ std::vector<Stage> stages_of(const input::Case& c, const RunOptions& options) {
   const auto add = [&](const input::Case& one, const std::filesystem::path& folder) {
     Stage s{one, options, {}, std::vector<char>(one.supports.size(), 0)};
     s.options.output = folder;
-    take_options(s.c);
+    take_options(options.comm, s.c);
     if (!stages.empty()) {
       hold_over_supports(stages.back(), s);
       hold_over_loads(stages.back(), s);
     }
-    s.input = model_input(s.c, known);
+    s.input = model_input(options.comm, s.c, known);
     if (!stages.empty()) {
       const Stage& before = stages.back();
       s.sewn_before = before.sewn_before;
@@ -158,7 +160,8 @@ std::vector<Stage> stages_of(const input::Case& c, const RunOptions& options) {
   };
   check_times(c.stages);
   if (c.stages.empty()) add(c, options.output);
-  for (const input::Case& one : c.stages) add(one, options.output / one.stage.name);
+  for (const input::Case& one : c.stages)
+    add(one, options.output.empty() ? options.output : options.output / one.stage.name);
   return stages;
 }
 
@@ -177,7 +180,7 @@ Origin begin_from(const input::Case& c, RunOptions& options, std::vector<Stage>&
   if (at == names.end())
     throw UserError(fmt::format("--from: there is no stage '{}':{}", options.from, suggestion(options.from, names)));
   if (!restarts && at != names.begin()) {
-    require_end_of(*(at - 1), options.output, options.from);
+    require_end_of(*(at - 1), options);
     options.restart = options.output / *(at - 1) / "checkpoint.h5";
   }
   stages.erase(stages.begin(), stages.begin() + (at - names.begin()));
@@ -186,11 +189,11 @@ Origin begin_from(const input::Case& c, RunOptions& options, std::vector<Stage>&
 }
 
 void check_stage(const Stage& stage, const mesh::SurfaceMesh& mesh) try {
-  const system::Model model(PETSC_COMM_WORLD, mesh, stage.input);
+  const system::Model model(stage.options.comm, mesh, stage.input);
   if (stage.c.analysis == "modal" || stage.c.analysis == "dynamic") system::require_mass(model);
   (void)check_free_motions(stage.c, model);
   (void)Probes(stage.c, model);
-  check_remesh(stage.c, mesh);
+  check_remesh(stage.options.comm, stage.c, mesh);
 } catch (const UserError& e) {
   throw UserError(fmt::format("stage '{}': {}", stage.c.stage.name, e.what()));
 }

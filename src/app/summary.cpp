@@ -9,7 +9,6 @@
 
 #include "history_columns.hpp"
 #include "voile/base/error.hpp"
-#include "voile/base/mpi.hpp"
 #include "voile/base/plain_file.hpp"
 
 namespace voile::app {
@@ -83,7 +82,7 @@ Json json_of(const Summary& s) {
            {"unknowns", s.unknowns},
            {"vertices", s.vertices},
            {"triangles", s.triangles},
-           {"ranks", mpi::size(PETSC_COMM_WORLD)},
+           {"ranks", s.ranks},
            {"cpu_seconds", s.cpu_seconds},
            {"wall_seconds", s.wall_seconds}};
   if (s.balance.kept) all["energy"] = json_of(s.balance);

@@ -42,6 +42,7 @@ struct Summary {
   double recovery_error = 0.0;  ///< of the last state, see DiscretisationError::share()
   long unknowns = 0;
   Index vertices = 0, triangles = 0;
+  int ranks = 1;
   double cpu_seconds = 0.0, wall_seconds = 0.0;
   system::EnergyBalance balance;                 ///< of a motion
   std::optional<KineticEnergy> kinetic;          ///< of a motion

@@ -203,10 +203,13 @@ EigenResult buckling_modes(Newton& newton, system::Model& model, Vec a, int coun
 }
 
 SlepcSession::SlepcSession() {
-  VOILE_PETSC(SlepcInitialize(nullptr, nullptr, nullptr, nullptr));
+  PetscBool begun = PETSC_FALSE;
+  VOILE_PETSC(SlepcInitialized(&begun));
+  begun_ = begun == PETSC_FALSE;
+  if (begun_) VOILE_PETSC(SlepcInitialize(nullptr, nullptr, nullptr, nullptr));
 }
 SlepcSession::~SlepcSession() {
-  (void)SlepcFinalize();
+  if (begun_) (void)SlepcFinalize();
 }
 
 }  // namespace voile::solve

@@ -246,15 +246,22 @@ bool TimeIntegration::Impl::ended() const {
   return reason != TS_CONVERGED_ITERATING;
 }
 
+/// The next step has this size, or what is left of it before the end.
+void TimeIntegration::Impl::meet_end(double time, double step) {
+  const double left = until() - time;
+  const bool meets = step >= left || std::abs(step - left) <= 10.0 * PETSC_MACHINE_EPSILON * std::abs(left);
+  VOILE_PETSC(TSSetTimeStep(ts, meets && left > 0.0 ? left : step));
+}
+
 /// As TSSolve does before its first step.
 void TimeIntegration::Impl::prepare_first_step(const system::State& state) {
   double h = 0.0;
   PetscInt most = 0;
   VOILE_PETSC(TSSetUp(ts));
   VOILE_PETSC(TSGetTimeStep(ts, &h));
+  first_step = h;
   const double left = until() - state.time;
-  const bool meets = h >= left || std::abs(h - left) <= 10.0 * PETSC_MACHINE_EPSILON * std::abs(left);
-  if (meets && left > 0.0) VOILE_PETSC(TSSetTimeStep(ts, left));
+  meet_end(state.time, h);
   VOILE_PETSC(TSRestartStep(ts));
   VOILE_PETSC(TSGetMaxSteps(ts, &most));
   TSConvergedReason reason = TS_CONVERGED_ITERATING;
@@ -297,6 +304,18 @@ StepResult TimeIntegration::begin(system::State& state) {
 
 bool TimeIntegration::finished(const system::State&) const {
   return impl_->ended();
+}
+
+void TimeIntegration::end_at(const system::State& state, double time) {
+  Impl& n = *impl_;
+  n.options.until = time;
+  VOILE_PETSC(TSSetMaxTime(n.ts, n.until()));
+  VOILE_PETSC(TSSetTime(n.ts, state.time));
+  n.meet_end(state.time, n.wanted > 0.0 ? n.by_turn(state.time, n.wanted) : n.first_step);
+  TSConvergedReason reason = TS_CONVERGED_ITERATING;
+  VOILE_PETSC(TSGetConvergedReason(n.ts, &reason));
+  if (reason == TS_CONVERGED_TIME && state.time < n.until())
+    VOILE_PETSC(TSSetConvergedReason(n.ts, TS_CONVERGED_ITERATING));
 }
 
 StepResult TimeIntegration::advance(system::State& state) {

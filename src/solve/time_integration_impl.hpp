@@ -38,6 +38,7 @@ struct TimeIntegration::Impl {
   double shortest = 1.0;
   std::string obstruction;
   double last_taken = 0.0;  ///< size of the last accepted step [s]
+  double first_step = 0.0;  ///< size of the first step, before the end cuts it [s]
   double wanted = 0.0;      ///< size of the next step, which PETSc may cut to meet the end [s]
   IterativeEffort spent_iterative;
   int positive_left = 0, spent_factorisations = 0, spent_rejections = 0;
@@ -97,6 +98,7 @@ struct TimeIntegration::Impl {
   void fail(system::State& state, StepResult& r, TSConvergedReason reason);
   void note_effort(StepResult& r);
   void prepare_first_step(const system::State& state);
+  void meet_end(double time, double step);
   void view_at_end(const system::State& state);
   [[nodiscard]] bool ended() const;
   /// The sum of many steps may miss the end by its round-off.

@@ -184,13 +184,15 @@ void BoundaryConditions::applied_forces(const energy::Configuration& c, std::vec
   VOILE_PETSC(VecScale(f, -1.0));
   VOILE_PETSC(VecAXPY(f, 1.0, constant_));
   VOILE_PETSC(VecAXPY(f, load_factor_, dead_));
+  if (external_) VOILE_PETSC(VecAXPY(f, 1.0, external_));
 }
 
 double BoundaryConditions::potential(Vec a) const {
-  double constant = 0.0, dead = 0.0;
+  double constant = 0.0, dead = 0.0, external = 0.0;
   VOILE_PETSC(VecDot(constant_, a, &constant));
   VOILE_PETSC(VecDot(dead_, a, &dead));
-  return -constant - load_factor_ * dead;
+  if (external_) VOILE_PETSC(VecDot(external_, a, &external));
+  return -constant - load_factor_ * dead - external;
 }
 
 void BoundaryConditions::load_direction(const energy::Configuration& c, std::vector<Vec3>& scratch, Vec work, Vec f) {

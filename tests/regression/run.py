@@ -30,6 +30,7 @@ import garments  # noqa: E402, F401
 import gathering  # noqa: E402, F401
 import howtos  # noqa: E402, F401
 import landmarks  # noqa: E402, F401
+import library  # noqa: E402, F401
 import meshing  # noqa: E402, F401
 import patterns  # noqa: E402, F401
 import picture_mistakes  # noqa: E402, F401

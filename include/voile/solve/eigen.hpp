@@ -46,6 +46,9 @@ class SlepcSession {
   ~SlepcSession();
   SlepcSession(const SlepcSession&) = delete;
   SlepcSession& operator=(const SlepcSession&) = delete;
+
+ private:
+  bool begun_ = false;  ///< here
 };
 
 }  // namespace voile::solve

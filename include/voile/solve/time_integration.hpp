@@ -29,6 +29,9 @@ class TimeIntegration : public Stepper {
   [[nodiscard]] StepResult begin(system::State& state) override;
   [[nodiscard]] StepResult advance(system::State& state) override;
   [[nodiscard]] bool finished(const system::State& state) const override;
+  /// From now on the motion of `state`, the one advanced so far, ends at this time instead of TimeOptions::until: the step
+  /// that would go beyond is cut, the next one after a later end has the size that was wanted. After begin(). Collective. [s]
+  void end_at(const system::State& state, double time);
 
  private:
   struct Impl;

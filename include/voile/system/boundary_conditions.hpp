@@ -4,7 +4,8 @@
 //           lambda  load factor;  f_d dead loads that follow it, f_c the others, at the time in force          [N]
 //           abar, h prescribed displacement at lambda = 1, and what puts supports where they took hold         [m]
 //   off_i = a_i - lambda abar_i - motion_i(t) - h_i                                     fixed components
-//   f     = lambda f_d + f_c + f_follower(a, lambda)                                    applied forces
+//           f_e     forces from outside, constant until they are set again                                        [N]
+//   f     = lambda f_d + f_c + f_e + f_follower(a, lambda)                              applied forces
 #pragma once
 
 #include <functional>
@@ -42,6 +43,8 @@ class BoundaryConditions {
   /// Time of all later evaluations: supports with a motion go where they are then, loads with a history change.
   /// Collective.
   void set_time(double time);
+  /// Forces from outside, f_e, in the unknowns; null: none. Not collective. [N]
+  void set_external(petsc::VecHandle force) { external_ = std::move(force); }
   /// Where an owned vertex goes that a support `follows` holds: its displacement from the start. Not collective. [m]
   void set_displacement(Index local, const Vec3& u);
   /// Sets the fixed components of a to their prescribed values. Collective.
@@ -99,7 +102,8 @@ class BoundaryConditions {
   };
   std::vector<TimedLoad> timed_;
   petsc::VecHandle dead_, constant_, prescribed_, motion_, hold_;
-  petsc::VecHandle always_;  ///< the part of constant_ that does not change with time
+  petsc::VecHandle always_;    ///< the part of constant_ that does not change with time
+  petsc::VecHandle external_;  ///< f_e, or none
   double load_factor_ = 0.0;
 };
 

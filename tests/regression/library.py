@@ -1,0 +1,214 @@
+"""The library: programs that are built against what is installed, and simulations in Python's own process."""
+
+import os
+import re
+import shlex
+import subprocess
+
+import numpy as np
+from bodies import held
+from common import fresh, strip
+from harness import OUT, solve, test
+from solver import ROOT, binary, environment, write_case
+
+EXAMPLES = ROOT / "runs" / "library"
+PACKAGE = binary().parent / "python"
+
+
+def python(script, *words, ranks=1, cwd=None):
+    """Output and code of a script in Debian's Python, with the package of the build."""
+    start = ["mpirun", "-n", str(ranks)] if ranks > 1 else []
+    env = environment(ranks) | {"PYTHONPATH": str(PACKAGE), "PYTHONDONTWRITEBYTECODE": "1"}
+    return subprocess.run([*start, "/usr/bin/python3", str(script), *words], env=env, text=True, stdout=subprocess.PIPE,
+                          stderr=subprocess.STDOUT, timeout=600, cwd=cwd)
+
+
+def has_module(name):
+    return python("-c", f"import {name}").returncode == 0
+
+
+def example(report, name, ranks=(1, 2)):
+    if not any(PACKAGE.glob("voile/_core*.so")):
+        return report.check(True, "SKIPPED: the binding is not built (packages pybind11-dev, python3-dev)")
+    for count in ranks:
+        done = python(EXAMPLES / f"{name}.py", ranks=count)
+        last = done.stdout.strip().splitlines()[-1] if done.stdout.strip() else ""
+        report.check(done.returncode == 0, f"{count} rank(s): {last if done.returncode == 0 else done.stdout[-800:]}")
+
+
+@test
+def library_parametric_study(report):
+    """Simulations one after another in one process."""
+    example(report, "parametric_study")
+
+
+@test
+def library_bending_stiffness(report):
+    """A modulus found from a measured drop."""
+    example(report, "bending_stiffness", (1,))
+
+
+@test
+def library_flag(report):
+    """Forces by a law of the user's own, step by step."""
+    example(report, "flag")
+
+
+@test
+def library_controller(report):
+    """An obstacle that is moved by what is measured."""
+    example(report, "controller")
+
+
+@test
+def library_newton(report):
+    """Newton's method from residual and tangent as objects of petsc4py."""
+    if not has_module("petsc4py"):
+        return report.check(True, "SKIPPED: petsc4py is not there (package python3-petsc4py)")
+    example(report, "newton")
+
+
+@test
+def library_coupling(report):
+    """Implicit iterations with a partner whose exact motion is known: save, advance, restore."""
+    example(report, "coupling")
+
+
+SCRIPT = """
+import os, subprocess, sys, numpy as np
+sys.path.insert(0, {examples!r})
+from strip import strip
+import voile
+from voile import Simulation, UserError
+try:
+    Simulation(strip("static", nosuch={{}}))
+    raise SystemExit("no error")
+except UserError as e:
+    assert isinstance(e, ValueError) and "nosuch" in str(e), e
+s = Simulation(strip("dynamic", time={{"end": 1000.0, "step": 0.01}}))
+rows = []
+s.observe(lambda step: rows.append(step.time))
+saved = s.save()
+subprocess.Popen(["sh", "-c", f"sleep 0.5; kill -INT {{os.getpid()}}"])
+try:
+    s.run()
+    raise SystemExit("no interrupt")
+except KeyboardInterrupt:
+    pass
+assert 0 < len(rows) < 99999, rows
+s.restore(saved)
+assert s.advance().number == 1
+rows.pop()
+assert "[m]" in Simulation.positions.__doc__
+history = s.history()
+assert len(history["time"]) == 2 and rows
+try:
+    s.set_forces(np.zeros((2, 3)))
+    raise SystemExit("no error")
+except UserError:
+    pass
+try:
+    s.set_forces(np.zeros((3, s.vertex_count)))
+    raise SystemExit("no error")
+except UserError as e:
+    assert "n x 3" in str(e)
+print("fine")
+"""
+
+
+@test
+def library_python(report):
+    """Mistakes become exceptions, Ctrl-C ends a run, help() tells units, half of the ranks of mpi4py are enough."""
+    if not any(PACKAGE.glob("voile/_core*.so")):
+        return report.check(True, "SKIPPED: the binding is not built (packages pybind11-dev, python3-dev)")
+    done = python("-c", SCRIPT.format(examples=str(EXAMPLES)))
+    report.check(done.returncode == 0 and "fine" in done.stdout, done.stdout[-800:])
+    if not has_module("mpi4py"):
+        return report.check(True, "SKIPPED: mpi4py is not there (package python3-mpi4py)")
+    halves = (f"import sys; sys.path.insert(0, {str(EXAMPLES)!r})\nfrom mpi4py import MPI\nfrom strip import strip\nfrom voile import Simulation\n"
+              "half = MPI.COMM_WORLD.rank % 2\ncomm = MPI.COMM_WORLD.Split(half)\n"
+              "s = Simulation(strip('static', young=1e7 * (1 + half), load=[{'type': 'gravity', 'vector': [0, 0, -1e-3]}]), comm)\n"
+              "assert s.run()\nu = MPI.COMM_WORLD.gather(s.displacements()[s.group('tip'), 2].mean())\n"
+              "if u: assert abs(u[0] / u[1] - 2) < 1e-3, u\n")
+    done = python("-c", halves, ranks=2)
+    report.check(done.returncode == 0, f"two halves: {done.stdout[-800:]}")
+
+
+SAME = """
+import sys, tomllib, numpy as np
+from voile import Simulation
+s = Simulation(sys.argv[1])
+assert s.run(), s.reason
+np.savez(sys.argv[2], **s.history())
+"""
+
+
+@test
+def library_same_as_program(report):
+    """What the program writes and what the library finds are the same to the last digit: an edge held to a body that turns, with friction."""
+    if not any(PACKAGE.glob("voile/_core*.so")):
+        return report.check(True, "SKIPPED: the binding is not built (packages pybind11-dev, python3-dev)")
+    case = held(nx=6, time={"end": 0.1, "step": 0.01})
+    case["contact"]["friction"] = 0.3
+    whole = solve("library_same", case, 1)
+    file = OUT / "library_same.npz"
+    done = python("-c", SAME, str(OUT / "library_same.toml"), str(file))
+    report.check(done.returncode == 0, done.stdout[-500:])
+    own = np.load(file)
+    for name in whole.history.names:
+        if name != "elapsed" and "seconds" not in name:
+            finite = np.where(np.isfinite(own[name]), own[name], np.nan)  # the file leaves others out
+            report.check(np.array_equal(finite, whole.history[name], equal_nan=True), name)
+
+
+@test
+def library_page(report):
+    """The programs of docs/library.md run as they stand there."""
+    page = (ROOT / "docs" / "library.md").read_text()
+    code = {language: re.search(rf"```{language}\n(.*?)```", page, re.S)[1] for language in ("cpp", "python")}
+    report.check(code["cpp"] == (EXAMPLES / "cpp" / "ten.cpp").read_text(), "the C++ program is that of runs/library/cpp")
+    if not any(PACKAGE.glob("voile/_core*.so")):
+        return report.check(True, "SKIPPED: the binding is not built (packages pybind11-dev, python3-dev)")
+    folder = fresh("library_page")
+    write_case(strip("dynamic", nx=6), folder / "case.toml")
+    done = python("-c", code["python"], cwd=folder)
+    report.check(done.returncode == 0 and done.stdout.startswith("0.2 "), done.stdout[-500:])
+    report.check([p.name for p in folder.iterdir()] == ["case.toml"], "nothing is written")
+
+
+@test
+def library_without_binding(report):
+    """`import voile` works where there is no binding, and says what to do when a simulation is asked for."""
+    code = f"import sys; sys.path.insert(0, {str(ROOT / 'python')!r})\nimport voile\ntry:\n    voile.Simulation\nexcept ImportError as e:\n    print(e)"
+    done = subprocess.run(["/usr/bin/python3", "-c", code], text=True, capture_output=True)
+    report.check("pybind11-dev" in done.stdout, done.stdout + done.stderr)
+
+
+@test
+def library_installed(report):
+    """A program of ten lines is built against the installed library by CMake and by pkg-config, and runs; so does Python."""
+    prefix, build = fresh("library_prefix"), fresh("library_program")
+    done = subprocess.run(["cmake", "--install", binary().parent, "--prefix", prefix], text=True, capture_output=True)
+    report.check(done.returncode == 0, f"cmake --install: {done.stderr[-300:]}")
+    case = write_case(strip(nx=6), OUT / "library_case.toml")
+    made = subprocess.run(f"cmake -S {EXAMPLES / 'cpp'} -B {build} -DCMAKE_PREFIX_PATH={prefix} && cmake --build {build}", shell=True, text=True,
+                          stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+    report.check(made.returncode == 0, f"find_package(Voile): {made.stdout[-600:] if made.returncode else 'found'}")
+    run = subprocess.run([build / "ten", case], text=True, capture_output=True, env=environment(1))
+    report.check(run.returncode == 0 and "load factor 1" in run.stdout, f"it says: {run.stdout}{run.stderr[-500:]}")
+    files = list(prefix.rglob("voile.pc"))
+    flags = subprocess.run(["pkg-config", "--cflags", "--libs", "voile"], text=True, capture_output=True,
+                           env=os.environ | {"PKG_CONFIG_PATH": str(files[0].parent) if files else ""})
+    library = next(prefix.rglob("libvoile.so")).parent
+    made = subprocess.run(["mpicxx", "-std=c++20", EXAMPLES / "cpp" / "ten.cpp", "-o", build / "by_pkg_config", *shlex.split(flags.stdout),
+                           f"-Wl,-rpath,{library}"], text=True, capture_output=True)
+    run = subprocess.run([build / "by_pkg_config", case], text=True, capture_output=True, env=environment(1))
+    report.check(made.returncode == 0 and run.returncode == 0, f"pkg-config: {flags.stdout.strip()} {made.stderr[-600:]} {run.stdout}")
+    files = {str(p.relative_to(prefix)) for p in prefix.rglob("*.hpp")}
+    report.check(len(files) <= 12, f"{len(files)} headers are installed")
+    package = next(prefix.rglob("voile/__init__.py"), None)
+    if package is None or not any(package.parent.glob("_core*.so")):
+        return report.check(True, "SKIPPED: the binding is not built")
+    done = subprocess.run(["/usr/bin/python3", EXAMPLES / "parametric_study.py"], text=True,
+                          capture_output=True, env=environment(1) | {"PYTHONPATH": str(package.parents[1])})
+    report.check(done.returncode == 0, f"the installed package: {done.stdout[-300:]}{done.stderr[-300:]}")
