@@ -1,4 +1,4 @@
-// A case: what a case file says, as a value that can be changed. docs/case-reference.md lists sections and keys.
+// A case: what a case file says, as a value that can be changed. docs/reference/case.md lists sections and keys.
 #pragma once
 
 #include <filesystem>

@@ -120,7 +120,7 @@ class VOILE_API Simulation {
   [[nodiscard]] std::vector<double> positions() const;      ///< [m]
   [[nodiscard]] std::vector<double> displacements() const;  ///< from the mesh as it was read [m]
   [[nodiscard]] std::vector<double> velocities() const;     ///< of a motion; zeros otherwise [m/s]
-  /// A field as the results have it, e.g. "bending_moment" (docs/results.md). Throws UserError for unknown names.
+  /// A field as the results have it, e.g. "bending_moment" (docs/reference/results.md). Throws UserError for unknown names.
   [[nodiscard]] Field field(const std::string& name) const;
   [[nodiscard]] History history() const;
   [[nodiscard]] Energy energy() const;

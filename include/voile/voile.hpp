@@ -1,4 +1,4 @@
-// The library. docs/library.md has a program of ten lines.
+// The library. docs/reference/library.md has a program of ten lines.
 #pragma once
 
 #include "voile/case.hpp"

@@ -23,20 +23,19 @@ Vec3 of_triangle(const std::vector<double>& values, std::size_t t) {
   return Eigen::Map<const Vec3>(&values[3 * t]);
 }
 
-/// Energy of `no_strain` throughout.
-double no_energy(const energy::Sheet& sheet) {
-  double sum = 0.0;
-  for (Index t = 0; t < sheet.mesh().triangle_count(); ++t)
-    sum += 0.5 * sheet.mesh().area(t) * sheet.material(t).membrane.trace() * no_strain * no_strain;
-  return sum;
-}
-
 /// Side of an equilateral triangle.
 double cell_size(double area) {
   return std::sqrt(4.0 * area / std::sqrt(3.0));
 }
 
 }  // namespace
+
+double round_off_energy(const energy::Sheet& sheet) {
+  double sum = 0.0;
+  for (Index t = 0; t < sheet.mesh().triangle_count(); ++t)
+    sum += 0.5 * sheet.mesh().area(t) * sheet.material(t).membrane.trace() * no_strain * no_strain;
+  return sum;
+}
 
 double stored_energy(const energy::Sheet& sheet, const system::TriangleFields& f) {
   const bool in_plane = sheet.options().membrane == energy::MembraneOperator::six_node_corrected;
@@ -86,7 +85,7 @@ void DiscretisationError::judge(const energy::Sheet& sheet, const system::Triang
     worst = static_cast<Index>(t);
   }
   const double stored = stored_energy(sheet, fields);
-  share_ = stored > (linear_ ? 0.0 : no_energy(sheet)) ? (membrane + bending) / stored : 0.0;
+  share_ = stored > (linear_ ? 0.0 : round_off_energy(sheet)) ? (membrane + bending) / stored : 0.0;
   warning_.clear();
   if (share_ <= error_limit) return;
   const Vec3 at = (mesh.start_corner(worst, 0) + mesh.start_corner(worst, 1) + mesh.start_corner(worst, 2)) / 3.0;

@@ -19,6 +19,9 @@ namespace voile::app {
 /// on this rank. Not collective.
 [[nodiscard]] double stored_energy(const energy::Sheet& sheet, const system::TriangleFields& fields);
 
+/// Energy of a strain of 1e-9 throughout [J]: a state with less is round-off. Not collective.
+[[nodiscard]] double round_off_energy(const energy::Sheet& sheet);
+
 class DiscretisationError {
  public:
   /// `linear`: displacements are of no certain size, however small.

@@ -33,8 +33,9 @@ std::string balance_text(const system::EnergyBalance& b) {
                             all > 0.0 ? 100.0 * std::abs(b.unaccounted) / all : 0.0);
 }
 
-std::string balance_warning(const system::EnergyBalance& b, const solve::TimeOptions& options) {
+std::string balance_warning(const system::EnergyBalance& b, const solve::TimeOptions& options, double round_off) {
   const double all = b.turnover(), gained = std::max(0.0, -b.numerical);
+  if (std::max(gained, std::abs(b.unaccounted)) <= round_off) return "";
   if (gained > much * all && gained > std::abs(b.unaccounted))
     return fmt::format(
         "the time stepping has created {:.3g} J, {:.2g} % of the energy that came in: speeds or stiffnesses are beyond "

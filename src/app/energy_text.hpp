@@ -23,8 +23,9 @@ struct KineticEnergy {
 
 /// One line each for the end of a run; the last one is empty if nothing has moved.
 [[nodiscard]] std::string balance_text(const system::EnergyBalance& balance);
-/// What to do if much of the energy is not accounted for, else empty.
-[[nodiscard]] std::string balance_warning(const system::EnergyBalance& balance, const solve::TimeOptions& options);
+/// What to do if much of the energy is not accounted for, else empty. `round_off`: energy that is none [J].
+[[nodiscard]] std::string balance_warning(const system::EnergyBalance& balance, const solve::TimeOptions& options,
+                                          double round_off = 0.0);
 [[nodiscard]] std::string rest_text(const KineticEnergy& kinetic);
 
 }  // namespace voile::app

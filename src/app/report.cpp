@@ -82,7 +82,7 @@ void report_end(const input::Case& c, const RunOptions& options, const Summary& 
                  where);
     if (options.verbosity != Verbosity::quiet && s.balance.kept) fmt::print("{}\n", balance_text(s.balance));
     // Stages that sew pull things into their place; what that takes is not looked at.
-    if (const std::string text = balance_warning(s.balance, c.time.options);
+    if (const std::string text = balance_warning(s.balance, c.time.options, s.round_off_energy);
         s.balance.kept && c.stage.sew.empty() && !text.empty())
       fmt::print(stderr, "voile: warning: {}\n", text);
     if (options.verbosity != Verbosity::quiet && s.kinetic && s.kinetic->largest > 0.0)

@@ -6,6 +6,7 @@
 
 #include <utility>
 
+#include "discretisation_error.hpp"
 #include "garment_measures.hpp"
 #include "modes.hpp"
 #include "report.hpp"
@@ -215,7 +216,10 @@ Summary StageRun::end() {
   recorder_.finish();
   summary.membrane_error = recorder_.membrane_error();
   summary.recovery_error = recorder_.recovery_error();
-  if (c.analysis == "dynamic") summary.kinetic = recorder_.kinetic();
+  if (c.analysis == "dynamic") {
+    summary.kinetic = recorder_.kinetic();
+    summary.round_off_energy = round_off_energy(model.discretisation().sheet());
+  }
   if (system::Contact* contact = model.contact()) summary.contact = system::report(contact->scene(), state.u);
   if (!c.panels.empty() && c.analysis != "linear") summary.garment = measure_garment(c, model, state);
   summary.wall_seconds = recorder_.wall_seconds();

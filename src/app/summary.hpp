@@ -45,6 +45,7 @@ struct Summary {
   int ranks = 1;
   double cpu_seconds = 0.0, wall_seconds = 0.0;
   system::EnergyBalance balance;                 ///< of a motion
+  double round_off_energy = 0.0;                 ///< that is none, see round_off_energy() [J]
   std::optional<KineticEnergy> kinetic;          ///< of a motion
   std::optional<system::ContactReport> contact;  ///< of the last state
   std::optional<GarmentMeasures> garment;        ///< of a case of panels

@@ -163,8 +163,8 @@ def library_same_as_program(report):
 
 @test
 def library_page(report):
-    """The programs of docs/library.md run as they stand there."""
-    page = (ROOT / "docs" / "library.md").read_text()
+    """The programs of docs/reference/library.md run as they stand there."""
+    page = (ROOT / "docs" / "reference" / "library.md").read_text()
     code = {language: re.search(rf"```{language}\n(.*?)```", page, re.S)[1] for language in ("cpp", "python")}
     report.check(code["cpp"] == (EXAMPLES / "cpp" / "ten.cpp").read_text(), "the C++ program is that of runs/library/cpp")
     if not any(PACKAGE.glob("voile/_core*.so")):

@@ -256,3 +256,25 @@ def restart_in_contact(report):
         report.check(len(same) > 10 and all(same), f"killed after {steps} steps: {sum(same)} of {len(same)} later lines are the same")
     places = [Results(result.folder / "sew")[-1]["displacement"] for result in (whole, rest)]
     report.check(np.abs(places[0]).max() > 0.01 and np.array_equal(*places), "and the same places")
+
+
+@test
+def pinched(report):
+    """A sheet between two plates that close on it: the run ends with code 3, and what is stored last is of one time, the plates too."""
+    file = OUT / "pinched_sheet.obj"
+    line = np.linspace(-0.05, 0.05, 6)
+    points = [(x, y, 0.0) for y in line for x in line]
+    corners = [(6 * j + i, 6 * j + i + 1, 6 * (j + 1) + i + 1, 6 * (j + 1) + i) for j in range(5) for i in range(5)]
+    file.write_text("".join(f"v {x} {y} {z}\n" for x, y, z in points) + "".join(f"f {k + 1} {m + 1} {p + 1}\n" for a, b, c, d in corners for k, m, p in ((a, b, c), (a, c, d))))
+    plate = OUT / "pinched_plate.obj"
+    plate.write_text("v -0.2 -0.2 0\nv 0.2 -0.2 0\nv 0.2 0.2 0\nv -0.2 0.2 0\nf 1 2 3\nf 1 3 4\n")
+    case = {"analysis": "dynamic", "mesh": {"file": str(file)}, "material": [{"type": "isotropic", "young": 1e6, "poisson": 0.3, "thickness": 1e-3, "density": 300.0}],
+            "load": [{"type": "gravity", "vector": [0, 0, -9.81]}], "contact": {"distance": 1e-3}, "time": {"end": 1.0, "step": 0.01},
+            "obstacle": [{"name": "below", "type": "mesh", "file": str(plate), "translate": [0, 0, -0.01]},
+                         {"name": "above", "type": "mesh", "file": str(plate), "translate": [0, 0, 0.02], "motion": ["0", "0", "-0.05*t"]}]}
+    result = run(write_case(case, OUT / "pinched.toml"), OUT / "pinched", 1, ["--overwrite"])
+    last = list(Results(result.folder))[-1]
+    report.check(result.code == 3 and 0.3 < last.time < 0.6, f"code {result.code} at t = {last.time:.4g} s")
+    heights = last.obstacles[4:, 2]
+    report.check(len(heights) == 4 and np.abs(heights - (0.02 - 0.05 * last.time)).max() < 1e-9, f"the plate is where it is at that time: {heights}")
+    report.check(result.history["intersections"][-1] == 0, "nothing intersects")

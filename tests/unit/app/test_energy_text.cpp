@@ -49,4 +49,5 @@ TEST_CASE("energy that is not accounted for is warned of from a twentieth on, wi
   CHECK(balance_warning(b, loose).empty());
   b.numerical = -0.21;
   CHECK(names(loose, "created 0.21 J, 5.2 %"));
+  CHECK(balance_warning(b, loose, 0.22).empty());
 }
