@@ -13,13 +13,13 @@ configure_package_config_file(cmake/VoileConfig.cmake.in ${CMAKE_BINARY_DIR}/Voi
 write_basic_package_version_file(VoileConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 file(RELATIVE_PATH VOILE_TO_PREFIX /${CMAKE_INSTALL_LIBDIR}/pkgconfig /)
 configure_file(cmake/voile.pc.in voile.pc @ONLY)
-install(TARGETS voile_shared LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
+install(TARGETS voile_shared LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT voile NAMELINK_COMPONENT dev)
 install(FILES ${CMAKE_BINARY_DIR}/VoileConfig.cmake ${CMAKE_BINARY_DIR}/VoileConfigVersion.cmake
-        DESTINATION ${VOILE_CMAKE_FOLDER})
-install(FILES ${CMAKE_BINARY_DIR}/voile.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
+        DESTINATION ${VOILE_CMAKE_FOLDER} COMPONENT dev)
+install(FILES ${CMAKE_BINARY_DIR}/voile.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig COMPONENT dev)
 file(GLOB VOILE_PUBLIC_HEADERS CONFIGURE_DEPENDS include/voile/*.hpp)
-install(FILES ${VOILE_PUBLIC_HEADERS} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/voile)
-install(FILES include/voile/base/error.hpp DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/voile/base)
+install(FILES ${VOILE_PUBLIC_HEADERS} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/voile COMPONENT dev)
+install(FILES include/voile/base/error.hpp DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/voile/base COMPONENT dev)
 
 # import voile works without the binding; voile.Simulation needs it.
 find_package(pybind11 2.10 CONFIG QUIET)
@@ -49,4 +49,4 @@ endforeach()
 file(RELATIVE_PATH VOILE_TO_LIBRARY /${VOILE_PYTHON_FOLDER}/voile /${CMAKE_INSTALL_LIBDIR})
 set_target_properties(voile_python PROPERTIES OUTPUT_NAME _core LIBRARY_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/python/voile
                                               INSTALL_RPATH "$ORIGIN/${VOILE_TO_LIBRARY}")
-install(TARGETS voile_python LIBRARY DESTINATION ${VOILE_PYTHON_FOLDER}/voile)
+install(TARGETS voile_python LIBRARY DESTINATION ${VOILE_PYTHON_FOLDER}/voile COMPONENT python3)

@@ -52,10 +52,11 @@ THIRD_PARTY = [
     (r"boost/math/.*", r"pattern/curve"),
     (r"Eigen/.*", r".*"),
     (r"fmt/.*", r".*"),
-    (r"dlfcn\.h", r".*/mumps.*|app/threads.*|base/child_process"),
+    (r"dlfcn\.h", r".*/mumps.*|app/threads.*|base/shipped_files"),
     (r"xmmintrin\.h", r".*/mumps.*"),
     (r"unistd\.h|fcntl\.h|sys/.*\.h", r"io/.*|app/.*|input/.*|base/.*"),
     (r"linux/.*\.h|poll\.h", r"base/.*"),
+    (r"spawn\.h", r"app/.*"),
     (r"doctest/.*", r"(?!)"),  # tests only
 ]
 # It prints the versions of all libraries.

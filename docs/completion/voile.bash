@@ -14,13 +14,12 @@ _voile() {
     --view) mapfile -t COMPREPLY < <(compgen -W "three-quarter front back left right top bottom" -- "$word") && return ;;
     --kind) mapfile -t COMPREPLY < <(compgen -W "figure form" -- "$word") && return ;;
     --motion) mapfile -t COMPREPLY < <(compgen -W "walk turn" -- "$word") && return ;;
-    --analysis) mapfile -t COMPREPLY < <(compgen -W "static linear modal buckling dynamic drape" -- "$word") && return ;;
   esac
   case "$command" in
     run) options="--output --overwrite --restart --restart-step --from --set --allow-system-call --quiet --verbose --help" ;;
     check | info) options="--set --allow-system-call --help" ;;
     reference) options="--schema --help" ;;
-    init) options="--analysis --help" ;;
+    init) options="--list --drape --garment --shell --modal --help" ;;
     render) options="--steps --output --animation --rate --frames --stage --mode --size --quality --threads --field --range --scale --partition --panels --contours --mesh --creases --title --view --eye --target --up --no-stamp --no-ground --no-obstacles --palette --quiet --help" ;;
     view) options="--steps --stage --field --output --rate --no-obstacles --quiet --help" ;;
     sheet) options="--columns --output --palette --quiet --help" ;;

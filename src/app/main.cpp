@@ -18,6 +18,7 @@
 #include <optional>
 #include <sstream>
 
+#include "begin.hpp"
 #include "delegate.hpp"
 #include "launched_ranks.hpp"
 #include "option_hint.hpp"
@@ -48,8 +49,9 @@ struct Request {
   bool allow_system_call = false;     ///< for scripts of Gmsh
   std::vector<std::string> settings;  ///< --set
   bool schema = false;
-  std::string analysis = "static";  ///< of `init`
-  std::vector<std::string> petsc;   ///< PETSc's words of the command line
+  bool list = false;  ///< of `init`, as the name of the template
+  std::string chosen;
+  std::vector<std::string> petsc;  ///< PETSc's words of the command line
 };
 
 bool is_root() {
@@ -67,6 +69,26 @@ std::string swallowed_hint(const std::vector<std::string>& petsc) {
       if (petsc[i].size() > 5 && petsc[i].ends_with(ending) && petsc[i - 1][0] == '-')
         return fmt::format(" ('{}' was taken for the value of {}: put the file first)", petsc[i], petsc[i - 1]);
   return "";
+}
+
+void declare_init(CLI::App& init, Request& request) {
+  init.add_option("folder", request.file, "Folder for the files of the case");
+  init.add_flag("--list", request.list, "List the templates");
+  for (const app::Template& t : app::templates)
+    init.add_flag_callback(
+        fmt::format("--{}", t.name),
+        [&request, name = std::string(t.name)] {
+          if (!request.chosen.empty())
+            throw UserError(fmt::format("--{} and --{}: a case has one template; keep one", request.chosen, name));
+          request.chosen = name;
+        },
+        t.what);
+  init.add_option_function<std::string>(
+          "--analysis",
+          [](const std::string&) {
+            throw UserError(fmt::format("--analysis is no option of init. {}", app::template_list()));
+          })
+      ->group("");
 }
 
 void declare(CLI::App& cli, Request& request) {
@@ -109,10 +131,8 @@ void declare(CLI::App& cli, Request& request) {
         ->allow_extra_args(false);
   add("reference", "Print the reference of the case file", Command::reference)
       ->add_flag("--schema", request.schema, "Print it as a JSON schema, for editors");
-  CLI::App* init = add("init", "Begin a new case: writes case.toml and plate.geo", Command::init);
-  init->add_option("folder", request.file, "Folder for the two files")->required();
+  declare_init(*add("init", "Begin a new case from a template", Command::init), request);
   for (const app::DelegatedCommand& c : app::delegated_commands) cli.add_subcommand(c.name, c.what);
-  init->add_option("--analysis", request.analysis, "static, linear, modal, buckling, dynamic or drape [static]");
 }
 
 /// Parses the command line. Prints help and returns Command::nothing if that is all there is to do.
@@ -162,24 +182,6 @@ input::Case read_case(const std::string& file, const std::vector<std::string>& s
   });
   mpi::broadcast(MPI_COMM_WORLD, text);
   return input::parse_case(text, file, settings);
-}
-
-/// Writes a case to begin with; replaces nothing.
-void begin_case(const std::filesystem::path& folder, const std::string& analysis) {
-  mpi::on_root(MPI_COMM_WORLD, [&] {
-    const std::array files{std::pair{folder / "case.toml", input::case_template(analysis)},
-                           std::pair{folder / "plate.geo", input::template_geometry()}};
-    std::error_code ignored;
-    for (const auto& [file, text] : files)
-      if (std::filesystem::exists(std::filesystem::symlink_status(file, ignored)))
-        throw UserError(fmt::format("{}: the file exists already", file.string()));
-    std::filesystem::create_directories(folder, ignored);
-    for (const auto& [file, text] : files)
-      if (!(std::ofstream(file) << text << std::flush))
-        throw UserError(fmt::format("{}: cannot be written", file.string()));
-    fmt::print("wrote {} and {}; try: voile run {}\n", files[0].first.string(), files[1].first.string(),
-               files[0].first.string());
-  });
 }
 
 /// PETSc between construction and destruction.
@@ -322,7 +324,12 @@ Exit execute(const Request& request, const char* program) {
   if (request.command == Command::reference)
     print_on_root(request.schema ? input::case_schema() : input::case_reference_markdown());
   if (request.command == Command::init) {
-    begin_case(request.file, request.analysis);
+    if (!is_root()) return Exit::done;
+    if (!request.list && request.file.empty()) throw UserError("init needs a folder; see voile init --help");
+    if (request.list)
+      fmt::print("{}", app::template_list());
+    else
+      app::begin_case(request.file, request.chosen);
     return Exit::done;
   }
   const bool is_mesh = request.command == Command::info && !request.file.ends_with(".toml");

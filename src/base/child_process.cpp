@@ -1,6 +1,5 @@
 #include "voile/base/child_process.hpp"
 
-#include <dlfcn.h>
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/prctl.h>
@@ -21,6 +20,7 @@
 
 #include "voile/base/confinement.hpp"
 #include "voile/base/error.hpp"
+#include "voile/base/shipped_files.hpp"
 
 namespace voile {
 
@@ -215,29 +215,6 @@ std::string run_in_child(const std::string& file, const std::function<std::strin
   if (std::getenv("VOILE_READ_HERE")) return work();
   return answer_of(file, [&](int descriptor) { child(descriptor, work); });
 }
-
-namespace {
-
-/// From lib/python3/dist-packages/voile to the prefix, and from python/voile to the folder of a build.
-constexpr int folders_above = 6, folders_of_build = 3;
-
-/// A program of ours: beside the one that runs; or, where a program of somebody else has loaded this code as a library, in a
-/// folder above it, or in `bin` there.
-std::filesystem::path program_of_ours(const std::string& name) {
-  std::error_code ignored;
-  std::filesystem::path beside = std::filesystem::read_symlink("/proc/self/exe", ignored).parent_path() / name;
-  Dl_info here{};
-  if (std::filesystem::exists(beside, ignored) || dladdr(reinterpret_cast<void*>(&answer_to_parent), &here) == 0)
-    return beside;
-  std::filesystem::path folder = std::filesystem::canonical(here.dli_fname, ignored).parent_path();
-  for (int k = 0; k < folders_above && folder.has_relative_path(); ++k, folder = folder.parent_path()) {
-    if (k < folders_of_build && std::filesystem::exists(folder / name, ignored)) return folder / name;
-    if (std::filesystem::exists(folder / "bin" / name, ignored)) return folder / "bin" / name;
-  }
-  return beside;
-}
-
-}  // namespace
 
 std::string run_beside(const std::string& file, const std::string& program, const std::vector<std::string>& words) {
   const std::filesystem::path found = program_of_ours(program);

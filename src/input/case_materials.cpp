@@ -7,6 +7,8 @@
 
 #include "voile/base/error.hpp"
 #include "voile/base/plain_file.hpp"
+#include "voile/base/shipped_files.hpp"
+#include "voile/base/text.hpp"
 #include "voile/input/fabric.hpp"
 
 namespace voile::input {
@@ -61,17 +63,29 @@ void fill_laminate(const SectionPlace& place, const MaterialInput& in, energy::M
     place.fail("ply_thicknesses", "the stiffness is not positive definite or not finite; check moduli and thicknesses");
 }
 
-/// The file of a fabric states its own mistakes; only a missing file is one of the case.
+/// The file of a fabric states its own mistakes.
 void fill_fabric(const SectionPlace& place, const MaterialInput& in, energy::Material& m) {
-  std::error_code ignored;
-  require_plain_file(in.fabric);
-  if (!std::filesystem::is_regular_file(in.fabric, ignored))
-    place.fail("fabric", fmt::format("there is no fabric file {}", in.fabric.string()));
   const Fabric fabric = read_fabric(in.fabric);
   m.membrane = energy::rotated_stiffness(membrane_stiffness(fabric), in.warp_angle);
   m.bending = energy::rotated_stiffness(bending_stiffness(fabric), in.warp_angle);
   m.areal_density = fabric.areal_density;
   if (!place.has("bending_damping")) m.bending_damping = bending_damping(fabric);
+}
+
+/// The file of a fabric that the case names; only a missing one is a mistake of the case.
+std::filesystem::path fabric_file(const SectionPlace& place, const std::filesystem::path& name) {
+  const std::vector<std::filesystem::path> places = fabric_places(place.file, name);
+  std::error_code ignored;
+  for (const std::filesystem::path& file : places) {
+    require_plain_file(file);
+    if (std::filesystem::is_regular_file(file, ignored)) return file;
+  }
+  std::vector<std::string> looked;
+  for (const std::filesystem::path& file : places) looked.push_back(file.string());
+  const std::string near = nearest(name.stem().string(), shipped_names("fabrics", ".toml"));
+  place.fail("fabric",
+             fmt::format("there is no fabric file {}{}", join(looked, " or "),
+                         near.empty() ? "" : fmt::format("; did you mean fabric = \"{}\", which is shipped?", near)));
 }
 
 void fill_matrices(const SectionPlace& place, const MaterialInput& in, energy::Material& m) {
@@ -127,6 +141,16 @@ std::filesystem::path beside(const std::filesystem::path& case_file, const std::
   return (std::filesystem::absolute(case_file).parent_path() / path).lexically_normal();
 }
 
+std::vector<std::filesystem::path> fabric_places(const std::filesystem::path& case_file,
+                                                 const std::filesystem::path& name) {
+  std::vector<std::filesystem::path> places{beside(case_file, name)};
+  if (name.has_parent_path() || name.has_extension()) return places;
+  const std::string file = name.string() + ".toml";
+  places.push_back(beside(case_file, file));
+  places.push_back(shipped_folder("fabrics") / file);
+  return places;
+}
+
 void read_materials(const CaseReader& reader, Case& c) {
   if (reader.count("material") == 0)
     throw UserError(fmt::format("{}: there is no material; add a section [[material]]", c.file.string()));
@@ -138,7 +162,7 @@ void read_materials(const CaseReader& reader, Case& c) {
     energy::Material m;
     m.groups = in.groups;
     fill_direction(place, in, m);
-    in.fabric = beside(c.file, in.fabric);
+    if (in.type == MaterialInput::Type::fabric) in.fabric = fabric_file(place, in.fabric);
     fill_matrices(place, in, m);
     if (in.groups.empty() && everywhere)
       place.fail("groups", "the key is missing, and another material has no groups either; say where each applies");

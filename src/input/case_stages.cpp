@@ -6,6 +6,7 @@
 #include <cctype>
 #include <sstream>
 
+#include "case_materials.hpp"
 #include "case_toml.hpp"
 #include "voile/base/text.hpp"
 #include "voile/input/case_keys.hpp"
@@ -174,7 +175,15 @@ std::string CaseReader::text(const std::filesystem::path& folder) const {
   const auto make_absolute = [&](toml::table* item, const char* key) {
     if (!item || !(*item)[key].is_string()) return;
     const std::filesystem::path path = *(*item)[key].value<std::string>();
-    item->insert_or_assign(key, (folder / path).lexically_normal().string());
+    std::filesystem::path file = (folder / path).lexically_normal();
+    std::error_code ignored;
+    if (std::string_view(key) == "fabric")
+      for (const std::filesystem::path& place : fabric_places(folder / "case.toml", path))
+        if (std::filesystem::is_regular_file(place, ignored)) {
+          file = place;
+          break;
+        }
+    item->insert_or_assign(key, file.string());
   };
   const std::array paths{std::pair{"mesh", "file"},     std::pair{"mesh", "start"},
                          std::pair{"panel", "file"},    std::pair{"material", "fabric"},

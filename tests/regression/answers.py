@@ -3,14 +3,17 @@
 import copy
 import json
 import os
+import re
+import shlex
 import subprocess
+import time
 import tomllib
 
 import numpy as np
 from common import fresh, strip
 from harness import OUT, solve, test
 from shapes import write_msh
-from solver import ROOT, invoke, load_case, run, variant, write_case
+from solver import ROOT, environment, invoke, load_case, run, variant, write_case
 
 
 @test
@@ -75,7 +78,7 @@ def linear_output(report):
 
 @test
 def chains(report):
-    """A motion from a static equilibrium stays there; a drape from a motion; initial velocities; --set; init; the schema."""
+    """A motion from a static equilibrium stays there; a drape from a motion; initial velocities; --set; the schema."""
     static = solve("chain_static", strip(), 2)
     moved = strip("dynamic", time__load_history="1")
     result = run(write_case(moved, OUT / "chain_motion.toml"), fresh("chain_motion"), 2, ["--restart", static.results.file])
@@ -99,15 +102,8 @@ def chains(report):
     for wrong, word in (("load.3.vector=[0,0,1]", "load"), ("mesh.paramters.n=3", "paramters"), ("nonsense", "key=value"), ("title.x=1", "title")):
         code, text = invoke(["check", file, "--set", wrong])
         report.check(code == 2 and word in text, f"--set {wrong}: code {code}: {text.strip()[-90:]}")
-    for analysis in ("static", "linear", "modal", "buckling", "dynamic", "drape"):
-        folder = fresh(f"init_{analysis}")
-        code, text = invoke(["init", folder, "--analysis", analysis])
-        result = run(folder / "case.toml", folder / "out", 1)
-        report.check(code == 0 and result.code == 0, f"init --analysis {analysis}: codes {code}, {result.code} {result.text.strip()[-100:] if result.code else ''}")
-    code, text = invoke(["init", folder])
-    report.check(code == 2 and "exists already" in text, f"init over a case: code {code}")
     schema = json.loads(invoke(["reference", "--schema"])[1])
-    template = tomllib.loads((OUT / "init_dynamic" / "case.toml").read_text())
+    template = tomllib.loads((ROOT / "runs" / "templates" / "shell" / "case.toml").read_text())
     report.check(set(template) <= set(schema["properties"]) and not schema["additionalProperties"], "the schema knows the template's sections")
     report.check(schema["properties"]["material"]["items"]["properties"]["poisson"]["maximum"] == 0.5, "and ranges")
 
@@ -226,7 +222,7 @@ def few_unknowns(report):
 
 @test
 def installed(report):
-    """cmake --install brings the program, its manual page, completion and documentation."""
+    """cmake --install brings the program, its manual page, completion, fabrics, templates and examples, and works from there."""
     prefix = fresh("installed")
     done = subprocess.run(["cmake", "--install", ROOT / "build", "--prefix", prefix], text=True, capture_output=True)
     report.check(done.returncode == 0, f"code {done.returncode} {done.stderr[-200:]}")
@@ -235,6 +231,35 @@ def installed(report):
     script = f"source {prefix}/share/bash-completion/completions/voile; COMP_WORDS=(voile run --ov); COMP_CWORD=2; _voile; echo ${{COMPREPLY[@]}}"
     text = subprocess.run(["bash", "-c", script], text=True, capture_output=True, env=os.environ).stdout
     report.check(text.strip() == "--overwrite", f"completion of --ov: {text.strip()}")
+    for case in ("examples/hemisphere/case.toml", "templates/drape/case.toml"):
+        done = subprocess.run([prefix / "bin" / "voile", "check", prefix / "share" / "voile" / case], text=True, capture_output=True, env=environment(1))
+        report.check(done.returncode == 0, f"check {case}: code {done.returncode} {done.stderr[-200:]}")
+    env = environment(1) | {"PATH": f"{prefix / 'bin'}:{os.environ['PATH']}"}
+    done = subprocess.run("voile init blade --modal && voile run blade/case.toml --output blade/run", shell=True, cwd=fresh("installed_user"), text=True, capture_output=True, env=env)
+    report.check(done.returncode == 0 and "voile render blade/run" in done.stdout, f"a template runs elsewhere: code {done.returncode} {done.stderr[-200:]}")
+
+
+@test
+def templates(report):
+    """Each template of init passes check and run without a warning, and the printed command draws it."""
+    code, text = invoke(["init", "--list"])
+    names = re.findall(r"--(\w+)", text)
+    report.check(code == 0 and len(names) >= 4, f"--list: {names}")
+    for name in names:
+        folder = fresh(f"template_{name}") / "case"
+        code, text = invoke(["init", folder, f"--{name}"])
+        report.check(code == 0, f"init --{name}: code {code}")
+        commands = re.findall(r"^  voile (.*)$", text, re.M)
+        for command in commands:
+            begun = time.time()
+            code, text = invoke(shlex.split(command))
+            report.check(code == 0 and "warning" not in text, f"{command.split()[0]} of {name}: code {code}, {time.time() - begun:.1f} s{text[-300:] if code or 'warning' in text else ''}")
+        report.check(len(commands) == 3 and any(folder.glob("picture.*")), f"picture of {name}")
+    code, text = invoke(["init", folder, f"--{name}"])
+    report.check(code == 2 and "exists already" in text, f"init over a case: code {code}")
+    for words, word in ((["--analysis", "static"], "--drape"), ([], "--drape"), (["--drap"], "--drape"), (["--drape", "--shell"], "keep one")):
+        code, text = invoke(["init", folder, *words])
+        report.check(code == 2 and word in text, f"init {' '.join(words)}: code {code}: {text.strip().splitlines()[0]}")
 
 
 @test
@@ -257,3 +282,24 @@ def stress_at_vertices(report):
                 "output": {"stresses": "surface"}}
         step = solve("le1", case, 1).results[-1]
         report.percent(step["stress_top_at_vertices"][0, 1] / 92.7e6, limit, f"{across} x {along}: stress at the vertex (in the triangles beside {step['stress_top'][:, 1].max() / 1e6:.1f} MPa)")
+
+
+@test
+def shipped_fabrics(report):
+    """A fabric by its name: beside the case first, then among those shipped; a misspelt name gets the nearest."""
+    case = strip("linear", material=[{"type": "fabric", "fabric": "wool_tropical", "direction": [1, 0, 0]}], load=[{"type": "gravity", "vector": [0, 0, -1e-6]}])
+    file = write_case(case, fresh("shipped_fabrics") / "case.toml")
+
+    def used():
+        result = run(file, file.parent / "run", 1, ["--overwrite"])
+        resolved = tomllib.loads((file.parent / "run" / "resolved_case.toml").read_text()) if result.code == 0 else {}
+        return resolved["material"][0]["areal_density"] if resolved else result.text
+
+    report.check((density := used()) == 0.1629, f"a shipped fabric: {density} kg/m^2")
+    shipped = (ROOT / "runs" / "fabrics" / "wool_tropical.toml").read_text()
+    (file.parent / "wool_tropical.toml").write_text(shipped.replace("16.29", "20.00"))
+    report.check((density := used()) == 0.2, f"the user's own comes first: {density} kg/m^2")
+    for wrong, words in (("wool_tropicl", ["shipped_fabrics/wool_tropicl.toml", "runs/fabrics/wool_tropicl.toml", '"wool_tropical"']),
+                         ("../wool_tropical.toml", ['"wool_tropical"', "shipped"])):
+        code, text = invoke(["check", file, "--set", f'material.0.fabric="{wrong}"'])
+        report.check(code == 2 and all(word in text for word in words), f"{wrong}: code {code}: {text.strip()}")

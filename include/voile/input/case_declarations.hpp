@@ -1,5 +1,5 @@
-// Every section of the case file with its declared keys, at their defaults: what the reference page, the schema for
-// editors and the template of a new case are made from.
+// Every section of the case file with its declared keys, at their defaults: what the reference page and the schema for
+// editors are made from.
 #pragma once
 
 #include <map>
@@ -43,11 +43,5 @@ class Declarations {
 
 /// A JSON schema (draft 7) of the case file, by which editors complete and check it.
 [[nodiscard]] std::string case_schema();
-
-/// A case to begin with for an analysis: it runs as it is with a geometry "plate.geo" beside it; all other keys that it
-/// can have stand in comments with their defaults and meanings. Throws UserError for an unknown analysis.
-[[nodiscard]] std::string case_template(const std::string& analysis);
-/// That geometry.
-[[nodiscard]] std::string template_geometry();
 
 }  // namespace voile::input
