@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "voile/base/petsc.hpp"
+#include "voile/energy/angle_bending.hpp"
 #include "voile/energy/chord_correction.hpp"
 #include "voile/energy/curvature.hpp"
 #include "voile/energy/sheet.hpp"
@@ -203,7 +204,8 @@ std::vector<std::string> quality_warnings(const mesh::SurfaceMesh& mesh, const M
 }
 
 std::string fold_warning(const mesh::SurfaceMesh& mesh, const MeshQuality& q, const energy::ElementOptions& element) {
-  if (element.bending == energy::BendingOperator::edge_angle) return "";
+  // It bends by angles there.
+  if (element.membrane == energy::MembraneOperator::six_node_corrected) return "";
   double all = 0.0, stiffer = 0.0;
   for (std::size_t t = 0; t < q.area.size(); ++t) {
     all += q.area[t];
@@ -214,7 +216,7 @@ std::string fold_warning(const mesh::SurfaceMesh& mesh, const MeshQuality& q, co
   return fmt::format(
       "the sheet is folded at rest, most in {}: beside such edges what one side moves in its plane counts as bending. "
       "Deflections can be too small by about {:.0f} % and frequencies too high by about {:.0f} %; use "
-      "element.type = \"angles\", or cells along these edges that are smaller, and no longer than wide",
+      "element.type = \"corrected\", or cells along these edges that are smaller, and no longer than wide",
       triangle_text(mesh, place_of_largest(q.fold)), 100.0 * share / (1.0 + share),
       100.0 * (std::sqrt(1.0 + share) - 1.0));
 }
@@ -248,12 +250,23 @@ std::string uncorrected_text(long triangles) {
       triangles, energy::ChordCorrection::most);
 }
 
+long angle_triangles(const energy::Sheet& sheet) {
+  long count = 0;
+  for (Index t = 0; t < sheet.mesh().triangle_count(); ++t) count += energy::bends_by_angles(sheet, t) ? 1 : 0;
+  return count;
+}
+
 std::vector<std::string> sheet_notes(const energy::Sheet& sheet) {
-  if (sheet.continued_axes() == 0) return {};
-  return {
-      fmt::format("{} triangle(s) that the direction of their material is (nearly) normal to, or that have no texture "
-                  "coordinates, take their material axis from their neighbours",
-                  sheet.continued_axes())};
+  std::vector<std::string> notes;
+  if (sheet.continued_axes() > 0)
+    notes.push_back(fmt::format(
+        "{} triangle(s) that the direction of their material is (nearly) normal to, or that have no texture "
+        "coordinates, take their material axis from their neighbours",
+        sheet.continued_axes()));
+  const long folded = sheet.options().bending == energy::BendingOperator::edge_slope ? angle_triangles(sheet) : 0;
+  if (folded > 0)
+    notes.push_back(fmt::format("{} triangle(s) bend by angles at edges: the sheet is folded there at rest", folded));
+  return notes;
 }
 
 }  // namespace voile::app

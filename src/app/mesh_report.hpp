@@ -47,7 +47,10 @@ struct MeshQuality {
 /// What is legal but perhaps not meant: vertices that coincide, vertices that were merged.
 [[nodiscard]] std::vector<std::string> mesh_notes(const mesh::SurfaceMesh& mesh);
 
-/// What was made up about the materials' directions.
+/// Triangles that bend by angles at edges. Not collective.
+[[nodiscard]] long angle_triangles(const energy::Sheet& sheet);
+
+/// What was decided about the sheet: directions of materials that are made up, triangles that bend by angles beside folds.
 [[nodiscard]] std::vector<std::string> sheet_notes(const energy::Sheet& sheet);
 
 /// What the corrected membrane leaves uncorrected; empty if nothing.

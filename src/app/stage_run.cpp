@@ -8,6 +8,7 @@
 
 #include "discretisation_error.hpp"
 #include "garment_measures.hpp"
+#include "mesh_report.hpp"
 #include "modes.hpp"
 #include "report.hpp"
 #include "sewing.hpp"
@@ -27,6 +28,7 @@ Summary summary_of(const solve::Followed& all, const system::State& state, const
   Summary s;
   s.converged = all.completed;
   s.element = energy::element_types[energy::type_of(c.element)].name;
+  s.angle_triangles = angle_triangles(model.discretisation().sheet());
   s.reason = all.reason;
   s.load_factor = state.load_factor;
   s.steps = c.analysis == "static" ? state.step : all.steps;

@@ -63,6 +63,7 @@ Json json_of(const Summary& s) {
     critical.push_back({{"kind", solve::name(p.kind)}, {"step", p.step}, {"load_factor", p.load_factor}});
   Json all{{"converged", s.converged},
            {"element", s.element},
+           {"angle_triangles", s.angle_triangles},
            {"load_factor", s.load_factor},
            {"steps", s.steps},
            {"newton_iterations", s.newton_iterations},

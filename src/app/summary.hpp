@@ -27,8 +27,9 @@ struct RemeshingEffort {
 /// What summary.json says.
 struct Summary {
   bool converged = false;
-  std::string reason;   ///< why not
-  std::string element;  ///< its type, as in the case file
+  std::string reason;        ///< why not
+  std::string element;       ///< its type, as in the case file
+  long angle_triangles = 0;  ///< that bend by angles at edges
   double load_factor = 0.0;
   int steps = 0, newton_iterations = 0, factorisations = 0;
   solve::IterativeEffort iterative;

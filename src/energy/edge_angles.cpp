@@ -101,6 +101,21 @@ Eigen::MatrixX3d weights_of(const CurvatureOperator& op, const std::vector<Index
 
 }  // namespace
 
+bool bends_by_angles(const Sheet& sheet, Index t) {
+  const ElementOptions& element = sheet.options();
+  if (element.bending != BendingOperator::edge_slope) return element.bending == BendingOperator::edge_angle;
+  if (element.membrane != MembraneOperator::six_node_corrected) return false;
+  const auto is_folded = [&](Index triangle) {
+    for (int s = 0; s < 3; ++s)
+      if (sheet.patches().rest_dihedral(triangle, s) > element.crease_angle) return true;
+    return false;
+  };
+  if (is_folded(t)) return true;
+  for (int s = 0; s < 3; ++s)
+    if (const Index n = sheet.mesh().neighbour(t, s); n != no_index && is_folded(n)) return true;
+  return false;
+}
+
 std::optional<EdgeAngles> make_edge_angles(const Sheet& sheet, Index t, const CurvatureOperator& op,
                                            const BendingElement& bending) {
   constexpr double round_off = 1e-9;

@@ -100,7 +100,8 @@ std::vector<Key> keys_of(energy::ElementOptions& s) {
   return {
       {.name = "type",
        .slot = element_choice(s),
-       .meaning = "The element. `corrected`: bending from one normal slope per edge, a constant matrix; membrane from "
+       .meaning = "The element. `corrected`: bending from one normal slope per edge, a constant matrix, and by angles "
+                  "beside folds at rest; membrane from "
                   "the mid-side strains of the six-node patch, less the spurious strain of straight chords where the "
                   "surface bends. `angles`: the same, with bending from the angles at edges on every triangle, for "
                   "folds at rest and long uneven cells; up to 1.5 times the time. `six_node`: without the correction "

@@ -119,7 +119,7 @@ void Potential::build_sheet(const Curvatures& curvatures) {
 bool Potential::add_angles(Index t, const energy::CurvatureOperator& op, const energy::BendingElement& el,
                            const std::vector<Index>& local, bool owned) {
   const energy::Sheet& sheet = on_->sheet();
-  if (sheet.options().bending != energy::BendingOperator::edge_angle) return false;
+  if (!energy::bends_by_angles(sheet, t)) return false;
   if (local.size() > energy::AngleBendingTerm::most) return false;
   const std::optional<energy::EdgeAngles> angles = energy::make_edge_angles(sheet, t, op, el);
   if (angles) angles_->kernel.add(el, *angles, local, sheet.mesh().area(t) * sheet.material(t).bending, owned);

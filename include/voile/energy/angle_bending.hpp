@@ -1,5 +1,5 @@
-// Bending by the angles at the edges around a triangle (element.bending = "edge_angle"): what happens in the plane of the sheet
-// bends nothing.
+// Bending by the angles at the edges around a triangle (element.type = "angles"; beside folds with the default): what happens in
+// the plane of the sheet bends nothing.
 //
 // Symbols   B        curvature operator of edge_slope (curvature.hpp), zero on affine maps of the unfolded patch
 //           h_e      x_q less the affine map of triangle (a, b, p) at the place of q, of an inner edge e = (a, b) of the patch between p and q
@@ -39,6 +39,11 @@ struct EdgeAngles {
 /// differ in length, where slopes of two scales are averaged.
 [[nodiscard]] std::optional<EdgeAngles> make_edge_angles(const Sheet& sheet, Index t, const CurvatureOperator& op,
                                                          const BendingElement& bending);
+
+/// Whether triangle t bends by angles: all do with `edge_angle`, and with the corrected membrane those whose operator reaches
+/// across an edge that is folded at rest by more than the crease angle, where slopes take motion in the plane of one side for
+/// bending of the other. Not collective.
+[[nodiscard]] bool bends_by_angles(const Sheet& sheet, Index t);
 
 /// Angles are found once per edge, and so are their derivatives; triangles add up what their edges have and hand back the pull at each,
 /// the derivative of the energy by its angle.
