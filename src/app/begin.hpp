@@ -15,7 +15,7 @@ struct Template {
 inline constexpr std::array templates{
     Template{"drape", "Drapes a disc of measured cotton as a drape tester does.",
              "--view three-quarter/top --no-ground --size 960x480"},
-    Template{"garment", "Sews a denim skirt from two SVG drawings and drapes it on a figure.",
+    Template{"garment", "Sews a skirt from two SVG drawings and drapes it on a figure.",
              "--stage settle --view front/three-quarter/back --size 960x480"},
     Template{"shell", "Lifts a slit ring of spring steel with large deflections.", "--no-ground --size 720x540"},
     Template{"modal", "Finds the first modes of vibration of a curved steel blade.",
