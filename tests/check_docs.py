@@ -262,7 +262,8 @@ def check_cases(voile):
     subprocess.run([ROOT / "runs" / "contact" / "scenes", "--make"], check=True, stdout=subprocess.DEVNULL)
     for maker in (ROOT / "runs" / "garments").glob("*/body"):
         subprocess.run([maker, maker.with_suffix(".obj")], check=True, stdout=subprocess.DEVNULL)
-    cases = sorted(p for p in (ROOT / "runs").rglob("*.toml") if p.parent.name != "fabrics")
+    # The template of a garment gets its body from `voile init`, which a regression test runs.
+    cases = sorted(p for p in (ROOT / "runs").rglob("*.toml") if p.parent.name != "fabrics" and p.parent != ROOT / "runs" / "templates" / "garment")
 
     def check(case):
         return subprocess.run([str(voile), "check", str(case)], env=environment(), text=True, capture_output=True)
