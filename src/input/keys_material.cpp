@@ -80,7 +80,8 @@ std::vector<Key> sheet_keys(MaterialInput& s) {
            .types = matrices},
           {.name = "fabric",
            .slot = &s.fabric,
-           .meaning = "Fabric file (see [fabrics.md](fabrics.md)), relative to the folder of the case file; or the name of a shipped fabric.",
+           .meaning = "Fabric file (see [fabrics.md](fabrics.md)), relative to the folder of the case file; or the "
+                      "name of a shipped fabric.",
            .types = fabric,
            .required = true},
           {.name = "warp_angle",
