@@ -235,7 +235,9 @@ def installed(report):
         done = subprocess.run([prefix / "bin" / "voile", "check", prefix / "share" / "voile" / case], text=True, capture_output=True, env=environment(1))
         report.check(done.returncode == 0, f"check {case}: code {done.returncode} {done.stderr[-200:]}")
     env = environment(1) | {"PATH": f"{prefix / 'bin'}:{os.environ['PATH']}"}
-    done = subprocess.run("voile init blade --modal && voile run blade/case.toml --output blade/run", shell=True, cwd=fresh("installed_user"), text=True, capture_output=True, env=env)
+    user = fresh("installed_user")
+    user.mkdir()
+    done = subprocess.run("voile init blade --modal && voile run blade/case.toml --output blade/run", shell=True, cwd=user, text=True, capture_output=True, env=env)
     report.check(done.returncode == 0 and "voile render blade/run" in done.stdout, f"a template runs elsewhere: code {done.returncode} {done.stderr[-200:]}")
 
 
