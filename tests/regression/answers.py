@@ -6,7 +6,6 @@ import os
 import re
 import shlex
 import subprocess
-import time
 import tomllib
 
 import numpy as np
@@ -243,7 +242,7 @@ def installed(report):
 
 @test
 def templates(report):
-    """Each template of init passes check and run without a warning, but for errors of the skirt, and the printed command draws it."""
+    """Each template of init passes check without a warning; shells also run without one, and the printed command draws them. Drape and skirt, which take a minute, run in the tutorials."""
     code, text = invoke(["init", "--list"])
     names = re.findall(r"--(\w+)", text)
     report.check(code == 0 and len(names) >= 4, f"--list: {names}")
@@ -252,13 +251,12 @@ def templates(report):
         code, text = invoke(["init", folder, f"--{name}"])
         report.check(code == 0, f"init --{name}: code {code}")
         commands = re.findall(r"^  voile (.*)$", text, re.M)
-        for command in commands:
-            begun = time.time()
+        short = name in ("shell", "modal")
+        for command in commands if short else commands[:1]:
             code, text = invoke(shlex.split(command))
-            # The skirt hangs on few points of the hips, where its estimated errors of 8 and 14 % are above the limit of 5 %.
-            warnings = [line for line in text.splitlines() if "warning" in line and not (name == "garment" and "_error" in line)]
-            report.check(code == 0 and not warnings, f"{command.split()[0]} of {name}: code {code}, {time.time() - begun:.1f} s {' '.join(warnings)} {text[-300:] if code else ''}")
-        report.check(len(commands) == 3 and any(folder.glob("picture.*")), f"picture of {name}")
+            warnings = [line for line in text.splitlines() if "warning" in line]
+            report.check(code == 0 and not warnings, f"{command.split()[0]} of {name}: code {code} {' '.join(warnings)} {text[-300:] if code else ''}")
+        report.check(len(commands) == 3 and (not short or any(folder.glob("picture.*"))), f"commands and picture of {name}")
     code, text = invoke(["init", folder, f"--{name}"])
     report.check(code == 2 and "exists already" in text, f"init over a case: code {code}")
     for words, word in ((["--analysis", "static"], "--drape"), ([], "--drape"), (["--drap"], "--drape"), (["--drape", "--shell"], "keep one")):
