@@ -102,7 +102,7 @@ def chains(report):
         code, text = invoke(["check", file, "--set", wrong])
         report.check(code == 2 and word in text, f"--set {wrong}: code {code}: {text.strip()[-90:]}")
     schema = json.loads(invoke(["reference", "--schema"])[1])
-    template = tomllib.loads((ROOT / "templates" / "shell" / "case.toml").read_text())
+    template = tomllib.loads((ROOT / "runs" / "templates" / "shell" / "case.toml").read_text())
     report.check(set(template) <= set(schema["properties"]) and not schema["additionalProperties"], "the schema knows the template's sections")
     report.check(schema["properties"]["material"]["items"]["properties"]["poisson"]["maximum"] == 0.5, "and ranges")
 
