@@ -93,7 +93,7 @@ void SymmetricBlocks::multiply_inside(const double* x, double* y) const {
     Eigen::Map<Lanes>(y_.data() + 4 * i) << total(sum[0]), total(sum[1]), total(sum[2]), 0.0;
   }
   for (int i = 0; i < rows; ++i)
-    for (int k = 0; k < 3; ++k) y[3 * i + k] = y_[static_cast<std::size_t>(4 * i + k)];
+    for (int k = 0; k < 3; ++k) y[3 * i + k] = y_[4 * static_cast<std::size_t>(i) + static_cast<std::size_t>(k)];
 }
 
 void SymmetricBlocks::multiply(Vec x, Vec y) const {
