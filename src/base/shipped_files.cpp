@@ -30,11 +30,10 @@ std::filesystem::path program_of_ours(const std::string& name) {
 std::filesystem::path shipped_folder(const std::string& name) {
   // A Python package or another program may have loaded us: voile-gmsh is always installed with us.
   const std::filesystem::path programs = program_of_ours("voile-gmsh").parent_path();
-  const std::filesystem::path installed = programs.parent_path() / "share" / "voile" / name;
   const std::filesystem::path built = programs / "share" / "voile" / name;
   std::error_code ignored;
   if (std::filesystem::is_directory(built, ignored)) return std::filesystem::canonical(built, ignored);
-  return installed;
+  return programs.parent_path() / "share" / "voile" / name;
 }
 
 std::vector<std::string> shipped_names(const std::string& folder, const std::string& ending) {
