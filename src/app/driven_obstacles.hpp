@@ -16,7 +16,7 @@ namespace voile::app {
 
 class DrivenObstacles {
  public:
-  /// Where an obstacle goes, in place of what its case says of it; no points: as the case says.
+  /// Where an obstacle goes, instead of what its case says of it; no points: as the case says.
   struct Track {
     std::vector<Vec3> from, to;     ///< x_0, x_1 [m]
     double begin = 0.0, end = 0.0;  ///< t_0, t_1 [s]

@@ -137,7 +137,7 @@ MeshQuality measure_quality(MPI_Comm comm, const mesh::SurfaceMesh& mesh, const 
       q.unevenness[t] = shape.unevenness;
       q.condition[t] = builder.patch_condition(static_cast<Index>(t));
       q.area[t] = mesh.area(static_cast<Index>(t));
-      for (int s = 0; s < 3; ++s) {
+      for (int s = 0; s < 3 && !energy::bends_by_angles(sheet, static_cast<Index>(t)); ++s) {
         if (!sheet.is_crease(static_cast<Index>(t), s)) continue;
         const double side = (mesh.rest_corner(static_cast<Index>(t), (s + 1) % 3) -
                              mesh.rest_corner(static_cast<Index>(t), (s + 2) % 3))
@@ -204,8 +204,6 @@ std::vector<std::string> quality_warnings(const mesh::SurfaceMesh& mesh, const M
 }
 
 std::string fold_warning(const mesh::SurfaceMesh& mesh, const MeshQuality& q, const energy::ElementOptions& element) {
-  // It bends by angles there.
-  if (element.membrane == energy::MembraneOperator::six_node_corrected) return "";
   double all = 0.0, stiffer = 0.0;
   for (std::size_t t = 0; t < q.area.size(); ++t) {
     all += q.area[t];
@@ -215,10 +213,11 @@ std::string fold_warning(const mesh::SurfaceMesh& mesh, const MeshQuality& q, co
   if (share <= folded_limit) return "";
   return fmt::format(
       "the sheet is folded at rest, most in {}: beside such edges what one side moves in its plane counts as bending. "
-      "Deflections can be too small by about {:.0f} % and frequencies too high by about {:.0f} %; use "
-      "element.type = \"corrected\", or cells along these edges that are smaller, and no longer than wide",
+      "Deflections can be too small by about {:.0f} % and frequencies too high by about {:.0f} %; use {}"
+      "cells along these edges that are smaller, and no longer than wide",
       triangle_text(mesh, place_of_largest(q.fold)), 100.0 * share / (1.0 + share),
-      100.0 * (std::sqrt(1.0 + share) - 1.0));
+      100.0 * (std::sqrt(1.0 + share) - 1.0),
+      element.membrane == energy::MembraneOperator::six_node_corrected ? "" : "element.type = \"corrected\", or ");
 }
 
 std::vector<std::string> mesh_notes(const mesh::SurfaceMesh& mesh) {

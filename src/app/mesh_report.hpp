@@ -21,8 +21,8 @@ struct MeshQuality {
   std::vector<double> aspect, unevenness;  ///< see mesh/quality.hpp
   std::vector<double> condition;           ///< of the six-point fit (energy/curvature.hpp)
   std::vector<double> area;                ///< [m^2]
-  std::vector<double> fold;                ///< over its creases: sum of sin^2(t/2) (side/height)^2, t the angle at rest
-  bool large_rotations = true;             ///< the sheet may turn far: not in analyses that are linear
+  std::vector<double> fold;     ///< by slopes, over its creases: sum of sin^2(t/2) (side/height)^2, t the angle at rest
+  bool large_rotations = true;  ///< the sheet may turn far: not in analyses that are linear
 };
 
 /// Whether any stage of a case lets the sheet turn far: not those that are linear, modal or buckling alone.

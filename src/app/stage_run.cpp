@@ -150,7 +150,7 @@ void StageRun::end_epoch() {
   open(Origin::epoch);
 }
 
-/// Whether the stepper has ended for good, not only where it was told to wait.
+/// Whether the stepper has ended for good, not only where it waits on request.
 bool StageRun::is_at_end() const {
   const system::State& state = epoch_->state();
   return stepper_->finished(state) && !(limit_ && state.time >= *limit_);

@@ -1,6 +1,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <set>
 #include <utility>
 
@@ -13,6 +14,9 @@ namespace {
 
 /// Charts whose lengths differ by less count as of one scale.
 constexpr double same_scale = 1e-6;
+
+/// Angle at rest [rad] from which on a fold bends by slopes: closed by little more its angle would go from pi to -pi.
+constexpr double folded_back = 150.0 * std::numbers::pi / 180.0;
 
 /// An inner edge of the patch of a triangle.
 struct Hinge {
@@ -103,17 +107,18 @@ Eigen::MatrixX3d weights_of(const CurvatureOperator& op, const std::vector<Index
 
 bool bends_by_angles(const Sheet& sheet, Index t) {
   const ElementOptions& element = sheet.options();
-  if (element.bending != BendingOperator::edge_slope) return element.bending == BendingOperator::edge_angle;
-  if (element.membrane != MembraneOperator::six_node_corrected) return false;
-  const auto is_folded = [&](Index triangle) {
-    for (int s = 0; s < 3; ++s)
-      if (sheet.patches().rest_dihedral(triangle, s) > element.crease_angle) return true;
-    return false;
+  const bool all = element.bending == BendingOperator::edge_angle;
+  const bool beside_folds =
+      element.bending == BendingOperator::edge_slope && element.membrane == MembraneOperator::six_node_corrected;
+  if (!all && !beside_folds) return false;
+  double fold = 0.0;
+  const auto see = [&](Index triangle) {
+    for (int s = 0; s < 3; ++s) fold = std::max(fold, sheet.patches().rest_dihedral(triangle, s));
   };
-  if (is_folded(t)) return true;
+  see(t);
   for (int s = 0; s < 3; ++s)
-    if (const Index n = sheet.mesh().neighbour(t, s); n != no_index && is_folded(n)) return true;
-  return false;
+    if (const Index n = sheet.mesh().neighbour(t, s); n != no_index) see(n);
+  return fold < folded_back && (all || fold > element.crease_angle);
 }
 
 std::optional<EdgeAngles> make_edge_angles(const Sheet& sheet, Index t, const CurvatureOperator& op,

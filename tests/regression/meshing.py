@@ -71,6 +71,11 @@ def folded_at_rest(report):
         told = 0.01 * float((said["six_node", cells] or ["0"])[0])
         report.near(told, first["six_node", cells] / right - 1, 0.3 * told, f"six_node, {cells} cells: what the run says of the frequency")
     report.check("bend by angles" not in invoke(["info", profile(30, 8, "profile_shallow.msh")])[1], "30 degrees: nothing said")
+    # Folded back: by angles a load that closes it would take the angle from pi to -pi.
+    for angle in (170, 180):
+        case = keys | {"analysis": "static", "mesh": {"file": str(profile(angle, 4, f"profile_{angle}.msh"))}, "load": [{"type": "gravity", "vector": [0, 0, -1e-3]}]}
+        result = solve(f"profile_{angle}", case)
+        report.check(result.summary["angle_triangles"] == 0 and "folded at rest" in result.text, f"{angle} degrees: bends by slopes, and warns")
 
 
 @test

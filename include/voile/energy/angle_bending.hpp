@@ -42,7 +42,7 @@ struct EdgeAngles {
 
 /// Whether triangle t bends by angles: all do with `edge_angle`, and with the corrected membrane those whose operator reaches
 /// across an edge that is folded at rest by more than the crease angle, where slopes take motion in the plane of one side for
-/// bending of the other. Not collective.
+/// bending of the other; none where a fold at rest exceeds 150 degrees. Not collective.
 [[nodiscard]] bool bends_by_angles(const Sheet& sheet, Index t);
 
 /// Angles are found once per edge, and so are their derivatives; triangles add up what their edges have and hand back the pull at each,
