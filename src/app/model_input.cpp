@@ -21,8 +21,7 @@ double gather_from(input::SeamSection::Gather gather) {
 }
 
 system::Sewing sewing_of(const input::Case& c) {
-  double least = std::numeric_limits<double>::infinity();
-  for (const energy::Material& m : c.materials) least = std::min({least, m.membrane(0, 0), m.membrane(1, 1)});
+  const double least = softest_membrane(c);
   const bool given = c.sewing.force > 0.0, rises = !std::isnan(c.sewing.strain);
   const double force = given ? c.sewing.force : first_strain * least;
   const double most = rises ? c.sewing.strain * least : given ? force : most_strain * least;
@@ -30,6 +29,12 @@ system::Sewing sewing_of(const input::Case& c) {
 }
 
 }  // namespace
+
+double softest_membrane(const input::Case& c) {
+  double least = std::numeric_limits<double>::infinity();
+  for (const energy::Material& m : c.materials) least = std::min({least, m.membrane(0, 0), m.membrane(1, 1)});
+  return least;
+}
 
 std::vector<system::SeamRule> seam_rules(const input::Case& c) {
   if (c.panels.empty()) return {};

@@ -9,6 +9,7 @@
 
 #include "carry.hpp"
 #include "mesh_transfer.hpp"
+#include "model_input.hpp"
 #include "seam_obstruction.hpp"
 #include "voile/base/error.hpp"
 #include "voile/base/mpi.hpp"
@@ -110,11 +111,9 @@ std::string too_wide(const input::Case& c, const mesh::SurfaceMesh& mesh, const 
 std::string force_text(const input::Case& c, const system::Model& model, double time) {
   const system::SewingSprings* springs = model.potential().sewing();
   if (springs == nullptr) return "";
-  double least = std::numeric_limits<double>::infinity();
-  for (const energy::Material& m : c.materials) least = std::min({least, m.membrane(0, 0), m.membrane(1, 1)});
   const double force = springs->largest_force(time);
   return fmt::format("; seams were pulled with up to {:.3g} N/m, which stretches the softest material by {:.2g} %: {}",
-                     force, 100.0 * force / least,
+                     force, 100.0 * force / softest_membrane(c),
                      springs->rises(time) ? "the force was rising yet; give the stage more time"
                                           : "[sewing] strain lets it rise further");
 }

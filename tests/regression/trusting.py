@@ -7,7 +7,7 @@ import numpy as np
 from common import fresh, started, strip, wait_for
 from gathering import ruffle
 from harness import OUT, Failure, solve, test
-from solver import run, variant, write_case
+from solver import ROOT, run, variant, write_case
 
 from voile import Results
 
@@ -285,3 +285,13 @@ def pinched(report):
     heights = last.obstacles[4:, 2]
     report.check(len(heights) == 4 and np.abs(heights - (0.02 - 0.05 * last.time)).max() < 1e-9, f"the plate is where it is at that time: {heights}")
     report.check(result.history["intersections"][-1] == 0, "nothing intersects")
+
+
+@test
+def resting_energy(report):
+    """A sheet at rest without loads beside an obstacle: energies of 1e-31 J are none that could be missing."""
+    case = {"analysis": "dynamic", "mesh": {"file": str(ROOT / "meshes" / "plate.geo"), "parameters": {"side": 0.1, "n": 6}},
+            "material": [{"type": "isotropic", "young": 1e6, "poisson": 0.3, "thickness": 1e-3, "density": 300.0}], "contact": {"distance": 1e-3},
+            "obstacle": [{"name": "floor", "type": "plane", "point": [0, 0, -0.05], "normal": [0, 0, 1]}], "time": {"end": 0.05, "step": 0.01}}
+    result = solve("resting_energy", case, 1)
+    report.check("warning" not in result.text, f"no warning: {[line for line in result.text.splitlines() if 'warning' in line]}")

@@ -57,7 +57,7 @@ double quadratic(const Vec3& k, const Vec2& x) {
 
 /// Largest error of the curvature where no patch reaches the rim, over the curvature.
 double patch_error(Pattern p, const energy::Material& left, const energy::Material& right, const Vec3& k,
-                   energy::BendingOperator op = energy::BendingOperator::edge_slope) {
+                   energy::BendingOperator op = energy::BendingOperator::edge_slope, double most_condition = 30.0) {
   const mesh::SurfaceMesh mesh(halves(p));
   const std::vector<energy::Material> materials{left, right};
   std::vector<int> material_of;
@@ -68,6 +68,7 @@ double patch_error(Pattern p, const energy::Material& left, const energy::Materi
   const mesh::PatchMesh patches(mesh, {});
   energy::ElementOptions options;
   options.bending = op;
+  options.max_patch_condition = most_condition;
   const energy::Sheet sheet(patches, materials, material_of, options);
   energy::CurvatureBuilder builder(sheet);
   const Mat3 a = in_space(left), b = in_space(right);
@@ -107,6 +108,10 @@ TEST_CASE("constant moments across a jump of the bending stiffness are found exa
       CAPTURE(pair.second.bending(0, 0));
       CHECK(patch_error(p, pair.first, pair.second, Vec3(0.3, -0.7, 0.5)) < 1e-12);
     }
+  // No patch is taken: slopes come from rings, which must stay on one side.
+  for (const Pattern p : {Pattern::diagonal, Pattern::jittered})
+    CHECK(patch_error(p, plain(125.0), plain(1.0), Vec3(0.3, -0.7, 0.5), energy::BendingOperator::edge_slope, 1.01) <
+          1e-12);
   // What the published operator does there, by a quadratic that reaches across the jump.
   CHECK(patch_error(Pattern::diagonal, plain(5.0), plain(1.0), Vec3(0.3, -0.7, 0.5),
                     energy::BendingOperator::six_node) > 0.1);
