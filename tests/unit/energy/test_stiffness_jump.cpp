@@ -131,3 +131,28 @@ TEST_CASE("two materials of one stiffness bend as one does, bit for bit") {
     CHECK(a.weights == b.weights);
   }
 }
+
+TEST_CASE("what is much softer beyond a jump does not bend the stiff side") {
+  const mesh::SurfaceMesh mesh(halves(Pattern::jittered));
+  const mesh::PatchMesh patches(mesh, {});
+  const std::vector<energy::Material> materials{plain(1e12), plain(1.0)};
+  std::vector<int> material_of;
+  const auto is_stiff = [&](Index t) {
+    return mesh.rest_corner(t, 0)[0] + mesh.rest_corner(t, 1)[0] + mesh.rest_corner(t, 2)[0] < 1.5;
+  };
+  for (Index t = 0; t < mesh.triangle_count(); ++t) material_of.push_back(is_stiff(t) ? 0 : 1);
+  const energy::Sheet sheet(patches, materials, material_of, {});
+  energy::CurvatureBuilder builder(sheet);
+  int beside = 0;
+  for (Index t = 0; t < mesh.triangle_count(); ++t) {
+    // At the rim, where patches of the stiff side are incomplete, slopes come from the other one.
+    if (!is_stiff(t) || std::abs(mesh.rest_corner(t, 0)[1] - 0.5) > 0.3) continue;
+    const energy::CurvatureOperator op = builder.build(t);
+    for (std::size_t i = 0; i < op.points.size(); ++i) {
+      if (mesh.positions()[op.points[i]][0] < 0.51) continue;
+      ++beside;
+      CHECK(op.weights.col(static_cast<Eigen::Index>(i)).norm() < 1e-9 * op.weights.norm());
+    }
+  }
+  CHECK(beside > 0);
+}
