@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "carry.hpp"
+#include "voile/energy/natural_state.hpp"
 #include "voile/solve/drape.hpp"
 #include "voile/solve/path_following.hpp"
 #include "voile/solve/single_step.hpp"
@@ -125,8 +126,10 @@ void Epoch::make_path(const Recorder& recorder, Origin origin) {
   } else if (stage_.analysis == "drape") {
     stepper_ = std::make_unique<solve::Drape>(model_, stage_.drape);
   } else if (modes && (is_given || stage_.eigen.load_factor == 0.0)) {
-    const bool constant =
-        std::any_of(stage_.loads.begin(), stage_.loads.end(), [](const system::Load& l) { return l.constant; });
+    const auto is_constant = [](const auto& acting) { return acting.constant; };
+    const bool constant = std::any_of(stage_.loads.begin(), stage_.loads.end(), is_constant) ||
+                          std::any_of(stage_.temperatures.begin(), stage_.temperatures.end(), is_constant) ||
+                          std::any_of(stage_.materials.begin(), stage_.materials.end(), energy::has_initial_state);
     stepper_ = std::make_unique<solve::Equilibrium>(model_, constant && !is_given);
   } else if (steps.control == Control::load) {
     stepper_ = std::make_unique<solve::LoadPath>(model_, steps);

@@ -41,6 +41,7 @@ void check_group_names(const input::Case& c, const mesh::SurfaceMesh& mesh) {
     for (const std::string& name : m.groups) checker.check("material", "groups", name);
   checker.check_all("support", c.supports);
   checker.check_all("load", c.loads);
+  checker.check_all("temperature", c.temperatures);
   checker.check_all("mass", c.masses);
   checker.check_all("spring", c.springs);
   for (const system::Spring& s : c.springs) checker.check("spring", "to", s.to);

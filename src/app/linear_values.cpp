@@ -24,8 +24,10 @@ LinearValues::LinearValues(system::Model& model, Vec u) : model_(model) {
 
 void LinearValues::unbalanced_force(Vec f) {
   const petsc::VecHandle other = model_.dofs().create_vector();
+  model_.potential().hold_natural_states(true);
   model_.unbalanced_force(forward_, f);
   model_.unbalanced_force(backward_, other);
+  model_.potential().hold_natural_states(false);
   VOILE_PETSC(VecAXPY(f, -1.0, other));
   VOILE_PETSC(VecScale(f, 0.5 / small_));
   model_.unbalanced_force(rest_, other);
@@ -35,10 +37,18 @@ void LinearValues::unbalanced_force(Vec f) {
 system::Energies LinearValues::energies() {
   system::Energies at = system::energies(model_, rest_);
   const system::Energies up = system::energies(model_, forward_), down = system::energies(model_, backward_);
+  system::Energies even_up = up, even_down = down, held = at;
+  if (model_.potential().natural_states_change()) {  // what grows with the load stiffens nothing
+    model_.potential().hold_natural_states(true);
+    even_up = system::energies(model_, forward_);
+    even_down = system::energies(model_, backward_);
+    held = system::energies(model_, rest_);
+    model_.potential().hold_natural_states(false);
+  }
   using E = system::Energies;
   const double before = at.membrane + at.bending + at.springs + at.external;
   for (double E::*part : {&E::membrane, &E::springs}) {
-    const double even = up.*part + down.*part - 2.0 * at.*part;
+    const double even = even_up.*part + even_down.*part - 2.0 * held.*part;
     at.*part += 0.5 * (up.*part - down.*part) / small_ + 0.5 * even / (small_ * small_);
   }
   at.external += 0.5 * (up.external - down.external) / small_;  // that of dead loads
@@ -60,8 +70,10 @@ double LinearValues::work() {
 
 system::TriangleFields LinearValues::triangle_fields() {
   system::TriangleFields at = model_.potential().triangle_fields(rest_);
+  model_.potential().hold_natural_states(true);
   const system::TriangleFields up = model_.potential().triangle_fields(forward_),
                                down = model_.potential().triangle_fields(backward_);
+  model_.potential().hold_natural_states(false);
   using F = system::TriangleFields;
   for (std::vector<double> F::*field :
        {&F::membrane_strain, &F::membrane_force, &F::curvature, &F::whole_curvature, &F::bending_moment})

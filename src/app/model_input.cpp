@@ -59,7 +59,8 @@ system::ModelInput model_input(MPI_Comm comm, const input::Case& c, KnownObstacl
           c.analysis == "static" || (c.analysis == "drape" && !c.is_staged()),
           sewing_of(c),
           std::move(attachments),
-          seam_rules(c)};
+          seam_rules(c),
+          {c.temperatures, c.analysis != "dynamic"}};
 }
 
 }  // namespace voile::app

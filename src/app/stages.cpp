@@ -102,6 +102,23 @@ void hold_over_loads(const Stage& before, Stage& now) {
       now.c.loads[i].constant = true;
 }
 
+/// A temperature that the stage before has had stays, as loads do, unless both follow the same time.
+void hold_over_temperatures(const Stage& before, Stage& now) {
+  const bool in_time = before.c.analysis == "dynamic" && now.c.analysis == "dynamic";
+  const double end = before.c.analysis == "dynamic" ? before.c.time.options.end_time : before.c.steps.final_load_factor;
+  for (std::size_t i = 0; i < now.c.stage.temperatures.size(); ++i) {
+    if (place_of(now.c.stage.temperatures[i], before.c.stage.temperatures) == npos) continue;
+    system::Temperature& t = now.c.temperatures[i];
+    for (system::Temperature::Field* f : {&t.change, &t.difference}) {
+      if (!f->in_time || in_time) continue;
+      f->value = [value = f->value, end](const Vec3& x, double) { return value(x, end); };
+      f->in_time = false;
+      t.constant = true;
+    }
+    t.constant = t.constant || now.c.analysis == "static" || now.c.analysis == "modal" || now.c.analysis == "buckling";
+  }
+}
+
 /// Time in which bands get shorter that first act after sewing, unless the case says [s].
 constexpr double usual_rise = 0.1;
 
@@ -146,6 +163,7 @@ std::vector<Stage> stages_of(const input::Case& c, const RunOptions& options) {
     if (!stages.empty()) {
       hold_over_supports(stages.back(), s);
       hold_over_loads(stages.back(), s);
+      hold_over_temperatures(stages.back(), s);
     }
     s.input = model_input(options.comm, s.c, known);
     if (!stages.empty()) {

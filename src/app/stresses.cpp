@@ -119,8 +119,16 @@ std::vector<io::Field> stress_fields(const energy::Sheet& sheet, const system::T
     if (layers.empty()) continue;
     const Vec3 strain = Eigen::Map<const Vec3>(fields.membrane_strain.data() + 3 * t);
     const Vec3 curvature = Eigen::Map<const Vec3>(fields.curvature.data() + 3 * t);
+    const energy::Material& m = sheet.material(static_cast<Index>(t));
+    const double thickness = layers.back().high - layers.front().low;
+    const double change = fields.temperature.empty() ? 0.0 : fields.temperature[2 * t],
+                 difference = fields.temperature.empty() ? 0.0 : fields.temperature[2 * t + 1];
     const auto at = [&](const energy::Layer& layer, double z) -> Stress {
-      return layer.stiffness * (strain - z * curvature);
+      Vec3 elastic = strain - z * curvature;
+      // A ply wants to expand otherwise than the whole.
+      elastic += change * (m.expansion - layer.expansion) -
+                 z * difference * (m.expansion_curvature + layer.expansion / thickness);
+      return layer.stiffness * elastic;
     };
     bottom.set(t, at(layers.front(), layers.front().low));
     top.set(t, at(layers.back(), layers.back().high));

@@ -73,6 +73,14 @@ Vec3 AngleBendingTerm::rest_curvature(Index e) const {
   return unscaled(e, rest);
 }
 
+void AngleBendingTerm::set_rest_curvature(Index e, const Vec3& curvature) {
+  ++version_;
+  const auto& l = factor_[e];
+  const Vec3 scaled(l[0] * curvature[0] + l[1] * curvature[1] + l[2] * curvature[2],
+                    l[3] * curvature[1] + l[4] * curvature[2], l[5] * curvature[2]);
+  for (int r = 0; r < 3; ++r) batches_.set_number(e, angle_fields::rest + r, scaled[r]);
+}
+
 Vec3 AngleBendingTerm::curvature(Index e, const Configuration& c) const {
   const Batches::Place place = batches_.place(e);
   Vec3 kappa;

@@ -78,6 +78,23 @@ void CurvedBendingTerm::add(const BendingElement& element, const std::vector<Ind
   batches_.add({local, numbers, owned});
 }
 
+void CurvedBendingTerm::add_natural(const BendingElement& element, const Mat3& stiffness,
+                                    const std::vector<Index>& local, bool owned) {
+  const Mat3 start = element.start_bend + element.rest_curvature * element.start_normal.transpose();
+  natural_.push_back({element.rest_curvature, stiffness, stiffness * start, stiffness * element.operator_});
+  batches_.add({local, std::vector<double>(curved_fields::coupling + local.size(), 0.0), owned});
+}
+
+void CurvedBendingTerm::set_natural(Index e, const Vec3& curvature) {
+  ++version_;
+  const Natural& n = natural_[e];
+  const Vec3 change = curvature - n.rest, start = n.start.transpose() * change;
+  batches_.set_number(e, curved_fields::rest_energy, change.dot(n.stiffness * (curvature + n.rest)));
+  for (int k = 0; k < 3; ++k) batches_.set_number(e, curved_fields::start_coupling + k, start[k]);
+  for (Eigen::Index i = 0; i < n.of.cols(); ++i)
+    batches_.set_number(e, curved_fields::coupling + static_cast<int>(i), n.of.col(i).dot(change));
+}
+
 CurvedBatch CurvedBendingTerm::view(const Batches::Batch& b) const {
   const int* points = batches_.points(b);
   return {batches_.fields(b), points, points, batches_.slots(b), b.size, 0, b.lanes};

@@ -62,15 +62,21 @@ class Writer {
   std::vector<double>* to_;
 };
 
-/// 1/2 sum_c W_rc (|k_c|^2 at the start - |k_c|^2 at rest) of one strain.
-Vec3 start_strain(const mesh::Patch& patch, const PatchCubic& cubic, const ChordInput::Forms& quadratic) {
+/// 1/2 sum_c W_rc (|k_c|^2 at the start - |k_c|^2 at rest) of one strain; `whole`: without what is at rest.
+Vec3 start_strain(const mesh::Patch& patch, const PatchCubic& cubic, const ChordInput::Forms& quadratic, Vec3& whole) {
   Vec3 strain = Vec3::Zero();
+  whole.setZero();
   for (const auto& [i, j] : ends) {
     if (patch.points[static_cast<std::size_t>(j)] == no_index) continue;
     const BendWeights along =
         cubic.along(patch.coordinates[static_cast<std::size_t>(i)], patch.coordinates[static_cast<std::size_t>(j)]);
-    const double rest = along.dot(cubic.rest), half = 0.5 * ((cubic.start * along).squaredNorm() - rest * rest);
-    for (std::size_t r = 0; r < 3; ++r) strain[static_cast<int>(r)] -= quadratic[r](i, j) / 12.0 * half;
+    const double rest = along.dot(cubic.rest), start = (cubic.start * along).squaredNorm(),
+                 half = 0.5 * (start - rest * rest);
+    for (std::size_t r = 0; r < 3; ++r) {
+      const double form = quadratic[r](i, j) / 12.0;
+      strain[static_cast<int>(r)] -= form * half;
+      whole[static_cast<int>(r)] -= form * 0.5 * start;
+    }
   }
   return strain;
 }
@@ -105,8 +111,10 @@ ChordCorrection make_chord_correction(const ChordInput& in) {
   ChordCorrection c;
   const std::vector<BendWeights> weights = take_stencil(in, cubic, c);
   const bool corrected = !c.left_out && !beside_crease(in.sheet, in.triangle);
-  for (std::size_t k = 0; k < 2; ++k)
-    c.start_strain[k] = corrected ? start_strain(patch, cubic, in.quadratic[k]) : Vec3(Vec3::Zero());
+  c.start_strain.fill(Vec3::Zero());
+  c.whole_strain.fill(Vec3::Zero());
+  for (std::size_t k = 0; k < 2 && corrected; ++k)
+    c.start_strain[k] = start_strain(patch, cubic, in.quadratic[k], c.whole_strain[k]);
   const InOwnAxes own(cubic.spread);
   Writer write(c.numbers);
   write.add(corrected ? -1.0 / 12.0 : 0.0);
@@ -123,7 +131,12 @@ ChordCorrection make_chord_correction(const ChordInput& in) {
   const Bends rest = Vec3::UnitZ() * cubic.rest.transpose();  // only its products matter
   write.add_upper(own.form(in_plane));
   write.add_upper(own.form(in.trace));
-  for (const Mat3& form : {in_plane, in.trace}) write.add(square(form, cubic.start) - square(form, rest));
+  c.start_squares = {square(in_plane, cubic.start), square(in.trace, cubic.start)};
+  write.add(c.start_squares[0] - square(in_plane, rest));
+  write.add(c.start_squares[1] - square(in.trace, rest));
+  c.in_plane = in_plane;
+  c.trace = in.trace;
+  c.rest_bend = cubic.rest.head<3>();
   c.fourth = !in_plane.isZero(0.0) && !in.trace.isZero(0.0);
   for (const BendWeights& w : weights)
     for (const double number : own.weights(w)) write.add(number);

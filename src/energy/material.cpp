@@ -1,7 +1,9 @@
 #include "voile/energy/material.hpp"
 
+#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <cmath>
+#include <numbers>
 
 #include "voile/base/decompositions.hpp"
 
@@ -40,6 +42,35 @@ Mat3 rotated_stiffness(const Mat3& stiffness, double angle) {
       s * s, c * c, -c * s,  //
       -2 * c * s, 2 * c * s, c * c - s * s;
   return t.transpose() * stiffness * t;
+}
+
+Vec3 rotated_strain(const Vec3& strain, double angle) {
+  const double c = std::cos(angle), s = std::sin(angle);
+  Mat3 t;
+  t << c * c, s * s, -c * s,  //
+      s * s, c * c, c * s,    //
+      2 * c * s, -2 * c * s, c * c - s * s;
+  return t * strain;
+}
+
+Vec3 rotated_force(const Vec3& force, double angle) {
+  const Vec3 like_strain = rotated_strain(Vec3(force[0], force[1], 2.0 * force[2]), angle);
+  return {like_strain[0], like_strain[1], 0.5 * like_strain[2]};
+}
+
+void set_expansion(Material& material, const Vec3& expansion, const std::vector<double>& angles) {
+  std::vector<Layer>& layers = material.layers;
+  Vec3 force = Vec3::Zero(), moment = Vec3::Zero();
+  const double thickness = layers.back().high - layers.front().low;
+  for (std::size_t k = 0; k < layers.size(); ++k) {
+    Layer& l = layers[k];
+    l.expansion = angles.empty() ? expansion : rotated_strain(expansion, angles[k] * (std::numbers::pi / 180.0));
+    const Vec3 stress = l.stiffness * l.expansion;
+    force += (l.high - l.low) * stress;
+    moment -= (std::pow(l.high, 3) - std::pow(l.low, 3)) / (3.0 * thickness) * stress;
+  }
+  material.expansion = Eigen::LLT<Mat3>(material.membrane).solve(force);
+  material.expansion_curvature = Eigen::LLT<Mat3>(material.bending).solve(moment);
 }
 
 LaminateStiffness laminate(const Mat3& ply_stiffness, const std::vector<Ply>& plies) {

@@ -136,14 +136,16 @@ void MembraneTerm::add(const Sheet& sheet, Index t, const std::array<Index, node
   last_points_ = local;
   last_owned_ = owned;
   last_correction_.fill(Vec3::Zero());
+  last_chords_ = {};
   material_.push_back(sheet.material_index(t));
   if (!corrects()) place({}, {local.begin(), local.end()}, false);
 }
 
 void MembraneTerm::correct(const Sheet& sheet, const Mat3& trace, Index t, const BendingElement& bending,
                            const std::vector<Index>& local) {
-  const ChordCorrection c = make_chord_correction(
+  last_chords_ = make_chord_correction(
       {sheet, t, bending, local, last_points_, {forms(sheet, t, 0.0), forms(sheet, t, 1.0)}, trace});
+  const ChordCorrection& c = last_chords_;
   for (std::size_t k = 0; k < 2; ++k) last_correction_[k] = -c.start_strain[k];
   if (c.left_out && last_owned_) ++left_out_;
   place(c.numbers, c.stencil, c.fourth);
@@ -231,13 +233,53 @@ void MembraneTerm::gather(double share) {
     }
     Metrics now = metrics_of(samples);
     for (std::size_t k = 0; k < now.size(); ++k) now[k] += g.correction[k];
-    if (!viscosity_.empty()) {  // viscosity acts against strains, not against a rest shape that changes in the step
-      const Metrics off = taken_off(g.element);
-      const Batches::Place p = batches_.place(g.element);
-      for (int k = 0; k < 9; ++k) start_[9 * p.batch + k].of[p.lane] += off[k / 3][k % 3] - now[k / 3][k % 3];
-    }
-    set_metrics(g.element, now);
+    Natural* natural = natural_of(g.element);
+    if (natural) natural->rest = now;
+    shift_metrics(g.element, natural ? natural_metrics(*natural) : now);
   }
+}
+
+void MembraneTerm::shift_metrics(Index e, const Metrics& metrics) {
+  if (!viscosity_.empty()) {
+    const Metrics off = taken_off(e);
+    const Batches::Place p = batches_.place(e);
+    for (int k = 0; k < 9; ++k) start_[9 * p.batch + k].of[p.lane] += off[k / 3][k % 3] - metrics[k / 3][k % 3];
+  }
+  set_metrics(e, metrics);
+}
+
+void MembraneTerm::add_natural() {
+  const ChordCorrection& c = last_chords_;
+  Natural n{size() - 1, {}, taken_off(size() - 1), {}, c.in_plane, c.trace, c.rest_bend, c.start_squares, c.fourth};
+  n.whole.fill(Vec3::Zero());
+  if (corrects())
+    for (std::size_t g = 0; g < 2; ++g) n.whole[g] = c.whole_strain[g];
+  natural_.push_back(n);
+}
+
+MembraneTerm::Natural* MembraneTerm::natural_of(Index e) {
+  const auto at = std::lower_bound(natural_.begin(), natural_.end(), e,
+                                   [](const Natural& n, Index element) { return n.element < element; });
+  return at == natural_.end() || at->element != e ? nullptr : &*at;
+}
+
+/// With P what chords of the start feign, rest + P is the metric of the surface itself, which the natural stretch changes.
+MembraneTerm::Metrics MembraneTerm::natural_metrics(const Natural& n) const {
+  Metrics off;
+  off.fill(Vec3::Zero());
+  for (int g = 0; g < shape_.groups; ++g) off[g] = n.state.metric(n.rest[g] + n.whole[g]) - n.whole[g];
+  return off;
+}
+
+void MembraneTerm::set_natural(Index e, const NaturalState& state) {
+  ++version_;
+  Natural& n = *natural_of(e);
+  n.state = state;
+  shift_metrics(e, natural_metrics(n));
+  if (!n.fourth) return;
+  const Vec3 bent = state.bent(n.rest_bend);
+  batches_.set_number(e, fields::start_invariants, n.start_squares[0] - bent.dot(n.in_plane * bent));
+  batches_.set_number(e, fields::start_invariants + 1, n.start_squares[1] - bent.dot(n.trace * bent));
 }
 
 }  // namespace voile::energy

@@ -10,6 +10,7 @@
 
 #include "case_attachments.hpp"
 #include "case_materials.hpp"
+#include "case_natural.hpp"
 #include "case_pattern.hpp"
 #include "case_sections.hpp"
 #include "voile/base/error.hpp"
@@ -133,6 +134,13 @@ void read_load_history(const SectionPlace& place, const Case& c, system::Load& l
     place.fail("history", "a load has a time only with analysis = \"dynamic\"");
   if (load.constant) place.fail("constant", "a load with a history of its own is not constant; remove one of the keys");
   load.history = time_function(place, "history", load.history_text);
+}
+
+void read_load(const SectionPlace& place, const Case& c, system::Load& load) {
+  read_load_history(place, c, load);
+  if (load.distribution_text.empty()) return;
+  load.distribution = [value = place_function(place, "distribution", load.distribution_text, false).value](
+                          const Vec3& x) { return value(x, 0.0); };
 }
 
 void read_supports(const CaseReader& reader, Case& c) {
@@ -312,8 +320,11 @@ Case read_case(const CaseReader& reader, const std::filesystem::path& file, Stag
   read_materials(reader, c);
   const auto unchecked = [](const SectionPlace&, const auto&) {};
   read_supports(reader, c);
-  read_all(reader, "load", c.loads,
-           [&](const SectionPlace& place, system::Load& load) { read_load_history(place, c, load); });
+  read_all(reader, "load", c.loads, [&](const SectionPlace& place, system::Load& load) { read_load(place, c, load); });
+  read_all(reader, "temperature", c.temperatures,
+           [&](const SectionPlace& place, system::Temperature& t) { read_temperature(place, c, t); });
+  read_all(reader, "imperfection", c.imperfections,
+           [&](const SectionPlace& place, ImperfectionSection& s) { check_imperfection(place, c, s); });
   read_all(reader, "mass", c.masses, unchecked);
   read_all(reader, "spring", c.springs, unchecked);
   const SectionPlace steps = reader.read("steps", 0, keys_of(c.steps));

@@ -13,6 +13,8 @@ Declarations::Declarations()
             {"material", keys_of(material_)},
             {"support", keys_of(support_, motion_)},
             {"load", keys_of(load_)},
+            {"temperature", keys_of(temperature_)},
+            {"imperfection", keys_of(imperfection_)},
             {"mass", keys_of(mass_)},
             {"spring", keys_of(spring_)},
             {"contact", keys_of(case_.contact)},

@@ -154,6 +154,15 @@ MaterialInput as_input(const energy::Material& m) {
   input.areal_density = m.areal_density;
   input.bending_damping = m.bending_damping;
   input.membrane_damping = m.viscous_time;
+  if (m.expands) {
+    input.expansion_strain = m.expansion;
+    input.expansion_curvature = m.expansion_curvature;
+  }
+  const auto given = [](const Vec3& v) {
+    return v.isZero(0.0) ? std::vector<double>{} : std::vector<double>{v[0], v[1], v[2]};
+  };
+  input.initial_strain = given(m.initial_strain);
+  input.prestress = given(m.prestress);
   input.direction = m.direction;
   if (m.texture_direction) input.texture_direction = {(*m.texture_direction)[0], (*m.texture_direction)[1]};
   return input;
@@ -255,6 +264,8 @@ std::string echo_case(const Case& c) {
   for (std::size_t i = 0; i < copy.supports.size(); ++i)
     out += "\n[[support]]\n" + echo_keys(keys_of(copy.supports[i], copy.motions[i]));
   out += echo_all("load", copy.loads);
+  out += echo_all("temperature", copy.temperatures);
+  out += echo_all("imperfection", copy.imperfections);
   out += echo_all("mass", copy.masses);
   out += echo_all("spring", copy.springs);
   if (copy.contact.input.active) {

@@ -66,6 +66,38 @@ std::function<double(double)> expression(const std::string& text) {
   };
 }
 
+PlaceExpression place_expression(const std::string& text, bool time) {
+  struct AtPlace {
+    Vec3 x = Vec3::Zero();
+    double t = 0.0;
+    mu::Parser parser;
+  };
+  auto parsed = std::make_shared<AtPlace>();
+  PlaceExpression e;
+  try {
+    parsed->parser.DefineConst("pi", std::numbers::pi);
+    parsed->parser.DefineFun("table", table);
+    for (int k = 0; k < 3; ++k) parsed->parser.DefineVar(std::string(1, "xyz"[k]), &parsed->x[k]);
+    if (time) parsed->parser.DefineVar("t", &parsed->t);
+    parsed->parser.SetExpr(text);
+    e.in_time = parsed->parser.GetUsedVar().contains("t");
+    (void)parsed->parser.Eval();
+  } catch (const mu::ParserError& error) {
+    throw UserError(fmt::format("'{}': {}; write an expression of x, y{} such as 20 + 0.1*x{}", text, error.GetMsg(),
+                                time ? ", z and t" : " and z", condition_hint(text)));
+  }
+  e.value = [parsed, text](const Vec3& x, double t) {
+    parsed->x = x;
+    parsed->t = t;
+    const double value = parsed->parser.Eval();
+    if (!std::isfinite(value))
+      throw UserError(
+          fmt::format("'{}' is not a finite number at ({:g}, {:g}, {:g}) m, t = {:g}", text, x[0], x[1], x[2], t));
+    return value;
+  };
+  return e;
+}
+
 std::function<double(const Vec3&)> size_expression(const std::string& text) {
   struct AtPlace {
     Vec3 x = Vec3::Zero();

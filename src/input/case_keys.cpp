@@ -70,8 +70,8 @@ const std::vector<std::string>& stage_tables() {
 }
 
 const std::vector<std::string>& staged_items() {
-  static const std::vector<std::string> names{"support",  "load",         "mass",       "spring",
-                                              "obstacle", "contact_rule", "attachment", "initial_velocity"};
+  static const std::vector<std::string> names{
+      "support", "load", "temperature", "mass", "spring", "obstacle", "contact_rule", "attachment", "initial_velocity"};
   return names;
 }
 
@@ -131,6 +131,13 @@ const std::vector<SectionInfo>& sections() {
       {"material", true, "Stiffness and mass of the shell. At least one."},
       {"support", true, "Prescribed displacements and slopes."},
       {"load", true, "Loads; each grows with the load factor unless it is `constant`."},
+      {"temperature", true,
+       "Changes of temperature from that at which the sheet has its rest shape; where groups overlap they add up. Each "
+       "grows with the load factor unless it is `constant` or an expression of t. The materials there need an "
+       "expansion. See [temperatures](../howto/heat-a-sheet.md)."},
+      {"imperfection", true,
+       "By how much the shape without stress differs from the mesh; several add up. See "
+       "[imperfections](../howto/add-imperfections.md)."},
       {"mass", true, "Masses at vertices."},
       {"spring", true, "Linear springs to where vertices are at rest, between vertices, and elastic bands."},
       {"contact", false,
@@ -165,7 +172,8 @@ const std::vector<SectionInfo>& sections() {
        "`[stage.eigen]`, "
        "`[stage.damping]`, `[stage.air]`, `[stage.contact]`, `[stage.remesh]` and `[stage.output]`, win over those of "
        "the case, key by "
-       "key. `[[support]]`, `[[load]]`, `[[mass]]`, `[[spring]]`, `[[obstacle]]`, `[[contact_rule]]`, "
+       "key. `[[support]]`, `[[load]]`, `[[temperature]]`, `[[mass]]`, `[[spring]]`, `[[obstacle]]`, "
+       "`[[contact_rule]]`, "
        "`[[attachment]]` and `[[initial_velocity]]` then take the key `stages`: the names of those in which they hold; "
        "absent: all."},
       {"petsc", false, "The solver library."}};

@@ -122,6 +122,62 @@ void fill_matrices(const SectionPlace& place, const MaterialInput& in, energy::M
     place.fail("thickness", "the stiffness is not positive definite or not finite; check moduli and thickness");
 }
 
+/// One of the two expansions of a material with directions.
+void require_pair(const SectionPlace& place, const MaterialInput& in) {
+  if (std::isnan(in.expansion_1) != std::isnan(in.expansion_2))
+    place.fail(std::isnan(in.expansion_1) ? "expansion_1" : "expansion_2",
+               "the key is missing; expansion_1 and expansion_2 go together");
+}
+
+/// Expansions; the stiffnesses are there already.
+void fill_expansion(const SectionPlace& place, const MaterialInput& in, energy::Material& m) {
+  using Type = MaterialInput::Type;
+  require_pair(place, in);
+  const bool isotropic = in.type == Type::isotropic;
+  const double along = isotropic ? in.expansion : in.expansion_1, across = isotropic ? in.expansion : in.expansion_2;
+  if (in.type == Type::matrices) {
+    m.expands = in.expansion_strain || in.expansion_curvature;
+    m.expansion = in.expansion_strain.value_or(Vec3::Zero());
+    m.expansion_curvature = in.expansion_curvature.value_or(Vec3::Zero());
+  } else if (!std::isnan(along)) {
+    m.expands = true;
+    energy::set_expansion(m, Vec3(along, across, 0.0), in.type == Type::laminate ? in.angles : std::vector<double>{});
+  }
+}
+
+/// Two numbers, or three with a shear; without a direction the same in all.
+Vec3 in_axes(const SectionPlace& place, const char* key, const std::vector<double>& given, bool directed) {
+  if (given.empty()) return Vec3::Zero();
+  if (given.size() > 3 || given.size() < 2)
+    place.fail(
+        key, fmt::format("{} number(s); give two, along material axes 1 and 2, or three with the shear", given.size()));
+  const Vec3 v(given[0], given[1], given.size() == 3 ? given[2] : 0.0);
+  if (!directed && (v[0] != v[1] || v[2] != 0.0))
+    place.fail(key,
+               "the material has no direction; give 'direction' (material axis 1) or 'texture_direction', or two "
+               "equal numbers");
+  return v;
+}
+
+/// The natural state. Axes and stiffnesses are there already.
+void fill_natural(const SectionPlace& place, const MaterialInput& in, energy::Material& m) {
+  fill_expansion(place, in, m);
+  const bool directed = m.direction || m.texture_direction;
+  m.initial_strain = in_axes(place, "initial_strain", in.initial_strain, directed);
+  m.prestress = in_axes(place, "prestress", in.prestress, directed);
+  if (in.type == MaterialInput::Type::fabric) {
+    m.initial_strain = energy::rotated_strain(m.initial_strain, in.warp_angle);
+    m.prestress = energy::rotated_force(m.prestress, in.warp_angle);
+  }
+  constexpr double most = 0.5;
+  if (m.initial_strain.cwiseAbs().maxCoeff() > most)
+    place.fail("initial_strain", fmt::format("it is a fraction, and {:g} is more than {:g}; 2 % is 0.02",
+                                             m.initial_strain.cwiseAbs().maxCoeff(), most));
+  if (in.expansion_strain && !directed &&
+      ((*in.expansion_strain)[0] != (*in.expansion_strain)[1] || (*in.expansion_strain)[2] != 0.0))
+    place.fail("expansion_strain", "the material has no direction; give 'direction' or 'texture_direction'");
+}
+
 void fill_direction(const SectionPlace& place, const MaterialInput& in, energy::Material& m) {
   using Type = MaterialInput::Type;
   const bool textured = !in.texture_direction.empty();
@@ -164,6 +220,7 @@ void read_materials(const CaseReader& reader, Case& c) {
     fill_direction(place, in, m);
     if (in.type == MaterialInput::Type::fabric) in.fabric = fabric_file(place, in.fabric);
     fill_matrices(place, in, m);
+    fill_natural(place, in, m);
     if (in.groups.empty() && everywhere)
       place.fail("groups", "the key is missing, and another material has no groups either; say where each applies");
     everywhere = everywhere || in.groups.empty();

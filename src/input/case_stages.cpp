@@ -158,6 +158,8 @@ StageSection CaseReader::select_stage(std::size_t n) {
       s.supports = std::move(kept);
     else if (section == "load")
       s.loads = std::move(kept);
+    else if (section == "temperature")
+      s.temperatures = std::move(kept);
     else if (section == "spring")
       s.springs = std::move(kept);
     else if (section == "attachment")

@@ -91,6 +91,55 @@ std::vector<Key> sheet_keys(MaterialInput& s) {
            .types = fabric}};
 }
 
+/// The natural state.
+std::vector<Key> natural_keys(MaterialInput& s) {
+  const std::vector<std::string> isotropic{"isotropic"}, two{"orthotropic", "laminate"}, matrices{"matrices"};
+  return {
+      {.name = "expansion",
+       .slot = &s.expansion,
+       .meaning = "Thermal expansion, for `[[temperature]]`.",
+       .unit = "1/K",
+       .types = isotropic,
+       .absent = "none"},
+      {.name = "expansion_1",
+       .slot = &s.expansion_1,
+       .meaning = "Thermal expansion along the material direction (of a laminate: along the fibres of a ply).",
+       .unit = "1/K",
+       .types = two,
+       .absent = "none"},
+      {.name = "expansion_2",
+       .slot = &s.expansion_2,
+       .meaning = "The same across it, in the surface.",
+       .unit = "1/K",
+       .types = two,
+       .absent = "none"},
+      {.name = "expansion_strain",
+       .slot = &s.expansion_strain,
+       .meaning = "Strain per kelvin without force, 11, 22, 12 with engineering shear.",
+       .unit = "1/K",
+       .types = matrices,
+       .absent = "none"},
+      {.name = "expansion_curvature",
+       .slot = &s.expansion_curvature,
+       .meaning = "Curvature without moment per kelvin of difference between top and bottom, k11, k22, 2 k12: of a "
+                  "plate of thickness h minus the expansion over h.",
+       .unit = "1/(m K)",
+       .types = matrices,
+       .absent = "none"},
+      {.name = "initial_strain",
+       .slot = &s.initial_strain,
+       .meaning = "Strain from the rest shape to the shape without stress along material axes 1 and 2 (of a `fabric`: "
+                  "warp and weft), as a fraction; a third number is the engineering shear. `[-0.02, -0.03]`: the "
+                  "sheet shrinks by 2 and 3 %.",
+       .absent = "none"},
+      {.name = "prestress",
+       .slot = &s.prestress,
+       .meaning = "Membrane force that the rest shape has along the same axes, positive in tension; a third number "
+                  "is the shear.",
+       .unit = "N/m",
+       .absent = "none"}};
+}
+
 /// Axes and damping.
 std::vector<Key> axis_keys(MaterialInput& s) {
   return {
@@ -101,15 +150,13 @@ std::vector<Key> axis_keys(MaterialInput& s) {
            "triangle; the warp of a `fabric` lies at "
            "`warp_angle` to it. Triangles that are normal to it continue it from their neighbours; another direction "
            "for some `groups` is another `[[material]]`. Either this or `texture_direction` is needed, by `matrices` "
-           "unless both are those of an isotropic material.",
-       .types = {"orthotropic", "laminate", "matrices", "fabric"},
+           "and `isotropic` only where something depends on it.",
        .absent = "none"},
       {.name = "texture_direction",
        .slot = &s.texture_direction,
        .meaning =
            "Direction of material axis 1 in the texture coordinates (u, v) of an OBJ mesh, e.g. `[0, 1]`: the grain "
            "line of the flat piece that a part of a garment is cut from.",
-       .types = {"orthotropic", "laminate", "matrices", "fabric"},
        .absent = "none"},
       {.name = "bending_damping",
        .slot = &s.bending_damping,
@@ -127,7 +174,7 @@ std::vector<Key> axis_keys(MaterialInput& s) {
 }  // namespace
 
 std::vector<Key> keys_of(MaterialInput& s) {
-  return joined(joined(elastic_keys(s), sheet_keys(s)), axis_keys(s));
+  return joined(joined(joined(elastic_keys(s), sheet_keys(s)), natural_keys(s)), axis_keys(s));
 }
 
 }  // namespace voile::input

@@ -250,7 +250,14 @@ std::vector<Key> keys_of(system::Load& s) {
       {.name = "history",
        .slot = &s.history_text,
        .meaning = "Factor as an expression of the time t, instead of the load factor. Needs `analysis = \"dynamic\"`.",
-       .absent = "none"}};
+       .absent = "none"},
+      {.name = "distribution",
+       .slot = &s.distribution_text,
+       .meaning = "Factor as an expression of x, y and z at the start, e.g. `\"max(0, 2 - z)\"` with the weight of "
+                  "water per volume as `magnitude` for a tank filled to z = 2 m. It is taken at the middle of each "
+                  "triangle or edge.",
+       .types = {"line", "area", "pressure", "follower_pressure"},
+       .absent = "1 everywhere"}};
 }
 
 std::vector<Key> keys_of(system::PointMass& s) {

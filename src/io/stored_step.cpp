@@ -56,6 +56,17 @@ StoredStep read_step(const fs::path& path, int step, const mesh::SurfaceMesh& me
   return for_restart(path, [&](const StoredResults& results) { return step_of(results, path, step, mesh); });
 }
 
+std::vector<double> read_mode(const fs::path& path, int number, const mesh::SurfaceMesh& mesh) {
+  return guarded(path, [&](const StoredResults& results) {
+    const std::size_t at = results.find(number);
+    results.check_mesh(at, mesh);
+    std::optional<std::vector<double>> shape =
+        results.vectors(at, "mode", static_cast<std::size_t>(mesh.vertex_count()));
+    if (!shape) fail_reading(path, "it has no modes");
+    return std::move(*shape);
+  });
+}
+
 mesh::MeshData read_step_mesh(const fs::path& path, int step) {
   return for_restart(
       path, [&](const StoredResults& results) { return results.mesh(results.steps()[results.find(step)].epoch).data; });

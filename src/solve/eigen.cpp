@@ -122,12 +122,14 @@ double small_shift(const system::Model& model) {
   return stiffness / (density * std::pow(model.dofs().mesh().extent(), 4));
 }
 
-/// K' = d/dmu K(a + mu x_f, lambda + mu) by a central difference with displacements far below an edge length.
+/// K' = d/dmu K(a + mu x_f, lambda + mu) by a central difference with displacements far below an edge length, and natural
+/// strains far below 1.
 petsc::MatHandle load_stiffness(system::Model& model, Vec a, Vec load_solution) {
   double size = 0.0;
   VOILE_PETSC(VecNorm(load_solution, NORM_INFINITY, &size));
   const double cell = std::sqrt(model.discretisation().mean_area());
-  const double step = 1e-4 * cell / size, factor = model.conditions().load_factor();
+  const double step = 1e-4 * cell / (size + cell * model.potential().natural_growth()),
+               factor = model.conditions().load_factor();
   petsc::VecHandle moved = model.dofs().create_vector();
   petsc::MatHandle difference;
   for (const double sign : {1.0, -1.0}) {
@@ -183,9 +185,11 @@ EigenResult buckling_modes(Newton& newton, system::Model& model, Vec a, int coun
   model.load_direction(a, load);
   double size = 0.0;
   if (linear.solve(load, load_solution)) VOILE_PETSC(VecNorm(load_solution, NORM_INFINITY, &size));
-  if (!(size > 0.0) || !std::isfinite(size))
+  const bool grows = size > 0.0 || model.potential().natural_growth() > 0.0;
+  if (!grows || !std::isfinite(size))
     throw UserError(
-        "analysis = \"buckling\" needs a load that grows with the load factor, which those of earlier stages no longer "
+        "analysis = \"buckling\" needs a load or a temperature that grows with the load factor, which those of earlier "
+        "stages no longer "
         "do, and supports that stop all rigid motions");
   if (linear.negative_pivots() > 0)
     throw UserError("the equilibrium is unstable already; choose a lower [eigen] load_factor");

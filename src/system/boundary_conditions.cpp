@@ -32,16 +32,23 @@ Vec3 traction(const Discretisation& on, const Load& load, Index t) {
   return load.vector;
 }
 
+/// Of the load's distribution, at the middle of triangle t.
+double factor_at(const mesh::SurfaceMesh& mesh, const Load& load, Index t) {
+  if (!load.distribution) return 1.0;
+  return load.distribution((mesh.start_corner(t, 0) + mesh.start_corner(t, 1) + mesh.start_corner(t, 2)) / 3.0);
+}
+
 void add_surface_load(const Discretisation& on, const Load& load, const AddForce& add) {
   for (Index t : loaded_triangles(on.mesh(), load)) {
-    const Vec3 share = traction(on, load, t) * on.mesh().area(t) / 3.0;
+    const Vec3 share = factor_at(on.mesh(), load, t) * traction(on, load, t) * on.mesh().area(t) / 3.0;
     for (Index v : on.mesh().triangles()[t]) add(v, share);
   }
 }
 
 void add_line_load(const mesh::SurfaceMesh& mesh, const Load& load, const AddForce& add) {
   for (const mesh::Segment& s : mesh.group(load.group, 1).segments) {
-    const double length = mesh.rest_length(s);
+    double length = mesh.rest_length(s);
+    if (load.distribution) length *= load.distribution(0.5 * (mesh.positions()[s[0]] + mesh.positions()[s[1]]));
     for (Index v : s) add(v, 0.5 * length * load.vector);
   }
 }
@@ -254,7 +261,8 @@ void BoundaryConditions::add_follower(const Load& load) {
   if (load.kind == Load::Kind::follower_pressure) {
     for (Index t : loaded_triangles(mesh, load)) {
       const auto points = local(mesh.triangles()[t]);
-      if (evaluated(points)) followers_->kernel.add_pressure(points, load.magnitude, factor, on_->owns(t));
+      if (evaluated(points))
+        followers_->kernel.add_pressure(points, load.magnitude * factor_at(mesh, load, t), factor, on_->owns(t));
     }
     return;
   }

@@ -30,9 +30,10 @@ Model::Model(MPI_Comm comm, const mesh::SurfaceMesh& mesh, ModelInput input)
                                                        input.motion_by_load)) {
   if (input.contact.active)
     mpi::on_all(comm, [&] { contact_ = std::make_unique<Contact>(dofs(), std::move(input.contact)); });
-  potential_ = std::make_unique<Potential>(*on_, *conditions_, contact_.get(),
-                                           PotentialInput{std::move(input.masses), std::move(input.springs),
-                                                          std::move(input.sewing), std::move(input.attachments)});
+  potential_ = std::make_unique<Potential>(
+      *on_, *conditions_, contact_.get(),
+      PotentialInput{std::move(input.masses), std::move(input.springs), std::move(input.sewing),
+                     std::move(input.attachments), std::move(input.temperatures)});
   tangent_ = Tangent(*on_, potential_->constant().base());
   work_ = dofs().create_vector();
   for (auto* v : {&previous_u_, &previous_x_, &force_})
@@ -118,6 +119,7 @@ void Model::assemble_tangent(Vec a, const TangentRequest& request) {
 
 void Model::load_direction(Vec a, Vec f) {
   conditions_->load_direction(potential_->configuration(a), force_, work_, f);
+  potential_->add_load_direction(a, f);
   if (conditions_->has_prescribed()) VOILE_PETSC(VecAXPY(f, -1.0, tangent_.load_coupling()));
   const petsc::ReadArray prescribed(conditions_->prescribed());
   const petsc::WriteArray out(f);

@@ -11,12 +11,14 @@
 #include "voile/system/bending_energy.hpp"
 #include "voile/system/boundary_conditions.hpp"
 #include "voile/system/discretisation.hpp"
+#include "voile/system/natural_states.hpp"
 #include "voile/system/sewing_springs.hpp"
 #include "voile/system/term.hpp"
 
 namespace voile::system {
 
 void Potential::set_time(double time) {
+  time_ = time;
   attachments_->place();
   bands_->tighten(time);
   if (!sewing_) return;
@@ -26,13 +28,19 @@ void Potential::set_time(double time) {
 }
 
 bool Potential::depends_on_time() const {
-  return bending_->turns() || bands_->rise() || sewing_ || !attachments_->list().empty();
+  return bending_->turns() || bands_->rise() || sewing_ || !attachments_->list().empty() || natural_states_change();
+}
+
+bool Potential::natural_states_change() const {
+  return natural_ && natural_->changes();
 }
 
 energy::Configuration Potential::configuration(Vec a) {
   bending_->turn(conditions_->rotations());
   folds_->turn(conditions_->rotations());
   attachments_->place();
+  if (natural_)
+    mpi::on_all(on_->comm(), [&] { natural_->set(time_, hold_natural_ ? 0.0 : conditions_->load_factor()); });
   on_->dofs().update_points(a, u_, x_);
   return {x_.data(), u_.data(), nullptr, energy::Tangent::exact};
 }
@@ -60,6 +68,24 @@ Energies Potential::energies(const energy::Configuration& c, Vec a, bool viscous
   e.bending += bending_->energy(a) - ground;
   e.springs += ground;
   return e;
+}
+
+double Potential::natural_growth() const {
+  return mpi::max(on_->comm(), natural_ ? natural_->growth() : 0.0);
+}
+
+void Potential::add_load_direction(Vec a, Vec f) {
+  if (!natural_states_change()) return;
+  // The metric of a natural state is a polynomial of second degree where temperatures are linear: the difference is exact then.
+  constexpr double step = 1e-3;
+  const energy::Configuration c = configuration(a);
+  for (const double sign : {1.0, -1.0}) {
+    natural_->set(time_, conditions_->load_factor() + sign * step);
+    VOILE_PETSC(VecZeroEntries(work_));
+    for (const Counted& t : terms_) add_term_forces(*t.term, c, work_);
+    VOILE_PETSC(VecAXPY(f, -sign * 0.5 / step, work_));
+  }
+  natural_->set(time_, conditions_->load_factor());
 }
 
 void Potential::count_from(Vec a) {
@@ -114,7 +140,8 @@ void Potential::write_tangent(const energy::Configuration& c, const BlockMatrix&
 }
 
 TriangleFields Potential::triangle_fields(Vec a) {
-  return recovery_.fields(on_->comm(), on_->sheet(), membrane_->kernel, angles_->kernel, configuration(a));
+  const energy::Configuration c = configuration(a);
+  return recovery_.fields(on_->comm(), on_->sheet(), {membrane_->kernel, angles_->kernel, natural_.get()}, c);
 }
 
 long Potential::uncorrected_triangles() const {

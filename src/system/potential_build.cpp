@@ -24,6 +24,7 @@
 #include "voile/system/bending_energy.hpp"
 #include "voile/system/boundary_conditions.hpp"
 #include "voile/system/discretisation.hpp"
+#include "voile/system/natural_states.hpp"
 #include "voile/system/sewing_springs.hpp"
 #include "voile/system/term.hpp"
 
@@ -63,7 +64,7 @@ AnyTerm& Potential::add_term(double Energies::*part) {
 
 /// Here a new term joins the potential.
 void Potential::build_terms(const Curvatures& curvatures, const PotentialInput& input) {
-  build_sheet(curvatures);
+  build_sheet(curvatures, input.temperatures);
   build_mirror_folds();
   auto& ties = add_term<ElementTerm<energy::SpringTerm>>(&Energies::springs);
   bands_ = std::make_unique<Bands>(*on_, ties.kernel);
@@ -82,7 +83,7 @@ void Potential::build_terms(const Curvatures& curvatures, const PotentialInput& 
 }
 
 /// The membrane, bending of curved rest shapes beyond K_b, and what is recovered from both.
-void Potential::build_sheet(const Curvatures& curvatures) {
+void Potential::build_sheet(const Curvatures& curvatures, Temperatures temperatures) {
   membrane_ = &add_term<BatchTerm<energy::MembraneTerm>>(&Energies::membrane);
   membrane_->kernel = energy::MembraneTerm(on_->sheet());
   std::optional<energy::ChordForms> forms;
@@ -90,6 +91,11 @@ void Potential::build_sheet(const Curvatures& curvatures) {
   membrane_->kernel.reserve(curvatures.size());
   auto& curved = add_term<BatchTerm<energy::CurvedBendingTerm>>(&Energies::bending);
   angles_ = &add_term<BatchTerm<energy::AngleBendingTerm>>(&Energies::bending);
+  if (NaturalStates::needed(on_->sheet(), temperatures)) {
+    auto& natural = add_term<BatchTerm<energy::CurvedBendingTerm>>(&Energies::bending);
+    natural_ = std::make_unique<NaturalStates>(
+        *on_, std::move(temperatures), NaturalStates::Kernels{membrane_->kernel, natural.kernel, angles_->kernel});
+  }
   const std::vector<Index>& local_of = on_->dofs().local().local_of;
   const auto to_local = [&](const auto& points, auto& local) {
     std::transform(points.begin(), points.end(), local.begin(), [&](Index p) { return local_of[p]; });
@@ -107,11 +113,13 @@ void Potential::build_sheet(const Curvatures& curvatures) {
       membrane_->kernel.correct(on_->sheet(), by_angles ? Mat3(Mat3::Zero()) : forms->trace(triangle), triangle, el,
                                 local);
     if (on_->draws_in()) membrane_->kernel.add_gather(on_->sheet(), on_->patches_before(), triangle);
+    if (natural_) natural_->add(triangle, el, local, {owned, by_angles});
     if (!by_angles && el.coupling.size() > 0) curved.kernel.add(el, local, owned);
     if (owned)
       recovery_.add(triangle, el, local, membrane_->kernel.size() - 1,
                     by_angles ? angles_->kernel.size() - 1 : no_index);
   }
+  if (natural_) natural_->set(0.0, 1.0);  // what is impossible shows before the first step
   angles_->kernel.end_adding();
   recovery_.end_adding();
 }

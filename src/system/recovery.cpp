@@ -1,12 +1,14 @@
 #include "voile/system/recovery.hpp"
 
 #include <Eigen/Geometry>
+#include <tuple>
 
 #include "voile/base/mpi.hpp"
 #include "voile/energy/angle_bending.hpp"
 #include "voile/energy/bending.hpp"
 #include "voile/energy/membrane.hpp"
 #include "voile/energy/sheet.hpp"
+#include "voile/system/natural_states.hpp"
 
 namespace voile::system {
 
@@ -26,8 +28,8 @@ void Recovery::end_adding() {
   weights_.shrink_to_fit();
 }
 
-TriangleFields Recovery::fields(MPI_Comm comm, const energy::Sheet& sheet, const energy::MembraneTerm& membrane,
-                                const energy::AngleBendingTerm& angles, const energy::Configuration& c) const {
+TriangleFields Recovery::fields(MPI_Comm comm, const energy::Sheet& sheet, const Sources& from,
+                                const energy::Configuration& c) const {
   const auto size = 3 * static_cast<std::size_t>(sheet.mesh().triangle_count());
   TriangleFields f;
   for (auto* v : {&f.membrane_strain, &f.membrane_force, &f.curvature, &f.whole_curvature, &f.bending_moment})
@@ -36,16 +38,20 @@ TriangleFields Recovery::fields(MPI_Comm comm, const energy::Sheet& sheet, const
   const auto store = [](std::vector<double>& to, Index t, const Vec3& value) {
     for (int k = 0; k < 3; ++k) to[3 * static_cast<std::size_t>(t) + k] = value[k];
   };
-  const std::vector<Vec3> strains = membrane.strains(c);
+  if (from.natural && from.natural->has_temperatures()) f.temperature.assign(2 * (size / 3), 0.0);
+  const std::vector<Vec3> strains = from.membrane.strains(c);
   for (const Item& r : items_) {
     const Vec3& strain = strains[r.membrane];
     store(f.membrane_strain, r.triangle, strain);
-    store(f.membrane_force, r.triangle, membrane.force(r.membrane, strain));
+    store(f.membrane_force, r.triangle, from.membrane.force(r.membrane, strain));
+    if (!f.temperature.empty())
+      std::tie(f.temperature[2 * static_cast<std::size_t>(r.triangle)],
+               f.temperature[2 * static_cast<std::size_t>(r.triangle) + 1]) = from.natural->temperature(r.triangle);
     const Mat3& stiffness = sheet.material(r.triangle).bending;
     if (r.angles != no_index) {  // nothing in the plane bends
-      const Vec3 kappa = angles.curvature(r.angles, c);
+      const Vec3 kappa = from.angles.curvature(r.angles, c);
       store(f.curvature, r.triangle, kappa);
-      store(f.whole_curvature, r.triangle, kappa + angles.rest_curvature(r.angles));
+      store(f.whole_curvature, r.triangle, kappa + from.angles.rest_curvature(r.angles));
       store(f.bending_moment, r.triangle, stiffness * kappa);
       continue;
     }
@@ -60,12 +66,13 @@ TriangleFields Recovery::fields(MPI_Comm comm, const energy::Sheet& sheet, const
     }
     const Mat3 in_plane = bend - (bend * normal) * normal.transpose();
     f.in_plane[static_cast<std::size_t>(r.triangle)] = 0.5 * in_plane.cwiseProduct(stiffness * in_plane).sum();
-    store(f.curvature, r.triangle, kappa);
     store(f.whole_curvature, r.triangle, kappa + r.rest_curvature);
+    if (from.natural) kappa -= from.natural->curvature_change(r.triangle);
+    store(f.curvature, r.triangle, kappa);
     store(f.bending_moment, r.triangle, stiffness * kappa);
   }
-  for (auto* v :
-       {&f.membrane_strain, &f.membrane_force, &f.curvature, &f.whole_curvature, &f.bending_moment, &f.in_plane}) {
+  for (auto* v : {&f.membrane_strain, &f.membrane_force, &f.curvature, &f.whole_curvature, &f.bending_moment,
+                  &f.temperature, &f.in_plane}) {
     mpi::sum_to_root(comm, *v);
     if (mpi::rank(comm) != 0) v->clear();
   }

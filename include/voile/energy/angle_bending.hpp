@@ -66,6 +66,8 @@ class AngleBendingTerm {
   [[nodiscard]] Vec3 curvature(Index e, const Configuration& c) const;
   /// kappa0.
   [[nodiscard]] Vec3 rest_curvature(Index e) const;
+  /// Puts another one in its place: a natural curvature (natural_state.hpp).
+  void set_rest_curvature(Index e, const Vec3& curvature);
 
   /// places_of(points, count, depends_on) gives the places of the blocks of pairs i <= j; `none` takes what goes nowhere.
   template <class PlacesOf>
@@ -84,8 +86,8 @@ class AngleBendingTerm {
   /// All elements: forces added to those of the local points [N], energy of the owned ones [J], blocks added at the slots [N/m].
   double add_gradients(const Configuration& c, Vec3* force) const;
   void add_tangents(const Configuration& c, double* blocks) const;
-  /// Does not change: see MembraneTerm.
-  [[nodiscard]] static long version() { return 0; }
+  /// See MembraneTerm.
+  [[nodiscard]] long version() const { return version_; }
   /// The kernels of another instruction set.
   void use(const ElementKernels& kernels) { kernels_ = &kernels; }
 
@@ -100,6 +102,7 @@ class AngleBendingTerm {
   [[nodiscard]] EdgeBatch edge_view(std::size_t batch) const;
   [[nodiscard]] AngleBatch view(std::size_t batch) const;
 
+  long version_ = 0;
   const ElementKernels* kernels_ = &batch_kernels();
   Batches batches_{angle_fields::weights, 3};
   std::vector<PerLane<int>> first_hinge_, last_hinge_;  ///< of each batch

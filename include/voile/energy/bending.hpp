@@ -43,8 +43,16 @@ struct BendingElement {
 [[nodiscard]] BendingElement make_bending_element(const Sheet& sheet, Index t, const CurvatureOperator& op);
 
 /// The normal-dependent part of the energy for curved patches; its points 0, 1, 2 are the triangle's vertices.
+///
+/// Where the natural curvature is kappa' instead of kappa0 (natural_state.hpp), with k_n = kappa' - kappa0, the energy has besides
+///   -n.(w' + sum_i c'_i u_i) + A/2 (kappa'.D kappa' - kappa0.D kappa0),   w' = A k_n.D (r + kappa0 N_s),  c'_i = A k_n.D B'_i
+/// which is the same term with N_s = 0 and twice the constant for e0.
 class CurvedBendingTerm {
  public:
+  /// An element whose natural curvature may change.
+  void add_natural(const BendingElement& element, const Mat3& stiffness, const std::vector<Index>& local, bool owned);
+  /// Of the element e, added by add_natural(): kappa'. `stiffness` above: A D.
+  void set_natural(Index e, const Vec3& curvature);
   /// `local`: the element's points in local numbering, in its order.
   void add(const BendingElement& element, const std::vector<Index>& local, bool owned);
 
@@ -62,14 +70,23 @@ class CurvedBendingTerm {
   /// All elements: forces added to those of the local points [N], energy of the owned ones [J], blocks added at the slots [N/m].
   double add_gradients(const Configuration& c, Vec3* force) const;
   void add_tangents(const Configuration& c, double* blocks) const;
-  /// Does not change: see MembraneTerm.
-  [[nodiscard]] static long version() { return 0; }
+  /// See MembraneTerm.
+  [[nodiscard]] long version() const { return version_; }
   /// The kernels of another instruction set.
   void use(const ElementKernels& kernels) { kernels_ = &kernels; }
 
  private:
+  struct Natural {
+    Vec3 rest;                                    ///< kappa0
+    Mat3 stiffness;                               ///< A D
+    Mat3 start;                                   ///< A D (r + kappa0 N_s)
+    Eigen::Matrix<double, 3, Eigen::Dynamic> of;  ///< A D B'_i
+  };
+
   [[nodiscard]] CurvedBatch view(const Batches::Batch& b) const;
 
+  long version_ = 0;
+  std::vector<Natural> natural_;  ///< of each element, or empty
   const ElementKernels* kernels_ = &batch_kernels();
   Batches batches_{curved_fields::coupling, 1};
 };

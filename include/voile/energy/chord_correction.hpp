@@ -30,8 +30,13 @@ struct ChordCorrection {
   std::vector<Index> stencil;        ///< the six nodes of the membrane, then the other points of the cubic
   std::vector<double> numbers;       ///< from membrane_fields::chord on
   std::array<Vec3, 2> start_strain;  ///< of the correction, to be added to the mean strain and the triangle's own
+  std::array<Vec3, 2> whole_strain;  ///< the same counted from a flat patch
   bool left_out = false;             ///< too many points: not corrected
   bool fourth = false;               ///< has the term of fourth order
+  /// Of that term: A D and R in the axes of the triangle, the first three of K at rest, and A q_D and q_S at the start.
+  Mat3 in_plane = Mat3::Zero(), trace = Mat3::Zero();
+  Vec3 rest_bend = Vec3::Zero();
+  std::array<double, 2> start_squares{};
 };
 
 /// A triangle and what its correction is made from; points in one numbering of the caller's.

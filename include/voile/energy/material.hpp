@@ -18,6 +18,7 @@ namespace voile::energy {
 struct Layer {
   double low = 0.0, high = 0.0;   ///< distances from the middle along the normal [m]
   Mat3 stiffness = Mat3::Zero();  ///< plane stress Q in material axes [Pa]
+  Vec3 expansion = Vec3::Zero();  ///< strain per kelvin in material axes [1/K]
 };
 
 struct Material {
@@ -28,6 +29,12 @@ struct Material {
   double bending_damping = 0.0;     ///< damping in proportion to D, besides what holds for all materials [s]
   double viscous_time = 0.0;        ///< relaxation time of the membrane, likewise [s]
   std::vector<Layer> layers{};      ///< from the lowest up; empty where the inside is not known
+  // The natural state (natural_state.hpp), in material axes
+  bool expands = false;                     ///< an expansion is given
+  Vec3 expansion = Vec3::Zero();            ///< strain per change of temperature [1/K]
+  Vec3 expansion_curvature = Vec3::Zero();  ///< curvature per difference between top and bottom [1/(m K)]
+  Vec3 initial_strain = Vec3::Zero();       ///< of the natural state from the rest shape
+  Vec3 prestress = Vec3::Zero();            ///< membrane force of the rest shape [N/m]
   /// Direction of material axis 1 in the chart, i.e. in space where the positions are the rest shape, projected into each
   /// triangle. Without it the axis is arbitrary, which only
   /// an isotropic material allows.
@@ -60,6 +67,13 @@ struct LaminateStiffness {
 [[nodiscard]] LaminateStiffness laminate(const Mat3& ply_stiffness, const std::vector<Ply>& plies);
 /// Stiffness of a material whose axis 1 lies at `angle` [rad] to the axes wanted.
 [[nodiscard]] Mat3 rotated_stiffness(const Mat3& stiffness, double angle);
+/// Strain (engineering shear) and membrane force in axes to which those of the material, in which they are given, lie at
+/// `angle` [rad].
+[[nodiscard]] Vec3 rotated_strain(const Vec3& strain, double angle);
+[[nodiscard]] Vec3 rotated_force(const Vec3& force, double angle);
+/// Expansion and its curvature of a material with layers from that of each [1/K] in its own axes, at `angles` [degree] to those
+/// of the material; no angles: along them. The free plate has no resultants: A e = sum Q a t, D k = -sum Q a (z1^3 - z0^3)/(3 h).
+void set_expansion(Material& material, const Vec3& expansion, const std::vector<double>& angles);
 /// True if the symmetric part of m has only positive eigenvalues.
 [[nodiscard]] bool is_positive_definite(const Mat3& m);
 

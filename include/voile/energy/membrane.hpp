@@ -24,6 +24,7 @@
 
 #include "voile/energy/batches.hpp"
 #include "voile/energy/chord_correction.hpp"
+#include "voile/energy/natural_state.hpp"
 #include "voile/energy/sheet.hpp"
 #include "voile/energy/term.hpp"
 
@@ -59,6 +60,10 @@ class MembraneTerm {
   void add_gather(const Sheet& sheet, const mesh::PatchMesh& before, Index t);
   /// Rest lengths of gathers go this share of the way.
   void gather(double share);
+  /// After add() and correct(): the element added last may get a natural state that is not its rest shape.
+  void add_natural();
+  /// Gives it to element e, for which add_natural() was called.
+  void set_natural(Index e, const NaturalState& state);
   /// Triangles of this rank that have too many points to be corrected.
   [[nodiscard]] long left_out() const { return left_out_; }
 
@@ -135,7 +140,22 @@ class MembraneTerm {
     Metrics correction;                                   ///< what is taken off besides
   };
 
+  /// An element with a natural state, and what that is taken of.
+  struct Natural {
+    Index element;
+    NaturalState state;
+    Metrics rest, whole;  ///< what is taken off at rest; the part of it that stays, as `whole_strain` of the correction
+    Mat3 in_plane, trace;  ///< and the rest as in ChordCorrection
+    Vec3 rest_bend;
+    std::array<double, 2> start_squares;
+    bool fourth;
+  };
+
   [[nodiscard]] static Element element_of(const Sheet& sheet, Index t);
+  /// Changes what is taken off; viscosity acts against strains, not against a rest shape that changes in the step.
+  void shift_metrics(Index e, const Metrics& metrics);
+  [[nodiscard]] Natural* natural_of(Index e);
+  [[nodiscard]] Metrics natural_metrics(const Natural& n) const;
   void set_shape(MembraneOperator kind, double cst_fraction);
   [[nodiscard]] Metrics metrics_of(const std::array<Vec3, 4>& samples) const;
   void set_metrics(Index e, const Metrics& metrics);
@@ -161,12 +181,14 @@ class MembraneTerm {
   std::vector<int> material_;  ///< of each element
   std::vector<Mat3> stiffness_;
   std::vector<Gathered> gathered_;
+  std::vector<Natural> natural_;  ///< by ascending element
   long left_out_ = 0;
   // The element added last
   Element last_{};
   bool last_owned_ = false;
   std::array<Index, nodes> last_points_{};
   Metrics last_correction_{};
+  ChordCorrection last_chords_{};
 
   std::vector<double> viscous_time_, viscosity_;  ///< tau and c of each material; c is empty where all are 0
   std::vector<Line> start_, ratio_;               ///< of each batch: E_n, nine numbers, and c

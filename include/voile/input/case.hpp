@@ -208,13 +208,27 @@ struct OutputSection {
   Stresses stresses = Stresses::none;  ///< which stresses through the thickness are written besides
 };
 
+/// By how much the shape without stress differs from the mesh, along its normals or by modes.
+struct ImperfectionSection {
+  enum class Type { modes, expression, random };
+  Type type = Type::modes;
+  std::filesystem::path results;   ///< modes: folder of a run, or its modes.vtkhdf, resolved relative to the case file
+  std::vector<double> modes;       ///< numbers, from 1
+  std::vector<double> amplitudes;  ///< largest displacement of each, or one for all [m]
+  std::string height;              ///< expression of x, y, z [m]
+  double amplitude = 0.0;          ///< random: largest displacement [m]
+  double length = 0.0;             ///< random: over which heights are alike [m]
+  int seed = 1;
+};
+
 /// A stage: an analysis that begins where the one before has ended.
 struct StageSection {
   std::string name;  ///< of its folder too
   std::string analysis = "static";
-  std::size_t number = 0;                                                  ///< counted from 0
-  std::vector<std::size_t> supports{}, loads{}, springs{}, attachments{};  ///< which of the file's hold in it
-  std::vector<std::string> sew{};                                          ///< seams that it closes; "all": every one
+  std::size_t number = 0;  ///< counted from 0
+  std::vector<std::size_t> supports{}, loads{}, springs{}, attachments{},
+      temperatures{};              ///< which of the file's hold in it
+  std::vector<std::string> sew{};  ///< seams that it closes; "all": every one
 };
 
 struct Case {
@@ -239,6 +253,8 @@ struct Case {
   std::vector<system::Support> supports;
   std::vector<MotionInput> motions;  ///< one per support
   std::vector<system::Load> loads;
+  std::vector<system::Temperature> temperatures;
+  std::vector<ImperfectionSection> imperfections;
   std::vector<system::PointMass> masses;
   std::vector<system::Spring> springs;
   std::vector<system::Attachment> attachments;

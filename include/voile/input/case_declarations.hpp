@@ -29,6 +29,8 @@ class Declarations {
   system::Support support_;
   MotionInput motion_;
   system::Load load_;
+  system::Temperature temperature_;
+  ImperfectionSection imperfection_;
   system::PointMass mass_;
   system::Spring spring_;
   system::Attachment attachment_;

@@ -67,13 +67,17 @@ struct Key {
 
 /// A material as it is written in the file.
 struct MaterialInput {
+  static constexpr double nan = std::numeric_limits<double>::quiet_NaN();
   enum class Type { isotropic, orthotropic, matrices, laminate, fabric };
   Type type = Type::isotropic;
   std::vector<std::string> groups;
   double young = 0.0, poisson = 0.0;
   double young_1 = 0.0, young_2 = 0.0, poisson_12 = 0.0, shear_12 = 0.0;
   double thickness = 0.0, density = 0.0, areal_density = 0.0;
-  double bending_damping = 0.0, membrane_damping = 0.0;  ///< [s]
+  double expansion = nan, expansion_1 = nan, expansion_2 = nan;  ///< [1/K]; NaN: not given
+  std::optional<Vec3> expansion_strain, expansion_curvature;     ///< [1/K], [1/(m K)]
+  std::vector<double> initial_strain, prestress;                 ///< empty, or along axes 1 and 2, and of shear
+  double bending_damping = 0.0, membrane_damping = 0.0;          ///< [s]
   std::vector<double> angles, ply_thicknesses;
   Mat3 membrane = Mat3::Zero(), bending = Mat3::Zero();
   std::filesystem::path fabric;
@@ -92,6 +96,8 @@ struct MaterialInput {
 /// A support and its motion are one section.
 [[nodiscard]] std::vector<Key> keys_of(system::Support& section, MotionInput& motion);
 [[nodiscard]] std::vector<Key> keys_of(system::Load& section);
+[[nodiscard]] std::vector<Key> keys_of(system::Temperature& section);
+[[nodiscard]] std::vector<Key> keys_of(ImperfectionSection& section);
 [[nodiscard]] std::vector<Key> keys_of(system::PointMass& section);
 [[nodiscard]] std::vector<Key> keys_of(system::Spring& section);
 [[nodiscard]] std::vector<Key> keys_of(system::Attachment& section);

@@ -23,6 +23,11 @@ struct StoredStep {
 /// because its file in steps/ is missing or damaged.
 [[nodiscard]] StoredStep read_step(const std::filesystem::path& file, int step, const mesh::SurfaceMesh& mesh);
 
+/// The shape of a mode, vertices x 3 in global axes, from the modes/results.vtkhdf of a run on the same mesh. Not collective: root
+/// only. Throws UserError if the file cannot be read, belongs to another mesh, or lacks the mode.
+[[nodiscard]] std::vector<double> read_mode(const std::filesystem::path& file, int number,
+                                            const mesh::SurfaceMesh& mesh);
+
 /// The mesh of step number `step`, or of the last one if negative, as it was written: positions at rest, triangles,
 /// groups, texture and the numbers that vertices and triangles had in their file; no notes. Not collective: root only.
 /// Throws UserError as read_step does.

@@ -55,6 +55,28 @@ struct Load {
   /// Factor at time t [s] in place of the load factor; empty: none. The text it was written as, for the echo of a case.
   std::function<double(double time)> history;
   std::string history_text;
+  /// Factor at a place at the start, for what is spread over a curve or surface; empty: 1. And its text.
+  std::function<double(const Vec3& start)> distribution;
+  std::string distribution_text;
+};
+
+/// Change of the temperature from that at which the sheet has its rest shape.
+struct Temperature {
+  /// Of place [m] and time [s], or the load factor in its place [K].
+  struct Field {
+    std::string text;  ///< as it was written; empty: none
+    std::function<double(const Vec3& start, double time)> value;
+    bool in_time = false;  ///< it is an expression of the time
+  };
+  std::string group;      ///< surface; empty: the whole surface
+  Field change;           ///< mean over the thickness
+  Field difference;       ///< top, where the normal points to, less bottom
+  bool constant = false;  ///< true: acts in full at every load factor
+};
+/// Where groups overlap changes add up.
+struct Temperatures {
+  std::vector<Temperature> list;
+  bool by_load = false;  ///< the load factor stands in place of the time
 };
 
 /// Mass at vertices, besides that of the sheet. It has weight where gravity acts on the whole model or on its group.

@@ -40,6 +40,7 @@ struct ModelInput {
   Sewing sewing = {};
   std::vector<Attachment> attachments = {};
   std::vector<SeamRule> seams = {};
+  Temperatures temperatures = {};
 };
 
 /// The supports, and those by which hard attachments hold, which are added to them.

@@ -40,6 +40,7 @@ class BendingEnergy;
 class BoundaryConditions;
 class Contact;
 class Discretisation;
+class NaturalStates;
 class SewingSprings;
 class Term;
 template <class Kernel>
@@ -53,6 +54,7 @@ struct PotentialInput {
   std::vector<Spring> springs;
   Sewing sewing;
   std::vector<Attachment> attachments;
+  Temperatures temperatures;
 };
 
 class Potential {
@@ -73,6 +75,14 @@ class Potential {
   /// Whether what is stored changes with the time alone: clamps that turn, seams that are pulled, attachments. Not
   /// collective.
   [[nodiscard]] bool depends_on_time() const;
+  /// Natural states (natural_states.hpp) are those of load factor 0, or follow it again. Not collective.
+  void hold_natural_states(bool hold) { hold_natural_ = hold; }
+  /// Whether they change with load factor or time.
+  [[nodiscard]] bool natural_states_change() const;
+  /// Largest strain by which natural states grow per unit of the load factor, bending counted over a cell. Collective.
+  [[nodiscard]] double natural_growth() const;
+  /// Adds -dF/dlambda at a, by the growth of natural states with the load factor, to f. Collective. [N]
+  void add_load_direction(Vec a, Vec f);
   /// What share of the way from Discretisation::patches_before() to the sheet's rest shape gathers have gone; 1: all, or
   /// there are none.
   [[nodiscard]] double drawn_in() const { return drawn_in_; }
@@ -126,7 +136,7 @@ class Potential {
 
   // Construction, in this order.
   void build_terms(const Curvatures& curvatures, const PotentialInput& input);
-  void build_sheet(const Curvatures& curvatures);
+  void build_sheet(const Curvatures& curvatures, Temperatures temperatures);
   /// Lets triangle t bend by the angles at edges where that is chosen and possible.
   bool add_angles(Index t, const energy::CurvatureOperator& op, const energy::BendingElement& el,
                   const std::vector<Index>& local, bool owned);
@@ -149,6 +159,9 @@ class Potential {
   HalfBlocks halves_;
   std::unique_ptr<BendingEnergy> bending_;
   std::unique_ptr<Bands> bands_;
+  std::unique_ptr<NaturalStates> natural_;  ///< null where the natural state is the rest shape
+  bool hold_natural_ = false;
+  double time_ = 0.0;
   std::unique_ptr<SewingSprings> sewing_;  ///< null where nothing is sewn
   std::unique_ptr<Attachments> attachments_;
   petsc::VecHandle work_;

@@ -21,13 +21,17 @@ class Sheet;
 
 namespace voile::system {
 
-/// Fields per triangle in material axes, row-major, mesh order, gathered on rank 0.
+class NaturalStates;
+
+/// Fields per triangle in material axes, row-major, mesh order, gathered on rank 0. Strains and curvatures are elastic: without
+/// those of the natural state (energy/natural_state.hpp).
 struct TriangleFields {
   std::vector<double> membrane_strain;  ///< E11, E22, 2 E12
   std::vector<double> membrane_force;   ///< N11, N22, N12 [N/m]
   std::vector<double> curvature;        ///< k11, k22, 2 k12, change from rest [1/m]
   std::vector<double> whole_curvature;  ///< the same with that of the rest shape [1/m]
   std::vector<double> bending_moment;   ///< M11, M22, M12 [N]
+  std::vector<double> temperature;      ///< change and difference [K]; empty where there are no temperatures
   std::vector<double> in_plane;  ///< energy of second derivatives in the surface, which bend nothing; one each [J/m^2]
 };
 
@@ -39,9 +43,15 @@ class Recovery {
            Index angles);
   /// After the last add(): gives back what the lists have grown beyond.
   void end_adding();
+  /// What fields are taken from.
+  struct Sources {
+    const energy::MembraneTerm& membrane;
+    const energy::AngleBendingTerm& angles;
+    const NaturalStates* natural;  ///< null: the rest shape
+  };
   /// At configuration c of the local points. Collective; values on rank 0.
-  [[nodiscard]] TriangleFields fields(MPI_Comm comm, const energy::Sheet& sheet, const energy::MembraneTerm& membrane,
-                                      const energy::AngleBendingTerm& angles, const energy::Configuration& c) const;
+  [[nodiscard]] TriangleFields fields(MPI_Comm comm, const energy::Sheet& sheet, const Sources& from,
+                                      const energy::Configuration& c) const;
 
  private:
   struct Item {

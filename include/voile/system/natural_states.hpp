@@ -1,0 +1,79 @@
+// Natural states of the triangles of one rank (energy/natural_state.hpp): initial strain and prestress of the materials, and
+// temperatures that change with the load factor and in time.
+#pragma once
+
+#include <utility>
+#include <vector>
+
+#include "voile/base/types.hpp"
+#include "voile/energy/natural_state.hpp"
+#include "voile/system/conditions.hpp"
+
+namespace voile::energy {
+class AngleBendingTerm;
+class CurvedBendingTerm;
+class MembraneTerm;
+class Sheet;
+struct BendingElement;
+}  // namespace voile::energy
+
+namespace voile::system {
+
+class Discretisation;
+
+class NaturalStates {
+ public:
+  /// Where the states go; `bending`: that of natural curvatures.
+  struct Kernels {
+    energy::MembraneTerm& membrane;
+    energy::CurvedBendingTerm& bending;
+    energy::AngleBendingTerm& angles;
+  };
+  struct Flags {
+    bool owned, by_angles;
+  };
+
+  /// Whether any triangle has a natural state that is not its rest shape.
+  [[nodiscard]] static bool needed(const energy::Sheet& sheet, const Temperatures& temperatures);
+  /// All references must outlive it. Throws UserError for unknown groups, and for materials without an expansion under a temperature.
+  NaturalStates(const Discretisation& on, Temperatures temperatures, Kernels kernels);
+
+  /// After the elements of triangle t have joined the membrane and, by angles, the bending: its natural state joins them.
+  /// `local`: the points of `bending`.
+  void add(Index t, const energy::BendingElement& bending, const std::vector<Index>& local, Flags flags);
+  /// Natural states of this time [s] and load factor. Not collective. Throws UserError for an expression that is not finite.
+  void set(double time, double load_factor);
+  /// Whether they change with time or load factor.
+  [[nodiscard]] bool changes() const { return changes_; }
+  [[nodiscard]] bool has_temperatures() const { return !temperatures_.list.empty(); }
+  /// By how much the natural curvature of triangle t, of this rank, is that of the rest shape less [1/m].
+  [[nodiscard]] Vec3 curvature_change(Index t) const;
+  /// Largest strain by which they grow on this rank per unit of the load factor, that of bending over a cell.
+  [[nodiscard]] double growth() const;
+  /// Change and difference of temperature of it [K].
+  [[nodiscard]] std::pair<double, double> temperature(Index t) const;
+
+ private:
+  struct Item {
+    Index triangle, membrane, bending, angles;  ///< no_index: none
+    Vec3 place, rest;                           ///< centroid at the start [m], kappa0 [1/m]
+    double change = 0.0, difference = 0.0;      ///< [K]
+    Vec3 bent = Vec3::Zero();                   ///< kappa' [1/m]
+  };
+
+  void take(Item& item, double time, double load_factor);
+  /// Change and difference of temperature [K].
+  [[nodiscard]] std::pair<double, double> temperature_of(const Item& item, double time, double load_factor) const;
+  [[nodiscard]] bool covers(std::size_t temperature, Index t) const;
+
+  const Discretisation* on_;
+  Temperatures temperatures_;
+  Kernels kernels_;
+  std::vector<std::vector<char>> covered_;  ///< of each temperature, by triangle; empty: all
+  std::vector<Item> items_;
+  std::vector<Index> item_of_;  ///< by triangle
+  bool changes_ = false, fresh_ = true;
+  double time_ = 0.0, load_factor_ = 0.0;  ///< in force
+};
+
+}  // namespace voile::system

@@ -1,0 +1,47 @@
+#include "voile/energy/natural_state.hpp"
+
+#include <Eigen/Dense>
+#include <cmath>
+
+namespace voile::energy {
+
+namespace {
+
+/// (t11, t22, 2 t12) of a symmetric tensor, and back.
+Mat2 tensor(const Vec3& v) {
+  return (Mat2() << v[0], 0.5 * v[2], 0.5 * v[2], v[1]).finished();
+}
+Vec3 numbers(const Mat2& t) {
+  return {t(0, 0), t(1, 1), t(0, 1) + t(1, 0)};
+}
+
+/// Of a symmetric, positive definite tensor of two dimensions (Cayley-Hamilton).
+Mat2 square_root(const Mat2& u) {
+  const double root = std::sqrt(u.determinant());
+  return (u + root * Mat2::Identity()) / std::sqrt(u.trace() + 2.0 * root);
+}
+
+}  // namespace
+
+Vec3 NaturalState::metric(const Vec3& rest) const {
+  return numbers(stretch * tensor(rest) * stretch) + prestrain;
+}
+
+Vec3 NaturalState::bent(const Vec3& rest) const {
+  const Mat2 root = square_root(stretch);
+  return numbers(root * tensor(rest) * root) + curvature;
+}
+
+NaturalState natural_state(const Material& material, double change, double difference) {
+  NaturalState s;
+  s.stretch += tensor(material.initial_strain + change * material.expansion);
+  if (!material.prestress.isZero(0.0)) s.prestrain = -Eigen::LLT<Mat3>(material.membrane).solve(material.prestress);
+  s.curvature = difference * material.expansion_curvature;
+  return s;
+}
+
+bool has_initial_state(const Material& material) {
+  return !material.initial_strain.isZero(0.0) || !material.prestress.isZero(0.0);
+}
+
+}  // namespace voile::energy

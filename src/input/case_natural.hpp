@@ -1,0 +1,19 @@
+// Temperatures, imperfections, and what depends on the place; private to src/input.
+#pragma once
+
+#include <string>
+
+#include "voile/input/case_read.hpp"
+#include "voile/input/expression.hpp"
+
+namespace voile::input {
+
+/// An expression of place, and of time if `time` says so. What it throws, now and later, names the key.
+[[nodiscard]] PlaceExpression place_function(const SectionPlace& place, const char* key, const std::string& text,
+                                             bool time);
+/// Completes a temperature; the materials of `c` are there already. Throws UserError.
+void read_temperature(const SectionPlace& place, const Case& c, system::Temperature& t);
+/// Completes an imperfection of case `c`. Throws UserError.
+void check_imperfection(const SectionPlace& place, const Case& c, ImperfectionSection& s);
+
+}  // namespace voile::input

@@ -1,0 +1,157 @@
+#include "voile/system/natural_states.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+
+#include "voile/base/error.hpp"
+#include "voile/base/text.hpp"
+#include "voile/energy/angle_bending.hpp"
+#include "voile/energy/bending.hpp"
+#include "voile/energy/membrane.hpp"
+#include "voile/energy/sheet.hpp"
+#include "voile/system/discretisation.hpp"
+
+namespace voile::system {
+
+namespace {
+
+double value_of(const Temperature& t, const Temperature::Field& f, const Vec3& place, double time, double load_factor) {
+  if (!f.value) return 0.0;
+  return f.value(place, time) * (t.constant || f.in_time ? 1.0 : load_factor);
+}
+
+std::string name_of(const Temperature& t) {
+  return t.group.empty() ? "[[temperature]]" : fmt::format("[[temperature]] group '{}'", t.group);
+}
+
+void require_expansion(const Temperature& t, const energy::Material& m) {
+  const std::string material = m.groups.empty() ? std::string("the material of all other triangles")
+                                                : "that of group '" + m.groups.front() + "'";
+  if (!m.expands)
+    throw UserError(
+        fmt::format("{}: the [[material]] there, {}, has no expansion; give it `expansion` (or `expansion_1` and "
+                    "`expansion_2`), 0 if it does not expand",
+                    name_of(t), material));
+  if (t.difference.value && m.expansion_curvature.isZero(0.0) && !m.expansion.isZero(0.0))
+    throw UserError(fmt::format(
+        "{}: `difference` needs a thickness, and the [[material]] there, {}, has none; use another type than "
+        "\"matrices\", or remove the key",
+        name_of(t), material));
+}
+
+}  // namespace
+
+bool NaturalStates::needed(const energy::Sheet& sheet, const Temperatures& temperatures) {
+  return !temperatures.list.empty() ||
+         std::any_of(sheet.materials().begin(), sheet.materials().end(), energy::has_initial_state);
+}
+
+NaturalStates::NaturalStates(const Discretisation& on, Temperatures temperatures, Kernels kernels)
+    : on_(&on), temperatures_(std::move(temperatures)), kernels_(kernels) {
+  const energy::Sheet& sheet = on.sheet();
+  item_of_.assign(static_cast<std::size_t>(on.mesh().triangle_count()), no_index);
+  for (const Temperature& t : temperatures_.list) {
+    for (const Temperature::Field* f : {&t.change, &t.difference})
+      changes_ = changes_ || (f->value && (f->in_time || !t.constant));
+    covered_.emplace_back();
+    if (!t.group.empty()) {
+      covered_.back().assign(item_of_.size(), 0);
+      for (const Index k : on.mesh().group(t.group, 2).triangles) covered_.back()[static_cast<std::size_t>(k)] = 1;
+    }
+    for (Index k = 0; k < on.mesh().triangle_count(); ++k)
+      if (covers(covered_.size() - 1, k)) require_expansion(t, sheet.material(k));
+  }
+}
+
+bool NaturalStates::covers(std::size_t temperature, Index t) const {
+  const std::vector<char>& of = covered_[temperature];
+  return of.empty() || of[static_cast<std::size_t>(t)] != 0;
+}
+
+void NaturalStates::add(Index t, const energy::BendingElement& bending, const std::vector<Index>& local, Flags flags) {
+  const energy::Material& m = on_->sheet().material(t);
+  bool has_temperature = false, has_difference = false;
+  for (std::size_t k = 0; k < temperatures_.list.size(); ++k) {
+    if (!covers(k, t)) continue;
+    has_temperature = true;
+    has_difference = has_difference || temperatures_.list[k].difference.value;
+  }
+  if (!has_temperature && !energy::has_initial_state(m)) return;
+  const mesh::SurfaceMesh& mesh = on_->mesh();
+  Item item{t, kernels_.membrane.size() - 1, no_index, no_index, Vec3::Zero(), bending.rest_curvature};
+  for (int i = 0; i < 3; ++i) item.place += mesh.start_corner(t, i) / 3.0;
+  kernels_.membrane.add_natural();
+  if (flags.by_angles) {
+    item.angles = kernels_.angles.size() - 1;
+    item.rest = kernels_.angles.rest_curvature(item.angles);
+  } else if (has_difference || !item.rest.isZero(0.0)) {
+    item.bending = kernels_.bending.size();
+    kernels_.bending.add_natural(bending, on_->sheet().mesh().area(t) * m.bending, local, flags.owned);
+  }
+  item_of_[static_cast<std::size_t>(t)] = static_cast<Index>(items_.size());
+  items_.push_back(item);
+}
+
+void NaturalStates::set(double time, double load_factor) {
+  const double at = temperatures_.by_load ? load_factor : time;
+  if (!fresh_ && (!changes_ || (at == time_ && load_factor == load_factor_))) return;
+  fresh_ = false;
+  time_ = at;
+  load_factor_ = load_factor;
+  for (Item& item : items_) take(item, at, load_factor);
+}
+
+std::pair<double, double> NaturalStates::temperature_of(const Item& item, double time, double load_factor) const {
+  std::pair<double, double> sum{0.0, 0.0};
+  for (std::size_t k = 0; k < temperatures_.list.size(); ++k) {
+    if (!covers(k, item.triangle)) continue;
+    const Temperature& t = temperatures_.list[k];
+    sum.first += value_of(t, t.change, item.place, time, load_factor);
+    sum.second += value_of(t, t.difference, item.place, time, load_factor);
+  }
+  return sum;
+}
+
+double NaturalStates::growth() const {
+  double most = 0.0;
+  for (const Item& item : items_) {
+    const auto [change, difference] = temperature_of(item, time_, load_factor_);
+    const auto [more, wider] = temperature_of(item, temperatures_.by_load ? time_ + 1.0 : time_, load_factor_ + 1.0);
+    const energy::Material& m = on_->sheet().material(item.triangle);
+    const double cell = std::sqrt(on_->sheet().mesh().area(item.triangle));
+    most = std::max(most, std::abs(more - change) * m.expansion.norm() +
+                              std::abs(wider - difference) * m.expansion_curvature.norm() * cell);
+  }
+  return most;
+}
+
+void NaturalStates::take(Item& item, double time, double load_factor) {
+  const energy::Material& m = on_->sheet().material(item.triangle);
+  std::tie(item.change, item.difference) = temperature_of(item, time, load_factor);
+  const energy::NaturalState state = energy::natural_state(m, item.change, item.difference);
+  const Eigen::Vector2d stretch = state.stretch.diagonal();
+  if (!(stretch.minCoeff() > 0.0 && state.stretch.determinant() > 0.0))
+    throw UserError(
+        fmt::format("[[temperature]]: at ({:g}, {:g}, {:g}) m a change of {:g} K leaves a length of {:g} of the rest "
+                    "shape; check expansion, initial_strain and temperature",
+                    item.place[0], item.place[1], item.place[2], item.change, stretch.minCoeff()));
+  item.bent = state.bent(item.rest);
+  kernels_.membrane.set_natural(item.membrane, state);
+  if (item.bending != no_index) kernels_.bending.set_natural(item.bending, item.bent);
+  if (item.angles != no_index) kernels_.angles.set_rest_curvature(item.angles, item.bent);
+}
+
+Vec3 NaturalStates::curvature_change(Index t) const {
+  const Index i = item_of_[static_cast<std::size_t>(t)];
+  return i == no_index ? Vec3(Vec3::Zero()) : Vec3(items_[i].bent - items_[i].rest);
+}
+
+std::pair<double, double> NaturalStates::temperature(Index t) const {
+  const Index i = item_of_[static_cast<std::size_t>(t)];
+  return i == no_index ? std::pair(0.0, 0.0) : std::pair(items_[i].change, items_[i].difference);
+}
+
+}  // namespace voile::system

@@ -1,0 +1,216 @@
+"""Temperature, initial strain, prestress and imperfections against closed forms; ranks, restart, stages, remeshing, mistakes."""
+
+import math
+
+import numpy as np
+from common import fresh, plate, strip
+from harness import OUT, solve, test
+from solver import Result, invoke, run, variant, write_case
+
+YOUNG, POISSON, THICKNESS, EXPANSION = 210e9, 0.3, 0.01, 12e-6
+SIDES = ("left", "right", "bottom", "top")
+STEEL = {"type": "isotropic", "young": YOUNG, "poisson": POISSON, "thickness": THICKNESS, "expansion": EXPANSION}
+
+
+def held_plate(cells, kind, **more):
+    """A square plate of 1 m whose sides are held, without a load."""
+    case = plate(cells, 0.0) | {"material": [STEEL], "support": [{"type": kind, "group": side} for side in SIDES]} | more
+    case.pop("load")
+    return case
+
+
+def largest(a, b):
+    return float(np.abs(a - b).max() / np.abs(b).max())
+
+
+@test
+def cooled_plate(report):
+    """A clamped plate that is cooled pulls with E h / (1 - nu) times its strain; linear and nonlinear."""
+    change = -100.0
+    case = held_plate(8, "clamped", temperature=[{"change": str(change)}],
+                      probe=[{"name": "pull", "type": "reaction", "group": "right"}])
+    strain = EXPANSION * change
+    for analysis, exact in (("linear", strain + strain**2 / 2), ("static", strain + strain**2 / 2)):
+        pull = solve(f"cooled_{analysis}", case | {"analysis": analysis}).history["pull_x"][-1]
+        report.percent(pull / (-YOUNG * THICKNESS / (1 - POISSON) * exact), 1e-9, f"{analysis}: pull of a side, {pull:.6g} N")
+
+
+@test
+def bimetal_strip(report):
+    """A strip, hotter on top, rolls up to an arc of radius h / (alpha d) (Timoshenko, J. Opt. Soc. Am. 11 (1925) 233, one material)."""
+    length, thickness, expansion, difference = 10.0, 0.1, 1e-4, 200.0
+    radius = thickness / (expansion * difference)
+    material = [{"type": "orthotropic", "young_1": 1.2e6, "young_2": 1.2e6, "poisson_12": 0.0, "shear_12": 0.6e6,
+                 "thickness": thickness, "density": 100.0, "direction": [1, 0, 0], "expansion_1": expansion, "expansion_2": 0.0}]
+    exact = (radius * math.sin(length / radius) - length, -radius * (1 - math.cos(length / radius)))
+    for pattern in (0, 1, 2):
+        case = strip(nx=40, ny=4) | {"material": material, "temperature": [{"difference": str(difference)}]}
+        case.pop("load")
+        case["mesh"]["parameters"]["pattern"] = pattern
+        h = solve(f"bimetal_{pattern}", case).history
+        error = math.hypot(h["tip_x"][-1] - exact[0], h["tip_z"][-1] - exact[1]) / length
+        report.below(error, 0.002, f"pattern {pattern}: tip ({h['tip_x'][-1]:.5g}, {h['tip_z'][-1]:.5g}) m, distance / length")
+
+
+@test
+def heated_plate_buckles(report):
+    """Simply supported and held in its plane a plate buckles at alpha dT = pi^2 h^2 / (6 (1 + nu) a^2) (Boley & Weiner, 1960)."""
+    exact = math.pi**2 * THICKNESS**2 / (6 * (1 + POISSON) * EXPANSION)
+    case = held_plate(16, "hinged", analysis="buckling", temperature=[{"change": "1"}], eigen={"modes": 1})
+    found = modes_of(solve("heated_buckling", case))[0]
+    report.percent(found / exact, 0.035, f"critical change {found:.5g} K")
+    # Modes about the heated plate: the frequency falls to 0 as sqrt(1 - T / T_cr).
+    cold = held_plate(16, "hinged", analysis="modal", material=[STEEL | {"density": 7800.0}], eigen={"modes": 1})
+    heated = cold | {"temperature": [{"change": f"{0.75 * found:.12g}", "constant": True}]}
+    ratio = modes_of(solve("heated_modes", heated))[0] / modes_of(solve("cold_modes", cold))[0]
+    report.percent(ratio / 0.5, 0.003, f"frequency at three quarters of it: {ratio:.4f} of the cold plate's")
+
+
+def modes_of(result):
+    table = np.genfromtxt(result.folder / "modes.csv", delimiter=",", names=True, ndmin=1)
+    return table[table.dtype.names[1]]
+
+
+@test
+def tensioned_membrane(report):
+    """Frequencies of a square drum under prestress, f_mn = 1/2 sqrt(N/m) sqrt(m^2 + n^2) / a, and of one pulled more along x."""
+    force, density = 1000.0, 0.1
+    for name, forces in (("drum", (force, force)), ("drum_x", (2 * force, force))):
+        exact = sorted(0.5 * math.sqrt((forces[0] * m * m + forces[1] * n * n) / density) for m in range(1, 5) for n in range(1, 5))[:6]
+        case = held_plate(24, "hinged", analysis="modal", eigen={"modes": 6, "mass": "lumped"}, material=[
+            {"type": "isotropic", "young": 1e9, "poisson": 0.3, "thickness": 1e-4, "density": density / 1e-4,
+             "direction": [1, 0, 0], "prestress": list(forces)}])
+        found = modes_of(solve(name, case))
+        for k, f in enumerate(exact):
+            report.percent(found[k] / f, 0.01, f"{name}: mode {k + 1}, {found[k]:.5g} Hz")
+
+
+@test
+def heated_ranks_and_restart(report):
+    """A heated cap on 1, 2 and 3 ranks, and a motion that is heated in time, unbroken and restarted."""
+    cap = strip(nx=20, ny=4) | {"material": [{"type": "isotropic", "young": 1.2e6, "poisson": 0.3, "thickness": 0.1, "density": 100.0,
+                                              "expansion": 1e-4}],
+                                "temperature": [{"change": "50*x"}, {"difference": "20 + 100*t"}]}
+    cap.pop("load")
+    ends = [solve(f"heated_{ranks}", cap, ranks).displacement() for ranks in (1, 2, 3)]
+    for k in (1, 2):
+        report.below(largest(ends[k], ends[0]), 1e-7, f"{k + 1} ranks and 1")
+    motion = cap | {"analysis": "dynamic", "temperature": [{"difference": "2000*t"}, {"change": "100*sin(20*t)"}],
+                    "time": {"end": 0.2, "step": 0.01, "checkpoint_steps": 10}, "damping": {"membrane": 1e-3}}
+    whole = solve("heated_whole", motion)
+    half = solve("heated_half", variant(motion, {"time.end": 0.1}))
+    again = solve("heated_again", motion, 2, ("--restart", half.folder / "checkpoint.h5"))
+    report.below(largest(again.displacement(), whole.displacement()), 1e-7, "restarted on 2 ranks and unbroken")
+    energy = whole.summary["energy"]
+    report.below(energy["energy_unaccounted"] / energy["work_of_supports"], 1e-10, "energy unaccounted for, of what heating brings in")
+
+
+@test
+def heated_stages(report):
+    """What a stage has heated stays hot in the next: its modes are those of one case at that temperature."""
+    hot = held_plate(8, "clamped", material=[STEEL | {"density": 7800.0}], temperature=[{"change": "30"}])
+    for key in ("analysis", "steps", "output"):
+        hot.pop(key, None)
+    both = solve("heated_stages", hot | {"stage": [{"name": "heat", "analysis": "static"},
+                                                   {"name": "ring", "analysis": "modal", "eigen": {"modes": 2}}]})
+    staged = modes_of(Result(both.folder / "ring", both.code, both.text, 0.0))
+    single = modes_of(solve("heated_single", hot | {"analysis": "modal", "eigen": {"modes": 2, "load_factor": 1.0}}))
+    report.below(largest(staged, single), 1e-8, "frequencies by stages and at load factor 1")
+
+
+@test
+def heated_remeshing(report):
+    """A plate that buckles by heat, remeshed on its way, ends with the same deflection."""
+    heat = held_plate(12, "hinged", temperature=[{"change": "25"}], steps={"initial_step": 0.05, "max_step": 0.1},
+                      imperfection=[{"type": "expression", "height": "1e-3*sin(pi*x)*sin(pi*y)"}])
+    plain = solve("heated_plain", heat).history["centre_z"][-1]
+    result = solve("heated_remeshed", heat | {"remesh": {"angle": 3.0, "largest": 0.1}})
+    report.check(result.summary["remeshings"]["count"] > 0 if "remeshings" in result.summary else "remesh" in result.text,
+                 "the plate was remeshed")
+    report.percent(result.history["centre_z"][-1] / plain, 0.03, f"deflection {plain:.5g} m")
+
+
+@test
+def imperfect_column(report):
+    """The deflection of a strip with its first mode as imperfection grows by 1 / (1 - P / P_cr) (Southwell, 1932)."""
+    column = strip(nx=40, ny=2) | {
+        "support": [{"type": "hinged", "group": "clamp"},
+                    {"type": "displacement", "group": "tip", "components": ["y", "z"]}],
+        "load": [{"type": "line", "group": "tip", "vector": [-1, 0, 0]}],
+        "probe": [{"name": "middle", "type": "displacement", "point": [5, 0.5, 0], "components": ["z"]}]}
+    modes = solve("column_buckling", column | {"analysis": "buckling", "eigen": {"modes": 2}})
+    critical = modes_of(modes)[0]
+    report.percent(critical / (math.pi**2 * 1.2e6 * 0.1**3 / 12 / 100), 0.01, f"critical force {critical:.5g} N/m")
+    amplitude = 1e-3
+    path = column | {"steps": {"final_load_factor": 0.8 * critical, "stops": [0.4 * critical, 0.6 * critical],
+                               "initial_step": 0.2 * critical, "max_step": 0.2 * critical}}
+    imperfect = [{"type": "modes", "results": str(modes.folder), "modes": [1], "amplitudes": [amplitude]}]
+    ends = {}
+    for name, ranks, imperfection in (
+            ("modes", 1, imperfect), ("modes_2", 2, imperfect),
+            ("expression", 1, [{"type": "expression", "height": f"{amplitude}*sin(pi*x/10)"}])):
+        h = solve(f"column_{name}", path | {"imperfection": imperfection}, ranks).history
+        ends[name] = h["middle_z"][-1]
+        for share in (0.4, 0.6, 0.8):
+            at = int(np.argmin(np.abs(h["load_factor"] - share * critical)))
+            report.percent((amplitude + abs(h["middle_z"][at])) / (amplitude / (1 - share)), 0.01,
+                           f"{name}: P = {share} P_cr, deflection / imperfection")
+    report.below(ends["modes_2"] / ends["modes"] - 1, 1e-7, "2 ranks and 1")
+
+
+@test
+def random_imperfection(report):
+    """The same seed gives the same field on 1 and 3 ranks; another one another."""
+    shapes = {}
+    for name, ranks, seed in (("a", 1, 3), ("b", 3, 3), ("c", 1, 4)):
+        case = strip(nx=20, ny=2) | {"imperfection": [{"type": "random", "amplitude": 0.01, "length": 2.0, "seed": seed}]}
+        shapes[name] = solve(f"random_{name}", case, ranks).results[-1].mesh.positions
+    report.below(np.abs(shapes["a"] - shapes["b"]).max(), 1e-14, "3 ranks and 1 [m]")
+    report.check(np.abs(shapes["a"] - shapes["c"]).max() > 1e-3, "another seed")
+    report.near(np.abs(shapes["a"][:, 2]).max(), 0.01, 1e-12, "largest height [m]")
+
+
+@test
+def hydrostatic_pressure(report):
+    """A wall clamped at its foot under water: reaction rho g b^2 / 2 per width, moment by the deflection rho g b^5 / (30 D)."""
+    length, weight = 10.0, 1e-4
+    case = strip(nx=40, ny=2, analysis="linear") | {
+        "load": [{"type": "pressure", "magnitude": weight, "distribution": "10 - x"}],
+        "probe": [{"name": "tip", "type": "displacement", "group": "tip"}, {"name": "foot", "type": "reaction", "group": "clamp"}]}
+    h = solve("hydrostatic", case).history
+    report.percent(-h["foot_z"][-1] / (weight * length**2 / 2), 1e-9, "reaction of the foot")
+    report.percent(h["tip_z"][-1] / (weight * length**5 / (30 * 1.2e6 * 0.1**3 / 12)), 0.005, "deflection of the top")
+
+
+MISTAKES = (
+    ("no expansion", {"temperature": [{"change": "10"}]}, "has an expansion"),
+    ("no value", {"material": [STEEL], "temperature": [{"group": "plate"}]}, "difference"),
+    ("expression", {"material": [STEEL], "temperature": [{"change": "10*q"}]}, "temperature.change: '10*q'"),
+    ("not finite", {"material": [STEEL], "temperature": [{"change": "1/(x - x)"}]}, "not a finite number"),
+    ("constant in time", {"material": [STEEL], "temperature": [{"change": "10*t", "constant": True}]}, "temperature.constant"),
+    ("group", {"material": [STEEL], "temperature": [{"change": "10", "group": "plat"}]}, "plat"),
+    ("below nothing", {"material": [STEEL | {"expansion": -0.1}], "temperature": [{"change": "20"}]}, "leaves a length"),
+    ("no direction", {"material": [STEEL | {"prestress": [1, 2]}]}, "material.prestress"),
+    ("strain in per cent", {"material": [STEEL | {"initial_strain": [-2, -2]}]}, "2 % is 0.02"),
+    ("one number", {"material": [STEEL | {"initial_strain": [-0.02]}]}, "give two"),
+    ("no run", {"imperfection": [{"type": "modes", "results": "nowhere", "modes": [1], "amplitudes": [1e-3]}]}, "imperfection"),
+    ("mode 0", {"imperfection": [{"type": "modes", "results": "nowhere", "modes": [0], "amplitudes": [1e-3]}]}, "imperfection.modes"),
+    ("amplitudes", {"imperfection": [{"type": "modes", "results": "x", "modes": [1, 2, 3], "amplitudes": [1, 2]}]}, "imperfection.amplitudes"),
+    ("height", {"imperfection": [{"type": "expression", "height": "sin("}]}, "imperfection.height"),
+    ("distribution", {"load": [{"type": "pressure", "magnitude": 1, "distribution": "t"}]}, "load.distribution"),
+)
+
+
+@test
+def initial_mistakes(report):
+    """Mistakes in temperatures, prestress and imperfections end with code 2, the key and a remedy before the first step."""
+    for k, (name, sections, words) in enumerate(MISTAKES):
+        case = strip() | {"analysis": "static"} | sections
+        code, text = invoke(["check", write_case(case, OUT / f"initial_mistake_{k}.toml")])
+        report.check(code == 2 and words in text, f"{name}: code {code}, {text.strip()[-200:]}")
+    modes = solve("mistake_modes", strip(nx=8, ny=1, analysis="modal", eigen__modes=2))
+    for words, mode, cells in (("mode 7", 7, 8), ("another mesh", 1, 10)):
+        case = strip(nx=cells, ny=1) | {"imperfection": [
+            {"type": "modes", "results": str(modes.folder), "modes": [mode], "amplitudes": [1e-3]}]}
+        done = run(write_case(case, OUT / "mistake_mode.toml"), fresh("mistake_mode"))
+        report.check(done.code == 2 and words in done.text, f"mode {mode} on {cells} cells: code {done.code}, {done.text.strip()[-250:]}")
