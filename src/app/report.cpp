@@ -31,6 +31,9 @@ std::string iterative_text(const solve::IterativeEffort& e) {
 
 void print_header(const input::Case& c, const system::Model& model) {
   fmt::print("{}: {}\n", c.file.filename().string(), c.title);
+  if (!input::UnitSystem(c.units).is_si())
+    fmt::print("units: {}, {}, {}; labels in m, N and Pa stand for those\n", c.units.length, c.units.mass,
+               c.units.time);
   fmt::print("{} vertices, {} triangles, {} unknowns on {} rank(s)\n", model.dofs().mesh().vertex_count(),
              model.dofs().mesh().triangle_count(), model.dofs().unknowns(), mpi::size(model.dofs().comm()));
   if (model.dofs().mesh().reoriented_count() > 0)
@@ -51,6 +54,7 @@ void report_mesh(const input::Case& c, const RunOptions& options, const system::
     }
     for (const std::string& text : quality_warnings(mesh, quality, c.element)) fmt::print("warning: {}\n", text);
     for (const std::string& text : probe_warnings(c, mesh)) fmt::print("warning: {}\n", text);
+    if (const std::string text = unit_warning(c, mesh); !text.empty()) fmt::print("warning: {}\n", text);
     if (const std::string text = fold_warning(mesh, quality, c.element); !text.empty())
       fmt::print("warning: {}\n", text);
     if (!uncorrected.empty()) fmt::print("warning: {}\n", uncorrected);
