@@ -64,12 +64,14 @@ void fill_laminate(const SectionPlace& place, const MaterialInput& in, energy::M
 }
 
 /// The file of a fabric states its own mistakes.
-void fill_fabric(const SectionPlace& place, const MaterialInput& in, energy::Material& m) {
+void fill_fabric(const SectionPlace& place, const MaterialInput& in, const UnitSystem& units, energy::Material& m) {
+  constexpr Powers per_width{0, 1, -2}, moment_per_width{2, 1, -2}, per_area{-2, 1, 0}, duration{0, 0, 1};
   const Fabric fabric = read_fabric(in.fabric);
-  m.membrane = energy::rotated_stiffness(membrane_stiffness(fabric), in.warp_angle);
-  m.bending = energy::rotated_stiffness(bending_stiffness(fabric), in.warp_angle);
-  m.areal_density = fabric.areal_density;
-  if (!place.has("bending_damping")) m.bending_damping = bending_damping(fabric);
+  m.membrane = units.from_si(1.0, per_width) * energy::rotated_stiffness(membrane_stiffness(fabric), in.warp_angle);
+  m.bending =
+      units.from_si(1.0, moment_per_width) * energy::rotated_stiffness(bending_stiffness(fabric), in.warp_angle);
+  m.areal_density = units.from_si(fabric.areal_density, per_area);
+  if (!place.has("bending_damping")) m.bending_damping = units.from_si(bending_damping(fabric), duration);
 }
 
 /// The file of a fabric that the case names; only a missing one is a mistake of the case.
@@ -88,7 +90,7 @@ std::filesystem::path fabric_file(const SectionPlace& place, const std::filesyst
                          near.empty() ? "" : fmt::format("; did you mean fabric = \"{}\", which is shipped?", near)));
 }
 
-void fill_matrices(const SectionPlace& place, const MaterialInput& in, energy::Material& m) {
+void fill_matrices(const SectionPlace& place, const MaterialInput& in, const UnitSystem& units, energy::Material& m) {
   m.bending_damping = in.bending_damping;
   m.viscous_time = in.membrane_damping;
   switch (in.type) {
@@ -96,7 +98,7 @@ void fill_matrices(const SectionPlace& place, const MaterialInput& in, energy::M
       fill_laminate(place, in, m);
       return;
     case MaterialInput::Type::fabric:
-      fill_fabric(place, in, m);
+      fill_fabric(place, in, units, m);
       return;
     case MaterialInput::Type::isotropic:
       m.membrane = energy::isotropic_membrane(in.young, in.poisson, in.thickness);
@@ -219,7 +221,7 @@ void read_materials(const CaseReader& reader, Case& c) {
     m.groups = in.groups;
     fill_direction(place, in, m);
     if (in.type == MaterialInput::Type::fabric) in.fabric = fabric_file(place, in.fabric);
-    fill_matrices(place, in, m);
+    fill_matrices(place, in, reader.units(), m);
     fill_natural(place, in, m);
     if (in.groups.empty() && everywhere)
       place.fail("groups", "the key is missing, and another material has no groups either; say where each applies");
