@@ -126,8 +126,8 @@ std::vector<io::Field> stress_fields(const energy::Sheet& sheet, const system::T
     const auto at = [&](const energy::Layer& layer, double z) -> Stress {
       Vec3 elastic = strain - z * curvature;
       // A ply wants to expand otherwise than the whole.
-      elastic += change * (m.expansion - layer.expansion) -
-                 z * difference * (m.expansion_curvature + layer.expansion / thickness);
+      elastic += change * (m.expansion - layer.expansion - z * m.coupled_curvature) +
+                 difference * (m.coupled_strain - z * (m.expansion_curvature + layer.expansion / thickness));
       return layer.stiffness * elastic;
     };
     bottom.set(t, at(layers.front(), layers.front().low));

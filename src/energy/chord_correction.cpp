@@ -105,6 +105,24 @@ std::vector<BendWeights> take_stencil(const ChordInput& in, const PatchCubic& cu
 
 }  // namespace
 
+std::vector<BentChord> bent_chords(const Sheet& sheet, Index t, const BendingElement& bending,
+                                   const ChordInput::Forms& quadratic) {
+  std::vector<BentChord> chords;
+  if (beside_crease(sheet, t)) return chords;
+  const PatchCubic cubic = make_patch_cubic(sheet, t, bending);
+  const mesh::Patch patch = sheet.patches().patch(t, sheet.frame(t));
+  for (const auto& [i, j] : ends) {
+    if (patch.points[static_cast<std::size_t>(j)] == no_index) continue;
+    const BendWeights along =
+        cubic.along(patch.coordinates[static_cast<std::size_t>(i)], patch.coordinates[static_cast<std::size_t>(j)]);
+    BentChord chord{cubic.points, {}, cubic.start * along, Vec3::Zero()};
+    for (const BendWeights& w : cubic.weights) chord.weights.push_back(along.dot(w));
+    for (std::size_t r = 0; r < 3; ++r) chord.share[static_cast<int>(r)] = -quadratic[r](i, j) / 12.0;
+    chords.push_back(std::move(chord));
+  }
+  return chords;
+}
+
 ChordCorrection make_chord_correction(const ChordInput& in) {
   const PatchCubic cubic = make_patch_cubic(in.sheet, in.triangle, in.bending);
   const mesh::Patch patch = in.sheet.patches().patch(in.triangle, in.sheet.frame(in.triangle));

@@ -250,6 +250,16 @@ Mat3 condense_free_sides(const std::vector<Vec3>& free_sides, const Mat3& bendin
 
 }  // namespace
 
+Mat3 free_side_projector(const Sheet& sheet, Index t) {
+  if (sheet.options().bending == BendingOperator::six_node) return Mat3::Identity();
+  const mesh::Patch patch = sheet.patches().patch(t, sheet.frame(t));
+  std::vector<Vec3> free_sides;
+  for (int s = 0; s < 3; ++s)
+    if (patch.points[3 + s] == no_index)
+      free_sides.push_back(voigt(side_of(patch, s).normal, side_of(patch, s).normal));
+  return condense_free_sides(free_sides, sheet.material(t).bending);
+}
+
 CurvatureOperator CurvatureBuilder::Impl::edge_slope(Index t) {
   const mesh::Patch& patch = entry(t).patch;
   std::array<Functional, 3> rows;

@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -58,19 +59,50 @@ Vec3 rotated_force(const Vec3& force, double angle) {
   return {like_strain[0], like_strain[1], 0.5 * like_strain[2]};
 }
 
+namespace {
+
+/// [A, -B; -B, D]
+Eigen::Matrix<double, 6, 6> whole_stiffness(const Material& m) {
+  Eigen::Matrix<double, 6, 6> k;
+  k << m.membrane, -m.coupling, -m.coupling, m.bending;
+  return k;
+}
+
+}  // namespace
+
+Released released(const Material& material, const Vec3& force, const Vec3& moment) {
+  if (!couples(material))
+    return {Eigen::LLT<Mat3>(material.membrane).solve(force), Eigen::LLT<Mat3>(material.bending).solve(moment)};
+  Eigen::Matrix<double, 6, 1> right;
+  right << force, moment;
+  const Eigen::Matrix<double, 6, 1> both = whole_stiffness(material).ldlt().solve(right);
+  return {both.head<3>(), both.tail<3>()};
+}
+
+bool is_stable(const Material& material) {
+  if (!is_positive_definite(material.membrane) || !is_positive_definite(material.bending)) return false;
+  if (!couples(material)) return true;
+  const Mat3 left = material.bending - material.coupling * Eigen::LLT<Mat3>(material.membrane).solve(material.coupling);
+  return is_positive_definite(left);
+}
+
 void set_expansion(Material& material, const Vec3& expansion, const std::vector<double>& angles) {
   std::vector<Layer>& layers = material.layers;
-  Vec3 force = Vec3::Zero(), moment = Vec3::Zero();
+  std::array<Vec3, 3> sums{Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};  // of Q a dz, Q a z dz, Q a z^2 dz
   const double thickness = layers.back().high - layers.front().low;
   for (std::size_t k = 0; k < layers.size(); ++k) {
     Layer& l = layers[k];
     l.expansion = angles.empty() ? expansion : rotated_strain(expansion, angles[k] * (std::numbers::pi / 180.0));
     const Vec3 stress = l.stiffness * l.expansion;
-    force += (l.high - l.low) * stress;
-    moment -= (std::pow(l.high, 3) - std::pow(l.low, 3)) / (3.0 * thickness) * stress;
+    for (int n = 1; n <= 3; ++n) sums[n - 1] += (std::pow(l.high, n) - std::pow(l.low, n)) / n * stress;
   }
-  material.expansion = Eigen::LLT<Mat3>(material.membrane).solve(force);
-  material.expansion_curvature = Eigen::LLT<Mat3>(material.bending).solve(moment);
+  const Vec3 none = Vec3::Zero(), first = couples(material) ? sums[1] : none;  // of symmetric stacks round-off
+  const Released change = released(material, sums[0], -first),
+                 difference = released(material, first / thickness, -sums[2] / thickness);
+  material.expansion = change.strain;
+  material.coupled_curvature = change.curvature;
+  material.coupled_strain = difference.strain;
+  material.expansion_curvature = difference.curvature;
 }
 
 LaminateStiffness laminate(const Mat3& ply_stiffness, const std::vector<Ply>& plies) {

@@ -3,11 +3,22 @@
 #include <Eigen/Dense>
 #include <algorithm>
 
+#include "voile/energy/curvature.hpp"
+
 namespace voile::energy {
 
 namespace {
 
 namespace fields = membrane_fields;
+
+/// Of a laminate whose stretching and bending are coupled, slopes of free sides follow the strain too: A - B (I - P) D^-1 B.
+Mat3 released_stiffness(const Sheet& sheet, Index t) {
+  const Material& m = sheet.material(t);
+  if (!couples(m)) return m.membrane;
+  const Mat3 free = Mat3::Identity() - free_side_projector(sheet, t);
+  const Mat3 softer = m.coupling * free * Eigen::LLT<Mat3>(m.bending).solve(m.coupling);
+  return m.membrane - 0.5 * (softer + softer.transpose());
+}
 
 /// Gradient of the linear interpolation on a triangle: row alpha, column corner.
 std::array<std::array<double, 3>, 2> linear_gradient(const Vec2& a, const Vec2& b, const Vec2& c) {
@@ -138,6 +149,7 @@ void MembraneTerm::add(const Sheet& sheet, Index t, const std::array<Index, node
   last_correction_.fill(Vec3::Zero());
   last_chords_ = {};
   material_.push_back(sheet.material_index(t));
+  last_stiffness_ = released_stiffness(sheet, t);
   if (!corrects()) place({}, {local.begin(), local.end()}, false);
 }
 
@@ -159,7 +171,7 @@ void MembraneTerm::place(std::vector<double> numbers, const std::vector<Index>& 
       for (int k = 0; k < 4; ++k) all[fields::side + 8 * s + 4 * alpha + k] = last_.side[s][alpha][k];
     for (int k = 0; k < 3; ++k) all[fields::own + 3 * alpha + k] = last_.own[alpha][k];
   }
-  const Mat3 factor = Eigen::LLT<Mat3>(last_.area * stiffness_[material_.back()]).matrixL();
+  const Mat3 factor = Eigen::LLT<Mat3>(last_.area * last_stiffness_).matrixL();
   for (int b = 0, k = fields::stiffness; b < 3; ++b)
     for (int a = b; a < 3; ++a) all[k++] = factor(a, b);
   all.insert(all.end(), numbers.begin(), numbers.end());
@@ -269,6 +281,13 @@ MembraneTerm::Metrics MembraneTerm::natural_metrics(const Natural& n) const {
   off.fill(Vec3::Zero());
   for (int g = 0; g < shape_.groups; ++g) off[g] = n.state.metric(n.rest[g] + n.whole[g]) - n.whole[g];
   return off;
+}
+
+Vec3 MembraneTerm::natural_metric(Index e) const {
+  const Metrics off = taken_off(e);
+  Vec3 sum = Vec3::Zero();
+  for (int g = 0; g < shape_.groups; ++g) sum += shape_.factor[g] * off[g];
+  return sum;
 }
 
 void MembraneTerm::set_natural(Index e, const NaturalState& state) {

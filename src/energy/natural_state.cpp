@@ -34,9 +34,12 @@ Vec3 NaturalState::bent(const Vec3& rest) const {
 
 NaturalState natural_state(const Material& material, double change, double difference) {
   NaturalState s;
-  s.stretch += tensor(material.initial_strain + change * material.expansion);
-  if (!material.prestress.isZero(0.0)) s.prestrain = -Eigen::LLT<Mat3>(material.membrane).solve(material.prestress);
-  s.curvature = difference * material.expansion_curvature;
+  s.stretch += tensor(material.initial_strain + change * material.expansion + difference * material.coupled_strain);
+  s.curvature = difference * material.expansion_curvature + change * material.coupled_curvature;
+  if (material.prestress.isZero(0.0)) return s;
+  const Released r = released(material, material.prestress, Vec3::Zero());
+  s.prestrain = -r.strain;
+  s.curvature -= r.curvature;
   return s;
 }
 

@@ -333,6 +333,12 @@ Case read_case(CaseReader& reader, const std::filesystem::path& file, StageSecti
   check_mesh(reader.read("mesh", 0, keys_of(c.mesh)), c);
   reader.read("element", 0, keys_of(c.element));
   read_materials(reader, c);
+  if (c.element.bending == energy::BendingOperator::edge_angle &&
+      std::any_of(c.materials.begin(), c.materials.end(), energy::couples))
+    throw UserError(fmt::format(
+        "{}: element.type: \"angles\" has no laminates that couple stretching and bending; use \"corrected\", "
+        "or a symmetric stack",
+        c.file.string()));
   const auto unchecked = [](const SectionPlace&, const auto&) {};
   read_supports(reader, c);
   read_all(reader, "load", c.loads, [&](const SectionPlace& place, system::Load& load) { read_load(place, c, load); });

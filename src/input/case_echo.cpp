@@ -151,12 +151,15 @@ MaterialInput as_input(const energy::Material& m) {
   input.groups = m.groups;
   input.membrane = m.membrane;
   input.bending = m.bending;
+  input.coupling = m.coupling;
   input.areal_density = m.areal_density;
   input.bending_damping = m.bending_damping;
   input.membrane_damping = m.viscous_time;
   if (m.expands) {
     input.expansion_strain = m.expansion;
     input.expansion_curvature = m.expansion_curvature;
+    if (!m.coupled_strain.isZero(0.0)) input.coupled_strain = m.coupled_strain;
+    if (!m.coupled_curvature.isZero(0.0)) input.coupled_curvature = m.coupled_curvature;
   }
   const auto given = [](const Vec3& v) {
     return v.isZero(0.0) ? std::vector<double>{} : std::vector<double>{v[0], v[1], v[2]};

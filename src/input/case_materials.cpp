@@ -49,17 +49,14 @@ void fill_laminate(const SectionPlace& place, const MaterialInput& in, energy::M
     plies.push_back({in.angles[k] * (std::numbers::pi / 180.0), in.ply_thicknesses[given == 1 ? 0 : k]});
   const energy::LaminateStiffness l =
       energy::laminate(energy::orthotropic_membrane(in.young_1, in.young_2, in.poisson_12, in.shear_12, 1.0), plies);
-  const double coupling = l.coupling.cwiseAbs().maxCoeff() / (l.membrane.cwiseAbs().maxCoeff() * l.thickness);
-  if (coupling > 1e-9)
-    place.fail("angles",
-               fmt::format("this stack couples stretching with bending (|B| = {:.3g} of |A| h), which the shell "
-                           "element does not have; make the stack symmetric about its middle",
-                           coupling));
+  // What round-off leaves of a symmetric stack is none.
+  const double size = l.membrane.cwiseAbs().maxCoeff() * l.thickness;
+  if (l.coupling.cwiseAbs().maxCoeff() > 1e-9 * size) m.coupling = l.coupling;
   m.membrane = l.membrane;
   m.bending = l.bending;
   m.layers = l.layers;
   m.areal_density = in.density * l.thickness;
-  if (!energy::is_positive_definite(m.membrane) || !energy::is_positive_definite(m.bending))
+  if (!energy::is_stable(m))
     place.fail("ply_thicknesses", "the stiffness is not positive definite or not finite; check moduli and thicknesses");
 }
 
@@ -112,8 +109,16 @@ void fill_matrices(const SectionPlace& place, const MaterialInput& in, const Uni
       check_matrix(place, "bending", in.bending);
       m.membrane = in.membrane;
       m.bending = in.bending;
+      m.coupling = in.coupling;
+      if ((m.coupling - m.coupling.transpose()).cwiseAbs().maxCoeff() > 1e-12 * m.coupling.cwiseAbs().maxCoeff())
+        place.fail("coupling", "the matrix is not symmetric; make entry (i, j) equal to (j, i)");
+      if (!energy::is_stable(m))
+        place.fail("coupling",
+                   "some deformation would cost no energy: [A, -B; -B, D] is not positive definite; check "
+                   "the entries");
       m.areal_density = in.areal_density;
-      if (!in.direction && in.texture_direction.empty() && !(is_isotropic(m.membrane) && is_isotropic(m.bending)))
+      if (!in.direction && in.texture_direction.empty() &&
+          !(is_isotropic(m.membrane) && is_isotropic(m.bending) && is_isotropic(m.coupling)))
         place.fail("direction", "the key is missing; these matrices depend on the direction of material axis 1");
       return;
   }
@@ -141,6 +146,8 @@ void fill_expansion(const SectionPlace& place, const MaterialInput& in, energy::
     m.expands = in.expansion_strain || in.expansion_curvature;
     m.expansion = in.expansion_strain.value_or(Vec3::Zero());
     m.expansion_curvature = in.expansion_curvature.value_or(Vec3::Zero());
+    m.coupled_strain = in.coupled_strain.value_or(Vec3::Zero());
+    m.coupled_curvature = in.coupled_curvature.value_or(Vec3::Zero());
   } else if (!std::isnan(along)) {
     m.expands = true;
     energy::set_expansion(m, Vec3(along, across, 0.0), in.type == Type::laminate ? in.angles : std::vector<double>{});

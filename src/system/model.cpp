@@ -76,7 +76,7 @@ void Model::residual(Vec a, Vec r) {
     for (PetscInt i : dofs().fixed()) reaction += out[i] * out[i];
     conditions_->write_off(petsc::ReadArray(a), out);
   }
-  force_scale_ = std::max(applied, std::sqrt(mpi::sum(comm(), reaction)));
+  force_scale_ = std::max({applied, std::sqrt(mpi::sum(comm(), reaction)), potential_->natural_force()});
 }
 
 double Model::energy(Vec a) {

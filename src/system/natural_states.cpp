@@ -10,6 +10,7 @@
 #include "voile/base/text.hpp"
 #include "voile/energy/angle_bending.hpp"
 #include "voile/energy/bending.hpp"
+#include "voile/energy/curvature.hpp"
 #include "voile/energy/membrane.hpp"
 #include "voile/energy/sheet.hpp"
 #include "voile/system/discretisation.hpp"
@@ -81,13 +82,14 @@ void NaturalStates::add(Index t, const energy::BendingElement& bending, const st
   }
   if (!has_temperature && !energy::has_initial_state(m)) return;
   const mesh::SurfaceMesh& mesh = on_->mesh();
-  Item item{t, kernels_.membrane.size() - 1, no_index, no_index, Vec3::Zero(), bending.rest_curvature};
+  Item item{t, kernels_.membrane.size() - 1, no_index, no_index, flags.owned, Vec3::Zero(), bending.rest_curvature};
   for (int i = 0; i < 3; ++i) item.place += mesh.start_corner(t, i) / 3.0;
   kernels_.membrane.add_natural();
+  item.projector = energy::free_side_projector(on_->sheet(), t);
   if (flags.by_angles) {
     item.angles = kernels_.angles.size() - 1;
     item.rest = kernels_.angles.rest_curvature(item.angles);
-  } else if (has_difference || !item.rest.isZero(0.0)) {
+  } else if (has_difference || !item.rest.isZero(0.0) || energy::couples(m)) {
     item.bending = kernels_.bending.size();
     kernels_.bending.add_natural(bending, on_->sheet().mesh().area(t) * m.bending, local, flags.owned);
   }
@@ -101,6 +103,7 @@ void NaturalStates::set(double time, double load_factor) {
   fresh_ = false;
   time_ = at;
   load_factor_ = load_factor;
+  squared_force_ = 0.0;
   for (Item& item : items_) take(item, at, load_factor);
 }
 
@@ -131,15 +134,22 @@ double NaturalStates::growth() const {
 void NaturalStates::take(Item& item, double time, double load_factor) {
   const energy::Material& m = on_->sheet().material(item.triangle);
   std::tie(item.change, item.difference) = temperature_of(item, time, load_factor);
-  const energy::NaturalState state = energy::natural_state(m, item.change, item.difference);
+  energy::NaturalState state = energy::natural_state(m, item.change, item.difference);
   const Eigen::Vector2d stretch = state.stretch.diagonal();
   if (!(stretch.minCoeff() > 0.0 && state.stretch.determinant() > 0.0))
     throw UserError(
         fmt::format("[[temperature]]: at ({:g}, {:g}, {:g}) m a change of {:g} K leaves a length of {:g} of the rest "
                     "shape; check expansion, initial_strain and temperature",
                     item.place[0], item.place[1], item.place[2], item.change, stretch.minCoeff()));
-  item.bent = state.bent(item.rest);
   kernels_.membrane.set_natural(item.membrane, state);
+  state.curvature = item.projector * state.curvature;  // that of the rest shape is so already
+  // Angles at edges stay what they are where a shape grows to a similar one.
+  item.bent = item.angles == no_index ? state.bent(item.rest) : Vec3(item.rest + state.curvature);
+  const Vec3 unit(0.5, 0.5, 0.0);
+  if (item.owned)
+    squared_force_ +=
+        on_->sheet().mesh().area(item.triangle) * (m.membrane * (state.metric(unit) - unit)).squaredNorm() +
+        (m.bending * (item.bent - item.rest)).squaredNorm();
   if (item.bending != no_index) kernels_.bending.set_natural(item.bending, item.bent);
   if (item.angles != no_index) kernels_.angles.set_rest_curvature(item.angles, item.bent);
 }

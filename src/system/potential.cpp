@@ -1,9 +1,11 @@
 #include "voile/system/potential.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "voile/base/mpi.hpp"
 #include "voile/energy/angle_bending.hpp"
+#include "voile/energy/coupling.hpp"
 #include "voile/energy/membrane.hpp"
 #include "voile/energy/mirror_fold.hpp"
 #include "voile/system/attachments.hpp"
@@ -41,6 +43,7 @@ energy::Configuration Potential::configuration(Vec a) {
   attachments_->place();
   if (natural_)
     mpi::on_all(on_->comm(), [&] { natural_->set(time_, hold_natural_ ? 0.0 : conditions_->load_factor()); });
+  if (coupling_) update_coupling();
   on_->dofs().update_points(a, u_, x_);
   return {x_.data(), u_.data(), nullptr, energy::Tangent::exact};
 }
@@ -70,6 +73,10 @@ Energies Potential::energies(const energy::Configuration& c, Vec a, bool viscous
   return e;
 }
 
+double Potential::natural_force() const {
+  return natural_ ? std::sqrt(mpi::sum(on_->comm(), natural_->squared_force())) : 0.0;
+}
+
 double Potential::natural_growth() const {
   return mpi::max(on_->comm(), natural_ ? natural_->growth() : 0.0);
 }
@@ -81,11 +88,23 @@ void Potential::add_load_direction(Vec a, Vec f) {
   const energy::Configuration c = configuration(a);
   for (const double sign : {1.0, -1.0}) {
     natural_->set(time_, conditions_->load_factor() + sign * step);
+    if (coupling_) update_coupling();
     VOILE_PETSC(VecZeroEntries(work_));
     for (const Counted& t : terms_) add_term_forces(*t.term, c, work_);
     VOILE_PETSC(VecAXPY(f, -sign * 0.5 / step, work_));
   }
   natural_->set(time_, conditions_->load_factor());
+  if (coupling_) update_coupling();
+}
+
+void Potential::update_coupling() {
+  if (coupled_version_ == membrane_->kernel.version()) return;
+  coupled_version_ = membrane_->kernel.version();
+  for (std::size_t k = 0; k < coupled_.size(); ++k) {
+    Vec3 bent = coupled_[k].rest_curvature;
+    if (natural_) bent += natural_->curvature_change(coupled_[k].triangle);
+    coupling_->set_natural(static_cast<Index>(k), membrane_->kernel.natural_metric(coupled_[k].membrane), bent);
+  }
 }
 
 void Potential::count_from(Vec a) {

@@ -13,6 +13,7 @@
 #include "voile/energy/bending.hpp"
 #include "voile/energy/chord_correction.hpp"
 #include "voile/energy/chord_forms.hpp"
+#include "voile/energy/coupling.hpp"
 #include "voile/energy/membrane.hpp"
 #include "voile/energy/mirror_fold.hpp"
 #include "voile/energy/seam.hpp"
@@ -96,6 +97,9 @@ void Potential::build_sheet(const Curvatures& curvatures, Temperatures temperatu
     natural_ = std::make_unique<NaturalStates>(
         *on_, std::move(temperatures), NaturalStates::Kernels{membrane_->kernel, natural.kernel, angles_->kernel});
   }
+  const auto& materials = on_->sheet().materials();
+  if (std::any_of(materials.begin(), materials.end(), energy::couples))
+    coupling_ = &add_term<ElementTerm<energy::CouplingTerm>>(&Energies::bending).kernel;
   const std::vector<Index>& local_of = on_->dofs().local().local_of;
   const auto to_local = [&](const auto& points, auto& local) {
     std::transform(points.begin(), points.end(), local.begin(), [&](Index p) { return local_of[p]; });
@@ -113,6 +117,7 @@ void Potential::build_sheet(const Curvatures& curvatures, Temperatures temperatu
       membrane_->kernel.correct(on_->sheet(), by_angles ? Mat3(Mat3::Zero()) : forms->trace(triangle), triangle, el,
                                 local);
     if (on_->draws_in()) membrane_->kernel.add_gather(on_->sheet(), on_->patches_before(), triangle);
+    if (energy::couples(on_->sheet().material(triangle))) add_coupling(triangle, el, owned);
     if (natural_) natural_->add(triangle, el, local, {owned, by_angles});
     if (!by_angles && el.coupling.size() > 0) curved.kernel.add(el, local, owned);
     if (owned)
@@ -127,11 +132,16 @@ void Potential::build_sheet(const Curvatures& curvatures, Temperatures temperatu
 bool Potential::add_angles(Index t, const energy::CurvatureOperator& op, const energy::BendingElement& el,
                            const std::vector<Index>& local, bool owned) {
   const energy::Sheet& sheet = on_->sheet();
-  if (!energy::bends_by_angles(sheet, t)) return false;
+  if (!energy::bends_by_angles(sheet, t) || energy::couples(sheet.material(t))) return false;
   if (local.size() > energy::AngleBendingTerm::most) return false;
   const std::optional<energy::EdgeAngles> angles = energy::make_edge_angles(sheet, t, op, el);
   if (angles) angles_->kernel.add(el, *angles, local, sheet.mesh().area(t) * sheet.material(t).bending, owned);
   return angles.has_value();
+}
+
+void Potential::add_coupling(Index t, const energy::BendingElement& el, bool owned) {
+  coupling_->add(on_->sheet(), t, el, on_->dofs().local().local_of, owned);
+  coupled_.push_back({t, membrane_->kernel.size() - 1, el.rest_curvature});
 }
 
 void Potential::build_mirror_folds() {

@@ -1,11 +1,13 @@
 #include "voile/system/recovery.hpp"
 
+#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <tuple>
 
 #include "voile/base/mpi.hpp"
 #include "voile/energy/angle_bending.hpp"
 #include "voile/energy/bending.hpp"
+#include "voile/energy/curvature.hpp"
 #include "voile/energy/membrane.hpp"
 #include "voile/energy/sheet.hpp"
 #include "voile/system/natural_states.hpp"
@@ -43,16 +45,16 @@ TriangleFields Recovery::fields(MPI_Comm comm, const energy::Sheet& sheet, const
   for (const Item& r : items_) {
     const Vec3& strain = strains[r.membrane];
     store(f.membrane_strain, r.triangle, strain);
-    store(f.membrane_force, r.triangle, from.membrane.force(r.membrane, strain));
     if (!f.temperature.empty())
       std::tie(f.temperature[2 * static_cast<std::size_t>(r.triangle)],
                f.temperature[2 * static_cast<std::size_t>(r.triangle) + 1]) = from.natural->temperature(r.triangle);
-    const Mat3& stiffness = sheet.material(r.triangle).bending;
+    const Mat3 &stiffness = sheet.material(r.triangle).bending, &coupling = sheet.material(r.triangle).coupling;
     if (r.angles != no_index) {  // nothing in the plane bends
       const Vec3 kappa = from.angles.curvature(r.angles, c);
       store(f.curvature, r.triangle, kappa);
       store(f.whole_curvature, r.triangle, kappa + from.angles.rest_curvature(r.angles));
       store(f.bending_moment, r.triangle, stiffness * kappa);
+      store(f.membrane_force, r.triangle, from.membrane.force(r.membrane, strain));
       continue;
     }
     const Index* p = points_.data() + r.start;
@@ -68,8 +70,12 @@ TriangleFields Recovery::fields(MPI_Comm comm, const energy::Sheet& sheet, const
     f.in_plane[static_cast<std::size_t>(r.triangle)] = 0.5 * in_plane.cwiseProduct(stiffness * in_plane).sum();
     store(f.whole_curvature, r.triangle, kappa + r.rest_curvature);
     if (from.natural) kappa -= from.natural->curvature_change(r.triangle);
+    if (energy::couples(sheet.material(r.triangle)))  // slopes of free sides follow the strain
+      kappa += (Mat3::Identity() - energy::free_side_projector(sheet, r.triangle)) *
+               Eigen::LLT<Mat3>(stiffness).solve(coupling * strain);
     store(f.curvature, r.triangle, kappa);
-    store(f.bending_moment, r.triangle, stiffness * kappa);
+    store(f.bending_moment, r.triangle, stiffness * kappa - coupling * strain);
+    store(f.membrane_force, r.triangle, from.membrane.force(r.membrane, strain) - coupling * kappa);
   }
   for (auto* v : {&f.membrane_strain, &f.membrane_force, &f.curvature, &f.whole_curvature, &f.bending_moment,
                   &f.temperature, &f.in_plane}) {

@@ -52,6 +52,116 @@ def bimetal_strip(report):
         report.below(error, 0.002, f"pattern {pattern}: tip ({h['tip_x'][-1]:.5g}, {h['tip_z'][-1]:.5g}) m, distance / length")
 
 
+def two_layers(**more):
+    """Materials 1 below and 2 above, without contraction: [0, 90] of one ply."""
+    return {"type": "laminate", "young_1": 2e6, "young_2": 5e5, "poisson_12": 0.0, "shear_12": 4e5, "angles": [0, 90],
+            "ply_thicknesses": [0.04, 0.06], "direction": [1, 0, 0], "density": 100.0} | more
+
+
+def stiffnesses(m):
+    """A, B and D along x of two layers."""
+    low, high = m["ply_thicknesses"]
+    z = (-(low + high) / 2, low - (low + high) / 2, (low + high) / 2)
+    return [sum(e * (z[k + 1] ** n - z[k] ** n) / n for k, e in enumerate((m["young_1"], m["young_2"]))) for n in (1, 2, 3)]
+
+
+@test
+def unsymmetric_laminate(report):
+    """A cantilever of two layers bends with D - B^2/A (Jones, Mechanics of Composite Materials, 1999, 4.4) and stretches by B/A of its
+    curvature; the same plate with its reference surface at its lower face gives the same deflection."""
+    material, length, force = two_layers(), 10.0, 1e-3
+    a, b, d = stiffnesses(material)
+    rigidity = d - b * b / a
+    case = strip(nx=40, ny=4, analysis="linear") | {"material": [material], "load": [{"type": "line", "group": "tip", "vector": [0, 0, force]}]}
+    for pattern in (0, 1, 2):
+        case["mesh"]["parameters"]["pattern"] = pattern
+        h = solve(f"two_layers_{pattern}", case).history
+        report.percent(h["tip_z"][-1] / (force * length**3 / (3 * rigidity)), 0.005, f"pattern {pattern}: deflection {h['tip_z'][-1]:.5g} m")
+        report.percent(h["tip_x"][-1] / (b / a * force * length**2 / (2 * rigidity)), 0.005, f"pattern {pattern}: displacement along x")
+    # Matrices about the lower face, z' = z + h/2.
+    def diagonal(value):
+        return [[value, 0, 0], [0, value, 0], [0, 0, value / 2]]
+    one, h = 1.2e6 * 0.02, 0.02
+    case = strip(nx=40, ny=4) | {"load": [{"type": "line", "group": "tip", "vector": [0, 0, 0.008]}],
+                                 "material": [{"type": "matrices", "membrane": diagonal(one), "bending": diagonal(one * h**2 / 12)}]}
+    offset = case | {"material": [{"type": "matrices", "membrane": diagonal(one), "coupling": diagonal(one * h / 2),
+                                   "bending": diagonal(one * (h**2 / 12 + h**2 / 4))}]}
+    middle = solve("middle_surface", case).history["tip_z"][-1]
+    report.percent(solve("lower_surface", offset).history["tip_z"][-1] / middle, 0.005, f"reference surface at the lower face: {middle:.5g} m")
+    ends = [solve(f"two_layers_ranks_{ranks}", offset, ranks).displacement() for ranks in (1, 2, 3)]
+    report.below(max(largest(ends[k], ends[0]) for k in (1, 2)), 1e-7, "2 and 3 ranks and 1")
+
+
+def timoshenko(material, change):
+    """Curvature and strain of the middle of two free layers (J. Opt. Soc. Am. 11 (1925) 233, eq. 4)."""
+    low, high = material["ply_thicknesses"]
+    m, n, alpha = low / high, material["young_1"] / material["young_2"], (material["expansion_1"], material["expansion_2"])
+    curvature = 6 * (alpha[0] - alpha[1]) * change * (1 + m) ** 2 / (
+        (low + high) * (3 * (1 + m) ** 2 + (1 + m * n) * (m * m + 1 / (m * n))))
+    a, b, _ = stiffnesses(material)
+    return curvature, (b * curvature + change * (material["young_1"] * alpha[0] * low + material["young_2"] * alpha[1] * high)) / a
+
+
+@test
+def bimetal(report):
+    """Two metals in a strip that is heated: Timoshenko's curvature, small and large, and the strain of its middle."""
+    expansions = {"expansion_1": 2e-4, "expansion_2": 5e-5}
+    thick, thin = two_layers(**expansions), two_layers(ply_thicknesses=[0.002, 0.003], **expansions)
+    case = strip(nx=40, ny=4) | {"material": [thick], "temperature": [{"change": "20"}]}
+    case.pop("load")
+    h, (curvature, strain) = solve("bimetal_small", case | {"analysis": "linear"}).history, timoshenko(thick, 20.0)
+    report.percent(h["tip_z"][-1] / (curvature * 100 / 2), 0.003, f"deflection of the tip, linear: {h['tip_z'][-1]:.5g} m")
+    report.percent(h["tip_x"][-1] / (10 * strain), 0.003, f"displacement along x, linear: {h['tip_x'][-1]:.5g} m")
+    large = case | {"material": [thin], "temperature": [{"change": "5"}],
+                    "mesh": case["mesh"] | {"parameters": {"nx": 160, "ny": 2, "width": 0.05}}}
+    h, (curvature, strain) = solve("bimetal_large", large).history, timoshenko(thin, 5.0)
+    error = math.hypot(h["tip_x"][-1] + 10 - math.sin(10 * curvature) / curvature,
+                       h["tip_z"][-1] - (1 - math.cos(10 * curvature)) / curvature) / 10
+    report.below(error, 0.005, f"rolled by {10 * curvature:.3g} rad: tip ({h['tip_x'][-1]:.4g}, {h['tip_z'][-1]:.4g}) m, distance / length")
+
+
+def cylinder_curvature(ply, change):
+    """Of a large cooled [0/90] plate, by lamination theory with the other curvature held at 0 (Hyer, J. Compos. Mater. 15 (1981) 175)."""
+    e1, e2, nu, t = ply["young_1"], ply["young_2"], ply["poisson_12"], ply["ply_thicknesses"][0]
+    c = 1 / (1 - nu * nu * e2 / e1)
+    layers = []
+    for turned in (False, True):
+        q = np.array([[e1, nu * e2], [nu * e2, e2]]) * c
+        alpha = np.array([ply["expansion_1"], ply["expansion_2"]])
+        layers.append((q[::-1, ::-1], alpha[::-1]) if turned else (q, alpha))
+    matrix, right = np.zeros((3, 3)), np.zeros(3)  # of e_x, e_y, k_x
+    for (q, alpha), z0, z1 in zip(layers, (-t, 0.0), (0.0, t)):
+        shape = lambda z: np.array([[1, 0, -z], [0, 1, 0]])  # noqa: E731
+        for g, w in ((-math.sqrt(0.6), 5 / 18), (0.0, 4 / 9), (math.sqrt(0.6), 5 / 18)):
+            s = shape((z0 + z1) / 2 + g * (z1 - z0) / 2)
+            matrix += w * (z1 - z0) * s.T @ q @ s
+            right += w * (z1 - z0) * change * s.T @ q @ alpha
+    return np.linalg.solve(matrix, right)[2]
+
+
+@test
+def cooled_unsymmetric_plate(report):
+    """A [0/90] square of 15 cm that is cooled becomes a cylinder, not the saddle of the linear theory."""
+    ply = {"type": "laminate", "young_1": 181e9, "young_2": 10.3e9, "poisson_12": 0.28, "shear_12": 7.17e9, "angles": [0, 90],
+           "ply_thicknesses": [0.25e-3, 0.25e-3], "direction": [1, 0, 0], "expansion_1": 0.02e-6, "expansion_2": 22.5e-6}
+    case = plate(20, 0.0) | {
+        "material": [ply], "temperature": [{"change": "-150"}], "support": [{"type": "hinged", "group": "centre"}],
+        "spring": [{"type": "area", "stiffness": 300.0}], "analysis": "drape",
+        "imperfection": [{"type": "expression", "height": "-1e-4*((x - 0.075)/0.075)^2"}]}
+    case["mesh"]["parameters"]["side"] = 0.15
+    case.pop("load")
+    result = solve("hyer", case)
+    x, u = result.results[-1].mesh.positions, result.displacement()
+    inner = (np.abs(x[:, 0] - 0.075) < 0.05) & (np.abs(x[:, 1] - 0.075) < 0.05)
+    p = (x + u)[inner] - 0.075
+    terms = np.stack([np.ones(len(p)), p[:, 0], p[:, 1], p[:, 0]**2 / 2, p[:, 1]**2 / 2, p[:, 0] * p[:, 1]], axis=1)
+    fit = np.linalg.lstsq(terms, (x + u)[inner, 2], rcond=None)[0]
+    exact = cylinder_curvature(ply, -150)
+    curved = 3 if abs(fit[3]) > abs(fit[4]) else 4
+    report.percent(abs(fit[curved] / exact), 0.03, f"curvature {fit[curved]:.4g} 1/m, of the long cylinder {exact:.4g} 1/m")
+    report.below(fit[7 - curved] / exact, 0.05, "curvature across it")
+
+
 @test
 def heated_plate_buckles(report):
     """Simply supported and held in its plane a plate buckles at alpha dT = pi^2 h^2 / (6 (1 + nu) a^2) (Boley & Weiner, 1960)."""

@@ -50,6 +50,16 @@ struct ChordInput {
   const std::array<Forms, 2> quadratic;  ///< Q^r of the two strains
   Mat3 trace;                            ///< R; zero: no term of fourth order
 };
+/// A chord of the patch of a triangle: its bend k_c = start + sum_i weights_i u_i, in mesh numbering, and W_rc.
+struct BentChord {
+  std::vector<Index> points;
+  std::vector<double> weights;
+  Vec3 start, share;
+};
+/// Those that a strain with the forms Q^r is corrected for. None beside a crease.
+[[nodiscard]] std::vector<BentChord> bent_chords(const Sheet& sheet, Index t, const BendingElement& bending,
+                                                 const ChordInput::Forms& quadratic);
+
 /// A triangle with more than `most` points is left uncorrected: one whose cubic is that of a bending element of so many.
 [[nodiscard]] ChordCorrection make_chord_correction(const ChordInput& input);
 

@@ -36,6 +36,10 @@ struct CurvatureOperator {
   Mat3 rest = Mat3::Zero();
 };
 
+/// P of triangle t: of a curvature kappa its operator finds P kappa, the rest is up to the slopes of free sides, which minimise the
+/// energy. Identity where there are none. (I - P) D^-1 is symmetric.
+[[nodiscard]] Mat3 free_side_projector(const Sheet& sheet, Index t);
+
 /// Builds operators triangle by triangle, caching patch fits. Local to a rank; keeps a reference to the sheet.
 class CurvatureBuilder {
  public:

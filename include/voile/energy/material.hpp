@@ -2,6 +2,7 @@
 //
 // Symbols   A   membrane stiffness, N = A E, Voigt order (11, 22, 12), E with engineering shear   3x3 [N/m]
 //           D   bending stiffness, M = D kappa, kappa = (k11, k22, 2 k12)                          3x3 [N m]
+//           B   coupling of both: N = A E - B kappa, M = D kappa - B E (the strain at height z is E - z kappa) 3x3 [N]
 //           rho_s  mass per unit area                                                              [kg/m^2]
 // Isotropic plate of thickness h:  A = E h/(1-nu^2) [1 nu 0; nu 1 0; 0 0 (1-nu)/2],  D = A h^2/12.
 #pragma once
@@ -25,6 +26,7 @@ struct Material {
   std::vector<std::string> groups;  ///< surface groups it covers; empty: every triangle not covered by another
   Mat3 membrane = Mat3::Zero();     ///< A [N/m]
   Mat3 bending = Mat3::Zero();      ///< D [N m]
+  Mat3 coupling = Mat3::Zero();     ///< B [N]
   double areal_density = 0.0;       ///< rho_s [kg/m^2]
   double bending_damping = 0.0;     ///< damping in proportion to D, besides what holds for all materials [s]
   double viscous_time = 0.0;        ///< relaxation time of the membrane, likewise [s]
@@ -33,8 +35,10 @@ struct Material {
   bool expands = false;                     ///< an expansion is given
   Vec3 expansion = Vec3::Zero();            ///< strain per change of temperature [1/K]
   Vec3 expansion_curvature = Vec3::Zero();  ///< curvature per difference between top and bottom [1/(m K)]
-  Vec3 initial_strain = Vec3::Zero();       ///< of the natural state from the rest shape
-  Vec3 prestress = Vec3::Zero();            ///< membrane force of the rest shape [N/m]
+  Vec3 coupled_curvature = Vec3::Zero();    ///< curvature per change, and strain per difference, where B is not 0
+  Vec3 coupled_strain = Vec3::Zero();
+  Vec3 initial_strain = Vec3::Zero();  ///< of the natural state from the rest shape
+  Vec3 prestress = Vec3::Zero();       ///< membrane force of the rest shape [N/m]
   /// Direction of material axis 1 in the chart, i.e. in space where the positions are the rest shape, projected into each
   /// triangle. Without it the axis is arbitrary, which only
   /// an isotropic material allows.
@@ -72,8 +76,20 @@ struct LaminateStiffness {
 [[nodiscard]] Vec3 rotated_strain(const Vec3& strain, double angle);
 [[nodiscard]] Vec3 rotated_force(const Vec3& force, double angle);
 /// Expansion and its curvature of a material with layers from that of each [1/K] in its own axes, at `angles` [degree] to those
-/// of the material; no angles: along them. The free plate has no resultants: A e = sum Q a t, D k = -sum Q a (z1^3 - z0^3)/(3 h).
+/// of the material; no angles: along them. The free plate has no resultants: (e, k) is released() of sum Q a t and
+/// -sum Q a (z1^2 - z0^2)/2 for a change, of sum Q a (z1^2 - z0^2)/(2 h) and -sum Q a (z1^3 - z0^3)/(3 h) for a difference.
 void set_expansion(Material& material, const Vec3& expansion, const std::vector<double>& angles);
+/// Strain and curvature under a membrane force N [N/m] and a moment M [N]: A e - B k = N, D k - B e = M.
+struct Released {
+  Vec3 strain, curvature;
+};
+[[nodiscard]] Released released(const Material& material, const Vec3& force, const Vec3& moment);
+/// Whether stretching bends it.
+[[nodiscard]] inline bool couples(const Material& material) {
+  return !material.coupling.isZero(0.0);
+}
+/// Whether every strain and curvature costs energy: whether [A, -B; -B, D] is positive definite.
+[[nodiscard]] bool is_stable(const Material& material);
 /// True if the symmetric part of m has only positive eigenvalues.
 [[nodiscard]] bool is_positive_definite(const Mat3& m);
 

@@ -119,6 +119,8 @@ class MembraneTerm {
   [[nodiscard]] Vec3 strain(Index e, const Configuration& c) const;
   /// The same of all elements.
   [[nodiscard]] std::vector<Vec3> strains(const Configuration& c) const;
+  /// What is taken off strain() of element e: half the metric of its natural state.
+  [[nodiscard]] Vec3 natural_metric(Index e) const;
   /// Membrane force N = dW/dE / A in material axes [N/m] at a strain: that of the energy, shares included.
   [[nodiscard]] Vec3 force(Index e, const Vec3& strain) const {
     return stiffness_[static_cast<std::size_t>(material_[static_cast<std::size_t>(e)])] * strain;
@@ -186,6 +188,7 @@ class MembraneTerm {
   // The element added last
   Element last_{};
   bool last_owned_ = false;
+  Mat3 last_stiffness_ = Mat3::Zero();
   std::array<Index, nodes> last_points_{};
   Metrics last_correction_{};
   ChordCorrection last_chords_{};

@@ -7,7 +7,8 @@
 //           U         I + sym(eps + a dT), stretch from rest to the natural state
 //   half the metric of the natural state   U m U - A^-1 N0,      m that of the rest shape
 //   its curvature                          U^1/2 kappa0 U^1/2 + k_T d
-// With one expansion in all directions a curved sheet grows to a similar one: kappa0 by the coordinates of the rest shape grows
+// Where stretching and bending are coupled a change has a curvature as well, a difference a strain, and N0 a curvature that leaves no
+// moment. With one expansion in all directions a curved sheet grows to a similar one: kappa0 by the coordinates of the rest shape grows
 // by the stretch. The membrane strain E - (natural) and the curvature less the natural one are the elastic ones.
 #pragma once
 

@@ -76,10 +76,11 @@ struct MaterialInput {
   double thickness = 0.0, density = 0.0, areal_density = 0.0;
   double expansion = nan, expansion_1 = nan, expansion_2 = nan;  ///< [1/K]; NaN: not given
   std::optional<Vec3> expansion_strain, expansion_curvature;     ///< [1/K], [1/(m K)]
-  std::vector<double> initial_strain, prestress;                 ///< empty, or along axes 1 and 2, and of shear
-  double bending_damping = 0.0, membrane_damping = 0.0;          ///< [s]
+  std::optional<Vec3> coupled_strain, coupled_curvature;
+  std::vector<double> initial_strain, prestress;         ///< empty, or along axes 1 and 2, and of shear
+  double bending_damping = 0.0, membrane_damping = 0.0;  ///< [s]
   std::vector<double> angles, ply_thicknesses;
-  Mat3 membrane = Mat3::Zero(), bending = Mat3::Zero();
+  Mat3 membrane = Mat3::Zero(), bending = Mat3::Zero(), coupling = Mat3::Zero();
   std::filesystem::path fabric;
   double warp_angle = 0.0;
   std::optional<Vec3> direction;

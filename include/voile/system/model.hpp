@@ -78,7 +78,8 @@ class Model {
   void residual(Vec a, Vec r);
   /// Internal minus applied forces on every component, fixed ones included: there it is the reaction. Collective.
   void unbalanced_force(Vec a, Vec f);
-  /// Norm of the larger of applied forces and reactions of the last residual: what a residual is small against. [N]
+  /// Norm of the largest of applied forces, reactions and forces of natural states at the last residual: what a residual is small
+  /// against. [N]
   [[nodiscard]] double force_scale() const { return force_scale_; }
   /// Stored minus external energy, viscous part of the time step included; only meaningful for a symmetric model.
   /// Collective.

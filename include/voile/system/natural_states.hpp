@@ -48,6 +48,8 @@ class NaturalStates {
   [[nodiscard]] bool has_temperatures() const { return !temperatures_.list.empty(); }
   /// By how much the natural curvature of triangle t, of this rank, is that of the rest shape less [1/m].
   [[nodiscard]] Vec3 curvature_change(Index t) const;
+  /// Squared size of the nodal forces that hold the rest shape against its natural states, on this rank [N^2].
+  [[nodiscard]] double squared_force() const { return squared_force_; }
   /// Largest strain by which they grow on this rank per unit of the load factor, that of bending over a cell.
   [[nodiscard]] double growth() const;
   /// Change and difference of temperature of it [K].
@@ -56,9 +58,11 @@ class NaturalStates {
  private:
   struct Item {
     Index triangle, membrane, bending, angles;  ///< no_index: none
-    Vec3 place, rest;                           ///< centroid at the start [m], kappa0 [1/m]
-    double change = 0.0, difference = 0.0;      ///< [K]
-    Vec3 bent = Vec3::Zero();                   ///< kappa' [1/m]
+    bool owned;
+    Vec3 place, rest;                       ///< centroid at the start [m], kappa0 [1/m]
+    double change = 0.0, difference = 0.0;  ///< [K]
+    Vec3 bent = Vec3::Zero();               ///< kappa' as the operator finds it [1/m]
+    Mat3 projector = Mat3::Identity();      ///< of free sides
   };
 
   void take(Item& item, double time, double load_factor);
@@ -73,6 +77,7 @@ class NaturalStates {
   std::vector<Item> items_;
   std::vector<Index> item_of_;  ///< by triangle
   bool changes_ = false, fresh_ = true;
+  double squared_force_ = 0.0;
   double time_ = 0.0, load_factor_ = 0.0;  ///< in force
 };
 

@@ -29,6 +29,7 @@ class AnchorTerm;
 class AngleBendingTerm;
 class MembraneTerm;
 class MirrorFoldTerm;
+class CouplingTerm;
 class SpringTerm;
 }  // namespace voile::energy
 
@@ -81,6 +82,8 @@ class Potential {
   [[nodiscard]] bool natural_states_change() const;
   /// Largest strain by which natural states grow per unit of the load factor, bending counted over a cell. Collective.
   [[nodiscard]] double natural_growth() const;
+  /// Size of the nodal forces that hold the rest shape against its natural states; 0 where they are the same. Collective. [N]
+  [[nodiscard]] double natural_force() const;
   /// Adds -dF/dlambda at a, by the growth of natural states with the load factor, to f. Collective. [N]
   void add_load_direction(Vec a, Vec f);
   /// What share of the way from Discretisation::patches_before() to the sheet's rest shape gathers have gone; 1: all, or
@@ -140,6 +143,9 @@ class Potential {
   /// Lets triangle t bend by the angles at edges where that is chosen and possible.
   bool add_angles(Index t, const energy::CurvatureOperator& op, const energy::BendingElement& el,
                   const std::vector<Index>& local, bool owned);
+  /// Couples stretching and bending of triangle t, whose membrane element was added last.
+  void add_coupling(Index t, const energy::BendingElement& el, bool owned);
+  void update_coupling();
   void build_mirror_folds();
   void tie(const Spring& spring, ElementTerm<energy::SpringTerm>& ties) const;
   template <class AnyTerm>
@@ -152,8 +158,16 @@ class Potential {
   std::vector<Counted> terms_;
   BatchTerm<energy::MembraneTerm>* membrane_ = nullptr;  ///< one of terms_
   BatchTerm<energy::AngleBendingTerm>* angles_ = nullptr;
-  energy::MirrorFoldTerm* folds_ = nullptr;  ///< kernel of one of them
-  energy::AnchorTerm* anchors_ = nullptr;    ///< kernel of one of them, or null
+  /// Triangles whose stretching and bending are coupled.
+  struct Coupled {
+    Index triangle, membrane;
+    Vec3 rest_curvature;
+  };
+  std::vector<Coupled> coupled_;
+  energy::CouplingTerm* coupling_ = nullptr;  ///< kernel of one of terms_, or null
+  long coupled_version_ = -1;                 ///< of the membrane whose natural states it has
+  energy::MirrorFoldTerm* folds_ = nullptr;   ///< kernel of one of them
+  energy::AnchorTerm* anchors_ = nullptr;     ///< kernel of one of them, or null
   Recovery recovery_;
   ConstantMatrices constant_;
   HalfBlocks halves_;
