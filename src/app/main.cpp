@@ -1,4 +1,4 @@
-// voile run | check | info | reference | init, and through other programs render | export | plot | view | manikin
+// voile run | check | info | reference | init | doctor, and through other programs render | export | plot | view | manikin
 //
 // Start-up order: MPI, the command line, the case file, then PETSc. The case's PETSc options are set before PETSc
 // starts, so that PETSC_OPTIONS and the command line override them; only `run` applies them. A .petscrc, which may come
@@ -19,7 +19,9 @@
 #include <sstream>
 
 #include "begin.hpp"
+#include "deck_case.hpp"
 #include "delegate.hpp"
+#include "doctor.hpp"
 #include "launched_ranks.hpp"
 #include "option_hint.hpp"
 #include "temporary_folder.hpp"
@@ -42,7 +44,7 @@ using namespace voile;
 
 /// What the user asked for.
 struct Request {
-  enum class Command { nothing, run, check, info, reference, init, version };
+  enum class Command { nothing, run, check, info, reference, init, doctor, version };
   Command command = Command::nothing;
   std::string file;
   app::RunOptions options;
@@ -50,7 +52,7 @@ struct Request {
   std::vector<std::string> settings;  ///< --set
   bool schema = false;
   bool list = false;  ///< of `init`, as the name of the template
-  std::string chosen;
+  std::string chosen, deck;
   std::vector<std::string> petsc;  ///< PETSc's words of the command line
 };
 
@@ -74,6 +76,7 @@ std::string swallowed_hint(const std::vector<std::string>& petsc) {
 void declare_init(CLI::App& init, Request& request) {
   init.add_option("folder", request.file, "Folder for the files of the case");
   init.add_flag("--list", request.list, "List the templates");
+  init.add_option("--from", request.deck, "Make the case from an Abaqus deck (.inp)");
   for (const app::Template& t : app::templates)
     init.add_flag_callback(
         fmt::format("--{}", t.name),
@@ -132,6 +135,7 @@ void declare(CLI::App& cli, Request& request) {
   add("reference", "Print the reference of the case file", Command::reference)
       ->add_flag("--schema", request.schema, "Print it as a JSON schema, for editors");
   declare_init(*add("init", "Begin a new case from a template", Command::init), request);
+  add("doctor", "Check this installation in a few seconds", Command::doctor);
   for (const app::DelegatedCommand& c : app::delegated_commands) cli.add_subcommand(c.name, c.what);
 }
 
@@ -328,9 +332,17 @@ Exit execute(const Request& request, const char* program) {
     if (!request.list && request.file.empty()) throw UserError("init needs a folder; see voile init --help");
     if (request.list)
       fmt::print("{}", app::template_list());
+    else if (!request.deck.empty() && !request.chosen.empty())
+      throw UserError(fmt::format("--from and --{}: a case has one beginning; keep one", request.chosen));
+    else if (!request.deck.empty())
+      app::begin_from_deck(request.file, request.deck);
     else
       app::begin_case(request.file, request.chosen);
     return Exit::done;
+  }
+  if (request.command == Command::doctor) {
+    const PetscSession petsc(program, request.petsc, "");
+    return or_abort([] { return app::doctor() ? Exit::done : Exit::user_error; });
   }
   const bool is_mesh = request.command == Command::info && !request.file.ends_with(".toml");
   if (request.file.empty()) return Exit::done;
