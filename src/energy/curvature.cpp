@@ -10,6 +10,7 @@
 #include <optional>
 #include <unordered_map>
 
+#include "free_sides.hpp"
 #include "patch_fit.hpp"
 
 namespace voile::energy {
@@ -234,31 +235,7 @@ CurvatureOperator collect(const std::array<Functional, 3>& rows) {
   return operator_of(columns, rest);
 }
 
-/// Projector that condenses the slopes of free sides: kappa = P kappa'' with M_nn = 0 on each of them.
-Mat3 condense_free_sides(const std::vector<Vec3>& free_sides, const Mat3& bending) {
-  if (free_sides.empty()) return Mat3::Identity();
-  if (free_sides.size() == 3) return Mat3::Zero();
-  if (free_sides.size() == 1) {
-    const Vec3 q = free_sides[0].normalized(), qd = bending * q;
-    return Mat3::Identity() - q * qd.transpose() / q.dot(qd);
-  }
-  Eigen::Matrix<double, 3, 2> q;
-  q << free_sides[0].normalized(), free_sides[1].normalized();
-  const Eigen::Matrix<double, 2, 3> qd = q.transpose() * bending;
-  return Mat3::Identity() - q * Mat2(qd * q).inverse() * qd;
-}
-
 }  // namespace
-
-Mat3 free_side_projector(const Sheet& sheet, Index t) {
-  if (sheet.options().bending == BendingOperator::six_node) return Mat3::Identity();
-  const mesh::Patch patch = sheet.patches().patch(t, sheet.frame(t));
-  std::vector<Vec3> free_sides;
-  for (int s = 0; s < 3; ++s)
-    if (patch.points[3 + s] == no_index)
-      free_sides.push_back(voigt(side_of(patch, s).normal, side_of(patch, s).normal));
-  return condense_free_sides(free_sides, sheet.material(t).bending);
-}
 
 CurvatureOperator CurvatureBuilder::Impl::edge_slope(Index t) {
   const mesh::Patch& patch = entry(t).patch;

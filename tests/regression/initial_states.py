@@ -240,6 +240,16 @@ def heated_remeshing(report):
 
 
 @test
+def shrinking_fabric(report):
+    """A fabric that shrinks by 2 % along the warp and 3 % along the weft, cut along and across the warp."""
+    for name, angle, share in (("warp", 0.0, -0.02), ("weft", 90.0, -0.03)):
+        case = strip(nx=20, ny=4) | {"material": [{"type": "fabric", "fabric": "wool_tropical", "direction": [1, 0, 0],
+                                                   "warp_angle": angle, "initial_strain": [-0.02, -0.03]}]}
+        case.pop("load")
+        report.percent(solve(f"shrunk_{name}", case).history["tip_x"][-1] / (10 * share), 0.01, f"along the {name}: change of length")
+
+
+@test
 def imperfect_column(report):
     """The deflection of a strip with its first mode as imperfection grows by 1 / (1 - P / P_cr) (Southwell, 1932)."""
     column = strip(nx=40, ny=2) | {
@@ -302,6 +312,11 @@ MISTAKES = (
     ("no direction", {"material": [STEEL | {"prestress": [1, 2]}]}, "material.prestress"),
     ("strain in per cent", {"material": [STEEL | {"initial_strain": [-2, -2]}]}, "2 % is 0.02"),
     ("one number", {"material": [STEEL | {"initial_strain": [-0.02]}]}, "give two"),
+    ("coupling of angles", {"element": {"type": "angles"}, "material": [two_layers()]}, "element.type"),
+    ("coupling too large", {"material": [{"type": "matrices", "membrane": [[1, 0, 0], [0, 1, 0], [0, 0, 1]],
+                                          "bending": [[1, 0, 0], [0, 1, 0], [0, 0, 1]],
+                                          "coupling": [[2, 0, 0], [0, 2, 0], [0, 0, 2]], "direction": [1, 0, 0]}]}, "material.coupling"),
+    ("one expansion", {"material": [two_layers(expansion_1=1e-5)]}, "material.expansion_2"),
     ("no run", {"imperfection": [{"type": "modes", "results": "nowhere", "modes": [1], "amplitudes": [1e-3]}]}, "imperfection"),
     ("mode 0", {"imperfection": [{"type": "modes", "results": "nowhere", "modes": [0], "amplitudes": [1e-3]}]}, "imperfection.modes"),
     ("amplitudes", {"imperfection": [{"type": "modes", "results": "x", "modes": [1, 2, 3], "amplitudes": [1, 2]}]}, "imperfection.amplitudes"),
