@@ -46,7 +46,7 @@ class CaseWriter {
 
   std::string text() {
     out_ = fmt::format(
-        "# From an Abaqus deck, in whatever units it is in; say which in [units] if they are not SI.\ntitle = "
+        "# From an Abaqus deck, in the units of the deck; name them in [units] if they are not SI.\ntitle = "
         "{}\nanalysis = {}\n\n",
         quoted(deck_.title.empty() ? "From an Abaqus deck" : deck_.title), quoted(analysis()));
     out_ += "[mesh]\nfile = \"mesh.inp\"\n";

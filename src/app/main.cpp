@@ -109,7 +109,7 @@ void declare(CLI::App& cli, Request& request) {
   run->add_option("--output", request.options.output, "Folder of the results [CASE_results]");
   run->add_flag("--overwrite", request.options.overwrite, "Replace an earlier run in that folder");
   CLI::Option* restart = run->add_option("--restart", request.options.restart,
-                                         "Go on from an earlier run: its results.vtkhdf or checkpoint.h5");
+                                         "Continue from an earlier run: its results.vtkhdf or checkpoint.h5");
   run->add_option("--restart-step", request.options.restart_step, "Number of that step [the last]")
       ->needs(restart)
       ->check(CLI::NonNegativeNumber);

@@ -189,8 +189,7 @@ EigenResult buckling_modes(Newton& newton, system::Model& model, Vec a, int coun
   if (!grows || !std::isfinite(size))
     throw UserError(
         "analysis = \"buckling\" needs a load or a temperature that grows with the load factor, which those of earlier "
-        "stages no longer "
-        "do, and supports that stop all rigid motions");
+        "stages do not, and supports that stop all rigid motions");
   if (linear.negative_pivots() > 0)
     throw UserError("the equilibrium is unstable already; choose a lower [eigen] load_factor");
   const petsc::MatHandle change = load_stiffness(model, a, load_solution);
