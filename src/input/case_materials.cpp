@@ -182,8 +182,9 @@ void fill_natural(const SectionPlace& place, const MaterialInput& in, energy::Ma
   if (m.initial_strain.cwiseAbs().maxCoeff() > most)
     place.fail("initial_strain", fmt::format("it is a fraction, and {:g} is more than {:g}; 2 % is 0.02",
                                              m.initial_strain.cwiseAbs().maxCoeff(), most));
-  if (in.expansion_strain && !directed &&
-      ((*in.expansion_strain)[0] != (*in.expansion_strain)[1] || (*in.expansion_strain)[2] != 0.0))
+  const Vec3& e = m.expansion;
+  const double round_off = 1e-9 * e.norm();
+  if (!directed && (std::abs(e[0] - e[1]) > round_off || std::abs(e[2]) > round_off))
     place.fail("expansion_strain", "the material has no direction; give 'direction' or 'texture_direction'");
 }
 

@@ -5,7 +5,7 @@ import math
 import numpy as np
 from common import fresh, plate, strip
 from harness import OUT, solve, test
-from solver import Result, invoke, run, variant, write_case
+from solver import Result, invoke, load_case, run, variant, write_case
 
 YOUNG, POISSON, THICKNESS, EXPANSION = 210e9, 0.3, 0.01, 12e-6
 SIDES = ("left", "right", "bottom", "top")
@@ -33,6 +33,8 @@ def cooled_plate(report):
     for analysis, exact in (("linear", strain + strain**2 / 2), ("static", strain + strain**2 / 2)):
         pull = solve(f"cooled_{analysis}", case | {"analysis": analysis}).history["pull_x"][-1]
         report.percent(pull / (-YOUNG * THICKNESS / (1 - POISSON) * exact), 1e-9, f"{analysis}: pull of a side, {pull:.6g} N")
+    again = solve("cooled_again", load_case(OUT / "cooled_static" / "resolved_case.toml")).history["pull_x"][-1]
+    report.below(again / pull - 1, 1e-12, "the resolved case gives the same")
 
 
 @test
@@ -76,6 +78,7 @@ def unsymmetric_laminate(report):
     for pattern in (0, 1, 2):
         case["mesh"]["parameters"]["pattern"] = pattern
         h = solve(f"two_layers_{pattern}", case).history
+        deflection = h["tip_z"][-1]
         report.percent(h["tip_z"][-1] / (force * length**3 / (3 * rigidity)), 0.005, f"pattern {pattern}: deflection {h['tip_z'][-1]:.5g} m")
         report.percent(h["tip_x"][-1] / (b / a * force * length**2 / (2 * rigidity)), 0.005, f"pattern {pattern}: displacement along x")
     # Matrices about the lower face, z' = z + h/2.
@@ -90,6 +93,8 @@ def unsymmetric_laminate(report):
     report.percent(solve("lower_surface", offset).history["tip_z"][-1] / middle, 0.005, f"reference surface at the lower face: {middle:.5g} m")
     ends = [solve(f"two_layers_ranks_{ranks}", offset, ranks).displacement() for ranks in (1, 2, 3)]
     report.below(max(largest(ends[k], ends[0]) for k in (1, 2)), 1e-7, "2 and 3 ranks and 1")
+    resolved = solve("two_layers_resolved", load_case(OUT / "two_layers_2" / "resolved_case.toml")).history["tip_z"][-1]
+    report.below(resolved / deflection - 1, 1e-10, "the resolved case gives the same")
 
 
 def timoshenko(material, change):
