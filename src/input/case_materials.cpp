@@ -69,7 +69,32 @@ void fill_fabric(const SectionPlace& place, const MaterialInput& in, energy::Mat
   m.membrane = energy::rotated_stiffness(membrane_stiffness(fabric), in.warp_angle);
   m.bending = energy::rotated_stiffness(bending_stiffness(fabric), in.warp_angle);
   m.areal_density = fabric.areal_density;
-  if (!place.has("bending_damping")) m.bending_damping = bending_damping(fabric);
+  if (in.hysteresis == MaterialInput::Hysteresis::damping) {
+    if (!place.has("bending_damping")) m.bending_damping = bending_damping(fabric);
+    return;
+  }
+  m.friction.warp_angle = in.warp_angle;
+  try {
+    m.friction.sliders = energy::sliders_of(
+        bending_loop(fabric), fabric.bending_hysteresis_spread.value_or(typical_spread), in.bending_sliders);
+  } catch (const UserError& e) {
+    place.fail("hysteresis", fmt::format("{}: {}", in.fabric.string(), e.what()));
+  }
+}
+
+/// Friction of materials that are no fabrics.
+void fill_friction(const SectionPlace& place, const MaterialInput& in, energy::Material& m) {
+  const std::vector<double>& loop = in.bending_hysteresis;
+  if (loop.empty()) return;
+  if (!in.direction && in.texture_direction.empty())
+    place.fail("direction", "the key is missing; bending_hysteresis acts along and across material axis 1");
+  if (loop.size() != 1 && loop.size() != 3)
+    place.fail("bending_hysteresis", fmt::format("{} numbers are given; give one for both material axes, or three, for "
+                                                 "axis 1, axis 2 and twist",
+                                                 loop.size()));
+  m.friction.warp_angle = in.warp_angle;
+  const Vec3 all = loop.size() == 3 ? Vec3(loop[0], loop[1], loop[2]) : Vec3(loop[0], loop[0], 0.0);
+  m.friction.sliders = energy::sliders_of(all, in.bending_hysteresis_spread, in.bending_sliders);
 }
 
 /// The file of a fabric that the case names; only a missing one is a mistake of the case.
@@ -164,6 +189,7 @@ void read_materials(const CaseReader& reader, Case& c) {
     fill_direction(place, in, m);
     if (in.type == MaterialInput::Type::fabric) in.fabric = fabric_file(place, in.fabric);
     fill_matrices(place, in, m);
+    fill_friction(place, in, m);
     if (in.groups.empty() && everywhere)
       place.fail("groups", "the key is missing, and another material has no groups either; say where each applies");
     everywhere = everywhere || in.groups.empty();

@@ -18,6 +18,7 @@
 #include "voile/energy/seam.hpp"
 #include "voile/energy/sheet.hpp"
 #include "voile/energy/spring.hpp"
+#include "voile/energy/yarn_friction.hpp"
 #include "voile/mesh/patch.hpp"
 #include "voile/system/attachments.hpp"
 #include "voile/system/bands.hpp"
@@ -65,6 +66,7 @@ AnyTerm& Potential::add_term(double Energies::*part) {
 void Potential::build_terms(const Curvatures& curvatures, const PotentialInput& input) {
   build_sheet(curvatures);
   build_mirror_folds();
+  if (energy::YarnFrictionTerm::is_needed(on_->sheet())) build_yarns(curvatures);
   auto& ties = add_term<ElementTerm<energy::SpringTerm>>(&Energies::springs);
   bands_ = std::make_unique<Bands>(*on_, ties.kernel);
   for (const Spring& spring : input.springs)
@@ -124,6 +126,21 @@ bool Potential::add_angles(Index t, const energy::CurvatureOperator& op, const e
   const std::optional<energy::EdgeAngles> angles = energy::make_edge_angles(sheet, t, op, el);
   if (angles) angles_->kernel.add(el, *angles, local, sheet.mesh().area(t) * sheet.material(t).bending, owned);
   return angles.has_value();
+}
+
+void Potential::build_yarns(const Curvatures& curvatures) {
+  yarns_ = &add_term<BatchTerm<energy::YarnFrictionTerm>>(&Energies::bending);
+  yarns_->kernel = energy::YarnFrictionTerm(on_->sheet());
+  const std::vector<Index>& local_of = on_->dofs().local().local_of;
+  for (std::size_t k = 0; k < curvatures.size(); ++k) {
+    const auto& [triangle, corners, owned] = on_->elements()[k];
+    if (!energy::YarnFrictionTerm::acts_on(on_->sheet(), triangle)) continue;
+    const energy::BendingElement el = energy::make_bending_element(on_->sheet(), triangle, curvatures[k]);
+    if (el.points.size() > energy::AngleBendingTerm::most) continue;
+    std::vector<Index> local;
+    for (const Index p : el.points) local.push_back(local_of[p]);
+    yarns_->kernel.add(on_->sheet(), triangle, el, local, owned);
+  }
 }
 
 void Potential::build_mirror_folds() {

@@ -30,6 +30,7 @@ class AngleBendingTerm;
 class MembraneTerm;
 class MirrorFoldTerm;
 class SpringTerm;
+class YarnFrictionTerm;
 }  // namespace voile::energy
 
 namespace voile::system {
@@ -93,6 +94,20 @@ class Potential {
   /// From now on bending energies are found by the change since a: K_b a sums stiff forces that nearly cancel, and near
   /// a the differences of energies would be lost in its round-off. Collective.
   void count_from(Vec a);
+  /// Whether yarns rub inside the fabric (energy/yarn_friction.hpp).
+  [[nodiscard]] bool has_yarn_friction() const { return yarns_ != nullptr; }
+  /// Energy that this friction takes in the step that leads to a. Collective. [J]
+  [[nodiscard]] double yarn_loss(Vec a);
+  /// The step is accepted at a: sliders stay where they have slipped to. Steppers call it once a step. Collective.
+  void end_step(Vec a);
+  /// What all steps so far have taken [J], then the slips of all triangles in mesh order [1/m], a fixed number each; empty
+  /// without this friction, and away from rank 0. Collective.
+  [[nodiscard]] std::vector<double> slips() const;
+  /// As slips() gave them on rank 0; nothing: sliders are where the fabric is at rest. Collective. Throws UserError on every
+  /// rank where they are of another number of sliders.
+  void restore_slips(std::vector<double> slips);
+  /// Taken by all steps so far [J].
+  [[nodiscard]] double yarn_losses() const { return yarn_losses_; }
   /// Remembers state a as the start of a time step: viscosity = relaxation time / time step; the materials' own
   /// relaxation times count with inverse_step = 1 / time step. Collective.
   void start_step(Vec a, double viscosity, double inverse_step = 0.0);
@@ -131,6 +146,7 @@ class Potential {
   bool add_angles(Index t, const energy::CurvatureOperator& op, const energy::BendingElement& el,
                   const std::vector<Index>& local, bool owned);
   void build_mirror_folds();
+  void build_yarns(const Curvatures& curvatures);
   void tie(const Spring& spring, ElementTerm<energy::SpringTerm>& ties) const;
   template <class AnyTerm>
   AnyTerm& add_term(double Energies::*part);
@@ -142,6 +158,8 @@ class Potential {
   std::vector<Counted> terms_;
   BatchTerm<energy::MembraneTerm>* membrane_ = nullptr;  ///< one of terms_
   BatchTerm<energy::AngleBendingTerm>* angles_ = nullptr;
+  BatchTerm<energy::YarnFrictionTerm>* yarns_ = nullptr;  ///< null: no friction inside the fabric
+  double yarn_losses_ = 0.0;
   energy::MirrorFoldTerm* folds_ = nullptr;  ///< kernel of one of them
   energy::AnchorTerm* anchors_ = nullptr;    ///< kernel of one of them, or null
   Recovery recovery_;
