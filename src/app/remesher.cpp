@@ -250,6 +250,7 @@ std::optional<Adapted> Remesher::attempt(Epoch& epoch, const std::vector<double>
   // Potentials are compared under the same loads.
   if (is_path) fresh.model().conditions().set_load_factor(epoch.state().load_factor);
   if (direction) VOILE_PETSC(VecWAXPY(fresh.state().previous, 1.0, direction, fresh.state().u));
+  fresh.model().potential().end_step(fresh.state().u);  // what slips on the way there is part of the remeshing
   const Ledger after = ledger(fresh);
   if (is_path) fresh.model().conditions().set_load_factor(fresh.state().load_factor);
   if (is_path) change = energy_change(before, after, fresh);
