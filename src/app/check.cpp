@@ -119,6 +119,7 @@ void check(MPI_Comm comm, const input::Case& whole) {
       fmt::print("warning: {}\n", text);
     if (!uncorrected.empty()) fmt::print("warning: {}\n", uncorrected);
     for (const std::string& text : probe_warnings(c, mesh)) fmt::print("warning: {}\n", text);
+    if (const std::string text = unit_warning(c, mesh); !text.empty()) fmt::print("warning: {}\n", text);
     fmt::print("{}", garment);
     std::size_t fixed = 0;
     for (const auto& [v, support] : model.discretisation().constraints().vertices)

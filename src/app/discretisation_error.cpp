@@ -68,37 +68,55 @@ DiscretisationError::Densities DiscretisationError::of(const system::Model& mode
   }
   mpi::sum_to_root(comm, d.membrane);
   mpi::sum_to_root(comm, d.bending);
-  if (own == 0) judge(sheet, fields, d);
   return d;
 }
 
-void DiscretisationError::judge(const energy::Sheet& sheet, const system::TriangleFields& fields, const Densities& d) {
+DiscretisationError::Densities DiscretisationError::judged(const system::Model& model,
+                                                           const system::TriangleFields& fields,
+                                                           const std::string& place) {
+  Densities d = of(model, fields);
+  if (mpi::rank(model.dofs().comm()) == 0) judge(model.discretisation().sheet(), fields, d, place);
+  return d;
+}
+
+void DiscretisationError::judge(const energy::Sheet& sheet, const system::TriangleFields& fields, const Densities& d,
+                                const std::string& place) {
   const mesh::SurfaceMesh& mesh = sheet.mesh();
-  double membrane = 0.0, bending = 0.0, largest = 0.0;
+  double membrane = 0.0, bending = 0.0, largest = 0.0, bent = 0.0;
   Index worst = 0;
   for (std::size_t t = 0; t < d.membrane.size(); ++t) {
     const double area = mesh.area(static_cast<Index>(t)), whole = area * (d.membrane[t] + d.bending[t]);
     membrane += area * d.membrane[t];
     bending += area * d.bending[t];
+    bent += 0.5 * area * of_triangle(fields.curvature, t).dot(of_triangle(fields.bending_moment, t));
     if (whole <= largest) continue;
     largest = whole;
     worst = static_cast<Index>(t);
   }
-  const double stored = stored_energy(sheet, fields);
-  share_ = stored > (linear_ ? 0.0 : round_off_energy(sheet)) ? (membrane + bending) / stored : 0.0;
+  const double stored = stored_energy(sheet, fields), none = linear_ ? 0.0 : round_off_energy(sheet);
+  last_ = {0.0, std::nan(""), std::nan("")};
+  if (stored > none) last_.whole = (membrane + bending) / stored;
+  if (stored > none && stored - bent > none) last_.membrane = membrane / (stored - bent);
+  if (stored > none && bent > 0.0) last_.bending = bending / bent;
+  if (!(last_.whole <= largest_)) largest_ = last_.whole;
   warning_.clear();
-  if (share_ <= error_limit) return;
+  if (last_.whole <= error_limit) return;
   const Vec3 at = (mesh.start_corner(worst, 0) + mesh.start_corner(worst, 1) + mesh.start_corner(worst, 2)) / 3.0;
   const double size = cell_size(mesh.area(worst));
-  warning_ = fmt::format(
-      "cells do not resolve how {} change, most near ({:.4g}, {:.4g}, {:.4g}) m at {}: they are {:.2g} % off in the "
-      "mean, and "
-      "deflections may be wrong by about {:.2g} %, too large or too small; cells of about {:.2g} m are needed there, "
-      "not {:.2g} m "
-      "(summary.json: recovery_error; fields membrane_recovery_error and bending_recovery_error say where)",
-      bending > membrane ? "bending moments" : "membrane forces", at[0], at[1], at[2],
-      mesh.has_charts() ? "the start" : "rest", 100.0 * std::sqrt(share_), 100.0 * std::min(share_, most_told),
-      size * std::sqrt(error_limit / share_), size);
+  const auto text = [&](const std::string& when) {
+    return fmt::format(
+        "{}cells do not resolve how {} change, most near ({:.4g}, {:.4g}, {:.4g}) m at {}: they are {:.2g} % off in "
+        "the "
+        "mean, and "
+        "deflections may be wrong by about {:.2g} %, too large or too small; cells of about {:.2g} m are needed there, "
+        "not {:.2g} m "
+        "(summary.json: recovery_error; fields membrane_recovery_error and bending_recovery_error say where)",
+        when, bending > membrane ? "bending moments" : "membrane forces", at[0], at[1], at[2],
+        mesh.has_charts() ? "the start" : "rest", 100.0 * std::sqrt(last_.whole),
+        100.0 * std::min(last_.whole, most_told), size * std::sqrt(error_limit / last_.whole), size);
+  };
+  warning_ = text("");
+  if (last_.whole == largest_ && !place.empty()) worst_warning_ = text("at " + place + " ");
 }
 
 }  // namespace voile::app

@@ -12,12 +12,13 @@ constexpr double share_of_cell = 1e-5;
 
 }  // namespace
 
-LinearValues::LinearValues(system::Model& model, Vec u) : model_(model) {
+LinearValues::LinearValues(system::Model& model, Vec u, Vec about) : model_(model), u_(u) {
   double largest = 0.0;
   VOILE_PETSC(VecNorm(u, NORM_INFINITY, &largest));
   if (largest > 0.0) small_ = share_of_cell * std::sqrt(model.discretisation().mean_area()) / largest;
   for (petsc::VecHandle* v : {&rest_, &forward_, &backward_}) *v = model.dofs().create_vector();
-  VOILE_PETSC(VecZeroEntries(rest_));
+  for (Vec v : {static_cast<Vec>(rest_), static_cast<Vec>(forward_), static_cast<Vec>(backward_)})
+    VOILE_PETSC(about ? VecCopy(about, v) : VecZeroEntries(v));
   VOILE_PETSC(VecAXPY(forward_, small_, u));
   VOILE_PETSC(VecAXPY(backward_, -small_, u));
 }
@@ -56,6 +57,26 @@ double LinearValues::work() {
   double sum = 0.0;
   VOILE_PETSC(VecDot(f, forward_, &sum));
   return 0.5 * sum / small_;
+}
+
+double LinearValues::stiffness() {
+  const petsc::VecHandle f = model_.dofs().create_vector(), other = model_.dofs().create_vector();
+  model_.unbalanced_force(forward_, f);
+  model_.unbalanced_force(backward_, other);
+  VOILE_PETSC(VecAXPY(f, -1.0, other));
+  double sum = 0.0;
+  VOILE_PETSC(VecDot(f, u_, &sum));
+  return std::abs(0.5 * sum / small_);
+}
+
+system::TriangleFields LinearValues::triangle_changes() {
+  const system::TriangleFields whole = triangle_fields(), at = model_.potential().triangle_fields(rest_);
+  system::TriangleFields change = whole;
+  using F = system::TriangleFields;
+  for (std::vector<double> F::*field :
+       {&F::membrane_strain, &F::membrane_force, &F::curvature, &F::whole_curvature, &F::bending_moment, &F::in_plane})
+    for (std::size_t i = 0; i < (change.*field).size(); ++i) (change.*field)[i] -= (at.*field)[i];
+  return change;
 }
 
 system::TriangleFields LinearValues::triangle_fields() {

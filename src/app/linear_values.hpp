@@ -14,14 +14,18 @@ namespace voile::app {
 /// The model must outlive them; its load factor is that of the solution.
 class LinearValues {
  public:
-  /// Collective.
-  LinearValues(system::Model& model, Vec u);
+  /// `about`: the state that u is added to; null: rest. Collective.
+  LinearValues(system::Model& model, Vec u, Vec about = nullptr);
   /// As Model::unbalanced_force. Collective.
   void unbalanced_force(Vec f);
   /// As energies(). Collective.
   [[nodiscard]] system::Energies energies();
   /// As Potential::triangle_fields. Collective; values on rank 0.
   [[nodiscard]] system::TriangleFields triangle_fields();
+  /// The same without those of the state itself. Collective; values on rank 0.
+  [[nodiscard]] system::TriangleFields triangle_changes();
+  /// u.(f(e u) - f(-e u)) / 2e, twice the energy of u with that of the stresses in the state [J]. Collective.
+  [[nodiscard]] double stiffness();
 
  private:
   /// u.(f(0) + R) / 2 [J].
@@ -29,6 +33,7 @@ class LinearValues {
 
   system::Model& model_;
   double small_ = 1.0;  ///< e
+  Vec u_;
   petsc::VecHandle rest_, forward_, backward_;
 };
 

@@ -203,6 +203,30 @@ std::vector<std::string> quality_warnings(const mesh::SurfaceMesh& mesh, const M
   return warnings;
 }
 
+std::string unit_warning(const input::Case& c, const mesh::SurfaceMesh& mesh) {
+  // No cloth has cells of a thousand thicknesses and measures tens of metres.
+  constexpr double large = 20.0, thin = 1500.0;
+  if (!input::UnitSystem(c.units).is_si() || c.mesh.options.scale != 1.0 || !c.panels.empty()) return "";
+  Vec3 low = mesh.positions()[0], high = low;
+  for (Index i = 0; i < mesh.vertex_count(); ++i) {
+    low = low.cwiseMin(mesh.positions()[i]);
+    high = high.cwiseMax(mesh.positions()[i]);
+  }
+  double area = 0.0, thickness = 0.0;
+  for (Index t = 0; t < mesh.triangle_count(); ++t)
+    area +=
+        0.5 *
+        (mesh.rest_corner(t, 1) - mesh.rest_corner(t, 0)).cross(mesh.rest_corner(t, 2) - mesh.rest_corner(t, 0)).norm();
+  const double cell = std::sqrt(2.0 * area / mesh.triangle_count()), size = (high - low).norm();
+  for (const energy::Material& m : c.materials)
+    if (m.membrane(0, 0) > 0.0) thickness = std::max(thickness, std::sqrt(12.0 * m.bending(0, 0) / m.membrane(0, 0)));
+  if (size < large || cell < thin * thickness) return "";
+  return fmt::format(
+      "the sheet measures {:.3g} m and is {:.2g} m thick, with cells of {:.2g} m: if the mesh is in millimetres, give "
+      "[mesh] scale = 0.001, or [units] length = \"mm\" for a case in millimetres throughout",
+      size, thickness, cell);
+}
+
 std::string fold_warning(const mesh::SurfaceMesh& mesh, const MeshQuality& q, const energy::ElementOptions& element) {
   double all = 0.0, stiffer = 0.0;
   for (std::size_t t = 0; t < q.area.size(); ++t) {

@@ -44,6 +44,9 @@ struct MeshQuality {
 [[nodiscard]] std::string fold_warning(const mesh::SurfaceMesh& mesh, const MeshQuality& quality,
                                        const energy::ElementOptions& element);
 
+/// A mesh whose numbers look like millimetres beside materials in metres; empty if not, or if the case names its units.
+[[nodiscard]] std::string unit_warning(const input::Case& c, const mesh::SurfaceMesh& mesh);
+
 /// What is legal but perhaps not meant: vertices that coincide, vertices that were merged.
 [[nodiscard]] std::vector<std::string> mesh_notes(const mesh::SurfaceMesh& mesh);
 

@@ -58,7 +58,7 @@ class Recorder {
   /// number if it is not estimated.
   [[nodiscard]] double membrane_error() const { return membrane_error_; }
   /// Energy by which stress resultants differ from smooth ones over that stored, likewise.
-  [[nodiscard]] double recovery_error() const { return discretisation_error_.share(); }
+  [[nodiscard]] const DiscretisationError& recovery_error() const { return discretisation_error_; }
   /// What history.csv has or would have, on rank 0; rows only where the options keep them. Not collective.
   struct History {
     std::vector<std::string> columns;
@@ -94,8 +94,9 @@ class Recorder {
   /// Whether estimates of error are made: not of modes, which have no size.
   [[nodiscard]] bool estimates() const { return case_.analysis != "modal" && case_.analysis != "buckling"; }
   void write_fields(io::StepFields step, Vec a, const Snapshot& s);
-  /// `judges`: estimates of error are made, wanted or not, and remembered.
-  [[nodiscard]] std::vector<io::Field> fields_of(Vec a, const Snapshot& s, const Wants& wants, bool judges);
+  /// `judged`: estimates of error are made, wanted or not, and remembered as those of this place on the path; may be null.
+  [[nodiscard]] std::vector<io::Field> fields_of(Vec a, const Snapshot& s, const Wants& wants,
+                                                 const std::string* judged);
   [[nodiscard]] std::vector<io::Field> stresses(const system::TriangleFields& t, const Wants& wants, bool all) const;
   void write_or_keep(bool write, io::StepFields step, Vec position, Vec velocity, const Snapshot& s);
   void write_step(const system::State& state, const solve::StepResult& r, const Snapshot& s, bool whole);

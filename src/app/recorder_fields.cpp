@@ -31,16 +31,17 @@ std::vector<Field> Recorder::stresses(const system::TriangleFields& t, const Wan
   return found;
 }
 
-std::vector<Field> Recorder::fields_of(Vec a, const Snapshot& s, const Wants& wants, bool judges) {
+std::vector<Field> Recorder::fields_of(Vec a, const Snapshot& s, const Wants& wants, const std::string* judged) {
   std::vector<Field> fields;
   const system::TriangleFields t =
       linear_ ? LinearValues(*model_, a).triangle_fields() : model_->potential().triangle_fields(a);
   if (sizes_ && wants("wanted_size")) fields.push_back({"wanted_size", "m", io::Centre::vertex, 1, sizes_()});
   for (Field& f : contact_fields(*model_, a, wants)) fields.push_back(std::move(f));
-  const bool estimated = estimates() && (judges || std::any_of(judgements.begin(), judgements.end(),
+  const bool estimated = estimates() && (judged || std::any_of(judgements.begin(), judgements.end(),
                                                                [&](const char* n) { return wants(n); }));
   DiscretisationError::Densities recovered;
-  if (estimated) recovered = discretisation_error_.of(*model_, t);
+  if (estimated)
+    recovered = judged ? discretisation_error_.judged(*model_, t, *judged) : discretisation_error_.of(*model_, t);
   mpi::on_root(model_->dofs().comm(), [&] {
     const auto add = [&](const char* name, const char* unit, io::Centre centre, const std::vector<double>& values) {
       if (wants(name)) fields.push_back({name, unit, centre, 3, values});
@@ -61,21 +62,23 @@ std::vector<Field> Recorder::fields_of(Vec a, const Snapshot& s, const Wants& wa
       add_density("membrane_recovery_error", recovered.membrane);
       add_density("bending_recovery_error", recovered.bending);
     }
-    for (Field& f : stresses(t, wants, judges)) fields.push_back(std::move(f));
+    for (Field& f : stresses(t, wants, judged != nullptr)) fields.push_back(std::move(f));
   });
   return fields;
 }
 
 std::vector<Field> Recorder::fields(const system::State& state, const Wants& wants) {
-  std::vector<Field> found = fields_of(state.u, gathered(state.u), wants, false);
+  std::vector<Field> found = fields_of(state.u, gathered(state.u), wants, nullptr);
   if (dynamics_ && wants("velocity"))
     found.push_back({"velocity", "m/s", io::Centre::vertex, 3, model_->dofs().gather(state.v)});
   return found;
 }
 
 void Recorder::write_fields(io::StepFields step, Vec a, const Snapshot& s) {
+  // Along a motion the worst state is passed in an instant.
+  const std::string place = case_.analysis == "static" ? fmt::format("load factor {:.4g}", step.load_factor) : "";
   for (Field& f : fields_of(
-           a, s, [this](const std::string& name) { return wants(name); }, true))
+           a, s, [this](const std::string& name) { return wants(name); }, &place))
     step.fields.push_back(std::move(f));
   mpi::on_root(model_->dofs().comm(), [&] {
     if (obstacles_ && obstacles_->at_rest().moves) step.obstacles = obstacles_->positions(model_->contact()->scene());

@@ -159,9 +159,9 @@ void Remesher::bound_by_error(Epoch& epoch, const system::TriangleFields& fields
   if (keys_.error == 0.0) return;
   const system::Model& model = epoch.model();
   DiscretisationError estimate(false);
-  DiscretisationError::Densities error = estimate.of(model, fields);
+  DiscretisationError::Densities error = estimate.judged(model, fields, "");
   mpi::on_root(model.dofs().comm(), [&] {
-    if (estimate.share() == 0.0) return;  // also where there is nothing but round-off, as in a sheet that flies
+    if (estimate.last().whole == 0.0) return;  // also where there is nothing but round-off, as in a sheet that flies
     for (std::size_t t = 0; t < error.membrane.size(); ++t) error.membrane[t] += error.bending[t];
     const double stored = stored_energy(model.discretisation().sheet(), fields);
     const std::vector<double> size = adapt::sizes_for_error(model.dofs().mesh(), error.membrane, stored, keys_.error);

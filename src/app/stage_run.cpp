@@ -217,7 +217,8 @@ Summary StageRun::end() {
   if (remesher_ && !text_of(*summary.remeshing).empty()) recorder_.remark(text_of(*summary.remeshing));
   recorder_.finish();
   summary.membrane_error = recorder_.membrane_error();
-  summary.recovery_error = recorder_.recovery_error();
+  summary.recovery_error = recorder_.recovery_error().last();
+  summary.largest_recovery_error = recorder_.recovery_error().largest();
   if (c.analysis == "dynamic") {
     summary.kinetic = recorder_.kinetic();
     summary.round_off_energy = round_off_energy(model.discretisation().sheet());

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "discretisation_error.hpp"
 #include "energy_text.hpp"
 #include "garment_measures.hpp"
 #include "voile/base/types.hpp"
@@ -40,7 +41,9 @@ struct Summary {
   bool unstable = false;        ///< load control has ended in an unstable equilibrium
   double residual = 0.0;        ///< relative, of the last state
   double membrane_error = 0.0;  ///< energy that should not be there over that stored, see Warnings::membrane_error()
-  double recovery_error = 0.0;  ///< of the last state, see DiscretisationError::share()
+  DiscretisationError::Fractions recovery_error;  ///< of the last state
+  double largest_recovery_error = 0.0;            ///< on the way
+  std::vector<double> mode_errors;                ///< of eigen: relative, by recovery
   long unknowns = 0;
   Index vertices = 0, triangles = 0;
   int ranks = 1;

@@ -284,7 +284,8 @@ void check_mesh(const SectionPlace& place, Case& c) {
                "cut the surface from [[panel]]");
   c.mesh.file = beside(c.file, c.mesh.file);
   if (c.stage.number > 0) c.mesh.start.clear();  // it begins where the stage before has ended
-  if (c.mesh.options.rest != io::RestShape::texture && c.mesh.options.texture_unit != 1.0)
+  if (c.mesh.options.rest != io::RestShape::texture &&
+      c.mesh.options.texture_unit != UnitSystem(c.units).own_default(1.0, "m"))
     place.fail("texture_unit", "only rest = \"texture\" has one; give that, or remove the key");
   if (c.mesh.options.rest == io::RestShape::texture && c.analysis == "linear")
     place.fail("rest",
@@ -300,12 +301,26 @@ void check_mesh(const SectionPlace& place, Case& c) {
                "vertices that `merge` joins would have two places; merge them in both files, or remove the key");
 }
 
-Case read_case(const CaseReader& reader, const std::filesystem::path& file, StageSection stage,
-               const StagesBefore& before) {
+/// Converts what is in SI whatever the case is in.
+void read_units(CaseReader& reader, Case& c) {
+  const SectionPlace place = reader.read("units", 0, keys_of(c.units));
+  if (!place.is_there()) return;
+  try {
+    reader.set_units(UnitSystem(c.units));
+  } catch (const UserError& e) {
+    throw UserError(fmt::format("{}:{}: units.{}", place.file, place.line, e.what()));
+  }
+  if (!reader.units().is_si() && reader.count("panel") > 0)
+    place.fail("length",
+               "patterns and their sewing are in metres; remove the section, and give other numbers with their units");
+}
+
+Case read_case(CaseReader& reader, const std::filesystem::path& file, StageSection stage, const StagesBefore& before) {
   Case c;
   c.file = file;
   c.stage = std::move(stage);
   reader.read_top(top_keys(c));
+  read_units(reader, c);
   read_pattern(reader, c);
   check_mesh(reader.read("mesh", 0, keys_of(c.mesh)), c);
   reader.read("element", 0, keys_of(c.element));

@@ -4,7 +4,8 @@ namespace voile::input {
 
 Declarations::Declarations()
     : top_(top_keys(case_)),
-      keys_{{"mesh", keys_of(case_.mesh)},
+      keys_{{"units", keys_of(case_.units)},
+            {"mesh", keys_of(case_.mesh)},
             {"panel", keys_of(panel_)},
             {"seam", keys_of(seam_)},
             {"mark", keys_of(mark_)},

@@ -75,6 +75,14 @@ const std::vector<std::string>& staged_items() {
   return names;
 }
 
+std::vector<Key> keys_of(UnitsSection& s) {
+  return {{.name = "length", .slot = &s.length, .meaning = "Unit of length, e.g. `\"mm\"`."},
+          {.name = "mass",
+           .slot = &s.mass,
+           .meaning = "Unit of mass, e.g. `\"t\"`: with millimetres and seconds, forces are in N and stresses in MPa."},
+          {.name = "time", .slot = &s.time, .meaning = "Unit of time."}};
+}
+
 std::vector<Key> top_keys(Case& c) {
   return {{.name = "title", .slot = &c.title, .meaning = "Free text, shown at the start of a run."},
           {.name = "analysis",
@@ -117,6 +125,10 @@ std::vector<Key> with_keys_after(const std::string& name, std::vector<Key> first
 
 const std::vector<SectionInfo>& sections() {
   static const std::vector<SectionInfo> all{
+      {"units", false,
+       "Units of plain numbers, meshes and results, if they are not SI. A text with a unit, `\"210 GPa\"`, holds in "
+       "any "
+       "system, as do fabric files and defaults. Not with `[[panel]]`, which is in metres."},
       {"mesh", false, "The surface. Required, unless it is cut from `[[panel]]`."},
       {"panel", true,
        "Pieces of a sewing pattern instead of a mesh, cut, meshed and placed, see [patterns](patterns.md). A piece "

@@ -64,19 +64,23 @@ void fill_laminate(const SectionPlace& place, const MaterialInput& in, energy::M
 }
 
 /// The file of a fabric states its own mistakes.
-void fill_fabric(const SectionPlace& place, const MaterialInput& in, energy::Material& m) {
+void fill_fabric(const SectionPlace& place, const MaterialInput& in, const UnitSystem& units, energy::Material& m) {
+  constexpr Powers per_width{0, 1, -2}, moment_per_width{2, 1, -2}, per_area{-2, 1, 0}, duration{0, 0, 1};
   const Fabric fabric = read_fabric(in.fabric);
-  m.membrane = energy::rotated_stiffness(membrane_stiffness(fabric), in.warp_angle);
-  m.bending = energy::rotated_stiffness(bending_stiffness(fabric), in.warp_angle);
-  m.areal_density = fabric.areal_density;
+  m.membrane = units.from_si(1.0, per_width) * energy::rotated_stiffness(membrane_stiffness(fabric), in.warp_angle);
+  m.bending =
+      units.from_si(1.0, moment_per_width) * energy::rotated_stiffness(bending_stiffness(fabric), in.warp_angle);
+  m.areal_density = units.from_si(fabric.areal_density, per_area);
   if (in.hysteresis == MaterialInput::Hysteresis::damping) {
-    if (!place.has("bending_damping")) m.bending_damping = bending_damping(fabric);
+    if (!place.has("bending_damping")) m.bending_damping = units.from_si(bending_damping(fabric), duration);
     return;
   }
+  constexpr Powers force{1, 1, -2}, per_length{-1, 0, 0};
   m.friction.warp_angle = in.warp_angle;
   try {
-    m.friction.sliders = energy::sliders_of(
-        bending_loop(fabric), fabric.bending_hysteresis_spread.value_or(typical_spread), in.bending_sliders);
+    const double spread = fabric.bending_hysteresis_spread.value_or(typical_spread);
+    m.friction.sliders = energy::sliders_of(units.from_si(1.0, force) * bending_loop(fabric),
+                                            units.from_si(spread, per_length), in.bending_sliders);
   } catch (const UserError& e) {
     place.fail("hysteresis", fmt::format("{}: {}", in.fabric.string(), e.what()));
   }
@@ -113,7 +117,7 @@ std::filesystem::path fabric_file(const SectionPlace& place, const std::filesyst
                          near.empty() ? "" : fmt::format("; did you mean fabric = \"{}\", which is shipped?", near)));
 }
 
-void fill_matrices(const SectionPlace& place, const MaterialInput& in, energy::Material& m) {
+void fill_matrices(const SectionPlace& place, const MaterialInput& in, const UnitSystem& units, energy::Material& m) {
   m.bending_damping = in.bending_damping;
   m.viscous_time = in.membrane_damping;
   switch (in.type) {
@@ -121,7 +125,7 @@ void fill_matrices(const SectionPlace& place, const MaterialInput& in, energy::M
       fill_laminate(place, in, m);
       return;
     case MaterialInput::Type::fabric:
-      fill_fabric(place, in, m);
+      fill_fabric(place, in, units, m);
       return;
     case MaterialInput::Type::isotropic:
       m.membrane = energy::isotropic_membrane(in.young, in.poisson, in.thickness);
@@ -188,7 +192,7 @@ void read_materials(const CaseReader& reader, Case& c) {
     m.groups = in.groups;
     fill_direction(place, in, m);
     if (in.type == MaterialInput::Type::fabric) in.fabric = fabric_file(place, in.fabric);
-    fill_matrices(place, in, m);
+    fill_matrices(place, in, reader.units(), m);
     fill_friction(place, in, m);
     if (in.groups.empty() && everywhere)
       place.fail("groups", "the key is missing, and another material has no groups either; say where each applies");

@@ -28,8 +28,9 @@ std::string text_of(const toml::node& node) {
 /// Reads one value into one alternative of Slot.
 class ValueReader {
  public:
-  ValueReader(const SectionPlace& place, const Key& key, const toml::node& node)
-      : place_(place), key_(key), node_(node) {}
+  ValueReader(const SectionPlace& place, const Key& key, const toml::node& node, const std::string& type = "",
+              const UnitSystem& units = {})
+      : place_(place), key_(key), node_(node), unit_(unit_for(key.unit, type)), units_(units) {}
 
   void operator()(double* x) const { *x = in_range(number(node_, number_hint())); }
   void operator()(const Degrees& x) const {
@@ -117,10 +118,18 @@ class ValueReader {
                        range.empty() ? "" : " " + range, node_.is_string() ? "; write it without quotes" : "");
   }
   [[nodiscard]] double number(const toml::node& node, const std::string& remedy) const {
+    if (node.is_string() && !unit_.empty()) return measured(*node.value<std::string>());
     if (!node.is_number()) refuse(remedy);
     const double x = *node.value<double>();
     if (!std::isfinite(x)) refuse("the number must be finite");
     return x;
+  }
+  [[nodiscard]] double measured(const std::string& text) const {
+    try {
+      return units_.number(text, unit_);
+    } catch (const UserError& e) {
+      refuse(e.what());
+    }
   }
   [[nodiscard]] double in_range(double x) const {
     if (!key_.range.contains(x))
@@ -165,6 +174,8 @@ class ValueReader {
   const SectionPlace& place_;
   const Key& key_;
   const toml::node& node_;
+  std::string unit_;
+  UnitSystem units_;
 };
 
 std::vector<std::string> names_of(const std::vector<Key>& keys, const std::string& type) {
@@ -206,7 +217,15 @@ std::string successor(const std::string& section, std::string_view key) {
   return "";
 }
 
-SectionPlace read_table(SectionPlace place, const toml::table& table, const std::vector<Key>& keys) {
+/// Defaults are kept in SI.
+void convert_default(const Key& key, const std::string& type, const UnitSystem& units) {
+  double* const* number = std::get_if<double*>(&key.slot);
+  const std::string unit = unit_for(key.unit, type);
+  if (number && !unit.empty()) **number = units.own_default(**number, unit);
+}
+
+SectionPlace read_table(SectionPlace place, const toml::table& table, const std::vector<Key>& keys,
+                        const UnitSystem& units) {
   for (const auto& [name, node] : table) place.key_lines[std::string(name.str())] = line_of(name.source());
   const std::string type = read_type(place, keys, table);
   for (const auto& [name, node] : table) {
@@ -223,11 +242,13 @@ SectionPlace read_table(SectionPlace place, const toml::table& table, const std:
       fail_at(place.file, line_of(name.source()),
               fmt::format("{}key '{}' does not belong to type '{}'; that has: {}", section, name.str(), type,
                           join(valid, ", ")));
-    if (name != "type") std::visit(ValueReader(place, *key, node), key->slot);
+    if (name != "type") std::visit(ValueReader(place, *key, node, type, units), key->slot);
   }
-  for (const Key& key : keys)
-    if (is_required(key, type) && !place.has(key.name))
-      place.fail(key.name, fmt::format("the key is missing; {}", key.meaning));
+  for (const Key& key : keys) {
+    if (place.has(key.name)) continue;
+    if (is_required(key, type)) place.fail(key.name, fmt::format("the key is missing; {}", key.meaning));
+    convert_default(key, type, units);
+  }
   return place;
 }
 
@@ -311,6 +332,14 @@ CaseReader::CaseReader(const std::string& text, const std::filesystem::path& fil
 
 CaseReader::~CaseReader() = default;
 
+void CaseReader::set_units(const UnitSystem& units) {
+  impl_->units = units;
+}
+
+const UnitSystem& CaseReader::units() const {
+  return impl_->units;
+}
+
 std::size_t CaseReader::count(const std::string& section) const {
   const toml::node* node = impl_->root.get(section);
   return !node ? 0 : node->is_table() ? 1 : node->as_array()->size();
@@ -319,7 +348,8 @@ std::size_t CaseReader::count(const std::string& section) const {
 SectionPlace CaseReader::read(const std::string& section, std::size_t n, const std::vector<Key>& keys) const {
   static const toml::table none;
   const toml::table* table = impl_->section(section, n);
-  return read_table({impl_->file, section, table ? line_of(table->source()) : 0, {}}, table ? *table : none, keys);
+  return read_table({impl_->file, section, table ? line_of(table->source()) : 0, {}}, table ? *table : none, keys,
+                    impl_->units);
 }
 
 SectionPlace CaseReader::read_top(const std::vector<Key>& keys) const {

@@ -29,8 +29,8 @@ Json array_of(Json items, int count = 0) {
 struct Type {
   const Key& key;
 
-  Json operator()(const double*) const { return number_type(key.range); }
-  Json operator()(const Degrees&) const { return number_type(key.range); }
+  Json operator()(const double*) const { return measured(number_type(key.range)); }
+  Json operator()(const Degrees&) const { return measured(number_type(key.range)); }
   Json operator()(const int*) const {
     Json j = number_type(key.range);
     j["type"] = "integer";
@@ -44,11 +44,11 @@ struct Type {
     return array_of(w.allowed.empty() ? Json{{"type", "string"}} : Json{{"enum", w.allowed}});
   }
   Json operator()(const std::vector<std::string>*) const { return array_of({{"type", "string"}}); }
-  Json operator()(const std::vector<double>*) const { return array_of(number_type(key.range)); }
+  Json operator()(const std::vector<double>*) const { return array_of(measured(number_type(key.range))); }
   Json operator()(const std::vector<int>*) const { return axes(); }
   Json operator()(const std::array<bool, 3>*) const { return axes(); }
-  Json operator()(const Vec3*) const { return array_of({{"type", "number"}}, 3); }
-  Json operator()(const std::optional<Vec3>*) const { return array_of({{"type", "number"}}, 3); }
+  Json operator()(const Vec3*) const { return array_of(measured({{"type", "number"}}), 3); }
+  Json operator()(const std::optional<Vec3>*) const { return array_of(measured({{"type", "number"}}), 3); }
   Json operator()(const PointInput*) const {
     return {{"anyOf", {array_of({{"type", "number"}}, 3), {{"type", "string"}}}}};
   }
@@ -56,6 +56,10 @@ struct Type {
   Json operator()(const Mat3*) const { return array_of(array_of({{"type", "number"}}, 3), 3); }
   Json operator()(const std::map<std::string, double>*) const {
     return {{"type", "object"}, {"additionalProperties", {{"type", "number"}}}};
+  }
+  /// A text with a unit does as well.
+  [[nodiscard]] Json measured(Json number) const {
+    return key.unit.empty() ? number : Json{{"anyOf", {std::move(number), {{"type", "string"}}}}};
   }
   static Json axes() { return array_of({{"enum", {"x", "y", "z"}}}); }
 };

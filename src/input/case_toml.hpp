@@ -14,6 +14,7 @@ namespace voile::input {
 struct CaseReader::Impl {
   std::string file;
   toml::table root;
+  UnitSystem units;
 
   [[nodiscard]] const toml::table* section(const std::string& name, std::size_t n) const {
     const toml::node* node = root.get(name);

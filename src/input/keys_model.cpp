@@ -42,7 +42,7 @@ std::vector<Key> reading_keys(io::MeshOptions& o) {
   return {
       {.name = "scale",
        .slot = &o.scale,
-       .meaning = "The file's coordinates are multiplied by this to become metres.",
+       .meaning = "The file's coordinates are multiplied by this to become metres, or the case's unit of length.",
        .range = positive},
       {.name = "size",
        .slot = &o.size,
@@ -243,7 +243,7 @@ std::vector<Key> keys_of(system::Load& s) {
       {.name = "magnitude",
        .slot = &s.magnitude,
        .meaning = "Size at load factor 1; a pressure is positive along the normal of the triangles.",
-       .unit = "pressures Pa, moment N",
+       .unit = "pressure, follower_pressure Pa, follower_moment N",
        .types = magnitudes,
        .required = true},
       {.name = "constant", .slot = &s.constant, .meaning = "Acts in full at every load factor, as a dead weight does."},

@@ -9,7 +9,7 @@ import subprocess
 import tomllib
 
 import numpy as np
-from common import fresh, strip
+from common import fresh, plate, strip
 from harness import OUT, solve, test
 from shapes import write_msh
 from solver import ROOT, environment, invoke, load_case, run, variant, write_case
@@ -34,6 +34,27 @@ def out_of_range(report):
     report.check(bent.history["largest_turn"][-1] > np.pi / 3, f"an edge turns by {np.degrees(bent.history['largest_turn'][-1]):.0f} degrees")
     small = solve("range_small", strip(), 1)
     report.check("warning" not in small.text, "no warning within the range")
+
+
+@test
+def units_declared(report):
+    """A strip in metres and one in millimetres and tonnes, both with texts that carry units: one answer."""
+    metres = strip(nx=10, material=[{"type": "isotropic", "young": "1.2 MPa", "poisson": 0.0, "thickness": "10 cm", "density": "1 g/cm^3"}],
+                   load=[{"type": "line", "group": "tip", "vector": [0, 0, "0.4 N/m"]}, {"type": "pressure", "magnitude": "0.1 Pa"}])
+    millimetres = copy.deepcopy(metres) | {"units": {"length": "mm", "mass": "t"}}
+    millimetres["mesh"]["scale"] = 1000
+    a, b = solve("units_si", metres, 1), solve("units_mm", millimetres, 1)
+    report.below(abs(b.history["tip_z"][-1] / a.history["tip_z"][-1] / 1e3 - 1.0), 1e-9, "deflection in mm over that in m, less 1000")
+    report.check("units: mm, t, s" in b.text and "units:" not in a.text, "the header names the units")
+    fabric = dict(metres, material=[{"type": "fabric", "fabric": "wool_tropical", "direction": [1, 0, 0]}], load=metres["load"][:1])
+    small = copy.deepcopy(fabric) | {"units": {"length": "mm", "mass": "g", "time": "ms"}}
+    small["mesh"]["scale"] = 1000
+    a, b = (solve(f"units_fabric_{k}", dict(c, analysis="modal"), 1).summary["eigenvalues"][0] for k, c in enumerate((fabric, small)))
+    report.below(abs(1e3 * b / a - 1.0), 1e-6, "the first frequency of a fabric, in 1/ms and in Hz (to the solver's tolerance)")
+    forgotten = plate(40, 1.0) | {"analysis": "linear", "mesh": {"file": str(ROOT / "meshes" / "plate.geo"), "parameters": {"n": 40, "side": 200}}}
+    forgotten["material"][0]["thickness"] = "2 mm"
+    large = solve("units_forgotten", forgotten, 1)
+    report.check("if the mesh is in millimetres" in large.text, "a mesh of 200 m with 2 mm is pointed out")
 
 
 @test

@@ -155,6 +155,33 @@ def unresolved(report):
 
 
 @test
+def unresolved_modes(report):
+    """Frequencies of a clamped plate: the estimate is 0.5 to 2.5 times the error, and warns of coarse cells."""
+    material = [{"type": "isotropic", "young": 2e11, "poisson": 0.3, "thickness": 0.01, "density": 7850}]
+    factor = np.sqrt(2e11 * 0.01**3 / (12 * 0.91) / 78.5) / (2 * np.pi)  # Leissa, NASA SP-160 (1969), table 4.22
+    exact = factor * np.array([35.985, 73.394, 73.394, 108.22])
+    for cells, ranks in ((8, 1), (32, 2)):
+        case = {"analysis": "modal", "mesh": {"file": str(ROOT / "meshes" / "plate.geo"), "parameters": {"n": cells}}, "material": material,
+                "support": [{"type": "clamped", "group": g} for g in ("left", "right", "bottom", "top")], "eigen": {"modes": 4}}
+        result = solve(f"unresolved_modes_{cells}", case, ranks)
+        table = np.loadtxt(result.folder / "modes.csv", delimiter=",", skiprows=1)
+        ratio = table[:, 4] / np.abs(table[:, 1] / exact - 1.0)
+        report.check(0.5 < ratio.min() and ratio.max() < 2.5, f"{cells} cells: estimates are {ratio.min():.2f} to {ratio.max():.2f} times the errors")
+        report.check(("cells do not resolve mode(s) 1, 2, 3, 4" in result.text) == (cells == 8), f"{cells} cells: warned, or not")
+        report.below(max(abs(np.array(result.summary["eigenvalue_errors"]) - table[:, 4])), 1e-12, "the summary has them too")
+
+
+@test
+def unresolved_on_the_way(report):
+    """A shallow roof on 8 x 8 cells: its bending is less resolved at the limit load than at the end, and the warning says where."""
+    case = variant(load_case(ROOT / "runs" / "roof_isotropic_6.35" / "case.toml"), {"mesh.parameters.n_axial": 8, "mesh.parameters.n_circ": 8})
+    case["mesh"]["file"] = str(ROOT / "meshes" / "panel.geo")
+    result = solve("unresolved_on_the_way", case, 1)
+    report.check(result.summary["recovery_error"] < 0.05 < result.summary["largest_recovery_error"], "less than 5 % at the end, more before")
+    report.check("warning: at load factor" in result.text and "resolved at the end" in result.text, "the warning names the load factor")
+
+
+@test
 def corrected_membrane(report):
     """Where straight chords lock, the corrected membrane does not; where they do no harm it agrees with the six-node one."""
     reference = BENCHMARKS["cantilever_shear"].reference["minus_u_tip_elastica"][-1]

@@ -13,6 +13,7 @@
 #include "voile/base/types.hpp"
 #include "voile/energy/element_options.hpp"
 #include "voile/energy/material.hpp"
+#include "voile/input/unit_system.hpp"
 #include "voile/io/gmsh.hpp"
 #include "voile/solve/drape_options.hpp"
 #include "voile/solve/static_options.hpp"
@@ -229,6 +230,7 @@ struct Case {
   std::filesystem::path file;
   std::string title;
   std::string analysis = "static";
+  UnitsSection units;
   MeshSection mesh;
   std::vector<PanelSection> panels;
   std::vector<SeamSection> seams;

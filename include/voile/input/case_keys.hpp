@@ -87,6 +87,7 @@ struct MaterialInput {
   std::vector<double> texture_direction;  ///< empty, or u and v
 };
 
+[[nodiscard]] std::vector<Key> keys_of(UnitsSection& section);
 [[nodiscard]] std::vector<Key> keys_of(MeshSection& section);
 [[nodiscard]] std::vector<Key> keys_of(PanelSection& section);
 [[nodiscard]] std::vector<Key> keys_of(SeamSection& section);

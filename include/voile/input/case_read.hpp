@@ -35,6 +35,10 @@ class CaseReader {
   CaseReader(const CaseReader&) = delete;
   CaseReader& operator=(const CaseReader&) = delete;
 
+  /// Texts with a unit are converted to this system by read(), and defaults that have a unit; SI before the call.
+  void set_units(const UnitSystem& units);
+  [[nodiscard]] const UnitSystem& units() const;
+
   /// How many stages the file has.
   [[nodiscard]] std::size_t stage_count() const { return count("stage"); }
   /// Turns the file into the case of one of its stages: with its analysis and its own tables, without what does not

@@ -1,0 +1,232 @@
+#include "voile/input/unit_system.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <numbers>
+
+#include "voile/base/error.hpp"
+#include "voile/base/text.hpp"
+
+namespace voile::input {
+
+namespace {
+
+struct Named {
+  const char* name;
+  double si;
+  Powers powers;
+};
+
+constexpr Powers none{}, length{1, 0, 0}, mass{0, 1, 0}, duration{0, 0, 1}, force{1, 1, -2}, pressure{-1, 1, -2},
+    energy{2, 1, -2}, frequency{0, 0, -1};
+constexpr double inch = 0.0254, pound = 0.45359237, standard_gravity = 9.80665, minute = 60.0, ounce = pound / 16.0,
+                 degree = std::numbers::pi / 180.0;
+
+/// The first of each kind is SI's.
+const std::vector<Named>& named_units() {
+  static const std::vector<Named> all{{"m", 1.0, length},
+                                      {"cm", 1e-2, length},
+                                      {"mm", 1e-3, length},
+                                      {"um", 1e-6, length},
+                                      {"in", inch, length},
+                                      {"ft", 12.0 * inch, length},
+                                      {"yd", 36.0 * inch, length},
+                                      {"kg", 1.0, mass},
+                                      {"g", 1e-3, mass},
+                                      {"mg", 1e-6, mass},
+                                      {"t", 1e3, mass},
+                                      {"lb", pound, mass},
+                                      {"oz", ounce, mass},
+                                      {"s", 1.0, duration},
+                                      {"ms", 1e-3, duration},
+                                      {"min", minute, duration},
+                                      {"N", 1.0, force},
+                                      {"mN", 1e-3, force},
+                                      {"uN", 1e-6, force},
+                                      {"kN", 1e3, force},
+                                      {"MN", 1e6, force},
+                                      {"gf", 1e-3 * standard_gravity, force},
+                                      {"kgf", standard_gravity, force},
+                                      {"lbf", pound * standard_gravity, force},
+                                      {"Pa", 1.0, pressure},
+                                      {"kPa", 1e3, pressure},
+                                      {"MPa", 1e6, pressure},
+                                      {"GPa", 1e9, pressure},
+                                      {"bar", 1e5, pressure},
+                                      {"psi", pound * standard_gravity / (inch * inch), pressure},
+                                      {"ksi", 1e3 * pound * standard_gravity / (inch * inch), pressure},
+                                      {"J", 1.0, energy},
+                                      {"mJ", 1e-3, energy},
+                                      {"Hz", 1.0, frequency},
+                                      {"rad", 1.0, none},
+                                      {"deg", degree, none},
+                                      {"degree", degree, none},
+                                      {"%", 1e-2, none}};
+  return all;
+}
+
+MeasuredUnit power(const MeasuredUnit& unit, int n) {
+  return {std::pow(unit.si, n), {n * unit.powers.length, n * unit.powers.mass, n * unit.powers.time}};
+}
+
+MeasuredUnit product(const MeasuredUnit& a, const MeasuredUnit& b) {
+  return {a.si * b.si,
+          {a.powers.length + b.powers.length, a.powers.mass + b.powers.mass, a.powers.time + b.powers.time}};
+}
+
+/// Signs that laboratories print, in ASCII.
+std::string in_ascii(std::string text) {
+  const std::vector<std::pair<std::string, std::string>> same{{"\u00b7", "."}, {"\u00b2", "2"}, {"\u00b3", "3"},
+                                                              {"\u00b5", "u"}, {"\u03bc", "u"}, {"\u00b0", "deg"}};
+  for (const auto& [from, to] : same)
+    for (std::size_t at = text.find(from); at != std::string::npos; at = text.find(from))
+      text.replace(at, from.size(), to);
+  return text;
+}
+
+/// Recursive descent: product = factor { (blank | . | *) factor | / factor }, factor = (name | 1 | "(" product ")") [^] power.
+class Parser {
+ public:
+  explicit Parser(const std::string& text) : whole_(text), text_(in_ascii(text)) {}
+
+  MeasuredUnit whole() {
+    const MeasuredUnit unit = product_of();
+    if (at_ < text_.size()) fail();
+    return unit;
+  }
+
+ private:
+  MeasuredUnit product_of() {
+    MeasuredUnit unit = factor();
+    for (;;) {
+      skip(" .*");
+      if (at_ >= text_.size() || text_[at_] == ')') return unit;
+      const bool below = text_[at_] == '/';
+      if (below) ++at_;
+      skip(" ");
+      unit = product(unit, below ? power(factor(), -1) : factor());
+    }
+  }
+  MeasuredUnit factor() {
+    MeasuredUnit unit;
+    if (at_ < text_.size() && text_[at_] == '(') {
+      if (++depth_ > deepest) fail();
+      ++at_;
+      unit = product_of();
+      if (at_ >= text_.size() || text_[at_] != ')') fail();
+      ++at_;
+      --depth_;
+    } else if (at_ < text_.size() && text_[at_] == '1') {
+      ++at_;
+      return unit;
+    } else {
+      unit = name();
+    }
+    return power(unit, exponent());
+  }
+  MeasuredUnit name() {
+    const std::size_t begin = at_;
+    while (at_ < text_.size() && (std::isalpha(static_cast<unsigned char>(text_[at_])) || text_[at_] == '%')) ++at_;
+    const std::string name = text_.substr(begin, at_ - begin);
+    std::vector<std::string> names;
+    for (const Named& n : named_units()) {
+      if (name == n.name) return {n.si, n.powers};
+      names.emplace_back(n.name);
+    }
+    if (name.empty()) fail();
+    throw UserError(fmt::format("unknown unit '{}':{}", name, suggestion(name, names)));
+  }
+  int exponent() {
+    if (at_ < text_.size() && text_[at_] == '^') ++at_;
+    const bool negative = at_ + 1 < text_.size() && text_[at_] == '-';
+    const std::size_t digit = at_ + (negative ? 1 : 0);
+    if (digit >= text_.size() || text_[digit] < '1' || text_[digit] > '9') return 1;
+    at_ = digit + 1;
+    return (negative ? -1 : 1) * (text_[digit] - '0');
+  }
+  void skip(const char* characters) { at_ = std::min(text_.find_first_not_of(characters, at_), text_.size()); }
+  [[noreturn]] void fail() const {
+    throw UserError(fmt::format("'{}' is not a unit; write one as N/mm^2, g/m^2 or kN m", whole_));
+  }
+
+  static constexpr int deepest = 4;
+  std::string whole_, text_;
+  std::size_t at_ = 0;
+  int depth_ = 0;
+};
+
+double unit_of(const char* key, const std::string& name, const Powers& powers) {
+  const MeasuredUnit unit = parse_unit(name);
+  if (unit.powers != powers)
+    throw UserError(fmt::format("{}: '{}' does not measure it; choose one of: {}", key, name, examples_of(powers)));
+  return unit.si;
+}
+
+}  // namespace
+
+MeasuredUnit parse_unit(const std::string& text) {
+  return Parser(text).whole();
+}
+
+UnitSystem::UnitSystem(const UnitsSection& names)
+    : length_(unit_of("length", names.length, length)),
+      mass_(unit_of("mass", names.mass, mass)),
+      time_(unit_of("time", names.time, duration)) {}
+
+double UnitSystem::from_si(double value, const Powers& p) const {
+  if (is_si()) return value;
+  return value / (std::pow(length_, p.length) * std::pow(mass_, p.mass) * std::pow(time_, p.time));
+}
+
+double UnitSystem::number(const std::string& text, const std::string& unit) const {
+  const std::size_t begin = std::min(text.find_first_not_of(" +"), text.size());
+  double value = 0.0;
+  const auto [end, problem] = std::from_chars(text.data() + begin, text.data() + text.size(), value);
+  if (problem != std::errc() || !std::isfinite(value))
+    throw UserError(fmt::format("a number, or a number and a unit in quotes, is needed, e.g. \"1.5 {}\"", unit));
+  const std::size_t at = text.find_first_not_of(' ', static_cast<std::size_t>(end - text.data()));
+  if (at == std::string::npos) throw UserError("the unit is missing; add it, or write the number without quotes");
+  const MeasuredUnit given = parse_unit(text.substr(at, text.find_last_not_of(' ') + 1 - at)),
+                     wanted = parse_unit(unit);
+  if (given.powers != wanted.powers)
+    throw UserError(fmt::format("a unit like these is needed: {}", examples_of(wanted.powers)));
+  if (wanted.si != 1.0) return value * given.si / wanted.si;
+  return from_si(value * given.si, wanted.powers);
+}
+
+double UnitSystem::own_default(double value, const std::string& unit) const {
+  if (is_si() || value == 0.0) return value;
+  const MeasuredUnit own = parse_unit(unit);
+  return own.si == 1.0 ? from_si(value, own.powers) : value;
+}
+
+std::string unit_for(const std::string& key_unit, const std::string& type) {
+  if (key_unit.find(',') == std::string::npos) return key_unit == "file unit" ? "" : key_unit;
+  std::size_t begin = 0;
+  bool named = false;
+  while (begin < key_unit.size()) {
+    const std::size_t end = std::min(key_unit.find(',', begin), key_unit.size());
+    const std::string item = key_unit.substr(begin, end - begin);
+    const std::size_t blank = item.find(' ');
+    named = named || (!type.empty() && item.substr(0, blank) == type);
+    if (named && blank != std::string::npos) return item.substr(blank + 1);
+    begin = end + 2;
+  }
+  return "";
+}
+
+std::string examples_of(const Powers& powers) {
+  std::vector<std::string> found;
+  for (const Named& n : named_units())
+    if (n.powers == powers) found.emplace_back(n.name);
+  for (const char* compound :
+       {"m/s",   "mm/s", "m/s^2", "kg/m^2", "g/m^2",  "kg/m^3", "g/cm^3", "t/mm^3", "N/m",  "N/mm",
+        "gf/cm", "N m",  "mN m",  "N/m^3",  "N/mm^3", "1/s",    "rad/s",  "1/m",    "1/mm", "kg m^2"})
+    if (parse_unit(compound).powers == powers) found.emplace_back(compound);
+  return join(found, ", ");
+}
+
+}  // namespace voile::input
