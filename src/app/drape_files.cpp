@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
 /// The plate sinks so fast [m/s], so far beyond the overhang [m], and the specimen then has so long to come to rest [s].
-constexpr double plate_speed = 0.03, plate_beyond = 0.005, rest_time = 1.0;
+constexpr double plate_speed = 0.03, plate_beyond = 0.005, rest_time = 1.5;
 /// Root mean square over the mass below which a specimen is at rest [m/s].
 constexpr double rest_speed = 1e-3;
 
