@@ -52,7 +52,7 @@ THIRD_PARTY = [
     (r"boost/math/.*", r"pattern/curve"),
     (r"Eigen/.*", r".*"),
     (r"fmt/.*", r".*"),
-    (r"dlfcn\.h", r".*/mumps.*|app/threads.*|base/shipped_files"),
+    (r"dlfcn\.h", r".*/mumps.*|app/(threads|doctor).*|base/shipped_files"),
     (r"xmmintrin\.h", r".*/mumps.*"),
     (r"unistd\.h|fcntl\.h|sys/.*\.h", r"io/.*|app/.*|input/.*|base/.*"),
     (r"linux/.*\.h|poll\.h", r"base/.*"),

@@ -2,7 +2,7 @@
 _voile() {
   local word="${COMP_WORDS[COMP_CWORD]}" previous="${COMP_WORDS[COMP_CWORD - 1]}" command="" options i
   for ((i = 1; i < COMP_CWORD; ++i)); do
-    case "${COMP_WORDS[i]}" in run | check | info | reference | init | drape-test | render | plot | sheet | export | view | manikin) command="${COMP_WORDS[i]}" ;; esac
+    case "${COMP_WORDS[i]}" in run | check | info | reference | init | drape-test | doctor | render | plot | sheet | export | view | manikin) command="${COMP_WORDS[i]}" ;; esac
   done
   case "$previous" in
     --output) mapfile -t COMPREPLY < <(compgen -d -- "$word") && return ;;
@@ -20,6 +20,7 @@ _voile() {
     run) options="--output --overwrite --restart --restart-step --from --set --allow-system-call --quiet --verbose --help" ;;
     check | info) options="--set --allow-system-call --help" ;;
     reference) options="--schema --help" ;;
+    doctor) options="--help" ;;
     init) options="--list --drape --garment --shell --modal --help" ;;
     drape-test) options="--specimen --repeats --way --elastic --cell --jobs --output --overwrite --quiet --help" ;;
     render) options="--steps --output --animation --rate --frames --stage --mode --size --quality --threads --field --range --scale --partition --panels --contours --mesh --creases --title --view --eye --target --up --no-stamp --no-ground --no-obstacles --palette --quiet --help" ;;
@@ -28,7 +29,7 @@ _voile() {
     plot) options="--x --y --curve --dashed --points --labels --x-label --y-label --x-range --y-range --log --equal --legend --title --output --size --quiet --help" ;;
     export) options="--to --steps --stage --output --field --rate --no-obstacles --one-mesh --tolerance --quiet --help" ;;
     manikin) options="--kind --height --bust --waist --hip --inseam --arms --size --motion --seconds --fps --speed --cadence --angle --help" ;;
-    *) options="run check info reference init drape-test render plot sheet export view manikin --help --version" ;;
+    *) options="run check info reference init drape-test doctor render plot sheet export view manikin --help --version" ;;
   esac
   if [[ "$word" == -* || -z "$command" ]]; then
     mapfile -t COMPREPLY < <(compgen -W "$options" -- "$word")

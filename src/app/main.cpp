@@ -1,4 +1,4 @@
-// voile run | check | info | reference | init, and through other programs render | export | plot | view | manikin
+// voile run | check | info | reference | init | doctor, and through other programs render | export | plot | view | manikin
 //
 // Start-up order: MPI, the command line, the case file, then PETSc. The case's PETSc options are set before PETSc
 // starts, so that PETSC_OPTIONS and the command line override them; only `run` applies them. A .petscrc, which may come
@@ -20,6 +20,7 @@
 
 #include "begin.hpp"
 #include "delegate.hpp"
+#include "doctor.hpp"
 #include "drape_test.hpp"
 #include "launched_ranks.hpp"
 #include "option_hint.hpp"
@@ -43,7 +44,7 @@ using namespace voile;
 
 /// What the user asked for.
 struct Request {
-  enum class Command { nothing, run, check, info, reference, init, version };
+  enum class Command { nothing, run, check, info, reference, init, doctor, version };
   Command command = Command::nothing;
   std::string file;
   app::RunOptions options;
@@ -134,6 +135,7 @@ void declare(CLI::App& cli, Request& request) {
       ->add_flag("--schema", request.schema, "Print it as a JSON schema, for editors");
   declare_init(*add("init", "Begin a new case from a template", Command::init), request);
   cli.add_subcommand("drape-test", "Measure the drape coefficient of a fabric file");
+  add("doctor", "Check this installation in a few seconds", Command::doctor);
   for (const app::DelegatedCommand& c : app::delegated_commands) cli.add_subcommand(c.name, c.what);
 }
 
@@ -333,6 +335,10 @@ Exit execute(const Request& request, const char* program) {
     else
       app::begin_case(request.file, request.chosen);
     return Exit::done;
+  }
+  if (request.command == Command::doctor) {
+    const PetscSession petsc(program, request.petsc, "");
+    return or_abort([] { return app::doctor() ? Exit::done : Exit::user_error; });
   }
   const bool is_mesh = request.command == Command::info && !request.file.ends_with(".toml");
   if (request.file.empty()) return Exit::done;

@@ -46,7 +46,6 @@ void print_header(const input::Case& c, const system::Model& model) {
 
 /// "converged ..., stable": whether the last state is an equilibrium, and of which kind.
 std::string state_text(const input::Case& c, const Summary& s) {
-  if (!s.converged) return "not converged";
   if (c.analysis == "modal" || c.analysis == "buckling") return fmt::format("converged: {} modes", s.eigen.size());
   if (c.analysis == "dynamic") return "converged: every step";
   return fmt::format("converged: residual {:.1e} of the forces{}", s.residual,
@@ -90,6 +89,7 @@ void print_end(const input::Case& c, const std::string& folder, const Summary& s
              folder.empty() ? "" : "; results in " + folder);
   if (s.balance.kept) fmt::print("{}\n", balance_text(s.balance));
   if (s.kinetic && s.kinetic->largest > 0.0) fmt::print("{}\n", rest_text(*s.kinetic));
+  if (!s.converged) return;  // the reason follows on stderr
   for (const std::string& text : {state_text(c, s), resolved_text(c, s), next_text(c, folder, s)})
     if (!text.empty()) fmt::print("{}\n", text);
 }

@@ -26,11 +26,11 @@ def written(case, name):
 
 @test
 def remesh_snap_through(report):
-    """A roof of 25 vertices at first: the snap-through of the fine mesh by as many steps, on 1, 2 and 3 ranks, also where a new mesh cannot bear the load."""
+    """A roof of 25 vertices at first: the snap-through of the fine mesh by as many steps, on 1 and 3 ranks, also where a new mesh cannot bear the load."""
     fine = solve("remesh_snap_fine", roof(16))
     points = [c["load_factor"] for c in fine.summary["critical_points"]]
     first = None
-    for ranks in (1, 2, 3):
+    for ranks in (1, 3):
         result = solve(f"remesh_snap_{ranks}", roof(4, remesh=REMESH), ranks)
         h = result.history
         report.check(h["remeshings"][-1] >= 6 and "refused" not in result.text.replace("0 refused", ""), f"{ranks} rank(s): {h['remeshings'][-1]:.0f} remeshings, {h['vertices'][-1]:.0f} vertices")

@@ -39,9 +39,9 @@ def same_meshes(a, b):
 
 @test
 def remesh_sewing(report):
-    """Panels are remeshed while their seams are pulled together: both sides stay node by node, the seams close, the same on 1, 2 and 3 ranks and after a restart amid it."""
+    """Panels are remeshed while their seams are pulled together: both sides stay node by node, the seams close, the same on 1 and 3 ranks and after a restart amid it on 2."""
     case, whole = sleeve(), None
-    for ranks in (1, 2, 3):
+    for ranks in (1, 3):
         result = solve(f"remesh_sewing_{ranks}", case, ranks)
         whole, what = whole or result, f"{ranks} rank(s)"
         sew, move = part(result, "sew"), part(result, "move")
@@ -56,14 +56,13 @@ def remesh_sewing(report):
         report.check(len(last.group("button")) == 1, f"{what}: the mark is a point still")
         report.check(all(same_meshes(whole.folder / s, result.folder / s) for s in ("sew", "move")), f"{what}: the same meshes as on one")
     file = OUT / "remesh_sewing_1.toml"
-    for steps, ranks in ((20, 1), (33, 2)):
-        short = run(file, fresh("remesh_sewing_short"), 3 - ranks, ["-ts_max_steps", str(steps)])
-        checkpoint = OUT / "remesh_sewing_short" / "sew" / "checkpoint.h5"
-        changes = json.loads((checkpoint.parent / "summary.json").read_text())["remeshing"]["count"]
-        again = run(file, fresh("remesh_sewing_again"), ranks, ["--from", "sew", "--restart", checkpoint])
-        report.check(changes > 0 and again.code == 0, f"from step {steps}, after {changes} remeshings, on {ranks} rank(s): codes {short.code}, {again.code}")
-        report.check(all(same_meshes(whole.folder / s, again.folder / s) for s in ("sew", "move")), "the meshes of the unbroken run")
-        report.below(np.abs(part(again, "move").displacement() - part(whole, "move").displacement()).max(), 1e-6, "and its end [m]")
+    short = run(file, fresh("remesh_sewing_short"), 1, ["-ts_max_steps", "33"])
+    checkpoint = OUT / "remesh_sewing_short" / "sew" / "checkpoint.h5"
+    changes = json.loads((checkpoint.parent / "summary.json").read_text())["remeshing"]["count"]
+    again = run(file, fresh("remesh_sewing_again"), 2, ["--from", "sew", "--restart", checkpoint])
+    report.check(changes > 0 and again.code == 0, f"from step 33, after {changes} remeshings, on 2 ranks: codes {short.code}, {again.code}")
+    report.check(all(same_meshes(whole.folder / s, again.folder / s) for s in ("sew", "move")), "the meshes of the unbroken run")
+    report.below(np.abs(part(again, "move").displacement() - part(whole, "move").displacement()).max(), 1e-6, "and its end [m]")
     code, text = invoke(["export", whole.folder, "--stage", "sew", "--to", "pc2", "--output", OUT / "remesh_sewing.pc2"])
     report.check(code == 0 and "nothing intersects" in text, f"on one mesh for all frames nothing intersects: code {code}, {text.splitlines()[-1][:150]}")
     code, text = invoke(["check", file])

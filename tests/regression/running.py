@@ -10,7 +10,7 @@ from pathlib import Path
 
 import h5py
 import numpy as np
-from common import base, check_xdmf, plate, without_stops
+from common import base, check_xdmf, fresh, plate, without_stops
 from curves import Table
 from harness import OUT, solve, test
 from results import Results
@@ -29,6 +29,22 @@ def compare_ranks(report, name, case, counts=(1, 2, 3, 4), limit=1e-9):
         else:
             report.check(u.shape == reference.shape, f"{name}, {ranks} ranks: same vertices")
             report.below(np.abs(u - reference).max() / np.abs(reference).max(), limit, f"{name}, {ranks} ranks: difference")
+
+
+@test
+def doctor(report):
+    """voile doctor: well on 1 and 2 ranks; without the programs beside it, or where nothing can be written, it names what is wrong."""
+    for ranks in (1, 2):
+        code, text = invoke(["doctor"], ranks)
+        report.check(code == 0 and "FAIL" not in text and "a strip bent into a hook" in text, f"{ranks} ranks: code {code}")
+    alone = fresh("doctor_alone")
+    alone.mkdir(parents=True)
+    shutil.copy(command([])[-1], alone / "voile")
+    done = subprocess.run([alone / "voile", "doctor"], env=environment(1), text=True, capture_output=True, timeout=60)
+    report.check(done.returncode == 2 and "FAIL  " + str(alone / "voile-picture") in done.stdout and "voile-gmsh" in done.stdout,
+                 f"a program alone: code {done.returncode}: {done.stdout[-300:]}")
+    done = subprocess.run([*command(["doctor"])], env=environment(1) | {"TMPDIR": str(alone / "voile")}, text=True, capture_output=True, timeout=60)
+    report.check(done.returncode == 2 and "TMPDIR" in done.stderr, f"no folder for temporary files: code {done.returncode}: {done.stderr[-200:]}")
 
 
 @test
