@@ -100,14 +100,16 @@ void YarnFrictionTerm::add_tangents(const Configuration& c, double* blocks) cons
   for (std::size_t b = 0; b < batches_.all().size(); ++b) kernels_->yarns.tangent(view(b), state, blocks);
 }
 
+std::size_t YarnFrictionTerm::line_of(Index e, int slider, int direction, Number which) const {
+  const std::size_t at = batches_.place(e).batch * static_cast<std::size_t>(numbers()) +
+                         static_cast<std::size_t>(directions * slider + direction);
+  return yarn_fields::per_slider * at + which;
+}
 double& YarnFrictionTerm::number(Index e, int slider, int direction, Number which) {
-  const Batches::Place place = batches_.place(e);
-  const std::size_t at =
-      place.batch * static_cast<std::size_t>(numbers()) + static_cast<std::size_t>(directions * slider + direction);
-  return sliders_[yarn_fields::per_slider * at + which].of[static_cast<std::size_t>(place.lane)];
+  return sliders_[line_of(e, slider, direction, which)].of[static_cast<std::size_t>(batches_.place(e).lane)];
 }
 double YarnFrictionTerm::number(Index e, int slider, int direction, Number which) const {
-  return const_cast<YarnFrictionTerm*>(this)->number(e, slider, direction, which);
+  return sliders_[line_of(e, slider, direction, which)].of[static_cast<std::size_t>(batches_.place(e).lane)];
 }
 
 Vec3 YarnFrictionTerm::curvature(Index e, const Configuration& c) const {

@@ -77,6 +77,7 @@ class YarnFrictionTerm {
  private:
   enum Number { slip, stiffness, limit, compliance };
   [[nodiscard]] YarnBatch view(std::size_t batch) const;
+  [[nodiscard]] std::size_t line_of(Index e, int slider, int direction, Number which) const;
   [[nodiscard]] double& number(Index e, int slider, int direction, Number which);
   [[nodiscard]] double number(Index e, int slider, int direction, Number which) const;
 

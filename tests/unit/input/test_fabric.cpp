@@ -173,13 +173,13 @@ TEST_CASE("fabric: damping from the loop of bending") {
   CHECK(plain.parse(keys + "membrane_damping = 0.2\n").materials.at(0).viscous_time == 0.2);
 }
 
-TEST_CASE("fabric: friction from the loop of bending, and its mistakes") {
+TEST_CASE("fabric: friction from the loop of bending") {
   const std::string measured =
       replaced(fabric_text, "[sources]\n",
                "bending_hysteresis = \"0.02 gf.cm/cm\"\nbending_hysteresis_weft = \"0.1 mN\"\n"
                "bending_hysteresis_spread = \"0.05 1/cm\"\n[sources]\nbending_hysteresis = \"x\"\n"
                "bending_hysteresis_weft = \"x\"\nbending_hysteresis_spread = \"x\"\n");
-  const FabricCase rubs(measured), plain(fabric_text);
+  const FabricCase rubs(measured);
   const std::string keys = "fabric = \"F\"\ndirection = [1, 0, 0]\nwarp_angle = 30\n";
   // What a file has does not act before it is asked for.
   CHECK(rubs.parse(keys).materials.at(0).friction.sliders.empty());
@@ -211,7 +211,11 @@ TEST_CASE("fabric: friction from the loop of bending, and its mistakes") {
     CHECK((again.materials.at(0).friction.sliders[k].limit - f.sliders[k].limit).norm() < 1e-15);
     CHECK((again.materials.at(0).friction.sliders[k].stiffness - f.sliders[k].stiffness).norm() < 1e-15);
   }
-  // Mistakes.
+}
+
+TEST_CASE("fabric: mistakes of friction") {
+  const FabricCase plain(fabric_text);
+  const std::string keys = "fabric = \"F\"\ndirection = [1, 0, 0]\n";
   CHECK(has(error_of([&] { (void)plain.parse(keys + "hysteresis = \"friction\"\n"); }),
             plain.name() + ": the file has no bending_hysteresis (2HB of KES)"));
   CHECK(has(fabric_error("500", "500\nbending_hysteresis = \"0.124\""),

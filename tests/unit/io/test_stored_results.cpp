@@ -389,9 +389,6 @@ TEST_CASE("a checkpoint comes back bit by bit, and only into its own mesh") {
   io::write_checkpoint(file, c, mesh);
   CHECK(has(error_of([&] { (void)io::read_checkpoint(file, mesh); }), "'velocity' holds numbers that are not finite"));
   c.velocity[3] = 0.0;
-  c.slips.pop_back();
-  io::write_checkpoint(file, c, mesh);
-  CHECK(has(error_of([&] { (void)io::read_checkpoint(file, mesh); }), "slips inside the fabric are not those"));
   c.slips.clear();
   c.acceleration.clear();
   io::write_checkpoint(file, c, mesh);
