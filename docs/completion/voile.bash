@@ -22,7 +22,7 @@ _voile() {
     reference) options="--schema --help" ;;
     doctor) options="--help" ;;
     init) options="--list --drape --garment --shell --modal --help" ;;
-    drape-test) options="--specimen --repeats --way --elastic --cell --jobs --output --overwrite --quiet --help" ;;
+    drape-test) options="--specimen --repeats --way --elastic --no-mesh-check --cell --jobs --output --overwrite --quiet --help" ;;
     render) options="--steps --output --animation --rate --frames --stage --mode --size --quality --threads --field --range --scale --partition --panels --contours --mesh --creases --title --view --eye --target --up --no-stamp --no-ground --no-obstacles --palette --quiet --help" ;;
     view) options="--steps --stage --field --output --rate --no-obstacles --quiet --help" ;;
     sheet) options="--columns --output --palette --quiet --help" ;;

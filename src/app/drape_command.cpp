@@ -29,6 +29,8 @@ void declare(CLI::App& cli, DrapeTest& t, std::string& specimen, double& cell) {
        "--way", [&t](const std::string& w) { t.way = w == "plate" ? DrapeTest::Way::plate : DrapeTest::Way::weight; },
        "plate: it is lowered; weight: without a plate the weight grows [plate]")
       ->check(CLI::IsMember({"plate", "weight"}));
+  c->add_flag_callback(
+      "--no-mesh-check", [&t] { t.mesh_check = false; }, "Leave out the specimen with finer cells");
   c->add_flag("--elastic", t.elastic, "Leave out friction inside the fabric");
   c->add_option("--cell", cell, "Edge of the cells in mm [half a bending length, 3.5 to 7]")
       ->check(CLI::Range(0.5, 20.0));

@@ -143,6 +143,26 @@ Json json_of(const DrapeRepeat& r) {
           {"cpu_seconds", r.cpu_seconds}};
 }
 
+/// The edge of a repeat as CSV, and what draws it.
+void write_contour(const fs::path& file, const DrapeRepeat& r) {
+  std::string table = "x_mm,y_mm,z_mm,radius_mm\n";
+  for (std::size_t i = 0; i <= r.edge.size(); ++i) {
+    const Vec3 p = 1e3 * r.edge[i % r.edge.size()];
+    table += fmt::format("{:.4f},{:.4f},{:.4f},{:.4f}\n", p.x(), p.y(), p.z(), std::hypot(p.x(), p.y()));
+  }
+  write(file, table);
+}
+
+void write_circles(const DrapeSetting& s, const fs::path& file) {
+  std::string table = "support_x,support_y,specimen_x,specimen_y\n";
+  for (int k = 0; k <= 180; ++k) {
+    const double a = k * std::numbers::pi / 90.0, in = 1e3 * drape_support_radius, out = 1e3 * radius_of(s);
+    table += fmt::format("{:.4f},{:.4f},{:.4f},{:.4f}\n", in * std::cos(a), in * std::sin(a), out * std::cos(a),
+                         out * std::sin(a));
+  }
+  write(file, table);
+}
+
 }  // namespace
 
 void write_drape_case(const DrapeSetting& s, const DrapeRepeat& r) {
@@ -150,7 +170,7 @@ void write_drape_case(const DrapeSetting& s, const DrapeRepeat& r) {
   std::error_code error;
   fs::create_directories(r.folder, error);
   if (error) throw UserError(fmt::format("{}: the folder cannot be made ({})", r.folder.string(), error.message()));
-  write(r.folder / "specimen.geo", fmt::format(geometry, r.x, r.y, radius_of(s), s.cell));
+  write(r.folder / "specimen.geo", fmt::format(geometry, r.x, r.y, radius_of(s), r.cell));
   std::string text = fmt::format("title = \"Drape test\"\nanalysis = \"{}\"\n\n", plate ? "dynamic" : "static");
   text += fmt::format(common, quoted(s.fabric_file), r.warp, s.friction ? "friction" : "damping");
   const double way = radius_of(s) - drape_support_radius + plate_beyond;
@@ -190,51 +210,45 @@ Spread coefficient_of(const std::vector<DrapeRepeat>& repeats) {
   return all;
 }
 
-void write_drape_results(const DrapeSetting& s, const std::vector<DrapeRepeat>& repeats) {
+void write_drape_results(const DrapeSetting& s, const std::vector<DrapeRepeat>& repeats,
+                         const std::optional<DrapeRepeat>& finer) {
   const fs::path& folder = s.test.output;
+  const fs::path circles = folder / "circles.csv";
   std::vector<std::string> plot{"plot"};
   Json all = Json::array(), counts = Json::array();
-  double cpu_seconds = 0.0;
+  double cpu_seconds = finer ? finer->cpu_seconds : 0.0;
   for (std::size_t k = 0; k < repeats.size(); ++k) {
     const DrapeRepeat& r = repeats[k];
     all.push_back(json_of(r));
     cpu_seconds += r.cpu_seconds;
     if (!r.converged) continue;
     counts.push_back(r.shape.folds.size());
-    std::string table = "x_mm,y_mm,z_mm,radius_mm\n";
-    for (std::size_t i = 0; i <= r.edge.size(); ++i) {
-      const Vec3 p = 1e3 * r.edge[i % r.edge.size()];
-      table += fmt::format("{:.4f},{:.4f},{:.4f},{:.4f}\n", p.x(), p.y(), p.z(), std::hypot(p.x(), p.y()));
-    }
     const fs::path file = folder / fmt::format("contour_{}.csv", k + 1);
-    write(file, table);
+    write_contour(file, r);
     plot.insert(plot.end(), {"--curve", fmt::format("{}:x_mm:y_mm:{}", file.string(), k + 1)});
   }
-  std::string circles = "support_x,support_y,specimen_x,specimen_y\n";
-  for (int k = 0; k <= 180; ++k) {
-    const double a = k * std::numbers::pi / 90.0, in = 1e3 * drape_support_radius, out = 1e3 * radius_of(s);
-    circles += fmt::format("{:.4f},{:.4f},{:.4f},{:.4f}\n", in * std::cos(a), in * std::sin(a), out * std::cos(a),
-                           out * std::sin(a));
-  }
-  write(folder / "circles.csv", circles);
+  write_circles(s, circles);
   const Spread coefficient = coefficient_of(repeats);
-  const Json summary{{"fabric", s.fabric.name},
-                     {"fabric_file", s.fabric_file.string()},
-                     {"specimen_mm", s.test.specimen},
-                     {"support_mm", 2e3 * drape_support_radius},
-                     {"way", s.test.way == DrapeTest::Way::plate ? "plate" : "weight"},
-                     {"friction_inside_the_fabric", s.friction},
-                     {"faces", "alike: figures of a fabric file hold for both"},
-                     {"cell_mm", 1e3 * s.cell},
-                     {"drape_coefficient", {{"mean", coefficient.mean}, {"standard_deviation", coefficient.deviation}}},
-                     {"fold_counts", counts},
-                     {"repeats", all},
-                     {"cpu_seconds", cpu_seconds}};
+  Json summary{{"fabric", s.fabric.name},
+               {"fabric_file", s.fabric_file.string()},
+               {"specimen_mm", s.test.specimen},
+               {"support_mm", 2e3 * drape_support_radius},
+               {"way", s.test.way == DrapeTest::Way::plate ? "plate" : "weight"},
+               {"friction_inside_the_fabric", s.friction},
+               {"faces", "alike: figures of a fabric file hold for both"},
+               {"cell_mm", 1e3 * s.cell},
+               {"drape_coefficient", {{"mean", coefficient.mean}, {"standard_deviation", coefficient.deviation}}},
+               {"fold_counts", counts},
+               {"repeats", all},
+               {"cpu_seconds", cpu_seconds}};
+  if (finer && finer->converged) {
+    summary["finer"] = json_of(*finer);
+    summary["finer"]["cell_mm"] = 1e3 * finer->cell;
+  }
   write(folder / "summary.json", summary.dump(2) + "\n");
   if (counts.empty()) return;
-  const std::string file = (folder / "circles.csv").string();
   for (const char* ring : {"support", "specimen"})
-    plot.insert(plot.end(), {"--dashed", fmt::format("{}:{}_x:{}_y:{}", file, ring, ring, ring)});
+    plot.insert(plot.end(), {"--dashed", fmt::format("{}:{}_x:{}_y:{}", circles.string(), ring, ring, ring)});
   plot.insert(plot.end(), {"--equal", "--x-label", "x [mm]", "--y-label", "y [mm]", "--size", "720x640", "--quiet",
                            "--output", (folder / "contours.png").string()});
   run_silently("voile-picture", plot);

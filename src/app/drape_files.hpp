@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -25,8 +26,10 @@ inline constexpr double drape_support_radius = 0.09;  ///< [m]
 void write_drape_case(const DrapeSetting& s, const DrapeRepeat& r);
 /// Reads what a repeat that has ended came to.
 void read_drape_result(const DrapeSetting& s, DrapeRepeat& r);
-/// contour_K.csv of each, circles.csv, contours.png and summary.json. Throws UserError.
-void write_drape_results(const DrapeSetting& s, const std::vector<DrapeRepeat>& repeats);
+/// contour_K.csv of each, circles.csv, contours.png and summary.json; `finer`: the first repeat with finer cells, if that has
+/// been run. Throws UserError.
+void write_drape_results(const DrapeSetting& s, const std::vector<DrapeRepeat>& repeats,
+                         const std::optional<DrapeRepeat>& finer);
 
 /// Mean and standard deviation of the coefficients [%].
 struct Spread {

@@ -26,6 +26,8 @@ namespace fs = std::filesystem;
 
 constexpr double shift = 1e-3, turn_by = 15.0, golden_angle = 2.399963;
 constexpr double largest_cell = 7e-3, smallest_cell = 3.5e-3, gravity = 9.80665;
+/// Factor on the cells of the specimen that judges the mesh, and points of the coefficient that are too much.
+constexpr double finer_cells = 0.7, most_of_mesh = 1.0;
 
 /// A file that is there, or that of a shipped fabric.
 fs::path fabric_file(const std::string& name) {
@@ -81,9 +83,10 @@ pid_t start(const DrapeRepeat& r) {
   return pid;
 }
 
-void print_repeat(const DrapeSetting& s, std::size_t k, const DrapeRepeat& r) {
+void print_repeat(const DrapeSetting& s, const DrapeRepeat& r) {
   if (s.test.quiet) return;
-  std::string text = fmt::format("{:>6} {:>6.0f} {:>5.0f}", k + 1, 1e3 * std::hypot(r.x, r.y), r.warp);
+  const std::string text =
+      fmt::format("{:>8} {:>6.0f} {:>5.0f}", r.folder.filename().string(), 1e3 * std::hypot(r.x, r.y), r.warp);
   if (!r.converged) {
     fmt::print("{}  failed: see {}\n", text, (r.folder / "run.log").string());
   } else {
@@ -113,9 +116,51 @@ void run_all(const DrapeSetting& s, std::vector<DrapeRepeat>& repeats) {
     if (ended == running.end()) continue;
     DrapeRepeat& r = repeats[ended->second];
     if (WIFEXITED(status) && WEXITSTATUS(status) == 0) read_drape_result(s, r);
-    print_repeat(s, ended->second, r);
+    print_repeat(s, r);
     running.erase(ended);
   }
+}
+
+void print_head(const DrapeSetting& s) {
+  if (s.test.quiet) return;
+  fmt::print("{}: specimen of {} mm, cells of {:.1f} mm, {}\n", s.fabric.name, s.test.specimen, 1e3 * s.cell,
+             s.friction       ? "friction inside the fabric"
+             : s.test.elastic ? "no friction inside the fabric"
+                              : "no friction inside the fabric: the file has no bending_hysteresis");
+  fmt::print("{:>8} {:>6} {:>5} {:>12} {:>6} {:>15} {:>9}\n", "repeat", "shift", "warp", "coefficient", "folds",
+             "amplitude [mm]", "CPU [s]");
+}
+
+/// What the mesh does to the coefficient, by a mesh with finer cells.
+void judge_mesh(const DrapeRepeat& coarse, const DrapeRepeat& fine) {
+  if (!coarse.converged || !fine.converged) return;
+  const double change = 100.0 * (fine.shape.coefficient - coarse.shape.coefficient);
+  fmt::print("cells of {:.1f} mm instead of {:.1f}: {:+.1f} points\n", 1e3 * fine.cell, 1e3 * coarse.cell, change);
+  if (std::abs(change) > most_of_mesh)
+    fmt::print(stderr, "voile: warning: the mesh changes the drape coefficient by {:.1f} points; use --cell {:.1f}\n",
+               std::abs(change), 1e3 * finer_cells * fine.cell);
+}
+
+Exit conclude(const DrapeSetting& s, const std::vector<DrapeRepeat>& repeats, const std::optional<DrapeRepeat>& finer) {
+  const Spread all = coefficient_of(repeats);
+  std::vector<std::size_t> folds;
+  std::size_t good = 0, count = repeats.size() + (finer ? 1 : 0);
+  for (const DrapeRepeat& r : repeats) {
+    if (r.converged) folds.push_back(r.shape.folds.size());
+    good += r.converged && r.at_rest ? 1 : 0;
+  }
+  if (finer) good += finer->converged && finer->at_rest ? 1 : 0;
+  if (finer) judge_mesh(repeats.front(), *finer);
+  if (!folds.empty()) {
+    const auto [least, most] = std::minmax_element(folds.begin(), folds.end());
+    fmt::print("drape coefficient {:.1f} % (standard deviation {:.1f}), {} folds; results in {}\n", all.mean,
+               all.deviation, *least == *most ? fmt::format("{}", *least) : fmt::format("{} to {}", *least, *most),
+               s.test.output.string());
+  }
+  if (good == count) return Exit::done;
+  fmt::print(stderr, "voile: not converged: {} of {} specimens did not come to rest; see run.log in their folders\n",
+             count - good, count);
+  return Exit::not_converged;
 }
 
 }  // namespace
@@ -138,33 +183,25 @@ Exit run_drape_test(const DrapeTest& test) {
   const DrapeSetting s = setting_of(test);
   require_folder(s.test);
   std::vector<DrapeRepeat> repeats = drape_repeats(test.repeats);
-  for (std::size_t k = 0; k < repeats.size(); ++k) repeats[k].folder = s.test.output / fmt::format("repeat_{}", k + 1);
-  if (!test.quiet) {
-    fmt::print("{}: specimen of {} mm, cells of {:.1f} mm, {}\n", s.fabric.name, test.specimen, 1e3 * s.cell,
-               s.friction     ? "friction inside the fabric"
-               : test.elastic ? "no friction inside the fabric"
-                              : "no friction inside the fabric: the file has no bending_hysteresis");
-    fmt::print("{:>6} {:>6} {:>5} {:>12} {:>6} {:>15} {:>9}\n", "repeat", "shift", "warp", "coefficient", "folds",
-               "amplitude [mm]", "CPU [s]");
+  for (std::size_t k = 0; k < repeats.size(); ++k) {
+    repeats[k].cell = s.cell;
+    repeats[k].folder = s.test.output / fmt::format("repeat_{}", k + 1);
   }
+  // What takes longest begins first.
+  if (test.mesh_check) {
+    repeats.insert(repeats.begin(), repeats.front());
+    repeats.front().cell = finer_cells * s.cell;
+    repeats.front().folder = s.test.output / "finer";
+  }
+  print_head(s);
   run_all(s, repeats);
-  write_drape_results(s, repeats);
-  const Spread all = coefficient_of(repeats);
-  const auto good =
-      std::count_if(repeats.begin(), repeats.end(), [](const auto& r) { return r.converged && r.at_rest; });
-  std::vector<std::size_t> folds;
-  for (const DrapeRepeat& r : repeats)
-    if (r.converged) folds.push_back(r.shape.folds.size());
-  if (!folds.empty()) {
-    const auto [least, most] = std::minmax_element(folds.begin(), folds.end());
-    fmt::print("drape coefficient {:.1f} % (standard deviation {:.1f}), {} folds; results in {}\n", all.mean,
-               all.deviation, *least == *most ? fmt::format("{}", *least) : fmt::format("{} to {}", *least, *most),
-               s.test.output.string());
+  std::optional<DrapeRepeat> finer;
+  if (test.mesh_check) {
+    finer = std::move(repeats.front());
+    repeats.erase(repeats.begin());
   }
-  if (good == static_cast<std::ptrdiff_t>(repeats.size())) return Exit::done;
-  fmt::print(stderr, "voile: not converged: {} of {} repeats did not come to rest; see run.log in their folders\n",
-             static_cast<std::ptrdiff_t>(repeats.size()) - good, repeats.size());
-  return Exit::not_converged;
+  write_drape_results(s, repeats, finer);
+  return conclude(s, repeats, finer);
 }
 
 }  // namespace voile::app

@@ -19,6 +19,7 @@ struct DrapeTest {
   int specimen = 300;  ///< diameter [mm]
   int repeats = 6;
   Way way = Way::plate;          ///< the plate is lowered, or without any plate the weight grows
+  bool mesh_check = true;        ///< the first repeat once more with finer cells
   bool elastic = false;          ///< leaves out friction inside the fabric
   double cell = 0.0;             ///< [m]; 0: by the bending length
   int jobs = 0;                  ///< side by side; 0: one for each core
@@ -30,6 +31,7 @@ struct DrapeTest {
 struct DrapeRepeat {
   double x = 0.0, y = 0.0;  ///< [m]
   double warp = 0.0;        ///< [degree]
+  double cell = 0.0;        ///< [m]
   std::filesystem::path folder{};
   // What came of it.
   bool converged = false, at_rest = false;
