@@ -65,6 +65,16 @@ def sentences(text):
                 yield len(words), sentence
 
 
+def messages():
+    """(file, text) of the string literals of the sources that are sentences: adjacent ones are one."""
+    for path in sorted((ROOT / "src").glob("*/*.?pp")):
+        code = re.sub(r"(?m)^\s*//.*$|\s//\s.*$", "", path.read_text())
+        for literal in re.finditer(r'"(?:[^"\\\n]|\\.)*"(?:\s*"(?:[^"\\\n]|\\.)*")*', code):
+            text = re.sub(r'"\s*"', "", literal[0])
+            if text.count(" ") > 2:
+                yield path, re.sub(r"`[^`]*`", "code", text)
+
+
 def name_of(path):
     return str(path.relative_to(ROOT))
 
@@ -88,6 +98,10 @@ def check_style():
         line = re.sub(r"`[^`]*`", "code", line)
         yield from (f"{name_of(GENERATED)}:{number}: '{found[0]}'; write: {instead}" for pattern, instead in AVOIDED.items()
                     if (found := re.search(pattern, line, re.I)))
+    for path, text in messages():
+        for pattern, instead in AVOIDED.items():
+            if found := re.search(pattern, text, re.I):
+                yield f"{name_of(path)}: '{found[0]}' in '{text[max(0, found.start() - 30):found.end() + 30]}'; write: {instead}"
     if total > WORDS:
         yield f"docs: {total} words; at most {WORDS}"
 

@@ -110,7 +110,7 @@ void DiscretisationError::judge(const energy::Sheet& sheet, const system::Triang
         "mean, and "
         "deflections may be wrong by about {:.2g} %, too large or too small; cells of about {:.2g} m are needed there, "
         "not {:.2g} m "
-        "(summary.json: recovery_error; fields membrane_recovery_error and bending_recovery_error say where)",
+        "(summary.json: recovery_error; fields membrane_recovery_error and bending_recovery_error show where)",
         when, bending > membrane ? "bending moments" : "membrane forces", at[0], at[1], at[2],
         mesh.has_charts() ? "the start" : "rest", 100.0 * std::sqrt(last_.whole),
         100.0 * std::min(last_.whole, most_told), size * std::sqrt(error_limit / last_.whole), size);

@@ -85,8 +85,9 @@ void DrivenObstacles::set(const std::string& name, std::vector<Vec3> positions, 
     throw UserError(
         fmt::format("obstacle '{}': {} positions are given, it has {} points", name, positions.size(), from.size()));
   if (!(end > now))
-    throw UserError(fmt::format(
-        "obstacle '{}': it shall be there at t = {:g} s, which is not later than now, t = {:g} s", name, end, now));
+    throw UserError(
+        fmt::format("obstacle '{}': it shall be there at t = {:g} s, which is not later than the present t = {:g} s",
+                    name, end, now));
   if (d.as_given.shape != Obstacle::Shape::mesh) require_alike(name, from, positions);
   const double taken = d.track->to.empty() ? now : d.track->taken;
   *d.track = {std::move(from), std::move(positions), now, end, taken};

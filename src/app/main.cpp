@@ -19,6 +19,7 @@
 #include <sstream>
 
 #include "begin.hpp"
+#include "deck_case.hpp"
 #include "delegate.hpp"
 #include "doctor.hpp"
 #include "drape_test.hpp"
@@ -52,7 +53,7 @@ struct Request {
   std::vector<std::string> settings;  ///< --set
   bool schema = false;
   bool list = false;  ///< of `init`, as the name of the template
-  std::string chosen;
+  std::string chosen, deck;
   std::vector<std::string> petsc;  ///< PETSc's words of the command line
 };
 
@@ -76,6 +77,7 @@ std::string swallowed_hint(const std::vector<std::string>& petsc) {
 void declare_init(CLI::App& init, Request& request) {
   init.add_option("folder", request.file, "Folder for the files of the case");
   init.add_flag("--list", request.list, "List the templates");
+  init.add_option("--from", request.deck, "Make the case from an Abaqus deck (.inp)");
   for (const app::Template& t : app::templates)
     init.add_flag_callback(
         fmt::format("--{}", t.name),
@@ -108,7 +110,7 @@ void declare(CLI::App& cli, Request& request) {
   run->add_option("--output", request.options.output, "Folder of the results [CASE_results]");
   run->add_flag("--overwrite", request.options.overwrite, "Replace an earlier run in that folder");
   CLI::Option* restart = run->add_option("--restart", request.options.restart,
-                                         "Go on from an earlier run: its results.vtkhdf or checkpoint.h5");
+                                         "Continue from an earlier run: its results.vtkhdf or checkpoint.h5");
   run->add_option("--restart-step", request.options.restart_step, "Number of that step [the last]")
       ->needs(restart)
       ->check(CLI::NonNegativeNumber);
@@ -332,6 +334,10 @@ Exit execute(const Request& request, const char* program) {
     if (!request.list && request.file.empty()) throw UserError("init needs a folder; see voile init --help");
     if (request.list)
       fmt::print("{}", app::template_list());
+    else if (!request.deck.empty() && !request.chosen.empty())
+      throw UserError(fmt::format("--from and --{}: a case has one beginning; keep one", request.chosen));
+    else if (!request.deck.empty())
+      app::begin_from_deck(request.file, request.deck);
     else
       app::begin_case(request.file, request.chosen);
     return Exit::done;

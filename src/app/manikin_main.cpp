@@ -26,7 +26,7 @@ struct Request {
 void declare(CLI::App& cli, Request& r) {
   CLI::App* c = cli.add_subcommand("manikin", "Make a dress form or a walking figure from measurements");
   c->footer(
-      "Lengths are metres. z is up from the floor, the body looks along -y and walks that way. With --motion the "
+      "Lengths are metres. z is up from the floor, the body faces -y and walks that way. With --motion the "
       "positions of all frames go to a .pc2 beside the .obj, for the keys frames and frames_per_second of an "
       "obstacle; named points (waist, left wrist, ...) to a .landmarks.csv.");
   c->add_option("file", r.file, "File to write (.obj); replaced if it exists")->required();

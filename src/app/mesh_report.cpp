@@ -238,7 +238,7 @@ std::string fold_warning(const mesh::SurfaceMesh& mesh, const MeshQuality& q, co
   return fmt::format(
       "the sheet is folded at rest, most in {}: beside such edges what one side moves in its plane counts as bending. "
       "Deflections can be too small by about {:.0f} % and frequencies too high by about {:.0f} %; use {}"
-      "cells along these edges that are smaller, and no longer than wide",
+      "cells along these edges that are smaller, and as wide as long",
       triangle_text(mesh, place_of_largest(q.fold)), 100.0 * share / (1.0 + share),
       100.0 * (std::sqrt(1.0 + share) - 1.0),
       element.membrane == energy::MembraneOperator::six_node_corrected ? "" : "element.type = \"corrected\", or ");
@@ -256,11 +256,11 @@ std::vector<std::string> mesh_notes(const mesh::SurfaceMesh& mesh) {
         "\"pair\" holds them together",
         c.joints, tolerance, place_text(c.joint)));
   else if (c.places > 0 && mesh.data().seams.empty())
-    notes.push_back(
-        fmt::format("{} vertices lie at {} places that others share (within {:.2g} m), from {} to {}: the surface is "
-                    "slit there; if "
-                    "that is not meant, set mesh.merge = true",
-                    c.vertices, c.places, tolerance, place_text(c.low), place_text(c.high)));
+    notes.push_back(fmt::format(
+        "{} vertices lie at {} places where others lie too (within {:.2g} m), from {} to {}: the surface is "
+        "slit there; if "
+        "that is not meant, set mesh.merge = true",
+        c.vertices, c.places, tolerance, place_text(c.low), place_text(c.high)));
   return notes;
 }
 

@@ -86,7 +86,7 @@ void RenderCommand::declare_camera() {
       "three-quarter, front, back, left, right, top, bottom or AZIMUTH,ELEVATION in degrees; several with / between "
       "them come on one sheet [three-quarter]");
   CLI::Option* eye = sub_->add_option("--eye", eye_, "X,Y,Z of the camera in m, instead of a view");
-  sub_->add_option("--target", target_, "X,Y,Z that it looks at in m [the middle]")->needs(eye);
+  sub_->add_option("--target", target_, "X,Y,Z of its target in m [the middle]")->needs(eye);
   sub_->add_option("--up", up_, "x, y, z, -x, -y, -z or X,Y,Z [against gravity, or z]");
 }
 

@@ -141,7 +141,7 @@ long Recorder::count_intersections(Vec a) const {
 
 std::string Recorder::contact_note(const Snapshot& s, const solve::StepResult& r) const {
   const long yielding = model_->contact() ? system::yielding_count(model_->contact()->memory()) : 0;
-  std::string given = yielding > 0 ? fmt::format("  obstacles give way to {} vertices", yielding) : "";
+  std::string given = yielding > 0 ? fmt::format("  obstacles let {} vertices pass", yielding) : "";
   if (s.contact.pairs == 0) return given;
   return given + fmt::format("  {} contacts, gap {:.3g} m{}", s.contact.pairs, s.contact.gap,
                              r.cut_short > 0 ? fmt::format(", {} cut short (to {:.2g})", r.cut_short, r.shortest) : "");

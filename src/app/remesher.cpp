@@ -288,7 +288,7 @@ std::optional<Adapted> Remesher::adapt(Epoch& epoch, const std::function<void(co
   system::Remeshings& asked = epoch.state().remeshings;
   asked.wait = std::min(std::max(2 * asked.wait, 1), most_wait);
   asked.next_step = epoch.state().step + asked.wait * every();
-  remark(fmt::format("remeshing refused: {}; the run goes on with the mesh it has", what));
+  remark(fmt::format("remeshing refused: {}; the run continues with its present mesh", what));
   return std::nullopt;
 }
 

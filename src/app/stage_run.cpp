@@ -210,7 +210,7 @@ Summary StageRun::end() {
   if (all_.interrupted && c.analysis == "dynamic")
     summary.reason = checkpoints_.file().empty()
                          ? all_.reason
-                         : fmt::format("stopped by a signal; go on with --restart {}", checkpoints_.file().string());
+                         : fmt::format("stopped by a signal; continue with --restart {}", checkpoints_.file().string());
   if (summary.converged && (c.analysis == "modal" || c.analysis == "buckling"))
     run_modes(c, stage_.options, model, state.u, summary);
   if (remesher_) summary.remeshing = remesher_->effort();

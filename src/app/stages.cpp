@@ -44,8 +44,8 @@ void check_times(const std::vector<input::Case>& stages) {
     const double end = c.time.options.end_time;
     if (end <= time)
       throw UserError(
-          fmt::format("{}: stage '{}': [time] end = {:g} s, but the stage before has ended at {:g} s; the "
-                      "time goes on through all stages, so give a later end",
+          fmt::format("{}: stage '{}': [time] end = {:g} s, but the stage before has ended at {:g} s; the time runs "
+                      "through all stages, so give a later end",
                       c.file.string(), c.stage.name, end, time));
     time = end;
   }
@@ -171,7 +171,7 @@ Origin begin_from(const input::Case& c, RunOptions& options, std::vector<Stage>&
   for (const input::Case& one : c.stages) names.push_back(one.stage.name);
   if (options.from.empty()) {
     if (restarts && !names.empty())
-      throw UserError(fmt::format("--restart: {} has stages; name the one that goes on from there, with --from: {}",
+      throw UserError(fmt::format("--restart: {} has stages; name the one that continues from there, with --from: {}",
                                   c.file.string(), join(names, ", ")));
     return restarts ? Origin::restart : Origin::nothing;
   }

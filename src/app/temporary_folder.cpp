@@ -34,7 +34,7 @@ void check_temporary_folder() {
   if (!done)
     throw UserError(fmt::format(
         "{}{}: temporary files cannot be written there ({}), and MPI needs some; make room, or set TMPDIR to "
-        "a folder that is there, writable and has room",
+        "an existing folder that is writable and has room",
         variable, folder, why));
 }
 

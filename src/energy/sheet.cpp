@@ -124,7 +124,7 @@ MaterialAxes material_axes(const mesh::SurfaceMesh& mesh, const std::vector<Mate
   const std::vector<Index> lost = continue_axes(mesh, material_of, waiting, axes);
   if (!lost.empty())
     throw UserError(
-        fmt::format("{}: the material direction says nothing about triangle {} and {} other(s) that no triangle with a "
+        fmt::format("{}: the material direction does not reach triangle {} and {} other(s) that no triangle with a "
                     "direction is "
                     "next to: it is normal to them, or they have no texture coordinates; give them a [[material]] of "
                     "their own group "

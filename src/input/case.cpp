@@ -152,7 +152,7 @@ void read_supports(const CaseReader& reader, Case& c) {
                  "local axes are either x_axis and y_axis, or those of a cylinder; remove one of them");
     if (support.y_axis && !support.x_axis) place.fail("x_axis", "the key is missing; y_axis is made square to it");
     if (std::isfinite(support.release) && c.analysis != "dynamic" && !c.is_staged())
-      place.fail("release", "a support lets go only with analysis = \"dynamic\"");
+      place.fail("release", "a support releases only with analysis = \"dynamic\"");
     c.supports.push_back(std::move(support));
     c.motions.push_back(std::move(motion));
   }

@@ -26,13 +26,13 @@ std::size_t next_number(const Case& c) {
 /// One that lets go before it takes hold would do nothing, nor does a time where there is none.
 void check_release(const SectionPlace& place, const Case& c, const system::Attachment& s, const StagesBefore& before) {
   if (std::isfinite(s.release) && c.analysis != "dynamic" && !c.is_staged())
-    place.fail("release", "an attachment lets go only with analysis = \"dynamic\"");
+    place.fail("release", "an attachment releases only with analysis = \"dynamic\"");
   if (c.analysis != "dynamic" || s.release > before.end || contains(before.attachments, next_number(c))) return;
   const std::string first = c.is_staged()
                                 ? fmt::format(", when stage '{}', the first that names it, begins", c.stage.name)
                                 : std::string(", when the run begins");
-  place.fail("release", fmt::format("{:g} s: it takes hold at {:g} s{}, and would have let go by then; give a later "
-                                    "time, or remove the key or the attachment",
+  place.fail("release", fmt::format("{:g} s: it takes hold at {:g} s{}, which is after its release; give a later time, "
+                                    "or remove the key or the attachment",
                                     s.release, before.end, first));
 }
 
@@ -67,7 +67,7 @@ void check_attachment(const SectionPlace& place, const Case& c, const system::At
 
 void check_landmark(const SectionPlace& place, const Case& c, const LandmarkSection& s) {
   if (static_cast<int>(s.point.has_value()) + static_cast<int>(s.near.has_value()) + (s.vertices.empty() ? 0 : 1) != 1)
-    place.fail("point", "one of point, near and vertices says where it is");
+    place.fail("point", "its place needs one of point, near and vertices");
   for (const double v : s.vertices)
     if (v != std::floor(v)) place.fail("vertices", fmt::format("{}: a whole number is needed", v));
   for (const LandmarkSection& other : c.landmarks)

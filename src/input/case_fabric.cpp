@@ -125,8 +125,8 @@ void check_sources(const SectionPlace& top, const toml::table& root) {
   for (const auto& [key, source] : *node->as_table()) (void)text_of(place, std::string(key.str()), source);
   for (const std::string& name : figure_names()) {
     if (top.has(name) && !place.has(name))
-      top.fail(name,
-               fmt::format("the source is missing; say in [sources] where this figure comes from: {} = \"...\"", name));
+      top.fail(name, fmt::format("the source is missing; write in [sources] where this figure comes from: {} = \"...\"",
+                                 name));
     if (!top.has(name) && place.has(name)) place.fail(name, "there is no such figure in this file");
   }
 }
@@ -188,7 +188,7 @@ Fabric parse_fabric(const std::string& text, const std::filesystem::path& file) 
   for (const std::string& name : figure_names()) valid.push_back(name);
   const SectionPlace place = place_of(file.string(), "", root, 0, valid);
   for (const char* key : {"name", "description"})
-    if (!place.has(key)) place.fail(key, "the key is missing; say in words what the fabric is");
+    if (!place.has(key)) place.fail(key, "the key is missing; describe the fabric in words");
   Fabric fabric;
   fabric.name = text_of(place, "name", *root.get("name"));
   fabric.description = text_of(place, "description", *root.get("description"));

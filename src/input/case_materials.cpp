@@ -195,7 +195,7 @@ void read_materials(const CaseReader& reader, Case& c) {
     fill_matrices(place, in, reader.units(), m);
     fill_friction(place, in, m);
     if (in.groups.empty() && everywhere)
-      place.fail("groups", "the key is missing, and another material has no groups either; say where each applies");
+      place.fail("groups", "the key is missing, and another material has no groups either; name the groups of each");
     everywhere = everywhere || in.groups.empty();
     for (const std::string& group : in.groups) {
       if (std::find(covered.begin(), covered.end(), group) != covered.end())

@@ -44,7 +44,7 @@ void check_wrap(const SectionPlace& place, const PanelSection& s) {
   if (s.wrap_radii.empty()) return;
   if (!s.wrap_end) place.fail("wrap_end", "the key is missing: where the second of wrap_radii is");
   if (place.has("wrap_radius") || place.has("wrap_angle"))
-    place.fail("wrap_radii", "they say what wrap_radius and wrap_angle would; remove those");
+    place.fail("wrap_radii", "they replace wrap_radius and wrap_angle; remove those");
   if (s.wrap_radii.size() != 2 || !(s.wrap_radii[0] + s.wrap_radii[1] > 0.0))
     place.fail("wrap_radii", "two numbers are needed, at wrap_point and at wrap_end, that are not both zero");
 }
@@ -68,9 +68,9 @@ void read_pattern(const CaseReader& reader, Case& c) {
     if (c.panels.empty()) place.fail("name", "there is no [[panel]] that it could belong to");
     if (m.point.empty() == m.panel.empty())
       place.fail("point", m.point.empty() ? "the key is missing; give it, or panel and at"
-                                          : "it says where the mark is; remove the key panel, or this one");
+                                          : "it gives the place of the mark; remove the key panel, or this one");
     if (!m.panel.empty() && m.at.size() != 2) place.fail("at", "two numbers [x, y] are needed, in metres");
-    if (m.panel.empty() && !m.at.empty()) place.fail("at", "point says where the mark is; remove the key");
+    if (m.panel.empty() && !m.at.empty()) place.fail("at", "point gives the place of the mark; remove the key");
   });
   reader.read("sewing", 0, keys_of(c.sewing));
   if (!c.stage.sew.empty() && c.panels.empty())

@@ -102,7 +102,7 @@ std::vector<Key> mesh_keys(ObstacleSection& s) {
        .absent = "none"},
       {.name = "frames_per_second",
        .slot = &s.frames_per_second,
-       .meaning = "Of `frames` that do not say it themselves (PC2, OBJ).",
+       .meaning = "Of `frames` that do not have it themselves (PC2, OBJ).",
        .unit = "1/s",
        .range = positive,
        .types = of_mesh},

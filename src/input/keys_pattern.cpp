@@ -65,7 +65,7 @@ std::vector<Key> wrapping_keys(PanelSection& s) {
            .meaning = "Radii of a cone at `wrap_point` and at `wrap_end`, instead of `wrap_radius` and `wrap_angle`.",
            .unit = "m",
            .range = {0.0, farthest},
-           .absent = "as `wrap_radius` and `wrap_angle` say"}};
+           .absent = "as `wrap_radius` and `wrap_angle` give"}};
 }
 
 /// How pieces come out of what the file draws.
@@ -183,7 +183,7 @@ std::vector<Key> keys_of(MarkSection& s) {
       {.name = "point",
        .slot = &s.point,
        .meaning = "A point of an outline as `PIECE@POINT`, as in `[[seam]] meet`.",
-       .absent = "`panel` and `at` say where it is"},
+       .absent = "`panel` and `at` give its place"},
       {.name = "panel", .slot = &s.panel, .meaning = "The piece that it is in.", .absent = "there is `point`"},
       {.name = "at",
        .slot = &s.at,

@@ -3,11 +3,11 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <filesystem>
 #include <map>
 #include <sstream>
 
+#include "abaqus_words.hpp"
 #include "element_parts.hpp"
 #include "mesh_text.hpp"
 #include "voile/base/error.hpp"
@@ -16,26 +16,7 @@ namespace voile::io {
 
 namespace {
 
-using Words = std::vector<std::string>;
-
-std::string upper(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
-  return text;
-}
-
-std::string trimmed(const std::string& text) {
-  const std::size_t begin = text.find_first_not_of(" \t\r\""), end = text.find_last_not_of(" \t\r\"");
-  return begin == std::string::npos ? "" : text.substr(begin, end - begin + 1);
-}
-
-Words fields(const std::string& line) {
-  Words words;
-  std::istringstream in(line);
-  for (std::string word; std::getline(in, word, ',');) words.push_back(trimmed(word));
-  while (!words.empty() && words.back().empty()) words.pop_back();
-  return words;
-}
+using Words = AbaqusWords;
 
 /// Corners and nodes of an element type; none for one that is neither a surface nor a truss, which Gmsh writes for curves.
 struct Shape {
@@ -99,8 +80,8 @@ class AbaqusReader {
       if (text.starts_with("**")) continue;
       if (text.starts_with("*"))
         begin(text, depth);
-      else if (!trimmed(text).empty())
-        read_data(fields(text));
+      else if (!abaqus_trimmed(text).empty())
+        read_data(abaqus_fields(text));
     }
   }
 
@@ -124,14 +105,9 @@ class AbaqusReader {
   }
 
   void begin(const std::string& text, int depth) {
-    const Words words = fields(text);
-    const std::string keyword = upper(words[0]);
-    std::map<std::string, std::string> parameters;
-    for (std::size_t k = 1; k < words.size(); ++k) {
-      const std::size_t equal = std::min(words[k].find('='), words[k].size());
-      parameters[upper(trimmed(words[k].substr(0, equal)))] =
-          equal < words[k].size() ? trimmed(words[k].substr(equal + 1)) : "";
-    }
+    const Words words = abaqus_fields(text);
+    const std::string keyword = abaqus_upper(words[0]);
+    const std::map<std::string, std::string> parameters = abaqus_parameters(words);
     const auto parameter = [&](const char* name) { return parameters.count(name) ? parameters.at(name) : ""; };
     generate_ = parameters.count("GENERATE") > 0;
     const Section before = section_;
@@ -142,7 +118,7 @@ class AbaqusReader {
     } else if (keyword == "*ELEMENT") {
       section_ = Section::elements;
       set_ = parameter("ELSET");
-      type_ = upper(parameter("TYPE"));
+      type_ = abaqus_upper(parameter("TYPE"));
       shape_ = shape_of(type_);
       if (shape_.corners > 0) return;
       section_ = Section::skipped_elements;

@@ -161,7 +161,7 @@ Checkpoint read_unguarded(const std::filesystem::path& path, const mesh::Surface
   check_rest(file, mesh, path);
   if (H5Aexists(file, "in_equilibrium") <= 0)
     fail_reading(path,
-                 "it is not a checkpoint; a run goes on from checkpoint.h5 of an earlier one, written every [time] "
+                 "it is not a checkpoint; a run continues from checkpoint.h5 of an earlier one, written every [time] "
                  "checkpoint_steps or checkpoint_minutes and when it ends");
   const std::size_t count = 3 * static_cast<std::size_t>(mesh.vertex_count());
   Checkpoint c;

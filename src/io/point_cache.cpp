@@ -272,7 +272,7 @@ class ObjFrames : public Frames {
       if (const std::int64_t step = files[k].first - files[k - 1].first; step != least)
         return fmt::format(
             "'*' counts files, but after {} comes {}, {} on where others are {} apart: if a frame is "
-            "missing, all later ones come too early; export it, or write %d in place of '*', so that "
+            "missing, all later ones come too early; export it, or write %d instead of '*', so that "
             "files have the numbers of their frames",
             files[k - 1].second.filename().string(), files[k].second.filename().string(), step, least);
     return "";

@@ -140,7 +140,7 @@ std::pair<Hdf5Handle, fs::path> StoredResults::open_step(std::size_t step) const
 std::int64_t StoredResults::read_entry(const std::string& list, std::size_t step) const {
   const std::vector<std::int64_t> values = read_integers(file_, list, path_);
   if (step >= values.size() || values[step] < 0)
-    fail_reading(path_, fmt::format("'{}' says nothing of step {}: the file is damaged", list, steps_[step].number));
+    fail_reading(path_, fmt::format("'{}' lacks step {}: the file is damaged", list, steps_[step].number));
   return values[step];
 }
 

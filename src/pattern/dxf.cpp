@@ -91,11 +91,11 @@ class DxfReader {
     const int measurement = variable("$MEASUREMENT");
     if (measurement != 0 && measurement != 1)
       throw UserError(fmt::format(
-          "{}: neither $INSUNITS nor $MEASUREMENT nor a text 'Units:' says how long a unit is; give the key unit "
+          "{}: neither $INSUNITS nor $MEASUREMENT nor a text 'Units:' gives the length of a unit; give the key unit "
           "of [[panel]], the length of a unit in metres (0.001 for millimetres)",
           name()));
     pattern_.notes.push_back(
-        fmt::format("{}: $MEASUREMENT = {}, so a unit is taken for {}; the key unit of [[panel]] would say so", name(),
+        fmt::format("{}: $MEASUREMENT = {}, so a unit is taken for {}; the key unit of [[panel]] sets it", name(),
                     measurement, measurement == 1 ? "a millimetre" : "an inch"));
     return measurement == 1 ? 1e-3 : 0.0254;
   }

@@ -270,8 +270,8 @@ class Joiner {
     for (const Curve& b : bridge_)
       if (is_on(b, from) && is_on(b, to)) return outline.push_back(Curve::bezier({from, to}));
     throw UserError(
-        fmt::format("{}: the outline is open: it ends at ({:.6g}, {:.6g}) in the file's units, {:.4g} away "
-                    "from its beginning, and nothing goes on from there; close it",
+        fmt::format("{}: the outline is open: it ends at ({:.6g}, {:.6g}) in the file's units, {:.4g} away from its "
+                    "beginning, where no curve begins; close it",
                     where_, from[0], from[1], (from - to).norm()));
   }
 

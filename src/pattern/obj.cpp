@@ -104,8 +104,8 @@ class ObjReader {
     for (const double usual : {1.0, 0.01, 0.001, 0.0254})
       if (std::abs(unit / usual - 1.0) <= near_unit) unit = usual;
     pattern_.notes.push_back(
-        fmt::format("{}: 1 in texture coordinates (vt) is taken for {:.6g} m, as edges are long in "
-                    "space; the key texture_unit would say so",
+        fmt::format("{}: 1 in texture coordinates (vt) is taken for {:.6g} m, as edges are long in space; the key "
+                    "texture_unit sets it",
                     pattern_.file.string(), unit));
     return unit;
   }

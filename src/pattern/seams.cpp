@@ -233,7 +233,7 @@ class Resolver {
       if (turned < as_is) b = reversed(b);
       found_.notes.push_back(fmt::format(
           "seam '{}': {}@{} meets {}@{}, which is the shorter way at the start ({:.3g} m on average, {:.3g} m "
-          "the other way round); the key meet would say so",
+          "the other way round); the key meet sets it",
           line.name, panels_[a.front().panel].piece.name, corner(panels_, a.front(), false),
           panels_[b.front().panel].piece.name, corner(panels_, b.front(), false), std::min(as_is, turned),
           std::max(as_is, turned)));

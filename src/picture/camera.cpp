@@ -87,7 +87,7 @@ Camera fit_camera(const View& view, const Vec3& up, const std::vector<Vec3>& poi
   const Vec3 target = view.target.value_or(middle);
   Camera c;
   if (view.eye && (*view.eye - target).norm() < 1e-12 * (1.0 + target.norm()))
-    throw UserError("--eye: the camera is at the place that it looks at; move it, or give another --target");
+    throw UserError("--eye: the camera is at the place of its target; move it, or give another --target");
   c.back = (view.eye ? Vec3(*view.eye - target) : view.back).normalized();
   Vec3 right = up.cross(c.back);
   if (right.norm() < 1e-6) right = horizontal(up).first;

@@ -163,7 +163,7 @@ void set_key(voile::Case& c, const std::string& key, const Value& value) {
 }
 
 void declare_values(py::module_& m) {
-  py::class_<voile::Case>(m, "Case", "A case: what a case file says.")
+  py::class_<voile::Case>(m, "Case", "A case: what a case file contains.")
       .def_static("read", &voile::Case::read, py::arg("file"))
       .def_static("parse", &voile::Case::parse, py::arg("text"), py::arg("folder") = ".")
       .def("set", &set_key<bool>, py::arg("key"), py::arg("value").noconvert())
@@ -290,12 +290,12 @@ void declare_coupling(py::class_<Held>& c) {
             s->set_obstacle(name, numbers(positions), t);
           },
           py::arg("name"), py::arg("positions"), py::arg("t"),
-          "An obstacle goes on straight lines from where it is to these positions of its points [m], n x 3, at time t "
+          "An obstacle moves on straight lines from its place to these positions of its points [m], n x 3, at time t "
           "[s], and "
           "stays there.")
       .def(
           "obstacle", [](Held& s, const std::string& name) { return rows(s->obstacle(name), 3); }, py::arg("name"),
-          "Where the points of an obstacle are now [m], n x 3.");
+          "Where the points of an obstacle [m], n x 3.");
 }
 
 void declare_petsc(py::class_<Held>& c) {

@@ -178,7 +178,7 @@ PetscErrorCode ask_options(PC pc, PetscOptionItems* PetscOptionsObject) {
   BlockIcc& d = data(pc);
   PetscFunctionBeginUser;
   PetscOptionsHeadBegin(PetscOptionsObject, "Incomplete Cholesky factor of 3 x 3 blocks");
-  PetscCall(PetscOptionsReal("-pc_block_icc_shift", "Share of the diagonal blocks to add from the start", nullptr,
+  PetscCall(PetscOptionsReal("-pc_block_icc_shift", "Fraction of the diagonal blocks to add from the start", nullptr,
                              d.shift, &d.shift, nullptr));
   PetscCall(PetscOptionsReal("-pc_block_icc_first_shift", "The same after the first failure; then four times more each",
                              nullptr, d.first_shift, &d.first_shift, nullptr));

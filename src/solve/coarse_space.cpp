@@ -111,7 +111,7 @@ void CoarseSpace::find_targets() {
 }
 
 bool CoarseSpace::read_pattern(Mat a, int aggregates) {
-  static_assert(most == 3, "shares are sent like the coordinates of vertices");
+  static_assert(most == 3, "parts are sent like the coordinates of vertices");
   comm_ = PetscObjectComm(reinterpret_cast<PetscObject>(a));
   PetscInt rows = 0;
   VOILE_PETSC(MatGetLocalSize(a, &rows, nullptr));

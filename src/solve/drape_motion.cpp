@@ -139,7 +139,8 @@ FallResult fall_to_rest(system::Model& model, system::State& state, double rest_
   if (result.endless)
     result.reason = fmt::format("the sheet has flown {:g} of its extents: nothing holds it", far_away);
   else if (!result.rested)
-    result.reason = done.reason.empty() ? fmt::format("the fall goes on after {} iterations", iterations) : done.reason;
+    result.reason =
+        done.reason.empty() ? fmt::format("the fall continues after {} iterations", iterations) : done.reason;
   return result;
 }
 

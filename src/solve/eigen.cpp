@@ -185,8 +185,8 @@ EigenResult buckling_modes(Newton& newton, system::Model& model, Vec a, int coun
   if (linear.solve(load, load_solution)) VOILE_PETSC(VecNorm(load_solution, NORM_INFINITY, &size));
   if (!(size > 0.0) || !std::isfinite(size))
     throw UserError(
-        "analysis = \"buckling\" needs a load that grows with the load factor, which those of earlier stages no longer "
-        "do, and supports that stop all rigid motions");
+        "analysis = \"buckling\" needs a load that grows with the load factor, which loads of earlier stages do not, "
+        "and supports that stop all rigid motions");
   if (linear.negative_pivots() > 0)
     throw UserError("the equilibrium is unstable already; choose a lower [eigen] load_factor");
   const petsc::MatHandle change = load_stiffness(model, a, load_solution);

@@ -194,7 +194,7 @@ PetscErrorCode ask_options(PC pc, PetscOptionItems* PetscOptionsObject) {
                             s.overlap, &s.overlap, nullptr));
   PetscCall(PetscOptionsInt("-pc_schwarz_aggregate", "Vertices of an aggregate of the coarse level", nullptr,
                             s.aggregate, &s.aggregate, nullptr));
-  PetscCall(PetscOptionsInt("-pc_schwarz_smoothing", "How often the shares of aggregates are averaged", nullptr,
+  PetscCall(PetscOptionsInt("-pc_schwarz_smoothing", "How often the weights of aggregates are averaged", nullptr,
                             s.smoothing, &s.smoothing, nullptr));
   PetscOptionsHeadEnd();
   if (s.vertices < 1 || s.overlap < 0 || s.aggregate < 3 || s.smoothing < 0)
@@ -228,7 +228,7 @@ PetscErrorCode view(PC pc, PetscViewer viewer) {
   PetscCall(PetscViewerASCIIPrintf(viewer, "  subdomains of %d vertices, %d on the first rank, overlap %d\n",
                                    static_cast<int>(s.vertices), static_cast<int>(s.subdomains.size()),
                                    static_cast<int>(s.overlap)));
-  PetscCall(PetscViewerASCIIPrintf(viewer, "  rigid motions of %d aggregates, shares averaged %d times\n",
+  PetscCall(PetscViewerASCIIPrintf(viewer, "  rigid motions of %d aggregates, weights averaged %d times\n",
                                    s.coarse.aggregates(), static_cast<int>(s.smoothing)));
   PetscCall(PetscViewerASCIIPrintf(viewer, "  matrices %ld with %ld patterns\n", s.matrices, s.patterns));
   PetscFunctionReturn(0);

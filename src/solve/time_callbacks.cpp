@@ -166,7 +166,7 @@ bool TimeIntegration::Impl::clear_predictor(double t0, Vec x0, double t1, Vec x1
     const long before = system::yielding_count(contact.memory());
     way = contact.clear_predictor(x0, t0, x1, t1, may_yield);
     if (way.clear && system::yielding_count(contact.memory()) > before && before == 0 && remark)
-      remark(fmt::format("t = {:.6g} s: an obstacle gives way to {} vertices; {} was pinched", t0,
+      remark(fmt::format("t = {:.6g} s: {} vertices pass through an obstacle; {} was pinched", t0,
                          system::yielding_count(contact.memory()), way.obstruction));
   }
   if (!way.clear) obstruction = way.obstruction;

@@ -135,7 +135,7 @@ void Attachments::attach(Vec a, std::vector<Anchor>& anchors) {
       if (anchor.attachment != attachment.number || std::erase(free, anchor.vertex) == 0) continue;
       if (anchor.triangle < 0 || anchor.triangle >= static_cast<Index>(triangles.size()))
         throw UserError(
-            fmt::format("[[attachment]] obstacle '{}': the state that the run goes on from was attached to another "
+            fmt::format("[[attachment]] obstacle '{}': the state that the run continues from was attached to another "
                         "mesh of it; begin with the stage that takes hold",
                         attachment.obstacle));
       all.push_back(anchor);

@@ -197,7 +197,7 @@ VertexSupport combine(const mesh::SurfaceMesh& mesh, Index v, const std::vector<
   if ((directions * displacement - values).norm() > 1e-12 * (1.0 + values.norm()))
     throw UserError(fmt::format(
         "[[support]]: contradicting displacements are prescribed at vertex {} ({}, {}, {}); "
-        "remove one of the supports that share it",
+        "remove one of the supports that hold it",
         mesh.data().vertex_tags[v], mesh.positions()[v].x(), mesh.positions()[v].y(), mesh.positions()[v].z()));
   VertexSupport s;
   s.axes = axes_of(svd.v.leftCols(rank), s.fixed);

@@ -7,7 +7,8 @@ import subprocess
 import numpy as np
 import random_meshes
 from benchmarks import BENCHMARKS
-from common import base, plate, sheet_on_ball, strip_case
+from calculix import deck as calculix_deck
+from common import base, fresh, plate, sheet_on_ball, strip_case
 from harness import OUT, solve, test
 from jittered import strip_mesh
 from linear import LINEAR, answer
@@ -152,6 +153,67 @@ def unresolved(report):
             fields = result.results[-1]
             report.check(all(fields[f"{part}_recovery_error"].min() >= 0 for part in ("membrane", "bending"))
                          and fields["bending_recovery_error"].max() > fields["membrane_recovery_error"].max(), "the fields say where")
+
+
+PLATE_DECK = """*Heading
+Plate of "steel"
+*Node
+{nodes}
+*Element, type=S4R, elset=PLATE
+{elements}
+*Nset, nset=Edge
+{edge}
+*Shell Section, elset=plate, material=Steel
+2.
+*Material, name=STEEL
+*Elastic
+210000., 0.3
+*Density
+7.85e-9
+*Boundary
+EDGE, ENCASTRE
+{rest}
+"""
+
+
+@test
+def deck_cases(report):
+    """voile init --from: an annulus of S8R under NLGEOM bends as in CalculiX, a clamped plate in mm and t vibrates as it should; what is not understood is listed with its line."""
+    def begin(name, text):
+        file = OUT / f"{name}.inp"
+        OUT.mkdir(parents=True, exist_ok=True)
+        file.write_text(text)
+        code, said = invoke(["init", fresh(name), "--from", file])
+        return code, said, (OUT / name / "case.toml")
+
+    text, a, b = calculix_deck(4, 32)
+    code, said, case = begin("deck_annulus", text)
+    report.check(code == 0 and "left out" not in said, f"annulus: code {code}: {said[:200]}")
+    result = run(case, fresh("deck_annulus_run"), 1)
+    u, x = result.displacement(), result.results[-1].mesh.positions
+    lip = [max(u[np.linalg.norm(x - [r, 0, 0], axis=1) < 1e-6][:, 2]) for r in (6, 10)]
+    # CalculiX 2.20 (Debian 12) with this deck: 13.763 and 17.403.
+    for got, calculix in zip(lip, (13.763, 17.403)):
+        report.percent(got / calculix, 0.01, "annulus: deflection over that of CalculiX on the same nodes")
+    n, side = 16, 200.0
+    nodes = "\n".join(f"{1 + i + j * (n + 1)}, {side * i / n}, {side * j / n}, 0." for j in range(n + 1) for i in range(n + 1))
+    elements = "\n".join(f"{1 + i + j * n}, {1 + i + j * (n + 1)}, {2 + i + j * (n + 1)}, {2 + i + (j + 1) * (n + 1)}, {1 + i + (j + 1) * (n + 1)}"
+                         for j in range(n) for i in range(n))
+    edge = ",\n".join(str(1 + i + j * (n + 1)) for j in range(n + 1) for i in range(n + 1) if i in (0, n) or j in (0, n))
+    plate = lambda rest: PLATE_DECK.format(nodes=nodes, elements=elements, edge=edge, rest=rest)  # noqa: E731
+    code, said, case = begin("deck_plate", plate("*Step\n*Frequency\n4,\n*Output, field\n*End Step"))
+    exact = 35.985 / (2 * np.pi) * np.sqrt(210000 * 8 / 12 / 0.91 / (2 * 7.85e-9)) / side**2
+    report.percent(run(case, fresh("deck_plate_run"), 2).summary["eigenvalues"][0] / exact, 0.025, "plate: first frequency")
+    code, said, case = begin("deck_left", plate("*Boundary\n20, 1, 3\n*Surface, name=TOP\nPLATE, SPOS\n*Step, nlgeom\n*Static\n1., 1.\n*Cload\n145, 3, 2.\n"
+                                                "146, 3, 2.\n145, 5, 1.\n*Dload\nplate, P, 0.01\n*End Step"))
+    found = case.read_text()
+    report.check(code == 0 and re.search(r"left out: .*deck_left.inp:\d+: \*SURFACE", said) and "*CLOAD 145: a moment" in said, f"left out is listed: {said[:400]}")
+    report.check('analysis = "static"' in found and 'type = "follower_pressure"\ngroup = "PLATE"' in found and "LOADED_2" in found and "HELD_1" in found, "sets of single nodes")
+    code, said = invoke(["check", case])
+    report.check(code == 0, f"and the case is whole: {said[-200:]}")
+    for what, change in (("a modulus that is no number", ("210000.", "many")), ("an include that is not there", ("*Heading", "*Include, input=none.inp\n*Heading"))):
+        code, said, _ = begin("deck_wrong", plate("").replace(*change))
+        report.check(code == 2 and re.search(r"deck_wrong\.inp:\d+: ", said), f"{what}: code {code}: {said[:150]}")
 
 
 @test

@@ -175,7 +175,7 @@ TEST_CASE("contradictions in time sections are refused") {
       "end = [0, 0, 1]\nradius = 0.1\n[[attachment]]\ngroups = [\"left\"]\nobstacle = \"pole\"\n";
   CHECK(error_of(still + held) == "no error");
   CHECK(has(error_of(still + held + "release = 1\n"),
-            "attachment.release: an attachment lets go only with analysis = \"dynamic\""));
+            "attachment.release: an attachment releases only with analysis = \"dynamic\""));
   CHECK(error_of(head + held + "release = 1\n") == "no error");
 }
 

@@ -270,7 +270,7 @@ TEST_CASE("fabric: mistakes in a file are named with line and key") {
 
 TEST_CASE("fabric: a figure without a source is refused") {
   CHECK(fabric_error("bending_weft = \"made up\"\n", "") ==
-        "f.toml:8: bending_weft: the source is missing; say in [sources] where this figure comes from: "
+        "f.toml:8: bending_weft: the source is missing; write in [sources] where this figure comes from: "
         "bending_weft = \"...\"");
   CHECK(has(fabric_error("500", "500\nthickness = \"1 mm\""), "f.toml:6: thickness: the source is missing"));
   CHECK(has(fabric_error("[sources]\n", "[sources]\nthickness = \"x\"\n"),

@@ -1,0 +1,54 @@
+// What an Abaqus input file has besides its mesh: materials, sections, supports, loads and the first step.
+#pragma once
+
+#include <array>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace voile::io {
+
+struct AbaqusDeck {
+  struct Material {
+    bool orthotropic = false;
+    double young = 0.0, poisson = 0.0, young_2 = 0.0, shear = 0.0, density = 0.0;  ///< 0: the deck has none
+  };
+  struct Section {
+    std::string elements, material;  ///< names
+    double thickness = 0.0;
+  };
+  /// Of all lines on one set or node.
+  struct Support {
+    std::array<bool, 6> held{};     ///< displacements 1 to 3, rotations 4 to 6
+    std::array<double, 3> value{};  ///< of the displacements
+    std::string mirror;             ///< XSYMM, YSYMM or ZSYMM
+  };
+  struct Load {
+    enum class Kind { force, pressure, gravity } kind = Kind::force;
+    std::string where;  ///< set, or number of a node or element
+    std::array<double, 3> vector{};
+    double size = 0.0;  ///< of a pressure, along the normal
+  };
+  enum class Procedure { none, linear, nonlinear, riks, frequency, buckle, dynamic };
+  struct Left {
+    std::string what;   ///< keyword, or keyword and data
+    std::string place;  ///< FILE:LINE
+  };
+
+  std::string title;
+  std::map<std::string, Material> materials;
+  std::vector<Section> sections;
+  std::map<std::string, Support> supports;  ///< by set or number of a node
+  std::vector<Load> loads;
+  Procedure procedure = Procedure::none;
+  int modes = 0;
+  double step = 0.0, end = 0.0;       ///< of a dynamic procedure
+  std::vector<std::string> included;  ///< names of included files, as the deck writes them
+  std::vector<std::string> node_sets, element_sets;
+  std::vector<Left> left;  ///< what was not understood
+};
+
+/// Not collective. Throws UserError for a file that cannot be read and numbers that are none, with file and line.
+[[nodiscard]] AbaqusDeck read_abaqus_deck(const std::string& file);
+
+}  // namespace voile::io

@@ -1,0 +1,296 @@
+#include "voile/io/abaqus_deck.hpp"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <set>
+
+#include "abaqus_words.hpp"
+#include "mesh_text.hpp"
+#include "voile/base/error.hpp"
+
+namespace voile::io {
+
+namespace {
+
+using Procedure = AbaqusDeck::Procedure;
+
+/// Keywords that the mesh reader takes, or that only say what is written.
+const std::set<std::string>& passed_over() {
+  static const std::set<std::string> all{
+      "*NODE",          "*ELEMENT",      "*PART",          "*END PART", "*ASSEMBLY", "*END ASSEMBLY", "*INSTANCE",
+      "*END INSTANCE",  "*END STEP",     "*PREPRINT",      "*RESTART",  "*OUTPUT",   "*NODE OUTPUT",  "*ELEMENT OUTPUT",
+      "*NODE PRINT",    "*NODE FILE",    "*EL PRINT",      "*EL FILE",  "*PRINT",    "*FILE FORMAT",  "*MONITOR",
+      "*CONTACT PRINT", "*ENERGY PRINT", "*ENERGY OUTPUT", "*SYSTEM"};
+  return all;
+}
+
+class DeckReader {
+ public:
+  explicit DeckReader(std::string file) : file_(std::move(file)) {}
+
+  AbaqusDeck run() {
+    read(0);
+    return std::move(deck_);
+  }
+
+ private:
+  enum class Data {
+    none,
+    unread,
+    title,
+    elastic,
+    lamina,
+    density,
+    section,
+    support,
+    force,
+    pressure,
+    procedure,
+    skipped
+  };
+
+  void read(int depth) {
+    std::istringstream in(file_text(file_));
+    line_ = 0;
+    for (std::string text; std::getline(in, text);) {
+      ++line_;
+      if (text.starts_with("**")) continue;
+      if (text.starts_with("*")) {
+        begin(text, depth);
+      } else if (!abaqus_trimmed(text).empty()) {
+        take(text);
+      }
+    }
+  }
+
+  void begin(const std::string& text, int depth) {
+    const AbaqusWords words = abaqus_fields(text);
+    const std::string keyword = abaqus_upper(words[0]);
+    parameters_ = abaqus_parameters(words);
+    keyword_ = keyword;
+    data_ = Data::none;
+    if (keyword == "*INCLUDE") return include(depth);
+    if (keyword == "*NSET" || keyword == "*ELSET") return note_set(keyword);
+    if (keyword == "*HEADING") {
+      data_ = Data::title;
+    } else if (keyword == "*STEP") {
+      if (++steps_ > 1) leave("a second *STEP; only the first is taken");
+      nonlinear_ = nonlinear_ || (parameters_.contains("NLGEOM") && abaqus_upper(parameters_["NLGEOM"]) != "NO");
+    } else if (steps_ > 1) {
+      data_ = Data::skipped;
+    } else if (!begin_model(keyword) && !begin_step(keyword) && !passed_over().contains(keyword)) {
+      leave(keyword);
+      data_ = Data::unread;
+    }
+    if (keyword == "*NODE" && parameters_.contains("NSET")) deck_.node_sets.push_back(parameters_["NSET"]);
+    if (keyword == "*ELEMENT" && parameters_.contains("ELSET")) deck_.element_sets.push_back(parameters_["ELSET"]);
+  }
+
+  void note_set(const std::string& keyword) {
+    const bool nodes = keyword == "*NSET";
+    (nodes ? deck_.node_sets : deck_.element_sets).push_back(parameters_[nodes ? "NSET" : "ELSET"]);
+  }
+
+  /// Materials and sections.
+  bool begin_model(const std::string& keyword) {
+    if (keyword == "*MATERIAL") {
+      material_ = abaqus_upper(parameters_["NAME"]);
+      deck_.materials.emplace(material_, AbaqusDeck::Material{});
+    } else if (keyword == "*ELASTIC") {
+      const std::string type = abaqus_upper(parameters_["TYPE"]);
+      data_ = type.empty() || type == "ISOTROPIC" || type == "ISO" ? Data::elastic
+              : type == "LAMINA"                                   ? Data::lamina
+                                                                   : Data::unread;
+      if (data_ == Data::unread) leave("*ELASTIC, TYPE=" + type);
+    } else if (keyword == "*DENSITY") {
+      data_ = Data::density;
+    } else if (keyword == "*SHELL SECTION" || keyword == "*MEMBRANE SECTION") {
+      if (parameters_.contains("COMPOSITE")) {
+        leave(keyword + ", COMPOSITE");
+        data_ = Data::unread;
+        return true;
+      }
+      if (parameters_.contains("OFFSET")) leave(keyword + ", OFFSET");
+      if (parameters_.contains("ORIENTATION")) leave(keyword + ", ORIENTATION: material axis 1 is [1, 0, 0]");
+      deck_.sections.push_back({parameters_["ELSET"], abaqus_upper(parameters_["MATERIAL"]), 0.0});
+      data_ = Data::section;
+    } else {
+      return false;
+    }
+    return true;
+  }
+
+  /// Supports, loads and what the step does.
+  bool begin_step(const std::string& keyword) {
+    if (parameters_.contains("AMPLITUDE")) leave(keyword + ", AMPLITUDE: the load grows in proportion");
+    if (keyword == "*BOUNDARY") {
+      data_ = Data::support;
+    } else if (keyword == "*CLOAD") {
+      data_ = Data::force;
+      if (parameters_.contains("FOLLOWER")) leave("*CLOAD, FOLLOWER: the force keeps its direction");
+    } else if (keyword == "*DLOAD") {
+      data_ = Data::pressure;
+    } else if (keyword == "*STATIC" || keyword == "*FREQUENCY" || keyword == "*BUCKLE" || keyword == "*DYNAMIC") {
+      data_ = Data::procedure;
+      deck_.procedure = keyword == "*FREQUENCY"        ? Procedure::frequency
+                        : keyword == "*BUCKLE"         ? Procedure::buckle
+                        : keyword == "*DYNAMIC"        ? Procedure::dynamic
+                        : parameters_.contains("RIKS") ? Procedure::riks
+                        : nonlinear_                   ? Procedure::nonlinear
+                                                       : Procedure::linear;
+    } else {
+      return false;
+    }
+    return true;
+  }
+
+  void take(const std::string& text) {
+    const AbaqusWords words = abaqus_fields(text);
+    if (words.empty()) return;
+    switch (data_) {
+      case Data::title:
+        if (deck_.title.empty()) deck_.title = abaqus_trimmed(text);
+        return;
+      case Data::elastic:
+      case Data::lamina:
+        return take_elastic(words);
+      case Data::density:
+        deck_.materials[material_].density = number(words, 0);
+        data_ = Data::none;
+        return;
+      case Data::section:
+        deck_.sections.back().thickness = number(words, 0);
+        data_ = Data::none;
+        return;
+      case Data::support:
+        return take_support(words);
+      case Data::force:
+        return take_force(words);
+      case Data::pressure:
+        return take_pressure(words);
+      case Data::procedure:
+        return take_procedure(words);
+      default:
+        return;
+    }
+  }
+
+  void take_elastic(const AbaqusWords& words) {
+    AbaqusDeck::Material& m = deck_.materials[material_];
+    m.orthotropic = data_ == Data::lamina;
+    m.young = number(words, 0);
+    if (m.orthotropic) {
+      m.young_2 = number(words, 1);
+      m.poisson = number(words, 2);
+      m.shear = number(words, 3);
+    } else {
+      m.poisson = words.size() > 1 ? number(words, 1) : 0.0;
+    }
+    data_ = Data::none;  // further lines are of other temperatures
+  }
+
+  void take_support(const AbaqusWords& words) {
+    AbaqusDeck::Support& s = deck_.supports[words[0]];
+    const std::string name = words.size() > 1 ? abaqus_upper(words[1]) : "";
+    if (name == "ENCASTRE") {
+      s.held.fill(true);
+    } else if (name == "PINNED") {
+      s.held[0] = s.held[1] = s.held[2] = true;
+    } else if (name == "XSYMM" || name == "YSYMM" || name == "ZSYMM") {
+      s.mirror = name;
+    } else {
+      const long first = whole(words, 1), last = words.size() > 2 && !words[2].empty() ? whole(words, 2) : first;
+      const double value = words.size() > 3 ? number(words, 3) : 0.0;
+      if (first < 1 || last > 6 || last < first)
+        return leave("*BOUNDARY " + words[0] + ": degrees of freedom beyond 1 to 6");
+      for (long k = first; k <= last; ++k) {
+        s.held[static_cast<std::size_t>(k - 1)] = true;
+        if (k <= 3) s.value[static_cast<std::size_t>(k - 1)] = value;
+        if (k > 3 && value != 0.0) leave(fmt::format("*BOUNDARY {}: rotation {} by {}", words[0], k, value));
+      }
+    }
+  }
+
+  void take_force(const AbaqusWords& words) {
+    const long direction = whole(words, 1);
+    if (direction < 1 || direction > 3) return leave(fmt::format("*CLOAD {}: a moment", words[0]));
+    AbaqusDeck::Load load{AbaqusDeck::Load::Kind::force, words[0], {}, 0.0};
+    load.vector[static_cast<std::size_t>(direction - 1)] = number(words, 2);
+    deck_.loads.push_back(load);
+  }
+
+  void take_pressure(const AbaqusWords& words) {
+    const std::string label = words.size() > 1 ? abaqus_upper(words[1]) : "";
+    if (label == "P") {
+      deck_.loads.push_back({AbaqusDeck::Load::Kind::pressure, words[0], {}, number(words, 2)});
+    } else if (label == "GRAV") {
+      AbaqusDeck::Load load{AbaqusDeck::Load::Kind::gravity, words[0], {}, 0.0};
+      for (std::size_t k = 0; k < 3; ++k)
+        load.vector[k] = number(words, 2) * (words.size() > 3 + k ? number(words, 3 + k) : 0.0);
+      deck_.loads.push_back(load);
+    } else {
+      leave(fmt::format("*DLOAD {}, {}", words[0], label));
+    }
+  }
+
+  void take_procedure(const AbaqusWords& words) {
+    if (deck_.procedure == Procedure::frequency || deck_.procedure == Procedure::buckle)
+      deck_.modes = static_cast<int>(std::min(whole(words, 0), most_modes));
+    if (deck_.procedure == Procedure::dynamic && words.size() > 1) {
+      deck_.step = number(words, 0);
+      deck_.end = number(words, 1);
+    }
+    data_ = Data::none;
+  }
+
+  void include(int depth) {
+    const std::string name = parameters_["INPUT"];
+    const std::filesystem::path inner = std::filesystem::path(file_).parent_path() / name;
+    std::error_code ignored;
+    if (name.empty() || std::filesystem::path(name).is_absolute() || depth >= most_included ||
+        !std::filesystem::is_regular_file(inner, ignored))
+      fail_in_line(file_, line_, fmt::format("*INCLUDE: there is no file '{}' beside this one", name));
+    deck_.included.push_back(name);
+    const std::string outer = file_;
+    const std::size_t line = line_;
+    file_ = inner.string();
+    read(depth + 1);
+    file_ = outer;
+    line_ = line;
+  }
+
+  void leave(const std::string& what) { deck_.left.push_back({what, fmt::format("{}:{}", file_, line_)}); }
+
+  [[nodiscard]] double number(const AbaqusWords& words, std::size_t k) const {
+    double value = 0.0;
+    if (k >= words.size() || !parse_number(words[k], value))
+      fail_in_line(file_, line_, fmt::format("{}: a number is needed as entry {}", keyword_, k + 1));
+    return value;
+  }
+  [[nodiscard]] long whole(const AbaqusWords& words, std::size_t k) const {
+    long value = 0;
+    if (k >= words.size() || !parse_integer(words[k], value))
+      fail_in_line(file_, line_, fmt::format("{}: a whole number is needed as entry {}", keyword_, k + 1));
+    return value;
+  }
+
+  static constexpr int most_included = 8;
+  static constexpr long most_modes = 1000;
+
+  std::string file_, keyword_, material_;
+  std::map<std::string, std::string> parameters_;
+  std::size_t line_ = 0;
+  Data data_ = Data::none;
+  int steps_ = 0;
+  bool nonlinear_ = false;
+  AbaqusDeck deck_;
+};
+
+}  // namespace
+
+AbaqusDeck read_abaqus_deck(const std::string& file) {
+  return DeckReader(file).run();
+}
+
+}  // namespace voile::io
