@@ -23,7 +23,7 @@ io::Checkpoint read_any(const input::Case& wanted, const RunOptions& options, co
   if (std::any_of(wanted.materials.begin(), wanted.materials.end(),
                   [](const energy::Material& m) { return !m.friction.sliders.empty(); }))
     throw UserError(
-        fmt::format("--restart {}: results do not hold the slips of friction inside the fabric; go on from the "
+        fmt::format("--restart {}: results do not hold the slips of friction inside the fabric; restart from the "
                     "checkpoint.h5 beside them",
                     options.restart.string()));
   io::StoredStep stored = io::read_step(options.restart, options.restart_step, mesh);

@@ -150,7 +150,7 @@ void Potential::restore_slips(std::vector<double> slips) {
   const auto each = static_cast<std::size_t>(kernel.numbers());
   if (slips.size() != 1 + each * static_cast<std::size_t>(on_->mesh().triangle_count()))
     throw UserError(
-        "the state to go on from has another number of sliders of friction inside the fabric; give the same "
+        "the state of the restart has another number of sliders of friction inside the fabric; give the same "
         "[[material]] bending_sliders as the run that wrote it");
   yarn_losses_ = slips[0];
   for (Index e = 0; e < kernel.size(); ++e)
