@@ -284,7 +284,7 @@ def main():
     if voile:
         voile = voile.resolve()
         help_text = output_of(voile, "--help")
-        subcommands = set(re.findall(r"^  (\w+)  ", help_text.partition("Subcommands:")[2], re.M))
+        subcommands = set(re.findall(r"^  ([\w-]+)  ", help_text.partition("Subcommands:")[2], re.M))
         options = set(re.findall(r"--[\w-]+", help_text + "".join(output_of(voile, s, "--help") for s in sorted(subcommands))))
         reference = output_of(voile, "reference")
         keys = reference_keys(reference)

@@ -48,7 +48,7 @@ THIRD_PARTY = [
     (r"mpi\.h", r"base/mpi.*|app/main|simulation/.*"),
     (r"pugixml\.hpp", r"pattern/svg"),
     (r"nlohmann/.*", r"app/.*|input/.*|pattern/garmentcode|picture/export_gltf|picture/viewer"),
-    (r"CLI/.*", r"app/main|app/picture_.*|app/manikin_main|app/command_program|app/option_hint"),
+    (r"CLI/.*", r"app/main|app/picture_.*|app/manikin_main|app/command_program|app/drape_command|app/option_hint"),
     (r"boost/math/.*", r"pattern/curve"),
     (r"Eigen/.*", r".*"),
     (r"fmt/.*", r".*"),

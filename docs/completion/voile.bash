@@ -2,7 +2,7 @@
 _voile() {
   local word="${COMP_WORDS[COMP_CWORD]}" previous="${COMP_WORDS[COMP_CWORD - 1]}" command="" options i
   for ((i = 1; i < COMP_CWORD; ++i)); do
-    case "${COMP_WORDS[i]}" in run | check | info | reference | init | doctor | render | plot | sheet | export | view | manikin) command="${COMP_WORDS[i]}" ;; esac
+    case "${COMP_WORDS[i]}" in run | check | info | reference | init | drape-test | doctor | render | plot | sheet | export | view | manikin) command="${COMP_WORDS[i]}" ;; esac
   done
   case "$previous" in
     --output) mapfile -t COMPREPLY < <(compgen -d -- "$word") && return ;;
@@ -12,6 +12,7 @@ _voile() {
     --log) mapfile -t COMPREPLY < <(compgen -W "x y xy" -- "$word") && return ;;
     --quality) mapfile -t COMPREPLY < <(compgen -W "draft final" -- "$word") && return ;;
     --view) mapfile -t COMPREPLY < <(compgen -W "three-quarter front back left right top bottom" -- "$word") && return ;;
+    --way) mapfile -t COMPREPLY < <(compgen -W "plate weight" -- "$word") && return ;;
     --kind) mapfile -t COMPREPLY < <(compgen -W "figure form" -- "$word") && return ;;
     --motion) mapfile -t COMPREPLY < <(compgen -W "walk turn" -- "$word") && return ;;
   esac
@@ -21,13 +22,14 @@ _voile() {
     reference) options="--schema --help" ;;
     doctor) options="--help" ;;
     init) options="--from --list --drape --garment --shell --modal --help" ;;
+    drape-test) options="--specimen --repeats --way --elastic --no-mesh-check --cell --jobs --output --overwrite --quiet --help" ;;
     render) options="--steps --output --animation --rate --frames --stage --mode --size --quality --threads --field --range --scale --partition --panels --contours --mesh --creases --title --view --eye --target --up --no-stamp --no-ground --no-obstacles --palette --quiet --help" ;;
     view) options="--steps --stage --field --output --rate --no-obstacles --quiet --help" ;;
     sheet) options="--columns --output --palette --quiet --help" ;;
     plot) options="--x --y --curve --dashed --points --labels --x-label --y-label --x-range --y-range --log --equal --legend --title --output --size --quiet --help" ;;
     export) options="--to --steps --stage --output --field --rate --no-obstacles --one-mesh --tolerance --quiet --help" ;;
     manikin) options="--kind --height --bust --waist --hip --inseam --arms --size --motion --seconds --fps --speed --cadence --angle --help" ;;
-    *) options="run check info reference init doctor render plot sheet export view manikin --help --version" ;;
+    *) options="run check info reference init drape-test doctor render plot sheet export view manikin --help --version" ;;
   esac
   if [[ "$word" == -* || -z "$command" ]]; then
     mapfile -t COMPREPLY < <(compgen -W "$options" -- "$word")

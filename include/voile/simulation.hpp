@@ -54,7 +54,7 @@ struct Energy {
   // Since a motion began, where [output] energy_balance keeps it: energy at the start, works of loads (those of set_forces()
   // included) and of what moves supports and obstacles, what was taken, and what remains unexplained.
   double initial = 0.0, loads = 0.0, supports = 0.0, obstacles = 0.0;
-  double damping = 0.0, drag = 0.0, friction = 0.0, numerical = 0.0, unaccounted = 0.0;
+  double damping = 0.0, drag = 0.0, friction = 0.0, fabric = 0.0, numerical = 0.0, unaccounted = 0.0;
 };
 
 struct Options {

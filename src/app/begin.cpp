@@ -31,7 +31,8 @@ std::vector<fs::path> files_of(const fs::path& from) {
   return files;
 }
 
-/// Runs a program of ours without its output. Throws UserError if it fails.
+}  // namespace
+
 void run_silently(const std::string& name, std::vector<std::string> words) {
   const std::string program = program_of_ours(name).string();
   words.insert(words.begin(), program);
@@ -50,8 +51,6 @@ void run_silently(const std::string& name, std::vector<std::string> words) {
     throw UserError(
         fmt::format("{}: the program cannot be started or has failed; install it beside voile, or build it", program));
 }
-
-}  // namespace
 
 std::string template_list() {
   std::string out = "Templates of voile init FOLDER:\n";

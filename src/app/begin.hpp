@@ -4,6 +4,7 @@
 #include <array>
 #include <filesystem>
 #include <string>
+#include <vector>
 
 namespace voile::app {
 
@@ -20,6 +21,9 @@ inline constexpr std::array templates{
     Template{"shell", "Lifts a slit ring of spring steel with large deflections.", "--no-ground --size 720x540"},
     Template{"modal", "Finds the first modes of vibration of a curved steel blade.",
              "--mode 4 --mesh --no-ground --size 720x540"}};
+
+/// Runs a program of ours without its output. Throws UserError if it fails. Not collective.
+void run_silently(const std::string& name, std::vector<std::string> words);
 
 /// What `voile init --list` prints.
 [[nodiscard]] std::string template_list();

@@ -5,8 +5,8 @@
 
 namespace voile::app {
 
-io::Checkpoint gather(const system::State& s, const system::Dofs& dofs) {
-  const auto values = [&](Vec v) { return v ? dofs.gather(v) : std::vector<double>{}; };
+io::Checkpoint gather(const system::State& s, const system::Model& model) {
+  const auto values = [&](Vec v) { return v ? model.dofs().gather(v) : std::vector<double>{}; };
   io::Checkpoint c;
   c.step = s.step;
   c.time = s.time;
@@ -31,6 +31,7 @@ io::Checkpoint gather(const system::State& s, const system::Dofs& dofs) {
   c.positive_tangents = s.solver.positive_tangents;
   c.factors_left = s.solver.factors_left;
   c.wait = s.solver.wait;
+  c.slips = model.potential().slips();
   return c;
 }
 
@@ -76,10 +77,9 @@ void Checkpoints::after_step(const system::State& s, const system::Model& model,
 
 void Checkpoints::write(const system::State& s, const system::Model& model) {
   if (file_.empty()) return;
-  const system::Dofs& dofs = model.dofs();
-  io::Checkpoint c = gather(s, dofs);
+  io::Checkpoint c = gather(s, model);
   c.couplings = model.couplings();
-  mpi::on_root(dofs.comm(), [&] { io::write_checkpoint(file_, c, dofs.mesh()); });
+  mpi::on_root(model.dofs().comm(), [&] { io::write_checkpoint(file_, c, model.dofs().mesh()); });
   last_ = Clock::now();
 }
 

@@ -14,7 +14,7 @@
 namespace voile::app {
 
 /// Collective.
-[[nodiscard]] io::Checkpoint gather(const system::State& state, const system::Dofs& dofs);
+[[nodiscard]] io::Checkpoint gather(const system::State& state, const system::Model& model);
 /// Numbers and what contact remembers must be the same on all ranks. Collective.
 [[nodiscard]] system::State scatter(const io::Checkpoint& from, const system::Dofs& dofs);
 

@@ -113,10 +113,9 @@ void CaseRun::go_on() {
 }
 
 void CaseRun::end_stage() {
-  const system::Dofs& dofs = stage_->epoch().model().dofs();
   summaries_.emplace_back(stages_[number_].c.stage.name, stage_->end());
   mesh_ = stage_->mesh();
-  state_ = gather(stage_->epoch().state(), dofs);
+  state_ = gather(stage_->epoch().state(), stage_->epoch().model());
 }
 
 bool CaseRun::finished() const {

@@ -27,6 +27,7 @@ std::string balance_text(const system::EnergyBalance& b) {
   add("damping", b.damping, false);
   add("drag", b.drag, false);
   add("friction", b.friction, false);
+  add("friction inside the fabric", b.fabric, false);
   add("numerical", b.numerical, true);
   const double all = b.turnover();
   return text + fmt::format("; unaccounted {:.2g} ({:.2g} %)", b.unaccounted,

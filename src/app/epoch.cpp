@@ -70,6 +70,7 @@ Epoch::Epoch(MPI_Comm comm, const input::Case& stage, const mesh::SurfaceMesh& m
   if (stage.analysis == "dynamic" || stage.analysis == "modal") system::require_mass(model_);
   if (lets_go_at(stage, start.time)) state_.a.reset();
   model_.couple(start.couplings);
+  model_.potential().restore_slips(start.slips);
 }
 
 bool Epoch::ends_at(double time) const {

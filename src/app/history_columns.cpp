@@ -26,6 +26,7 @@ Names names_of(const HistoryColumns& columns) {
   add(true, {"largest_strain", "largest_turn"});
   if (columns.energy_balance)
     for (const auto& [name, value] : named_parts({})) names.emplace_back(name);
+  add(columns.fabric, {"fabric_loss"});
   add(columns.sewing, {"seam_gap"});
   add(columns.remeshing, {"vertices", "remeshings"});
   add(columns.contact, {"contact_pairs", "smallest_gap", "cut_short", "shortest_iteration", "intersections"});
@@ -47,8 +48,13 @@ std::array<std::pair<const char*, double>, 10> named_parts(const system::EnergyB
 }
 
 bool is_of_probe(const std::string& column) {
-  static const Names others = names_of(
-      {.in_time = true, .energy_balance = true, .sewing = true, .remeshing = true, .contact = true, .yielding = true});
+  static const Names others = names_of({.in_time = true,
+                                        .energy_balance = true,
+                                        .fabric = true,
+                                        .sewing = true,
+                                        .remeshing = true,
+                                        .contact = true,
+                                        .yielding = true});
   return !contains(others, column) && !contains(of_path, column);
 }
 

@@ -13,7 +13,8 @@ namespace voile::app {
 
 /// Which of the columns a history has.
 struct HistoryColumns {
-  bool in_time = false, energy_balance = false, sewing = false, remeshing = false, contact = false, yielding = false;
+  bool in_time = false, energy_balance = false, fabric = false, sewing = false, remeshing = false, contact = false,
+       yielding = false;
 };
 
 /// In the order of the file.

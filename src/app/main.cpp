@@ -22,6 +22,7 @@
 #include "deck_case.hpp"
 #include "delegate.hpp"
 #include "doctor.hpp"
+#include "drape_test.hpp"
 #include "launched_ranks.hpp"
 #include "option_hint.hpp"
 #include "temporary_folder.hpp"
@@ -135,6 +136,7 @@ void declare(CLI::App& cli, Request& request) {
   add("reference", "Print the reference of the case file", Command::reference)
       ->add_flag("--schema", request.schema, "Print it as a JSON schema, for editors");
   declare_init(*add("init", "Begin a new case from a template", Command::init), request);
+  cli.add_subcommand("drape-test", "Measure the drape coefficient of a fabric file");
   add("doctor", "Check this installation in a few seconds", Command::doctor);
   for (const app::DelegatedCommand& c : app::delegated_commands) cli.add_subcommand(c.name, c.what);
 }
@@ -366,6 +368,7 @@ int main(int argc, char** argv) {
   try {
     app::delegate_command(argc, argv);
     app::check_temporary_folder();
+    if (app::is_drape_test(argc, argv)) return static_cast<int>(app::drape_test_command(argc, argv));
   } catch (const UserError& e) {
     if (app::launched_rank().rank == 0) fmt::print(stderr, "voile: error: {}\n", e.what());
     return static_cast<int>(Exit::user_error);

@@ -86,6 +86,7 @@ std::vector<std::string> Recorder::columns() const {
   std::vector<std::string> names =
       names_of({.in_time = case_.analysis == "dynamic",
                 .energy_balance = keeps_balance(),
+                .fabric = model_->potential().has_yarn_friction(),
                 .sewing = !case_.stage.sew.empty(),
                 .remeshing = case_.remesh.active,
                 .contact = case_.contact.input.active,
@@ -240,6 +241,8 @@ void Recorder::write_history(const system::State& state, const solve::StepResult
   values.insert(values.end(), {s.validity.strain, s.validity.turn});
   if (keeps_balance())
     for (const auto& [name, value] : named_parts(state.balance)) values.push_back(value);
+  if (model_->potential().has_yarn_friction())
+    values.push_back(keeps_balance() ? state.balance.fabric : model_->potential().yarn_losses());
   if (!case_.stage.sew.empty()) values.push_back(seam_gap(case_, *mesh_, s.state.displacement));
   if (case_.remesh.active)
     values.insert(values.end(),

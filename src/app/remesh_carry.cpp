@@ -44,6 +44,39 @@ void carry_contact(const mesh::SurfaceMesh& old_mesh, const Origins& from, io::C
   }
 }
 
+void carry_slips(const mesh::SurfaceMesh& old_mesh, const mesh::SurfaceMesh& mesh, const adapt::Remeshed& from,
+                 io::Checkpoint& c) {
+  if (c.slips.empty()) return;
+  const std::size_t each = (c.slips.size() - 1) / static_cast<std::size_t>(old_mesh.triangle_count());
+  const std::vector<double> old = std::move(c.slips);
+  const auto add = [&](std::vector<double>& to, std::size_t at, double weight, const double* values) {
+    for (std::size_t k = 0; k < each; ++k) to[at + k] += weight * values[k];
+  };
+  const auto of_triangle = [&](Index t) { return old.data() + 1 + each * static_cast<std::size_t>(t); };
+  // Means over the triangles around each old vertex, by area.
+  std::vector<double> at_vertex(each * static_cast<std::size_t>(old_mesh.vertex_count()), 0.0);
+  for (Index v = 0; v < old_mesh.vertex_count(); ++v) {
+    double area = 0.0;
+    for (const Index t : old_mesh.triangles_of_vertex(v)) area += old_mesh.area(t);
+    for (const Index t : old_mesh.triangles_of_vertex(v))
+      add(at_vertex, each * static_cast<std::size_t>(v), old_mesh.area(t) / area, of_triangle(t));
+  }
+  c.slips.assign(1 + each * static_cast<std::size_t>(mesh.triangle_count()), 0.0);
+  c.slips[0] = old[0];
+  for (Index t = 0; t < mesh.triangle_count(); ++t) {
+    const std::size_t at = 1 + each * static_cast<std::size_t>(t);
+    if (const Index same = from.same_triangle[t]; same != no_index) {
+      add(c.slips, at, 1.0, of_triangle(same));
+      continue;
+    }
+    for (const Index v : mesh.triangles()[t])
+      for (std::size_t i = 0; i < 3; ++i) {
+        const Index corner = old_mesh.triangles()[from.source[v].triangle][i];
+        add(c.slips, at, from.source[v].weights[i] / 3.0, at_vertex.data() + each * static_cast<std::size_t>(corner));
+      }
+  }
+}
+
 void carry_anchors(const system::Model& model, const mesh::SurfaceMesh& mesh, const Origins& from, io::Checkpoint& c) {
   if (c.anchors.empty()) return;
   std::map<std::pair<int, Index>, system::Anchor> old;

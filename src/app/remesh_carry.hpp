@@ -23,6 +23,11 @@ struct Origins {
 /// step (contact/contact_set.hpp), so that there is nothing to carry. Not collective, as what follows.
 void carry_contact(const mesh::SurfaceMesh& old_mesh, const Origins& from, io::Checkpoint& c);
 
+/// Slips of yarns (system::Potential::slips), on rank 0, from the triangles of the old mesh to those of the new one, by place on the
+/// rest shape: triangles that stay keep theirs, others take the mean at their corners of means over the triangles around.
+void carry_slips(const mesh::SurfaceMesh& old_mesh, const mesh::SurfaceMesh& mesh, const adapt::Remeshed& from,
+                 io::Checkpoint& c);
+
 /// Places to which springs of new vertices pull are means of those of old ones, so that their forces stay. What is held
 /// exactly takes hold anew, as what is left out here does. `model`: of the old mesh.
 void carry_anchors(const system::Model& model, const mesh::SurfaceMesh& mesh, const Origins& from, io::Checkpoint& c);

@@ -85,7 +85,7 @@ Remesher::Made Remesher::make_mesh(Epoch& epoch, const std::vector<double>& size
 io::Checkpoint Remesher::carry_over(Epoch& epoch, const Made& made) const {
   const system::Dofs& dofs = epoch.model().dofs();
   const mesh::SurfaceMesh& old_mesh = dofs.mesh();
-  io::Checkpoint c = gather(epoch.state(), dofs);
+  io::Checkpoint c = gather(epoch.state(), epoch.model());
   mpi::on_root(dofs.comm(), [&] {
     const adapt::Remeshed& from = made.from;
     const auto carry = [&](std::vector<double>& field, Interpolation kind) {
@@ -219,6 +219,7 @@ std::optional<Adapted> Remesher::attempt(Epoch& epoch, const std::vector<double>
   const Origins origins = origins_of(comm, made.from);
   carry_contact(epoch.model().dofs().mesh(), origins, carried);
   carry_anchors(epoch.model(), *made.mesh, origins, carried);
+  mpi::on_root(comm, [&] { carry_slips(epoch.model().dofs().mesh(), *made.mesh, made.from, carried); });
   const Ledger before = ledger(epoch);
 
   Adapted next{made.mesh, std::make_unique<Epoch>(comm, stage_.c, *made.mesh, stage_.input, stage_.frozen, carried)};
@@ -249,6 +250,7 @@ std::optional<Adapted> Remesher::attempt(Epoch& epoch, const std::vector<double>
   // Potentials are compared under the same loads.
   if (is_path) fresh.model().conditions().set_load_factor(epoch.state().load_factor);
   if (direction) VOILE_PETSC(VecWAXPY(fresh.state().previous, 1.0, direction, fresh.state().u));
+  fresh.model().potential().end_step(fresh.state().u);  // what slips on the way there is part of the remeshing
   const Ledger after = ledger(fresh);
   if (is_path) fresh.model().conditions().set_load_factor(fresh.state().load_factor);
   if (is_path) change = energy_change(before, after, fresh);

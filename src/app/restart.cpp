@@ -20,6 +20,12 @@ namespace {
 /// What --restart names. Rank 0 only.
 io::Checkpoint read_any(const input::Case& wanted, const RunOptions& options, const mesh::SurfaceMesh& mesh) {
   if (!io::is_results(options.restart)) return io::read_checkpoint(options.restart, mesh);
+  if (std::any_of(wanted.materials.begin(), wanted.materials.end(),
+                  [](const energy::Material& m) { return !m.friction.sliders.empty(); }))
+    throw UserError(
+        fmt::format("--restart {}: results do not hold the slips of friction inside the fabric; restart from the "
+                    "checkpoint.h5 beside them",
+                    options.restart.string()));
   io::StoredStep stored = io::read_step(options.restart, options.restart_step, mesh);
   const bool shape_only = stored.in_motion && stored.velocity.empty();
   // A motion would begin anew at time 0, and what moves jump back to where it was then.

@@ -192,7 +192,7 @@ std::string open_seam_text(const input::Case& c, const system::Model& model, con
   std::string text;
   if (c.stage.sew.empty()) return text;
   const mesh::SurfaceMesh& mesh = model.dofs().mesh();
-  const std::vector<double> displacement = gather(state, model.dofs()).displacement;
+  const std::vector<double> displacement = gather(state, model).displacement;
   const system::Contact* contact = model.contact();
   const std::vector<Vec3> positions = contact != nullptr ? contact->scene().positions(state.u) : std::vector<Vec3>{};
   mpi::on_root(model.dofs().comm(), [&] {

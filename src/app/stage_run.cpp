@@ -143,7 +143,7 @@ void StageRun::end_epoch() {
   const system::State& state = epoch_->state();
   done_ = !all_.completed || !epoch_->ends_at(state.time);
   if (done_) return;
-  const io::Checkpoint start = gather(state, epoch_->model().dofs());
+  const io::Checkpoint start = gather(state, epoch_->model());
   recorder_.write_pending();
   epoch_ = std::make_unique<Epoch>(comm(), stage_.c, epoch_->model().dofs().mesh(), stage_.input, stage_.frozen, start);
   recorder_.remark(fmt::format("t = {:.6g} s: {} support(s) hold", start.time, epoch_->support_count()));
@@ -179,7 +179,7 @@ void StageRun::apply_forces() {
 }
 
 StageRun::Saved StageRun::save() const {
-  Saved s{mesh_,  gather(epoch_->state(), epoch_->model().dofs()), all_, recorder_.history().rows.size(), done_,
+  Saved s{mesh_,  gather(epoch_->state(), epoch_->model()), all_, recorder_.history().rows.size(), done_,
           forces_};
   s.state.couplings = epoch_->model().couplings();
   return s;

@@ -5,6 +5,7 @@
 #include "curved_kernel.hpp"
 #include "edge_kernel.hpp"
 #include "membrane_tangent_kernel.hpp"
+#include "yarn_kernel.hpp"
 
 namespace voile::energy::VOILE_KERNELS {
 
@@ -16,6 +17,7 @@ const ElementKernels kernels{VOILE_VARIANT,
                              {membrane_strain, membrane_gradient, membrane_tangent},
                              {edge_angles, edge_slopes, edge_gradient, edge_tangent},
                              {angle_gradient, angle_tangent},
-                             {curved_gradient, curved_tangent}};
+                             {curved_gradient, curved_tangent},
+                             {yarn_gradient, yarn_tangent}};
 
 }  // namespace voile::energy::VOILE_KERNELS

@@ -35,13 +35,28 @@ Mat3 orthotropic_membrane(double e1, double e2, double nu12, double g12, double 
   return a;
 }
 
-Mat3 rotated_stiffness(const Mat3& stiffness, double angle) {
-  // Strains in the material's axes from those in the axes wanted, engineering shear; energies agree: Q = T^T Q' T.
+std::vector<YarnFriction::Slider> sliders_of(const Vec3& loop, double spread, int count) {
+  std::vector<YarnFriction::Slider> sliders;
+  if (loop == Vec3::Zero()) return sliders;
+  for (int j = 1; j <= count; ++j) {
+    const Vec3 limit = 0.5 * loop / count;
+    sliders.push_back({2.0 * limit / (spread * 2.0 * j / (count + 1)), limit});
+  }
+  return sliders;
+}
+
+Mat3 turned_strain(double angle) {
   const double c = std::cos(angle), s = std::sin(angle);
   Mat3 t;
   t << c * c, s * s, c * s,  //
       s * s, c * c, -c * s,  //
       -2 * c * s, 2 * c * s, c * c - s * s;
+  return t;
+}
+
+Mat3 rotated_stiffness(const Mat3& stiffness, double angle) {
+  // Energies agree: Q = T^T Q' T.
+  const Mat3 t = turned_strain(angle);
   return t.transpose() * stiffness * t;
 }
 

@@ -144,6 +144,22 @@ std::string echo_all(const char* name, std::vector<Section> items) {
   return out;
 }
 
+/// Back from the sliders, which are made of these numbers.
+void set_hysteresis(const energy::YarnFriction& friction, MaterialInput& input) {
+  if (friction.sliders.empty()) return;
+  Vec3 loop = Vec3::Zero();
+  double spread = 0.0;
+  for (const energy::YarnFriction::Slider& s : friction.sliders) {
+    loop += 2.0 * s.limit;
+    const int r = s.limit[0] > 0.0 ? 0 : s.limit[1] > 0.0 ? 1 : 2;
+    spread += 2.0 * s.limit[r] / s.stiffness[r];
+  }
+  input.bending_hysteresis = {loop[0], loop[1], loop[2]};
+  input.bending_sliders = static_cast<int>(friction.sliders.size());
+  input.bending_hysteresis_spread = spread / input.bending_sliders;
+  input.warp_angle = friction.warp_angle;
+}
+
 /// Every stored material is a pair of matrices, whatever it was given as.
 MaterialInput as_input(const energy::Material& m) {
   MaterialInput input;
@@ -167,6 +183,7 @@ MaterialInput as_input(const energy::Material& m) {
   input.initial_strain = given(m.initial_strain);
   input.prestress = given(m.prestress);
   input.direction = m.direction;
+  set_hysteresis(m.friction, input);
   if (m.texture_direction) input.texture_direction = {(*m.texture_direction)[0], (*m.texture_direction)[1]};
   return input;
 }

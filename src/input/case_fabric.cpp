@@ -45,6 +45,15 @@ const std::vector<Figure>& figures() {
       {"bending_twist", {bending_rigidity}, false, [](Fabric& f, double x) { f.bending_twist = x; }},
       {"bending_poisson", {}, false, [](Fabric& f, double x) { f.bending_poisson = x; }},
       {"bending_hysteresis", {moment_per_width}, false, [](Fabric& f, double x) { f.bending_hysteresis = x; }},
+      {"bending_hysteresis_weft",
+       {moment_per_width},
+       false,
+       [](Fabric& f, double x) { f.bending_hysteresis_weft = x; }},
+      {"bending_hysteresis_twist",
+       {moment_per_width},
+       false,
+       [](Fabric& f, double x) { f.bending_hysteresis_twist = x; }},
+      {"bending_hysteresis_spread", {curvature}, false, [](Fabric& f, double x) { f.bending_hysteresis_spread = x; }},
   };
   return all;
 }
@@ -149,6 +158,16 @@ Mat3 bending_stiffness(const Fabric& f) {
   return orthotropic(f.bending_warp, f.bending_weft, f.bending_twist.value_or(isotropic_twist), f.bending_poisson);
 }
 
+Vec3 bending_loop(const Fabric& f) {
+  if (!f.bending_hysteresis)
+    throw UserError(
+        "the file has no bending_hysteresis (2HB of KES), so that its friction is not known; add it with its source, "
+        "or "
+        "leave out hysteresis = \"friction\"");
+  const double warp = *f.bending_hysteresis;
+  return {warp, f.bending_hysteresis_weft.value_or(warp), f.bending_hysteresis_twist.value_or(0.0)};
+}
+
 double bending_damping(const Fabric& f) {
   constexpr double gravity = 9.80665;
   const double rigidity = std::sqrt(f.bending_warp * f.bending_weft);
@@ -179,6 +198,9 @@ Fabric parse_fabric(const std::string& text, const std::filesystem::path& file) 
     else if (figure.required)
       place.fail(figure.name, fmt::format("the key is missing; {} is needed", name_of(figure.dimensions.front())));
   }
+  for (const char* key : {"bending_hysteresis_weft", "bending_hysteresis_twist", "bending_hysteresis_spread"})
+    if (place.has(key) && !fabric.bending_hysteresis)
+      place.fail(key, "there is no bending_hysteresis, the loop along the warp, that it belongs to; add it");
   check_sources(place, root);
   check_stiffness(place, fabric);
   return fabric;

@@ -68,7 +68,34 @@ void fill_fabric(const SectionPlace& place, const MaterialInput& in, const UnitS
   m.bending =
       units.from_si(1.0, moment_per_width) * energy::rotated_stiffness(bending_stiffness(fabric), in.warp_angle);
   m.areal_density = units.from_si(fabric.areal_density, per_area);
-  if (!place.has("bending_damping")) m.bending_damping = units.from_si(bending_damping(fabric), duration);
+  if (in.hysteresis == MaterialInput::Hysteresis::damping) {
+    if (!place.has("bending_damping")) m.bending_damping = units.from_si(bending_damping(fabric), duration);
+    return;
+  }
+  constexpr Powers force{1, 1, -2}, per_length{-1, 0, 0};
+  m.friction.warp_angle = in.warp_angle;
+  try {
+    const double spread = fabric.bending_hysteresis_spread.value_or(typical_spread);
+    m.friction.sliders = energy::sliders_of(units.from_si(1.0, force) * bending_loop(fabric),
+                                            units.from_si(spread, per_length), in.bending_sliders);
+  } catch (const UserError& e) {
+    place.fail("hysteresis", fmt::format("{}: {}", in.fabric.string(), e.what()));
+  }
+}
+
+/// Friction of materials that are no fabrics.
+void fill_friction(const SectionPlace& place, const MaterialInput& in, energy::Material& m) {
+  const std::vector<double>& loop = in.bending_hysteresis;
+  if (loop.empty()) return;
+  if (!in.direction && in.texture_direction.empty())
+    place.fail("direction", "the key is missing; bending_hysteresis acts along and across material axis 1");
+  if (loop.size() != 1 && loop.size() != 3)
+    place.fail("bending_hysteresis", fmt::format("{} numbers are given; give one for both material axes, or three, for "
+                                                 "axis 1, axis 2 and twist",
+                                                 loop.size()));
+  m.friction.warp_angle = in.warp_angle;
+  const Vec3 all = loop.size() == 3 ? Vec3(loop[0], loop[1], loop[2]) : Vec3(loop[0], loop[0], 0.0);
+  m.friction.sliders = energy::sliders_of(all, in.bending_hysteresis_spread, in.bending_sliders);
 }
 
 /// The file of a fabric that the case names; only a missing one is a mistake of the case.
@@ -231,6 +258,7 @@ void read_materials(const CaseReader& reader, Case& c) {
     if (in.type == MaterialInput::Type::fabric) in.fabric = fabric_file(place, in.fabric);
     fill_matrices(place, in, reader.units(), m);
     fill_natural(place, in, m);
+    fill_friction(place, in, m);
     if (in.groups.empty() && everywhere)
       place.fail("groups", "the key is missing, and another material has no groups either; name the groups of each");
     everywhere = everywhere || in.groups.empty();

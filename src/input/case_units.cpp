@@ -44,6 +44,8 @@ const std::vector<Unit>& units() {
       {"N", 1.0, Dimension::moment_per_width},
       {"mN", 1e-3, Dimension::moment_per_width},
       {"gf.cm/cm", gram_force, Dimension::moment_per_width},
+      {"1/m", 1.0, Dimension::curvature},
+      {"1/cm", 1e2, Dimension::curvature},
       {"mm FAST", 1e-3, Dimension::fast_bending_length},
   };
   return all;
@@ -88,6 +90,8 @@ std::string name_of(Dimension dimension) {
       return "a bending rigidity";
     case Dimension::moment_per_width:
       return "a moment per width";
+    case Dimension::curvature:
+      return "a curvature";
     case Dimension::fast_bending_length:
       return "a bending length of FAST";
   }

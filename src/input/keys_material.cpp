@@ -58,41 +58,74 @@ std::vector<Key> elastic_keys(MaterialInput& s) {
 /// Density, and stiffnesses by other figures.
 std::vector<Key> sheet_keys(MaterialInput& s) {
   const std::vector<std::string> matrices{"matrices"}, fabric{"fabric"}, solids{"isotropic", "orthotropic", "laminate"};
-  return {{"density", &s.density, "Mass per volume; used by gravity and vibration.", "kg/m^3", not_negative, solids},
-          {.name = "membrane",
-           .slot = &s.membrane,
-           .meaning = "Membrane stiffness A as three rows, order 11, 22, 12 with engineering shear: N = A E.",
-           .unit = "N/m",
-           .types = matrices,
-           .required = true},
-          {.name = "bending",
-           .slot = &s.bending,
-           .meaning = "Bending stiffness D as three rows, M = D (k11, k22, 2 k12).",
-           .unit = "N m",
-           .types = matrices,
-           .required = true},
-          {.name = "coupling",
-           .slot = &s.coupling,
-           .meaning = "Coupling B of stretching and bending as three rows: N = A E - B k, M = D k - B E.",
+  return {
+      {"density", &s.density, "Mass per volume; used by gravity and vibration.", "kg/m^3", not_negative, solids},
+      {.name = "membrane",
+       .slot = &s.membrane,
+       .meaning = "Membrane stiffness A as three rows, order 11, 22, 12 with engineering shear: N = A E.",
+       .unit = "N/m",
+       .types = matrices,
+       .required = true},
+      {.name = "bending",
+       .slot = &s.bending,
+       .meaning = "Bending stiffness D as three rows, M = D (k11, k22, 2 k12).",
+       .unit = "N m",
+       .types = matrices,
+       .required = true},
+      {.name = "coupling",
+       .slot = &s.coupling,
+       .meaning = "Coupling B of stretching and bending as three rows: N = A E - B k, M = D k - B E.",
+       .unit = "N",
+       .types = matrices},
+      {.name = "areal_density",
+       .slot = &s.areal_density,
+       .meaning = "Mass per area; used by gravity and vibration.",
+       .unit = "kg/m^2",
+       .range = not_negative,
+       .types = matrices},
+      {.name = "fabric",
+       .slot = &s.fabric,
+       .meaning = "Fabric file (see [fabrics.md](fabrics.md)), relative to the folder of the case file; or the "
+                  "name of a shipped fabric.",
+       .types = fabric,
+       .required = true},
+      {.name = "warp_angle",
+       .slot = Degrees{&s.warp_angle},
+       .meaning = "Angle from `direction` to the warp, positive about the normal of the triangles; of `matrices` the "
+                  "axes of `bending_hysteresis` alone.",
+       .unit = "degree",
+       .types = {"fabric", "matrices"}}};
+}
+
+/// Friction of yarns that bend.
+std::vector<Key> hysteresis_keys(MaterialInput& s) {
+  const std::vector<std::string> fabric{"fabric"}, others{"orthotropic", "matrices", "laminate"};
+  return {{.name = "hysteresis",
+           .slot = choice(s.hysteresis, {{"damping", MaterialInput::Hysteresis::damping},
+                                         {"friction", MaterialInput::Hysteresis::friction}}),
+           .meaning = "What the loop of moment over curvature becomes. `damping`: viscous damping with the same loss. "
+                      "`friction`: friction inside the fabric, which needs `bending_hysteresis` in the fabric file.",
+           .types = fabric},
+          {.name = "bending_hysteresis",
+           .slot = &s.bending_hysteresis,
+           .meaning = "Width 2HB of the loop of bending moment per width over curvature, as friction inside the sheet: "
+                      "one number for both material axes, or three, for axis 1, axis 2 and twist.",
            .unit = "N",
-           .types = matrices},
-          {.name = "areal_density",
-           .slot = &s.areal_density,
-           .meaning = "Mass per area; used by gravity and vibration.",
-           .unit = "kg/m^2",
            .range = not_negative,
-           .types = matrices},
-          {.name = "fabric",
-           .slot = &s.fabric,
-           .meaning = "Fabric file (see [fabrics.md](fabrics.md)), relative to the folder of the case file; or the "
-                      "name of a shipped fabric.",
-           .types = fabric,
-           .required = true},
-          {.name = "warp_angle",
-           .slot = Degrees{&s.warp_angle},
-           .meaning = "Angle from `direction` to the warp, positive about the normal of the triangles.",
-           .unit = "degree",
-           .types = fabric}};
+           .types = others,
+           .absent = "no friction"},
+          {.name = "bending_hysteresis_spread",
+           .slot = &s.bending_hysteresis_spread,
+           .meaning = "Change of curvature over which the moment goes from one side of the loop to the other.",
+           .unit = "1/m",
+           .range = positive,
+           .types = others},
+          {.name = "bending_sliders",
+           .slot = &s.bending_sliders,
+           .meaning = "Number of springs with sliders that make the loop. One gives a parallelogram; more round its "
+                      "corners, with the same width and the same mean spread.",
+           .range = {1, 8},
+           .types = {"fabric", "orthotropic", "matrices", "laminate"}}};
 }
 
 /// The natural state.
@@ -190,7 +223,8 @@ std::vector<Key> axis_keys(MaterialInput& s) {
 }  // namespace
 
 std::vector<Key> keys_of(MaterialInput& s) {
-  return joined(joined(joined(elastic_keys(s), sheet_keys(s)), natural_keys(s)), axis_keys(s));
+  return joined(joined(joined(joined(elastic_keys(s), sheet_keys(s)), natural_keys(s)), axis_keys(s)),
+                hysteresis_keys(s));
 }
 
 }  // namespace voile::input

@@ -14,7 +14,7 @@ namespace voile::io {
 namespace {
 
 constexpr std::size_t anchor_numbers = 8;    // of each anchor
-constexpr std::size_t balance_numbers = 13;  // of an energy balance
+constexpr std::size_t balance_numbers = 14;  // of an energy balance
 constexpr std::size_t path_numbers = 5;      // of a path
 
 /// The vectors of a checkpoint, const or not, under their names in the file.
@@ -88,6 +88,10 @@ void write_checkpoint(const std::filesystem::path& path, const Checkpoint& c, co
     file.number("/", "couplings_count", static_cast<double>(c.couplings.size()));
     file.dataset("couplings", H5T_NATIVE_DOUBLE, c.couplings.size() / 2, 2, c.couplings.data());
   }
+  if (!c.slips.empty()) {
+    file.number("/", "slips_count", static_cast<double>(c.slips.size()));
+    file.dataset("slips", H5T_NATIVE_DOUBLE, 1, c.slips.size(), c.slips.data());
+  }
   if (!c.path.empty()) file.dataset("path", H5T_NATIVE_DOUBLE, 1, c.path.size(), c.path.data());
   file.number("/", "anchors_count", static_cast<double>(c.anchors.size()));
   file.finish();
@@ -118,6 +122,22 @@ void read_couplings(hid_t file, const mesh::SurfaceMesh& mesh, const std::filesy
   for (const double v : c.couplings)
     if (!(v >= 0.0 && v < mesh.vertex_count() && v == std::floor(v)))
       fail_reading(path, "its couplings are not those of this mesh");
+}
+
+void read_slips(hid_t file, const mesh::SurfaceMesh& mesh, const std::filesystem::path& path, Checkpoint& c) {
+  if (!has(file, "slips")) return;
+  const double count = read_number(file, "/", "slips_count", path), triangles = mesh.triangle_count();
+  if (!(count > 1.0 && count < 1e9 && std::fmod(count - 1.0, triangles) == 0.0))
+    fail_reading(path, "its slips inside the fabric are not those of this mesh");
+  c.slips = read_values(file, "slips", static_cast<std::size_t>(count), path);
+  for (const double v : c.slips)
+    if (!std::isfinite(v)) fail_reading(path, "its slips inside the fabric make no sense");
+}
+
+/// Older files have one number less.
+std::vector<double> read_balance(hid_t file, const std::filesystem::path& path) {
+  const bool is_older = count_values(file, "energy_balance", path) == balance_numbers - 1;
+  return read_values(file, "energy_balance", balance_numbers - (is_older ? 1 : 0), path);
 }
 
 Hdf5Handle open_checkpoint(const std::filesystem::path& path) {
@@ -172,13 +192,14 @@ Checkpoint read_unguarded(const std::filesystem::path& path, const mesh::Surface
   }
   if (has(file, "yielding"))
     c.yielding = read_values(file, "yielding", static_cast<std::size_t>(mesh.vertex_count()), path);
-  if (has(file, "energy_balance")) c.energy_balance = read_values(file, "energy_balance", balance_numbers, path);
+  if (has(file, "energy_balance")) c.energy_balance = read_balance(file, path);
   if (has(file, "path")) c.path = read_values(file, "path", path_numbers, path);
   for (const double number : c.path)
     if (!std::isfinite(number) || std::abs(c.path[0]) > 1e9 || std::abs(c.path[3]) > 1e9)
       fail_reading(path, "its memory of the path makes no sense");
   read_anchors(file, mesh, path, c);
   read_couplings(file, mesh, path, c);
+  read_slips(file, mesh, path, c);
   return c;
 }
 

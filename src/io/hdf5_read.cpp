@@ -84,6 +84,12 @@ Hdf5Handle open_dataset(hid_t file, const std::string& name, const fs::path& pat
   return set;
 }
 
+std::size_t count_values(hid_t file, const std::string& name, const fs::path& path) {
+  const Hdf5Handle set = open_dataset(file, name, path);
+  const Hdf5Handle space(H5Dget_space(set), H5Sclose);
+  return static_cast<std::size_t>(std::max<hssize_t>(0, H5Sget_simple_extent_npoints(space)));
+}
+
 std::vector<double> read_values(hid_t file, const std::string& name, std::size_t count, const fs::path& path) {
   const Hdf5Handle set = open_dataset(file, name, path);
   const Hdf5Handle space(H5Dget_space(set), H5Sclose);

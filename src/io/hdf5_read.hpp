@@ -29,6 +29,8 @@ struct Rows {
   std::size_t begin, count;
 };
 
+/// Numbers in a dataset.
+[[nodiscard]] std::size_t count_values(hid_t file, const std::string& name, const std::filesystem::path& path);
 /// All of a dataset, which must have `count` numbers.
 [[nodiscard]] std::vector<double> read_values(hid_t file, const std::string& name, std::size_t count,
                                               const std::filesystem::path& path);

@@ -198,6 +198,7 @@ void declare_values(py::module_& m) {
       .def_readonly("damping", &voile::Energy::damping)
       .def_readonly("drag", &voile::Energy::drag)
       .def_readonly("friction", &voile::Energy::friction)
+      .def_readonly("fabric", &voile::Energy::fabric)
       .def_readonly("numerical", &voile::Energy::numerical)
       .def_readonly("unaccounted", &voile::Energy::unaccounted);
 }

@@ -94,6 +94,7 @@ Energy Simulation::energy() const {
   all.damping = b.damping;
   all.drag = b.drag;
   all.friction = b.friction;
+  all.fabric = b.fabric;
   all.numerical = b.numerical;
   all.unaccounted = b.unaccounted;
   return all;

@@ -34,6 +34,7 @@ bool ramp(Newton& newton, system::Model& model, Vec a, NewtonResult& result) {
   if (model.contact() || !model.conditions().symmetric() || norm > 0.0 || full == 0.0) return false;
   petsc::VecHandle accepted = model.dofs().create_vector();
   VOILE_PETSC(VecCopy(a, accepted));
+  const std::vector<double> slips = model.potential().slips();
   double done = 0.0, step = first_load_step;
   bool stable = true;
   // Clamps that turn far take steps of their own.
@@ -51,6 +52,7 @@ bool ramp(Newton& newton, system::Model& model, Vec a, NewtonResult& result) {
       continue;
     }
     VOILE_PETSC(VecCopy(a, accepted));
+    model.potential().end_step(a);
     done = target;
     if (n.iterations <= 8) step *= 2.0;
     result.converged = stable && done == 1.0;
@@ -58,8 +60,10 @@ bool ramp(Newton& newton, system::Model& model, Vec a, NewtonResult& result) {
     result.reason = n.reason;
   }
   model.conditions().set_load_factor(full);
-  if (!result.converged) VOILE_PETSC(VecZeroEntries(a));
-  return result.converged;
+  if (result.converged) return true;
+  VOILE_PETSC(VecZeroEntries(a));
+  model.potential().restore_slips(slips);
+  return false;
 }
 
 using Remark = Stepper::Remark;
@@ -237,6 +241,7 @@ void Drape::Impl::conclude(system::State& state, StepResult& r) {
                                                       : "UNSTABLE",
                        now.eigenvalue));
   done = r.newton.converged && r.newton.negative_pivots <= 0;
+  if (done) model.potential().end_step(state.u);
   if (done) return;
   r.outcome = Outcome::failed;
   r.worth_keeping = true;

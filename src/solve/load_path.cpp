@@ -84,6 +84,7 @@ StepResult find_equilibrium(system::Model& model, system::State& state) {
   r.newton_iterations = n.iterations;
   r.factorisations = n.factorisations;
   state.in_equilibrium = n.converged;
+  if (n.converged) model.potential().end_step(state.u);
   if (n.converged) return r;
   r.outcome = Outcome::failed;
   r.reason = "no equilibrium found near the start: " + n.reason;
@@ -191,6 +192,7 @@ StepResult LoadPath::attempt(system::State& state) {
   const bool last = std::abs(options_.final_load_factor - target) <= 1e-12 * std::max(1.0, std::abs(target));
   if (last || r.newton.negative_pivots > 0 || !model_.conditions().symmetric())
     r.newton.negative_pivots = newton_->negative_eigenvalues(state.u);
+  model_.potential().end_step(state.u);
   VOILE_PETSC(VecCopy(state.u, accepted_));
   state.load_factor = target;
   state.v.reset();

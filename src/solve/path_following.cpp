@@ -233,6 +233,7 @@ StepResult PathFollower::Impl::advance(system::State& state) {
   if (!state.previous) state.previous = model.dofs().create_vector();
   VOILE_PETSC(VecCopy(accepted, state.previous));
   accept(state.u, lambda, t.after);
+  model.potential().end_step(state.u);
   r.taken = std::sqrt(dot(previous, previous)) / unit;
   state.step = steps;
   state.load_factor = factor;

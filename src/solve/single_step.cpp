@@ -49,6 +49,7 @@ StepResult Equilibrium::begin(system::State& state) {
     n = newton.continuation(state.u);
   }
   state.in_equilibrium = n.converged;
+  if (n.converged) model_.potential().end_step(state.u);
   return result_of(n);
 }
 

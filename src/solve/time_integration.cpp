@@ -213,6 +213,7 @@ void TimeIntegration::Impl::accept(system::State& state, StepResult& r) {
   dynamics.set_time(state.time);
   if (account && explicit_method) account->end_step(state.u, state.v, before, state.time);
   if (account) state.balance = account->balance();
+  model.potential().end_step(state.u);
   state.load_factor = model.conditions().load_factor();
   if (model.contact()) state.contact = model.contact()->memory();
   state.solver = solver_memory();

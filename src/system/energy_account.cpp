@@ -14,7 +14,7 @@ namespace {
 template <class Balance>
 auto members_of(Balance& b) {
   return std::array{&b.initial, &b.kinetic,  &b.stored,    &b.loads,     &b.supports,    &b.obstacles, &b.damping,
-                    &b.drag,    &b.friction, &b.numerical, &b.remeshing, &b.unaccounted, &b.inflow};
+                    &b.drag,    &b.friction, &b.numerical, &b.remeshing, &b.unaccounted, &b.inflow,    &b.fabric};
 }
 
 double internal_of(const Energies& e) {
@@ -43,10 +43,11 @@ std::vector<double> numbers_of(const EnergyBalance& balance) {
 EnergyBalance balance_of(const std::vector<double>& numbers) {
   EnergyBalance balance;
   if (numbers.empty()) return balance;
-  if (numbers.size() != balance_numbers) throw InternalError("an energy balance of another size");
+  if (numbers.size() + 1 != balance_numbers && numbers.size() != balance_numbers)
+    throw InternalError("an energy balance of another size");
   balance.kept = true;
   std::size_t i = 0;
-  for (double* value : members_of(balance)) *value = numbers[i++];
+  for (double* value : members_of(balance)) *value = i < numbers.size() ? numbers[i++] : 0.0;
   return balance;
 }
 
@@ -104,10 +105,11 @@ void EnergyAccount::end_step(Vec u_1, Vec v_1, double t_0, double t_1) {
   step.obstacles = obstacles_ + friction_ - w.friction;
   step.damping = work_.damping + w.viscous;
   step.drag = work_.drag;
-  step.numerical = work_.inertia - (now.kinetic - before_.kinetic) + w.internal + prescribed -
+  step.fabric = dynamics_.model().potential().yarn_loss(u_1);
+  step.numerical = work_.inertia - (now.kinetic - before_.kinetic) + w.internal + prescribed - step.fabric -
                    (now.internal - before_.internal) + w.contact + obstacles_ - (now.contact - before_.contact);
   step.unaccounted = now.sum() - before_.sum() - (step.loads + step.supports + step.obstacles) + step.damping +
-                     step.drag + step.friction + step.numerical;
+                     step.drag + step.friction + step.fabric + step.numerical;
   step.inflow = std::max(0.0, step.loads + step.supports + step.obstacles);
   const auto sums = members_of(balance_);
   const auto more = members_of(step);

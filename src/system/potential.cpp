@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "voile/base/error.hpp"
 #include "voile/base/mpi.hpp"
 #include "voile/energy/angle_bending.hpp"
 #include "voile/energy/coupling.hpp"
 #include "voile/energy/membrane.hpp"
 #include "voile/energy/mirror_fold.hpp"
+#include "voile/energy/yarn_friction.hpp"
 #include "voile/system/attachments.hpp"
 #include "voile/system/bands.hpp"
 #include "voile/system/bending_energy.hpp"
@@ -67,6 +69,7 @@ Energies Potential::energies(const energy::Configuration& c, Vec a, bool viscous
   Energies e;
   for (const Counted& t : terms_) e.*t.part += mpi::sum(on_->comm(), t.term->energy(c));
   if (!viscous) membrane_->kernel.set_viscosity(viscosity);
+  if (!viscous && yarns_) e.bending -= mpi::sum(on_->comm(), yarns_->kernel.lost(c));
   const double ground = bending_->ground_energy(a);
   e.bending += bending_->energy(a) - ground;
   e.springs += ground;
@@ -156,6 +159,47 @@ void Potential::write_tangent(const energy::Configuration& c, const BlockMatrix&
     halves_.write_to(tangent, values, constant_.bending(), bending);
   }
   for (const Counted& t : terms_) t.term->add_blocks(c, on_->dofs(), tangent, pattern, values);
+}
+
+double Potential::yarn_loss(Vec a) {
+  return yarns_ ? mpi::sum(on_->comm(), yarns_->kernel.lost(configuration(a))) : 0.0;
+}
+
+void Potential::end_step(Vec a) {
+  if (!yarns_) return;
+  const energy::Configuration c = configuration(a);
+  yarn_losses_ += mpi::sum(on_->comm(), yarns_->kernel.lost(c));
+  yarns_->kernel.end_step(c);
+}
+
+std::vector<double> Potential::slips() const {
+  if (!yarns_) return {};
+  const energy::YarnFrictionTerm& kernel = yarns_->kernel;
+  const auto each = static_cast<std::size_t>(kernel.numbers());
+  std::vector<double> all(each * static_cast<std::size_t>(on_->mesh().triangle_count()), 0.0);
+  for (Index e = 0; e < kernel.size(); ++e) {
+    if (!kernel.owned(e)) continue;
+    const std::vector<double> own = kernel.slips(e);
+    std::copy(own.begin(), own.end(), all.begin() + static_cast<std::ptrdiff_t>(each) * kernel.triangle(e));
+  }
+  mpi::sum_to_root(on_->comm(), all);
+  if (mpi::rank(on_->comm()) != 0) return {};
+  all.insert(all.begin(), yarn_losses_);
+  return all;
+}
+
+void Potential::restore_slips(std::vector<double> slips) {
+  mpi::broadcast(on_->comm(), slips);
+  if (slips.empty() || !yarns_) return;
+  energy::YarnFrictionTerm& kernel = yarns_->kernel;
+  const auto each = static_cast<std::size_t>(kernel.numbers());
+  if (slips.size() != 1 + each * static_cast<std::size_t>(on_->mesh().triangle_count()))
+    throw UserError(
+        "the state of the restart has another number of sliders of friction inside the fabric; give the same "
+        "[[material]] bending_sliders as the run that wrote it");
+  yarn_losses_ = slips[0];
+  for (Index e = 0; e < kernel.size(); ++e)
+    kernel.set_slips(e, slips.data() + 1 + each * static_cast<std::size_t>(kernel.triangle(e)));
 }
 
 TriangleFields Potential::triangle_fields(Vec a) {

@@ -19,6 +19,7 @@
 #include "voile/energy/seam.hpp"
 #include "voile/energy/sheet.hpp"
 #include "voile/energy/spring.hpp"
+#include "voile/energy/yarn_friction.hpp"
 #include "voile/mesh/patch.hpp"
 #include "voile/system/attachments.hpp"
 #include "voile/system/bands.hpp"
@@ -67,6 +68,7 @@ AnyTerm& Potential::add_term(double Energies::*part) {
 void Potential::build_terms(const Curvatures& curvatures, const PotentialInput& input) {
   build_sheet(curvatures, input.temperatures);
   build_mirror_folds();
+  if (energy::YarnFrictionTerm::is_needed(on_->sheet())) build_yarns(curvatures);
   auto& ties = add_term<ElementTerm<energy::SpringTerm>>(&Energies::springs);
   bands_ = std::make_unique<Bands>(*on_, ties.kernel);
   for (const Spring& spring : input.springs)
@@ -142,6 +144,21 @@ bool Potential::add_angles(Index t, const energy::CurvatureOperator& op, const e
 void Potential::add_coupling(Index t, const energy::BendingElement& el, bool owned) {
   coupling_->add(on_->sheet(), t, el, on_->dofs().local().local_of, owned);
   coupled_.push_back({t, membrane_->kernel.size() - 1, el.rest_curvature});
+}
+
+void Potential::build_yarns(const Curvatures& curvatures) {
+  yarns_ = &add_term<BatchTerm<energy::YarnFrictionTerm>>(&Energies::bending);
+  yarns_->kernel = energy::YarnFrictionTerm(on_->sheet());
+  const std::vector<Index>& local_of = on_->dofs().local().local_of;
+  for (std::size_t k = 0; k < curvatures.size(); ++k) {
+    const auto& [triangle, corners, owned] = on_->elements()[k];
+    if (!energy::YarnFrictionTerm::acts_on(on_->sheet(), triangle)) continue;
+    const energy::BendingElement el = energy::make_bending_element(on_->sheet(), triangle, curvatures[k]);
+    if (el.points.size() > energy::AngleBendingTerm::most) continue;
+    std::vector<Index> local;
+    for (const Index p : el.points) local.push_back(local_of[p]);
+    yarns_->kernel.add(on_->sheet(), triangle, el, local, owned);
+  }
 }
 
 void Potential::build_mirror_folds() {

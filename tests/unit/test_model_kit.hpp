@@ -89,13 +89,12 @@ inline double dot(Vec a, Vec b) {
 
 /// Solves K x = f with MUMPS for the model's current tangent; PCLU if that is not symmetric.
 /// By central differences along d: the residual is the derivative of the energy, the exact tangent that of the residual.
-inline void check_potential(system::Model& model, Vec a, Vec d) {
+inline void check_potential(system::Model& model, Vec a, Vec d, double h = 1e-5) {
   const auto vector = [&] { return model.dofs().create_vector(); };
   petsc::VecHandle moved = vector(), up = vector(), down = vector(), kd = vector(), r = vector();
   model.assemble_tangent(a, {.kind = energy::Tangent::exact});
   VOILE_PETSC(MatMult(model.tangent().matrix(), d, kd));
   model.residual(a, r);
-  const double h = 1e-5;
   VOILE_PETSC(VecWAXPY(moved, h, d, a));
   const double above = model.energy(moved);
   model.residual(moved, up);

@@ -130,6 +130,28 @@ struct CurvedKernels {
   void (*tangent)(const CurvedBatch& batch, const KernelState& state, double* blocks);
 };
 
+/// Places of the numbers of a triangle whose yarns rub where they bend (yarn_friction.hpp); its points 0, 1, 2 are the corners.
+namespace yarn_fields {
+constexpr int rest = 0;      ///< kappa0 along warp, along weft, twist
+constexpr int start = 3;     ///< k at the start, a vector each
+constexpr int weights = 12;  ///< B_i, three for each point
+// Of each slider three times, once for each direction:
+constexpr int per_slider = 4;       ///< slip p, A D_s, A HB, 1/(A D_s) or 0
+constexpr double round_off = 1e-9;  ///< of a slider at its limit, which sticks
+}  // namespace yarn_fields
+struct YarnBatch {
+  const double* fields;
+  const double* sliders;
+  const int *gather, *scatter, *slots;  ///< as in MembraneBatch
+  int points, first, last;
+  int slider_count;
+};
+struct YarnKernels {
+  /// Adds to forces; energies of the increment, one per lane, to `energy`.
+  void (*gradient)(const YarnBatch& batch, const KernelState& state, double* force, double* energy);
+  void (*tangent)(const YarnBatch& batch, const KernelState& state, double* blocks);
+};
+
 /// The kernels of one instruction set.
 struct ElementKernels {
   const char* name;
@@ -139,6 +161,7 @@ struct ElementKernels {
   EdgeKernels edges;
   AngleKernels angles;
   CurvedKernels curved;
+  YarnKernels yarns;
 };
 
 /// All variants of this build, the scalar one first.

@@ -22,6 +22,17 @@ struct Layer {
   Vec3 expansion = Vec3::Zero();  ///< strain per kelvin in material axes [1/K]
 };
 
+/// Friction of the yarns of a fabric where they bend: a spring and a slider each (yarn_friction.hpp).
+struct YarnFriction {
+  /// Along warp, along weft and in twist.
+  struct Slider {
+    Vec3 stiffness = Vec3::Zero();  ///< D_s [N m]
+    Vec3 limit = Vec3::Zero();      ///< HB [N]; 0: none in that direction
+  };
+  double warp_angle = 0.0;      ///< from material axis 1 to the warp [rad]
+  std::vector<Slider> sliders;  ///< empty: no friction
+};
+
 struct Material {
   std::vector<std::string> groups;  ///< surface groups it covers; empty: every triangle not covered by another
   Mat3 membrane = Mat3::Zero();     ///< A [N/m]
@@ -30,6 +41,7 @@ struct Material {
   double areal_density = 0.0;       ///< rho_s [kg/m^2]
   double bending_damping = 0.0;     ///< damping in proportion to D, besides what holds for all materials [s]
   double viscous_time = 0.0;        ///< relaxation time of the membrane, likewise [s]
+  YarnFriction friction{};          ///< inside the fabric
   std::vector<Layer> layers{};      ///< from the lowest up; empty where the inside is not known
   // The natural state (natural_state.hpp), in material axes
   bool expands = false;                     ///< an expansion is given
@@ -69,6 +81,11 @@ struct LaminateStiffness {
 };
 /// `ply_stiffness` is that of the ply's material in its own axes per thickness [Pa]; plies from the lowest z up.
 [[nodiscard]] LaminateStiffness laminate(const Mat3& ply_stiffness, const std::vector<Ply>& plies);
+/// Sliders of loops of width 2HB [N] along warp, along weft and in twist, whose moments turn over a mean change of curvature `spread`
+/// [1/m]: `count` of HB/count each, and the j-th over 2 j spread/(count + 1).
+[[nodiscard]] std::vector<YarnFriction::Slider> sliders_of(const Vec3& loop, double spread, int count);
+/// Strains or curvatures in axes of which the first lies at `angle` [rad], from those in the axes given: (11, 22, 2 12).
+[[nodiscard]] Mat3 turned_strain(double angle);
 /// Stiffness of a material whose axis 1 lies at `angle` [rad] to the axes wanted.
 [[nodiscard]] Mat3 rotated_stiffness(const Mat3& stiffness, double angle);
 /// Strain (engineering shear) and membrane force in axes to which those of the material, in which they are given, lie at

@@ -83,6 +83,11 @@ struct MaterialInput {
   Mat3 membrane = Mat3::Zero(), bending = Mat3::Zero(), coupling = Mat3::Zero();
   std::filesystem::path fabric;
   double warp_angle = 0.0;
+  enum class Hysteresis { damping, friction };
+  Hysteresis hysteresis = Hysteresis::damping;  ///< what the loop of a fabric file becomes
+  std::vector<double> bending_hysteresis;       ///< 2HB along axis 1 and 2, and in twist [N]; empty: none
+  double bending_hysteresis_spread = 10.0;      ///< [1/m]
+  int bending_sliders = 1;
   std::optional<Vec3> direction;
   std::vector<double> texture_direction;  ///< empty, or u and v
 };

@@ -24,6 +24,8 @@ struct Fabric {
   std::optional<double> bending_twist;
   double bending_poisson = 0.0;
   std::optional<double> bending_hysteresis;  ///< 2HB, width of the loop of moment per width over curvature [N]
+  std::optional<double> bending_hysteresis_weft, bending_hysteresis_twist;  ///< where they differ; twist: 0
+  std::optional<double> bending_hysteresis_spread;                          ///< [1/m]
 };
 
 /// Throws UserError naming file, line and key. Every figure must have its source in the table [sources].
@@ -38,6 +40,10 @@ struct Fabric {
 /// bending length l = (B / (rho_s g))^(1/3) and B the geometric mean of both directions. Without a measured loop, 2HB/B
 /// is typical_hysteresis.
 [[nodiscard]] double bending_damping(const Fabric& fabric);
+/// 2HB of warp, weft and twist [N]. Throws UserError without a place if there is none.
+[[nodiscard]] Vec3 bending_loop(const Fabric& fabric);
+/// Change of curvature over which loops of KES turn [1/m].
+inline constexpr double typical_spread = 10.0;
 inline constexpr double typical_hysteresis = 46.0;  ///< [1/m], see docs/reference/fabrics.md
 
 }  // namespace voile::input

@@ -14,6 +14,7 @@ enum class Dimension {
   shear_rigidity,      ///< N/m per radian; KES gives it per degree
   bending_rigidity,    ///< N m: moment per width over curvature
   moment_per_width,    ///< N: moment over width
+  curvature,           ///< 1/m
   fast_bending_length  ///< m: FAST's measure of bending rigidity, see bending_rigidity()
 };
 

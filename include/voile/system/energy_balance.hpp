@@ -2,7 +2,7 @@
 //
 // Symbols   K, U, E   kinetic energy, energy stored in the sheet (membrane, bending, springs), energy of barriers     [J]
 //           u_0, u_1  start and end of a step, du = u_1 - u_0;  F(s) a force at the stage of the step (alpha_ts.hpp)
-//   K + U + E - initial = loads + supports + obstacles - damping - drag - friction - numerical + remeshing + unaccounted
+//   K + U + E - initial = loads + supports + obstacles - damping - drag - friction - fabric - numerical + remeshing + unaccounted
 // Sums over the accepted steps, each of them a force at the stage times du. With y what is prescribed for obstacles,
 //   numerical  = -(dK - du.M a(s)) - (dU - du.F_int(s) - dU|y) - (dE - du.F_c(s) - dy.dE/dy(s))
 // With z(t) the places and lengths that are driven (attachments, bands, seams, clamps that turn), z_0 and z_1 at the start and end:
@@ -30,16 +30,17 @@ struct EnergyBalance {
   double numerical = 0.0;              ///< taken by the scheme
   double remeshing = 0.0;              ///< given at once by new meshes and by supports that let go
   double unaccounted = 0.0;
+  double fabric = 0.0;  ///< taken by friction inside the fabric
   double inflow = 0.0;  ///< sum of what loads, supports and obstacles gave in the steps in which they gave
 
   /// What fractions are taken of: all that was there or came in.
   [[nodiscard]] double turnover() const;
 };
 
-/// For files and other ranks; and back (none if there are none).
+/// For files and other ranks; and back (none if there are none; without the last one if files are older than it).
 [[nodiscard]] std::vector<double> numbers_of(const EnergyBalance& balance);
 [[nodiscard]] EnergyBalance balance_of(const std::vector<double>& numbers);
 /// How many numbers these are.
-inline constexpr std::size_t balance_numbers = 13;
+inline constexpr std::size_t balance_numbers = 14;
 
 }  // namespace voile::system

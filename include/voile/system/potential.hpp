@@ -31,6 +31,7 @@ class MembraneTerm;
 class MirrorFoldTerm;
 class CouplingTerm;
 class SpringTerm;
+class YarnFrictionTerm;
 }  // namespace voile::energy
 
 namespace voile::system {
@@ -106,6 +107,20 @@ class Potential {
   /// From now on bending energies are found by the change since a: K_b a sums stiff forces that nearly cancel, and near
   /// a the differences of energies would be lost in its round-off. Collective.
   void count_from(Vec a);
+  /// Whether yarns rub inside the fabric (energy/yarn_friction.hpp).
+  [[nodiscard]] bool has_yarn_friction() const { return yarns_ != nullptr; }
+  /// Energy that this friction takes in the step that leads to a. Collective. [J]
+  [[nodiscard]] double yarn_loss(Vec a);
+  /// The step is accepted at a: sliders stay where they have slipped to. Steppers call it once a step. Collective.
+  void end_step(Vec a);
+  /// What all steps so far have taken [J], then the slips of all triangles in mesh order [1/m], a fixed number each; empty
+  /// without this friction, and away from rank 0. Collective.
+  [[nodiscard]] std::vector<double> slips() const;
+  /// As slips() gave them on rank 0; nothing: sliders are where the fabric is at rest. Collective. Throws UserError on every
+  /// rank where they are of another number of sliders.
+  void restore_slips(std::vector<double> slips);
+  /// Taken by all steps so far [J].
+  [[nodiscard]] double yarn_losses() const { return yarn_losses_; }
   /// Remembers state a as the start of a time step: viscosity = relaxation time / time step; the materials' own
   /// relaxation times count with inverse_step = 1 / time step. Collective.
   void start_step(Vec a, double viscosity, double inverse_step = 0.0);
@@ -147,6 +162,7 @@ class Potential {
   void add_coupling(Index t, const energy::BendingElement& el, bool owned);
   void update_coupling();
   void build_mirror_folds();
+  void build_yarns(const Curvatures& curvatures);
   void tie(const Spring& spring, ElementTerm<energy::SpringTerm>& ties) const;
   template <class AnyTerm>
   AnyTerm& add_term(double Energies::*part);
@@ -164,10 +180,12 @@ class Potential {
     Vec3 rest_curvature;
   };
   std::vector<Coupled> coupled_;
-  energy::CouplingTerm* coupling_ = nullptr;  ///< kernel of one of terms_, or null
-  long coupled_version_ = -1;                 ///< of the membrane whose natural states it has
-  energy::MirrorFoldTerm* folds_ = nullptr;   ///< kernel of one of them
-  energy::AnchorTerm* anchors_ = nullptr;     ///< kernel of one of them, or null
+  energy::CouplingTerm* coupling_ = nullptr;              ///< kernel of one of terms_, or null
+  long coupled_version_ = -1;                             ///< of the membrane whose natural states it has
+  BatchTerm<energy::YarnFrictionTerm>* yarns_ = nullptr;  ///< null: no friction inside the fabric
+  double yarn_losses_ = 0.0;
+  energy::MirrorFoldTerm* folds_ = nullptr;  ///< kernel of one of them
+  energy::AnchorTerm* anchors_ = nullptr;    ///< kernel of one of them, or null
   Recovery recovery_;
   ConstantMatrices constant_;
   HalfBlocks halves_;

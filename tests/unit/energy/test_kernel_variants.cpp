@@ -11,6 +11,7 @@
 #include "voile/energy/curvature.hpp"
 #include "voile/energy/element_kernels.hpp"
 #include "voile/energy/membrane.hpp"
+#include "voile/energy/yarn_friction.hpp"
 
 using namespace voile;
 using namespace voile::testing;
@@ -26,18 +27,20 @@ mesh::MeshData shell(double aspect) {
 /// Both kernels of a sheet, with points numbered as the mesh is; every triangle has blocks of its own.
 struct Kernels {
   mesh::SurfaceMesh mesh;
-  std::vector<energy::Material> materials{isotropic(100.0, 0.3, 0.1)};
+  std::vector<energy::Material> materials{rubbing()};
   mesh::PatchMesh patches{mesh, {}};
   energy::Sheet sheet;
   energy::MembraneTerm membrane;
   energy::AngleBendingTerm angles;
   energy::CurvedBendingTerm curved;
+  energy::YarnFrictionTerm yarns;
   std::size_t blocks = 1;
 
   Kernels(const mesh::MeshData& data, energy::MembraneOperator kind)
       : mesh(data),
         sheet(patches, materials, energy::assign_materials(mesh, materials), options(kind)),
-        membrane(sheet) {
+        membrane(sheet),
+        yarns(sheet) {
     energy::CurvatureBuilder builder(sheet);
     const energy::ChordForms forms(sheet);
     for (Index t = 0; t < mesh.triangle_count(); ++t) {
@@ -46,6 +49,7 @@ struct Kernels {
       membrane.add(sheet, t, energy::MembraneTerm::stencil_of(sheet, t), t % 3 != 0);
       if (membrane.corrects()) membrane.correct(sheet, forms.trace(t), t, bending, bending.points);
       if (bending.coupling.size() > 0) curved.add(bending, bending.points, t % 3 != 0);
+      yarns.add(sheet, t, bending, bending.points, t % 3 != 0);
       if (const auto by_angles = energy::make_edge_angles(sheet, t, op, bending))
         angles.add(bending, *by_angles, bending.points, mesh.area(t) * materials[0].bending, t % 3 != 0);
     }
@@ -58,6 +62,12 @@ struct Kernels {
     membrane.locate(own, 0);
     angles.locate(own, 0);
     curved.locate(own, 0);
+    yarns.locate(own, 0);
+  }
+  static energy::Material rubbing() {
+    energy::Material m = isotropic(100.0, 0.3, 0.1);
+    m.friction = {0.3, energy::sliders_of(Vec3(0.1, 0.2, 0.05), 2.0, 3)};
+    return m;
   }
   static energy::ElementOptions options(energy::MembraneOperator kind) {
     energy::ElementOptions o;
@@ -127,6 +137,7 @@ TEST_CASE("the kernels of every instruction set agree with the scalar ones") {
           if (viscous) continue;
           compare(k.angles, k, c);
           compare(k.curved, k, c);
+          compare(k.yarns, k, c);
         }
     }
 }

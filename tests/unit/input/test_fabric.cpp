@@ -84,6 +84,8 @@ TEST_CASE("fabric: every unit against a figure worked out by hand") {
       {"3e-6 N.m", 3e-6, Dimension::bending_rigidity},
       {"14 uN.m", 1.4e-5, Dimension::bending_rigidity},
       {"0.077 gf.cm^2/cm", 7.5511205e-6, Dimension::bending_rigidity},  // 0.077 x 98.0665e-6
+      {"0.124 gf.cm/cm", 1.2160246e-3, Dimension::moment_per_width},
+      {"0.05 1/cm", 5.0, Dimension::curvature},
       {"18.5 mm FAST", 0.0185, Dimension::fast_bending_length},
   };
   for (const Example& e : examples) {
@@ -169,6 +171,74 @@ TEST_CASE("fabric: damping from the loop of bending") {
   CHECK(plain.parse(keys + "bending_damping = 0\n").materials.at(0).bending_damping == 0.0);
   CHECK(plain.parse(keys + "bending_damping = 0.1\nmembrane_damping = 0.2\n").materials.at(0).bending_damping == 0.1);
   CHECK(plain.parse(keys + "membrane_damping = 0.2\n").materials.at(0).viscous_time == 0.2);
+}
+
+TEST_CASE("fabric: friction from the loop of bending") {
+  const std::string measured =
+      replaced(fabric_text, "[sources]\n",
+               "bending_hysteresis = \"0.02 gf.cm/cm\"\nbending_hysteresis_weft = \"0.1 mN\"\n"
+               "bending_hysteresis_spread = \"0.05 1/cm\"\n[sources]\nbending_hysteresis = \"x\"\n"
+               "bending_hysteresis_weft = \"x\"\nbending_hysteresis_spread = \"x\"\n");
+  const FabricCase rubs(measured);
+  const std::string keys = "fabric = \"F\"\ndirection = [1, 0, 0]\nwarp_angle = 30\n";
+  // What a file has does not act before it is asked for.
+  CHECK(rubs.parse(keys).materials.at(0).friction.sliders.empty());
+  const energy::Material m = rubs.parse(keys + "hysteresis = \"friction\"\n").materials.at(0);
+  REQUIRE(m.friction.sliders.size() == 1);
+  CHECK(m.friction.warp_angle == relative(std::numbers::pi / 6.0));
+  CHECK(m.bending_damping == 0.0);
+  const energy::YarnFriction::Slider s = m.friction.sliders[0];
+  CHECK(s.limit[0] == relative(0.01 * 9.80665e-3));
+  CHECK(s.limit[1] == relative(0.05e-3));
+  CHECK(s.limit[2] == 0.0);
+  CHECK(s.stiffness[0] == relative(0.02 * 9.80665e-3 / 5.0));  // 2HB over the spread
+  // Several sliders: the same width and the same mean spread; and what is echoed is read as the same.
+  const input::Case several = rubs.parse(keys + "hysteresis = \"friction\"\nbending_sliders = 3\n");
+  const energy::YarnFriction& f = several.materials.at(0).friction;
+  REQUIRE(f.sliders.size() == 3);
+  Vec3 sum = Vec3::Zero();
+  double spread = 0.0;
+  for (const auto& one : f.sliders) {
+    sum += one.limit;
+    spread += 2.0 * one.limit[0] / one.stiffness[0] / 3.0;
+  }
+  CHECK((sum - s.limit).norm() < 1e-15);
+  CHECK(spread == relative(5.0));
+  const input::Case again = input::parse_case(input::echo_case(several), "again.toml");
+  REQUIRE(again.materials.at(0).friction.sliders.size() == 3);
+  CHECK(again.materials.at(0).friction.warp_angle == relative(f.warp_angle));
+  for (std::size_t k = 0; k < 3; ++k) {
+    CHECK((again.materials.at(0).friction.sliders[k].limit - f.sliders[k].limit).norm() < 1e-15);
+    CHECK((again.materials.at(0).friction.sliders[k].stiffness - f.sliders[k].stiffness).norm() < 1e-15);
+  }
+}
+
+TEST_CASE("fabric: mistakes of friction") {
+  const FabricCase plain(fabric_text);
+  const std::string keys = "fabric = \"F\"\ndirection = [1, 0, 0]\n";
+  CHECK(has(error_of([&] { (void)plain.parse(keys + "hysteresis = \"friction\"\n"); }),
+            plain.name() + ": the file has no bending_hysteresis (2HB of KES)"));
+  CHECK(has(fabric_error("500", "500\nbending_hysteresis = \"0.124\""),
+            "f.toml:6: bending_hysteresis: '0.124': the unit is missing"));
+  CHECK(
+      has(fabric_error("500", "500\nbending_hysteresis = -1e-3"), "f.toml:6: bending_hysteresis: the figure must be"));
+  CHECK(has(fabric_error("500", "500\nbending_hysteresis = \"0.1 gf.cm^2/cm\""), "a moment per width is needed"));
+  CHECK(has(fabric_error("500", "500\nbending_hysteresis_weft = \"0.1 gf.cm/cm\""),
+            "f.toml:6: bending_hysteresis_weft: there is no bending_hysteresis"));
+  const auto matrices = [&](const std::string& more) {
+    return input::parse_case(
+        "[mesh]\nfile = \"a.geo\"\n[[material]]\ntype = \"matrices\"\nmembrane = [[1, 0, 0], [0, 1, 0], [0, 0, 0.5]]\n"
+        "bending = [[1, 0, 0], [0, 1, 0], [0, 0, 0.5]]\n" +
+            more,
+        "c.toml");
+  };
+  const std::string along = "direction = [1, 0, 0]\n";
+  CHECK(matrices(along + "bending_hysteresis = [2e-4]\n").materials.at(0).friction.sliders.at(0).limit ==
+        Vec3(1e-4, 1e-4, 0.0));
+  CHECK(has(error_of([&] { (void)matrices("bending_hysteresis = [2e-4]\n"); }), "direction: the key is missing"));
+  CHECK(has(error_of([&] { (void)matrices(along + "bending_hysteresis = [1, 2]\n"); }), "2 numbers are given"));
+  CHECK(has(error_of([&] { (void)matrices(along + "bending_hysteresis = [-1]\n"); }), "bending_hysteresis"));
+  CHECK(has(error_of([&] { (void)matrices(along + "bending_sliders = 0\n"); }), "bending_sliders"));
 }
 
 TEST_CASE("fabric: mistakes in a file are named with line and key") {

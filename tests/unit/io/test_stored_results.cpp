@@ -364,8 +364,12 @@ TEST_CASE("a checkpoint comes back bit by bit, and only into its own mesh") {
     c.velocity.push_back(-0.1 * i);
     c.acceleration.push_back(1e-17 * i);
   }
+  c.slips.assign(1 + 3 * static_cast<std::size_t>(mesh.triangle_count()), 0.1 / 3.0);
+  c.energy_balance.assign(13, 0.5);  // as written before friction inside the fabric
   io::write_checkpoint(file, c, mesh);
   io::Checkpoint back = io::read_checkpoint(file, mesh);
+  CHECK(back.slips == c.slips);
+  CHECK(back.energy_balance == c.energy_balance);
   CHECK(back.step == 12);
   CHECK(back.time == c.time);
   CHECK(back.next_step == c.next_step);
@@ -385,6 +389,7 @@ TEST_CASE("a checkpoint comes back bit by bit, and only into its own mesh") {
   io::write_checkpoint(file, c, mesh);
   CHECK(has(error_of([&] { (void)io::read_checkpoint(file, mesh); }), "'velocity' holds numbers that are not finite"));
   c.velocity[3] = 0.0;
+  c.slips.clear();
   c.acceleration.clear();
   io::write_checkpoint(file, c, mesh);
   CHECK(io::read_checkpoint(file, mesh).acceleration.empty());
