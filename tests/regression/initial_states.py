@@ -114,9 +114,16 @@ def bimetal(report):
     thick, thin = two_layers(**expansions), two_layers(ply_thicknesses=[0.002, 0.003], **expansions)
     case = strip(nx=40, ny=4) | {"material": [thick], "temperature": [{"change": "20"}]}
     case.pop("load")
-    h, (curvature, strain) = solve("bimetal_small", case | {"analysis": "linear"}).history, timoshenko(thick, 20.0)
+    small = solve("bimetal_small", case | {"analysis": "linear", "output": {"stresses": "plies"}})
+    h, (curvature, strain) = small.history, timoshenko(thick, 20.0)
     report.percent(h["tip_z"][-1] / (curvature * 100 / 2), 0.003, f"deflection of the tip, linear: {h['tip_z'][-1]:.5g} m")
     report.percent(h["tip_x"][-1] / (10 * strain), 0.003, f"displacement along x, linear: {h['tip_x'][-1]:.5g} m")
+    step = small.results[-1]
+    middle = np.argmin(np.abs(step.mesh.positions[step.mesh.triangles].mean(axis=1) - (5, 0.5, 0)).sum(axis=1))
+    for ply, (young, alpha, low, high) in enumerate(((2e6, 2e-4, -0.05, -0.01), (5e5, 5e-5, -0.01, 0.05)), 1):
+        for face, z in (("bottom", low), ("top", high)):
+            stress = step[f"stress_ply_{ply}_{face}"][middle][0]
+            report.percent(stress / (young * (strain - z * curvature - alpha * 20)), 0.01, f"stress of ply {ply} at its {face}: {stress:.5g} Pa")
     large = case | {"material": [thin], "temperature": [{"change": "5"}],
                     "mesh": case["mesh"] | {"parameters": {"nx": 160, "ny": 2, "width": 0.05}}}
     h, (curvature, strain) = solve("bimetal_large", large).history, timoshenko(thin, 5.0)
