@@ -234,8 +234,8 @@ Estimate estimate(Pattern pattern, int n, const std::function<Vec3(const Vec3&)>
   set_displacement(model, a, [&](Index v) { return u(mesh.positions()[v]); });
   const system::TriangleFields fields = model.potential().triangle_fields(a);
   app::DiscretisationError error(linear);
-  const app::DiscretisationError::Densities d = error.of(model, fields);
-  Estimate e{error.share(), error.warning(), 0.0, d.bending.size()};
+  const app::DiscretisationError::Densities d = error.judged(model, fields, "");
+  Estimate e{error.last().whole, error.warning(), 0.0, d.bending.size()};
   if (mpi::rank(PETSC_COMM_WORLD) != 0) return e;
   const RecoveryError alone(model.discretisation().sheet());
   for (Index t = 0; t < mesh.triangle_count(); ++t) {
