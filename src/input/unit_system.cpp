@@ -142,10 +142,14 @@ class Parser {
     throw UserError(fmt::format("unknown unit '{}':{}", name, suggestion(name, names)));
   }
   int exponent() {
-    if (at_ < text_.size() && text_[at_] == '^') ++at_;
+    const bool raised = at_ < text_.size() && text_[at_] == '^';
+    if (raised) ++at_;
     const bool negative = at_ + 1 < text_.size() && text_[at_] == '-';
     const std::size_t digit = at_ + (negative ? 1 : 0);
-    if (digit >= text_.size() || text_[digit] < '1' || text_[digit] > '9') return 1;
+    if (digit >= text_.size() || text_[digit] < '1' || text_[digit] > '9') {
+      if (raised) fail();
+      return 1;
+    }
     at_ = digit + 1;
     return (negative ? -1 : 1) * (text_[digit] - '0');
   }

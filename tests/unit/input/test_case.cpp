@@ -124,7 +124,7 @@ TEST_CASE("misspelt names are reported with line and nearest match") {
   CHECK(error_with("[stpes]\n") == "case.toml:8: unknown section 'stpes': did you mean 'steps'?");
   CHECK(error_with("[[materials]]\n") == "case.toml:8: unknown section 'materials': did you mean 'material'?");
   CHECK(error_of("titel = \"x\"\n" + minimal) == "case.toml:1: unknown key 'titel': did you mean 'title'?");
-  CHECK(has(error_of("[qqqqqqqq]\n" + minimal), "case.toml:1: unknown section 'qqqqqqqq': valid: mesh, panel, seam"));
+  CHECK(has(error_of("[qqqqqqqq]\n" + minimal), "case.toml:1: unknown section 'qqqqqqqq': valid: units, mesh, panel"));
   CHECK(has(error_of(replaced(minimal, "\"isotropic\"", "\"isotropc\"")),
             "case.toml:4: material.type: 'isotropc': unknown value: did you mean 'isotropic'?"));
   CHECK(has(error_after("type = \"zhou_sze_2012\"", "type = \"angle\""), "did you mean 'angles'?"));
@@ -165,7 +165,7 @@ TEST_CASE("values of the wrong type or range") {
   CHECK(has(material("0.01", "nan"), "case.toml:7: material.thickness: nan: the number must be finite"));
   CHECK(has(material("2.1e11", "inf"), "case.toml:5: material.young: inf: the number must be finite"));
   CHECK(material("2.1e11", "\"2.1e11\"") ==
-        "case.toml:5: material.young: '2.1e11': a number in Pa > 0 is needed; write it without quotes");
+        "case.toml:5: material.young: '2.1e11': the unit is missing; add it, or write the number without quotes");
   CHECK(has(material("2.1e11", "[1]"), "a number in Pa > 0 is needed"));
   CHECK(material("0.3", "0.51") == "case.toml:6: material.poisson: 0.51: must be > -1 and <= 0.5");
   CHECK(has(material("0.3", "-1.0"), "case.toml:6: material.poisson: -1: must be > -1"));

@@ -2,6 +2,8 @@
 #include "voile/input/unit_system.hpp"
 
 #include <numbers>
+#include <string>
+#include <vector>
 
 #include "test_case_kit.hpp"
 #include "test_case_texts.hpp"
@@ -28,7 +30,8 @@ TEST_CASE("units are products, quotients and powers of named ones") {
     CHECK(parse_unit(k.text).si == doctest::Approx(k.si).epsilon(1e-14));
     CHECK(parse_unit(k.text).powers == k.powers);
   }
-  for (const char* wrong : {"", "/", "N/", "(N", "N)", "N^", "5 N", "N/mm^^2", "((((((m))))))"}) {
+  for (const std::string& wrong :
+       std::vector<std::string>{"", "/", "N/", "(N", "N)", "N^", "5 N", "N/mm^^2", "((((((m))))))"}) {
     CAPTURE(wrong);
     CHECK(error_of([&] { (void)parse_unit(wrong); }) != "no error");
   }

@@ -301,7 +301,7 @@ TEST_CASE("OBJ pattern: what cannot be a pattern is named, with the line or the 
   says(square + "vt 0.5 0.5\nf 1/1 2/1 3/1\n", {"all the same"});
   says(square + "vt 0 0\nvt 5 0\nvt 5 1\nvt 0 1\nf 1/1 2/2 3/3 4/4\n", {"texture_unit", "between 0.2", "and 1 m"});
   says(square + drawn + "f 1/1 2/2 3/3 4/4\nstitch 0 1 9 0.5\n", {"hostile.obj:10", "counted from 0; there are 4"});
-  says(square + drawn + "f 1/1 2/2 3/3 4/4\nstitch 0 1 2 1.5\n", {"hostile.obj:10", "a share from 0 to 1"});
+  says(square + drawn + "f 1/1 2/2 3/3 4/4\nstitch 0 1 2 1.5\n", {"hostile.obj:10", "a fraction from 0 to 1"});
   says(square + drawn + "f 1/1 2/2 3/3\nf 1/1 4/4 3/3\n", {"face 2", "the piece folds over"});
   says(square + drawn + "f 1/1 2/2 3/3 4/4\n", {"no piece 'back': valid: piece"}, {0.0, false, {"back"}, ""});
   says(square + drawn + "f 1/1 2/2 3/3 4/4\n", {"the length of a unit must be wrong"}, {1000.0, false, {}, ""});
