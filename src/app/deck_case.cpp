@@ -217,7 +217,7 @@ class CaseWriter {
   }
 
   std::string new_set(const char* keyword, const char* kind, const std::vector<std::string>& members) {
-    const std::string name = fmt::format("{}_{}", kind, ++made_);
+    std::string name = fmt::format("{}_{}", kind, ++made_);
     sets_ += keyword + name + "\n";
     for (const std::string& m : members) sets_ += m + ",\n";
     return name;

@@ -134,7 +134,8 @@ CurvedBatch CouplingTerm::curved(Index e) const {
   fields_.assign(batch_lanes * (static_cast<std::size_t>(curved_fields::coupling) + n), 0.0);
   const auto set = [&](std::size_t field, double value) { fields_[batch_lanes * field] = value; };
   const Vec3 start = el.start.transpose() * p_;
-  for (int k = 0; k < 3; ++k) set(static_cast<std::size_t>(curved_fields::start_coupling + k), start[k]);
+  for (int k = 0; k < 3; ++k)
+    set(static_cast<std::size_t>(curved_fields::start_coupling) + static_cast<std::size_t>(k), start[k]);
   for (std::size_t i = 0; i < n; ++i)
     set(static_cast<std::size_t>(curved_fields::coupling) + i,
         forms_[e].curvature.col(static_cast<Eigen::Index>(i)).dot(p_));

@@ -70,7 +70,7 @@ void YarnFrictionTerm::add(const Sheet& sheet, Index t, const BendingElement& be
       }
     }
   for (std::size_t j = friction.sliders.size(); j < static_cast<std::size_t>(sliders_per_direction_); ++j)
-    for (std::size_t k = 0; k < static_cast<std::size_t>(yarn_fields::per_slider * directions); ++k)
+    for (std::size_t k = 0; k < static_cast<std::size_t>(yarn_fields::per_slider) * directions; ++k)
       for (auto lane = static_cast<std::size_t>(place.lane); lane < batch_lanes; ++lane)
         sliders_[lines * place.batch + yarn_fields::per_slider * directions * j + k].of[lane] = 0.0;
 }

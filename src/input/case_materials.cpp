@@ -187,7 +187,7 @@ Vec3 in_axes(const SectionPlace& place, const char* key, const std::vector<doubl
   if (given.size() > 3 || given.size() < 2)
     place.fail(
         key, fmt::format("{} number(s); give two, along material axes 1 and 2, or three with the shear", given.size()));
-  const Vec3 v(given[0], given[1], given.size() == 3 ? given[2] : 0.0);
+  Vec3 v(given[0], given[1], given.size() == 3 ? given[2] : 0.0);
   if (!directed && (v[0] != v[1] || v[2] != 0.0))
     place.fail(key,
                "the material has no direction; give 'direction' (material axis 1) or 'texture_direction', or two "

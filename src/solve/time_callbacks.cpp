@@ -20,6 +20,8 @@ constexpr double sufficient_decrease = 1e-4, shortest_length = 1e-6;
 constexpr double pinched_step = 0.1;
 /// Relative size at which a change of the energy is lost in its round-off.
 constexpr double energy_round_off = 1e-12;
+/// Increment over the size of a cell that moves nothing: a sheet at rest has forces and energies of round-off only.
+constexpr double no_increment = 1e-10;
 /// After an indefinite tangent so many positive ones are taken before the exact one is tried again. A sheet in contact
 /// is full of wrinkles about to form, and the positive tangent is as good there.
 constexpr int positive_tangents = 4, positive_tangents_in_contact = 40;
@@ -206,9 +208,11 @@ void TimeIntegration::Impl::search(SNESLineSearch ls) {
   if (model.conditions().symmetric()) {
     model.potential().count_from(alpha_stage(ts, x).x);
     const double before = objective(x);
+    const bool moves = root_mean_square(y) > no_increment * std::sqrt(model.discretisation().mean_area());
     for (;; length *= 0.5) {
       VOILE_PETSC(VecWAXPY(trial, -length, y, x));
       const double after = objective(trial);
+      if (std::isfinite(after) && !moves) break;
       if (std::isfinite(after) && after <= before - sufficient_decrease * length * slope) break;
       if (std::isfinite(after) && std::abs(after - before) <= energy_round_off * std::abs(before)) {
         // Too small a change to be seen in the energy: the forces decide.

@@ -50,8 +50,9 @@ class CouplingTerm {
   void hessian(Index e, const Configuration& c, Emit&& emit) const {
     find_hessian(e, c);
     const int n = elements_[e].count;
+    std::size_t at = 0;
     for (int i = 0; i < n; ++i)
-      for (int j = 0; j < n; ++j) emit(i, j, hessian_[static_cast<std::size_t>(i * n + j)]);
+      for (int j = 0; j < n; ++j) emit(i, j, hessian_[at++]);
   }
 
  private:
