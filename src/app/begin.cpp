@@ -33,8 +33,8 @@ std::vector<fs::path> files_of(const fs::path& from) {
 
 }  // namespace
 
-void run_silently(const std::string& name, std::vector<std::string> words) {
-  const std::string program = program_of_ours(name).string();
+void run_silently(const std::string& name, std::vector<std::string> words, const fs::path& folder) {
+  const std::string program = fs::absolute(program_of_ours(name)).string();
   words.insert(words.begin(), program);
   std::vector<char*> arguments;
   for (std::string& word : words) arguments.push_back(word.data());
@@ -42,6 +42,7 @@ void run_silently(const std::string& name, std::vector<std::string> words) {
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
   posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
+  posix_spawn_file_actions_addchdir_np(&actions, folder.c_str());
   pid_t pid = 0;
   const int error = posix_spawn(&pid, program.c_str(), &actions, nullptr, arguments.data(), environ);
   posix_spawn_file_actions_destroy(&actions);

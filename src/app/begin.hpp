@@ -22,8 +22,8 @@ inline constexpr std::array templates{
     Template{"modal", "Finds the first modes of vibration of a curved steel blade.",
              "--mode 4 --mesh --no-ground --size 720x540"}};
 
-/// Runs a program of ours without its output. Throws UserError if it fails. Not collective.
-void run_silently(const std::string& name, std::vector<std::string> words);
+/// Runs a program of ours in a folder, without its output. Throws UserError if it fails. Not collective.
+void run_silently(const std::string& name, std::vector<std::string> words, const std::filesystem::path& folder = ".");
 
 /// What `voile init --list` prints.
 [[nodiscard]] std::string template_list();

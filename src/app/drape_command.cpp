@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cmath>
 
 #include "drape_test.hpp"
 #include "option_hint.hpp"
@@ -64,6 +65,7 @@ Exit drape_test_command(int argc, char** argv) {
         fmt::format("{}{}; see voile drape-test --help", e.what(), option_hint(cli, {argv + 1, argv + argc})));
   }
   if (!specimen.empty()) test.specimen = std::stoi(specimen);
+  if (!std::isfinite(cell)) throw UserError("--cell: a number of millimetres is needed");  // no range holds it
   test.cell = 1e-3 * cell;
   return run_drape_test(test);
 }

@@ -213,7 +213,8 @@ Spread coefficient_of(const std::vector<DrapeRepeat>& repeats) {
 void write_drape_results(const DrapeSetting& s, const std::vector<DrapeRepeat>& repeats,
                          const std::optional<DrapeRepeat>& finer) {
   const fs::path& folder = s.test.output;
-  const fs::path circles = folder / "circles.csv";
+  const std::string circles =
+      "circles.csv";  // tables are named in the folder: a colon in its path would end their names
   std::vector<std::string> plot{"plot"};
   Json all = Json::array(), counts = Json::array();
   double cpu_seconds = finer ? finer->cpu_seconds : 0.0;
@@ -223,24 +224,26 @@ void write_drape_results(const DrapeSetting& s, const std::vector<DrapeRepeat>& 
     cpu_seconds += r.cpu_seconds;
     if (!r.converged) continue;
     counts.push_back(r.shape.folds.size());
-    const fs::path file = folder / fmt::format("contour_{}.csv", k + 1);
-    write_contour(file, r);
-    plot.insert(plot.end(), {"--curve", fmt::format("{}:x_mm:y_mm:{}", file.string(), k + 1)});
+    const std::string file = fmt::format("contour_{}.csv", k + 1);
+    write_contour(folder / file, r);
+    plot.insert(plot.end(), {"--curve", fmt::format("{}:x_mm:y_mm:{}", file, k + 1)});
   }
-  write_circles(s, circles);
+  write_circles(s, folder / circles);
   const Spread coefficient = coefficient_of(repeats);
-  Json summary{{"fabric", s.fabric.name},
-               {"fabric_file", s.fabric_file.string()},
-               {"specimen_mm", s.test.specimen},
-               {"support_mm", 2e3 * drape_support_radius},
-               {"way", s.test.way == DrapeTest::Way::plate ? "plate" : "weight"},
-               {"friction_inside_the_fabric", s.friction},
-               {"faces", "alike: figures of a fabric file hold for both"},
-               {"cell_mm", 1e3 * s.cell},
-               {"drape_coefficient", {{"mean", coefficient.mean}, {"standard_deviation", coefficient.deviation}}},
-               {"fold_counts", counts},
-               {"repeats", all},
-               {"cpu_seconds", cpu_seconds}};
+  Json summary{
+      {"fabric", s.fabric.name},
+      {"fabric_file", s.fabric_file.string()},
+      {"specimen_mm", s.test.specimen},
+      {"support_mm", 2e3 * drape_support_radius},
+      {"way", s.test.way == DrapeTest::Way::plate ? "plate" : "weight"},
+      {"friction_inside_the_fabric", s.friction},
+      {"faces", "alike: figures of a fabric file hold for both"},
+      {"cell_mm", 1e3 * s.cell},
+      {"drape_coefficient",
+       counts.empty() ? Json() : Json{{"mean", coefficient.mean}, {"standard_deviation", coefficient.deviation}}},
+      {"fold_counts", counts},
+      {"repeats", all},
+      {"cpu_seconds", cpu_seconds}};
   if (finer && finer->converged) {
     summary["finer"] = json_of(*finer);
     summary["finer"]["cell_mm"] = 1e3 * finer->cell;
@@ -248,10 +251,10 @@ void write_drape_results(const DrapeSetting& s, const std::vector<DrapeRepeat>& 
   write(folder / "summary.json", summary.dump(2) + "\n");
   if (counts.empty()) return;
   for (const char* ring : {"support", "specimen"})
-    plot.insert(plot.end(), {"--dashed", fmt::format("{}:{}_x:{}_y:{}", circles.string(), ring, ring, ring)});
+    plot.insert(plot.end(), {"--dashed", fmt::format("{}:{}_x:{}_y:{}", circles, ring, ring, ring)});
   plot.insert(plot.end(), {"--equal", "--x-label", "x [mm]", "--y-label", "y [mm]", "--size", "720x640", "--quiet",
-                           "--output", (folder / "contours.png").string()});
-  run_silently("voile-picture", plot);
+                           "--output", "contours.png"});
+  run_silently("voile-picture", plot, folder);
 }
 
 }  // namespace voile::app

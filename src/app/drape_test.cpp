@@ -7,7 +7,10 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
+#include <atomic>
 #include <cmath>
+#include <csignal>
 #include <map>
 #include <numbers>
 #include <thread>
@@ -58,10 +61,14 @@ DrapeSetting setting_of(const DrapeTest& test) {
 }
 
 void require_folder(const DrapeTest& test) {
-  std::error_code ignored;
+  std::error_code error, ignored;
   if (fs::exists(test.output / "summary.json", ignored) && !test.overwrite)
     throw UserError(
         fmt::format("{}: the folder has an earlier test; give another --output, or --overwrite", test.output.string()));
+  fs::create_directories(test.output, error);
+  if (error || access(test.output.c_str(), W_OK) != 0)
+    throw UserError(fmt::format("--output {}: the folder cannot be made or written{}", test.output.string(),
+                                error ? " (" + error.message() + ")" : ""));
 }
 
 /// Starts `voile run` of a repeat; what it prints goes to run.log.
@@ -98,15 +105,31 @@ void print_repeat(const DrapeSetting& s, const DrapeRepeat& r) {
   std::fflush(stdout);
 }
 
+/// Runs that are going on: a signal ends them too.
+std::array<std::atomic<pid_t>, 128> children{};
+
+void note_child(pid_t from, pid_t to) {
+  for (std::atomic<pid_t>& child : children)
+    if (pid_t was = from; child.compare_exchange_strong(was, to)) return;
+}
+
+void end_with_children(int signal) {
+  for (const std::atomic<pid_t>& child : children)
+    if (const pid_t pid = child.load(); pid > 0) (void)kill(pid, SIGTERM);
+  (void)std::signal(signal, SIG_DFL);
+  (void)std::raise(signal);
+}
+
 /// All repeats, so many side by side.
 void run_all(const DrapeSetting& s, std::vector<DrapeRepeat>& repeats) {
   const int cores = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
   const auto most = static_cast<std::size_t>(s.test.jobs > 0 ? s.test.jobs : cores);
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) (void)std::signal(signal, end_with_children);
   std::map<pid_t, std::size_t> running;
   for (std::size_t next = 0; next < repeats.size() || !running.empty();) {
     if (next < repeats.size() && running.size() < most) {
       write_drape_case(s, repeats[next]);
-      running.emplace(start(repeats[next]), next);
+      note_child(0, running.emplace(start(repeats[next]), next).first->first);
       ++next;
       continue;
     }
@@ -114,6 +137,7 @@ void run_all(const DrapeSetting& s, std::vector<DrapeRepeat>& repeats) {
     const pid_t pid = waitpid(-1, &status, 0);
     const auto ended = running.find(pid);
     if (ended == running.end()) continue;
+    note_child(pid, 0);
     DrapeRepeat& r = repeats[ended->second];
     if (WIFEXITED(status) && WEXITSTATUS(status) == 0) read_drape_result(s, r);
     print_repeat(s, r);

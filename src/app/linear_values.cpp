@@ -1,5 +1,7 @@
 #include "linear_values.hpp"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace voile::app {
@@ -9,6 +11,12 @@ namespace {
 /// Largest displacement of e u over the length of a cell: terms of third order are its square, and round-off of the coordinates is
 /// divided by it, so about the cube root of round-off.
 constexpr double share_of_cell = 1e-5;
+
+using Field = std::vector<double> system::TriangleFields::*;
+constexpr std::array<Field, 5> linear_fields{
+    &system::TriangleFields::membrane_strain, &system::TriangleFields::membrane_force,
+    &system::TriangleFields::curvature, &system::TriangleFields::whole_curvature,
+    &system::TriangleFields::bending_moment};
 
 }  // namespace
 
@@ -80,29 +88,29 @@ double LinearValues::stiffness() {
 }
 
 system::TriangleFields LinearValues::triangle_changes() {
-  const system::TriangleFields whole = triangle_fields(), at = model_.potential().triangle_fields(rest_);
-  system::TriangleFields change = whole;
-  using F = system::TriangleFields;
-  for (std::vector<double> F::*field :
-       {&F::membrane_strain, &F::membrane_force, &F::curvature, &F::whole_curvature, &F::bending_moment, &F::in_plane})
-    for (std::size_t i = 0; i < (change.*field).size(); ++i) (change.*field)[i] -= (at.*field)[i];
+  const auto fields_at = [&](Vec a) { return model_.potential().triangle_fields(a); };
+  model_.potential().hold_natural_states(
+      true);  // in all three, so that differences of second order are those of u alone
+  const system::TriangleFields up = fields_at(forward_), down = fields_at(backward_);
+  system::TriangleFields change = fields_at(rest_);
+  model_.potential().hold_natural_states(false);
+  for (std::size_t i = 0; i < change.in_plane.size(); ++i)
+    change.in_plane[i] = 0.5 * (up.in_plane[i] + down.in_plane[i] - 2.0 * change.in_plane[i]) / (small_ * small_);
+  for (Field field : linear_fields)
+    for (std::size_t i = 0; i < (change.*field).size(); ++i)
+      (change.*field)[i] = 0.5 * ((up.*field)[i] - (down.*field)[i]) / small_;
   return change;
 }
 
 system::TriangleFields LinearValues::triangle_fields() {
-  system::TriangleFields at = model_.potential().triangle_fields(rest_);
-  model_.potential().hold_natural_states(true);
-  const system::TriangleFields up = model_.potential().triangle_fields(forward_),
-                               down = model_.potential().triangle_fields(backward_);
-  model_.potential().hold_natural_states(false);
-  using F = system::TriangleFields;
-  for (std::vector<double> F::*field :
-       {&F::membrane_strain, &F::membrane_force, &F::curvature, &F::whole_curvature, &F::bending_moment})
-    for (std::size_t i = 0; i < (at.*field).size(); ++i)
-      (at.*field)[i] += 0.5 * ((up.*field)[i] - (down.*field)[i]) / small_;
-  for (std::size_t i = 0; i < at.in_plane.size(); ++i)
-    at.in_plane[i] += 0.5 * (up.in_plane[i] + down.in_plane[i] - 2.0 * at.in_plane[i]) / (small_ * small_);
-  return at;
+  system::TriangleFields all = model_.potential().triangle_fields(rest_);
+  const system::TriangleFields change = triangle_changes();
+  const auto add = [&](Field field) {
+    for (std::size_t i = 0; i < (all.*field).size(); ++i) (all.*field)[i] += (change.*field)[i];
+  };
+  std::for_each(linear_fields.begin(), linear_fields.end(), add);
+  add(&system::TriangleFields::in_plane);
+  return all;
 }
 
 }  // namespace voile::app

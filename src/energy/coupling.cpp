@@ -13,7 +13,7 @@ namespace voile::energy {
 
 namespace {
 
-/// Share of the strain of the triangle alone in that of the groups together.
+/// Fraction of the strain of the triangle alone in that of the groups together.
 double own_share(const Sheet& sheet) {
   return sheet.options().membrane == MembraneOperator::cst ? 1.0 : sheet.options().cst_fraction;
 }

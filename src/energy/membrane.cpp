@@ -275,7 +275,7 @@ MembraneTerm::Natural* MembraneTerm::natural_of(Index e) {
   return at == natural_.end() || at->element != e ? nullptr : &*at;
 }
 
-/// With P what chords of the start feign, rest + P is the metric of the surface itself, which the natural stretch changes.
+/// With P the spurious part of chords of the start, rest + P is the metric of the surface itself, which the natural stretch changes.
 MembraneTerm::Metrics MembraneTerm::natural_metrics(const Natural& n) const {
   Metrics off;
   off.fill(Vec3::Zero());

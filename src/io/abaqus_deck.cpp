@@ -111,6 +111,8 @@ class DeckReader {
         data_ = Data::unread;
         return true;
       }
+      if (parameters_.contains("NODAL THICKNESS"))
+        leave(keyword + ", NODAL THICKNESS: the thickness of the section is taken");
       if (parameters_.contains("OFFSET")) leave(keyword + ", OFFSET");
       if (parameters_.contains("ORIENTATION")) leave(keyword + ", ORIENTATION: material axis 1 is [1, 0, 0]");
       deck_.sections.push_back({parameters_["ELSET"], abaqus_upper(parameters_["MATERIAL"]), 0.0});
@@ -123,9 +125,13 @@ class DeckReader {
 
   /// Supports, loads and what the step does.
   bool begin_step(const std::string& keyword) {
+    const bool acts = keyword == "*BOUNDARY" || keyword == "*CLOAD" || keyword == "*DLOAD";
+    if (acts && abaqus_upper(parameters_["OP"]) == "NEW") leave(keyword + ", OP=NEW: what came before stays");
     if (parameters_.contains("AMPLITUDE")) leave(keyword + ", AMPLITUDE: the load grows in proportion");
     if (keyword == "*BOUNDARY") {
-      data_ = Data::support;
+      const std::string type = abaqus_upper(parameters_["TYPE"]);
+      data_ = type.empty() || type == "DISPLACEMENT" ? Data::support : Data::unread;
+      if (data_ == Data::unread) leave("*BOUNDARY, TYPE=" + type);
     } else if (keyword == "*CLOAD") {
       data_ = Data::force;
       if (parameters_.contains("FOLLOWER")) leave("*CLOAD, FOLLOWER: the force keeps its direction");

@@ -35,6 +35,18 @@ def contact_exact(report):
 
 
 @test
+def contact_not_yet(report):
+    """A strip at rest above a ball: forces of round-off are no reason for small steps."""
+    case = {
+        "analysis": "dynamic", "mesh": {"file": str(ROOT / "meshes" / "cantilever.geo"), "parameters": {"nx": 8, "ny": 2, "length": 1, "width": 0.25}},
+        "material": [{"type": "isotropic", "young": 1e7, "poisson": 0.0, "thickness": 0.01, "density": 100}],
+        "support": [{"type": "clamped", "group": "clamp"}], "time": {"end": 0.1, "step": 0.02}, "contact": {"distance": 0.01},
+        "obstacle": [{"name": "ball", "type": "sphere", "point": [0.8, 0.125, -0.12], "radius": 0.1}]}
+    summary = solve("contact_not_yet", case).summary
+    report.check(summary["steps"] == 5 and summary["newton_iterations"] <= 5, f"{summary['steps']} steps, {summary['newton_iterations']} iterations")
+
+
+@test
 def contact_ball(report):
     """A sheet falls on a ball: the same contacts and path on 1 and 2 ranks, no intersection, never a gap closed.
 

@@ -145,6 +145,7 @@ def unresolved(report):
         said = re.findall(r"cells do not resolve how (.*) change, most near \(([^)]*)\) m", result.text)
         report.check([s[0] for s in said] == ([cause] if cause else []), f"{label}: {100 * error:+.1f} %, estimated {100 * estimates[0]:.1f} %: {said}")
         report.below(np.ptp(estimates) / estimates[0], 1e-6, "the same on all numbers of ranks")
+        report.check(("not resolved: by estimate" in result.text) == bool(cause), "the last lines state whether it is resolved")
         if cause:
             report.check(0.4 < estimates[0] / abs(error) < 2.5 and result.summary["membrane_error"] < 0.05, "within a factor of 2.5; chords say nothing")
         if place and said:
@@ -201,6 +202,9 @@ def deck_cases(report):
                          for j in range(n) for i in range(n))
     edge = ",\n".join(str(1 + i + j * (n + 1)) for j in range(n + 1) for i in range(n + 1) if i in (0, n) or j in (0, n))
     plate = lambda rest: PLATE_DECK.format(nodes=nodes, elements=elements, edge=edge, rest=rest)  # noqa: E731
+    crlf = "\ufeff" + plate("*Step\n*Frequency\n4,\n*End Step").replace("\n", "\r\n")
+    code, said, case = begin("deck_crlf", crlf)
+    report.check(code == 0 and 'analysis = "modal"' in case.read_text() and invoke(["check", case])[0] == 0, f"a mark of byte order and lines of Windows: {said[:200]}")
     code, said, case = begin("deck_plate", plate("*Step\n*Frequency\n4,\n*Output, field\n*End Step"))
     exact = 35.985 / (2 * np.pi) * np.sqrt(210000 * 8 / 12 / 0.91 / (2 * 7.85e-9)) / side**2
     report.percent(run(case, fresh("deck_plate_run"), 2).summary["eigenvalues"][0] / exact, 0.025, "plate: first frequency")
@@ -211,6 +215,13 @@ def deck_cases(report):
     report.check('analysis = "static"' in found and 'type = "follower_pressure"\ngroup = "PLATE"' in found and "LOADED_2" in found and "HELD_1" in found, "sets of single nodes")
     code, said = invoke(["check", case])
     report.check(code == 0, f"and the case is whole: {said[-200:]}")
+    code, said, case = begin("deck_moving", plate("*Boundary, type=velocity\n20, 1, 3, 5.\n*Boundary, op=new\n21, YSYMM\n22, 2, 2, 0.5\n*Step\n*Static\n*Dload\nplate, P, 1e-4\nplate, GRAV, 9810., 0., 0., -1.\n*End Step"))
+    found = case.read_text()
+    report.check("*BOUNDARY, TYPE=VELOCITY" in said and "OP=NEW" in said and "value = [0, 0.5, 0]" in found and "normal = [0, 1, 0]" in found
+                 and "vector = [0, 0, -9810]" in found, f"velocities are no displacements; mirror planes, values and gravity: {said[:300]}")
+    code, said, case = begin("deck_pressed", plate("*Step\n*Static\n*Dload\nplate, P, 1e-4\n*End Step"))
+    # CalculiX 2.20 lifts such a plate along the normals of its elements, too.
+    report.check(run(case, fresh("deck_pressed_run"), 1).displacement()[:, 2].max() > 0, "a pressure acts along the normals")
     for what, change in (("a modulus that is no number", ("210000.", "many")), ("an include that is not there", ("*Heading", "*Include, input=none.inp\n*Heading"))):
         code, said, _ = begin("deck_wrong", plate("").replace(*change))
         report.check(code == 2 and re.search(r"deck_wrong\.inp:\d+: ", said), f"{what}: code {code}: {said[:150]}")
@@ -231,6 +242,15 @@ def unresolved_modes(report):
         report.check(0.5 < ratio.min() and ratio.max() < 2.5, f"{cells} cells: estimates are {ratio.min():.2f} to {ratio.max():.2f} times the errors")
         report.check(("cells do not resolve mode(s) 1, 2, 3, 4" in result.text) == (cells == 8), f"{cells} cells: warned, or not")
         report.below(max(abs(np.array(result.summary["eigenvalue_errors"]) - table[:, 4])), 1e-12, "the summary has them too")
+
+
+    # Thirty modes of a long strip: its first frequency is a thousandth of the last, but no rigid motion.
+    strip = {"analysis": "modal", "mesh": {"file": str(ROOT / "meshes" / "cantilever.geo"), "parameters": {"nx": 120, "ny": 2, "length": 10, "width": 0.1}},
+             "material": material, "support": [{"type": "clamped", "group": "clamp"}], "eigen": {"modes": 30}}
+    errors = solve("unresolved_modes_strip", strip).summary["eigenvalue_errors"]
+    report.check(0 < errors[0] < 1e-3 and min(errors) > 0, f"a long strip: estimates from {errors[0]:.1e}")
+    loose = solve("unresolved_modes_loose", {k: v for k, v in case.items() if k != "support"} | {"eigen": {"modes": 8}}).summary
+    report.check(loose["eigenvalue_errors"][:6] == [0] * 6 and loose["eigenvalue_errors"][6] > 0, "rigid motions have none")
 
 
 @test

@@ -10,7 +10,7 @@
 //   |t| <= HB (sticks):  W_r = t^2 / (2 D_s),              m_r = t,          dm_r/dk_r = D_s
 //   |t| >  HB (slips):   W_r = HB (|t| - HB/2) / D_s,      m_r = HB sign t,  dm_r/dk_r = 0
 // Of W, m^2/(2 D_s) is stored and HB |p - p_n| is lost. Several sliders side by side (Prandtl and Ishlinskii) make a loop round.
-// A triangle bends by its slopes even where bending goes by angles (angle_bending.hpp); beside folds at rest, where slopes take motion
+// A triangle bends by its slopes even where bending is by angles (angle_bending.hpp); beside folds at rest, where slopes take motion
 // in the plane for bending, there is no friction.
 // Source: any textbook on plasticity with a spring and a slider (Jenkin's element), e.g. Simo & Hughes, Computational Inelasticity
 // (1998), chapter 1; for fabrics Lahey & Heppler, J. Appl. Mech. 71 (2004). Theory: docs/theory/yarn-friction.md.

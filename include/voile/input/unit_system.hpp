@@ -1,4 +1,4 @@
-// Units of a case: "210 GPa" in place of a number, and [units] for a case that is not in SI.
+// Units of a case: "210 GPa" instead of a number, and [units] for a case that is not in SI.
 //
 // A case is in one consistent system: a unit of length, of mass and of time. Plain numbers are in it, texts with a unit are
 // converted to it, and so are defaults and fabrics, which are kept in SI. The solver knows nothing of it: all formulas hold in

@@ -76,7 +76,7 @@ struct Temperature {
 /// Where groups overlap changes add up.
 struct Temperatures {
   std::vector<Temperature> list;
-  bool by_load = false;  ///< the load factor stands in place of the time
+  bool by_load = false;  ///< the load factor is taken for the time
 };
 
 /// Mass at vertices, besides that of the sheet. It has weight where gravity acts on the whole model or on its group.
