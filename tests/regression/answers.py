@@ -83,6 +83,12 @@ def linear_values(report):
             # Fields are central differences over 1e-5 of a cell: their round-off is 1.1e-6, and depends on the order of sums.
             report.below(np.abs(small - large).max(), 2e-6 * bent.get(field, max(np.abs(small).max(), 1.0 if field == "error" else 0.0)),
                          f"{name}: {field}s are proportional")
+    small = copy.deepcopy(case) | {"analysis": "static", "steps": {"initial_step": 1.0}}
+    for load in small["load"]:
+        load["vector"] = [1e-3 * c for c in load["vector"]]
+    static = solve("linear_values_static", small).summary
+    for estimate in ("membrane_error", "recovery_error"):
+        report.percent(result.summary[estimate] / static[estimate], 0.02, f"{name}: {estimate} {static[estimate]:.2e} as of a small load")
 
 
 @test

@@ -219,7 +219,8 @@ def deck_cases(report):
     found = case.read_text()
     report.check("*BOUNDARY, TYPE=VELOCITY" in said and "OP=NEW" in said and "value = [0, 0.5, 0]" in found and "normal = [0, 1, 0]" in found
                  and "vector = [0, 0, -9810]" in found, f"velocities are no displacements; mirror planes, values and gravity: {said[:300]}")
-    code, said, case = begin("deck_pressed", plate("*Step\n*Static\n*Dload\nplate, P, 1e-4\n*End Step"))
+    code, said, case = begin("deck_pressed", plate("*Step\n*Static\n*Dload\nplate, P, 1e-4\n*End Step\n*Step\n*Frequency\n4\n*End Step"))
+    report.check("a second *STEP" in said and 'analysis = "linear"' in case.read_text(), "of two steps the first is taken")
     # CalculiX 2.20 lifts such a plate along the normals of its elements, too.
     report.check(run(case, fresh("deck_pressed_run"), 1).displacement()[:, 2].max() > 0, "a pressure acts along the normals")
     for what, change in (("a modulus that is no number", ("210000.", "many")), ("an include that is not there", ("*Heading", "*Include, input=none.inp\n*Heading"))):
@@ -258,7 +259,11 @@ def unresolved_on_the_way(report):
     """A shallow roof on 8 x 8 cells: its bending is less resolved at the limit load than at the end, and the warning says where."""
     case = variant(load_case(ROOT / "runs" / "roof_isotropic_6.35" / "case.toml"), {"mesh.parameters.n_axial": 8, "mesh.parameters.n_circ": 8})
     case["mesh"]["file"] = str(ROOT / "meshes" / "panel.geo")
+    case["probe"].append({"name": "shell", "type": "energy"})
     result = solve("unresolved_on_the_way", case, 1)
+    bent, stretched = (result.history[f"shell_{part}"][-1] for part in ("bending", "membrane"))
+    parts = bent * result.summary["recovery_error_of_bending"] + stretched * result.summary["recovery_error_of_stretching"]
+    report.percent(parts / (bent + stretched) / result.summary["recovery_error"], 0.02, "those of bending and stretching, weighed by their energies, are that of all")
     report.check(result.summary["recovery_error"] < 0.05 < result.summary["largest_recovery_error"], "less than 5 % at the end, more before")
     report.check("warning: at load factor" in result.text and "resolved at the end" in result.text, "the warning names the load factor")
 
