@@ -252,8 +252,7 @@ std::vector<std::string> mesh_notes(const mesh::SurfaceMesh& mesh) {
   if (c.joints > 0 && mesh.data().seams.empty())
     notes.push_back(fmt::format(
         "{} vertices on the rim of a part lie at inner vertices of another (within {:.2g} m), as near {}: a T "
-        "joint, or a smaller layer; they are not joined, and mesh.merge cannot; a [[spring]] of type "
-        "\"pair\" holds them together",
+        "joint, or a smaller layer; they are not joined; if they should be, set mesh.merge = true",
         c.joints, tolerance, place_text(c.joint)));
   else if (c.places > 0 && mesh.data().seams.empty())
     notes.push_back(fmt::format(
