@@ -211,6 +211,20 @@ def joint_moebius(report):
     ends = [solve(f"moebius_{ranks}", case, ranks).displacement() for ranks in (1, 2, 3)]
     for ranks, end in zip((2, 3), ends[1:]):
         report.below(np.abs(end - ends[0]).max() / np.abs(ends[0]).max(), 1e-6, f"{ranks} ranks")
+    solve("moebius_half", case | {"time": {"end": 0.1, "step": 0.01}})
+    again = solve("moebius_again", case, 2, ["--restart", str(OUT / "moebius_half" / "checkpoint.h5")]).displacement()
+    report.below(np.abs(again - ends[0]).max() / np.abs(ends[0]).max(), 1e-6, "after a restart on 2 ranks")
+
+
+@test
+def joint_wedge(report):
+    """Neighbours across an acute joint do not push each other, though they lie far within the contact distance."""
+    for degrees in (10, 90):
+        p = Panels()
+        for k, a in enumerate((0, math.radians(degrees), math.pi)):
+            p.add(f"sheet {k}", (0, 0, 0), (math.cos(a), 0, math.sin(a)), (0, 1, 0), 10, 10)
+        case = case_of(p.write(OUT / "joint_wedge.msh"), 0.02, "dynamic", time={"end": 0.05, "step": 0.01}, contact={"distance": 0.03})
+        report.below(np.abs(solve("joint_wedge", case).displacement()).max(), 1e-12, f"{degrees} degrees: displacement [m]")
 
 
 @test
