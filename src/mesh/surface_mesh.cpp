@@ -8,6 +8,7 @@
 #include <numeric>
 #include <tuple>
 
+#include "continuations.hpp"
 #include "voile/base/error.hpp"
 #include "voile/base/text.hpp"
 
@@ -186,11 +187,26 @@ std::string SurfaceMesh::joint_text(const Joint& joint) const {
 
 void SurfaceMesh::orient() {
   std::vector<char> seen(data_.triangles.size(), 0), flip(data_.triangles.size(), 0);
+  const std::map<Index, std::vector<Continuation>> across = continuations(data_, joints_);
+  const auto spread_across = [&](Index t, std::vector<Index>& members) {
+    const auto found = across.find(t);
+    if (found == across.end()) return;
+    for (const Continuation& c : found->second) {
+      if (seen[c.next]) continue;
+      seen[c.next] = 1;
+      flip[c.next] = static_cast<char>(flip[t] ^ static_cast<char>(!c.opposite));
+      members.push_back(c.next);
+    }
+  };
   for (Index seed = 0; seed < triangle_count(); ++seed) {
     if (seen[seed]) continue;
     std::vector<Index> members{seed};
     seen[seed] = 1;
-    for (std::size_t k = 0; k < members.size(); ++k) spread_orientation(members[k], members, seen, flip);
+    for (std::size_t k = 0; k < members.size(); ++k) {
+      const Index t = members[k];
+      spread_orientation(t, members, seen, flip);
+      spread_across(t, members);
+    }
     const auto turned = std::count_if(members.begin(), members.end(), [&](Index t) { return flip[t]; });
     // Keep the orientation that most triangles already have.
     const char turn = 2 * static_cast<std::size_t>(turned) > members.size() ? 0 : 1;

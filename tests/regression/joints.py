@@ -135,14 +135,22 @@ def frame(file, angle, n=8, stub=True):
 
 @test
 def joint_frame(report):
-    """Plates joined at angles of 0 to 170 degrees bend as beams do, in each element."""
+    """Plates joined at angles of 0 to 170 degrees bend as beams do, in each element; straight as a plate without a joint."""
     t, load = 0.01, 1e-3
     rigidity = 1e7 * t**3 / 12 * 0.5
+
+    def straight(n, stub):
+        case = case_of(frame(OUT / "joint_frame.msh", 0.0, n, stub), t, support=[{"type": "clamped", "group": "first end"}],
+                       load=[{"type": "line", "group": "second end", "vector": [0, 0, load]}],
+                       probe=[{"name": "tip", "type": "displacement", "group": "second end"}])
+        return solve("joint_frame", case).history["tip_z"][-1]
+
+    report.below(straight(8, True) / straight(8, False) - 1, 1e-4, "a joint in a straight plate changes its deflection by")
     for degrees in (0, 45, 90, 135, 170):
         angle = math.radians(degrees)
         c = math.cos(angle)
         exact = load * 0.5 / rigidity * (1 / 3 + 1 + c + c * c / 3)
-        for element in ("corrected", "angles", "six_node"):
+        for element in ("corrected", "angles", "six_node")[: 3 if degrees in (90, 170) else 1]:
             case = case_of(frame(OUT / "joint_frame.msh", angle), t, element={"type": element},
                            support=[{"type": "clamped", "group": "first end"}],
                            load=[{"type": "line", "group": "second end", "vector": [-load * math.sin(angle), 0, load * c]}],

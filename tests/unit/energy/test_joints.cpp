@@ -48,7 +48,9 @@ class ConstantMoments {
     constexpr double twist = 0.4;
     double moment = 0.0;
     for (std::size_t k = 0; k < f.angles.size(); ++k) {
-      const Mat3 d = along_sheet(f.materials[k], k % 2 == 1);
+      const Index first = mesh.group("sheet " + std::to_string(k)).triangles.front();
+      turned_.push_back(mesh.rest_normal(first).dot(normal(k)) < 0.0);
+      const Mat3 d = along_sheet(f.materials[k], turned_.back());
       Vec3 c(0.3 + 0.5 * std::sin(3.0 * static_cast<double>(k)), f.bent.dot(normal(k)), 2.0 * twist);
       if (k + 1 == f.angles.size()) c[0] -= (moment + d.row(0).dot(c)) / d(0, 0);
       moment += d.row(0).dot(c);
@@ -93,7 +95,7 @@ class ConstantMoments {
       const Index t = entry.first;
       if (!is_inside((mesh_.start_corner(t, 0) + mesh_.start_corner(t, 1) + mesh_.start_corner(t, 2)) / 3.0)) continue;
       const Vec3& m = moments_[entry.second];  // axis 1 is y; axis 2 is -x, or x where the sheet is turned over
-      const double sign = entry.second % 2 == 1 ? -1.0 : 1.0;
+      const double sign = turned_[entry.second] ? -1.0 : 1.0;
       const Vec3 expected(sign * m[1], sign * m[0], -m[2]);
       most = std::max(most, expected.norm());
       wrong = std::max(wrong, (Eigen::Map<const Vec3>(&moments[3 * static_cast<std::size_t>(t)]) - expected).norm());
@@ -107,6 +109,7 @@ class ConstantMoments {
   const Fan& f_;
   const mesh::SurfaceMesh& mesh_;
   std::vector<Vec3> curvature_, moments_;
+  std::vector<bool> turned_;  ///< whether the sheet is turned over
   std::vector<std::size_t> sheet_;
   std::vector<std::pair<Index, std::size_t>> triangles_;
 };

@@ -5,6 +5,7 @@
 #include <limits>
 #include <numbers>
 
+#include "test_joined_meshes.hpp"
 #include "test_meshes.hpp"
 #include "test_relative.hpp"
 #include "voile/base/error.hpp"
@@ -199,6 +200,21 @@ TEST_CASE("an edge of three triangles is a joint, and refused by its names where
   CHECK(contains(text, "11-12"));
   CHECK(contains(text, "triangles 101, 102, 103"));
   CHECK(contains(text, "1 edge(s)"));
+}
+
+TEST_CASE("a flange keeps one orientation across its web") {
+  const double degree = std::numbers::pi / 180.0;
+  mesh::MeshData d = fan({0.0, 185.0 * degree, 90.0 * degree}, Pattern::diagonal, 3, 3);
+  const std::vector<Index> left = d.groups[2].triangles;
+  for (const bool turned : {false, true}) {
+    if (turned)
+      for (const Index t : left) std::swap(d.triangles[t][1], d.triangles[t][2]);
+    const mesh::SurfaceMesh mesh(d);
+    CHECK(mesh.joints().size() == 3);
+    CHECK((mesh.reoriented_count() > 0) == turned);
+    for (const Index t : left) CHECK(mesh.rest_normal(t).dot(mesh.rest_normal(0)) > 0.9);
+    CHECK(mesh::SurfaceMesh(mesh.data()).reoriented_count() == 0);
+  }
 }
 
 TEST_CASE("duplicate triangles are refused by name, whatever their orientation") {
