@@ -5,6 +5,7 @@ import math
 import numpy as np
 from common import fresh
 from harness import OUT, solve, test
+from jittered import write_msh
 from panels import Panels
 from solver import invoke, run, write_case
 
@@ -34,7 +35,7 @@ def t_beam(file, cells=8, length=10.0, merged=True):
 def joint_t_beam(report):
     """A T-section cantilever under a load at its end against Timoshenko's beam; merged from parts it is the same."""
     length, t, load = 10.0, 0.02, 1.0
-    area, centre = 2 * t, 0.25  # of flange and web, centroid below the flange
+    centre = 0.25  # centroid below the flange
     inertia = t * centre**2 + t / 12 + t * (0.5 - centre)**2
     exact = load * length**3 / (3 * 1e7 * inertia) + load * length / (0.5e7 * t)  # the web carries the shear
     more = {"support": [{"type": "clamped", "group": f"{k} start"} for k in ("left", "right", "web")],
@@ -48,7 +49,6 @@ def joint_t_beam(report):
     case["mesh"]["merge"] = True
     merged = solve("joint_merged", case)
     report.below(merged.history["tip_z"][-1] / whole - 1, 1e-9, "merged from three parts")
-    assert area
 
 
 @test
@@ -192,7 +192,6 @@ def joint_roll(report):
 
 
 def moebius(file, nx=48, ny=4):
-    from jittered import write_msh
     points, cells = [], []
     for i in range(nx):
         for j in range(ny + 1):
