@@ -85,8 +85,8 @@ inline mesh::MeshData cell_corner(int n) {
       for (const auto& f : {std::array{at(i, j, 0), at(i + 1, j, 0), at(i + 1, j + 1, 0), at(i, j + 1, 0)},
                             std::array{at(0, j, i), at(0, j + 1, i), at(0, j + 1, i + 1), at(0, j, i + 1)},
                             std::array{at(i, 0, j), at(i + 1, 0, j), at(i + 1, 0, j + 1), at(i, 0, j + 1)}}) {
-        d.triangles.push_back({f[0], f[1], f[2]});
-        d.triangles.push_back({f[0], f[2], f[3]});
+        d.triangles.push_back({f[0], f[1], f[3]});
+        d.triangles.push_back({f[1], f[2], f[3]});
       }
   return d;
 }

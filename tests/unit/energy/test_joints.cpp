@@ -8,6 +8,8 @@
 #include "test_joined_meshes.hpp"
 #include "test_model_kit.hpp"
 #include "voile/base/error.hpp"
+#include "voile/energy/joint.hpp"
+#include "voile/energy/sheet.hpp"
 
 using namespace voile;
 using namespace voile::testing;
@@ -210,6 +212,33 @@ TEST_CASE("joined sheets move as a rigid body without force and energy") {
       CHECK(std::abs(model.energy(a)) < 1e-12 * stored);
     }
   }
+}
+
+TEST_CASE("joints that share a triangle are solved together, and turn freely as one") {
+  const mesh::SurfaceMesh mesh(cell_corner(3));
+  const mesh::PatchMesh patches(mesh, {});
+  const std::vector<energy::Material> materials{isotropic(2e6, 0.3, 0.03)};
+  const energy::Sheet sheet(patches, materials, std::vector<int>(static_cast<std::size_t>(mesh.triangle_count()), 0),
+                            {});
+  energy::CurvatureBuilder curvatures(sheet);
+  std::size_t largest = 0;
+  for (const std::vector<Index>& cluster : energy::joint_clusters(sheet)) {
+    largest = std::max(largest, cluster.size());
+    const energy::JointElement joint = energy::make_joint_element(sheet, curvatures, cluster);
+    const Eigen::MatrixXd& q = joint.stiffness;
+    const double scale = q.norm();
+    for (const energy::JointElement::Angle& first : joint.angles) {
+      Eigen::VectorXd turn(q.rows());
+      for (Eigen::Index n = 0; n < q.rows(); ++n)
+        turn[n] = joint.angles[static_cast<std::size_t>(n)].edge == first.edge ? 1.0 : 0.0;
+      CHECK((q * turn).norm() < 1e-12 * scale);
+    }
+    const Eigen::VectorXd values = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(q).eigenvalues();
+    CHECK(values.minCoeff() > -1e-12 * scale);
+    const auto zero = std::count_if(values.begin(), values.end(), [&](double v) { return v < 1e-9 * scale; });
+    CHECK(static_cast<std::size_t>(zero) == cluster.size());
+  }
+  CHECK(largest == 2);
 }
 
 TEST_CASE("forces of joints derive from the energy, and the tangent from the forces") {
