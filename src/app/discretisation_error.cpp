@@ -13,9 +13,6 @@ namespace voile::app {
 
 namespace {
 
-/// Strains below which a nonlinear state is nothing but round-off, such as that of a sheet that has only moved.
-constexpr double no_strain = 1e-9;
-
 /// Share of a deflection beyond which the estimate is no number any more, only large.
 constexpr double most_told = 0.99;
 
@@ -28,12 +25,17 @@ double cell_size(double area) {
   return std::sqrt(4.0 * area / std::sqrt(3.0));
 }
 
+/// Factor by which cells have to be smaller, enough to be worth it.
+double finer(double error) {
+  return std::min(0.9, std::sqrt(error_limit / error));
+}
+
 }  // namespace
 
-double round_off_energy(const energy::Sheet& sheet) {
+double round_off_energy(const energy::Sheet& sheet, double strain) {
   double sum = 0.0;
   for (Index t = 0; t < sheet.mesh().triangle_count(); ++t)
-    sum += 0.5 * sheet.mesh().area(t) * sheet.material(t).membrane.trace() * no_strain * no_strain;
+    sum += 0.5 * sheet.mesh().area(t) * sheet.material(t).membrane.trace() * strain * strain;
   return sum;
 }
 
@@ -72,15 +74,14 @@ DiscretisationError::Densities DiscretisationError::of(const system::Model& mode
 }
 
 DiscretisationError::Densities DiscretisationError::judged(const system::Model& model,
-                                                           const system::TriangleFields& fields,
-                                                           const std::string& place) {
+                                                           const system::TriangleFields& fields, const Judged& state) {
   Densities d = of(model, fields);
-  if (mpi::rank(model.dofs().comm()) == 0) judge(model.discretisation().sheet(), fields, d, place);
+  if (mpi::rank(model.dofs().comm()) == 0) judge(model.discretisation().sheet(), fields, d, state);
   return d;
 }
 
 void DiscretisationError::judge(const energy::Sheet& sheet, const system::TriangleFields& fields, const Densities& d,
-                                const std::string& place) {
+                                const Judged& state) {
   const mesh::SurfaceMesh& mesh = sheet.mesh();
   double membrane = 0.0, bending = 0.0, largest = 0.0, bent = 0.0;
   Index worst = 0;
@@ -93,7 +94,7 @@ void DiscretisationError::judge(const energy::Sheet& sheet, const system::Triang
     largest = whole;
     worst = static_cast<Index>(t);
   }
-  const double stored = stored_energy(sheet, fields), none = linear_ ? 0.0 : round_off_energy(sheet);
+  const double stored = stored_energy(sheet, fields), none = round_off_energy(sheet, state.strain);
   last_ = {0.0, std::nan(""), std::nan("")};
   if (stored > none) last_.whole = (membrane + bending) / stored;
   if (stored > none && stored - bent > none) last_.membrane = membrane / (stored - bent);
@@ -113,10 +114,10 @@ void DiscretisationError::judge(const energy::Sheet& sheet, const system::Triang
         "(summary.json: recovery_error; fields membrane_recovery_error and bending_recovery_error show where)",
         when, bending > membrane ? "bending moments" : "membrane forces", at[0], at[1], at[2],
         mesh.has_charts() ? "the start" : "rest", 100.0 * std::sqrt(last_.whole),
-        100.0 * std::min(last_.whole, most_told), size * std::sqrt(error_limit / last_.whole), size);
+        100.0 * std::min(last_.whole, most_told), size * finer(last_.whole), size);
   };
   warning_ = text("");
-  if (last_.whole == largest_ && !place.empty()) worst_warning_ = text("at " + place + " ");
+  if (last_.whole == largest_ && !state.place.empty()) worst_warning_ = text("at " + state.place + " ");
 }
 
 }  // namespace voile::app

@@ -20,13 +20,14 @@ namespace voile::app {
 /// on this rank. Not collective.
 [[nodiscard]] double stored_energy(const energy::Sheet& sheet, const system::TriangleFields& fields);
 
-/// Energy of a strain of 1e-9 throughout [J]: a state with less is round-off. Not collective.
-[[nodiscard]] double round_off_energy(const energy::Sheet& sheet);
+/// Strains below which a nonlinear state is only round-off, such as that of a sheet that has only moved.
+inline constexpr double no_strain = 1e-9;
+
+/// Energy of such a strain throughout [J]: a state with less is round-off. Not collective.
+[[nodiscard]] double round_off_energy(const energy::Sheet& sheet, double strain = no_strain);
 
 class DiscretisationError {
  public:
-  /// `linear`: displacements are of no certain size, however small.
-  explicit DiscretisationError(bool linear) : linear_(linear) {}
   /// The mesh or the model has changed.
   void begin_epoch() { recovery_.reset(); }
 
@@ -39,9 +40,12 @@ class DiscretisationError {
   };
   /// Of the model's sheet; `fields` on rank 0. Each rank fits those of its own triangles. Collective; values on rank 0.
   [[nodiscard]] Densities of(const system::Model& model, const system::TriangleFields& fields);
-  /// The same of a recorded state, which is judged: `place` names it on a path, e.g. "load factor 0.5". Collective.
-  [[nodiscard]] Densities judged(const system::Model& model, const system::TriangleFields& fields,
-                                 const std::string& place);
+  struct Judged {
+    std::string place{};        ///< of the state on a path, e.g. "load factor 0.5"
+    double strain = no_strain;  ///< below which it is only round-off
+  };
+  /// The same of a recorded state, which is judged. Collective.
+  [[nodiscard]] Densities judged(const system::Model& model, const system::TriangleFields& fields, const Judged& state);
   /// Of the last state; on rank 0.
   [[nodiscard]] const Fractions& last() const { return last_; }
   /// eta^2 of the worst state; on rank 0.
@@ -52,9 +56,8 @@ class DiscretisationError {
 
  private:
   void judge(const energy::Sheet& sheet, const system::TriangleFields& fields, const Densities& of,
-             const std::string& place);
+             const Judged& state);
 
-  bool linear_;
   std::optional<energy::RecoveryError> recovery_;  ///< of the epoch
   Fractions last_;
   double largest_ = std::nan("");

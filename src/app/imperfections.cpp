@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -21,14 +22,29 @@ using input::ImperfectionSection;
 /// Waves that a random field is the sum of.
 constexpr int waves = 400;
 
-std::vector<Vec3> normals_of(const mesh::SurfaceMesh& mesh) {
-  std::vector<Vec3> normals(static_cast<std::size_t>(mesh.vertex_count()), Vec3::Zero());
+/// Displacement of each vertex per unit of height: its part along the normal n of each triangle there is 1, or 1 in the least squares
+/// of their areas. Directions that less than `least` of the area needs are left out: small curvature, and sheets folded flat.
+std::vector<Vec3> lifts_of(const mesh::SurfaceMesh& mesh) {
+  constexpr double least = 0.05;
+  const auto count = static_cast<std::size_t>(mesh.vertex_count());
+  std::vector<Mat3> squares(count, Mat3::Zero());  // sum of A n n^T
+  std::vector<Vec3> sums(count, Vec3::Zero());     // sum of A n
   for (Index t = 0; t < mesh.triangle_count(); ++t)
-    for (const Index v : mesh.triangles()[t])
-      normals[static_cast<std::size_t>(v)] += mesh.area(t) * mesh.start_normal(t);
-  for (Vec3& n : normals)
-    if (n.norm() > 0.0) n.normalize();
-  return normals;
+    for (const Index v : mesh.triangles()[t]) {
+      const Vec3 n = mesh.start_normal(t);
+      squares[static_cast<std::size_t>(v)] += mesh.area(t) * n * n.transpose();
+      sums[static_cast<std::size_t>(v)] += mesh.area(t) * n;
+    }
+  std::vector<Vec3> lifts(count, Vec3::Zero());
+  for (std::size_t v = 0; v < count; ++v) {
+    const Eigen::SelfAdjointEigenSolver<Mat3> parts(squares[v]);
+    for (int k = 0; k < 3; ++k) {
+      const Vec3 e = parts.eigenvectors().col(k);
+      if (parts.eigenvalues()[k] > least * squares[v].trace())
+        lifts[v] += e * (e.dot(sums[v]) / parts.eigenvalues()[k]);
+    }
+  }
+  return lifts;
 }
 
 /// Numbers that are the same with every compiler: uniform from the engine's bits, normal by Box and Muller.
@@ -92,7 +108,7 @@ void add_modes(const input::Case& c, const ImperfectionSection& s, const mesh::S
 }
 
 void add_heights(const ImperfectionSection& s, const mesh::SurfaceMesh& mesh, std::vector<Vec3>& added) {
-  const std::vector<Vec3> normals = normals_of(mesh);
+  const std::vector<Vec3> lifts = lifts_of(mesh);
   std::vector<double> h;
   if (s.type == ImperfectionSection::Type::random) {
     h = random_heights(s, mesh);
@@ -100,7 +116,7 @@ void add_heights(const ImperfectionSection& s, const mesh::SurfaceMesh& mesh, st
     const auto height = input::place_expression(s.height, false).value;
     for (const Vec3& x : mesh.positions()) h.push_back(height(x, 0.0));
   }
-  for (std::size_t v = 0; v < added.size(); ++v) added[v] += h[v] * normals[v];
+  for (std::size_t v = 0; v < added.size(); ++v) added[v] += h[v] * lifts[v];
 }
 
 /// What is added to each vertex. Rank 0 only.

@@ -54,7 +54,7 @@ void warn_of_errors(const Summary& s, bool vibration) {
       "voile: warning: cells do not resolve mode(s) {}: {} may be wrong by about {:.2g} %; use cells {:.1f} times "
       "smaller where they bend (summary.json: eigenvalue_errors)\n",
       found, vibration ? "their frequencies" : "their load factors", 100.0 * std::min(largest, 0.99),
-      std::sqrt(largest / error_limit));
+      std::max(1.1, std::sqrt(largest / error_limit)));
 }
 
 void write_modes(const input::Case& c, const RunOptions& options, const system::Model& model,
@@ -103,7 +103,7 @@ void run_modes(const input::Case& c, const RunOptions& options, system::Model& m
     fmt::print("{:>5} {:>16} {:>12} {:>14}\n", "mode", vibration ? "frequency [Hz]" : "load factor", "residual",
                "est. error [%]");
   for (const solve::Mode& mode : result.modes) summary.eigen.push_back(mode.value);
-  DiscretisationError recovery(true);
+  DiscretisationError recovery;
   for (const solve::Mode& mode : result.modes) {
     double error = error_of(model, a, mode, vibration, recovery);
     if (vibration) error *= is_rigid(mode.value, summary.eigen) ? 0.0 : 0.5;  // of the square of the frequency

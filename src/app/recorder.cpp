@@ -39,8 +39,7 @@ Recorder::Recorder(const input::Case& c, const RunOptions& options, system::Mode
       root_(mpi::rank(model.dofs().comm()) == 0),
       probes_(std::in_place, c, model),
       linear_(c.analysis == "linear"),
-      warnings_(linear_),
-      discretisation_error_(linear_) {
+      warnings_(linear_) {
   mpi::on_root(model.dofs().comm(), [&] {
     kept_.columns = columns();
     if (!has_folder()) return;

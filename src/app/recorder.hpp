@@ -97,6 +97,8 @@ class Recorder {
   /// `judged`: estimates of error are made, wanted or not, and remembered as those of this place on the path; may be null.
   [[nodiscard]] std::vector<io::Field> fields_of(Vec a, const Snapshot& s, const Wants& wants,
                                                  const std::string* judged);
+  /// Strain below which a state is only round-off. Collective.
+  [[nodiscard]] double round_off_strain(Vec a) const;
   [[nodiscard]] std::vector<io::Field> stresses(const system::TriangleFields& t, const Wants& wants, bool all) const;
   void write_or_keep(bool write, io::StepFields step, Vec position, Vec velocity, const Snapshot& s);
   void write_step(const system::State& state, const solve::StepResult& r, const Snapshot& s, bool whole);

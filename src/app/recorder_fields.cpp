@@ -1,6 +1,7 @@
 // The fields of a recorded state.
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <utility>
 
 #include "contact_fields.hpp"
@@ -31,6 +32,14 @@ std::vector<Field> Recorder::stresses(const system::TriangleFields& t, const Wan
   return found;
 }
 
+// A linear solution is of any size: its round-off is relative to its displacements.
+double Recorder::round_off_strain(Vec a) const {
+  if (!linear_) return no_strain;
+  double largest = 0.0;
+  VOILE_PETSC(VecNorm(a, NORM_INFINITY, &largest));
+  return no_strain * largest / std::sqrt(model_->discretisation().mean_area());
+}
+
 std::vector<Field> Recorder::fields_of(Vec a, const Snapshot& s, const Wants& wants, const std::string* judged) {
   std::vector<Field> fields;
   const system::TriangleFields t =
@@ -39,9 +48,11 @@ std::vector<Field> Recorder::fields_of(Vec a, const Snapshot& s, const Wants& wa
   for (Field& f : contact_fields(*model_, a, wants)) fields.push_back(std::move(f));
   const bool estimated = estimates() && (judged || std::any_of(judgements.begin(), judgements.end(),
                                                                [&](const char* n) { return wants(n); }));
+  const double least = estimated ? round_off_strain(a) : no_strain;
   DiscretisationError::Densities recovered;
   if (estimated)
-    recovered = judged ? discretisation_error_.judged(*model_, t, *judged) : discretisation_error_.of(*model_, t);
+    recovered = judged ? discretisation_error_.judged(*model_, t, {*judged, least})
+                       : discretisation_error_.of(*model_, t);
   mpi::on_root(model_->dofs().comm(), [&] {
     const auto add = [&](const char* name, const char* unit, io::Centre centre, const std::vector<double>& values) {
       if (wants(name)) fields.push_back({name, unit, centre, 3, values});
@@ -56,7 +67,7 @@ std::vector<Field> Recorder::fields_of(Vec a, const Snapshot& s, const Wants& wa
       if (wants(name)) fields.push_back({name, "J/m^2", io::Centre::triangle, 1, std::move(values)});
     };
     if (estimated) {
-      Warnings::MembraneError error = warnings_.membrane_error(model_->discretisation().sheet(), t);
+      Warnings::MembraneError error = warnings_.membrane_error(model_->discretisation().sheet(), t, least);
       membrane_error_ = error.share;
       add_density("membrane_error", error.density);
       add_density("membrane_recovery_error", recovered.membrane);

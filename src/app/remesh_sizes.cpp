@@ -158,8 +158,8 @@ std::vector<double> Remesher::bounds(Epoch& epoch, const std::vector<double>& cu
 void Remesher::bound_by_error(Epoch& epoch, const system::TriangleFields& fields, std::vector<double>& bound) const {
   if (keys_.error == 0.0) return;
   const system::Model& model = epoch.model();
-  DiscretisationError estimate(false);
-  DiscretisationError::Densities error = estimate.judged(model, fields, "");
+  DiscretisationError estimate;
+  DiscretisationError::Densities error = estimate.judged(model, fields, {});
   mpi::on_root(model.dofs().comm(), [&] {
     if (estimate.last().whole == 0.0) return;  // also where there is nothing but round-off, as in a sheet that flies
     for (std::size_t t = 0; t < error.membrane.size(); ++t) error.membrane[t] += error.bending[t];

@@ -34,7 +34,8 @@ void Warnings::say_range(const mesh::SurfaceMesh& mesh, const Validity& v) {
                turn_limit * 180.0 / std::numbers::pi);
 }
 
-Warnings::MembraneError Warnings::membrane_error(const energy::Sheet& sheet, const system::TriangleFields& t) {
+Warnings::MembraneError Warnings::membrane_error(const energy::Sheet& sheet, const system::TriangleFields& t,
+                                                 double strain) {
   if (!chord_error_) {
     chord_error_.emplace(sheet);
     const std::string locks = locking_warning(sheet, t);
@@ -47,7 +48,7 @@ Warnings::MembraneError Warnings::membrane_error(const energy::Sheet& sheet, con
   double feigned = 0.0;
   for (std::size_t k = 0; k < error.size(); ++k) feigned += sheet.mesh().area(static_cast<Index>(k)) * error[k];
   const double stored = stored_energy(sheet, t);
-  const double share = stored > 0.0 ? feigned / stored : 0.0;
+  const double share = stored > round_off_energy(sheet, strain) ? feigned / stored : 0.0;
   if (share > largest_error_) {
     largest_error_ = share;
     is_corrected_ = corrected;

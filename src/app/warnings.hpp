@@ -26,7 +26,9 @@ class Warnings {
     std::vector<double> density;
     double share = 0.0;
   };
-  [[nodiscard]] MembraneError membrane_error(const energy::Sheet& sheet, const system::TriangleFields& t);
+  /// `strain`: below it a state is only round-off.
+  [[nodiscard]] MembraneError membrane_error(const energy::Sheet& sheet, const system::TriangleFields& t,
+                                             double strain);
   /// What to warn of at the end; empty: nothing.
   [[nodiscard]] std::string membrane_text() const;
 
