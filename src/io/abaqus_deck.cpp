@@ -54,9 +54,7 @@ class DeckReader {
   void read(int depth) {
     std::istringstream in(file_text(file_));
     line_ = 0;
-    for (std::string text; std::getline(in, text);) {
-      ++line_;
-      if (text.starts_with("**")) continue;
+    for (std::string text; abaqus_line(in, text, line_);) {
       if (text.starts_with("*")) {
         begin(text, depth);
       } else if (!abaqus_trimmed(text).empty()) {
@@ -112,6 +110,7 @@ class DeckReader {
         data_ = Data::unread;
         return true;
       }
+      if (keyword == "*MEMBRANE SECTION") leave(keyword + ": it bends as a shell of its thickness");
       if (parameters_.contains("NODAL THICKNESS"))
         leave(keyword + ", NODAL THICKNESS: the thickness of the section is taken");
       if (parameters_.contains("OFFSET")) leave(keyword + ", OFFSET");
@@ -204,6 +203,8 @@ class DeckReader {
 
   void take_elastic(const AbaqusWords& words) {
     AbaqusDeck::Material& m = deck_.materials[material_];
+    if (m.young > 0.0) leave("*ELASTIC: properties at other temperatures; the first line is taken");
+    if (m.young > 0.0) return;
     m.orthotropic = data_ == Data::lamina;
     m.young = number(words, 0);
     if (m.orthotropic) {
@@ -213,7 +214,6 @@ class DeckReader {
     } else {
       m.poisson = words.size() > 1 ? number(words, 1) : 0.0;
     }
-    data_ = Data::none;  // further lines are of other temperatures
   }
 
   void take_support(const AbaqusWords& words) {

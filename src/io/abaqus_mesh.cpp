@@ -75,9 +75,7 @@ class AbaqusReader {
   void read(int depth) {
     std::istringstream in(file_text(file_));
     line_ = 0;
-    for (std::string text; std::getline(in, text);) {
-      ++line_;
-      if (text.starts_with("**")) continue;
+    for (std::string text; abaqus_line(in, text, line_);) {
       if (text.starts_with("*"))
         begin(text, depth);
       else if (!abaqus_trimmed(text).empty())
@@ -126,6 +124,7 @@ class AbaqusReader {
     } else if (keyword == "*NSET") {
       section_ = Section::node_set;
       set_ = parameter("NSET");
+      if (parameters.count("ELSET")) add_nodes_of(parameter("ELSET"));
     } else if (keyword == "*ELSET") {
       section_ = Section::element_set;
       set_ = parameter("ELSET");
@@ -234,6 +233,23 @@ class AbaqusReader {
       } else {
         members.push_back(integer(word));
       }
+    }
+  }
+
+  /// *NSET, ELSET: the nodes of its elements.
+  void add_nodes_of(const std::string& elements) {
+    const auto named = element_sets_.find(elements);
+    if (named == element_sets_.end())
+      fail_in_line(file_, line_, fmt::format("*NSET, ELSET={}: there is no such set above; define it first", elements));
+    std::vector<long>& members = node_sets_[set_];
+    const auto add = [&](Index node) { members.push_back(static_cast<long>(mesh_.data.vertex_tags[node])); };
+    for (const long tag : named->second) {
+      if (const auto made = elements_.find(tag); made != elements_.end())
+        for (const Index t : made->second)
+          for (const Index v : mesh_.data.triangles[static_cast<std::size_t>(t)]) add(v);
+      if (const auto made = lines_.find(tag); made != lines_.end())
+        for (const mesh::Segment& s : made->second)
+          for (const Index v : s) add(v);
     }
   }
 

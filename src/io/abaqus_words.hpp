@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <istream>
 #include <map>
 #include <sstream>
 #include <string>
@@ -21,6 +22,22 @@ inline std::string abaqus_upper(std::string text) {
 inline std::string abaqus_trimmed(const std::string& text) {
   const std::size_t begin = text.find_first_not_of(" \t\r\""), end = text.find_last_not_of(" \t\r\"");
   return begin == std::string::npos ? "" : text.substr(begin, end - begin + 1);
+}
+
+/// The next line that is no comment, a keyword line with those that continue it after a comma; counts lines. False at the end.
+inline bool abaqus_line(std::istream& in, std::string& text, std::size_t& line) {
+  while (std::getline(in, text)) {
+    ++line;
+    if (text.starts_with("**")) continue;
+    for (std::string more; text.starts_with("*") && in.peek() != '*';) {
+      const std::string whole = abaqus_trimmed(text);
+      if (!whole.ends_with(',') || !std::getline(in, more)) break;
+      ++line;
+      text = whole + more;
+    }
+    return true;
+  }
+  return false;
 }
 
 /// Words between commas, without empty ones at the end.

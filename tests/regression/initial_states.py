@@ -5,6 +5,7 @@ import math
 import numpy as np
 from common import fresh, plate, strip
 from harness import OUT, solve, test
+from panels import Panels
 from solver import Result, invoke, load_case, run, variant, write_case
 
 YOUNG, POISSON, THICKNESS, EXPANSION = 210e9, 0.3, 0.01, 12e-6
@@ -307,6 +308,31 @@ def random_imperfection(report):
     report.below(np.abs(shapes["a"] - shapes["b"]).max(), 1e-14, "3 ranks and 1 [m]")
     report.check(np.abs(shapes["a"] - shapes["c"]).max() > 1e-3, "another seed")
     report.near(np.abs(shapes["a"][:, 2]).max(), 0.01, 1e-12, "largest height [m]")
+
+
+@test
+def linear_without_stress(report):
+    """A linear solution without stress is right and resolved: a plate that is moved or heated, and a laminate that is cooled to a saddle."""
+    flat = held_plate(8, "hinged", analysis="linear")
+    held = lambda group, axes: {"type": "displacement", "group": group, "components": axes}  # noqa: E731
+    p = Panels()
+    at = p.add("sheet", (0, 0, 0), (0.2, 0, 0), (0, 0.1, 0), 16, 8)
+    for name, vertex in (("corner", at[0, 0]), ("along", at[-1, 0]), ("across", at[0, -1])):
+        p.point(name, vertex)
+    laminate = {"type": "laminate", "young_1": 140e9, "young_2": 10e9, "poisson_12": 0.3, "shear_12": 5e9, "angles": [0, 90],
+                "ply_thicknesses": [0.25e-3], "direction": [1, 0, 0], "expansion_1": 0.0, "expansion_2": 30e-6}
+    cases = {
+        "moved": flat | {"support": [s | {"value": [0.1, 0.0, 0.2]} for s in flat["support"]]},
+        "heated": flat | {"temperature": [{"change": "80"}], "support": [held("left", ["x", "z"]), held("bottom", ["y", "z"])]},
+        "cooled": {"analysis": "linear", "mesh": {"file": str(p.write(OUT / "saddle.msh"))}, "material": [laminate], "temperature": [{"change": "-20"}],
+                   "support": [held("corner", ["x", "y", "z"]), held("along", ["y", "z"]), held("across", ["z"])],
+                   "probe": [{"name": "centre", "type": "displacement", "point": [0.1, 0.05, 0]}]}}
+    for name, case in cases.items():
+        done = solve(f"stressless_{name}", case)
+        report.check("warning" not in done.text and "the energy is off by 0 %" in done.text, f"{name}: {done.text.strip()[-150:]}")
+    # Curvature by classical laminate theory: 0.05115538 per kelvin along x, less that along y.
+    exact = -20 * 0.05115538 / 2 * (0.1**2 - 0.05**2)
+    report.percent(done.history["centre_z"][-1] / exact, 1e-6, "the saddle at its centre")
 
 
 @test

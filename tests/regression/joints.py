@@ -235,6 +235,34 @@ def joint_wedge(report):
 
 
 @test
+def joint_heights(report):
+    """Imperfect heights hold along the normals of all sheets at a joint; where those of three contradict each other the joint stays."""
+    p = Panels()
+    for k in range(3):
+        a = 2 * math.pi * k / 3
+        p.add(f"leg {k}", (0, 0, 0), (math.cos(a), math.sin(a), 0), (0, 0, 2), 6, 12)
+    p.join("foot", [f"leg {k} low" for k in range(3)])
+    case = case_of(p.write(OUT / "joint_y.msh"), 0.02, "modal", eigen={"modes": 4}, support=[{"type": "clamped", "group": "foot"}])
+    bent = case | {"imperfection": [{"type": "expression", "height": "0.01"}]}
+    ends = [solve(f"joint_heights_{ranks}", bent, ranks) for ranks in (1, 2)]
+    at = ends[0].results[-1].mesh.positions
+    moved = at - np.array(p.points)
+    axis = np.hypot(*np.array(p.points)[:, :2].T) < 1e-9
+    report.below(np.abs(moved[axis]).max(), 1e-9, "three sheets at 120 degrees: the joint moves by [m]")
+    report.near(np.linalg.norm(moved[~axis], axis=1).min(), 0.01, 1e-12, "and the sheets by [m]")
+    first, second = (np.loadtxt(e.folder / "modes.csv", delimiter=",", skiprows=1)[:, 1] for e in ends)
+    report.below(np.abs(second / first - 1).max(), 1e-6, "frequencies on 2 ranks")
+    p = Panels()
+    for name, across in (("left", (0, -1, 0)), ("right", (0, 1, 0)), ("web", (0, 0, 1))):
+        p.add(name, (0, 0, 0), (2, 0, 0), across, 8, 4)
+    case = case_of(p.write(OUT / "joint_up.msh"), 0.02, "modal", support=[{"type": "clamped", "group": "web high"}],
+                   imperfection=[{"type": "expression", "height": "0.01"}])
+    moved = solve("joint_up", case).results[-1].mesh.positions - np.array(p.points)
+    axis = np.abs(np.array(p.points)[:, 1:]).max(axis=1) < 1e-9
+    report.below(np.abs(np.abs(moved[axis]) - (0, 0.01, 0.01)).max(), 1e-12, "T: the joint moves by the height along both normals")
+
+
+@test
 def joint_mistakes(report):
     """What joints cannot have ends with code 2, the file, the key and a remedy."""
     mesh = t_beam(OUT / "joint_wrong.msh", 4, 2.0)

@@ -238,6 +238,11 @@ def deck_cases(report):
                  f"in a static step the end of a table counts: {said[:300]}")
     code, said, case = begin("deck_bare", plate("").replace("*Elastic\n210000., 0.3", "*Depvar\n3"))
     report.check(code == 0 and "it has no [[material]] yet" in said and "voile run" not in said, f"without a material nothing can be run: {said[-200:]}")
+    code, said, case = begin("deck_dialect", plate("*Nset, nset=ALL, elset=PLATE\n*Boundary\nALL, 3\n*Step\n*Static\n*End Step")
+                             .replace("elset=plate, material", "elset=plate,\nmaterial").replace("*Shell S", "*Membrane S").replace("0.3\n", "0.3, 20.\n190000., 0.3, 200.\n"))
+    report.check(code == 0 and "*ELASTIC: properties at other temperatures" in said and "*MEMBRANE SECTION: it bends" in said and "young = 210000" in case.read_text(),
+                 f"lines that continue, moduli by temperature and membranes: {said[:400]}")
+    report.check('group = "ALL"' in case.read_text() and invoke(["check", case])[0] == 0, "nodes of a set of elements")
     for what, change in (("an amplitude whose times do not ascend", ("*Boundary", "*Amplitude, name=A\n0., 0., 0., 1.\n*Boundary")), ("a modulus that is no number", ("210000.", "many")), ("an include that is not there", ("*Heading", "*Include, input=none.inp\n*Heading"))):
         code, said, _ = begin("deck_wrong", plate("").replace(*change))
         report.check(code == 2 and re.search(r"deck_wrong\.inp:\d+: ", said), f"{what}: code {code}: {said[:150]}")
