@@ -107,14 +107,20 @@ void add_modes(const input::Case& c, const ImperfectionSection& s, const mesh::S
   }
 }
 
-void add_heights(const ImperfectionSection& s, const mesh::SurfaceMesh& mesh, std::vector<Vec3>& added) {
+void add_heights(const input::Case& c, const ImperfectionSection& s, const mesh::SurfaceMesh& mesh,
+                 std::vector<Vec3>& added) {
   const std::vector<Vec3> lifts = lifts_of(mesh);
   std::vector<double> h;
   if (s.type == ImperfectionSection::Type::random) {
     h = random_heights(s, mesh);
   } else {
     const auto height = input::place_expression(s.height, false).value;
-    for (const Vec3& x : mesh.positions()) h.push_back(height(x, 0.0));
+    try {
+      for (const Vec3& x : mesh.positions()) h.push_back(height(x, 0.0));
+    } catch (const UserError& e) {
+      throw UserError(fmt::format("{}: [[imperfection]] height: {}; write one that is finite at every vertex",
+                                  c.file.string(), e.what()));
+    }
   }
   for (std::size_t v = 0; v < added.size(); ++v) added[v] += h[v] * lifts[v];
 }
@@ -126,7 +132,7 @@ std::vector<double> added_by(const input::Case& c, const mesh::SurfaceMesh& mesh
     if (s.type == ImperfectionSection::Type::modes)
       add_modes(c, s, mesh, added);
     else
-      add_heights(s, mesh, added);
+      add_heights(c, s, mesh, added);
   std::vector<double> numbers;
   for (const Vec3& w : added) numbers.insert(numbers.end(), w.begin(), w.end());
   return numbers;

@@ -7,6 +7,7 @@
 #include <map>
 #include <numbers>
 
+#include "hanging_vertices.hpp"
 #include "voile/base/petsc.hpp"
 #include "voile/energy/angle_bending.hpp"
 #include "voile/energy/chord_correction.hpp"
@@ -281,6 +282,12 @@ std::vector<std::string> mesh_notes(const mesh::SurfaceMesh& mesh) {
         "slit there; if "
         "that is not meant, set mesh.merge = true",
         c.vertices, c.places, tolerance, place_text(c.low), place_text(c.high)));
+  if (mesh.data().seams.empty() && !mesh.has_charts())
+    if (const HangingVertices h = find_hanging(mesh.data(), tolerance); h.count > 0)
+      notes.push_back(fmt::format(
+          "{} vertices lie on edges or triangles of another part of the sheet, as near {}: it is not joined "
+          "there; divide both along one line with the same vertices",
+          h.count, place_text(h.place)));
   return notes;
 }
 

@@ -165,7 +165,12 @@ class Parser {
 };
 
 double unit_of(const char* key, const std::string& name, const Powers& powers) {
-  const MeasuredUnit unit = parse_unit(name);
+  MeasuredUnit unit;
+  try {
+    unit = parse_unit(name);
+  } catch (const UserError& e) {
+    throw UserError(fmt::format("{}: {}", key, e.what()));
+  }
   if (unit.powers != powers)
     throw UserError(fmt::format("{}: '{}' does not measure it; choose one of: {}", key, name, examples_of(powers)));
   return unit.si;

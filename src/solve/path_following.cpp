@@ -48,6 +48,14 @@ void PathFollower::Impl::begin(const system::State& state, StepResult& r) {
         "the tangent at the start of the path is singular or the load does nothing; check supports and loads, or run "
         "`voile check`");
   VOILE_PETSC(VecCopy(load_solution, tangent_solution));
+  constexpr double noise = 1e-10;  // of the largest displacement
+  double largest = 0.0;
+  VOILE_PETSC(VecNorm(tangent_solution, NORM_INFINITY, &largest));
+  if (options.control == Control::displacement && !(std::abs(probed(tangent_solution)) > noise * largest))
+    throw UserError(
+        "[steps] control_probe: loads and temperatures do not move it at the start of the path; name a probe that "
+        "moves, "
+        "add an [[imperfection]], or use control = \"arc_length\"");
   const system::PathMemory& memory = state.path;
   unit = std::abs(options.final_displacement);
   if (options.control == Control::arc_length) unit = memory.unit > 0.0 ? memory.unit : tangent.speed;

@@ -367,6 +367,12 @@ MISTAKES = (
     ("mode 0", {"imperfection": [{"type": "modes", "results": "nowhere", "modes": [0], "amplitudes": [1e-3]}]}, "imperfection.modes"),
     ("amplitudes", {"imperfection": [{"type": "modes", "results": "x", "modes": [1, 2, 3], "amplitudes": [1, 2]}]}, "imperfection.amplitudes"),
     ("height", {"imperfection": [{"type": "expression", "height": "sin("}]}, "imperfection.height"),
+    ("height beyond numbers", {"imperfection": [{"type": "expression", "height": "log(x - 99)"}]}, "[[imperfection]] height: 'log(x - 99)' is not a finite number"),
+    ("group", {"material": [STEEL], "temperature": [{"change": "10", "group": "tip"}]}, '[[temperature]] group = "tip"'),
+    ("load", {"load": [{"type": "pressure", "magnitude": 1, "group": "tip"}]}, '[[load]] group = "tip"'),
+    ("unit", {"units": {"length": "furlong"}}, "units.length: unknown unit 'furlong'"),
+    ("probe", {"load": [{"type": "line", "group": "tip", "vector": [-1, 0, 0]}], "probe": [{"name": "up", "type": "displacement", "group": "tip", "components": ["z"]}],
+               "steps": {"control": "displacement", "control_probe": "up", "final_displacement": 0.1}}, "[steps] control_probe: loads and temperatures do not move it"),
     ("distribution", {"load": [{"type": "pressure", "magnitude": 1, "distribution": "t"}]}, "load.distribution"),
 )
 
@@ -376,7 +382,8 @@ def initial_mistakes(report):
     """Mistakes in temperatures, prestress and imperfections end with code 2, the key and a remedy before the first step."""
     for k, (name, sections, words) in enumerate(MISTAKES):
         case = strip() | {"analysis": "static"} | sections
-        code, text = invoke(["check", write_case(case, OUT / f"initial_mistake_{k}.toml")])
+        file = write_case(case, OUT / f"initial_mistake_{k}.toml")
+        code, text = invoke(["run", file, "--output", fresh("initial_mistake")] if name == "probe" else ["check", file])
         report.check(code == 2 and words in text, f"{name}: code {code}, {text.strip()[-200:]}")
     modes = solve("mistake_modes", strip(nx=8, ny=1, analysis="modal", eigen__modes=2))
     for words, mode, cells in (("mode 7", 7, 8), ("another mesh", 1, 10)):

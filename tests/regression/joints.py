@@ -279,5 +279,12 @@ def joint_mistakes(report):
         case = good | change
         result = run(write_case(case, OUT / f"joint_{name}.toml"), fresh(f"joint_{name}"))
         report.check(result.code == 2 and all(e in result.text for e in expected), f"{name}: code {result.code}: {result.text.strip()[-200:]}")
+    for cells, loose in ((4, False), (6, True), (2, True), (8, True)):  # beside 4 cells of the flange
+        p = Panels()
+        p.add("flange", (0, -0.5, 0), (2, 0, 0), (0, 1, 0), 4, 2)
+        p.add("web", (0, 0, 0), (2, 0, 0), (0, 0, -0.5), cells, 2)
+        case = case_of(p.write(OUT / "joint_loose.msh"), 0.02, support=[{"type": "clamped", "group": f"{name} start"} for name in ("flange", "web")])
+        code, text = invoke(["check", write_case(case, OUT / "joint_loose.toml")])
+        report.check(code == 0 and ("it is not joined there" in text) == loose, f"{cells} cells of a web on 4 of its flange: {text.strip()[-200:]}")
     code, text = invoke(["check", write_case(good, OUT / "joint_good.toml")])
     report.check(code == 0 and "at joints of sheets" in text and "1 connected piece" in text, "check counts joints")
