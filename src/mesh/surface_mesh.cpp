@@ -111,7 +111,7 @@ void SurfaceMesh::check_charts() const {
     throw UserError(fmt::format(
         "{}: {} edge(s) join three or more triangles, or two that cannot be oriented alike; the first is {}. Sheets "
         "with "
-        "a rest shape of their own (panels, mesh.start, mesh.rest) cannot branch: separate them, or remove the extra "
+        "a rest shape of their own (panels, mesh.rest = \"texture\") cannot branch: separate them, or remove the extra "
         "triangles",
         source(), joints_.size(), joint_text(joints_.front())));
   if (data_.rest.size() != data_.triangles.size())

@@ -233,8 +233,8 @@ Estimate estimate(Pattern pattern, int n, const std::function<Vec3(const Vec3&)>
   petsc::VecHandle a = model.dofs().create_vector();
   set_displacement(model, a, [&](Index v) { return u(mesh.positions()[v]); });
   const system::TriangleFields fields = model.potential().triangle_fields(a);
-  app::DiscretisationError error(linear);
-  const app::DiscretisationError::Densities d = error.judged(model, fields, "");
+  app::DiscretisationError error;
+  const app::DiscretisationError::Densities d = error.judged(model, fields, {"", linear ? 0.0 : app::no_strain});
   Estimate e{error.last().whole, error.warning(), 0.0, d.bending.size()};
   if (mpi::rank(PETSC_COMM_WORLD) != 0) return e;
   const RecoveryError alone(model.discretisation().sheet());
