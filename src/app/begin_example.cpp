@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <optional>
-#include <regex>
 
 #include "begin.hpp"
 #include "voile/base/error.hpp"
@@ -73,12 +72,16 @@ void begin_from_example(const fs::path& folder, const std::string& name) {
   if (chosen == all.end())
     throw UserError(fmt::format("--example {}: there is no such example;{}; voile init --list describes them", name,
                                 suggestion(name, names_of(all))));
-  static const std::regex above(R"re("(\.\./)+meshes/([\w.]+)")re");
   const Example& example = chosen->second;
   std::map<std::string, std::string> texts;
-  for (std::sregex_iterator mesh(example.text.begin(), example.text.end(), above), end; mesh != end; ++mesh)
-    texts[(*mesh)[2]] = text_of_file(shipped_folder("meshes") / (*mesh)[2].str()).value_or("");
-  texts["case.toml"] = std::regex_replace(example.text, above, "\"$2\"");
+  std::string text = example.text;
+  for (std::size_t at = 0; (at = text.find("\"../", at)) != std::string::npos; ++at) {
+    const std::size_t end = text.find('"', at + 1);
+    const std::string mesh = fs::path(text.substr(at + 1, end - at - 1)).filename().string();
+    texts[mesh] = text_of_file(shipped_folder("meshes") / mesh).value_or("");
+    text.replace(at + 1, end - at - 1, mesh);
+  }
+  texts["case.toml"] = text;
   write_new_files(folder, texts);
   print_next(folder, example.c.title + ".", picture_of(example.c));
 }

@@ -40,7 +40,7 @@ Recorder::Recorder(const input::Case& c, const RunOptions& options, system::Mode
       root_(mpi::rank(model.dofs().comm()) == 0),
       probes_(std::in_place, c, model),
       linear_(c.analysis == "linear"),
-      warnings_(linear_),
+      warnings_(linear_, c.analysis == "drape"),
       discretisation_error_(linear_) {
   mpi::on_root(model.dofs().comm(), [&] {
     kept_.columns = columns();
