@@ -31,6 +31,7 @@ class Maker {
                         : s_.area[p] == 0.0 ? s_.face_area[f]
                                             : 0.5 * std::min(s_.area[p], s_.face_area[f]);
     const std::array<Index, 4> points{p, q[0], q[1], q[2]};
+    if (!may_meet(PairKind::point_triangle, points, reach(body, face.body))) return;
     to.push_back(
         {points, PairKind::point_triangle, body, face.body, area, 0.0, share_of(s_.neighbours.of_faces, points)});
   }
@@ -52,6 +53,7 @@ class Maker {
     // Two equal triangulations cross about 7.6 times per product of their edge lengths; an axis has no such length.
     const double lengths = b.bare ? a.rest_length_squared : std::sqrt(a.rest_length_squared * b.rest_length_squared);
     const std::array<Index, 4> points{p[0], p[1], q[0], q[1]};
+    if (!may_meet(PairKind::edge_edge, points, reach(a.body, b.body))) return;
     to.push_back({points, PairKind::edge_edge, a.body, b.body, lengths / 8.0,
                   mollifier_threshold(a.rest_length_squared, b.rest_length_squared),
                   share_of(s_.neighbours.of_edges, points)});
@@ -67,6 +69,19 @@ class Maker {
   [[nodiscard]] bool mine(Index p) const { return s_.is_sheet(p) && owned_[p]; }
   [[nodiscard]] bool wanted(int a, int b, bool owned) const { return owned && s_.rules[a][b].touch; }
   [[nodiscard]] double reach(int a, int b) const { return s_.offset(a, b) + distance_; }
+  /// Figures that lie askew have hulls that overlap. They cannot meet if they are farther apart in the middle of their
+  /// points' boxes than these go from there.
+  [[nodiscard]] bool may_meet(PairKind kind, const std::array<Index, 4>& points, double reach) const {
+    const int first = kind == PairKind::edge_edge ? 2 : 1;
+    std::array<Vec3, 4> middle;
+    double far[2] = {0.0, 0.0};
+    for (int i = 0; i < 4; ++i) {
+      const Box& b = boxes_[points[i]];
+      middle[i] = 0.5 * (b.low + b.high);
+      far[i >= first] = std::max(far[i >= first], (b.high - middle[i]).squaredNorm());
+    }
+    return distance(kind, middle) <= reach + (1.0 + 1e-9) * (std::sqrt(far[0]) + std::sqrt(far[1]));
+  }
   [[nodiscard]] double share_of(const std::map<std::array<Index, 4>, double>& list,
                                 const std::array<Index, 4>& points) const {
     const std::vector<char>& concerned = s_.neighbours.concerned;

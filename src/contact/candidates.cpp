@@ -14,8 +14,8 @@ constexpr double slack = 2.0, slack_in_cell = 0.4, least_slack = 0.1;
 /// Candidates are found anew only for points that left their boxes, unless these are more than this share, or boxes of
 /// earlier, longer paths are on average longer than needed now by this share of the room.
 constexpr double most_left = 0.3, most_excess = 0.5;
-/// Gaps up to which the list of near pairs goes, and what it has to answer for after an iteration, in contact distances.
-constexpr double listed = 3.0, needed = 1.0;
+/// Gaps that the list of near pairs answers for, and how far it lets points go before it is renewed, in contact distances.
+constexpr double listed = 1.0, room_in_list = 1.0;
 /// Trajectories longer than so many edges on the mean are looked at in parts of one edge, of which there are at most so many.
 constexpr double long_trajectory = 2.0, most_parts = 64.0;
 /// Boxes that hold the faces of a rank are halved so often: a few follow a bent sheet much closer than one.
@@ -67,7 +67,8 @@ Candidates::Candidates(const Surface& surface, double contact_distance, std::vec
       distance_(contact_distance),
       reach_(contact_distance),
       mean_edge_(mean_edge(surface)),
-      owned_(std::move(owned)) {
+      owned_(std::move(owned)),
+      list_(listed * contact_distance, room_in_list * contact_distance) {
   const Surface& s = surface;
   for (const Face& f : s.faces) reach_ = std::max(reach_, s.bodies[f.body].thickness + contact_distance);
   for (Index i = 0; i < s.sheet_points; ++i)
@@ -80,6 +81,7 @@ Candidates::Candidates(const Surface& surface, double contact_distance, std::vec
   make_ascending(own_faces_);
   is_seen_.assign(s.rest.size(), 0);
   renewed_.assign(s.rest.size(), 0);
+  unchanged_.assign(s.rest.size(), 0);
   boxes_.resize(s.rest.size());
   select_sheet();
 }
@@ -221,7 +223,7 @@ bool Candidates::cover(const std::vector<Vec3>& from, const std::vector<Vec3>& t
   const Departure obstacles = departure(obstacle_points_, from, to);
   const double left = sheet.left + obstacles.left;
   if (left == 0.0) {
-    renew_list(from, to);
+    renew_list(from, to, &unchanged_);
     return false;
   }
   const int parts = parts_of_trajectory(sheet, obstacles);
@@ -241,8 +243,7 @@ bool Candidates::cover(const std::vector<Vec3>& from, const std::vector<Vec3>& t
   else
     renew_pairs();
   begun_ = parts == 1;
-  list_.forget();
-  renew_list(from, to);
+  renew_list(from, to, whole ? nullptr : &renewed_);
   return true;
 }
 
@@ -284,17 +285,10 @@ void Candidates::renew_pairs() {
   std::inplace_merge(pairs_.begin(), pairs_.begin() + kept, pairs_.end());
 }
 
-void Candidates::renew_list(const std::vector<Vec3>& from, const std::vector<Vec3>& to) {
-  const double reach = listed * distance_, limit = needed * distance_;
-  if (list_.made()) {
-    list_.measure(seen_.points, from, to, moves_);
-    if (list_.holds(moves_, limit)) return;
-  }
-  double displacement = 0.0;
-  for (Index i : seen_.points) displacement = std::max(displacement, (to[i] - from[i]).norm());
-  if (limit + 4.0 * displacement > reach) return;  // so far goes no list: all candidates are looked at
-  list_.make(pairs_, from, reach,
-             [&](const Pair& pair) { return pair.share * surface_->offset(pair.body_a, pair.body_b); });
+void Candidates::renew_list(const std::vector<Vec3>& from, const std::vector<Vec3>& to,
+                            const std::vector<char>* changed) {
+  list_.renew(pairs_, seen_.points, from, to, changed,
+              [&](const Pair& pair) { return pair.share * surface_->offset(pair.body_a, pair.body_b); });
 }
 
 }  // namespace voile::contact

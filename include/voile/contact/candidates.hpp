@@ -83,7 +83,7 @@ class Candidates {
   template <class F>
   void for_listed(double limit, F&& f) const {
     if (list_.holds(moves_, limit))
-      list_.for_each(pairs_, moves_, limit, f);
+      list_.for_each(moves_, limit, f);
     else
       for (const Pair& pair : pairs_) f(pair);
   }
@@ -103,8 +103,8 @@ class Candidates {
                                                       int parts) const;
   /// Finds the candidates anew that hold a point with a renewed box.
   void renew_pairs();
-  /// Makes the list of near pairs where the one there is answers no longer.
-  void renew_list(const std::vector<Vec3>& from, const std::vector<Vec3>& to);
+  /// Makes the list of near pairs answer again. `changed`: points whose pairs may be others; none: all.
+  void renew_list(const std::vector<Vec3>& from, const std::vector<Vec3>& to, const std::vector<char>* changed);
   template <std::size_t n>
   [[nodiscard]] Box hull(const std::array<Index, n>& points) const {
     Box b;
@@ -123,7 +123,7 @@ class Candidates {
   Figures sheet_, seen_;       ///< those of the sheet, and with obstacles
   std::vector<char> is_seen_;  ///< per point of the sheet
   std::vector<Box> boxes_;
-  std::vector<char> renewed_;
+  std::vector<char> renewed_, unchanged_;
   bool begun_ = false;  ///< boxes and pairs hold
   std::vector<Pair> pairs_;
   NearList list_;  ///< of pairs_

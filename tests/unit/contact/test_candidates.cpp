@@ -181,32 +181,101 @@ TEST_CASE("the list of near pairs misses none, wherever points go within its rea
     for (int i = 0; i < 4; ++i) at[i] = p.points[i] == no_index ? Vec3(Vec3::Zero()) : x[p.points[i]];
     return closest(p.kind, at).distance - offset(p);
   };
-  NearList list;
+  const double limit = 0.05;
+  const std::vector<Index> points = all_figures(s).points;
+  NearList list(limit, 0.02);
   CHECK_FALSE(list.made());
-  list.make(pairs, s.rest, 0.15, offset);
-  long near = 0, listed = 0;
-  for (int k = 0; k < 20; ++k) {
+  std::vector<Vec3> x = s.rest;
+  long near = 0, listed = 0, renewed = 0;
+  std::vector<Vec3> towards(x.size(), Vec3(Vec3::Zero()));  // what is not quite near comes nearer step by step
+  for (const Pair& p : pairs) {
+    if (gap(p, x) < limit || gap(p, x) > 2.0 * limit || p.points[3] == no_index) continue;
+    const int first = p.kind == PairKind::edge_edge ? 2 : 1;
+    const Vec3 n = (x[p.points[3]] - x[p.points[0]]).normalized();
+    for (int i = 0; i < 4; ++i) towards[p.points[i]] = i < first ? n : -n;
+  }
+  for (int k = 0; k < 60; ++k) {
     CAPTURE(k);
-    const double size = k % 2 == 0 ? 0.03 : 0.01;
-    std::vector<Vec3> x = s.rest;
-    for (Vec3& p : x) p += size * Vec3(u(random), u(random), u(random)).normalized();
+    // In turns all go a little, a few go farther than the rest, and all go back; pairs of some are said to be others.
+    std::vector<Vec3> from = k % 10 == 9 ? s.rest : x, to = from;
+    std::vector<char> changed(from.size(), 0);
+    for (std::size_t i = 0; i < to.size(); ++i) {
+      const double size = k % 10 == 7 && u(random) > 0.9 ? 0.03 : 0.0045;
+      to[i] += size * towards[i];
+      changed[i] = k % 7 == 0 && u(random) > 0.9;
+    }
     NearList::Moves moved;
-    list.measure(all_figures(s).points, x, moved);
-    REQUIRE(list.holds(moved, 0.15 - 2.01 * size));
-    CHECK_FALSE(list.holds(moved, 0.15 - 1.99 * size));
-    const double limit = 0.08;
-    std::vector<const Pair*> given;
-    list.for_each(pairs, moved, limit, [&](const Pair& p) { given.push_back(&p); });
+    if (list.made()) {
+      list.measure(points, from, to, moved);
+      renewed += !list.holds(moved, limit);
+    }
+    list.renew(pairs, points, from, to, k == 0 ? nullptr : &changed, offset);
+    list.measure(points, from, to, moved);
+    REQUIRE(list.holds(moved, limit));
+    CHECK_FALSE(list.holds(moved, 1.01 * limit));
+    std::vector<Pair> given;
+    list.for_each(moved, limit, [&](const Pair& p) { given.push_back(p); });
     CHECK(std::is_sorted(given.begin(), given.end()));
-    for (const Pair& p : pairs)
-      if (gap(p, x) < limit) {
-        CHECK(std::binary_search(given.begin(), given.end(), &p));
-        ++near;
-      }
+    for (const double share : {0.0, 0.5, 1.0}) {
+      for (std::size_t i = 0; i < x.size(); ++i) x[i] = from[i] + share * (to[i] - from[i]);
+      for (const Pair& p : pairs)
+        if (gap(p, x) < limit) {
+          CHECK(std::binary_search(given.begin(), given.end(), p));
+          ++near;
+        }
+    }
     listed += static_cast<long>(given.size());
   }
   CHECK(near > 1000);
-  CHECK(listed < static_cast<long>(20 * pairs.size()) / 2);  // and leaves out most
+  CHECK(renewed > 10);
+  CHECK(listed < static_cast<long>(60 * pairs.size()) / 2);  // and leaves out most
+  // Points that go very far are no matter for a list; nor are those whose pairs are others then.
+  std::vector<Vec3> far = x;
+  for (Vec3& p : far) p[0] += 1.0;
+  const std::vector<char> none(x.size(), 0), some(x.size(), 1);
+  NearList::Moves moved;
+  list.renew(pairs, points, x, far, &none, offset);
+  list.measure(points, x, far, moved);
+  CHECK_FALSE(list.holds(moved, limit));
+  CHECK(list.made());
+  list.renew(pairs, points, x, far, &some, offset);
+  CHECK_FALSE(list.made());
   list.forget();
   CHECK_FALSE(list.made());
+}
+
+TEST_CASE("what is no candidate comes near nowhere in the boxes") {
+  std::mt19937 random(31);
+  std::uniform_real_distribution<double> u(0.0, 1.0);
+  mesh::MeshData d = grid(7, 5, true, 0.3);
+  for (Vec3& x : d.positions) x[2] = 0.2 * std::sin(9.0 * x[0]);
+  const mesh::SurfaceMesh mesh(d);
+  const Surface s = make_surface(mesh, {{"sheet", 0.01}}, {});
+  const std::vector<char> all(static_cast<std::size_t>(s.sheet_points), 1);
+  const double reach = 0.1;
+  std::vector<Box> everywhere(static_cast<std::size_t>(s.points()));
+  for (Box& b : everywhere) b = {Vec3::Constant(-9.0), Vec3::Constant(9.0)};
+  const std::vector<Pair> pairs = find_pairs(s, all_figures(s), everywhere, all, reach);
+  long near = 0, found = 0;
+  for (int k = 0; k < 30; ++k) {
+    std::vector<Box> boxes(everywhere.size());
+    std::vector<Vec3> x(boxes.size());
+    for (std::size_t i = 0; i < boxes.size(); ++i) {
+      boxes[i].include(s.rest[i] - 0.03 * Vec3(u(random), u(random), u(random)));
+      boxes[i].include(s.rest[i] + 0.03 * Vec3(u(random), u(random), u(random)));
+      // Corners of the boxes are where they reach farthest.
+      for (int c = 0; c < 3; ++c) x[i][c] = u(random) < 0.5 ? boxes[i].low[c] : boxes[i].high[c];
+    }
+    const std::vector<Pair> candidates = find_pairs(s, all_figures(s), boxes, all, reach);
+    for (const Pair& p : pairs) {
+      std::array<Vec3, 4> at;
+      for (int i = 0; i < 4; ++i) at[i] = x[p.points[i]];
+      const bool is_near = closest(p.kind, at).distance - s.offset(p.body_a, p.body_b) < reach;
+      if (is_near) CHECK(std::binary_search(candidates.begin(), candidates.end(), p));
+      near += is_near;
+    }
+    found += static_cast<long>(candidates.size());
+  }
+  CHECK(near > 300);
+  CHECK(found < static_cast<long>(30 * pairs.size()) / 2);
 }
