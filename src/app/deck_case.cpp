@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <fstream>
 #include <map>
 #include <sstream>
@@ -12,6 +13,7 @@
 #include "voile/base/plain_file.hpp"
 #include "voile/base/text.hpp"
 #include "voile/io/abaqus_deck.hpp"
+#include "voile/io/mesh_file.hpp"
 
 namespace voile::app {
 
@@ -42,7 +44,7 @@ bool same_name(const std::string& a, const std::string& b) {
 
 class CaseWriter {
  public:
-  explicit CaseWriter(AbaqusDeck deck) : deck_(std::move(deck)) {}
+  CaseWriter(AbaqusDeck deck, mesh::MeshData mesh) : deck_(std::move(deck)), mesh_(std::move(mesh)) {}
 
   std::string text() {
     out_ = fmt::format(
@@ -64,9 +66,14 @@ class CaseWriter {
   [[nodiscard]] const std::string& sets() const { return sets_; }
   [[nodiscard]] const std::vector<std::string>& left() const { return left_; }
   [[nodiscard]] const AbaqusDeck& deck() const { return deck_; }
+  [[nodiscard]] bool has_material() const { return has_material_; }
 
   void collect_left() {
     for (const AbaqusDeck::Left& l : deck_.left) leave(fmt::format("{}: {}", l.place, l.what));
+    for (const std::string& note : mesh_.notes)
+      if (const std::size_t end = note.find(" were left out"); end != note.npos)
+        leave("*ELEMENT: " + note.substr(0, end) + ", which are no shells");
+    drop_elsewhere();
     if (deck_.sections.empty()) leave("no *SHELL SECTION: write a [[material]] yourself");
     if (deck_.procedure == Procedure::none) leave("no *STEP that is known: analysis = \"static\" is assumed");
   }
@@ -91,12 +98,48 @@ class CaseWriter {
     if (std::find(left_.begin(), left_.end(), text) == left_.end()) left_.push_back(text);
   }
 
+  /// Supports and loads of nodes and elements that are no part of a shell.
+  void drop_elsewhere() {
+    std::erase_if(deck_.supports, [&](const auto& s) { return !is_on_sheet(s.first, true, "*BOUNDARY"); });
+    std::erase_if(deck_.loads, [&](const AbaqusDeck::Load& l) {
+      if (l.kind != AbaqusDeck::Load::Kind::gravity)
+        return !is_on_sheet(l.where, l.kind == AbaqusDeck::Load::Kind::force, "*CLOAD or *DLOAD");
+      if (l.where.empty()) return false;
+      if (!is_on_sheet(l.where, false, "*DLOAD")) return true;
+      const mesh::Group* group = group_of(l.where);
+      if (!group || group->triangles.size() < mesh_.triangles.size())
+        leave(fmt::format("*DLOAD {}, GRAV: gravity acts on the whole sheet", l.where));
+      return false;
+    });
+    for (const auto& [keyword, members] : elsewhere_)
+      leave(fmt::format("{}: {} {} no part of a shell: {}{}", keyword, members.size(),
+                        members.size() == 1 ? "place is" : "places are", members.front(),
+                        members.size() == 1 ? "" : ", ..."));
+  }
+
+  [[nodiscard]] const mesh::Group* group_of(const std::string& name) const {
+    const auto at = std::find_if(mesh_.groups.begin(), mesh_.groups.end(),
+                                 [&](const mesh::Group& g) { return same_name(g.name, name); });
+    return at == mesh_.groups.end() ? nullptr : &*at;
+  }
+
+  [[nodiscard]] bool is_on_sheet(const std::string& where, bool node, const char* keyword) {
+    bool there = group_of(where) != nullptr;
+    if (is_number(where)) {
+      const auto& tags = node ? mesh_.vertex_tags : mesh_.triangle_tags;
+      there = std::find(tags.begin(), tags.end(), std::strtoull(where.c_str(), nullptr, 10)) != tags.end();
+    }
+    if (!there) elsewhere_[keyword].push_back(where);
+    return there;
+  }
+
   void add_material(const AbaqusDeck::Section& s) {
     const auto at = deck_.materials.find(s.material);
     if (at == deck_.materials.end() || !(at->second.young > 0.0))
       return leave(
           fmt::format("*SHELL SECTION of {}: material {} has no *ELASTIC that is known", s.elements, s.material));
     const AbaqusDeck::Material& m = at->second;
+    has_material_ = true;
     out_ += fmt::format("\n[[material]]               # {}\n", printable(s.material));
     out_ += m.orthotropic ? fmt::format(
                                 "type = \"orthotropic\"\nyoung_1 = {}\nyoung_2 = {}\npoisson_12 = {}\nshear_12 = {}\n"
@@ -119,7 +162,8 @@ class CaseWriter {
         add_support(known(where, deck_.node_sets), s);
         continue;
       }
-      const std::string key = fmt::format("{}{}{} {}", s.mirror, fmt::join(s.held, ""), "", fmt::join(s.value, " "));
+      const std::string key =
+          fmt::format("{}{}{} {}", s.mirror, fmt::join(s.held, ""), s.amplitude, fmt::join(s.value, " "));
       nodes[key].push_back(where);
       alike[key] = s;
     }
@@ -158,9 +202,56 @@ class CaseWriter {
         if (h[static_cast<std::size_t>(k)]) names.push_back(fmt::format("\"{}\"", "xyz"[k]));
       out_ += fmt::format("components = [{}]\n", fmt::join(names, ", "));
     }
-    if (moved) out_ += fmt::format("value = [{}, {}, {}]\n", s.value[0], s.value[1], s.value[2]);
+    if (moved) out_ += moved_by(s);
     if (turns > 0 && !(moves == 3 && turns == 3))
       leave(fmt::format("*BOUNDARY {}: rotations held in part; slopes are held only where 1 to 6 all are", group));
+  }
+
+  [[nodiscard]] std::string moved_by(const AbaqusDeck::Support& s) {
+    const auto& v = s.value;
+    if (s.amplitude.empty() || deck_.procedure != Procedure::dynamic) {
+      const double factor = factor_at_end(s.amplitude);
+      return fmt::format("value = [{}, {}, {}]\n", factor * v[0], factor * v[1], factor * v[2]);
+    }
+    const std::string table = table_of(s.amplitude);
+    const auto along = [&](double size) { return size == 0.0 ? "0" : fmt::format("{} * {}", size, table); };
+    return fmt::format("motion = [{}, {}, {}]\n", quoted(along(v[0])), quoted(along(v[1])), quoted(along(v[2])));
+  }
+
+  /// An amplitude as an expression of the time.
+  [[nodiscard]] std::string table_of(const std::string& amplitude) const {
+    std::string text = "table(t";
+    for (const auto& [time, factor] : deck_.amplitudes.at(amplitude)) text += fmt::format(", {}, {}", time, factor);
+    return text + ")";
+  }
+
+  /// What loads of a step without time end with: there they grow in proportion.
+  [[nodiscard]] double factor_at_end(const std::string& amplitude) {
+    if (amplitude.empty()) return 1.0;
+    const AbaqusDeck::Table& table = deck_.amplitudes.at(amplitude);
+    const auto next =
+        std::find_if(table.begin(), table.end(), [&](const auto& entry) { return entry[0] >= deck_.end; });
+    double factor = next == table.end() ? table.back()[1] : (*next)[1];
+    if (next != table.end() && next != table.begin()) {
+      const auto& [t0, f0] = *(next - 1);
+      const auto& [t1, f1] = *next;
+      factor = f0 + (f1 - f0) * (deck_.end - t0) / (t1 - t0);
+    }
+    if (std::any_of(table.begin(), table.end(), [&](const auto& entry) {
+          return entry[0] <= deck_.end && std::abs(entry[1] * deck_.end - entry[0] * factor) > 1e-9 * std::abs(factor);
+        }))
+      leave(fmt::format("*AMPLITUDE {}: loads grow in proportion to {}, its value at the end of the step", amplitude,
+                        factor));
+    return factor;
+  }
+
+  /// Lines of a load that say how it depends on time; the factor of its size, if it does not.
+  [[nodiscard]] std::string history_of(const AbaqusDeck::Load& l, double& factor) {
+    factor = 1.0;
+    if (l.amplitude.empty()) return "";
+    if (deck_.procedure == Procedure::dynamic) return fmt::format("history = {}\n", quoted(table_of(l.amplitude)));
+    factor = factor_at_end(l.amplitude);
+    return "";
   }
 
   /// What a mirror plane does not hold.
@@ -176,12 +267,15 @@ class CaseWriter {
   void add_loads() {
     std::map<std::string, std::vector<std::string>> nodes, elements;  // by what acts on them
     for (const AbaqusDeck::Load& l : deck_.loads) {
-      const std::string vector = fmt::format("vector = [{}, {}, {}]\n", l.vector[0], l.vector[1], l.vector[2]);
+      double factor = 1.0;
+      const std::string history = history_of(l, factor);
+      const std::string vector = fmt::format("vector = [{}, {}, {}]\n{}", factor * l.vector[0], factor * l.vector[1],
+                                             factor * l.vector[2], history);
       if (l.kind == AbaqusDeck::Load::Kind::gravity) {
         out_ += "\n[[load]]\ntype = \"gravity\"\n" + vector;
       } else if (l.kind == AbaqusDeck::Load::Kind::pressure) {
         const std::string size =
-            fmt::format("magnitude = {}            # along the normals of the triangles\n", l.size);
+            fmt::format("magnitude = {}            # along the normals of the triangles\n{}", factor * l.size, history);
         if (is_number(l.where))
           elements[size].push_back(l.where);
         else
@@ -235,6 +329,9 @@ class CaseWriter {
   }
 
   AbaqusDeck deck_;
+  mesh::MeshData mesh_;
+  bool has_material_ = false;
+  std::map<std::string, std::vector<std::string>> elsewhere_;  ///< by keyword
   std::string out_, sets_;
   std::vector<std::string> left_;
   int made_ = 0;
@@ -262,7 +359,7 @@ void begin_from_deck(const fs::path& folder, const fs::path& deck) {
   std::error_code error;
   if (!fs::is_regular_file(deck, error)) throw UserError(fmt::format("{}: there is no such deck", deck.string()));
   require_plain_file(deck);
-  CaseWriter writer(io::read_abaqus_deck(deck.string()));
+  CaseWriter writer(io::read_abaqus_deck(deck.string()), io::read_mesh(deck.string(), {}));
   writer.collect_left();
   const std::string text = writer.text();
   for (const std::string& name : writer.deck().included)
@@ -281,6 +378,10 @@ void begin_from_deck(const fs::path& folder, const fs::path& deck) {
              deck.filename().string(), writer.deck().sections.size(), writer.deck().supports.size(),
              writer.deck().loads.size());
   for (const std::string& left : writer.left()) fmt::print("left out: {}\n", left);
+  if (!writer.has_material()) {
+    fmt::print("Next: complete {}/case.toml; it has no [[material]] yet.\n", at);
+    return;
+  }
   fmt::print(
       "Next:\n  voile check {0}/case.toml\n  voile run {0}/case.toml --output {0}/run\n  voile render {0}/run --output "
       "{0}/picture.png\n",

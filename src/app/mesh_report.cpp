@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
 
 #include "voile/base/petsc.hpp"
@@ -244,16 +245,35 @@ std::string fold_warning(const mesh::SurfaceMesh& mesh, const MeshQuality& q, co
       element.membrane == energy::MembraneOperator::six_node_corrected ? "" : "element.type = \"corrected\", or ");
 }
 
+namespace {
+
+/// What the joints of sheets are; empty if there are none.
+std::string joint_note(const mesh::SurfaceMesh& mesh) {
+  if (mesh.joints().empty()) return "";
+  std::map<Index, int> sides;
+  for (const mesh::Joint& j : mesh.joints())
+    for (const mesh::TriangleSide& s : j.sides) ++sides[s.triangle];
+  const auto between = std::count_if(sides.begin(), sides.end(), [](const auto& entry) { return entry.second > 1; });
+  std::string text =
+      fmt::format("sheets are joined at {} edges of three or more triangles, or of two that cannot be oriented alike",
+                  mesh.joints().size());
+  if (between > 0)
+    text += fmt::format("; {} triangles have two sides there, where two cells between joints bend better", between);
+  return text;
+}
+
+}  // namespace
+
 std::vector<std::string> mesh_notes(const mesh::SurfaceMesh& mesh) {
   std::vector<std::string> notes = mesh.data().notes;
+  if (const std::string text = joint_note(mesh); !text.empty()) notes.push_back(text);
   for (std::string& text : mesh::seam_notes(mesh)) notes.push_back(std::move(text));
   const double tolerance = mesh::default_merge_tolerance(mesh.data());
   const mesh::Coincidence c = mesh::find_coincident(mesh.data(), tolerance);
   if (c.joints > 0 && mesh.data().seams.empty())
     notes.push_back(fmt::format(
         "{} vertices on the rim of a part lie at inner vertices of another (within {:.2g} m), as near {}: a T "
-        "joint, or a smaller layer; they are not joined, and mesh.merge cannot; a [[spring]] of type "
-        "\"pair\" holds them together",
+        "joint, or a smaller layer; they are not joined; if they should be, set mesh.merge = true",
         c.joints, tolerance, place_text(c.joint)));
   else if (c.places > 0 && mesh.data().seams.empty())
     notes.push_back(fmt::format(

@@ -87,12 +87,6 @@ mesh::SurfaceMesh load_mesh(MPI_Comm comm, const std::filesystem::path& file, co
     const double given = options.merge_tolerance;
     const double tolerance = given > 0.0 ? given : mesh::default_merge_tolerance(data);
     const Index gone = mesh::merge_coincident(data, tolerance);
-    if (const mesh::Coincidence left = mesh::find_coincident(data, tolerance); left.joints > 0)
-      throw UserError(fmt::format(
-          "{}: mesh.merge: near ({:.4g}, {:.4g}, {:.4g}) m and at {} places in all a part ends on the inside "
-          "of another: a T joint, and a sheet does not branch. Remove `merge`, name the two lines as groups, "
-          "and hold them together by a [[spring]] of type \"pair\"",
-          file.string(), left.joint[0], left.joint[1], left.joint[2], left.joints));
     data.notes.push_back(fmt::format("{} vertices were merged with others at the same place", gone));
   });
   broadcast_mesh(comm, data);

@@ -32,6 +32,34 @@ struct Sides {
   }
 };
 
+/// Where the sizes of triangles are averaged: the vertices, and where sheets are joined one place for each sheet.
+struct Places {
+  std::vector<mesh::Triangle> of;  ///< per corner
+  Index count;
+
+  explicit Places(const mesh::SurfaceMesh& mesh) : of(mesh.triangles()), count(mesh.vertex_count()) {
+    std::vector<char> at_joint(static_cast<std::size_t>(count), 0);
+    for (const mesh::Joint& j : mesh.joints()) at_joint[j.edge[0]] = at_joint[j.edge[1]] = 1;
+    if (mesh.joints().empty()) return;
+    for (Index t = 0; t < mesh.triangle_count(); ++t)
+      for (std::size_t i = 0; i < 3; ++i)
+        if (const Index v = mesh.triangles()[t][i]; at_joint[v] && of[t][i] == v) part(mesh, t, i, count++);
+  }
+
+ private:
+  /// Gives the corners around a vertex that are connected through sides the place `to`.
+  void part(const mesh::SurfaceMesh& mesh, Index t, std::size_t i, Index to) {
+    const Index v = of[t][i];
+    of[t][i] = to;
+    for (std::size_t s = 0; s < 3; ++s) {
+      const Index n = s == i ? no_index : mesh.neighbour(t, static_cast<int>(s));
+      if (n == no_index) continue;
+      for (std::size_t k = 0; k < 3; ++k)
+        if (of[n][k] == v) part(mesh, n, k, to);
+    }
+  }
+};
+
 /// S of each triangle in its own axes. Averaged in space, where charts are side by side.
 std::vector<Mat2> even_sizes(const Sheet& sheet) {
   const mesh::SurfaceMesh& mesh = sheet.mesh();
@@ -43,18 +71,19 @@ std::vector<Mat2> even_sizes(const Sheet& sheet) {
     const Vec2 a = sides.rest.col(0), b = sides.rest.col(1), c = b - a;
     size.push_back(sides.to_space((a * a.transpose() + b * b.transpose() + c * c.transpose()) / 24.0));
   }
+  const Places places(mesh);
   for (int pass = 0; pass < averages; ++pass) {
-    std::vector<Mat3> at(static_cast<std::size_t>(mesh.vertex_count()), Mat3::Zero());
+    std::vector<Mat3> at(static_cast<std::size_t>(places.count), Mat3::Zero());
     std::vector<double> area(at.size(), 0.0);
     for (std::size_t t = 0; t < count; ++t)
-      for (const Index v : mesh.triangles()[t]) {
+      for (const Index v : places.of[t]) {
         const double share = mesh.area(static_cast<Index>(t));
         at[v] += share * size[t];
         area[v] += share;
       }
     for (std::size_t t = 0; t < count; ++t) {
       size[t].setZero();
-      for (const Index v : mesh.triangles()[t]) size[t] += at[v] / (3.0 * area[v]);
+      for (const Index v : places.of[t]) size[t] += at[v] / (3.0 * area[v]);
     }
   }
   std::vector<Mat2> result;

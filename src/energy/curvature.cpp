@@ -207,7 +207,7 @@ struct CurvatureBuilder::Impl {
   }
 
   CurvatureOperator build(Index t);
-  CurvatureOperator edge_slope(Index t);
+  Unreleased edge_slope(Index t);
   CurvatureOperator six_node(Index t);
 };
 
@@ -237,10 +237,10 @@ CurvatureOperator collect(const std::array<Functional, 3>& rows) {
 
 }  // namespace
 
-CurvatureOperator CurvatureBuilder::Impl::edge_slope(Index t) {
+CurvatureBuilder::Unreleased CurvatureBuilder::Impl::edge_slope(Index t) {
   const mesh::Patch& patch = entry(t).patch;
   std::array<Functional, 3> rows;
-  std::vector<Vec3> free_sides;
+  Unreleased result;
   for (int s = 0; s < 3; ++s) {
     const int a = (s + 1) % 3, b = (s + 2) % 3;
     const Side side = side_of(patch, s);
@@ -253,7 +253,8 @@ CurvatureOperator CurvatureBuilder::Impl::edge_slope(Index t) {
     }
     const Vec3 across = share * voigt(side.normal, side.normal);
     if (patch.points[3 + s] == no_index) {
-      free_sides.push_back(across);
+      result.sides.push_back(s);
+      result.across.push_back(across);
       continue;
     }
     Functional slope;
@@ -270,11 +271,8 @@ CurvatureOperator CurvatureBuilder::Impl::edge_slope(Index t) {
       rows[r].rest += across[r] * slope.rest;
     }
   }
-  CurvatureOperator op = collect(rows);
-  const Mat3 condensed = condense_free_sides(free_sides, sheet.material(t).bending);
-  op.weights = condensed * op.weights;
-  op.rest = condensed * op.rest;
-  return op;
+  result.operator_ = collect(rows);
+  return result;
 }
 
 CurvatureOperator CurvatureBuilder::Impl::six_node(Index t) {
@@ -294,7 +292,12 @@ CurvatureOperator CurvatureBuilder::Impl::six_node(Index t) {
 }
 
 CurvatureOperator CurvatureBuilder::Impl::build(Index t) {
-  return sheet.options().bending == BendingOperator::six_node ? six_node(t) : edge_slope(t);
+  if (sheet.options().bending == BendingOperator::six_node) return six_node(t);
+  auto [op, sides, across] = edge_slope(t);
+  const Mat3 condensed = condense_free_sides(across, sheet.material(t).bending);
+  op.weights = condensed * op.weights;
+  op.rest = condensed * op.rest;
+  return op;
 }
 
 namespace {
@@ -370,6 +373,10 @@ CurvatureOperator CurvatureBuilder::build(Index t) {
   const CurvatureOperator cut = cut_->impl.build(t);
   if (cut.points == whole.points && cut.weights == whole.weights) return whole;
   return between(cut, whole, std::sqrt(cut_->factor_of(t)));
+}
+
+CurvatureBuilder::Unreleased CurvatureBuilder::build_unreleased(Index t) {
+  return impl_->edge_slope(t);
 }
 
 double CurvatureBuilder::patch_condition(Index t) {

@@ -47,7 +47,7 @@ class ValueReader {
     if (!node_.is_boolean()) refuse("write true or false, without quotes");
     *x = *node_.value<bool>();
   }
-  void operator()(std::string* x) const { *x = filled(text(node_)); }
+  void operator()(std::string* x) const { *x = filled(formula(node_)); }
   void operator()(std::filesystem::path* x) const { *x = filled(text(node_)); }
   void operator()(const Choice& x) const {
     const auto at = std::find(x.names.begin(), x.names.end(), text(node_));
@@ -67,7 +67,7 @@ class ValueReader {
   }
   void operator()(std::vector<std::string>* x) const {
     x->clear();
-    for (const toml::node& item : array("a list of texts in quotes")) x->push_back(filled(text(item)));
+    for (const toml::node& item : array("a list of texts in quotes")) x->push_back(filled(formula(item)));
   }
   void operator()(std::vector<double>* x) const {
     x->clear();
@@ -139,6 +139,11 @@ class ValueReader {
   [[nodiscard]] std::string text(const toml::node& node) const {
     if (!node.is_string()) refuse("a text in quotes is needed");
     return *node.value<std::string>();
+  }
+  /// A text, which has a unit if it is an expression: then a number will do.
+  [[nodiscard]] std::string formula(const toml::node& node) const {
+    if (key_.unit.empty() || !node.is_number()) return text(node);
+    return fmt::format("{}", number(node, ""));
   }
   /// Optional texts may be empty in the echo of a case; names and files may not.
   [[nodiscard]] std::string filled(std::string value) const {

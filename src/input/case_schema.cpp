@@ -37,13 +37,13 @@ struct Type {
     return j;
   }
   Json operator()(const bool*) const { return {{"type", "boolean"}}; }
-  Json operator()(const std::string*) const { return {{"type", "string"}}; }
+  Json operator()(const std::string*) const { return formula(); }
   Json operator()(const std::filesystem::path*) const { return {{"type", "string"}}; }
   Json operator()(const Choice& c) const { return {{"enum", c.names}}; }
   Json operator()(const Words& w) const {
     return array_of(w.allowed.empty() ? Json{{"type", "string"}} : Json{{"enum", w.allowed}});
   }
-  Json operator()(const std::vector<std::string>*) const { return array_of({{"type", "string"}}); }
+  Json operator()(const std::vector<std::string>*) const { return array_of(formula()); }
   Json operator()(const std::vector<double>*) const { return array_of(measured(number_type(key.range))); }
   Json operator()(const std::vector<int>*) const { return axes(); }
   Json operator()(const std::array<bool, 3>*) const { return axes(); }
@@ -60,6 +60,11 @@ struct Type {
   /// A text with a unit does as well.
   [[nodiscard]] Json measured(Json number) const {
     return key.unit.empty() ? number : Json{{"anyOf", {std::move(number), {{"type", "string"}}}}};
+  }
+  /// An expression has a unit; then a number does as well.
+  [[nodiscard]] Json formula() const {
+    const Json text{{"type", "string"}};
+    return key.unit.empty() ? text : Json{{"anyOf", {text, {{"type", "number"}}}}};
   }
   static Json axes() { return array_of({{"enum", {"x", "y", "z"}}}); }
 };

@@ -56,9 +56,9 @@ std::vector<Key> reading_keys(io::MeshOptions& o) {
        .range = {0, 9}},
       {.name = "merge",
        .slot = &o.merge,
-       .meaning =
-           "Whether vertices on the boundary that lie at the same place become one. Without it they are a slit, as "
-           "they are in a mesh that was exported part by part."},
+       .meaning = "Whether vertices that lie at the same place become one, if one of them is on a boundary. Without it "
+                  "they are "
+                  "a slit, as they are in a mesh that was exported part by part."},
       {.name = "merge_tolerance",
        .slot = &o.merge_tolerance,
        .meaning =

@@ -47,6 +47,7 @@ class DeckReader {
     force,
     pressure,
     procedure,
+    amplitude,
     skipped
   };
 
@@ -123,11 +124,28 @@ class DeckReader {
     return true;
   }
 
+  bool begin_amplitude() {
+    const std::string definition = abaqus_upper(parameters_["DEFINITION"]), value = abaqus_upper(parameters_["VALUE"]);
+    if ((!definition.empty() && definition != "TABULAR") || value == "ABSOLUTE") return false;
+    amplitude_ = abaqus_upper(parameters_["NAME"]);
+    data_ = Data::amplitude;
+    return true;
+  }
+
+  /// The table that scales a load, if it is known.
+  std::string amplitude_of(const std::string& keyword) {
+    const std::string name = abaqus_upper(parameters_["AMPLITUDE"]);
+    if (name.empty() || (deck_.amplitudes.contains(name) && !deck_.amplitudes[name].empty())) return name;
+    leave(fmt::format("{}, AMPLITUDE={}: there is no such table; the load acts without it", keyword, name));
+    return "";
+  }
+
   /// Supports, loads and what the step does.
   bool begin_step(const std::string& keyword) {
     const bool acts = keyword == "*BOUNDARY" || keyword == "*CLOAD" || keyword == "*DLOAD";
     if (acts && abaqus_upper(parameters_["OP"]) == "NEW") leave(keyword + ", OP=NEW: what came before stays");
-    if (parameters_.contains("AMPLITUDE")) leave(keyword + ", AMPLITUDE: the load grows in proportion");
+    if (keyword == "*AMPLITUDE") return begin_amplitude();
+    if (acts) amplitude_ = amplitude_of(keyword);
     if (keyword == "*BOUNDARY") {
       const std::string type = abaqus_upper(parameters_["TYPE"]);
       data_ = type.empty() || type == "DISPLACEMENT" ? Data::support : Data::unread;
@@ -177,6 +195,8 @@ class DeckReader {
         return take_pressure(words);
       case Data::procedure:
         return take_procedure(words);
+      case Data::amplitude:
+        return take_amplitude(words);
       default:
         return;
     }
@@ -213,15 +233,31 @@ class DeckReader {
       for (long k = first; k <= last; ++k) {
         s.held[static_cast<std::size_t>(k - 1)] = true;
         if (k <= 3) s.value[static_cast<std::size_t>(k - 1)] = value;
+        if (k <= 3 && value != 0.0) take_amplitude_of(s, words[0]);
         if (k > 3 && value != 0.0) leave(fmt::format("*BOUNDARY {}: rotation {} by {}", words[0], k, value));
       }
+    }
+  }
+
+  void take_amplitude_of(AbaqusDeck::Support& s, const std::string& where) {
+    if (!s.amplitude.empty() && s.amplitude != amplitude_)
+      leave(fmt::format("*BOUNDARY {}: a second amplitude; {} is taken for all of its values", where, amplitude_));
+    s.amplitude = amplitude_;
+  }
+
+  void take_amplitude(const AbaqusWords& words) {
+    AbaqusDeck::Table& table = deck_.amplitudes[amplitude_];
+    for (std::size_t k = 0; k < words.size(); k += 2) {
+      table.push_back({number(words, k), number(words, k + 1)});
+      if (table.size() > 1 && !(table.back()[0] > table[table.size() - 2][0]))
+        fail_in_line(file_, line_, "*AMPLITUDE: the times do not ascend");
     }
   }
 
   void take_force(const AbaqusWords& words) {
     const long direction = whole(words, 1);
     if (direction < 1 || direction > 3) return leave(fmt::format("*CLOAD {}: a moment", words[0]));
-    AbaqusDeck::Load load{AbaqusDeck::Load::Kind::force, words[0], {}, 0.0};
+    AbaqusDeck::Load load{AbaqusDeck::Load::Kind::force, words[0], {}, 0.0, amplitude_};
     load.vector[static_cast<std::size_t>(direction - 1)] = number(words, 2);
     deck_.loads.push_back(load);
   }
@@ -229,9 +265,9 @@ class DeckReader {
   void take_pressure(const AbaqusWords& words) {
     const std::string label = words.size() > 1 ? abaqus_upper(words[1]) : "";
     if (label == "P") {
-      deck_.loads.push_back({AbaqusDeck::Load::Kind::pressure, words[0], {}, number(words, 2)});
+      deck_.loads.push_back({AbaqusDeck::Load::Kind::pressure, words[0], {}, number(words, 2), amplitude_});
     } else if (label == "GRAV") {
-      AbaqusDeck::Load load{AbaqusDeck::Load::Kind::gravity, words[0], {}, 0.0};
+      AbaqusDeck::Load load{AbaqusDeck::Load::Kind::gravity, words[0], {}, 0.0, amplitude_};
       for (std::size_t k = 0; k < 3; ++k)
         load.vector[k] = number(words, 2) * (words.size() > 3 + k ? number(words, 3 + k) : 0.0);
       deck_.loads.push_back(load);
@@ -243,7 +279,7 @@ class DeckReader {
   void take_procedure(const AbaqusWords& words) {
     if (deck_.procedure == Procedure::frequency || deck_.procedure == Procedure::buckle)
       deck_.modes = static_cast<int>(std::min(whole(words, 0), most_modes));
-    if (deck_.procedure == Procedure::dynamic && words.size() > 1) {
+    else if (words.size() > 1) {
       deck_.step = number(words, 0);
       deck_.end = number(words, 1);
     }
@@ -284,7 +320,7 @@ class DeckReader {
   static constexpr int most_included = 8;
   static constexpr long most_modes = 1000;
 
-  std::string file_, keyword_, material_;
+  std::string file_, keyword_, material_, amplitude_;
   std::map<std::string, std::string> parameters_;
   std::size_t line_ = 0;
   Data data_ = Data::none;

@@ -57,7 +57,11 @@ std::vector<Index> targets(const MeshData& data, double tolerance) {
     while (target[v] != v) v = target[v] = target[target[v]];
     return v;
   };
-  each_near_pair(data.positions, boundary_vertices(data), tolerance, [&](Index v, Index w) {
+  std::vector<Index> all(target);
+  std::vector<char> at_rim(all.size(), 0);
+  for (const Index v : boundary_vertices(data)) at_rim[v] = 1;
+  each_near_pair(data.positions, all, tolerance, [&](Index v, Index w) {
+    if (!at_rim[v] && !at_rim[w]) return;
     const Index a = root(v), b = root(w);
     target[std::max(a, b)] = std::min(a, b);
   });

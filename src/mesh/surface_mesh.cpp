@@ -5,8 +5,10 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <tuple>
 
+#include "continuations.hpp"
 #include "voile/base/error.hpp"
 #include "voile/base/text.hpp"
 
@@ -72,6 +74,7 @@ SurfaceMesh::SurfaceMesh(MeshData data) : data_(std::move(data)) {
   check_geometry();
   build_adjacency();
   orient();
+  count_components();
   build_vertex_triangles();
   check_groups();
   check_charts();
@@ -104,6 +107,13 @@ void SurfaceMesh::check_geometry() const {
 
 void SurfaceMesh::check_charts() const {
   if (!has_charts()) return;
+  if (!joints_.empty())
+    throw UserError(fmt::format(
+        "{}: {} edge(s) join three or more triangles, or two that cannot be oriented alike; the first is {}. Sheets "
+        "with "
+        "a rest shape of their own (panels, mesh.start, mesh.rest) cannot branch: separate them, or remove the extra "
+        "triangles",
+        source(), joints_.size(), joint_text(joints_.front())));
   if (data_.rest.size() != data_.triangles.size())
     throw UserError(fmt::format("{}: rest positions for {} triangles, but there are {}", source(), data_.rest.size(),
                                 data_.triangles.size()));
@@ -133,19 +143,20 @@ void SurfaceMesh::build_adjacency() {
   const std::vector<HalfEdge> edges = sorted_half_edges(data_.triangles);
   neighbours_.assign(data_.triangles.size(), {no_index, no_index, no_index});
   shared_side_.assign(data_.triangles.size(), {-1, -1, -1});
-  std::vector<std::string> crowded, doubled;
+  joints_.clear();
+  std::vector<std::string> doubled;
   for (std::size_t first = 0; first < edges.size();) {
     std::size_t last = first + 1;
     while (last < edges.size() && edges[last].low == edges[first].low && edges[last].high == edges[first].high) ++last;
     const auto tag = [&](std::size_t k) { return data_.triangle_tags[edges[k].triangle]; };
     const auto apex_of = [&](std::size_t k) { return data_.triangles[edges[k].triangle][edges[k].side]; };
-    for (std::size_t k = first + 1; k < last; ++k)
-      if (apex_of(k) == apex_of(first)) doubled.push_back(fmt::format("{} and {}", tag(first), tag(k)));
-    if (last - first > 2) {
-      std::vector<std::size_t> tags;
-      for (std::size_t k = first; k < last; ++k) tags.push_back(tag(k));
-      crowded.push_back(fmt::format("edge {}-{} (triangles {})", data_.vertex_tags[edges[first].low],
-                                    data_.vertex_tags[edges[first].high], some_of(tags)));
+    for (std::size_t k = first; k < last; ++k)
+      for (std::size_t j = first; j < k; ++j)
+        if (apex_of(k) == apex_of(j)) doubled.push_back(fmt::format("{} and {}", tag(j), tag(k)));
+    const Segment edge{edges[first].low, edges[first].high};
+    if (last - first > 2 || (last - first == 2 && std::binary_search(twisted_.begin(), twisted_.end(), edge))) {
+      joints_.push_back({edge, {}});
+      for (std::size_t k = first; k < last; ++k) joints_.back().sides.push_back({edges[k].triangle, edges[k].side});
     } else if (last - first == 2) {
       const HalfEdge &p = edges[first], &q = edges[first + 1];
       neighbours_[p.triangle][p.side] = q.triangle;
@@ -158,20 +169,44 @@ void SurfaceMesh::build_adjacency() {
   if (!doubled.empty())
     throw UserError(fmt::format("{}: duplicate triangles (the same three vertices): {}; delete one of each", source(),
                                 doubled.front()));
-  if (!crowded.empty())
-    throw UserError(
-        fmt::format("{}: {} edge(s) shared by three or more triangles, the first is {}; branching surfaces "
-                    "are not supported: separate the sheets or remove the extra triangles",
-                    source(), crowded.size(), crowded.front()));
+}
+
+bool SurfaceMesh::is_joint(Index t, int s) const {
+  return std::any_of(joints_.begin(), joints_.end(), [&](const Joint& j) {
+    return std::any_of(j.sides.begin(), j.sides.end(),
+                       [&](const TriangleSide& side) { return side.triangle == t && side.side == s; });
+  });
+}
+
+std::string SurfaceMesh::joint_text(const Joint& joint) const {
+  std::vector<std::size_t> tags;
+  for (const TriangleSide& s : joint.sides) tags.push_back(data_.triangle_tags[s.triangle]);
+  return fmt::format("edge {}-{} (triangles {})", data_.vertex_tags[joint.edge[0]], data_.vertex_tags[joint.edge[1]],
+                     some_of(tags));
 }
 
 void SurfaceMesh::orient() {
   std::vector<char> seen(data_.triangles.size(), 0), flip(data_.triangles.size(), 0);
+  const std::map<Index, std::vector<Continuation>> across = continuations(data_, joints_);
+  const auto spread_across = [&](Index t, std::vector<Index>& members) {
+    const auto found = across.find(t);
+    if (found == across.end()) return;
+    for (const Continuation& c : found->second) {
+      if (seen[c.next]) continue;
+      seen[c.next] = 1;
+      flip[c.next] = static_cast<char>(flip[t] ^ static_cast<char>(!c.opposite));
+      members.push_back(c.next);
+    }
+  };
   for (Index seed = 0; seed < triangle_count(); ++seed) {
     if (seen[seed]) continue;
     std::vector<Index> members{seed};
     seen[seed] = 1;
-    for (std::size_t k = 0; k < members.size(); ++k) spread_orientation(members[k], members, seen, flip);
+    for (std::size_t k = 0; k < members.size(); ++k) {
+      const Index t = members[k];
+      spread_orientation(t, members, seen, flip);
+      spread_across(t, members);
+    }
     const auto turned = std::count_if(members.begin(), members.end(), [&](Index t) { return flip[t]; });
     // Keep the orientation that most triangles already have.
     const char turn = 2 * static_cast<std::size_t>(turned) > members.size() ? 0 : 1;
@@ -182,29 +217,51 @@ void SurfaceMesh::orient() {
         if (!data_.rest.empty()) std::swap(data_.rest[t][1], data_.rest[t][2]);
         ++reoriented_;
       }
-    ++components_;
   }
-  if (reoriented_ > 0) build_adjacency();
+  std::sort(twisted_.begin(), twisted_.end());
+  if (reoriented_ > 0 || !twisted_.empty()) build_adjacency();
 }
 
+void SurfaceMesh::count_components() {
+  std::vector<Index> parent(data_.triangles.size());
+  std::iota(parent.begin(), parent.end(), Index{0});
+  components_ = triangle_count();
+  const auto root = [&](Index t) {
+    while (parent[t] != t) t = parent[t] = parent[parent[t]];
+    return t;
+  };
+  const auto join = [&](Index a, Index b) {
+    a = root(a);
+    b = root(b);
+    if (a == b) return;
+    parent[std::max(a, b)] = std::min(a, b);
+    --components_;
+  };
+  for (Index t = 0; t < triangle_count(); ++t)
+    for (const Index n : neighbours_[t])
+      if (n != no_index) join(t, n);
+  for (const Joint& j : joints_)
+    for (const TriangleSide& s : j.sides) join(j.sides.front().triangle, s.triangle);
+}
+
+/// Neighbours in the order of their numbers, so that which edges are found twisted does not depend on the orientation.
 void SurfaceMesh::spread_orientation(Index t, std::vector<Index>& members, std::vector<char>& seen,
-                                     std::vector<char>& flip) const {
-  for (int s = 0; s < 3; ++s) {
+                                     std::vector<char>& flip) {
+  std::array<int, 3> sides{0, 1, 2};
+  std::sort(sides.begin(), sides.end(), [&](int a, int b) { return neighbours_[t][a] < neighbours_[t][b]; });
+  for (const int s : sides) {
     const Index n = neighbours_[t][s];
     if (n == no_index) continue;
     const int sn = shared_side_[t][s];
     // Consistent neighbours run along the shared edge in opposite directions.
-    const bool same_direction = data_.triangles[t][(s + 1) % 3] == data_.triangles[n][(sn + 1) % 3];
-    const char needs_flip = static_cast<char>(flip[t] ^ static_cast<char>(same_direction));
+    const Index a = data_.triangles[t][(s + 1) % 3], b = data_.triangles[t][(s + 2) % 3];
+    const char needs_flip = static_cast<char>(flip[t] ^ static_cast<char>(a == data_.triangles[n][(sn + 1) % 3]));
     if (!seen[n]) {
       seen[n] = 1;
       flip[n] = needs_flip;
       members.push_back(n);
-    } else if (flip[n] != needs_flip) {
-      throw UserError(
-          fmt::format("{}: the surface cannot be oriented (a Moebius strip?): triangles {} and {} "
-                      "disagree; cut it along a line of edges",
-                      source(), data_.triangle_tags[t], data_.triangle_tags[n]));
+    } else if (flip[n] != needs_flip && t < n) {
+      twisted_.push_back({std::min(a, b), std::max(a, b)});
     }
   }
 }

@@ -270,7 +270,7 @@ void BoundaryConditions::add_follower(const Load& load) {
     for (Index t : mesh.triangles_of_vertex(s[0])) {
       const int side = mesh.side_of(t, s[0], s[1]);
       if (side < 0) continue;
-      if (mesh.neighbour(t, side) != no_index)
+      if (mesh.neighbour(t, side) != no_index || mesh.is_joint(t, side))
         throw UserError(
             fmt::format("[[load]] group '{}' (follower_moment): the edge {}-{} lies inside the surface; a moment acts "
                         "on a boundary "

@@ -95,6 +95,13 @@ Vec3 symmetry_normal(const mesh::SurfaceMesh& mesh, const mesh::Group& group,
 void add_symmetry(const mesh::SurfaceMesh& mesh, const Support& support, Constraints& result, Conditions& conditions) {
   const mesh::Group& group = mesh.group(support.group, 1);
   std::vector<mesh::MirrorSide> sides = boundary_sides(mesh, group, support);
+  for (const mesh::MirrorSide& m : sides)
+    if (mesh.is_joint(m.triangle, m.side))
+      throw UserError(
+          fmt::format("{}: its edge {}-{} joins sheets, one of which may lie in the plane; model the whole, or cut it "
+                      "where no sheets are joined",
+                      name_of(support), mesh.data().vertex_tags[mesh.triangles()[m.triangle][(m.side + 1) % 3]],
+                      mesh.data().vertex_tags[mesh.triangles()[m.triangle][(m.side + 2) % 3]]));
   const Vec3 normal = symmetry_normal(mesh, group, sides, support);
   const Vec3 origin = mesh.positions()[group.vertices.front()];
   const double tolerance = 1e-6 * mesh.extent();

@@ -74,7 +74,8 @@ ContactScene::ContactScene(const Dofs& dofs, ContactInput input) : dofs_(&dofs),
   obstacles_.emplace(input_.obstacles, static_cast<int>(sheets), surface);
   set_general_rules(input_, sheets, surface);
   surface.joined = mesh::joined_vertices(mesh.data());
-  if (lacks_room()) surface.neighbours = contact::find_neighbours(surface, input_.options.distance);
+  if (lacks_room() || (input_.self && !mesh.joints().empty()))
+    surface.neighbours = contact::find_neighbours(surface, input_.options.distance);
   std::vector<char> owned(static_cast<std::size_t>(mesh.vertex_count()));
   for (Index i = 0; i < dofs.local().owned; ++i) owned[dofs.local().point_of[i]] = 1;
   set_ = std::make_unique<ContactSet>(std::move(surface), obstacles_->planes(), input_.options, std::move(owned));

@@ -1,9 +1,13 @@
 #include "voile/system/discretisation.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
+#include "voile/base/error.hpp"
 #include "voile/base/mpi.hpp"
 #include "voile/energy/curvature.hpp"
+#include "voile/energy/joint.hpp"
 #include "voile/energy/membrane.hpp"
 #include "voile/energy/sheet.hpp"
 #include "voile/mesh/patch.hpp"
@@ -104,6 +108,42 @@ std::vector<energy::CurvatureOperator> Discretisation::take_curvatures() {
   return std::move(curvatures_);
 }
 
+Discretisation::Joints Discretisation::take_joints() {
+  return std::move(joints_);
+}
+
+bool Discretisation::touches(const std::vector<Index>& vertices) const {
+  return std::any_of(vertices.begin(), vertices.end(), [&](Index v) { return partition_.vertex_rank[v] == rank_; });
+}
+
+/// The joints of this rank, and the points that they use.
+void Discretisation::find_joints(energy::CurvatureBuilder& curvature, const std::vector<char>& candidate,
+                                 std::vector<char>& needed) {
+  const std::vector<mesh::Joint>& joints = mesh_->joints();
+  if (joints.empty()) return;
+  if (sheet_->options().bending == energy::BendingOperator::six_node)
+    throw UserError(fmt::format(
+        "[element] type = \"{}\" cannot join sheets, and {} joins some: {} edges of three or more triangles, or "
+        "of two that cannot be oriented alike; use \"corrected\"",
+        energy::element_types[energy::type_of(sheet_->options())].name, mesh_->source(), joints.size()));
+  for (const std::vector<Index>& cluster : energy::joint_clusters(*sheet_)) {
+    const bool near = std::any_of(cluster.begin(), cluster.end(), [&](Index j) {
+      const auto& sides = joints[static_cast<std::size_t>(j)].sides;
+      return std::any_of(sides.begin(), sides.end(),
+                         [&](const mesh::TriangleSide& s) { return candidate[s.triangle]; });
+    });
+    const bool is_owned = owns(joints[static_cast<std::size_t>(cluster.front())].sides.front().triangle);
+    if (!near && !is_owned) continue;
+    energy::JointElement element = energy::make_joint_element(*sheet_, curvature, cluster);
+    const std::vector<Index> vertices = vertices_of(*patches_, element.points);
+    if (!touches(vertices) && !is_owned) continue;
+    for (Index p : element.points) needed[p] = 1;
+    for (Index v : vertices) needed[v] = 1;
+    joints_.elements.push_back(std::move(element));
+    joints_.owned.push_back(is_owned);
+  }
+}
+
 /// The elements of this rank, and the points that they use.
 std::vector<char> Discretisation::find_elements(const std::vector<Spring>& springs) {
   const std::vector<char> candidate = candidate_triangles(*mesh_, partition_.vertex_rank, rank_);
@@ -114,15 +154,14 @@ std::vector<char> Discretisation::find_elements(const std::vector<Spring>& sprin
     energy::CurvatureOperator op = curvature.build(t);
     const std::vector<Index> points = stencil_points(*sheet_, t, op);
     const std::vector<Index> vertices = vertices_of(*patches_, points);
-    const bool touches =
-        std::any_of(vertices.begin(), vertices.end(), [&](Index v) { return partition_.vertex_rank[v] == rank_; });
     // The owner of a triangle recovers its stresses even where none of its rows are its own.
-    if (!touches && !owns(t)) continue;
+    if (!touches(vertices) && !owns(t)) continue;
     for (Index p : points) needed[p] = 1;
     for (Index v : vertices) needed[v] = 1;
     elements_.push_back({t, {}, owns(t)});
     curvatures_.push_back(std::move(op));
   }
+  find_joints(curvature, candidate, needed);
   for (const Spring& spring : springs)
     for (const auto& [v, w] : pairs_of(*mesh_, spring))
       if (partition_.vertex_rank[v] == rank_ || partition_.vertex_rank[w] == rank_) needed[v] = needed[w] = 1;

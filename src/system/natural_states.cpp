@@ -11,6 +11,7 @@
 #include "voile/energy/angle_bending.hpp"
 #include "voile/energy/bending.hpp"
 #include "voile/energy/curvature.hpp"
+#include "voile/energy/joint.hpp"
 #include "voile/energy/membrane.hpp"
 #include "voile/energy/sheet.hpp"
 #include "voile/system/discretisation.hpp"
@@ -65,6 +66,22 @@ NaturalStates::NaturalStates(const Discretisation& on, Temperatures temperatures
     for (Index k = 0; k < on.mesh().triangle_count(); ++k)
       if (covers(covered_.size() - 1, k)) require_expansion(t, sheet.material(k));
   }
+  add_joints();
+}
+
+void NaturalStates::add_joints() {
+  if (!kernels_.joints) return;
+  for (const Index t : kernels_.joints->triangles()) {
+    Item item{t, no_index, no_index, no_index, false, Vec3::Zero(), Vec3::Zero()};
+    for (int i = 0; i < 3; ++i) item.place += on_->mesh().start_corner(t, i) / 3.0;
+    at_joints_.push_back(item);
+  }
+}
+
+void NaturalStates::take_joint(const Item& item, double time, double load_factor) {
+  const auto [change, difference] = temperature_of(item, time, load_factor);
+  kernels_.joints->set_natural(
+      item.triangle, energy::natural_state(on_->sheet().material(item.triangle), change, difference).curvature);
 }
 
 bool NaturalStates::covers(std::size_t temperature, Index t) const {
@@ -105,6 +122,7 @@ void NaturalStates::set(double time, double load_factor) {
   load_factor_ = load_factor;
   squared_force_ = 0.0;
   for (Item& item : items_) take(item, at, load_factor);
+  for (const Item& item : at_joints_) take_joint(item, at, load_factor);
 }
 
 std::pair<double, double> NaturalStates::temperature_of(const Item& item, double time, double load_factor) const {

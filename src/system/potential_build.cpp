@@ -14,6 +14,7 @@
 #include "voile/energy/chord_correction.hpp"
 #include "voile/energy/chord_forms.hpp"
 #include "voile/energy/coupling.hpp"
+#include "voile/energy/joint.hpp"
 #include "voile/energy/membrane.hpp"
 #include "voile/energy/mirror_fold.hpp"
 #include "voile/energy/seam.hpp"
@@ -66,6 +67,7 @@ AnyTerm& Potential::add_term(double Energies::*part) {
 
 /// Here a new term joins the potential.
 void Potential::build_terms(const Curvatures& curvatures, const PotentialInput& input) {
+  build_joints();
   build_sheet(curvatures, input.temperatures);
   build_mirror_folds();
   if (energy::YarnFrictionTerm::is_needed(on_->sheet())) build_yarns(curvatures);
@@ -97,7 +99,8 @@ void Potential::build_sheet(const Curvatures& curvatures, Temperatures temperatu
   if (NaturalStates::needed(on_->sheet(), temperatures)) {
     auto& natural = add_term<BatchTerm<energy::CurvedBendingTerm>>(&Energies::bending);
     natural_ = std::make_unique<NaturalStates>(
-        *on_, std::move(temperatures), NaturalStates::Kernels{membrane_->kernel, natural.kernel, angles_->kernel});
+        *on_, std::move(temperatures),
+        NaturalStates::Kernels{membrane_->kernel, natural.kernel, angles_->kernel, joints_});
   }
   const auto& materials = on_->sheet().materials();
   if (std::any_of(materials.begin(), materials.end(), energy::couples))
@@ -158,6 +161,17 @@ void Potential::build_yarns(const Curvatures& curvatures) {
     std::vector<Index> local;
     for (const Index p : el.points) local.push_back(local_of[p]);
     yarns_->kernel.add(on_->sheet(), triangle, el, local, owned);
+  }
+}
+
+void Potential::build_joints() {
+  if (on_->mesh().joints().empty()) return;
+  joints_ = &add_term<ElementTerm<energy::JointTerm>>(&Energies::bending).kernel;
+  Discretisation::Joints joints = on_->take_joints();
+  for (std::size_t k = 0; k < joints.elements.size(); ++k) {
+    std::vector<Index> local;
+    for (const Index p : joints.elements[k].points) local.push_back(on_->dofs().local().local_of[p]);
+    joints_->add(std::move(joints.elements[k]), std::move(local), joints.owned[k] != 0);
   }
 }
 

@@ -8,11 +8,34 @@
 #include "voile/energy/angle_bending.hpp"
 #include "voile/energy/bending.hpp"
 #include "voile/energy/curvature.hpp"
+#include "voile/energy/joint.hpp"
 #include "voile/energy/membrane.hpp"
 #include "voile/energy/sheet.hpp"
 #include "voile/system/natural_states.hpp"
 
 namespace voile::system {
+
+namespace {
+
+/// What the turn of joints adds to the curvature of the triangles there.
+void add_joints(const energy::Sheet& sheet, const energy::JointTerm& joints, const energy::Configuration& c,
+                TriangleFields& f) {
+  const auto add = [](std::vector<double>& to, Index t, const Vec3& value) {
+    for (int k = 0; k < 3; ++k) to[3 * static_cast<std::size_t>(t) + k] += value[k];
+  };
+  for (Index e = 0; e < joints.size(); ++e) {
+    if (!joints.owned(e)) continue;
+    const Eigen::VectorXd angles = joints.angles(e, c);
+    for (const energy::JointElement::Bend& bend : joints.element(e).bends) {
+      const Vec3 kappa = bend.of_angles * angles;
+      add(f.curvature, bend.triangle, kappa);
+      add(f.whole_curvature, bend.triangle, kappa);
+      add(f.bending_moment, bend.triangle, sheet.material(bend.triangle).bending * kappa);
+    }
+  }
+}
+
+}  // namespace
 
 void Recovery::add(Index triangle, const energy::BendingElement& element, const std::vector<Index>& local,
                    Index membrane, Index angles) {
@@ -77,6 +100,7 @@ TriangleFields Recovery::fields(MPI_Comm comm, const energy::Sheet& sheet, const
     store(f.bending_moment, r.triangle, stiffness * kappa - coupling * strain);
     store(f.membrane_force, r.triangle, from.membrane.force(r.membrane, strain) - coupling * kappa);
   }
+  if (from.joints) add_joints(sheet, *from.joints, c, f);
   for (auto* v : {&f.membrane_strain, &f.membrane_force, &f.curvature, &f.whole_curvature, &f.bending_moment,
                   &f.temperature, &f.in_plane}) {
     mpi::sum_to_root(comm, *v);

@@ -83,6 +83,8 @@ class Counter {
     for (Index t = 0; t < mesh_.triangle_count(); ++t)
       for (int s = 0; s < 3; ++s)
         if (const Index n = mesh_.neighbour(t, s); n != no_index) connected.join(t, n);
+    for (const mesh::Joint& j : mesh_.joints())
+      for (const mesh::TriangleSide& s : j.sides) connected.join(s.triangle, j.sides.front().triangle);
     std::map<Index, Index> number;
     for (Index t = 0; t < mesh_.triangle_count(); ++t) {
       const auto at = number.emplace(connected.find(t), static_cast<Index>(number.size())).first;

@@ -223,7 +223,22 @@ def deck_cases(report):
     report.check("a second *STEP" in said and 'analysis = "linear"' in case.read_text(), "of two steps the first is taken")
     # CalculiX 2.20 lifts such a plate along the normals of its elements, too.
     report.check(run(case, fresh("deck_pressed_run"), 1).displacement()[:, 2].max() > 0, "a pressure acts along the normals")
-    for what, change in (("a modulus that is no number", ("210000.", "many")), ("an include that is not there", ("*Heading", "*Include, input=none.inp\n*Heading"))):
+    table = "*Amplitude, name=RISE\n0., 0., 0.5, 0.2, 1., 0.8\n*Node\n9001, 0., 0., 50.\n9002, 0., 0., 60.\n*Element, type=SPRINGA, elset=SPRINGS\n9001, 9001, 9002\n*Boundary\n9001, 1, 3\n9002, 1, 3\n"
+    step = "*Step, nlgeom\n{}\n0.1, 1.\n*Cload, amplitude=rise\n145, 3, 2.\n*Boundary, amplitude=Rise\n147, 3, 3, 5.\n*Cload, amplitude=none\n146, 3, 1.\n*Dload\nsprings, GRAV, 1., 0., 0., 1.\n*End Step"
+    code, said, case = begin("deck_history", plate(table + step.format("*Dynamic")))
+    found = case.read_text()
+    report.check('history = "table(t, 0, 0, 0.5, 0.2, 1, 0.8)"' in found and 'motion = ["0", "0", "5 * table(t, 0, 0, 0.5, 0.2, 1, 0.8)"]' in found
+                 and "AMPLITUDE=NONE: there is no such table" in said, f"amplitudes become histories of a motion: {said[:300]}")
+    report.check("1 elements of type SPRINGA, which are no shells" in said and "2 places are no part of a shell: 9001" in said and "gravity" not in found,
+                 f"what is no shell is named and left out: {said[-700:]}")
+    report.check(invoke(["check", case])[0] == 0, "and the case is whole")
+    code, said, case = begin("deck_at_end", plate(table + step.format("*Static")))
+    found = case.read_text()
+    report.check("vector = [0, 0, 1.6]" in found and "value = [0, 0, 4]" in found and "*AMPLITUDE RISE: loads grow in proportion to 0.8" in said,
+                 f"in a static step the end of a table counts: {said[:300]}")
+    code, said, case = begin("deck_bare", plate("").replace("*Elastic\n210000., 0.3", "*Depvar\n3"))
+    report.check(code == 0 and "it has no [[material]] yet" in said and "voile run" not in said, f"without a material nothing can be run: {said[-200:]}")
+    for what, change in (("an amplitude whose times do not ascend", ("*Boundary", "*Amplitude, name=A\n0., 0., 0., 1.\n*Boundary")), ("a modulus that is no number", ("210000.", "many")), ("an include that is not there", ("*Heading", "*Include, input=none.inp\n*Heading"))):
         code, said, _ = begin("deck_wrong", plate("").replace(*change))
         report.check(code == 2 and re.search(r"deck_wrong\.inp:\d+: ", said), f"{what}: code {code}: {said[:150]}")
 

@@ -31,6 +31,7 @@ import garments  # noqa: E402, F401
 import gathering  # noqa: E402, F401
 import howtos  # noqa: E402, F401
 import initial_states  # noqa: E402, F401
+import joints  # noqa: E402, F401
 import landmarks  # noqa: E402, F401
 import library  # noqa: E402, F401
 import meshing  # noqa: E402, F401

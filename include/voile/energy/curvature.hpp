@@ -47,6 +47,13 @@ class CurvatureBuilder {
   ~CurvatureBuilder();
   /// The operator of triangle t in its material axes, without any correction for a curved rest shape.
   [[nodiscard]] CurvatureOperator build(Index t);
+  /// That of edge_slope before its free sides follow.
+  struct Unreleased {
+    CurvatureOperator operator_;
+    std::vector<int> sides;    ///< that are free
+    std::vector<Vec3> across;  ///< what a slope of each adds to the curvature [1/m]
+  };
+  [[nodiscard]] Unreleased build_unreleased(Index t);
   /// Condition number of the scaled six-point fit of t; infinite if singular.
   [[nodiscard]] double patch_condition(Index t);
 

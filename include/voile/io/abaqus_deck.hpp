@@ -22,18 +22,22 @@ struct AbaqusDeck {
     std::array<bool, 6> held{};     ///< displacements 1 to 3, rotations 4 to 6
     std::array<double, 3> value{};  ///< of the displacements
     std::string mirror;             ///< XSYMM, YSYMM or ZSYMM
+    std::string amplitude;          ///< of the values; empty: none
   };
   struct Load {
     enum class Kind { force, pressure, gravity } kind = Kind::force;
     std::string where;  ///< set, or number of a node or element
     std::array<double, 3> vector{};
     double size = 0.0;  ///< of a pressure, along the normal
+    std::string amplitude;
   };
   enum class Procedure { none, linear, nonlinear, riks, frequency, buckle, dynamic };
   struct Left {
     std::string what;   ///< keyword, or keyword and data
     std::string place;  ///< FILE:LINE
   };
+
+  using Table = std::vector<std::array<double, 2>>;  ///< times, ascending, and factors
 
   std::string title;
   std::map<std::string, Material> materials;
@@ -42,7 +46,8 @@ struct AbaqusDeck {
   std::vector<Load> loads;
   Procedure procedure = Procedure::none;
   int modes = 0;
-  double step = 0.0, end = 0.0;       ///< of a dynamic procedure
+  double step = 0.0, end = 1.0;  ///< of the step, in time
+  std::map<std::string, Table> amplitudes;
   std::vector<std::string> included;  ///< names of included files, as the deck writes them
   std::vector<std::string> node_sets, element_sets;
   std::vector<Left> left;  ///< what was not understood

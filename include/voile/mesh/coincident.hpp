@@ -22,8 +22,8 @@ struct Coincidence {
 /// Counts vertices of triangles that are closer than `tolerance` [m] to another one. Not collective.
 [[nodiscard]] Coincidence find_coincident(const MeshData& data, double tolerance);
 
-/// Makes one of vertices on boundary edges that lie closer together than `tolerance` [m], also through others; the one
-/// with the lowest number stays. Layers that lie on each other stay apart inside their boundaries. Groups follow; line
+/// Makes one of vertices that lie closer together than `tolerance` [m], also through others, if one of them is on a boundary
+/// edge; the one with the lowest number stays. Where a part ends inside another they are joined (surface_mesh.hpp). Layers that lie on each other stay apart inside their boundaries. Groups follow; line
 /// elements and vertices that are then there twice are dropped. Returns how many vertices went. Not collective.
 /// Throws UserError if the tolerance lets a triangle collapse.
 Index merge_coincident(MeshData& data, double tolerance);

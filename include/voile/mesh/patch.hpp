@@ -29,12 +29,6 @@ struct MirrorSide {
   Mat3 reflection = Mat3::Identity();  ///< R
 };
 
-/// A side of a triangle.
-struct TriangleSide {
-  Index triangle = no_index;
-  int side = 0;
-};
-
 struct MirrorPoint {
   Index apex = no_index, a = no_index, b = no_index;
   double foot = 0.0;  ///< alpha

@@ -9,6 +9,8 @@
 // chart if their rest corners agree on the common side; otherwise that side is a seam. Across a seam the sheet is flat at
 // rest, and the chart of one neighbour is carried to that of the other by the rigid motion, and if the lengths of the side
 // differ the similarity, that puts side on side.
+// A joint is an edge of three or more triangles, or of two that cannot be oriented alike. A sheet ends there: a triangle has no
+// neighbour across it.
 #pragma once
 
 #include <array>
@@ -22,6 +24,18 @@ namespace voile::mesh {
 
 using Triangle = std::array<Index, 3>;
 using Segment = std::array<Index, 2>;
+
+/// A side of a triangle.
+struct TriangleSide {
+  Index triangle = no_index;
+  int side = 0;
+};
+
+/// An edge at which sheets are joined.
+struct Joint {
+  Segment edge{};                   ///< ascending
+  std::vector<TriangleSide> sides;  ///< that meet there, by ascending triangle
+};
 
 /// A physical group of the mesh file. Only the members of its own dimension are stored by the reader.
 struct Group {
@@ -67,13 +81,12 @@ struct Join {
 /// Area of a triangle in space [m^2].
 [[nodiscard]] double triangle_area(const Vec3& a, const Vec3& b, const Vec3& c);
 
-/// Immutable, oriented, manifold triangulation with boundary. Replicated on every rank.
+/// Immutable triangulation with boundary, oriented between its joints. Replicated on every rank.
 class SurfaceMesh {
  public:
   /// Checks topology and geometry, repairs inconsistent orientation and drops nothing.
-  /// Throws UserError naming the entities: an edge of three or more triangles, duplicate or degenerate triangles,
-  /// vertices without a triangle, a surface that cannot be oriented, segments of a group that are no edges, seams whose
-  /// two sides differ too much in length.
+  /// Throws UserError naming the entities: duplicate or degenerate triangles, vertices without a triangle, segments of a
+  /// group that are no edges, seams whose two sides differ too much in length, joints where the rest shape is apart.
   explicit SurfaceMesh(MeshData data);
 
   [[nodiscard]] Index vertex_count() const { return static_cast<Index>(data_.positions.size()); }
@@ -87,12 +100,16 @@ class SurfaceMesh {
   [[nodiscard]] const MeshData& data() const { return data_; }
   [[nodiscard]] const std::string& source() const { return data_.source; }
 
-  /// Neighbour of triangle t across its side s, or no_index on the boundary.
+  /// Neighbour of triangle t across its side s, or no_index on the boundary and at joints.
   [[nodiscard]] Index neighbour(Index t, int s) const { return neighbours_[static_cast<std::size_t>(t)][s]; }
   /// Vertex of that neighbour opposite to the shared side, or no_index.
   [[nodiscard]] Index apex(Index t, int s) const;
   /// Side of neighbour(t, s) that it shares with t. Requires a neighbour.
   [[nodiscard]] int side_in_neighbour(Index t, int s) const { return shared_side_[static_cast<std::size_t>(t)][s]; }
+
+  /// Edges at which sheets are joined, ascending.
+  [[nodiscard]] const std::vector<Joint>& joints() const { return joints_; }
+  [[nodiscard]] bool is_joint(Index t, int s) const;
 
   /// Group of that name and dimension (dimension -1: any). Throws UserError that lists the names there are.
   [[nodiscard]] const Group& group(const std::string& name, int dimension = -1) const;
@@ -100,7 +117,7 @@ class SurfaceMesh {
 
   /// How many triangles were turned round to orient the surface consistently.
   [[nodiscard]] Index reoriented_count() const { return reoriented_; }
-  /// Number of connected pieces of the surface.
+  /// Number of pieces of the surface that are connected through edges.
   [[nodiscard]] Index component_count() const { return components_; }
 
   /// Triangles around vertex v, ascending.
@@ -135,13 +152,17 @@ class SurfaceMesh {
   void check_charts() const;
   void build_adjacency();
   void orient();
-  void spread_orientation(Index t, std::vector<Index>& members, std::vector<char>& seen, std::vector<char>& flip) const;
+  void spread_orientation(Index t, std::vector<Index>& members, std::vector<char>& seen, std::vector<char>& flip);
+  void count_components();
+  [[nodiscard]] std::string joint_text(const Joint& joint) const;
   void build_vertex_triangles();
   void check_groups() const;
 
   MeshData data_;
   std::vector<std::array<Index, 3>> neighbours_;
   std::vector<std::array<int, 3>> shared_side_;
+  std::vector<Joint> joints_;
+  std::vector<Segment> twisted_;  ///< edges of two triangles that cannot be oriented alike, ascending
   std::vector<Index> vertex_triangle_start_, vertex_triangles_;
   Index reoriented_ = 0;
   Index components_ = 0;

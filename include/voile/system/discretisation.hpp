@@ -14,7 +14,9 @@
 #include "voile/system/seam_rules.hpp"
 
 namespace voile::energy {
+class CurvatureBuilder;
 struct CurvatureOperator;
+struct JointElement;
 class Sheet;
 }  // namespace voile::energy
 
@@ -73,6 +75,13 @@ class Discretisation {
   void turn_mirrors(const std::vector<Mat3>& rotation) { dofs_->turn_mirrors(rotation); }
   /// Gives away the curvature operators of elements(), which only the construction of a model needs.
   [[nodiscard]] std::vector<energy::CurvatureOperator> take_curvatures();
+  /// Joints of sheets whose springs this rank evaluates, and which of them it counts.
+  struct Joints {
+    std::vector<energy::JointElement> elements;
+    std::vector<char> owned;
+  };
+  /// Likewise.
+  [[nodiscard]] Joints take_joints();
 
  private:
   /// The same mesh and mirror points with the rest shape of gathered fabric.
@@ -86,6 +95,8 @@ class Discretisation {
     return drawn_in_.patches ? *drawn_in_.patches : *patches_;
   }
   [[nodiscard]] std::vector<char> find_elements(const std::vector<Spring>& springs);
+  void find_joints(energy::CurvatureBuilder& curvature, const std::vector<char>& candidate, std::vector<char>& needed);
+  [[nodiscard]] bool touches(const std::vector<Index>& vertices) const;
 
   const mesh::SurfaceMesh* mesh_;
   int rank_;
@@ -99,6 +110,7 @@ class Discretisation {
   std::unique_ptr<Dofs> dofs_;
   std::vector<Element> elements_;
   std::vector<energy::CurvatureOperator> curvatures_;
+  Joints joints_;
 };
 
 /// Vertices whose unknowns a set of mesh points depends on, ascending.

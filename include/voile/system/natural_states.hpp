@@ -12,6 +12,7 @@
 namespace voile::energy {
 class AngleBendingTerm;
 class CurvedBendingTerm;
+class JointTerm;
 class MembraneTerm;
 class Sheet;
 struct BendingElement;
@@ -28,6 +29,7 @@ class NaturalStates {
     energy::MembraneTerm& membrane;
     energy::CurvedBendingTerm& bending;
     energy::AngleBendingTerm& angles;
+    energy::JointTerm* joints;  ///< null: no sheets are joined
   };
   struct Flags {
     bool owned, by_angles;
@@ -68,14 +70,16 @@ class NaturalStates {
   void take(Item& item, double time, double load_factor);
   /// Change and difference of temperature [K].
   [[nodiscard]] std::pair<double, double> temperature_of(const Item& item, double time, double load_factor) const;
+  void add_joints();
+  void take_joint(const Item& item, double time, double load_factor);
   [[nodiscard]] bool covers(std::size_t temperature, Index t) const;
 
   const Discretisation* on_;
   Temperatures temperatures_;
   Kernels kernels_;
   std::vector<std::vector<char>> covered_;  ///< of each temperature, by triangle; empty: all
-  std::vector<Item> items_;
-  std::vector<Index> item_of_;  ///< by triangle
+  std::vector<Item> items_, at_joints_;     ///< triangles at joints once more: those of other ranks, too
+  std::vector<Index> item_of_;              ///< by triangle
   bool changes_ = false, fresh_ = true;
   double squared_force_ = 0.0;
   double time_ = 0.0, load_factor_ = 0.0;  ///< in force

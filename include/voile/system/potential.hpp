@@ -30,6 +30,7 @@ class AngleBendingTerm;
 class MembraneTerm;
 class MirrorFoldTerm;
 class CouplingTerm;
+class JointTerm;
 class SpringTerm;
 class YarnFrictionTerm;
 }  // namespace voile::energy
@@ -161,6 +162,7 @@ class Potential {
   /// Couples stretching and bending of triangle t, whose membrane element was added last.
   void add_coupling(Index t, const energy::BendingElement& el, bool owned);
   void update_coupling();
+  void build_joints();
   void build_mirror_folds();
   void build_yarns(const Curvatures& curvatures);
   void tie(const Spring& spring, ElementTerm<energy::SpringTerm>& ties) const;
@@ -185,6 +187,7 @@ class Potential {
   BatchTerm<energy::YarnFrictionTerm>* yarns_ = nullptr;  ///< null: no friction inside the fabric
   double yarn_losses_ = 0.0;
   energy::MirrorFoldTerm* folds_ = nullptr;  ///< kernel of one of them
+  energy::JointTerm* joints_ = nullptr;      ///< kernel of one of them, or null: no sheets are joined
   energy::AnchorTerm* anchors_ = nullptr;    ///< kernel of one of them, or null
   Recovery recovery_;
   ConstantMatrices constant_;

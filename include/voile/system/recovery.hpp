@@ -13,6 +13,7 @@
 
 namespace voile::energy {
 class AngleBendingTerm;
+class JointTerm;
 struct BendingElement;
 struct Configuration;
 class MembraneTerm;
@@ -47,7 +48,8 @@ class Recovery {
   struct Sources {
     const energy::MembraneTerm& membrane;
     const energy::AngleBendingTerm& angles;
-    const NaturalStates* natural;  ///< null: the rest shape
+    const energy::JointTerm* joints;  ///< null: no sheets are joined
+    const NaturalStates* natural;     ///< null: the rest shape
   };
   /// At configuration c of the local points. Collective; values on rank 0.
   [[nodiscard]] TriangleFields fields(MPI_Comm comm, const energy::Sheet& sheet, const Sources& from,

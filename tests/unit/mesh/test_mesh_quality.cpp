@@ -141,7 +141,7 @@ TEST_CASE("coincident vertices are counted and merged, groups follow, layers sta
   CHECK(mesh::merge_coincident(layers, tolerance) == 4 * n);
 }
 
-TEST_CASE("T joints are told from slits") {
+TEST_CASE("T joints are distinguished from slits, and merged") {
   const int n = 4;
   // The second square begins in the middle of the first one, where vertices are inside.
   mesh::MeshData tee = two_squares(n, {0.5, 0, 0});
@@ -149,8 +149,9 @@ TEST_CASE("T joints are told from slits") {
     tee.positions[v] = {0.5, tee.positions[v][1], tee.positions[v][0] - 0.5};
   const double tolerance = mesh::default_merge_tolerance(tee);
   CHECK(mesh::find_coincident(tee, tolerance).joints == n - 1);
-  CHECK(mesh::merge_coincident(tee, tolerance) == 2);
-  CHECK(mesh::find_coincident(tee, tolerance).joints == n - 1);
+  CHECK(mesh::merge_coincident(tee, tolerance) == n + 1);
+  CHECK(mesh::find_coincident(tee, tolerance).joints == 0);
+  CHECK(mesh::SurfaceMesh(tee).joints().size() == n);
   CHECK(mesh::find_coincident(two_squares(n, {1, 0, 0}), tolerance).joints == 0);
   CHECK(mesh::find_coincident(two_squares(n, Vec3::Zero()), tolerance).joints == 0);
 }

@@ -5,6 +5,7 @@
 #include <limits>
 #include <numbers>
 
+#include "test_joined_meshes.hpp"
 #include "test_meshes.hpp"
 #include "test_relative.hpp"
 #include "voile/base/error.hpp"
@@ -159,24 +160,61 @@ TEST_CASE("each piece of the surface keeps the orientation of its majority") {
     CHECK(mesh.rest_normal(t).z() * (static_cast<std::size_t>(t) < first ? 1.0 : -1.0) == relative(1.0));
 }
 
-TEST_CASE("a Moebius strip is refused, the same strip without its twist is not") {
-  CHECK(refusal(strip(9, false)).empty());
-  CHECK(mesh::SurfaceMesh(strip(9, false)).component_count() == 1);
-  const std::string text = refusal(strip(9, true));
-  CHECK(contains(text, "strip.msh"));
-  CHECK(contains(text, "cannot be oriented"));
+TEST_CASE(
+    "a Moebius strip has joints of two triangles, whatever its orientation; the same strip without its twist has "
+    "none") {
+  CHECK(mesh::SurfaceMesh(strip(9, false)).joints().empty());
+  const mesh::SurfaceMesh first(strip(9, true));
+  REQUIRE(first.joints().size() > 0);
+  CHECK(first.component_count() == 1);
+  mesh::MeshData turned = strip(9, true);
+  for (std::size_t t = 0; t < turned.triangles.size(); t += 3)
+    std::swap(turned.triangles[t][1], turned.triangles[t][2]);
+  for (const mesh::MeshData& again : {turned, first.data()}) {
+    const mesh::SurfaceMesh mesh(again);
+    REQUIRE(mesh.joints().size() == first.joints().size());
+    for (std::size_t j = 0; j < mesh.joints().size(); ++j) CHECK(mesh.joints()[j].edge == first.joints()[j].edge);
+  }
+  CHECK(mesh::SurfaceMesh(first.data()).reoriented_count() == 0);
 }
 
-TEST_CASE("an edge of three triangles is refused by the names of its vertices and triangles") {
+TEST_CASE("an edge of three triangles is a joint, and refused by its names where the rest shape is apart") {
   mesh::MeshData d =
       data_of({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}}, {{0, 1, 2}, {1, 0, 3}, {0, 1, 4}});
   d.vertex_tags = {11, 12, 13, 14, 15};
   d.triangle_tags = {101, 102, 103};
+  const mesh::SurfaceMesh mesh(d);
+  REQUIRE(mesh.joints().size() == 1);
+  CHECK(mesh.joints()[0].edge == mesh::Segment{0, 1});
+  CHECK(mesh.joints()[0].sides.size() == 3);
+  CHECK(mesh.component_count() == 1);
+  for (const mesh::TriangleSide& s : mesh.joints()[0].sides) {
+    CHECK(mesh.neighbour(s.triangle, s.side) == no_index);
+    CHECK(mesh.is_joint(s.triangle, s.side));
+    CHECK(!mesh.is_joint(s.triangle, (s.side + 1) % 3));
+  }
+  for (const mesh::Triangle& t : d.triangles)
+    d.rest.push_back({d.positions[t[0]], d.positions[t[1]], d.positions[t[2]]});
   const std::string text = refusal(d);
   CHECK(contains(text, "sheet.msh"));
   CHECK(contains(text, "11-12"));
   CHECK(contains(text, "triangles 101, 102, 103"));
   CHECK(contains(text, "1 edge(s)"));
+}
+
+TEST_CASE("a flange keeps one orientation across its web") {
+  const double degree = std::numbers::pi / 180.0;
+  mesh::MeshData d = fan({0.0, 185.0 * degree, 90.0 * degree}, Pattern::diagonal, 3, 3);
+  const std::vector<Index> left = d.groups[2].triangles;
+  for (const bool turned : {false, true}) {
+    if (turned)
+      for (const Index t : left) std::swap(d.triangles[t][1], d.triangles[t][2]);
+    const mesh::SurfaceMesh mesh(d);
+    CHECK(mesh.joints().size() == 3);
+    CHECK((mesh.reoriented_count() > 0) == turned);
+    for (const Index t : left) CHECK(mesh.rest_normal(t).dot(mesh.rest_normal(0)) > 0.9);
+    CHECK(mesh::SurfaceMesh(mesh.data()).reoriented_count() == 0);
+  }
 }
 
 TEST_CASE("duplicate triangles are refused by name, whatever their orientation") {
