@@ -64,6 +64,15 @@ def check_loose_ends():
                 yield f"{name_of(path)}:{number}: loose end: {line.strip()}"
 
 
+def check_versions():
+    """One version everywhere."""
+    version = re.search(r"project\(Voile VERSION ([\d.]+)", (ROOT / "CMakeLists.txt").read_text())[1]
+    for name, pattern in (("pyproject.toml", r'^version = "(.*)"$'), ("CITATION.cff", "^version: (.*)$"), ("CHANGELOG.md", r"^## \[(\d.*)\]")):
+        found = re.search(pattern, (ROOT / name).read_text(), re.M)[1]
+        if found != version:
+            yield f"{name}: version {found}; CMakeLists.txt has {version}"
+
+
 def check_sources():
     for path in sorted((ROOT / "runs" / "reference").glob("*.csv")):
         if not path.read_text().startswith("# Source: "):
@@ -278,7 +287,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--voile", type=Path, help="the program to compare with")
     voile = parser.parse_args().voile
-    problems = [*check_loose_ends(), *check_sources(), *check_links(), *check_cited(), *check_reached(), *check_names(), *check_fences(),
+    problems = [*check_loose_ends(), *check_versions(), *check_sources(), *check_links(), *check_cited(), *check_reached(), *check_names(), *check_fences(),
                 *check_style()]
     subcommands = options = None
     if voile:

@@ -17,11 +17,11 @@ _voile() {
     --motion) mapfile -t COMPREPLY < <(compgen -W "walk turn" -- "$word") && return ;;
   esac
   case "$command" in
-    run) options="--output --overwrite --restart --restart-step --from --set --allow-system-call --quiet --verbose --help" ;;
+    run) options="--output --overwrite --restart --restart-step --from --set --allow-system-call --quiet --verbose --plain --help" ;;
     check | info) options="--set --allow-system-call --help" ;;
     reference) options="--schema --help" ;;
     doctor) options="--help" ;;
-    init) options="--from --list --drape --garment --shell --modal --help" ;;
+    init) options="--from --example --list --drape --garment --shell --modal --help" ;;
     drape-test) options="--specimen --repeats --way --elastic --no-mesh-check --cell --jobs --output --overwrite --quiet --help" ;;
     render) options="--steps --output --animation --rate --frames --stage --mode --size --quality --threads --field --range --scale --partition --panels --contours --mesh --creases --title --view --eye --target --up --no-stamp --no-ground --no-obstacles --palette --quiet --help" ;;
     view) options="--steps --stage --field --output --rate --no-obstacles --quiet --help" ;;

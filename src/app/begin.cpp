@@ -7,9 +7,13 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
 #include <vector>
 
 #include "voile/base/error.hpp"
+#include "voile/base/plain_file.hpp"
 #include "voile/base/shipped_files.hpp"
 
 namespace voile::app {
@@ -18,17 +22,17 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Files of a template. Throws UserError if there are none.
-std::vector<fs::path> files_of(const fs::path& from) {
-  std::vector<fs::path> files;
+/// Files of a template, by name. Throws UserError if there are none.
+std::map<std::string, std::string> texts_of(const fs::path& from) {
+  std::map<std::string, std::string> texts;
   std::error_code ignored;
   for (const auto& entry : fs::directory_iterator(from, ignored))
-    if (entry.is_regular_file(ignored)) files.push_back(entry.path());
-  if (files.empty())
+    if (entry.is_regular_file(ignored))
+      texts[entry.path().filename().string()] = text_of_file(entry.path()).value_or("");
+  if (texts.empty())
     throw UserError(
         fmt::format("{}: the files of the template are missing; install Voile whole (cmake --install)", from.string()));
-  std::sort(files.begin(), files.end());
-  return files;
+  return texts;
 }
 
 }  // namespace
@@ -63,21 +67,30 @@ void begin_case(const fs::path& folder, const std::string& name) {
   const auto* const chosen =
       std::find_if(templates.begin(), templates.end(), [&](const Template& t) { return name == t.name; });
   if (chosen == templates.end()) throw UserError(fmt::format("init needs one template. {}", template_list()));
-  const std::vector<fs::path> files = files_of(shipped_folder("templates") / name);
+  write_new_files(folder, texts_of(shipped_folder("templates") / name));
+  if (name == "garment") run_silently("voile-manikin", {"manikin", (folder / "body.obj").string(), "--arms", "40"});
+  print_next(folder, chosen->what, chosen->picture);
+}
+
+void write_new_files(const fs::path& folder, const std::map<std::string, std::string>& texts) {
   std::error_code error;
-  for (const fs::path& file : files)
-    if (const fs::path to = folder / file.filename(); fs::exists(fs::symlink_status(to, error)))
+  for (const auto& [name, text] : texts)
+    if (const fs::path to = folder / name; fs::exists(fs::symlink_status(to, error)))
       throw UserError(fmt::format("{}: the file exists already; name a new folder", to.string()));
   fs::create_directories(folder, error);
-  for (const fs::path& file : files)
-    if (const fs::path to = folder / file.filename(); !fs::copy_file(file, to, error))
-      throw UserError(fmt::format("{}: cannot be written ({})", to.string(), error.message()));
-  if (name == "garment") run_silently("voile-manikin", {"manikin", (folder / "body.obj").string(), "--arms", "40"});
+  for (const auto& [name, text] : texts) {
+    std::ofstream out(folder / name, std::ios::binary);
+    if (!(out << text).flush())
+      throw UserError(fmt::format("{}: cannot be written ({})", (folder / name).string(), std::strerror(errno)));
+  }
+}
+
+void print_next(const fs::path& folder, const std::string& what, const std::string& picture) {
   const std::string at = folder.lexically_normal().string();
   fmt::print(
       "{} contains a new case. {}\nNext:\n  voile check {}/case.toml\n  voile run {}/case.toml --output {}/run\n"
       "  voile render {}/run{}{} --output {}/picture.png\n",
-      at, chosen->what, at, at, at, at, *chosen->picture ? " " : "", chosen->picture, at);
+      at, what, at, at, at, at, picture.empty() ? "" : " ", picture, at);
 }
 
 }  // namespace voile::app

@@ -1,5 +1,6 @@
 #include "launched_ranks.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cstdlib>
 #include <optional>
@@ -37,6 +38,10 @@ LaunchedRank launched_rank() {
     return own;
   }
   return {};
+}
+
+bool is_launched() {
+  return std::any_of(launchers.begin(), launchers.end(), [](const Launcher& l) { return number_of(l.rank); });
 }
 
 }  // namespace voile::app

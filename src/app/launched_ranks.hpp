@@ -13,4 +13,7 @@ struct LaunchedRank {
 /// From the environment of Open MPI, or of MPICH and its kin.
 [[nodiscard]] LaunchedRank launched_rank();
 
+/// Whether such a program has started this process: what its streams seem to be then says nothing of where they lead.
+[[nodiscard]] bool is_launched();
+
 }  // namespace voile::app

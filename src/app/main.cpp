@@ -14,7 +14,6 @@
 #include <csignal>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <optional>
 #include <sstream>
 
@@ -53,7 +52,7 @@ struct Request {
   std::vector<std::string> settings;  ///< --set
   bool schema = false;
   bool list = false;  ///< of `init`, as the name of the template
-  std::string chosen, deck;
+  std::string chosen, deck, example;
   std::vector<std::string> petsc;  ///< PETSc's words of the command line
 };
 
@@ -76,8 +75,9 @@ std::string swallowed_hint(const std::vector<std::string>& petsc) {
 
 void declare_init(CLI::App& init, Request& request) {
   init.add_option("folder", request.file, "Folder for the files of the case");
-  init.add_flag("--list", request.list, "List the templates");
+  init.add_flag("--list", request.list, "List the templates and examples");
   init.add_option("--from", request.deck, "Make the case from an Abaqus deck (.inp)");
+  init.add_option("--example", request.example, "Copy an example that is installed");
   for (const app::Template& t : app::templates)
     init.add_flag_callback(
         fmt::format("--{}", t.name),
@@ -122,6 +122,8 @@ void declare(CLI::App& cli, Request& request) {
   run->add_flag_callback(
          "--verbose", [&] { verbosity = app::Verbosity::verbose; }, "Print every iteration")
       ->excludes(quiet);
+  run->add_flag_callback(
+      "--plain", [] { use_plain_output(false); }, "Print lines without colour or rewriting");
   CLI::App* check = add("check", "Validate a case without solving it", Command::check);
   check->add_option("case", request.file, "Case file (TOML)")->required();
   CLI::App* info = add("info", "Describe a mesh: sizes, groups, quality", Command::info);
@@ -178,13 +180,8 @@ Request parse_command_line(int argc, char** argv) {
 input::Case read_case(const std::string& file, const std::vector<std::string>& settings) {
   std::string text;
   mpi::on_root(MPI_COMM_WORLD, [&] {
-    std::error_code ignored;
-    std::ifstream in = open_input(file);
-    if (!in || std::filesystem::is_directory(file, ignored))
-      throw UserError(fmt::format("{}: there is no such case file", file));
-    std::ostringstream buffer;
-    buffer << in.rdbuf();
-    text = buffer.str();
+    const std::optional<std::string> read = text_of_file(file);
+    text = read ? *read : throw UserError(fmt::format("{}: there is no such case file", file));
   });
   mpi::broadcast(MPI_COMM_WORLD, text);
   return input::parse_case(text, file, settings);
@@ -324,22 +321,27 @@ void show_info(const Request& request, const std::optional<input::Case>& c) {
   app::info(MPI_COMM_WORLD, mesh, c ? c->element : energy::ElementOptions{});
 }
 
+/// voile init. Not collective.
+void begin(const Request& request) {
+  if (request.list) return fmt::print("{}{}", app::template_list(), app::example_list());
+  if (request.file.empty()) throw UserError("init needs a folder; see voile init --help");
+  std::vector<std::string> given;
+  if (!request.chosen.empty()) given.push_back("--" + request.chosen);
+  if (!request.deck.empty()) given.emplace_back("--from");
+  if (!request.example.empty()) given.emplace_back("--example");
+  if (given.size() > 1) throw UserError(fmt::format("{}: a case has one beginning; keep one", join(given, " and ")));
+  if (!request.deck.empty()) return app::begin_from_deck(request.file, request.deck);
+  if (!request.example.empty()) return app::begin_from_example(request.file, request.example);
+  app::begin_case(request.file, request.chosen);
+}
+
 Exit execute(const Request& request, const char* program) {
   using Command = Request::Command;
   if (request.command == Command::version && is_root()) fmt::print("{}", app::version_text());
   if (request.command == Command::reference)
     print_on_root(request.schema ? input::case_schema() : input::case_reference_markdown());
   if (request.command == Command::init) {
-    if (!is_root()) return Exit::done;
-    if (!request.list && request.file.empty()) throw UserError("init needs a folder; see voile init --help");
-    if (request.list)
-      fmt::print("{}", app::template_list());
-    else if (!request.deck.empty() && !request.chosen.empty())
-      throw UserError(fmt::format("--from and --{}: a case has one beginning; keep one", request.chosen));
-    else if (!request.deck.empty())
-      app::begin_from_deck(request.file, request.deck);
-    else
-      app::begin_case(request.file, request.chosen);
+    if (is_root()) begin(request);
     return Exit::done;
   }
   if (request.command == Command::doctor) {
@@ -364,6 +366,7 @@ Exit execute(const Request& request, const char* program) {
 
 int main(int argc, char** argv) {
   keep_output_streams();
+  if (app::is_launched()) use_plain_output(false);
   app::use_one_thread();
   try {
     app::delegate_command(argc, argv);

@@ -8,6 +8,7 @@
 #include "picture_frames.hpp"
 #include "picture_words.hpp"
 #include "voile/base/error.hpp"
+#include "voile/base/terminal.hpp"
 #include "voile/picture/animation.hpp"
 
 namespace voile::app {
@@ -158,10 +159,9 @@ void RenderCommand::write_animation(const picture::Recording& recording) const {
           moments.size(), [&](std::size_t i) { return show.picture(moments[i]); },
           [&](std::size_t i, const picture::Image& image) {
             writer->add(image);
-            if (!quiet_) fmt::print(stderr, "\rframe {} of {}", i + 1, moments.size());
+            if (!quiet_) show_progress(fmt::format("frame {} of {}", i + 1, moments.size()));
           });
   if (!writes) return;
-  if (!quiet_) fmt::print(stderr, "\n");
   writer->finish();
   if (!quiet_) fmt::print("wrote {}\n", animation_);
 }

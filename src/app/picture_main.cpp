@@ -38,6 +38,7 @@ struct Commands {
 
 int main(int argc, char** argv) {
   keep_output_streams();
+  if (app::is_launched()) use_plain_output(false);
   if (argc == 4 && std::string(argv[1]) == "tangle")
     return answer_to_parent([&] { return app::draw_tangle(argv[2], argv[3]); });
   io::leave_hdf5_at_exit();

@@ -11,6 +11,7 @@
 #include "sewing.hpp"
 #include "voile/base/error.hpp"
 #include "voile/base/mpi.hpp"
+#include "voile/base/terminal.hpp"
 #include "voile/base/text.hpp"
 #include "voile/system/contact.hpp"
 #include "voile/system/ease.hpp"
@@ -39,7 +40,7 @@ Recorder::Recorder(const input::Case& c, const RunOptions& options, system::Mode
       root_(mpi::rank(model.dofs().comm()) == 0),
       probes_(std::in_place, c, model),
       linear_(c.analysis == "linear"),
-      warnings_(linear_) {
+      warnings_(linear_, c.analysis == "drape") {
   mpi::on_root(model.dofs().comm(), [&] {
     kept_.columns = columns();
     if (!has_folder()) return;
@@ -54,7 +55,7 @@ Recorder::Recorder(const input::Case& c, const RunOptions& options, system::Mode
              (more > 0 ? fmt::format(", and {} more so (their attribute `name` has the name)", more) : ""));
     }
   });
-  if (root_ && options.verbosity != Verbosity::quiet)
+  if (root_ && options.verbosity != Verbosity::quiet && !rewrites_progress())
     fmt::print("{}", case_.analysis == "dynamic"
                          ? fmt::format("{:>6} {:>10} {:>9} {:>7} {:>10} {:>10} {:>9} {:>9}\n", "step", "time [s]",
                                        "taken", "newton", "residual", "kinetic", "elapsed", "left")
@@ -159,7 +160,9 @@ void Recorder::record(const system::State& state, const solve::StepResult& r, bo
         fmt::format("contact let {} pairs of triangles intersect in step {}, which is recorded; the "
                     "steps before it are whole",
                     s.intersections, state.step));
-  if (!root_ || options_.verbosity == Verbosity::quiet) return;
+  time_left_.add(dynamics_ ? state.time : state.load_factor, wall_seconds());
+  const bool is_start = dynamics_ ? r.taken == 0.0 : r.newton.iterations == 0 && r.newton.factorisations == 0;
+  if (!root_ || options_.verbosity == Verbosity::quiet || is_start) return;
   dynamics_ ? print_motion(state, r, s) : print_path(state, r, s);
 }
 
@@ -258,32 +261,53 @@ void Recorder::write_history(const system::State& state, const solve::StepResult
   });
 }
 
+/// "12.3s elapsed, 4.5s left", or what is known of it.
+std::string Recorder::clock_text(const std::string& left) const {
+  return duration(wall_seconds()) + " elapsed" + (left == "-" ? "" : ", " + left + " left");
+}
+
+std::string Recorder::time_left(double end) const {
+  const std::optional<double> left = time_left_.until(end);
+  return left ? duration(*left) : "-";
+}
+
 void Recorder::print_motion(const system::State& state, const solve::StepResult& r, const Snapshot& s) const {
-  if (r.taken == 0.0) return;  // the start
-  const double elapsed = wall_seconds(), done = state.time / case_.time.options.end_time;
-  std::string rejected = r.rejections > 0 ? fmt::format("  {} rejected", r.rejections) : "";
-  rejected += contact_note(s, r);
+  const double end = case_.time.options.end_time;
+  const std::string elapsed = duration(wall_seconds()), left = time_left(end);
+  const std::string notes = (r.rejections > 0 ? fmt::format("  {} rejected", r.rejections) : "") + contact_note(s, r);
+  if (rewrites_progress())
+    return show_progress(fmt::format("step {}, t = {:.4g} of {:.4g} s, {} iterations, {}{}", state.step, state.time,
+                                     end, r.newton.iterations, clock_text(left), notes));
   fmt::print("{:>6} {:>10.6g} {:>9.3g} {:>7} {:>10.2e} {:>10.3e} {:>9} {:>9}{}\n", state.step, state.time, r.taken,
-             r.newton.iterations, r.newton.residual, s.kinetic, duration(elapsed), duration(elapsed / done - elapsed),
-             rejected);
+             r.newton.iterations, r.newton.residual, s.kinetic, elapsed, left, notes);
   std::fflush(stdout);
 }
 
 void Recorder::print_path(const system::State& state, const solve::StepResult& r, const Snapshot& s) const {
-  if (r.newton.iterations == 0 && r.newton.factorisations == 0) return;  // the start
-  const double elapsed = wall_seconds(), done = state.load_factor / case_.steps.final_load_factor;
-  const std::string left =
-      done >= 1.0 || !(done > 0.0) || case_.steps.control != Control::load ? "-" : duration(elapsed / done - elapsed);
+  const double end = case_.steps.final_load_factor;
+  const std::string elapsed = duration(wall_seconds());
+  const std::string left = case_.steps.control == Control::load && state.load_factor < end ? time_left(end) : "-";
   const std::string pivots = r.newton.negative_pivots < 0 ? "-" : fmt::format("{}", r.newton.negative_pivots);
   std::string note = r.by_continuation ? "  by continuation" : "";
   note += contact_note(s, r);
+  const std::string passed = r.critical ? fmt::format("{} passed", solve::name(r.critical->kind)) : "";
   if (r.critical)
-    note += fmt::format("  {} passed", solve::name(r.critical->kind));
+    note += "  " + passed;
   else if (r.newton.negative_pivots > 0)
     note += "  UNSTABLE: the tangent is indefinite";
+  if (rewrites_progress()) {
+    if (r.critical) remark(fmt::format("step {}, load {:.6g}: {}", state.step, state.load_factor, passed));
+    return show_progress(fmt::format("step {}, load {:.4g}, {} iterations, {}{}", state.step, state.load_factor,
+                                     r.newton.iterations, clock_text(left), note));
+  }
   fmt::print("{:>5} {:>10.6g} {:>7} {:>10.2e} {:>10} {:>9} {:>9}{}\n", state.step, state.load_factor,
-             r.newton.iterations, r.newton.residual, pivots, duration(elapsed), left, note);
+             r.newton.iterations, r.newton.residual, pivots, elapsed, left, note);
   std::fflush(stdout);
+}
+
+void Recorder::progress(const std::string& text) const {
+  if (!rewrites_progress()) return remark(text);
+  if (root_ && options_.verbosity != Verbosity::quiet) show_progress(text + ", " + clock_text("-"));
 }
 
 void Recorder::remark(const std::string& text) const {

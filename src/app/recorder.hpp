@@ -13,6 +13,7 @@
 #include "energy_text.hpp"
 #include "obstacles.hpp"
 #include "probes.hpp"
+#include "time_left.hpp"
 #include "voile/app/run.hpp"
 #include "voile/io/results.hpp"
 #include "voile/solve/stepper.hpp"
@@ -49,6 +50,8 @@ class Recorder {
   void use_sizes(std::function<std::vector<double>()> sizes) { sizes_ = std::move(sizes); }
   /// A remark of the path follower; printed unless quiet.
   void remark(const std::string& text) const;
+  /// How far a search within a step has come: the line of progress of a terminal, a remark elsewhere.
+  void progress(const std::string& text) const;
   /// The displacement probe with one component as a linear function of the unknowns. Collective.
   [[nodiscard]] petsc::VecHandle functional(const std::string& probe) const {
     return probes_->functional(probe, *model_);
@@ -105,6 +108,8 @@ class Recorder {
   void write_history(const system::State& state, const solve::StepResult& r, const Snapshot& s);
   void print_motion(const system::State& state, const solve::StepResult& r, const Snapshot& s) const;
   void print_path(const system::State& state, const solve::StepResult& r, const Snapshot& s) const;
+  [[nodiscard]] std::string time_left(double end) const;
+  [[nodiscard]] std::string clock_text(const std::string& left) const;
   [[nodiscard]] std::string contact_note(const Snapshot& s, const solve::StepResult& r) const;
   [[nodiscard]] std::vector<double> common_values(const system::State& state, const solve::StepResult& r,
                                                   const Snapshot& s) const;
@@ -132,6 +137,7 @@ class Recorder {
   double membrane_error_ = std::nan("");
   DiscretisationError discretisation_error_;
   KineticEnergy kinetic_;
+  TimeLeft time_left_;
 };
 
 }  // namespace voile::app

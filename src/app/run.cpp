@@ -1,8 +1,11 @@
 #include "voile/app/run.hpp"
 
+#include <string>
+
 #include "case_run.hpp"
 #include "voile/base/interrupt.hpp"
 #include "voile/base/petsc.hpp"
+#include "voile/base/terminal.hpp"
 
 namespace voile::app {
 
@@ -15,11 +18,21 @@ void show_iterations() {
   if (!given) VOILE_PETSC(PetscOptionsSetValue(nullptr, "-snes_monitor", nullptr));
 }
 
+/// Whether an option of PETSc prints lines of its own between ours.
+bool monitors() {
+  char* all = nullptr;
+  VOILE_PETSC(PetscOptionsGetAll(nullptr, &all));
+  const bool found = std::string(all).find("_monitor") != std::string::npos;
+  VOILE_PETSC(PetscFree(all));
+  return found;
+}
+
 }  // namespace
 
 Exit run(const input::Case& c, const RunOptions& options) {
   const SignalScope signals;
   if (options.verbosity == Verbosity::verbose) show_iterations();
+  if (monitors()) use_plain_output(true);
   CaseRun run(c, options);
   while (!run.finished()) run.advance();
   return run.finish();

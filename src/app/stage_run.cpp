@@ -82,6 +82,7 @@ void StageRun::open(Origin origin) {
   apply_forces();
   stepper_ = &epoch_->make_stepper(recorder_, origin);
   stepper_->on_remark([this](const std::string& text) { recorder_.remark(text); });
+  stepper_->on_progress([this](const std::string& text) { recorder_.progress(text); });
   recorder_.use(model, epoch_->dynamics());
   if (remesher_) recorder_.use_sizes([this] { return remesher_->wanted_sizes(*epoch_); });
   take(stepper_->begin(epoch_->state()));

@@ -49,7 +49,7 @@ Warnings::MembraneError Warnings::membrane_error(const energy::Sheet& sheet, con
   for (std::size_t k = 0; k < error.size(); ++k) feigned += sheet.mesh().area(static_cast<Index>(k)) * error[k];
   const double stored = stored_energy(sheet, t);
   const double share = stored > round_off_energy(sheet, strain) ? feigned / stored : 0.0;
-  if (share > largest_error_) {
+  if (search_ || share > largest_error_) {
     largest_error_ = share;
     is_corrected_ = corrected;
   }

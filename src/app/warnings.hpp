@@ -14,14 +14,15 @@ namespace voile::app {
 /// On rank 0.
 class Warnings {
  public:
-  /// `linear`: strains are those of a linear analysis, whose size means nothing.
-  explicit Warnings(bool linear) : linear_(linear) {}
+  /// `linear`: strains are those of a linear analysis, whose size means nothing. `search`: states before the last one only lead
+  /// to it.
+  Warnings(bool linear, bool search) : linear_(linear), search_(search) {}
   /// The mesh has changed.
   void begin_epoch() { chord_error_.reset(); }
   /// Of strains and turns beyond what the element is made for.
   void say_range(const mesh::SurfaceMesh& mesh, const Validity& v);
   /// Spurious energy of chords (energy/chord_error.hpp), with `six_node_corrected` and that of second derivatives in the
-  /// surface, per triangle [J/m^2]; and the largest fraction of the stored energy that it has had so far.
+  /// surface, per triangle [J/m^2]; and the largest fraction of the stored energy that it has had in states that count.
   struct MembraneError {
     std::vector<double> density;
     double share = 0.0;
@@ -33,7 +34,7 @@ class Warnings {
   [[nodiscard]] std::string membrane_text() const;
 
  private:
-  bool linear_;
+  bool linear_, search_;
   bool said_strain_ = false, said_turn_ = false, said_locking_ = false, is_corrected_ = false;
   double largest_error_ = 0.0;
   std::optional<energy::ChordError> chord_error_;  ///< of the epoch

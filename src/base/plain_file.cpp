@@ -36,6 +36,13 @@ std::ifstream open_input(const fs::path& file) {
   return in;
 }
 
+std::optional<std::string> text_of_file(const std::filesystem::path& file) {
+  std::error_code ignored;
+  std::ifstream in = open_input(file);
+  if (!in || std::filesystem::is_directory(file, ignored)) return std::nullopt;
+  return std::string(std::istreambuf_iterator<char>(in), {});
+}
+
 void rewind(std::ifstream& in) {
   constexpr std::string_view mark = "\xef\xbb\xbf";
   char first[3] = {0, 0, 0};

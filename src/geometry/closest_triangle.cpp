@@ -16,11 +16,12 @@ namespace voile::geometry {
 
 namespace {
 
-using Kernel = CGAL::Simple_cartesian<double>;
-using Faces = std::vector<Kernel::Triangle_3>;
-using Tree = CGAL::AABB_tree<CGAL::AABB_traits<Kernel, CGAL::AABB_triangle_primitive<Kernel, Faces::const_iterator>>>;
+using Cartesian = CGAL::Simple_cartesian<double>;
+using Faces = std::vector<Cartesian::Triangle_3>;
+using Tree =
+    CGAL::AABB_tree<CGAL::AABB_traits<Cartesian, CGAL::AABB_triangle_primitive<Cartesian, Faces::const_iterator>>>;
 
-Kernel::Point_3 point(const Vec3& x) {
+Cartesian::Point_3 point(const Vec3& x) {
   return {x[0], x[1], x[2]};
 }
 
@@ -58,7 +59,7 @@ ClosestTriangle::ClosestTriangle(const std::vector<Vec3>& positions, const std::
     : impl_(std::make_unique<Impl>()) {
   for (std::size_t t = 0; t < triangles.size(); ++t) {
     const auto& [a, b, c] = triangles[t];
-    const Kernel::Triangle_3 face(point(positions[a]), point(positions[b]), point(positions[c]));
+    const Cartesian::Triangle_3 face(point(positions[a]), point(positions[b]), point(positions[c]));
     if (face.is_degenerate()) continue;
     impl_->faces.push_back(face);
     impl_->number.push_back(static_cast<Index>(t));

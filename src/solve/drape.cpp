@@ -71,8 +71,8 @@ using Remark = Stepper::Remark;
 /// One drape: the solver, and the search from where things stand.
 class Search {
  public:
-  Search(system::Model& model, const DrapeOptions& options, const Remark& remark)
-      : model_(model), options_(options), remark_(remark) {
+  Search(system::Model& model, const DrapeOptions& options, const Remark& progress)
+      : model_(model), options_(options), progress_(progress) {
     renew();
   }
   [[nodiscard]] Newton& newton() { return *newton_; }
@@ -92,7 +92,7 @@ class Search {
     double rest_speed = first_rest_speed;
     while (spent < options_.max_iterations && !result.converged) {
       if (supports_are_right(a)) {
-        const FallResult fall = fall_to_rest(model_, state, rest_speed, options_.max_iterations - spent, remark_);
+        const FallResult fall = fall_to_rest(model_, state, rest_speed, options_.max_iterations - spent, progress_);
         spent_ += fall.factorisations;
         spent += fall.iterations;
         fall_iterations_ += fall.iterations;
@@ -125,9 +125,9 @@ class Search {
   void renew() {
     if (newton_) spent_ += newton_->linear_solver().factorisations();
     newton_ = std::make_unique<Newton>(model_);
-    if (remark_)
+    if (progress_)
       newton_->on_progress([this](int iteration, double norm) {
-        remark_(fmt::format("search: {} iterations, residual {:.2e}", iteration, norm));
+        progress_(fmt::format("search: {} iterations, residual {:.2e}", iteration, norm));
       });
   }
   [[nodiscard]] NewtonResult settle(Vec a, int most) {
@@ -135,9 +135,9 @@ class Search {
     return newton_->settle_friction(a, search(), search);
   }
   void tell(const FallResult& fall) const {
-    if (!remark_) return;
-    remark_(fmt::format("fall: {} steps, {} iterations, {}", fall.steps, fall.iterations,
-                        fall.rested ? "nearly at rest" : fall.reason));
+    if (!progress_) return;
+    progress_(fmt::format("fall: {} steps, {} iterations, {}", fall.steps, fall.iterations,
+                          fall.rested ? "nearly at rest" : fall.reason));
   }
   /// Supports that are still to be moved would jump at the start of a motion.
   [[nodiscard]] bool supports_are_right(Vec a) const {
@@ -152,7 +152,7 @@ class Search {
 
   system::Model& model_;
   const DrapeOptions& options_;
-  const Remark& remark_;
+  const Remark& progress_;
   std::unique_ptr<Newton> newton_;
   int spent_ = 0, fall_iterations_ = 0;
 };
@@ -170,7 +170,7 @@ void escape(system::Model& model, Vec a, Vec mode, double push) {
 struct Drape::Impl {
   system::Model& model;
   const DrapeOptions options;
-  const Remark& remark;
+  const Remark &remark, &progress;
   std::optional<Search> search;  ///< from `begin` on
   petsc::VecHandle mode;
   Stability now;
@@ -178,7 +178,8 @@ struct Drape::Impl {
   double push = 0.0;                                                ///< of the last escape [cells]
   double escaped_energy = std::numeric_limits<double>::infinity();  ///< of the state that it left [J]
 
-  Impl(system::Model& m, DrapeOptions o, const Remark& r) : model(m), options(o), remark(r), mode(start_mode(m)) {}
+  Impl(system::Model& m, DrapeOptions o, const Remark& r, const Remark& p)
+      : model(m), options(o), remark(r), progress(p), mode(start_mode(m)) {}
 
   void judge(Vec a, NewtonResult& n);
   void conclude(system::State& state, StepResult& r);
@@ -254,12 +255,13 @@ void Drape::Impl::conclude(system::State& state, StepResult& r) {
   r.reason = r.newton.reason += "; " + largest_residuals(model, residual);
 }
 
-Drape::Drape(system::Model& model, DrapeOptions options) : impl_(std::make_unique<Impl>(model, options, remarks())) {}
+Drape::Drape(system::Model& model, DrapeOptions options)
+    : impl_(std::make_unique<Impl>(model, options, remarks(), progress())) {}
 Drape::~Drape() = default;
 
 StepResult Drape::begin(system::State& state) {
   impl_->model.conditions().set_load_factor(1.0);
-  impl_->search.emplace(impl_->model, impl_->options, impl_->remark);
+  impl_->search.emplace(impl_->model, impl_->options, impl_->progress);
   state.v.reset();
   state.a.reset();
   return {};

@@ -271,7 +271,7 @@ def installed(report):
 def templates(report):
     """Each template of init passes check without a warning; shells also run without one, and the printed command draws them. Drape and skirt, which take a minute, run in the tutorials."""
     code, text = invoke(["init", "--list"])
-    names = re.findall(r"--(\w+)", text)
+    names = re.findall(r"^  --(\w+)", text, re.M)
     report.check(code == 0 and len(names) >= 4, f"--list: {names}")
     for name in names:
         folder = fresh(f"template_{name}") / "case"
@@ -289,6 +289,27 @@ def templates(report):
     for words, word in ((["--analysis", "static"], "--drape"), ([], "--drape"), (["--drap"], "--drape"), (["--drape", "--shell"], "keep one")):
         code, text = invoke(["init", folder, *words])
         report.check(code == 2 and word in text, f"init {' '.join(words)}: code {code}: {text.strip().splitlines()[0]}")
+
+
+@test
+def examples(report):
+    """init --list names the examples with their titles; each begins a case whose meshes are with it and that passes check, one is solved and drawn; a wrong name gets the nearest."""
+    code, text = invoke(["init", "--list"])
+    listed = dict(re.findall(r"^  ([\w.]+) +(\S.*)\.$", text[text.index("Examples"):], re.M))
+    report.check(code == 0 and len(listed) > 10 and all(len(title) > 20 for title in listed.values()), f"{len(listed)} examples")
+    for name in listed:
+        folder = fresh(f"example_{name}") / "case"
+        code, text = invoke(["init", folder, "--example", name])
+        case = (folder / "case.toml").read_text()
+        report.check(code == 0 and "../" not in case and all((folder / mesh).is_file() for mesh in re.findall(r'"([\w.]+\.geo)"', case)), f"{name}: code {code}")
+        commands = re.findall(r"^  voile (.*)$", text, re.M)
+        for command in commands if name == "buckling_supported" else commands[:1] if name in ("ball", "stages") else []:
+            code, text = invoke(shlex.split(command))
+            report.check(code == 0, f"{command.split()[0]} of {name}: code {code} {text[-300:] if code else ''}")
+    report.check((OUT / "example_buckling_supported" / "case" / "picture.png").is_file(), "a picture")
+    for words, said in ((["--example", "slit_anulus"], "slit_annulus"), (["--example", "ball", "--shell"], "keep one")):
+        code, text = invoke(["init", folder, *words])
+        report.check(code == 2 and said in text, f"{' '.join(words)}: code {code}: {text.strip()}")
 
 
 @test

@@ -48,6 +48,7 @@ import robustness  # noqa: E402, F401
 import running  # noqa: E402, F401
 import sewing  # noqa: E402, F401
 import staging  # noqa: E402, F401
+import terminal  # noqa: E402, F401
 import trusting  # noqa: E402, F401
 import tutorials  # noqa: E402, F401
 import viewing  # noqa: E402, F401

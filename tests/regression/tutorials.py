@@ -89,12 +89,12 @@ def tutorial_drape(report):
 @test
 def tutorial_skirt(report):
     """A skirt from two drawings, with larger cells: sewn, hung on the hips, without an intersection."""
-    folder = follow(report, "skirt", [("size = 0.03 ", "size = 0.05 "), ("size = 0.03\n", "size = 0.05\n"), ("--arms 40", "--arms 40 --size 0.04"),
+    folder = follow(report, "skirt", [("size = 0.015 ", "size = 0.05 "), ("size = 0.015\n", "size = 0.05\n"), ("--arms 40", "--arms 40 --size 0.04"),
                                       ("--size 480x600", "--size 480x600 --quality draft")])
     for stage in ("sew", "settle"):
         report.check(Results(folder / "run" / stage).history["intersections"].max() == 0, f"{stage}: no intersection")
     x = Results(folder / "run" / "settle")[-1].positions
-    report.check(0.95 < x[:, 2].max() < 1.1 and 0.45 < x[:, 2].min() < 0.6, f"it hangs from {x[:, 2].max():.3f} to {x[:, 2].min():.3f} m")
+    report.check(1.0 < x[:, 2].max() < 1.1 and 0.62 < x[:, 2].min() < 0.7, f"it hangs from {x[:, 2].max():.3f} to {x[:, 2].min():.3f} m")
 
 
 @test

@@ -3,6 +3,8 @@
 
 #include <filesystem>
 #include <fstream>
+#include <optional>
+#include <string>
 
 namespace voile {
 
@@ -12,6 +14,8 @@ void require_plain_file(const std::filesystem::path& file);
 /// Opens a file to read its bytes, behind a byte-order mark of UTF-8 if it begins with one; fails as std::ifstream does if it is not there. Throws UserError if it is a pipe, a
 /// socket or a device.
 [[nodiscard]] std::ifstream open_input(const std::filesystem::path& file);
+/// All of such a file; nothing if it is a folder or cannot be opened. Throws as open_input() does.
+[[nodiscard]] std::optional<std::string> text_of_file(const std::filesystem::path& file);
 /// Goes back to where open_input() has begun.
 void rewind(std::ifstream& in);
 

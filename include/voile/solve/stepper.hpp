@@ -79,15 +79,18 @@ class Stepper {
   [[nodiscard]] virtual bool finished(const system::State& state) const = 0;
 
   void on_remark(Remark remark) { remark_ = std::move(remark); }
+  /// How far the search for a state has come, again and again.
+  void on_progress(Remark progress) { progress_ = std::move(progress); }
 
  protected:
   void remark(const std::string& text) const {
     if (remark_) remark_(text);
   }
   [[nodiscard]] const Remark& remarks() const { return remark_; }
+  [[nodiscard]] const Remark& progress() const { return progress_; }
 
  private:
-  Remark remark_;
+  Remark remark_, progress_;
 };
 
 /// What many steps came to.
