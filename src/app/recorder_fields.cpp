@@ -51,8 +51,8 @@ std::vector<Field> Recorder::fields_of(Vec a, const Snapshot& s, const Wants& wa
   const double least = estimated ? round_off_strain(a) : no_strain;
   DiscretisationError::Densities recovered;
   if (estimated)
-    recovered = judged ? discretisation_error_.judged(*model_, t, {*judged, least})
-                       : discretisation_error_.of(*model_, t);
+    recovered =
+        judged ? discretisation_error_.judged(*model_, t, {*judged, least}) : discretisation_error_.of(*model_, t);
   mpi::on_root(model_->dofs().comm(), [&] {
     const auto add = [&](const char* name, const char* unit, io::Centre centre, const std::vector<double>& values) {
       if (wants(name)) fields.push_back({name, unit, centre, 3, values});
