@@ -16,7 +16,7 @@ namespace {
 /// Strains below which a nonlinear state is nothing but round-off, such as that of a sheet that has only moved.
 constexpr double no_strain = 1e-9;
 
-/// Share of a deflection beyond which the estimate is no number any more, only large.
+/// Fraction of a deflection beyond which the estimate is no number any more, only large.
 constexpr double most_told = 0.99;
 
 Vec3 of_triangle(const std::vector<double>& values, std::size_t t) {
