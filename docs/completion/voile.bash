@@ -12,7 +12,7 @@ _voile() {
     --log) mapfile -t COMPREPLY < <(compgen -W "x y xy" -- "$word") && return ;;
     --quality) mapfile -t COMPREPLY < <(compgen -W "draft final" -- "$word") && return ;;
     --view) mapfile -t COMPREPLY < <(compgen -W "three-quarter front back left right top bottom" -- "$word") && return ;;
-    --way) mapfile -t COMPREPLY < <(compgen -W "plate weight" -- "$word") && return ;;
+    --method) mapfile -t COMPREPLY < <(compgen -W "plate weight" -- "$word") && return ;;
     --kind) mapfile -t COMPREPLY < <(compgen -W "figure form" -- "$word") && return ;;
     --motion) mapfile -t COMPREPLY < <(compgen -W "walk turn" -- "$word") && return ;;
   esac
@@ -22,7 +22,7 @@ _voile() {
     reference) options="--schema --help" ;;
     doctor) options="--help" ;;
     init) options="--from --example --list --drape --garment --shell --modal --help" ;;
-    drape-test) options="--specimen --repeats --way --elastic --no-mesh-check --cell --jobs --output --overwrite --quiet --help" ;;
+    drape-test) options="--specimen --repeats --method --elastic --no-mesh-check --cell --jobs --output --overwrite --quiet --help" ;;
     render) options="--steps --output --animation --rate --frames --stage --mode --size --quality --threads --field --range --scale --partition --panels --contours --mesh --creases --title --view --eye --target --up --no-stamp --no-ground --no-obstacles --palette --quiet --help" ;;
     view) options="--steps --stage --field --output --rate --no-obstacles --quiet --help" ;;
     sheet) options="--columns --output --palette --quiet --help" ;;

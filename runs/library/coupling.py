@@ -15,7 +15,7 @@ from voile import Simulation
 STEP, END = 0.02, 0.5  # [s]
 K, M_PARTNER, Z_S = 6.0, 0.1, 0.05  # [N/m], [kg], [m]
 
-case = strip("dynamic", time={"end": END, "step": STEP, "radius": 1.0})
+case = strip("dynamic", time={"end": END, "step": STEP, "spectral_radius": 1.0})
 del case["support"]
 s = Simulation(case)
 mass = 100.0 * 0.01 * 0.25  # of the sheet [kg]

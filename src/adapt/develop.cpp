@@ -13,7 +13,7 @@ namespace voile::adapt {
 
 namespace {
 
-/// Singular values below this share of the largest are none: points near a conic or on a line.
+/// Singular values below this fraction of the largest are none: points near a conic or on a line.
 constexpr double rank_threshold = 1e-4;
 
 struct Placed {

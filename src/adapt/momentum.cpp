@@ -38,7 +38,7 @@ Momentum momentum(const Motion& motion) {
 
 namespace {
 
-/// Of kinetic energy, as a share.
+/// Of kinetic energy, as a fraction.
 constexpr double round_off = 1e-20;
 
 /// The rigid motion of free vertices that has a given momentum, as velocity at the centre and turning times `size`.

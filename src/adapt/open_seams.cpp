@@ -54,7 +54,7 @@ OpenSeams::OpenSeams(const mesh::SurfaceMesh& mesh, const HalfEdges& edges) : se
       const Index at_o = turned ? edges.dest(g) : edges.origin(g), at_d = turned ? edges.origin(g) : edges.dest(g);
       const auto known = seam_of.find(std::minmax(o, d));
       Edge e{{at_o, at_d}, known == seam_of.end() || sides.size() > 2 ? -1 : known->second, length, h, {0.0, 1.0}};
-      if (o > d) std::swap(e.other[0], e.other[1]), std::swap(e.share[0], e.share[1]);
+      if (o > d) std::swap(e.other[0], e.other[1]), std::swap(e.fraction[0], e.fraction[1]);
       edges_[std::minmax(o, d)] = e;
       held_[o] = held_[d] = {};
     }
@@ -95,13 +95,13 @@ void OpenSeams::halve(Index a, Index b, Index m, Index n) {
   const Ends ends = std::minmax(a, b);
   const Edge e = edges_.at(ends);
   edges_.erase(ends);
-  const double middle = 0.5 * (e.share[0] + e.share[1]);
+  const double middle = 0.5 * (e.fraction[0] + e.fraction[1]);
   held_[m] = {e.side, middle};
-  edges_[{ends.first, m}] = {{e.other[0], n}, e.seam, 0.5 * e.length, e.side, {e.share[0], middle}};
-  edges_[{ends.second, m}] = {{e.other[1], n}, e.seam, 0.5 * e.length, e.side, {e.share[1], middle}};
+  edges_[{ends.first, m}] = {{e.other[0], n}, e.seam, 0.5 * e.length, e.side, {e.fraction[0], middle}};
+  edges_[{ends.second, m}] = {{e.other[1], n}, e.seam, 0.5 * e.length, e.side, {e.fraction[1], middle}};
 }
 
-/// The tip of a dart is no pair: its share is nobody's.
+/// The tip of a dart is no pair: its fraction is nobody's.
 double OpenSeams::take(int seam, Index v, Index w, double length) {
   mesh::Seam& s = seams_[static_cast<std::size_t>(seam)];
   for (std::size_t k = 0; k < s.pairs.size(); ++k) {

@@ -18,7 +18,7 @@ namespace voile::adapt {
 /// A part of an old side.
 struct OldShare {
   Index side = no_index;
-  double share = 0.0;  ///< from its origin to its end
+  double fraction = 0.0;  ///< from its origin to its end
 };
 
 class OpenSeams {
@@ -31,7 +31,7 @@ class OpenSeams {
     int seam = -1;               ///< -1: not known, so that it must stay
     double length = 0.0;         ///< of the seam that it stands for [m]
     Index side = no_index;       ///< the old side that it is part of
-    std::array<double, 2> share{};
+    std::array<double, 2> fraction{};
   };
   [[nodiscard]] bool empty() const { return edges_.empty(); }
   [[nodiscard]] const std::vector<mesh::Seam>& seams() const { return seams_; }
@@ -50,7 +50,7 @@ class OpenSeams {
  private:
   using Ends = std::pair<Index, Index>;
   void halve(Index a, Index b, Index m, Index n);
-  /// Takes from the share of a pair at the end of a halved edge.
+  /// Takes from the fraction of a pair at the end of a halved edge.
   double take(int seam, Index v, Index w, double length);
 
   std::map<Ends, Edge> edges_;

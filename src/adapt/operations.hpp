@@ -32,7 +32,7 @@ Outcome try_smooth(Surface& s, Index v, const Options& options);
 /// Moves an inner vertex to a point of its tangent plane, if no angle falls below `angle` [rad] or what it was.
 Outcome try_move(Surface& s, const Star& star, const Fan& fan, const Vec2& target, double angle);
 
-/// Moves an inner vertex so that its shortest edge gets as long as `options.shortest`, or nearer to that by a share worth it, and none
+/// Moves an inner vertex so that its shortest edge gets as long as `options.shortest`, or nearer to that by a fraction worth it, and none
 /// longer than `options.longest_after`, unless one was.
 Outcome try_lengthen(Surface& s, Index v, const Options& options);
 

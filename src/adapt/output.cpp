@@ -66,10 +66,10 @@ Remeshed::Source source_of(const Surface& s, Index v) {
     return source;
   }
   if (const std::optional<OldShare> at = s.open_seams.origin_of(v)) {
-    // At the same share of both sides of the seam, to the last digit.
+    // At the same fraction of both sides of the seam, to the last digit.
     Remeshed::Source source{at->side / 3, {0.0, 0.0, 0.0}};
-    source.weights[static_cast<std::size_t>(next(at->side) % 3)] = 1.0 - at->share;
-    source.weights[static_cast<std::size_t>(prev(at->side) % 3)] = at->share;
+    source.weights[static_cast<std::size_t>(next(at->side) % 3)] = 1.0 - at->fraction;
+    source.weights[static_cast<std::size_t>(prev(at->side) % 3)] = at->fraction;
     return source;
   }
   int line = 0;

@@ -196,8 +196,8 @@ std::optional<Vec3> RestCurves::middle(const Vec3& a, const Vec3& b) const {
   }
   int i = 1;
   while (length[i] < 0.5 * length[samples]) ++i;
-  const double share = (0.5 * length[samples] - length[i - 1]) / (length[i] - length[i - 1]);
-  return point({p.curve, p.at + (q.at - p.at) * (i - 1 + share) / samples});
+  const double fraction = (0.5 * length[samples] - length[i - 1]) / (length[i] - length[i - 1]);
+  return point({p.curve, p.at + (q.at - p.at) * (i - 1 + fraction) / samples});
 }
 
 double RestCurves::deviation(const Vec3& a, const Vec3& b) const {

@@ -26,7 +26,7 @@ class RestCurves {
     std::vector<Vec3> before, after;  ///< tangents at the points, of the pieces that end and begin there
     bool closed = false;
   };
-  /// A point of a curve: piece plus share of its parameter.
+  /// A point of a curve: piece plus fraction of its parameter.
   struct Place {
     Index curve = no_index;
     double at = 0.0;

@@ -15,29 +15,29 @@ constexpr double straight = 1e-9;
 /// The triangles on one side of a line through the vertex, and the line's ends there: u -> vertex -> w.
 struct Bank {
   Fan fan;
-  int u, w;            ///< of the fan's ring
-  double share = 0.0;  ///< of the vertex on the chord from u to w
+  int u, w;               ///< of the fan's ring
+  double fraction = 0.0;  ///< of the vertex on the chord from u to w
 };
 
 Bank make_bank(const Surface& s, const Star& star, int from, int count, bool starts_at_u) {
   Bank b{make_fan(s, star, from, count), starts_at_u ? 0 : count, starts_at_u ? count : 0};
   const Vec3 chord = b.fan.rest[b.w] - b.fan.rest[b.u];
-  b.share = (b.fan.centre_rest - b.fan.rest[b.u]).dot(chord) / chord.squaredNorm();
+  b.fraction = (b.fan.centre_rest - b.fan.rest[b.u]).dot(chord) / chord.squaredNorm();
   return b;
 }
 
 bool is_straight(const Surface& s, const Bank& b) {
   const Vec3 &u = b.fan.rest[b.u], &w = b.fan.rest[b.w];
   const double length = (w - u).norm();
-  return (u + b.share * (w - u) - b.fan.centre_rest).norm() < straight * length &&
+  return (u + b.fraction * (w - u) - b.fan.centre_rest).norm() < straight * length &&
          s.first->curve_deviation(u, w) < straight * length;
 }
 
-/// What was at the ends and at the vertex, at a share of the chord; the vertex is at `at`.
+/// What was at the ends and at the vertex, at a fraction of the chord; the vertex is at `at`.
 template <typename T>
-T between(const T& u, const T& v, const T& w, double at, double share) {
-  if (share < at) return u + share / at * (v - u);
-  return v + (share - at) / (1.0 - at) * (w - v);
+T between(const T& u, const T& v, const T& w, double at, double fraction) {
+  if (fraction < at) return u + fraction / at * (v - u);
+  return v + (fraction - at) / (1.0 - at) * (w - v);
 }
 
 bool shape_allows(const Bank& b, const Vec3& rest, double angle) {
@@ -49,13 +49,14 @@ bool shape_allows(const Bank& b, const Vec3& rest, double angle) {
   return after > 0.0 && after >= std::min(angle, before);
 }
 
-void move(Surface& s, const Star& star, const Bank& b, const Vec3& rest, double share) {
+void move(Surface& s, const Star& star, const Bank& b, const Vec3& rest, double fraction) {
   const Index first = star.spokes[static_cast<std::size_t>(b.fan.triangles.front())],
               last = star.spokes[static_cast<std::size_t>(b.fan.triangles.back())];
   Vec2 texture = Vec2::Zero();
   if (!s.texture.empty()) {
     const Vec2 &begin = s.texture[prev(first)], &end = s.texture[last];
-    texture = between<Vec2>(b.u == 0 ? begin : end, s.texture[next(first)], b.u == 0 ? end : begin, b.share, share);
+    texture =
+        between<Vec2>(b.u == 0 ? begin : end, s.texture[next(first)], b.u == 0 ? end : begin, b.fraction, fraction);
   }
   for (int i : b.fan.triangles) {
     const Index c = next(star.spokes[i]);
@@ -83,18 +84,18 @@ std::vector<Bank> banks_of(const Surface& s, const Star& star, const Ends& ends)
   return banks;
 }
 
-/// Moves a vertex to a share of the chord of its first bank.
-Outcome slide_to(Surface& s, const Star& star, const std::vector<Bank>& banks, double share, double angle) {
-  const double at = banks[0].share;
+/// Moves a vertex to a fraction of the chord of its first bank.
+Outcome slide_to(Surface& s, const Star& star, const std::vector<Bank>& banks, double fraction, double angle) {
+  const double at = banks[0].fraction;
   // On the other bank, whose side may be longer, at the same place of the line.
-  const auto share_on = [&](const Bank& b) { return between(0.0, b.share, 1.0, at, share); };
+  const auto fraction_on = [&](const Bank& b) { return between(0.0, b.fraction, 1.0, at, fraction); };
   const auto rest_on = [&](const Bank& b) -> Vec3 {
-    return b.fan.rest[b.u] + share_on(b) * (b.fan.rest[b.w] - b.fan.rest[b.u]);
+    return b.fan.rest[b.u] + fraction_on(b) * (b.fan.rest[b.w] - b.fan.rest[b.u]);
   };
   for (const Bank& b : banks)
     if (!shape_allows(b, rest_on(b), angle)) return Outcome::quality;
   const Fan& fan = banks[0].fan;
-  const Vec3 place = between<Vec3>(fan.place[banks[0].u], fan.centre_place, fan.place[banks[0].w], at, share);
+  const Vec3 place = between<Vec3>(fan.place[banks[0].u], fan.centre_place, fan.place[banks[0].w], at, fraction);
   if (!s.allowed.empty()) {
     std::vector<Index> triangles;
     for (Index e : star.spokes) triangles.push_back(e / 3);
@@ -104,7 +105,7 @@ Outcome slide_to(Surface& s, const Star& star, const std::vector<Bank>& banks, d
     if (!(budget.moved + moved <= budget.allowed)) return Outcome::clearance;
     s.charge(triangles, budget, moved);
   }
-  for (const Bank& b : banks) move(s, star, b, rest_on(b), share_on(b));
+  for (const Bank& b : banks) move(s, star, b, rest_on(b), fraction_on(b));
   s.place[star.vertex] = place;
   s.size[star.vertex] =
       s.size_at(rest_on(banks[0]), s.old_hint[star.spokes[static_cast<std::size_t>(fan.triangles[0])] / 3]);
@@ -125,10 +126,10 @@ Outcome try_slide(Surface& s, Index v, const Options& options) {
   const Ends ends = ends_of(s, star);
   const std::vector<Bank> banks = banks_of(s, star, ends);
   if (!is_straight(s, banks)) return Outcome::feature;
-  const double at = banks[0].share, u = s.size[star.ring[ends.k]], w = s.size[star.ring[ends.j]];
-  const double share = (u + s.size[v]) / (u + 2.0 * s.size[v] + w);
-  if (std::abs(share - at) < 0.05 * std::min(at, 1.0 - at)) return Outcome::feature;
-  return slide_to(s, star, banks, share, std::max(options.smallest_angle, good_angle));
+  const double at = banks[0].fraction, u = s.size[star.ring[ends.k]], w = s.size[star.ring[ends.j]];
+  const double fraction = (u + s.size[v]) / (u + 2.0 * s.size[v] + w);
+  if (std::abs(fraction - at) < 0.05 * std::min(at, 1.0 - at)) return Outcome::feature;
+  return slide_to(s, star, banks, fraction, std::max(options.smallest_angle, good_angle));
 }
 
 Outcome try_slide_towards(Surface& s, Index v, Index end, double angle) {
@@ -136,7 +137,7 @@ Outcome try_slide_towards(Surface& s, Index v, Index end, double angle) {
   const Ends ends = ends_of(s, star);
   const std::vector<Bank> banks = banks_of(s, star, ends);
   if (!is_straight(s, banks)) return Outcome::feature;
-  const double at = banks[0].share;
+  const double at = banks[0].fraction;
   return slide_to(s, star, banks, star.ring[ends.k] == end ? 0.5 * at : 0.5 * (1.0 + at), angle);
 }
 

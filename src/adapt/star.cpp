@@ -89,10 +89,10 @@ double displacement(const Fan& fan, const Vec2& centre, const Vec3& place, int a
   for (int i = 0; i < fan.size(); ++i)
     for (int j = 0; j < fan.size(); ++j) {
       if (i == j || j == at || i == at) continue;
-      const auto shares = crossing(fan.centre, fan.plane[i], centre, fan.plane[j]);
-      if (!shares) continue;
-      const Vec3 before = fan.centre_place + (*shares)[0] * (fan.place[i] - fan.centre_place);
-      const Vec3 after = place + (*shares)[1] * (fan.place[j] - place);
+      const auto fractions = crossing(fan.centre, fan.plane[i], centre, fan.plane[j]);
+      if (!fractions) continue;
+      const Vec3 before = fan.centre_place + (*fractions)[0] * (fan.place[i] - fan.centre_place);
+      const Vec3 after = place + (*fractions)[1] * (fan.place[j] - place);
       largest = std::max(largest, (after - before).norm());
     }
   return largest;

@@ -94,7 +94,7 @@ class Interpolator {
   }
   /// Such a line has its own cubic, from what is on it: what is equal along it, as the distance from a plane of symmetry,
   /// stays.
-  [[nodiscard]] Vec3 on_line(Index h, double share) const {
+  [[nodiscard]] Vec3 on_line(Index h, double fraction) const {
     const Vec3 &a = field_[edges_.origin(h)], &b = field_[edges_.dest(h)];
     const double l = length(h);
     const Vec3 slope = (b - a) / l;
@@ -111,7 +111,7 @@ class Interpolator {
     }
     if (p == no_index && q != no_index) at_a = 2.0 * slope - at_b;
     if (q == no_index && p != no_index) at_b = 2.0 * slope - at_a;
-    const double u = share, v = 1.0 - share;
+    const double u = fraction, v = 1.0 - fraction;
     return v * v * (1.0 + 2.0 * u) * a + u * u * (1.0 + 2.0 * v) * b + l * (u * v * v * at_a - u * u * v * at_b);
   }
 
@@ -131,7 +131,7 @@ Vec3 linear(const mesh::SurfaceMesh& mesh, const std::vector<Vec3>& field, const
   return sum;
 }
 
-/// How far a smooth value may be from the linear one: this share of the largest difference between the corners of a
+/// How far a smooth value may be from the linear one: this fraction of the largest difference between the corners of a
 /// triangle and those opposite of them. A wave of eight edges needs a tenth; a field that jumps from vertex to vertex would
 /// be made into peaks several times as high.
 constexpr double most_beyond_linear = 0.25;

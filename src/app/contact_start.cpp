@@ -17,7 +17,7 @@ namespace {
 
 /// A vertex that would have to move further than so many mean edges is not in a shallow intersection.
 constexpr double most_cells = 5.0;
-/// Share of the contact distance below which two things touch rather than overlap.
+/// Fraction of the contact distance below which two things touch rather than overlap.
 constexpr double touching = 1e-6;
 
 /// What an attempt to untangle says if it fails.

@@ -13,7 +13,7 @@ namespace voile::app {
 
 namespace {
 
-/// Share of a deflection beyond which the estimate is no number any more, only large.
+/// Fraction of a deflection beyond which the estimate is no number any more, only large.
 constexpr double most_told = 0.99;
 
 Vec3 of_triangle(const std::vector<double>& values, std::size_t t) {

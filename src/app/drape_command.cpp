@@ -27,7 +27,8 @@ void declare(CLI::App& cli, DrapeTest& t, std::string& specimen, double& cell) {
                 "Specimens, laid a millimetre beside each other, the warp turned by 15 degrees [6]")
       ->check(CLI::Range(1, 100));
   c->add_option_function<std::string>(
-       "--way", [&t](const std::string& w) { t.way = w == "plate" ? DrapeTest::Way::plate : DrapeTest::Way::weight; },
+       "--method",
+       [&t](const std::string& w) { t.method = w == "plate" ? DrapeTest::Method::plate : DrapeTest::Method::weight; },
        "plate: it is lowered; weight: without a plate the weight grows [plate]")
       ->check(CLI::IsMember({"plate", "weight"}));
   c->add_flag_callback(

@@ -166,7 +166,7 @@ void write_circles(const DrapeSetting& s, const fs::path& file) {
 }  // namespace
 
 void write_drape_case(const DrapeSetting& s, const DrapeRepeat& r) {
-  const bool plate = s.test.way == DrapeTest::Way::plate;
+  const bool plate = s.test.method == DrapeTest::Method::plate;
   std::error_code error;
   fs::create_directories(r.folder, error);
   if (error) throw UserError(fmt::format("{}: the folder cannot be made ({})", r.folder.string(), error.message()));
@@ -235,7 +235,7 @@ void write_drape_results(const DrapeSetting& s, const std::vector<DrapeRepeat>& 
       {"fabric_file", s.fabric_file.string()},
       {"specimen_mm", s.test.specimen},
       {"support_mm", 2e3 * drape_support_radius},
-      {"way", s.test.way == DrapeTest::Way::plate ? "plate" : "weight"},
+      {"method", s.test.method == DrapeTest::Method::plate ? "plate" : "weight"},
       {"friction_inside_the_fabric", s.friction},
       {"faces", "alike: figures of a fabric file hold for both"},
       {"cell_mm", 1e3 * s.cell},

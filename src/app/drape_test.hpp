@@ -14,16 +14,16 @@
 namespace voile::app {
 
 struct DrapeTest {
-  enum class Way { plate, weight };
+  enum class Method { plate, weight };
   std::string fabric;  ///< file, or name of a shipped fabric
   int specimen = 300;  ///< diameter [mm]
   int repeats = 6;
-  Way way = Way::plate;          ///< the plate is lowered, or without any plate the weight grows
-  bool mesh_check = true;        ///< the first repeat once more with finer cells
-  bool elastic = false;          ///< leaves out friction inside the fabric
-  double cell = 0.0;             ///< [m]; 0: by the bending length
-  int jobs = 0;                  ///< side by side; 0: one for each core
-  std::filesystem::path output;  ///< empty: FABRIC_drape
+  Method method = Method::plate;  ///< the plate is lowered, or without any plate the weight grows
+  bool mesh_check = true;         ///< the first repeat once more with finer cells
+  bool elastic = false;           ///< leaves out friction inside the fabric
+  double cell = 0.0;              ///< [m]; 0: by the bending length
+  int jobs = 0;                   ///< side by side; 0: one for each core
+  std::filesystem::path output;   ///< empty: FABRIC_drape
   bool overwrite = false, quiet = false;
 };
 

@@ -17,7 +17,7 @@ namespace voile::app {
 
 namespace {
 
-/// The next time after `start` at which a support lets go, or the end of the stage.
+/// The next time after `start` at which a support releases, or the end of the stage.
 double end_of_epoch(const input::Case& stage, double start) {
   double end = stage.time.options.end_time;
   if (stage.analysis != "dynamic") return end;
@@ -46,7 +46,7 @@ system::ModelInput holding(system::ModelInput input, const input::Case& stage, c
   return input;
 }
 
-/// The acceleration of a checkpoint is that of the supports which held before; where one lets go it is found anew.
+/// The acceleration of a checkpoint is that of the supports which held before; where one releases it is found anew.
 bool lets_go_at(const input::Case& stage, double time) {
   const auto now = [&](const auto& s) { return s.release == time; };
   return std::any_of(stage.supports.begin(), stage.supports.end(), now) ||

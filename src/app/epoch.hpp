@@ -1,4 +1,4 @@
-// An epoch of a run: one model, constant from the state it begins with to where supports let go or the stage ends;
+// An epoch of a run: one model, constant from the state it begins with to where supports release or the stage ends;
 // private to src/app.
 #pragma once
 
@@ -16,13 +16,13 @@
 
 namespace voile::app {
 
-/// What an epoch goes on from: `epoch` the same mesh with other supports, `mesh` another mesh, `saved` an earlier state of this
+/// What an epoch continues from: `epoch` the same mesh with other supports, `mesh` another mesh, `saved` an earlier state of this
 /// run.
 enum class Origin { nothing, restart, stage, epoch, mesh, saved };
 
 class Epoch {
  public:
-  /// `input` holds all that the stage names; supports which have let go before the start are left out, of those that
+  /// `input` holds all that the stage names; supports which have released before the start are left out, of those that
   /// are `frozen` only what they hold counts. Mesh and case must outlive it. Collective. Throws UserError.
   Epoch(MPI_Comm comm, const input::Case& stage, const mesh::SurfaceMesh& mesh, system::ModelInput input,
         const std::vector<char>& frozen, const io::Checkpoint& start);
@@ -39,7 +39,7 @@ class Epoch {
   solve::Stepper& make_stepper(const Recorder& recorder, Origin origin);
   /// The stepper, if it is one in time; null otherwise and before make_stepper().
   [[nodiscard]] solve::TimeIntegration* motion() { return motion_; }
-  /// Time at which it ends: supports let go, or the stage does [s].
+  /// Time at which it ends: supports release, or the stage does [s].
   [[nodiscard]] double end() const { return end_; }
   /// Whether another epoch of the stage begins at this time.
   [[nodiscard]] bool ends_at(double time) const;
@@ -52,7 +52,7 @@ class Epoch {
   void make_path(const Recorder& recorder, Origin origin);
 
   const input::Case& stage_;
-  double end_;            ///< time at which supports let go, or the stage ends [s]
+  double end_;            ///< time at which supports release, or the stage ends [s]
   std::size_t supports_;  ///< that hold
   system::Model model_;
   system::State state_;

@@ -10,7 +10,7 @@ namespace {
 
 /// Largest displacement of e u over the length of a cell: terms of third order are its square, and round-off of the coordinates is
 /// divided by it, so about the cube root of round-off.
-constexpr double share_of_cell = 1e-5;
+constexpr double fraction_of_cell = 1e-5;
 
 using Field = std::vector<double> system::TriangleFields::*;
 constexpr std::array<Field, 5> linear_fields{
@@ -23,7 +23,7 @@ constexpr std::array<Field, 5> linear_fields{
 LinearValues::LinearValues(system::Model& model, Vec u, Vec about) : model_(model), u_(u) {
   double largest = 0.0;
   VOILE_PETSC(VecNorm(u, NORM_INFINITY, &largest));
-  if (largest > 0.0) small_ = share_of_cell * std::sqrt(model.discretisation().mean_area()) / largest;
+  if (largest > 0.0) small_ = fraction_of_cell * std::sqrt(model.discretisation().mean_area()) / largest;
   for (petsc::VecHandle* v : {&rest_, &forward_, &backward_}) *v = model.dofs().create_vector();
   for (Vec v : {static_cast<Vec>(rest_), static_cast<Vec>(forward_), static_cast<Vec>(backward_)})
     VOILE_PETSC(about ? VecCopy(about, v) : VecZeroEntries(v));

@@ -27,10 +27,10 @@ constexpr double sliver_angle = 2.0;
 /// equal: a strip bent into three quarters of a circle of 20 x 16 cells of aspect 8, vertices moved by a quarter of a
 /// cell, deflects by 5.6 % too little, with equal cells 0.9 %, with equal cells of aspect 20 5.7 %.
 constexpr double long_cell = 5.0, uneven_cell = 0.15, very_long_cell = 14.0;
-/// Share of the area in such cells that makes a warning.
-constexpr double locking_share = 0.1;
-/// Share of patches that are too ill-conditioned for their quadratic that makes a warning, if half of them are by far.
-constexpr double fitted_share = 0.5;
+/// Fraction of the area in such cells that makes a warning.
+constexpr double locking_fraction = 0.1;
+/// Fraction of patches that are too ill-conditioned for their quadratic that makes a warning, if half of them are by far.
+constexpr double fitted_fraction = 0.5;
 
 /// Mean of MeshQuality::fold that makes a warning. L profiles of legs of 1 and length 3: cells three times as long as wide, 8, 16, 32,
 /// 64 to a leg, have 28, 14, 7, 3.5 % and a first frequency 14, 7.6, 3.8, 1.8 % too high; 8 square ones 3.1 and 1.9 %.
@@ -56,13 +56,13 @@ std::size_t place_of_largest(const std::vector<double>& values) {
   return static_cast<std::size_t>(std::max_element(values.begin(), values.end()) - values.begin());
 }
 
-double share_above(const std::vector<double>& values, double limit) {
+double fraction_above(const std::vector<double>& values, double limit) {
   const auto count = std::count_if(values.begin(), values.end(), [&](double x) { return !(x <= limit); });
   return static_cast<double>(count) / static_cast<double>(values.size());
 }
 
-/// Share of the area in cells whose nonlinear membrane locks.
-double share_of_locking(const MeshQuality& q) {
+/// Fraction of the area in cells whose nonlinear membrane locks.
+double fraction_of_locking(const MeshQuality& q) {
   double locking = 0.0, all = 0.0;
   for (std::size_t t = 0; t < q.area.size(); ++t) {
     all += q.area[t];
@@ -73,7 +73,7 @@ double share_of_locking(const MeshQuality& q) {
 }
 
 /// Interior vertices of valence 4 and 8 in large numbers mark a union-jack pattern, on which `six_node` is wrong.
-double union_jack_share(const mesh::SurfaceMesh& mesh) {
+double union_jack_fraction(const mesh::SurfaceMesh& mesh) {
   Index suspicious = 0, interior = 0;
   for (Index v = 0; v < mesh.vertex_count(); ++v) {
     const std::vector<Index> around = mesh.triangles_of_vertex(v);
@@ -156,7 +156,7 @@ MeshQuality measure_quality(MPI_Comm comm, const mesh::SurfaceMesh& mesh, const 
 std::string quality_text(const mesh::SurfaceMesh& mesh, const MeshQuality& q, const energy::ElementOptions& element) {
   const std::size_t angle = place_of_smallest(q.angle), aspect = place_of_largest(q.aspect),
                     condition = place_of_largest(q.condition);
-  const double least = q.angle[angle], longest = quantile(q.aspect, 0.5), locking = share_of_locking(q);
+  const double least = q.angle[angle], longest = quantile(q.aspect, 0.5), locking = fraction_of_locking(q);
   const char* verdict = !quality_warnings(mesh, q, element).empty()             ? "poor"
                         : least < 10.0 || longest > long_cell || locking > 0.01 ? "fair"
                                                                                 : "good";
@@ -168,7 +168,7 @@ std::string quality_text(const mesh::SurfaceMesh& mesh, const MeshQuality& q, co
   text += fmt::format(
       "  patch condition: {:.3g} median, {:.3g} at 99 %, {:.3g} at worst ({}); {:.3g} % of the patches above {:g}\n",
       quantile(q.condition, 0.5), quantile(q.condition, 0.99), q.condition[condition], triangle_text(mesh, condition),
-      100.0 * share_above(q.condition, element.max_patch_condition), element.max_patch_condition);
+      100.0 * fraction_above(q.condition, element.max_patch_condition), element.max_patch_condition);
   return text;
 }
 
@@ -182,26 +182,26 @@ std::vector<std::string> quality_warnings(const mesh::SurfaceMesh& mesh, const M
         "{} triangle(s) have an angle below {:g} degrees, the smallest is {:.2g} degrees in {}: Newton's method "
         "may stall there; move its vertices or remesh",
         slivers, sliver_angle, q.angle[worst], triangle_text(mesh, worst)));
-  if (const double share = share_of_locking(q); q.large_rotations && share > locking_share)
+  if (const double fraction = fraction_of_locking(q); q.large_rotations && fraction > locking_fraction)
     warnings.push_back(
         fmt::format("{:.0f} % of the area lies in long cells (median aspect {:.3g}, median smallest angle {:.1f} "
                     "degrees) that are uneven or longer than {:g} times their width: {}; make cells about as long as "
                     "wide, or refine along their long side",
-                    100.0 * share, quantile(q.aspect, 0.5), quantile(q.angle, 0.5), very_long_cell,
+                    100.0 * fraction, quantile(q.aspect, 0.5), quantile(q.angle, 0.5), very_long_cell,
                     long_cell_error(element.membrane)));
-  if (const double share = share_above(q.condition, element.max_patch_condition);
-      share > fitted_share && quantile(q.condition, 0.5) > 2.0 * element.max_patch_condition)
+  if (const double fraction = fraction_above(q.condition, element.max_patch_condition);
+      fraction > fitted_fraction && quantile(q.condition, 0.5) > 2.0 * element.max_patch_condition)
     warnings.push_back(fmt::format(
         "{:.0f} % of the patches have a condition above {:g} and are replaced by fits over more neighbours, which "
         "cost time and accuracy, the worst ({:.3g}) is that of {}; make neighbouring triangles more alike",
-        100.0 * share, element.max_patch_condition, q.condition[place_of_largest(q.condition)],
+        100.0 * fraction, element.max_patch_condition, q.condition[place_of_largest(q.condition)],
         triangle_text(mesh, place_of_largest(q.condition))));
   if (element.bending == energy::BendingOperator::six_node)
-    if (const double share = union_jack_share(mesh); share > 0.5)
+    if (const double fraction = union_jack_fraction(mesh); fraction > 0.5)
       warnings.push_back(
           fmt::format("{:.0f} % of the interior vertices have valence 4 or 8 (alternating diagonals): the published "
                       "elements do not converge on such a mesh; use element.type = \"corrected\"",
-                      100.0 * share));
+                      100.0 * fraction));
   return warnings;
 }
 
@@ -235,14 +235,14 @@ std::string fold_warning(const mesh::SurfaceMesh& mesh, const MeshQuality& q, co
     all += q.area[t];
     stiffer += q.fold[t] * q.area[t];
   }
-  const double share = stiffer / all;
-  if (share <= folded_limit) return "";
+  const double fraction = stiffer / all;
+  if (fraction <= folded_limit) return "";
   return fmt::format(
       "the sheet is folded at rest, most in {}: beside such edges what one side moves in its plane counts as bending. "
       "Deflections can be too small by about {:.0f} % and frequencies too high by about {:.0f} %; use {}"
       "cells along these edges that are smaller, and as wide as long",
-      triangle_text(mesh, place_of_largest(q.fold)), 100.0 * share / (1.0 + share),
-      100.0 * (std::sqrt(1.0 + share) - 1.0),
+      triangle_text(mesh, place_of_largest(q.fold)), 100.0 * fraction / (1.0 + fraction),
+      100.0 * (std::sqrt(1.0 + fraction) - 1.0),
       element.membrane == energy::MembraneOperator::six_node_corrected ? "" : "element.type = \"corrected\", or ");
 }
 

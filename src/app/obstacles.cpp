@@ -218,11 +218,11 @@ std::vector<geometry::TrianglePair> IntersectionCheck::find_by_ranks(const std::
 }
 
 std::vector<geometry::TrianglePair> IntersectionCheck::find(const std::vector<Vec3>& positions,
-                                                            geometry::Share share) const {
+                                                            geometry::Share fraction) const {
   const Triangles all = triangles_at(positions);
   const auto& rules = contact_.scene().set().surface().rules;
   std::vector<geometry::TrianglePair> pairs = geometry::intersecting_triangles(
-      all.positions, all.triangles, all.body, [&](Index a, Index b) { return !rules[a][b].touch; }, share);
+      all.positions, all.triangles, all.body, [&](Index a, Index b) { return !rules[a][b].touch; }, fraction);
   const auto is_given_way = [&](Index i, Index j) {
     return system::gives_way(contact_, all.triangles[static_cast<std::size_t>(i)],
                              all.body[static_cast<std::size_t>(j)]);

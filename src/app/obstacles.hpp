@@ -56,7 +56,7 @@ class IntersectionCheck {
     std::vector<Index> body;
   };
   [[nodiscard]] std::vector<geometry::TrianglePair> find(const std::vector<Vec3>& positions,
-                                                         geometry::Share share) const;
+                                                         geometry::Share fraction) const;
   [[nodiscard]] Triangles triangles_at(const std::vector<Vec3>& positions) const;
   /// A picture beside `file`. Says nothing if it cannot be drawn: the triangles are there.
   void draw(const Triangles& all, const std::vector<geometry::TrianglePair>& pairs,

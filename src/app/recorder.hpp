@@ -68,7 +68,7 @@ class Recorder {
     std::vector<std::vector<double>> rows;
   };
   [[nodiscard]] const History& history() const { return kept_; }
-  /// Forgets the rows after the first `count`: the run goes on from an earlier state. Not collective.
+  /// Forgets the rows after the first `count`: the run continues from an earlier state. Not collective.
   void forget_rows(std::size_t count) {
     if (count < kept_.rows.size()) kept_.rows.resize(count);
   }

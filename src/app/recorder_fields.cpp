@@ -68,7 +68,7 @@ std::vector<Field> Recorder::fields_of(Vec a, const Snapshot& s, const Wants& wa
     };
     if (estimated) {
       Warnings::MembraneError error = warnings_.membrane_error(model_->discretisation().sheet(), t, least);
-      membrane_error_ = error.share;
+      membrane_error_ = error.fraction;
       add_density("membrane_error", error.density);
       add_density("membrane_recovery_error", recovered.membrane);
       add_density("bending_recovery_error", recovered.bending);

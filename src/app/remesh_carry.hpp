@@ -19,7 +19,7 @@ struct Origins {
 /// Tells all ranks what rank 0 has found. Collective.
 [[nodiscard]] Origins origins_of(MPI_Comm comm, const adapt::Remeshed& from);
 
-/// Gaps from which a start is let out, and obstacles that give way, per new vertex. Friction remembers nothing beyond a
+/// Gaps from which a start is let out, and obstacles that are ignored, per new vertex. Friction remembers nothing beyond a
 /// step (contact/contact_set.hpp), so that there is nothing to carry. Not collective, as what follows.
 void carry_contact(const mesh::SurfaceMesh& old_mesh, const Origins& from, io::Checkpoint& c);
 

@@ -11,7 +11,7 @@
 namespace voile::app {
 
 /// A new mesh on every rank, and on rank 0 where it comes from.
-struct Remesher::Made {
+struct Remesher::NewMesh {
   std::shared_ptr<const mesh::SurfaceMesh> mesh;
   adapt::Remeshed from;      ///< rank 0
   adapt::SizeMatch match;    ///< rank 0: how well it meets the sizes

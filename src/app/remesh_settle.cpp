@@ -55,7 +55,7 @@ double Remesher::energy_change(const Ledger& before, const Ledger& after, Epoch&
 
 /// By how much internal, contact and applied forces are out of balance on the old mesh, per mass, on the new one: what
 /// accelerates the sheet there. Friction is left out, which begins anew. Collective.
-petsc::VecHandle Remesher::inertia_force(Epoch& old_epoch, Epoch& fresh, const Made& made) {
+petsc::VecHandle Remesher::inertia_force(Epoch& old_epoch, Epoch& fresh, const NewMesh& made) {
   system::Model& model = old_epoch.model();
   const petsc::VecHandle r = model.dofs().create_vector(), friction = model.dofs().create_vector();
   Vec u = old_epoch.state().u;
@@ -79,7 +79,7 @@ petsc::VecHandle Remesher::inertia_force(Epoch& old_epoch, Epoch& fresh, const M
 /// Takes the noise out of the membrane. A motion keeps what is stored away from new triangles, and its momentum; a drape
 /// goes on until its energy is not above the old one, since what is left would lead the search elsewhere. Returns the
 /// change of energy. Collective.
-double Remesher::settle(Epoch& old_epoch, Epoch& fresh, const Ledger& before, const Made& made) {
+double Remesher::settle(Epoch& old_epoch, Epoch& fresh, const Ledger& before, const NewMesh& made) {
   const bool moves = fresh.state().v, drapes = stage_.c.analysis == "drape";
   solve::RelaxationOptions options{solve::relaxation_time(fresh.model()), keys_.relaxation_steps};
   petsc::VecHandle inertia;

@@ -20,7 +20,7 @@ namespace voile::app {
 namespace {
 
 constexpr double infinite = std::numeric_limits<double>::infinity();
-/// Shares of vertices with edges too long or too short, beyond what the last remeshing left, that ask for a new mesh.
+/// Fractions of vertices with edges too long or too short, beyond what the last remeshing left, that ask for a new mesh.
 constexpr double most_too_long = 0.02, most_too_short = 0.3;
 /// The first one where a path or a drape ends: one sharp fold decides the shape, and there is no later look.
 constexpr double most_too_long_at_end = 0.002;
@@ -32,8 +32,8 @@ constexpr int most_looks_at_end = 6;
 constexpr double most_vertices = 5e6;
 /// Edges of a new mesh over what is wanted, in the middle of remeshings seen (0.83 to 1.07): halves of what was too long.
 constexpr double usual_ratio = 0.9;
-/// Surfaces may come nearer by this share of their gap: both sides move, and half of the gap stays.
-constexpr double share_of_gap = 0.25;
+/// Surfaces may come nearer by this fraction of their gap: both sides move, and half of the gap stays.
+constexpr double fraction_of_gap = 0.25;
 /// Gaps are looked for within so many contact distances; what is far from everything may move as if it were at this gap.
 constexpr double gap_reach = 4.0;
 
@@ -277,7 +277,7 @@ adapt::Limits Remesher::limits(Epoch& epoch) const {
     // Every operation on a curved rest shape moves the surface by what cells lie off it, however small that distance is.
     if (curved_) reach = std::max(reach, std::sqrt(epoch.model().discretisation().mean_area()));
     limits.clearance = system::gaps(contact->scene(), epoch.state().u, reach);
-    for (double& gap : limits.clearance) gap *= share_of_gap;
+    for (double& gap : limits.clearance) gap *= fraction_of_gap;
   }
   return limits;
 }

@@ -57,11 +57,11 @@ Remesher::Remesher(const Stage& stage, std::shared_ptr<const mesh::SurfaceMesh> 
   curved_ = curved[0] != 0;
 }
 
-Remesher::Made Remesher::make_mesh(Epoch& epoch, const std::vector<double>& size, bool only_splits) {
+Remesher::NewMesh Remesher::make_mesh(Epoch& epoch, const std::vector<double>& size, bool only_splits) {
   const system::Dofs& dofs = epoch.model().dofs();
   const adapt::Limits limits = this->limits(epoch);
   const std::vector<double> u = dofs.gather(epoch.state().u);
-  Made made;
+  NewMesh made;
   mesh::MeshData data;
   mpi::on_root(dofs.comm(), [&] {
     made.places = dofs.mesh().positions();
@@ -87,7 +87,7 @@ Remesher::Made Remesher::make_mesh(Epoch& epoch, const std::vector<double>& size
 
 /// The state on the new mesh, on rank 0: smooth where contact lets it be, otherwise on the old surface. Displacements are
 /// interpolated, not places: what is at rest stays at rest, whatever the shape there.
-io::Checkpoint Remesher::carry_over(Epoch& epoch, const Made& made) const {
+io::Checkpoint Remesher::carry_over(Epoch& epoch, const NewMesh& made) const {
   const system::Dofs& dofs = epoch.model().dofs();
   const mesh::SurfaceMesh& old_mesh = dofs.mesh();
   io::Checkpoint c = gather(epoch.state(), epoch.model());
@@ -123,7 +123,7 @@ std::string Remesher::intersections(Epoch& epoch) {
   return text;
 }
 
-void Remesher::write(const Epoch& epoch, const Made& made, const Ledger& before, const Ledger& after, bool accepted,
+void Remesher::write(const Epoch& epoch, const NewMesh& made, const Ledger& before, const Ledger& after, bool accepted,
                      double seconds) {
   if (stage_.options.output.empty()) return;
   const system::State& s = epoch.state();
@@ -182,7 +182,7 @@ RemeshingEffort Remesher::effort() const {
 std::string text_of(const RemeshingEffort& e) {
   if (e.count + e.refused == 0) return "";
   return fmt::format("{} remeshings, {} refused, {:.1f} CPU s of rank 0, {:.2g} % of its time", e.count, e.refused,
-                     e.seconds, 100.0 * e.share);
+                     e.seconds, 100.0 * e.fraction);
 }
 
 namespace {
@@ -212,12 +212,12 @@ std::string text_of_change(double change, const Ledger& before, const Ledger& af
 }  // namespace
 
 /// One new mesh with its state; `what` says what it came to.
-std::optional<Adapted> Remesher::attempt(Epoch& epoch, const std::vector<double>& size, bool only_splits,
-                                         std::string& what) {
+std::optional<RemeshResult> Remesher::attempt(Epoch& epoch, const std::vector<double>& size, bool only_splits,
+                                              std::string& what) {
   const MPI_Comm comm = epoch.model().dofs().comm();
   const double begin = cpu_clock();
   ++attempts_;
-  Made made = make_mesh(epoch, size, only_splits);
+  NewMesh made = make_mesh(epoch, size, only_splits);
   // An epoch needs a vertex on every rank.
   if (made.mesh->vertex_count() < mpi::size(comm)) return what = "it has fewer vertices than ranks", std::nullopt;
   io::Checkpoint carried = carry_over(epoch, made);
@@ -227,7 +227,8 @@ std::optional<Adapted> Remesher::attempt(Epoch& epoch, const std::vector<double>
   mpi::on_root(comm, [&] { carry_slips(epoch.model().dofs().mesh(), *made.mesh, made.from, carried); });
   const Ledger before = ledger(epoch);
 
-  Adapted next{made.mesh, std::make_unique<Epoch>(comm, stage_.c, *made.mesh, stage_.input, stage_.frozen, carried)};
+  RemeshResult next{made.mesh,
+                    std::make_unique<Epoch>(comm, stage_.c, *made.mesh, stage_.input, stage_.frozen, carried)};
   Epoch& fresh = *next.epoch;
   std::vector<double> left{made.match.too_long, made.match.too_short};
   mpi::broadcast(comm, left);
@@ -273,11 +274,11 @@ std::optional<Adapted> Remesher::attempt(Epoch& epoch, const std::vector<double>
   return next;
 }
 
-std::optional<Adapted> Remesher::adapt(Epoch& epoch, const std::function<void(const std::string&)>& remark) {
+std::optional<RemeshResult> Remesher::adapt(Epoch& epoch, const std::function<void(const std::string&)>& remark) {
   const petsc::EventScope scope(petsc::events().remesh);
   const double begin = cpu_clock();
   std::string what;
-  std::optional<Adapted> next = attempt(epoch, size_, false, what);
+  std::optional<RemeshResult> next = attempt(epoch, size_, false, what);
   // Splits leave the surface as it is.
   if (!next && epoch.model().contact()) {
     remark(fmt::format("{}; trying splits only", what));

@@ -21,7 +21,7 @@
 namespace voile::app {
 
 /// An epoch on a mesh of its own.
-struct Adapted {
+struct RemeshResult {
   std::shared_ptr<const mesh::SurfaceMesh> mesh;
   std::unique_ptr<Epoch> epoch;
 };
@@ -55,7 +55,7 @@ class Remesher {
   /// How long edges should be in the state of the epoch, per vertex, on rank 0 [m]. Collective. Throws UserError.
   [[nodiscard]] std::vector<double> wanted_sizes(Epoch& epoch);
   /// The next epoch, or nothing if what was found is refused. `remark` says what was done. Collective.
-  [[nodiscard]] std::optional<Adapted> adapt(Epoch& epoch, const std::function<void(const std::string&)>& remark);
+  [[nodiscard]] std::optional<RemeshResult> adapt(Epoch& epoch, const std::function<void(const std::string&)>& remark);
   /// What all remeshings together came to so far. Not collective.
   [[nodiscard]] RemeshingEffort effort() const;
   /// Vertices of a mesh of the sizes that the last call of due() found, about; on rank 0.
@@ -72,11 +72,11 @@ class Remesher {
                           const std::vector<double>& velocity, std::vector<double>& bound);
   [[nodiscard]] std::vector<char> changeable(const mesh::SurfaceMesh& mesh, const std::vector<char>& marked) const;
   [[nodiscard]] adapt::Limits limits(Epoch& epoch) const;
-  struct Made;
-  [[nodiscard]] Made make_mesh(Epoch& epoch, const std::vector<double>& size, bool only_splits);
-  [[nodiscard]] io::Checkpoint carry_over(Epoch& epoch, const Made& made) const;
-  [[nodiscard]] std::optional<Adapted> attempt(Epoch& epoch, const std::vector<double>& size, bool only_splits,
-                                               std::string& what);
+  struct NewMesh;
+  [[nodiscard]] NewMesh make_mesh(Epoch& epoch, const std::vector<double>& size, bool only_splits);
+  [[nodiscard]] io::Checkpoint carry_over(Epoch& epoch, const NewMesh& made) const;
+  [[nodiscard]] std::optional<RemeshResult> attempt(Epoch& epoch, const std::vector<double>& size, bool only_splits,
+                                                    std::string& what);
   [[nodiscard]] Ledger ledger(Epoch& epoch) const;
   [[nodiscard]] bool is_consistent() const;  ///< the mass of the motion
   void keep_momentum(Epoch& old_epoch, Epoch& fresh, const Ledger& before);
@@ -88,9 +88,9 @@ class Remesher {
   [[nodiscard]] bool find_equilibrium_nearby(Epoch& fresh) const;
   [[nodiscard]] static double negligible_energy(const Epoch& epoch);
   [[nodiscard]] double energy_change(const Ledger& before, const Ledger& after, Epoch& fresh) const;
-  [[nodiscard]] static petsc::VecHandle inertia_force(Epoch& old_epoch, Epoch& fresh, const Made& made);
-  [[nodiscard]] double settle(Epoch& old_epoch, Epoch& fresh, const Ledger& before, const Made& made);
-  void write(const Epoch& epoch, const Made& made, const Ledger& before, const Ledger& after, bool accepted,
+  [[nodiscard]] static petsc::VecHandle inertia_force(Epoch& old_epoch, Epoch& fresh, const NewMesh& made);
+  [[nodiscard]] double settle(Epoch& old_epoch, Epoch& fresh, const Ledger& before, const NewMesh& made);
+  void write(const Epoch& epoch, const NewMesh& made, const Ledger& before, const Ledger& after, bool accepted,
              double seconds);
 
   const Stage& stage_;

@@ -1,4 +1,4 @@
-// States to go on from; private to src/app.
+// States to continue from; private to src/app.
 #pragma once
 
 #include "epoch.hpp"
@@ -19,8 +19,8 @@ namespace voile::app {
                                                                      std::shared_ptr<const mesh::SurfaceMesh> first);
 
 /// The start of a run: the mesh at rest, the shape of `mesh.start`, or what --restart names, a results file or a
-/// checkpoint. A motion goes on from the step of a motion at its time, from anything else it begins at time 0; a path
-/// goes on from an equilibrium at its load factor. Arrays on rank 0 only. Collective. Throws UserError if the file does
+/// checkpoint. A motion continues from the step of a motion at its time, from anything else it begins at time 0; a path
+/// continues from an equilibrium at its load factor. Arrays on rank 0 only. Collective. Throws UserError if the file does
 /// not fit.
 [[nodiscard]] io::Checkpoint read_start(const input::Case& c, const RunOptions& options, const mesh::SurfaceMesh& mesh,
                                         Origin origin);

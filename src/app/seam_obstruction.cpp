@@ -17,13 +17,13 @@ namespace voile::app {
 namespace {
 
 /// The straight way between two points of a seam.
-struct Way {
+struct Segment {
   Index from, to;
   Vec3 begin, end;
 };
 
 /// Whether a way passes through a triangle (Moeller and Trumbore, Fast, minimum storage ray/triangle intersection, 1997).
-bool passes(const Way& way, const Vec3& a, const Vec3& b, const Vec3& c) {
+bool passes(const Segment& way, const Vec3& a, const Vec3& b, const Vec3& c) {
   const Vec3 along = way.end - way.begin, e = b - a, f = c - a, p = along.cross(f);
   const double determinant = e.dot(p);
   if (determinant == 0.0) return false;
@@ -50,7 +50,7 @@ class Search {
   [[nodiscard]] Obstruction of(const mesh::Seam& seam, double gap) const {
     Obstruction all{seam.name, {}, 0, 0};
     for (const auto& [from, to] : seam.pairs) {
-      const Way way{from, to, x_[from], x_[to]};
+      const Segment way{from, to, x_[from], x_[to]};
       if ((way.end - way.begin).norm() <= gap) continue;
       const std::set<std::string> found = on(way);
       ++all.open;
@@ -62,7 +62,7 @@ class Search {
 
  private:
   /// Names of what lies on a way.
-  [[nodiscard]] std::set<std::string> on(const Way& way) const {
+  [[nodiscard]] std::set<std::string> on(const Segment& way) const {
     std::set<std::string> found;
     for (std::size_t f = 0; f < surface_.faces.size(); ++f) {
       const auto& [a, b, c] = surface_.faces[f].points;

@@ -132,7 +132,7 @@ std::vector<double> masses(const Stage& stage, const mesh::SurfaceMesh& mesh) {
   return mass;
 }
 
-/// What contact remembers: the nearer gap, every obstacle that gives way.
+/// What contact remembers: the nearer gap, every obstacle that is ignored.
 void merge_contact(const std::vector<Index>& target, std::size_t count, io::Checkpoint& c) {
   const auto merge = [&](std::vector<double>& values, double none, const auto& join) {
     if (values.empty()) return;

@@ -1,4 +1,4 @@
-// The method on one page: advance, record, checkpoint; where supports let go or the mesh no longer suits the folds, open the
+// The method on one page: advance, record, checkpoint; where supports release or the mesh no longer suits the folds, open the
 // next epoch from the same state.
 #include "stage_run.hpp"
 
@@ -23,7 +23,7 @@ namespace {
 using solve::Outcome;
 using solve::StepResult;
 
-Summary summary_of(const solve::Followed& all, const system::State& state, const input::Case& c,
+Summary summary_of(const solve::RunStatistics& all, const system::State& state, const input::Case& c,
                    const system::Model& model) {
   Summary s;
   s.converged = all.completed;
@@ -121,14 +121,15 @@ void StageRun::take(const StepResult& r) {
     recorder_.record(state, r, finished || r.worth_keeping || asked);
     if (!is_start) checkpoints_.after_step(state, epoch_->model(), asked);
   }
-  // A checkpoint is of the state that was to be looked at: a run that goes on from it looks first, as the unbroken
+  // A checkpoint is of the state that was to be looked at: a run that continues from it looks first, as the unbroken
   // one did.
   if (accepted && !finished) stop_if_asked(comm);
   // A path that stops at a critical point, or leaves it along the mode of this mesh, keeps the mesh there.
   const bool looks = !r.mode && (!is_start || origin_ == Origin::nothing || origin_ == Origin::restart);
   if (accepted && remesher_ && looks && remesher_->due(*epoch_, finished)) {
     recorder_.write_pending();
-    if (std::optional<Adapted> next = remesher_->adapt(*epoch_, [&](const auto& text) { recorder_.remark(text); })) {
+    if (std::optional<RemeshResult> next =
+            remesher_->adapt(*epoch_, [&](const auto& text) { recorder_.remark(text); })) {
       epoch_ = std::move(next->epoch);
       mesh_ = std::move(next->mesh);
       set_forces({});

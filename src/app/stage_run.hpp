@@ -28,7 +28,7 @@ class StageRun {
   struct Saved {
     Mesh mesh;
     io::Checkpoint state;
-    solve::Followed all;
+    solve::RunStatistics all;
     std::size_t rows = 0;
     bool done = false;
     std::vector<double> forces;
@@ -59,7 +59,7 @@ class StageRun {
   [[nodiscard]] const Epoch& epoch() const { return *epoch_; }
   [[nodiscard]] const Mesh& mesh() const { return mesh_; }
   [[nodiscard]] Recorder& recorder() { return recorder_; }
-  [[nodiscard]] const solve::Followed& all() const { return all_; }
+  [[nodiscard]] const solve::RunStatistics& all() const { return all_; }
   [[nodiscard]] const Stage& stage() const { return stage_; }
 
  private:
@@ -80,7 +80,7 @@ class StageRun {
   Checkpoints checkpoints_;
   std::optional<Remesher> remesher_;
   solve::Stepper* stepper_ = nullptr;
-  solve::Followed all_;
+  solve::RunStatistics all_;
   bool done_ = false;
   std::optional<double> limit_;  ///< time at which the steps end for now, before the end of the epoch [s]
   std::vector<double> forces_;   ///< rank 0

@@ -36,7 +36,7 @@ void take_options(MPI_Comm comm, input::Case& c) {
   if (c.is_staged()) c.time.options.end_time = std::min(c.time.options.end_time, end);  // -ts_max_time is for all
 }
 
-/// The time goes on from stage to stage.
+/// The time continues from stage to stage.
 void check_times(const std::vector<input::Case>& stages) {
   double time = 0.0;
   for (const input::Case& c : stages) {

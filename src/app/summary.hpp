@@ -22,7 +22,7 @@ struct RemeshingEffort {
   int count = 0, refused = 0;  ///< meshes taken over; looks after which the run kept the mesh it had
   int attempts = 0;            ///< new meshes and models made, refused ones included: up to two per look
   double seconds = 0.0;        ///< CPU time of rank 0, looks and new models included [s]
-  double share = 0.0;          ///< of the CPU time that rank 0 took for the stage
+  double fraction = 0.0;       ///< of the CPU time that rank 0 took for the stage
 };
 
 /// What summary.json says.

@@ -44,9 +44,9 @@ Validity assess(const system::Model& model, const std::vector<double>& displacem
   const mesh::SurfaceMesh &mesh = model.dofs().mesh(), &sheet = model.discretisation().sheet().mesh(),
                           &before = model.discretisation().patches_before().mesh();
   Validity v;
-  const double share = model.potential().drawn_in();
+  const double fraction = model.potential().drawn_in();
   const auto rest = [&](Index t, int i) -> Vec3 {
-    return (1.0 - share) * before.rest_corner(t, i) + share * sheet.rest_corner(t, i);
+    return (1.0 - fraction) * before.rest_corner(t, i) + fraction * sheet.rest_corner(t, i);
   };
   const auto now = [&](Index i) -> Vec3 {
     return mesh.positions()[i] + Eigen::Map<const Vec3>(displacement.data() + 3 * static_cast<std::size_t>(i));
@@ -82,14 +82,14 @@ Validity assess(const system::Model& model, const std::vector<double>& displacem
 std::string locking_warning(const energy::Sheet& sheet, const system::TriangleFields& fields) {
   std::vector<double> rest = fields.whole_curvature;
   for (std::size_t i = 0; i < rest.size(); ++i) rest[i] -= fields.curvature[i];
-  const double share = energy::locking_estimate(sheet, rest);
-  if (share <= error_limit) return "";
+  const double fraction = energy::locking_estimate(sheet, rest);
+  if (fraction <= error_limit) return "";
   const bool corrected = sheet.options().membrane == energy::MembraneOperator::six_node_corrected;
   return fmt::format(
       "the mesh is too coarse for a curved shell this thin: where it bends without stretching, deflections can be too "
       "small "
       "by about {:.2g} %; use a finer mesh{}",
-      100.0 * share, corrected ? "" : ", or element.type = \"corrected\"");
+      100.0 * fraction, corrected ? "" : ", or element.type = \"corrected\"");
 }
 
 }  // namespace voile::app

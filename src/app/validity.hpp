@@ -18,7 +18,7 @@ namespace voile::app {
 
 /// Largest strain that the law is meant for, and largest turn of an edge that bending follows [rad].
 inline constexpr double strain_limit = 0.1, turn_limit = 1.0471975511965976;
-/// Share of the stored energy that the membrane may owe to its chords (energy/chord_error.hpp).
+/// Fraction of the stored energy that the membrane may owe to its chords (energy/chord_error.hpp).
 inline constexpr double error_limit = 0.05;
 
 struct Validity {

@@ -48,9 +48,9 @@ Warnings::MembraneError Warnings::membrane_error(const energy::Sheet& sheet, con
   double feigned = 0.0;
   for (std::size_t k = 0; k < error.size(); ++k) feigned += sheet.mesh().area(static_cast<Index>(k)) * error[k];
   const double stored = stored_energy(sheet, t);
-  const double share = stored > round_off_energy(sheet, strain) ? feigned / stored : 0.0;
-  if (search_ || share > largest_error_) {
-    largest_error_ = share;
+  const double fraction = stored > round_off_energy(sheet, strain) ? feigned / stored : 0.0;
+  if (search_ || fraction > largest_error_) {
+    largest_error_ = fraction;
     is_corrected_ = corrected;
   }
   return {std::move(error), largest_error_};

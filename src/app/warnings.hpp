@@ -25,7 +25,7 @@ class Warnings {
   /// surface, per triangle [J/m^2]; and the largest fraction of the stored energy that it has had in states that count.
   struct MembraneError {
     std::vector<double> density;
-    double share = 0.0;
+    double fraction = 0.0;
   };
   /// `strain`: below it a state is only round-off.
   [[nodiscard]] MembraneError membrane_error(const energy::Sheet& sheet, const system::TriangleFields& t,

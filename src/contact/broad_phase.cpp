@@ -33,7 +33,7 @@ class Maker {
     const std::array<Index, 4> points{p, q[0], q[1], q[2]};
     if (!may_meet(PairKind::point_triangle, points, reach(body, face.body))) return;
     to.push_back(
-        {points, PairKind::point_triangle, body, face.body, area, 0.0, share_of(s_.neighbours.of_faces, points)});
+        {points, PairKind::point_triangle, body, face.body, area, 0.0, fraction_of(s_.neighbours.of_faces, points)});
   }
   void point_edge(Index p, Index e, std::vector<Pair>& to) const {
     const Edge& edge = s_.edges[e];
@@ -56,7 +56,7 @@ class Maker {
     if (!may_meet(PairKind::edge_edge, points, reach(a.body, b.body))) return;
     to.push_back({points, PairKind::edge_edge, a.body, b.body, lengths / 8.0,
                   mollifier_threshold(a.rest_length_squared, b.rest_length_squared),
-                  share_of(s_.neighbours.of_edges, points)});
+                  fraction_of(s_.neighbours.of_edges, points)});
   }
   template <std::size_t n>
   [[nodiscard]] Box hull(const std::array<Index, n>& points) const {
@@ -82,8 +82,8 @@ class Maker {
     }
     return distance(kind, middle) <= reach + (1.0 + 1e-9) * (std::sqrt(far[0]) + std::sqrt(far[1]));
   }
-  [[nodiscard]] double share_of(const std::map<std::array<Index, 4>, double>& list,
-                                const std::array<Index, 4>& points) const {
+  [[nodiscard]] double fraction_of(const std::map<std::array<Index, 4>, double>& list,
+                                   const std::array<Index, 4>& points) const {
     const std::vector<char>& concerned = s_.neighbours.concerned;
     if (concerned.empty() || !s_.is_sheet(points[0]) || !concerned[points[0]]) return 1.0;
     const auto at = list.find(points);

@@ -11,8 +11,8 @@ namespace {
 /// Room that the boxes of candidates leave around the asked path: in contact distances, and in what a cell is larger than
 /// one. Where two such rooms and the contact distance are longer than a cell, rings of neighbours become candidates.
 constexpr double slack = 2.0, slack_in_cell = 0.4, least_slack = 0.1;
-/// Candidates are found anew only for points that left their boxes, unless these are more than this share, or boxes of
-/// earlier, longer paths are on average longer than needed now by this share of the room.
+/// Candidates are found anew only for points that left their boxes, unless these are more than this fraction, or boxes of
+/// earlier, longer paths are on average longer than needed now by this fraction of the room.
 constexpr double most_left = 0.3, most_excess = 0.5;
 /// Gaps that the list of near pairs answers for, and how far it lets points go before it is renewed, in contact distances.
 constexpr double listed = 1.0, room_in_list = 1.0;
@@ -288,7 +288,7 @@ void Candidates::renew_pairs() {
 void Candidates::renew_list(const std::vector<Vec3>& from, const std::vector<Vec3>& to,
                             const std::vector<char>* changed) {
   list_.renew(pairs_, seen_.points, from, to, changed,
-              [&](const Pair& pair) { return pair.share * surface_->offset(pair.body_a, pair.body_b); });
+              [&](const Pair& pair) { return pair.fraction * surface_->offset(pair.body_a, pair.body_b); });
 }
 
 }  // namespace voile::contact

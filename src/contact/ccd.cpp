@@ -7,9 +7,9 @@ namespace voile::contact {
 
 namespace {
 
-/// An advance keeps this share of the gap, and advances end when only this share of the first gap is left.
+/// An advance keeps this fraction of the gap, and advances end when only this fraction of the first gap is left.
 constexpr double kept = 0.2;
-/// A gap below this share of the pair's size is round-off.
+/// A gap below this fraction of the pair's size is round-off.
 constexpr double no_gap = 1e-13;
 /// A pair that slides along at a tiny gap stops here: what it has covered by then is safe.
 constexpr int most_advances = 2000;

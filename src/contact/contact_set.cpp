@@ -7,10 +7,10 @@ namespace voile::contact {
 
 namespace {
 
-/// Share of the gap to a plane that a step leaves (as ccd.cpp for pairs).
+/// Fraction of the gap to a plane that a step leaves (as ccd.cpp for pairs).
 constexpr double plane_kept = 0.2;
-/// A first guess may lose this share of a gap, or of the contact distance.
-constexpr double lost_share = 0.5;
+/// A first guess may lose this fraction of a gap, or of the contact distance.
+constexpr double lost_fraction = 0.5;
 
 template <class Matrix>
 Matrix positive_part(const Matrix& h) {
@@ -34,37 +34,37 @@ bool ContactSet::counted(const std::array<Index, 4>& points) const {
 }
 
 double ContactSet::step_fraction(const std::vector<Vec3>& from, const std::vector<Vec3>& to) const {
-  double share = 1.0;
+  double fraction = 1.0;
   candidates_.for_close(from, to, 0.0, [&](const Pair& pair) {
     if (!acts(pair)) return;
     const std::array<Vec3, 4> x = gather(pair, from);
     std::array<Vec3, 4> p = gather(pair, to);
     for (int i = 0; i < 4; ++i) p[i] -= x[i];
-    share = contact::step_fraction(pair.kind, x, p, offset(pair), share);
+    fraction = contact::step_fraction(pair.kind, x, p, offset(pair), fraction);
   });
   for (const Plane& p : planes_)
     for (Index i : candidates_.own_points()) {
       if (!plane_acts(p, i)) continue;
       const double gap = plane_gap(p, i, from), end = plane_gap(p, i, to);
-      if (end < plane_kept * gap) share = std::min(share, (1.0 - plane_kept) * gap / (gap - end));
+      if (end < plane_kept * gap) fraction = std::min(fraction, (1.0 - plane_kept) * gap / (gap - end));
     }
-  return share;
+  return fraction;
 }
 
 void ContactSet::blocked(const std::vector<Vec3>& from, const std::vector<Vec3>& to,
                          const std::vector<Plane>& planes_to, const std::vector<char>& asked,
                          const std::function<void(const Pair&)>& found) const {
   const auto lost = [&](double before, double after, double room) {
-    return after < std::min(lost_share * before, room);
+    return after < std::min(lost_fraction * before, room);
   };
-  candidates_.for_close(from, to, lost_share * options_.distance, [&](const Pair& pair) {
+  candidates_.for_close(from, to, lost_fraction * options_.distance, [&](const Pair& pair) {
     if (std::none_of(pair.points.begin(), pair.points.end(), [&](Index p) { return p != no_index && asked[p]; }) ||
         !acts(pair))
       return;
     const std::array<Vec3, 4> x = gather(pair, from), end = gather(pair, to);
     std::array<Vec3, 4> p;
     for (int i = 0; i < 4; ++i) p[i] = end[i] - x[i];
-    const double xi = offset(pair), room = lost_share * pair.share * options_.distance;
+    const double xi = offset(pair), room = lost_fraction * pair.fraction * options_.distance;
     const bool near_at_end = axis_distance(pair.kind, end) - xi < room;  // false for most candidates
     if ((near_at_end && lost(distance(pair.kind, x) - xi, distance(pair.kind, end) - xi, room)) ||
         contact::step_fraction(pair.kind, x, p, xi) < 1.0)
@@ -74,7 +74,7 @@ void ContactSet::blocked(const std::vector<Vec3>& from, const std::vector<Vec3>&
     for (Index i : candidates_.own_points()) {
       const Plane& p = planes_[k];
       if (asked[i] && plane_acts(p, i) &&
-          lost(plane_gap(p, i, from), plane_gap(planes_to[k], i, to), lost_share * options_.distance))
+          lost(plane_gap(p, i, from), plane_gap(planes_to[k], i, to), lost_fraction * options_.distance))
         found(plane_pair(p, i));
     }
 }
@@ -333,7 +333,7 @@ std::vector<double> ContactSet::gaps_of(const std::vector<Pair>& pairs, const st
   std::vector<double> gaps(static_cast<std::size_t>(surface_->sheet_points), limit);
   Near n;
   for (const Pair& pair : pairs) {
-    if (!near(pair, x, as_barrier ? pair.share * limit : limit, n)) continue;
+    if (!near(pair, x, as_barrier ? pair.fraction * limit : limit, n)) continue;
     for (Index i : pair.points)
       if (i != no_index && surface_->is_sheet(i)) gaps[i] = std::min(gaps[i], n.gap);
   }
@@ -347,7 +347,7 @@ ContactState ContactSet::state(const std::vector<Vec3>& x) const {
   ContactState r;
   Near n;
   candidates_.for_close(x, options_.distance, [&](const Pair& pair) {
-    if (!counted(pair.points) || !near(pair, x, pair.share * options_.distance, n)) return;
+    if (!counted(pair.points) || !near(pair, x, pair.fraction * options_.distance, n)) return;
     ++r.pairs;
     if (n.gap >= r.gap) return;
     r.gap = n.gap;

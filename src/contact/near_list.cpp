@@ -9,8 +9,8 @@ namespace {
 /// A point that goes far gets this multiple of what it needs now, up to so many times the usual room: with more of it the
 /// list would be as long as that of all pairs.
 constexpr double more_room = 1.5, most_room = 6.0;
-/// Points that have used up this share of their room, or need no more than that, are renewed with others.
-constexpr double used_share = 0.5;
+/// Points that have used up this fraction of their room, or need no more than that, are renewed with others.
+constexpr double used_fraction = 0.5;
 
 }  // namespace
 
@@ -37,7 +37,7 @@ bool NearList::find_stale(const std::vector<Index>& points, const std::vector<Ve
     const double coming = 2.0 * (to[i] - from[i]).norm(), m = (from[i] - reference_[i]).norm() + coming;
     const bool is_changed = all || (*changed)[i];
     any = any || is_changed || m > allowed_[i];
-    stale_[i] = is_changed || m > used_share * allowed_[i] || room_for(coming) < used_share * allowed_[i];
+    stale_[i] = is_changed || m > used_fraction * allowed_[i] || room_for(coming) < used_fraction * allowed_[i];
   }
   if (!any) return false;
   for (const Index i : points) {

@@ -117,7 +117,7 @@ std::vector<BentChord> bent_chords(const Sheet& sheet, Index t, const BendingEle
         cubic.along(patch.coordinates[static_cast<std::size_t>(i)], patch.coordinates[static_cast<std::size_t>(j)]);
     BentChord chord{cubic.points, {}, cubic.start * along, Vec3::Zero()};
     for (const BendWeights& w : cubic.weights) chord.weights.push_back(along.dot(w));
-    for (std::size_t r = 0; r < 3; ++r) chord.share[static_cast<int>(r)] = -quadratic[r](i, j) / 12.0;
+    for (std::size_t r = 0; r < 3; ++r) chord.fraction[static_cast<int>(r)] = -quadratic[r](i, j) / 12.0;
     chords.push_back(std::move(chord));
   }
   return chords;

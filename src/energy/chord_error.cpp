@@ -30,7 +30,7 @@ double mean_squared_side(const mesh::SurfaceMesh& mesh, Index t) {
   return squared;
 }
 
-/// Share of the energy that chords feign which the correction by a cubic leaves. What a rest shape of curvature kappa0 feigns is smaller by
+/// Fraction of the energy that chords feign which the correction by a cubic leaves. What a rest shape of curvature kappa0 feigns is smaller by
 /// the angle kappa0 L per cell, what bending to kappa feigns by its square.
 double left_over(const Sheet& sheet, Index t, const Vec3& rest, const Vec3& kappa) {
   const double squared = mean_squared_side(sheet.mesh(), t);

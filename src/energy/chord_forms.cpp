@@ -77,9 +77,9 @@ std::vector<Mat2> even_sizes(const Sheet& sheet) {
     std::vector<double> area(at.size(), 0.0);
     for (std::size_t t = 0; t < count; ++t)
       for (const Index v : places.of[t]) {
-        const double share = mesh.area(static_cast<Index>(t));
-        at[v] += share * size[t];
-        area[v] += share;
+        const double fraction = mesh.area(static_cast<Index>(t));
+        at[v] += fraction * size[t];
+        area[v] += fraction;
       }
     for (std::size_t t = 0; t < count; ++t) {
       size[t].setZero();

@@ -14,7 +14,7 @@ namespace voile::energy {
 namespace {
 
 /// Fraction of the strain of the triangle alone in that of the groups together.
-double own_share(const Sheet& sheet) {
+double own_fraction(const Sheet& sheet) {
   return sheet.options().membrane == MembraneOperator::cst ? 1.0 : sheet.options().cst_fraction;
 }
 
@@ -41,7 +41,7 @@ void CouplingTerm::add(const Sheet& sheet, Index t, const BendingElement& bendin
   Forms f;
   f.curvature = Weights::Zero(3, n);
   f.curvature.leftCols(bending.operator_.cols()) = bending.operator_;
-  const auto forms = MembraneTerm::forms(sheet, t, own_share(sheet));
+  const auto forms = MembraneTerm::forms(sheet, t, own_fraction(sheet));
   const Vec3 origin = sheet.patches().start(points[0]);
   Vec3 metric = Vec3::Zero();
   for (std::size_t r = 0; r < 3; ++r) {
@@ -60,8 +60,8 @@ void CouplingTerm::add(const Sheet& sheet, Index t, const BendingElement& bendin
       for (std::size_t r = 0; r < 3; ++r) {
         Eigen::VectorXd along = Eigen::VectorXd::Zero(n);
         for (std::size_t k = 0; k < chord.points.size(); ++k) along[place(chord.points[k])] += chord.weights[k];
-        f.quadratic[r] += chord.share[r] * along * along.transpose();
-        f.linear[r] += chord.share[r] * chord.start * along.transpose();
+        f.quadratic[r] += chord.fraction[r] * along * along.transpose();
+        f.linear[r] += chord.fraction[r] * chord.start * along.transpose();
       }
   const Material& m = sheet.material(t);
   elements_.push_back({points_.size(), static_cast<int>(n), owned, sheet.mesh().area(t) * m.coupling,

@@ -146,14 +146,15 @@ struct CurvatureBuilder::Impl {
     const int so = sheet.mesh().side_in_neighbour(t, s);
     const Entry &here = entry(t), &there = entry(other);
     const Side mine = side_of(here.patch, s), theirs = side_of(there.patch, so);
-    const auto use = [&](double share_here, double share_there) {
-      if (share_here > 0.0) add(to, here.fit, slope_row(mine.middle, mine.normal), factor * share_here, turn);
-      if (share_there > 0.0) add(to, there.fit, slope_row(theirs.middle, theirs.normal), -factor * share_there, across);
+    const auto use = [&](double fraction_here, double fraction_there) {
+      if (fraction_here > 0.0) add(to, here.fit, slope_row(mine.middle, mine.normal), factor * fraction_here, turn);
+      if (fraction_there > 0.0)
+        add(to, there.fit, slope_row(theirs.middle, theirs.normal), -factor * fraction_there, across);
     };
     const bool good_here = here.fit.complete && usable(here.fit), good_there = there.fit.complete && usable(there.fit);
     if (good_here || good_there) {
-      const double share = good_here && good_there ? own_weight(here, t, s) : good_here ? 1.0 : 0.0;
-      use(share, 1.0 - share);
+      const double fraction = good_here && good_there ? own_weight(here, t, s) : good_here ? 1.0 : 0.0;
+      use(fraction, 1.0 - fraction);
       return;
     }
     if (here.beyond[s] && add_ring_slopes(to, t, s, factor, turn)) return;
@@ -161,10 +162,10 @@ struct CurvatureBuilder::Impl {
     if (!here.beyond[s] && rings.condition <= max_ring_condition) {
       add(to, rings, slope_row(Vec2::Zero(), mine.normal), factor, turn);
     } else if (usable(here.fit) || usable(there.fit)) {  // narrow strips: the free-edge condition completes the patch
-      const double share = usable(here.fit) && usable(there.fit) ? own_weight(here, t, s)
-                           : usable(here.fit)                    ? 1.0
-                                                                 : 0.0;
-      use(share, 1.0 - share);
+      const double fraction = usable(here.fit) && usable(there.fit) ? own_weight(here, t, s)
+                              : usable(here.fit)                    ? 1.0
+                                                                    : 0.0;
+      use(fraction, 1.0 - fraction);
     } else {
       add_linear_slope(to, here.patch, s, mine, 0.5 * factor, turn);
       add_linear_slope(to, there.patch, so, theirs, -0.5 * factor, across);
@@ -186,10 +187,10 @@ struct CurvatureBuilder::Impl {
     const Side mine = side_of(entry(t).patch, s), theirs = side_of(entry(other).patch, so);
     const Fit here = ring_fit(t, -1, mine.middle), there = ring_fit(other, -1, theirs.middle);
     const bool good_here = here.condition <= max_ring_condition, good_there = there.condition <= max_ring_condition;
-    const double share = good_here && good_there ? own_weight(entry(t), t, s) : good_here ? 1.0 : 0.0;
-    if (share > 0.0) add(to, here, slope_row(Vec2::Zero(), mine.normal), factor * share, turn);
-    if (good_there && share < 1.0)
-      add(to, there, slope_row(Vec2::Zero(), theirs.normal), -factor * (1.0 - share),
+    const double fraction = good_here && good_there ? own_weight(entry(t), t, s) : good_here ? 1.0 : 0.0;
+    if (fraction > 0.0) add(to, here, slope_row(Vec2::Zero(), mine.normal), factor * fraction, turn);
+    if (good_there && fraction < 1.0)
+      add(to, there, slope_row(Vec2::Zero(), theirs.normal), -factor * (1.0 - fraction),
           turn * sheet.mesh().chart_join(t, s).turn);
     return good_here || good_there;
   }
@@ -244,14 +245,14 @@ CurvatureBuilder::Unreleased CurvatureBuilder::Impl::edge_slope(Index t) {
   for (int s = 0; s < 3; ++s) {
     const int a = (s + 1) % 3, b = (s + 2) % 3;
     const Side side = side_of(patch, s);
-    const double share = side.length / patch.area;
-    const Vec3 along = share * voigt(side.tangent, side.normal) / side.length;
+    const double fraction = side.length / patch.area;
+    const Vec3 along = fraction * voigt(side.tangent, side.normal) / side.length;
     for (int r = 0; r < 3; ++r) {
       rows[r].weights[patch.points[b]] += along[r];
       rows[r].weights[patch.points[a]] -= along[r];
       rows[r].rest += along[r] * (patch.rest[b] - patch.rest[a]);
     }
-    const Vec3 across = share * voigt(side.normal, side.normal);
+    const Vec3 across = fraction * voigt(side.normal, side.normal);
     if (patch.points[3 + s] == no_index) {
       result.sides.push_back(s);
       result.across.push_back(across);
@@ -305,10 +306,10 @@ namespace {
 /// cut + weight (whole - cut).
 CurvatureOperator between(const CurvatureOperator& cut, const CurvatureOperator& whole, double weight) {
   std::map<Index, Vec3> columns;
-  const auto add_columns = [&](const CurvatureOperator& op, double share) {
+  const auto add_columns = [&](const CurvatureOperator& op, double fraction) {
     for (std::size_t i = 0; i < op.points.size(); ++i)
       columns.try_emplace(op.points[i], Vec3::Zero()).first->second +=
-          share * op.weights.col(static_cast<Eigen::Index>(i));
+          fraction * op.weights.col(static_cast<Eigen::Index>(i));
   };
   add_columns(cut, 1.0 - weight);
   add_columns(whole, weight);

@@ -74,12 +74,12 @@ class Hinges {
         of_angles(std::find(points_->begin(), points_->end(), hinge.edge.points[k]) - points_->begin(), h) +=
             hinge.functional[static_cast<Eigen::Index>(k)] / hinge.height;
     }
-    const Eigen::MatrixXd share = LeastSquares(of_angles, threshold).solve(weights);
-    if (!((of_angles * share - weights).norm() <= within * weights.norm())) return {};
+    const Eigen::MatrixXd fraction = LeastSquares(of_angles, threshold).solve(weights);
+    if (!((of_angles * fraction - weights).norm() <= within * weights.norm())) return {};
     EdgeAngles angles;
     for (Eigen::Index h = 0; h < count; ++h) {
       EdgeAngles::Edge edge = hinges_[static_cast<std::size_t>(h)].edge;
-      edge.weight = share.row(h).transpose();
+      edge.weight = fraction.row(h).transpose();
       angles.rest += hinges_[static_cast<std::size_t>(h)].rest * edge.weight;
       angles.edges.push_back(edge);
     }

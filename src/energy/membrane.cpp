@@ -91,18 +91,18 @@ MembraneTerm::Element MembraneTerm::element_of(const Sheet& sheet, Index t) {
     const double stretch = patch.stretch[s];
     const auto far = linear_gradient(p[b], p[a], p[3 + s]);
     const double far_area = area_of(p[a], p[b], p[3 + s]) / (stretch * stretch),
-                 share = patch.area / (patch.area + far_area);
-    const auto mix = [&](double far_share) {
+                 fraction = patch.area / (patch.area + far_area);
+    const auto mix = [&](double far_fraction) {
       SideWeights m = d;
       for (int alpha = 0; alpha < 2; ++alpha) {
-        for (int k = 0; k < 3; ++k) m[alpha][k] *= share;
-        m[alpha][b] += far_share * far[alpha][0];
-        m[alpha][a] += far_share * far[alpha][1];
-        m[alpha][3] = far_share * far[alpha][2];
+        for (int k = 0; k < 3; ++k) m[alpha][k] *= fraction;
+        m[alpha][b] += far_fraction * far[alpha][0];
+        m[alpha][a] += far_fraction * far[alpha][1];
+        m[alpha][3] = far_fraction * far[alpha][2];
       }
       return m;
     };
-    const SideWeights at_rest = mix(1.0 - share);
+    const SideWeights at_rest = mix(1.0 - fraction);
     Vec3 a1 = Vec3::Zero(), a2 = Vec3::Zero();
     for (int k = 0; k < 4; ++k) {
       const Vec3 x = patch.rest[k < 3 ? k : 3 + s];
@@ -110,7 +110,7 @@ MembraneTerm::Element MembraneTerm::element_of(const Sheet& sheet, Index t) {
       a2 += at_rest[1][k] * x;
     }
     el.metric[s] = half_metric(a1, a2);
-    d = mix((1.0 - share) * stretch);
+    d = mix((1.0 - fraction) * stretch);
   }
   return el;
 }
@@ -122,10 +122,10 @@ std::array<Eigen::Matrix<double, MembraneTerm::nodes, MembraneTerm::nodes>, 3> M
   const Element el = element_of(sheet, t);
   std::array<Eigen::Matrix<double, nodes, nodes>, 3> forms;
   forms.fill(Eigen::Matrix<double, nodes, nodes>::Zero());
-  const auto add = [&](double share, const Weights& d) {
-    forms[0] += share * d.row(0).transpose() * d.row(0);
-    forms[1] += share * d.row(1).transpose() * d.row(1);
-    forms[2] += share * (d.row(0).transpose() * d.row(1) + d.row(1).transpose() * d.row(0));
+  const auto add = [&](double fraction, const Weights& d) {
+    forms[0] += fraction * d.row(0).transpose() * d.row(0);
+    forms[1] += fraction * d.row(1).transpose() * d.row(1);
+    forms[2] += fraction * (d.row(0).transpose() * d.row(1) + d.row(1).transpose() * d.row(0));
   };
   for (int s = 0; s < 3; ++s) {
     Weights d = Weights::Zero(), of_triangle = Weights::Zero();
@@ -235,12 +235,14 @@ void MembraneTerm::add_gather(const Sheet& sheet, const mesh::PatchMesh& before,
   if (change > same) gathered_.push_back(g);
 }
 
-void MembraneTerm::gather(double share) {
+void MembraneTerm::gather(double fraction) {
   ++version_;
   for (const Gathered& g : gathered_) {
     std::array<Vec3, 4> samples;
     for (std::size_t k = 0; k < 4; ++k) {
-      const auto base = [&](std::size_t i) { return Vec3((1.0 - share) * g.before[k][i] + share * g.drawn_in[k][i]); };
+      const auto base = [&](std::size_t i) {
+        return Vec3((1.0 - fraction) * g.before[k][i] + fraction * g.drawn_in[k][i]);
+      };
       samples[k] = half_metric(base(0), base(1));
     }
     Metrics now = metrics_of(samples);

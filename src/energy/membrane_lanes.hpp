@@ -84,12 +84,12 @@ VOILE_INLINE void along_of(const Fields& f, int chord, Real (&s)[bends]) {
 }
 
 /// Adds factor Q^r_ij of one sample, i and k its points.
-VOILE_INLINE void add_share(const Fields& f, int sample, int i, int k, const Real& factor, Real (&share)[3]) {
+VOILE_INLINE void add_fraction(const Fields& f, int sample, int i, int k, const Real& factor, Real (&fraction)[3]) {
   const Real a0 = f.slope(sample, 0, i), a1 = f.slope(sample, 1, i), b0 = f.slope(sample, 0, k),
              b1 = f.slope(sample, 1, k);
-  share[0] += factor * (a0 * b0);
-  share[1] += factor * (a1 * b1);
-  share[2] += factor * (a0 * b1 + a1 * b0);
+  fraction[0] += factor * (a0 * b0);
+  fraction[1] += factor * (a1 * b1);
+  fraction[2] += factor * (a0 * b1 + a1 * b0);
 }
 
 VOILE_INLINE void chord_forms(const Fields& f, ChordForms& c) {
@@ -97,12 +97,12 @@ VOILE_INLINE void chord_forms(const Fields& f, ChordForms& c) {
   for (int k = 0; k < chords; ++k) {
     along_of(f, k, c.along[k]);
     for (int r = 0; r < 3; ++r) c.mean[k][r] = all(0.0);
-    if (k >= own_chords) add_share(f, (k - own_chords) / 3, ends[k][0], 3, third, c.mean[k]);
+    if (k >= own_chords) add_fraction(f, (k - own_chords) / 3, ends[k][0], 3, third, c.mean[k]);
   }
   for (int k = 0; k < own_chords; ++k) {
     for (int r = 0; r < 3; ++r) c.own[k][r] = all(0.0);
-    add_share(f, 3, ends[k][0], ends[k][1], factor, c.own[k]);
-    for (int s = 0; s < 3; ++s) add_share(f, s, ends[k][0], ends[k][1], third, c.mean[k]);
+    add_fraction(f, 3, ends[k][0], ends[k][1], factor, c.own[k]);
+    for (int s = 0; s < 3; ++s) add_fraction(f, s, ends[k][0], ends[k][1], third, c.mean[k]);
   }
 }
 

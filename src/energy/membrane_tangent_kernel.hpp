@@ -13,8 +13,8 @@ VOILE_INLINE void keep_tensile(Real (&n)[3]) {
   const Real mean = 0.5 * (n[0] + n[1]), half = 0.5 * (n[0] - n[1]), radius = root(half * half + n[2] * n[2]);
   const Real none = all(0.0), least = mean - radius, most = mean + radius;
   // One tensile direction p: N+ = (mean + radius) p (x) p, with 2 p p^T = I + (N - mean I)/radius.
-  const Real part = 0.5 * most, share = part / select(radius > none, radius, all(1.0));
-  const Real one[3] = {part + share * half, part - share * half, share * n[2]};
+  const Real part = 0.5 * most, fraction = part / select(radius > none, radius, all(1.0));
+  const Real one[3] = {part + fraction * half, part - fraction * half, fraction * n[2]};
   for (int r = 0; r < 3; ++r) n[r] = select(least >= none, n[r], select(most <= none, none, one[r]));
 }
 
@@ -97,13 +97,13 @@ VOILE_INLINE void vectors_at_six(const MembraneShape& shape, const Fields& f, co
 
 /// dE_r/dK_B of one strain from its chords, times L^T.
 template <int count>
-VOILE_INLINE void bend_slopes(const ChordForms& forms, const Real (&share)[count][3], const ChordBends& bent,
+VOILE_INLINE void bend_slopes(const ChordForms& forms, const Real (&fraction)[count][3], const ChordBends& bent,
                               const Real (&l)[6], Vector (&slopes)[3][bends]) {
   for (int r = 0; r < 3; ++r)
     for (int b = 0; b < bends; ++b) slopes[r][b] = zero();
   for (int c = 0; c < count; ++c)
     for (int r = 0; r < 3; ++r) {
-      const Vector v = share[c][r] * bent.chord[c];
+      const Vector v = fraction[c][r] * bent.chord[c];
       for (int b = 0; b < bends; ++b) slopes[r][b] = slopes[r][b] + forms.along[c][b] * v;
     }
   for (int b = 0; b < bends; ++b) times_factor(l, slopes[0][b], slopes[1][b], slopes[2][b]);

@@ -10,7 +10,7 @@ namespace {
 
 using Complex = std::complex<double>;
 
-/// Holds gradients back where triangles do not determine them, as a share of their weights.
+/// Holds gradients back where triangles do not determine them, as a fraction of their weights.
 constexpr double restraint = 1e-6;
 /// By how much the lengths of two sides of a seam may differ.
 constexpr double same_length = 1e-6;

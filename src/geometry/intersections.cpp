@@ -142,8 +142,8 @@ struct Slab {
   double low = -std::numeric_limits<double>::infinity(), high = std::numeric_limits<double>::infinity();
 
   /// About as many of the boxes for each part, along the axis in which they reach farthest.
-  Slab(std::vector<Box>::const_iterator first, std::vector<Box>::const_iterator last, Share share) {
-    if (share.parts == 1 || first == last) return;
+  Slab(std::vector<Box>::const_iterator first, std::vector<Box>::const_iterator last, Share fraction) {
+    if (fraction.parts == 1 || first == last) return;
     CGAL::Bbox_3 all;
     std::for_each(first, last, [&](const Box& b) { all += b.bbox(); });
     for (int k = 1; k < 3; ++k)
@@ -152,12 +152,12 @@ struct Slab {
     std::transform(first, last, std::back_inserter(begins), [&](const Box& b) { return b.min_coord(axis); });
     const auto bound = [&](int part) {
       const auto at = begins.begin() + static_cast<std::ptrdiff_t>(begins.size() * static_cast<std::size_t>(part) /
-                                                                   static_cast<std::size_t>(share.parts));
+                                                                   static_cast<std::size_t>(fraction.parts));
       std::nth_element(begins.begin(), at, begins.end());
       return *at;
     };
-    if (share.part > 0) low = bound(share.part);
-    if (share.part + 1 < share.parts) high = bound(share.part + 1);
+    if (fraction.part > 0) low = bound(fraction.part);
+    if (fraction.part + 1 < fraction.parts) high = bound(fraction.part + 1);
   }
   [[nodiscard]] bool meets(const Box& b) const { return b.max_coord(axis) >= low && b.min_coord(axis) < high; }
   /// Of two that meet the slab; their begins are below `high`.
@@ -170,11 +170,11 @@ struct Slab {
 /// they need not be tried against each other.
 template <class Wanted, class Idle>
 std::vector<TrianglePair> find_pairs(const std::vector<Vec3>& positions, const std::vector<mesh::Triangle>& triangles,
-                                     const Wanted& is_wanted, const Idle& is_idle, Share share) {
+                                     const Wanted& is_wanted, const Idle& is_idle, Share fraction) {
   const Surface surface(positions, triangles);
   std::vector<Box> boxes = surface.boxes();
   const auto all_busy = std::partition(boxes.begin(), boxes.end(), [&](const Box& b) { return !is_idle(b.info()); });
-  const Slab slab(boxes.begin(), all_busy, share);
+  const Slab slab(boxes.begin(), all_busy, fraction);
   const auto busy = std::partition(boxes.begin(), all_busy, [&](const Box& b) { return slab.meets(b); });
   CGAL::Bbox_3 near;
   std::for_each(boxes.begin(), busy, [&](const Box& b) { near += b.bbox(); });
@@ -218,7 +218,7 @@ std::vector<TrianglePair> intersecting_triangles(const std::vector<Vec3>& positi
 std::vector<TrianglePair> intersecting_triangles(const std::vector<Vec3>& positions,
                                                  const std::vector<mesh::Triangle>& triangles,
                                                  const std::vector<Index>& body,
-                                                 const std::function<bool(Index, Index)>& skip, Share share) {
+                                                 const std::function<bool(Index, Index)>& skip, Share fraction) {
   if (body.size() != triangles.size())
     throw InternalError(
         fmt::format("check of intersections: {} body numbers for {} triangles", body.size(), triangles.size()));
@@ -228,7 +228,7 @@ std::vector<TrianglePair> intersecting_triangles(const std::vector<Vec3>& positi
   return find_pairs(
       positions, triangles,
       [&](Index i, Index j) { return !skip(body[static_cast<std::size_t>(i)], body[static_cast<std::size_t>(j)]); },
-      [&](Index t) { return is_idle[static_cast<std::size_t>(t)]; }, share);
+      [&](Index t) { return is_idle[static_cast<std::size_t>(t)]; }, fraction);
 }
 
 void write_pairs(const std::filesystem::path& file, const std::vector<Vec3>& positions,

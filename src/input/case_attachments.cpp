@@ -23,7 +23,7 @@ std::size_t next_number(const Case& c) {
   return c.is_staged() ? c.stage.attachments[c.attachments.size()] : c.attachments.size();
 }
 
-/// One that lets go before it takes hold would do nothing, nor does a time where there is none.
+/// One that releases before it takes hold would do nothing, nor does a time where there is none.
 void check_release(const SectionPlace& place, const Case& c, const system::Attachment& s, const StagesBefore& before) {
   if (std::isfinite(s.release) && c.analysis != "dynamic" && !c.is_staged())
     place.fail("release", "an attachment releases only with analysis = \"dynamic\"");

@@ -216,7 +216,8 @@ std::string successor(const std::string& section, std::string_view key) {
       {"element", "membrane",
        "element.type names the whole element: \"corrected\" is the default, \"six_node\" that of 0.1"},
       {"element", "bending", "element.type names the whole element: \"angles\" is what was edge_angle"},
-      {"element", "cst_share", "the key is called cst_fraction"}};
+      {"element", "cst_share", "the key is called cst_fraction"},
+      {"time", "radius", "the key is called spectral_radius"}};
   for (const Former& f : former)
     if (section == f.section && key == f.key) return f.instead;
   return "";

@@ -50,7 +50,7 @@ class Image {
   /// Makes files of this access property list live in memory and end here.
   void catch_file(hid_t access) {
     H5Pset_fapl_core(access, 1 << 20, false);
-    H5FD_file_image_callbacks_t calls{get, nullptr, resize, release, share, leave, this};
+    H5FD_file_image_callbacks_t calls{get, nullptr, resize, release, fraction, leave, this};
     H5Pset_file_image_callbacks(access, &calls);
   }
   /// Memory grows in larger pieces; where the file ends is at byte 28 of the superblock of format 1.8.
@@ -76,7 +76,7 @@ class Image {
       std::free(memory);
     return 0;
   }
-  static void* share(void* self) { return self; }
+  static void* fraction(void* self) { return self; }
   static herr_t leave(void*) { return 0; }
 
   void* closed_ = nullptr;

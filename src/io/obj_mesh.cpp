@@ -66,7 +66,8 @@ class ObjReader {
         fail_in_line(file_, s.line,
                      fmt::format("three vertices must follow 'stitch', counted from 0; there are {}", vertices));
     PointStitch found{static_cast<Index>(v[0]), static_cast<Index>(v[1]), static_cast<Index>(v[2]), 0.0, s.line};
-    if (s.words.size() != 4 || !parse_number(s.words[3], found.share) || found.share < 0.0 || found.share > 1.0)
+    if (s.words.size() != 4 || !parse_number(s.words[3], found.fraction) || found.fraction < 0.0 ||
+        found.fraction > 1.0)
       fail_in_line(file_, s.line, "a fraction from 0 to 1 must follow the vertices of 'stitch', and nothing more");
     return found;
   }

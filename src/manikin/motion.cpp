@@ -123,37 +123,38 @@ Pose walking(const Shape& shape, const MotionOptions& o, double t) {
   constexpr double start = 0.8;  // time until it is under way [s]
   const double leg = shape.joints().hip.z(), rate = pi * o.cadence;
   const double full = std::asin(std::min(0.6, 0.5 * o.speed / (o.cadence * leg)));
-  const double share = smooth_step(t / start), phase = rate * start * smooth_step_integral(t / start);
-  const double swing = share * full;
+  const double fraction = smooth_step(t / start), phase = rate * start * smooth_step_integral(t / start);
+  const double swing = fraction * full;
   Pose p;
   for (std::size_t s = 0; s < sides; ++s) {
     const double own = phase + (s == 0 ? 0.0 : pi);
     const double lifted = 0.5 * (1.0 + std::cos(own + 0.45));  // before the leg passes the other one
     p.hip[s] = swing * std::sin(own);
-    p.knee[s] = share * (0.08 + 2.0 * full * lifted * lifted);
+    p.knee[s] = fraction * (0.08 + 2.0 * full * lifted * lifted);
     p.hip[s] += 0.35 * p.knee[s];
     p.ankle[s] = 0.6 * p.knee[s] - 0.65 * p.hip[s];
     p.shoulder[s] = -0.7 * swing * std::sin(own);
-    p.elbow[s] = share * (0.15 - 0.12 * std::sin(own));
+    p.elbow[s] = fraction * (0.15 - 0.12 * std::sin(own));
   }
   p.yaw = 0.28 * swing * std::sin(phase);
   p.chest_yaw = -0.55 * swing * std::sin(phase);
   p.head_yaw = -(p.yaw + p.chest_yaw);
   p.tilt = 0.10 * swing * std::cos(phase);
   const double height = leg * (1.0 - std::cos(swing * std::sin(phase)));
-  p.shift = {0.02 * share * std::cos(phase), -o.speed * start * smooth_step_integral(t / start), -height};
+  p.shift = {0.02 * fraction * std::cos(phase), -o.speed * start * smooth_step_integral(t / start), -height};
   return p;
 }
 
 /// Head and shoulders lead, arms are swept outwards.
 Pose turning(const MotionOptions& o, double t) {
-  const double share = t / o.seconds, lead = smooth_step(1.25 * share), follow = smooth_step(1.25 * share - 0.25);
+  const double fraction = t / o.seconds, lead = smooth_step(1.25 * fraction),
+               follow = smooth_step(1.25 * fraction - 0.25);
   constexpr double most = 0.35;  // of shoulders against hips
   Pose p;
   p.yaw = o.angle * follow;
   p.chest_yaw = most * std::tanh(o.angle * (lead - follow) / most);
   p.head_yaw = 0.5 * p.chest_yaw;
-  for (double& out : p.arm_out) out = 0.15 * std::abs(p.chest_yaw) / most * share * (1.0 - share) * 4.0;
+  for (double& out : p.arm_out) out = 0.15 * std::abs(p.chest_yaw) / most * fraction * (1.0 - fraction) * 4.0;
   return p;
 }
 
@@ -174,10 +175,10 @@ void check(const MotionOptions& o) {
 std::vector<std::vector<Vec3>> frames(const Figure& figure, const MotionOptions& options) {
   check(options);
   const Shape& shape = figure.shape;
-  std::vector<Weights> shares;
+  std::vector<Weights> fractions;
   for (const Vec3& x : figure.surface.positions) {
-    shares.push_back({1.0});
-    if (shape.kind() == Kind::figure) shares.back() = weights(shape, x);
+    fractions.push_back({1.0});
+    if (shape.kind() == Kind::figure) fractions.back() = weights(shape, x);
   }
   const int count = static_cast<int>(std::floor(options.seconds * options.frames_per_second + 1e-9)) + 1;
   std::vector<std::vector<Vec3>> all;
@@ -185,10 +186,10 @@ std::vector<std::vector<Vec3>> frames(const Figure& figure, const MotionOptions&
     const double t = f / options.frames_per_second;
     const Places at = places(shape, options.motion == Motion::walk ? walking(shape, options, t) : turning(options, t));
     std::vector<Vec3>& frame = all.emplace_back();
-    for (std::size_t v = 0; v < shares.size(); ++v) {
+    for (std::size_t v = 0; v < fractions.size(); ++v) {
       Vec3 x = Vec3::Zero();
       for (std::size_t b = 0; b < Bone::count; ++b)
-        if (shares[v][b] > 0.0) x += shares[v][b] * (at[b] * figure.surface.positions[v]);
+        if (fractions[v][b] > 0.0) x += fractions[v][b] * (at[b] * figure.surface.positions[v]);
       frame.push_back(x);
     }
   }

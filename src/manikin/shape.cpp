@@ -85,7 +85,7 @@ Vec3 folded(const Vec3& p) {
 
 Levels::Levels(const Measurements& m) {
   const double trunk = m.height - m.inseam;
-  const auto at = [&](double share) { return m.inseam + share * trunk; };
+  const auto at = [&](double fraction) { return m.inseam + fraction * trunk; };
   crotch = m.inseam;
   hip = at(0.085);
   waist = at(0.30);
@@ -170,8 +170,8 @@ void Shape::build_legs() {
   const double floor = m_.inseam, round = scale_[2] * m_.hip / (2.0 * pi);
   const double thigh = 0.575 * round, flat = 1.16;
   const double out = 0.93 * thigh + 0.013;
-  const auto station = [&](double share, double girth, double x, double y) {
-    return Station{-share, Vec3(x, y, share * floor), girth * round / std::sqrt(flat)};
+  const auto station = [&](double fraction, double girth, double x, double y) {
+    return Station{-fraction, Vec3(x, y, fraction * floor), girth * round / std::sqrt(flat)};
   };
   // From the hip joint down; the axis bends back at the calf, as legs do.
   const std::vector<Station> stations{

@@ -177,8 +177,8 @@ void Gathering::set_lengths() {
         remains += at == nodes_.end() ? 0.5 : 0.5 * at->second.remains;
         if (at != nodes_.end()) along += at->second.along;
       }
-      const double share = along.norm() > 0.0 ? along.normalized().dot(side(t, s).normalized()) : 0.0;
-      wanted_[3 * t + s] = lengths_[3 * t + s] * std::sqrt(1.0 - (1.0 - remains * remains) * share * share);
+      const double fraction = along.norm() > 0.0 ? along.normalized().dot(side(t, s).normalized()) : 0.0;
+      wanted_[3 * t + s] = lengths_[3 * t + s] * std::sqrt(1.0 - (1.0 - remains * remains) * fraction * fraction);
     }
   for (const GatheredSide& g : sides_) wanted_[3 * g.t + g.s] = g.length;
 }

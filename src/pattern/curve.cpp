@@ -118,29 +118,29 @@ double Curve::length_between(double t0, double t1) const {
   return width * Rule::integrate([&](double s) { return derivative(t0 + s * width).norm(); }, 0.0, 1.0, 15, 1e-13);
 }
 
-std::vector<double> Curve::parameters_at(const std::vector<double>& shares) const {
+std::vector<double> Curve::parameters_at(const std::vector<double>& fractions) const {
   std::vector<double> parameters;
   if (!parts_.empty()) {
     std::size_t k = 0;
     double before = 0.0;
-    for (const double share : shares) {
-      while (k + 1 < parts_.size() && share * length_ > before + parts_[k].length()) before += parts_[k++].length();
-      const double own = std::clamp((share * length_ - before) / parts_[k].length(), 0.0, 1.0);
-      const double t = share >= 1.0 ? 1.0 : parts_[k].parameters_at({own}).front();
-      parameters.push_back(share >= 1.0 ? 1.0 : (static_cast<double>(k) + t) / static_cast<double>(parts_.size()));
+    for (const double fraction : fractions) {
+      while (k + 1 < parts_.size() && fraction * length_ > before + parts_[k].length()) before += parts_[k++].length();
+      const double own = std::clamp((fraction * length_ - before) / parts_[k].length(), 0.0, 1.0);
+      const double t = fraction >= 1.0 ? 1.0 : parts_[k].parameters_at({own}).front();
+      parameters.push_back(fraction >= 1.0 ? 1.0 : (static_cast<double>(k) + t) / static_cast<double>(parts_.size()));
     }
     return parameters;
   }
   double t = 0.0, done = 0.0;  // where the last point lies
-  for (const double share : shares) {
-    if (share >= 1.0) {
+  for (const double fraction : fractions) {
+    if (fraction >= 1.0) {
       parameters.push_back(1.0);
       continue;
     }
     // Newton's method on the length from the last point, kept between bounds that it narrows.
-    const double from = t, wanted = share * length_ - done;
+    const double from = t, wanted = fraction * length_ - done;
     double low = from, high = 1.0;
-    t = is_line() ? share : std::min(1.0, from + wanted / length_);
+    t = is_line() ? fraction : std::min(1.0, from + wanted / length_);
     for (int k = 0; k < 60 && !is_line(); ++k) {
       const double error = length_between(from, t) - wanted;
       (error > 0.0 ? high : low) = t;
@@ -148,7 +148,7 @@ std::vector<double> Curve::parameters_at(const std::vector<double>& shares) cons
       const double speed = derivative(t).norm(), next = t - error / speed;
       t = next > low && next < high ? next : 0.5 * (low + high);
     }
-    done = share * length_;
+    done = fraction * length_;
     parameters.push_back(t);
   }
   return parameters;

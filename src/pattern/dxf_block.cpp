@@ -126,20 +126,20 @@ class BlockReader {
   std::size_t divide_at(Outline& o, const Vec2& notch) const {
     std::vector<Curve>& outline = o.curves;
     std::size_t best = 0;
-    double least = std::numeric_limits<double>::infinity(), share = 0.0;
+    double least = std::numeric_limits<double>::infinity(), fraction = 0.0;
     for (std::size_t k = 0; k < outline.size(); ++k) {
       if (o.mirror && is_on(*o.mirror, outline[k])) continue;
       const auto [t, distance] = outline[k].nearest(notch);
-      if (distance < least) best = k, share = t;
+      if (distance < least) best = k, fraction = t;
       least = std::min(least, distance);
     }
     if (least > near_outline * size_) return outline.size();
     const std::size_t next = (best + 1) % outline.size();
     const double tolerance = on_outline * size_;
     const auto at = static_cast<std::ptrdiff_t>(best);
-    if ((outline[best].start() - outline[best].at(share)).norm() <= tolerance) return best;
-    if ((outline[best].end() - outline[best].at(share)).norm() <= tolerance) return next;
-    auto [first, second] = outline[best].split(share);
+    if ((outline[best].start() - outline[best].at(fraction)).norm() <= tolerance) return best;
+    if ((outline[best].end() - outline[best].at(fraction)).norm() <= tolerance) return next;
+    auto [first, second] = outline[best].split(fraction);
     outline[best] = std::move(first);
     outline.insert(outline.begin() + at + 1, std::move(second));
     o.corners.insert(o.corners.begin() + at + 1, false);

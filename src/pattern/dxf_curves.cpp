@@ -13,7 +13,7 @@ namespace voile::pattern {
 
 namespace {
 
-/// Ends of curves meet if they are nearer than this share of the extent of what is joined.
+/// Ends of curves meet if they are nearer than this fraction of the extent of what is joined.
 constexpr double same_place = 1e-5;
 /// Curves of one layer beyond which they are no outlines.
 constexpr std::size_t most_curves = 20000;

@@ -18,12 +18,12 @@ namespace {
 
 /// Cells along a curved edge that is not sewn, at least.
 constexpr int least_on_curve = 4;
-/// Room between pieces in the plane of their charts, as a share of their width.
+/// Room between pieces in the plane of their charts, as a fraction of their width.
 constexpr double chart_room = 0.1;
 
-/// Nodes of one edge in its own direction: shares of its length, and vertices of the mesh.
+/// Nodes of one edge in its own direction: fractions of its length, and vertices of the mesh.
 struct EdgeNodes {
-  std::vector<double> shares;
+  std::vector<double> fractions;
   std::vector<Index> vertices;
 };
 
@@ -42,15 +42,15 @@ class Cutter {
 
   void run() {
     for (const SeamLine& seam : g_.seams.lines) {
-      seam_shares_.push_back(seam_nodes(g_.panels, seam));
-      for (std::size_t s = 0; s < 2; ++s) spread(seam.sides[s], seam.lengths[s], seam_shares_.back()[s]);
+      seam_fractions_.push_back(seam_nodes(g_.panels, seam));
+      for (std::size_t s = 0; s < 2; ++s) spread(seam.sides[s], seam.lengths[s], seam_fractions_.back()[s]);
     }
     std::vector<io::Polygon> polygons;
     for (std::size_t p = 0; p < nodes_.size(); ++p) polygons.push_back(polygon(p));
     const std::vector<io::Triangulation> cut = io::mesh_polygons(g_.mesh.source, polygons);
     double x = 0.0;
     for (std::size_t p = 0; p < nodes_.size(); ++p) add_panel(p, cut[p], x);
-    for (std::size_t k = 0; k < seam_shares_.size(); ++k) add_seam(k);
+    for (std::size_t k = 0; k < seam_fractions_.size(); ++k) add_seam(k);
     for (mesh::Group& group : mark_groups_) g_.mesh.groups.push_back(std::move(group));
   }
 
@@ -59,12 +59,12 @@ class Cutter {
   [[nodiscard]] const Curve& curve(const EdgeUse& e) const { return panel(e.panel).piece.edges[e.edge].curve; }
 
   /// Gives the nodes of a side of a seam to its edges.
-  void spread(const std::vector<EdgeUse>& side, double total, const std::vector<double>& shares) {
+  void spread(const std::vector<EdgeUse>& side, double total, const std::vector<double>& fractions) {
     double before = 0.0;
     for (const EdgeUse& e : side) {
       const double length = curve(e).length();
-      std::vector<double>& own = nodes_[e.panel][e.edge].shares;
-      for (const double f : shares) {
+      std::vector<double>& own = nodes_[e.panel][e.edge].fractions;
+      for (const double f : fractions) {
         const double local = (f * total - before) / length;
         if (local > 1e-7 && local < 1.0 - 1e-7) own.push_back(e.reversed ? 1.0 - local : local);
       }
@@ -94,13 +94,13 @@ class Cutter {
     std::vector<Vec2> points;
     for (std::size_t k = loop.begin; k < loop.end; ++k) {
       const Curve& c = panel(p).piece.edges[k].curve;
-      std::vector<double>& shares = nodes_[p][k].shares;
-      if (shares.empty()) {
+      std::vector<double>& fractions = nodes_[p][k].fractions;
+      if (fractions.empty()) {
         const int cells =
             std::max(c.is_line() ? 1 : least_on_curve, static_cast<int>(std::ceil(c.length() / panel(p).size - 0.2)));
-        for (int i = 0; i <= cells; ++i) shares.push_back(static_cast<double>(i) / cells);
+        for (int i = 0; i <= cells; ++i) fractions.push_back(static_cast<double>(i) / cells);
       }
-      const std::vector<double> t = c.parameters_at(shares);
+      const std::vector<double> t = c.parameters_at(fractions);
       for (std::size_t i = 0; i + 1 < t.size(); ++i) points.push_back(c.at(t[i]));
     }
     return points;
@@ -141,13 +141,13 @@ class Cutter {
   /// `first`: the vertex at which the loop begins; then that of the next loop.
   void add_edges(std::size_t p, const Piece::Loop& loop, Index& first) {
     Index begin = 0, count = 0;
-    for (std::size_t k = loop.begin; k < loop.end; ++k) count += static_cast<Index>(nodes_[p][k].shares.size()) - 1;
+    for (std::size_t k = loop.begin; k < loop.end; ++k) count += static_cast<Index>(nodes_[p][k].fractions.size()) - 1;
     for (std::size_t k = loop.begin; k < loop.end; ++k) {
       EdgeNodes& e = nodes_[p][k];
       mesh::Group group{fmt::format("{}/{}", panel(p).piece.name, k), 1, {}, {}, {}};
-      for (std::size_t i = 0; i < e.shares.size(); ++i)
+      for (std::size_t i = 0; i < e.fractions.size(); ++i)
         e.vertices.push_back(first + (begin + static_cast<Index>(i)) % count);
-      begin += static_cast<Index>(e.shares.size()) - 1;
+      begin += static_cast<Index>(e.fractions.size()) - 1;
       for (std::size_t i = 0; i + 1 < e.vertices.size(); ++i)
         group.segments.push_back({e.vertices[i], e.vertices[i + 1]});
       group.vertices = e.vertices;
@@ -193,13 +193,13 @@ class Cutter {
   void add_seam(std::size_t k) {
     const SeamLine& line = g_.seams.lines[k];
     const auto a = vertices_of(line.sides[0]), b = vertices_of(line.sides[1]);
-    const auto& shares = seam_shares_[k];
-    if (a.size() != b.size() || a.size() != shares[0].size())
+    const auto& fractions = seam_fractions_[k];
+    if (a.size() != b.size() || a.size() != fractions[0].size())
       throw InternalError(fmt::format("seam '{}': {} and {} nodes", line.name, a.size(), b.size()));
     mesh::Seam seam{line.name, {}, {}};
     const double length = 0.5 * (line.lengths[0] + line.lengths[1]);
     for (std::size_t i = 0; i < a.size(); ++i) {
-      const double low = i > 0 ? shares[0][i - 1] : 0.0, high = i + 1 < a.size() ? shares[0][i + 1] : 1.0;
+      const double low = i > 0 ? fractions[0][i - 1] : 0.0, high = i + 1 < a.size() ? fractions[0][i + 1] : 1.0;
       const auto pair = [&](Index v, Index w) {
         if (v == w) return;
         const double own = 0.5 * (high - low) * length;
@@ -237,7 +237,7 @@ class Cutter {
   const std::vector<Mark>& marks_;
   std::vector<mesh::Group> mark_groups_;
   std::vector<std::vector<EdgeNodes>> nodes_;
-  std::vector<std::array<std::vector<double>, 2>> seam_shares_;
+  std::vector<std::array<std::vector<double>, 2>> seam_fractions_;
 };
 
 /// The vertex that each one becomes when all seams are welded.

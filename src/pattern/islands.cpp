@@ -16,7 +16,7 @@ namespace {
 /// Change of direction at which a rim has a corner [rad]: more than that of round edges of coarse meshes.
 constexpr double corner_angle = 30.0 * std::numbers::pi / 180.0;
 
-/// Of a piece, as a share of its extent squared.
+/// Of a piece, as a fraction of its extent squared.
 constexpr double least_area = 1e-6;
 
 }  // namespace
@@ -111,7 +111,7 @@ void DrawnMesh::orient(Island& island) const {
            "correct them, or orient all faces alike");
 }
 
-/// Where the rim of an island goes on from each point of it.
+/// Where the rim of an island continues from each point of it.
 std::map<Index, Index> DrawnMesh::rim_steps(const Island& island) const {
   std::map<mesh::Segment, int> count;
   for (const mesh::Triangle& t : island.corners)

@@ -20,9 +20,9 @@ namespace voile::pattern {
 
 namespace {
 
-/// Texture coordinates nearer than this share of their extent are the same, as files with six digits write them.
+/// Texture coordinates nearer than this fraction of their extent are the same, as files with six digits write them.
 constexpr double same_place = 2e-6;
-/// Of a piece that counts as flat in space: distance from its plane, as a share of its extent.
+/// Of a piece that counts as flat in space: distance from its plane, as a fraction of its extent.
 constexpr double flat_in_space = 1e-4;
 /// Of r: spread beyond which it is not a unit; what is near to a usual unit is that.
 constexpr double largest_spread = 0.05, near_unit = 0.02;
@@ -148,8 +148,8 @@ class ObjReader {
   [[nodiscard]] std::vector<RimPlace> places_of(const io::PointStitch& stitch,
                                                 const std::map<Index, std::vector<RimPoint>>& at) const {
     std::vector<RimPlace> places;
-    const bool is_vertex = stitch.from == stitch.to || stitch.share == 0.0 || stitch.share == 1.0;
-    const auto from = at.find(stitch.share == 1.0 ? stitch.to : stitch.from);
+    const bool is_vertex = stitch.from == stitch.to || stitch.fraction == 0.0 || stitch.fraction == 1.0;
+    const auto from = at.find(stitch.fraction == 1.0 ? stitch.to : stitch.from);
     if (from == at.end()) return places;
     for (const RimPoint& p : from->second) {
       const Rim& rim = rims_[p.rim];
@@ -157,10 +157,10 @@ class ObjReader {
       if (is_vertex) places.push_back({p.rim, rim.s[p.point]});
       if (is_vertex) continue;
       if (rim.vertices[(p.point + 1) % n] == stitch.to)
-        places.push_back({p.rim, rim.s[p.point] + stitch.share * (rim.s[p.point + 1] - rim.s[p.point])});
+        places.push_back({p.rim, rim.s[p.point] + stitch.fraction * (rim.s[p.point + 1] - rim.s[p.point])});
       const std::size_t before = (p.point + n - 1) % n;
       if (rim.vertices[before] == stitch.to)
-        places.push_back({p.rim, rim.s[before + 1] - stitch.share * (rim.s[before + 1] - rim.s[before])});
+        places.push_back({p.rim, rim.s[before + 1] - stitch.fraction * (rim.s[before + 1] - rim.s[before])});
     }
     return places;
   }

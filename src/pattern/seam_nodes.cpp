@@ -8,7 +8,7 @@ namespace voile::pattern {
 
 namespace {
 
-/// Corners of the two sides nearer than this share of a cell are taken for opposite to each other.
+/// Corners of the two sides nearer than this fraction of a cell are taken for opposite to each other.
 constexpr double opposite = 0.35;
 /// Cells along a curved edge, at least.
 constexpr int least_on_curve = 4;
@@ -18,11 +18,11 @@ using Pair = std::array<double, 2>;
 /// Shares at which the edges of a side end, from 0 to 1.
 std::vector<double> corners_of(const std::vector<Panel>& panels, const std::vector<EdgeUse>& side) {
   const double total = length_of(panels, side);
-  std::vector<double> shares{0.0};
+  std::vector<double> fractions{0.0};
   for (const EdgeUse& e : side)
-    shares.push_back(shares.back() + panels[e.panel].piece.edges[e.edge].curve.length() / total);
-  shares.back() = 1.0;
-  return shares;
+    fractions.push_back(fractions.back() + panels[e.panel].piece.edges[e.edge].curve.length() / total);
+  fractions.back() = 1.0;
+  return fractions;
 }
 
 /// Corners of both sides, those of only one side not yet known on the other (negative).

@@ -158,9 +158,9 @@ class Resolver {
   /// Mean distance of points that would meet, and the largest.
   [[nodiscard]] std::pair<double, double> distances(const Side& a, const Side& b) const {
     constexpr int parts = 16;
-    std::vector<double> shares;
-    for (int i = 0; i <= parts; ++i) shares.push_back(static_cast<double>(i) / parts);
-    const std::vector<Vec3> x = places(a, shares), y = places(b, shares);
+    std::vector<double> fractions;
+    for (int i = 0; i <= parts; ++i) fractions.push_back(static_cast<double>(i) / parts);
+    const std::vector<Vec3> x = places(a, fractions), y = places(b, fractions);
     double sum = 0.0, most = 0.0;
     for (std::size_t i = 0; i < x.size(); ++i) {
       sum += (x[i] - y[i]).norm() / static_cast<double>(x.size());
@@ -169,12 +169,12 @@ class Resolver {
     return {sum, most};
   }
 
-  [[nodiscard]] std::vector<Vec3> places(const Side& side, const std::vector<double>& shares) const {
+  [[nodiscard]] std::vector<Vec3> places(const Side& side, const std::vector<double>& fractions) const {
     const double total = length_of(panels_, side);
     std::vector<Vec3> x;
     std::size_t k = 0;
     double before = 0.0;
-    for (const double f : shares) {
+    for (const double f : fractions) {
       const auto length = [&] { return panels_[side[k].panel].piece.edges[side[k].edge].curve.length(); };
       while (k + 1 < side.size() && f * total > before + length()) before += length(), ++k;
       const double local = std::clamp((f * total - before) / length(), 0.0, 1.0);
@@ -206,7 +206,7 @@ class Resolver {
   }
 
   /// Whether two sides end in one point of a piece: at the end of each that is named.
-  [[nodiscard]] bool share_end(const Side& a, bool a_at_end, const Side& b, bool b_at_end) const {
+  [[nodiscard]] bool fraction_end(const Side& a, bool a_at_end, const Side& b, bool b_at_end) const {
     const EdgeUse &e = a_at_end ? a.back() : a.front(), &f = b_at_end ? b.back() : b.front();
     return e.panel == f.panel && corner(panels_, e, a_at_end) == corner(panels_, f, b_at_end);
   }
@@ -215,8 +215,8 @@ class Resolver {
     auto& [a, b] = line.sides;
     // The legs of a dart meet in their tip, whatever else is nearer.
     if (r.meet.empty() && r.sense == Sense::nearest) {
-      const bool as_is = share_end(a, false, b, false) || share_end(a, true, b, true);
-      const bool turned = share_end(a, false, b, true) || share_end(a, true, b, false);
+      const bool as_is = fraction_end(a, false, b, false) || fraction_end(a, true, b, true);
+      const bool turned = fraction_end(a, false, b, true) || fraction_end(a, true, b, false);
       if (turned && !as_is) b = reversed(b);
       if (turned != as_is) return;
     }

@@ -10,11 +10,11 @@ namespace voile::pattern {
 
 namespace {
 
-/// What is nearer to a break than this share of the rim's spacing is there.
+/// What is nearer to a break than this fraction of the rim's spacing is there.
 constexpr double near_break = 0.25;
 /// Of the lengths of two intervals that meet: beyond it they do not belong together.
 constexpr double largest_ratio = 5.0;
-/// An edge whose points are nearer to its chord than this share of it is straight.
+/// An edge whose points are nearer to its chord than this fraction of it is straight.
 constexpr double straight = 1e-5;
 
 /// s of both rims.

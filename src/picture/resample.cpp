@@ -14,14 +14,14 @@ namespace voile::picture {
 namespace {
 
 /// Sizes asked for, over the edges of the meshes: edges up to 1.4 times the size remain.
-constexpr double size_share = 0.72;
+constexpr double size_fraction = 0.72;
 constexpr int most_rounds = 12;
 /// Splits towards the tolerance, and vertices at which they end.
 constexpr int most_refinements = 6;
 /// Over the longest extent of the sheet at the start.
 constexpr double default_tolerance = 5e-4;
 constexpr std::size_t most_vertices = 2'000'000;
-/// A vertex is looked for from this share of the way into one of its triangles: where two edges lie on each other, as at a
+/// A vertex is looked for from this fraction of the way into one of its triangles: where two edges lie on each other, as at a
 /// slit, the triangle on the right side is found.
 constexpr double inwards = 1e-3;
 /// Weights that are negative by less belong to a point that going inwards took across an edge.
@@ -115,11 +115,12 @@ std::vector<double> Resampled::wanted_sizes(const mesh::MeshData& base) const {
     const std::vector<double> edges = edges_at(mesh->data);
     const std::vector<Place> places = Locator(mesh->data).vertices_of(base);
     for (std::size_t v = 0; v < size.size(); ++v)
-      for (const Index w : mesh->data.triangles[places[v].triangle]) size[v] = std::min(size[v], size_share * edges[w]);
+      for (const Index w : mesh->data.triangles[places[v].triangle])
+        size[v] = std::min(size[v], size_fraction * edges[w]);
     // What lies between two vertices of the base is asked for at both.
     const std::vector<Place> back = Locator(base).vertices_of(mesh->data);
     for (std::size_t w = 0; w < back.size(); ++w)
-      for (const Index v : base.triangles[back[w].triangle]) size[v] = std::min(size[v], size_share * edges[w]);
+      for (const Index v : base.triangles[back[w].triangle]) size[v] = std::min(size[v], size_fraction * edges[w]);
   }
   return size;
 }
@@ -173,7 +174,7 @@ std::vector<double> Resampled::smaller_sizes(const Recording& recording, const s
       if (away[v] <= tolerance) continue;
       any = true;
       const mesh::Triangle& t = mesh_->data.triangles[back[v].triangle];
-      const double half = 0.5 * size_share * longest_side(mesh_->data.positions, t);
+      const double half = 0.5 * size_fraction * longest_side(mesh_->data.positions, t);
       for (const Index w : t) sizes[w] = std::min(sizes[w], half);
     }
   }

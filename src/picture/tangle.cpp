@@ -10,7 +10,7 @@ namespace voile::picture {
 namespace {
 
 constexpr double crease = 40.0 / 57.29578;  // [rad]
-constexpr double near_share = 0.15;         // of the size of what intersects: the view from near
+constexpr double near_fraction = 0.15;      // of the size of what intersects: the view from near
 constexpr double near_edges = 4.0;          // and no less in edges of a triangle there
 const Bytes3 red{214, 32, 32}, grey{196, 192, 186}, ink{38, 42, 48};
 
@@ -54,7 +54,7 @@ std::vector<Vec3> round_one(const std::vector<Vec3>& corners) {
     if ((corners[k] - middle).norm() < (corners[nearest] - middle).norm()) nearest = k;
   const Vec3& at = corners[nearest];
   const double half =
-      std::max(near_share * (high - low).norm(), near_edges * (corners[nearest + 1] - corners[nearest]).norm());
+      std::max(near_fraction * (high - low).norm(), near_edges * (corners[nearest + 1] - corners[nearest]).norm());
   return {at - Vec3::Constant(half), at + Vec3::Constant(half)};
 }
 

@@ -9,7 +9,7 @@ namespace voile::solve {
 
 namespace {
 
-/// A step that cannot even start is repeated with this share of its size.
+/// A step that cannot even start is repeated with this fraction of its size.
 constexpr double blocked_step_factor = 0.4;
 
 enum class Predictor { position, velocity, acceleration };

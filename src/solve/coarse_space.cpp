@@ -64,8 +64,8 @@ void CoarseSpace::number_aggregates(int wanted) {
   for (int& part : aggregate_) part = before + number[part];
 }
 
-void CoarseSpace::find_shares(const std::vector<int>& aggregate) {
-  shares_.assign(aggregate.size(), {});
+void CoarseSpace::find_fractions(const std::vector<int>& aggregate) {
+  fractions_.assign(aggregate.size(), {});
   for (int i = 0; i < block_rows_; ++i) {
     std::map<int, double> around;
     for (const Part& p : parts_)
@@ -78,8 +78,8 @@ void CoarseSpace::find_shares(const std::vector<int>& aggregate) {
     double all = 0.0;
     for (const auto& [count, which] : found) all += count;
     for (std::size_t k = 0; k < found.size(); ++k) {
-      shares_[i].aggregate[k] = found[k].second;
-      shares_[i].share[k] = found[k].first / all;
+      fractions_[i].aggregate[k] = found[k].second;
+      fractions_[i].fraction[k] = found[k].first / all;
     }
   }
 }
@@ -94,11 +94,11 @@ void CoarseSpace::find_targets() {
     const auto first = static_cast<std::ptrdiff_t>(slots_.size());
     for (const Part& p : parts_)
       for (int at = p.starts[3 * i]; at < p.starts[3 * i + 1]; at += 3) {
-        const Shares& s = shares_[p.first_column + p.columns[at] / 3];
+        const Shares& s = fractions_[p.first_column + p.columns[at] / 3];
         for (int k = 0; k < most; ++k) {
-          if (s.share[k] == 0.0) continue;
+          if (s.fraction[k] == 0.0) continue;
           const auto place = std::find(slots_.begin() + first, slots_.end(), s.aggregate[k]);
-          targets_.push_back({static_cast<int>(place - slots_.begin() - first), s.share[k]});
+          targets_.push_back({static_cast<int>(place - slots_.begin() - first), s.fraction[k]});
           if (place == slots_.end()) slots_.push_back(s.aggregate[k]);
         }
         target_starts_.push_back(static_cast<int>(targets_.size()));
@@ -140,13 +140,13 @@ bool CoarseSpace::read_pattern(Mat a, int aggregates) {
   std::vector<int> aggregate = aggregate_;
   const std::vector<double> others = of_others([&](int i, int) { return aggregate_[i]; });
   for (std::size_t i = 0; i < others.size(); i += most) aggregate.push_back(static_cast<int>(others[i]));
-  find_shares(aggregate);
-  const std::vector<double> which = of_others([&](int i, int k) { return shares_[i].aggregate[k]; });
-  const std::vector<double> shares = of_others([&](int i, int k) { return shares_[i].share[k]; });
+  find_fractions(aggregate);
+  const std::vector<double> which = of_others([&](int i, int k) { return fractions_[i].aggregate[k]; });
+  const std::vector<double> fractions = of_others([&](int i, int k) { return fractions_[i].fraction[k]; });
   for (std::size_t at = 0; at < which.size(); ++at) {
-    Shares& s = shares_[block_rows_ + at / most];
+    Shares& s = fractions_[block_rows_ + at / most];
     s.aggregate[at % most] = static_cast<int>(which[at]);
-    s.share[at % most] = shares[at];
+    s.fraction[at % most] = fractions[at];
   }
   find_targets();
   e_.assign(9 * static_cast<std::size_t>(aggregates_) * aggregates_, 0.0);
@@ -161,7 +161,7 @@ std::size_t CoarseSpace::sum_row(int i, const std::array<const double*, 2>& valu
     for (int at = first; at < first + stride; at += 3, ++block) {
       const Block entries(values[p] + at, Eigen::OuterStride<>(stride));
       for (int t = target_starts_[block]; t < target_starts_[block + 1]; ++t)
-        Kept(row_.data() + 9 * targets_[t].slot) += targets_[t].share * entries;
+        Kept(row_.data() + 9 * targets_[t].slot) += targets_[t].fraction * entries;
     }
   }
   return block;
@@ -181,14 +181,14 @@ bool CoarseSpace::take(Mat a) {
     for (int s = 0; s < count; ++s) {
       const Kept block(row_.data() + 9 * s);
       Eigen::Map<Eigen::Matrix3f>(az_.data() + 9 * static_cast<std::size_t>(begin + s)) = block.cast<float>();
-      for (int k = 0; k < most && shares_[i].share[k] != 0.0; ++k)
-        e.block<3, 3>(3 * shares_[i].aggregate[k], 3 * slots_[begin + s]) += shares_[i].share[k] * block;
+      for (int k = 0; k < most && fractions_[i].fraction[k] != 0.0; ++k)
+        e.block<3, 3>(3 * fractions_[i].aggregate[k], 3 * slots_[begin + s]) += fractions_[i].fraction[k] * block;
     }
   }
   for (std::size_t p = 0; p < parts_.size(); ++p) VOILE_PETSC(MatSeqAIJRestoreArrayRead(parts_[p].mat, &values[p]));
   mpi::sum(comm_, e_);
   for (int i = 0; i < n; ++i)
-    if (e(i, i) == 0.0) e(i, i) = 1.0;  // of an aggregate that has lost all its shares to others
+    if (e(i, i) == 0.0) e(i, i) = 1.0;  // of an aggregate that has lost all its fractions to others
   factor_.compute(e);
   return factor_.info() == Eigen::Success;
 }
@@ -203,8 +203,8 @@ void CoarseSpace::project(const double* b, double* r) {
   std::fill(y_.begin(), y_.end(), 0.0);
   for (int i = 0; i < block_rows_; ++i)
     for (int k = 0; k < most; ++k)
-      Eigen::Map<Vector3d>(y_.data() + 3 * shares_[i].aggregate[k]) +=
-          shares_[i].share[k] * Eigen::Map<const Vector3d>(b + 3 * i);
+      Eigen::Map<Vector3d>(y_.data() + 3 * fractions_[i].aggregate[k]) +=
+          fractions_[i].fraction[k] * Eigen::Map<const Vector3d>(b + 3 * i);
   mpi::sum(comm_, y_);
   solve_coarse(y_, c_);
   for (int i = 0; i < block_rows_; ++i) {
@@ -230,7 +230,7 @@ void CoarseSpace::correct(double* x) {
   for (int i = 0; i < block_rows_; ++i)
     for (int k = 0; k < most; ++k)
       Eigen::Map<Vector3d>(x + 3 * i) +=
-          shares_[i].share[k] * Eigen::Map<const Vector3d>(d_.data() + 3 * shares_[i].aggregate[k]);
+          fractions_[i].fraction[k] * Eigen::Map<const Vector3d>(d_.data() + 3 * fractions_[i].aggregate[k]);
 }
 
 }  // namespace voile::solve

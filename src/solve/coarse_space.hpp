@@ -2,7 +2,7 @@
 // the solution after another preconditioner has been at work; private to src/solve.
 //
 // Symbols   A    symmetric matrix of 3 x 3 blocks, distributed by block rows
-//           Z    block rows of shares of aggregates (times the 3 x 3 identity), which sum to one: of a vertex, how many of its
+//           Z    block rows of fractions of aggregates (times the 3 x 3 identity), which sum to one: of a vertex, how many of its
 //                neighbours and itself each aggregate has (one averaging of the indicator, as in smoothed aggregation)
 //           E    = Z^T A Z, dense, on every rank
 //           Q    = Z E^-1 Z^T
@@ -39,16 +39,16 @@ class CoarseSpace {
   [[nodiscard]] int aggregates() const { return aggregates_; }
 
  private:
-  /// The shares of one vertex; those not used are zero.
+  /// The fractions of one vertex; those not used are zero.
   static constexpr int most = 3;
   struct Shares {
     int aggregate[most];
-    double share[most];
+    double fraction[most];
   };
   /// Where a block of A goes in its row of A Z.
   struct Target {
     int slot;
-    double share;
+    double fraction;
   };
   /// A part of the matrix on this rank: columns of its own, or of others.
   struct Part {
@@ -59,7 +59,7 @@ class CoarseSpace {
   void find_parts(Mat a);
   [[nodiscard]] bool has_full_blocks() const;
   void number_aggregates(int wanted);
-  void find_shares(const std::vector<int>& aggregate);
+  void find_fractions(const std::vector<int>& aggregate);
   void find_targets();
   /// Row i of A Z into row_, from the values of the parts; `block` counts the blocks of A before it. That count after it.
   std::size_t sum_row(int i, const std::array<const double*, 2>& values, std::size_t block);
@@ -70,7 +70,7 @@ class CoarseSpace {
   std::vector<Part> parts_;
   const PetscInt* ghost_columns_ = nullptr;  ///< of the second part, in the whole matrix; not owned
   std::vector<int> aggregate_;               ///< of each own block row
-  std::vector<Shares> shares_;               ///< of own block rows, then of the columns of others
+  std::vector<Shares> fractions_;            ///< of own block rows, then of the columns of others
   std::vector<int> slot_starts_;             ///< of each block row of A Z
   std::vector<int> slots_;                   ///< aggregates of these
   std::vector<int> target_starts_;           ///< of each block, by rows, within a row by parts

@@ -109,14 +109,14 @@ FallResult fall_to_rest(system::Model& model, system::State& state, double rest_
   if (result.rested) return result;
   system::State falling;
   falling.time = now;
-  falling.u = petsc::share(state.u);
+  falling.u = petsc::fraction(state.u);
   system::Dynamics dynamics(model, at_load(factor));
   // Inexact systems are no gain here: from where such a fall ends the search for equilibrium takes longer.
   TimeIntegration motion(dynamics, steps_of(unit, std::sqrt(model.discretisation().mean_area())), false);
   KineticDamping damping(model, dynamics, unit);
   model.hold_still(true);
   int iterations = 0;
-  const Followed done = follow(motion, falling, [&](const system::State& s, const StepResult& r) {
+  const RunStatistics done = follow(motion, falling, [&](const system::State& s, const StepResult& r) {
     if (r.taken == 0.0) return false;
     iterations += r.newton.iterations;
     result.rested = damping.step(s, rest_speed) && !damping.endless;

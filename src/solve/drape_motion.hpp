@@ -4,7 +4,7 @@
 //           T = sqrt(2 c/g): time in which a free sheet falls by one cell
 // Motion by backward differences (spectral radius 0) in steps up to T, whose velocities are set to zero whenever the
 // kinetic energy falls: kinetic damping, which needs no coefficient. The path does not depend on a
-// uniform mass, only the time does, so that sheets without a mass get one. A sheet that moves by less than a share of a
+// uniform mass, only the time does, so that sheets without a mass get one. A sheet that moves by less than a fraction of a
 // cell per T when the kinetic energy has its peak is left to Newton.
 #pragma once
 

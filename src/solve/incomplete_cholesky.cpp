@@ -10,7 +10,7 @@ namespace voile::solve {
 namespace {
 
 constexpr double shift_growth = 4.0, largest_shift = 16.0;
-/// Pivots below this share of the matrix's own block are as good as indefinite.
+/// Pivots below this fraction of the matrix's own block are as good as indefinite.
 constexpr double least_pivot = 1e-8;
 /// Blocks of the matrix, which lie all over the memory in the order of elimination, are fetched so many before their turn.
 constexpr int ahead = 16;

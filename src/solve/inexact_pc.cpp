@@ -19,14 +19,14 @@ namespace {
 constexpr double exact_rtol = 1e-12, least_rtol = 1e-10;
 /// Iterations that are allowed at least: small systems are solved in no time either way.
 constexpr PetscInt least_longest = 30;
-/// Share of the diagonal that the incomplete factor adds from the start: fewer iterations than without, and hardly ever a second try.
+/// Fraction of the diagonal that the incomplete factor adds from the start: fewer iterations than without, and hardly ever a second try.
 constexpr double usual_shift = 3e-3;
 /// From so many vertices on the incomplete factor has a coarse level of so many aggregates: with fewer vertices it costs what it saves.
 constexpr double coarse_vertices = 15000.0;
 constexpr int usual_aggregates = 128;
 /// After the first failure so many matrices are factored; at most so many.
 constexpr int first_wait = 8, longest_wait = 512;
-/// Share of the allowed iterations after which hopeless solutions are given up, and what is hopeless: needing this many
+/// Fraction of the allowed iterations after which hopeless solutions are given up, and what is hopeless: needing this many
 /// times what is allowed.
 constexpr double verdict_at = 0.3, hopeless = 2.0;
 
@@ -225,7 +225,7 @@ PetscErrorCode iterate(PC pc, Vec b, Vec x, KSPConvergedReason* reason) {
   PetscFunctionReturn(0);
 }
 
-/// Another matrix, in place of one with negative curvature.
+/// Another matrix, instead of one with negative curvature.
 PetscErrorCode make_positive(const Inexact& m, PetscBool* changed) {
   PetscFunctionBeginUser;
   *changed = PETSC_FALSE;

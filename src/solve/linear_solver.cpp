@@ -37,7 +37,7 @@ bool factor_is_tuned() {
 
 }  // namespace
 
-void LinearSolver::set_defaults(KSP ksp, Way way) {
+void LinearSolver::set_defaults(KSP ksp, Method method) {
   register_mixed_pc();
   register_block_icc_pc();
   register_inexact_pc();
@@ -49,13 +49,13 @@ void LinearSolver::set_defaults(KSP ksp, Way way) {
   const bool large = model_.dofs().unknowns() >= 3 * vertices_of_mixed;
   if (!model_.conditions().symmetric())
     VOILE_PETSC(PCSetType(pc, PCLU));
-  else if (way == Way::inexact)
+  else if (method == Method::inexact)
     VOILE_PETSC(PCSetType(pc, inexact_pc_type));
-  else if (way == Way::mixed)
+  else if (method == Method::mixed)
     VOILE_PETSC(PCSetType(pc, mixed_pc_type));
   else
     VOILE_PETSC(PCSetType(pc, large && !factor_is_tuned() ? mixed_pc_type : PCCHOLESKY));
-  statics_ = way == Way::direct;
+  statics_ = method == Method::direct;
 }
 
 void LinearSolver::prepare() {

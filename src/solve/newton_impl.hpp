@@ -54,7 +54,7 @@ struct Newton::Impl {
     return model.energy(a);
   }
   [[nodiscard]] double backtrack(Vec a, double longest, double energy, double slope);
-  /// Moves a against the increment, as far as contact allows and the energy falls: the share taken (0: nowhere), and the
+  /// Moves a against the increment, as far as contact allows and the energy falls: the fraction taken (0: nowhere), and the
   /// share that contact allowed.
   [[nodiscard]] std::pair<double, double> advance(Vec a, double energy);
   [[nodiscard]] SNESConvergedReason judge(PetscInt iteration, double increment_norm, double residual_norm);

@@ -78,7 +78,7 @@ PathFollower::Impl::Constraint PathFollower::Impl::next_constraint(double length
           std::abs(rest) <= 1.1 * length ? options.final_displacement : probed(accepted) + std::copysign(length, rest)};
 }
 
-PathFollower::Impl::Constraint PathFollower::Impl::share(const Constraint& whole, double part) const {
+PathFollower::Impl::Constraint PathFollower::Impl::fraction(const Constraint& whole, double part) const {
   if (whole.kind == Control::arc_length) return {whole.kind, part * whole.value};
   const double from = probed(accepted);
   return {whole.kind, from + part * (whole.value - from)};
@@ -161,10 +161,10 @@ NewtonResult PathFollower::Impl::locate(Vec a, double& lambda, const Constraint&
   const double size = std::max(std::abs(low_value), std::abs(high_value));
   NewtonResult n;
   for (int k = 0; k < locating_steps; ++k) {
-    const double share_of = low_value * high_value < 0.0 ? low_value / (low_value - high_value) : 0.5;
-    const double part = low + std::clamp(share_of, 0.05, 0.95) * (high - low);
-    predict(share(constraint, part), lambda);
-    n = correct(a, lambda, share(constraint, part));
+    const double fraction_of = low_value * high_value < 0.0 ? low_value / (low_value - high_value) : 0.5;
+    const double part = low + std::clamp(fraction_of, 0.05, 0.95) * (high - low);
+    predict(fraction(constraint, part), lambda);
+    n = correct(a, lambda, fraction(constraint, part));
     iterations += n.iterations;
     if (!n.converged) return n;
     after = tangent_at(a);

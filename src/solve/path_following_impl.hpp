@@ -85,7 +85,7 @@ struct PathFollower::Impl {
   void begin(const system::State& state, StepResult& r);
   [[nodiscard]] NewtonResult regain(system::State& state, double probed_before);
   [[nodiscard]] Constraint next_constraint(double length) const;
-  [[nodiscard]] Constraint share(const Constraint& whole, double part) const;
+  [[nodiscard]] Constraint fraction(const Constraint& whole, double part) const;
   [[nodiscard]] bool passes_end(Vec a, double lambda) const;
   [[nodiscard]] bool is_end(double probed, double lambda) const;
   [[nodiscard]] bool at_end() const { return is_end(probed(accepted), factor); }

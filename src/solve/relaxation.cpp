@@ -33,7 +33,7 @@ class Minimiser {
     VOILE_PETSC(VecCopy(a, start_));
     VOILE_PETSC(KSPCreate(model.dofs().comm(), ksp_.out()));
     VOILE_PETSC(KSPSetOptionsPrefix(ksp_, "relax_"));
-    linear_.set_defaults(ksp_, force_ ? LinearSolver::Way::inexact : LinearSolver::Way::direct);
+    linear_.set_defaults(ksp_, force_ ? LinearSolver::Method::inexact : LinearSolver::Method::direct);
     VOILE_PETSC(KSPSetFromOptions(ksp_));
     linear_.prepare();
     if (PC pc = linear_.inexact()) set_inexact_tolerance(pc, tolerance);
@@ -51,15 +51,15 @@ class Minimiser {
     VOILE_PETSC(KSPSetOperators(ksp_, model_.tangent().matrix(), model_.tangent().matrix()));
     linear_.tangent_changed();
     if (!linear_.solve(gradient_, increment_)) return false;
-    double share = allowed_fraction(model_, a, increment_, trial_);
+    double fraction = allowed_fraction(model_, a, increment_, trial_);
     if (!model_.conditions().symmetric()) {
-      VOILE_PETSC(VecAXPY(a, -share, increment_));
+      VOILE_PETSC(VecAXPY(a, -fraction, increment_));
       return true;
     }
     const double before = energy(a);
     VOILE_PETSC(VecCopy(a, trial_));
-    for (int k = 0; k < most_halvings; ++k, share *= 0.5) {
-      VOILE_PETSC(VecWAXPY(a, -share, increment_, trial_));
+    for (int k = 0; k < most_halvings; ++k, fraction *= 0.5) {
+      VOILE_PETSC(VecWAXPY(a, -fraction, increment_, trial_));
       if (energy(a) <= before) return true;
     }
     VOILE_PETSC(VecCopy(trial_, a));

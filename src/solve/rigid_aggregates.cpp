@@ -119,25 +119,25 @@ void RigidAggregates::read_pattern(Mat k, int vertices, int smoothing) {
   }
   for (int& a : aggregate_) a += first_;
   const auto rows = static_cast<PetscInt>(aggregate_.size());
-  shares_ = matrix(comm, rows, own_, std::vector<PetscInt>(aggregate_.size(), 1));
+  fractions_ = matrix(comm, rows, own_, std::vector<PetscInt>(aggregate_.size(), 1));
   PetscInt row = 0;
-  VOILE_PETSC(MatGetOwnershipRange(shares_, &row, nullptr));
+  VOILE_PETSC(MatGetOwnershipRange(fractions_, &row, nullptr));
   for (const int a : aggregate_) {
-    VOILE_PETSC(MatSetValue(shares_, row, a, 1.0, INSERT_VALUES));
+    VOILE_PETSC(MatSetValue(fractions_, row, a, 1.0, INSERT_VALUES));
     ++row;
   }
-  assemble(shares_);
+  assemble(fractions_);
   const petsc::MatHandle mean = averaging(k);
   for (int n = 0; n < smoothing; ++n) {
     petsc::MatHandle smooth;
-    VOILE_PETSC(MatMatMult(mean, shares_, MAT_INITIAL_MATRIX, PETSC_DEFAULT, smooth.out()));
+    VOILE_PETSC(MatMatMult(mean, fractions_, MAT_INITIAL_MATRIX, PETSC_DEFAULT, smooth.out()));
     VOILE_PETSC(MatProductClear(smooth));
-    shares_ = std::move(smooth);
+    fractions_ = std::move(smooth);
   }
 }
 
 void RigidAggregates::find_centres(const std::vector<double>& places) {
-  MPI_Comm comm = PetscObjectComm(reinterpret_cast<PetscObject>(static_cast<Mat>(shares_)));
+  MPI_Comm comm = PetscObjectComm(reinterpret_cast<PetscObject>(static_cast<Mat>(fractions_)));
   std::vector<double> sums(4 * static_cast<std::size_t>(aggregates_), 0.0);
   for (std::size_t v = 0; v < aggregate_.size(); ++v) {
     double* sum = sums.data() + 4 * aggregate_[v];
@@ -156,23 +156,23 @@ void RigidAggregates::find_centres(const std::vector<double>& places) {
   if (!(size_ > 0.0)) size_ = 1.0;
 }
 
-/// Row 3v + i, column 6a + m: share of a at v times component i of motion m about the centre of a.
+/// Row 3v + i, column 6a + m: fraction of a at v times component i of motion m about the centre of a.
 void RigidAggregates::fill(Mat k, const std::vector<double>& places) {
   PetscInt begin = 0, end = 0;
-  VOILE_PETSC(MatGetOwnershipRange(shares_, &begin, &end));
+  VOILE_PETSC(MatGetOwnershipRange(fractions_, &begin, &end));
   std::vector<PetscInt> counts;
   for (PetscInt v = begin; v < end; ++v) {
     PetscInt count = 0;
-    VOILE_PETSC(MatGetRow(shares_, v, &count, nullptr, nullptr));
+    VOILE_PETSC(MatGetRow(fractions_, v, &count, nullptr, nullptr));
     counts.insert(counts.end(), 3, 3 * count);
-    VOILE_PETSC(MatRestoreRow(shares_, v, &count, nullptr, nullptr));
+    VOILE_PETSC(MatRestoreRow(fractions_, v, &count, nullptr, nullptr));
   }
   z_ = matrix(PetscObjectComm(reinterpret_cast<PetscObject>(k)), 3 * (end - begin), motions * own_, counts);
   for (PetscInt v = begin; v < end; ++v) {
     PetscInt count = 0;
     const PetscInt* of = nullptr;
-    const double* share = nullptr;
-    VOILE_PETSC(MatGetRow(shares_, v, &count, &of, &share));
+    const double* fraction = nullptr;
+    VOILE_PETSC(MatGetRow(fractions_, v, &count, &of, &fraction));
     for (PetscInt i = 0; i < 3; ++i) {
       const PetscInt row = 3 * v + i, next = (i + 1) % 3, after = (i + 2) % 3;
       if (is_fixed(k, row)) continue;
@@ -181,11 +181,11 @@ void RigidAggregates::fill(Mat k, const std::vector<double>& places) {
         // e_next x d has component i equal to d_after, e_after x d has -d_next.
         const std::array<PetscInt, 3> columns{motions * of[at] + i, motions * of[at] + 3 + next,
                                               motions * of[at] + 3 + after};
-        const std::array<double, 3> values{share[at], share[at] * arm(after), -share[at] * arm(next)};
+        const std::array<double, 3> values{fraction[at], fraction[at] * arm(after), -fraction[at] * arm(next)};
         VOILE_PETSC(MatSetValues(z_, 1, &row, 3, columns.data(), values.data(), INSERT_VALUES));
       }
     }
-    VOILE_PETSC(MatRestoreRow(shares_, v, &count, &of, &share));
+    VOILE_PETSC(MatRestoreRow(fractions_, v, &count, &of, &fraction));
   }
   assemble(z_);
 }

@@ -14,7 +14,7 @@ namespace voile::solve {
 
 class RigidAggregates {
  public:
-  /// Aggregates of about so many vertices and their shares, averaged so often, for matrices with the pattern of k. Collective.
+  /// Aggregates of about so many vertices and their fractions, averaged so often, for matrices with the pattern of k. Collective.
   void read_pattern(Mat k, int vertices, int smoothing);
   /// Z and E, with the own vertices at these places, three coordinates each. Collective.
   void take(Mat k, const std::vector<double>& places);
@@ -31,7 +31,7 @@ class RigidAggregates {
   std::vector<int> aggregate_;                ///< of each own vertex; all ranks' numbers
   std::vector<double> centres_;               ///< of all aggregates, three each
   double size_ = 1.0;                         ///< of an aggregate: makes turns as large as translations
-  petsc::MatHandle shares_, z_;
+  petsc::MatHandle fractions_, z_;
   petsc::KspHandle coarse_;
   petsc::VecHandle y_, c_;
 };

@@ -30,7 +30,7 @@ inline double fraction_by_turn(const system::Model& model, double from, double t
   return fraction;
 }
 
-/// Share of the increment -y that contact lets state x take; 1 without contact. `scratch` is overwritten. Collective.
+/// Fraction of the increment -y that contact lets state x take; 1 without contact. `scratch` is overwritten. Collective.
 inline double allowed_fraction(system::Model& model, Vec x, Vec y, Vec scratch) {
   if (!model.contact()) return 1.0;
   const double cell = std::sqrt(model.discretisation().mean_area());

@@ -14,7 +14,7 @@ const char* name(CriticalPoint::Kind kind) {
   return "limit and bifurcation point";
 }
 
-void Followed::add(const StepResult& r) {
+void RunStatistics::add(const StepResult& r) {
   newton_iterations += r.newton_iterations;
   factorisations += r.factorisations;
   iterative.add(r.iterative);
@@ -29,9 +29,9 @@ void Followed::add(const StepResult& r) {
   if (r.critical) critical.push_back(*r.critical);
 }
 
-Followed follow(Stepper& stepper, system::State& state,
-                const std::function<bool(const system::State&, const StepResult&)>& look) {
-  Followed all;
+RunStatistics follow(Stepper& stepper, system::State& state,
+                     const std::function<bool(const system::State&, const StepResult&)>& look) {
+  RunStatistics all;
   for (StepResult r = stepper.begin(state);; r = stepper.advance(state)) {
     all.add(r);
     if (r.outcome == Outcome::failed) return all;

@@ -16,7 +16,7 @@ namespace voile::solve {
 namespace {
 
 constexpr double sufficient_decrease = 1e-4, shortest_length = 1e-6;
-/// Share of the first step below which an obstacle may give way to what it pinches.
+/// Fraction of the first step below which an obstacle may give way to what it pinches.
 constexpr double pinched_step = 0.1;
 /// Relative size at which a change of the energy is lost in its round-off.
 constexpr double energy_round_off = 1e-12;

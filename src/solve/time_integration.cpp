@@ -47,7 +47,7 @@ void TimeIntegration::Impl::create_snes() {
   VOILE_PETSC(SNESSetConvergenceTest(snes, converged, this, nullptr));
   VOILE_PETSC(SNESGetKSP(snes, &ksp));
   VOILE_PETSC(KSPSetPostSolve(ksp, after_linear_solve, this));
-  linear.set_defaults(ksp, inexact ? LinearSolver::Way::inexact : LinearSolver::Way::mixed);
+  linear.set_defaults(ksp, inexact ? LinearSolver::Method::inexact : LinearSolver::Method::mixed);
 }
 
 void TimeIntegration::Impl::set_explicit_step(Vec u) {
@@ -276,7 +276,7 @@ void TimeIntegration::Impl::prepare_first_step(const system::State& state) {
 
 /// -ts_view and -ts_view_solution, as TSSolve shows them when it ends.
 void TimeIntegration::Impl::view_at_end(const system::State& state) {
-  if (ended() && is_end(state.time) && until() < options.end_time) return;  // another goes on from here
+  if (ended() && is_end(state.time) && until() < options.end_time) return;  // another continues from here
   VOILE_PETSC(TSViewFromOptions(ts, nullptr, "-ts_view"));
   VOILE_PETSC(VecViewFromOptions(state.u, reinterpret_cast<PetscObject>(static_cast<TS>(ts)), "-ts_view_solution"));
 }

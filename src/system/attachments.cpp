@@ -105,7 +105,7 @@ void Attachments::hold_softly(const Attachment& attachment, std::size_t obstacle
     like.kind = kinds[static_cast<std::size_t>(on_->mesh().group(name).dimension)];
     like.group = name;
     like.vector = attachment.stiffness * Vec3::UnitX();
-    spread(*on_, like, [&](Index v, const Vec3& share) { stiffness[v] += share.x(); });
+    spread(*on_, like, [&](Index v, const Vec3& fraction) { stiffness[v] += fraction.x(); });
   }
   for (const auto& [v, k] : stiffness) {
     if (on_->owned(v) == no_index) continue;

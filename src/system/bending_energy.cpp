@@ -134,7 +134,7 @@ void BendingEnergy::add_springs(const std::vector<Spring>& springs, const BlockM
       like.kind = kind;
       like.group = s.group;
       like.vector = s.stiffness * Vec3::UnitX();
-      spread(*on_, like, [&](Index v, const Vec3& share) { add(v, share.x()); });
+      spread(*on_, like, [&](Index v, const Vec3& fraction) { add(v, fraction.x()); });
     };
     if (s.kind == Spring::Kind::point) spread_over(Load::Kind::point);
     if (s.kind == Spring::Kind::line) spread_over(Load::Kind::line);

@@ -40,8 +40,8 @@ double factor_at(const mesh::SurfaceMesh& mesh, const Load& load, Index t) {
 
 void add_surface_load(const Discretisation& on, const Load& load, const AddForce& add) {
   for (Index t : loaded_triangles(on.mesh(), load)) {
-    const Vec3 share = factor_at(on.mesh(), load, t) * traction(on, load, t) * on.mesh().area(t) / 3.0;
-    for (Index v : on.mesh().triangles()[t]) add(v, share);
+    const Vec3 fraction = factor_at(on.mesh(), load, t) * traction(on, load, t) * on.mesh().area(t) / 3.0;
+    for (Index v : on.mesh().triangles()[t]) add(v, fraction);
   }
 }
 

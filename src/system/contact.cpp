@@ -105,7 +105,7 @@ bool Contact::extend_pattern(Vec a, const BlockMatrix& matrix, const BlockPatter
     for_entries(pair, [&](Index row, Index column) { pattern[row].push_back(column); });
   };
   set.for_near(x, scene_.input().options.distance, add);
-  // The pattern is a matter of the state alone, so that a run that goes on from a checkpoint has the same.
+  // The pattern is a matter of the state alone, so that a run that continues from a checkpoint has the same.
   for (const Pair& pair : set.sheet_pairs_within(x, padding * scene_.input().options.distance)) add(pair);
   set.for_sliding([&](const std::array<Index, 4>& points) {
     Pair pair{};

@@ -1,4 +1,4 @@
-// Parts of contact.hpp: barriers that grow, obstacles that give way, predictors that hit nothing. Private to src/system.
+// Parts of contact.hpp: barriers that grow, obstacles that are ignored, predictors that hit nothing. Private to src/system.
 #pragma once
 
 #include <string>

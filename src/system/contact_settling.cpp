@@ -9,7 +9,7 @@ namespace voile::system {
 
 namespace {
 
-/// Share of its contact force that may be left over at a point which counts as at rest.
+/// Fraction of its contact force that may be left over at a point which counts as at rest.
 constexpr double most_unbalanced = 0.5;
 
 }  // namespace
@@ -68,10 +68,10 @@ void set_time(ContactScene& scene, const ContactMemory& memory, double time) {
 void settle(ContactScene& scene, const ContactMemory& memory) {
   const contact::ContactOptions& options = scene.input().options;
   std::vector<double> reach;
-  const double share = options.settle_time > 0.0 ? (scene.time() - memory.start) / options.settle_time : 1.0;
-  if (!memory.gaps.empty() && share < 1.0) {
+  const double fraction = options.settle_time > 0.0 ? (scene.time() - memory.start) / options.settle_time : 1.0;
+  if (!memory.gaps.empty() && fraction < 1.0) {
     reach = memory.gaps;
-    for (double& r : reach) r += std::max(share, 0.0) * (options.distance - r);
+    for (double& r : reach) r += std::max(fraction, 0.0) * (options.distance - r);
   }
   scene.set().set_reaches(std::move(reach));
 }

@@ -85,7 +85,7 @@ void Dofs::create_scatter() {
 
 // ---- local points --------------------------------------------------------------------------------------------------
 
-std::vector<Dofs::Share> Dofs::shares(Index point) const {
+std::vector<Dofs::Share> Dofs::fractions(Index point) const {
   const auto own_map = [&](Index vertex, const Mat3& map) -> Share {
     const Index v = local_.point_of[vertex];
     return {vertex, has_axes(v) ? Mat3(map * axes_[axes_of_[v]]) : map};

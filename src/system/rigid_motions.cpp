@@ -12,7 +12,7 @@ namespace voile::system {
 
 namespace {
 
-/// Singular values below this share of the largest count as zero: supports that deviate so little from letting a motion
+/// Singular values below this fraction of the largest count as zero: supports that deviate so little from letting a motion
 /// free do not hold it.
 constexpr double rank_tolerance = 1e-7;
 

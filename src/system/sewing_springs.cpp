@@ -51,8 +51,8 @@ double SewingSprings::closing_time() const {
 double SewingSprings::drawn_in(double time) const {
   const double since = std::max(0.0, time - sewing_.start), whole = closing_time();
   if (since >= whole) return 1.0;
-  const double share = since / whole;
-  return share * share * (3.0 - 2.0 * share);
+  const double fraction = since / whole;
+  return fraction * fraction * (3.0 - 2.0 * fraction);
 }
 
 double SewingSprings::largest_force(double time) const {

@@ -8,7 +8,7 @@ namespace voile::untangle {
 
 namespace {
 
-/// Nearer than this share of the contact distance is on it.
+/// Nearer than this fraction of the contact distance is on it.
 constexpr double on_it = 1e-6;
 
 Vec3 vertex_normal(const Tangle& tangle, Index p) {

@@ -49,17 +49,17 @@ void Gaps::widen_planes() {
     for (Index i = 0; i < tangle_.surface.sheet_points; ++i) {
       const double gap = plane_gap(p, i);
       if (plane_acts(p, i) && gap < least_)
-        tangle_.share({i, no_index, no_index, no_index}, Vec4::UnitX(), (wanted_ - gap) * p.normal,
-                      [&](Index v, const Vec3& d) { tangle_.x[v] += d; });
+        tangle_.fraction({i, no_index, no_index, no_index}, Vec4::UnitX(), (wanted_ - gap) * p.normal,
+                         [&](Index v, const Vec3& d) { tangle_.x[v] += d; });
     }
 }
 
 void Gaps::widen_pair(const Pair& pair) {
   const Closest near = closest_of(pair);
-  const double gap = near.distance - pair.share * tangle_.surface.offset(pair.body_a, pair.body_b);
-  if (gap < pair.share * least_ && near.distance > 0.0)
-    tangle_.share(pair.points, near.c, (pair.share * wanted_ - gap) / near.distance * near.w,
-                  [&](Index v, const Vec3& d) { tangle_.x[v] += d; });
+  const double gap = near.distance - pair.fraction * tangle_.surface.offset(pair.body_a, pair.body_b);
+  if (gap < pair.fraction * least_ && near.distance > 0.0)
+    tangle_.fraction(pair.points, near.c, (pair.fraction * wanted_ - gap) / near.distance * near.w,
+                     [&](Index v, const Vec3& d) { tangle_.x[v] += d; });
 }
 
 void Gaps::widen(bool all) {
@@ -74,8 +74,8 @@ void Gaps::widen(bool all) {
 double Gaps::smallest() const {
   double smallest = std::numeric_limits<double>::infinity();
   for (const Pair& pair : near_pairs()) {
-    const double offset = pair.share * tangle_.surface.offset(pair.body_a, pair.body_b);
-    smallest = std::min(smallest, (closest_of(pair).distance - offset) / pair.share);
+    const double offset = pair.fraction * tangle_.surface.offset(pair.body_a, pair.body_b);
+    smallest = std::min(smallest, (closest_of(pair).distance - offset) / pair.fraction);
   }
   for (const Plane& p : planes_)
     for (Index i = 0; i < tangle_.surface.sheet_points; ++i)

@@ -1,6 +1,6 @@
 // Edges that pierce triangles, and the movements that undo it; private to src/untangle.
 //
-// Symbols   t           share of the edge at which it meets the triangle's plane
+// Symbols   t           fraction of the edge at which it meets the triangle's plane
 //           b_k         weights of the triangle's corners there
 //           E, N, R_k   unit vectors of the edge, of the triangle's normal and of the line of intersection into each
 //                       face of the edge

@@ -13,7 +13,7 @@
 
 namespace voile::untangle {
 
-/// Share of the contact distance to which gaps are widened.
+/// Fraction of the contact distance to which gaps are widened.
 inline constexpr double wanted_gap = 1.05;
 /// Piercing places count within so much of a triangle or edge beside it: the exact test has said that they meet.
 inline constexpr double tolerance = 1e-9;
@@ -40,7 +40,7 @@ struct Tangle {
   }
   /// Calls add(point, movement) for the movements that change w by d.
   template <class Add>
-  void share(const std::array<Index, 4>& points, const Vec4& c, const Vec3& d, Add&& add) const;
+  void fraction(const std::array<Index, 4>& points, const Vec4& c, const Vec3& d, Add&& add) const;
 };
 
 /// The edges of a triangle, each with its lower point first.
@@ -50,7 +50,7 @@ struct Tangle {
 }
 
 template <class Add>
-void Tangle::share(const std::array<Index, 4>& points, const Vec4& c, const Vec3& d, Add&& add) const {
+void Tangle::fraction(const std::array<Index, 4>& points, const Vec4& c, const Vec3& d, Add&& add) const {
   const double size = d.norm();
   if (!(size > 0.0)) return;
   const Vec3 n = d / size;

@@ -37,8 +37,8 @@ class Corrections {
   }
 
  private:
-  void share(const std::array<Index, 4>& points, const Vec4& c, const Vec3& d) {
-    tangle_.share(points, c, d, [&](Index v, const Vec3& movement) {
+  void fraction(const std::array<Index, 4>& points, const Vec4& c, const Vec3& d) {
+    tangle_.fraction(points, c, d, [&](Index v, const Vec3& movement) {
       sum_[v] += movement;
       count_[v] += 1.0;
     });
@@ -50,7 +50,7 @@ class Corrections {
 };
 
 void Corrections::lift(const Lift& l) {
-  share({l.edge[0], l.edge[1], no_index, no_index}, Vec4(1.0 - l.t, l.t, 0.0, 0.0), l.way);
+  fraction({l.edge[0], l.edge[1], no_index, no_index}, Vec4(1.0 - l.t, l.t, 0.0, 0.0), l.way);
 }
 
 void Corrections::shorten(const Piercing& p) {
@@ -58,14 +58,14 @@ void Corrections::shorten(const Piercing& p) {
   const auto& q = s.faces[p.face].points;
   const Vec3& b = p.weights;
   const Vec3 d = (s.is_sheet(p.edge[0]) && s.is_sheet(q[0]) ? 0.5 : 1.0) * along_contour(tangle_, p);
-  share({p.edge[0], p.edge[1], no_index, no_index}, Vec4(1.0 - p.t, p.t, 0.0, 0.0), d);
-  share({q[0], q[1], q[2], no_index}, Vec4(b[0], b[1], b[2], 0.0), -d);
+  fraction({p.edge[0], p.edge[1], no_index, no_index}, Vec4(1.0 - p.t, p.t, 0.0, 0.0), d);
+  fraction({q[0], q[1], q[2], no_index}, Vec4(b[0], b[1], b[2], 0.0), -d);
 }
 
 void Corrections::send_back(const Piercing& p, Index end) {
   const auto& q = tangle_.surface.faces[p.face].points;
   const Vec3& b = p.weights;
-  share({end, q[0], q[1], q[2]}, Vec4(1.0, -b[0], -b[1], -b[2]), back_through(tangle_, p, end));
+  fraction({end, q[0], q[1], q[2]}, Vec4(1.0, -b[0], -b[1], -b[2]), back_through(tangle_, p, end));
 }
 
 /// A piece of the sheet and what pierces it, which is a piece or an obstacle; the piercings between them.

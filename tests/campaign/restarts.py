@@ -4,7 +4,7 @@
     tests/campaign/restarts.py                      everything, about 10 CPU minutes
     tests/campaign/restarts.py contact sewing       some of it
 
-A run that goes on from its checkpoint on one rank, after a run on one rank, must be the unbroken run to the last bit. On
+A run that continues from its checkpoint on one rank, after a run on one rank, must be the unbroken run to the last bit. On
 other ranks sums are taken in another order: places must agree to the tolerance of the case, which is named beside it.
 Exit code 1 if anything differs.
 """

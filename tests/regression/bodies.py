@@ -153,7 +153,7 @@ def attachment(report):
         report.below(float(np.abs(other.displacement() - whole.displacement()).max()), 1e-5, f"{ranks} ranks [m]")
     half = solve("attachment_half", held(time__end=0.2), 1)
     again = run(write_case(held(), OUT / "attachment_again.toml"), fresh("attachment_again"), 2, ["--restart", half.folder / "checkpoint.h5"])
-    report.check(again.code == 0, "goes on from a checkpoint" + again.text[-300:] * (again.code != 0))
+    report.check(again.code == 0, "continues from a checkpoint" + again.text[-300:] * (again.code != 0))
     report.below(float(np.abs(again.displacement() - whole.displacement()).max()), 1e-5, "to the same end [m]")
     finer = solve("attachment_finer", held(18), 1)
     report.below(max(edge_error(s, s.time) for s in finer.results), 2e-3, "a finer mesh is held alike [m]")
@@ -177,7 +177,7 @@ def attachment_hard(report):
     report.below(float(np.abs(two.displacement() - whole.displacement()).max()), 1e-5, "2 ranks [m]")
     half = solve("attachment_hard_half", held(time__end=0.2, **hard), 1)
     again = run(write_case(held(**hard), OUT / "attachment_again.toml"), fresh("attachment_again"), 2, ["--restart", half.folder / "checkpoint.h5"])
-    report.check(again.code == 0, "goes on from a checkpoint" + again.text[-300:] * (again.code != 0))
+    report.check(again.code == 0, "continues from a checkpoint" + again.text[-300:] * (again.code != 0))
     report.below(float(np.abs(again.displacement() - whole.displacement()).max()), 1e-5, "to the same end [m]")
     free = solve("attachment_hard_release", held(attachment__0__release=0.2, time__end=0.5, **hard), 2)
     before = [edge_error(s, s.time) for s in free.results if s.time <= 0.2 + 1e-9]

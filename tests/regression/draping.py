@@ -59,7 +59,7 @@ def wrinkling(report):
 
 @test
 def killed_motion(report):
-    """A motion killed on 2 ranks goes on from its checkpoint to the state of the unbroken run."""
+    """A motion killed on 2 ranks continues from its checkpoint to the state of the unbroken run."""
     script = drape_script("kill")
     whole = solve("killed_motion", script.strip_case(steps=100))
     file = OUT / "killed_motion.toml"
@@ -152,7 +152,7 @@ def drape_test(report):
     for way, few in (("plate", 2), ("weight", 1)):
         folder = OUT / f"drape test: {way}"
         shutil.rmtree(folder, ignore_errors=True)
-        code, text = invoke(["drape-test", "cotton_broad", "--way", way, "--repeats", str(few), "--cell", "12", "--output", folder])
+        code, text = invoke(["drape-test", "cotton_broad", "--method", way, "--repeats", str(few), "--cell", "12", "--output", folder])
         report.check(code == 0 and "drape coefficient" in text, f"{way}: exit code {code}: {text.strip()[-120:]}")
         summary = json.loads((folder / "summary.json").read_text())
         report.check(summary["friction_inside_the_fabric"] and len(summary["repeats"]) == few, f"{way}: {few} repeats with friction")

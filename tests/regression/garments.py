@@ -121,7 +121,7 @@ def garment_measures(report):
 
 @test
 def garment_restart(report):
-    """A run goes on from a checkpoint amid sewing, killed in the weld, from the stage after it, and from within that stage."""
+    """A run continues from a checkpoint amid sewing, killed in the weld, from the stage after it, and from within that stage."""
     case = tube()
     fixed = {"step": 0.01, "max_step": 0.01, "target_iterations": 1000, "velocity_tolerance": 0.0}  # so that the runs take the same steps
     case["stage"][0]["time"] |= {"end": 0.16} | fixed

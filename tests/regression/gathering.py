@@ -45,7 +45,7 @@ def garment_gathers(report):
 
 @test
 def garment_gathers_again(report):
-    """Gathers that are half drawn in go on from a checkpoint on another number of ranks, to the same end; a finer mesh that is made while they are drawn in gathers the same fabric, also after a restart on it."""
+    """Gathers that are half drawn in continue from a checkpoint on another number of ranks, to the same end; a finer mesh that is made while they are drawn in gathers the same fabric, also after a restart on it."""
     fixed = {"step": 0.005, "max_step": 0.005, "target_iterations": 1000, "velocity_tolerance": 1e-6}
     case = ruffle(2.0)
     case["stage"] = [case["stage"][0] | {"time": {"end": 0.1} | fixed}]

@@ -328,7 +328,7 @@ def start_shapes(report):
     flat, turned = sheet_file("start_flat.obj", lambda x: x), sheet_file("start_turned.obj", placed)
     case = {"analysis": "dynamic", "mesh": {"file": flat, "start": turned},
             "material": [{"type": "isotropic", "young": 1e6, "poisson": 0.3, "thickness": 1e-3, "density": 300.0}],
-            "load": [{"type": "gravity", "vector": [0, 0, -9.81]}], "time": {"end": 0.1, "step": 0.01, "radius": 1.0},
+            "load": [{"type": "gravity", "vector": [0, 0, -9.81]}], "time": {"end": 0.1, "step": 0.01, "spectral_radius": 1.0},
             "probe": [{"name": "energy", "type": "energy"}]}
     corner = np.array([1.0, 1.0, 0.0])
     moved = placed(corner) - corner - [0, 0, 0.5 * 9.81 * 0.1**2]

@@ -75,7 +75,7 @@ def remesh_path(report):
 
 @test
 def remesh_restart(report):
-    """A motion that is remeshed goes on from a checkpoint or a recorded step with the meshes of the unbroken run."""
+    """A motion that is remeshed continues from a checkpoint or a recorded step with the meshes of the unbroken run."""
     whole = solve("remesh_whole", swinging(), 1)
     h = whole.history
     report.check(h["remeshings"][-1] >= 1, "remeshed")
@@ -222,13 +222,13 @@ def remesh_gives_way(report):
 
 @test
 def remesh_keeps(report):
-    """Probes at points keep their vertex, supports hold new vertices, and a support lets go of them."""
+    """Probes at points keep their vertex, supports hold new vertices, and a support releases of them."""
     case = swinging()
     case["support"].append({"type": "displacement", "group": "tip", "components": ["y"], "release": 0.45})
     result = solve("remesh_keeps", case, 2)
     steps = list(Results(result.folder))
     report.check(result.history["remeshings"][-1] >= 1 and len({len(s["displacement"]) for s in steps}) > 1, "remeshed")
-    report.check("support(s) hold" in result.text, "a support lets go")
+    report.check("support(s) hold" in result.text, "a support releases")
     started_at = steps[0].mesh.positions
     probe = started_at[np.linalg.norm(started_at - [5, 0.5, 0], axis=1).argmin()]
     for step in (steps[0], steps[-1]):

@@ -101,7 +101,7 @@ def remesh_by_error(report):
 
 @test
 def path_goes_forward(report):
-    """A step by arc length whose iteration ends behind, on the part of the path that is known, is tried again: a shallow dome under pressure passes its limit point, in place of being blown up."""
+    """A step by arc length whose iteration ends behind, on the part of the path that is known, is tried again: a shallow dome under pressure passes its limit point, instead of being blown up."""
     n, points = 12, []
     for j in range(n + 1):
         for i in range(n + 1):

@@ -49,7 +49,7 @@ def stages(report):
     before = end_of(whole, "swing").displacement()
     file = OUT / "stages_2.toml"
     again = run(file, whole.folder, 1, ["--from", "swing"])
-    report.check(again.code == 0, "--from swing goes on from the end of the stage before")
+    report.check(again.code == 0, "--from swing continues from the end of the stage before")
     report.below(largest(end_of(whole, "swing").displacement(), before), 1e-9, "to the same end")
     report.check((whole.folder / "bend" / "history.csv").is_file(), "which stays")
 
@@ -132,7 +132,7 @@ def stages_modal(report):
 
 @test
 def stages_interrupted(report):
-    """A stage that is stopped ends the run with code 3, and goes on from its checkpoint to the end of the unbroken run."""
+    """A stage that is stopped ends the run with code 3, and continues from its checkpoint to the end of the unbroken run."""
     long_swing = stage("swing", "dynamic", time={"end": 0.4, "step": 0.002})
     case = staged([stage("bend", "static", steps={"initial_step": 1.0}), long_swing], nx=80, ny=8)
     whole = solve("stages_whole", case, 1)

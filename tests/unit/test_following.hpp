@@ -9,13 +9,13 @@ namespace voile::testing {
 /// A state in these vectors.
 inline system::State state_of(Vec u, Vec v = nullptr) {
   system::State s;
-  s.u = petsc::share(u);
-  if (v) s.v = petsc::share(v);
+  s.u = petsc::fraction(u);
+  if (v) s.v = petsc::fraction(v);
   return s;
 }
 
 /// What came of a stepper, with the last state.
-struct Ended : solve::Followed {
+struct Ended : solve::RunStatistics {
   system::State state;
 };
 
@@ -24,7 +24,7 @@ using Look = std::function<bool(const system::State&, const solve::StepResult&)>
 inline Ended follow_from(system::State state, solve::Stepper& stepper, const Look& look = {}) {
   Ended e;
   e.state = std::move(state);
-  static_cast<solve::Followed&>(e) = solve::follow(stepper, e.state, look);
+  static_cast<solve::RunStatistics&>(e) = solve::follow(stepper, e.state, look);
   return e;
 }
 

@@ -44,7 +44,7 @@ class Watchdog {
   Watchdog& operator=(const Watchdog&) = delete;
 
   /// From now on `what` must end within `share` of the limit; empty: nothing runs.
-  void expect(std::string what, double share = 1.0) { set(std::move(what), share * limit_, false); }
+  void expect(std::string what, double fraction = 1.0) { set(std::move(what), fraction * limit_, false); }
 
  private:
   using Clock = std::chrono::steady_clock;

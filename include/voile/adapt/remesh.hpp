@@ -11,7 +11,7 @@
 // angle above `crease`). Vertices are made and removed along them, on the geometry of the RestSurface. Corners stay: group
 // points, junctions, ends, turns above `crease`, changes of group along a curve, pinned vertices.
 // Open seams: the vertices of both sides stay, and an edge is halved together with the one that it is sewn to, so that the
-// sides have as many nodes at the same shares; new nodes are new pairs. No edges are made that would coincide after a weld.
+// sides have as many nodes at the same fractions; new nodes are new pairs. No edges are made that would coincide after a weld.
 // The vertices of a group of dimension 1 or 2 are those of its segments or triangles, and others that it has, which stay.
 //
 // Contact. `clearance` says how far the surface may move. A split moves nothing, but on a curved rest shape or line its new

@@ -42,13 +42,13 @@ struct SizeOptions {
 
 /// How well the edges meet the wanted sizes. L: rest length of an edge, h: mean of the sizes at its ends.
 struct SizeMatch {
-  double too_long = 0.0;   ///< share of vertices whose mean of L/h over its edges is above 1.5
-  double too_short = 0.0;  ///< share of vertices whose mean is below 0.5
+  double too_long = 0.0;   ///< fraction of vertices whose mean of L/h over its edges is above 1.5
+  double too_short = 0.0;  ///< fraction of vertices whose mean is below 0.5
   double p1 = 0.0, p10 = 0.0, p50 = 0.0, p90 = 0.0, p99 = 0.0;  ///< percentiles of L/h over edges, 0 if none counts
   double smallest = 0.0, largest = 0.0;                         ///< of the wanted sizes [m]
 };
 
-/// `counted` per vertex: which ones the shares, of all vertices, and the percentiles count (edges with both ends); empty:
+/// `counted` per vertex: which ones the fractions, of all vertices, and the percentiles count (edges with both ends); empty:
 /// all. Not collective. Throws InternalError if an array is not per vertex.
 [[nodiscard]] SizeMatch match(const mesh::SurfaceMesh& mesh, const std::vector<double>& size,
                               const std::vector<char>& counted = {});

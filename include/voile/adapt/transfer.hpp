@@ -45,7 +45,7 @@ void conserve_momentum(const Momentum& wanted, const std::function<Momentum(cons
                        const std::vector<double>& mass, const std::vector<Vec3>& places, const std::vector<char>& held,
                        std::vector<Vec3>& velocity);
 
-/// Kinetic energy [J], and the largest share by which velocities may change for it.
+/// Kinetic energy [J], and the largest fraction by which velocities may change for it.
 struct Addition {
   double energy = 0.0, most = 0.0;
 };

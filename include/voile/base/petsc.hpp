@@ -71,7 +71,7 @@ using IndexSetHandle = Handle<IS, ISDestroy>;
 using StarForestHandle = Handle<PetscSF, PetscSFDestroy>;
 
 /// Another owner of the same vector.
-[[nodiscard]] inline VecHandle share(Vec v) {
+[[nodiscard]] inline VecHandle fraction(Vec v) {
   VecHandle other;
   check(PetscObjectReference(reinterpret_cast<PetscObject>(v)), "PetscObjectReference");
   *other.out() = v;

@@ -21,7 +21,7 @@ void use_plain_output(bool colours);
 /// Whether show_progress() shows anything: standard output is a terminal that may be rewritten.
 [[nodiscard]] bool rewrites_progress();
 
-/// Shows the text (ASCII, without line breaks) in place of the last one, cut to the width of the terminal; at most ten times
+/// Shows the text (ASCII, without line breaks) instead of the last one, cut to the width of the terminal; at most ten times
 /// a second. Does nothing where rewrites_progress() is false.
 void show_progress(const std::string& text);
 

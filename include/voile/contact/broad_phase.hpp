@@ -39,8 +39,8 @@ struct Pair {
   int body_a, body_b;
   /// Factor of the barrier [m^2], see contact_set.hpp.
   double area;
-  double mollify;      ///< threshold of the mollifier of two edges [m^4]; 0: none
-  double share = 1.0;  ///< of offset and contact distance that holds between neighbours, see neighbours.hpp
+  double mollify;         ///< threshold of the mollifier of two edges [m^4]; 0: none
+  double fraction = 1.0;  ///< of offset and contact distance that holds between neighbours, see neighbours.hpp
 };
 
 [[nodiscard]] inline bool operator<(const Pair& a, const Pair& b) {

@@ -56,7 +56,7 @@ class ContactSet {
   }
   [[nodiscard]] const Candidates& candidates() const { return candidates_; }
 
-  /// Share of the displacements from `from` to `to` that this rank's pairs admit, planes staying where they are.
+  /// Fraction of the displacements from `from` to `to` that this rank's pairs admit, planes staying where they are.
   [[nodiscard]] double step_fraction(const std::vector<Vec3>& from, const std::vector<Vec3>& to) const;
   /// Every candidate with a point in `asked` that may not go all of it or would lose more than half of its gap
   /// within the contact distance, while planes go to `planes_to`; a plane as a pair of its point alone.
@@ -132,7 +132,7 @@ class ContactSet {
     Vec2 slip = Vec2::Zero();  ///< at the last tangent
     double change = 0.0;       ///< of the slip between the last two tangents [m]
   };
-  /// Of a slip, as a share of itself or of e, up to which the true second derivative is taken.
+  /// Of a slip, as a fraction of itself or of e, up to which the true second derivative is taken.
   static constexpr double trusted_change = 0.5;
   struct Near {
     std::array<Vec3, 4> x;
@@ -145,10 +145,10 @@ class ContactSet {
     for (int i = 0; i < 4; ++i) p[i] = pair.points[i] == no_index ? Vec3(Vec3::Zero()) : x[pair.points[i]];
     return p;
   }
-  [[nodiscard]] double offset(const Pair& p) const { return p.share * surface_->offset(p.body_a, p.body_b); }
+  [[nodiscard]] double offset(const Pair& p) const { return p.fraction * surface_->offset(p.body_a, p.body_b); }
   /// Gap at which the barrier of a pair, or of a point against a plane, begins. [m]
   [[nodiscard]] double reach(const Pair& p) const {
-    double gap = p.share * options_.distance;
+    double gap = p.fraction * options_.distance;
     if (reach_.empty()) return gap;
     for (Index i : p.points)
       if (i != no_index && surface_->is_sheet(i)) gap = std::min(gap, reach_[i]);

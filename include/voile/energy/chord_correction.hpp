@@ -54,7 +54,7 @@ struct ChordInput {
 struct BentChord {
   std::vector<Index> points;
   std::vector<double> weights;
-  Vec3 start, share;
+  Vec3 start, fraction;
 };
 /// Those that a strain with the forms Q^r is corrected for. None beside a crease.
 [[nodiscard]] std::vector<BentChord> bent_chords(const Sheet& sheet, Index t, const BendingElement& bending,

@@ -4,7 +4,7 @@
 // Symbols   T^r      what chords feign in the strain r, without the part that even cells feign (chord_forms.hpp) [m^2]
 //           kappa    curvature of the triangle (k11, k22, 2 k12), kappa0 at rest [1/m]
 //   w = 1/2 dE.C dE per area,   dE_r = 1/2 (kappa.T^r kappa - kappa0.T^r kappa0), linear: kappa0.T^r (kappa - kappa0)
-// The sum of w over the stored energy estimates the share by which deflections of sheets that are flat at rest are too small.
+// The sum of w over the stored energy estimates the fraction by which deflections of sheets that are flat at rest are too small.
 // six_node_corrected: w (kappa L)^2, kappa the largest principal curvature and L^2 as in locking_estimate(): the cubic that corrects
 // strains leaves those of the next order, measured on saddles and hemispheres.
 // Shells whose rest shape is curved can lock so far that they no longer bend, and w is small: see locking_estimate().
@@ -31,7 +31,7 @@ class ChordError {
   std::vector<std::array<Mat3, 3>> corrections_;
 };
 
-/// Share by which deflections of a thin curved shell that bends without stretching can be too small: r/(r + 10), r the mean
+/// Fraction by which deflections of a thin curved shell that bends without stretching can be too small: r/(r + 10), r the mean
 /// over the area of (kappa0 L^2)^2 / h^2 / 12, with the largest principal curvature at rest, L^2 the mean of the squared
 /// sides and h^2 = 12 D/C. Measured on hemispheres and saddles of thickness 4e-3 to 1e-4 of their size, where it is right
 /// within a factor of 1.5. 0 for `cst`; for `six_node_corrected` times (kappa0 L)^2 before the mean. `rest_curvature`: three per triangle. Not collective.

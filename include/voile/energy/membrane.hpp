@@ -5,7 +5,7 @@
 //                    area-weighted average of the two constant-strain gradients of the triangles that share s, each on
 //                    its own rest shape
 //           E_s      1/2 (a_a.a_b - A_a.A_b), Voigt (E11, E22, 2 E12);  E_c the same from the triangle alone
-//           C        membrane stiffness per unit width [N/m];  A rest area;  s_c the constant-strain share
+//           C        membrane stiffness per unit width [N/m];  A rest area;  s_c the constant-strain fraction
 // cst                   W = A/2 E_c.C E_c
 // six_node              W = A/2 [ (1-s_c) Em.C Em + s_c E_c.C E_c ],  Em = mean_s E_s
 // six_node_corrected    the same with Em and E_c corrected for what chords feign, and a term of fourth order in the curvature
@@ -43,7 +43,7 @@ class MembraneTerm {
   /// are zero).
   [[nodiscard]] static std::array<Index, nodes> stencil_of(const Sheet& sheet, Index t);
   /// A strain of triangle t as a function of the points of its stencil: E_r = 1/2 sum_ij Q^r_ij x_i.x_j - rest, the mean
-  /// one with a share `own` of that of the triangle alone.
+  /// one with a fraction `own` of that of the triangle alone.
   [[nodiscard]] static std::array<Eigen::Matrix<double, nodes, nodes>, 3> forms(const Sheet& sheet, Index t,
                                                                                 double own);
   /// Room for so many elements.
@@ -58,8 +58,8 @@ class MembraneTerm {
                const std::vector<Index>& local);
   /// After add() and correct(): a triangle that is gathered in time, from the rest shape that `before`, patches of the same mesh, have to that of the sheet.
   void add_gather(const Sheet& sheet, const mesh::PatchMesh& before, Index t);
-  /// Rest lengths of gathers go this share of the way.
-  void gather(double share);
+  /// Rest lengths of gathers go this fraction of the way.
+  void gather(double fraction);
   /// After add() and correct(): the element added last may get a natural state that is not its rest shape.
   void add_natural();
   /// Gives it to element e, for which add_natural() was called.

@@ -8,7 +8,7 @@
 //   e_M = 1/2 [ (a_M - M).D^-1 (a_M - M) + sum_ab J_ab g_a.D^-1 g_b ]
 // are the complementary energies of N* - N, M* - M. Curvature is constant in T, so that what M* varies by in T is error of M. The mean
 // strain of the membranes with six nodes is that of a quadratic at the centroid, and what N* varies by is none; for `cst` it is.
-// Over the stored energy they estimate the square of the relative error in the energy norm, and for one force the share by which its
+// Over the stored energy they estimate the square of the relative error in the energy norm, and for one force the fraction by which its
 // deflection is wrong, too stiff or too soft. Theory: docs/theory/error-estimates.md (1).
 // The fit ends at free edges, creases, gathers, seams across which a material with a direction turns, and where another material begins.
 // Source: Zienkiewicz & Zhu, Int. J. Numer. Meth. Engng 24 (1987) 337-357; patches: 33 (1992) 1331-1364.

@@ -66,8 +66,8 @@ class SeamTerm : public PairTerm<SeamElement> {
   }
   /// (dW/de) / l, with its limit where a spring of no length has none.
   [[nodiscard]] static double across(const SeamElement& el, double l) {
-    const double share = el.length == 0.0 ? 1.0 : l > 0.0 ? excess(el, l) / l : 0.0;
-    return el.stiffness * share / softening(el, l);
+    const double fraction = el.length == 0.0 ? 1.0 : l > 0.0 ? excess(el, l) / l : 0.0;
+    return el.stiffness * fraction / softening(el, l);
   }
   [[nodiscard]] static double along(const SeamElement& el, double l) {
     const double q = softening(el, l);

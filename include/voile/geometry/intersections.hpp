@@ -49,7 +49,7 @@ struct Share {
                                                                const std::vector<mesh::Triangle>& triangles,
                                                                const std::vector<Index>& body,
                                                                const std::function<bool(Index, Index)>& skip,
-                                                               Share share = {});
+                                                               Share fraction = {});
 
 /// Writes the triangles of the pairs as legacy VTK (ASCII polygons, .vtk; coordinates as passed [m]), which ParaView
 /// opens, with the cell fields `pair` (position in `pairs`), `triangle` (its number) and `body` (0 if `body` is empty).

@@ -33,7 +33,7 @@ struct MeshSection {
 /// A point of the scene: its coordinates, or a landmark.
 struct PointInput {
   Vec3 at = Vec3::Zero();  ///< [m]
-  std::string landmark;    ///< "OBSTACLE.NAME", in place of them; empty: none
+  std::string landmark;    ///< "OBSTACLE.NAME", instead of them; empty: none
 };
 
 /// Pieces of a pattern file, and where they begin.
@@ -41,7 +41,7 @@ struct PanelSection {
   std::filesystem::path file;  ///< GarmentCode .json, .svg, .dxf, .geo or .obj, resolved relative to the case file
   std::map<std::string, double> parameters;  ///< of a .geo
   std::vector<std::string> pieces;           ///< of the file; empty: all
-  std::string name;                          ///< in place of the only piece's own; empty: that
+  std::string name;                          ///< instead of the only piece's own; empty: that
   double unit = 0.0;                         ///< length of the file's unit [m]; 0: as the file says
   double texture_unit = 0.0;                 ///< of the texture coordinates of an .obj [m]; 0: as its vertices say
   double size = 0.02;                        ///< of cells [m]
@@ -62,7 +62,7 @@ struct PanelSection {
   double wrap_shift = 0.0;              ///< of the pieces along the axis [m]
   double wrap_radius = 0.0;             ///< there [m]; 0: the distance of each piece from the axis
   double wrap_angle = 0.0;              ///< half of the cone's, positive if it widens along the axis [rad]
-  std::vector<double> wrap_radii;       ///< at wrap_point and at wrap_end, in place of both [m]; may be empty
+  std::vector<double> wrap_radii;       ///< at wrap_point and at wrap_end, instead of both [m]; may be empty
 };
 
 /// Edges sewn to edges. "PANEL/EDGE", points as "PANEL@POINT".
@@ -72,7 +72,7 @@ struct SeamSection {
   std::vector<std::string> meet;       ///< two points, one of each side; empty: what lies nearer
   enum class Gather { automatic, always, never };
   Gather gather = Gather::automatic;  ///< the longer side
-  /// In place of those of [sewing]; NaN: as there
+  /// Instead of those of [sewing]; NaN: as there
   double bending = std::numeric_limits<double>::quiet_NaN(), allowance = std::numeric_limits<double>::quiet_NaN();
 };
 
@@ -184,7 +184,7 @@ struct RemeshSection {
   bool active = false;
   int every = 0;               ///< accepted steps between two looks; 0: 5 in a motion, 1 along a path
   double angle = 0.25;         ///< wanted between neighbouring triangles, per edge [rad]
-  double error = 0.0;          ///< share of the stored energy that stress resultants may be wrong by; 0: any
+  double error = 0.0;          ///< fraction of the stored energy that stress resultants may be wrong by; 0: any
   double smallest = 0.0;       ///< edge [m]; 0: 1/200 of the extent, or four contact thicknesses if that is more
   double largest = 0.0;        ///< edge [m]; 0: 1/12 of the extent
   double growth = 0.3;         ///< largest slope of the size over distance

@@ -1,4 +1,4 @@
-// A state with its mesh, to go on from on any number of ranks.
+// A state with its mesh, to continue from on any number of ranks.
 #pragma once
 
 #include <filesystem>

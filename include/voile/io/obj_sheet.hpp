@@ -1,6 +1,6 @@
 // A sheet as an OBJ file holds it, with lines "stitch a b c t".
 //
-// Symbols   x_a   place of vertex a [m]      t   share of the way from b to c, 0 <= t <= 1
+// Symbols   x_a   place of vertex a [m]      t   fraction of the way from b to c, 0 <= t <= 1
 // A stitch holds vertex a at (1 - t) x_b + t x_c. Vertices of stitches count from 0, as in: Li, Kaufman, Jiang, Codimensional
 // incremental potential contact, ACM Trans. Graph. 40 (2021), whose program reads such lines.
 #pragma once
@@ -16,7 +16,7 @@ namespace voile::io {
 struct PointStitch {
   Index vertex = 0;        ///< a
   Index from = 0, to = 0;  ///< b, c
-  double share = 0.0;      ///< t
+  double fraction = 0.0;   ///< t
   std::size_t line = 0;    ///< of the file
 };
 

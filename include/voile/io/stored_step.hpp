@@ -1,4 +1,4 @@
-// Reads a step of results.vtkhdf back, to go on from it.
+// Reads a step of results.vtkhdf back, to continue from it.
 #pragma once
 
 #include <filesystem>

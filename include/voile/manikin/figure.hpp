@@ -1,6 +1,6 @@
 // The surface of a figure or form as triangles, and how a figure moves.
 //
-// Symbols   X   position at rest [m]     w_b(X)   share of bone b, sum 1, smooth in X     T_b(t)   place of bone b
+// Symbols   X   position at rest [m]     w_b(X)   fraction of bone b, sum 1, smooth in X     T_b(t)   place of bone b
 //   x(X, t) = sum_b w_b(X) T_b(t) X
 // Motions start at rest: every T_b has no velocity at t = 0 and a continuous acceleration.
 #pragma once

@@ -4,7 +4,7 @@
 //           aspect       l / h, 1.15 for an equilateral triangle
 //           unevenness   |x_s + x_n - x_a - x_b| / l, the largest over the sides s = (a, b) with a neighbour whose apex
 //                        x_n is unfolded into the plane: 0 on any grid of equal cells cut the same way, however long
-// Chord strains of the nonlinear membrane lock where long cells are uneven: a neighbour's apex that lies off by a share
+// Chord strains of the nonlinear membrane lock where long cells are uneven: a neighbour's apex that lies off by a fraction
 // of l counts as bending about the short side.
 #pragma once
 

@@ -35,8 +35,8 @@ class Curve {
   [[nodiscard]] Vec2 end() const { return at(1.0); }
   [[nodiscard]] bool is_line() const { return control_.size() == 2; }
   [[nodiscard]] double length() const { return length_; }
-  /// The parameters of points at these shares of the length, which must ascend from 0 to 1.
-  [[nodiscard]] std::vector<double> parameters_at(const std::vector<double>& shares) const;
+  /// The parameters of points at these fractions of the length, which must ascend from 0 to 1.
+  [[nodiscard]] std::vector<double> parameters_at(const std::vector<double>& fractions) const;
   /// Share in the area of a closed outline, positive if that goes round counter-clockwise. [m^2]
   [[nodiscard]] double area() const;
   /// The curve of the points m x + shift.

@@ -47,7 +47,7 @@ struct Piece {
   bool turned = false;
   Mat3 rotation = Mat3::Identity();         ///< R
   Vec3 translation = Vec3::Zero();          ///< t [m]
-  std::shared_ptr<const BentShape> bent{};  ///< in place of R and t, which are then 1 and 0
+  std::shared_ptr<const BentShape> bent{};  ///< instead of R and t, which are then 1 and 0
 
   /// Edges begin to end - 1.
   struct Loop {
@@ -97,7 +97,7 @@ struct Pattern {
 
 struct ReadOptions {
   double unit = 0.0;                  ///< length of the file's unit [m]; 0: as the file says
-  bool euler_xyz = false;             ///< R = Rx Ry Rz in place of Rz Ry Rx
+  bool euler_xyz = false;             ///< R = Rx Ry Rz instead of Rz Ry Rx
   std::vector<std::string> pieces{};  ///< names of those wanted; empty: all
   std::string unfold{};               ///< edge, by number or label, across which each piece unfolds; empty: none
   double texture_unit = 0.0;          ///< length of 1 in texture coordinates of an .obj [m]; 0: as its vertices say

@@ -1,6 +1,6 @@
 // Panels in space, and the lines along which they are sewn.
 //
-// Symbols   f   share of the length of a side of a seam, from 0 at one end to 1 at the other
+// Symbols   f   fraction of the length of a side of a seam, from 0 at one end to 1 at the other
 // Points of the two sides with the same f meet; where corners of both sides lie nearly opposite to each other they meet,
 // and f is interpolated between.
 #pragma once
@@ -76,7 +76,7 @@ struct Seams {
 /// lengths that differ more than fourfold, a chain of panels that closes with a twist.
 [[nodiscard]] Seams resolve_seams(const std::vector<Panel>& panels, const std::vector<SeamRequest>& requests);
 
-/// Shares of the length of each side of a seam at which its nodes lie, ascending from 0 to 1, as many on both: cells are
+/// Fractions of the length of each side of a seam at which its nodes lie, ascending from 0 to 1, as many on both: cells are
 /// at most as long as the smaller size of the two sides' panels asks for.
 [[nodiscard]] std::array<std::vector<double>, 2> seam_nodes(const std::vector<Panel>& panels, const SeamLine& seam);
 

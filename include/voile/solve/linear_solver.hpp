@@ -24,9 +24,9 @@ class LinearSolver {
   explicit LinearSolver(system::Model& model) : model_(model) {}
 
   /// Of statics, of motions that are to find a place of rest, and of motions.
-  enum class Way { direct, mixed, inexact };
+  enum class Method { direct, mixed, inexact };
   /// Takes the KSP (not owned) and gives it the defaults. Collective.
-  void set_defaults(KSP ksp, Way way = Way::direct);
+  void set_defaults(KSP ksp, Method method = Method::direct);
   /// Sees what the user's options chose. Collective.
   void prepare();
 

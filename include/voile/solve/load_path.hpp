@@ -1,7 +1,7 @@
 // Quasi-static load path: the load factor grows in steps that adapt to Newton's effort.
 //
 // A step that converges in few iterations lets the next one grow by up to 2; a step that fails is halved. If the half
-// fails too, pseudo-transient continuation is tried there once (if allowed), and stepping goes on from what it finds.
+// fails too, pseudo-transient continuation is tried there once (if allowed), and stepping continues from what it finds.
 #pragma once
 
 #include <optional>

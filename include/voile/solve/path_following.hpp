@@ -14,7 +14,7 @@
 // On another mesh   every correction is orthogonal to the path of its load factor, <da, x_f> = 0:
 //                        dlambda = <x_r, x_f> / <x_f, x_f>      (normal flow; Ragon, Gurdal & Watson, Int. J. Solids
 //                        Structures 39 (2002) 689-698), until the state is in equilibrium.
-// The length of a step, the unit that it is measured in, the direction, and what is known of critical points go on from
+// The length of a step, the unit that it is measured in, the direction, and what is known of critical points continue from
 // system::State, so that a path is the same through remeshings and restarts.
 // Critical points: between two states a limit point changes the sign of dlambda along the path, a bifurcation changes
 // the number of negative pivots without it. The eigenvalue of K (in W) nearest to zero is followed by inverse

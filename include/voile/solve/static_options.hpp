@@ -13,7 +13,7 @@ struct StaticOptions {
 
   Control control = Control::load;
   double final_load_factor = 1.0;
-  /// First increment. load: of the load factor; displacement: share of final_displacement; arc length: the length that
+  /// First increment. load: of the load factor; displacement: fraction of final_displacement; arc length: the length that
   /// such an increment of the load factor has at the start.
   double initial_step = 0.25;
   double min_step = 1e-6;  ///< below this a failing step ends the run (exit code 3)

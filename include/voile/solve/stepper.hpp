@@ -1,6 +1,6 @@
 // What advances a state by one accepted step and returns: load path, path following, time integration, drape.
 //
-// `begin` takes the state it is to go on from; then `advance`, until the stepper has `finished` or fails:
+// `begin` takes the state it is to continue from; then `advance`, until the stepper has `finished` or fails:
 //     StepResult r = stepper.begin(state);
 //     while (r.outcome != Outcome::failed && !stepper.finished(state)) r = stepper.advance(state);
 // Between two calls the caller may record the state, or leave and go on with another model from the same state.
@@ -31,7 +31,7 @@ enum class Outcome {
   failed     ///< nothing more can be done: `reason`
 };
 
-/// Systems that were solved by conjugate gradients in place of a factor (inexact_pc.hpp).
+/// Systems that were solved by conjugate gradients instead of a factor (inexact_pc.hpp).
 struct IterativeEffort {
   long solutions = 0, iterations = 0;
   long shifted = 0;             ///< incomplete factors that needed a shift
@@ -55,7 +55,7 @@ struct StepResult {
   IterativeEffort iterative;                      ///< likewise
   int rejections = 0;                             ///< attempts that failed before
   int cut_short = 0;                              ///< iterations that contact did not let go the whole way
-  double shortest = 1.0;                          ///< share of its increment that the most hindered iteration went
+  double shortest = 1.0;                          ///< fraction of its increment that the most hindered iteration went
   bool by_continuation = false;
   std::optional<CriticalPoint> critical;  ///< passed since the step before
   Vec mode = nullptr;                     ///< critical mode, where the path stops or branches; belongs to the stepper
@@ -71,7 +71,7 @@ class Stepper {
   Stepper& operator=(const Stepper&) = delete;
   virtual ~Stepper() = default;
 
-  /// Prepares to go on from the state, and puts its prescribed components right. Collective.
+  /// Prepares to continue from the state, and puts its prescribed components right. Collective.
   [[nodiscard]] virtual StepResult begin(system::State& state) = 0;
   /// One step, or one attempt. On failure the state is the last accepted one. Collective.
   [[nodiscard]] virtual StepResult advance(system::State& state) = 0;
@@ -94,7 +94,7 @@ class Stepper {
 };
 
 /// What many steps came to.
-struct Followed {
+struct RunStatistics {
   bool completed = false;
   int steps = 0, rejections = 0;
   int newton_iterations = 0, factorisations = 0;  ///< failed attempts included
@@ -109,7 +109,7 @@ struct Followed {
 
 /// Follows a stepper to its end. `look` sees the start and every accepted step; it may change the velocity, and ends
 /// the matter by returning true. Collective.
-Followed follow(Stepper& stepper, system::State& state,
-                const std::function<bool(const system::State&, const StepResult&)>& look = {});
+RunStatistics follow(Stepper& stepper, system::State& state,
+                     const std::function<bool(const system::State&, const StepResult&)>& look = {});
 
 }  // namespace voile::solve

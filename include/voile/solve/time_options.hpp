@@ -10,7 +10,7 @@ struct TimeOptions {
   Method method = Method::implicit_alpha;
   double end_time = 1.0;  ///< [s]
   double until =
-      std::numeric_limits<double>::infinity();  ///< another integration goes on from there, if before the end [s]
+      std::numeric_limits<double>::infinity();  ///< another integration continues from there, if before the end [s]
   bool restarted = false;                       ///< from a state of another run, whose case may have been another
   bool goes_on = false;                         ///< from another integration, which has shown the start to -ts_monitor
   double step = 0.01;                           ///< first step, and the largest unless max_step is larger [s]

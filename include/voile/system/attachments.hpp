@@ -4,7 +4,7 @@
 //           y_0     the point of the obstacle nearest to it then, at weights l_i of the corners p_i of a triangle  [m]
 //           F       axes of that triangle: along its first side, in its plane square to that, normal
 //   y(t) = sum_i l_i p_i(t) + F(t) d,   d = F_0^T (X_0 - y_0), or (0, 0, +-gap) on the side on which X_0 lies
-//   W    = k/2 |x - y(t)|^2           k: a share of the stiffness, spread as loads are (boundary_conditions.hpp)
+//   W    = k/2 |x - y(t)|^2           k: a fraction of the stiffness, spread as loads are (boundary_conditions.hpp)
 //   x    = y(t)                       of a hard one
 #pragma once
 

@@ -31,7 +31,7 @@ class Bands {
  private:
   struct Edge {
     Index element;
-    double rest, share, stiffness, start, rise;
+    double rest, fraction, stiffness, start, rise;
   };
   const Discretisation& on_;
   energy::SpringTerm* term_;

@@ -29,7 +29,7 @@ class ElementTerm;
 
 class BoundaryConditions {
  public:
-  /// `on` must outlive it. Supports move with the load factor in place of the time if `motion_by_load` says so.
+  /// `on` must outlive it. Supports move with the load factor instead of the time if `motion_by_load` says so.
   /// Collective. Throws UserError.
   BoundaryConditions(const Discretisation& on, std::vector<Support> supports, const std::vector<Load>& loads,
                      const std::vector<PointMass>& masses, bool motion_by_load);
@@ -107,7 +107,7 @@ class BoundaryConditions {
   double load_factor_ = 0.0;
 };
 
-/// Shares of vertices in what is spread over a surface or curve, as loads are: calls add(vertex, share) with the force
+/// Fractions of vertices in what is spread over a surface or curve, as loads are: calls add(vertex, share) with the force
 /// of `load` on it. Not collective. Throws UserError for unknown groups.
 void spread(const Discretisation& on, const Load& load, const std::function<void(Index, const Vec3&)>& add);
 

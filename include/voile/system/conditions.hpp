@@ -28,10 +28,10 @@ struct Support {
   std::optional<Vec3> x_axis, y_axis, cylinder_axis;
   Vec3 cylinder_centre = Vec3::Zero();  ///< a point on that axis [m]
   std::optional<Vec3> normal;           ///< symmetry: normal of the plane; absent: found from the group
-  double release = std::numeric_limits<double>::infinity();  ///< time at which it lets go [s]
+  double release = std::numeric_limits<double>::infinity();  ///< time at which it releases [s]
   /// Displacement [m] of the vertex that starts at X at time t [s], added to `value`; empty: none.
   std::function<Vec3(const Vec3& rest, double time)> motion;
-  /// Where it goes is told vertex by vertex (BoundaryConditions::set_displacement) in place of `motion`.
+  /// Where it goes is told vertex by vertex (BoundaryConditions::set_displacement) instead of `motion`.
   bool follows = false;
   /// clamped: the rotation within `motion` at time t, with which the slope turns; empty: none.
   std::function<Mat3(double time)> rotation;
@@ -52,7 +52,7 @@ struct Load {
   Vec3 vector = Vec3::Zero();  ///< point, line, area, gravity, at load factor 1
   double magnitude = 0.0;      ///< pressure, follower_pressure, follower_moment, at load factor 1
   bool constant = false;       ///< true: acts in full at every load factor (e.g. dead weight)
-  /// Factor at time t [s] in place of the load factor; empty: none. The text it was written as, for the echo of a case.
+  /// Factor at time t [s] instead of the load factor; empty: none. The text it was written as, for the echo of a case.
   std::function<double(double time)> history;
   std::string history_text;
   /// Factor at a place at the start, for what is spread over a curve or surface; empty: 1. And its text.
@@ -112,9 +112,9 @@ struct Attachment {
   std::vector<std::string> groups;  ///< points, curves or surfaces
   std::string obstacle;             ///< that has triangles
   double stiffness = 1e4;           ///< at vertices of points [N/m], per rest length of curves [N/m^2], area [N/m^3]
-  bool hard = false;                ///< they are where the surface takes them, as supports hold, in place of springs
+  bool hard = false;                ///< they are where the surface takes them, as supports hold, instead of springs
   double gap = std::numeric_limits<double>::quiet_NaN();     ///< to the surface [m]; NaN: what it is at the start
-  double release = std::numeric_limits<double>::infinity();  ///< time at which it lets go [s]
+  double release = std::numeric_limits<double>::infinity();  ///< time at which it releases [s]
 };
 
 /// Seams that are pulled together: each pair of vertices by a spring that only pulls and gets shorter in time,

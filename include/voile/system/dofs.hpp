@@ -68,7 +68,7 @@ class Dofs {
   [[nodiscard]] bool is_plain(Index point) const {
     return point < local_.vertices && !has_axes(local_.point_of[point]);
   }
-  [[nodiscard]] std::vector<Share> shares(Index point) const;
+  [[nodiscard]] std::vector<Share> fractions(Index point) const;
   /// Turns the mirror points of clamps: the rotation of each support, by number. Not collective.
   void turn_mirrors(const std::vector<Mat3>& rotation);
   /// d: the displacement of a local point that turned clamps alone make [m].

@@ -77,7 +77,7 @@ class Dynamics {
  private:
   void build_drag();
   void add_drag(Vec v, Vec f);
-  /// Velocities of the local points in place of positions, for the drag.
+  /// Velocities of the local points instead of positions, for the drag.
   [[nodiscard]] energy::Configuration moving(Vec v) const;
   /// Whether C_b is there and is to act.
   [[nodiscard]] bool material_damping() const {

@@ -13,7 +13,7 @@ class EnergyAccount {
   explicit EnergyAccount(Dynamics& dynamics);
 
   /// Goes on from state (u, v) at the time in force with what came before: where energies are others now than in the last
-  /// state, a new mesh or supports that have let go made them so. Collective.
+  /// state, a new mesh or supports that have released made them so. Collective.
   /// `other_case`: a restart, whose case may differ; then the motion has begun with that energy.
   void begin(Vec u, Vec v, const EnergyBalance& before, bool other_case = false);
   /// The forces of a step from u_0 to u_1, at its stage (u, v, a) and the stage's time, which is in force. Collective.

@@ -28,7 +28,7 @@ struct EnergyBalance {
   double damping = 0.0;                ///< taken by damping with mass and bending, and by viscosity
   double drag = 0.0, friction = 0.0;   ///< taken by the air (in wind it may give), and by friction
   double numerical = 0.0;              ///< taken by the scheme
-  double remeshing = 0.0;              ///< given at once by new meshes and by supports that let go
+  double remeshing = 0.0;              ///< given at once by new meshes and by supports that release
   double unaccounted = 0.0;
   double fabric = 0.0;  ///< taken by friction inside the fabric
   double inflow = 0.0;  ///< sum of what loads, supports and obstacles gave in the steps in which they gave

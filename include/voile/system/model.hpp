@@ -36,7 +36,7 @@ struct ModelInput {
   ContactInput contact;
   std::vector<PointMass> masses = {};
   std::vector<Spring> springs = {};
-  bool motion_by_load = false;  ///< supports move with the load factor in place of the time
+  bool motion_by_load = false;  ///< supports move with the load factor instead of the time
   Sewing sewing = {};
   std::vector<Attachment> attachments = {};
   std::vector<SeamRule> seams = {};

@@ -88,7 +88,7 @@ class Potential {
   [[nodiscard]] double natural_force() const;
   /// Adds -dF/dlambda at a, by the growth of natural states with the load factor, to f. Collective. [N]
   void add_load_direction(Vec a, Vec f);
-  /// What share of the way from Discretisation::patches_before() to the sheet's rest shape gathers have gone; 1: all, or
+  /// What fraction of the way from Discretisation::patches_before() to the sheet's rest shape gathers have gone; 1: all, or
   /// there are none.
   [[nodiscard]] double drawn_in() const { return drawn_in_; }
   /// Seams that are pulled together; null: none.

@@ -1,6 +1,6 @@
 // Springs that pull the two sides of open seams together.
 //
-// Symbols   L_k   distance of a pair of points at the start;  l_k its share of the seam's length                   [m]
+// Symbols   L_k   distance of a pair of points at the start;  l_k its fraction of the seam's length                   [m]
 //           v     closing speed [m/s],  t_0 start [s]
 //   rest length  max(0, L_k - v (t - t_0)),   stiffness k l_k, doubling again and again once all rest lengths are 0
 //   largest force T l_k, doubling likewise, up to T_max l_k: seams that are closed do not notice
@@ -25,7 +25,7 @@ class SewingSprings {
   /// Sets rest lengths and stiffnesses at a time, on which alone they depend, so that a restart needs no memory. Not
   /// collective.
   void tighten(double time);
-  /// What share of the way gathers have gone at a time, 1 when no spring has a length any more. The same on every rank.
+  /// What fraction of the way gathers have gone at a time, 1 when no spring has a length any more. The same on every rank.
   [[nodiscard]] double drawn_in(double time) const;
   /// Largest force per length with which springs pull at a time [N/m]. The same on every rank.
   [[nodiscard]] double largest_force(double time) const;

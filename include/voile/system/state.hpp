@@ -21,7 +21,7 @@ namespace voile::system {
 struct Remeshings {
   int count = 0;
   double too_long = 0.0,
-         too_short = 0.0;       ///< shares of vertices that the last one could not put right (adapt/sizing.hpp)
+         too_short = 0.0;       ///< fractions of vertices that the last one could not put right (adapt/sizing.hpp)
   int wait = 0, next_step = 0;  ///< after a refusal: looks to let pass, and the step from which it is tried again
 };
 

@@ -20,7 +20,7 @@ struct TangentRequest {
   double damping = 0.0;                      ///< factor on the materials' own damping of bending [1/s]
   double mass = 0.0;                         ///< factor on the mass [1/s^2]
   const BlockMatrix* mass_matrix = nullptr;  ///< consistent mass; null: the lumped one
-  Vec masses = nullptr;                      ///< lumped masses in place of the model's, per unknown [kg]; may be null
+  Vec masses = nullptr;                      ///< lumped masses instead of the model's, per unknown [kg]; may be null
   Term* extra = nullptr;                     ///< one more term, at the same configuration; null: none
   bool exact_contact = false;                ///< contact with its negative eigenvalues
 };

@@ -26,8 +26,8 @@ inline void add_block(const Dofs& dofs, const BlockMatrix& matrix, Index a, Inde
     if (a < local.owned) values.add(matrix.slot(a, local.row_of[b]), block);
     return;
   }
-  const std::vector<Dofs::Share> columns = dofs.shares(b);
-  for (const Dofs::Share& row : dofs.shares(a)) {
+  const std::vector<Dofs::Share> columns = dofs.fractions(b);
+  for (const Dofs::Share& row : dofs.fractions(a)) {
     if (row.vertex >= local.owned) continue;
     for (const Dofs::Share& column : columns)
       values.add(matrix.slot(row.vertex, local.row_of[column.vertex]), row.map.transpose() * block * column.map);

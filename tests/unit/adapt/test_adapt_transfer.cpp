@@ -252,7 +252,7 @@ TEST_CASE("sizes: angle over curvature, bounds, growth, curved edges") {
   for (const auto& [radius, h] : {std::pair{2.0, 0.2}, std::pair{0.4, 0.1}, std::pair{0.01, 0.01}})
     for (const double size : adapt::size_field(m, m.positions(), std::vector<double>(nt, 1 / (radius * radius)), {}, o))
       CHECK(size == relative(h).epsilon(1e-12));
-  // One curved triangle: seen at its vertices by its share of the area, and growing away from them.
+  // One curved triangle: seen at its vertices by its fraction of the area, and growing away from them.
   std::vector<double> squared(nt, 0.0);
   squared[410] = 400.0;
   auto h = adapt::size_field(m, m.positions(), squared, {}, o);
@@ -294,8 +294,8 @@ TEST_CASE("sizes for an error: the same in every cell, and in all what is wanted
   double whole = 0.0;
   for (Index t = 0; t < m.triangle_count(); ++t) whole += m.area(t) * density[t];
   const double edge = std::sqrt(4.0 * m.area(0) / std::sqrt(3.0)), stored = 20.0;
-  for (const double share : {0.5, 1.0, 2.0}) {
-    const std::vector<double> h = adapt::sizes_for_error(m, density, stored, share * whole / stored);
+  for (const double fraction : {0.5, 1.0, 2.0}) {
+    const std::vector<double> h = adapt::sizes_for_error(m, density, stored, fraction * whole / stored);
     double after = 0.0, least = 1e300, most = 0.0;
     for (Index t = 0; t < m.triangle_count(); ++t) {
       double size = 0.0;
@@ -305,7 +305,7 @@ TEST_CASE("sizes for an error: the same in every cell, and in all what is wanted
       least = std::min(least, error * size * size);
       most = std::max(most, error * size * size);
     }
-    CHECK(after == relative(share * whole).epsilon(0.02));
+    CHECK(after == relative(fraction * whole).epsilon(0.02));
     CHECK(most < 1.2 * least);  // means at the vertices
   }
   // No more than half at once; nothing where nothing is wrong or stored.

@@ -131,7 +131,7 @@ void check_seams(const mesh::MeshData& first, const mesh::SurfaceMesh& after, co
   for (std::size_t k = 0; k < m.seams.size(); ++k) {
     CHECK(m.seams[k].name == first.seams[k].name);
     const bool is_dart = m.seams[k].name == "dart";
-    // The share of the tip is nobody's before an edge beside it is halved.
+    // The fraction of the tip is nobody's before an edge beside it is halved.
     if (is_dart)
       CHECK(std::abs(length_of(m.seams[k]) - 0.47) < 0.04);
     else

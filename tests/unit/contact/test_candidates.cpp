@@ -50,10 +50,10 @@ TEST_CASE("candidates: the grid finds what brute force finds, on any division ov
   REQUIRE(one.size() == together.size());
   for (std::size_t i = 0; i < one.size(); ++i) CHECK(one[i].points == together[i].points);
   // Only those of some points: of the sheet, of an obstacle, of all kinds.
-  for (const double share : {0.0, 0.02, 0.3, 0.9}) {
-    CAPTURE(share);
+  for (const double fraction : {0.0, 0.02, 0.3, 0.9}) {
+    CAPTURE(fraction);
     std::vector<char> asked(boxes.size());
-    for (char& a : asked) a = u(random) < share;
+    for (char& a : asked) a = u(random) < fraction;
     std::vector<Pair> wanted = one;
     std::erase_if(wanted, [&](const Pair& p) {
       return std::none_of(p.points.begin(), p.points.end(), [&](Index i) { return i != no_index && asked[i]; });
@@ -175,7 +175,7 @@ TEST_CASE("the list of near pairs misses none, wherever points go within its rea
   for (Box& b : boxes) b.include(Box{b.low.array() - 0.2, b.high.array() + 0.2});
   const std::vector<char> all(static_cast<std::size_t>(s.sheet_points), 1);
   const std::vector<Pair> pairs = find_pairs(s, all_figures(s), boxes, all, 0.05);
-  const auto offset = [&](const Pair& p) { return p.share * s.offset(p.body_a, p.body_b); };
+  const auto offset = [&](const Pair& p) { return p.fraction * s.offset(p.body_a, p.body_b); };
   const auto gap = [&](const Pair& p, const std::vector<Vec3>& x) {
     std::array<Vec3, 4> at;
     for (int i = 0; i < 4; ++i) at[i] = p.points[i] == no_index ? Vec3(Vec3::Zero()) : x[p.points[i]];
@@ -216,8 +216,8 @@ TEST_CASE("the list of near pairs misses none, wherever points go within its rea
     std::vector<Pair> given;
     list.for_each(moved, limit, [&](const Pair& p) { given.push_back(p); });
     CHECK(std::is_sorted(given.begin(), given.end()));
-    for (const double share : {0.0, 0.5, 1.0}) {
-      for (std::size_t i = 0; i < x.size(); ++i) x[i] = from[i] + share * (to[i] - from[i]);
+    for (const double fraction : {0.0, 0.5, 1.0}) {
+      for (std::size_t i = 0; i < x.size(); ++i) x[i] = from[i] + fraction * (to[i] - from[i]);
       for (const Pair& p : pairs)
         if (gap(p, x) < limit) {
           CHECK(std::binary_search(given.begin(), given.end(), p));

@@ -93,12 +93,12 @@ TEST_CASE("continuous collision detection is never later than the contact") {
     const double gap = closest(kind, x).distance;
     const double xi = k % 3 == 0 ? 0.5 * gap : 0.0;
     if (!(gap > xi + 1e-12)) continue;  // they touch already, but for round-off
-    const double share = step_fraction(kind, x, p, xi);
-    stopped += share < 1.0;
-    // All the way to the share there is a gap left; the sheet has not passed through in between.
+    const double fraction = step_fraction(kind, x, p, xi);
+    stopped += fraction < 1.0;
+    // All the way to the fraction there is a gap left; the sheet has not passed through in between.
     for (int s = 1; s <= samples; ++s) {
       Four at;
-      for (int i = 0; i < 4; ++i) at[i] = x[i] + (share * s / samples) * p[i];
+      for (int i = 0; i < 4; ++i) at[i] = x[i] + (fraction * s / samples) * p[i];
       late += !(closest(kind, at).distance > xi);
     }
   }
@@ -128,11 +128,11 @@ TEST_CASE("continuous collision detection stops before the contact and only wher
     if (first == 1.0) continue;
     double low = first - 1e-3, high = first;
     for (int s = 0; s < 50; ++s) (gap(0.5 * (low + high)) < 0.0 ? high : low) = 0.5 * (low + high);
-    const double share = step_fraction(PairKind::point_triangle, x, p, 0.05);
+    const double fraction = step_fraction(PairKind::point_triangle, x, p, 0.05);
     ++hits;
-    CHECK(share <= high);
-    CHECK(gap(share) > 0.0);
-    CHECK(gap(share) < 0.2 * gap(0.0));
+    CHECK(fraction <= high);
+    CHECK(gap(fraction) > 0.0);
+    CHECK(gap(fraction) < 0.2 * gap(0.0));
   }
   CHECK(hits > 20);
 }

@@ -178,7 +178,7 @@ TEST_CASE("arcs that have their whole curvature by angles take no term of fourth
     const Vec3 x = mesh.positions()[v];
     return Vec3(radius * std::sin(x[0] / radius) - x[0], 0.0, radius * (1.0 - std::cos(x[0] / radius)));
   };
-  const auto share = [&](BendingOperator op) {
+  const auto fraction = [&](BendingOperator op) {
     system::ModelInput in = bending_by(op);
     in.element.membrane = energy::MembraneOperator::six_node_corrected;
     in.materials[0].membrane *= 1e-6;  // what is left of the term
@@ -188,8 +188,8 @@ TEST_CASE("arcs that have their whole curvature by angles take no term of fourth
     const system::Energies e = system::energies(model, a);
     return e.membrane / e.bending;
   };
-  CHECK(share(BendingOperator::edge_slope) > 1e-2);
-  CHECK(share(BendingOperator::edge_angle) < 1e-4);
+  CHECK(fraction(BendingOperator::edge_slope) > 1e-2);
+  CHECK(fraction(BendingOperator::edge_angle) < 1e-4);
 }
 
 TEST_CASE("the positive tangent of a sheet that bends by its angles has no negative eigenvalue, the exact one has") {

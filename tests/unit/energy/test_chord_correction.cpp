@@ -53,8 +53,8 @@ struct Middle {
   energy::MembraneTerm kernel;
   double area = 0.0;
 
-  explicit Middle(double share, const mesh::MeshData& data = saddle())
-      : mesh(data), sheet(patches, materials, energy::assign_materials(mesh, materials), options(share)) {
+  explicit Middle(double fraction, const mesh::MeshData& data = saddle())
+      : mesh(data), sheet(patches, materials, energy::assign_materials(mesh, materials), options(fraction)) {
     kernel = energy::MembraneTerm(sheet);
     Index t = 0;
     const auto from_middle = [&](Index k) -> Vec2 {
@@ -69,10 +69,10 @@ struct Middle {
     kernel.add(sheet, t, energy::MembraneTerm::stencil_of(sheet, t), true);
     kernel.correct(sheet, energy::ChordForms(sheet).trace(t), t, bending, bending.points);
   }
-  static energy::ElementOptions options(double share) {
+  static energy::ElementOptions options(double fraction) {
     energy::ElementOptions o;
     o.membrane = energy::MembraneOperator::six_node_corrected;
-    o.cst_fraction = share;
+    o.cst_fraction = fraction;
     return o;
   }
   [[nodiscard]] std::vector<Vec3> placed(const std::vector<Vec3>& u) const {
@@ -131,9 +131,9 @@ std::array<Eigen::MatrixXd, 3> second_derivatives(const Middle& m) {
 
 TEST_CASE(
     "the tangent with the linearised stress leaves out what is of second order in the step, curvatures included") {
-  // With a share of 0 the strain is the mean one, with 1 that of the triangle.
-  for (const double share : {0.0, 1.0}) {
-    const Middle m(share);
+  // With a fraction of 0 the strain is the mean one, with 1 that of the triangle.
+  for (const double fraction : {0.0, 1.0}) {
+    const Middle m(fraction);
     CHECK(m.kernel.stencil_size(0) == 12);
     const std::vector<Vec3> before = m.moved(0.02, 3), step = m.moved(0.05, 4), now = sum(before, 1.0, step);
     const Vec3 quadratic =
@@ -147,7 +147,7 @@ TEST_CASE(
       for (int j = 0; j < m.kernel.stencil_size(0); ++j)
         for (int r = 0; r < 3; ++r)
           expected.block<3, 3>(3 * i, 3 * j) -= stress[r] * second[r](i, j) * Mat3::Identity();
-    CAPTURE(share);
+    CAPTURE(fraction);
     CHECK((exact - expected).norm() > 1e-3 * exact.norm());
     CHECK((linearised - expected).norm() < 1e-10 * exact.norm());
   }
@@ -188,8 +188,8 @@ TEST_CASE("a taut sheet resists the whole slope of a wave, of which the six-node
 }
 
 TEST_CASE("the positive tangent of a bent and compressed element has no negative eigenvalue, the exact one has") {
-  for (const double share : {0.0, 0.3, 1.0}) {
-    const Middle m(share);
+  for (const double fraction : {0.0, 0.3, 1.0}) {
+    const Middle m(fraction);
     for (const double stretch : {-0.1, 0.1}) {
       std::vector<Vec3> u = m.moved(0.02, 5);
       for (Index v = 0; v < m.mesh.vertex_count(); ++v) {
@@ -198,7 +198,7 @@ TEST_CASE("the positive tangent of a bent and compressed element has no negative
       }
       const Eigen::VectorXd exact = eigenvalues(Eigen::MatrixXd(m.hessian(u, energy::Tangent::exact))),
                             positive = eigenvalues(Eigen::MatrixXd(m.hessian(u, energy::Tangent::positive)));
-      CAPTURE(share);
+      CAPTURE(fraction);
       CAPTURE(stretch);
       CHECK(exact.minCoeff() < -1e-4 * exact.maxCoeff());
       CHECK(positive.minCoeff() > -1e-12 * positive.maxCoeff());
@@ -209,8 +209,8 @@ TEST_CASE("the positive tangent of a bent and compressed element has no negative
 TEST_CASE(
     "the strain of a surface that bends without stretching is of fourth order in the cells, however its curvature "
     "varies") {
-  for (const double share : {0.0, 1.0}) {
-    const Middle m(share, uneven());
+  for (const double fraction : {0.0, 1.0}) {
+    const Middle m(fraction, uneven());
     const auto strain = [&](double size) {
       std::vector<Vec3> u;
       for (const Vec3& x : m.mesh.positions())
@@ -218,7 +218,7 @@ TEST_CASE(
       return m.strain(u).norm();
     };
     const double coarse = strain(0.4), fine = strain(0.2);
-    CAPTURE(share);
+    CAPTURE(fraction);
     CAPTURE(coarse);
     CHECK(coarse > 1e-9);
     CHECK(std::log2(coarse / fine) > 3.7);  // 3 with one curvature per triangle, 2 with none

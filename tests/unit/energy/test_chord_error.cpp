@@ -32,13 +32,13 @@ struct Bent {
 };
 
 Bent bend(const mesh::MeshData& data, energy::MembraneOperator membrane = energy::MembraneOperator::six_node,
-          double share = 0.1) {
+          double fraction = 0.1) {
   const mesh::SurfaceMesh mesh(data);
   system::ModelInput input;
   input.materials = {isotropic(1e6, 0.3, 1e-2, 1.0)};
   input.supports = {support("left", system::Support::Kind::hinged)};
   input.element.membrane = membrane;
-  input.element.cst_fraction = share;
+  input.element.cst_fraction = fraction;
   system::Model model(PETSC_COMM_WORLD, mesh, input);
   petsc::VecHandle a = model.dofs().create_vector();
   const auto place = [&](Index v) -> Vec3 {
@@ -86,17 +86,17 @@ TEST_CASE("chords of uneven cells feign what the estimate says, chords of even c
 
 TEST_CASE("the corrected membrane leaves nothing of what chords feign") {
   using energy::MembraneOperator;
-  for (const double share : {0.0, 0.1, 1.0}) {
-    const Bent plain = bend(square(Pattern::jittered, 20), MembraneOperator::six_node, share),
-               corrected = bend(square(Pattern::jittered, 20), MembraneOperator::six_node_corrected, share);
+  for (const double fraction : {0.0, 0.1, 1.0}) {
+    const Bent plain = bend(square(Pattern::jittered, 20), MembraneOperator::six_node, fraction),
+               corrected = bend(square(Pattern::jittered, 20), MembraneOperator::six_node_corrected, fraction);
     if (mpi::rank(PETSC_COMM_WORLD) != 0) continue;
-    CAPTURE(share);
+    CAPTURE(fraction);
     CHECK(corrected.feigned < 1e-3 * plain.feigned);
     CHECK(corrected.even < 1e-3 * plain.even);
     // What is estimated to be left is of the next order in the angle per cell.
     const double left = *std::max_element(corrected.energies.begin(), corrected.energies.end());
     CHECK(left > 0.0);
-    if (share == 0.1) CHECK(left < 1e-3 * *std::max_element(plain.energies.begin(), plain.energies.end()));
+    if (fraction == 0.1) CHECK(left < 1e-3 * *std::max_element(plain.energies.begin(), plain.energies.end()));
   }
 }
 

@@ -216,7 +216,7 @@ TEST_CASE("a constant state of a cylinder has no error") {
 namespace {
 
 struct Estimate {
-  double share = 0.0;
+  double fraction = 0.0;
   std::string warning;
   double apart = 0.0;    ///< largest difference between what all ranks and one have found
   std::size_t size = 0;  ///< of the fields
@@ -261,12 +261,12 @@ TEST_CASE(
     if (mpi::rank(PETSC_COMM_WORLD) != 0) continue;
     CHECK(coarse.size == 128);
     CHECK(coarse.apart == 0.0);
-    CHECK(coarse.share / fine.share > 3.2);
-    CHECK(coarse.share / fine.share < 4.8);
-    // A constant curvature in each triangle leaves this share of the energy of the wave, right angles of 1/8: sum of k_,a J k_,b.
+    CHECK(coarse.fraction / fine.fraction > 3.2);
+    CHECK(coarse.fraction / fine.fraction < 4.8);
+    // A constant curvature in each triangle leaves this fraction of the energy of the wave, right angles of 1/8: sum of k_,a J k_,b.
     const double exact = 2.0 * std::pow(std::numbers::pi / 8.0, 2) / 18.0;
-    CHECK(coarse.share > 0.5 * exact);
-    CHECK(coarse.share < 5.0 * exact);
+    CHECK(coarse.fraction > 0.5 * exact);
+    CHECK(coarse.fraction < 5.0 * exact);
   }
 }
 
@@ -280,14 +280,14 @@ TEST_CASE("what cells do not resolve is told with its cause, place and remedy, a
                  still = estimate(
                      Pattern::jittered, 8, [](const Vec3&x) { return 1e-13 * x.norm() * Vec3::Ones(); }, false);
   if (mpi::rank(PETSC_COMM_WORLD) != 0) return;
-  CHECK(coarse.share > app::error_limit);
+  CHECK(coarse.fraction > app::error_limit);
   CHECK(coarse.warning.find("bending moments") != std::string::npos);
   const auto open = coarse.warning.find("near (");
   REQUIRE(open != std::string::npos);
   const double x = std::stod(coarse.warning.substr(open + 6)),
                y = std::stod(coarse.warning.substr(coarse.warning.find(", ", open) + 2));
   CHECK(std::hypot(x - 0.75, y - 0.25) < 0.25);
-  CHECK(fine.share < app::error_limit);
+  CHECK(fine.fraction < app::error_limit);
   CHECK(fine.warning.empty());
-  CHECK(still.share == 0.0);
+  CHECK(still.fraction == 0.0);
 }

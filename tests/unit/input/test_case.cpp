@@ -233,7 +233,9 @@ TEST_CASE("with contact the spectral radius of a motion is 0 if nothing else is 
   const std::string motion = "analysis = \"dynamic\"\n" + minimal, contact = "[contact]\ndistance = 1e-3\n";
   CHECK(parse_case(motion, "case.toml").time.options.radius == 0.5);
   CHECK(parse_case(motion + contact, "case.toml").time.options.radius == 0.0);
-  CHECK(parse_case(motion + contact + "[time]\nradius = 0.3\n", "case.toml").time.options.radius == 0.3);
+  CHECK(parse_case(motion + contact + "[time]\nspectral_radius = 0.3\n", "case.toml").time.options.radius == 0.3);
+  CHECK_THROWS_WITH_AS((void)parse_case(motion + "[time]\nradius = 0.3\n", "case.toml"),
+                       doctest::Contains("spectral_radius"), UserError);
 }
 
 TEST_CASE("the balance of energy is kept unless the method is explicit or it is not wanted") {

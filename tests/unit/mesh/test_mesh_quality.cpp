@@ -21,7 +21,7 @@ namespace {
 constexpr double degree = std::numbers::pi / 180.0;
 using Kind = system::Support::Kind;
 
-/// A strip of cells of the given aspect, all cut the same way, with inner vertices moved by a share of a cell.
+/// A strip of cells of the given aspect, all cut the same way, with inner vertices moved by a fraction of a cell.
 mesh::SurfaceMesh cells(double aspect, double jitter) {
   return mesh::SurfaceMesh(
       mapped(grid(8, 8, false, jitter), [&](const Vec3& x) { return Vec3(aspect * x[0], x[1], 0); }));

@@ -65,25 +65,25 @@ TEST_CASE("a cusp and a curve that goes back on itself keep their length") {
 TEST_CASE("points at shares of the length") {
   const Curve c = Curve::bezier({{0.0, 0.0}, {0.0, 0.0}, {1.0 / 3.0, 0.0}, {1.0, 1.0}});
   const auto length_to = [](double t) { return (std::pow(4.0 + 9.0 * t * t, 1.5) - 8.0) / 27.0; };
-  const std::vector<double> shares{0.0, 0.01, 0.2, 0.5, 0.77, 1.0};
-  const std::vector<double> t = c.parameters_at(shares);
-  for (std::size_t k = 0; k < shares.size(); ++k)
-    CHECK(std::abs(length_to(t[k]) / length_to(1.0) - shares[k]) < tolerance);
+  const std::vector<double> fractions{0.0, 0.01, 0.2, 0.5, 0.77, 1.0};
+  const std::vector<double> t = c.parameters_at(fractions);
+  for (std::size_t k = 0; k < fractions.size(); ++k)
+    CHECK(std::abs(length_to(t[k]) / length_to(1.0) - fractions[k]) < tolerance);
   CHECK(Curve::bezier({{0.0, 0.0}, {2.0, 0.0}}).parameters_at({0.25}).front() == 0.25);
 }
 
 TEST_CASE(
     "thousands of nodes on a curve are found as few are: the watchdog ends what halves their intervals for ever") {
   constexpr int nodes = 4000;
-  std::vector<double> shares;
-  for (int k = 0; k <= nodes; ++k) shares.push_back(static_cast<double>(k) / nodes);
-  const std::vector<double> of_arc = Curve::circle({0.0, 0.0}, {1.0, 0.0}, 1.0, true, true).parameters_at(shares);
-  for (std::size_t k = 0; k < shares.size(); ++k) CHECK(std::abs(of_arc[k] - shares[k]) < tolerance);
+  std::vector<double> fractions;
+  for (int k = 0; k <= nodes; ++k) fractions.push_back(static_cast<double>(k) / nodes);
+  const std::vector<double> of_arc = Curve::circle({0.0, 0.0}, {1.0, 0.0}, 1.0, true, true).parameters_at(fractions);
+  for (std::size_t k = 0; k < fractions.size(); ++k) CHECK(std::abs(of_arc[k] - fractions[k]) < tolerance);
   const Curve c = Curve::bezier({{0.0, 0.0}, {1.0 / 3.0, 0.0}, {2.0 / 3.0, 1.0 / 3.0}, {1.0, 1.0}});  // (t, t^2)
   const auto length_to = [](double t) { return 0.25 * (2.0 * t * std::sqrt(1.0 + 4.0 * t * t) + std::asinh(2.0 * t)); };
-  const std::vector<double> t = c.parameters_at(shares);
-  for (std::size_t k = 0; k < shares.size(); ++k)
-    CHECK(std::abs(length_to(t[k]) / length_to(1.0) - shares[k]) < tolerance);
+  const std::vector<double> t = c.parameters_at(fractions);
+  for (std::size_t k = 0; k < fractions.size(); ++k)
+    CHECK(std::abs(length_to(t[k]) / length_to(1.0) - fractions[k]) < tolerance);
 }
 
 TEST_CASE("a circle through two points: four arcs") {

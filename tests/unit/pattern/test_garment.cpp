@@ -36,7 +36,7 @@ std::string refusal_of(const std::vector<Panel>& panels, const std::vector<SeamR
   return "";
 }
 
-/// Largest difference of the shares of length at which pairs of a seam lie on two straight edges from (0, y) up or down.
+/// Largest difference of the fractions of length at which pairs of a seam lie on two straight edges from (0, y) up or down.
 double along(const mesh::MeshData& m, Index v) {
   for (std::size_t t = 0; t < m.triangles.size(); ++t)
     for (std::size_t i = 0; i < 3; ++i)

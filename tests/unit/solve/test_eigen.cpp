@@ -133,16 +133,16 @@ TEST_CASE("the mass matrix knows the mass, its first moment, supports and obliqu
 
 TEST_CASE("tension raises frequencies, pressure lowers them to zero at the buckling load") {
   const double critical = 4.0 * pi * pi * stiffness();
-  for (const double share : {-1.0, 0.5, 1.2}) {
-    CAPTURE(share);
-    Plate plate(grid(16, 16, false, 0.0), true, share * critical);
+  for (const double fraction : {-1.0, 0.5, 1.2}) {
+    CAPTURE(fraction);
+    Plate plate(grid(16, 16, false, 0.0), true, fraction * critical);
     solve::LoadPath path(plate.model, {});
     REQUIRE(follow_from(state_of(plate.a), path).completed);
     const solve::EigenResult r = solve::vibration_modes(plate.model, plate.a, 1, Mass::consistent);
     REQUIRE(!r.modes.empty());
     // Its square is a difference; the error is that of bending, over its part.
     const auto squared = [](double f) { return std::copysign(f * f, f); };
-    CHECK(std::abs(squared(r.modes[0].value) - squared(frequency(1, 1, -share * critical))) <
+    CHECK(std::abs(squared(r.modes[0].value) - squared(frequency(1, 1, -fraction * critical))) <
           0.02 * squared(frequency(1, 1)));
   }
 }

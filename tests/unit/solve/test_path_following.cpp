@@ -27,7 +27,7 @@ struct Record {
 Record follow(system::Model& model, Vec a, const solve::StaticOptions& options, Vec probe, system::State start = {}) {
   Record record;
   solve::PathFollower path(model, options, probe);
-  start.u = petsc::share(a);
+  start.u = petsc::fraction(a);
   record.result = follow_from(std::move(start), path, [&](const system::State& s, const solve::StepResult& r) {
     record.reports.emplace_back(s, r, path.finished(s));
     record.states.push_back(values_of(model, s.u));
@@ -273,7 +273,7 @@ TEST_CASE("prescribed displacements and follower moments can be followed along a
   }
 }
 
-TEST_CASE("a path goes on from a state in its middle as if it had never stopped") {
+TEST_CASE("a path continues from a state in its middle as if it had never stopped") {
   ShallowArch whole, part;
   const petsc::VecHandle probe = probe_of(whole.model, "crown", 2), other = probe_of(part.model, "crown", 2);
   solve::StaticOptions options = arc(0.1, 0.1);

@@ -140,9 +140,9 @@ TEST_CASE("flat fabric: a remeshed sheet stores the same in a uniform strain, wi
     for (const mesh::SurfaceMesh* mesh : {&first, &next}) {
       double sum = 0.0;
       for (energy::Material m : two) {
-        const double share = group_area(*mesh, m.groups[0]);
+        const double fraction = group_area(*mesh, m.groups[0]);
         m.groups.clear();
-        sum += share * membrane_energy(*mesh, {m}, stretched);
+        sum += fraction * membrane_energy(*mesh, {m}, stretched);
       }
       CHECK(membrane_energy(*mesh, two, stretched) == relative(sum).epsilon(1e-12));
     }

@@ -124,7 +124,7 @@ TEST_CASE("a run continued from its middle is the unbroken run") {
   Dynamics dynamics(part.model, {});
   solve::TimeIntegration time(dynamics, all);
   system::State middle = state_of(part.u, part.v);
-  middle.a = petsc::share(acceleration);
+  middle.a = petsc::fraction(acceleration);
   middle.step = step;
   middle.time = at;
   middle.next_step = next;

@@ -292,8 +292,8 @@ TEST_CASE("a panel larger than its place is compressed, up to the seam; too larg
     double wanted = 0.1 * green(own(t));
     for (int s = 0; s < 3; ++s) {
       const Index n = mesh.neighbour(t, s);
-      const double share = n == no_index ? 1.0 : mesh.area(t) / (mesh.area(t) + mesh.area(n));
-      wanted += 0.3 * green(share * own(t) + (1.0 - share) * own(n == no_index ? t : n));
+      const double fraction = n == no_index ? 1.0 : mesh.area(t) / (mesh.area(t) + mesh.area(n));
+      wanted += 0.3 * green(fraction * own(t) + (1.0 - fraction) * own(n == no_index ? t : n));
     }
     CHECK(strain[i] == relative(i % 3 < 2 ? wanted : 0.0).scale(1.0).epsilon(1e-13));
   }

@@ -191,16 +191,16 @@ TEST_CASE("the positive tangent takes friction's secant where slips have grown")
 TEST_CASE("a start inside the contact distance is let out gently") {
   const double d = 0.01, settle_time = 0.1, mass = 0.3;
   for (const int count : {1, 2, 5})  // of five, the inner ones are balanced at first
-    for (const double share : {0.99, 0.5, 0.3})
+    for (const double fraction : {0.99, 0.5, 0.3})
       for (const double step : {1e-3, 1e-2, 4e-2}) {
-        if (extent(false, share != 0.5 || step < 0.01)) continue;
+        if (extent(false, fraction != 0.5 || step < 0.01)) continue;
         CAPTURE(count);
-        CAPTURE(share);
+        CAPTURE(fraction);
         CAPTURE(step);
         system::ModelInput in =
-            input(count == 1 ? std::vector<Obstacle>{plane(-share * d)} : std::vector<Obstacle>{}, d);
+            input(count == 1 ? std::vector<Obstacle>{plane(-fraction * d)} : std::vector<Obstacle>{}, d);
         in.contact.options.settle_time = settle_time;
-        Problem p(sheets(count, 6, share * d), in);
+        Problem p(sheets(count, 6, fraction * d), in);
         const double barrier = p.model.contact()->energy(p.u);
         p.model.contact()->begin_settling(p.u, residual(p), 0.0);
         CHECK(p.model.contact()->energy(p.u) == 0.0);
@@ -211,7 +211,7 @@ TEST_CASE("a start inside the contact distance is let out gently") {
                                     gap = system::report(p.model.contact()->scene(), state.u).gap;
                                   });
         CHECK(r.completed);
-        const double speed = (1.0 - share) * d / settle_time;
+        const double speed = (1.0 - fraction) * d / settle_time;
         CHECK(kinetic > 0.0);
         CHECK(kinetic < barrier);
         // The layers of five move by 2, 1, 0, 1, 2 of these.
@@ -227,13 +227,13 @@ TEST_CASE("a start that rests on its contact keeps it") {
   const petsc::VecHandle push = residual(probe);  // nothing but contact: what it takes to balance it
   double total = 0.0;
   VOILE_PETSC(VecSum(push, &total));
-  for (const double share : {1.0, 0.6, 0.4}) {
-    CAPTURE(share);
-    in.loads = {load(LoadKind::gravity, "", Vec3(0.0, 0.0, share * total / mass))};
+  for (const double fraction : {1.0, 0.6, 0.4}) {
+    CAPTURE(fraction);
+    in.loads = {load(LoadKind::gravity, "", Vec3(0.0, 0.0, fraction * total / mass))};
     Problem p(sheets(1, 6, 0.0), in);
     const double whole = p.model.contact()->energy(p.u);
     p.model.contact()->begin_settling(p.u, residual(p), 0.0);
-    CHECK(p.model.contact()->energy(p.u) == (share > 0.5 ? whole : 0.0));
+    CHECK(p.model.contact()->energy(p.u) == (fraction > 0.5 ? whole : 0.0));
   }
 }
 

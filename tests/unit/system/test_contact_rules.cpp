@@ -37,8 +37,8 @@ TEST_CASE("slivers: neighbours nearer than the contact distance are at rest, and
   CHECK(one.model.contact()->scene().input().notes[0].find("less high") != std::string::npos);
   CHECK(one.model.contact()->energy(one.u) == 0.0);
   CHECK(!one.model.contact()->scene().set().surface().neighbours.of_faces.empty());
-  for (const auto& [points, share] : one.model.contact()->scene().set().surface().neighbours.of_edges)
-    CHECK((share > 0.0 && share < 1.0));
+  for (const auto& [points, fraction] : one.model.contact()->scene().set().surface().neighbours.of_edges)
+    CHECK((fraction > 0.0 && fraction < 1.0));
   // Crushed to a third of its width the sliver is felt.
   set_displacement(one.model, one.u, [&](Index v) {
     const mesh::Triangle& t = one.mesh.triangles()[30];
@@ -175,7 +175,7 @@ TEST_CASE("a hem that ignores an obstacle lets it through, the rest of the sheet
 
 TEST_CASE("a hem with friction of its own is taken along, where the sheet slips") {
   // A sheet lies on a floor that moves: only its leading hem has friction. The vertices of the hem carry their areas'
-  // share of the weight, an eighth, and slip: the momentum of the sheet grows by mu N t. It starts where it rests: with
+  // fraction of the weight, an eighth, and slip: the momentum of the sheet grows by mu N t. It starts where it rests: with
   // the gap g = d (1 - z), kappa |b'| = 3 kappa z^2 (1 + ...) carries 2.943 Pa at z = 0.0099.
   mesh::MeshData d = grid(4, 4, true, 0.0);
   add_square_groups(d);

@@ -142,9 +142,11 @@ TEST_CASE("what falls under drag gives the air the work of its weight but for it
   system::DynamicsOptions d;
   d.drag.normal = 1.3;
   d.drag.air_density = 1.2;
-  const double end = 1.0, terminal = std::sqrt(density * gravity / (0.5 * 1.2 * 1.3)), share = gravity * end / terminal;
+  const double end = 1.0, terminal = std::sqrt(density * gravity / (0.5 * 1.2 * 1.3)),
+               fraction = gravity * end / terminal;
   const EnergyBalance b = m.run(steps(end, 0.002, 1.0), d);
-  const double height = terminal * terminal / gravity * std::log(std::cosh(share)), speed = terminal * std::tanh(share);
+  const double height = terminal * terminal / gravity * std::log(std::cosh(fraction)),
+               speed = terminal * std::tanh(fraction);
   CHECK(b.loads == relative(mass * gravity * height).epsilon(0.005));
   CHECK(b.drag == relative(mass * (gravity * height - 0.5 * speed * speed)).epsilon(0.01));
   CHECK(std::abs(b.numerical) < 0.01 * b.loads);
