@@ -1,4 +1,6 @@
 // The fields of a recorded state.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>

@@ -133,7 +133,7 @@ class DeckReader {
 
   /// The table that scales a load, if it is known.
   std::string amplitude_of(const std::string& keyword) {
-    const std::string name = abaqus_upper(parameters_["AMPLITUDE"]);
+    std::string name = abaqus_upper(parameters_["AMPLITUDE"]);
     if (name.empty() || (deck_.amplitudes.contains(name) && !deck_.amplitudes[name].empty())) return name;
     leave(fmt::format("{}, AMPLITUDE={}: there is no such table; the load acts without it", keyword, name));
     return "";
