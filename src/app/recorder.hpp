@@ -57,7 +57,7 @@ class Recorder {
     return probes_->functional(probe, *model_);
   }
   [[nodiscard]] double wall_seconds() const;
-  /// Energy that chords feign over that stored, in the last state whose fields were written; on rank 0. Not a
+  /// Spurious energy of chords over that stored, in the last state whose fields were written; on rank 0. Not a
   /// number if it is not estimated.
   [[nodiscard]] double membrane_error() const { return membrane_error_; }
   /// Energy by which stress resultants differ from smooth ones over that stored, likewise.

@@ -45,10 +45,10 @@ Warnings::MembraneError Warnings::membrane_error(const energy::Sheet& sheet, con
   // Chords that are corrected leave little: what remains is bending that is none.
   const bool corrected = sheet.options().membrane == energy::MembraneOperator::six_node_corrected;
   for (std::size_t k = 0; corrected && k < error.size(); ++k) error[k] += t.in_plane[k];
-  double feigned = 0.0;
-  for (std::size_t k = 0; k < error.size(); ++k) feigned += sheet.mesh().area(static_cast<Index>(k)) * error[k];
+  double spurious = 0.0;
+  for (std::size_t k = 0; k < error.size(); ++k) spurious += sheet.mesh().area(static_cast<Index>(k)) * error[k];
   const double stored = stored_energy(sheet, t);
-  const double fraction = stored > round_off_energy(sheet, strain) ? feigned / stored : 0.0;
+  const double fraction = stored > round_off_energy(sheet, strain) ? spurious / stored : 0.0;
   if (search_ || fraction > largest_error_) {
     largest_error_ = fraction;
     is_corrected_ = corrected;

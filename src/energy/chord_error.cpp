@@ -30,8 +30,8 @@ double mean_squared_side(const mesh::SurfaceMesh& mesh, Index t) {
   return squared;
 }
 
-/// Fraction of the energy that chords feign which the correction by a cubic leaves. What a rest shape of curvature kappa0 feigns is smaller by
-/// the angle kappa0 L per cell, what bending to kappa feigns by its square.
+/// Fraction of the spurious energy of chords that the correction by a cubic leaves: for a rest shape of curvature kappa0 the angle
+/// kappa0 L per cell, for bending to kappa its square.
 double left_over(const Sheet& sheet, Index t, const Vec3& rest, const Vec3& kappa) {
   const double squared = mean_squared_side(sheet.mesh(), t);
   return std::min(
@@ -58,13 +58,13 @@ std::vector<double> ChordError::energies(const Sheet& sheet, const std::vector<d
   for (std::size_t t = 0; t < corrections_.size(); ++t) {
     const Vec3 whole = Eigen::Map<const Vec3>(&whole_curvature[3 * t]),
                change = Eigen::Map<const Vec3>(&curvature[3 * t]), rest = whole - change;
-    Vec3 feigned;
+    Vec3 spurious;
     for (int r = 0; r < 3; ++r) {
       const Mat3& form = corrections_[t][static_cast<std::size_t>(r)];
-      feigned[r] = linear ? rest.dot(form * change) : 0.5 * (whole + rest).dot(form * change);
+      spurious[r] = linear ? rest.dot(form * change) : 0.5 * (whole + rest).dot(form * change);
     }
     const double left = corrects(sheet) ? left_over(sheet, static_cast<Index>(t), rest, linear ? rest : whole) : 1.0;
-    energies.push_back(0.5 * left * feigned.dot(sheet.material(static_cast<Index>(t)).membrane * feigned));
+    energies.push_back(0.5 * left * spurious.dot(sheet.material(static_cast<Index>(t)).membrane * spurious));
   }
   return energies;
 }

@@ -30,14 +30,14 @@ CONTENTS = {"voile": ["usr/bin/voile", "usr/share/voile/fabrics/wool_tropical.to
 # From a folder of the user's: a picture of an example.
 FIRST_PICTURE = """set -e
 export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
-mkdir -p "$HOME/work" && cd "$HOME/work" && rm -rf ring
+mkdir -p "$HOME/elsewhere" && cd "$HOME/elsewhere" && rm -rf ring
 voile init ring --example slit_annulus
 voile check ring/case.toml
 voile run ring/case.toml --output ring/run --quiet --set mesh.parameters.n_radial=4 --set mesh.parameters.n_circ=40
 voile render ring/run --no-ground --output ring/picture.png
 """
 SIMULATE = """import os, voile
-os.chdir(os.path.join(os.environ["HOME"], "work"))
+os.chdir(os.path.join(os.environ["HOME"], "elsewhere"))
 s = voile.Simulation("ring/case.toml")
 s.advance()
 print("python moves", s.positions().max() > 6, abs(voile.Results("ring/run")[-1]["displacement"]).max() > 10)
@@ -108,7 +108,7 @@ def test_in_system(report, root, debs):
     done = inside(root, f"apt-get update -q && apt-get install -q -y --no-install-recommends --reinstall {names}")
     report.check(done.returncode == 0, f"apt-get install: code {done.returncode} {done.stdout[-400:] if done.returncode else ''}")
     done = inside(root, FIRST_PICTURE)
-    report.check(done.returncode == 0 and (root / "root/work/ring/picture.png").is_file(), f"an example from another folder: code {done.returncode} {done.stdout[-300:] if done.returncode else ''}")
+    report.check(done.returncode == 0 and (root / "root/elsewhere/ring/picture.png").is_file(), f"an example from another folder: code {done.returncode} {done.stdout[-300:] if done.returncode else ''}")
     done = inside(root, f"python3 -c '{SIMULATE}'")
     report.check("python moves True True" in done.stdout, f"Python: {done.stdout.strip()[-300:]}")
     done = inside(root, "cd && voile doctor")
@@ -127,7 +127,7 @@ def test_unpacked(report, debs):
         found = run(["ldd", file], env=env).stdout
         report.check("not found" not in found and str(ROOT) not in found.replace(str(root), ""), f"libraries of {file.name}")
     done = run(["/bin/sh", "-c", FIRST_PICTURE], env=env)
-    report.check(done.returncode == 0 and (root / "home/work/ring/picture.png").is_file(), f"an example from another folder: code {done.returncode} {done.stdout[-300:] if done.returncode else ''}")
+    report.check(done.returncode == 0 and (root / "home/elsewhere/ring/picture.png").is_file(), f"an example from another folder: code {done.returncode} {done.stdout[-300:] if done.returncode else ''}")
     done = run(["/usr/bin/python3", "-c", SIMULATE], env=env | {"PYTHONPATH": str(root / "usr/lib/python3.11/dist-packages")})
     report.check("python moves True True" in done.stdout, f"Python: {done.stdout.strip()[-300:]}")
 

@@ -1,4 +1,4 @@
-// What straight chords feign in the strain of a bent membrane, and its removal; and what bending loses when chords are no
+// Spurious strain of straight chords in a bent membrane, and its removal; and what bending loses when chords are no
 // longer longer than they should be.
 //
 // Symbols   E_r      strain of the six-node membrane or of the triangle alone, r = 11, 22, 2 x 12:

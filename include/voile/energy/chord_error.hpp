@@ -1,7 +1,7 @@
 // How much of the stored energy the membrane's strains owe to chords: they are measured along straight lines between
 // vertices, which are shorter than the bent surface. Theory: docs/theory/error-estimates.md (3).
 //
-// Symbols   T^r      what chords feign in the strain r, without the part that even cells feign (chord_forms.hpp) [m^2]
+// Symbols   T^r      spurious strain r of chords, without the part of even cells (chord_forms.hpp) [m^2]
 //           kappa    curvature of the triangle (k11, k22, 2 k12), kappa0 at rest [1/m]
 //   w = 1/2 dE.C dE per area,   dE_r = 1/2 (kappa.T^r kappa - kappa0.T^r kappa0), linear: kappa0.T^r (kappa - kappa0)
 // The sum of w over the stored energy estimates the fraction by which deflections of sheets that are flat at rest are too small.

@@ -8,7 +8,7 @@
 //           C        membrane stiffness per unit width [N/m];  A rest area;  s_c the constant-strain fraction
 // cst                   W = A/2 E_c.C E_c
 // six_node              W = A/2 [ (1-s_c) Em.C Em + s_c E_c.C E_c ],  Em = mean_s E_s
-// six_node_corrected    the same with Em and E_c corrected for what chords feign, and a term of fourth order in the curvature
+// six_node_corrected    the same with Em and E_c without the spurious strain of chords, and a term of fourth order in the curvature
 //                       (chord_correction.hpp)
 // Viscosity (Kelvin-Voigt in rest axes, over a time step dt from a state with strains E_n): every W(E) above becomes
 //   W(E) + c W(E - E_n),  c = tau/dt, tau the relaxation time [s]: stress C (E + tau dE/dt), the rate by the backward

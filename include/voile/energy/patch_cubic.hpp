@@ -25,8 +25,9 @@ using BendWeights = Eigen::Matrix<double, bend_vectors, 1>;
 using Bends = Eigen::Matrix<double, 3, bend_vectors>;
 
 struct PatchCubic {
-  std::vector<Index> points;               ///< some of the bending element's, in mesh numbering; may repeat
-  std::vector<BendWeights> weights;        ///< B'_i: without what in-plane derivatives at rest feign, see bending.hpp
+  std::vector<Index> points;  ///< some of the bending element's, in mesh numbering; may repeat
+  std::vector<BendWeights>
+      weights;  ///< B'_i: without the spurious part of in-plane derivatives at rest, see bending.hpp
   BendWeights rest = BendWeights::Zero();  ///< N.K at rest
   Bends start = Bends::Zero();             ///< K at the start, column B
   Mat2 spread = Mat2::Identity();          ///< W [1/m]

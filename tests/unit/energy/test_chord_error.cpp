@@ -1,4 +1,4 @@
-// What straight chords feign in the membrane of a bent surface.
+// Spurious strain of straight chords in the membrane of a bent surface.
 #include "voile/energy/chord_error.hpp"
 
 #include <doctest/doctest.h>
@@ -26,7 +26,7 @@ Vec3 rolled(const Vec3& x) {
 
 struct Bent {
   double estimate = 0.0;  ///< mean of w over the inner triangles [J/m^2]
-  double feigned = 0.0;   ///< mean of 1/2 dE.C dE there, dE the membrane strain less its mean
+  double spurious = 0.0;  ///< mean of 1/2 dE.C dE there, dE the membrane strain less its mean
   double even = 0.0;      ///< the same of the mean
   std::vector<double> energies;
 };
@@ -65,7 +65,7 @@ Bent bend(const mesh::MeshData& data, energy::MembraneOperator membrane = energy
   for (const Index t : inner) {
     const Vec3 e = strain(t) - mean;
     b.estimate += b.energies[static_cast<std::size_t>(t)] / static_cast<double>(inner.size());
-    b.feigned += 0.5 * e.dot(stiffness * e) / static_cast<double>(inner.size());
+    b.spurious += 0.5 * e.dot(stiffness * e) / static_cast<double>(inner.size());
   }
   b.even = 0.5 * mean.dot(stiffness * mean);
   return b;
@@ -73,25 +73,25 @@ Bent bend(const mesh::MeshData& data, energy::MembraneOperator membrane = energy
 
 }  // namespace
 
-TEST_CASE("chords of uneven cells feign what the estimate says, chords of even cells nothing that locks") {
+TEST_CASE("chords of uneven cells lock as the estimate says, chords of even cells do not") {
   const Bent even = bend(square(Pattern::diagonal, 20)), uneven = bend(square(Pattern::jittered, 20));
   if (mpi::rank(PETSC_COMM_WORLD) != 0) return;
   CHECK(even.even > 0.0);
   CHECK(even.estimate < 1e-2 * even.even);
   // An estimate: the even part varies with the sizes of cells.
-  CHECK(uneven.estimate > uneven.feigned / 1.5);
-  CHECK(uneven.estimate < 1.5 * uneven.feigned);
+  CHECK(uneven.estimate > uneven.spurious / 1.5);
+  CHECK(uneven.estimate < 1.5 * uneven.spurious);
   CHECK(uneven.estimate > 0.02 * even.even);
 }
 
-TEST_CASE("the corrected membrane leaves nothing of what chords feign") {
+TEST_CASE("the corrected membrane leaves nothing of the spurious strain") {
   using energy::MembraneOperator;
   for (const double fraction : {0.0, 0.1, 1.0}) {
     const Bent plain = bend(square(Pattern::jittered, 20), MembraneOperator::six_node, fraction),
                corrected = bend(square(Pattern::jittered, 20), MembraneOperator::six_node_corrected, fraction);
     if (mpi::rank(PETSC_COMM_WORLD) != 0) continue;
     CAPTURE(fraction);
-    CHECK(corrected.feigned < 1e-3 * plain.feigned);
+    CHECK(corrected.spurious < 1e-3 * plain.spurious);
     CHECK(corrected.even < 1e-3 * plain.even);
     // What is estimated to be left is of the next order in the angle per cell.
     const double left = *std::max_element(corrected.energies.begin(), corrected.energies.end());

@@ -238,6 +238,19 @@ TEST_CASE("with contact the spectral radius of a motion is 0 if nothing else is 
                        doctest::Contains("spectral_radius"), UserError);
 }
 
+TEST_CASE("a number is an expression where that has a unit") {
+  const std::string motion = "analysis = \"dynamic\"\n" + minimal;
+  const input::Case c =
+      parse_case(motion +
+                     "[[imperfection]]\ntype = \"expression\"\nheight = 0.125\n[[support]]\ntype = \"hinged\"\ngroup = "
+                     "\"left\"\nmotion = [0, 0.25, \"2*t\"]\n",
+                 "case.toml");
+  CHECK(c.imperfections.front().height == "0.125");
+  CHECK(c.supports.back().motion(Vec3::Zero(), 3.0) == Vec3(0.0, 0.25, 6.0));
+  CHECK_THROWS_WITH_AS((void)parse_case("title = 5\n" + minimal, "case.toml"),
+                       doctest::Contains("a text in quotes is needed"), UserError);
+}
+
 TEST_CASE("the balance of energy is kept unless the method is explicit or it is not wanted") {
   const std::string motion = "analysis = \"dynamic\"\n" + minimal;
   const std::string by_differences = "[time]\nmethod = \"central_difference\"\nmass = \"lumped\"\n";
