@@ -19,7 +19,6 @@ install(FILES ${CMAKE_BINARY_DIR}/VoileConfig.cmake ${CMAKE_BINARY_DIR}/VoileCon
 install(FILES ${CMAKE_BINARY_DIR}/voile.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig COMPONENT dev)
 file(GLOB VOILE_PUBLIC_HEADERS CONFIGURE_DEPENDS include/voile/*.hpp)
 install(FILES ${VOILE_PUBLIC_HEADERS} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/voile COMPONENT dev)
-install(FILES include/voile/base/error.hpp DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/voile/base COMPONENT dev)
 
 # import voile works without the binding; voile.Simulation needs it.
 find_package(pybind11 2.10 CONFIG QUIET)

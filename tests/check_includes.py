@@ -94,21 +94,25 @@ def check_third_party(header, layer_file):
 
 
 def check_project(header, path, layer):
+    """Own room: "x.hpp"; another: "room/x.hpp", unless it is private; the library's interface: "voile/x.hpp"."""
     parts = header.split("/")
-    if layer == "simulation" and header.startswith("../app/"):  # whose loop it is
-        return None if (path.parent / header).is_file() else f'"{header}": there is no such file'
-    if parts[0] != "voile":  # a private header beside the source
-        if (path.parent / header).is_file():
-            return None
-        return f'"{header}": there is no such file beside it; public headers are included as "voile/<layer>/x.hpp"'
-    if not (ROOT / "include" / header).is_file():
+    if parts[0] == "voile" and len(parts) == 2:
+        if not (ROOT / "include" / header).is_file():
+            return f'"{header}": there is no such file'
+        # What is thrown is the same inside and outside.
+        return None if header == "voile/errors.hpp" or layer in ("simulation", "python") else f"{layer} must not include the library's interface ({header})"
+    if len(parts) == 1:
+        return None if (path.parent / header).is_file() else f'"{header}": there is no such file beside it; those of other rooms are included as "<room>/x.hpp"'
+    if len(parts) != 2 or parts[0] not in LAYERS:
+        return f'"{header}": unknown room'
+    if not (ROOT / "src" / header).is_file():
         return f'"{header}": there is no such file'
-    if len(parts) == 2:
-        return None if layer in ("simulation", "python") else f"{layer} must not include the library's interface ({header})"
-    if len(parts) != 3 or parts[1] not in LAYERS:
-        return f'"{header}": unknown layer'
-    if parts[1] != layer and parts[1] not in LAYERS[layer]:
-        return f"{layer} must not include {parts[1]} ({header})"
+    if parts[0] == layer:
+        return f'"{header}": in its own room it is included as "{parts[1]}"'
+    if parts[0] not in LAYERS[layer]:
+        return f"{layer} must not include {parts[0]} ({header})"
+    if f"private to src/{parts[0]}" in (ROOT / "src" / header).read_text().replace("\n// ", " "):
+        return f"{header} is private to its room"
     return None
 
 

@@ -4,8 +4,8 @@
 
 #include <cmath>
 
-#include "voile/base/error.hpp"
-#include "voile/io/gmsh_view.hpp"
+#include "io/gmsh_view.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::app {
 

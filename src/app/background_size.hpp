@@ -6,7 +6,7 @@
 #include <tuple>
 #include <vector>
 
-#include "voile/input/case.hpp"
+#include "input/case.hpp"
 
 namespace voile::app {
 

@@ -12,9 +12,9 @@
 #include <fstream>
 #include <vector>
 
-#include "voile/base/error.hpp"
-#include "voile/base/plain_file.hpp"
-#include "voile/base/shipped_files.hpp"
+#include "base/plain_file.hpp"
+#include "base/shipped_files.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::app {
 

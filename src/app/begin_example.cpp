@@ -4,12 +4,12 @@
 #include <algorithm>
 #include <optional>
 
+#include "base/plain_file.hpp"
+#include "base/shipped_files.hpp"
+#include "base/text.hpp"
 #include "begin.hpp"
-#include "voile/base/error.hpp"
-#include "voile/base/plain_file.hpp"
-#include "voile/base/shipped_files.hpp"
-#include "voile/base/text.hpp"
-#include "voile/input/case.hpp"
+#include "input/case.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::app {
 

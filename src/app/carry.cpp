@@ -1,7 +1,7 @@
 #include "carry.hpp"
 
-#include "voile/base/mpi.hpp"
-#include "voile/system/contact.hpp"
+#include "base/mpi.hpp"
+#include "system/contact.hpp"
 
 namespace voile::app {
 

@@ -5,11 +5,11 @@
 #include <chrono>
 #include <filesystem>
 
-#include "voile/app/run.hpp"
-#include "voile/input/case.hpp"
-#include "voile/io/checkpoint.hpp"
-#include "voile/system/model.hpp"
-#include "voile/system/state.hpp"
+#include "input/case.hpp"
+#include "io/checkpoint.hpp"
+#include "run.hpp"
+#include "system/model.hpp"
+#include "system/state.hpp"
 
 namespace voile::app {
 

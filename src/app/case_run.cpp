@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "base/mpi.hpp"
 #include "contact_start.hpp"
 #include "garment.hpp"
 #include "group_names.hpp"
@@ -14,9 +15,8 @@
 #include "restart.hpp"
 #include "sewing.hpp"
 #include "start_supports.hpp"
-#include "voile/base/error.hpp"
-#include "voile/base/mpi.hpp"
-#include "voile/system/contact.hpp"
+#include "system/contact.hpp"
+#include "voile/errors.hpp"
 #include "weld_settle.hpp"
 
 namespace voile::app {

@@ -10,10 +10,10 @@
 
 #include "driven_obstacles.hpp"
 #include "output_folder.hpp"
+#include "run.hpp"
 #include "stage_run.hpp"
 #include "stages.hpp"
 #include "summary.hpp"
-#include "voile/app/run.hpp"
 
 namespace voile::app {
 

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "base/mpi.hpp"
+#include "base/petsc.hpp"
 #include "contact_start.hpp"
 #include "free_motions.hpp"
 #include "garment.hpp"
@@ -11,15 +13,13 @@
 #include "probes.hpp"
 #include "remesher.hpp"
 #include "restart.hpp"
+#include "run.hpp"
 #include "sewing.hpp"
 #include "stages.hpp"
 #include "start_supports.hpp"
+#include "system/dynamics.hpp"
+#include "system/model.hpp"
 #include "validity.hpp"
-#include "voile/app/run.hpp"
-#include "voile/base/mpi.hpp"
-#include "voile/base/petsc.hpp"
-#include "voile/system/dynamics.hpp"
-#include "voile/system/model.hpp"
 
 namespace voile::app {
 

@@ -16,7 +16,7 @@
 
 #include "launched_ranks.hpp"
 #include "option_hint.hpp"
-#include "voile/base/error.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::app {
 

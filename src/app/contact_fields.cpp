@@ -3,8 +3,8 @@
 #include <cmath>
 #include <utility>
 
-#include "voile/system/contact.hpp"
-#include "voile/system/ease.hpp"
+#include "system/contact.hpp"
+#include "system/ease.hpp"
 
 namespace voile::app {
 

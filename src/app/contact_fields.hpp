@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "voile/io/results.hpp"
-#include "voile/system/model.hpp"
+#include "io/results.hpp"
+#include "system/model.hpp"
 
 namespace voile::app {
 

@@ -4,12 +4,12 @@
 
 #include <cmath>
 
+#include "base/mpi.hpp"
+#include "geometry/winding.hpp"
 #include "obstacles.hpp"
-#include "voile/base/error.hpp"
-#include "voile/base/mpi.hpp"
-#include "voile/geometry/winding.hpp"
-#include "voile/system/contact.hpp"
-#include "voile/untangle/untangle.hpp"
+#include "system/contact.hpp"
+#include "untangle/untangle.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::app {
 

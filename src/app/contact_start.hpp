@@ -1,9 +1,9 @@
 // The start of a run with contact: nothing may intersect in it; private to src/app.
 #pragma once
 
-#include "voile/app/run.hpp"
-#include "voile/base/petsc.hpp"
-#include "voile/input/case.hpp"
+#include "base/petsc.hpp"
+#include "input/case.hpp"
+#include "run.hpp"
 
 namespace voile::system {
 class Contact;

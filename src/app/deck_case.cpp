@@ -9,11 +9,11 @@
 #include <map>
 #include <sstream>
 
-#include "voile/base/error.hpp"
-#include "voile/base/plain_file.hpp"
-#include "voile/base/text.hpp"
-#include "voile/io/abaqus_deck.hpp"
-#include "voile/io/mesh_file.hpp"
+#include "base/plain_file.hpp"
+#include "base/text.hpp"
+#include "io/abaqus_deck.hpp"
+#include "io/mesh_file.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::app {
 

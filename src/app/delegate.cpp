@@ -9,7 +9,7 @@
 #include <string>
 
 #include "launched_ranks.hpp"
-#include "voile/base/error.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::app {
 

@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/mpi.hpp"
 #include "validity.hpp"
-#include "voile/base/mpi.hpp"
 
 namespace voile::app {
 

@@ -9,10 +9,10 @@
 #include <string>
 #include <vector>
 
+#include "energy/recovery_error.hpp"
+#include "system/model.hpp"
+#include "system/recovery.hpp"
 #include "validity.hpp"
-#include "voile/energy/recovery_error.hpp"
-#include "voile/system/model.hpp"
-#include "voile/system/recovery.hpp"
 
 namespace voile::app {
 

@@ -11,12 +11,12 @@
 #include <fstream>
 #include <vector>
 
-#include "voile/app/run.hpp"
-#include "voile/base/mpi.hpp"
-#include "voile/base/shipped_files.hpp"
-#include "voile/energy/element_kernels.hpp"
-#include "voile/io/stored_step.hpp"
-#include "voile/mesh/surface_mesh.hpp"
+#include "base/mpi.hpp"
+#include "base/shipped_files.hpp"
+#include "energy/element_kernels.hpp"
+#include "io/stored_step.hpp"
+#include "mesh/surface_mesh.hpp"
+#include "run.hpp"
 
 namespace voile::app {
 

@@ -9,8 +9,8 @@
 #include <numbers>
 
 #include "begin.hpp"
-#include "voile/base/error.hpp"
-#include "voile/io/stored_step.hpp"
+#include "io/stored_step.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::app {
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "drape_test.hpp"
-#include "voile/input/fabric.hpp"
+#include "input/fabric.hpp"
 
 namespace voile::app {
 

@@ -8,8 +8,8 @@
 
 #include <vector>
 
-#include "voile/base/types.hpp"
-#include "voile/mesh/surface_mesh.hpp"
+#include "base/types.hpp"
+#include "mesh/surface_mesh.hpp"
 
 namespace voile::app {
 

@@ -15,11 +15,11 @@
 #include <numbers>
 #include <thread>
 
+#include "base/plain_file.hpp"
+#include "base/shipped_files.hpp"
+#include "base/text.hpp"
 #include "drape_files.hpp"
 #include "launched_ranks.hpp"
-#include "voile/base/plain_file.hpp"
-#include "voile/base/shipped_files.hpp"
-#include "voile/base/text.hpp"
 
 namespace voile::app {
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "drape_shape.hpp"
-#include "voile/base/error.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::app {
 

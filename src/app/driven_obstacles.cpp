@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <utility>
 
-#include "voile/base/error.hpp"
-#include "voile/base/text.hpp"
+#include "base/text.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::app {
 

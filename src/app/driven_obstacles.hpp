@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "voile/contact/obstacle.hpp"
+#include "contact/obstacle.hpp"
 
 namespace voile::app {
 

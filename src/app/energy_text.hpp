@@ -3,8 +3,8 @@
 
 #include <string>
 
-#include "voile/solve/time_options.hpp"
-#include "voile/system/energy_balance.hpp"
+#include "solve/time_options.hpp"
+#include "system/energy_balance.hpp"
 
 namespace voile::app {
 

@@ -6,12 +6,12 @@
 #include <utility>
 
 #include "carry.hpp"
-#include "voile/energy/natural_state.hpp"
-#include "voile/solve/drape.hpp"
-#include "voile/solve/path_following.hpp"
-#include "voile/solve/single_step.hpp"
-#include "voile/system/attachments.hpp"
-#include "voile/system/contact.hpp"
+#include "energy/natural_state.hpp"
+#include "solve/drape.hpp"
+#include "solve/path_following.hpp"
+#include "solve/single_step.hpp"
+#include "system/attachments.hpp"
+#include "system/contact.hpp"
 
 namespace voile::app {
 

@@ -6,13 +6,13 @@
 #include <optional>
 #include <vector>
 
+#include "input/case.hpp"
+#include "io/checkpoint.hpp"
 #include "recorder.hpp"
-#include "voile/input/case.hpp"
-#include "voile/io/checkpoint.hpp"
-#include "voile/solve/stepper.hpp"
-#include "voile/solve/time_integration.hpp"
-#include "voile/system/dynamics.hpp"
-#include "voile/system/state.hpp"
+#include "solve/stepper.hpp"
+#include "solve/time_integration.hpp"
+#include "system/dynamics.hpp"
+#include "system/state.hpp"
 
 namespace voile::app {
 

@@ -4,10 +4,10 @@
 
 #include <algorithm>
 
+#include "base/text.hpp"
 #include "mesh_report.hpp"
-#include "voile/base/error.hpp"
-#include "voile/base/text.hpp"
-#include "voile/system/rigid_motions.hpp"
+#include "system/rigid_motions.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::app {
 

@@ -9,19 +9,19 @@
 #include <optional>
 #include <set>
 
+#include "base/decompositions.hpp"
+#include "base/mpi.hpp"
+#include "base/petsc.hpp"
+#include "base/text.hpp"
 #include "garment_measures.hpp"
 #include "imperfections.hpp"
 #include "landmarks.hpp"
+#include "mesh/weld.hpp"
 #include "mesh_transfer.hpp"
 #include "model_input.hpp"
-#include "voile/app/run.hpp"
-#include "voile/base/decompositions.hpp"
-#include "voile/base/error.hpp"
-#include "voile/base/mpi.hpp"
-#include "voile/base/petsc.hpp"
-#include "voile/base/text.hpp"
-#include "voile/mesh/weld.hpp"
-#include "voile/pattern/garment.hpp"
+#include "pattern/garment.hpp"
+#include "run.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::app {
 

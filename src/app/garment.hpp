@@ -3,9 +3,9 @@
 
 #include <string>
 
-#include "voile/base/mpi.hpp"
-#include "voile/input/case.hpp"
-#include "voile/mesh/surface_mesh.hpp"
+#include "base/mpi.hpp"
+#include "input/case.hpp"
+#include "mesh/surface_mesh.hpp"
 
 namespace voile::app {
 

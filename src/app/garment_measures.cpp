@@ -2,12 +2,12 @@
 
 #include <algorithm>
 
+#include "base/mpi.hpp"
+#include "base/text.hpp"
 #include "contact_fields.hpp"
+#include "mesh/weld.hpp"
 #include "model_input.hpp"
-#include "voile/base/mpi.hpp"
-#include "voile/base/text.hpp"
-#include "voile/mesh/weld.hpp"
-#include "voile/system/contact.hpp"
+#include "system/contact.hpp"
 
 namespace voile::app {
 

@@ -5,11 +5,11 @@
 #include <string>
 #include <vector>
 
-#include "voile/input/case.hpp"
-#include "voile/system/ease.hpp"
-#include "voile/system/model.hpp"
-#include "voile/system/seam_tension.hpp"
-#include "voile/system/state.hpp"
+#include "input/case.hpp"
+#include "system/ease.hpp"
+#include "system/model.hpp"
+#include "system/seam_tension.hpp"
+#include "system/state.hpp"
 
 namespace voile::app {
 

@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <array>
 
-#include "../io/element_parts.hpp"
-#include "voile/base/error.hpp"
+#include "io/element_parts.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::io {
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "voile/base/types.hpp"
+#include "base/types.hpp"
 
 namespace voile::io {
 

@@ -14,19 +14,19 @@
 #include <optional>
 #include <set>
 
-#include "../io/mesh_bytes.hpp"
+#include "base/child_process.hpp"
+#include "base/plain_file.hpp"
+#include "base/text.hpp"
 #include "gmsh_elements.hpp"
 #include "gmsh_outlines.hpp"
 #include "gmsh_polygons.hpp"
 #include "gmsh_script.hpp"
 #include "gmsh_session.hpp"
 #include "gmsh_views.hpp"
-#include "voile/base/child_process.hpp"
-#include "voile/base/error.hpp"
-#include "voile/base/plain_file.hpp"
-#include "voile/base/text.hpp"
-#include "voile/io/geo_parameters.hpp"
-#include "voile/io/gmsh.hpp"
+#include "io/geo_parameters.hpp"
+#include "io/gmsh.hpp"
+#include "io/mesh_bytes.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::io {
 

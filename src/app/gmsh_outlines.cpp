@@ -7,11 +7,11 @@
 #include <cstdlib>
 #include <map>
 
+#include "base/bytes.hpp"
+#include "base/text.hpp"
 #include "gmsh_script.hpp"
 #include "gmsh_session.hpp"
-#include "voile/base/bytes.hpp"
-#include "voile/base/error.hpp"
-#include "voile/base/text.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::io {
 

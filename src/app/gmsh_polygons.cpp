@@ -7,10 +7,10 @@
 #include <iterator>
 #include <map>
 
+#include "base/bytes.hpp"
 #include "gmsh_session.hpp"
-#include "voile/base/bytes.hpp"
-#include "voile/base/error.hpp"
-#include "voile/io/gmsh_polygon.hpp"
+#include "io/gmsh_polygon.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::io {
 

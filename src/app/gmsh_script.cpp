@@ -13,10 +13,10 @@
 #include <sstream>
 #include <vector>
 
-#include "voile/base/error.hpp"
-#include "voile/base/plain_file.hpp"
-#include "voile/base/text.hpp"
-#include "voile/io/geo_parameters.hpp"
+#include "base/plain_file.hpp"
+#include "base/text.hpp"
+#include "io/geo_parameters.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::io {
 

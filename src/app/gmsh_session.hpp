@@ -5,7 +5,7 @@
 
 #include <string>
 
-#include "voile/base/confinement.hpp"
+#include "base/confinement.hpp"
 
 namespace voile::io {
 

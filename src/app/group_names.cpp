@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "voile/base/error.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::app {
 

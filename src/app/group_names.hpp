@@ -1,8 +1,8 @@
 // Names of groups in a case; private to src/app.
 #pragma once
 
-#include "voile/input/case.hpp"
-#include "voile/mesh/surface_mesh.hpp"
+#include "input/case.hpp"
+#include "mesh/surface_mesh.hpp"
 
 namespace voile::app {
 

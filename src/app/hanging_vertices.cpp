@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "voile/geometry/closest_triangle.hpp"
+#include "geometry/closest_triangle.hpp"
 
 namespace voile::app {
 

@@ -1,7 +1,7 @@
 // Vertices that lie on a sheet without being a part of its triangles there, where sheets end on each other; private to src/app.
 #pragma once
 
-#include "voile/mesh/surface_mesh.hpp"
+#include "mesh/surface_mesh.hpp"
 
 namespace voile::app {
 

@@ -1,6 +1,6 @@
 #include "history_columns.hpp"
 
-#include "voile/base/text.hpp"
+#include "base/text.hpp"
 
 namespace voile::app {
 

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "voile/system/energy_balance.hpp"
+#include "system/energy_balance.hpp"
 
 namespace voile::app {
 

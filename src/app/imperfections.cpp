@@ -9,9 +9,9 @@
 #include <random>
 #include <vector>
 
-#include "voile/base/error.hpp"
-#include "voile/input/expression.hpp"
-#include "voile/io/stored_step.hpp"
+#include "input/expression.hpp"
+#include "io/stored_step.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::app {
 

@@ -7,9 +7,9 @@
 //              the correlation at distance r is exp(-r^2 / (2 length^2)) (Shinozuka & Deodatis, Appl. Mech. Rev. 44 (1991) 191-204)
 #pragma once
 
-#include "voile/base/mpi.hpp"
-#include "voile/input/case.hpp"
-#include "voile/mesh/surface_mesh.hpp"
+#include "base/mpi.hpp"
+#include "input/case.hpp"
+#include "mesh/surface_mesh.hpp"
 
 namespace voile::app {
 

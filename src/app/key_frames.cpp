@@ -7,9 +7,9 @@
 #include <memory>
 #include <utility>
 
-#include "voile/base/error.hpp"
-#include "voile/io/mesh_file.hpp"
-#include "voile/io/point_cache.hpp"
+#include "io/mesh_file.hpp"
+#include "io/point_cache.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::app {
 

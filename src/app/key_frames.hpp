@@ -11,8 +11,8 @@
 #include <string>
 #include <vector>
 
-#include "voile/base/mpi.hpp"
-#include "voile/input/case.hpp"
+#include "base/mpi.hpp"
+#include "input/case.hpp"
 
 namespace voile::app {
 

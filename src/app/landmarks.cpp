@@ -6,10 +6,10 @@
 #include <cmath>
 #include <fstream>
 
+#include "base/plain_file.hpp"
+#include "base/text.hpp"
 #include "obstacles.hpp"
-#include "voile/base/error.hpp"
-#include "voile/base/plain_file.hpp"
-#include "voile/base/text.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::app {
 

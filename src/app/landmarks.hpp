@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "voile/input/case.hpp"
+#include "input/case.hpp"
 
 namespace voile::app {
 

@@ -7,7 +7,7 @@
 //   loads of first, that of bending from all together: W(0) + u.(f(0) + R)/2, R the reactions
 #pragma once
 
-#include "voile/system/model.hpp"
+#include "system/model.hpp"
 
 namespace voile::app {
 

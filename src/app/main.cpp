@@ -17,26 +17,26 @@
 #include <optional>
 #include <sstream>
 
+#include "base/mpi.hpp"
+#include "base/petsc.hpp"
+#include "base/plain_file.hpp"
+#include "base/terminal.hpp"
 #include "begin.hpp"
 #include "deck_case.hpp"
 #include "delegate.hpp"
 #include "doctor.hpp"
 #include "drape_test.hpp"
+#include "input/case.hpp"
+#include "input/case_declarations.hpp"
+#include "input/command_line.hpp"
 #include "launched_ranks.hpp"
 #include "option_hint.hpp"
+#include "run.hpp"
+#include "solve/eigen.hpp"
 #include "temporary_folder.hpp"
 #include "threads.hpp"
-#include "voile/app/run.hpp"
-#include "voile/app/version.hpp"
-#include "voile/base/error.hpp"
-#include "voile/base/mpi.hpp"
-#include "voile/base/petsc.hpp"
-#include "voile/base/plain_file.hpp"
-#include "voile/base/terminal.hpp"
-#include "voile/input/case.hpp"
-#include "voile/input/case_declarations.hpp"
-#include "voile/input/command_line.hpp"
-#include "voile/solve/eigen.hpp"
+#include "version.hpp"
+#include "voile/errors.hpp"
 
 namespace {
 

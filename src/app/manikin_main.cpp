@@ -5,10 +5,10 @@
 #include <memory>
 #include <numbers>
 
+#include "base/terminal.hpp"
 #include "command_program.hpp"
-#include "voile/base/terminal.hpp"
-#include "voile/geometry/intersections.hpp"
-#include "voile/manikin/figure.hpp"
+#include "geometry/intersections.hpp"
+#include "manikin/figure.hpp"
 
 namespace {
 
@@ -91,7 +91,7 @@ void put(std::ofstream& out, Value value) {
   out.write(reinterpret_cast<const char*>(&value), 4);
 }
 
-/// See voile/io/point_cache.hpp.
+/// See io/point_cache.hpp.
 void write_pc2(const fs::path& file, const std::vector<std::vector<Vec3>>& frames) {
   std::ofstream out(file, std::ios::binary);
   out.write("POINTCACHE2\0", 12);

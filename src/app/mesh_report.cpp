@@ -7,15 +7,15 @@
 #include <map>
 #include <numbers>
 
+#include "base/petsc.hpp"
+#include "energy/angle_bending.hpp"
+#include "energy/chord_correction.hpp"
+#include "energy/curvature.hpp"
+#include "energy/sheet.hpp"
 #include "hanging_vertices.hpp"
-#include "voile/base/petsc.hpp"
-#include "voile/energy/angle_bending.hpp"
-#include "voile/energy/chord_correction.hpp"
-#include "voile/energy/curvature.hpp"
-#include "voile/energy/sheet.hpp"
-#include "voile/mesh/coincident.hpp"
-#include "voile/mesh/panels.hpp"
-#include "voile/mesh/quality.hpp"
+#include "mesh/coincident.hpp"
+#include "mesh/panels.hpp"
+#include "mesh/quality.hpp"
 
 namespace voile::app {
 

@@ -4,10 +4,10 @@
 #include <string>
 #include <vector>
 
-#include "voile/base/mpi.hpp"
-#include "voile/energy/element_options.hpp"
-#include "voile/input/case.hpp"
-#include "voile/mesh/surface_mesh.hpp"
+#include "base/mpi.hpp"
+#include "energy/element_options.hpp"
+#include "input/case.hpp"
+#include "mesh/surface_mesh.hpp"
 
 namespace voile::energy {
 class Sheet;

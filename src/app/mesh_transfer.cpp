@@ -3,12 +3,12 @@
 
 #include <fmt/format.h>
 
-#include "voile/app/run.hpp"
-#include "voile/base/mpi.hpp"
-#include "voile/base/petsc.hpp"
-#include "voile/io/mesh_file.hpp"
-#include "voile/mesh/coincident.hpp"
-#include "voile/mesh/panels.hpp"
+#include "base/mpi.hpp"
+#include "base/petsc.hpp"
+#include "io/mesh_file.hpp"
+#include "mesh/coincident.hpp"
+#include "mesh/panels.hpp"
+#include "run.hpp"
 
 namespace voile::app {
 

@@ -1,9 +1,9 @@
 // Meshes from rank 0 to all; private to src/app.
 #pragma once
 
-#include "voile/base/mpi.hpp"
+#include "base/mpi.hpp"
 
-#include "voile/mesh/surface_mesh.hpp"
+#include "mesh/surface_mesh.hpp"
 
 namespace voile::app {
 

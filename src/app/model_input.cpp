@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "voile/pattern/seams.hpp"
+#include "pattern/seams.hpp"
 
 namespace voile::app {
 

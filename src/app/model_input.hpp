@@ -3,9 +3,9 @@
 
 #include <vector>
 
+#include "input/case.hpp"
 #include "obstacles.hpp"
-#include "voile/input/case.hpp"
-#include "voile/system/model.hpp"
+#include "system/model.hpp"
 
 namespace voile::app {
 

@@ -6,13 +6,13 @@
 #include <cmath>
 #include <optional>
 
+#include "base/interrupt.hpp"
+#include "base/mpi.hpp"
 #include "discretisation_error.hpp"
+#include "io/results.hpp"
 #include "linear_values.hpp"
+#include "solve/eigen.hpp"
 #include "validity.hpp"
-#include "voile/base/interrupt.hpp"
-#include "voile/base/mpi.hpp"
-#include "voile/io/results.hpp"
-#include "voile/solve/eigen.hpp"
 
 namespace voile::app {
 

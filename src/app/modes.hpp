@@ -1,10 +1,10 @@
 // Modes of vibration and buckling; private to src/app.
 #pragma once
 
+#include "input/case.hpp"
+#include "run.hpp"
 #include "summary.hpp"
-#include "voile/app/run.hpp"
-#include "voile/input/case.hpp"
-#include "voile/system/model.hpp"
+#include "system/model.hpp"
 
 namespace voile::app {
 

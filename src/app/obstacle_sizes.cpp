@@ -7,7 +7,7 @@
 #include <map>
 #include <unordered_map>
 
-#include "voile/geometry/winding.hpp"
+#include "geometry/winding.hpp"
 
 namespace voile::app {
 

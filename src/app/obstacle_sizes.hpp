@@ -9,8 +9,8 @@
 
 #include <vector>
 
-#include "voile/adapt/sizing.hpp"
-#include "voile/system/contact_scene.hpp"
+#include "adapt/sizing.hpp"
+#include "system/contact_scene.hpp"
 
 namespace voile::app {
 

@@ -8,15 +8,15 @@
 #include <cmath>
 #include <map>
 
-#include "voile/base/bytes.hpp"
-#include "voile/base/child_process.hpp"
-#include "voile/base/error.hpp"
-#include "voile/base/mpi.hpp"
-#include "voile/base/text.hpp"
-#include "voile/io/mesh_file.hpp"
-#include "voile/io/message.hpp"
-#include "voile/io/triangle_file.hpp"
-#include "voile/system/contact.hpp"
+#include "base/bytes.hpp"
+#include "base/child_process.hpp"
+#include "base/mpi.hpp"
+#include "base/text.hpp"
+#include "io/mesh_file.hpp"
+#include "io/message.hpp"
+#include "io/triangle_file.hpp"
+#include "system/contact.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::app {
 

@@ -8,10 +8,10 @@
 #include <string>
 #include <vector>
 
-#include "voile/base/mpi.hpp"
-#include "voile/geometry/intersections.hpp"
-#include "voile/input/case.hpp"
-#include "voile/io/results.hpp"
+#include "base/mpi.hpp"
+#include "geometry/intersections.hpp"
+#include "input/case.hpp"
+#include "io/results.hpp"
 
 namespace voile::system {
 class Contact;

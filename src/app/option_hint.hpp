@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "voile/base/text.hpp"
+#include "base/text.hpp"
 
 namespace voile::app {
 

@@ -13,9 +13,9 @@
 #include <cstring>
 #include <fstream>
 
-#include "voile/base/error.hpp"
-#include "voile/base/plain_file.hpp"
-#include "voile/base/text.hpp"
+#include "base/plain_file.hpp"
+#include "base/text.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::app {
 

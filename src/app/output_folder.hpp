@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-#include "voile/app/run.hpp"
+#include "run.hpp"
 
 namespace voile::app {
 

@@ -5,11 +5,11 @@
 #include <cmath>
 #include <numbers>
 
+#include "base/terminal.hpp"
+#include "picture/animation.hpp"
 #include "picture_frames.hpp"
 #include "picture_words.hpp"
-#include "voile/base/error.hpp"
-#include "voile/base/terminal.hpp"
-#include "voile/picture/animation.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::app {
 

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "voile/picture/export.hpp"
-#include "voile/picture/show.hpp"
-#include "voile/picture/viewer.hpp"
+#include "picture/export.hpp"
+#include "picture/show.hpp"
+#include "picture/viewer.hpp"
 
 namespace voile::app {
 

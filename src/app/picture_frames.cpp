@@ -7,7 +7,7 @@
 #include <chrono>
 #include <thread>
 
-#include "voile/base/error.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::app {
 

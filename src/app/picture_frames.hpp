@@ -5,7 +5,7 @@
 #include <functional>
 
 #include "launched_ranks.hpp"
-#include "voile/picture/image.hpp"
+#include "picture/image.hpp"
 
 namespace voile::app {
 

@@ -5,13 +5,13 @@
 #include <memory>
 #include <string>
 
+#include "base/child_process.hpp"
+#include "base/terminal.hpp"
 #include "command_program.hpp"
+#include "io/stored_run.hpp"
 #include "picture_commands.hpp"
 #include "picture_plot.hpp"
 #include "picture_tangle.hpp"
-#include "voile/base/child_process.hpp"
-#include "voile/base/terminal.hpp"
-#include "voile/io/stored_run.hpp"
 
 namespace {
 

@@ -6,11 +6,11 @@
 #include <array>
 #include <utility>
 
+#include "base/text.hpp"
 #include "history_columns.hpp"
+#include "input/expression.hpp"
 #include "picture_words.hpp"
-#include "voile/base/error.hpp"
-#include "voile/base/text.hpp"
-#include "voile/input/expression.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::app {
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "voile/picture/plot.hpp"
+#include "picture/plot.hpp"
 
 namespace voile::app {
 

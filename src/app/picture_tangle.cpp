@@ -3,8 +3,8 @@
 #include <fstream>
 #include <iterator>
 
-#include "voile/base/bytes.hpp"
-#include "voile/picture/tangle.hpp"
+#include "base/bytes.hpp"
+#include "picture/tangle.hpp"
 
 namespace voile::app {
 

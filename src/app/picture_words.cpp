@@ -7,7 +7,7 @@
 #include <cstdlib>
 #include <sstream>
 
-#include "voile/base/error.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::app {
 

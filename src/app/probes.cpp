@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <array>
 
-#include "voile/base/error.hpp"
-#include "voile/system/contact.hpp"
-#include "voile/system/ease.hpp"
+#include "system/contact.hpp"
+#include "system/ease.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::app {
 

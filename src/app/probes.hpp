@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "voile/input/case.hpp"
-#include "voile/system/model.hpp"
+#include "input/case.hpp"
+#include "system/model.hpp"
 
 namespace voile::app {
 

@@ -6,15 +6,15 @@
 #include <cmath>
 #include <utility>
 
+#include "base/mpi.hpp"
+#include "base/terminal.hpp"
+#include "base/text.hpp"
 #include "history_columns.hpp"
 #include "linear_values.hpp"
 #include "sewing.hpp"
-#include "voile/base/error.hpp"
-#include "voile/base/mpi.hpp"
-#include "voile/base/terminal.hpp"
-#include "voile/base/text.hpp"
-#include "voile/system/contact.hpp"
-#include "voile/system/ease.hpp"
+#include "system/contact.hpp"
+#include "system/ease.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::app {
 

@@ -11,16 +11,16 @@
 
 #include "discretisation_error.hpp"
 #include "energy_text.hpp"
+#include "io/results.hpp"
 #include "obstacles.hpp"
 #include "probes.hpp"
+#include "run.hpp"
+#include "solve/stepper.hpp"
+#include "system/contact_report.hpp"
+#include "system/dynamics.hpp"
+#include "system/model.hpp"
+#include "system/state.hpp"
 #include "time_left.hpp"
-#include "voile/app/run.hpp"
-#include "voile/io/results.hpp"
-#include "voile/solve/stepper.hpp"
-#include "voile/system/contact_report.hpp"
-#include "voile/system/dynamics.hpp"
-#include "voile/system/model.hpp"
-#include "voile/system/state.hpp"
 #include "warnings.hpp"
 
 namespace voile::app {

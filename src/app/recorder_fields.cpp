@@ -6,12 +6,12 @@
 #include <cmath>
 #include <utility>
 
+#include "base/mpi.hpp"
 #include "contact_fields.hpp"
 #include "linear_values.hpp"
 #include "recorder.hpp"
 #include "stresses.hpp"
-#include "voile/base/mpi.hpp"
-#include "voile/system/contact.hpp"
+#include "system/contact.hpp"
 
 namespace voile::app {
 

@@ -6,9 +6,9 @@
 #include <limits>
 #include <map>
 
-#include "voile/base/mpi.hpp"
-#include "voile/system/attachments.hpp"
-#include "voile/system/contact.hpp"
+#include "base/mpi.hpp"
+#include "system/attachments.hpp"
+#include "system/contact.hpp"
 
 namespace voile::app {
 

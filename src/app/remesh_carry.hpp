@@ -3,9 +3,9 @@
 
 #include <vector>
 
-#include "voile/adapt/remesh.hpp"
-#include "voile/io/checkpoint.hpp"
-#include "voile/system/model.hpp"
+#include "adapt/remesh.hpp"
+#include "io/checkpoint.hpp"
+#include "system/model.hpp"
 
 namespace voile::app {
 

@@ -4,9 +4,9 @@
 #include <memory>
 #include <vector>
 
+#include "adapt/remesh.hpp"
+#include "adapt/sizing.hpp"
 #include "remesher.hpp"
-#include "voile/adapt/remesh.hpp"
-#include "voile/adapt/sizing.hpp"
 
 namespace voile::app {
 

@@ -1,12 +1,12 @@
 // What remeshing keeps of a motion: momenta and energies, as the mass matrix of the case has them.
 #include <cmath>
 
+#include "adapt/transfer.hpp"
+#include "base/mpi.hpp"
 #include "mesh_transfer.hpp"
 #include "remesh_carry.hpp"
 #include "remesh_made.hpp"
 #include "remesher.hpp"
-#include "voile/adapt/transfer.hpp"
-#include "voile/base/mpi.hpp"
 
 namespace voile::app {
 

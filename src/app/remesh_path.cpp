@@ -3,7 +3,7 @@
 
 #include "probes.hpp"
 #include "remesher.hpp"
-#include "voile/solve/path_following.hpp"
+#include "solve/path_following.hpp"
 
 namespace voile::app {
 

@@ -2,12 +2,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "adapt/transfer.hpp"
+#include "base/mpi.hpp"
 #include "remesh_made.hpp"
 #include "remesher.hpp"
-#include "voile/adapt/transfer.hpp"
-#include "voile/base/mpi.hpp"
-#include "voile/solve/relaxation.hpp"
-#include "voile/system/contact.hpp"
+#include "solve/relaxation.hpp"
+#include "system/contact.hpp"
 
 namespace voile::app {
 

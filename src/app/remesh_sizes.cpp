@@ -6,14 +6,14 @@
 #include <limits>
 #include <numbers>
 
+#include "base/mpi.hpp"
 #include "discretisation_error.hpp"
+#include "input/expression.hpp"
 #include "obstacle_sizes.hpp"
 #include "remesh_made.hpp"
 #include "remesher.hpp"
-#include "voile/base/error.hpp"
-#include "voile/base/mpi.hpp"
-#include "voile/input/expression.hpp"
-#include "voile/system/contact.hpp"
+#include "system/contact.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::app {
 

@@ -7,16 +7,16 @@
 #include <ctime>
 #include <numbers>
 
+#include "adapt/transfer.hpp"
+#include "base/mpi.hpp"
 #include "carry.hpp"
+#include "input/expression.hpp"
 #include "mesh_transfer.hpp"
 #include "obstacles.hpp"
 #include "remesh_carry.hpp"
 #include "remesh_made.hpp"
-#include "voile/adapt/transfer.hpp"
-#include "voile/base/error.hpp"
-#include "voile/base/mpi.hpp"
-#include "voile/input/expression.hpp"
-#include "voile/system/contact.hpp"
+#include "system/contact.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::app {
 

@@ -7,16 +7,16 @@
 #include <string>
 #include <vector>
 
+#include "adapt/remesh.hpp"
+#include "adapt/rest_surface.hpp"
+#include "adapt/sizing.hpp"
+#include "adapt/transfer.hpp"
 #include "background_size.hpp"
 #include "epoch.hpp"
+#include "io/results.hpp"
 #include "obstacle_sizes.hpp"
 #include "stages.hpp"
 #include "summary.hpp"
-#include "voile/adapt/remesh.hpp"
-#include "voile/adapt/rest_surface.hpp"
-#include "voile/adapt/sizing.hpp"
-#include "voile/adapt/transfer.hpp"
-#include "voile/io/results.hpp"
 
 namespace voile::app {
 

@@ -6,13 +6,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/mpi.hpp"
 #include "energy_text.hpp"
 #include "free_motions.hpp"
 #include "mesh_report.hpp"
 #include "probes.hpp"
 #include "validity.hpp"
-#include "voile/base/error.hpp"
-#include "voile/base/mpi.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::app {
 

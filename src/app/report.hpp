@@ -3,10 +3,10 @@
 
 #include <string>
 
+#include "input/case.hpp"
+#include "run.hpp"
 #include "summary.hpp"
-#include "voile/app/run.hpp"
-#include "voile/input/case.hpp"
-#include "voile/system/model.hpp"
+#include "system/model.hpp"
 
 namespace voile::app {
 

@@ -6,12 +6,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/mpi.hpp"
+#include "io/mesh_file.hpp"
+#include "io/stored_step.hpp"
 #include "mesh_transfer.hpp"
 #include "remesher.hpp"
-#include "voile/base/error.hpp"
-#include "voile/base/mpi.hpp"
-#include "voile/io/mesh_file.hpp"
-#include "voile/io/stored_step.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::app {
 

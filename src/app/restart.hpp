@@ -2,10 +2,10 @@
 #pragma once
 
 #include "epoch.hpp"
-#include "voile/app/run.hpp"
-#include "voile/input/case.hpp"
-#include "voile/io/checkpoint.hpp"
-#include "voile/mesh/surface_mesh.hpp"
+#include "input/case.hpp"
+#include "io/checkpoint.hpp"
+#include "mesh/surface_mesh.hpp"
+#include "run.hpp"
 
 namespace voile::app {
 

@@ -1,11 +1,11 @@
-#include "voile/app/run.hpp"
+#include "run.hpp"
 
 #include <string>
 
+#include "base/interrupt.hpp"
+#include "base/petsc.hpp"
+#include "base/terminal.hpp"
 #include "case_run.hpp"
-#include "voile/base/interrupt.hpp"
-#include "voile/base/petsc.hpp"
-#include "voile/base/terminal.hpp"
 
 namespace voile::app {
 

@@ -8,9 +8,9 @@
 #include <map>
 #include <set>
 
-#include "voile/base/text.hpp"
-#include "voile/contact/distance.hpp"
-#include "voile/contact/surface.hpp"
+#include "base/text.hpp"
+#include "contact/distance.hpp"
+#include "contact/surface.hpp"
 
 namespace voile::app {
 

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "voile/mesh/surface_mesh.hpp"
-#include "voile/system/contact.hpp"
+#include "mesh/surface_mesh.hpp"
+#include "system/contact.hpp"
 
 namespace voile::app {
 

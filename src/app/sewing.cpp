@@ -7,18 +7,18 @@
 #include <cstdint>
 #include <limits>
 
+#include "base/mpi.hpp"
+#include "base/text.hpp"
 #include "carry.hpp"
+#include "mesh/weld.hpp"
 #include "mesh_transfer.hpp"
 #include "model_input.hpp"
+#include "pattern/seams.hpp"
 #include "seam_obstruction.hpp"
-#include "voile/base/error.hpp"
-#include "voile/base/mpi.hpp"
-#include "voile/base/text.hpp"
-#include "voile/mesh/weld.hpp"
-#include "voile/pattern/seams.hpp"
-#include "voile/system/attachments.hpp"
-#include "voile/system/contact.hpp"
-#include "voile/system/sewing_springs.hpp"
+#include "system/attachments.hpp"
+#include "system/contact.hpp"
+#include "system/sewing_springs.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::app {
 

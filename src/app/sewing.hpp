@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
+#include "io/checkpoint.hpp"
+#include "mesh/surface_mesh.hpp"
 #include "stages.hpp"
-#include "voile/io/checkpoint.hpp"
-#include "voile/mesh/surface_mesh.hpp"
 
 namespace voile::app {
 

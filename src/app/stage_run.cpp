@@ -6,15 +6,15 @@
 
 #include <utility>
 
+#include "base/interrupt.hpp"
+#include "base/mpi.hpp"
 #include "discretisation_error.hpp"
 #include "garment_measures.hpp"
 #include "mesh_report.hpp"
 #include "modes.hpp"
 #include "report.hpp"
 #include "sewing.hpp"
-#include "voile/base/interrupt.hpp"
-#include "voile/base/mpi.hpp"
-#include "voile/system/contact.hpp"
+#include "system/contact.hpp"
 
 namespace voile::app {
 

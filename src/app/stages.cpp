@@ -5,18 +5,18 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/mpi.hpp"
+#include "base/text.hpp"
 #include "free_motions.hpp"
+#include "input/case_keys.hpp"
 #include "model_input.hpp"
 #include "probes.hpp"
 #include "remesher.hpp"
+#include "solve/load_path.hpp"
+#include "solve/time_integration.hpp"
 #include "summary.hpp"
-#include "voile/base/error.hpp"
-#include "voile/base/mpi.hpp"
-#include "voile/base/text.hpp"
-#include "voile/input/case_keys.hpp"
-#include "voile/solve/load_path.hpp"
-#include "voile/solve/time_integration.hpp"
-#include "voile/system/dynamics.hpp"
+#include "system/dynamics.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::app {
 

@@ -4,9 +4,9 @@
 #include <vector>
 
 #include "epoch.hpp"
-#include "voile/app/run.hpp"
-#include "voile/input/case.hpp"
-#include "voile/system/model.hpp"
+#include "input/case.hpp"
+#include "run.hpp"
+#include "system/model.hpp"
 
 namespace voile::app {
 

@@ -4,8 +4,8 @@
 
 #include <cmath>
 
-#include "voile/base/error.hpp"
-#include "voile/base/mpi.hpp"
+#include "base/mpi.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::app {
 

@@ -1,8 +1,8 @@
 // Where supports hold the sheet, against where mesh.start has it; private to src/app.
 #pragma once
 
-#include "voile/input/case.hpp"
-#include "voile/system/model.hpp"
+#include "input/case.hpp"
+#include "system/model.hpp"
 
 namespace voile::app {
 

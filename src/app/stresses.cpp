@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "voile/energy/recovery_error.hpp"
+#include "energy/recovery_error.hpp"
 
 namespace voile::app {
 

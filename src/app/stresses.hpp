@@ -7,9 +7,9 @@
 
 #include <vector>
 
-#include "voile/energy/sheet.hpp"
-#include "voile/io/results.hpp"
-#include "voile/system/model.hpp"
+#include "energy/sheet.hpp"
+#include "io/results.hpp"
+#include "system/model.hpp"
 
 namespace voile::app {
 

@@ -7,9 +7,9 @@
 
 #include <fstream>
 
+#include "base/plain_file.hpp"
 #include "history_columns.hpp"
-#include "voile/base/error.hpp"
-#include "voile/base/plain_file.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::app {
 

@@ -7,13 +7,13 @@
 #include <utility>
 #include <vector>
 
+#include "base/types.hpp"
 #include "discretisation_error.hpp"
 #include "energy_text.hpp"
 #include "garment_measures.hpp"
-#include "voile/base/types.hpp"
-#include "voile/solve/stepper.hpp"
-#include "voile/system/contact_report.hpp"
-#include "voile/system/energy_balance.hpp"
+#include "solve/stepper.hpp"
+#include "system/contact_report.hpp"
+#include "system/energy_balance.hpp"
 
 namespace voile::app {
 

@@ -8,7 +8,7 @@
 #include <cstring>
 #include <string>
 
-#include "voile/base/error.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::app {
 

@@ -7,9 +7,9 @@
 #include <cmath>
 #include <numbers>
 
-#include "voile/energy/chord_error.hpp"
-#include "voile/energy/sheet.hpp"
-#include "voile/mesh/patch.hpp"
+#include "energy/chord_error.hpp"
+#include "energy/sheet.hpp"
+#include "mesh/patch.hpp"
 
 namespace voile::app {
 

@@ -9,10 +9,10 @@
 #include <string>
 #include <vector>
 
-#include "voile/energy/sheet.hpp"
-#include "voile/mesh/surface_mesh.hpp"
-#include "voile/system/model.hpp"
-#include "voile/system/recovery.hpp"
+#include "energy/sheet.hpp"
+#include "mesh/surface_mesh.hpp"
+#include "system/model.hpp"
+#include "system/recovery.hpp"
 
 namespace voile::app {
 

@@ -1,4 +1,4 @@
-#include "voile/app/version.hpp"
+#include "version.hpp"
 
 #include <dmumps_c.h>
 #include <fmt/format.h>
@@ -8,9 +8,9 @@
 
 #include <array>
 
-#include "voile/geometry/intersections.hpp"
-#include "voile/io/gmsh.hpp"
-#include "voile/io/results.hpp"
+#include "geometry/intersections.hpp"
+#include "io/gmsh.hpp"
+#include "io/results.hpp"
 
 namespace voile::app {
 

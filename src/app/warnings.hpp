@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
+#include "energy/chord_error.hpp"
+#include "system/model.hpp"
 #include "validity.hpp"
-#include "voile/energy/chord_error.hpp"
-#include "voile/system/model.hpp"
 
 namespace voile::app {
 

@@ -4,10 +4,10 @@
 
 #include <algorithm>
 
-#include "voile/mesh/weld.hpp"
-#include "voile/solve/relaxation.hpp"
-#include "voile/system/contact.hpp"
-#include "voile/system/energy_account.hpp"
+#include "mesh/weld.hpp"
+#include "solve/relaxation.hpp"
+#include "system/contact.hpp"
+#include "system/energy_account.hpp"
 
 namespace voile::app {
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "epoch.hpp"
-#include "voile/system/dynamics_options.hpp"
+#include "system/dynamics_options.hpp"
 
 namespace voile::app {
 

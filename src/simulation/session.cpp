@@ -5,10 +5,10 @@
 
 #include <csignal>
 
-#include "../app/threads.hpp"
-#include "voile/base/error.hpp"
-#include "voile/base/mpi.hpp"
-#include "voile/solve/eigen.hpp"
+#include "app/threads.hpp"
+#include "base/mpi.hpp"
+#include "solve/eigen.hpp"
+#include "voile/errors.hpp"
 #include "voile/version.hpp"
 
 namespace voile {

@@ -5,10 +5,10 @@
 #include <limits>
 #include <utility>
 
+#include "base/mpi.hpp"
 #include "simulation_impl.hpp"
-#include "voile/base/error.hpp"
-#include "voile/base/mpi.hpp"
-#include "voile/system/dynamics.hpp"
+#include "system/dynamics.hpp"
+#include "voile/errors.hpp"
 
 namespace voile {
 

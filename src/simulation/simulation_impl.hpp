@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
-#include "../app/case_run.hpp"
+#include "app/case_run.hpp"
+#include "base/interrupt.hpp"
+#include "input/case.hpp"
 #include "petsc_scope.hpp"
-#include "voile/base/interrupt.hpp"
-#include "voile/input/case.hpp"
 #include "voile/simulation.hpp"
 
 namespace voile {

@@ -5,13 +5,13 @@
 #include <cmath>
 #include <utility>
 
-#include "../app/linear_values.hpp"
+#include "app/linear_values.hpp"
+#include "base/mpi.hpp"
+#include "base/text.hpp"
 #include "simulation_impl.hpp"
-#include "voile/base/error.hpp"
-#include "voile/base/mpi.hpp"
-#include "voile/base/text.hpp"
-#include "voile/system/contact.hpp"
-#include "voile/system/dynamics.hpp"
+#include "system/contact.hpp"
+#include "system/dynamics.hpp"
+#include "voile/errors.hpp"
 
 namespace voile {
 

@@ -1,4 +1,4 @@
-#include "voile/solve/linear_solver.hpp"
+#include "linear_solver.hpp"
 
 #include <fmt/format.h>
 
@@ -7,12 +7,12 @@
 #include <utility>
 #include <vector>
 
+#include "block_icc_pc.hpp"
 #include "inertia.hpp"
-#include "voile/base/error.hpp"
-#include "voile/solve/block_icc_pc.hpp"
-#include "voile/solve/inexact_pc.hpp"
-#include "voile/solve/mixed_pc.hpp"
-#include "voile/solve/schwarz_pc.hpp"
+#include "inexact_pc.hpp"
+#include "mixed_pc.hpp"
+#include "schwarz_pc.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::solve {
 

@@ -4,9 +4,9 @@
 #include <array>
 #include <cmath>
 
-#include "voile/base/mpi.hpp"
-#include "voile/mesh/partition.hpp"
-#include "voile/solve/linear_solver.hpp"
+#include "base/mpi.hpp"
+#include "linear_solver.hpp"
+#include "mesh/partition.hpp"
 
 namespace voile::solve {
 

@@ -1,11 +1,11 @@
-// Coarse level of rigid motions of aggregates of vertices; private to src/solve. Symbols in voile/solve/schwarz_pc.hpp.
+// Coarse level of rigid motions of aggregates of vertices; private to src/solve. Symbols in solve/schwarz_pc.hpp.
 #pragma once
 
 #include <petscksp.h>
 
 #include <vector>
 
-#include "voile/base/petsc.hpp"
+#include "base/petsc.hpp"
 
 namespace voile::solve {
 

@@ -1,4 +1,4 @@
-#include "voile/solve/schwarz_pc.hpp"
+#include "schwarz_pc.hpp"
 
 #include <petsc/private/pcimpl.h>
 
@@ -6,10 +6,10 @@
 #include <memory>
 #include <vector>
 
+#include "base/mpi.hpp"
+#include "base/petsc.hpp"
 #include "mumps_single.hpp"
 #include "rigid_aggregates.hpp"
-#include "voile/base/mpi.hpp"
-#include "voile/base/petsc.hpp"
 
 namespace voile::solve {
 

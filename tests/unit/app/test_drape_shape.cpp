@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "../../../src/app/drape_shape.hpp"
+#include "app/drape_shape.hpp"
 #include "test_relative.hpp"
 
 using namespace voile;

@@ -1,7 +1,7 @@
 // What is said about the energy of a motion at its end.
 #include <doctest/doctest.h>
 
-#include "../../../src/app/energy_text.hpp"
+#include "app/energy_text.hpp"
 
 using voile::app::KineticEnergy;
 using voile::app::rest_text;

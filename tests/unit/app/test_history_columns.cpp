@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "../../../src/app/history_columns.hpp"
+#include "app/history_columns.hpp"
 
 using voile::app::is_of_probe;
 using voile::app::names_of;

@@ -6,8 +6,8 @@
 #include <numbers>
 #include <random>
 
-#include "../../../src/app/obstacle_sizes.hpp"
 #include "../test_relative.hpp"
+#include "app/obstacle_sizes.hpp"
 #include "extent.hpp"
 
 using namespace voile;

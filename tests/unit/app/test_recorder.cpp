@@ -4,10 +4,10 @@
 #include <fstream>
 #include <sstream>
 
-#include "../../../src/app/recorder.hpp"
+#include "app/recorder.hpp"
+#include "base/mpi.hpp"
 #include "test_case_kit.hpp"
 #include "test_model_kit.hpp"
-#include "voile/base/mpi.hpp"
 
 namespace voile {
 

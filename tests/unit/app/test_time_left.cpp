@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "../../../src/app/time_left.hpp"
+#include "app/time_left.hpp"
 
 namespace voile::app {
 

@@ -1,5 +1,5 @@
 // Stress resultants of a state against smooth ones.
-#include "voile/energy/recovery_error.hpp"
+#include "energy/recovery_error.hpp"
 
 #include <doctest/doctest.h>
 
@@ -8,12 +8,12 @@
 #include <cmath>
 #include <numbers>
 
-#include "../../../src/app/discretisation_error.hpp"
-#include "../../../src/app/validity.hpp"
 #include "../test_meshes.hpp"
 #include "../test_model_kit.hpp"
 #include "../test_relative.hpp"
-#include "voile/base/mpi.hpp"
+#include "app/discretisation_error.hpp"
+#include "app/validity.hpp"
+#include "base/mpi.hpp"
 
 using namespace voile;
 using namespace voile::testing;

@@ -7,8 +7,8 @@
 #include <utility>
 #include <vector>
 
-#include "voile/base/petsc.hpp"
-#include "voile/solve/schwarz_pc.hpp"
+#include "base/petsc.hpp"
+#include "solve/schwarz_pc.hpp"
 
 namespace {
 

@@ -4,12 +4,12 @@
 #include <cmath>
 #include <numbers>
 
-#include "../../../src/app/probes.hpp"
+#include "app/probes.hpp"
+#include "base/mpi.hpp"
+#include "system/contact.hpp"
+#include "system/ease.hpp"
 #include "test_model_kit.hpp"
-#include "voile/base/error.hpp"
-#include "voile/base/mpi.hpp"
-#include "voile/system/contact.hpp"
-#include "voile/system/ease.hpp"
+#include "voile/errors.hpp"
 
 using namespace voile;
 using namespace voile::testing;
