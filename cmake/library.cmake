@@ -1,5 +1,5 @@
 # libvoile.so with what finds it (CMake, pkg-config), and the Python binding.
-add_library(voile_shared SHARED $<TARGET_OBJECTS:voile_simulation>)
+add_library(voile_shared SHARED $<TARGET_OBJECTS:voile_interface>)
 set_target_properties(voile_shared PROPERTIES OUTPUT_NAME voile VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR})
 # What comes from archives is hidden, the instantiations of templates of the standard library among it.
 target_link_options(voile_shared PRIVATE -Wl,--exclude-libs,ALL -Wl,--no-undefined -Wl,--as-needed)
