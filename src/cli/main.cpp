@@ -276,13 +276,12 @@ class PetscSession {
 [[noreturn]] void abort_for_memory(const std::string& what) {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
-  abort_all(
-      "error: out of memory",
-      fmt::format("{}; the process held {:.2f} GB. More ranks or a coarser mesh need less per rank; so does "
-                  "-pc_type voile_mixed (single precision, the default of large symmetric statics), "
-                  "-mat_mumps_icntl_22 1 (factor on disk) and -ksp_type cg -pc_type voile_schwarz (small factors)",
-                  what, 1e-6 * static_cast<double>(usage.ru_maxrss)),
-      Exit::user_error);
+  abort_all("error: out of memory",
+            fmt::format("{}; the process held {:.2f} GB. More ranks or a coarser mesh need less per rank; so does "
+                        "-pc_type voile_mixed (single precision, the default of large symmetric statics) and "
+                        "-mat_mumps_icntl_22 1 (factor on disk)",
+                        what, 1e-6 * static_cast<double>(usage.ru_maxrss)),
+            Exit::user_error);
 }
 
 /// Calls `work`; anything but a UserError ends the program here, before PETSc is left collectively.

@@ -50,12 +50,6 @@ energy::Configuration Potential::configuration(Vec a) {
   return {x_.data(), u_.data(), nullptr, energy::Tangent::exact};
 }
 
-std::vector<double> Potential::owned_places() const {
-  std::vector<double> places;
-  for (Index i = 0; i < on_->dofs().local().owned; ++i) places.insert(places.end(), x_[i].data(), x_[i].data() + 3);
-  return places;
-}
-
 void Potential::force(const energy::Configuration& c, Vec a, Vec f) {
   bending_->force(a, f);
   std::fill(force_.begin(), force_.end(), Vec3::Zero());

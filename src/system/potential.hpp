@@ -97,8 +97,6 @@ class Potential {
   /// The local points at state a, which stay until the next call; clamps and anchors are where conditions and obstacles
   /// have put them. Collective.
   [[nodiscard]] energy::Configuration configuration(Vec a);
-  /// Positions of the rank's own vertices at the state taken last, three coordinates each [m].
-  [[nodiscard]] std::vector<double> owned_places() const;
 
   /// Overwrites f with the internal forces at a, of which c is the configuration. Collective. [N]
   void force(const energy::Configuration& c, Vec a, Vec f);
