@@ -75,11 +75,11 @@ class ContactSet {
   /// Barriers of pairs and planes with sheet point i begin at a gap of reach[i] at most [m]; empty: at the distance.
   void set_reaches(std::vector<double> reach) { reach_ = std::move(reach); }
   [[nodiscard]] const std::vector<double>& reaches() const { return reach_; }
-  /// What gives way: bit k of `points` (per sheet point; empty: nothing) says that the point does not see the bodies
+  /// What passes through obstacles: bit k of `points` (per sheet point; empty: nothing) says that the point does not see the bodies
   /// with bit k in `bodies` (per body).
-  void set_yielding(std::vector<std::uint64_t> points, std::vector<std::uint64_t> bodies) {
-    yielding_ = std::move(points);
-    yield_bits_ = std::move(bodies);
+  void set_passing(std::vector<std::uint64_t> points, std::vector<std::uint64_t> bodies) {
+    passing_ = std::move(points);
+    passing_bits_ = std::move(bodies);
   }
   /// The smallest gap of each sheet point over this rank's pairs, or the contact distance if that is less. [m]
   [[nodiscard]] std::vector<double> smallest_gaps(const std::vector<Vec3>& x) const;
@@ -160,14 +160,14 @@ class ContactSet {
   }
   [[nodiscard]] bool plane_acts(const Plane& p, Index point) const {
     return surface_->rules[p.body][surface_->body_of_point[point]].touch &&
-           (yielding_.empty() || !(yielding_[point] & yield_bits_[p.body]));
+           (passing_.empty() || !(passing_[point] & passing_bits_[p.body]));
   }
-  /// False if an obstacle gives way to a point of the pair.
+  /// False if a point of the pair passes through the obstacle.
   [[nodiscard]] bool acts(const Pair& p) const {
-    if (yielding_.empty()) return true;
-    const std::uint64_t bits = yield_bits_[p.body_a] | yield_bits_[p.body_b];
+    if (passing_.empty()) return true;
+    const std::uint64_t bits = passing_bits_[p.body_a] | passing_bits_[p.body_b];
     return bits == 0 || std::none_of(p.points.begin(), p.points.end(), [&](Index i) {
-             return i != no_index && surface_->is_sheet(i) && (yielding_[i] & bits);
+             return i != no_index && surface_->is_sheet(i) && (passing_[i] & bits);
            });
   }
   /// A point and a plane, as a pair of the point alone.
@@ -206,7 +206,7 @@ class ContactSet {
   Candidates candidates_;
   std::vector<Sliding> sliding_;
   std::vector<double> reach_;
-  std::vector<std::uint64_t> yielding_, yield_bits_;
+  std::vector<std::uint64_t> passing_, passing_bits_;
   double slip_ = 1.0;
   bool slips_known_ = false;
 };

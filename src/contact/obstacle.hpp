@@ -26,8 +26,8 @@ struct Obstacle {
   std::function<Vec3(const Vec3& rest, double time)> motion;
   /// Deforming mesh: positions of `points` at time t, instead of `motion`.
   std::function<std::vector<Vec3>(double time)> frames;
-  /// Gives way to cloth that it pinches: see system::Contact::clear_predictor.
-  bool yields = false;
+  /// Cloth that it pinches passes through it: see system::Contact::clear_predictor.
+  bool passable = false;
 };
 
 }  // namespace voile::contact

@@ -75,8 +75,8 @@ std::optional<std::size_t> Obstacles::of_body(int body) const {
   return static_cast<std::size_t>(body - first_body_);
 }
 
-bool Obstacles::any_yields() const {
-  return std::any_of(list_.begin(), list_.end(), [](const Obstacle& o) { return o.yields; });
+bool Obstacles::any_passable() const {
+  return std::any_of(list_.begin(), list_.end(), [](const Obstacle& o) { return o.passable; });
 }
 
 std::vector<Plane> Obstacles::planes() const {

@@ -24,7 +24,7 @@ class Obstacles {
   [[nodiscard]] int body(std::size_t k) const { return first_body_ + static_cast<int>(k); }
   /// Number of the obstacle that is a body; none for parts of the sheet.
   [[nodiscard]] std::optional<std::size_t> of_body(int body) const;
-  [[nodiscard]] bool any_yields() const;
+  [[nodiscard]] bool any_passable() const;
   /// The half-spaces among them, not placed yet.
   [[nodiscard]] std::vector<Plane> planes() const;
   /// Puts points and half-spaces where they are at a time [s].

@@ -172,7 +172,7 @@ void read_obstacle(const SectionPlace& place, Case& c, ObstacleSection& s) {
   contact::Obstacle& o = s.shape;
   constexpr std::array shapes{Shape::mesh, Shape::plane, Shape::sphere, Shape::capsule, Shape::mesh};
   o.shape = shapes[static_cast<std::size_t>(s.type)];
-  o.yields = s.on_pinch == ObstacleSection::OnPinch::yield;
+  o.passable = s.on_pinch == ObstacleSection::OnPinch::pass;
   for (const ObstacleSection& other : c.obstacles)
     if (other.shape.name == o.name) place.fail("name", fmt::format("'{}': another obstacle has this name", o.name));
   if (o.shape == Shape::plane && o.normal.norm() == 0.0) place.fail("normal", "the vector is zero");

@@ -131,7 +131,7 @@ struct ObstacleSection {
   bool frames_loop = false;       ///< from the last frame on to the first
   double frames_smoothing = 0.0;  ///< time over which their mean is taken [s]
   Vec3 point = Vec3::Zero(), end = Vec3::Zero();
-  enum class OnPinch { stop, yield };
+  enum class OnPinch { stop, pass };
   OnPinch on_pinch = OnPinch::stop;
   MotionInput motion;
 };

@@ -162,9 +162,8 @@ std::vector<Key> shape_keys(ObstacleSection& s) {
        .meaning = "Coefficient of friction against the sheet.",
        .range = not_negative},
       {.name = "on_pinch",
-       .slot =
-           choice(s.on_pinch, {{"stop", ObstacleSection::OnPinch::stop}, {"yield", ObstacleSection::OnPinch::yield}}),
-       .meaning = "When it closes on the sheet and leaves no room: `stop` ends the run, `yield` makes the "
+       .slot = choice(s.on_pinch, {{"stop", ObstacleSection::OnPinch::stop}, {"pass", ObstacleSection::OnPinch::pass}}),
+       .meaning = "When it closes on the sheet and leaves no room: `stop` ends the run, `pass` makes the "
                   "pinched vertices ignore it until they are free again (`dynamic` only)."}};
 }
 

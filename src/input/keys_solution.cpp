@@ -284,13 +284,14 @@ std::vector<Key> keys_of(OutputSection& s) {
        .slot = Words{&s.fields,
                      {"displacement", "reaction", "velocity", "membrane_force", "bending_moment", "curvature",
                       "membrane_strain", "membrane_error", "membrane_recovery_error", "bending_recovery_error",
-                      "contact_force", "friction_force", "contact_pressure", "gives_way", "ease", "wanted_size"}},
+                      "contact_force", "friction_force", "contact_pressure", "passing", "ease", "wanted_size"}},
        .meaning =
            "Fields in `results.vtkhdf`, any of `displacement`, `velocity`, `reaction`, `membrane_force`, "
            "`bending_moment`, "
            "`curvature`, `membrane_strain`, `membrane_error`, `membrane_recovery_error`, `bending_recovery_error`, "
            "`contact_force`, `friction_force`, `contact_pressure`, "
-           "`gives_way` (1 where an obstacle does), `ease` (distance to the nearest body), `wanted_size` (of edges, "
+           "`passing` (1 where the vertex passes through an obstacle that pinches it), `ease` (distance to the nearest "
+           "body), `wanted_size` (of edges, "
            "with "
            "`[remesh]`).",
        .absent = "all of them; `ease` with `[[panel]]` only"},

@@ -79,7 +79,7 @@ void write_checkpoint(const std::filesystem::path& path, const Checkpoint& c, co
     file.number("/", "contact_start", c.contact_start);
     file.dataset("contact_gaps", H5T_NATIVE_DOUBLE, vertices, 1, c.contact_gaps.data());
   }
-  if (!c.yielding.empty()) file.dataset("yielding", H5T_NATIVE_DOUBLE, vertices, 1, c.yielding.data());
+  if (!c.passing.empty()) file.dataset("passing", H5T_NATIVE_DOUBLE, vertices, 1, c.passing.data());
   if (!c.anchors.empty())
     file.dataset("anchors", H5T_NATIVE_DOUBLE, c.anchors.size() / anchor_numbers, anchor_numbers, c.anchors.data());
   if (!c.energy_balance.empty())
@@ -190,8 +190,8 @@ Checkpoint read_unguarded(const std::filesystem::path& path, const mesh::Surface
     c.contact_start = read_number(file, "/", "contact_start", path);
     c.contact_gaps = read_values(file, "contact_gaps", static_cast<std::size_t>(mesh.vertex_count()), path);
   }
-  if (has(file, "yielding"))
-    c.yielding = read_values(file, "yielding", static_cast<std::size_t>(mesh.vertex_count()), path);
+  if (has(file, "passing"))
+    c.passing = read_values(file, "passing", static_cast<std::size_t>(mesh.vertex_count()), path);
   if (has(file, "energy_balance")) c.energy_balance = read_balance(file, path);
   if (has(file, "path")) c.path = read_values(file, "path", path_numbers, path);
   for (const double number : c.path)

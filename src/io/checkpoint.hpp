@@ -21,8 +21,8 @@ struct Checkpoint {
   /// Smallest gap of each vertex where contact is let out from, and since when; empty: nothing is let out.
   std::vector<double> contact_gaps{};  ///< [m]
   double contact_start = 0.0;          ///< [s]
-  /// Obstacles that give way to each vertex, see system::ContactMemory; empty: none.
-  std::vector<double> yielding{};
+  /// Obstacles that each vertex passes through, see system::ContactMemory; empty: none.
+  std::vector<double> passing{};
   std::vector<double> anchors{};                          ///< of attachments, see system::numbers_of; empty: none
   std::vector<double> energy_balance{};                   ///< see system::numbers_of; empty: not kept
   std::vector<double> slips{};                            ///< see system::Potential::slips; empty: none

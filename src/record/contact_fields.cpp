@@ -30,11 +30,11 @@ std::vector<io::Field> contact_fields(system::Model& model, Vec a,
     pressure[v] =
         std::hypot(normal[3 * v], normal[3 * v + 1], normal[3 * v + 2]) / contact->scene().set().surface().area[v];
   if (wants("contact_pressure")) fields.push_back({"contact_pressure", "Pa", io::Centre::vertex, 1, pressure});
-  if (system::has_yielding_obstacles(contact->scene().input()) && wants("gives_way")) {
+  if (system::has_passable_obstacles(contact->scene().input()) && wants("passing")) {
     std::vector<double> given(pressure.size());
-    const std::vector<double>& yielding = contact->memory().yielding;
-    for (std::size_t v = 0; v < given.size() && v < yielding.size(); ++v) given[v] = yielding[v] != 0.0 ? 1.0 : 0.0;
-    fields.push_back({"gives_way", "1", io::Centre::vertex, 1, std::move(given)});
+    const std::vector<double>& passing = contact->memory().passing;
+    for (std::size_t v = 0; v < given.size() && v < passing.size(); ++v) given[v] = passing[v] != 0.0 ? 1.0 : 0.0;
+    fields.push_back({"passing", "1", io::Centre::vertex, 1, std::move(given)});
   }
   if (wants("contact_force")) fields.push_back({"contact_force", "N", io::Centre::vertex, 3, std::move(normal)});
   if (wants("friction_force"))

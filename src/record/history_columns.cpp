@@ -30,7 +30,7 @@ Names names_of(const HistoryColumns& columns) {
   add(columns.sewing, {"seam_gap"});
   add(columns.remeshing, {"vertices", "remeshings"});
   add(columns.contact, {"contact_pairs", "smallest_gap", "cut_short", "shortest_iteration", "intersections"});
-  add(columns.yielding, {"gives_way"});
+  add(columns.passing, {"passing"});
   return names;
 }
 
@@ -54,7 +54,7 @@ bool is_of_probe(const std::string& column) {
                                         .sewing = true,
                                         .remeshing = true,
                                         .contact = true,
-                                        .yielding = true});
+                                        .passing = true});
   return !contains(others, column) && !contains(of_path, column);
 }
 

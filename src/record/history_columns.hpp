@@ -14,7 +14,7 @@ namespace voile::record {
 /// Which of the columns a history has.
 struct HistoryColumns {
   bool in_time = false, energy_balance = false, fabric = false, sewing = false, remeshing = false, contact = false,
-       yielding = false;
+       passing = false;
 };
 
 /// In the order of the file.

@@ -90,7 +90,7 @@ std::vector<std::string> Recorder::columns() const {
                 .sewing = !case_.stage.sew.empty(),
                 .remeshing = case_.remesh.active,
                 .contact = case_.contact.input.active,
-                .yielding = contact && system::has_yielding_obstacles(contact->scene().input())});
+                .passing = contact && system::has_passable_obstacles(contact->scene().input())});
   for (std::string& name : probes_->columns()) names.push_back(std::move(name));
   return names;
 }
@@ -140,8 +140,8 @@ long Recorder::count_intersections(Vec a) const {
 }
 
 std::string Recorder::contact_note(const Snapshot& s, const solve::StepResult& r) const {
-  const long yielding = model_->contact() ? system::yielding_count(model_->contact()->memory()) : 0;
-  std::string given = yielding > 0 ? fmt::format("  obstacles let {} vertices pass", yielding) : "";
+  const long passing = model_->contact() ? system::passing_count(model_->contact()->memory()) : 0;
+  std::string given = passing > 0 ? fmt::format("  obstacles let {} vertices pass", passing) : "";
   if (s.contact.pairs == 0) return given;
   return given + fmt::format("  {} contacts, gap {:.3g} m{}", s.contact.pairs, s.contact.gap,
                              r.cut_short > 0 ? fmt::format(", {} cut short (to {:.2g})", r.cut_short, r.shortest) : "");
@@ -252,8 +252,8 @@ void Recorder::write_history(const system::State& state, const solve::StepResult
   if (case_.contact.input.active)
     values.insert(values.end(), {static_cast<double>(s.contact.pairs), s.contact.gap, static_cast<double>(r.cut_short),
                                  r.shortest, static_cast<double>(s.intersections)});
-  if (model_->contact() && system::has_yielding_obstacles(model_->contact()->scene().input()))
-    values.push_back(static_cast<double>(system::yielding_count(model_->contact()->memory())));
+  if (model_->contact() && system::has_passable_obstacles(model_->contact()->scene().input()))
+    values.push_back(static_cast<double>(system::passing_count(model_->contact()->memory())));
   mpi::on_root(model_->dofs().comm(), [&] {
     for (const double value : probes_->values(s.state, *model_)) values.push_back(value);
     if (history_) history_->write(values);

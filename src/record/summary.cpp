@@ -54,7 +54,7 @@ Json json_of(const RemeshingEffort& r) {
           {"refused", r.refused},
           {"attempts", r.attempts},
           {"cpu_seconds", r.seconds},
-          {"share", r.fraction}};
+          {"fraction", r.fraction}};
 }
 
 Json json_of(const Summary& s) {

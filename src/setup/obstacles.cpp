@@ -224,8 +224,7 @@ std::vector<geometry::TrianglePair> IntersectionCheck::find(const std::vector<Ve
   std::vector<geometry::TrianglePair> pairs = geometry::intersecting_triangles(
       all.positions, all.triangles, all.body, [&](Index a, Index b) { return !rules[a][b].touch; }, fraction);
   const auto is_given_way = [&](Index i, Index j) {
-    return system::gives_way(contact_, all.triangles[static_cast<std::size_t>(i)],
-                             all.body[static_cast<std::size_t>(j)]);
+    return system::passes(contact_, all.triangles[static_cast<std::size_t>(i)], all.body[static_cast<std::size_t>(j)]);
   };
   const contact::Surface& s = contact_.scene().set().surface();
   const auto are_sewn = [&](Index i, Index j) {  // they will share a vertex

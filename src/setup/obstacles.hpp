@@ -38,7 +38,7 @@ class IntersectionCheck {
   explicit IntersectionCheck(const system::Contact& contact);
 
   /// Intersecting pairs of the sheet with itself and with obstacles that it can touch, at positions of all points of
-  /// the contact surface; those to which an obstacle gives way do not count. Not collective, for rank 0.
+  /// the contact surface; those that pass through an obstacle do not count. Not collective, for rank 0.
   [[nodiscard]] std::vector<geometry::TrianglePair> find(const std::vector<Vec3>& positions) const {
     return find(positions, geometry::Share{});
   }

@@ -19,7 +19,7 @@ io::Checkpoint gather(const system::State& s, const system::Model& model) {
   c.previous = values(s.previous);
   c.contact_gaps = s.contact.gaps;
   c.contact_start = s.contact.start;
-  c.yielding = s.contact.yielding;
+  c.passing = s.contact.passing;
   c.anchors = system::numbers_of(s.anchors);
   c.energy_balance = system::numbers_of(s.balance);
   c.path = system::numbers_of(s.path);
@@ -42,7 +42,7 @@ system::State scatter(const io::Checkpoint& c, const system::Dofs& dofs) {
   s.next_step = c.next_step;
   s.load_factor = c.load_factor;
   s.in_equilibrium = c.in_equilibrium;
-  s.contact = {c.contact_gaps, c.contact_start, c.yielding};
+  s.contact = {c.contact_gaps, c.contact_start, c.passing};
   s.anchors = system::anchors_of(c.anchors);
   s.balance = system::balance_of(c.energy_balance);
   s.path = system::path_of(c.path);

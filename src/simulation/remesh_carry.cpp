@@ -26,9 +26,9 @@ Origins origins_of(MPI_Comm comm, const adapt::Remeshed& from) {
 }
 
 void carry_contact(const mesh::SurfaceMesh& old_mesh, const Origins& from, io::Checkpoint& c) {
-  const std::vector<double> gaps = std::move(c.contact_gaps), yielding = std::move(c.yielding);
+  const std::vector<double> gaps = std::move(c.contact_gaps), passing = std::move(c.passing);
   c.contact_gaps.clear();
-  c.yielding.clear();
+  c.passing.clear();
   const auto corners = [&](std::size_t v) {
     const mesh::Triangle t = old_mesh.triangles()[from.triangle[v]];
     return from.kept[v] != no_index ? mesh::Triangle{from.kept[v], from.kept[v], from.kept[v]} : t;
@@ -37,10 +37,10 @@ void carry_contact(const mesh::SurfaceMesh& old_mesh, const Origins& from, io::C
     const mesh::Triangle t = corners(v);
     c.contact_gaps.push_back(std::min({gaps[t[0]], gaps[t[1]], gaps[t[2]]}));
   }
-  for (std::size_t v = 0; v < from.kept.size() && !yielding.empty(); ++v) {
+  for (std::size_t v = 0; v < from.kept.size() && !passing.empty(); ++v) {
     std::uint64_t all = 0;
-    for (Index i : corners(v)) all |= static_cast<std::uint64_t>(yielding[i]);
-    c.yielding.push_back(static_cast<double>(all));
+    for (Index i : corners(v)) all |= static_cast<std::uint64_t>(passing[i]);
+    c.passing.push_back(static_cast<double>(all));
   }
 }
 

@@ -42,7 +42,7 @@ double Remesher::negligible_energy(const Epoch& epoch) {
   return 0.5 * stiffness * strain * strain * on.mean_area() * on.mesh().triangle_count();
 }
 
-/// Relative. In equilibrium it is the potential that counts: under the same loads a softer mesh gives way and stores
+/// Relative. In equilibrium it is the potential that counts: under the same loads a softer mesh deflects more and stores
 /// more. The same on every rank. Collective.
 double Remesher::energy_change(const Ledger& before, const Ledger& after, Epoch& fresh) const {
   const double size = std::max({std::abs(before.total()), std::abs(after.total()), negligible_energy(fresh)});

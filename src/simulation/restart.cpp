@@ -205,7 +205,7 @@ io::Checkpoint read_start(const input::Case& c, const record::RunOptions& option
   start.factors_left = static_cast<int>(numbers[12]);
   start.wait = static_cast<int>(numbers[13]);
   mpi::broadcast(options.comm, start.contact_gaps);
-  mpi::broadcast(options.comm, start.yielding);
+  mpi::broadcast(options.comm, start.passing);
   mpi::broadcast(options.comm, start.anchors);
   mpi::broadcast(options.comm, start.energy_balance);
   mpi::broadcast(options.comm, start.path);

@@ -137,7 +137,7 @@ void merge_contact(const std::vector<Index>& target, std::size_t count, io::Chec
     values = std::move(merged);
   };
   merge(c.contact_gaps, std::numeric_limits<double>::infinity(), [](double a, double b) { return std::min(a, b); });
-  merge(c.yielding, 0.0, [](double a, double b) {
+  merge(c.passing, 0.0, [](double a, double b) {
     return static_cast<double>(static_cast<std::uint64_t>(a) | static_cast<std::uint64_t>(b));
   });
 }

@@ -16,7 +16,7 @@ namespace voile::solve {
 namespace {
 
 constexpr double sufficient_decrease = 1e-4, shortest_length = 1e-6;
-/// Fraction of the first step below which an obstacle may give way to what it pinches.
+/// Fraction of the first step below which what an obstacle pinches may pass through it.
 constexpr double pinched_step = 0.1;
 /// Relative size at which a change of the energy is lost in its round-off.
 constexpr double energy_round_off = 1e-12;
@@ -164,12 +164,12 @@ bool TimeIntegration::Impl::clear_predictor(double t0, Vec x0, double t1, Vec x1
     VOILE_PETSC(VecCopy(x0, x1));
     model.conditions().enforce(x1);
     // Only what is still blocked in small steps is pinched.
-    const bool may_yield = t1 - t0 <= std::max(pinched_step * options.step, 2.0 * options.min_step);
-    const long before = system::yielding_count(contact.memory());
-    way = contact.clear_predictor(x0, t0, x1, t1, may_yield);
-    if (way.clear && system::yielding_count(contact.memory()) > before && before == 0 && remark)
+    const bool may_pass = t1 - t0 <= std::max(pinched_step * options.step, 2.0 * options.min_step);
+    const long before = system::passing_count(contact.memory());
+    way = contact.clear_predictor(x0, t0, x1, t1, may_pass);
+    if (way.clear && system::passing_count(contact.memory()) > before && before == 0 && remark)
       remark(fmt::format("t = {:.6g} s: {} vertices pass through an obstacle; {} was pinched", t0,
-                         system::yielding_count(contact.memory()), way.obstruction));
+                         system::passing_count(contact.memory()), way.obstruction));
   }
   if (!way.clear) obstruction = way.obstruction;
   dynamics.set_time(t1);

@@ -29,7 +29,7 @@ void Contact::set_time(double time) {
 
 void Contact::start_step(Vec a, double slip) {
   scene_.take(a);
-  end_yielding(scene_, memory_);
+  end_passing(scene_, memory_);
   scene_.begin_step();
   slip_ = slip;
   scene_.lag_friction(slip);
@@ -144,9 +144,9 @@ double Contact::step_fraction(Vec a, Vec da) {
   return -mpi::max(scene_.dofs().comm(), -scene_.set().step_fraction(points.now, points.end));
 }
 
-Contact::Clearance Contact::clear_predictor(Vec from, double t0, Vec to, double t1, bool may_yield) {
+Contact::Clearance Contact::clear_predictor(Vec from, double t0, Vec to, double t1, bool may_pass) {
   PredictorTrajectory trajectory(scene_, memory_, from, t0, to, t1);
-  const bool clear = may_yield ? trajectory.clear_yielding() : trajectory.clear();
+  const bool clear = may_pass ? trajectory.clear_passing() : trajectory.clear();
   return {clear, trajectory.obstruction()};
 }
 

@@ -16,10 +16,10 @@
 
 namespace voile::system {
 
-/// Whether an obstacle gives way to what it pinches.
-[[nodiscard]] bool has_yielding_obstacles(const ContactInput& input);
-/// How many vertices some obstacle gives way to.
-[[nodiscard]] long yielding_count(const ContactMemory& memory);
+/// Whether what an obstacle pinches passes through it.
+[[nodiscard]] bool has_passable_obstacles(const ContactInput& input);
+/// How many vertices pass through some obstacle.
+[[nodiscard]] long passing_count(const ContactMemory& memory);
 
 class Contact {
  public:
@@ -70,9 +70,9 @@ class Contact {
   [[nodiscard]] double step_fraction(Vec a, Vec da);
   /// Changes the free components of the predictor `to` until nothing collides on straight paths from `from`, while the
   /// obstacles move from time t0 to t1: points that would be hit move along with what hits them. Sets the time to t1.
-  /// With `may_yield`, obstacles that yield are ignored by the vertices that cannot evade them, until the triangles of
+  /// With `may_pass`, passable obstacles are ignored by the vertices that cannot evade them, until the triangles of
   /// these are the contact distance away from the obstacle at the start of a step. Collective.
-  [[nodiscard]] Clearance clear_predictor(Vec from, double t0, Vec to, double t1, bool may_yield = false);
+  [[nodiscard]] Clearance clear_predictor(Vec from, double t0, Vec to, double t1, bool may_pass = false);
 
  private:
   /// Sets `balanced`, per vertex and alike on all ranks, to 0 where the other forces (minus `others`) do not balance the
@@ -86,7 +86,7 @@ class Contact {
   double slip_ = 1.0;
 };
 
-/// Whether an obstacle gives way to a vertex of this triangle of the sheet. Not collective.
-[[nodiscard]] bool gives_way(const Contact& contact, const std::array<Index, 3>& triangle, int body);
+/// Whether a vertex of this triangle of the sheet passes through the obstacle. Not collective.
+[[nodiscard]] bool passes(const Contact& contact, const std::array<Index, 3>& triangle, int body);
 
 }  // namespace voile::system

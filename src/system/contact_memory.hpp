@@ -10,8 +10,8 @@ struct ContactMemory {
   /// How a start nearer than the contact distance is let out: smallest gap of each vertex then [m]; empty: not at all.
   std::vector<double> gaps;
   double start = 0.0;  ///< [s]
-  /// Which obstacles give way to each vertex: a sum of 2^k over them, k their number; empty: none do.
-  std::vector<double> yielding;
+  /// Which obstacles each vertex passes through: a sum of 2^k over them, k their number; empty: none.
+  std::vector<double> passing;
 };
 
 }  // namespace voile::system

@@ -14,10 +14,10 @@ namespace voile::system {
 void settle(ContactScene& scene, const ContactMemory& memory);
 /// Puts the obstacles where they are at a time, and the barriers that grow. Not collective.
 void set_time(ContactScene& scene, const ContactMemory& memory, double time);
-/// Tells the pairs which obstacles give way to whom. Not collective.
-void tell_yielding(ContactScene& scene, const ContactMemory& memory);
+/// Which vertices pass through which obstacles, for the pairs. Not collective.
+void set_passing(ContactScene& scene, const ContactMemory& memory);
 /// Vertices that are free again see the obstacles again. Collective.
-void end_yielding(ContactScene& scene, ContactMemory& memory);
+void end_passing(ContactScene& scene, ContactMemory& memory);
 
 /// The trajectory of a predictor from one state to another, while obstacles move; made clear by moving its end.
 class PredictorTrajectory {
@@ -28,8 +28,8 @@ class PredictorTrajectory {
   /// One attempt: changes the free components of `to` until nothing collides; false if no such end is found. Sets the
   /// time to t1. Collective.
   [[nodiscard]] bool clear();
-  /// Attempts in which more and more of what is found blocked sees the obstacles that yield no longer. Collective.
-  [[nodiscard]] bool clear_yielding();
+  /// Attempts in which more and more of what is found blocked passes through passable obstacles. Collective.
+  [[nodiscard]] bool clear_passing();
   /// The pair that collided last or was pinched, in words; the same on every rank.
   [[nodiscard]] const std::string& obstruction() const { return obstruction_; }
 
@@ -46,9 +46,9 @@ class PredictorTrajectory {
   [[nodiscard]] std::vector<Motion> blocked_motions(const std::vector<char>& asked);
   void move_along(const std::vector<Motion>& motions) const;
   void note_blocked(const contact::Pair& pair);
-  /// Lets obstacles give way to what clear() found blocked; false if none of them does. Collective.
-  bool yield_to_blocked();
-  /// Begins to let out what obstacles have come to give way to since `before`. Collective.
+  /// What clear() found blocked passes through passable obstacles; false if there are none. Collective.
+  bool pass_blocked();
+  /// Begins to let out what passes through obstacles since `before`. Collective.
   void let_out(const std::vector<double>& before);
 
   ContactScene& scene_;
@@ -57,7 +57,7 @@ class PredictorTrajectory {
   double t0_, t1_;
   std::vector<contact::Plane> planes_, planes_end_;  ///< at t0 and t1
   std::string obstruction_;
-  std::vector<double> blocked_;  ///< as ContactMemory::yielding, for what the last attempt found in its way
+  std::vector<double> blocked_;  ///< as ContactMemory::passing, for what the last attempt found in its way
 };
 
 }  // namespace voile::system

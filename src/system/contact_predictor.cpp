@@ -57,7 +57,7 @@ bool PredictorTrajectory::clear() {
     if (scene_.cover(x, end)) asked.assign(x.size(), 1);
     scene_.set().planes() = planes_;
     // What two obstacles pinch is thrown from one to the other, round by round.
-    if (round <= most_rounds - last_rounds && scene_.obstacles().any_yields())
+    if (round <= most_rounds - last_rounds && scene_.obstacles().any_passable())
       blocked_.assign(static_cast<std::size_t>(scene_.dofs().mesh().vertex_count()), 0.0);
     const std::vector<Motion> motions = blocked_motions(asked);
     clear = obstruction_.empty();

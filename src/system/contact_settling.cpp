@@ -57,7 +57,7 @@ void Contact::begin_settling(Vec a, Vec residual, double time) {
 void Contact::restore(ContactMemory memory) {
   memory_ = std::move(memory);
   settle(scene_, memory_);
-  tell_yielding(scene_, memory_);
+  set_passing(scene_, memory_);
 }
 
 void set_time(ContactScene& scene, const ContactMemory& memory, double time) {

@@ -15,7 +15,7 @@ TEST_CASE("columns of a history that are not probes' are known, whichever a run 
                             .sewing = true,
                             .remeshing = true,
                             .contact = true,
-                            .yielding = true})) {
+                            .passing = true})) {
       CAPTURE(name);
       CHECK_FALSE(is_of_probe(name));
     }
@@ -34,5 +34,5 @@ TEST_CASE("a history has the columns of what takes part in its run") {
   CHECK_FALSE(has({.contact = true}, "vertices"));
   CHECK(has({.contact = true}, "smallest_gap"));
   CHECK(has({.sewing = true}, "seam_gap"));
-  CHECK(has({.yielding = true}, "gives_way"));
+  CHECK(has({.passing = true}, "passing"));
 }

@@ -1,4 +1,4 @@
-// Rules of contact, what yields, slivers, and what is refused.
+// Rules of contact, passable obstacles, slivers, and what is refused.
 #include <doctest/doctest.h>
 
 #include <Eigen/Geometry>
@@ -54,10 +54,10 @@ TEST_CASE("slivers: neighbours nearer than the contact distance are at rest, and
   CHECK(e == relative(whole).epsilon(0.1));
 }
 
-TEST_CASE("an obstacle that yields gives way to what it pinches, until that is free again") {
-  const auto run = [](bool yields, Obstacle above, const Obstacle& below) {
+TEST_CASE("cloth passes through a passable obstacle that pinches it, until it is free again") {
+  const auto run = [](bool passable, Obstacle above, const Obstacle& below) {
     above.name = "press";
-    above.yields = yields;
+    above.passable = passable;
     system::ModelInput in = input({below, above}, 0.01);
     in.loads = {load(LoadKind::gravity, "", Vec3(0.0, 0.0, -9.81))};
     Problem p(sheets(1, 8, 0.0), in);
@@ -65,17 +65,17 @@ TEST_CASE("an obstacle that yields gives way to what it pinches, until that is f
     solve::TimeOptions o = motion_options(0.3, 0.01);
     o.velocity_tolerance = 1e-3;
     const Ended r = integrate(p, {}, o, [&](const system::State&, system::Dynamics&) {
-      last = system::yielding_count(p.model.contact()->memory());
+      last = system::passing_count(p.model.contact()->memory());
       most = std::max(most, last);
       if (last == 0) return;
       Problem q(sheets(1, 8, 0.0), input({below, above}, 0.01));
       q.model.contact()->restore(p.model.contact()->memory());
-      CHECK(system::yielding_count(q.model.contact()->memory()) == last);
+      CHECK(system::passing_count(q.model.contact()->memory()) == last);
     });
     double lowest = 1e9;
     for (const Vec3& u : per_vertex(p.model, p.u)) lowest = std::min(lowest, u[2]);
-    CHECK(r.completed == yields);
-    CHECK((most > 0) == yields);
+    CHECK(r.completed == passable);
+    CHECK((most > 0) == passable);
     CHECK(last == 0);
     return lowest;
   };
@@ -85,12 +85,12 @@ TEST_CASE("an obstacle that yields gives way to what it pinches, until that is f
   Obstacle press = plane(0.03);
   press.normal = -Vec3::UnitZ();
   press.motion = motion(1.0, 0.08);
-  for (const bool yields : {false, true}) CHECK(run(yields, press, plane(-0.03)) > -0.03);
+  for (const bool passable : {false, true}) CHECK(run(passable, press, plane(-0.03)) > -0.03);
   Obstacle upper = ball(Vec3(0.5, 0.5, 0.34), 0.3), lower = ball(Vec3(0.5, 0.5, -0.34), 0.3);
   upper.motion = motion(1.0, 0.06);
   lower.motion = motion(-1.0, 0.06);
   lower.name = "lower";
-  for (const bool yields : {false, true}) (void)run(yields, upper, lower);
+  for (const bool passable : {false, true}) (void)run(passable, upper, lower);
 }
 
 TEST_CASE("without rules every pair of bodies has the friction of its obstacle, sheets that of themselves") {

@@ -1,4 +1,4 @@
-// Obstacles that give way to cloth which they pinch.
+// Pinched cloth that passes through obstacles.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -11,7 +11,7 @@ namespace voile::system {
 
 namespace {
 
-/// Attempts in which more and more of the obstacles' surface gives way.
+/// Attempts in which more and more of the obstacles' surface is passable.
 constexpr int most_attempts = 50;
 
 /// A set of obstacles as a number, exact in a double for 53 of them.
@@ -25,38 +25,38 @@ double bit(std::size_t obstacle) {
 
 }  // namespace
 
-bool has_yielding_obstacles(const ContactInput& input) {
-  return std::any_of(input.obstacles.begin(), input.obstacles.end(), [](const auto& o) { return o.yields; });
+bool has_passable_obstacles(const ContactInput& input) {
+  return std::any_of(input.obstacles.begin(), input.obstacles.end(), [](const auto& o) { return o.passable; });
 }
 
-long yielding_count(const ContactMemory& memory) {
-  return std::count_if(memory.yielding.begin(), memory.yielding.end(), [](double set) { return set != 0.0; });
+long passing_count(const ContactMemory& memory) {
+  return std::count_if(memory.passing.begin(), memory.passing.end(), [](double set) { return set != 0.0; });
 }
 
-bool gives_way(const Contact& contact, const std::array<Index, 3>& triangle, int body) {
+bool passes(const Contact& contact, const std::array<Index, 3>& triangle, int body) {
   const contact::Surface& s = contact.scene().set().surface();
   const std::size_t sheets = s.bodies.size() - contact.scene().obstacles().size(), of = static_cast<std::size_t>(body);
-  const std::vector<double>& yielding = contact.memory().yielding;
-  if (yielding.empty() || of < sheets) return false;
+  const std::vector<double>& passing = contact.memory().passing;
+  if (passing.empty() || of < sheets) return false;
   const std::uint64_t own = bits(bit(of - sheets));
   return std::any_of(triangle.begin(), triangle.end(),
-                     [&](Index v) { return s.is_sheet(v) && (bits(yielding[v]) & own); });
+                     [&](Index v) { return s.is_sheet(v) && (bits(passing[v]) & own); });
 }
 
-void tell_yielding(ContactScene& scene, const ContactMemory& memory) {
+void set_passing(ContactScene& scene, const ContactMemory& memory) {
   const contact::Obstacles& obstacles = scene.obstacles();
-  std::vector<std::uint64_t> points(memory.yielding.size()), bodies(scene.set().surface().bodies.size(), 0);
-  std::transform(memory.yielding.begin(), memory.yielding.end(), points.begin(), bits);
+  std::vector<std::uint64_t> points(memory.passing.size()), bodies(scene.set().surface().bodies.size(), 0);
+  std::transform(memory.passing.begin(), memory.passing.end(), points.begin(), bits);
   for (std::size_t k = 0; k < obstacles.size(); ++k)
-    if (obstacles[k].yields) bodies[obstacles.body(k)] = bits(bit(k));
-  scene.set().set_yielding(std::move(points), std::move(bodies));
+    if (obstacles[k].passable) bodies[obstacles.body(k)] = bits(bit(k));
+  scene.set().set_passing(std::move(points), std::move(bodies));
 }
 
 void PredictorTrajectory::note_blocked(const contact::Pair& pair) {
   const contact::Obstacles& obstacles = scene_.obstacles();
   for (std::size_t k = 0; k < obstacles.size(); ++k) {
     const int b = obstacles.body(k);
-    if (!obstacles[k].yields || (pair.body_a != b && pair.body_b != b)) continue;
+    if (!obstacles[k].passable || (pair.body_a != b && pair.body_b != b)) continue;
     for (Index p : pair.points)
       if (p != no_index && scene_.set().surface().is_sheet(p))
         blocked_[p] = static_cast<double>(bits(blocked_[p]) | bits(bit(k)));
@@ -64,13 +64,13 @@ void PredictorTrajectory::note_blocked(const contact::Pair& pair) {
 }
 
 /// One obstacle at a time: what two of them pinch still lies on the other, and is not left behind when they part.
-bool PredictorTrajectory::yield_to_blocked() {
+bool PredictorTrajectory::pass_blocked() {
   const contact::Obstacles& obstacles = scene_.obstacles();
   bool more = false;
-  std::vector<double> all = memory_.yielding;
+  std::vector<double> all = memory_.passing;
   all.resize(blocked_.size(), 0.0);
   for (std::size_t k = 0; k < obstacles.size() && !more; ++k) {
-    if (!obstacles[k].yields) continue;
+    if (!obstacles[k].passable) continue;
     std::vector<double> hit(blocked_.size());  // -1: on some rank
     for (std::size_t v = 0; v < hit.size(); ++v) hit[v] = bits(blocked_[v]) & bits(bit(k)) ? -1.0 : 0.0;
     mpi::min(scene_.dofs().comm(), hit);
@@ -81,12 +81,12 @@ bool PredictorTrajectory::yield_to_blocked() {
     }
   }
   if (!more) return false;
-  memory_.yielding = std::move(all);
-  tell_yielding(scene_, memory_);
+  memory_.passing = std::move(all);
+  set_passing(scene_, memory_);
   return true;
 }
 
-/// What was pinched is pressed hard against what does not give way, which would throw it through what does.
+/// What was pinched is pressed hard against what is not passable, which would throw it through what is.
 void PredictorTrajectory::let_out(const std::vector<double>& before) {
   set_time(scene_, memory_, t0_);
   scene_.take(from_);
@@ -94,7 +94,7 @@ void PredictorTrajectory::let_out(const std::vector<double>& before) {
   std::vector<double> gaps = set.smallest_gaps(scene_.points().now);
   mpi::min(scene_.dofs().comm(), gaps);
   for (std::size_t v = 0; v < gaps.size(); ++v) {
-    const bool is_new = memory_.yielding[v] != (before.empty() ? 0.0 : before[v]);
+    const bool is_new = memory_.passing[v] != (before.empty() ? 0.0 : before[v]);
     if (!is_new) gaps[v] = set.reaches().empty() ? scene_.input().options.distance : set.reaches()[v];
   }
   memory_.gaps = std::move(gaps);
@@ -102,13 +102,13 @@ void PredictorTrajectory::let_out(const std::vector<double>& before) {
   set_time(scene_, memory_, t1_);
 }
 
-bool PredictorTrajectory::clear_yielding() {
-  if (!scene_.obstacles().any_yields()) return clear();
+bool PredictorTrajectory::clear_passing() {
+  if (!scene_.obstacles().any_passable()) return clear();
   petsc::VecHandle guess;
   VOILE_PETSC(VecDuplicate(to_, guess.out()));
   VOILE_PETSC(VecCopy(to_, guess));
   std::string pinched;
-  const std::vector<double> before = memory_.yielding;
+  const std::vector<double> before = memory_.passing;
   for (int attempt = 0; attempt < most_attempts; ++attempt) {
     if (clear()) {
       if (attempt > 0) let_out(before);
@@ -116,7 +116,7 @@ bool PredictorTrajectory::clear_yielding() {
       return true;
     }
     pinched = obstruction_;
-    if (!yield_to_blocked()) return false;
+    if (!pass_blocked()) return false;
     VOILE_PETSC(VecCopy(guess, to_));
   }
   return false;
@@ -135,20 +135,20 @@ bool is_free(const ContactScene& scene, const mesh::Triangle& t, std::size_t k) 
 
 }  // namespace
 
-void end_yielding(ContactScene& scene, ContactMemory& memory) {
-  if (memory.yielding.empty()) return;
+void end_passing(ContactScene& scene, ContactMemory& memory) {
+  if (memory.passing.empty()) return;
   const mesh::SurfaceMesh& mesh = scene.dofs().mesh();
-  const std::vector<double> before = memory.yielding;
+  const std::vector<double> before = memory.passing;
   for (const Index v : scene.set().candidates().own_points())
     for (std::size_t k = 0; before[v] != 0.0 && k < scene.obstacles().size(); ++k) {
       if (!(bits(before[v]) & bits(bit(k)))) continue;
       const std::vector<Index> around = mesh.triangles_of_vertex(v);
       if (std::all_of(around.begin(), around.end(), [&](Index t) { return is_free(scene, mesh.triangles()[t], k); }))
-        memory.yielding[v] -= bit(k);
+        memory.passing[v] -= bit(k);
     }
-  mpi::min(scene.dofs().comm(), memory.yielding);  // what other ranks have freed
-  if (yielding_count(memory) == 0) memory.yielding.clear();
-  if (memory.yielding != before) tell_yielding(scene, memory);
+  mpi::min(scene.dofs().comm(), memory.passing);  // what other ranks have freed
+  if (passing_count(memory) == 0) memory.passing.clear();
+  if (memory.passing != before) set_passing(scene, memory);
 }
 
 }  // namespace voile::system
