@@ -15,6 +15,7 @@ namespace voile::app {
 struct HistoryColumns {
   bool in_time = false, energy_balance = false, fabric = false, sewing = false, remeshing = false, contact = false,
        yielding = false;
+  int gases = 0;
 };
 
 /// In the order of the file.

@@ -15,6 +15,7 @@
 #include "voile/base/text.hpp"
 #include "voile/system/contact.hpp"
 #include "voile/system/ease.hpp"
+#include "voile/system/gas.hpp"
 
 namespace voile::app {
 
@@ -90,7 +91,8 @@ std::vector<std::string> Recorder::columns() const {
                 .sewing = !case_.stage.sew.empty(),
                 .remeshing = case_.remesh.active,
                 .contact = case_.contact.input.active,
-                .yielding = contact && system::has_yielding_obstacles(contact->scene().input())});
+                .yielding = contact && system::has_yielding_obstacles(contact->scene().input()),
+                .gases = static_cast<int>(model_->conditions().gases().size())});
   for (std::string& name : probes_->columns()) names.push_back(std::move(name));
   return names;
 }
@@ -254,6 +256,13 @@ void Recorder::write_history(const system::State& state, const solve::StepResult
                                  r.shortest, static_cast<double>(s.intersections)});
   if (model_->contact() && system::has_yielding_obstacles(model_->contact()->scene().input()))
     values.push_back(static_cast<double>(system::yielding_count(model_->contact()->memory())));
+  if (model_->conditions().has_gas()) {
+    const energy::Configuration c = model_->potential().configuration(state.u);
+    for (const system::Gas& gas : model_->conditions().gases()) {
+      const system::GasState now = gas.at(c);
+      values.insert(values.end(), {now.volume, now.pressure, now.energy});
+    }
+  }
   mpi::on_root(model_->dofs().comm(), [&] {
     for (const double value : probes_->values(s.state, *model_)) values.push_back(value);
     if (history_) history_->write(values);
