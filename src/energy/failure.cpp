@@ -1,4 +1,4 @@
-#include "voile/energy/failure.hpp"
+#include "failure.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -5,8 +5,8 @@
 #include <map>
 #include <numeric>
 
-#include "voile/base/error.hpp"
-#include "voile/energy/joint.hpp"
+#include "joint.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::energy {
 

@@ -1,4 +1,4 @@
-#include "voile/energy/layer_stress.hpp"
+#include "layer_stress.hpp"
 
 namespace voile::energy {
 

@@ -6,8 +6,8 @@
 #include <cstdlib>
 
 #include "case_natural.hpp"
-#include "voile/base/error.hpp"
-#include "voile/input/expression.hpp"
+#include "expression.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::input {
 

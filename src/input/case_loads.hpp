@@ -4,7 +4,7 @@
 #include <functional>
 #include <string>
 
-#include "voile/input/case_read.hpp"
+#include "case_read.hpp"
 
 namespace voile::input {
 

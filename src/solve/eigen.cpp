@@ -1,4 +1,4 @@
-#include "voile/solve/eigen.hpp"
+#include "eigen.hpp"
 
 #include <slepceps.h>
 
@@ -6,10 +6,10 @@
 #include <cmath>
 #include <numbers>
 
+#include "base/interrupt.hpp"
+#include "base/mpi.hpp"
 #include "low_rank_solution.hpp"
-#include "voile/base/error.hpp"
-#include "voile/base/interrupt.hpp"
-#include "voile/base/mpi.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::solve {
 

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "voile/base/decompositions.hpp"
+#include "base/decompositions.hpp"
 
 namespace voile::solve {
 

@@ -6,7 +6,7 @@
 // Source: Golub & Van Loan, Matrix Computations, 4th ed. (2013), 2.1.4; Haynsworth, Linear Algebra Appl. 1 (1968) 73-81.
 #pragma once
 
-#include "voile/system/low_rank.hpp"
+#include "system/low_rank.hpp"
 
 namespace voile::solve {
 

@@ -1,9 +1,9 @@
-#include "voile/system/constant_matrices.hpp"
+#include "constant_matrices.hpp"
 
 #include <algorithm>
 
-#include "voile/base/mpi.hpp"
-#include "voile/energy/sheet.hpp"
+#include "base/mpi.hpp"
+#include "energy/sheet.hpp"
 
 namespace voile::system {
 

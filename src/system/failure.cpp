@@ -1,8 +1,8 @@
-#include "voile/system/failure.hpp"
+#include "failure.hpp"
 
 #include <algorithm>
 
-#include "voile/energy/sheet.hpp"
+#include "energy/sheet.hpp"
 
 namespace voile::system {
 

@@ -1,13 +1,13 @@
-#include "voile/system/gas.hpp"
+#include "gas.hpp"
 
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
-#include "voile/base/mpi.hpp"
-#include "voile/energy/volume.hpp"
-#include "voile/system/gas_surface.hpp"
-#include "voile/system/term.hpp"
+#include "base/mpi.hpp"
+#include "energy/volume.hpp"
+#include "gas_surface.hpp"
+#include "term.hpp"
 
 namespace voile::system {
 

@@ -1,4 +1,4 @@
-#include "voile/system/gas_surface.hpp"
+#include "gas_surface.hpp"
 
 #include <fmt/format.h>
 
@@ -8,7 +8,7 @@
 #include <map>
 #include <utility>
 
-#include "voile/base/error.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::system {
 

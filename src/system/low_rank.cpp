@@ -1,4 +1,4 @@
-#include "voile/system/low_rank.hpp"
+#include "low_rank.hpp"
 
 #include <utility>
 

@@ -160,6 +160,34 @@ def gas_breathing(report):
 
 
 @test
+def gas_cushion(report):
+    """A cushion full of gas falls on the ground: p V^n stays, nothing intersects, the energy adds up."""
+    p = Panels()
+    n, a = 4, 0.2
+    for k, (origin, along, across) in enumerate((((0, 0, 0), (a, 0, 0), (0, a, 0)), ((0, 0, a), (a, 0, 0), (0, a, 0)), ((0, 0, 0), (a, 0, 0), (0, 0, a)),
+                                                 ((0, a, 0), (a, 0, 0), (0, 0, a)), ((0, 0, 0), (0, a, 0), (0, 0, a)), ((a, 0, 0), (0, a, 0), (0, 0, a)))):
+        p.add(f"side {k}", origin, along, across, n, n)
+    case = {
+        "title": "Cushion", "analysis": "dynamic",
+        "mesh": {"file": str(p.write(OUT / "cushion.msh"))},
+        "material": [{"type": "isotropic", "young": 1e7, "poisson": 0.3, "thickness": 1e-3, "density": 300.0}],
+        "load": [{"type": "gas", "magnitude": 1e3, "ambient": AMBIENT, "exponent": 1.4}],
+        "obstacle": [{"name": "ground", "type": "plane", "point": [0, 0, -0.01], "normal": [0, 0, 1]}],
+        "contact": {"distance": 2e-3}, "damping": {"mass": 5.0},
+        "initial_velocity": [{"group": f"side {k}", "velocity": [0, 0, -3]} for k in range(6)],
+        "time": {"end": 0.05, "step": 1e-3, "velocity_tolerance": 1e-3},
+        "output": {"every": 1000}}
+    result = solve("gas_cushion", case)
+    h = result.history
+    law = (h["gas_pressure"] + AMBIENT) * h["gas_volume"]**1.4
+    report.below(np.abs(law / law[0] - 1).max(), 1e-12, "p V^n")
+    report.check(h["gas_volume"].max() / h["gas_volume"].min() > 1.05, f"volume {h['gas_volume'].min():.4g} to {h['gas_volume'].max():.4g} m^3")
+    report.check(h["contact_pairs"].max() > 0 and h["intersections"].max() == 0, "contact without intersections")
+    energy = result.summary["energy"]
+    report.below(energy["energy_unaccounted"] / energy["initial_energy"], 0.02, "energy unaccounted for")
+
+
+@test
 def gas_mistakes(report):
     """What is no gas is refused before the first step, with file, key and remedy."""
     gas = octant()["load"][0]

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "energy/layer_stress.hpp"
 #include "test_relative.hpp"
-#include "voile/energy/layer_stress.hpp"
 
 using namespace voile;
 using Criterion = energy::Strength::Criterion;

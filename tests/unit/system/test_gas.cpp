@@ -5,12 +5,12 @@
 #include <map>
 #include <numbers>
 
+#include "base/decompositions.hpp"
+#include "solve/newton.hpp"
+#include "system/gas.hpp"
+#include "system/gas_surface.hpp"
 #include "test_model_kit.hpp"
-#include "voile/base/decompositions.hpp"
-#include "voile/base/error.hpp"
-#include "voile/solve/newton.hpp"
-#include "voile/system/gas.hpp"
-#include "voile/system/gas_surface.hpp"
+#include "voile/errors.hpp"
 
 using namespace voile;
 using namespace voile::testing;
