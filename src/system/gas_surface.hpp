@@ -24,8 +24,8 @@ struct GasSurface {
   };
   std::vector<Face> faces;
   std::vector<Rim> rims;  ///< empty where caps have a given apex: they contribute nothing to what is counted from there
-  Vec3 origin;            ///< from which the volume is counted: that apex, or the middle of the surface [m]
-  double volume;          ///< at the start, with the load's added volume [m^3]
+  Vec3 origin = Vec3::Zero();  ///< from which the volume is counted: that apex, or the middle of the surface [m]
+  double volume = 0.0;         ///< at the start, with the load's added volume [m^3]
 };
 
 /// Of a load of kind gas. Throws UserError: the group is of several parts, has edges with more than two of its triangles, or
