@@ -49,7 +49,7 @@ struct History {
 /// Energies of the present state [J].
 struct Energy {
   double membrane = 0.0, bending = 0.0, contact = 0.0, springs = 0.0;
-  double external = 0.0;  ///< potential of dead loads, those of set_forces() included
+  double external = 0.0;  ///< potential of dead loads, those of set_forces() included, and energy of gases
   double kinetic = 0.0;   ///< of a motion
   // Since a motion began, where [output] energy_balance keeps it: energy at the start, works of loads (those of set_forces()
   // included) and of what moves supports and obstacles, what was taken, and what remains unexplained.

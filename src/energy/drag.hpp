@@ -4,7 +4,7 @@
 //           v_n, n_n  velocity and unit normal at its start;  w wind                                         [m/s]
 //           A         rest area [m^2];  rho density of air [kg/m^3]
 //           C_n, C_t  drag coefficients across and along the surface
-//   force on the triangle  f = -B (v - w)
+//   force on the triangle  f = -B (v - w), with w at the time of the force
 //   B = rho A/2 [ C_n |(w - v_n).n_n| n_n n_n^T + C_t |w - v_n| (I - n_n n_n^T) ]
 // a third of it on each vertex. Speed and normal are those of the start of the step, so that the force has the
 // potential 1/2 (v - w).B (v - w) over the step and can only take energy from a sheet in still air.
@@ -24,6 +24,8 @@ class DragTerm {
   DragTerm() = default;
   explicit DragTerm(const DragOptions& options) : options_(options) {}
   void add(const std::array<Index, 3>& points, double area, bool owned);
+  /// w of all later evaluations [m/s].
+  void set_wind(const Vec3& wind) { options_.wind = wind; }
   /// Takes speeds and normals from positions x and velocities v of the local points.
   void start_step(const Vec3* x, const Vec3* v);
 

@@ -130,7 +130,7 @@ LaminateStiffness laminate(const Mat3& ply_stiffness, const std::vector<Ply>& pl
     sum.membrane += q * (high - low);
     sum.coupling += q * (0.5 * (high * high - low * low));
     sum.bending += q * ((high * high * high - low * low * low) / 3.0);
-    sum.layers.push_back({low, high, q});
+    sum.layers.push_back({low, high, q, Vec3::Zero(), ply.angle});
     low = high;
   }
   return sum;

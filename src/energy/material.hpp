@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "base/types.hpp"
+#include "failure.hpp"
 
 namespace voile::energy {
 
@@ -20,6 +21,7 @@ struct Layer {
   double low = 0.0, high = 0.0;   ///< distances from the middle along the normal [m]
   Mat3 stiffness = Mat3::Zero();  ///< plane stress Q in material axes [Pa]
   Vec3 expansion = Vec3::Zero();  ///< strain per kelvin in material axes [1/K]
+  double angle = 0.0;             ///< from material axis 1 to the fibres [rad]
 };
 
 /// Friction of the yarns of a fabric where they bend: a spring and a slider each (yarn_friction.hpp).
@@ -34,15 +36,16 @@ struct YarnFriction {
 };
 
 struct Material {
-  std::vector<std::string> groups;  ///< surface groups it covers; empty: every triangle not covered by another
-  Mat3 membrane = Mat3::Zero();     ///< A [N/m]
-  Mat3 bending = Mat3::Zero();      ///< D [N m]
-  Mat3 coupling = Mat3::Zero();     ///< B [N]
-  double areal_density = 0.0;       ///< rho_s [kg/m^2]
-  double bending_damping = 0.0;     ///< damping in proportion to D, besides what holds for all materials [s]
-  double viscous_time = 0.0;        ///< relaxation time of the membrane, likewise [s]
-  YarnFriction friction{};          ///< inside the fabric
-  std::vector<Layer> layers{};      ///< from the lowest up; empty where the inside is not known
+  std::vector<std::string> groups;     ///< surface groups it covers; empty: every triangle not covered by another
+  Mat3 membrane = Mat3::Zero();        ///< A [N/m]
+  Mat3 bending = Mat3::Zero();         ///< D [N m]
+  Mat3 coupling = Mat3::Zero();        ///< B [N]
+  double areal_density = 0.0;          ///< rho_s [kg/m^2]
+  double bending_damping = 0.0;        ///< damping in proportion to D, besides what holds for all materials [s]
+  double viscous_time = 0.0;           ///< relaxation time of the membrane, likewise [s]
+  YarnFriction friction{};             ///< inside the fabric
+  std::vector<Layer> layers{};         ///< from the lowest up; empty where the inside is not known
+  std::optional<Strength> strength{};  ///< of its layers
   // The natural state (natural_state.hpp), in material axes
   bool expands = false;                     ///< an expansion is given
   Vec3 expansion = Vec3::Zero();            ///< strain per change of temperature [1/K]

@@ -10,6 +10,7 @@
 
 #include "base/text.hpp"
 #include "case_attachments.hpp"
+#include "case_loads.hpp"
 #include "case_materials.hpp"
 #include "case_natural.hpp"
 #include "case_pattern.hpp"
@@ -92,18 +93,6 @@ void check_probe(const SectionPlace& place, const Probe& probe, const std::vecto
     place.fail(place.has("point") ? "point" : "group", "a displacement probe needs either 'group' or 'point'");
 }
 
-/// What it throws, now and later, names the key.
-std::function<double(double)> time_function(const SectionPlace& place, const char* key, const std::string& text) {
-  const auto named = [place, key](const auto& f) {
-    try {
-      return f();
-    } catch (const UserError& e) {
-      place.fail(key, e.what());
-    }
-  };
-  return [named, value = named([&] { return expression(text); })](double t) { return named([&] { return value(t); }); };
-}
-
 using Motion = std::function<Vec3(const Vec3& rest, double time)>;
 
 /// Turns the texts of a motion into a function; empty if there is none. `analyses`: that have one.
@@ -126,21 +115,6 @@ Motion motion_function(const SectionPlace& place, const MotionInput& m, bool pos
     for (int k = 0; k < 3 && !u.empty(); ++k) d[k] += u[static_cast<std::size_t>(k)](t);
     return d;
   };
-}
-
-void read_load_history(const SectionPlace& place, const Case& c, system::Load& load) {
-  if (load.history_text.empty()) return;
-  if (c.analysis != "dynamic" && !c.is_staged())
-    place.fail("history", "a load has a time only with analysis = \"dynamic\"");
-  if (load.constant) place.fail("constant", "a load with a history of its own is not constant; remove one of the keys");
-  load.history = time_function(place, "history", load.history_text);
-}
-
-void read_load(const SectionPlace& place, const Case& c, system::Load& load) {
-  read_load_history(place, c, load);
-  if (load.distribution_text.empty()) return;
-  load.distribution = [value = place_function(place, "distribution", load.distribution_text, false).value](
-                          const Vec3& x) { return value(x, 0.0); };
 }
 
 void read_supports(const CaseReader& reader, Case& c) {
@@ -211,6 +185,8 @@ void read_remesh(const CaseReader& reader, Case& c) {
                       c.file.string(), c.analysis));
     s.active = false;
   }
+  if (s.active && has_gas(c))
+    place.fail("active", "a new mesh would change the volume of a [[load]] of type gas; remove one of the two");
   if (s.smallest > 0.0 && s.largest > 0.0 && s.smallest > s.largest)
     place.fail("smallest", "it must not be more than `largest`");
   if (s.angle > 1.0) place.fail("angle", "it must not be more than 57 degrees");
@@ -360,7 +336,7 @@ Case read_case(CaseReader& reader, const std::filesystem::path& file, StageSecti
     if (c.analysis != "dynamic") place.fail("velocity", "only analysis = \"dynamic\" has one; remove the section");
   });
   reader.read("damping", 0, damping_keys(c.dynamics));
-  reader.read("air", 0, keys_of(c.dynamics.drag));
+  read_wind(reader.read("air", 0, keys_of(c.dynamics.drag)), c.dynamics.drag);
   reader.read("drape", 0, keys_of(c.drape));
   read_remesh(reader, c);
   read_all(reader, "probe", c.probes,

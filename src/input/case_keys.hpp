@@ -80,6 +80,7 @@ struct MaterialInput {
   std::vector<double> initial_strain, prestress;         ///< empty, or along axes 1 and 2, and of shear
   double bending_damping = 0.0, membrane_damping = 0.0;  ///< [s]
   std::vector<double> angles, ply_thicknesses;
+  energy::Strength strength{energy::Strength::Criterion::tsai_wu, nan, nan, nan, nan, nan};  ///< moduli: above
   Mat3 membrane = Mat3::Zero(), bending = Mat3::Zero(), coupling = Mat3::Zero();
   std::filesystem::path fabric;
   double warp_angle = 0.0;

@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <utility>
 
 #include "base/plain_file.hpp"
 #include "base/shipped_files.hpp"
@@ -156,6 +158,28 @@ void fill_matrices(const SectionPlace& place, const MaterialInput& in, const Uni
     place.fail("thickness", "the stiffness is not positive definite or not finite; check moduli and thickness");
 }
 
+/// All five strengths or none.
+void fill_strength(const SectionPlace& place, const MaterialInput& in, energy::Material& m) {
+  const energy::Strength& s = in.strength;
+  const std::array given{std::pair{"tensile_strength_1", s.tensile_1},
+                         std::pair{"compressive_strength_1", s.compressive_1},
+                         std::pair{"tensile_strength_2", s.tensile_2},
+                         std::pair{"compressive_strength_2", s.compressive_2}, std::pair{"shear_strength", s.shear}};
+  const bool any = std::any_of(given.begin(), given.end(), [](const auto& g) { return !std::isnan(g.second); });
+  if (!any && s.criterion != energy::Strength::Criterion::tsai_wu)
+    place.fail("failure",
+               "a criterion needs the strengths: give tensile_strength_1, compressive_strength_1, "
+               "tensile_strength_2, compressive_strength_2 and shear_strength");
+  if (!any) return;
+  for (const auto& [key, value] : given)
+    if (std::isnan(value)) place.fail(key, "the key is missing; the five strengths go together");
+  m.strength = s;
+  m.strength->young_1 = in.young_1;
+  m.strength->young_2 = in.young_2;
+  m.strength->poisson_12 = in.poisson_12;
+  m.strength->shear_12 = in.shear_12;
+}
+
 /// One of the two expansions of a material with directions.
 void require_pair(const SectionPlace& place, const MaterialInput& in) {
   if (std::isnan(in.expansion_1) != std::isnan(in.expansion_2))
@@ -257,6 +281,7 @@ void read_materials(const CaseReader& reader, Case& c) {
     fill_direction(place, in, m);
     if (in.type == MaterialInput::Type::fabric) in.fabric = fabric_file(place, in.fabric);
     fill_matrices(place, in, reader.units(), m);
+    fill_strength(place, in, m);
     fill_natural(place, in, m);
     fill_friction(place, in, m);
     if (in.groups.empty() && everywhere)

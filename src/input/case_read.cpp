@@ -140,10 +140,17 @@ class ValueReader {
     if (!node.is_string()) refuse("a text in quotes is needed");
     return *node.value<std::string>();
   }
-  /// A text, which has a unit if it is an expression: then a number will do.
+  /// A text, which has a unit if it is an expression: then a number will do, or one with its unit.
   [[nodiscard]] std::string formula(const toml::node& node) const {
-    if (key_.unit.empty() || !node.is_number()) return text(node);
-    return fmt::format("{}", number(node, ""));
+    if (key_.unit.empty()) return text(node);
+    if (node.is_number()) return fmt::format("{}", number(node, ""));
+    const std::string written = text(node);
+    if (unit_.empty() || written.find(' ') == std::string::npos) return written;
+    try {
+      return fmt::format("{}", units_.number(written, unit_));
+    } catch (const UserError&) {
+      return written;
+    }
   }
   /// Optional texts may be empty in the echo of a case; names and files may not.
   [[nodiscard]] std::string filled(std::string value) const {

@@ -189,6 +189,38 @@ std::vector<Key> natural_keys(MaterialInput& s) {
        .absent = "none"}};
 }
 
+/// What plies bear.
+std::vector<Key> strength_keys(MaterialInput& s) {
+  const std::vector<std::string> types{"orthotropic", "laminate"};
+  using Criterion = energy::Strength::Criterion;
+  std::vector<Key> keys{
+      {.name = "failure",
+       .slot = choice(s.strength.criterion, {{"tsai_wu", Criterion::tsai_wu},
+                                             {"hashin", Criterion::hashin},
+                                             {"maximum_stress", Criterion::maximum_stress},
+                                             {"maximum_strain", Criterion::maximum_strain}}),
+       .meaning =
+           "Criterion of the field `failure_index`. `tsai_wu`: with F12 = -sqrt(F11 F22)/2. `hashin`: fibre and matrix "
+           "modes in plane stress. `maximum_strain`: strengths over moduli. It needs the five strengths.",
+       .types = types}};
+  const auto add = [&](const char* name, double* slot, const char* meaning) {
+    keys.push_back({.name = name,
+                    .slot = slot,
+                    .meaning = meaning,
+                    .unit = "Pa",
+                    .range = positive,
+                    .types = types,
+                    .absent = "not known"});
+  };
+  add("tensile_strength_1", &s.strength.tensile_1,
+      "Strength along the material direction (of a laminate: along fibres).");
+  add("compressive_strength_1", &s.strength.compressive_1, "The same in compression, as a positive number.");
+  add("tensile_strength_2", &s.strength.tensile_2, "Strength across it, in the surface.");
+  add("compressive_strength_2", &s.strength.compressive_2, "The same in compression, as a positive number.");
+  add("shear_strength", &s.strength.shear, "Strength in shear in the surface.");
+  return keys;
+}
+
 /// Axes and damping.
 std::vector<Key> axis_keys(MaterialInput& s) {
   return {
@@ -223,8 +255,9 @@ std::vector<Key> axis_keys(MaterialInput& s) {
 }  // namespace
 
 std::vector<Key> keys_of(MaterialInput& s) {
-  return joined(joined(joined(joined(elastic_keys(s), sheet_keys(s)), natural_keys(s)), axis_keys(s)),
-                hysteresis_keys(s));
+  return joined(
+      joined(joined(joined(joined(elastic_keys(s), sheet_keys(s)), strength_keys(s)), natural_keys(s)), axis_keys(s)),
+      hysteresis_keys(s));
 }
 
 }  // namespace voile::input

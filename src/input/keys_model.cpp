@@ -214,7 +214,7 @@ std::vector<Key> keys_of(system::Support& s, MotionInput& m) {
 
 std::vector<Key> keys_of(system::Load& s) {
   const std::vector<std::string> vectors{"point", "line", "area", "gravity"},
-      magnitudes{"pressure", "follower_pressure", "follower_moment"};
+      magnitudes{"pressure", "follower_pressure", "follower_moment", "gas"}, gas{"gas"};
   return {
       {.name = "type",
        .slot = choice(s.kind, {{"point", system::Load::Kind::point},
@@ -223,15 +223,21 @@ std::vector<Key> keys_of(system::Load& s) {
                                {"follower_pressure", system::Load::Kind::follower_pressure},
                                {"area", system::Load::Kind::area},
                                {"gravity", system::Load::Kind::gravity},
-                               {"follower_moment", system::Load::Kind::follower_moment}}),
+                               {"follower_moment", system::Load::Kind::follower_moment},
+                               {"gas", system::Load::Kind::gas}}),
        .meaning =
            "`point`: force on every vertex of a group. `line`: force per rest length of a curve. `area`: force "
            "per rest area. `gravity`: acceleration. `pressure`: along the normal at the start. `follower_pressure`: "
-           "along the current normal. `follower_moment`: moment per rest length about a boundary edge.",
+           "along the current normal. `follower_moment`: moment per rest length about a boundary edge. `gas`: pressure "
+           "of "
+           "a gas that the group encloses, p V^n = constant with the absolute pressure p "
+           "(docs/howto/inflate-a-membrane.md).",
        .required = true},
       {.name = "group",
        .slot = &s.group,
-       .meaning = "Where it acts: any group for `point`, a curve for `line` and `follower_moment`, else a surface.",
+       .meaning =
+           "Where it acts: any group for `point`, a curve for `line` and `follower_moment`, else a surface; for `gas` "
+           "one in one part, whose holes are closed by a fan of triangles each.",
        .required_types = {"point", "line", "follower_moment"},
        .absent = "the whole surface"},
       {.name = "vector",
@@ -242,8 +248,10 @@ std::vector<Key> keys_of(system::Load& s) {
        .required = true},
       {.name = "magnitude",
        .slot = &s.magnitude,
-       .meaning = "Size at load factor 1; a pressure is positive along the normal of the triangles.",
-       .unit = "pressure, follower_pressure Pa, follower_moment N",
+       .meaning =
+           "Size at load factor 1; a pressure is positive along the normal of the triangles, that of a gas outwards: "
+           "its excess over `ambient` while the volume is that of the start.",
+       .unit = "pressure, follower_pressure, gas Pa, follower_moment N",
        .types = magnitudes,
        .required = true},
       {.name = "constant", .slot = &s.constant, .meaning = "Acts in full at every load factor, as a dead weight does."},
@@ -257,7 +265,34 @@ std::vector<Key> keys_of(system::Load& s) {
                   "water per volume as `magnitude` for a tank filled to z = 2 m. It is taken at the middle of each "
                   "triangle or edge.",
        .types = {"line", "area", "pressure", "follower_pressure"},
-       .absent = "1 everywhere"}};
+       .absent = "1 everywhere"},
+      {.name = "ambient",
+       .slot = &s.ambient,
+       .meaning = "Pressure outside, absolute.",
+       .unit = "Pa",
+       .range = not_negative,
+       .types = gas},
+      {.name = "exponent",
+       .slot = &s.exponent,
+       .meaning =
+           "n of p V^n: 1 at constant temperature, 1.4 for air without exchange of heat, 0 for a constant pressure.",
+       .range = {0, 5},
+       .types = gas},
+      {.name = "added_volume",
+       .slot = &s.added_volume,
+       .meaning =
+           "Rigid space that belongs to the gas besides what the group encloses, e.g. the box behind a flat membrane. "
+           "Of an open surface the normals then point away from "
+           "the gas; without it the gas is on the inner side.",
+       .unit = "m^3",
+       .range = not_negative,
+       .types = gas},
+      {.name = "apex",
+       .slot = &s.apex,
+       .meaning = "Fixed point from which fans close the holes; with symmetry planes a point on all of them.",
+       .unit = "m",
+       .types = gas,
+       .absent = "the mean of each rim, which moves with it"}};
 }
 
 std::vector<Key> keys_of(system::PointMass& s) {

@@ -217,7 +217,10 @@ std::vector<Key> keys_of(energy::DragOptions& s) {
            .slot = &s.tangential,
            .meaning = "Drag coefficient of the air that moves along the surface; 0: none.",
            .range = not_negative},
-          {.name = "wind", .slot = &s.wind, .meaning = "Velocity of the air.", .unit = "m/s"}};
+          {.name = "wind",
+           .slot = &s.wind_texts,
+           .meaning = "Velocity of the air: three numbers, or expressions of the time t such as `\"5 + 2*sin(t)\"`.",
+           .unit = "m/s"}};
 }
 
 std::vector<Key> keys_of(solve::DrapeOptions& s) {
@@ -284,14 +287,16 @@ std::vector<Key> keys_of(OutputSection& s) {
        .slot = Words{&s.fields,
                      {"displacement", "reaction", "velocity", "membrane_force", "bending_moment", "curvature",
                       "membrane_strain", "membrane_error", "membrane_recovery_error", "bending_recovery_error",
-                      "contact_force", "friction_force", "contact_pressure", "passing", "ease", "wanted_size"}},
+                      "contact_force", "friction_force", "contact_pressure", "passing", "ease", "wanted_size",
+                      "failure_index", "failure_ply"}},
        .meaning =
            "Fields in `results.vtkhdf`, any of `displacement`, `velocity`, `reaction`, `membrane_force`, "
            "`bending_moment`, "
            "`curvature`, `membrane_strain`, `membrane_error`, `membrane_recovery_error`, `bending_recovery_error`, "
            "`contact_force`, `friction_force`, `contact_pressure`, "
-           "`passing` (1 where the vertex passes through an obstacle that pinches it), `ease` (distance to the nearest "
-           "body), `wanted_size` (of edges, "
+           "`passing` (1 where the vertex passes through an obstacle), `ease` (distance to the nearest body), "
+           "`failure_index`, "
+           "`failure_ply`, `wanted_size` (of edges, "
            "with "
            "`[remesh]`).",
        .absent = "all of them; `ease` with `[[panel]]` only"},

@@ -189,7 +189,8 @@ void declare_values(py::module_& m) {
       .def_readonly("bending", &voile::Energy::bending)
       .def_readonly("contact", &voile::Energy::contact)
       .def_readonly("springs", &voile::Energy::springs)
-      .def_readonly("external", &voile::Energy::external, "Potential of dead loads, those of set_forces() included.")
+      .def_readonly("external", &voile::Energy::external,
+                    "Potential of dead loads, those of set_forces() included, and energy of gases.")
       .def_readonly("kinetic", &voile::Energy::kinetic)
       .def_readonly("initial", &voile::Energy::initial, "At the start of the motion.")
       .def_readonly("loads", &voile::Energy::loads, "Work of loads since, those of set_forces() included.")

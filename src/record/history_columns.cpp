@@ -1,5 +1,7 @@
 #include "history_columns.hpp"
 
+#include <fmt/format.h>
+
 #include "base/text.hpp"
 
 namespace voile::record {
@@ -7,6 +9,9 @@ namespace voile::record {
 namespace {
 
 using Names = std::vector<std::string>;
+
+/// Columns that are known as those of gases.
+constexpr int most_gases = 99;
 
 /// Those of every motion, and of every path.
 const Names of_motion{"step",           "time",     "step_size",       "load_factor", "newton_iterations",
@@ -31,6 +36,9 @@ Names names_of(const HistoryColumns& columns) {
   add(columns.remeshing, {"vertices", "remeshings"});
   add(columns.contact, {"contact_pairs", "smallest_gap", "cut_short", "shortest_iteration", "intersections"});
   add(columns.passing, {"passing"});
+  for (int k = 1; k <= columns.gases; ++k)
+    for (const char* name : {"gas_volume", "gas_pressure", "gas_energy"})
+      names.push_back(k > 1 ? fmt::format("{}_{}", name, k) : name);
   return names;
 }
 
@@ -54,7 +62,8 @@ bool is_of_probe(const std::string& column) {
                                         .sewing = true,
                                         .remeshing = true,
                                         .contact = true,
-                                        .passing = true});
+                                        .passing = true,
+                                        .gases = most_gases});
   return !contains(others, column) && !contains(of_path, column);
 }
 

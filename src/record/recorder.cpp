@@ -14,6 +14,7 @@
 #include "linear_values.hpp"
 #include "system/contact.hpp"
 #include "system/ease.hpp"
+#include "system/gas.hpp"
 #include "voile/errors.hpp"
 
 namespace voile::record {
@@ -90,7 +91,8 @@ std::vector<std::string> Recorder::columns() const {
                 .sewing = !case_.stage.sew.empty(),
                 .remeshing = case_.remesh.active,
                 .contact = case_.contact.input.active,
-                .passing = contact && system::has_passable_obstacles(contact->scene().input())});
+                .passing = contact && system::has_passable_obstacles(contact->scene().input()),
+                .gases = static_cast<int>(model_->conditions().gases().size())});
   for (std::string& name : probes_->columns()) names.push_back(std::move(name));
   return names;
 }
@@ -254,6 +256,13 @@ void Recorder::write_history(const system::State& state, const solve::StepResult
                                  r.shortest, static_cast<double>(s.intersections)});
   if (model_->contact() && system::has_passable_obstacles(model_->contact()->scene().input()))
     values.push_back(static_cast<double>(system::passing_count(model_->contact()->memory())));
+  if (model_->conditions().has_gas()) {
+    const energy::Configuration c = model_->potential().configuration(state.u);
+    for (const system::Gas& gas : model_->conditions().gases()) {
+      const system::GasState now = gas.at(c);
+      values.insert(values.end(), {now.volume, now.pressure, now.energy});
+    }
+  }
   mpi::on_root(model_->dofs().comm(), [&] {
     for (const double value : probes_->values(s.state, *model_)) values.push_back(value);
     if (history_) history_->write(values);

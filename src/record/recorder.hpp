@@ -16,6 +16,7 @@
 #include "run_options.hpp"
 #include "setup/obstacles.hpp"
 #include "solve/stepper.hpp"
+#include "summary.hpp"
 #include "system/contact_report.hpp"
 #include "system/dynamics.hpp"
 #include "system/model.hpp"
@@ -60,6 +61,8 @@ class Recorder {
   /// Spurious energy of chords over that stored, in the last state whose fields were written; on rank 0. Not a
   /// number if it is not estimated.
   [[nodiscard]] double membrane_error() const { return membrane_error_; }
+  /// The ply that is nearest to failure in the last state whose fields were written, likewise; none without strengths.
+  [[nodiscard]] const std::optional<FirstFailure>& failure() const { return failure_; }
   /// Energy by which stress resultants differ from smooth ones over that stored, likewise.
   [[nodiscard]] const DiscretisationError& recovery_error() const { return discretisation_error_; }
   /// What history.csv has or would have, on rank 0; rows only where the options keep them. Not collective.
@@ -135,6 +138,7 @@ class Recorder {
   bool linear_;
   Warnings warnings_;
   double membrane_error_ = std::nan("");
+  std::optional<FirstFailure> failure_;
   DiscretisationError discretisation_error_;
   KineticEnergy kinetic_;
   TimeLeft time_left_;

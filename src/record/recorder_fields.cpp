@@ -12,6 +12,7 @@
 #include "recorder.hpp"
 #include "stresses.hpp"
 #include "system/contact.hpp"
+#include "system/failure.hpp"
 
 namespace voile::record {
 
@@ -21,6 +22,16 @@ using Field = io::Field;
 
 /// Estimates of error.
 constexpr std::array judgements{"membrane_error", "membrane_recovery_error", "bending_recovery_error"};
+
+/// In words and figures for the summary; `displacement`: three numbers per vertex.
+std::optional<FirstFailure> first_failure(const mesh::SurfaceMesh& mesh, const system::FailureFields& f,
+                                          const std::vector<double>& displacement) {
+  if (f.triangle == no_index) return std::nullopt;
+  Vec3 place = Vec3::Zero();
+  for (const Index v : mesh.triangles()[f.triangle])
+    place += (mesh.positions()[v] + Eigen::Map<const Vec3>(displacement.data() + 3 * v)) / 3.0;
+  return FirstFailure{f.first.index, f.first.layer, f.first.top, place};
+}
 
 }  // namespace
 
@@ -76,6 +87,12 @@ std::vector<Field> Recorder::fields_of(Vec a, const Snapshot& s, const Wants& wa
       add_density("bending_recovery_error", recovered.bending);
     }
     for (Field& f : stresses(t, wants, judged != nullptr)) fields.push_back(std::move(f));
+    if (!estimates() || !system::has_strengths(model_->discretisation().sheet())) return;
+    system::FailureFields failure = system::failure_fields(model_->discretisation().sheet(), t);
+    if (judged) failure_ = first_failure(model_->dofs().mesh(), failure, s.state.displacement);
+    if (wants("failure_index"))
+      fields.push_back({"failure_index", "1", io::Centre::triangle, 1, std::move(failure.index)});
+    if (wants("failure_ply")) fields.push_back({"failure_ply", "1", io::Centre::triangle, 1, std::move(failure.ply)});
   });
   return fields;
 }

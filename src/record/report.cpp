@@ -73,6 +73,16 @@ std::string resolved_text(const input::Case& c, const Summary& s) {
                      percent(e.whole), parts);
 }
 
+/// Which ply fails first; empty without strengths.
+std::string failure_text(const Summary& s) {
+  if (!s.failure) return "";
+  const FirstFailure& f = *s.failure;
+  return fmt::format(
+      "failure index {:.3g}: ply {} ({} face) at ({:.4g}, {:.4g}, {:.4g}) fails first, at {:.3g} times "
+      "these stresses",
+      f.index, f.ply, f.top ? "top" : "bottom", f.place[0], f.place[1], f.place[2], 1.0 / f.index);
+}
+
 /// What to type next, where there is something to look at.
 std::string next_text(const input::Case& c, const std::string& folder, const Summary& s) {
   if (folder.empty() || c.is_staged()) return "";
@@ -90,7 +100,7 @@ void print_end(const input::Case& c, const std::string& folder, const Summary& s
   if (s.balance.kept) fmt::print("{}\n", balance_text(s.balance));
   if (s.kinetic && s.kinetic->largest > 0.0) fmt::print("{}\n", rest_text(*s.kinetic));
   if (!s.converged) return;  // the reason follows on stderr
-  for (const std::string& text : {state_text(c, s), resolved_text(c, s), next_text(c, folder, s)})
+  for (const std::string& text : {state_text(c, s), resolved_text(c, s), failure_text(s), next_text(c, folder, s)})
     if (!text.empty()) fmt::print("{}\n", text);
 }
 

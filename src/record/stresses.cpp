@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "energy/recovery_error.hpp"
+#include "system/failure.hpp"
 
 namespace voile::record {
 
@@ -117,18 +118,9 @@ std::vector<io::Field> stress_fields(const energy::Sheet& sheet, const system::T
   for (std::size_t t = 0; t < triangles; ++t) {
     const std::vector<energy::Layer>& layers = sheet.material(static_cast<Index>(t)).layers;
     if (layers.empty()) continue;
-    const Vec3 strain = Eigen::Map<const Vec3>(fields.membrane_strain.data() + 3 * t);
-    const Vec3 curvature = Eigen::Map<const Vec3>(fields.curvature.data() + 3 * t);
-    const energy::Material& m = sheet.material(static_cast<Index>(t));
-    const double thickness = layers.back().high - layers.front().low;
-    const double change = fields.temperature.empty() ? 0.0 : fields.temperature[2 * t],
-                 difference = fields.temperature.empty() ? 0.0 : fields.temperature[2 * t + 1];
-    const auto at = [&](const energy::Layer& layer, double z) -> Stress {
-      Vec3 elastic = strain - z * curvature;
-      // A ply wants to expand otherwise than the whole.
-      elastic += change * (m.expansion - layer.expansion - z * m.coupled_curvature) +
-                 difference * (m.coupled_strain - z * (m.expansion_curvature + layer.expansion / thickness));
-      return layer.stiffness * elastic;
+    const energy::SheetState state = system::sheet_state(fields, t);
+    const auto at = [&](const energy::Layer& layer, double z) {
+      return energy::layer_stress(sheet.material(static_cast<Index>(t)), layer, z, state);
     };
     bottom.set(t, at(layers.front(), layers.front().low));
     top.set(t, at(layers.back(), layers.back().high));

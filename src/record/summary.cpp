@@ -49,6 +49,14 @@ Json json_of(const system::ContactReport& r) {
           {"most_candidates_of_a_rank", r.most_candidates}};
 }
 
+Json json_of(const FirstFailure& f) {
+  return {{"failure_index", f.index},
+          {"load_factor_left", f.index > 0.0 ? 1.0 / f.index : 0.0},
+          {"ply", f.ply},
+          {"face", f.top ? "top" : "bottom"},
+          {"place", {f.place[0], f.place[1], f.place[2]}}};
+}
+
 Json json_of(const RemeshingEffort& r) {
   return {{"count", r.count},
           {"refused", r.refused},
@@ -93,6 +101,7 @@ Json json_of(const Summary& s) {
   if (s.balance.kept) all["energy"] = json_of(s.balance);
   if (s.kinetic) all["motion"] = json_of(*s.kinetic);
   if (s.contact) all["contact"] = json_of(*s.contact);
+  if (s.failure) all["first_ply_failure"] = json_of(*s.failure);
   if (s.garment) all["garment"] = json_of(*s.garment);
   if (s.remeshing) all["remeshing"] = json_of(*s.remeshing);
   return all;

@@ -25,6 +25,14 @@ struct RemeshingEffort {
   double fraction = 0.0;       ///< of the CPU time that rank 0 took for the stage
 };
 
+/// The ply that is nearest to failure.
+struct FirstFailure {
+  double index = 0.0;         ///< 1 at failure; stresses may grow by 1/index
+  int ply = 0;                ///< from 1, the lowest
+  bool top = false;           ///< on its upper face
+  Vec3 place = Vec3::Zero();  ///< middle of the triangle [m]
+};
+
 /// What summary.json says.
 struct Summary {
   bool converged = false;
@@ -52,6 +60,7 @@ struct Summary {
   double round_off_energy = 0.0;                 ///< that is none, see round_off_energy() [J]
   std::optional<KineticEnergy> kinetic;          ///< of a motion
   std::optional<system::ContactReport> contact;  ///< of the last state
+  std::optional<FirstFailure> failure;           ///< of the last state, with strengths
   std::optional<GarmentMeasures> garment;        ///< of a case of panels
   std::optional<RemeshingEffort> remeshing;      ///< of a stage that looks whether it needs another mesh
 };

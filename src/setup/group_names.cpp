@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "system/gas_surface.hpp"
 #include "voile/errors.hpp"
 
 namespace voile::setup {
@@ -12,7 +13,7 @@ namespace {
 int dimension_of(system::Load::Kind kind) {
   using Kind = system::Load::Kind;
   if (kind == Kind::line || kind == Kind::follower_moment) return 1;
-  return kind == Kind::pressure || kind == Kind::follower_pressure || kind == Kind::area ? 2 : -1;
+  return kind == Kind::pressure || kind == Kind::follower_pressure || kind == Kind::area || kind == Kind::gas ? 2 : -1;
 }
 
 class Checker {
@@ -26,6 +27,13 @@ class Checker {
       (void)mesh_.group(name, dimension);
     } catch (const UserError& e) {
       throw UserError(fmt::format("{}: [[{}]] {} = \"{}\": {}", c_.file.string(), section, key, name, e.what()));
+    }
+  }
+  void check_gas(const system::Load& load) const {
+    try {
+      (void)system::gas_surface(mesh_, load);
+    } catch (const UserError& e) {
+      throw UserError(fmt::format("{}: {}", c_.file.string(), e.what()));
     }
   }
   template <class Items>
@@ -48,6 +56,8 @@ void check_group_names(const input::Case& c, const mesh::SurfaceMesh& mesh) {
     for (const std::string& name : m.groups) checker.check("material", "groups", name, 2);
   checker.check_all("support", c.supports);
   for (const system::Load& l : c.loads) checker.check("load", "group", l.group, dimension_of(l.kind));
+  for (const system::Load& l : c.loads)
+    if (l.kind == system::Load::Kind::gas) checker.check_gas(l);
   checker.check_all("temperature", c.temperatures, 2);
   checker.check_all("mass", c.masses);
   checker.check_all("spring", c.springs);

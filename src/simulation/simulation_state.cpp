@@ -192,6 +192,10 @@ Mat Simulation::tangent(Vec x) const {
   impl_->require_unknowns(x);
   system::TangentRequest request;
   request.exact_contact = true;
+  if (impl_->model().conditions().has_gas())
+    throw UserError(
+        "Simulation::tangent: [[load]] type 'gas' couples all vertices, and its tangent is no sparse matrix; "
+        "use residual()");
   impl_->model().assemble_tangent(x, request);
   Mat k = nullptr;
   VOILE_PETSC(MatDuplicate(impl_->model().tangent().matrix(), MAT_COPY_VALUES, &k));

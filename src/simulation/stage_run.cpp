@@ -218,6 +218,7 @@ record::Summary StageRun::end() {
   if (remesher_ && !text_of(*summary.remeshing).empty()) recorder_.remark(text_of(*summary.remeshing));
   recorder_.finish();
   summary.membrane_error = recorder_.membrane_error();
+  summary.failure = recorder_.failure();
   summary.recovery_error = recorder_.recovery_error().last();
   summary.largest_recovery_error = recorder_.recovery_error().largest();
   if (c.analysis == "dynamic") {

@@ -8,6 +8,7 @@
 
 #include "base/interrupt.hpp"
 #include "base/mpi.hpp"
+#include "low_rank_solution.hpp"
 #include "voile/errors.hpp"
 
 namespace voile::solve {
@@ -73,6 +74,35 @@ PetscErrorCode stop_test(EPS eps, PetscInt its, PetscInt most, PetscInt converge
   if (SignalScope::stop_asked(PetscObjectComm(reinterpret_cast<PetscObject>(eps)))) *reason = EPS_CONVERGED_USER;
   PetscFunctionReturn(0);
 }
+
+/// |K x - theta M x| / (|K x| + |theta| |M x|) with what gases add to K, which SLEPc does not know.
+double residual_with_gas(const system::Model& model, Mat mass, const Mode& mode) {
+  petsc::VecHandle k = model.dofs().create_vector(), m = model.dofs().create_vector();
+  double size_k = 0.0, size_m = 0.0, left = 0.0;
+  model.tangent().multiply(mode.shape, k);
+  VOILE_PETSC(MatMult(mass, mode.shape, m));
+  VOILE_PETSC(VecNorm(k, NORM_2, &size_k));
+  VOILE_PETSC(VecNorm(m, NORM_2, &size_m));
+  VOILE_PETSC(VecAXPY(k, -mode.eigenvalue, m));
+  VOILE_PETSC(VecNorm(k, NORM_2, &left));
+  return left / (size_k + std::abs(mode.eigenvalue) * size_m);
+}
+
+/// Gases: the systems of the spectral transformation are solved with what they add.
+struct GasSolution {
+  const system::Model& model;
+  LowRankSolution solution;
+
+  static PetscErrorCode complete(KSP ksp, Vec, Vec x, void* self) {
+    auto& s = *static_cast<GasSolution*>(self);
+    return petsc::guarded([&] {
+      PC pc = nullptr;
+      VOILE_PETSC(KSPGetPC(ksp, &pc));
+      s.solution.prepare(pc, s.model.tangent().change());
+      s.solution.correct(s.model.tangent().change(), x);
+    });
+  }
+};
 
 /// Solves and collects the pairs in the order of SLEPc.
 std::vector<Mode> solve(EPS eps, const system::Model& model, int count) {
@@ -159,8 +189,8 @@ EigenResult vibration_modes(system::Model& model, Vec a, int count, Mass kind) {
     lumped = lumped_mass(model);
   else
     consistent = model.potential().constant().consistent_mass();
-  const EpsHandle eps = create(model, model.tangent().matrix(),
-                               kind == Mass::lumped ? static_cast<Mat>(lumped) : consistent.mat(), count);
+  Mat mass = kind == Mass::lumped ? static_cast<Mat>(lumped) : consistent.mat();
+  const EpsHandle eps = create(model, model.tangent().matrix(), mass, count);
   ST st = nullptr;
   VOILE_PETSC(EPSGetST(eps, &st));
   VOILE_PETSC(STSetType(st, STSINVERT));
@@ -168,7 +198,15 @@ EigenResult vibration_modes(system::Model& model, Vec a, int count, Mass kind) {
   VOILE_PETSC(EPSSetWhichEigenpairs(eps, EPS_TARGET_MAGNITUDE));
   VOILE_PETSC(EPSSetFromOptions(eps));
   result.asked_for = wanted(eps);
+  GasSolution gas{model, {}};
+  if (!model.tangent().change().empty()) {
+    KSP ksp = nullptr;
+    VOILE_PETSC(STGetKSP(st, &ksp));
+    VOILE_PETSC(KSPSetPostSolve(ksp, GasSolution::complete, &gas));
+  }
   result.modes = solve(eps, model, result.asked_for);
+  if (!model.tangent().change().empty())
+    for (Mode& mode : result.modes) mode.residual = residual_with_gas(model, mass, mode);
   for (Mode& mode : result.modes)
     mode.value = std::copysign(std::sqrt(std::abs(mode.eigenvalue)), mode.eigenvalue) / (2.0 * std::numbers::pi);
   std::stable_sort(result.modes.begin(), result.modes.end(),

@@ -10,6 +10,7 @@
 #include "block_icc_pc.hpp"
 #include "inertia.hpp"
 #include "inexact_pc.hpp"
+#include "low_rank_solution.hpp"
 #include "mixed_pc.hpp"
 #include "voile/errors.hpp"
 
@@ -36,6 +37,9 @@ bool factor_is_tuned() {
 
 }  // namespace
 
+LinearSolver::LinearSolver(system::Model& model) : model_(model), low_rank_(std::make_unique<LowRankSolution>()) {}
+LinearSolver::~LinearSolver() = default;
+
 void LinearSolver::set_defaults(KSP ksp, Method method) {
   register_mixed_pc();
   register_block_icc_pc();
@@ -47,9 +51,9 @@ void LinearSolver::set_defaults(KSP ksp, Method method) {
   const bool large = model_.dofs().unknowns() >= 3 * vertices_of_mixed;
   if (!model_.conditions().symmetric())
     VOILE_PETSC(PCSetType(pc, PCLU));
-  else if (method == Method::inexact)
+  else if (method == Method::inexact && !model_.conditions().has_gas())
     VOILE_PETSC(PCSetType(pc, inexact_pc_type));
-  else if (method == Method::mixed)
+  else if (method != Method::direct)
     VOILE_PETSC(PCSetType(pc, mixed_pc_type));
   else
     VOILE_PETSC(PCSetType(pc, large && !factor_is_tuned() ? mixed_pc_type : PCCHOLESKY));
@@ -71,6 +75,10 @@ void LinearSolver::prepare() {
   VOILE_PETSC(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(ksp_), KSPPREONLY, &direct));
   trusted_ = direct && (mixed || inexact || ((cholesky || lu) && !factor_is_tuned()));
   if (mixed_ && statics_) set_mixed_proves(pc);
+  if (model_.conditions().has_gas() && !(direct && (mixed || cholesky || lu)))
+    throw UserError(
+        "[[load]] type 'gas' couples all vertices, which needs a complete factor: leave out -ksp_type and -pc_type, or "
+        "choose -pc_type cholesky, lu or voile_mixed");
   if (!cholesky && !lu) return;
   MatSolverType type = nullptr;
   VOILE_PETSC(PCFactorGetMatSolverType(pc, &type));
@@ -114,6 +122,15 @@ int LinearSolver::factorisations() const {
 }
 
 long LinearSolver::negative_pivots() const {
+  const long sparse = sparse_pivots();
+  if (sparse < 0 || change().empty()) return sparse;
+  PC pc = nullptr;
+  VOILE_PETSC(KSPGetPC(ksp_, &pc));
+  low_rank_->prepare(pc, change());
+  return sparse + low_rank_->more_negative(change());
+}
+
+long LinearSolver::sparse_pivots() const {
   if (inexact_) return inexact_negative_pivots(inexact());
   if (mixed_ && factorisations_ > 0) {
     PC pc = nullptr;
@@ -128,6 +145,7 @@ long LinearSolver::negative_pivots() const {
 
 long LinearSolver::negative_eigenvalues() {
   if (model_.conditions().symmetric()) return negative_pivots();
+  if (!change().empty()) return -1;
   const Inertia inertia = inertia_of(model_.tangent().matrix());
   return inertia.conservative || inertia.negative == 0 ? inertia.negative : -1;
 }
@@ -178,6 +196,7 @@ bool LinearSolver::repair(int attempt) {
 }
 
 void LinearSolver::renew_factor(PetscInt workspace_percent) {
+  low_rank_->forget();
   PC pc = nullptr;
   VOILE_PETSC(KSPGetPC(ksp_, &pc));
   VOILE_PETSC(PCReset(pc));
@@ -188,6 +207,7 @@ void LinearSolver::renew_factor(PetscInt workspace_percent) {
 
 void LinearSolver::tangent_changed() {
   ++factorisations_;
+  low_rank_->forget();
   if (std::exchange(pattern_version_, model_.tangent().pattern_version()) == model_.tangent().pattern_version() ||
       !mumps_)
     return;
@@ -199,11 +219,12 @@ void LinearSolver::tangent_changed() {
 bool LinearSolver::solve(Vec rhs, Vec x) {
   for (int attempt = 0;; ++attempt) {
     VOILE_PETSC(KSPSetOperators(ksp_, model_.tangent().matrix(), model_.tangent().matrix()));
+    completed_ = false;
     VOILE_PETSC(KSPSolve(ksp_, rhs, x));
     KSPConvergedReason reason = KSP_CONVERGED_ITERATING;
     VOILE_PETSC(KSPGetConvergedReason(ksp_, &reason));
     if (reason > 0) {
-      check_solution(rhs, x);
+      if (!completed_) complete_solution(rhs, x);
       return true;
     }
     if (!repair(attempt)) return false;
@@ -211,12 +232,23 @@ bool LinearSolver::solve(Vec rhs, Vec x) {
   }
 }
 
+void LinearSolver::complete_solution(Vec rhs, Vec x) {
+  completed_ = true;
+  if (!change().empty()) {
+    PC pc = nullptr;
+    VOILE_PETSC(KSPGetPC(ksp_, &pc));
+    low_rank_->prepare(pc, change());
+    low_rank_->correct(change(), x);
+  }
+  check_solution(rhs, x);
+}
+
 void LinearSolver::check_solution(Vec rhs, Vec x) {
   solved_ = true;
   if (trusted_) return;
   const petsc::VecHandle rest = model_.dofs().create_vector();
   double size = 0.0, left = 0.0;
-  VOILE_PETSC(MatMult(model_.tangent().matrix(), x, rest));
+  model_.tangent().multiply(x, rest);
   VOILE_PETSC(VecAXPY(rest, -1.0, rhs));
   VOILE_PETSC(VecNorm(rhs, NORM_2, &size));
   VOILE_PETSC(VecNorm(rest, NORM_2, &left));

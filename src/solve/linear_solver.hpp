@@ -6,8 +6,10 @@
 // well conditioned, if K is symmetric, -pc_type voile_inexact (inexact_pc.hpp). MUMPS's lack of workspace
 // is answered with twice as much, several times. Negative pivots of the symmetric factor count the negative eigenvalues
 // of K (Sylvester's law of inertia).
+// What gases add to K is of low rank and kept apart: K has to be factored then, as by default (low_rank_solution.hpp).
 #pragma once
 
+#include <memory>
 #include <string>
 
 #include "system/model.hpp"
@@ -18,10 +20,13 @@ namespace voile::solve {
 /// ranks.
 void check_mumps_room(int error, int size);
 
+class LowRankSolution;
+
 class LinearSolver {
  public:
   /// The model must outlive the solver. Call `set_defaults`, the KSP's options, then `prepare`.
-  explicit LinearSolver(system::Model& model) : model_(model) {}
+  explicit LinearSolver(system::Model& model);
+  ~LinearSolver();
 
   /// Of statics, of motions that are to find a place of rest, and of motions.
   enum class Method { direct, mixed, inexact };
@@ -38,9 +43,9 @@ class LinearSolver {
   /// After a failed solve: makes the factor usable again. True if trying again with more workspace may help.
   /// Collective.
   [[nodiscard]] bool repair(int attempt);
-  /// Measures how well K x = b was solved, unless the solver is one of ours, which proves it. After each solution that
-  /// did not come from `solve`. Collective.
-  void check_solution(Vec rhs, Vec x);
+  /// Adds to x what gases change, and measures how well K x = b was solved, unless the solver is one of ours, which proves
+  /// it. After each solution that did not come from `solve`. Collective.
+  void complete_solution(Vec rhs, Vec x);
   /// False where the last solution left more than a hundredth of its right-hand side: such an increment does not tell how
   /// far the equilibrium is.
   [[nodiscard]] bool is_solved() const { return solved_; }
@@ -65,11 +70,17 @@ class LinearSolver {
  private:
   [[nodiscard]] Mat factor() const;
   void renew_factor(PetscInt workspace_percent);
+  void check_solution(Vec rhs, Vec x);
+  /// Negative pivots of what is factored, without what gases add.
+  [[nodiscard]] long sparse_pivots() const;
+  [[nodiscard]] const system::LowRankChange& change() const { return model_.tangent().change(); }
 
   system::Model& model_;
   KSP ksp_ = nullptr;
   bool mumps_ = false, mixed_ = false, inexact_ = false, statics_ = false, trusted_ = false, solved_ = true;
   int factorisations_ = 0, pattern_version_ = 0;
+  bool completed_ = false;  ///< the last solution, by who was called after it
+  std::unique_ptr<LowRankSolution> low_rank_;
   std::string failure_;
 };
 

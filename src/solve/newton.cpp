@@ -292,7 +292,7 @@ NewtonResult Newton::linear_step(Vec a) {
   if (!result.converged) return result;
   VOILE_PETSC(VecAXPY(a, -1.0, n.increment));
   // What is left of the linear equations K dx = r.
-  VOILE_PETSC(MatMult(n.model.tangent().matrix(), n.increment, n.trial));
+  n.model.tangent().multiply(n.increment, n.trial);
   if (n.model.tangent().fixed_coupling()) VOILE_PETSC(VecAXPY(n.trial, 1.0, n.model.tangent().fixed_coupling()));
   VOILE_PETSC(VecAXPY(n.trial, -1.0, n.residual));
   VOILE_PETSC(VecNorm(n.trial, NORM_2, &result.residual));

@@ -67,7 +67,7 @@ PetscErrorCode Newton::Impl::before_linear_solve(KSP, Vec rhs, Vec, void* self) 
 PetscErrorCode Newton::Impl::after_linear_solve(KSP, Vec rhs, Vec x, void* self) {
   auto& n = *static_cast<Impl*>(self);
   return petsc::guarded([&] {
-    n.linear.check_solution(rhs, x);
+    n.linear.complete_solution(rhs, x);
     if (n.model.tangent().fixed_coupling()) VOILE_PETSC(VecAXPY(rhs, 1.0, n.model.tangent().fixed_coupling()));
     VOILE_PETSC(VecDot(rhs, x, &n.last_work));
   });

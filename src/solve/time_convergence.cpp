@@ -43,7 +43,7 @@ PetscErrorCode TimeIntegration::Impl::after_line_search(SNESLineSearch ls, Vec x
 
 PetscErrorCode TimeIntegration::Impl::after_linear_solve(KSP, Vec rhs, Vec x, void* self) {
   auto& n = *static_cast<Impl*>(self);
-  return petsc::guarded([&] { n.linear.check_solution(rhs, x); });
+  return petsc::guarded([&] { n.linear.complete_solution(rhs, x); });
 }
 
 void TimeIntegration::Impl::confirm(SNES snes, Vec x1) {

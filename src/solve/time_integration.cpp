@@ -361,7 +361,7 @@ double largest_frequency(system::Dynamics& dynamics, Vec u) {
     double size = 0.0, next = 0.0;
     VOILE_PETSC(VecNorm(x, NORM_2, &size));
     VOILE_PETSC(VecScale(x, 1.0 / size));
-    VOILE_PETSC(MatMult(model.tangent().matrix(), x, y));
+    model.tangent().multiply(x, y);
     VOILE_PETSC(VecPointwiseDivide(x, y, model.potential().constant().mass()));
     model.dofs().clear_fixed(x);
     VOILE_PETSC(VecNorm(x, NORM_2, &next));

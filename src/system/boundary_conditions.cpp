@@ -9,6 +9,7 @@
 #include "base/mpi.hpp"
 #include "energy/loads.hpp"
 #include "energy/sheet.hpp"
+#include "gas.hpp"
 #include "term.hpp"
 #include "voile/errors.hpp"
 
@@ -102,13 +103,17 @@ BoundaryConditions::BoundaryConditions(const Discretisation& on, std::vector<Sup
 BoundaryConditions::~BoundaryConditions() = default;
 
 void BoundaryConditions::add_blocks(const energy::Configuration& c, const BlockMatrix& tangent, int pattern,
-                                    const BlockMatrix::Values& values) {
+                                    const BlockMatrix::Values& values, LowRankChange& change) {
   followers_->add_blocks(c, on_->dofs(), tangent, pattern, values);
+  change.clear();
+  for (const Gas& gas : gases_) gas.add_blocks(c, tangent, pattern, values, gas_scratch_, change);
 }
 
 void BoundaryConditions::set_load_factor(double factor) {
   load_factor_ = factor;
   followers_->kernel.set_factor(energy::FollowerTerm::load_factor, factor);
+  for (std::size_t k = 0; k < gases_.size(); ++k)
+    if (gas_factors_[k] == energy::FollowerTerm::load_factor) gases_[k].set_factor(factor);
   if (motion_by_load_) move_supports(factor);
 }
 
@@ -118,6 +123,8 @@ void BoundaryConditions::set_time(double time) {
     const double factor = load.history(time);
     VOILE_PETSC(VecAXPY(constant_, factor, load.force));
     followers_->kernel.set_factor(load.factor, factor);
+    for (std::size_t k = 0; k < gases_.size(); ++k)
+      if (gas_factors_[k] == load.factor) gases_[k].set_factor(factor);
   }
   move_supports(time);
 }
@@ -192,18 +199,22 @@ void BoundaryConditions::applied_forces(const energy::Configuration& c, std::vec
   VOILE_PETSC(VecAXPY(f, 1.0, constant_));
   VOILE_PETSC(VecAXPY(f, load_factor_, dead_));
   if (external_) VOILE_PETSC(VecAXPY(f, 1.0, external_));
+  for (const Gas& gas : gases_) gas.add_force(c, scratch, f);
 }
 
-double BoundaryConditions::potential(Vec a) const {
-  double constant = 0.0, dead = 0.0, external = 0.0;
+double BoundaryConditions::potential(const energy::Configuration& c, Vec a) const {
+  double constant = 0.0, dead = 0.0, external = 0.0, gas = 0.0;
   VOILE_PETSC(VecDot(constant_, a, &constant));
   VOILE_PETSC(VecDot(dead_, a, &dead));
   if (external_) VOILE_PETSC(VecDot(external_, a, &external));
-  return -constant - load_factor_ * dead - external;
+  for (const Gas& g : gases_) gas += g.at(c).energy;
+  return gas - constant - load_factor_ * dead - external;
 }
 
 void BoundaryConditions::load_direction(const energy::Configuration& c, std::vector<Vec3>& scratch, Vec work, Vec f) {
   VOILE_PETSC(VecCopy(dead_, f));
+  for (std::size_t k = 0; k < gases_.size(); ++k)
+    if (gas_factors_[k] == energy::FollowerTerm::load_factor) gases_[k].add_direction(c, scratch, f);
   if (!any_follower_) return;
   // Follower loads are linear in the load factor: a difference over one unit is exact.
   for (const double sign : {1.0, -1.0}) {
@@ -235,6 +246,10 @@ void BoundaryConditions::build_loads(const std::vector<Load>& loads, const std::
       add_follower(load);
       continue;
     }
+    if (load.kind == Load::Kind::gas) {
+      add_gas(load);
+      continue;
+    }
     if (load.kind == Load::Kind::gravity) {
       if (masses.empty()) check_gravity(*on_, load);
       for (const PointMass& m : masses)
@@ -245,10 +260,22 @@ void BoundaryConditions::build_loads(const std::vector<Load>& loads, const std::
   }
 }
 
+/// Of a load whose force_of() was called last.
+int BoundaryConditions::factor_of(const Load& load) const {
+  return load.history    ? timed_.back().factor
+         : load.constant ? energy::FollowerTerm::constant
+                         : energy::FollowerTerm::load_factor;
+}
+
+void BoundaryConditions::add_gas(const Load& load) {
+  gases_.emplace_back(*on_, load);
+  gas_factors_.push_back(factor_of(load));
+  if (gas_factors_.back() == energy::FollowerTerm::constant) gases_.back().set_factor(1.0);
+  gas_scratch_.resize(static_cast<std::size_t>(on_->dofs().local().count()));
+}
+
 void BoundaryConditions::add_follower(const Load& load) {
-  const int factor = load.history    ? timed_.back().factor
-                     : load.constant ? energy::FollowerTerm::constant
-                                     : energy::FollowerTerm::load_factor;
+  const int factor = factor_of(load);
   const mesh::SurfaceMesh& mesh = on_->mesh();
   const auto local = [&](const mesh::Triangle& t) {
     const std::vector<Index>& of = on_->dofs().local().local_of;

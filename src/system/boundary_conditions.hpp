@@ -5,7 +5,7 @@
 //           abar, h prescribed displacement at lambda = 1, and what puts supports where they took hold         [m]
 //   off_i = a_i - lambda abar_i - motion_i(t) - h_i                                     fixed components
 //           f_e     forces from outside, constant until they are set again                                        [N]
-//   f     = lambda f_d + f_c + f_e + f_follower(a, lambda)                              applied forces
+//   f     = lambda f_d + f_c + f_e + f_follower(a, lambda) + f_gas(a, lambda)            applied forces
 #pragma once
 
 #include <functional>
@@ -26,6 +26,8 @@ namespace voile::system {
 
 template <class Kernel>
 class ElementTerm;
+class Gas;
+struct LowRankChange;
 
 class BoundaryConditions {
  public:
@@ -69,11 +71,15 @@ class BoundaryConditions {
 
   /// Overwrites f with the applied forces. `scratch` has one entry per local point. Collective. [N]
   void applied_forces(const energy::Configuration& c, std::vector<Vec3>& scratch, Vec f) const;
-  /// Work potential of the loads that are not followers, -f.u. Collective. [J]
-  [[nodiscard]] double potential(Vec a) const;
-  /// Adds the blocks of follower loads to the open values of a tangent.
+  /// Work potential of the loads that are not followers, -f.u, and energy of gases. Collective. [J]
+  [[nodiscard]] double potential(const energy::Configuration& c, Vec a) const;
+  /// Adds the blocks of follower loads and gases to the open values of a tangent; `change` becomes what gases add besides.
+  /// Collective.
   void add_blocks(const energy::Configuration& c, const BlockMatrix& tangent, int pattern,
-                  const BlockMatrix::Values& values);
+                  const BlockMatrix::Values& values, LowRankChange& change);
+  /// In the order of the loads (gas.hpp).
+  [[nodiscard]] const std::vector<Gas>& gases() const { return gases_; }
+  [[nodiscard]] bool has_gas() const { return !gas_factors_.empty(); }
   /// df/dlambda; `work` is scratch. Collective. [N]
   void load_direction(const energy::Configuration& c, std::vector<Vec3>& scratch, Vec work, Vec f);
 
@@ -81,6 +87,8 @@ class BoundaryConditions {
   void build_loads(const std::vector<Load>& loads, const std::vector<PointMass>& masses);
   [[nodiscard]] Vec force_of(const Load& load);
   void add_follower(const Load& load);
+  void add_gas(const Load& load);
+  [[nodiscard]] int factor_of(const Load& load) const;
   void add_followers(const energy::Configuration& c, std::vector<Vec3>& scratch, Vec f) const;
   void move_supports(double time);
 
@@ -101,6 +109,9 @@ class BoundaryConditions {
     petsc::VecHandle force;
   };
   std::vector<TimedLoad> timed_;
+  std::vector<Gas> gases_;
+  std::vector<int> gas_factors_;           ///< of each, as those of follower loads
+  mutable std::vector<Vec3> gas_scratch_;  ///< one entry per local point, with gases
   petsc::VecHandle dead_, constant_, prescribed_, motion_, hold_;
   petsc::VecHandle always_;    ///< the part of constant_ that does not change with time
   petsc::VecHandle external_;  ///< f_e, or none

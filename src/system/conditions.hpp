@@ -45,12 +45,13 @@ struct Load {
     follower_pressure,  ///< pressure along the current normal [Pa], positive along the triangle's normal, surface group
     area,               ///< dead force per rest area [N/m^2], surface group
     gravity,            ///< acceleration [m/s^2] acting on the areal density, whole model or surface group
-    follower_moment     ///< moment per rest length about the boundary edge [N], curve group, turns with the shell
+    follower_moment,    ///< moment per rest length about the boundary edge [N], curve group, turns with the shell
+    gas                 ///< pressure of a gas that the surface group encloses [Pa], see gas.hpp
   };
   Kind kind = Kind::point;
   std::string group;           ///< empty: the whole surface (gravity, area, pressure kinds)
   Vec3 vector = Vec3::Zero();  ///< point, line, area, gravity, at load factor 1
-  double magnitude = 0.0;      ///< pressure, follower_pressure, follower_moment, at load factor 1
+  double magnitude = 0.0;      ///< pressure, follower_pressure, follower_moment, gas, at load factor 1
   bool constant = false;       ///< true: acts in full at every load factor (e.g. dead weight)
   /// Factor at time t [s] instead of the load factor; empty: none. The text it was written as, for the echo of a case.
   std::function<double(double time)> history;
@@ -58,6 +59,11 @@ struct Load {
   /// Factor at a place at the start, for what is spread over a curve or surface; empty: 1. And its text.
   std::function<double(const Vec3& start)> distribution;
   std::string distribution_text;
+  // gas
+  double ambient = 101325.0;  ///< pressure outside, absolute [Pa]
+  double exponent = 1.0;      ///< n of p V^n
+  double added_volume = 0.0;  ///< of the gas, besides what the surface encloses [m^3]
+  std::optional<Vec3> apex;   ///< of the caps over holes; absent: the mean of each rim [m]
 };
 
 /// Change of the temperature from that at which the sheet has its rest shape.

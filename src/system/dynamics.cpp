@@ -59,6 +59,7 @@ energy::Configuration Dynamics::moving(Vec v) const {
 void Dynamics::set_time(double time) {
   model_.conditions().set_load_factor(options_.load_history ? options_.load_history(time) : 1.0);
   model_.set_time(time);
+  if (options_.drag.wind_in_time) drag_->kernel.set_wind(options_.drag.wind_in_time(time));
 }
 
 void Dynamics::start_step(Vec u, Vec v, double dt) {

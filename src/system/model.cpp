@@ -81,8 +81,9 @@ void Model::residual(Vec a, Vec r) {
 
 double Model::energy(Vec a) {
   const petsc::EventScope scope(petsc::events().energy);
-  const Energies e = potential_->energies(potential_->configuration(a), a, true);
-  const double sheet = e.membrane + e.bending + e.springs + conditions_->potential(a);
+  const energy::Configuration c = potential_->configuration(a);
+  const Energies e = potential_->energies(c, a, true);
+  const double sheet = e.membrane + e.bending + e.springs + conditions_->potential(c, a);
   return contact_ ? sheet + contact_->energy(a) : sheet;
 }
 
@@ -104,7 +105,7 @@ void Model::assemble_tangent(Vec a, const TangentRequest& request) {
   const int pattern = tangent_.pattern_version();
   potential_->write_tangent(c, tangent, pattern, values, request.bending);
   if (constant.has_damping() && request.damping > 0.0) constant.add_damping(tangent, values, request.damping);
-  conditions_->add_blocks(c, tangent, pattern, values);
+  conditions_->add_blocks(c, tangent, pattern, values, tangent_.change());
   if (request.extra) request.extra->add_blocks(c, dofs(), tangent, pattern, values);
   if (request.mass > 0.0 && request.mass_matrix)
     tangent.add_values_from(*request.mass_matrix, request.mass);
@@ -157,8 +158,9 @@ void Model::couple(std::vector<double> pairs) {
 
 Energies energies(Model& model, Vec a, bool with_contact) {
   const petsc::EventScope scope(petsc::events().energy);
-  Energies e = model.potential().energies(model.potential().configuration(a), a, false);
-  e.external = model.conditions().potential(a);
+  const energy::Configuration c = model.potential().configuration(a);
+  Energies e = model.potential().energies(c, a, false);
+  e.external = model.conditions().potential(c, a);
   if (model.contact() && with_contact) e.contact = model.contact()->energy(a, contact::ContactSet::normal);
   return e;
 }

@@ -39,6 +39,11 @@ void Tangent::extend(const BlockMatrix& base, BlockPattern pattern) {
   ++pattern_version_;
 }
 
+void Tangent::multiply(Vec x, Vec y) const {
+  VOILE_PETSC(MatMult(matrix_.mat(), x, y));
+  change_.multiply_add(x, y);
+}
+
 void Tangent::add_mass(const BlockMatrix::Values& values, Vec mass, double factor) const {
   const petsc::ReadArray lumped(mass);
   for (Index i = 0; i < on_->dofs().local().owned; ++i)
@@ -47,8 +52,12 @@ void Tangent::add_mass(const BlockMatrix::Values& values, Vec mass, double facto
 
 void Tangent::close(const BlockMatrix::Values& values, Vec off, Vec prescribed) {
   has_coupling_ = false;
+  const auto clear_change = [&] {
+    for (const petsc::VecHandle& column : change_.columns) on_->dofs().clear_fixed(column);
+  };
   if (!prescribed) {
     eliminated_.apply(values);
+    clear_change();
     matrix_.close();
     return;
   }
@@ -57,10 +66,11 @@ void Tangent::close(const BlockMatrix::Values& values, Vec off, Vec prescribed) 
   VOILE_PETSC(VecNorm(off, NORM_INFINITY, &size));
   if (size > 0.0) {
     has_coupling_ = true;
-    VOILE_PETSC(MatMult(matrix_.mat(), off, coupling_));
+    multiply(off, coupling_);
     on_->dofs().clear_fixed(coupling_);
   }
-  VOILE_PETSC(MatMult(matrix_.mat(), prescribed, load_coupling_));
+  multiply(prescribed, load_coupling_);
+  clear_change();
   eliminated_.apply(matrix_.open());
   matrix_.close();
 }

@@ -7,6 +7,7 @@
 #include "block_matrix.hpp"
 #include "discretisation.hpp"
 #include "energy/term.hpp"
+#include "low_rank.hpp"
 
 namespace voile::system {
 
@@ -38,7 +39,12 @@ class Tangent {
   /// With the pattern of `base`, a matrix that lives as long. Collective.
   Tangent(const Discretisation& on, const BlockMatrix& base);
 
+  /// Without what gases add besides.
   [[nodiscard]] Mat matrix() const { return matrix_.mat(); }
+  /// That: the tangent is their sum.
+  [[nodiscard]] const LowRankChange& change() const { return change_; }
+  /// y = (matrix + change) x. Collective.
+  void multiply(Vec x, Vec y) const;
   /// Changes whenever the matrix gets another pattern of entries.
   [[nodiscard]] int pattern_version() const { return pattern_version_; }
   /// Force on the free components by the part that couples them to fixed components which are still off their prescribed
@@ -47,12 +53,13 @@ class Tangent {
 
   // For the model, which fills it
   [[nodiscard]] BlockMatrix& blocks() { return matrix_; }
+  [[nodiscard]] LowRankChange& change() { return change_; }
   [[nodiscard]] const BlockMatrix& blocks() const { return matrix_; }
   /// Gives it a pattern that holds that of the base. Collective.
   void extend(const BlockMatrix& base, BlockPattern pattern);
   /// Adds a factor times lumped masses, one per unknown.
   void add_mass(const BlockMatrix::Values& values, Vec mass, double factor) const;
-  /// Eliminates what is fixed, and closes. If something is prescribed, `off` (its own components, zero elsewhere) and
+  /// Eliminates what is fixed, in the change too, and closes. If something is prescribed, `off` (its own components, zero elsewhere) and
   /// `prescribed` are coupled to the free components first. Collective.
   void close(const BlockMatrix::Values& values, Vec off, Vec prescribed);
   /// Coupling to what is prescribed at a load factor of 1.
@@ -61,6 +68,7 @@ class Tangent {
  private:
   const Discretisation* on_ = nullptr;
   BlockMatrix matrix_;
+  LowRankChange change_;
   Eliminated eliminated_;
   std::vector<Slot> mass_slots_;
   petsc::VecHandle coupling_, load_coupling_;

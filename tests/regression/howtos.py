@@ -14,7 +14,7 @@ STRIP = {"choose-contact-numbers": "dynamic", "damp-a-motion": "dynamic", "defin
          "prestress": "static", "read-results-in-paraview": "static", "remesh": "static", "restart": "dynamic",
          "start-inside-the-contact-distance": "dynamic", "tune-petsc": "static"}
 # Groups of a reader's mesh -> groups of the strip.
-GROUPS = {"edge": "tip", "C": "tip", "front/0": "tip", "hem": "tip", "clamp": "clamp", "tip": "tip"}
+GROUPS = {"edge": "tip", "C": "tip", "front/0": "tip", "hem": "tip", "clamp": "clamp", "tip": "tip", "balloon": "plate"}
 
 
 def blocks_of(page):

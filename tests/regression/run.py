@@ -26,8 +26,10 @@ import answers  # noqa: E402, F401
 import bodies  # noqa: E402, F401
 import contacting  # noqa: E402, F401
 import draping  # noqa: E402, F401
+import failing  # noqa: E402, F401
 import falling  # noqa: E402, F401
 import garments  # noqa: E402, F401
+import gas  # noqa: E402, F401
 import gathering  # noqa: E402, F401
 import howtos  # noqa: E402, F401
 import initial_states  # noqa: E402, F401

@@ -93,7 +93,7 @@ inline void check_potential(system::Model& model, Vec a, Vec d, double h = 1e-5)
   const auto vector = [&] { return model.dofs().create_vector(); };
   petsc::VecHandle moved = vector(), up = vector(), down = vector(), kd = vector(), r = vector();
   model.assemble_tangent(a, {.kind = energy::Tangent::exact});
-  VOILE_PETSC(MatMult(model.tangent().matrix(), d, kd));
+  model.tangent().multiply(d, kd);
   model.residual(a, r);
   VOILE_PETSC(VecWAXPY(moved, h, d, a));
   const double above = model.energy(moved);

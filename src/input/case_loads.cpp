@@ -1,0 +1,81 @@
+#include "case_loads.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdlib>
+
+#include "case_natural.hpp"
+#include "expression.hpp"
+#include "voile/errors.hpp"
+
+namespace voile::input {
+
+namespace {
+
+bool is_number(const std::string& text) {
+  char* end = nullptr;
+  (void)std::strtod(text.c_str(), &end);
+  return end != text.c_str() && *end == '\0';
+}
+
+void read_load_history(const SectionPlace& place, const Case& c, system::Load& load) {
+  if (load.history_text.empty()) return;
+  if (c.analysis != "dynamic" && !c.is_staged())
+    place.fail("history", "a load has a time only with analysis = \"dynamic\"");
+  if (load.constant) place.fail("constant", "a load with a history of its own is not constant; remove one of the keys");
+  load.history = time_function(place, "history", load.history_text);
+}
+
+/// What a gas cannot be part of.
+void check_gas(const SectionPlace& place, const Case& c, const system::Load& load) {
+  if (load.kind != system::Load::Kind::gas) return;
+  if (c.analysis == "linear" || c.analysis == "buckling" || c.analysis == "drape")
+    place.fail("type", fmt::format("analysis = \"{}\" has no gas; use static, modal or dynamic, or follower_pressure",
+                                   c.analysis));
+  if (!c.panels.empty()) place.fail("type", "panels that are sewn enclose nothing at the start; use follower_pressure");
+  if (load.ambient + load.magnitude <= 0.0)
+    place.fail("magnitude", fmt::format("with ambient = {:g} Pa the absolute pressure would be {:g} Pa; a gas has more "
+                                        "than 0",
+                                        load.ambient, load.ambient + load.magnitude));
+}
+
+}  // namespace
+
+std::function<double(double)> time_function(const SectionPlace& place, const char* key, const std::string& text) {
+  const auto named = [place, key](const auto& f) {
+    try {
+      return f();
+    } catch (const UserError& e) {
+      place.fail(key, e.what());
+    }
+  };
+  return [named, value = named([&] { return expression(text); })](double t) { return named([&] { return value(t); }); };
+}
+
+void read_load(const SectionPlace& place, const Case& c, system::Load& load) {
+  read_load_history(place, c, load);
+  check_gas(place, c, load);
+  if (load.distribution_text.empty()) return;
+  load.distribution = [value = place_function(place, "distribution", load.distribution_text, false).value](
+                          const Vec3& x) { return value(x, 0.0); };
+}
+
+void read_wind(const SectionPlace& place, energy::DragOptions& s) {
+  if (s.wind_texts.size() != 3)
+    place.fail("wind", fmt::format("{} components; three are needed, for x, y and z", s.wind_texts.size()));
+  std::vector<std::function<double(double)>> w;
+  for (const std::string& text : s.wind_texts) w.push_back(time_function(place, "wind", text));
+  const auto at = [w](double t) { return Vec3(w[0](t), w[1](t), w[2](t)); };
+  s.wind = at(0.0);
+  if (!std::all_of(s.wind_texts.begin(), s.wind_texts.end(), is_number)) s.wind_in_time = at;
+  if ((s.wind.norm() > 0.0 || s.wind_in_time) && !s.active())
+    place.fail("wind", "the air has no force on the sheet; give normal_drag or tangential_drag");
+}
+
+bool has_gas(const Case& c) {
+  return std::any_of(c.loads.begin(), c.loads.end(),
+                     [](const system::Load& l) { return l.kind == system::Load::Kind::gas; });
+}
+
+}  // namespace voile::input

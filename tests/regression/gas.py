@@ -1,0 +1,250 @@
+"""Gas in closed and capped volumes against closed forms; modes, ranks, restart, mistakes. Wind that changes in time."""
+
+import math
+
+import numpy as np
+from harness import OUT, solve, test
+from panels import Panels
+from scipy.optimize import brentq, least_squares
+from scipy.special import jv
+from solver import ROOT, run, variant, write_case
+
+RADIUS, YOUNG, POISSON, THICKNESS, DENSITY = 0.5, 1e8, 0.3, 2e-2, 50.0
+AMBIENT = 1e5
+
+
+def octant(cells=8, **more):
+    """An eighth of a sphere that a gas fills; the walls of the other parts are planes through its centre, the apex."""
+    return {
+        "title": "Sphere with gas",
+        "mesh": {"file": str(ROOT / "meshes" / "sphere_octant.geo"), "parameters": {"radius": RADIUS, "n": cells, "pattern": 2}},
+        "material": [{"type": "isotropic", "young": YOUNG, "poisson": POISSON, "thickness": THICKNESS, "density": DENSITY}],
+        "support": [{"type": "symmetry", "group": side} for side in ("equator", "sym_x", "sym_y")],
+        "load": [{"type": "gas", "magnitude": 1e4, "ambient": AMBIENT, "exponent": 1.4, "apex": [0, 0, 0]}],
+        "probe": [{"name": "pole", "type": "displacement", "group": "pole", "components": ["z"]}],
+        "steps": {"initial_step": 1.0},
+        "output": {"fields": ["displacement"], "every": 1000},
+    } | more
+
+
+@test
+def gas_sphere(report):
+    """The radius of a sphere at which tension and a gas that expands balance: (p - p_a) R = 2 E h e/(1 - nu) (1 + e), Green's e."""
+    def out_of_balance(w):
+        strain, excess = w / RADIUS + 0.5 * (w / RADIUS)**2, 1.1e5 * (1 + w / RADIUS)**-4.2 - AMBIENT
+        return excess * (RADIUS + w)**2 - 2 * YOUNG * THICKNESS / (1 - POISSON) * strain * (1 + w / RADIUS) * RADIUS
+
+    exact = brentq(out_of_balance, 0, 0.1 * RADIUS)
+    for cells, limit in ((8, 0.006), (16, 0.005)):
+        result = solve(f"gas_sphere_{cells}", octant(cells))
+        grown = result.displacement()
+        found = np.linalg.norm(result.results[-1].mesh.positions + grown, axis=1).mean() - RADIUS
+        report.percent(found / exact, limit, f"{cells} cells: the radius grows by {found:.5g} m")
+        report.check(result.summary["newton_iterations"] <= 8, f"{result.summary['newton_iterations']} Newton iterations")
+    h = solve("gas_sphere_path", octant(8, steps={"control": "arc_length", "initial_step": 0.5, "max_step": 1.0, "final_load_factor": 2.0})).history
+    plain = solve("gas_sphere_load", octant(8, steps={"initial_step": 1.0, "final_load_factor": 2.0})).history
+    report.below(h["pole_z"][-1] / plain["pole_z"][-1] - 1, 1e-6, "by arc length and by load control")
+    report.check(h["negative_pivots"][-1] == 0, "stable")
+
+
+def box(name, lid=True):
+    """A cube of 1 m whose walls move along z only; its lid, or its upper rim, is pushed down."""
+    p = Panels()
+    n = 3
+    p.add("floor", (0, 0, 0), (1, 0, 0), (0, 1, 0), n, n)
+    for k, (origin, along) in enumerate((((0, 0, 0), (1, 0, 0)), ((1, 0, 0), (0, 1, 0)), ((1, 1, 0), (-1, 0, 0)), ((0, 1, 0), (0, -1, 0)))):
+        p.add(f"wall {k}", origin, along, (0, 0, 1), n, n)
+    if lid:
+        p.add("lid", (0, 0, 1), (1, 0, 0), (0, 1, 0), n, n)
+    p.join("rim", [f"wall {k} high" for k in range(4)])
+    moved = "lid" if lid else "rim"
+    return {
+        "title": "Piston",
+        "mesh": {"file": str(p.write(OUT / f"{name}.msh"))},
+        "material": [{"type": "isotropic", "young": 1e6, "poisson": 0.0, "thickness": 1e-3}],
+        "support": [{"type": "hinged", "group": "floor"},
+                    {"type": "displacement", "group": moved, "components": ["x", "y", "z"], "value": [0, 0, -0.2]},
+                    *({"type": "displacement", "group": f"wall {k}", "components": ["x", "y"]} for k in range(4))],
+        "load": [{"type": "gas", "magnitude": 5e3, "ambient": AMBIENT, "exponent": 1.2, "constant": True}],
+        "probe": [{"name": "push", "type": "reaction", "group": moved}],
+        "steps": {"initial_step": 0.25, "max_step": 0.25},
+    }
+
+
+@test
+def gas_piston(report):
+    """p V^n in a box that is pressed together, with a lid and with its open rim closed by a fan; the force on the lid."""
+    for lid in (True, False):
+        name = "gas_piston" if lid else "gas_rim"
+        case = box(name, lid)
+        h = solve(name, case).history
+        volume = 1 - 0.2 * h["load_factor"]
+        excess = (AMBIENT + 5e3) * volume**-1.2 - AMBIENT
+        energy = 1.05e5 / 0.2 * (volume**-0.2 - 1) + AMBIENT * (volume - 1)
+        report.below(np.abs(h["gas_volume"] / volume - 1).max(), 1e-12, f"{name}: volume")
+        report.below(np.abs(h["gas_pressure"] / excess - 1).max(), 1e-11, f"{name}: excess pressure")
+        report.below(np.abs(h["gas_energy"] / np.where(energy == 0, 1, energy) - (energy != 0)).max(), 1e-9, f"{name}: energy")
+        if lid:
+            empty = solve("gas_piston_empty", variant(case, {"load": None})).history
+            push = empty["push_z"] - h["push_z"]
+            report.below(np.abs(push / excess - 1).max(), 1e-9, "force on the lid over pressure times area")
+
+
+def modes_of(result):
+    table = np.genfromtxt(result.folder / "modes.csv", delimiter=",", names=True, ndmin=1)
+    return table[table.dtype.names[1]]
+
+
+@test
+def gas_kettledrum(report):
+    """Axisymmetric modes of a membrane over a closed kettle: J0(x) = -chi/x^2 J2(x), chi = n p pi a^4/(V T) (Morse, Vibration and Sound,
+    2nd ed., 1948, section 20); modes with nodal diameters change no volume."""
+    radius, tension, density, kettle = 0.15, 1000.0, 0.3, 0.02
+    case = {
+        "title": "Kettledrum", "analysis": "modal",
+        "mesh": {"file": str(ROOT / "meshes" / "disc.geo"), "parameters": {"radius": radius, "n": 16, "pattern": 0}},
+        "material": [{"type": "isotropic", "young": 1e9, "poisson": 0.3, "thickness": 1e-5, "density": density / 1e-5,
+                      "direction": [1, 0, 0], "prestress": [tension, tension]}],
+        "support": [{"type": "hinged", "group": "edge"}],
+        "load": [{"type": "gas", "magnitude": 0.0, "ambient": AMBIENT, "exponent": 1.4, "added_volume": kettle}],
+        "eigen": {"modes": 6, "mass": "lumped"},
+    }
+    chi = 1.4 * AMBIENT * math.pi * radius**4 / (kettle * tension)
+    to_hertz = math.sqrt(tension / density) / (2 * math.pi * radius)
+    first = brentq(lambda x: jv(0, x) + chi / x**2 * jv(2, x), 2.4048, 5.0) * to_hertz
+    second = brentq(lambda x: jv(0, x) + chi / x**2 * jv(2, x), 5.52, 8.0) * to_hertz
+    for ranks in (1, 2):
+        found = modes_of(solve(f"gas_drum_{ranks}", case, ranks))
+        for exact, what in ((first, "first axisymmetric"), (3.8317 * to_hertz, "one diameter"), (5.1356 * to_hertz, "two diameters"),
+                            (second, "second axisymmetric")):
+            near = found[np.argmin(np.abs(found - exact))]
+            report.percent(near / exact, 0.01, f"{ranks} rank(s), {what}: {near:.5g} Hz, exact {exact:.5g} Hz")
+    report.check(abs(first / (2.4048 * to_hertz) - 1) > 0.1, f"the gas raises the first from {2.4048 * to_hertz:.5g} Hz")
+
+
+def breathing(**more):
+    """The same octant, set free under an excess pressure."""
+    load = {"type": "gas", "magnitude": 1e3, "ambient": AMBIENT, "exponent": 1.4, "apex": [0, 0, 0]}
+    return octant(8, analysis="dynamic", load=[load], time={"end": 1.2e-3, "step": 2e-5, "spectral_radius": 1.0, "checkpoint_steps": 30}) | more
+
+
+def grown(history):
+    """Mean growth of the radius."""
+    return (history["gas_volume"] / history["gas_volume"][0] - 1) * RADIUS / 3
+
+
+@test
+def gas_breathing(report):
+    """A sphere breathes at omega^2 = (2 E/((1 - nu) R^2) + 3 n p/(h R))/rho; energy, ranks and restart."""
+    stiffness = 2 * YOUNG * THICKNESS / ((1 - POISSON) * RADIUS**2) + 3 * 1.4 * AMBIENT / RADIUS
+    exact = math.sqrt(stiffness / (DENSITY * THICKNESS))
+    whole = solve("gas_breathing", breathing())
+    h = whole.history
+    w = grown(h)
+    fit = least_squares(lambda p: (p[0] * (1 - np.cos(p[1] * exact * h["time"])) - w) / w.max(), (0.5 * w.max(), 1.0)).x
+    report.percent(fit[1], 0.01, f"frequency over that of the closed form, {exact / (2 * math.pi):.5g} Hz")
+    report.percent(fit[0] / (1e3 / stiffness), 0.02, "mean of the radius")
+    energy = whole.summary["energy"]
+    report.below(energy["energy_unaccounted"] / energy["work_of_loads"], 1e-6, "energy unaccounted for, of the work of the gas")
+    scale = np.abs(whole.displacement()).max()
+    for ranks in (2, 3):
+        other = solve(f"gas_breathing_{ranks}", breathing(), ranks)
+        report.below(np.abs(other.displacement() - whole.displacement()).max() / scale, 1e-6, f"{ranks} ranks and 1")
+        report.below(other.history["gas_volume"][-1] / h["gas_volume"][-1] - 1, 1e-10, "volume")
+    solve("gas_breathing_half", variant(breathing(), {"time.end": 6e-4}))
+    again = solve("gas_breathing_again", breathing(), 1, ("--restart", OUT / "gas_breathing_half" / "checkpoint.h5"))
+    report.below(np.abs(again.displacement() - whole.displacement()).max() / scale, 1e-8, "restarted and unbroken")
+    explicit = variant(breathing(), {"time.spectral_radius": None, "time.method": "central_difference", "time.step": 5e-6, "time.checkpoint_steps": None})
+    h = solve("gas_breathing_explicit", explicit).history
+    report.below(np.abs(grown(h) - np.interp(h["time"], whole.history["time"], w)).max() / w.max(), 0.02, "central differences")
+
+
+@test
+def gas_cushion(report):
+    """A cushion full of gas falls on the ground: p V^n stays, nothing intersects, the energy adds up."""
+    p = Panels()
+    n, a = 4, 0.2
+    for k, (origin, along, across) in enumerate((((0, 0, 0), (a, 0, 0), (0, a, 0)), ((0, 0, a), (a, 0, 0), (0, a, 0)), ((0, 0, 0), (a, 0, 0), (0, 0, a)),
+                                                 ((0, a, 0), (a, 0, 0), (0, 0, a)), ((0, 0, 0), (0, a, 0), (0, 0, a)), ((a, 0, 0), (0, a, 0), (0, 0, a)))):
+        p.add(f"side {k}", origin, along, across, n, n)
+    case = {
+        "title": "Cushion", "analysis": "dynamic",
+        "mesh": {"file": str(p.write(OUT / "cushion.msh"))},
+        "material": [{"type": "isotropic", "young": 1e7, "poisson": 0.3, "thickness": 1e-3, "density": 300.0}],
+        "load": [{"type": "gas", "magnitude": 500.0, "ambient": 2e3, "exponent": 1.4}],
+        "obstacle": [{"name": "ground", "type": "plane", "point": [0, 0, -0.01], "normal": [0, 0, 1]}],
+        "contact": {"distance": 2e-3}, "damping": {"mass": 5.0},
+        "initial_velocity": [{"group": f"side {k}", "velocity": [0, 0, -3]} for k in range(6)],
+        "time": {"end": 0.05, "step": 1e-3, "velocity_tolerance": 1e-3},
+        "output": {"every": 1000}}
+    result = solve("gas_cushion", case)
+    h = result.history
+    law = (h["gas_pressure"] + 2e3) * h["gas_volume"]**1.4
+    report.below(np.abs(law / law[0] - 1).max(), 1e-12, "p V^n")
+    report.check(h["gas_volume"].max() / h["gas_volume"].min() > 1.05, f"volume {h['gas_volume'].min():.4g} to {h['gas_volume'].max():.4g} m^3")
+    report.check(h["contact_pairs"].max() > 0 and h["intersections"].max() == 0, "contact without intersections")
+    energy = result.summary["energy"]
+    report.below(energy["energy_unaccounted"] / energy["initial_energy"], 0.02, "energy unaccounted for")
+
+
+@test
+def gas_mistakes(report):
+    """What is no gas is refused before the first step, with file, key and remedy."""
+    gas = octant()["load"][0]
+    flat = {"mesh": {"file": str(ROOT / "meshes" / "plate.geo"), "parameters": {"n": 4}},
+            "support": [{"type": "hinged", "group": "left"}], "probe": [], "load": [{k: v for k, v in gas.items() if k != "apex"}]}
+    for name, changes, wanted in (
+            ("flat", flat, ("[[load]]", "encloses no volume", "added_volume")),
+            ("group", {"load": [gas | {"group": "shel"}]}, ("[[load]] group", "shel")),
+            ("curve", {"load": [gas | {"group": "equator"}]}, ("[[load]] group", "equator")),
+            ("vacuum", {"load": [gas | {"magnitude": -2e5}]}, ("load.magnitude", "more than 0")),
+            ("linear", {"analysis": "linear"}, ("load.type", "static, modal or dynamic")),
+            ("buckling", {"analysis": "buckling"}, ("load.type", "static, modal or dynamic")),
+            ("remesh", {"remesh": {"angle": 0.2}}, ("remesh", "volume")),
+            ("key", {"load": [gas | {"type": "follower_pressure"}]}, ("does not belong", "follower_pressure")),
+            ("solver", {"petsc": {"options": "-ksp_type cg -pc_type jacobi"}}, ("gas", "complete factor"))):
+        file = write_case(octant() | changes, OUT / f"gas_wrong_{name}.toml")
+        result = run(file, OUT / f"gas_wrong_{name}")
+        report.check(result.code == 2 and all(w in result.text for w in wanted) and (name == "solver" or file.name in result.text),
+                     f"{name}: {result.text.strip().splitlines()[-1][:150]}")
+
+
+def pane(**more):
+    """A stiff square plate of 1 m and 1 kg that hangs from its upper edge, in the plane x = 0."""
+    p = Panels()
+    p.add("pane", (0, 0, 0), (0, 1, 0), (0, 0, -1), 2, 2)
+    return {
+        "title": "Pane in the wind", "analysis": "dynamic",
+        "mesh": {"file": str(p.write(OUT / "pane.msh"))},
+        "material": [{"type": "isotropic", "young": 1e8, "poisson": 0.0, "thickness": 0.01, "density": 100.0}],
+        "probe": [{"name": "low", "type": "displacement", "group": "pane high"}],
+        "output": {"every": 1000},
+    } | more
+
+
+@test
+def wind(report):
+    """A pane hangs in a wind that rises: sin t/cos^2 t = C rho U^2 A/(2 m g). A free one follows a wind that grows steadily, later by a
+    constant velocity."""
+    speed = math.sqrt(2 * 9.81 / (1.2 * 1.2))
+    angle = brentq(lambda t: math.sin(t) - math.cos(t)**2, 0, 1.5)
+    held = pane(support=[{"type": "hinged", "group": "pane low"}], load=[{"type": "gravity", "vector": [0, 0, -9.81]}],
+                air={"density": 1.2, "normal_drag": 1.2, "wind": [f"{speed}*min(1, t)", "0", 0]}, damping={"mass": 3.0},
+                time={"end": 8.0, "step": 0.02})
+    h = solve("wind_pane", held).history
+    found = math.asin(h["low_x"][-1])
+    report.percent(found / angle, 0.002, f"angle of the pane: {math.degrees(found):.5g} degrees, exact {math.degrees(angle):.5g}")
+    lag = math.sqrt(2 * 3.0 / (1.2 * 1.2))  # that drags a mass of 1 kg along at 3 m/s^2
+    free = pane(air={"density": 1.2, "normal_drag": 1.2, "wind": [f"{lag} + 2 + 3*t", 0, "0"]},
+                initial_velocity=[{"group": "pane", "velocity": [2, 0, 0]}], time={"end": 1.0, "step": 0.01})
+    h = solve("wind_free", free).history
+    exact = 2 * h["time"] + 1.5 * h["time"]**2
+    report.below(np.abs(h["low_x"] - exact).max() / exact.max(), 1e-3, "way of the free pane")
+    same = solve("wind_unit", variant(free, {"air.wind": ["600 m/min", 0, 0], "time.end": 0.1})).history["low_x"][-1]
+    plain = solve("wind_number", variant(free, {"air.wind": [10, 0, 0], "time.end": 0.1})).history["low_x"][-1]
+    report.check(same == plain, "a wind with its unit")
+    for name, changes, wanted in (("two", {"air.wind": [1, 2]}, ("air.wind", "three are needed")),
+                                  ("idle", {"air.normal_drag": 0.0}, ("air.wind", "normal_drag")),
+                                  ("word", {"air.wind": ["1 + s", 0, 0]}, ("air.wind", "expression of t"))):
+        result = run(write_case(variant(free, changes), OUT / f"wind_wrong_{name}.toml"), OUT / f"wind_wrong_{name}")
+        report.check(result.code == 2 and all(w in result.text for w in wanted), f"{name}: {result.text.strip().splitlines()[-1][:120]}")

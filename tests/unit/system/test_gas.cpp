@@ -1,0 +1,171 @@
+// A gas in a volume: derivatives, volume, the part of low rank in solutions and counts, and what encloses nothing.
+#include <doctest/doctest.h>
+
+#include <Eigen/Geometry>
+#include <map>
+#include <numbers>
+
+#include "base/decompositions.hpp"
+#include "solve/newton.hpp"
+#include "system/gas.hpp"
+#include "system/gas_surface.hpp"
+#include "test_model_kit.hpp"
+#include "voile/errors.hpp"
+
+using namespace voile;
+using namespace voile::testing;
+
+namespace {
+
+/// An octahedron whose triangles are divided `times` times and laid on an ellipsoid, without those above height `cut`.
+mesh::MeshData ellipsoid(int times, double cut = 2.0) {
+  mesh::MeshData d;
+  d.source = "ellipsoid";
+  d.positions = {Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitZ(), -Vec3::UnitX(), -Vec3::UnitY(), -Vec3::UnitZ()};
+  d.triangles = {{0, 1, 2}, {1, 3, 2}, {3, 4, 2}, {4, 0, 2}, {1, 0, 5}, {3, 1, 5}, {4, 3, 5}, {0, 4, 5}};
+  for (int k = 0; k < times; ++k) {
+    std::map<std::pair<Index, Index>, Index> middle;
+    const auto between = [&](Index a, Index b) {
+      const auto [at, fresh] = middle.try_emplace(std::minmax(a, b), static_cast<Index>(d.positions.size()));
+      if (fresh) d.positions.push_back((d.positions[a] + d.positions[b]).normalized());
+      return at->second;
+    };
+    std::vector<mesh::Triangle> finer;
+    for (const mesh::Triangle& t : d.triangles) {
+      const Index a = between(t[0], t[1]), b = between(t[1], t[2]), c = between(t[2], t[0]);
+      finer.insert(finer.end(), {{t[0], a, c}, {a, t[1], b}, {c, b, t[2]}, {a, b, c}});
+    }
+    d.triangles = finer;
+  }
+  std::erase_if(d.triangles, [&](const mesh::Triangle& t) {
+    return (d.positions[t[0]] + d.positions[t[1]] + d.positions[t[2]])[2] / 3.0 > cut;
+  });
+  std::vector<Index> number(d.positions.size(), no_index);
+  std::vector<Vec3> kept;
+  for (mesh::Triangle& t : d.triangles)
+    for (Index& v : t) {
+      if (number[v] == no_index) {
+        number[v] = static_cast<Index>(kept.size());
+        kept.push_back(d.positions[v].cwiseProduct(Vec3(1.0, 1.2, 0.8)) + Vec3(0.3, -0.2, 5.0));
+      }
+      v = number[v];
+    }
+  d.positions = kept;
+  return d;
+}
+
+system::Load gas(double pressure, double exponent = 1.3) {
+  system::Load l;
+  l.kind = system::Load::Kind::gas;
+  l.magnitude = pressure;
+  l.ambient = 5.0;
+  l.exponent = exponent;
+  return l;
+}
+
+system::ModelInput sheet(std::vector<system::Load> loads) {
+  system::ModelInput input;
+  input.materials = {isotropic(20.0, 0.3, 0.05, 1.0)};
+  input.loads = std::move(loads);
+  return input;
+}
+
+}  // namespace
+
+TEST_CASE("the force of a gas is the derivative of its energy, and its tangent that of the force") {
+  for (const double cut : {2.0, 0.3}) {
+    CAPTURE(cut);
+    const mesh::SurfaceMesh mesh(ellipsoid(2, cut));
+    for (const double exponent : {1.0, 1.4}) {
+      system::Model model(PETSC_COMM_WORLD, mesh, sheet({gas(3.0, exponent)}));
+      model.conditions().set_load_factor(0.7);
+      petsc::VecHandle a = model.dofs().create_vector(), d = model.dofs().create_vector();
+      set_displacement(model, a, noise(0.05, 3));
+      set_displacement(model, d, noise(1.0, 4));
+      check_potential(model, a, d);
+      CHECK(model.tangent().change().columns.size() == (cut > 1.0 ? 1u : 7u));
+    }
+  }
+}
+
+TEST_CASE("volume and pressure of a gas") {
+  const mesh::SurfaceMesh closed(ellipsoid(3)), open(ellipsoid(3, 0.0));
+  for (const mesh::SurfaceMesh* mesh : {&closed, &open}) {
+    system::Model model(PETSC_COMM_WORLD, *mesh, sheet({gas(3.0)}));
+    model.conditions().set_load_factor(0.5);
+    petsc::VecHandle a = model.dofs().create_vector();
+    const auto state = [&] { return model.conditions().gases()[0].at(model.potential().configuration(a)); };
+    const system::GasState start = state();
+    const double whole = 4.0 / 3.0 * std::numbers::pi * 1.2 * 0.8;
+    CHECK(start.volume == relative(mesh == &closed ? whole : 0.5 * whole).epsilon(0.05));
+    CHECK(start.pressure == relative(1.5));
+    // A turn changes nothing; twice the size is eight times the volume.
+    set_displacement(model, a, [&](Index v) {
+      const Vec3& x = mesh->positions()[v];
+      return Vec3(2.0 * (Eigen::AngleAxisd(1.0, Vec3(1.0, 2.0, 3.0).normalized()) * x) + Vec3(1.0, 2.0, 3.0) - x);
+    });
+    CHECK(state().volume == relative(8.0 * start.volume));
+    CHECK(state().pressure == relative(6.5 * std::pow(8.0, -1.3) - 5.0));
+    const double work = 6.5 / 0.3 * (1.0 - std::pow(8.0, -0.3)) - 5.0 * 7.0;
+    CHECK(state().energy == relative(-work * start.volume));
+  }
+}
+
+TEST_CASE("solutions and negative eigenvalues take in what a gas adds") {
+  if (mpi::size(PETSC_COMM_WORLD) > 1) return;
+  for (const double pressure : {-4.0, 3.0}) {
+    const mesh::SurfaceMesh mesh(ellipsoid(1, 0.5));
+    system::ModelInput input = sheet({gas(pressure)});
+    system::Spring ground;
+    ground.kind = system::Spring::Kind::area;
+    ground.stiffness = 0.3;
+    input.springs = {ground};
+    system::Model model(PETSC_COMM_WORLD, mesh, std::move(input));
+    model.conditions().set_load_factor(1.0);
+    solve::Newton newton(model);
+    petsc::VecHandle a = model.dofs().create_vector(), b = model.dofs().create_vector(),
+                     x = model.dofs().create_vector(), product = model.dofs().create_vector();
+    set_displacement(model, a, noise(0.1, 5));
+    set_displacement(model, b, noise(1.0, 6));
+    const long found = newton.negative_eigenvalues(a);
+    Eigen::MatrixXd full = dense_tangent(model);
+    const system::LowRankChange& change = model.tangent().change();
+    Eigen::MatrixXd columns(full.rows(), static_cast<Eigen::Index>(change.columns.size()));
+    for (std::size_t k = 0; k < change.columns.size(); ++k)
+      columns.col(static_cast<Eigen::Index>(k)) =
+          Eigen::Map<const Eigen::VectorXd>(petsc::ReadArray(change.columns[k]).data(), full.rows());
+    full += columns * change.weights * columns.transpose();
+    CHECK(found == (eigenvalues(full).array() < 0.0).count());
+    REQUIRE(newton.linear_solver().solve(b, x));
+    model.tangent().multiply(x, product);
+    VOILE_PETSC(VecAXPY(product, -1.0, b));
+    CHECK(norm(product) < 1e-9 * norm(b));
+  }
+}
+
+TEST_CASE("what encloses no gas is refused") {
+  const auto refusal = [](const mesh::MeshData& d, const system::Load& load) {
+    try {
+      const mesh::SurfaceMesh mesh(d);
+      (void)system::gas_surface(mesh, load);
+    } catch (const UserError& e) {
+      return std::string(e.what());
+    }
+    return std::string();
+  };
+  CHECK(refusal(ellipsoid(1), gas(1.0)).empty());
+  CHECK(refusal(square(Pattern::diagonal, 3), gas(1.0)).find("encloses no volume") != std::string::npos);
+  mesh::MeshData two = ellipsoid(1), more = ellipsoid(1);
+  const auto count = static_cast<Index>(two.positions.size());
+  for (const Vec3& x : more.positions) two.positions.push_back(x + Vec3(5.0, 0.0, 0.0));
+  for (const mesh::Triangle& t : more.triangles) two.triangles.push_back({t[0] + count, t[1] + count, t[2] + count});
+  CHECK(refusal(two, gas(1.0)).find("several parts") != std::string::npos);
+  // A flat sheet over a box; one that hangs into it by more than the box has.
+  system::Load box = gas(1.0);
+  box.added_volume = 0.5;
+  CHECK(refusal(square(Pattern::diagonal, 3), box).empty());
+  const auto sagging = mapped(square(Pattern::diagonal, 8), [](const Vec3& x) {
+    return Vec3(x[0], x[1], -8.0 * x[0] * (1.0 - x[0]) * x[1] * (1.0 - x[1]) * 16.0);
+  });
+  CHECK(refusal(sagging, box).find("normals must point away") != std::string::npos);
+}
