@@ -47,6 +47,7 @@ void check_group_names(const input::Case& c, const mesh::SurfaceMesh& mesh) {
   for (const energy::Material& m : c.materials)
     for (const std::string& name : m.groups) checker.check("material", "groups", name, 2);
   checker.check_all("support", c.supports);
+  for (const input::RigidSection& s : c.rigids) checker.check("rigid", "group", s.group.group);
   for (const system::Load& l : c.loads) checker.check("load", "group", l.group, dimension_of(l.kind));
   checker.check_all("temperature", c.temperatures, 2);
   checker.check_all("mass", c.masses);

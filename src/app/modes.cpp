@@ -73,7 +73,7 @@ void write_modes(const input::Case& c, const RunOptions& options, const system::
   });
   for (std::size_t i = 0; i < result.modes.size(); ++i) {
     const solve::Mode& mode = result.modes[i];
-    std::vector<double> shape = model.dofs().gather(mode.shape);
+    std::vector<double> shape = model.dofs().gather_change(mode.shape);
     mpi::on_root(model.dofs().comm(), [&] {
       const int number = static_cast<int>(i) + 1;
       if (table) table->write({static_cast<double>(number), mode.value, mode.eigenvalue, mode.residual, errors[i]});

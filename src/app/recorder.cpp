@@ -15,6 +15,7 @@
 #include "voile/base/text.hpp"
 #include "voile/system/contact.hpp"
 #include "voile/system/ease.hpp"
+#include "voile/system/rigid_loads.hpp"
 
 namespace voile::app {
 
@@ -91,6 +92,8 @@ std::vector<std::string> Recorder::columns() const {
                 .remeshing = case_.remesh.active,
                 .contact = case_.contact.input.active,
                 .yielding = contact && system::has_yielding_obstacles(contact->scene().input())});
+  for (const input::RigidSection& rigid : case_.rigids)
+    for (const std::string& column : names_of_rigid(rigid.name)) names.push_back(column);
   for (std::string& name : probes_->columns()) names.push_back(std::move(name));
   return names;
 }
@@ -106,8 +109,9 @@ Recorder::Snapshot Recorder::gathered(Vec a) {
   petsc::VecHandle force = model_->dofs().create_vector();
   linear_ ? LinearValues(*model_, a).unbalanced_force(force) : model_->unbalanced_force(a, force);
   model_->dofs().clear_free(force);  // away from supports the force is only the residual that is left
-  s.state.displacement = model_->dofs().gather(a);
-  s.state.reaction = model_->dofs().gather(force);
+  s.state.displacement = linear_ ? model_->dofs().gather_change(a) : model_->dofs().gather(a);
+  s.state.reaction = model_->dofs().gather_forces(force);
+  if (!case_.rigids.empty()) s.bodies = system::rigid_values(model_->discretisation(), a, force, linear_);
   return s;
 }
 
@@ -172,7 +176,8 @@ void Recorder::write_step(const system::State& state, const solve::StepResult& r
   // Along an arc the load factor goes up and down, but a time must not.
   step.time = dynamics_ ? state.time : case_.steps.control == Control::load ? state.load_factor : state.step;
   step.load_factor = state.load_factor;
-  if (r.mode) step.fields.push_back({"critical_mode", "1", io::Centre::vertex, 3, model_->dofs().gather(r.mode)});
+  if (r.mode)
+    step.fields.push_back({"critical_mode", "1", io::Centre::vertex, 3, model_->dofs().gather_change(r.mode)});
   write_or_keep(state.step % case_.output.every == 0 || whole || r.mode || s.intersections > 0, std::move(step),
                 state.u, dynamics_ ? static_cast<Vec>(state.v) : nullptr, s);
 }
@@ -181,7 +186,7 @@ void Recorder::write_or_keep(bool write, io::StepFields step, Vec position, Vec 
   pending_.reset();
   if (write) {
     if (velocity && wants("velocity"))
-      step.fields.push_back({"velocity", "m/s", io::Centre::vertex, 3, model_->dofs().gather(velocity)});
+      step.fields.push_back({"velocity", "m/s", io::Centre::vertex, 3, model_->dofs().gather_change(velocity)});
     write_fields(std::move(step), position, s);
     return;
   }
@@ -254,6 +259,7 @@ void Recorder::write_history(const system::State& state, const solve::StepResult
                                  r.shortest, static_cast<double>(s.intersections)});
   if (model_->contact() && system::has_yielding_obstacles(model_->contact()->scene().input()))
     values.push_back(static_cast<double>(system::yielding_count(model_->contact()->memory())));
+  values.insert(values.end(), s.bodies.begin(), s.bodies.end());
   mpi::on_root(model_->dofs().comm(), [&] {
     for (const double value : probes_->values(s.state, *model_)) values.push_back(value);
     if (history_) history_->write(values);

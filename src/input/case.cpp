@@ -12,6 +12,7 @@
 #include "case_materials.hpp"
 #include "case_natural.hpp"
 #include "case_pattern.hpp"
+#include "case_rigid.hpp"
 #include "case_sections.hpp"
 #include "voile/base/error.hpp"
 #include "voile/base/text.hpp"
@@ -90,18 +91,6 @@ void check_probe(const SectionPlace& place, const Probe& probe, const std::vecto
   if (probe.kind != Probe::Kind::displacement) return;
   if (place.has("group") == place.has("point"))
     place.fail(place.has("point") ? "point" : "group", "a displacement probe needs either 'group' or 'point'");
-}
-
-/// What it throws, now and later, names the key.
-std::function<double(double)> time_function(const SectionPlace& place, const char* key, const std::string& text) {
-  const auto named = [place, key](const auto& f) {
-    try {
-      return f();
-    } catch (const UserError& e) {
-      place.fail(key, e.what());
-    }
-  };
-  return [named, value = named([&] { return expression(text); })](double t) { return named([&] { return value(t); }); };
 }
 
 using Motion = std::function<Vec3(const Vec3& rest, double time)>;
@@ -354,6 +343,7 @@ Case read_case(CaseReader& reader, const std::filesystem::path& file, StageSecti
       std::any_of(c.motions.begin(), c.motions.end(), [](const MotionInput& m) { return m.any(); }))
     steps.fail("control", "supports with a motion or rotation need \"load\": they move with the load factor");
   reader.read("eigen", 0, keys_of(c.eigen));
+  read_all(reader, "rigid", c.rigids, [&](const SectionPlace& place, RigidSection& s) { read_rigid(place, c, s); });
   read_contact(reader, c, before);
   check_time(reader.read("time", 0, keys_of(c.time, c.dynamics.mass)), c);
   read_all(reader, "initial_velocity", c.initial_velocities, [&](const SectionPlace& place, const InitialVelocity&) {
@@ -370,6 +360,7 @@ Case read_case(CaseReader& reader, const std::filesystem::path& file, StageSecti
   if (c.time.options.method == solve::TimeOptions::Method::central_difference && !output.has("energy_balance"))
     c.output.energy_balance = false;
   check_petsc(reader.read("petsc", 0, petsc_keys(c)), c.petsc_options);
+  check_rigid(c);
   return c;
 }
 

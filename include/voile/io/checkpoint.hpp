@@ -25,6 +25,7 @@ struct Checkpoint {
   std::vector<double> yielding{};
   std::vector<double> anchors{};                          ///< of attachments, see system::numbers_of; empty: none
   std::vector<double> energy_balance{};                   ///< see system::numbers_of; empty: not kept
+  std::vector<double> bodies{};                           ///< unknowns of rigid bodies, see app/carry; empty: none
   std::vector<double> slips{};                            ///< see system::Potential::slips; empty: none
   std::vector<double> path{};                             ///< system::PathMemory; empty: none
   std::vector<double> couplings{};                        ///< see system::Model::couplings
