@@ -1,6 +1,8 @@
 #include <fmt/format.h>
 
 #include <Eigen/Dense>
+#include <algorithm>
+#include <utility>
 
 #include "free_slopes.hpp"
 #include "voile/base/error.hpp"
@@ -22,17 +24,86 @@ void refuse_coupling(const Sheet& sheet, Index t) {
       x[0], x[1], x[2]));
 }
 
-/// Points of the operator, ends of the sides, frame, each once; their places at the start.
-struct Points {
-  std::vector<Index> points;
-  std::vector<Vec3> start;
-  Eigen::Index of(Index point, const Vec3& at) {
-    const auto found = std::find(points.begin(), points.end(), point);
-    if (found != points.end()) return found - points.begin();
-    points.push_back(point);
-    start.push_back(at);
-    return static_cast<Eigen::Index>(points.size()) - 1;
+class Builder {
+ public:
+  Builder(const Sheet& sheet, CurvatureBuilder& curvatures, Index triangle, const RigidFrame& frame)
+      : sheet_(sheet), triangle_(triangle), frame_(frame), slopes_(sheet, curvatures, triangle) {}
+
+  JointElement run(const std::vector<int>& sides) {
+    collect_points();
+    const auto count = static_cast<Eigen::Index>(sides.size());
+    el_.weights.setZero(rows_of_side * count, static_cast<Eigen::Index>(el_.points.size()));
+    el_.start.setZero(el_.weights.rows(), 3);
+    Eigen::VectorXd sense(count);
+    Eigen::MatrixXd compliance(count, count), of_joints(slopes_.compliance.rows(), count);
+    for (Eigen::Index n = 0; n < count; ++n) {
+      const int side = sides[static_cast<std::size_t>(n)];
+      sense[n] = add_side(side, rows_of_side * static_cast<int>(n));
+      of_joints.col(n) = slopes_.compliance.col(slopes_.row(side));
+    }
+    for (Eigen::Index n = 0; n < count; ++n)
+      compliance.row(n) = of_joints.row(slopes_.row(sides[static_cast<std::size_t>(n)]));
+    const Eigen::MatrixXd stiffness = compliance.inverse(), senses = sense.asDiagonal();
+    el_.stiffness = senses * stiffness * senses;
+    el_.bends.push_back({triangle_, -slopes_.across * of_joints * stiffness * senses});
+    return std::move(el_);
   }
+
+ private:
+  /// Those of the operator, of the triangle and of the frame, each once.
+  void collect_points() {
+    const auto add = [&](Index point, const Vec3& start) {
+      if (std::find(el_.points.begin(), el_.points.end(), point) != el_.points.end()) return;
+      el_.points.push_back(point);
+      start_.push_back(start);
+    };
+    for (const Index p : slopes_.of.operator_.points) add(p, sheet_.patches().start(p));
+    for (const Index p : corners()) add(p, sheet_.patches().start(p));
+    for (std::size_t k = 0; k < frame_.points.size(); ++k) add(frame_.points[k], frame_.start[k]);
+  }
+  [[nodiscard]] const mesh::Triangle& corners() const { return sheet_.mesh().triangles()[triangle_]; }
+  [[nodiscard]] double& weight(int row, Index point) {
+    return el_.weights(row, std::find(el_.points.begin(), el_.points.end(), point) - el_.points.begin());
+  }
+
+  /// Three rows from `row` on and the angle of a side; sigma.
+  double add_side(int side, int row) {
+    const CurvatureOperator& op = slopes_.of.operator_;
+    const Eigen::Index k = slopes_.row(side);
+    weight(row, corners()[static_cast<std::size_t>((side + 1) % 3)]) = -1.0;
+    weight(row, corners()[static_cast<std::size_t>((side + 2) % 3)]) = 1.0;
+    const Eigen::RowVectorXd slope = -slopes_.natural.row(k) * op.weights;
+    for (std::size_t i = 0; i < op.points.size(); ++i)
+      weight(row + 2, op.points[i]) = slope[static_cast<Eigen::Index>(i)];
+    for (const int r : {row, row + 2}) el_.start.row(r) = start_of(r);
+    // The body's direction is that of the slope at the start, back into the sheet.
+    const Vec3 back = -el_.start.row(row + 2);
+    el_.start.row(row + 1) = back;
+    const double length = (frame_.start[1] - frame_.start[0]).norm();
+    for (int i = 0; i < 3; ++i) {
+      weight(row + 1, frame_.points[static_cast<std::size_t>(i + 1)]) += back[i] / length;
+      weight(row + 1, frame_.points[0]) -= back[i] / length;
+    }
+    const EdgePoints x{Vec3::Zero(), el_.start.row(row), back, Vec3(-back)};
+    const double sense = edge_angle_slopes(x)[3].dot(sheet_.mesh().start_normal(triangle_)) > 0.0 ? 1.0 : -1.0;
+    el_.angles.push_back(
+        {triangle_, row, row + 1, row + 2, edge_angle(x), Vec3(sense * slopes_.natural.row(k).transpose())});
+    return sense;
+  }
+
+  [[nodiscard]] Eigen::RowVector3d start_of(int row) const {
+    Eigen::RowVector3d sum = Eigen::RowVector3d::Zero();
+    for (std::size_t i = 0; i < start_.size(); ++i)  // from the first point on, which keeps round-off small
+      sum += el_.weights(row, static_cast<Eigen::Index>(i)) * (start_[i] - start_.front()).transpose();
+    return sum;
+  }
+
+  const Sheet& sheet_;
+  Index triangle_;
+  const RigidFrame& frame_;
+  FreeSlopes slopes_;
+  std::vector<Vec3> start_;  ///< places of the points [m]
+  JointElement el_;
 };
 
 }  // namespace
@@ -40,56 +111,7 @@ struct Points {
 JointElement make_rigid_slopes(const Sheet& sheet, CurvatureBuilder& curvatures, Index triangle,
                                const std::vector<int>& sides, const RigidFrame& frame) {
   refuse_coupling(sheet, triangle);
-  const FreeSlopes slopes(sheet, curvatures, triangle);
-  const CurvatureOperator& op = slopes.of.operator_;
-  const mesh::Triangle& corners = sheet.mesh().triangles()[triangle];
-  const auto start = [&](Index p) { return sheet.patches().start(p); };
-  const auto count = static_cast<Eigen::Index>(sides.size());
-  JointElement el;
-  Points of;
-  for (const Index p : op.points) of.of(p, start(p));
-  for (const Index p : corners) of.of(p, start(p));
-  for (std::size_t k = 0; k < frame.points.size(); ++k) of.of(frame.points[k], frame.start[k]);
-  el.points = of.points;
-  el.weights.setZero(rows_of_side * count, static_cast<Eigen::Index>(of.points.size()));
-  el.start.setZero(el.weights.rows(), 3);
-  const double length = (frame.start[1] - frame.start[0]).norm();
-  Eigen::MatrixXd compliance(count, count);
-  Eigen::VectorXd sense(count);
-  for (Eigen::Index n = 0; n < count; ++n) {
-    const int s = sides[static_cast<std::size_t>(n)], row = rows_of_side * static_cast<int>(n);
-    const Eigen::Index k = slopes.row(s);
-    el.weights(row, of.of(corners[static_cast<std::size_t>((s + 1) % 3)], {})) = -1.0;
-    el.weights(row, of.of(corners[static_cast<std::size_t>((s + 2) % 3)], {})) = 1.0;
-    const Eigen::RowVectorXd w = -slopes.natural.row(k) * op.weights;
-    for (std::size_t i = 0; i < op.points.size(); ++i)
-      el.weights(row + 2, of.of(op.points[i], {})) = w[static_cast<Eigen::Index>(i)];
-    const Vec3 origin = of.start.front();  // keeps round-off small
-    for (std::size_t i = 0; i < of.points.size(); ++i)
-      for (const int r : {row, row + 2})
-        el.start.row(r) += el.weights(r, static_cast<Eigen::Index>(i)) * (of.start[i] - origin).transpose();
-    // The body's direction is that of the slope at the start, back into the sheet.
-    const Vec3 back = -el.start.row(row + 2);
-    el.start.row(row + 1) = back;
-    for (int i = 0; i < 3; ++i) {
-      el.weights(row + 1, of.of(frame.points[static_cast<std::size_t>(i + 1)], {})) += back[i] / length;
-      el.weights(row + 1, of.of(frame.points[0], {})) -= back[i] / length;
-    }
-    const Vec3 edge = el.start.row(row), slope = el.start.row(row + 2);
-    const EdgePoints x{Vec3::Zero(), edge, back, slope};
-    sense[n] = edge_angle_slopes(x)[3].dot(sheet.mesh().start_normal(triangle)) > 0.0 ? 1.0 : -1.0;
-    el.angles.push_back(
-        {triangle, row, row + 1, row + 2, edge_angle(x), Vec3(sense[n] * slopes.natural.row(k).transpose())});
-    for (Eigen::Index m = 0; m < count; ++m)
-      compliance(n, m) = slopes.compliance(k, slopes.row(sides[static_cast<std::size_t>(m)]));
-  }
-  const Eigen::MatrixXd stiffness = compliance.inverse();
-  el.stiffness = sense.asDiagonal() * stiffness * sense.asDiagonal();
-  Eigen::MatrixXd of_joints(slopes.compliance.rows(), count);
-  for (Eigen::Index n = 0; n < count; ++n)
-    of_joints.col(n) = slopes.compliance.col(slopes.row(sides[static_cast<std::size_t>(n)]));
-  el.bends.push_back({triangle, slopes.across * of_joints * stiffness * -sense.asDiagonal().toDenseMatrix()});
-  return el;
+  return Builder(sheet, curvatures, triangle, frame).run(sides);
 }
 
 }  // namespace voile::energy

@@ -153,6 +153,36 @@ std::vector<Key> motion_keys(MotionInput& m, const std::vector<std::string>& typ
        .absent = "none"}};
 }
 
+namespace {
+
+/// The axes that `components` and `value` mean.
+std::vector<Key> axes_keys(system::Support& s) {
+  return {
+      {.name = "x_axis",
+       .slot = &s.x_axis,
+       .meaning = "Direction that `\"x\"` means in `components` and `value`; `y_axis` and the normal of both follow.",
+       .types = {"displacement", "sliding"},
+       .absent = "the global axes"},
+      {.name = "y_axis",
+       .slot = &s.y_axis,
+       .meaning = "Direction that `\"y\"` means, made square to `x_axis`.",
+       .types = {"displacement", "sliding"},
+       .absent = "any direction square to `x_axis`"},
+      {.name = "cylinder_axis",
+       .slot = &s.cylinder_axis,
+       .meaning = "`\"x\"`, `\"y\"`, `\"z\"` mean radial, circumferential and axial about this axis, at each vertex's "
+                  "place at the start.",
+       .types = {"displacement"},
+       .absent = "none"},
+      {.name = "cylinder_centre",
+       .slot = &s.cylinder_centre,
+       .meaning = "A point on `cylinder_axis`.",
+       .unit = "m",
+       .types = {"displacement"}}};
+}
+
+}  // namespace
+
 std::vector<Key> keys_of(system::Support& s, MotionInput& m) {
   std::vector<Key> keys{
       {.name = "type",
@@ -181,27 +211,6 @@ std::vector<Key> keys_of(system::Support& s, MotionInput& m) {
        .meaning = "Displacement at load factor 1, in proportion to the load factor.",
        .unit = "m",
        .types = {"displacement", "hinged", "clamped", "sliding"}},
-      {.name = "x_axis",
-       .slot = &s.x_axis,
-       .meaning = "Direction that `\"x\"` means in `components` and `value`; `y_axis` and the normal of both follow.",
-       .types = {"displacement", "sliding"},
-       .absent = "the global axes"},
-      {.name = "y_axis",
-       .slot = &s.y_axis,
-       .meaning = "Direction that `\"y\"` means, made square to `x_axis`.",
-       .types = {"displacement", "sliding"},
-       .absent = "any direction square to `x_axis`"},
-      {.name = "cylinder_axis",
-       .slot = &s.cylinder_axis,
-       .meaning = "`\"x\"`, `\"y\"`, `\"z\"` mean radial, circumferential and axial about this axis, at each vertex's "
-                  "place at the start.",
-       .types = {"displacement"},
-       .absent = "none"},
-      {.name = "cylinder_centre",
-       .slot = &s.cylinder_centre,
-       .meaning = "A point on `cylinder_axis`.",
-       .unit = "m",
-       .types = {"displacement"}},
       {.name = "normal",
        .slot = &s.normal,
        .meaning = "Normal of the mirror plane.",
@@ -213,7 +222,8 @@ std::vector<Key> keys_of(system::Support& s, MotionInput& m) {
        .unit = "s",
        .range = not_negative,
        .absent = "never"}};
-  return joined(std::move(keys), motion_keys(m, {"displacement", "hinged", "clamped"}));
+  return joined(with_keys_after("value", std::move(keys), axes_keys(s)),
+                motion_keys(m, {"displacement", "hinged", "clamped"}));
 }
 
 std::vector<Key> keys_of(system::Load& s) {
