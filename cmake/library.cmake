@@ -1,5 +1,5 @@
 # libvoile.so with what finds it (CMake, pkg-config), and the Python binding.
-add_library(voile_shared SHARED $<TARGET_OBJECTS:voile_simulation>)
+add_library(voile_shared SHARED $<TARGET_OBJECTS:voile_interface>)
 set_target_properties(voile_shared PROPERTIES OUTPUT_NAME voile VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR})
 # What comes from archives is hidden, the instantiations of templates of the standard library among it.
 target_link_options(voile_shared PRIVATE -Wl,--exclude-libs,ALL -Wl,--no-undefined -Wl,--as-needed)
@@ -19,7 +19,6 @@ install(FILES ${CMAKE_BINARY_DIR}/VoileConfig.cmake ${CMAKE_BINARY_DIR}/VoileCon
 install(FILES ${CMAKE_BINARY_DIR}/voile.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig COMPONENT dev)
 file(GLOB VOILE_PUBLIC_HEADERS CONFIGURE_DEPENDS include/voile/*.hpp)
 install(FILES ${VOILE_PUBLIC_HEADERS} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/voile COMPONENT dev)
-install(FILES include/voile/base/error.hpp DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/voile/base COMPONENT dev)
 
 # import voile works without the binding; voile.Simulation needs it.
 find_package(pybind11 2.10 CONFIG QUIET)

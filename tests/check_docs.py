@@ -123,7 +123,6 @@ def check_names():
     words = set(re.findall(r"\w+", "\n".join(p.read_text() for p in sources)))
     rooms = {p.name for p in (ROOT / "src").iterdir()}
     files = {str(p.relative_to(ROOT / "src").with_suffix("")) for p in sources if (ROOT / "src") in p.parents}
-    files |= {str(p.relative_to(ROOT / "include/voile").with_suffix("")) for p in sources if (ROOT / "include") in p.parents}
     for path in pages():
         text = path.read_text()
         for room, rest in re.findall(rf"`({'|'.join(rooms)})((?:::\w+)+)", text):

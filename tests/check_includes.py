@@ -23,44 +23,47 @@ LAYERS = {
     "pattern": {"io", "geometry", "mesh", "base"},
     "input": {"solve", "system", "energy", "io", "mesh", "base"},
     "picture": {"adapt", "io", "geometry", "mesh", "base"},
-    # The interface of the library, include/voile/*.hpp, and what is behind it.
-    "simulation": {"base", "mesh", "io", "system", "solve", "input", "app"},
+    "gmsh": {"io", "mesh", "base"},
+    "setup": {"input", "pattern", "io", "solve", "system", "untangle", "contact", "adapt", "energy", "geometry", "mesh", "base"},
+    "record": {"setup", "input", "io", "solve", "system", "contact", "energy", "geometry", "mesh", "base"},
+    # With what is behind the interface of the library, include/voile/*.hpp.
+    "simulation": {"record", "setup", "input", "pattern", "io", "solve", "system", "untangle", "contact", "adapt", "energy", "geometry", "mesh", "base"},
     "python": set(),
-    "app": {"base", "mesh", "energy", "geometry", "adapt", "contact", "untangle", "system", "solve", "io", "pattern", "manikin", "input", "picture"},
+    "cli": {"simulation", "record", "setup", "input", "picture", "manikin", "pattern", "io", "solve", "system", "energy", "geometry", "mesh", "base"},
 }
 
 # Header -> files that may include it, as "<layer>/<file without suffix>" patterns. The first match counts.
 THIRD_PARTY = [
     (r"pybind11/.*|petsc4py/.*", r"python/core"),
-    (r"petsc.*\.h", r"base/petsc.*|system/.*|solve/.*|app/.*|input/.*|simulation/.*"),
+    (r"petsc.*\.h", r"base/petsc.*|system/.*|solve/.*|input/.*|setup/.*|record/.*|simulation/.*|cli/.*"),
     (r"slepc.*\.h", r"solve/.*"),
     (r"metis\.h", r"mesh/partition|.*/mumps.*"),
     (r"[sd]mumps_c\.h", r".*/mumps.*"),
     (r"hdf5.*\.h|H5.*\.h", r"io/.*"),
     (r"CGAL/.*", r"geometry/intersections|geometry/closest_triangle|geometry/implicit_surface|io/triangle_file"),
-    (r"gmsh\.h(_cwrap)?", r"app/gmsh_.*"),
+    (r"gmsh\.h(_cwrap)?", r"gmsh/.*"),
     (r"toml\+\+/.*", r"input/case.*|picture/recording"),
     (r"embree3/.*", r"picture/tracing"),
     (r"stb/.*", r"picture/truetype"),
     (r"png\.h", r"picture/image"),
     (r"webp/.*|gif_lib\.h", r"picture/animation"),
     (r"muParser\.h", r"input/case_expression"),
-    (r"mpi\.h", r"base/mpi.*|app/main|simulation/.*"),
+    (r"mpi\.h", r"base/mpi.*|cli/main|simulation/.*"),
     (r"pugixml\.hpp", r"pattern/svg"),
-    (r"nlohmann/.*", r"app/.*|input/.*|pattern/garmentcode|picture/export_gltf|picture/viewer"),
-    (r"CLI/.*", r"app/main|app/picture_.*|app/manikin_main|app/command_program|app/drape_command|app/option_hint"),
+    (r"nlohmann/.*", r"cli/.*|setup/.*|record/.*|simulation/.*|input/.*|pattern/garmentcode|picture/export_gltf|picture/viewer"),
+    (r"CLI/.*", r"cli/.*"),
     (r"boost/math/.*", r"pattern/curve"),
     (r"Eigen/.*", r".*"),
     (r"fmt/.*", r".*"),
-    (r"dlfcn\.h", r".*/mumps.*|app/(threads|doctor).*|base/shipped_files"),
+    (r"dlfcn\.h", r".*/mumps.*|base/(threads|shipped_files)|cli/doctor"),
     (r"xmmintrin\.h", r".*/mumps.*"),
-    (r"unistd\.h|fcntl\.h|sys/.*\.h", r"io/.*|app/.*|input/.*|base/.*"),
+    (r"unistd\.h|fcntl\.h|sys/.*\.h", r"io/.*|cli/.*|setup/.*|record/.*|simulation/.*|gmsh/.*|input/.*|base/.*"),
     (r"linux/.*\.h|poll\.h", r"base/.*"),
-    (r"spawn\.h", r"app/.*"),
+    (r"spawn\.h", r"cli/.*"),
     (r"doctest/.*", r"(?!)"),  # tests only
 ]
 # It prints the versions of all libraries.
-EXEMPT = {"app/version"}
+EXEMPT = {"cli/version"}
 
 STANDARD = set(
     """algorithm any array atomic barrier bit bitset cassert cctype cerrno cfenv cfloat charconv chrono cinttypes climits clocale
@@ -94,21 +97,25 @@ def check_third_party(header, layer_file):
 
 
 def check_project(header, path, layer):
+    """Own room: "x.hpp"; another: "room/x.hpp", unless it is private; the library's interface: "voile/x.hpp"."""
     parts = header.split("/")
-    if layer == "simulation" and header.startswith("../app/"):  # whose loop it is
-        return None if (path.parent / header).is_file() else f'"{header}": there is no such file'
-    if parts[0] != "voile":  # a private header beside the source
-        if (path.parent / header).is_file():
-            return None
-        return f'"{header}": there is no such file beside it; public headers are included as "voile/<layer>/x.hpp"'
-    if not (ROOT / "include" / header).is_file():
+    if parts[0] == "voile" and len(parts) == 2:
+        if not (ROOT / "include" / header).is_file():
+            return f'"{header}": there is no such file'
+        # What is thrown is the same inside and outside.
+        return None if header == "voile/errors.hpp" or layer in ("simulation", "python") else f"{layer} must not include the library's interface ({header})"
+    if len(parts) == 1:
+        return None if (path.parent / header).is_file() else f'"{header}": there is no such file beside it; those of other rooms are included as "<room>/x.hpp"'
+    if len(parts) != 2 or parts[0] not in LAYERS:
+        return f'"{header}": unknown room'
+    if not (ROOT / "src" / header).is_file():
         return f'"{header}": there is no such file'
-    if len(parts) == 2:
-        return None if layer in ("simulation", "python") else f"{layer} must not include the library's interface ({header})"
-    if len(parts) != 3 or parts[1] not in LAYERS:
-        return f'"{header}": unknown layer'
-    if parts[1] != layer and parts[1] not in LAYERS[layer]:
-        return f"{layer} must not include {parts[1]} ({header})"
+    if parts[0] == layer:
+        return f'"{header}": in its own room it is included as "{parts[1]}"'
+    if parts[0] not in LAYERS[layer]:
+        return f"{layer} must not include {parts[0]} ({header})"
+    if f"private to src/{parts[0]}" in (ROOT / "src" / header).read_text().replace("\n// ", " "):
+        return f"{header} is private to its room"
     return None
 
 
@@ -122,7 +129,7 @@ def check_file(path, layer):
             is_own = bracket == '"' or header.startswith("voile/")
             problem = check_project(header, path, layer) if is_own else check_third_party(header, layer_file)
         elif MPI_CALL.search(line) and not layer_file.startswith("base/mpi") and layer_file not in EXEMPT:
-            if not (layer_file in ("app/main", "simulation/session", "python/core") and not MPI_CALL.search(MPI_START.sub("", line))):
+            if not (layer_file in ("cli/main", "simulation/session", "python/core") and not MPI_CALL.search(MPI_START.sub("", line))):
                 problem = "raw MPI call outside base/mpi: " + line.strip()
         if problem:
             yield f"{path.relative_to(ROOT)}:{number}: {problem}"

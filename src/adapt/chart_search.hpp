@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "half_edges.hpp"
-#include "voile/mesh/surface_mesh.hpp"
+#include "mesh/surface_mesh.hpp"
 
 namespace voile::adapt {
 

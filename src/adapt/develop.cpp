@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/decompositions.hpp"
 #include "features.hpp"
-#include "voile/base/decompositions.hpp"
-#include "voile/mesh/patch.hpp"
+#include "mesh/patch.hpp"
 
 namespace voile::adapt {
 

@@ -5,7 +5,7 @@
 #include <array>
 #include <vector>
 
-#include "voile/mesh/surface_mesh.hpp"
+#include "mesh/surface_mesh.hpp"
 
 namespace voile::adapt {
 

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "half_edges.hpp"
-#include "voile/adapt/remesh.hpp"
+#include "remesh.hpp"
 
 namespace voile::adapt {
 

@@ -4,10 +4,10 @@
 #include <cmath>
 #include <optional>
 
-#include "voile/adapt/transfer.hpp"
-#include "voile/base/cross_matrix.hpp"
-#include "voile/base/decompositions.hpp"
-#include "voile/base/error.hpp"
+#include "base/cross_matrix.hpp"
+#include "base/decompositions.hpp"
+#include "transfer.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::adapt {
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "voile/mesh/weld.hpp"
+#include "mesh/weld.hpp"
 
 namespace voile::adapt {
 

@@ -1,4 +1,4 @@
-#include "voile/adapt/remesh.hpp"
+#include "remesh.hpp"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -8,7 +8,7 @@
 #include "operations.hpp"
 #include "output.hpp"
 #include "repair.hpp"
-#include "voile/base/error.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::adapt {
 

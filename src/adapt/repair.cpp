@@ -7,8 +7,8 @@
 #include <limits>
 #include <numbers>
 
+#include "base/decompositions.hpp"
 #include "undo.hpp"
-#include "voile/base/decompositions.hpp"
 
 namespace voile::adapt {
 

@@ -1,14 +1,14 @@
-#include "voile/adapt/rest_surface.hpp"
+#include "rest_surface.hpp"
 
 #include <Eigen/Dense>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
+#include "base/decompositions.hpp"
 #include "chart_search.hpp"
 #include "features.hpp"
 #include "rest_curves.hpp"
-#include "voile/base/decompositions.hpp"
 
 namespace voile::adapt {
 

@@ -1,4 +1,4 @@
-#include "voile/adapt/sizing.hpp"
+#include "sizing.hpp"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -8,7 +8,7 @@
 #include <tuple>
 
 #include "half_edges.hpp"
-#include "voile/base/error.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::adapt {
 

@@ -8,7 +8,7 @@
 #include "features.hpp"
 #include "half_edges.hpp"
 #include "open_seams.hpp"
-#include "voile/adapt/remesh.hpp"
+#include "remesh.hpp"
 
 namespace voile::adapt {
 

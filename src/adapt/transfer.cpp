@@ -1,4 +1,4 @@
-#include "voile/adapt/transfer.hpp"
+#include "transfer.hpp"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -6,7 +6,7 @@
 
 #include "develop.hpp"
 #include "features.hpp"
-#include "voile/base/error.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::adapt {
 

@@ -1,4 +1,4 @@
-#include "voile/base/child_process.hpp"
+#include "child_process.hpp"
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -18,9 +18,9 @@
 #include <new>
 #include <stdexcept>
 
-#include "voile/base/confinement.hpp"
-#include "voile/base/error.hpp"
-#include "voile/base/shipped_files.hpp"
+#include "confinement.hpp"
+#include "shipped_files.hpp"
+#include "voile/errors.hpp"
 
 namespace voile {
 

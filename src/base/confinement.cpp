@@ -1,4 +1,4 @@
-#include "voile/base/confinement.hpp"
+#include "confinement.hpp"
 
 #include <fcntl.h>
 #include <linux/audit.h>
@@ -18,7 +18,7 @@
 #include <cstdlib>
 #include <vector>
 
-#include "voile/base/child_process.hpp"
+#include "child_process.hpp"
 
 namespace voile {
 

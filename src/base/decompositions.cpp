@@ -1,4 +1,4 @@
-#include "voile/base/decompositions.hpp"
+#include "decompositions.hpp"
 
 #include <Eigen/Dense>
 

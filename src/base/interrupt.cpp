@@ -1,6 +1,6 @@
-#include "voile/base/interrupt.hpp"
+#include "interrupt.hpp"
 
-#include "voile/base/mpi.hpp"
+#include "mpi.hpp"
 
 namespace voile {
 

@@ -1,4 +1,4 @@
-#include "voile/base/mpi.hpp"
+#include "mpi.hpp"
 
 #include <fmt/format.h>
 
@@ -6,7 +6,7 @@
 #include <new>
 #include <numeric>
 
-#include "voile/base/error.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::mpi {
 

@@ -1,10 +1,10 @@
-#include "voile/base/petsc.hpp"
+#include "petsc.hpp"
 
 #include <fmt/format.h>
 
 #include <string>
 
-#include "voile/base/error.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::petsc {
 

@@ -1,10 +1,10 @@
-#include "voile/base/plain_file.hpp"
+#include "plain_file.hpp"
 
 #include <fmt/format.h>
 
 #include <string_view>
 
-#include "voile/base/error.hpp"
+#include "voile/errors.hpp"
 
 namespace voile {
 

@@ -1,4 +1,4 @@
-#include "voile/base/shipped_files.hpp"
+#include "shipped_files.hpp"
 
 #include <dlfcn.h>
 

@@ -1,4 +1,4 @@
-#include "voile/base/terminal.hpp"
+#include "terminal.hpp"
 
 #include <fcntl.h>
 #include <poll.h>

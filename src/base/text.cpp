@@ -1,4 +1,4 @@
-#include "voile/base/text.hpp"
+#include "text.hpp"
 
 #include <algorithm>
 

@@ -1,4 +1,4 @@
-#include "voile/contact/barrier.hpp"
+#include "barrier.hpp"
 
 #include <Eigen/Geometry>
 

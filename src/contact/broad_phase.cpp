@@ -1,4 +1,4 @@
-#include "voile/contact/broad_phase.hpp"
+#include "broad_phase.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "voile/contact/candidates.hpp"
+#include "candidates.hpp"
 
 #include <algorithm>
 #include <cmath>

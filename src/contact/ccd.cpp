@@ -1,4 +1,4 @@
-#include "voile/contact/ccd.hpp"
+#include "ccd.hpp"
 
 #include <algorithm>
 #include <cmath>

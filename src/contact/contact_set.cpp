@@ -1,4 +1,4 @@
-#include "voile/contact/contact_set.hpp"
+#include "contact_set.hpp"
 
 #include <Eigen/Dense>
 #include <algorithm>

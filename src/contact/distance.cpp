@@ -1,4 +1,4 @@
-#include "voile/contact/distance.hpp"
+#include "distance.hpp"
 
 #include <Eigen/Dense>
 #include <algorithm>

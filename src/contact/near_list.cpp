@@ -1,4 +1,4 @@
-#include "voile/contact/near_list.hpp"
+#include "near_list.hpp"
 
 #include <algorithm>
 

@@ -1,9 +1,9 @@
-#include "voile/contact/neighbours.hpp"
+#include "neighbours.hpp"
 
 #include <algorithm>
 #include <vector>
 
-#include "voile/contact/distance.hpp"
+#include "distance.hpp"
 
 namespace voile::contact {
 

@@ -1,12 +1,12 @@
-#include "voile/contact/obstacles.hpp"
+#include "obstacles.hpp"
 
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "voile/contact/distance.hpp"
-#include "voile/geometry/winding.hpp"
+#include "distance.hpp"
+#include "geometry/winding.hpp"
 
 namespace voile::contact {
 

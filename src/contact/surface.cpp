@@ -1,4 +1,4 @@
-#include "voile/contact/surface.hpp"
+#include "surface.hpp"
 
 #include <Eigen/Geometry>
 #include <algorithm>

@@ -1,4 +1,4 @@
-#include "voile/energy/angle_bending.hpp"
+#include "angle_bending.hpp"
 
 #include <Eigen/Dense>
 #include <algorithm>

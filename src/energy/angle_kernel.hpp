@@ -2,8 +2,8 @@
 // as in element_kernels.hpp: with curvatures times L^T, A D = L L^T, the energy is half their square.
 #pragma once
 
+#include "element_kernels.hpp"
 #include "lanes.hpp"
-#include "voile/energy/element_kernels.hpp"
 
 namespace voile::energy::VOILE_KERNELS {
 

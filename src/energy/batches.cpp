@@ -1,4 +1,4 @@
-#include "voile/energy/batches.hpp"
+#include "batches.hpp"
 
 #include <algorithm>
 

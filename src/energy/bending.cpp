@@ -1,4 +1,4 @@
-#include "voile/energy/bending.hpp"
+#include "bending.hpp"
 
 #include <Eigen/Geometry>
 #include <algorithm>

@@ -1,10 +1,10 @@
-#include "voile/energy/chord_correction.hpp"
+#include "chord_correction.hpp"
 
 #include <Eigen/Dense>
 #include <algorithm>
 
-#include "voile/energy/chord_forms.hpp"
-#include "voile/energy/element_kernels.hpp"
+#include "chord_forms.hpp"
+#include "element_kernels.hpp"
 
 namespace voile::energy {
 

@@ -1,11 +1,11 @@
-#include "voile/energy/chord_error.hpp"
+#include "chord_error.hpp"
 
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 
-#include "voile/energy/chord_forms.hpp"
-#include "voile/energy/membrane.hpp"
+#include "chord_forms.hpp"
+#include "membrane.hpp"
 
 namespace voile::energy {
 

@@ -1,4 +1,4 @@
-#include "voile/energy/chord_forms.hpp"
+#include "chord_forms.hpp"
 
 #include <Eigen/Dense>
 

@@ -1,13 +1,13 @@
-#include "voile/energy/coupling.hpp"
+#include "coupling.hpp"
 
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
 
-#include "voile/base/error.hpp"
-#include "voile/energy/chord_correction.hpp"
-#include "voile/energy/membrane.hpp"
+#include "chord_correction.hpp"
+#include "membrane.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::energy {
 

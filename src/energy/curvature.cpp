@@ -1,4 +1,4 @@
-#include "voile/energy/curvature.hpp"
+#include "curvature.hpp"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Dense>

@@ -1,4 +1,4 @@
-#include "voile/energy/drag.hpp"
+#include "drag.hpp"
 
 #include <Eigen/Geometry>
 #include <cmath>

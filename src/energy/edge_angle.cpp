@@ -1,6 +1,6 @@
-#include "voile/energy/edge_angle.hpp"
+#include "edge_angle.hpp"
 
-#include "voile/energy/element_kernels.hpp"
+#include "element_kernels.hpp"
 
 namespace voile::energy {
 

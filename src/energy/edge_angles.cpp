@@ -5,8 +5,8 @@
 #include <set>
 #include <utility>
 
-#include "voile/base/decompositions.hpp"
-#include "voile/energy/angle_bending.hpp"
+#include "angle_bending.hpp"
+#include "base/decompositions.hpp"
 
 namespace voile::energy {
 

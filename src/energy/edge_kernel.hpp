@@ -1,8 +1,8 @@
 // Angles at several edges side by side, with their derivatives; private to the element kernels. Symbols as in edge_angle.hpp.
 #pragma once
 
+#include "element_kernels.hpp"
 #include "lanes.hpp"
-#include "voile/energy/element_kernels.hpp"
 
 namespace voile::energy::VOILE_KERNELS {
 

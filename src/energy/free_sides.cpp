@@ -2,7 +2,7 @@
 
 #include <Eigen/Dense>
 
-#include "voile/energy/curvature.hpp"
+#include "curvature.hpp"
 
 namespace voile::energy {
 

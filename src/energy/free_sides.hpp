@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "voile/base/types.hpp"
+#include "base/types.hpp"
 
 namespace voile::energy {
 

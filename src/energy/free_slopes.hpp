@@ -4,7 +4,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 
-#include "voile/energy/curvature.hpp"
+#include "curvature.hpp"
 
 namespace voile::energy {
 

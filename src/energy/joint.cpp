@@ -1,4 +1,4 @@
-#include "voile/energy/joint.hpp"
+#include "joint.hpp"
 
 #include <Eigen/Dense>
 #include <cmath>

@@ -6,8 +6,8 @@
 #include <numeric>
 
 #include "free_slopes.hpp"
-#include "voile/base/error.hpp"
-#include "voile/energy/joint.hpp"
+#include "joint.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::energy {
 

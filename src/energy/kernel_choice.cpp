@@ -1,4 +1,4 @@
-#include "voile/energy/element_kernels.hpp"
+#include "element_kernels.hpp"
 
 namespace voile::energy {
 

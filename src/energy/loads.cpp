@@ -1,8 +1,8 @@
-#include "voile/energy/loads.hpp"
+#include "loads.hpp"
 
 #include <Eigen/Geometry>
 
-#include "voile/base/cross_matrix.hpp"
+#include "base/cross_matrix.hpp"
 
 namespace voile::energy {
 

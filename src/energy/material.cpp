@@ -1,4 +1,4 @@
-#include "voile/energy/material.hpp"
+#include "material.hpp"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "voile/base/decompositions.hpp"
+#include "base/decompositions.hpp"
 
 namespace voile::energy {
 

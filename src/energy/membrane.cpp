@@ -1,9 +1,9 @@
-#include "voile/energy/membrane.hpp"
+#include "membrane.hpp"
 
 #include <Eigen/Dense>
 #include <algorithm>
 
-#include "voile/energy/curvature.hpp"
+#include "curvature.hpp"
 
 namespace voile::energy {
 

@@ -2,7 +2,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 
-#include "voile/energy/membrane.hpp"
+#include "membrane.hpp"
 
 namespace voile::energy {
 

@@ -2,8 +2,8 @@
 // chord_correction.hpp.
 #pragma once
 
+#include "element_kernels.hpp"
 #include "lanes.hpp"
-#include "voile/energy/element_kernels.hpp"
 
 namespace voile::energy::VOILE_KERNELS {
 

@@ -1,4 +1,4 @@
-#include "voile/energy/natural_state.hpp"
+#include "natural_state.hpp"
 
 #include <Eigen/Dense>
 #include <cmath>

@@ -1,10 +1,10 @@
-#include "voile/energy/patch_cubic.hpp"
+#include "patch_cubic.hpp"
 
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 
-#include "voile/base/decompositions.hpp"
+#include "base/decompositions.hpp"
 
 namespace voile::energy {
 

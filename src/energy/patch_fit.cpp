@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "voile/base/decompositions.hpp"
+#include "base/decompositions.hpp"
 
 namespace voile::energy {
 

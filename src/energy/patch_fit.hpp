@@ -7,7 +7,7 @@
 #include <optional>
 #include <vector>
 
-#include "voile/mesh/patch.hpp"
+#include "mesh/patch.hpp"
 
 namespace voile::energy {
 

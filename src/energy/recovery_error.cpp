@@ -1,4 +1,4 @@
-#include "voile/energy/recovery_error.hpp"
+#include "recovery_error.hpp"
 
 #include <Eigen/Dense>
 #include <algorithm>

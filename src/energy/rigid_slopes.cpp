@@ -5,8 +5,8 @@
 #include <utility>
 
 #include "free_slopes.hpp"
-#include "voile/base/error.hpp"
-#include "voile/energy/joint.hpp"
+#include "joint.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::energy {
 

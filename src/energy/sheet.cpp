@@ -1,4 +1,4 @@
-#include "voile/energy/sheet.hpp"
+#include "sheet.hpp"
 
 #include <fmt/format.h>
 
@@ -7,7 +7,7 @@
 #include <cmath>
 #include <utility>
 
-#include "voile/base/error.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::energy {
 

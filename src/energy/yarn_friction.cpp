@@ -1,10 +1,10 @@
-#include "voile/energy/yarn_friction.hpp"
+#include "yarn_friction.hpp"
 
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
-#include "voile/energy/angle_bending.hpp"
+#include "angle_bending.hpp"
 
 namespace voile::energy {
 

@@ -1,4 +1,4 @@
-#include "voile/geometry/closest_triangle.hpp"
+#include "closest_triangle.hpp"
 
 #include <CGAL/AABB_traits.h>
 #include <CGAL/AABB_tree.h>
@@ -10,7 +10,7 @@
 #include <limits>
 #include <utility>
 
-#include "voile/base/error.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::geometry {
 

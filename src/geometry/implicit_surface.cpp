@@ -1,4 +1,4 @@
-#include "voile/geometry/implicit_surface.hpp"
+#include "implicit_surface.hpp"
 
 #include <CGAL/Complex_2_in_triangulation_3.h>
 #include <CGAL/IO/facets_in_complex_2_to_triangle_mesh.h>
@@ -11,7 +11,7 @@
 
 #include <cmath>
 
-#include "voile/base/error.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::geometry {
 

@@ -1,4 +1,4 @@
-#include "voile/geometry/intersections.hpp"
+#include "intersections.hpp"
 
 #include <CGAL/Box_intersection_d/Box_with_info_d.h>
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
@@ -17,7 +17,7 @@
 #include <set>
 #include <variant>
 
-#include "voile/base/error.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::geometry {
 

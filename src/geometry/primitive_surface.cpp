@@ -1,5 +1,5 @@
 // Tessellations of a sphere, a capsule and a cylinder.
-#include "voile/geometry/primitive_surface.hpp"
+#include "primitive_surface.hpp"
 
 #include <fmt/format.h>
 #include <Eigen/Geometry>
@@ -10,7 +10,7 @@
 #include <numbers>
 #include <utility>
 
-#include "voile/base/error.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::geometry {
 

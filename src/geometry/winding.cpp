@@ -1,4 +1,4 @@
-#include "voile/geometry/winding.hpp"
+#include "winding.hpp"
 
 #include <Eigen/Geometry>
 #include <algorithm>

@@ -1,4 +1,4 @@
-#include "voile/input/case.hpp"
+#include "case.hpp"
 
 #include <fmt/format.h>
 
@@ -8,18 +8,18 @@
 #include <cmath>
 #include <numbers>
 
+#include "base/text.hpp"
 #include "case_attachments.hpp"
 #include "case_materials.hpp"
 #include "case_natural.hpp"
 #include "case_pattern.hpp"
+#include "case_read.hpp"
 #include "case_rigid.hpp"
 #include "case_sections.hpp"
-#include "voile/base/error.hpp"
-#include "voile/base/text.hpp"
-#include "voile/input/case_read.hpp"
-#include "voile/input/command_line.hpp"
-#include "voile/input/expression.hpp"
-#include "voile/input/petsc_allowed.hpp"
+#include "command_line.hpp"
+#include "expression.hpp"
+#include "petsc_allowed.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::input {
 

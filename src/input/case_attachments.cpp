@@ -7,7 +7,7 @@
 #include <cmath>
 #include <string>
 
-#include "voile/base/text.hpp"
+#include "base/text.hpp"
 
 namespace voile::input {
 

@@ -4,8 +4,8 @@
 #include <cstddef>
 #include <vector>
 
-#include "voile/input/case.hpp"
-#include "voile/input/case_read.hpp"
+#include "case.hpp"
+#include "case_read.hpp"
 
 namespace voile::input {
 

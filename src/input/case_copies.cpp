@@ -1,4 +1,4 @@
-#include "voile/input/case.hpp"
+#include "case.hpp"
 
 namespace voile::input {
 

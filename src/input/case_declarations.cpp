@@ -1,4 +1,4 @@
-#include "voile/input/case_declarations.hpp"
+#include "case_declarations.hpp"
 
 namespace voile::input {
 

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "voile/base/text.hpp"
-#include "voile/input/case_declarations.hpp"
+#include "base/text.hpp"
+#include "case_declarations.hpp"
 
 namespace voile::input {
 

@@ -6,9 +6,9 @@
 #include <memory>
 #include <numbers>
 
-#include "voile/base/error.hpp"
-#include "voile/base/text.hpp"
-#include "voile/input/expression.hpp"
+#include "base/text.hpp"
+#include "expression.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::input {
 

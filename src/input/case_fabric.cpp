@@ -8,14 +8,14 @@
 #include <numbers>
 #include <sstream>
 
+#include "base/plain_file.hpp"
+#include "base/text.hpp"
+#include "case_read.hpp"
 #include "case_toml.hpp"
-#include "voile/base/error.hpp"
-#include "voile/base/plain_file.hpp"
-#include "voile/base/text.hpp"
-#include "voile/energy/material.hpp"
-#include "voile/input/case_read.hpp"
-#include "voile/input/fabric.hpp"
-#include "voile/input/units.hpp"
+#include "energy/material.hpp"
+#include "fabric.hpp"
+#include "units.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::input {
 

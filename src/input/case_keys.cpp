@@ -1,12 +1,12 @@
-#include "voile/input/case_keys.hpp"
+#include "case_keys.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
+#include "base/text.hpp"
 #include "keys_common.hpp"
-#include "voile/base/text.hpp"
 
 namespace voile::input {
 

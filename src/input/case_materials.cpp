@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "voile/base/error.hpp"
-#include "voile/base/plain_file.hpp"
-#include "voile/base/shipped_files.hpp"
-#include "voile/base/text.hpp"
-#include "voile/input/fabric.hpp"
+#include "base/plain_file.hpp"
+#include "base/shipped_files.hpp"
+#include "base/text.hpp"
+#include "fabric.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::input {
 

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "case_materials.hpp"
-#include "voile/base/error.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::input {
 

@@ -4,8 +4,8 @@
 #include <functional>
 #include <string>
 
-#include "voile/input/case_read.hpp"
-#include "voile/input/expression.hpp"
+#include "case_read.hpp"
+#include "expression.hpp"
 
 namespace voile::input {
 

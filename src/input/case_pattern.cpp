@@ -6,7 +6,7 @@
 
 #include "case_materials.hpp"
 #include "case_sections.hpp"
-#include "voile/base/error.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::input {
 

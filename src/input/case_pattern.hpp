@@ -1,8 +1,8 @@
 // The patterns of a case; private to src/input.
 #pragma once
 
-#include "voile/input/case.hpp"
-#include "voile/input/case_read.hpp"
+#include "case.hpp"
+#include "case_read.hpp"
 
 namespace voile::input {
 

@@ -1,4 +1,4 @@
-#include "voile/input/case_read.hpp"
+#include "case_read.hpp"
 
 #include <fmt/format.h>
 
@@ -7,9 +7,9 @@
 #include <numbers>
 #include <sstream>
 
+#include "base/text.hpp"
 #include "case_toml.hpp"
-#include "voile/base/error.hpp"
-#include "voile/base/text.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::input {
 

@@ -7,9 +7,9 @@
 #include <cmath>
 #include <numbers>
 
+#include "base/text.hpp"
 #include "case_natural.hpp"
-#include "voile/base/error.hpp"
-#include "voile/base/text.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::input {
 

@@ -1,7 +1,7 @@
 // Rigid groups of a case; private to src/input.
 #pragma once
 
-#include "voile/input/case_read.hpp"
+#include "case_read.hpp"
 
 namespace voile::input {
 

@@ -3,8 +3,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "voile/base/text.hpp"
-#include "voile/input/case_declarations.hpp"
+#include "base/text.hpp"
+#include "case_declarations.hpp"
 
 namespace voile::input {
 

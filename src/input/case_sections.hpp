@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "voile/input/case_read.hpp"
+#include "case_read.hpp"
 
 namespace voile::input {
 

@@ -6,10 +6,10 @@
 #include <cctype>
 #include <sstream>
 
+#include "base/text.hpp"
+#include "case_keys.hpp"
 #include "case_materials.hpp"
 #include "case_toml.hpp"
-#include "voile/base/text.hpp"
-#include "voile/input/case_keys.hpp"
 
 namespace voile::input {
 

@@ -6,8 +6,8 @@
 
 #include <string>
 
-#include "voile/base/error.hpp"
-#include "voile/input/case_read.hpp"
+#include "case_read.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::input {
 

@@ -5,10 +5,10 @@
 #include <cmath>
 #include <numbers>
 
-#include "voile/base/error.hpp"
-#include "voile/base/text.hpp"
-#include "voile/input/case_keys.hpp"
-#include "voile/input/units.hpp"
+#include "base/text.hpp"
+#include "case_keys.hpp"
+#include "units.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::input {
 

@@ -1,11 +1,11 @@
-#include "voile/input/command_line.hpp"
+#include "command_line.hpp"
 
 #include <fmt/format.h>
 
 #include <cctype>
 #include <sstream>
 
-#include "voile/base/error.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::input {
 

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "voile/input/case_keys.hpp"
+#include "case_keys.hpp"
 
 namespace voile::input {
 

@@ -1,4 +1,4 @@
-#include "voile/input/petsc_allowed.hpp"
+#include "petsc_allowed.hpp"
 
 #include <fmt/format.h>
 
@@ -7,7 +7,7 @@
 #include <cctype>
 #include <string_view>
 
-#include "voile/base/text.hpp"
+#include "base/text.hpp"
 
 namespace voile::input {
 

@@ -1,4 +1,4 @@
-#include "voile/input/unit_system.hpp"
+#include "unit_system.hpp"
 
 #include <fmt/format.h>
 
@@ -7,8 +7,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "voile/base/error.hpp"
-#include "voile/base/text.hpp"
+#include "base/text.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::input {
 

@@ -1,4 +1,4 @@
-#include "voile/io/abaqus_deck.hpp"
+#include "abaqus_deck.hpp"
 
 #include <fmt/format.h>
 
@@ -7,7 +7,7 @@
 
 #include "abaqus_words.hpp"
 #include "mesh_text.hpp"
-#include "voile/base/error.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::io {
 

@@ -10,7 +10,7 @@
 #include "abaqus_words.hpp"
 #include "element_parts.hpp"
 #include "mesh_text.hpp"
-#include "voile/base/error.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::io {
 

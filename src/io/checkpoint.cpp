@@ -1,13 +1,13 @@
-#include "voile/io/checkpoint.hpp"
+#include "checkpoint.hpp"
 
 #include <array>
 #include <cmath>
 #include <utility>
 
+#include "base/child_process.hpp"
 #include "hdf5_file.hpp"
 #include "hdf5_read.hpp"
 #include "mesh_record.hpp"
-#include "voile/base/child_process.hpp"
 
 namespace voile::io {
 

@@ -1,4 +1,4 @@
-// Elements of second order as what their nodes span; private to src/io and the program voile-gmsh.
+// Elements of second order as what their nodes span; shared by src/io and the program voile-gmsh.
 #pragma once
 
 #include <cstddef>

@@ -1,10 +1,10 @@
-#include "voile/io/geo_outline.hpp"
+#include "geo_outline.hpp"
 
 #include <fmt/format.h>
 
-#include "voile/base/bytes.hpp"
-#include "voile/base/child_process.hpp"
-#include "voile/io/geo_safety.hpp"
+#include "base/bytes.hpp"
+#include "base/child_process.hpp"
+#include "geo_safety.hpp"
 
 namespace voile::io {
 

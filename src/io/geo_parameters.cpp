@@ -1,4 +1,4 @@
-#include "voile/io/geo_parameters.hpp"
+#include "geo_parameters.hpp"
 
 #include <fmt/format.h>
 
@@ -10,8 +10,8 @@
 #include <sstream>
 #include <vector>
 
-#include "voile/base/error.hpp"
-#include "voile/base/plain_file.hpp"
+#include "base/plain_file.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::io {
 

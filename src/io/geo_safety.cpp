@@ -1,4 +1,4 @@
-#include "voile/io/geo_safety.hpp"
+#include "geo_safety.hpp"
 
 #include <fmt/format.h>
 
@@ -11,9 +11,9 @@
 #include <sstream>
 #include <string_view>
 
-#include "voile/base/error.hpp"
-#include "voile/base/plain_file.hpp"
-#include "voile/base/text.hpp"
+#include "base/plain_file.hpp"
+#include "base/text.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::io {
 

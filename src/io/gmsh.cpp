@@ -1,4 +1,4 @@
-#include "voile/io/gmsh.hpp"
+#include "gmsh.hpp"
 
 #include <fmt/format.h>
 
@@ -6,12 +6,12 @@
 #include <filesystem>
 #include <fstream>
 
+#include "base/child_process.hpp"
+#include "base/plain_file.hpp"
+#include "base/text.hpp"
+#include "geo_safety.hpp"
 #include "mesh_bytes.hpp"
-#include "voile/base/child_process.hpp"
-#include "voile/base/error.hpp"
-#include "voile/base/plain_file.hpp"
-#include "voile/base/text.hpp"
-#include "voile/io/geo_safety.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::io {
 

@@ -1,8 +1,8 @@
-#include "voile/io/gmsh_polygon.hpp"
+#include "gmsh_polygon.hpp"
 
-#include "voile/base/bytes.hpp"
-#include "voile/base/child_process.hpp"
-#include "voile/io/message.hpp"
+#include "base/bytes.hpp"
+#include "base/child_process.hpp"
+#include "message.hpp"
 
 namespace voile::io {
 

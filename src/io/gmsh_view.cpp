@@ -1,10 +1,10 @@
-#include "voile/io/gmsh_view.hpp"
+#include "gmsh_view.hpp"
 
-#include "voile/base/bytes.hpp"
-#include "voile/base/child_process.hpp"
-#include "voile/base/plain_file.hpp"
-#include "voile/io/geo_safety.hpp"
-#include "voile/io/message.hpp"
+#include "base/bytes.hpp"
+#include "base/child_process.hpp"
+#include "base/plain_file.hpp"
+#include "geo_safety.hpp"
+#include "message.hpp"
 
 namespace voile::io {
 

@@ -17,7 +17,7 @@
 #include <vector>
 
 #include "hdf5_handle.hpp"
-#include "voile/base/error.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::io {
 

@@ -6,8 +6,8 @@
 #include <array>
 #include <cmath>
 
-#include "voile/base/error.hpp"
-#include "voile/base/plain_file.hpp"
+#include "base/plain_file.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::io {
 

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "hdf5_handle.hpp"
-#include "voile/base/error.hpp"
-#include "voile/mesh/surface_mesh.hpp"
+#include "mesh/surface_mesh.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::io {
 

@@ -4,10 +4,10 @@
 #include <cmath>
 #include <fstream>
 
+#include "base/text.hpp"
 #include "hdf5_file.hpp"
-#include "voile/base/error.hpp"
-#include "voile/base/text.hpp"
-#include "voile/io/results.hpp"
+#include "results.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::io {
 

@@ -1,8 +1,8 @@
-// Meshes as bytes for base/child_process.hpp; private to src/io.
+// Meshes as bytes for base/child_process.hpp; shared by src/io and the program voile-gmsh.
 #pragma once
 
-#include "voile/base/bytes.hpp"
-#include "voile/mesh/surface_mesh.hpp"
+#include "base/bytes.hpp"
+#include "mesh/surface_mesh.hpp"
 
 namespace voile::io {
 

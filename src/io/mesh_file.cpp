@@ -1,4 +1,4 @@
-#include "voile/io/mesh_file.hpp"
+#include "mesh_file.hpp"
 
 #include <fmt/format.h>
 
@@ -13,12 +13,12 @@
 #include <map>
 #include <sstream>
 
+#include "base/child_process.hpp"
+#include "base/plain_file.hpp"
 #include "mesh_bytes.hpp"
 #include "mesh_text.hpp"
-#include "voile/base/child_process.hpp"
-#include "voile/base/error.hpp"
-#include "voile/base/plain_file.hpp"
-#include "voile/io/triangle_file.hpp"
+#include "triangle_file.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::io {
 

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "hdf5_file.hpp"
-#include "voile/mesh/surface_mesh.hpp"
+#include "mesh/surface_mesh.hpp"
 
 namespace voile::io {
 

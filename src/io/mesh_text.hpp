@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "voile/mesh/surface_mesh.hpp"
+#include "mesh/surface_mesh.hpp"
 
 namespace voile::io {
 

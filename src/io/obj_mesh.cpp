@@ -6,8 +6,8 @@
 #include <sstream>
 
 #include "mesh_text.hpp"
-#include "voile/base/error.hpp"
-#include "voile/io/obj_sheet.hpp"
+#include "obj_sheet.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::io {
 

@@ -1,4 +1,4 @@
-#include "voile/io/placement.hpp"
+#include "placement.hpp"
 
 #include <Eigen/Geometry>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "voile/io/point_cache.hpp"
+#include "point_cache.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -16,8 +16,8 @@
 #include <string>
 #include <utility>
 
-#include "voile/base/error.hpp"
-#include "voile/base/plain_file.hpp"
+#include "base/plain_file.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::io {
 

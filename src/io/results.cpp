@@ -1,4 +1,4 @@
-#include "voile/io/results.hpp"
+#include "results.hpp"
 
 #include <fmt/format.h>
 
@@ -13,7 +13,7 @@
 #include "results_catalogue.hpp"
 #include "results_index.hpp"
 #include "results_xdmf.hpp"
-#include "voile/base/error.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::io {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cctype>
 
-#include "voile/base/error.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::io {
 

@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "hdf5_handle.hpp"
-#include "voile/io/results.hpp"
+#include "results.hpp"
 
 namespace voile::io {
 

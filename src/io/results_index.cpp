@@ -6,8 +6,8 @@
 #include <limits>
 #include <memory>
 
+#include "base/child_process.hpp"
 #include "hdf5_file.hpp"
-#include "voile/base/child_process.hpp"
 
 namespace voile::io {
 

@@ -2,7 +2,7 @@
 
 #include <array>
 
-#include "voile/base/text.hpp"
+#include "base/text.hpp"
 
 namespace voile::io {
 

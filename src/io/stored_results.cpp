@@ -6,9 +6,9 @@
 #include <array>
 #include <cmath>
 
+#include "base/text.hpp"
 #include "mesh_record.hpp"
-#include "voile/base/error.hpp"
-#include "voile/base/text.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::io {
 

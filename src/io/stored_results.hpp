@@ -10,10 +10,10 @@
 #include <utility>
 #include <vector>
 
+#include "base/child_process.hpp"
 #include "hdf5_read.hpp"
 #include "results_catalogue.hpp"
-#include "voile/base/child_process.hpp"
-#include "voile/io/stored_run.hpp"
+#include "stored_run.hpp"
 
 namespace voile::io {
 

@@ -1,13 +1,13 @@
-#include "voile/io/stored_run.hpp"
+#include "stored_run.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 
+#include "base/plain_file.hpp"
+#include "base/text.hpp"
 #include "stored_results.hpp"
-#include "voile/base/error.hpp"
-#include "voile/base/plain_file.hpp"
-#include "voile/base/text.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::io {
 

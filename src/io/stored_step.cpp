@@ -1,4 +1,4 @@
-#include "voile/io/stored_step.hpp"
+#include "stored_step.hpp"
 
 #include <fmt/format.h>
 
@@ -7,7 +7,7 @@
 #include <string>
 
 #include "stored_results.hpp"
-#include "voile/base/error.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::io {
 

@@ -1,4 +1,4 @@
-#include "voile/io/triangle_file.hpp"
+#include "triangle_file.hpp"
 
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/IO/OBJ.h>
@@ -20,11 +20,11 @@
 #include <sstream>
 #include <string>
 
-#include "voile/base/bytes.hpp"
-#include "voile/base/child_process.hpp"
-#include "voile/base/error.hpp"
-#include "voile/base/plain_file.hpp"
-#include "voile/io/gmsh.hpp"
+#include "base/bytes.hpp"
+#include "base/child_process.hpp"
+#include "base/plain_file.hpp"
+#include "gmsh.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::io {
 

@@ -11,7 +11,7 @@
 #include <set>
 
 #include "mesh_text.hpp"
-#include "voile/base/error.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::io {
 

@@ -1,4 +1,4 @@
-#include "voile/manikin/figure.hpp"
+#include "figure.hpp"
 
 #include <fmt/format.h>
 
@@ -7,10 +7,10 @@
 #include <map>
 #include <set>
 
-#include "voile/base/error.hpp"
-#include "voile/geometry/implicit_surface.hpp"
-#include "voile/geometry/intersections.hpp"
-#include "voile/geometry/winding.hpp"
+#include "geometry/implicit_surface.hpp"
+#include "geometry/intersections.hpp"
+#include "geometry/winding.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::manikin {
 

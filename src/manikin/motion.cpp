@@ -5,8 +5,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "voile/base/error.hpp"
-#include "voile/manikin/figure.hpp"
+#include "figure.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::manikin {
 

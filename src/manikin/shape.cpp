@@ -1,4 +1,4 @@
-#include "voile/manikin/shape.hpp"
+#include "shape.hpp"
 
 #include <fmt/format.h>
 
@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "voile/base/error.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::manikin {
 

@@ -1,4 +1,4 @@
-#include "voile/mesh/coincident.hpp"
+#include "coincident.hpp"
 
 #include <fmt/format.h>
 
@@ -8,7 +8,7 @@
 #include <set>
 #include <utility>
 
-#include "voile/base/error.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::mesh {
 

@@ -7,7 +7,7 @@
 #include <map>
 #include <vector>
 
-#include "voile/mesh/surface_mesh.hpp"
+#include "surface_mesh.hpp"
 
 namespace voile::mesh {
 

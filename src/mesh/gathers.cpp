@@ -1,4 +1,4 @@
-#include "voile/mesh/gathers.hpp"
+#include "gathers.hpp"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -6,7 +6,7 @@
 #include <map>
 #include <utility>
 
-#include "voile/mesh/weld.hpp"
+#include "weld.hpp"
 
 namespace voile::mesh {
 

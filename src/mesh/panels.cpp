@@ -1,4 +1,4 @@
-#include "voile/mesh/panels.hpp"
+#include "panels.hpp"
 
 #include <fmt/format.h>
 
@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "voile/base/error.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::mesh {
 

@@ -1,4 +1,4 @@
-#include "voile/mesh/partition.hpp"
+#include "partition.hpp"
 
 #include <fmt/format.h>
 #include <metis.h>
@@ -9,7 +9,7 @@
 #include <type_traits>
 #include <utility>
 
-#include "voile/base/error.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::mesh {
 

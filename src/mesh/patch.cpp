@@ -1,4 +1,4 @@
-#include "voile/mesh/patch.hpp"
+#include "patch.hpp"
 
 #include <fmt/format.h>
 
@@ -8,7 +8,7 @@
 #include <map>
 #include <set>
 
-#include "voile/base/error.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::mesh {
 

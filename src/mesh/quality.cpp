@@ -1,4 +1,4 @@
-#include "voile/mesh/quality.hpp"
+#include "quality.hpp"
 
 #include <Eigen/Geometry>
 #include <algorithm>

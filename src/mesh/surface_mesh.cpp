@@ -1,4 +1,4 @@
-#include "voile/mesh/surface_mesh.hpp"
+#include "surface_mesh.hpp"
 
 #include <fmt/format.h>
 
@@ -8,9 +8,9 @@
 #include <numeric>
 #include <tuple>
 
+#include "base/text.hpp"
 #include "continuations.hpp"
-#include "voile/base/error.hpp"
-#include "voile/base/text.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::mesh {
 

@@ -1,4 +1,4 @@
-#include "voile/mesh/weld.hpp"
+#include "weld.hpp"
 
 #include <fmt/format.h>
 
@@ -7,8 +7,8 @@
 #include <numeric>
 #include <set>
 
-#include "voile/base/error.hpp"
-#include "voile/base/text.hpp"
+#include "base/text.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::mesh {
 

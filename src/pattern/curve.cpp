@@ -1,4 +1,4 @@
-#include "voile/pattern/curve.hpp"
+#include "curve.hpp"
 
 #include <Eigen/Dense>
 #include <algorithm>
@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "voile/base/error.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::pattern {
 

@@ -6,11 +6,11 @@
 #include <cmath>
 #include <map>
 
+#include "base/text.hpp"
 #include "dxf_block.hpp"
+#include "outline.hpp"
 #include "readers.hpp"
-#include "voile/base/error.hpp"
-#include "voile/base/text.hpp"
-#include "voile/pattern/outline.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::pattern {
 

@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "readers.hpp"
-#include "voile/base/error.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::pattern {
 

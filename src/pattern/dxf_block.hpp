@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "dxf_entities.hpp"
-#include "voile/pattern/pattern.hpp"
+#include "pattern.hpp"
 
 namespace voile::pattern {
 

@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "dxf_entities.hpp"
-#include "voile/base/error.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::pattern {
 

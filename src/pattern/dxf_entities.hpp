@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "voile/pattern/curve.hpp"
+#include "curve.hpp"
 
 namespace voile::pattern {
 

@@ -1,4 +1,4 @@
-#include "voile/pattern/garment.hpp"
+#include "garment.hpp"
 
 #include <fmt/format.h>
 
@@ -7,10 +7,10 @@
 #include <map>
 #include <numeric>
 
-#include "voile/base/error.hpp"
-#include "voile/io/gmsh_polygon.hpp"
-#include "voile/mesh/weld.hpp"
-#include "voile/pattern/outline.hpp"
+#include "io/gmsh_polygon.hpp"
+#include "mesh/weld.hpp"
+#include "outline.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::pattern {
 

@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/text.hpp"
+#include "io/geo_outline.hpp"
 #include "readers.hpp"
-#include "voile/base/error.hpp"
-#include "voile/base/text.hpp"
-#include "voile/io/geo_outline.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::pattern {
 

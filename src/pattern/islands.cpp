@@ -7,7 +7,7 @@
 #include <numbers>
 #include <numeric>
 
-#include "voile/base/error.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::pattern {
 

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "mesh/surface_mesh.hpp"
 #include "sewn_rims.hpp"
-#include "voile/mesh/surface_mesh.hpp"
 
 namespace voile::pattern {
 

@@ -1,12 +1,12 @@
-#include "voile/pattern/marks.hpp"
+#include "marks.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 
 #include "names.hpp"
-#include "voile/base/error.hpp"
-#include "voile/pattern/outline.hpp"
+#include "outline.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::pattern {
 

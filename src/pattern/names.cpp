@@ -4,9 +4,9 @@
 
 #include <algorithm>
 
+#include "base/text.hpp"
 #include "readers.hpp"
-#include "voile/base/error.hpp"
-#include "voile/base/text.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::pattern {
 

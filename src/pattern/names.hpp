@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "voile/pattern/seams.hpp"
+#include "seams.hpp"
 
 namespace voile::pattern {
 

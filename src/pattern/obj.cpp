@@ -9,12 +9,12 @@
 #include <cmath>
 #include <map>
 
+#include "base/decompositions.hpp"
+#include "base/text.hpp"
+#include "io/obj_sheet.hpp"
 #include "islands.hpp"
 #include "readers.hpp"
-#include "voile/base/decompositions.hpp"
-#include "voile/base/error.hpp"
-#include "voile/base/text.hpp"
-#include "voile/io/obj_sheet.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::pattern {
 

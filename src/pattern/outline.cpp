@@ -1,4 +1,4 @@
-#include "voile/pattern/outline.hpp"
+#include "outline.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -6,9 +6,9 @@
 #include <cmath>
 #include <numbers>
 
-#include "voile/base/error.hpp"
-#include "voile/pattern/outline.hpp"
-#include "voile/pattern/seams.hpp"
+#include "outline.hpp"
+#include "seams.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::pattern {
 

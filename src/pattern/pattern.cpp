@@ -1,4 +1,4 @@
-#include "voile/pattern/pattern.hpp"
+#include "pattern.hpp"
 
 #include <fmt/format.h>
 
@@ -7,12 +7,12 @@
 #include <fstream>
 #include <iterator>
 
+#include "base/child_process.hpp"
+#include "base/plain_file.hpp"
+#include "base/text.hpp"
+#include "outline.hpp"
 #include "readers.hpp"
-#include "voile/base/child_process.hpp"
-#include "voile/base/error.hpp"
-#include "voile/base/plain_file.hpp"
-#include "voile/base/text.hpp"
-#include "voile/pattern/outline.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::pattern {
 

@@ -3,7 +3,7 @@
 
 #include <optional>
 
-#include "voile/pattern/pattern.hpp"
+#include "pattern.hpp"
 
 namespace voile::pattern {
 

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "voile/pattern/seams.hpp"
+#include "seams.hpp"
 
 namespace voile::pattern {
 

@@ -1,4 +1,4 @@
-#include "voile/pattern/seams.hpp"
+#include "seams.hpp"
 
 #include <fmt/format.h>
 
@@ -7,10 +7,10 @@
 #include <map>
 #include <numeric>
 
+#include "base/text.hpp"
 #include "names.hpp"
 #include "readers.hpp"
-#include "voile/base/error.hpp"
-#include "voile/base/text.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::pattern {
 

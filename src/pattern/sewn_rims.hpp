@@ -9,7 +9,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "voile/pattern/pattern.hpp"
+#include "pattern.hpp"
 
 namespace voile::pattern {
 

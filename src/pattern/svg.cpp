@@ -10,9 +10,9 @@
 #include <numbers>
 #include <pugixml.hpp>
 
+#include "base/text.hpp"
 #include "readers.hpp"
-#include "voile/base/error.hpp"
-#include "voile/base/text.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::pattern {
 

@@ -9,7 +9,7 @@
 #include <numbers>
 
 #include "readers.hpp"
-#include "voile/base/error.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::pattern {
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "readers.hpp"
-#include "voile/base/error.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::pattern {
 

@@ -1,4 +1,4 @@
-#include "voile/picture/animation.hpp"
+#include "animation.hpp"
 
 #include <fmt/format.h>
 #include <gif_lib.h>
@@ -14,10 +14,10 @@
 #include <fstream>
 #include <utility>
 
+#include "base/plain_file.hpp"
 #include "palette.hpp"
 #include "unfinished.hpp"
-#include "voile/base/error.hpp"
-#include "voile/base/plain_file.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::picture {
 

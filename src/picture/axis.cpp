@@ -7,8 +7,8 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "voile/base/error.hpp"
-#include "voile/picture/colour_map.hpp"
+#include "colour_map.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::picture {
 

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "voile/picture/plot.hpp"
+#include "plot.hpp"
 
 namespace voile::picture {
 

@@ -1,4 +1,4 @@
-#include "voile/picture/camera.hpp"
+#include "camera.hpp"
 
 #include <fmt/format.h>
 
@@ -8,8 +8,8 @@
 #include <limits>
 #include <numbers>
 
-#include "voile/base/error.hpp"
-#include "voile/base/text.hpp"
+#include "base/text.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::picture {
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "voile/picture/lettering.hpp"
+#include "lettering.hpp"
 
 namespace voile::picture {
 

@@ -1,4 +1,4 @@
-#include "voile/picture/colour_map.hpp"
+#include "colour_map.hpp"
 
 #include <fmt/format.h>
 

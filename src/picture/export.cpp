@@ -1,16 +1,16 @@
-#include "voile/picture/export.hpp"
+#include "export.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <utility>
 
+#include "base/plain_file.hpp"
+#include "base/text.hpp"
 #include "exporting.hpp"
-#include "voile/base/error.hpp"
-#include "voile/base/plain_file.hpp"
-#include "voile/base/text.hpp"
-#include "voile/geometry/intersections.hpp"
-#include "voile/mesh/weld.hpp"
+#include "geometry/intersections.hpp"
+#include "mesh/weld.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::picture {
 

@@ -2,8 +2,8 @@
 #include <fmt/format.h>
 #include <fmt/ostream.h>
 
+#include "base/text.hpp"
 #include "exporting.hpp"
-#include "voile/base/text.hpp"
 
 namespace voile::picture {
 

@@ -8,10 +8,10 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "base/decompositions.hpp"
 #include "exporting.hpp"
-#include "voile/base/decompositions.hpp"
-#include "voile/base/error.hpp"
-#include "voile/picture/scene.hpp"
+#include "scene.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::picture {
 

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "exporting.hpp"
-#include "voile/base/error.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::picture {
 

@@ -10,11 +10,11 @@
 #include <string>
 #include <vector>
 
+#include "export.hpp"
+#include "image.hpp"
 #include "pieces.hpp"
 #include "resample.hpp"
 #include "unfinished.hpp"
-#include "voile/picture/export.hpp"
-#include "voile/picture/image.hpp"
 
 namespace voile::picture {
 

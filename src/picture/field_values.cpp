@@ -1,12 +1,12 @@
-#include "voile/picture/field_values.hpp"
+#include "field_values.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "voile/base/error.hpp"
-#include "voile/base/text.hpp"
+#include "base/text.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::picture {
 

@@ -1,4 +1,4 @@
-#include "voile/picture/image.hpp"
+#include "image.hpp"
 
 #include <fmt/format.h>
 #include <png.h>
@@ -11,10 +11,10 @@
 #include <memory>
 #include <numeric>
 
+#include "base/plain_file.hpp"
 #include "palette.hpp"
 #include "unfinished.hpp"
-#include "voile/base/error.hpp"
-#include "voile/base/plain_file.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::picture {
 

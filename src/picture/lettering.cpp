@@ -1,10 +1,10 @@
-#include "voile/picture/lettering.hpp"
+#include "lettering.hpp"
 
 #include <cmath>
 #include <cstdint>
 
 #include "truetype.hpp"
-#include "voile/base/error.hpp"
+#include "voile/errors.hpp"
 
 // The typeface's file, as the assembler has put it into the program (CMakeLists.txt).
 extern "C" const unsigned char voile_typeface[];

@@ -4,7 +4,7 @@
 #include <functional>
 #include <vector>
 
-#include "voile/picture/image.hpp"
+#include "image.hpp"
 
 namespace voile::picture {
 

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "voile/picture/image.hpp"
+#include "image.hpp"
 
 namespace voile::picture {
 

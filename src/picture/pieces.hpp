@@ -4,8 +4,8 @@
 #include <optional>
 #include <vector>
 
-#include "voile/io/results.hpp"
-#include "voile/mesh/surface_mesh.hpp"
+#include "io/results.hpp"
+#include "mesh/surface_mesh.hpp"
 
 namespace voile::picture {
 

@@ -1,4 +1,4 @@
-#include "voile/picture/plot.hpp"
+#include "plot.hpp"
 
 #include <fmt/format.h>
 
@@ -8,7 +8,7 @@
 
 #include "axis.hpp"
 #include "canvas.hpp"
-#include "voile/base/error.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::picture {
 

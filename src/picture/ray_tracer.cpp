@@ -1,4 +1,4 @@
-#include "voile/picture/ray_tracer.hpp"
+#include "ray_tracer.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "voile/picture/recording.hpp"
+#include "recording.hpp"
 
 #include <fmt/format.h>
 #include <toml++/toml.h>
@@ -9,9 +9,9 @@
 #include <fstream>
 #include <sstream>
 
-#include "voile/base/error.hpp"
-#include "voile/base/plain_file.hpp"
-#include "voile/base/text.hpp"
+#include "base/plain_file.hpp"
+#include "base/text.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::picture {
 

@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <limits>
 
-#include "voile/adapt/remesh.hpp"
-#include "voile/base/error.hpp"
+#include "adapt/remesh.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::picture {
 

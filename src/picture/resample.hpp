@@ -12,8 +12,8 @@
 #include <optional>
 #include <vector>
 
-#include "voile/geometry/closest_triangle.hpp"
-#include "voile/picture/recording.hpp"
+#include "geometry/closest_triangle.hpp"
+#include "recording.hpp"
 
 namespace voile::picture {
 

@@ -1,4 +1,4 @@
-#include "voile/picture/scene.hpp"
+#include "scene.hpp"
 
 #include <algorithm>
 #include <cmath>

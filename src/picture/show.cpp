@@ -1,4 +1,4 @@
-#include "voile/picture/show.hpp"
+#include "show.hpp"
 
 #include <fmt/format.h>
 
@@ -7,9 +7,9 @@
 #include <limits>
 #include <numeric>
 
+#include "lettering.hpp"
 #include "pieces.hpp"
-#include "voile/base/error.hpp"
-#include "voile/picture/lettering.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::picture {
 

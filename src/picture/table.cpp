@@ -6,10 +6,10 @@
 #include <limits>
 #include <sstream>
 
-#include "voile/base/error.hpp"
-#include "voile/base/plain_file.hpp"
-#include "voile/base/text.hpp"
-#include "voile/picture/plot.hpp"
+#include "base/plain_file.hpp"
+#include "base/text.hpp"
+#include "plot.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::picture {
 

@@ -1,9 +1,9 @@
-#include "voile/picture/tangle.hpp"
+#include "tangle.hpp"
 
 #include <algorithm>
 
-#include "voile/picture/lettering.hpp"
-#include "voile/picture/ray_tracer.hpp"
+#include "lettering.hpp"
+#include "ray_tracer.hpp"
 
 namespace voile::picture {
 

@@ -8,7 +8,7 @@
 #include <new>
 #include <numbers>
 
-#include "voile/base/error.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::picture {
 

@@ -5,8 +5,8 @@
 
 #include <cstdint>
 
-#include "voile/picture/camera.hpp"
-#include "voile/picture/scene.hpp"
+#include "camera.hpp"
+#include "scene.hpp"
 
 namespace voile::picture {
 

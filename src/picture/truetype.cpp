@@ -7,7 +7,7 @@
 #include <stb/stb_truetype.h>
 #pragma GCC diagnostic pop
 
-#include "voile/base/error.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::picture {
 

@@ -1,4 +1,4 @@
-#include "voile/picture/viewer.hpp"
+#include "viewer.hpp"
 
 #include <fmt/format.h>
 
@@ -7,10 +7,10 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "colour_map.hpp"
 #include "exporting.hpp"
-#include "voile/base/error.hpp"
-#include "voile/picture/colour_map.hpp"
-#include "voile/picture/field_values.hpp"
+#include "field_values.hpp"
+#include "voile/errors.hpp"
 
 // The page, as the assembler has put it into the program (CMakeLists.txt).
 extern "C" const char voile_viewer[];

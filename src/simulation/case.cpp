@@ -6,9 +6,9 @@
 #include <sstream>
 #include <system_error>
 
-#include "voile/base/error.hpp"
-#include "voile/base/plain_file.hpp"
-#include "voile/input/case.hpp"
+#include "base/plain_file.hpp"
+#include "input/case.hpp"
+#include "voile/errors.hpp"
 
 namespace voile {
 

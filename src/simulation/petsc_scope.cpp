@@ -1,7 +1,7 @@
 #include "petsc_scope.hpp"
 
-#include "voile/base/petsc.hpp"
-#include "voile/input/command_line.hpp"
+#include "base/petsc.hpp"
+#include "input/command_line.hpp"
 
 namespace voile {
 

@@ -5,10 +5,10 @@
 
 #include <csignal>
 
-#include "../app/threads.hpp"
-#include "voile/base/error.hpp"
-#include "voile/base/mpi.hpp"
-#include "voile/solve/eigen.hpp"
+#include "base/mpi.hpp"
+#include "base/threads.hpp"
+#include "solve/eigen.hpp"
+#include "voile/errors.hpp"
 #include "voile/version.hpp"
 
 namespace voile {
@@ -22,7 +22,7 @@ Session::Session(int argc, char** argv) {
 }
 
 void Session::begin(int argc, char** argv) {
-  app::use_one_thread();
+  use_one_thread();
   int is_begun = 0;
   MPI_Initialized(&is_begun);
   mpi_ = is_begun == 0;

@@ -5,10 +5,10 @@
 #include <limits>
 #include <utility>
 
+#include "base/mpi.hpp"
 #include "simulation_impl.hpp"
-#include "voile/base/error.hpp"
-#include "voile/base/mpi.hpp"
-#include "voile/system/dynamics.hpp"
+#include "system/dynamics.hpp"
+#include "voile/errors.hpp"
 
 namespace voile {
 
@@ -16,14 +16,14 @@ namespace {
 
 constexpr double no_limit = std::numeric_limits<double>::infinity();
 
-app::RunOptions run_options(MPI_Comm comm, const Options& options) {
-  app::RunOptions o;
+record::RunOptions run_options(MPI_Comm comm, const Options& options) {
+  record::RunOptions o;
   o.comm = comm;
   o.output = options.output;
   o.overwrite = options.overwrite;
-  o.verbosity = options.verbose ? app::Verbosity::normal : app::Verbosity::quiet;
+  o.verbosity = options.verbose ? record::Verbosity::normal : record::Verbosity::quiet;
   o.keep_history = true;
-  o.obstacles = std::make_shared<app::DrivenObstacles>();
+  o.obstacles = std::make_shared<setup::DrivenObstacles>();
   return o;
 }
 
@@ -43,7 +43,7 @@ Simulation::Impl::Impl(MPI_Comm on, const Case& given, Options o)
       input(input::parse_case(given.source(), given.file(), given.settings())),
       petsc(input.petsc_options, options.petsc) {
   const Call call(*this);
-  run = std::make_unique<app::CaseRun>(input, run_options(comm, options));
+  run = std::make_unique<simulation::CaseRun>(input, run_options(comm, options));
   if (run->finished()) close();
 }
 

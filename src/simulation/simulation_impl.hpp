@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
-#include "../app/case_run.hpp"
+#include "base/interrupt.hpp"
+#include "case_run.hpp"
+#include "input/case.hpp"
 #include "petsc_scope.hpp"
-#include "voile/base/interrupt.hpp"
-#include "voile/input/case.hpp"
 #include "voile/simulation.hpp"
 
 namespace voile {
@@ -20,7 +20,7 @@ struct Simulation::Impl {
   Options options;
   input::Case input;
   PetscOptionsOf petsc;
-  std::unique_ptr<app::CaseRun> run;
+  std::unique_ptr<simulation::CaseRun> run;
   bool stopped = false;  ///< by a signal, in the last call that took steps
   bool closed = false;   ///< the run has ended: files are complete
   std::vector<std::function<void(const Step&)>> observers;
@@ -49,7 +49,7 @@ struct Simulation::Impl {
   /// Throws UserError if x is no vector of unknowns.
   void require_unknowns(Vec x) const;
 
-  [[nodiscard]] app::Epoch& epoch() const { return run->stage().epoch(); }
+  [[nodiscard]] simulation::Epoch& epoch() const { return run->stage().epoch(); }
   [[nodiscard]] system::Model& model() const { return epoch().model(); }
   [[nodiscard]] const system::State& state() const { return epoch().state(); }
   [[nodiscard]] const system::Dofs& dofs() const { return model().dofs(); }
@@ -67,7 +67,7 @@ class Call {
 };
 
 struct State::Data {
-  app::CaseRun::Saved saved;
+  simulation::CaseRun::Saved saved;
   std::shared_ptr<const char> identity;
 };
 

@@ -5,13 +5,13 @@
 #include <cmath>
 #include <utility>
 
-#include "../app/linear_values.hpp"
+#include "base/mpi.hpp"
+#include "base/text.hpp"
+#include "record/linear_values.hpp"
 #include "simulation_impl.hpp"
-#include "voile/base/error.hpp"
-#include "voile/base/mpi.hpp"
-#include "voile/base/text.hpp"
-#include "voile/system/contact.hpp"
-#include "voile/system/dynamics.hpp"
+#include "system/contact.hpp"
+#include "system/dynamics.hpp"
+#include "voile/errors.hpp"
 
 namespace voile {
 
@@ -39,7 +39,7 @@ Vec given_away(const petsc::VecHandle& v) {
 
 Field Simulation::field(const std::string& name) const {
   const Call call(*impl_);
-  app::Recorder& recorder = impl_->run->stage().recorder();
+  record::Recorder& recorder = impl_->run->stage().recorder();
   const std::vector<io::Field> found =
       recorder.fields(impl_->state(), [&](const std::string& one) { return one == name; });
   const auto at = std::find_if(found.begin(), found.end(), [&](const io::Field& f) { return f.name == name; });
@@ -60,7 +60,7 @@ Field Simulation::field(const std::string& name) const {
 
 History Simulation::history() const {
   const Call call(*impl_);
-  const app::Recorder::History& own = impl_->run->stage().recorder().history();
+  const record::Recorder::History& own = impl_->run->stage().recorder().history();
   std::string names = join(own.columns, "\n");
   std::vector<double> values;
   for (const std::vector<double>& row : own.rows) values.insert(values.end(), row.begin(), row.end());
@@ -83,7 +83,8 @@ Energy Simulation::energy() const {
   system::Model& model = impl_->model();
   const system::State& state = impl_->state();
   const bool linear = impl_->run->stage().stage().c.analysis == "linear";
-  const system::Energies e = linear ? app::LinearValues(model, state.u).energies() : system::energies(model, state.u);
+  const system::Energies e =
+      linear ? record::LinearValues(model, state.u).energies() : system::energies(model, state.u);
   Energy all{e.membrane, e.bending, e.contact, e.springs, e.external};
   if (const system::Dynamics* dynamics = impl_->epoch().dynamics()) all.kinetic = dynamics->kinetic_energy(state.v);
   const system::EnergyBalance& b = state.balance;

@@ -1,9 +1,9 @@
-#include "voile/solve/alpha_ts.hpp"
+#include "alpha_ts.hpp"
 
 #include <petsc/private/tsimpl.h>
 
-#include "voile/base/error.hpp"
-#include "voile/base/petsc.hpp"
+#include "base/petsc.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::solve {
 

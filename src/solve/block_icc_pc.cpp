@@ -1,4 +1,4 @@
-#include "voile/solve/block_icc_pc.hpp"
+#include "block_icc_pc.hpp"
 
 #include <petsc/private/pcimpl.h>
 
@@ -7,11 +7,11 @@
 #include <utility>
 #include <vector>
 
+#include "base/mpi.hpp"
+#include "base/petsc.hpp"
 #include "coarse_space.hpp"
 #include "incomplete_cholesky.hpp"
 #include "overlapping_part.hpp"
-#include "voile/base/mpi.hpp"
-#include "voile/base/petsc.hpp"
 
 namespace voile::solve {
 

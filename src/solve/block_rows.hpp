@@ -3,7 +3,7 @@
 
 #include <petscmat.h>
 
-#include "voile/base/petsc.hpp"
+#include "base/petsc.hpp"
 
 namespace voile::solve {
 

@@ -1,8 +1,8 @@
-#include "voile/solve/central_ts.hpp"
+#include "central_ts.hpp"
 
 #include <petsc/private/tsimpl.h>
 
-#include "voile/base/petsc.hpp"
+#include "base/petsc.hpp"
 
 namespace voile::solve {
 

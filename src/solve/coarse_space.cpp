@@ -6,9 +6,9 @@
 #include <map>
 #include <utility>
 
+#include "base/petsc.hpp"
 #include "block_rows.hpp"
-#include "voile/base/petsc.hpp"
-#include "voile/mesh/partition.hpp"
+#include "mesh/partition.hpp"
 
 namespace voile::solve {
 

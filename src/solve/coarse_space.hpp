@@ -19,7 +19,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "voile/base/mpi.hpp"
+#include "base/mpi.hpp"
 
 namespace voile::solve {
 

@@ -1,4 +1,4 @@
-#include "voile/solve/convergence.hpp"
+#include "convergence.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "voile/solve/drape.hpp"
+#include "drape.hpp"
 
 #include <fmt/format.h>
 
@@ -8,12 +8,12 @@
 #include <memory>
 #include <optional>
 
+#include "base/interrupt.hpp"
 #include "drape_motion.hpp"
+#include "inverse_iteration.hpp"
+#include "stall.hpp"
 #include "step_bound.hpp"
-#include "voile/base/interrupt.hpp"
-#include "voile/solve/inverse_iteration.hpp"
-#include "voile/solve/stall.hpp"
-#include "voile/system/contact.hpp"
+#include "system/contact.hpp"
 
 namespace voile::solve {
 

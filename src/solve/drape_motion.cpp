@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "voile/base/interrupt.hpp"
-#include "voile/solve/time_integration.hpp"
-#include "voile/system/contact.hpp"
-#include "voile/system/dynamics.hpp"
+#include "base/interrupt.hpp"
+#include "system/contact.hpp"
+#include "system/dynamics.hpp"
+#include "time_integration.hpp"
 
 namespace voile::solve {
 

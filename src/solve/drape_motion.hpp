@@ -10,7 +10,7 @@
 
 #include <string>
 
-#include "voile/solve/stepper.hpp"
+#include "stepper.hpp"
 
 namespace voile::solve {
 

@@ -1,4 +1,4 @@
-#include "voile/solve/eigen.hpp"
+#include "eigen.hpp"
 
 #include <slepceps.h>
 
@@ -6,9 +6,9 @@
 #include <cmath>
 #include <numbers>
 
-#include "voile/base/error.hpp"
-#include "voile/base/interrupt.hpp"
-#include "voile/base/mpi.hpp"
+#include "base/interrupt.hpp"
+#include "base/mpi.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::solve {
 

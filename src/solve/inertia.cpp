@@ -1,7 +1,7 @@
 #include "inertia.hpp"
 
-#include "voile/base/petsc.hpp"
-#include "voile/solve/linear_solver.hpp"
+#include "base/petsc.hpp"
+#include "linear_solver.hpp"
 
 namespace voile::solve {
 

@@ -1,4 +1,4 @@
-#include "voile/solve/inexact_pc.hpp"
+#include "inexact_pc.hpp"
 
 #include <fmt/format.h>
 #include <petsc/private/pcimpl.h>
@@ -6,10 +6,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/petsc.hpp"
+#include "block_icc_pc.hpp"
+#include "mixed_pc.hpp"
 #include "symmetric_blocks.hpp"
-#include "voile/base/petsc.hpp"
-#include "voile/solve/block_icc_pc.hpp"
-#include "voile/solve/mixed_pc.hpp"
 
 namespace voile::solve {
 

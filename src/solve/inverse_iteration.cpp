@@ -1,4 +1,4 @@
-#include "voile/solve/inverse_iteration.hpp"
+#include "inverse_iteration.hpp"
 
 #include <cmath>
 

@@ -1,4 +1,4 @@
-#include "voile/solve/linear_solver.hpp"
+#include "linear_solver.hpp"
 
 #include <fmt/format.h>
 
@@ -7,12 +7,11 @@
 #include <utility>
 #include <vector>
 
+#include "block_icc_pc.hpp"
 #include "inertia.hpp"
-#include "voile/base/error.hpp"
-#include "voile/solve/block_icc_pc.hpp"
-#include "voile/solve/inexact_pc.hpp"
-#include "voile/solve/mixed_pc.hpp"
-#include "voile/solve/schwarz_pc.hpp"
+#include "inexact_pc.hpp"
+#include "mixed_pc.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::solve {
 
@@ -41,7 +40,6 @@ void LinearSolver::set_defaults(KSP ksp, Method method) {
   register_mixed_pc();
   register_block_icc_pc();
   register_inexact_pc();
-  register_schwarz_pc();
   ksp_ = ksp;
   PC pc = nullptr;
   VOILE_PETSC(KSPSetType(ksp_, KSPPREONLY));
@@ -190,14 +188,6 @@ void LinearSolver::renew_factor(PetscInt workspace_percent) {
 
 void LinearSolver::tangent_changed() {
   ++factorisations_;
-  PC pc = nullptr;
-  PetscBool schwarz = PETSC_FALSE;
-  VOILE_PETSC(KSPGetPC(ksp_, &pc));
-  VOILE_PETSC(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(pc), schwarz_pc_type, &schwarz));
-  if (schwarz) {
-    std::vector<double> places = model_.potential().owned_places();
-    VOILE_PETSC(PCSetCoordinates(pc, 3, static_cast<PetscInt>(places.size() / 3), places.data()));
-  }
   if (std::exchange(pattern_version_, model_.tangent().pattern_version()) == model_.tangent().pattern_version() ||
       !mumps_)
     return;

@@ -1,14 +1,14 @@
-#include "voile/solve/load_path.hpp"
+#include "load_path.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
+#include "base/interrupt.hpp"
+#include "stall.hpp"
 #include "step_bound.hpp"
-#include "voile/base/error.hpp"
-#include "voile/base/interrupt.hpp"
-#include "voile/solve/stall.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::solve {
 

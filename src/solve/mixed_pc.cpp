@@ -1,4 +1,4 @@
-#include "voile/solve/mixed_pc.hpp"
+#include "mixed_pc.hpp"
 
 #include <petsc/private/pcimpl.h>
 
@@ -6,9 +6,9 @@
 #include <array>
 #include <memory>
 
+#include "base/petsc.hpp"
+#include "linear_solver.hpp"
 #include "mumps_single.hpp"
-#include "voile/base/petsc.hpp"
-#include "voile/solve/linear_solver.hpp"
 
 namespace voile::solve {
 

@@ -9,10 +9,10 @@
 #include <xmmintrin.h>
 #endif
 
-#include "voile/base/error.hpp"
-#include "voile/base/mpi.hpp"
-#include "voile/base/petsc.hpp"
-#include "voile/solve/linear_solver.hpp"
+#include "base/mpi.hpp"
+#include "base/petsc.hpp"
+#include "linear_solver.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::solve {
 

@@ -1,4 +1,4 @@
-#include "voile/solve/newton.hpp"
+#include "newton.hpp"
 
 #include <fmt/format.h>
 
@@ -7,12 +7,12 @@
 #include <limits>
 #include <utility>
 
+#include "base/interrupt.hpp"
+#include "base/mpi.hpp"
 #include "newton_impl.hpp"
 #include "step_bound.hpp"
-#include "voile/base/error.hpp"
-#include "voile/base/interrupt.hpp"
-#include "voile/base/mpi.hpp"
-#include "voile/system/contact.hpp"
+#include "system/contact.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::solve {
 

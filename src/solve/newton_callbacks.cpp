@@ -5,10 +5,10 @@
 #include <cmath>
 #include <utility>
 
+#include "base/interrupt.hpp"
 #include "newton_impl.hpp"
 #include "step_bound.hpp"
-#include "voile/base/interrupt.hpp"
-#include "voile/system/contact.hpp"
+#include "system/contact.hpp"
 
 namespace voile::solve {
 

@@ -5,8 +5,8 @@
 #include <functional>
 #include <utility>
 
+#include "newton.hpp"
 #include "solver_choice.hpp"
-#include "voile/solve/newton.hpp"
 
 namespace voile::solve {
 

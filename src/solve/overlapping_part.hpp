@@ -12,9 +12,9 @@
 #include <memory>
 #include <vector>
 
+#include "base/petsc.hpp"
 #include "block_pattern.hpp"
 #include "block_rows.hpp"
-#include "voile/base/petsc.hpp"
 
 namespace voile::solve {
 

@@ -1,7 +1,7 @@
 // Path following: tangent, predictor and Newton's method on the residual and the constraint.
+#include "base/interrupt.hpp"
 #include "path_following_impl.hpp"
-#include "voile/base/error.hpp"
-#include "voile/base/interrupt.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::solve {
 

@@ -1,11 +1,11 @@
-#include "voile/solve/path_following.hpp"
+#include "path_following.hpp"
 
 #include <fmt/format.h>
 
+#include "base/interrupt.hpp"
 #include "path_following_impl.hpp"
-#include "voile/base/error.hpp"
-#include "voile/base/interrupt.hpp"
-#include "voile/solve/stall.hpp"
+#include "stall.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::solve {
 

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <optional>
 
-#include "voile/solve/inverse_iteration.hpp"
-#include "voile/solve/path_following.hpp"
+#include "inverse_iteration.hpp"
+#include "path_following.hpp"
 
 namespace voile::solve {
 

@@ -1,14 +1,14 @@
-#include "voile/solve/relaxation.hpp"
+#include "relaxation.hpp"
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
+#include "base/decompositions.hpp"
+#include "inexact_pc.hpp"
+#include "linear_solver.hpp"
 #include "step_bound.hpp"
-#include "voile/base/decompositions.hpp"
-#include "voile/solve/inexact_pc.hpp"
-#include "voile/solve/linear_solver.hpp"
 
 namespace voile::solve {
 

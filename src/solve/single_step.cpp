@@ -1,6 +1,6 @@
-#include "voile/solve/single_step.hpp"
+#include "single_step.hpp"
 
-#include "voile/solve/load_path.hpp"
+#include "load_path.hpp"
 
 namespace voile::solve {
 

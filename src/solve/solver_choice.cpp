@@ -6,8 +6,8 @@
 #include <array>
 #include <string_view>
 
-#include "voile/base/error.hpp"
-#include "voile/base/petsc.hpp"
+#include "base/petsc.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::solve {
 

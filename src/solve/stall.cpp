@@ -1,4 +1,4 @@
-#include "voile/solve/stall.hpp"
+#include "stall.hpp"
 
 #include <fmt/format.h>
 
@@ -7,9 +7,9 @@
 #include <limits>
 #include <numbers>
 
-#include "voile/base/mpi.hpp"
-#include "voile/base/text.hpp"
-#include "voile/mesh/quality.hpp"
+#include "base/mpi.hpp"
+#include "base/text.hpp"
+#include "mesh/quality.hpp"
 
 namespace voile::solve {
 

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "voile/system/contact.hpp"
-#include "voile/system/model.hpp"
+#include "system/contact.hpp"
+#include "system/model.hpp"
 
 namespace voile::solve {
 

@@ -1,4 +1,4 @@
-#include "voile/solve/stepper.hpp"
+#include "stepper.hpp"
 
 namespace voile::solve {
 

@@ -1,7 +1,7 @@
 #include "symmetric_blocks.hpp"
 
-#include "voile/base/mpi.hpp"
-#include "voile/base/types.hpp"
+#include "base/mpi.hpp"
+#include "base/types.hpp"
 
 namespace voile::solve {
 

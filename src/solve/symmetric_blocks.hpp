@@ -4,9 +4,9 @@
 
 #include <vector>
 
+#include "base/petsc.hpp"
 #include "block_rows.hpp"
 #include "lanes.hpp"
-#include "voile/base/petsc.hpp"
 
 namespace voile::solve {
 

@@ -4,12 +4,12 @@
 
 #include <utility>
 
+#include "alpha_ts.hpp"
+#include "base/interrupt.hpp"
+#include "inexact_pc.hpp"
 #include "step_bound.hpp"
+#include "system/contact.hpp"
 #include "time_integration_impl.hpp"
-#include "voile/base/interrupt.hpp"
-#include "voile/solve/alpha_ts.hpp"
-#include "voile/solve/inexact_pc.hpp"
-#include "voile/system/contact.hpp"
 
 namespace voile::solve {
 

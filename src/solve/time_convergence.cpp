@@ -3,9 +3,9 @@
 #include <cmath>
 #include <utility>
 
+#include "base/interrupt.hpp"
 #include "step_bound.hpp"
 #include "time_integration_impl.hpp"
-#include "voile/base/interrupt.hpp"
 
 namespace voile::solve {
 

@@ -1,4 +1,4 @@
-#include "voile/solve/time_integration.hpp"
+#include "time_integration.hpp"
 
 #include <fmt/format.h>
 #include <petsc/private/tsimpl.h>
@@ -7,16 +7,16 @@
 #include <cmath>
 #include <utility>
 
+#include "alpha_ts.hpp"
+#include "base/interrupt.hpp"
+#include "base/mpi.hpp"
+#include "central_ts.hpp"
+#include "inexact_pc.hpp"
+#include "inverse_iteration.hpp"
+#include "stall.hpp"
+#include "system/contact.hpp"
 #include "time_integration_impl.hpp"
-#include "voile/base/error.hpp"
-#include "voile/base/interrupt.hpp"
-#include "voile/base/mpi.hpp"
-#include "voile/solve/alpha_ts.hpp"
-#include "voile/solve/central_ts.hpp"
-#include "voile/solve/inexact_pc.hpp"
-#include "voile/solve/inverse_iteration.hpp"
-#include "voile/solve/stall.hpp"
-#include "voile/system/contact.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::solve {
 

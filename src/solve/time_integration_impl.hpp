@@ -9,8 +9,8 @@
 #include <string>
 
 #include "solver_choice.hpp"
-#include "voile/solve/time_integration.hpp"
-#include "voile/system/energy_account.hpp"
+#include "system/energy_account.hpp"
+#include "time_integration.hpp"
 
 namespace voile::solve {
 

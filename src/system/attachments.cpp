@@ -1,4 +1,4 @@
-#include "voile/system/attachments.hpp"
+#include "attachments.hpp"
 
 #include <fmt/format.h>
 
@@ -7,13 +7,13 @@
 #include <array>
 #include <cmath>
 
-#include "voile/base/error.hpp"
-#include "voile/energy/anchor.hpp"
-#include "voile/energy/sheet.hpp"
-#include "voile/geometry/closest_triangle.hpp"
-#include "voile/system/boundary_conditions.hpp"
-#include "voile/system/contact.hpp"
-#include "voile/system/discretisation.hpp"
+#include "boundary_conditions.hpp"
+#include "contact.hpp"
+#include "discretisation.hpp"
+#include "energy/anchor.hpp"
+#include "energy/sheet.hpp"
+#include "geometry/closest_triangle.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::system {
 

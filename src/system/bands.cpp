@@ -1,13 +1,13 @@
-#include "voile/system/bands.hpp"
+#include "bands.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "voile/base/error.hpp"
-#include "voile/energy/spring.hpp"
-#include "voile/system/discretisation.hpp"
+#include "discretisation.hpp"
+#include "energy/spring.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::system {
 

@@ -1,18 +1,18 @@
-#include "voile/system/bending_energy.hpp"
+#include "bending_energy.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <optional>
 
-#include "voile/base/error.hpp"
-#include "voile/base/mpi.hpp"
-#include "voile/energy/bending.hpp"
-#include "voile/energy/sheet.hpp"
-#include "voile/mesh/patch.hpp"
-#include "voile/system/boundary_conditions.hpp"
-#include "voile/system/constant_matrices.hpp"
-#include "voile/system/term.hpp"
+#include "base/mpi.hpp"
+#include "boundary_conditions.hpp"
+#include "constant_matrices.hpp"
+#include "energy/bending.hpp"
+#include "energy/sheet.hpp"
+#include "mesh/patch.hpp"
+#include "term.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::system {
 

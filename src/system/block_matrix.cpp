@@ -1,10 +1,10 @@
-#include "voile/system/block_matrix.hpp"
+#include "block_matrix.hpp"
 
 #include <petscmat.h>
 
 #include <algorithm>
 
-#include "voile/base/error.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::system {
 

@@ -1,16 +1,16 @@
 // Nodal forces of dead loads, elements for follower loads, and supports that move.
-#include "voile/system/boundary_conditions.hpp"
+#include "boundary_conditions.hpp"
 
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
 
-#include "voile/base/error.hpp"
-#include "voile/base/mpi.hpp"
-#include "voile/energy/loads.hpp"
-#include "voile/energy/sheet.hpp"
-#include "voile/system/term.hpp"
+#include "base/mpi.hpp"
+#include "energy/loads.hpp"
+#include "energy/sheet.hpp"
+#include "term.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::system {
 

@@ -1,10 +1,10 @@
-#include "voile/system/compact_matrix.hpp"
+#include "compact_matrix.hpp"
 
 #include <petscmat.h>
 
 #include <vector>
 
-#include "voile/base/mpi.hpp"
+#include "base/mpi.hpp"
 
 namespace voile::system {
 

@@ -1,10 +1,10 @@
-#include "voile/system/constant_matrices.hpp"
+#include "constant_matrices.hpp"
 
 #include <algorithm>
 
-#include "voile/base/mpi.hpp"
-#include "voile/energy/sheet.hpp"
-#include "voile/system/term.hpp"
+#include "base/mpi.hpp"
+#include "energy/sheet.hpp"
+#include "term.hpp"
 
 namespace voile::system {
 

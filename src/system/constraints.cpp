@@ -1,4 +1,4 @@
-#include "voile/system/constraints.hpp"
+#include "constraints.hpp"
 
 #include <fmt/format.h>
 
@@ -7,8 +7,8 @@
 #include <cmath>
 #include <set>
 
-#include "voile/base/decompositions.hpp"
-#include "voile/base/error.hpp"
+#include "base/decompositions.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::system {
 

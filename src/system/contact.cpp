@@ -1,10 +1,10 @@
-#include "voile/system/contact.hpp"
+#include "contact.hpp"
 
 #include <Eigen/Dense>
 #include <algorithm>
 
+#include "base/mpi.hpp"
 #include "contact_parts.hpp"
-#include "voile/base/mpi.hpp"
 
 namespace voile::system {
 

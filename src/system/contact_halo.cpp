@@ -1,8 +1,8 @@
-#include "voile/system/contact_halo.hpp"
+#include "contact_halo.hpp"
 
 #include <algorithm>
 
-#include "voile/base/mpi.hpp"
+#include "base/mpi.hpp"
 
 namespace voile::system {
 

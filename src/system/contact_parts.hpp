@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "voile/contact/contact_set.hpp"
-#include "voile/system/contact_memory.hpp"
-#include "voile/system/contact_scene.hpp"
+#include "contact/contact_set.hpp"
+#include "contact_memory.hpp"
+#include "contact_scene.hpp"
 
 namespace voile::system {
 

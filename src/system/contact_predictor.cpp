@@ -1,8 +1,8 @@
 // Predictors that begin where nothing is hit.
 #include <algorithm>
 
+#include "base/mpi.hpp"
 #include "contact_parts.hpp"
-#include "voile/base/mpi.hpp"
 
 namespace voile::system {
 

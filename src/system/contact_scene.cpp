@@ -1,4 +1,4 @@
-#include "voile/system/contact_scene.hpp"
+#include "contact_scene.hpp"
 
 #include <fmt/format.h>
 
@@ -6,10 +6,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "voile/base/error.hpp"
-#include "voile/base/mpi.hpp"
-#include "voile/contact/neighbours.hpp"
-#include "voile/mesh/weld.hpp"
+#include "base/mpi.hpp"
+#include "contact/neighbours.hpp"
+#include "mesh/weld.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::system {
 

@@ -1,9 +1,9 @@
 // Starts that lie inside the contact distance.
 #include <algorithm>
 
+#include "base/mpi.hpp"
+#include "contact.hpp"
 #include "contact_parts.hpp"
-#include "voile/base/mpi.hpp"
-#include "voile/system/contact.hpp"
 
 namespace voile::system {
 

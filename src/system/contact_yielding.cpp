@@ -3,9 +3,9 @@
 #include <cmath>
 #include <cstdint>
 
+#include "base/mpi.hpp"
+#include "contact.hpp"
 #include "contact_parts.hpp"
-#include "voile/base/mpi.hpp"
-#include "voile/system/contact.hpp"
 
 namespace voile::system {
 

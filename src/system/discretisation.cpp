@@ -1,17 +1,17 @@
-#include "voile/system/discretisation.hpp"
+#include "discretisation.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <map>
 
-#include "voile/base/error.hpp"
-#include "voile/base/mpi.hpp"
-#include "voile/energy/curvature.hpp"
-#include "voile/energy/joint.hpp"
-#include "voile/energy/membrane.hpp"
-#include "voile/energy/sheet.hpp"
-#include "voile/mesh/patch.hpp"
+#include "base/mpi.hpp"
+#include "energy/curvature.hpp"
+#include "energy/joint.hpp"
+#include "energy/membrane.hpp"
+#include "energy/sheet.hpp"
+#include "mesh/patch.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::system {
 

@@ -1,7 +1,7 @@
-#include "voile/system/dofs.hpp"
+#include "dofs.hpp"
 
-#include "voile/base/mpi.hpp"
-#include "voile/mesh/patch.hpp"
+#include "base/mpi.hpp"
+#include "mesh/patch.hpp"
 
 namespace voile::system {
 

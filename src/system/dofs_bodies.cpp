@@ -2,10 +2,10 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 
-#include "voile/base/decompositions.hpp"
-#include "voile/base/mpi.hpp"
-#include "voile/mesh/patch.hpp"
-#include "voile/system/dofs.hpp"
+#include "base/decompositions.hpp"
+#include "base/mpi.hpp"
+#include "dofs.hpp"
+#include "mesh/patch.hpp"
 
 namespace voile::system {
 

@@ -1,14 +1,14 @@
-#include "voile/system/dynamics.hpp"
+#include "dynamics.hpp"
 
 #include <Eigen/Geometry>
 #include <algorithm>
 
-#include "voile/base/error.hpp"
-#include "voile/base/mpi.hpp"
-#include "voile/energy/drag.hpp"
-#include "voile/energy/sheet.hpp"
-#include "voile/system/contact.hpp"
-#include "voile/system/term.hpp"
+#include "base/mpi.hpp"
+#include "contact.hpp"
+#include "energy/drag.hpp"
+#include "energy/sheet.hpp"
+#include "term.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::system {
 

@@ -1,11 +1,11 @@
-#include "voile/system/ease.hpp"
+#include "ease.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "voile/base/mpi.hpp"
-#include "voile/geometry/closest_triangle.hpp"
+#include "base/mpi.hpp"
+#include "geometry/closest_triangle.hpp"
 
 namespace voile::system {
 

@@ -1,11 +1,11 @@
-#include "voile/system/energy_account.hpp"
+#include "energy_account.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 
-#include "voile/base/error.hpp"
-#include "voile/system/contact.hpp"
+#include "contact.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::system {
 

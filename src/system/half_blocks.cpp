@@ -1,9 +1,9 @@
-#include "voile/system/half_blocks.hpp"
+#include "half_blocks.hpp"
 
 #include <algorithm>
 
-#include "voile/base/error.hpp"
-#include "voile/system/term.hpp"
+#include "term.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::system {
 

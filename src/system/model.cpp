@@ -1,12 +1,12 @@
-#include "voile/system/model.hpp"
+#include "model.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "voile/base/error.hpp"
-#include "voile/base/mpi.hpp"
-#include "voile/system/contact.hpp"
-#include "voile/system/term.hpp"
+#include "base/mpi.hpp"
+#include "contact.hpp"
+#include "term.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::system {
 

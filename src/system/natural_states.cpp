@@ -1,4 +1,4 @@
-#include "voile/system/natural_states.hpp"
+#include "natural_states.hpp"
 
 #include <fmt/format.h>
 
@@ -6,15 +6,15 @@
 #include <cmath>
 #include <tuple>
 
-#include "voile/base/error.hpp"
-#include "voile/base/text.hpp"
-#include "voile/energy/angle_bending.hpp"
-#include "voile/energy/bending.hpp"
-#include "voile/energy/curvature.hpp"
-#include "voile/energy/joint.hpp"
-#include "voile/energy/membrane.hpp"
-#include "voile/energy/sheet.hpp"
-#include "voile/system/discretisation.hpp"
+#include "base/text.hpp"
+#include "discretisation.hpp"
+#include "energy/angle_bending.hpp"
+#include "energy/bending.hpp"
+#include "energy/curvature.hpp"
+#include "energy/joint.hpp"
+#include "energy/membrane.hpp"
+#include "energy/sheet.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::system {
 

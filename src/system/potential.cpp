@@ -1,23 +1,23 @@
-#include "voile/system/potential.hpp"
+#include "potential.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "voile/base/error.hpp"
-#include "voile/base/mpi.hpp"
-#include "voile/energy/angle_bending.hpp"
-#include "voile/energy/coupling.hpp"
-#include "voile/energy/membrane.hpp"
-#include "voile/energy/mirror_fold.hpp"
-#include "voile/energy/yarn_friction.hpp"
-#include "voile/system/attachments.hpp"
-#include "voile/system/bands.hpp"
-#include "voile/system/bending_energy.hpp"
-#include "voile/system/boundary_conditions.hpp"
-#include "voile/system/discretisation.hpp"
-#include "voile/system/natural_states.hpp"
-#include "voile/system/sewing_springs.hpp"
-#include "voile/system/term.hpp"
+#include "attachments.hpp"
+#include "bands.hpp"
+#include "base/mpi.hpp"
+#include "bending_energy.hpp"
+#include "boundary_conditions.hpp"
+#include "discretisation.hpp"
+#include "energy/angle_bending.hpp"
+#include "energy/coupling.hpp"
+#include "energy/membrane.hpp"
+#include "energy/mirror_fold.hpp"
+#include "energy/yarn_friction.hpp"
+#include "natural_states.hpp"
+#include "sewing_springs.hpp"
+#include "term.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::system {
 
@@ -48,12 +48,6 @@ energy::Configuration Potential::configuration(Vec a) {
   if (coupling_) update_coupling();
   on_->dofs().update_points(a, u_, x_);
   return {x_.data(), u_.data(), nullptr, energy::Tangent::exact};
-}
-
-std::vector<double> Potential::owned_places() const {
-  std::vector<double> places;
-  for (Index i = 0; i < on_->dofs().local().owned; ++i) places.insert(places.end(), x_[i].data(), x_[i].data() + 3);
-  return places;
 }
 
 std::vector<Vec3>& Potential::point_forces(const energy::Configuration& c) {

@@ -1,17 +1,17 @@
-#include "voile/system/recovery.hpp"
+#include "recovery.hpp"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <tuple>
 
-#include "voile/base/mpi.hpp"
-#include "voile/energy/angle_bending.hpp"
-#include "voile/energy/bending.hpp"
-#include "voile/energy/curvature.hpp"
-#include "voile/energy/joint.hpp"
-#include "voile/energy/membrane.hpp"
-#include "voile/energy/sheet.hpp"
-#include "voile/system/natural_states.hpp"
+#include "base/mpi.hpp"
+#include "energy/angle_bending.hpp"
+#include "energy/bending.hpp"
+#include "energy/curvature.hpp"
+#include "energy/joint.hpp"
+#include "energy/membrane.hpp"
+#include "energy/sheet.hpp"
+#include "natural_states.hpp"
 
 namespace voile::system {
 

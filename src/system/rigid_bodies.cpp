@@ -1,4 +1,4 @@
-#include "voile/system/rigid_bodies.hpp"
+#include "rigid_bodies.hpp"
 
 #include <Eigen/Geometry>
 #include <cmath>

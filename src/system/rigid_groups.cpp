@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "voile/base/error.hpp"
-#include "voile/system/constraints.hpp"
+#include "constraints.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::system {
 

@@ -1,10 +1,10 @@
-#include "voile/system/rigid_loads.hpp"
+#include "rigid_loads.hpp"
 
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 
-#include "voile/base/mpi.hpp"
+#include "base/mpi.hpp"
 
 namespace voile::system {
 

@@ -1,4 +1,4 @@
-#include "voile/system/rigid_motions.hpp"
+#include "rigid_motions.hpp"
 
 #include <Eigen/Dense>
 #include <algorithm>
@@ -7,7 +7,7 @@
 #include <numeric>
 #include <set>
 
-#include "voile/base/decompositions.hpp"
+#include "base/decompositions.hpp"
 
 namespace voile::system {
 

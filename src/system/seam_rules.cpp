@@ -1,12 +1,12 @@
-#include "voile/system/seam_rules.hpp"
+#include "seam_rules.hpp"
 
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <set>
 
-#include "voile/base/text.hpp"
-#include "voile/mesh/weld.hpp"
+#include "base/text.hpp"
+#include "mesh/weld.hpp"
 
 namespace voile::system {
 

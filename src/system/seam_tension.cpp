@@ -1,4 +1,4 @@
-#include "voile/system/seam_tension.hpp"
+#include "seam_tension.hpp"
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>

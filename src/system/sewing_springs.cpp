@@ -1,12 +1,12 @@
-#include "voile/system/sewing_springs.hpp"
+#include "sewing_springs.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
-#include "voile/energy/seam.hpp"
-#include "voile/mesh/weld.hpp"
-#include "voile/system/discretisation.hpp"
+#include "discretisation.hpp"
+#include "energy/seam.hpp"
+#include "mesh/weld.hpp"
 
 namespace voile::system {
 

@@ -1,4 +1,4 @@
-#include "voile/system/tangent.hpp"
+#include "tangent.hpp"
 
 namespace voile::system {
 

@@ -1,7 +1,7 @@
-#include "voile/system/work.hpp"
+#include "work.hpp"
 
-#include "voile/system/contact.hpp"
-#include "voile/system/model.hpp"
+#include "contact.hpp"
+#include "model.hpp"
 
 namespace voile::system {
 

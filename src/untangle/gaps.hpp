@@ -1,6 +1,6 @@
 // Gaps between a sheet and all that it may touch, by the distance of pairs; private to src/untangle.
 //
-// Symbols   w, c_i   vector between the closest points of a pair and their weights (voile/contact/distance.hpp)
+// Symbols   w, c_i   vector between the closest points of a pair and their weights (contact/distance.hpp)
 //           g        = |w| - offset, or n.x_i - level - offset for a plane: the gap [m]
 #pragma once
 

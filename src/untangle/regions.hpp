@@ -11,7 +11,7 @@
 #include <set>
 #include <vector>
 
-#include "voile/contact/surface.hpp"
+#include "contact/surface.hpp"
 
 namespace voile::untangle {
 

@@ -7,7 +7,7 @@
 #include <map>
 #include <numbers>
 
-#include "voile/geometry/winding.hpp"
+#include "geometry/winding.hpp"
 
 namespace voile::untangle {
 

@@ -1,6 +1,6 @@
 // What the parts of an untangling have in common: the points, and what belongs together; private to src/untangle.
 //
-// Symbols   x_i, P_i, c_i, w, D   as in voile/untangle/untangle.hpp
+// Symbols   x_i, P_i, c_i, w, D   as in untangle/untangle.hpp
 #pragma once
 
 #include <array>
@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "regions.hpp"
-#include "voile/untangle/untangle.hpp"
+#include "untangle.hpp"
 
 namespace voile::untangle {
 

@@ -1,4 +1,4 @@
-#include "voile/untangle/untangle.hpp"
+#include "untangle.hpp"
 
 #include <fmt/format.h>
 
@@ -15,7 +15,7 @@
 #include "regions.hpp"
 #include "solids.hpp"
 #include "tangle.hpp"
-#include "voile/base/error.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::untangle {
 

@@ -9,9 +9,9 @@
 #include <map>
 #include <set>
 
+#include "adapt/remesh.hpp"
+#include "adapt/sizing.hpp"
 #include "test_meshes.hpp"
-#include "voile/adapt/remesh.hpp"
-#include "voile/adapt/sizing.hpp"
 
 namespace voile::testing {
 

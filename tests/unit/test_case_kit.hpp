@@ -6,8 +6,8 @@
 #include <concepts>
 #include <string>
 
-#include "voile/base/error.hpp"
-#include "voile/input/case.hpp"
+#include "input/case.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::testing {
 

@@ -1,8 +1,8 @@
 // Steppers followed to their end from vectors that a test owns.
 #pragma once
 
-#include "voile/solve/stepper.hpp"
-#include "voile/solve/time_integration.hpp"
+#include "solve/stepper.hpp"
+#include "solve/time_integration.hpp"
 
 namespace voile::testing {
 

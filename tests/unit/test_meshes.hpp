@@ -11,10 +11,10 @@
 #include <random>
 #include <string>
 
-#include "voile/base/mpi.hpp"
-#include "voile/base/petsc.hpp"
-#include "voile/io/gmsh.hpp"
-#include "voile/mesh/surface_mesh.hpp"
+#include "base/mpi.hpp"
+#include "base/petsc.hpp"
+#include "io/gmsh.hpp"
+#include "mesh/surface_mesh.hpp"
 
 namespace voile::testing {
 

@@ -7,9 +7,9 @@
 #include <numeric>
 #include <random>
 
+#include "system/model.hpp"
 #include "test_meshes.hpp"
 #include "test_relative.hpp"
-#include "voile/system/model.hpp"
 
 namespace voile::testing {
 

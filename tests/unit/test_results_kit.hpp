@@ -16,10 +16,10 @@
 #include <string>
 #include <vector>
 
+#include "base/text.hpp"
+#include "io/results.hpp"
 #include "test_case_kit.hpp"
-#include "voile/base/error.hpp"
-#include "voile/base/text.hpp"
-#include "voile/io/results.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::testing {
 

@@ -5,9 +5,9 @@
 #include <limits>
 #include <numbers>
 
+#include "contact/distance.hpp"
 #include "test_adapt_kit.hpp"
 #include "test_relative.hpp"
-#include "voile/contact/distance.hpp"
 
 using namespace voile;
 using namespace voile::testing;

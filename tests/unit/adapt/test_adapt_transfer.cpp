@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <numbers>
 
+#include "adapt/transfer.hpp"
 #include "test_adapt_kit.hpp"
 #include "test_model_kit.hpp"
 #include "test_relative.hpp"
-#include "voile/adapt/transfer.hpp"
-#include "voile/base/error.hpp"
+#include "voile/errors.hpp"
 
 using namespace voile;
 using namespace voile::testing;

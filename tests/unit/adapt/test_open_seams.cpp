@@ -4,10 +4,10 @@
 #include <optional>
 #include <random>
 
+#include "adapt/transfer.hpp"
+#include "mesh/weld.hpp"
 #include "test_adapt_kit.hpp"
 #include "test_relative.hpp"
-#include "voile/adapt/transfer.hpp"
-#include "voile/mesh/weld.hpp"
 
 using namespace voile;
 using namespace voile::testing;

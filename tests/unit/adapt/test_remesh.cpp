@@ -9,7 +9,7 @@
 #include "extent.hpp"
 #include "test_adapt_kit.hpp"
 #include "test_relative.hpp"
-#include "voile/base/error.hpp"
+#include "voile/errors.hpp"
 
 using namespace voile;
 using namespace voile::testing;

@@ -9,10 +9,10 @@
 #include <string>
 #include <thread>
 
-#include "voile/base/child_process.hpp"
-#include "voile/base/confinement.hpp"
-#include "voile/base/error.hpp"
-#include "voile/base/plain_file.hpp"
+#include "base/child_process.hpp"
+#include "base/confinement.hpp"
+#include "base/plain_file.hpp"
+#include "voile/errors.hpp"
 
 namespace fs = std::filesystem;
 using namespace voile;

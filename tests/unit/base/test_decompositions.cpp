@@ -3,7 +3,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 
-#include "voile/base/decompositions.hpp"
+#include "base/decompositions.hpp"
 
 using namespace voile;
 using Eigen::MatrixXd;

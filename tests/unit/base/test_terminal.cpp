@@ -1,7 +1,7 @@
 // Words in colour.
 #include <doctest/doctest.h>
 
-#include "voile/base/terminal.hpp"
+#include "base/terminal.hpp"
 
 namespace voile {
 

@@ -3,8 +3,8 @@
 
 #include <random>
 
+#include "contact/contact_set.hpp"
 #include "test_relative.hpp"
-#include "voile/contact/contact_set.hpp"
 
 using namespace voile;
 using namespace voile::contact;

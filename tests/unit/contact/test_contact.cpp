@@ -4,10 +4,10 @@
 #include <Eigen/Dense>
 #include <random>
 
+#include "base/decompositions.hpp"
+#include "contact/contact_set.hpp"
 #include "test_meshes.hpp"
 #include "test_relative.hpp"
-#include "voile/base/decompositions.hpp"
-#include "voile/contact/contact_set.hpp"
 
 using namespace voile;
 using namespace voile::contact;

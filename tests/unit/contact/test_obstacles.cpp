@@ -3,9 +3,9 @@
 
 #include <algorithm>
 
+#include "contact/obstacles.hpp"
+#include "contact/surface.hpp"
 #include "test_meshes.hpp"
-#include "voile/contact/obstacles.hpp"
-#include "voile/contact/surface.hpp"
 
 using namespace voile;
 using namespace voile::contact;

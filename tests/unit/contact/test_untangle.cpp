@@ -4,14 +4,14 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
+#include "base/decompositions.hpp"
+#include "geometry/intersections.hpp"
+#include "geometry/winding.hpp"
+#include "io/triangle_file.hpp"
 #include "test_meshes.hpp"
 #include "test_relative.hpp"
-#include "voile/base/decompositions.hpp"
-#include "voile/base/error.hpp"
-#include "voile/geometry/intersections.hpp"
-#include "voile/geometry/winding.hpp"
-#include "voile/io/triangle_file.hpp"
-#include "voile/untangle/untangle.hpp"
+#include "untangle/untangle.hpp"
+#include "voile/errors.hpp"
 
 using namespace voile;
 using namespace voile::testing;

@@ -1,5 +1,5 @@
 // Bending by the angles at edges: one angle, and sheets that bend by them.
-#include "voile/energy/angle_bending.hpp"
+#include "energy/angle_bending.hpp"
 
 #include <doctest/doctest.h>
 
@@ -8,7 +8,7 @@
 #include <cmath>
 
 #include "../test_model_kit.hpp"
-#include "voile/base/decompositions.hpp"
+#include "base/decompositions.hpp"
 
 using namespace voile;
 using namespace voile::testing;

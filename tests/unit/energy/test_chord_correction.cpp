@@ -1,6 +1,6 @@
 // One element of the corrected membrane: the tangents besides the exact one, which test_derivatives.cpp has.
-#include "voile/base/decompositions.hpp"
-#include "voile/energy/chord_correction.hpp"
+#include "base/decompositions.hpp"
+#include "energy/chord_correction.hpp"
 
 #include <doctest/doctest.h>
 
@@ -12,9 +12,9 @@
 #include "../test_meshes.hpp"
 #include "../test_model_kit.hpp"
 #include "../test_relative.hpp"
-#include "voile/energy/chord_forms.hpp"
-#include "voile/energy/curvature.hpp"
-#include "voile/energy/membrane.hpp"
+#include "energy/chord_forms.hpp"
+#include "energy/curvature.hpp"
+#include "energy/membrane.hpp"
 
 using namespace voile;
 using namespace voile::testing;

@@ -1,5 +1,5 @@
 // Spurious strain of straight chords in the membrane of a bent surface.
-#include "voile/energy/chord_error.hpp"
+#include "energy/chord_error.hpp"
 
 #include <doctest/doctest.h>
 
@@ -10,7 +10,7 @@
 #include "../test_meshes.hpp"
 #include "../test_model_kit.hpp"
 #include "../test_relative.hpp"
-#include "voile/base/mpi.hpp"
+#include "base/mpi.hpp"
 
 using namespace voile;
 using namespace voile::testing;

@@ -4,8 +4,8 @@
 #include <doctest/doctest.h>
 
 #include "extent.hpp"
+#include "solve/newton.hpp"
 #include "test_model_kit.hpp"
-#include "voile/solve/newton.hpp"
 
 using namespace voile;
 using namespace voile::testing;

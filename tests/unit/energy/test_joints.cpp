@@ -5,11 +5,11 @@
 #include <cmath>
 #include <numbers>
 
+#include "energy/joint.hpp"
+#include "energy/sheet.hpp"
 #include "test_joined_meshes.hpp"
 #include "test_model_kit.hpp"
-#include "voile/base/error.hpp"
-#include "voile/energy/joint.hpp"
-#include "voile/energy/sheet.hpp"
+#include "voile/errors.hpp"
 
 using namespace voile;
 using namespace voile::testing;

@@ -6,12 +6,12 @@
 
 #include "../test_meshes.hpp"
 #include "../test_model_kit.hpp"
-#include "voile/energy/angle_bending.hpp"
-#include "voile/energy/chord_forms.hpp"
-#include "voile/energy/curvature.hpp"
-#include "voile/energy/element_kernels.hpp"
-#include "voile/energy/membrane.hpp"
-#include "voile/energy/yarn_friction.hpp"
+#include "energy/angle_bending.hpp"
+#include "energy/chord_forms.hpp"
+#include "energy/curvature.hpp"
+#include "energy/element_kernels.hpp"
+#include "energy/membrane.hpp"
+#include "energy/yarn_friction.hpp"
 
 using namespace voile;
 using namespace voile::testing;

@@ -4,10 +4,10 @@
 #include <Eigen/LU>
 #include <numbers>
 
+#include "energy/material.hpp"
+#include "input/case.hpp"
 #include "test_relative.hpp"
-#include "voile/base/error.hpp"
-#include "voile/energy/material.hpp"
-#include "voile/input/case.hpp"
+#include "voile/errors.hpp"
 
 using namespace voile;
 using energy::laminate;

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "energy/mirror_fold.hpp"
 #include "test_relative.hpp"
-#include "voile/energy/mirror_fold.hpp"
 
 using namespace voile;
 using energy::Configuration;

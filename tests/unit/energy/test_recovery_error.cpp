@@ -1,5 +1,5 @@
 // Stress resultants of a state against smooth ones.
-#include "voile/energy/recovery_error.hpp"
+#include "energy/recovery_error.hpp"
 
 #include <doctest/doctest.h>
 
@@ -8,12 +8,12 @@
 #include <cmath>
 #include <numbers>
 
-#include "../../../src/app/discretisation_error.hpp"
-#include "../../../src/app/validity.hpp"
 #include "../test_meshes.hpp"
 #include "../test_model_kit.hpp"
 #include "../test_relative.hpp"
-#include "voile/base/mpi.hpp"
+#include "base/mpi.hpp"
+#include "record/discretisation_error.hpp"
+#include "record/validity.hpp"
 
 using namespace voile;
 using namespace voile::testing;
@@ -233,8 +233,8 @@ Estimate estimate(Pattern pattern, int n, const std::function<Vec3(const Vec3&)>
   petsc::VecHandle a = model.dofs().create_vector();
   set_displacement(model, a, [&](Index v) { return u(mesh.positions()[v]); });
   const system::TriangleFields fields = model.potential().triangle_fields(a);
-  app::DiscretisationError error;
-  const app::DiscretisationError::Densities d = error.judged(model, fields, {"", linear ? 0.0 : app::no_strain});
+  record::DiscretisationError error;
+  const record::DiscretisationError::Densities d = error.judged(model, fields, {"", linear ? 0.0 : record::no_strain});
   Estimate e{error.last().whole, error.warning(), 0.0, d.bending.size()};
   if (mpi::rank(PETSC_COMM_WORLD) != 0) return e;
   const RecoveryError alone(model.discretisation().sheet());
@@ -280,14 +280,14 @@ TEST_CASE("what cells do not resolve is told with its cause, place and remedy, a
                  still = estimate(
                      Pattern::jittered, 8, [](const Vec3&x) { return 1e-13 * x.norm() * Vec3::Ones(); }, false);
   if (mpi::rank(PETSC_COMM_WORLD) != 0) return;
-  CHECK(coarse.fraction > app::error_limit);
+  CHECK(coarse.fraction > record::error_limit);
   CHECK(coarse.warning.find("bending moments") != std::string::npos);
   const auto open = coarse.warning.find("near (");
   REQUIRE(open != std::string::npos);
   const double x = std::stod(coarse.warning.substr(open + 6)),
                y = std::stod(coarse.warning.substr(coarse.warning.find(", ", open) + 2));
   CHECK(std::hypot(x - 0.75, y - 0.25) < 0.25);
-  CHECK(fine.fraction < app::error_limit);
+  CHECK(fine.fraction < record::error_limit);
   CHECK(fine.warning.empty());
   CHECK(still.fraction == 0.0);
 }

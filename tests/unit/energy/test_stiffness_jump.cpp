@@ -6,8 +6,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "energy/curvature.hpp"
 #include "test_model_kit.hpp"
-#include "voile/energy/curvature.hpp"
 
 using namespace voile;
 using namespace voile::testing;

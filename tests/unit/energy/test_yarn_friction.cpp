@@ -1,5 +1,5 @@
 // Friction of yarns that bend: derivatives, loops, what they take, and closed forms of strips.
-#include "voile/energy/yarn_friction.hpp"
+#include "energy/yarn_friction.hpp"
 
 #include <doctest/doctest.h>
 
@@ -8,9 +8,9 @@
 
 #include "../test_following.hpp"
 #include "../test_model_kit.hpp"
-#include "voile/base/error.hpp"
-#include "voile/solve/load_path.hpp"
-#include "voile/solve/newton.hpp"
+#include "solve/load_path.hpp"
+#include "solve/newton.hpp"
+#include "voile/errors.hpp"
 
 using namespace voile;
 using namespace voile::testing;

@@ -16,9 +16,9 @@
 #include <string>
 
 #include "extent.hpp"
-#include "voile/base/error.hpp"
-#include "voile/geometry/intersections.hpp"
-#include "voile/io/triangle_file.hpp"
+#include "geometry/intersections.hpp"
+#include "io/triangle_file.hpp"
+#include "voile/errors.hpp"
 
 using namespace voile;
 namespace fs = std::filesystem;

@@ -6,13 +6,13 @@
 #include <numbers>
 #include <string>
 
+#include "base/text.hpp"
+#include "input/case.hpp"
+#include "input/command_line.hpp"
 #include "test_case_kit.hpp"
 #include "test_case_texts.hpp"
 #include "test_relative.hpp"
-#include "voile/base/error.hpp"
-#include "voile/base/text.hpp"
-#include "voile/input/case.hpp"
-#include "voile/input/command_line.hpp"
+#include "voile/errors.hpp"
 
 using namespace voile;
 using namespace voile::testing;

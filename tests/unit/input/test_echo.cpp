@@ -4,10 +4,10 @@
 #include <numbers>
 #include <string>
 
+#include "input/case.hpp"
+#include "input/case_keys.hpp"
 #include "test_case_kit.hpp"
 #include "test_case_texts.hpp"
-#include "voile/input/case.hpp"
-#include "voile/input/case_keys.hpp"
 
 using namespace voile;
 using namespace voile::testing;

@@ -4,11 +4,11 @@
 #include <cmath>
 #include <numbers>
 
+#include "input/case.hpp"
+#include "input/expression.hpp"
 #include "test_case_kit.hpp"
 #include "test_relative.hpp"
-#include "voile/base/error.hpp"
-#include "voile/input/case.hpp"
-#include "voile/input/expression.hpp"
+#include "voile/errors.hpp"
 
 using namespace voile;
 using namespace voile::testing;

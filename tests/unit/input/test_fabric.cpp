@@ -5,14 +5,14 @@
 #include <filesystem>
 #include <numbers>
 
+#include "energy/material.hpp"
+#include "input/case.hpp"
+#include "input/fabric.hpp"
+#include "input/units.hpp"
 #include "test_case_kit.hpp"
 #include "test_meshes.hpp"
 #include "test_relative.hpp"
-#include "voile/base/error.hpp"
-#include "voile/energy/material.hpp"
-#include "voile/input/case.hpp"
-#include "voile/input/fabric.hpp"
-#include "voile/input/units.hpp"
+#include "voile/errors.hpp"
 
 using namespace voile;
 using namespace voile::testing;

@@ -1,6 +1,6 @@
 #include <doctest/doctest.h>
 
-#include "voile/input/petsc_allowed.hpp"
+#include "input/petsc_allowed.hpp"
 
 using voile::input::refusal_of_petsc_option;
 

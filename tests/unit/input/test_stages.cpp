@@ -1,10 +1,10 @@
 // Stages: what of a case each is, and supports that take hold of what they find.
 #include <doctest/doctest.h>
 
+#include "input/case.hpp"
 #include "test_model_kit.hpp"
 #include "test_relative.hpp"
-#include "voile/base/error.hpp"
-#include "voile/input/case.hpp"
+#include "voile/errors.hpp"
 
 using namespace voile;
 using namespace voile::testing;

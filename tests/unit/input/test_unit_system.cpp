@@ -1,5 +1,5 @@
 // Numbers with units in cases, and cases that are not in SI.
-#include "voile/input/unit_system.hpp"
+#include "input/unit_system.hpp"
 
 #include <numbers>
 #include <string>

@@ -5,12 +5,12 @@
 #include <new>
 #include <stdexcept>
 
+#include "base/bytes.hpp"
+#include "base/child_process.hpp"
+#include "io/geo_safety.hpp"
+#include "io/triangle_file.hpp"
 #include "test_meshes.hpp"
-#include "voile/base/bytes.hpp"
-#include "voile/base/child_process.hpp"
-#include "voile/base/error.hpp"
-#include "voile/io/geo_safety.hpp"
-#include "voile/io/triangle_file.hpp"
+#include "voile/errors.hpp"
 
 using namespace voile;
 using namespace voile::testing;

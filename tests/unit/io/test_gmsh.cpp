@@ -11,12 +11,12 @@
 #include <set>
 #include <string>
 
+#include "base/child_process.hpp"
 #include "extent.hpp"
+#include "io/gmsh.hpp"
 #include "test_case_kit.hpp"
 #include "test_relative.hpp"
-#include "voile/base/child_process.hpp"
-#include "voile/base/error.hpp"
-#include "voile/io/gmsh.hpp"
+#include "voile/errors.hpp"
 
 using namespace voile;
 using namespace voile::testing;

@@ -6,10 +6,10 @@
 #include <cmath>
 #include <fstream>
 
+#include "io/mesh_file.hpp"
 #include "test_meshes.hpp"
 #include "test_relative.hpp"
-#include "voile/base/error.hpp"
-#include "voile/io/mesh_file.hpp"
+#include "voile/errors.hpp"
 
 using namespace voile;
 using namespace voile::testing;

@@ -13,8 +13,8 @@
 #include <string>
 #include <vector>
 
-#include "voile/base/error.hpp"
-#include "voile/io/point_cache.hpp"
+#include "io/point_cache.hpp"
+#include "voile/errors.hpp"
 
 using namespace voile;
 namespace fs = std::filesystem;

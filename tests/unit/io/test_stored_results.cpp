@@ -10,9 +10,9 @@
 #include <functional>
 #include <thread>
 
+#include "io/checkpoint.hpp"
+#include "io/stored_step.hpp"
 #include "test_results_kit.hpp"
-#include "voile/io/checkpoint.hpp"
-#include "voile/io/stored_step.hpp"
 
 using namespace voile;
 using namespace voile::testing;

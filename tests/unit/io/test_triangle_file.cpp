@@ -13,12 +13,12 @@
 #include <string>
 #include <vector>
 
+#include "base/text.hpp"
 #include "extent.hpp"
+#include "io/triangle_file.hpp"
 #include "test_meshes.hpp"
 #include "test_relative.hpp"
-#include "voile/base/error.hpp"
-#include "voile/base/text.hpp"
-#include "voile/io/triangle_file.hpp"
+#include "voile/errors.hpp"
 
 using namespace voile;
 using voile::testing::TemporaryFile;

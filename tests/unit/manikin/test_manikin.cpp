@@ -7,12 +7,12 @@
 #include <span>
 
 #include "extent.hpp"
+#include "geometry/implicit_surface.hpp"
+#include "geometry/intersections.hpp"
+#include "geometry/winding.hpp"
+#include "manikin/figure.hpp"
 #include "test_relative.hpp"
-#include "voile/base/error.hpp"
-#include "voile/geometry/implicit_surface.hpp"
-#include "voile/geometry/intersections.hpp"
-#include "voile/geometry/winding.hpp"
-#include "voile/manikin/figure.hpp"
+#include "voile/errors.hpp"
 
 using namespace voile;
 using namespace voile::manikin;

@@ -5,13 +5,13 @@
 #include <cmath>
 #include <numbers>
 
+#include "energy/sheet.hpp"
+#include "mesh/coincident.hpp"
+#include "mesh/quality.hpp"
+#include "system/rigid_motions.hpp"
 #include "test_model_kit.hpp"
 #include "test_relative.hpp"
-#include "voile/base/error.hpp"
-#include "voile/energy/sheet.hpp"
-#include "voile/mesh/coincident.hpp"
-#include "voile/mesh/quality.hpp"
-#include "voile/system/rigid_motions.hpp"
+#include "voile/errors.hpp"
 
 using namespace voile;
 using namespace voile::testing;

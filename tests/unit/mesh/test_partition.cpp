@@ -4,9 +4,9 @@
 #include <numeric>
 #include <set>
 
+#include "mesh/partition.hpp"
 #include "test_model_kit.hpp"
-#include "voile/base/error.hpp"
-#include "voile/mesh/partition.hpp"
+#include "voile/errors.hpp"
 
 using namespace voile;
 using namespace voile::testing;

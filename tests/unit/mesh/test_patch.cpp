@@ -4,9 +4,9 @@
 #include <Eigen/Dense>
 #include <set>
 
+#include "base/decompositions.hpp"
+#include "energy/curvature.hpp"
 #include "test_model_kit.hpp"
-#include "voile/base/decompositions.hpp"
-#include "voile/energy/curvature.hpp"
 
 using namespace voile;
 using namespace voile::testing;

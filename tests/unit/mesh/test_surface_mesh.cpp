@@ -8,7 +8,7 @@
 #include "test_joined_meshes.hpp"
 #include "test_meshes.hpp"
 #include "test_relative.hpp"
-#include "voile/base/error.hpp"
+#include "voile/errors.hpp"
 
 using namespace voile;
 using namespace voile::testing;

@@ -5,10 +5,10 @@
 #include <numbers>
 #include <set>
 
+#include "mesh/patch.hpp"
 #include "test_meshes.hpp"
 #include "test_relative.hpp"
-#include "voile/base/error.hpp"
-#include "voile/mesh/patch.hpp"
+#include "voile/errors.hpp"
 
 using namespace voile;
 using namespace voile::testing;

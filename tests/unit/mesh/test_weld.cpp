@@ -3,8 +3,8 @@
 
 #include <random>
 
-#include "voile/base/error.hpp"
-#include "voile/mesh/weld.hpp"
+#include "mesh/weld.hpp"
+#include "voile/errors.hpp"
 
 using namespace voile;
 

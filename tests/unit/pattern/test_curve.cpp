@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "voile/pattern/curve.hpp"
+#include "pattern/curve.hpp"
 
 using namespace voile;
 using pattern::Curve;

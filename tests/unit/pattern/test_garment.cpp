@@ -7,8 +7,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "mesh/weld.hpp"
 #include "test_pattern_kit.hpp"
-#include "voile/mesh/weld.hpp"
 
 using namespace voile;
 using namespace voile::testing;

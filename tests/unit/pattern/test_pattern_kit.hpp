@@ -7,8 +7,8 @@
 #include <fstream>
 #include <string>
 
-#include "voile/base/error.hpp"
-#include "voile/pattern/garment.hpp"
+#include "pattern/garment.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::testing {
 

@@ -6,8 +6,8 @@
 #include <random>
 
 #include "../test_case_kit.hpp"
-#include "voile/base/error.hpp"
-#include "voile/picture/camera.hpp"
+#include "picture/camera.hpp"
+#include "voile/errors.hpp"
 
 using namespace voile;
 using namespace voile::picture;

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "voile/picture/colour_map.hpp"
+#include "picture/colour_map.hpp"
 
 using namespace voile;
 using namespace voile::picture;

@@ -12,8 +12,8 @@
 #include <set>
 
 #include "../test_case_kit.hpp"
-#include "voile/base/error.hpp"
-#include "voile/picture/animation.hpp"
+#include "picture/animation.hpp"
+#include "voile/errors.hpp"
 
 using namespace voile;
 using namespace voile::picture;

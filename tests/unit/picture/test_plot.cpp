@@ -8,7 +8,7 @@
 #include <sstream>
 
 #include "../test_case_kit.hpp"
-#include "voile/picture/plot.hpp"
+#include "picture/plot.hpp"
 
 using namespace voile;
 using namespace voile::testing;

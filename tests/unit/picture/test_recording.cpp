@@ -1,14 +1,14 @@
 // Runs as moments: steps of several meshes, running and finished; fields; what is exported is read back.
-#include "voile/picture/recording.hpp"
+#include "picture/recording.hpp"
 
 #include <cstring>
 
 #include "../test_results_kit.hpp"
-#include "voile/io/point_cache.hpp"
-#include "voile/io/stored_run.hpp"
-#include "voile/picture/export.hpp"
-#include "voile/picture/field_values.hpp"
-#include "voile/picture/show.hpp"
+#include "io/point_cache.hpp"
+#include "io/stored_run.hpp"
+#include "picture/export.hpp"
+#include "picture/field_values.hpp"
+#include "picture/show.hpp"
 
 using namespace voile;
 using namespace voile::testing;

@@ -8,9 +8,9 @@
 #include <filesystem>
 #include <numbers>
 
-#include "../../../src/picture/pieces.hpp"
-#include "voile/picture/lettering.hpp"
-#include "voile/picture/ray_tracer.hpp"
+#include "picture/lettering.hpp"
+#include "picture/pieces.hpp"
+#include "picture/ray_tracer.hpp"
 
 using namespace voile;
 using namespace voile::picture;

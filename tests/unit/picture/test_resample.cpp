@@ -4,8 +4,8 @@
 
 #include "../test_adapt_kit.hpp"
 #include "../test_results_kit.hpp"
-#include "voile/io/point_cache.hpp"
-#include "voile/picture/export.hpp"
+#include "io/point_cache.hpp"
+#include "picture/export.hpp"
 
 using namespace voile;
 using namespace voile::testing;

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <limits>
 
-#include "voile/base/mpi.hpp"
+#include "base/mpi.hpp"
 #include "voile/voile.hpp"
 
 namespace voile::testing {

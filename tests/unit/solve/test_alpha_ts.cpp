@@ -4,9 +4,9 @@
 
 #include <vector>
 
+#include "base/petsc.hpp"
+#include "solve/alpha_ts.hpp"
 #include "test_relative.hpp"
-#include "voile/base/petsc.hpp"
-#include "voile/solve/alpha_ts.hpp"
 
 using namespace voile;
 

@@ -6,14 +6,14 @@
 #include <functional>
 #include <optional>
 
+#include "base/decompositions.hpp"
+#include "base/mpi.hpp"
+#include "base/petsc.hpp"
+#include "base/types.hpp"
+#include "solve/block_icc_pc.hpp"
 #include "test_blocks.hpp"
 #include "test_model_kit.hpp"
-#include "voile/base/decompositions.hpp"
-#include "voile/base/error.hpp"
-#include "voile/base/mpi.hpp"
-#include "voile/base/petsc.hpp"
-#include "voile/base/types.hpp"
-#include "voile/solve/block_icc_pc.hpp"
+#include "voile/errors.hpp"
 
 namespace {
 

@@ -4,8 +4,8 @@
 #include <Eigen/Dense>
 #include <cmath>
 
-#include "voile/base/petsc.hpp"
-#include "voile/base/types.hpp"
+#include "base/petsc.hpp"
+#include "base/types.hpp"
 
 namespace voile::testing {
 

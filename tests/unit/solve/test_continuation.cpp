@@ -3,9 +3,9 @@
 
 #include <limits>
 
+#include "solve/newton.hpp"
 #include "test_model_kit.hpp"
 #include "test_newton_kit.hpp"
-#include "voile/solve/newton.hpp"
 
 using namespace voile;
 using namespace voile::testing;

@@ -3,11 +3,11 @@
 
 #include <cmath>
 
+#include "solve/drape.hpp"
+#include "solve/inverse_iteration.hpp"
 #include "test_following.hpp"
 #include "test_problems.hpp"
 #include "test_relative.hpp"
-#include "voile/solve/drape.hpp"
-#include "voile/solve/inverse_iteration.hpp"
 
 using namespace voile;
 using namespace voile::testing;

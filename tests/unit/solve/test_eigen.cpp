@@ -5,12 +5,12 @@
 
 #include <numbers>
 
+#include "solve/eigen.hpp"
+#include "solve/load_path.hpp"
 #include "test_following.hpp"
 #include "test_problems.hpp"
 #include "test_relative.hpp"
-#include "voile/base/error.hpp"
-#include "voile/solve/eigen.hpp"
-#include "voile/solve/load_path.hpp"
+#include "voile/errors.hpp"
 
 using namespace voile;
 using namespace voile::testing;

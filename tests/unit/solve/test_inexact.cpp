@@ -6,13 +6,13 @@
 #include <cmath>
 
 #include "extent.hpp"
+#include "solve/inexact_pc.hpp"
+#include "solve/time_integration.hpp"
 #include "test_blocks.hpp"
 #include "test_following.hpp"
 #include "test_problems.hpp"
 #include "test_relative.hpp"
-#include "voile/base/error.hpp"
-#include "voile/solve/inexact_pc.hpp"
-#include "voile/solve/time_integration.hpp"
+#include "voile/errors.hpp"
 
 namespace {
 

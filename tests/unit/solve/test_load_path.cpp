@@ -1,11 +1,11 @@
 // The load path: stops, step sizes, failure, direction, and what the observer sees.
 #include <doctest/doctest.h>
 
+#include "solve/load_path.hpp"
+#include "solve/newton.hpp"
 #include "test_following.hpp"
 #include "test_newton_kit.hpp"
 #include "test_problems.hpp"
-#include "voile/solve/load_path.hpp"
-#include "voile/solve/newton.hpp"
 
 using namespace voile;
 using namespace voile::testing;

@@ -4,8 +4,8 @@
 #include <array>
 #include <cmath>
 
-#include "voile/base/petsc.hpp"
-#include "voile/solve/mixed_pc.hpp"
+#include "base/petsc.hpp"
+#include "solve/mixed_pc.hpp"
 
 namespace {
 

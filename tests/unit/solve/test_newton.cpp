@@ -6,12 +6,12 @@
 
 #include <Eigen/Geometry>
 
+#include "solve/load_path.hpp"
+#include "solve/newton.hpp"
 #include "test_following.hpp"
 #include "test_model_kit.hpp"
 #include "test_newton_kit.hpp"
 #include "test_relative.hpp"
-#include "voile/solve/load_path.hpp"
-#include "voile/solve/newton.hpp"
 
 using namespace voile;
 using namespace voile::testing;

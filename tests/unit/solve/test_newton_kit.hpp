@@ -5,8 +5,8 @@
 
 #include <Eigen/Geometry>
 
+#include "solve/newton.hpp"
 #include "test_model_kit.hpp"
-#include "voile/solve/newton.hpp"
 
 namespace voile::testing::newton {
 

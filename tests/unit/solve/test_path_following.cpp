@@ -3,11 +3,11 @@
 
 #include <numbers>
 
+#include "solve/path_following.hpp"
 #include "test_following.hpp"
 #include "test_problems.hpp"
 #include "test_relative.hpp"
-#include "voile/base/error.hpp"
-#include "voile/solve/path_following.hpp"
+#include "voile/errors.hpp"
 
 using namespace voile;
 using namespace voile::testing;

@@ -3,10 +3,10 @@
 
 #include <cmath>
 
+#include "adapt/transfer.hpp"
+#include "solve/relaxation.hpp"
 #include "test_adapt_kit.hpp"
 #include "test_model_kit.hpp"
-#include "voile/adapt/transfer.hpp"
-#include "voile/solve/relaxation.hpp"
 
 using namespace voile;
 using namespace voile::testing;

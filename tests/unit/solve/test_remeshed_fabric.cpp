@@ -5,13 +5,13 @@
 #include <cmath>
 #include <numbers>
 
+#include "base/decompositions.hpp"
+#include "energy/sheet.hpp"
 #include "extent.hpp"
+#include "mesh/panels.hpp"
 #include "test_adapt_kit.hpp"
 #include "test_model_kit.hpp"
 #include "test_relative.hpp"
-#include "voile/base/decompositions.hpp"
-#include "voile/energy/sheet.hpp"
-#include "voile/mesh/panels.hpp"
 
 using namespace voile;
 using namespace voile::testing;

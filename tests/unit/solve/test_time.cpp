@@ -6,14 +6,14 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
+#include "base/decompositions.hpp"
 #include "extent.hpp"
+#include "solve/eigen.hpp"
+#include "solve/time_integration.hpp"
 #include "test_following.hpp"
 #include "test_problems.hpp"
 #include "test_relative.hpp"
 #include "test_time_kit.hpp"
-#include "voile/base/decompositions.hpp"
-#include "voile/solve/eigen.hpp"
-#include "voile/solve/time_integration.hpp"
 
 using namespace voile;
 using namespace voile::testing;

@@ -3,9 +3,9 @@
 
 #include <doctest/doctest.h>
 
+#include "solve/time_integration.hpp"
 #include "test_following.hpp"
 #include "test_problems.hpp"
-#include "voile/solve/time_integration.hpp"
 
 namespace voile::testing::motion {
 

@@ -4,12 +4,12 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
+#include "energy/anchor.hpp"
+#include "solve/newton.hpp"
+#include "system/attachments.hpp"
 #include "test_model_kit.hpp"
 #include "test_relative.hpp"
-#include "voile/base/error.hpp"
-#include "voile/energy/anchor.hpp"
-#include "voile/solve/newton.hpp"
-#include "voile/system/attachments.hpp"
+#include "voile/errors.hpp"
 
 using namespace voile;
 using namespace voile::testing;

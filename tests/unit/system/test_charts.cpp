@@ -5,11 +5,11 @@
 #include <Eigen/Geometry>
 
 #include "extent.hpp"
+#include "mesh/panels.hpp"
 #include "test_charts_kit.hpp"
 #include "test_model_kit.hpp"
 #include "test_relative.hpp"
-#include "voile/base/error.hpp"
-#include "voile/mesh/panels.hpp"
+#include "voile/errors.hpp"
 
 using namespace voile;
 using namespace voile::testing;

@@ -7,8 +7,8 @@
 #include <Eigen/Geometry>
 #include <numbers>
 
+#include "mesh/panels.hpp"
 #include "test_model_kit.hpp"
-#include "voile/mesh/panels.hpp"
 
 namespace voile::testing::charts {
 

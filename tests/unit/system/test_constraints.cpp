@@ -3,9 +3,9 @@
 
 #include <Eigen/Geometry>
 
+#include "system/constraints.hpp"
 #include "test_model_kit.hpp"
-#include "voile/base/error.hpp"
-#include "voile/system/constraints.hpp"
+#include "voile/errors.hpp"
 
 using namespace voile;
 using namespace voile::testing;

@@ -2,10 +2,10 @@
 // obstacles.
 #include <doctest/doctest.h>
 
+#include "system/contact.hpp"
 #include "test_contact_model_kit.hpp"
 #include "test_problems.hpp"
 #include "test_relative.hpp"
-#include "voile/system/contact.hpp"
 
 using namespace voile;
 using namespace voile::testing;

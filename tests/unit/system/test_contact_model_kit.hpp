@@ -3,11 +3,11 @@
 
 #include <doctest/doctest.h>
 
+#include "geometry/intersections.hpp"
+#include "solve/time_integration.hpp"
+#include "system/contact.hpp"
 #include "test_following.hpp"
 #include "test_problems.hpp"
-#include "voile/geometry/intersections.hpp"
-#include "voile/solve/time_integration.hpp"
-#include "voile/system/contact.hpp"
 
 namespace voile::testing::contacts {
 

@@ -4,13 +4,13 @@
 #include <Eigen/Geometry>
 
 #include "extent.hpp"
+#include "solve/drape.hpp"
+#include "solve/time_integration.hpp"
+#include "system/contact.hpp"
 #include "test_contact_model_kit.hpp"
 #include "test_following.hpp"
 #include "test_problems.hpp"
 #include "test_relative.hpp"
-#include "voile/solve/drape.hpp"
-#include "voile/solve/time_integration.hpp"
-#include "voile/system/contact.hpp"
 
 using namespace voile;
 using namespace voile::testing;

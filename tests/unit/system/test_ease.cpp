@@ -4,12 +4,12 @@
 #include <cmath>
 #include <numbers>
 
-#include "../../../src/app/probes.hpp"
+#include "base/mpi.hpp"
+#include "record/probes.hpp"
+#include "system/contact.hpp"
+#include "system/ease.hpp"
 #include "test_model_kit.hpp"
-#include "voile/base/error.hpp"
-#include "voile/base/mpi.hpp"
-#include "voile/system/contact.hpp"
-#include "voile/system/ease.hpp"
+#include "voile/errors.hpp"
 
 using namespace voile;
 using namespace voile::testing;
@@ -99,7 +99,7 @@ TEST_CASE("probes of ease and height: columns and values") {
   using Kind = input::Probe::Kind;
   c.probes = {{"all", Kind::ease, "", {}, {}}, {"hem", Kind::height, "bottom", {}, {}, -0.5}};
   c.probes.push_back({"side", Kind::height, "left", {}, {1}});
-  const app::Probes probes(c, model);
+  const record::Probes probes(c, model);
   CHECK(probes.columns() == std::vector<std::string>{"all_min", "all_mean", "hem_min", "hem_mean", "hem_max",
                                                      "side_min", "side_mean", "side_max"});
   CHECK(probes.need_ease());
@@ -108,8 +108,8 @@ TEST_CASE("probes of ease and height: columns and values") {
   // The hem falls on one side.
   set_displacement(model, u, [&](Index v) { return Vec3(0, 0, 0.1 * mesh.positions()[v][0]); });
   system::Model bare(PETSC_COMM_WORLD, mesh, beside({ground(-1.0)}));
-  CHECK_THROWS_AS(app::Probes(c, bare), UserError);
-  app::Observed state{model.dofs().gather(u), {}, {}, system::ease(model.contact()->scene(), u)};
+  CHECK_THROWS_AS(record::Probes(c, bare), UserError);
+  record::Observed state{model.dofs().gather(u), {}, {}, system::ease(model.contact()->scene(), u)};
   if (mpi::rank(PETSC_COMM_WORLD) != 0) return;
   const std::vector<double> values = probes.values(state, model);
   REQUIRE(values.size() == 8);

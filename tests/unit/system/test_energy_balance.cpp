@@ -4,13 +4,13 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
+#include "base/mpi.hpp"
+#include "contact/barrier.hpp"
+#include "solve/time_integration.hpp"
 #include "test_following.hpp"
 #include "test_problems.hpp"
 #include "test_relative.hpp"
-#include "voile/base/error.hpp"
-#include "voile/base/mpi.hpp"
-#include "voile/contact/barrier.hpp"
-#include "voile/solve/time_integration.hpp"
+#include "voile/errors.hpp"
 
 using namespace voile;
 using namespace voile::testing;

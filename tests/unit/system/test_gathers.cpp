@@ -3,11 +3,11 @@
 
 #include <Eigen/Geometry>
 
+#include "energy/sheet.hpp"
+#include "mesh/gathers.hpp"
+#include "mesh/weld.hpp"
 #include "test_charts_kit.hpp"
 #include "test_model_kit.hpp"
-#include "voile/energy/sheet.hpp"
-#include "voile/mesh/gathers.hpp"
-#include "voile/mesh/weld.hpp"
 
 using namespace voile;
 using namespace voile::testing;

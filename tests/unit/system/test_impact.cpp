@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <string>
 
+#include "contact/barrier.hpp"
+#include "solve/time_integration.hpp"
+#include "system/contact.hpp"
 #include "test_following.hpp"
 #include "test_problems.hpp"
-#include "voile/contact/barrier.hpp"
-#include "voile/solve/time_integration.hpp"
-#include "voile/system/contact.hpp"
 
 using namespace voile;
 using namespace voile::testing;

@@ -4,11 +4,11 @@
 #include <Eigen/Geometry>
 #include <map>
 
+#include "solve/load_path.hpp"
 #include "test_following.hpp"
 #include "test_model_kit.hpp"
 #include "test_relative.hpp"
-#include "voile/base/error.hpp"
-#include "voile/solve/load_path.hpp"
+#include "voile/errors.hpp"
 
 using namespace voile;
 using namespace voile::testing;

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "test_model_kit.hpp"
-#include "voile/base/error.hpp"
+#include "voile/errors.hpp"
 
 using namespace voile;
 using namespace voile::testing;

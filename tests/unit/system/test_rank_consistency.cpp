@@ -2,10 +2,10 @@
 #include <doctest/doctest.h>
 
 #include "extent.hpp"
+#include "solve/load_path.hpp"
 #include "test_following.hpp"
 #include "test_model_kit.hpp"
 #include "test_relative.hpp"
-#include "voile/solve/load_path.hpp"
 
 using namespace voile;
 using namespace voile::testing;

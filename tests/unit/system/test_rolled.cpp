@@ -5,11 +5,11 @@
 #include <Eigen/Geometry>
 #include <numbers>
 
+#include "base/decompositions.hpp"
 #include "extent.hpp"
 #include "test_charts_kit.hpp"
 #include "test_model_kit.hpp"
 #include "test_relative.hpp"
-#include "voile/base/decompositions.hpp"
 
 using namespace voile;
 using namespace voile::testing;

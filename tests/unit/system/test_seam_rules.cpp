@@ -3,9 +3,9 @@
 
 #include <Eigen/Geometry>
 
+#include "mesh/weld.hpp"
 #include "test_charts_kit.hpp"
 #include "test_model_kit.hpp"
-#include "voile/mesh/weld.hpp"
 
 using namespace voile;
 using namespace voile::testing;

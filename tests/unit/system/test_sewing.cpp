@@ -6,13 +6,13 @@
 #include <cmath>
 #include <random>
 
+#include "energy/seam.hpp"
+#include "mesh/weld.hpp"
+#include "solve/newton.hpp"
+#include "system/contact.hpp"
+#include "system/seam_tension.hpp"
+#include "system/sewing_springs.hpp"
 #include "test_model_kit.hpp"
-#include "voile/energy/seam.hpp"
-#include "voile/mesh/weld.hpp"
-#include "voile/solve/newton.hpp"
-#include "voile/system/contact.hpp"
-#include "voile/system/seam_tension.hpp"
-#include "voile/system/sewing_springs.hpp"
 
 using namespace voile;
 using namespace voile::testing;

@@ -5,13 +5,13 @@
 
 #include <cmath>
 
+#include "base/decompositions.hpp"
+#include "energy/spring.hpp"
+#include "solve/newton.hpp"
+#include "system/rigid_motions.hpp"
 #include "test_model_kit.hpp"
 #include "test_relative.hpp"
-#include "voile/base/decompositions.hpp"
-#include "voile/base/error.hpp"
-#include "voile/energy/spring.hpp"
-#include "voile/solve/newton.hpp"
-#include "voile/system/rigid_motions.hpp"
+#include "voile/errors.hpp"
 
 using namespace voile;
 using namespace voile::testing;

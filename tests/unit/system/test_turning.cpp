@@ -7,10 +7,10 @@
 #include <cmath>
 #include <numbers>
 
+#include "solve/load_path.hpp"
 #include "test_following.hpp"
 #include "test_problems.hpp"
 #include "test_relative.hpp"
-#include "voile/solve/load_path.hpp"
 
 using namespace voile;
 using namespace voile::testing;

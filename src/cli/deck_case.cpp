@@ -1,0 +1,391 @@
+#include "deck_case.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <fstream>
+#include <map>
+#include <sstream>
+
+#include "base/plain_file.hpp"
+#include "base/text.hpp"
+#include "io/abaqus_deck.hpp"
+#include "io/mesh_file.hpp"
+#include "voile/errors.hpp"
+
+namespace voile::cli {
+
+namespace {
+
+namespace fs = std::filesystem;
+using io::AbaqusDeck;
+using Procedure = AbaqusDeck::Procedure;
+
+/// A text as TOML has it.
+std::string quoted(const std::string& text) {
+  std::string out = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\') out += '\\';
+    if (static_cast<unsigned char>(c) >= 32) out += c;
+  }
+  return out + "\"";
+}
+
+bool is_number(const std::string& text) {
+  return !text.empty() && std::all_of(text.begin(), text.end(), [](unsigned char c) { return std::isdigit(c) != 0; });
+}
+
+bool same_name(const std::string& a, const std::string& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                    [](unsigned char x, unsigned char y) { return std::toupper(x) == std::toupper(y); });
+}
+
+class CaseWriter {
+ public:
+  CaseWriter(AbaqusDeck deck, mesh::MeshData mesh) : deck_(std::move(deck)), mesh_(std::move(mesh)) {}
+
+  std::string text() {
+    out_ = fmt::format(
+        "# From an Abaqus deck, in the units of the deck; name them in [units] if they are not SI.\ntitle = "
+        "{}\nanalysis = {}\n\n",
+        quoted(deck_.title.empty() ? "From an Abaqus deck" : deck_.title), quoted(analysis()));
+    out_ += "[mesh]\nfile = \"mesh.inp\"\n";
+    for (const AbaqusDeck::Section& s : deck_.sections) add_material(s);
+    add_supports();
+    add_loads();
+    add_procedure();
+    if (!left_.empty()) {
+      out_ += "\n# Left out:\n";
+      for (const std::string& text : left_) out_ += "# * " + text + "\n";
+    }
+    return out_;
+  }
+  /// Sets of single nodes and elements that the case names.
+  [[nodiscard]] const std::string& sets() const { return sets_; }
+  [[nodiscard]] const std::vector<std::string>& left() const { return left_; }
+  [[nodiscard]] const AbaqusDeck& deck() const { return deck_; }
+  [[nodiscard]] bool has_material() const { return has_material_; }
+
+  void collect_left() {
+    for (const AbaqusDeck::Left& l : deck_.left) leave(fmt::format("{}: {}", l.place, l.what));
+    for (const std::string& note : mesh_.notes)
+      if (const std::size_t end = note.find(" were left out"); end != note.npos)
+        leave("*ELEMENT: " + note.substr(0, end) + ", which are no shells");
+    drop_elsewhere();
+    if (deck_.sections.empty()) leave("no *SHELL SECTION: write a [[material]] yourself");
+    if (deck_.procedure == Procedure::none) leave("no *STEP that is known: analysis = \"static\" is assumed");
+  }
+
+ private:
+  [[nodiscard]] std::string analysis() const {
+    switch (deck_.procedure) {
+      case Procedure::linear:
+        return "linear";
+      case Procedure::frequency:
+        return "modal";
+      case Procedure::buckle:
+        return "buckling";
+      case Procedure::dynamic:
+        return "dynamic";
+      default:
+        return "static";
+    }
+  }
+
+  void leave(const std::string& text) {
+    if (std::find(left_.begin(), left_.end(), text) == left_.end()) left_.push_back(text);
+  }
+
+  /// Supports and loads of nodes and elements that are no part of a shell.
+  void drop_elsewhere() {
+    std::erase_if(deck_.supports, [&](const auto& s) { return !is_on_sheet(s.first, true, "*BOUNDARY"); });
+    std::erase_if(deck_.loads, [&](const AbaqusDeck::Load& l) {
+      if (l.kind != AbaqusDeck::Load::Kind::gravity)
+        return !is_on_sheet(l.where, l.kind == AbaqusDeck::Load::Kind::force, "*CLOAD or *DLOAD");
+      if (l.where.empty()) return false;
+      if (!is_on_sheet(l.where, false, "*DLOAD")) return true;
+      const mesh::Group* group = group_of(l.where);
+      if (!group || group->triangles.size() < mesh_.triangles.size())
+        leave(fmt::format("*DLOAD {}, GRAV: gravity acts on the whole sheet", l.where));
+      return false;
+    });
+    for (const auto& [keyword, members] : elsewhere_)
+      leave(fmt::format("{}: {} {} no part of a shell: {}{}", keyword, members.size(),
+                        members.size() == 1 ? "place is" : "places are", members.front(),
+                        members.size() == 1 ? "" : ", ..."));
+  }
+
+  [[nodiscard]] const mesh::Group* group_of(const std::string& name) const {
+    const auto at = std::find_if(mesh_.groups.begin(), mesh_.groups.end(),
+                                 [&](const mesh::Group& g) { return same_name(g.name, name); });
+    return at == mesh_.groups.end() ? nullptr : &*at;
+  }
+
+  [[nodiscard]] bool is_on_sheet(const std::string& where, bool node, const char* keyword) {
+    bool there = group_of(where) != nullptr;
+    if (is_number(where)) {
+      const auto& tags = node ? mesh_.vertex_tags : mesh_.triangle_tags;
+      there = std::find(tags.begin(), tags.end(), std::strtoull(where.c_str(), nullptr, 10)) != tags.end();
+    }
+    if (!there) elsewhere_[keyword].push_back(where);
+    return there;
+  }
+
+  void add_material(const AbaqusDeck::Section& s) {
+    const auto at = deck_.materials.find(s.material);
+    if (at == deck_.materials.end() || !(at->second.young > 0.0))
+      return leave(
+          fmt::format("*SHELL SECTION of {}: material {} has no *ELASTIC that is known", s.elements, s.material));
+    const AbaqusDeck::Material& m = at->second;
+    has_material_ = true;
+    out_ += fmt::format("\n[[material]]               # {}\n", printable(s.material));
+    out_ += m.orthotropic ? fmt::format(
+                                "type = \"orthotropic\"\nyoung_1 = {}\nyoung_2 = {}\npoisson_12 = {}\nshear_12 = {}\n"
+                                "direction = [1, 0, 0]\n",
+                                m.young, m.young_2, m.poisson, m.shear)
+                          : fmt::format("type = \"isotropic\"\nyoung = {}\npoisson = {}\n", m.young, m.poisson);
+    out_ += fmt::format("thickness = {}\n", s.thickness);
+    if (m.density > 0.0) out_ += fmt::format("density = {}\n", m.density);
+    // One section is of all shells, whatever its set is called.
+    if (deck_.sections.size() > 1)
+      out_ += fmt::format("groups = [{}]\n", quoted(known(s.elements, deck_.element_sets)));
+  }
+
+  void add_supports() {
+    // Nodes that are held alike are one group.
+    std::map<std::string, std::vector<std::string>> nodes;
+    std::map<std::string, AbaqusDeck::Support> alike;
+    for (const auto& [where, s] : deck_.supports) {
+      if (!is_number(where)) {
+        add_support(known(where, deck_.node_sets), s);
+        continue;
+      }
+      const std::string key =
+          fmt::format("{}{}{} {}", s.mirror, fmt::join(s.held, ""), s.amplitude, fmt::join(s.value, " "));
+      nodes[key].push_back(where);
+      alike[key] = s;
+    }
+    for (const auto& [key, members] : nodes) add_support(new_set("*NSET, NSET=", "HELD", members), alike[key]);
+  }
+
+  void add_support(const std::string& group, const AbaqusDeck::Support& s) {
+    const auto& h = s.held;
+    const int moves = h[0] + h[1] + h[2], turns = h[3] + h[4] + h[5];
+    int mirror = -1;
+    for (int k = 0; k < 3; ++k) {
+      const int a = 3 + (k + 1) % 3, b = 3 + (k + 2) % 3;
+      if (s.mirror == std::string(1, static_cast<char>('X' + k)) + "SYMM" ||
+          (moves == 1 && h[static_cast<std::size_t>(k)] && turns == 2 && h[static_cast<std::size_t>(a)] &&
+           h[static_cast<std::size_t>(b)]))
+        mirror = k;
+    }
+    const bool moved = s.value[0] != 0.0 || s.value[1] != 0.0 || s.value[2] != 0.0;
+    const auto head = [&](const char* type) {
+      out_ += fmt::format("\n[[support]]\ngroup = {}\ntype = \"{}\"\n", quoted(group), type);
+    };
+    if (mirror >= 0) {
+      head("symmetry");
+      out_ += fmt::format("normal = [{}, {}, {}]\n", mirror == 0 ? 1 : 0, mirror == 1 ? 1 : 0, mirror == 2 ? 1 : 0);
+      if (moves > 1 || !s.mirror.empty()) add_rest(group, s, mirror);
+      return;
+    }
+    if (moves == 3 && turns == 3) {
+      head("clamped");
+    } else if (moves == 3) {
+      head("hinged");
+    } else if (moves > 0) {
+      head("displacement");
+      std::vector<std::string> names;
+      for (int k = 0; k < 3; ++k)
+        if (h[static_cast<std::size_t>(k)]) names.push_back(fmt::format("\"{}\"", "xyz"[k]));
+      out_ += fmt::format("components = [{}]\n", fmt::join(names, ", "));
+    }
+    if (moved) out_ += moved_by(s);
+    if (turns > 0 && !(moves == 3 && turns == 3))
+      leave(fmt::format("*BOUNDARY {}: rotations held in part; slopes are held only where 1 to 6 all are", group));
+  }
+
+  [[nodiscard]] std::string moved_by(const AbaqusDeck::Support& s) {
+    const auto& v = s.value;
+    if (s.amplitude.empty() || deck_.procedure != Procedure::dynamic) {
+      const double factor = factor_at_end(s.amplitude);
+      return fmt::format("value = [{}, {}, {}]\n", factor * v[0], factor * v[1], factor * v[2]);
+    }
+    const std::string table = table_of(s.amplitude);
+    const auto along = [&](double size) { return size == 0.0 ? "0" : fmt::format("{} * {}", size, table); };
+    return fmt::format("motion = [{}, {}, {}]\n", quoted(along(v[0])), quoted(along(v[1])), quoted(along(v[2])));
+  }
+
+  /// An amplitude as an expression of the time.
+  [[nodiscard]] std::string table_of(const std::string& amplitude) const {
+    std::string text = "table(t";
+    for (const auto& [time, factor] : deck_.amplitudes.at(amplitude)) text += fmt::format(", {}, {}", time, factor);
+    return text + ")";
+  }
+
+  /// What loads of a step without time end with: there they grow in proportion.
+  [[nodiscard]] double factor_at_end(const std::string& amplitude) {
+    if (amplitude.empty()) return 1.0;
+    const AbaqusDeck::Table& table = deck_.amplitudes.at(amplitude);
+    const auto next =
+        std::find_if(table.begin(), table.end(), [&](const auto& entry) { return entry[0] >= deck_.end; });
+    double factor = next == table.end() ? table.back()[1] : (*next)[1];
+    if (next != table.end() && next != table.begin()) {
+      const auto& [t0, f0] = *(next - 1);
+      const auto& [t1, f1] = *next;
+      factor = f0 + (f1 - f0) * (deck_.end - t0) / (t1 - t0);
+    }
+    if (std::any_of(table.begin(), table.end(), [&](const auto& entry) {
+          return entry[0] <= deck_.end && std::abs(entry[1] * deck_.end - entry[0] * factor) > 1e-9 * std::abs(factor);
+        }))
+      leave(fmt::format("*AMPLITUDE {}: loads grow in proportion to {}, its value at the end of the step", amplitude,
+                        factor));
+    return factor;
+  }
+
+  /// Lines of a load that say how it depends on time; the factor of its size, if it does not.
+  [[nodiscard]] std::string history_of(const AbaqusDeck::Load& l, double& factor) {
+    factor = 1.0;
+    if (l.amplitude.empty()) return "";
+    if (deck_.procedure == Procedure::dynamic) return fmt::format("history = {}\n", quoted(table_of(l.amplitude)));
+    factor = factor_at_end(l.amplitude);
+    return "";
+  }
+
+  /// What a mirror plane does not hold.
+  void add_rest(const std::string& group, const AbaqusDeck::Support& s, int mirror) {
+    std::vector<std::string> names;
+    for (int k = 0; k < 3; ++k)
+      if (k != mirror && s.held[static_cast<std::size_t>(k)]) names.push_back(fmt::format("\"{}\"", "xyz"[k]));
+    if (!names.empty())
+      out_ += fmt::format("\n[[support]]\ngroup = {}\ntype = \"displacement\"\ncomponents = [{}]\n", quoted(group),
+                          fmt::join(names, ", "));
+  }
+
+  void add_loads() {
+    std::map<std::string, std::vector<std::string>> nodes, elements;  // by what acts on them
+    for (const AbaqusDeck::Load& l : deck_.loads) {
+      double factor = 1.0;
+      const std::string history = history_of(l, factor);
+      const std::string vector = fmt::format("vector = [{}, {}, {}]\n{}", factor * l.vector[0], factor * l.vector[1],
+                                             factor * l.vector[2], history);
+      if (l.kind == AbaqusDeck::Load::Kind::gravity) {
+        out_ += "\n[[load]]\ntype = \"gravity\"\n" + vector;
+      } else if (l.kind == AbaqusDeck::Load::Kind::pressure) {
+        const std::string size =
+            fmt::format("magnitude = {}            # along the normals of the triangles\n{}", factor * l.size, history);
+        if (is_number(l.where))
+          elements[size].push_back(l.where);
+        else
+          out_ += fmt::format("\n[[load]]\ntype = \"{}\"\ngroup = {}\n{}", pressure(),
+                              quoted(known(l.where, deck_.element_sets)), size);
+      } else if (is_number(l.where)) {
+        nodes[vector].push_back(l.where);
+      } else {
+        out_ += fmt::format("\n[[load]]                   # on every node\ntype = \"point\"\ngroup = {}\n{}",
+                            quoted(known(l.where, deck_.node_sets)), vector);
+      }
+    }
+    for (const auto& [vector, members] : nodes)
+      out_ += fmt::format("\n[[load]]                   # on every node\ntype = \"point\"\ngroup = {}\n{}",
+                          quoted(new_set("*NSET, NSET=", "LOADED", members)), vector);
+    for (const auto& [size, members] : elements)
+      out_ += fmt::format("\n[[load]]\ntype = \"{}\"\ngroup = {}\n{}", pressure(),
+                          quoted(new_set("*ELSET, ELSET=", "PRESSED", members)), size);
+  }
+
+  /// With large deflections Abaqus lets a pressure follow the surface.
+  [[nodiscard]] const char* pressure() const {
+    const bool large = deck_.procedure != Procedure::linear && deck_.procedure != Procedure::frequency &&
+                       deck_.procedure != Procedure::buckle;
+    return large ? "follower_pressure" : "pressure";
+  }
+
+  void add_procedure() {
+    if (deck_.procedure == Procedure::riks) out_ += "\n[steps]\ncontrol = \"arc_length\"\n";
+    if (deck_.modes > 0) out_ += fmt::format("\n[eigen]\nmodes = {}\n", deck_.modes);
+    if (deck_.procedure == Procedure::dynamic && deck_.end > 0.0)
+      out_ += fmt::format("\n[time]\nend = {}\nstep = {}\n", deck_.end, deck_.step);
+  }
+
+  std::string new_set(const char* keyword, const char* kind, const std::vector<std::string>& members) {
+    std::string name = fmt::format("{}_{}", kind, ++made_);
+    sets_ += keyword + name + "\n";
+    for (const std::string& m : members) sets_ += m + ",\n";
+    return name;
+  }
+
+  /// A set as the deck writes it where it is made.
+  [[nodiscard]] static std::string known(const std::string& name, const std::vector<std::string>& sets) {
+    const auto at = std::find_if(sets.begin(), sets.end(), [&](const std::string& s) { return same_name(s, name); });
+    return at == sets.end() ? name : *at;
+  }
+
+  [[nodiscard]] static std::string printable(std::string text) {
+    std::erase_if(text, [](unsigned char c) { return c < 32; });
+    return text;
+  }
+
+  AbaqusDeck deck_;
+  mesh::MeshData mesh_;
+  bool has_material_ = false;
+  std::map<std::string, std::vector<std::string>> elsewhere_;  ///< by keyword
+  std::string out_, sets_;
+  std::vector<std::string> left_;
+  int made_ = 0;
+};
+
+void write_new(const fs::path& file, const std::string& text) {
+  std::error_code error;
+  if (fs::exists(fs::symlink_status(file, error)))
+    throw UserError(fmt::format("{}: the file exists already; name a new folder", file.string()));
+  std::ofstream out(file);
+  out << text << std::flush;
+  if (!out) throw UserError(fmt::format("{}: cannot be written", file.string()));
+}
+
+std::string content(const fs::path& file) {
+  std::ifstream in = open_input(file);
+  std::ostringstream text;
+  text << in.rdbuf();
+  return text.str();
+}
+
+}  // namespace
+
+void begin_from_deck(const fs::path& folder, const fs::path& deck) {
+  std::error_code error;
+  if (!fs::is_regular_file(deck, error)) throw UserError(fmt::format("{}: there is no such deck", deck.string()));
+  require_plain_file(deck);
+  CaseWriter writer(io::read_abaqus_deck(deck.string()), io::read_mesh(deck.string(), {}));
+  writer.collect_left();
+  const std::string text = writer.text();
+  for (const std::string& name : writer.deck().included)
+    if (fs::path(name).lexically_normal().string().starts_with(".."))
+      throw UserError(
+          fmt::format("{}: *INCLUDE of '{}' lies outside its folder; put the files together", deck.string(), name));
+  fs::create_directories(folder, error);
+  write_new(folder / "mesh.inp", content(deck) + "\n" + writer.sets());
+  for (const std::string& name : writer.deck().included) {
+    fs::create_directories((folder / name).parent_path(), error);
+    write_new(folder / name, content(deck.parent_path() / name));
+  }
+  write_new(folder / "case.toml", text);
+  const std::string at = folder.lexically_normal().string();
+  fmt::print("{} contains a new case from {}: {} material(s), {} support(s), {} load(s).\n", at,
+             deck.filename().string(), writer.deck().sections.size(), writer.deck().supports.size(),
+             writer.deck().loads.size());
+  for (const std::string& left : writer.left()) fmt::print("left out: {}\n", left);
+  if (!writer.has_material()) {
+    fmt::print("Next: complete {}/case.toml; it has no [[material]] yet.\n", at);
+    return;
+  }
+  fmt::print(
+      "Next:\n  voile check {0}/case.toml\n  voile run {0}/case.toml --output {0}/run\n  voile render {0}/run --output "
+      "{0}/picture.png\n",
+      at);
+}
+
+}  // namespace voile::cli

@@ -1,0 +1,27 @@
+// One number per vertex or triangle out of a field of results.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "recording.hpp"
+
+namespace voile::picture {
+
+/// NAME or NAME:COMPONENT.
+struct FieldChoice {
+  std::string name, component;
+};
+[[nodiscard]] FieldChoice parse_field(const std::string& text);
+
+struct FieldValues {
+  std::string label;  ///< e.g. "membrane_force, larger [N/m]"
+  std::vector<float> values;
+};
+
+/// Components: x, y, z, magnitude of vectors on vertices (default: magnitude); 11, 22, 12, larger, smaller of tensors of
+/// the surface (default: larger, in size); of principal stresses larger, smaller, angle; 1 to n of others.
+/// Throws UserError with the components there are.
+[[nodiscard]] FieldValues field_values(const io::Field& field, const std::string& component);
+
+}  // namespace voile::picture

@@ -1,0 +1,123 @@
+#include "discretisation_error.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+
+#include "base/mpi.hpp"
+#include "validity.hpp"
+
+namespace voile::record {
+
+namespace {
+
+/// Fraction of a deflection beyond which the estimate is no number any more, only large.
+constexpr double most_told = 0.99;
+
+Vec3 of_triangle(const std::vector<double>& values, std::size_t t) {
+  return Eigen::Map<const Vec3>(&values[3 * t]);
+}
+
+/// Side of an equilateral triangle.
+double cell_size(double area) {
+  return std::sqrt(4.0 * area / std::sqrt(3.0));
+}
+
+/// Factor by which cells have to be smaller, enough to be worth it.
+double finer(double error) {
+  return std::min(0.9, std::sqrt(error_limit / error));
+}
+
+}  // namespace
+
+double round_off_energy(const energy::Sheet& sheet, double strain) {
+  double sum = 0.0;
+  for (Index t = 0; t < sheet.mesh().triangle_count(); ++t)
+    sum += 0.5 * sheet.mesh().area(t) * sheet.material(t).membrane.trace() * strain * strain;
+  return sum;
+}
+
+double stored_energy(const energy::Sheet& sheet, const system::TriangleFields& f) {
+  const bool in_plane = sheet.options().membrane == energy::MembraneOperator::six_node_corrected;
+  double stored = 0.0;
+  for (std::size_t t = 0; t < f.in_plane.size(); ++t) {
+    const double density = of_triangle(f.membrane_strain, t).dot(of_triangle(f.membrane_force, t)) +
+                           of_triangle(f.curvature, t).dot(of_triangle(f.bending_moment, t));
+    stored += sheet.mesh().area(static_cast<Index>(t)) * (0.5 * density + (in_plane ? f.in_plane[t] : 0.0));
+  }
+  return stored;
+}
+
+DiscretisationError::Densities DiscretisationError::of(const system::Model& model,
+                                                       const system::TriangleFields& fields) {
+  const energy::Sheet& sheet = model.discretisation().sheet();
+  const MPI_Comm comm = model.dofs().comm();
+  if (!recovery_) recovery_.emplace(sheet);
+  std::vector<double> force = fields.membrane_force, moment = fields.bending_moment;
+  mpi::broadcast(comm, force);
+  mpi::broadcast(comm, moment);
+  const auto count = static_cast<std::size_t>(sheet.mesh().triangle_count());
+  Densities d{std::vector<double>(count, 0.0), std::vector<double>(count, 0.0)};
+  const std::vector<int>& owner = model.dofs().partition().triangle_rank;
+  const int own = mpi::rank(comm);
+  for (std::size_t t = 0; t < count; ++t) {
+    if (owner[t] != own) continue;
+    const energy::RecoveryError::Density e = recovery_->of(static_cast<Index>(t), force, moment);
+    d.membrane[t] = e.membrane;
+    d.bending[t] = e.bending;
+  }
+  mpi::sum_to_root(comm, d.membrane);
+  mpi::sum_to_root(comm, d.bending);
+  return d;
+}
+
+DiscretisationError::Densities DiscretisationError::judged(const system::Model& model,
+                                                           const system::TriangleFields& fields, const Judged& state) {
+  Densities d = of(model, fields);
+  if (mpi::rank(model.dofs().comm()) == 0) judge(model.discretisation().sheet(), fields, d, state);
+  return d;
+}
+
+void DiscretisationError::judge(const energy::Sheet& sheet, const system::TriangleFields& fields, const Densities& d,
+                                const Judged& state) {
+  const mesh::SurfaceMesh& mesh = sheet.mesh();
+  double membrane = 0.0, bending = 0.0, largest = 0.0, bent = 0.0;
+  Index worst = 0;
+  for (std::size_t t = 0; t < d.membrane.size(); ++t) {
+    const double area = mesh.area(static_cast<Index>(t)), whole = area * (d.membrane[t] + d.bending[t]);
+    membrane += area * d.membrane[t];
+    bending += area * d.bending[t];
+    bent += 0.5 * area * of_triangle(fields.curvature, t).dot(of_triangle(fields.bending_moment, t));
+    if (whole <= largest) continue;
+    largest = whole;
+    worst = static_cast<Index>(t);
+  }
+  const double stored = stored_energy(sheet, fields), none = round_off_energy(sheet, state.strain);
+  last_ = {0.0, std::nan(""), std::nan("")};
+  if (stored > none) last_.whole = (membrane + bending) / stored;
+  if (stored > none && stored - bent > none) last_.membrane = membrane / (stored - bent);
+  if (stored > none && bent > 0.0) last_.bending = bending / bent;
+  if (!(last_.whole <= largest_)) largest_ = last_.whole;
+  warning_.clear();
+  if (last_.whole <= error_limit) return;
+  const Vec3 at = (mesh.start_corner(worst, 0) + mesh.start_corner(worst, 1) + mesh.start_corner(worst, 2)) / 3.0;
+  const double size = cell_size(mesh.area(worst));
+  const auto text = [&](const std::string& when) {
+    return fmt::format(
+        "{}cells do not resolve how {} change, most near ({:.4g}, {:.4g}, {:.4g}) m at {}: they are {:.2g} % off in "
+        "the "
+        "mean, and "
+        "deflections may be wrong by about {:.2g} %, too large or too small; cells of about {:.2g} m are needed there, "
+        "not {:.2g} m "
+        "(summary.json: recovery_error; fields membrane_recovery_error and bending_recovery_error show where)",
+        when, bending > membrane ? "bending moments" : "membrane forces", at[0], at[1], at[2],
+        mesh.has_charts() ? "the start" : "rest", 100.0 * std::sqrt(last_.whole),
+        100.0 * std::min(last_.whole, most_told), size * finer(last_.whole), size);
+  };
+  warning_ = text("");
+  if (last_.whole == largest_ && !state.place.empty()) worst_warning_ = text("at " + state.place + " ");
+}
+
+}  // namespace voile::record

@@ -1,0 +1,65 @@
+#include "energy_text.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace voile::record {
+
+namespace {
+
+/// Fraction of the turnover that is too much.
+constexpr double much = 0.05;
+
+}  // namespace
+
+std::string balance_text(const system::EnergyBalance& b) {
+  std::string text = fmt::format("energy [J]: {:.4g} at the start", b.initial);
+  const auto add = [&](const char* what, double value, bool always) {
+    if (always || value != 0.0) text += fmt::format(", {} {:.4g}", what, value);
+  };
+  add("work of loads", b.loads, true);
+  add("of supports", b.supports, false);
+  add("of obstacles", b.obstacles, false);
+  add("remeshing", b.remeshing, false);
+  text += fmt::format("; kinetic {:.4g}, stored {:.4g}", b.kinetic, b.stored);
+  add("damping", b.damping, false);
+  add("drag", b.drag, false);
+  add("friction", b.friction, false);
+  add("friction inside the fabric", b.fabric, false);
+  add("numerical", b.numerical, true);
+  const double all = b.turnover();
+  return text + fmt::format("; unaccounted {:.2g} ({:.2g} %)", b.unaccounted,
+                            all > 0.0 ? 100.0 * std::abs(b.unaccounted) / all : 0.0);
+}
+
+std::string balance_warning(const system::EnergyBalance& b, const solve::TimeOptions& options, double round_off) {
+  const double all = b.turnover(), gained = std::max(0.0, -b.numerical);
+  if (std::max(gained, std::abs(b.unaccounted)) <= round_off) return "";
+  if (gained > much * all && gained > std::abs(b.unaccounted))
+    return fmt::format(
+        "the time stepping has created {:.3g} J, {:.2g} % of the energy that came in: speeds or stiffnesses are beyond "
+        "what "
+        "steps of this size resolve; use a smaller time.step (history: numerical_loss)",
+        gained, 100.0 * gained / all);
+  if (!(std::abs(b.unaccounted) > much * all)) return "";
+  const bool iterates = options.method == solve::TimeOptions::Method::implicit_alpha;
+  std::string remedy = "a smaller time.step";
+  if (iterates && options.velocity_tolerance > 0.0)
+    remedy += fmt::format(", or a time.velocity_tolerance below {:.3g} m/s,", options.velocity_tolerance);
+  else if (iterates)
+    remedy += ", or smaller -snes_rtol and -snes_stol,";
+  return fmt::format(
+      "{:.2g} % of the energy is not accounted for: forces that steps leave unbalanced did that work; {} is needed "
+      "where energies or speeds count (history: energy_unaccounted)",
+      100.0 * std::abs(b.unaccounted) / all, remedy);
+}
+
+std::string rest_text(const KineticEnergy& k) {
+  if (k.largest == 0.0) return "";
+  return fmt::format("{} at the end: kinetic energy {:.3g} J, {:.2g} of the largest, {:.3g} J at t = {:.6g} s",
+                     k.at_rest() ? "at rest" : "in motion", k.last, k.last / k.largest, k.largest, k.time_of_largest);
+}
+
+}  // namespace voile::record

@@ -1,0 +1,152 @@
+#include "probes.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+
+#include "system/contact.hpp"
+#include "system/ease.hpp"
+#include "voile/errors.hpp"
+
+namespace voile::record {
+
+namespace {
+
+using Kind = input::Probe::Kind;
+
+constexpr std::array<const char*, 3> axis{"x", "y", "z"};
+constexpr int up = 2;  ///< unless a probe of height says otherwise
+
+Index nearest_vertex(const mesh::SurfaceMesh& mesh, const Vec3& point) {
+  Index best = 0;
+  for (Index v = 1; v < mesh.vertex_count(); ++v)
+    if ((mesh.positions()[v] - point).squaredNorm() < (mesh.positions()[best] - point).squaredNorm()) best = v;
+  return best;
+}
+
+std::vector<Index> vertices_of(const input::Probe& probe, const mesh::SurfaceMesh& mesh) {
+  const std::string named = "probe " + probe.name;  // where the vertex has to outlive its mesh
+  if (probe.point && mesh.has_group(named)) return mesh.group(named).vertices;
+  if (probe.point) return {nearest_vertex(mesh, *probe.point)};
+  return probe.group.empty() ? std::vector<Index>{} : mesh.group(probe.group).vertices;
+}
+
+/// Parts of the columns' names after that of the probe.
+std::vector<std::string> parts_of(Kind kind, const std::vector<int>& components) {
+  if (kind == Kind::energy) return {"membrane", "bending", "external"};
+  if (kind == Kind::ease) return {"min", "mean"};
+  if (kind == Kind::height) return {"min", "mean", "max"};
+  std::vector<std::string> parts;
+  for (const int k : components) parts.emplace_back(axis[static_cast<std::size_t>(k)]);
+  return parts;
+}
+
+/// Least, mean and largest over vertices.
+std::vector<double> heights(const input::Probe& probe, const std::vector<Index>& vertices, int k,
+                            const std::vector<double>& displacement, const mesh::SurfaceMesh& mesh) {
+  std::vector<double> all;
+  for (const Index v : vertices)
+    all.push_back(mesh.positions()[v][k] + displacement[3 * static_cast<std::size_t>(v) + static_cast<std::size_t>(k)] -
+                  probe.ground);
+  double sum = 0.0;
+  for (const double h : all) sum += h;
+  const auto [least, largest] = std::minmax_element(all.begin(), all.end());
+  return {*least, sum / static_cast<double>(all.size()), *largest};
+}
+
+}  // namespace
+
+std::vector<std::string> probe_warnings(const input::Case& c, const mesh::SurfaceMesh& mesh) {
+  std::vector<std::string> texts;
+  for (const input::Probe& probe : c.probes) {
+    if (!probe.point || mesh.has_group("probe " + probe.name)) continue;
+    const Index v = nearest_vertex(mesh, *probe.point);
+    const Vec3& x = mesh.positions()[v];
+    double longest = 0.0;
+    for (const Index t : mesh.triangles_of_vertex(v))
+      for (const Index w : mesh.triangles()[t]) longest = std::max(longest, (mesh.positions()[w] - x).norm());
+    const Vec3& p = *probe.point;
+    if (const double away = (p - x).norm(); away > longest)
+      texts.push_back(
+          fmt::format("probe '{}' at ({:.4g}, {:.4g}, {:.4g}) m is {:.3g} m away from the sheet: it measures the "
+                      "nearest vertex, at "
+                      "({:.4g}, {:.4g}, {:.4g}) m; correct its `point`",
+                      probe.name, p[0], p[1], p[2], away, x[0], x[1], x[2]));
+  }
+  return texts;
+}
+
+Probes::Probes(const input::Case& c, const system::Model& model) : case_(c) {
+  for (const input::Probe& probe : c.probes) {
+    Members m{vertices_of(probe, model.dofs().mesh()), probe.components};
+    if (m.components.empty())
+      m.components = probe.kind == Kind::height ? std::vector<int>{up} : std::vector<int>{0, 1, 2};
+    if (probe.kind == Kind::ease && !(model.contact() && system::has_bodies(model.contact()->scene().input())))
+      throw UserError(
+          fmt::format("{}: [[probe]] '{}' type = \"ease\": there is no body to be near to; give the case "
+                      "an [[obstacle]] that is no half-space{}",
+                      c.file.string(), probe.name, c.is_staged() ? ", in every stage" : ""));
+    members_.push_back(std::move(m));
+  }
+}
+
+bool Probes::any(Kind kind) const {
+  return std::any_of(case_.probes.begin(), case_.probes.end(), [&](const input::Probe& p) { return p.kind == kind; });
+}
+
+std::vector<std::string> Probes::columns() const {
+  std::vector<std::string> names;
+  for (std::size_t p = 0; p < members_.size(); ++p)
+    for (const std::string& part : parts_of(case_.probes[p].kind, members_[p].components))
+      names.push_back(fmt::format("{}_{}", case_.probes[p].name, part));
+  return names;
+}
+
+std::vector<double> Probes::components_of(const input::Probe& probe, const Members& m, const Observed& state) const {
+  const bool is_mean = probe.kind == Kind::displacement;
+  const std::vector<double>& field = is_mean ? state.displacement : state.reaction;
+  std::vector<double> values;
+  for (const int k : m.components) {
+    double sum = 0.0;
+    for (const Index v : m.vertices) sum += field[3 * static_cast<std::size_t>(v) + static_cast<std::size_t>(k)];
+    values.push_back(is_mean ? sum / static_cast<double>(m.vertices.size()) : sum);
+  }
+  return values;
+}
+
+std::vector<double> Probes::values(const Observed& state, const system::Model& model) const {
+  std::vector<double> all;
+  for (std::size_t p = 0; p < members_.size(); ++p) {
+    const input::Probe& probe = case_.probes[p];
+    const Members& m = members_[p];
+    std::vector<double> own;
+    if (probe.kind == Kind::energy) {
+      own = {state.energies.membrane, state.energies.bending, state.energies.external};
+    } else if (probe.kind == Kind::ease) {
+      const system::EaseRange range = system::range_of_ease(model.contact()->scene(), state.ease, m.vertices);
+      own = {range.least, range.mean};
+    } else if (probe.kind == Kind::height) {
+      own = heights(probe, m.vertices, m.components.front(), state.displacement, model.dofs().mesh());
+    } else {
+      own = components_of(probe, m, state);
+    }
+    all.insert(all.end(), own.begin(), own.end());
+  }
+  return all;
+}
+
+petsc::VecHandle Probes::functional(const std::string& name, const system::Model& model) const {
+  petsc::VecHandle c = model.dofs().create_vector();
+  for (std::size_t p = 0; p < members_.size(); ++p) {
+    if (case_.probes[p].name != name) continue;
+    std::vector<double> values(static_cast<std::size_t>(model.dofs().unknowns()), 0.0);
+    for (Index v : members_[p].vertices)
+      values[3 * static_cast<std::size_t>(v) + static_cast<std::size_t>(members_[p].components.front())] +=
+          1.0 / static_cast<double>(members_[p].vertices.size());
+    model.dofs().scatter(values, c);
+  }
+  return c;
+}
+
+}  // namespace voile::record

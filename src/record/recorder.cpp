@@ -1,0 +1,329 @@
+#include "recorder.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "base/mpi.hpp"
+#include "base/terminal.hpp"
+#include "base/text.hpp"
+#include "garment_measures.hpp"
+#include "history_columns.hpp"
+#include "linear_values.hpp"
+#include "system/contact.hpp"
+#include "system/ease.hpp"
+#include "system/rigid_loads.hpp"
+#include "voile/errors.hpp"
+
+namespace voile::record {
+
+namespace {
+
+/// Names of groups that differ in the results, of which so many are told: a pattern has dozens.
+constexpr std::size_t told_groups = 3;
+
+std::string duration(double seconds) {
+  const auto s = static_cast<long>(std::max(0.0, seconds));
+  if (s < 100) return fmt::format("{:.1f}s", seconds);
+  if (s < 6000) return fmt::format("{}m{:02}s", s / 60, s % 60);
+  return fmt::format("{}h{:02}m", s / 3600, s / 60 % 60);
+}
+
+}  // namespace
+
+Recorder::Recorder(const input::Case& c, const RunOptions& options, system::Model& model)
+    : case_(c),
+      options_(options),
+      model_(&model),
+      mesh_(&model.dofs().mesh()),
+      root_(mpi::rank(model.dofs().comm()) == 0),
+      probes_(std::in_place, c, model),
+      linear_(c.analysis == "linear"),
+      warnings_(linear_, c.analysis == "drape") {
+  mpi::on_root(model.dofs().comm(), [&] {
+    kept_.columns = columns();
+    if (!has_folder()) return;
+    if (model.contact()) obstacles_.emplace(model.contact()->scene().input(), model.dofs().mesh());
+    results_.emplace(options.output, obstacles_ ? obstacles_->at_rest() : io::ObstacleTriangles{});
+    begin_epoch();
+    history_.emplace(options.output / "history.csv", kept_.columns);
+    if (std::vector<std::string> renamed = results_->renamed_groups(); !renamed.empty()) {
+      const std::size_t more = renamed.size() > told_groups ? renamed.size() - told_groups : 0;
+      renamed.resize(renamed.size() - more);
+      remark("names of groups in results.vtkhdf: " + join(renamed, ", ") +
+             (more > 0 ? fmt::format(", and {} more so (their attribute `name` has the name)", more) : ""));
+    }
+  });
+  if (root_ && options.verbosity != Verbosity::quiet && !rewrites_progress())
+    fmt::print("{}", case_.analysis == "dynamic"
+                         ? fmt::format("{:>6} {:>10} {:>9} {:>7} {:>10} {:>10} {:>9} {:>9}\n", "step", "time [s]",
+                                       "taken", "newton", "residual", "kinetic", "elapsed", "left")
+                         : fmt::format("{:>5} {:>10} {:>7} {:>10} {:>10} {:>9} {:>9}\n", "step", "load", "newton",
+                                       "residual", "neg.pivots", "elapsed", "left"));
+}
+
+/// On rank 0.
+void Recorder::begin_epoch() {
+  if (!results_) return;
+  const mesh::Partition& p = model_->dofs().partition();
+  results_->begin_epoch(*mesh_, p.vertex_rank, p.triangle_rank);
+}
+
+void Recorder::use(system::Model& model, const system::Dynamics* dynamics) {
+  model_ = &model;
+  dynamics_ = dynamics;
+  warnings_.begin_epoch();
+  discretisation_error_.begin_epoch();
+  if (mesh_ == &model.dofs().mesh()) return;
+  mesh_ = &model.dofs().mesh();
+  probes_.emplace(case_, model);
+  mpi::on_root(model.dofs().comm(), [&] { begin_epoch(); });
+}
+
+std::vector<std::string> Recorder::columns() const {
+  const system::Contact* contact = model_->contact();
+  std::vector<std::string> names =
+      names_of({.in_time = case_.analysis == "dynamic",
+                .energy_balance = keeps_balance(),
+                .fabric = model_->potential().has_yarn_friction(),
+                .sewing = !case_.stage.sew.empty(),
+                .remeshing = case_.remesh.active,
+                .contact = case_.contact.input.active,
+                .yielding = contact && system::has_yielding_obstacles(contact->scene().input())});
+  for (const input::RigidSection& rigid : case_.rigids)
+    for (const std::string& column : names_of_rigid(rigid.name)) names.push_back(column);
+  for (std::string& name : probes_->columns()) names.push_back(std::move(name));
+  return names;
+}
+
+bool Recorder::wants(const std::string& field) const {
+  const auto& f = case_.output.fields;
+  if (f.empty() && field == "ease") return !case_.panels.empty();  // of garments, unless it is asked for
+  return f.empty() || std::find(f.begin(), f.end(), field) != f.end();
+}
+
+Recorder::Snapshot Recorder::gathered(Vec a) {
+  Snapshot s;
+  petsc::VecHandle force = model_->dofs().create_vector();
+  linear_ ? LinearValues(*model_, a).unbalanced_force(force) : model_->unbalanced_force(a, force);
+  model_->dofs().clear_free(force);  // away from supports the force is only the residual that is left
+  s.state.displacement = linear_ ? model_->dofs().gather_change(a) : model_->dofs().gather(a);
+  s.state.reaction = model_->dofs().gather_forces(force);
+  if (!case_.rigids.empty()) s.bodies = system::rigid_values(model_->discretisation(), a, force, linear_);
+  return s;
+}
+
+Recorder::Snapshot Recorder::snapshot(Vec a) {
+  Snapshot s = gathered(a);
+  if (root_) s.validity = assess(*model_, s.state.displacement);
+  if (root_) warnings_.say_range(model_->dofs().mesh(), s.validity);
+  if (probes_->need_energies())
+    s.state.energies = linear_ ? LinearValues(*model_, a).energies() : system::energies(*model_, a);
+  if (probes_->need_ease()) s.state.ease = system::ease(model_->contact()->scene(), a);
+  if (system::Contact* contact = model_->contact()) {
+    s.contact = system::report(contact->scene(), a);
+    if (case_.contact.check) s.intersections = count_intersections(a);
+  }
+  return s;
+}
+
+long Recorder::count_intersections(Vec a) const {
+  const std::vector<Vec3> positions = model_->contact()->scene().positions(a);
+  const setup::IntersectionCheck check(*model_->contact());
+  const std::vector<geometry::TrianglePair> pairs = check.find_by_ranks(positions);
+  if (!pairs.empty())
+    mpi::on_root(model_->dofs().comm(), [&] {
+      const std::filesystem::path file = has_folder() ? options_.output / "intersections.vtk" : "";
+      const std::string found = check.report(positions, pairs, file),
+                        see = has_folder() ? "; see " + file.string() : "";
+      fmt::print(stderr, "voile: contact let triangles intersect: {}{}\n", found, see);
+    });
+  return static_cast<long>(pairs.size());
+}
+
+std::string Recorder::contact_note(const Snapshot& s, const solve::StepResult& r) const {
+  const long yielding = model_->contact() ? system::yielding_count(model_->contact()->memory()) : 0;
+  std::string given = yielding > 0 ? fmt::format("  obstacles let {} vertices pass", yielding) : "";
+  if (s.contact.pairs == 0) return given;
+  return given + fmt::format("  {} contacts, gap {:.3g} m{}", s.contact.pairs, s.contact.gap,
+                             r.cut_short > 0 ? fmt::format(", {} cut short (to {:.2g})", r.cut_short, r.shortest) : "");
+}
+
+void Recorder::record(const system::State& state, const solve::StepResult& r, bool whole) {
+  const petsc::EventScope scope(petsc::events().output);
+  Snapshot s = snapshot(state.u);
+  if (dynamics_) s.kinetic = dynamics_->kinetic_energy(state.v);
+  if (dynamics_) kinetic_.add(state.time, s.kinetic);
+  write_history(state, r, s);
+  if (has_folder()) write_step(state, r, s, whole);
+  // Contact promises that there is none: one that is found is a fault of the program, and nothing after it counts.
+  if (s.intersections > 0)
+    throw InternalError(
+        fmt::format("contact let {} pairs of triangles intersect in step {}, which is recorded; the "
+                    "steps before it are whole",
+                    s.intersections, state.step));
+  time_left_.add(dynamics_ ? state.time : state.load_factor, wall_seconds());
+  const bool is_start = dynamics_ ? r.taken == 0.0 : r.newton.iterations == 0 && r.newton.factorisations == 0;
+  if (!root_ || options_.verbosity == Verbosity::quiet || is_start) return;
+  dynamics_ ? print_motion(state, r, s) : print_path(state, r, s);
+}
+
+void Recorder::write_step(const system::State& state, const solve::StepResult& r, const Snapshot& s, bool whole) {
+  io::StepFields step;
+  step.step = state.step;
+  // Along an arc the load factor goes up and down, but a time must not.
+  step.time = dynamics_ ? state.time : case_.steps.control == Control::load ? state.load_factor : state.step;
+  step.load_factor = state.load_factor;
+  if (r.mode)
+    step.fields.push_back({"critical_mode", "1", io::Centre::vertex, 3, model_->dofs().gather_change(r.mode)});
+  write_or_keep(state.step % case_.output.every == 0 || whole || r.mode || s.intersections > 0, std::move(step),
+                state.u, dynamics_ ? static_cast<Vec>(state.v) : nullptr, s);
+}
+
+void Recorder::write_or_keep(bool write, io::StepFields step, Vec position, Vec velocity, const Snapshot& s) {
+  pending_.reset();
+  if (write) {
+    if (velocity && wants("velocity"))
+      step.fields.push_back({"velocity", "m/s", io::Centre::vertex, 3, model_->dofs().gather_change(velocity)});
+    write_fields(std::move(step), position, s);
+    return;
+  }
+  const auto copy = [&](Vec from) {
+    petsc::VecHandle to;
+    if (!from) return to;
+    to = model_->dofs().create_vector();
+    VOILE_PETSC(VecCopy(from, to));
+    return to;
+  };
+  pending_ = Pending{std::move(step), copy(position), copy(velocity)};
+}
+
+void Recorder::write_pending() {
+  if (!pending_) return;
+  const Pending p = std::move(*pending_);
+  write_or_keep(true, p.step, p.position, p.velocity, snapshot(p.position));
+}
+
+void Recorder::finish() {
+  write_pending();
+  if (has_folder()) mpi::on_root(model_->dofs().comm(), [&] { results_->finish(); });
+  if (root_ && !warnings_.membrane_text().empty())
+    fmt::print(stderr, "voile: warning: {}\n", warnings_.membrane_text());
+  if (!discretisation_error_.warning().empty())
+    fmt::print(stderr, "voile: warning: {}\n", discretisation_error_.warning());
+}
+
+std::vector<double> Recorder::common_values(const system::State& state, const solve::StepResult& r,
+                                            const Snapshot& s) const {
+  const solve::NewtonResult& n = r.newton;
+  const auto iterations = static_cast<double>(n.iterations), factorisations = static_cast<double>(n.factorisations),
+             pivots = static_cast<double>(n.negative_pivots);
+  if (dynamics_)
+    return {static_cast<double>(state.step),
+            state.time,
+            r.taken,
+            state.load_factor,
+            iterations,
+            factorisations,
+            n.residual,
+            pivots,
+            static_cast<double>(r.rejections),
+            s.kinetic,
+            wall_seconds()};
+  return {static_cast<double>(state.step),
+          state.load_factor,
+          iterations,
+          factorisations,
+          n.residual,
+          pivots,
+          r.critical ? static_cast<double>(r.critical->kind) : 0.0,
+          r.critical ? r.critical->load_factor : std::nan(""),
+          wall_seconds()};
+}
+
+void Recorder::write_history(const system::State& state, const solve::StepResult& r, const Snapshot& s) {
+  std::vector<double> values = common_values(state, r, s);
+  values.insert(values.end(), {s.validity.strain, s.validity.turn});
+  if (keeps_balance())
+    for (const auto& [name, value] : named_parts(state.balance)) values.push_back(value);
+  if (model_->potential().has_yarn_friction())
+    values.push_back(keeps_balance() ? state.balance.fabric : model_->potential().yarn_losses());
+  if (!case_.stage.sew.empty()) values.push_back(seam_gap(case_, *mesh_, s.state.displacement));
+  if (case_.remesh.active)
+    values.insert(values.end(),
+                  {static_cast<double>(mesh_->vertex_count()), static_cast<double>(state.remeshings.count)});
+  if (case_.contact.input.active)
+    values.insert(values.end(), {static_cast<double>(s.contact.pairs), s.contact.gap, static_cast<double>(r.cut_short),
+                                 r.shortest, static_cast<double>(s.intersections)});
+  if (model_->contact() && system::has_yielding_obstacles(model_->contact()->scene().input()))
+    values.push_back(static_cast<double>(system::yielding_count(model_->contact()->memory())));
+  values.insert(values.end(), s.bodies.begin(), s.bodies.end());
+  mpi::on_root(model_->dofs().comm(), [&] {
+    for (const double value : probes_->values(s.state, *model_)) values.push_back(value);
+    if (history_) history_->write(values);
+    if (options_.keep_history) kept_.rows.push_back(std::move(values));
+  });
+}
+
+/// "12.3s elapsed, 4.5s left", or what is known of it.
+std::string Recorder::clock_text(const std::string& left) const {
+  return duration(wall_seconds()) + " elapsed" + (left == "-" ? "" : ", " + left + " left");
+}
+
+std::string Recorder::time_left(double end) const {
+  const std::optional<double> left = time_left_.until(end);
+  return left ? duration(*left) : "-";
+}
+
+void Recorder::print_motion(const system::State& state, const solve::StepResult& r, const Snapshot& s) const {
+  const double end = case_.time.options.end_time;
+  const std::string elapsed = duration(wall_seconds()), left = time_left(end);
+  const std::string notes = (r.rejections > 0 ? fmt::format("  {} rejected", r.rejections) : "") + contact_note(s, r);
+  if (rewrites_progress())
+    return show_progress(fmt::format("step {}, t = {:.4g} of {:.4g} s, {} iterations, {}{}", state.step, state.time,
+                                     end, r.newton.iterations, clock_text(left), notes));
+  fmt::print("{:>6} {:>10.6g} {:>9.3g} {:>7} {:>10.2e} {:>10.3e} {:>9} {:>9}{}\n", state.step, state.time, r.taken,
+             r.newton.iterations, r.newton.residual, s.kinetic, elapsed, left, notes);
+  std::fflush(stdout);
+}
+
+void Recorder::print_path(const system::State& state, const solve::StepResult& r, const Snapshot& s) const {
+  const double end = case_.steps.final_load_factor;
+  const std::string elapsed = duration(wall_seconds());
+  const std::string left = case_.steps.control == Control::load && state.load_factor < end ? time_left(end) : "-";
+  const std::string pivots = r.newton.negative_pivots < 0 ? "-" : fmt::format("{}", r.newton.negative_pivots);
+  std::string note = r.by_continuation ? "  by continuation" : "";
+  note += contact_note(s, r);
+  const std::string passed = r.critical ? fmt::format("{} passed", solve::name(r.critical->kind)) : "";
+  if (r.critical)
+    note += "  " + passed;
+  else if (r.newton.negative_pivots > 0)
+    note += "  UNSTABLE: the tangent is indefinite";
+  if (rewrites_progress()) {
+    if (r.critical) remark(fmt::format("step {}, load {:.6g}: {}", state.step, state.load_factor, passed));
+    return show_progress(fmt::format("step {}, load {:.4g}, {} iterations, {}{}", state.step, state.load_factor,
+                                     r.newton.iterations, clock_text(left), note));
+  }
+  fmt::print("{:>5} {:>10.6g} {:>7} {:>10.2e} {:>10} {:>9} {:>9}{}\n", state.step, state.load_factor,
+             r.newton.iterations, r.newton.residual, pivots, elapsed, left, note);
+  std::fflush(stdout);
+}
+
+void Recorder::progress(const std::string& text) const {
+  if (!rewrites_progress()) return remark(text);
+  if (root_ && options_.verbosity != Verbosity::quiet) show_progress(text + ", " + clock_text("-"));
+}
+
+void Recorder::remark(const std::string& text) const {
+  if (!root_ || options_.verbosity == Verbosity::quiet) return;
+  fmt::print("      {}\n", text);
+  std::fflush(stdout);
+}
+
+double Recorder::wall_seconds() const {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+}
+
+}  // namespace voile::record

@@ -1,0 +1,102 @@
+// The fields of a recorded state.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "base/mpi.hpp"
+#include "contact_fields.hpp"
+#include "linear_values.hpp"
+#include "recorder.hpp"
+#include "stresses.hpp"
+#include "system/contact.hpp"
+
+namespace voile::record {
+
+namespace {
+
+using Field = io::Field;
+
+/// Estimates of error.
+constexpr std::array judgements{"membrane_error", "membrane_recovery_error", "bending_recovery_error"};
+
+}  // namespace
+
+std::vector<Field> Recorder::stresses(const system::TriangleFields& t, const Wants& wants, bool all) const {
+  using Stresses = input::OutputSection::Stresses;
+  std::vector<Field> found;
+  if (all && case_.output.stresses == Stresses::none) return found;
+  const bool plies = !all || case_.output.stresses == Stresses::plies;
+  for (Field& f : stress_fields(model_->discretisation().sheet(), t, plies))
+    if (all || wants(f.name)) found.push_back(std::move(f));
+  return found;
+}
+
+// A linear solution is of any size: its round-off is relative to its displacements.
+double Recorder::round_off_strain(Vec a) const {
+  if (!linear_) return no_strain;
+  double largest = 0.0;
+  VOILE_PETSC(VecNorm(a, NORM_INFINITY, &largest));
+  return no_strain * largest / std::sqrt(model_->discretisation().mean_area());
+}
+
+std::vector<Field> Recorder::fields_of(Vec a, const Snapshot& s, const Wants& wants, const std::string* judged) {
+  std::vector<Field> fields;
+  const system::TriangleFields t =
+      linear_ ? LinearValues(*model_, a).triangle_fields() : model_->potential().triangle_fields(a);
+  if (sizes_ && wants("wanted_size")) fields.push_back({"wanted_size", "m", io::Centre::vertex, 1, sizes_()});
+  for (Field& f : contact_fields(*model_, a, wants)) fields.push_back(std::move(f));
+  const bool estimated = estimates() && (judged || std::any_of(judgements.begin(), judgements.end(),
+                                                               [&](const char* n) { return wants(n); }));
+  const double least = estimated ? round_off_strain(a) : no_strain;
+  DiscretisationError::Densities recovered;
+  if (estimated)
+    recovered =
+        judged ? discretisation_error_.judged(*model_, t, {*judged, least}) : discretisation_error_.of(*model_, t);
+  mpi::on_root(model_->dofs().comm(), [&] {
+    const auto add = [&](const char* name, const char* unit, io::Centre centre, const std::vector<double>& values) {
+      if (wants(name)) fields.push_back({name, unit, centre, 3, values});
+    };
+    add("displacement", "m", io::Centre::vertex, s.state.displacement);
+    add("reaction", "N", io::Centre::vertex, s.state.reaction);
+    add("membrane_strain", "1", io::Centre::triangle, t.membrane_strain);
+    add("membrane_force", "N/m", io::Centre::triangle, t.membrane_force);
+    add("curvature", "1/m", io::Centre::triangle, t.curvature);
+    add("bending_moment", "N", io::Centre::triangle, t.bending_moment);
+    const auto add_density = [&](const char* name, std::vector<double>& values) {
+      if (wants(name)) fields.push_back({name, "J/m^2", io::Centre::triangle, 1, std::move(values)});
+    };
+    if (estimated) {
+      Warnings::MembraneError error = warnings_.membrane_error(model_->discretisation().sheet(), t, least);
+      membrane_error_ = error.fraction;
+      add_density("membrane_error", error.density);
+      add_density("membrane_recovery_error", recovered.membrane);
+      add_density("bending_recovery_error", recovered.bending);
+    }
+    for (Field& f : stresses(t, wants, judged != nullptr)) fields.push_back(std::move(f));
+  });
+  return fields;
+}
+
+std::vector<Field> Recorder::fields(const system::State& state, const Wants& wants) {
+  std::vector<Field> found = fields_of(state.u, gathered(state.u), wants, nullptr);
+  if (dynamics_ && wants("velocity"))
+    found.push_back({"velocity", "m/s", io::Centre::vertex, 3, model_->dofs().gather_change(state.v)});
+  return found;
+}
+
+void Recorder::write_fields(io::StepFields step, Vec a, const Snapshot& s) {
+  // Along a motion the worst state is passed in an instant.
+  const std::string place = case_.analysis == "static" ? fmt::format("load factor {:.4g}", step.load_factor) : "";
+  for (Field& f : fields_of(
+           a, s, [this](const std::string& name) { return wants(name); }, &place))
+    step.fields.push_back(std::move(f));
+  mpi::on_root(model_->dofs().comm(), [&] {
+    if (obstacles_ && obstacles_->at_rest().moves) step.obstacles = obstacles_->positions(model_->contact()->scene());
+    results_->write(step);
+  });
+}
+
+}  // namespace voile::record

@@ -1,0 +1,22 @@
+// Stresses through the thickness from membrane strains and curvatures.
+//
+// Symbols   z   distance from the middle along the normal [m];  Q  plane-stress stiffness of the layer [Pa]
+//           E, kappa   membrane strain and change of curvature, order 11, 22, 12 with engineering shear, material axes
+//   sigma(z) = Q (E - z kappa)    (a surface that bends towards its normal is pressed on that side)
+#pragma once
+
+#include <vector>
+
+#include "energy/sheet.hpp"
+#include "io/results.hpp"
+#include "system/model.hpp"
+
+namespace voile::record {
+
+/// Fields on triangles: stress_top and stress_bottom (11, 22, 12), principal_stress_top and _bottom (s1, s2, angle of
+/// s1 to material axis 1 [rad]), von_mises_top and _bottom; `plies`: also ply_stress_<k>_bottom and _top. Zero where a
+/// material's layers are not known. Rank 0 only.
+[[nodiscard]] std::vector<io::Field> stress_fields(const energy::Sheet& sheet, const system::TriangleFields& fields,
+                                                   bool plies);
+
+}  // namespace voile::record

@@ -1,0 +1,95 @@
+#include "validity.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "energy/chord_error.hpp"
+#include "energy/sheet.hpp"
+#include "mesh/patch.hpp"
+
+namespace voile::record {
+
+namespace {
+
+/// Larger of |E_1|, |E_2| of a triangle with edges a, b that were A, B at rest.
+double principal_strain(const Vec3& rest_a, const Vec3& rest_b, const Vec3& a, const Vec3& b) {
+  // Metric differences in an orthonormal frame of the rest triangle: rest_a along axis 1.
+  const double length = rest_a.norm(), along = rest_b.dot(rest_a) / length;
+  const double height = rest_a.cross(rest_b).norm() / length;
+  if (!(length > 0.0 && height > 0.0)) return 0.0;
+  const Vec3 f1 = a / length, f2 = (b - along * f1) / height;
+  const double e11 = 0.5 * (f1.squaredNorm() - 1.0), e22 = 0.5 * (f2.squaredNorm() - 1.0), e12 = 0.5 * f1.dot(f2);
+  return std::abs(0.5 * (e11 + e22)) + std::hypot(0.5 * (e11 - e22), e12);
+}
+
+/// Signed angle about the common edge from one normal to the other.
+double turn_about(const Vec3& edge, const Vec3& n, const Vec3& m) {
+  return std::atan2(edge.normalized().dot(n.cross(m)), n.dot(m));
+}
+
+/// The same of the rest shape across side s of t: none across a seam.
+double rest_turn(const mesh::SurfaceMesh& mesh, Index t, int s) {
+  if (!mesh.chart_join(t, s).same_chart) return 0.0;
+  return turn_about(mesh.rest_corner(t, (s + 2) % 3) - mesh.rest_corner(t, (s + 1) % 3), mesh.rest_normal(t),
+                    mesh.rest_normal(mesh.neighbour(t, s)));
+}
+
+}  // namespace
+
+Validity assess(const system::Model& model, const std::vector<double>& displacement) {
+  const mesh::SurfaceMesh &mesh = model.dofs().mesh(), &sheet = model.discretisation().sheet().mesh(),
+                          &before = model.discretisation().patches_before().mesh();
+  Validity v;
+  const double fraction = model.potential().drawn_in();
+  const auto rest = [&](Index t, int i) -> Vec3 {
+    return (1.0 - fraction) * before.rest_corner(t, i) + fraction * sheet.rest_corner(t, i);
+  };
+  const auto now = [&](Index i) -> Vec3 {
+    return mesh.positions()[i] + Eigen::Map<const Vec3>(displacement.data() + 3 * static_cast<std::size_t>(i));
+  };
+  const auto normal = [](const Vec3& a, const Vec3& b, const Vec3& c) -> Vec3 { return (b - a).cross(c - a); };
+  for (Index t = 0; t < mesh.triangle_count(); ++t) {
+    const mesh::Triangle& i = mesh.triangles()[t];
+    const Vec3 x0 = now(i[0]), x1 = now(i[1]), x2 = now(i[2]);
+    const Vec3 corner = rest(t, 0);
+    const double strain = principal_strain(rest(t, 1) - corner, rest(t, 2) - corner, x1 - x0, x2 - x0);
+    if (strain > v.strain) {
+      v.strain = strain;
+      v.triangle = t;
+    }
+    const Vec3 n = normal(x0, x1, x2);
+    for (int s = 0; s < 3; ++s) {
+      const Index other = mesh.neighbour(t, s);
+      if (other == no_index || other < t) continue;
+      const mesh::Triangle& j = mesh.triangles()[other];
+      const Index a = i[static_cast<std::size_t>((s + 1) % 3)], b = i[static_cast<std::size_t>((s + 2) % 3)];
+      const double turn = std::remainder(
+          turn_about(now(b) - now(a), n, normal(now(j[0]), now(j[1]), now(j[2]))) - rest_turn(mesh, t, s),
+          2.0 * std::numbers::pi);
+      if (std::abs(turn) <= v.turn) continue;
+      v.turn = std::abs(turn);
+      v.vertex_a = a;
+      v.vertex_b = b;
+    }
+  }
+  return v;
+}
+
+std::string locking_warning(const energy::Sheet& sheet, const system::TriangleFields& fields) {
+  std::vector<double> rest = fields.whole_curvature;
+  for (std::size_t i = 0; i < rest.size(); ++i) rest[i] -= fields.curvature[i];
+  const double fraction = energy::locking_estimate(sheet, rest);
+  if (fraction <= error_limit) return "";
+  const bool corrected = sheet.options().membrane == energy::MembraneOperator::six_node_corrected;
+  return fmt::format(
+      "the mesh is too coarse for a curved shell this thin: where it bends without stretching, deflections can be too "
+      "small "
+      "by about {:.2g} %; use a finer mesh{}",
+      100.0 * fraction, corrected ? "" : ", or element.type = \"corrected\"");
+}
+
+}  // namespace voile::record

@@ -1,0 +1,38 @@
+// How far a state is within what the element was made for.
+//
+// Symbols   F in-plane deformation gradient of the triangle's three vertices, E = (F^T F - I)/2; E_1, E_2 principal
+//           theta_e   angle between the normals of the two triangles of edge e, less that at rest
+// The law is linear in E (St. Venant-Kirchhoff), which stands for small strains; bending acts as D sin(theta) instead
+// of D theta per edge (docs/verification/limits.md).
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "energy/sheet.hpp"
+#include "mesh/surface_mesh.hpp"
+#include "system/model.hpp"
+#include "system/recovery.hpp"
+
+namespace voile::record {
+
+/// Largest strain that the law is meant for, and largest turn of an edge that bending follows [rad].
+inline constexpr double strain_limit = 0.1, turn_limit = 1.0471975511965976;
+/// Fraction of the stored energy that the membrane may owe to its chords (energy/chord_error.hpp).
+inline constexpr double error_limit = 0.05;
+
+struct Validity {
+  double strain = 0.0;                             ///< largest |E_1|, |E_2|
+  Index triangle = no_index;                       ///< where
+  double turn = 0.0;                               ///< largest |theta_e| [rad]
+  Index vertex_a = no_index, vertex_b = no_index;  ///< ends of that edge
+};
+
+/// Of the model's sheet at the time that it has: where it is gathered, its strain is that beyond the gathers. `displacement`: three
+/// components per vertex in global axes, mesh order [m]. Not collective.
+[[nodiscard]] Validity assess(const system::Model& model, const std::vector<double>& displacement);
+
+/// What to tell the user of a curved shell that locks, empty if it does not. `fields` of any state, on rank 0.
+[[nodiscard]] std::string locking_warning(const energy::Sheet& sheet, const system::TriangleFields& fields);
+
+}  // namespace voile::record

@@ -1,0 +1,71 @@
+#include "warnings.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Dense>
+#include <numbers>
+#include <utility>
+
+#include "discretisation_error.hpp"
+
+namespace voile::record {
+
+// Results beyond go on, but the law no longer holds.
+void Warnings::say_range(const mesh::SurfaceMesh& mesh, const Validity& v) {
+  if (linear_) return;
+  const auto place = [&](const Vec3& x) {
+    return fmt::format("({:.4g}, {:.4g}, {:.4g}) m at {}", x[0], x[1], x[2], mesh.has_charts() ? "the start" : "rest");
+  };
+  if (v.strain > strain_limit && !std::exchange(said_strain_, true))
+    fmt::print(
+        stderr,
+        "voile: warning: a membrane strain of {:.0f} % at {}: the law is linear in the strain and meant for less "
+        "than {:.0f} % (history: largest_strain)\n",
+        100.0 * v.strain,
+        place((mesh.start_corner(v.triangle, 0) + mesh.start_corner(v.triangle, 1) + mesh.start_corner(v.triangle, 2)) /
+              3.0),
+        100.0 * strain_limit);
+  if (v.turn > turn_limit && !std::exchange(said_turn_, true))
+    fmt::print(stderr,
+               "voile: warning: the surface turns by {:.0f} degrees across one edge at {}: bending is too soft beyond "
+               "{:.0f} degrees; a finer mesh there is needed (history: largest_turn)\n",
+               v.turn * 180.0 / std::numbers::pi,
+               place(0.5 * (mesh.positions()[v.vertex_a] + mesh.positions()[v.vertex_b])),
+               turn_limit * 180.0 / std::numbers::pi);
+}
+
+Warnings::MembraneError Warnings::membrane_error(const energy::Sheet& sheet, const system::TriangleFields& t,
+                                                 double strain) {
+  if (!chord_error_) {
+    chord_error_.emplace(sheet);
+    const std::string locks = locking_warning(sheet, t);
+    if (!locks.empty() && !std::exchange(said_locking_, true)) fmt::print(stderr, "voile: warning: {}\n", locks);
+  }
+  std::vector<double> error = chord_error_->energies(sheet, t.curvature, t.whole_curvature, linear_);
+  // Chords that are corrected leave little: what remains is bending that is none.
+  const bool corrected = sheet.options().membrane == energy::MembraneOperator::six_node_corrected;
+  for (std::size_t k = 0; corrected && k < error.size(); ++k) error[k] += t.in_plane[k];
+  double spurious = 0.0;
+  for (std::size_t k = 0; k < error.size(); ++k) spurious += sheet.mesh().area(static_cast<Index>(k)) * error[k];
+  const double stored = stored_energy(sheet, t);
+  const double fraction = stored > round_off_energy(sheet, strain) ? spurious / stored : 0.0;
+  if (search_ || fraction > largest_error_) {
+    largest_error_ = fraction;
+    is_corrected_ = corrected;
+  }
+  return {std::move(error), largest_error_};
+}
+
+std::string Warnings::membrane_text() const {
+  if (!(largest_error_ > error_limit)) return "";
+  // What is spurious stands in the stored energy too: of a fraction f of it, deflections are too small by f/(1 + f).
+  return fmt::format(
+      "{} up to {:.2g} % of the stored energy: deflections may be too small by as much as {:.2g} %; use a finer mesh, "
+      "or "
+      "cells that are less stretched and uneven (summary.json: membrane_error; field membrane_error)",
+      is_corrected_ ? "second derivatives within the surface, and what the correction of chords leaves, take"
+                    : "spurious membrane strains of straight chords between vertices take",
+      100.0 * largest_error_, 100.0 * largest_error_ / (1.0 + largest_error_));
+}
+
+}  // namespace voile::record

@@ -1,0 +1,62 @@
+#include "free_motions.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "base/text.hpp"
+#include "mesh_report.hpp"
+#include "system/rigid_motions.hpp"
+#include "voile/errors.hpp"
+
+namespace voile::setup {
+
+namespace {
+
+constexpr std::size_t shown = 4;
+
+std::string describe(const system::FreePiece& piece, Index all) {
+  std::vector<std::string> axes;
+  for (const Vec3& d : piece.directions) axes.push_back(place_text(d));
+  std::string text = piece.triangles == all ? fmt::format("the sheet around {}", place_text(piece.centre))
+                                            : fmt::format("the piece of {} triangles around {}", piece.triangles,
+                                                          place_text(piece.centre));
+  if (piece.motions() == 6 && piece.translations == 3) return text + ": nothing holds it (6 free rigid-body motions)";
+  text += fmt::format(": {} free rigid-body motion(s)", piece.motions());
+  if (piece.translations > 0)
+    text += fmt::format(", {} translation(s) along {}", piece.translations, join(axes, " and "));
+  if (piece.rotations > 0) text += fmt::format(", {} rotation(s)", piece.rotations);
+  return text;
+}
+
+std::string list(const std::vector<system::FreePiece>& pieces, Index all) {
+  std::vector<std::string> texts;
+  for (std::size_t k = 0; k < std::min(shown, pieces.size()); ++k) texts.push_back(describe(pieces[k], all));
+  if (pieces.size() > shown) texts.push_back(fmt::format("{} more pieces", pieces.size() - shown));
+  return join(texts, "; ");
+}
+
+}  // namespace
+
+std::vector<std::string> check_free_motions(const input::Case& c, const system::Model& model) {
+  const std::vector<system::FreePiece> free =
+      system::free_pieces(model.dofs().mesh(), model.discretisation().constraints(), c.springs);
+  if (free.empty()) return {};
+  const std::string what = list(free, model.dofs().mesh().triangle_count());
+  const bool drifts = std::any_of(free.begin(), free.end(), [](const auto& p) { return p.translations > 0; });
+  const bool moves = c.analysis == "dynamic" || c.analysis == "modal", contact = model.contact() != nullptr;
+  const bool linear = c.analysis == "linear" || c.analysis == "buckling";
+  if (linear || (!moves && drifts && !contact))
+    throw UserError(fmt::format(
+        "{}: [[support]]: {}; with analysis = \"{}\" {}: add supports that hold it{}", c.file.string(), what,
+        c.analysis, linear ? "the equations then have no unique solution" : "nothing ends a free translation",
+        drifts && !linear ? ", or let it fall with \"dynamic\" onto something with [contact]" : ""));
+  if (moves) return {what};
+  std::string remark = contact ? "only contact and loads can hold that"
+                               : "only loads can hold that, as the weight of a sheet that hangs does";
+  if (c.analysis == "static")
+    remark += "; where that has no stiffness at the start, \"drape\" finds the equilibrium sooner";
+  return {what + ": " + remark};
+}
+
+}  // namespace voile::setup

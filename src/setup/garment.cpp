@@ -1,0 +1,290 @@
+#include "garment.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+#include <set>
+
+#include "base/decompositions.hpp"
+#include "base/mpi.hpp"
+#include "base/petsc.hpp"
+#include "base/text.hpp"
+#include "imperfections.hpp"
+#include "landmarks.hpp"
+#include "mesh/weld.hpp"
+#include "mesh_transfer.hpp"
+#include "model_input.hpp"
+#include "panel_measures.hpp"
+#include "pattern/garment.hpp"
+#include "voile/errors.hpp"
+
+namespace voile::setup {
+
+namespace {
+
+/// What a panel is called in messages.
+std::string where_of(const input::Case& c, const input::PanelSection& s) {
+  const std::size_t number = static_cast<std::size_t>(&s - c.panels.data());
+  const std::string name = s.name.empty() ? fmt::format("number {}", number) : fmt::format("'{}'", s.name);
+  return fmt::format("{}: [[panel]] {}", c.file.string(), name);
+}
+
+/// The cylinder or cone that pieces are bent onto.
+std::optional<pattern::Wrap> wrap_of(const input::Case& c, const input::PanelSection& s, Landmarks& landmarks) {
+  if (!s.wrap_axis && !s.wrap_end) return std::nullopt;
+  const std::string where = where_of(c, s);
+  const Vec3 point = landmarks.place(s.wrap_point, where + " wrap_point");
+  const Vec3 end = s.wrap_end ? landmarks.place(*s.wrap_end, where + " wrap_end") : Vec3(point + *s.wrap_axis);
+  const Vec3 along = end - point;
+  if (!(along.norm() > 0.0))
+    throw UserError(fmt::format("{} wrap_end: it is where wrap_point is; name another point on the axis", where));
+  pattern::Wrap wrap{along.normalized(), point, s.wrap_radius, s.wrap_angle};
+  if (s.wrap_radii.empty()) return wrap;
+  wrap.half_angle = std::atan2(s.wrap_radii[1] - s.wrap_radii[0], along.norm());
+  wrap.radius = s.wrap_radii[0];
+  if (wrap.radius > 0.0) return wrap;
+  wrap.point = end;  // it begins at the apex
+  wrap.radius = s.wrap_radii[1];
+  return wrap;
+}
+
+/// Turns a panel about its origin until a direction in it is that of the axis.
+void turn_along(const input::Case& c, const input::PanelSection& s, pattern::Panel& p) {
+  using Along = input::PanelSection::Along;
+  if (s.wrap_along == Along::as_placed || !p.wrap) return;
+  const bool is_x = s.wrap_along == Along::x || s.wrap_along == Along::minus_x;
+  const bool is_against = s.wrap_along == Along::minus_x || s.wrap_along == Along::minus_y;
+  const Vec3 drawn = (is_against ? -1.0 : 1.0) * (is_x ? Vec3::UnitX() : Vec3::UnitY());
+  const Vec3 placed = p.turn * p.piece.rotation * drawn;
+  constexpr double opposite = 1e-6;
+  if ((placed + p.wrap->axis).norm() < opposite)
+    throw UserError(
+        fmt::format("{} wrap_along: piece '{}' would be turned by 180 degrees, any way round; turn it "
+                    "nearer to the axis with rotate, or name the opposite direction",
+                    where_of(c, s), p.piece.name));
+  const Mat3 turn = rotation_between(placed, p.wrap->axis) * p.turn;
+  p.shift += (p.turn - turn) * p.piece.translation;
+  p.turn = turn;
+}
+
+pattern::Panel panel_of(const input::Case& c, const input::PanelSection& s, const pattern::Pattern& from,
+                        pattern::Piece piece, Landmarks& landmarks) {
+  pattern::Panel p;
+  p.file = from.file.string();
+  p.size = s.size;
+  p.turn = s.placement.rotation();
+  p.shift = landmarks.place(s.origin, where_of(c, s) + " origin") + s.placement.translate;
+  p.wrap = wrap_of(c, s, landmarks);
+  if (!s.grain.empty()) piece.grain = Vec2(s.grain[0], s.grain[1]).normalized();
+  if (s.mirror && piece.bent)
+    throw UserError(
+        fmt::format("{} mirror: piece '{}' is bent where its file has it, and its mirror image has no place; "
+                    "remove the key, or lay the piece flat in the file",
+                    where_of(c, s), piece.name));
+  if (s.mirror) {
+    const Mat2 mirror = Vec2(-1.0, 1.0).asDiagonal();
+    for (pattern::Edge& e : piece.edges) e.curve = e.curve.mapped(mirror, Vec2::Zero());
+    piece.grain = mirror * piece.grain;
+  }
+  if (!s.name.empty()) piece.name = s.name;
+  p.piece = std::move(piece);
+  turn_along(c, s, p);
+  if (p.wrap) p.shift += s.wrap_shift * p.wrap->axis;
+  return p;
+}
+
+/// What one [[panel]] section takes from its file.
+struct Cut {
+  const input::PanelSection* section;
+  pattern::Pattern from;
+
+  /// Name of the edge in the garment; nothing if its piece is not in this section.
+  [[nodiscard]] std::optional<std::string> edge(const pattern::StitchEnd& e) const {
+    const auto is_it = [&](const pattern::Piece& p) { return p.name == e.piece; };
+    if (std::none_of(from.pieces.begin(), from.pieces.end(), is_it)) return std::nullopt;
+    return fmt::format("{}/{}", section->name.empty() ? e.piece : section->name, e.edge);
+  }
+  /// Whether a piece of the garment is one of these.
+  [[nodiscard]] bool holds(const std::string& name) const {
+    if (!section->name.empty()) return section->name == name;
+    return std::any_of(from.pieces.begin(), from.pieces.end(), [&](const pattern::Piece& p) { return p.name == name; });
+  }
+};
+
+Cut read_panels(const input::PanelSection& s, bool allow_system_call) {
+  Cut cut{&s, pattern::read_pattern(s.file, {s.unit, s.euler == input::PanelSection::Euler::xyz, s.pieces, s.unfold,
+                                             s.texture_unit, s.parameters, allow_system_call})};
+  if (!s.name.empty() && cut.from.pieces.size() != 1)
+    throw UserError(
+        fmt::format("{}: [[panel]] name = \"{}\" is for one piece, but there are {}; name one with the key "
+                    "pieces",
+                    s.file.string(), s.name, cut.from.pieces.size()));
+  return cut;
+}
+
+/// Edges of the garment that one side of a stitch is: of all sections of the file.
+std::vector<std::string> edges_of(const std::vector<Cut>& cuts, const Cut& here, const pattern::StitchEnd& end) {
+  std::vector<std::string> found;
+  for (const Cut& c : cuts)
+    if (c.section->stitches && c.section->file == here.section->file)
+      if (const auto edge = c.edge(end)) found.push_back(*edge);
+  return found;
+}
+
+/// Whether both sides of a stitch between sections are one edge each; says if not.
+bool joins(const pattern::Stitch& stitch, const std::array<std::vector<std::string>, 2>& edges, const Cut& here,
+           std::vector<std::string>& notes) {
+  for (std::size_t i = 0; i < 2; ++i) {
+    if (edges[i].size() == 1) continue;
+    const pattern::StitchEnd& end = stitch.sides[i];
+    notes.push_back(
+        fmt::format("{}: stitch {} joins edge {} of piece '{}', which {}: it is no seam; name one by [[seam]]",
+                    here.section->file.string(), stitch.number, end.edge, end.piece,
+                    edges[i].empty() ? "no [[panel]] with stitches cuts" : "several [[panel]] sections cut"));
+    return false;
+  }
+  return true;
+}
+
+/// Seams of the stitches of one section, and of those between it and others, unless an earlier one knows them.
+void add_stitches(const std::vector<Cut>& cuts, const Cut& here, std::set<std::string>& known,
+                  std::vector<pattern::SeamRequest>& seams, std::vector<std::string>& notes) {
+  for (const pattern::Stitch& stitch : here.from.stitches) {
+    pattern::SeamRequest r;
+    r.where = fmt::format("{}: stitch {}", here.section->file.string(), stitch.number);
+    r.sense = stitch.sense;
+    const std::optional<std::string> first = here.edge(stitch.sides[0]), second = here.edge(stitch.sides[1]);
+    if (first && second) {
+      r.edges = {*first};
+      r.to = {*second};
+    } else {
+      if (!known.insert(r.where).second) continue;
+      const std::array edges{edges_of(cuts, here, stitch.sides[0]), edges_of(cuts, here, stitch.sides[1])};
+      if (!joins(stitch, edges, here, notes)) continue;
+      r.edges = edges[0];
+      r.to = edges[1];
+    }
+    seams.push_back(std::move(r));
+  }
+}
+
+/// Seams that are never sewn would only switch off contact between their sides.
+void keep_sewn(const input::Case& c, mesh::MeshData& mesh) {
+  std::vector<std::string> known, sewn;
+  for (const mesh::Seam& seam : mesh.seams) known.push_back(seam.name);
+  for (const input::Case& stage : c.stages)
+    for (const std::string& name : stage.stage.sew) {
+      if (name != "all" && std::find(known.begin(), known.end(), name) == known.end())
+        throw UserError(fmt::format("{}: [[stage]] '{}' sew: there is no seam '{}':{}", c.file.string(),
+                                    stage.stage.name, name, suggestion(name, known)));
+      if (std::find(sewn.begin(), sewn.end(), name) != sewn.end())
+        throw UserError(fmt::format("{}: [[stage]] '{}' sew: '{}' is sewn in a stage before; name it once",
+                                    c.file.string(), stage.stage.name, name));
+      sewn.push_back(name);
+    }
+  if (std::find(sewn.begin(), sewn.end(), "all") != sewn.end()) return;
+  const auto is_sewn = [&](const mesh::Seam& s) { return std::find(sewn.begin(), sewn.end(), s.name) != sewn.end(); };
+  const auto is_left = [&](const mesh::Seam& s) { return !is_sewn(s); };
+  std::erase_if(mesh.groups, [&](const mesh::Group& g) {
+    return std::any_of(mesh.seams.begin(), mesh.seams.end(),
+                       [&](const mesh::Seam& s) { return is_left(s) && g.name == mesh::seam_group(s.name); });
+  });
+  const auto left = std::erase_if(mesh.seams, is_left);
+  if (left > 0)
+    mesh.notes.push_back(
+        fmt::format("{} of {} seams stay open: no [[stage]] has them in its key sew", left, known.size()));
+}
+
+/// Marks are where the file draws them, also in a piece that is cut from its mirror image.
+std::vector<pattern::MarkRequest> marks_of(const input::Case& c, const std::vector<Cut>& cuts) {
+  std::vector<pattern::MarkRequest> marks;
+  for (const input::MarkSection& s : c.marks) {
+    pattern::MarkRequest m{s.name, fmt::format("{}: [[mark]] '{}'", c.file.string(), s.name), s.point, s.panel};
+    if (s.at.size() == 2) m.at = Vec2(s.at[0], s.at[1]);
+    for (const Cut& cut : cuts)
+      if (cut.section->mirror && cut.holds(s.panel)) m.at[0] = -m.at[0];
+    marks.push_back(std::move(m));
+  }
+  return marks;
+}
+
+/// On rank 0.
+pattern::Garment garment_of(const input::Case& c) {
+  std::vector<pattern::Panel> panels;
+  std::vector<pattern::SeamRequest> requests;
+  std::vector<std::string> notes;
+  std::vector<Cut> cuts;
+  Landmarks landmarks(c);
+  for (const input::PanelSection& section : c.panels) {
+    const Cut& cut = cuts.emplace_back(read_panels(section, c.mesh.options.allow_system_call));
+    notes.insert(notes.end(), cut.from.notes.begin(), cut.from.notes.end());
+    for (const pattern::Piece& piece : cut.from.pieces)
+      panels.push_back(panel_of(c, section, cut.from, piece, landmarks));
+  }
+  notes.insert(notes.end(), landmarks.notes().begin(), landmarks.notes().end());
+  std::set<std::string> known;
+  for (const Cut& cut : cuts)
+    if (cut.section->stitches) add_stitches(cuts, cut, known, requests, notes);
+  for (std::size_t k = 0; k < c.seams.size(); ++k) {
+    const input::SeamSection& s = c.seams[k];
+    const std::string which = s.name.empty() ? fmt::format("number {}", k) : s.name;
+    pattern::SeamRequest r{s.name, fmt::format("{}: [[seam]] {}", c.file.string(), which), s.edges, s.to, s.meet};
+    requests.push_back(std::move(r));
+  }
+  pattern::Garment garment = pattern::make_garment(std::move(panels), requests, marks_of(c, cuts));
+  garment.mesh.notes.insert(garment.mesh.notes.begin(), notes.begin(), notes.end());
+  return garment;
+}
+
+/// The model would tell of the mesh only, where the mistake is in the case.
+void check_attached_groups(const input::Case& stage, const mesh::SurfaceMesh& mesh) {
+  std::vector<std::string> known;
+  for (const mesh::Group& g : mesh.groups()) known.push_back(g.name);
+  for (std::size_t i = 0; i < stage.attachments.size(); ++i)
+    for (const std::string& name : stage.attachments[i].groups)
+      if (!contains(known, name))
+        throw UserError(fmt::format("{}: [[attachment]] number {} groups: there is no group '{}' in {}:{}",
+                                    stage.file.string(), stage.is_staged() ? stage.stage.attachments[i] : i, name,
+                                    mesh.source(), suggestion(name, known)));
+}
+
+mesh::SurfaceMesh mesh_of(MPI_Comm comm, const input::Case& c) {
+  if (c.panels.empty()) return load_mesh(comm, c.mesh.file, c.mesh.options);
+  mesh::MeshData data;
+  mpi::on_root(comm, [&] {
+    data = garment_of(c).mesh;
+    keep_sewn(c, data);
+  });
+  broadcast_mesh(comm, data);
+  return mesh::SurfaceMesh(std::move(data));
+}
+
+}  // namespace
+
+mesh::SurfaceMesh case_mesh(MPI_Comm comm, const input::Case& c) {
+  mesh::SurfaceMesh mesh = with_imperfections(comm, c, mesh_of(comm, c));
+  check_attached_groups(c, mesh);
+  for (const input::Case& stage : c.stages) check_attached_groups(stage, mesh);
+  return mesh;
+}
+
+std::string garment_report(MPI_Comm comm, const input::Case& c) {
+  std::string text;
+  if (c.panels.empty()) return text;
+  mpi::on_root(comm, [&] {
+    const pattern::Garment garment = garment_of(c);
+    std::vector<double> densities, allowances;
+    for (const PanelMeasures& p : measure_panels(mesh::SurfaceMesh(garment.mesh), c.materials, seam_rules(c))) {
+      densities.push_back(p.mass / (p.area + p.allowance));
+      allowances.push_back(p.allowance);
+    }
+    text = pattern::garment_text(garment, densities, allowances);
+  });
+  return text;
+}
+
+}  // namespace voile::setup

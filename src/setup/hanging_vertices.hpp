@@ -1,0 +1,17 @@
+// Vertices that lie on a sheet without being a part of its triangles there, where sheets end on each other.
+#pragma once
+
+#include "mesh/surface_mesh.hpp"
+
+namespace voile::setup {
+
+struct HangingVertices {
+  Index count = 0;
+  Vec3 place = Vec3::Zero();  ///< of one of them [m]
+};
+
+/// Vertices on a boundary within `tolerance` [m] of a triangle, and others within it of a boundary edge, that is not theirs and has
+/// no corner at their place. Not collective.
+[[nodiscard]] HangingVertices find_hanging(const mesh::MeshData& data, double tolerance);
+
+}  // namespace voile::setup

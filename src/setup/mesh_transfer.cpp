@@ -1,0 +1,100 @@
+// Rank 0 reads or makes a mesh, every rank receives the whole surface.
+#include "mesh_transfer.hpp"
+
+#include <fmt/format.h>
+
+#include "base/mpi.hpp"
+#include "base/petsc.hpp"
+#include "io/mesh_file.hpp"
+#include "mesh/coincident.hpp"
+#include "mesh/panels.hpp"
+
+namespace voile::setup {
+
+namespace {
+
+void broadcast_groups(MPI_Comm comm, std::vector<mesh::Group>& groups) {
+  std::vector<Index> count{static_cast<Index>(groups.size())};
+  mpi::broadcast(comm, count);
+  groups.resize(static_cast<std::size_t>(count[0]));
+  for (mesh::Group& g : groups) {
+    mpi::broadcast(comm, g.name);
+    std::vector<Index> segments{g.dimension};
+    for (const mesh::Segment& s : g.segments) segments.insert(segments.end(), s.begin(), s.end());
+    mpi::broadcast(comm, segments);
+    mpi::broadcast(comm, g.vertices);
+    mpi::broadcast(comm, g.triangles);
+    g.dimension = segments[0];
+    g.segments.clear();
+    for (std::size_t i = 1; i < segments.size(); i += 2) g.segments.push_back({segments[i], segments[i + 1]});
+  }
+}
+
+void broadcast_seams(MPI_Comm comm, std::vector<mesh::Seam>& seams) {
+  std::vector<Index> count{static_cast<Index>(seams.size())};
+  mpi::broadcast(comm, count);
+  seams.resize(static_cast<std::size_t>(count[0]));
+  for (mesh::Seam& seam : seams) {
+    std::vector<Index> members;
+    for (const auto& pair : seam.pairs) members.insert(members.end(), pair.begin(), pair.end());
+    mpi::broadcast(comm, seam.name);
+    mpi::broadcast(comm, members);
+    mpi::broadcast(comm, seam.lengths);
+    seam.pairs.resize(seam.lengths.size());
+    for (std::size_t k = 0; k < seam.pairs.size(); ++k) seam.pairs[k] = {members[2 * k], members[2 * k + 1]};
+  }
+}
+
+}  // namespace
+
+void broadcast_mesh(MPI_Comm comm, mesh::MeshData& data) {
+  std::vector<double> coordinates;
+  std::vector<Index> corners;
+  for (const Vec3& x : data.positions) coordinates.insert(coordinates.end(), x.begin(), x.end());
+  for (const mesh::Triangle& t : data.triangles) corners.insert(corners.end(), t.begin(), t.end());
+  mpi::broadcast(comm, data.source);
+  mpi::broadcast(comm, coordinates);
+  mpi::broadcast(comm, corners);
+  mpi::broadcast(comm, data.vertex_tags);
+  mpi::broadcast(comm, data.triangle_tags);
+  std::vector<double> texture;
+  for (const auto& corners_of : data.texture)
+    for (const Vec2& uv : corners_of) texture.insert(texture.end(), {uv[0], uv[1]});
+  mpi::broadcast(comm, texture);
+  data.texture.resize(texture.size() / 6);
+  for (std::size_t i = 0; i < texture.size(); i += 2) data.texture[i / 6][i / 2 % 3] = {texture[i], texture[i + 1]};
+  std::vector<double> rest;
+  for (const auto& corners_of : data.rest)
+    for (const Vec3& x : corners_of) rest.insert(rest.end(), x.begin(), x.end());
+  mpi::broadcast(comm, rest);
+  data.rest.resize(rest.size() / 9);
+  for (std::size_t i = 0; i < rest.size(); i += 3) data.rest[i / 9][i / 3 % 3] = Eigen::Map<Vec3>(&rest[i]);
+  broadcast_groups(comm, data.groups);
+  broadcast_seams(comm, data.seams);
+  data.positions.resize(coordinates.size() / 3);
+  data.triangles.resize(corners.size() / 3);
+  for (std::size_t v = 0; v < data.positions.size(); ++v) data.positions[v] = Eigen::Map<Vec3>(&coordinates[3 * v]);
+  for (std::size_t t = 0; t < data.triangles.size(); ++t)
+    data.triangles[t] = {corners[3 * t], corners[3 * t + 1], corners[3 * t + 2]};
+}
+
+mesh::SurfaceMesh load_mesh(MPI_Comm comm, const std::filesystem::path& file, const io::MeshOptions& options) {
+  mesh::MeshData data;
+  mpi::on_root(comm, [&] {
+    data = io::read_mesh(file.string(), options);
+    if (!options.merge) return;
+    const double given = options.merge_tolerance;
+    const double tolerance = given > 0.0 ? given : mesh::default_merge_tolerance(data);
+    const Index gone = mesh::merge_coincident(data, tolerance);
+    data.notes.push_back(fmt::format("{} vertices were merged with others at the same place", gone));
+  });
+  broadcast_mesh(comm, data);
+  // The same data give the same verdict on every rank, so this throws everywhere or nowhere.
+  const bool panels = options.rest == io::RestShape::texture;
+  if (panels) mesh::take_rest_from_texture(data, options.texture_unit);
+  mesh::SurfaceMesh mesh(std::move(data));
+  if (panels) mesh::check_panels(mesh);
+  return mesh;
+}
+
+}  // namespace voile::setup

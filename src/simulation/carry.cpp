@@ -1,0 +1,132 @@
+#include "carry.hpp"
+
+#include <array>
+
+#include "base/mpi.hpp"
+#include "system/contact.hpp"
+#include "voile/errors.hpp"
+
+namespace voile::simulation {
+
+namespace {
+
+/// The vectors of a state whose unknowns of rigid bodies are kept, in this order; each may be null.
+std::array<Vec, 4> vectors_of(const system::State& s) {
+  return {s.u, s.v, s.a, s.previous};
+}
+
+std::vector<double> bodies_of(const system::State& s, const system::Dofs& dofs) {
+  std::vector<double> all;
+  for (Vec v : vectors_of(s)) {
+    const std::vector<double> own = v ? dofs.gather_bodies(v) : std::vector<double>(dofs.body_unknowns(), 0.0);
+    all.insert(all.end(), own.begin(), own.end());
+  }
+  return mpi::rank(dofs.comm()) == 0 ? all : std::vector<double>{};
+}
+
+void take_bodies(const io::Checkpoint& c, const system::Dofs& dofs, const system::State& s) {
+  const std::size_t each = dofs.body_unknowns();
+  if (each == 0) return;
+  const double found = mpi::max(dofs.comm(), static_cast<double>(c.bodies.size()));
+  const bool begins = mpi::max(dofs.comm(), c.displacement.empty() ? 0.0 : 1.0) == 0.0;
+  if (!begins && found != static_cast<double>(4 * each))
+    throw UserError(
+        "the state to continue from has other [[rigid]] groups than the case; give the same ones, and a checkpoint.h5");
+  if (begins) {  // with the velocities that the case gives
+    std::vector<double> rates;
+    if (!c.velocity.empty()) rates = dofs.body_rates(c.velocity);
+    if (s.v) dofs.scatter_bodies(rates, s.v);
+    return;
+  }
+  const std::array<Vec, 4> vectors = vectors_of(s);
+  for (std::size_t k = 0; k < vectors.size(); ++k) {
+    std::vector<double> own;
+    if (!c.bodies.empty()) own.assign(&c.bodies[k * each], &c.bodies[k * each] + each);
+    if (vectors[k]) dofs.scatter_bodies(own, vectors[k]);
+  }
+}
+
+}  // namespace
+
+io::Checkpoint gather(const system::State& s, const system::Model& model) {
+  const auto values = [&](Vec v) { return v ? model.dofs().gather(v) : std::vector<double>{}; };
+  const auto changes = [&](Vec v) { return v ? model.dofs().gather_change(v) : std::vector<double>{}; };
+  io::Checkpoint c;
+  c.step = s.step;
+  c.time = s.time;
+  c.next_step = s.next_step;
+  c.load_factor = s.load_factor;
+  c.in_equilibrium = s.in_equilibrium;
+  c.displacement = values(s.u);
+  c.velocity = changes(s.v);
+  c.acceleration = changes(s.a);
+  c.previous = values(s.previous);
+  if (!model.dofs().motions().empty()) c.bodies = bodies_of(s, model.dofs());
+  c.contact_gaps = s.contact.gaps;
+  c.contact_start = s.contact.start;
+  c.yielding = s.contact.yielding;
+  c.anchors = system::numbers_of(s.anchors);
+  c.energy_balance = system::numbers_of(s.balance);
+  c.path = system::numbers_of(s.path);
+  c.remeshings = s.remeshings.count;
+  c.too_long = s.remeshings.too_long;
+  c.too_short = s.remeshings.too_short;
+  c.remeshing_wait = s.remeshings.wait;
+  c.remeshing_step = s.remeshings.next_step;
+  c.positive_tangents = s.solver.positive_tangents;
+  c.factors_left = s.solver.factors_left;
+  c.wait = s.solver.wait;
+  c.slips = model.potential().slips();
+  return c;
+}
+
+system::State scatter(const io::Checkpoint& c, const system::Dofs& dofs) {
+  system::State s;
+  s.step = c.step;
+  s.time = c.time;
+  s.next_step = c.next_step;
+  s.load_factor = c.load_factor;
+  s.in_equilibrium = c.in_equilibrium;
+  s.contact = {c.contact_gaps, c.contact_start, c.yielding};
+  s.anchors = system::anchors_of(c.anchors);
+  s.balance = system::balance_of(c.energy_balance);
+  s.path = system::path_of(c.path);
+  s.remeshings = {c.remeshings, c.too_long, c.too_short, c.remeshing_wait, c.remeshing_step};
+  s.solver = {c.positive_tangents, c.factors_left, c.wait};
+  s.u = dofs.create_vector();
+  const auto take = [&](const std::vector<double>& values, petsc::VecHandle& to) {
+    if (mpi::max(dofs.comm(), values.empty() ? 0.0 : 1.0) == 0.0) return;
+    if (!to) to = dofs.create_vector();
+    dofs.scatter(values, to);
+  };
+  take(c.displacement, s.u);
+  take(c.velocity, s.v);
+  take(c.acceleration, s.a);
+  take(c.previous, s.previous);
+  take_bodies(c, dofs, s);
+  return s;
+}
+
+Checkpoints::Checkpoints(const input::Case& c, const std::filesystem::path& folder)
+    : every_(c.analysis == "dynamic" ? c.time.checkpoint_steps : 0),
+      minutes_(c.time.checkpoint_minutes),
+      file_(folder.empty() ? folder : folder / "checkpoint.h5") {}
+
+void Checkpoints::after_step(const system::State& s, const system::Model& model, bool asked) {
+  if (file_.empty()) return;
+  const double minutes = std::chrono::duration<double>(Clock::now() - last_).count() / 60.0;
+  const bool by_time = minutes_ > 0.0 && minutes >= minutes_;
+  const bool by_step = every_ > 0 && s.step % every_ == 0;
+  const bool due = mpi::max(model.dofs().comm(), by_time ? 1.0 : 0.0) > 0.0;  // clocks differ between ranks
+  if (due || by_step || asked) write(s, model);
+}
+
+void Checkpoints::write(const system::State& s, const system::Model& model) {
+  if (file_.empty()) return;
+  io::Checkpoint c = gather(s, model);
+  c.couplings = model.couplings();
+  mpi::on_root(model.dofs().comm(), [&] { io::write_checkpoint(file_, c, model.dofs().mesh()); });
+  last_ = Clock::now();
+}
+
+}  // namespace voile::simulation

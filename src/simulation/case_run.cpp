@@ -1,0 +1,155 @@
+// Read, build, and one stage after another.
+#include "case_run.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "base/mpi.hpp"
+#include "contact_start.hpp"
+#include "record/probes.hpp"
+#include "record/report.hpp"
+#include "remesher.hpp"
+#include "restart.hpp"
+#include "setup/garment.hpp"
+#include "setup/group_names.hpp"
+#include "setup/start_supports.hpp"
+#include "sewing.hpp"
+#include "system/contact.hpp"
+#include "voile/errors.hpp"
+#include "weld_settle.hpp"
+
+namespace voile::simulation {
+
+namespace {
+
+using Mesh = std::shared_ptr<const mesh::SurfaceMesh>;
+
+/// The mesh of the case. Collective. Throws UserError.
+Mesh load_case_mesh(MPI_Comm comm, const input::Case& c) {
+  mesh::SurfaceMesh mesh = setup::case_mesh(comm, c);
+  setup::check_group_names(c, mesh);
+  const auto remeshes = [](const input::Case& one) { return one.remesh.active || !one.stage.sew.empty(); };
+  if (!remeshes(c) && std::none_of(c.stages.begin(), c.stages.end(), remeshes))
+    return std::make_shared<const mesh::SurfaceMesh>(std::move(mesh));
+  mesh::MeshData data = mesh.data();
+  name_probes(c, data);
+  return std::make_shared<const mesh::SurfaceMesh>(std::move(data));
+}
+
+/// The first epoch of a stage, with a start that contact allows.
+std::unique_ptr<Epoch> open_epoch(const Stage& stage, const mesh::SurfaceMesh& mesh, const io::Checkpoint& state,
+                                  bool is_first) {
+  check_remesh(stage.options.comm, stage.c, mesh);
+  auto epoch = std::make_unique<Epoch>(stage.options.comm, stage.c, mesh, stage.input, stage.frozen, state);
+  (void)record::Probes(stage.c, epoch->model());  // what is wrong with them must show before old results go
+  record::report_model(stage.c, stage.options, epoch->model(), is_first);
+  return epoch;
+}
+
+void settle_contact_start(const Stage& stage, Epoch& epoch, Origin origin) {
+  system::Contact* contact = epoch.model().contact();
+  if (!contact) return;
+  contact->restore(epoch.state().contact);
+  settle_start(stage.c, stage.options, *contact, epoch.state().u, epoch.state().time, origin == Origin::nothing);
+}
+
+}  // namespace
+
+CaseRun::CaseRun(const input::Case& c, const record::RunOptions& options)
+    : case_(c), options_(options), mesh_(load_case_mesh(options.comm, c)) {
+  const Mesh first = mesh_;
+  stages_ = stages_of(case_, options_);
+  for (Stage& stage : stages_) stage.input.seams = system::with_gather_widths(std::move(stage.input.seams), *first);
+  if (options_.obstacles)
+    for (Stage& stage : stages_)
+      for (contact::Obstacle& o : stage.input.contact.obstacles) options_.obstacles->take(o);
+  origin_ = begin_from(case_, options_, stages_);
+  meshes_ = stage_meshes(stages_, first);
+  for (std::size_t k = 1; k < stages_.size(); ++k) check_stage(stages_[k], *meshes_[k]);
+  // Whatever is wrong with a restart must show before old results in the output folder go.
+  mesh_ = mesh_of_start(stages_.front().c, options_, first);
+  state_ = read_start(stages_.front().c, options_, *mesh_, origin_);
+  if (mesh_ != first) state_.remeshings = std::max(state_.remeshings, 1);
+  open_stage(0);
+  go_on();
+}
+
+void CaseRun::open_stage(std::size_t number) {
+  const Stage& stage = stages_[number];
+  const std::vector<std::string> welded = weld_before(stage, origin_, mesh_, state_);
+  enter_stage(options_.comm, stage.c, *mesh_, origin_, state_);
+  std::unique_ptr<Epoch> epoch = open_epoch(stage, *mesh_, state_, number == 0);
+  if (number == 0 && origin_ == Origin::nothing) setup::check_start_supports(stage.c, epoch->model(), epoch->state().u);
+  mpi::on_root(options_.comm, [&] {
+    if (options_.output.empty()) return;
+    if (!folder_) folder_.emplace(case_, options_);
+    if (stage.c.is_staged()) folder_->add(stage.c);
+  });
+  settle_contact_start(stage, *epoch, origin_);
+  const std::string unfolded = settle_weld(*epoch, welded, stage.c.dynamics);
+  if (!unfolded.empty() && options_.verbosity != record::Verbosity::quiet)
+    mpi::on_root(options_.comm, [&] { fmt::print("{}\n", unfolded); });
+  number_ = number;
+  stage_ = std::make_unique<StageRun>(stage, StageRun::Start{std::move(epoch), mesh_, meshes_[number], origin_});
+  stage_->begin();
+}
+
+solve::StepResult CaseRun::advance(double until) {
+  solve::StepResult r = stage_->advance(until);
+  go_on();
+  return r;
+}
+
+/// From stages that are done to the next one. The last one stays open, so that its end can be left again.
+void CaseRun::go_on() {
+  while (stage_->done() && number_ + 1 < stages_.size() && summaries_.size() == number_) {
+    end_stage();
+    if (!summaries_.back().second.converged) return;
+    origin_ = Origin::stage;
+    stage_.reset();
+    open_stage(number_ + 1);
+  }
+}
+
+void CaseRun::end_stage() {
+  summaries_.emplace_back(stages_[number_].c.stage.name, stage_->end());
+  mesh_ = stage_->mesh();
+  state_ = gather(stage_->epoch().state(), stage_->epoch().model());
+}
+
+bool CaseRun::finished() const {
+  return stage_->done();
+}
+
+Exit CaseRun::finish() {
+  if (summaries_.size() == number_) end_stage();
+  if (!case_.stages.empty() && !options_.output.empty())
+    mpi::on_root(options_.comm, [&] { record::write_stages(options_.output, summaries_, stages_.size()); });
+  const bool done = summaries_.size() == stages_.size() && summaries_.back().second.converged;
+  if (!done) return Exit::not_converged;
+  return summaries_.back().second.unstable ? Exit::unstable : Exit::done;
+}
+
+CaseRun::Saved CaseRun::save() const {
+  return {number_, stage_->save(),
+          options_.obstacles ? options_.obstacles->tracks() : setup::DrivenObstacles::Tracks{}};
+}
+
+void CaseRun::restore(const Saved& saved) {
+  if (!options_.output.empty())
+    throw UserError(
+        "a simulation that writes its results cannot go back to an earlier state: what is written stays; leave the "
+        "output "
+        "folder out");
+  if (saved.stage != number_)
+    throw UserError(
+        fmt::format("the state was saved in stage '{}', and the simulation is in stage '{}'; save states of the "
+                    "stage that is in force",
+                    stages_[saved.stage].c.stage.name, stages_[number_].c.stage.name));
+  if (options_.obstacles) options_.obstacles->restore(saved.obstacles);
+  summaries_.resize(number_);
+  stage_->restore(saved.state);
+}
+
+}  // namespace voile::simulation

@@ -1,0 +1,235 @@
+#include "restart.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+#include "base/mpi.hpp"
+#include "io/mesh_file.hpp"
+#include "io/stored_step.hpp"
+#include "remesher.hpp"
+#include "setup/mesh_transfer.hpp"
+#include "voile/errors.hpp"
+
+namespace voile::simulation {
+
+namespace {
+
+/// What --restart names. Rank 0 only.
+io::Checkpoint read_any(const input::Case& wanted, const record::RunOptions& options, const mesh::SurfaceMesh& mesh) {
+  if (!io::is_results(options.restart)) return io::read_checkpoint(options.restart, mesh);
+  if (std::any_of(wanted.materials.begin(), wanted.materials.end(),
+                  [](const energy::Material& m) { return !m.friction.sliders.empty(); }))
+    throw UserError(
+        fmt::format("--restart {}: results do not hold the slips of friction inside the fabric; restart from the "
+                    "checkpoint.h5 beside them",
+                    options.restart.string()));
+  io::StoredStep stored = io::read_step(options.restart, options.restart_step, mesh);
+  const bool shape_only = stored.in_motion && stored.velocity.empty();
+  // A motion would begin anew at time 0, and what moves jump back to where it was then.
+  if (shape_only && wanted.analysis == "dynamic")
+    throw UserError(
+        fmt::format("--restart {}: its step {} is of a motion, but `velocity` is not among the fields; use a "
+                    "checkpoint.h5, or results of a run with `velocity` in [output] fields",
+                    options.restart.string(), stored.step));
+  io::Checkpoint c;
+  c.step = shape_only ? 0 : stored.step;
+  c.load_factor = stored.load_factor;
+  c.displacement = std::move(stored.displacement);
+  if (!shape_only) c.previous = std::move(stored.previous);
+  c.in_equilibrium = !stored.in_motion;
+  c.time = stored.time;
+  c.velocity = std::move(stored.velocity);
+  return c;
+}
+
+/// Throws UserError if a state cannot be one of this mesh: what overflows later would be blamed on the solver.
+void check_size(const record::RunOptions& options, const io::Checkpoint& s, const mesh::SurfaceMesh& mesh) {
+  constexpr double most = 1e6;          // displacements by the size of the mesh
+  constexpr double most_per_s = 1e12;   // velocities
+  constexpr double most_per_s2 = 1e18;  // accelerations
+  const auto check = [&](const char* name, const char* unit, const std::vector<double>& values, double factor) {
+    for (std::size_t i = 0; i < values.size(); ++i)
+      if (!(std::abs(values[i]) <= factor * mesh.extent()))
+        throw UserError(
+            fmt::format("--restart {}: the {} of vertex {} is {:.3g} {}, larger than any of a mesh of {:.3g} m can be; "
+                        "use another step or checkpoint",
+                        options.restart.string(), name, i / 3, values[i], unit, mesh.extent()));
+  };
+  check("displacement", "m", s.displacement, most);
+  check("displacement", "m", s.previous, most);
+  check("velocity", "m/s", s.velocity, most_per_s);
+  check("acceleration", "m/s^2", s.acceleration, most_per_s2);
+}
+
+/// What of a state the analysis goes on with. Rank 0 only.
+void begin_anew(const input::Case& c, io::Checkpoint& s) {
+  const bool moves = !s.velocity.empty(), in_time = c.analysis == "dynamic";
+  if (moves != in_time) {
+    s.step = s.remeshing_wait = s.remeshing_step = 0;
+    s.time = s.next_step = 0.0;
+    s.positive_tangents = s.factors_left = s.wait = 0;
+    s.acceleration.clear();
+    s.velocity.clear();
+    s.energy_balance.clear();
+  }
+  if (moves || in_time || c.analysis == "drape") s.previous.clear();
+  if (s.previous.empty()) s.path.clear();
+  if (!s.path.empty()) s.path.front() = 0.0;  // `max_steps` counts anew
+  if (c.analysis != "drape") return;
+  s.step = s.remeshing_wait = s.remeshing_step = 0;
+  s.load_factor = 0.0;
+}
+
+/// v + omega x (x - c) at the vertices of each group; where groups overlap the last one counts. Rank 0 only.
+std::vector<double> initial_velocities(const input::Case& c, const mesh::SurfaceMesh& mesh) {
+  std::vector<double> velocity;
+  if (c.initial_velocities.empty()) return velocity;
+  velocity.resize(3 * static_cast<std::size_t>(mesh.vertex_count()), 0.0);
+  const auto set = [&](const input::InitialVelocity& given, Index v) {
+    const Vec3 at = given.velocity + given.angular_velocity.cross(mesh.positions()[v] - given.centre);
+    Eigen::Map<Vec3>(velocity.data() + 3 * static_cast<std::size_t>(v)) = at;
+  };
+  for (const input::InitialVelocity& given : c.initial_velocities) {
+    if (given.group.empty())
+      for (Index v = 0; v < mesh.vertex_count(); ++v) set(given, v);
+    else
+      for (const Index v : mesh.group(given.group).vertices) set(given, v);
+  }
+  return velocity;
+}
+
+/// The vertices of a triangle whichever way it goes round.
+mesh::Triangle ascending(mesh::Triangle t) {
+  std::sort(t.begin(), t.end());
+  return t;
+}
+
+/// Rank 0 only.
+std::vector<double> read_shape(const input::Case& c, const mesh::SurfaceMesh& mesh) {
+  const mesh::MeshData start = io::read_mesh(c.mesh.start.string(), c.mesh.options);
+  const auto other = [&](const std::string& what) {
+    return UserError(
+        fmt::format("{}: [mesh] start: {}; a start has the same vertices and triangles, in the same order, "
+                    "as {}",
+                    c.mesh.start.string(), what, c.mesh.file.string()));
+  };
+  const auto& rest = mesh.positions();
+  if (start.positions.size() != rest.size() || start.triangles.size() != mesh.triangles().size())
+    throw other(fmt::format("{} vertices and {} triangles instead of {} and {}", start.positions.size(),
+                            start.triangles.size(), rest.size(), mesh.triangles().size()));
+  for (std::size_t t = 0; t < start.triangles.size(); ++t)
+    if (ascending(start.triangles[t]) != ascending(mesh.triangles()[t]))
+      throw other(fmt::format("its triangle {} joins other vertices", t + 1));
+  std::vector<double> u;
+  for (std::size_t v = 0; v < rest.size(); ++v)
+    for (int k = 0; k < 3; ++k) u.push_back(start.positions[v][k] - rest[v][k]);
+  return u;
+}
+
+/// The mesh of what --restart names; empty if it is `first` or has to be. Rank 0 only.
+mesh::MeshData stored_mesh(const input::Case& c, const record::RunOptions& options, const mesh::SurfaceMesh& first) {
+  if (!io::is_results(options.restart)) return io::read_checkpoint_mesh(options.restart);
+  // Without remeshing another mesh is a mistake, unless it was remeshing that made it.
+  if (!c.remesh.active && c.panels.empty() && !io::is_remeshed(options.restart, options.restart_step)) return {};
+  mesh::MeshData stored = io::read_step_mesh(options.restart, options.restart_step);
+  const bool is_first = stored.triangles == first.triangles() && stored.positions == first.positions();
+  return is_first ? mesh::MeshData{} : stored;
+}
+
+}  // namespace
+
+std::vector<double> start_shape(MPI_Comm comm, const input::Case& c, const mesh::SurfaceMesh& mesh) {
+  std::vector<double> u;
+  if (!c.mesh.start.empty()) mpi::on_root(comm, [&] { u = read_shape(c, mesh); });
+  return u;
+}
+
+std::shared_ptr<const mesh::SurfaceMesh> mesh_of_start(const input::Case& c, const record::RunOptions& options,
+                                                       std::shared_ptr<const mesh::SurfaceMesh> first) {
+  if (options.restart.empty()) return first;
+  mesh::MeshData data;
+  mpi::on_root(options.comm, [&] {
+    data = stored_mesh(c, options, *first);
+    if (!data.triangles.empty()) rename_probes(c, *first, data);
+  });
+  setup::broadcast_mesh(options.comm, data);
+  return data.triangles.empty() ? first : std::make_shared<const mesh::SurfaceMesh>(std::move(data));
+}
+
+io::Checkpoint read_start(const input::Case& c, const record::RunOptions& options, const mesh::SurfaceMesh& mesh,
+                          Origin origin) {
+  io::Checkpoint start;
+  if (!options.restart.empty() && c.analysis == "linear")
+    throw UserError("--restart: analysis = \"linear\" starts from the unloaded state; leave the option out");
+  if (options.restart.empty()) {
+    start.displacement = start_shape(options.comm, c, mesh);
+    start.in_equilibrium = c.mesh.start.empty() && !mesh.has_charts();
+    return start;
+  }
+  std::vector<double> numbers(14);
+  mpi::on_root(options.comm, [&] {
+    start = read_any(c, options, mesh);
+    check_size(options, start, mesh);
+    if (origin == Origin::restart) begin_anew(c, start);
+    numbers = {static_cast<double>(start.step),
+               start.time,
+               start.next_step,
+               start.load_factor,
+               start.in_equilibrium ? 1.0 : 0.0,
+               start.contact_start,
+               static_cast<double>(start.remeshings),
+               start.too_long,
+               start.too_short,
+               static_cast<double>(start.remeshing_wait),
+               static_cast<double>(start.remeshing_step),
+               static_cast<double>(start.positive_tangents),
+               static_cast<double>(start.factors_left),
+               static_cast<double>(start.wait)};
+  });
+  mpi::broadcast(options.comm, numbers);
+  start.step = static_cast<int>(numbers[0]);
+  start.time = numbers[1];
+  start.next_step = numbers[2];
+  start.load_factor = numbers[3];
+  start.in_equilibrium = numbers[4] > 0.0;
+  start.contact_start = numbers[5];
+  start.remeshings = static_cast<int>(numbers[6]);
+  start.too_long = numbers[7];
+  start.too_short = numbers[8];
+  start.remeshing_wait = static_cast<int>(numbers[9]);
+  start.remeshing_step = static_cast<int>(numbers[10]);
+  start.positive_tangents = static_cast<int>(numbers[11]);
+  start.factors_left = static_cast<int>(numbers[12]);
+  start.wait = static_cast<int>(numbers[13]);
+  mpi::broadcast(options.comm, start.contact_gaps);
+  mpi::broadcast(options.comm, start.yielding);
+  mpi::broadcast(options.comm, start.anchors);
+  mpi::broadcast(options.comm, start.energy_balance);
+  mpi::broadcast(options.comm, start.path);
+  return start;
+}
+
+void enter_stage(MPI_Comm comm, const input::Case& c, const mesh::SurfaceMesh& mesh, Origin origin,
+                 io::Checkpoint& state) {
+  if (origin == Origin::stage) {
+    state.step = state.remeshing_wait = state.remeshing_step = 0;
+    state.positive_tangents = state.factors_left = state.wait = 0;
+    state.next_step = 0.0;
+    state.acceleration.clear();  // other supports and loads act
+    state.previous.clear();
+    state.path.clear();
+    state.energy_balance.clear();
+    if (c.analysis != "dynamic" && c.analysis != "drape") {
+      state.load_factor = 0.0;
+      state.in_equilibrium = false;
+    }
+  }
+  mpi::on_root(comm, [&] {
+    if (c.analysis == "dynamic" && state.velocity.empty()) state.velocity = initial_velocities(c, mesh);
+  });
+}
+
+}  // namespace voile::simulation

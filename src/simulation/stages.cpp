@@ -1,0 +1,221 @@
+#include "stages.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/mpi.hpp"
+#include "base/text.hpp"
+#include "input/case_keys.hpp"
+#include "record/probes.hpp"
+#include "record/summary.hpp"
+#include "remesher.hpp"
+#include "setup/free_motions.hpp"
+#include "setup/model_input.hpp"
+#include "solve/load_path.hpp"
+#include "solve/time_integration.hpp"
+#include "system/dynamics.hpp"
+#include "voile/errors.hpp"
+
+namespace voile::simulation {
+
+namespace {
+
+using system::Support;
+
+/// What PETSc's options have to say wins over the case file.
+void take_options(MPI_Comm comm, input::Case& c) {
+  solve::read_path_options(comm, c.steps);
+  if (c.analysis == "modal" || c.analysis == "buckling") {
+    c.steps.final_load_factor = c.eigen.load_factor;
+    std::erase_if(c.steps.stops, [&](double stop) { return stop > c.eigen.load_factor; });
+  }
+  const double end = c.time.options.end_time;
+  if (c.analysis == "dynamic") solve::read_time_options(c.time.options);
+  if (c.is_staged()) c.time.options.end_time = std::min(c.time.options.end_time, end);  // -ts_max_time is for all
+}
+
+/// The time continues from stage to stage.
+void check_times(const std::vector<input::Case>& stages) {
+  double time = 0.0;
+  for (const input::Case& c : stages) {
+    if (c.analysis != "dynamic") continue;
+    const double end = c.time.options.end_time;
+    if (end <= time)
+      throw UserError(
+          fmt::format("{}: stage '{}': [time] end = {:g} s, but the stage before has ended at {:g} s; the time runs "
+                      "through all stages, so give a later end",
+                      c.file.string(), c.stage.name, end, time));
+    time = end;
+  }
+}
+
+/// Place of the item `number` of the file among those of a stage, or npos.
+constexpr std::size_t npos = static_cast<std::size_t>(-1);
+std::size_t place_of(std::size_t number, const std::vector<std::size_t>& numbers) {
+  const auto at = std::find(numbers.begin(), numbers.end(), number);
+  return at == numbers.end() ? npos : static_cast<std::size_t>(at - numbers.begin());
+}
+
+/// A support that has held in the stage before.
+void hold_over(const input::Case& before, const Support& was, Support& now) {
+  now.value = Vec3::Zero();
+  now.motion = was.motion;
+  now.rotation = was.rotation;
+  if (before.analysis != "static") return;
+  // It has moved with the load factor, and stays where that has brought it.
+  now.motion = nullptr;
+  if (was.rotation) now.rotation = [turned = was.rotation(before.steps.final_load_factor)](double) { return turned; };
+}
+
+/// Whether a support of the stage before holds the slopes that another one of this stage shall hold: they are those at rest.
+bool holds_slopes(const input::Case& before, const Support& s) {
+  return std::any_of(before.supports.begin(), before.supports.end(), [&](const Support& was) {
+    return was.kind == s.kind && was.group == s.group && !was.rotation && !s.rotation && was.normal == s.normal;
+  });
+}
+
+void hold_over_supports(const Stage& before, Stage& now) {
+  const std::vector<std::size_t>& numbers = now.c.stage.supports;
+  now.frozen.assign(numbers.size(), 0);
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    Support& s = now.c.supports[i];
+    const std::size_t was = place_of(numbers[i], before.c.stage.supports);
+    if (was != npos) {
+      hold_over(before.c, before.c.supports[was], s);
+      now.frozen[i] = now.c.analysis == "static" ? 1 : 0;
+    } else if ((s.kind == Support::Kind::clamped || s.kind == Support::Kind::sliding ||
+                s.kind == Support::Kind::symmetry) &&
+               !holds_slopes(before.c, s)) {
+      throw UserError(fmt::format(
+          "{}: [[support]] group '{}': a slope is held from the first stage on, and this one begins in stage '{}'; let "
+          "it, or another one of its group that does not turn, hold in all stages before, or use type = \"hinged\"",
+          now.c.file.string(), s.group, now.c.stage.name));
+    }
+  }
+}
+
+void hold_over_loads(const Stage& before, Stage& now) {
+  const std::string& analysis = now.c.analysis;
+  if (analysis != "static" && analysis != "modal" && analysis != "buckling") return;
+  for (std::size_t i = 0; i < now.c.stage.loads.size(); ++i)
+    if (place_of(now.c.stage.loads[i], before.c.stage.loads) != npos && !now.c.loads[i].history)
+      now.c.loads[i].constant = true;
+}
+
+/// A temperature that the stage before has had stays, as loads do, unless both follow the same time.
+void hold_over_temperatures(const Stage& before, Stage& now) {
+  const bool in_time = before.c.analysis == "dynamic" && now.c.analysis == "dynamic";
+  const double end = before.c.analysis == "dynamic" ? before.c.time.options.end_time : before.c.steps.final_load_factor;
+  for (std::size_t i = 0; i < now.c.stage.temperatures.size(); ++i) {
+    if (place_of(now.c.stage.temperatures[i], before.c.stage.temperatures) == npos) continue;
+    system::Temperature& t = now.c.temperatures[i];
+    for (system::Temperature::Field* f : {&t.change, &t.difference}) {
+      if (!f->in_time || in_time) continue;
+      f->value = [value = f->value, end](const Vec3& x, double) { return value(x, end); };
+      f->in_time = false;
+      t.constant = true;
+    }
+    t.constant = t.constant || now.c.analysis == "static" || now.c.analysis == "modal" || now.c.analysis == "buckling";
+  }
+}
+
+/// Time in which bands get shorter that first act after sewing, unless the case says [s].
+constexpr double usual_rise = 0.1;
+
+/// Bands get shorter from the start of the first stage that has them, if that is one in time. `before`: null for the first.
+void rise_bands(const Stage* before, Stage& now) {
+  for (std::size_t i = 0; i < now.input.springs.size(); ++i) {
+    system::Spring& band = now.input.springs[i];
+    const auto& numbers = now.c.stage.springs;
+    const std::size_t was = before && !numbers.empty() ? place_of(numbers[i], before->c.stage.springs) : npos;
+    if (was != npos) {
+      band.start = before->input.springs[was].start;
+      band.rise = before->input.springs[was].rise;
+    } else if (now.c.analysis == "dynamic") {
+      band.start = before ? now.input.sewing.start : 0.0;
+      if (std::isnan(band.rise)) band.rise = now.sewn_before.empty() ? 0.0 : usual_rise;
+    }
+  }
+}
+
+/// Throws unless a stage in a folder of results has come to its end. Collective.
+void require_end_of(const std::string& stage, const record::RunOptions& options) {
+  const std::filesystem::path& folder = options.output;
+  const std::string& from = options.from;
+  mpi::on_root(options.comm, [&] {
+    if (record::has_converged(folder / stage)) return;
+    throw UserError(
+        fmt::format("--from {}: stage '{}' before it has not come to its end in {}; begin with that one, or "
+                    "name a state to begin from with --restart",
+                    from, stage, folder.string()));
+  });
+}
+
+}  // namespace
+
+std::vector<Stage> stages_of(const input::Case& c, const record::RunOptions& options) {
+  std::vector<Stage> stages;
+  setup::KnownObstacles known;
+  const auto add = [&](const input::Case& one, const std::filesystem::path& folder) {
+    Stage s{one, options, {}, std::vector<char>(one.supports.size(), 0)};
+    s.options.output = folder;
+    take_options(options.comm, s.c);
+    if (!stages.empty()) {
+      hold_over_supports(stages.back(), s);
+      hold_over_loads(stages.back(), s);
+      hold_over_temperatures(stages.back(), s);
+    }
+    s.input = setup::model_input(options.comm, s.c, known);
+    if (!stages.empty()) {
+      const Stage& before = stages.back();
+      s.sewn_before = before.sewn_before;
+      s.sewn_before.insert(s.sewn_before.end(), before.c.stage.sew.begin(), before.c.stage.sew.end());
+      s.input.sewing.start =
+          before.c.analysis == "dynamic" ? before.c.time.options.end_time : before.input.sewing.start;
+    }
+    rise_bands(stages.empty() ? nullptr : &stages.back(), s);
+    stages.push_back(std::move(s));
+  };
+  check_times(c.stages);
+  if (c.stages.empty()) add(c, options.output);
+  for (const input::Case& one : c.stages)
+    add(one, options.output.empty() ? options.output : options.output / one.stage.name);
+  return stages;
+}
+
+Origin begin_from(const input::Case& c, record::RunOptions& options, std::vector<Stage>& stages) {
+  const bool restarts = !options.restart.empty();
+  std::vector<std::string> names;
+  for (const input::Case& one : c.stages) names.push_back(one.stage.name);
+  if (options.from.empty()) {
+    if (restarts && !names.empty())
+      throw UserError(fmt::format("--restart: {} has stages; name the one that continues from there, with --from: {}",
+                                  c.file.string(), join(names, ", ")));
+    return restarts ? Origin::restart : Origin::nothing;
+  }
+  if (names.empty()) throw UserError(fmt::format("--from {}: {} has no stages", options.from, c.file.string()));
+  const auto at = std::find(names.begin(), names.end(), options.from);
+  if (at == names.end())
+    throw UserError(fmt::format("--from: there is no stage '{}':{}", options.from, suggestion(options.from, names)));
+  if (!restarts && at != names.begin()) {
+    require_end_of(*(at - 1), options);
+    options.restart = options.output / *(at - 1) / "checkpoint.h5";
+  }
+  stages.erase(stages.begin(), stages.begin() + (at - names.begin()));
+  if (restarts) return Origin::restart;
+  return at == names.begin() ? Origin::nothing : Origin::stage;
+}
+
+void check_stage(const Stage& stage, const mesh::SurfaceMesh& mesh) try {
+  const system::Model model(stage.options.comm, mesh, stage.input);
+  if (stage.c.analysis == "modal" || stage.c.analysis == "dynamic") system::require_mass(model);
+  (void)setup::check_free_motions(stage.c, model);
+  (void)record::Probes(stage.c, model);
+  check_remesh(stage.options.comm, stage.c, mesh);
+} catch (const UserError& e) {
+  throw UserError(fmt::format("stage '{}': {}", stage.c.stage.name, e.what()));
+}
+
+}  // namespace voile::simulation

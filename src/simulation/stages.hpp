@@ -1,0 +1,35 @@
+// The stages of a run, resolved.
+#pragma once
+
+#include <vector>
+
+#include "epoch.hpp"
+#include "input/case.hpp"
+#include "record/run_options.hpp"
+#include "system/model.hpp"
+
+namespace voile::simulation {
+
+/// One stage, with what PETSc's options say in force.
+struct Stage {
+  input::Case c;
+  record::RunOptions options;  ///< with the folder of the stage
+  system::ModelInput input;
+  std::vector<char> frozen;                ///< per support: in this stage it no longer moves
+  std::vector<std::string> sewn_before{};  ///< seams that earlier stages have closed
+};
+
+/// A case without stages is one. Reads the files of obstacles, each once. What a support of a later stage has held
+/// before stays where it is: its `value` is spent, and a motion does not go by another clock. Loads that have acted
+/// before act in full where the load factor counts. Collective. Throws UserError.
+[[nodiscard]] std::vector<Stage> stages_of(const input::Case& c, const record::RunOptions& options);
+
+/// Takes away the stages before the one that --from names, and says what the run begins with. `options.restart` becomes
+/// the end of the stage before where nothing else is named. Throws UserError.
+[[nodiscard]] Origin begin_from(const input::Case& c, record::RunOptions& options, std::vector<Stage>& stages);
+
+/// Builds the model of a stage that is still to come, so that its mistakes show before any work. Collective. Throws
+/// UserError.
+void check_stage(const Stage& stage, const mesh::SurfaceMesh& mesh);
+
+}  // namespace voile::simulation

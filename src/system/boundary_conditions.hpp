@@ -1,0 +1,126 @@
+// Supports and loads in force: prescribed displacements, motions, applied forces, at a load factor and a time.
+//
+// Symbols   a       vector of unknowns (model.hpp)                                                             [m]
+//           lambda  load factor;  f_d dead loads that follow it, f_c the others, at the time in force          [N]
+//           abar, h prescribed displacement at lambda = 1, and what puts supports where they took hold         [m]
+//   off_i = a_i - lambda abar_i - motion_i(t) - h_i                                     fixed components
+//           f_e     forces from outside, constant until they are set again                                        [N]
+//   f     = lambda f_d + f_c + f_e + f_follower(a, lambda)                              applied forces
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "base/petsc.hpp"
+#include "block_matrix.hpp"
+#include "discretisation.hpp"
+#include "energy/term.hpp"
+#include "rigid_loads.hpp"
+
+namespace voile::energy {
+class FollowerTerm;
+}  // namespace voile::energy
+
+namespace voile::system {
+
+template <class Kernel>
+class ElementTerm;
+
+class BoundaryConditions {
+ public:
+  /// `on` must outlive it. Supports move with the load factor instead of the time if `motion_by_load` says so.
+  /// Collective. Throws UserError.
+  BoundaryConditions(const Discretisation& on, std::vector<Support> supports, const std::vector<Load>& loads,
+                     const std::vector<PointMass>& masses, bool motion_by_load, std::vector<RigidGroup> rigid = {});
+  ~BoundaryConditions();
+  BoundaryConditions(const BoundaryConditions&) = delete;
+  BoundaryConditions& operator=(const BoundaryConditions&) = delete;
+
+  /// Load factor of all later evaluations. Collective.
+  void set_load_factor(double factor);
+  [[nodiscard]] double load_factor() const { return load_factor_; }
+  /// Time of all later evaluations: supports with a motion go where they are then, loads with a history change.
+  /// Collective.
+  void set_time(double time);
+  /// Forces from outside, f_e, in the unknowns; null: none. Not collective. [N]
+  void set_external(petsc::VecHandle force);
+  /// Where an owned vertex goes that a support `follows` holds: its displacement from the start. Not collective. [m]
+  void set_displacement(Index local, const Vec3& u);
+  /// Sets the fixed components of a to their prescribed values. Collective.
+  void enforce(Vec a) const;
+  /// Supports take hold of what they hold where it is in state a: from now on prescribed displacements and motions count
+  /// from there, a change of the load factor from `load_factor`, of the time (or of the load factor in its place) from
+  /// `time`. Collective.
+  void take_hold(Vec a, double time, double load_factor);
+
+  /// False if follower loads, or moments on rigid bodies, make the tangent unsymmetric.
+  [[nodiscard]] bool symmetric() const { return !any_follower_ && rigid_.symmetric(); }
+  /// Writes off_i into the fixed components of `out`, which may hold a copy of a, and leaves the others. Not collective.
+  void write_off(const petsc::ReadArray& a, const petsc::WriteArray& out) const;
+  /// Whether supports are prescribed to go anywhere, and abar.
+  [[nodiscard]] bool has_prescribed() const { return has_prescribed_; }
+  [[nodiscard]] Vec prescribed() const { return prescribed_; }
+  /// Rotation of each support, by number.
+  [[nodiscard]] const std::vector<Mat3>& rotations() const { return rotations_; }
+  /// The largest angle by which a clamp turns between two times [rad]; with `by_load`, between two load factors. 0 where
+  /// clamps turn with the other of the two. Not collective.
+  [[nodiscard]] double turn_between(double from, double to, bool by_load) const;
+
+  /// Overwrites f with the applied forces. `scratch` has one entry per local point. Collective. [N]
+  void applied_forces(const energy::Configuration& c, std::vector<Vec3>& scratch, Vec f) const;
+  /// Work potential of the loads that are not followers, -f.u. Collective. [J]
+  [[nodiscard]] double potential(Vec a) const;
+  /// Adds the blocks of follower loads to the open values of a tangent.
+  void add_blocks(const energy::Configuration& c, const BlockMatrix& tangent, int pattern,
+                  const BlockMatrix::Values& values);
+  /// Adds the blocks of rigid bodies on whose local points the forces `sheet` act, to be used up, in the state taken last.
+  void add_body_blocks(const energy::Configuration& c, std::vector<Vec3>& sheet, const BlockMatrix& tangent,
+                       const BlockMatrix::Values& values);
+  /// df/dlambda; `work` is scratch. Collective. [N]
+  void load_direction(const energy::Configuration& c, std::vector<Vec3>& scratch, Vec work, Vec f);
+
+ private:
+  void build_loads(const std::vector<Load>& loads, const std::vector<PointMass>& masses);
+  [[nodiscard]] Vec force_of(const Load& load);
+  void add_follower(const Load& load);
+  void add_followers(const energy::Configuration& c, std::vector<Vec3>& scratch, Vec f) const;
+  void move_supports(double time);
+
+  /// Of the loads on rigid bodies, all but moments.
+  [[nodiscard]] std::vector<BodyForce> on_bodies() const;
+
+  const Discretisation* on_;
+  RigidLoads rigid_;
+  std::vector<Support> supports_;
+  bool motion_by_load_;
+  struct Mover {  ///< an owned vertex whose support moves
+    Index local;
+    int support;
+  };
+  std::vector<Mover> movers_;
+  std::vector<Mat3> rotations_;
+  std::unique_ptr<ElementTerm<energy::FollowerTerm>> followers_;
+  bool any_follower_ = false, has_prescribed_ = false;
+  struct TimedLoad {  ///< with a history of its own
+    std::function<double(double)> history;
+    int factor;  ///< number among the follower term's
+    petsc::VecHandle force;
+    std::vector<BodyForce> on_bodies{};
+    double now = 0.0;  ///< factor at the time in force
+  };
+  std::vector<TimedLoad> timed_;
+  petsc::VecHandle dead_, constant_, prescribed_, motion_, hold_;
+  petsc::VecHandle always_;    ///< the part of constant_ that does not change with time
+  petsc::VecHandle external_;  ///< f_e, or none
+  /// Parts of dead_, always_ and external_ that act on rigid bodies, which these do not hold.
+  std::vector<BodyForce> dead_on_bodies_, always_on_bodies_, external_on_bodies_;
+  double load_factor_ = 0.0;
+};
+
+/// Fractions of vertices in what is spread over a surface or curve, as loads are: calls add(vertex, share) with the force
+/// of `load` on it. Not collective. Throws UserError for unknown groups.
+void spread(const Discretisation& on, const Load& load, const std::function<void(Index, const Vec3&)>& add);
+
+}  // namespace voile::system

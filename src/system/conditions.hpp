@@ -1,0 +1,153 @@
+// Supports and loads as the user states them: by group name, in SI units.
+#pragma once
+
+#include <array>
+#include <functional>
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/types.hpp"
+
+namespace voile::system {
+
+struct Support {
+  enum class Kind {
+    displacement,  ///< the named components of every vertex of the group follow `value` x load factor
+    hinged,        ///< all three components fixed (to `value`), the edge free to rotate
+    clamped,       ///< as hinged, and the slope across the group's boundary edges is held
+    sliding,       ///< the slope across the group's boundary edges is held, and the named components, if any
+    symmetry       ///< no displacement along `normal`, mirrored slope across the group's boundary edges
+  };
+  std::string
+      group;  ///< point, curve or surface group; clamped: curve or surface (all of it held); symmetry, sliding: curve
+  Kind kind = Kind::displacement;
+  std::array<bool, 3> components{false, false, false};  ///< displacement, sliding: which of x, y, z
+  Vec3 value = Vec3::Zero();                            ///< displacement at load factor 1, in the axes below [m]
+  /// displacement, sliding: own axes x, y (made square to x) and z = x cross y; or x radial, y circumferential and z along
+  /// the axis of a cylinder, at each vertex's place at the start. Absent: the global axes.
+  std::optional<Vec3> x_axis, y_axis, cylinder_axis;
+  Vec3 cylinder_centre = Vec3::Zero();  ///< a point on that axis [m]
+  std::optional<Vec3> normal;           ///< symmetry: normal of the plane; absent: found from the group
+  double release = std::numeric_limits<double>::infinity();  ///< time at which it releases [s]
+  /// Displacement [m] of the vertex that starts at X at time t [s], added to `value`; empty: none.
+  std::function<Vec3(const Vec3& rest, double time)> motion;
+  /// Its displacement is given vertex by vertex (BoundaryConditions::set_displacement) instead of `motion`.
+  bool follows = false;
+  /// clamped: the rotation within `motion` at time t, with which the slope turns; empty: none.
+  std::function<Mat3(double time)> rotation;
+};
+
+/// A group whose vertices move as one rigid body (rigid_bodies.hpp), held and loaded at its reference point.
+struct RigidGroup {
+  enum class Turn {
+    free,
+    held,   ///< it does not turn
+    about,  ///< about `axis` only: freely, or by `angle`
+  };
+  std::string group;                              ///< physical point, curve or surface with at least three vertices
+  std::optional<Vec3> point;                      ///< reference point; absent: the mean of the vertices [m]
+  bool slope = true;                              ///< the slope across boundary edges of a curve turns with the body
+  std::array<bool, 3> held{false, false, false};  ///< components of the reference point that are prescribed
+  std::function<Vec3(double time)> motion;        ///< their displacement [m]; empty: none
+  Turn turn = Turn::free;
+  std::optional<Vec3> axis;                  ///< through the reference point
+  std::function<double(double time)> angle;  ///< prescribed about the axis [rad]; empty: free, or held
+  Vec3 force = Vec3::Zero();                 ///< at the reference point, dead, at load factor 1 [N]
+  Vec3 moment = Vec3::Zero();                ///< about it, of a fixed direction, at load factor 1 [N m]
+  double mass = 0.0;                         ///< at the reference point [kg]
+};
+
+struct Load {
+  enum class Kind {
+    point,              ///< force on every vertex of the group [N], dead
+    line,               ///< force per rest length along a curve group [N/m], dead
+    pressure,           ///< dead surface traction per rest area along the normal at the start [Pa], surface group
+    follower_pressure,  ///< pressure along the current normal [Pa], positive along the triangle's normal, surface group
+    area,               ///< dead force per rest area [N/m^2], surface group
+    gravity,            ///< acceleration [m/s^2] acting on the areal density, whole model or surface group
+    follower_moment     ///< moment per rest length about the boundary edge [N], curve group, turns with the shell
+  };
+  Kind kind = Kind::point;
+  std::string group;           ///< empty: the whole surface (gravity, area, pressure kinds)
+  Vec3 vector = Vec3::Zero();  ///< point, line, area, gravity, at load factor 1
+  double magnitude = 0.0;      ///< pressure, follower_pressure, follower_moment, at load factor 1
+  bool constant = false;       ///< true: acts in full at every load factor (e.g. dead weight)
+  /// Factor at time t [s] instead of the load factor; empty: none. The text it was written as, for the echo of a case.
+  std::function<double(double time)> history;
+  std::string history_text;
+  /// Factor at a place at the start, for what is spread over a curve or surface; empty: 1. And its text.
+  std::function<double(const Vec3& start)> distribution;
+  std::string distribution_text;
+};
+
+/// Change of the temperature from that at which the sheet has its rest shape.
+struct Temperature {
+  /// Of place [m] and time [s], or the load factor in its place [K].
+  struct Field {
+    std::string text;  ///< as it was written; empty: none
+    std::function<double(const Vec3& start, double time)> value;
+    bool in_time = false;  ///< it is an expression of the time
+  };
+  std::string group;      ///< surface; empty: the whole surface
+  Field change;           ///< mean over the thickness
+  Field difference;       ///< top, where the normal points to, less bottom
+  bool constant = false;  ///< true: acts in full at every load factor
+};
+/// Where groups overlap changes add up.
+struct Temperatures {
+  std::vector<Temperature> list;
+  bool by_load = false;  ///< the load factor is taken for the time
+};
+
+/// Mass at vertices, besides that of the sheet. It has weight where gravity acts on the whole model or on its group.
+struct PointMass {
+  std::string group;
+  double mass = 0.0;  ///< of each vertex of the group [kg]
+};
+
+/// Linear springs from vertices to where they start, or between two vertices.
+struct Spring {
+  enum class Kind {
+    point,  ///< on every vertex of the group [N/m]
+    line,   ///< per rest length of a curve group [N/m^2]
+    area,   ///< per rest area, an elastic foundation [N/m^3]
+    pair,   ///< between every vertex of the group and the nearest one of `to` [N/m]
+    band    ///< along the edges of a curve group, only pulls [N]: force per strain
+  };
+  Kind kind = Kind::point;
+  std::string group;  ///< empty: the whole surface (area)
+  double stiffness = 0.0;
+  std::optional<Vec3> direction;  ///< acts along this direction only; absent: in all; none for pair
+  std::string to = {};            ///< pair: the other group
+  /// Without force [m]. pair: NaN: the distance at the start; band: of the whole curve, NaN: its length at rest.
+  double length = std::numeric_limits<double>::quiet_NaN();
+  /// band: time in which it gets from its length at rest to `length` [s]; NaN: 0.1 where it first acts after sewing, else 0.
+  double rise = std::numeric_limits<double>::quiet_NaN();
+  double start = -std::numeric_limits<double>::infinity();  ///< band: from then on [s]
+};
+
+/// Vertices held to an obstacle's surface by springs or exactly, see attachments.hpp.
+struct Attachment {
+  int number = 0;                   ///< unique among those of a case
+  std::vector<std::string> groups;  ///< points, curves or surfaces
+  std::string obstacle;             ///< that has triangles
+  double stiffness = 1e4;           ///< at vertices of points [N/m], per rest length of curves [N/m^2], area [N/m^3]
+  bool hard = false;                ///< they are where the surface takes them, as supports hold, instead of springs
+  double gap = std::numeric_limits<double>::quiet_NaN();     ///< to the surface [m]; NaN: what it is at the start
+  double release = std::numeric_limits<double>::infinity();  ///< time at which it releases [s]
+};
+
+/// Seams that are pulled together: each pair of vertices by a spring that only pulls and gets shorter in time,
+///   L(t) = max(0, |X_b - X_a| - speed (t - start))
+struct Sewing {
+  std::vector<std::string> seams;  ///< names, or "all"; empty: none
+  double stiffness = 1e5;          ///< per rest length of the seam [N/m^2]
+  double speed = 0.5;              ///< at which the springs get shorter [m/s]
+  double force = 1e3;              ///< largest until no spring has a length any more, per rest length of the seam [N/m]
+  double start = 0.0;              ///< [s]
+  double most_force = 0.0;         ///< to which it rises from then on, if that is more [N/m]
+};
+
+}  // namespace voile::system

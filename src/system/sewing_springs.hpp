@@ -1,0 +1,51 @@
+// Springs that pull the two sides of open seams together.
+//
+// Symbols   L_k   distance of a pair of points at the start;  l_k its fraction of the seam's length                   [m]
+//           v     closing speed [m/s],  t_0 start [s]
+//   rest length  max(0, L_k - v (t - t_0)),   stiffness k l_k, doubling again and again once all rest lengths are 0
+//   largest force T l_k, doubling likewise, up to T_max l_k: seams that are closed do not notice
+#pragma once
+
+#include <vector>
+
+#include "conditions.hpp"
+
+namespace voile::energy {
+class SeamTerm;
+}  // namespace voile::energy
+
+namespace voile::system {
+
+class Discretisation;
+
+class SewingSprings {
+ public:
+  /// Adds its elements to `term`, which must outlive it. Not collective. Throws UserError for unknown seams.
+  SewingSprings(const Discretisation& on, Sewing sewing, energy::SeamTerm& term);
+  /// Sets rest lengths and stiffnesses at a time, on which alone they depend, so that a restart needs no memory. Not
+  /// collective.
+  void tighten(double time);
+  /// What fraction of the way gathers have gone at a time, 1 when no spring has a length any more. The same on every rank.
+  [[nodiscard]] double drawn_in(double time) const;
+  /// Largest force per length with which springs pull at a time [N/m]. The same on every rank.
+  [[nodiscard]] double largest_force(double time) const;
+  /// Whether it rises from that time on.
+  [[nodiscard]] bool rises(double time) const { return largest_force(time) < sewing_.most_force; }
+
+ private:
+  struct Spring {
+    double length, stiffness;  ///< at the start [m], [N/m]
+    double part;               ///< l_k
+    bool gathered;
+  };
+  /// Until no spring has a length any more. [s]
+  [[nodiscard]] double closing_time() const;
+
+  Sewing sewing_;
+  energy::SeamTerm* term_;
+  std::vector<Spring> springs_;    ///< of its elements
+  bool gathers_ = false;           ///< whether any seam is gathered; the same on every rank
+  double longest_distance_ = 0.0;  ///< of points that are sewn together, at the start [m]
+};
+
+}  // namespace voile::system

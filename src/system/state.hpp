@@ -1,0 +1,79 @@
+// The state of a sheet between two steps: all that a step advances.
+//
+// Symbols   u, v, a   displacement [m], velocity [m/s] and acceleration [m/s^2], unknowns of the model it belongs to
+//                     (dofs.hpp)
+//           t, lambda time [s] and load factor
+// Only a stepper (solve/stepper.hpp), or what opens a new epoch, writes it. A checkpoint is a state with its mesh
+// (io/checkpoint.hpp).
+#pragma once
+
+#include <vector>
+
+#include "attachments.hpp"
+#include "base/petsc.hpp"
+#include "contact_memory.hpp"
+#include "dofs.hpp"
+#include "energy_balance.hpp"
+
+namespace voile::system {
+
+/// Meshes that a run has had besides the first.
+struct Remeshings {
+  int count = 0;
+  double too_long = 0.0,
+         too_short = 0.0;       ///< fractions of vertices that the last one could not put right (adapt/sizing.hpp)
+  int wait = 0, next_step = 0;  ///< after a refusal: looks to let pass, and the step from which it is tried again
+};
+
+/// What the solution of linear systems goes by from step to step.
+struct SolverMemory {
+  int positive_tangents = 0;  ///< to come before the exact one is tried again
+  int factors_left = 0;       ///< tangents to be factored before iterations are tried again
+  int wait = 0;               ///< how many they were at first; 0: iterations have not failed since they last worked
+};
+
+/// What a path goes by besides its last two states (solve/path_following.hpp); all of it outlives a mesh.
+struct PathMemory {
+  int steps = 0;              ///< accepted since the path began or was gone on with
+  double unit = 0.0;          ///< arc length of the step whose size is 1; 0: none yet
+  double rate = 0.0;          ///< dlambda/ds, whose sign changes at limit points; 0: not known
+  long negative_pivots = -1;  ///< of the tangent at the state; -1: not known
+  bool has_branched = false;
+};
+constexpr std::size_t path_numbers = 5;
+/// Nothing where there is nothing to remember.
+[[nodiscard]] inline std::vector<double> numbers_of(const PathMemory& p) {
+  if (p.steps == 0 && p.unit == 0.0) return {};
+  return {static_cast<double>(p.steps), p.unit, p.rate, static_cast<double>(p.negative_pivots),
+          p.has_branched ? 1.0 : 0.0};
+}
+/// Nothing is remembered if there are no numbers.
+[[nodiscard]] inline PathMemory path_of(const std::vector<double>& n) {
+  if (n.size() != path_numbers) return {};
+  return {static_cast<int>(n[0]), n[1], n[2], static_cast<long>(n[3]), n[4] > 0.0};
+}
+
+struct State {
+  int step = 0;  ///< accepted steps so far
+  double time = 0.0, load_factor = 0.0;
+  double next_step = 0.0;  ///< size of the step to come: of time [s], of a path; 0: as the options say
+  petsc::VecHandle u;
+  petsc::VecHandle v, a;       ///< none: at rest; to be found from the equations
+  petsc::VecHandle previous;   ///< u one step before, which gives a path its direction; none: it begins here
+  bool in_equilibrium = true;  ///< false: after motion, or in a shape that was given
+  ContactMemory contact = {};
+  Remeshings remeshings = {};
+  SolverMemory solver = {};
+  PathMemory path = {};
+  EnergyBalance balance = {};        ///< of a motion, where it is kept
+  std::vector<Anchor> anchors = {};  ///< alike on all ranks
+};
+
+/// The unloaded state of a model at rest. Collective.
+[[nodiscard]] inline State state_at_rest(const Dofs& dofs) {
+  State s;
+  s.u = dofs.create_vector();
+  return s;
+}
+
+}  // namespace voile::system
