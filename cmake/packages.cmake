@@ -1,4 +1,20 @@
-# Debian packages: cpack -G DEB in a build that was configured with -DVOILE_NATIVE=OFF -DCMAKE_INSTALL_PREFIX=/usr.
+# Debian packages: cpack -G DEB in a build that was configured with -DVOILE_NATIVE=OFF -DCMAKE_INSTALL_PREFIX=/usr, and
+# -DVOILE_V3=ON for the program and the library once more for processors with AVX2. The program (src/cli/faster_program.hpp) and
+# the dynamic linker choose.
+option(VOILE_V3 "Build the program and the library once more for x86-64-v3" OFF)
+if(VOILE_V3)
+  include(ExternalProject)
+  ExternalProject_Add(voile_v3 SOURCE_DIR ${CMAKE_SOURCE_DIR} BINARY_DIR ${CMAKE_BINARY_DIR}/v3 INSTALL_COMMAND "" BUILD_ALWAYS ON
+                      CMAKE_ARGS -DCMAKE_BUILD_TYPE=${CMAKE_BUILD_TYPE} -DCMAKE_INSTALL_PREFIX=${CMAKE_INSTALL_PREFIX}
+                                 -DVOILE_NATIVE=OFF -DVOILE_TESTS=OFF -DCMAKE_CXX_FLAGS=-march=x86-64-v3
+                                 -DCMAKE_EXE_LINKER_FLAGS=-s -DCMAKE_SHARED_LINKER_FLAGS=-s
+                                 -DCMAKE_C_COMPILER_LAUNCHER=${CMAKE_C_COMPILER_LAUNCHER}
+                                 -DCMAKE_CXX_COMPILER_LAUNCHER=${CMAKE_CXX_COMPILER_LAUNCHER}
+                      BUILD_COMMAND ${CMAKE_COMMAND} --build . --target voile voile_shared)
+  install(PROGRAMS ${CMAKE_BINARY_DIR}/v3/voile DESTINATION bin RENAME voile-x86-64-v3 COMPONENT voile)
+  install(PROGRAMS ${CMAKE_BINARY_DIR}/v3/libvoile.so.${PROJECT_VERSION} RENAME libvoile.so.${PROJECT_VERSION_MAJOR}
+          DESTINATION ${CMAKE_INSTALL_LIBDIR}/glibc-hwcaps/x86-64-v3 COMPONENT voile)
+endif()
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME voile)
 set(CPACK_PACKAGE_VENDOR Voile)

@@ -27,6 +27,8 @@ def deck(n_radial, n_circ, first_increment=0.05, largest_increment=0.1):
     largest 0.05 to 1) changed its time by less than 10 % on 2x16 and 4x32 elements."""
     ri, ro, thickness, young, load = 6.0, 10.0, 0.03, 21e6, 0.8
     number = lambda i, j: 1 + i + j * (2 * n_radial + 1)  # half-cell grid: i along the radius, j along the angle
+    # A coordinate of 1e-15 instead of 0 makes ccx 2.20 less exact: -1.30 instead of -0.95 % on 2x16, whatever its tolerance.
+    rounded = lambda x: round(x, 9) + 0.0
     nodes, elements = [], []
     for j in range(2 * n_circ + 1):
         angle = 2 * math.pi * j / (2 * n_circ)
@@ -34,7 +36,7 @@ def deck(n_radial, n_circ, first_increment=0.05, largest_increment=0.1):
             if i % 2 and j % 2:
                 continue  # S8R has no node in the middle
             r = ri + (ro - ri) * i / (2 * n_radial)
-            nodes.append(f"{number(i, j)}, {r * math.cos(angle):.15g}, {r * math.sin(angle):.15g}, 0.")
+            nodes.append(f"{number(i, j)}, {rounded(r * math.cos(angle))}, {rounded(r * math.sin(angle))}, 0.")
     for b in range(n_circ):
         for a in range(n_radial):
             i, j = 2 * a, 2 * b

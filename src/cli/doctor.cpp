@@ -130,7 +130,12 @@ void check_files(Findings& found) {
       found.bad(fmt::format("{}: no files; install all of Voile", shipped_folder(folder).string()));
   if (std::system("command -v ffmpeg >/dev/null 2>&1") != 0)
     found.note("ffmpeg is not there: `voile render` writes WebP and GIF, but no MP4");
-  found.ok(fmt::format("element kernels for {}", energy::batch_kernels().name));
+#ifdef __AVX2__
+  const char* const built = "AVX2 or newer";
+#else
+  const char* const built = "any processor";
+#endif
+  found.ok(fmt::format("element kernels for {}, the rest of the program for {}", energy::batch_kernels().name, built));
 }
 
 /// Mean deflection at x = 10 of the last step that was written, and read back with its mesh.

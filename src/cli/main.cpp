@@ -28,6 +28,7 @@
 #include "delegate.hpp"
 #include "doctor.hpp"
 #include "drape_test.hpp"
+#include "faster_program.hpp"
 #include "input/case.hpp"
 #include "input/case_declarations.hpp"
 #include "input/command_line.hpp"
@@ -366,6 +367,7 @@ Exit execute(const Request& request, const char* program) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  cli::use_faster_program(argv);
   keep_output_streams();
   if (cli::is_launched()) use_plain_output(false);
   use_one_thread();
