@@ -15,6 +15,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <map>
 #include <utility>
 #include <vector>
@@ -53,6 +54,16 @@ struct JointElement {
 /// `cluster`: one of joint_clusters(). Throws UserError where a material couples stretching and bending.
 [[nodiscard]] JointElement make_joint_element(const Sheet& sheet, CurvatureBuilder& curvatures,
                                               const std::vector<Index>& cluster);
+
+/// Four points that move as one rigid body: an origin, and one along each axis at the same distance.
+struct RigidFrame {
+  std::array<Index, 4> points;
+  std::array<Vec3, 4> start;  ///< [m]
+};
+/// Springs between the slopes of free sides of one triangle and a rigid body that holds the sides: psi_s is the turn of g_s
+/// against the body, and theta = 0. For small rotations that is a clamped edge. Throws as make_joint_element().
+[[nodiscard]] JointElement make_rigid_slopes(const Sheet& sheet, CurvatureBuilder& curvatures, Index triangle,
+                                             const std::vector<int>& sides, const RigidFrame& frame);
 
 class JointTerm {
  public:

@@ -5,6 +5,7 @@
 #include <map>
 #include <numeric>
 
+#include "free_slopes.hpp"
 #include "joint.hpp"
 #include "voile/errors.hpp"
 
@@ -26,26 +27,6 @@ std::map<Index, std::vector<Index>> joints_by_triangle(const Sheet& sheet) {
   }
   return of;
 }
-
-/// Slopes of the free sides of a triangle.
-struct FreeSlopes {
-  CurvatureBuilder::Unreleased of;
-  Eigen::Matrix<double, 3, Eigen::Dynamic> across;  ///< S
-  Eigen::MatrixXd compliance;                       ///< C_T^-1
-  Eigen::MatrixX3d natural;                         ///< C_T^-1 A S^T D
-
-  FreeSlopes(const Sheet& sheet, CurvatureBuilder& curvatures, Index t) : of(curvatures.build_unreleased(t)) {
-    across.resize(3, static_cast<Eigen::Index>(of.across.size()));
-    for (std::size_t k = 0; k < of.across.size(); ++k) across.col(static_cast<Eigen::Index>(k)) = of.across[k];
-    const Eigen::MatrixX3d moment = sheet.mesh().area(t) * across.transpose() * sheet.material(t).bending;
-    compliance = (moment * across).inverse();
-    natural = compliance * moment;
-  }
-  /// Row of side s.
-  [[nodiscard]] Eigen::Index row(int s) const {
-    return std::find(of.sides.begin(), of.sides.end(), s) - of.sides.begin();
-  }
-};
 
 class Builder {
  public:

@@ -15,6 +15,7 @@
 #include "case_natural.hpp"
 #include "case_pattern.hpp"
 #include "case_read.hpp"
+#include "case_rigid.hpp"
 #include "case_sections.hpp"
 #include "command_line.hpp"
 #include "expression.hpp"
@@ -330,6 +331,7 @@ Case read_case(CaseReader& reader, const std::filesystem::path& file, StageSecti
       std::any_of(c.motions.begin(), c.motions.end(), [](const MotionInput& m) { return m.any(); }))
     steps.fail("control", "supports with a motion or rotation need \"load\": they move with the load factor");
   reader.read("eigen", 0, keys_of(c.eigen));
+  read_all(reader, "rigid", c.rigids, [&](const SectionPlace& place, RigidSection& s) { read_rigid(place, c, s); });
   read_contact(reader, c, before);
   check_time(reader.read("time", 0, keys_of(c.time, c.dynamics.mass)), c);
   read_all(reader, "initial_velocity", c.initial_velocities, [&](const SectionPlace& place, const InitialVelocity&) {
@@ -346,6 +348,7 @@ Case read_case(CaseReader& reader, const std::filesystem::path& file, StageSecti
   if (c.time.options.method == solve::TimeOptions::Method::central_difference && !output.has("energy_balance"))
     c.output.energy_balance = false;
   check_petsc(reader.read("petsc", 0, petsc_keys(c)), c.petsc_options);
+  check_rigid(c);
   return c;
 }
 

@@ -116,6 +116,14 @@ struct MotionInput {
   [[nodiscard]] bool any() const { return !translation.empty() || !angle.empty(); }
 };
 
+/// A rigid group as written: texts, turned into those of system::RigidGroup.
+struct RigidSection {
+  std::string name;  ///< of its columns; empty: that of the group
+  system::RigidGroup group;
+  std::vector<std::string> translation;  ///< "free", or an expression of t [m], each; empty: free
+  std::string angle;                     ///< expression of t [degree]; empty: none
+};
+
 /// An obstacle as written; what its files hold is read with the mesh.
 struct ObstacleSection {
   enum class Type { mesh, plane, sphere, capsule, cylinder };
@@ -254,6 +262,7 @@ struct Case {
   std::vector<energy::Material> materials;
   std::vector<system::Support> supports;
   std::vector<MotionInput> motions;  ///< one per support
+  std::vector<RigidSection> rigids;
   std::vector<system::Load> loads;
   std::vector<system::Temperature> temperatures;
   std::vector<ImperfectionSection> imperfections;

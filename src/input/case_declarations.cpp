@@ -13,6 +13,7 @@ Declarations::Declarations()
             {"element", keys_of(case_.element)},
             {"material", keys_of(material_)},
             {"support", keys_of(support_, motion_)},
+            {"rigid", keys_of(rigid_)},
             {"load", keys_of(load_)},
             {"temperature", keys_of(temperature_)},
             {"imperfection", keys_of(imperfection_)},

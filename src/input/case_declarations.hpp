@@ -28,6 +28,7 @@ class Declarations {
   MaterialInput material_;
   system::Support support_;
   MotionInput motion_;
+  RigidSection rigid_;
   system::Load load_;
   system::Temperature temperature_;
   ImperfectionSection imperfection_;

@@ -285,6 +285,7 @@ std::string echo_case(const Case& c) {
   out += echo_all("material", materials);
   for (std::size_t i = 0; i < copy.supports.size(); ++i)
     out += "\n[[support]]\n" + echo_keys(keys_of(copy.supports[i], copy.motions[i]));
+  out += echo_all("rigid", copy.rigids);
   out += echo_all("load", copy.loads);
   out += echo_all("temperature", copy.temperatures);
   out += echo_all("imperfection", copy.imperfections);

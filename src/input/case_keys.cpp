@@ -142,6 +142,9 @@ const std::vector<SectionInfo>& sections() {
       {"element", false, "Operators of the shell element."},
       {"material", true, "Stiffness and mass of the shell. At least one."},
       {"support", true, "Prescribed displacements and slopes."},
+      {"rigid", true,
+       "Groups that move as rigid bodies, held and loaded at a reference point (see [hold "
+       "rigidly](../howto/hold-rigidly.md)). Not with contact, stages, panels, [air], `[remesh]` or `drape`."},
       {"load", true, "Loads; each grows with the load factor unless it is `constant`."},
       {"temperature", true,
        "Changes of temperature from that at which the sheet has its rest shape; where groups overlap they add up. Each "

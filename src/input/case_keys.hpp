@@ -103,6 +103,7 @@ struct MaterialInput {
 [[nodiscard]] std::vector<Key> keys_of(MaterialInput& section);
 /// A support and its motion are one section.
 [[nodiscard]] std::vector<Key> keys_of(system::Support& section, MotionInput& motion);
+[[nodiscard]] std::vector<Key> keys_of(RigidSection& section);
 [[nodiscard]] std::vector<Key> keys_of(system::Load& section);
 [[nodiscard]] std::vector<Key> keys_of(system::Temperature& section);
 [[nodiscard]] std::vector<Key> keys_of(ImperfectionSection& section);

@@ -1,6 +1,7 @@
-// Temperatures, imperfections, and what depends on the place; private to src/input.
+// Temperatures, imperfections, and what depends on place or time; private to src/input.
 #pragma once
 
+#include <functional>
 #include <string>
 
 #include "case_read.hpp"
@@ -11,6 +12,9 @@ namespace voile::input {
 /// An expression of place, and of time if `time` says so. What it throws, now and later, names the key.
 [[nodiscard]] PlaceExpression place_function(const SectionPlace& place, const char* key, const std::string& text,
                                              bool time);
+/// An expression of the time likewise.
+[[nodiscard]] std::function<double(double)> time_function(const SectionPlace& place, const char* key,
+                                                          const std::string& text);
 /// Completes a temperature; the materials of `c` are there already. Throws UserError.
 void read_temperature(const SectionPlace& place, const Case& c, system::Temperature& t);
 /// Completes an imperfection of case `c`. Throws UserError.

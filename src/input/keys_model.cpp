@@ -153,39 +153,20 @@ std::vector<Key> motion_keys(MotionInput& m, const std::vector<std::string>& typ
        .absent = "none"}};
 }
 
-std::vector<Key> keys_of(system::Support& s, MotionInput& m) {
-  std::vector<Key> keys{
-      {.name = "type",
-       .slot = choice(s.kind, {{"displacement", system::Support::Kind::displacement},
-                               {"hinged", system::Support::Kind::hinged},
-                               {"clamped", system::Support::Kind::clamped},
-                               {"symmetry", system::Support::Kind::symmetry}}),
-       .meaning = "`displacement`: the named components are prescribed. `hinged`: all three are, the edge may turn. "
-                  "`clamped`: as hinged, and the slope across the edge is held. `symmetry`: mirror plane.",
-       .required = true},
-      {.name = "group",
-       .slot = &s.group,
-       .meaning = "Physical point, curve or surface; a curve for `symmetry`, a curve or surface for `clamped`.",
-       .required = true},
-      {.name = "components",
-       .slot = &s.components,
-       .meaning = "Which of `\"x\"`, `\"y\"`, `\"z\"` are prescribed.",
-       .types = {"displacement"},
-       .required = true},
-      {.name = "value",
-       .slot = &s.value,
-       .meaning = "Displacement at load factor 1, in proportion to the load factor.",
-       .unit = "m",
-       .types = {"displacement", "hinged", "clamped"}},
+namespace {
+
+/// The axes that `components` and `value` mean.
+std::vector<Key> axes_keys(system::Support& s) {
+  return {
       {.name = "x_axis",
        .slot = &s.x_axis,
        .meaning = "Direction that `\"x\"` means in `components` and `value`; `y_axis` and the normal of both follow.",
-       .types = {"displacement"},
+       .types = {"displacement", "sliding"},
        .absent = "the global axes"},
       {.name = "y_axis",
        .slot = &s.y_axis,
        .meaning = "Direction that `\"y\"` means, made square to `x_axis`.",
-       .types = {"displacement"},
+       .types = {"displacement", "sliding"},
        .absent = "any direction square to `x_axis`"},
       {.name = "cylinder_axis",
        .slot = &s.cylinder_axis,
@@ -197,7 +178,39 @@ std::vector<Key> keys_of(system::Support& s, MotionInput& m) {
        .slot = &s.cylinder_centre,
        .meaning = "A point on `cylinder_axis`.",
        .unit = "m",
-       .types = {"displacement"}},
+       .types = {"displacement"}}};
+}
+
+}  // namespace
+
+std::vector<Key> keys_of(system::Support& s, MotionInput& m) {
+  std::vector<Key> keys{
+      {.name = "type",
+       .slot = choice(s.kind, {{"displacement", system::Support::Kind::displacement},
+                               {"hinged", system::Support::Kind::hinged},
+                               {"clamped", system::Support::Kind::clamped},
+                               {"sliding", system::Support::Kind::sliding},
+                               {"symmetry", system::Support::Kind::symmetry}}),
+       .meaning = "`displacement`: the named components are prescribed. `hinged`: all three are, the edge may turn. "
+                  "`clamped`: as hinged, and the slope across the edge is held. `sliding`: that slope alone, and the "
+                  "named components. `symmetry`: mirror plane.",
+       .required = true},
+      {.name = "group",
+       .slot = &s.group,
+       .meaning =
+           "Physical point, curve or surface; a curve for `symmetry` and `sliding`, a curve or surface for `clamped`.",
+       .required = true},
+      {.name = "components",
+       .slot = &s.components,
+       .meaning = "Which of `\"x\"`, `\"y\"`, `\"z\"` are prescribed.",
+       .types = {"displacement", "sliding"},
+       .required_types = {"displacement"},
+       .absent = "none"},
+      {.name = "value",
+       .slot = &s.value,
+       .meaning = "Displacement at load factor 1, in proportion to the load factor.",
+       .unit = "m",
+       .types = {"displacement", "hinged", "clamped", "sliding"}},
       {.name = "normal",
        .slot = &s.normal,
        .meaning = "Normal of the mirror plane.",
@@ -209,7 +222,8 @@ std::vector<Key> keys_of(system::Support& s, MotionInput& m) {
        .unit = "s",
        .range = not_negative,
        .absent = "never"}};
-  return joined(std::move(keys), motion_keys(m, {"displacement", "hinged", "clamped"}));
+  return joined(with_keys_after("value", std::move(keys), axes_keys(s)),
+                motion_keys(m, {"displacement", "hinged", "clamped"}));
 }
 
 std::vector<Key> keys_of(system::Load& s) {

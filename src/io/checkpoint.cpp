@@ -88,6 +88,10 @@ void write_checkpoint(const std::filesystem::path& path, const Checkpoint& c, co
     file.number("/", "couplings_count", static_cast<double>(c.couplings.size()));
     file.dataset("couplings", H5T_NATIVE_DOUBLE, c.couplings.size() / 2, 2, c.couplings.data());
   }
+  if (!c.bodies.empty()) {
+    file.number("/", "bodies_count", static_cast<double>(c.bodies.size()));
+    file.dataset("bodies", H5T_NATIVE_DOUBLE, 1, c.bodies.size(), c.bodies.data());
+  }
   if (!c.slips.empty()) {
     file.number("/", "slips_count", static_cast<double>(c.slips.size()));
     file.dataset("slips", H5T_NATIVE_DOUBLE, 1, c.slips.size(), c.slips.data());
@@ -132,6 +136,16 @@ void read_slips(hid_t file, const mesh::SurfaceMesh& mesh, const std::filesystem
   c.slips = read_values(file, "slips", static_cast<std::size_t>(count), path);
   for (const double v : c.slips)
     if (!std::isfinite(v)) fail_reading(path, "its slips inside the fabric make no sense");
+}
+
+void read_bodies(hid_t file, const std::filesystem::path& path, Checkpoint& c) {
+  if (!has(file, "bodies")) return;
+  const double count = read_number(file, "/", "bodies_count", path);
+  if (!(count >= 1.0 && count < 1e9 && count == std::floor(count)))
+    fail_reading(path, "its number of unknowns of rigid groups makes no sense");
+  c.bodies = read_values(file, "bodies", static_cast<std::size_t>(count), path);
+  for (const double v : c.bodies)
+    if (!std::isfinite(v)) fail_reading(path, "its unknowns of rigid groups make no sense");
 }
 
 /// Older files have one number less.
@@ -200,6 +214,7 @@ Checkpoint read_unguarded(const std::filesystem::path& path, const mesh::Surface
   read_anchors(file, mesh, path, c);
   read_couplings(file, mesh, path, c);
   read_slips(file, mesh, path, c);
+  read_bodies(file, path, c);
   return c;
 }
 

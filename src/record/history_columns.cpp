@@ -42,6 +42,13 @@ Names names_of(const HistoryColumns& columns) {
   return names;
 }
 
+Names names_of_rigid(const std::string& name) {
+  Names names;
+  for (const char* part : {"", "_turn", "_force", "_moment"})
+    for (const char* axis : {"_x", "_y", "_z"}) names.push_back(name + part + axis);
+  return names;
+}
+
 std::array<std::pair<const char*, double>, 10> named_parts(const system::EnergyBalance& b) {
   return {{{"stored_energy", b.stored},
            {"work_of_loads", b.loads},

@@ -24,6 +24,9 @@ struct HistoryColumns {
 /// Those of the balance of energy, besides `kinetic_energy` [J].
 [[nodiscard]] std::array<std::pair<const char*, double>, 10> named_parts(const system::EnergyBalance& balance);
 
+/// Of a rigid group of this name.
+[[nodiscard]] std::vector<std::string> names_of_rigid(const std::string& name);
+
 /// Whether a column of a history is that of a probe.
 [[nodiscard]] bool is_of_probe(const std::string& column);
 

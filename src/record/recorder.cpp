@@ -15,6 +15,7 @@
 #include "system/contact.hpp"
 #include "system/ease.hpp"
 #include "system/gas.hpp"
+#include "system/rigid_loads.hpp"
 #include "voile/errors.hpp"
 
 namespace voile::record {
@@ -93,6 +94,8 @@ std::vector<std::string> Recorder::columns() const {
                 .contact = case_.contact.input.active,
                 .passing = contact && system::has_passable_obstacles(contact->scene().input()),
                 .gases = static_cast<int>(model_->conditions().gases().size())});
+  for (const input::RigidSection& rigid : case_.rigids)
+    for (const std::string& column : names_of_rigid(rigid.name)) names.push_back(column);
   for (std::string& name : probes_->columns()) names.push_back(std::move(name));
   return names;
 }
@@ -108,8 +111,9 @@ Recorder::Snapshot Recorder::gathered(Vec a) {
   petsc::VecHandle force = model_->dofs().create_vector();
   linear_ ? LinearValues(*model_, a).unbalanced_force(force) : model_->unbalanced_force(a, force);
   model_->dofs().clear_free(force);  // away from supports the force is only the residual that is left
-  s.state.displacement = model_->dofs().gather(a);
-  s.state.reaction = model_->dofs().gather(force);
+  s.state.displacement = linear_ ? model_->dofs().gather_change(a) : model_->dofs().gather(a);
+  s.state.reaction = model_->dofs().gather_forces(force);
+  if (!case_.rigids.empty()) s.bodies = system::rigid_values(model_->discretisation(), a, force, linear_);
   return s;
 }
 
@@ -174,7 +178,8 @@ void Recorder::write_step(const system::State& state, const solve::StepResult& r
   // Along an arc the load factor goes up and down, but a time must not.
   step.time = dynamics_ ? state.time : case_.steps.control == Control::load ? state.load_factor : state.step;
   step.load_factor = state.load_factor;
-  if (r.mode) step.fields.push_back({"critical_mode", "1", io::Centre::vertex, 3, model_->dofs().gather(r.mode)});
+  if (r.mode)
+    step.fields.push_back({"critical_mode", "1", io::Centre::vertex, 3, model_->dofs().gather_change(r.mode)});
   write_or_keep(state.step % case_.output.every == 0 || whole || r.mode || s.intersections > 0, std::move(step),
                 state.u, dynamics_ ? static_cast<Vec>(state.v) : nullptr, s);
 }
@@ -183,7 +188,7 @@ void Recorder::write_or_keep(bool write, io::StepFields step, Vec position, Vec 
   pending_.reset();
   if (write) {
     if (velocity && wants("velocity"))
-      step.fields.push_back({"velocity", "m/s", io::Centre::vertex, 3, model_->dofs().gather(velocity)});
+      step.fields.push_back({"velocity", "m/s", io::Centre::vertex, 3, model_->dofs().gather_change(velocity)});
     write_fields(std::move(step), position, s);
     return;
   }
@@ -263,6 +268,7 @@ void Recorder::write_history(const system::State& state, const solve::StepResult
       values.insert(values.end(), {now.volume, now.pressure, now.energy});
     }
   }
+  values.insert(values.end(), s.bodies.begin(), s.bodies.end());
   mpi::on_root(model_->dofs().comm(), [&] {
     for (const double value : probes_->values(s.state, *model_)) values.push_back(value);
     if (history_) history_->write(values);

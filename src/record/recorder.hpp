@@ -86,8 +86,9 @@ class Recorder {
     Observed state;
     system::ContactReport contact;
     long intersections = 0;
-    double kinetic = 0.0;  ///< of a motion [J]
-    Validity validity;     ///< rank 0
+    double kinetic = 0.0;        ///< of a motion [J]
+    std::vector<double> bodies;  ///< columns of rigid groups, on rank 0
+    Validity validity;           ///< rank 0
   };
   /// A recorded state whose fields are not written.
   struct Pending {

@@ -100,7 +100,7 @@ std::vector<Field> Recorder::fields_of(Vec a, const Snapshot& s, const Wants& wa
 std::vector<Field> Recorder::fields(const system::State& state, const Wants& wants) {
   std::vector<Field> found = fields_of(state.u, gathered(state.u), wants, nullptr);
   if (dynamics_ && wants("velocity"))
-    found.push_back({"velocity", "m/s", io::Centre::vertex, 3, model_->dofs().gather(state.v)});
+    found.push_back({"velocity", "m/s", io::Centre::vertex, 3, model_->dofs().gather_change(state.v)});
   return found;
 }
 

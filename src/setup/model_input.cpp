@@ -28,6 +28,12 @@ system::Sewing sewing_of(const input::Case& c) {
   return {c.stage.sew, c.sewing.stiffness, c.sewing.speed, std::min(force, most), 0.0, most};
 }
 
+std::vector<system::RigidGroup> rigid_groups(const input::Case& c) {
+  std::vector<system::RigidGroup> groups;
+  for (const input::RigidSection& s : c.rigids) groups.push_back(s.group);
+  return groups;
+}
+
 }  // namespace
 
 double softest_membrane(const input::Case& c) {
@@ -60,7 +66,8 @@ system::ModelInput model_input(MPI_Comm comm, const input::Case& c, KnownObstacl
           sewing_of(c),
           std::move(attachments),
           seam_rules(c),
-          {c.temperatures, c.analysis != "dynamic"}};
+          {c.temperatures, c.analysis != "dynamic"},
+          rigid_groups(c)};
 }
 
 }  // namespace voile::setup

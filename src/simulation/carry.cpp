@@ -1,12 +1,56 @@
 #include "carry.hpp"
 
+#include <array>
+
 #include "base/mpi.hpp"
 #include "system/contact.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::simulation {
 
+namespace {
+
+/// The vectors of a state whose unknowns of rigid bodies are kept, in this order; each may be null.
+std::array<Vec, 4> vectors_of(const system::State& s) {
+  return {s.u, s.v, s.a, s.previous};
+}
+
+std::vector<double> bodies_of(const system::State& s, const system::Dofs& dofs) {
+  std::vector<double> all;
+  for (Vec v : vectors_of(s)) {
+    const std::vector<double> own = v ? dofs.gather_bodies(v) : std::vector<double>(dofs.body_unknowns(), 0.0);
+    all.insert(all.end(), own.begin(), own.end());
+  }
+  return mpi::rank(dofs.comm()) == 0 ? all : std::vector<double>{};
+}
+
+void take_bodies(const io::Checkpoint& c, const system::Dofs& dofs, const system::State& s) {
+  const std::size_t each = dofs.body_unknowns();
+  if (each == 0) return;
+  const double found = mpi::max(dofs.comm(), static_cast<double>(c.bodies.size()));
+  const bool begins = mpi::max(dofs.comm(), c.displacement.empty() ? 0.0 : 1.0) == 0.0;
+  if (!begins && found != static_cast<double>(4 * each))
+    throw UserError(
+        "the state to continue from has other [[rigid]] groups than the case; give the same ones, and a checkpoint.h5");
+  if (begins) {  // with the velocities that the case gives
+    std::vector<double> rates;
+    if (!c.velocity.empty()) rates = dofs.body_rates(c.velocity);
+    if (s.v) dofs.scatter_bodies(rates, s.v);
+    return;
+  }
+  const std::array<Vec, 4> vectors = vectors_of(s);
+  for (std::size_t k = 0; k < vectors.size(); ++k) {
+    std::vector<double> own;
+    if (!c.bodies.empty()) own.assign(&c.bodies[k * each], &c.bodies[k * each] + each);
+    if (vectors[k]) dofs.scatter_bodies(own, vectors[k]);
+  }
+}
+
+}  // namespace
+
 io::Checkpoint gather(const system::State& s, const system::Model& model) {
   const auto values = [&](Vec v) { return v ? model.dofs().gather(v) : std::vector<double>{}; };
+  const auto changes = [&](Vec v) { return v ? model.dofs().gather_change(v) : std::vector<double>{}; };
   io::Checkpoint c;
   c.step = s.step;
   c.time = s.time;
@@ -14,9 +58,10 @@ io::Checkpoint gather(const system::State& s, const system::Model& model) {
   c.load_factor = s.load_factor;
   c.in_equilibrium = s.in_equilibrium;
   c.displacement = values(s.u);
-  c.velocity = values(s.v);
-  c.acceleration = values(s.a);
+  c.velocity = changes(s.v);
+  c.acceleration = changes(s.a);
   c.previous = values(s.previous);
+  if (!model.dofs().motions().empty()) c.bodies = bodies_of(s, model.dofs());
   c.contact_gaps = s.contact.gaps;
   c.contact_start = s.contact.start;
   c.passing = s.contact.passing;
@@ -58,6 +103,7 @@ system::State scatter(const io::Checkpoint& c, const system::Dofs& dofs) {
   take(c.velocity, s.v);
   take(c.acceleration, s.a);
   take(c.previous, s.previous);
+  take_bodies(c, dofs, s);
   return s;
 }
 

@@ -74,7 +74,7 @@ void write_modes(const input::Case& c, const record::RunOptions& options, const 
   });
   for (std::size_t i = 0; i < result.modes.size(); ++i) {
     const solve::Mode& mode = result.modes[i];
-    std::vector<double> shape = model.dofs().gather(mode.shape);
+    std::vector<double> shape = model.dofs().gather_change(mode.shape);
     mpi::on_root(model.dofs().comm(), [&] {
       const int number = static_cast<int>(i) + 1;
       if (table) table->write({static_cast<double>(number), mode.value, mode.eigenvalue, mode.residual, errors[i]});

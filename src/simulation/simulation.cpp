@@ -87,9 +87,9 @@ std::string Simulation::Impl::reason() const {
   return run->finished() ? run->stage().all().reason : "";
 }
 
-std::vector<double> Simulation::Impl::gathered(Vec v) const {
-  std::vector<double> values =
-      v ? dofs().gather(v) : std::vector<double>(3 * static_cast<std::size_t>(dofs().mesh().vertex_count()), 0.0);
+std::vector<double> Simulation::Impl::gathered(Vec v, bool is_change) const {
+  std::vector<double> values = v ? (is_change ? dofs().gather_change(v) : dofs().gather(v))
+                                 : std::vector<double>(3 * static_cast<std::size_t>(dofs().mesh().vertex_count()), 0.0);
   mpi::broadcast(comm, values);
   return values;
 }
@@ -200,7 +200,7 @@ std::vector<double> Simulation::positions() const {
 
 std::vector<double> Simulation::velocities() const {
   const Call call(*impl_);
-  return impl_->gathered(impl_->state().v);
+  return impl_->gathered(impl_->state().v, true);
 }
 
 }  // namespace voile

@@ -45,7 +45,7 @@ struct Simulation::Impl {
   void close();
   [[nodiscard]] std::string reason() const;
   /// On every rank, in global axes; zeros if there is no such vector. Collective.
-  [[nodiscard]] std::vector<double> gathered(Vec v) const;
+  [[nodiscard]] std::vector<double> gathered(Vec v, bool is_change = false) const;
   /// Throws UserError if x is no vector of unknowns.
   void require_unknowns(Vec x) const;
 

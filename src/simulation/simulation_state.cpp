@@ -215,6 +215,8 @@ Vec Simulation::to_unknowns(const std::vector<double>& values) const {
       throw UserError(
           fmt::format("{} numbers are given; there are {} vertices, and each needs 3", values.size(), vertex_count()));
   });
+  if (!impl_->dofs().motions().empty())
+    throw UserError("the unknowns of [[rigid]] groups do not follow from the displacements of their vertices");
   petsc::VecHandle x;
   VOILE_PETSC(VecDuplicate(impl_->state().u, x.out()));
   impl_->dofs().scatter(mpi::rank(impl_->comm) == 0 ? values : std::vector<double>{}, x);

@@ -176,7 +176,7 @@ void StageRun::apply_forces() {
   system::Model& model = epoch_->model();
   petsc::VecHandle force;
   if (has_forces_) force = model.dofs().create_vector();
-  if (has_forces_) model.dofs().scatter(forces_, force);
+  if (has_forces_) model.dofs().scatter_forces(forces_, force);
   model.conditions().set_external(std::move(force));
 }
 

@@ -85,7 +85,9 @@ void hold_over_supports(const Stage& before, Stage& now) {
     if (was != npos) {
       hold_over(before.c, before.c.supports[was], s);
       now.frozen[i] = now.c.analysis == "static" ? 1 : 0;
-    } else if ((s.kind == Support::Kind::clamped || s.kind == Support::Kind::symmetry) && !holds_slopes(before.c, s)) {
+    } else if ((s.kind == Support::Kind::clamped || s.kind == Support::Kind::sliding ||
+                s.kind == Support::Kind::symmetry) &&
+               !holds_slopes(before.c, s)) {
       throw UserError(fmt::format(
           "{}: [[support]] group '{}': a slope is held from the first stage on, and this one begins in stage '{}'; let "
           "it, or another one of its group that does not turn, hold in all stages before, or use type = \"hinged\"",

@@ -58,7 +58,7 @@ petsc::MatHandle lumped_mass(const system::Model& model) {
 
 /// Largest component of the displacement in global axes becomes 1.
 void normalise(const system::Model& model, Vec shape) {
-  std::vector<double> u = model.dofs().gather(shape);
+  std::vector<double> u = model.dofs().gather_change(shape);
   std::vector<double> largest(1, 0.0);
   for (const double x : u)
     if (std::abs(x) > std::abs(largest[0]) * (1.0 + 1e-9)) largest[0] = x;

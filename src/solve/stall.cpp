@@ -59,7 +59,7 @@ std::string describe(const mesh::SurfaceMesh& mesh, const std::vector<double>& r
 }  // namespace
 
 std::string largest_residuals(const system::Model& model, Vec r) {
-  const std::vector<double> values = model.dofs().gather(r);
+  const std::vector<double> values = model.dofs().gather_forces(r);
   std::string text;
   mpi::on_root(model.dofs().comm(), [&] { text = describe(model.dofs().mesh(), values); });
   mpi::broadcast(model.dofs().comm(), text);

@@ -192,7 +192,7 @@ double TimeIntegration::Impl::objective(Vec x) {
   return dynamics.energy(s.x, s.v, s.a, s.s_v, s.s_a) / (s.a_f * s.a_f);
 }
 
-/// Backtracking on the incremental potential; full steps where there is none (follower loads).
+/// Backtracking on the incremental potential; full steps where there is none (follower loads, inertia of rigid bodies).
 void TimeIntegration::Impl::search(SNESLineSearch ls) {
   SNES snes = nullptr;
   Vec x = nullptr, f = nullptr, y = nullptr;
@@ -205,7 +205,7 @@ void TimeIntegration::Impl::search(SNESLineSearch ls) {
   length = allowed_fraction(model, x, y, trial);
   cut = length < 1.0;
   cuts += cut ? 1 : 0;
-  if (model.conditions().symmetric()) {
+  if (model.conditions().symmetric() && model.dofs().motions().empty()) {
     model.potential().count_from(alpha_stage(ts, x).x);
     const double before = objective(x);
     const bool moves = root_mean_square(y) > no_increment * std::sqrt(model.discretisation().mean_area());

@@ -23,6 +23,11 @@ void Bands::add(const Spring& spring) {
                                 spring.group, spring.length));
   const bool rises = fraction < 1.0 && spring.rise > 0.0 && std::isfinite(spring.start);
   rise_ = rise_ || rises;
+  if (on_.is_on_body(group.vertices))
+    throw UserError(
+        fmt::format("[[spring]] type 'band', group '{}': a vertex of it belongs to a [[rigid]] group; leave "
+                    "that vertex out of one of them",
+                    spring.group));
   for (const mesh::Segment& s : group.segments) {
     if (on_.owned(s[0]) == no_index && on_.owned(s[1]) == no_index) continue;
     const double rest = mesh.rest_length(s), length = fraction * rest;

@@ -1,5 +1,7 @@
 #include "bending_energy.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <optional>
 
@@ -10,6 +12,7 @@
 #include "energy/sheet.hpp"
 #include "mesh/patch.hpp"
 #include "term.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::system {
 
@@ -93,6 +96,7 @@ void BendingEnergy::assemble(const std::vector<energy::CurvatureOperator>& curva
         if (item.owned) steady_offset_ += 2.0 * el.start_energy;
         continue;
       }
+      if (on_->is_on_body(el.points)) continue;  // a term of the potential
       take_start(el, item.owned);
       const double own_damping = on_->sheet().material(item.triangle).bending_damping;
       for (std::size_t i = 0; i < points.size(); ++i)
@@ -123,6 +127,11 @@ void BendingEnergy::add_springs(const std::vector<Spring>& springs, const BlockM
     const Mat3 unit =
         s.direction ? Mat3(s.direction->normalized() * s.direction->normalized().transpose()) : Mat3(Mat3::Identity());
     const auto add = [&](Index v, double stiffness) {
+      if (on_->is_on_body({v}))
+        throw UserError(
+            fmt::format("[[spring]] group '{}': vertex {} belongs to a [[rigid]] group, which has no springs to the "
+                        "ground; leave it out, or hold the reference point by a `translation`",
+                        s.group, on_->mesh().data().vertex_tags[v]));
       const Index i = on_->owned(v);
       if (i == no_index) return;
       const Mat3 q = on_->dofs().axes(v);

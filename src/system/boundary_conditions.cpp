@@ -74,8 +74,9 @@ void spread(const Discretisation& on, const Load& load, const AddForce& add) {
 
 BoundaryConditions::BoundaryConditions(const Discretisation& on, std::vector<Support> supports,
                                        const std::vector<Load>& loads, const std::vector<PointMass>& masses,
-                                       bool motion_by_load)
+                                       bool motion_by_load, std::vector<RigidGroup> rigid)
     : on_(&on),
+      rigid_(on, std::move(rigid)),
       supports_(std::move(supports)),
       motion_by_load_(motion_by_load),
       rotations_(supports_.size(), Mat3::Identity()),
@@ -95,7 +96,13 @@ BoundaryConditions::BoundaryConditions(const Discretisation& on, std::vector<Sup
   }
   for (const auto& [v, support] : supported)
     has_prescribed_ |= support.value.squaredNorm() > 0.0 || support.motion >= 0;
+  has_prescribed_ |= rigid_.moves();
   mpi::on_all(dofs.comm(), [&] { build_loads(loads, masses); });
+  dead_on_bodies_ = rigid_.take(dead_);
+  always_on_bodies_ = rigid_.take(constant_);
+  for (TimedLoad& load : timed_) load.on_bodies = rigid_.take(load.force);
+  const std::vector<BodyForce> at_points = rigid_.forces();
+  for (std::size_t b = 0; b < at_points.size(); ++b) dead_on_bodies_[b].add(1.0, at_points[b]);
   VOILE_PETSC(VecDuplicate(constant_, always_.out()));
   VOILE_PETSC(VecCopy(constant_, always_));
 }
@@ -119,8 +126,8 @@ void BoundaryConditions::set_load_factor(double factor) {
 
 void BoundaryConditions::set_time(double time) {
   if (!timed_.empty()) VOILE_PETSC(VecCopy(always_, constant_));
-  for (const TimedLoad& load : timed_) {
-    const double factor = load.history(time);
+  for (TimedLoad& load : timed_) {
+    const double factor = load.now = load.history(time);
     VOILE_PETSC(VecAXPY(constant_, factor, load.force));
     followers_->kernel.set_factor(load.factor, factor);
     for (std::size_t k = 0; k < gases_.size(); ++k)
@@ -132,8 +139,9 @@ void BoundaryConditions::set_time(double time) {
 void BoundaryConditions::move_supports(double time) {
   for (std::size_t i = 0; i < supports_.size(); ++i)
     if (supports_[i].rotation) rotations_[i] = supports_[i].rotation(time);
-  if (movers_.empty()) return;
+  if (movers_.empty() && !rigid_.moves()) return;
   const petsc::WriteArray motion(motion_);
+  rigid_.move(time, motion);
   const LocalPoints& local = on_->dofs().local();
   for (const Mover& m : movers_) {
     if (supports_[static_cast<std::size_t>(m.support)].follows) continue;
@@ -159,7 +167,33 @@ double BoundaryConditions::turn_between(double from, double to, bool by_load) co
     }
     largest = std::max(largest, angle);
   }
-  return largest;
+  return std::max(largest, rigid_.turn_between(from, to));
+}
+
+void BoundaryConditions::set_external(petsc::VecHandle force) {
+  external_ = std::move(force);
+  if (external_) external_on_bodies_ = rigid_.take(external_);
+}
+
+std::vector<BodyForce> BoundaryConditions::on_bodies() const {
+  std::vector<BodyForce> all = always_on_bodies_;
+  for (std::size_t b = 0; b < all.size(); ++b) {
+    all[b].add(load_factor_, dead_on_bodies_[b]);
+    for (const TimedLoad& load : timed_) all[b].add(load.now, load.on_bodies[b]);
+    if (external_) all[b].add(1.0, external_on_bodies_[b]);
+  }
+  return all;
+}
+
+void BoundaryConditions::add_body_blocks(const energy::Configuration& c, std::vector<Vec3>& sheet,
+                                         const BlockMatrix& tangent, const BlockMatrix::Values& values) {
+  if (!rigid_.any()) return;
+  followers_->add_forces(c, sheet);
+  for (const Gas& gas : gases_) gas.add_forces(c, sheet);
+  std::vector<BodyForce> total = on_->dofs().body_forces(sheet);
+  const std::vector<BodyForce> applied = on_bodies();
+  for (std::size_t b = 0; b < total.size(); ++b) total[b].add(-1.0, applied[b]);
+  rigid_.add_blocks(total, load_factor_, tangent, values);
 }
 
 void BoundaryConditions::set_displacement(Index local, const Vec3& u) {
@@ -200,6 +234,7 @@ void BoundaryConditions::applied_forces(const energy::Configuration& c, std::vec
   VOILE_PETSC(VecAXPY(f, load_factor_, dead_));
   if (external_) VOILE_PETSC(VecAXPY(f, 1.0, external_));
   for (const Gas& gas : gases_) gas.add_force(c, scratch, f);
+  if (rigid_.any()) rigid_.add(on_bodies(), load_factor_, f);
 }
 
 double BoundaryConditions::potential(const energy::Configuration& c, Vec a) const {
@@ -208,13 +243,15 @@ double BoundaryConditions::potential(const energy::Configuration& c, Vec a) cons
   VOILE_PETSC(VecDot(dead_, a, &dead));
   if (external_) VOILE_PETSC(VecDot(external_, a, &external));
   for (const Gas& g : gases_) gas += g.at(c).energy;
-  return gas - constant - load_factor_ * dead - external;
+  const double bodies = rigid_.any() ? rigid_.potential(on_bodies(), load_factor_) : 0.0;
+  return gas + bodies - constant - load_factor_ * dead - external;
 }
 
 void BoundaryConditions::load_direction(const energy::Configuration& c, std::vector<Vec3>& scratch, Vec work, Vec f) {
   VOILE_PETSC(VecCopy(dead_, f));
   for (std::size_t k = 0; k < gases_.size(); ++k)
     if (gas_factors_[k] == energy::FollowerTerm::load_factor) gases_[k].add_direction(c, scratch, f);
+  rigid_.add(dead_on_bodies_, 1.0, f);
   if (!any_follower_) return;
   // Follower loads are linear in the load factor: a difference over one unit is exact.
   for (const double sign : {1.0, -1.0}) {
@@ -283,7 +320,10 @@ void BoundaryConditions::add_follower(const Load& load) {
   };
   // As for the other elements: every triangle that touches an owned vertex.
   const auto evaluated = [&](const std::array<Index, 3>& p) {
-    return std::any_of(p.begin(), p.end(), [&](Index i) { return i != no_index && i < on_->dofs().local().owned; });
+    if (std::find(p.begin(), p.end(), no_index) != p.end()) return false;
+    const std::vector<Index>& of = on_->dofs().local().point_of;
+    return std::any_of(p.begin(), p.end(), [&](Index i) { return i < on_->dofs().local().owned; }) ||
+           on_->has_rows_of({of[p[0]], of[p[1]], of[p[2]]});
   };
   if (load.kind == Load::Kind::follower_pressure) {
     for (Index t : loaded_triangles(mesh, load)) {

@@ -17,6 +17,7 @@
 #include "block_matrix.hpp"
 #include "discretisation.hpp"
 #include "energy/term.hpp"
+#include "rigid_loads.hpp"
 
 namespace voile::energy {
 class FollowerTerm;
@@ -34,7 +35,7 @@ class BoundaryConditions {
   /// `on` must outlive it. Supports move with the load factor instead of the time if `motion_by_load` says so.
   /// Collective. Throws UserError.
   BoundaryConditions(const Discretisation& on, std::vector<Support> supports, const std::vector<Load>& loads,
-                     const std::vector<PointMass>& masses, bool motion_by_load);
+                     const std::vector<PointMass>& masses, bool motion_by_load, std::vector<RigidGroup> rigid = {});
   ~BoundaryConditions();
   BoundaryConditions(const BoundaryConditions&) = delete;
   BoundaryConditions& operator=(const BoundaryConditions&) = delete;
@@ -46,7 +47,7 @@ class BoundaryConditions {
   /// Collective.
   void set_time(double time);
   /// Forces from outside, f_e, in the unknowns; null: none. Not collective. [N]
-  void set_external(petsc::VecHandle force) { external_ = std::move(force); }
+  void set_external(petsc::VecHandle force);
   /// Where an owned vertex goes that a support `follows` holds: its displacement from the start. Not collective. [m]
   void set_displacement(Index local, const Vec3& u);
   /// Sets the fixed components of a to their prescribed values. Collective.
@@ -56,8 +57,8 @@ class BoundaryConditions {
   /// `time`. Collective.
   void take_hold(Vec a, double time, double load_factor);
 
-  /// False if follower loads make the tangent unsymmetric.
-  [[nodiscard]] bool symmetric() const { return !any_follower_; }
+  /// False if follower loads, or moments on rigid bodies, make the tangent unsymmetric.
+  [[nodiscard]] bool symmetric() const { return !any_follower_ && rigid_.symmetric(); }
   /// Writes off_i into the fixed components of `out`, which may hold a copy of a, and leaves the others. Not collective.
   void write_off(const petsc::ReadArray& a, const petsc::WriteArray& out) const;
   /// Whether supports are prescribed to go anywhere, and abar.
@@ -77,6 +78,9 @@ class BoundaryConditions {
   /// Collective.
   void add_blocks(const energy::Configuration& c, const BlockMatrix& tangent, int pattern,
                   const BlockMatrix::Values& values, LowRankChange& change);
+  /// Adds the blocks of rigid bodies on whose local points the forces `sheet` act, to be used up, in the state taken last.
+  void add_body_blocks(const energy::Configuration& c, std::vector<Vec3>& sheet, const BlockMatrix& tangent,
+                       const BlockMatrix::Values& values);
   /// In the order of the loads (gas.hpp).
   [[nodiscard]] const std::vector<Gas>& gases() const { return gases_; }
   [[nodiscard]] bool has_gas() const { return !gas_factors_.empty(); }
@@ -92,7 +96,11 @@ class BoundaryConditions {
   void add_followers(const energy::Configuration& c, std::vector<Vec3>& scratch, Vec f) const;
   void move_supports(double time);
 
+  /// Of the loads on rigid bodies, all but moments.
+  [[nodiscard]] std::vector<BodyForce> on_bodies() const;
+
   const Discretisation* on_;
+  RigidLoads rigid_;
   std::vector<Support> supports_;
   bool motion_by_load_;
   struct Mover {  ///< an owned vertex whose support moves
@@ -107,6 +115,8 @@ class BoundaryConditions {
     std::function<double(double)> history;
     int factor;  ///< number among the follower term's
     petsc::VecHandle force;
+    std::vector<BodyForce> on_bodies{};
+    double now = 0.0;  ///< factor at the time in force
   };
   std::vector<TimedLoad> timed_;
   std::vector<Gas> gases_;
@@ -115,6 +125,8 @@ class BoundaryConditions {
   petsc::VecHandle dead_, constant_, prescribed_, motion_, hold_;
   petsc::VecHandle always_;    ///< the part of constant_ that does not change with time
   petsc::VecHandle external_;  ///< f_e, or none
+  /// Parts of dead_, always_ and external_ that act on rigid bodies, which these do not hold.
+  std::vector<BodyForce> dead_on_bodies_, always_on_bodies_, external_on_bodies_;
   double load_factor_ = 0.0;
 };
 

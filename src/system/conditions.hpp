@@ -17,13 +17,15 @@ struct Support {
     displacement,  ///< the named components of every vertex of the group follow `value` x load factor
     hinged,        ///< all three components fixed (to `value`), the edge free to rotate
     clamped,       ///< as hinged, and the slope across the group's boundary edges is held
+    sliding,       ///< the slope across the group's boundary edges is held, and the named components, if any
     symmetry       ///< no displacement along `normal`, mirrored slope across the group's boundary edges
   };
-  std::string group;  ///< point, curve or surface group; clamped: curve or surface (all of it held); symmetry: curve
+  std::string
+      group;  ///< point, curve or surface group; clamped: curve or surface (all of it held); symmetry, sliding: curve
   Kind kind = Kind::displacement;
-  std::array<bool, 3> components{false, false, false};  ///< displacement only: which of x, y, z
+  std::array<bool, 3> components{false, false, false};  ///< displacement, sliding: which of x, y, z
   Vec3 value = Vec3::Zero();                            ///< displacement at load factor 1, in the axes below [m]
-  /// displacement only: own axes x, y (made square to x) and z = x cross y; or x radial, y circumferential and z along
+  /// displacement, sliding: own axes x, y (made square to x) and z = x cross y; or x radial, y circumferential and z along
   /// the axis of a cylinder, at each vertex's place at the start. Absent: the global axes.
   std::optional<Vec3> x_axis, y_axis, cylinder_axis;
   Vec3 cylinder_centre = Vec3::Zero();  ///< a point on that axis [m]
@@ -35,6 +37,26 @@ struct Support {
   bool follows = false;
   /// clamped: the rotation within `motion` at time t, with which the slope turns; empty: none.
   std::function<Mat3(double time)> rotation;
+};
+
+/// A group whose vertices move as one rigid body (rigid_bodies.hpp), held and loaded at its reference point.
+struct RigidGroup {
+  enum class Turn {
+    free,
+    held,   ///< it does not turn
+    about,  ///< about `axis` only: freely, or by `angle`
+  };
+  std::string group;                              ///< physical point, curve or surface with at least three vertices
+  std::optional<Vec3> point;                      ///< reference point; absent: the mean of the vertices [m]
+  bool slope = true;                              ///< the slope across boundary edges of a curve turns with the body
+  std::array<bool, 3> held{false, false, false};  ///< components of the reference point that are prescribed
+  std::function<Vec3(double time)> motion;        ///< their displacement [m]; empty: none
+  Turn turn = Turn::free;
+  std::optional<Vec3> axis;                  ///< through the reference point
+  std::function<double(double time)> angle;  ///< prescribed about the axis [rad]; empty: free, or held
+  Vec3 force = Vec3::Zero();                 ///< at the reference point, dead, at load factor 1 [N]
+  Vec3 moment = Vec3::Zero();                ///< about it, of a fixed direction, at load factor 1 [N m]
+  double mass = 0.0;                         ///< at the reference point [kg]
 };
 
 struct Load {

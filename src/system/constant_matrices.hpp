@@ -36,6 +36,8 @@ class ConstantMatrices {
   }
   /// Lumped mass per unknown: areal density (1 kg/m^2 where the material has none) times a third of the triangles. [kg]
   [[nodiscard]] Vec mass() const { return mass_; }
+  /// That of the vertices of rigid bodies and their reference points. mass() has only its size at the carriers.
+  [[nodiscard]] const std::vector<BodyMass>& body_mass() const { return body_mass_; }
   /// Consistent mass of linear triangles, m/12 (1 + delta_ij) per pair of corners, with the density that each material
   /// has and zero rows and columns where the displacement is fixed. The pattern is the tangent's. Collective. [kg]
   [[nodiscard]] BlockMatrix consistent_mass() const;
@@ -47,6 +49,10 @@ class ConstantMatrices {
   void make_compact(bool keep);
 
  private:
+  void take_body_mass(Index v, double m, std::vector<BodyMass>& of) const;
+  void write_body_mass(const petsc::WriteArray& mass) const;
+  void add_consistent(const BlockMatrix& mass, const BlockMatrix::Values& values, const mesh::Triangle& corners,
+                      double part) const;
   void lump(const std::vector<PointMass>& masses);
 
   const Discretisation* on_ = nullptr;
@@ -54,7 +60,8 @@ class ConstantMatrices {
   std::optional<BlockMatrix> damping_;
   CompactMatrix compact_bending_, compact_damping_;
   petsc::VecHandle mass_;
-  std::vector<std::pair<Index, double>> masses_;  ///< of owned vertices, besides the sheet's [kg]
+  std::vector<std::pair<Index, double>> masses_;       ///< of owned vertices, besides the sheet's [kg]
+  std::vector<BodyMass> body_mass_, extra_body_mass_;  ///< the second: besides the sheet's
 };
 
 }  // namespace voile::system

@@ -30,6 +30,8 @@ std::string name_of(const Support& s) {
         return "hinged";
       case Support::Kind::clamped:
         return "clamped";
+      case Support::Kind::sliding:
+        return "sliding";
       case Support::Kind::symmetry:
         break;
     }
@@ -150,7 +152,10 @@ Mat3 support_axes(const mesh::SurfaceMesh& mesh, const Support& support, Index v
 void add_fixed(const mesh::SurfaceMesh& mesh, const Support& support, int number, Constraints& result,
                Conditions& conditions) {
   const mesh::Group& group = mesh.group(support.group);
-  if (support.kind == Support::Kind::clamped && group.dimension == 1)
+  const bool slides = support.kind == Support::Kind::sliding;
+  if (slides && group.dimension != 1)
+    throw UserError(name_of(support) + ": the slope is held across edges; name a curve group of boundary edges");
+  if ((support.kind == Support::Kind::clamped || slides) && group.dimension == 1)
     for (mesh::MirrorSide& m : boundary_sides(mesh, group, support)) {
       const Vec3 normal = mesh.start_normal(m.triangle);
       m.reflection = 2.0 * normal * normal.transpose() - Mat3::Identity();
@@ -159,7 +164,7 @@ void add_fixed(const mesh::SurfaceMesh& mesh, const Support& support, int number
     }
   if (support.kind == Support::Kind::clamped && group.dimension == 0)
     throw UserError(name_of(support) + ": a point has no slope to clamp; use `hinged`, or name a curve group");
-  const bool all = support.kind != Support::Kind::displacement;
+  const bool all = support.kind != Support::Kind::displacement && !slides;
   for (Index v : group.vertices) {
     const Mat3 axes = all ? Mat3(Mat3::Identity()) : support_axes(mesh, support, v);
     for (int i = 0; i < 3; ++i)

@@ -11,6 +11,7 @@
 #include "conditions.hpp"
 #include "mesh/patch.hpp"
 #include "mesh/surface_mesh.hpp"
+#include "rigid_bodies.hpp"
 
 namespace voile::system {
 
@@ -26,6 +27,7 @@ struct Constraints {
   std::map<Index, VertexSupport> vertices;
   std::vector<mesh::MirrorSide> mirrors;
   std::vector<int> turned_by;  ///< per mirror: number of the support that turns it in time, or -1
+  std::vector<RigidBody> bodies;
 };
 
 /// Throws UserError for unknown groups, clamped or symmetric curves that are not boundary edges, a symmetry plane that

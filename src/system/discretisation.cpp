@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
 
 #include "base/mpi.hpp"
 #include "energy/curvature.hpp"
@@ -61,7 +62,8 @@ std::vector<Index> stencil_points(const energy::Sheet& sheet, Index t, const ene
 
 Discretisation::Discretisation(MPI_Comm comm, const mesh::SurfaceMesh& mesh, std::vector<energy::Material> materials,
                                const std::vector<Support>& supports, const std::vector<Spring>& springs,
-                               const energy::ElementOptions& options, const Seams& seams)
+                               const energy::ElementOptions& options, const Seams& seams,
+                               const std::vector<RigidGroup>& rigid)
     : mesh_(&mesh),
       rank_(mpi::rank(comm)),
       materials_(std::move(materials)),
@@ -69,6 +71,7 @@ Discretisation::Discretisation(MPI_Comm comm, const mesh::SurfaceMesh& mesh, std
   std::vector<char> needed;
   mpi::on_all(comm, [&] {
     constraints_ = resolve_supports(mesh, supports);
+    prepare_bodies(rigid);
     patches_ = std::make_unique<mesh::PatchMesh>(mesh, constraints_.mirrors);
     drawn_in_ = gathered_sheet(gathers(mesh, seams));
     if (std::vector<mesh::Gather> welded = gathers(mesh, {seams.rules, {}}); !drawn_in_.seams.empty()) {
@@ -112,6 +115,68 @@ Discretisation::Joints Discretisation::take_joints() {
   return std::move(joints_);
 }
 
+void Discretisation::prepare_bodies(const std::vector<RigidGroup>& rigid) {
+  if (rigid.empty()) return;
+  resolve_rigid_groups(*mesh_, rigid, constraints_);
+  body_of_.assign(static_cast<std::size_t>(mesh_->vertex_count()), no_index);
+  double membrane = 0.0;
+  for (const energy::Material& m : materials_) membrane = std::max(membrane, m.membrane(0, 0));
+  for (std::size_t b = 0; b < constraints_.bodies.size(); ++b) {
+    constraints_.bodies[b].stiffness = membrane;
+    for (const Index v : constraints_.bodies[b].members) body_of_[v] = static_cast<Index>(b);
+  }
+}
+
+std::vector<Index> Discretisation::unknowns_of(const std::vector<Index>& points) const {
+  if (body_of_.empty()) return vertices_of(*patches_, points);
+  std::vector<Index> plain, unknowns;
+  std::vector<char> bodies(constraints_.bodies.size(), 0);
+  for (const Index p : points)
+    if (p >= patches_->point_count())
+      bodies[static_cast<std::size_t>((p - patches_->point_count()) / RigidBody::frame_points)] = 1;
+    else
+      plain.push_back(p);
+  for (const Index v : vertices_of(*patches_, plain))
+    if (body_of_[v] != no_index)
+      bodies[static_cast<std::size_t>(body_of_[v])] = 1;
+    else
+      unknowns.push_back(v);
+  for (std::size_t b = 0; b < bodies.size(); ++b)
+    if (bodies[b])
+      unknowns.insert(unknowns.end(), constraints_.bodies[b].carriers.begin(), constraints_.bodies[b].carriers.end());
+  std::sort(unknowns.begin(), unknowns.end());
+  return unknowns;
+}
+
+bool Discretisation::is_on_body(const std::vector<Index>& points) const {
+  if (body_of_.empty()) return false;
+  return std::any_of(points.begin(), points.end(),
+                     [&](Index p) { return p < mesh_->vertex_count() && body_of_[p] != no_index; });
+}
+
+/// Springs between the slopes of edges and the bodies that hold them.
+void Discretisation::find_rigid_slopes(energy::CurvatureBuilder& curvature, std::vector<char>& needed) {
+  Index first = patches_->point_count();
+  for (const RigidBody& body : constraints_.bodies) {
+    energy::RigidFrame frame{};
+    for (int k = 0; k < RigidBody::frame_points; ++k) {
+      frame.points[static_cast<std::size_t>(k)] = first++;
+      frame.start[static_cast<std::size_t>(k)] = body.frame_point(k);
+    }
+    std::map<Index, std::vector<int>> sides;
+    for (const mesh::TriangleSide& s : body.slopes) sides[s.triangle].push_back(s.side);
+    for (const auto& [t, held] : sides) {
+      energy::JointElement element = energy::make_rigid_slopes(*sheet_, curvature, t, held, frame);
+      const std::vector<Index> vertices = unknowns_of(element.points);
+      if (!touches(vertices) && !owns(t)) continue;
+      for (const Index p : element.points) needed[p] = 1;
+      for (const Index v : vertices) needed[v] = 1;
+      joints_.elements.push_back(std::move(element));
+      joints_.owned.push_back(owns(t));
+    }
+  }
+}
+
 bool Discretisation::touches(const std::vector<Index>& vertices) const {
   return std::any_of(vertices.begin(), vertices.end(), [&](Index v) { return partition_.vertex_rank[v] == rank_; });
 }
@@ -135,7 +200,7 @@ void Discretisation::find_joints(energy::CurvatureBuilder& curvature, const std:
     const bool is_owned = owns(joints[static_cast<std::size_t>(cluster.front())].sides.front().triangle);
     if (!near && !is_owned) continue;
     energy::JointElement element = energy::make_joint_element(*sheet_, curvature, cluster);
-    const std::vector<Index> vertices = vertices_of(*patches_, element.points);
+    const std::vector<Index> vertices = unknowns_of(element.points);
     if (!touches(vertices) && !is_owned) continue;
     for (Index p : element.points) needed[p] = 1;
     for (Index v : vertices) needed[v] = 1;
@@ -146,14 +211,22 @@ void Discretisation::find_joints(energy::CurvatureBuilder& curvature, const std:
 
 /// The elements of this rank, and the points that they use.
 std::vector<char> Discretisation::find_elements(const std::vector<Spring>& springs) {
-  const std::vector<char> candidate = candidate_triangles(*mesh_, partition_.vertex_rank, rank_);
+  std::vector<int> holder = partition_.vertex_rank;  // the owner of a carrier knows all around its body
+  for (const RigidBody& body : constraints_.bodies)
+    for (const Index carrier : body.carriers)
+      if (partition_.vertex_rank[carrier] == rank_)
+        for (const Index v : body.members) holder[v] = rank_;
+  const std::vector<char> candidate = candidate_triangles(*mesh_, holder, rank_);
   energy::CurvatureBuilder curvature(*sheet_);
-  std::vector<char> needed(static_cast<std::size_t>(patches_->point_count()), 0);
+  const std::size_t frames = RigidBody::frame_points * constraints_.bodies.size();
+  std::vector<char> needed(static_cast<std::size_t>(patches_->point_count()) + frames, 0);
+  for (const RigidBody& body : constraints_.bodies)
+    for (const Index carrier : body.carriers) needed[carrier] = 1;
   for (Index t = 0; t < mesh_->triangle_count(); ++t) {
     if (!candidate[t]) continue;
     energy::CurvatureOperator op = curvature.build(t);
     const std::vector<Index> points = stencil_points(*sheet_, t, op);
-    const std::vector<Index> vertices = vertices_of(*patches_, points);
+    const std::vector<Index> vertices = unknowns_of(points);
     // The owner of a triangle recovers its stresses even where none of its rows are its own.
     if (!touches(vertices) && !owns(t)) continue;
     for (Index p : points) needed[p] = 1;
@@ -162,9 +235,10 @@ std::vector<char> Discretisation::find_elements(const std::vector<Spring>& sprin
     curvatures_.push_back(std::move(op));
   }
   find_joints(curvature, candidate, needed);
+  find_rigid_slopes(curvature, needed);
   for (const Spring& spring : springs)
     for (const auto& [v, w] : pairs_of(*mesh_, spring))
-      if (partition_.vertex_rank[v] == rank_ || partition_.vertex_rank[w] == rank_) needed[v] = needed[w] = 1;
+      if (has_rows_of({v, w}) || owns_vertex(v)) needed[v] = needed[w] = 1;
   for (const mesh::Seam& seam : mesh_->data().seams)
     for (const auto& [v, w] : seam.pairs)
       if (partition_.vertex_rank[v] == rank_ || partition_.vertex_rank[w] == rank_) needed[v] = needed[w] = 1;

@@ -39,7 +39,8 @@ class Discretisation {
   /// and contradictions.
   Discretisation(MPI_Comm comm, const mesh::SurfaceMesh& mesh, std::vector<energy::Material> materials,
                  const std::vector<Support>& supports, const std::vector<Spring>& springs,
-                 const energy::ElementOptions& options, const Seams& seams = {});
+                 const energy::ElementOptions& options, const Seams& seams = {},
+                 const std::vector<RigidGroup>& rigid = {});
   ~Discretisation();
   Discretisation(const Discretisation&) = delete;
   Discretisation& operator=(const Discretisation&) = delete;
@@ -69,6 +70,12 @@ class Discretisation {
     const Index i = dofs_->local().local_of[v];
     return i < dofs_->local().owned ? i : no_index;
   }
+  /// Vertices whose unknowns mesh points depend on, ascending; points may be of the frames of rigid bodies.
+  [[nodiscard]] std::vector<Index> unknowns_of(const std::vector<Index>& points) const;
+  /// Whether this rank has rows of unknowns that any of these mesh points depends on.
+  [[nodiscard]] bool has_rows_of(const std::vector<Index>& points) const { return touches(unknowns_of(points)); }
+  /// Whether a rigid body has a vertex among these points.
+  [[nodiscard]] bool is_on_body(const std::vector<Index>& points) const;
   /// Mean rest area of a triangle [m^2].
   [[nodiscard]] double mean_area() const;
   /// Turns the mirror points of clamps: the rotation of each support, by number. Not collective.
@@ -96,6 +103,9 @@ class Discretisation {
   }
   [[nodiscard]] std::vector<char> find_elements(const std::vector<Spring>& springs);
   void find_joints(energy::CurvatureBuilder& curvature, const std::vector<char>& candidate, std::vector<char>& needed);
+  void find_rigid_slopes(energy::CurvatureBuilder& curvature, std::vector<char>& needed);
+  void prepare_bodies(const std::vector<RigidGroup>& rigid);
+  [[nodiscard]] bool owns_vertex(Index v) const { return partition_.vertex_rank[v] == rank_; }
   [[nodiscard]] bool touches(const std::vector<Index>& vertices) const;
 
   const mesh::SurfaceMesh* mesh_;
@@ -103,6 +113,7 @@ class Discretisation {
   std::vector<energy::Material> materials_;
   mesh::Partition partition_;
   Constraints constraints_;
+  std::vector<Index> body_of_;  ///< per vertex: rigid body, or no_index; empty: there are none
   std::unique_ptr<mesh::PatchMesh> patches_;
   GatheredSheet drawn_in_, before_;  ///< without patches: as it is cut
   bool draws_in_ = false;

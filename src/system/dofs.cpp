@@ -13,6 +13,7 @@ Dofs::Dofs(MPI_Comm comm, const mesh::PatchMesh& patches, const mesh::Partition&
       rank_(mpi::rank(comm)),
       first_row_(partition.owned_begin(rank_)) {
   number(patches, needed, constraints.turned_by);
+  number_bodies(patches, constraints, needed);
   take_constraints(constraints);
   create_scatter();
 }
@@ -86,6 +87,7 @@ void Dofs::create_scatter() {
 // ---- local points --------------------------------------------------------------------------------------------------
 
 std::vector<Dofs::Share> Dofs::fractions(Index point) const {
+  if (const Index b = body_of_point(point); b != no_index) return body_fractions(static_cast<std::size_t>(b), point);
   const auto own_map = [&](Index vertex, const Mat3& map) -> Share {
     const Index v = local_.point_of[vertex];
     return {vertex, has_axes(v) ? Mat3(map * axes_[axes_of_[v]]) : map};
@@ -105,12 +107,20 @@ void Dofs::turn_mirrors(const std::vector<Mat3>& rotation) {
   }
 }
 
-void Dofs::update_points(Vec a, std::vector<Vec3>& u, std::vector<Vec3>& x) const {
+void Dofs::take_halo(Vec a) const {
   VOILE_PETSC(VecScatterBegin(scatter_, a, halo_, INSERT_VALUES, SCATTER_FORWARD));
   VOILE_PETSC(VecScatterEnd(scatter_, a, halo_, INSERT_VALUES, SCATTER_FORWARD));
+}
+
+void Dofs::update_points(Vec a, std::vector<Vec3>& u, std::vector<Vec3>& x) const {
+  take_halo(a);
   const petsc::ReadArray values(halo_);
   for (Index i = 0; i < local_.vertices; ++i) u[i] = Eigen::Map<const Vec3>(values.data() + 3 * i);
   for (Index i : rotated_) u[i] = axes_[axes_of_[local_.point_of[i]]] * u[i];
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    set_motion(b, values);
+    for (const BodyPoint& p : bodies_[b].points) u[p.point] = motions_[b].displacement() + motions_[b].turned() * p.arm;
+  }
   for (std::size_t m = 0; m < mirrors_.size(); ++m) {
     const Mirror& g = mirrors_[m];
     const Vec3 foot = (1.0 - g.foot) * u[g.a] + g.foot * u[g.b];
@@ -130,6 +140,11 @@ void Dofs::add_forces(std::vector<Vec3>& force, Vec f) const {
   }
   for (Index i : rotated_) force[i] = to_own(local_.point_of[i], force[i]);
   const petsc::WriteArray out(f);
+  const std::vector<BodyForce> on_bodies = body_forces(force);
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    for (const BodyPoint& p : bodies_[b].points) force[p.point].setZero();
+    add_body_force(b, on_bodies[b], out);
+  }
   for (Index i = 0; i < local_.owned; ++i)
     for (int k = 0; k < 3; ++k) out[3 * i + k] += force[i][k];
 }
@@ -158,12 +173,13 @@ void Dofs::clear_free(Vec v) const {
   for (; next < 3 * static_cast<PetscInt>(local_.owned); ++next) values[next] = 0.0;
 }
 
-std::vector<double> Dofs::gather(Vec a) const {
+std::vector<double> Dofs::gather_with(Vec a, const std::function<Vec3(Index local)>& of_body) const {
   std::vector<double> own;
   {
     const petsc::ReadArray in(a);
     for (Index i = 0; i < local_.owned; ++i) {
-      const Vec3 u = to_global(local_.point_of[i], Eigen::Map<const Vec3>(in.data() + 3 * i));
+      const Index v = local_.point_of[i];
+      const Vec3 u = body_of(v) != no_index ? of_body(i) : to_global(v, Eigen::Map<const Vec3>(in.data() + 3 * i));
       own.insert(own.end(), u.begin(), u.end());
     }
   }
@@ -174,13 +190,15 @@ std::vector<double> Dofs::gather(Vec a) const {
   return values;
 }
 
-void Dofs::scatter(const std::vector<double>& values, Vec a) const {
+void Dofs::scatter_with(const std::vector<double>& values, Vec a, bool on_bodies) const {
   std::vector<double> all = values;
   mpi::broadcast(comm_, all);
   const petsc::WriteArray out(a);
   for (Index i = 0; i < local_.owned; ++i) {
     const Index v = local_.point_of[i];
-    const Vec3 own = to_own(v, Eigen::Map<const Vec3>(all.data() + 3 * static_cast<std::size_t>(v)));
+    const Vec3 own = !on_bodies && body_of(v) != no_index
+                         ? Vec3(Vec3::Zero())
+                         : to_own(v, Eigen::Map<const Vec3>(all.data() + 3 * static_cast<std::size_t>(v)));
     for (int k = 0; k < 3; ++k) out[3 * i + k] = own[k];
   }
 }

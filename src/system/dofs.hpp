@@ -5,12 +5,16 @@
 //           g     mirror point, x_g = f + R (x_A - f), f = (1 - alpha) x_a + alpha x_b (patch.hpp);  where the clamp
 //           has
 //                 turned by Q, R = Q R_0 Q^T and u_g = u_f + R (u_A - u_f) + d, d = (R - R_0)(X_A - X_f)
-// Local points of a rank: its own vertices in the order of their rows, then halo vertices, then mirror points.
+//           of a rigid body: x = C + c + R (X - C), c and R from the unknowns of its carriers (rigid_bodies.hpp)
+// Local points of a rank: its own vertices in the order of their rows, then halo vertices, mirror points, frames of bodies.
 #pragma once
 
+#include <array>
+#include <functional>
 #include <vector>
 
 #include "base/petsc.hpp"
+#include "block_matrix.hpp"
 #include "constraints.hpp"
 #include "mesh/partition.hpp"
 
@@ -23,10 +27,11 @@ namespace voile::system {
 /// Local points of a rank.
 struct LocalPoints {
   Index owned = 0, vertices = 0;  ///< its own vertices; these and the halo
-  std::vector<Index> point_of;    ///< mesh point (patch.hpp) of each local point
-  std::vector<Index> local_of;    ///< local point of each mesh point, or no_index
-  std::vector<Index> row_of;      ///< block row of each local vertex
-  std::vector<Vec3> start;        ///< X [m]
+  std::vector<Index>
+      point_of;  ///< mesh point (patch.hpp) of each local point; frames of bodies follow the mirror points
+  std::vector<Index> local_of;  ///< local point of each mesh point, or no_index
+  std::vector<Index> row_of;    ///< block row of each local vertex
+  std::vector<Vec3> start;      ///< X [m]
   [[nodiscard]] Index count() const { return static_cast<Index>(point_of.size()); }
 };
 
@@ -64,9 +69,9 @@ class Dofs {
     Index vertex;  ///< local
     Mat3 map;
   };
-  /// Whether a local point is a vertex in global axes, so that it moves as its unknowns do.
+  /// Whether a local point is a vertex in global axes and of no rigid body, so that it moves as its unknowns do.
   [[nodiscard]] bool is_plain(Index point) const {
-    return point < local_.vertices && !has_axes(local_.point_of[point]);
+    return point < local_.vertices && !has_axes(local_.point_of[point]) && body_of(local_.point_of[point]) == no_index;
   }
   [[nodiscard]] std::vector<Share> fractions(Index point) const;
   /// Turns the mirror points of clamps: the rotation of each support, by number. Not collective.
@@ -77,6 +82,31 @@ class Dofs {
   void update_points(Vec a, std::vector<Vec3>& u, std::vector<Vec3>& x) const;
   /// Adds forces on the local points, in global axes, to the rows of this rank; `force` is used up. Not collective.
   void add_forces(std::vector<Vec3>& force, Vec f) const;
+
+  // Rigid bodies, at the state that update_points() took last
+  /// Number of the body that a vertex of the mesh belongs to, or no_index.
+  [[nodiscard]] Index body_of(Index v) const { return bodies_.empty() ? no_index : body_of_[v]; }
+  [[nodiscard]] const std::vector<RigidMotion>& motions() const { return motions_; }
+  /// Forces on the points of each body that this rank knows: all of them where it owns a carrier. Not collective.
+  [[nodiscard]] std::vector<BodyForce> body_forces(const std::vector<Vec3>& force) const;
+  /// Adds forces on a body to the rows of its carriers. Not collective. [N]
+  void add_body_force(std::size_t body, const BodyForce& on, const petsc::WriteArray& f) const;
+  /// Adds a row of the unknowns of a body, or only of its rotation's, by the numbers of the rotation's unknowns. Not collective. [N]
+  void add_body_row(std::size_t body, const RigidMotion::Row& on, const petsc::WriteArray& f) const;
+  void add_turning_force(std::size_t body, const Eigen::Vector4d& on, const petsc::WriteArray& f) const;
+  /// Adds a matrix of the unknowns of a body to the open values of a tangent. Not collective. [N/m]
+  void add_unknowns_block(std::size_t body, const RigidMotion::Block& k, const BlockMatrix& tangent,
+                          const BlockMatrix::Values& values) const;
+  /// Entries of a vector for the unknowns of each body, on every rank. Collective.
+  [[nodiscard]] std::vector<RigidMotion::Row> body_rows(Vec a) const;
+  /// Rates of the unknowns at the start that fit velocities of vertices best, in the order of gather_bodies(). Rank 0 only.
+  [[nodiscard]] std::vector<double> body_rates(const std::vector<double>& velocity) const;
+  /// Local vertices that carry the unknowns of a body.
+  [[nodiscard]] const std::array<Index, 3>& carriers(std::size_t body) const { return bodies_[body].carriers; }
+  [[nodiscard]] std::size_t body_unknowns() const { return 9 * bodies_.size(); }
+  /// Unknowns of all bodies, nine each, on rank 0; the other way round. Collective.
+  [[nodiscard]] std::vector<double> gather_bodies(Vec a) const;
+  void scatter_bodies(const std::vector<double>& unknowns, Vec a) const;
 
   // Vertices of this rank
   /// Sets the free components of its vertex i so that it is at x [m].
@@ -90,8 +120,14 @@ class Dofs {
   void clear_free(Vec v) const;
   /// Three components per vertex in global axes, mesh order, on rank 0 (empty elsewhere). Collective.
   [[nodiscard]] std::vector<double> gather(Vec a) const;
-  /// The other way round, from rank 0. Collective.
+  /// Likewise of a change of displacements at the state that update_points() took last; of forces, which are left out on
+  /// rigid bodies.
+  [[nodiscard]] std::vector<double> gather_change(Vec da) const;
+  [[nodiscard]] std::vector<double> gather_forces(Vec f) const;
+  /// The other way round, from rank 0; vertices of rigid bodies are left at zero. Collective.
   void scatter(const std::vector<double>& values, Vec a) const;
+  /// Likewise of forces, with those on vertices of rigid bodies (rigid_loads.hpp).
+  void scatter_forces(const std::vector<double>& values, Vec f) const;
 
  private:
   struct Mirror {  ///< local points
@@ -104,6 +140,11 @@ class Dofs {
   };
   void number(const mesh::PatchMesh& patches, const std::vector<char>& needed, const std::vector<int>& turned_by);
   void take_constraints(const Constraints& constraints);
+  void number_bodies(const mesh::PatchMesh& patches, const Constraints& constraints, const std::vector<char>& needed);
+  void take_halo(Vec a) const;
+  /// Values of a vector by vertex, with what `of_body` gives for an owned one of a body.
+  void scatter_with(const std::vector<double>& values, Vec a, bool on_bodies) const;
+  [[nodiscard]] std::vector<double> gather_with(Vec a, const std::function<Vec3(Index local)>& of_body) const;
   void create_scatter();
   [[nodiscard]] Vec3 turned_to_own(Index v, const Vec3& f) const;
   [[nodiscard]] Vec3 turned_to_global(Index v, const Vec3& a) const;
@@ -114,9 +155,29 @@ class Dofs {
   int rank_;
   Index first_row_;
   LocalPoints local_;
+  struct BodyPoint {  ///< a local point and its arm at the start [m]
+    Index point;
+    Vec3 arm;
+  };
+  struct Body {
+    std::array<Index, 3> carriers;  ///< local
+    std::vector<BodyPoint> points;
+  };
+  /// Body of a local point, or no_index, and the unknowns that it depends on.
+  [[nodiscard]] Index body_of_point(Index point) const;
+  [[nodiscard]] std::vector<Share> body_fractions(std::size_t body, Index point) const;
+  void set_motion(std::size_t body, const petsc::ReadArray& halo) const;
+
   std::vector<Mirror> mirrors_;
-  std::vector<Index> rotated_;  ///< local vertices with axes of their own
-  std::vector<Index> axes_of_;  ///< per vertex of the mesh: entry of axes_, or no_index
+  std::vector<Body> bodies_;
+  const std::vector<RigidBody>* bodies_of_mesh_ = nullptr;
+  Index first_frame_ = 0;                     ///< local point of the first frame
+  std::vector<Vec3> arms_;                    ///< per local point, of bodies only [m]
+  std::vector<Index> frame_body_;             ///< body of each frame point
+  std::vector<Index> body_of_;                ///< per vertex of the mesh; empty: there are no bodies
+  mutable std::vector<RigidMotion> motions_;  ///< at the state taken last
+  std::vector<Index> rotated_;                ///< local vertices with axes of their own
+  std::vector<Index> axes_of_;                ///< per vertex of the mesh: entry of axes_, or no_index
   std::vector<Mat3> axes_;
   std::vector<char> fixed_flags_;
   std::vector<PetscInt> fixed_;

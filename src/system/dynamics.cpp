@@ -76,7 +76,34 @@ void Dynamics::apply_mass(Vec x, Vec y) const {
     VOILE_PETSC(MatMult(consistent_->mat(), x, y));
   else
     VOILE_PETSC(VecPointwiseMult(y, model_.potential().constant().mass(), x));
+  apply_body_mass(x, y);
   model_.dofs().clear_fixed(y);
+}
+
+/// Rows of rigid bodies, at the state taken last.
+void Dynamics::apply_body_mass(Vec x, Vec y) const {
+  const Dofs& dofs = model_.dofs();
+  if (dofs.motions().empty()) return;
+  const std::vector<RigidMotion::Row> rows = dofs.body_rows(x), wrong = dofs.body_rows(y);
+  const petsc::WriteArray out(y);
+  for (std::size_t b = 0; b < rows.size(); ++b) {
+    const RigidMotion::Row f =
+        dofs.motions()[b].mass(model_.potential().constant().body_mass()[b]) * rows[b] - wrong[b];
+    dofs.add_body_row(b, f, out);
+  }
+}
+
+/// What rigid bodies that turn push besides their mass times acceleration.
+void Dynamics::add_gyration(Vec v, Vec f) const {
+  const Dofs& dofs = model_.dofs();
+  if (dofs.motions().empty()) return;
+  const std::vector<RigidMotion::Row> rates = dofs.body_rows(v);
+  {
+    const petsc::WriteArray out(f);
+    for (std::size_t b = 0; b < rates.size(); ++b)
+      dofs.add_body_row(b, dofs.motions()[b].gyration(model_.potential().constant().body_mass()[b], rates[b]), out);
+  }
+  dofs.clear_fixed(f);
 }
 
 void Dynamics::add_drag(Vec v, Vec f) {
@@ -89,6 +116,7 @@ void Dynamics::add_drag(Vec v, Vec f) {
 void Dynamics::residual(Vec u, Vec v, Vec a, Vec f) {
   model_.residual(u, f);
   apply_mass(a, sum_);
+  add_gyration(v, sum_);
   double inertia = 0.0;
   VOILE_PETSC(VecNorm(sum_, NORM_2, &inertia));
   force_scale_ = std::max(model_.force_scale(), inertia);
@@ -155,6 +183,7 @@ Dynamics::Work Dynamics::work(Vec u, Vec v, Vec a, Vec displacement) {
     return factor * product;
   };
   apply_mass(a, work_);
+  add_gyration(v, work_);
   w.inertia = add(1.0);
   if (options_.mass_damping > 0.0) {
     apply_mass(v, work_);

@@ -77,6 +77,8 @@ class Dynamics {
  private:
   void build_drag();
   void add_drag(Vec v, Vec f);
+  void apply_body_mass(Vec x, Vec y) const;
+  void add_gyration(Vec v, Vec f) const;
   /// Velocities of the local points instead of positions, for the drag.
   [[nodiscard]] energy::Configuration moving(Vec v) const;
   /// Whether C_b is there and is to act.

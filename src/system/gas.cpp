@@ -107,13 +107,21 @@ GasState Gas::at(const energy::Configuration& c) const {
   return s;
 }
 
+void Gas::add_gradient(double scale, const energy::Configuration& c, std::vector<Vec3>& points) const {
+  term_->kernel.set_scale(scale);
+  term_->add_forces(c, points);
+  for (const Rim& rim : rims_)
+    for (const Index i : rim.owned) points[static_cast<std::size_t>(i)] += scale / (6.0 * rim.count) * rim.area;
+}
+
 void Gas::add_gradient(double scale, const energy::Configuration& c, std::vector<Vec3>& scratch, Vec f) const {
   std::fill(scratch.begin(), scratch.end(), Vec3::Zero());
-  term_->kernel.set_scale(scale);
-  term_->add_forces(c, scratch);
-  for (const Rim& rim : rims_)
-    for (const Index i : rim.owned) scratch[static_cast<std::size_t>(i)] += scale / (6.0 * rim.count) * rim.area;
+  add_gradient(scale, c, scratch);
   on_->dofs().add_forces(scratch, f);
+}
+
+void Gas::add_forces(const energy::Configuration& c, std::vector<Vec3>& points) const {
+  add_gradient(-at(c).pressure, c, points);
 }
 
 void Gas::add_force(const energy::Configuration& c, std::vector<Vec3>& scratch, Vec f) const {

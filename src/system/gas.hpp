@@ -46,6 +46,8 @@ class Gas {
   void set_factor(double factor) { factor_ = factor; }
   /// Collective.
   [[nodiscard]] GasState at(const energy::Configuration& c) const;
+  /// Adds -(p - p_a) dV/dx to the gradient at local points. Collective. [N]
+  void add_forces(const energy::Configuration& c, std::vector<Vec3>& points) const;
   /// Adds (p - p_a) g to f; `scratch` has one entry per local point. Collective. [N]
   void add_force(const energy::Configuration& c, std::vector<Vec3>& scratch, Vec f) const;
   /// Adds dp/ds g to f. Collective. [N]
@@ -64,6 +66,7 @@ class Gas {
   [[nodiscard]] double volume(const energy::Configuration& c) const;
   /// (V_0/V)^n.
   [[nodiscard]] double compression(double volume) const;
+  void add_gradient(double scale, const energy::Configuration& c, std::vector<Vec3>& points) const;
   void add_gradient(double scale, const energy::Configuration& c, std::vector<Vec3>& scratch, Vec f) const;
   void find_centres(const energy::Configuration& c) const;
   void add_rim_columns(const Rim& rim, int number, const energy::Configuration& c, double weight,

@@ -25,9 +25,10 @@ const std::vector<Support>& with_followers(ModelInput& input) {
 
 Model::Model(MPI_Comm comm, const mesh::SurfaceMesh& mesh, ModelInput input)
     : on_(std::make_unique<Discretisation>(comm, mesh, std::move(input.materials), with_followers(input), input.springs,
-                                           input.element, Seams{std::move(input.seams), input.sewing.seams})),
+                                           input.element, Seams{std::move(input.seams), input.sewing.seams},
+                                           input.rigid)),
       conditions_(std::make_unique<BoundaryConditions>(*on_, std::move(input.supports), input.loads, input.masses,
-                                                       input.motion_by_load)) {
+                                                       input.motion_by_load, std::move(input.rigid))) {
   if (input.contact.active)
     mpi::on_all(comm, [&] { contact_ = std::make_unique<Contact>(dofs(), std::move(input.contact)); });
   potential_ = std::make_unique<Potential>(
@@ -95,27 +96,39 @@ void Model::assemble_tangent(Vec a, const TangentRequest& request) {
   if (contact_)
     if (BlockPattern pattern; contact_->extend_pattern(a, tangent, base.pattern(), pattern))
       tangent_.extend(base, std::move(pattern));
+  if (request.previous) dofs().update_points(request.previous, previous_u_, previous_x_);
   energy::Configuration c = potential_->configuration(a);
   c.tangent = request.kind;
-  if (request.previous) {
-    dofs().update_points(request.previous, previous_u_, previous_x_);
-    c.previous = previous_x_.data();
-  }
+  if (request.previous) c.previous = previous_x_.data();
   const BlockMatrix::Values values = tangent.open();
   const int pattern = tangent_.pattern_version();
   potential_->write_tangent(c, tangent, pattern, values, request.bending);
   if (constant.has_damping() && request.damping > 0.0) constant.add_damping(tangent, values, request.damping);
   conditions_->add_blocks(c, tangent, pattern, values, tangent_.change());
+  if (!dofs().motions().empty()) conditions_->add_body_blocks(c, potential_->point_forces(c), tangent, values);
   if (request.extra) request.extra->add_blocks(c, dofs(), tangent, pattern, values);
   if (request.mass > 0.0 && request.mass_matrix)
     tangent.add_values_from(*request.mass_matrix, request.mass);
   else if (request.mass > 0.0)
-    tangent_.add_mass(values, request.masses ? request.masses : constant.mass(), request.mass);
+    add_lumped_mass(request, values);
   if (contact_) contact_->add_blocks(tangent, values, !request.exact_contact);
   if (!conditions_->has_prescribed()) return tangent_.close(values, nullptr, nullptr);
   VOILE_PETSC(VecZeroEntries(work_));
   conditions_->write_off(petsc::ReadArray(a), petsc::WriteArray(work_));
   tangent_.close(values, work_, conditions_->prescribed());
+}
+
+/// At the carriers of rigid bodies the lumped mass has only its size.
+void Model::add_lumped_mass(const TangentRequest& request, const BlockMatrix::Values& values) {
+  const ConstantMatrices& constant = potential_->constant();
+  tangent_.add_mass(values, request.masses ? request.masses : constant.mass(), request.mass);
+  if (dofs().motions().empty() || request.masses) return;
+  const std::vector<RigidMotion::Row> lumped = dofs().body_rows(constant.mass());
+  for (std::size_t b = 0; b < lumped.size(); ++b) {
+    RigidMotion::Block m = dofs().motions()[b].mass(constant.body_mass()[b]);
+    m.diagonal() -= lumped[b];
+    dofs().add_unknowns_block(b, request.mass * m, tangent_.blocks(), values);
+  }
 }
 
 void Model::load_direction(Vec a, Vec f) {

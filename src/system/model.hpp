@@ -41,6 +41,7 @@ struct ModelInput {
   std::vector<Attachment> attachments = {};
   std::vector<SeamRule> seams = {};
   Temperatures temperatures = {};
+  std::vector<RigidGroup> rigid = {};
 };
 
 /// The supports, and those by which hard attachments hold, which are added to them.
@@ -96,6 +97,7 @@ class Model {
   void couple(std::vector<double> pairs);
 
  private:
+  void add_lumped_mass(const TangentRequest& request, const BlockMatrix::Values& values);
   [[nodiscard]] MPI_Comm comm() const { return on_->comm(); }
 
   std::unique_ptr<Discretisation> on_;

@@ -50,11 +50,24 @@ energy::Configuration Potential::configuration(Vec a) {
   return {x_.data(), u_.data(), nullptr, energy::Tangent::exact};
 }
 
-void Potential::force(const energy::Configuration& c, Vec a, Vec f) {
-  bending_->force(a, f);
+std::vector<Vec3>& Potential::point_forces(const energy::Configuration& c) {
   std::fill(force_.begin(), force_.end(), Vec3::Zero());
   for (const Counted& t : terms_) t.term->add_forces(c, force_);
-  on_->dofs().add_forces(force_, f);
+  return force_;
+}
+
+void Potential::force(const energy::Configuration& c, Vec a, Vec f) {
+  bending_->force(a, f);
+  on_->dofs().add_forces(point_forces(c), f);
+  add_body_lengths(f);
+}
+
+/// What holds the lengths of the quaternions of rigid bodies.
+void Potential::add_body_lengths(Vec f) const {
+  const std::vector<RigidMotion>& motions = on_->dofs().motions();
+  if (motions.empty()) return;
+  const petsc::WriteArray out(f);
+  for (std::size_t b = 0; b < motions.size(); ++b) on_->dofs().add_turning_force(b, motions[b].length_force(), out);
 }
 
 Energies Potential::energies(const energy::Configuration& c, Vec a, bool viscous) {
@@ -67,6 +80,7 @@ Energies Potential::energies(const energy::Configuration& c, Vec a, bool viscous
   const double ground = bending_->ground_energy(a);
   e.bending += bending_->energy(a) - ground;
   e.springs += ground;
+  for (const RigidMotion& motion : on_->dofs().motions()) e.springs += motion.length_energy();
   return e;
 }
 
@@ -136,6 +150,7 @@ Potential::Work Potential::work(const energy::Configuration& c, Vec a, Vec displ
   const std::vector<double> viscosity = membrane_->kernel.viscosity();
   membrane_->kernel.set_viscosity({});
   for (const Counted& t : terms_) add_term_forces(*t.term, c, f);
+  add_body_lengths(f);
   w.elastic = along(f);
   if (viscosity.empty()) return w;
   const double elastic = membrane(-1.0);

@@ -100,6 +100,8 @@ class Potential {
 
   /// Overwrites f with the internal forces at a, of which c is the configuration. Collective. [N]
   void force(const energy::Configuration& c, Vec a, Vec f);
+  /// Forces of the terms on the local points at c, which stay until the next evaluation. Not collective. [N]
+  [[nodiscard]] std::vector<Vec3>& point_forces(const energy::Configuration& c);
   /// Energies at a, of which c is the configuration; on request with the viscous part of the time step among that of the
   /// membrane. Collective. [J]
   [[nodiscard]] Energies energies(const energy::Configuration& c, Vec a, bool viscous);
@@ -149,6 +151,7 @@ class Potential {
   };
   using Curvatures = std::vector<energy::CurvatureOperator>;
 
+  void add_body_lengths(Vec f) const;
   void add_term_forces(const Term& term, const energy::Configuration& c, Vec f);
 
   // Construction, in this order.

@@ -19,6 +19,7 @@
 #include "energy/chord_forms.hpp"
 #include "energy/coupling.hpp"
 #include "energy/joint.hpp"
+#include "energy/linear_bending.hpp"
 #include "energy/membrane.hpp"
 #include "energy/mirror_fold.hpp"
 #include "energy/seam.hpp"
@@ -102,6 +103,9 @@ void Potential::build_sheet(const Curvatures& curvatures, Temperatures temperatu
         *on_, std::move(temperatures),
         NaturalStates::Kernels{membrane_->kernel, natural.kernel, angles_->kernel, joints_});
   }
+  energy::LinearBendingTerm* beside =
+      on_->constraints().bodies.empty() ? nullptr
+                                        : &add_term<ElementTerm<energy::LinearBendingTerm>>(&Energies::bending).kernel;
   const auto& materials = on_->sheet().materials();
   if (std::any_of(materials.begin(), materials.end(), energy::couples))
     coupling_ = &add_term<ElementTerm<energy::CouplingTerm>>(&Energies::bending).kernel;
@@ -117,6 +121,7 @@ void Potential::build_sheet(const Curvatures& curvatures, Temperatures temperatu
     const energy::BendingElement el = energy::make_bending_element(on_->sheet(), triangle, curvatures[k]);
     std::vector<Index> local(el.points.size());
     to_local(el.points, local);
+    if (beside && on_->is_on_body(el.points)) beside->add(el, local, owned);
     const bool by_angles = add_angles(triangle, curvatures[k], el, local, owned);
     if (forms)  // the term of fourth order is for sums of vectors
       membrane_->kernel.correct(on_->sheet(), by_angles ? Mat3(Mat3::Zero()) : forms->trace(triangle), triangle, el,
@@ -165,9 +170,11 @@ void Potential::build_yarns(const Curvatures& curvatures) {
 }
 
 void Potential::build_joints() {
-  if (on_->mesh().joints().empty()) return;
-  joints_ = &add_term<ElementTerm<energy::JointTerm>>(&Energies::bending).kernel;
   Discretisation::Joints joints = on_->take_joints();
+  const bool none = std::all_of(on_->constraints().bodies.begin(), on_->constraints().bodies.end(),
+                                [](const RigidBody& b) { return b.slopes.empty(); });
+  if (on_->mesh().joints().empty() && none) return;
+  joints_ = &add_term<ElementTerm<energy::JointTerm>>(&Energies::bending).kernel;
   for (std::size_t k = 0; k < joints.elements.size(); ++k) {
     std::vector<Index> local;
     for (const Index p : joints.elements[k].points) local.push_back(on_->dofs().local().local_of[p]);
@@ -206,7 +213,7 @@ void Potential::build_mirror_folds() {
 void Potential::tie(const Spring& spring, ElementTerm<energy::SpringTerm>& ties) const {
   const LocalPoints& local = on_->dofs().local();
   for (const auto& [v, w] : pairs_of(on_->mesh(), spring)) {
-    if (on_->owned(v) == no_index && on_->owned(w) == no_index) continue;
+    if (!on_->has_rows_of({v, w}) && on_->owned(v) == no_index) continue;
     const double length =
         std::isnan(spring.length) ? (on_->mesh().positions()[w] - on_->mesh().positions()[v]).norm() : spring.length;
     ties.kernel.add({local.local_of[v], local.local_of[w]}, spring.stiffness, length, on_->owned(v) != no_index);
@@ -233,13 +240,14 @@ BlockPattern Potential::make_pattern(const Curvatures& curvatures) const {
       if (on_->owned(v) != no_index) add(pattern[on_->owned(v)], columns);
   };
   for (std::size_t k = 0; k < curvatures.size(); ++k)
-    couple(vertices_of(on_->patches(), stencil_points(on_->sheet(), on_->elements()[k].triangle, curvatures[k])));
+    couple(on_->unknowns_of(stencil_points(on_->sheet(), on_->elements()[k].triangle, curvatures[k])));
   for (const Counted& t : terms_)
     t.term->for_stencils([&](const Index* points, int count) {
       std::vector<Index> of(static_cast<std::size_t>(count));
       std::transform(points, points + count, of.begin(), [&](Index p) { return local.point_of[p]; });
-      couple(vertices_of(on_->patches(), of));
+      couple(on_->unknowns_of(of));
     });
+  for (const RigidBody& body : on_->constraints().bodies) couple(on_->unknowns_of(body.members));
   for (auto& row : pattern) tidy(row);
   return pattern;
 }

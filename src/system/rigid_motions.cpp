@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 #include <numeric>
+#include <set>
 
 #include "base/decompositions.hpp"
 
@@ -142,6 +143,17 @@ class Counter {
         joints_.push_back({v, here[0], here[k]});
       }
     }
+    for (const RigidBody& rigid : constraints_.bodies) {
+      const Index first = bodies_of(rigid.members.front()).front();
+      for (const Index v : rigid.members) {
+        in_rigid_.insert(v);
+        for (const Index other : bodies_of(v)) {
+          if (other == first) continue;
+          touching.join(first, other);
+          joints_.push_back({v, first, other});
+        }
+      }
+    }
     for (const Spring& s : springs_)
       for (const auto& [v, w] : pairs_of(mesh_, s)) {
         const Index first = bodies_of(v).front(), second = bodies_of(w).front();
@@ -163,6 +175,27 @@ class Counter {
     row.block<1, 3>(0, b.column + 3) += sign * ((mesh_.positions()[v] - b.centre) / b.radius).cross(d).transpose();
   }
 
+  /// What holds the reference point of a rigid group, which moves with one of its pieces.
+  template <class Finish>
+  void add_rigid(const RigidBody& rigid, Index body, Matrix& row, const Finish& finish) const {
+    const Body& b = bodies_[body];
+    const std::array<bool, 3>&held = constraints_.vertices.at(rigid.carriers[0]).fixed,
+                           &turn = constraints_.vertices.at(rigid.carriers[1]).fixed;
+    for (int k = 0; k < 3; ++k) {
+      if (held[static_cast<std::size_t>(k)]) {
+        row.setZero();
+        row.block<1, 3>(0, b.column) = Vec3::Unit(k).transpose();
+        row.block<1, 3>(0, b.column + 3) = ((rigid.point - b.centre) / b.radius).cross(Vec3(Vec3::Unit(k))).transpose();
+        finish();
+      }
+      if (turn[static_cast<std::size_t>(k)]) {
+        row.setZero();
+        row.block<1, 3>(0, b.column + 3) = rigid.basis.col(k).transpose();
+        finish();
+      }
+    }
+  }
+
   /// Adds the outer product of each equation to the normal matrix, divided by their number so that many do not hide
   /// few.
   [[nodiscard]] Matrix normal_matrix(const std::vector<Index>& group) const {
@@ -170,9 +203,13 @@ class Counter {
     Matrix stacked = Matrix::Zero(n, n), row(1, n);
     const auto inside = [&](Index body) { return std::binary_search(group.begin(), group.end(), body); };
     const auto finish = [&] { stacked += row.transpose() * row; };
+    for (const RigidBody& rigid : constraints_.bodies) {
+      const Index body = bodies_of(rigid.members.front()).front();
+      if (inside(body)) add_rigid(rigid, body, row, finish);
+    }
     for (const auto& [v, support] : constraints_.vertices) {
       const Index body = bodies_of(v).front();
-      if (!inside(body)) continue;
+      if (!inside(body) || in_rigid_.count(v) > 0) continue;
       for (int k = 0; k < 3; ++k) {
         if (!support.fixed[k]) continue;
         row.setZero();
@@ -264,6 +301,7 @@ class Counter {
   std::vector<Body> bodies_;
   std::vector<std::vector<Index>> groups_;  ///< bodies that share vertices, ascending
   std::vector<Joint> joints_;
+  std::set<Index> in_rigid_;  ///< vertices of rigid groups
   std::vector<Tie> ties_;
 };
 

@@ -42,6 +42,7 @@ import picture_mistakes  # noqa: E402, F401
 import picturing  # noqa: E402, F401
 import placing  # noqa: E402, F401
 import published  # noqa: E402, F401
+import rigid  # noqa: E402, F401
 import remeshing  # noqa: E402, F401
 import remeshing_motion  # noqa: E402, F401
 import remeshing_paths  # noqa: E402, F401

@@ -1,0 +1,52 @@
+// What holds and loads rigid bodies: prescribed motions of reference points, forces and moments there, and the loads that the
+// sheet spreads over the vertices of bodies. Symbols: rigid_bodies.hpp.
+#pragma once
+
+#include <vector>
+
+#include "base/petsc.hpp"
+#include "discretisation.hpp"
+
+namespace voile::system {
+
+class RigidLoads {
+ public:
+  /// `on` must outlive it. Not collective.
+  RigidLoads(const Discretisation& on, std::vector<RigidGroup> groups);
+
+  [[nodiscard]] bool any() const { return !groups_.empty(); }
+  /// Whether a body is prescribed to go anywhere.
+  [[nodiscard]] bool moves() const;
+  /// Whether a moment acts on a body that may turn about more than one axis: it has no potential then.
+  [[nodiscard]] bool symmetric() const;
+  /// Forces at the reference points themselves, at load factor 1.
+  [[nodiscard]] std::vector<BodyForce> forces() const;
+  /// Takes forces on vertices of bodies out of a vector of forces by vertex: that of a body acts on its carriers. Collective.
+  [[nodiscard]] std::vector<BodyForce> take(Vec force) const;
+  /// Writes the prescribed unknowns at a time. Not collective.
+  void move(double time, const petsc::WriteArray& unknowns) const;
+  /// The largest angle by which a body is turned between two times [rad].
+  [[nodiscard]] double turn_between(double from, double to) const;
+
+  // At the state that the unknowns took last
+  /// Adds forces on bodies, and moments at a load factor, to the rows of the carriers. Not collective. [N]
+  void add(const std::vector<BodyForce>& on, double load_factor, Vec f) const;
+  /// Work potential of the same; that of moments only where they have one. [J]
+  [[nodiscard]] double potential(const std::vector<BodyForce>& on, double load_factor) const;
+  /// Adds the second derivatives of what acts: `total` of the sheet less `applied`, and moments. [N/m]
+  void add_blocks(const std::vector<BodyForce>& total, double load_factor, const BlockMatrix& tangent,
+                  const BlockMatrix::Values& values) const;
+
+ private:
+  [[nodiscard]] const Dofs& dofs() const { return on_->dofs(); }
+  [[nodiscard]] const RigidBody& body(std::size_t i) const { return on_->constraints().bodies[i]; }
+
+  const Discretisation* on_;
+  std::vector<RigidGroup> groups_;
+};
+
+/// Of each body in state a with the unbalanced force f: displacement of the reference point [m], rotation vector [rad], force
+/// [N] and moment [N m] about it that hold the body; twelve numbers each on rank 0. `linear`: of small rotations. Collective.
+[[nodiscard]] std::vector<double> rigid_values(const Discretisation& on, Vec a, Vec f, bool linear);
+
+}  // namespace voile::system

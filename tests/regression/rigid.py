@@ -1,0 +1,225 @@
+"""Rigid groups and sliding clamps: rolling, twist, caps, a top, modes; ranks, restart, mistakes."""
+
+import math
+
+import numpy as np
+from common import fresh, strip
+from harness import OUT, solve, test
+from solver import ROOT, run, write_case
+
+
+def strip_of(nx, ny, length=12.0, width=1.0, pattern=1):
+    return {"file": str(ROOT / "meshes" / "cantilever.geo"),
+            "parameters": {"length": length, "width": width, "nx": nx, "ny": ny, "pattern": pattern}}
+
+
+def plain(thickness, young=1.2e6, poisson=0.0, density=100.0):
+    return [{"type": "isotropic", "young": young, "poisson": poisson, "thickness": thickness, "density": density}]
+
+
+def case_of(mesh, material, rigid, analysis="static", **more):
+    return {"title": "Rigid groups", "analysis": analysis, "mesh": mesh, "material": material, "rigid": rigid,
+            "output": {"every": 1000}} | more
+
+
+@test
+def rigid_roll(report):
+    """A moment of a fixed direction on the rigid end of a cantilever rolls it into a circle; alike on 1, 2 and 3 ranks."""
+    length, moment = 12.0, 50 * math.pi / 3  # E I 2 pi / L
+    end = {"group": "tip", "name": "end", "moment": [0, -moment, 0], "turn": "about", "turn_axis": [0, 1, 0]}
+    case = case_of(strip_of(24, 2), plain(0.1), [end], support=[{"type": "clamped", "group": "clamp"}],
+                   steps={"stops": [0.25, 0.5, 0.75, 1.0]})
+    ends = []
+    for ranks in (1, 2, 3):
+        h = solve("rigid_roll", case, ranks).history
+        ends.append(np.array([h[f"end_{a}"][-1] for a in "xyz"]))
+    for factor in (0.25, 0.5, 0.75, 1.0):
+        at = int(np.argmin(abs(h["load_factor"] - factor)))
+        angle = 2 * math.pi * factor
+        x, z = length * math.sin(angle) / angle - length, length * (1 - math.cos(angle)) / angle
+        error = math.hypot(h["end_x"][at] - x, h["end_z"][at] - z)
+        report.below(error / length, 0.005, f"load factor {factor}: place of the end")
+        if factor < 1:  # a rotation vector of more than 360 degrees begins anew
+            report.near(-h["end_turn_y"][at], angle, 0.01 * angle, f"load factor {factor}: turn")
+    for ranks, place in zip((2, 3), ends[1:]):
+        report.below(np.abs(place - ends[0]).max() / length, 1e-7, f"{ranks} ranks")
+    free = solve("rigid_roll_free", case | {"rigid": [{k: v for k, v in end.items() if not k.startswith("turn")}],
+                                            "steps": {"final_load_factor": 0.5}}).history
+    at = int(np.argmin(abs(h["load_factor"] - 0.5)))
+    report.below((free["end_z"][-1] - h["end_z"][at]) / length, 1e-6, "free about all axes it goes the same way")
+
+
+@test
+def rigid_twist(report):
+    """A strip twisted at a rigid end that is free to come nearer: shortening and torque of Buckley (1914), with ends that do not warp."""
+    length, width, t, young, angle = 20.0, 1.0, 0.02, 1e6, 60.0
+    end = {"group": "tip", "name": "end", "translation": ["free", 0, 0], "turn": "about", "turn_axis": [1, 0, 0],
+           "turn_angle": f"{angle}*t"}
+    case = case_of(strip_of(120, 12, length, width), plain(t, young), [end], support=[{"type": "clamped", "group": "clamp"}],
+                   steps={"initial_step": 0.25, "max_step": 0.25})
+    h = solve("rigid_twist", case).history
+    decay = width / math.sqrt(24)  # length over which ends that do not warp are felt, as of a beam with GJ and E I_w
+    twist = math.radians(angle) / (length - 2 * decay)
+    shortening = (length - 3 * decay) * twist**2 * width**2 / 24
+    torque = young / 2 * width * t**3 / 3 * twist + young * t * width**5 * twist**3 / 360
+    report.near(h["end_turn_x"][-1], math.radians(angle), 1e-9, "turn")
+    report.percent(-h["end_x"][-1] / shortening, 0.015, f"shortening {-h['end_x'][-1]:.5g} m")
+    report.below(h["end_force_x"][-1], 1e-5, "axial force")
+    report.percent(h["end_moment_x"][-1] / torque, 0.015, f"torque {h['end_moment_x'][-1]:.5g} N m")
+
+
+@test
+def rigid_caps(report):
+    """A tube between rigid caps in compression, torsion and bending; a force beside the axis bends it as its moment does."""
+    radius, length, t, young, load = 0.1, 1.0, 0.002, 1e9, 10.0
+    mesh = {"file": str(ROOT / "meshes" / "tube.geo"), "parameters": {"n_axial": 32, "n_circ": 64}}
+    held = {"group": "start", "translation": [0, 0, 0], "turn": "held"}
+    area, inertia, shear = 2 * math.pi * radius * t, math.pi * radius**3 * t, young / 2
+
+    def end(analysis="linear", **more):
+        return solve("rigid_caps", case_of(mesh, plain(t, young), [held, {"group": "end"} | more], analysis)).history
+
+    h = end(force=[-load, 0, 0])
+    report.percent(-h["end_x"][-1] / (load * length / (young * area)), 0.01, "compression")
+    report.near(h["start_force_x"][-1], load, 1e-6 * load, "reaction")
+    h = end(moment=[load, 0, 0])
+    report.percent(h["end_turn_x"][-1] / (load * length / (shear * 2 * inertia)), 0.01, "torsion")
+    report.near(h["start_moment_x"][-1], -load, 1e-6 * load, "its reaction")
+    h = end(moment=[0, load, 0])
+    bent = h["end_turn_y"][-1]
+    report.percent(bent / (load * length / (young * inertia)), 0.01, "bending")
+    h = end(force=[load / 0.3, 0, 0], point=[length, 0, 0.3])
+    report.below(h["end_turn_y"][-1] / bent - 1, 1e-6, "a force beside the axis turns it as far")
+    report.percent(end("static", force=[-load, 0, 0])["end_x"][-1] / (-load * length / (young * area)), 0.01, "static")
+
+
+@test
+def rigid_slopes(report):
+    """Edges whose slope a body holds, and sliding clamps: beams of all supports against theory."""
+    length, t, young, load = 10.0, 0.1, 1.2e6, 0.01
+    bending = young * t**3 / 12
+
+    def deflection(rigid, support, name="tip", loads=None):
+        case = strip("linear", 40, 2, rigid=rigid, support=support, load=loads or [{"type": "line", "group": "tip", "vector": [0, 0, load]}])
+        return solve("rigid_slopes", case).history[f"{name}_z"][-1]
+
+    clamp = [{"type": "clamped", "group": "clamp"}]
+    whole, guided = load * length**3 / (3 * bending), load * length**3 / (12 * bending)
+    report.percent(deflection([{"group": "clamp", "translation": [0, 0, 0], "turn": "held"}], []) / whole, 0.01, "held by a body")
+    end = {"group": "tip", "name": "end", "turn": "held"}
+    report.percent(deflection([end], clamp) / guided, 0.01, "guided by a body")
+    report.percent(deflection([end | {"force": [0, 0, load]}], clamp, "end", [{"type": "line", "group": "tip", "vector": [0, 0, 0]}]) / guided, 0.01, "with a force on it")
+    report.percent(deflection([end | {"slope": "free"}], clamp) / whole, 0.01, "hinged at a body")
+    slides = {"type": "sliding", "group": "tip"}
+    report.percent(deflection([], clamp + [slides]) / guided, 0.01, "guided by a sliding clamp")
+    report.below(deflection([], clamp + [slides | {"components": ["z"]}]), 1e-12, "that holds the deflection too")
+
+
+@test
+def rigid_modes(report):
+    """A cantilever with a heavy rigid end, and the same about its equilibrium; buckling under a force on it."""
+    length, t, young, mass = 10.0, 0.1, 1.2e6, 5000.0
+    bending = young * t**3 / 12
+    end = {"group": "tip", "mass": mass, "force": [-1.0, 0, 0]}
+    clamp = [{"type": "clamped", "group": "clamp"}]
+    h = solve("rigid_modes", strip("modal", 40, 2, rigid=[end], support=clamp, load=None, eigen={"modes": 1}))
+    exact = math.sqrt(3 * bending / ((mass + 33 / 140 * 100) * length**3)) / (2 * math.pi)
+    found = h.summary["eigenvalues"][0]
+    report.percent(found / exact, 0.01, f"frequency {found:.5g} Hz")
+    found = solve("rigid_column", strip("buckling", 40, 2, rigid=[end], support=clamp, load=None, eigen={"modes": 1})).summary["eigenvalues"][0]
+    report.percent(found / (math.pi**2 * bending / (4 * length**2)), 0.01, f"critical force {found:.5g} N")
+    guided = end | {"turn": "held"}
+    found = solve("rigid_column", strip("buckling", 40, 2, rigid=[guided], support=clamp, load=None, eigen={"modes": 1})).summary["eigenvalues"][0]
+    report.percent(found / (math.pi**2 * bending / length**2), 0.01, f"guided {found:.5g} N")
+    plates = solve("rigid_plate", strip("modal", 8, 2, rigid=[{"group": "plate"}], support=None, load=None, eigen={"modes": 6}))
+    report.below(max(map(abs, plates.summary["eigenvalues"])), 1e-4, "a rigid plate has six motions without frequency")
+
+
+@test
+def rigid_pendulum(report):
+    """A rigid plate swings from the horizontal as a compound pendulum; a free one keeps its energy and place."""
+    length, g = 10.0, 9.81
+    plate = {"group": "plate", "name": "plate", "point": [0, 0.5, 0], "translation": [0, 0, 0], "turn": "about", "turn_axis": [0, 1, 0]}
+    fall = strip("dynamic", 40, 2, rigid=[plate], support=None,
+                 load=[{"type": "gravity", "vector": [0, 0, -g], "constant": True}], time={"end": 1.2, "step": 0.01, "max_step": 0.01, "spectral_radius": 1.0})
+    h = solve("rigid_fall", fall).history
+    # d2(angle)/dt2 = 3 g/(2 L) cos(angle), by Runge and Kutta
+    y, n = np.array([0.0, 0.0]), 4000
+    dt = h["time"][-1] / n
+
+    def rate(s):
+        return np.array([s[1], 1.5 * g / length * math.cos(s[0])])
+
+    for _ in range(n):
+        a = rate(y)
+        b = rate(y + dt / 2 * a)
+        c = rate(y + dt / 2 * b)
+        y = y + dt / 6 * (a + 2 * b + 2 * c + rate(y + dt * c))
+    report.percent(h["plate_turn_y"][-1] / y[0], 0.001, f"angle after {h['time'][-1]:.3g} s: {h['plate_turn_y'][-1]:.5g}")
+    top = {"group": "plate", "name": "plate"}
+    spin = strip("dynamic", 8, 2, rigid=[top], support=None, load=None, initial_velocity=[{"angular_velocity": [1.0, 0.02, 2.0], "centre": [5, 0.5, 0]}],
+                 time={"end": 2.0, "step": 0.01, "max_step": 0.01, "spectral_radius": 1.0})
+    h = solve("rigid_top", spin).history
+    kinetic = h["kinetic_energy"]
+    report.below(kinetic[-1] / kinetic[0] - 1, 0.002, "kinetic energy of a free plate")
+    report.below(max(abs(h["plate_x"][-1]), abs(h["plate_y"][-1]), abs(h["plate_z"][-1])), 1e-6, "its centre stays")
+
+
+@test
+def rigid_motion(report):
+    """A strip swings with a heavy body beside its end: the energy is kept, ranks agree, a restart ends at the same bits."""
+    end = {"group": "tip", "name": "end", "mass": 50.0, "point": [10.2, 0.3, 0.1]}
+
+    def case(end_time):
+        return strip("dynamic", 20, 2, rigid=[end], load=[{"type": "gravity", "vector": [0, 0, -9.81], "constant": True}],
+                     time={"end": end_time, "step": 1 / 128, "max_step": 1 / 128, "velocity_tolerance": 1e-6},
+                     initial_velocity=[{"angular_velocity": [0.3, 0, 0.5], "centre": [0, 0.5, 0]}])
+
+    whole = solve("rigid_swing", case(64 / 128))
+    h = whole.history
+    gain = h["kinetic_energy"][-1] + h["stored_energy"][-1] - h["kinetic_energy"][0]
+    report.below(gain / h["work_of_loads"][-1] - 1, 0.002, "work of the weight that is not energy")
+    report.below(h["energy_unaccounted"][-1] / h["work_of_loads"][-1], 1e-6, "not accounted for")
+    for ranks in (2, 3):
+        other = solve("rigid_swing_ranks", case(64 / 128), ranks)
+        report.below(np.abs(other.displacement() - whole.displacement()).max(), 1e-7, f"{ranks} ranks")
+    first = solve("rigid_swing_half", case(32 / 128))
+    again = solve("rigid_swing_again", case(64 / 128), options=["--restart", str(first.folder / "checkpoint.h5")])
+    report.check(np.array_equal(again.displacement(), whole.displacement()), "a restart ends at the same bits")
+
+
+def mistakes(base):
+    """Name -> (changes of the keys of the group or of the case, texts of the message)."""
+    end = base["rigid"][0]
+    return {
+        "unknown": ({"rigid": [end | {"group": "nowhere"}]}, ("[[rigid]] group", "nowhere", "the mesh has")),
+        "both held": ({"support": base["support"] + [{"type": "hinged", "group": "sides"}]}, ("[[rigid]] group 'tip'", "[[support]] too", "instead")),
+        "two": ({"support": None, "rigid": [end, {"group": "plate"}]}, ("both have vertex", "join the groups")),
+        "force": ({"rigid": [end | {"translation": ["free", "free", 0], "force": [0, 0, 1]}]}, ("rigid.force", "z component", "free")),
+        "moment": ({"rigid": [end | {"turn": "held", "moment": [0, 1, 0]}]}, ("rigid.moment", "remove it")),
+        "axis": ({"rigid": [end | {"turn": "about"}]}, ("rigid.turn_axis", "missing")),
+        "arc": ({"rigid": [end | {"translation": ["t", 0, 0]}], "steps": {"control": "arc_length"}}, ("rigid.translation", "steps.control")),
+        "linear": ({"rigid": [end | {"translation": ["t", 0, 0]}], "analysis": "linear"}, ("rigid.translation", "static")),
+        "drape": ({"analysis": "drape"}, ("rigid.group", "[[support]]")),
+        "contact": ({"contact": {"distance": 0.01}}, ("[[rigid]] and [contact]", "remove")),
+        "spring": ({"spring": [{"type": "line", "group": "tip", "stiffness": 1.0}]}, ("[[spring]]", "[[rigid]]", "translation")),
+        "line": ({"rigid": [end | {"slope": "free"}]}, ("[[rigid]] group 'tip'", "lie on a line", "slope")),
+        "sliding": ({"support": [{"type": "sliding", "group": "plate"}]}, ("(sliding)", "curve group")),
+    }
+
+
+@test
+def rigid_mistakes(report):
+    """What cannot be is refused with the key and a remedy; a run that was stopped goes on to the same bits."""
+    base = strip("static", 20, 2, rigid=[{"group": "tip", "force": [0, 0, 0.4]}], load=None, probe=None, time=None)
+    for name, (change, expected) in mistakes(base).items():
+        case = {k: v for k, v in (base | change).items() if v is not None}
+        result = run(write_case(case, OUT / "rigid_mistake.toml"), fresh("rigid_mistake"))
+        report.check(result.code == 2 and all(e in result.text for e in expected), f"{name}: code {result.code}: {result.text.strip()[-250:]}")
+    whole = base | {"steps": {"initial_step": 0.25, "max_step": 0.25}}
+    first = solve("rigid_half", whole | {"steps": {"initial_step": 0.25, "max_step": 0.25, "final_load_factor": 0.5}})
+    again = solve("rigid_again", whole, options=["--restart", str(first.folder / "checkpoint.h5")])
+    at_once = solve("rigid_whole", whole)
+    report.check(np.array_equal(again.displacement(), at_once.displacement()), "a restart ends at the same bits")
+    ranks = solve("rigid_again", whole, 3, options=["--restart", str(first.folder / "checkpoint.h5")])
+    report.below(np.abs(ranks.displacement() - at_once.displacement()).max(), 1e-7, "and on three ranks at the same place")
