@@ -24,17 +24,6 @@ PlaceExpression place_function(const SectionPlace& place, const char* key, const
   return e;
 }
 
-std::function<double(double)> time_function(const SectionPlace& place, const char* key, const std::string& text) {
-  const auto named = [place, key](const auto& f) {
-    try {
-      return f();
-    } catch (const UserError& e) {
-      place.fail(key, e.what());
-    }
-  };
-  return [named, value = named([&] { return expression(text); })](double t) { return named([&] { return value(t); }); };
-}
-
 void read_temperature(const SectionPlace& place, const Case& c, system::Temperature& t) {
   if (t.change.text.empty() && t.difference.text.empty())
     place.fail("change", "the key is missing, and so is difference; give at least one of them");

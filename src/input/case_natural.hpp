@@ -12,9 +12,6 @@ namespace voile::input {
 /// An expression of place, and of time if `time` says so. What it throws, now and later, names the key.
 [[nodiscard]] PlaceExpression place_function(const SectionPlace& place, const char* key, const std::string& text,
                                              bool time);
-/// An expression of the time likewise.
-[[nodiscard]] std::function<double(double)> time_function(const SectionPlace& place, const char* key,
-                                                          const std::string& text);
 /// Completes a temperature; the materials of `c` are there already. Throws UserError.
 void read_temperature(const SectionPlace& place, const Case& c, system::Temperature& t);
 /// Completes an imperfection of case `c`. Throws UserError.

@@ -8,7 +8,7 @@
 #include <numbers>
 
 #include "base/text.hpp"
-#include "case_natural.hpp"
+#include "case_loads.hpp"
 #include "voile/errors.hpp"
 
 namespace voile::input {
