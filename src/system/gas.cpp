@@ -34,11 +34,13 @@ Gas::Gas(const Discretisation& on, const Load& load)
   origin_ = surface.origin;
   term_->kernel.set_origin(origin_);
   const LocalPoints& local = on.dofs().local();
-  const auto evaluated = [&](const auto& vertices) {
-    return std::any_of(vertices.begin(), vertices.end(), [&](Index v) { return on.owned(v) != no_index; });
+  // As for the other elements: whatever adds to rows of this rank, those of rigid bodies among them.
+  const auto evaluated = [&](const std::vector<Index>& vertices) {
+    return std::any_of(vertices.begin(), vertices.end(), [&](Index v) { return on.owned(v) != no_index; }) ||
+           on.has_rows_of(vertices);
   };
   for (const GasSurface::Face& f : surface.faces)
-    if (evaluated(f.vertices))
+    if (evaluated({f.vertices.begin(), f.vertices.end()}))
       term_->kernel.add({local.local_of[f.vertices[0]], local.local_of[f.vertices[1]], local.local_of[f.vertices[2]]},
                         on.owns(f.triangle));
   for (const GasSurface::Rim& r : surface.rims) {
@@ -47,10 +49,11 @@ Gas::Gas(const Discretisation& on, const Load& load)
     for (const Index v : r.vertices) {
       rim.held = rim.held && stays(on, v);
       if (const Index i = on.owned(v); i != no_index) rim.owned.push_back(i);
+      if (evaluated({v})) rim.points.push_back(local.local_of[v]);
     }
     for (const GasSurface::Side& s : r.sides) {
       const mesh::Triangle& t = on.mesh().triangles()[s.triangle];
-      if (evaluated(std::array{t[0], t[1], t[2]}))
+      if (evaluated({t[0], t[1], t[2]}))
         term_->kernel.add_side({local.local_of[s.vertices[0]], local.local_of[s.vertices[1]]},
                                static_cast<int>(rims_.size()), on.owns(s.triangle));
     }
@@ -111,7 +114,7 @@ void Gas::add_gradient(double scale, const energy::Configuration& c, std::vector
   term_->kernel.set_scale(scale);
   term_->add_forces(c, points);
   for (const Rim& rim : rims_)
-    for (const Index i : rim.owned) points[static_cast<std::size_t>(i)] += scale / (6.0 * rim.count) * rim.area;
+    for (const Index i : rim.points) points[static_cast<std::size_t>(i)] += scale / (6.0 * rim.count) * rim.area;
 }
 
 void Gas::add_gradient(double scale, const energy::Configuration& c, std::vector<Vec3>& scratch, Vec f) const {
@@ -155,7 +158,7 @@ void Gas::add_rim_columns(const Rim& rim, int number, const energy::Configuratio
     const Vec3 axis = Vec3::Unit(k);
     petsc::VecHandle centre = on_->dofs().create_vector(), area = on_->dofs().create_vector();
     std::fill(scratch.begin(), scratch.end(), Vec3::Zero());
-    for (const Index i : rim.owned) scratch[static_cast<std::size_t>(i)] += axis / rim.count;
+    for (const Index i : rim.points) scratch[static_cast<std::size_t>(i)] += axis / rim.count;
     on_->dofs().add_forces(scratch, centre);
     std::fill(scratch.begin(), scratch.end(), Vec3::Zero());
     for (Index e = 0; e < kernel.size(); ++e) {

@@ -58,9 +58,10 @@ class Gas {
 
  private:
   struct Rim {
-    std::vector<Index> owned;  ///< local vertices
-    double count = 0.0;        ///< m
-    bool held = true;          ///< no vertex of it moves
+    std::vector<Index> owned;   ///< local vertices
+    std::vector<Index> points;  ///< those and the others that add to rows of this rank, as parts of rigid bodies
+    double count = 0.0;         ///< m
+    bool held = true;           ///< no vertex of it moves
     Vec3 centre = Vec3::Zero(), area = Vec3::Zero();
   };
   [[nodiscard]] double volume(const energy::Configuration& c) const;

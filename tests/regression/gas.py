@@ -90,6 +90,30 @@ def gas_piston(report):
             report.below(np.abs(push / excess - 1).max(), 1e-9, "force on the lid over pressure times area")
 
 
+@test
+def gas_rigid(report):
+    """A force on the rigid lid of a soft box against p V^n; an open rim that moves as a body; alike on 1, 2 and 3 ranks."""
+    panels, n = Panels(), 3
+    panels.add("floor", (0, 0, 0), (1, 0, 0), (0, 1, 0), n, n)
+    for k, (origin, along) in enumerate((((0, 0, 0), (1, 0, 0)), ((1, 0, 0), (0, 1, 0)), ((1, 1, 0), (-1, 0, 0)), ((0, 1, 0), (0, -1, 0)))):
+        panels.add(f"wall {k}", origin, along, (0, 0, 1), n, 1)  # no vertex between floor and lid, so that no wall bulges
+    panels.add("lid", (0, 0, 1), (1, 0, 0), (0, 1, 0), n, n)
+    lid = {"group": "lid", "translation": [0, 0, "free"], "turn": "held", "force": [0, 0, -3e4]}
+    case = box("gas_rigid") | {
+        "mesh": {"file": str(panels.write(OUT / "gas_rigid.msh"))}, "rigid": [lid], "probe": [],
+        "material": [{"type": "isotropic", "young": 1e3, "poisson": 0.0, "thickness": 1e-3}],
+        "support": [{"type": "hinged", "group": "floor"}]}
+    rim = box("gas_rigid_rim", lid=False) | {"rigid": [{"group": "rim", "name": "lid", "slope": "free"}], "probe": [],
+                                             "support": [{"type": "hinged", "group": "floor"}]}
+    rim["material"] = [{"type": "isotropic", "young": 1e7, "poisson": 0.0, "thickness": 1e-2}]
+    exact = ((AMBIENT + 5e3) / (AMBIENT + 3e4))**(1 / 1.2) - 1
+    for name, of in (("gas_rigid", case), ("gas_rigid_rim", rim)):
+        places = [solve(name, of, ranks).history["lid_z"][-1] for ranks in (1, 2, 3)]
+        report.below(np.ptp(places), 1e-9, f"{name}: ranks differ")
+        if of is case:
+            report.percent(places[0] / exact, 1e-4, f"{name}: the lid at {places[0]:.6g} m")
+
+
 def modes_of(result):
     table = np.genfromtxt(result.folder / "modes.csv", delimiter=",", names=True, ndmin=1)
     return table[table.dtype.names[1]]
