@@ -104,6 +104,11 @@ void check_rigid(const Case& c) {
   if (!c.mesh.start.empty() || c.mesh.options.rest == io::RestShape::texture)
     refuse("mesh", "rigid groups begin in the shape without strain; remove mesh.start and mesh.rest");
   if (c.dynamics.drag.active()) refuse("[air]", "rigid groups have no drag; remove one of the sections");
+  for (const RigidSection& s : c.rigids)
+    for (const char* part : {"", "_turn", "_force", "_moment"})
+      for (const Probe& probe : c.probes)
+        if (probe.name == s.name + part)
+          refuse("probe.name", ("'" + probe.name + "': both have columns of this name; rename one of them").c_str());
   const bool held = std::any_of(c.rigids.begin(), c.rigids.end(), [](const RigidSection& s) { return s.group.slope; });
   if (held && c.element.bending == energy::BendingOperator::six_node)
     refuse("element.type", "the published elements hold no slope; use \"corrected\", or slope = \"free\"");

@@ -265,6 +265,11 @@ void Recorder::write_history(const system::State& state, const solve::StepResult
     const energy::Configuration c = model_->potential().configuration(state.u);
     for (const system::Gas& gas : model_->conditions().gases()) {
       const system::GasState now = gas.at(c);
+      if (!std::isfinite(now.pressure))  // where all vertices that enclose it are held, no residual tells
+        throw UserError(
+            fmt::format("[[load]] type 'gas': what holds its surface leaves it a volume of {:.3g} m^3; "
+                        "move supports or rigid groups less far",
+                        now.volume));
       values.insert(values.end(), {now.volume, now.pressure, now.energy});
     }
   }

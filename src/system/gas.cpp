@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "base/mpi.hpp"
 #include "energy/volume.hpp"
@@ -96,6 +97,8 @@ double Gas::volume(const energy::Configuration& c) const {
 }
 
 double Gas::compression(double volume) const {
+  // No gas has less than no room; the power of a negative ratio may be a number, as for exponent 1.
+  if (volume <= 0.0 && exponent_ > 0.0) return std::numeric_limits<double>::quiet_NaN();
   return std::pow(start_ / volume, exponent_);
 }
 

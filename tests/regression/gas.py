@@ -212,6 +212,25 @@ def gas_cushion(report):
 
 
 @test
+def gas_pressed_out(report):
+    """A box that is pressed together by more than its height: no state is accepted whose gas has no room."""
+    for name, cells in (("gas_pressed_out", 2), ("gas_pressed_held", 1)):
+        panels = Panels()
+        for part, z in (("floor", 0), ("lid", 1)):
+            panels.add(part, (0, 0, z), (1, 0, 0), (0, 1, 0), 3, 3)
+        for k, (origin, along) in enumerate((((0, 0, 0), (1, 0, 0)), ((1, 0, 0), (0, 1, 0)), ((1, 1, 0), (-1, 0, 0)), ((0, 1, 0), (0, -1, 0)))):
+            panels.add(f"wall {k}", origin, along, (0, 0, 1), 3, cells)
+        case = box(name) | {
+            "mesh": {"file": str(panels.write(OUT / f"{name}.msh"))}, "probe": [],
+            "material": [{"type": "isotropic", "young": 1e7, "poisson": 0.0, "thickness": 1e-2}],
+            "support": [{"type": "hinged", "group": "floor"}, {"type": "hinged", "group": "lid", "value": [0, 0, -1.5]}],
+            "load": [{"type": "gas", "magnitude": 5.0}], "steps": {"initial_step": 0.3, "max_step": 0.3}}
+        result = run(write_case(case, OUT / f"{name}.toml"), OUT / name)
+        least = result.history["gas_volume"].min()
+        report.check(result.code == (3 if cells > 1 else 2) and least > 0, f"{name}: code {result.code}, least volume {least:.3g} m^3")
+
+
+@test
 def gas_mistakes(report):
     """What is no gas is refused before the first step, with file, key and remedy."""
     gas = octant()["load"][0]

@@ -198,6 +198,7 @@ def mistakes(base):
         "force": ({"rigid": [end | {"translation": ["free", "free", 0], "force": [0, 0, 1]}]}, ("rigid.force", "z component", "free")),
         "moment": ({"rigid": [end | {"turn": "held", "moment": [0, 1, 0]}]}, ("rigid.moment", "remove it")),
         "axis": ({"rigid": [end | {"turn": "about"}]}, ("rigid.turn_axis", "missing")),
+        "column": ({"probe": [{"name": "tip_turn", "type": "displacement", "group": "sides"}]}, ("probe.name", "tip_turn", "rename")),
         "arc": ({"rigid": [end | {"translation": ["t", 0, 0]}], "steps": {"control": "arc_length"}}, ("rigid.translation", "steps.control")),
         "linear": ({"rigid": [end | {"translation": ["t", 0, 0]}], "analysis": "linear"}, ("rigid.translation", "static")),
         "drape": ({"analysis": "drape"}, ("rigid.group", "[[support]]")),
