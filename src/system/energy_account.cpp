@@ -110,7 +110,7 @@ void EnergyAccount::end_step(Vec u_1, Vec v_1, double t_0, double t_1) {
                    (now.internal - before_.internal) + w.contact + obstacles_ - (now.contact - before_.contact);
   step.unaccounted = now.sum() - before_.sum() - (step.loads + step.supports + step.obstacles) + step.damping +
                      step.drag + step.friction + step.fabric + step.numerical;
-  step.inflow = std::max(0.0, step.loads + step.supports + step.obstacles);
+  step.inflow = std::max(0.0, step.loads + step.supports + step.obstacles + std::max(0.0, -step.drag));
   const auto sums = members_of(balance_);
   const auto more = members_of(step);
   for (std::size_t i = 0; i < sums.size(); ++i) *sums[i] += *more[i];

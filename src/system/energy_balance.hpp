@@ -31,7 +31,7 @@ struct EnergyBalance {
   double remeshing = 0.0;              ///< given at once by new meshes and by supports that release
   double unaccounted = 0.0;
   double fabric = 0.0;  ///< taken by friction inside the fabric
-  double inflow = 0.0;  ///< sum of what loads, supports and obstacles gave in the steps in which they gave
+  double inflow = 0.0;  ///< sum of what loads, supports, obstacles and wind gave in the steps in which they gave
 
   /// What fractions are taken of: all that was there or came in.
   [[nodiscard]] double turnover() const;
