@@ -338,7 +338,7 @@ Case read_case(CaseReader& reader, const std::filesystem::path& file, StageSecti
     if (c.analysis != "dynamic") place.fail("velocity", "only analysis = \"dynamic\" has one; remove the section");
   });
   reader.read("damping", 0, damping_keys(c.dynamics));
-  read_wind(reader.read("air", 0, keys_of(c.dynamics.drag)), c.dynamics.drag);
+  read_wind(reader.read("air", 0, keys_of(c.dynamics.drag)), c, c.dynamics.drag);
   reader.read("drape", 0, keys_of(c.drape));
   read_remesh(reader, c);
   read_all(reader, "probe", c.probes,

@@ -61,7 +61,7 @@ void read_load(const SectionPlace& place, const Case& c, system::Load& load) {
                           const Vec3& x) { return value(x, 0.0); };
 }
 
-void read_wind(const SectionPlace& place, energy::DragOptions& s) {
+void read_wind(const SectionPlace& place, const Case& c, energy::DragOptions& s) {
   if (s.wind_texts.size() != 3)
     place.fail("wind", fmt::format("{} components; three are needed, for x, y and z", s.wind_texts.size()));
   std::vector<std::function<double(double)>> w;
@@ -71,6 +71,8 @@ void read_wind(const SectionPlace& place, energy::DragOptions& s) {
   if (!std::all_of(s.wind_texts.begin(), s.wind_texts.end(), is_number)) s.wind_in_time = at;
   if ((s.wind.norm() > 0.0 || s.wind_in_time) && !s.active())
     place.fail("wind", "the air has no force on the sheet; give normal_drag or tangential_drag");
+  if ((s.wind.norm() > 0.0 || s.wind_in_time) && c.analysis != "dynamic" && !c.is_staged())
+    place.fail("wind", fmt::format("analysis = \"{}\" has no wind; use dynamic, or a pressure", c.analysis));
 }
 
 bool has_gas(const Case& c) {

@@ -14,7 +14,7 @@ namespace voile::input {
 /// Checks a load and makes its functions from their texts. Throws UserError.
 void read_load(const SectionPlace& place, const Case& c, system::Load& load);
 /// The same of [air].
-void read_wind(const SectionPlace& place, energy::DragOptions& air);
+void read_wind(const SectionPlace& place, const Case& c, energy::DragOptions& air);
 /// Whether a load is a gas.
 [[nodiscard]] bool has_gas(const Case& c);
 

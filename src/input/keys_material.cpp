@@ -201,7 +201,8 @@ std::vector<Key> strength_keys(MaterialInput& s) {
                                              {"maximum_strain", Criterion::maximum_strain}}),
        .meaning =
            "Criterion of the field `failure_index`. `tsai_wu`: with F12 = -sqrt(F11 F22)/2. `hashin`: fibre and matrix "
-           "modes in plane stress. `maximum_strain`: strengths over moduli. It needs the five strengths.",
+           "modes in plane stress, with half of the compressive strength across the fibres as transverse shear "
+           "strength. `maximum_strain`: strengths over moduli. It needs the five strengths.",
        .types = types}};
   const auto add = [&](const char* name, double* slot, const char* meaning) {
     keys.push_back({.name = name,

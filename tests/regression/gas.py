@@ -288,6 +288,7 @@ def wind(report):
     report.check(same == plain, "a wind with its unit")
     for name, changes, wanted in (("two", {"air.wind": [1, 2]}, ("air.wind", "three are needed")),
                                   ("idle", {"air.normal_drag": 0.0}, ("air.wind", "normal_drag")),
+                                  ("still", {"analysis": "static", "damping": None, "initial_velocity": None}, ("air.wind", "no wind")),
                                   ("word", {"air.wind": ["1 + s", 0, 0]}, ("air.wind", "expression of t"))):
         result = run(write_case(variant(free, changes), OUT / f"wind_wrong_{name}.toml"), OUT / f"wind_wrong_{name}")
         report.check(result.code == 2 and all(w in result.text for w in wanted), f"{name}: {result.text.strip().splitlines()[-1][:120]}")

@@ -343,7 +343,7 @@ def python_package(report):
     case = Case.read(ROOT / "runs" / "stages" / "case.toml")
     report.check(Case.from_toml(case.to_toml()) == case, "a case goes to TOML and back")
     changed = case.changed({"mesh.parameters.n": 4, "stage.0.name": "first", "title": None})
-    report.check(case["mesh"]["parameters"]["n"] == 24 and changed["mesh"]["parameters"]["n"] == 4 and "title" not in changed, "changes are those of a copy")
+    report.check(case["mesh"]["parameters"]["n"] == 36 and changed["mesh"]["parameters"]["n"] == 4 and "title" not in changed, "changes are those of a copy")
     done = run_python(strip("dynamic", time__end=0.1), OUT / "python_strip", ranks=2).check()
     last = done.results[-1]
     report.check(last.positions.shape == last.mesh.positions.shape and last.unit("displacement") == "m", "fields and their units")
