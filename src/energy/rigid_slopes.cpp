@@ -81,7 +81,7 @@ class Builder {
     el_.start.row(row + 1) = back;
     const double length = (frame_.start[1] - frame_.start[0]).norm();
     for (int i = 0; i < 3; ++i) {
-      weight(row + 1, frame_.points[static_cast<std::size_t>(i + 1)]) += back[i] / length;
+      weight(row + 1, frame_.points[static_cast<std::size_t>(i) + 1]) += back[i] / length;
       weight(row + 1, frame_.points[0]) -= back[i] / length;
     }
     const EdgePoints x{Vec3::Zero(), el_.start.row(row), back, Vec3(-back)};
