@@ -5,20 +5,15 @@
 // with a foreign folder, is read only where the user asks for it on the command line.
 #include <fmt/format.h>
 #include <mpi.h>
-#include <petscsys.h>
 #include <sys/resource.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <array>
-#include <csignal>
 #include <cstdio>
 #include <filesystem>
 #include <optional>
-#include <sstream>
 
 #include "base/mpi.hpp"
-#include "base/petsc.hpp"
 #include "base/plain_file.hpp"
 #include "base/terminal.hpp"
 #include "base/threads.hpp"
@@ -34,9 +29,9 @@
 #include "input/command_line.hpp"
 #include "launched_ranks.hpp"
 #include "option_hint.hpp"
+#include "petsc_session.hpp"
 #include "setup/mesh_transfer.hpp"
 #include "simulation/run.hpp"
-#include "solve/eigen.hpp"
 #include "temporary_folder.hpp"
 #include "version.hpp"
 #include "voile/errors.hpp"
@@ -190,82 +185,6 @@ input::Case read_case(const std::string& file, const std::vector<std::string>& s
   return input::parse_case(text, file, settings);
 }
 
-/// PETSc between construction and destruction.
-class PetscSession {
- public:
-  PetscSession(const char* program, const std::vector<std::string>& words, const std::string& case_options) {
-    for (const auto& [name, value] : input::petsc_pairs(case_options))
-      VOILE_PETSC(PetscOptionsSetValue(nullptr, name.c_str(), value.empty() ? nullptr : value.c_str()));
-    words_.emplace_back(program);
-    if (std::find(words.begin(), words.end(), "-skip_petscrc") == words.end()) words_.emplace_back("-skip_petscrc");
-    words_.insert(words_.end(), words.begin(), words.end());
-    for (std::string& word : words_) pointers_.push_back(word.data());
-    pointers_.push_back(nullptr);
-    count_ = static_cast<int>(words_.size());
-    argv_ = pointers_.data();
-    VOILE_PETSC(PetscInitialize(&count_, &argv_, nullptr, nullptr));
-    // `voile ... | head` ends as other programs do: PETSc would tell of a crash.
-    (void)std::signal(SIGPIPE, SIG_DFL);
-    petsc::collect_errors();
-    slepc_.emplace();
-  }
-  ~PetscSession() {
-    slepc_.reset();
-    try {
-      VOILE_PETSC(PetscFinalize());  // the last options are looked up here
-    } catch (const std::exception& e) {
-      if (is_root()) fmt::print(stderr, "voile: error: {}\n", e.what());
-    }
-  }
-  PetscSession(const PetscSession&) = delete;
-  PetscSession& operator=(const PetscSession&) = delete;
-
-  /// Throws UserError for tolerances and limits below zero, which PETSc takes silently.
-  static void check_tolerances() {
-    char* all = nullptr;
-    VOILE_PETSC(PetscOptionsGetAll(nullptr, &all));
-    std::istringstream words(all);
-    VOILE_PETSC(PetscFree(all));
-    std::string name;
-    for (std::string word; words >> word; name = word) {
-      const bool is_limit = name.ends_with("tol") || name.ends_with("_max_it") || name.ends_with("_max_steps") ||
-                            name.ends_with("_dt") || name.ends_with("_max_time");
-      if (!is_limit || name.find("divergence") != name.npos) continue;
-      char* end = nullptr;
-      const double value = std::strtod(word.c_str(), &end);
-      if (end != word.c_str() && *end == '\0' && !(value >= 0.0))
-        throw UserError(fmt::format("{} {}: it must not be negative; give a number of 0 or more", name, word));
-    }
-  }
-
-  /// Warns on rank 0 about options that nothing asked for, unless -options_left makes PETSc do so.
-  static void report_unused_options() {
-    PetscBool asked = PETSC_FALSE;
-    VOILE_PETSC(PetscOptionsHasName(nullptr, nullptr, "-options_left", &asked));
-    if (asked) return;
-    PetscInt count = 0;
-    char **names = nullptr, **values = nullptr;
-    VOILE_PETSC(PetscOptionsLeftGet(nullptr, &count, &names, &values));
-    for (PetscInt i = 0; i < count && is_root(); ++i) {
-      const std::string name = names[i];
-      // These are looked up only when PETSc ends.
-      const bool late = name.starts_with("log") || name.starts_with("malloc") || name.starts_with("objects_") ||
-                        name.starts_with("options_");
-      if (!late)
-        fmt::print(stderr, "voile: warning: option -{}{}{} was not used by anything\n", name, values[i] ? " " : "",
-                   values[i] ? values[i] : "");
-    }
-    VOILE_PETSC(PetscOptionsLeftRestore(nullptr, &count, &names, &values));
-  }
-
- private:
-  std::vector<std::string> words_;
-  std::vector<char*> pointers_;
-  int count_ = 0;
-  char** argv_ = nullptr;
-  std::optional<solve::SlepcSession> slepc_;
-};
-
 /// Ends all ranks: the failure may have hit this rank only.
 [[noreturn]] void abort_all(const char* kind, const std::string& what, Exit code) {
   fmt::print(stderr, "voile: {} on rank {}: {}\n", kind, mpi::rank(MPI_COMM_WORLD), what);
@@ -307,9 +226,9 @@ auto or_abort(const Work& work) {
 
 Exit run_case(const input::Case& c, record::RunOptions options) {
   if (options.output.empty()) options.output = c.file.stem().string() + "_results";
-  PetscSession::check_tolerances();
+  cli::PetscSession::check_tolerances();
   const Exit result = simulation::run(c, options);
-  PetscSession::report_unused_options();
+  cli::PetscSession::report_unused_options();
   return result;
 }
 
@@ -347,7 +266,7 @@ Exit execute(const Request& request, const char* program) {
     return Exit::done;
   }
   if (request.command == Command::doctor) {
-    const PetscSession petsc(program, request.petsc, "");
+    const cli::PetscSession petsc(program, request.petsc, "");
     return or_abort([] { return cli::doctor() ? Exit::done : Exit::user_error; });
   }
   const bool is_mesh = request.command == Command::info && !request.file.ends_with(".toml");
@@ -355,7 +274,7 @@ Exit execute(const Request& request, const char* program) {
   std::optional<input::Case> c;
   if (!is_mesh) c = read_case(request.file, request.settings);
   if (c) c->mesh.options.allow_system_call = request.allow_system_call;
-  const PetscSession petsc(program, request.petsc, request.command == Command::run ? c->petsc_options : "");
+  const cli::PetscSession petsc(program, request.petsc, request.command == Command::run ? c->petsc_options : "");
   return or_abort([&] {
     if (request.command == Command::run) return run_case(*c, request.options);
     if (request.command == Command::check) cli::check(MPI_COMM_WORLD, *c);
