@@ -106,10 +106,11 @@ bool Recorder::wants(const std::string& field) const {
   return f.empty() || std::find(f.begin(), f.end(), field) != f.end();
 }
 
-Recorder::Snapshot Recorder::gathered(Vec a) {
+Recorder::Snapshot Recorder::gathered(Vec a, Vec v) {
   Snapshot s;
   petsc::VecHandle force = model_->dofs().create_vector();
   linear_ ? LinearValues(*model_, a).unbalanced_force(force) : model_->unbalanced_force(a, force);
+  if (dynamics_ && v) dynamics_->add_damping(v, force);
   model_->dofs().clear_free(force);  // away from supports the force is only the residual that is left
   s.state.displacement = linear_ ? model_->dofs().gather_change(a) : model_->dofs().gather(a);
   s.state.reaction = model_->dofs().gather_forces(force);
@@ -117,8 +118,8 @@ Recorder::Snapshot Recorder::gathered(Vec a) {
   return s;
 }
 
-Recorder::Snapshot Recorder::snapshot(Vec a) {
-  Snapshot s = gathered(a);
+Recorder::Snapshot Recorder::snapshot(Vec a, Vec v) {
+  Snapshot s = gathered(a, v);
   if (root_) s.validity = assess(*model_, s.state.displacement);
   if (root_) warnings_.say_range(model_->dofs().mesh(), s.validity);
   if (probes_->need_energies())
@@ -155,7 +156,7 @@ std::string Recorder::contact_note(const Snapshot& s, const solve::StepResult& r
 
 void Recorder::record(const system::State& state, const solve::StepResult& r, bool whole) {
   const petsc::EventScope scope(petsc::events().output);
-  Snapshot s = snapshot(state.u);
+  Snapshot s = snapshot(state.u, dynamics_ ? static_cast<Vec>(state.v) : nullptr);
   if (dynamics_) s.kinetic = dynamics_->kinetic_energy(state.v);
   if (dynamics_) kinetic_.add(state.time, s.kinetic);
   write_history(state, r, s);
@@ -205,7 +206,7 @@ void Recorder::write_or_keep(bool write, io::StepFields step, Vec position, Vec 
 void Recorder::write_pending() {
   if (!pending_) return;
   const Pending p = std::move(*pending_);
-  write_or_keep(true, p.step, p.position, p.velocity, snapshot(p.position));
+  write_or_keep(true, p.step, p.position, p.velocity, snapshot(p.position, p.velocity));
 }
 
 void Recorder::finish() {

@@ -95,9 +95,9 @@ class Recorder {
     io::StepFields step;
     petsc::VecHandle position, velocity;
   };
-  [[nodiscard]] Snapshot snapshot(Vec a);
-  /// Only its displacements and reactions.
-  [[nodiscard]] Snapshot gathered(Vec a);
+  [[nodiscard]] Snapshot snapshot(Vec a, Vec v);
+  /// Only its displacements and reactions. `v`: velocities of a motion, else null.
+  [[nodiscard]] Snapshot gathered(Vec a, Vec v);
   /// Whether estimates of error are made: not of modes, which have no size.
   [[nodiscard]] bool estimates() const { return case_.analysis != "modal" && case_.analysis != "buckling"; }
   void write_fields(io::StepFields step, Vec a, const Snapshot& s);

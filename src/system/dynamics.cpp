@@ -106,11 +106,27 @@ void Dynamics::add_gyration(Vec v, Vec f) const {
   dofs.clear_fixed(f);
 }
 
-void Dynamics::add_drag(Vec v, Vec f) {
+void Dynamics::add_drag(Vec v, Vec f) const {
   const energy::Configuration c = moving(v);
   std::fill(force_.begin(), force_.end(), Vec3::Zero());
   drag_->add_forces(c, force_);
   model_.dofs().add_forces(force_, f);
+}
+
+void Dynamics::add_damping(Vec v, Vec f) const {
+  if (options_.mass_damping > 0.0) {
+    apply_mass(v, work_);
+    VOILE_PETSC(VecAXPY(f, options_.mass_damping, work_));
+  }
+  if (options_.bending_damping > 0.0) {
+    model_.potential().constant().multiply_bending(v, work_);
+    VOILE_PETSC(VecAXPY(f, options_.bending_damping, work_));
+  }
+  if (material_damping()) {
+    model_.potential().constant().multiply_damping(v, work_);
+    VOILE_PETSC(VecAXPY(f, 1.0, work_));
+  }
+  if (options_.drag.active()) add_drag(v, f);
 }
 
 void Dynamics::residual(Vec u, Vec v, Vec a, Vec f) {
@@ -120,19 +136,7 @@ void Dynamics::residual(Vec u, Vec v, Vec a, Vec f) {
   double inertia = 0.0;
   VOILE_PETSC(VecNorm(sum_, NORM_2, &inertia));
   force_scale_ = std::max(model_.force_scale(), inertia);
-  if (options_.mass_damping > 0.0) {
-    apply_mass(v, work_);
-    VOILE_PETSC(VecAXPY(sum_, options_.mass_damping, work_));
-  }
-  if (options_.bending_damping > 0.0) {
-    model_.potential().constant().multiply_bending(v, work_);
-    VOILE_PETSC(VecAXPY(sum_, options_.bending_damping, work_));
-  }
-  if (material_damping()) {
-    model_.potential().constant().multiply_damping(v, work_);
-    VOILE_PETSC(VecAXPY(sum_, 1.0, work_));
-  }
-  if (options_.drag.active()) add_drag(v, sum_);
+  add_damping(v, sum_);
   model_.dofs().clear_fixed(sum_);
   VOILE_PETSC(VecAXPY(f, 1.0, sum_));
 }

@@ -51,6 +51,9 @@ class Dynamics {
   void start_step(Vec u, Vec v, double dt);
   /// F. Collective.
   void residual(Vec u, Vec v, Vec a, Vec f);
+  /// Adds to f what damping and drag do at velocities v, on what is held too, where it is a part of the reaction. Mass damping
+  /// acts on free components only. Collective. [N]
+  void add_damping(Vec v, Vec f) const;
   /// E(u). Collective.
   [[nodiscard]] double energy(Vec u, Vec v, Vec a, double s_v, double s_a);
   /// Tangent dF/du at u into the model's tangent matrix. Collective.
@@ -76,7 +79,7 @@ class Dynamics {
 
  private:
   void build_drag();
-  void add_drag(Vec v, Vec f);
+  void add_drag(Vec v, Vec f) const;
   void apply_body_mass(Vec x, Vec y) const;
   void add_gyration(Vec v, Vec f) const;
   /// Velocities of the local points instead of positions, for the drag.

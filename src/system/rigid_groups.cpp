@@ -54,10 +54,10 @@ void refuse_idle_turn(const mesh::SurfaceMesh& mesh, const RigidGroup& g, const 
   if (!std::all_of(body.members.begin(), body.members.end(), [&](Index v) { return is_on(mesh.positions()[v]); }))
     return;
   if (g.axis && (g.axis->cross(line).norm() > round_off * g.axis->norm() * line.norm() || !is_on(body.point))) return;
-  throw UserError(
-      fmt::format("{}: its vertices lie on a line, and nothing resists a turn about it; give slope = \"held\", "
-                  "turn = \"held\", or turn = \"about\" with another axis",
-                  name_of(g)));
+  throw UserError(fmt::format(
+      "{}: its vertices lie on a line, and nothing resists a turn about it; give turn = "
+      "\"held\", turn = \"about\" with another axis, or slope = \"held\" on a boundary, or name the surface",
+      name_of(g)));
 }
 
 RigidBody make_body(const mesh::SurfaceMesh& mesh, const RigidGroup& g) {
@@ -72,8 +72,8 @@ RigidBody make_body(const mesh::SurfaceMesh& mesh, const RigidGroup& g) {
   std::sort(body.members.begin(), body.members.end());
   if (body.members.size() < 3)
     throw UserError(
-        fmt::format("{}: it has {} vertices; a rigid group needs three or more: refine the mesh there, or "
-                    "use [[support]]",
+        fmt::format("{}: a rigid group needs three or more vertices and this one has {}: refine the mesh there, "
+                    "or use [[support]]",
                     name_of(g), body.members.size()));
   std::copy_n(body.members.begin(), 3, body.carriers.begin());
   Vec3 centre = Vec3::Zero();

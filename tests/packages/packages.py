@@ -99,6 +99,12 @@ def inside(root, script):
                env={"PATH": "/usr/sbin:/usr/bin:/sbin:/bin", "HOME": "/root", "DEBIAN_FRONTEND": "noninteractive", "LC_ALL": "C.UTF-8"})
 
 
+def check_doctor(report, done):
+    """It ran, as the program for this processor."""
+    said = "AVX2 or newer" if "avx2" in Path("/proc/cpuinfo").read_text() else "any processor"
+    report.check(done.returncode == 0 and said in done.stdout, f"doctor: code {done.returncode} {done.stdout[-300:]}")
+
+
 def test_in_system(report, root, debs):
     print("a bare Debian 12: packages are installed by apt")
     (root / "packages").mkdir(exist_ok=True)
@@ -111,9 +117,7 @@ def test_in_system(report, root, debs):
     report.check(done.returncode == 0 and (root / "root/elsewhere/ring/picture.png").is_file(), f"an example from another folder: code {done.returncode} {done.stdout[-300:] if done.returncode else ''}")
     done = inside(root, f"python3 -c '{SIMULATE}'")
     report.check("python moves True True" in done.stdout, f"Python: {done.stdout.strip()[-300:]}")
-    done = inside(root, "cd && voile doctor")
-    said = "AVX2 or newer" if "avx2" in Path("/proc/cpuinfo").read_text() else "any processor"
-    report.check(done.returncode == 0 and said in done.stdout, f"doctor: code {done.returncode} {done.stdout[-300:] if done.returncode else ''}")
+    check_doctor(report, inside(root, "cd && voile doctor"))
 
 
 def test_unpacked(report, debs):
@@ -129,6 +133,7 @@ def test_unpacked(report, debs):
         report.check("not found" not in found and str(ROOT) not in found.replace(str(root), ""), f"libraries of {file.name}")
     done = run(["/bin/sh", "-c", FIRST_PICTURE], env=env)
     report.check(done.returncode == 0 and (root / "home/elsewhere/ring/picture.png").is_file(), f"an example from another folder: code {done.returncode} {done.stdout[-300:] if done.returncode else ''}")
+    check_doctor(report, run(["voile", "doctor"], env=env))
     done = run(["/usr/bin/python3", "-c", SIMULATE], env=env | {"PYTHONPATH": str(root / "usr/lib/python3.11/dist-packages")})
     report.check("python moves True True" in done.stdout, f"Python: {done.stdout.strip()[-300:]}")
 

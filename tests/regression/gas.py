@@ -267,16 +267,20 @@ def pane(**more):
 
 @test
 def wind(report):
-    """A pane hangs in a wind that rises: sin t/cos^2 t = C rho U^2 A/(2 m g). A free one follows a wind that grows steadily, later by a
-    constant velocity."""
+    """A pane hangs in a wind that rises: sin t/cos^2 t = C rho U^2 A/(2 m g); its hinge bears the wind on its own row, too. A free one
+    follows a wind that grows steadily, later by a constant velocity."""
     speed = math.sqrt(2 * 9.81 / (1.2 * 1.2))
     angle = brentq(lambda t: math.sin(t) - math.cos(t)**2, 0, 1.5)
     held = pane(support=[{"type": "hinged", "group": "pane low"}], load=[{"type": "gravity", "vector": [0, 0, -9.81]}],
                 air={"density": 1.2, "normal_drag": 1.2, "wind": [f"{speed}*min(1, t)", "0", 0]}, damping={"mass": 3.0},
                 time={"end": 8.0, "step": 0.02})
+    held["probe"].append({"name": "hinge", "type": "reaction", "group": "pane low"})
     h = solve("wind_pane", held).history
     found = math.asin(h["low_x"][-1])
     report.percent(found / angle, 0.002, f"angle of the pane: {math.degrees(found):.5g} degrees, exact {math.degrees(angle):.5g}")
+    push = 9.81 * math.sin(angle)  # of the wind, square to the pane
+    for axis, exact in (("x", -push * math.cos(angle)), ("z", 9.81 - push * math.sin(angle))):
+        report.percent(h[f"hinge_{axis}"][-1] / exact, 0.002, f"reaction {axis}: {h[f'hinge_{axis}'][-1]:.5g} N, exact {exact:.5g}")
     lag = math.sqrt(2 * 3.0 / (1.2 * 1.2))  # that drags a mass of 1 kg along at 3 m/s^2
     free = pane(air={"density": 1.2, "normal_drag": 1.2, "wind": [f"{lag} + 2 + 3*t", 0, "0"]},
                 initial_velocity=[{"group": "pane", "velocity": [2, 0, 0]}], time={"end": 1.0, "step": 0.01})
