@@ -114,7 +114,7 @@ def check_project(header, path, layer):
         return f'"{header}": in its own room it is included as "{parts[1]}"'
     if parts[0] not in LAYERS[layer]:
         return f"{layer} must not include {parts[0]} ({header})"
-    if f"private to src/{parts[0]}" in (ROOT / "src" / header).read_text().replace("\n// ", " "):
+    if f"private to src/{parts[0]}" in (ROOT / "src" / header).read_text().replace("\n// ", " ").lower():
         return f"{header} is private to its room"
     return None
 

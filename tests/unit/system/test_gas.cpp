@@ -2,6 +2,7 @@
 #include <doctest/doctest.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <map>
 #include <numbers>
 
@@ -86,6 +87,37 @@ TEST_CASE("the force of a gas is the derivative of its energy, and its tangent t
       CHECK(model.tangent().change().columns.size() == (cut > 1.0 ? 1u : 7u));
     }
   }
+}
+
+TEST_CASE("a gas pushes a rigid group: forces from the energy, tangent from the forces") {
+  mesh::MeshData data = ellipsoid(2);
+  mesh::Group lid;
+  lid.name = "lid";
+  lid.dimension = 2;
+  for (Index t = 0; t < static_cast<Index>(data.triangles.size()); ++t) {
+    const mesh::Triangle& corners = data.triangles[t];
+    if (std::any_of(corners.begin(), corners.end(), [&](Index v) { return data.positions[v].z() < 5.3; })) continue;
+    lid.triangles.push_back(t);
+    lid.vertices.insert(lid.vertices.end(), corners.begin(), corners.end());
+  }
+  std::sort(lid.vertices.begin(), lid.vertices.end());
+  lid.vertices.erase(std::unique(lid.vertices.begin(), lid.vertices.end()), lid.vertices.end());
+  REQUIRE(lid.triangles.size() > 3);
+  data.groups.push_back(lid);
+  const mesh::SurfaceMesh mesh(std::move(data));
+  system::ModelInput input = sheet({gas(3.0)});
+  system::RigidGroup group;
+  group.group = "lid";
+  input.rigid = {group};
+  system::Model model(PETSC_COMM_WORLD, mesh, input);
+  model.conditions().set_load_factor(0.7);
+  petsc::VecHandle a = model.dofs().create_vector(), d = model.dofs().create_vector();
+  set_displacement(model, a, noise(0.05, 3));
+  set_displacement(model, d, noise(1.0, 4));
+  model.dofs().scatter_bodies({0.1, -0.2, 0.15, 0.3, -0.2, 0.25, -0.1, 0.0, 0.0}, a);
+  model.dofs().scatter_bodies({0.4, 0.7, -0.3, 0.5, -0.6, 0.2, 0.8, 0.0, 0.0}, d);
+  for (const Vec v : {static_cast<Vec>(a), static_cast<Vec>(d)}) model.dofs().clear_fixed(v);
+  check_potential(model, a, d);
 }
 
 TEST_CASE("volume and pressure of a gas") {
