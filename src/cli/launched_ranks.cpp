@@ -12,7 +12,7 @@ namespace {
 struct Launcher {
   const char *rank, *size, *job;
 };
-// Slurm sets its number of tasks for a program that runs alone, too: of its ranks only the first is told apart.
+// Slurm sets its number of tasks for a program that runs alone, too: of its ranks only the first differs.
 constexpr std::array launchers{Launcher{"OMPI_COMM_WORLD_RANK", "OMPI_COMM_WORLD_SIZE", "PMIX_NAMESPACE"},
                                Launcher{"PMI_RANK", "PMI_SIZE", "PMI_JOBID"}, Launcher{"PMIX_RANK", "", ""},
                                Launcher{"SLURM_PROCID", "", ""}};

@@ -57,7 +57,7 @@ void check_parameters(const std::string& file, const std::map<std::string, doubl
   }
 }
 
-/// Of a last line without a line feed Gmsh leaves out what it has not read yet, without a word, but not of an included file.
+/// Of a last line without a line feed Gmsh silently leaves out what it has not read yet, but not of an included file.
 bool ends_within_line(const std::string& file) {
   std::ifstream in(file, std::ios::binary | std::ios::ate);
   if (!in || in.tellg() <= 0) return false;

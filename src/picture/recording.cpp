@@ -38,7 +38,7 @@ std::vector<std::vector<std::string>> read_csv(const fs::path& file) {
   return rows;
 }
 
-/// What load factors and times are called is told by the history.
+/// The history says what load factors and times are called.
 bool counts_time(const fs::path& folder, const io::StoredRun& run) {
   const auto rows = read_csv(folder / "history.csv");
   if (!rows.empty()) return std::find(rows[0].begin(), rows[0].end(), "time") != rows[0].end();

@@ -22,8 +22,8 @@ namespace voile::record {
 
 namespace {
 
-/// Names of groups that differ in the results, of which so many are told: a pattern has dozens.
-constexpr std::size_t told_groups = 3;
+/// Names of groups that differ in the results, of which so many are listed: a pattern has dozens.
+constexpr std::size_t listed_groups = 3;
 
 std::string duration(double seconds) {
   const auto s = static_cast<long>(std::max(0.0, seconds));
@@ -51,7 +51,7 @@ Recorder::Recorder(const input::Case& c, const RunOptions& options, system::Mode
     begin_epoch();
     history_.emplace(options.output / "history.csv", kept_.columns);
     if (std::vector<std::string> renamed = results_->renamed_groups(); !renamed.empty()) {
-      const std::size_t more = renamed.size() > told_groups ? renamed.size() - told_groups : 0;
+      const std::size_t more = renamed.size() > listed_groups ? renamed.size() - listed_groups : 0;
       renamed.resize(renamed.size() - more);
       remark("names of groups in results.vtkhdf: " + join(renamed, ", ") +
              (more > 0 ? fmt::format(", and {} more so (their attribute `name` has the name)", more) : ""));

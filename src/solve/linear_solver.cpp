@@ -182,7 +182,7 @@ bool LinearSolver::repair(int attempt) {
   PetscInt size = 0;
   VOILE_PETSC(MatMumpsGetInfog(factor(), mumps_error + 1, &size));
   check_mumps_room(error, size);
-  // PETSc refuses to factor again after an error of MUMPS, without a word: only a new factor object helps.
+  // PETSc refuses to factor again after an error of MUMPS, silently: only a new factor object helps.
   VOILE_PETSC(MatMumpsGetIcntl(factor(), mumps_workspace_percent, &percent));
   const bool lacks_workspace = error == -8 || error == -9;
   if (lacks_workspace) percent = std::max<PetscInt>(100, 2 * percent);

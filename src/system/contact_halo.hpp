@@ -2,7 +2,7 @@
 //
 // Each rank says where its triangles are, by a few boxes; every rank then sends its points of triangles that come into
 // these boxes. What is sent grows with what is near, not with the mesh; the boxes of all ranks are known to all, 16 to
-// each. Points are told by their number in the mesh.
+// each. Points are named by their number in the mesh.
 #pragma once
 
 #include <vector>
