@@ -120,7 +120,7 @@ def rigid_modes(report):
     """A cantilever with a heavy rigid end, and the same about its equilibrium; buckling under a force on it."""
     length, t, young, mass = 10.0, 0.1, 1.2e6, 5000.0
     bending = young * t**3 / 12
-    end = {"group": "tip", "mass": mass, "force": [-1.0, 0, 0]}
+    end = {"group": "tip", "name": "end", "mass": mass, "force": [-1.0, 0, 0]}
     clamp = [{"type": "clamped", "group": "clamp"}]
     h = solve("rigid_modes", strip("modal", 40, 2, rigid=[end], support=clamp, load=None, eigen={"modes": 1}))
     exact = math.sqrt(3 * bending / ((mass + 33 / 140 * 100) * length**3)) / (2 * math.pi)
