@@ -260,6 +260,7 @@ struct Case {
   SewingSection sewing;
   energy::ElementOptions element;
   std::vector<energy::Material> materials;
+  std::vector<std::string> written_materials;  ///< their keys as given, in TOML; empty: of a fabric file
   std::vector<system::Support> supports;
   std::vector<MotionInput> motions;  ///< one per support
   std::vector<RigidSection> rigids;
