@@ -47,6 +47,7 @@ void print_header(const input::Case& c, const system::Model& model) {
 
 /// "converged ..., stable": whether the last state is an equilibrium, and of which kind.
 std::string state_text(const input::Case& c, const Summary& s) {
+  if (c.finds_modes() && s.eigen.empty()) return "converged: the response at every frequency";
   if (c.finds_modes()) return fmt::format("converged: {} modes", s.eigen.size());
   if (c.analysis == "dynamic") return "converged: every step";
   return fmt::format("converged: residual {:.1e} of the forces{}", s.residual,
@@ -59,6 +60,8 @@ std::string state_text(const input::Case& c, const Summary& s) {
 std::string resolved_text(const input::Case& c, const Summary& s) {
   const auto percent = [](double x) { return fmt::format("{:.2g} %", 100.0 * x); };
   const auto verdict = [](double x) { return x > error_limit ? "not resolved" : "resolved"; };
+  if (c.analysis == "harmonic" && s.mode_errors.empty())
+    return "whether cells resolve the response is not estimated; give eigen.modes for that of its modes";
   if (!s.mode_errors.empty()) {
     double worst = 0.0;
     for (std::size_t i = 0; i < s.mode_errors.size(); ++i)

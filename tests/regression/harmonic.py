@@ -77,10 +77,10 @@ def harmonic_methods(report):
         few = solve(f"harmonic_{name}", case)
         alone, count = response_of(few)[1], len(few.summary["eigenvalues"])
         many = solve(f"harmonic_{name}_many", case | {"eigen": {"modes": 60}})
-        direct = response_of(solve(f"harmonic_{name}_direct", case | {"harmonic": case["harmonic"] | {"method": "direct"}}, 2))[1]
+        direct = response_of(solve(f"harmonic_{name}_direct", case | {"harmonic": case["harmonic"] | {"method": "direct"}}, 2 if name == "loads" else 3))[1]
         report.below(max(abs(response_of(many)[1] / direct - 1)), 1e-6, f"{name}: 60 modes against the direct solution")
         report.below(max(abs(alone / direct - 1)), 1e-4, f"{name}: {count} modes against it")
-        for ranks in (2, 3):
+        for ranks in (2, 3) if name == "loads" else ():
             other = response_of(solve(f"harmonic_{name}", case, ranks))[1]
             report.below(max(abs(other / alone - 1)), 1e-7, f"{name}: {ranks} ranks")
         if name == "loads":
@@ -130,6 +130,25 @@ def harmonic_peaks(report):
     result = solve("harmonic_shaped", case | {"harmonic": shaped, "damping": {"ratio": [ratio]}})
     psd = table_of(result, "response.csv")["tip_z_acceleration_psd"]
     report.percent(math.sqrt(np.trapz(psd, listed)) / result.summary["response"][0]["rms_acceleration"], 1e-4, "a table with slopes")
+
+
+@test
+def harmonic_in_time(report):
+    """A motion in time whose base follows a cosine settles into the response, with damping of both kinds."""
+    f, acceleration = 1.2, 0.1
+    omega = 2 * math.pi * f
+    damping = {"mass": 2.0, "bending": 0.01}
+    base = {"excitation": "base", "direction": [0, 0, 1], "acceleration": acceleration, "frequencies": [f]}
+    u = response_of(solve("harmonic_settled", blade(nx=10, harmonic=base, damping=damping)))[1][0]
+    mover = {"type": "clamped", "group": "clamp", "motion": [0, 0, f"-{acceleration}/{omega}^2*(cos({omega}*t)-1)"]}
+    foot = {"name": "foot", "type": "displacement", "group": "clamp", "components": ["z"]}
+    steps = 200
+    motion = blade("dynamic", nx=10, support=[mover], probe=[*TIP, foot], damping=damping, output={"every": 100000},
+                   time={"end": 10 / f, "step": 1 / f / steps, "spectral_radius": 1.0, "mass": "consistent"})
+    h = solve("harmonic_moved", motion).history
+    relative = (h["tip_z"] - h["foot_z"])[-steps:]
+    found = 2 / steps * np.sum(relative * np.exp(-1j * omega * h["time"][-steps:]))
+    report.below(abs(u / found - 1), 0.001, f"amplitude {abs(u):.4g} m, phase {np.degrees(np.angle(u)):.2f} degrees")
 
 
 @test
