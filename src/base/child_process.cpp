@@ -51,12 +51,14 @@ void limit_memory() {
   (void)setrlimit(RLIMIT_AS, &limit);
 }
 
-/// Nothing of the parent's is touched: no handlers, no output, no core file, no life of its own.
+/// Nothing of the parent's is touched: no handlers, no output, no core file, no life of its own. It ends by SIGALRM if it
+/// takes too long, also where it waits for a lock that another thread of the parent held.
 void become_child() {
   (void)prctl(PR_SET_PDEATHSIG, SIGKILL);
   for (const int number :
        {SIGSEGV, SIGBUS, SIGILL, SIGFPE, SIGABRT, SIGTERM, SIGINT, SIGHUP, SIGUSR1, SIGUSR2, SIGALRM, SIGSYS})
     (void)std::signal(number, SIG_DFL);
+  (void)alarm(static_cast<unsigned>(limit_of_reading()));
   const rlimit no_core{0, 0};
   (void)setrlimit(RLIMIT_CORE, &no_core);
   limit_memory();
@@ -130,6 +132,7 @@ constexpr int answer_stream = 3;
     (void)fcntl(descriptor, F_SETFD, 0);
   else
     (void)dup2(descriptor, answer_stream);
+  (void)alarm(0);  // it sets its own if it is confined
   (void)execv(program.c_str(), arguments.data());
   send(answer_stream, Answer::user_error,
        fmt::format("{}: the program cannot be started ({}); install it beside voile, or build it", program.string(),

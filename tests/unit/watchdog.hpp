@@ -1,6 +1,6 @@
 // Ends the process, and with it the job, when one test case takes too long, and says which: a lost reduction hangs for ever.
 //
-// VOILE_TEST_LIMIT gives the limit in seconds of a test case; otherwise 120, ten times as many with sanitizers. Ranks that wait
+// VOILE_TEST_LIMIT gives the limit in seconds of a test case; otherwise 120, twice as many with sanitizers. Ranks that wait
 // yield their core, so that on a machine with other work they get next to nothing of it: what has had less than a quarter of
 // the limit in CPU seconds may go on, up to five times the limit.
 #pragma once
@@ -19,10 +19,10 @@
 namespace voile::testing {
 
 #if defined(__SANITIZE_ADDRESS__)
-inline constexpr double usual_limit = 1200.0;
+inline constexpr double usual_limit = 240.0;
 #elif defined(__has_feature)
 #if __has_feature(address_sanitizer)
-inline constexpr double usual_limit = 1200.0;
+inline constexpr double usual_limit = 240.0;
 #else
 inline constexpr double usual_limit = 120.0;
 #endif
@@ -35,6 +35,9 @@ class Watchdog {
   Watchdog() {
     if (const char* given = std::getenv("VOILE_TEST_LIMIT")) limit_ = std::atof(given);
     thread_ = std::thread([this] { watch(); });
+    // A process that forks while a thread of it starts leaves the sanitizer's allocator locked in the child.
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [this] { return watching_; });
   }
   ~Watchdog() {
     set("", 0.0, true);
@@ -64,6 +67,8 @@ class Watchdog {
 
   void watch() {
     std::unique_lock lock(mutex_);
+    watching_ = true;
+    changed_.notify_all();
     while (!over_) {
       if (what_.empty())
         changed_.wait(lock);
@@ -92,7 +97,7 @@ class Watchdog {
   std::mutex mutex_;
   std::condition_variable changed_;
   std::string what_;
-  bool over_ = false;
+  bool over_ = false, watching_ = false;
   Clock::time_point end_, last_;
   std::clock_t cpu_start_ = 0;
   double limit_ = usual_limit, seconds_ = 0.0;

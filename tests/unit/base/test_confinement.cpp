@@ -72,8 +72,9 @@ TEST_CASE("a confined process reads files, and neither writes them nor starts pr
   CHECK_FALSE(fs::exists(marker));
 }
 
-TEST_CASE("the reading of a script is stopped in time") {
+TEST_CASE("the reading of a script, and of any foreign file, is stopped in time") {
   setenv("VOILE_READ_SECONDS", "1", 1);
+  CHECK_THROWS_WITH_AS(try_in_child("file", [] { sleep(100); }), doctest::Contains("VOILE_READ_SECONDS"), UserError);
   CHECK_THROWS_WITH_AS((void)confined([] { sleep(100); }), doctest::Contains("VOILE_READ_SECONDS"), UserError);
   unsetenv("VOILE_READ_SECONDS");
 }
