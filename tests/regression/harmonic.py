@@ -5,6 +5,7 @@ import math
 import numpy as np
 from harness import OUT, solve, test
 from solver import ROOT, invoke, write_case
+from voile import mac
 
 CLAMP = [{"type": "clamped", "group": "clamp"}]
 TIP = [{"name": "tip", "type": "displacement", "group": "tip", "components": ["z"]}]
@@ -46,6 +47,11 @@ def effective_masses(report):
     sum_z = 100 * table["effective_mass_z"].sum() / mass
     report.check(f"carry 0.0 % of the mass in x, {100 * table['effective_mass_y'].sum() / mass:.1f} % in y, {sum_z:.1f} % in z"
                  in result.text, f"the log has the sums ({sum_z:.1f} % in z)")
+    # The same modes on another mesh are the same, whatever the number; all others are square to them.
+    fine = solve("harmonic_masses_fine", blade("modal", nx=40, eigen={"modes": 5}))
+    found = mac(result.modes, fine.modes)
+    report.below(abs(found.diagonal() - 1).max(), 0.01, "MAC of the same mode on two meshes")
+    report.below(found[~np.eye(6, 5, dtype=bool)].max(), 0.05, "MAC of different modes")
     # All modes of a free plate: all of its mass, and its moments of inertia about its centre.
     free = blade("modal", mesh=strip_of(3, 2, 1.0, 0.5), support=[], eigen={"modes": 6}, mass=[{"group": "tip", "mass": 0.3}])
     free["probe"] = []
