@@ -10,6 +10,7 @@
 #include "base/interrupt.hpp"
 #include "base/mpi.hpp"
 #include "base/text.hpp"
+#include "modes.hpp"
 #include "record/probes.hpp"
 #include "record/response.hpp"
 #include "solve/direct_response.hpp"
@@ -85,10 +86,9 @@ std::vector<double> frequencies_of(const Section& s, const solve::ReducedRespons
 }
 
 /// Throws unless the modes are those of a stable equilibrium and reach the highest frequency.
-void check_modes(const input::Case& c, const std::vector<solve::Mode>& modes) {
-  constexpr double noise = 3e-5;  // of frequencies of rigid motions
+void check_modes(const input::Case& c, const system::Model& model, const std::vector<solve::Mode>& modes) {
   const double last = modes.back().value, highest = record::highest_frequency(c.harmonic);
-  if (modes.front().value < -noise * std::abs(last))
+  if (modes.front().value < 0.0 && rigid_modes(c, model, modes).front() == 0)
     throw UserError(fmt::format(
         "{}: analysis = \"harmonic\": the equilibrium is unstable (mode 1 at {:g} Hz), and a vibration about it grows; "
         "find the stable one first, with a stage of analysis = \"drape\"",
@@ -179,7 +179,7 @@ std::vector<Complex> Run::at(const solve::ReducedResponse& response, double freq
 
 void Run::superpose() {
   const std::vector<solve::Mode>& modes = modes_.result.modes;
-  check_modes(c_, modes);
+  check_modes(c_, model_, modes);
   solve::ModalBasis basis = solve::modal_basis(model_, a_, modes, modes_.mass, damping_, excitation_.force);
   (void)model_.potential().configuration(a_);  // changes are gathered about it
   std::vector<std::vector<double>> columns;

@@ -16,6 +16,7 @@
 #include "record/response.hpp"
 #include "record/validity.hpp"
 #include "solve/eigen.hpp"
+#include "system/rigid_motions.hpp"
 #include "voile/errors.hpp"
 
 namespace voile::simulation {
@@ -37,12 +38,6 @@ double error_of(system::Model& model, Vec a, const solve::Mode& mode, bool vibra
     sum += sheet.mesh().area(static_cast<Index>(t)) * (error.membrane[t] + error.bending[t]);
   const double energy = vibration ? whole : record::stored_energy(sheet, fields);
   return energy > 0.0 ? sum / energy : std::nan("");
-}
-
-/// Rigid motions have no energy to be wrong.
-bool is_rigid(double value, const std::vector<double>& values) {
-  constexpr double noise = 3e-5;  // of frequencies: the root of the round-off of their squares
-  return std::abs(value) < noise * std::abs(values.back());
 }
 
 void warn_of_errors(const input::Case& c, const record::Summary& s) {
@@ -163,9 +158,10 @@ void report_modes(const input::Case& c, const record::RunOptions& options, syste
                "est. error [%]");
   for (const solve::Mode& mode : result.modes) summary.eigen.push_back(mode.value);
   record::DiscretisationError recovery;
-  for (const solve::Mode& mode : result.modes) {
-    double error = error_of(model, a, mode, vibration, recovery);
-    if (vibration) error *= is_rigid(mode.value, summary.eigen) ? 0.0 : 0.5;  // of the square of the frequency
+  const std::vector<char> rigid = rigid_modes(c, model, result.modes);
+  for (std::size_t i = 0; i < rigid.size(); ++i) {
+    double error = error_of(model, a, result.modes[i], vibration, recovery);
+    if (vibration) error *= rigid[i] != 0 ? 0.0 : 0.5;  // of the square of the frequency
     summary.mode_errors.push_back(error);
   }
   write_modes(c, options, model, result, {summary.mode_errors, parts});
@@ -182,6 +178,22 @@ void report_modes(const input::Case& c, const record::RunOptions& options, syste
 }
 
 }  // namespace
+
+std::vector<char> rigid_modes(const input::Case& c, const system::Model& model, const std::vector<solve::Mode>& modes) {
+  constexpr double noise = 3e-5;  // of frequencies: the root of the round-off of their squares
+  constexpr double small = 1e-2;  // of the first mode that strains, where the supports leave free motions
+  std::size_t free = 0;
+  for (const system::FreePiece& piece :
+       system::free_pieces(model.dofs().mesh(), model.discretisation().constraints(), c.springs))
+    free += static_cast<std::size_t>(piece.motions());
+  std::vector<char> rigid;
+  for (std::size_t i = 0; i < modes.size(); ++i) {
+    double limit = noise * std::abs(modes.back().value);
+    if (i < free && free < modes.size()) limit = std::max(limit, small * std::abs(modes[free].value));
+    rigid.push_back(std::abs(modes[i].value) < limit ? 1 : 0);
+  }
+  return rigid;
+}
 
 void run_modes(const input::Case& c, const record::RunOptions& options, system::Model& model, Vec a,
                record::Summary& summary) {

@@ -221,7 +221,9 @@ def harmonic_mistakes(report):
         code, text = invoke(["check", write_case(blade(nx=8, damping={"ratio": [0.02]}) | changes, OUT / "harmonic_wrong.toml")])
         report.check(code == 2 and key in text and part in text and "harmonic_wrong.toml" in text,
                      f"{key}: {part}" + ("" if code == 2 and key in text and part in text else f": code {code}: {text[-300:]}"))
-    late = [("eigen.modes", "but the response is wanted up to 50", {"harmonic": base, "eigen": {"modes": 2}})]
+    late = [("eigen.modes", "but the response is wanted up to 50", {"harmonic": base, "eigen": {"modes": 2}}),
+            ("harmonic", "the equilibrium is unstable", {"harmonic": base, "load": [
+                {"type": "line", "group": "tip", "vector": [-150.0, 0, 0], "constant": True}]})]
     for key, part, changes in late:
         code, text = invoke(["run", write_case(blade(nx=8, damping={"ratio": [0.02]}) | changes, OUT / "harmonic_wrong.toml"),
                              "--output", str(OUT / "harmonic_wrong"), "--overwrite"])
