@@ -20,6 +20,7 @@
 // triangle carries what its points have moved at most and what they may; an operation beyond that is left out.
 //
 // The same on every machine that rounds the same; ties go to the lower number. Operations are serial.
+// Source: Botsch & Kobbelt, Symp. Geometry Processing (2004); Narain, Samii & O'Brien, ACM TOG 31 (2012).
 #pragma once
 
 #include <array>

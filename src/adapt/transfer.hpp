@@ -6,6 +6,7 @@
 //   smoother    the same with gradients from cubics over two rings: for velocities, whose waves it damps less
 // New vertices of open seams get linear values, so that the two sides are as far apart as they were.
 // The smooth ones are exact for fields that are quadratic in a flat chart; charts are carried across seams by their joins.
+// Source: R. W. Clough & J. L. Tocher, Conf. Matrix Methods in Structural Mechanics (1965).
 #pragma once
 
 #include <functional>

@@ -3,6 +3,7 @@
 // A pair is a candidate if the boxes of its two figures, each the hull of its points' boxes, come within its reach
 // (offset plus contact distance) of each other. Every rank asks for the pairs that hold a point it owns: it then has
 // all that act on its rows, and the sets of all ranks together are those of one.
+// Source: M. Teschner et al., Vision, Modeling, Visualization (2003) 47-54.
 #pragma once
 
 #include <vector>

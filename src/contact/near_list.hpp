@@ -5,6 +5,7 @@
 // The gap of a pair is now at least g_ref - max m_i of one figure - max m_i of the other. The list holds the pairs with
 // g_ref below a limit + max a_i + max a_i: it answers for gaps up to that limit as long as no m_i exceeds its a_i. A point
 // that goes far is given another reference and more room, without the rest of the list. Nothing here communicates.
+// Source: L. Verlet, Phys. Rev. 159 (1967) 98-103.
 #pragma once
 
 #include <algorithm>

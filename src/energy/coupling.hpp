@@ -10,6 +10,7 @@
 // the curved kernel with w = A p.a, c_i = A p.B'_i.
 // At free sides, whose slopes minimise the energy, they follow e as well: the membrane then has the stiffness A - B (I - P) D^-1 B with
 // P of free_side_projector() (membrane.cpp), and k here is that of slopes which do not.
+// Source of A, B, D: Jones, Mechanics of Composite Materials, 2nd ed. (1999), chapter 4.
 #pragma once
 
 #include <vector>

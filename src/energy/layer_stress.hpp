@@ -4,6 +4,7 @@
 //           z      height above the middle [m];  Q stiffness of the layer in material axes [Pa]
 //           T, dT  change of temperature and difference between top and bottom                                        [K]
 //   s(z) = Q (e - z k + what the layer wants to expand otherwise than the sheet under T and dT)
+// Source: Jones, Mechanics of Composite Materials, 2nd ed. (1999), chapter 4.
 #pragma once
 
 #include "material.hpp"

@@ -6,6 +6,7 @@
 //   m = (b-a) x (c-a),   w = M L0 |b-a|/|m| (couple M L0 over the altitude),   n = m/|m|,   alpha foot of c on (a, b)
 //   f_c = -w n,   f_a = (1-alpha) w n,   f_b = alpha w n
 // Positive moments lift the edge towards the positive side of the surface.
+// Source: Bonet & Wood, Nonlinear Continuum Mechanics for Finite Element Analysis, 2nd ed. (2008).
 #pragma once
 
 #include <array>

@@ -5,6 +5,7 @@
 //           B   coupling of both: N = A E - B kappa, M = D kappa - B E (the strain at height z is E - z kappa) 3x3 [N]
 //           rho_s  mass per unit area                                                              [kg/m^2]
 // Isotropic plate of thickness h:  A = E h/(1-nu^2) [1 nu 0; nu 1 0; 0 0 (1-nu)/2],  D = A h^2/12.
+// Source: Jones, Mechanics of Composite Materials, 2nd ed. (1999), chapter 4.
 #pragma once
 
 #include <optional>

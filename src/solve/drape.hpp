@@ -6,7 +6,7 @@
 // count if no tangent on the way is indefinite. With contact the sheet first falls, with inertia and kinetic damping,
 // until it nearly rests; friction then acts against slips from there. A search that takes much longer than the fall is
 // given up for another fall to a lower speed, and so on. What is returned as converged is at rest by definition: in the
-// search there is no inertia.
+// search there is no inertia. Source: C. T. Kelley & D. E. Keyes, SIAM J. Numer. Anal. 35 (1998) 508-523.
 #pragma once
 
 #include <memory>

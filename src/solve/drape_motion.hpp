@@ -6,6 +6,7 @@
 // kinetic energy falls: kinetic damping, which needs no coefficient. The path does not depend on a
 // uniform mass, only the time does, so that sheets without a mass get one. A sheet that moves by less than a fraction of a
 // cell per T when the kinetic energy has its peak is left to Newton.
+// Source: M. R. Barnes, Int. J. Space Struct. 14 (1999) 89-104.
 #pragma once
 
 #include <string>

@@ -1,4 +1,5 @@
 // The eigenvector of a tangent nearest to singularity.
+// Source: B. N. Parlett, The Symmetric Eigenvalue Problem (1998), chapter 4.
 #pragma once
 
 #include "linear_solver.hpp"

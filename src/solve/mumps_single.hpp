@@ -3,6 +3,7 @@
 // Half the time and memory of a double factor. Its solutions have about seven digits less the condition number's:
 // something to refine (mixed_pc.hpp). Ordering: nested dissection of METIS on the graph of the blocks. Factors of many rows
 // are compressed: blocks of low rank to 1e-7 of the scaled matrix, which single precision does not tell from the whole ones.
+// Source: A. Buttari et al., ACM Trans. Math. Softw. 34 (2008), article 17.
 #pragma once
 
 #include <petscmat.h>

@@ -8,6 +8,7 @@
 // old state stays.
 // Stretches over an edge h relax if tau is several times h sqrt(rho / (E h)), the time in which the membrane carries a
 // signal over it; long waves and the centre of mass hardly move.
+// Source: S. Martin et al., ACM TOG 30 (2011), article 72 (a step as a minimum).
 #pragma once
 
 #include <vector>

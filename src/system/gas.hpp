@@ -8,6 +8,7 @@
 // The last part couples all vertices: it is kept apart (low_rank.hpp). A hole is closed by triangles from the mean c of its
 // rim's m vertices to its edges (a, b); with A = sum of a x b its volume is c.A/6, which couples them too:
 //   d2(c.A)/da2 = (part at constant c) + sum over the axes of (dc_k dA_k^T + dA_k dc_k^T)
+// Source: T. Rumpel & K. Schweizerhof, Int. J. Numer. Methods Eng. 56 (2003) 211-238.
 #pragma once
 
 #include <memory>
