@@ -302,6 +302,7 @@ std::string echo_case(const Case& c) {
   }
   out += "\n[steps]\n" + echo_keys(keys_of(copy.steps));
   out += "\n[eigen]\n" + echo_keys(keys_of(copy.eigen));
+  out += "\n[harmonic]\n" + echo_keys(keys_of(copy.harmonic));
   out += "\n[time]\n" + echo_keys(keys_of(copy.time, copy.dynamics.mass));
   out += echo_all("initial_velocity", copy.initial_velocities);
   out += "\n[damping]\n" + echo_keys(damping_keys(copy.dynamics));

@@ -118,6 +118,7 @@ struct MaterialInput {
 [[nodiscard]] std::vector<Key> keys_of(RuleSection& section);
 [[nodiscard]] std::vector<Key> keys_of(solve::StaticOptions& section);
 [[nodiscard]] std::vector<Key> keys_of(EigenSection& section);
+[[nodiscard]] std::vector<Key> keys_of(HarmonicSection& section);
 /// [time], with the kind of mass.
 [[nodiscard]] std::vector<Key> keys_of(TimeSection& section, system::Mass& mass);
 [[nodiscard]] std::vector<Key> keys_of(InitialVelocity& section);
