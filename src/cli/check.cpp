@@ -132,6 +132,7 @@ void check(MPI_Comm comm, const input::Case& whole) {
     fmt::print("{} fixed components, {} mirrored edges, {} load(s), tangent {}\n", fixed,
                model.discretisation().constraints().mirrors.size(), c.loads.size(),
                model.conditions().symmetric() ? "symmetric" : "unsymmetric");
+    for (const std::string& text : c.notes) fmt::print("note: {}\n", text);
     for (const std::string& text : setup::sheet_notes(model.discretisation().sheet())) fmt::print("note: {}\n", text);
     for (const std::string& text : free) fmt::print("note: {}\n", text);
     if (!outlook.empty()) fmt::print("{}\n", outlook);

@@ -350,6 +350,7 @@ Case read_case(CaseReader& reader, const std::filesystem::path& file, StageSecti
   check_petsc(reader.read("petsc", 0, petsc_keys(c)), c.petsc_options);
   check_rigid(c);
   check_harmonic(c);
+  c.notes = idle_sections(reader, c);
   return c;
 }
 

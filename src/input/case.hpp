@@ -267,6 +267,8 @@ struct Case {
   Case& operator=(Case&&) noexcept;
   ~Case();
 
+  std::vector<std::string> notes;  ///< what a user should look at
+
   std::filesystem::path file;
   std::string title;
   std::string analysis = "static";

@@ -63,6 +63,9 @@ class CaseReader {
   std::unique_ptr<Impl> impl_;
 };
 
+/// Notes on the sections that the analysis of a case that has been read does not look at.
+[[nodiscard]] std::vector<std::string> idle_sections(const CaseReader& reader, const Case& c);
+
 /// The first mistake in a case and those of other keys, a line each. Sections are not compared with each other.
 [[nodiscard]] std::string with_other_mistakes(const CaseReader& reader, const std::string& first);
 

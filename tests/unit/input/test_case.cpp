@@ -120,6 +120,17 @@ TEST_CASE("each load type is the enumerator of its name") {
   }
 }
 
+TEST_CASE("a section that the analysis does not look at is noted, unless it says nothing new") {
+  const auto notes = [](const std::string& text) { return parse_case(text, "case.toml").notes; };
+  CHECK(notes(minimal).empty());
+  CHECK(notes(minimal + "[time]\nend = 1.0\n[eigen]\n").empty());
+  REQUIRE(notes(minimal + "[time]\nend = 2.0\n").size() == 1);
+  CHECK(has(notes(minimal + "[time]\nend = 2.0\n")[0], "[time] has no effect with analysis = \"static\""));
+  CHECK(has(notes(minimal + "[sewing]\nstrain = 0.3\n").at(0), "[[panel]]"));
+  CHECK(notes(minimal + "[time]\nend = 2.0\n[damping]\nmass = 1.0\n[air]\nnormal_drag = 1.0\n").size() == 3);
+  CHECK(notes(echo_case(parse_case(minimal, "case.toml"))).empty());
+}
+
 TEST_CASE("all keys that are wrong are named at once, in the order of the file") {
   const std::string text =
       "analysis = \"static\"\n[mesh]\nfile = \"a.msh\"\nmerg = true\n[[material]]\ntype = \"isotropic\"\nyoung = -1\n"

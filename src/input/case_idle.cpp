@@ -1,0 +1,54 @@
+// Sections that an analysis does not look at.
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "base/text.hpp"
+#include "case_declarations.hpp"
+#include "case_read.hpp"
+
+namespace voile::input {
+
+namespace {
+
+struct Readers {
+  const char* section;
+  std::vector<std::string> analyses;
+};
+
+const std::vector<Readers>& readers() {
+  static const std::vector<Readers> list{{"time", {"dynamic"}},
+                                         {"air", {"dynamic"}},
+                                         {"damping", {"dynamic", "harmonic"}},
+                                         {"drape", {"drape"}},
+                                         {"steps", {"static", "linear", "modal", "buckling", "harmonic", "drape"}},
+                                         {"eigen", {"modal", "buckling", "harmonic"}},
+                                         {"harmonic", {"harmonic"}}};
+  return list;
+}
+
+/// Whether a section gives a key another value than its default; the echo of a case has every section.
+bool says_something(const CaseReader& reader, const std::string& section) {
+  const Declarations given, usual;
+  const SectionPlace place = reader.read(section, 0, given.of(section));
+  for (std::size_t k = 0; k < given.of(section).size(); ++k)
+    if (place.has(given.of(section)[k].name) &&
+        toml_value(given.of(section)[k].slot) != toml_value(usual.of(section)[k].slot))
+      return true;
+  return false;
+}
+
+}  // namespace
+
+std::vector<std::string> idle_sections(const CaseReader& reader, const Case& c) {
+  std::vector<std::string> notes;
+  if (c.is_staged()) return notes;  // what stands outside of stages is for all of them
+  for (const auto& [section, analyses] : readers())
+    if (reader.count(section) > 0 && !contains(analyses, c.analysis) && says_something(reader, section))
+      notes.push_back(fmt::format("[{}] has no effect with analysis = \"{}\"", section, c.analysis));
+  if (reader.count("sewing") > 0 && c.panels.empty() && says_something(reader, "sewing"))
+    notes.emplace_back("[sewing] has no effect without [[panel]]");
+  return notes;
+}
+
+}  // namespace voile::input
