@@ -131,7 +131,8 @@ std::function<double(const Vec3&)> size_expression(const std::string& text) {
     parsed->x = x;
     const double value = parsed->parser.Eval();
     if (!std::isfinite(value))
-      throw UserError(fmt::format("'{}' is not a finite number at ({:g}, {:g}, {:g}) m", text, x[0], x[1], x[2]));
+      throw UserError(
+          fmt::format("remesh.size: '{}' is not a finite number at ({:g}, {:g}, {:g}) m", text, x[0], x[1], x[2]));
     return value;
   };
 }

@@ -31,6 +31,9 @@ const std::vector<Readers>& readers() {
 bool says_something(const CaseReader& reader, const std::string& section) {
   const Declarations given, usual;
   const SectionPlace place = reader.read(section, 0, given.of(section));
+  CaseReader empty("", "", {}, {});
+  empty.set_units(reader.units());
+  (void)empty.read(section, 0, usual.of(section));  // defaults, in the units of the case
   for (std::size_t k = 0; k < given.of(section).size(); ++k)
     if (place.has(given.of(section)[k].name) &&
         toml_value(given.of(section)[k].slot) != toml_value(usual.of(section)[k].slot))

@@ -1,6 +1,7 @@
 // All mistakes in the keys of a case at once.
 #include <fmt/format.h>
 
+#include "base/text.hpp"
 #include "case_declarations.hpp"
 #include "case_read.hpp"
 
@@ -9,7 +10,14 @@ namespace voile::input {
 std::string with_other_mistakes(const CaseReader& reader, const std::string& first) {
   constexpr std::size_t most = 10;
   const Declarations declared;
-  const auto keys = [&](const std::string& section) -> const std::vector<Key>& { return declared.of(section); };
+  std::vector<std::string> stages;
+  std::vector<Key> with_stages;
+  const auto keys = [&](const std::string& section) -> const std::vector<Key>& {
+    if (reader.stage_count() == 0 || !contains(staged_items(), section)) return declared.of(section);
+    with_stages = declared.of(section);
+    with_stages.push_back({"stages", &stages, ""});
+    return with_stages;
+  };
   std::string all = first;
   std::size_t count = 1;
   for (const std::string& text : reader.mistakes(keys))

@@ -209,8 +209,13 @@ std::string read_type(const SectionPlace& place, const std::vector<Key>& keys, c
   if (!key) return "";
   const Choice& choice = std::get<Choice>(key->slot);
   const toml::node* node = table.get("type");
-  if (!node && key->required)
+  if (!node && key->required) {
+    for (const auto& [k, other] : table)
+      if (const std::string hint = suggestion(std::string(k.str()), {"type"});
+          !find_key(keys, k) && hint.ends_with('?'))
+        fail_at(place.file, line_of(k.source()), fmt::format("[{}] unknown key '{}':{}", place.name, k.str(), hint));
     place.fail("type", fmt::format("the key is missing; choose one of: {}", join(choice.names, ", ")));
+  }
   if (node) ValueReader(place, *key, *node)(choice);
   return choice.names[static_cast<std::size_t>(choice.get())];
 }

@@ -129,6 +129,8 @@ TEST_CASE("a section that the analysis does not look at is noted, unless it says
   CHECK(has(notes(minimal + "[sewing]\nstrain = 0.3\n").at(0), "[[panel]]"));
   CHECK(notes(minimal + "[time]\nend = 2.0\n[damping]\nmass = 1.0\n[air]\nnormal_drag = 1.0\n").size() == 3);
   CHECK(notes(echo_case(parse_case(minimal, "case.toml"))).empty());
+  const std::string in_mm = minimal + "[units]\nlength = \"mm\"\nmass = \"t\"\n";
+  CHECK(notes(echo_case(parse_case(in_mm, "case.toml"))).empty());
 }
 
 TEST_CASE("all keys that are wrong are named at once, in the order of the file") {
@@ -148,6 +150,9 @@ TEST_CASE("all keys that are wrong are named at once, in the order of the file")
   std::string many = text;
   for (int k = 0; k < 20; ++k) many += fmt::format("wrong_{} = 1\n", k);
   CHECK(has(error_of(many), "and 14 more"));
+  const std::string staged = text + "stages = [\"one\"]\n[[stage]]\nname = \"one\"\nanalysis = \"static\"\n";
+  CHECK(!has(error_of(staged), "'stages'"));
+  CHECK(has(error_of(minimal + "[[support]]\ngroup = \"a\"\ntyp = \"clamped\"\n"), "did you mean 'type'?"));
 }
 
 TEST_CASE("misspelt names are reported with line and nearest match") {
