@@ -173,6 +173,9 @@ def held_inertia(report):
     probe = [{"name": "all", "type": "reaction", "group": "plate"}]
     h = solve("held_inertia", strip("dynamic", 8, 2, support=moved, load=None, probe=probe, time=time)).history
     report.below(np.abs(h["all_x"][1:] / (mass * g) - 1).max(), 1e-6, "a plate that is held everywhere: m a")
+    moved[0]["motion"][0] = f"{g}/2*(sqrt(t)*sqrt(0.2-t+1e-12))^4/(0.2-t+1e-12)^2"  # not defined before or after the run
+    h = solve("held_inertia_within", strip("dynamic", 8, 2, support=moved, load=None, probe=probe, time=time)).history
+    report.below(np.abs(h["all_x"] / (mass * g) - 1).max(), 1e-6, "a motion that is defined within the run only")
     end = {"group": "plate", "name": "plate", "translation": [f"{g}/2*t^2", 0, 0], "turn": "about", "turn_axis": [0, 0, 1], "turn_angle": "90*t^2"}
     for ranks in (1, 2):
         h = solve("held_inertia_rigid", strip("dynamic", 8, 2, support=None, rigid=[end], load=None, probe=None, time=time), ranks).history
