@@ -64,8 +64,9 @@ void print_balance(const mesh::SurfaceMesh& mesh, int ranks) {
 
 void report(const mesh::SurfaceMesh& mesh, int ranks, const setup::MeshQuality& quality,
             const energy::ElementOptions& element) {
-  fmt::print("{}: {} vertices, {} triangles, {} unknowns, {} connected piece(s)\n", mesh.source(), mesh.vertex_count(),
-             mesh.triangle_count(), 3 * mesh.vertex_count(), mesh.component_count());
+  fmt::print("{}: {} vertices, {} triangles, {} unknowns, {} connected piece{}\n", mesh.source(), mesh.vertex_count(),
+             mesh.triangle_count(), 3 * mesh.vertex_count(), mesh.component_count(),
+             mesh.component_count() == 1 ? "" : "s");
   if (mesh.reoriented_count() > 0)
     fmt::print("{} triangles were turned round to orient the surface\n", mesh.reoriented_count());
   fmt::print("groups:\n");

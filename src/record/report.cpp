@@ -34,7 +34,7 @@ std::string iterative_text(const solve::IterativeEffort& e) {
 }
 
 void print_header(const input::Case& c, const system::Model& model) {
-  fmt::print("{}: {}\n", c.file.filename().string(), c.title);
+  fmt::print("{}{}{}\n", c.file.filename().string(), c.title.empty() ? "" : ": ", c.title);
   if (!input::UnitSystem(c.units).is_si())
     fmt::print("units: {}, {}, {}; labels in m, N and Pa stand for those\n", c.units.length, c.units.mass,
                c.units.time);
