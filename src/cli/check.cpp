@@ -7,6 +7,7 @@
 #include "base/mpi.hpp"
 #include "base/petsc.hpp"
 #include "record/probes.hpp"
+#include "record/report.hpp"
 #include "record/validity.hpp"
 #include "setup/free_motions.hpp"
 #include "setup/garment.hpp"
@@ -118,6 +119,7 @@ void check(MPI_Comm comm, const input::Case& whole) {
   if (model.contact()) simulation::examine_start(c, *model.contact(), start);
   mpi::on_root(comm, [&] {
     (void)record::Probes(c, model);
+    fmt::print("{}", record::units_text(c));
     report(mesh, mpi::size(comm), quality, c.element);
     if (const std::string text = record::locking_warning(model.discretisation().sheet(), at_rest); !text.empty())
       fmt::print("warning: {}\n", text);

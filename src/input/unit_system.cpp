@@ -3,9 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "base/text.hpp"
 #include "voile/errors.hpp"
@@ -183,7 +185,8 @@ MeasuredUnit parse_unit(const std::string& text) {
 }
 
 UnitSystem::UnitSystem(const UnitsSection& names)
-    : length_(unit_of("length", names.length, length)),
+    : names_(names),
+      length_(unit_of("length", names.length, length)),
       mass_(unit_of("mass", names.mass, mass)),
       time_(unit_of("time", names.time, duration)) {}
 
@@ -212,6 +215,39 @@ double UnitSystem::own_default(double value, const std::string& unit) const {
   if (is_si() || value == 0.0) return value;
   const MeasuredUnit own = parse_unit(unit);
   return own.si == 1.0 ? from_si(value, own.powers) : value;
+}
+
+std::string UnitSystem::label_of_name(const std::string& name) const {
+  const MeasuredUnit unit = parse_unit(name);
+  const Powers& p = unit.powers;
+  if (p == none || unit.si != 1.0) return name;
+  const double own = unit.si / from_si(unit.si, p);
+  for (const Named& n : named_units())
+    if (n.powers == p && std::abs(n.si / own - 1.0) < 1e-12) return n.name;
+  std::string above, below;
+  for (const auto& [base, power] : {std::pair(names_.length, p.length), {names_.mass, p.mass}, {names_.time, p.time}}) {
+    std::string& side = power > 0 ? above : below;
+    if (power != 0) side += (side.empty() ? "" : " ") + base;
+    if (std::abs(power) > 1) side += fmt::format("^{}", std::abs(power));
+  }
+  if (above.empty()) above = "1";
+  return below.empty() ? above : fmt::format(below.find(' ') == below.npos ? "({}/{})" : "({}/({}))", above, below);
+}
+
+std::string UnitSystem::label(const std::string& unit) const {
+  if (is_si()) return unit;
+  std::string text, name;
+  for (const char c : unit + ' ') {
+    if (std::isalpha(static_cast<unsigned char>(c))) {
+      name += c;
+      continue;
+    }
+    if (!name.empty()) text += label_of_name(name);
+    name.clear();
+    text += c;
+  }
+  text.pop_back();
+  return text;
 }
 
 std::string unit_for(const std::string& key_unit, const std::string& type) {

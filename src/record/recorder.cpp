@@ -189,7 +189,8 @@ void Recorder::write_or_keep(bool write, io::StepFields step, Vec position, Vec 
   pending_.reset();
   if (write) {
     if (velocity && wants("velocity"))
-      step.fields.push_back({"velocity", "m/s", io::Centre::vertex, 3, model_->dofs().gather_change(velocity)});
+      step.fields.push_back({"velocity", input::UnitSystem(case_.units).label("m/s"), io::Centre::vertex, 3,
+                             model_->dofs().gather_change(velocity)});
     write_fields(std::move(step), position, s);
     return;
   }
