@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
+#include <functional>
 #include <optional>
 
 #include "base/mpi.hpp"
@@ -256,6 +257,17 @@ void begin(const Request& request) {
   cli::begin_case(request.file, request.chosen);
 }
 
+/// What is wrong with a section is found where its file is no longer known: the message gets it here.
+Exit naming_file(const std::string& file, const std::function<Exit()>& work) {
+  try {
+    return work();
+  } catch (const UserError& e) {
+    const std::string text = e.what();
+    const bool names_section = text.starts_with("[") || text.starts_with("stage '");
+    throw UserError(names_section ? file + ": " + text : text);
+  }
+}
+
 Exit execute(const Request& request, const char* program) {
   using Command = Request::Command;
   if (request.command == Command::version && is_root()) fmt::print("{}", cli::version_text());
@@ -276,10 +288,12 @@ Exit execute(const Request& request, const char* program) {
   if (c) c->mesh.options.allow_system_call = request.allow_system_call;
   const cli::PetscSession petsc(program, request.petsc, request.command == Command::run ? c->petsc_options : "");
   return or_abort([&] {
-    if (request.command == Command::run) return run_case(*c, request.options);
-    if (request.command == Command::check) cli::check(MPI_COMM_WORLD, *c);
-    if (request.command == Command::info) show_info(request, c);
-    return Exit::done;
+    return naming_file(request.file, [&] {
+      if (request.command == Command::run) return run_case(*c, request.options);
+      if (request.command == Command::check) cli::check(MPI_COMM_WORLD, *c);
+      if (request.command == Command::info) show_info(request, c);
+      return Exit::done;
+    });
   });
 }
 

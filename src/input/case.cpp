@@ -354,10 +354,10 @@ Case read_case(CaseReader& reader, const std::filesystem::path& file, StageSecti
 
 }  // namespace
 
-Case parse_case(const std::string& text, const std::filesystem::path& file, const std::vector<std::string>& settings) {
-  Case names_only;
-  const std::vector<Key> top = top_keys(names_only);
-  CaseReader whole(text, file, top, settings);
+namespace {
+
+Case read_whole_case(CaseReader& whole, const std::string& text, const std::filesystem::path& file,
+                     const std::vector<std::string>& settings, const std::vector<Key>& top) {
   if (whole.stage_count() == 0) return read_case(whole, file, {}, {});
   std::vector<Case> stages;
   StagesBefore before;
@@ -372,6 +372,19 @@ Case parse_case(const std::string& text, const std::filesystem::path& file, cons
   c.stages = std::move(stages);
   c.staged_text = whole.text(std::filesystem::absolute(file).parent_path());
   return c;
+}
+
+}  // namespace
+
+Case parse_case(const std::string& text, const std::filesystem::path& file, const std::vector<std::string>& settings) {
+  Case names_only;
+  const std::vector<Key> top = top_keys(names_only);
+  CaseReader whole(text, file, top, settings);
+  try {
+    return read_whole_case(whole, text, file, settings, top);
+  } catch (const UserError& e) {
+    throw UserError(with_other_mistakes(whole, e.what()));
+  }
 }
 
 }  // namespace voile::input

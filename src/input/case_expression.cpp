@@ -3,6 +3,7 @@
 
 #include <cctype>
 #include <cmath>
+#include <cstring>
 #include <memory>
 #include <numbers>
 
@@ -23,6 +24,22 @@ double table(const double* x, int count) {
   for (int i = 3; i < count; i += 2)
     if (t <= x[i]) return x[i - 1] + (x[i + 1] - x[i - 1]) * (t - x[i - 2]) / (x[i] - x[i - 2]);
   return x[count - 1];
+}
+
+/// Sets and tries the text. muParser would take the last of numbers with commas between them, and assign to variables.
+double parse(mu::Parser& parser, const std::string& text) {
+  for (std::size_t at = text.find('='); at != text.npos; at = text.find('=', at + 1)) {
+    const bool second = at > 0 && std::strchr("<>!=", text[at - 1]);
+    if (!second && (at + 1 == text.size() || text[at + 1] != '='))
+      throw UserError(
+          fmt::format("'{}': a = alone sets nothing here; write the value itself, and == to compare", text));
+  }
+  parser.SetExpr(text);
+  const double value = parser.Eval();
+  if (parser.GetNumResults() != 1)
+    throw UserError(fmt::format("'{}': these are {} numbers with commas between them; decimals have a point, as in 0.5",
+                                text, parser.GetNumResults()));
+  return value;
 }
 
 /// A parser and the variable it reads stay together.
@@ -51,8 +68,7 @@ std::function<double(double)> expression(const std::string& text) {
     parsed->parser.DefineConst("pi", std::numbers::pi);
     parsed->parser.DefineFun("table", table);
     parsed->parser.DefineVar("t", &parsed->t);
-    parsed->parser.SetExpr(text);
-    if (!std::isfinite(parsed->parser.Eval()))
+    if (!std::isfinite(parse(parsed->parser, text)))
       throw UserError(fmt::format("'{}' is not a finite number at t = 0", text));
   } catch (const mu::ParserError& e) {
     throw UserError(fmt::format("'{}': {}; write an expression of t such as 0.1*sin(2*pi*t){}", text, e.GetMsg(),
@@ -79,9 +95,8 @@ PlaceExpression place_expression(const std::string& text, bool time) {
     parsed->parser.DefineFun("table", table);
     for (int k = 0; k < 3; ++k) parsed->parser.DefineVar(std::string(1, "xyz"[k]), &parsed->x[k]);
     if (time) parsed->parser.DefineVar("t", &parsed->t);
-    parsed->parser.SetExpr(text);
+    (void)parse(parsed->parser, text);
     e.in_time = parsed->parser.GetUsedVar().contains("t");
-    (void)parsed->parser.Eval();
   } catch (const mu::ParserError& error) {
     throw UserError(fmt::format("'{}': {}; write an expression of x, y{} such as 20 + 0.1*x{}", text, error.GetMsg(),
                                 time ? ", z and t" : " and z", condition_hint(text)));
@@ -107,15 +122,17 @@ std::function<double(const Vec3&)> size_expression(const std::string& text) {
   try {
     parsed->parser.DefineConst("pi", std::numbers::pi);
     for (int k = 0; k < 3; ++k) parsed->parser.DefineVar(std::string(1, "xyz"[k]), &parsed->x[k]);
-    parsed->parser.SetExpr(text);
-    (void)parsed->parser.Eval();
+    (void)parse(parsed->parser, text);
   } catch (const mu::ParserError& e) {
     throw UserError(fmt::format("'{}': {}; write an expression of x, y and z such as 0.01 + 0.1*x{}", text, e.GetMsg(),
                                 condition_hint(text)));
   }
-  return [parsed](const Vec3& x) {
+  return [parsed, text](const Vec3& x) {
     parsed->x = x;
-    return parsed->parser.Eval();
+    const double value = parsed->parser.Eval();
+    if (!std::isfinite(value))
+      throw UserError(fmt::format("'{}' is not a finite number at ({:g}, {:g}, {:g}) m", text, x[0], x[1], x[2]));
+    return value;
   };
 }
 
@@ -131,10 +148,9 @@ std::vector<double> row_expression(const std::string& text, const std::vector<st
   }
   try {
     if (!contains(names, "pi")) parser.DefineConst("pi", std::numbers::pi);
-    parser.SetExpr(text);
     for (std::size_t i = 0; i < values.size(); ++i) {
       for (std::size_t k = 0; k < names.size(); ++k) row[k] = columns[k][i];
-      values[i] = parser.Eval();
+      values[i] = i == 0 ? parse(parser, text) : parser.Eval();
     }
   } catch (const mu::ParserError& e) {
     if (e.GetCode() == mu::ecUNASSIGNABLE_TOKEN)

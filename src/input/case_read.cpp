@@ -5,9 +5,10 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <sstream>
+#include <optional>
 
 #include "base/text.hpp"
+#include "case_settings.hpp"
 #include "case_toml.hpp"
 #include "voile/errors.hpp"
 
@@ -237,30 +238,61 @@ void convert_default(const Key& key, const std::string& type, const UnitSystem& 
   if (number && !unit.empty()) **number = units.own_default(**number, unit);
 }
 
+/// What is wrong, by line.
+using Mistakes = std::vector<std::pair<int, std::string>>;
+
+/// With `mistakes`, what is wrong goes there, and the work goes on.
+template <class Work>
+void attempt(Mistakes* mistakes, int line, const Work& work) {
+  if (!mistakes) return work();
+  try {
+    work();
+  } catch (const UserError& e) {
+    mistakes->emplace_back(line, e.what());
+  }
+}
+
+/// Whether one of the mistakes is a misspelling of this key, so that it is not missing too.
+bool is_misspelt(const Mistakes& mistakes, const std::string& key) {
+  const std::string hint = fmt::format("did you mean '{}'?", key);
+  return std::any_of(mistakes.begin(), mistakes.end(), [&](const auto& m) { return m.second.ends_with(hint); });
+}
+
+/// Reads one key that is there.
+void read_key(const SectionPlace& place, const std::pair<std::string, const toml::node*>& given,
+              const std::vector<Key>& keys, const std::string& type, const UnitSystem& units) {
+  const auto& [name, node] = given;
+  const int line = place.key_lines.at(name);
+  const Key* key = find_key(keys, name);
+  const std::string section = place.name.empty() ? "" : fmt::format("[{}] ", place.name);
+  if (const std::string instead = key ? "" : successor(place.name, name); !instead.empty())
+    fail_at(place.file, line, fmt::format("{}key '{}' is of version 0.1: {}", section, name, instead));
+  const std::vector<std::string> valid = names_of(keys, type);
+  if (!key) fail_at(place.file, line, fmt::format("{}unknown key '{}':{}", section, name, suggestion(name, valid)));
+  if (!applies(*key, type))
+    fail_at(
+        place.file, line,
+        fmt::format("{}key '{}' does not belong to type '{}'; that has: {}", section, name, type, join(valid, ", ")));
+  if (name != "type") std::visit(ValueReader(place, *key, *node, type, units), key->slot);
+}
+
 SectionPlace read_table(SectionPlace place, const toml::table& table, const std::vector<Key>& keys,
-                        const UnitSystem& units) {
+                        const UnitSystem& units, Mistakes* mistakes = nullptr) {
   for (const auto& [name, node] : table) place.key_lines[std::string(name.str())] = line_of(name.source());
-  const std::string type = read_type(place, keys, table);
+  std::optional<std::string> type;
+  attempt(mistakes, place.line, [&] { type = read_type(place, keys, table); });
+  if (!type) return place;
   for (const auto& [name, node] : table) {
-    const Key* key = find_key(keys, name.str());
-    const std::vector<std::string> valid = names_of(keys, type);
-    const std::string section = place.name.empty() ? "" : fmt::format("[{}] ", place.name);
-    if (const std::string instead = key ? "" : successor(place.name, name.str()); !instead.empty())
-      fail_at(place.file, line_of(name.source()),
-              fmt::format("{}key '{}' is of version 0.1: {}", section, name.str(), instead));
-    if (!key)
-      fail_at(place.file, line_of(name.source()),
-              fmt::format("{}unknown key '{}':{}", section, name.str(), suggestion(std::string(name.str()), valid)));
-    if (!applies(*key, type))
-      fail_at(place.file, line_of(name.source()),
-              fmt::format("{}key '{}' does not belong to type '{}'; that has: {}", section, name.str(), type,
-                          join(valid, ", ")));
-    if (name != "type") std::visit(ValueReader(place, *key, node, type, units), key->slot);
+    const std::pair<std::string, const toml::node*> given{std::string(name.str()), &node};
+    attempt(mistakes, line_of(name.source()), [&] { read_key(place, given, keys, *type, units); });
   }
   for (const Key& key : keys) {
     if (place.has(key.name)) continue;
-    if (is_required(key, type)) place.fail(key.name, fmt::format("the key is missing; {}", key.meaning));
-    convert_default(key, type, units);
+    if (mistakes && is_misspelt(*mistakes, key.name)) continue;
+    attempt(mistakes, place.line, [&] {
+      if (is_required(key, *type)) place.fail(key.name, fmt::format("the key is missing; {}", key.meaning));
+    });
+    convert_default(key, *type, units);
   }
   return place;
 }
@@ -273,46 +305,6 @@ void SectionPlace::fail(const std::string& key, const std::string& message) cons
   throw UserError(fmt::format("{}{}: {}{}: {}", file, where > 0 ? fmt::format(":{}", where) : "", name,
                               name.empty() ? key : "." + key, message));
 }
-
-namespace {
-
-/// Puts "mesh.parameters.n=40" into the tables.
-void apply_setting(toml::table& root, const std::string& setting) {
-  const auto fail = [&](const std::string& why) { throw UserError(fmt::format("--set {}: {}", setting, why)); };
-  const std::size_t equals = setting.find('=');
-  if (equals == std::string::npos || equals == 0) fail("write key=value, e.g. mesh.parameters.n=40");
-  std::vector<std::string> path;
-  std::istringstream words(setting.substr(0, equals));
-  for (std::string word; std::getline(words, word, '.');) path.push_back(word);
-  const std::string written = setting.substr(equals + 1);
-  toml::table value;
-  try {
-    value = toml::parse("value = " + written);
-  } catch (const toml::parse_error&) {
-    value.insert_or_assign("value", written);
-  }
-  toml::node* node = &root;
-  for (std::size_t k = 0; k + 1 < path.size(); ++k) {
-    if (toml::array* list = node->as_array()) {
-      const bool number = !path[k].empty() && std::all_of(path[k].begin(), path[k].end(), ::isdigit);
-      const std::size_t n = number ? std::stoul(path[k]) : list->size();
-      if (n >= list->size())
-        fail(fmt::format("'{}' is not the number of one of its {} sections, counted from 0", path[k], list->size()));
-      node = list->get(n);
-    } else if (toml::table* table = node->as_table()) {
-      if (!table->contains(path[k])) table->insert(path[k], toml::table{});
-      node = table->get(path[k]);
-    } else {
-      fail(fmt::format("'{}' lies in a plain value", path[k]));
-    }
-  }
-  toml::table* table = node->as_table();
-  if (!table)
-    fail(fmt::format("'{}' has no keys; a section that can repeat needs its number, counted from 0", path.front()));
-  value.get("value")->visit([&](auto& v) { table->insert_or_assign(path.back(), v); });
-}
-
-}  // namespace
 
 CaseReader::CaseReader(const std::string& text, const std::filesystem::path& file, const std::vector<Key>& top,
                        const std::vector<std::string>& settings)
@@ -363,6 +355,30 @@ SectionPlace CaseReader::read(const std::string& section, std::size_t n, const s
   const toml::table* table = impl_->section(section, n);
   return read_table({impl_->file, section, table ? line_of(table->source()) : 0, {}}, table ? *table : none, keys,
                     impl_->units);
+}
+
+std::vector<std::string> CaseReader::mistakes(const KeysOf& keys) const {
+  Mistakes found;
+  const auto look = [&](const std::string& section, const toml::node& node) {
+    if (const toml::table* table = node.as_table())
+      read_table({impl_->file, section, line_of(node.source()), {}}, *table, keys(section), impl_->units, &found);
+  };
+  const auto look_in = [&](const toml::table& tables) {
+    for (const SectionInfo& info : sections()) {
+      const toml::node* node = info.name == "stage" ? nullptr : tables.get(info.name);
+      if (node && node->is_table()) look(info.name, *node);
+      if (node && node->is_array())
+        for (const toml::node& item : *node->as_array()) look(info.name, item);
+    }
+  };
+  look_in(impl_->root);
+  if (const toml::node* stages = impl_->root.get("stage"); stages && stages->is_array())
+    for (const toml::node& stage : *stages->as_array())
+      if (stage.is_table()) look_in(*stage.as_table());
+  std::stable_sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  std::vector<std::string> texts;
+  for (auto& [line, text] : found) texts.push_back(std::move(text));
+  return texts;
 }
 
 SectionPlace CaseReader::read_top(const std::vector<Key>& keys) const {

@@ -1,6 +1,7 @@
 // Reading the declared keys of one section from TOML, with errors that say where.
 #pragma once
 
+#include <functional>
 #include <map>
 #include <memory>
 #include <string>
@@ -51,6 +52,9 @@ class CaseReader {
   [[nodiscard]] std::size_t count(const std::string& section) const;
   /// Reads the keys of the n-th occurrence of a section; a section that does not occur has no keys.
   SectionPlace read(const std::string& section, std::size_t n, const std::vector<Key>& keys) const;
+  using KeysOf = std::function<const std::vector<Key>&(const std::string& section)>;
+  /// What is wrong with single keys, in all sections, in the order of the file. `keys`: of each, for values that nobody needs.
+  [[nodiscard]] std::vector<std::string> mistakes(const KeysOf& keys) const;
   /// Reads the keys outside all sections.
   SectionPlace read_top(const std::vector<Key>& keys) const;
 
@@ -58,5 +62,8 @@ class CaseReader {
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };
+
+/// The first mistake in a case and those of other keys, a line each. Sections are not compared with each other.
+[[nodiscard]] std::string with_other_mistakes(const CaseReader& reader, const std::string& first);
 
 }  // namespace voile::input

@@ -87,6 +87,11 @@ Probes::Probes(const input::Case& c, const system::Model& model) : case_(c) {
           fmt::format("{}: [[probe]] '{}' type = \"ease\": there is no body to be near to; give the case "
                       "an [[obstacle]] that is no half-space{}",
                       c.file.string(), probe.name, c.is_staged() ? ", in every stage" : ""));
+    if (probe.kind == Kind::reaction && model.discretisation().is_on_body(m.vertices))
+      throw UserError(fmt::format(
+          "{}: [[probe]] '{}' type = \"reaction\": vertices of '{}' belong to a [[rigid]] group, whose forces "
+          "act at its reference point; remove the probe and read the group's columns: {}_force_x and so on",
+          c.file.string(), probe.name, probe.group, c.rigids.front().name));
     members_.push_back(std::move(m));
   }
 }

@@ -192,7 +192,7 @@ def mistakes(base):
     """Name -> (changes of the keys of the group or of the case, texts of the message)."""
     end = base["rigid"][0]
     return {
-        "unknown": ({"rigid": [end | {"group": "nowhere"}]}, ("[[rigid]] group", "nowhere", "the mesh has")),
+        "unknown": ({"rigid": [end | {"group": "nowhere"}]}, ("rigid_mistake.toml: [[rigid]] group", "nowhere", "the mesh has")),
         "both held": ({"support": base["support"] + [{"type": "hinged", "group": "sides"}]}, ("[[rigid]] group 'tip'", "[[support]] too", "instead")),
         "two": ({"support": None, "rigid": [end, {"group": "plate"}]}, ("both have vertex", "join the groups")),
         "force": ({"rigid": [end | {"translation": ["free", "free", 0], "force": [0, 0, 1]}]}, ("rigid.force", "z component", "free")),
@@ -203,6 +203,7 @@ def mistakes(base):
         "linear": ({"rigid": [end | {"translation": ["t", 0, 0]}], "analysis": "linear"}, ("rigid.translation", "static")),
         "drape": ({"analysis": "drape"}, ("rigid.group", "[[support]]")),
         "contact": ({"contact": {"distance": 0.01}}, ("[[rigid]] and [contact]", "remove")),
+        "reaction": ({"probe": [{"name": "end", "type": "reaction", "group": "tip"}]}, ("rigid_mistake.toml", "[[probe]] 'end'", "tip_force_x")),
         "spring": ({"spring": [{"type": "line", "group": "tip", "stiffness": 1.0}]}, ("[[spring]]", "[[rigid]]", "translation")),
         "line": ({"rigid": [end | {"slope": "free"}]}, ("[[rigid]] group 'tip'", "lie on a line", "slope")),
         "sliding": ({"support": [{"type": "sliding", "group": "plate"}]}, ("(sliding)", "curve group")),

@@ -1,6 +1,8 @@
 // The case file: what is read, every kind of mistake with its message, the command line.
 #include <doctest/doctest.h>
+#include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <numbers>
@@ -116,6 +118,25 @@ TEST_CASE("each load type is the enumerator of its name") {
                                      "case.toml");
     CHECK(c.loads.at(0).kind == kind);
   }
+}
+
+TEST_CASE("all keys that are wrong are named at once, in the order of the file") {
+  const std::string text =
+      "analysis = \"static\"\n[mesh]\nfile = \"a.msh\"\nmerg = true\n[[material]]\ntype = \"isotropic\"\nyoung = -1\n"
+      "poisson = 0.3\n[[support]]\ngroup = \"a\"\ntype = \"clamed\"\n[[load]]\ntype = \"pressure\"\nmagnitude = 1\n";
+  const std::string said = error_of(text);
+  CHECK(std::count(said.begin(), said.end(), '\n') == 3);
+  std::size_t last = 0;
+  for (const char* part :
+       {"case.toml:4: [mesh] unknown key 'merg'", "case.toml:5: material.thickness: the key is missing",
+        "case.toml:7: material.young: -1", "case.toml:11: support.type"}) {
+    CHECK(said.find(part) != said.npos);
+    CHECK(said.find(part) >= last);
+    last = said.find(part);
+  }
+  std::string many = text;
+  for (int k = 0; k < 20; ++k) many += fmt::format("wrong_{} = 1\n", k);
+  CHECK(has(error_of(many), "and 14 more"));
 }
 
 TEST_CASE("misspelt names are reported with line and nearest match") {

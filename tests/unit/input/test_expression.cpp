@@ -188,6 +188,22 @@ TEST_CASE("who writes if(...) is told how conditions are written") {
   CHECK_FALSE(has(error_of([] { (void)input::expression("shift(t)"); }), "?"));
 }
 
+TEST_CASE(
+    "a decimal comma and a single = are refused wherever expressions are, where muParser would take the last number") {
+  for (const char* text : {"0,01", "0,01*x", "1,5 + 2"}) {
+    CHECK(has(error_of([&] { (void)input::place_expression(text, false); }), "decimals have a point"));
+    CHECK(has(error_of([&] { (void)input::size_expression(text); }), "decimals have a point"));
+  }
+  CHECK(has(error_of([] { (void)input::expression("0,01*t"); }), "2 numbers"));
+  CHECK(has(error_of([] { (void)input::row_expression("1,5*a", {"a"}, {{1.0, 2.0}}); }), "decimals have a point"));
+  for (const char* text : {"t = 5", "t=5", "t += 1", "(t = 1) + t", "=1", "1="})
+    CHECK(has(error_of([&] { (void)input::expression(text); }), "="));
+  CHECK(has(error_of([] { (void)input::place_expression("x = 2", false); }), "sets nothing"));
+  CHECK(input::expression("(t == 1) + (t >= 1) + (t <= 1) + (t != 2)")(1.0) == 4.0);
+  CHECK(input::expression("max(1, 2*t)")(3.0) == 6.0);
+  CHECK(has(error_of([] { (void)input::size_expression("1/x")(Vec3::Zero()); }), "not a finite number"));
+}
+
 TEST_CASE("path control is checked against the probes") {
   std::string text = head;
   text.replace(text.find("dynamic"), 7, "static");
