@@ -227,26 +227,27 @@ std::string UnitSystem::label_of_name(const std::string& name) const {
   std::string above, below;
   for (const auto& [base, power] : {std::pair(names_.length, p.length), {names_.mass, p.mass}, {names_.time, p.time}}) {
     std::string& side = power > 0 ? above : below;
-    if (power != 0) side += (side.empty() ? "" : " ") + base;
+    if (power != 0 && !side.empty()) side += ' ';
+    if (power != 0) side += base;
     if (std::abs(power) > 1) side += fmt::format("^{}", std::abs(power));
   }
-  if (above.empty()) above = "1";
-  return below.empty() ? above : fmt::format(below.find(' ') == below.npos ? "({}/{})" : "({}/({}))", above, below);
+  if (above.empty()) above += '1';
+  if (below.empty()) return above;
+  const bool several = below.find(' ') != std::string::npos;
+  return several ? fmt::format("({}/({}))", above, below) : fmt::format("({}/{})", above, below);
 }
 
 std::string UnitSystem::label(const std::string& unit) const {
   if (is_si()) return unit;
-  std::string text, name;
-  for (const char c : unit + ' ') {
-    if (std::isalpha(static_cast<unsigned char>(c))) {
-      name += c;
-      continue;
-    }
-    if (!name.empty()) text += label_of_name(name);
-    name.clear();
-    text += c;
+  std::string text;
+  for (std::size_t at = 0; at < unit.size();) {
+    std::size_t end = at;
+    while (end < unit.size() && std::isalpha(static_cast<unsigned char>(unit[end]))) ++end;
+    const bool named = end > at;
+    if (!named) ++end;
+    text += named ? label_of_name(unit.substr(at, end - at)) : unit.substr(at, 1);
+    at = end;
   }
-  text.pop_back();
   return text;
 }
 
