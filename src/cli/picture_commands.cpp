@@ -168,13 +168,14 @@ void RenderCommand::write_animation(const picture::Recording& recording) const {
 
 ExportCommand::ExportCommand(CLI::App& cli)
     : sub_(cli.add_subcommand("export",
-                              "Write results in other formats: OBJ, STL, PLY, PC2, MDD, GLB, USDA, MSH, CSV")) {
+                              "Write results in other formats: OBJ, STL, PLY, PC2, MDD, GLB, USDA, MSH, VTU, CSV")) {
   results_.declare(*sub_, false);
-  sub_->add_option("--to", export_.format, "obj, stl, ply, pc2, mdd, glb, usda, msh or csv [the ending of --output]");
+  sub_->add_option("--to", export_.format,
+                   "obj, stl, ply, pc2, mdd, glb, usda, msh, vtu or csv [the ending of --output]");
   sub_->add_option("--steps", steps_,
                    "all, last, N, FIRST:LAST or FIRST:LAST:STRIDE [all; last for obj, stl, ply, csv]");
   sub_->add_option("--output", output_, "File to write; several get numbers [results.FORMAT beside the results]");
-  sub_->add_option("--field", fields_, "Fields of ply, csv and msh, with / between them [all]");
+  sub_->add_option("--field", fields_, "Fields of ply, csv, msh and vtu, with / between them [all]");
   sub_->add_option("--rate", export_.rate, "Frames per second [25]");
   sub_->add_flag("--no-obstacles", no_obstacles_, "The sheet only");
   sub_->add_flag("--one-mesh", export_.one_mesh,

@@ -23,7 +23,7 @@ using Writer = Files (*)(const Exporter&);
 const std::vector<std::pair<std::string, Writer>>& writers() {
   static const std::vector<std::pair<std::string, Writer>> list{
       {"obj", export_obj}, {"stl", export_stl},   {"ply", export_ply}, {"pc2", export_pc2}, {"mdd", export_mdd},
-      {"glb", export_glb}, {"usda", export_usda}, {"msh", export_msh}, {"csv", export_csv}};
+      {"glb", export_glb}, {"usda", export_usda}, {"msh", export_msh}, {"vtu", export_vtu}, {"csv", export_csv}};
   return list;
 }
 
@@ -36,7 +36,7 @@ bool will_meet(const std::vector<Index>& joined, const mesh::Triangle& a, const 
   });
 }
 
-const std::set<std::string> with_fields{"ply", "csv", "msh"};
+const std::set<std::string> with_fields{"ply", "csv", "msh", "vtu"};
 
 std::vector<Vec3f> single(const std::vector<Vec3>& points) {
   std::vector<Vec3f> result;

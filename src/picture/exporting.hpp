@@ -96,6 +96,7 @@ class OutFile {
 [[nodiscard]] Files export_glb(const Exporter& e);
 [[nodiscard]] Files export_usda(const Exporter& e);
 [[nodiscard]] Files export_msh(const Exporter& e);
+[[nodiscard]] Files export_vtu(const Exporter& e);
 
 void write_obj(const std::filesystem::path& file, const std::vector<const Body*>& bodies, const mesh::MeshData* texture,
                Files& files);

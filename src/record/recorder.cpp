@@ -106,11 +106,16 @@ bool Recorder::wants(const std::string& field) const {
   return f.empty() || std::find(f.begin(), f.end(), field) != f.end();
 }
 
-Recorder::Snapshot Recorder::gathered(Vec a, Vec v) {
+Recorder::Snapshot Recorder::gathered(Vec a, const Motion& motion) {
   Snapshot s;
   petsc::VecHandle force = model_->dofs().create_vector();
   linear_ ? LinearValues(*model_, a).unbalanced_force(force) : model_->unbalanced_force(a, force);
-  if (dynamics_ && v) dynamics_->add_damping(v, force);
+  if (motion.v) {
+    dynamics_->add_damping(motion.v, force);
+    petsc::VecHandle acceleration = model_->dofs().create_vector();
+    if (motion.a) VOILE_PETSC(VecCopy(motion.a, acceleration));
+    dynamics_->add_inertia(acceleration, motion.v, motion.time, case_.time.options.step, force);
+  }
   model_->dofs().clear_free(force);  // away from supports the force is only the residual that is left
   s.state.displacement = linear_ ? model_->dofs().gather_change(a) : model_->dofs().gather(a);
   s.state.reaction = model_->dofs().gather_forces(force);
@@ -118,8 +123,8 @@ Recorder::Snapshot Recorder::gathered(Vec a, Vec v) {
   return s;
 }
 
-Recorder::Snapshot Recorder::snapshot(Vec a, Vec v) {
-  Snapshot s = gathered(a, v);
+Recorder::Snapshot Recorder::snapshot(Vec a, const Motion& motion) {
+  Snapshot s = gathered(a, motion);
   if (root_) s.validity = assess(*model_, s.state.displacement);
   if (root_) warnings_.say_range(model_->dofs().mesh(), s.validity);
   if (probes_->need_energies())
@@ -156,7 +161,7 @@ std::string Recorder::contact_note(const Snapshot& s, const solve::StepResult& r
 
 void Recorder::record(const system::State& state, const solve::StepResult& r, bool whole) {
   const petsc::EventScope scope(petsc::events().output);
-  Snapshot s = snapshot(state.u, dynamics_ ? static_cast<Vec>(state.v) : nullptr);
+  Snapshot s = snapshot(state.u, motion_of(state));
   if (dynamics_) s.kinetic = dynamics_->kinetic_energy(state.v);
   if (dynamics_) kinetic_.add(state.time, s.kinetic);
   write_history(state, r, s);
@@ -182,15 +187,15 @@ void Recorder::write_step(const system::State& state, const solve::StepResult& r
   if (r.mode)
     step.fields.push_back({"critical_mode", "1", io::Centre::vertex, 3, model_->dofs().gather_change(r.mode)});
   write_or_keep(state.step % case_.output.every == 0 || whole || r.mode || s.intersections > 0, std::move(step),
-                state.u, dynamics_ ? static_cast<Vec>(state.v) : nullptr, s);
+                state.u, motion_of(state), s);
 }
 
-void Recorder::write_or_keep(bool write, io::StepFields step, Vec position, Vec velocity, const Snapshot& s) {
+void Recorder::write_or_keep(bool write, io::StepFields step, Vec position, const Motion& motion, const Snapshot& s) {
   pending_.reset();
   if (write) {
-    if (velocity && wants("velocity"))
+    if (motion.v && wants("velocity"))
       step.fields.push_back({"velocity", input::UnitSystem(case_.units).label("m/s"), io::Centre::vertex, 3,
-                             model_->dofs().gather_change(velocity)});
+                             model_->dofs().gather_change(motion.v)});
     write_fields(std::move(step), position, s);
     return;
   }
@@ -201,13 +206,14 @@ void Recorder::write_or_keep(bool write, io::StepFields step, Vec position, Vec 
     VOILE_PETSC(VecCopy(from, to));
     return to;
   };
-  pending_ = Pending{std::move(step), copy(position), copy(velocity)};
+  pending_ = Pending{std::move(step), copy(position), copy(motion.v), copy(motion.a)};
 }
 
 void Recorder::write_pending() {
   if (!pending_) return;
   const Pending p = std::move(*pending_);
-  write_or_keep(true, p.step, p.position, p.velocity, snapshot(p.position, p.velocity));
+  const Motion motion{p.velocity, p.acceleration, p.step.time};
+  write_or_keep(true, p.step, p.position, motion, snapshot(p.position, motion));
 }
 
 void Recorder::finish() {

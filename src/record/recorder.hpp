@@ -90,14 +90,22 @@ class Recorder {
     std::vector<double> bodies;  ///< columns of rigid groups, on rank 0
     Validity validity;           ///< rank 0
   };
+  /// Velocities and accelerations at a time; null where nothing moves, or where accelerations are not known yet.
+  struct Motion {
+    Vec v = nullptr, a = nullptr;
+    double time = 0.0;
+  };
+  [[nodiscard]] Motion motion_of(const system::State& state) const {
+    return dynamics_ ? Motion{state.v, state.a, state.time} : Motion{};
+  }
   /// A recorded state whose fields are not written.
   struct Pending {
     io::StepFields step;
-    petsc::VecHandle position, velocity;
+    petsc::VecHandle position, velocity, acceleration;
   };
-  [[nodiscard]] Snapshot snapshot(Vec a, Vec v);
-  /// Only its displacements and reactions. `v`: velocities of a motion, else null.
-  [[nodiscard]] Snapshot gathered(Vec a, Vec v);
+  [[nodiscard]] Snapshot snapshot(Vec a, const Motion& motion);
+  /// Only its displacements and reactions.
+  [[nodiscard]] Snapshot gathered(Vec a, const Motion& motion);
   /// Whether estimates of error are made: not of modes, which have no size.
   [[nodiscard]] bool estimates() const { return case_.analysis != "modal" && case_.analysis != "buckling"; }
   void write_fields(io::StepFields step, Vec a, const Snapshot& s);
@@ -107,7 +115,7 @@ class Recorder {
   /// Strain below which a state is only round-off. Collective.
   [[nodiscard]] double round_off_strain(Vec a) const;
   [[nodiscard]] std::vector<io::Field> stresses(const system::TriangleFields& t, const Wants& wants, bool all) const;
-  void write_or_keep(bool write, io::StepFields step, Vec position, Vec velocity, const Snapshot& s);
+  void write_or_keep(bool write, io::StepFields step, Vec position, const Motion& motion, const Snapshot& s);
   void write_step(const system::State& state, const solve::StepResult& r, const Snapshot& s, bool whole);
   void write_history(const system::State& state, const solve::StepResult& r, const Snapshot& s);
   void print_motion(const system::State& state, const solve::StepResult& r, const Snapshot& s) const;

@@ -99,8 +99,7 @@ std::vector<Field> Recorder::fields_of(Vec a, const Snapshot& s, const Wants& wa
 }
 
 std::vector<Field> Recorder::fields(const system::State& state, const Wants& wants) {
-  std::vector<Field> found =
-      fields_of(state.u, gathered(state.u, dynamics_ ? static_cast<Vec>(state.v) : nullptr), wants, nullptr);
+  std::vector<Field> found = fields_of(state.u, gathered(state.u, motion_of(state)), wants, nullptr);
   if (dynamics_ && wants("velocity"))
     found.push_back({"velocity", input::UnitSystem(case_.units).label("m/s"), io::Centre::vertex, 3,
                      model_->dofs().gather_change(state.v)});

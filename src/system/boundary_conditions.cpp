@@ -208,6 +208,18 @@ void BoundaryConditions::enforce(Vec a) const {
   for (PetscInt i : on_->dofs().fixed()) values[i] = load_factor_ * prescribed[i] + motion[i] + hold[i];
 }
 
+void BoundaryConditions::prescribe_acceleration(double time, double dt, const std::function<double(double)>& factor,
+                                                Vec acceleration) {
+  const petsc::WriteArray values(acceleration);
+  for (PetscInt i : on_->dofs().fixed()) values[i] = 0.0;
+  for (const int k : {-1, 1, 0}) {  // the last restores the time in force
+    const double at = time + k * dt, weight = (k == 0 ? -2.0 : 1.0) / (dt * dt);
+    move_supports(at);
+    const petsc::ReadArray prescribed(prescribed_), motion(motion_);
+    for (PetscInt i : on_->dofs().fixed()) values[i] += weight * (factor(at) * prescribed[i] + motion[i]);
+  }
+}
+
 void BoundaryConditions::take_hold(Vec a, double time, double load_factor) {
   move_supports(time);
   const petsc::ReadArray unknown(a), prescribed(prescribed_), motion(motion_);

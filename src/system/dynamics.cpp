@@ -72,12 +72,16 @@ void Dynamics::start_step(Vec u, Vec v, double dt) {
 }
 
 void Dynamics::apply_mass(Vec x, Vec y) const {
+  multiply_mass(x, y);
+  model_.dofs().clear_fixed(y);
+}
+
+void Dynamics::multiply_mass(Vec x, Vec y) const {
   if (consistent_)
     VOILE_PETSC(MatMult(consistent_->mat(), x, y));
   else
     VOILE_PETSC(VecPointwiseMult(y, model_.potential().constant().mass(), x));
   apply_body_mass(x, y);
-  model_.dofs().clear_fixed(y);
 }
 
 /// Rows of rigid bodies, at the state taken last.
@@ -98,12 +102,17 @@ void Dynamics::add_gyration(Vec v, Vec f) const {
   const Dofs& dofs = model_.dofs();
   if (dofs.motions().empty()) return;
   const std::vector<RigidMotion::Row> rates = dofs.body_rows(v);
-  {
-    const petsc::WriteArray out(f);
-    for (std::size_t b = 0; b < rates.size(); ++b)
-      dofs.add_body_row(b, dofs.motions()[b].gyration(model_.potential().constant().body_mass()[b], rates[b]), out);
-  }
-  dofs.clear_fixed(f);
+  const petsc::WriteArray out(f);
+  for (std::size_t b = 0; b < rates.size(); ++b)
+    dofs.add_body_row(b, dofs.motions()[b].gyration(model_.potential().constant().body_mass()[b], rates[b]), out);
+}
+
+void Dynamics::add_inertia(Vec a, Vec v, double time, double dt, Vec f) const {
+  const auto factor = [&](double t) { return options_.load_history ? options_.load_history(t) : 1.0; };
+  model_.conditions().prescribe_acceleration(time, dt, factor, a);
+  multiply_mass(a, work_);
+  add_gyration(v, work_);
+  VOILE_PETSC(VecAXPY(f, 1.0, work_));
 }
 
 void Dynamics::add_drag(Vec v, Vec f) const {
@@ -133,6 +142,7 @@ void Dynamics::residual(Vec u, Vec v, Vec a, Vec f) {
   model_.residual(u, f);
   apply_mass(a, sum_);
   add_gyration(v, sum_);
+  model_.dofs().clear_fixed(sum_);
   double inertia = 0.0;
   VOILE_PETSC(VecNorm(sum_, NORM_2, &inertia));
   force_scale_ = std::max(model_.force_scale(), inertia);
@@ -188,6 +198,7 @@ Dynamics::Work Dynamics::work(Vec u, Vec v, Vec a, Vec displacement) {
   };
   apply_mass(a, work_);
   add_gyration(v, work_);
+  model_.dofs().clear_fixed(work_);
   w.inertia = add(1.0);
   if (options_.mass_damping > 0.0) {
     apply_mass(v, work_);

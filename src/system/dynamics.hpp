@@ -54,6 +54,9 @@ class Dynamics {
   /// Adds to f what damping and drag do at velocities v, on what is held too, where it is a part of the reaction. Mass damping
   /// acts on free components only. Collective. [N]
   void add_damping(Vec v, Vec f) const;
+  /// Adds to f what inertia does at accelerations a and velocities v, also on what is held, whose accelerations are those of the
+  /// prescribed motions, taken over dt; `a` is overwritten there. Collective. [N]
+  void add_inertia(Vec a, Vec v, double time, double dt, Vec f) const;
   /// E(u). Collective.
   [[nodiscard]] double energy(Vec u, Vec v, Vec a, double s_v, double s_a);
   /// Tangent dF/du at u into the model's tangent matrix. Collective.
@@ -80,6 +83,7 @@ class Dynamics {
  private:
   void build_drag();
   void add_drag(Vec v, Vec f) const;
+  void multiply_mass(Vec x, Vec y) const;  ///< of held components too
   void apply_body_mass(Vec x, Vec y) const;
   void add_gyration(Vec v, Vec f) const;
   /// Velocities of the local points instead of positions, for the drag.

@@ -90,6 +90,33 @@ def glb_positions(text, accessor, node, time):
     return position
 
 
+def vtu_arrays(file):
+    """Name -> numbers, by the announcements in the text."""
+    data = file.read_bytes()
+    at = data.index(b"_", data.index(b"<AppendedData"))
+    root = xml.fromstring(data[:data.index(b"<AppendedData")] + b"</VTKFile>")
+    kinds = {"Float64": "<f8", "Int64": "<i8", "UInt8": "u1"}
+    arrays = {}
+    for item in root.iter("DataArray"):
+        begin = at + 1 + int(item.get("offset"))
+        length = struct.unpack("<Q", data[begin:begin + 8])[0]
+        arrays[item.get("Name")] = np.frombuffer(data[begin + 8:begin + 8 + length], kinds[item.get("type")]).reshape(-1, int(item.get("NumberOfComponents")))
+    return arrays
+
+
+def vtu_difference(out, results):
+    steps = list(results)
+    files = sorted(out.glob("run_*.vtu"))
+    worst = abs(len(files) - len(steps))
+    for file, step in zip(files, steps):
+        have = vtu_arrays(file)
+        worst = max(worst, abs(have["positions"] - step.positions).max(), abs(have["TimeValue"][0, 0] - step.time),
+                    abs(have["connectivity"].reshape(-1, 3) - step.mesh.triangles).max(),
+                    abs(have["offsets"].ravel() - 3 * np.arange(1, 1 + len(step.mesh.triangles))).max(), abs(have["types"] - 5).max(),
+                    abs(have["contact_pressure"].ravel() - step["contact_pressure"].ravel()).max())
+    return worst
+
+
 @test
 def exports(report):
     """Every format holds the vertices, to single precision, the frames and the times of the run."""
@@ -98,7 +125,7 @@ def exports(report):
     out.mkdir(parents=True)
     steps, last = list(results), results[-1]
     count = len(last.mesh.positions)
-    for name in ("obj", "stl", "ply", "pc2", "mdd", "glb", "usda", "msh", "csv"):
+    for name in ("obj", "stl", "ply", "pc2", "mdd", "glb", "usda", "msh", "vtu", "csv"):
         code, said = draw("export", results.file.parent, "--to", name, "--output", out / f"run.{name}")
         report.check(code == 0, f"{name} is written" if code == 0 else said)
 
@@ -133,6 +160,7 @@ def exports(report):
     table = np.genfromtxt(out / "run_vertices.csv", delimiter=",", names=True)
     report.below(abs(np.column_stack([table[k] for k in "xyz"]) - last.positions).max(), 0, "CSV: positions, all digits")
     report.below(abs(table["contact_pressure"] - last["contact_pressure"].ravel()).max(), 0, "CSV: a field, all digits")
+    report.below(vtu_difference(out, results), 0, "VTU: numbered files with positions, triangles, times and a field, all digits")
     # Gmsh's library reads its own format, and others.
     for name in ("msh", "stl", "ply", "obj"):
         code, said = invoke(["info", out / f"run.{name}"])

@@ -166,6 +166,25 @@ def rigid_pendulum(report):
 
 
 @test
+def held_inertia(report):
+    """Reactions of accelerated supports and rigid groups hold their inertia: m a and I alpha."""
+    time, mass, g = {"end": 0.2, "step": 0.01}, 100.0, 3.0
+    moved = [{"type": "displacement", "group": "plate", "components": ["x", "y", "z"], "motion": [f"{g}/2*t^2", "0", "0"]}]
+    probe = [{"name": "all", "type": "reaction", "group": "plate"}]
+    h = solve("held_inertia", strip("dynamic", 8, 2, support=moved, load=None, probe=probe, time=time)).history
+    report.below(np.abs(h["all_x"][1:] / (mass * g) - 1).max(), 1e-6, "a plate that is held everywhere: m a")
+    end = {"group": "plate", "name": "plate", "translation": [f"{g}/2*t^2", 0, 0], "turn": "about", "turn_axis": [0, 0, 1], "turn_angle": "90*t^2"}
+    for ranks in (1, 2):
+        h = solve("held_inertia_rigid", strip("dynamic", 8, 2, support=None, rigid=[end], load=None, probe=None, time=time), ranks).history
+        report.below(np.abs(h["plate_force_x"][2:] / (mass * g) - 1).max(), 1e-3, f"a rigid plate on {ranks} ranks: m a")
+        moment = np.abs(h["plate_moment_z"][2:] / (mass * (10**2 + 1) / 12 * math.pi) - 1)
+        report.below(moment.max(), 0.05, f"I alpha ({moment[-1]:.3g})")
+    fixed = [{"type": "clamped", "group": "clamp"}]
+    h = solve("held_still", strip("dynamic", 8, 2, support=fixed, load=None, probe=[{"name": "all", "type": "reaction", "group": "clamp"}], time=time)).history
+    report.below(np.abs(h["all_x"]).max(), 1e-9, "nothing where nothing moves")
+
+
+@test
 def rigid_motion(report):
     """A strip swings with a heavy body beside its end: the energy is kept, ranks agree, a restart ends at the same bits."""
     end = {"group": "tip", "name": "end", "mass": 50.0, "point": [10.2, 0.3, 0.1]}
