@@ -11,10 +11,11 @@ from typing import Any
 
 from .case import Case
 from .history import History
+from .modes import mac
 from .results import Mesh, Results, Step
 from .running import Run, run
 
-__all__ = ["Case", "History", "Mesh", "Results", "Run", "Step", "run"]
+__all__ = ["Case", "History", "Mesh", "Results", "Run", "Step", "mac", "run"]
 _IN_PROCESS = ("InternalError", "OutOfMemory", "Simulation", "UserError")
 
 

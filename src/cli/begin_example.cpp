@@ -53,7 +53,7 @@ std::vector<std::string> names_of(const std::map<std::string, Example>& all) {
 /// Options of `voile render` that show the end of it.
 std::string picture_of(const input::Case& c) {
   const input::Case& last = c.stages.empty() ? c : c.stages.back();
-  const bool has_modes = last.analysis == "modal" || last.analysis == "buckling";
+  const bool has_modes = last.finds_modes();
   return (c.stages.empty() ? "" : fmt::format("--stage {} ", last.stage.name)) +
          (has_modes ? "--mode 1 --no-ground" : "--no-ground");
 }

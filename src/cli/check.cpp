@@ -15,6 +15,7 @@
 #include "setup/mesh_report.hpp"
 #include "setup/start_supports.hpp"
 #include "simulation/contact_start.hpp"
+#include "simulation/harmonic.hpp"
 #include "simulation/remesher.hpp"
 #include "simulation/restart.hpp"
 #include "simulation/sewing.hpp"
@@ -98,8 +99,9 @@ void check(MPI_Comm comm, const input::Case& whole) {
   for (std::size_t k = 1; k < stages.size(); ++k) simulation::check_stage(stages[k], *meshes[k]);
   const input::Case& c = stages.front().c;
   system::Model model(comm, mesh, stages.front().input);
-  if (c.analysis == "modal" || c.analysis == "dynamic") system::require_mass(model);
+  if (c.vibrates() || c.analysis == "dynamic") system::require_mass(model);
   const std::vector<std::string> free = setup::check_free_motions(c, model);
+  simulation::require_excitation(c, model);
   setup::MeshQuality quality = setup::measure_quality(comm, mesh, c.element);
   quality.large_rotations = setup::is_nonlinear(whole);
   const std::string uncorrected = setup::uncorrected_text(model.potential().uncorrected_triangles());

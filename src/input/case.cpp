@@ -10,6 +10,7 @@
 
 #include "base/text.hpp"
 #include "case_attachments.hpp"
+#include "case_harmonic.hpp"
 #include "case_loads.hpp"
 #include "case_materials.hpp"
 #include "case_natural.hpp"
@@ -330,14 +331,13 @@ Case read_case(CaseReader& reader, const std::filesystem::path& file, StageSecti
   if (c.analysis == "static" && c.steps.control != solve::StaticOptions::Control::load &&
       std::any_of(c.motions.begin(), c.motions.end(), [](const MotionInput& m) { return m.any(); }))
     steps.fail("control", "supports with a motion or rotation need \"load\": they move with the load factor");
-  reader.read("eigen", 0, keys_of(c.eigen));
   read_all(reader, "rigid", c.rigids, [&](const SectionPlace& place, RigidSection& s) { read_rigid(place, c, s); });
+  read_harmonic(reader, c);
   read_contact(reader, c, before);
   check_time(reader.read("time", 0, keys_of(c.time, c.dynamics.mass)), c);
   read_all(reader, "initial_velocity", c.initial_velocities, [&](const SectionPlace& place, const InitialVelocity&) {
     if (c.analysis != "dynamic") place.fail("velocity", "only analysis = \"dynamic\" has one; remove the section");
   });
-  reader.read("damping", 0, damping_keys(c.dynamics));
   read_wind(reader.read("air", 0, keys_of(c.dynamics.drag)), c, c.dynamics.drag);
   reader.read("drape", 0, keys_of(c.drape));
   read_remesh(reader, c);
@@ -349,6 +349,7 @@ Case read_case(CaseReader& reader, const std::filesystem::path& file, StageSecti
     c.output.energy_balance = false;
   check_petsc(reader.read("petsc", 0, petsc_keys(c)), c.petsc_options);
   check_rigid(c);
+  check_harmonic(c);
   return c;
 }
 

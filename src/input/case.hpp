@@ -187,6 +187,24 @@ struct EigenSection {
   double load_factor = 0.0;  ///< of the equilibrium about which they are found
 };
 
+/// Vibration by loads or supports that follow a cosine, or are random.
+struct HarmonicSection {
+  enum class Method { superposition, direct };
+  enum class Excitation { loads, base };
+  enum class Spacing { logarithmic, linear };
+  Method method = Method::superposition;
+  Excitation excitation = Excitation::loads;
+  std::optional<Vec3> direction;  ///< base: in which all supports move
+  double acceleration = 1.0;      ///< base: its amplitude [m/s^2]
+  double from = 0.0, to = 0.0;    ///< 0: those of `psd_frequencies` [Hz]
+  int points = 200;               ///< between them
+  Spacing spacing = Spacing::logarithmic;
+  std::vector<double> frequencies;  ///< instead of the four [Hz]
+  /// Power spectral density of the base's acceleration [(m/s^2)^2/Hz], or of the load factor [1/Hz], over the frequency;
+  /// empty: nothing is random.
+  std::vector<double> psd_frequencies, psd_values;
+};
+
 /// Meshes that follow the folds.
 struct RemeshSection {
   bool active = false;
@@ -260,6 +278,7 @@ struct Case {
   SewingSection sewing;
   energy::ElementOptions element;
   std::vector<energy::Material> materials;
+  std::vector<std::string> written_materials;  ///< their keys as given, in TOML; empty: of a fabric file
   std::vector<system::Support> supports;
   std::vector<MotionInput> motions;  ///< one per support
   std::vector<RigidSection> rigids;
@@ -275,6 +294,7 @@ struct Case {
   std::vector<RuleSection> contact_rules;
   solve::StaticOptions steps;
   EigenSection eigen;
+  HarmonicSection harmonic;
   TimeSection time;
   std::vector<InitialVelocity> initial_velocities;
   system::DynamicsOptions dynamics;
@@ -289,6 +309,9 @@ struct Case {
   std::string staged_text;   ///< the case with its stages as TOML, with absolute paths
   /// Whether it is one of several stages: what moves in another one stands still in it.
   [[nodiscard]] bool is_staged() const { return !stage.name.empty(); }
+  /// Whether it finds modes about an equilibrium instead of following a path; whether those are of vibration.
+  [[nodiscard]] bool finds_modes() const { return vibrates() || analysis == "buckling"; }
+  [[nodiscard]] bool vibrates() const { return analysis == "modal" || analysis == "harmonic"; }
 };
 
 /// Parses and checks everything that needs no mesh. Not collective.

@@ -26,6 +26,7 @@ Declarations::Declarations()
             {"attachment", keys_of(attachment_)},
             {"steps", keys_of(case_.steps)},
             {"eigen", keys_of(case_.eigen)},
+            {"harmonic", keys_of(case_.harmonic)},
             {"time", keys_of(case_.time, case_.dynamics.mass)},
             {"initial_velocity", keys_of(initial_velocity_)},
             {"damping", damping_keys(case_.dynamics)},

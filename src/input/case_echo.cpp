@@ -123,20 +123,6 @@ std::string type_of(const std::vector<Key>& keys) {
   return "";
 }
 
-std::string echo_keys(const std::vector<Key>& keys) {
-  const std::string type = type_of(keys);
-  std::string out;
-  for (const Key& key : keys) {
-    if (!applies(key, type)) continue;
-    std::string value = toml_value(key.slot);
-    if (!key.absent.empty() && value == "\"\"") value.clear();
-    const std::string unit = key.unit.empty() ? "" : fmt::format("  # [{}]", key.unit);
-    out += value.empty() ? fmt::format("# {}: {}\n", key.name, key.absent)
-                         : fmt::format("{} = {}{}\n", key.name, value, unit);
-  }
-  return out;
-}
-
 template <class Section>
 std::string echo_all(const char* name, std::vector<Section> items) {
   std::string out;
@@ -160,7 +146,7 @@ void set_hysteresis(const energy::YarnFriction& friction, MaterialInput& input) 
   input.warp_angle = friction.warp_angle;
 }
 
-/// Every stored material is a pair of matrices, whatever it was given as.
+/// A fabric is stored as a pair of matrices, so that its file is not needed again.
 MaterialInput as_input(const energy::Material& m) {
   MaterialInput input;
   input.type = MaterialInput::Type::matrices;
@@ -268,12 +254,24 @@ std::string toml_value(const Slot& slot) {
   return std::visit(Printer{}, slot);
 }
 
+std::string echo_keys(const std::vector<Key>& keys) {
+  const std::string type = type_of(keys);
+  std::string out;
+  for (const Key& key : keys) {
+    if (!applies(key, type)) continue;
+    std::string value = toml_value(key.slot);
+    if (!key.absent.empty() && value == "\"\"") value.clear();
+    const std::string unit = key.unit.empty() ? "" : fmt::format("  # [{}]", key.unit);
+    out += value.empty() ? fmt::format("# {}: {}\n", key.name, key.absent)
+                         : fmt::format("{} = {}{}\n", key.name, value, unit);
+  }
+  return out;
+}
+
 std::string echo_case(const Case& c) {
   if (!c.stages.empty())
     return "# The case with its stages; the folder of each has it with every value in force.\n" + c.staged_text;
   Case copy = c;
-  std::vector<MaterialInput> materials;
-  for (const energy::Material& m : c.materials) materials.push_back(as_input(m));
   std::string out = "# The case with every value in force.\n" + echo_keys(top_keys(copy));
   if (!UnitSystem(copy.units).is_si()) out += "\n[units]\n" + echo_keys(keys_of(copy.units));
   out += "\n[mesh]\n" + echo_keys(keys_of(copy.mesh));
@@ -282,7 +280,11 @@ std::string echo_case(const Case& c) {
   out += echo_all("mark", copy.marks);
   if (!copy.panels.empty()) out += "\n[sewing]\n" + echo_keys(keys_of(copy.sewing));
   out += "\n[element]\n" + echo_keys(keys_of(copy.element));
-  out += echo_all("material", materials);
+  for (std::size_t i = 0; i < c.materials.size(); ++i) {
+    MaterialInput material = as_input(c.materials[i]);
+    const std::string& written = c.written_materials[i];
+    out += "\n[[material]]\n" + (written.empty() ? echo_keys(keys_of(material)) : written);
+  }
   for (std::size_t i = 0; i < copy.supports.size(); ++i)
     out += "\n[[support]]\n" + echo_keys(keys_of(copy.supports[i], copy.motions[i]));
   out += echo_all("rigid", copy.rigids);
@@ -300,6 +302,7 @@ std::string echo_case(const Case& c) {
   }
   out += "\n[steps]\n" + echo_keys(keys_of(copy.steps));
   out += "\n[eigen]\n" + echo_keys(keys_of(copy.eigen));
+  out += "\n[harmonic]\n" + echo_keys(keys_of(copy.harmonic));
   out += "\n[time]\n" + echo_keys(keys_of(copy.time, copy.dynamics.mass));
   out += echo_all("initial_velocity", copy.initial_velocities);
   out += "\n[damping]\n" + echo_keys(damping_keys(copy.dynamics));

@@ -41,7 +41,7 @@ bool is_required(const Key& key, const std::string& type) {
 namespace {
 
 Slot analysis_slot(std::string& analysis) {
-  return word(analysis, {"static", "linear", "modal", "buckling", "dynamic", "drape"});
+  return word(analysis, {"static", "linear", "modal", "buckling", "dynamic", "drape", "harmonic"});
 }
 
 }  // namespace
@@ -64,8 +64,8 @@ std::vector<Key> keys_of(StageSection& s) {
 }
 
 const std::vector<std::string>& stage_tables() {
-  static const std::vector<std::string> names{"steps", "eigen",   "time",   "damping", "air",
-                                              "drape", "contact", "remesh", "output"};
+  static const std::vector<std::string> names{"steps", "eigen", "harmonic", "time",   "damping",
+                                              "air",   "drape", "contact",  "remesh", "output"};
   return names;
 }
 
@@ -84,13 +84,15 @@ std::vector<Key> keys_of(UnitsSection& s) {
 }
 
 std::vector<Key> top_keys(Case& c) {
-  return {{.name = "title", .slot = &c.title, .meaning = "Free text, shown at the start of a run."},
-          {.name = "analysis",
-           .slot = analysis_slot(c.analysis),
-           .meaning = "`static`: the load path of `steps`. `linear`: one solution for small deflections at "
-                      "`final_load_factor`. `modal`: natural vibrations. `buckling`: critical loads; both about the "
-                      "state that `eigen` names. `dynamic`: motion in time. `drape`: a stable equilibrium at load "
-                      "factor 1 from any start."}};
+  return {
+      {.name = "title", .slot = &c.title, .meaning = "Free text, shown at the start of a run."},
+      {.name = "analysis",
+       .slot = analysis_slot(c.analysis),
+       .meaning = "`static`: the load path of `steps`. `linear`: one solution for small deflections at "
+                  "`final_load_factor`. `modal`: natural vibrations. `buckling`: critical loads; both about the "
+                  "state that `eigen` names. `dynamic`: motion in time. `drape`: a stable equilibrium at load "
+                  "factor 1 from any start. `harmonic`: amplitudes of vibration over the frequency, about the state "
+                  "that `eigen` names."}};
 }
 
 std::vector<Key> placement_keys(io::Placement& p, const std::vector<std::string>& types) {
@@ -169,10 +171,14 @@ const std::vector<SectionInfo>& sections() {
        "[patterns](patterns.md)."},
       {"steps", false, "How the path of equilibria is followed from the unloaded state."},
       {"eigen", false, "Modes of vibration and buckling."},
+      {"harmonic", false,
+       "Frequency response, `analysis = \"harmonic\"`, to the loads that are not `constant` or to a moving base, in "
+       "`response.csv` (see [frequency response](../howto/find-a-frequency-response.md)). Not with contact, panels, "
+       "`[air]`, `[remesh]`, follower loads or gas."},
       {"time", false, "Motion in time, `analysis = \"dynamic\"`."},
       {"initial_velocity", true,
        "How a motion starts, unless `--restart` continues another; where groups overlap the last one counts."},
-      {"damping", false, "Damping of `dynamic`."},
+      {"damping", false, "Damping of `dynamic` and `harmonic`."},
       {"air", false, "Drag by air and wind in `dynamic`. Speed and normal are those of the start of each step."},
       {"drape", false, "The search of `analysis = \"drape\"`."},
       {"remesh", false,
@@ -184,7 +190,7 @@ const std::vector<SectionInfo>& sections() {
       {"stage", true,
        "Stages, run one after the other: each begins in the state that the one before has left, see "
        "[stages](../howto/run-in-stages.md). Tables of its own, `[stage.time]`, `[stage.steps]`, `[stage.drape]`, "
-       "`[stage.eigen]`, "
+       "`[stage.eigen]`, `[stage.harmonic]`, "
        "`[stage.damping]`, `[stage.air]`, `[stage.contact]`, `[stage.remesh]` and `[stage.output]`, win over those of "
        "the case, key by "
        "key. `[[support]]`, `[[load]]`, `[[temperature]]`, `[[mass]]`, `[[spring]]`, `[[obstacle]]`, "

@@ -62,6 +62,8 @@ struct Key {
   std::string absent{};                       ///< what holds if the key is not given, where no value of it says so
 };
 
+/// The keys of a section that apply, with the values in force, as TOML.
+[[nodiscard]] std::string echo_keys(const std::vector<Key>& keys);
 [[nodiscard]] bool applies(const Key& key, const std::string& type);
 [[nodiscard]] bool is_required(const Key& key, const std::string& type);
 
@@ -116,6 +118,7 @@ struct MaterialInput {
 [[nodiscard]] std::vector<Key> keys_of(RuleSection& section);
 [[nodiscard]] std::vector<Key> keys_of(solve::StaticOptions& section);
 [[nodiscard]] std::vector<Key> keys_of(EigenSection& section);
+[[nodiscard]] std::vector<Key> keys_of(HarmonicSection& section);
 /// [time], with the kind of mass.
 [[nodiscard]] std::vector<Key> keys_of(TimeSection& section, system::Mass& mass);
 [[nodiscard]] std::vector<Key> keys_of(InitialVelocity& section);

@@ -30,7 +30,7 @@ void read_load_history(const SectionPlace& place, const Case& c, system::Load& l
 /// What a gas cannot be part of.
 void check_gas(const SectionPlace& place, const Case& c, const system::Load& load) {
   if (load.kind != system::Load::Kind::gas) return;
-  if (c.analysis == "linear" || c.analysis == "buckling" || c.analysis == "drape")
+  if (c.analysis == "linear" || c.analysis == "buckling" || c.analysis == "drape" || c.analysis == "harmonic")
     place.fail("type", fmt::format("analysis = \"{}\" has no gas; use static, modal or dynamic, or follower_pressure",
                                    c.analysis));
   if (!c.panels.empty()) place.fail("type", "panels that are sewn enclose nothing at the start; use follower_pressure");

@@ -293,6 +293,7 @@ void read_materials(const CaseReader& reader, Case& c) {
       covered.push_back(group);
     }
     c.materials.push_back(std::move(m));
+    c.written_materials.push_back(in.type == MaterialInput::Type::fabric ? "" : echo_keys(keys_of(in)));
   }
 }
 

@@ -112,8 +112,7 @@ void check_rigid(const Case& c) {
   const bool held = std::any_of(c.rigids.begin(), c.rigids.end(), [](const RigidSection& s) { return s.group.slope; });
   if (held && c.element.bending == energy::BendingOperator::six_node)
     refuse("element.type", "the published elements hold no slope; use \"corrected\", or slope = \"free\"");
-  if (c.analysis == "modal" && c.eigen.mass == system::Mass::lumped)
-    refuse("eigen.mass", "rigid groups need \"consistent\"");
+  if (c.vibrates() && c.eigen.mass == system::Mass::lumped) refuse("eigen.mass", "rigid groups need \"consistent\"");
   if (c.analysis != "dynamic") return;
   if (c.dynamics.mass == system::Mass::consistent) refuse("time.mass", "rigid groups need \"lumped\"");
   if (c.time.options.method == solve::TimeOptions::Method::central_difference)

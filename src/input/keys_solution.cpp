@@ -84,7 +84,11 @@ std::vector<Key> keys_of(solve::StaticOptions& s) {
 
 std::vector<Key> keys_of(EigenSection& s) {
   return {
-      {.name = "modes", .slot = &s.modes, .meaning = "How many modes, lowest first.", .range = {1}},
+      {.name = "modes",
+       .slot = &s.modes,
+       .meaning = "How many modes, lowest first. 0, in `harmonic` only and there if this key is not given: as many as "
+                  "reach 1.5 times the highest frequency.",
+       .range = {0}},
       {.name = "load_factor",
        .slot = &s.load_factor,
        .meaning = "Load factor of the equilibrium about which modes are found; the path of `steps` leads to it. 0: the "
@@ -92,7 +96,8 @@ std::vector<Key> keys_of(EigenSection& s) {
        .range = not_negative},
       {.name = "mass",
        .slot = choice(s.mass, {{"consistent", system::Mass::consistent}, {"lumped", system::Mass::lumped}}),
-       .meaning = "Mass matrix of `modal`: consistent with linear displacements in the triangles, or lumped at the "
+       .meaning = "Mass matrix of `modal` and `harmonic`: consistent with linear displacements in the triangles, or "
+                  "lumped at the "
                   "vertices (better for taut sheets with `six_node_corrected`, see docs/howto/find-modes.md)."}};
 }
 
@@ -204,7 +209,13 @@ std::vector<Key> damping_keys(system::DynamicsOptions& s) {
           {.name = "materials",
            .slot = &s.material_damping,
            .meaning = "Whether the materials' own damping (`bending_damping` and `membrane_damping` of `[[material]]`, "
-                      "which a `fabric` always has) acts besides."}};
+                      "which a `fabric` always has) acts besides."},
+          {.name = "ratio",
+           .slot = &s.ratios,
+           .meaning = "Damping ratio of the modes in `harmonic`: a list with one number for all, or one for each mode, "
+                      "the last for all after it. 0.02 is 2 % of critical. Acts besides the keys above.",
+           .range = {0, 1},
+           .absent = "none"}};
 }
 
 std::vector<Key> keys_of(energy::DragOptions& s) {

@@ -141,6 +141,26 @@ std::vector<double> Probes::values(const Observed& state, const system::Model& m
   return all;
 }
 
+std::vector<Probes::Component> Probes::displacement_components() const {
+  std::vector<Component> all;
+  for (std::size_t p = 0; p < members_.size(); ++p)
+    if (case_.probes[p].kind == Kind::displacement)
+      for (const int k : members_[p].components)
+        all.push_back({fmt::format("{}_{}", case_.probes[p].name, axis[static_cast<std::size_t>(k)]), k});
+  return all;
+}
+
+std::vector<double> Probes::displacement_values(const std::vector<double>& displacement) const {
+  std::vector<double> all;
+  const Observed observed{displacement, {}, {}, {}};
+  for (std::size_t p = 0; p < members_.size(); ++p) {
+    if (case_.probes[p].kind != Kind::displacement) continue;
+    const std::vector<double> own = components_of(case_.probes[p], members_[p], observed);
+    all.insert(all.end(), own.begin(), own.end());
+  }
+  return all;
+}
+
 petsc::VecHandle Probes::functional(const std::string& name, const system::Model& model) const {
   petsc::VecHandle c = model.dofs().create_vector();
   for (std::size_t p = 0; p < members_.size(); ++p) {

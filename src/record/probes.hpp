@@ -30,6 +30,14 @@ class Probes {
   [[nodiscard]] std::vector<std::string> columns() const;
   /// In the order of the columns. On rank 0.
   [[nodiscard]] std::vector<double> values(const Observed& state, const system::Model& model) const;
+  /// Components of the probes of displacement: their columns, and their values of a displacement (or change of it) that is
+  /// gathered. The second on rank 0.
+  struct Component {
+    std::string column;
+    int axis;
+  };
+  [[nodiscard]] std::vector<Component> displacement_components() const;
+  [[nodiscard]] std::vector<double> displacement_values(const std::vector<double>& displacement) const;
   /// The displacement probe of that name, with one component, as a linear function of the unknowns. Collective.
   [[nodiscard]] petsc::VecHandle functional(const std::string& name, const system::Model& model) const;
 

@@ -107,7 +107,7 @@ class Recorder {
   /// Only its displacements and reactions.
   [[nodiscard]] Snapshot gathered(Vec a, const Motion& motion);
   /// Whether estimates of error are made: not of modes, which have no size.
-  [[nodiscard]] bool estimates() const { return case_.analysis != "modal" && case_.analysis != "buckling"; }
+  [[nodiscard]] bool estimates() const { return !case_.finds_modes(); }
   void write_fields(io::StepFields step, Vec a, const Snapshot& s);
   /// `judged`: estimates of error are made, wanted or not, and remembered as those of this place on the path; may be null.
   [[nodiscard]] std::vector<io::Field> fields_of(Vec a, const Snapshot& s, const Wants& wants,

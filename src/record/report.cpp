@@ -9,6 +9,7 @@
 #include "base/mpi.hpp"
 #include "energy_text.hpp"
 #include "probes.hpp"
+#include "response.hpp"
 #include "setup/free_motions.hpp"
 #include "setup/mesh_report.hpp"
 #include "validity.hpp"
@@ -44,7 +45,8 @@ void print_header(const input::Case& c, const system::Model& model) {
 
 /// "converged ..., stable": whether the last state is an equilibrium, and of which kind.
 std::string state_text(const input::Case& c, const Summary& s) {
-  if (c.analysis == "modal" || c.analysis == "buckling") return fmt::format("converged: {} modes", s.eigen.size());
+  if (c.finds_modes() && s.eigen.empty()) return "converged: the response at every frequency";
+  if (c.finds_modes()) return fmt::format("converged: {} modes", s.eigen.size());
   if (c.analysis == "dynamic") return "converged: every step";
   return fmt::format("converged: residual {:.1e} of the forces{}", s.residual,
                      s.negative_pivots < 0    ? ""
@@ -56,8 +58,12 @@ std::string state_text(const input::Case& c, const Summary& s) {
 std::string resolved_text(const input::Case& c, const Summary& s) {
   const auto percent = [](double x) { return fmt::format("{:.2g} %", 100.0 * x); };
   const auto verdict = [](double x) { return x > error_limit ? "not resolved" : "resolved"; };
+  if (c.analysis == "harmonic" && s.mode_errors.empty())
+    return "whether cells resolve the response is not estimated; give eigen.modes for that of its modes";
   if (!s.mode_errors.empty()) {
-    const double worst = *std::max_element(s.mode_errors.begin(), s.mode_errors.end());
+    double worst = 0.0;
+    for (std::size_t i = 0; i < s.mode_errors.size(); ++i)
+      if (counts(c, s.eigen[i])) worst = std::max(worst, s.mode_errors[i]);
     return fmt::format("{}: by estimate the modes are off by {} at most", verdict(worst), percent(worst));
   }
   const DiscretisationError::Fractions& e = s.recovery_error;

@@ -65,6 +65,21 @@ Json json_of(const RemeshingEffort& r) {
           {"fraction", r.fraction}};
 }
 
+Json json_of(const std::vector<ResponsePeak>& peaks) {
+  Json all = Json::array();
+  for (const ResponsePeak& p : peaks) {
+    Json one{{"probe", p.column},
+             {"largest_amplitude", p.amplitude},
+             {"frequency", p.frequency},
+             {"largest_acceleration", p.acceleration},
+             {"frequency_of_acceleration", p.acceleration_frequency}};
+    if (p.mean_displacement) one["rms_displacement"] = *p.mean_displacement;
+    if (p.mean_acceleration) one["rms_acceleration"] = *p.mean_acceleration;
+    all.push_back(one);
+  }
+  return all;
+}
+
 Json json_of(const Summary& s) {
   Json critical = Json::array();
   for (const solve::CriticalPoint& p : s.critical)
@@ -98,6 +113,7 @@ Json json_of(const Summary& s) {
            {"ranks", s.ranks},
            {"cpu_seconds", s.cpu_seconds},
            {"wall_seconds", s.wall_seconds}};
+  if (!s.response.empty()) all["response"] = json_of(s.response);
   if (s.balance.kept) all["energy"] = json_of(s.balance);
   if (s.kinetic) all["motion"] = json_of(*s.kinetic);
   if (s.contact) all["contact"] = json_of(*s.contact);

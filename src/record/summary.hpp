@@ -33,6 +33,14 @@ struct FirstFailure {
   Vec3 place = Vec3::Zero();  ///< middle of the triangle [m]
 };
 
+/// Vibration of one component of a probe.
+struct ResponsePeak {
+  std::string column;
+  double amplitude = 0.0, frequency = 0.0;                     ///< largest displacement [m], where [Hz]
+  double acceleration = 0.0, acceleration_frequency = 0.0;     ///< likewise [m/s^2]
+  std::optional<double> mean_displacement, mean_acceleration;  ///< root mean squares of a random vibration
+};
+
 /// What summary.json says.
 struct Summary {
   bool converged = false;
@@ -52,6 +60,7 @@ struct Summary {
   DiscretisationError::Fractions recovery_error;  ///< of the last state
   double largest_recovery_error = 0.0;            ///< on the way
   std::vector<double> mode_errors;                ///< of eigen: relative, by recovery
+  std::vector<ResponsePeak> response;             ///< of an analysis of frequencies
   long unknowns = 0;
   Index vertices = 0, triangles = 0;
   int ranks = 1;

@@ -44,7 +44,7 @@ std::vector<std::string> check_free_motions(const input::Case& c, const system::
   if (free.empty()) return {};
   const std::string what = list(free, model.dofs().mesh().triangle_count());
   const bool drifts = std::any_of(free.begin(), free.end(), [](const auto& p) { return p.translations > 0; });
-  const bool moves = c.analysis == "dynamic" || c.analysis == "modal", contact = model.contact() != nullptr;
+  const bool moves = c.analysis == "dynamic" || c.vibrates(), contact = model.contact() != nullptr;
   const bool linear = c.analysis == "linear" || c.analysis == "buckling";
   if (linear || (!moves && drifts && !contact))
     throw UserError(fmt::format(

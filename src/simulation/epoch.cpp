@@ -67,7 +67,7 @@ Epoch::Epoch(MPI_Comm comm, const input::Case& stage, const mesh::SurfaceMesh& m
                                                        [&](const auto& s) { return holds(stage, s, start.time); }))),
       model_(comm, mesh, holding(std::move(input), stage, frozen, start.time)),
       state_(scatter(start, model_.dofs())) {
-  if (stage.analysis == "dynamic" || stage.analysis == "modal") system::require_mass(model_);
+  if (stage.analysis == "dynamic" || stage.vibrates()) system::require_mass(model_);
   if (lets_go_at(stage, start.time)) state_.a.reset();
   model_.couple(start.couplings);
   model_.potential().restore_slips(start.slips);
@@ -121,12 +121,11 @@ void Epoch::make_path(const record::Recorder& recorder, Origin origin) {
   using Control = solve::StaticOptions::Control;
   const solve::StaticOptions& steps = stage_.steps;
   const bool is_given = origin != Origin::nothing;
-  const bool modes = stage_.analysis == "modal" || stage_.analysis == "buckling";
   if (stage_.analysis == "linear") {
     stepper_ = std::make_unique<solve::LinearStep>(model_, steps.final_load_factor);
   } else if (stage_.analysis == "drape") {
     stepper_ = std::make_unique<solve::Drape>(model_, stage_.drape);
-  } else if (modes && (is_given || stage_.eigen.load_factor == 0.0)) {
+  } else if (stage_.finds_modes() && (is_given || stage_.eigen.load_factor == 0.0)) {
     const auto is_constant = [](const auto& acting) { return acting.constant; };
     const bool constant = std::any_of(stage_.loads.begin(), stage_.loads.end(), is_constant) ||
                           std::any_of(stage_.temperatures.begin(), stage_.temperatures.end(), is_constant) ||

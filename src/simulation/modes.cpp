@@ -3,16 +3,21 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 
 #include "base/interrupt.hpp"
 #include "base/mpi.hpp"
+#include "harmonic.hpp"
 #include "io/results.hpp"
 #include "record/discretisation_error.hpp"
 #include "record/linear_values.hpp"
+#include "record/response.hpp"
 #include "record/validity.hpp"
 #include "solve/eigen.hpp"
+#include "system/rigid_motions.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::simulation {
 
@@ -35,17 +40,12 @@ double error_of(system::Model& model, Vec a, const solve::Mode& mode, bool vibra
   return energy > 0.0 ? sum / energy : std::nan("");
 }
 
-/// Rigid motions have no energy to be wrong.
-bool is_rigid(double value, const std::vector<double>& values) {
-  constexpr double noise = 3e-5;  // of frequencies: the root of the round-off of their squares
-  return std::abs(value) < noise * std::abs(values.back());
-}
-
-void warn_of_errors(const record::Summary& s, bool vibration) {
+void warn_of_errors(const input::Case& c, const record::Summary& s) {
+  const bool vibration = c.vibrates();
   std::string found;
   double largest = 0.0;
   for (std::size_t i = 0; i < s.mode_errors.size(); ++i) {
-    if (!(s.mode_errors[i] > record::error_limit)) continue;
+    if (!(s.mode_errors[i] > record::error_limit) || !record::counts(c, s.eigen[i])) continue;
     found += fmt::format("{}{}", found.empty() ? "" : ", ", i + 1);
     largest = std::max(largest, s.mode_errors[i]);
   }
@@ -58,9 +58,40 @@ void warn_of_errors(const record::Summary& s, bool vibration) {
       std::max(1.1, std::sqrt(largest / record::error_limit)));
 }
 
+/// Columns of modes.csv that modes of vibration have besides.
+std::vector<std::string> participation_columns() {
+  std::vector<std::string> names{"modal_mass"};
+  for (const char* quantity : {"participation_", "effective_mass_", "effective_inertia_"})
+    for (const char* axis : {"x", "y", "z"}) names.push_back(std::string(quantity) + axis);
+  return names;
+}
+
+std::vector<double> participation_values(const solve::Participation& p) {
+  std::vector<double> values{p.mass};
+  values.insert(values.end(), p.factor.begin(), p.factor.begin() + 3);
+  values.insert(values.end(), p.effective.begin(), p.effective.end());
+  return values;
+}
+
+/// How much of the mass the modes move, in each direction.
+std::string carried_text(const std::vector<solve::Participation>& all, double mass) {
+  std::array<double, 3> sum{};
+  for (const solve::Participation& p : all)
+    for (std::size_t k = 0; k < sum.size(); ++k) sum[k] += p.effective[k];
+  const auto percent = [&](std::size_t k) { return fmt::format("{:.1f} %", 100.0 * sum[k] / mass); };
+  return fmt::format("the first {} carr{} {} of the mass in x, {} in y, {} in z",
+                     all.size() == 1 ? "mode" : fmt::format("{} modes", all.size()), all.size() == 1 ? "ies" : "y",
+                     percent(0), percent(1), percent(2));
+}
+
+struct Estimated {  ///< of each mode
+  const std::vector<double>& errors;
+  const std::vector<solve::Participation>& parts;  ///< empty: of buckling
+};
+
 void write_modes(const input::Case& c, const record::RunOptions& options, const system::Model& model,
-                 const solve::EigenResult& result, const std::vector<double>& errors) {
-  const bool vibration = c.analysis == "modal";
+                 const solve::EigenResult& result, const Estimated& of) {
+  const bool vibration = c.vibrates();
   std::optional<io::ResultsWriter> fields;
   std::optional<io::HistoryWriter> table;
   mpi::on_root(model.dofs().comm(), [&] {
@@ -68,21 +99,25 @@ void write_modes(const input::Case& c, const record::RunOptions& options, const 
     const mesh::Partition& p = model.dofs().partition();
     fields.emplace(options.output / "modes");
     fields->begin_epoch(model.dofs().mesh(), p.vertex_rank, p.triangle_rank);
-    table.emplace(options.output / "modes.csv",
-                  std::vector<std::string>{"mode", vibration ? "frequency_hz" : "critical_load_factor", "eigenvalue",
-                                           "residual", "estimated_error"});
+    std::vector<std::string> columns{"mode", vibration ? "frequency_hz" : "critical_load_factor", "eigenvalue",
+                                     "residual", "estimated_error"};
+    for (std::string& name : vibration ? participation_columns() : std::vector<std::string>{})
+      columns.push_back(std::move(name));
+    table.emplace(options.output / "modes.csv", columns);
   });
   for (std::size_t i = 0; i < result.modes.size(); ++i) {
     const solve::Mode& mode = result.modes[i];
     std::vector<double> shape = model.dofs().gather_change(mode.shape);
     mpi::on_root(model.dofs().comm(), [&] {
       const int number = static_cast<int>(i) + 1;
-      if (table) table->write({static_cast<double>(number), mode.value, mode.eigenvalue, mode.residual, errors[i]});
+      std::vector<double> row{static_cast<double>(number), mode.value, mode.eigenvalue, mode.residual, of.errors[i]};
+      for (const double x : vibration ? participation_values(of.parts[i]) : std::vector<double>{}) row.push_back(x);
+      if (table) table->write(row);
       io::StepFields step{number, static_cast<double>(number), model.conditions().load_factor(), {}};
       step.fields.push_back({"mode", "1", io::Centre::vertex, 3, std::move(shape)});
       if (fields) fields->write(step);
       if (options.verbosity != record::Verbosity::quiet)
-        fmt::print("{:>5} {:>16.8g} {:>12.2e} {:>14.2g}\n", number, mode.value, mode.residual, 100.0 * errors[i]);
+        fmt::print("{:>5} {:>16.8g} {:>12.2e} {:>14.2g}\n", number, mode.value, mode.residual, 100.0 * of.errors[i]);
     });
   }
   mpi::on_root(model.dofs().comm(), [&] {
@@ -90,29 +125,47 @@ void write_modes(const input::Case& c, const record::RunOptions& options, const 
   });
 }
 
-}  // namespace
+/// How many modes an analysis looks for at first where the case does not say, and at most.
+constexpr int first_modes = 10, most_modes = 640;
 
-void run_modes(const input::Case& c, const record::RunOptions& options, system::Model& model, Vec a,
-               record::Summary& summary) {
-  const bool vibration = c.analysis == "modal", root = mpi::rank(model.dofs().comm()) == 0;
-  const auto find = [&] {
-    if (vibration) return solve::vibration_modes(model, a, c.eigen.modes, c.eigen.mass);
-    solve::Newton newton(model);
-    return solve::buckling_modes(newton, model, a, c.eigen.modes);
-  };
-  const solve::EigenResult result = find();
+/// Modes of vibration, as many as the case says or the highest frequency of its response needs.
+VibrationModes find_vibration(const input::Case& c, system::Model& model, Vec a) {
+  const bool direct = c.analysis == "harmonic" && c.harmonic.method == input::HarmonicSection::Method::direct;
+  VibrationModes found{solve::MassMatrix(model, a, c.eigen.mass), system::rigid_inertia(model, a, c.eigen.mass), {}};
+  if (c.eigen.modes > 0) found.result = solve::vibration_modes(model, a, c.eigen.modes, found.mass.mat());
+  if (c.eigen.modes > 0 || direct) return found;
+  const double needed = mode_margin * record::highest_frequency(c.harmonic);
+  for (int count = first_modes;; count *= 2) {
+    found.result = solve::vibration_modes(model, a, count, found.mass.mat());
+    const std::vector<solve::Mode>& modes = found.result.modes;
+    if (static_cast<int>(modes.size()) < found.result.asked_for || modes.back().value >= needed) return found;
+    if (SignalScope::stop_asked(model.dofs().comm())) return found;
+    if (count >= most_modes)
+      throw UserError(
+          fmt::format("{}: harmonic.to: more than {} modes lie below {:.4g} Hz; lower it, give eigen.modes, "
+                      "or method = \"direct\"",
+                      c.file.string(), count, needed));
+  }
+}
+
+/// Estimates, table and summary of the modes.
+void report_modes(const input::Case& c, const record::RunOptions& options, system::Model& model, Vec a,
+                  const solve::EigenResult& result, const std::vector<solve::Participation>& parts,
+                  record::Summary& summary) {
+  const bool vibration = c.vibrates(), root = mpi::rank(model.dofs().comm()) == 0;
   if (root && options.verbosity != record::Verbosity::quiet)
     fmt::print("{:>5} {:>16} {:>12} {:>14}\n", "mode", vibration ? "frequency [Hz]" : "load factor", "residual",
                "est. error [%]");
   for (const solve::Mode& mode : result.modes) summary.eigen.push_back(mode.value);
   record::DiscretisationError recovery;
-  for (const solve::Mode& mode : result.modes) {
-    double error = error_of(model, a, mode, vibration, recovery);
-    if (vibration) error *= is_rigid(mode.value, summary.eigen) ? 0.0 : 0.5;  // of the square of the frequency
+  const std::vector<char> rigid = rigid_modes(c, model, result.modes);
+  for (std::size_t i = 0; i < rigid.size(); ++i) {
+    double error = error_of(model, a, result.modes[i], vibration, recovery);
+    if (vibration) error *= rigid[i] != 0 ? 0.0 : 0.5;  // of the square of the frequency
     summary.mode_errors.push_back(error);
   }
-  write_modes(c, options, model, result, summary.mode_errors);
-  if (root) warn_of_errors(summary, vibration);
+  write_modes(c, options, model, result, {summary.mode_errors, parts});
+  if (root) warn_of_errors(c, summary);
   summary.converged = static_cast<int>(result.modes.size()) >= result.asked_for;
   if (!summary.converged)
     summary.reason = fmt::format("{} of {} modes found{}", result.modes.size(), result.asked_for,
@@ -122,6 +175,41 @@ void run_modes(const input::Case& c, const record::RunOptions& options, system::
     summary.reason =
         fmt::format("{}; {} of {} modes had been found", Interrupted().what(), result.modes.size(), result.asked_for);
   }
+}
+
+}  // namespace
+
+std::vector<char> rigid_modes(const input::Case& c, const system::Model& model, const std::vector<solve::Mode>& modes) {
+  constexpr double noise = 3e-5;  // of frequencies: the root of the round-off of their squares
+  constexpr double small = 1e-2;  // of the first mode that strains, where the supports leave free motions
+  std::size_t free = 0;
+  for (const system::FreePiece& piece :
+       system::free_pieces(model.dofs().mesh(), model.discretisation().constraints(), c.springs))
+    free += static_cast<std::size_t>(piece.motions());
+  std::vector<char> rigid;
+  for (std::size_t i = 0; i < modes.size(); ++i) {
+    double limit = noise * std::abs(modes.back().value);
+    if (i < free && free < modes.size()) limit = std::max(limit, small * std::abs(modes[free].value));
+    rigid.push_back(std::abs(modes[i].value) < limit ? 1 : 0);
+  }
+  return rigid;
+}
+
+void run_modes(const input::Case& c, const record::RunOptions& options, system::Model& model, Vec a,
+               record::Summary& summary) {
+  if (!c.vibrates()) {
+    solve::Newton newton(model);
+    return report_modes(c, options, model, a, solve::buckling_modes(newton, model, a, c.eigen.modes), {}, summary);
+  }
+  require_excitation(c, model);
+  const VibrationModes found = find_vibration(c, model, a);
+  if (!found.result.modes.empty()) {
+    const auto parts = solve::participation(found.result.modes, found.mass.mat(), found.inertia);
+    report_modes(c, options, model, a, found.result, parts, summary);
+    if (mpi::rank(model.dofs().comm()) == 0 && options.verbosity != record::Verbosity::quiet)
+      fmt::print("{}\n", carried_text(parts, found.inertia.mass));
+  }
+  if (c.analysis == "harmonic" && summary.converged) run_harmonic(c, options, model, a, found, summary);
 }
 
 }  // namespace voile::simulation

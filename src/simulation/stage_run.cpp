@@ -212,8 +212,7 @@ record::Summary StageRun::end() {
     summary.reason = checkpoints_.file().empty()
                          ? all_.reason
                          : fmt::format("stopped by a signal; continue with --restart {}", checkpoints_.file().string());
-  if (summary.converged && (c.analysis == "modal" || c.analysis == "buckling"))
-    run_modes(c, stage_.options, model, state.u, summary);
+  if (summary.converged && c.finds_modes()) run_modes(c, stage_.options, model, state.u, summary);
   if (remesher_) summary.remeshing = remesher_->effort();
   if (remesher_ && !text_of(*summary.remeshing).empty()) recorder_.remark(text_of(*summary.remeshing));
   recorder_.finish();

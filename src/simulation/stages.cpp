@@ -7,6 +7,7 @@
 
 #include "base/mpi.hpp"
 #include "base/text.hpp"
+#include "harmonic.hpp"
 #include "input/case_keys.hpp"
 #include "record/probes.hpp"
 #include "record/summary.hpp"
@@ -27,7 +28,7 @@ using system::Support;
 /// What PETSc's options have to say wins over the case file.
 void take_options(MPI_Comm comm, input::Case& c) {
   solve::read_path_options(comm, c.steps);
-  if (c.analysis == "modal" || c.analysis == "buckling") {
+  if (c.finds_modes()) {
     c.steps.final_load_factor = c.eigen.load_factor;
     std::erase_if(c.steps.stops, [&](double stop) { return stop > c.eigen.load_factor; });
   }
@@ -97,8 +98,7 @@ void hold_over_supports(const Stage& before, Stage& now) {
 }
 
 void hold_over_loads(const Stage& before, Stage& now) {
-  const std::string& analysis = now.c.analysis;
-  if (analysis != "static" && analysis != "modal" && analysis != "buckling") return;
+  if (now.c.analysis != "static" && !now.c.finds_modes()) return;
   for (std::size_t i = 0; i < now.c.stage.loads.size(); ++i)
     if (place_of(now.c.stage.loads[i], before.c.stage.loads) != npos && !now.c.loads[i].history)
       now.c.loads[i].constant = true;
@@ -117,7 +117,7 @@ void hold_over_temperatures(const Stage& before, Stage& now) {
       f->in_time = false;
       t.constant = true;
     }
-    t.constant = t.constant || now.c.analysis == "static" || now.c.analysis == "modal" || now.c.analysis == "buckling";
+    t.constant = t.constant || now.c.analysis == "static" || now.c.finds_modes();
   }
 }
 
@@ -210,8 +210,9 @@ Origin begin_from(const input::Case& c, record::RunOptions& options, std::vector
 
 void check_stage(const Stage& stage, const mesh::SurfaceMesh& mesh) try {
   const system::Model model(stage.options.comm, mesh, stage.input);
-  if (stage.c.analysis == "modal" || stage.c.analysis == "dynamic") system::require_mass(model);
+  if (stage.c.vibrates() || stage.c.analysis == "dynamic") system::require_mass(model);
   (void)setup::check_free_motions(stage.c, model);
+  require_excitation(stage.c, model);
   (void)record::Probes(stage.c, model);
   check_remesh(stage.options.comm, stage.c, mesh);
 } catch (const UserError& e) {

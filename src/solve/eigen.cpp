@@ -142,16 +142,6 @@ int wanted(EPS eps) {
   return static_cast<int>(count);
 }
 
-/// A shift below the lowest mode of a plate as large as the model, so that K + shift M can be factored for free bodies.
-double small_shift(const system::Model& model) {
-  double stiffness = 0.0, density = 0.0;
-  for (const energy::Material& m : model.discretisation().materials()) {
-    stiffness = std::max(stiffness, m.bending.norm());
-    density = std::max(density, m.areal_density);
-  }
-  return stiffness / (density * std::pow(model.dofs().mesh().extent(), 4));
-}
-
 /// K' = d/dmu K(a + mu x_f, lambda + mu) by a central difference with displacements far below an edge length, and natural
 /// strains far below 1.
 petsc::MatHandle load_stiffness(system::Model& model, Vec a, Vec load_solution) {
@@ -179,17 +169,31 @@ petsc::MatHandle load_stiffness(system::Model& model, Vec a, Vec load_solution) 
 
 }  // namespace
 
-EigenResult vibration_modes(system::Model& model, Vec a, int count, Mass kind) {
+MassMatrix::MassMatrix(system::Model& model, Vec a, Mass kind) {
   system::require_mass(model);
+  (void)model.potential().configuration(a);  // rigid bodies have the mass of the state taken last
+  if (kind == Mass::lumped)
+    lumped_ = lumped_mass(model);
+  else
+    consistent_ = model.potential().constant().consistent_mass();
+}
+
+double small_shift(const system::Model& model) {
+  double stiffness = 0.0, density = 0.0;
+  for (const energy::Material& m : model.discretisation().materials()) {
+    stiffness = std::max(stiffness, m.bending.norm());
+    density = std::max(density, m.areal_density);
+  }
+  return stiffness / (density * std::pow(model.dofs().mesh().extent(), 4));
+}
+
+EigenResult vibration_modes(system::Model& model, Vec a, int count, Mass kind) {
+  return vibration_modes(model, a, count, MassMatrix(model, a, kind).mat());
+}
+
+EigenResult vibration_modes(system::Model& model, Vec a, int count, Mat mass) {
   EigenResult result;
   model.assemble_tangent(a, {.kind = energy::Tangent::exact});
-  petsc::MatHandle lumped;
-  system::BlockMatrix consistent;
-  if (kind == Mass::lumped)
-    lumped = lumped_mass(model);
-  else
-    consistent = model.potential().constant().consistent_mass();
-  Mat mass = kind == Mass::lumped ? static_cast<Mat>(lumped) : consistent.mat();
   const EpsHandle eps = create(model, model.tangent().matrix(), mass, count);
   ST st = nullptr;
   VOILE_PETSC(EPSGetST(eps, &st));
@@ -241,6 +245,26 @@ EigenResult buckling_modes(Newton& newton, system::Model& model, Vec a, int coun
   std::erase_if(result.modes, [](const Mode& mode) { return !(mode.eigenvalue > 0.0); });
   for (Mode& mode : result.modes) mode.value = model.conditions().load_factor() + 1.0 / mode.eigenvalue;
   return result;
+}
+
+std::vector<Participation> participation(const std::vector<Mode>& modes, Mat mass,
+                                         const system::RigidInertia& inertia) {
+  std::vector<Participation> all;
+  petsc::VecHandle work;
+  VOILE_PETSC(VecDuplicate(inertia.force[0], work.out()));
+  for (const Mode& mode : modes) {
+    Participation p;
+    VOILE_PETSC(MatMult(mass, mode.shape, work));
+    VOILE_PETSC(VecDot(mode.shape, work, &p.mass));
+    for (std::size_t k = 0; k < p.factor.size(); ++k) {
+      double product = std::nan("");
+      if (inertia.force[k]) VOILE_PETSC(VecDot(mode.shape, inertia.force[k], &product));
+      p.factor[k] = product / p.mass;
+      p.effective[k] = product * product / p.mass;
+    }
+    all.push_back(p);
+  }
+  return all;
 }
 
 SlepcSession::SlepcSession() {

@@ -13,10 +13,13 @@
 // Options of SLEPc's EPS and ST work as users know them: -eps_nev, -eps_tol, -eps_monitor, -eps_view, -st_type ...
 #pragma once
 
+#include <array>
+#include <optional>
 #include <vector>
 
 #include "newton.hpp"
 #include "system/dynamics.hpp"
+#include "system/rigid_inertia.hpp"
 
 namespace voile::solve {
 
@@ -32,12 +35,41 @@ struct EigenResult {
   int asked_for = 0;  ///< options may ask for another number than the caller
 };
 
+/// M, with zero rows where the displacement is fixed. [kg]
+class MassMatrix {
+ public:
+  /// In the state `a`. Collective. Throws UserError if a material has no mass.
+  MassMatrix(system::Model& model, Vec a, system::Mass kind);
+  [[nodiscard]] Mat mat() const { return consistent_ ? consistent_->mat() : static_cast<Mat>(lumped_); }
+  /// The consistent one; null: it is lumped.
+  [[nodiscard]] const system::BlockMatrix* blocks() const { return consistent_ ? &*consistent_ : nullptr; }
+
+ private:
+  petsc::MatHandle lumped_;
+  std::optional<system::BlockMatrix> consistent_;
+};
+
+/// A shift below the lowest mode of a plate as large as the model, so that K + shift M can be factored for free bodies.
+/// [1/s^2]
+[[nodiscard]] double small_shift(const system::Model& model);
+
 /// Lowest `count` modes of vibration about `a` at the model's load factor. Collective.
 /// Throws UserError if a material has no mass.
+[[nodiscard]] EigenResult vibration_modes(system::Model& model, Vec a, int count, Mat mass);
 [[nodiscard]] EigenResult vibration_modes(system::Model& model, Vec a, int count, system::Mass mass);
 /// Lowest `count` critical load factors beyond the model's load factor. Collective.
 /// Throws UserError if the equilibrium is unstable or no load grows with the load factor.
 [[nodiscard]] EigenResult buckling_modes(Newton& newton, system::Model& model, Vec a, int count);
+
+/// How much a mode takes part in the rigid motions of RigidInertia; symbols there.
+struct Participation {
+  double mass = 0.0;                                              ///< m, with the largest component of the mode 1 [kg]
+  std::array<double, system::RigidInertia::motions> factor{};     ///< L_k/m
+  std::array<double, system::RigidInertia::motions> effective{};  ///< L_k^2/m; not a number: not known [kg], [kg m^2]
+};
+/// Of each mode. Collective.
+[[nodiscard]] std::vector<Participation> participation(const std::vector<Mode>& modes, Mat mass,
+                                                       const system::RigidInertia& inertia);
 
 /// SLEPc between construction and destruction; PETSc must be running.
 class SlepcSession {

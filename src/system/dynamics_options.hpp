@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <vector>
 
 #include "energy/drag_options.hpp"
 
@@ -16,6 +17,7 @@ struct DynamicsOptions {
   double bending_damping = 0.0;  ///< beta [s]
   double viscous_time = 0.0;     ///< tau [s]
   bool material_damping = true;  ///< materials damp as they say, besides
+  std::vector<double> ratios;    ///< of the modes in a frequency response: of each, the last for all after; empty: none
   energy::DragOptions drag;
   std::function<double(double time)> load_history;  ///< lambda(t); empty: 1
 };

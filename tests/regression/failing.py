@@ -5,7 +5,7 @@ import math
 import numpy as np
 from common import strip
 from harness import OUT, solve, test
-from solver import run, variant, write_case
+from solver import load_case, run, variant, write_case
 
 # Graphite/epoxy of Kaw, Mechanics of Composite Materials, 2nd ed. (2006), table 2.1.
 PLY = {"young_1": 181e9, "young_2": 10.3e9, "poisson_12": 0.28, "shear_12": 7.17e9}
@@ -100,6 +100,8 @@ def failure_bent(report):
     index = by_theory("tsai_wu", angles, 0.5e-3, moment=(moment, 0, 0))[0]  # positive moments lift the end
     report.percent(float(ends[0][middle].mean()) / index, 0.02, f"index in the middle, {index:.4g} by theory")
     report.below(np.abs(ends[1] / ends[0] - 1).max(), 1e-6, "2 ranks and 1")
+    again = solve("failure_bent_again", load_case(OUT / "failure_bent_1" / "resolved_case.toml")).results[-1]
+    report.below(np.abs(np.ravel(again["failure_index"]) / ends[0] - 1).max(), 1e-9, "the resolved case knows the plies and their strengths")
 
 
 @test

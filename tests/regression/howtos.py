@@ -9,7 +9,7 @@ from solver import ROOT, invoke, write_case
 
 PAGES = ROOT / "docs" / "howto"
 # Pages whose blocks stand on the strip, and the analysis that they are for.
-STRIP = {"choose-contact-numbers": "dynamic", "damp-a-motion": "dynamic", "define-a-laminate": "static", "find-modes": "modal",
+STRIP = {"choose-contact-numbers": "dynamic", "damp-a-motion": "dynamic", "define-a-laminate": "static", "find-modes": "modal", "find-a-frequency-response": "harmonic",
          "fix-convergence": "static", "follow-a-path": "static", "heat-a-sheet": "static", "hold-rigidly": "static", "inflate-a-membrane": "static", "measure-forces": "static", "move-supports": "dynamic",
          "prestress": "static", "read-results-in-paraview": "static", "remesh": "static", "restart": "dynamic",
          "start-inside-the-contact-distance": "dynamic", "tune-petsc": "static"}

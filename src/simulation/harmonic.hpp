@@ -1,0 +1,30 @@
+// Frequency response: amplitudes of probes under loads or a base that vibrate.
+#pragma once
+
+#include "input/case.hpp"
+#include "record/run_options.hpp"
+#include "record/summary.hpp"
+#include "solve/eigen.hpp"
+#include "system/model.hpp"
+
+namespace voile::simulation {
+
+/// Modes of vibration about a state, and what they were found with.
+struct VibrationModes {
+  solve::MassMatrix mass;
+  system::RigidInertia inertia;
+  solve::EigenResult result;
+};
+
+/// How far above the highest frequency of the response modes are needed.
+inline constexpr double mode_margin = 1.5;
+
+/// Throws UserError for supports that move by themselves, and a base that cannot move the sheet, if the analysis is one of
+/// frequencies. Not collective.
+void require_excitation(const input::Case& c, const system::Model& model);
+/// response.csv of the vibration about the state `a`, and its peaks in the summary. Collective. Throws UserError where the
+/// response is not determined.
+void run_harmonic(const input::Case& c, const record::RunOptions& options, system::Model& model, Vec a,
+                  const VibrationModes& modes, record::Summary& summary);
+
+}  // namespace voile::simulation

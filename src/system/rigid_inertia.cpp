@@ -1,0 +1,105 @@
+#include "rigid_inertia.hpp"
+
+#include "base/mpi.hpp"
+#include "energy/sheet.hpp"
+
+namespace voile::system {
+
+namespace {
+
+/// Lumped mass of each vertex of the mesh, on every rank; 0 on rigid bodies.
+std::vector<double> vertex_masses(const Model& model) {
+  const Dofs& dofs = model.dofs();
+  std::vector<double> masses(static_cast<std::size_t>(dofs.mesh().vertex_count()), 0.0);
+  {
+    const petsc::ReadArray lumped(model.potential().constant().mass());
+    for (Index i = 0; i < dofs.local().owned; ++i) {
+      const Index v = dofs.local().point_of[i];
+      if (dofs.body_of(v) == no_index) masses[static_cast<std::size_t>(v)] = lumped[3 * i];
+    }
+  }
+  mpi::sum(dofs.comm(), masses);
+  return masses;
+}
+
+std::vector<Vec3> positions_in(const Model& model, Vec a) {
+  std::vector<double> u = model.dofs().gather(a);
+  mpi::broadcast(model.dofs().comm(), u);
+  std::vector<Vec3> x(u.size() / 3);
+  for (std::size_t v = 0; v < x.size(); ++v)
+    x[v] = model.dofs().mesh().positions()[static_cast<Index>(v)] + Vec3(u[3 * v], u[3 * v + 1], u[3 * v + 2]);
+  return x;
+}
+
+/// Mass of all vertices and bodies, and its centre.
+void add_up(const Model& model, const std::vector<double>& masses, const std::vector<Vec3>& x, RigidInertia& all) {
+  for (std::size_t v = 0; v < x.size(); ++v) {
+    all.mass += masses[v];
+    all.centre += masses[v] * x[v];
+  }
+  for (const BodyMass& body : model.potential().constant().body_mass()) all.mass += body.mass;
+  all.turns = model.dofs().motions().empty();
+  if (!all.turns) return;
+  all.centre /= all.mass;
+}
+
+/// What the consistent mass of triangles adds to the lumped one where the acceleration is not the same everywhere.
+void make_consistent(const Model& model, const std::vector<Vec3>& acceleration, std::vector<Vec3>& force) {
+  const mesh::SurfaceMesh& mesh = model.dofs().mesh();
+  for (Index t = 0; t < mesh.triangle_count(); ++t) {
+    const double part = model.discretisation().sheet().material(t).areal_density * mesh.area(t) / 12.0;
+    Vec3 sum = Vec3::Zero();
+    for (const Index v : mesh.triangles()[t]) sum += acceleration[static_cast<std::size_t>(v)];
+    for (const Index v : mesh.triangles()[t])
+      force[static_cast<std::size_t>(v)] += part * (sum - 3.0 * acceleration[static_cast<std::size_t>(v)]);
+  }
+}
+
+/// The forces on vertices, by their number in the mesh, in the unknowns.
+petsc::VecHandle in_unknowns(const Model& model, const std::vector<Vec3>& force) {
+  const Dofs& dofs = model.dofs();
+  petsc::VecHandle f = dofs.create_vector();
+  const petsc::WriteArray out(f);
+  for (Index i = 0; i < dofs.local().owned; ++i) {
+    const Index v = dofs.local().point_of[i];
+    if (dofs.body_of(v) != no_index) continue;
+    const Vec3 own = dofs.to_own(v, force[static_cast<std::size_t>(v)]);
+    for (int k = 0; k < 3; ++k) out[3 * i + k] = own[k];
+  }
+  return f;
+}
+
+void add_bodies(const Model& model, const Vec3& direction, Vec f) {
+  const std::vector<BodyMass>& bodies = model.potential().constant().body_mass();
+  if (bodies.empty()) return;
+  const petsc::WriteArray out(f);
+  for (std::size_t b = 0; b < bodies.size(); ++b)
+    model.dofs().add_body_force(b, {bodies[b].mass * direction, direction * bodies[b].first.transpose()}, out);
+}
+
+}  // namespace
+
+RigidInertia rigid_inertia(Model& model, Vec a, Mass kind) {
+  (void)model.potential().configuration(a);  // rigid bodies are where the state has them
+  RigidInertia all;
+  const std::vector<double> masses = vertex_masses(model);
+  const std::vector<Vec3> x = positions_in(model, a);
+  add_up(model, masses, x, all);
+  for (std::size_t k = 0; k < (all.turns ? RigidInertia::motions : 3); ++k) {
+    const Vec3 axis = Vec3::Unit(static_cast<Eigen::Index>(k % 3));
+    std::vector<Vec3> acceleration(x.size(), axis), force(x.size());
+    for (std::size_t v = 0; v < x.size(); ++v) {
+      if (k >= 3) acceleration[v] = axis.cross(x[v] - all.centre);
+      force[v] = masses[v] * acceleration[v];
+    }
+    if (k >= 3 && kind == Mass::consistent) make_consistent(model, acceleration, force);
+    for (std::size_t v = 0; v < x.size() && k >= 3; ++v)
+      all.moments[static_cast<Eigen::Index>(k) - 3] += force[v].dot(acceleration[v]);
+    all.force[k] = in_unknowns(model, force);
+    if (k < 3) add_bodies(model, axis, all.force[k]);
+    model.dofs().clear_fixed(all.force[k]);
+  }
+  return all;
+}
+
+}  // namespace voile::system

@@ -1,0 +1,232 @@
+"""Effective masses of modes; vibration over the frequency under loads and on a moving base; random vibration."""
+
+import math
+
+import numpy as np
+from harness import OUT, solve, test
+from solver import ROOT, invoke, write_case
+from voile import mac
+
+CLAMP = [{"type": "clamped", "group": "clamp"}]
+TIP = [{"name": "tip", "type": "displacement", "group": "tip", "components": ["z"]}]
+
+
+def strip_of(nx, ny, length, width):
+    return {"file": str(ROOT / "meshes" / "cantilever.geo"),
+            "parameters": {"length": length, "width": width, "nx": nx, "ny": ny, "pattern": 1}}
+
+
+def blade(analysis="harmonic", nx=60, **more):
+    """A clamped strip of aluminium, 1 m long."""
+    material = [{"type": "isotropic", "young": 70e9, "poisson": 0.0, "thickness": 0.002, "density": 2700.0}]
+    return {"title": "Blade", "analysis": analysis, "mesh": strip_of(nx, 2, 1.0, 0.05), "material": material,
+            "support": CLAMP, "probe": TIP} | more
+
+
+def table_of(result, name):
+    return np.genfromtxt(result.folder / name, delimiter=",", names=True, ndmin=1)
+
+
+def response_of(result, probe="tip_z"):
+    """Frequencies, and complex displacements."""
+    table = table_of(result, "response.csv")
+    return table["frequency_hz"], table[f"{probe}_amplitude"] * np.exp(1j * np.radians(table[f"{probe}_phase"]))
+
+
+@test
+def effective_masses(report):
+    """Modes of a cantilever take 61.31, 18.83, 6.47, 3.31 % of its mass (Clough & Penzien); all modes take all that moves."""
+    area = 0.05 * 1.0
+    mass = 2700 * 0.002 * area
+    result = solve("harmonic_masses", blade("modal", eigen={"modes": 6}))
+    table = table_of(result, "modes.csv")
+    across = table[table["effective_mass_z"] > 1e-3 * mass]
+    for i, exact in enumerate((0.613076, 0.188300, 0.064742, 0.033078)):
+        report.percent(across["effective_mass_z"][i] / (exact * mass), 0.01, f"mode {i + 1}")
+    report.percent(across["participation_z"][0] / 1.566, 0.002, "participation of the first")
+    sum_z = 100 * table["effective_mass_z"].sum() / mass
+    report.check(f"carry 0.0 % of the mass in x, {100 * table['effective_mass_y'].sum() / mass:.1f} % in y, {sum_z:.1f} % in z"
+                 in result.text, f"the log has the sums ({sum_z:.1f} % in z)")
+    # The same modes on another mesh are the same, whatever the number; all others are square to them.
+    fine = solve("harmonic_masses_fine", blade("modal", nx=40, eigen={"modes": 5}))
+    found = mac(result.modes, fine.modes)
+    report.below(abs(found.diagonal() - 1).max(), 0.01, "MAC of the same mode on two meshes")
+    report.below(found[~np.eye(6, 5, dtype=bool)].max(), 0.05, "MAC of different modes")
+    # All modes of a free plate: all of its mass, and its moments of inertia about its centre.
+    free = blade("modal", mesh=strip_of(3, 2, 1.0, 0.5), support=[], eigen={"modes": 6}, mass=[{"group": "tip", "mass": 0.3}])
+    free["probe"] = []
+    ends = []
+    for ranks in (1, 2):
+        table = table_of(solve("harmonic_free", free, ranks), "modes.csv")
+        ends.append(table)
+        whole = 2700 * 0.002 * 0.5 + 3 * 0.3
+        for axis in "xyz":
+            report.percent(table[f"effective_mass_{axis}"].sum() / whole, 1e-9, f"free, {ranks} rank(s): mass in {axis}")
+        centre = (2.7 * 0.5 + 0.9 * 1.0) / whole
+        about_y = 2.7 / 12 + 2.7 * (centre - 0.5) ** 2 + 0.9 * (1 - centre) ** 2
+        about_x = 2.7 * 0.25 / 12 + 2 * 0.3 * 0.25**2
+        report.percent(table["effective_inertia_y"].sum() / about_y, 1e-9, "moment of inertia about y")
+        report.percent(table["effective_inertia_x"].sum() / about_x, 1e-9, "moment of inertia about x")
+    lumped = table_of(solve("harmonic_lumped", free | {"eigen": {"modes": 6, "mass": "lumped"}}), "modes.csv")
+    report.percent(lumped["effective_mass_z"].sum() / whole, 1e-9, "lumped: mass in z")
+
+
+@test
+def harmonic_methods(report):
+    """Superposition against the direct solution and, at rest, the linear analysis; damping of all kinds; 1 to 3 ranks."""
+    load = [{"type": "line", "group": "tip", "vector": [0, 0, 2.0]}]
+    listed = [1e-3, 1.0, 1.64, 5.0, 10.3, 11.0, 20.0, 28.8, 45.0, 60.0, 90.0]
+    damping = {"bending": 1e-4, "mass": 0.3, "membrane": 2e-5}
+    for name, section, more in (("loads", {"excitation": "loads"}, {"load": load}),
+                                ("base", {"excitation": "base", "direction": [1, 0, 2], "acceleration": 3.0}, {})):
+        case = blade(harmonic=section | {"frequencies": listed}, damping=damping, **more)
+        few = solve(f"harmonic_{name}", case)
+        alone, count = response_of(few)[1], len(few.summary["eigenvalues"])
+        many = solve(f"harmonic_{name}_many", case | {"eigen": {"modes": 60}})
+        direct = response_of(solve(f"harmonic_{name}_direct", case | {"harmonic": case["harmonic"] | {"method": "direct"}}, 2 if name == "loads" else 3))[1]
+        report.below(max(abs(response_of(many)[1] / direct - 1)), 1e-6, f"{name}: 60 modes against the direct solution")
+        report.below(max(abs(alone / direct - 1)), 1e-4, f"{name}: {count} modes against it")
+        for ranks in (2, 3) if name == "loads" else ():
+            other = response_of(solve(f"harmonic_{name}", case, ranks))[1]
+            report.below(max(abs(other / alone - 1)), 1e-7, f"{name}: {ranks} ranks")
+        if name == "loads":
+            linear = solve("harmonic_linear", blade("linear", load=load)).history["tip_z"][-1]
+            report.below(abs(direct[0]) / linear - 1, 1e-6, "slowest: the linear analysis")
+    # A free plate moves by its mass alone.
+    free = blade(support=[], load=[{"type": "area", "vector": [0, 0, 1.0]}], harmonic={"frequencies": [1.0]}, damping={"ratio": [0.02]})
+    u = response_of(solve("harmonic_free_body", free))[1][0]
+    report.below(abs(u * (2 * math.pi) ** 2 * 5.4 / -1 - 1), 1e-5, "free: acceleration")
+
+
+@test
+def harmonic_peaks(report):
+    """A heavy tip on a light blade: one degree of freedom on a moving base, Miles' equation, and a peak that no point of the table misses."""
+    ratio, mass = 0.01, 5.0
+    for kind, method in (("ratio", {}), ("bending", {}), ("mass", {})):
+        case = blade(nx=40, mesh=strip_of(40, 2, 0.2, 0.02), mass=[{"group": "tip", "mass": mass}],
+                     harmonic={"excitation": "base", "direction": [0, 0, 1], "acceleration": 9.81, "from": 0.1, "to": 5.0, "points": 20}
+                     | method, damping={"ratio": [ratio]})
+        if kind == "bending":
+            case["damping"] = {"bending": 2 * ratio / (2 * math.pi * first)}
+            case["harmonic"]["spacing"] = "linear"
+        if kind == "mass":  # air at rest, which acts on the motion in space
+            case["damping"] = {"mass": 20 * ratio * 2 * math.pi * first}
+        result = solve(f"harmonic_{kind}", case)
+        first = result.summary["eigenvalues"][0]
+        f, u = response_of(result)
+        part = table_of(result, "modes.csv")["participation_z"][0]
+        exact = -part * 9.81 / (2 * math.pi) ** 2 / (first**2 - f**2 + 2j * ratio * first * f)
+        accelerations = table_of(result, "response.csv")["tip_z_acceleration"]
+        if kind == "mass":
+            exact = 9.81 * first**2 / (first**2 - f**2 + 20j * ratio * first * f)
+            report.below(max(abs(accelerations / abs(exact) - 1)), 0.01, "mass: acceleration in space")
+            continue
+        report.below(max(abs(u / exact - 1)), 0.002, f"{kind}: one degree of freedom, amplitude and phase, {len(f)} points")
+        report.percent(result.summary["response"][0]["largest_amplitude"] / abs(exact).max(), 0.002, "its peak")
+        report.percent(max(accelerations / abs(9.81 - (2 * math.pi * f) ** 2 * exact)), 0.002, "acceleration in space")
+    section = {"excitation": "base", "direction": [0, 0, 1], "psd_frequencies": [0.02, 500.0], "psd_values": [2.0, 2.0]}
+    random = solve("harmonic_random", case | {"harmonic": section, "damping": {"ratio": [ratio]}}, 2)
+    rms = random.summary["response"][0]
+    miles = math.sqrt(math.pi / 2 * first / (2 * ratio) * 2.0)
+    report.percent(rms["rms_acceleration"] / miles, 0.005, "Miles' equation")
+    report.percent(rms["rms_displacement"] / math.sqrt(2.0 / (8 * ratio * (2 * math.pi * first) ** 3)), 0.005, "displacement")
+    # The table is integrated as it is read: by the trapezoidal rule over many points.
+    listed = np.concatenate([np.linspace(0.5, 1.2, 8001)])
+    shaped = section | {"psd_frequencies": [0.5, 0.8, 1.2], "psd_values": [1.0, 4.0, 0.5], "frequencies": [float(x) for x in listed]}
+    result = solve("harmonic_shaped", case | {"harmonic": shaped, "damping": {"ratio": [ratio]}})
+    psd = table_of(result, "response.csv")["tip_z_acceleration_psd"]
+    report.percent(math.sqrt(np.trapz(psd, listed)) / result.summary["response"][0]["rms_acceleration"], 1e-4, "a table with slopes")
+
+
+@test
+def harmonic_in_time(report):
+    """A motion in time whose base follows a cosine settles into the response, with damping of both kinds."""
+    f, acceleration = 1.2, 0.1
+    omega = 2 * math.pi * f
+    damping = {"mass": 2.0, "bending": 0.01}
+    base = {"excitation": "base", "direction": [0, 0, 1], "acceleration": acceleration, "frequencies": [f]}
+    u = response_of(solve("harmonic_settled", blade(nx=10, harmonic=base, damping=damping)))[1][0]
+    mover = {"type": "clamped", "group": "clamp", "motion": [0, 0, f"-{acceleration}/{omega}^2*(cos({omega}*t)-1)"]}
+    foot = {"name": "foot", "type": "displacement", "group": "clamp", "components": ["z"]}
+    steps = 200
+    motion = blade("dynamic", nx=10, support=[mover], probe=[*TIP, foot], damping=damping, output={"every": 100000},
+                   time={"end": 10 / f, "step": 1 / f / steps, "spectral_radius": 1.0, "mass": "consistent"})
+    h = solve("harmonic_moved", motion).history
+    relative = (h["tip_z"] - h["foot_z"])[-steps:]
+    found = 2 / steps * np.sum(relative * np.exp(-1j * omega * h["time"][-steps:]))
+    report.below(abs(u / found - 1), 0.001, f"amplitude {abs(u):.4g} m, phase {np.degrees(np.angle(u)):.2f} degrees")
+
+
+@test
+def harmonic_about_states(report):
+    """About a taut state: a string's response on its side; stages keep earlier loads as those of the equilibrium."""
+    tension, pressure, thickness = 500.0, 1e-3, 5e-4
+    areal = 1000 * thickness
+    speed = math.sqrt(tension / areal)
+    first = speed / 2  # of a string of 1 m [Hz]
+    listed = [1e-3 * first, 0.5 * first, 1.6 * first, 2.5 * first]
+    material = [{"type": "isotropic", "young": 2e9, "poisson": 0.0, "thickness": thickness, "density": 1000.0}]
+    case = blade(nx=80, material=material, eigen={"mass": "lumped"},
+                 support=[{"type": "hinged", "group": "clamp"}, {"type": "displacement", "group": "tip", "components": ["z"]}],
+                 load=[{"type": "line", "group": "tip", "vector": [tension, 0, 0], "constant": True},
+                       {"type": "area", "vector": [0, 0, pressure]}],
+                 probe=[{"name": "middle", "type": "displacement", "point": [0.5, 0.025, 0.0], "components": ["z"]}],
+                 harmonic={"frequencies": listed})
+    exact = []
+    for f in listed:
+        omega = 2 * math.pi * f
+        exact.append(pressure / (areal * omega**2) * (1 / math.cos(omega / speed / 2) - 1))
+    found = response_of(solve("harmonic_string", case), "middle_z")[1]
+    for f, u, w in zip(listed, found, exact):
+        report.percent(u.real / w, 0.005, f"string at {f / first:g} times its first frequency")
+    pull, shake = dict(case["load"][0]), case["load"][1] | {"stages": ["shake"]}
+    del pull["constant"], case["analysis"]
+    staged = case | {"load": [pull, shake], "stage": [{"name": "pull", "analysis": "static"}, {"name": "shake", "analysis": "harmonic"}]}
+    result = solve("harmonic_stages", staged, 2)
+    result.folder = result.folder / "shake"
+    report.below(max(abs(response_of(result, "middle_z")[1] / found - 1)), 1e-6, "as a stage behind its tension")
+
+
+@test
+def harmonic_mistakes(report):
+    """What cannot be answered is refused with its key and a remedy, or warned of."""
+    base = {"excitation": "base", "direction": [0, 0, 1], "from": 1.0, "to": 50.0}
+    load = [{"type": "line", "group": "tip", "vector": [0, 0, 2.0]}]
+    psd = {"excitation": "base", "direction": [0, 0, 1], "psd_frequencies": [1.0, 50.0], "psd_values": [1.0, 1.0]}
+    wrong = [
+        ("harmonic.from", ">= 0", {"harmonic": base | {"from": -1.0}}),
+        ("harmonic.from", "above 0 with logarithmic", {"harmonic": {k: v for k, v in base.items() if k != "from"}}),
+        ("harmonic.to", "must be above from", {"harmonic": base | {"to": 0.5}}),
+        ("harmonic.direction", "the key is missing", {"harmonic": {"excitation": "base", "from": 1.0, "to": 50.0}}),
+        ("harmonic.frequencies", "ascending", {"harmonic": {"excitation": "base", "direction": [0, 0, 1], "frequencies": [2.0, 1.0]}}),
+        ("harmonic.psd_frequencies", "ascending", {"harmonic": psd | {"psd_frequencies": [50.0, 1.0]}}),
+        ("harmonic.psd_values", "2 frequencies and 1 values", {"harmonic": psd | {"psd_values": [1.0]}}),
+        ("damping.ratio", "without damping", {"harmonic": psd, "damping": {"bending": 0.0}}),
+        ("harmonic.method", "superposition", {"harmonic": psd | {"method": "direct"}, "damping": {"bending": 1e-4}}),
+        ("damping.ratio", "has no modes", {"harmonic": base | {"method": "direct"}}),
+        ("harmonic.excitation", "no load varies", {"harmonic": {"from": 1.0, "to": 50.0}}),
+        ("load.type", "follower_pressure", {"harmonic": {"from": 1.0, "to": 50.0}, "load": [{"type": "follower_pressure", "magnitude": 1.0}]}),
+        ("[[probe]]", "displacement", {"harmonic": base, "probe": []}),
+        ("probe.type", "must be a displacement", {"harmonic": base, "probe": TIP + [{"name": "f", "type": "reaction", "group": "clamp"}]}),
+        ("[air]", "does not drag", {"harmonic": base, "air": {"normal_drag": 1.0}}),
+        ("[contact]", "there is no contact", {"harmonic": base, "contact": {"distance": 1e-3}}),
+        ("[remesh]", "nothing is remeshed", {"harmonic": base, "remesh": {"largest": 0.1}}),
+        ("harmonic.direction", "leaves it behind", {"harmonic": base, "support": []}),
+        ("[[support]]", "do not move by `value`", {"harmonic": {"from": 1.0, "to": 50.0}, "load": load, "support": CLAMP + [
+            {"type": "displacement", "group": "tip", "components": ["x"], "value": [0.01, 0, 0]}]}),
+        ("damping.ratio", "use `bending`", {"analysis": "dynamic"}),
+        ("eigen.modes", "give a number", {"analysis": "modal", "eigen": {"modes": 0}}),
+    ]
+    for key, part, changes in wrong:
+        code, text = invoke(["check", write_case(blade(nx=8, damping={"ratio": [0.02]}) | changes, OUT / "harmonic_wrong.toml")])
+        report.check(code == 2 and key in text and part in text and "harmonic_wrong.toml" in text,
+                     f"{key}: {part}" + ("" if code == 2 and key in text and part in text else f": code {code}: {text[-300:]}"))
+    late = [("eigen.modes", "but the response is wanted up to 50", {"harmonic": base, "eigen": {"modes": 2}}),
+            ("harmonic", "the equilibrium is unstable", {"harmonic": base, "load": [
+                {"type": "line", "group": "tip", "vector": [-150.0, 0, 0], "constant": True}]})]
+    for key, part, changes in late:
+        code, text = invoke(["run", write_case(blade(nx=8, damping={"ratio": [0.02]}) | changes, OUT / "harmonic_wrong.toml"),
+                             "--output", str(OUT / "harmonic_wrong"), "--overwrite"])
+        report.check(code == 2 and key in text and part in text, f"{key}: {part}" + ("" if code == 2 and part in text else f": code {code}: {text[-300:]}"))
+    loose = solve("harmonic_undamped", blade(nx=8, harmonic=base))
+    report.check("nothing damps the resonance(s) at 1.6" in loose.text, "an undamped resonance is warned of")
