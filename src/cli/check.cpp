@@ -7,6 +7,7 @@
 #include "base/mpi.hpp"
 #include "base/petsc.hpp"
 #include "record/probes.hpp"
+#include "record/report.hpp"
 #include "record/validity.hpp"
 #include "setup/free_motions.hpp"
 #include "setup/garment.hpp"
@@ -65,8 +66,9 @@ void print_balance(const mesh::SurfaceMesh& mesh, int ranks) {
 
 void report(const mesh::SurfaceMesh& mesh, int ranks, const setup::MeshQuality& quality,
             const energy::ElementOptions& element) {
-  fmt::print("{}: {} vertices, {} triangles, {} unknowns, {} connected piece(s)\n", mesh.source(), mesh.vertex_count(),
-             mesh.triangle_count(), 3 * mesh.vertex_count(), mesh.component_count());
+  fmt::print("{}: {} vertices, {} triangles, {} unknowns, {} connected piece{}\n", mesh.source(), mesh.vertex_count(),
+             mesh.triangle_count(), 3 * mesh.vertex_count(), mesh.component_count(),
+             mesh.component_count() == 1 ? "" : "s");
   if (mesh.reoriented_count() > 0)
     fmt::print("{} triangles were turned round to orient the surface\n", mesh.reoriented_count());
   fmt::print("groups:\n");
@@ -119,6 +121,7 @@ void check(MPI_Comm comm, const input::Case& whole) {
   if (model.contact()) simulation::examine_start(c, *model.contact(), start);
   mpi::on_root(comm, [&] {
     (void)record::Probes(c, model);
+    fmt::print("{}", record::units_text(c));
     report(mesh, mpi::size(comm), quality, c.element);
     if (const std::string text = record::locking_warning(model.discretisation().sheet(), at_rest); !text.empty())
       fmt::print("warning: {}\n", text);

@@ -69,6 +69,10 @@ void read_wind(const SectionPlace& place, const Case& c, energy::DragOptions& s)
   const auto at = [w](double t) { return Vec3(w[0](t), w[1](t), w[2](t)); };
   s.wind = at(0.0);
   if (!std::all_of(s.wind_texts.begin(), s.wind_texts.end(), is_number)) s.wind_in_time = at;
+  if (place.has("density") && !c.is_staged() && !place.has("normal_drag") && !place.has("tangential_drag"))
+    place.fail("density",
+               "without a drag coefficient the air has no force on the sheet; give normal_drag or "
+               "tangential_drag, or remove the section");
   if ((s.wind.norm() > 0.0 || s.wind_in_time) && !s.active())
     place.fail("wind", "the air has no force on the sheet; give normal_drag or tangential_drag");
   if ((s.wind.norm() > 0.0 || s.wind_in_time) && c.analysis != "dynamic" && !c.is_staged())

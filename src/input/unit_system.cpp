@@ -3,9 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "base/text.hpp"
 #include "voile/errors.hpp"
@@ -183,7 +185,8 @@ MeasuredUnit parse_unit(const std::string& text) {
 }
 
 UnitSystem::UnitSystem(const UnitsSection& names)
-    : length_(unit_of("length", names.length, length)),
+    : names_(names),
+      length_(unit_of("length", names.length, length)),
       mass_(unit_of("mass", names.mass, mass)),
       time_(unit_of("time", names.time, duration)) {}
 
@@ -212,6 +215,40 @@ double UnitSystem::own_default(double value, const std::string& unit) const {
   if (is_si() || value == 0.0) return value;
   const MeasuredUnit own = parse_unit(unit);
   return own.si == 1.0 ? from_si(value, own.powers) : value;
+}
+
+std::string UnitSystem::label_of_name(const std::string& name) const {
+  const MeasuredUnit unit = parse_unit(name);
+  const Powers& p = unit.powers;
+  if (p == none || unit.si != 1.0) return name;
+  const double own = unit.si / from_si(unit.si, p);
+  for (const Named& n : named_units())
+    if (n.powers == p && std::abs(n.si / own - 1.0) < 1e-12) return n.name;
+  std::string above, below;
+  for (const auto& [base, power] : {std::pair(names_.length, p.length), {names_.mass, p.mass}, {names_.time, p.time}}) {
+    std::string& side = power > 0 ? above : below;
+    if (power != 0 && !side.empty()) side += ' ';
+    if (power != 0) side += base;
+    if (std::abs(power) > 1) side += fmt::format("^{}", std::abs(power));
+  }
+  if (above.empty()) above += '1';
+  if (below.empty()) return above;
+  const bool several = below.find(' ') != std::string::npos;
+  return several ? fmt::format("({}/({}))", above, below) : fmt::format("({}/{})", above, below);
+}
+
+std::string UnitSystem::label(const std::string& unit) const {
+  if (is_si()) return unit;
+  std::string text;
+  for (std::size_t at = 0; at < unit.size();) {
+    std::size_t end = at;
+    while (end < unit.size() && std::isalpha(static_cast<unsigned char>(unit[end]))) ++end;
+    const bool named = end > at;
+    if (!named) ++end;
+    text += named ? label_of_name(unit.substr(at, end - at)) : unit.substr(at, 1);
+    at = end;
+  }
+  return text;
 }
 
 std::string unit_for(const std::string& key_unit, const std::string& type) {

@@ -45,8 +45,14 @@ class UnitSystem {
   [[nodiscard]] double number(const std::string& text, const std::string& unit) const;
   /// A default in SI as a number of this system.
   [[nodiscard]] double own_default(double value, const std::string& unit) const;
+  /// An SI unit as this system has it, for labels: "Pa" is "MPa" in mm, t and s. Names without a prefix of their own are
+  /// written in length, mass and time, "N" in in, lb and s as "(in lb/s^2)". Throws UserError as parse_unit().
+  [[nodiscard]] std::string label(const std::string& unit) const;
 
  private:
+  [[nodiscard]] std::string label_of_name(const std::string& name) const;
+
+  UnitsSection names_;
   double length_ = 1.0, mass_ = 1.0, time_ = 1.0;
 };
 

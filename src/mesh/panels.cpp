@@ -96,10 +96,11 @@ std::vector<std::string> seam_notes(const SurfaceMesh& mesh) {
       longest = std::max({longest, join.stretch, 1.0 / join.stretch});
     }
   }
-  return {fmt::format(
-      "the rest shape is apart from the positions: {:.4g} m^2, {} edges on seams, whose two sides differ in "
-      "length by at most {:.2g} %",
-      panels, seams, 100.0 * (longest - 1.0))};
+  std::string text = fmt::format("the shape without stress is {:.4g} m^2 of flat panels", panels);
+  if (seams > 0)
+    text += fmt::format("; {} edges are seams, whose two sides differ in length by at most {:.2g} %", seams,
+                        100.0 * (longest - 1.0));
+  return {text};
 }
 
 }  // namespace voile::mesh

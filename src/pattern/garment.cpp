@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <map>
 #include <numeric>
+#include <set>
 
 #include "io/gmsh_polygon.hpp"
 #include "mesh/weld.hpp"
@@ -26,6 +28,17 @@ struct EdgeNodes {
   std::vector<double> fractions;
   std::vector<Index> vertices;
 };
+
+/// Of all panels, for messages: "a.svg", "a.svg and b.svg", "a.svg and 3 more files".
+std::string files_of(const std::vector<Panel>& panels) {
+  const std::string& first = panels.front().file;
+  std::set<std::string> others;
+  for (const Panel& p : panels)
+    if (p.file != first) others.insert(p.file);
+  if (others.empty()) return first;
+  if (others.size() > 1) return fmt::format("{} and {} more files", first, others.size());
+  return first + " and " + std::filesystem::path(*others.begin()).filename().string();
+}
 
 /// Cells of a panel beyond which its size must be a mistake.
 constexpr double most_cells = 2e6;
@@ -299,7 +312,7 @@ Garment make_garment(std::vector<Panel> panels, const std::vector<SeamRequest>& 
         throw UserError(
             fmt::format("{}: another piece has this name; give one of them the key name", where(panels[p])));
   }
-  g.mesh.source = panels.front().file;
+  g.mesh.source = files_of(panels);
   g.seams = resolve_seams(panels, seams);
   const std::vector<Mark> marks = resolve_marks(panels, mark_requests);
   g.panels = std::move(panels);

@@ -198,7 +198,8 @@ void Recorder::write_or_keep(bool write, io::StepFields step, Vec position, cons
   pending_.reset();
   if (write) {
     if (motion.v && wants("velocity"))
-      step.fields.push_back({"velocity", "m/s", io::Centre::vertex, 3, model_->dofs().gather_change(motion.v)});
+      step.fields.push_back({"velocity", input::UnitSystem(case_.units).label("m/s"), io::Centre::vertex, 3,
+                             model_->dofs().gather_change(motion.v)});
     write_fields(std::move(step), position, s);
     return;
   }

@@ -94,13 +94,15 @@ std::vector<Field> Recorder::fields_of(Vec a, const Snapshot& s, const Wants& wa
       fields.push_back({"failure_index", "1", io::Centre::triangle, 1, std::move(failure.index)});
     if (wants("failure_ply")) fields.push_back({"failure_ply", "1", io::Centre::triangle, 1, std::move(failure.ply)});
   });
+  for (Field& f : fields) f.unit = input::UnitSystem(case_.units).label(f.unit);
   return fields;
 }
 
 std::vector<Field> Recorder::fields(const system::State& state, const Wants& wants) {
   std::vector<Field> found = fields_of(state.u, gathered(state.u, motion_of(state)), wants, nullptr);
   if (dynamics_ && wants("velocity"))
-    found.push_back({"velocity", "m/s", io::Centre::vertex, 3, model_->dofs().gather_change(state.v)});
+    found.push_back({"velocity", input::UnitSystem(case_.units).label("m/s"), io::Centre::vertex, 3,
+                     model_->dofs().gather_change(state.v)});
   return found;
 }
 

@@ -35,10 +35,8 @@ std::string iterative_text(const solve::IterativeEffort& e) {
 }
 
 void print_header(const input::Case& c, const system::Model& model) {
-  fmt::print("{}: {}\n", c.file.filename().string(), c.title);
-  if (!input::UnitSystem(c.units).is_si())
-    fmt::print("units: {}, {}, {}; labels in m, N and Pa stand for those\n", c.units.length, c.units.mass,
-               c.units.time);
+  fmt::print("{}{}{}\n", c.file.filename().string(), c.title.empty() ? "" : ": ", c.title);
+  fmt::print("{}", units_text(c));
   fmt::print("{} vertices, {} triangles, {} unknowns on {} rank(s)\n", model.dofs().mesh().vertex_count(),
              model.dofs().mesh().triangle_count(), model.dofs().unknowns(), mpi::size(model.dofs().comm()));
   if (model.dofs().mesh().reoriented_count() > 0)
@@ -133,6 +131,13 @@ void report_mesh(const input::Case& c, const RunOptions& options, const system::
 }
 
 }  // namespace
+
+std::string units_text(const input::Case& c) {
+  const input::UnitSystem units(c.units);
+  if (units.is_si()) return "";
+  return fmt::format("units: {}, {}, {}; m, N and Pa in this text stand for {}, {} and {}\n", c.units.length,
+                     c.units.mass, c.units.time, units.label("m"), units.label("N"), units.label("Pa"));
+}
 
 double cpu_seconds(MPI_Comm comm) {
   return mpi::sum(comm, process_cpu_seconds());

@@ -288,10 +288,12 @@ def wind(report):
     exact = 2 * h["time"] + 1.5 * h["time"]**2
     report.below(np.abs(h["low_x"] - exact).max() / exact.max(), 1e-3, "way of the free pane")
     same = solve("wind_unit", variant(free, {"air.wind": ["600 m/min", 0, 0], "time.end": 0.1})).history["low_x"][-1]
-    plain = solve("wind_number", variant(free, {"air.wind": [10, 0, 0], "time.end": 0.1})).history["low_x"][-1]
-    report.check(same == plain, "a wind with its unit")
+    plain = solve("wind_number", variant(free, {"air.wind": [10, 0, 0], "time.end": 0.1, "title": None}))
+    report.check(same == plain.history["low_x"][-1], "a wind with its unit")
+    report.check("wind_number.toml\n" in plain.text, f"a case without a title: {plain.text.splitlines()[0]}")
     for name, changes, wanted in (("two", {"air.wind": [1, 2]}, ("air.wind", "three are needed")),
                                   ("idle", {"air.normal_drag": 0.0}, ("air.wind", "normal_drag")),
+                                  ("alone", {"air": {"density": 1.2}}, ("air.density", "normal_drag", "remove the section")),
                                   ("still", {"analysis": "static", "damping": None, "initial_velocity": None}, ("air.wind", "no wind")),
                                   ("word", {"air.wind": ["1 + s", 0, 0]}, ("air.wind", "expression of t"))):
         result = run(write_case(variant(free, changes), OUT / f"wind_wrong_{name}.toml"), OUT / f"wind_wrong_{name}")

@@ -64,7 +64,8 @@ SLOW = """garment_gathers_again garment_gathers garment_tshirt garment_measures 
 garment_marks garment_tube ranks linear_course turned_clamp corrected_restart damaged_restart solver_options contact_exact
 frames_clock garment_restart remesh_outlook remesh_ahead remesh_mistakes placement remesh_critical_points remesh_tip
 garment_seam_bending garment_holes remesh_background garment_tight attachment attachment_remesh examples templates
-remesh_by_error remesh_on_slope contact_cylinder contact_untangle attachment_stages unsymmetric_laminate""".split()
+remesh_by_error remesh_on_slope contact_cylinder contact_untangle attachment_stages unsymmetric_laminate
+harmonic_methods tutorial_drape harmonic_mistakes rigid_motion""".split()
 
 
 def in_turn(names, day):

@@ -146,6 +146,8 @@ TEST_CASE("contradictions in time sections are refused") {
   CHECK(has(error_with(support + "motion = [\"t\", \"0\", \"q\"]\n"), "case.toml:13: support.motion: 'q'"));
   CHECK(has(error_with(support + "rotation_angle = \"t\"\n"), "rotation_axis and rotation_angle go together"));
   CHECK(has(error_with(support + "rotation_axis = [0, 0, 1]\n"), "rotation_axis and rotation_angle go together"));
+  CHECK(has(error_with("[air]\ndensity = 1.2\n"), "air.density: without a drag coefficient"));
+  CHECK(error_with("[air]\ndensity = 1.2\nnormal_drag = 0\n") == "no error");
   CHECK(has(error_with("[time]\nstep = 0.1\nmax_step = 0.01\n"), "must not be smaller than step"));
   CHECK(has(error_with("[time]\nstep = 0.1\nmin_step = 0.2\n"), "must not be larger than step"));
   CHECK(has(error_with("[time]\nmethod = \"central_difference\"\nmass = \"consistent\"\n"), "needs mass = \"lumped\""));

@@ -55,6 +55,21 @@ TEST_CASE("a text with a unit becomes a number of the key's unit in the case's s
   CHECK(has(error_of([] { (void)UnitSystem({"kg", "kg", "s"}); }), "length: 'kg' does not measure it"));
 }
 
+TEST_CASE("labels of fields are in the units of the case") {
+  const UnitSystem si, millimetres({"mm", "t", "s"}), inches({"in", "lb", "s"}), fast({"mm", "g", "ms"});
+  CHECK(si.label("J/m^2") == "J/m^2");
+  CHECK(millimetres.label("Pa") == "MPa");
+  CHECK(millimetres.label("N/m") == "N/mm");
+  CHECK(millimetres.label("J/m^2") == "mJ/mm^2");
+  CHECK(millimetres.label("m/s") == "mm/s");
+  CHECK(millimetres.label("rad") == "rad");
+  CHECK(millimetres.label("1") == "1");
+  CHECK(inches.label("N") == "(in lb/s^2)");
+  CHECK(inches.label("Pa") == "(lb/(in s^2))");
+  CHECK(fast.label("Pa") == "MPa");
+  CHECK(fast.label("m/s") == "mm/ms");
+}
+
 TEST_CASE("the unit of a key may depend on the type of its section") {
   const std::string loads = "point N, line N/m, area N/m^2, gravity m/s^2", springs = "point, pair N/m, line N/m^2";
   CHECK(input::unit_for(loads, "area") == "N/m^2");

@@ -377,3 +377,13 @@ TEST_CASE("The texture coordinates of a panel have its grain line along v") {
       CHECK(g.mesh.texture[t][s][0] == doctest::Approx((x[0] - x[1]) / std::sqrt(2.0)));
     }
 }
+
+TEST_CASE("the mesh of a garment names all files of its panels") {
+  std::vector<Panel> panels{rectangle("A", 0.1, 0.1, 0.05), moved(rectangle("B", 0.1, 0.1, 0.05), {1, 0, 0})};
+  CHECK(pattern::make_garment(panels, {}).mesh.source == "test");
+  panels[1].file = "folder/b.svg";
+  CHECK(pattern::make_garment(panels, {}).mesh.source == "test and b.svg");
+  panels.push_back(moved(rectangle("C", 0.1, 0.1, 0.05), {2, 0, 0}));
+  panels[2].file = "c.svg";
+  CHECK(pattern::make_garment(panels, {}).mesh.source == "test and 2 more files");
+}

@@ -321,7 +321,7 @@ TEST_CASE("panels from texture coordinates") {
   std::swap(good.rest[5][1], good.rest[5][2]);
   const mesh::SurfaceMesh mesh(good);
   CHECK_NOTHROW(mesh::check_panels(mesh));
-  CHECK(mesh::seam_notes(mesh).front().find(" 3 edges on seams") != std::string::npos);
+  CHECK(mesh::seam_notes(mesh).front().find("; 3 edges are seams") != std::string::npos);
   const auto refused = [](mesh::MeshData wrong, double unit) { mesh::take_rest_from_texture(wrong, unit); };
   mesh::MeshData wrong = d;
   wrong.texture.clear();
