@@ -192,6 +192,7 @@ void ExportCommand::run() {
   if (format.empty()) format = fs::path(output_).extension().string().erase(0, 1);
   const picture::Recording recording(results_.results, results_.choice);
   export_.output = output_.empty() ? recording.folder() / ("results." + format) : fs::path(output_);
+  if (!export_.output.has_extension()) export_.output += "." + format;
   export_.fields = words_of(fields_, '/');
   export_.bodies = !no_obstacles_;
   const bool one_file_each = format == "obj" || format == "stl" || format == "ply" || format == "csv";

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <utility>
 
 #include "base/text.hpp"
@@ -29,7 +30,10 @@ constexpr std::array legends{std::pair{"beside", picture::Legend::beside},
 std::vector<double> values_of(const picture::Table& table, const std::string& text) {
   if (table.has(text)) return table.column(text);
   try {
-    return input::row_expression(text, table.names, table.columns);
+    const std::vector<double> values = input::row_expression(text, table.names, table.columns);
+    if (std::none_of(values.begin(), values.end(), [](double x) { return std::isfinite(x); }))
+      throw UserError(fmt::format("'{}' is finite in no row", text));
+    return values;
   } catch (const UserError& e) {
     throw UserError(fmt::format("{}: {}", table.file.string(), e.what()));
   }

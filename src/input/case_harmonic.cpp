@@ -95,6 +95,11 @@ void read_harmonic(const CaseReader& reader, Case& c) {
   check_psd(place, c.harmonic);
   check_range(place, c.harmonic);
   check_excitation(place, c);
+  const double lowest = c.harmonic.frequencies.empty() ? c.harmonic.from : c.harmonic.frequencies.front();
+  if (c.harmonic.excitation == HarmonicSection::Excitation::base && c.dynamics.mass_damping > 0.0 && lowest == 0.0)
+    damping.fail("mass",
+                 "at 0 Hz a base that accelerates goes on for ever, and so does this drag; begin above 0 Hz, "
+                 "or give `ratio` or `bending`");
   if (!c.harmonic.psd_values.empty() && !damps(c))
     damping.fail("ratio", "the key is missing; without damping, random vibration grows without bound");
 }

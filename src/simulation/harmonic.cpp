@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <functional>
 #include <numbers>
 
 #include "base/interrupt.hpp"
@@ -253,6 +254,22 @@ bool Run::solve_directly() {
   return true;
 }
 
+/// Whether a symmetry support holds what moves along a direction: half of a body cannot shake through its mirror plane.
+bool mirror_is_crossed(const input::Case& c, const system::Model& model,
+                       const std::function<bool(const Vec3&)>& along) {
+  const auto& held = model.discretisation().constraints().vertices;
+  for (const system::Support& support : c.supports) {
+    if (support.kind != system::Support::Kind::symmetry) continue;
+    for (const Index v : model.dofs().mesh().group(support.group).vertices) {
+      const system::VertexSupport& s = held.at(v);
+      if (std::count(s.fixed.begin(), s.fixed.end(), true) != 1) continue;  // others hold it too
+      for (int k = 0; k < 3; ++k)
+        if (s.fixed[static_cast<std::size_t>(k)] && along(s.axes.col(k))) return true;
+    }
+  }
+  return false;
+}
+
 }  // namespace
 
 void require_excitation(const input::Case& c, const system::Model& model) {
@@ -274,6 +291,11 @@ void require_excitation(const input::Case& c, const system::Model& model) {
           "{}: harmonic.direction: nothing holds the sheet along ({:g}, {:g}, {:g}), so that a moving base leaves it "
           "behind; add a [[support]] that holds it there, or choose another direction",
           file, along[0], along[1], along[2]));
+  if (mirror_is_crossed(c, model, leaves))
+    throw UserError(
+        fmt::format("{}: harmonic.direction: the base cannot move through the plane of a [[support]] of type "
+                    "\"symmetry\"; model the whole, or choose a direction in the plane",
+                    file));
 }
 
 void run_harmonic(const input::Case& c, const record::RunOptions& options, system::Model& model, Vec a,

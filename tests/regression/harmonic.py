@@ -145,12 +145,12 @@ def harmonic_in_time(report):
     omega = 2 * math.pi * f
     damping = {"mass": 2.0, "bending": 0.01}
     base = {"excitation": "base", "direction": [0, 0, 1], "acceleration": acceleration, "frequencies": [f]}
-    u = response_of(solve("harmonic_settled", blade(nx=10, harmonic=base, damping=damping)))[1][0]
+    u = response_of(solve("harmonic_settled", blade(nx=10, harmonic=base, damping=damping, eigen={"mass": "lumped"})))[1][0]
     mover = {"type": "clamped", "group": "clamp", "motion": [0, 0, f"-{acceleration}/{omega}^2*(cos({omega}*t)-1)"]}
     foot = {"name": "foot", "type": "displacement", "group": "clamp", "components": ["z"]}
     steps = 200
     motion = blade("dynamic", nx=10, support=[mover], probe=[*TIP, foot], damping=damping, output={"every": 100000},
-                   time={"end": 10 / f, "step": 1 / f / steps, "spectral_radius": 1.0, "mass": "consistent"})
+                   time={"end": 10 / f, "step": 1 / f / steps, "spectral_radius": 1.0})
     h = solve("harmonic_moved", motion).history
     relative = (h["tip_z"] - h["foot_z"])[-steps:]
     found = 2 / steps * np.sum(relative * np.exp(-1j * omega * h["time"][-steps:]))
@@ -203,6 +203,11 @@ def harmonic_mistakes(report):
         ("harmonic.psd_values", "2 frequencies and 1 values", {"harmonic": psd | {"psd_values": [1.0]}}),
         ("damping.ratio", "without damping", {"harmonic": psd, "damping": {"bending": 0.0}}),
         ("harmonic.method", "superposition", {"harmonic": psd | {"method": "direct"}, "damping": {"bending": 1e-4}}),
+        ("harmonic.direction", "symmetry", {"harmonic": base | {"direction": [0, 1, 0]}, "support": [
+            {"type": "clamped", "group": "clamp"}, {"type": "symmetry", "group": "side_low"}]}),
+        ("damping.mass", "0 Hz", {"harmonic": base | {"from": 0.0, "spacing": "linear"}, "damping": {"mass": 1.0}}),
+        ("time.mass", "lumped", {"analysis": "dynamic", "damping": {}, "time": {"mass": "consistent"}, "support": [
+            {"type": "clamped", "group": "clamp", "motion": ["0", "0", "0.1*t"]}]}),
         ("damping.ratio", "has no modes", {"harmonic": base | {"method": "direct"}}),
         ("harmonic.excitation", "no load varies", {"harmonic": {"from": 1.0, "to": 50.0}}),
         ("load.type", "follower_pressure", {"harmonic": {"from": 1.0, "to": 50.0}, "load": [{"type": "follower_pressure", "magnitude": 1.0}]}),
