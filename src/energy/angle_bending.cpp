@@ -122,7 +122,7 @@ AngleBatch AngleBendingTerm::view(std::size_t batch) const {
 }
 
 double AngleBendingTerm::add_gradients(const Configuration& c, Vec3* force) const {
-  const KernelState state{c.x->data(), c.u->data()};
+  const KernelState state{coordinates(c.x), coordinates(c.u)};
   std::fill(pull_.begin(), pull_.end(), Line{});
   for (std::size_t k = 0; k < edge_batches(); ++k) kernels_->edges.angles(edge_view(k), state);
   double sum = 0.0;
@@ -137,7 +137,7 @@ double AngleBendingTerm::add_gradients(const Configuration& c, Vec3* force) cons
 }
 
 void AngleBendingTerm::add_tangents(const Configuration& c, double* blocks) const {
-  const KernelState state{c.x->data(), c.u->data()};
+  const KernelState state{coordinates(c.x), coordinates(c.u)};
   slopes_.resize(16 * edge_batches());
   std::fill(pull_.begin(), pull_.end(), Line{});
   for (std::size_t k = 0; k < edge_batches(); ++k) kernels_->edges.slopes(edge_view(k), state);

@@ -12,6 +12,11 @@
 
 namespace voile::energy {
 
+/// Of points, three numbers each; null on a rank that has none.
+[[nodiscard]] inline const double* coordinates(const Vec3* points) {
+  return points ? points->data() : nullptr;
+}
+
 constexpr int numbers_per_block = 9;
 /// A number, or something else, of each triangle of a batch.
 template <class T>

@@ -101,7 +101,7 @@ CurvedBatch CurvedBendingTerm::view(const Batches::Batch& b) const {
 }
 
 double CurvedBendingTerm::add_gradients(const Configuration& c, Vec3* force) const {
-  const KernelState state{c.x->data(), c.u->data()};
+  const KernelState state{coordinates(c.x), coordinates(c.u)};
   double sum = 0.0;
   for (const Batches::Batch& b : batches_.all()) {
     Line energy;
@@ -112,7 +112,7 @@ double CurvedBendingTerm::add_gradients(const Configuration& c, Vec3* force) con
 }
 
 void CurvedBendingTerm::add_tangents(const Configuration& c, double* blocks) const {
-  const KernelState state{c.x->data(), c.u->data()};
+  const KernelState state{coordinates(c.x), coordinates(c.u)};
   for (const Batches::Batch& b : batches_.all()) kernels_->curved.tangent(view(b), state, blocks);
 }
 

@@ -10,7 +10,8 @@ namespace {
 
 KernelState state_of(const Configuration& c) {
   const bool linearised = c.tangent == Tangent::linearised_stress && c.previous;
-  return {c.x->data(), c.u->data(), linearised ? c.previous->data() : nullptr, c.tangent == Tangent::positive};
+  return {coordinates(c.x), coordinates(c.u), linearised ? coordinates(c.previous) : nullptr,
+          c.tangent == Tangent::positive};
 }
 
 }  // namespace

@@ -85,7 +85,7 @@ YarnBatch YarnFrictionTerm::view(std::size_t batch) const {
 }
 
 double YarnFrictionTerm::add_gradients(const Configuration& c, Vec3* force) const {
-  const KernelState state{c.x->data(), c.u->data()};
+  const KernelState state{coordinates(c.x), coordinates(c.u)};
   double sum = 0.0;
   for (std::size_t b = 0; b < batches_.all().size(); ++b) {
     Line energy;
@@ -96,7 +96,7 @@ double YarnFrictionTerm::add_gradients(const Configuration& c, Vec3* force) cons
 }
 
 void YarnFrictionTerm::add_tangents(const Configuration& c, double* blocks) const {
-  const KernelState state{c.x->data(), c.u->data(), nullptr, c.tangent == Tangent::positive};
+  const KernelState state{coordinates(c.x), coordinates(c.u), nullptr, c.tangent == Tangent::positive};
   for (std::size_t b = 0; b < batches_.all().size(); ++b) kernels_->yarns.tangent(view(b), state, blocks);
 }
 

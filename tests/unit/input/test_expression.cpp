@@ -109,7 +109,6 @@ release = 2.5
 end = 3
 step = 0.01
 load_history = "table(t, 0, 0, 1, 1)"
-mass = "consistent"
 [damping]
 mass = 0.5
 bending = 0.01
@@ -126,7 +125,7 @@ wind = [3, 0, 0]
   const Vec3 u = c.supports[0].motion(Vec3(2.0, 0.0, 0.0), 1.0);
   CHECK((u - Vec3(-1.0 + 0.1, 1.0, 0.0)).norm() < 1e-14);
   CHECK(c.dynamics.load_history(0.25) == 0.25);
-  CHECK(c.dynamics.mass == system::Mass::consistent);
+  CHECK(c.dynamics.mass == system::Mass::lumped);
   CHECK(c.dynamics.mass_damping == 0.5);
   CHECK(c.dynamics.bending_damping == 0.01);
   CHECK(c.dynamics.viscous_time == 0.001);
@@ -151,6 +150,8 @@ TEST_CASE("contradictions in time sections are refused") {
   CHECK(has(error_with("[time]\nstep = 0.1\nmax_step = 0.01\n"), "must not be smaller than step"));
   CHECK(has(error_with("[time]\nstep = 0.1\nmin_step = 0.2\n"), "must not be larger than step"));
   CHECK(has(error_with("[time]\nmethod = \"central_difference\"\nmass = \"consistent\"\n"), "needs mass = \"lumped\""));
+  CHECK(has(error_with("[time]\nmass = \"consistent\"\n" + support + "motion = [\"t\", \"0\", \"0\"]\n"),
+            "time.mass: held vertices"));
   CHECK(has(error_with("[time]\nload_history = \"x\"\n"), "time.load_history"));
   std::string still = head;
   still.replace(still.find("dynamic"), 7, "static");
