@@ -145,7 +145,7 @@ class ValueReader {
   [[nodiscard]] std::string formula(const toml::node& node) const {
     if (key_.unit.empty()) return text(node);
     if (node.is_number()) return fmt::format("{}", number(node, ""));
-    const std::string written = text(node);
+    std::string written = text(node);
     if (unit_.empty() || written.find(' ') == std::string::npos) return written;
     try {
       return fmt::format("{}", units_.number(written, unit_));
