@@ -54,7 +54,8 @@ def exports_of_mistakes(report):
                         (("--y", "2*kinetic_enrgy"), "did you mean 'kinetic_energy'"), (("--y", "2*(step"), "an expression such as"), (("--points", "x.csv:a"), "FILE:X:Y"),
                         (("--y", "step", "--log", "y", "--y-range", "-1,1"), "begins above 0"), (("--y", "step", "--x-range", "3,1"), "smaller"),
                         (("--y", "step", "--log", "y", "--equal"), "linear"), (("--y", "step", "--size", "16x16", "--output", OUT / "x.svg"), "too small"),
-                        (("--y", "0*step", "--log", "y", "--output", OUT / "x.svg"), "positive numbers")):
+                        (("--y", "0*step", "--log", "y", "--output", OUT / "x.svg"), "positive numbers"),
+                        (("--y", "sqrt(-1-time)", "--output", OUT / "x.svg"), "finite in no row")):
         refused(report, ("plot", folder, *words), part)
     refused(report, ("plot", "--output", OUT / "x.svg"), "--curve")
     draw("render", folder, "--size", "64x64", "--output", OUT / "x.png")

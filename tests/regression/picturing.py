@@ -129,6 +129,9 @@ def exports(report):
         code, said = draw("export", results.file.parent, "--to", name, "--output", out / f"run.{name}")
         report.check(code == 0, f"{name} is written" if code == 0 else said)
 
+    code, said = draw("export", results.file.parent, "--to", "vtu", "--steps", "last", "--output", out / "bare")
+    report.check(code == 0 and (out / "bare.vtu").is_file(), "a name without an ending gets that of the format")
+
     data = (out / "run.pc2").read_bytes()
     head = struct.unpack("<12siiffi", data[:32])
     frames = np.frombuffer(data, "<f4", offset=32).reshape(head[5], head[2], 3)

@@ -152,6 +152,10 @@ TEST_CASE("contradictions in time sections are refused") {
   CHECK(has(error_with("[time]\nmethod = \"central_difference\"\nmass = \"consistent\"\n"), "needs mass = \"lumped\""));
   CHECK(has(error_with("[time]\nmass = \"consistent\"\n" + support + "motion = [\"t\", \"0\", \"0\"]\n"),
             "time.mass: held vertices"));
+  const std::string pushed =
+      "[[support]]\ntype = \"displacement\"\ngroup = \"edge\"\ncomponents = [\"x\"]\nvalue = [0.1, 0, 0]\n";
+  CHECK(error_with("[time]\nmass = \"consistent\"\n" + pushed) == "no error");  // held where it is
+  CHECK(has(error_with("[time]\nmass = \"consistent\"\nload_history = \"t\"\n" + pushed), "time.mass: held vertices"));
   CHECK(has(error_with("[time]\nload_history = \"x\"\n"), "time.load_history"));
   std::string still = head;
   still.replace(still.find("dynamic"), 7, "static");
