@@ -1,11 +1,13 @@
 // Meshes of the sheet from files of every kind.
 //
 // Format   Groups                                                            Polygons of more than three corners
-// .msh     Gmsh's physical groups (gmsh.hpp)                                 refused
+// .msh     Gmsh's physical groups (gmsh.hpp)                                 quadrangles split
 // .geo     the same
 // .obj     'g', 'o' and 'usemtl': surfaces; 'l' within a 'g': curves         split
 // .inp     Abaqus: *ELSET surfaces; *NSET curves if the mesh has boundary    quadrangles split
 //          edges between its nodes, else points
+// .bdf .nas .dat   Nastran: properties "property-N" are surfaces, SPC and    quadrangles split
+//          SPC1 "spc-N" curves or points as *NSET
 // .vtk     legacy VTK, ASCII and binary: values of an integer cell array     split
 //          (named 'group', 'physical', 'CellEntityIds' or the first): "name-value", surfaces and curves
 // .stl .ply .off   none                                                      split
