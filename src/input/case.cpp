@@ -332,12 +332,14 @@ Case read_case(CaseReader& reader, const std::filesystem::path& file, StageSecti
            [&](const SectionPlace& place, ImperfectionSection& s) { check_imperfection(place, c, s); });
   read_all(reader, "mass", c.masses, unchecked);
   read_all(reader, "spring", c.springs, unchecked);
+  const SectionPlace form = reader.read("form", 0, keys_of(c.form));
   const SectionPlace steps = reader.read("steps", 0, keys_of(c.steps));
   check_steps(steps, c.steps);
   if (c.analysis == "static" && c.steps.control != solve::StaticOptions::Control::load &&
       std::any_of(c.motions.begin(), c.motions.end(), [](const MotionInput& m) { return m.any(); }))
     steps.fail("control", "supports with a motion or rotation need \"load\": they move with the load factor");
   read_all(reader, "rigid", c.rigids, [&](const SectionPlace& place, RigidSection& s) { read_rigid(place, c, s); });
+  check_form(form, c);
   read_harmonic(reader, c);
   read_contact(reader, c, before);
   check_time(reader.read("time", 0, keys_of(c.time, c.dynamics.mass)), c);

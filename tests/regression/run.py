@@ -28,6 +28,7 @@ import contacting  # noqa: E402, F401
 import draping  # noqa: E402, F401
 import failing  # noqa: E402, F401
 import falling  # noqa: E402, F401
+import forms  # noqa: E402, F401
 import garments  # noqa: E402, F401
 import gas  # noqa: E402, F401
 import gathering  # noqa: E402, F401
