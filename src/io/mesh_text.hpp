@@ -31,8 +31,6 @@ struct GrowingMesh {
 [[nodiscard]] mesh::MeshData read_abaqus_text(const std::string& file, const std::string& text);
 /// Nastran bulk data: shells with their properties as groups "property-N", held grid points as "spc-N".
 [[nodiscard]] mesh::MeshData read_nastran(const std::string& file);
-/// The same as an Abaqus input file, and elements that are no shells by their numbers.
-[[nodiscard]] std::string nastran_as_abaqus(const std::string& file);
 [[nodiscard]] mesh::MeshData read_vtk(const std::string& file);
 
 /// Every boundary edge once, as segments in ascending order.

@@ -5,6 +5,7 @@
 #include <map>
 #include <utility>
 
+#include "mesh_file.hpp"
 #include "mesh_text.hpp"
 #include "nastran_cards.hpp"
 #include "voile/errors.hpp"
