@@ -328,18 +328,18 @@ Case read_case(CaseReader& reader, const std::filesystem::path& file, StageSecti
   read_all(reader, "load", c.loads, [&](const SectionPlace& place, system::Load& load) { read_load(place, c, load); });
   read_all(reader, "temperature", c.temperatures,
            [&](const SectionPlace& place, system::Temperature& t) { read_temperature(place, c, t); });
+  read_hinges(reader, c);
   read_all(reader, "imperfection", c.imperfections,
            [&](const SectionPlace& place, ImperfectionSection& s) { check_imperfection(place, c, s); });
   read_all(reader, "mass", c.masses, unchecked);
   read_all(reader, "spring", c.springs, unchecked);
-  const SectionPlace form = reader.read("form", 0, keys_of(c.form));
   const SectionPlace steps = reader.read("steps", 0, keys_of(c.steps));
   check_steps(steps, c.steps);
   if (c.analysis == "static" && c.steps.control != solve::StaticOptions::Control::load &&
       std::any_of(c.motions.begin(), c.motions.end(), [](const MotionInput& m) { return m.any(); }))
     steps.fail("control", "supports with a motion or rotation need \"load\": they move with the load factor");
   read_all(reader, "rigid", c.rigids, [&](const SectionPlace& place, RigidSection& s) { read_rigid(place, c, s); });
-  check_form(form, c);
+  check_form(reader.read("form", 0, keys_of(c.form)), c);
   read_harmonic(reader, c);
   read_contact(reader, c, before);
   check_time(reader.read("time", 0, keys_of(c.time, c.dynamics.mass)), c);

@@ -293,6 +293,7 @@ struct Case {
   std::vector<system::Load> loads;
   std::vector<system::Temperature> temperatures;
   FormSection form;
+  std::vector<system::Hinge> hinges;
   std::vector<ImperfectionSection> imperfections;
   std::vector<system::PointMass> masses;
   std::vector<system::Spring> springs;

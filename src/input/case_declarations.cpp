@@ -17,6 +17,7 @@ Declarations::Declarations()
             {"load", keys_of(load_)},
             {"temperature", keys_of(temperature_)},
             {"form", keys_of(case_.form)},
+            {"hinge", keys_of(hinge_)},
             {"imperfection", keys_of(imperfection_)},
             {"mass", keys_of(mass_)},
             {"spring", keys_of(spring_)},

@@ -1,4 +1,4 @@
-// Temperatures, imperfections, and what depends on place or time; private to src/input.
+// Temperatures, hinges, imperfections, and what depends on place or time; private to src/input.
 #pragma once
 
 #include <functional>
@@ -16,6 +16,8 @@ namespace voile::input {
 void read_temperature(const SectionPlace& place, const Case& c, system::Temperature& t);
 /// Form finding of case `c`, which has its materials, supports and springs. Throws UserError.
 void check_form(const SectionPlace& place, Case& c);
+/// Reads the hinges. Throws UserError.
+void read_hinges(CaseReader& reader, Case& c);
 /// Completes an imperfection of case `c`. Throws UserError.
 void check_imperfection(const SectionPlace& place, const Case& c, ImperfectionSection& s);
 

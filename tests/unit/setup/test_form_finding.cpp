@@ -197,6 +197,39 @@ TEST_CASE("a film under pressure is a sphere of radius 2 N/p, and cables are arc
   }
 }
 
+TEST_CASE("three films meet at 120 degrees") {
+  const std::array<Vec3, 3> far{Vec3(0.0, 0.0, 0.0), Vec3(1.0, 0.0, 0.0), Vec3(0.3, 0.9, 0.0)};
+  const int n = 4, rows = 4;  // cells from the middle line to each far one, and along them
+  FormProblem p;
+  const Vec3 middle(0.2, 0.5, 0.0);
+  const auto vertex = [&](int film, int i, int j) {
+    return static_cast<Index>(j * (3 * n + 1) + (i == 0 ? 0 : 1 + film * n + i - 1));
+  };
+  for (int j = 0; j <= rows; ++j)
+    for (int k = 0; k <= 3 * n; ++k) {
+      const double along = k == 0 ? 0.0 : ((k - 1) % n + 1.0) / n;
+      const bool held = along == 1.0;
+      p.places.push_back((1.0 - along) * middle + along * far[k == 0 ? 0 : static_cast<std::size_t>((k - 1) / n)] +
+                         static_cast<double>(j) / rows * Vec3::UnitZ());
+      p.held.push_back({held, held, held || j == 0 || j == rows});
+    }
+  for (int film = 0; film < 3; ++film)
+    for (int j = 0; j < rows; ++j)
+      for (int i = 0; i < n; ++i) {
+        const Index a = vertex(film, i, j), b = vertex(film, i + 1, j), c = vertex(film, i + 1, j + 1),
+                    d = vertex(film, i, j + 1);
+        p.triangles.push_back({a, b, c});
+        p.triangles.push_back({a, c, d});
+      }
+  p.force = constant_force(100.0, 100.0);
+  p.within = setup::largest_within;
+  const FormResult r = find_form(p);
+  REQUIRE(r.converged);
+  Vec3 sum = Vec3::Zero();  // of unit vectors to the far lines: no force is left
+  for (const Vec3& x : far) sum += (x - Vec3(r.places[0][0], r.places[0][1], 0.0)).normalized();
+  CHECK(sum.norm() < 1e-7);
+}
+
 TEST_CASE("[form] in a case: every rank has the same form; mistakes name what is missing") {
   const std::string text =
       "[mesh]\nfile = \"" VOILE_SOURCE_FOLDER

@@ -1,0 +1,17 @@
+// A [[material]] of a case from a section of a deck.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "io/deck.hpp"
+
+namespace voile::cli {
+
+struct DeckMaterial {
+  std::string text;               ///< without `groups`; empty: nothing is known of it
+  std::vector<std::string> left;  ///< what was not taken
+};
+[[nodiscard]] DeckMaterial deck_material(const io::Deck& deck, const io::Deck::Section& section);
+
+}  // namespace voile::cli
