@@ -11,6 +11,7 @@
 
 #include "base/plain_file.hpp"
 #include "base/text.hpp"
+#include "deck_material.hpp"
 #include "io/abaqus_deck.hpp"
 #include "io/mesh_file.hpp"
 #include "voile/errors.hpp"
@@ -134,20 +135,11 @@ class CaseWriter {
   }
 
   void add_material(const AbaqusDeck::Section& s) {
-    const auto at = deck_.materials.find(s.material);
-    if (at == deck_.materials.end() || !(at->second.young > 0.0))
-      return leave(
-          fmt::format("*SHELL SECTION of {}: material {} has no *ELASTIC that is known", s.elements, s.material));
-    const AbaqusDeck::Material& m = at->second;
+    const DeckMaterial made = deck_material(deck_, s);
+    for (const std::string& text : made.left) leave(text);
+    if (made.text.empty()) return;
     has_material_ = true;
-    out_ += fmt::format("\n[[material]]               # {}\n", printable(s.material));
-    out_ += m.orthotropic ? fmt::format(
-                                "type = \"orthotropic\"\nyoung_1 = {}\nyoung_2 = {}\npoisson_12 = {}\nshear_12 = {}\n"
-                                "direction = [1, 0, 0]\n",
-                                m.young, m.young_2, m.poisson, m.shear)
-                          : fmt::format("type = \"isotropic\"\nyoung = {}\npoisson = {}\n", m.young, m.poisson);
-    out_ += fmt::format("thickness = {}\n", s.thickness);
-    if (m.density > 0.0) out_ += fmt::format("density = {}\n", m.density);
+    out_ += made.text;
     // One section is of all shells, whatever its set is called.
     if (deck_.sections.size() > 1)
       out_ += fmt::format("groups = [{}]\n", quoted(known(s.elements, deck_.element_sets)));
@@ -321,11 +313,6 @@ class CaseWriter {
   [[nodiscard]] static std::string known(const std::string& name, const std::vector<std::string>& sets) {
     const auto at = std::find_if(sets.begin(), sets.end(), [&](const std::string& s) { return same_name(s, name); });
     return at == sets.end() ? name : *at;
-  }
-
-  [[nodiscard]] static std::string printable(std::string text) {
-    std::erase_if(text, [](unsigned char c) { return c < 32; });
-    return text;
   }
 
   AbaqusDeck deck_;

@@ -9,9 +9,13 @@ namespace voile::energy {
 
 void JointTerm::add(JointElement element, std::vector<Index> local, bool owned) {
   const auto count = static_cast<Eigen::Index>(element.angles.size());
-  for (Eigen::Index n = 0; n < count; ++n)
-    angles_of_[element.angles[static_cast<std::size_t>(n)].triangle].emplace_back(size(), n);
-  items_.push_back({std::move(element), std::move(local), owned, Eigen::VectorXd::Zero(count)});
+  for (Eigen::Index n = 0; n < count; ++n) {
+    const JointElement::Angle& a = element.angles[static_cast<std::size_t>(n)];
+    angles_of_[a.triangle].emplace_back(size(), n);
+    if (a.joint != no_index) at_joint_[a.joint].emplace_back(size(), n);
+  }
+  items_.push_back(
+      {std::move(element), std::move(local), owned, Eigen::VectorXd::Zero(count), Eigen::VectorXd::Zero(count)});
 }
 
 std::vector<Index> JointTerm::triangles() const {
@@ -23,6 +27,18 @@ std::vector<Index> JointTerm::triangles() const {
 void JointTerm::set_natural(Index triangle, const Vec3& curvature) {
   for (const auto& [e, n] : angles_of_.at(triangle))
     items_[e].natural[n] = items_[e].of.angles[static_cast<std::size_t>(n)].natural.dot(curvature);
+}
+
+void JointTerm::set_fold(Index joint, double angle) {
+  for (const auto& [e, n] : at_joint_.at(joint))
+    items_[e].folds[n] = items_[e].of.angles[static_cast<std::size_t>(n)].fold * angle;
+}
+
+double JointTerm::squared_fold_moment() const {
+  double sum = 0.0;
+  for (const Item& item : items_)
+    if (item.owned) sum += (item.of.stiffness * item.folds).squaredNorm();
+  return sum;
 }
 
 EdgePoints JointTerm::points_of(const JointElement::Angle& a, const Eigen::MatrixX3d& z) {
@@ -38,7 +54,7 @@ Eigen::MatrixX3d JointTerm::vectors(Index e, const Configuration& c) const {
 
 Eigen::VectorXd JointTerm::angles_of(Index e, const Eigen::MatrixX3d& z) const {
   const Item& item = items_[e];
-  Eigen::VectorXd psi = item.natural;
+  Eigen::VectorXd psi = item.natural + item.folds;
   for (std::size_t n = 0; n < item.of.angles.size(); ++n) {
     const JointElement::Angle& a = item.of.angles[n];
     if (a.vector != a.reference)

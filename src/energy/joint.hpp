@@ -12,6 +12,8 @@
 // With one joint side in each triangle, c_s = l^2 D_nn/A: E = 1/2 sum_(s<r) c_s c_r / sum c (psi_s - psi_r)^2. The moments
 // about the edge balance. Angles are those of edge_angle.hpp: large rotations, no energy in rigid ones. A natural curvature
 // kappa adds sigma_s (C_T^-1 A S^T D kappa)_s to psi_s. Theory: docs/theory/edge-slopes.md.
+// A hinge of length l and stiffness k is a spring 2 k l between each of its two sheets and the edge: 1/(2 k l) joins the
+// diagonal of C_J^-1. Where its fold without moment is phi, sigma_s phi joins psi_s of the second sheet.
 #pragma once
 
 #include <Eigen/Core>
@@ -37,6 +39,8 @@ struct JointElement {
     Index triangle;
     int edge, reference, vector;  ///< rows of `weights`; reference = vector: the first sheet, zero
     double rest;                  ///< angle at rest [rad]
+    Index joint;                  ///< number of mesh.joints(), or no_index
+    double fold;                  ///< what it adds of phi: sigma_s, or 0 for the first sheet
     Vec3 natural;                 ///< what a natural curvature of the triangle adds to psi [m]
   };
   struct Bend {  ///< what the joints add to the curvature of a triangle
@@ -51,9 +55,10 @@ struct JointElement {
   std::vector<Bend> bends;
 };
 
-/// `cluster`: one of joint_clusters(). Throws UserError where a material couples stretching and bending.
+/// `cluster`: one of joint_clusters(). `hinges`: k of each of mesh.joints(), infinite where it is none [N]. Throws UserError
+/// where a material couples stretching and bending.
 [[nodiscard]] JointElement make_joint_element(const Sheet& sheet, CurvatureBuilder& curvatures,
-                                              const std::vector<Index>& cluster);
+                                              const std::vector<Index>& cluster, const std::vector<double>& hinges);
 
 /// Four points that move as one rigid body: an origin, and one along each axis at the same distance.
 struct RigidFrame {
@@ -81,6 +86,11 @@ class JointTerm {
   [[nodiscard]] std::vector<Index> triangles() const;
   /// Natural curvature of one of them [1/m].
   void set_natural(Index triangle, const Vec3& curvature);
+  /// Whether a joint of the mesh is among those here; its phi [rad].
+  [[nodiscard]] bool has(Index joint) const { return at_joint_.count(joint) > 0; }
+  void set_fold(Index joint, double angle);
+  /// Squared size of the moments that hold the owned ones against their phi [N^2 m^2].
+  [[nodiscard]] double squared_fold_moment() const;
 
   [[nodiscard]] double energy(Index e, const Configuration& c) const;
   template <class Emit>
@@ -106,6 +116,7 @@ class JointTerm {
     std::vector<Index> local;
     bool owned;
     Eigen::VectorXd natural;  ///< psi of natural curvatures
+    Eigen::VectorXd folds;    ///< and of phi
   };
   [[nodiscard]] static EdgePoints points_of(const JointElement::Angle& a, const Eigen::MatrixX3d& z);
   [[nodiscard]] Eigen::MatrixX3d vectors(Index e, const Configuration& c) const;
@@ -114,7 +125,8 @@ class JointTerm {
   [[nodiscard]] Eigen::MatrixXd tangent(Index e, const Configuration& c) const;
 
   std::vector<Item> items_;
-  std::map<Index, std::vector<std::pair<Index, Eigen::Index>>> angles_of_;  ///< element and angle, by triangle
+  std::map<Index, std::vector<std::pair<Index, Eigen::Index>>> angles_of_,
+      at_joint_;  ///< element and angle, by triangle, joint
 };
 
 }  // namespace voile::energy

@@ -30,10 +30,11 @@ std::map<Index, std::vector<Index>> joints_by_triangle(const Sheet& sheet) {
 
 class Builder {
  public:
-  Builder(const Sheet& sheet, CurvatureBuilder& curvatures) : sheet_(sheet), curvatures_(curvatures) {}
+  Builder(const Sheet& sheet, CurvatureBuilder& curvatures, const std::vector<double>& hinges)
+      : sheet_(sheet), curvatures_(curvatures), hinges_(hinges) {}
 
   JointElement run(const std::vector<Index>& cluster) {
-    for (const Index j : cluster) add_joint(sheet_.mesh().joints()[static_cast<std::size_t>(j)]);
+    for (const Index j : cluster) add_joint(j);
     write_vectors();
     take_rest();
     solve(static_cast<Eigen::Index>(cluster.size()));
@@ -46,10 +47,13 @@ class Builder {
     Index triangle;
     Eigen::Index row;  ///< among the free sides of the triangle
     int joint;
+    double give;         ///< 1 / (2 k l) of a hinge, 0 elsewhere [1/(N m)]
     double sense = 1.0;  ///< sigma
   };
 
-  void add_joint(const mesh::Joint& joint) {
+  void add_joint(Index number) {
+    const mesh::Joint& joint = sheet_.mesh().joints()[static_cast<std::size_t>(number)];
+    const double stiffness = 2.0 * hinges_[static_cast<std::size_t>(number)] * sheet_.mesh().rest_length(joint.edge);
     const int edge = static_cast<int>(rows_.size());
     rows_.push_back({{joint.edge[0], -1.0}, {joint.edge[1], 1.0}});
     for (const mesh::TriangleSide& s : joint.sides) {
@@ -59,8 +63,9 @@ class Builder {
       const Eigen::RowVectorXd w = -slopes.natural.row(k) * op.weights;
       Row row;
       for (std::size_t i = 0; i < op.points.size(); ++i) row[op.points[i]] = w[static_cast<Eigen::Index>(i)];
-      el_.angles.push_back({s.triangle, edge, edge + 1, static_cast<int>(rows_.size()), 0.0, Vec3::Zero()});
-      sides_.push_back({s.triangle, k, joints_});
+      el_.angles.push_back(
+          {s.triangle, edge, edge + 1, static_cast<int>(rows_.size()), 0.0, number, 0.0, Vec3::Zero()});
+      sides_.push_back({s.triangle, k, joints_, 1.0 / stiffness});
       rows_.push_back(std::move(row));
     }
     ++joints_;
@@ -108,7 +113,10 @@ class Builder {
       const EdgePoints x{Vec3::Zero(), z(a.edge), z(a.reference), z(other)};
       const double slope = edge_angle_slopes(x)[first ? 2 : 3].dot(sheet_.mesh().rest_normal(a.triangle));
       sides_[n].sense = (slope > 0.0) == first ? -1.0 : 1.0;
-      if (!first) a.rest = edge_angle(x);
+      if (!first) {
+        a.rest = edge_angle(x);
+        a.fold = sides_[n].sense;
+      }
       a.natural = sides_[n].sense * slopes_.at(a.triangle).natural.row(sides_[n].row).transpose();
     }
   }
@@ -159,11 +167,13 @@ class Builder {
       for (Eigen::Index j = 0; j < n; ++j)
         compliance(i, j) = slopes_.at(t).compliance(side(on[static_cast<std::size_t>(i)]).row,
                                                     side(on[static_cast<std::size_t>(j)]).row);
+    for (Eigen::Index i = 0; i < n; ++i) compliance(i, i) += side(on[static_cast<std::size_t>(i)]).give;
     return compliance.inverse();
   }
 
   const Sheet& sheet_;
   CurvatureBuilder& curvatures_;
+  const std::vector<double>& hinges_;
   JointElement el_;
   std::map<Index, FreeSlopes> slopes_;
   std::vector<Row> rows_;
@@ -199,8 +209,9 @@ std::vector<std::vector<Index>> joint_clusters(const Sheet& sheet) {
   return clusters;
 }
 
-JointElement make_joint_element(const Sheet& sheet, CurvatureBuilder& curvatures, const std::vector<Index>& cluster) {
-  return Builder(sheet, curvatures).run(cluster);
+JointElement make_joint_element(const Sheet& sheet, CurvatureBuilder& curvatures, const std::vector<Index>& cluster,
+                                const std::vector<double>& hinges) {
+  return Builder(sheet, curvatures, hinges).run(cluster);
 }
 
 }  // namespace voile::energy

@@ -86,8 +86,8 @@ class Builder {
     }
     const EdgePoints x{Vec3::Zero(), el_.start.row(row), back, Vec3(-back)};
     const double sense = edge_angle_slopes(x)[3].dot(sheet_.mesh().start_normal(triangle_)) > 0.0 ? 1.0 : -1.0;
-    el_.angles.push_back(
-        {triangle_, row, row + 1, row + 2, edge_angle(x), Vec3(sense * slopes_.natural.row(k).transpose())});
+    el_.angles.push_back({triangle_, row, row + 1, row + 2, edge_angle(x), no_index, 0.0,
+                          Vec3(sense * slopes_.natural.row(k).transpose())});
     return sense;
   }
 

@@ -328,6 +328,7 @@ Case read_case(CaseReader& reader, const std::filesystem::path& file, StageSecti
   read_all(reader, "load", c.loads, [&](const SectionPlace& place, system::Load& load) { read_load(place, c, load); });
   read_all(reader, "temperature", c.temperatures,
            [&](const SectionPlace& place, system::Temperature& t) { read_temperature(place, c, t); });
+  read_hinges(reader, c);
   read_all(reader, "imperfection", c.imperfections,
            [&](const SectionPlace& place, ImperfectionSection& s) { check_imperfection(place, c, s); });
   read_all(reader, "mass", c.masses, unchecked);

@@ -286,6 +286,7 @@ struct Case {
   std::vector<RigidSection> rigids;
   std::vector<system::Load> loads;
   std::vector<system::Temperature> temperatures;
+  std::vector<system::Hinge> hinges;
   std::vector<ImperfectionSection> imperfections;
   std::vector<system::PointMass> masses;
   std::vector<system::Spring> springs;

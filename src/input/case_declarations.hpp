@@ -31,6 +31,7 @@ class Declarations {
   RigidSection rigid_;
   system::Load load_;
   system::Temperature temperature_;
+  system::Hinge hinge_;
   ImperfectionSection imperfection_;
   system::PointMass mass_;
   system::Spring spring_;

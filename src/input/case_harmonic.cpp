@@ -47,6 +47,7 @@ void check_psd(const SectionPlace& place, const HarmonicSection& s) {
 bool varies(const Case& c) {
   return std::any_of(c.loads.begin(), c.loads.end(), [](const auto& f) { return !f.constant && !f.history; }) ||
          std::any_of(c.temperatures.begin(), c.temperatures.end(), [](const auto& t) { return !t.constant; }) ||
+         std::any_of(c.hinges.begin(), c.hinges.end(), [](const auto& f) { return f.angle.value && !f.constant; }) ||
          std::any_of(c.rigids.begin(), c.rigids.end(), [](const RigidSection& r) {
            return r.group.force.squaredNorm() + r.group.moment.squaredNorm() > 0.0;
          });

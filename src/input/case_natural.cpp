@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "case_materials.hpp"
+#include "case_sections.hpp"
 #include "voile/errors.hpp"
 
 namespace voile::input {
@@ -40,6 +41,23 @@ void read_temperature(const SectionPlace& place, const Case& c, system::Temperat
     place.fail("change",
                "no [[material]] has an expansion, so a temperature has no effect; give the material `expansion` "
                "(`expansion_1` and `expansion_2`), or remove the section");
+}
+
+void read_hinges(CaseReader& reader, Case& c) {
+  read_all(reader, "hinge", c.hinges, [&](const SectionPlace& place, system::Hinge& hinge) {
+    if (!c.panels.empty() || c.mesh.options.rest == io::RestShape::texture)
+      place.fail("group",
+                 "pieces of cloth have no hinges; remove the section, or use a mesh that is its own rest shape");
+    if (hinge.angle.text.empty()) {
+      if (hinge.constant) place.fail("constant", "it has no effect without angle; remove it");
+      return;
+    }
+    const PlaceExpression e = place_function(place, "angle", hinge.angle.text, true);
+    hinge.angle.value = e.value;
+    hinge.angle.in_time = e.in_time;
+    if (e.in_time && hinge.constant)
+      place.fail("constant", "angle depends on t, so it is not constant; remove one of the two");
+  });
 }
 
 void check_imperfection(const SectionPlace& place, const Case& c, ImperfectionSection& s) {

@@ -1,4 +1,4 @@
-// Temperatures, imperfections, and what depends on place or time; private to src/input.
+// Temperatures, hinges, imperfections, and what depends on place or time; private to src/input.
 #pragma once
 
 #include <functional>
@@ -14,6 +14,8 @@ namespace voile::input {
                                              bool time);
 /// Completes a temperature; the materials of `c` are there already. Throws UserError.
 void read_temperature(const SectionPlace& place, const Case& c, system::Temperature& t);
+/// Reads the hinges. Throws UserError.
+void read_hinges(CaseReader& reader, Case& c);
 /// Completes an imperfection of case `c`. Throws UserError.
 void check_imperfection(const SectionPlace& place, const Case& c, ImperfectionSection& s);
 

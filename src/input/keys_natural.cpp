@@ -1,4 +1,4 @@
-// Keys of temperatures and imperfections.
+// Keys of temperatures, hinges and imperfections.
 #include "keys_common.hpp"
 
 namespace voile::input {
@@ -17,6 +17,29 @@ std::vector<Key> keys_of(system::Temperature& s) {
        .meaning = "Temperature of the top, where the normal of the triangles points to, less that of the bottom; an "
                   "expression likewise.",
        .unit = "K",
+       .absent = "none"},
+      {.name = "constant",
+       .slot = &s.constant,
+       .meaning = "Acts in full at every load factor. Otherwise it grows with the load factor, unless t occurs in its "
+                  "expression."}};
+}
+
+std::vector<Key> keys_of(system::Hinge& s) {
+  return {
+      {.name = "group", .slot = &s.group, .meaning = "Physical curve.", .required = true},
+      {.name = "stiffness",
+       .slot = &s.stiffness,
+       .meaning = "Moment per length of the line and radian of its angle.",
+       .unit = "N",
+       .range = positive,
+       .required = true},
+      {.name = "angle",
+       .slot = &s.angle.text,
+       .meaning =
+           "By how much the fold that is free of moment changes: an expression of x, y and z at the start and of t, "
+           "as in `[[temperature]]`. Positive folds close on the side that normals point to; `\"180\"` is flat "
+           "on itself.",
+       .unit = "degree",
        .absent = "none"},
       {.name = "constant",
        .slot = &s.constant,

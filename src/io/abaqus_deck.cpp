@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Geometry>
 #include <filesystem>
 #include <set>
 
@@ -43,6 +44,9 @@ class DeckReader {
     lamina,
     density,
     section,
+    ply,
+    axes,
+    axis,
     support,
     force,
     pressure,
@@ -105,18 +109,18 @@ class DeckReader {
     } else if (keyword == "*DENSITY") {
       data_ = Data::density;
     } else if (keyword == "*SHELL SECTION" || keyword == "*MEMBRANE SECTION") {
-      if (parameters_.contains("COMPOSITE")) {
-        leave(keyword + ", COMPOSITE");
-        data_ = Data::unread;
-        return true;
-      }
       if (keyword == "*MEMBRANE SECTION") leave(keyword + ": it bends as a shell of its thickness");
       if (parameters_.contains("NODAL THICKNESS"))
         leave(keyword + ", NODAL THICKNESS: the thickness of the section is taken");
       if (parameters_.contains("OFFSET")) leave(keyword + ", OFFSET");
-      if (parameters_.contains("ORIENTATION")) leave(keyword + ", ORIENTATION: material axis 1 is [1, 0, 0]");
-      deck_.sections.push_back({parameters_["ELSET"], abaqus_upper(parameters_["MATERIAL"]), 0.0});
-      data_ = Data::section;
+      deck_.sections.push_back(
+          {parameters_["ELSET"], abaqus_upper(parameters_["MATERIAL"]), 0.0, abaqus_upper(parameters_["ORIENTATION"])});
+      data_ = parameters_.contains("COMPOSITE") ? Data::ply : Data::section;
+      symmetric_ = parameters_.contains("SYMMETRIC");
+    } else if (keyword == "*ORIENTATION") {
+      const std::string system = abaqus_upper(parameters_["SYSTEM"]), by = abaqus_upper(parameters_["DEFINITION"]);
+      if ((!system.empty() && system != "RECTANGULAR") || (!by.empty() && by != "COORDINATES")) return false;
+      data_ = Data::axes;
     } else {
       return false;
     }
@@ -186,6 +190,12 @@ class DeckReader {
         deck_.sections.back().thickness = number(words, 0);
         data_ = Data::none;
         return;
+      case Data::ply:
+        return take_ply(words);
+      case Data::axes:
+        return take_axes(words);
+      case Data::axis:
+        return take_axis(words);
       case Data::support:
         return take_support(words);
       case Data::force:
@@ -214,6 +224,44 @@ class DeckReader {
     } else {
       m.poisson = words.size() > 1 ? number(words, 1) : 0.0;
     }
+  }
+
+  /// A symmetric stack is given up to its middle.
+  void take_ply(const AbaqusWords& words) {
+    double angle = 0.0;
+    if (words.size() > 3 && !words[3].empty() && !parse_number(words[3], angle))
+      leave(fmt::format("{}, COMPOSITE: the orientation {} of a ply; its angle is 0", keyword_, words[3]));
+    std::vector<AbaqusDeck::Ply>& plies = deck_.sections.back().plies;
+    const auto half =
+        symmetric_ ? static_cast<std::ptrdiff_t>(plies.size() / 2) : static_cast<std::ptrdiff_t>(plies.size());
+    const AbaqusDeck::Ply ply{number(words, 0), words.size() > 2 ? abaqus_upper(words[2]) : "", angle};
+    plies.insert(plies.begin() + half, symmetric_ ? 2 : 1, ply);
+  }
+
+  /// Two points in the plane of the local axes 1 and 2, and perhaps the origin.
+  void take_axes(const AbaqusWords& words) {
+    for (std::size_t k = 0; k < 6; ++k)
+      points_[k] =
+          number(words, k) - (words.size() > 6 + k % 3 && !words[6 + k % 3].empty() ? number(words, 6 + k % 3) : 0.0);
+    orient(1);  // unless a second line says so
+    data_ = Data::axis;
+  }
+  void take_axis(const AbaqusWords& words) {
+    const long normal = words[0].empty() ? 1 : whole(words, 0);
+    if (normal < 1 || normal > 3) fail_in_line(file_, line_, "*ORIENTATION: the axis is 1, 2 or 3");
+    orient(normal);
+    if (words.size() > 1 && !words[1].empty())
+      deck_.orientations[abaqus_upper(parameters_["NAME"])].angle = number(words, 1);
+    data_ = Data::none;
+  }
+  /// Axis 1 of a shell is the local axis that follows the one along its normal.
+  void orient(long normal) {
+    const Eigen::Map<const Vec3> x(points_.data()), in_plane(points_.data() + 3);
+    const Vec3 z = x.cross(in_plane), y = z.cross(x);
+    const Vec3 along = normal == 1 ? y.normalized() : normal == 2 ? z.normalized() : x.normalized();
+    if (!(along.norm() > 0.5))
+      fail_in_line(file_, line_, "*ORIENTATION: the two points and the origin lie on one line");
+    deck_.orientations[abaqus_upper(parameters_["NAME"])].direction = {along[0], along[1], along[2]};
   }
 
   void take_support(const AbaqusWords& words) {
@@ -325,7 +373,8 @@ class DeckReader {
   std::size_t line_ = 0;
   Data data_ = Data::none;
   int steps_ = 0;
-  bool nonlinear_ = false;
+  bool nonlinear_ = false, symmetric_ = false;
+  std::array<double, 6> points_{};
   AbaqusDeck deck_;
 };
 

@@ -13,9 +13,21 @@ struct AbaqusDeck {
     bool orthotropic = false;
     double young = 0.0, poisson = 0.0, young_2 = 0.0, shear = 0.0, density = 0.0;  ///< 0: the deck has none
   };
+  struct Ply {
+    double thickness;
+    std::string material;
+    double angle;  ///< of its axis 1 [degree]
+  };
   struct Section {
     std::string elements, material;  ///< names
     double thickness = 0.0;
+    std::string orientation{};  ///< name; empty: none
+    std::vector<Ply> plies{};   ///< from the lowest; empty: of one material
+  };
+  /// Of axis 1, before it is projected into the shell and turned about the normal.
+  struct Orientation {
+    std::array<double, 3> direction{};
+    double angle = 0.0;  ///< [degree]
   };
   /// Of all lines on one set or node.
   struct Support {
@@ -41,6 +53,7 @@ struct AbaqusDeck {
 
   std::string title;
   std::map<std::string, Material> materials;
+  std::map<std::string, Orientation> orientations;
   std::vector<Section> sections;
   std::map<std::string, Support> supports;  ///< by set or number of a node
   std::vector<Load> loads;

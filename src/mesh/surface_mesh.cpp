@@ -154,7 +154,10 @@ void SurfaceMesh::build_adjacency() {
       for (std::size_t j = first; j < k; ++j)
         if (apex_of(k) == apex_of(j)) doubled.push_back(fmt::format("{} and {}", tag(j), tag(k)));
     const Segment edge{edges[first].low, edges[first].high};
-    if (last - first > 2 || (last - first == 2 && std::binary_search(twisted_.begin(), twisted_.end(), edge))) {
+    const auto is_among = [&](const std::vector<Segment>& edges_of) {
+      return std::binary_search(edges_of.begin(), edges_of.end(), edge);
+    };
+    if (last - first > 2 || (last - first == 2 && (is_among(twisted_) || is_among(data_.hinges)))) {
       joints_.push_back({edge, {}});
       for (std::size_t k = first; k < last; ++k) joints_.back().sides.push_back({edges[k].triangle, edges[k].side});
     } else if (last - first == 2) {

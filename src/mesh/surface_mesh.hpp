@@ -9,8 +9,8 @@
 // chart if their rest corners agree on the common side; otherwise that side is a seam. Across a seam the sheet is flat at
 // rest, and the chart of one neighbour is carried to that of the other by the rigid motion, and if the lengths of the side
 // differ the similarity, that puts side on side.
-// A joint is an edge of three or more triangles, or of two that cannot be oriented alike. A sheet ends there: a triangle has no
-// neighbour across it.
+// A joint is an edge of three or more triangles, of two that cannot be oriented alike, or a hinge. A sheet ends there: a
+// triangle has no neighbour across it.
 #pragma once
 
 #include <array>
@@ -68,6 +68,7 @@ struct MeshData {
   /// Rest position of each corner [m]: charts. Empty: the positions are the rest shape too.
   std::vector<std::array<Vec3, 3>> rest;
   std::vector<Seam> seams;         ///< that are open
+  std::vector<Segment> hinges;     ///< edges of two triangles that are joints, each ascending, in order
   std::vector<std::string> notes;  ///< what the reader changed or made up, for the user; on the rank that read
 };
 

@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
+#include "base/text.hpp"
 #include "system/gas_surface.hpp"
 #include "voile/errors.hpp"
 
@@ -20,30 +23,44 @@ class Checker {
  public:
   Checker(const input::Case& c, const mesh::SurfaceMesh& mesh) : c_(c), mesh_(mesh) {}
 
+  /// Throws what all checks have found, if anything.
+  void finish() const {
+    constexpr std::size_t most = 10;
+    if (mistakes_.empty()) return;
+    std::string all = mistakes_.front();
+    for (std::size_t i = 1; i < std::min(most, mistakes_.size()); ++i) all += "\n" + mistakes_[i];
+    if (mistakes_.size() > most) all += fmt::format("\nand {} more", mistakes_.size() - most);
+    throw UserError(all);
+  }
   /// An empty name is that of everything. `dimension`: 1 a curve, 2 a surface, -1 any.
-  void check(const char* section, const char* key, const std::string& name, int dimension = -1) const {
+  void check(const char* section, const char* key, const std::string& name, int dimension = -1) {
     if (name.empty()) return;
     try {
       (void)mesh_.group(name, dimension);
     } catch (const UserError& e) {
-      throw UserError(fmt::format("{}: [[{}]] {} = \"{}\": {}", c_.file.string(), section, key, name, e.what()));
+      take(fmt::format("{}: [[{}]] {} = \"{}\": {}", c_.file.string(), section, key, name, e.what()));
     }
   }
-  void check_gas(const system::Load& load) const {
+  void check_gas(const system::Load& load) {
     try {
       (void)system::gas_surface(mesh_, load);
     } catch (const UserError& e) {
-      throw UserError(fmt::format("{}: {}", c_.file.string(), e.what()));
+      take(fmt::format("{}: {}", c_.file.string(), e.what()));
     }
   }
   template <class Items>
-  void check_all(const char* section, const Items& items, int dimension = -1) const {
+  void check_all(const char* section, const Items& items, int dimension = -1) {
     for (const auto& item : items) check(section, "group", item.group, dimension);
   }
 
  private:
+  void take(const std::string& mistake) {
+    if (!contains(mistakes_, mistake)) mistakes_.push_back(mistake);
+  }
+
   const input::Case& c_;
   const mesh::SurfaceMesh& mesh_;
+  std::vector<std::string> mistakes_;
 };
 
 }  // namespace
@@ -51,7 +68,7 @@ class Checker {
 void check_group_names(const input::Case& c, const mesh::SurfaceMesh& mesh) {
   for (const input::Case& stage : c.stages) check_group_names(stage, mesh);
   if (!c.stages.empty()) return;
-  const Checker checker(c, mesh);
+  Checker checker(c, mesh);
   for (const energy::Material& m : c.materials)
     for (const std::string& name : m.groups) checker.check("material", "groups", name, 2);
   checker.check_all("support", c.supports);
@@ -60,6 +77,7 @@ void check_group_names(const input::Case& c, const mesh::SurfaceMesh& mesh) {
   for (const system::Load& l : c.loads)
     if (l.kind == system::Load::Kind::gas) checker.check_gas(l);
   checker.check_all("temperature", c.temperatures, 2);
+  checker.check_all("hinge", c.hinges, 1);
   checker.check_all("mass", c.masses);
   checker.check_all("spring", c.springs);
   for (const system::Spring& s : c.springs) checker.check("spring", "to", s.to);
@@ -67,6 +85,7 @@ void check_group_names(const input::Case& c, const mesh::SurfaceMesh& mesh) {
   checker.check_all("probe", c.probes);
   for (const system::Attachment& a : c.attachments)
     for (const std::string& name : a.groups) checker.check("attachment", "groups", name);
+  checker.finish();
 }
 
 }  // namespace voile::setup

@@ -253,9 +253,9 @@ std::string joint_note(const mesh::SurfaceMesh& mesh) {
   for (const mesh::Joint& j : mesh.joints())
     for (const mesh::TriangleSide& s : j.sides) ++sides[s.triangle];
   const auto between = std::count_if(sides.begin(), sides.end(), [](const auto& entry) { return entry.second > 1; });
-  std::string text =
-      fmt::format("sheets are joined at {} {} of three or more triangles, or of two that cannot be oriented alike",
-                  mesh.joints().size(), mesh.joints().size() == 1 ? "edge" : "edges");
+  std::string text = fmt::format(
+      "sheets are joined at {} {} of three or more triangles, of two that cannot be oriented alike, or hinges",
+      mesh.joints().size(), mesh.joints().size() == 1 ? "edge" : "edges");
   if (between > 0)
     text += fmt::format("; {} triangles have two sides there, where two cells between joints bend better", between);
   return text;

@@ -66,7 +66,7 @@ system::ModelInput model_input(MPI_Comm comm, const input::Case& c, KnownObstacl
           sewing_of(c),
           std::move(attachments),
           seam_rules(c),
-          {c.temperatures, c.analysis != "dynamic"},
+          {c.temperatures, c.hinges, c.analysis != "dynamic"},
           rigid_groups(c)};
 }
 

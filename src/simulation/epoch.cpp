@@ -129,6 +129,7 @@ void Epoch::make_path(const record::Recorder& recorder, Origin origin) {
     const auto is_constant = [](const auto& acting) { return acting.constant; };
     const bool constant = std::any_of(stage_.loads.begin(), stage_.loads.end(), is_constant) ||
                           std::any_of(stage_.temperatures.begin(), stage_.temperatures.end(), is_constant) ||
+                          std::any_of(stage_.hinges.begin(), stage_.hinges.end(), is_constant) ||
                           std::any_of(stage_.materials.begin(), stage_.materials.end(), energy::has_initial_state);
     stepper_ = std::make_unique<solve::Equilibrium>(model_, constant && !is_given);
   } else if (steps.control == Control::load) {

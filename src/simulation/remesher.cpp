@@ -43,8 +43,8 @@ Remesher::Remesher(const Stage& stage, std::shared_ptr<const mesh::SurfaceMesh> 
     : stage_(stage), keys_(stage.c.remesh), first_(std::move(first)) {
   if (!first_->joints().empty())
     throw UserError(
-        fmt::format("{}: [remesh]: the mesh joins sheets ({} edges of three or more triangles, or of two that "
-                    "cannot be oriented alike), and a new mesh would lose them; remove the section",
+        fmt::format("{}: [remesh]: the mesh joins sheets ({} edges of three or more triangles, of two that "
+                    "cannot be oriented alike, or hinges), and a new mesh would lose them; remove the section",
                     stage_.c.file.string(), first_->joints().size()));
   std::vector<Index> curved{0};
   mpi::on_root(stage_.options.comm, [&] {

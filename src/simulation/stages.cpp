@@ -104,6 +104,16 @@ void hold_over_loads(const Stage& before, Stage& now) {
       now.c.loads[i].constant = true;
 }
 
+/// Holds what grew in the stage before, until `end`.
+void hold(system::Field& f, bool& constant, const input::Case& now, bool in_time, double end) {
+  if (f.in_time && !in_time) {
+    f.value = [value = f.value, end](const Vec3& x, double) { return value(x, end); };
+    f.in_time = false;
+    constant = true;
+  }
+  constant = constant || now.analysis == "static" || now.finds_modes();
+}
+
 /// A temperature that the stage before has had stays, as loads do, unless both follow the same time.
 void hold_over_temperatures(const Stage& before, Stage& now) {
   const bool in_time = before.c.analysis == "dynamic" && now.c.analysis == "dynamic";
@@ -111,14 +121,15 @@ void hold_over_temperatures(const Stage& before, Stage& now) {
   for (std::size_t i = 0; i < now.c.stage.temperatures.size(); ++i) {
     if (place_of(now.c.stage.temperatures[i], before.c.stage.temperatures) == npos) continue;
     system::Temperature& t = now.c.temperatures[i];
-    for (system::Temperature::Field* f : {&t.change, &t.difference}) {
-      if (!f->in_time || in_time) continue;
-      f->value = [value = f->value, end](const Vec3& x, double) { return value(x, end); };
-      f->in_time = false;
-      t.constant = true;
-    }
-    t.constant = t.constant || now.c.analysis == "static" || now.c.finds_modes();
+    for (system::Field* f : {&t.change, &t.difference}) hold(*f, t.constant, now.c, in_time, end);
   }
+}
+
+/// A hinge that the stage before has folded stays so, likewise.
+void hold_over_hinges(const Stage& before, Stage& now) {
+  const bool in_time = before.c.analysis == "dynamic" && now.c.analysis == "dynamic";
+  const double end = before.c.analysis == "dynamic" ? before.c.time.options.end_time : before.c.steps.final_load_factor;
+  for (system::Hinge& hinge : now.c.hinges) hold(hinge.angle, hinge.constant, now.c, in_time, end);
 }
 
 /// Time in which bands get shorter that first act after sewing, unless the case says [s].
@@ -166,6 +177,7 @@ std::vector<Stage> stages_of(const input::Case& c, const record::RunOptions& opt
       hold_over_supports(stages.back(), s);
       hold_over_loads(stages.back(), s);
       hold_over_temperatures(stages.back(), s);
+      hold_over_hinges(stages.back(), s);
     }
     s.input = setup::model_input(options.comm, s.c, known);
     if (!stages.empty()) {

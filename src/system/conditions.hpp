@@ -88,22 +88,32 @@ struct Load {
   std::optional<Vec3> apex;   ///< of the caps over holes; absent: the mean of each rim [m]
 };
 
-/// Change of the temperature from that at which the sheet has its rest shape.
+/// Of place [m] and time [s], or the load factor in its place.
+struct Field {
+  std::string text;  ///< as it was written; empty: none
+  std::function<double(const Vec3& start, double time)> value;
+  bool in_time = false;  ///< it is an expression of the time
+};
+
+/// Change of the temperature from that at which the sheet has its rest shape [K].
 struct Temperature {
-  /// Of place [m] and time [s], or the load factor in its place [K].
-  struct Field {
-    std::string text;  ///< as it was written; empty: none
-    std::function<double(const Vec3& start, double time)> value;
-    bool in_time = false;  ///< it is an expression of the time
-  };
   std::string group;      ///< surface; empty: the whole surface
   Field change;           ///< mean over the thickness
   Field difference;       ///< top, where the normal points to, less bottom
   bool constant = false;  ///< true: acts in full at every load factor
 };
-/// Where groups overlap changes add up.
-struct Temperatures {
-  std::vector<Temperature> list;
+/// A line along which the sheet folds like a hinge with a spring.
+struct Hinge {
+  std::string group;       ///< curve
+  double stiffness = 0.0;  ///< moment per length of the line and angle, k [N m / (m rad)]
+  Field angle;             ///< by how much the fold without moment changes [degree]; closes where normals point to
+  bool constant = false;   ///< true: acts in full at every load factor
+};
+
+/// What gives the sheet another shape without stress than that at rest. Where groups overlap changes add up.
+struct NaturalInput {
+  std::vector<Temperature> temperatures;
+  std::vector<Hinge> hinges;
   bool by_load = false;  ///< the load factor is taken for the time
 };
 

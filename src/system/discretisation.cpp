@@ -10,6 +10,7 @@
 #include "energy/joint.hpp"
 #include "energy/membrane.hpp"
 #include "energy/sheet.hpp"
+#include "hinges.hpp"
 #include "mesh/patch.hpp"
 #include "voile/errors.hpp"
 
@@ -61,7 +62,7 @@ std::vector<Index> stencil_points(const energy::Sheet& sheet, Index t, const ene
 }
 
 Discretisation::Discretisation(MPI_Comm comm, const mesh::SurfaceMesh& mesh, std::vector<energy::Material> materials,
-                               const std::vector<Support>& supports, const std::vector<Spring>& springs,
+                               const std::vector<Support>& supports, const Couplings& couplings,
                                const energy::ElementOptions& options, const Seams& seams,
                                const std::vector<RigidGroup>& rigid)
     : mesh_(&mesh),
@@ -82,7 +83,7 @@ Discretisation::Discretisation(MPI_Comm comm, const mesh::SurfaceMesh& mesh, std
     add_allowances(mesh, seams.rules, materials_, material_of);
     sheet_ = std::make_unique<energy::Sheet>(sheet_patches(), materials_, std::move(material_of), options,
                                              bending_across_seams(mesh, seams.rules));
-    needed = find_elements(springs);
+    needed = find_elements(couplings);
   });
   dofs_ = std::make_unique<Dofs>(comm, *patches_, partition_, constraints_, needed);
   for (Element& e : elements_)
@@ -182,14 +183,15 @@ bool Discretisation::touches(const std::vector<Index>& vertices) const {
 }
 
 /// The joints of this rank, and the points that they use.
-void Discretisation::find_joints(energy::CurvatureBuilder& curvature, const std::vector<char>& candidate,
-                                 std::vector<char>& needed) {
+void Discretisation::find_joints(energy::CurvatureBuilder& curvature, const std::vector<Hinge>& hinges,
+                                 const std::vector<char>& candidate, std::vector<char>& needed) {
   const std::vector<mesh::Joint>& joints = mesh_->joints();
+  const std::vector<double> stiffness = hinge_stiffness(*mesh_, hinges);
   if (joints.empty()) return;
   if (sheet_->options().bending == energy::BendingOperator::six_node)
     throw UserError(fmt::format(
         "[element] type = \"{}\" cannot join sheets, and {} joins some: {} edges of three or more triangles, or "
-        "of two that cannot be oriented alike; use \"corrected\"",
+        "of two that cannot be oriented alike, or hinges; use \"corrected\"",
         energy::element_types[energy::type_of(sheet_->options())].name, mesh_->source(), joints.size()));
   for (const std::vector<Index>& cluster : energy::joint_clusters(*sheet_)) {
     const bool near = std::any_of(cluster.begin(), cluster.end(), [&](Index j) {
@@ -199,7 +201,7 @@ void Discretisation::find_joints(energy::CurvatureBuilder& curvature, const std:
     });
     const bool is_owned = owns(joints[static_cast<std::size_t>(cluster.front())].sides.front().triangle);
     if (!near && !is_owned) continue;
-    energy::JointElement element = energy::make_joint_element(*sheet_, curvature, cluster);
+    energy::JointElement element = energy::make_joint_element(*sheet_, curvature, cluster, stiffness);
     const std::vector<Index> vertices = unknowns_of(element.points);
     if (!touches(vertices) && !is_owned) continue;
     for (Index p : element.points) needed[p] = 1;
@@ -210,7 +212,7 @@ void Discretisation::find_joints(energy::CurvatureBuilder& curvature, const std:
 }
 
 /// The elements of this rank, and the points that they use.
-std::vector<char> Discretisation::find_elements(const std::vector<Spring>& springs) {
+std::vector<char> Discretisation::find_elements(const Couplings& couplings) {
   std::vector<int> holder = partition_.vertex_rank;  // the owner of a carrier knows all around its body
   for (const RigidBody& body : constraints_.bodies)
     for (const Index carrier : body.carriers)
@@ -234,9 +236,9 @@ std::vector<char> Discretisation::find_elements(const std::vector<Spring>& sprin
     elements_.push_back({t, {}, owns(t)});
     curvatures_.push_back(std::move(op));
   }
-  find_joints(curvature, candidate, needed);
+  find_joints(curvature, couplings.hinges, candidate, needed);
   find_rigid_slopes(curvature, needed);
-  for (const Spring& spring : springs)
+  for (const Spring& spring : couplings.springs)
     for (const auto& [v, w] : pairs_of(*mesh_, spring))
       if (has_rows_of({v, w}) || owns_vertex(v)) needed[v] = needed[w] = 1;
   for (const mesh::Seam& seam : mesh_->data().seams)

@@ -28,6 +28,11 @@ namespace voile::system {
 
 class Discretisation {
  public:
+  /// What couples vertices, besides the sheet.
+  struct Couplings {
+    const std::vector<Spring>& springs;
+    const std::vector<Hinge>& hinges;
+  };
   /// A triangle whose elements this rank evaluates.
   struct Element {
     Index triangle;
@@ -38,7 +43,7 @@ class Discretisation {
   /// Collective; the mesh must be the same on all ranks and outlive it. Throws UserError on every rank for unknown groups
   /// and contradictions.
   Discretisation(MPI_Comm comm, const mesh::SurfaceMesh& mesh, std::vector<energy::Material> materials,
-                 const std::vector<Support>& supports, const std::vector<Spring>& springs,
+                 const std::vector<Support>& supports, const Couplings& couplings,
                  const energy::ElementOptions& options, const Seams& seams = {},
                  const std::vector<RigidGroup>& rigid = {});
   ~Discretisation();
@@ -101,8 +106,9 @@ class Discretisation {
   [[nodiscard]] const mesh::PatchMesh& sheet_patches() const {
     return drawn_in_.patches ? *drawn_in_.patches : *patches_;
   }
-  [[nodiscard]] std::vector<char> find_elements(const std::vector<Spring>& springs);
-  void find_joints(energy::CurvatureBuilder& curvature, const std::vector<char>& candidate, std::vector<char>& needed);
+  [[nodiscard]] std::vector<char> find_elements(const Couplings& couplings);
+  void find_joints(energy::CurvatureBuilder& curvature, const std::vector<Hinge>& hinges,
+                   const std::vector<char>& candidate, std::vector<char>& needed);
   void find_rigid_slopes(energy::CurvatureBuilder& curvature, std::vector<char>& needed);
   void prepare_bodies(const std::vector<RigidGroup>& rigid);
   [[nodiscard]] bool owns_vertex(Index v) const { return partition_.vertex_rank[v] == rank_; }

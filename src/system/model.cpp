@@ -24,7 +24,8 @@ const std::vector<Support>& with_followers(ModelInput& input) {
 }
 
 Model::Model(MPI_Comm comm, const mesh::SurfaceMesh& mesh, ModelInput input)
-    : on_(std::make_unique<Discretisation>(comm, mesh, std::move(input.materials), with_followers(input), input.springs,
+    : on_(std::make_unique<Discretisation>(comm, mesh, std::move(input.materials), with_followers(input),
+                                           Discretisation::Couplings{input.springs, input.natural.hinges},
                                            input.element, Seams{std::move(input.seams), input.sewing.seams},
                                            input.rigid)),
       conditions_(std::make_unique<BoundaryConditions>(*on_, std::move(input.supports), input.loads, input.masses,
@@ -34,7 +35,7 @@ Model::Model(MPI_Comm comm, const mesh::SurfaceMesh& mesh, ModelInput input)
   potential_ = std::make_unique<Potential>(
       *on_, *conditions_, contact_.get(),
       PotentialInput{std::move(input.masses), std::move(input.springs), std::move(input.sewing),
-                     std::move(input.attachments), std::move(input.temperatures)});
+                     std::move(input.attachments), std::move(input.natural)});
   tangent_ = Tangent(*on_, potential_->constant().base());
   work_ = dofs().create_vector();
   for (auto* v : {&previous_u_, &previous_x_, &force_})

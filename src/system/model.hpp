@@ -40,7 +40,7 @@ struct ModelInput {
   Sewing sewing = {};
   std::vector<Attachment> attachments = {};
   std::vector<SeamRule> seams = {};
-  Temperatures temperatures = {};
+  NaturalInput natural = {};
   std::vector<RigidGroup> rigid = {};
 };
 

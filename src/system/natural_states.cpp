@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <tuple>
 
 #include "base/text.hpp"
@@ -14,15 +15,16 @@
 #include "energy/joint.hpp"
 #include "energy/membrane.hpp"
 #include "energy/sheet.hpp"
+#include "hinges.hpp"
 #include "voile/errors.hpp"
 
 namespace voile::system {
 
 namespace {
 
-double value_of(const Temperature& t, const Temperature::Field& f, const Vec3& place, double time, double load_factor) {
+double value_of(bool constant, const Field& f, const Vec3& place, double time, double load_factor) {
   if (!f.value) return 0.0;
-  return f.value(place, time) * (t.constant || f.in_time ? 1.0 : load_factor);
+  return f.value(place, time) * (constant || f.in_time ? 1.0 : load_factor);
 }
 
 std::string name_of(const Temperature& t) {
@@ -46,18 +48,18 @@ void require_expansion(const Temperature& t, const energy::Material& m) {
 
 }  // namespace
 
-bool NaturalStates::needed(const energy::Sheet& sheet, const Temperatures& temperatures) {
-  return !temperatures.list.empty() ||
+bool NaturalStates::needed(const energy::Sheet& sheet, const NaturalInput& input) {
+  const auto folds = [](const Hinge& c) { return static_cast<bool>(c.angle.value); };
+  return !input.temperatures.empty() || std::any_of(input.hinges.begin(), input.hinges.end(), folds) ||
          std::any_of(sheet.materials().begin(), sheet.materials().end(), energy::has_initial_state);
 }
 
-NaturalStates::NaturalStates(const Discretisation& on, Temperatures temperatures, Kernels kernels)
-    : on_(&on), temperatures_(std::move(temperatures)), kernels_(kernels) {
+NaturalStates::NaturalStates(const Discretisation& on, NaturalInput input, Kernels kernels)
+    : on_(&on), input_(std::move(input)), kernels_(kernels) {
   const energy::Sheet& sheet = on.sheet();
   item_of_.assign(static_cast<std::size_t>(on.mesh().triangle_count()), no_index);
-  for (const Temperature& t : temperatures_.list) {
-    for (const Temperature::Field* f : {&t.change, &t.difference})
-      changes_ = changes_ || (f->value && (f->in_time || !t.constant));
+  for (const Temperature& t : input_.temperatures) {
+    for (const Field* f : {&t.change, &t.difference}) changes_ = changes_ || (f->value && (f->in_time || !t.constant));
     covered_.emplace_back();
     if (!t.group.empty()) {
       covered_.back().assign(item_of_.size(), 0);
@@ -67,6 +69,38 @@ NaturalStates::NaturalStates(const Discretisation& on, Temperatures temperatures
       if (covers(covered_.size() - 1, k)) require_expansion(t, sheet.material(k));
   }
   add_joints();
+  add_hinges();
+}
+
+void NaturalStates::add_hinges() {
+  if (!kernels_.joints) return;
+  const mesh::SurfaceMesh& mesh = on_->mesh();
+  for (std::size_t k = 0; k < input_.hinges.size(); ++k) {
+    const Hinge& hinge = input_.hinges[k];
+    if (!hinge.angle.value) continue;
+    changes_ = changes_ || hinge.angle.in_time || !hinge.constant;
+    for (const Index j : joints_of(mesh, hinge)) {
+      if (!kernels_.joints->has(j)) continue;
+      const mesh::Joint& joint = mesh.joints()[static_cast<std::size_t>(j)];
+      const Vec3 place = 0.5 * (mesh.positions()[joint.edge[0]] + mesh.positions()[joint.edge[1]]);
+      folds_.push_back({j, k, place, std::sqrt(mesh.area(joint.sides.front().triangle))});
+    }
+  }
+}
+
+double NaturalStates::fold_of(const Fold& fold, double time, double load_factor) const {
+  const Hinge& hinge = input_.hinges[fold.hinge];
+  return std::numbers::pi / 180.0 * value_of(hinge.constant, hinge.angle, fold.place, time, load_factor);
+}
+
+void NaturalStates::take_folds(double time, double load_factor) {
+  if (folds_.empty()) return;
+  double height = 0.0;
+  for (const Fold& fold : folds_) {
+    kernels_.joints->set_fold(fold.joint, fold_of(fold, time, load_factor));
+    height = std::max(height, fold.height);
+  }
+  squared_force_ += kernels_.joints->squared_fold_moment() / (height * height);
 }
 
 void NaturalStates::add_joints() {
@@ -92,10 +126,10 @@ bool NaturalStates::covers(std::size_t temperature, Index t) const {
 void NaturalStates::add(Index t, const energy::BendingElement& bending, const std::vector<Index>& local, Flags flags) {
   const energy::Material& m = on_->sheet().material(t);
   bool has_temperature = false, has_difference = false;
-  for (std::size_t k = 0; k < temperatures_.list.size(); ++k) {
+  for (std::size_t k = 0; k < input_.temperatures.size(); ++k) {
     if (!covers(k, t)) continue;
     has_temperature = true;
-    has_difference = has_difference || temperatures_.list[k].difference.value;
+    has_difference = has_difference || input_.temperatures[k].difference.value;
   }
   if (!has_temperature && !energy::has_initial_state(m)) return;
   const mesh::SurfaceMesh& mesh = on_->mesh();
@@ -115,7 +149,7 @@ void NaturalStates::add(Index t, const energy::BendingElement& bending, const st
 }
 
 void NaturalStates::set(double time, double load_factor) {
-  const double at = temperatures_.by_load ? load_factor : time;
+  const double at = input_.by_load ? load_factor : time;
   if (!fresh_ && (!changes_ || (at == time_ && load_factor == load_factor_))) return;
   fresh_ = false;
   time_ = at;
@@ -123,15 +157,16 @@ void NaturalStates::set(double time, double load_factor) {
   squared_force_ = 0.0;
   for (Item& item : items_) take(item, at, load_factor);
   for (const Item& item : at_joints_) take_joint(item, at, load_factor);
+  take_folds(at, load_factor);
 }
 
 std::pair<double, double> NaturalStates::temperature_of(const Item& item, double time, double load_factor) const {
   std::pair<double, double> sum{0.0, 0.0};
-  for (std::size_t k = 0; k < temperatures_.list.size(); ++k) {
+  for (std::size_t k = 0; k < input_.temperatures.size(); ++k) {
     if (!covers(k, item.triangle)) continue;
-    const Temperature& t = temperatures_.list[k];
-    sum.first += value_of(t, t.change, item.place, time, load_factor);
-    sum.second += value_of(t, t.difference, item.place, time, load_factor);
+    const Temperature& t = input_.temperatures[k];
+    sum.first += value_of(t.constant, t.change, item.place, time, load_factor);
+    sum.second += value_of(t.constant, t.difference, item.place, time, load_factor);
   }
   return sum;
 }
@@ -140,12 +175,15 @@ double NaturalStates::growth() const {
   double most = 0.0;
   for (const Item& item : items_) {
     const auto [change, difference] = temperature_of(item, time_, load_factor_);
-    const auto [more, wider] = temperature_of(item, temperatures_.by_load ? time_ + 1.0 : time_, load_factor_ + 1.0);
+    const auto [more, wider] = temperature_of(item, input_.by_load ? time_ + 1.0 : time_, load_factor_ + 1.0);
     const energy::Material& m = on_->sheet().material(item.triangle);
     const double cell = std::sqrt(on_->sheet().mesh().area(item.triangle));
     most = std::max(most, std::abs(more - change) * m.expansion.norm() +
                               std::abs(wider - difference) * m.expansion_curvature.norm() * cell);
   }
+  for (const Fold& fold : folds_)
+    most = std::max(most, std::abs(fold_of(fold, input_.by_load ? time_ + 1.0 : time_, load_factor_ + 1.0) -
+                                   fold_of(fold, time_, load_factor_)));
   return most;
 }
 

@@ -1,5 +1,5 @@
 // Natural states of the triangles of one rank (energy/natural_state.hpp): initial strain and prestress of the materials, and
-// temperatures that change with the load factor and in time.
+// temperatures that change with the load factor and in time. Folds of hinges (hinges.hpp) that change likewise.
 #pragma once
 
 #include <utility>
@@ -36,9 +36,9 @@ class NaturalStates {
   };
 
   /// Whether any triangle has a natural state that is not its rest shape.
-  [[nodiscard]] static bool needed(const energy::Sheet& sheet, const Temperatures& temperatures);
+  [[nodiscard]] static bool needed(const energy::Sheet& sheet, const NaturalInput& input);
   /// All references must outlive it. Throws UserError for unknown groups, and for materials without an expansion under a temperature.
-  NaturalStates(const Discretisation& on, Temperatures temperatures, Kernels kernels);
+  NaturalStates(const Discretisation& on, NaturalInput input, Kernels kernels);
 
   /// After the elements of triangle t have joined the membrane and, by angles, the bending: its natural state joins them.
   /// `local`: the points of `bending`.
@@ -47,7 +47,7 @@ class NaturalStates {
   void set(double time, double load_factor);
   /// Whether they change with time or load factor.
   [[nodiscard]] bool changes() const { return changes_; }
-  [[nodiscard]] bool has_temperatures() const { return !temperatures_.list.empty(); }
+  [[nodiscard]] bool has_temperatures() const { return !input_.temperatures.empty(); }
   /// By how much the natural curvature of triangle t, of this rank, is that of the rest shape less [1/m].
   [[nodiscard]] Vec3 curvature_change(Index t) const;
   /// Squared size of the nodal forces that hold the rest shape against its natural states, on this rank [N^2].
@@ -67,19 +67,32 @@ class NaturalStates {
     Mat3 projector = Mat3::Identity();      ///< of free sides
   };
 
+  /// A joint of this rank on a hinge.
+  struct Fold {
+    Index joint;
+    std::size_t hinge;
+    Vec3 place;     ///< middle of the edge at the start [m]
+    double height;  ///< of the cells there [m]
+  };
+
   void take(Item& item, double time, double load_factor);
   /// Change and difference of temperature [K].
   [[nodiscard]] std::pair<double, double> temperature_of(const Item& item, double time, double load_factor) const;
   void add_joints();
+  void add_hinges();
+  /// phi [rad].
+  [[nodiscard]] double fold_of(const Fold& fold, double time, double load_factor) const;
+  void take_folds(double time, double load_factor);
   void take_joint(const Item& item, double time, double load_factor);
   [[nodiscard]] bool covers(std::size_t temperature, Index t) const;
 
   const Discretisation* on_;
-  Temperatures temperatures_;
+  NaturalInput input_;
   Kernels kernels_;
   std::vector<std::vector<char>> covered_;  ///< of each temperature, by triangle; empty: all
   std::vector<Item> items_, at_joints_;     ///< triangles at joints once more: those of other ranks, too
-  std::vector<Index> item_of_;              ///< by triangle
+  std::vector<Fold> folds_;
+  std::vector<Index> item_of_;  ///< by triangle
   bool changes_ = false, fresh_ = true;
   double squared_force_ = 0.0;
   double time_ = 0.0, load_factor_ = 0.0;  ///< in force

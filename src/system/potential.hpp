@@ -57,7 +57,7 @@ struct PotentialInput {
   std::vector<Spring> springs;
   Sewing sewing;
   std::vector<Attachment> attachments;
-  Temperatures temperatures;
+  NaturalInput natural;
 };
 
 class Potential {
@@ -156,7 +156,7 @@ class Potential {
 
   // Construction, in this order.
   void build_terms(const Curvatures& curvatures, const PotentialInput& input);
-  void build_sheet(const Curvatures& curvatures, Temperatures temperatures);
+  void build_sheet(const Curvatures& curvatures, NaturalInput input);
   /// Lets triangle t bend by the angles at edges where that is chosen and possible.
   bool add_angles(Index t, const energy::CurvatureOperator& op, const energy::BendingElement& el,
                   const std::vector<Index>& local, bool owned);

@@ -69,7 +69,7 @@ AnyTerm& Potential::add_term(double Energies::*part) {
 /// Here a new term joins the potential.
 void Potential::build_terms(const Curvatures& curvatures, const PotentialInput& input) {
   build_joints();
-  build_sheet(curvatures, input.temperatures);
+  build_sheet(curvatures, input.natural);
   build_mirror_folds();
   if (energy::YarnFrictionTerm::is_needed(on_->sheet())) build_yarns(curvatures);
   auto& ties = add_term<ElementTerm<energy::SpringTerm>>(&Energies::springs);
@@ -89,7 +89,7 @@ void Potential::build_terms(const Curvatures& curvatures, const PotentialInput& 
 }
 
 /// The membrane, bending of curved rest shapes beyond K_b, and what is recovered from both.
-void Potential::build_sheet(const Curvatures& curvatures, Temperatures temperatures) {
+void Potential::build_sheet(const Curvatures& curvatures, NaturalInput input) {
   membrane_ = &add_term<BatchTerm<energy::MembraneTerm>>(&Energies::membrane);
   membrane_->kernel = energy::MembraneTerm(on_->sheet());
   std::optional<energy::ChordForms> forms;
@@ -97,11 +97,10 @@ void Potential::build_sheet(const Curvatures& curvatures, Temperatures temperatu
   membrane_->kernel.reserve(curvatures.size());
   auto& curved = add_term<BatchTerm<energy::CurvedBendingTerm>>(&Energies::bending);
   angles_ = &add_term<BatchTerm<energy::AngleBendingTerm>>(&Energies::bending);
-  if (NaturalStates::needed(on_->sheet(), temperatures)) {
+  if (NaturalStates::needed(on_->sheet(), input)) {
     auto& natural = add_term<BatchTerm<energy::CurvedBendingTerm>>(&Energies::bending);
     natural_ = std::make_unique<NaturalStates>(
-        *on_, std::move(temperatures),
-        NaturalStates::Kernels{membrane_->kernel, natural.kernel, angles_->kernel, joints_});
+        *on_, std::move(input), NaturalStates::Kernels{membrane_->kernel, natural.kernel, angles_->kernel, joints_});
   }
   energy::LinearBendingTerm* beside =
       on_->constraints().bodies.empty() ? nullptr

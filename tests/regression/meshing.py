@@ -208,6 +208,17 @@ def deck_cases(report):
     code, said, case = begin("deck_plate", plate("*Step\n*Frequency\n4,\n*Output, field\n*End Step"))
     exact = 35.985 / (2 * np.pi) * np.sqrt(210000 * 8 / 12 / 0.91 / (2 * 7.85e-9)) / side**2
     report.percent(run(case, fresh("deck_plate_run"), 2).summary["eigenvalues"][0] / exact, 0.025, "plate: first frequency")
+    layers = plate("*Step\n*Frequency\n4,\n*End Step").replace("*Shell Section, elset=plate, material=Steel\n2.\n", (
+        "*Orientation, name=Fibres\n0., 1., 0., -1., 0., 0.\n3, 30.\n"
+        "*Shell Section, elset=plate, composite, symmetric, orientation=fibres\n0.5, 3, Steel, 0.\n0.5, 3, Steel, 90.\n"))
+    layers = layers.replace("*Elastic\n210000., 0.3", "*Elastic, type=lamina\n140000., 10000., 0.3, 5000., 5000., 4000.")
+    code, said, case = begin("deck_layers", layers)
+    found = case.read_text()
+    report.check(code == 0 and "left out" not in said and "angles = [30, 120, 120, 30]\nply_thicknesses = [0.5, 0.5, 0.5, 0.5]" in found
+                 and "direction = [0, 1, 0]" in found, f"a symmetric stack with an orientation: {said[:300]}\n{found[:600]}")
+    mixed = layers.replace("0.5, 3, Steel, 90.", "0.5, 3, Foam, 90.")
+    code, said, case = begin("deck_mixed", mixed)
+    report.check(code == 0 and "several materials" in said, f"plies of two materials: {said[:300]}")
     code, said, case = begin("deck_left", plate("*Boundary\n20, 1, 3\n*Surface, name=TOP\nPLATE, SPOS\n*Step, nlgeom\n*Static\n1., 1.\n*Cload\n145, 3, 2.\n"
                                                 "146, 3, 2.\n145, 5, 1.\n*Dload\nplate, P, 0.01\n*End Step"))
     found = case.read_text()

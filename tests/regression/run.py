@@ -32,6 +32,7 @@ import garments  # noqa: E402, F401
 import gas  # noqa: E402, F401
 import gathering  # noqa: E402, F401
 import harmonic  # noqa: E402, F401
+import hinges  # noqa: E402, F401
 import howtos  # noqa: E402, F401
 import initial_states  # noqa: E402, F401
 import joints  # noqa: E402, F401

@@ -49,6 +49,18 @@ inline mesh::MeshData fan(const std::vector<double>& angles, Pattern pattern, in
   return d;
 }
 
+/// A fan whose edge is a hinge and the group "hinge".
+inline mesh::MeshData hinged(mesh::MeshData d) {
+  mesh::Group hinge{"hinge", 1, {}, {}, {}};
+  for (std::size_t v = 0; v < d.positions.size(); ++v)
+    if (std::hypot(d.positions[v][0], d.positions[v][2]) < 1e-12) hinge.vertices.push_back(static_cast<Index>(v));
+  for (std::size_t i = 0; i + 1 < hinge.vertices.size(); ++i)
+    hinge.segments.push_back({hinge.vertices[i], hinge.vertices[i + 1]});
+  d.hinges = hinge.segments;
+  d.groups.push_back(hinge);
+  return d;
+}
+
 /// A strip of nx x ny cells around a circle of radius 1, turned over once if `twisted`.
 inline mesh::MeshData moebius(int nx, int ny, bool twisted = true) {
   mesh::MeshData d;

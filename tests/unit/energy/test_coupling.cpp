@@ -43,11 +43,11 @@ system::ModelInput input(energy::MembraneOperator membrane) {
   system::ModelInput in;
   in.element.membrane = membrane;
   in.materials = {cross_ply()};
-  in.temperatures.by_load = true;
+  in.natural.by_load = true;
   system::Temperature t;
   t.change = {"", [](const Vec3& x, double) { return 100.0 + 20.0 * x[0]; }, false};
   t.difference = {"", [](const Vec3& x, double) { return 30.0 * x[1]; }, false};
-  in.temperatures.list = {t};
+  in.natural.temperatures = {t};
   return in;
 }
 
@@ -107,7 +107,7 @@ TEST_CASE("a flat laminate that is stretched and bent evenly has the forces and 
   const mesh::SurfaceMesh mesh(sheet_of(Shape::flat));
   for (const energy::MembraneOperator membrane : membranes) {
     system::ModelInput in = input(membrane);
-    in.temperatures.list.clear();
+    in.natural.temperatures.clear();
     in.materials[0].direction = Vec3::UnitX();
     system::Model model(PETSC_COMM_WORLD, mesh, in);
     petsc::VecHandle a = model.dofs().create_vector();
@@ -139,8 +139,8 @@ TEST_CASE("a free laminate that is heated rests where lamination theory says, fr
     system::ModelInput in = input(membrane);
     in.materials[0].direction = Vec3::UnitX();
     const double change = 1e-4;
-    in.temperatures.list[0].change.value = [=](const Vec3&, double) { return change; };
-    in.temperatures.list[0].difference.value = nullptr;
+    in.natural.temperatures[0].change.value = [=](const Vec3&, double) { return change; };
+    in.natural.temperatures[0].difference.value = nullptr;
     system::Model model(PETSC_COMM_WORLD, mesh, in);
     model.conditions().set_load_factor(1.0);
     petsc::VecHandle a = model.dofs().create_vector(), r = model.dofs().create_vector();

@@ -158,7 +158,20 @@ struct Shape {
   std::string name;
   mesh::MeshData data;
   std::vector<system::Support> supports;
+  std::vector<system::Hinge> hinges = {};
 };
+
+system::Hinge hinge(double stiffness) {
+  system::Hinge c;
+  c.group = "hinge";
+  c.stiffness = stiffness;
+  return c;
+}
+
+void fold(system::Hinge& c, double angle) {
+  c.angle.value = [=](const Vec3&, double) { return angle; };
+  c.constant = true;
+}
 
 std::vector<Shape> shapes() {
   return {{"T",
@@ -168,7 +181,9 @@ std::vector<Shape> shapes() {
           {"acute", fan({0.0, 10.0 * degree, 20.0 * degree}, Pattern::diagonal, 3, 4), {}},
           {"Moebius strip", moebius(14, 3), {}},
           {"corner", cell_corner(3), {}},
-          {"corner of single cells", cell_corner(1), {}}};
+          {"corner of single cells", cell_corner(1), {}},
+          {"flat hinge", hinged(fan({0.0, 180.0 * degree}, Pattern::jittered, 4, 5)), {}, {hinge(40.0)}},
+          {"folded hinge", hinged(fan({0.2, 2.0}, Pattern::union_jack, 4, 4)), {}, {hinge(3.0)}}};
 }
 
 }  // namespace
@@ -196,8 +211,11 @@ TEST_CASE("joined sheets move as a rigid body without force and energy") {
     CAPTURE(shape.name);
     const mesh::SurfaceMesh mesh(shape.data);
     REQUIRE(!mesh.joints().empty());
-    system::Model model(PETSC_COMM_WORLD, mesh,
-                        input(energy::BendingOperator::edge_slope, energy::MembraneOperator::six_node_corrected));
+    system::Model model(PETSC_COMM_WORLD, mesh, [&] {
+      system::ModelInput in = input(energy::BendingOperator::edge_slope, energy::MembraneOperator::six_node_corrected);
+      in.natural.hinges = shape.hinges;
+      return in;
+    }());
     petsc::VecHandle a = model.dofs().create_vector(), r = model.dofs().create_vector();
     set_displacement(model, a, noise(0.01, 3));
     model.residual(a, r);
@@ -221,10 +239,11 @@ TEST_CASE("joints that share a triangle are solved together, and turn freely as 
   const energy::Sheet sheet(patches, materials, std::vector<int>(static_cast<std::size_t>(mesh.triangle_count()), 0),
                             {});
   energy::CurvatureBuilder curvatures(sheet);
+  const std::vector<double> stiff(mesh.joints().size(), std::numeric_limits<double>::infinity());
   std::size_t largest = 0;
   for (const std::vector<Index>& cluster : energy::joint_clusters(sheet)) {
     largest = std::max(largest, cluster.size());
-    const energy::JointElement joint = energy::make_joint_element(sheet, curvatures, cluster);
+    const energy::JointElement joint = energy::make_joint_element(sheet, curvatures, cluster, stiff);
     const Eigen::MatrixXd& q = joint.stiffness;
     const double scale = q.norm();
     for (const energy::JointElement::Angle& first : joint.angles) {
@@ -253,6 +272,8 @@ TEST_CASE("forces of joints derive from the energy, and the tangent from the for
       const mesh::SurfaceMesh mesh(shape.data);
       system::ModelInput in = input(element.first, element.second);
       in.supports = shape.supports;
+      in.natural.hinges = shape.hinges;
+      for (system::Hinge& c : in.natural.hinges) fold(c, 50.0);
       system::Model model(PETSC_COMM_WORLD, mesh, in);
       petsc::VecHandle a = model.dofs().create_vector(), d = model.dofs().create_vector();
       set_displacement(model, a, noise(0.03, 3));
@@ -271,6 +292,8 @@ TEST_CASE("joined sheets are the same on all ranks as on one") {
     const auto answer = [&](MPI_Comm comm) {
       system::ModelInput in = input(energy::BendingOperator::edge_slope, energy::MembraneOperator::six_node_corrected);
       in.supports = shape.supports;
+      in.natural.hinges = shape.hinges;
+      for (system::Hinge& c : in.natural.hinges) fold(c, -20.0);
       system::Model model(comm, mesh, in);
       petsc::VecHandle a = model.dofs().create_vector(), d = model.dofs().create_vector(),
                        r = model.dofs().create_vector();
@@ -307,11 +330,11 @@ TEST_CASE("a natural curvature bends joined sheets without force") {
   energy::set_expansion(m, Vec3(0.0, 1e-4, 0.0), {});
   system::ModelInput in = input(energy::BendingOperator::edge_slope, energy::MembraneOperator::six_node_corrected);
   in.materials = {m};
-  in.temperatures.by_load = true;
+  in.natural.by_load = true;
   system::Temperature t;
   const double difference = 3e-5;
   t.difference = {"", [=](const Vec3&, double) { return difference; }, false};
-  in.temperatures.list = {t};
+  in.natural.temperatures = {t};
   system::Model model(PETSC_COMM_WORLD, mesh, in);
   model.conditions().set_load_factor(1.0);
   petsc::VecHandle a = model.dofs().create_vector(), r = model.dofs().create_vector();
@@ -336,6 +359,66 @@ TEST_CASE("a natural curvature bends joined sheets without force") {
   CHECK(least < 1e-4 * held);
 }
 
+TEST_CASE("a hinge turns by the moment over its stiffness") {
+  // A cantilever of length 2 and width 1 with the hinge in its middle, and a force at its tip.
+  const mesh::SurfaceMesh mesh(hinged(fan({0.0, 180.0 * degree}, Pattern::union_jack, 6, 6)));
+  const double force = 1e-3;
+  const auto tip = [&](double stiffness) {
+    system::ModelInput in = input(energy::BendingOperator::edge_slope, energy::MembraneOperator::six_node_corrected);
+    in.materials = {isotropic(2e6, 0.0, 0.03)};
+    in.supports = {support("end 0", system::Support::Kind::clamped)};
+    in.natural.hinges = {hinge(stiffness)};
+    system::Model model(PETSC_COMM_WORLD, mesh, in);
+    petsc::VecHandle a = model.dofs().create_vector(), r = model.dofs().create_vector();
+    set_displacement(model, r, [&](Index v) {
+      const Vec3& x = mesh.positions()[v];
+      const double share = std::abs(x[1] - 0.5) > 0.499 ? 0.5 : 1.0;
+      return Vec3(0.0, 0.0, std::abs(x[0] + 1.0) < 1e-9 ? share * force / 6.0 : 0.0);
+    });
+    model.assemble_tangent(a, {.kind = energy::Tangent::exact});
+    solve_linear(model, r, a);
+    double sum = 0.0;
+    for (Index v = 0; v < mesh.vertex_count(); ++v)
+      if (std::abs(mesh.positions()[v][0] + 1.0) < 1e-9)
+        sum += per_vertex(model, a)[static_cast<std::size_t>(v)][2] / 7.0;
+    return sum;
+  };
+  const double whole = tip(1e12), stiffness = 2e6 * 0.03 * 0.03 * 0.03 / 12.0;
+  CHECK(whole == doctest::Approx(force * 8.0 / 3.0 / stiffness).epsilon(0.01));
+  for (const double k : {0.1, 4.0, 300.0}) CHECK(tip(k) - whole == doctest::Approx(force / k).epsilon(1e-3));
+}
+
+TEST_CASE("a hinge folds by its angle, towards the normals, without force") {
+  for (const double rest : {180.0, 70.0})
+    for (const double angle : {90.0, -100.0, 20.0}) {
+      CAPTURE(rest);
+      CAPTURE(angle);
+      const mesh::SurfaceMesh mesh(hinged(fan({0.0, rest * degree}, Pattern::jittered, 5, 5)));
+      system::ModelInput in = input(energy::BendingOperator::edge_slope, energy::MembraneOperator::six_node_corrected);
+      in.natural.hinges = {hinge(2.0)};
+      fold(in.natural.hinges.front(), angle);
+      system::Model model(PETSC_COMM_WORLD, mesh, in);
+      petsc::VecHandle a = model.dofs().create_vector(), r = model.dofs().create_vector();
+      model.residual(a, r);
+      const double held = norm(r), stored = model.energy(a);
+      CHECK(model.potential().natural_force() > 0.01 * held);
+      CHECK(model.potential().natural_force() < 100.0 * held);
+      // Sheet 0 lies along x; sheet 1 turns about y towards the side of its normal.
+      const double side = mesh.start_normal(mesh.group("sheet 0").triangles.front())[2] > 0.0 ? 1.0 : -1.0;
+      const Mat3 turn(Eigen::AngleAxisd(side * angle * degree, Vec3::UnitY()));
+      std::vector<char> turned(static_cast<std::size_t>(mesh.vertex_count()), 0);
+      for (const Index t : mesh.group("sheet 1").triangles)
+        for (const Index v : mesh.triangles()[t]) turned[static_cast<std::size_t>(v)] = 1;
+      set_displacement(model, a, [&](Index v) {
+        const Vec3& x = mesh.positions()[v];
+        return turned[static_cast<std::size_t>(v)] ? Vec3(turn * x - x) : Vec3(Vec3::Zero());
+      });
+      model.residual(a, r);
+      CHECK(norm(r) < 1e-9 * held);
+      CHECK(std::abs(model.energy(a)) < 1e-12 * stored);
+    }
+}
+
 TEST_CASE("what joints cannot have is refused by its key") {
   const mesh::SurfaceMesh mesh(fan({0.0, 2.0, 4.0}, Pattern::diagonal, 3, 3));
   const auto refused = [&](const system::ModelInput& in, const std::string& text) {
@@ -351,4 +434,16 @@ TEST_CASE("what joints cannot have is refused by its key") {
   in = input(energy::BendingOperator::edge_slope, energy::MembraneOperator::six_node);
   in.materials[0].coupling = Mat3::Identity();
   CHECK(refused(in, "offset"));
+  in = input(energy::BendingOperator::edge_slope, energy::MembraneOperator::six_node_corrected);
+  in.natural.hinges = {hinge(1.0)};
+  in.natural.hinges.front().group = "end 0";
+  CHECK(refused(in, "[[hinge]] group 'end 0'"));
+  const mesh::SurfaceMesh folded(hinged(fan({0.0, 2.0}, Pattern::diagonal, 3, 3)));
+  in.natural.hinges = {hinge(1.0), hinge(2.0)};
+  try {
+    system::Model model(PETSC_COMM_WORLD, folded, in);
+    FAIL("two hinges on one edge");
+  } catch (const UserError& e) {
+    CHECK(std::string(e.what()).find("another hinge") != std::string::npos);
+  }
 }

@@ -42,7 +42,7 @@ energy::Material expanding() {
   return m;
 }
 
-system::Temperature::Field field(double value, double slope = 0.0) {
+system::Field field(double value, double slope = 0.0) {
   return {"", [=](const Vec3& x, double) { return value + slope * x[0]; }, false};
 }
 
@@ -51,7 +51,7 @@ system::ModelInput input(const Element& element, const energy::Material& materia
   in.element.bending = element.first;
   in.element.membrane = element.second;
   in.materials = {material};
-  in.temperatures.by_load = true;
+  in.natural.by_load = true;
   return in;
 }
 
@@ -73,7 +73,7 @@ TEST_CASE("a free body of one temperature grows to a similar one without force a
       const mesh::SurfaceMesh mesh(sheet_of(shape));
       system::ModelInput in = input(element, expanding());
       const double change = 300.0, stretch = 1.0 + alpha * change;
-      in.temperatures.list = {heat(change)};
+      in.natural.temperatures = {heat(change)};
       system::Model model(PETSC_COMM_WORLD, mesh, in);
       model.conditions().set_load_factor(1.0);
       petsc::VecHandle a = model.dofs().create_vector(), r = model.dofs().create_vector();
@@ -135,7 +135,7 @@ TEST_CASE("with natural states the forces derive from the energy, and the tangen
         m.prestress = Vec3(2e3, 1e3, 500.0);
         m.initial_strain = Vec3(0.01, -0.02, 0.005);
         system::ModelInput in = input(element, m);
-        in.temperatures.list = {heat(200.0, 0.0, 100.0), heat(0.0, 400.0, 50.0)};
+        in.natural.temperatures = {heat(200.0, 0.0, 100.0), heat(0.0, 400.0, 50.0)};
         in.supports = {support("left", system::Support::Kind::clamped)};
         system::Model model(PETSC_COMM_WORLD, mesh, in);
         petsc::VecHandle a = model.dofs().create_vector(), d = model.dofs().create_vector();
@@ -168,7 +168,7 @@ TEST_CASE("a difference through the thickness bends a plate at rest by its momen
   for (const Element& element : elements) {
     const mesh::SurfaceMesh mesh(sheet_of(Shape::flat));
     system::ModelInput in = input(element, expanding());
-    in.temperatures.list = {heat(0.0, 50.0)};
+    in.natural.temperatures = {heat(0.0, 50.0)};
     for (const char* side : {"left", "right", "bottom", "top"})
       in.supports.push_back(support(side, system::Support::Kind::clamped));
     system::Model model(PETSC_COMM_WORLD, mesh, in);
@@ -187,6 +187,6 @@ TEST_CASE("a difference through the thickness bends a plate at rest by its momen
 TEST_CASE("a temperature on a material without expansion is refused") {
   const mesh::SurfaceMesh mesh(sheet_of(Shape::flat));
   system::ModelInput in = input(elements[0], isotropic(young, poisson, thickness));
-  in.temperatures.list = {heat(10.0)};
+  in.natural.temperatures = {heat(10.0)};
   CHECK_THROWS_WITH_AS(system::Model(PETSC_COMM_WORLD, mesh, in), doctest::Contains("has no expansion"), UserError);
 }

@@ -1,0 +1,79 @@
+#include "deck_material.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+
+namespace voile::cli {
+
+namespace {
+
+using io::AbaqusDeck;
+
+std::string printable(std::string text) {
+  std::erase_if(text, [](unsigned char c) { return c < 32; });
+  return text;
+}
+
+/// The material of all plies, or what is wrong.
+std::string name_of(const AbaqusDeck& deck, const AbaqusDeck::Section& s, std::vector<std::string>& left) {
+  const std::string name = s.plies.empty() ? s.material : s.plies.front().material;
+  const auto other = [&](const AbaqusDeck::Ply& p) { return p.material != name; };
+  if (std::any_of(s.plies.begin(), s.plies.end(), other)) {
+    left.push_back(
+        fmt::format("*SHELL SECTION of {}: its plies are of several materials; give their A, B and D as type "
+                    "\"matrices\"",
+                    s.elements));
+    return "";
+  }
+  const auto at = deck.materials.find(name);
+  if (at != deck.materials.end() && at->second.young > 0.0) return name;
+  left.push_back(fmt::format("*SHELL SECTION of {}: material {} has no *ELASTIC that is known", s.elements, name));
+  return "";
+}
+
+std::string plies_of(std::vector<AbaqusDeck::Ply> plies, double turn) {
+  std::vector<double> angles, thicknesses;
+  for (const AbaqusDeck::Ply& p : plies) {
+    angles.push_back(p.angle + turn);
+    thicknesses.push_back(p.thickness);
+  }
+  return fmt::format("angles = [{}]\nply_thicknesses = [{}]\n", fmt::join(angles, ", "), fmt::join(thicknesses, ", "));
+}
+
+}  // namespace
+
+DeckMaterial deck_material(const AbaqusDeck& deck, const AbaqusDeck::Section& s) {
+  DeckMaterial made;
+  const std::string name = name_of(deck, s, made.left);
+  if (name.empty()) return made;
+  const AbaqusDeck::Material& m = deck.materials.at(name);
+  AbaqusDeck::Orientation axes{{1.0, 0.0, 0.0}, 0.0};
+  if (const auto at = deck.orientations.find(s.orientation); at != deck.orientations.end())
+    axes = at->second;
+  else if (!s.orientation.empty())
+    made.left.push_back(
+        fmt::format("*SHELL SECTION of {}: there is no orientation {} that is known; material axis 1 is "
+                    "[1, 0, 0]",
+                    s.elements, s.orientation));
+  made.text = fmt::format("\n[[material]]               # {}\n", printable(name));
+  const bool layered = m.orthotropic && (!s.plies.empty() || axes.angle != 0.0);
+  if (m.orthotropic)
+    made.text += fmt::format(
+        "type = \"{}\"\nyoung_1 = {}\nyoung_2 = {}\npoisson_12 = {}\nshear_12 = {}\ndirection = [{}, {}, {}]\n",
+        layered ? "laminate" : "orthotropic", m.young, m.young_2, m.poisson, m.shear, axes.direction[0],
+        axes.direction[1], axes.direction[2]);
+  else
+    made.text += fmt::format("type = \"isotropic\"\nyoung = {}\npoisson = {}\n", m.young, m.poisson);
+  double thickness = s.thickness;
+  for (const AbaqusDeck::Ply& p : s.plies) thickness += p.thickness;
+  if (layered)
+    made.text += plies_of(s.plies.empty() ? std::vector{AbaqusDeck::Ply{thickness, name, 0.0}} : s.plies, axes.angle);
+  else
+    made.text += fmt::format("thickness = {}\n", thickness);
+  if (m.density > 0.0) made.text += fmt::format("density = {}\n", m.density);
+  return made;
+}
+
+}  // namespace voile::cli

@@ -1,0 +1,160 @@
+"""Sheets that fold along hinges: one fold, the vertex of a Miura fold, a motion, mistakes."""
+
+import math
+
+import numpy as np
+from common import fresh
+from harness import OUT, solve, test
+from panels import Panels
+from solver import invoke, run, write_case
+
+SHEET = {"type": "isotropic", "young": 2e9, "poisson": 0.3, "thickness": 0.003, "density": 1000.0}  # D = 4.9 N m
+
+
+def strip(file, cells=4):
+    """Two squares of 1 m with a hinge between them."""
+    p = Panels()
+    p.add("held", (-1, 0, 0), (1, 0, 0), (0, 1, 0), cells, cells)
+    far = p.add("free", (0, 0, 0), (1, 0, 0), (0, 1, 0), cells, cells)
+    p.point("corner", far[-1, 0])
+    return p.write(file)
+
+
+def strip_case(mesh, analysis="static", **hinge):
+    return {"title": "A fold", "analysis": analysis, "mesh": {"file": str(mesh)}, "material": [SHEET],
+            "support": [{"type": "clamped", "group": "held start"}],
+            "hinge": [{"group": "free start", "stiffness": 0.05} | hinge],
+            "probe": [{"name": "corner", "type": "displacement", "group": "corner"}, {"name": "shell", "type": "energy"}]}
+
+
+@test
+def hinge_fold(report):
+    """Half a sheet folds by the angle of its hinge, without stress; a moment turns it by its stiffness, and stages hold it."""
+    mesh = strip(OUT / "hinge_fold.msh")
+    for angle in (120, -60):
+        for ranks in (1, 2):
+            h = solve("hinge_fold", strip_case(mesh, angle=str(angle)), ranks).history
+            turn = math.radians(angle)
+            report.below(math.hypot(h["corner_x"][-1] - (math.cos(turn) - 1), h["corner_z"][-1] - math.sin(turn)), 1e-6,
+                         f"{angle} degrees on {ranks} ranks: the corner is where a rigid half is")
+            report.below(h["shell_bending"][-1] / (0.05 * turn**2 / 2), 1e-9, "no energy is left")
+    bent = strip_case(mesh)
+    force = 0.05  # against 0.05 N m/rad: turn cos(turn) = 1 at 1 m would be far; a small one here
+    bent["load"] = [{"type": "line", "group": "free end", "vector": [0, 0, force / 50]}]
+    h = solve("hinge_moment", bent).history
+    turn = 0.02
+    for _ in range(20):
+        turn = force / 50 * math.cos(turn) / 0.05
+    beam = force / 50 * 8 / 3 / (2e9 * 0.003**3 / 12)
+    report.near(h["corner_z"][-1], math.sin(turn) + beam, 0.1 * beam, "a force at the end turns it by moment over stiffness")
+    staged = strip_case(mesh, angle="90")
+    del staged["analysis"]
+    staged["stage"] = [{"name": "fold", "analysis": "static"}, {"name": "hold", "analysis": "static"}]
+    h = solve("hinge_stages", staged)
+    report.check("corner_z" in (OUT / "hinge_stages/hold/history.csv").read_text(), "the second stage has run")
+    last = (OUT / "hinge_stages/hold/history.csv").read_text().splitlines()
+    column = last[0].split(",").index("corner_z")
+    report.below(max(abs(float(line.split(",")[column]) - 1) for line in last[1:]), 1e-6, "it stays folded in a second stage")
+
+
+def turned(v, axis, angle):
+    """v, turned about a unit axis."""
+    return v * math.cos(angle) + np.cross(axis, v) * math.sin(angle) + axis * np.dot(axis, v) * (1 - math.cos(angle))
+
+
+def directions(sectors, folds):
+    """Creases around a vertex, and one more: the first again, where the folds fit together. Folds close towards the normals."""
+    way, normal = np.array([1.0, 0, 0]), np.array([0, 0, 1.0])
+    ways = [way]
+    for sector, fold in zip(sectors, folds[1:] + folds[:1]):
+        way = turned(way, normal, sector)
+        normal = turned(normal, way, fold)
+        ways.append(way)
+    return ways
+
+
+def miura(sectors, spine):
+    """Folds of a vertex of a Miura sheet where the first is given: opposite ones at the spine, equal ones beside it [rad]."""
+    side = -2 * math.atan(math.tan(spine / 2) / math.cos(sectors[0]))
+    candidates = [(spine, s * side, -spine, s * side) for s in (1, -1)]
+    side = -2 * math.atan(math.tan(spine / 2) * math.cos(sectors[0]))
+    candidates += [(spine, s * side, -spine, s * side) for s in (1, -1)]
+    wrong = [np.linalg.norm(w[-1] - w[0]) for w in (directions(sectors, f) for f in candidates)]
+    return min(zip(wrong, candidates))
+
+
+def fold_at(points, centre, end, before, after):
+    """Fold between the plane of (centre, before, end) and that of (centre, end, after) [rad]."""
+    e = (points[end] - points[centre]) / np.linalg.norm(points[end] - points[centre])
+    n = [np.cross(points[before] - points[centre], e), np.cross(e, points[after] - points[centre])]
+    return math.atan2(np.dot(np.cross(n[0], n[1]), e), np.dot(n[0], n[1]))
+
+
+@test
+def hinge_vertex(report):
+    """Four parallelograms around a vertex fold as rigid panels do: a Miura vertex, driven at two of its four creases."""
+    sector = math.radians(60)
+    sectors = (sector, math.pi - sector, math.pi - sector, sector)
+    begin, end = (miura(sectors, math.radians(a)) for a in (10, 80))
+    report.below(max(begin[0], end[0]), 1e-12, "the folds that are expected fit together")
+    ways = directions(sectors, begin[1])
+    p, ends, far = Panels(), [], []
+    for k, name in enumerate("abcd"):
+        at = p.add(name, (0, 0, 0), ways[k], ways[k + 1], 6, 6)
+        ends.append(at[-1, 0])
+        far.append(at[-1, -1])
+    centre = at[0, 0]
+    p.point("centre", centre)
+    p.join("side", ["b low", "d low"])
+    turn = math.degrees(end[1][0] - begin[1][0])
+    case = {"title": "A Miura vertex", "analysis": "static", "mesh": {"file": str(p.write(OUT / "hinge_vertex.msh"))},
+            "material": [SHEET | {"direction": [1, 0, 0]}],
+            "support": [{"type": "displacement", "group": "a low", "components": ["y", "z"]},
+                        {"type": "displacement", "group": "centre", "components": ["x"]},
+                        {"type": "displacement", "group": "c low", "components": ["y"]}],
+            "hinge": [{"group": "a low", "stiffness": 0.02, "angle": str(turn)},
+                      {"group": "c low", "stiffness": 0.02, "angle": str(-turn)}, {"group": "side", "stiffness": 1e-5}]}
+    result = solve("hinge_vertex", case)
+    x = np.array(p.points) + np.asarray(result.displacement())
+    for k, name in enumerate(("spine", "side", "spine behind", "other side")):
+        found = fold_at(x, centre, ends[k], ends[k - 1], ends[(k + 1) % 4])
+        report.near(math.degrees(found), math.degrees(end[1][k]), 0.5, f"fold of the {name} [degree]")
+
+
+@test
+def hinge_motion(report):
+    """A hinge that folds in time swings its half: the energy closes, and two ranks find the same."""
+    mesh = strip(OUT / "hinge_motion.msh", 3)
+    case = strip_case(mesh, "dynamic", angle="table(t, 0, 0, 0.5, 60, 2, 60)", stiffness=20.0)
+    case["material"] = [SHEET | {"thickness": 0.01}]
+    case["time"] = {"step": 0.01, "end": 1.5}
+    case["output"] = {"every": 50}
+    whole = solve("hinge_motion", case)
+    h = whole.history
+    report.below(h["energy_unaccounted"][-1] / h["work_of_supports"][-1], 1e-6, "energy that is not accounted for")
+    two = solve("hinge_motion_2", case, 2).history
+    report.below(np.abs(h["corner_z"] - two["corner_z"]).max(), 1e-6, "two ranks as one")
+    report.check(np.abs(h["corner_z"]).max() > 0.5, "it swings")
+
+
+@test
+def hinge_mistakes(report):
+    """What hinges cannot have ends with code 2, the file, the key and a remedy."""
+    mesh = strip(OUT / "hinge_wrong.msh", 2)
+    good = strip_case(mesh, angle="10")
+    wrong = lambda **change: good | {"hinge": [good["hinge"][0] | change]}
+    for name, case, expected in (
+            ("group", wrong(group="fold"), ("[[hinge]]", "fold", "free start")),
+            ("rim", wrong(group="free end"), ("[[hinge]]", "free end", "boundary")),
+            ("surface", wrong(group="free"), ("[[hinge]]", "free")),
+            ("stiffness", wrong(stiffness=0), ("hinge", "stiffness")),
+            ("unit", wrong(stiffness="3 m"), ("stiffness", "N")),
+            ("angle", wrong(angle="10 m"), ("angle",)),
+            ("constant", wrong(angle="10*t", constant=True), ("constant", "remove")),
+            ("twice", good | {"hinge": good["hinge"] * 2}, ("another hinge",)),
+            ("element", good | {"element": {"type": "sze_zhou_2016"}}, ("[element] type", "corrected")),
+            ("remesh", good | {"remesh": {"smallest": 0.1, "largest": 0.5}}, ("[remesh]", "remove the section"))):
+        result = run(write_case(case, OUT / f"hinge_{name}.toml"), fresh(f"hinge_{name}"))
+        report.check(result.code == 2 and all(e in result.text for e in expected), f"{name}: code {result.code}: {result.text.strip()[-200:]}")
+    code, text = invoke(["check", write_case(good, OUT / "hinge_good.toml")])
+    report.check(code == 0 and "hinges" in text, "check counts hinges")
