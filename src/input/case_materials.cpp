@@ -129,7 +129,8 @@ void fill_yarns(const SectionPlace& place, const MaterialInput& in, energy::Mate
     m.yarns.stiffness = in.shear_hysteresis[2];
   }
   if (m.yarns.any() && !m.prestress.isZero(0.0))
-    place.fail("prestress", "yarns that stiffen or rub have no strain in proportion to it; give initial_strain instead");
+    place.fail("prestress",
+               "yarns that stiffen or rub have no strain in proportion to it; give initial_strain instead");
   if (in.type != MaterialInput::Type::matrices || !m.yarns.any()) return;
   m.yarns.warp_angle = in.warp_angle;
   if (!in.direction && in.texture_direction.empty())
