@@ -154,7 +154,8 @@ const std::vector<SectionInfo>& sections() {
        "expansion. See [temperatures](../howto/heat-a-sheet.md)."},
       {"hinge", true,
        "Lines along which the sheet turns like a hinge with a spring: scored, creased or perforated lines. On the "
-       "boundary the ground is the other side: an elastic edge. Not with `[[panel]]` or `[remesh]`. See [hinges](../howto/fold-along-hinges.md)."},
+       "boundary the ground is the other side: an elastic edge. Not with `[[panel]]` or `[remesh]`. See "
+       "[hinges](../howto/fold-along-hinges.md)."},
       {"imperfection", true,
        "By how much the shape without stress differs from the mesh; several add up. See "
        "[imperfections](../howto/add-imperfections.md)."},
