@@ -5,24 +5,18 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <fstream>
 #include <map>
-#include <sstream>
 
-#include "base/plain_file.hpp"
 #include "base/text.hpp"
 #include "deck_material.hpp"
-#include "io/abaqus_deck.hpp"
-#include "io/mesh_file.hpp"
 #include "voile/errors.hpp"
 
 namespace voile::cli {
 
 namespace {
 
-namespace fs = std::filesystem;
-using io::AbaqusDeck;
-using Procedure = AbaqusDeck::Procedure;
+using io::Deck;
+using Procedure = Deck::Procedure;
 
 /// A text as TOML has it.
 std::string quoted(const std::string& text) {
@@ -45,15 +39,15 @@ bool same_name(const std::string& a, const std::string& b) {
 
 class CaseWriter {
  public:
-  CaseWriter(AbaqusDeck deck, mesh::MeshData mesh) : deck_(std::move(deck)), mesh_(std::move(mesh)) {}
+  CaseWriter(Deck deck, mesh::MeshData mesh) : deck_(std::move(deck)), mesh_(std::move(mesh)) {}
 
   std::string text() {
     out_ = fmt::format(
-        "# From an Abaqus deck, in the units of the deck; name them in [units] if they are not SI.\ntitle = "
-        "{}\nanalysis = {}\n\n",
-        quoted(deck_.title.empty() ? "From an Abaqus deck" : deck_.title), quoted(analysis()));
+        "# From {0}, in the units of the deck; name them in [units] if they are not SI.\ntitle = "
+        "{1}\nanalysis = {2}\n\n",
+        deck_.words.deck, quoted(deck_.title.empty() ? "From " + deck_.words.deck : deck_.title), quoted(analysis()));
     out_ += "[mesh]\nfile = \"mesh.inp\"\n";
-    for (const AbaqusDeck::Section& s : deck_.sections) add_material(s);
+    for (const Deck::Section& s : deck_.sections) add_material(s);
     add_supports();
     add_loads();
     add_procedure();
@@ -66,17 +60,19 @@ class CaseWriter {
   /// Sets of single nodes and elements that the case names.
   [[nodiscard]] const std::string& sets() const { return sets_; }
   [[nodiscard]] const std::vector<std::string>& left() const { return left_; }
-  [[nodiscard]] const AbaqusDeck& deck() const { return deck_; }
+  [[nodiscard]] const Deck& deck() const { return deck_; }
   [[nodiscard]] bool has_material() const { return has_material_; }
 
   void collect_left() {
-    for (const AbaqusDeck::Left& l : deck_.left) leave(fmt::format("{}: {}", l.place, l.what));
+    for (const Deck::Left& l : deck_.left) leave(fmt::format("{}: {}", l.place, l.what));
     for (const std::string& note : mesh_.notes)
       if (const std::size_t end = note.find(" were left out"); end != note.npos)
-        leave("*ELEMENT: " + note.substr(0, end) + ", which are no shells");
+        leave(deck_.words.element + ": " + note.substr(0, end) + ", which are no shells");
     drop_elsewhere();
-    if (deck_.sections.empty()) leave("no *SHELL SECTION: write a [[material]] yourself");
-    if (deck_.procedure == Procedure::none) leave("no *STEP that is known: analysis = \"static\" is assumed");
+    note_turned();
+    if (deck_.sections.empty()) leave("no " + deck_.words.section + ": write a [[material]] yourself");
+    if (deck_.procedure == Procedure::none)
+      leave("no " + deck_.words.step + " that is known: analysis = \"static\" is assumed");
   }
 
  private:
@@ -99,14 +95,25 @@ class CaseWriter {
     if (std::find(left_.begin(), left_.end(), text) == left_.end()) left_.push_back(text);
   }
 
+  /// A pressure acts along the normals of the deck, and a surface is oriented as one.
+  void note_turned() {
+    const auto presses = [](const Deck::Load& l) { return l.kind == Deck::Load::Kind::pressure; };
+    if (std::none_of(deck_.loads.begin(), deck_.loads.end(), presses)) return;
+    if (const Index turned = mesh::SurfaceMesh(mesh_).reoriented_count(); turned > 0)
+      leave(fmt::format(
+          "{}: {} triangles are turned round, where pressures change their sign; orient the deck's elements "
+          "alike",
+          deck_.words.load, turned));
+  }
+
   /// Supports and loads of nodes and elements that are no part of a shell.
   void drop_elsewhere() {
-    std::erase_if(deck_.supports, [&](const auto& s) { return !is_on_sheet(s.first, true, "*BOUNDARY"); });
-    std::erase_if(deck_.loads, [&](const AbaqusDeck::Load& l) {
-      if (l.kind != AbaqusDeck::Load::Kind::gravity)
-        return !is_on_sheet(l.where, l.kind == AbaqusDeck::Load::Kind::force, "*CLOAD or *DLOAD");
+    std::erase_if(deck_.supports, [&](const auto& s) { return !is_on_sheet(s.first, true, deck_.words.support); });
+    std::erase_if(deck_.loads, [&](const Deck::Load& l) {
+      if (l.kind != Deck::Load::Kind::gravity)
+        return !is_on_sheet(l.where, l.kind == Deck::Load::Kind::force, deck_.words.load);
       if (l.where.empty()) return false;
-      if (!is_on_sheet(l.where, false, "*DLOAD")) return true;
+      if (!is_on_sheet(l.where, false, deck_.words.gravity)) return true;
       const mesh::Group* group = group_of(l.where);
       if (!group || group->triangles.size() < mesh_.triangles.size())
         leave(fmt::format("*DLOAD {}, GRAV: gravity acts on the whole sheet", l.where));
@@ -124,7 +131,7 @@ class CaseWriter {
     return at == mesh_.groups.end() ? nullptr : &*at;
   }
 
-  [[nodiscard]] bool is_on_sheet(const std::string& where, bool node, const char* keyword) {
+  [[nodiscard]] bool is_on_sheet(const std::string& where, bool node, const std::string& keyword) {
     bool there = group_of(where) != nullptr;
     if (is_number(where)) {
       const auto& tags = node ? mesh_.vertex_tags : mesh_.triangle_tags;
@@ -134,21 +141,21 @@ class CaseWriter {
     return there;
   }
 
-  void add_material(const AbaqusDeck::Section& s) {
+  void add_material(const Deck::Section& s) {
     const DeckMaterial made = deck_material(deck_, s);
     for (const std::string& text : made.left) leave(text);
     if (made.text.empty()) return;
     has_material_ = true;
     out_ += made.text;
     // One section is of all shells, whatever its set is called.
-    if (deck_.sections.size() > 1)
+    if (deck_.sections.size() > 1 || !deck_.all_in_sections)
       out_ += fmt::format("groups = [{}]\n", quoted(known(s.elements, deck_.element_sets)));
   }
 
   void add_supports() {
     // Nodes that are held alike are one group.
     std::map<std::string, std::vector<std::string>> nodes;
-    std::map<std::string, AbaqusDeck::Support> alike;
+    std::map<std::string, Deck::Support> alike;
     for (const auto& [where, s] : deck_.supports) {
       if (!is_number(where)) {
         add_support(known(where, deck_.node_sets), s);
@@ -162,7 +169,7 @@ class CaseWriter {
     for (const auto& [key, members] : nodes) add_support(new_set("*NSET, NSET=", "HELD", members), alike[key]);
   }
 
-  void add_support(const std::string& group, const AbaqusDeck::Support& s) {
+  void add_support(const std::string& group, const Deck::Support& s) {
     const auto& h = s.held;
     const int moves = h[0] + h[1] + h[2], turns = h[3] + h[4] + h[5];
     int mirror = -1;
@@ -196,10 +203,11 @@ class CaseWriter {
     }
     if (moved) out_ += moved_by(s);
     if (turns > 0 && !(moves == 3 && turns == 3))
-      leave(fmt::format("*BOUNDARY {}: rotations held in part; slopes are held only where 1 to 6 all are", group));
+      leave(fmt::format("{} {}: rotations held in part; slopes are held only where 1 to 6 all are", deck_.words.support,
+                        group));
   }
 
-  [[nodiscard]] std::string moved_by(const AbaqusDeck::Support& s) {
+  [[nodiscard]] std::string moved_by(const Deck::Support& s) {
     const auto& v = s.value;
     if (s.amplitude.empty() || deck_.procedure != Procedure::dynamic) {
       const double factor = factor_at_end(s.amplitude);
@@ -220,7 +228,7 @@ class CaseWriter {
   /// What loads of a step without time end with: there they grow in proportion.
   [[nodiscard]] double factor_at_end(const std::string& amplitude) {
     if (amplitude.empty()) return 1.0;
-    const AbaqusDeck::Table& table = deck_.amplitudes.at(amplitude);
+    const Deck::Table& table = deck_.amplitudes.at(amplitude);
     const auto next =
         std::find_if(table.begin(), table.end(), [&](const auto& entry) { return entry[0] >= deck_.end; });
     double factor = next == table.end() ? table.back()[1] : (*next)[1];
@@ -238,7 +246,7 @@ class CaseWriter {
   }
 
   /// Lines of a load that say how it depends on time; the factor of its size, if it does not.
-  [[nodiscard]] std::string history_of(const AbaqusDeck::Load& l, double& factor) {
+  [[nodiscard]] std::string history_of(const Deck::Load& l, double& factor) {
     factor = 1.0;
     if (l.amplitude.empty()) return "";
     if (deck_.procedure == Procedure::dynamic) return fmt::format("history = {}\n", quoted(table_of(l.amplitude)));
@@ -247,7 +255,7 @@ class CaseWriter {
   }
 
   /// What a mirror plane does not hold.
-  void add_rest(const std::string& group, const AbaqusDeck::Support& s, int mirror) {
+  void add_rest(const std::string& group, const Deck::Support& s, int mirror) {
     std::vector<std::string> names;
     for (int k = 0; k < 3; ++k)
       if (k != mirror && s.held[static_cast<std::size_t>(k)]) names.push_back(fmt::format("\"{}\"", "xyz"[k]));
@@ -258,14 +266,14 @@ class CaseWriter {
 
   void add_loads() {
     std::map<std::string, std::vector<std::string>> nodes, elements;  // by what acts on them
-    for (const AbaqusDeck::Load& l : deck_.loads) {
+    for (const Deck::Load& l : deck_.loads) {
       double factor = 1.0;
       const std::string history = history_of(l, factor);
       const std::string vector = fmt::format("vector = [{}, {}, {}]\n{}", factor * l.vector[0], factor * l.vector[1],
                                              factor * l.vector[2], history);
-      if (l.kind == AbaqusDeck::Load::Kind::gravity) {
+      if (l.kind == Deck::Load::Kind::gravity) {
         out_ += "\n[[load]]\ntype = \"gravity\"\n" + vector;
-      } else if (l.kind == AbaqusDeck::Load::Kind::pressure) {
+      } else if (l.kind == Deck::Load::Kind::pressure) {
         const std::string size =
             fmt::format("magnitude = {}            # along the normals of the triangles\n{}", factor * l.size, history);
         if (is_number(l.where))
@@ -315,7 +323,7 @@ class CaseWriter {
     return at == sets.end() ? name : *at;
   }
 
-  AbaqusDeck deck_;
+  Deck deck_;
   mesh::MeshData mesh_;
   bool has_material_ = false;
   std::map<std::string, std::vector<std::string>> elsewhere_;  ///< by keyword
@@ -324,55 +332,20 @@ class CaseWriter {
   int made_ = 0;
 };
 
-void write_new(const fs::path& file, const std::string& text) {
-  std::error_code error;
-  if (fs::exists(fs::symlink_status(file, error)))
-    throw UserError(fmt::format("{}: the file exists already; name a new folder", file.string()));
-  std::ofstream out(file);
-  out << text << std::flush;
-  if (!out) throw UserError(fmt::format("{}: cannot be written", file.string()));
-}
-
-std::string content(const fs::path& file) {
-  std::ifstream in = open_input(file);
-  std::ostringstream text;
-  text << in.rdbuf();
-  return text.str();
-}
-
 }  // namespace
 
-void begin_from_deck(const fs::path& folder, const fs::path& deck) {
-  std::error_code error;
-  if (!fs::is_regular_file(deck, error)) throw UserError(fmt::format("{}: there is no such deck", deck.string()));
-  require_plain_file(deck);
-  CaseWriter writer(io::read_abaqus_deck(deck.string()), io::read_mesh(deck.string(), {}));
+DeckCase deck_case(const Deck& deck, const mesh::MeshData& mesh) {
+  CaseWriter writer(deck, mesh);
   writer.collect_left();
-  const std::string text = writer.text();
-  for (const std::string& name : writer.deck().included)
-    if (fs::path(name).lexically_normal().string().starts_with(".."))
-      throw UserError(
-          fmt::format("{}: *INCLUDE of '{}' lies outside its folder; put the files together", deck.string(), name));
-  fs::create_directories(folder, error);
-  write_new(folder / "mesh.inp", content(deck) + "\n" + writer.sets());
-  for (const std::string& name : writer.deck().included) {
-    fs::create_directories((folder / name).parent_path(), error);
-    write_new(folder / name, content(deck.parent_path() / name));
-  }
-  write_new(folder / "case.toml", text);
-  const std::string at = folder.lexically_normal().string();
-  fmt::print("{} contains a new case from {}: {} material(s), {} support(s), {} load(s).\n", at,
-             deck.filename().string(), writer.deck().sections.size(), writer.deck().supports.size(),
-             writer.deck().loads.size());
-  for (const std::string& left : writer.left()) fmt::print("left out: {}\n", left);
-  if (!writer.has_material()) {
-    fmt::print("Next: complete {}/case.toml; it has no [[material]] yet.\n", at);
-    return;
-  }
-  fmt::print(
-      "Next:\n  voile check {0}/case.toml\n  voile run {0}/case.toml --output {0}/run\n  voile render {0}/run --output "
-      "{0}/picture.png\n",
-      at);
+  DeckCase made;
+  made.text = writer.text();
+  made.sets = writer.sets();
+  made.left = writer.left();
+  made.has_material = writer.has_material();
+  made.materials = writer.deck().sections.size();
+  made.supports = writer.deck().supports.size();
+  made.loads = writer.deck().loads.size();
+  return made;
 }
 
 }  // namespace voile::cli

@@ -1,13 +1,24 @@
-// A case from an Abaqus deck: what `voile init --from` does.
+// The case file that does what a deck of another program does.
 #pragma once
 
-#include <filesystem>
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "io/deck.hpp"
+#include "mesh/surface_mesh.hpp"
 
 namespace voile::cli {
 
-/// Writes case.toml and a copy of the deck as its mesh into a folder, which is made if it is not there, and prints what was
-/// taken, what was left out and what to type next. Replaces nothing. Throws UserError for a deck that cannot be read and for
-/// files that exist or cannot be written. Not collective.
-void begin_from_deck(const std::filesystem::path& folder, const std::filesystem::path& deck);
+struct DeckCase {
+  std::string text;               ///< case.toml, of the mesh "mesh.inp"
+  std::string sets;               ///< of single nodes and elements that the case names, to be added to the mesh
+  std::vector<std::string> left;  ///< what was left out
+  bool has_material = false;
+  std::size_t materials = 0, supports = 0, loads = 0;
+};
+
+/// `mesh`: of the deck. Not collective.
+[[nodiscard]] DeckCase deck_case(const io::Deck& deck, const mesh::MeshData& mesh);
 
 }  // namespace voile::cli

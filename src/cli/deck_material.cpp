@@ -9,7 +9,7 @@ namespace voile::cli {
 
 namespace {
 
-using io::AbaqusDeck;
+using io::Deck;
 
 std::string printable(std::string text) {
   std::erase_if(text, [](unsigned char c) { return c < 32; });
@@ -17,9 +17,9 @@ std::string printable(std::string text) {
 }
 
 /// The material of all plies, or what is wrong.
-std::string name_of(const AbaqusDeck& deck, const AbaqusDeck::Section& s, std::vector<std::string>& left) {
-  const std::string name = s.plies.empty() ? s.material : s.plies.front().material;
-  const auto other = [&](const AbaqusDeck::Ply& p) { return p.material != name; };
+std::string name_of(const Deck& deck, const Deck::Section& s, std::vector<std::string>& left) {
+  std::string name = s.plies.empty() ? s.material : s.plies.front().material;
+  const auto other = [&](const Deck::Ply& p) { return p.material != name; };
   if (std::any_of(s.plies.begin(), s.plies.end(), other)) {
     left.push_back(
         fmt::format("*SHELL SECTION of {}: its plies are of several materials; give their A, B and D as type "
@@ -29,13 +29,14 @@ std::string name_of(const AbaqusDeck& deck, const AbaqusDeck::Section& s, std::v
   }
   const auto at = deck.materials.find(name);
   if (at != deck.materials.end() && at->second.young > 0.0) return name;
-  left.push_back(fmt::format("*SHELL SECTION of {}: material {} has no *ELASTIC that is known", s.elements, name));
+  left.push_back(fmt::format("{} of {}: material {} has no elastic constants that are known", deck.words.section,
+                             s.elements, name));
   return "";
 }
 
-std::string plies_of(std::vector<AbaqusDeck::Ply> plies, double turn) {
+std::string plies_of(const std::vector<Deck::Ply>& plies, double turn) {
   std::vector<double> angles, thicknesses;
-  for (const AbaqusDeck::Ply& p : plies) {
+  for (const Deck::Ply& p : plies) {
     angles.push_back(p.angle + turn);
     thicknesses.push_back(p.thickness);
   }
@@ -44,12 +45,12 @@ std::string plies_of(std::vector<AbaqusDeck::Ply> plies, double turn) {
 
 }  // namespace
 
-DeckMaterial deck_material(const AbaqusDeck& deck, const AbaqusDeck::Section& s) {
+DeckMaterial deck_material(const Deck& deck, const Deck::Section& s) {
   DeckMaterial made;
   const std::string name = name_of(deck, s, made.left);
   if (name.empty()) return made;
-  const AbaqusDeck::Material& m = deck.materials.at(name);
-  AbaqusDeck::Orientation axes{{1.0, 0.0, 0.0}, 0.0};
+  const Deck::Material& m = deck.materials.at(name);
+  Deck::Orientation axes{{1.0, 0.0, 0.0}, 0.0};
   if (const auto at = deck.orientations.find(s.orientation); at != deck.orientations.end())
     axes = at->second;
   else if (!s.orientation.empty())
@@ -67,9 +68,9 @@ DeckMaterial deck_material(const AbaqusDeck& deck, const AbaqusDeck::Section& s)
   else
     made.text += fmt::format("type = \"isotropic\"\nyoung = {}\npoisson = {}\n", m.young, m.poisson);
   double thickness = s.thickness;
-  for (const AbaqusDeck::Ply& p : s.plies) thickness += p.thickness;
+  for (const Deck::Ply& p : s.plies) thickness += p.thickness;
   if (layered)
-    made.text += plies_of(s.plies.empty() ? std::vector{AbaqusDeck::Ply{thickness, name, 0.0}} : s.plies, axes.angle);
+    made.text += plies_of(s.plies.empty() ? std::vector{Deck::Ply{thickness, name, 0.0}} : s.plies, axes.angle);
   else
     made.text += fmt::format("thickness = {}\n", thickness);
   if (m.density > 0.0) made.text += fmt::format("density = {}\n", m.density);

@@ -1,10 +1,10 @@
-// A [[material]] of a case from a section of an Abaqus deck.
+// A [[material]] of a case from a section of a deck.
 #pragma once
 
 #include <string>
 #include <vector>
 
-#include "io/abaqus_deck.hpp"
+#include "io/deck.hpp"
 
 namespace voile::cli {
 
@@ -12,6 +12,6 @@ struct DeckMaterial {
   std::string text;               ///< without `groups`; empty: nothing is known of it
   std::vector<std::string> left;  ///< what was not taken
 };
-[[nodiscard]] DeckMaterial deck_material(const io::AbaqusDeck& deck, const io::AbaqusDeck::Section& section);
+[[nodiscard]] DeckMaterial deck_material(const io::Deck& deck, const io::Deck::Section& section);
 
 }  // namespace voile::cli

@@ -19,8 +19,8 @@
 #include "base/terminal.hpp"
 #include "base/threads.hpp"
 #include "begin.hpp"
+#include "begin_deck.hpp"
 #include "check.hpp"
-#include "deck_case.hpp"
 #include "delegate.hpp"
 #include "doctor.hpp"
 #include "drape_test.hpp"
@@ -75,7 +75,7 @@ std::string swallowed_hint(const std::vector<std::string>& petsc) {
 void declare_init(CLI::App& init, Request& request) {
   init.add_option("folder", request.file, "Folder for the files of the case");
   init.add_flag("--list", request.list, "List the templates and examples");
-  init.add_option("--from", request.deck, "Make the case from an Abaqus deck (.inp)");
+  init.add_option("--from", request.deck, "Make the case from an Abaqus (.inp) or Nastran (.bdf) deck");
   init.add_option("--example", request.example, "Copy an example that is installed");
   for (const cli::Template& t : cli::templates)
     init.add_flag_callback(

@@ -339,6 +339,7 @@ Case read_case(CaseReader& reader, const std::filesystem::path& file, StageSecti
       std::any_of(c.motions.begin(), c.motions.end(), [](const MotionInput& m) { return m.any(); }))
     steps.fail("control", "supports with a motion or rotation need \"load\": they move with the load factor");
   read_all(reader, "rigid", c.rigids, [&](const SectionPlace& place, RigidSection& s) { read_rigid(place, c, s); });
+  check_form(reader.read("form", 0, keys_of(c.form)), c);
   read_harmonic(reader, c);
   read_contact(reader, c, before);
   check_time(reader.read("time", 0, keys_of(c.time, c.dynamics.mass)), c);

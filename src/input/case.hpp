@@ -248,6 +248,12 @@ struct ImperfectionSection {
   int seed = 1;
 };
 
+/// Whether the rest shape is that in which the prestress is in equilibrium (setup/form.hpp).
+struct FormSection {
+  bool active = false;
+  double pressure = 0.0;  ///< along the normals [Pa]
+};
+
 /// A stage: an analysis that begins where the one before has ended.
 struct StageSection {
   std::string name;  ///< of its folder too
@@ -286,6 +292,7 @@ struct Case {
   std::vector<RigidSection> rigids;
   std::vector<system::Load> loads;
   std::vector<system::Temperature> temperatures;
+  FormSection form;
   std::vector<system::Hinge> hinges;
   std::vector<ImperfectionSection> imperfections;
   std::vector<system::PointMass> masses;

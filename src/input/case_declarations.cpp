@@ -16,6 +16,7 @@ Declarations::Declarations()
             {"rigid", keys_of(rigid_)},
             {"load", keys_of(load_)},
             {"temperature", keys_of(temperature_)},
+            {"form", keys_of(case_.form)},
             {"hinge", keys_of(hinge_)},
             {"imperfection", keys_of(imperfection_)},
             {"mass", keys_of(mass_)},

@@ -301,6 +301,7 @@ std::string echo_case(const Case& c) {
   out += echo_all("rigid", copy.rigids);
   out += echo_all("load", copy.loads);
   out += echo_all("temperature", copy.temperatures);
+  if (copy.form.active) out += "\n[form]\n" + echo_keys(keys_of(copy.form));
   out += echo_all("hinge", copy.hinges);
   out += echo_all("imperfection", copy.imperfections);
   out += echo_all("mass", copy.masses);

@@ -152,10 +152,15 @@ const std::vector<SectionInfo>& sections() {
        "Changes of temperature from that at which the sheet has its rest shape; where groups overlap they add up. Each "
        "grows with the load factor unless it is `constant` or an expression of t. The materials there need an "
        "expansion. See [temperatures](../howto/heat-a-sheet.md)."},
+      {"form", false,
+       "The rest shape is that in which the `prestress` of the materials is in equilibrium: minimal surfaces, tents. "
+       "Starts "
+       "from the mesh, holds what `[[support]]` holds, pulls with the `force` of bands. See [find a "
+       "form](../howto/find-a-form.md)."},
       {"hinge", true,
-       "Lines along which the sheet turns like a hinge with a spring: scored, creased or perforated lines. Edges "
-       "between "
-       "two triangles; not with `[[panel]]` or `[remesh]`. See [hinges](../howto/fold-along-hinges.md)."},
+       "Lines along which the sheet turns like a hinge with a spring: scored, creased or perforated lines. On the "
+       "boundary the ground is the other side: an elastic edge. Not with `[[panel]]` or `[remesh]`. See "
+       "[hinges](../howto/fold-along-hinges.md)."},
       {"imperfection", true,
        "By how much the shape without stress differs from the mesh; several add up. See "
        "[imperfections](../howto/add-imperfections.md)."},

@@ -110,6 +110,7 @@ struct MaterialInput {
 [[nodiscard]] std::vector<Key> keys_of(RigidSection& section);
 [[nodiscard]] std::vector<Key> keys_of(system::Load& section);
 [[nodiscard]] std::vector<Key> keys_of(system::Temperature& section);
+[[nodiscard]] std::vector<Key> keys_of(FormSection& section);
 [[nodiscard]] std::vector<Key> keys_of(system::Hinge& section);
 [[nodiscard]] std::vector<Key> keys_of(ImperfectionSection& section);
 [[nodiscard]] std::vector<Key> keys_of(system::PointMass& section);

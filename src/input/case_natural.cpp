@@ -43,6 +43,46 @@ void read_temperature(const SectionPlace& place, const Case& c, system::Temperat
                "(`expansion_1` and `expansion_2`), or remove the section");
 }
 
+void check_form(const SectionPlace& place, Case& c) {
+  c.form.active = place.is_there();
+  for (const system::Spring& s : c.springs)
+    if (!std::isnan(s.force) && !std::isnan(s.length))
+      throw UserError(fmt::format("{}: [[spring]] of group '{}': force: `length` is given too; remove one of the two",
+                                  c.file.string(), s.group));
+  if (!c.form.active) return;
+  const auto refuse = [&](const std::string& what) {
+    throw UserError(fmt::format("{}: [form]: {}", c.file.string(), what));
+  };
+  if (!c.rigids.empty()) refuse("it has no [[rigid]] groups; hold the group by a [[support]], or remove [form]");
+  if (!c.panels.empty() || !c.mesh.start.empty() || c.mesh.options.rest == io::RestShape::texture)
+    refuse("the rest shape is found, so none can be given; remove [[panel]], mesh.start, mesh.rest, or [form]");
+  for (const energy::Material& m : c.materials) {
+    const Vec3& n = m.prestress;
+    if (!(n[0] > 0.0 && n[1] > 0.0 && n[0] * n[1] > n[2] * n[2]))
+      refuse(fmt::format(
+          "the [[material]] of {} has the prestress [{:g}, {:g}] N/m, which does not pull in all "
+          "directions; give it positive forces",
+          m.groups.empty() ? std::string("all other triangles") : "'" + m.groups.front() + "'", n[0], n[1]));
+    if (m.texture_direction)
+      refuse("a material axis in texture coordinates is that of a flat piece; give `direction` instead");
+  }
+  for (const system::Spring& s : c.springs)
+    if (s.kind == system::Spring::Kind::band && !std::isnan(s.length))
+      refuse(fmt::format("the band along '{}' has a length, but the curve gets its own; give it `force` instead",
+                         s.group));
+  for (const system::Support& s : c.supports) {
+    const bool turned = s.x_axis || s.cylinder_axis, all = s.components[0] && s.components[1] && s.components[2];
+    if (turned && !all)
+      refuse(fmt::format("the [[support]] of '{}' has axes of its own; hold global components, or all three", s.group));
+    if (s.kind == system::Support::Kind::symmetry &&
+        !(s.normal && s.normal->cwiseAbs().maxCoeff() > (1.0 - 1e-12) * s.normal->norm()))
+      refuse(
+          fmt::format("the [[support]] of '{}' is a plane of symmetry whose normal is not known to be the x, y or z "
+                      "axis; give `normal`, or turn the mesh",
+                      s.group));
+  }
+}
+
 void read_hinges(CaseReader& reader, Case& c) {
   read_all(reader, "hinge", c.hinges, [&](const SectionPlace& place, system::Hinge& hinge) {
     if (!c.panels.empty() || c.mesh.options.rest == io::RestShape::texture)

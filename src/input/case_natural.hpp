@@ -14,6 +14,8 @@ namespace voile::input {
                                              bool time);
 /// Completes a temperature; the materials of `c` are there already. Throws UserError.
 void read_temperature(const SectionPlace& place, const Case& c, system::Temperature& t);
+/// Form finding of case `c`, which has its materials, supports and springs. Throws UserError.
+void check_form(const SectionPlace& place, Case& c);
 /// Reads the hinges. Throws UserError.
 void read_hinges(CaseReader& reader, Case& c);
 /// Completes an imperfection of case `c`. Throws UserError.

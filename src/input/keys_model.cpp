@@ -11,9 +11,9 @@ std::vector<Key> shape_keys(MeshSection& s) {
   return {
       {.name = "file",
        .slot = &s.file,
-       .meaning =
-           "Gmsh mesh (`.msh`) or geometry (`.geo`), or a mesh as `.obj`, `.inp` (Abaqus), `.vtk` (legacy), `.stl`, "
-           "`.ply` or `.off` (see [meshes.md](meshes.md)), relative to the folder of the case file.",
+       .meaning = "Gmsh mesh (`.msh`) or geometry (`.geo`), or a mesh as `.obj`, `.inp` (Abaqus), `.bdf` (Nastran), "
+                  "`.vtk` (legacy), "
+                  "`.stl`, `.ply` or `.off` (see [meshes.md](meshes.md)), relative to the folder of the case file.",
        .absent = "required, unless there are [[panel]]"},
       {.name = "start",
        .slot = &s.start,
@@ -366,6 +366,13 @@ std::vector<Key> keys_of(system::Spring& s) {
        .range = not_negative,
        .types = {"pair", "band"},
        .absent = "pair: the distance at the start; band: the length of the curve at rest"},
+      {.name = "force",
+       .slot = &s.force,
+       .meaning = "With which it pulls where its curve has the length at rest, instead of `length`: a cable.",
+       .unit = "N",
+       .range = not_negative,
+       .types = {"band"},
+       .absent = "`length` gives it"},
       {.name = "rise",
        .slot = &s.rise,
        .meaning =

@@ -1,4 +1,4 @@
-// Keys of temperatures, hinges and imperfections.
+// Keys of temperatures, form finding, hinges and imperfections.
 #include "keys_common.hpp"
 
 namespace voile::input {
@@ -22,6 +22,14 @@ std::vector<Key> keys_of(system::Temperature& s) {
        .slot = &s.constant,
        .meaning = "Acts in full at every load factor. Otherwise it grows with the load factor, unless t occurs in its "
                   "expression."}};
+}
+
+std::vector<Key> keys_of(FormSection& s) {
+  return {{.name = "pressure",
+           .slot = &s.pressure,
+           .meaning = "That the form carries besides, along the normals of the triangles. In the analysis a "
+                      "`follower_pressure` with `constant = true` keeps it up.",
+           .unit = "Pa"}};
 }
 
 std::vector<Key> keys_of(system::Hinge& s) {

@@ -1,4 +1,4 @@
-#include "abaqus_deck.hpp"
+#include "deck.hpp"
 
 #include <fmt/format.h>
 
@@ -14,7 +14,7 @@ namespace voile::io {
 
 namespace {
 
-using Procedure = AbaqusDeck::Procedure;
+using Procedure = Deck::Procedure;
 
 /// Keywords that the mesh reader takes, or that only say what is written.
 const std::set<std::string>& passed_over() {
@@ -30,7 +30,7 @@ class DeckReader {
  public:
   explicit DeckReader(std::string file) : file_(std::move(file)) {}
 
-  AbaqusDeck run() {
+  Deck run() {
     read(0);
     return std::move(deck_);
   }
@@ -99,7 +99,7 @@ class DeckReader {
   bool begin_model(const std::string& keyword) {
     if (keyword == "*MATERIAL") {
       material_ = abaqus_upper(parameters_["NAME"]);
-      deck_.materials.emplace(material_, AbaqusDeck::Material{});
+      deck_.materials.emplace(material_, Deck::Material{});
     } else if (keyword == "*ELASTIC") {
       const std::string type = abaqus_upper(parameters_["TYPE"]);
       data_ = type.empty() || type == "ISOTROPIC" || type == "ISO" ? Data::elastic
@@ -212,7 +212,7 @@ class DeckReader {
   }
 
   void take_elastic(const AbaqusWords& words) {
-    AbaqusDeck::Material& m = deck_.materials[material_];
+    Deck::Material& m = deck_.materials[material_];
     if (m.young > 0.0) leave("*ELASTIC: properties at other temperatures; the first line is taken");
     if (m.young > 0.0) return;
     m.orthotropic = data_ == Data::lamina;
@@ -231,10 +231,10 @@ class DeckReader {
     double angle = 0.0;
     if (words.size() > 3 && !words[3].empty() && !parse_number(words[3], angle))
       leave(fmt::format("{}, COMPOSITE: the orientation {} of a ply; its angle is 0", keyword_, words[3]));
-    std::vector<AbaqusDeck::Ply>& plies = deck_.sections.back().plies;
+    std::vector<Deck::Ply>& plies = deck_.sections.back().plies;
     const auto half =
         symmetric_ ? static_cast<std::ptrdiff_t>(plies.size() / 2) : static_cast<std::ptrdiff_t>(plies.size());
-    const AbaqusDeck::Ply ply{number(words, 0), words.size() > 2 ? abaqus_upper(words[2]) : "", angle};
+    const Deck::Ply ply{number(words, 0), words.size() > 2 ? abaqus_upper(words[2]) : "", angle};
     plies.insert(plies.begin() + half, symmetric_ ? 2 : 1, ply);
   }
 
@@ -265,7 +265,7 @@ class DeckReader {
   }
 
   void take_support(const AbaqusWords& words) {
-    AbaqusDeck::Support& s = deck_.supports[words[0]];
+    Deck::Support& s = deck_.supports[words[0]];
     const std::string name = words.size() > 1 ? abaqus_upper(words[1]) : "";
     if (name == "ENCASTRE") {
       s.held.fill(true);
@@ -287,14 +287,14 @@ class DeckReader {
     }
   }
 
-  void take_amplitude_of(AbaqusDeck::Support& s, const std::string& where) {
+  void take_amplitude_of(Deck::Support& s, const std::string& where) {
     if (!s.amplitude.empty() && s.amplitude != amplitude_)
       leave(fmt::format("*BOUNDARY {}: a second amplitude; {} is taken for all of its values", where, amplitude_));
     s.amplitude = amplitude_;
   }
 
   void take_amplitude(const AbaqusWords& words) {
-    AbaqusDeck::Table& table = deck_.amplitudes[amplitude_];
+    Deck::Table& table = deck_.amplitudes[amplitude_];
     for (std::size_t k = 0; k < words.size(); k += 2) {
       table.push_back({number(words, k), number(words, k + 1)});
       if (table.size() > 1 && !(table.back()[0] > table[table.size() - 2][0]))
@@ -305,7 +305,7 @@ class DeckReader {
   void take_force(const AbaqusWords& words) {
     const long direction = whole(words, 1);
     if (direction < 1 || direction > 3) return leave(fmt::format("*CLOAD {}: a moment", words[0]));
-    AbaqusDeck::Load load{AbaqusDeck::Load::Kind::force, words[0], {}, 0.0, amplitude_};
+    Deck::Load load{Deck::Load::Kind::force, words[0], {}, 0.0, amplitude_};
     load.vector[static_cast<std::size_t>(direction - 1)] = number(words, 2);
     deck_.loads.push_back(load);
   }
@@ -313,9 +313,9 @@ class DeckReader {
   void take_pressure(const AbaqusWords& words) {
     const std::string label = words.size() > 1 ? abaqus_upper(words[1]) : "";
     if (label == "P") {
-      deck_.loads.push_back({AbaqusDeck::Load::Kind::pressure, words[0], {}, number(words, 2), amplitude_});
+      deck_.loads.push_back({Deck::Load::Kind::pressure, words[0], {}, number(words, 2), amplitude_});
     } else if (label == "GRAV") {
-      AbaqusDeck::Load load{AbaqusDeck::Load::Kind::gravity, words[0], {}, 0.0, amplitude_};
+      Deck::Load load{Deck::Load::Kind::gravity, words[0], {}, 0.0, amplitude_};
       for (std::size_t k = 0; k < 3; ++k)
         load.vector[k] = number(words, 2) * (words.size() > 3 + k ? number(words, 3 + k) : 0.0);
       deck_.loads.push_back(load);
@@ -375,12 +375,12 @@ class DeckReader {
   int steps_ = 0;
   bool nonlinear_ = false, symmetric_ = false;
   std::array<double, 6> points_{};
-  AbaqusDeck deck_;
+  Deck deck_;
 };
 
 }  // namespace
 
-AbaqusDeck read_abaqus_deck(const std::string& file) {
+Deck read_abaqus_deck(const std::string& file) {
   return DeckReader(file).run();
 }
 

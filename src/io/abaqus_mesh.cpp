@@ -47,8 +47,8 @@ class AbaqusReader {
  public:
   explicit AbaqusReader(std::string file) : file_(std::move(file)) {}
 
-  mesh::MeshData run() {
-    read(0);
+  mesh::MeshData run(const std::string& text) {
+    read(text, 0);
     if (mesh_.data.triangles.empty() && !skipped_.empty())
       throw UserError(
           fmt::format("{}: elements of type '{}' are no triangles or quadrangles; export the surface as S3 or S4",
@@ -72,8 +72,8 @@ class AbaqusReader {
   enum class Section { other, nodes, elements, skipped_elements, node_set, element_set };
 
   /// One file, and those that it includes.
-  void read(int depth) {
-    std::istringstream in(file_text(file_));
+  void read(const std::string& all, int depth) {
+    std::istringstream in(all);
     line_ = 0;
     for (std::string text; abaqus_line(in, text, line_);) {
       if (text.starts_with("*"))
@@ -97,7 +97,7 @@ class AbaqusReader {
     if (!std::filesystem::exists(inner, ignored) || std::filesystem::is_directory(inner, ignored))
       fail_in_line(file_, line_, fmt::format("*INCLUDE: there is no file {}", inner.string()));
     file_ = inner.string();
-    read(depth + 1);
+    read(file_text(file_), depth + 1);
     file_ = outer;
     line_ = line;
   }
@@ -308,7 +308,11 @@ class AbaqusReader {
 }  // namespace
 
 mesh::MeshData read_abaqus(const std::string& file) {
-  return AbaqusReader(file).run();
+  return read_abaqus_text(file, file_text(file));
+}
+
+mesh::MeshData read_abaqus_text(const std::string& file, const std::string& text) {
+  return AbaqusReader(file).run(text);
 }
 
 }  // namespace voile::io

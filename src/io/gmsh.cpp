@@ -26,10 +26,15 @@ bool check_file(const std::string& file) {
   require_plain_file(file);
   if (!fs::is_regular_file(file, ignored)) throw UserError(fmt::format("{}: this is not a file", file));
   const std::string extension = fs::path(file).extension().string();
+  if (extension == ".med")
+    throw UserError(fmt::format(
+        "{}: MED files are not read, for Debian's Gmsh has no MED; convert it with a Gmsh that has: gmsh {} "
+        "-save -o mesh.msh",
+        file, fs::path(file).filename().string()));
   if (extension != ".msh" && extension != ".geo")
     throw UserError(
-        fmt::format("{}: unknown kind of mesh file '{}'; give a Gmsh mesh (.msh) or geometry (.geo), or .obj, .inp, "
-                    ".vtk, .stl, .ply, .off",
+        fmt::format("{}: unknown kind of mesh file '{}'; give a Gmsh mesh (.msh) or geometry (.geo), or .bdf, .nas, "
+                    ".dat, .inp, .obj, .vtk, .stl, .ply, .off",
                     file, extension));
   std::ifstream in = open_input(file);
   const int first = in.get();

@@ -136,6 +136,7 @@ mesh::MeshData read_other(const std::string& file, const std::string& extension)
   mesh::MeshData data = extension == ".obj"   ? read_obj_mesh(file)
                         : extension == ".inp" ? read_abaqus(file)
                         : extension == ".vtk" ? read_vtk(file)
+                        : is_nastran(file)    ? read_nastran(file)
                                               : from_soup(file);
   data.source = file;
   if (data.triangles.empty())
@@ -147,6 +148,11 @@ mesh::MeshData read_other(const std::string& file, const std::string& extension)
 }
 
 }  // namespace
+
+bool is_nastran(const fs::path& file) {
+  const std::string extension = lower_extension(file);
+  return extension == ".bdf" || extension == ".nas" || extension == ".dat";
+}
 
 void check_coordinates(const std::string& what, const std::vector<Vec3>& positions) {
   double extent = 0.0;
@@ -167,7 +173,7 @@ mesh::MeshData read_mesh(const std::string& file, const MeshOptions& options) {
   const std::string extension = lower_extension(file);
   constexpr std::array<const char*, 6> others{".obj", ".stl", ".ply", ".off", ".vtk", ".inp"};
   mesh::MeshData data;
-  if (std::find(others.begin(), others.end(), extension) == others.end()) {
+  if (std::find(others.begin(), others.end(), extension) == others.end() && !is_nastran(file)) {
     data = read_gmsh(file, options);
   } else {
     std::error_code ignored;

@@ -27,6 +27,10 @@ struct GrowingMesh {
 /// Triangles of each kind of polygon, OBJ.
 [[nodiscard]] mesh::MeshData read_obj_mesh(const std::string& file);
 [[nodiscard]] mesh::MeshData read_abaqus(const std::string& file);
+/// The same of a text; `file` is named in messages.
+[[nodiscard]] mesh::MeshData read_abaqus_text(const std::string& file, const std::string& text);
+/// Nastran bulk data: shells with their properties as groups "property-N", held grid points as "spc-N".
+[[nodiscard]] mesh::MeshData read_nastran(const std::string& file);
 [[nodiscard]] mesh::MeshData read_vtk(const std::string& file);
 
 /// Every boundary edge once, as segments in ascending order.

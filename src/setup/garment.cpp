@@ -13,6 +13,7 @@
 #include "base/mpi.hpp"
 #include "base/petsc.hpp"
 #include "base/text.hpp"
+#include "form.hpp"
 #include "imperfections.hpp"
 #include "landmarks.hpp"
 #include "mesh/weld.hpp"
@@ -281,7 +282,7 @@ mesh::SurfaceMesh mesh_of(MPI_Comm comm, const input::Case& c) {
 }  // namespace
 
 mesh::SurfaceMesh case_mesh(MPI_Comm comm, const input::Case& c) {
-  mesh::SurfaceMesh mesh = with_imperfections(comm, c, with_hinges(c, mesh_of(comm, c)));
+  mesh::SurfaceMesh mesh = with_imperfections(comm, c, with_form(comm, c, with_hinges(c, mesh_of(comm, c))));
   check_attached_groups(c, mesh);
   for (const input::Case& stage : c.stages) check_attached_groups(stage, mesh);
   return mesh;

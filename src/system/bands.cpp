@@ -17,7 +17,9 @@ void Bands::add(const Spring& spring) {
   const mesh::Group& group = mesh.group(spring.group, 1);
   double whole = 0.0;
   for (const mesh::Segment& s : group.segments) whole += mesh.rest_length(s);
-  const double fraction = std::isnan(spring.length) ? 1.0 : spring.length / whole;
+  const double fraction = !std::isnan(spring.force)    ? 1.0 / (1.0 + spring.force / spring.stiffness)
+                          : !std::isnan(spring.length) ? spring.length / whole
+                                                       : 1.0;
   if (!(fraction > 0.0))
     throw UserError(fmt::format("[[spring]] type 'band', group '{}': length = {:g} m; a band has a length",
                                 spring.group, spring.length));

@@ -139,6 +139,7 @@ struct Spring {
   std::string to = {};            ///< pair: the other group
   /// Without force [m]. pair: NaN: the distance at the start; band: of the whole curve, NaN: its length at rest.
   double length = std::numeric_limits<double>::quiet_NaN();
+  double force = std::numeric_limits<double>::quiet_NaN();  ///< band: at its length at rest [N]; NaN: `length` gives it
   /// band: time in which it gets from its length at rest to `length` [s]; NaN: 0.1 where it first acts after sewing, else 0.
   double rise = std::numeric_limits<double>::quiet_NaN();
   double start = -std::numeric_limits<double>::infinity();  ///< band: from then on [s]

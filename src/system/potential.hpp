@@ -163,7 +163,7 @@ class Potential {
   /// Couples stretching and bending of triangle t, whose membrane element was added last.
   void add_coupling(Index t, const energy::BendingElement& el, bool owned);
   void update_coupling();
-  void build_joints();
+  void build_joints(bool hinges);
   void build_mirror_folds();
   void build_yarns(const Curvatures& curvatures);
   [[nodiscard]] std::size_t slips_per_triangle() const;

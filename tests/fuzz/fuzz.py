@@ -200,7 +200,7 @@ def targets(folder):
     small = ["square.msh", "body.obj", "fabric.toml"]
     found = [Target(name, ["info", "{}"]) for name in
              ("square.msh", "square41.msh", "binary22.msh", "binary41.msh", "square.obj", "body.obj", "binary.stl", "binary.ply",
-              "text.stl", "text.ply", "text.off", "square.inp", "square.vtk") if (folder / name).is_file()]
+              "text.stl", "text.ply", "text.off", "square.inp", "square.bdf", "square.vtk") if (folder / name).is_file()]
     found.append(Target("square.geo", ["info", "{}"], slow=True))
     found += [Target(name, ["check", "{}"], small) for name in ("motion.toml", "path.toml", "cloth.toml")]
     found += [Target(name, [*run, "-snes_max_it", "8"], small, slow=True) for name in ("motion.toml", "path.toml", "cloth.toml")]

@@ -25,9 +25,11 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "runs" / "lib"))
 import answers  # noqa: E402, F401
 import bodies  # noqa: E402, F401
 import contacting  # noqa: E402, F401
+import decks  # noqa: E402, F401
 import draping  # noqa: E402, F401
 import failing  # noqa: E402, F401
 import falling  # noqa: E402, F401
+import forms  # noqa: E402, F401
 import garments  # noqa: E402, F401
 import gas  # noqa: E402, F401
 import gathering  # noqa: E402, F401

@@ -1,4 +1,4 @@
-// What an Abaqus input file has besides its mesh: materials, sections, supports, loads and the first step.
+// What an Abaqus or Nastran deck has besides its mesh: materials, sections, supports, loads and the first step.
 #pragma once
 
 #include <array>
@@ -8,7 +8,12 @@
 
 namespace voile::io {
 
-struct AbaqusDeck {
+struct Deck {
+  /// What the program calls things, for messages.
+  struct Words {
+    std::string deck = "an Abaqus deck", element = "*ELEMENT", support = "*BOUNDARY", load = "*CLOAD or *DLOAD",
+                section = "*SHELL SECTION", gravity = "*DLOAD", step = "*STEP";
+  };
   struct Material {
     bool orthotropic = false;
     double young = 0.0, poisson = 0.0, young_2 = 0.0, shear = 0.0, density = 0.0;  ///< 0: the deck has none
@@ -51,10 +56,12 @@ struct AbaqusDeck {
 
   using Table = std::vector<std::array<double, 2>>;  ///< times, ascending, and factors
 
+  Words words{};
   std::string title;
   std::map<std::string, Material> materials;
   std::map<std::string, Orientation> orientations;
   std::vector<Section> sections;
+  bool all_in_sections = true;              ///< no shell is without; one section is then of all shells
   std::map<std::string, Support> supports;  ///< by set or number of a node
   std::vector<Load> loads;
   Procedure procedure = Procedure::none;
@@ -67,6 +74,9 @@ struct AbaqusDeck {
 };
 
 /// Not collective. Throws UserError for a file that cannot be read and numbers that are none, with file and line.
-[[nodiscard]] AbaqusDeck read_abaqus_deck(const std::string& file);
+[[nodiscard]] Deck read_abaqus_deck(const std::string& file);
+/// Of Nastran bulk data, by the sets that its case control selects for the first subcase, or all if there is none. Supports,
+/// forces and pressures are named by the numbers of nodes and elements, sections by "property-N". The same otherwise.
+[[nodiscard]] Deck read_nastran_deck(const std::string& file);
 
 }  // namespace voile::io

@@ -1,0 +1,241 @@
+// What Nastran bulk data has besides its mesh, in the words of a deck.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <optional>
+#include <set>
+
+#include "deck.hpp"
+#include "nastran_cards.hpp"
+
+namespace voile::io {
+
+namespace {
+
+using Procedure = Deck::Procedure;
+
+/// Cards that the mesh reader takes, or that change nothing here.
+bool is_passed_over(const std::string& name) {
+  static const std::set<std::string> all{"GRID",  "GRDSET", "CTRIA3", "CTRIAR", "CTRIA6", "CQUAD4", "CQUADR", "CQUAD8",
+                                         "CQUAD", "SPC",    "SPC1",   "SPCADD", "LOAD",   "FORCE",  "PLOAD2", "PLOAD4",
+                                         "GRAV",  "MAT1",   "PSHELL", "EIGRL",  "EIGR",   "EIGB",   "NLPARM"};
+  return all.contains(name) || name.starts_with("CORD");
+}
+
+class NastranDeckReader {
+ public:
+  explicit NastranDeckReader(const std::string& file) : read_(read_nastran_file(file)), systems_(read_.cards) {
+    deck_.words = {"a Nastran deck", "elements", "SPC", "FORCE or PLOAD", "PSHELL", "GRAV", "SOL"};
+  }
+
+  Deck run() {
+    for (const NastranCard& line : read_.control) take_control(line);
+    for (const NastranCard& card : read_.cards) {
+      if (card.name.starts_with("CTRIA") || card.name.starts_with("CQUAD")) take_element(card);
+      if (card.name == "GRID") points_[card.whole(1)] = &card;
+      if (card.name == "GRDSET") defaults_ = &card;
+      if (card.name == "PARAM" && card.field(1) == "WTMASS") mass_ = card.real(2);
+      if (!is_passed_over(card.name) && card.name != "PARAM" && seen_.insert(card.name).second) leave(card, card.name);
+    }
+    for (const NastranCard& card : read_.cards) take_property(card);
+    deck_.all_in_sections = deck_.sections.size() == used_.size();
+    hold_always();
+    select_supports();
+    select_loads();
+    return std::move(deck_);
+  }
+
+ private:
+  void leave(const NastranCard& card, const std::string& what) {
+    deck_.left.push_back({what, fmt::format("{}:{}", card.file, card.line)});
+  }
+
+  void take_control(const NastranCard& line) {
+    const std::size_t equal = line.name.find('=');
+    std::string key = line.name.substr(0, std::min(equal, line.name.find('(')));
+    while (!key.empty() && key.back() == ' ') key.pop_back();
+    if (key.starts_with("SOL ") || key.starts_with("SOL,")) return take_solution(line, key.substr(4));
+    if (key.starts_with("SUBCASE") && ++subcases_ == 2)
+      leave(line, "a second SUBCASE; SPC and LOAD are those of the first");
+    if (equal == std::string::npos) return;
+    std::string value = line.name.substr(equal + 1);
+    value.erase(0, value.find_first_not_of(' '));
+    if (key == "TITLE") deck_.title = value;
+    for (const auto& [name, slot] : {std::pair{"SPC", &spc_}, {"LOAD", &load_}, {"METHOD", &method_}})
+      if (key == name && !*slot) *slot = NastranCard{key, {value}, line.file, line.line}.whole(1);
+  }
+
+  void take_solution(const NastranCard& line, std::string name) {
+    name = name.substr(std::min(name.find_first_not_of(' '), name.size()));
+    name = name.substr(0, name.find_first_of(" ,"));
+    const auto is = [&](std::initializer_list<const char*> names) {
+      return std::find(names.begin(), names.end(), name) != names.end();
+    };
+    if (is({"1", "101", "SESTATIC", "SESTATICS"})) deck_.procedure = Procedure::linear;
+    if (is({"3", "103", "SEMODES"})) deck_.procedure = Procedure::frequency;
+    if (is({"5", "105", "SEBUCKL"})) deck_.procedure = Procedure::buckle;
+    if (is({"106", "400", "NLSTATIC", "NONLIN"})) deck_.procedure = Procedure::nonlinear;
+    if (deck_.procedure == Procedure::none) leave(line, "SOL " + name);
+  }
+
+  void take_element(const NastranCard& card) {
+    used_.insert(card.whole(2, card.whole(1)));
+    const bool three = card.name == "CTRIA3" || card.name == "CTRIAR",
+               four = card.name == "CQUAD4" || card.name == "CQUADR";
+    if (!three && !four) return;
+    const std::size_t corners = three ? 3 : 4;
+    if (!card.field(4 + corners).empty() && card.real(4 + corners) != 0.0 && seen_.insert("ZOFFS").second)
+      leave(card, card.name + ", ZOFFS: an offset from the grid points");
+    for (std::size_t k = 11; k < 11 + corners; ++k)
+      if (!card.field(k).empty() && seen_.insert("T1").second)
+        leave(card, card.name + ", T1 to T4: the thickness of the property is taken");
+  }
+
+  void take_property(const NastranCard& card) {
+    if (card.name == "MAT1") take_material(card);
+    if (card.name == "EIGRL" && (!method_ || card.whole(1) == *method_)) deck_.modes = modes(card, 4);
+    if ((card.name == "EIGR" || card.name == "EIGB") && (!method_ || card.whole(1) == *method_))
+      deck_.modes = modes(card, 6);
+    if (card.name != "PSHELL" || !used_.contains(card.whole(1))) return;
+    if (card.field(2).empty()) return leave(card, "PSHELL without MID1: it has no membrane");
+    deck_.sections.push_back({fmt::format("property-{}", card.whole(1)), card.field(2), card.real(3, 0.0)});
+    if (card.field(4).empty()) leave(card, "PSHELL without MID2, a membrane: it bends as a shell of its thickness");
+    if (!card.field(4).empty() && card.field(4) != card.field(2))
+      leave(card, "PSHELL, MID2: MID1 is taken for bending");
+    if (card.real(5, 1.0) != 1.0) leave(card, "PSHELL, 12I/T**3: 1 is taken");
+    if (card.real(8, 0.0) != 0.0) leave(card, "PSHELL, NSM: mass that is not structural");
+  }
+
+  static int modes(const NastranCard& card, std::size_t field) {
+    return static_cast<int>(std::clamp(card.whole(field, 0L), 0L, 1000L));
+  }
+
+  void take_material(const NastranCard& card) {
+    Deck::Material& m = deck_.materials[card.field(1)];
+    const double shear = card.real(3, 0.0);
+    m.young = card.real(2, 0.0);
+    m.poisson = card.real(4, m.young > 0.0 && shear > 0.0 ? m.young / (2.0 * shear) - 1.0 : 0.0);
+    if (m.young == 0.0) m.young = 2.0 * (1.0 + m.poisson) * shear;
+    m.density = mass_ * card.real(5, 0.0);
+  }
+
+  /// Adds digits 1 to 6 of `components` to what holds a grid point.
+  void hold(const NastranCard& card, long id, const std::string& components, double value) {
+    const auto at = points_.find(id);
+    if (at == points_.end()) return;
+    const long given = defaults_ ? defaults_->whole(6, 0L) : 0L, system = at->second->whole(6, given);
+    const auto moves = std::count_if(components.begin(), components.end(), [](char c) { return c >= '1' && c <= '3'; });
+    if (system > 0 && moves > 0 && (moves < 3 || value != 0.0)) {
+      if (seen_.insert(fmt::format("CD {}", system)).second)
+        leave(card, fmt::format(
+                        "{}: components in coordinate system {}, as of grid point {}; write that [[support]] yourself",
+                        card.name, system, id));
+      return;
+    }
+    Deck::Support& s = deck_.supports[std::to_string(id)];
+    for (const char c : components) {
+      if (c == '0') continue;
+      if (c < '1' || c > '6') card.fail(fmt::format("'{}' are no components 1 to 6", components));
+      const auto k = static_cast<std::size_t>(c - '1');
+      s.held[k] = true;
+      if (k < 3 && value != 0.0) s.value[k] = value;
+      if (k >= 3 && value != 0.0) leave(card, fmt::format("{}: a rotation by {}", card.name, value));
+    }
+  }
+
+  /// Field 8 of GRID and GRDSET.
+  void hold_always() {
+    const std::string given = defaults_ ? defaults_->field(7) : "";
+    for (const auto& [id, card] : points_) {
+      std::string components = card->field(7).empty() ? given : card->field(7);
+      // The turn about the normal, which shells do not resist.
+      if (components == "6") components.clear();
+      if (!components.empty()) hold(*card, id, components, 0.0);
+    }
+  }
+
+  void select_supports() {
+    std::set<long> sets;
+    if (spc_) sets.insert(*spc_);
+    for (const NastranCard& card : read_.cards)
+      if (card.name == "SPCADD" && spc_ && card.whole(1) == *spc_)
+        for (const long set : card.list(2)) sets.insert(set);
+    for (const NastranCard& card : read_.cards) {
+      if (card.name != "SPC" && card.name != "SPC1") continue;
+      if (!read_.control.empty() && !sets.contains(card.whole(1))) continue;
+      if (card.name == "SPC1")
+        for (const long id : card.list(3)) hold(card, id, card.field(2), 0.0);
+      else
+        for (const std::size_t k : {2, 5})
+          if (!card.field(k).empty()) hold(card, card.whole(k), card.field(k + 1), card.real(k + 2, 0.0));
+    }
+  }
+
+  void select_loads() {
+    std::map<long, double> factors;
+    if (load_) factors[*load_] += 1.0;
+    for (const NastranCard& card : read_.cards)
+      if (card.name == "LOAD" && load_ && card.whole(1) == *load_)
+        for (std::size_t k = 3; !card.field(k).empty(); k += 2)
+          factors[card.whole(k + 1)] += card.real(2) * card.real(k);
+    for (const NastranCard& card : read_.cards) {
+      if (card.name != "FORCE" && card.name != "PLOAD2" && card.name != "PLOAD4" && card.name != "GRAV") continue;
+      const auto at = factors.find(card.whole(1));
+      if (read_.control.empty())
+        take_load(card, 1.0);
+      else if (at != factors.end())
+        take_load(card, at->second);
+    }
+  }
+
+  void take_load(const NastranCard& card, double factor) {
+    if (card.name == "PLOAD2") return press(card, card.list(3), factor * card.real(2));
+    if (card.name == "PLOAD4") return take_faces(card, factor);
+    const bool gravity = card.name == "GRAV";
+    const std::size_t k = gravity ? 2 : 3;  // coordinate system, size, direction
+    const Vec3 direction(card.real(k + 2, 0.0), card.real(k + 3, 0.0), card.real(k + 4, 0.0));
+    const Vec3 v = factor * card.real(k + 1) * systems_.turned(card.whole(k, 0L), direction, card);
+    Deck::Load load{
+        gravity ? Deck::Load::Kind::gravity : Deck::Load::Kind::force, gravity ? "" : card.field(2), {}, 0.0, ""};
+    for (std::size_t i = 0; i < 3; ++i) load.vector[i] = v[static_cast<Eigen::Index>(i)];
+    deck_.loads.push_back(load);
+  }
+
+  void take_faces(const NastranCard& card, double factor) {
+    const double p = card.real(3);
+    for (std::size_t k = 4; k <= 6; ++k)
+      if (card.real(k, p) != p) return leave(card, "PLOAD4: a pressure that differs between corners");
+    for (std::size_t k = 9; k <= 12; ++k)
+      if (!card.field(k).empty() && card.real(k) != 0.0) return leave(card, "PLOAD4: a direction of its own");
+    const bool range = card.field(7) == "THRU";
+    if (!range && !card.field(7).empty()) return leave(card, "PLOAD4: a face of a solid");
+    std::vector<long> elements{card.whole(2)};
+    for (long e = elements[0] + 1; range && e <= card.whole(8); ++e) elements.push_back(e);
+    press(card, elements, factor * p);
+  }
+
+  void press(const NastranCard&, const std::vector<long>& elements, double size) {
+    for (const long e : elements) deck_.loads.push_back({Deck::Load::Kind::pressure, std::to_string(e), {}, size, ""});
+  }
+
+  NastranFile read_;
+  NastranSystems systems_;
+  Deck deck_;
+  int subcases_ = 0;
+  std::optional<long> spc_, load_, method_;
+  double mass_ = 1.0;  ///< PARAM, WTMASS
+  std::set<long> used_;
+  std::set<std::string> seen_;
+  std::map<long, const NastranCard*> points_;
+  const NastranCard* defaults_ = nullptr;
+};
+
+}  // namespace
+
+Deck read_nastran_deck(const std::string& file) {
+  return NastranDeckReader(file).run();
+}
+
+}  // namespace voile::io

@@ -1,0 +1,67 @@
+"""Cases from Nastran decks: what is read gives the answers of plate theory, what is not is listed."""
+
+import math
+import shutil
+
+import numpy as np
+from common import fresh
+from harness import OUT, test
+from solver import invoke, run
+
+SIDE, THICKNESS, YOUNG, POISSON, DENSITY, PRESSURE = 1000.0, 10.0, 210e3, 0.3, 7.85e-9, 1e-3  # mm, N, t
+CELLS = 40
+
+
+def fixed(name, *fields):
+    """A card in small fields, continued after eight."""
+    words = [f"{f:>8}" for f in fields]
+    return "".join(f"{name if k == 0 else '':<8}{''.join(words[k:k + 8])}\n" for k in range(0, len(words), 8))
+
+
+def nastran_plate(solution, control):
+    """A clamped plate whose points are given in axes that are turned and moved, in every form of field."""
+    text = f"SOL {solution}\nCEND\nTITLE = Clamped plate\n{control}BEGIN BULK\n"
+    text += "CORD2R,5,,100.,200.,300.,200.,200.,300.\n,100.,300.,300.\n"  # z along x, x along y, y along z
+    for j in range(CELLS + 1):
+        for i in range(CELLS + 1):
+            x, y, tag = SIDE * i / CELLS, SIDE * j / CELLS, 1 + i + (CELLS + 1) * j
+            if i % 3 == 0:
+                text += fixed("GRID", tag, 5, f"{x:.1f}", f"{y:.1f}", "0.")
+            elif i % 3 == 1:
+                text += f"GRID,{tag},5,{x},{y},0.\n"
+            else:
+                text += f"{'GRID*':<8}{tag:>16}{5:>16}{x:>16.6E}{y:>16.6E}\n{'*':<8}{'0.':>16}\n"
+    for j in range(CELLS):
+        for i in range(CELLS):
+            a = 1 + i + (CELLS + 1) * j
+            text += fixed("CQUAD4", 1 + i + CELLS * j, 3, a, a + 1, a + CELLS + 2, a + CELLS + 1)
+    edge = [1 + i + (CELLS + 1) * j for j in range(CELLS + 1) for i in range(CELLS + 1) if i in (0, CELLS) or j in (0, CELLS)]
+    text += fixed("SPC1", 7, 123456, *edge) + "SPCADD,70,7\n"
+    text += f"LOAD,40,2.,.5,4\nPLOAD4,4,1,{PRESSURE}\n" + f"PLOAD4,4,2,{PRESSURE},,,,THRU,{CELLS * CELLS}\nPLOAD4,9,1,77.\n"
+    return text + f"PSHELL,3,2,{THICKNESS},2\nMAT1,2,2.1+5,,.3,7.85-9\nEIGRL,6,,,2\nTEMP,1,1,20.\nENDDATA\n"
+
+
+@test
+def nastran_decks(report):
+    """A clamped plate from a Nastran deck deflects and vibrates as it should; what is not understood is listed with its line."""
+    rigidity = YOUNG * THICKNESS**3 / 12 / (1 - POISSON**2)
+    for solution, control in ((101, "SUBCASE 1\n  SPC = 70\n  LOAD = 40\n"), ("SEMODES", "SPC = 70\nMETHOD = 6\n")):
+        file, folder = OUT / f"nastran_{solution}.bdf", fresh(f"nastran_{solution}")
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_text(nastran_plate(solution, control))
+        code, text = invoke(["init", folder, "--from", file])
+        report.check(code == 0 and "left out" in text and ": TEMP" in text and text.count("left out") == 1, f"{solution}: code {code}, {text.splitlines()[:2]}")
+        result = run(folder / "case.toml", folder / "run")
+        report.check(result.code == 0, f"{solution}: run, code {result.code}")
+        if solution == 101:
+            u = result.displacement()
+            report.percent(u[:, 0].max() / (0.00126532 * PRESSURE * SIDE**4 / rigidity), 0.01, "deflection along x, the plate's normal")
+            report.below(np.abs(u[:, 1:]).max(), 1e-9 * u.max(), "and none along the plate")
+        else:
+            first = np.loadtxt(folder / "run" / "modes.csv", delimiter=",", skiprows=1, ndmin=2)[0, 1]
+            report.percent(first / (35.9852 / (2 * math.pi * SIDE**2) * math.sqrt(rigidity / DENSITY / THICKNESS)), 0.01, "first frequency")
+    bad = OUT / "nastran_bad.bdf"
+    bad.write_text(nastran_plate(101, "").replace("CORD2R,5,,", "CORD2R,6,,"))
+    shutil.rmtree(OUT / "nastran_bad", ignore_errors=True)
+    code, text = invoke(["init", OUT / "nastran_bad", "--from", bad])
+    report.check(code == 2 and "there is no coordinate system 5" in text and ".bdf:7: GRID" in text, f"a missing coordinate system: code {code}, {text.strip()[-160:]}")
