@@ -18,7 +18,7 @@ std::string printable(std::string text) {
 
 /// The material of all plies, or what is wrong.
 std::string name_of(const Deck& deck, const Deck::Section& s, std::vector<std::string>& left) {
-  const std::string name = s.plies.empty() ? s.material : s.plies.front().material;
+  std::string name = s.plies.empty() ? s.material : s.plies.front().material;
   const auto other = [&](const Deck::Ply& p) { return p.material != name; };
   if (std::any_of(s.plies.begin(), s.plies.end(), other)) {
     left.push_back(
@@ -34,7 +34,7 @@ std::string name_of(const Deck& deck, const Deck::Section& s, std::vector<std::s
   return "";
 }
 
-std::string plies_of(std::vector<Deck::Ply> plies, double turn) {
+std::string plies_of(const std::vector<Deck::Ply>& plies, double turn) {
   std::vector<double> angles, thicknesses;
   for (const Deck::Ply& p : plies) {
     angles.push_back(p.angle + turn);

@@ -19,7 +19,8 @@ void declare(CLI::App& cli, DrapeTest& t, std::string& specimen, double& cell) {
   c->footer(
       "A specimen is held between discs of 180 mm; the plate under its overhang is lowered. Friction inside the fabric "
       "acts "
-      "where the file has bending_hysteresis. Writes summary.json, contours.png and a contour_K.csv for each repeat.");
+      "where the file has bending_hysteresis or shear_hysteresis. Writes summary.json, contours.png and a "
+      "contour_K.csv for each repeat.");
   c->add_option("fabric", t.fabric, "Fabric file, or the name of a shipped fabric")->required();
   c->add_option("--specimen", specimen, "Diameter in mm: 240, 300 or 360 [300]")
       ->check(CLI::IsMember({"240", "300", "360"}));

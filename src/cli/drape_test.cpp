@@ -51,7 +51,7 @@ DrapeSetting setting_of(const DrapeTest& test) {
   s.test = test;
   s.fabric_file = fabric_file(test.fabric);
   s.fabric = input::read_fabric(s.fabric_file);
-  s.friction = s.fabric.bending_hysteresis && !test.elastic;
+  s.friction = (s.fabric.bending_hysteresis || s.fabric.shear_hysteresis) && !test.elastic;
   const double softest = std::min(s.fabric.bending_warp, s.fabric.bending_weft);
   const double length = std::cbrt(softest / (s.fabric.areal_density * gravity));
   s.cell = test.cell > 0.0 ? test.cell : std::clamp(0.5 * length, smallest_cell, largest_cell);
@@ -148,9 +148,10 @@ void run_all(const DrapeSetting& s, std::vector<DrapeRepeat>& repeats) {
 void print_head(const DrapeSetting& s) {
   if (s.test.quiet) return;
   fmt::print("{}: specimen of {} mm, cells of {:.1f} mm, {}\n", s.fabric.name, s.test.specimen, 1e3 * s.cell,
-             s.friction       ? "friction inside the fabric"
-             : s.test.elastic ? "no friction inside the fabric"
-                              : "no friction inside the fabric: the file has no bending_hysteresis");
+             s.friction ? "friction inside the fabric"
+             : s.test.elastic
+                 ? "no friction inside the fabric"
+                 : "no friction inside the fabric: the file has no bending_hysteresis or shear_hysteresis");
   fmt::print("{:>8} {:>6} {:>5} {:>12} {:>6} {:>15} {:>9}\n", "repeat", "shift", "warp", "coefficient", "folds",
              "amplitude [mm]", "CPU [s]");
 }

@@ -30,7 +30,7 @@ constexpr std::array legends{std::pair{"beside", picture::Legend::beside},
 std::vector<double> values_of(const picture::Table& table, const std::string& text) {
   if (table.has(text)) return table.column(text);
   try {
-    const std::vector<double> values = input::row_expression(text, table.names, table.columns);
+    std::vector<double> values = input::row_expression(text, table.names, table.columns);
     if (std::none_of(values.begin(), values.end(), [](double x) { return std::isfinite(x); }))
       throw UserError(fmt::format("'{}' is finite in no row", text));
     return values;

@@ -25,6 +25,7 @@ struct MembraneShape {
   double weight[4] = {};                  ///< of each sample in the strain of its group
   double factor[3] = {};                  ///< of each group in the energy
   bool corrected = false;                 ///< for chords
+  int rubbing = 0;                        ///< group whose shear rubs where yarns do
 };
 
 /// Places of a membrane element's numbers.
@@ -43,6 +44,16 @@ constexpr int start_invariants = 91;  ///< A (q_D - q_D at rest), q_S - q_S at r
 constexpr int weights = 93;           ///< B'_i, seven for each point
 }  // namespace membrane_fields
 
+/// Places of the numbers of yarns that stiffen and rub in the plane (yarn_law.hpp).
+namespace yarn_law_fields {
+constexpr int turn = 0;        ///< strains in yarn axes from those in material axes, three rows
+constexpr int slip = 9;        ///< p
+constexpr int stiffness = 10;  ///< A G_s
+constexpr int limit = 11;      ///< A H0
+constexpr int rise = 12;       ///< A h
+constexpr int knots = 13;      ///< e_j, A c_j of each: along warp, along weft, in shear
+}  // namespace yarn_law_fields
+
 struct MembraneBatch {
   const double* fields;
   const int* gather;        ///< local point of each stencil position
@@ -50,6 +61,8 @@ struct MembraneBatch {
   const int* slots;         ///< where the nine numbers of pairs i <= j go to, row by row
   const double* start;      ///< strains at the start of a time step, 3 per group; null: no viscosity
   const double* viscosity;  ///< c
+  const double* law;        ///< numbers of yarns that stiffen or rub; null: of none
+  int knots;                ///< of each direction
   int points;               ///< stencil positions
   int first, last;          ///< lanes to be done
   bool fourth;              ///< whether a triangle has a term of fourth order

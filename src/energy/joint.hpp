@@ -13,7 +13,7 @@
 // about the edge balance. Angles are those of edge_angle.hpp: large rotations, no energy in rigid ones. A natural curvature
 // kappa adds sigma_s (C_T^-1 A S^T D kappa)_s to psi_s. Theory: docs/theory/edge-slopes.md.
 // A hinge of length l and stiffness k is a spring 2 k l between each of its two sheets and the edge: 1/(2 k l) joins the
-// diagonal of C_J^-1. Where its fold without moment is phi, sigma_s phi joins psi_s of the second sheet.
+// diagonal of C_J^-1, or 1/(k l) where the ground is the other side. Where its fold without moment is phi, sigma_s phi joins psi_s of the second sheet.
 #pragma once
 
 #include <Eigen/Core>
@@ -39,7 +39,7 @@ struct JointElement {
     Index triangle;
     int edge, reference, vector;  ///< rows of `weights`; reference = vector: the first sheet, zero
     double rest;                  ///< angle at rest [rad]
-    Index joint;                  ///< number of mesh.joints(), or no_index
+    Index joint;                  ///< number of mesh.joints(), or beyond them, or no_index
     double fold;                  ///< what it adds of phi: sigma_s, or 0 for the first sheet
     Vec3 natural;                 ///< what a natural curvature of the triangle adds to psi [m]
   };
@@ -67,6 +67,15 @@ struct RigidFrame {
 };
 /// Springs between the slopes of free sides of one triangle and a rigid body that holds the sides: psi_s is the turn of g_s
 /// against the body, and theta = 0. For small rotations that is a clamped edge. Throws as make_joint_element().
+/// Springs between the slopes of free sides of one triangle and the ground, with k of each side [N]; `joints`: their numbers for
+/// JointTerm::set_fold(). Throws as make_joint_element().
+struct GroundedSides {
+  std::vector<int> sides;
+  std::vector<double> stiffness;
+  std::vector<Index> joints;
+};
+[[nodiscard]] JointElement make_grounded_slopes(const Sheet& sheet, CurvatureBuilder& curvatures, Index triangle,
+                                                const GroundedSides& grounded);
 [[nodiscard]] JointElement make_rigid_slopes(const Sheet& sheet, CurvatureBuilder& curvatures, Index triangle,
                                              const std::vector<int>& sides, const RigidFrame& frame);
 

@@ -12,6 +12,8 @@
 #endif
 
 #define VOILE_INLINE inline __attribute__((always_inline))
+/// So that what rarely runs takes no registers of what always does.
+#define VOILE_APART inline __attribute__((noinline))
 
 namespace voile::energy::VOILE_KERNELS {
 

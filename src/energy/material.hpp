@@ -14,6 +14,7 @@
 
 #include "base/types.hpp"
 #include "failure.hpp"
+#include "yarn_law.hpp"
 
 namespace voile::energy {
 
@@ -44,7 +45,8 @@ struct Material {
   double areal_density = 0.0;          ///< rho_s [kg/m^2]
   double bending_damping = 0.0;        ///< damping in proportion to D, besides what holds for all materials [s]
   double viscous_time = 0.0;           ///< relaxation time of the membrane, likewise [s]
-  YarnFriction friction{};             ///< inside the fabric
+  YarnFriction friction{};             ///< inside the fabric, where it bends
+  YarnLaw yarns{};                     ///< what tension and shear add to A, and friction of shear
   std::vector<Layer> layers{};         ///< from the lowest up; empty where the inside is not known
   std::optional<Strength> strength{};  ///< of its layers
   // The natural state (natural_state.hpp), in material axes

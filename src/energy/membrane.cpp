@@ -43,8 +43,10 @@ MembraneTerm::MembraneTerm(const Sheet& sheet) {
   batches_ = Batches(corrects() ? fields::weights : fields::plain, corrects() ? bend_vectors : 0);
   for (const Material& m : sheet.materials()) {
     stiffness_.push_back(m.membrane);
+    laws_.push_back(m.yarns);
     viscous_time_.push_back(m.viscous_time);
   }
+  yarns_ = YarnLaws(sheet.materials(), shape_.factor[shape_.rubbing]);
 }
 
 void MembraneTerm::set_shape(MembraneOperator kind, double cst_fraction) {
@@ -61,6 +63,7 @@ void MembraneTerm::set_shape(MembraneOperator kind, double cst_fraction) {
     s.factor[0] = 1.0 - cst_fraction;
     s.factor[1] = cst_fraction;
   }
+  if (s.factor[0] == 0.0) s.rubbing = 1;
   shape_ = s;
 }
 
@@ -175,7 +178,8 @@ void MembraneTerm::place(std::vector<double> numbers, const std::vector<Index>& 
   for (int b = 0, k = fields::stiffness; b < 3; ++b)
     for (int a = b; a < 3; ++a) all[k++] = factor(a, b);
   all.insert(all.end(), numbers.begin(), numbers.end());
-  batches_.add({stencil, all, last_owned_, fourth});
+  const Batches::Place place = batches_.add({stencil, all, last_owned_, fourth});
+  if (yarns_.any()) yarns_.add(place, last_.area, laws_[static_cast<std::size_t>(material_.back())]);
   Metrics off = metrics_of(last_.metric);
   for (std::size_t g = 0; g < off.size(); ++g) off[g] += last_correction_[g];
   set_metrics(size() - 1, off);

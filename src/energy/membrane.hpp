@@ -13,6 +13,7 @@
 // Viscosity (Kelvin-Voigt in rest axes, over a time step dt from a state with strains E_n): every W(E) above becomes
 //   W(E) + c W(E - E_n),  c = tau/dt, tau the relaxation time [s]: stress C (E + tau dE/dt), the rate by the backward
 // difference of the step, which keeps a potential.
+// Yarns whose tension stiffens, and which stiffen and rub in shear, add w to every W(E): yarn_law.hpp.
 // Source: mid-side gradients after Onate & Flores, Comput. Methods Appl. Mech. Engng 194 (2005) 2406-2443 (EBST);
 // six-node membrane of the rotation-free triangle: Sze & Zhou, Int. J. Comput. Methods 13 (2016) 1650021. A side on a
 // free boundary or on a crease uses the triangle's own gradient. Theory: docs/theory/membrane.md (2).
@@ -27,6 +28,7 @@
 #include "natural_state.hpp"
 #include "sheet.hpp"
 #include "term.hpp"
+#include "yarn_laws.hpp"
 
 namespace voile::energy {
 
@@ -87,6 +89,14 @@ class MembraneTerm {
   [[nodiscard]] const std::vector<double>& viscosity() const { return viscosity_; }
   void set_viscosity(std::vector<double> ratios);
 
+  /// Friction of yarns that are sheared (yarn_law.hpp); its steps end as those of YarnFrictionTerm do.
+  [[nodiscard]] bool rubs() const { return yarns_.rub(); }
+  /// What it takes at c, of the owned elements [J].
+  [[nodiscard]] double lost(const Configuration& c) const;
+  void end_step(const Configuration& c);
+  [[nodiscard]] double slip(Index e) const { return yarns_.slip(batches_.place(e)); }
+  void set_slip(Index e, double slip);
+
   /// All elements: forces added to those of the local points [N], energy of the owned ones [J], blocks added at the slots [N/m].
   double add_gradients(const Configuration& c, Vec3* force) const;
   void add_tangents(const Configuration& c, double* blocks) const;
@@ -121,9 +131,10 @@ class MembraneTerm {
   [[nodiscard]] std::vector<Vec3> strains(const Configuration& c) const;
   /// What is taken off strain() of element e: half the metric of its natural state.
   [[nodiscard]] Vec3 natural_metric(Index e) const;
-  /// Membrane force N = dW/dE / A in material axes [N/m] at a strain: that of the energy, shares included.
+  /// Membrane force N = dW/dE / A in material axes [N/m] at a strain: that of the energy, shares included, without friction.
   [[nodiscard]] Vec3 force(Index e, const Vec3& strain) const {
-    return stiffness_[static_cast<std::size_t>(material_[static_cast<std::size_t>(e)])] * strain;
+    const auto m = static_cast<std::size_t>(material_[static_cast<std::size_t>(e)]);
+    return stiffness_[m] * strain + (laws_[m].any() ? added_force(laws_[m], strain) : Vec3(Vec3::Zero()));
   }
 
  private:
@@ -170,6 +181,8 @@ class MembraneTerm {
   /// `energy`: that of the element.
   [[nodiscard]] std::vector<double> gradient_of(Index e, const Configuration& c, double& energy) const;
   [[nodiscard]] std::vector<double> hessian_of(Index e, const Configuration& c) const;
+  /// Strains of the group that rubs, of all elements.
+  [[nodiscard]] std::vector<Vec3> rubbing_strains(const Configuration& c) const;
   /// Calls f(batch, number of the batch).
   template <class F>
   void for_batches(F&& f) const {
@@ -182,6 +195,8 @@ class MembraneTerm {
   Batches batches_;
   std::vector<int> material_;  ///< of each element
   std::vector<Mat3> stiffness_;
+  std::vector<YarnLaw> laws_;  ///< of each material
+  YarnLaws yarns_;
   std::vector<Gathered> gathered_;
   std::vector<Natural> natural_;  ///< by ascending element
   long left_out_ = 0;

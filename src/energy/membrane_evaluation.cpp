@@ -26,6 +26,8 @@ MembraneBatch MembraneTerm::view(const Batches::Batch& b) const {
           batches_.slots(b),
           viscous ? start_[9 * number].of.data() : nullptr,
           viscous ? ratio_[number].of.data() : nullptr,
+          yarns_.batch(number),
+          yarns_.knots(),
           b.size,
           0,
           b.lanes,
@@ -82,6 +84,40 @@ void MembraneTerm::add_tangents(const Configuration& c, double* blocks) const {
   const KernelState state = state_of(c);
   for_batches(
       [&](const MembraneBatch& batch, std::size_t) { kernels_->membrane.tangent(shape_, batch, state, blocks); });
+}
+
+std::vector<Vec3> MembraneTerm::rubbing_strains(const Configuration& c) const {
+  std::vector<std::array<Line, 9>> groups(batches_.all().size());
+  const KernelState state = state_of(c);
+  for_batches([&](const MembraneBatch& batch, std::size_t b) {
+    kernels_->membrane.strain(shape_, batch, state, groups[b][0].of.data());
+  });
+  std::vector<Vec3> strains(static_cast<std::size_t>(size()));
+  for (Index e = 0; e < size(); ++e) {
+    const Batches::Place p = batches_.place(e);
+    for (int r = 0; r < 3; ++r) strains[e][r] = groups[p.batch][3 * shape_.rubbing + r].of[p.lane];
+  }
+  return strains;
+}
+
+double MembraneTerm::lost(const Configuration& c) const {
+  if (!rubs()) return 0.0;
+  const std::vector<Vec3> strains = rubbing_strains(c);
+  double sum = 0.0;
+  for (Index e = 0; e < size(); ++e)
+    if (owned(e)) sum += yarns_.lost_at(batches_.place(e), strains[e]);
+  return sum;
+}
+
+void MembraneTerm::end_step(const Configuration& c) {
+  if (!rubs()) return;
+  const std::vector<Vec3> strains = rubbing_strains(c);
+  for (Index e = 0; e < size(); ++e) set_slip(e, yarns_.slip_at(batches_.place(e), strains[e]));
+}
+
+void MembraneTerm::set_slip(Index e, double slip) {
+  yarns_.set_slip(batches_.place(e), slip);
+  ++version_;
 }
 
 double MembraneTerm::energy(Index e, const Configuration& c) const {

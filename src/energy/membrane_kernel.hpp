@@ -2,6 +2,7 @@
 #pragma once
 
 #include "membrane_lanes.hpp"
+#include "yarn_law_kernel.hpp"
 
 namespace voile::energy::VOILE_KERNELS {
 
@@ -12,26 +13,40 @@ VOILE_INLINE int count_lanes(const MembraneBatch& batch, int lane) {
   return batch.last - lane < width ? batch.last - lane : width;
 }
 
-/// 1/2 (E.C E + c (E - E_n).C (E - E_n)) of a group, times A.
-VOILE_INLINE Real group_energy(const MembraneBatch& batch, int lane, int group, const Real (&l)[6],
-                               const Real (&strain)[3]) {
+/// What yarns add in a group.
+VOILE_INLINE void yarns_of_group(const MembraneShape& shape, const MembraneBatch& batch, int lane, int group,
+                                 const Real (&strain)[3], YarnsAt& y) {
+  yarns_at(batch, lane, group == shape.rubbing, strain, y);
+}
+
+/// 1/2 (E.C E + c (E - E_n).C (E - E_n)) of a group and what yarns add, times A.
+template <bool yarns>
+VOILE_INLINE Real group_energy(const MembraneShape& shape, const MembraneBatch& batch, int lane, int group,
+                               const Real (&l)[6], const Real (&strain)[3]) {
   const auto half_square = [&](Real a, Real b, Real c) {
     times_factor(l, a, b, c);
     return 0.5 * (a * a + b * b + c * c);
   };
-  const Real elastic = half_square(strain[0], strain[1], strain[2]);
+  Real elastic = half_square(strain[0], strain[1], strain[2]);
+  if constexpr (yarns) {
+    YarnsAt y;
+    yarns_of_group(shape, batch, lane, group, strain, y);
+    elastic += y.energy;
+  }
   if (!batch.start) return elastic;
   Real d[3];
   for (int r = 0; r < 3; ++r) d[r] = strain[r] - load(batch.start + (3 * group + r) * batch_lanes + lane);
   return elastic + load(batch.viscosity + lane) * half_square(d[0], d[1], d[2]);
 }
 
-/// Energy of the triangles.
+/// Energy of the triangles; `yarns`: some stiffen or rub.
+template <bool yarns>
 VOILE_INLINE Real energy_of(const MembraneShape& shape, const MembraneBatch& batch, int lane, const Real (&l)[6],
                             const Strained& s) {
   Real sum = shape.corrected && batch.fourth ? s.invariants.bending * s.invariants.trace : all(0.0);
   for (int g = 0; g < shape.groups; ++g)
-    if (shape.factor[g] > 0.0) sum += shape.factor[g] * group_energy(batch, lane, g, l, s.samples.strain[g]);
+    if (shape.factor[g] > 0.0)
+      sum += shape.factor[g] * group_energy<yarns>(shape, batch, lane, g, l, s.samples.strain[g]);
   return sum;
 }
 
@@ -84,25 +99,32 @@ VOILE_INLINE void pull_at_bends(const Strained& s, const Real (&stress)[3][3], b
 }
 
 /// Stresses of all groups.
+template <bool yarns>
 VOILE_INLINE void stresses_of(const MembraneShape& shape, const MembraneBatch& batch, int lane, const Real (&l)[6],
                               const Samples& s, Real (&stress)[3][3]) {
   for (int g = 0; g < shape.groups; ++g) {
     for (int r = 0; r < 3; ++r) stress[g][r] = s.strain[g][r];
     effective(batch, lane, g, stress[g]);
     stress_of(l, shape.factor[g], stress[g]);
+    if constexpr (yarns) {
+      YarnsAt y;
+      yarns_of_group(shape, batch, lane, g, s.strain[g], y);
+      add_yarn_stress(batch, lane, y, shape.factor[g], stress[g]);
+    }
   }
 }
 
-inline void membrane_gradient(const MembraneShape& shape, const MembraneBatch& batch, const KernelState& state,
-                              double* force, double* energy) {
+template <bool yarns>
+VOILE_APART void gradient_of(const MembraneShape& shape, const MembraneBatch& batch, const KernelState& state,
+                             double* force, double* energy) {
   for (int lane = batch.first; lane < batch.last; lane += width) {
     Strained s;
     strain_lanes(shape, batch, lane, state, s);
     const Fields f{batch.fields + lane};
     Real l[6], stress[3][3];
     f.six_numbers(membrane_fields::stiffness, l);
-    store(energy + lane, energy_of(shape, batch, lane, l, s));
-    stresses_of(shape, batch, lane, l, s.samples, stress);
+    store(energy + lane, energy_of<yarns>(shape, batch, lane, l, s));
+    stresses_of<yarns>(shape, batch, lane, l, s.samples, stress);
     Vector at_six[six], at_bends[bends]{};
     pull_at_six(shape, f, s.samples, stress, at_six);
     if (shape.corrected) pull_at_bends(s, stress, batch.fourth, at_bends);
@@ -114,6 +136,14 @@ inline void membrane_gradient(const MembraneShape& shape, const MembraneBatch& b
       scatter_vector(force, batch.scatter + i * batch_lanes + lane, sum, active);
     }
   }
+}
+
+inline void membrane_gradient(const MembraneShape& shape, const MembraneBatch& batch, const KernelState& state,
+                              double* force, double* energy) {
+  if (batch.law)
+    gradient_of<true>(shape, batch, state, force, energy);
+  else
+    gradient_of<false>(shape, batch, state, force, energy);
 }
 
 }  // namespace voile::energy::VOILE_KERNELS

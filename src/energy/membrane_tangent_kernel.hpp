@@ -226,8 +226,23 @@ VOILE_INLINE void emit_blocks(const MembraneBatch& batch, int lane, const Tangen
   }
 }
 
-inline void membrane_tangent(const MembraneShape& shape, const MembraneBatch& batch, const KernelState& state,
-                             double* blocks) {
+/// The factor of a group's stiffness where yarns add to it.
+struct Stiffened {
+  const Real (&plain)[6];
+  const Real& viscous;
+  const Real (&strain)[3];
+};
+VOILE_INLINE void stiffen(const MembraneShape& shape, const MembraneBatch& batch, int lane, int group,
+                          const Stiffened& from, Real (&l)[6]) {
+  YarnsAt y;
+  yarns_of_group(shape, batch, lane, group, from.strain, y);
+  yarn_factor(batch, lane, y, from.viscous, from.plain, l);
+  for (Real& number : l) number *= std::sqrt(shape.factor[group]);
+}
+
+template <bool yarns>
+VOILE_APART void tangent_of(const MembraneShape& shape, const MembraneBatch& batch, const KernelState& state,
+                            double* blocks) {
   for (int lane = batch.first; lane < batch.last; lane += width) {
     Strained s;
     strain_lanes(shape, batch, lane, state, s);
@@ -241,11 +256,12 @@ inline void membrane_tangent(const MembraneShape& shape, const MembraneBatch& ba
     for (int g = 0; g < shape.groups; ++g) {
       const Real factor = root(shape.factor[g] * viscous);
       for (int k = 0; k < 6; ++k) l[g][k] = factor * plain[k];
+      if constexpr (yarns) stiffen(shape, batch, lane, g, {plain, viscous, s.samples.strain[g]}, l[g]);
     }
     vectors_at_six(shape, f, s.samples, l, t);
     Samples at = s.samples;
     if (state.previous) linearise(shape, batch, lane, state, s, at.strain);
-    stresses_of(shape, batch, lane, plain, at, stress);
+    stresses_of<yarns>(shape, batch, lane, plain, at, stress);
     if (shape.corrected) {
       vectors_of_bends(batch, lane, s, l, t);
       if (batch.fourth) {
@@ -263,6 +279,14 @@ inline void membrane_tangent(const MembraneShape& shape, const MembraneBatch& ba
     else
       emit_blocks<false>(batch, lane, t, blocks);
   }
+}
+
+inline void membrane_tangent(const MembraneShape& shape, const MembraneBatch& batch, const KernelState& state,
+                             double* blocks) {
+  if (batch.law)
+    tangent_of<true>(shape, batch, state, blocks);
+  else
+    tangent_of<false>(shape, batch, state, blocks);
 }
 
 }  // namespace voile::energy::VOILE_KERNELS

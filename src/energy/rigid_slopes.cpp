@@ -18,18 +18,21 @@ constexpr int rows_of_side = 3;
 void refuse_coupling(const Sheet& sheet, Index t) {
   if (!couples(sheet.material(t))) return;
   const Vec3 x = sheet.mesh().start_corner(t, 0);
-  throw UserError(fmt::format(
-      "[[material]]: an unsymmetric laminate, or one with an `offset`, ends at a [[rigid]] edge near ({:.4g}, "
-      "{:.4g}, {:.4g}) m; give it a symmetric one without offset there, or slope = \"free\"",
-      x[0], x[1], x[2]));
+  throw UserError(
+      fmt::format("[[material]]: an unsymmetric laminate, or one with an `offset`, ends at a [[rigid]] or [[hinge]] "
+                  "edge near ({:.4g}, "
+                  "{:.4g}, {:.4g}) m; give it a symmetric one without offset there, or leave the slope free",
+                  x[0], x[1], x[2]));
 }
 
 class Builder {
  public:
-  Builder(const Sheet& sheet, CurvatureBuilder& curvatures, Index triangle, const RigidFrame& frame)
+  /// `frame`: null is the ground.
+  Builder(const Sheet& sheet, CurvatureBuilder& curvatures, Index triangle, const RigidFrame* frame)
       : sheet_(sheet), triangle_(triangle), frame_(frame), slopes_(sheet, curvatures, triangle) {}
 
-  JointElement run(const std::vector<int>& sides) {
+  /// `give`: 1 / (k l) of each side [1/(N m)].
+  JointElement run(const std::vector<int>& sides, const Eigen::VectorXd& give) {
     collect_points();
     const auto count = static_cast<Eigen::Index>(sides.size());
     el_.weights.setZero(rows_of_side * count, static_cast<Eigen::Index>(el_.points.size()));
@@ -43,6 +46,7 @@ class Builder {
     }
     for (Eigen::Index n = 0; n < count; ++n)
       compliance.row(n) = of_joints.row(slopes_.row(sides[static_cast<std::size_t>(n)]));
+    compliance.diagonal() += give;
     const Eigen::MatrixXd stiffness = compliance.inverse(), senses = sense.asDiagonal();
     el_.stiffness = senses * stiffness * senses;
     el_.bends.push_back({triangle_, -slopes_.across * of_joints * stiffness * senses});
@@ -59,7 +63,7 @@ class Builder {
     };
     for (const Index p : slopes_.of.operator_.points) add(p, sheet_.patches().start(p));
     for (const Index p : corners()) add(p, sheet_.patches().start(p));
-    for (std::size_t k = 0; k < frame_.points.size(); ++k) add(frame_.points[k], frame_.start[k]);
+    for (std::size_t k = 0; frame_ && k < frame_->points.size(); ++k) add(frame_->points[k], frame_->start[k]);
   }
   [[nodiscard]] const mesh::Triangle& corners() const { return sheet_.mesh().triangles()[triangle_]; }
   [[nodiscard]] double& weight(int row, Index point) {
@@ -79,14 +83,14 @@ class Builder {
     // The body's direction is that of the slope at the start, back into the sheet.
     const Vec3 back = -el_.start.row(row + 2);
     el_.start.row(row + 1) = back;
-    const double length = (frame_.start[1] - frame_.start[0]).norm();
-    for (int i = 0; i < 3; ++i) {
-      weight(row + 1, frame_.points[static_cast<std::size_t>(i) + 1]) += back[i] / length;
-      weight(row + 1, frame_.points[0]) -= back[i] / length;
+    for (int i = 0; frame_ && i < 3; ++i) {
+      const double part = back[i] / (frame_->start[1] - frame_->start[0]).norm();
+      weight(row + 1, frame_->points[static_cast<std::size_t>(i) + 1]) += part;
+      weight(row + 1, frame_->points[0]) -= part;
     }
     const EdgePoints x{Vec3::Zero(), el_.start.row(row), back, Vec3(-back)};
     const double sense = edge_angle_slopes(x)[3].dot(sheet_.mesh().start_normal(triangle_)) > 0.0 ? 1.0 : -1.0;
-    el_.angles.push_back({triangle_, row, row + 1, row + 2, edge_angle(x), no_index, 0.0,
+    el_.angles.push_back({triangle_, row, row + 1, row + 2, edge_angle(x), no_index, sense,
                           Vec3(sense * slopes_.natural.row(k).transpose())});
     return sense;
   }
@@ -100,7 +104,7 @@ class Builder {
 
   const Sheet& sheet_;
   Index triangle_;
-  const RigidFrame& frame_;
+  const RigidFrame* frame_;
   FreeSlopes slopes_;
   std::vector<Vec3> start_;  ///< places of the points [m]
   JointElement el_;
@@ -111,7 +115,23 @@ class Builder {
 JointElement make_rigid_slopes(const Sheet& sheet, CurvatureBuilder& curvatures, Index triangle,
                                const std::vector<int>& sides, const RigidFrame& frame) {
   refuse_coupling(sheet, triangle);
-  return Builder(sheet, curvatures, triangle, frame).run(sides);
+  return Builder(sheet, curvatures, triangle, &frame)
+      .run(sides, Eigen::VectorXd::Zero(static_cast<Eigen::Index>(sides.size())));
+}
+
+JointElement make_grounded_slopes(const Sheet& sheet, CurvatureBuilder& curvatures, Index triangle,
+                                  const GroundedSides& grounded) {
+  refuse_coupling(sheet, triangle);
+  Eigen::VectorXd give(static_cast<Eigen::Index>(grounded.sides.size()));
+  const mesh::Triangle& v = sheet.mesh().triangles()[triangle];
+  for (std::size_t k = 0; k < grounded.sides.size(); ++k) {
+    const auto s = static_cast<std::size_t>(grounded.sides[k]);
+    give[static_cast<Eigen::Index>(k)] =
+        1.0 / (grounded.stiffness[k] * sheet.mesh().rest_length({v[(s + 1) % 3], v[(s + 2) % 3]}));
+  }
+  JointElement el = Builder(sheet, curvatures, triangle, nullptr).run(grounded.sides, give);
+  for (std::size_t k = 0; k < grounded.sides.size(); ++k) el.angles[k].joint = grounded.joints[k];
+  return el;
 }
 
 }  // namespace voile::energy

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -146,6 +147,15 @@ void set_hysteresis(const energy::YarnFriction& friction, MaterialInput& input) 
   input.warp_angle = friction.warp_angle;
 }
 
+void set_yarns(const energy::YarnLaw& law, MaterialInput& input) {
+  if (!law.any()) return;
+  const std::array lists{&input.stiffening_warp, &input.stiffening_weft, &input.stiffening_shear};
+  for (std::size_t r = 0; r < 3; ++r)
+    for (const energy::YarnLaw::Knot& k : law.knots[r]) lists[r]->insert(lists[r]->end(), {k.strain, k.bend});
+  if (law.rubs()) input.shear_hysteresis = {law.limit, law.rise, law.stiffness};
+  input.warp_angle = law.warp_angle;
+}
+
 /// A fabric is stored as a pair of matrices, so that its file is not needed again.
 MaterialInput as_input(const energy::Material& m) {
   MaterialInput input;
@@ -170,6 +180,7 @@ MaterialInput as_input(const energy::Material& m) {
   input.prestress = given(m.prestress);
   input.direction = m.direction;
   set_hysteresis(m.friction, input);
+  set_yarns(m.yarns, input);
   if (m.texture_direction) input.texture_direction = {(*m.texture_direction)[0], (*m.texture_direction)[1]};
   return input;
 }

@@ -10,6 +10,7 @@
 
 #include "base/plain_file.hpp"
 #include "base/text.hpp"
+#include "case_fabric_curves.hpp"
 #include "case_read.hpp"
 #include "case_toml.hpp"
 #include "energy/material.hpp"
@@ -36,10 +37,14 @@ const std::vector<Figure>& figures() {
   static const std::vector<Figure> all{
       {"areal_density", {mass_per_area}, true, [](Fabric& f, double x) { f.areal_density = x; }},
       {"thickness", {length}, false, [](Fabric& f, double x) { f.thickness = x; }},
+      // Tangents at zero of the curves, where there are some.
       {"membrane_warp", {force_per_length}, true, [](Fabric& f, double x) { f.membrane_warp = x; }},
       {"membrane_weft", {force_per_length}, true, [](Fabric& f, double x) { f.membrane_weft = x; }},
       {"membrane_shear", {shear_rigidity, force_per_length}, true, [](Fabric& f, double x) { f.membrane_shear = x; }},
       {"membrane_poisson", {}, false, [](Fabric& f, double x) { f.membrane_poisson = x; }},
+      {"shear_hysteresis", {force_per_length}, false, [](Fabric& f, double x) { f.shear_hysteresis = x; }},
+      {"shear_hysteresis_5", {force_per_length}, false, [](Fabric& f, double x) { f.shear_hysteresis_5 = x; }},
+      {"shear_hysteresis_spread", {angle}, false, [](Fabric& f, double x) { f.shear_hysteresis_spread = x; }},
       {"bending_warp", rigidity, true, [](Fabric& f, double x) { f.bending_warp = x; }},
       {"bending_weft", rigidity, true, [](Fabric& f, double x) { f.bending_weft = x; }},
       {"bending_twist", {bending_rigidity}, false, [](Fabric& f, double x) { f.bending_twist = x; }},
@@ -61,6 +66,7 @@ const std::vector<Figure>& figures() {
 std::vector<std::string> figure_names() {
   std::vector<std::string> names;
   for (const Figure& figure : figures()) names.push_back(figure.name);
+  names.insert(names.end(), curve_keys.begin(), curve_keys.end());
   return names;
 }
 
@@ -136,6 +142,13 @@ void check_stiffness(const SectionPlace& place, const Fabric& fabric) {
     place.fail("membrane_poisson", "the membrane stiffness is not positive definite; check the membrane figures");
   if (!energy::is_positive_definite(bending_stiffness(fabric)))
     place.fail("bending_poisson", "the bending stiffness is not positive definite; check the bending figures");
+  for (const char* key : curve_keys)
+    if (place.has(key) && !energy::is_stable(membrane_stiffness(fabric), yarn_law(fabric, false)))
+      place.fail(key,
+                 fmt::format("with membrane_poisson = {:g} the curves lose their stability where they are flattest; "
+                             "give a smaller membrane_poisson, or correct the curve",
+                             fabric.membrane_poisson));
+  check_shear_friction(place, fabric);
 }
 
 Mat3 orthotropic(double s11, double s22, double s66, double poisson) {
@@ -147,10 +160,45 @@ Mat3 orthotropic(double s11, double s22, double s66, double poisson) {
   return s;
 }
 
+/// Curves, then what is left of the figures. Membrane stiffness is that of a curve where it begins.
+void read_figures(const SectionPlace& place, const toml::table& root, Fabric& fabric) {
+  const std::array membrane{&fabric.membrane_warp, &fabric.membrane_weft, &fabric.membrane_shear};
+  const std::array names{"membrane_warp", "membrane_weft", "membrane_shear"};
+  std::array<std::optional<CurveFigures>, 3> curves;
+  for (std::size_t r = 0; r < 3; ++r)
+    if (const toml::node* node = root.get(curve_keys[r])) {
+      curves[r] = read_curve({place, curve_keys[r], r == 2}, *node);
+      if (!curves[r]->points.empty() && place.has(names[r]))
+        place.fail(names[r], fmt::format("the points of {} give this figure; leave one of them out", curve_keys[r]));
+    }
+  for (const Figure& figure : figures()) {
+    if (const toml::node* node = root.get(figure.name)) {
+      figure.set(fabric, value_of(place, figure, *node, fabric.areal_density));
+    } else if (figure.required) {
+      const auto r = static_cast<std::size_t>(std::find(names.begin(), names.end(), figure.name) - names.begin());
+      if (r == names.size() || !curves[r])
+        place.fail(figure.name, fmt::format("the key is missing; {} is needed", name_of(figure.dimensions.front())));
+    }
+  }
+  for (std::size_t r = 0; r < 3; ++r)
+    if (curves[r]) {
+      fabric.curves[r] = curve_of({place, curve_keys[r], r == 2}, *curves[r], *membrane[r]);
+      *membrane[r] = fabric.curves[r]->tangent;
+    }
+  if (curves[2] && fabric.shear_hysteresis) fabric.rubbing_shear = middle_of_loop(fabric, curves[2]->points);
+}
+
 }  // namespace
 
-Mat3 membrane_stiffness(const Fabric& f) {
-  return orthotropic(f.membrane_warp, f.membrane_weft, f.membrane_shear, f.membrane_poisson);
+Mat3 membrane_stiffness(const Fabric& f, bool friction) {
+  double shear = f.membrane_shear;
+  if (friction && f.rubbing_shear) {
+    shear = f.rubbing_shear->tangent;
+  } else if (friction && f.shear_hysteresis) {
+    const energy::YarnLaw law = yarn_law(f, true);
+    shear -= law.stiffness * law.rise / (law.stiffness + law.rise);
+  }
+  return orthotropic(f.membrane_warp, f.membrane_weft, shear, f.membrane_poisson);
 }
 
 Mat3 bending_stiffness(const Fabric& f) {
@@ -159,11 +207,11 @@ Mat3 bending_stiffness(const Fabric& f) {
 }
 
 Vec3 bending_loop(const Fabric& f) {
+  if (!f.bending_hysteresis && f.shear_hysteresis) return Vec3::Zero();
   if (!f.bending_hysteresis)
     throw UserError(
-        "the file has no bending_hysteresis (2HB of KES), so that its friction is not known; add it with its source, "
-        "or "
-        "leave out hysteresis = \"friction\"");
+        "the file has neither bending_hysteresis nor shear_hysteresis (2HB, 2HG of KES), so that its friction is not "
+        "known; add one with its source, or leave out hysteresis = \"friction\"");
   const double warp = *f.bending_hysteresis;
   return {warp, f.bending_hysteresis_weft.value_or(warp), f.bending_hysteresis_twist.value_or(0.0)};
 }
@@ -192,15 +240,13 @@ Fabric parse_fabric(const std::string& text, const std::filesystem::path& file) 
   Fabric fabric;
   fabric.name = text_of(place, "name", *root.get("name"));
   fabric.description = text_of(place, "description", *root.get("description"));
-  for (const Figure& figure : figures()) {
-    if (const toml::node* node = root.get(figure.name))
-      figure.set(fabric, value_of(place, figure, *node, fabric.areal_density));
-    else if (figure.required)
-      place.fail(figure.name, fmt::format("the key is missing; {} is needed", name_of(figure.dimensions.front())));
-  }
+  read_figures(place, root, fabric);
   for (const char* key : {"bending_hysteresis_weft", "bending_hysteresis_twist", "bending_hysteresis_spread"})
     if (place.has(key) && !fabric.bending_hysteresis)
       place.fail(key, "there is no bending_hysteresis, the loop along the warp, that it belongs to; add it");
+  for (const char* key : {"shear_hysteresis_5", "shear_hysteresis_spread"})
+    if (place.has(key) && !fabric.shear_hysteresis)
+      place.fail(key, "there is no shear_hysteresis (2HG), the loop at 0.5 degrees, that it belongs to; add it");
   check_sources(place, root);
   check_stiffness(place, fabric);
   return fabric;

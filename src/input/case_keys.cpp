@@ -158,9 +158,9 @@ const std::vector<SectionInfo>& sections() {
        "from the mesh, holds what `[[support]]` holds, pulls with the `force` of bands. See [find a "
        "form](../howto/find-a-form.md)."},
       {"hinge", true,
-       "Lines along which the sheet turns like a hinge with a spring: scored, creased or perforated lines. Edges "
-       "between "
-       "two triangles; not with `[[panel]]` or `[remesh]`. See [hinges](../howto/fold-along-hinges.md)."},
+       "Lines along which the sheet turns like a hinge with a spring: scored, creased or perforated lines. On the "
+       "boundary the ground is the other side: an elastic edge. Not with `[[panel]]` or `[remesh]`. See "
+       "[hinges](../howto/fold-along-hinges.md)."},
       {"imperfection", true,
        "By how much the shape without stress differs from the mesh; several add up. See "
        "[imperfections](../howto/add-imperfections.md)."},

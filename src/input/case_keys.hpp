@@ -91,6 +91,8 @@ struct MaterialInput {
   std::vector<double> bending_hysteresis;       ///< 2HB along axis 1 and 2, and in twist [N]; empty: none
   double bending_hysteresis_spread = 10.0;      ///< [1/m]
   int bending_sliders = 1;
+  std::vector<double> stiffening_warp, stiffening_weft, stiffening_shear;  ///< strain and bend of each knot
+  std::vector<double> shear_hysteresis;                                    ///< empty, or H0, h, G_s
   std::optional<Vec3> direction;
   std::vector<double> texture_direction;  ///< empty, or u and v
 };

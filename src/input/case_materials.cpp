@@ -66,11 +66,18 @@ void fill_laminate(const SectionPlace& place, const MaterialInput& in, energy::M
 void fill_fabric(const SectionPlace& place, const MaterialInput& in, const UnitSystem& units, energy::Material& m) {
   constexpr Powers per_width{0, 1, -2}, moment_per_width{2, 1, -2}, per_area{-2, 1, 0}, duration{0, 0, 1};
   const Fabric fabric = read_fabric(in.fabric);
-  m.membrane = units.from_si(1.0, per_width) * energy::rotated_stiffness(membrane_stiffness(fabric), in.warp_angle);
+  const bool friction = in.hysteresis == MaterialInput::Hysteresis::friction;
+  const double per_si = units.from_si(1.0, per_width);
+  m.membrane = per_si * energy::rotated_stiffness(membrane_stiffness(fabric, friction), in.warp_angle);
+  m.yarns = yarn_law(fabric, friction);
+  m.yarns.warp_angle = in.warp_angle;
+  for (double* figure : {&m.yarns.stiffness, &m.yarns.limit, &m.yarns.rise}) *figure *= per_si;
+  for (auto& knots : m.yarns.knots)
+    for (energy::YarnLaw::Knot& k : knots) k.bend *= per_si;
   m.bending =
       units.from_si(1.0, moment_per_width) * energy::rotated_stiffness(bending_stiffness(fabric), in.warp_angle);
   m.areal_density = units.from_si(fabric.areal_density, per_area);
-  if (in.hysteresis == MaterialInput::Hysteresis::damping) {
+  if (!friction) {
     if (!place.has("bending_damping")) m.bending_damping = units.from_si(bending_damping(fabric), duration);
     return;
   }
@@ -98,6 +105,39 @@ void fill_friction(const SectionPlace& place, const MaterialInput& in, energy::M
   m.friction.warp_angle = in.warp_angle;
   const Vec3 all = loop.size() == 3 ? Vec3(loop[0], loop[1], loop[2]) : Vec3(loop[0], loop[0], 0.0);
   m.friction.sliders = energy::sliders_of(all, in.bending_hysteresis_spread, in.bending_sliders);
+}
+
+/// Stiffening and friction in the plane of matrices, as echo_case writes them.
+void fill_yarns(const SectionPlace& place, const MaterialInput& in, energy::Material& m) {
+  const std::array given{std::pair{"stiffening_warp", &in.stiffening_warp},
+                         std::pair{"stiffening_weft", &in.stiffening_weft},
+                         std::pair{"stiffening_shear", &in.stiffening_shear}};
+  for (std::size_t r = 0; r < 3; ++r) {
+    const auto& [key, numbers] = given[r];
+    if (numbers->size() % 2 != 0) place.fail(key, "pairs are needed: a strain, and by what the tangent bends there");
+    for (std::size_t i = 0; i < numbers->size(); i += 2) {
+      if (i > 0 ? (*numbers)[i] <= (*numbers)[i - 2] : (*numbers)[i] < 0.0)
+        place.fail(key, fmt::format("strain {:g} is not above the one before; strains rise from 0 on", (*numbers)[i]));
+      m.yarns.knots[r].push_back({(*numbers)[i], (*numbers)[i + 1]});
+    }
+  }
+  if (!in.shear_hysteresis.empty()) {
+    if (in.shear_hysteresis.size() != 3)
+      place.fail("shear_hysteresis", "three numbers are needed: limit, its growth, stiffness of the spring");
+    m.yarns.limit = in.shear_hysteresis[0];
+    m.yarns.rise = in.shear_hysteresis[1];
+    m.yarns.stiffness = in.shear_hysteresis[2];
+  }
+  if (m.yarns.any() && !m.prestress.isZero(0.0))
+    place.fail("prestress",
+               "yarns that stiffen or rub have no strain in proportion to it; give initial_strain instead");
+  if (in.type != MaterialInput::Type::matrices || !m.yarns.any()) return;
+  m.yarns.warp_angle = in.warp_angle;
+  if (!in.direction && in.texture_direction.empty())
+    place.fail("direction", "the key is missing; stiffening and shear_hysteresis act along the yarns");
+  // Into yarn axes: those at -angle to the axes given.
+  if (!energy::is_stable(energy::rotated_stiffness(m.membrane, -in.warp_angle), m.yarns))
+    place.fail("membrane", "with the stiffening or friction of the yarns some strain would cost no energy; check them");
 }
 
 /// The file of a fabric that the case names; only a missing one is a mistake of the case.
@@ -284,6 +324,7 @@ void read_materials(const CaseReader& reader, Case& c) {
     fill_strength(place, in, m);
     fill_natural(place, in, m);
     fill_friction(place, in, m);
+    fill_yarns(place, in, m);
     if (in.groups.empty() && everywhere)
       place.fail("groups", "the key is missing, and another material has no groups either; name the groups of each");
     everywhere = everywhere || in.groups.empty();

@@ -46,6 +46,11 @@ const std::vector<Unit>& units() {
       {"gf.cm/cm", gram_force, Dimension::moment_per_width},
       {"1/m", 1.0, Dimension::curvature},
       {"1/cm", 1e2, Dimension::curvature},
+      {"%", 1e-2, Dimension::extension},
+      {"rad", 1.0, Dimension::angle},
+      {"deg", degree, Dimension::angle},
+      {"J/m^2", 1.0, Dimension::energy_per_area},
+      {"gf.cm/cm^2", gram_force / 1e-2, Dimension::energy_per_area},
       {"mm FAST", 1e-3, Dimension::fast_bending_length},
   };
   return all;
@@ -92,6 +97,12 @@ std::string name_of(Dimension dimension) {
       return "a moment per width";
     case Dimension::curvature:
       return "a curvature";
+    case Dimension::extension:
+      return "an extension";
+    case Dimension::angle:
+      return "an angle";
+    case Dimension::energy_per_area:
+      return "an energy per area";
     case Dimension::fast_bending_length:
       return "a bending length of FAST";
   }

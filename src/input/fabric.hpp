@@ -6,13 +6,19 @@
 // Without a measured twist, D66 = (1 - nu_D)/2 sqrt(D11 D22), which an isotropic sheet has.
 #pragma once
 
+#include <array>
 #include <filesystem>
+#include <numbers>
 #include <optional>
 #include <string>
 
 #include "base/types.hpp"
+#include "energy/yarn_law.hpp"
 
 namespace voile::input {
+
+/// Change of shear angle over which the force goes from one side of the loop to the other [rad].
+inline constexpr double typical_shear_spread = 0.5 * std::numbers::pi / 180.0;
 
 struct Fabric {
   std::string name, description;
@@ -20,6 +26,12 @@ struct Fabric {
   std::optional<double> thickness;  ///< [m]
   double membrane_warp = 0.0, membrane_weft = 0.0, membrane_shear = 0.0;
   double membrane_poisson = 0.0;
+  /// Measured curves of tension along warp and weft and of shear over the strains of the solver [N/m]; their tangents at zero are the
+  /// membrane stiffness.
+  std::array<std::optional<energy::YarnCurve>, 3> curves{};
+  std::optional<energy::YarnCurve> rubbing_shear;  ///< beside friction, so that the curve is the middle of the loop
+  std::optional<double> shear_hysteresis, shear_hysteresis_5;  ///< 2HG and 2HG5 of KES [N/m]
+  double shear_hysteresis_spread = typical_shear_spread;       ///< [rad]
   double bending_warp = 0.0, bending_weft = 0.0;
   std::optional<double> bending_twist;
   double bending_poisson = 0.0;
@@ -32,8 +44,13 @@ struct Fabric {
 [[nodiscard]] Fabric parse_fabric(const std::string& text, const std::filesystem::path& file);
 [[nodiscard]] Fabric read_fabric(const std::filesystem::path& file);
 
-/// A and D with the warp as axis 1 and the weft as axis 2.
-[[nodiscard]] Mat3 membrane_stiffness(const Fabric& fabric);
+/// A and D with the warp as axis 1 and the weft as axis 2. With `friction`, G without a curve is the slope of the loop that goes
+/// out, from which that of the slider is taken off.
+[[nodiscard]] Mat3 membrane_stiffness(const Fabric& fabric, bool friction = false);
+/// What curves, and on request the friction of shear, add to A [N/m].
+[[nodiscard]] energy::YarnLaw yarn_law(const Fabric& fabric, bool friction);
+/// Keys of the curves, each with its table, as TOML.
+inline constexpr std::array curve_keys{"tension_warp", "tension_weft", "shear_curve"};
 [[nodiscard]] Mat3 bending_stiffness(const Fabric& fabric);
 /// beta [s] that loses in a cycle, at the curvature 1/l and the circular frequency sqrt(g/l) with which the fabric
 /// hangs under its own weight, what the loop of its hysteresis encloses: beta = 4 HB l^(3/2) / (pi B sqrt(g)), with the

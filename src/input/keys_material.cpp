@@ -1,4 +1,6 @@
 // Keys of materials.
+#include <fmt/format.h>
+
 #include "keys_common.hpp"
 
 namespace voile::input {
@@ -126,6 +128,31 @@ std::vector<Key> hysteresis_keys(MaterialInput& s) {
                       "corners, with the same width and the same mean spread.",
            .range = {1, 8},
            .types = {"fabric", "orthotropic", "matrices", "laminate"}}};
+}
+
+/// Yarns that stiffen and rub in the plane; fabrics have them in their files.
+std::vector<Key> yarn_keys(MaterialInput& s) {
+  const std::vector<std::string> matrices{"matrices"};
+  const auto stiffening = [&](const char* name, std::vector<double>* slot, const char* of) {
+    return Key{
+        .name = name,
+        .slot = slot,
+        .meaning = fmt::format("Pairs of a strain and a change [N/m]: {} from that strain on, the tangent stiffness "
+                               "changes by so much per strain.",
+                               of),
+        .types = matrices,
+        .absent = "none"};
+  };
+  return {stiffening("stiffening_warp", &s.stiffening_warp, "of tension along the warp,"),
+          stiffening("stiffening_weft", &s.stiffening_weft, "of tension along the weft,"),
+          stiffening("stiffening_shear", &s.stiffening_shear, "of shear to either side,"),
+          {.name = "shear_hysteresis",
+           .slot = &s.shear_hysteresis,
+           .meaning = "Friction in shear: H0, its growth over 2 E12, stiffness of the spring before the slider.",
+           .unit = "N/m",
+           .range = not_negative,
+           .types = matrices,
+           .absent = "no friction"}};
 }
 
 /// The natural state.
@@ -256,9 +283,8 @@ std::vector<Key> axis_keys(MaterialInput& s) {
 }  // namespace
 
 std::vector<Key> keys_of(MaterialInput& s) {
-  return joined(
-      joined(joined(joined(joined(elastic_keys(s), sheet_keys(s)), strength_keys(s)), natural_keys(s)), axis_keys(s)),
-      hysteresis_keys(s));
+  const std::vector<Key> solid = joined(joined(elastic_keys(s), sheet_keys(s)), strength_keys(s));
+  return joined(joined(joined(joined(solid, natural_keys(s)), axis_keys(s)), hysteresis_keys(s)), yarn_keys(s));
 }
 
 }  // namespace voile::input

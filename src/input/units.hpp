@@ -15,6 +15,9 @@ enum class Dimension {
   bending_rigidity,    ///< N m: moment per width over curvature
   moment_per_width,    ///< N: moment over width
   curvature,           ///< 1/m
+  extension,           ///< a ratio
+  angle,               ///< rad
+  energy_per_area,     ///< J/m^2
   fast_bending_length  ///< m: FAST's measure of bending rigidity, see bending_rigidity()
 };
 

@@ -21,7 +21,7 @@ namespace {
 io::Checkpoint read_any(const input::Case& wanted, const record::RunOptions& options, const mesh::SurfaceMesh& mesh) {
   if (!io::is_results(options.restart)) return io::read_checkpoint(options.restart, mesh);
   if (std::any_of(wanted.materials.begin(), wanted.materials.end(),
-                  [](const energy::Material& m) { return !m.friction.sliders.empty(); }))
+                  [](const energy::Material& m) { return !m.friction.sliders.empty() || m.yarns.rubs(); }))
     throw UserError(
         fmt::format("--restart {}: results do not hold the slips of friction inside the fabric; restart from the "
                     "checkpoint.h5 beside them",

@@ -14,12 +14,26 @@ double farthest(const system::Model& model) {
   return distance;
 }
 
+/// What yarns add to the membrane stiffness at most, friction that sticks included [N/m].
+double added_stiffness(const energy::YarnLaw& law) {
+  double most = 0.0;
+  for (const auto& knots : law.knots) {
+    double tangent = 0.0, bend = 0.0, at = 0.0;
+    for (const energy::YarnLaw::Knot& k : knots) {
+      most = std::max(most, tangent += bend * (k.strain - at));
+      bend += k.bend;
+      at = k.strain;
+    }
+  }
+  return most + law.stiffness;
+}
+
 /// Of a cell against stretching, and against bending within it [N/m].
 double cell_stiffness(const system::Model& model) {
   const double cell = model.discretisation().mean_area();
   double stiffness = 0.0;
   for (const energy::Material& m : model.discretisation().materials())
-    stiffness = std::max(stiffness, m.membrane.norm() + m.bending.norm() / cell);
+    stiffness = std::max(stiffness, m.membrane.norm() + added_stiffness(m.yarns) + m.bending.norm() / cell);
   return stiffness;
 }
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
 #include <map>
 
 #include "base/mpi.hpp"
@@ -167,15 +168,49 @@ void Discretisation::find_rigid_slopes(energy::CurvatureBuilder& curvature, std:
     std::map<Index, std::vector<int>> sides;
     for (const mesh::TriangleSide& s : body.slopes) sides[s.triangle].push_back(s.side);
     for (const auto& [t, held] : sides) {
-      energy::JointElement element = energy::make_rigid_slopes(*sheet_, curvature, t, held, frame);
-      const std::vector<Index> vertices = unknowns_of(element.points);
-      if (!touches(vertices) && !owns(t)) continue;
-      for (const Index p : element.points) needed[p] = 1;
-      for (const Index v : vertices) needed[v] = 1;
-      joints_.elements.push_back(std::move(element));
-      joints_.owned.push_back(owns(t));
+      add_joint(energy::make_rigid_slopes(*sheet_, curvature, t, held, frame), owns(t), needed);
     }
   }
+}
+
+/// Springs between the slopes of edges on the boundary and the ground.
+void Discretisation::find_grounded_slopes(energy::CurvatureBuilder& curvature,
+                                          const std::map<Index, HingedEdge>& hinges, const std::vector<char>& candidate,
+                                          std::vector<char>& needed) {
+  std::map<Index, energy::GroundedSides> by_triangle;
+  for (const auto& [number, hinge] : hinges) {
+    const auto& [t, s] = hinge.at.side;
+    if (!on_boundary(*mesh_, number)) continue;
+    if (patches_->apex(t, s) != no_index) {
+      const Vec3 x = 0.5 * (mesh_->positions()[hinge.at.edge[0]] + mesh_->positions()[hinge.at.edge[1]]);
+      throw UserError(
+          fmt::format("[[hinge]]: a [[support]] holds the slope of the edge at ({:.4g}, {:.4g}, {:.4g}) m, so a "
+                      "hinge there does nothing; use type = \"hinged\", or take the edge out of the group",
+                      x[0], x[1], x[2]));
+    }
+    energy::GroundedSides& on = by_triangle[t];
+    on.sides.push_back(s);
+    on.stiffness.push_back(hinge.stiffness);
+    on.joints.push_back(number);
+  }
+  if (!by_triangle.empty() && sheet_->options().bending == energy::BendingOperator::six_node)
+    throw UserError(
+        fmt::format("[element] type = \"{}\" holds no slope, and a [[hinge]] lies on the boundary; use \"corrected\"",
+                    energy::element_types[energy::type_of(sheet_->options())].name));
+  for (const auto& [t, grounded] : by_triangle) {
+    if (!candidate[t] && !owns(t)) continue;
+    add_joint(energy::make_grounded_slopes(*sheet_, curvature, t, grounded), owns(t), needed);
+  }
+}
+
+/// Keeps it where this rank has rows of it, or counts it.
+void Discretisation::add_joint(energy::JointElement element, bool is_owned, std::vector<char>& needed) {
+  const std::vector<Index> vertices = unknowns_of(element.points);
+  if (!touches(vertices) && !is_owned) return;
+  for (const Index p : element.points) needed[p] = 1;
+  for (const Index v : vertices) needed[v] = 1;
+  joints_.elements.push_back(std::move(element));
+  joints_.owned.push_back(is_owned);
 }
 
 bool Discretisation::touches(const std::vector<Index>& vertices) const {
@@ -183,10 +218,12 @@ bool Discretisation::touches(const std::vector<Index>& vertices) const {
 }
 
 /// The joints of this rank, and the points that they use.
-void Discretisation::find_joints(energy::CurvatureBuilder& curvature, const std::vector<Hinge>& hinges,
+void Discretisation::find_joints(energy::CurvatureBuilder& curvature, const std::map<Index, HingedEdge>& hinges,
                                  const std::vector<char>& candidate, std::vector<char>& needed) {
   const std::vector<mesh::Joint>& joints = mesh_->joints();
-  const std::vector<double> stiffness = hinge_stiffness(*mesh_, hinges);
+  std::vector<double> stiffness(joints.size(), std::numeric_limits<double>::infinity());
+  for (const auto& [number, hinge] : hinges)
+    if (!on_boundary(*mesh_, number)) stiffness[static_cast<std::size_t>(number)] = hinge.stiffness;
   if (joints.empty()) return;
   if (sheet_->options().bending == energy::BendingOperator::six_node)
     throw UserError(fmt::format(
@@ -201,13 +238,7 @@ void Discretisation::find_joints(energy::CurvatureBuilder& curvature, const std:
     });
     const bool is_owned = owns(joints[static_cast<std::size_t>(cluster.front())].sides.front().triangle);
     if (!near && !is_owned) continue;
-    energy::JointElement element = energy::make_joint_element(*sheet_, curvature, cluster, stiffness);
-    const std::vector<Index> vertices = unknowns_of(element.points);
-    if (!touches(vertices) && !is_owned) continue;
-    for (Index p : element.points) needed[p] = 1;
-    for (Index v : vertices) needed[v] = 1;
-    joints_.elements.push_back(std::move(element));
-    joints_.owned.push_back(is_owned);
+    add_joint(energy::make_joint_element(*sheet_, curvature, cluster, stiffness), is_owned, needed);
   }
 }
 
@@ -236,7 +267,9 @@ std::vector<char> Discretisation::find_elements(const Couplings& couplings) {
     elements_.push_back({t, {}, owns(t)});
     curvatures_.push_back(std::move(op));
   }
-  find_joints(curvature, couplings.hinges, candidate, needed);
+  const std::map<Index, HingedEdge> hinges = hinged_edges(*mesh_, couplings.hinges);
+  find_joints(curvature, hinges, candidate, needed);
+  find_grounded_slopes(curvature, hinges, candidate, needed);
   find_rigid_slopes(curvature, needed);
   for (const Spring& spring : couplings.springs)
     for (const auto& [v, w] : pairs_of(*mesh_, spring))

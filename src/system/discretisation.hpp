@@ -26,6 +26,8 @@ class PatchMesh;
 
 namespace voile::system {
 
+struct HingedEdge;
+
 class Discretisation {
  public:
   /// What couples vertices, besides the sheet.
@@ -107,8 +109,11 @@ class Discretisation {
     return drawn_in_.patches ? *drawn_in_.patches : *patches_;
   }
   [[nodiscard]] std::vector<char> find_elements(const Couplings& couplings);
-  void find_joints(energy::CurvatureBuilder& curvature, const std::vector<Hinge>& hinges,
+  void find_joints(energy::CurvatureBuilder& curvature, const std::map<Index, HingedEdge>& hinges,
                    const std::vector<char>& candidate, std::vector<char>& needed);
+  void find_grounded_slopes(energy::CurvatureBuilder& curvature, const std::map<Index, HingedEdge>& hinges,
+                            const std::vector<char>& candidate, std::vector<char>& needed);
+  void add_joint(energy::JointElement element, bool is_owned, std::vector<char>& needed);
   void find_rigid_slopes(energy::CurvatureBuilder& curvature, std::vector<char>& needed);
   void prepare_bodies(const std::vector<RigidGroup>& rigid);
   [[nodiscard]] bool owns_vertex(Index v) const { return partition_.vertex_rank[v] == rank_; }

@@ -79,11 +79,10 @@ void NaturalStates::add_hinges() {
     const Hinge& hinge = input_.hinges[k];
     if (!hinge.angle.value) continue;
     changes_ = changes_ || hinge.angle.in_time || !hinge.constant;
-    for (const Index j : joints_of(mesh, hinge)) {
-      if (!kernels_.joints->has(j)) continue;
-      const mesh::Joint& joint = mesh.joints()[static_cast<std::size_t>(j)];
-      const Vec3 place = 0.5 * (mesh.positions()[joint.edge[0]] + mesh.positions()[joint.edge[1]]);
-      folds_.push_back({j, k, place, std::sqrt(mesh.area(joint.sides.front().triangle))});
+    for (const HingeEdge& e : edges_of(mesh, hinge)) {
+      if (!kernels_.joints->has(e.number)) continue;
+      const Vec3 place = 0.5 * (mesh.positions()[e.edge[0]] + mesh.positions()[e.edge[1]]);
+      folds_.push_back({e.number, k, place, std::sqrt(mesh.area(e.side.triangle))});
     }
   }
 }

@@ -77,6 +77,7 @@ Energies Potential::energies(const energy::Configuration& c, Vec a, bool viscous
   for (const Counted& t : terms_) e.*t.part += mpi::sum(on_->comm(), t.term->energy(c));
   if (!viscous) membrane_->kernel.set_viscosity(viscosity);
   if (!viscous && yarns_) e.bending -= mpi::sum(on_->comm(), yarns_->kernel.lost(c));
+  if (!viscous && membrane_->kernel.rubs()) e.membrane -= mpi::sum(on_->comm(), membrane_->kernel.lost(c));
   const double ground = bending_->ground_energy(a);
   e.bending += bending_->energy(a) - ground;
   e.springs += ground;
@@ -170,27 +171,43 @@ void Potential::write_tangent(const energy::Configuration& c, const BlockMatrix&
   for (const Counted& t : terms_) t.term->add_blocks(c, on_->dofs(), tangent, pattern, values);
 }
 
+bool Potential::has_yarn_friction() const {
+  return yarns_ != nullptr || membrane_->kernel.rubs();
+}
+
 double Potential::yarn_loss(Vec a) {
-  return yarns_ ? mpi::sum(on_->comm(), yarns_->kernel.lost(configuration(a))) : 0.0;
+  if (!has_yarn_friction()) return 0.0;
+  const energy::Configuration c = configuration(a);
+  return mpi::sum(on_->comm(), (yarns_ ? yarns_->kernel.lost(c) : 0.0) + membrane_->kernel.lost(c));
 }
 
 void Potential::end_step(Vec a) {
-  if (!yarns_) return;
+  if (!has_yarn_friction()) return;
+  yarn_losses_ += yarn_loss(a);
   const energy::Configuration c = configuration(a);
-  yarn_losses_ += mpi::sum(on_->comm(), yarns_->kernel.lost(c));
-  yarns_->kernel.end_step(c);
+  if (yarns_) yarns_->kernel.end_step(c);
+  membrane_->kernel.end_step(c);
+}
+
+/// Slips of a triangle: of all sliders in bending, then that in shear.
+std::size_t Potential::slips_per_triangle() const {
+  return static_cast<std::size_t>((yarns_ ? yarns_->kernel.numbers() : 0) + (membrane_->kernel.rubs() ? 1 : 0));
 }
 
 std::vector<double> Potential::slips() const {
-  if (!yarns_) return {};
-  const energy::YarnFrictionTerm& kernel = yarns_->kernel;
-  const auto each = static_cast<std::size_t>(kernel.numbers());
+  if (!has_yarn_friction()) return {};
+  const std::size_t each = slips_per_triangle();
   std::vector<double> all(each * static_cast<std::size_t>(on_->mesh().triangle_count()), 0.0);
-  for (Index e = 0; e < kernel.size(); ++e) {
-    if (!kernel.owned(e)) continue;
-    const std::vector<double> own = kernel.slips(e);
-    std::copy(own.begin(), own.end(), all.begin() + static_cast<std::ptrdiff_t>(each) * kernel.triangle(e));
+  const auto of = [&](Index triangle) { return all.begin() + static_cast<std::ptrdiff_t>(each) * triangle; };
+  for (Index e = 0; yarns_ && e < yarns_->kernel.size(); ++e) {
+    if (!yarns_->kernel.owned(e)) continue;
+    const std::vector<double> own = yarns_->kernel.slips(e);
+    std::copy(own.begin(), own.end(), of(yarns_->kernel.triangle(e)));
   }
+  if (membrane_->kernel.rubs())
+    for (Index e = 0; e < membrane_->kernel.size(); ++e)
+      if (membrane_->kernel.owned(e))
+        of(on_->elements()[e].triangle)[static_cast<std::ptrdiff_t>(each) - 1] = membrane_->kernel.slip(e);
   mpi::sum_to_root(on_->comm(), all);
   if (mpi::rank(on_->comm()) != 0) return {};
   all.insert(all.begin(), yarn_losses_);
@@ -199,16 +216,19 @@ std::vector<double> Potential::slips() const {
 
 void Potential::restore_slips(std::vector<double> slips) {
   mpi::broadcast(on_->comm(), slips);
-  if (slips.empty() || !yarns_) return;
-  energy::YarnFrictionTerm& kernel = yarns_->kernel;
-  const auto each = static_cast<std::size_t>(kernel.numbers());
+  if (slips.empty() || !has_yarn_friction()) return;
+  const std::size_t each = slips_per_triangle();
   if (slips.size() != 1 + each * static_cast<std::size_t>(on_->mesh().triangle_count()))
     throw UserError(
         "the state of the restart has another number of sliders of friction inside the fabric; give the same "
-        "[[material]] bending_sliders as the run that wrote it");
+        "[[material]] bending_sliders and the same friction in shear as the run that wrote it");
   yarn_losses_ = slips[0];
-  for (Index e = 0; e < kernel.size(); ++e)
-    kernel.set_slips(e, slips.data() + 1 + each * static_cast<std::size_t>(kernel.triangle(e)));
+  const auto of = [&](Index triangle) { return slips.data() + 1 + each * static_cast<std::size_t>(triangle); };
+  for (Index e = 0; yarns_ && e < yarns_->kernel.size(); ++e)
+    yarns_->kernel.set_slips(e, of(yarns_->kernel.triangle(e)));
+  if (membrane_->kernel.rubs())
+    for (Index e = 0; e < membrane_->kernel.size(); ++e)
+      membrane_->kernel.set_slip(e, of(on_->elements()[e].triangle)[each - 1]);
 }
 
 TriangleFields Potential::triangle_fields(Vec a) {

@@ -108,8 +108,8 @@ class Potential {
   /// From now on bending energies are found by the change since a: K_b a sums stiff forces that nearly cancel, and near
   /// a the differences of energies would be lost in its round-off. Collective.
   void count_from(Vec a);
-  /// Whether yarns rub inside the fabric (energy/yarn_friction.hpp).
-  [[nodiscard]] bool has_yarn_friction() const { return yarns_ != nullptr; }
+  /// Whether yarns rub inside the fabric, bent (energy/yarn_friction.hpp) or sheared (energy/yarn_law.hpp).
+  [[nodiscard]] bool has_yarn_friction() const;
   /// Energy that this friction takes in the step that leads to a. Collective. [J]
   [[nodiscard]] double yarn_loss(Vec a);
   /// The step is accepted at a: sliders stay where they have slipped to. Steppers call it once a step. Collective.
@@ -163,9 +163,10 @@ class Potential {
   /// Couples stretching and bending of triangle t, whose membrane element was added last.
   void add_coupling(Index t, const energy::BendingElement& el, bool owned);
   void update_coupling();
-  void build_joints();
+  void build_joints(bool hinges);
   void build_mirror_folds();
   void build_yarns(const Curvatures& curvatures);
+  [[nodiscard]] std::size_t slips_per_triangle() const;
   void tie(const Spring& spring, ElementTerm<energy::SpringTerm>& ties) const;
   template <class AnyTerm>
   AnyTerm& add_term(double Energies::*part);
@@ -185,7 +186,7 @@ class Potential {
   std::vector<Coupled> coupled_;
   energy::CouplingTerm* coupling_ = nullptr;              ///< kernel of one of terms_, or null
   long coupled_version_ = -1;                             ///< of the membrane whose natural states it has
-  BatchTerm<energy::YarnFrictionTerm>* yarns_ = nullptr;  ///< null: no friction inside the fabric
+  BatchTerm<energy::YarnFrictionTerm>* yarns_ = nullptr;  ///< null: no friction of bent yarns
   double yarn_losses_ = 0.0;
   energy::MirrorFoldTerm* folds_ = nullptr;  ///< kernel of one of them
   energy::JointTerm* joints_ = nullptr;      ///< kernel of one of them, or null: no sheets are joined

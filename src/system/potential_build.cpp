@@ -68,7 +68,7 @@ AnyTerm& Potential::add_term(double Energies::*part) {
 
 /// Here a new term joins the potential.
 void Potential::build_terms(const Curvatures& curvatures, const PotentialInput& input) {
-  build_joints();
+  build_joints(!input.natural.hinges.empty());
   build_sheet(curvatures, input.natural);
   build_mirror_folds();
   if (energy::YarnFrictionTerm::is_needed(on_->sheet())) build_yarns(curvatures);
@@ -168,11 +168,11 @@ void Potential::build_yarns(const Curvatures& curvatures) {
   }
 }
 
-void Potential::build_joints() {
+void Potential::build_joints(bool hinges) {
   Discretisation::Joints joints = on_->take_joints();
   const bool none = std::all_of(on_->constraints().bodies.begin(), on_->constraints().bodies.end(),
                                 [](const RigidBody& b) { return b.slopes.empty(); });
-  if (on_->mesh().joints().empty() && none) return;
+  if (on_->mesh().joints().empty() && none && !hinges) return;
   joints_ = &add_term<ElementTerm<energy::JointTerm>>(&Energies::bending).kernel;
   for (std::size_t k = 0; k < joints.elements.size(); ++k) {
     std::vector<Index> local;

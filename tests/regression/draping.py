@@ -146,6 +146,84 @@ def yarn_friction(report):
     report.percent(finer.history["fabric_loss"][-1] / h["fabric_loss"][-1], 0.02, "loss with remeshing over that without")
 
 
+KES = """name = "KES"
+description = "Round figures of a worsted."
+areal_density = "200 g/m^2"
+tension_warp = { EMT = "4 %", WT = "6 gf.cm/cm^2" }
+tension_weft = { units = ["%", "gf/cm"], points = [[1, 10], [2, 35], [4, 140], [7, 500]] }
+shear_curve = { units = ["deg", "gf/cm"], points = [[2, 1.2], [5, 3], [8, 6]] }
+shear_hysteresis = "0.8 gf/cm"
+shear_hysteresis_5 = "1.7 gf/cm"
+bending_warp = "0.1 gf.cm^2/cm"
+bending_weft = "0.1 gf.cm^2/cm"
+[sources]
+areal_density = "x"
+tension_warp = "x"
+tension_weft = "x"
+shear_curve = "x"
+shear_hysteresis = "x"
+shear_hysteresis_5 = "x"
+bending_warp = "x"
+bending_weft = "x"
+"""
+
+
+def frame(angle, **changes):
+    """A square cell of 50 mm in a picture frame, which turns to this angle in degrees over the load factor t."""
+    turned = {"type": "displacement", "components": ["x", "y", "z"], "rotation_axis": [0, 0, -1], "rotation_angle": angle}
+    case = {
+        "analysis": "static", "mesh": {"file": str(ROOT / "meshes" / "plate.geo"), "parameters": {"side": 0.05, "n": 1}},
+        "material": [{"type": "fabric", "fabric": str(OUT / "kes.toml"), "direction": [1, 0, 0], "hysteresis": "friction"}],
+        "support": [turned | {"group": "left", "rotation_centre": [0, 0, 0]}, turned | {"group": "right", "rotation_centre": [0.05, 0, 0]}],
+        "steps": {"initial_step": 0.0125, "max_step": 0.0125}, "output": {"every": 1000},
+        "probe": [{"name": "top", "type": "reaction", "group": "top", "components": ["x"]}]}
+    return variant(case, {k.replace("__", "."): v for k, v in changes.items()})
+
+
+@test
+def kes(report):
+    """Virtual instruments of KES: the tensile curves and the loop of shear that a fabric file gives come out; a restart keeps the loop."""
+    (OUT / "kes.toml").write_text(KES)
+    gf = 0.980665  # N/m
+    points = {0: [(0, 0), (4, 500)], 90: [(0, 0), (1, 10), (2, 35), (4, 140), (7, 500)]}
+    for warp, curve in points.items():
+        most = curve[-1][0]
+        pulled = frame("0", material__0__warp_angle=warp, steps__initial_step=1 / most / 8, steps__max_step=1 / most / 8)
+        pulled["support"] = [{"type": "displacement", "components": ["x", "z"], "group": "left"}, {"type": "displacement", "components": ["x", "z"], "group": "right", "value": [most * 5e-4, 0, 0]},
+                             {"type": "displacement", "components": ["y"], "group": "bottom"}]
+        pulled["probe"] = [{"name": "pull", "type": "reaction", "group": "right", "components": ["x"]}]
+        h = solve(f"kes_tension_{warp}", pulled).history
+        x, force = most * np.asarray(h["load_factor"]), np.abs(h["pull_x"]) / 0.05 / gf
+        off = max(abs(np.interp(at, x, force) - value) for at, value in curve) / 500
+        report.below(off, 5e-3, f"tension of yarns at {warp} degrees: largest difference over 500 gf/cm")
+        if warp == 0:
+            report.near(np.trapezoid(force, x / 100) if hasattr(np, "trapezoid") else np.trapz(force, x / 100), 6, 0.03, "WT [gf cm/cm^2]")
+
+    way = "table(t, 0, 0, 0.2, 8, 0.6, -8, 1, 8)"
+    whole = solve("kes_shear", frame(way))
+    t, force = np.asarray(whole.history["load_factor"]), np.asarray(whole.history["top_x"]) / 0.05 / gf
+    force *= np.sign(force[np.argmin(np.abs(t - 0.2))])
+    at = lambda branch, angle: np.interp(0.4 - angle / 40 if branch < 0 else 0.8 + angle / 40, t, force) * np.cos(np.radians(angle))
+    for angle, width, mean in ((0.5, 0.8, None), (5, 1.7, 3), (-0.5, 0.8, None), (-5, 1.7, -3), (2, None, 1.2)):
+        up, down = at(1, angle), at(-1, angle)
+        if width:
+            report.percent((up - down) / width, 0.005, f"width of the loop at {angle:g} degrees")
+        if mean:
+            report.percent(0.5 * (up + down) / mean, 0.005, f"its middle at {angle:g} degrees")
+    report.check(whole.history["fabric_loss"][-1] > 0, f"lost: {whole.history['fabric_loss'][-1]:.3g} J")
+    solve("kes_half", frame(way, steps__final_load_factor=0.45))
+    again = solve("kes_again", frame(way), 2, ["--restart", OUT / "kes_half" / "checkpoint.h5"])
+    report.below(abs(again.history["top_x"][-1] / whole.history["top_x"][-1] - 1), 1e-9, "restart on 2 ranks: force")
+    report.below(abs(again.history["fabric_loss"][-1] / whole.history["fabric_loss"][-1] - 1), 1e-9, "and what is lost")
+    three = solve("kes_ranks", frame(way), 3)
+    report.below(abs(np.asarray(three.history["top_x"]) - whole.history["top_x"]).max() / (500 * gf * 0.05), 1e-9, "3 ranks: force")
+
+    motion = flap(analysis="dynamic", material__0__fabric=str(OUT / "kes.toml"), material__0__warp_angle=45, time={"end": 0.06, "step": 1e-3, "velocity_tolerance": 1e-4})
+    h = solve("kes_motion", variant(motion, {"load.0.vector": [40, -100, -100]})).history
+    report.check(h["fabric_loss"][-1] > 0.03 * h["work_of_loads"][-1], f"a motion loses {h['fabric_loss'][-1]:.3g} J of {h['work_of_loads'][-1]:.3g} in shear")
+    report.below(h["energy_unaccounted"][-1] / h["work_of_loads"][-1], 1e-3, "not accounted for")
+
+
 @test
 def drape_test(report):
     """`voile drape-test`: coefficient, folds and files of two repeats each way; mistakes."""

@@ -145,7 +145,7 @@ def hinge_mistakes(report):
     wrong = lambda **change: good | {"hinge": [good["hinge"][0] | change]}
     for name, case, expected in (
             ("group", wrong(group="fold"), ("[[hinge]]", "fold", "free start")),
-            ("rim", wrong(group="free end"), ("[[hinge]]", "free end", "boundary")),
+            ("clamp", wrong(group="held start"), ("[[hinge]]", "holds the slope", "hinged")),
             ("surface", wrong(group="free"), ("[[hinge]]", "free")),
             ("stiffness", wrong(stiffness=0), ("hinge", "stiffness")),
             ("unit", wrong(stiffness="3 m"), ("stiffness", "N")),

@@ -86,6 +86,9 @@ TEST_CASE("fabric: every unit against a figure worked out by hand") {
       {"0.077 gf.cm^2/cm", 7.5511205e-6, Dimension::bending_rigidity},  // 0.077 x 98.0665e-6
       {"0.124 gf.cm/cm", 1.2160246e-3, Dimension::moment_per_width},
       {"0.05 1/cm", 5.0, Dimension::curvature},
+      {"4.2 %", 0.042, Dimension::extension},
+      {"8 deg", 0.13962634, Dimension::angle},
+      {"9.5 gf.cm/cm^2", 9.3163175, Dimension::energy_per_area},  // 9.5 x 0.980665
       {"18.5 mm FAST", 0.0185, Dimension::fast_bending_length},
   };
   for (const Example& e : examples) {
@@ -217,7 +220,7 @@ TEST_CASE("fabric: mistakes of friction") {
   const FabricCase plain(fabric_text);
   const std::string keys = "fabric = \"F\"\ndirection = [1, 0, 0]\n";
   CHECK(has(error_of([&] { (void)plain.parse(keys + "hysteresis = \"friction\"\n"); }),
-            plain.name() + ": the file has no bending_hysteresis (2HB of KES)"));
+            plain.name() + ": the file has neither bending_hysteresis nor shear_hysteresis"));
   CHECK(has(fabric_error("500", "500\nbending_hysteresis = \"0.124\""),
             "f.toml:6: bending_hysteresis: '0.124': the unit is missing"));
   CHECK(
