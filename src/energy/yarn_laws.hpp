@@ -33,7 +33,7 @@ class YarnLaws {
 
  private:
   [[nodiscard]] std::size_t lines_per_batch() const {
-    return static_cast<std::size_t>(yarn_law_fields::knots + 6 * knots_);
+    return static_cast<std::size_t>(yarn_law_fields::knots) + 6 * static_cast<std::size_t>(knots_);
   }
   [[nodiscard]] double number(const Batches::Place& p, int field) const {
     return lines_[p.batch * lines_per_batch() + static_cast<std::size_t>(field)].of[static_cast<std::size_t>(p.lane)];

@@ -77,10 +77,10 @@ void fill_fabric(const SectionPlace& place, const MaterialInput& in, const UnitS
   m.bending =
       units.from_si(1.0, moment_per_width) * energy::rotated_stiffness(bending_stiffness(fabric), in.warp_angle);
   m.areal_density = units.from_si(fabric.areal_density, per_area);
-  if (!friction) {
-    if (!place.has("bending_damping")) m.bending_damping = units.from_si(bending_damping(fabric), duration);
-    return;
-  }
+  // Friction takes the place of damping only where the loop of bending is known.
+  if ((!friction || !fabric.bending_hysteresis) && !place.has("bending_damping"))
+    m.bending_damping = units.from_si(bending_damping(fabric), duration);
+  if (!friction) return;
   constexpr Powers force{1, 1, -2}, per_length{-1, 0, 0};
   m.friction.warp_angle = in.warp_angle;
   try {
@@ -127,6 +127,9 @@ void fill_yarns(const SectionPlace& place, const MaterialInput& in, energy::Mate
     m.yarns.limit = in.shear_hysteresis[0];
     m.yarns.rise = in.shear_hysteresis[1];
     m.yarns.stiffness = in.shear_hysteresis[2];
+    if (!(m.yarns.stiffness > 0.0))
+      place.fail("shear_hysteresis",
+                 "the third number, the stiffness of the spring before the slider, has to be positive");
   }
   if (m.yarns.any() && !m.prestress.isZero(0.0))
     place.fail("prestress",

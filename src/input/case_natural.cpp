@@ -53,6 +53,7 @@ void check_form(const SectionPlace& place, Case& c) {
   const auto refuse = [&](const std::string& what) {
     throw UserError(fmt::format("{}: [form]: {}", c.file.string(), what));
   };
+  if (c.remesh.active) refuse("a new mesh would not carry its prestress; remove [remesh] or [form]");
   if (!c.rigids.empty()) refuse("it has no [[rigid]] groups; hold the group by a [[support]], or remove [form]");
   if (!c.panels.empty() || !c.mesh.start.empty() || c.mesh.options.rest == io::RestShape::texture)
     refuse("the rest shape is found, so none can be given; remove [[panel]], mesh.start, mesh.rest, or [form]");

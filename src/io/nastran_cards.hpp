@@ -6,6 +6,7 @@
 #include <array>
 #include <cstddef>
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -27,6 +28,8 @@ struct NastranCard {
   /// The same, `otherwise` where the field is blank.
   [[nodiscard]] double real(std::size_t k, double otherwise) const;
   [[nodiscard]] long whole(std::size_t k, long otherwise) const;
+  /// The same, of ranges only what is among `known`.
+  [[nodiscard]] std::vector<long> list_of(const std::set<long>& known, std::size_t first) const;
   /// Numbers from field `first` to `last`, with ranges "A THRU B BY C". Throws UserError for what is neither.
   [[nodiscard]] std::vector<long> list(std::size_t first, std::size_t last = static_cast<std::size_t>(-1)) const;
   /// Throws UserError "file:line: NAME: what".

@@ -35,6 +35,7 @@ class NastranDeckReader {
     for (const NastranCard& card : read_.cards) {
       if (card.name.starts_with("CTRIA") || card.name.starts_with("CQUAD")) take_element(card);
       if (card.name == "GRID") points_[card.whole(1)] = &card;
+      if (card.name == "GRID") grids_.insert(card.whole(1));
       if (card.name == "GRDSET") defaults_ = &card;
       if (card.name == "PARAM" && card.field(1) == "WTMASS") mass_ = card.real(2);
       if (!is_passed_over(card.name) && card.name != "PARAM" && seen_.insert(card.name).second) leave(card, card.name);
@@ -64,7 +65,8 @@ class NastranDeckReader {
     value.erase(0, value.find_first_not_of(' '));
     if (key == "TITLE") deck_.title = value;
     for (const auto& [name, slot] : {std::pair{"SPC", &spc_}, {"LOAD", &load_}, {"METHOD", &method_}})
-      if (key == name && !*slot) *slot = NastranCard{key, {value}, line.file, line.line}.whole(1);
+      // Those of a subcase win over those above it.
+      if (key == name && subcases_ < 2) *slot = NastranCard{key, {value}, line.file, line.line}.whole(1);
   }
 
   void take_solution(const NastranCard& line, std::string name) {
@@ -82,6 +84,7 @@ class NastranDeckReader {
 
   void take_element(const NastranCard& card) {
     used_.insert(card.whole(2, card.whole(1)));
+    shells_.insert(card.whole(1));
     const bool three = card.name == "CTRIA3" || card.name == "CTRIAR",
                four = card.name == "CQUAD4" || card.name == "CQUADR";
     if (!three && !four) return;
@@ -166,7 +169,7 @@ class NastranDeckReader {
       if (card.name != "SPC" && card.name != "SPC1") continue;
       if (!read_.control.empty() && !sets.contains(card.whole(1))) continue;
       if (card.name == "SPC1")
-        for (const long id : card.list(3)) hold(card, id, card.field(2), 0.0);
+        for (const long id : card.list_of(grids_, 3)) hold(card, id, card.field(2), 0.0);
       else
         for (const std::size_t k : {2, 5})
           if (!card.field(k).empty()) hold(card, card.whole(k), card.field(k + 1), card.real(k + 2, 0.0));
@@ -191,7 +194,7 @@ class NastranDeckReader {
   }
 
   void take_load(const NastranCard& card, double factor) {
-    if (card.name == "PLOAD2") return press(card, card.list(3), factor * card.real(2));
+    if (card.name == "PLOAD2") return press(card, card.list_of(shells_, 3), factor * card.real(2));
     if (card.name == "PLOAD4") return take_faces(card, factor);
     const bool gravity = card.name == "GRAV";
     const std::size_t k = gravity ? 2 : 3;  // coordinate system, size, direction
@@ -212,7 +215,9 @@ class NastranDeckReader {
     const bool range = card.field(7) == "THRU";
     if (!range && !card.field(7).empty()) return leave(card, "PLOAD4: a face of a solid");
     std::vector<long> elements{card.whole(2)};
-    for (long e = elements[0] + 1; range && e <= card.whole(8); ++e) elements.push_back(e);
+    if (range)
+      for (auto e = shells_.upper_bound(elements[0]); e != shells_.end() && *e <= card.whole(8); ++e)
+        elements.push_back(*e);
     press(card, elements, factor * p);
   }
 
@@ -225,8 +230,8 @@ class NastranDeckReader {
   Deck deck_;
   int subcases_ = 0;
   std::optional<long> spc_, load_, method_;
-  double mass_ = 1.0;  ///< PARAM, WTMASS
-  std::set<long> used_;
+  double mass_ = 1.0;                     ///< PARAM, WTMASS
+  std::set<long> used_, grids_, shells_;  ///< properties in use; grid points; elements
   std::set<std::string> seen_;
   std::map<long, const NastranCard*> points_;
   const NastranCard* defaults_ = nullptr;

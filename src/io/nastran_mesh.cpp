@@ -3,6 +3,7 @@
 
 #include <array>
 #include <map>
+#include <set>
 #include <utility>
 
 #include "mesh_file.hpp"
@@ -59,6 +60,8 @@ std::string nastran_as_abaqus(const std::string& file) {
   const std::map<long, Vec3> points = NastranSystems(deck.cards).points();
   std::map<std::pair<std::string, long>, std::string> elements;  // by type and property
   std::map<long, std::string> held;
+  std::set<long> grids;
+  for (const auto& entry : points) grids.insert(entry.first);
   std::map<long, const NastranCard*> seen;
   std::string nodes = "*NODE\n", other;
   for (const auto& [id, x] : points) nodes += fmt::format("{}, {:.17g}, {:.17g}, {:.17g}\n", id, x[0], x[1], x[2]);
@@ -72,7 +75,7 @@ std::string nastran_as_abaqus(const std::string& file) {
         if (!points.count(n)) card.fail(fmt::format("there is no grid point {}", n));
       elements[{shape.type, card.whole(2, id)}] += fmt::format("{}, {}\n", id, fmt::join(of, ", "));
     } else if (card.name == "SPC1") {
-      add_nodes(held[card.whole(1)], card.list(3));
+      add_nodes(held[card.whole(1)], card.list_of(grids, 3));
     } else if (card.name == "SPC") {
       for (const std::size_t k : {2, 5})
         if (!card.field(k).empty()) add_nodes(held[card.whole(1)], {card.whole(k)});

@@ -105,7 +105,7 @@ FormResult found(const input::Case& c, const mesh::SurfaceMesh& mesh) {
                     x[0]);
   };
   p.pressure = c.form.pressure;
-  const FormResult r = find_form(p);
+  FormResult r = find_form(p);
   if (r.converged) return r;
   std::string where;
   if (r.collapsed != no_index) {

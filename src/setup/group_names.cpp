@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iterator>
 
 #include "base/text.hpp"
 #include "system/gas_surface.hpp"
@@ -48,6 +49,22 @@ class Checker {
       take(fmt::format("{}: {}", c_.file.string(), e.what()));
     }
   }
+  /// The ground of an elastic edge does not turn with a support.
+  void check_ground(const system::Hinge& hinge) {
+    if (!mesh_.has_group(hinge.group)) return;
+    const std::vector<Index>& line = mesh_.group(hinge.group).vertices;
+    for (std::size_t i = 0; i < c_.supports.size(); ++i) {
+      if (!c_.motions[i].axis || !mesh_.has_group(c_.supports[i].group)) continue;
+      const std::vector<Index>& held = mesh_.group(c_.supports[i].group).vertices;
+      std::vector<Index> both;
+      std::set_intersection(line.begin(), line.end(), held.begin(), held.end(), std::back_inserter(both));
+      if (both.size() < 2) continue;
+      take(fmt::format(
+          "{}: [[hinge]] group = \"{}\": the [[support]] of '{}' turns, and the ground of an elastic edge does "
+          "not; turn a `clamped` edge, or remove the hinge",
+          c_.file.string(), hinge.group, c_.supports[i].group));
+    }
+  }
   template <class Items>
   void check_all(const char* section, const Items& items, int dimension = -1) {
     for (const auto& item : items) check(section, "group", item.group, dimension);
@@ -78,6 +95,7 @@ void check_group_names(const input::Case& c, const mesh::SurfaceMesh& mesh) {
     if (l.kind == system::Load::Kind::gas) checker.check_gas(l);
   checker.check_all("temperature", c.temperatures, 2);
   checker.check_all("hinge", c.hinges, 1);
+  for (const system::Hinge& hinge : c.hinges) checker.check_ground(hinge);
   checker.check_all("mass", c.masses);
   checker.check_all("spring", c.springs);
   for (const system::Spring& s : c.springs) checker.check("spring", "to", s.to);

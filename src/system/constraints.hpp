@@ -28,6 +28,7 @@ struct Constraints {
   std::vector<mesh::MirrorSide> mirrors;
   std::vector<int> turned_by;  ///< per mirror: number of the support that turns it in time, or -1
   std::vector<RigidBody> bodies;
+  std::vector<mesh::TriangleSide> elastic{};  ///< sides that hinges hold against the ground
 };
 
 /// Throws UserError for unknown groups, clamped or symmetric curves that are not boundary edges, a symmetry plane that

@@ -173,6 +173,18 @@ void Discretisation::find_rigid_slopes(energy::CurvatureBuilder& curvature, std:
   }
 }
 
+/// A hinge turns an edge whose slope nothing holds, on a ground that stays.
+void Discretisation::require_free(const mesh::Segment& edge, const mesh::TriangleSide& side) const {
+  const bool held = patches_->apex(side.triangle, side.side) != no_index;
+  if (!held && !(is_on_body({edge[0]}) && is_on_body({edge[1]}))) return;
+  const Vec3 x = 0.5 * (mesh_->positions()[edge[0]] + mesh_->positions()[edge[1]]);
+  throw UserError(
+      fmt::format("[[hinge]]: a {} the edge at ({:.4g}, {:.4g}, {:.4g}) m, {}",
+                  held ? "[[support]] holds the slope of" : "[[rigid]] group has", x[0], x[1], x[2],
+                  held ? "so a hinge there does nothing; use type = \"hinged\", or take the edge out of the group"
+                       : "and a hinge knows no ground that moves; take the edge out of one of the groups"));
+}
+
 /// Springs between the slopes of edges on the boundary and the ground.
 void Discretisation::find_grounded_slopes(energy::CurvatureBuilder& curvature,
                                           const std::map<Index, HingedEdge>& hinges, const std::vector<char>& candidate,
@@ -181,13 +193,8 @@ void Discretisation::find_grounded_slopes(energy::CurvatureBuilder& curvature,
   for (const auto& [number, hinge] : hinges) {
     const auto& [t, s] = hinge.at.side;
     if (!on_boundary(*mesh_, number)) continue;
-    if (patches_->apex(t, s) != no_index) {
-      const Vec3 x = 0.5 * (mesh_->positions()[hinge.at.edge[0]] + mesh_->positions()[hinge.at.edge[1]]);
-      throw UserError(
-          fmt::format("[[hinge]]: a [[support]] holds the slope of the edge at ({:.4g}, {:.4g}, {:.4g}) m, so a "
-                      "hinge there does nothing; use type = \"hinged\", or take the edge out of the group",
-                      x[0], x[1], x[2]));
-    }
+    require_free(hinge.at.edge, hinge.at.side);
+    constraints_.elastic.push_back(hinge.at.side);
     energy::GroundedSides& on = by_triangle[t];
     on.sides.push_back(s);
     on.stiffness.push_back(hinge.stiffness);
@@ -223,7 +230,11 @@ void Discretisation::find_joints(energy::CurvatureBuilder& curvature, const std:
   const std::vector<mesh::Joint>& joints = mesh_->joints();
   std::vector<double> stiffness(joints.size(), std::numeric_limits<double>::infinity());
   for (const auto& [number, hinge] : hinges)
-    if (!on_boundary(*mesh_, number)) stiffness[static_cast<std::size_t>(number)] = hinge.stiffness;
+    if (!on_boundary(*mesh_, number)) {
+      stiffness[static_cast<std::size_t>(number)] = hinge.stiffness;
+      for (const mesh::TriangleSide& side : joints[static_cast<std::size_t>(number)].sides)
+        require_free(hinge.at.edge, side);
+    }
   if (joints.empty()) return;
   if (sheet_->options().bending == energy::BendingOperator::six_node)
     throw UserError(fmt::format(

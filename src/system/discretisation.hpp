@@ -113,6 +113,7 @@ class Discretisation {
                    const std::vector<char>& candidate, std::vector<char>& needed);
   void find_grounded_slopes(energy::CurvatureBuilder& curvature, const std::map<Index, HingedEdge>& hinges,
                             const std::vector<char>& candidate, std::vector<char>& needed);
+  void require_free(const mesh::Segment& edge, const mesh::TriangleSide& side) const;
   void add_joint(energy::JointElement element, bool is_owned, std::vector<char>& needed);
   void find_rigid_slopes(energy::CurvatureBuilder& curvature, std::vector<char>& needed);
   void prepare_bodies(const std::vector<RigidGroup>& rigid);

@@ -224,15 +224,15 @@ class Counter {
       add_held(row, body, v, d);
       finish();
     });
-    for (const mesh::MirrorSide& m : constraints_.mirrors) {
-      if (!inside(triangle_body_[m.triangle])) continue;
+    const auto hold_slope = [&](Index t, int s) {
+      if (!inside(triangle_body_[t])) return;
       row.setZero();
-      row.block<1, 3>(0, bodies_[triangle_body_[m.triangle]].column + 3) =
-          (mesh_.start_corner(m.triangle, (m.side + 2) % 3) - mesh_.start_corner(m.triangle, (m.side + 1) % 3))
-              .normalized()
-              .transpose();
+      row.block<1, 3>(0, bodies_[triangle_body_[t]].column + 3) =
+          (mesh_.start_corner(t, (s + 2) % 3) - mesh_.start_corner(t, (s + 1) % 3)).normalized().transpose();
       finish();
-    }
+    };
+    for (const mesh::MirrorSide& m : constraints_.mirrors) hold_slope(m.triangle, m.side);
+    for (const mesh::TriangleSide& side : constraints_.elastic) hold_slope(side.triangle, side.side);
     for (const Joint& joint : joints_) {
       if (!inside(joint.first)) continue;
       for (int k = 0; k < 3; ++k) {

@@ -165,6 +165,13 @@ void add_allowances(const mesh::SurfaceMesh& mesh, const std::vector<SeamRule>& 
     m.membrane *= layers;
     m.bending *= layers;
     m.areal_density *= layers;
+    for (energy::YarnFriction::Slider& slider : m.friction.sliders) {
+      slider.stiffness *= layers;
+      slider.limit *= layers;
+    }
+    for (auto& knots : m.yarns.knots)
+      for (energy::YarnLaw::Knot& knot : knots) knot.bend *= layers;
+    for (double* figure : {&m.yarns.stiffness, &m.yarns.limit, &m.yarns.rise}) *figure *= layers;
     material_of[t] = static_cast<int>(materials.size());
     materials.push_back(std::move(m));
   }

@@ -151,10 +151,21 @@ def hinge_mistakes(report):
             ("unit", wrong(stiffness="3 m"), ("stiffness", "N")),
             ("angle", wrong(angle="10 m"), ("angle",)),
             ("constant", wrong(angle="10*t", constant=True), ("constant", "remove")),
+            ("inner clamp", good | {"support": [{"type": "clamped", "group": g} for g in ("held start", "free start")]}, ("[[hinge]]", "holds the slope")),
+            ("turning", good | {"support": [{"type": "hinged", "group": "held start", "rotation_axis": [0, 1, 0], "rotation_angle": "-40*t"}],
+                                "hinge": [{"group": "held start", "stiffness": 1e6}]}, ("[[hinge]]", "turns", "clamped")),
+            ("rigid", good | {"rigid": [{"name": "grip", "group": "free end"}], "hinge": [{"group": "free end", "stiffness": 1.0}]},
+             ("[[hinge]]", "[[rigid]]")),
             ("twice", good | {"hinge": good["hinge"] * 2}, ("another hinge",)),
             ("element", good | {"element": {"type": "sze_zhou_2016"}}, ("[element] type", "corrected")),
             ("remesh", good | {"remesh": {"smallest": 0.1, "largest": 0.5}}, ("[remesh]", "remove the section"))):
         result = run(write_case(case, OUT / f"hinge_{name}.toml"), fresh(f"hinge_{name}"))
         report.check(result.code == 2 and all(e in result.text for e in expected), f"{name}: code {result.code}: {result.text.strip()[-200:]}")
+    elastic = strip_case(mesh, "linear") | {"support": [{"type": "hinged", "group": "held start"}],
+                                            "hinge": [{"group": "held start", "stiffness": 0.05}],
+                                            "load": [{"type": "line", "group": "free end", "vector": [0, 0, 1e-5]}]}
+    h = solve("hinge_elastic", elastic).history
+    rigid = 1e-5 * 2 * 2 / 0.05  # and the sheet bends by 1e-5 * 8 / 3 / 4.9
+    report.percent(h["corner_z"][-1] / rigid, 0.01, "an elastic edge is hold enough for one linear solution")
     code, text = invoke(["check", write_case(good, OUT / "hinge_good.toml")])
     report.check(code == 0 and "hinges" in text, "check counts hinges")
