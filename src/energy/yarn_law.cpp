@@ -102,4 +102,14 @@ Vec3 added_force(const YarnLaw& law, const Vec3& strain) {
   return turn.transpose() * force;
 }
 
+Mat3 added_tangent(const YarnLaw& law, const Vec3& strain) {
+  const Mat3 turn = turned_strain(law.warp_angle);
+  const Vec3 e = turn * strain;
+  Vec3 tangent = Vec3::Zero();
+  for (int r = 0; r < 3; ++r)
+    for (const YarnLaw::Knot& k : law.knots[static_cast<std::size_t>(r)])
+      tangent[r] += k.bend * std::max(0.0, (r < 2 ? e[r] : std::abs(e[r])) - k.strain);
+  return turn.transpose() * tangent.asDiagonal() * turn;
+}
+
 }  // namespace voile::energy

@@ -63,5 +63,7 @@ struct Interval {
 
 /// What the knots add to A E, in material axes [N/m]; friction is left out.
 [[nodiscard]] Vec3 added_force(const YarnLaw& law, const Vec3& strain);
+/// What they add to A, likewise.
+[[nodiscard]] Mat3 added_tangent(const YarnLaw& law, const Vec3& strain);
 
 }  // namespace voile::energy

@@ -30,17 +30,16 @@ double finer(double error) {
   return std::min(0.9, std::sqrt(error_limit / error));
 }
 
-/// The estimate takes the stiffness without strain. Yarns that stiffen store less energy in the same forces: by the ratio of
-/// E.N to N.C^-1 N.
+/// The estimate takes the stiffness A without strain. Where yarns stiffen to A', differences of forces store less energy:
+/// about by the ratio of N.A'^-1 N to N.A^-1 N.
 void stiffen(const energy::Sheet& sheet, const system::TriangleFields& fields, std::vector<double>& density) {
-  std::vector<Mat3> compliance;
-  for (const energy::Material& m : sheet.materials()) compliance.push_back(m.membrane.inverse());
   for (std::size_t t = 0; t < density.size(); ++t) {
-    const auto kind = static_cast<std::size_t>(sheet.material_index(static_cast<Index>(t)));
-    if (!sheet.materials()[kind].yarns.any()) continue;
-    const Vec3 force = of_triangle(fields.membrane_force, t), strain = of_triangle(fields.membrane_strain, t);
-    const double soft = force.dot(compliance[kind] * force), stored = strain.dot(force);
-    if (soft > 0.0 && stored > 0.0) density[t] *= std::min(1.0, stored / soft);
+    const energy::Material& m = sheet.material(static_cast<Index>(t));
+    if (!m.yarns.any()) continue;
+    const Vec3 force = of_triangle(fields.membrane_force, t);
+    const Mat3 tangent = m.membrane + energy::added_tangent(m.yarns, of_triangle(fields.membrane_strain, t));
+    const double soft = force.dot(m.membrane.inverse() * force), stiff = force.dot(tangent.inverse() * force);
+    if (soft > 0.0) density[t] *= std::min(1.0, stiff / soft);
   }
 }
 
