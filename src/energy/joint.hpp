@@ -67,17 +67,18 @@ struct RigidFrame {
 };
 /// Springs between the slopes of free sides of one triangle and a rigid body that holds the sides: psi_s is the turn of g_s
 /// against the body, and theta = 0. For small rotations that is a clamped edge. Throws as make_joint_element().
-/// Springs between the slopes of free sides of one triangle and the ground, with k of each side [N]; `joints`: their numbers for
-/// JointTerm::set_fold(). Throws as make_joint_element().
-struct GroundedSides {
-  std::vector<int> sides;
-  std::vector<double> stiffness;
-  std::vector<Index> joints;
-};
-[[nodiscard]] JointElement make_grounded_slopes(const Sheet& sheet, CurvatureBuilder& curvatures, Index triangle,
-                                                const GroundedSides& grounded);
 [[nodiscard]] JointElement make_rigid_slopes(const Sheet& sheet, CurvatureBuilder& curvatures, Index triangle,
                                              const std::vector<int>& sides, const RigidFrame& frame);
+
+/// Free sides of a triangle that hinges hold against the ground.
+struct GroundedSides {
+  std::vector<int> sides;
+  std::vector<double> stiffness;  ///< k [N]
+  std::vector<Index> joints;      ///< their numbers for JointTerm::set_fold()
+};
+/// The same with the ground, which stays, and springs k l. Throws as make_joint_element().
+[[nodiscard]] JointElement make_grounded_slopes(const Sheet& sheet, CurvatureBuilder& curvatures, Index triangle,
+                                                const GroundedSides& grounded);
 
 class JointTerm {
  public:

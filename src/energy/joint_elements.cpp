@@ -3,8 +3,8 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <map>
-#include <numeric>
 
+#include "base/unions.hpp"
 #include "free_slopes.hpp"
 #include "joint.hpp"
 #include "voile/errors.hpp"
@@ -184,22 +184,17 @@ class Builder {
 }  // namespace
 
 std::vector<std::vector<Index>> joint_clusters(const Sheet& sheet) {
-  std::vector<Index> parent(sheet.mesh().joints().size());
-  std::vector<char> acts(parent.size(), 0);
-  std::iota(parent.begin(), parent.end(), Index{0});
-  const auto root = [&](Index j) {
-    while (parent[j] != j) j = parent[j] = parent[parent[j]];
-    return j;
-  };
+  const std::size_t count = sheet.mesh().joints().size();
+  Unions together(count);
+  std::vector<char> acts(count, 0);
   for (const auto& entry : joints_by_triangle(sheet))
     for (const Index j : entry.second) {
       acts[j] = 1;
-      const Index a = root(j), b = root(entry.second.front());
-      parent[std::max(a, b)] = std::min(a, b);
+      together.join(j, entry.second.front());
     }
   std::map<Index, std::vector<Index>> members;
-  for (Index j = 0; j < static_cast<Index>(parent.size()); ++j)
-    if (acts[j]) members[root(j)].push_back(j);
+  for (Index j = 0; j < static_cast<Index>(count); ++j)
+    if (acts[j]) members[together.find(j)].push_back(j);
   std::vector<std::vector<Index>> clusters;
   for (const auto& entry : members)
     if (entry.second.size() <= most_joints)

@@ -5,10 +5,10 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <tuple>
 
 #include "base/text.hpp"
+#include "base/unions.hpp"
 #include "continuations.hpp"
 #include "voile/errors.hpp"
 
@@ -226,20 +226,9 @@ void SurfaceMesh::orient() {
 }
 
 void SurfaceMesh::count_components() {
-  std::vector<Index> parent(data_.triangles.size());
-  std::iota(parent.begin(), parent.end(), Index{0});
+  Unions connected(data_.triangles.size());
   components_ = triangle_count();
-  const auto root = [&](Index t) {
-    while (parent[t] != t) t = parent[t] = parent[parent[t]];
-    return t;
-  };
-  const auto join = [&](Index a, Index b) {
-    a = root(a);
-    b = root(b);
-    if (a == b) return;
-    parent[std::max(a, b)] = std::min(a, b);
-    --components_;
-  };
+  const auto join = [&](Index a, Index b) { components_ -= connected.join(a, b) ? 1 : 0; };
   for (Index t = 0; t < triangle_count(); ++t)
     for (const Index n : neighbours_[t])
       if (n != no_index) join(t, n);

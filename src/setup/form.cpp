@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/unions.hpp"
 #include "energy/sheet.hpp"
 #include "form_finding.hpp"
 #include "voile/errors.hpp"
@@ -43,24 +44,16 @@ std::vector<std::array<bool, 3>> held_in(const input::Case& first, const mesh::S
 
 /// Throws unless every connected piece has a vertex that is held in x, one in y and one in z.
 void require_held(const input::Case& c, const mesh::SurfaceMesh& mesh, const std::vector<std::array<bool, 3>>& held) {
-  std::vector<Index> root(held.size());
-  for (std::size_t v = 0; v < root.size(); ++v) root[v] = static_cast<Index>(v);
-  const auto find = [&](Index v) {
-    while (root[static_cast<std::size_t>(v)] != v) {
-      Index& up = root[static_cast<std::size_t>(v)];
-      v = up = root[static_cast<std::size_t>(up)];
-    }
-    return v;
-  };
+  Unions connected(held.size());
   for (const mesh::Triangle& t : mesh.triangles())
-    for (const Index v : t) root[static_cast<std::size_t>(find(v))] = find(t[0]);
+    for (const Index v : t) connected.join(v, t[0]);
   std::vector<std::array<bool, 3>> piece(held.size(), {false, false, false});
   for (std::size_t v = 0; v < held.size(); ++v)
     for (std::size_t k = 0; k < 3; ++k)
-      if (held[v][k]) piece[static_cast<std::size_t>(find(static_cast<Index>(v)))][k] = true;
+      if (held[v][k]) piece[static_cast<std::size_t>(connected.find(static_cast<Index>(v)))][k] = true;
   for (std::size_t v = 0; v < held.size(); ++v)
     for (std::size_t k = 0; k < 3; ++k)
-      if (!piece[static_cast<std::size_t>(find(static_cast<Index>(v)))][k]) {
+      if (!piece[static_cast<std::size_t>(connected.find(static_cast<Index>(v)))][k]) {
         const Vec3& x = mesh.positions()[v];
         fail(c, fmt::format("nothing holds the piece at ({:g}, {:g}, {:g}) m along {}; add a [[support]]", x[0], x[1],
                             x[2], "xyz"[k]));
@@ -112,10 +105,11 @@ FormResult found(const input::Case& c, const mesh::SurfaceMesh& mesh) {
     const Vec3& x = r.places[static_cast<std::size_t>(mesh.triangles()[static_cast<std::size_t>(r.collapsed)][0])];
     where = fmt::format(", where it contracts to nothing at ({:.4g}, {:.4g}, {:.4g}) m", x[0], x[1], x[2]);
   }
-  fail(c,
-       fmt::format("no equilibrium of the prestress is found after {} steps{}; bring the supports closer together, or "
-                   "change prestress, cables (`force` of a band) or `pressure`",
-                   r.iterations, where));
+  fail(c, fmt::format("no equilibrium of the prestress is found after {} steps{}; bring the supports closer together, "
+                      "change prestress, cables (`force` of a band) or `pressure`, or draw a start that is closer to "
+                      "the form and has fewer, "
+                      "even cells",
+                      r.iterations, where));
 }
 
 }  // namespace

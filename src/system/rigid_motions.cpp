@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numeric>
 #include <set>
 
 #include "base/decompositions.hpp"
+#include "base/unions.hpp"
 
 namespace voile::system {
 
@@ -16,20 +16,6 @@ namespace {
 /// Singular values below this fraction of the largest count as zero: supports that deviate so little from letting a motion
 /// free do not hold it.
 constexpr double rank_tolerance = 1e-7;
-
-/// Sets of numbers that are joined step by step.
-class Unions {
- public:
-  explicit Unions(std::size_t n) : parent_(n) { std::iota(parent_.begin(), parent_.end(), Index{0}); }
-  Index find(Index i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-  void join(Index a, Index b) { parent_[find(a)] = find(b); }
-
- private:
-  std::vector<Index> parent_;
-};
 
 /// What moves as one rigid body: triangles connected through edges.
 struct Body {
