@@ -120,15 +120,15 @@ void DiscretisationError::judge(const energy::Sheet& sheet, const system::Triang
   const double size = cell_size(mesh.area(worst));
   const auto text = [&](const std::string& when) {
     return fmt::format(
-        "{}cells do not resolve how {} change, most near ({:.4g}, {:.4g}, {:.4g}) m at {}: they are {:.2g} % off in "
+        "{}cells do not resolve how {} change, most near ({:.4g}, {:.4g}, {:.4g}) m at {}: they are {} off in "
         "the "
         "mean, and "
-        "deflections may be wrong by about {:.2g} %, too large or too small; cells of about {:.2g} m are needed there, "
+        "deflections may be wrong by about {}, too large or too small; cells of about {:.2g} m are needed there, "
         "not {:.2g} m "
         "(summary.json: recovery_error; fields membrane_recovery_error and bending_recovery_error show where)",
         when, bending > membrane ? "bending moments" : "membrane forces", at[0], at[1], at[2],
-        mesh.has_charts() ? "the start" : "rest", 100.0 * std::sqrt(last_.whole),
-        100.0 * std::min(last_.whole, most_told), size * finer(last_.whole), size);
+        mesh.has_charts() ? "the start" : "rest", percent_text(std::sqrt(last_.whole)),
+        percent_text(std::min(last_.whole, most_told)), size * finer(last_.whole), size);
   };
   warning_ = text("");
   if (last_.whole == largest_ && !state.place.empty()) worst_warning_ = text("at " + state.place + " ");

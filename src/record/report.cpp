@@ -56,7 +56,6 @@ std::string state_text(const input::Case& c, const Summary& s) {
 
 /// What cells do not resolve; empty where it is not estimated.
 std::string resolved_text(const input::Case& c, const Summary& s) {
-  const auto percent = [](double x) { return fmt::format("{:.2g} %", 100.0 * x); };
   const auto verdict = [](double x) { return x > error_limit ? "not resolved" : "resolved"; };
   if (c.analysis == "harmonic" && s.mode_errors.empty())
     return "whether cells resolve the response is not estimated; give eigen.modes for that of its modes";
@@ -64,17 +63,17 @@ std::string resolved_text(const input::Case& c, const Summary& s) {
     double worst = 0.0;
     for (std::size_t i = 0; i < s.mode_errors.size(); ++i)
       if (counts(c, s.eigen[i])) worst = std::max(worst, s.mode_errors[i]);
-    return fmt::format("{}: by estimate the modes are off by {} at most", verdict(worst), percent(worst));
+    return fmt::format("{}: by estimate the modes are off by {} at most", verdict(worst), percent_text(worst));
   }
   const DiscretisationError::Fractions& e = s.recovery_error;
   if (!std::isfinite(e.whole)) return "";
   std::string parts;
-  if (std::isfinite(e.bending)) parts += fmt::format(", that of bending by {}", percent(e.bending));
-  if (std::isfinite(e.membrane)) parts += fmt::format(", that of stretching by {}", percent(e.membrane));
+  if (std::isfinite(e.bending)) parts += fmt::format(", that of bending by {}", percent_text(e.bending));
+  if (std::isfinite(e.membrane)) parts += fmt::format(", that of stretching by {}", percent_text(e.membrane));
   const bool late = c.analysis == "static" && e.whole <= error_limit && s.largest_recovery_error > error_limit;
-  if (late) parts += fmt::format("; on the way the energy is off by up to {}", percent(s.largest_recovery_error));
+  if (late) parts += fmt::format("; on the way the energy is off by up to {}", percent_text(s.largest_recovery_error));
   return fmt::format("{}{}: by estimate the energy is off by {}{}", verdict(e.whole), late ? " at the end" : "",
-                     percent(e.whole), parts);
+                     percent_text(e.whole), parts);
 }
 
 /// Which ply fails first; empty without strengths.

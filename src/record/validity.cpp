@@ -79,6 +79,12 @@ Validity assess(const system::Model& model, const std::vector<double>& displacem
   return v;
 }
 
+std::string percent_text(double fraction) {
+  constexpr double least = 1e-4;
+  if (fraction > 0.0 && fraction < least) return "less than 0.01 %";
+  return fraction < 1.0 ? fmt::format("{:.2g} %", 100.0 * fraction) : fmt::format("{:.0f} %", 100.0 * fraction);
+}
+
 std::string locking_warning(const energy::Sheet& sheet, const system::TriangleFields& fields) {
   std::vector<double> rest = fields.whole_curvature;
   for (std::size_t i = 0; i < rest.size(); ++i) rest[i] -= fields.curvature[i];
@@ -88,8 +94,8 @@ std::string locking_warning(const energy::Sheet& sheet, const system::TriangleFi
   return fmt::format(
       "the mesh is too coarse for a curved shell this thin: where it bends without stretching, deflections can be too "
       "small "
-      "by about {:.2g} %; use a finer mesh{}",
-      100.0 * fraction, corrected ? "" : ", or element.type = \"corrected\"");
+      "by about {}; use a finer mesh{}",
+      percent_text(fraction), corrected ? "" : ", or element.type = \"corrected\"");
 }
 
 }  // namespace voile::record

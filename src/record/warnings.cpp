@@ -60,12 +60,12 @@ std::string Warnings::membrane_text() const {
   if (!(largest_error_ > error_limit)) return "";
   // What is spurious stands in the stored energy too: of a fraction f of it, deflections are too small by f/(1 + f).
   return fmt::format(
-      "{} up to {:.2g} % of the stored energy: deflections may be too small by as much as {:.2g} %; use a finer mesh, "
+      "{} up to {} of the stored energy: deflections may be too small by as much as {}; use a finer mesh, "
       "or "
       "cells that are less stretched and uneven (summary.json: membrane_error; field membrane_error)",
       is_corrected_ ? "second derivatives within the surface, and what the correction of chords leaves, take"
                     : "spurious membrane strains of straight chords between vertices take",
-      100.0 * largest_error_, 100.0 * largest_error_ / (1.0 + largest_error_));
+      percent_text(largest_error_), percent_text(largest_error_ / (1.0 + largest_error_)));
 }
 
 }  // namespace voile::record

@@ -253,9 +253,16 @@ std::string joint_note(const mesh::SurfaceMesh& mesh) {
   for (const mesh::Joint& j : mesh.joints())
     for (const mesh::TriangleSide& s : j.sides) ++sides[s.triangle];
   const auto between = std::count_if(sides.begin(), sides.end(), [](const auto& entry) { return entry.second > 1; });
-  std::string text = fmt::format(
-      "sheets are joined at {} {} of three or more triangles, of two that cannot be oriented alike, or hinges",
-      mesh.joints().size(), mesh.joints().size() == 1 ? "edge" : "edges");
+  const std::vector<mesh::Segment>& lines = mesh.data().hinges;
+  const auto hinges = std::count_if(mesh.joints().begin(), mesh.joints().end(), [&](const mesh::Joint& j) {
+    return std::binary_search(lines.begin(), lines.end(), j.edge);
+  });
+  const auto others = static_cast<std::ptrdiff_t>(mesh.joints().size()) - hinges;
+  const auto edges = [](auto n) { return fmt::format("{} {}", n, n == 1 ? "edge" : "edges"); };
+  std::string text = hinges > 0 ? fmt::format("[[hinge]] parts the sheet at {}", edges(hinges)) : "";
+  if (others > 0)
+    text += fmt::format("{}sheets are joined at {} of three or more triangles, or of two that cannot be oriented alike",
+                        text.empty() ? "" : "; ", edges(others));
   if (between > 0)
     text += fmt::format("; {} triangles have two sides there, where two cells between joints bend better", between);
   return text;

@@ -1,0 +1,12 @@
+// Words about how far a result is off.
+#include <doctest/doctest.h>
+
+#include "record/validity.hpp"
+
+TEST_CASE("fractions in per cent: two figures, none that only look exact") {
+  CHECK(voile::record::percent_text(0.0) == "0 %");
+  CHECK(voile::record::percent_text(1.2e-33) == "less than 0.01 %");
+  CHECK(voile::record::percent_text(0.00034) == "0.034 %");
+  CHECK(voile::record::percent_text(0.123) == "12 %");
+  CHECK(voile::record::percent_text(8.24) == "824 %");
+}
