@@ -339,7 +339,6 @@ Case read_case(CaseReader& reader, const std::filesystem::path& file, StageSecti
       std::any_of(c.motions.begin(), c.motions.end(), [](const MotionInput& m) { return m.any(); }))
     steps.fail("control", "supports with a motion or rotation need \"load\": they move with the load factor");
   read_all(reader, "rigid", c.rigids, [&](const SectionPlace& place, RigidSection& s) { read_rigid(place, c, s); });
-  check_form(reader.read("form", 0, keys_of(c.form)), c);
   read_harmonic(reader, c);
   read_contact(reader, c, before);
   check_time(reader.read("time", 0, keys_of(c.time, c.dynamics.mass)), c);
@@ -349,6 +348,7 @@ Case read_case(CaseReader& reader, const std::filesystem::path& file, StageSecti
   read_wind(reader.read("air", 0, keys_of(c.dynamics.drag)), c, c.dynamics.drag);
   reader.read("drape", 0, keys_of(c.drape));
   read_remesh(reader, c);
+  check_form(reader.read("form", 0, keys_of(c.form)), c);
   read_all(reader, "probe", c.probes,
            [&](const SectionPlace& place, const Probe& probe) { check_probe(place, probe, c.probes); });
   check_control(steps, c.steps, c.probes);

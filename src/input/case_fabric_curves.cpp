@@ -30,6 +30,9 @@ std::string valid_units(Dimension dimension) {
 
 /// A text with a unit of this dimension, in SI.
 double quantity(const CurveKey& k, const std::string& name, const std::string& text, Dimension dimension) {
+  if (text.find_first_not_of("0123456789.+-eE ") == std::string::npos)
+    k.place.fail(k.key, fmt::format("{}: the unit of '{}' is missing; write a text with one of {}", name, text,
+                                    valid_units(dimension)));
   Quantity q;
   try {
     q = parse_quantity(text);

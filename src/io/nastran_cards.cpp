@@ -233,7 +233,7 @@ long NastranCard::whole(std::size_t k, long otherwise) const {
   return field(k).empty() ? otherwise : whole(k);
 }
 
-std::vector<long> NastranCard::list_of(const std::set<long>& known, std::size_t first) const {
+std::vector<long> NastranCard::list(std::size_t first, const std::set<long>& known) const {
   std::vector<long> numbers;
   for (std::size_t k = first; k <= fields.size(); ++k) {
     if (field(k).empty()) continue;
@@ -247,26 +247,6 @@ std::vector<long> NastranCard::list_of(const std::set<long>& known, std::size_t 
     const long begin = numbers.back();
     for (auto n = known.upper_bound(begin); n != known.end() && *n <= end; ++n)
       if ((*n - begin) % step == 0) numbers.push_back(*n);
-    k += by ? 3 : 1;
-  }
-  return numbers;
-}
-
-std::vector<long> NastranCard::list(std::size_t first, std::size_t last) const {
-  constexpr long most = 100000L;
-  std::vector<long> numbers;
-  last = std::min(last, fields.size());
-  for (std::size_t k = first; k <= last; ++k) {
-    if (field(k).empty()) continue;
-    if (field(k) != "THRU") {
-      numbers.push_back(whole(k));
-      continue;
-    }
-    const bool by = field(k + 2) == "BY";
-    const long end = whole(k + 1), step = by ? whole(k + 3) : 1;
-    if (numbers.empty() || end < numbers.back() || step < 1 || (end - numbers.back()) / step > most)
-      fail("a range 'A THRU B' must ascend");
-    for (long n = numbers.back() + step; n <= end; n += step) numbers.push_back(n);
     k += by ? 3 : 1;
   }
   return numbers;

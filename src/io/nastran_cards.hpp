@@ -28,10 +28,8 @@ struct NastranCard {
   /// The same, `otherwise` where the field is blank.
   [[nodiscard]] double real(std::size_t k, double otherwise) const;
   [[nodiscard]] long whole(std::size_t k, long otherwise) const;
-  /// The same, of ranges only what is among `known`.
-  [[nodiscard]] std::vector<long> list_of(const std::set<long>& known, std::size_t first) const;
-  /// Numbers from field `first` to `last`, with ranges "A THRU B BY C". Throws UserError for what is neither.
-  [[nodiscard]] std::vector<long> list(std::size_t first, std::size_t last = static_cast<std::size_t>(-1)) const;
+  /// Numbers from field `first` on; of ranges "A THRU B BY C" A and what is among `known`. Throws UserError for what is neither.
+  [[nodiscard]] std::vector<long> list(std::size_t first, const std::set<long>& known) const;
   /// Throws UserError "file:line: NAME: what".
   [[noreturn]] void fail(const std::string& what) const;
 };

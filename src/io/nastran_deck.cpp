@@ -162,14 +162,17 @@ class NastranDeckReader {
   void select_supports() {
     std::set<long> sets;
     if (spc_) sets.insert(*spc_);
+    std::set<long> known;
+    for (const NastranCard& card : read_.cards)
+      if (card.name == "SPC" || card.name == "SPC1") known.insert(card.whole(1));
     for (const NastranCard& card : read_.cards)
       if (card.name == "SPCADD" && spc_ && card.whole(1) == *spc_)
-        for (const long set : card.list(2)) sets.insert(set);
+        for (const long set : card.list(2, known)) sets.insert(set);
     for (const NastranCard& card : read_.cards) {
       if (card.name != "SPC" && card.name != "SPC1") continue;
       if (!read_.control.empty() && !sets.contains(card.whole(1))) continue;
       if (card.name == "SPC1")
-        for (const long id : card.list_of(grids_, 3)) hold(card, id, card.field(2), 0.0);
+        for (const long id : card.list(3, grids_)) hold(card, id, card.field(2), 0.0);
       else
         for (const std::size_t k : {2, 5})
           if (!card.field(k).empty()) hold(card, card.whole(k), card.field(k + 1), card.real(k + 2, 0.0));
@@ -194,7 +197,7 @@ class NastranDeckReader {
   }
 
   void take_load(const NastranCard& card, double factor) {
-    if (card.name == "PLOAD2") return press(card, card.list_of(shells_, 3), factor * card.real(2));
+    if (card.name == "PLOAD2") return press(card, card.list(3, shells_), factor * card.real(2));
     if (card.name == "PLOAD4") return take_faces(card, factor);
     const bool gravity = card.name == "GRAV";
     const std::size_t k = gravity ? 2 : 3;  // coordinate system, size, direction

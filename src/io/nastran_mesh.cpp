@@ -75,7 +75,7 @@ std::string nastran_as_abaqus(const std::string& file) {
         if (!points.count(n)) card.fail(fmt::format("there is no grid point {}", n));
       elements[{shape.type, card.whole(2, id)}] += fmt::format("{}, {}\n", id, fmt::join(of, ", "));
     } else if (card.name == "SPC1") {
-      add_nodes(held[card.whole(1)], card.list_of(grids, 3));
+      add_nodes(held[card.whole(1)], card.list(3, grids));
     } else if (card.name == "SPC") {
       for (const std::size_t k : {2, 5})
         if (!card.field(k).empty()) add_nodes(held[card.whole(1)], {card.whole(k)});

@@ -28,7 +28,12 @@ HingeEdge hinge_edge(const mesh::SurfaceMesh& mesh, const Hinge& hinge, const me
   }
   for (const Index t : mesh.triangles_of_vertex(edge[0])) {
     const int s = mesh.side_of(t, edge[0], edge[1]);
-    if (s >= 0) return {static_cast<Index>(joints.size()) + 3 * t + s, edge, {t, s}};
+    if (s < 0) continue;
+    if (mesh.neighbour(t, s) == no_index) return {static_cast<Index>(joints.size()) + 3 * t + s, edge, {t, s}};
+    throw UserError(fmt::format(
+        "[[hinge]] group '{}': the sheet is whole at {}; a restart takes the mesh of its run, so give that run the "
+        "[[hinge]], or start anew",
+        hinge.group, place_of(mesh, edge)));
   }
   throw UserError(fmt::format("[[hinge]] group '{}': there is no edge at {}", hinge.group, place_of(mesh, edge)));
 }

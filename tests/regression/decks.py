@@ -37,7 +37,7 @@ def nastran_plate(solution, control):
             text += fixed("CQUAD4", 1 + i + CELLS * j, 3, a, a + 1, a + CELLS + 2, a + CELLS + 1)
     edge = [1 + i + (CELLS + 1) * j for j in range(CELLS + 1) for i in range(CELLS + 1) if i in (0, CELLS) or j in (0, CELLS)]
     text += fixed("SPC1", 7, 123456, *edge) + "SPCADD,70,7\n"
-    text += f"LOAD,40,2.,.5,4\nPLOAD4,4,1,{PRESSURE}\n" + f"PLOAD4,4,2,{PRESSURE},,,,THRU,{CELLS * CELLS}\nPLOAD4,9,1,77.\n"
+    text += f"LOAD,40,2.,.5,4\nPLOAD4,4,1,{PRESSURE}\n" + f"PLOAD4,4,2,{PRESSURE},,,,THRU,30000000\nPLOAD4,9,1,77.\n"
     return text + f"PSHELL,3,2,{THICKNESS},2\nMAT1,2,2.1+5,,.3,7.85-9\nEIGRL,6,,,2\nTEMP,1,1,20.\nENDDATA\n"
 
 

@@ -218,6 +218,14 @@ def kes(report):
     three = solve("kes_ranks", frame(way), 3)
     report.below(abs(np.asarray(three.history["top_x"]) - whole.history["top_x"]).max() / (500 * gf * 0.05), 1e-9, "3 ranks: force")
 
+    steep = KES.replace('WT = "6 gf.cm/cm^2"', "LT = 0.3").replace('{ units = ["%", "gf/cm"], points = [[1, 10], [2, 35], [4, 140], [7, 500]] }', '{ EMT = "4 %", LT = 0.3 }')
+    (OUT / "kes_steep.toml").write_text(steep)
+    bias = {"title": "Pulled at 20 degrees", "analysis": "static", "mesh": {"file": str(ROOT / "meshes/plate.geo"), "parameters": {"side": 0.1, "n": 24}},
+            "material": [{"type": "fabric", "fabric": str(OUT / "kes_steep.toml"), "direction": [1, 0, 0], "warp_angle": 20}],
+            "support": [{"type": "hinged", "group": "left"}, {"type": "displacement", "components": ["z"], "group": "plate"}],
+            "load": [{"type": "line", "group": "right", "vector": [250, 0, 0]}]}
+    report.below(solve("kes_bias", bias).summary["recovery_error"], 0.2, "estimated error of a pull that stiffens the yarns tenfold")
+
     motion = flap(analysis="dynamic", material__0__fabric=str(OUT / "kes.toml"), material__0__warp_angle=45, time={"end": 0.06, "step": 1e-3, "velocity_tolerance": 1e-4})
     h = solve("kes_motion", variant(motion, {"load.0.vector": [40, -100, -100]})).history
     report.check(h["fabric_loss"][-1] > 0.03 * h["work_of_loads"][-1], f"a motion loses {h['fabric_loss'][-1]:.3g} J of {h['work_of_loads'][-1]:.3g} in shear")

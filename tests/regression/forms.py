@@ -70,6 +70,7 @@ def form_mistakes(report):
     """Films that have no form and cases that cannot have one end with code 2 before the first step, with remedy."""
     cases = (("no prestress", {"material": [FILM | {"prestress": [0, 0]}]}, "does not pull in all directions"),
              ("held along", {"support": [{"type": "displacement", "group": "start", "components": ["y", "z"]}]}, "nothing holds the piece"),
+             ("remesh", {"remesh": {"smallest": 0.1, "largest": 0.3}}, "remove [remesh]"),
              ("no group", {"support": [{"type": "hinged", "group": "middle"}]}, "middle"),
              ("band", {"spring": [{"type": "band", "group": "end", "stiffness": 1e3, "length": 5}]}, "give it `force` instead"),
              ("far apart", {"mesh": rings(1.5)["mesh"]}, "bring the supports closer together"))

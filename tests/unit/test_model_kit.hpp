@@ -57,6 +57,16 @@ inline std::vector<Vec3> per_vertex(const system::Model& model, Vec f) {
   return result;
 }
 
+/// Largest difference of two lists of vectors over the largest of the second.
+inline double relative_difference(const std::vector<Vec3>& found, const std::vector<Vec3>& expected) {
+  double difference = 0.0, size = 0.0;
+  for (std::size_t v = 0; v < expected.size(); ++v) {
+    difference = std::max(difference, (found.at(v) - expected[v]).norm());
+    size = std::max(size, expected[v].norm());
+  }
+  return difference / size;
+}
+
 /// Sets the unknowns from displacements in global axes given per vertex.
 inline void set_displacement(const system::Model& model, Vec a, const std::function<Vec3(Index)>& u) {
   std::vector<double> values(static_cast<std::size_t>(model.dofs().unknowns()));

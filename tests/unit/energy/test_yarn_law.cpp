@@ -253,17 +253,34 @@ TEST_CASE("slips of shear are the same on any number of ranks, and go back into 
   CHECK(system::energies(model, a).membrane == relative(system::energies(alone, b).membrane).epsilon(1e-11));
   model.residual(a, f);
   alone.residual(b, g);
-  const std::vector<Vec3> all = per_vertex(model, f), expected = per_vertex(alone, g);
-  double difference = 0.0, size = 0.0;
-  for (std::size_t v = 0; v < all.size(); ++v) {
-    difference = std::max(difference, (all[v] - expected[v]).norm());
-    size = std::max(size, expected[v].norm());
-  }
-  CHECK(difference < 1e-11 * size);
+  CHECK(relative_difference(per_vertex(model, f), per_vertex(alone, g)) < 1e-11);
   const std::vector<double> slips = model.potential().slips();
   system::Model again(PETSC_COMM_WORLD, mesh, in);
   again.potential().restore_slips(slips);
   CHECK(again.potential().slips() == slips);
   CHECK(again.potential().yarn_loss(a) == relative(model.potential().yarn_loss(a)).epsilon(1e-14));
   if (mpi::rank(PETSC_COMM_WORLD) == 0) CHECK(slips.size() == 1 + 7 * static_cast<std::size_t>(mesh.triangle_count()));
+}
+
+TEST_CASE("force and tangent that yarns add are those of their curves, in turned axes") {
+  energy::YarnLaw law;
+  law.warp_angle = 0.6;
+  law.knots = {
+      std::vector<energy::YarnLaw::Knot>{{0.0, 4e4}, {0.01, -3e4}}, {{0.002, 1e4}}, {{0.0, 500.0}, {0.03, 2e3}}};
+  const Mat3 turn = energy::turned_strain(law.warp_angle);
+  for (const Vec3& yarns : {Vec3(0.02, 0.006, 0.05), Vec3(0.004, -0.01, -0.02), Vec3(-0.01, 0.03, 0.01)}) {
+    const Vec3 strain = turn.inverse() * yarns;
+    // Work in both axes is the same: N.E = N'.E' of the curves along the yarns.
+    double work = 0.0;
+    for (int r = 0; r < 3; ++r)
+      work += yarns[r] * std::copysign(1.0, r < 2 ? 1.0 : yarns[r]) *
+              energy::force_of({0.0, law.knots[static_cast<std::size_t>(r)]}, r < 2 ? yarns[r] : std::abs(yarns[r]));
+    CHECK(energy::added_force(law, strain).dot(strain) == relative(work));
+    const Mat3 tangent = energy::added_tangent(law, strain);
+    for (int k = 0; k < 3; ++k) {
+      const Vec3 step = 1e-7 * Vec3::Unit(k);
+      const Vec3 slope = (energy::added_force(law, strain + step) - energy::added_force(law, strain - step)) / 2e-7;
+      CHECK((slope - tangent.col(k)).norm() < 1e-6 * tangent.norm());
+    }
+  }
 }

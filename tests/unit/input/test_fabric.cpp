@@ -10,6 +10,7 @@
 #include "input/fabric.hpp"
 #include "input/units.hpp"
 #include "test_case_kit.hpp"
+#include "test_fabric_text.hpp"
 #include "test_meshes.hpp"
 #include "test_relative.hpp"
 #include "voile/errors.hpp"
@@ -19,27 +20,6 @@ using namespace voile::testing;
 using input::Dimension;
 
 namespace {
-
-const std::string fabric_text = R"toml(name = "Test"
-description = "A fabric of round figures."
-areal_density = "200 g/m^2"
-membrane_warp = "2 kN/m"
-membrane_weft = 500
-membrane_shear = "1 gf/(cm.deg)"
-bending_warp = "0.1 gf.cm^2/cm"
-bending_weft = "4 uN.m"
-[sources]
-areal_density = "made up"
-membrane_warp = "made up"
-membrane_weft = "made up"
-membrane_shear = "made up"
-bending_warp = "made up"
-bending_weft = "made up"
-)toml";
-
-std::string fabric_error(const std::string& from, const std::string& to) {
-  return error_of([&] { (void)input::parse_fabric(replaced(fabric_text, from, to), "f.toml"); });
-}
 
 double difference(const Mat3& a, const Mat3& b) {
   return (a - b).cwiseAbs().maxCoeff() / b.cwiseAbs().maxCoeff();

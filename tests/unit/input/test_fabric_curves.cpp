@@ -7,6 +7,7 @@
 #include "input/case.hpp"
 #include "input/fabric.hpp"
 #include "test_case_kit.hpp"
+#include "test_fabric_text.hpp"
 #include "test_meshes.hpp"
 #include "test_relative.hpp"
 
@@ -14,27 +15,6 @@ using namespace voile;
 using namespace voile::testing;
 
 namespace {
-
-const std::string fabric_text = R"toml(name = "Test"
-description = "A fabric of round figures."
-areal_density = "200 g/m^2"
-membrane_warp = "2 kN/m"
-membrane_weft = 500
-membrane_shear = "1 gf/(cm.deg)"
-bending_warp = "0.1 gf.cm^2/cm"
-bending_weft = "4 uN.m"
-[sources]
-areal_density = "made up"
-membrane_warp = "made up"
-membrane_weft = "made up"
-membrane_shear = "made up"
-bending_warp = "made up"
-bending_weft = "made up"
-)toml";
-
-std::string fabric_error(const std::string& from, const std::string& to) {
-  return error_of([&] { (void)input::parse_fabric(replaced(fabric_text, from, to), "f.toml"); });
-}
 
 /// A fabric file and a case beside it.
 class FabricCase {
@@ -105,6 +85,9 @@ TEST_CASE("fabric: curves of tension and shear, and the loop of shear") {
   const input::Case c = fabric_case.parse(keys + "hysteresis = \"friction\"\n");
   const energy::Material& m = c.materials.at(0);
   CHECK(m.friction.sliders.empty());
+  CHECK(m.bending_damping ==
+        fabric_case.parse(keys).materials.at(0).bending_damping);  // no loop of bending replaces it
+  CHECK(m.bending_damping > 0.0);
   CHECK(m.yarns.warp_angle == relative(30.0 * degree));
   const energy::Material echoed = input::parse_case(input::echo_case(c), "case.toml").materials.at(0);
   CHECK(echoed.yarns.rise == m.yarns.rise);
@@ -172,4 +155,16 @@ TEST_CASE("fabric: mistakes of curves and of the loop of shear") {
   CHECK(has(both("shear_hysteresis = 1\nshear_hysteresis_5 = 3\nshear_hysteresis_spread = \"8 deg\"",
                  "shear_hysteresis = \"x\"\nshear_hysteresis_5 = \"x\"\nshear_hysteresis_spread"),
             "shear_hysteresis_spread: 8 degrees: the loop is not open yet at 0.5 degrees"));
+  CHECK(has(tension("{ EMT = \"0.04\", LT = 0.6 }"), "EMT: the unit of '0.04' is missing; write a text with one of %"));
+  const auto matrices = [](const std::string& loop) {
+    return error_of([&] {
+      (void)input::parse_case(
+          "[mesh]\nfile = \"a.geo\"\n[[material]]\ntype = \"matrices\"\nmembrane = [[9, 0, 0], [0, 9, 0], [0, 0, 9]]\n"
+          "bending = [[1, 0, 0], [0, 1, 0], [0, 0, 1]]\ndirection = [1, 0, 0]\nshear_hysteresis = " +
+              loop + "\n",
+          "case.toml");
+    });
+  };
+  CHECK(has(matrices("[0.2, 0, 0]"), "material.shear_hysteresis: the third number"));
+  CHECK(has(matrices("[0.2, 0]"), "three numbers are needed"));
 }

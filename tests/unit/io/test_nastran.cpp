@@ -85,6 +85,11 @@ TEST_CASE("Nastran: quadrangles and second order are split, held points are a gr
   CHECK(mesh.group("property-8", 2).triangles.size() == 4);
   CHECK(mesh.group("spc-4", 1).vertices == std::vector<Index>{0, 3, 6, 8});
   CHECK(has(four.notes.back(), "type CBAR"));
+  // Of a range only what exists: the numbers between are never made.
+  const mesh::MeshData wide = read(text +
+                                   "SPC1,4,123456,1,THRU,99999997,BY,3\nCQUAD4,1,8,1,2,5,4\nCQUAD4,2,8,4,5,8,7\n"
+                                   "CQUAD4,3,8,2,3,6,5\nCQUAD4,4,8,5,6,9,8\n");
+  CHECK(mesh::SurfaceMesh(wide).group("spc-4").vertices == std::vector<Index>{0, 3, 6});
   const mesh::MeshData eight = read(text + "CQUAD8,1,8,1,3,9,7,2,6\n,8,4\n");
   CHECK(eight.triangles.size() == 6);
   CHECK(has(message(text + "CQUAD8,1,8,1,3,9,7,2,6\n,8\n"), "CQUAD8: 7 of 8 nodes are given"));

@@ -155,6 +155,35 @@ TEST_CASE("allowances of a seam weigh and carry what two strips of fabric do") {
     }
 }
 
+TEST_CASE("allowances multiply all that fabric stores, loses and weighs") {
+  const mesh::SurfaceMesh mesh(sewn_square(Pattern::union_jack, 8));
+  energy::Material m = free_sheet(0.3).materials.at(0);
+  m.friction.sliders = {{Vec3(3.0, 2.0, 1.0), Vec3(0.3, 0.2, 0.1)}};
+  m.yarns.knots[0] = {{0.0, 5e3}, {0.02, -1e3}};
+  m.yarns.stiffness = 40.0;
+  m.yarns.limit = 2.0;
+  m.yarns.rise = 7.0;
+  std::vector<energy::Material> materials{m};
+  std::vector<int> of(static_cast<std::size_t>(mesh.triangle_count()), 0);
+  system::add_allowances(mesh, {{"", 1.0, 0.1}}, materials, of);
+  REQUIRE(materials.size() > 1);
+  for (const energy::Material& sewn : materials) {
+    const double layers = sewn.areal_density / m.areal_density;
+    if (&sewn != &materials.front()) CHECK(layers > 1.01);
+    CHECK((sewn.membrane - layers * m.membrane).norm() < 1e-12 * sewn.membrane.norm());
+    CHECK((sewn.bending - layers * m.bending).norm() < 1e-12 * sewn.bending.norm());
+    CHECK((sewn.friction.sliders[0].stiffness - layers * m.friction.sliders[0].stiffness).norm() < 1e-12);
+    CHECK((sewn.friction.sliders[0].limit - layers * m.friction.sliders[0].limit).norm() < 1e-12);
+    for (std::size_t k = 0; k < 2; ++k) {
+      CHECK(sewn.yarns.knots[0][k].strain == m.yarns.knots[0][k].strain);
+      CHECK(sewn.yarns.knots[0][k].bend == doctest::Approx(layers * m.yarns.knots[0][k].bend).epsilon(1e-12));
+    }
+    CHECK(sewn.yarns.stiffness == doctest::Approx(layers * 40.0).epsilon(1e-12));
+    CHECK(sewn.yarns.limit == doctest::Approx(layers * 2.0).epsilon(1e-12));
+    CHECK(sewn.yarns.rise == doctest::Approx(layers * 7.0).epsilon(1e-12));
+  }
+}
+
 TEST_CASE("rules of seams: the one that names it, else the general one; none for other curves") {
   const mesh::SurfaceMesh mesh(sewn_square(Pattern::union_jack, 4));
   const auto factors = [&](const std::vector<system::SeamRule>& rules) {
