@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "base/decompositions.hpp"
 #include "repair.hpp"
 
 namespace voile::adapt {
@@ -108,7 +109,7 @@ Vec3 start_of(const Surface& s, Index v, const Remeshed::Source& at, const mesh:
   }
   const Index side = s.first_around(s.leaving[v]);
   if (s.twin[side] != no_index || s.open_seams.origin_of(v)) return x;
-  return x + start * rest.colPivHouseholderQr().solve(s.rest[next(side)] - source);
+  return x + start * LeastSquares(rest).solve(s.rest[next(side)] - source);
 }
 
 void fill_vertices(const Surface& s, const Numbers& n, const mesh::SurfaceMesh& old_mesh, Remeshed& r) {

@@ -235,7 +235,7 @@ double patch_condition(const Surface& s, Index t) {
     const double stretch = d.norm() / own;
     m.row(3 + i) = row_of((a + stretch * (along * unit + away * Vec2(unit.y(), -unit.x()))) / scale);
   }
-  const Vec6 squares = eigenvalues(Mat6(m.transpose() * m));
+  const Eigen::VectorXd squares = eigenvalues(Eigen::MatrixXd(m.transpose() * m));
   const double low = squares[0], high = squares[5];
   // Below this the small one is round-off.
   return low > 1e-14 * high ? std::sqrt(high / low) : std::numeric_limits<double>::infinity();

@@ -13,10 +13,6 @@ Eigen::VectorXd eigenvalues(const Eigen::MatrixXd& m) {
   return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(m, Eigen::EigenvaluesOnly).eigenvalues();
 }
 
-Vec6 eigenvalues(const Mat6& m) {
-  return Eigen::SelfAdjointEigenSolver<Mat6>(m, Eigen::EigenvaluesOnly).eigenvalues();
-}
-
 Eigen::Index SingularValues::rank(double threshold) const {
   Eigen::Index rank = 0;
   while (rank < values.size() && values[rank] > threshold * values[0]) ++rank;
@@ -32,8 +28,12 @@ Eigen::VectorXd singular_values(const Eigen::MatrixXd& m) {
   return Eigen::JacobiSVD<Eigen::MatrixXd>(m).singularValues();
 }
 
-Vec6 singular_values(const Mat6& m) {
-  return Eigen::JacobiSVD<Mat6>(m).singularValues();
+Eigen::MatrixXd inverse(const Eigen::MatrixXd& m) {
+  return m.inverse();
+}
+
+Eigen::MatrixXd solve_positive(const Eigen::MatrixXd& m, const Eigen::MatrixXd& b) {
+  return Eigen::LLT<Eigen::MatrixXd>(m).solve(b);
 }
 
 struct LeastSquares::Decomposition {

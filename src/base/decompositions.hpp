@@ -7,7 +7,6 @@
 
 namespace voile {
 
-using Vec6 = Eigen::Matrix<double, 6, 1>;
 using Mat6 = Eigen::Matrix<double, 6, 6>;
 
 /// m = vectors diag(values) vectors^T, values in growing order.
@@ -18,7 +17,6 @@ struct Spectrum {
 /// Of a symmetric matrix, n x n; its lower triangle is read.
 [[nodiscard]] Spectrum spectrum(const Eigen::MatrixXd& m);
 [[nodiscard]] Eigen::VectorXd eigenvalues(const Eigen::MatrixXd& m);
-[[nodiscard]] Vec6 eigenvalues(const Mat6& m);
 
 /// m = u diag(values) v^T with values in falling order: m is r x c, u r x min(r, c), v c x c (columns beyond min(r, c) span
 /// what m takes to zero).
@@ -33,7 +31,10 @@ struct SingularValues {
 [[nodiscard]] SingularValues singular_value_decomposition(const Eigen::MatrixXd& m);
 /// Without vectors.
 [[nodiscard]] Eigen::VectorXd singular_values(const Eigen::MatrixXd& m);
-[[nodiscard]] Vec6 singular_values(const Mat6& m);
+
+[[nodiscard]] Eigen::MatrixXd inverse(const Eigen::MatrixXd& m);
+/// m^-1 b of a positive definite m.
+[[nodiscard]] Eigen::MatrixXd solve_positive(const Eigen::MatrixXd& m, const Eigen::MatrixXd& b);
 
 /// Solves min |m x - b|, by a complete orthogonal decomposition; of several minimisers the shortest.
 class LeastSquares {

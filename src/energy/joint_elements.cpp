@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <map>
 
+#include "base/decompositions.hpp"
 #include "base/unions.hpp"
 #include "free_slopes.hpp"
 #include "joint.hpp"
@@ -140,7 +141,7 @@ class ClusterBuilder {
         }
       stiffness.emplace(t, c);
     }
-    const Eigen::MatrixXd turn = -Eigen::LLT<Eigen::MatrixXd>(edges).solve(mixed);  // theta of psi
+    const Eigen::MatrixXd turn = -solve_positive(edges, mixed);  // theta of psi
     el_.stiffness = angles + mixed.transpose() * turn;
     el_.stiffness = 0.5 * (el_.stiffness + el_.stiffness.transpose().eval());
     for (const auto& [t, on] : of_triangle) {
@@ -168,7 +169,7 @@ class ClusterBuilder {
         compliance(i, j) = slopes_.at(t).compliance(side(on[static_cast<std::size_t>(i)]).row,
                                                     side(on[static_cast<std::size_t>(j)]).row);
     for (Eigen::Index i = 0; i < n; ++i) compliance(i, i) += side(on[static_cast<std::size_t>(i)]).give;
-    return compliance.inverse();
+    return inverse(compliance);
   }
 
   const Sheet& sheet_;

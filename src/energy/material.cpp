@@ -88,9 +88,9 @@ Eigen::Matrix<double, 6, 6> whole_stiffness(const Material& m) {
 Released released(const Material& material, const Vec3& force, const Vec3& moment) {
   if (!couples(material))
     return {Eigen::LLT<Mat3>(material.membrane).solve(force), Eigen::LLT<Mat3>(material.bending).solve(moment)};
-  Eigen::Matrix<double, 6, 1> right;
+  Eigen::VectorXd right(6);
   right << force, moment;
-  const Eigen::Matrix<double, 6, 1> both = whole_stiffness(material).ldlt().solve(right);
+  const Eigen::VectorXd both = solve_positive(whole_stiffness(material), right);
   return {both.head<3>(), both.tail<3>()};
 }
 

@@ -95,7 +95,7 @@ Fit fit_patch(const mesh::Patch& patch, const Vec3& centroid, const Mat3& bendin
       fit.rest.push_back(patch.rest[i] - centroid);
     }
   }
-  fit.condition = condition_of(singular_values(Mat6(v * invariant_columns().asDiagonal())));
+  fit.condition = condition_of(singular_values(v * invariant_columns().asDiagonal()));
   fit.coefficients.setZero(6, static_cast<Eigen::Index>(fit.points.size()));
   if (!(fit.condition < 1e12)) return fit;
   const Mat6 inverse = v.fullPivLu().inverse();

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "base/decompositions.hpp"
 #include "free_slopes.hpp"
 #include "joint.hpp"
 #include "voile/errors.hpp"
@@ -47,7 +48,7 @@ class SideBuilder {
     for (Eigen::Index n = 0; n < count; ++n)
       compliance.row(n) = of_joints.row(slopes_.row(sides[static_cast<std::size_t>(n)]));
     compliance.diagonal() += give;
-    const Eigen::MatrixXd stiffness = compliance.inverse(), senses = sense.asDiagonal();
+    const Eigen::MatrixXd stiffness = inverse(compliance), senses = sense.asDiagonal();
     el_.stiffness = senses * stiffness * senses;
     el_.bends.push_back({triangle_, -slopes_.across * of_joints * stiffness * senses});
     return std::move(el_);
