@@ -52,11 +52,11 @@ class Checker {
       if (g.dimension > 0) known.push_back(g.name);
     if (contains(known, name)) return;
     const bool is_point = mesh_.has_group(name);
-    take(fmt::format("{}: [[contact_rule]] {} = \"{}\": {};{}",
-                     input::place_in_case(c_.file, "contact_rule", key, name), key, name,
-                     is_point ? "it is a physical point; name a surface or a curve"
-                              : "there is no obstacle, physical surface or curve of this name",
-                     suggestion(name, known)));
+    take(fmt::format("{}: [[contact_rule]] {}: {} '{}';{}", input::place_in_case(c_.file, "contact_rule", key, name),
+                     key,
+                     is_point ? "a rule is of surfaces and curves, not of the physical point"
+                              : "there is no obstacle, physical surface or curve",
+                     name, suggestion(name, known)));
   }
   void check_gas(const system::Load& load) {
     try {
