@@ -28,7 +28,7 @@ std::vector<std::string> different_keys(const toml::table& was, const toml::tabl
     const toml::node *before = was.get(key), *now = is.get(key);
     if (text_of(before) == text_of(now)) continue;
     const bool plain = before && now && before->is_value() && now->is_value();
-    found.push_back(plain ? fmt::format("{} {}, now {}", key, text_of(before), text_of(now)) : key);
+    found.push_back(plain ? fmt::format("{} {}, here {}", key, text_of(before), text_of(now)) : key);
   }
   return found;
 }
@@ -61,7 +61,7 @@ std::vector<std::string> different_sections(const Case& c, const std::filesystem
   for (const char* section : {"units", "element", "material", "hinge"}) {
     const std::vector<const toml::table*> before = tables_of(was, section), now = tables_of(is, section);
     if (before.size() != now.size())
-      found.push_back(fmt::format("[{}]: {} of them, now {}", section, before.size(), now.size()));
+      found.push_back(fmt::format("[{}]: {} of them, here {}", section, before.size(), now.size()));
     for (std::size_t n = 0; n < std::min(before.size(), now.size()); ++n)
       if (const std::vector<std::string> keys = different_keys(*before[n], *now[n]); !keys.empty())
         found.push_back(now.size() > 1 ? fmt::format("[{}] {}: {}", section, n + 1, join(keys, "; "))

@@ -116,7 +116,7 @@ def said_differences(report):
     """A restart names what of the sheet is another one; results as a start say what they leave out."""
     case = strip("dynamic", nx=4, ny=1, output={"every": 1})
     first = solve("said_first", case)
-    for name, options, change, words in (("same", ["checkpoint.h5"], {}, ""), ("material", ["checkpoint.h5"], {"material.0.young": 2e6}, "[material]: young 1200000.0, now 2000000.0"),
+    for name, options, change, words in (("same", ["checkpoint.h5"], {}, ""), ("material", ["checkpoint.h5"], {"material.0.young": 2e6}, "[material]: young 1200000.0, here 2000000.0"),
                                          ("results", ["results.vtkhdf"], {}, "have no accelerations")):
         done = solve("said_again", variant(case, change | {"time.end": 0.25}), options=["--restart", first.folder / options[0]])
         report.check(words in done.text if words else "note: --restart" not in done.text, f"{name}: {[line for line in done.text.splitlines() if '--restart' in line]}")
