@@ -173,6 +173,8 @@ def nastran_silent(report):
             ("property", SHELL + shell + shell + PLY, 2, ("PSHELL: property 5 is there twice",)),
             ("offset", SHELL.replace(",30.\n", ",30.,.01\n") + shell + PLY, 2, ("ZOFFS = .01",)),
             ("thickness", SHELL.replace(",30.\n", ",30.\n,,,.002,.002,.002,.002\n") + shell + PLY, 2, ("T1 = .002", "PSHELL")),
+            ("eight nodes", SHELL.replace("CQUAD4,1,5,1,2,3,4,30.", "CQUAD8,1,5,1,2,3,4\n,,,,,,,30.,.01") + shell + PLY, 2, ("CQUAD8: ZOFFS = .01",)),
+            ("their thickness", SHELL.replace("CQUAD4,1,5,1,2,3,4,30.", "CQUAD8,1,5,1,2,3,4\n,,,.002,.002,.002,.002,30.") + shell + PLY, 2, ("CQUAD8: T1 = .002",)),
             ("own thickness", SHELL.replace(",30.\n", ",30.\n,,,.001,.001,.001,.001\n") + shell + PLY, 0, ('type = "orthotropic"',)),
             ("shell", SHELL + shell + PLY, 0, ('analysis = "linear"', "without PARAM,LGDISP,1", 'type = "orthotropic"', "direction = [0.866", "shear_12 = 5000000000")),
             ("large", SHELL + shell + PLY + "PARAM,LGDISP,1\n", 0, ('analysis = "static"',)),
