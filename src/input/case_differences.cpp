@@ -43,6 +43,11 @@ std::vector<const toml::table*> tables_of(const toml::table& root, const char* s
   return all;
 }
 
+/// Its resolved keys are those of matrices.
+bool is_fabric(const Case& c, const std::string& section, std::size_t n) {
+  return section == "material" && n < c.written_materials.size() && c.written_materials[n].empty();
+}
+
 }  // namespace
 
 std::vector<std::string> different_sections(const Case& c, const std::filesystem::path& resolved) {
@@ -64,8 +69,8 @@ std::vector<std::string> different_sections(const Case& c, const std::filesystem
       found.push_back(fmt::format("[{}]: {} of them, here {}", section, before.size(), now.size()));
     for (std::size_t n = 0; n < std::min(before.size(), now.size()); ++n)
       if (const std::vector<std::string> keys = different_keys(*before[n], *now[n]); !keys.empty())
-        found.push_back(now.size() > 1 ? fmt::format("[{}] {}: {}", section, n + 1, join(keys, "; "))
-                                       : fmt::format("[{}]: {}", section, join(keys, "; ")));
+        found.push_back(fmt::format("[{}]{}: {}{}", section, now.size() > 1 ? fmt::format(" {}", n + 1) : "",
+                                    is_fabric(c, section, n) ? "fabric or warp_angle, with " : "", join(keys, "; ")));
   }
   return found;
 }

@@ -116,6 +116,10 @@ def said_differences(report):
     """A restart names what of the sheet is another one; results as a start say what they leave out."""
     case = strip("dynamic", nx=4, ny=1, output={"every": 1})
     first = solve("said_first", case)
+    cloth = strip("dynamic", nx=4, ny=1, material=[fabric()])
+    woven = solve("said_woven", cloth)
+    done = solve("said_turned", variant(cloth, {"material.0.warp_angle": 45, "time.end": 0.25}), options=["--restart", woven.folder / "checkpoint.h5"])
+    report.check("[material]: fabric or warp_angle, with" in done.text, "another warp_angle")
     for name, options, change, words in (("same", ["checkpoint.h5"], {}, ""), ("material", ["checkpoint.h5"], {"material.0.young": 2e6}, "[material]: young 1200000.0, here 2000000.0"),
                                          ("results", ["results.vtkhdf"], {}, "have no accelerations")):
         done = solve("said_again", variant(case, change | {"time.end": 0.25}), options=["--restart", first.folder / options[0]])
