@@ -12,6 +12,7 @@
 #include "setup/free_motions.hpp"
 #include "setup/garment.hpp"
 #include "setup/group_names.hpp"
+#include "setup/hinge_notes.hpp"
 #include "setup/mesh_report.hpp"
 #include "setup/start_supports.hpp"
 #include "simulation/contact_start.hpp"
@@ -135,6 +136,7 @@ void check(MPI_Comm comm, const input::Case& whole) {
     fmt::print("{} fixed components, {} mirrored edges, {} load(s), tangent {}\n", fixed,
                model.discretisation().constraints().mirrors.size(), c.loads.size(),
                model.conditions().symmetric() ? "symmetric" : "unsymmetric");
+    for (const std::string& text : setup::hinge_warnings(c, mesh)) fmt::print("warning: {}\n", text);
     for (const std::string& text : c.notes) fmt::print("note: {}\n", text);
     for (const std::string& text : setup::sheet_notes(model.discretisation().sheet())) fmt::print("note: {}\n", text);
     for (const std::string& text : free) fmt::print("note: {}\n", text);

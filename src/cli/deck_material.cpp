@@ -22,9 +22,8 @@ std::string name_of(const Deck& deck, const Deck::Section& s, std::vector<std::s
   const auto other = [&](const Deck::Ply& p) { return p.material != name; };
   if (std::any_of(s.plies.begin(), s.plies.end(), other)) {
     left.push_back(
-        fmt::format("*SHELL SECTION of {}: its plies are of several materials; give their A, B and D as type "
-                    "\"matrices\"",
-                    s.elements));
+        fmt::format("{} of {}: its plies are of several materials; give their A, B and D as type \"matrices\"",
+                    deck.words.section, s.elements));
     return "";
   }
   const auto at = deck.materials.find(name);
@@ -54,10 +53,8 @@ DeckMaterial deck_material(const Deck& deck, const Deck::Section& s) {
   if (const auto at = deck.orientations.find(s.orientation); at != deck.orientations.end())
     axes = at->second;
   else if (!s.orientation.empty())
-    made.left.push_back(
-        fmt::format("*SHELL SECTION of {}: there is no orientation {} that is known; material axis 1 is "
-                    "[1, 0, 0]",
-                    s.elements, s.orientation));
+    made.left.push_back(fmt::format("{} of {}: there is no orientation {} that is known; material axis 1 is [1, 0, 0]",
+                                    deck.words.section, s.elements, s.orientation));
   made.text = fmt::format("\n[[material]]               # {}\n", printable(name));
   const bool layered = m.orthotropic && (!s.plies.empty() || axes.angle != 0.0);
   if (m.orthotropic)

@@ -13,14 +13,14 @@ namespace {
 YarnCurve curve_of(const std::vector<YarnPoint>& tangents) {
   YarnCurve c{tangents.front().force};
   double slope = 0.0;
-  const auto turn = [&](double strain, double next) {
-    if (next != slope) c.knots.push_back({strain, next - slope});
+  const auto turn = [&](double strain, double next, bool is_end = false) {
+    if (next != slope || is_end) c.knots.push_back({strain, next - slope});
     slope = next;
   };
   for (std::size_t i = 0; i + 1 < tangents.size(); ++i)
     turn(tangents[i].strain,
          (tangents[i + 1].force - tangents[i].force) / (tangents[i + 1].strain - tangents[i].strain));
-  turn(tangents.back().strain, 0.0);
+  turn(tangents.back().strain, 0.0, true);
   return c;
 }
 
@@ -91,25 +91,29 @@ bool is_stable(const Mat3& membrane, const YarnLaw& law) {
   return is_positive_definite(least);
 }
 
+Mat3 yarn_axes(const YarnLaw& law) {
+  return turned_strain(law.warp_angle) * law.natural;
+}
+
 Vec3 added_force(const YarnLaw& law, const Vec3& strain) {
-  const Mat3 turn = turned_strain(law.warp_angle);
+  const Mat3 turn = yarn_axes(law);
   const Vec3 e = turn * strain;
   Vec3 force;
   for (int r = 0; r < 3; ++r) {
     const double size = force_of({0.0, law.knots[static_cast<std::size_t>(r)]}, r < 2 ? e[r] : std::abs(e[r]));
     force[r] = r < 2 ? size : std::copysign(size, e[r]);
   }
-  return turn.transpose() * force;
+  return law.area * turn.transpose() * force;
 }
 
 Mat3 added_tangent(const YarnLaw& law, const Vec3& strain) {
-  const Mat3 turn = turned_strain(law.warp_angle);
+  const Mat3 turn = yarn_axes(law);
   const Vec3 e = turn * strain;
   Vec3 tangent = Vec3::Zero();
   for (int r = 0; r < 3; ++r)
     for (const YarnLaw::Knot& k : law.knots[static_cast<std::size_t>(r)])
       tangent[r] += k.bend * std::max(0.0, (r < 2 ? e[r] : std::abs(e[r])) - k.strain);
-  return turn.transpose() * tangent.asDiagonal() * turn;
+  return law.area * turn.transpose() * tangent.asDiagonal() * turn;
 }
 
 }  // namespace voile::energy

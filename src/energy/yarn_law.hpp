@@ -30,6 +30,10 @@ struct YarnLaw {
   std::array<std::vector<Knot>, 3> knots{};  ///< along warp, along weft, in shear, by ascending strain
   double stiffness = 0.0;                    ///< G_s [N/m]; 0: no friction
   double limit = 0.0, rise = 0.0;            ///< H0, h [N/m]
+  /// T, which takes strains from the rest shape to those from the natural state, both in material axes, and the area of that over the
+  /// area of the rest shape: natural_state.hpp.
+  Mat3 natural = Mat3::Identity();
+  double area = 1.0;
 
   [[nodiscard]] bool rubs() const { return stiffness > 0.0; }
   [[nodiscard]] bool any() const { return rubs() || !knots[0].empty() || !knots[1].empty() || !knots[2].empty(); }
@@ -61,6 +65,8 @@ struct Interval {
 /// Whether every strain costs energy: `membrane` A in yarn axes.
 [[nodiscard]] bool is_stable(const Mat3& membrane, const YarnLaw& law);
 
+/// Takes strains in material axes, from the rest shape, to those of the yarns.
+[[nodiscard]] Mat3 yarn_axes(const YarnLaw& law);
 /// What the knots add to A E, in material axes [N/m]; friction is left out.
 [[nodiscard]] Vec3 added_force(const YarnLaw& law, const Vec3& strain);
 /// What they add to A, likewise.

@@ -24,7 +24,8 @@ YarnLaws::YarnLaws(const std::vector<Material>& materials, double factor) : fact
 
 void YarnLaws::add(const Batches::Place& place, double area, const YarnLaw& law) {
   std::vector<double> numbers(lines_per_batch(), 0.0);
-  const Mat3 turn = turned_strain(law.warp_angle);
+  const Mat3 turn = yarn_axes(law);
+  area *= law.area;
   for (std::size_t r = 0; r < 3; ++r)
     for (std::size_t k = 0; k < 3; ++k)
       numbers[yarn_law_fields::turn + 3 * r + k] = turn(static_cast<Eigen::Index>(r), static_cast<Eigen::Index>(k));

@@ -352,13 +352,13 @@ Case read_case(CaseReader& reader, const std::filesystem::path& file, StageSecti
   read_all(reader, "probe", c.probes,
            [&](const SectionPlace& place, const Probe& probe) { check_probe(place, probe, c.probes); });
   check_control(steps, c.steps, c.probes);
-  const SectionPlace output = reader.read("output", 0, keys_of(c.output));
-  if (c.time.options.method == solve::TimeOptions::Method::central_difference && !output.has("energy_balance"))
-    c.output.energy_balance = false;
+  read_output(reader, c);
   check_petsc(reader.read("petsc", 0, petsc_keys(c)), c.petsc_options);
   check_rigid(c);
+  check_folds(c);
   check_harmonic(c);
   c.notes = idle_sections(reader, c);
+  for (std::string& note : material_notes(c)) c.notes.push_back(std::move(note));
   return c;
 }
 

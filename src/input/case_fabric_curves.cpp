@@ -28,11 +28,16 @@ std::string valid_units(Dimension dimension) {
   return join(units_of(dimension), ", ");
 }
 
+/// What to write instead of a number without its unit.
+std::string with_unit(Dimension dimension) {
+  if (dimension == Dimension::extension) return "write it in per cent, as \"4 %\"";
+  return "write a text with one of " + valid_units(dimension);
+}
+
 /// A text with a unit of this dimension, in SI.
 double quantity(const CurveKey& k, const std::string& name, const std::string& text, Dimension dimension) {
   if (text.find_first_not_of("0123456789.+-eE ") == std::string::npos)
-    k.place.fail(k.key, fmt::format("{}: the unit of '{}' is missing; write a text with one of {}", name, text,
-                                    valid_units(dimension)));
+    k.place.fail(k.key, fmt::format("{}: the unit of '{}' is missing; {}", name, text, with_unit(dimension)));
   Quantity q;
   try {
     q = parse_quantity(text);
@@ -50,9 +55,7 @@ double quantity(const CurveKey& k, const std::string& name, const std::string& t
 double figure(const CurveKey& k, const toml::table& table, const char* name, Dimension dimension) {
   const toml::node* node = table.get(name);
   if (!node) return 0.0;
-  if (!node->is_string())
-    k.place.fail(k.key,
-                 fmt::format("{}: the unit is missing; write a text with one of {}", name, valid_units(dimension)));
+  if (!node->is_string()) k.place.fail(k.key, fmt::format("{}: the unit is missing; {}", name, with_unit(dimension)));
   return quantity(k, name, *node->value<std::string>(), dimension);
 }
 
@@ -205,6 +208,18 @@ energy::YarnCurve middle_of_loop(const Fabric& f, std::vector<energy::YarnPoint>
   return energy::yarn_curve(points);
 }
 
+namespace {
+
+constexpr int most_halvings = 8;
+
+/// Whether the loop is open where 2HG is measured, and leaves the shear stiffness positive.
+bool fits(const Fabric& f) {
+  const energy::YarnLaw law = yarn_law(f, true);
+  return law.limit <= law.stiffness * std::sin(0.5 * degree) && energy::is_stable(membrane_stiffness(f, true), law);
+}
+
+}  // namespace
+
 void check_shear_friction(const SectionPlace& place, const Fabric& f) {
   if (!f.shear_hysteresis) return;
   const energy::YarnLaw law = yarn_law(f, true);
@@ -212,16 +227,20 @@ void check_shear_friction(const SectionPlace& place, const Fabric& f) {
   if (law.rise < 0.0 || law.limit <= 0.0)
     place.fail(key, fmt::format("2HG5 = {:g} N/m has to be 1 to 10 times 2HG = {:g} N/m; check the units",
                                 f.shear_hysteresis_5.value_or(0.0), *f.shear_hysteresis));
-  if (law.limit > law.stiffness * std::sin(0.5 * degree))
+  if (fits(f)) return;
+  Fabric narrower = f;
+  narrower.shear_hysteresis_spread = std::min(f.shear_hysteresis_spread, degree);
+  for (int k = 0; k < most_halvings && !fits(narrower); ++k) narrower.shear_hysteresis_spread *= 0.5;
+  if (fits(narrower))
     place.fail(
         "shear_hysteresis_spread",
-        fmt::format("{:.3g} degrees: the loop is not open yet at 0.5 degrees, where 2HG is measured; give at most 1",
-                    f.shear_hysteresis_spread / degree));
-  if (!energy::is_stable(membrane_stiffness(f, true), law))
-    place.fail(key,
-               fmt::format("the loop grows so fast ({:.3g} N/m per radian) that the shear stiffness of {:.3g} N/m does "
-                           "not carry it; check shear figures and units",
-                           law.rise, f.membrane_shear));
+        fmt::format("{:.3g} degrees: the loop of these figures has to turn over less, to be open at 0.5 degrees, where "
+                    "2HG is measured, and to leave the fabric stiff; give at most {:.2g}",
+                    f.shear_hysteresis_spread / degree, narrower.shear_hysteresis_spread / degree));
+  place.fail(key,
+             fmt::format("the loop grows so fast ({:.3g} N/m per radian) that the shear stiffness of {:.3g} N/m does "
+                         "not carry it; check shear figures and units",
+                         law.rise, f.membrane_shear));
 }
 
 }  // namespace voile::input

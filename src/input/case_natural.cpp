@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <utility>
 
+#include "case_lines.hpp"
 #include "case_materials.hpp"
 #include "case_sections.hpp"
 #include "voile/errors.hpp"
@@ -99,6 +101,20 @@ void read_hinges(CaseReader& reader, Case& c) {
     if (e.in_time && hinge.constant)
       place.fail("constant", "angle depends on t, so it is not constant; remove one of the two");
   });
+}
+
+void check_folds(const Case& c) {
+  for (const system::Hinge& hinge : c.hinges) {
+    char* end = nullptr;
+    const double angle = std::strtod(hinge.angle.text.c_str(), &end);
+    const bool is_number = !hinge.angle.text.empty() && end != nullptr && *end == '\0';
+    const double most = c.analysis == "static" && !hinge.constant ? std::max(1.0, c.steps.final_load_factor) : 1.0;
+    if (!is_number || std::abs(angle) * most <= 180.0 * (1.0 + 1e-9)) continue;
+    throw UserError(fmt::format(
+        "{}: [[hinge]] group = \"{}\": angle = {:g} degrees: a fold is counted from the mesh, and beyond 180 the "
+        "sheet would pass through itself; give at most 180 the one way or the other",
+        place_in_case(c.file, "hinge", "group", hinge.group), hinge.group, angle * most));
+  }
 }
 
 void check_imperfection(const SectionPlace& place, const Case& c, ImperfectionSection& s) {

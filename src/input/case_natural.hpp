@@ -18,6 +18,8 @@ void read_temperature(const SectionPlace& place, const Case& c, system::Temperat
 void check_form(const SectionPlace& place, Case& c);
 /// Reads the hinges. Throws UserError.
 void read_hinges(CaseReader& reader, Case& c);
+/// Throws UserError where a fold that is a number is more than 180 degrees.
+void check_folds(const Case& c);
 /// Completes an imperfection of case `c`. Throws UserError.
 void check_imperfection(const SectionPlace& place, const Case& c, ImperfectionSection& s);
 

@@ -66,6 +66,11 @@ class CaseReader {
 /// Notes on the sections that the analysis of a case that has been read does not look at.
 [[nodiscard]] std::vector<std::string> idle_sections(const CaseReader& reader, const Case& c);
 
+/// Notes on what the analysis leaves out of materials.
+[[nodiscard]] std::vector<std::string> material_notes(const Case& c);
+/// [output], of materials that have what it asks for.
+void read_output(const CaseReader& reader, Case& c);
+
 /// The first mistake in a case and those of other keys, a line each. Sections are not compared with each other.
 [[nodiscard]] std::string with_other_mistakes(const CaseReader& reader, const std::string& first);
 

@@ -167,6 +167,14 @@ class Parser {
 
 double unit_of(const char* key, const std::string& name, const Powers& powers) {
   MeasuredUnit unit;
+  std::vector<std::string> known, fitting;
+  for (const Named& n : named_units()) {
+    known.emplace_back(n.name);
+    if (n.powers == powers) fitting.emplace_back(n.name);
+  }
+  const auto is_letter = [](unsigned char c) { return std::isalpha(c) != 0; };
+  if (std::all_of(name.begin(), name.end(), is_letter) && !contains(known, name))
+    throw UserError(fmt::format("{}: unknown unit '{}':{}", key, name, suggestion(name, fitting)));
   try {
     unit = parse_unit(name);
   } catch (const UserError& e) {

@@ -9,6 +9,7 @@
 
 #include "deck.hpp"
 #include "nastran_cards.hpp"
+#include "nastran_properties.hpp"
 
 namespace voile::io {
 
@@ -18,30 +19,33 @@ using Procedure = Deck::Procedure;
 
 /// Cards that the mesh reader takes, or that change nothing here.
 bool is_passed_over(const std::string& name) {
-  static const std::set<std::string> all{"GRID",  "GRDSET", "CTRIA3", "CTRIAR", "CTRIA6", "CQUAD4", "CQUADR", "CQUAD8",
-                                         "CQUAD", "SPC",    "SPC1",   "SPCADD", "LOAD",   "FORCE",  "PLOAD2", "PLOAD4",
-                                         "GRAV",  "MAT1",   "PSHELL", "EIGRL",  "EIGR",   "EIGB",   "NLPARM"};
+  static const std::set<std::string> all{"GRID",   "GRDSET", "CTRIA3", "CTRIAR", "CTRIA6", "CQUAD4", "CQUADR",
+                                         "CQUAD8", "CQUAD",  "SPC",    "SPC1",   "SPCADD", "LOAD",   "FORCE",
+                                         "PLOAD2", "PLOAD4", "GRAV",   "MAT1",   "MAT8",   "PSHELL", "PCOMP",
+                                         "EIGRL",  "EIGR",   "EIGB",   "NLPARM"};
   return all.contains(name) || name.starts_with("CORD");
 }
 
 class NastranDeckReader {
  public:
   explicit NastranDeckReader(const std::string& file) : read_(read_nastran_file(file)), systems_(read_.cards) {
-    deck_.words = {"a Nastran deck", "elements", "SPC", "FORCE or PLOAD", "PSHELL", "GRAV", "SOL"};
+    deck_.words = {"a Nastran deck", "elements", "SPC", "FORCE or PLOAD", "PSHELL or PCOMP", "GRAV", "SOL"};
   }
 
   Deck run() {
     for (const NastranCard& line : read_.control) take_control(line);
     for (const NastranCard& card : read_.cards) {
-      if (card.name.starts_with("CTRIA") || card.name.starts_with("CQUAD")) take_element(card);
+      if (card.name.starts_with("CTRIA") || card.name.starts_with("CQUAD")) shells_.insert(card.whole(1));
       if (card.name == "GRID") points_[card.whole(1)] = &card;
       if (card.name == "GRID") grids_.insert(card.whole(1));
       if (card.name == "GRDSET") defaults_ = &card;
       if (card.name == "PARAM" && card.field(1) == "WTMASS") mass_ = card.real(2);
+      if (card.name == "PARAM" && card.field(1) == "LGDISP") large_ = card.real(2) > 0.0;
       if (!is_passed_over(card.name) && card.name != "PARAM" && seen_.insert(card.name).second) leave(card, card.name);
     }
-    for (const NastranCard& card : read_.cards) take_property(card);
-    deck_.all_in_sections = deck_.sections.size() == used_.size();
+    for (const NastranCard& card : read_.cards) take_method(card);
+    choose_deflections();
+    NastranProperties(read_.cards, systems_).add_to(deck_, mass_);
     hold_always();
     select_supports();
     select_loads();
@@ -54,6 +58,8 @@ class NastranDeckReader {
   }
 
   void take_control(const NastranCard& line) {
+    if (line.name.starts_with("PARAM") && line.name.find("LGDISP") != std::string::npos)
+      large_ = line.name.find('-') == std::string::npos && line.name.find(",0") == std::string::npos;
     const std::size_t equal = line.name.find('=');
     std::string key = line.name.substr(0, std::min(equal, line.name.find('(')));
     while (!key.empty() && key.back() == ' ') key.pop_back();
@@ -80,48 +86,26 @@ class NastranDeckReader {
     if (is({"5", "105", "SEBUCKL"})) deck_.procedure = Procedure::buckle;
     if (is({"106", "400", "NLSTATIC", "NONLIN"})) deck_.procedure = Procedure::nonlinear;
     if (deck_.procedure == Procedure::none) leave(line, "SOL " + name);
+    small_by_default_ = is({"106", "NLSTATIC"});
+    solution_ = line;
   }
 
-  void take_element(const NastranCard& card) {
-    used_.insert(card.whole(2, card.whole(1)));
-    shells_.insert(card.whole(1));
-    const bool three = card.name == "CTRIA3" || card.name == "CTRIAR",
-               four = card.name == "CQUAD4" || card.name == "CQUADR";
-    if (!three && !four) return;
-    const std::size_t corners = three ? 3 : 4;
-    if (!card.field(4 + corners).empty() && card.real(4 + corners) != 0.0 && seen_.insert("ZOFFS").second)
-      leave(card, card.name + ", ZOFFS: an offset from the grid points");
-    for (std::size_t k = 11; k < 11 + corners; ++k)
-      if (!card.field(k).empty() && seen_.insert("T1").second)
-        leave(card, card.name + ", T1 to T4: the thickness of the property is taken");
+  /// A nonlinear solution has large displacements where PARAM,LGDISP says so.
+  void choose_deflections() {
+    if (deck_.procedure != Procedure::nonlinear || large_.value_or(!small_by_default_)) return;
+    deck_.procedure = Procedure::linear;
+    leave(solution_, solution_.name + (large_ ? ", PARAM,LGDISP,-1" : " without PARAM,LGDISP,1") +
+                         ": small displacements, analysis = \"linear\"; give \"static\" if they are large");
   }
 
-  void take_property(const NastranCard& card) {
-    if (card.name == "MAT1") take_material(card);
+  void take_method(const NastranCard& card) {
     if (card.name == "EIGRL" && (!method_ || card.whole(1) == *method_)) deck_.modes = modes(card, 4);
     if ((card.name == "EIGR" || card.name == "EIGB") && (!method_ || card.whole(1) == *method_))
       deck_.modes = modes(card, 6);
-    if (card.name != "PSHELL" || !used_.contains(card.whole(1))) return;
-    if (card.field(2).empty()) return leave(card, "PSHELL without MID1: it has no membrane");
-    deck_.sections.push_back({fmt::format("property-{}", card.whole(1)), card.field(2), card.real(3, 0.0)});
-    if (card.field(4).empty()) leave(card, "PSHELL without MID2, a membrane: it bends as a shell of its thickness");
-    if (!card.field(4).empty() && card.field(4) != card.field(2))
-      leave(card, "PSHELL, MID2: MID1 is taken for bending");
-    if (card.real(5, 1.0) != 1.0) leave(card, "PSHELL, 12I/T**3: 1 is taken");
-    if (card.real(8, 0.0) != 0.0) leave(card, "PSHELL, NSM: mass that is not structural");
   }
 
   static int modes(const NastranCard& card, std::size_t field) {
     return static_cast<int>(std::clamp(card.whole(field, 0L), 0L, 1000L));
-  }
-
-  void take_material(const NastranCard& card) {
-    Deck::Material& m = deck_.materials[card.field(1)];
-    const double shear = card.real(3, 0.0);
-    m.young = card.real(2, 0.0);
-    m.poisson = card.real(4, m.young > 0.0 && shear > 0.0 ? m.young / (2.0 * shear) - 1.0 : 0.0);
-    if (m.young == 0.0) m.young = 2.0 * (1.0 + m.poisson) * shear;
-    m.density = mass_ * card.real(5, 0.0);
   }
 
   /// Adds digits 1 to 6 of `components` to what holds a grid point.
@@ -233,8 +217,11 @@ class NastranDeckReader {
   Deck deck_;
   int subcases_ = 0;
   std::optional<long> spc_, load_, method_;
-  double mass_ = 1.0;                     ///< PARAM, WTMASS
-  std::set<long> used_, grids_, shells_;  ///< properties in use; grid points; elements
+  double mass_ = 1.0;          ///< PARAM, WTMASS
+  std::optional<bool> large_;  ///< PARAM, LGDISP
+  bool small_by_default_ = false;
+  NastranCard solution_;
+  std::set<long> grids_, shells_;  ///< grid points; elements
   std::set<std::string> seen_;
   std::map<long, const NastranCard*> points_;
   const NastranCard* defaults_ = nullptr;

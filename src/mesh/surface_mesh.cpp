@@ -293,11 +293,14 @@ const Group& SurfaceMesh::group(const std::string& name, int dimension) const {
   std::vector<std::string> known;
   for (const Group& g : groups()) {
     if (g.name == name && (dimension < 0 || g.dimension == dimension)) return g;
-    if (dimension < 0 || g.dimension == dimension) known.push_back(fmt::format("'{}'", g.name));
+    if (dimension < 0 || g.dimension == dimension) known.push_back(g.name);
   }
   static constexpr std::array<const char*, 3> kinds{"point", "curve", "surface"};
   const std::string kind = dimension < 0 ? "physical" : kinds[static_cast<std::size_t>(dimension)];
-  throw UserError(fmt::format("{}: there is no {} group '{}'; the mesh has: {}", source(), kind, name,
+  const std::string near = nearest(name, known);
+  for (std::string& other : known) other = "'" + other + "'";
+  throw UserError(fmt::format("{}: there is no {} group '{}'{}; the mesh has: {}", source(), kind, name,
+                              near.empty() ? "" : fmt::format("; did you mean '{}'?", near),
                               known.empty() ? "none" : join(known, ", ")));
 }
 

@@ -123,8 +123,21 @@ Recorder::Snapshot Recorder::gathered(Vec a, const Motion& motion) {
   model_->dofs().clear_free(force);  // away from supports the force is only the residual that is left
   s.state.displacement = linear_ ? model_->dofs().gather_change(a) : model_->dofs().gather(a);
   s.state.reaction = model_->dofs().gather_forces(force);
-  if (!case_.rigids.empty()) s.bodies = system::rigid_values(model_->discretisation(), a, force, linear_);
+  if (!case_.rigids.empty())
+    s.bodies = bodies_of(a, force, motion.v ? motion.time : model_->conditions().load_factor());
   return s;
+}
+
+std::vector<double> Recorder::bodies_of(Vec a, Vec force, double time) const {
+  constexpr std::size_t each = 12, turn = 3;
+  std::vector<double> all = system::rigid_values(model_->discretisation(), a, force, linear_);
+  for (std::size_t b = 0; b < case_.rigids.size() && each * (b + 1) <= all.size(); ++b) {
+    const system::RigidGroup& group = case_.rigids[b].group;
+    if (!group.angle || linear_) continue;
+    const Vec3 whole = group.angle(time) * group.axis->normalized();
+    std::copy(whole.data(), whole.data() + 3, &all[each * b + turn]);
+  }
+  return all;
 }
 
 Recorder::Snapshot Recorder::snapshot(Vec a, const Motion& motion) {
@@ -166,7 +179,9 @@ std::string Recorder::contact_note(const Snapshot& s, const solve::StepResult& r
 void Recorder::record(const system::State& state, const solve::StepResult& r, bool whole) {
   const petsc::EventScope scope(petsc::events().output);
   Snapshot s = snapshot(state.u, motion_of(state));
-  if (dynamics_) s.kinetic = dynamics_->kinetic_energy(state.v);
+  if (dynamics_)
+    s.kinetic = dynamics_->kinetic_energy(state.v) +
+                dynamics_->kinetic_energy_of_held(state.v, system::short_moment * case_.time.options.step);
   if (dynamics_) kinetic_.add(state.time, s.kinetic);
   write_history(state, r, s);
   if (has_folder()) write_step(state, r, s, whole);
@@ -176,6 +191,7 @@ void Recorder::record(const system::State& state, const solve::StepResult& r, bo
         fmt::format("contact let {} pairs of triangles intersect in step {}, which is recorded; the "
                     "steps before it are whole",
                     s.intersections, state.step));
+  say_form(state, r);
   time_left_.add(dynamics_ ? state.time : state.load_factor, wall_seconds());
   const bool is_start = dynamics_ ? r.taken == 0.0 : r.newton.iterations == 0 && r.newton.factorisations == 0;
   if (!root_ || options_.verbosity == Verbosity::quiet || is_start) return;

@@ -104,6 +104,8 @@ class Recorder {
     petsc::VecHandle position, velocity, acceleration;
   };
   [[nodiscard]] Snapshot snapshot(Vec a, const Motion& motion);
+  /// Columns of rigid groups; of a turn that the case prescribes all of it, beyond the rotation's 2 pi.
+  [[nodiscard]] std::vector<double> bodies_of(Vec a, Vec force, double time) const;
   /// Only its displacements and reactions.
   [[nodiscard]] Snapshot gathered(Vec a, const Motion& motion);
   /// Whether estimates of error are made: not of modes, which have no size.
@@ -126,6 +128,8 @@ class Recorder {
   [[nodiscard]] std::vector<double> common_values(const system::State& state, const solve::StepResult& r,
                                                   const Snapshot& s) const;
   [[nodiscard]] long count_intersections(Vec a) const;
+  /// How far the first equilibrium of a case with [form] is from its prestress.
+  void say_form(const system::State& state, const solve::StepResult& r);
   [[nodiscard]] bool wants(const std::string& field) const;
   [[nodiscard]] bool has_folder() const { return !options_.output.empty(); }
   [[nodiscard]] bool keeps_balance() const { return case_.analysis == "dynamic" && case_.output.energy_balance; }
@@ -145,6 +149,7 @@ class Recorder {
   History kept_;
   std::optional<Pending> pending_;
   bool linear_;
+  bool said_form_ = false;
   Warnings warnings_;
   double membrane_error_ = std::nan("");
   std::optional<FirstFailure> failure_;

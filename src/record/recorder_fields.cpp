@@ -8,6 +8,7 @@
 
 #include "base/mpi.hpp"
 #include "contact_fields.hpp"
+#include "form_tension.hpp"
 #include "linear_values.hpp"
 #include "recorder.hpp"
 #include "stresses.hpp"
@@ -79,6 +80,7 @@ std::vector<Field> Recorder::fields_of(Vec a, const Snapshot& s, const Wants& wa
     const auto add_density = [&](const char* name, std::vector<double>& values) {
       if (wants(name)) fields.push_back({name, "J/m^2", io::Centre::triangle, 1, std::move(values)});
     };
+    if (linear_ && judged) warnings_.say_linear_range(model_->discretisation().sheet(), t.membrane_strain);
     if (estimated) {
       Warnings::MembraneError error = warnings_.membrane_error(model_->discretisation().sheet(), t, least);
       membrane_error_ = error.fraction;
@@ -96,6 +98,22 @@ std::vector<Field> Recorder::fields_of(Vec a, const Snapshot& s, const Wants& wa
   });
   for (Field& f : fields) f.unit = input::UnitSystem(case_.units).label(f.unit);
   return fields;
+}
+
+void Recorder::say_form(const system::State& state, const solve::StepResult& r) {
+  const bool is_first = case_.form.active && case_.stage.number == 0 && !dynamics_ && !linear_ &&
+                        case_.analysis != "drape" && r.taken == 0.0 && state.load_factor == 0.0;
+  if (!is_first || std::exchange(said_form_, true)) return;
+  const system::TriangleFields t = model_->potential().triangle_fields(state.u);
+  mpi::on_root(model_->dofs().comm(), [&] {
+    const energy::Sheet& sheet = model_->discretisation().sheet();
+    const TensionChange change = tension_change(sheet, t);
+    const std::string text = text_of(change, sheet, input::UnitSystem(case_.units).label("N/m"));
+    if (change.error > tension_limit)
+      fmt::print(stderr, "voile: warning: {}\n", text);
+    else
+      remark(text);
+  });
 }
 
 std::vector<Field> Recorder::fields(const system::State& state, const Wants& wants) {

@@ -11,6 +11,7 @@
 #include "probes.hpp"
 #include "response.hpp"
 #include "setup/free_motions.hpp"
+#include "setup/hinge_notes.hpp"
 #include "setup/mesh_report.hpp"
 #include "validity.hpp"
 #include "voile/errors.hpp"
@@ -122,6 +123,7 @@ void report_mesh(const input::Case& c, const RunOptions& options, const system::
     }
     for (const std::string& text : setup::quality_warnings(mesh, quality, c.element)) fmt::print("warning: {}\n", text);
     for (const std::string& text : probe_warnings(c, mesh)) fmt::print("warning: {}\n", text);
+    for (const std::string& text : setup::hinge_warnings(c, mesh)) fmt::print("warning: {}\n", text);
     if (const std::string text = setup::unit_warning(c, mesh); !text.empty()) fmt::print("warning: {}\n", text);
     if (const std::string text = setup::fold_warning(mesh, quality, c.element); !text.empty())
       fmt::print("warning: {}\n", text);

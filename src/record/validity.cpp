@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "energy/chord_error.hpp"
+#include "energy/natural_state.hpp"
 #include "energy/sheet.hpp"
 #include "mesh/patch.hpp"
 
@@ -15,15 +16,24 @@ namespace voile::record {
 
 namespace {
 
-/// Larger of |E_1|, |E_2| of a triangle with edges a, b that were A, B at rest.
-double principal_strain(const Vec3& rest_a, const Vec3& rest_b, const Vec3& a, const Vec3& b) {
-  // Metric differences in an orthonormal frame of the rest triangle: rest_a along axis 1.
+/// E11, E22, 2 E12 of a triangle with edges a, b that were A, B at rest, in an orthonormal frame whose axis 1 is along A.
+Vec3 green_strain(const Vec3& rest_a, const Vec3& rest_b, const Vec3& a, const Vec3& b) {
   const double length = rest_a.norm(), along = rest_b.dot(rest_a) / length;
   const double height = rest_a.cross(rest_b).norm() / length;
-  if (!(length > 0.0 && height > 0.0)) return 0.0;
+  if (!(length > 0.0 && height > 0.0)) return Vec3::Zero();
   const Vec3 f1 = a / length, f2 = (b - along * f1) / height;
-  const double e11 = 0.5 * (f1.squaredNorm() - 1.0), e22 = 0.5 * (f2.squaredNorm() - 1.0), e12 = 0.5 * f1.dot(f2);
-  return std::abs(0.5 * (e11 + e22)) + std::hypot(0.5 * (e11 - e22), e12);
+  return {0.5 * (f1.squaredNorm() - 1.0), 0.5 * (f2.squaredNorm() - 1.0), f1.dot(f2)};
+}
+
+/// Larger of |E_1|, |E_2|.
+double principal_size(const Vec3& e) {
+  return std::abs(0.5 * (e[0] + e[1])) + std::hypot(0.5 * (e[0] - e[1]), 0.5 * e[2]);
+}
+
+/// Angle from rest_a to material axis 1 in the plane of both edges [rad].
+double axis_angle(const Vec3& rest_a, const Vec3& rest_b, const Vec3& axis) {
+  const Vec3 across = rest_a.cross(rest_b).cross(rest_a);
+  return std::atan2(axis.dot(across) / across.norm(), axis.dot(rest_a) / rest_a.norm());
 }
 
 /// Signed angle about the common edge from one normal to the other.
@@ -38,11 +48,35 @@ double rest_turn(const mesh::SurfaceMesh& mesh, Index t, int s) {
                     mesh.rest_normal(mesh.neighbour(t, s)));
 }
 
+/// Strains in axes from which material axis 1 lies at `angle` [rad], in those of the material and from its natural state.
+Vec3 own_strain(const energy::Material& material, const Vec3& e, double angle) {
+  const Vec3 half(0.5, 0.5, 0.0);
+  return energy::turned_strain(angle) * e - (energy::natural_state(material, 0.0, 0.0).metric(half) - half);
+}
+
 }  // namespace
+
+Reach reach_of(const energy::Material& material, const Vec3& e) {
+  const auto& knots = material.yarns.knots;
+  Reach most{principal_size(e)};
+  if (std::all_of(knots.begin(), knots.end(), [](const auto& k) { return k.empty(); })) return most;
+  const Vec3 yarns = energy::yarn_axes(material.yarns) * e;
+  most = {};
+  for (const auto of : {Reach::Of::warp, Reach::Of::weft, Reach::Of::shear}) {
+    const auto r = static_cast<std::size_t>(of) - 1;
+    const bool shear = of == Reach::Of::shear;
+    Reach here{yarns[static_cast<Eigen::Index>(r)], shear ? 2.0 * strain_limit : strain_limit, of};
+    here.measured = !knots[r].empty() && knots[r].back().strain > 0.0 && (shear || here.strain > 0.0);
+    if (here.measured) here.limit = knots[r].back().strain;
+    if (here.ratio() > most.ratio()) most = here;
+  }
+  return most;
+}
 
 Validity assess(const system::Model& model, const std::vector<double>& displacement) {
   const mesh::SurfaceMesh &mesh = model.dofs().mesh(), &sheet = model.discretisation().sheet().mesh(),
                           &before = model.discretisation().patches_before().mesh();
+  const energy::Sheet& materials = model.discretisation().sheet();
   Validity v;
   const double fraction = model.potential().drawn_in();
   const auto rest = [&](Index t, int i) -> Vec3 {
@@ -56,9 +90,14 @@ Validity assess(const system::Model& model, const std::vector<double>& displacem
     const mesh::Triangle& i = mesh.triangles()[t];
     const Vec3 x0 = now(i[0]), x1 = now(i[1]), x2 = now(i[2]);
     const Vec3 corner = rest(t, 0);
-    const double strain = principal_strain(rest(t, 1) - corner, rest(t, 2) - corner, x1 - x0, x2 - x0);
-    if (strain > v.strain) {
-      v.strain = strain;
+    const Vec3 rest_a = rest(t, 1) - corner, rest_b = rest(t, 2) - corner,
+               e = green_strain(rest_a, rest_b, x1 - x0, x2 - x0);
+    v.strain = std::max(v.strain, principal_size(e));
+    const energy::Material& material = materials.material(t);
+    const Vec3 elastic =
+        material.yarns.any() ? own_strain(material, e, axis_angle(rest_a, rest_b, materials.frame(t).e1)) : e;
+    if (const Reach reach = reach_of(material, elastic); reach.ratio() > v.reach.ratio()) {
+      v.reach = reach;
       v.triangle = t;
     }
     const Vec3 n = normal(x0, x1, x2);

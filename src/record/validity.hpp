@@ -6,6 +6,7 @@
 // of D theta per edge (docs/verification/limits.md).
 #pragma once
 
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -21,8 +22,20 @@ inline constexpr double strain_limit = 0.1, turn_limit = 1.0471975511965976;
 /// Fraction of the stored energy that the membrane may owe to its chords (energy/chord_error.hpp).
 inline constexpr double error_limit = 0.05;
 
+/// A strain, and up to which size the law of its material is known: strain_limit, or the end of a measured curve.
+struct Reach {
+  double strain = 0.0, limit = strain_limit;
+  enum class Of { principal, warp, weft, shear } of = Of::principal;  ///< of shear the sine of its angle
+  bool measured = false;                                              ///< the limit is that of a curve
+  [[nodiscard]] double ratio() const { return std::abs(strain) / limit; }
+};
+/// The strain of the largest ratio among the principal values of `e`, or of a material with curves those along and between its yarns;
+/// E11, E22, 2 E12 from the natural state, in material axes.
+[[nodiscard]] Reach reach_of(const energy::Material& material, const Vec3& e);
+
 struct Validity {
   double strain = 0.0;                             ///< largest |E_1|, |E_2|
+  Reach reach;                                     ///< that of the largest ratio
   Index triangle = no_index;                       ///< where
   double turn = 0.0;                               ///< largest |theta_e| [rad]
   Index vertex_a = no_index, vertex_b = no_index;  ///< ends of that edge

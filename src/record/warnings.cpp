@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
 #include <numbers>
 #include <utility>
 
@@ -10,27 +12,63 @@
 
 namespace voile::record {
 
+namespace {
+
+std::string place_text(const mesh::SurfaceMesh& mesh, const Vec3& x) {
+  return fmt::format("({:.4g}, {:.4g}, {:.4g}) m at {}", x[0], x[1], x[2], mesh.has_charts() ? "the start" : "rest");
+}
+
+/// What a strain is, in words, and a size of it.
+std::string strain_text(Reach::Of of) {
+  if (of == Reach::Of::principal) return "a membrane strain";
+  return of == Reach::Of::shear  ? "a shear"
+         : of == Reach::Of::warp ? "a strain along the warp"
+                                 : "a strain along the weft";
+}
+
+std::string size_text(Reach::Of of, double strain) {
+  if (of != Reach::Of::shear) return fmt::format("{:.2g} %", 100.0 * strain);
+  return fmt::format("{:.2g} degrees", std::asin(std::clamp(strain, -1.0, 1.0)) * 180.0 / std::numbers::pi);
+}
+
+}  // namespace
+
 // Results beyond go on, but the law no longer holds.
+void Warnings::say_strain(const mesh::SurfaceMesh& mesh, const Reach& reach, Index triangle) {
+  if (!(reach.ratio() > 1.0) || std::exchange(said_strain_, true)) return;
+  const Vec3 x =
+      (mesh.start_corner(triangle, 0) + mesh.start_corner(triangle, 1) + mesh.start_corner(triangle, 2)) / 3.0;
+  const std::string why =
+      reach.measured
+          ? "there its measured curve has ended, at {}, and goes on straight; measure it further, or check loads"
+          : "the law is linear in the strain and meant for less than {}";
+  fmt::print(stderr, "voile: warning: {} of {} at {}: {} (history: largest_strain)\n", strain_text(reach.of),
+             size_text(reach.of, reach.strain), place_text(mesh, x),
+             fmt::format(fmt::runtime(why), size_text(reach.of, reach.limit)));
+}
+
+void Warnings::say_linear_range(const energy::Sheet& sheet, const std::vector<double>& strain) {
+  Reach most;
+  Index at = no_index;
+  for (Index t = 0; t < sheet.mesh().triangle_count(); ++t) {
+    const Vec3 e = Eigen::Map<const Vec3>(&strain[3 * static_cast<std::size_t>(t)]);
+    const Reach reach = reach_of(sheet.material(t), e);
+    if (reach.ratio() <= most.ratio()) continue;
+    most = reach;
+    at = t;
+  }
+  if (at != no_index) say_strain(sheet.mesh(), most, at);
+}
+
 void Warnings::say_range(const mesh::SurfaceMesh& mesh, const Validity& v) {
   if (linear_) return;
-  const auto place = [&](const Vec3& x) {
-    return fmt::format("({:.4g}, {:.4g}, {:.4g}) m at {}", x[0], x[1], x[2], mesh.has_charts() ? "the start" : "rest");
-  };
-  if (v.strain > strain_limit && !std::exchange(said_strain_, true))
-    fmt::print(
-        stderr,
-        "voile: warning: a membrane strain of {:.0f} % at {}: the law is linear in the strain and meant for less "
-        "than {:.0f} % (history: largest_strain)\n",
-        100.0 * v.strain,
-        place((mesh.start_corner(v.triangle, 0) + mesh.start_corner(v.triangle, 1) + mesh.start_corner(v.triangle, 2)) /
-              3.0),
-        100.0 * strain_limit);
+  if (v.triangle != no_index) say_strain(mesh, v.reach, v.triangle);
   if (v.turn > turn_limit && !std::exchange(said_turn_, true))
     fmt::print(stderr,
                "voile: warning: the surface turns by {:.0f} degrees across one edge at {}: bending is too soft beyond "
                "{:.0f} degrees; a finer mesh there is needed (history: largest_turn)\n",
                v.turn * 180.0 / std::numbers::pi,
-               place(0.5 * (mesh.positions()[v.vertex_a] + mesh.positions()[v.vertex_b])),
+               place_text(mesh, 0.5 * (mesh.positions()[v.vertex_a] + mesh.positions()[v.vertex_b])),
                turn_limit * 180.0 / std::numbers::pi);
 }
 

@@ -133,7 +133,7 @@ mesh::SurfaceMesh with_form(MPI_Comm comm, const input::Case& c, mesh::SurfaceMe
   }
   data.notes.push_back(
       fmt::format("the form was found in {:g} steps, up to {:.4g} m from the mesh; forces within it are "
-                  "out of balance by {:.1e} of those at a vertex",
+                  "out of balance by {:.1e} of those at a vertex, which changes the tension of a stiff sheet",
                   said[0], most, said[1]));
   return mesh::SurfaceMesh(std::move(data));
 }

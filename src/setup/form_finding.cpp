@@ -22,8 +22,11 @@ struct Directions {
 constexpr double least_area = 1e-6, least_height = 0.01;
 /// Cosine between the normals of two neighbours beyond which the surface has folded onto itself.
 constexpr double folded = 0.0;
-/// Steps in which vertices move within the surface too, which spaces them evenly, at the beginning and where that is needed.
+/// Steps in which vertices move within the surface too, which spaces them evenly, at the beginning and where that is needed: so many
+/// at least, and on as long as each leaves less than this fraction of what is out of balance. A cable that moves far takes cells
+/// along only so, else it crushes those beside it, and its steps shrink with them.
 constexpr int free_steps = 3;
+constexpr double free_fraction = 0.9;
 
 class Search {
  public:
@@ -41,7 +44,8 @@ class Search {
       r.collapsed = assemble();
       if (r.collapsed != no_index) break;
       find_directions(true);
-      r.within = residual();
+      const double before = std::exchange(r.within, residual());
+      if (free == 1 && r.within < free_fraction * before) ++free;
       if (free <= 0) find_directions(false);
       r.residual = free > 0 ? r.within : residual();
       const bool done = free <= 0 && r.residual <= p_.tolerance;

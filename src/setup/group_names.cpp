@@ -6,6 +6,7 @@
 #include <iterator>
 
 #include "base/text.hpp"
+#include "input/case_lines.hpp"
 #include "system/gas_surface.hpp"
 #include "voile/errors.hpp"
 
@@ -39,8 +40,23 @@ class Checker {
     try {
       (void)mesh_.group(name, dimension);
     } catch (const UserError& e) {
-      take(fmt::format("{}: [[{}]] {} = \"{}\": {}", c_.file.string(), section, key, name, e.what()));
+      take(fmt::format("{}: [[{}]] {} = \"{}\": {}", input::place_in_case(c_.file, section, key, name), section, key,
+                       name, e.what()));
     }
+  }
+  /// Of the two bodies of a rule.
+  void check_body(const char* key, const std::string& name) {
+    std::vector<std::string> known{"sheet"};
+    for (const input::ObstacleSection& o : c_.obstacles) known.push_back(o.shape.name);
+    for (const mesh::Group& g : mesh_.groups())
+      if (g.dimension > 0) known.push_back(g.name);
+    if (contains(known, name)) return;
+    const bool is_point = mesh_.has_group(name);
+    take(fmt::format("{}: [[contact_rule]] {}: {} '{}';{}", input::place_in_case(c_.file, "contact_rule", key, name),
+                     key,
+                     is_point ? "a rule is of surfaces and curves, not of the physical point"
+                              : "there is no obstacle, physical surface or curve",
+                     name, suggestion(name, known)));
   }
   void check_gas(const system::Load& load) {
     try {
@@ -101,6 +117,10 @@ void check_group_names(const input::Case& c, const mesh::SurfaceMesh& mesh) {
   for (const system::Spring& s : c.springs) checker.check("spring", "to", s.to);
   checker.check_all("initial_velocity", c.initial_velocities);
   checker.check_all("probe", c.probes);
+  for (const input::RuleSection& r : c.contact_rules) {
+    checker.check_body("first", r.first);
+    checker.check_body("second", r.second);
+  }
   for (const system::Attachment& a : c.attachments)
     for (const std::string& name : a.groups) checker.check("attachment", "groups", name);
   checker.finish();

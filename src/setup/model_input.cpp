@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "energy/natural_state.hpp"
 #include "pattern/seams.hpp"
 
 namespace voile::setup {
@@ -55,8 +56,10 @@ system::ModelInput model_input(MPI_Comm comm, const input::Case& c, KnownObstacl
   std::vector<system::Attachment> attachments = c.attachments;
   for (std::size_t i = 0; i < attachments.size(); ++i)
     attachments[i].number = static_cast<int>(c.is_staged() ? c.stage.attachments[i] : i);
+  std::vector<energy::Material> materials;
+  for (const energy::Material& m : c.materials) materials.push_back(energy::in_natural_frame(m));
   return {c.element,
-          c.materials,
+          std::move(materials),
           c.supports,
           c.loads,
           contact_input(comm, c, known),

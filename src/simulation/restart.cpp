@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "base/mpi.hpp"
+#include "input/case_differences.hpp"
 #include "io/mesh_file.hpp"
 #include "io/stored_step.hpp"
 #include "remesher.hpp"
@@ -81,6 +82,20 @@ void begin_anew(const input::Case& c, io::Checkpoint& s) {
   if (c.analysis != "drape") return;
   s.step = s.remeshing_wait = s.remeshing_step = 0;
   s.load_factor = 0.0;
+}
+
+/// What a restart takes over silently otherwise. Rank 0 only.
+void say_differences(const input::Case& c, const record::RunOptions& options, const io::Checkpoint& s) {
+  if (options.verbosity == record::Verbosity::quiet) return;
+  const std::filesystem::path folder = options.restart.parent_path();
+  for (const std::string& text : input::different_sections(c, folder / "resolved_case.toml"))
+    fmt::print("note: --restart {}: its run had another {}\n", options.restart.string(), text);
+  if (c.analysis == "dynamic" && io::is_results(options.restart) && !s.velocity.empty())
+    fmt::print(
+        "note: --restart {}: results have no accelerations, so that the motion goes on a little differently; "
+        "checkpoint.h5 has "
+        "them\n",
+        options.restart.string());
 }
 
 /// v + omega x (x - c) at the vertices of each group; where groups overlap the last one counts. Rank 0 only.
@@ -166,13 +181,15 @@ io::Checkpoint read_start(const input::Case& c, const record::RunOptions& option
     throw UserError("--restart: analysis = \"linear\" starts from the unloaded state; leave the option out");
   if (options.restart.empty()) {
     start.displacement = start_shape(options.comm, c, mesh);
-    start.in_equilibrium = c.mesh.start.empty() && !mesh.has_charts();
+    const bool folds = std::any_of(c.hinges.begin(), c.hinges.end(), [](const auto& h) { return h.constant; });
+    start.in_equilibrium = c.mesh.start.empty() && !mesh.has_charts() && !c.form.active && !folds;
     return start;
   }
   std::vector<double> numbers(14);
   mpi::on_root(options.comm, [&] {
     start = read_any(c, options, mesh);
     check_size(options, start, mesh);
+    if (origin == Origin::restart) say_differences(c, options, start);
     if (origin == Origin::restart) begin_anew(c, start);
     numbers = {static_cast<double>(start.step),
                start.time,

@@ -10,7 +10,7 @@ namespace {
 
 struct Central {
   CentralCallbacks callbacks;
-  Vec a = nullptr;
+  Vec a = nullptr, guess = nullptr;
   bool has_acceleration = false;
 };
 
@@ -28,7 +28,11 @@ PetscErrorCode step(TS ts) {
     PetscCall(c.callbacks.accelerate(c.callbacks.context, ts->ptime, ts->vec_sol, ts->vec_dot, c.a));
   PetscCall(VecAXPY(ts->vec_dot, 0.5 * h, c.a));
   PetscCall(VecAXPY(ts->vec_sol, h, ts->vec_dot));
+  PetscCall(VecCopy(ts->vec_sol, c.guess));
   PetscCall(c.callbacks.enforce(c.callbacks.context, ts->ptime + h, ts->vec_sol));
+  // What is held moves at the velocity that takes it where it is put.
+  PetscCall(VecAXPY(c.guess, -1.0, ts->vec_sol));
+  PetscCall(VecAXPY(ts->vec_dot, -1.0 / h, c.guess));
   PetscCall(c.callbacks.accelerate(c.callbacks.context, ts->ptime + h, ts->vec_sol, ts->vec_dot, c.a));
   PetscCall(VecAXPY(ts->vec_dot, 0.5 * h, c.a));
   c.has_acceleration = true;
@@ -50,7 +54,8 @@ PetscErrorCode set_up(TS ts) {
   if (!ts->vec_dot)
     SETERRQ(PetscObjectComm(reinterpret_cast<PetscObject>(ts)), PETSC_ERR_ARG_WRONGSTATE,
             "TS2SetSolution must be called first");
-  if (!c.a) PetscCall(VecDuplicate(ts->vec_sol, &c.a));
+  for (Vec* v : {&c.a, &c.guess})
+    if (!*v) PetscCall(VecDuplicate(ts->vec_sol, v));
   PetscCall(TSGetAdapt(ts, &ts->adapt));
   PetscCall(TSAdaptCandidatesClear(ts->adapt));
   PetscFunctionReturn(0);
@@ -59,6 +64,7 @@ PetscErrorCode set_up(TS ts) {
 PetscErrorCode reset(TS ts) {
   PetscFunctionBeginUser;
   PetscCall(VecDestroy(&data(ts).a));
+  PetscCall(VecDestroy(&data(ts).guess));
   data(ts).has_acceleration = false;
   PetscFunctionReturn(0);
 }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "base/interrupt.hpp"
 #include "stall.hpp"
@@ -75,12 +76,47 @@ void read_path_options(MPI_Comm comm, StaticOptions& options) {
     throw UserError("-path_control displacement: the case must give [steps] control_probe and final_displacement");
 }
 
+namespace {
+
+/// Folds that are constant grow from the flat shape to their whole in so many parts, less where that fails. Newton's method does not
+/// find a sheet that is folded by 45 degrees from one that is flat.
+constexpr double first_part = 0.25, least_part = 1e-3;
+
+NewtonResult grow_folds(Newton& newton, system::Model& model, Vec u) {
+  const petsc::VecHandle accepted = model.dofs().create_vector();
+  VOILE_PETSC(VecCopy(u, accepted));
+  NewtonResult all;
+  const auto tally = [&](NewtonResult n) {
+    n.iterations += all.iterations;
+    n.factorisations += all.factorisations;
+    all = std::move(n);
+  };
+  double at = 0.0;
+  for (double part = first_part; at < 1.0 && part >= least_part;) {
+    const double next = std::min(1.0, at + part);
+    model.potential().ease_folds(next);
+    tally(newton.step(u));
+    VOILE_PETSC(
+        VecCopy(all.converged ? u : static_cast<Vec>(accepted), all.converged ? static_cast<Vec>(accepted) : u));
+    if (all.converged) at = next;
+    part = all.converged ? std::min(first_part, 2.0 * part) : 0.5 * part;
+  }
+  model.potential().ease_folds(1.0);
+  if (at < 1.0) tally(newton.continuation(u));
+  return all;
+}
+
+}  // namespace
+
 StepResult find_equilibrium(system::Model& model, system::State& state) {
   StepResult r;
   model.conditions().set_load_factor(state.load_factor);
   if (state.in_equilibrium) return r;
   Newton newton(model);
-  const NewtonResult n = newton.continuation(state.u);
+  double moved = 0.0;
+  VOILE_PETSC(VecNorm(state.u, NORM_INFINITY, &moved));
+  const bool folds = moved == 0.0 && model.potential().has_constant_folds();
+  const NewtonResult n = folds ? grow_folds(newton, model, state.u) : newton.continuation(state.u);
   r.newton_iterations = n.iterations;
   r.factorisations = n.factorisations;
   state.in_equilibrium = n.converged;

@@ -12,7 +12,6 @@
 #include "base/mpi.hpp"
 #include "central_ts.hpp"
 #include "inexact_pc.hpp"
-#include "inverse_iteration.hpp"
 #include "stall.hpp"
 #include "system/contact.hpp"
 #include "time_integration_impl.hpp"
@@ -48,18 +47,6 @@ void TimeIntegration::Impl::create_snes() {
   VOILE_PETSC(SNESGetKSP(snes, &ksp));
   VOILE_PETSC(KSPSetPostSolve(ksp, after_linear_solve, this));
   linear.set_defaults(ksp, inexact ? LinearSolver::Method::inexact : LinearSolver::Method::mixed);
-}
-
-void TimeIntegration::Impl::set_explicit_step(Vec u) {
-  double h = 0.0;
-  VOILE_PETSC(TSGetTimeStep(ts, &h));
-  const double limit = 2.0 / largest_frequency(dynamics, u);
-  if (remark) remark(fmt::format("central differences: stability limit {:.4g} s", limit));
-  options.max_step = std::min(options.max_step, 0.9 * limit);
-  options.min_step = std::min(options.min_step, options.max_step);
-  if (h <= options.max_step) return;
-  if (remark) remark(fmt::format("step reduced from {:.4g} s to {:.4g} s", h, options.max_step));
-  VOILE_PETSC(TSSetTimeStep(ts, options.max_step));
 }
 
 void TimeIntegration::Impl::create(const system::State& from) {
@@ -206,6 +193,7 @@ void TimeIntegration::Impl::accept(system::State& state, StepResult& r) {
     r.newton.negative_pivots = linear.negative_pivots();
   }
   r.newton.iterations = r.newton_iterations = static_cast<int>(iterations);
+  if (explicit_method && !ended()) follow_stability(state.u, state.time);
   // The size that was wanted, not what was left of it before the end.
   VOILE_PETSC(TSGetTimeStep(ts, &state.next_step));
   if (is_end(state.time)) state.time = until();
@@ -234,6 +222,13 @@ void TimeIntegration::Impl::fail(system::State& state, StepResult& r, TSConverge
         "no acceleration follows from the forces and masses at t = {:.6g} s with steps of {:g} s; check "
         "the values of [[load]], [[support]], [[material]], [damping] and [time]",
         state.time, options.step);
+    return;
+  }
+  if (explicit_method) {
+    r.reason = fmt::format(
+        "central differences have become unstable at t = {:.6g} s with steps of {:.3g} s, below the stability limit of "
+        "{:.3g} s before it: the sheet stiffens within a step; give a smaller time.step, or method = \"alpha\"",
+        state.time, last_taken > 0.0 ? last_taken : options.max_step, 2.0 / stability.frequency);
     return;
   }
   r.reason = fmt::format("{} at t = {:.6g} s: no step of {:.3g} s or more succeeds", TSConvergedReasons[reason],
@@ -291,7 +286,8 @@ StepResult TimeIntegration::begin(system::State& state) {
   n.dynamics.set_time(state.time);
   n.model.conditions().enforce(state.u);
   if (n.options.energy_balance) {
-    n.account.emplace(n.dynamics).begin(state.u, state.v, state.balance, n.options.restarted);
+    n.account.emplace(n.dynamics, system::short_moment * n.options.step)
+        .begin(state.u, state.v, state.balance, n.options.restarted);
     state.balance = n.account->balance();
   }
   n.create(state);
@@ -349,26 +345,6 @@ void read_time_options(TimeOptions& options) {
   VOILE_PETSC(PetscOptionsGetReal(nullptr, nullptr, "-ts_max_time", &end, nullptr));
   if (!(end > 0.0)) throw UserError(fmt::format("-ts_max_time {}: must be > 0 s", end));
   options.end_time = end;
-}
-
-double largest_frequency(system::Dynamics& dynamics, Vec u) {
-  system::Model& model = dynamics.model();
-  model.assemble_tangent(u, {.kind = energy::Tangent::exact});
-  petsc::VecHandle x = start_mode(model), y = model.dofs().create_vector();
-  double estimate = 0.0;
-  for (int k = 0; k < 100; ++k) {
-    model.dofs().clear_fixed(x);
-    double size = 0.0, next = 0.0;
-    VOILE_PETSC(VecNorm(x, NORM_2, &size));
-    VOILE_PETSC(VecScale(x, 1.0 / size));
-    model.tangent().multiply(x, y);
-    VOILE_PETSC(VecPointwiseDivide(x, y, model.potential().constant().mass()));
-    model.dofs().clear_fixed(x);
-    VOILE_PETSC(VecNorm(x, NORM_2, &next));
-    if (k > 10 && std::abs(next - estimate) <= 1e-4 * next) return std::sqrt(1.02 * next);
-    estimate = next;
-  }
-  return std::sqrt(1.02 * estimate);  // the last percent may be missing from below
 }
 
 }  // namespace voile::solve

@@ -5,7 +5,7 @@
 // iteration goes further than it can without touching, and a step starts from where nothing is hit. A step that fails
 // is repeated at a quarter of its size. The next step follows the number of iterations and, if asked for, the local
 // error. The explicit method (-ts_type voile_central) is the central difference of the velocity-Verlet form with lumped
-// mass; its step stays below 0.9 of the stability limit 2/omega_max, found by power iteration. Options of TS, SNES, KSP
+// mass; its step stays below 0.9 of the stability limit 2/omega_max, found by power iteration at the start and as the sheet stiffens. Options of TS, SNES, KSP
 // and PC work as users know them: -ts_dt, -ts_max_time, -ts_max_steps, -ts_monitor, -ts_view, -ts_adapt_type (voile,
 // none, basic ...), -snes_rtol ...
 #pragma once

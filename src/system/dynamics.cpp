@@ -57,6 +57,7 @@ energy::Configuration Dynamics::moving(Vec v) const {
 }
 
 void Dynamics::set_time(double time) {
+  time_ = time;
   model_.conditions().set_load_factor(options_.load_history ? options_.load_history(time) : 1.0);
   model_.set_time(time);
   if (options_.drag.wind_in_time) drag_->kernel.set_wind(options_.drag.wind_in_time(time));
@@ -113,6 +114,29 @@ void Dynamics::add_inertia(Vec a, Vec v, double time, double dt, Vec f) const {
   multiply_mass(a, work_);
   add_gyration(v, work_);
   VOILE_PETSC(VecAXPY(f, 1.0, work_));
+  if (consistent_ && model_.dofs().motions().empty()) add_coupled_inertia(a, v, f);
+}
+
+/// What free vertices that accelerate push held ones with by the consistent mass, whose matrix has no rows of those.
+void Dynamics::add_coupled_inertia(Vec a, Vec v, Vec f) const {
+  const Dofs& dofs = model_.dofs();
+  const petsc::VecHandle x = dofs.create_vector(), held = dofs.create_vector();
+  VOILE_PETSC(VecWAXPY(x, options_.mass_damping, v, a));
+  dofs.clear_fixed(x);
+  std::vector<Vec3> of(static_cast<std::size_t>(dofs.local().count())), places(of.size());
+  dofs.update_points(x, of, places);  // the sum with rest positions is not used
+  std::fill(places.begin(), places.end(), Vec3::Zero());
+  std::vector<Vec3>& forces = places;
+  for (const Discretisation::Element& e : model_.discretisation().elements()) {
+    const double part =
+        model_.discretisation().sheet().material(e.triangle).areal_density * dofs.mesh().area(e.triangle) / 12.0;
+    for (const Index i : e.points)
+      for (const Index j : e.points)
+        forces[static_cast<std::size_t>(i)] += (i == j ? 2.0 : 1.0) * part * of[static_cast<std::size_t>(j)];
+  }
+  dofs.add_forces(forces, held);
+  dofs.clear_free(held);
+  VOILE_PETSC(VecAXPY(f, 1.0, held));
 }
 
 void Dynamics::add_drag(Vec v, Vec f) const {
@@ -124,7 +148,7 @@ void Dynamics::add_drag(Vec v, Vec f) const {
 
 void Dynamics::add_damping(Vec v, Vec f) const {
   if (options_.mass_damping > 0.0) {
-    apply_mass(v, work_);
+    multiply_mass(v, work_);
     VOILE_PETSC(VecAXPY(f, options_.mass_damping, work_));
   }
   if (options_.bending_damping > 0.0) {
@@ -201,7 +225,7 @@ Dynamics::Work Dynamics::work(Vec u, Vec v, Vec a, Vec displacement) {
   model_.dofs().clear_fixed(work_);
   w.inertia = add(1.0);
   if (options_.mass_damping > 0.0) {
-    apply_mass(v, work_);
+    multiply_mass(v, work_);
     w.damping += add(options_.mass_damping);
   }
   if (options_.bending_damping > 0.0) {
@@ -227,6 +251,30 @@ double Dynamics::kinetic_energy(Vec v) const {
   apply_mass(v, work_);
   VOILE_PETSC(VecDot(work_, v, &twice));
   return 0.5 * twice;
+}
+
+double Dynamics::kinetic_energy_of_held(Vec v, double dt) const {
+  BoundaryConditions& conditions = model_.conditions();
+  if (!conditions.has_prescribed() || !time_) return 0.0;
+  const auto at = [&](double time) {
+    conditions.set_load_factor(options_.load_history ? options_.load_history(time) : 1.0);
+    conditions.set_time(time);
+  };
+  const double begin = std::max(0.0, *time_ - dt);  // before the start a motion may not be defined
+  const petsc::VecHandle all = model_.dofs().create_vector(), before = model_.dofs().create_vector();
+  at(begin + dt);
+  conditions.enforce(all);
+  at(begin);
+  conditions.enforce(before);
+  at(*time_);
+  VOILE_PETSC(VecAXPBY(all, -1.0 / dt, 1.0 / dt, before));  // zero where it is free
+  VOILE_PETSC(VecCopy(v, before));
+  model_.dofs().clear_fixed(before);
+  VOILE_PETSC(VecAXPY(all, 1.0, before));
+  double twice = 0.0;
+  multiply_mass(all, work_);
+  VOILE_PETSC(VecDot(work_, all, &twice));
+  return 0.5 * twice - kinetic_energy(v);
 }
 
 namespace {

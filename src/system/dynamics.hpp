@@ -14,6 +14,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "dynamics_options.hpp"
@@ -34,6 +35,9 @@ void require_mass(const Model& model);
 /// nearer than its distance and is not at rest there (Contact::begin_settling). Collective.
 void settle_contact(Model& model, Vec u, double time);
 
+/// Of a step: prescribed motions hardly change over it.
+inline constexpr double short_moment = 1e-3;
+
 class Dynamics {
  public:
   /// The model must outlive it. Collective. Throws UserError if a material has no mass.
@@ -51,8 +55,7 @@ class Dynamics {
   void start_step(Vec u, Vec v, double dt);
   /// F. Collective.
   void residual(Vec u, Vec v, Vec a, Vec f);
-  /// Adds to f what damping and drag do at velocities v, on what is held too, where it is a part of the reaction. Mass damping
-  /// acts on free components only. Collective. [N]
+  /// Adds to f what damping and drag do at velocities v, on what is held too, where it is a part of the reaction. Collective. [N]
   void add_damping(Vec v, Vec f) const;
   /// Adds to f what inertia does at accelerations a and velocities v, also on what is held, whose accelerations are those of the
   /// prescribed motions, taken over dt; `a` is overwritten there. Collective. [N]
@@ -74,7 +77,11 @@ class Dynamics {
   };
   /// Damping and drag also on what is held, whose supports then do that work. Collective.
   [[nodiscard]] Work work(Vec u, Vec v, Vec a, Vec displacement);
+  /// Of what is free.
   [[nodiscard]] double kinetic_energy(Vec v) const;
+  /// What it has besides because held components move, at the time in force; their velocities are those of the prescribed motions,
+  /// taken over dt. Collective. [J]
+  [[nodiscard]] double kinetic_energy_of_held(Vec v, double dt) const;
   /// Of all vertices, in global axes; supports included. Collective.
   [[nodiscard]] Vec3 momentum(Vec v) const;
   /// About the origin of space. Collective.
@@ -86,6 +93,7 @@ class Dynamics {
   void multiply_mass(Vec x, Vec y) const;  ///< of held components too
   void apply_body_mass(Vec x, Vec y) const;
   void add_gyration(Vec v, Vec f) const;
+  void add_coupled_inertia(Vec a, Vec v, Vec f) const;
   /// Velocities of the local points instead of positions, for the drag.
   [[nodiscard]] energy::Configuration moving(Vec v) const;
   /// Whether C_b is there and is to act.
@@ -100,6 +108,7 @@ class Dynamics {
   mutable std::vector<Vec3> velocity_, position_, force_;  ///< of the local points, for the drag
   mutable petsc::VecHandle work_, sum_;
   double force_scale_ = 0.0;
+  std::optional<double> time_;  ///< in force; none before the first set_time()
 };
 
 }  // namespace voile::system

@@ -51,14 +51,16 @@ EnergyBalance balance_of(const std::vector<double>& numbers) {
   return balance;
 }
 
-EnergyAccount::EnergyAccount(Dynamics& dynamics)
+EnergyAccount::EnergyAccount(Dynamics& dynamics, double moment)
     : dynamics_(dynamics),
+      moment_(moment),
       start_(dynamics.model().dofs().create_vector()),
       displacement_(dynamics.model().dofs().create_vector()) {}
 
 EnergyAccount::Levels EnergyAccount::levels(Vec u, Vec v) {
   const Energies e = energies(dynamics_.model(), u);
-  return {dynamics_.kinetic_energy(v), internal_of(e), e.contact};
+  const double held = dynamics_.kinetic_energy_of_held(v, moment_);
+  return {dynamics_.kinetic_energy(v) + held, internal_of(e), e.contact, held};
 }
 
 void EnergyAccount::begin(Vec u, Vec v, const EnergyBalance& before, bool other_case) {
@@ -97,16 +99,17 @@ void EnergyAccount::end_step(Vec u_1, Vec v_1, double t_0, double t_1) {
   dynamics_.set_time(t_1);
   const Levels now = levels(u_1, v_1);
   const double prescribed = driven(u_1, t_0, t_1, now.internal);
+  const double held = now.held - before_.held;
   const ForceWork& w = work_.model;
   EnergyBalance step;
   step.loads = w.loads;
-  step.supports = work_.reactions + prescribed;
+  step.supports = work_.reactions + prescribed + held;
   step.friction = friction_;
   step.obstacles = obstacles_ + friction_ - w.friction;
   step.damping = work_.damping + w.viscous;
   step.drag = work_.drag;
   step.fabric = dynamics_.model().potential().yarn_loss(u_1);
-  step.numerical = work_.inertia - (now.kinetic - before_.kinetic) + w.internal + prescribed - step.fabric -
+  step.numerical = work_.inertia + held - (now.kinetic - before_.kinetic) + w.internal + prescribed - step.fabric -
                    (now.internal - before_.internal) + w.contact + obstacles_ - (now.contact - before_.contact);
   step.unaccounted = now.sum() - before_.sum() - (step.loads + step.supports + step.obstacles) + step.damping +
                      step.drag + step.friction + step.fabric + step.numerical;

@@ -9,8 +9,8 @@ namespace voile::system {
 
 class EnergyAccount {
  public:
-  /// `dynamics` must outlive it. Collective.
-  explicit EnergyAccount(Dynamics& dynamics);
+  /// `dynamics` must outlive it; prescribed motions hardly change over `moment` [s]. Collective.
+  explicit EnergyAccount(Dynamics& dynamics, double moment = 1e-6);
 
   /// Goes on from state (u, v) at the time in force with what came before: where energies are others now than in the last
   /// state, a new mesh or supports that have released made them so. Collective.
@@ -26,6 +26,7 @@ class EnergyAccount {
  private:
   struct Levels {
     double kinetic = 0.0, internal = 0.0, contact = 0.0;
+    double held = 0.0;  ///< of the kinetic energy, what supports give to what they hold
     [[nodiscard]] double sum() const { return kinetic + internal + contact; }
   };
   [[nodiscard]] Levels levels(Vec u, Vec v);
@@ -33,6 +34,7 @@ class EnergyAccount {
   [[nodiscard]] double driven(Vec u_1, double t_0, double t_1, double internal_now);
 
   Dynamics& dynamics_;
+  double moment_;
   EnergyBalance balance_;
   Levels before_;
   Dynamics::Work work_;

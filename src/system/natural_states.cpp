@@ -89,14 +89,27 @@ void NaturalStates::add_hinges() {
 
 double NaturalStates::fold_of(const Fold& fold, double time, double load_factor) const {
   const Hinge& hinge = input_.hinges[fold.hinge];
-  return std::numbers::pi / 180.0 * value_of(hinge.constant, hinge.angle, fold.place, time, load_factor);
+  return (hinge.constant ? eased_ : 1.0) * std::numbers::pi / 180.0 *
+         value_of(hinge.constant, hinge.angle, fold.place, time, load_factor);
+}
+
+bool NaturalStates::has_constant_folds() const {
+  const auto folds = [](const Hinge& h) { return h.constant && h.angle.value; };
+  return std::any_of(input_.hinges.begin(), input_.hinges.end(), folds);
 }
 
 void NaturalStates::take_folds(double time, double load_factor) {
   if (folds_.empty()) return;
   double height = 0.0;
   for (const Fold& fold : folds_) {
-    kernels_.joints->set_fold(fold.joint, fold_of(fold, time, load_factor));
+    const double angle = fold_of(fold, time, load_factor);
+    if (!(std::abs(angle) <= (1.0 + 1e-9) * std::numbers::pi))
+      throw UserError(fmt::format(
+          "[[hinge]] group '{}': angle = {:.4g} degrees at ({:.4g}, {:.4g}, {:.4g}) m, at load factor {:.4g} and "
+          "t = {:.4g}: a fold is counted from the mesh, and beyond 180 the sheet would pass through itself",
+          input_.hinges[fold.hinge].group, angle * 180.0 / std::numbers::pi, fold.place[0], fold.place[1],
+          fold.place[2], load_factor, time));
+    kernels_.joints->set_fold(fold.joint, angle);
     height = std::max(height, fold.height);
   }
   squared_force_ += kernels_.joints->squared_fold_moment() / (height * height);

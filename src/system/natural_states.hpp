@@ -47,6 +47,12 @@ class NaturalStates {
   void set(double time, double load_factor);
   /// Whether they change with time or load factor.
   [[nodiscard]] bool changes() const { return changes_; }
+  /// Whether any hinge has a fold that acts in full at every load factor, on any rank; the fraction of such folds that acts.
+  [[nodiscard]] bool has_constant_folds() const;
+  void ease_folds(double fraction) {
+    eased_ = fraction;
+    fresh_ = true;
+  }
   [[nodiscard]] bool has_temperatures() const { return !input_.temperatures.empty(); }
   /// By how much the natural curvature of triangle t, of this rank, is that of the rest shape less [1/m].
   [[nodiscard]] Vec3 curvature_change(Index t) const;
@@ -94,7 +100,7 @@ class NaturalStates {
   std::vector<Fold> folds_;
   std::vector<Index> item_of_;  ///< by triangle
   bool changes_ = false, fresh_ = true;
-  double squared_force_ = 0.0;
+  double squared_force_ = 0.0, eased_ = 1.0;
   double time_ = 0.0, load_factor_ = 0.0;  ///< in force
 };
 

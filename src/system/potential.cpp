@@ -35,6 +35,14 @@ bool Potential::depends_on_time() const {
   return bending_->turns() || bands_->rise() || sewing_ || !attachments_->list().empty() || natural_states_change();
 }
 
+bool Potential::has_constant_folds() const {
+  return natural_ && natural_->has_constant_folds();
+}
+
+void Potential::ease_folds(double fraction) {
+  if (natural_) natural_->ease_folds(fraction);
+}
+
 bool Potential::natural_states_change() const {
   return natural_ && natural_->changes();
 }

@@ -82,6 +82,10 @@ class Potential {
   void hold_natural_states(bool hold) { hold_natural_ = hold; }
   /// Whether they change with load factor or time.
   [[nodiscard]] bool natural_states_change() const;
+  /// Whether hinges have folds that act in full at every load factor; the fraction of them that acts, which grows before the first
+  /// step. Not collective.
+  [[nodiscard]] bool has_constant_folds() const;
+  void ease_folds(double fraction);
   /// Largest strain by which natural states grow per unit of the load factor, bending counted over a cell. Collective.
   [[nodiscard]] double natural_growth() const;
   /// Size of the nodal forces that hold the rest shape against its natural states; 0 where they are the same. Collective. [N]

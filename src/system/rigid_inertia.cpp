@@ -1,5 +1,6 @@
 #include "rigid_inertia.hpp"
 
+#include "base/cross_matrix.hpp"
 #include "base/mpi.hpp"
 #include "energy/sheet.hpp"
 
@@ -31,15 +32,30 @@ std::vector<Vec3> positions_in(const Model& model, Vec a) {
   return x;
 }
 
+/// Where the reference point of a body is, and how it is turned.
+struct BodyPlace {
+  Vec3 point;
+  Mat3 rotation;
+};
+
+BodyPlace place_of(const Model& model, std::size_t b) {
+  const RigidMotion& motion = model.dofs().motions()[b];
+  return {model.discretisation().constraints().bodies[b].point + motion.displacement(),
+          Mat3(Mat3::Identity() + motion.turned())};
+}
+
 /// Mass of all vertices and bodies, and its centre.
 void add_up(const Model& model, const std::vector<double>& masses, const std::vector<Vec3>& x, RigidInertia& all) {
   for (std::size_t v = 0; v < x.size(); ++v) {
     all.mass += masses[v];
     all.centre += masses[v] * x[v];
   }
-  for (const BodyMass& body : model.potential().constant().body_mass()) all.mass += body.mass;
-  all.turns = model.dofs().motions().empty();
-  if (!all.turns) return;
+  const std::vector<BodyMass>& bodies = model.potential().constant().body_mass();
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    const BodyPlace at = place_of(model, b);
+    all.mass += bodies[b].mass;
+    all.centre += bodies[b].mass * at.point + at.rotation * bodies[b].first;
+  }
   all.centre /= all.mass;
 }
 
@@ -69,12 +85,33 @@ petsc::VecHandle in_unknowns(const Model& model, const std::vector<Vec3>& force)
   return f;
 }
 
-void add_bodies(const Model& model, const Vec3& direction, Vec f) {
+/// An acceleration t + W (x - c).
+struct Acceleration {
+  Vec3 direction = Vec3::Zero();
+  Mat3 turn = Mat3::Zero();
+  Vec3 centre = Vec3::Zero();
+};
+
+/// Adds what the mass of bodies takes, and the forces that their vertices have in `at_vertices`; returns sum m |a|^2 over them.
+double add_bodies(const Model& model, const Acceleration& a, const std::vector<Vec3>& at_vertices, Vec f) {
   const std::vector<BodyMass>& bodies = model.potential().constant().body_mass();
-  if (bodies.empty()) return;
+  double sum = 0.0;
+  if (bodies.empty()) return sum;
   const petsc::WriteArray out(f);
-  for (std::size_t b = 0; b < bodies.size(); ++b)
-    model.dofs().add_body_force(b, {bodies[b].mass * direction, direction * bodies[b].first.transpose()}, out);
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    const BodyPlace at = place_of(model, b);
+    const BodyMass& m = bodies[b];
+    // Of a point with the arm r: s + S r.
+    const Vec3 s = a.direction + a.turn * (at.point - a.centre);
+    const Mat3 turn = a.turn * at.rotation;
+    BodyForce force{m.mass * s + turn * m.first, s * m.first.transpose() + turn * m.second};
+    const RigidBody& body = model.discretisation().constraints().bodies[b];
+    for (const Index v : body.members)
+      force.add(at_vertices[static_cast<std::size_t>(v)], model.dofs().mesh().positions()[v] - body.point);
+    model.dofs().add_body_force(b, force, out);
+    sum += m.mass * s.squaredNorm() + 2.0 * s.dot(turn * m.first) + (turn * m.second * turn.transpose()).trace();
+  }
+  return sum;
 }
 
 }  // namespace
@@ -85,7 +122,7 @@ RigidInertia rigid_inertia(Model& model, Vec a, Mass kind) {
   const std::vector<double> masses = vertex_masses(model);
   const std::vector<Vec3> x = positions_in(model, a);
   add_up(model, masses, x, all);
-  for (std::size_t k = 0; k < (all.turns ? RigidInertia::motions : 3); ++k) {
+  for (std::size_t k = 0; k < RigidInertia::motions; ++k) {
     const Vec3 axis = Vec3::Unit(static_cast<Eigen::Index>(k % 3));
     std::vector<Vec3> acceleration(x.size(), axis), force(x.size());
     for (std::size_t v = 0; v < x.size(); ++v) {
@@ -96,7 +133,9 @@ RigidInertia rigid_inertia(Model& model, Vec a, Mass kind) {
     for (std::size_t v = 0; v < x.size() && k >= 3; ++v)
       all.moments[static_cast<Eigen::Index>(k) - 3] += force[v].dot(acceleration[v]);
     all.force[k] = in_unknowns(model, force);
-    if (k < 3) add_bodies(model, axis, all.force[k]);
+    const Acceleration of_all = k < 3 ? Acceleration{axis} : Acceleration{Vec3::Zero(), cross_matrix(axis), all.centre};
+    const double of_bodies = add_bodies(model, of_all, force, all.force[k]);
+    if (k >= 3) all.moments[static_cast<Eigen::Index>(k) - 3] += of_bodies;
     model.dofs().clear_fixed(all.force[k]);
   }
   return all;

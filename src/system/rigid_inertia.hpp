@@ -17,10 +17,9 @@ namespace voile::system {
 
 struct RigidInertia {
   static constexpr std::size_t motions = 6;
-  double mass = 0.0;            ///< of everything, held vertices included [kg]
-  Vec3 centre = Vec3::Zero();   ///< of mass, in the state [m]
-  Vec3 moments = Vec3::Zero();  ///< of inertia about the axes through it [kg m^2]
-  bool turns = true;            ///< false with rigid groups: then there is no force and no moment of turning
+  double mass = 0.0;                            ///< of everything, held vertices included [kg]
+  Vec3 centre = Vec3::Zero();                   ///< of mass, in the state [m]
+  Vec3 moments = Vec3::Zero();                  ///< of inertia about the axes through it [kg m^2]
   std::array<petsc::VecHandle, motions> force;  ///< f_k
   /// Of everything in motion k: the mass, or the moment of inertia.
   [[nodiscard]] double whole(std::size_t k) const { return k < 3 ? mass : moments[static_cast<Eigen::Index>(k) - 3]; }

@@ -46,6 +46,10 @@ def forms(report):
         report.check(code == 0 or (code == 2 and "[form]: no equilibrium" in text), f"{middle:.4f} radii: code {code}")
     report.percent(low / 1.32549, 0.003, f"collapse at {low:.4f} radii")
 
+    report.check("[form]: in equilibrium the sheet pulls with" in film.text, "says how far its tension is from the prestress")
+    stiff = solve("form_stiff", rings(height, 16) | {"material": [FILM | {"thickness": 1e-2}]})
+    report.check("warning: [form]: in equilibrium the sheet pulls with" in stiff.text, f"a stiff film on coarse cells: {[line for line in stiff.text.splitlines() if '[form]' in line]}")
+
     pressure = 150.0
     cap = {"mesh": {"file": str(ROOT / "meshes" / "disc.geo"), "parameters": {"radius": 1.0, "inner_radius": 0.5, "n": 24}}, "form": {"pressure": pressure},
            "material": [FILM], "support": [{"type": "hinged", "group": "edge"}], "load": [{"type": "follower_pressure", "magnitude": pressure, "constant": True}]}

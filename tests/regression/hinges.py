@@ -38,6 +38,10 @@ def hinge_fold(report):
             report.below(math.hypot(h["corner_x"][-1] - (math.cos(turn) - 1), h["corner_z"][-1] - math.sin(turn)), 1e-6,
                          f"{angle} degrees on {ranks} ranks: the corner is where a rigid half is")
             report.below(h["shell_bending"][-1] / (0.05 * turn**2 / 2), 1e-9, "no energy is left")
+    for angle in (45, 75, 170):
+        h = solve("hinge_constant", strip_case(mesh, angle=str(angle), constant=True)).history
+        turn = math.radians(angle)
+        report.below(math.hypot(h["corner_x"][0] - (math.cos(turn) - 1), h["corner_z"][0] - math.sin(turn)), 1e-6, f"a constant fold of {angle} degrees at load 0")
     bent = strip_case(mesh)
     force = 0.05  # against 0.05 N m/rad: turn cos(turn) = 1 at 1 m would be far; a small one here
     bent["load"] = [{"type": "line", "group": "free end", "vector": [0, 0, force / 50]}]
@@ -149,6 +153,8 @@ def hinge_mistakes(report):
             ("surface", wrong(group="free"), ("[[hinge]]", "free")),
             ("stiffness", wrong(stiffness=0), ("hinge", "stiffness")),
             ("unit", wrong(stiffness="3 m"), ("stiffness", "N")),
+            ("beyond", wrong(angle="200"), (".toml:", "[[hinge]]", "angle = 200 degrees", "180")),
+            ("beyond in time", wrong(angle="100 + 100*t"), ("[[hinge]]", "degrees at (", "180")),
             ("angle", wrong(angle="10 m"), ("angle",)),
             ("constant", wrong(angle="10*t", constant=True), ("constant", "remove")),
             ("inner clamp", good | {"support": [{"type": "clamped", "group": g} for g in ("held start", "free start")]}, ("[[hinge]]", "holds the slope")),
@@ -167,5 +173,8 @@ def hinge_mistakes(report):
     h = solve("hinge_elastic", elastic).history
     rigid = 1e-5 * 2 * 2 / 0.05  # and the sheet bends by 1e-5 * 8 / 3 / 4.9
     report.percent(h["corner_z"][-1] / rigid, 0.01, "an elastic edge is hold enough for one linear solution")
+    code, text = invoke(["check", write_case(wrong(stiffness=1e-9), OUT / "hinge_lost.toml")])
+    report.check(code == 0 and "'free start': stiffness = 1e-09 N" in text and "round-off" in text, f"a stiffness that round-off hides: {text[-400:]}")
     code, text = invoke(["check", write_case(good, OUT / "hinge_good.toml")])
+    report.check("round-off" not in text, "not of a good one")
     report.check(code == 0 and "[[hinge]] parts the sheet at 2 edges" in text and "three or more" not in text, "check counts hinges")

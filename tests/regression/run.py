@@ -54,6 +54,7 @@ import remeshing_sewn  # noqa: E402, F401
 import robustness  # noqa: E402, F401
 import running  # noqa: E402, F401
 import sewing  # noqa: E402, F401
+import silent  # noqa: E402, F401
 import staging  # noqa: E402, F401
 import terminal  # noqa: E402, F401
 import trusting  # noqa: E402, F401

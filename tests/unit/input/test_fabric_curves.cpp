@@ -115,7 +115,7 @@ TEST_CASE("fabric: mistakes of curves and of the loop of shear") {
   CHECK(tension("{ EMT = \"4 %\", LT = 0.6, load = \"100 gf/cm\" }") == "no error");
   CHECK(has(tension("4"), "f.toml:4: tension_warp: a table is needed"));
   CHECK(has(tension("{ EMT = 4, LT = 0.6 }"),
-            "f.toml:4: tension_warp: EMT: the unit is missing; write a text with one of %"));
+            "f.toml:4: tension_warp: EMT: the unit is missing; write it in per cent, as \"4 %\""));
   CHECK(has(tension("{ EMT = \"4 mm\", LT = 0.6 }"), "EMT: '4 mm' is a length, an extension is needed: %"));
   CHECK(has(tension("{ EMT = \"-4 %\", LT = 0.6 }"), "EMT: '-4 %' has to be greater than zero"));
   CHECK(has(tension("{ EMT = \"400 %\", LT = 0.6 }"), "EMT: 400 % is more than a fabric has"));
@@ -156,8 +156,19 @@ TEST_CASE("fabric: mistakes of curves and of the loop of shear") {
   CHECK(has(loop("shear_hysteresis_5 = 6"), "the loop grows so fast"));
   CHECK(has(both("shear_hysteresis = 1\nshear_hysteresis_5 = 3\nshear_hysteresis_spread = \"8 deg\"",
                  "shear_hysteresis = \"x\"\nshear_hysteresis_5 = \"x\"\nshear_hysteresis_spread"),
-            "shear_hysteresis_spread: 8 degrees: the loop is not open yet at 0.5 degrees"));
-  CHECK(has(tension("{ EMT = \"0.04\", LT = 0.6 }"), "EMT: the unit of '0.04' is missing; write a text with one of %"));
+            "shear_hysteresis_spread: 8 degrees: the loop of these figures has to turn over less"));
+  const auto spread = [&](const std::string& degrees) {
+    return both(
+        "shear_hysteresis = \"1 N/m\"\nshear_hysteresis_5 = 2.5\nshear_hysteresis_spread = \"" + degrees + " deg\"",
+        "shear_hysteresis = \"x\"\nshear_hysteresis_5 = \"x\"\nshear_hysteresis_spread");
+  };
+  for (const std::string degrees : {"8", "4", "2"}) {
+    const std::string text = spread(degrees), words = "give at most ";
+    REQUIRE(has(text, words));
+    CHECK(!has(spread(text.substr(text.find(words) + words.size())), "give at most"));
+  }
+  CHECK(has(tension("{ EMT = \"0.04\", LT = 0.6 }"),
+            "EMT: the unit of '0.04' is missing; write it in per cent, as \"4 %\""));
   const auto matrices = [](const std::string& loop) {
     return error_of([&] {
       (void)input::parse_case(

@@ -1,0 +1,107 @@
+// The stability limit of central differences, 2/omega_max, found at the start and followed while the sheet stiffens.
+#include <fmt/format.h>
+#include <petsc/private/tsimpl.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "inverse_iteration.hpp"
+#include "time_integration_impl.hpp"
+
+namespace voile::solve {
+
+namespace {
+
+/// Fraction of the limit that a step takes: between two looks the frequency may rise by a tenth.
+constexpr double safe_fraction = 0.9;
+/// A change of the frequency below which the next look waits twice as long, at most so many steps; beyond, half as long.
+constexpr double small_change = 0.02;
+constexpr int longest_wait = 64;
+/// Fraction of the limit last printed below which a lower one is printed too.
+constexpr double worth_saying = 0.8;
+
+/// The power iteration begins with the last mode and as much of all others: another part of the sheet may have become the stiffest.
+double largest_frequency(system::Dynamics& dynamics, Vec u, petsc::VecHandle& mode) {
+  system::Model& model = dynamics.model();
+  model.assemble_tangent(u, {.kind = energy::Tangent::exact});
+  petsc::VecHandle x = start_mode(model), y = model.dofs().create_vector();
+  if (mode) {
+    double size = 0.0;
+    VOILE_PETSC(VecNorm(x, NORM_2, &size));
+    VOILE_PETSC(VecAXPY(x, size, mode));
+  }
+  double estimate = 0.0;
+  for (int k = 0; k < 100; ++k) {
+    model.dofs().clear_fixed(x);
+    double size = 0.0, next = 0.0;
+    VOILE_PETSC(VecNorm(x, NORM_2, &size));
+    VOILE_PETSC(VecScale(x, 1.0 / size));
+    model.tangent().multiply(x, y);
+    VOILE_PETSC(VecPointwiseDivide(x, y, model.potential().constant().mass()));
+    model.dofs().clear_fixed(x);
+    VOILE_PETSC(VecNorm(x, NORM_2, &next));
+    const bool settled = k > 10 && std::abs(next - estimate) <= 1e-4 * next;
+    estimate = next;
+    if (settled) break;
+  }
+  if (estimate > 0.0) VOILE_PETSC(VecScale(x, 1.0 / estimate));
+  mode = std::move(x);
+  return std::sqrt(1.02 * estimate);  // the last percent may be missing from below
+}
+
+}  // namespace
+
+double largest_frequency(system::Dynamics& dynamics, Vec u) {
+  petsc::VecHandle mode;
+  return largest_frequency(dynamics, u, mode);
+}
+
+void TimeIntegration::Impl::limit_explicit_step(double limit) {
+  options.max_step = std::min(stability.most, safe_fraction * limit);
+  options.min_step = std::min(stability.least, options.max_step);
+  TSAdapt adapt = nullptr;
+  VOILE_PETSC(TSGetAdapt(ts, &adapt));
+  VOILE_PETSC(TSAdaptSetStepLimits(adapt, options.min_step * (1.0 - 1e-9), options.max_step));
+}
+
+void TimeIntegration::Impl::set_explicit_step(Vec u) {
+  double h = 0.0;
+  VOILE_PETSC(TSGetTimeStep(ts, &h));
+  stability.most = options.max_step;
+  stability.least = options.min_step;
+  stability.frequency = largest_frequency(dynamics, u, stability.mode);
+  const double limit = 2.0 / stability.frequency;
+  stability.said = limit;
+  if (remark) remark(fmt::format("central differences: stability limit {:.4g} s", limit));
+  limit_explicit_step(limit);
+  if (h <= options.max_step) return;
+  if (remark) remark(fmt::format("step reduced from {:.4g} s to {:.4g} s", h, options.max_step));
+  VOILE_PETSC(TSSetTimeStep(ts, options.max_step));
+}
+
+void TimeIntegration::Impl::follow_stability(Vec u, double time) {
+  if (--stability.left > 0) return;
+  dynamics.set_time(time);
+  const double frequency = largest_frequency(dynamics, u, stability.mode);
+  const double change = std::abs(frequency / std::exchange(stability.frequency, frequency) - 1.0);
+  stability.wait = change < small_change ? std::min(2 * stability.wait, longest_wait) : std::max(1, stability.wait / 2);
+  stability.left = stability.wait;
+  const double limit = 2.0 / frequency;
+  if (!std::isfinite(limit)) return;
+  limit_explicit_step(limit);
+  double h = 0.0;
+  VOILE_PETSC(TSGetTimeStep(ts, &h));
+  if (h <= options.max_step) return;
+  if (limit < worth_saying * stability.said) {
+    stability.said = limit;
+    if (remark)
+      remark(
+          fmt::format("t = {:.6g} s: the sheet has become stiffer: stability limit {:.4g} s, step reduced to {:.4g} s",
+                      time, limit, options.max_step));
+  }
+  VOILE_PETSC(TSSetTimeStep(ts, options.max_step));
+  wanted = std::min(wanted, options.max_step);
+}
+
+}  // namespace voile::solve

@@ -1,0 +1,189 @@
+"""Answers that would be wrong silently: strains beyond curves, tangents at zero, natural strains, supports that move, restarts, decks."""
+
+import math
+
+import numpy as np
+from common import fresh, strip
+from harness import OUT, solve, test
+from hinges import strip as folded
+from hinges import strip_case
+from panels import Panels
+from solver import ROOT, invoke, run, variant, write_case
+
+CURVE = """
+name = "a"
+description = "Round figures of a knit."
+areal_density = "200 g/m^2"
+tension_warp = { units = ["%", "N/m"], points = [[10, 20], [20, 80], [30, 400]] }
+tension_weft = { units = ["%", "N/m"], points = [[10, 20], [20, 80], [30, 400]] }
+membrane_shear = "30 N/m"
+bending_warp = "0.1 gf.cm^2/cm"
+bending_weft = "0.1 gf.cm^2/cm"
+[sources]
+areal_density = "x"
+tension_warp = "x"
+tension_weft = "x"
+membrane_shear = "x"
+bending_warp = "x"
+bending_weft = "x"
+"""
+
+
+def fabric():
+    OUT.mkdir(parents=True, exist_ok=True)
+    (OUT / "knit.toml").write_text(CURVE)
+    return {"type": "fabric", "fabric": str(OUT / "knit.toml"), "direction": [1, 0, 0]}
+
+
+def pulled(length, end, **material):
+    """A strip of `length` along x that is pulled until it has the length `end`; its width is free."""
+    p = Panels()
+    at = p.add("sheet", (0, 0, 0), (length, 0, 0), (0, length / 4, 0), 4, 1)
+    p.point("corner", at[0, 0])
+    held = lambda group, axes, **more: {"type": "displacement", "group": group, "components": axes} | more  # noqa: E731
+    return {"analysis": "static", "mesh": {"file": str(p.write(OUT / f"pulled_{length}.msh"))}, "material": [fabric() | material],
+            "support": [held("sheet start", ["x"]), held("corner", ["y"]), held("sheet", ["z"]), held("sheet end", ["x"], value=[end - length, 0, 0])],
+            "steps": {"initial_step": 0.1, "max_step": 0.1}, "probe": [{"name": "pull", "type": "reaction", "group": "sheet end", "components": ["x"]}]}
+
+
+@test
+def strain_range(report):
+    """A strain is too large beyond the curve of its material, or beyond 10 % without one, in linear analyses too; those say where they take tangents."""
+    for end, words in ((1.25, ""), (1.35, "a strain along the warp of 36 % at ")):
+        text = solve("range", pulled(1.0, end)).text
+        report.check(words in text and "its measured curve has ended" in text if words else "a strain" not in text and "membrane strain" not in text, f"pulled to {end}: {text[-300:] if words else 'no warning'}")
+    stretched = strip("linear", nx=4, ny=1, load=[{"type": "line", "group": "tip", "vector": [2e4, 0, 0]}])
+    report.check("a membrane strain of 17 %" in solve("range_linear", stretched).text, "a linear analysis warns of its strain")
+    for analysis, more, expected in (("linear", {}, True), ("modal", {"eigen": {"modes": 1}}, True), ("static", {}, False),
+                                     ("linear", {"material": [fabric() | {"initial_strain": [-0.02, -0.02]}]}, False)):
+        code, text = invoke(["check", write_case(pulled(1.0, 1.1) | {"analysis": analysis} | more, OUT / "tangent.toml")])
+        report.check(code == 0 and ("tangent at zero strain" in text) == expected, f"{analysis}: code {code}, tangent at zero {'said' if expected else 'not said'}")
+    code, text = invoke(["check", write_case(pulled(1.0, 1.1) | {"output": {"stresses": "surface"}}, OUT / "stresses.toml")])
+    report.check(code == 2 and "output.stresses" in text and "membrane_force" in text, f"stresses of a fabric: code {code}")
+
+
+@test
+def shrunk_curve(report):
+    """A fabric that has shrunk by 4 % pulls as one that was cut 4 % smaller, along its steep curve."""
+    small, shrunk = solve("cut_small", pulled(0.96, 1.2)), solve("cut_shrunk", pulled(1.0, 1.2, initial_strain=[-0.04, -0.04]))
+    report.percent(shrunk.history["pull_x"][-1] / small.history["pull_x"][-1], 1e-6, f"force {small.history['pull_x'][-1]:.4g} N")
+
+
+@test
+def explicit_stiffening(report):
+    """Central differences follow a fabric that becomes 500 times as stiff while it is pulled."""
+    case = strip("dynamic", nx=6, ny=2, load=[], time={"end": 0.4, "step": 1e-2, "method": "central_difference"}, material=[{
+        "type": "matrices", "membrane": [[100, 0, 0], [0, 100, 0], [0, 0, 50]], "bending": [[1e-3, 0, 0], [0, 1e-3, 0], [0, 0, 1e-3]],
+        "areal_density": 0.2, "direction": [1, 0, 0], "stiffening_warp": [0.0, 1e6, 0.05, -1e6]}])
+    case["support"] = [{"type": "hinged", "group": "clamp"}, {"type": "displacement", "group": "tip", "components": ["x", "y", "z"], "motion": ["table(t, 0, 0, 0.4, 0.5)", "0", "0"]}]
+    case["damping"] = {"mass": 20.0}
+    case["output"] = {"every": 1000}
+    result = solve("explicit_stiffening", case)
+    report.check("has become stiffer" in result.text and result.history["time"][-1] == 0.4, f"{len(result.history['time'])} steps to the end")
+
+
+@test
+def moving_supports(report):
+    """What is held and moves has its energy, and supports carry the damping of what they hold."""
+    case = strip("dynamic", nx=4, ny=1, load=[], time={"end": 1.0, "step": 0.05, "velocity_tolerance": 1e-9})
+    case["support"] = [{"type": "displacement", "group": "plate", "components": ["x", "y", "z"], "motion": ["0.5*t^2", "0", "0"]}]
+    case["damping"] = {"mass": 3.0}
+    case["probe"] = [{"name": "hold", "type": "reaction", "group": "plate", "components": ["x"]}]
+    mass = 10 * 0.1 * 100
+    for method in ("alpha", "central_difference"):
+        h = solve(f"moved_{method}", variant(case, {"time.method": method, "output": {"energy_balance": True}, "time.velocity_tolerance": 1e-9 if method == "alpha" else None})).history
+        report.percent(h["kinetic_energy"][-1] / (mass / 2), 0.002, f"{method}: kinetic energy of what is held")
+        report.percent(h["hold_x"][-1] / (mass * (1 + 3)), 0.01 if method == "alpha" else 0.03, "inertia and damping of what is held")
+        if method == "alpha":
+            report.below(h["energy_unaccounted"][-1] / (mass / 2), 1e-9, "energy unaccounted for")
+
+
+    free = strip("dynamic", nx=4, ny=1, time={"end": 0.1, "step": 1e-3, "mass": "consistent", "velocity_tolerance": 1e-9}, output={"every": 1},
+                 probe=[{"name": "hold", "type": "reaction", "group": "clamp", "components": ["z"]}])
+    done = solve("coupled", free)
+    mesh = done.results[-1].mesh
+    corners = np.asarray(mesh.positions)[np.asarray(mesh.triangles)]
+    areas = 0.5 * np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
+    masses = np.zeros(len(mesh.positions))
+    np.add.at(masses, np.asarray(mesh.triangles), (10 * areas / 3)[:, None])
+    momentum = np.array([masses @ np.asarray(step["velocity"])[:, 2] for step in done.results])
+    rate, hold = np.gradient(momentum, 1e-3)[2:-1], np.asarray(done.history["hold_z"])[2:-1]
+    report.below(np.abs(hold + 0.4 - rate).max() / np.abs(rate).max(), 0.002, "consistent mass: load and reaction are the rate of momentum")
+
+
+@test
+def said_differences(report):
+    """A restart names what of the sheet is another one; results as a start say what they leave out."""
+    case = strip("dynamic", nx=4, ny=1, output={"every": 1})
+    first = solve("said_first", case)
+    cloth = strip("dynamic", nx=4, ny=1, material=[fabric()])
+    woven = solve("said_woven", cloth)
+    done = solve("said_turned", variant(cloth, {"material.0.warp_angle": 45, "time.end": 0.25}), options=["--restart", woven.folder / "checkpoint.h5"])
+    report.check("[material]: fabric or warp_angle, with" in done.text, "another warp_angle")
+    for name, options, change, words in (("same", ["checkpoint.h5"], {}, ""), ("material", ["checkpoint.h5"], {"material.0.young": 2e6}, "[material]: young 1200000.0, here 2000000.0"),
+                                         ("results", ["results.vtkhdf"], {}, "have no accelerations")):
+        done = solve("said_again", variant(case, change | {"time.end": 0.25}), options=["--restart", first.folder / options[0]])
+        report.check(words in done.text if words else "note: --restart" not in done.text, f"{name}: {[line for line in done.text.splitlines() if '--restart' in line]}")
+
+
+@test
+def said_names(report):
+    """Names that the mesh does not have, with line and the nearest one, all at once; units; hinges that nothing holds; a turn beyond a whole one."""
+    wrong = strip(nx=4, ny=1, support=[{"type": "clamped", "group": "clmap"}], contact={"distance": 1e-3},
+                  contact_rule=[{"first": "tipp", "second": "sheet", "ignore": True}, {"first": "clamp", "second": "bal", "ignore": True}])
+    code, text = invoke(["check", write_case(wrong, OUT / "said_names.toml")])
+    report.check(code == 2 and all(w in text for w in ("did you mean 'clamp'?", "did you mean 'tip'?", "'bal'", ".toml:")), f"three names: code {code}, {text}")
+    code, text = invoke(["check", write_case(strip(nx=4, ny=1) | {"units": {"mass": "tt"}}, OUT / "said_units.toml")])
+    report.check(code == 2 and "ft" not in text and "valid: kg" in text, f"unit of mass: {text.strip()}")
+    loose = strip_case(folded(OUT / "said_hinge.msh", 2))
+    loose["hinge"].append({"group": "free end", "stiffness": 1.0})
+    code, text = invoke(["check", write_case(loose, OUT / "said_hinge.toml")])
+    report.check(code == 0 and "'free end': 2 of its edges lie on the boundary where nothing holds" in text, f"a hinge that nothing holds: code {code}")
+    turned = strip(nx=4, ny=1, load=[], steps={"initial_step": 0.05, "max_step": 0.05}, support=[],
+                   rigid=[{"group": "plate", "name": "plate", "translation": [0, 0, 0], "turn": "about", "turn_axis": [0, 0, 1], "turn_angle": "500*t"}], probe=[])
+    report.near(solve("said_turn", turned).history["plate_turn_z"][-1], math.radians(500), 1e-9, "a prescribed turn")
+
+
+@test
+def rigid_inertia(report):
+    """A strip whose end is a rigid line takes part in turning as one with a free end."""
+    case = strip("modal", nx=8, ny=2, load=[], probe=[], eigen={"modes": 2})
+    tables = [np.genfromtxt(solve("rigid_inertia", case | more).folder / "modes.csv", delimiter=",", names=True)
+              for more in ({}, {"rigid": [{"group": "tip", "name": "end"}]})]
+    for column in ("effective_mass_z", "effective_inertia_y"):
+        free, rigid = (table[column][0] for table in tables)
+        report.percent(rigid / free, 0.01, f"{column} of the first mode, {free:.4g} without")
+
+
+SHELL = ("SOL 106\nCEND\nBEGIN BULK\nGRID,1,,0.,0.,0.\nGRID,2,,1.,0.,0.\nGRID,3,,1.,1.,0.\nGRID,4,,0.,1.,0.\n"
+         "CQUAD4,1,5,1,2,3,4,30.\nSPC1,1,123456,1,4\nFORCE,1,2,,1.,0.,0.,1.\n")
+PLY = "MAT8,7,140.+9,10.+9,.3,5.+9,,,1600.\n"
+
+
+def converted(deck):
+    file, folder = OUT / "silent.bdf", fresh("silent_deck")
+    file.write_text(deck + "ENDDATA\n")
+    code, text = invoke(["init", folder, "--from", file])
+    return code, text + ((folder / "case.toml").read_text() if code == 0 else "")
+
+
+@test
+def nastran_silent(report):
+    """Decks: twofold cards, offsets and thicknesses of elements are refused; MAT8 and PCOMP are read in the axes of elements; LGDISP decides."""
+    shell = "PSHELL,5,7,.001,7\n"
+    OUT.mkdir(parents=True, exist_ok=True)
+    for name, deck, expected, words in (
+            ("material", SHELL + shell + PLY + PLY, 2, ("MAT8: material 7 is there twice, first in", ".bdf:12")),
+            ("property", SHELL + shell + shell + PLY, 2, ("PSHELL: property 5 is there twice",)),
+            ("offset", SHELL.replace(",30.\n", ",30.,.01\n") + shell + PLY, 2, ("ZOFFS = .01",)),
+            ("thickness", SHELL.replace(",30.\n", ",30.\n,,,.002,.002,.002,.002\n") + shell + PLY, 2, ("T1 = .002", "PSHELL")),
+            ("eight nodes", SHELL.replace("CQUAD4,1,5,1,2,3,4,30.", "CQUAD8,1,5,1,2,3,4\n,,,,,,,30.,.01") + shell + PLY, 2, ("CQUAD8: ZOFFS = .01",)),
+            ("their thickness", SHELL.replace("CQUAD4,1,5,1,2,3,4,30.", "CQUAD8,1,5,1,2,3,4\n,,,.002,.002,.002,.002,30.") + shell + PLY, 2, ("CQUAD8: T1 = .002",)),
+            ("own thickness", SHELL.replace(",30.\n", ",30.\n,,,.001,.001,.001,.001\n") + shell + PLY, 0, ('type = "orthotropic"',)),
+            ("shell", SHELL + shell + PLY, 0, ('analysis = "linear"', "without PARAM,LGDISP,1", 'type = "orthotropic"', "direction = [0.866", "shear_12 = 5000000000")),
+            ("large", SHELL + shell + PLY + "PARAM,LGDISP,1\n", 0, ('analysis = "static"',)),
+            ("laminate", SHELL + "PCOMP,5,,,,,,,SYM\n,7,.00025,0.,,7,.00025,90.\n" + PLY, 0, ('type = "laminate"', "angles = [0, 90, 90, 0]", "ply_thicknesses = [0.00025")),
+            ("beside", SHELL + "PCOMP,5,0.\n,7,.00025,0.,,7,.00025,90.\n" + PLY, 2, ("Z0 = 0.",)),
+            ("axes", SHELL.replace("CQUAD4,1,5,1,2,3,4,30.", "CTRIA3,1,5,1,2,3,0.\nCTRIA3,2,5,1,3,4,0.") + shell + PLY, 0, ("material axes (THETA, MCID) that differ",))):
+        code, text = converted(deck)
+        report.check(code == expected and all(w in text for w in words), f"{name}: code {code}{'' if code == expected and all(w in text for w in words) else ', ' + text}")
