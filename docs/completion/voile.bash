@@ -23,7 +23,7 @@ _voile() {
     doctor) options="--help" ;;
     init) options="--from --example --list --drape --garment --shell --modal --help" ;;
     drape-test) options="--specimen --repeats --method --elastic --no-mesh-check --cell --jobs --output --overwrite --quiet --help" ;;
-    fit) options="--output --overwrite --repeats --cell --jobs --quiet --help" ;;
+    fit) options="--output --overwrite --repeats --method --cell --jobs --quiet --help" ;;
     render) options="--steps --output --animation --rate --frames --stage --mode --size --quality --threads --field --range --scale --partition --panels --contours --mesh --creases --title --view --eye --target --up --no-stamp --no-ground --no-obstacles --palette --quiet --help" ;;
     view) options="--steps --stage --field --output --rate --no-obstacles --quiet --help" ;;
     sheet) options="--columns --output --palette --quiet --help" ;;

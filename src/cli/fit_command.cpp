@@ -42,6 +42,13 @@ void declare(CLI::App& cli, FitOptions& o) {
   c->add_option("-o,--output", o.output, "Fabric file [MEASUREMENTS_fabric.toml]");
   c->add_flag("--overwrite", o.overwrite, "Replace that file");
   c->add_option("--repeats", o.drape.repeats, "Specimens of each virtual drape test [2]")->check(CLI::Range(1, 100));
+  c->add_option_function<std::string>(
+       "--method",
+       [&o](const std::string& w) {
+         o.drape.method = w == "plate" ? DrapeTest::Method::plate : DrapeTest::Method::weight;
+       },
+       "As of drape-test: plate or weight [plate]")
+      ->check(CLI::IsMember({"plate", "weight"}));
   c->add_option("--cell", o.cell, "Edge of its cells in mm [half a bending length, 3.5 to 7]")
       ->check(CLI::Range(0.5, 20.0));
   c->add_option("--jobs", o.drape.jobs, "Its repeats side by side [one for each core]")->check(CLI::Range(1, 1000));

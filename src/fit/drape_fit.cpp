@@ -95,7 +95,9 @@ void fit_drape(const Sheet& sheet, Fit& fit, const DrapeInstrument& drape) {
   const double slope = (seen.rbegin()->second.coefficient - seen.begin()->second.coefficient) /
                        (seen.rbegin()->first - seen.begin()->first);
   const double spread = std::hypot(d.coefficient.deviation, of_instrument, trial.deviation);
-  for (const P p : unknown) fit.figures[p].deviation = 3.0 * spread / (std::max(slope, flattest) * root.argument);
+  const double of_length = spread / (std::max(slope, flattest) * root.argument);
+  for (const P p : unknown)
+    fit.figures[p].deviation = std::hypot(3.0 * of_length, fit.figures.at(P::areal_density).deviation);
   if (std::abs(root.value) > tolerance)
     fit.warnings.push_back(
         fmt::format("the virtual drape coefficient jumps near this bending length, where the number of "

@@ -221,7 +221,8 @@ std::vector<std::string> report(const Sheet& sheet, const Fit& fit) {
   lines.emplace_back("measurements:                     measured     of fabric  residual");
   for (const Comparison& c : fit.comparisons)
     lines.push_back(fmt::format("  {:<28} {:>11.5g} {:>13.5g} {:>+8.1f} %  {}{}", c.name, c.measured, c.found,
-                                100.0 * c.residual(), c.unit, c.compared ? "  (compared only)" : ""));
+                                std::round(1e3 * c.residual()) / 10.0 + 0.0, c.unit,
+                                c.compared ? "  (compared only)" : ""));
   lines.emplace_back("not determined, and what holds instead:");
   for (const Undetermined& u : undetermined(sheet, fit)) lines.push_back(fmt::format("  {:<26} {}", u.key, u.instead));
   if (!sheet.unused.empty())

@@ -1,7 +1,8 @@
 #include "least_squares.hpp"
 
 #include <Eigen/SVD>
-#include <unsupported/Eigen/NonLinearOptimization>
+#include <algorithm>
+#include <unsupported/Eigen/LevenbergMarquardt>
 #include <unsupported/Eigen/NumericalDiff>
 
 namespace voile::fit {
@@ -10,21 +11,15 @@ namespace {
 
 constexpr double rank_tolerance = 1e-6;  // of the largest singular value; differences are good to 1e-9
 
-/// What Eigen's solver wants.
-struct Functor {
-  using Scalar = double;
-  using InputType = Eigen::VectorXd;
-  using ValueType = Eigen::VectorXd;
-  using JacobianType = Eigen::MatrixXd;
-  enum { InputsAtCompileTime = Eigen::Dynamic, ValuesAtCompileTime = Eigen::Dynamic };
-
+/// The residuals, and empty ones so that there are as many as unknowns, which the solver wants.
+struct Functor : Eigen::DenseFunctor<double> {
   const Residuals* function;
-  int input_count, value_count;
 
-  [[nodiscard]] int inputs() const { return input_count; }
-  [[nodiscard]] int values() const { return value_count; }
+  Functor(const Residuals& f, Eigen::Index unknowns, Eigen::Index count)
+      : Eigen::DenseFunctor<double>(static_cast<int>(unknowns), static_cast<int>(std::max(count, unknowns))),
+        function(&f) {}
   int operator()(const Eigen::VectorXd& x, Eigen::VectorXd& r) const {
-    r.head(r.size()).setZero();
+    r.setZero();
     const Eigen::VectorXd found = (*function)(x);
     r.head(found.size()) = found;
     return 0;
@@ -40,17 +35,15 @@ double LeastSquares::misfit() const {
 
 LeastSquares least_squares(const Residuals& function, const Eigen::VectorXd& start) {
   const Eigen::Index count = function(start).size();
-  // The solver wants as many residuals as unknowns: empty ones do no harm.
-  const Functor plain{&function, static_cast<int>(start.size()),
-                      static_cast<int>(std::max<Eigen::Index>(count, start.size()))};
-  Eigen::NumericalDiff<Functor, Eigen::Central> functor(plain);
+  Eigen::NumericalDiff<Functor, Eigen::Central> functor(Functor(function, start.size(), count));
   Eigen::LevenbergMarquardt<decltype(functor)> solver(functor);
-  solver.parameters.xtol = solver.parameters.ftol = 1e-12;
+  solver.setXtol(1e-12);
+  solver.setFtol(1e-12);
   LeastSquares out;
   out.unknowns = start;
   if (start.size() > 0) solver.minimize(out.unknowns);
   out.residuals = function(out.unknowns);
-  Eigen::MatrixXd all(plain.value_count, start.size());
+  Eigen::MatrixXd all(functor.values(), start.size());
   functor.df(out.unknowns, all);
   out.jacobian = all.topRows(count);
   const Eigen::JacobiSVD<Eigen::MatrixXd> svd(out.jacobian, Eigen::ComputeThinU | Eigen::ComputeFullV);

@@ -139,7 +139,7 @@ Reading read_item(const Sheet& sheet, const std::string& key, const std::vector<
     sheet.fail(line, key,
                fmt::format("{:g} has to be finite and greater than zero; correct it, or leave the figure out",
                            node.is_number() ? *node.value<double>() : r.value));
-  if (dimensions.empty() && r.value >= 2.0) sheet.fail(line, key, "a number between 0 and 2 is needed");
+  if (key.starts_with("kes.LT") && r.value >= 2.0) sheet.fail(line, key, "a number between 0 and 2 is needed");
   return r;
 }
 
