@@ -38,7 +38,8 @@ std::vector<energy::YarnPoint> solver_points(Record::Kind kind, const std::vecto
 
 /// What a loop was fitted by.
 struct LoopFit {
-  std::vector<double> figures, deviations;  ///< of P in `figures_of`, relative deviations
+  std::vector<double> figures, deviations;  ///< B or G, widths, spread if it is known; relative deviations
+  bool bounded = false;                     ///< the spread is less than the distance of the rows, which is given
 };
 
 struct LoopCourse {
@@ -46,6 +47,14 @@ struct LoopCourse {
   std::vector<double> strain, force;
   double width = 0.0;
 
+  /// Median distance of neighbouring rows, below which a spread does not show.
+  [[nodiscard]] double distance() const {
+    std::vector<double> steps;
+    for (std::size_t i = 1; i < strain.size(); ++i) steps.push_back(std::abs(strain[i] - strain[i - 1]));
+    const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
+    std::nth_element(steps.begin(), middle, steps.end());
+    return *middle;
+  }
   [[nodiscard]] double range(const std::vector<double>& x) const {
     return *std::max_element(x.begin(), x.end()) - *std::min_element(x.begin(), x.end());
   }
@@ -99,14 +108,21 @@ LoopFit fit_loop(const LoopCourse& c, const std::string& file) {
   LeastSquares found = solve(0.0);
   const auto deviation = [&](Index i) { return std::sqrt(found.misfit() * found.covariance()(i, i)); };
   const auto spread_at = static_cast<Index>(start.size());
-  const bool known = found.null.cols() == 0 && deviation(spread_at) < unknown_spread;
-  if (!known) found = solve(typical);
+  const bool hidden = std::exp(found.unknowns[spread_at]) < c.distance(),
+             known = !hidden && found.null.cols() == 0 && deviation(spread_at) < unknown_spread;
+  const double least = std::min(typical, c.distance());
+  if (!known) found = solve(hidden ? least : typical);
   if (found.null.cols() > 0 || !found.unknowns.allFinite())
     throw UserError(fmt::format("{}: the rows do not determine the loop; give more of them on both branches", file));
   LoopFit fit;
   for (Index i = 0; i < found.unknowns.size() - 1; ++i) {
     fit.figures.push_back(std::exp(found.unknowns[i]));
     fit.deviations.push_back(std::max(deviation(i), least_deviation));
+  }
+  fit.bounded = hidden && least < typical;
+  if (fit.bounded) {
+    fit.figures.push_back(least);
+    fit.deviations.push_back(unknown_spread);
   }
   return fit;
 }
@@ -169,14 +185,16 @@ std::vector<Measurement> measurements_of(const Sheet& sheet, const Record& recor
   std::vector<Measurement> all;
   for (std::size_t k = 0; k < parameters.size(); ++k) {
     std::vector<double> values;
+    bool bounded = false;
     Measurement m;
     for (const LoopFit& f : fits)
       if (k < f.figures.size()) {
         values.push_back(f.figures[k]);
+        bounded = bounded || (f.bounded && k + 1 == parameters.size());
         m.figure.deviation = f.deviations[k] * f.figures[k];
       }
     if (values.empty()) continue;
-    m.name = fmt::format("{}: {}", record.name, names[k]);
+    m.name = fmt::format("{}: {}{}", record.name, names[k], bounded ? " at most, by its rows" : "");
     m.line = record.line;
     m.instrument.parameter = parameters[k];
     m.unit = name_of(parameters[k]).unit;

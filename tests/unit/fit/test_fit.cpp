@@ -210,6 +210,26 @@ TEST_CASE("loops with noise give their figures, wherever the record begins") {
   }
 }
 
+TEST_CASE("a spread that the rows of a loop do not show is bounded or left out") {
+  const auto fit_of = [](double spread, double step) {
+    const fit::Loop loop = fit::bending_loop(6.6e-6, 3.2e-4, spread);
+    const std::vector<double> x = course(250.0, step), f = loop.forces(x, false);
+    std::vector<std::pair<double, double>> rows;
+    for (std::size_t i = 0; i < x.size(); ++i) rows.emplace_back(x[i], f[i]);
+    const Rows file(rows);
+    return fitted(head + "areal_density = \"160 g/m^2\"\n[bending_loop.warp]\nunits = [\"1/m\", \"N\"]\nfile = \"" +
+                  file.file + "\"\n");
+  };
+  const fit::Fit coarse = fit_of(8.0, 25.0), sharp = fit_of(1.0, 5.0);
+  CHECK(!coarse.has(Parameter::bending_hysteresis_spread));
+  CHECK(value(sharp, Parameter::bending_hysteresis_spread) == relative(5.0));
+  CHECK(has(sharp.figures.at(Parameter::bending_hysteresis_spread).sources.at(0), "spread at most"));
+  for (const fit::Fit* f : {&coarse, &sharp}) {
+    CHECK(value(*f, Parameter::bending_warp) == relative(6.6e-6).epsilon(1e-3));
+    CHECK(value(*f, Parameter::bending_hysteresis) == relative(3.2e-4).epsilon(2e-3));
+  }
+}
+
 TEST_CASE("a long curve with noise gives points that rise through it") {
   std::mt19937 random(5);
   std::normal_distribution<double> noise(0.0, 0.01);
