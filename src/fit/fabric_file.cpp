@@ -71,17 +71,22 @@ std::string points_text(const CurveFit& curve, bool shear) {
   return fmt::format("{{ units = [\"{}\", \"N/m\"], points = [{}] }}", shear ? "deg" : "%", join(rows, ", "));
 }
 
+/// How a curve was found.
+std::string curve_source(const FittedCurve& c) {
+  std::string text = fmt::format("{} points of {}", c.fit.points.size(), c.source);
+  if (c.fit.deviation > 0.0)
+    text += fmt::format("; its rows deviate by {} of the largest force", percent(c.fit.deviation));
+  if (c.fit.uncertainty > 0.0) text += fmt::format("; standard uncertainty {}", percent(c.fit.uncertainty));
+  return text;
+}
+
 /// Tension along one direction, or shear: a curve, a stiffness, both, or nothing.
 std::vector<Entry> law_of(const Sheet& sheet, const Fit& fit, const char* curve, P stiffness,
                           const std::optional<std::pair<P, P>>& figures) {
   std::vector<Entry> entries;
   if (fit.curves.contains(curve)) {
     const FittedCurve& c = fit.curves.at(curve);
-    const std::string deviation =
-        c.fit.deviation > 0.0 ? fmt::format("; its rows deviate by {} of the largest force", percent(c.fit.deviation))
-                              : "";
-    entries.push_back(
-        {curve, points_text(c.fit, !figures), fmt::format("{} of {}{}", c.source, origin(sheet), deviation)});
+    entries.push_back({curve, points_text(c.fit, !figures), fmt::format("{} ({})", curve_source(c), origin(sheet))});
   } else if (figures && fit.has(figures->first)) {
     const Determined &e = fit.figures.at(figures->first), &w = fit.figures.at(figures->second);
     entries.push_back({curve,
@@ -144,10 +149,7 @@ std::vector<Entry> entries_of(const Sheet& sheet, const Fit& fit) {
   add(P::thickness);
   add_tension(sheet, fit, all);
   add(P::shear_hysteresis);
-  // A loop that does not widen is the default.
-  if (fit.has(P::shear_hysteresis_5) &&
-      fit.figures.at(P::shear_hysteresis_5).value > fit.figures.at(P::shear_hysteresis).value)
-    add(P::shear_hysteresis_5);
+  add(P::shear_hysteresis_5);
   add(P::shear_hysteresis_spread);
   add_or_copy(sheet, fit, P::bending_warp, P::bending_weft, all);
   add_or_copy(sheet, fit, P::bending_weft, P::bending_warp, all);
@@ -158,12 +160,9 @@ std::vector<Entry> entries_of(const Sheet& sheet, const Fit& fit) {
   return all;
 }
 
-std::string figure_line(const Fit& fit, const Entry& e) {
-  for (const auto& [p, d] : fit.figures)
-    if (e.key == name_of(p).key && !e.instead)
-      return fmt::format("  {:<26} {:>18} +- {:<7} {}{}", e.key, with_unit(p, d.value), percent(d.deviation),
-                         join(d.sources, ", "), d.assumed ? " (assumed uncertainty)" : "");
-  return fmt::format("  {:<26} {}", e.key, e.value);
+std::string figure_line(P p, const Determined& d) {
+  return fmt::format("  {:<26} {:>18} +- {:<7} {}{}", name_of(p).key, with_unit(p, d.value), percent(d.deviation),
+                     join(d.sources, ", "), d.assumed ? " (assumed uncertainty)" : "");
 }
 
 }  // namespace
@@ -216,8 +215,8 @@ std::vector<std::string> report(const Sheet& sheet, const Fit& fit) {
   std::vector<std::string> lines{fmt::format("{}: {} measurements, {} figures, {} curves", sheet.name, fit.fitted,
                                              fit.figures.size(), fit.curves.size()),
                                  "determined (standard uncertainty):"};
-  for (const Entry& e : entries_of(sheet, fit))
-    if (!e.instead) lines.push_back(figure_line(fit, e));
+  for (const auto& [p, d] : fit.figures) lines.push_back(figure_line(p, d));
+  for (const auto& [key, curve] : fit.curves) lines.push_back(fmt::format("  {:<26} {}", key, curve_source(curve)));
   lines.emplace_back("measurements:                     measured     of fabric  residual");
   for (const Comparison& c : fit.comparisons)
     lines.push_back(fmt::format("  {:<28} {:>11.5g} {:>13.5g} {:>+8.1f} %  {}{}", c.name, c.measured, c.found,

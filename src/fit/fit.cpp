@@ -103,11 +103,24 @@ void take_figures(Fit& fit, const Problem& p, const LeastSquares& found) {
     const double most = found.gain.row(row).cwiseAbs().maxCoeff();
     for (std::size_t j = 0; j < p.measurements.size(); ++j)
       if (std::abs(found.gain(row, static_cast<Index>(j))) > counts * most) {
-        d.sources.push_back(p.measurements[j].name);
+        d.sources.push_back(p.measurements[j].name +
+                            (p.measurements[j].shared ? " (one figure for both directions)" : ""));
         d.assumed = d.assumed || p.measurements[j].figure.assumed;
       }
     fit.figures[p.parameters[i]] = d;
   }
+}
+
+/// A loop of shear that narrows gets one width, as without 2HG5.
+void drop_narrowing_loop(Fit& fit, Values& values) {
+  const double near = at(values, Parameter::shear_hysteresis), far = at(values, Parameter::shear_hysteresis_5);
+  if (!fit.has(Parameter::shear_hysteresis) || !fit.has(Parameter::shear_hysteresis_5) || far > near) return;
+  fit.warnings.push_back(
+      fmt::format("2HG5 = {:.4g} N/m is not larger than 2HG = {:.4g} N/m: the loop of shear gets the "
+                  "width 2HG at all angles",
+                  far, near));
+  fit.figures.erase(Parameter::shear_hysteresis_5);
+  at(values, Parameter::shear_hysteresis_5) = near;
 }
 
 void compare(Fit& fit, const std::vector<Measurement>& all, const Values& values) {
@@ -141,6 +154,7 @@ void take_curves(const Sheet& sheet, Fit& fit) {
       sheet.fail(r.line, r.name,
                  fmt::format("{} is there already, by {}; leave one of them out", key, fit.curves[key].source));
     fit.curves[key] = {curve_of(sheet, r), r.name};
+    fit.curves[key].fit.uncertainty = r.deviation;
   }
 }
 
@@ -184,7 +198,9 @@ Fit fit_sheet(const Sheet& sheet, const DrapeInstrument& drape) {
   require_rank(sheet, p, found);
   take_figures(fit, p, found);
   fit.fitted = p.measurements.size();
-  compare(fit, all, p.values(found.unknowns));
+  Values values = p.values(found.unknowns);
+  drop_narrowing_loop(fit, values);
+  compare(fit, all, values);
   take_curves(sheet, fit);
   require_one_law(sheet, fit);
   if (sheet.drape) fit_drape(sheet, fit, drape);

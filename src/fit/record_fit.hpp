@@ -14,7 +14,8 @@ namespace voile::fit {
 /// A curve of a fabric file.
 struct CurveFit {
   std::vector<RecordPoint> points;
-  double deviation = 0.0;  ///< of the rows from it, root mean square over the largest force
+  double uncertainty = 0.0;  ///< relative, of points that are figures of the sheet
+  double deviation = 0.0;    ///< of the rows from it, root mean square over the largest force
 };
 /// Through all points of a short record, by least squares with `knots` points through a long one. Throws UserError.
 [[nodiscard]] CurveFit curve_of(const Sheet& sheet, const Record& curve);

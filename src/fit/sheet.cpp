@@ -21,8 +21,8 @@ using input::Dimension;
 
 constexpr double kes_load = 490.3325;                                      // 500 gf/cm [N/m]
 constexpr double fast_load = 0.980665, degree = std::numbers::pi / 180.0;  // 1 gf/cm [N/m]
-/// LT from which on a law counts as linear, and above which no law of a fabric file is near.
-constexpr double linear_from = 0.99, linear_to = 1.05;
+/// LT from which on a law counts as linear, and between which a law of a fabric file is near.
+constexpr double linear_from = 0.99, linear_least = 0.2, linear_to = 1.05;
 
 struct RecordName {
   const char* key;
@@ -95,7 +95,7 @@ void read_record(Sheet& sheet, const RecordName& r, const std::string& name, Dir
   const toml::table* table = node.as_table();
   if (!table) sheet.fail(line_of(node), name, "a table with file and units is needed");
   require_known(sheet, name, *table, {"file", "units"});
-  Record record{r.kind, direction, name, line_of(node), {}, {}};
+  Record record{r.kind, direction, name, line_of(node), {}, {}, 0.0};
   const RecordPoint scale = scale_of(sheet, r, name, *table);
   const toml::node* file = table->get("file");
   const auto add = [&](const toml::node& one) {
@@ -172,13 +172,14 @@ void gather_extensions(Sheet& sheet, int number) {
   const Direction direction = number == 1 ? Direction::warp : Direction::weft;
   const auto name = [&](int load) { return fmt::format("fast.E{}-{}", load, number); };
   std::vector<Measurement> found;
-  Record curve{Record::Kind::tension_curve, direction, "", 0, {}, {{}}};
+  Record curve{Record::Kind::tension_curve, direction, "", 0, {}, {{}}, 0.0};
   for (const int load : {5, 20, 100})
     if (const Measurement* m = find(sheet, name(load))) {
       curve.points[0].push_back({m->figure.mean, load * fast_load});
       found.push_back(*m);
       curve.name += (curve.name.empty() ? "" : ", ") + m->name;
       curve.line = m->line;
+      curve.deviation = std::max(curve.deviation, m->figure.deviation / m->figure.mean);
     }
   if (found.empty()) return;
   std::erase_if(sheet.measurements, [&](const Measurement& m) {
@@ -227,6 +228,12 @@ void settle_tension(Sheet& sheet, Direction direction, const std::string& word) 
         any->line, any->name,
         fmt::format("EMT and WT give LT = {:.3g}: the curve flattens, which two figures do not describe; give it "
                     "as [tension_curve.{}]",
+                    linearity, word));
+  if (of_solver < linear_least)
+    sheet.fail(
+        any->line, any->name,
+        fmt::format("EMT and WT give LT = {:.3g}: so steep an end is not described by two figures; correct them, or "
+                    "give the curve as [tension_curve.{}]",
                     linearity, word));
   for (Measurement& m : sheet.measurements)
     if (m.instrument.kind != Kind::figure && m.instrument.direction == direction && m.name.starts_with("kes.")) {

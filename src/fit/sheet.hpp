@@ -29,6 +29,7 @@ struct Measurement {
   double si = 1.0;   ///< of that unit
   Figure figure;
   bool compared = false;  ///< only: the sheet has what it was computed from
+  bool shared = false;    ///< the sheet has one figure for warp and weft
 };
 
 /// A point of a record: extension, angle [rad] or curvature [1/m]; force per width [N/m] or moment per width [N].
@@ -45,6 +46,7 @@ struct Record {
   int line = 0;
   std::vector<std::string> files;  ///< a specimen each; empty: the figures of the sheet are the points
   std::vector<std::vector<RecordPoint>> points;
+  double deviation = 0.0;  ///< relative standard uncertainty of figures of the sheet
 };
 
 struct DrapeFigure {

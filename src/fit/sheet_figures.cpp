@@ -211,8 +211,10 @@ void read_column(Sheet& sheet, const Column& column, const toml::node& node) {
   if (table && !directed) sheet.fail(line_of(node), key, "it has no direction; a figure or a list is needed");
   if (!table) {
     const Figure figure = read_figure(sheet, key, column.dimensions, column.unit, node);
-    for (std::size_t i = 0; i < std::min<std::size_t>(column.parts.size(), 2); ++i)
+    for (std::size_t i = 0; i < std::min<std::size_t>(column.parts.size(), 2); ++i) {
       add(sheet, column, column.parts[i].first, column.parts[i].second, figure, line_of(node));
+      sheet.measurements.back().shared = directed;
+    }
     return;
   }
   std::vector<std::string> valid;

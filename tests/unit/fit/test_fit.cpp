@@ -151,6 +151,24 @@ TEST_CASE("what is measured twice is weighed, and contradictions are named") {
   CHECK(fast.warnings.size() == 1);
 }
 
+TEST_CASE("curves of FAST, a loop of shear that narrows, one figure for both directions") {
+  const std::string text =
+      head + "[fast]\nW = 200\nE5-1 = 0.3\nE20-1 = 1.1\nE100-1 = 3\n[kes]\nB = 0.1\n2HG = 0.5\n2HG5 = 0.45\n";
+  const fit::Sheet sheet = fit::parse_sheet(text, "sheet.toml");
+  const fit::Fit found = fit::fit_sheet(sheet, no_drape);
+  const std::string file = fit::fabric_text(sheet, found);
+  const input::Fabric fabric = input::parse_fabric(file, "fabric.toml");
+  REQUIRE(fabric.curves[0]);
+  const double x = 0.03;
+  CHECK(energy::force_of(*fabric.curves[0], x + 0.5 * x * x) == relative(98.0665 / (1.0 + x)).epsilon(1e-5));
+  CHECK(!fabric.shear_hysteresis_5);
+  REQUIRE(found.warnings.size() == 1);
+  CHECK(has(found.warnings[0], "2HG5"));
+  CHECK(has(file, "#   shear_hysteresis_5: the same width"));
+  CHECK(has(file, "kes.B.warp (one figure for both directions)"));
+  CHECK(has(file, "tension_weft = \"not measured; that of the warp\""));
+}
+
 TEST_CASE("one percent of noise on twenty specimens leaves the figures within two") {
   std::mt19937 random(7);
   std::normal_distribution<double> noise(0.0, 0.01);
@@ -262,6 +280,7 @@ TEST_CASE("a fit that the data cannot determine is refused by name") {
   CHECK(has(fit_error(head + "[kes]\nW = 20\nB = 0.1\nEMT = 5\n"), "EMT and one of WT and LT are needed"));
   CHECK(has(fit_error(head + "[kes]\nW = 20\nB = 0.1\n2HG5 = 1\n"), "2HG, the loop at 0.5 degrees"));
   CHECK(has(fit_error(head + "[kes]\nW = 20\nB = 0.1\nEMT = 5\nLT = 1.3\n"), "tension_curve.warp"));
+  CHECK(has(fit_error(head + "[kes]\nW = 20\nB = 0.1\nEMT = 5\nLT = 0.1\n"), "so steep an end"));
   CHECK(has(fit_error(head + "[fast]\nW = 200\nC-1 = 18\nE20-1 = 1.8\n"), "one extension alone"));
   CHECK(has(fit_error(head + "[fast]\nW = 200\nC-1 = 18\nE5-1 = 2\nE20-1 = 1.8\n"), "greater than fast.E5-1"));
 }
