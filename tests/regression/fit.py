@@ -1,28 +1,17 @@
-"""`voile fit`: fabric files from the sheets of a laboratory."""
+"""`voile fit` and `voile fabric-test`: fabric files from the sheets of a laboratory, and sheets from fabric files."""
 
 import re
 import tomllib
 
-import numpy as np
-from draping import frame
-from harness import OUT, solve, test
-from solver import ROOT, invoke, variant
+from harness import OUT, test
+from solver import ROOT, invoke
 
 UNITS = {"g/m^2": 1e-3, "mg/cm^2": 1e-2, "mm": 1e-3, "N/m": 1, "kN/m": 1e3, "uN.m": 1e-6, "mN": 1e-3, "1/m": 1, "deg": 1, "gf.cm^2/cm": 98.0665e-6, "gf.cm/cm": 9.80665e-3}
 
 
-SHEARED = """name = "Sheared"
-description = "A loop of shear of round figures."
-areal_density = 0.2
-membrane_warp = 1e4
-membrane_weft = 1e4
-membrane_shear = 40
-shear_hysteresis = 0.8
-shear_hysteresis_5 = 2
-bending_warp = 1e-5
-bending_weft = 1e-5
-[sources]
-""" + "".join(f'{key} = "x"\n' for key in ("areal_density", "membrane_warp", "membrane_weft", "membrane_shear", "shear_hysteresis", "shear_hysteresis_5", "bending_warp", "bending_weft"))
+FIGURES = {"areal_density": 0.16, "membrane_warp": 1e4, "membrane_weft": 1e4, "membrane_shear": 40, "shear_hysteresis": 0.8, "shear_hysteresis_5": 2, "bending_warp": 9e-6, "bending_weft": 5e-6,
+           "bending_twist": 4e-6, "bending_hysteresis": 4e-4, "bending_hysteresis_weft": 2e-4}
+RUBBING = "\n".join(['name = "Rubbing"', 'description = "Round figures."', *(f"{k} = {v}" for k, v in FIGURES.items()), "[sources]", *(f'{k} = "x"' for k in FIGURES)]) + "\n"
 
 
 def si(value):
@@ -102,51 +91,24 @@ def fit_shipped(report):
             report.check(re.search(r"membrane_poisson +0\n", text) is not None, "the coupling of warp and weft is listed as not determined")
 
 
-def curvature(history, places):
-    """Of the circle through three points of a strip that bends down where it turns about +y."""
-    p = [np.stack([np.asarray(history[f"p{i}_x"]) + x, np.asarray(history[f"p{i}_z"])], 1) for i, x in enumerate(places)]
-    a, b, c = p[1] - p[0], p[2] - p[1], p[2] - p[0]
-    return -2 * (a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]) / (np.linalg.norm(a, axis=1) * np.linalg.norm(b, axis=1) * np.linalg.norm(c, axis=1))
-
-
-def record(name, x, force):
-    (OUT / "fit").mkdir(parents=True, exist_ok=True)
-    np.savetxt(OUT / "fit" / f"{name}.csv", np.stack([x, force], 1), delimiter=",", header="x,force", comments="")
-
-
 @test
-def fit_solver(report):
-    """What goes into the solver comes out of `voile fit`: the bending loop of KES, a picture frame, a cantilever."""
-    length, width, places = 0.01, 0.004, (0.0025, 0.005, 0.0075)
-    strip = {"analysis": "static", "mesh": {"file": str(ROOT / "meshes" / "cantilever.geo"), "parameters": {"length": length, "width": width, "nx": 40, "ny": 4}},
-             "material": [{"type": "fabric", "fabric": "cotton_broad", "direction": [1, 0, 0], "hysteresis": "friction"}],
-             "support": [{"type": "clamped", "group": "clamp"}], "steps": {"initial_step": 0.02, "max_step": 0.02}, "output": {"every": 1000}}
-    turned = {"group": "tip", "name": "end", "translation": ["free", 0, "free"], "turn": "about", "turn_axis": [0, 1, 0],
-              "turn_angle": "table(t, 0, 0, 0.2, 143.24, 0.6, -143.24, 1, 0)"}  # to 2.5 /cm
-    probes = [{"name": f"p{i}", "type": "displacement", "point": [x, width / 2, 0]} for i, x in enumerate(places)]
-    h = solve("fit_bending", strip | {"rigid": [turned], "probe": probes}).history
-    record("bending", curvature(h, places), np.asarray(h["end_moment_y"]) / width)
-    (OUT / "fit_sheared.toml").write_text(SHEARED)
-    h = solve("fit_shear", frame("table(t, 0, 0, 0.2, 8, 0.6, -8, 1, 0)", material__0__fabric=str(OUT / "fit_sheared.toml"))).history
-    t, force = np.asarray(h["load_factor"]), np.asarray(h["top_x"]) / 0.05
-    angle = np.interp(t, (0, 0.2, 0.6, 1), (0, 8, -8, 0))
-    force *= np.sign(force[np.argmin(np.abs(t - 0.2))]) * np.cos(np.radians(angle))  # along the turned edges
-    record("shear", angle, force)
-    sheet = 'name = "a"\ndescription = "b"\nareal_density = "123.8 g/m^2"\n'
-    code, text = fit("solver", sheet + '[bending_loop.warp]\nfile = "bending.csv"\nunits = ["1/m", "N"]\n[shear_loop]\nfile = "shear.csv"\nunits = ["deg", "N/m"]\n')
-    report.check(code == 0, f"loops: exit code {code}: {text.strip()[-160:] if code else ''}")
-    found = figures(OUT / "fit" / "solver_fabric.toml")
-    for key, value in (("bending_warp", 0.118 * 98.0665e-6), ("bending_hysteresis", 0.124 * 9.80665e-3), ("membrane_shear", 40), ("shear_hysteresis", 0.8), ("shear_hysteresis_5", 2)):
-        report.percent(found[key] / value, 0.005, f"{key} of the loop")
-
-    overhang = 0.0425
-    long = variant(strip, {"mesh.parameters": {"length": overhang, "width": 0.01, "nx": 40, "ny": 4}, "material.0.hysteresis": "damping"})
-    h = solve("fit_cantilever", long | {"load": [{"type": "gravity", "vector": [0, 0, -9.80665]}], "probe": [{"name": "tip", "type": "displacement", "group": "tip"}],
-                                        "steps": {"initial_step": 0.2, "max_step": 0.2}}).history
-    fall = np.degrees(np.arctan2(-h["tip_z"][-1], overhang + h["tip_x"][-1]))
-    code, text = fit("cantilever", sheet + f'[overhang]\nangle = "{fall:.6f} deg"\nwarp = "{1e3 * overhang} mm"\n')
-    report.check(code == 0 and 35 < fall < 48, f"a strip falls by {fall:.2f} degrees: exit code {code}")
-    report.percent(figures(OUT / "fit" / "cantilever_fabric.toml")["bending_warp"] / (0.118 * 98.0665e-6), 0.005, "bending_warp of the overhang")
+def fabric_test(report):
+    """`voile fabric-test`: what goes into the solver comes out of cantilever, bending loop and picture frame, and of `voile fit` of their sheet."""
+    (OUT / "rubbing.toml").write_text(RUBBING)
+    folder = OUT / "fabric_test"
+    code, text = invoke(["fabric-test", OUT / "rubbing.toml", "--output", folder, "--overwrite"])
+    rows = re.findall(r"^(\S.*?) {2,}(\S.*?) {2,}\S+ +\S+ +([+-][\d.]+) %", text, re.M)
+    report.check(code == 0 and len(rows) == 10, f"exit code {code}: {len(rows)} figures{': ' + text.strip()[-200:] if code else ''}")
+    for instrument, figure, difference in rows:
+        report.below(float(difference) / 100, 0.02 if "bias" in instrument else 0.005, f"{instrument}: {figure}")  # a strip of 50 mm is no cylinder
+    code, text = invoke(["fit", folder / "sheet.toml", "-o", folder / "fabric.toml", "--overwrite"])
+    report.check(code == 0, f"fit of the sheet: exit code {code}{': ' + text.strip()[-200:] if code else ''}")
+    given, found = figures(OUT / "rubbing.toml"), figures(folder / "fabric.toml")
+    for key in ("bending_warp", "bending_weft", "bending_hysteresis", "bending_hysteresis_weft", "membrane_shear", "shear_hysteresis", "shear_hysteresis_5"):
+        report.percent(found[key] / given[key], 0.005, f"{key} of the fit")
+    report.percent(found["bending_twist"] / given["bending_twist"], 0.035, "bending_twist of the fit")
+    code, text = invoke(["fabric-test", OUT / "rubbing.toml", "--output", folder])
+    report.check(code == 2 and "--overwrite" in text, f"an earlier test: exit code {code}: {text.strip()[:110]}")
 
 
 @test
