@@ -46,6 +46,11 @@ LeastSquares least_squares(const Residuals& function, const Eigen::VectorXd& sta
   Eigen::MatrixXd all(functor.values(), start.size());
   functor.df(out.unknowns, all);
   out.jacobian = all.topRows(count);
+  if (!out.jacobian.allFinite() || !out.unknowns.allFinite()) {  // nothing is known
+    out.null = Eigen::MatrixXd::Identity(start.size(), start.size());
+    out.gain = Eigen::MatrixXd::Zero(start.size(), count);
+    return out;
+  }
   const Eigen::JacobiSVD<Eigen::MatrixXd> svd(out.jacobian, Eigen::ComputeThinU | Eigen::ComputeFullV);
   Eigen::Index rank = 0;
   while (rank < svd.singularValues().size() && svd.singularValues()[rank] > rank_tolerance * svd.singularValues()[0])

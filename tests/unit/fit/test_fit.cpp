@@ -98,6 +98,8 @@ TEST_CASE("least squares: a line, its uncertainties, and what is not seen") {
   CHECK(found.covariance()(0, 0) == relative(0.7).epsilon(1e-6));
   const auto sum = [](const Eigen::VectorXd& x) { return Eigen::VectorXd::Constant(1, x[0] + x[1] - 3.0); };
   CHECK(fit::least_squares(sum, Eigen::VectorXd::Zero(2)).null.cols() == 1);
+  const auto lost = [](const Eigen::VectorXd& x) { return Eigen::VectorXd::Constant(2, std::log(x[0])); };
+  CHECK(fit::least_squares(lost, Eigen::VectorXd::Constant(1, -1.0)).null.cols() == 1);
 }
 
 TEST_CASE("a sheet becomes a fabric file with sources, uncertainties and what was not determined") {
