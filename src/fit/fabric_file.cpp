@@ -105,7 +105,7 @@ std::vector<Entry> law_of(const Sheet& sheet, const Fit& fit, const char* curve,
 std::vector<Entry> copied(std::vector<Entry> entries, const char* from, const char* to) {
   for (Entry& e : entries) {
     e.key.replace(e.key.find(from), std::string(from).size(), to);
-    e.instead = fmt::format("{}, that of the {}", e.value, from);
+    e.instead = fmt::format("that of the {}", from);
     e.source = fmt::format("not measured; that of the {}", from);
   }
   return entries;
@@ -217,10 +217,10 @@ std::vector<std::string> report(const Sheet& sheet, const Fit& fit) {
                                  "determined (standard uncertainty):"};
   for (const auto& [p, d] : fit.figures) lines.push_back(figure_line(p, d));
   for (const auto& [key, curve] : fit.curves) lines.push_back(fmt::format("  {:<26} {}", key, curve_source(curve)));
-  lines.emplace_back("measurements:                     measured     of fabric  residual");
+  lines.emplace_back("measurements:                     measured     of fabric               residual");
   for (const Comparison& c : fit.comparisons)
-    lines.push_back(fmt::format("  {:<28} {:>11.5g} {:>13.5g} {:>+8.1f} %  {}{}", c.name, c.measured, c.found,
-                                std::round(1e3 * c.residual()) / 10.0 + 0.0, c.unit,
+    lines.push_back(fmt::format("  {:<28} {:>11.5g} {:>13.5g} {:<12} {:>+8.1f} %{}", c.name, c.measured, c.found,
+                                c.unit, std::round(1e3 * c.residual()) / 10.0 + 0.0,
                                 c.compared ? "  (compared only)" : ""));
   lines.emplace_back("not determined, and what holds instead:");
   for (const Undetermined& u : undetermined(sheet, fit)) lines.push_back(fmt::format("  {:<26} {}", u.key, u.instead));

@@ -18,8 +18,8 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// Part of an unseen combination, or of what determines a figure, that counts.
-constexpr double counts = 1e-3;
+/// Part of an unseen combination, and of the uncertainty of a figure, that counts.
+constexpr double counts = 1e-3, contributes = 0.03;
 /// A residual that is odd: in standard deviations, and of the measurement.
 constexpr double odd_deviations = 4.0, odd_residual = 0.05;
 
@@ -102,7 +102,7 @@ void take_figures(Fit& fit, const Problem& p, const LeastSquares& found) {
     d.deviation = std::sqrt(covariance(row, row));
     const double most = found.gain.row(row).cwiseAbs().maxCoeff();
     for (std::size_t j = 0; j < p.measurements.size(); ++j)
-      if (std::abs(found.gain(row, static_cast<Index>(j))) > counts * most) {
+      if (std::abs(found.gain(row, static_cast<Index>(j))) > contributes * most) {
         d.sources.push_back(p.measurements[j].name +
                             (p.measurements[j].shared ? " (one figure for both directions)" : ""));
         d.assumed = d.assumed || p.measurements[j].figure.assumed;

@@ -47,7 +47,7 @@ void require_known(const Sheet& sheet, const std::string& section, const toml::t
 std::string text_at(const Sheet& sheet, const toml::table& table, const char* key, bool needed) {
   const toml::node* node = table.get(key);
   if (!node && !needed) return "";
-  const std::string text = node ? node->value<std::string>().value_or("") : "";
+  std::string text = node ? node->value<std::string>().value_or("") : "";
   if (text.find_first_not_of(' ') == std::string::npos)
     sheet.fail(node ? line_of(*node) : 0, key, "a text in quotes is needed; describe the fabric in words");
   return text;
