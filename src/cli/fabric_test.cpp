@@ -33,9 +33,10 @@ bool read_options(int argc, char** argv, Options& o) {
   CLI::App cli("Voile", "voile");
   CLI::App* c = cli.add_subcommand(name, "Measure a fabric file on virtual instruments of a laboratory");
   c->footer(
-      "Cantilever along warp, weft and bias; loops of bending and shear where the file has friction. Writes "
-      "sheet.toml, "
-      "which voile fit reads, and the loops as CSV.");
+      "Cantilever along warp, weft and bias; bias extension between clamps, which keep the ends from shearing, so that "
+      "FAST's formula reads too stiff; loops of bending and shear where the file has friction. Writes sheet.toml, "
+      "which "
+      "voile fit reads, and the loops as CSV.");
   c->add_option("fabric", o.fabric, "Fabric file, or the name of a shipped fabric")->required();
   c->add_option("--output", o.output, "Folder of the results [FABRIC_test]");
   c->add_flag("--overwrite", o.overwrite, "Replace an earlier test in that folder");
@@ -155,6 +156,8 @@ Exit fabric_test_command(int argc, char** argv) {
       "name = \"virtual\"\ndescription = \"Read by voile fabric-test.\"\n\nareal_density = \"{:.9g} kg/m^2\"\n",
       t.fabric.areal_density);
   sheet += hang(t);
+  print_row("bias, 100 x 50 mm", "shear by FAST, 123/EB5", t.fabric.membrane_shear, 1.23 / bias_extension(t), 1.0,
+            "N/m");
   if (t.fabric.bending_hysteresis)
     for (const auto& [direction, angle] : {directions[0], directions[1]})
       sheet += record_text(t, fmt::format("bending_{}.csv", direction), bending_record(t, angle),

@@ -23,6 +23,7 @@ constexpr double gravity = 9.80665, degree = std::numbers::pi / 180.0, instrumen
 /// Of the strip of FAST-2, of KES-FB2 and its largest curvature, of the frame of KES-FB1 and its largest angle.
 constexpr double strip_width = 0.05, bent_length = 0.01, bent_width = 0.004, most_curvature = 250.0, frame_side = 0.05,
                  most_angle = 8.0;
+constexpr double bias_length = 0.1, bias_width = 0.05, bias_load = 4.903325;  // 5 gf/cm
 constexpr std::array bent_points{0.25 * bent_length, 0.5 * bent_length, 0.75 * bent_length};
 
 std::string quoted(const fs::path& path) {
@@ -89,6 +90,32 @@ turn_axis = [0, 1, 0]
 turn_angle = "table(t, 0, 0, 0.2, {0:.9g}, 0.6, -{0:.9g}, 1, 0)"
 )case";
 
+constexpr const char* pulled = R"([steps]
+initial_step = 0.1
+max_step = 0.1
+
+[[support]]
+group = "clamp"
+type = "hinged"
+
+[[support]]
+group = "tip"
+type = "displacement"
+components = ["x", "y", "z"]
+value = [{:.9g}, 0, 0]
+
+[[support]]
+group = "plate"
+type = "displacement"
+components = ["z"]
+
+[[probe]]
+name = "pull"
+type = "reaction"
+group = "tip"
+components = ["x"]
+)";
+
 constexpr const char* sheared = R"([steps]
 initial_step = 0.0125
 max_step = 0.0125
@@ -144,7 +171,7 @@ Columns run_instrument(const TestedFabric& t, const std::string& name, const std
   if (error || !out.flush()) throw UserError(fmt::format("{}: the folder cannot be written", folder.string()));
   out.close();
   try {
-    run_silently("voile", {"run", "case.toml", "--output", "results", "--overwrite"}, folder);
+    run_silently("voile", {"run", "case.toml", "--output", "results", "--overwrite"}, folder, folder / "run.log");
   } catch (const UserError&) {
     throw UserError(fmt::format("{}: the run of this instrument has failed; see run.log there", folder.string()));
   }
@@ -180,6 +207,24 @@ double overhang(const TestedFabric& t, int angle) {
   const Columns h = run_instrument(t, fmt::format("cantilever_{}", angle), text, {"tip_x", "tip_z"});
   const double fall = std::atan2(-h[1].back(), length + h[0].back());
   return length * std::cbrt(load / fit::cantilever_load(fall));
+}
+
+double bias_extension(const TestedFabric& t) {
+  const input::Fabric& f = t.fabric;
+  // More than without clamps.
+  const double most = 0.3 * bias_load * (1.0 / f.membrane_shear + 1.0 / f.membrane_warp + 1.0 / f.membrane_weft);
+  const std::string text =
+      head_of(t, "Bias extension", "cantilever.geo",
+              fmt::format("length = {:g}, width = {:g}, nx = 40, ny = 20, pattern = 1", bias_length, bias_width), 45,
+              false) +
+      fmt::format(pulled, most * bias_length);
+  const Columns h = run_instrument(t, "bias_extension", text, {"load_factor", "pull_x"});
+  for (std::size_t n = 1; n < h[0].size(); ++n) {
+    const double before = std::abs(h[1][n - 1]) / bias_width, after = std::abs(h[1][n]) / bias_width;
+    if (after >= bias_load)
+      return most * (h[0][n - 1] + (h[0][n] - h[0][n - 1]) * (bias_load - before) / (after - before));
+  }
+  throw UserError(fmt::format("{}: the strip along the bias does not carry 5 gf/cm", t.file.string()));
 }
 
 std::vector<std::pair<double, double>> bending_record(const TestedFabric& t, int angle) {

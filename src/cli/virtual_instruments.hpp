@@ -18,6 +18,8 @@ struct TestedFabric {
 
 /// Length of a strip that falls by 41.5 degrees, along the warp (0), the bias (45) or the weft (90) [m]. Throws UserError if the run fails.
 [[nodiscard]] double overhang(const TestedFabric& t, int angle);
+/// Extension at 5 gf/cm of a strip along the bias, 100 mm between clamps and 50 mm wide (EB5 of FAST-3). Its ends cannot shear.
+[[nodiscard]] double bias_extension(const TestedFabric& t);
 /// Curvature [1/m] and moment per width [N] of a strip that is bent to 2.5 /cm, back, and again; the row of zeros first.
 [[nodiscard]] std::vector<std::pair<double, double>> bending_record(const TestedFabric& t, int angle);
 /// Angle [degree] and force per width [N/m] of a square in a picture frame, to 8 degrees, back, and again.

@@ -224,6 +224,12 @@ std::vector<std::string> report(const Sheet& sheet, const Fit& fit) {
                                 c.compared ? "  (compared only)" : ""));
   lines.emplace_back("not determined, and what holds instead:");
   for (const Undetermined& u : undetermined(sheet, fit)) lines.push_back(fmt::format("  {:<26} {}", u.key, u.instead));
+  if (std::any_of(sheet.measurements.begin(), sheet.measurements.end(),
+                  [](const Measurement& m) { return m.name == "fast.EB5" || m.name == "fast.G"; }))
+    lines.emplace_back(
+        "membrane_shear is that of FAST, 123/EB5, which leaves out clamps and the stretch of the yarns: voile "
+        "fabric-test "
+        "shows by how much it is off");
   if (!sheet.unused.empty())
     lines.push_back(fmt::format("not used, since no key of a fabric file depends on it: {}", join(sheet.unused, ", ")));
   return lines;

@@ -5,7 +5,7 @@
 //   overhang        l = (Gamma D/w)^(1/3), Gamma(a) of the heavy elastica whose chord falls by the angle a; 8.0043 at 41.5 degrees
 //   bias            D45 = (D11 + D22)/4 + D66        (D12 = 0), of a strip that bends to a cylinder; one of 50 mm is 1 % softer
 //   tension         A (x + x^2/2)(1 + x) = F,  WT = A (x + x^2/2)^2/2,  LT = 2 WT/(F x)  where the law is linear
-//   FAST-1          E20 - E5 = 14.71 N/m / A;   FAST-3  EB5 = 1.23 N/m / A66
+//   FAST-1          E20 - E5 = 14.71 N/m / A;   FAST-3  EB5 = 1.23 N/m / A66, as FAST has it, without clamps and the stretch of yarns
 //   loops           bending: D k, shear: A66 e, plus the slider of energy/yarn_friction.hpp and energy/yarn_law.hpp
 #pragma once
 
