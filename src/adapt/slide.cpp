@@ -10,7 +10,7 @@ namespace voile::adapt {
 namespace {
 
 /// Distance from the chord, relative to it, below which a line is straight.
-constexpr double straight = 1e-9;
+constexpr double on_chord = 1e-9;
 
 /// The triangles on one side of a line through the vertex, and the line's ends there: u -> vertex -> w.
 struct Bank {
@@ -29,8 +29,8 @@ Bank make_bank(const Surface& s, const Star& star, int from, int count, bool sta
 bool is_straight(const Surface& s, const Bank& b) {
   const Vec3 &u = b.fan.rest[b.u], &w = b.fan.rest[b.w];
   const double length = (w - u).norm();
-  return (u + b.fraction * (w - u) - b.fan.centre_rest).norm() < straight * length &&
-         s.first->curve_deviation(u, w) < straight * length;
+  return (u + b.fraction * (w - u) - b.fan.centre_rest).norm() < on_chord * length &&
+         s.first->curve_deviation(u, w) < on_chord * length;
 }
 
 /// What was at the ends and at the vertex, at a fraction of the chord; the vertex is at `at`.

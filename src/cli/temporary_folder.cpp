@@ -25,7 +25,7 @@ void check_temporary_folder() {
   const int descriptor = mkstemp(name.data());
   const std::string bytes(wanted, '\0');
   errno = descriptor < 0 ? errno : 0;
-  const bool done = descriptor >= 0 && write(descriptor, bytes.data(), wanted) == static_cast<ssize_t>(wanted);
+  const bool done = descriptor >= 0 && ::write(descriptor, bytes.data(), wanted) == static_cast<ssize_t>(wanted);
   const std::string why = errno != 0 ? std::strerror(errno) : "no room";
   if (descriptor >= 0) {
     close(descriptor);

@@ -17,7 +17,7 @@ constexpr std::array<std::array<int, 2>, chords> ends{
     {{0, 1}, {1, 2}, {2, 0}, {1, 3}, {2, 3}, {0, 3}, {2, 4}, {0, 4}, {1, 4}, {0, 5}, {1, 5}, {2, 5}}};
 
 /// Takes (f,y1y1 ; f,y2y2 ; 2 f,y1y2) to (f,11 ; f,22 ; 2 f,12), y = w x.
-Mat3 second_derivatives(const Mat2& w) {
+Mat3 turned_derivatives(const Mat2& w) {
   Mat3 m;
   const double a = w(0, 0), b = w(0, 1), c = w(1, 0), d = w(1, 1);
   m << a * a, c * c, a * c, b * b, d * d, b * d, 2 * a * b, 2 * c * d, a * d + b * c;
@@ -30,7 +30,7 @@ struct InOwnAxes {
   Mat3 to;
 
   explicit InOwnAxes(const Mat2& spread)
-      : from(second_derivatives(Mat2(spread.inverse()))), to(second_derivatives(spread)) {}
+      : from(turned_derivatives(Mat2(spread.inverse()))), to(turned_derivatives(spread)) {}
   [[nodiscard]] BendWeights weights(BendWeights w) const {
     w.head<3>() = (from * w.head<3>()).eval();
     return w;

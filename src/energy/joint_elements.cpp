@@ -28,9 +28,9 @@ std::map<Index, std::vector<Index>> joints_by_triangle(const Sheet& sheet) {
   return of;
 }
 
-class Builder {
+class ClusterBuilder {
  public:
-  Builder(const Sheet& sheet, CurvatureBuilder& curvatures, const std::vector<double>& hinges)
+  ClusterBuilder(const Sheet& sheet, CurvatureBuilder& curvatures, const std::vector<double>& hinges)
       : sheet_(sheet), curvatures_(curvatures), hinges_(hinges) {}
 
   JointElement run(const std::vector<Index>& cluster) {
@@ -206,7 +206,7 @@ std::vector<std::vector<Index>> joint_clusters(const Sheet& sheet) {
 
 JointElement make_joint_element(const Sheet& sheet, CurvatureBuilder& curvatures, const std::vector<Index>& cluster,
                                 const std::vector<double>& hinges) {
-  return Builder(sheet, curvatures, hinges).run(cluster);
+  return ClusterBuilder(sheet, curvatures, hinges).run(cluster);
 }
 
 }  // namespace voile::energy

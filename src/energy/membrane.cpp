@@ -9,8 +9,6 @@ namespace voile::energy {
 
 namespace {
 
-namespace fields = membrane_fields;
-
 /// Of a laminate whose stretching and bending are coupled, slopes of free sides follow the strain too: A - B (I - P) D^-1 B.
 Mat3 released_stiffness(const Sheet& sheet, Index t) {
   const Material& m = sheet.material(t);
@@ -40,7 +38,7 @@ Vec3 half_metric(const Vec3& a1, const Vec3& a2) {
 
 MembraneTerm::MembraneTerm(const Sheet& sheet) {
   set_shape(sheet.options().membrane, sheet.options().cst_fraction);
-  batches_ = Batches(corrects() ? fields::weights : fields::plain, corrects() ? bend_vectors : 0);
+  batches_ = Batches(corrects() ? membrane_fields::weights : membrane_fields::plain, corrects() ? bend_vectors : 0);
   for (const Material& m : sheet.materials()) {
     stiffness_.push_back(m.membrane);
     laws_.push_back(m.yarns);
@@ -168,14 +166,14 @@ void MembraneTerm::correct(const Sheet& sheet, const Mat3& trace, Index t, const
 
 /// Puts the element added last into a batch; `numbers`: those of its correction.
 void MembraneTerm::place(std::vector<double> numbers, const std::vector<Index>& stencil, bool fourth) {
-  std::vector<double> all(fields::plain, 0.0);
+  std::vector<double> all(membrane_fields::plain, 0.0);
   for (int alpha = 0; alpha < 2; ++alpha) {
     for (int s = 0; s < 3; ++s)
-      for (int k = 0; k < 4; ++k) all[fields::side + 8 * s + 4 * alpha + k] = last_.side[s][alpha][k];
-    for (int k = 0; k < 3; ++k) all[fields::own + 3 * alpha + k] = last_.own[alpha][k];
+      for (int k = 0; k < 4; ++k) all[membrane_fields::side + 8 * s + 4 * alpha + k] = last_.side[s][alpha][k];
+    for (int k = 0; k < 3; ++k) all[membrane_fields::own + 3 * alpha + k] = last_.own[alpha][k];
   }
   const Mat3 factor = Eigen::LLT<Mat3>(last_.area * last_stiffness_).matrixL();
-  for (int b = 0, k = fields::stiffness; b < 3; ++b)
+  for (int b = 0, k = membrane_fields::stiffness; b < 3; ++b)
     for (int a = b; a < 3; ++a) all[k++] = factor(a, b);
   all.insert(all.end(), numbers.begin(), numbers.end());
   const Batches::Place place = batches_.add({stencil, all, last_owned_, fourth});
@@ -195,13 +193,13 @@ MembraneTerm::Metrics MembraneTerm::metrics_of(const std::array<Vec3, 4>& sample
 
 void MembraneTerm::set_metrics(Index e, const Metrics& metrics) {
   for (int g = 0; g < 3; ++g)
-    for (int r = 0; r < 3; ++r) batches_.set_number(e, fields::metric + 3 * g + r, metrics[g][r]);
+    for (int r = 0; r < 3; ++r) batches_.set_number(e, membrane_fields::metric + 3 * g + r, metrics[g][r]);
 }
 
 MembraneTerm::Metrics MembraneTerm::taken_off(Index e) const {
   Metrics m;
   for (int g = 0; g < 3; ++g)
-    for (int r = 0; r < 3; ++r) m[g][r] = batches_.number(e, fields::metric + 3 * g + r);
+    for (int r = 0; r < 3; ++r) m[g][r] = batches_.number(e, membrane_fields::metric + 3 * g + r);
   return m;
 }
 
@@ -212,9 +210,9 @@ bool MembraneTerm::depends_on(Index e, int i) const {
     return false;
   };
   if (i < 3) return true;
-  if (corrects() && any(fields::weights + bend_vectors * i, bend_vectors)) return true;
+  if (corrects() && any(membrane_fields::weights + bend_vectors * i, bend_vectors)) return true;
   if (i >= nodes) return false;
-  const int apex = fields::side + 8 * (i - 3) + 3;
+  const int apex = membrane_fields::side + 8 * (i - 3) + 3;
   return any(apex, 1) || any(apex + 4, 1);
 }
 
@@ -303,8 +301,8 @@ void MembraneTerm::set_natural(Index e, const NaturalState& state) {
   shift_metrics(e, natural_metrics(n));
   if (!n.fourth) return;
   const Vec3 bent = state.bent(n.rest_bend);
-  batches_.set_number(e, fields::start_invariants, n.start_squares[0] - bent.dot(n.in_plane * bent));
-  batches_.set_number(e, fields::start_invariants + 1, n.start_squares[1] - bent.dot(n.trace * bent));
+  batches_.set_number(e, membrane_fields::start_invariants, n.start_squares[0] - bent.dot(n.in_plane * bent));
+  batches_.set_number(e, membrane_fields::start_invariants + 1, n.start_squares[1] - bent.dot(n.trace * bent));
 }
 
 }  // namespace voile::energy

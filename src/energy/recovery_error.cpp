@@ -11,7 +11,7 @@ namespace {
 using Complex = std::complex<double>;
 
 /// Holds gradients back where triangles do not determine them, as a fraction of their weights.
-constexpr double restraint = 1e-6;
+constexpr double ridge = 1e-6;
 /// By how much the lengths of two sides of a seam may differ.
 constexpr double same_length = 1e-6;
 
@@ -125,7 +125,7 @@ Vec3 RecoveryError::at_corner(Index t, int i, const std::vector<double>& values)
     normal += weight * basis * basis.transpose();
     right += weight * basis * turned(&values[3 * static_cast<std::size_t>(p.triangle)], p.turn).transpose();
   }
-  normal.diagonal().tail<5>().array() += restraint * normal(0, 0);
+  normal.diagonal().tail<5>().array() += ridge * normal(0, 0);
   return normal.ldlt().solve(right).row(0).transpose();
 }
 
@@ -147,7 +147,7 @@ RecoveryError::Density RecoveryError::of(Index t, const std::vector<double>& for
     right.leftCols<3>() += weight * basis * turned(&force[at], p.turn).transpose();
     right.rightCols<3>() += weight * basis * turned(&moment[at], p.turn).transpose();
   }
-  normal.diagonal().tail<2>().array() += restraint * normal(0, 0);
+  normal.diagonal().tail<2>().array() += ridge * normal(0, 0);
   const Eigen::Matrix<double, 3, 6> fit = normal.ldlt().solve(right);
   Mat2 spread = Mat2::Zero();  // J over the squared size
   for (const Complex& p : own.corner) {

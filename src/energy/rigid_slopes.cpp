@@ -25,10 +25,10 @@ void refuse_coupling(const Sheet& sheet, Index t) {
                   x[0], x[1], x[2]));
 }
 
-class Builder {
+class SideBuilder {
  public:
   /// `frame`: null is the ground.
-  Builder(const Sheet& sheet, CurvatureBuilder& curvatures, Index triangle, const RigidFrame* frame)
+  SideBuilder(const Sheet& sheet, CurvatureBuilder& curvatures, Index triangle, const RigidFrame* frame)
       : sheet_(sheet), triangle_(triangle), frame_(frame), slopes_(sheet, curvatures, triangle) {}
 
   /// `give`: 1 / (k l) of each side [1/(N m)].
@@ -115,7 +115,7 @@ class Builder {
 JointElement make_rigid_slopes(const Sheet& sheet, CurvatureBuilder& curvatures, Index triangle,
                                const std::vector<int>& sides, const RigidFrame& frame) {
   refuse_coupling(sheet, triangle);
-  return Builder(sheet, curvatures, triangle, &frame)
+  return SideBuilder(sheet, curvatures, triangle, &frame)
       .run(sides, Eigen::VectorXd::Zero(static_cast<Eigen::Index>(sides.size())));
 }
 
@@ -129,7 +129,7 @@ JointElement make_grounded_slopes(const Sheet& sheet, CurvatureBuilder& curvatur
     give[static_cast<Eigen::Index>(k)] =
         1.0 / (grounded.stiffness[k] * sheet.mesh().rest_length({v[(s + 1) % 3], v[(s + 2) % 3]}));
   }
-  JointElement el = Builder(sheet, curvatures, triangle, nullptr).run(grounded.sides, give);
+  JointElement el = SideBuilder(sheet, curvatures, triangle, nullptr).run(grounded.sides, give);
   for (std::size_t k = 0; k < grounded.sides.size(); ++k) el.angles[k].joint = grounded.joints[k];
   return el;
 }

@@ -7,8 +7,6 @@ namespace voile::energy {
 
 namespace {
 
-namespace fields = yarn_law_fields;
-
 /// Phi
 double work_of(double slip, double limit, double rise) {
   return slip * (limit + 0.5 * rise * std::abs(slip));
@@ -29,14 +27,14 @@ void YarnLaws::add(const Batches::Place& place, double area, const YarnLaw& law)
   const Mat3 turn = turned_strain(law.warp_angle);
   for (std::size_t r = 0; r < 3; ++r)
     for (std::size_t k = 0; k < 3; ++k)
-      numbers[fields::turn + 3 * r + k] = turn(static_cast<Eigen::Index>(r), static_cast<Eigen::Index>(k));
+      numbers[yarn_law_fields::turn + 3 * r + k] = turn(static_cast<Eigen::Index>(r), static_cast<Eigen::Index>(k));
   const double rubbing = area / factor_;
-  numbers[fields::stiffness] = rubbing * law.stiffness;
-  numbers[fields::limit] = rubbing * law.limit;
-  numbers[fields::rise] = rubbing * law.rise;
+  numbers[yarn_law_fields::stiffness] = rubbing * law.stiffness;
+  numbers[yarn_law_fields::limit] = rubbing * law.limit;
+  numbers[yarn_law_fields::rise] = rubbing * law.rise;
   for (std::size_t r = 0; r < 3; ++r)
     for (std::size_t j = 0; j < law.knots[r].size(); ++j) {
-      const std::size_t at = fields::knots + 2 * (static_cast<std::size_t>(knots_) * r + j);
+      const std::size_t at = yarn_law_fields::knots + 2 * (static_cast<std::size_t>(knots_) * r + j);
       numbers[at] = law.knots[r][j].strain;
       numbers[at + 1] = area * law.knots[r][j].bend;
     }
@@ -48,15 +46,15 @@ void YarnLaws::add(const Batches::Place& place, double area, const YarnLaw& law)
 }
 
 void YarnLaws::set_slip(const Batches::Place& place, double slip) {
-  Line& line = lines_[place.batch * lines_per_batch() + fields::slip];
+  Line& line = lines_[place.batch * lines_per_batch() + yarn_law_fields::slip];
   line.of[static_cast<std::size_t>(place.lane)] = slip;
 }
 
 double YarnLaws::slip_at(const Batches::Place& place, const Vec3& strain) const {
-  const double held = number(place, fields::stiffness), limit = number(place, fields::limit),
-               rise = number(place, fields::rise), slip = number(place, fields::slip);
+  const double held = number(place, yarn_law_fields::stiffness), limit = number(place, yarn_law_fields::limit),
+               rise = number(place, yarn_law_fields::rise), slip = number(place, yarn_law_fields::slip);
   double shear = 0.0;
-  for (int k = 0; k < 3; ++k) shear += number(place, fields::turn + 6 + k) * strain[k];
+  for (int k = 0; k < 3; ++k) shear += number(place, yarn_law_fields::turn + 6 + k) * strain[k];
   const double trial = held * (shear - slip);
   if (std::abs(trial) <= limit + rise * std::abs(slip)) return slip;
   const double side = std::copysign(1.0, trial), top = held * shear - side * limit;
@@ -64,7 +62,7 @@ double YarnLaws::slip_at(const Batches::Place& place, const Vec3& strain) const 
 }
 
 double YarnLaws::lost_at(const Batches::Place& place, const Vec3& strain) const {
-  const double limit = number(place, fields::limit), rise = number(place, fields::rise);
+  const double limit = number(place, yarn_law_fields::limit), rise = number(place, yarn_law_fields::rise);
   return factor_ * std::abs(work_of(slip_at(place, strain), limit, rise) - work_of(slip(place), limit, rise));
 }
 

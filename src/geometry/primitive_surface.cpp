@@ -16,7 +16,7 @@ namespace voile::geometry {
 
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 void check(const char* what, double radius, int refinement, int finest) {
   if (!(radius > 0.0) || !std::isfinite(radius))

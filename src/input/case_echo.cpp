@@ -4,16 +4,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 
 #include "base/text.hpp"
 #include "case_declarations.hpp"
+#include "units.hpp"
 
 namespace voile::input {
 
 namespace {
-
-constexpr double radian = std::numbers::pi / 180.0;  // of one degree, as the reader multiplies
 
 std::string quoted(const std::string& text) {
   std::string out = "\"";
@@ -36,14 +34,14 @@ std::string number(double x) {
 
 /// The angle in degrees, chosen among its neighbours so that reading it gives exactly `radians` back.
 double degrees(double radians) {
-  const double guess = radians / radian;
+  const double guess = radians / degree;
   double best = guess;
-  for (double low = guess, high = guess; best * radian != radians && high < guess * (1 + 1e-14);) {
+  for (double low = guess, high = guess; best * degree != radians && high < guess * (1 + 1e-14);) {
     low = std::nextafter(low, 0.0);
     high = std::nextafter(high, 1e3);
-    best = low * radian == radians ? low : high;
+    best = low * degree == radians ? low : high;
   }
-  return best * radian == radians ? best : guess;
+  return best * degree == radians ? best : guess;
 }
 
 template <class List, class Print>

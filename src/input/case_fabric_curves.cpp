@@ -17,7 +17,7 @@ constexpr double kes_load = 490.3325;  // 500 gf/cm [N/m]
 /// Between LT as it is printed and that of WT and EMT; LT that the smooth curve can have.
 constexpr double rounding = 0.02, least_linearity = 0.2, most_linearity = 0.999;
 constexpr std::size_t most_points = 12;
-constexpr double most_extension = 1.0, degree = std::numbers::pi / 180.0, most_angle = 60.0 * degree;
+constexpr double most_extension = 1.0, most_angle = 60.0 * degree;
 
 std::string valid_units(Dimension dimension) {
   return join(units_of(dimension), ", ");

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <numbers>
 
 #include "base/text.hpp"
 #include "case_keys.hpp"
@@ -21,7 +20,6 @@ struct Unit {
 };
 
 constexpr double gram_force = 9.80665e-3;  // [N]
-constexpr double degree = std::numbers::pi / 180.0;
 constexpr double ounce = 28.349523125e-3;  // [kg]
 constexpr double yard = 0.9144;            // [m]
 

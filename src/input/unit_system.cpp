@@ -6,10 +6,10 @@
 #include <cctype>
 #include <charconv>
 #include <cmath>
-#include <numbers>
 #include <utility>
 
 #include "base/text.hpp"
+#include "units.hpp"
 #include "voile/errors.hpp"
 
 namespace voile::input {
@@ -24,8 +24,7 @@ struct Named {
 
 constexpr Powers none{}, length{1, 0, 0}, mass{0, 1, 0}, duration{0, 0, 1}, force{1, 1, -2}, pressure{-1, 1, -2},
     energy{2, 1, -2}, frequency{0, 0, -1}, temperature{0, 0, 0, 1};
-constexpr double inch = 0.0254, pound = 0.45359237, standard_gravity = 9.80665, minute = 60.0, ounce = pound / 16.0,
-                 degree = std::numbers::pi / 180.0;
+constexpr double inch = 0.0254, pound = 0.45359237, standard_gravity = 9.80665, minute = 60.0;
 
 /// The first of each kind is SI's.
 const std::vector<Named>& named_units() {
@@ -41,7 +40,7 @@ const std::vector<Named>& named_units() {
                                       {"mg", 1e-6, mass},
                                       {"t", 1e3, mass},
                                       {"lb", pound, mass},
-                                      {"oz", ounce, mass},
+                                      {"oz", pound / 16.0, mass},
                                       {"s", 1.0, duration},
                                       {"ms", 1e-3, duration},
                                       {"min", minute, duration},

@@ -1,10 +1,13 @@
 // Figures with a unit, as textile laboratories print them: "0.077 gf.cm^2/cm".
 #pragma once
 
+#include <numbers>
 #include <string>
 #include <vector>
 
 namespace voile::input {
+
+constexpr double degree = std::numbers::pi / 180.0;  ///< [rad]
 
 /// What a figure measures.
 enum class Dimension {

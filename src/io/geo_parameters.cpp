@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-std::string read_text(const fs::path& file) {
+std::string text_of(const fs::path& file) {
   std::ifstream in = open_input(file);
   std::stringstream text;
   text << in.rdbuf();
@@ -101,7 +101,7 @@ void add_number(const std::vector<Token>& tokens, const std::string& variable, s
 void collect(const fs::path& file, GeoParameters& found, std::set<fs::path>& seen) {
   std::error_code ignored;
   if (!seen.insert(file.lexically_normal()).second || !fs::is_regular_file(file, ignored)) return;
-  const std::vector<Token> tokens = tokens_of(read_text(file));
+  const std::vector<Token> tokens = tokens_of(text_of(file));
   for (std::size_t i = 0; i + 4 < tokens.size(); ++i) {
     const Token &here = tokens[i], &next = tokens[i + 1];
     if (here.is_word("Exit") && next.is_sign(';'))

@@ -90,6 +90,13 @@ std::size_t count_values(hid_t file, const std::string& name, const fs::path& pa
   return static_cast<std::size_t>(std::max<hssize_t>(0, H5Sget_simple_extent_npoints(space)));
 }
 
+std::vector<Vec3> points_of(const std::vector<double>& x) {
+  std::vector<Vec3> points;
+  points.reserve(x.size() / 3);
+  for (std::size_t i = 0; i + 2 < x.size(); i += 3) points.emplace_back(x[i], x[i + 1], x[i + 2]);
+  return points;
+}
+
 std::vector<double> read_values(hid_t file, const std::string& name, std::size_t count, const fs::path& path) {
   const Hdf5Handle set = open_dataset(file, name, path);
   const Hdf5Handle space(H5Dget_space(set), H5Sclose);

@@ -47,6 +47,8 @@ struct Rows {
 /// A text attribute of fixed length.
 [[nodiscard]] std::string read_text(hid_t file, const std::string& object, const char* name,
                                     const std::filesystem::path& path);
+/// Three numbers for each.
+[[nodiscard]] std::vector<Vec3> points_of(const std::vector<double>& x);
 /// Throws UserError unless the positions at rest in a dataset are those of `mesh`.
 void check_mesh(hid_t file, const std::string& name, const mesh::SurfaceMesh& mesh, const std::filesystem::path& path);
 

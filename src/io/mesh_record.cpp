@@ -20,13 +20,6 @@ std::vector<Index> read_members(hid_t file, const std::string& name, std::size_t
 
 namespace {
 
-std::vector<Vec3> points_of(const std::vector<double>& x) {
-  std::vector<Vec3> points;
-  points.reserve(x.size() / 3);
-  for (std::size_t i = 0; i + 2 < x.size(); i += 3) points.emplace_back(x[i], x[i + 1], x[i + 2]);
-  return points;
-}
-
 std::vector<std::size_t> read_tags(hid_t file, const std::string& name, const fs::path& path) {
   const std::vector<std::int64_t> values = read_integers(file, name, path);
   return {values.begin(), values.end()};

@@ -16,21 +16,21 @@ namespace voile::io {
 namespace {
 
 /// What Abaqus calls an element, the first field of its nodes, and how many it has.
-struct Shape {
+struct CardShape {
   const char* type = nullptr;
   std::size_t corners = 0, nodes = 0;
 };
 
-Shape shape_of(const std::string& name) {
-  static const std::map<std::string, Shape> shapes{
+CardShape card_shape(const std::string& name) {
+  static const std::map<std::string, CardShape> shapes{
       {"CTRIA3", {"S3", 3, 3}}, {"CTRIAR", {"S3", 3, 3}},  {"CTRIA6", {"STRI65", 3, 6}}, {"CQUAD4", {"S4", 4, 4}},
       {"CQUADR", {"S4", 4, 4}}, {"CQUAD8", {"S8R", 4, 8}}, {"CQUAD", {"S9R5", 4, 9}}};
   const auto at = shapes.find(name);
-  return at == shapes.end() ? Shape{} : at->second;
+  return at == shapes.end() ? CardShape{} : at->second;
 }
 
 /// Nodes of an element; only the corners if it has no others.
-std::vector<long> nodes_of(const NastranCard& card, Shape& shape) {
+std::vector<long> nodes_of(const NastranCard& card, CardShape& shape) {
   std::vector<long> nodes;
   for (std::size_t k = 0; k < shape.nodes; ++k) {
     const long node = card.whole(3 + k, 0L);
@@ -66,7 +66,7 @@ std::string nastran_as_abaqus(const std::string& file) {
   std::string nodes = "*NODE\n", other;
   for (const auto& [id, x] : points) nodes += fmt::format("{}, {:.17g}, {:.17g}, {:.17g}\n", id, x[0], x[1], x[2]);
   for (const NastranCard& card : deck.cards) {
-    if (Shape shape = shape_of(card.name); shape.type) {
+    if (CardShape shape = card_shape(card.name); shape.type) {
       const long id = card.whole(1);
       const auto [at, fresh] = seen.emplace(id, &card);
       if (!fresh) card.fail(fmt::format("element {} is there twice, first in line {}", id, at->second->line));

@@ -287,7 +287,7 @@ class ObjFrames : public Frames {
   std::int64_t last_ = 0;
 };
 
-std::unique_ptr<Frames> open(const fs::path& file, double frames_per_second) {
+std::unique_ptr<Frames> open_frames(const fs::path& file, double frames_per_second) {
   if (!(frames_per_second > 0.0) || !std::isfinite(frames_per_second))
     fail(file, fmt::format("{} frames per second; give a positive number", frames_per_second));
   std::string extension = file.extension().string();
@@ -327,7 +327,7 @@ struct PointCache::Impl {
 };
 
 PointCache::PointCache(const fs::path& file, double frames_per_second) : impl_(std::make_unique<Impl>()) {
-  impl_->frames = open(file, frames_per_second);
+  impl_->frames = open_frames(file, frames_per_second);
   for (std::size_t k = 0; k < impl_->frames->times.size(); ++k) {
     const Positions &before = impl_->frame(k > 0 ? k - 1 : 0), &x = impl_->frame(k);
     Step step{static_cast<Index>(k) - 1};

@@ -244,7 +244,7 @@ class WholeFile : public FileContent {
 
 /// What steps/ held may go only when this is on the disk.
 void force_to_disk(const fs::path& file) {
-  const int descriptor = open(file.c_str(), O_RDONLY | O_CLOEXEC);
+  const int descriptor = ::open(file.c_str(), O_RDONLY | O_CLOEXEC);
   const bool done = descriptor >= 0 && fsync(descriptor) == 0;
   if (descriptor >= 0) close(descriptor);
   if (!done) fail_writing(file);

@@ -39,13 +39,6 @@ int columns_of(hid_t file, const std::string& name, const fs::path& path) {
   return static_cast<int>(size[1]);
 }
 
-std::vector<Vec3> points_of(const std::vector<double>& x) {
-  std::vector<Vec3> points;
-  points.reserve(x.size() / 3);
-  for (std::size_t i = 0; i + 2 < x.size(); i += 3) points.emplace_back(x[i], x[i + 1], x[i + 2]);
-  return points;
-}
-
 /// A list of texts of one length.
 std::vector<std::string> read_texts(hid_t file, const std::string& name, const fs::path& path) {
   const Hdf5Handle set = open_dataset(file, name, path);

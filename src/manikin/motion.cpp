@@ -12,7 +12,7 @@ namespace voile::manikin {
 
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 constexpr std::size_t sides = 2;  // left, right
 
 struct Bone {

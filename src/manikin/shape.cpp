@@ -12,7 +12,7 @@ namespace voile::manikin {
 
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 double smooth_min(double a, double b, double k) {
   const double h = std::max(0.0, 1.0 - std::abs(a - b) / k);

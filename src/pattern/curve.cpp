@@ -12,10 +12,6 @@ namespace voile::pattern {
 
 namespace {
 
-double cross(const Vec2& a, const Vec2& b) {
-  return a[0] * b[1] - a[1] * b[0];
-}
-
 /// De Casteljau's algorithm.
 Vec2 point_of(std::vector<Vec2> p, double t) {
   for (std::size_t left = p.size(); left > 1; --left)

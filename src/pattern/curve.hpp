@@ -16,6 +16,11 @@
 
 namespace voile::pattern {
 
+/// The component out of the plane.
+[[nodiscard]] inline double cross(const Vec2& a, const Vec2& b) {
+  return a[0] * b[1] - a[1] * b[0];
+}
+
 class Curve {
  public:
   /// Through 2 to 4 control points. Not collective, as all of this layer. Throws InternalError for other numbers.

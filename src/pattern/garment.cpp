@@ -18,8 +18,6 @@ namespace voile::pattern {
 
 namespace {
 
-/// Cells along a curved edge that is not sewn, at least.
-constexpr int least_on_curve = 4;
 /// Room between pieces in the plane of their charts, as a fraction of their width.
 constexpr double chart_room = 0.1;
 

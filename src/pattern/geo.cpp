@@ -13,7 +13,7 @@ namespace voile::pattern {
 
 namespace {
 
-constexpr double flat = 1e-9;  // of the extent
+constexpr double off_plane = 1e-9;  // of the extent
 
 Vec2 in_plane(const Vec3& x) {
   return {x[0], x[1]};
@@ -41,7 +41,7 @@ void check_plane(const std::string& file, const io::GeoFace& face) {
         extent = std::max(extent, (x - face.loops.front().front().points.front()).norm());
         off = std::max(off, std::abs(x[2] - height));
       }
-  if (off > flat * extent)
+  if (off > off_plane * extent)
     throw UserError(
         fmt::format("{}: piece '{}' does not lie in a plane of constant z (off by {:.3g}); draw pieces flat, "
                     "and place them by the keys of [[panel]]",

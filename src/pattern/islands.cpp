@@ -14,7 +14,7 @@ namespace voile::pattern {
 namespace {
 
 /// Change of direction at which a rim has a corner [rad]: more than that of round edges of coarse meshes.
-constexpr double corner_angle = 30.0 * std::numbers::pi / 180.0;
+constexpr double island_corner = 30.0 * std::numbers::pi / 180.0;
 
 /// Of a piece, as a fraction of its extent squared.
 constexpr double least_area = 1e-6;
@@ -151,7 +151,7 @@ Rim DrawnMesh::rim_of(std::size_t k, const Island& island, std::vector<Index> wa
   const auto point = [&](std::size_t i) { return island.points[static_cast<std::size_t>(way[i % n])]; };
   const auto is_corner = [&](std::size_t i) {
     const Vec2 d = point(i) - point(i + n - 1), e = point(i + 1) - point(i);
-    return std::abs(std::atan2(d[0] * e[1] - d[1] * e[0], d.dot(e))) > corner_angle;
+    return std::abs(std::atan2(d[0] * e[1] - d[1] * e[0], d.dot(e))) > island_corner;
   };
   std::size_t first = 0;
   while (first < n && !is_corner(first)) ++first;

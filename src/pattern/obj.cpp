@@ -21,7 +21,7 @@ namespace voile::pattern {
 namespace {
 
 /// Texture coordinates nearer than this fraction of their extent are the same, as files with six digits write them.
-constexpr double same_place = 2e-6;
+constexpr double same_texture = 2e-6;
 /// Of a piece that counts as flat in space: distance from its plane, as a fraction of its extent.
 constexpr double flat_in_space = 1e-4;
 /// Of r: spread beyond which it is not a unit; what is near to a usual unit is that.
@@ -85,7 +85,7 @@ class ObjReader {
       }
     if (ratios.empty()) fail("its texture coordinates (vt) are all the same; export those of the pattern");
     texture_unit_ = options_.texture_unit > 0.0 ? options_.texture_unit : unit_of(std::move(ratios));
-    same_ = same_place * texture_unit_ * (high - low).norm();
+    same_ = same_texture * texture_unit_ * (high - low).norm();
     for (auto& corners : mesh_.texture)
       for (Vec2& x : corners) x *= texture_unit_;
   }

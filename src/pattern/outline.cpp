@@ -4,13 +4,11 @@
 #include <cmath>
 #include <numeric>
 
+#include "curve.hpp"
+
 namespace voile::pattern {
 
 namespace {
-
-double cross(const Vec2& a, const Vec2& b) {
-  return a[0] * b[1] - a[1] * b[0];
-}
 
 double distance(const Vec2& x, const Vec2& a, const Vec2& b) {
   const Vec2 d = b - a;

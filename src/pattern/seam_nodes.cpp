@@ -10,8 +10,6 @@ namespace {
 
 /// Corners of the two sides nearer than this fraction of a cell are taken for opposite to each other.
 constexpr double opposite = 0.35;
-/// Cells along a curved edge, at least.
-constexpr int least_on_curve = 4;
 
 using Pair = std::array<double, 2>;
 

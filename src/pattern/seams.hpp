@@ -14,6 +14,9 @@
 
 namespace voile::pattern {
 
+/// Cells along a curved edge, at least.
+constexpr int least_on_curve = 4;
+
 /// A cylinder or cone onto which planes parallel to its axis are bent without stretch. The line of the plane that is nearest to
 /// the axis becomes a straight line of the surface, on the same side of the axis; its point at the height of `point` comes to the distance `radius`
 /// from the axis, and of a cone it leans about that point.

@@ -13,7 +13,7 @@ namespace {
 /// What is nearer to a break than this fraction of the rim's spacing is there.
 constexpr double near_break = 0.25;
 /// Of the lengths of two intervals that meet: beyond it they do not belong together.
-constexpr double largest_ratio = 5.0;
+constexpr double largest_stretch = 5.0;
 /// An edge whose points are nearer to its chord than this fraction of it is straight.
 constexpr double straight = 1e-5;
 
@@ -37,9 +37,9 @@ struct Run {
   }
 };
 
-class Joiner {
+class RimJoiner {
  public:
-  Joiner(std::vector<Rim>& rims, const std::vector<std::vector<std::vector<RimPlace>>>& meet)
+  RimJoiner(std::vector<Rim>& rims, const std::vector<std::vector<std::vector<RimPlace>>>& meet)
       : rims_(rims), meet_(meet) {}
 
   std::vector<RimSeam> run() {
@@ -64,7 +64,7 @@ class Joiner {
     const std::size_t next = (i + 1) % rims_[r].points.size();
     if (meet_[r][i].empty() && meet_[r][next].empty()) return;
     const double length = rims_[r].s[i + 1] - rims_[r].s[i];
-    double least = largest_ratio * length;
+    double least = largest_stretch * length;
     Both other{};
     std::size_t rim = rims_.size();
     for (const RimPlace& a : places(r, i))
@@ -76,7 +76,7 @@ class Joiner {
                                std::abs(way - length) < 1e-9 * whole;
         // Behind the tip of a dart its other side runs the other way; beside its mouth nothing meets.
         const bool is_at_tip = meet_[r][i].empty() || meet_[r][next].empty();
-        if (is_itself || (is_at_tip && way > 0.0) || std::abs(way) * largest_ratio < length || std::abs(way) >= least)
+        if (is_itself || (is_at_tip && way > 0.0) || std::abs(way) * largest_stretch < length || std::abs(way) >= least)
           continue;
         least = std::abs(way);
         rim = a.rim;
@@ -274,7 +274,7 @@ Curve Rim::curve(std::size_t edge) const {
 
 std::vector<RimSeam> find_rim_seams(std::vector<Rim>& rims,
                                     const std::vector<std::vector<std::vector<RimPlace>>>& meet) {
-  return Joiner(rims, meet).run();
+  return RimJoiner(rims, meet).run();
 }
 
 }  // namespace voile::pattern

@@ -35,7 +35,7 @@ Vec3 direction(const Vec3& up, double azimuth, double elevation) {
 
 /// Along one axis: where the eye is (first) and how far back it must be at least (second). `side`: the points' coordinate,
 /// slopes of both sides of the frame.
-struct Extent {
+struct Reach {
   double low_end = -std::numeric_limits<double>::infinity(), high_end = low_end;
   void add(double side, double back, double low_slope, double high_slope) {
     high_end = std::max(high_end, side + high_slope * back);
@@ -102,7 +102,7 @@ Camera fit_camera(const View& view, const Vec3& up, const std::vector<Vec3>& poi
   // Slopes of the sides of the frame, seen from the axis of the camera.
   const double l = (1.0 - 2.0 * frame.left) * c.tan_x, r = (2.0 * frame.right - 1.0) * c.tan_x;
   const double t = (1.0 - 2.0 * frame.top) * c.tan_y, b = (2.0 * frame.bottom - 1.0) * c.tan_y;
-  Extent x, y;
+  Reach x, y;
   double nearest = 0.0;
   for (const Vec3& p : points) {
     const Vec3 d = p - target;

@@ -38,12 +38,6 @@ bool will_meet(const std::vector<Index>& joined, const mesh::Triangle& a, const 
 
 const std::set<std::string> with_fields{"ply", "csv", "msh", "vtu"};
 
-std::vector<Vec3f> single(const std::vector<Vec3>& points) {
-  std::vector<Vec3f> result;
-  for (const Vec3& x : points) result.push_back(x.cast<float>());
-  return result;
-}
-
 /// Leaves out vertices of no triangle, as those of a floor: other programs take them into the extent of what they show.
 void leave_out_unused(Body& body) {
   std::vector<Index> renumbered(body.positions.size(), -1);

@@ -43,6 +43,13 @@ const std::vector<std::uint8_t>& encoding() {
 
 }  // namespace
 
+std::vector<Vec3f> single(const std::vector<Vec3>& points) {
+  std::vector<Vec3f> result;
+  result.reserve(points.size());
+  for (const Vec3& x : points) result.push_back(x.cast<float>());
+  return result;
+}
+
 Bytes3 to_bytes(const Rgb& linear) {
   const std::vector<std::uint8_t>& table = encoding();
   Bytes3 bytes{};

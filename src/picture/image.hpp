@@ -17,6 +17,8 @@ using Rgb = Eigen::Vector3f;
 using Vec3f = Eigen::Vector3f;
 using Bytes3 = std::array<std::uint8_t, 3>;
 
+[[nodiscard]] std::vector<Vec3f> single(const std::vector<Vec3>& points);
+
 /// From linear light to sRGB and back; values outside 0 to 1 are cut off.
 [[nodiscard]] Bytes3 to_bytes(const Rgb& linear);
 [[nodiscard]] Rgb from_bytes(const Bytes3& srgb);

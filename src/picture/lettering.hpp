@@ -7,6 +7,9 @@
 
 namespace voile::picture {
 
+/// Colour of letters and lines.
+inline constexpr Bytes3 ink{38, 42, 48};
+
 enum class Align { left, centre, right };
 
 /// Width in pixels. `size`: height of a line [pixels]; `text` in UTF-8.

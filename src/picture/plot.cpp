@@ -18,7 +18,7 @@ namespace {
 
 constexpr std::array<Bytes3, 6> colours{
     {{31, 95, 139}, {200, 85, 61}, {63, 125, 78}, {138, 90, 156}, {184, 134, 11}, {68, 68, 68}}};
-const Bytes3 ink{40, 44, 50}, grid{228, 230, 233}, frame{120, 124, 130};
+const Bytes3 grid{228, 230, 233}, frame{120, 124, 130};
 constexpr double letters = 19.0, key = 28.0, dash = 7.0, gap = 5.0, line_width = 2.2, ring = 4.5;  // [pixels]
 
 const Bytes3& colour_of(const Curve& c) {

@@ -21,17 +21,10 @@ constexpr double near_bodies = 0.3;  // what of bodies is so near to the sheet i
 constexpr std::size_t most_points = 1'500'000;
 constexpr int bar_ticks = 6;  // numbers at the colour bar, about
 
-const Bytes3 ink{38, 42, 48}, soft_ink{96, 102, 110};
+const Bytes3 soft_ink{96, 102, 110};
 
 // The right side of the fabric and the wrong side, and what it lies on.
 const Bytes3 right_side{66, 119, 178}, wrong_side{226, 170, 112}, body_colour{196, 192, 186};
-
-std::vector<Vec3f> single(const std::vector<Vec3>& points) {
-  std::vector<Vec3f> result;
-  result.reserve(points.size());
-  for (const Vec3& x : points) result.push_back(x.cast<float>());
-  return result;
-}
 
 struct Extent {
   Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity()), high = -low;

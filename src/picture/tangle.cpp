@@ -12,7 +12,7 @@ namespace {
 constexpr double crease = 40.0 / 57.29578;  // [rad]
 constexpr double near_fraction = 0.15;      // of the size of what intersects: the view from near
 constexpr double near_edges = 4.0;          // and no less in edges of a triangle there
-const Bytes3 red{214, 32, 32}, grey{196, 192, 186}, ink{38, 42, 48};
+const Bytes3 red{214, 32, 32}, grey{196, 192, 186};
 
 /// The triangles that `wanted` chooses, each part in its colour.
 template <class Wanted>

@@ -12,8 +12,8 @@ namespace {
 /// divided by it, so about the cube root of round-off.
 constexpr double fraction_of_cell = 1e-5;
 
-using Field = std::vector<double> system::TriangleFields::*;
-constexpr std::array<Field, 5> linear_fields{
+using LinearField = std::vector<double> system::TriangleFields::*;
+constexpr std::array<LinearField, 5> linear_fields{
     &system::TriangleFields::membrane_strain, &system::TriangleFields::membrane_force,
     &system::TriangleFields::curvature, &system::TriangleFields::whole_curvature,
     &system::TriangleFields::bending_moment};
@@ -96,7 +96,7 @@ system::TriangleFields LinearValues::triangle_changes() {
   model_.potential().hold_natural_states(false);
   for (std::size_t i = 0; i < change.in_plane.size(); ++i)
     change.in_plane[i] = 0.5 * (up.in_plane[i] + down.in_plane[i] - 2.0 * change.in_plane[i]) / (small_ * small_);
-  for (Field field : linear_fields)
+  for (LinearField field : linear_fields)
     for (std::size_t i = 0; i < (change.*field).size(); ++i)
       (change.*field)[i] = 0.5 * ((up.*field)[i] - (down.*field)[i]) / small_;
   return change;
@@ -105,7 +105,7 @@ system::TriangleFields LinearValues::triangle_changes() {
 system::TriangleFields LinearValues::triangle_fields() {
   system::TriangleFields all = model_.potential().triangle_fields(rest_);
   const system::TriangleFields change = triangle_changes();
-  const auto add = [&](Field field) {
+  const auto add = [&](LinearField field) {
     for (std::size_t i = 0; i < (all.*field).size(); ++i) (all.*field)[i] += (change.*field)[i];
   };
   std::for_each(linear_fields.begin(), linear_fields.end(), add);

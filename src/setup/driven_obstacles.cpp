@@ -23,12 +23,12 @@ std::vector<Vec3> points_of(const Obstacle& o, double time) {
 }
 
 /// Relative to the largest coordinate.
-constexpr double round_off = 1e-12;
+constexpr double same_way = 1e-12;
 
 void require_alike(const std::string& name, const std::vector<Vec3>& from, const std::vector<Vec3>& to) {
   const Vec3 way = to.front() - from.front();
   for (std::size_t i = 0; i < to.size(); ++i)
-    if ((to[i] - from[i] - way).norm() > round_off * (to[i].norm() + from[i].norm()))
+    if ((to[i] - from[i] - way).norm() > same_way * (to[i].norm() + from[i].norm()))
       throw UserError(fmt::format(
           "obstacle '{}': its points must move alike, for it has no triangles; move an obstacle of type \"mesh\" or "
           "\"cylinder\" if it shall turn",

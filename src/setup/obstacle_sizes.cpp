@@ -16,7 +16,7 @@ namespace {
 /// Dihedral angles above this are sharp edges [rad].
 constexpr double sharp = 0.5235987755982988;
 /// Facets that turn less are flat [rad].
-constexpr double flat = 1e-6;
+constexpr double flat_turn = 1e-6;
 
 /// An edge of a surface and the corners opposite to it.
 struct Hinge {
@@ -51,7 +51,7 @@ double radius_of(const Hinge& h, const std::vector<Vec3>& x, double outside) {
   const Vec3 left = edge.cross(x[h.left] - a), right = (x[h.right] - a).cross(edge);
   const double angle = std::atan2(left.cross(right).norm(), left.dot(right));
   const bool concave = outside * left.dot(x[h.right] - a) > 0.0;
-  if (!(angle > flat) || concave) return std::numeric_limits<double>::infinity();
+  if (!(angle > flat_turn) || concave) return std::numeric_limits<double>::infinity();
   return angle > sharp ? 0.0 : 0.5 * (left.norm() + right.norm()) / edge.norm() / angle;
 }
 

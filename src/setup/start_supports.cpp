@@ -12,7 +12,7 @@ namespace voile::setup {
 namespace {
 
 /// Fraction of a cell below which a distance is round-off of the file.
-constexpr double round_off = 1e-6;
+constexpr double same_cell = 1e-6;
 
 }  // namespace
 
@@ -33,7 +33,7 @@ void check_start_supports(const input::Case& c, system::Model& model, Vec start)
       farthest = distance;
       worst = v;
     }
-    if (farthest <= round_off * cell) return;
+    if (farthest <= same_cell * cell) return;
     const mesh::SurfaceMesh& mesh = model.dofs().mesh();
     const Vec3& at = mesh.positions()[worst];
     const std::string what = fmt::format(

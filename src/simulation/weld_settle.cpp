@@ -16,8 +16,8 @@ namespace {
 /// Rows of cells beside a seam that unfold, and those of them whose forces know the fold.
 constexpr int free_rows = 6, folded_rows = 2;
 /// Relaxations, each over a longer time than the one before, until one frees less than this fraction of all.
-constexpr int most_relaxations = 8, iterations = 4;
-constexpr double longer = 1.5, least_fraction = 0.05;
+constexpr int most_unfoldings = 8, iterations = 4;
+constexpr double each_longer = 1.5, least_fraction = 0.05;
 
 /// Whether a vertex is more than so many rows from the seams.
 std::vector<char> beyond(const mesh::SurfaceMesh& mesh, const std::vector<std::string>& seams, int rows) {
@@ -71,7 +71,7 @@ std::string settle_weld(Epoch& epoch, const std::vector<std::string>& seams,
   options.stays = beyond(model.dofs().mesh(), seams, free_rows);
   options.force = force;
   double last = folded.stored;
-  for (int k = 0; k < most_relaxations; ++k, options.tau *= longer) {
+  for (int k = 0; k < most_unfoldings; ++k, options.tau *= each_longer) {
     if (k > 0) begin_friction(options.tau);
     (void)solve::relax(model, state.u, options);
     const double before = std::exchange(last, balance().stored);

@@ -15,12 +15,12 @@ constexpr double least_pivot = 1e-8;
 /// Blocks of the matrix, which lie all over the memory in the order of elimination, are fetched so many before their turn.
 constexpr int ahead = 16;
 
-using Block = Eigen::Matrix3d;
+using Block3 = Eigen::Matrix3d;
 /// A block in compressed rows.
 using Entries = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>, 0, Eigen::OuterStride<>>;
 
 /// D^-1 of a block that is symmetric but for round-off; false unless it is well enough positive.
-bool invert(const Block& d, double scale, Block& inverse) {
+bool invert(const Block3& d, double scale, Block3& inverse) {
   const double least = least_pivot * scale;
   const double a = d(0, 0);
   if (!(a > least)) return false;
@@ -124,9 +124,9 @@ bool IncompleteCholesky::factor_shifted(const BlockPattern::Values& values, doub
   };
   for (int i = 0; i < block_rows(); ++i) {
     const int begin = row_starts_[i], end = row_starts_[i + 1];
-    const Block own = Entries(first_of(diagonals_[i]), Eigen::OuterStride<>(diagonals_[i].stride));
+    const Block3 own = Entries(first_of(diagonals_[i]), Eigen::OuterStride<>(diagonals_[i].stride));
     const double scale = own.diagonal().cwiseAbs().maxCoeff();
-    Block pivot = (1.0 + shift) * own;
+    Block3 pivot = (1.0 + shift) * own;
     for (int at = begin; at < end; ++at) {
       if (at + ahead < static_cast<int>(places_.size())) fetch(places_[at + ahead]);
       double* row = row_.data() + Rows::SizeAtCompileTime * (at - begin);
@@ -137,7 +137,7 @@ bool IncompleteCholesky::factor_shifted(const BlockPattern::Values& values, doub
           w.topRows<3>().transpose().cast<float>();
       pivot -= t.topRows<3>().transpose().lazyProduct(w.topRows<3>());
     }
-    Block inverse;
+    Block3 inverse;
     if (!invert(pivot, scale, inverse)) {
       hopeless_ = !invert(own, scale, inverse);  // a block of the diagonal is indefinite itself, and with any shift
       return false;

@@ -7,7 +7,7 @@ namespace voile::solve {
 
 namespace {
 
-constexpr int inverse_iterations = 3;  ///< per step; the mode of the step before is a good start
+constexpr int iterations_per_step = 3;  ///< per step; the mode of the step before is a good start
 
 }  // namespace
 
@@ -21,7 +21,7 @@ PathFollower::Impl::Tangent PathFollower::Impl::tangent_at(Vec a) {
   t.speed = std::sqrt(dot(load_solution, load_solution));
   t.good = std::isfinite(t.speed) && t.speed > 0.0;
   t.negative_pivots = linear.negative_eigenvalues();
-  if (t.good) t.eigenvalue = inverse_iteration(model, linear, mode, inverse_iterations);
+  if (t.good) t.eigenvalue = inverse_iteration(model, linear, mode, iterations_per_step);
   return t;
 }
 

@@ -53,7 +53,7 @@ std::string describe(const mesh::SurfaceMesh& mesh, const std::vector<double>& r
                                 mesh.data().triangle_tags[t], x[0], x[1], x[2],
                                 mesh::shape_of(mesh, t).smallest_angle * (180.0 / std::numbers::pi)));
   }
-  return texts.empty() ? "" : "the residual is largest at " + join(texts, "; ");
+  return texts.empty() ? "" : "the residual is largest at " + voile::join(texts, "; ");
 }
 
 }  // namespace

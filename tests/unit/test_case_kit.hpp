@@ -7,13 +7,10 @@
 #include <string>
 
 #include "input/case.hpp"
+#include "test_text.hpp"
 #include "voile/errors.hpp"
 
 namespace voile::testing {
-
-inline bool has(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
 
 inline std::string replaced(std::string text, const std::string& from, const std::string& to) {
   const std::size_t at = text.find(from);

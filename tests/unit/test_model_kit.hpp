@@ -40,6 +40,14 @@ class Option {
   const char* name_;
 };
 
+inline system::Load load(system::Load::Kind kind, const std::string& group, double magnitude) {
+  system::Load l;
+  l.kind = kind;
+  l.group = group;
+  l.magnitude = magnitude;
+  return l;
+}
+
 inline system::Load load(system::Load::Kind kind, const std::string& group, const Vec3& vector) {
   system::Load l;
   l.kind = kind;

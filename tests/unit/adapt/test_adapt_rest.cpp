@@ -9,6 +9,8 @@
 #include "test_adapt_kit.hpp"
 #include "test_relative.hpp"
 
+namespace test_adapt_rest {
+
 using namespace voile;
 using namespace voile::testing;
 
@@ -352,3 +354,5 @@ TEST_CASE("new vertices of a concave boundary are points of the old boundary") {
     }
   CHECK(seen > 150);
 }
+
+}  // namespace test_adapt_rest

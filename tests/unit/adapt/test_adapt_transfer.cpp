@@ -10,6 +10,8 @@
 #include "test_relative.hpp"
 #include "voile/errors.hpp"
 
+namespace test_adapt_transfer {
+
 using namespace voile;
 using namespace voile::testing;
 using adapt::Interpolation;
@@ -341,3 +343,5 @@ TEST_CASE("match: shares and percentiles") {
   CHECK(adapt::match(m, size, counted).p99 == relative(std::sqrt(2.0)).epsilon(1e-9));
   CHECK(adapt::match(m, size, std::vector<char>(nv, 0)).p99 == 0.0);
 }
+
+}  // namespace test_adapt_transfer

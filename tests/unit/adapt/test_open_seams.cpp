@@ -9,6 +9,8 @@
 #include "test_adapt_kit.hpp"
 #include "test_relative.hpp"
 
+namespace test_open_seams {
+
 using namespace voile;
 using namespace voile::testing;
 
@@ -298,3 +300,5 @@ TEST_CASE("what is new on an open seam is as far from the other side as what is 
     CHECK(worst < 1e-12);
   }
 }
+
+}  // namespace test_open_seams

@@ -11,6 +11,8 @@
 #include "test_relative.hpp"
 #include "voile/errors.hpp"
 
+namespace test_remesh {
+
 using namespace voile;
 using namespace voile::testing;
 
@@ -380,3 +382,5 @@ TEST_CASE("arrays that do not fit are refused") {
   h[3] = 0.0;
   CHECK_THROWS_AS(static_cast<void>(remeshed(m, rest, h)), InternalError);
 }
+
+}  // namespace test_remesh

@@ -14,6 +14,8 @@
 #include "base/plain_file.hpp"
 #include "voile/errors.hpp"
 
+namespace test_confinement {
+
 namespace fs = std::filesystem;
 using namespace voile;
 
@@ -89,3 +91,5 @@ TEST_CASE("files to read are no devices, and files to write no links") {
   fs::create_symlink(folder.path / "other", folder.path / "link");
   CHECK_THROWS_WITH_AS(require_no_link(folder.path / "link"), doctest::Contains("symbolic link"), UserError);
 }
+
+}  // namespace test_confinement

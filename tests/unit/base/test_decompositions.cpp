@@ -5,6 +5,8 @@
 
 #include "base/decompositions.hpp"
 
+namespace test_decompositions {
+
 using namespace voile;
 using Eigen::MatrixXd;
 
@@ -63,3 +65,5 @@ TEST_CASE("the shortest turn from one direction to another") {
   CHECK((r * from.cross(to) - from.cross(to)).norm() < 1e-14);  // about what is normal to both
   CHECK((rotation_between(from, -from) * from + from).norm() < 1e-7);
 }
+
+}  // namespace test_decompositions

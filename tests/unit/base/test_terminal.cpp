@@ -3,7 +3,7 @@
 
 #include "base/terminal.hpp"
 
-namespace voile {
+namespace voile::test_terminal {
 
 TEST_CASE("words in colour begin a line or follow the program's name there") {
   CHECK(coloured("", true).empty());
@@ -20,4 +20,4 @@ TEST_CASE("a program that has not asked for streams of its own rewrites nothing"
   show_progress("not shown");
 }
 
-}  // namespace voile
+}  // namespace voile::test_terminal

@@ -7,6 +7,8 @@
 #include "cli/drape_shape.hpp"
 #include "test_relative.hpp"
 
+namespace test_drape_shape {
+
 using namespace voile;
 
 namespace {
@@ -86,3 +88,5 @@ TEST_CASE("a rim that is tucked under casts the shadow of what is above it") {
   CHECK(cli::drape_shape(r.triangles, r.flat, r.places, 0.09).coefficient ==
         relative((rim * rim - 0.0081) / (0.0225 - 0.0081)).epsilon(2e-3));
 }
+
+}  // namespace test_drape_shape

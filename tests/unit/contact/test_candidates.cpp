@@ -7,6 +7,8 @@
 #include "test_meshes.hpp"
 #include "test_relative.hpp"
 
+namespace test_candidates {
+
 using namespace voile;
 using namespace voile::contact;
 using namespace voile::testing;
@@ -279,3 +281,5 @@ TEST_CASE("what is no candidate comes near nowhere in the boxes") {
   CHECK(near > 300);
   CHECK(found < static_cast<long>(30 * pairs.size()) / 2);
 }
+
+}  // namespace test_candidates

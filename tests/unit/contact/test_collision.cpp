@@ -6,6 +6,8 @@
 #include "contact/contact_set.hpp"
 #include "test_relative.hpp"
 
+namespace test_collision {
+
 using namespace voile;
 using namespace voile::contact;
 
@@ -136,3 +138,5 @@ TEST_CASE("continuous collision detection stops before the contact and only wher
   }
   CHECK(hits > 20);
 }
+
+}  // namespace test_collision

@@ -9,6 +9,8 @@
 #include "test_meshes.hpp"
 #include "test_relative.hpp"
 
+namespace test_contact {
+
 using namespace voile;
 using namespace voile::contact;
 using namespace voile::testing;
@@ -311,3 +313,5 @@ TEST_CASE("friction: the secant where a slip has changed much since the last tan
   set.lag_friction(at, at, e);
   check(10.0 * e, 0.0, 0.1 / e);
 }
+
+}  // namespace test_contact

@@ -7,6 +7,8 @@
 #include "contact/surface.hpp"
 #include "test_meshes.hpp"
 
+namespace test_obstacles {
+
 using namespace voile;
 using namespace voile::contact;
 using namespace voile::testing;
@@ -91,3 +93,5 @@ TEST_CASE("points of an obstacle are those among all points; a rigid motion take
   CHECK(!s.obstacles.of_body(3));
   CHECK(s.obstacles.of_body(2) == 1);
 }
+
+}  // namespace test_obstacles

@@ -13,6 +13,8 @@
 #include "untangle/untangle.hpp"
 #include "voile/errors.hpp"
 
+namespace test_untangle {
+
 using namespace voile;
 using namespace voile::testing;
 
@@ -242,3 +244,5 @@ TEST_CASE("untangle: what is fixed does not move, and what may only slide slides
   scene.free.pop_back();
   CHECK_THROWS_AS((void)scene.untangle(0.25), InternalError);
 }
+
+}  // namespace test_untangle

@@ -10,6 +10,8 @@
 #include "../test_model_kit.hpp"
 #include "base/decompositions.hpp"
 
+namespace test_angle_bending {
+
 using namespace voile;
 using namespace voile::testing;
 
@@ -226,3 +228,5 @@ TEST_CASE("bending by angles is the same on any number of ranks") {
     CHECK(relative_difference(per_vertex(model, f), per_vertex(alone, f_alone)) < 1e-11);
   }
 }
+
+}  // namespace test_angle_bending

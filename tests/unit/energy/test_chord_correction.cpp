@@ -16,6 +16,8 @@
 #include "energy/curvature.hpp"
 #include "energy/membrane.hpp"
 
+namespace test_chord_correction {
+
 using namespace voile;
 using namespace voile::testing;
 
@@ -244,3 +246,5 @@ TEST_CASE(
     CHECK(energy == relative(0.5 * bending * angle * angle).epsilon(0.1 * std::pow(angle, 4)));
   }
 }
+
+}  // namespace test_chord_correction

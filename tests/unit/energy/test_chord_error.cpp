@@ -12,6 +12,8 @@
 #include "../test_relative.hpp"
 #include "base/mpi.hpp"
 
+namespace test_chord_error {
+
 using namespace voile;
 using namespace voile::testing;
 
@@ -189,3 +191,5 @@ TEST_CASE("triangles whose patches determine nothing and have too many points ar
   fan.triangle_tags.assign(spokes, 1);
   CHECK(count(fan) == spokes);
 }
+
+}  // namespace test_chord_error

@@ -9,6 +9,8 @@
 
 #include "test_model_kit.hpp"
 
+namespace test_coupling {
+
 using namespace voile;
 using namespace voile::testing;
 
@@ -179,3 +181,5 @@ TEST_CASE("a free laminate takes the strain and curvature of lamination theory w
   CHECK(force.norm() < 1e-12 * size);
   CHECK(moment.norm() < 1e-12 * size * thickness);
 }
+
+}  // namespace test_coupling

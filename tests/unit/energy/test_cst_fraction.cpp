@@ -7,6 +7,8 @@
 #include "solve/newton.hpp"
 #include "test_model_kit.hpp"
 
+namespace test_cst_fraction {
+
 using namespace voile;
 using namespace voile::testing;
 
@@ -70,3 +72,5 @@ TEST_CASE("a share of constant-strain energy keeps free edges from crumpling") {
     if (fraction == 0.3) CHECK(corrected > 1.5 * averaged);
   }
 }
+
+}  // namespace test_cst_fraction

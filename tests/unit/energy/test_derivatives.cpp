@@ -7,6 +7,8 @@
 #include "test_model_kit.hpp"
 #include "test_relative.hpp"
 
+namespace test_derivatives {
+
 using namespace voile;
 using namespace voile::testing;
 
@@ -296,3 +298,5 @@ TEST_CASE("the projected tangent is positive where the exact one is not") {
   VOILE_PETSC(MatMult(model.tangent().matrix(), d, kd));
   CHECK(dot(kd, d) > 0.0);
 }
+
+}  // namespace test_derivatives

@@ -7,6 +7,8 @@
 #include "energy/layer_stress.hpp"
 #include "test_relative.hpp"
 
+namespace test_failure {
+
 using namespace voile;
 using Criterion = energy::Strength::Criterion;
 
@@ -68,3 +70,5 @@ TEST_CASE("the ply and face that fail first") {
   CHECK(bent.top);
   CHECK(energy::turned_stress({5.0, 1.0, 2.0}, 0.5 * std::numbers::pi).isApprox(Vec3(1.0, 5.0, -2.0)));
 }
+
+}  // namespace test_failure

@@ -11,6 +11,8 @@
 #include "test_model_kit.hpp"
 #include "voile/errors.hpp"
 
+namespace test_joints {
+
 using namespace voile;
 using namespace voile::testing;
 
@@ -479,3 +481,5 @@ TEST_CASE("what joints cannot have is refused by its key") {
     CHECK(std::string(e.what()).find("another hinge") != std::string::npos);
   }
 }
+
+}  // namespace test_joints

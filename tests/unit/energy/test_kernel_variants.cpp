@@ -13,6 +13,8 @@
 #include "energy/membrane.hpp"
 #include "energy/yarn_friction.hpp"
 
+namespace test_kernel_variants {
+
 using namespace voile;
 using namespace voile::testing;
 
@@ -148,3 +150,5 @@ TEST_CASE("the kernels of every instruction set agree with the scalar ones") {
         }
     }
 }
+
+}  // namespace test_kernel_variants

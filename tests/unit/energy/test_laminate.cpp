@@ -9,6 +9,8 @@
 #include "test_relative.hpp"
 #include "voile/errors.hpp"
 
+namespace test_laminate {
+
 using namespace voile;
 using energy::laminate;
 using energy::Ply;
@@ -98,3 +100,5 @@ TEST_CASE("a laminate in the case file") {
   CHECK(message("[0, 90, 0]", "[0.1, 0.2]").find("2 thicknesses for 3 plies") != std::string::npos);
   CHECK(message("[30, -30, -30, 30]", "[0.1]").empty());
 }
+
+}  // namespace test_laminate

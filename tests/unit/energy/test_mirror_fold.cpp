@@ -8,6 +8,8 @@
 #include "energy/mirror_fold.hpp"
 #include "test_relative.hpp"
 
+namespace test_mirror_fold {
+
 using namespace voile;
 using energy::Configuration;
 using energy::MirrorFoldTerm;
@@ -83,3 +85,5 @@ TEST_CASE("a fold over a clamp: forces and tangents are derivatives, and turn wi
     }
   });
 }
+
+}  // namespace test_mirror_fold

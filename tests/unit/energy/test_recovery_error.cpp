@@ -15,6 +15,8 @@
 #include "record/discretisation_error.hpp"
 #include "record/validity.hpp"
 
+namespace test_recovery_error {
+
 using namespace voile;
 using namespace voile::testing;
 using energy::RecoveryError;
@@ -291,3 +293,5 @@ TEST_CASE("what cells do not resolve is told with its cause, place and remedy, a
   CHECK(fine.warning.empty());
   CHECK(still.fraction == 0.0);
 }
+
+}  // namespace test_recovery_error

@@ -9,6 +9,8 @@
 #include "energy/curvature.hpp"
 #include "test_model_kit.hpp"
 
+namespace test_stiffness_jump {
+
 using namespace voile;
 using namespace voile::testing;
 
@@ -156,3 +158,5 @@ TEST_CASE("what is much softer beyond a jump does not bend the stiff side") {
   }
   CHECK(beside > 0);
 }
+
+}  // namespace test_stiffness_jump

@@ -12,6 +12,8 @@
 #include "solve/newton.hpp"
 #include "voile/errors.hpp"
 
+namespace test_yarn_friction {
+
 using namespace voile;
 using namespace voile::testing;
 
@@ -318,3 +320,5 @@ TEST_CASE("friction of yarns, its slips and losses are the same on any number of
   CHECK(again.potential().yarn_loss(a) == relative(model.potential().yarn_loss(a)).epsilon(1e-14));
   CHECK_THROWS_AS(again.potential().restore_slips(std::vector<double>(7, 0.0)), UserError);
 }
+
+}  // namespace test_yarn_friction

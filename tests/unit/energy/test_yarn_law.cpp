@@ -10,6 +10,8 @@
 #include "energy/membrane.hpp"
 #include "voile/errors.hpp"
 
+namespace test_yarn_law {
+
 using namespace voile;
 using namespace voile::testing;
 
@@ -284,3 +286,5 @@ TEST_CASE("force and tangent that yarns add are those of their curves, in turned
     }
   }
 }
+
+}  // namespace test_yarn_law

@@ -20,6 +20,8 @@
 #include "io/triangle_file.hpp"
 #include "voile/errors.hpp"
 
+namespace test_intersections {
+
 using namespace voile;
 namespace fs = std::filesystem;
 
@@ -311,3 +313,5 @@ TEST_CASE("the check of intersections refuses what is no triangle") {
   CHECK(count({}, {}) == 0);
   CHECK(geometry::cgal_version().find('.') != std::string::npos);
 }
+
+}  // namespace test_intersections

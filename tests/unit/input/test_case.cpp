@@ -16,6 +16,8 @@
 #include "test_relative.hpp"
 #include "voile/errors.hpp"
 
+namespace test_case {
+
 using namespace voile;
 using namespace voile::testing;
 using namespace voile::testing::cases;
@@ -341,3 +343,5 @@ TEST_CASE("the command line is shared with PETSc") {
   CHECK(pairs[2].second == "-2");
   CHECK_THROWS_AS((void)input::petsc_pairs("-a1 1 2"), UserError);
 }
+
+}  // namespace test_case

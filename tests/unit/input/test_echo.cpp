@@ -9,6 +9,8 @@
 #include "test_case_kit.hpp"
 #include "test_case_texts.hpp"
 
+namespace test_echo {
+
 using namespace voile;
 using namespace voile::testing;
 using namespace voile::testing::cases;
@@ -117,3 +119,5 @@ TEST_CASE("the reference page has every section and key, and its example is vali
   const input::Case c = parse_case(page.substr(begin, end - begin), "case.toml");
   CHECK(c.supports.at(0).group == "fixed edge");
 }
+
+}  // namespace test_echo

@@ -10,6 +10,8 @@
 #include "test_relative.hpp"
 #include "voile/errors.hpp"
 
+namespace test_expression {
+
 using namespace voile;
 using namespace voile::testing;
 using input::expression;
@@ -231,3 +233,5 @@ TEST_CASE("path control is checked against the probes") {
             "under control = \"arc_length\" only"));
   CHECK(has(error("control = \"arc_length\"\nbranch_step = 0\n"), "branch_step"));
 }
+
+}  // namespace test_expression

@@ -15,6 +15,8 @@
 #include "test_relative.hpp"
 #include "voile/errors.hpp"
 
+namespace test_fabric {
+
 using namespace voile;
 using namespace voile::testing;
 using input::Dimension;
@@ -334,3 +336,5 @@ TEST_CASE("fabric: the shipped files are complete and realistic") {
   }
   CHECK(count >= 6);
 }
+
+}  // namespace test_fabric

@@ -11,6 +11,8 @@
 #include "test_meshes.hpp"
 #include "test_relative.hpp"
 
+namespace test_fabric_curves {
+
 using namespace voile;
 using namespace voile::testing;
 
@@ -168,3 +170,5 @@ TEST_CASE("fabric: mistakes of curves and of the loop of shear") {
   CHECK(has(matrices("[0.2, 0, 0]"), "material.shear_hysteresis: the third number"));
   CHECK(has(matrices("[0.2, 0]"), "three numbers are needed"));
 }
+
+}  // namespace test_fabric_curves

@@ -2,6 +2,8 @@
 
 #include "input/petsc_allowed.hpp"
 
+namespace test_petsc_allowed {
+
 using voile::input::refusal_of_petsc_option;
 
 namespace {
@@ -105,3 +107,5 @@ TEST_CASE("options of a case that write, load, start or open something are refus
     CHECK_MESSAGE(!allowed(name, value), option, " ", given);
   }
 }
+
+}  // namespace test_petsc_allowed

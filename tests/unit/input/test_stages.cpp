@@ -4,7 +4,10 @@
 #include "input/case.hpp"
 #include "test_model_kit.hpp"
 #include "test_relative.hpp"
+#include "test_text.hpp"
 #include "voile/errors.hpp"
+
+namespace test_stages {
 
 using namespace voile;
 using namespace voile::testing;
@@ -74,10 +77,6 @@ std::string with(const std::string& what, const std::string& instead) {
   std::string text = staged;
   text.replace(text.find(what), what.size(), instead);
   return text;
-}
-
-bool has(const std::string& text, const std::string& words) {
-  return text.find(words) != std::string::npos;
 }
 
 }  // namespace
@@ -169,3 +168,5 @@ TEST_CASE("supports take hold of what they find: value and motion count from the
   model.dofs().clear_free(r);
   CHECK(norm(r) < 1e-14);
 }
+
+}  // namespace test_stages

@@ -8,6 +8,8 @@
 #include "test_case_kit.hpp"
 #include "test_case_texts.hpp"
 
+namespace test_unit_system {
+
 using namespace voile;
 using namespace voile::testing;
 using input::parse_unit;
@@ -130,3 +132,5 @@ friction = 0.2
     CHECK(has(error_of(replaced(declared, "\"mm\"", "\"mmm\"")), "unknown unit 'mmm'"));
   }
 }
+
+}  // namespace test_unit_system

@@ -12,6 +12,8 @@
 #include "test_meshes.hpp"
 #include "voile/errors.hpp"
 
+namespace test_foreign_files {
+
 using namespace voile;
 using namespace voile::testing;
 
@@ -138,3 +140,5 @@ TEST_CASE("damaged foreign files are a user's error that names them") {
   CHECK_THROWS_WITH_AS(static_cast<void>(io::read_gmsh(script.path().string(), {})), doctest::Contains("$MeshFormat"),
                        UserError);
 }
+
+}  // namespace test_foreign_files

@@ -18,6 +18,8 @@
 #include "test_relative.hpp"
 #include "voile/errors.hpp"
 
+namespace test_gmsh {
+
 using namespace voile;
 using namespace voile::testing;
 namespace fs = std::filesystem;
@@ -338,3 +340,5 @@ TEST_CASE("a reader that is not there is named, with the remedy") {
 TEST_CASE("the version of Gmsh is known") {
   CHECK(io::gmsh_version().find('.') != std::string::npos);
 }
+
+}  // namespace test_gmsh

@@ -9,7 +9,10 @@
 #include "io/mesh_file.hpp"
 #include "test_meshes.hpp"
 #include "test_relative.hpp"
+#include "test_text.hpp"
 #include "voile/errors.hpp"
+
+namespace test_mesh_file {
 
 using namespace voile;
 using namespace voile::testing;
@@ -30,10 +33,6 @@ std::string message(const std::string& suffix, const std::string& text, const io
     return e.what();
   }
   return "nothing is wrong";
-}
-
-bool has(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
 }
 
 template <class Number>
@@ -252,3 +251,5 @@ TEST_CASE("what is wrong with a mesh names the file, the line and the remedy") {
   options.parameters["n"] = 3;
   CHECK(has(message(".obj", triangle, options), "parameters can only be set for a .geo"));
 }
+
+}  // namespace test_mesh_file

@@ -6,7 +6,10 @@
 
 #include "io/mesh_file.hpp"
 #include "test_meshes.hpp"
+#include "test_text.hpp"
 #include "voile/errors.hpp"
+
+namespace test_nastran {
 
 using namespace voile;
 using namespace voile::testing;
@@ -25,10 +28,6 @@ std::string message(const std::string& text) {
     return e.what();
   }
   return "nothing is wrong";
-}
-
-bool has(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
 }
 
 /// Three grid points in every form of fields.
@@ -113,3 +112,5 @@ TEST_CASE("Nastran: what is wrong names the file, the line and the card") {
              inner.path().filename().string().substr(3) + "'\n" + triangle)
             .triangles.size() == 1);
 }
+
+}  // namespace test_nastran

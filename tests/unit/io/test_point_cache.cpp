@@ -16,6 +16,8 @@
 #include "io/point_cache.hpp"
 #include "voile/errors.hpp"
 
+namespace test_point_cache {
+
 using namespace voile;
 namespace fs = std::filesystem;
 
@@ -215,3 +217,5 @@ TEST_CASE("a point cache that is cut short while in use is noticed") {
   fs::resize_file(folder.path / "a.pc2", 40);
   complains([&] { (void)cache.positions(0.5); }, "is the file complete?");
 }
+
+}  // namespace test_point_cache

@@ -6,6 +6,8 @@
 
 #include "test_results_kit.hpp"
 
+namespace test_results {
+
 using namespace voile;
 using namespace voile::testing;
 
@@ -367,3 +369,5 @@ TEST_CASE("history numbers read back exactly, each line at once") {
   CHECK(has(read_text(file), "\n3,,\n"));
   CHECK_THROWS_AS(history.write({1.0}), InternalError);
 }
+
+}  // namespace test_results

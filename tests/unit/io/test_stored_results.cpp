@@ -14,6 +14,8 @@
 #include "io/stored_step.hpp"
 #include "test_results_kit.hpp"
 
+namespace test_stored_results {
+
 using namespace voile;
 using namespace voile::testing;
 
@@ -397,3 +399,5 @@ TEST_CASE("a checkpoint comes back bit by bit, and only into its own mesh") {
   std::ofstream(file) << "not HDF5";
   CHECK_THROWS_AS((void)io::read_checkpoint(file, mesh), UserError);
 }
+
+}  // namespace test_stored_results

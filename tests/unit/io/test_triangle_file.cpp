@@ -20,6 +20,8 @@
 #include "test_relative.hpp"
 #include "voile/errors.hpp"
 
+namespace test_triangle_file {
+
 using namespace voile;
 using voile::testing::TemporaryFile;
 
@@ -371,3 +373,5 @@ TEST_CASE("a cylinder is closed, straddles the true one and has no long triangle
   CHECK_THROWS_AS((void)geometry::cylinder_surface(a, Vec3::Zero(), 0.0, 0.1), InternalError);
   CHECK_THROWS_AS((void)geometry::cylinder_surface(a, Vec3::Zero(), 1.0, 0.0), InternalError);
 }
+
+}  // namespace test_triangle_file

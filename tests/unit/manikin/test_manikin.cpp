@@ -14,6 +14,8 @@
 #include "test_relative.hpp"
 #include "voile/errors.hpp"
 
+namespace test_manikin {
+
 using namespace voile;
 using namespace voile::manikin;
 
@@ -166,3 +168,5 @@ TEST_CASE("measurements and motions out of bounds are refused by name") {
   CHECK(message([&] { check(m); }).find("bust") != std::string::npos);
   CHECK(message([&] { (void)make_figure({}, Kind::form, 0.5); }).find("size") != std::string::npos);
 }
+
+}  // namespace test_manikin

@@ -13,6 +13,8 @@
 #include "test_relative.hpp"
 #include "voile/errors.hpp"
 
+namespace test_mesh_quality {
+
 using namespace voile;
 using namespace voile::testing;
 
@@ -298,3 +300,5 @@ TEST_CASE("a material direction in texture coordinates follows the flat piece ro
   for (const Vec3& axis : axes.of) CHECK(axis[2] == relative(1.0).epsilon(1e-9));
   CHECK_THROWS_WITH_AS(static_cast<void>(axes_of(folded_strip(), m)), doctest::Contains("texture"), UserError);
 }
+
+}  // namespace test_mesh_quality

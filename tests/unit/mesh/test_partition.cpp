@@ -8,6 +8,8 @@
 #include "test_model_kit.hpp"
 #include "voile/errors.hpp"
 
+namespace test_partition {
+
 using namespace voile;
 using namespace voile::testing;
 
@@ -117,3 +119,5 @@ TEST_CASE("a mesh of two triangles can be solved on as many ranks as there are")
   CHECK(norm(f) > 0.1);
   CHECK(norm(r) < 1e-12 * norm(f));
 }
+
+}  // namespace test_partition

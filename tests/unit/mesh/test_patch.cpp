@@ -8,6 +8,8 @@
 #include "energy/curvature.hpp"
 #include "test_model_kit.hpp"
 
+namespace test_patch {
+
 using namespace voile;
 using namespace voile::testing;
 
@@ -193,3 +195,5 @@ TEST_CASE("a free curved shell has exactly six rigid-body modes and no stress at
         CHECK(e[6] > 1e-9 * e.maxCoeff());
       }
 }
+
+}  // namespace test_patch

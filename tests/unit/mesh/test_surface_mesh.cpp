@@ -10,6 +10,8 @@
 #include "test_relative.hpp"
 #include "voile/errors.hpp"
 
+namespace test_surface_mesh {
+
 using namespace voile;
 using namespace voile::testing;
 
@@ -318,3 +320,5 @@ TEST_CASE("area, normal, corners and extent") {
   CHECK(mesh.extent() == relative(5.0).epsilon(1e-15));
   CHECK(mesh.component_count() == 1);
 }
+
+}  // namespace test_surface_mesh

@@ -10,6 +10,8 @@
 #include "test_relative.hpp"
 #include "voile/errors.hpp"
 
+namespace test_unfolding {
+
 using namespace voile;
 using namespace voile::testing;
 
@@ -255,3 +257,5 @@ TEST_CASE("a folded pair: dihedral angle and patch") {
     CHECK((p.coordinates[3 + side] - frame.to_plane(Vec3(0.9, 0.3, 0.0))).norm() < 1e-15);  // the fold is undone
   }
 }
+
+}  // namespace test_unfolding

@@ -6,6 +6,8 @@
 #include "mesh/weld.hpp"
 #include "voile/errors.hpp"
 
+namespace test_weld {
+
 using namespace voile;
 
 namespace {
@@ -95,3 +97,5 @@ TEST_CASE("lengths of the sides of an open seam are those at rest, a dart's with
   CHECK(legs[0] == doctest::Approx(5.0));
   CHECK(legs[1] == doctest::Approx(10.0));
 }
+
+}  // namespace test_weld

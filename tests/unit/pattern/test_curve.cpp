@@ -6,6 +6,8 @@
 
 #include "pattern/curve.hpp"
 
+namespace test_curve {
+
 using namespace voile;
 using pattern::Curve;
 using std::numbers::pi;
@@ -99,3 +101,5 @@ TEST_CASE("a circle through two points: four arcs") {
       CHECK((c.at(0.5)[1] < 0.0) == counter);
     }
 }
+
+}  // namespace test_curve

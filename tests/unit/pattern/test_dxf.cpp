@@ -8,6 +8,8 @@
 
 #include "test_pattern_kit.hpp"
 
+namespace test_dxf {
+
 using namespace voile;
 using namespace voile::testing;
 
@@ -349,3 +351,5 @@ TEST_CASE("Halves of other formats unfold across an edge that is named") {
   CHECK(has(refusal("half.svg", svg, {.unfold = "2"}), "edge 2 is bent"));
   CHECK(has(refusal("half.svg", svg, {.unfold = "7"}), "unfold = \"7\""));
 }
+
+}  // namespace test_dxf

@@ -10,6 +10,8 @@
 #include "mesh/weld.hpp"
 #include "test_pattern_kit.hpp"
 
+namespace test_garment {
+
 using namespace voile;
 using namespace voile::testing;
 using pattern::Panel;
@@ -387,3 +389,5 @@ TEST_CASE("the mesh of a garment names all files of its panels") {
   panels[2].file = "c.svg";
   CHECK(pattern::make_garment(panels, {}).mesh.source == "test and 2 more files");
 }
+
+}  // namespace test_garment

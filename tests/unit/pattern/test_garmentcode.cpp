@@ -8,6 +8,8 @@
 #include "extent.hpp"
 #include "test_pattern_kit.hpp"
 
+namespace test_garmentcode {
+
 using namespace voile;
 using namespace voile::testing;
 
@@ -184,3 +186,5 @@ TEST_CASE("damaged patterns are refused or read, but nothing crashes") {
   (void)refusal("deep.svg", R"(<svg width="1m" viewBox="0 0 9 9">)" + deep);
   CHECK(has(refusal("huge.json", R"({"pattern": 1e999})"), "not valid JSON"));
 }
+
+}  // namespace test_garmentcode

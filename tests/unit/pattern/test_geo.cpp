@@ -8,6 +8,8 @@
 #include "test_pattern_kit.hpp"
 #include "test_relative.hpp"
 
+namespace test_geo {
+
 using namespace voile;
 using namespace voile::testing;
 
@@ -96,3 +98,5 @@ TEST_CASE("geo pattern: what is wrong is told") {
   fails(tilted, {}, "does not lie in a plane of constant z");
   fails("Point(1) = {0, 0, ;\n", {}, "Gmsh failed while reading");
 }
+
+}  // namespace test_geo

@@ -11,6 +11,8 @@
 #include "test_pattern_kit.hpp"
 #include "test_relative.hpp"
 
+namespace test_obj {
+
 using namespace voile;
 using namespace voile::testing;
 using pattern::Sense;
@@ -322,3 +324,5 @@ TEST_CASE("OBJ pattern: stitches to the inside of a piece are passed over with a
   REQUIRE(p.notes.size() == 2);
   CHECK(has(p.notes[1], "3 of 4 lines 'stitch'"));  // the lowest is on the rim, but a point alone is no seam
 }
+
+}  // namespace test_obj

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "pattern/garment.hpp"
+#include "test_text.hpp"
 #include "voile/errors.hpp"
 
 namespace voile::testing {
@@ -52,10 +53,6 @@ inline pattern::Panel rectangle(const std::string& name, double width, double he
   const std::array<Vec2, 4> x{Vec2(0, 0), Vec2(width, 0), Vec2(width, height), Vec2(0, height)};
   for (std::size_t k = 0; k < 4; ++k) p.piece.edges.push_back({pattern::Curve::bezier({x[k], x[(k + 1) % 4]})});
   return p;
-}
-
-inline bool has(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
 }
 
 }  // namespace voile::testing

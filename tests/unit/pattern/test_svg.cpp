@@ -7,6 +7,8 @@
 
 #include "test_pattern_kit.hpp"
 
+namespace test_svg {
+
 using namespace voile;
 using namespace voile::testing;
 
@@ -208,3 +210,5 @@ TEST_CASE("SVG: what is wrong is named with piece, edge and remedy") {
   CHECK(has(refusal("pattern.dwg", "0"), "unknown kind of pattern '.dwg'"));
   CHECK(piece(R"(<defs><path id="Q" d="M0 0"/></defs>)" + path("M0 0 H100 V100 Z")).name == "P");
 }
+
+}  // namespace test_svg

@@ -9,6 +9,8 @@
 #include "picture/camera.hpp"
 #include "voile/errors.hpp"
 
+namespace test_camera {
+
 using namespace voile;
 using namespace voile::picture;
 
@@ -70,3 +72,5 @@ TEST_CASE("a camera can be given, and nothing to look at is no failure") {
   const Camera empty = fit_camera(named_view("front", Vec3::UnitZ()), Vec3::UnitZ(), {}, 1.0, {});
   CHECK(empty.eye.allFinite());
 }
+
+}  // namespace test_camera

@@ -7,6 +7,8 @@
 
 #include "picture/colour_map.hpp"
 
+namespace test_colour_map {
+
 using namespace voile;
 using namespace voile::picture;
 
@@ -74,3 +76,5 @@ TEST_CASE("ticks are round numbers inside the range") {
   CHECK(near[0].second == "-4.905e-06");
   CHECK(near[0].second != near[1].second);
 }
+
+}  // namespace test_colour_map

@@ -15,6 +15,8 @@
 #include "picture/animation.hpp"
 #include "voile/errors.hpp"
 
+namespace test_image_files {
+
 using namespace voile;
 using namespace voile::picture;
 namespace fs = std::filesystem;
@@ -178,3 +180,5 @@ TEST_CASE("animations that cannot be written say why") {
   CHECK_THROWS_AS(make_animation(file, 10.0)->finish(), UserError);
   fs::remove(file);
 }
+
+}  // namespace test_image_files

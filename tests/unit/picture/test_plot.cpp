@@ -10,6 +10,8 @@
 #include "../test_case_kit.hpp"
 #include "picture/plot.hpp"
 
+namespace test_plot {
+
 using namespace voile;
 using namespace voile::testing;
 using namespace voile::picture;
@@ -215,3 +217,5 @@ TEST_CASE("equal axes make a circle round; the legend is where it is asked for")
   write_plot(file.path, plot);
   CHECK(!has(file.text(), "second"));
 }
+
+}  // namespace test_plot

@@ -10,6 +10,8 @@
 #include "picture/field_values.hpp"
 #include "picture/show.hpp"
 
+namespace test_recording {
+
 using namespace voile;
 using namespace voile::testing;
 using namespace voile::picture;
@@ -169,3 +171,5 @@ TEST_CASE("a point cache is read back, and refused where the meshes are of diffe
     }
   }
 }
+
+}  // namespace test_recording

@@ -12,6 +12,8 @@
 #include "picture/pieces.hpp"
 #include "picture/ray_tracer.hpp"
 
+namespace test_rendering {
+
 using namespace voile;
 using namespace voile::picture;
 
@@ -196,3 +198,5 @@ TEST_CASE("letters are drawn where they are asked for") {
   CHECK(right <= 11 + text_width("Mode 3: 12.5 Hz \u00d7", 20.0));
   CHECK(right > 0.9 * text_width("Mode 3: 12.5 Hz \u00d7", 20.0));
 }
+
+}  // namespace test_rendering

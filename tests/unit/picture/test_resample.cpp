@@ -7,6 +7,8 @@
 #include "io/point_cache.hpp"
 #include "picture/export.hpp"
 
+namespace test_resample {
+
 using namespace voile;
 using namespace voile::testing;
 using namespace voile::picture;
@@ -239,3 +241,5 @@ TEST_CASE("fields follow onto the one mesh") {
     check_across(folder.path / fmt::format("fields_{}", number), number[5] == '0' ? 1.0 / 6.0 : 0.1);
   }
 }
+
+}  // namespace test_resample

@@ -3,6 +3,8 @@
 
 #include "record/energy_text.hpp"
 
+namespace test_energy_text {
+
 using voile::record::KineticEnergy;
 using voile::record::rest_text;
 
@@ -51,3 +53,5 @@ TEST_CASE("energy that is not accounted for is warned of from a twentieth on, wi
   CHECK(names(loose, "created 0.21 J, 5.2 %"));
   CHECK(balance_warning(b, loose, 0.22).empty());
 }
+
+}  // namespace test_energy_text

@@ -5,6 +5,8 @@
 
 #include "record/history_columns.hpp"
 
+namespace test_history_columns {
+
 using voile::record::is_of_probe;
 using voile::record::names_of;
 
@@ -36,3 +38,5 @@ TEST_CASE("a history has the columns of what takes part in its run") {
   CHECK(has({.sewing = true}, "seam_gap"));
   CHECK(has({.passing = true}, "passing"));
 }
+
+}  // namespace test_history_columns

@@ -9,7 +9,7 @@
 #include "test_case_kit.hpp"
 #include "test_model_kit.hpp"
 
-namespace voile {
+namespace voile::test_recorder {
 
 TEST_CASE("a state that intersects is counted and recorded, and ends the run") {
   const mesh::SurfaceMesh mesh(testing::square(testing::Pattern::union_jack, 4));
@@ -66,4 +66,4 @@ TEST_CASE("a state that intersects is counted and recorded, and ends the run") {
   });
 }
 
-}  // namespace voile
+}  // namespace voile::test_recorder

@@ -5,7 +5,7 @@
 
 #include "record/time_left.hpp"
 
-namespace voile::record {
+namespace voile::record::test_time_left {
 
 TEST_CASE(
     "time left: exact for a steady course, from where a restart began, and between the mean and the latest pace") {
@@ -28,4 +28,4 @@ TEST_CASE("time left: a state before the last one begins anew") {
   CHECK(*left.until(1.0) == doctest::Approx(3.0));
 }
 
-}  // namespace voile::record
+}  // namespace voile::record::test_time_left

@@ -3,6 +3,8 @@
 
 #include "record/validity.hpp"
 
+namespace test_validity {
+
 TEST_CASE("fractions in per cent: two figures, none that only look exact") {
   CHECK(voile::record::percent_text(0.0) == "0 %");
   CHECK(voile::record::percent_text(1.2e-33) == "less than 0.01 %");
@@ -10,3 +12,5 @@ TEST_CASE("fractions in per cent: two figures, none that only look exact") {
   CHECK(voile::record::percent_text(0.123) == "12 %");
   CHECK(voile::record::percent_text(8.24) == "824 %");
 }
+
+}  // namespace test_validity

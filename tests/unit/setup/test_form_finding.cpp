@@ -13,6 +13,8 @@
 #include "setup/garment.hpp"
 #include "test_case_kit.hpp"
 
+namespace test_form_finding {
+
 using namespace voile;
 using namespace voile::testing;
 using setup::find_form;
@@ -263,3 +265,5 @@ TEST_CASE("[form] in a case: every rank has the same form; mistakes name what is
   CHECK(has(error_of(band + "length = 1\n"), "give it `force` instead"));
   CHECK(has(error_of(band + "length = 1\nforce = 1\n"), "force: `length` is given too"));
 }
+
+}  // namespace test_form_finding

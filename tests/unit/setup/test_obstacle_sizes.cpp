@@ -10,6 +10,8 @@
 #include "extent.hpp"
 #include "setup/obstacle_sizes.hpp"
 
+namespace test_obstacle_sizes {
+
 using namespace voile;
 using setup::Bend;
 
@@ -136,3 +138,5 @@ TEST_CASE("bounds grow with the distance from a bend, less what comes nearer, as
   }
   CHECK(near > extent(30, 6));
 }
+
+}  // namespace test_obstacle_sizes

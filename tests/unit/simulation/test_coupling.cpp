@@ -3,7 +3,7 @@
 
 #include "test_strip.hpp"
 
-namespace voile {
+namespace voile::test_coupling {
 
 using namespace testing;
 
@@ -206,4 +206,4 @@ TEST_CASE("a new mesh is told, takes forces from outside away, and is gone back 
   CHECK(s.energy().external < -1e-12);
 }
 
-}  // namespace voile
+}  // namespace voile::test_coupling

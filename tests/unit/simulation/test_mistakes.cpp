@@ -3,7 +3,7 @@
 
 #include "test_strip.hpp"
 
-namespace voile {
+namespace voile::test_mistakes {
 
 using namespace testing;
 
@@ -82,4 +82,4 @@ TEST_CASE("files are written where a folder is named, and nowhere else") {
   });
 }
 
-}  // namespace voile
+}  // namespace voile::test_mistakes

@@ -1,7 +1,7 @@
 // The library as a caller uses it: cases, steps, arrays.
 #include "test_strip.hpp"
 
-namespace voile {
+namespace voile::test_simulation {
 
 using namespace testing;
 
@@ -144,4 +144,4 @@ analysis = "dynamic"
   CHECK(s.run());
 }
 
-}  // namespace voile
+}  // namespace voile::test_simulation

@@ -8,6 +8,8 @@
 #include "solve/alpha_ts.hpp"
 #include "test_relative.hpp"
 
+namespace test_alpha_ts {
+
 using namespace voile;
 
 namespace {
@@ -90,3 +92,5 @@ TEST_CASE("a first guess leaves out an acceleration that alone flies too far") {
   REQUIRE(far.size() == 1);
   CHECK(far[0] == relative(step * velocity).epsilon(1e-9));
 }
+
+}  // namespace test_alpha_ts

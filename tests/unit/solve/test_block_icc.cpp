@@ -15,6 +15,8 @@
 #include "test_model_kit.hpp"
 #include "voile/errors.hpp"
 
+namespace test_block_icc {
+
 namespace {
 
 using namespace voile;
@@ -350,3 +352,5 @@ TEST_CASE(
     CHECK(code == PETSC_ERR_USER_INPUT);
   }
 }
+
+}  // namespace test_block_icc

@@ -7,6 +7,8 @@
 #include "test_model_kit.hpp"
 #include "test_newton_kit.hpp"
 
+namespace test_continuation {
+
 using namespace voile;
 using namespace voile::testing;
 using namespace voile::testing::newton;
@@ -184,3 +186,5 @@ TEST_CASE("an unstable equilibrium is reported by its negative pivots") {
   for (const Vec3& u : per_vertex(model, a)) CHECK(std::abs(u.z()) < 1e-12);  // nothing pushes it out of its plane
   CHECK(buckled.negative_pivots >= 3);                                        // (k pi h)^2/10.92 < 1e-3 for k = 1, 2, 3
 }
+
+}  // namespace test_continuation

@@ -12,6 +12,8 @@
 #include "test_time_kit.hpp"
 #include "voile/errors.hpp"
 
+namespace test_damping {
+
 using namespace voile;
 using namespace voile::testing;
 using namespace voile::testing::motion;
@@ -279,3 +281,5 @@ TEST_CASE("options of TS are obeyed") {
   solve::TimeIntegration time(dynamics, motion_options(1.0, 0.1));
   CHECK_THROWS_AS((void)follow_from(state_of(g.u, g.v), time), UserError);
 }
+
+}  // namespace test_damping

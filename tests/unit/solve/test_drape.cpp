@@ -9,6 +9,8 @@
 #include "test_problems.hpp"
 #include "test_relative.hpp"
 
+namespace test_drape {
+
 using namespace voile;
 using namespace voile::testing;
 using SupportKind = system::Support::Kind;
@@ -133,3 +135,5 @@ TEST_CASE("inverse iteration finds the eigenvalue nearest to zero") {
   VOILE_PETSC(VecAXPY(product, -value, inertia));
   CHECK(norm(product) < 1e-6 * value * norm(inertia));
 }
+
+}  // namespace test_drape

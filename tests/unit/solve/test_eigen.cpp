@@ -12,6 +12,8 @@
 #include "test_relative.hpp"
 #include "voile/errors.hpp"
 
+namespace test_eigen {
+
 using namespace voile;
 using namespace voile::testing;
 using system::Mass;
@@ -186,3 +188,5 @@ TEST_CASE("what has no modes is refused with the reason") {
   petsc::VecHandle a = weightless.dofs().create_vector();
   CHECK_THROWS_AS((void)solve::vibration_modes(weightless, a, 1, Mass::lumped), UserError);
 }
+
+}  // namespace test_eigen

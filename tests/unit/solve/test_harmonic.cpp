@@ -12,6 +12,8 @@
 #include "test_problems.hpp"
 #include "test_relative.hpp"
 
+namespace test_harmonic {
+
 using namespace voile;
 using namespace voile::testing;
 using Complex = std::complex<double>;
@@ -185,3 +187,5 @@ TEST_CASE("effective masses of all modes are all that moves freely; translations
     }
   }
 }
+
+}  // namespace test_harmonic

@@ -14,6 +14,8 @@
 #include "test_relative.hpp"
 #include "voile/errors.hpp"
 
+namespace test_inexact {
+
 namespace {
 
 using namespace voile;
@@ -292,3 +294,5 @@ TEST_CASE("motion: where iterations never suffice, factors do; a continued run r
   CHECK(part.ended.factorisations + rest.ended.factorisations == whole.ended.factorisations);
   CHECK(difference(rest.end, whole.end) < 1e-12);
 }
+
+}  // namespace test_inexact

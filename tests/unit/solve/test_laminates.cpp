@@ -14,6 +14,8 @@
 
 #include "test_model_kit.hpp"
 
+namespace test_laminates {
+
 using namespace voile;
 using namespace voile::testing;
 using energy::MembraneOperator;
@@ -125,3 +127,5 @@ TEST_CASE(
     }
   }
 }
+
+}  // namespace test_laminates

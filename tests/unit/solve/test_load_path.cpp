@@ -7,6 +7,8 @@
 #include "test_newton_kit.hpp"
 #include "test_problems.hpp"
 
+namespace test_load_path {
+
 using namespace voile;
 using namespace voile::testing;
 
@@ -245,3 +247,5 @@ TEST_CASE("an equilibrium nearby is regained by a few full steps, which an unsta
   CHECK_FALSE(at_rest);
   CHECK(values_of(column, a) == start);
 }
+
+}  // namespace test_load_path

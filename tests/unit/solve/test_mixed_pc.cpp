@@ -7,6 +7,8 @@
 #include "base/petsc.hpp"
 #include "solve/mixed_pc.hpp"
 
+namespace test_mixed_pc {
+
 namespace {
 
 using namespace voile;
@@ -246,3 +248,5 @@ TEST_CASE("mixed precision: what single precision cannot do is done in double") 
   CHECK(solve::mixed_double_factors(other.pc) == 1);
   CHECK(solve::mixed_negative_pivots(other.pc) == 3);
 }
+
+}  // namespace test_mixed_pc

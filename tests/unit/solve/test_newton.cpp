@@ -13,6 +13,8 @@
 #include "test_newton_kit.hpp"
 #include "test_relative.hpp"
 
+namespace test_newton {
+
 using namespace voile;
 using namespace voile::testing;
 using namespace voile::testing::newton;
@@ -290,3 +292,5 @@ TEST_CASE("a quarter between oblique symmetry planes is the whole") {
     CHECK(worst < c.tolerance * largest(u));
   }
 }
+
+}  // namespace test_newton

@@ -9,6 +9,8 @@
 #include "test_relative.hpp"
 #include "voile/errors.hpp"
 
+namespace test_path_following {
+
 using namespace voile;
 using namespace voile::testing;
 using Control = solve::StaticOptions::Control;
@@ -365,3 +367,5 @@ TEST_CASE("options of PETSc win over the case") {
   const Option bad("-path_min_step", "0.5");
   CHECK_THROWS_AS(solve::read_path_options(PETSC_COMM_WORLD, options), UserError);
 }
+
+}  // namespace test_path_following

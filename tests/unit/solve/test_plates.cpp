@@ -11,6 +11,8 @@
 #include "extent.hpp"
 #include "test_model_kit.hpp"
 
+namespace test_plates {
+
 using namespace voile;
 using namespace voile::testing;
 
@@ -88,3 +90,5 @@ TEST_CASE("edge_slope plates converge with second order on four kinds of mesh") 
       if (finest == 64) CHECK(std::abs(error[3]) < 0.0035);
     }
 }
+
+}  // namespace test_plates

@@ -8,6 +8,8 @@
 #include "test_adapt_kit.hpp"
 #include "test_model_kit.hpp"
 
+namespace test_remeshed {
+
 using namespace voile;
 using namespace voile::testing;
 using energy::BendingOperator;
@@ -223,3 +225,5 @@ TEST_CASE("relaxation of a part leaves what is stored elsewhere") {
   CHECK(part < 0.8 * energy);
   CHECK(model.energy(a) < 0.5 * part);
 }
+
+}  // namespace test_remeshed

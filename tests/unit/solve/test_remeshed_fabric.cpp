@@ -13,6 +13,8 @@
 #include "test_model_kit.hpp"
 #include "test_relative.hpp"
 
+namespace test_remeshed_fabric {
+
 using namespace voile;
 using namespace voile::testing;
 using Field = std::function<Vec3(const Vec3&)>;
@@ -250,3 +252,5 @@ TEST_CASE("fabric of a curved rest shape: axes and energies are those of the sur
     CHECK(membrane_energy(same, two, inflated) == relative(both).epsilon(5e-3));
   }
 }
+
+}  // namespace test_remeshed_fabric

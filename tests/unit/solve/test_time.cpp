@@ -15,6 +15,8 @@
 #include "test_relative.hpp"
 #include "test_time_kit.hpp"
 
+namespace test_time {
+
 using namespace voile;
 using namespace voile::testing;
 using namespace voile::testing::motion;
@@ -325,3 +327,5 @@ TEST_CASE("the largest frequency is that of the full eigenvalue problem, from ab
   CHECK(found >= exact);
   CHECK(found < 1.011 * exact);
 }
+
+}  // namespace test_time

@@ -11,6 +11,8 @@
 #include "test_relative.hpp"
 #include "voile/errors.hpp"
 
+namespace test_attachments {
+
 using namespace voile;
 using namespace voile::testing;
 using SupportKind = system::Support::Kind;
@@ -261,3 +263,5 @@ TEST_CASE("attachments to what is not there are refused") {
   without.attachments = {hold(edge, 1.0)};
   CHECK_THROWS_AS(system::Model(PETSC_COMM_WORLD, mesh, without), UserError);
 }
+
+}  // namespace test_attachments

@@ -11,6 +11,8 @@
 #include "test_relative.hpp"
 #include "voile/errors.hpp"
 
+namespace test_charts {
+
 using namespace voile;
 using namespace voile::testing;
 using namespace voile::testing::charts;
@@ -342,3 +344,5 @@ TEST_CASE("panels from texture coordinates") {
   CHECK_THROWS_WITH_AS(mesh::check_panels(mesh::SurfaceMesh(mirrored)),
                        doctest::Contains("10 of 72 triangles are mirror"), UserError);
 }
+
+}  // namespace test_charts

@@ -7,6 +7,8 @@
 #include "test_model_kit.hpp"
 #include "voile/errors.hpp"
 
+namespace test_constraints {
+
 using namespace voile;
 using namespace voile::testing;
 using Kind = system::Support::Kind;
@@ -236,3 +238,5 @@ TEST_CASE("the symmetry plane of a group is found where the mesh determines it")
     CHECK(contains(refusal(mesh, {support("left", Kind::symmetry)}), "do not lie in a plane"));
   }
 }
+
+}  // namespace test_constraints

@@ -7,6 +7,8 @@
 #include "test_problems.hpp"
 #include "test_relative.hpp"
 
+namespace test_contact_model {
+
 using namespace voile;
 using namespace voile::testing;
 using namespace voile::testing::contacts;
@@ -179,3 +181,5 @@ TEST_CASE("pairs that come and go while sheets pass each other are those of one 
   CHECK(pairs > 1000);
   CHECK(shortest < 0.5);
 }
+
+}  // namespace test_contact_model

@@ -12,6 +12,8 @@
 #include "test_problems.hpp"
 #include "test_relative.hpp"
 
+namespace test_contact_motion {
+
 using namespace voile;
 using namespace voile::testing;
 using namespace voile::testing::contacts;
@@ -252,3 +254,5 @@ TEST_CASE("what is being let out goes on where it was") {
   Problem whole(sheets(2, 6, 0.5 * d), input({}, d));
   CHECK(whole.model.contact()->energy(whole.u) == p.model.contact()->energy(p.u));
 }
+
+}  // namespace test_contact_motion

@@ -12,6 +12,8 @@
 #include "test_relative.hpp"
 #include "voile/errors.hpp"
 
+namespace test_contact_rules {
+
 using namespace voile;
 using namespace voile::testing;
 using namespace voile::testing::contacts;
@@ -227,3 +229,5 @@ TEST_CASE("the energy of two parallel sheets hardly depends on their meshes") {
   CHECK(most < 3.0);
   CHECK(most < 1.1 * least);
 }
+
+}  // namespace test_contact_rules

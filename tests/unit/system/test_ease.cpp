@@ -11,6 +11,8 @@
 #include "test_model_kit.hpp"
 #include "voile/errors.hpp"
 
+namespace test_ease {
+
 using namespace voile;
 using namespace voile::testing;
 
@@ -117,3 +119,5 @@ TEST_CASE("probes of ease and height: columns and values") {
   for (const auto& [k, exact] : {std::pair{0, gap}, {1, gap}, {2, 0.5 - fallen}, {3, 0.5}, {4, 0.5 + fallen}, {5, 0.0}})
     CHECK(values[static_cast<std::size_t>(k)] == doctest::Approx(exact).epsilon(1e-9));
 }
+
+}  // namespace test_ease

@@ -12,6 +12,8 @@
 #include "test_relative.hpp"
 #include "voile/errors.hpp"
 
+namespace test_energy_balance {
+
 using namespace voile;
 using namespace voile::testing;
 using contact::Obstacle;
@@ -295,3 +297,5 @@ TEST_CASE("a motion that is left and taken up again goes on with its balance; a 
   CHECK_FALSE(system::balance_of({}).kept);
   CHECK_THROWS_AS((void)system::balance_of({1.0}), InternalError);
 }
+
+}  // namespace test_energy_balance

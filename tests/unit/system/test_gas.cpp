@@ -13,6 +13,8 @@
 #include "test_model_kit.hpp"
 #include "voile/errors.hpp"
 
+namespace test_gas {
+
 using namespace voile;
 using namespace voile::testing;
 
@@ -201,3 +203,5 @@ TEST_CASE("what encloses no gas is refused") {
   });
   CHECK(refusal(sagging, box).find("normals must point away") != std::string::npos);
 }
+
+}  // namespace test_gas

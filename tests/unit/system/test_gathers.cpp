@@ -9,6 +9,8 @@
 #include "test_charts_kit.hpp"
 #include "test_model_kit.hpp"
 
+namespace test_gathers {
+
 using namespace voile;
 using namespace voile::testing;
 using namespace voile::testing::charts;
@@ -300,3 +302,5 @@ TEST_CASE("gathers that are welded stay while other seams are pulled") {
           doctest::Approx(system::energies(at_rest, w).membrane).epsilon(1e-12));
   }
 }
+
+}  // namespace test_gathers

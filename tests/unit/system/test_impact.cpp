@@ -10,6 +10,8 @@
 #include "test_following.hpp"
 #include "test_problems.hpp"
 
+namespace test_impact {
+
 using namespace voile;
 using namespace voile::testing;
 using contact::Obstacle;
@@ -117,3 +119,5 @@ TEST_CASE("what lies on a floor stays at rest, with either mass, whatever its ac
     CHECK(farthest < 1e-8);
   }
 }
+
+}  // namespace test_impact

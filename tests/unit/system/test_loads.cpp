@@ -10,6 +10,8 @@
 #include "test_relative.hpp"
 #include "voile/errors.hpp"
 
+namespace test_loads {
+
 using namespace voile;
 using namespace voile::testing;
 using LoadKind = system::Load::Kind;
@@ -20,14 +22,6 @@ namespace {
 mesh::MeshData curved_sheet(int n) {
   return mapped(square(Pattern::jittered, n),
                 [](const Vec3& x) { return Vec3(x[0], x[1], 0.3 * std::sin(2.0 * x[0]) + 0.2 * x[0] * x[1] * x[1]); });
-}
-
-system::Load load(LoadKind kind, const std::string& group, double magnitude) {
-  system::Load l;
-  l.kind = kind;
-  l.group = group;
-  l.magnitude = magnitude;
-  return l;
 }
 
 Vec3 sum(const std::vector<Vec3>& forces) {
@@ -306,3 +300,5 @@ TEST_CASE("the reactions of a deformed shell balance its loads in force and mome
   CHECK((sum(reactions) + sum(loads)).norm() < 1e-7 * size);
   CHECK((moment(x, reactions) + moment(x, loads)).norm() < 1e-7 * size);
 }
+
+}  // namespace test_loads

@@ -9,6 +9,8 @@
 #include "test_model_kit.hpp"
 #include "voile/errors.hpp"
 
+namespace test_natural_states {
+
 using namespace voile;
 using namespace voile::testing;
 
@@ -190,3 +192,5 @@ TEST_CASE("a temperature on a material without expansion is refused") {
   in.natural.temperatures = {heat(10.0)};
   CHECK_THROWS_WITH_AS(system::Model(PETSC_COMM_WORLD, mesh, in), doctest::Contains("has no expansion"), UserError);
 }
+
+}  // namespace test_natural_states

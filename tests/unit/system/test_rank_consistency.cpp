@@ -7,6 +7,8 @@
 #include "test_model_kit.hpp"
 #include "test_relative.hpp"
 
+namespace test_rank_consistency {
+
 using namespace voile;
 using namespace voile::testing;
 
@@ -150,3 +152,5 @@ TEST_CASE("models on different communicators live side by side") {
   }
   CHECK(mpi::sum(PETSC_COMM_WORLD, 1L) == mpi::size(PETSC_COMM_WORLD));
 }
+
+}  // namespace test_rank_consistency

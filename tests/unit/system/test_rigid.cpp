@@ -8,6 +8,8 @@
 #include "test_model_kit.hpp"
 #include "voile/errors.hpp"
 
+namespace test_rigid {
+
 using namespace voile;
 using namespace voile::testing;
 using system::RigidGroup;
@@ -322,3 +324,5 @@ TEST_CASE("what no rigid group can be is refused by name") {
   in.rigid[1].group = "top";
   refused(in, "both have vertex");
 }
+
+}  // namespace test_rigid

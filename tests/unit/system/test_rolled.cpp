@@ -11,6 +11,8 @@
 #include "test_model_kit.hpp"
 #include "test_relative.hpp"
 
+namespace test_rolled {
+
 using namespace voile;
 using namespace voile::testing;
 using namespace voile::testing::charts;
@@ -189,3 +191,5 @@ TEST_CASE("a sheet that starts bent and turns with its clamp keeps its energy, a
   model.unbalanced_force(a, f);
   CHECK(difference(per_vertex(model, f), turned) < 1e-12);
 }
+
+}  // namespace test_rolled

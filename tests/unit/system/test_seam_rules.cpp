@@ -7,6 +7,8 @@
 #include "test_charts_kit.hpp"
 #include "test_model_kit.hpp"
 
+namespace test_seam_rules {
+
 using namespace voile;
 using namespace voile::testing;
 using namespace voile::testing::charts;
@@ -195,3 +197,5 @@ TEST_CASE("rules of seams: the one that names it, else the general one; none for
   CHECK(factors({{"left", 0.0, 0.0}}).empty());
   CHECK(system::allowance_areas(mesh, {{"left", 1.0, 0.1}}).empty());
 }
+
+}  // namespace test_seam_rules

@@ -14,6 +14,8 @@
 #include "system/sewing_springs.hpp"
 #include "test_model_kit.hpp"
 
+namespace test_sewing {
+
 using namespace voile;
 using namespace voile::testing;
 
@@ -260,3 +262,5 @@ TEST_CASE("tension of a seam, open or welded, is the traction across it in any h
     CHECK(t.largest == doctest::Approx(exact).epsilon(1e-9));
   }
 }
+
+}  // namespace test_sewing

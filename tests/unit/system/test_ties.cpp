@@ -13,6 +13,8 @@
 #include "test_relative.hpp"
 #include "voile/errors.hpp"
 
+namespace test_ties {
+
 using namespace voile;
 using namespace voile::testing;
 using SupportKind = system::Support::Kind;
@@ -159,3 +161,5 @@ TEST_CASE("ties hold pieces to each other, and what they join is checked") {
   CHECK_THROWS_AS((void)system::pairs_of(mesh, self), UserError);
   CHECK(system::pairs_of(mesh, tie(1.0)).size() == 5);
 }
+
+}  // namespace test_ties

@@ -12,6 +12,8 @@
 #include "test_problems.hpp"
 #include "test_relative.hpp"
 
+namespace test_turning {
+
 using namespace voile;
 using namespace voile::testing;
 using Kind = system::Support::Kind;
@@ -211,3 +213,5 @@ TEST_CASE("clamps: products with the bending stiffness are those with its matrix
     CHECK(off < 1e-12 * size);
   }
 }
+
+}  // namespace test_turning
