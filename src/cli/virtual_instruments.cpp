@@ -10,6 +10,7 @@
 
 #include "base/shipped_files.hpp"
 #include "begin.hpp"
+#include "fit/fabric_file.hpp"
 #include "fit/instruments.hpp"
 #include "voile/errors.hpp"
 
@@ -19,21 +20,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double gravity = 9.80665, degree = std::numbers::pi / 180.0, instrument_angle = 41.5 * degree;
+constexpr double instrument_angle = 41.5 * fit::degree;
 /// Of the strip of FAST-2, of KES-FB2 and its largest curvature, of the frame of KES-FB1 and its largest angle.
 constexpr double strip_width = 0.05, bent_length = 0.01, bent_width = 0.004, most_curvature = 250.0, frame_side = 0.05,
                  most_angle = 8.0;
 constexpr double bias_length = 0.1, bias_width = 0.05, bias_load = 4.903325;  // 5 gf/cm
 constexpr std::array bent_points{0.25 * bent_length, 0.5 * bent_length, 0.75 * bent_length};
-
-std::string quoted(const fs::path& path) {
-  std::string all = "\"";
-  for (const char c : path.string()) {
-    if (c == '"' || c == '\\') all += '\\';
-    all += c;
-  }
-  return all + '"';
-}
 
 constexpr const char* head = R"(title = "{}"
 analysis = "static"
@@ -180,8 +172,8 @@ Columns run_instrument(const TestedFabric& t, const std::string& name, const std
 
 std::string head_of(const TestedFabric& t, const std::string& title, const char* mesh, const std::string& parameters,
                     int angle, bool friction) {
-  return fmt::format(head, title, quoted(shipped_folder("meshes") / mesh), parameters, quoted(t.file), angle,
-                     friction ? "friction" : "damping");
+  return fmt::format(head, title, fit::toml_text((shipped_folder("meshes") / mesh).string()), parameters,
+                     fit::toml_text(t.file.string()), angle, friction ? "friction" : "damping");
 }
 
 double rigidity_at(const input::Fabric& f, int angle) {
@@ -198,7 +190,7 @@ double curvature_through(const std::array<Vec2, 3>& p) {
 }  // namespace
 
 double overhang(const TestedFabric& t, int angle) {
-  const double weight = gravity * t.fabric.areal_density, load = fit::cantilever_load(instrument_angle),
+  const double weight = fit::gravity * t.fabric.areal_density, load = fit::cantilever_load(instrument_angle),
                length = std::cbrt(load * rigidity_at(t.fabric, angle) / weight);
   const std::string text =
       head_of(t, "Cantilever", "cantilever.geo",
@@ -231,7 +223,7 @@ std::vector<std::pair<double, double>> bending_record(const TestedFabric& t, int
   std::string text =
       head_of(t, "Bending loop", "cantilever.geo",
               fmt::format("length = {:g}, width = {:g}, nx = 40, ny = 4", bent_length, bent_width), angle, true) +
-      fmt::format(bent, most_curvature * bent_length / degree);
+      fmt::format(bent, most_curvature * bent_length / fit::degree);
   std::vector<std::string> names{"end_moment_y"};
   for (std::size_t i = 0; i < bent_points.size(); ++i) {
     text += fmt::format("\n[[probe]]\nname = \"p{}\"\ntype = \"displacement\"\npoint = [{:g}, {:g}, 0]\n", i,
@@ -263,7 +255,7 @@ std::vector<std::pair<double, double>> shear_record(const TestedFabric& t) {
                                                               : -1.0 + (s - 0.6) / 0.4);
     if (n == 1) sign = h[1][n] < 0.0 ? -1.0 : 1.0;
     // The reaction is along x; the force of the frame is along its sides, which stay parallel to x.
-    rows.emplace_back(angle, sign * h[1][n] / frame_side * std::cos(angle * degree));
+    rows.emplace_back(angle, sign * h[1][n] / frame_side * std::cos(angle * fit::degree));
   }
   return rows;
 }

@@ -11,7 +11,6 @@ namespace voile::fit {
 
 namespace {
 
-constexpr double gravity = 9.80665;
 constexpr double first_length = 18e-3, least_length = 5e-3, most_length = 60e-3;  // bending lengths [m]
 constexpr double tolerance = 0.005;                                               // of the coefficient
 constexpr double of_instrument = 0.01;  ///< what the mesh changes in the coefficient

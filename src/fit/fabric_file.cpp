@@ -19,7 +19,6 @@ namespace {
 
 using P = Parameter;
 
-constexpr double degree = std::numbers::pi / 180.0;
 constexpr const char* typical_tension = "2 kN/m";
 constexpr const char* typical_shear = "50 N/m";
 
@@ -27,19 +26,6 @@ struct Entry {
   std::string key, value, source;
   std::optional<std::string> instead{};  ///< of a figure that the sheet does not determine
 };
-
-/// As TOML wants it.
-std::string quoted(const std::string& text) {
-  std::string all = "\"";
-  for (const char c : text) {
-    if (c == '"' || c == '\\') all += '\\';
-    if (static_cast<unsigned char>(c) < 32)
-      all += fmt::format("\\u{:04x}", static_cast<unsigned>(c));
-    else
-      all += c;
-  }
-  return all + '"';
-}
 
 std::string percent(double relative) {
   return fmt::format("{:.2g} %", 100.0 * relative);
@@ -96,7 +82,7 @@ std::vector<Entry> law_of(const Sheet& sheet, const Fit& fit, const char* curve,
   }
   if (fit.has(stiffness)) {
     const Determined& d = fit.figures.at(stiffness);
-    entries.push_back({name_of(stiffness).key, quoted(with_unit(stiffness, d.value)), source_of(sheet, d)});
+    entries.push_back({name_of(stiffness).key, toml_text(with_unit(stiffness, d.value)), source_of(sheet, d)});
   }
   return entries;
 }
@@ -116,7 +102,7 @@ void add_tension(const Sheet& sheet, const Fit& fit, std::vector<Entry>& all) {
                      weft = law_of(sheet, fit, "tension_weft", P::membrane_weft, {{P::extension_weft, P::work_weft}}),
                      shear = law_of(sheet, fit, "shear_curve", P::membrane_shear, std::nullopt);
   const auto typical = [](const char* key, const char* value, const char* range) {
-    return std::vector{Entry{key, quoted(value),
+    return std::vector{Entry{key, toml_text(value),
                              fmt::format("not measured; middle of the typical range of wovens, {}", range),
                              fmt::format("{}, middle of the typical range of wovens, {}", value, range)}};
   };
@@ -134,7 +120,7 @@ void add_or_copy(const Sheet& sheet, const Fit& fit, P figure, P other, std::vec
   if (!fit.has(figure) && !fit.has(other)) return;
   const bool own = fit.has(figure);
   const Determined& d = fit.figures.at(own ? figure : other);
-  Entry e{name_of(figure).key, quoted(with_unit(figure, d.value)), source_of(sheet, d)};
+  Entry e{name_of(figure).key, toml_text(with_unit(figure, d.value)), source_of(sheet, d)};
   if (!own) e.source = fmt::format("not measured; that of {}", name_of(other).key);
   if (!own) e.instead = fmt::format("{}, that of {}", with_unit(figure, d.value), name_of(other).key);
   all.push_back(std::move(e));
@@ -167,6 +153,18 @@ std::string figure_line(P p, const Determined& d) {
 
 }  // namespace
 
+std::string toml_text(const std::string& text) {
+  std::string all = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\') all += '\\';
+    if (static_cast<unsigned char>(c) < 32)
+      all += fmt::format("\\u{:04x}", static_cast<unsigned>(c));
+    else
+      all += c;
+  }
+  return all + '"';
+}
+
 std::vector<Undetermined> undetermined(const Sheet& sheet, const Fit& fit) {
   std::vector<Undetermined> all;
   for (const Entry& e : entries_of(sheet, fit))
@@ -196,10 +194,10 @@ std::string fabric_text(const Sheet& sheet, const Fit& fit) {
   const std::vector<Entry> entries = entries_of(sheet, fit);
   std::string text =
       fmt::format("# Made by voile fit from {}\n", printable(std::filesystem::path(sheet.file).filename().string()));
-  text += fmt::format("name = {}\ndescription = {}\n\n", quoted(sheet.name), quoted(sheet.description));
+  text += fmt::format("name = {}\ndescription = {}\n\n", toml_text(sheet.name), toml_text(sheet.description));
   for (const Entry& e : entries) text += fmt::format("{} = {}\n", e.key, e.value);
   text += "\n[sources]\n";
-  for (const Entry& e : entries) text += fmt::format("{} = {}\n", e.key, quoted(e.source));
+  for (const Entry& e : entries) text += fmt::format("{} = {}\n", e.key, toml_text(e.source));
   text += "\n# Not determined by the measurements, and what holds instead:\n";
   for (const Undetermined& u : undetermined(sheet, fit)) text += fmt::format("#   {}: {}\n", u.key, u.instead);
   try {

@@ -14,7 +14,6 @@ namespace {
 
 using P = Parameter;
 
-constexpr double gravity = 9.80665;
 constexpr double secant_force = 14.71, bias_force = 1.23;  // [N/m], docs/reference/fabrics.md
 
 constexpr std::array<ParameterName, parameter_count> names{
@@ -91,7 +90,6 @@ const ParameterName& name_of(Parameter p) {
 }
 
 Values ordinary_values() {
-  const double degree = std::numbers::pi / 180.0;
   return {0.2, 5e-4, 1e-5,         1e-5, 5e-6, 3e-4, 3e-4, input::typical_spread, 2e3, 2e3, 50.0,
           1.0, 3.0,  0.5 * degree, 0.05, 0.05, 8.0,  8.0};
 }

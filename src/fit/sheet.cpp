@@ -19,8 +19,8 @@ namespace {
 
 using input::Dimension;
 
-constexpr double kes_load = 490.3325;                                      // 500 gf/cm [N/m]
-constexpr double fast_load = 0.980665, degree = std::numbers::pi / 180.0;  // 1 gf/cm [N/m]
+constexpr double kes_load = 490.3325;   // 500 gf/cm [N/m]
+constexpr double fast_load = 0.980665;  // 1 gf/cm [N/m]
 /// LT from which on a law counts as linear, and between which a law of a fabric file is near.
 constexpr double linear_from = 0.99, linear_least = 0.2, linear_to = 1.05;
 

@@ -18,6 +18,8 @@
 #include "fit/record_file.hpp"
 #include "input/fabric.hpp"
 
+namespace test_fit {
+
 using namespace voile;
 using namespace voile::testing;
 
@@ -360,3 +362,5 @@ TEST_CASE("a drape coefficient gives the bending length of what is not measured"
   const fit::Fit compared = fit::fit_sheet(fit::parse_sheet(warp + "weft = \"20 uN.m\"\n", "s.toml"), tester(0.0));
   CHECK(compared.comparisons[3].compared);
 }
+
+}  // namespace test_fit

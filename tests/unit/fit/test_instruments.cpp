@@ -14,6 +14,8 @@
 #include "input/fabric.hpp"
 #include "solve/load_path.hpp"
 
+namespace test_instruments {
+
 using namespace voile;
 using namespace voile::testing;
 
@@ -182,3 +184,5 @@ TEST_CASE("a shear loop is that of a membrane of the solver, with the slope and 
     term.end_step(c);
   }
 }
+
+}  // namespace test_instruments
