@@ -22,6 +22,7 @@ LAYERS = {
     "manikin": {"geometry", "mesh", "base"},
     "pattern": {"io", "geometry", "mesh", "base"},
     "input": {"solve", "system", "energy", "io", "mesh", "base"},
+    "fit": {"input", "energy", "mesh", "base"},
     "picture": {"adapt", "io", "geometry", "mesh", "base"},
     "gmsh": {"io", "mesh", "base"},
     "setup": {"input", "pattern", "io", "solve", "system", "untangle", "contact", "adapt", "energy", "geometry", "mesh", "base"},
@@ -29,7 +30,7 @@ LAYERS = {
     # With what is behind the interface of the library, include/voile/*.hpp.
     "simulation": {"record", "setup", "input", "pattern", "io", "solve", "system", "untangle", "contact", "adapt", "energy", "geometry", "mesh", "base"},
     "python": set(),
-    "cli": {"simulation", "record", "setup", "input", "picture", "manikin", "pattern", "io", "solve", "system", "energy", "geometry", "mesh", "base"},
+    "cli": {"simulation", "record", "setup", "fit", "input", "picture", "manikin", "pattern", "io", "solve", "system", "energy", "geometry", "mesh", "base"},
 }
 
 # Header -> files that may include it, as "<layer>/<file without suffix>" patterns. The first match counts.
@@ -42,7 +43,7 @@ THIRD_PARTY = [
     (r"hdf5.*\.h|H5.*\.h", r"io/.*"),
     (r"CGAL/.*", r"geometry/intersections|geometry/closest_triangle|geometry/implicit_surface|io/triangle_file"),
     (r"gmsh\.h(_cwrap)?", r"gmsh/.*"),
-    (r"toml\+\+/.*", r"input/case.*|picture/recording"),
+    (r"toml\+\+/.*", r"input/case.*|fit/sheet.*|picture/recording"),
     (r"embree3/.*", r"picture/tracing"),
     (r"stb/.*", r"picture/truetype"),
     (r"png\.h", r"picture/image"),
@@ -54,6 +55,7 @@ THIRD_PARTY = [
     (r"CLI/.*", r"cli/.*"),
     (r"boost/math/.*", r"pattern/curve"),
     (r"Eigen/.*", r".*"),
+    (r"unsupported/Eigen/.*", r"fit/least_squares"),
     (r"fmt/.*", r".*"),
     (r"dlfcn\.h", r".*/mumps.*|base/(threads|shipped_files)|cli/doctor"),
     (r"xmmintrin\.h", r".*/mumps.*"),

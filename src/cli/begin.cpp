@@ -37,7 +37,8 @@ std::map<std::string, std::string> texts_of(const fs::path& from) {
 
 }  // namespace
 
-void run_silently(const std::string& name, std::vector<std::string> words, const fs::path& folder) {
+void run_silently(const std::string& name, std::vector<std::string> words, const fs::path& folder,
+                  const fs::path& log) {
   const std::string program = fs::absolute(program_of_ours(name)).string();
   words.insert(words.begin(), program);
   std::vector<char*> arguments;
@@ -45,7 +46,9 @@ void run_silently(const std::string& name, std::vector<std::string> words, const
   arguments.push_back(nullptr);
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
+  posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, log.empty() ? "/dev/null" : log.c_str(),
+                                   O_WRONLY | O_CREAT | O_TRUNC, 0644);
+  if (!log.empty()) posix_spawn_file_actions_adddup2(&actions, STDOUT_FILENO, STDERR_FILENO);
   posix_spawn_file_actions_addchdir_np(&actions, folder.c_str());
   pid_t pid = 0;
   const int error = posix_spawn(&pid, program.c_str(), &actions, nullptr, arguments.data(), environ);

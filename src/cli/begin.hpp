@@ -23,8 +23,10 @@ inline constexpr std::array templates{
     Template{"modal", "Finds the first modes of vibration of a curved steel blade.",
              "--mode 4 --mesh --no-ground --size 720x540"}};
 
-/// Runs a program of ours in a folder, without its output. Throws UserError if it fails. Not collective.
-void run_silently(const std::string& name, std::vector<std::string> words, const std::filesystem::path& folder = ".");
+/// Runs a program of ours in a folder, without its output, or with all that it prints in the file `log`. Throws UserError if it
+/// fails. Not collective.
+void run_silently(const std::string& name, std::vector<std::string> words, const std::filesystem::path& folder = ".",
+                  const std::filesystem::path& log = {});
 
 /// The options of the templates, with a sentence each.
 [[nodiscard]] std::string template_list();

@@ -46,20 +46,6 @@ fs::path fabric_file(const std::string& name) {
                               near.empty() ? "" : fmt::format("; did you mean {}, which is shipped?", near)));
 }
 
-DrapeSetting setting_of(const DrapeTest& test) {
-  DrapeSetting s;
-  s.test = test;
-  s.fabric_file = fabric_file(test.fabric);
-  s.fabric = input::read_fabric(s.fabric_file);
-  s.friction = (s.fabric.bending_hysteresis || s.fabric.shear_hysteresis) && !test.elastic;
-  const double softest = std::min(s.fabric.bending_warp, s.fabric.bending_weft);
-  const double length = std::cbrt(softest / (s.fabric.areal_density * gravity));
-  s.cell = test.cell > 0.0 ? test.cell : std::clamp(0.5 * length, smallest_cell, largest_cell);
-  if (s.test.output.empty()) s.test.output = s.fabric_file.stem().string() + "_drape";
-  s.test.output = fs::absolute(s.test.output).lexically_normal();
-  return s;
-}
-
 void require_folder(const DrapeTest& test) {
   std::error_code error, ignored;
   if (fs::exists(test.output / "summary.json", ignored) && !test.overwrite)
@@ -120,31 +106,6 @@ void end_with_children(int signal) {
   (void)std::raise(signal);
 }
 
-/// All repeats, so many side by side.
-void run_all(const DrapeSetting& s, std::vector<DrapeRepeat>& repeats) {
-  const int cores = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
-  const auto most = static_cast<std::size_t>(s.test.jobs > 0 ? s.test.jobs : cores);
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) (void)std::signal(signal, end_with_children);
-  std::map<pid_t, std::size_t> running;
-  for (std::size_t next = 0; next < repeats.size() || !running.empty();) {
-    if (next < repeats.size() && running.size() < most) {
-      write_drape_case(s, repeats[next]);
-      note_child(0, running.emplace(start(repeats[next]), next).first->first);
-      ++next;
-      continue;
-    }
-    int status = 0;
-    const pid_t pid = waitpid(-1, &status, 0);
-    const auto ended = running.find(pid);
-    if (ended == running.end()) continue;
-    note_child(pid, 0);
-    DrapeRepeat& r = repeats[ended->second];
-    if (WIFEXITED(status) && WEXITSTATUS(status) == 0) read_drape_result(s, r);
-    print_repeat(s, r);
-    running.erase(ended);
-  }
-}
-
 void print_head(const DrapeSetting& s) {
   if (s.test.quiet) return;
   fmt::print("{}: specimen of {} mm, cells of {:.1f} mm, {}\n", s.fabric.name, s.test.specimen, 1e3 * s.cell,
@@ -190,6 +151,44 @@ Exit conclude(const DrapeSetting& s, const std::vector<DrapeRepeat>& repeats, co
 
 }  // namespace
 
+DrapeSetting drape_setting(const DrapeTest& test) {
+  DrapeSetting s;
+  s.test = test;
+  s.fabric_file = fabric_file(test.fabric);
+  s.fabric = input::read_fabric(s.fabric_file);
+  s.friction = (s.fabric.bending_hysteresis || s.fabric.shear_hysteresis) && !test.elastic;
+  const double softest = std::min(s.fabric.bending_warp, s.fabric.bending_weft);
+  const double length = std::cbrt(softest / (s.fabric.areal_density * gravity));
+  s.cell = test.cell > 0.0 ? test.cell : std::clamp(0.5 * length, smallest_cell, largest_cell);
+  if (s.test.output.empty()) s.test.output = s.fabric_file.stem().string() + "_drape";
+  s.test.output = fs::absolute(s.test.output).lexically_normal();
+  return s;
+}
+
+void run_drape_repeats(const DrapeSetting& s, std::vector<DrapeRepeat>& repeats) {
+  const int cores = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+  const auto most = static_cast<std::size_t>(s.test.jobs > 0 ? s.test.jobs : cores);
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) (void)std::signal(signal, end_with_children);
+  std::map<pid_t, std::size_t> running;
+  for (std::size_t next = 0; next < repeats.size() || !running.empty();) {
+    if (next < repeats.size() && running.size() < most) {
+      write_drape_case(s, repeats[next]);
+      note_child(0, running.emplace(start(repeats[next]), next).first->first);
+      ++next;
+      continue;
+    }
+    int status = 0;
+    const pid_t pid = waitpid(-1, &status, 0);
+    const auto ended = running.find(pid);
+    if (ended == running.end()) continue;
+    note_child(pid, 0);
+    DrapeRepeat& r = repeats[ended->second];
+    if (WIFEXITED(status) && WEXITSTATUS(status) == 0) read_drape_result(s, r);
+    print_repeat(s, r);
+    running.erase(ended);
+  }
+}
+
 std::vector<DrapeRepeat> drape_repeats(int count) {
   std::vector<DrapeRepeat> all(static_cast<std::size_t>(count));
   for (int k = 0; k < count; ++k) {
@@ -205,7 +204,7 @@ std::vector<DrapeRepeat> drape_repeats(int count) {
 Exit run_drape_test(const DrapeTest& test) {
   if (launched_rank().size > 1)
     throw UserError("drape-test: it starts its own processes; leave out mpirun, and use --jobs");
-  const DrapeSetting s = setting_of(test);
+  const DrapeSetting s = drape_setting(test);
   require_folder(s.test);
   std::vector<DrapeRepeat> repeats = drape_repeats(test.repeats);
   for (std::size_t k = 0; k < repeats.size(); ++k) {
@@ -219,7 +218,7 @@ Exit run_drape_test(const DrapeTest& test) {
     repeats.front().folder = s.test.output / "finer";
   }
   print_head(s);
-  run_all(s, repeats);
+  run_drape_repeats(s, repeats);
   std::optional<DrapeRepeat> finer;
   if (test.mesh_check) {
     finer = std::move(repeats.front());

@@ -43,6 +43,12 @@ struct DrapeRepeat {
 /// Of `count` repeats: the first is laid as it should be, the others by a millimetre beside, each turned by 15 degrees more.
 [[nodiscard]] std::vector<DrapeRepeat> drape_repeats(int count);
 
+struct DrapeSetting;
+/// Cells and friction by the fabric file of the test, and its folder. Throws UserError.
+[[nodiscard]] DrapeSetting drape_setting(const DrapeTest& test);
+/// Runs all repeats in their folders, so many side by side.
+void run_drape_repeats(const DrapeSetting& s, std::vector<DrapeRepeat>& repeats);
+
 /// Whether the command line asks for it.
 [[nodiscard]] bool is_drape_test(int argc, char** argv);
 /// Reads the rest of the command line, tests, writes and prints. Before MPI starts. Throws UserError.

@@ -24,7 +24,9 @@
 #include "delegate.hpp"
 #include "doctor.hpp"
 #include "drape_test.hpp"
+#include "fabric_test.hpp"
 #include "faster_program.hpp"
+#include "fit_command.hpp"
 #include "input/case.hpp"
 #include "input/case_declarations.hpp"
 #include "input/command_line.hpp"
@@ -138,6 +140,8 @@ void declare(CLI::App& cli, Request& request) {
       ->add_flag("--schema", request.schema, "Print it as a JSON schema, for editors");
   declare_init(*add("init", "Begin a new case from a template", Command::init), request);
   cli.add_subcommand("drape-test", "Measure the drape coefficient of a fabric file");
+  cli.add_subcommand("fabric-test", "Measure a fabric file on virtual instruments of a laboratory");
+  cli.add_subcommand("fit", "Make a fabric file from the measurements of a laboratory");
   add("doctor", "Check this installation in a few seconds", Command::doctor);
   for (const cli::DelegatedCommand& c : cli::delegated_commands) cli.add_subcommand(c.name, c.what);
 }
@@ -308,6 +312,8 @@ int main(int argc, char** argv) {
     cli::delegate_command(argc, argv);
     cli::check_temporary_folder();
     if (cli::is_drape_test(argc, argv)) return static_cast<int>(cli::drape_test_command(argc, argv));
+    if (cli::is_fabric_test(argc, argv)) return static_cast<int>(cli::fabric_test_command(argc, argv));
+    if (cli::is_fit(argc, argv)) return static_cast<int>(cli::fit_command(argc, argv));
   } catch (const UserError& e) {
     if (cli::launched_rank().rank == 0) fmt::print(stderr, "voile: error: {}\n", e.what());
     return static_cast<int>(Exit::user_error);

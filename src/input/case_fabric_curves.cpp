@@ -19,11 +19,6 @@ constexpr double rounding = 0.02, least_linearity = 0.2, most_linearity = 0.999;
 constexpr std::size_t most_points = 12;
 constexpr double most_extension = 1.0, most_angle = 60.0 * degree;
 
-energy::YarnPoint of_solver(bool shear, double x, double force) {
-  return shear ? energy::YarnPoint{std::sin(x), force / std::cos(x)}
-               : energy::YarnPoint{x + 0.5 * x * x, force / (1.0 + x)};
-}
-
 std::string valid_units(Dimension dimension) {
   return join(units_of(dimension), ", ");
 }
@@ -80,7 +75,7 @@ CurveFigures tensile_figures(const CurveKey& k, const toml::table& table) {
                  fmt::format("WT and EMT under {:g} N/m give LT = {:.3g}, not {:g}; correct one of the three, or "
                              "give the load",
                              load, found, linearity));
-  CurveFigures c{{}, of_solver(false, extension, load), work};
+  CurveFigures c{{}, solver_point(false, extension, load), work};
   const double of_curve = 2.0 * work / (c.end.force * c.end.strain);
   if (of_curve < least_linearity || of_curve > most_linearity)
     k.place.fail(k.key,
@@ -119,7 +114,7 @@ CurveFigures measured_points(const CurveKey& k, const toml::table& table) {
     if (!(read.strain < most))
       k.place.fail(k.key, fmt::format("points: row {}: {:g} is beyond {:g}; check the unit", i + 1,
                                       read.strain / scale.strain, most / scale.strain));
-    const energy::YarnPoint point = of_solver(k.shear, read.strain, read.force);
+    const energy::YarnPoint point = solver_point(k.shear, read.strain, read.force);
     if (!(read.strain > read_before.strain && read.force > read_before.force && std::isfinite(point.force)))
       k.place.fail(k.key, fmt::format("points: row {}, [{:g}, {:g}], does not rise from the one before, [{:g}, {:g}]; "
                                       "a curve without loop that rises from zero is needed",
@@ -138,6 +133,11 @@ CurveFigures measured_points(const CurveKey& k, const toml::table& table) {
 }
 
 }  // namespace
+
+energy::YarnPoint solver_point(bool shear, double x, double force) {
+  return shear ? energy::YarnPoint{std::sin(x), force / std::cos(x)}
+               : energy::YarnPoint{x + 0.5 * x * x, force / (1.0 + x)};
+}
 
 CurveFigures read_curve(const CurveKey& k, const toml::node& node) {
   const toml::table* table = node.as_table();
@@ -177,8 +177,8 @@ struct HalfWidth {
   double at_zero, slope;
 };
 HalfWidth half_width(const Fabric& f) {
-  const energy::YarnPoint near = of_solver(true, 0.5 * degree, 0.5 * *f.shear_hysteresis),
-                          far = of_solver(true, 5.0 * degree, 0.5 * f.shear_hysteresis_5.value_or(0.0));
+  const energy::YarnPoint near = solver_point(true, 0.5 * degree, 0.5 * *f.shear_hysteresis),
+                          far = solver_point(true, 5.0 * degree, 0.5 * f.shear_hysteresis_5.value_or(0.0));
   const double slope = f.shear_hysteresis_5 ? (far.force - near.force) / (far.strain - near.strain) : 0.0;
   return {near.force - slope * near.strain, slope};
 }

@@ -27,6 +27,8 @@ struct CurveFigures {
   energy::YarnPoint end{};
   double work = 0.0;  ///< WT [J/m^2]
 };
+/// A point x, F of a test as E, S.
+[[nodiscard]] energy::YarnPoint solver_point(bool shear, double x, double force);
 /// Throws UserError for what is not a measured curve: no unit, not monotone, figures that contradict each other.
 [[nodiscard]] CurveFigures read_curve(const CurveKey& key, const toml::node& node);
 /// `tangent`: at zero [N/m]; 0: not measured. Throws UserError if no smooth curve has it.

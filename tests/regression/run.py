@@ -29,6 +29,7 @@ import decks  # noqa: E402, F401
 import draping  # noqa: E402, F401
 import failing  # noqa: E402, F401
 import falling  # noqa: E402, F401
+import fit  # noqa: E402, F401
 import forms  # noqa: E402, F401
 import garments  # noqa: E402, F401
 import gas  # noqa: E402, F401

@@ -1,0 +1,173 @@
+#include "fabric_test.hpp"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+
+#include "drape_files.hpp"
+#include "drape_test.hpp"
+#include "fit/record_fit.hpp"
+#include "launched_ranks.hpp"
+#include "option_hint.hpp"
+#include "virtual_instruments.hpp"
+
+namespace voile::cli {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* name = "fabric-test";
+constexpr std::array directions{std::pair{"warp", 0}, std::pair{"weft", 90}, std::pair{"bias", 45}};
+
+struct Options {
+  std::string fabric;
+  fs::path output;
+  bool overwrite = false;
+};
+
+bool read_options(int argc, char** argv, Options& o) {
+  CLI::App cli("Voile", "voile");
+  CLI::App* c = cli.add_subcommand(name, "Measure a fabric file on virtual instruments of a laboratory");
+  c->footer(
+      "Cantilever along warp, weft and bias; bias extension between clamps, which keep the ends from shearing, so that "
+      "FAST's formula reads too stiff; loops of bending and shear where the file has friction. Writes sheet.toml, "
+      "which "
+      "voile fit reads, and the loops as CSV.");
+  c->add_option("fabric", o.fabric, "Fabric file, or the name of a shipped fabric")->required();
+  c->add_option("--output", o.output, "Folder of the results [FABRIC_test]");
+  c->add_flag("--overwrite", o.overwrite, "Replace an earlier test in that folder");
+  std::vector<std::string> words(argv + 1, argv + argc);
+  std::reverse(words.begin(), words.end());
+  try {
+    cli.parse(words);
+  } catch (const CLI::CallForHelp&) {
+    fmt::print("{}", c->help("voile"));
+    return false;
+  } catch (const CLI::ParseError& e) {
+    throw UserError(
+        fmt::format("{}{}; see voile fabric-test --help", e.what(), option_hint(cli, {argv + 1, argv + argc})));
+  }
+  return true;
+}
+
+void write(const fs::path& file, const std::string& text) {
+  std::ofstream out(file);
+  out << text;
+  if (!out.flush()) throw UserError(fmt::format("{}: cannot be written", file.string()));
+}
+
+TestedFabric tested(const Options& o) {
+  DrapeTest test;
+  test.fabric = o.fabric;
+  const DrapeSetting s = drape_setting(test);
+  TestedFabric t{s.fabric, s.fabric_file, o.output};
+  if (t.folder.empty()) t.folder = s.fabric_file.stem().string() + "_test";
+  t.folder = fs::absolute(t.folder).lexically_normal();
+  std::error_code error;
+  if (fs::exists(t.folder / "sheet.toml", error) && !o.overwrite)
+    throw UserError(
+        fmt::format("{}: the folder has an earlier test; give another --output, or --overwrite", t.folder.string()));
+  fs::create_directories(t.folder, error);
+  if (error) throw UserError(fmt::format("--output {}: the folder cannot be made", t.folder.string()));
+  return t;
+}
+
+std::string record_text(const TestedFabric& t, const std::string& file,
+                        const std::vector<std::pair<double, double>>& rows, const std::string& section,
+                        const std::string& units) {
+  std::string table = "x,force\n";
+  for (const auto& [x, force] : rows) table += fmt::format("{:.9g},{:.9g}\n", x, force);
+  write(t.folder / file, table);
+  return fmt::format("\n[{}]\nfile = \"{}\"\nunits = [{}]\n", section, file, units);
+}
+
+void print_row(const std::string& instrument, const std::string& key, double given, double read, double si,
+               const char* unit) {
+  fmt::print("{:<18} {:<26} {:>11.5g} {:>11.5g} {:>+8.2f} %  {}\n", instrument, key, given / si, read / si,
+             100.0 * (read / given - 1.0), unit);
+  std::fflush(stdout);
+}
+
+std::string hang(const TestedFabric& t) {
+  std::string text = "\n[overhang]\n";
+  const Mat3 d = input::bending_stiffness(t.fabric);
+  const double weight = 9.80665 * t.fabric.areal_density, load = fit::cantilever_load(41.5 * std::numbers::pi / 180.0);
+  for (const auto& [direction, angle] : directions) {
+    const double length = overhang(t, angle), given = angle == 0 ? d(0, 0)
+                                                      : angle == 90
+                                                          ? d(1, 1)
+                                                          : 0.25 * (d(0, 0) + d(1, 1) + 2.0 * d(0, 1)) + d(2, 2);
+    print_row(fmt::format("cantilever, {}", direction), fmt::format("rigidity along {}", direction), given,
+              weight * std::pow(length, 3) / load, 1e-6, "uN.m");
+    text += fmt::format("{} = \"{:.6g} mm\"\n", direction, 1e3 * length);
+  }
+  return text;
+}
+
+/// Figures of the fabric file by parameter.
+double given_figure(const input::Fabric& f, fit::Parameter p) {
+  using P = fit::Parameter;
+  const Vec3 loop = f.bending_hysteresis ? input::bending_loop(f) : Vec3::Zero();
+  switch (p) {
+    case P::bending_warp:
+      return f.bending_warp;
+    case P::bending_weft:
+      return f.bending_weft;
+    case P::bending_hysteresis:
+      return loop[0];
+    case P::bending_hysteresis_weft:
+      return loop[1];
+    case P::membrane_shear:
+      return f.membrane_shear;
+    case P::shear_hysteresis:
+      return f.shear_hysteresis.value_or(0.0);
+    case P::shear_hysteresis_5:
+      return f.shear_hysteresis_5.value_or(f.shear_hysteresis.value_or(0.0));
+    default:
+      return 0.0;
+  }
+}
+
+void print_loops(const TestedFabric& t, const fit::Sheet& sheet) {
+  for (const fit::Record& r : sheet.records)
+    for (const fit::Measurement& m : fit::measurements_of(sheet, r))
+      if (const double given = given_figure(t.fabric, m.instrument.parameter); given > 0.0)
+        print_row(r.name, fit::name_of(m.instrument.parameter).key, given, m.figure.mean, m.si, m.unit.c_str());
+}
+
+}  // namespace
+
+bool is_fabric_test(int argc, char** argv) {
+  return argc > 1 && std::string(argv[1]) == name;
+}
+
+Exit fabric_test_command(int argc, char** argv) {
+  Options o;
+  if (!read_options(argc, argv, o)) return Exit::done;
+  if (launched_rank().size > 1) throw UserError("fabric-test: it starts its own processes; leave out mpirun");
+  const TestedFabric t = tested(o);
+  fmt::print("{}\n{:<18} {:<26} {:>11} {:>11} {:>10}\n", t.fabric.name, "instrument", "figure", "in the file", "read",
+             "difference");
+  std::string sheet = fmt::format(
+      "name = \"virtual\"\ndescription = \"Read by voile fabric-test.\"\n\nareal_density = \"{:.9g} kg/m^2\"\n",
+      t.fabric.areal_density);
+  sheet += hang(t);
+  print_row("bias, 100 x 50 mm", "shear by FAST, 123/EB5", t.fabric.membrane_shear, 1.23 / bias_extension(t), 1.0,
+            "N/m");
+  if (t.fabric.bending_hysteresis)
+    for (const auto& [direction, angle] : {directions[0], directions[1]})
+      sheet += record_text(t, fmt::format("bending_{}.csv", direction), bending_record(t, angle),
+                           fmt::format("bending_loop.{}", direction), "\"1/m\", \"N\"");
+  if (t.fabric.shear_hysteresis && !t.fabric.curves[2])
+    sheet += record_text(t, "shear.csv", shear_record(t), "shear_loop", "\"deg\", \"N/m\"");
+  write(t.folder / "sheet.toml", sheet);
+  print_loops(t, fit::read_sheet(t.folder / "sheet.toml"));
+  fmt::print("sheet for voile fit: {}\n", (t.folder / "sheet.toml").string());
+  return Exit::done;
+}
+
+}  // namespace voile::cli

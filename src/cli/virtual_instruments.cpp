@@ -1,0 +1,263 @@
+#include "virtual_instruments.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <numbers>
+#include <sstream>
+
+#include "base/shipped_files.hpp"
+#include "begin.hpp"
+#include "fit/fabric_file.hpp"
+#include "fit/instruments.hpp"
+#include "voile/errors.hpp"
+
+namespace voile::cli {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double instrument_angle = 41.5 * fit::degree;
+/// Of the strip of FAST-2, of KES-FB2 and its largest curvature, of the frame of KES-FB1 and its largest angle.
+constexpr double strip_width = 0.05, bent_length = 0.01, bent_width = 0.004, most_curvature = 250.0, frame_side = 0.05,
+                 most_angle = 8.0;
+constexpr double bias_length = 0.1, bias_width = 0.05, bias_load = 4.903325;  // 5 gf/cm
+constexpr std::array bent_points{0.25 * bent_length, 0.5 * bent_length, 0.75 * bent_length};
+
+constexpr const char* head = R"(title = "{}"
+analysis = "static"
+
+[mesh]
+file = {}
+parameters = {{ {} }}
+
+[[material]]
+type = "fabric"
+fabric = {}
+direction = [1, 0, 0]
+warp_angle = {}
+hysteresis = "{}"
+
+[output]
+every = 1000
+fields = ["displacement"]
+
+)";
+
+constexpr const char* hanging = R"([steps]
+initial_step = 0.25
+max_step = 0.25
+
+[[support]]
+group = "clamp"
+type = "clamped"
+
+[[load]]
+type = "gravity"
+vector = [0, 0, -9.80665]
+
+[[probe]]
+name = "tip"
+type = "displacement"
+group = "tip"
+)";
+
+constexpr const char* bent = R"case([steps]
+initial_step = 0.02
+max_step = 0.02
+
+[[support]]
+group = "clamp"
+type = "clamped"
+
+[[rigid]]
+group = "tip"
+name = "end"
+translation = ["free", 0, "free"]
+turn = "about"
+turn_axis = [0, 1, 0]
+turn_angle = "table(t, 0, 0, 0.2, {0:.9g}, 0.6, -{0:.9g}, 1, 0)"
+)case";
+
+constexpr const char* pulled = R"([steps]
+initial_step = 0.1
+max_step = 0.1
+
+[[support]]
+group = "clamp"
+type = "hinged"
+
+[[support]]
+group = "tip"
+type = "displacement"
+components = ["x", "y", "z"]
+value = [{:.9g}, 0, 0]
+
+[[support]]
+group = "plate"
+type = "displacement"
+components = ["z"]
+
+[[probe]]
+name = "pull"
+type = "reaction"
+group = "tip"
+components = ["x"]
+)";
+
+constexpr const char* sheared = R"([steps]
+initial_step = 0.0125
+max_step = 0.0125
+
+[[probe]]
+name = "top"
+type = "reaction"
+group = "top"
+components = ["x"]
+)";
+
+constexpr const char* side_of_frame = R"case(
+[[support]]
+group = "{}"
+type = "displacement"
+components = ["x", "y", "z"]
+rotation_axis = [0, 0, -1]
+rotation_centre = [{:g}, 0, 0]
+rotation_angle = "table(t, 0, 0, 0.2, {:g}, 0.6, -{:g}, 1, 0)"
+)case";
+
+/// Columns of a history by name.
+using Columns = std::vector<std::vector<double>>;
+
+Columns read_history(const fs::path& file, const std::vector<std::string>& names) {
+  std::ifstream in(file);
+  std::string line, cell;
+  std::vector<std::string> head_of_file;
+  std::getline(in, line);
+  for (std::istringstream cells(line); std::getline(cells, cell, ',');) head_of_file.push_back(cell);
+  Columns columns(names.size());
+  while (std::getline(in, line)) {
+    std::vector<std::string> row;
+    for (std::istringstream cells(line); std::getline(cells, cell, ',');) row.push_back(cell);
+    for (std::size_t k = 0; k < names.size(); ++k) {
+      const auto at = static_cast<std::size_t>(std::find(head_of_file.begin(), head_of_file.end(), names[k]) -
+                                               head_of_file.begin());
+      if (at >= row.size()) throw InternalError(fmt::format("{}: there is no column {}", file.string(), names[k]));
+      columns[k].push_back(std::stod(row[at]));
+    }
+  }
+  return columns;
+}
+
+/// Runs a case in a folder of its own.
+Columns run_instrument(const TestedFabric& t, const std::string& name, const std::string& text,
+                       const std::vector<std::string>& columns) {
+  const fs::path folder = t.folder / name;
+  std::error_code error;
+  fs::create_directories(folder, error);
+  std::ofstream out(folder / "case.toml");
+  out << text;
+  if (error || !out.flush()) throw UserError(fmt::format("{}: the folder cannot be written", folder.string()));
+  out.close();
+  try {
+    run_silently("voile", {"run", "case.toml", "--output", "results", "--overwrite"}, folder, folder / "run.log");
+  } catch (const UserError&) {
+    throw UserError(fmt::format("{}: the run of this instrument has failed; see run.log there", folder.string()));
+  }
+  return read_history(folder / "results" / "history.csv", columns);
+}
+
+std::string head_of(const TestedFabric& t, const std::string& title, const char* mesh, const std::string& parameters,
+                    int angle, bool friction) {
+  return fmt::format(head, title, fit::toml_text((shipped_folder("meshes") / mesh).string()), parameters,
+                     fit::toml_text(t.file.string()), angle, friction ? "friction" : "damping");
+}
+
+double rigidity_at(const input::Fabric& f, int angle) {
+  const Mat3 d = input::bending_stiffness(f);
+  return angle == 0 ? d(0, 0) : angle == 90 ? d(1, 1) : 0.25 * (d(0, 0) + d(1, 1) + 2.0 * d(0, 1)) + d(2, 2);
+}
+
+/// Of the circle through three points, positive where the strip turns about +y.
+double curvature_through(const std::array<Vec2, 3>& p) {
+  const Vec2 a = p[1] - p[0], b = p[2] - p[1], c = p[2] - p[0];
+  return -2.0 * (a.x() * b.y() - a.y() * b.x()) / (a.norm() * b.norm() * c.norm());
+}
+
+}  // namespace
+
+double overhang(const TestedFabric& t, int angle) {
+  const double weight = fit::gravity * t.fabric.areal_density, load = fit::cantilever_load(instrument_angle),
+               length = std::cbrt(load * rigidity_at(t.fabric, angle) / weight);
+  const std::string text =
+      head_of(t, "Cantilever", "cantilever.geo",
+              fmt::format("length = {:.9g}, width = {:g}, nx = 40, ny = 16", length, strip_width), angle, false) +
+      hanging;
+  const Columns h = run_instrument(t, fmt::format("cantilever_{}", angle), text, {"tip_x", "tip_z"});
+  const double fall = std::atan2(-h[1].back(), length + h[0].back());
+  return length * std::cbrt(load / fit::cantilever_load(fall));
+}
+
+double bias_extension(const TestedFabric& t) {
+  const input::Fabric& f = t.fabric;
+  // More than without clamps.
+  const double most = 0.3 * bias_load * (1.0 / f.membrane_shear + 1.0 / f.membrane_warp + 1.0 / f.membrane_weft);
+  const std::string text =
+      head_of(t, "Bias extension", "cantilever.geo",
+              fmt::format("length = {:g}, width = {:g}, nx = 40, ny = 20, pattern = 1", bias_length, bias_width), 45,
+              false) +
+      fmt::format(pulled, most * bias_length);
+  const Columns h = run_instrument(t, "bias_extension", text, {"load_factor", "pull_x"});
+  for (std::size_t n = 1; n < h[0].size(); ++n) {
+    const double before = std::abs(h[1][n - 1]) / bias_width, after = std::abs(h[1][n]) / bias_width;
+    if (after >= bias_load)
+      return most * (h[0][n - 1] + (h[0][n] - h[0][n - 1]) * (bias_load - before) / (after - before));
+  }
+  throw UserError(fmt::format("{}: the strip along the bias does not carry 5 gf/cm", t.file.string()));
+}
+
+std::vector<std::pair<double, double>> bending_record(const TestedFabric& t, int angle) {
+  std::string text =
+      head_of(t, "Bending loop", "cantilever.geo",
+              fmt::format("length = {:g}, width = {:g}, nx = 40, ny = 4", bent_length, bent_width), angle, true) +
+      fmt::format(bent, most_curvature * bent_length / fit::degree);
+  std::vector<std::string> names{"end_moment_y"};
+  for (std::size_t i = 0; i < bent_points.size(); ++i) {
+    text += fmt::format("\n[[probe]]\nname = \"p{}\"\ntype = \"displacement\"\npoint = [{:g}, {:g}, 0]\n", i,
+                        bent_points[i], 0.5 * bent_width);
+    names.push_back(fmt::format("p{}_x", i));
+    names.push_back(fmt::format("p{}_z", i));
+  }
+  const Columns h = run_instrument(t, fmt::format("bending_{}", angle), text, names);
+  std::vector<std::pair<double, double>> rows;
+  for (std::size_t n = 0; n < h[0].size(); ++n) {
+    std::array<Vec2, 3> p;
+    for (std::size_t i = 0; i < 3; ++i) p[i] = Vec2(bent_points[i] + h[1 + 2 * i][n], h[2 + 2 * i][n]);
+    rows.emplace_back(curvature_through(p), h[0][n] / bent_width);
+  }
+  return rows;
+}
+
+std::vector<std::pair<double, double>> shear_record(const TestedFabric& t) {
+  std::string text =
+      head_of(t, "Picture frame", "plate.geo", fmt::format("side = {:g}, n = 1", frame_side), 0, true) + sheared;
+  for (const auto& [side, at] : {std::pair{"left", 0.0}, std::pair{"right", frame_side}})
+    text += fmt::format(side_of_frame, side, at, most_angle, most_angle);
+  const Columns h = run_instrument(t, "shear", text, {"load_factor", "top_x"});
+  std::vector<std::pair<double, double>> rows;
+  double sign = 1.0;
+  for (std::size_t n = 0; n < h[0].size(); ++n) {
+    const double s = h[0][n], angle = most_angle * (s < 0.2   ? s / 0.2
+                                                    : s < 0.6 ? 1.0 - (s - 0.2) / 0.2
+                                                              : -1.0 + (s - 0.6) / 0.4);
+    if (n == 1) sign = h[1][n] < 0.0 ? -1.0 : 1.0;
+    // The reaction is along x; the force of the frame is along its sides, which stay parallel to x.
+    rows.emplace_back(angle, sign * h[1][n] / frame_side * std::cos(angle * fit::degree));
+  }
+  return rows;
+}
+
+}  // namespace voile::cli

@@ -1,0 +1,28 @@
+// Cases of the instruments of `voile fabric-test`, and what they read.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "input/fabric.hpp"
+
+namespace voile::cli {
+
+/// A fabric on the instruments.
+struct TestedFabric {
+  input::Fabric fabric;
+  std::filesystem::path file, folder;  ///< of the fabric, and of the results
+};
+
+/// Length of a strip that falls by 41.5 degrees, along the warp (0), the bias (45) or the weft (90) [m]. Throws UserError if the run fails.
+[[nodiscard]] double overhang(const TestedFabric& t, int angle);
+/// Extension at 5 gf/cm of a strip along the bias, 100 mm between clamps and 50 mm wide (EB5 of FAST-3). Its ends cannot shear.
+[[nodiscard]] double bias_extension(const TestedFabric& t);
+/// Curvature [1/m] and moment per width [N] of a strip that is bent to 2.5 /cm, back, and again; the row of zeros first.
+[[nodiscard]] std::vector<std::pair<double, double>> bending_record(const TestedFabric& t, int angle);
+/// Angle [degree] and force per width [N/m] of a square in a picture frame, to 8 degrees, back, and again.
+[[nodiscard]] std::vector<std::pair<double, double>> shear_record(const TestedFabric& t);
+
+}  // namespace voile::cli

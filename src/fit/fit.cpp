@@ -1,0 +1,210 @@
+#include "fit.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/text.hpp"
+#include "drape_fit.hpp"
+#include "least_squares.hpp"
+#include "voile/errors.hpp"
+
+namespace voile::fit {
+
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+/// Part of an unseen combination, and of the uncertainty of a figure, that counts.
+constexpr double counts = 1e-3, contributes = 0.03;
+/// A residual that is odd: in standard deviations, and of the measurement.
+constexpr double odd_deviations = 4.0, odd_residual = 0.05;
+
+/// The measurements that are fitted, and the figures that they depend on.
+struct Problem {
+  std::vector<Measurement> measurements;
+  std::vector<Parameter> parameters;
+  Values base = ordinary_values();
+
+  [[nodiscard]] Values values(const VectorXd& x) const {
+    Values v = base;
+    for (std::size_t i = 0; i < parameters.size(); ++i) at(v, parameters[i]) = std::exp(x[static_cast<Index>(i)]);
+    return v;
+  }
+  [[nodiscard]] VectorXd residuals(const VectorXd& x) const {
+    const Values v = values(x);
+    VectorXd r(static_cast<Index>(measurements.size()));
+    for (std::size_t i = 0; i < measurements.size(); ++i) {
+      const Figure& f = measurements[i].figure;
+      r[static_cast<Index>(i)] = std::log(measurements[i].instrument.read(v) / f.mean) * f.mean / f.deviation;
+    }
+    return r;
+  }
+};
+
+bool depends(const Measurement& m, const Values& base, Parameter p) {
+  Values moved = base;
+  at(moved, p) *= 1.1;
+  return m.instrument.read(moved) != m.instrument.read(base);
+}
+
+Problem problem_of(const std::vector<Measurement>& all) {
+  Problem p;
+  for (const Measurement& m : all) {
+    if (m.compared) continue;
+    if (m.instrument.kind == Kind::figure) at(p.base, m.instrument.parameter) = m.figure.mean;
+    p.measurements.push_back(m);
+  }
+  for (std::size_t i = 0; i < parameter_count; ++i) {
+    const auto parameter = static_cast<Parameter>(i);
+    if (std::any_of(p.measurements.begin(), p.measurements.end(),
+                    [&](const Measurement& m) { return depends(m, p.base, parameter); }))
+      p.parameters.push_back(parameter);
+  }
+  return p;
+}
+
+/// Figures that the data see only together, and the measurements that do.
+void require_rank(const Sheet& sheet, const Problem& p, const LeastSquares& found) {
+  if (found.null.cols() == 0) return;
+  std::vector<std::string> figures, measurements;
+  int line = 0;
+  std::vector<bool> unseen(p.parameters.size());
+  for (std::size_t i = 0; i < p.parameters.size(); ++i) {
+    unseen[i] = found.null.row(static_cast<Index>(i)).norm() > counts;
+    if (unseen[i]) figures.emplace_back(name_of(p.parameters[i]).key);
+  }
+  for (const Measurement& m : p.measurements)
+    for (std::size_t i = 0; i < unseen.size(); ++i)
+      if (unseen[i] && depends(m, p.base, p.parameters[i]) && !contains(measurements, m.name)) {
+        measurements.push_back(m.name);
+        line = line == 0 ? m.line : std::min(line, m.line);
+      }
+  sheet.fail(
+      line, join(measurements, ", "),
+      fmt::format("{} cannot be separated: {} unknowns, of which the measurements see {} (rank of the Jacobian). "
+                  "Measure {} of them otherwise, or leave out what depends on them",
+                  join(figures, ", "), p.parameters.size(),
+                  p.parameters.size() - static_cast<std::size_t>(found.null.cols()), found.null.cols()));
+}
+
+void take_figures(Fit& fit, const Problem& p, const LeastSquares& found) {
+  // Where data contradict each other by more than their uncertainties, these are too small.
+  const double scale = std::max(1.0, found.misfit());
+  const MatrixXd covariance = scale * found.covariance();
+  for (std::size_t i = 0; i < p.parameters.size(); ++i) {
+    const auto row = static_cast<Index>(i);
+    Determined d;
+    d.value = std::exp(found.unknowns[row]);
+    d.deviation = std::sqrt(covariance(row, row));
+    const double most = found.gain.row(row).cwiseAbs().maxCoeff();
+    for (std::size_t j = 0; j < p.measurements.size(); ++j)
+      if (std::abs(found.gain(row, static_cast<Index>(j))) > contributes * most) {
+        d.sources.push_back(p.measurements[j].name +
+                            (p.measurements[j].shared ? " (one figure for both directions)" : ""));
+        d.assumed = d.assumed || p.measurements[j].figure.assumed;
+      }
+    fit.figures[p.parameters[i]] = d;
+  }
+}
+
+/// A loop of shear that narrows gets one width, as without 2HG5.
+void drop_narrowing_loop(Fit& fit, Values& values) {
+  const double near = at(values, Parameter::shear_hysteresis), far = at(values, Parameter::shear_hysteresis_5);
+  if (!fit.has(Parameter::shear_hysteresis) || !fit.has(Parameter::shear_hysteresis_5) || far > near) return;
+  fit.warnings.push_back(
+      fmt::format("2HG5 = {:.4g} N/m is not larger than 2HG = {:.4g} N/m: the loop of shear gets the "
+                  "width 2HG at all angles",
+                  far, near));
+  fit.figures.erase(Parameter::shear_hysteresis_5);
+  at(values, Parameter::shear_hysteresis_5) = near;
+}
+
+void compare(Fit& fit, const std::vector<Measurement>& all, const Values& values) {
+  for (const Measurement& m : all) {
+    Comparison c;
+    c.name = m.name;
+    c.unit = m.unit;
+    c.measured = m.figure.mean / m.si;
+    c.deviation = m.figure.deviation / m.si;
+    c.found = m.instrument.read(values) / m.si;
+    c.count = m.figure.count;
+    c.assumed = m.figure.assumed;
+    c.compared = m.compared;
+    if (std::abs(c.found - c.measured) > odd_deviations * c.deviation && std::abs(c.residual()) > odd_residual)
+      fit.warnings.push_back(
+          fmt::format("{} is {:.4g} {}, and the fabric has {:.4g}: the other measurements contradict "
+                      "it; check its unit and direction",
+                      m.name, c.measured, m.unit, c.found));
+    fit.comparisons.push_back(c);
+  }
+}
+
+void take_curves(const Sheet& sheet, Fit& fit) {
+  for (const Record& r : sheet.records) {
+    const bool weft = r.direction == Direction::weft;
+    if (r.kind != Record::Kind::tension_curve && r.kind != Record::Kind::shear_curve) continue;
+    const std::string key = r.kind == Record::Kind::shear_curve ? "shear_curve"
+                            : weft                              ? "tension_weft"
+                                                                : "tension_warp";
+    if (fit.curves.contains(key))
+      sheet.fail(r.line, r.name,
+                 fmt::format("{} is there already, by {}; leave one of them out", key, fit.curves[key].source));
+    fit.curves[key] = {curve_of(sheet, r), r.name};
+    fit.curves[key].fit.uncertainty = r.deviation;
+  }
+}
+
+/// A curve replaces a stiffness, and two curves contradict each other.
+void require_one_law(const Sheet& sheet, const Fit& fit) {
+  using P = Parameter;
+  const std::array<std::pair<const char*, std::vector<P>>, 3> laws{
+      {{"tension_warp", {P::membrane_warp, P::extension_warp}},
+       {"tension_weft", {P::membrane_weft, P::extension_weft}},
+       {"shear_curve", {P::membrane_shear}}}};
+  for (const auto& [key, parameters] : laws)
+    for (const P p : parameters)
+      if (fit.curves.contains(key) && fit.has(p))
+        sheet.fail(0, key,
+                   fmt::format("{} and {} both give it; leave one of them out", fit.curves.at(key).source,
+                               join(fit.figures.at(p).sources, ", ")));
+  if (fit.has(P::shear_hysteresis_5) && !fit.has(P::shear_hysteresis))
+    sheet.fail(0, "kes.2HG5", "2HG, the loop at 0.5 degrees that it belongs to, is missing; add it");
+  if (!fit.has(P::areal_density))
+    sheet.fail(0, "areal_density",
+               "it is missing, and nothing else gives it; weigh the fabric, and add it with its unit");
+  if (!fit.has(P::bending_warp) && !fit.has(P::bending_weft) && !sheet.drape)
+    sheet.fail(0, "bending_length",
+               "nothing here determines the bending stiffness; add bending_length, overhang, bending_rigidity, kes.B, "
+               "fast.C-1 and C-2, bending_loop or drape");
+}
+
+}  // namespace
+
+Fit fit_sheet(const Sheet& sheet, const DrapeInstrument& drape) {
+  std::vector<Measurement> all = sheet.measurements;
+  for (const Record& r : sheet.records)
+    if (r.kind == Record::Kind::bending_loop || r.kind == Record::Kind::shear_loop)
+      for (const Measurement& m : measurements_of(sheet, r)) all.push_back(m);
+  Fit fit;
+  const Problem p = problem_of(all);
+  VectorXd start(static_cast<Index>(p.parameters.size()));
+  for (std::size_t i = 0; i < p.parameters.size(); ++i)
+    start[static_cast<Index>(i)] = std::log(at(p.base, p.parameters[i]));
+  const LeastSquares found = least_squares([&](const VectorXd& x) { return p.residuals(x); }, start);
+  require_rank(sheet, p, found);
+  take_figures(fit, p, found);
+  fit.fitted = p.measurements.size();
+  Values values = p.values(found.unknowns);
+  drop_narrowing_loop(fit, values);
+  compare(fit, all, values);
+  take_curves(sheet, fit);
+  require_one_law(sheet, fit);
+  if (sheet.drape) fit_drape(sheet, fit, drape);
+  return fit;
+}
+
+}  // namespace voile::fit
