@@ -137,8 +137,21 @@ def check_file(path, layer):
             yield f"{path.relative_to(ROOT)}:{number}: {problem}"
 
 
+def check_imports():
+    """What a script needs from the start must be a package that the two commands install."""
+    scripts = [path for folder in ("tests", "runs", "python") for path in (ROOT / folder).rglob("*.py")
+               if path.parent.name != "readers"]  # those run where the readers are
+    own = {path.stem for path in scripts} | {"voile"}
+    packages = (ROOT / "runs/lib/setup.sh").read_text().split('say()')[0]
+    for path in scripts:
+        for name in re.findall(r"^(?:import|from) (\w+)", path.read_text(), re.MULTILINE):
+            package = {"PIL": "python3-pil"}.get(name, f"python3-{name}")
+            if name not in own | sys.stdlib_module_names and not re.search(rf"\b{package}\b", packages):
+                yield f"{path.relative_to(ROOT)}: {name}: {package} is not installed by runs/lib/setup.sh"
+
+
 def main():
-    problems, count = [], 0
+    problems, count = list(check_imports()), 0
     for base in (ROOT / "include" / "voile", ROOT / "src"):
         for path in sorted(base.rglob("*")):
             if path.suffix not in (".hpp", ".cpp", ".h"):

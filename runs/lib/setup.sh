@@ -6,7 +6,7 @@ PACKAGES_BUILD="build-essential cmake ninja-build pkg-config petsc-dev libslepc-
 libhdf5-openmpi-dev libgmsh-dev libcgal-dev libgmp-dev libmpfr-dev libopenblas0-pthread libeigen3-dev libtomlplusplus-dev libmuparser-dev libcli11-dev libfmt-dev nlohmann-json3-dev libpugixml-dev libboost-dev doctest-dev
 libembree-dev libtbb-dev libpng-dev libwebp-dev libgif-dev libstb-dev fonts-dejavu-core libjs-three
 python3-h5py python3-numpy python3-dev pybind11-dev"
-PACKAGES_TEST="clang-14 clang-format-14 clang-tidy-14 python3-pil python3-mpi4py python3-petsc4py python3-sphinx
+PACKAGES_TEST="clang-14 clang-format-14 clang-tidy-14 python3-pil python3-scipy python3-mpi4py python3-petsc4py python3-sphinx
 python3-myst-parser libjs-mathjax"
 
 say() { printf '== %s\n' "$*"; }
