@@ -8,7 +8,7 @@
 
 #include "base/plain_file.hpp"
 #include "deck_case.hpp"
-#include "io/mesh_file.hpp"
+#include "formats/mesh_file.hpp"
 #include "voile/errors.hpp"
 
 namespace voile::cli {
@@ -39,15 +39,17 @@ void begin_from_deck(const fs::path& folder, const fs::path& deck) {
   std::error_code error;
   if (!fs::is_regular_file(deck, error)) throw UserError(fmt::format("{}: there is no such deck", deck.string()));
   require_plain_file(deck);
-  const bool nastran = io::is_nastran(deck);
-  const io::Deck read = nastran ? io::read_nastran_deck(deck.string()) : io::read_abaqus_deck(deck.string());
-  const DeckCase made = deck_case(read, io::read_mesh(deck.string(), {}));
+  const bool nastran = formats::is_nastran(deck);
+  const formats::Deck read =
+      nastran ? formats::read_nastran_deck(deck.string()) : formats::read_abaqus_deck(deck.string());
+  const DeckCase made = deck_case(read, formats::read_mesh(deck.string(), {}));
   for (const std::string& name : read.included)
     if (fs::path(name).lexically_normal().string().starts_with(".."))
       throw UserError(
           fmt::format("{}: *INCLUDE of '{}' lies outside its folder; put the files together", deck.string(), name));
   fs::create_directories(folder, error);
-  write_new(folder / "mesh.inp", (nastran ? io::nastran_as_abaqus(deck.string()) : content(deck)) + "\n" + made.sets);
+  write_new(folder / "mesh.inp",
+            (nastran ? formats::nastran_as_abaqus(deck.string()) : content(deck)) + "\n" + made.sets);
   for (const std::string& name : read.included) {
     fs::create_directories((folder / name).parent_path(), error);
     write_new(folder / name, content(deck.parent_path() / name));

@@ -114,7 +114,7 @@ void check(MPI_Comm comm, const input::Case& whole) {
   std::string outlook;
   if (c.remesh.active) {
     const auto first = std::make_shared<const mesh::SurfaceMesh>(mesh.data());
-    io::Checkpoint at_start;
+    results::Checkpoint at_start;
     at_start.displacement = simulation::start_shape(comm, c, mesh);
     simulation::Epoch epoch(comm, c, *first, stages.front().input, stages.front().frozen, at_start);
     outlook = simulation::remesh_outlook(stages.front(), first, epoch);

@@ -15,7 +15,7 @@ namespace voile::cli {
 
 namespace {
 
-using io::Deck;
+using formats::Deck;
 using Procedure = Deck::Procedure;
 
 /// A text as TOML has it.

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "io/deck.hpp"
+#include "formats/deck.hpp"
 #include "mesh/surface_mesh.hpp"
 
 namespace voile::cli {
@@ -19,6 +19,6 @@ struct DeckCase {
 };
 
 /// `mesh`: of the deck. Not collective.
-[[nodiscard]] DeckCase deck_case(const io::Deck& deck, const mesh::MeshData& mesh);
+[[nodiscard]] DeckCase deck_case(const formats::Deck& deck, const mesh::MeshData& mesh);
 
 }  // namespace voile::cli

@@ -9,7 +9,7 @@ namespace voile::cli {
 
 namespace {
 
-using io::Deck;
+using formats::Deck;
 
 std::string printable(std::string text) {
   std::erase_if(text, [](unsigned char c) { return c < 32; });

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "io/deck.hpp"
+#include "formats/deck.hpp"
 
 namespace voile::cli {
 
@@ -12,6 +12,6 @@ struct DeckMaterial {
   std::string text;               ///< without `groups`; empty: nothing is known of it
   std::vector<std::string> left;  ///< what was not taken
 };
-[[nodiscard]] DeckMaterial deck_material(const io::Deck& deck, const io::Deck::Section& section);
+[[nodiscard]] DeckMaterial deck_material(const formats::Deck& deck, const formats::Deck::Section& section);
 
 }  // namespace voile::cli

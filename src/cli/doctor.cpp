@@ -14,8 +14,8 @@
 #include "base/mpi.hpp"
 #include "base/shipped_files.hpp"
 #include "energy/element_kernels.hpp"
-#include "io/stored_step.hpp"
 #include "mesh/surface_mesh.hpp"
+#include "results/stored_step.hpp"
 #include "simulation/run.hpp"
 
 namespace voile::cli {
@@ -140,9 +140,9 @@ void check_files(Findings& found) {
 
 /// Mean deflection at x = 10 of the last step that was written, and read back with its mesh.
 double read_tip(const fs::path& file) {
-  const mesh::MeshData data = io::read_step_mesh(file, -1);
+  const mesh::MeshData data = results::read_step_mesh(file, -1);
   const mesh::SurfaceMesh mesh(data);
-  const io::StoredStep step = io::read_step(file, -1, mesh);
+  const results::StoredStep step = results::read_step(file, -1, mesh);
   double sum = 0.0;
   int count = 0;
   for (Index v = 0; v < mesh.vertex_count(); ++v) {

@@ -9,7 +9,7 @@
 #include <numbers>
 
 #include "begin.hpp"
-#include "io/stored_step.hpp"
+#include "results/stored_step.hpp"
 #include "voile/errors.hpp"
 
 namespace voile::cli {
@@ -189,8 +189,8 @@ void read_drape_result(const DrapeSetting& s, DrapeRepeat& r) {
   const double kinetic = summary.contains("motion") ? summary["motion"].value("last", 0.0) : 0.0;
   r.at_rest = std::sqrt(2.0 * kinetic / (s.fabric.areal_density * area)) < rest_speed;
   const fs::path file = results / "results.vtkhdf";
-  const mesh::SurfaceMesh mesh(io::read_step_mesh(file, -1));
-  const io::StoredStep step = io::read_step(file, -1, mesh);
+  const mesh::SurfaceMesh mesh(results::read_step_mesh(file, -1));
+  const results::StoredStep step = results::read_step(file, -1, mesh);
   std::vector<Vec3> places = mesh.positions();
   for (std::size_t v = 0; v < places.size(); ++v) places[v] += Eigen::Map<const Vec3>(&step.displacement[3 * v]);
   r.shape = drape_shape(mesh.triangles(), mesh.positions(), places, drape_support_radius);

@@ -241,7 +241,7 @@ void show_info(const Request& request, const std::optional<input::Case>& c) {
   if (c && !c->panels.empty())
     throw UserError(fmt::format("{}: info is for mesh files; use check for panels", request.file));
   const std::filesystem::path mesh_file = c ? c->mesh.file : std::filesystem::path(request.file);
-  io::MeshOptions options = c ? c->mesh.options : io::MeshOptions{};
+  formats::MeshOptions options = c ? c->mesh.options : formats::MeshOptions{};
   options.allow_system_call = request.allow_system_call;
   const mesh::SurfaceMesh mesh = setup::load_mesh(MPI_COMM_WORLD, mesh_file, options);
   cli::info(MPI_COMM_WORLD, mesh, c ? c->element : energy::ElementOptions{});

@@ -91,7 +91,7 @@ void put(std::ofstream& out, Value value) {
   out.write(reinterpret_cast<const char*>(&value), 4);
 }
 
-/// See io/point_cache.hpp.
+/// See formats/point_cache.hpp.
 void write_pc2(const fs::path& file, const std::vector<std::vector<Vec3>>& frames) {
   std::ofstream out(file, std::ios::binary);
   out.write("POINTCACHE2\0", 12);

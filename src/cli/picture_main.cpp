@@ -8,10 +8,10 @@
 #include "base/child_process.hpp"
 #include "base/terminal.hpp"
 #include "command_program.hpp"
-#include "io/stored_run.hpp"
 #include "picture_commands.hpp"
 #include "picture_plot.hpp"
 #include "picture_tangle.hpp"
+#include "results/stored_run.hpp"
 
 namespace {
 
@@ -41,7 +41,7 @@ int main(int argc, char** argv) {
   if (cli::is_launched()) use_plain_output(false);
   if (argc == 4 && std::string(argv[1]) == "tangle")
     return answer_to_parent([&] { return cli::draw_tangle(argv[2], argv[3]); });
-  io::leave_hdf5_at_exit();
+  results::leave_hdf5_at_exit();
   return cli::command_program(
       argc, argv, "Pictures, animations and exchange of results",
       "the picture or the mesh is too large for this machine; make --size smaller, or take fewer --steps",

@@ -8,9 +8,9 @@
 
 #include <array>
 
+#include "formats/gmsh.hpp"
 #include "geometry/intersections.hpp"
-#include "io/gmsh.hpp"
-#include "io/results.hpp"
+#include "results/results.hpp"
 
 namespace voile::cli {
 
@@ -43,7 +43,7 @@ std::string version_text() {
       "CGAL  {}\n"
       "MPI   {}\n",
       VOILE_VERSION, VOILE_COMMIT, petsc_version(), MUMPS_VERSION, METIS_VER_MAJOR, METIS_VER_MINOR, METIS_VER_SUBMINOR,
-      io::hdf5_version(), io::gmsh_version(), geometry::cgal_version(), mpi_version());
+      results::hdf5_version(), formats::gmsh_version(), geometry::cgal_version(), mpi_version());
 }
 
 }  // namespace voile::cli

@@ -6,10 +6,10 @@
 #include <algorithm>
 #include <array>
 
-#include "io/element_parts.hpp"
+#include "formats/element_parts.hpp"
 #include "voile/errors.hpp"
 
-namespace voile::io {
+namespace voile::formats {
 
 namespace {
 
@@ -138,4 +138,4 @@ std::string split_note(const std::string& file) {
   return text.empty() ? "" : fmt::format("{}: {}", file, text);
 }
 
-}  // namespace voile::io
+}  // namespace voile::formats

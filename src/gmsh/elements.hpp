@@ -7,7 +7,7 @@
 
 #include "base/types.hpp"
 
-namespace voile::io {
+namespace voile::formats {
 
 /// Points, lines or triangles; those of one element have its tag.
 struct Elements {
@@ -39,4 +39,4 @@ class ElementReader {
 /// What was split among surface elements, as a note; empty if nothing was.
 [[nodiscard]] std::string split_note(const std::string& file);
 
-}  // namespace voile::io
+}  // namespace voile::formats

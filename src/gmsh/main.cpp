@@ -1,5 +1,5 @@
-// voile-gmsh: reads what only the Gmsh library can, for src/io/gmsh.cpp and gmsh_view.cpp, and fills polygons, for
-// src/io/gmsh_polygon.cpp; answers with bytes. A program of its own, so that the solver starts without the libraries for
+// voile-gmsh: reads what only the Gmsh library can, for src/formats/gmsh.cpp and gmsh_view.cpp, and fills polygons, for
+// src/formats/gmsh_polygon.cpp; answers with bytes. A program of its own, so that the solver starts without the libraries for
 // X and OpenGL that Gmsh needs.
 
 #include <fmt/format.h>
@@ -18,9 +18,9 @@
 #include "base/plain_file.hpp"
 #include "base/text.hpp"
 #include "elements.hpp"
-#include "io/geo_parameters.hpp"
-#include "io/gmsh.hpp"
-#include "io/mesh_bytes.hpp"
+#include "formats/geo_parameters.hpp"
+#include "formats/gmsh.hpp"
+#include "formats/mesh_bytes.hpp"
 #include "outlines.hpp"
 #include "polygons.hpp"
 #include "script.hpp"
@@ -28,7 +28,7 @@
 #include "views.hpp"
 #include "voile/errors.hpp"
 
-namespace voile::io {
+namespace voile::formats {
 
 namespace {
 
@@ -208,7 +208,7 @@ class Converter {
   std::set<std::size_t> repeated_;  ///< tags of elements that repeat an earlier one of their entity
 };
 
-/// What main() was given by src/io/gmsh.cpp: the file, whether it is a script, and the options.
+/// What main() was given by src/formats/gmsh.cpp: the file, whether it is a script, and the options.
 std::string read(const std::vector<std::string>& words) {
   const std::string& file = words.at(1);
   const auto number = [](const std::string& text) { return std::strtod(text.c_str(), nullptr); };
@@ -253,15 +253,15 @@ std::string version() {
 
 }  // namespace
 
-}  // namespace voile::io
+}  // namespace voile::formats
 
 int main(int argc, char** argv) {
   const std::vector<std::string> words(argv, argv + argc);
   return voile::answer_to_parent([&] {
-    if (argc == 1) return voile::io::version();
-    if (words.at(2) == "polygons") return voile::io::fill_polygons(words.at(1));
-    if (words.at(2) == "outlines") return voile::io::outlines_of(words);
-    if (words.at(2) == "view") return voile::io::view_at_points(words.at(1));
-    return voile::io::read(words);
+    if (argc == 1) return voile::formats::version();
+    if (words.at(2) == "polygons") return voile::formats::fill_polygons(words.at(1));
+    if (words.at(2) == "outlines") return voile::formats::outlines_of(words);
+    if (words.at(2) == "view") return voile::formats::view_at_points(words.at(1));
+    return voile::formats::read(words);
   });
 }

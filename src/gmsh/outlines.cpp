@@ -13,7 +13,7 @@
 #include "session.hpp"
 #include "voile/errors.hpp"
 
-namespace voile::io {
+namespace voile::formats {
 
 namespace {
 
@@ -139,4 +139,4 @@ std::string outlines_of(const std::vector<std::string>& words) {
   }
 }
 
-}  // namespace voile::io
+}  // namespace voile::formats

@@ -4,10 +4,10 @@
 #include <string>
 #include <vector>
 
-namespace voile::io {
+namespace voile::formats {
 
-/// `words`: what read_geo_faces() gave (src/io/geo_outline.cpp): program, file, "outlines", then names and values of parameters. Returns the faces
+/// `words`: what read_geo_faces() gave (src/formats/geo_outline.cpp): program, file, "outlines", then names and values of parameters. Returns the faces
 /// as bytes. Throws UserError if there is no surface, or none with closed loops.
 [[nodiscard]] std::string outlines_of(const std::vector<std::string>& words);
 
-}  // namespace voile::io
+}  // namespace voile::formats

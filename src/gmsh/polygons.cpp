@@ -8,11 +8,11 @@
 #include <map>
 
 #include "base/bytes.hpp"
-#include "io/gmsh_polygon.hpp"
+#include "formats/gmsh_polygon.hpp"
 #include "session.hpp"
 #include "voile/errors.hpp"
 
-namespace voile::io {
+namespace voile::formats {
 
 namespace {
 
@@ -121,4 +121,4 @@ std::string fill_polygons(const std::string& file) {
   return out.take();
 }
 
-}  // namespace voile::io
+}  // namespace voile::formats

@@ -3,12 +3,12 @@
 
 #include <string>
 
-namespace voile::io {
+namespace voile::formats {
 
 inline constexpr int triangle_type = 2;  ///< Gmsh's number for it
 
-/// `file`: what mesh_polygons() wrote (src/io/gmsh_polygon.cpp). Returns the triangulations as bytes, one after the other.
+/// `file`: what mesh_polygons() wrote (src/formats/gmsh_polygon.cpp). Returns the triangulations as bytes, one after the other.
 /// Throws UserError if a polygon cannot be meshed.
 [[nodiscard]] std::string fill_polygons(const std::string& file);
 
-}  // namespace voile::io
+}  // namespace voile::formats

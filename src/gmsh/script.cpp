@@ -15,10 +15,10 @@
 
 #include "base/plain_file.hpp"
 #include "base/text.hpp"
-#include "io/geo_parameters.hpp"
+#include "formats/geo_parameters.hpp"
 #include "voile/errors.hpp"
 
-namespace voile::io {
+namespace voile::formats {
 
 void check_log(const std::string& file, const char* doing) {
   constexpr std::size_t shown = 4;
@@ -113,4 +113,4 @@ void Script::open() const {
   check_log(file_, "reading");
 }
 
-}  // namespace voile::io
+}  // namespace voile::formats

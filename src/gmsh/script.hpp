@@ -5,7 +5,7 @@
 #include <memory>
 #include <string>
 
-namespace voile::io {
+namespace voile::formats {
 
 /// Throws UserError if Gmsh has logged errors so far. `doing`: a word for the message.
 void check_log(const std::string& file, const char* doing);
@@ -46,4 +46,4 @@ class Script {
 /// Name of a physical group, or its kind and number.
 [[nodiscard]] std::string group_name(int dimension, int tag);
 
-}  // namespace voile::io
+}  // namespace voile::formats

@@ -7,7 +7,7 @@
 
 #include "base/confinement.hpp"
 
-namespace voile::io {
+namespace voile::formats {
 
 /// A script that the user trusts may do everything; what else is read, in a process without rights (confinement.hpp).
 enum class Rights { confined, all };
@@ -47,4 +47,4 @@ class Session {
   bool filtered_ = true;
 };
 
-}  // namespace voile::io
+}  // namespace voile::formats

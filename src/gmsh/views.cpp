@@ -13,7 +13,7 @@
 #include "session.hpp"
 #include "voile/errors.hpp"
 
-namespace voile::io {
+namespace voile::formats {
 
 namespace {
 
@@ -112,4 +112,4 @@ std::string view_at_points(const std::string& message_file) {
   }
 }
 
-}  // namespace voile::io
+}  // namespace voile::formats

@@ -3,9 +3,9 @@
 
 #include <string>
 
-namespace voile::io {
+namespace voile::formats {
 
-/// For src/io/gmsh_view.cpp: reads its message, answers with a value for each point as bytes. Throws UserError.
+/// For src/formats/gmsh_view.cpp: reads its message, answers with a value for each point as bytes. Throws UserError.
 [[nodiscard]] std::string view_at_points(const std::string& message_file);
 
-}  // namespace voile::io
+}  // namespace voile::formats

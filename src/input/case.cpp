@@ -276,10 +276,10 @@ void check_mesh(const SectionPlace& place, Case& c) {
                "cut the surface from [[panel]]");
   c.mesh.file = beside(c.file, c.mesh.file);
   if (c.stage.number > 0) c.mesh.start.clear();  // it begins where the stage before has ended
-  if (c.mesh.options.rest != io::RestShape::texture &&
+  if (c.mesh.options.rest != formats::RestShape::texture &&
       c.mesh.options.texture_unit != UnitSystem(c.units).own_default(1.0, "m"))
     place.fail("texture_unit", "only rest = \"texture\" has one; give that, or remove the key");
-  if (c.mesh.options.rest == io::RestShape::texture && c.analysis == "linear")
+  if (c.mesh.options.rest == formats::RestShape::texture && c.analysis == "linear")
     place.fail("rest",
                "analysis = \"linear\" begins from the shape without strain, which sewn panels do not have; use "
                "analysis = \"static\"");

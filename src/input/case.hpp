@@ -13,7 +13,7 @@
 #include "base/types.hpp"
 #include "energy/element_options.hpp"
 #include "energy/material.hpp"
-#include "io/gmsh.hpp"
+#include "formats/gmsh.hpp"
 #include "solve/drape_options.hpp"
 #include "solve/static_options.hpp"
 #include "solve/time_options.hpp"
@@ -27,7 +27,7 @@ namespace voile::input {
 struct MeshSection {
   std::filesystem::path file;   ///< resolved relative to the case file
   std::filesystem::path start;  ///< the same mesh in the shape it starts from, resolved alike; empty: that of `file`
-  io::MeshOptions options;
+  formats::MeshOptions options;
 };
 
 /// A point of the scene: its coordinates, or a landmark.
@@ -51,7 +51,7 @@ struct PanelSection {
   bool stitches = true;       ///< those of the file are taken
   enum class Euler { zyx, xyz };
   Euler euler = Euler::zyx;  ///< order of the file's rotations: R = Rz Ry Rx or Rx Ry Rz
-  io::Placement placement{.up_axis = io::Placement::UpAxis::y};
+  formats::Placement placement{.up_axis = formats::Placement::UpAxis::y};
   PointInput origin;  ///< where `placement` begins
   /// Of the cylinder or cone they are wrapped on: direction of its axis, or a second point on it; neither: flat.
   std::optional<Vec3> wrap_axis;
@@ -131,7 +131,7 @@ struct ObstacleSection {
   contact::Obstacle shape;     ///< without what files give; a cylinder gets its triangles with the mesh
   std::filesystem::path file;  ///< mesh
   double scale = 1.0;
-  io::Placement placement;          ///< of mesh and frames
+  formats::Placement placement;     ///< of mesh and frames
   std::filesystem::path landmarks;  ///< names and coordinates of points of a mesh; empty: none
   std::filesystem::path frames;     ///< point cache of a deforming mesh; empty: none
   double frames_per_second = 25.0;

@@ -95,10 +95,10 @@ std::vector<Key> top_keys(Case& c) {
                   "that `eigen` names."}};
 }
 
-std::vector<Key> placement_keys(io::Placement& p, const std::vector<std::string>& types) {
+std::vector<Key> placement_keys(formats::Placement& p, const std::vector<std::string>& types) {
   return {
       {.name = "up_axis",
-       .slot = choice(p.up_axis, {{"y", io::Placement::UpAxis::y}, {"z", io::Placement::UpAxis::z}}),
+       .slot = choice(p.up_axis, {{"y", formats::Placement::UpAxis::y}, {"z", formats::Placement::UpAxis::z}}),
        .meaning = "Axis that points up in files. From `y` it is turned to z: (x, y, z) becomes (x, -z, y).",
        .types = types},
       {.name = "rotate",

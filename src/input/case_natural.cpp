@@ -57,7 +57,7 @@ void check_form(const SectionPlace& place, Case& c) {
   };
   if (c.remesh.active) refuse("a new mesh would not carry its prestress; remove [remesh] or [form]");
   if (!c.rigids.empty()) refuse("it has no [[rigid]] groups; hold the group by a [[support]], or remove [form]");
-  if (!c.panels.empty() || !c.mesh.start.empty() || c.mesh.options.rest == io::RestShape::texture)
+  if (!c.panels.empty() || !c.mesh.start.empty() || c.mesh.options.rest == formats::RestShape::texture)
     refuse("the rest shape is found, so none can be given; remove [[panel]], mesh.start, mesh.rest, or [form]");
   for (const energy::Material& m : c.materials) {
     const Vec3& n = m.prestress;
@@ -88,7 +88,7 @@ void check_form(const SectionPlace& place, Case& c) {
 
 void read_hinges(CaseReader& reader, Case& c) {
   read_all(reader, "hinge", c.hinges, [&](const SectionPlace& place, system::Hinge& hinge) {
-    if (!c.panels.empty() || c.mesh.options.rest == io::RestShape::texture)
+    if (!c.panels.empty() || c.mesh.options.rest == formats::RestShape::texture)
       place.fail("group",
                  "pieces of cloth have no hinges; remove the section, or use a mesh that is its own rest shape");
     if (hinge.angle.text.empty()) {

@@ -101,7 +101,7 @@ void check_rigid(const Case& c) {
   if (c.contact.input.active) refuse("[contact]", "rigid groups have no contact; remove one of the sections");
   if (c.remesh.active) refuse("[remesh]", "the mesh of rigid groups stays as it is; remove one of the sections");
   if (!c.panels.empty()) refuse("[[panel]]", "panels have no rigid groups; use [[support]]");
-  if (!c.mesh.start.empty() || c.mesh.options.rest == io::RestShape::texture)
+  if (!c.mesh.start.empty() || c.mesh.options.rest == formats::RestShape::texture)
     refuse("mesh", "rigid groups begin in the shape without strain; remove mesh.start and mesh.rest");
   if (c.dynamics.drag.active()) refuse("[air]", "rigid groups have no drag; remove one of the sections");
   for (const RigidSection& s : c.rigids)

@@ -28,7 +28,7 @@ Choice choice(Enum& value, const std::vector<std::pair<std::string, Enum>>& word
 }
 
 /// Keys that put the points of a file in place; `types`: of the section that has files.
-[[nodiscard]] std::vector<Key> placement_keys(io::Placement& placement, const std::vector<std::string>& types);
+[[nodiscard]] std::vector<Key> placement_keys(formats::Placement& placement, const std::vector<std::string>& types);
 
 /// `first` with `second` behind it.
 [[nodiscard]] std::vector<Key> joined(std::vector<Key> first, const std::vector<Key>& second);

@@ -7,7 +7,7 @@ namespace {
 
 /// The shapes at rest and at the start.
 std::vector<Key> shape_keys(MeshSection& s) {
-  io::MeshOptions& o = s.options;
+  formats::MeshOptions& o = s.options;
   return {
       {.name = "file",
        .slot = &s.file,
@@ -25,7 +25,7 @@ std::vector<Key> shape_keys(MeshSection& s) {
            "both.",
        .absent = "the shape of `file`"},
       {.name = "rest",
-       .slot = choice(o.rest, {{"positions", io::RestShape::positions}, {"texture", io::RestShape::texture}}),
+       .slot = choice(o.rest, {{"positions", formats::RestShape::positions}, {"texture", formats::RestShape::texture}}),
        .meaning = "What is without strain: `positions`: the shape of `file`. `texture`: the flat panels of its texture "
                   "coordinates, one per corner (OBJ), sewn where triangles have a common edge; the vertices of `file` "
                   "are then the "
@@ -38,7 +38,7 @@ std::vector<Key> shape_keys(MeshSection& s) {
 }
 
 /// How a file is read.
-std::vector<Key> reading_keys(io::MeshOptions& o) {
+std::vector<Key> reading_keys(formats::MeshOptions& o) {
   return {
       {.name = "scale",
        .slot = &o.scale,

@@ -9,7 +9,7 @@
 #include <numeric>
 #include <set>
 
-#include "io/gmsh_polygon.hpp"
+#include "formats/gmsh_polygon.hpp"
 #include "mesh/weld.hpp"
 #include "outline.hpp"
 #include "voile/errors.hpp"
@@ -56,9 +56,9 @@ class Cutter {
       seam_fractions_.push_back(seam_nodes(g_.panels, seam));
       for (std::size_t s = 0; s < 2; ++s) spread(seam.sides[s], seam.lengths[s], seam_fractions_.back()[s]);
     }
-    std::vector<io::Polygon> polygons;
+    std::vector<formats::Polygon> polygons;
     for (std::size_t p = 0; p < nodes_.size(); ++p) polygons.push_back(polygon(p));
-    const std::vector<io::Triangulation> cut = io::mesh_polygons(g_.mesh.source, polygons);
+    const std::vector<formats::Triangulation> cut = formats::mesh_polygons(g_.mesh.source, polygons);
     double x = 0.0;
     for (std::size_t p = 0; p < nodes_.size(); ++p) add_panel(p, cut[p], x);
     for (std::size_t k = 0; k < seam_fractions_.size(); ++k) add_seam(k);
@@ -85,9 +85,9 @@ class Cutter {
     }
   }
 
-  [[nodiscard]] io::Polygon polygon(std::size_t p) {
+  [[nodiscard]] formats::Polygon polygon(std::size_t p) {
     const Piece& piece = panel(p).piece;
-    io::Polygon polygon{fmt::format("piece '{}'", piece.name), {}, piece.outline(), panel(p).size};
+    formats::Polygon polygon{fmt::format("piece '{}'", piece.name), {}, piece.outline(), panel(p).size};
     bool is_too_coarse = false;
     for (const Piece::Loop& loop : piece.loops()) {
       polygon.loops.push_back(nodes_of(p, loop));
@@ -118,7 +118,7 @@ class Cutter {
   }
 
   /// `x`: where the next chart begins.
-  void add_panel(std::size_t p, const io::Triangulation& cut, double& x) {
+  void add_panel(std::size_t p, const formats::Triangulation& cut, double& x) {
     mesh::MeshData& m = g_.mesh;
     auto first = static_cast<Index>(m.positions.size());
     const Extent e = extent_of(panel(p).piece);

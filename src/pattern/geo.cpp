@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "base/text.hpp"
-#include "io/geo_outline.hpp"
+#include "formats/geo_outline.hpp"
 #include "readers.hpp"
 #include "voile/errors.hpp"
 
@@ -20,7 +20,7 @@ Vec2 in_plane(const Vec3& x) {
 }
 
 /// Cubics with the points and derivatives of the curve.
-Curve curve_of(const io::GeoCurve& c, double unit) {
+Curve curve_of(const formats::GeoCurve& c, double unit) {
   const auto at = [&](std::size_t k) { return Vec2(unit * in_plane(c.points[k])); };
   if (c.points.size() == 2) return Curve::bezier({at(0), at(1)});
   std::vector<Curve> parts;
@@ -32,11 +32,11 @@ Curve curve_of(const io::GeoCurve& c, double unit) {
   return Curve::chain(std::move(parts));
 }
 
-void check_plane(const std::string& file, const io::GeoFace& face) {
+void check_plane(const std::string& file, const formats::GeoFace& face) {
   const double height = face.loops.front().front().points.front()[2];
   double extent = 0.0, off = 0.0;
   for (const auto& loop : face.loops)
-    for (const io::GeoCurve& c : loop)
+    for (const formats::GeoCurve& c : loop)
       for (const Vec3& x : c.points) {
         extent = std::max(extent, (x - face.loops.front().front().points.front()).norm());
         off = std::max(off, std::abs(x[2] - height));
@@ -55,7 +55,8 @@ Pattern read_geo(const std::filesystem::path& file, const ReadOptions& options) 
   pattern.file = file;
   const double unit = options.unit > 0.0 ? options.unit : 1.0;
   std::vector<std::string> seen;
-  for (const io::GeoFace& face : io::read_geo_faces(file.string(), options.parameters, options.allow_system_call)) {
+  for (const formats::GeoFace& face :
+       formats::read_geo_faces(file.string(), options.parameters, options.allow_system_call)) {
     seen.push_back(face.name);
     if (!options.pieces.empty() &&
         std::find(options.pieces.begin(), options.pieces.end(), face.name) == options.pieces.end())
@@ -65,9 +66,9 @@ Pattern read_geo(const std::filesystem::path& file, const ReadOptions& options) 
     Piece& piece = pattern.pieces.emplace_back();
     piece.name = face.name;
     bool named = false;
-    for (const std::vector<io::GeoCurve>& loop : face.loops) {
+    for (const std::vector<formats::GeoCurve>& loop : face.loops) {
       std::vector<Edge> edges;
-      for (const io::GeoCurve& c : loop) {
+      for (const formats::GeoCurve& c : loop) {
         edges.push_back({curve_of(c, unit), c.name});
         piece.point_names.push_back(c.start_name);
         named = named || !c.start_name.empty();

@@ -11,7 +11,7 @@
 
 #include "base/decompositions.hpp"
 #include "base/text.hpp"
-#include "io/obj_sheet.hpp"
+#include "formats/obj_sheet.hpp"
 #include "islands.hpp"
 #include "readers.hpp"
 #include "voile/errors.hpp"
@@ -30,7 +30,7 @@ constexpr double largest_spread = 0.05, near_unit = 0.02;
 class ObjReader {
  public:
   ObjReader(const std::filesystem::path& file, const ReadOptions& options)
-      : options_(options), sheet_(io::read_obj_sheet(file.string())), mesh_(sheet_.mesh) {
+      : options_(options), sheet_(formats::read_obj_sheet(file.string())), mesh_(sheet_.mesh) {
     pattern_.file = file;
   }
 
@@ -129,7 +129,7 @@ class ObjReader {
         for (const RimPoint& q : points)
           if (p.rim != q.rim || p.point != q.point) meet[p.rim][p.point].push_back(place(q));
     std::size_t inside = 0;
-    for (const io::PointStitch& stitch : sheet_.stitches) {
+    for (const formats::PointStitch& stitch : sheet_.stitches) {
       const std::vector<RimPlace> others = places_of(stitch, at);
       inside += others.empty() || !at.contains(stitch.vertex) ? 1 : 0;
       for (const RimPoint& p : at[stitch.vertex])
@@ -145,7 +145,7 @@ class ObjReader {
   }
 
   /// Where on rims the second side of a stitch is.
-  [[nodiscard]] std::vector<RimPlace> places_of(const io::PointStitch& stitch,
+  [[nodiscard]] std::vector<RimPlace> places_of(const formats::PointStitch& stitch,
                                                 const std::map<Index, std::vector<RimPoint>>& at) const {
     std::vector<RimPlace> places;
     const bool is_vertex = stitch.from == stitch.to || stitch.fraction == 0.0 || stitch.fraction == 1.0;
@@ -247,7 +247,7 @@ class ObjReader {
   }
 
   const ReadOptions& options_;
-  io::ObjSheet sheet_;
+  formats::ObjSheet sheet_;
   mesh::MeshData& mesh_;
   Pattern pattern_;
   double unit_ = 1.0, texture_unit_ = 1.0, same_ = 0.0;

@@ -152,7 +152,7 @@ Snapshot Exporter::snapshot(std::size_t i) const {
   s.state = recording_.state(moment, 1.0);
   s.number = recording_.number(moment);
   s.time = time(i);
-  const io::ObstacleTriangles& obstacles = recording_.parts()[moment.part].run.obstacles();
+  const results::ObstacleTriangles& obstacles = recording_.parts()[moment.part].run.obstacles();
   s.bodies = {"bodies", single(s.state.obstacles), {}, obstacles.moves};
   if (options_.bodies) s.bodies.triangles = find_bodies(obstacles, s.state.obstacles, recording_.up()).triangles;
   if (one_mesh_) put_on_one_mesh(s);
@@ -161,14 +161,14 @@ Snapshot Exporter::snapshot(std::size_t i) const {
   return s;
 }
 
-std::vector<io::Field> Exporter::fields(std::size_t i) const {
-  std::vector<io::Field> found;
+std::vector<results::Field> Exporter::fields(std::size_t i) const {
+  std::vector<results::Field> found;
   const Moment& moment = moments_[i];
   if (!moment.step) return found;
-  const io::StoredRun& run = recording_.parts()[moment.part].run;
+  const results::StoredRun& run = recording_.parts()[moment.part].run;
   std::vector<std::string> names = options_.fields;
   if (names.empty())
-    for (const io::FieldInfo& f : run.fields(*moment.step)) names.push_back(f.name);
+    for (const results::FieldInfo& f : run.fields(*moment.step)) names.push_back(f.name);
   const auto mesh = recording_.mesh(moment);
   for (const std::string& name : names) {
     found.push_back(run.field(*moment.step, name, mesh->data));

@@ -74,31 +74,31 @@ Files export_stl(const Exporter& e) {
 
 namespace {
 
-std::string column_name(const io::Field& f, int k) {
+std::string column_name(const results::Field& f, int k) {
   if (f.components == 1) return f.name;
   static const char* const vertex[] = {"x", "y", "z"};
   static const char* const surface[] = {"11", "22", "12"};
   if (f.components != 3) return fmt::format("{}_{}", f.name, k + 1);
-  return fmt::format("{}_{}", f.name, f.centre == io::Centre::vertex ? vertex[k] : surface[k]);
+  return fmt::format("{}_{}", f.name, f.centre == results::Centre::vertex ? vertex[k] : surface[k]);
 }
 
 /// Fields at one kind of place.
-std::vector<io::Field> at(std::vector<io::Field> fields, io::Centre centre) {
-  std::erase_if(fields, [&](const io::Field& f) { return f.centre != centre; });
+std::vector<results::Field> at(std::vector<results::Field> fields, results::Centre centre) {
+  std::erase_if(fields, [&](const results::Field& f) { return f.centre != centre; });
   return fields;
 }
 
-double value(const io::Field& f, std::size_t row, int k) {
+double value(const results::Field& f, std::size_t row, int k) {
   return f.values[row * static_cast<std::size_t>(f.components) + static_cast<std::size_t>(k)];
 }
 
-void ply_properties(OutFile& out, const std::vector<io::Field>& fields) {
-  for (const io::Field& f : fields)
+void ply_properties(OutFile& out, const std::vector<results::Field>& fields) {
+  for (const results::Field& f : fields)
     for (int k = 0; k < f.components; ++k) fmt::print(out.stream(), "property float {}\n", column_name(f, k));
 }
 
-void ply_values(OutFile& out, const std::vector<io::Field>& fields, std::size_t row, bool there) {
-  for (const io::Field& f : fields)
+void ply_values(OutFile& out, const std::vector<results::Field>& fields, std::size_t row, bool there) {
+  for (const results::Field& f : fields)
     for (int k = 0; k < f.components; ++k) out.put(there ? static_cast<float>(value(f, row, k)) : 0.0F);
 }
 
@@ -109,8 +109,8 @@ Files export_ply(const Exporter& e) {
   Files files;
   for (std::size_t i = 0; i < e.size(); ++i) {
     const Snapshot s = e.snapshot(i);
-    const std::vector<io::Field> all = e.fields(i), vertex = at(all, io::Centre::vertex),
-                                 face = at(all, io::Centre::triangle);
+    const std::vector<results::Field> all = e.fields(i), vertex = at(all, results::Centre::vertex),
+                                      face = at(all, results::Centre::triangle);
     OutFile out(e.frame_file(i));
     fmt::print(out.stream(), "ply\nformat binary_little_endian 1.0\ncomment metres\nelement vertex {}\n",
                s.sheet.positions.size() + s.bodies.positions.size());
@@ -142,15 +142,15 @@ namespace {
 /// One line for each vertex or triangle; `begin(row)` gives its first columns.
 template <class Begin>
 void write_table(const fs::path& file, const std::string& header, std::size_t rows,
-                 const std::vector<io::Field>& fields, const Begin& begin, Files& files) {
+                 const std::vector<results::Field>& fields, const Begin& begin, Files& files) {
   OutFile out(file);
   out.stream() << header;
-  for (const io::Field& f : fields)
+  for (const results::Field& f : fields)
     for (int k = 0; k < f.components; ++k) out.stream() << ',' << csv_name(column_name(f, k));
   out.stream() << '\n';
   for (std::size_t row = 0; row < rows; ++row) {
     out.stream() << begin(row);
-    for (const io::Field& f : fields)
+    for (const results::Field& f : fields)
       for (int k = 0; k < f.components; ++k) fmt::print(out.stream(), ",{}", value(f, row, k));
     out.stream() << '\n';
   }
@@ -163,10 +163,10 @@ Files export_csv(const Exporter& e) {
   Files files;
   for (std::size_t i = 0; i < e.size(); ++i) {
     const Snapshot s = e.snapshot(i);
-    const std::vector<io::Field> all = e.fields(i);
+    const std::vector<results::Field> all = e.fields(i);
     const std::string number = e.size() == 1 ? "" : fmt::format("_{:06d}", i);
     write_table(
-        e.file(number + "_vertices"), "vertex,x,y,z", s.state.positions.size(), at(all, io::Centre::vertex),
+        e.file(number + "_vertices"), "vertex,x,y,z", s.state.positions.size(), at(all, results::Centre::vertex),
         [&](std::size_t v) {
           const Vec3& x = s.state.positions[v];
           return fmt::format("{},{},{},{}", v, x[0], x[1], x[2]);
@@ -174,7 +174,7 @@ Files export_csv(const Exporter& e) {
         files);
     write_table(
         e.file(number + "_triangles"), "triangle,vertex_0,vertex_1,vertex_2", s.sheet.triangles.size(),
-        at(all, io::Centre::triangle),
+        at(all, results::Centre::triangle),
         [&](std::size_t t) {
           const mesh::Triangle& v = s.sheet.triangles[t];
           return fmt::format("{},{},{},{}", t, v[0], v[1], v[2]);

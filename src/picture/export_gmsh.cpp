@@ -55,8 +55,8 @@ void write_mesh(std::ofstream& to, const mesh::MeshData& mesh) {
 }
 
 /// Gmsh takes 1, 3 or 9 numbers for each place.
-void write_field(std::ofstream& to, const io::Field& f, double time, std::size_t frame) {
-  const char* kind = f.centre == io::Centre::vertex ? "NodeData" : "ElementData";
+void write_field(std::ofstream& to, const results::Field& f, double time, std::size_t frame) {
+  const char* kind = f.centre == results::Centre::vertex ? "NodeData" : "ElementData";
   const auto columns = static_cast<std::size_t>(f.components);
   const std::size_t rows = f.values.size() / columns;
   fmt::print(to, "${}\n1\n\"{} [{}]\"\n1\n{}\n3\n{}\n{}\n{}\n", kind, f.name, f.unit, time, frame, f.components, rows);
@@ -79,7 +79,7 @@ Files export_msh(const Exporter& e) {
     ++meshes;
     write_mesh(out.stream(), e.snapshot(i).state.mesh->data);
     for (std::size_t frame = 0; frame == 0 || (i < e.size() && e.same_mesh(i)); ++frame, ++i)
-      for (const io::Field& f : e.fields(i)) write_field(out.stream(), f, e.time(i), frame);
+      for (const results::Field& f : e.fields(i)) write_field(out.stream(), f, e.time(i), frame);
     out.finish(files);
   }
   return files;

@@ -32,8 +32,8 @@ class Arrays {
   std::string bytes_;
 };
 
-void announce_fields(Arrays& arrays, const std::vector<io::Field>& fields, io::Centre centre) {
-  for (const io::Field& f : fields)
+void announce_fields(Arrays& arrays, const std::vector<results::Field>& fields, results::Centre centre) {
+  for (const results::Field& f : fields)
     if (f.centre == centre) arrays.announce("Float64", f.name, f.components, f.values);
 }
 
@@ -48,7 +48,7 @@ void announce_cells(Arrays& arrays, const std::vector<mesh::Triangle>& triangles
   arrays.announce("UInt8", "types", 1, std::vector<std::uint8_t>(triangles.size(), vtk_triangle));
 }
 
-void write_vtu(std::ofstream& to, const Snapshot& s, const std::vector<io::Field>& fields) {
+void write_vtu(std::ofstream& to, const Snapshot& s, const std::vector<results::Field>& fields) {
   Arrays arrays(to);
   to << "<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n"
         "<UnstructuredGrid>\n<FieldData>\n";
@@ -61,9 +61,9 @@ void write_vtu(std::ofstream& to, const Snapshot& s, const std::vector<io::Field
   to << "</Points>\n<Cells>\n";
   announce_cells(arrays, s.sheet.triangles);
   to << "</Cells>\n<PointData>\n";
-  announce_fields(arrays, fields, io::Centre::vertex);
+  announce_fields(arrays, fields, results::Centre::vertex);
   to << "</PointData>\n<CellData>\n";
-  announce_fields(arrays, fields, io::Centre::triangle);
+  announce_fields(arrays, fields, results::Centre::triangle);
   to << "</CellData>\n</Piece>\n</UnstructuredGrid>\n";
   arrays.write();
   to << "</VTKFile>\n";

@@ -43,7 +43,7 @@ class Exporter {
   /// Whether a frame has the mesh of the one before.
   [[nodiscard]] bool same_mesh(std::size_t i) const;
   /// Fields of a moment that are asked for, as they are stored.
-  [[nodiscard]] std::vector<io::Field> fields(std::size_t i) const;
+  [[nodiscard]] std::vector<results::Field> fields(std::size_t i) const;
   [[nodiscard]] const Recording& recording() const { return recording_; }
   [[nodiscard]] const ExportOptions& options() const { return options_; }
   /// The output with something after its stem.

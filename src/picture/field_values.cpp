@@ -39,9 +39,9 @@ double entry(const double* r, double) {
   return r[k];
 }
 
-std::vector<Component> components_of(const io::Field& field) {
+std::vector<Component> components_of(const results::Field& field) {
   if (field.components == 1) return {{"", entry<0>}};
-  if (field.components == 3 && field.centre == io::Centre::vertex)
+  if (field.components == 3 && field.centre == results::Centre::vertex)
     return {{"magnitude", [](const double* r, double) { return std::hypot(r[0], r[1], r[2]); }},
             {"x", entry<0>},
             {"y", entry<1>},
@@ -72,7 +72,7 @@ FieldChoice parse_field(const std::string& text) {
   return {text.substr(0, colon), colon == std::string::npos ? "" : text.substr(colon + 1)};
 }
 
-FieldValues field_values(const io::Field& field, const std::string& component) {
+FieldValues field_values(const results::Field& field, const std::string& component) {
   const std::vector<Component> all = components_of(field);
   auto chosen = all.begin();
   if (!component.empty()) {

@@ -22,6 +22,6 @@ struct FieldValues {
 /// Components: x, y, z, magnitude of vectors on vertices (default: magnitude); 11, 22, 12, larger, smaller of tensors of
 /// the surface (default: larger, in size); of principal stresses larger, smaller, angle; 1 to n of others.
 /// Throws UserError with the components there are.
-[[nodiscard]] FieldValues field_values(const io::Field& field, const std::string& component);
+[[nodiscard]] FieldValues field_values(const results::Field& field, const std::string& component);
 
 }  // namespace voile::picture

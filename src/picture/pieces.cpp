@@ -65,7 +65,7 @@ std::vector<std::size_t> texture_pieces(const mesh::MeshData& mesh) {
 
 }  // namespace
 
-Bodies find_bodies(const io::ObstacleTriangles& obstacles, const std::vector<Vec3>& positions, const Vec3& up) {
+Bodies find_bodies(const results::ObstacleTriangles& obstacles, const std::vector<Vec3>& positions, const Vec3& up) {
   Bodies found;
   std::vector<std::vector<std::size_t>> own(obstacles.names.size());
   for (std::size_t t = 0; t < obstacles.triangles.size(); ++t) {

@@ -4,8 +4,8 @@
 #include <optional>
 #include <vector>
 
-#include "io/results.hpp"
 #include "mesh/surface_mesh.hpp"
+#include "results/results.hpp"
 
 namespace voile::picture {
 
@@ -16,7 +16,7 @@ struct Bodies {
   std::vector<Vec3> solid_points;         ///< vertices of bodies [m]
   std::optional<double> floor;            ///< height of a level half-space along `up` [m]
 };
-[[nodiscard]] Bodies find_bodies(const io::ObstacleTriangles& obstacles, const std::vector<Vec3>& positions,
+[[nodiscard]] Bodies find_bodies(const results::ObstacleTriangles& obstacles, const std::vector<Vec3>& positions,
                                  const Vec3& up);
 
 /// Bit s of a triangle: its side s is a line of a group, or the border of a group of triangles, or a seam.

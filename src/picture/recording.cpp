@@ -39,11 +39,11 @@ std::vector<std::vector<std::string>> read_csv(const fs::path& file) {
 }
 
 /// The history says what load factors and times are called.
-bool counts_time(const fs::path& folder, const io::StoredRun& run) {
+bool counts_time(const fs::path& folder, const results::StoredRun& run) {
   const auto rows = read_csv(folder / "history.csv");
   if (!rows.empty()) return std::find(rows[0].begin(), rows[0].end(), "time") != rows[0].end();
   return std::any_of(run.steps().begin(), run.steps().end(),
-                     [](const io::StoredStepInfo& s) { return s.time != s.load_factor; });
+                     [](const results::StoredStepInfo& s) { return s.time != s.load_factor; });
 }
 
 std::vector<Vec3> moved(const std::vector<Vec3>& from, const std::vector<double>& u, double factor) {
@@ -83,7 +83,7 @@ Recording::Recording(const fs::path& place, const Choice& choice) {
       if ((choice.stage.empty() || choice.stage == stage) && is_there(folder_ / stage / results_name))
         add_part(folder_ / stage, stage);
   } else {
-    parts_.push_back({"", io::StoredRun(place), false, false});
+    parts_.push_back({"", results::StoredRun(place), false, false});
     parts_.back().in_time = counts_time(folder_, parts_.back().run);
   }
   if (parts_.empty())
@@ -92,16 +92,16 @@ Recording::Recording(const fs::path& place, const Choice& choice) {
 }
 
 void Recording::add_part(const fs::path& folder, const std::string& stage) {
-  parts_.push_back({stage, io::StoredRun(folder), false, false});
+  parts_.push_back({stage, results::StoredRun(folder), false, false});
   parts_.back().in_time = counts_time(folder, parts_.back().run);
 }
 
 std::vector<Vec3> Recording::last_positions(const fs::path& folder) const {
   if (!is_there(folder / results_name)) return {};
-  const io::StoredRun run(folder);
+  const results::StoredRun run(folder);
   if (run.steps().empty() || !run.has_field(run.steps().size() - 1, "displacement")) return {};
   const std::size_t last = run.steps().size() - 1;
-  const io::StoredMesh mesh = run.mesh(run.steps()[last].epoch);
+  const results::StoredMesh mesh = run.mesh(run.steps()[last].epoch);
   return moved(mesh.data.positions, run.field(last, "displacement", mesh.data).values, 1.0);
 }
 
@@ -109,7 +109,7 @@ void Recording::add_modes(const fs::path& folder, const std::string& stage, cons
   if (!is_there(folder / "modes" / results_name))
     throw UserError(fmt::format("--mode {}: there are no modes in {}{}", choice.mode, folder.string(),
                                 stage.empty() ? "; of a run in stages give --stage too" : ""));
-  parts_.push_back({stage, io::StoredRun(folder / "modes"), false, true});
+  parts_.push_back({stage, results::StoredRun(folder / "modes"), false, true});
   Part& part = parts_.back();
   const auto rows = read_csv(folder / "modes.csv");
   for (std::size_t i = 1; i < rows.size(); ++i)
@@ -173,11 +173,11 @@ std::vector<Moment> Recording::select(const std::string& steps) const {
   throw UserError(fmt::format("{}: there is no step {}; there are {}", folder_.string(), steps, join(numbers, ", ")));
 }
 
-std::shared_ptr<const io::StoredMesh> Recording::mesh(const Moment& moment) const {
-  const io::StoredRun& run = parts_[moment.part].run;
+std::shared_ptr<const results::StoredMesh> Recording::mesh(const Moment& moment) const {
+  const results::StoredRun& run = parts_[moment.part].run;
   const std::size_t epoch = moment.step ? run.steps()[*moment.step].epoch : 0;
   auto& known = meshes_[{moment.part, epoch}];
-  if (!known) known = std::make_shared<const io::StoredMesh>(run.mesh(epoch));
+  if (!known) known = std::make_shared<const results::StoredMesh>(run.mesh(epoch));
   return known;
 }
 
@@ -210,7 +210,7 @@ std::string Recording::caption(const Moment& moment) const {
   const Part& part = parts_[moment.part];
   const std::string stage = part.stage.empty() ? "" : part.stage + ", ";
   if (!moment.step) return stage + "at the start";
-  const io::StoredStepInfo& step = part.run.steps()[*moment.step];
+  const results::StoredStepInfo& step = part.run.steps()[*moment.step];
   if (part.modes) {
     const auto i = static_cast<std::size_t>(std::max(step.number - 1, 0));
     if (i >= part.mode_values.size()) return fmt::format("{}mode {}", stage, step.number);

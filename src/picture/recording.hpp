@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "io/stored_run.hpp"
+#include "results/stored_run.hpp"
 
 namespace voile::picture {
 
@@ -22,7 +22,7 @@ struct Moment {
 
 /// Where everything is at a moment [m].
 struct State {
-  std::shared_ptr<const io::StoredMesh> mesh;
+  std::shared_ptr<const results::StoredMesh> mesh;
   std::vector<Vec3> positions, obstacles;
 };
 
@@ -40,7 +40,7 @@ class Recording {
 
   struct Part {
     std::string stage;  ///< empty without stages
-    io::StoredRun run;
+    results::StoredRun run;
     bool in_time = false;  ///< a motion, else a load path or a drape
     bool modes = false;
     std::vector<double> mode_values{};  ///< frequencies [Hz] or critical load factors
@@ -57,7 +57,7 @@ class Recording {
   [[nodiscard]] std::vector<Moment> select(const std::string& steps) const;
   /// Positions with displacements times `scale`. Modes: `scale` is the largest displacement [m].
   [[nodiscard]] State state(const Moment& moment, double scale) const;
-  [[nodiscard]] std::shared_ptr<const io::StoredMesh> mesh(const Moment& moment) const;
+  [[nodiscard]] std::shared_ptr<const results::StoredMesh> mesh(const Moment& moment) const;
   /// Number of the step, or -1 at the start.
   [[nodiscard]] int number(const Moment& moment) const;
   /// E.g. "t = 0.25 s", "load factor 0.5", "mode 2: 3.1 Hz".
@@ -72,7 +72,7 @@ class Recording {
   std::filesystem::path folder_;
   std::vector<Part> parts_;
   Vec3 up_ = Vec3::UnitZ();
-  mutable std::map<std::pair<std::size_t, std::size_t>, std::shared_ptr<const io::StoredMesh>> meshes_;
+  mutable std::map<std::pair<std::size_t, std::size_t>, std::shared_ptr<const results::StoredMesh>> meshes_;
 };
 
 }  // namespace voile::picture

@@ -151,7 +151,7 @@ void Resampled::split(const std::vector<double>& sizes) {
   adapt::Options options;
   options.only_splits = true;
   options.rounds = most_rounds;
-  auto next = std::make_shared<io::StoredMesh>();
+  auto next = std::make_shared<results::StoredMesh>();
   next->data = adapt::remesh(base, adapt::RestSurface(base), base.positions(), sizes, {}, options).mesh;
   mesh_ = next;
   const Locator on_this(mesh_->data);
@@ -190,11 +190,11 @@ std::vector<Vec3> Resampled::positions(const State& state) const {
   return x;
 }
 
-io::Field Resampled::field(const io::StoredMesh& from, io::Field field) const {
+results::Field Resampled::field(const results::StoredMesh& from, results::Field field) const {
   const Correspondence& c = of_.at(&from);
   const auto n = static_cast<std::size_t>(field.components);
   std::vector<double> values;
-  if (field.centre == io::Centre::vertex)
+  if (field.centre == results::Centre::vertex)
     for (const Place& p : c.vertices)
       for (std::size_t k = 0; k < n; ++k) {
         double sum = 0.0;

@@ -23,11 +23,11 @@ class Resampled {
   /// them, or another one.
   Resampled(const Recording& recording, const std::vector<Moment>& moments, std::optional<double> tolerance);
   ~Resampled();
-  [[nodiscard]] const std::shared_ptr<const io::StoredMesh>& mesh() const { return mesh_; }
+  [[nodiscard]] const std::shared_ptr<const results::StoredMesh>& mesh() const { return mesh_; }
   /// Places of the vertices of mesh() in a state of the run [m].
   [[nodiscard]] std::vector<Vec3> positions(const State& state) const;
   /// A field on mesh(): linear in triangles, or that of the triangle in which the centroid is.
-  [[nodiscard]] io::Field field(const io::StoredMesh& from, io::Field field) const;
+  [[nodiscard]] results::Field field(const results::StoredMesh& from, results::Field field) const;
   /// Distance of each vertex of the run from the same material point of mesh() [m].
   [[nodiscard]] std::vector<double> distances(const State& state, const std::vector<Vec3>& positions) const;
 
@@ -50,9 +50,9 @@ class Resampled {
   [[nodiscard]] std::vector<double> smaller_sizes(const Recording& recording, const std::vector<Moment>& moments,
                                                   double tolerance) const;
 
-  std::shared_ptr<const io::StoredMesh> mesh_;
-  std::map<const io::StoredMesh*, Correspondence> of_;
-  std::vector<std::shared_ptr<const io::StoredMesh>> meshes_;  ///< keeps the keys of of_
+  std::shared_ptr<const results::StoredMesh> mesh_;
+  std::map<const results::StoredMesh*, Correspondence> of_;
+  std::vector<std::shared_ptr<const results::StoredMesh>> meshes_;  ///< keeps the keys of of_
 };
 
 }  // namespace voile::picture

@@ -108,7 +108,7 @@ void Show::survey_field(const Moment& moment, std::pair<double, double>& range) 
 /// Nothing if the step does not have the field.
 std::optional<FieldValues> Show::values(const Moment& moment) const {
   const FieldChoice choice = parse_field(options_.field);
-  const io::StoredRun& run = recording_.parts()[moment.part].run;
+  const results::StoredRun& run = recording_.parts()[moment.part].run;
   if (!moment.step || !run.has_field(*moment.step, choice.name)) return std::nullopt;
   return field_values(run.field(*moment.step, choice.name, recording_.mesh(moment)->data), choice.component);
 }

@@ -87,7 +87,7 @@ struct Shown {
   double low = std::numeric_limits<double>::infinity(), high = -low;
 
   [[nodiscard]] Json values(const Recording& recording, const Moment& moment) {
-    const io::StoredRun& run = recording.parts()[moment.part].run;
+    const results::StoredRun& run = recording.parts()[moment.part].run;
     if (!moment.step || !run.has_field(*moment.step, choice.name)) return nullptr;
     const FieldValues v =
         field_values(run.field(*moment.step, choice.name, recording.mesh(moment)->data), choice.component);

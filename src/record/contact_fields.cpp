@@ -20,27 +20,28 @@ std::vector<double> forces(system::Model& model, Vec a, contact::ContactSet::Par
 
 }  // namespace
 
-std::vector<io::Field> contact_fields(system::Model& model, Vec a,
-                                      const std::function<bool(const std::string&)>& wants) {
-  std::vector<io::Field> fields;
+std::vector<results::Field> contact_fields(system::Model& model, Vec a,
+                                           const std::function<bool(const std::string&)>& wants) {
+  std::vector<results::Field> fields;
   const system::Contact* contact = model.contact();
   if (!contact) return fields;
   std::vector<double> normal = forces(model, a, contact::ContactSet::normal), pressure(normal.size() / 3);
   for (std::size_t v = 0; v < pressure.size(); ++v)
     pressure[v] =
         std::hypot(normal[3 * v], normal[3 * v + 1], normal[3 * v + 2]) / contact->scene().set().surface().area[v];
-  if (wants("contact_pressure")) fields.push_back({"contact_pressure", "Pa", io::Centre::vertex, 1, pressure});
+  if (wants("contact_pressure")) fields.push_back({"contact_pressure", "Pa", results::Centre::vertex, 1, pressure});
   if (system::has_passable_obstacles(contact->scene().input()) && wants("passing")) {
     std::vector<double> given(pressure.size());
     const std::vector<double>& passing = contact->memory().passing;
     for (std::size_t v = 0; v < given.size() && v < passing.size(); ++v) given[v] = passing[v] != 0.0 ? 1.0 : 0.0;
-    fields.push_back({"passing", "1", io::Centre::vertex, 1, std::move(given)});
+    fields.push_back({"passing", "1", results::Centre::vertex, 1, std::move(given)});
   }
-  if (wants("contact_force")) fields.push_back({"contact_force", "N", io::Centre::vertex, 3, std::move(normal)});
+  if (wants("contact_force")) fields.push_back({"contact_force", "N", results::Centre::vertex, 3, std::move(normal)});
   if (wants("friction_force"))
-    fields.push_back({"friction_force", "N", io::Centre::vertex, 3, forces(model, a, contact::ContactSet::friction)});
+    fields.push_back(
+        {"friction_force", "N", results::Centre::vertex, 3, forces(model, a, contact::ContactSet::friction)});
   if (system::has_bodies(contact->scene().input()) && wants("ease"))
-    fields.push_back({"ease", "m", io::Centre::vertex, 1, system::ease(contact->scene(), a)});
+    fields.push_back({"ease", "m", results::Centre::vertex, 1, system::ease(contact->scene(), a)});
   return fields;
 }
 

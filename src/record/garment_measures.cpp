@@ -45,7 +45,7 @@ GarmentMeasures measure_garment(const input::Case& c, system::Model& model, cons
   const std::vector<double> displacement = model.dofs().gather(state.u);
   const system::TriangleFields fields = model.potential().triangle_fields(state.u);
   std::vector<double> ease, pressure;
-  for (io::Field& f : contact_fields(
+  for (results::Field& f : contact_fields(
            model, state.u, [](const std::string& name) { return name == "ease" || name == "contact_pressure"; }))
     (f.name == "ease" ? ease : pressure) = std::move(f.values);
   mpi::on_root(model.dofs().comm(), [&] {

@@ -47,7 +47,7 @@ Recorder::Recorder(const input::Case& c, const RunOptions& options, system::Mode
     kept_.columns = columns();
     if (!has_folder()) return;
     if (model.contact()) obstacles_.emplace(model.contact()->scene().input(), model.dofs().mesh());
-    results_.emplace(options.output, obstacles_ ? obstacles_->at_rest() : io::ObstacleTriangles{});
+    results_.emplace(options.output, obstacles_ ? obstacles_->at_rest() : results::ObstacleTriangles{});
     begin_epoch();
     history_.emplace(options.output / "history.csv", kept_.columns);
     if (std::vector<std::string> renamed = results_->renamed_groups(); !renamed.empty()) {
@@ -199,22 +199,23 @@ void Recorder::record(const system::State& state, const solve::StepResult& r, bo
 }
 
 void Recorder::write_step(const system::State& state, const solve::StepResult& r, const Snapshot& s, bool whole) {
-  io::StepFields step;
+  results::StepFields step;
   step.step = state.step;
   // Along an arc the load factor goes up and down, but a time must not.
   step.time = dynamics_ ? state.time : case_.steps.control == Control::load ? state.load_factor : state.step;
   step.load_factor = state.load_factor;
   if (r.mode)
-    step.fields.push_back({"critical_mode", "1", io::Centre::vertex, 3, model_->dofs().gather_change(r.mode)});
+    step.fields.push_back({"critical_mode", "1", results::Centre::vertex, 3, model_->dofs().gather_change(r.mode)});
   write_or_keep(state.step % case_.output.every == 0 || whole || r.mode || s.intersections > 0, std::move(step),
                 state.u, motion_of(state), s);
 }
 
-void Recorder::write_or_keep(bool write, io::StepFields step, Vec position, const Motion& motion, const Snapshot& s) {
+void Recorder::write_or_keep(bool write, results::StepFields step, Vec position, const Motion& motion,
+                             const Snapshot& s) {
   pending_.reset();
   if (write) {
     if (motion.v && wants("velocity"))
-      step.fields.push_back({"velocity", input::UnitSystem(case_.units).label("m/s"), io::Centre::vertex, 3,
+      step.fields.push_back({"velocity", input::UnitSystem(case_.units).label("m/s"), results::Centre::vertex, 3,
                              model_->dofs().gather_change(motion.v)});
     write_fields(std::move(step), position, s);
     return;

@@ -11,8 +11,8 @@
 #include "discretisation_error.hpp"
 #include "energy_text.hpp"
 #include "input/case.hpp"
-#include "io/results.hpp"
 #include "probes.hpp"
+#include "results/results.hpp"
 #include "run_options.hpp"
 #include "setup/obstacles.hpp"
 #include "solve/stepper.hpp"
@@ -40,7 +40,7 @@ class Recorder {
   void write_pending();
   /// Fields of a state by name, as the results would have them; values on rank 0. Collective; the model must be that of the
   /// state.
-  [[nodiscard]] std::vector<io::Field> fields(const system::State& state, const Wants& wants);
+  [[nodiscard]] std::vector<results::Field> fields(const system::State& state, const Wants& wants);
   /// Does so, closes the results, and tells if the cells do not resolve the last state. Collective.
   void finish();
   /// The model of later records, perhaps on another mesh; the dynamics of its motion, null outside one. What is pending
@@ -100,7 +100,7 @@ class Recorder {
   }
   /// A recorded state whose fields are not written.
   struct Pending {
-    io::StepFields step;
+    results::StepFields step;
     petsc::VecHandle position, velocity, acceleration;
   };
   [[nodiscard]] Snapshot snapshot(Vec a, const Motion& motion);
@@ -110,14 +110,15 @@ class Recorder {
   [[nodiscard]] Snapshot gathered(Vec a, const Motion& motion);
   /// Whether estimates of error are made: not of modes, which have no size.
   [[nodiscard]] bool estimates() const { return !case_.finds_modes(); }
-  void write_fields(io::StepFields step, Vec a, const Snapshot& s);
+  void write_fields(results::StepFields step, Vec a, const Snapshot& s);
   /// `judged`: estimates of error are made, wanted or not, and remembered as those of this place on the path; may be null.
-  [[nodiscard]] std::vector<io::Field> fields_of(Vec a, const Snapshot& s, const Wants& wants,
-                                                 const std::string* judged);
+  [[nodiscard]] std::vector<results::Field> fields_of(Vec a, const Snapshot& s, const Wants& wants,
+                                                      const std::string* judged);
   /// Strain below which a state is only round-off. Collective.
   [[nodiscard]] double round_off_strain(Vec a) const;
-  [[nodiscard]] std::vector<io::Field> stresses(const system::TriangleFields& t, const Wants& wants, bool all) const;
-  void write_or_keep(bool write, io::StepFields step, Vec position, const Motion& motion, const Snapshot& s);
+  [[nodiscard]] std::vector<results::Field> stresses(const system::TriangleFields& t, const Wants& wants,
+                                                     bool all) const;
+  void write_or_keep(bool write, results::StepFields step, Vec position, const Motion& motion, const Snapshot& s);
   void write_step(const system::State& state, const solve::StepResult& r, const Snapshot& s, bool whole);
   void write_history(const system::State& state, const solve::StepResult& r, const Snapshot& s);
   void print_motion(const system::State& state, const solve::StepResult& r, const Snapshot& s) const;
@@ -144,8 +145,8 @@ class Recorder {
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
   std::optional<Probes> probes_;
   std::optional<setup::ObstaclePicture> obstacles_;  ///< rank 0, with contact
-  std::optional<io::ResultsWriter> results_;
-  std::optional<io::HistoryWriter> history_;
+  std::optional<results::ResultsWriter> results_;
+  std::optional<results::HistoryWriter> history_;
   History kept_;
   std::optional<Pending> pending_;
   bool linear_;

@@ -19,7 +19,7 @@ namespace voile::record {
 
 namespace {
 
-using Field = io::Field;
+using Field = results::Field;
 
 /// Estimates of error.
 constexpr std::array judgements{"membrane_error", "membrane_recovery_error", "bending_recovery_error"};
@@ -58,7 +58,7 @@ std::vector<Field> Recorder::fields_of(Vec a, const Snapshot& s, const Wants& wa
   std::vector<Field> fields;
   const system::TriangleFields t =
       linear_ ? LinearValues(*model_, a).triangle_fields() : model_->potential().triangle_fields(a);
-  if (sizes_ && wants("wanted_size")) fields.push_back({"wanted_size", "m", io::Centre::vertex, 1, sizes_()});
+  if (sizes_ && wants("wanted_size")) fields.push_back({"wanted_size", "m", results::Centre::vertex, 1, sizes_()});
   for (Field& f : contact_fields(*model_, a, wants)) fields.push_back(std::move(f));
   const bool estimated = estimates() && (judged || std::any_of(judgements.begin(), judgements.end(),
                                                                [&](const char* n) { return wants(n); }));
@@ -68,17 +68,18 @@ std::vector<Field> Recorder::fields_of(Vec a, const Snapshot& s, const Wants& wa
     recovered =
         judged ? discretisation_error_.judged(*model_, t, {*judged, least}) : discretisation_error_.of(*model_, t);
   mpi::on_root(model_->dofs().comm(), [&] {
-    const auto add = [&](const char* name, const char* unit, io::Centre centre, const std::vector<double>& values) {
+    const auto add = [&](const char* name, const char* unit, results::Centre centre,
+                         const std::vector<double>& values) {
       if (wants(name)) fields.push_back({name, unit, centre, 3, values});
     };
-    add("displacement", "m", io::Centre::vertex, s.state.displacement);
-    add("reaction", "N", io::Centre::vertex, s.state.reaction);
-    add("membrane_strain", "1", io::Centre::triangle, t.membrane_strain);
-    add("membrane_force", "N/m", io::Centre::triangle, t.membrane_force);
-    add("curvature", "1/m", io::Centre::triangle, t.curvature);
-    add("bending_moment", "N", io::Centre::triangle, t.bending_moment);
+    add("displacement", "m", results::Centre::vertex, s.state.displacement);
+    add("reaction", "N", results::Centre::vertex, s.state.reaction);
+    add("membrane_strain", "1", results::Centre::triangle, t.membrane_strain);
+    add("membrane_force", "N/m", results::Centre::triangle, t.membrane_force);
+    add("curvature", "1/m", results::Centre::triangle, t.curvature);
+    add("bending_moment", "N", results::Centre::triangle, t.bending_moment);
     const auto add_density = [&](const char* name, std::vector<double>& values) {
-      if (wants(name)) fields.push_back({name, "J/m^2", io::Centre::triangle, 1, std::move(values)});
+      if (wants(name)) fields.push_back({name, "J/m^2", results::Centre::triangle, 1, std::move(values)});
     };
     if (linear_ && judged) warnings_.say_linear_range(model_->discretisation().sheet(), t.membrane_strain);
     if (estimated) {
@@ -93,8 +94,9 @@ std::vector<Field> Recorder::fields_of(Vec a, const Snapshot& s, const Wants& wa
     system::FailureFields failure = system::failure_fields(model_->discretisation().sheet(), t);
     if (judged) failure_ = first_failure(model_->dofs().mesh(), failure, s.state.displacement);
     if (wants("failure_index"))
-      fields.push_back({"failure_index", "1", io::Centre::triangle, 1, std::move(failure.index)});
-    if (wants("failure_ply")) fields.push_back({"failure_ply", "1", io::Centre::triangle, 1, std::move(failure.ply)});
+      fields.push_back({"failure_index", "1", results::Centre::triangle, 1, std::move(failure.index)});
+    if (wants("failure_ply"))
+      fields.push_back({"failure_ply", "1", results::Centre::triangle, 1, std::move(failure.ply)});
   });
   for (Field& f : fields) f.unit = input::UnitSystem(case_.units).label(f.unit);
   return fields;
@@ -119,12 +121,12 @@ void Recorder::say_form(const system::State& state, const solve::StepResult& r) 
 std::vector<Field> Recorder::fields(const system::State& state, const Wants& wants) {
   std::vector<Field> found = fields_of(state.u, gathered(state.u, motion_of(state)), wants, nullptr);
   if (dynamics_ && wants("velocity"))
-    found.push_back({"velocity", input::UnitSystem(case_.units).label("m/s"), io::Centre::vertex, 3,
+    found.push_back({"velocity", input::UnitSystem(case_.units).label("m/s"), results::Centre::vertex, 3,
                      model_->dofs().gather_change(state.v)});
   return found;
 }
 
-void Recorder::write_fields(io::StepFields step, Vec a, const Snapshot& s) {
+void Recorder::write_fields(results::StepFields step, Vec a, const Snapshot& s) {
   // Along a motion the worst state is passed in an instant.
   const std::string place = case_.analysis == "static" ? fmt::format("load factor {:.4g}", step.load_factor) : "";
   for (Field& f : fields_of(

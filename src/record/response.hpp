@@ -6,8 +6,8 @@
 #include <optional>
 #include <vector>
 
-#include "io/results.hpp"
 #include "probes.hpp"
+#include "results/results.hpp"
 #include "summary.hpp"
 
 namespace voile::record {
@@ -38,7 +38,7 @@ class ResponseTable {
   Vec3 base_;
   bool random_;
   std::vector<ResponsePeak> peaks_;
-  std::optional<io::HistoryWriter> table_;
+  std::optional<results::HistoryWriter> table_;
 };
 
 }  // namespace voile::record

@@ -30,7 +30,7 @@ double von_mises(const Stress& s) {
 /// A field of stresses at one place in the thickness.
 class Face {
  public:
-  Face(std::string name, std::size_t count, io::Centre centre = io::Centre::triangle)
+  Face(std::string name, std::size_t count, results::Centre centre = results::Centre::triangle)
       : name_(std::move(name)), centre_(centre), stress_(count, Stress::Zero()) {}
   void set(std::size_t t, const Stress& s) { stress_[t] = s; }
   [[nodiscard]] std::vector<double> values() const {
@@ -38,7 +38,7 @@ class Face {
     for (const Stress& s : stress_) all.insert(all.end(), s.begin(), s.end());
     return all;
   }
-  void add_to(std::vector<io::Field>& fields, bool derived) const {
+  void add_to(std::vector<results::Field>& fields, bool derived) const {
     fields.push_back(field("stress_", "Pa", 3, [](const Stress& s) { return s; }));
     if (!derived) return;
     fields.push_back(field("principal_stress_", "Pa, Pa, rad", 3, principal));
@@ -47,8 +47,8 @@ class Face {
 
  private:
   template <class Value>
-  [[nodiscard]] io::Field field(const char* prefix, const char* unit, int components, const Value& value) const {
-    io::Field f{prefix + name_, unit, centre_, components, {}};
+  [[nodiscard]] results::Field field(const char* prefix, const char* unit, int components, const Value& value) const {
+    results::Field f{prefix + name_, unit, centre_, components, {}};
     f.values.reserve(stress_.size() * static_cast<std::size_t>(components));
     for (const Stress& s : stress_) {
       const Vec3 v = value(s);
@@ -57,7 +57,7 @@ class Face {
     return f;
   }
   std::string name_;
-  io::Centre centre_;
+  results::Centre centre_;
   std::vector<Stress> stress_;
 };
 
@@ -93,7 +93,7 @@ std::vector<std::pair<Index, int>> smooth_parts(const mesh::SurfaceMesh& mesh, c
 Face at_vertices(const energy::Sheet& sheet, const energy::RecoveryError& recovery, const std::string& name,
                  const std::vector<double>& stress) {
   const mesh::SurfaceMesh& mesh = sheet.mesh();
-  Face face(name, static_cast<std::size_t>(mesh.vertex_count()), io::Centre::vertex);
+  Face face(name, static_cast<std::size_t>(mesh.vertex_count()), results::Centre::vertex);
   for (Index v = 0; v < mesh.vertex_count(); ++v) {
     Stress most = Stress::Zero();
     for (const auto& [t, corner] : smooth_parts(mesh, recovery, v)) {
@@ -107,7 +107,8 @@ Face at_vertices(const energy::Sheet& sheet, const energy::RecoveryError& recove
 
 }  // namespace
 
-std::vector<io::Field> stress_fields(const energy::Sheet& sheet, const system::TriangleFields& fields, bool plies) {
+std::vector<results::Field> stress_fields(const energy::Sheet& sheet, const system::TriangleFields& fields,
+                                          bool plies) {
   const std::size_t triangles = fields.membrane_strain.size() / 3;
   std::size_t most_layers = 0;
   for (const energy::Material& m : sheet.materials()) most_layers = std::max(most_layers, m.layers.size());
@@ -129,7 +130,7 @@ std::vector<io::Field> stress_fields(const energy::Sheet& sheet, const system::T
       inner[2 * k + 1].set(t, at(layers[k], layers[k].high));
     }
   }
-  std::vector<io::Field> out;
+  std::vector<results::Field> out;
   bottom.add_to(out, true);
   top.add_to(out, true);
   const energy::RecoveryError recovery(sheet);

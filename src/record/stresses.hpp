@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "energy/sheet.hpp"
-#include "io/results.hpp"
+#include "results/results.hpp"
 #include "system/model.hpp"
 
 namespace voile::record {
@@ -16,7 +16,7 @@ namespace voile::record {
 /// Fields on triangles: stress_top and stress_bottom (11, 22, 12), principal_stress_top and _bottom (s1, s2, angle of
 /// s1 to material axis 1 [rad]), von_mises_top and _bottom; `plies`: also ply_stress_<k>_bottom and _top. Zero where a
 /// material's layers are not known. Rank 0 only.
-[[nodiscard]] std::vector<io::Field> stress_fields(const energy::Sheet& sheet, const system::TriangleFields& fields,
-                                                   bool plies);
+[[nodiscard]] std::vector<results::Field> stress_fields(const energy::Sheet& sheet,
+                                                        const system::TriangleFields& fields, bool plies);
 
 }  // namespace voile::record

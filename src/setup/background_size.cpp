@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "io/gmsh_view.hpp"
+#include "formats/gmsh_view.hpp"
 #include "voile/errors.hpp"
 
 namespace voile::setup {
@@ -21,7 +21,7 @@ std::vector<double> BackgroundSize::at(const std::vector<Vec3>& places) {
     asked.push_back(x);
     in_file.emplace_back(back * (x - placement_.translate) / scale_);
   }
-  const std::vector<double> values = asked.empty() ? std::vector<double>{} : io::view_values(file_, in_file);
+  const std::vector<double> values = asked.empty() ? std::vector<double>{} : formats::view_values(file_, in_file);
   for (std::size_t i = 0; i < asked.size(); ++i) {
     if (!std::isfinite(values[i]) || values[i] <= 0.0)
       throw UserError(

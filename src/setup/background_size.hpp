@@ -16,12 +16,12 @@ class BackgroundSize {
   explicit BackgroundSize(const input::Case& c);
 
   /// Upper bounds of the edge length at places at the start [m]. Not collective: call on one rank. Throws UserError as
-  /// io::view_values() does, and for values that are no length.
+  /// formats::view_values() does, and for values that are no length.
   [[nodiscard]] std::vector<double> at(const std::vector<Vec3>& places);
 
  private:
   std::string file_;
-  io::Placement placement_;
+  formats::Placement placement_;
   double scale_;
   std::map<std::tuple<double, double, double>, double> known_;
 };

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "input/expression.hpp"
-#include "io/stored_step.hpp"
+#include "results/stored_step.hpp"
 #include "voile/errors.hpp"
 
 namespace voile::setup {
@@ -94,7 +94,7 @@ void add_modes(const input::Case& c, const ImperfectionSection& s, const mesh::S
   for (std::size_t k = 0; k < s.modes.size(); ++k) {
     std::vector<double> shape;
     try {
-      shape = io::read_mode(file, static_cast<int>(s.modes[k]), mesh);
+      shape = results::read_mode(file, static_cast<int>(s.modes[k]), mesh);
     } catch (const UserError& e) {
       fail("modes", fmt::format("mode {:g}: {}", s.modes[k], e.what()));
     }

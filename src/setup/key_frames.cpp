@@ -7,8 +7,8 @@
 #include <memory>
 #include <utility>
 
-#include "io/mesh_file.hpp"
-#include "io/point_cache.hpp"
+#include "formats/mesh_file.hpp"
+#include "formats/point_cache.hpp"
 #include "voile/errors.hpp"
 
 namespace voile::setup {
@@ -58,8 +58,8 @@ class PlacedFrames {
       throw UserError(fmt::format("{}: it has {} vertices, but {} has {}; frames must be of the same mesh",
                                   section.frames.string(), cache_.vertex_count(), section.file.string(), vertices));
     const double largest = std::sqrt(3.0) * scale_ * cache_.largest_coordinate();
-    io::check_coordinates(section.frames.string(),
-                          {Vec3::Zero(), Vec3::Constant(largest) + placement_.translate.cwiseAbs()});
+    formats::check_coordinates(section.frames.string(),
+                               {Vec3::Zero(), Vec3::Constant(largest) + placement_.translate.cwiseAbs()});
     const double length = cache_.end() - cache_.start();
     const std::vector<Vec3> first = at(cache_.start()), last = at(cache_.end());
     seam_ = difference(first, last);
@@ -99,7 +99,7 @@ class PlacedFrames {
       all.push_back(name + fmt::format("the last frame of {} is at {:.6g} s, from then to the end of the run at {:.6g} "
                                        "s the body holds still; frames_loop = true repeats the frames",
                                        file, end, run_end));
-    const io::PointCache::Step& most = cache_.largest_step();
+    const formats::PointCache::Step& most = cache_.largest_step();
     if (cache_.frame_count() > least_frames && most.way > leap * most.elsewhere && most.way > 0.0)
       all.push_back(name + fmt::format("from frame {} of {} to the next vertex {} (both counted from 1) goes {:.4g} m, "
                                        "between other frames no vertex goes further than {:.4g} m; if the body should "
@@ -152,8 +152,8 @@ class PlacedFrames {
     return x;
   }
 
-  io::PointCache cache_;
-  io::Placement placement_;
+  formats::PointCache cache_;
+  formats::Placement placement_;
   double scale_, start_, smoothing_;
   bool loop_;
   Difference seam_;

@@ -5,7 +5,7 @@
 
 #include "base/mpi.hpp"
 #include "base/petsc.hpp"
-#include "io/mesh_file.hpp"
+#include "formats/mesh_file.hpp"
 #include "mesh/coincident.hpp"
 #include "mesh/panels.hpp"
 
@@ -78,10 +78,10 @@ void broadcast_mesh(MPI_Comm comm, mesh::MeshData& data) {
     data.triangles[t] = {corners[3 * t], corners[3 * t + 1], corners[3 * t + 2]};
 }
 
-mesh::SurfaceMesh load_mesh(MPI_Comm comm, const std::filesystem::path& file, const io::MeshOptions& options) {
+mesh::SurfaceMesh load_mesh(MPI_Comm comm, const std::filesystem::path& file, const formats::MeshOptions& options) {
   mesh::MeshData data;
   mpi::on_root(comm, [&] {
-    data = io::read_mesh(file.string(), options);
+    data = formats::read_mesh(file.string(), options);
     if (!options.merge) return;
     const double given = options.merge_tolerance;
     const double tolerance = given > 0.0 ? given : mesh::default_merge_tolerance(data);
@@ -90,7 +90,7 @@ mesh::SurfaceMesh load_mesh(MPI_Comm comm, const std::filesystem::path& file, co
   });
   broadcast_mesh(comm, data);
   // The same data give the same verdict on every rank, so this throws everywhere or nowhere.
-  const bool panels = options.rest == io::RestShape::texture;
+  const bool panels = options.rest == formats::RestShape::texture;
   if (panels) mesh::take_rest_from_texture(data, options.texture_unit);
   mesh::SurfaceMesh mesh(std::move(data));
   if (panels) mesh::check_panels(mesh);

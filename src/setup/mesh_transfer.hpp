@@ -4,7 +4,7 @@
 #include <filesystem>
 
 #include "base/mpi.hpp"
-#include "io/mesh_file.hpp"
+#include "formats/mesh_file.hpp"
 
 #include "mesh/surface_mesh.hpp"
 
@@ -15,6 +15,6 @@ void broadcast_mesh(MPI_Comm comm, mesh::MeshData& data);
 
 /// Reads a mesh on rank 0 and distributes it. Collective. Throws UserError on every rank.
 [[nodiscard]] mesh::SurfaceMesh load_mesh(MPI_Comm comm, const std::filesystem::path& file,
-                                          const io::MeshOptions& options);
+                                          const formats::MeshOptions& options);
 
 }  // namespace voile::setup

@@ -12,9 +12,9 @@
 #include "base/child_process.hpp"
 #include "base/mpi.hpp"
 #include "base/text.hpp"
-#include "io/mesh_file.hpp"
-#include "io/message.hpp"
-#include "io/triangle_file.hpp"
+#include "formats/mesh_file.hpp"
+#include "formats/message.hpp"
+#include "formats/triangle_file.hpp"
 #include "system/contact.hpp"
 #include "voile/errors.hpp"
 
@@ -47,7 +47,7 @@ void read_shape(MPI_Comm comm, const input::ObstacleSection& section, contact::O
   std::vector<double> coordinates;
   std::vector<Index> corners;
   mpi::on_root(comm, [&] {
-    const geometry::TriangleSoup soup = io::read_triangles(section.file);
+    const geometry::TriangleSoup soup = formats::read_triangles(section.file);
     coordinates = flat(soup.positions);
     for (const mesh::Triangle& t : soup.triangles) corners.insert(corners.end(), t.begin(), t.end());
   });
@@ -55,9 +55,9 @@ void read_shape(MPI_Comm comm, const input::ObstacleSection& section, contact::O
   mpi::broadcast(comm, corners);
   o.points = points_of(coordinates);
   for (Vec3& x : o.points) x *= section.scale;
-  io::check_coordinates(section.file.string(), o.points);
+  formats::check_coordinates(section.file.string(), o.points);
   section.placement.apply(o.points);
-  io::check_coordinates(section.file.string() + ", put in place by rotate and translate", o.points);
+  formats::check_coordinates(section.file.string() + ", put in place by rotate and translate", o.points);
   for (std::size_t i = 0; i + 2 < corners.size(); i += 3)
     o.triangles.push_back({corners[i], corners[i + 1], corners[i + 2]});
 }
@@ -258,7 +258,7 @@ void IntersectionCheck::draw(const Triangles& all, const std::vector<geometry::T
   out.put(piece);
   out.put(hit);
   try {
-    const io::Message message(out.take());
+    const formats::Message message(out.take());
     const std::string picture = std::filesystem::path(file).replace_extension(".png").string();
     (void)run_beside(picture, "voile-picture", {"tangle", message.path(), picture});
   } catch (const UserError&) {  // no room, no program: what matters is in the file

@@ -11,7 +11,7 @@
 #include "base/mpi.hpp"
 #include "geometry/intersections.hpp"
 #include "input/case.hpp"
-#include "io/results.hpp"
+#include "results/results.hpp"
 
 namespace voile::system {
 class Contact;
@@ -72,12 +72,12 @@ class ObstaclePicture {
   /// Not collective.
   ObstaclePicture(const system::ContactInput& input, const mesh::SurfaceMesh& sheet);
 
-  [[nodiscard]] const io::ObstacleTriangles& at_rest() const { return rest_; }
+  [[nodiscard]] const results::ObstacleTriangles& at_rest() const { return rest_; }
   /// Vertices at the time in force of a scene with the same obstacles [m]. Not collective.
   [[nodiscard]] std::vector<Vec3> positions(const system::ContactScene& scene) const;
 
  private:
-  io::ObstacleTriangles rest_;
+  results::ObstacleTriangles rest_;
   std::vector<std::size_t> first_;  ///< vertex of each obstacle
 };
 

@@ -24,7 +24,7 @@ std::vector<double> bodies_of(const system::State& s, const system::Dofs& dofs) 
   return mpi::rank(dofs.comm()) == 0 ? all : std::vector<double>{};
 }
 
-void take_bodies(const io::Checkpoint& c, const system::Dofs& dofs, const system::State& s) {
+void take_bodies(const results::Checkpoint& c, const system::Dofs& dofs, const system::State& s) {
   const std::size_t each = dofs.body_unknowns();
   if (each == 0) return;
   const double found = mpi::max(dofs.comm(), static_cast<double>(c.bodies.size()));
@@ -48,10 +48,10 @@ void take_bodies(const io::Checkpoint& c, const system::Dofs& dofs, const system
 
 }  // namespace
 
-io::Checkpoint gather(const system::State& s, const system::Model& model) {
+results::Checkpoint gather(const system::State& s, const system::Model& model) {
   const auto values = [&](Vec v) { return v ? model.dofs().gather(v) : std::vector<double>{}; };
   const auto changes = [&](Vec v) { return v ? model.dofs().gather_change(v) : std::vector<double>{}; };
-  io::Checkpoint c;
+  results::Checkpoint c;
   c.step = s.step;
   c.time = s.time;
   c.next_step = s.next_step;
@@ -80,7 +80,7 @@ io::Checkpoint gather(const system::State& s, const system::Model& model) {
   return c;
 }
 
-system::State scatter(const io::Checkpoint& c, const system::Dofs& dofs) {
+system::State scatter(const results::Checkpoint& c, const system::Dofs& dofs) {
   system::State s;
   s.step = c.step;
   s.time = c.time;
@@ -123,9 +123,9 @@ void Checkpoints::after_step(const system::State& s, const system::Model& model,
 
 void Checkpoints::write(const system::State& s, const system::Model& model) {
   if (file_.empty()) return;
-  io::Checkpoint c = gather(s, model);
+  results::Checkpoint c = gather(s, model);
   c.couplings = model.couplings();
-  mpi::on_root(model.dofs().comm(), [&] { io::write_checkpoint(file_, c, model.dofs().mesh()); });
+  mpi::on_root(model.dofs().comm(), [&] { results::write_checkpoint(file_, c, model.dofs().mesh()); });
   last_ = Clock::now();
 }
 

@@ -5,16 +5,16 @@
 #include <filesystem>
 
 #include "input/case.hpp"
-#include "io/checkpoint.hpp"
+#include "results/checkpoint.hpp"
 #include "system/model.hpp"
 #include "system/state.hpp"
 
 namespace voile::simulation {
 
 /// Collective.
-[[nodiscard]] io::Checkpoint gather(const system::State& state, const system::Model& model);
+[[nodiscard]] results::Checkpoint gather(const system::State& state, const system::Model& model);
 /// Numbers and what contact remembers must be the same on all ranks. Collective.
-[[nodiscard]] system::State scatter(const io::Checkpoint& from, const system::Dofs& dofs);
+[[nodiscard]] system::State scatter(const results::Checkpoint& from, const system::Dofs& dofs);
 
 /// Writes checkpoint.h5 when it is due or asked for.
 class Checkpoints {

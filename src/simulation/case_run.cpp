@@ -38,7 +38,7 @@ Mesh load_case_mesh(MPI_Comm comm, const input::Case& c) {
 }
 
 /// The first epoch of a stage, with a start that contact allows.
-std::unique_ptr<Epoch> open_epoch(const Stage& stage, const mesh::SurfaceMesh& mesh, const io::Checkpoint& state,
+std::unique_ptr<Epoch> open_epoch(const Stage& stage, const mesh::SurfaceMesh& mesh, const results::Checkpoint& state,
                                   bool is_first) {
   check_remesh(stage.options.comm, stage.c, mesh);
   auto epoch = std::make_unique<Epoch>(stage.options.comm, stage.c, mesh, stage.input, stage.frozen, state);

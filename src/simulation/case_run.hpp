@@ -66,7 +66,7 @@ class CaseRun {
   std::vector<Stage> stages_;
   std::vector<std::shared_ptr<const mesh::SurfaceMesh>> meshes_;  ///< of the case, as the stages find it
   Origin origin_ = Origin::nothing;
-  io::Checkpoint state_;                        ///< with which the stage to come begins; rank 0
+  results::Checkpoint state_;                   ///< with which the stage to come begins; rank 0
   std::optional<record::OutputFolder> folder_;  ///< rank 0
   std::vector<std::pair<std::string, record::Summary>> summaries_;
   std::size_t number_ = 0;

@@ -60,7 +60,7 @@ bool goes_on(Origin origin) {
 }  // namespace
 
 Epoch::Epoch(MPI_Comm comm, const input::Case& stage, const mesh::SurfaceMesh& mesh, system::ModelInput input,
-             const std::vector<char>& frozen, const io::Checkpoint& start)
+             const std::vector<char>& frozen, const results::Checkpoint& start)
     : stage_(stage),
       end_(end_of_epoch(stage, start.time)),
       supports_(static_cast<std::size_t>(std::count_if(input.supports.begin(), input.supports.end(),

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "input/case.hpp"
-#include "io/checkpoint.hpp"
 #include "record/recorder.hpp"
+#include "results/checkpoint.hpp"
 #include "solve/stepper.hpp"
 #include "solve/time_integration.hpp"
 #include "system/dynamics.hpp"
@@ -24,7 +24,7 @@ class Epoch {
   /// `input` holds all that the stage names; supports which have released before the start are left out, of those that
   /// are `frozen` only what they hold counts. Mesh and case must outlive it. Collective. Throws UserError.
   Epoch(MPI_Comm comm, const input::Case& stage, const mesh::SurfaceMesh& mesh, system::ModelInput input,
-        const std::vector<char>& frozen, const io::Checkpoint& start);
+        const std::vector<char>& frozen, const results::Checkpoint& start);
 
   [[nodiscard]] system::Model& model() { return model_; }
   [[nodiscard]] const system::Model& model() const { return model_; }

@@ -10,11 +10,11 @@
 #include "base/interrupt.hpp"
 #include "base/mpi.hpp"
 #include "harmonic.hpp"
-#include "io/results.hpp"
 #include "record/discretisation_error.hpp"
 #include "record/linear_values.hpp"
 #include "record/response.hpp"
 #include "record/validity.hpp"
+#include "results/results.hpp"
 #include "solve/eigen.hpp"
 #include "system/rigid_motions.hpp"
 #include "voile/errors.hpp"
@@ -92,8 +92,8 @@ struct Estimated {  ///< of each mode
 void write_modes(const input::Case& c, const record::RunOptions& options, const system::Model& model,
                  const solve::EigenResult& result, const Estimated& of) {
   const bool vibration = c.vibrates();
-  std::optional<io::ResultsWriter> fields;
-  std::optional<io::HistoryWriter> table;
+  std::optional<results::ResultsWriter> fields;
+  std::optional<results::HistoryWriter> table;
   mpi::on_root(model.dofs().comm(), [&] {
     if (options.output.empty()) return;
     const mesh::Partition& p = model.dofs().partition();
@@ -113,8 +113,8 @@ void write_modes(const input::Case& c, const record::RunOptions& options, const 
       std::vector<double> row{static_cast<double>(number), mode.value, mode.eigenvalue, mode.residual, of.errors[i]};
       for (const double x : vibration ? participation_values(of.parts[i]) : std::vector<double>{}) row.push_back(x);
       if (table) table->write(row);
-      io::StepFields step{number, static_cast<double>(number), model.conditions().load_factor(), {}};
-      step.fields.push_back({"mode", "1", io::Centre::vertex, 3, std::move(shape)});
+      results::StepFields step{number, static_cast<double>(number), model.conditions().load_factor(), {}};
+      step.fields.push_back({"mode", "1", results::Centre::vertex, 3, std::move(shape)});
       if (fields) fields->write(step);
       if (options.verbosity != record::Verbosity::quiet)
         fmt::print("{:>5} {:>16.8g} {:>12.2e} {:>14.2g}\n", number, mode.value, mode.residual, 100.0 * of.errors[i]);

@@ -25,7 +25,7 @@ Origins origins_of(MPI_Comm comm, const adapt::Remeshed& from) {
   return origins;
 }
 
-void carry_contact(const mesh::SurfaceMesh& old_mesh, const Origins& from, io::Checkpoint& c) {
+void carry_contact(const mesh::SurfaceMesh& old_mesh, const Origins& from, results::Checkpoint& c) {
   const std::vector<double> gaps = std::move(c.contact_gaps), passing = std::move(c.passing);
   c.contact_gaps.clear();
   c.passing.clear();
@@ -45,7 +45,7 @@ void carry_contact(const mesh::SurfaceMesh& old_mesh, const Origins& from, io::C
 }
 
 void carry_slips(const mesh::SurfaceMesh& old_mesh, const mesh::SurfaceMesh& mesh, const adapt::Remeshed& from,
-                 io::Checkpoint& c) {
+                 results::Checkpoint& c) {
   if (c.slips.empty()) return;
   const std::size_t each = (c.slips.size() - 1) / static_cast<std::size_t>(old_mesh.triangle_count());
   const std::vector<double> old = std::move(c.slips);
@@ -77,7 +77,8 @@ void carry_slips(const mesh::SurfaceMesh& old_mesh, const mesh::SurfaceMesh& mes
   }
 }
 
-void carry_anchors(const system::Model& model, const mesh::SurfaceMesh& mesh, const Origins& from, io::Checkpoint& c) {
+void carry_anchors(const system::Model& model, const mesh::SurfaceMesh& mesh, const Origins& from,
+                   results::Checkpoint& c) {
   if (c.anchors.empty()) return;
   std::map<std::pair<int, Index>, system::Anchor> old;
   for (const system::Anchor& a : system::anchors_of(c.anchors)) old.insert({{a.attachment, a.vertex}, a});

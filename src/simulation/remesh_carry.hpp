@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "adapt/remesh.hpp"
-#include "io/checkpoint.hpp"
+#include "results/checkpoint.hpp"
 #include "system/model.hpp"
 
 namespace voile::simulation {
@@ -21,15 +21,16 @@ struct Origins {
 
 /// Gaps from which a start is let out, and obstacles that are ignored, per new vertex. Friction remembers nothing beyond a
 /// step (contact/contact_set.hpp), so that there is nothing to carry. Not collective, as what follows.
-void carry_contact(const mesh::SurfaceMesh& old_mesh, const Origins& from, io::Checkpoint& c);
+void carry_contact(const mesh::SurfaceMesh& old_mesh, const Origins& from, results::Checkpoint& c);
 
 /// Slips of yarns (system::Potential::slips), on rank 0, from the triangles of the old mesh to those of the new one, by place on the
 /// rest shape: triangles that stay keep theirs, others take the mean at their corners of means over the triangles around.
 void carry_slips(const mesh::SurfaceMesh& old_mesh, const mesh::SurfaceMesh& mesh, const adapt::Remeshed& from,
-                 io::Checkpoint& c);
+                 results::Checkpoint& c);
 
 /// Places to which springs of new vertices pull are means of those of old ones, so that their forces stay. What is held
 /// exactly takes hold anew, as what is left out here does. `model`: of the old mesh.
-void carry_anchors(const system::Model& model, const mesh::SurfaceMesh& mesh, const Origins& from, io::Checkpoint& c);
+void carry_anchors(const system::Model& model, const mesh::SurfaceMesh& mesh, const Origins& from,
+                   results::Checkpoint& c);
 
 }  // namespace voile::simulation

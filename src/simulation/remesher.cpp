@@ -87,10 +87,10 @@ Remesher::NewMesh Remesher::make_mesh(Epoch& epoch, const std::vector<double>& s
 
 /// The state on the new mesh, on rank 0: smooth where contact lets it be, otherwise on the old surface. Displacements are
 /// interpolated, not places: what is at rest stays at rest, whatever the shape there.
-io::Checkpoint Remesher::carry_over(Epoch& epoch, const NewMesh& made) const {
+results::Checkpoint Remesher::carry_over(Epoch& epoch, const NewMesh& made) const {
   const system::Dofs& dofs = epoch.model().dofs();
   const mesh::SurfaceMesh& old_mesh = dofs.mesh();
-  io::Checkpoint c = gather(epoch.state(), epoch.model());
+  results::Checkpoint c = gather(epoch.state(), epoch.model());
   mpi::on_root(dofs.comm(), [&] {
     const adapt::Remeshed& from = made.from;
     const auto carry = [&](std::vector<double>& field, Interpolation kind) {
@@ -220,7 +220,7 @@ std::optional<RemeshResult> Remesher::attempt(Epoch& epoch, const std::vector<do
   NewMesh made = make_mesh(epoch, size, only_splits);
   // An epoch needs a vertex on every rank.
   if (made.mesh->vertex_count() < mpi::size(comm)) return what = "it has fewer vertices than ranks", std::nullopt;
-  io::Checkpoint carried = carry_over(epoch, made);
+  results::Checkpoint carried = carry_over(epoch, made);
   const Origins origins = origins_of(comm, made.from);
   carry_contact(epoch.model().dofs().mesh(), origins, carried);
   carry_anchors(epoch.model(), *made.mesh, origins, carried);

@@ -12,8 +12,8 @@
 #include "adapt/sizing.hpp"
 #include "adapt/transfer.hpp"
 #include "epoch.hpp"
-#include "io/results.hpp"
 #include "record/summary.hpp"
+#include "results/results.hpp"
 #include "setup/background_size.hpp"
 #include "setup/obstacle_sizes.hpp"
 #include "stages.hpp"
@@ -74,7 +74,7 @@ class Remesher {
   [[nodiscard]] adapt::Limits limits(Epoch& epoch) const;
   struct NewMesh;
   [[nodiscard]] NewMesh make_mesh(Epoch& epoch, const std::vector<double>& size, bool only_splits);
-  [[nodiscard]] io::Checkpoint carry_over(Epoch& epoch, const NewMesh& made) const;
+  [[nodiscard]] results::Checkpoint carry_over(Epoch& epoch, const NewMesh& made) const;
   [[nodiscard]] std::optional<RemeshResult> attempt(Epoch& epoch, const std::vector<double>& size, bool only_splits,
                                                     std::string& what);
   [[nodiscard]] Ledger ledger(Epoch& epoch) const;
@@ -96,11 +96,11 @@ class Remesher {
   const Stage& stage_;
   const input::RemeshSection& keys_;
   std::shared_ptr<const mesh::SurfaceMesh> first_;
-  std::optional<adapt::RestSurface> rest_;  ///< rank 0
-  bool curved_ = false;                     ///< whether any chart of it is
-  std::optional<io::HistoryWriter> table_;  ///< rank 0
-  std::vector<double> size_;                ///< found by due()
-  std::vector<char> near_obstacle_;         ///< per vertex, on rank 0: beside a bend; found by due()
+  std::optional<adapt::RestSurface> rest_;       ///< rank 0
+  bool curved_ = false;                          ///< whether any chart of it is
+  std::optional<results::HistoryWriter> table_;  ///< rank 0
+  std::vector<double> size_;                     ///< found by due()
+  std::vector<char> near_obstacle_;              ///< per vertex, on rank 0: beside a bend; found by due()
   std::function<double(const Vec3&)> bound_;
   std::optional<setup::BackgroundSize> background_;  ///< rank 0
   double begin_ = cpu_clock(), seconds_ = 0.0;

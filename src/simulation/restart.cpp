@@ -7,10 +7,10 @@
 #include <cmath>
 
 #include "base/mpi.hpp"
+#include "formats/mesh_file.hpp"
 #include "input/case_differences.hpp"
-#include "io/mesh_file.hpp"
-#include "io/stored_step.hpp"
 #include "remesher.hpp"
+#include "results/stored_step.hpp"
 #include "setup/mesh_transfer.hpp"
 #include "voile/errors.hpp"
 
@@ -19,15 +19,16 @@ namespace voile::simulation {
 namespace {
 
 /// What --restart names. Rank 0 only.
-io::Checkpoint read_any(const input::Case& wanted, const record::RunOptions& options, const mesh::SurfaceMesh& mesh) {
-  if (!io::is_results(options.restart)) return io::read_checkpoint(options.restart, mesh);
+results::Checkpoint read_any(const input::Case& wanted, const record::RunOptions& options,
+                             const mesh::SurfaceMesh& mesh) {
+  if (!results::is_results(options.restart)) return results::read_checkpoint(options.restart, mesh);
   if (std::any_of(wanted.materials.begin(), wanted.materials.end(),
                   [](const energy::Material& m) { return !m.friction.sliders.empty() || m.yarns.rubs(); }))
     throw UserError(
         fmt::format("--restart {}: results do not hold the slips of friction inside the fabric; restart from the "
                     "checkpoint.h5 beside them",
                     options.restart.string()));
-  io::StoredStep stored = io::read_step(options.restart, options.restart_step, mesh);
+  results::StoredStep stored = results::read_step(options.restart, options.restart_step, mesh);
   const bool shape_only = stored.in_motion && stored.velocity.empty();
   // A motion would begin anew at time 0, and what moves jump back to where it was then.
   if (shape_only && wanted.analysis == "dynamic")
@@ -35,7 +36,7 @@ io::Checkpoint read_any(const input::Case& wanted, const record::RunOptions& opt
         fmt::format("--restart {}: its step {} is of a motion, but `velocity` is not among the fields; use a "
                     "checkpoint.h5, or results of a run with `velocity` in [output] fields",
                     options.restart.string(), stored.step));
-  io::Checkpoint c;
+  results::Checkpoint c;
   c.step = shape_only ? 0 : stored.step;
   c.load_factor = stored.load_factor;
   c.displacement = std::move(stored.displacement);
@@ -47,7 +48,7 @@ io::Checkpoint read_any(const input::Case& wanted, const record::RunOptions& opt
 }
 
 /// Throws UserError if a state cannot be one of this mesh: what overflows later would be blamed on the solver.
-void check_size(const record::RunOptions& options, const io::Checkpoint& s, const mesh::SurfaceMesh& mesh) {
+void check_size(const record::RunOptions& options, const results::Checkpoint& s, const mesh::SurfaceMesh& mesh) {
   constexpr double most = 1e6;          // displacements by the size of the mesh
   constexpr double most_per_s = 1e12;   // velocities
   constexpr double most_per_s2 = 1e18;  // accelerations
@@ -66,7 +67,7 @@ void check_size(const record::RunOptions& options, const io::Checkpoint& s, cons
 }
 
 /// What of a state the analysis goes on with. Rank 0 only.
-void begin_anew(const input::Case& c, io::Checkpoint& s) {
+void begin_anew(const input::Case& c, results::Checkpoint& s) {
   const bool moves = !s.velocity.empty(), in_time = c.analysis == "dynamic";
   if (moves != in_time) {
     s.step = s.remeshing_wait = s.remeshing_step = 0;
@@ -85,12 +86,12 @@ void begin_anew(const input::Case& c, io::Checkpoint& s) {
 }
 
 /// What a restart takes over silently otherwise. Rank 0 only.
-void say_differences(const input::Case& c, const record::RunOptions& options, const io::Checkpoint& s) {
+void say_differences(const input::Case& c, const record::RunOptions& options, const results::Checkpoint& s) {
   if (options.verbosity == record::Verbosity::quiet) return;
   const std::filesystem::path folder = options.restart.parent_path();
   for (const std::string& text : input::different_sections(c, folder / "resolved_case.toml"))
     fmt::print("note: --restart {}: its run had another {}\n", options.restart.string(), text);
-  if (c.analysis == "dynamic" && io::is_results(options.restart) && !s.velocity.empty())
+  if (c.analysis == "dynamic" && results::is_results(options.restart) && !s.velocity.empty())
     fmt::print(
         "note: --restart {}: results have no accelerations, so that the motion goes on a little differently; "
         "checkpoint.h5 has "
@@ -124,7 +125,7 @@ mesh::Triangle ascending(mesh::Triangle t) {
 
 /// Rank 0 only.
 std::vector<double> read_shape(const input::Case& c, const mesh::SurfaceMesh& mesh) {
-  const mesh::MeshData start = io::read_mesh(c.mesh.start.string(), c.mesh.options);
+  const mesh::MeshData start = formats::read_mesh(c.mesh.start.string(), c.mesh.options);
   const auto other = [&](const std::string& what) {
     return UserError(
         fmt::format("{}: [mesh] start: {}; a start has the same vertices and triangles, in the same order, "
@@ -146,10 +147,10 @@ std::vector<double> read_shape(const input::Case& c, const mesh::SurfaceMesh& me
 
 /// The mesh of what --restart names; empty if it is `first` or has to be. Rank 0 only.
 mesh::MeshData stored_mesh(const input::Case& c, const record::RunOptions& options, const mesh::SurfaceMesh& first) {
-  if (!io::is_results(options.restart)) return io::read_checkpoint_mesh(options.restart);
+  if (!results::is_results(options.restart)) return results::read_checkpoint_mesh(options.restart);
   // Without remeshing another mesh is a mistake, unless it was remeshing that made it.
-  if (!c.remesh.active && c.panels.empty() && !io::is_remeshed(options.restart, options.restart_step)) return {};
-  mesh::MeshData stored = io::read_step_mesh(options.restart, options.restart_step);
+  if (!c.remesh.active && c.panels.empty() && !results::is_remeshed(options.restart, options.restart_step)) return {};
+  mesh::MeshData stored = results::read_step_mesh(options.restart, options.restart_step);
   const bool is_first = stored.triangles == first.triangles() && stored.positions == first.positions();
   return is_first ? mesh::MeshData{} : stored;
 }
@@ -174,9 +175,9 @@ std::shared_ptr<const mesh::SurfaceMesh> mesh_of_start(const input::Case& c, con
   return data.triangles.empty() ? first : std::make_shared<const mesh::SurfaceMesh>(std::move(data));
 }
 
-io::Checkpoint read_start(const input::Case& c, const record::RunOptions& options, const mesh::SurfaceMesh& mesh,
-                          Origin origin) {
-  io::Checkpoint start;
+results::Checkpoint read_start(const input::Case& c, const record::RunOptions& options, const mesh::SurfaceMesh& mesh,
+                               Origin origin) {
+  results::Checkpoint start;
   if (!options.restart.empty() && c.analysis == "linear")
     throw UserError("--restart: analysis = \"linear\" starts from the unloaded state; leave the option out");
   if (options.restart.empty()) {
@@ -230,7 +231,7 @@ io::Checkpoint read_start(const input::Case& c, const record::RunOptions& option
 }
 
 void enter_stage(MPI_Comm comm, const input::Case& c, const mesh::SurfaceMesh& mesh, Origin origin,
-                 io::Checkpoint& state) {
+                 results::Checkpoint& state) {
   if (origin == Origin::stage) {
     state.step = state.remeshing_wait = state.remeshing_step = 0;
     state.positive_tangents = state.factors_left = state.wait = 0;

@@ -3,9 +3,9 @@
 
 #include "epoch.hpp"
 #include "input/case.hpp"
-#include "io/checkpoint.hpp"
 #include "mesh/surface_mesh.hpp"
 #include "record/run_options.hpp"
+#include "results/checkpoint.hpp"
 
 namespace voile::simulation {
 
@@ -23,13 +23,13 @@ namespace voile::simulation {
 /// checkpoint. A motion continues from the step of a motion at its time, from anything else it begins at time 0; a path
 /// continues from an equilibrium at its load factor. Arrays on rank 0 only. Collective. Throws UserError if the file does
 /// not fit.
-[[nodiscard]] io::Checkpoint read_start(const input::Case& c, const record::RunOptions& options,
-                                        const mesh::SurfaceMesh& mesh, Origin origin);
+[[nodiscard]] results::Checkpoint read_start(const input::Case& c, const record::RunOptions& options,
+                                             const mesh::SurfaceMesh& mesh, Origin origin);
 
 /// Prepares a state for the stage it enters: steps are counted and chosen from the beginning, a path begins at load
 /// factor 0 under what has acted before, a motion that begins at rest gets the case's initial velocities. Collective.
 /// Throws UserError.
 void enter_stage(MPI_Comm comm, const input::Case& c, const mesh::SurfaceMesh& mesh, Origin origin,
-                 io::Checkpoint& state);
+                 results::Checkpoint& state);
 
 }  // namespace voile::simulation

@@ -129,7 +129,7 @@ std::vector<double> masses(const Stage& stage, const mesh::SurfaceMesh& mesh) {
 }
 
 /// What contact remembers: the nearer gap, every obstacle that is ignored.
-void merge_contact(const std::vector<Index>& target, std::size_t count, io::Checkpoint& c) {
+void merge_contact(const std::vector<Index>& target, std::size_t count, results::Checkpoint& c) {
   const auto merge = [&](std::vector<double>& values, double none, const auto& join) {
     if (values.empty()) return;
     std::vector<double> merged(count, none);
@@ -143,7 +143,7 @@ void merge_contact(const std::vector<Index>& target, std::size_t count, io::Chec
 }
 
 /// Of vertices that have become one the first stays held.
-void merge_anchors(const std::vector<Index>& target, io::Checkpoint& c) {
+void merge_anchors(const std::vector<Index>& target, results::Checkpoint& c) {
   std::vector<system::Anchor> merged;
   for (system::Anchor a : system::anchors_of(c.anchors)) {
     a.vertex = target[a.vertex];
@@ -155,7 +155,7 @@ void merge_anchors(const std::vector<Index>& target, io::Checkpoint& c) {
 }
 
 /// Closes seams and counts displacements from where the state is. Collective.
-void weld_state(const Stage& stage, const std::vector<std::string>& seams, Mesh& mesh, io::Checkpoint& state) {
+void weld_state(const Stage& stage, const std::vector<std::string>& seams, Mesh& mesh, results::Checkpoint& state) {
   const MPI_Comm comm = stage.options.comm;
   const std::vector<double> mass = masses(stage, *mesh);
   mesh::MeshData data;
@@ -217,7 +217,7 @@ std::vector<Mesh> stage_meshes(const std::vector<Stage>& stages, const Mesh& fir
   return meshes;
 }
 
-std::vector<std::string> weld_before(const Stage& stage, Origin origin, Mesh& mesh, io::Checkpoint& state) {
+std::vector<std::string> weld_before(const Stage& stage, Origin origin, Mesh& mesh, results::Checkpoint& state) {
   std::vector<std::string> open = mesh::open_seams(mesh->data(), stage.sewn_before);
   std::string wrong;
   double moved = 0.0;

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "io/checkpoint.hpp"
 #include "mesh/surface_mesh.hpp"
+#include "results/checkpoint.hpp"
 #include "stages.hpp"
 
 namespace voile::simulation {
@@ -24,6 +24,6 @@ namespace voile::simulation {
 /// state, which then counts displacements from where it is. A stage that closes seams begins so too. Mass and momentum
 /// stay. Returns the seams it has closed. Collective. Throws UserError if the seams are too wide.
 std::vector<std::string> weld_before(const Stage& stage, Origin origin, std::shared_ptr<const mesh::SurfaceMesh>& mesh,
-                                     io::Checkpoint& state);
+                                     results::Checkpoint& state);
 
 }  // namespace voile::simulation

@@ -18,8 +18,8 @@ namespace voile {
 namespace {
 
 /// From rank 0 to all. Collective.
-Field shared(MPI_Comm comm, const io::Field& own) {
-  Field f{own.name, own.unit, own.centre == io::Centre::vertex, own.components, own.values};
+Field shared(MPI_Comm comm, const results::Field& own) {
+  Field f{own.name, own.unit, own.centre == results::Centre::vertex, own.components, own.values};
   std::vector<double> numbers{f.on_vertices ? 1.0 : 0.0, static_cast<double>(f.components)};
   mpi::broadcast(comm, f.unit);
   mpi::broadcast(comm, numbers);
@@ -40,20 +40,20 @@ Vec given_away(const petsc::VecHandle& v) {
 Field Simulation::field(const std::string& name) const {
   const Call call(*impl_);
   record::Recorder& recorder = impl_->run->stage().recorder();
-  const std::vector<io::Field> found =
+  const std::vector<results::Field> found =
       recorder.fields(impl_->state(), [&](const std::string& one) { return one == name; });
-  const auto at = std::find_if(found.begin(), found.end(), [&](const io::Field& f) { return f.name == name; });
+  const auto at = std::find_if(found.begin(), found.end(), [&](const results::Field& f) { return f.name == name; });
   const bool is_root = mpi::rank(impl_->comm) == 0;
   if (mpi::max(impl_->comm, is_root && at == found.end() ? 1.0 : 0.0) > 0.0) {
     std::string text;
-    const std::vector<io::Field> all = recorder.fields(impl_->state(), [](const std::string&) { return true; });
+    const std::vector<results::Field> all = recorder.fields(impl_->state(), [](const std::string&) { return true; });
     mpi::on_root(impl_->comm, [&] {
       std::vector<std::string> names;
-      for (const io::Field& f : all) names.push_back(f.name);
+      for (const results::Field& f : all) names.push_back(f.name);
       throw UserError(fmt::format("there is no field '{}' in this analysis:{}", name, suggestion(name, names)));
     });
   }
-  Field f = shared(impl_->comm, is_root ? *at : io::Field{});
+  Field f = shared(impl_->comm, is_root ? *at : results::Field{});
   f.name = name;
   return f;
 }

@@ -145,7 +145,7 @@ void StageRun::end_epoch() {
   const system::State& state = epoch_->state();
   done_ = !all_.completed || !epoch_->ends_at(state.time);
   if (done_) return;
-  const io::Checkpoint start = gather(state, epoch_->model());
+  const results::Checkpoint start = gather(state, epoch_->model());
   recorder_.write_pending();
   epoch_ = std::make_unique<Epoch>(comm(), stage_.c, epoch_->model().dofs().mesh(), stage_.input, stage_.frozen, start);
   recorder_.remark(fmt::format("t = {:.6g} s: {} support(s) hold", start.time, epoch_->support_count()));

@@ -27,7 +27,7 @@ class StageRun {
   /// A state to go back to; arrays on rank 0.
   struct Saved {
     Mesh mesh;
-    io::Checkpoint state;
+    results::Checkpoint state;
     solve::RunStatistics all;
     std::size_t rows = 0;
     bool done = false;

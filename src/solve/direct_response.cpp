@@ -26,14 +26,14 @@ bool solve_once(Mat m, Vec rhs, Vec x) {
   VOILE_PETSC(PCFactorSetMatSolverType(pc, MATSOLVERMUMPS));
   VOILE_PETSC(PCFactorSetUpMatSolverType(pc));
   VOILE_PETSC(PCFactorGetMatrix(pc, &factor));
-  VOILE_PETSC(MatMumpsSetIcntl(factor, mumps_workspace_percent, 100));
+  VOILE_PETSC(MatMumpsSetIcntl(factor, linear::mumps_workspace_percent, 100));
   VOILE_PETSC(KSPSolve(ksp, rhs, x));
   KSPConvergedReason reason = KSP_CONVERGED_ITERATING;
   VOILE_PETSC(KSPGetConvergedReason(ksp, &reason));
   PetscInt error = 0, size = 0;
-  VOILE_PETSC(MatMumpsGetInfog(factor, mumps_error, &error));
-  VOILE_PETSC(MatMumpsGetInfog(factor, mumps_error + 1, &size));
-  check_mumps_room(error, size);
+  VOILE_PETSC(MatMumpsGetInfog(factor, linear::mumps_error, &error));
+  VOILE_PETSC(MatMumpsGetInfog(factor, linear::mumps_error + 1, &size));
+  linear::check_mumps_room(error, size);
   return reason >= 0 && error >= 0;
 }
 

@@ -10,7 +10,7 @@
 
 #include "base/interrupt.hpp"
 #include "drape_motion.hpp"
-#include "inverse_iteration.hpp"
+#include "linear/inverse_iteration.hpp"
 #include "stall.hpp"
 #include "step_bound.hpp"
 #include "system/contact.hpp"
@@ -179,7 +179,7 @@ struct Drape::Impl {
   double escaped_energy = std::numeric_limits<double>::infinity();  ///< of the state that it left [J]
 
   Impl(system::Model& m, DrapeOptions o, const Remark& r, const Remark& p)
-      : model(m), options(o), remark(r), progress(p), mode(start_mode(m)) {}
+      : model(m), options(o), remark(r), progress(p), mode(linear::start_mode(m)) {}
 
   void judge(Vec a, NewtonResult& n);
   void conclude(system::State& state, StepResult& r);
@@ -188,7 +188,7 @@ struct Drape::Impl {
 
 /// Stability of the state a, with its lowest mode. Collective.
 void Drape::Impl::judge(Vec a, NewtonResult& n) {
-  LinearSolver& linear = search->newton().linear_solver();
+  linear::LinearSolver& linear = search->newton().linear_solver();
   system::TangentRequest request;
   request.exact_contact = true;
   model.assemble_tangent(a, request);
@@ -196,7 +196,7 @@ void Drape::Impl::judge(Vec a, NewtonResult& n) {
   const bool factored = linear.factorise();
   n.negative_pivots = factored ? linear.negative_eigenvalues() : -1;
   now.stable = n.negative_pivots == 0;
-  now.eigenvalue = factored ? inverse_iteration(model, linear, mode, inverse_iterations) : 0.0;
+  now.eigenvalue = factored ? linear::inverse_iteration(model, linear, mode, inverse_iterations) : 0.0;
   if (remark)
     remark(fmt::format("{} after {} iterations, residual {:.2e}, {} negative pivot(s)",
                        n.converged ? "equilibrium" : "no equilibrium", n.iterations, n.residual, n.negative_pivots));

@@ -8,7 +8,7 @@
 
 #include "base/interrupt.hpp"
 #include "base/mpi.hpp"
-#include "low_rank_solution.hpp"
+#include "linear/low_rank_solution.hpp"
 #include "voile/errors.hpp"
 
 namespace voile::solve {
@@ -91,7 +91,7 @@ double residual_with_gas(const system::Model& model, Mat mass, const Mode& mode)
 /// Gases: the systems of the spectral transformation are solved with what they add.
 struct GasSolution {
   const system::Model& model;
-  LowRankSolution solution;
+  linear::LowRankSolution solution;
 
   static PetscErrorCode complete(KSP ksp, Vec, Vec x, void* self) {
     auto& s = *static_cast<GasSolution*>(self);
@@ -219,7 +219,7 @@ EigenResult vibration_modes(system::Model& model, Vec a, int count, Mat mass) {
 }
 
 EigenResult buckling_modes(Newton& newton, system::Model& model, Vec a, int count) {
-  LinearSolver& linear = newton.linear_solver();
+  linear::LinearSolver& linear = newton.linear_solver();
   EigenResult result;
   petsc::VecHandle load = model.dofs().create_vector(), load_solution = model.dofs().create_vector();
   model.assemble_tangent(a, {.kind = energy::Tangent::exact});

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <utility>
 
-#include "inverse_iteration.hpp"
+#include "linear/inverse_iteration.hpp"
 #include "time_integration_impl.hpp"
 
 namespace voile::solve {
@@ -25,7 +25,7 @@ constexpr double worth_saying = 0.8;
 double largest_frequency(system::Dynamics& dynamics, Vec u, petsc::VecHandle& mode) {
   system::Model& model = dynamics.model();
   model.assemble_tangent(u, {.kind = energy::Tangent::exact});
-  petsc::VecHandle x = start_mode(model), y = model.dofs().create_vector();
+  petsc::VecHandle x = linear::start_mode(model), y = model.dofs().create_vector();
   if (mode) {
     double size = 0.0;
     VOILE_PETSC(VecNorm(x, NORM_2, &size));

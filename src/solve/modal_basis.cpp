@@ -85,7 +85,7 @@ petsc::VecHandle remainder(const std::vector<petsc::VecHandle>& v, Basis& basis,
 }
 
 /// Solves with the tangent assembled last. Throws UserError.
-void solve(LinearSolver& linear, Vec rhs, Vec x) {
+void solve(linear::LinearSolver& linear, Vec rhs, Vec x) {
   VOILE_PETSC(VecZeroEntries(x));
   for (int attempt = 0; !linear.solve(rhs, x); ++attempt)
     if (!linear.repair(attempt))
@@ -127,7 +127,7 @@ ModalBasis modal_basis(system::Model& model, Vec a, const std::vector<Mode>& mod
   petsc::VecHandle rhs = remainder(all.vectors, basis, force);
   const double shift = small_shift(model);
   Newton newton(model);
-  LinearSolver& linear = newton.linear_solver();
+  linear::LinearSolver& linear = newton.linear_solver();
   system::TangentRequest shifted{.kind = energy::Tangent::exact};
   shifted.mass = shift;
   shifted.mass_matrix = mass.blocks();

@@ -224,7 +224,7 @@ Newton::~Newton() = default;
 SNES Newton::snes() const {
   return impl_->snes;
 }
-LinearSolver& Newton::linear_solver() {
+linear::LinearSolver& Newton::linear_solver() {
   return impl_->linear;
 }
 const ConvergenceTest& Newton::convergence() const {

@@ -19,7 +19,7 @@ inline constexpr double rest_force = 1e8;
 struct Newton::Impl {
   system::Model& model;
   petsc::SnesHandle snes;
-  LinearSolver linear;
+  linear::LinearSolver linear;
   ConvergenceTest test;
   SolverChoice choice;
   petsc::VecHandle residual, start, previous, increment, trial;

@@ -21,7 +21,7 @@ PathFollower::Impl::Tangent PathFollower::Impl::tangent_at(Vec a) {
   t.speed = std::sqrt(dot(load_solution, load_solution));
   t.good = std::isfinite(t.speed) && t.speed > 0.0;
   t.negative_pivots = linear.negative_eigenvalues();
-  if (t.good) t.eigenvalue = inverse_iteration(model, linear, mode, iterations_per_step);
+  if (t.good) t.eigenvalue = linear::inverse_iteration(model, linear, mode, iterations_per_step);
   return t;
 }
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <optional>
 
-#include "inverse_iteration.hpp"
+#include "linear/inverse_iteration.hpp"
 #include "path_following.hpp"
 
 namespace voile::solve {
@@ -18,7 +18,7 @@ struct PathFollower::Impl {
   const StaticOptions options;
   const Remark& remark;
   Newton newton;
-  LinearSolver& linear;
+  linear::LinearSolver& linear;
   petsc::VecHandle probe;                          ///< c
   petsc::VecHandle accepted, increment, previous;  ///< accepted state, Da, the increment that led to the accepted state
   petsc::VecHandle tangent_solution;               ///< x_f of the accepted state
@@ -58,7 +58,7 @@ struct PathFollower::Impl {
       probe = m.dofs().create_vector();
       VOILE_PETSC(VecCopy(c, probe));
     }
-    mode = start_mode(m);
+    mode = linear::start_mode(m);
   }
 
   [[nodiscard]] double dot(Vec x, Vec y) const {

@@ -6,8 +6,8 @@
 #include <limits>
 
 #include "base/decompositions.hpp"
-#include "inexact_pc.hpp"
-#include "linear_solver.hpp"
+#include "linear/inexact_pc.hpp"
+#include "linear/linear_solver.hpp"
 #include "step_bound.hpp"
 
 namespace voile::solve {
@@ -33,10 +33,10 @@ class Minimiser {
     VOILE_PETSC(VecCopy(a, start_));
     VOILE_PETSC(KSPCreate(model.dofs().comm(), ksp_.out()));
     VOILE_PETSC(KSPSetOptionsPrefix(ksp_, "relax_"));
-    linear_.set_defaults(ksp_, force_ ? LinearSolver::Method::inexact : LinearSolver::Method::direct);
+    linear_.set_defaults(ksp_, force_ ? linear::LinearSolver::Method::inexact : linear::LinearSolver::Method::direct);
     VOILE_PETSC(KSPSetFromOptions(ksp_));
     linear_.prepare();
-    if (PC pc = linear_.inexact()) set_inexact_tolerance(pc, tolerance);
+    if (PC pc = linear_.inexact()) linear::set_inexact_tolerance(pc, tolerance);
     model.potential().count_from(a);
   }
 
@@ -101,7 +101,7 @@ class Minimiser {
 
   system::Model& model_;
   petsc::KspHandle ksp_;
-  LinearSolver linear_;
+  linear::LinearSolver linear_;
   Vec force_;
   double inverse_;
   petsc::VecHandle start_, gradient_, increment_, trial_, scratch_, mass_;

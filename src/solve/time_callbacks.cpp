@@ -6,7 +6,7 @@
 
 #include "alpha_ts.hpp"
 #include "base/interrupt.hpp"
-#include "inexact_pc.hpp"
+#include "linear/inexact_pc.hpp"
 #include "step_bound.hpp"
 #include "system/contact.hpp"
 #include "time_integration_impl.hpp"
@@ -82,7 +82,7 @@ void TimeIntegration::Impl::note_rate(double rate) {
 bool TimeIntegration::Impl::assemble(energy::Tangent kind) {
   tangent.positive = kind == energy::Tangent::positive;
   dynamics.assemble_tangent(tangent.u, kind, tangent.s_v, tangent.s_a);
-  if (PC pc = linear.inexact()) expect_indefinite(pc, !tangent.positive);
+  if (PC pc = linear.inexact()) linear::expect_indefinite(pc, !tangent.positive);
   linear.tangent_changed();
   return linear.factorise();
 }
@@ -114,7 +114,7 @@ PetscErrorCode TimeIntegration::Impl::start_step(void* self, Vec x, Vec v, Petsc
     n.again = {};
     n.cuts = 0;
     n.shortest = 1.0;
-    if (PC pc = n.linear.inexact()) set_inexact_tolerance(pc, 0.0);
+    if (PC pc = n.linear.inexact()) linear::set_inexact_tolerance(pc, 0.0);
   });
 }
 
@@ -246,9 +246,9 @@ void TimeIntegration::Impl::prepare_inexact(const system::SolverMemory& memory) 
   positive_left = memory.positive_tangents;
   PC pc = linear.inexact();
   if (!pc) return;
-  set_inexact_memory(pc, {memory.factors_left, memory.wait});
-  if (!model.contact()) set_inexact_double(pc);
-  InexactCallbacks callbacks;
+  linear::set_inexact_memory(pc, {memory.factors_left, memory.wait});
+  if (!model.contact()) linear::set_inexact_double(pc);
+  linear::InexactCallbacks callbacks;
   callbacks.context = this;
   callbacks.make_positive = make_positive;
   callbacks.is_last = [](void* self, Vec x, PetscBool* last) {
@@ -263,12 +263,12 @@ void TimeIntegration::Impl::prepare_inexact(const system::SolverMemory& memory) 
       if (n.remark) n.remark(fmt::format("t = {:.6g} s: {}", t, text));
     });
   };
-  set_inexact_callbacks(pc, callbacks);
+  linear::set_inexact_callbacks(pc, callbacks);
 }
 
 system::SolverMemory TimeIntegration::Impl::solver_memory() const {
   PC pc = linear.inexact();
-  const InexactMemory m = pc ? inexact_memory(pc) : InexactMemory{};
+  const linear::InexactMemory m = pc ? linear::inexact_memory(pc) : linear::InexactMemory{};
   return {positive_left, m.factors_left, m.wait};
 }
 
@@ -277,7 +277,7 @@ void TimeIntegration::Impl::set_tolerance(PetscInt it, double norm, double befor
   PC pc = linear.inexact();
   if (!pc) return;
   const double ratio = it > 0 && before > 0.0 && !cut ? norm / before : 1.0;
-  set_inexact_tolerance(pc, std::min(loosest_tolerance, forcing_factor * ratio * ratio));
+  linear::set_inexact_tolerance(pc, std::min(loosest_tolerance, forcing_factor * ratio * ratio));
 }
 
 bool TimeIntegration::Impl::is_last(Vec y) {

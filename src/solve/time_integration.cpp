@@ -11,7 +11,7 @@
 #include "base/interrupt.hpp"
 #include "base/mpi.hpp"
 #include "central_ts.hpp"
-#include "inexact_pc.hpp"
+#include "linear/inexact_pc.hpp"
 #include "stall.hpp"
 #include "system/contact.hpp"
 #include "time_integration_impl.hpp"
@@ -46,7 +46,7 @@ void TimeIntegration::Impl::create_snes() {
   VOILE_PETSC(SNESSetConvergenceTest(snes, converged, this, nullptr));
   VOILE_PETSC(SNESGetKSP(snes, &ksp));
   VOILE_PETSC(KSPSetPostSolve(ksp, after_linear_solve, this));
-  linear.set_defaults(ksp, inexact ? LinearSolver::Method::inexact : LinearSolver::Method::mixed);
+  linear.set_defaults(ksp, inexact ? linear::LinearSolver::Method::inexact : linear::LinearSolver::Method::mixed);
 }
 
 void TimeIntegration::Impl::create(const system::State& from) {
@@ -163,7 +163,7 @@ void TimeIntegration::Impl::note_effort(StepResult& r) {
   spent_factorisations = linear.factorisations();
   PC pc = linear.inexact();
   if (!pc) return;
-  const InexactCounts& c = inexact_counts(pc);
+  const linear::InexactCounts& c = linear::inexact_counts(pc);
   const IterativeEffort before =
       std::exchange(spent_iterative, {c.solutions, c.iterations, c.shifted, c.negative_curvature});
   r.iterative = {c.solutions - before.solutions, c.iterations - before.iterations, c.shifted - before.shifted,

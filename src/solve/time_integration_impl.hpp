@@ -24,7 +24,7 @@ struct TimeIntegration::Impl {
   const Remark& remark;
   bool inexact;
   TsHandle ts;
-  LinearSolver linear;
+  linear::LinearSolver linear;
   std::optional<system::EnergyAccount> account;
   ConvergenceTest test;
   SolverChoice choice;

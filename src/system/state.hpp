@@ -4,7 +4,7 @@
 //                     (dofs.hpp)
 //           t, lambda time [s] and load factor
 // Only a stepper (solve/stepper.hpp), or what opens a new epoch, writes it. A checkpoint is a state with its mesh
-// (io/checkpoint.hpp).
+// (results/checkpoint.hpp).
 #pragma once
 
 #include <vector>

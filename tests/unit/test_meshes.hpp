@@ -13,7 +13,7 @@
 
 #include "base/mpi.hpp"
 #include "base/petsc.hpp"
-#include "io/gmsh.hpp"
+#include "formats/gmsh.hpp"
 #include "mesh/surface_mesh.hpp"
 
 namespace voile::testing {
@@ -114,7 +114,7 @@ inline mesh::MeshData gmsh_square(int n) {
                                "Line(1)={1,2};Line(2)={2,3};Line(3)={3,4};Line(4)={4,1};\n"
                                "Curve Loop(1)={1,2,3,4};Plane Surface(1)={1};Physical Surface(\"all\")={1};\n"
                                "Point(5)={0.5,0.5,0,h};Point{5} In Surface{1};Mesh.Algorithm=5;\n");
-  mesh::MeshData d = io::read_gmsh(file.path().string(), {});
+  mesh::MeshData d = formats::read_gmsh(file.path().string(), {});
   d.groups.clear();
   return d;
 }

@@ -17,7 +17,7 @@
 #include <vector>
 
 #include "base/text.hpp"
-#include "io/results.hpp"
+#include "results/results.hpp"
 #include "test_case_kit.hpp"
 #include "voile/errors.hpp"
 
@@ -60,14 +60,14 @@ inline std::vector<int> ramp(Index n) {
 }
 
 /// A writer with one mesh.
-inline io::ResultsWriter begin(const fs::path& folder, const mesh::SurfaceMesh& mesh,
-                               const io::ObstacleTriangles& obstacles = {}) {
-  io::ResultsWriter writer(folder, obstacles);
+inline results::ResultsWriter begin(const fs::path& folder, const mesh::SurfaceMesh& mesh,
+                                    const results::ObstacleTriangles& obstacles = {}) {
+  results::ResultsWriter writer(folder, obstacles);
   writer.begin_epoch(mesh, ramp(mesh.vertex_count()), ramp(mesh.triangle_count()));
   return writer;
 }
 
-inline io::StepFields step(const mesh::SurfaceMesh& mesh, int number) {
+inline results::StepFields step(const mesh::SurfaceMesh& mesh, int number) {
   const auto values = [&](Index count, int components, double from) {
     std::vector<double> v;
     for (Index i = 0; i < count * components; ++i) v.push_back(from + number + 0.001 * i);
@@ -76,10 +76,10 @@ inline io::StepFields step(const mesh::SurfaceMesh& mesh, int number) {
   return {number,
           0.1 * number,
           0.2 * number,
-          {{"displacement", "m", io::Centre::vertex, 3, values(mesh.vertex_count(), 3, 0.0)},
-           {"membrane_force", "N/m", io::Centre::triangle, 3, values(mesh.triangle_count(), 3, 1000.0)},
-           {"thickness", "m", io::Centre::triangle, 1, values(mesh.triangle_count(), 1, 2000.0)},
-           {"tensor", "1", io::Centre::vertex, 9, values(mesh.vertex_count(), 9, 3000.0)}}};
+          {{"displacement", "m", results::Centre::vertex, 3, values(mesh.vertex_count(), 3, 0.0)},
+           {"membrane_force", "N/m", results::Centre::triangle, 3, values(mesh.triangle_count(), 3, 1000.0)},
+           {"thickness", "m", results::Centre::triangle, 1, values(mesh.triangle_count(), 1, 2000.0)},
+           {"tensor", "1", results::Centre::vertex, 9, values(mesh.vertex_count(), 9, 3000.0)}}};
 }
 
 /// Values and shape of a data set, read with HDF5 alone. `shape` stays empty if there is none.
@@ -245,7 +245,7 @@ inline int check_xdmf(const fs::path& folder, const char* name = "results.xdmf")
 }
 
 /// A triangle and a square.
-inline io::ObstacleTriangles obstacles(bool move) {
+inline results::ObstacleTriangles obstacles(bool move) {
   return {{"body", "floor & \xc3\xb6"},
           {{0, 0, 0}, {1, 0, 0.1}, {0, 1, 0}, {-1, -1, -1}, {1, -1, -1}, {1, 1, -1}, {-1, 1, -1}},
           {{0, 1, 2}, {3, 4, 5}, {3, 5, 6}},
@@ -268,7 +268,7 @@ inline std::vector<double> single(const std::vector<Vec3>& points) {
 }
 
 /// Positions at rest plus displacements, as ParaView gets them.
-inline std::vector<double> moved(const mesh::SurfaceMesh& mesh, const io::StepFields& step) {
+inline std::vector<double> moved(const mesh::SurfaceMesh& mesh, const results::StepFields& step) {
   std::vector<double> values;
   for (std::size_t v = 0; v < mesh.positions().size(); ++v)
     for (int k = 0; k < 3; ++k)

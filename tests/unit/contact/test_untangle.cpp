@@ -5,9 +5,9 @@
 #include <cmath>
 
 #include "base/decompositions.hpp"
+#include "formats/triangle_file.hpp"
 #include "geometry/intersections.hpp"
 #include "geometry/winding.hpp"
-#include "io/triangle_file.hpp"
 #include "test_meshes.hpp"
 #include "test_relative.hpp"
 #include "untangle/untangle.hpp"

@@ -16,8 +16,8 @@
 #include <string>
 
 #include "extent.hpp"
+#include "formats/triangle_file.hpp"
 #include "geometry/intersections.hpp"
-#include "io/triangle_file.hpp"
 #include "voile/errors.hpp"
 
 namespace test_intersections {

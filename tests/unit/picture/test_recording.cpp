@@ -4,11 +4,11 @@
 #include <cstring>
 
 #include "../test_results_kit.hpp"
-#include "io/point_cache.hpp"
-#include "io/stored_run.hpp"
+#include "formats/point_cache.hpp"
 #include "picture/export.hpp"
 #include "picture/field_values.hpp"
 #include "picture/show.hpp"
+#include "results/stored_run.hpp"
 
 namespace test_recording {
 
@@ -19,8 +19,8 @@ using namespace voile::picture;
 namespace {
 
 /// Steps 1 and 2 on a mesh, 3 to 5 on a finer one.
-io::ResultsWriter two_meshes(const fs::path& folder) {
-  io::ResultsWriter writer = begin(folder, plate(2));
+results::ResultsWriter two_meshes(const fs::path& folder) {
+  results::ResultsWriter writer = begin(folder, plate(2));
   for (const int n : {1, 2}) writer.write(step(plate(2), n));
   const mesh::SurfaceMesh fine = plate(4);
   writer.begin_epoch(fine, ramp(fine.vertex_count()), ramp(fine.triangle_count()));
@@ -48,13 +48,13 @@ void check_recording(const fs::path& folder) {
     const mesh::SurfaceMesh mesh = number <= 2 ? plate(2) : plate(4);
     const State s = r.state(m, 2.0);
     REQUIRE(s.positions.size() == mesh.positions().size());
-    const io::Field u = step(mesh, number).fields[0];
+    const results::Field u = step(mesh, number).fields[0];
     for (std::size_t v = 0; v < s.positions.size(); ++v)
       CHECK(
           (s.positions[v] - mesh.positions()[v] - 2.0 * Vec3(u.values[3 * v], u.values[3 * v + 1], u.values[3 * v + 2]))
               .norm() < 1e-12);
-    const io::Field thickness = r.parts()[0].run.field(*m.step, "thickness", s.mesh->data);
-    CHECK(thickness.centre == io::Centre::triangle);
+    const results::Field thickness = r.parts()[0].run.field(*m.step, "thickness", s.mesh->data);
+    CHECK(thickness.centre == results::Centre::triangle);
     CHECK(thickness.unit == "m");
     CHECK(thickness.values == step(mesh, number).fields[2].values);
     CHECK(r.parts()[0].run.field(*m.step, "membrane_force", s.mesh->data).values ==
@@ -68,7 +68,7 @@ void check_recording(const fs::path& folder) {
 
 TEST_CASE("steps of several meshes are read while the run goes on, and after it") {
   const Folder folder;
-  io::ResultsWriter writer = two_meshes(folder.path);
+  results::ResultsWriter writer = two_meshes(folder.path);
   check_recording(folder.path);
   writer.finish();
   check_recording(folder.path);
@@ -97,7 +97,7 @@ TEST_CASE("what are no results says so") {
 
 TEST_CASE("without steps the mesh at the start is shown") {
   const Folder folder;
-  const io::ResultsWriter writer = begin(folder.path, plate(2));
+  const results::ResultsWriter writer = begin(folder.path, plate(2));
   const Recording r(folder.path);
   const std::vector<Moment> moments = r.select("last");
   REQUIRE(moments.size() == 1);
@@ -130,20 +130,20 @@ TEST_CASE("pictures of all steps have one camera, whatever the mesh, and show wh
 }
 
 TEST_CASE("numbers out of fields: magnitude, components, principal values") {
-  const io::Field u{"displacement", "m", io::Centre::vertex, 3, {3, 4, 12, 0, 0, -1}};
+  const results::Field u{"displacement", "m", results::Centre::vertex, 3, {3, 4, 12, 0, 0, -1}};
   CHECK(field_values(u, "").values == std::vector<float>{13, 1});
   CHECK(field_values(u, "z").values == std::vector<float>{12, -1});
   CHECK(field_values(u, "").label == "displacement, magnitude [m]");
-  const io::Field n{"membrane_force", "N/m", io::Centre::triangle, 3, {1, 1, 2}};
+  const results::Field n{"membrane_force", "N/m", results::Centre::triangle, 3, {1, 1, 2}};
   CHECK(field_values(n, "larger").values == std::vector<float>{3});
   CHECK(field_values(n, "smaller").values == std::vector<float>{-1});
   CHECK(field_values(n, "max").values == std::vector<float>{3});
   // The third entry of a strain is twice the tensor's.
-  const io::Field e{"membrane_strain", "1", io::Centre::triangle, 3, {1, 1, 2}};
+  const results::Field e{"membrane_strain", "1", results::Centre::triangle, 3, {1, 1, 2}};
   CHECK(field_values(e, "larger").values == std::vector<float>{2});
   CHECK(field_values(e, "").label == "membrane strain, larger");
   // A thread of length 1 that becomes 1.1 has the Green-Lagrange strain (1.21 - 1)/2.
-  const io::Field f{"membrane_strain", "1", io::Centre::triangle, 3, {0.105, -0.095, 0, 0, 0, 0.21}};
+  const results::Field f{"membrane_strain", "1", results::Centre::triangle, 3, {0.105, -0.095, 0, 0, 0, 0.21}};
   CHECK(field_values(f, "warp").values[0] == doctest::Approx(10.0));
   CHECK(field_values(f, "weft").values[0] == doctest::Approx(-10.0));
   CHECK(field_values(f, "stretch").values[1] == doctest::Approx(10.0));

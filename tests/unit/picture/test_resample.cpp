@@ -4,7 +4,7 @@
 
 #include "../test_adapt_kit.hpp"
 #include "../test_results_kit.hpp"
-#include "io/point_cache.hpp"
+#include "formats/point_cache.hpp"
 #include "picture/export.hpp"
 
 namespace test_resample {
@@ -42,7 +42,7 @@ Vec3 opened(const Vec3& x, bool right) {
   return {x[0], x[1], right ? 0.1 + 0.3 * x[1] : 0.0};
 }
 
-io::StepFields opened_step(const mesh::SurfaceMesh& mesh, int number) {
+results::StepFields opened_step(const mesh::SurfaceMesh& mesh, int number) {
   std::vector<double> u(3 * static_cast<std::size_t>(mesh.vertex_count())), across;
   for (Index t = 0; t < mesh.triangle_count(); ++t) {
     const auto& corners = mesh.triangles()[t];
@@ -58,7 +58,7 @@ io::StepFields opened_step(const mesh::SurfaceMesh& mesh, int number) {
   return {number,
           0.1 * number,
           0.0,
-          {{"displacement", "m", io::Centre::vertex, 3, u}, {"across", "m", io::Centre::triangle, 1, across}},
+          {{"displacement", "m", results::Centre::vertex, 3, u}, {"across", "m", results::Centre::triangle, 1, across}},
           {}};
 }
 
@@ -106,7 +106,7 @@ TEST_CASE("a cut sheet that was remeshed is put on one mesh as fine as any of it
     for (const Vec3& x : meshes.back().positions()) size.push_back(0.015 + 0.2 * std::abs(x[0] - fine));
     meshes.emplace_back(adapt::remesh(meshes.back(), rest, meshes.back().positions(), size, {}, {}).mesh);
   }
-  io::ResultsWriter writer = begin(folder.path, first);
+  results::ResultsWriter writer = begin(folder.path, first);
   for (std::size_t k = 0; k < meshes.size(); ++k) {
     if (k > 0) writer.begin_epoch(meshes[k], ramp(meshes[k].vertex_count()), ramp(meshes[k].triangle_count()));
     writer.write(opened_step(meshes[k], static_cast<int>(k)));
@@ -119,7 +119,7 @@ TEST_CASE("a cut sheet that was remeshed is put on one mesh as fine as any of it
   REQUIRE(exported.notes.size() == 1);
   CAPTURE(exported.notes[0]);
   CHECK(has(exported.notes[0], "nothing intersects"));
-  const io::PointCache cache(folder.path / "motion.pc2", 25.0);
+  const formats::PointCache cache(folder.path / "motion.pc2", 25.0);
   REQUIRE(cache.frame_count() == 3);
   Index most = 0;
   for (const mesh::SurfaceMesh& m : meshes) most = std::max(most, m.vertex_count());
@@ -159,12 +159,12 @@ TEST_CASE("a curved sheet of very different meshes is put on one mesh") {
     for (const Vec3& x : first.positions()) size.push_back(1.5 + 0.4 * (x - there).norm());
     meshes.emplace_back(adapt::remesh(first, rest, first.positions(), size, {}, {}).mesh);
   }
-  io::ResultsWriter writer = begin(folder.path, first);
+  results::ResultsWriter writer = begin(folder.path, first);
   for (std::size_t k = 0; k < meshes.size(); ++k) {
     if (k > 0) writer.begin_epoch(meshes[k], ramp(meshes[k].vertex_count()), ramp(meshes[k].triangle_count()));
     const std::vector<double> u(3 * static_cast<std::size_t>(meshes[k].vertex_count()), 0.0);
     const int step = static_cast<int>(k);
-    writer.write({step, 0.1 * step, 0.0, {{"displacement", "m", io::Centre::vertex, 3, u}}, {}});
+    writer.write({step, 0.1 * step, 0.0, {{"displacement", "m", results::Centre::vertex, 3, u}}, {}});
   }
   writer.finish();
 
@@ -176,7 +176,7 @@ TEST_CASE("a curved sheet of very different meshes is put on one mesh") {
   // 5e-4 of the longest extent of 200 m.
   const std::size_t number = exported.notes[0].find("at most ") + 8;
   CHECK(std::stod(exported.notes[0].substr(number)) <= 100.0);
-  const io::PointCache cache(folder.path / "motion.pc2", 25.0);
+  const formats::PointCache cache(folder.path / "motion.pc2", 25.0);
   for (std::size_t k = 0; k < meshes.size(); ++k) {
     const std::vector<Vec3> y = cache.positions(0.04 * static_cast<double>(k));
     // Vertices are within the chords of the run's mesh: R - sqrt(R^2 - (L/2)^2) at most, L its longest edge around the axis.
@@ -194,10 +194,10 @@ TEST_CASE("a curved sheet of very different meshes is put on one mesh") {
 TEST_CASE("a sheet on one mesh that meets itself is told") {
   const Folder folder;
   const mesh::SurfaceMesh first(cut_square(4)), second(cut_square(6));
-  io::ResultsWriter writer = begin(folder.path, first);
+  results::ResultsWriter writer = begin(folder.path, first);
   writer.write(opened_step(first, 0));
   writer.begin_epoch(second, ramp(second.vertex_count()), ramp(second.triangle_count()));
-  io::StepFields through = opened_step(second, 1);
+  results::StepFields through = opened_step(second, 1);
   // All of the right part, slanted as it is, is pushed through the left one.
   std::vector<double>& u = through.fields[0].values;
   for (Index t = 0; t < second.triangle_count(); ++t)
@@ -215,7 +215,7 @@ TEST_CASE("a sheet on one mesh that meets itself is told") {
 TEST_CASE("fields follow onto the one mesh") {
   const Folder folder;
   const mesh::SurfaceMesh first(cut_square(6)), second(cut_square(10));
-  io::ResultsWriter writer = begin(folder.path, first);
+  results::ResultsWriter writer = begin(folder.path, first);
   writer.write(opened_step(first, 0));
   writer.begin_epoch(second, ramp(second.vertex_count()), ramp(second.triangle_count()));
   writer.write(opened_step(second, 1));

@@ -3,8 +3,8 @@
 
 #include <cmath>
 
+#include "linear/inverse_iteration.hpp"
 #include "solve/drape.hpp"
-#include "solve/inverse_iteration.hpp"
 #include "test_following.hpp"
 #include "test_problems.hpp"
 #include "test_relative.hpp"
@@ -125,9 +125,9 @@ TEST_CASE("inverse iteration finds the eigenvalue nearest to zero") {
   solve::Newton newton(strip.model);
   strip.model.assemble_tangent(strip.a, {.kind = energy::Tangent::exact});
   newton.linear_solver().tangent_changed();
-  petsc::VecHandle mode = solve::start_mode(strip.model), product = strip.model.dofs().create_vector(),
+  petsc::VecHandle mode = linear::start_mode(strip.model), product = strip.model.dofs().create_vector(),
                    inertia = strip.model.dofs().create_vector();
-  const double value = solve::inverse_iteration(strip.model, newton.linear_solver(), mode, 60);
+  const double value = linear::inverse_iteration(strip.model, newton.linear_solver(), mode, 60);
   CHECK(value > 0.0);
   VOILE_PETSC(MatMult(strip.model.tangent().matrix(), mode, product));
   VOILE_PETSC(VecPointwiseMult(inertia, strip.model.potential().constant().mass(), mode));

@@ -1,0 +1,24 @@
+// Elements of second order as what their nodes span; shared by src/io and the program voile-gmsh.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+namespace voile::formats {
+
+/// Local numbers of the corners of the triangles and quadrangles that an element of `corners` corners (2: a line) and
+/// `nodes` nodes is divided into: itself if it has no more nodes than corners. Nodes count as in Gmsh and Abaqus: corners,
+/// middles of the sides from the one after the first corner on, the centre. Empty if there is no such element.
+[[nodiscard]] inline std::vector<std::vector<std::size_t>> first_order_parts(std::size_t corners, std::size_t nodes) {
+  if (corners == 1 && nodes == 1) return {{0}};
+  if (corners == 2 && nodes == 2) return {{0, 1}};
+  if (corners == 2 && nodes == 3) return {{0, 2}, {2, 1}};
+  if (corners == 3 && nodes == 3) return {{0, 1, 2}};
+  if (corners == 3 && nodes == 6) return {{0, 3, 5}, {3, 1, 4}, {5, 4, 2}, {3, 4, 5}};
+  if (corners == 4 && nodes == 4) return {{0, 1, 2, 3}};
+  if (corners == 4 && nodes == 8) return {{0, 4, 7}, {4, 1, 5}, {5, 2, 6}, {6, 3, 7}, {4, 5, 6, 7}};
+  if (corners == 4 && nodes == 9) return {{0, 4, 8, 7}, {4, 1, 5, 8}, {8, 5, 2, 6}, {7, 8, 6, 3}};
+  return {};
+}
+
+}  // namespace voile::formats
