@@ -1,9 +1,10 @@
 #include "least_squares.hpp"
 
-#include <Eigen/SVD>
 #include <algorithm>
 #include <unsupported/Eigen/LevenbergMarquardt>
 #include <unsupported/Eigen/NumericalDiff>
+
+#include "base/decompositions.hpp"
 
 namespace voile::fit {
 
@@ -41,7 +42,14 @@ LeastSquares least_squares(const Residuals& function, const Eigen::VectorXd& sta
   solver.setFtol(1e-12);
   LeastSquares out;
   out.unknowns = start;
-  if (start.size() > 0) solver.minimize(out.unknowns);
+  if (start.size() == 0) {
+    out.residuals = function(start);
+    out.jacobian = Eigen::MatrixXd(count, 0);
+    out.null = Eigen::MatrixXd(0, 0);
+    out.gain = Eigen::MatrixXd(0, count);
+    return out;
+  }
+  solver.minimize(out.unknowns);
   out.residuals = function(out.unknowns);
   Eigen::MatrixXd all(functor.values(), start.size());
   functor.df(out.unknowns, all);
@@ -51,14 +59,11 @@ LeastSquares least_squares(const Residuals& function, const Eigen::VectorXd& sta
     out.gain = Eigen::MatrixXd::Zero(start.size(), count);
     return out;
   }
-  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(out.jacobian, Eigen::ComputeThinU | Eigen::ComputeFullV);
-  Eigen::Index rank = 0;
-  while (rank < svd.singularValues().size() && svd.singularValues()[rank] > rank_tolerance * svd.singularValues()[0])
-    ++rank;
-  const Eigen::MatrixXd seen = svd.matrixV().leftCols(rank);
-  out.null = svd.matrixV().rightCols(start.size() - rank);
+  const SingularValues svd = singular_value_decomposition(out.jacobian);
+  const Eigen::Index rank = svd.rank(rank_tolerance);
+  out.null = svd.v.rightCols(start.size() - rank);
   out.gain =
-      seen * svd.singularValues().head(rank).cwiseInverse().asDiagonal() * svd.matrixU().leftCols(rank).transpose();
+      svd.v.leftCols(rank) * svd.values.head(rank).cwiseInverse().asDiagonal() * svd.u.leftCols(rank).transpose();
   return out;
 }
 

@@ -279,6 +279,7 @@ TEST_CASE("a fit that the data cannot determine is refused by name") {
   CHECK(has(bias, "4 unknowns, of which the measurements see 2"));
   const std::string light = fit_error(head + "[bending_length]\nwarp = \"20 mm\"\n");
   CHECK(has(light, "areal_density, bending_warp cannot be separated"));
+  CHECK(has(fit_error(head), "areal_density: it is missing"));
   CHECK(has(fit_error(head + "[kes]\nB = 0.1\n"), "areal_density: it is missing"));
   CHECK(has(fit_error(head + "[kes]\nW = 20\n"), "nothing here determines the bending stiffness"));
   CHECK(has(fit_error(head + "[kes]\nW = 20\nB = 0.1\nEMT = 5\n"), "EMT and one of WT and LT are needed"));
