@@ -104,7 +104,7 @@ struct Solver {
     VOILE_PETSC(KSPSetType(ksp, type));
     VOILE_PETSC(KSPSetTolerances(ksp, 1e-10, PETSC_DEFAULT, PETSC_DEFAULT, 200));
     VOILE_PETSC(KSPGetPC(ksp, &pc));
-    VOILE_PETSC(PCSetType(pc, solve::block_icc_pc_type));
+    VOILE_PETSC(PCSetType(pc, linear::block_icc_pc_type));
     VOILE_PETSC(KSPSetOperators(ksp, k, k));
   }
 };

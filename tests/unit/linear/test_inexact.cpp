@@ -64,7 +64,7 @@ struct Solver {
     VOILE_PETSC(KSPCreate(PETSC_COMM_WORLD, ksp.out()));
     VOILE_PETSC(KSPSetType(ksp, KSPPREONLY));
     VOILE_PETSC(KSPGetPC(ksp, &pc));
-    VOILE_PETSC(PCSetType(pc, solve::inexact_pc_type));
+    VOILE_PETSC(PCSetType(pc, linear::inexact_pc_type));
     VOILE_PETSC(KSPSetOperators(ksp, k, k));
   }
   /// |b - K x| / |b| of a solution for b that varies along the chain.

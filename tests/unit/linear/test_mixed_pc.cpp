@@ -98,7 +98,7 @@ struct Solver {
     VOILE_PETSC(KSPCreate(PETSC_COMM_WORLD, ksp.out()));
     VOILE_PETSC(KSPSetType(ksp, KSPPREONLY));
     VOILE_PETSC(KSPGetPC(ksp, &pc));
-    VOILE_PETSC(PCSetType(pc, solve::mixed_pc_type));
+    VOILE_PETSC(PCSetType(pc, linear::mixed_pc_type));
   }
   /// |b - K x| / |b| with K x = b solved for a b that varies over the grid.
   [[nodiscard]] double residual(Mat k) {
@@ -154,7 +154,7 @@ TEST_CASE("mixed precision: what is too small for normal floats counts as zero, 
   VOILE_PETSC(KSPSetType(ksp, KSPPREONLY));
   PC pc = nullptr;
   VOILE_PETSC(KSPGetPC(ksp, &pc));
-  VOILE_PETSC(PCSetType(pc, solve::mixed_pc_type));
+  VOILE_PETSC(PCSetType(pc, linear::mixed_pc_type));
   VOILE_PETSC(KSPSetOperators(ksp, one, one));
   VOILE_PETSC(KSPSolve(ksp, b, x));
   const petsc::ReadArray values(x);
