@@ -2,6 +2,7 @@
 //
 // Symbols   h = 3 t + s   side s of triangle t, opposite to its corner h, and that corner
 //           origin, dest  ends of the side as the triangle runs round it; apex: the vertex of corner h
+// Source: M. Botsch, L. Kobbelt, M. Pauly, P. Alliez & B. Levy, Polygon Mesh Processing (2010), 2.
 #pragma once
 
 #include <vector>

@@ -3,6 +3,7 @@
 // Symbols   class   vertices that become one when all open seams are welded
 //           sewn    a side on the boundary is sewn to the other one whose ends are of the same classes: they become one edge
 // Vertices of open seams stay. Edges are known by their ends, whose numbers stay while those of sides change.
+// Theory: docs/theory/remeshing.md, operations.
 #pragma once
 
 #include <array>

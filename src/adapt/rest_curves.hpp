@@ -3,6 +3,7 @@
 // Symbols   P_k   points of a line;  T_k   unit tangents there;  l_k = |P_(k+1) - P_k|
 // Between P_k and P_(k+1) the cubic with end points P and end slopes l_k T. T_k is that of the circle through P_(k-1), P_k
 // and P_(k+1), or the direction of a straight neighbour: a line that goes over into an arc has its own direction there.
+// Theory: docs/theory/remeshing.md, operations.
 #pragma once
 
 #include <array>

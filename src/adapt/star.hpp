@@ -5,6 +5,7 @@
 // A fan is laid into its mean tangent plane; its ring of vertices and places stays, its centre moves or becomes one of the
 // ring. Displacement: the largest distance in space between the two fans at equal points of the plane. The difference is
 // linear between the corners of the overlay, so these are all that is looked at.
+// Theory: docs/theory/remeshing.md, operations.
 #pragma once
 
 #include <vector>

@@ -5,6 +5,7 @@
 // Every rank knows the boxes of its own points and of those of other ranks (ghosts) whose triangles come near its own;
 // obstacles are known to all, and looked at where they are near. Which points leave their boxes is decided from sums
 // over all ranks, and each box is made by its owner, so that the pairs of all ranks together are those of one.
+// Theory: docs/theory/contact.md, collision detection.
 #pragma once
 
 #include <array>

@@ -5,6 +5,7 @@
 // R/room to the first: they lie in the same piece of the sheet within that ball. Two sheets one above the other never
 // do. Beside joints of sheets chains reach further, through the edge of a wedge. Such a pair keeps the fraction  room D/R < 1  of its offset and of its contact distance: it feels nothing at rest
 // nor in moderate bending, and still can never intersect.
+// Theory: docs/theory/contact.md, barrier.
 #pragma once
 
 #include "surface.hpp"

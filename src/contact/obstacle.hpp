@@ -2,6 +2,7 @@
 //
 // Symbols   X, x(X, t)   place of a material point of an obstacle at rest and at time t                          [m]
 // A rigid motion is a displacement X -> x - X that is affine in X at each time; a deforming mesh has frames.
+// Theory: docs/theory/contact.md.
 #pragma once
 
 #include <functional>

@@ -2,6 +2,7 @@
 //
 // Symbols   X, x(X, t)   place of a material point of an obstacle at rest and at time t                          [m]
 // Points of all obstacles but half-spaces are points of a contact surface (surface.hpp), after those of the sheet.
+// Theory: docs/theory/contact.md.
 #pragma once
 
 #include <array>

@@ -1,5 +1,6 @@
 // Triangles side by side that bend by the angles at edges; private to the element kernels. Symbols as in angle_bending.hpp, fields
 // as in element_kernels.hpp: with curvatures times L^T, A D = L L^T, the energy is half their square.
+// Theory: docs/theory/curvature.md, bending by angles.
 #pragma once
 
 #include "element_kernels.hpp"

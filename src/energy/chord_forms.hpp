@@ -10,6 +10,7 @@
 //   lam = (l1^2, l2^2, l1 l2).
 // On even cells it is the same in all triangles, E_ab = -k_ac S_cd k_bd, which flat sheets make up for at next to no energy.
 // T^r here is without that part, and zero beside a crease.
+// Theory: docs/theory/membrane.md (3).
 #pragma once
 
 #include <array>

@@ -1,5 +1,6 @@
 // The part of bending that depends on the normals of several triangles side by side; private to the element kernels. Symbols as in
 // bending.hpp.
+// Theory: docs/theory/curved-rest-shapes.md.
 #pragma once
 
 #include "edge_kernel.hpp"

@@ -1,4 +1,5 @@
 // Slopes of the free sides of a triangle, before they follow (curvature.hpp). Symbols: joint.hpp.
+// Theory: docs/theory/edge-slopes.md, free edges.
 #pragma once
 
 #include <Eigen/Dense>

@@ -1,5 +1,6 @@
 // Strains of the membrane of several triangles side by side; private to the element kernels. Symbols as in membrane.hpp and
 // chord_correction.hpp.
+// Theory: docs/theory/membrane.md.
 #pragma once
 
 #include "element_kernels.hpp"

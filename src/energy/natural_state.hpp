@@ -10,6 +10,7 @@
 // Where stretching and bending are coupled a change has a curvature as well, a difference a strain, and N0 a curvature that leaves no
 // moment. With one expansion in all directions a curved sheet grows to a similar one: kappa0 by the coordinates of the rest shape grows
 // by the stretch. The membrane strain E - (natural) and the curvature less the natural one are the elastic ones.
+// Theory: docs/theory/curved-rest-shapes.md, natural states.
 #pragma once
 
 #include "base/types.hpp"

@@ -9,6 +9,7 @@
 // Least squares with the third derivatives held back by `restraint`: where points are few or on top of each other the fit
 // leans to the quadratic, which it reproduces exactly. Two chords that lie in two patches bend there as one as far as the cubic goes:
 // curvatures that are constant in each triangle would not agree.
+// Theory: docs/theory/membrane.md, the correction.
 #pragma once
 
 #include <array>

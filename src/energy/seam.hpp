@@ -8,6 +8,7 @@
 // inertia would stop an increment, and it would go far beyond what is wanted.
 // For small e it is a spring of stiffness k, for large e a constant force: what is in the way of a seam is not crushed,
 // and what has to follow it is not torn.
+// Theory: docs/theory/contact.md, sewing.
 #pragma once
 
 #include <array>

@@ -1,4 +1,5 @@
 // Friction of bent yarns in several triangles side by side; private to the element kernels. Symbols as in yarn_friction.hpp.
+// Theory: docs/theory/yarn-friction.md.
 #pragma once
 
 #include "curved_kernel.hpp"

@@ -1,5 +1,6 @@
 // Yarns that stiffen and rub in the plane, in several triangles side by side; private to the element kernels. Symbols as in
 // yarn_law.hpp.
+// Theory: docs/theory/yarn-friction.md, tension and shear.
 #pragma once
 
 #include "membrane_lanes.hpp"

@@ -6,6 +6,7 @@
 //           A_p  = R_p A R_p^T, in the order of A's numbers
 // For additive Schwarz preconditioners with an overlap of one ring: sum_p R_p^T A_p^-1 R_p is symmetric positive definite if A
 // is (B. Smith, P. Bjorstad and W. Gropp, Domain Decomposition, Cambridge 1996, chapter 1).
+// Source: A. Toselli & O. Widlund, Domain Decomposition Methods (2005), 1.3.
 #pragma once
 
 #include <functional>

@@ -7,6 +7,7 @@
 //             or |dx| <= eps |X| sqrt(unknowns) and |r| no longer falling: what rests for a moment on stiff contact.
 // Where dx is not the full increment of Newton's method (the user's choice of SNES, line search or linear solver), it does
 // not bound the distance to the solution, and only the residual counts.
+// Why so: docs/developers/decisions/own-convergence.md; theory: docs/theory/path-following.md.
 #pragma once
 
 #include <petscsnes.h>

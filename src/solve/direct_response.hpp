@@ -3,6 +3,7 @@
 // Symbols   K exact tangent at an equilibrium, M mass, C damping;  A = K - omega^2 M,  B = omega C;  f + i g force
 //   (A + i B)(x + i y) = f + i g,   as the real symmetric system   [A -B; -B -A] [x; y] = [f; -g]
 // MUMPS factors it anew at every frequency; where nothing damps, A alone.
+// Source: R.W. Clough & J. Penzien, Dynamics of Structures, 3rd ed. (2003).
 #pragma once
 
 #include "eigen.hpp"

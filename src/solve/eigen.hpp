@@ -11,6 +11,7 @@
 // About an unstable state vibration finds the modes nearest to omega^2 = 0, not the most negative ones.
 // Fixed components are left out: zero rows in M and K'.
 // Options of SLEPc's EPS and ST work as users know them: -eps_nev, -eps_tol, -eps_monitor, -eps_view, -st_type ...
+// Theory: docs/theory/path-following.md, modes.
 #pragma once
 
 #include <array>

@@ -13,6 +13,7 @@
 // so that the bending energy 1/2 (C a + d).k (C a + d) + f_s.(C a + d) of an element with such a point has the stiffness
 // C^T k C, which changes with time, and the force C^T (k d + f_s). If everything turns as a rigid body, x_g is at Q X_g,
 // without energy.
+// Theory: docs/theory/curvature.md (1), docs/theory/edge-slopes.md, clamped edges.
 #pragma once
 
 #include <vector>

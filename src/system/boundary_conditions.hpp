@@ -6,6 +6,7 @@
 //   off_i = a_i - lambda abar_i - motion_i(t) - h_i                                     fixed components
 //           f_e     forces from outside, constant until they are set again                                        [N]
 //   f     = lambda f_d + f_c + f_e + f_follower(a, lambda) + f_gas(a, lambda)            applied forces
+// Theory: docs/theory/path-following.md, equilibrium.
 #pragma once
 
 #include <functional>

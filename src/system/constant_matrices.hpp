@@ -1,4 +1,5 @@
 // What does not change with the state: bending stiffness, damping and mass.
+// Theory: docs/theory/curvature.md, docs/theory/time-integration.md.
 #pragma once
 
 #include <optional>

@@ -2,6 +2,7 @@
 //
 // Symbols   a      vector of unknowns (model.hpp)
 //           t      time in force: where the obstacles are                                                   [s]
+// Theory: docs/theory/contact.md.
 #pragma once
 
 #include <array>

@@ -5,6 +5,7 @@
 // Pairs are divided over the ranks: a rank has those that hold one of its vertices, so that its rows are complete
 // without communication. It knows the positions of its own vertices, of those of other ranks that may come near
 // (contact_halo.hpp), and of all obstacles; arrays have places for all points, most of them unused.
+// Theory: docs/theory/contact.md.
 #pragma once
 
 #include <memory>

@@ -7,6 +7,7 @@
 //                 turned by Q, R = Q R_0 Q^T and u_g = u_f + R (u_A - u_f) + d, d = (R - R_0)(X_A - X_f)
 //           of a rigid body: x = C + c + R (X - C), c and R from the unknowns of its carriers (rigid_bodies.hpp)
 // Local points of a rank: its own vertices in the order of their rows, then halo vertices, mirror points, frames of bodies.
+// Theory: docs/theory/patch.md, missing neighbours.
 #pragma once
 
 #include <array>

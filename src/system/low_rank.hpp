@@ -2,6 +2,7 @@
 //
 // Symbols   K   sparse matrix;  B columns, as many as the rank r;  S symmetric r x r
 //   K + B S B^T
+// Source: G.H. Golub & C.F. Van Loan, Matrix Computations, 4th ed. (2013), 2.1.4 (Sherman, Morrison, Woodbury).
 #pragma once
 
 #include <vector>

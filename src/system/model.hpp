@@ -6,6 +6,7 @@
 //           E_k   contact and friction (contact.hpp)                                                           [J]
 //   r(a)  = dE/da + dE_k/da - f      free components, f the applied forces
 //   r_i   = off_i                    fixed components (both in boundary_conditions.hpp)
+// Theory: docs/theory/path-following.md, equilibrium.
 #pragma once
 
 #include <memory>

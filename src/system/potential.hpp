@@ -8,6 +8,7 @@
 //   E(a) = 1/2 a.K_b a + f_b.a + E_0 + sum_t E_t,     internal forces K_b a + f_b + sum_t dE_t/da
 // Elements that touch an owned vertex are evaluated by its rank, so that rows are complete without communication;
 // energies count each triangle once, on its owner.
+// Theory: docs/theory/curvature.md (1), docs/theory/membrane.md.
 #pragma once
 
 #include <memory>

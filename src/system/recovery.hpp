@@ -4,6 +4,7 @@
 //           r       by how much the start is bent beyond the rest shape,  N_s its normal (bending.hpp)
 //           D       bending stiffness [N m];  kappa = (n.N_s - 1) kappa0 + n.r + sum_i (n.u_i) B'_i, or that of the angles
 //                   at edges (angle_bending.hpp)
+// Theory: docs/theory/curvature.md (1), docs/theory/curved-rest-shapes.md.
 #pragma once
 
 #include <vector>

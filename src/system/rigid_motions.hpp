@@ -9,6 +9,7 @@
 //                    length
 // The free motions are the null space of these equations, found by singular values. Pieces that hang together by single
 // vertices or by springs are counted together. Contact and loads do not enter.
+// Source: G.H. Golub & C.F. Van Loan, Matrix Computations, 4th ed. (2013), 2.4 (null space by singular values).
 #pragma once
 
 #include <vector>

@@ -5,6 +5,7 @@
 //                      normal of its side, in material axes;  m   outward normal of the side in the deformed triangle
 //   T = m.(F N nu), from the triangles on both sides: in equilibrium they carry the same, and so do the springs of a
 //   seam that is still open; the force of these hangs on micrometres and is lost in the tolerance of a step.
+// Source: G.A. Holzapfel, Nonlinear Solid Mechanics (2000), 3.1, 3.2 (tractions).
 #pragma once
 
 #include <string>

@@ -4,6 +4,7 @@
 //           v     closing speed [m/s],  t_0 start [s]
 //   rest length  max(0, L_k - v (t - t_0)),   stiffness k l_k, doubling again and again once all rest lengths are 0
 //   largest force T l_k, doubling likewise, up to T_max l_k: seams that are closed do not notice
+// Theory: docs/theory/contact.md, sewing.
 #pragma once
 
 #include <vector>

@@ -5,6 +5,7 @@
 //           t, lambda time [s] and load factor
 // Only a stepper (solve/stepper.hpp), or what opens a new epoch, writes it. A checkpoint is a state with its mesh
 // (results/checkpoint.hpp).
+// Theory: docs/theory/time-integration.md.
 #pragma once
 
 #include <vector>
