@@ -95,15 +95,20 @@ class CaseWriter {
     if (std::find(left_.begin(), left_.end(), text) == left_.end()) left_.push_back(text);
   }
 
-  /// A pressure acts along the normals of the deck, and a surface is oriented as one.
+  /// Pressures act along the normals of the deck, plies lie along them, and a surface is oriented as one.
   void note_turned() {
     const auto presses = [](const Deck::Load& l) { return l.kind == Deck::Load::Kind::pressure; };
-    if (std::none_of(deck_.loads.begin(), deck_.loads.end(), presses)) return;
-    if (const Index turned = mesh::SurfaceMesh(mesh_).reoriented_count(); turned > 0)
-      leave(fmt::format(
-          "{}: {} triangles are turned round, where pressures change their sign; orient the deck's elements "
-          "alike",
-          deck_.words.load, turned));
+    const auto has_sides = [](const Deck::Section& s) { return !s.plies.empty() || !s.orientation.empty(); };
+    const bool pressed = std::any_of(deck_.loads.begin(), deck_.loads.end(), presses),
+               sided = std::any_of(deck_.sections.begin(), deck_.sections.end(), has_sides);
+    if (!pressed && !sided) return;
+    const Index turned = mesh::SurfaceMesh(mesh_).reoriented_count();
+    if (turned == 0) return;
+    for (const auto& [what, keyword] : {std::pair{pressed ? "pressures change their sign" : "", &deck_.words.load},
+                                        {sided ? "plies and angles are reversed" : "", &deck_.words.section}})
+      if (*what)
+        leave(fmt::format("{}: {} triangles are turned round, where {}; orient the deck's elements alike", *keyword,
+                          turned, what));
   }
 
   /// Supports and loads of nodes and elements that are no part of a shell.
@@ -264,30 +269,42 @@ class CaseWriter {
                           fmt::join(names, ", "));
   }
 
+  [[nodiscard]] static std::string vector_text(const std::array<double, 3>& v, const std::string& history) {
+    return fmt::format("vector = [{}, {}, {}]\n{}", v[0], v[1], v[2], history);
+  }
+
+  [[nodiscard]] static std::string size_text(double size, const std::string& history) {
+    return fmt::format("magnitude = {}            # along the normals of the triangles\n{}", size, history);
+  }
+
   void add_loads() {
-    std::map<std::string, std::vector<std::string>> nodes, elements;  // by what acts on them
+    // Several lines on one node or element add up.
+    std::map<std::pair<std::string, std::string>, std::array<double, 3>> forces;  // by history and place
+    std::map<std::pair<std::string, std::string>, double> pressures;
     for (const Deck::Load& l : deck_.loads) {
       double factor = 1.0;
       const std::string history = history_of(l, factor);
-      const std::string vector = fmt::format("vector = [{}, {}, {}]\n{}", factor * l.vector[0], factor * l.vector[1],
-                                             factor * l.vector[2], history);
+      const std::string vector =
+          vector_text({factor * l.vector[0], factor * l.vector[1], factor * l.vector[2]}, history);
       if (l.kind == Deck::Load::Kind::gravity) {
         out_ += "\n[[load]]\ntype = \"gravity\"\n" + vector;
       } else if (l.kind == Deck::Load::Kind::pressure) {
-        const std::string size =
-            fmt::format("magnitude = {}            # along the normals of the triangles\n{}", factor * l.size, history);
         if (is_number(l.where))
-          elements[size].push_back(l.where);
+          pressures[{history, l.where}] += factor * l.size;
         else
           out_ += fmt::format("\n[[load]]\ntype = \"{}\"\ngroup = {}\n{}", pressure(),
-                              quoted(known(l.where, deck_.element_sets)), size);
+                              quoted(known(l.where, deck_.element_sets)), size_text(factor * l.size, history));
       } else if (is_number(l.where)) {
-        nodes[vector].push_back(l.where);
+        std::array<double, 3>& sum = forces[{history, l.where}];
+        for (std::size_t k = 0; k < 3; ++k) sum[k] += factor * l.vector[k];
       } else {
         out_ += fmt::format("\n[[load]]                   # on every node\ntype = \"point\"\ngroup = {}\n{}",
                             quoted(known(l.where, deck_.node_sets)), vector);
       }
     }
+    std::map<std::string, std::vector<std::string>> nodes, elements;  // by what acts on them
+    for (const auto& [at, sum] : forces) nodes[vector_text(sum, at.first)].push_back(at.second);
+    for (const auto& [at, sum] : pressures) elements[size_text(sum, at.first)].push_back(at.second);
     for (const auto& [vector, members] : nodes)
       out_ += fmt::format("\n[[load]]                   # on every node\ntype = \"point\"\ngroup = {}\n{}",
                           quoted(new_set("*NSET, NSET=", "LOADED", members)), vector);

@@ -158,6 +158,8 @@ Exit fit_command(int argc, char** argv) {
   if (only_help) return Exit::done;
   if (launched_rank().size > 1) throw UserError("fit: it starts its own processes; leave out mpirun, and use --jobs");
   std::error_code ignored;
+  if (fs::equivalent(o.output, o.sheet, ignored))
+    throw UserError(fmt::format("--output {}: that is the file of the measurements; give another", o.output.string()));
   if (fs::exists(o.output, ignored) && !o.overwrite)
     throw UserError(
         fmt::format("{}: the file is there already; give another --output, or --overwrite", o.output.string()));

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "base/text.hpp"
@@ -123,6 +124,26 @@ void drop_narrowing_loop(Fit& fit, Values& values) {
   at(values, Parameter::shear_hysteresis_5) = near;
 }
 
+/// Figures that no cloth has point to a unit. Ranges: ten times as wide as those of docs/reference/fabrics.md.
+void warn_of_units(Fit& fit) {
+  struct Range {
+    Parameter parameter;
+    double least, most;
+  };
+  constexpr std::array ranges{Range{Parameter::areal_density, 5e-3, 2.0},   Range{Parameter::thickness, 2e-5, 1e-2},
+                              Range{Parameter::bending_warp, 5e-8, 3e-4},   Range{Parameter::bending_weft, 5e-8, 3e-4},
+                              Range{Parameter::membrane_warp, 10.0, 3e5},   Range{Parameter::membrane_weft, 10.0, 3e5},
+                              Range{Parameter::membrane_shear, 1.0, 1.5e3}, Range{Parameter::extension_warp, 2e-3, 1.0},
+                              Range{Parameter::extension_weft, 2e-3, 1.0}};
+  for (const Range& r : ranges) {
+    const auto at = fit.figures.find(r.parameter);
+    if (at == fit.figures.end() || (at->second.value >= r.least && at->second.value <= r.most)) continue;
+    const ParameterName& n = name_of(r.parameter);
+    fit.warnings.push_back(fmt::format("{} = {:.3g} {}: cloth has {:.3g} to {:.3g}; check the unit of the measurement",
+                                       n.key, at->second.value / n.si, n.unit, r.least / n.si, r.most / n.si));
+  }
+}
+
 void compare(Fit& fit, const std::vector<Measurement>& all, const Values& values) {
   for (const Measurement& m : all) {
     Comparison c;
@@ -200,6 +221,7 @@ Fit fit_sheet(const Sheet& sheet, const DrapeInstrument& drape) {
   fit.fitted = p.measurements.size();
   Values values = p.values(found.unknowns);
   drop_narrowing_loop(fit, values);
+  warn_of_units(fit);
   compare(fit, all, values);
   take_curves(sheet, fit);
   require_one_law(sheet, fit);

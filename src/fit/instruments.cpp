@@ -146,7 +146,7 @@ double Instrument::read(const Values& v) const {
 std::vector<double> Loop::forces(const std::vector<double>& strain, bool turned) const {
   std::vector<double> all;
   double slip = 0.0;
-  if (turned && strain.size() > 1) {
+  if (turned && strain.size() > 1 && stiffness > 0.0) {
     const double sign = strain[1] < strain[0] ? 1.0 : -1.0;
     slip = (stiffness * strain[0] - sign * limit) / (stiffness + (sign * strain[0] > 0.0 ? rise : -rise));
   }
@@ -162,8 +162,9 @@ std::vector<double> Loop::forces(const std::vector<double>& strain, bool turned)
 }
 
 Loop bending_loop(double rigidity, double width, double spread) {
-  const energy::YarnFriction::Slider slider = energy::sliders_of(Vec3::Constant(width), spread, 1).front();
-  return {rigidity, slider.stiffness[0], slider.limit[0], 0.0};
+  const std::vector<energy::YarnFriction::Slider> sliders = energy::sliders_of(Vec3::Constant(width), spread, 1);
+  if (sliders.empty()) return {rigidity, 0.0, 0.0, 0.0};  // a width that is rounded to zero
+  return {rigidity, sliders.front().stiffness[0], sliders.front().limit[0], 0.0};
 }
 
 Loop shear_loop(double rigidity, double width, double width_5, double spread) {

@@ -16,7 +16,9 @@ namespace voile::fit {
 namespace {
 
 constexpr std::size_t least_rows = 3, most_rows = 100000;
-constexpr double gap = 0.05;          ///< of the range that may stay open, or that noise may go back
+constexpr double gap = 0.05;  ///< of the range that may stay open, or that noise may go back
+/// A width below this fraction of the range of the force is none.
+constexpr double least_width = 1e-4;
 constexpr double gap_of_width = 1.2;  ///< a first bend begins in the middle of the loop
 
 std::vector<std::string> cells_of(const std::string& line) {
@@ -100,6 +102,11 @@ double require_loop(const std::vector<RecordPoint>& loop, const std::string& fil
         fmt::format("{}: the loop is not closed: its last force is {:.0f} % of the range from its first; "
                     "give one whole loop, without drift",
                     file, 100.0 * open_force / range.force));
+  if (width < least_width * range.force)
+    throw UserError(
+        fmt::format("{}: the loop has no width: out and back are one line, without friction. Give its slope instead, "
+                    "as bending_rigidity or membrane_stiffness.shear",
+                    file));
   if (area < 0.0)
     throw UserError(
         fmt::format("{}: the loop turns the wrong way: it would give energy. The rows stand in reverse "

@@ -112,6 +112,9 @@ LoopFit fit_loop(const LoopCourse& c, const std::string& file) {
              known = !hidden && found.null.cols() == 0 && deviation(spread_at) < unknown_spread;
   const double least = std::min(typical, c.distance());
   if (!known) found = solve(hidden ? least : typical);
+  // Where the loop is widest it turns over several times the spread: one that rows hide may be anything below their distance.
+  for (double part = 0.85; hidden && part > 0.05; part *= 0.85)
+    if (LeastSquares sharper = solve(part * least); sharper.misfit() < found.misfit()) found = std::move(sharper);
   if (found.null.cols() > 0 || !found.unknowns.allFinite())
     throw UserError(fmt::format("{}: the rows do not determine the loop; give more of them on both branches", file));
   LoopFit fit;

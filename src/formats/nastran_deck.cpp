@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <map>
 #include <optional>
 #include <set>
 
@@ -45,6 +46,7 @@ class NastranDeckReader {
     }
     for (const NastranCard& card : read_.cards) take_method(card);
     choose_deflections();
+    check_selected();
     NastranProperties(read_.cards, systems_).add_to(deck_, mass_);
     hold_always();
     select_supports();
@@ -72,7 +74,30 @@ class NastranDeckReader {
     if (key == "TITLE") deck_.title = value;
     for (const auto& [name, slot] : {std::pair{"SPC", &spc_}, {"LOAD", &load_}, {"METHOD", &method_}})
       // Those of a subcase win over those above it.
-      if (key == name && subcases_ < 2) *slot = NastranCard{key, {value}, line.file, line.line}.whole(1);
+      if (key == name && subcases_ < 2) {
+        selected_[key] = NastranCard{key, {value}, line.file, line.line};
+        *slot = selected_[key].whole(1);
+      }
+  }
+
+  /// A set that is selected and not there would be no load or no support at all.
+  void check_selected() const {
+    static const std::map<std::string, std::vector<const char*>> kinds{
+        {"SPC", {"SPC"}},
+        {"LOAD", {"LOAD", "FORCE", "MOMENT", "PLOAD", "GRAV", "RFORCE", "ACCEL", "SLOAD", "SPCD", "TEMP"}},
+        {"METHOD", {"EIG"}}};
+    const auto check = [&](const std::string& kind, const NastranCard& by, const std::string& id) {
+      const std::vector<const char*>& names = kinds.at(kind);
+      const bool found = std::any_of(read_.cards.begin(), read_.cards.end(), [&](const NastranCard& card) {
+        return card.field(1) == id &&
+               std::any_of(names.begin(), names.end(), [&](const char* name) { return card.name.starts_with(name); });
+      });
+      if (!found) by.fail(fmt::format("there is no card {} of set {}; add it, or select another", names[0], id));
+    };
+    for (const auto& [kind, by] : selected_) check(kind, by, by.field(1));
+    for (const NastranCard& card : read_.cards)
+      if (card.name == "LOAD" && load_ && card.whole(1) == *load_)
+        for (std::size_t k = 3; !card.field(k).empty(); k += 2) check("LOAD", card, card.field(k + 1));
   }
 
   void take_solution(const NastranCard& line, std::string name) {
@@ -217,8 +242,9 @@ class NastranDeckReader {
   Deck deck_;
   int subcases_ = 0;
   std::optional<long> spc_, load_, method_;
-  double mass_ = 1.0;          ///< PARAM, WTMASS
-  std::optional<bool> large_;  ///< PARAM, LGDISP
+  std::map<std::string, NastranCard> selected_;  ///< lines of the case control, by SPC, LOAD or METHOD
+  double mass_ = 1.0;                            ///< PARAM, WTMASS
+  std::optional<bool> large_;                    ///< PARAM, LGDISP
   bool small_by_default_ = false;
   NastranCard solution_;
   std::set<long> grids_, shells_;  ///< grid points; elements

@@ -87,10 +87,17 @@ void begin_anew(const input::Case& c, results::Checkpoint& s) {
 
 /// What a restart takes over silently otherwise. Rank 0 only.
 void say_differences(const input::Case& c, const record::RunOptions& options, const results::Checkpoint& s) {
-  if (options.verbosity == record::Verbosity::quiet) return;
   const std::filesystem::path folder = options.restart.parent_path();
-  for (const std::string& text : input::different_sections(c, folder / "resolved_case.toml"))
-    fmt::print("note: --restart {}: its run had another {}\n", options.restart.string(), text);
+  for (const std::string& text : input::different_sections(c, folder / "resolved_case.toml")) {
+    if (text.starts_with("[units]"))
+      throw UserError(
+          fmt::format("--restart {}: its run had another {}; its numbers are in those units, so give the "
+                      "case the same [units]",
+                      options.restart.string(), text));
+    if (options.verbosity != record::Verbosity::quiet)
+      fmt::print("note: --restart {}: its run had another {}\n", options.restart.string(), text);
+  }
+  if (options.verbosity == record::Verbosity::quiet) return;
   if (c.analysis == "dynamic" && results::is_results(options.restart) && !s.velocity.empty())
     fmt::print(
         "note: --restart {}: results have no accelerations, so that the motion goes on a little differently; "

@@ -208,12 +208,15 @@ void BoundaryConditions::enforce(Vec a) const {
   for (PetscInt i : on_->dofs().fixed()) values[i] = load_factor_ * prescribed[i] + motion[i] + hold[i];
 }
 
-void BoundaryConditions::prescribe_acceleration(double time, double dt, const std::function<double(double)>& factor,
-                                                Vec acceleration) {
+void BoundaryConditions::prescribe_acceleration(double time, double dt, int side,
+                                                const std::function<double(double)>& factor, Vec acceleration) {
+  using Stencil = std::vector<std::pair<int, double>>;
+  const Stencil stencil = side == 0 ? Stencil{{-1, 1.0}, {1, 1.0}, {0, -2.0}}
+                                    : Stencil{{3 * side, -1.0}, {2 * side, 4.0}, {side, -5.0}, {0, 2.0}};
   const petsc::WriteArray values(acceleration);
   for (PetscInt i : on_->dofs().fixed()) values[i] = 0.0;
-  for (const int k : {-1, 1, 0}) {  // the last restores the time in force
-    const double at = time + k * dt, weight = (k == 0 ? -2.0 : 1.0) / (dt * dt);
+  for (const auto& [k, factor_k] : stencil) {  // the last restores the time in force
+    const double at = time + k * dt, weight = factor_k / (dt * dt);
     move_supports(at);
     const petsc::ReadArray prescribed(prescribed_), motion(motion_);
     for (PetscInt i : on_->dofs().fixed()) values[i] += weight * (factor(at) * prescribed[i] + motion[i]);

@@ -132,6 +132,15 @@ def fit_sheets(report):
                                   ("rank", head + '[bending_length]\nbias = "20 mm"\n', "cannot be separated"), ("none", head, "determines the bending stiffness")):
         code, text = fit(name + "_", sheet)
         report.check(code == 2 and expected in text, f"{name}: exit code {code}: {text.strip()[:160]}")
+    (OUT / "fit" / "line.csv").write_text("0,0\n0.5,0.042\n0,0\n-0.5,-0.042\n0,0\n")
+    line = head + '[bending_loop.warp]\nfile = "line.csv"\nunits = ["1/cm", "gf.cm/cm"]\n'
+    code, text = fit("line", line)
+    report.check(code == 2 and "the loop has no width" in text, f"a loop without width: exit code {code}: {text.strip()[:160]}")
+    code, text = fit("unlikely", head + "[kes]\nB = 8.3\n")
+    report.check(code == 0 and "check the unit of the measurement" in text, f"a figure that no cloth has: exit code {code}")
+    same = OUT / "fit" / "howto.toml"
+    code, text = invoke(["fit", same, "-o", same, "--overwrite"])
+    report.check(code == 2 and same.read_text() == block, f"the measurements themselves as output: exit code {code}")
     for words, expected in ((["no_such.toml"], "no such file"), ([OUT / "fit" / "howto.toml", "-o", OUT / "fit" / "howto_fabric.toml"], "--overwrite"), (["a.toml", "--outptu", "b"], "--output")):
         code, text = invoke(["fit", *words])
         report.check(code == 2 and expected in text, f"{expected}: exit code {code}: {text.strip()[:110]}")

@@ -96,7 +96,10 @@ def moving_supports(report):
         report.percent(h["hold_x"][-1] / (mass * (1 + 3)), 0.01 if method == "alpha" else 0.03, "inertia and damping of what is held")
         if method == "alpha":
             report.below(h["energy_unaccounted"][-1] / (mass / 2), 1e-9, "energy unaccounted for")
-
+    swung = variant(case, {"support.0.motion": ["0.1*sin(6*t)", "0", "0"], "damping": None, "time.step": 0.01, "output": {"every": 1}})
+    h = solve("swung", swung).history
+    for k, where in ((0, "first"), (-1, "last")):
+        report.below(abs(h["hold_x"][k] + 3.6 * mass * math.sin(6 * h["time"][k])) / (3.6 * mass), 0.006, f"inertia of what is held in the {where} row")
 
     free = strip("dynamic", nx=4, ny=1, time={"end": 0.1, "step": 1e-3, "mass": "consistent", "velocity_tolerance": 1e-9}, output={"every": 1},
                  probe=[{"name": "hold", "type": "reaction", "group": "clamp", "components": ["z"]}])
@@ -124,6 +127,9 @@ def said_differences(report):
                                          ("results", ["results.vtkhdf"], {}, "have no accelerations")):
         done = solve("said_again", variant(case, change | {"time.end": 0.25}), options=["--restart", first.folder / options[0]])
         report.check(words in done.text if words else "note: --restart" not in done.text, f"{name}: {[line for line in done.text.splitlines() if '--restart' in line]}")
+    other = write_case(variant(case, {"units": {"time": "ms"}}), OUT / "said_units_of_time.toml")
+    code, text = invoke(["run", other, "--output", OUT / "said_units_of_time", "--overwrite", "--restart", first.folder / "checkpoint.h5"])
+    report.check(code == 2 and "its run had another [units]" in text, f"other units: code {code}: {text.strip()[-150:]}")
 
 
 @test
@@ -185,5 +191,22 @@ def nastran_silent(report):
             ("laminate", SHELL + "PCOMP,5,,,,,,,SYM\n,7,.00025,0.,,7,.00025,90.\n" + PLY, 0, ('type = "laminate"', "angles = [0, 90, 90, 0]", "ply_thicknesses = [0.00025")),
             ("beside", SHELL + "PCOMP,5,0.\n,7,.00025,0.,,7,.00025,90.\n" + PLY, 2, ("Z0 = 0.",)),
             ("axes", SHELL.replace("CQUAD4,1,5,1,2,3,4,30.", "CTRIA3,1,5,1,2,3,0.\nCTRIA3,2,5,1,3,4,0.") + shell + PLY, 0, ("material axes (THETA, MCID) that differ",))):
+        code, text = converted(deck)
+        report.check(code == expected and all(w in text for w in words), f"{name}: code {code}{'' if code == expected and all(w in text for w in words) else ', ' + text}")
+
+
+@test
+def deck_loads(report):
+    """Decks: loads on one place add up; what is selected and missing is refused; plies of elements that are turned round are named."""
+    head = "SOL 101\nCEND\nSPC = 1\nLOAD = 2\nBEGIN BULK\n" + SHELL[SHELL.index("GRID,1"):] + "PSHELL,5,7,.001,7\n" + PLY
+    for name, deck, expected, words in (
+            ("twice", head + "FORCE,2,3,0,1.,0.,0.,1.\n" * 2, 0, ("vector = [0, 0, 2]",)),
+            ("together", head.replace("LOAD = 2", "LOAD = 9") + "LOAD,9,1.,1.,2,2.,3\nFORCE,2,3,0,1.,0.,0.,1.\nFORCE,3,3,0,1.,0.,0.,1.\n", 0, ("vector = [0, 0, 3]",)),
+            ("pressures", head + "PLOAD4,2,1,.5\nPLOAD4,2,1,.5\n", 0, ("magnitude = 1 ",)),
+            ("no load", head.replace("LOAD = 2", "LOAD = 99"), 2, ("LOAD: there is no card LOAD of set 99",)),
+            ("no part", head + "LOAD,2,1.,1.,77\n", 2, ("no card LOAD of set 77",)),
+            ("no support", head.replace("SPC = 1", "SPC = 99") + "GRAV,2,0,1.,0.,0.,1.\n", 2, ("SPC: there is no card SPC of set 99",)),
+            ("turned", (head + "GRAV,2,0,1.,0.,0.,1.\nGRID,5,,2.,0.,0.\nGRID,6,,2.,1.,0.\nCQUAD4,2,5,2,3,6,5,30.\n").replace("PSHELL,5,7,.001,7\n", "PCOMP,5,,,,,,,\n,7,.00025,0.,,7,.00025,90.\n"),
+             0, ("plies and angles are reversed",))):
         code, text = converted(deck)
         report.check(code == expected and all(w in text for w in words), f"{name}: code {code}{'' if code == expected and all(w in text for w in words) else ', ' + text}")

@@ -117,12 +117,14 @@ TEST_CASE("a sheet becomes a fabric file with sources, uncertainties and what wa
   CHECK(fabric.bending_hysteresis == relative(0.03 * 9.80665e-3).epsilon(1e-5));
   CHECK(fabric.membrane_shear == relative(0.6 * 56.18796).epsilon(1e-5));
   CHECK(fabric.curves[0]);
-  // 3 s(c)/c of three specimens and s(W)/W of two.
-  const double of_length = 3.0 * std::sqrt((0.0667 * 0.0667 + 0.3333 * 0.3333 + 0.2667 * 0.2667) / 6.0) / 15.0667;
+  // 3 s(c)/c of three specimens and s(W)/W of two, with Student's t over 1.96.
+  const double of_weight = 6.483 / 169.0,
+               of_length =
+                   2.195 * 3.0 * std::sqrt((0.0667 * 0.0667 + 0.3333 * 0.3333 + 0.2667 * 0.2667) / 6.0) / 15.0667;
   CHECK(found.figures.at(Parameter::bending_warp).deviation ==
-        relative(std::hypot(of_length, 1.0 / 169.0)).epsilon(1e-3));
+        relative(std::hypot(of_length, of_weight)).epsilon(1e-3));
   CHECK(found.figures.at(Parameter::bending_weft).deviation ==
-        relative(std::hypot(3.0 * 0.3 / 14.5, 1.0 / 169.0)).epsilon(1e-3));
+        relative(std::hypot(3.0 * 0.3 / 14.5, of_weight)).epsilon(1e-3));
   CHECK(!found.figures.at(Parameter::bending_weft).assumed);
   CHECK(found.figures.at(Parameter::bending_twist).assumed);
   CHECK(found.figures.at(Parameter::areal_density).sources == std::vector<std::string>{"areal_density"});
@@ -186,7 +188,9 @@ TEST_CASE("one percent of noise on twenty specimens leaves the figures within tw
     for (int i = 0; i < 20; ++i) m.figure.mean += exact * (1.0 + noise(random)) / 20.0;
   }
   const fit::Fit found = fit::fit_sheet(sheet, no_drape);
-  for (const auto& [p, d] : found.figures) {
+  for (const auto& figure : found.figures) {
+    const Parameter p = figure.first;
+    const auto& d = figure.second;
     CAPTURE(fit::name_of(p).key);
     // Twist is a difference of rigidities, each with three times the noise of its length.
     CHECK(d.value == relative(at(truth, p)).epsilon(p == Parameter::bending_twist ? 0.04 : 0.02));
@@ -250,6 +254,37 @@ TEST_CASE("a spread that the rows of a loop do not show is bounded or left out")
     CHECK(value(*f, Parameter::bending_warp) == relative(6.6e-6).epsilon(1e-3));
     CHECK(value(*f, Parameter::bending_hysteresis) == relative(3.2e-4).epsilon(2e-3));
   }
+}
+
+TEST_CASE("a loop of shear that turns within a row gives its figures, though it turns most slowly where it is widest") {
+  for (const double spread : {0.05, 0.17, 0.35}) {
+    const fit::Loop loop = fit::shear_loop(33.7, 0.88, 1.57, spread * degree);
+    const std::vector<double> x = course(8.0, 0.4);
+    std::vector<double> strain;
+    for (const double e : x) strain.push_back(std::sin(e * degree));
+    const std::vector<double> f = loop.forces(strain, false);
+    std::vector<std::pair<double, double>> rows;
+    for (std::size_t i = 0; i < x.size(); ++i) rows.emplace_back(x[i], std::cos(x[i] * degree) * f[i]);
+    const Rows file(rows);
+    const fit::Fit found = fitted(head + "areal_density = \"160 g/m^2\"\nbending_rigidity = \"6 uN.m\"\n" +
+                                  "[shear_loop]\nunits = [\"deg\", \"N/m\"]\nfile = \"" + file.file + "\"\n");
+    CHECK(value(found, Parameter::membrane_shear) == relative(33.7).epsilon(0.01));
+    CHECK(value(found, Parameter::shear_hysteresis) == relative(0.88).epsilon(0.04));
+    CHECK(value(found, Parameter::shear_hysteresis_5) == relative(1.57).epsilon(0.02));
+  }
+}
+
+TEST_CASE("two specimens say less of their mean than twenty") {
+  const fit::Fit two = fitted(head + "areal_density = [\"168 g/m^2\", \"172 g/m^2\"]\nbending_rigidity = \"6 uN.m\"\n");
+  // Standard error 2 g/m^2, times Student's 12.706 over 1.96.
+  CHECK(two.figures.at(Parameter::areal_density).deviation == relative(2.0 / 170.0 * 12.706 / 1.96).epsilon(1e-3));
+}
+
+TEST_CASE("figures that no cloth has are warned of") {
+  CHECK(fitted(head + "areal_density = \"160 g/m^2\"\nbending_rigidity = \"6 uN.m\"\n").warnings.empty());
+  const fit::Fit heavy = fitted(head + "areal_density = \"16000 g/m^2\"\nbending_rigidity = \"6 uN.m\"\n");
+  REQUIRE(heavy.warnings.size() == 1);
+  CHECK(has(heavy.warnings[0], "areal_density = 1.6e+04 g/m^2"));
 }
 
 TEST_CASE("a long curve with noise gives points that rise through it") {
