@@ -69,6 +69,7 @@ class CaseWriter {
       if (const std::size_t end = note.find(" were left out"); end != note.npos)
         leave(deck_.words.element + ": " + note.substr(0, end) + ", which are no shells");
     drop_elsewhere();
+    complete_clamps();
     note_turned();
     if (deck_.sections.empty()) leave("no " + deck_.words.section + ": write a [[material]] yourself");
     if (deck_.procedure == Procedure::none)
@@ -93,6 +94,34 @@ class CaseWriter {
 
   void leave(const std::string& text) {
     if (std::find(left_.begin(), left_.end(), text) == left_.end()) left_.push_back(text);
+  }
+
+  /// A shell does not resist the turn about its normal: held in the other two turns, it is clamped.
+  void complete_clamps() {
+    for (auto& [where, s] : deck_.supports) {
+      auto& h = s.held;
+      if (!(h[0] && h[1] && h[2]) || h[3] + h[4] + h[5] != 2) continue;
+      const std::size_t left = h[3] ? (h[4] ? 5 : 4) : 3;
+      const std::vector<char> at = vertices_of(where);
+      const auto turns_freely = [&](const mesh::Triangle& t) {
+        if (std::none_of(t.begin(), t.end(), [&](Index v) { return at[static_cast<std::size_t>(v)]; })) return true;
+        const auto x = [&](std::size_t k) { return mesh_.positions[static_cast<std::size_t>(t[k])]; };
+        const Vec3 normal = (x(1) - x(0)).cross(x(2) - x(0));
+        return std::abs(normal[static_cast<Eigen::Index>(left) - 3]) > 0.99 * normal.norm();
+      };
+      h[left] = std::all_of(mesh_.triangles.begin(), mesh_.triangles.end(), turns_freely);
+    }
+  }
+
+  [[nodiscard]] std::vector<char> vertices_of(const std::string& where) const {
+    std::vector<char> at(mesh_.positions.size(), 0);
+    if (const mesh::Group* group = group_of(where))
+      for (const Index v : group->vertices) at[static_cast<std::size_t>(v)] = 1;
+    if (!is_number(where)) return at;
+    const auto tag =
+        std::find(mesh_.vertex_tags.begin(), mesh_.vertex_tags.end(), std::strtoull(where.c_str(), nullptr, 10));
+    if (tag != mesh_.vertex_tags.end()) at[static_cast<std::size_t>(tag - mesh_.vertex_tags.begin())] = 1;
+    return at;
   }
 
   /// Pressures act along the normals of the deck, plies lie along them, and a surface is oriented as one.

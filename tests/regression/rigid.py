@@ -214,7 +214,7 @@ def mistakes(base):
     """Name -> (changes of the keys of the group or of the case, texts of the message)."""
     end = base["rigid"][0]
     return {
-        "unknown": ({"rigid": [end | {"group": "nowhere"}]}, ("rigid_mistake.toml: [[rigid]] group", "nowhere", "the mesh has")),
+        "unknown": ({"rigid": [end | {"group": "nowhere"}]}, (": [[rigid]] group", "nowhere", "the mesh has")),
         "both held": ({"support": base["support"] + [{"type": "hinged", "group": "sides"}]}, ("[[rigid]] group 'tip'", "[[support]] too", "instead")),
         "two": ({"support": None, "rigid": [end, {"group": "plate"}]}, ("both have vertex", "join the groups")),
         "force": ({"rigid": [end | {"translation": ["free", "free", 0], "force": [0, 0, 1]}]}, ("rigid.force", "z component", "free")),

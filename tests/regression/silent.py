@@ -203,6 +203,8 @@ def deck_loads(report):
             ("twice", head + "FORCE,2,3,0,1.,0.,0.,1.\n" * 2, 0, ("vector = [0, 0, 2]",)),
             ("together", head.replace("LOAD = 2", "LOAD = 9") + "LOAD,9,1.,1.,2,2.,3\nFORCE,2,3,0,1.,0.,0.,1.\nFORCE,3,3,0,1.,0.,0.,1.\n", 0, ("vector = [0, 0, 3]",)),
             ("pressures", head + "PLOAD4,2,1,.5\nPLOAD4,2,1,.5\n", 0, ("magnitude = 1 ",)),
+            ("drilling left free", head.replace("123456,1,4", "12345,1,4") + "GRAV,2,0,1.,0.,0.,1.\n", 0, ('type = "clamped"',)),
+            ("a turn left free", head.replace("123456,1,4", "12356,1,4") + "GRAV,2,0,1.,0.,0.,1.\n", 0, ('type = "hinged"', "rotations held in part")),
             ("no load", head.replace("LOAD = 2", "LOAD = 99"), 2, ("LOAD: there is no card LOAD of set 99",)),
             ("no part", head + "LOAD,2,1.,1.,77\n", 2, ("no card LOAD of set 77",)),
             ("no support", head.replace("SPC = 1", "SPC = 99") + "GRAV,2,0,1.,0.,0.,1.\n", 2, ("SPC: there is no card SPC of set 99",)),
