@@ -22,6 +22,18 @@ int distance(const std::string& a, const std::string& b) {
 
 }  // namespace
 
+std::string toml_text(const std::string& text) {
+  std::string all = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\') all += '\\';
+    if (static_cast<unsigned char>(c) < 32 || c == 127)
+      all += fmt::format("\\u{:04x}", static_cast<int>(c));
+    else
+      all += c;
+  }
+  return all + '"';
+}
+
 std::string csv_name(std::string name) {
   for (char& c : name)
     if (c == ',' || c == '"' || static_cast<unsigned char>(c) < 32) c = '_';

@@ -35,6 +35,9 @@ template <class List, class Item>
   return text;
 }
 
+/// A string as TOML has it, in quotes.
+[[nodiscard]] std::string toml_text(const std::string& text);
+
 /// Whether a spreadsheet takes a cell for a formula, which may run programs.
 [[nodiscard]] inline bool is_formula(std::string_view cell) {
   return !cell.empty() && std::string_view("=+-@\t\r").find(cell.front()) != std::string_view::npos;

@@ -18,16 +18,6 @@ namespace {
 using formats::Deck;
 using Procedure = Deck::Procedure;
 
-/// A text as TOML has it.
-std::string quoted(const std::string& text) {
-  std::string out = "\"";
-  for (const char c : text) {
-    if (c == '"' || c == '\\') out += '\\';
-    if (static_cast<unsigned char>(c) >= 32) out += c;
-  }
-  return out + "\"";
-}
-
 bool is_number(const std::string& text) {
   return !text.empty() && std::all_of(text.begin(), text.end(), [](unsigned char c) { return std::isdigit(c) != 0; });
 }
@@ -45,7 +35,8 @@ class CaseWriter {
     out_ = fmt::format(
         "# From {0}, in the units of the deck; name them in [units] if they are not SI.\ntitle = "
         "{1}\nanalysis = {2}\n\n",
-        deck_.words.deck, quoted(deck_.title.empty() ? "From " + deck_.words.deck : deck_.title), quoted(analysis()));
+        deck_.words.deck, toml_text(deck_.title.empty() ? "From " + deck_.words.deck : deck_.title),
+        toml_text(analysis()));
     out_ += "[mesh]\nfile = \"mesh.inp\"\n";
     for (const Deck::Section& s : deck_.sections) add_material(s);
     add_supports();
@@ -183,7 +174,7 @@ class CaseWriter {
     out_ += made.text;
     // One section is of all shells, whatever its set is called.
     if (deck_.sections.size() > 1 || !deck_.all_in_sections)
-      out_ += fmt::format("groups = [{}]\n", quoted(known(s.elements, deck_.element_sets)));
+      out_ += fmt::format("groups = [{}]\n", toml_text(known(s.elements, deck_.element_sets)));
   }
 
   void add_supports() {
@@ -216,7 +207,7 @@ class CaseWriter {
     }
     const bool moved = s.value[0] != 0.0 || s.value[1] != 0.0 || s.value[2] != 0.0;
     const auto head = [&](const char* type) {
-      out_ += fmt::format("\n[[support]]\ngroup = {}\ntype = \"{}\"\n", quoted(group), type);
+      out_ += fmt::format("\n[[support]]\ngroup = {}\ntype = \"{}\"\n", toml_text(group), type);
     };
     if (mirror >= 0) {
       head("symmetry");
@@ -249,7 +240,8 @@ class CaseWriter {
     }
     const std::string table = table_of(s.amplitude);
     const auto along = [&](double size) { return size == 0.0 ? "0" : fmt::format("{} * {}", size, table); };
-    return fmt::format("motion = [{}, {}, {}]\n", quoted(along(v[0])), quoted(along(v[1])), quoted(along(v[2])));
+    return fmt::format("motion = [{}, {}, {}]\n", toml_text(along(v[0])), toml_text(along(v[1])),
+                       toml_text(along(v[2])));
   }
 
   /// An amplitude as an expression of the time.
@@ -283,7 +275,7 @@ class CaseWriter {
   [[nodiscard]] std::string history_of(const Deck::Load& l, double& factor) {
     factor = 1.0;
     if (l.amplitude.empty()) return "";
-    if (deck_.procedure == Procedure::dynamic) return fmt::format("history = {}\n", quoted(table_of(l.amplitude)));
+    if (deck_.procedure == Procedure::dynamic) return fmt::format("history = {}\n", toml_text(table_of(l.amplitude)));
     factor = factor_at_end(l.amplitude);
     return "";
   }
@@ -294,7 +286,7 @@ class CaseWriter {
     for (int k = 0; k < 3; ++k)
       if (k != mirror && s.held[static_cast<std::size_t>(k)]) names.push_back(fmt::format("\"{}\"", "xyz"[k]));
     if (!names.empty())
-      out_ += fmt::format("\n[[support]]\ngroup = {}\ntype = \"displacement\"\ncomponents = [{}]\n", quoted(group),
+      out_ += fmt::format("\n[[support]]\ngroup = {}\ntype = \"displacement\"\ncomponents = [{}]\n", toml_text(group),
                           fmt::join(names, ", "));
   }
 
@@ -322,13 +314,13 @@ class CaseWriter {
           pressures[{history, l.where}] += factor * l.size;
         else
           out_ += fmt::format("\n[[load]]\ntype = \"{}\"\ngroup = {}\n{}", pressure(),
-                              quoted(known(l.where, deck_.element_sets)), size_text(factor * l.size, history));
+                              toml_text(known(l.where, deck_.element_sets)), size_text(factor * l.size, history));
       } else if (is_number(l.where)) {
         std::array<double, 3>& sum = forces[{history, l.where}];
         for (std::size_t k = 0; k < 3; ++k) sum[k] += factor * l.vector[k];
       } else {
         out_ += fmt::format("\n[[load]]                   # on every node\ntype = \"point\"\ngroup = {}\n{}",
-                            quoted(known(l.where, deck_.node_sets)), vector);
+                            toml_text(known(l.where, deck_.node_sets)), vector);
       }
     }
     std::map<std::string, std::vector<std::string>> nodes, elements;  // by what acts on them
@@ -336,10 +328,10 @@ class CaseWriter {
     for (const auto& [at, sum] : pressures) elements[size_text(sum, at.first)].push_back(at.second);
     for (const auto& [vector, members] : nodes)
       out_ += fmt::format("\n[[load]]                   # on every node\ntype = \"point\"\ngroup = {}\n{}",
-                          quoted(new_set("*NSET, NSET=", "LOADED", members)), vector);
+                          toml_text(new_set("*NSET, NSET=", "LOADED", members)), vector);
     for (const auto& [size, members] : elements)
       out_ += fmt::format("\n[[load]]\ntype = \"{}\"\ngroup = {}\n{}", pressure(),
-                          quoted(new_set("*ELSET, ELSET=", "PRESSED", members)), size);
+                          toml_text(new_set("*ELSET, ELSET=", "PRESSED", members)), size);
   }
 
   /// With large deflections Abaqus lets a pressure follow the surface.

@@ -55,17 +55,7 @@ Exit drape_test_command(int argc, char** argv) {
   double cell = 0.0;
   CLI::App cli("Voile", "voile");
   declare(cli, test, specimen, cell);
-  std::vector<std::string> words(argv + 1, argv + argc);
-  std::reverse(words.begin(), words.end());
-  try {
-    cli.parse(words);
-  } catch (const CLI::CallForHelp&) {
-    fmt::print("{}", cli.get_subcommands().front()->help("voile"));
-    return Exit::done;
-  } catch (const CLI::ParseError& e) {
-    throw UserError(
-        fmt::format("{}{}; see voile drape-test --help", e.what(), option_hint(cli, {argv + 1, argv + argc})));
-  }
+  if (!parse_command(cli, argc, argv)) return Exit::done;
   if (!specimen.empty()) test.specimen = std::stoi(specimen);
   if (!std::isfinite(cell)) throw UserError("--cell: a number of millimetres is needed");  // no range holds it
   test.cell = 1e-3 * cell;

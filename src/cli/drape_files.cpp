@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
+#include "base/text.hpp"
 #include "begin.hpp"
 #include "results/stored_step.hpp"
 #include "voile/errors.hpp"
@@ -32,16 +33,6 @@ void write(const fs::path& file, const std::string& text) {
 
 double radius_of(const DrapeSetting& s) {
   return 0.5e-3 * s.test.specimen;
-}
-
-/// As TOML wants it.
-std::string quoted(const fs::path& path) {
-  std::string all = "\"";
-  for (const char c : path.string()) {
-    if (c == '"' || c == '\\') all += '\\';
-    all += c;
-  }
-  return all + '"';
 }
 
 constexpr const char* geometry = R"(// A specimen of fabric without the part that the discs of 180 mm hold. Metres.
@@ -172,7 +163,7 @@ void write_drape_case(const DrapeSetting& s, const DrapeRepeat& r) {
   if (error) throw UserError(fmt::format("{}: the folder cannot be made ({})", r.folder.string(), error.message()));
   write(r.folder / "specimen.geo", fmt::format(geometry, r.x, r.y, radius_of(s), r.cell));
   std::string text = fmt::format("title = \"Drape test\"\nanalysis = \"{}\"\n\n", plate ? "dynamic" : "static");
-  text += fmt::format(common, quoted(s.fabric_file), r.warp, s.friction ? "friction" : "damping");
+  text += fmt::format(common, toml_text(s.fabric_file.string()), r.warp, s.friction ? "friction" : "damping");
   const double way = radius_of(s) - drape_support_radius + plate_beyond;
   text += plate ? fmt::format(lowered, plate_speed, way / plate_speed + rest_time) : growing;
   write(r.folder / "case.toml", text + "\n[output]\nevery = 1000\nfields = [\"displacement\"]\n");

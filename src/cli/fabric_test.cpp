@@ -40,18 +40,7 @@ bool read_options(int argc, char** argv, Options& o) {
   c->add_option("fabric", o.fabric, "Fabric file, or the name of a shipped fabric")->required();
   c->add_option("--output", o.output, "Folder of the results [FABRIC_test]");
   c->add_flag("--overwrite", o.overwrite, "Replace an earlier test in that folder");
-  std::vector<std::string> words(argv + 1, argv + argc);
-  std::reverse(words.begin(), words.end());
-  try {
-    cli.parse(words);
-  } catch (const CLI::CallForHelp&) {
-    fmt::print("{}", c->help("voile"));
-    return false;
-  } catch (const CLI::ParseError& e) {
-    throw UserError(
-        fmt::format("{}{}; see voile fabric-test --help", e.what(), option_hint(cli, {argv + 1, argv + argc})));
-  }
-  return true;
+  return parse_command(cli, argc, argv);
 }
 
 void write(const fs::path& file, const std::string& text) {
@@ -94,15 +83,10 @@ void print_row(const std::string& instrument, const std::string& key, double giv
 
 std::string hang(const TestedFabric& t) {
   std::string text = "\n[overhang]\n";
-  const Mat3 d = input::bending_stiffness(t.fabric);
-  const double weight = 9.80665 * t.fabric.areal_density, load = fit::cantilever_load(41.5 * std::numbers::pi / 180.0);
   for (const auto& [direction, angle] : directions) {
-    const double length = overhang(t, angle), given = angle == 0 ? d(0, 0)
-                                                      : angle == 90
-                                                          ? d(1, 1)
-                                                          : 0.25 * (d(0, 0) + d(1, 1) + 2.0 * d(0, 1)) + d(2, 2);
-    print_row(fmt::format("cantilever, {}", direction), fmt::format("rigidity along {}", direction), given,
-              weight * std::pow(length, 3) / load, 1e-6, "uN.m");
+    const double length = overhang(t, angle);
+    print_row(fmt::format("cantilever, {}", direction), fmt::format("rigidity along {}", direction),
+              rigidity_along(t.fabric, angle), rigidity_read(t.fabric, length), 1e-6, "uN.m");
     text += fmt::format("{} = \"{:.6g} mm\"\n", direction, 1e3 * length);
   }
   return text;

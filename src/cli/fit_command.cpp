@@ -7,6 +7,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <optional>
 
 #include "base/plain_file.hpp"
 #include "drape_files.hpp"
@@ -119,21 +120,13 @@ fit::DrapeTrial drape_trial(const FitOptions& o, int specimen, const std::string
   return trial;
 }
 
-FitOptions options_of(int argc, char** argv, bool& only_help) {
+/// Nothing after the help, which was asked for.
+std::optional<FitOptions> options_of(int argc, char** argv) {
   FitOptions o;
   o.drape.repeats = 2;
   CLI::App cli("Voile", "voile");
   declare(cli, o);
-  std::vector<std::string> words(argv + 1, argv + argc);
-  std::reverse(words.begin(), words.end());
-  try {
-    cli.parse(words);
-  } catch (const CLI::CallForHelp&) {
-    fmt::print("{}", cli.get_subcommands().front()->help("voile"));
-    only_help = true;
-  } catch (const CLI::ParseError& e) {
-    throw UserError(fmt::format("{}{}; see voile fit --help", e.what(), option_hint(cli, {argv + 1, argv + argc})));
-  }
+  if (!parse_command(cli, argc, argv)) return std::nullopt;
   if (!std::isfinite(o.cell)) throw UserError("--cell: a number of millimetres is needed");  // no range holds it
   if (o.output.empty()) o.output = fs::path(o.sheet).stem().string() + "_fabric.toml";
   return o;
@@ -153,9 +146,9 @@ bool is_fit(int argc, char** argv) {
 }
 
 Exit fit_command(int argc, char** argv) {
-  bool only_help = false;
-  const FitOptions o = options_of(argc, argv, only_help);
-  if (only_help) return Exit::done;
+  const std::optional<FitOptions> asked = options_of(argc, argv);
+  if (!asked) return Exit::done;
+  const FitOptions& o = *asked;
   if (launched_rank().size > 1) throw UserError("fit: it starts its own processes; leave out mpirun, and use --jobs");
   std::error_code ignored;
   if (fs::equivalent(o.output, o.sheet, ignored))

@@ -1,13 +1,15 @@
-// What a misspelt command or option may have meant.
+// Reading the options of a command: what a misspelt one may have meant.
 #pragma once
 
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <string>
 #include <vector>
 
 #include "base/text.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::cli {
 
@@ -34,6 +36,22 @@ inline std::string option_hint(const CLI::App& cli, const std::vector<std::strin
     if (!near.empty()) return fmt::format(" (did you mean {}?)", near);
   }
   return "";
+}
+
+/// Reads the arguments of a program with one command. False after its help, which was asked for. Throws UserError.
+inline bool parse_command(CLI::App& cli, int argc, char** argv) {
+  std::vector<std::string> words(argv + 1, argv + argc);
+  std::reverse(words.begin(), words.end());
+  try {
+    cli.parse(words);
+  } catch (const CLI::CallForHelp&) {
+    fmt::print("{}", cli.get_subcommands().front()->help("voile"));
+    return false;
+  } catch (const CLI::ParseError& e) {
+    throw UserError(
+        fmt::format("{}{}; see voile {} --help", e.what(), option_hint(cli, {argv + 1, argv + argc}), argv[1]));
+  }
+  return true;
 }
 
 }  // namespace voile::cli

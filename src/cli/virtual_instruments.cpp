@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "base/shipped_files.hpp"
+#include "base/text.hpp"
 #include "begin.hpp"
 #include "fit/fabric_file.hpp"
 #include "fit/instruments.hpp"
@@ -172,13 +173,8 @@ Columns run_instrument(const TestedFabric& t, const std::string& name, const std
 
 std::string head_of(const TestedFabric& t, const std::string& title, const char* mesh, const std::string& parameters,
                     int angle, bool friction) {
-  return fmt::format(head, title, fit::toml_text((shipped_folder("meshes") / mesh).string()), parameters,
-                     fit::toml_text(t.file.string()), angle, friction ? "friction" : "damping");
-}
-
-double rigidity_at(const input::Fabric& f, int angle) {
-  const Mat3 d = input::bending_stiffness(f);
-  return angle == 0 ? d(0, 0) : angle == 90 ? d(1, 1) : 0.25 * (d(0, 0) + d(1, 1) + 2.0 * d(0, 1)) + d(2, 2);
+  return fmt::format(head, title, toml_text((shipped_folder("meshes") / mesh).string()), parameters,
+                     toml_text(t.file.string()), angle, friction ? "friction" : "damping");
 }
 
 /// Of the circle through three points, positive where the strip turns about +y.
@@ -189,9 +185,18 @@ double curvature_through(const std::array<Vec2, 3>& p) {
 
 }  // namespace
 
+double rigidity_along(const input::Fabric& f, int angle) {
+  const Mat3 d = input::bending_stiffness(f);
+  return angle == 0 ? d(0, 0) : angle == 90 ? d(1, 1) : 0.25 * (d(0, 0) + d(1, 1) + 2.0 * d(0, 1)) + d(2, 2);
+}
+
+double rigidity_read(const input::Fabric& f, double overhang) {
+  return fit::gravity * f.areal_density * std::pow(overhang, 3) / fit::cantilever_load(instrument_angle);
+}
+
 double overhang(const TestedFabric& t, int angle) {
   const double weight = fit::gravity * t.fabric.areal_density, load = fit::cantilever_load(instrument_angle),
-               length = std::cbrt(load * rigidity_at(t.fabric, angle) / weight);
+               length = std::cbrt(load * rigidity_along(t.fabric, angle) / weight);
   const std::string text =
       head_of(t, "Cantilever", "cantilever.geo",
               fmt::format("length = {:.9g}, width = {:g}, nx = 40, ny = 16", length, strip_width), angle, false) +

@@ -16,6 +16,9 @@ struct TestedFabric {
   std::filesystem::path file, folder;  ///< of the fabric, and of the results
 };
 
+/// Bending rigidity along the warp (0), the bias (45) or the weft (90), and what a cantilever reads of its overhang [m]. [N m]
+[[nodiscard]] double rigidity_along(const input::Fabric& f, int angle);
+[[nodiscard]] double rigidity_read(const input::Fabric& f, double overhang);
 /// Length of a strip that falls by 41.5 degrees, along the warp (0), the bias (45) or the weft (90) [m]. Throws UserError if the run fails.
 [[nodiscard]] double overhang(const TestedFabric& t, int angle);
 /// Extension at 5 gf/cm of a strip along the bias, 100 mm between clamps and 50 mm wide (EB5 of FAST-3). Its ends cannot shear.

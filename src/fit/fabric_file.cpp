@@ -153,18 +153,6 @@ std::string figure_line(P p, const Determined& d) {
 
 }  // namespace
 
-std::string toml_text(const std::string& text) {
-  std::string all = "\"";
-  for (const char c : text) {
-    if (c == '"' || c == '\\') all += '\\';
-    if (static_cast<unsigned char>(c) < 32)
-      all += fmt::format("\\u{:04x}", static_cast<unsigned>(c));
-    else
-      all += c;
-  }
-  return all + '"';
-}
-
 std::vector<Undetermined> undetermined(const Sheet& sheet, const Fit& fit) {
   std::vector<Undetermined> all;
   for (const Entry& e : entries_of(sheet, fit))

@@ -14,9 +14,6 @@ struct Undetermined {
 };
 [[nodiscard]] std::vector<Undetermined> undetermined(const Sheet& sheet, const Fit& fit);
 
-/// In quotes, as TOML wants it.
-[[nodiscard]] std::string toml_text(const std::string& text);
-
 /// A fabric file whose sources name measurements and uncertainties. Throws UserError if the program would not read it.
 [[nodiscard]] std::string fabric_text(const Sheet& sheet, const Fit& fit);
 

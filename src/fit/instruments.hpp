@@ -10,16 +10,16 @@
 #pragma once
 
 #include <array>
-#include <numbers>
 #include <string>
 #include <vector>
 
 #include "base/types.hpp"
+#include "input/units.hpp"
 
 namespace voile::fit {
 
 inline constexpr double gravity = 9.80665;  // [m/s^2]
-inline constexpr double degree = std::numbers::pi / 180.0;
+using input::degree;
 
 /// Figures of a fabric, all positive, in SI.
 enum class Parameter {

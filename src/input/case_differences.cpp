@@ -50,7 +50,7 @@ bool is_fabric(const Case& c, const std::string& section, std::size_t n) {
 
 }  // namespace
 
-std::vector<std::string> different_sections(const Case& c, const std::filesystem::path& resolved) {
+std::vector<SectionDifference> different_sections(const Case& c, const std::filesystem::path& resolved) {
   toml::table was, is;
   const std::ifstream in(resolved);
   if (!in) return {};
@@ -62,15 +62,16 @@ std::vector<std::string> different_sections(const Case& c, const std::filesystem
   } catch (const toml::parse_error&) {
     return {};
   }
-  std::vector<std::string> found;
+  std::vector<SectionDifference> found;
   for (const char* section : {"units", "element", "material", "hinge"}) {
     const std::vector<const toml::table*> before = tables_of(was, section), now = tables_of(is, section);
     if (before.size() != now.size())
-      found.push_back(fmt::format("[{}]: {} of them, here {}", section, before.size(), now.size()));
+      found.push_back({section, fmt::format("[{}]: {} of them, here {}", section, before.size(), now.size())});
     for (std::size_t n = 0; n < std::min(before.size(), now.size()); ++n)
       if (const std::vector<std::string> keys = different_keys(*before[n], *now[n]); !keys.empty())
-        found.push_back(fmt::format("[{}]{}: {}{}", section, now.size() > 1 ? fmt::format(" {}", n + 1) : "",
-                                    is_fabric(c, section, n) ? "fabric or warp_angle, with " : "", join(keys, "; ")));
+        found.push_back(
+            {section, fmt::format("[{}]{}: {}{}", section, now.size() > 1 ? fmt::format(" {}", n + 1) : "",
+                                  is_fabric(c, section, n) ? "fabric or warp_angle, with " : "", join(keys, "; "))});
   }
   return found;
 }

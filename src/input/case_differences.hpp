@@ -9,8 +9,13 @@
 
 namespace voile::input {
 
+struct SectionDifference {
+  std::string section;  ///< its name
+  std::string text;     ///< "[section]: keys that differ"
+};
+
 /// Sections of sheet and material whose keys differ from those of a resolved case, each with the keys; none if there is no such
 /// file. Reads it: not collective.
-[[nodiscard]] std::vector<std::string> different_sections(const Case& c, const std::filesystem::path& resolved);
+[[nodiscard]] std::vector<SectionDifference> different_sections(const Case& c, const std::filesystem::path& resolved);
 
 }  // namespace voile::input

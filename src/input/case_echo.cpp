@@ -13,19 +13,6 @@ namespace voile::input {
 
 namespace {
 
-std::string quoted(const std::string& text) {
-  std::string out = "\"";
-  for (const char c : text) {
-    if (c == '"' || c == '\\')
-      out += fmt::format("\\{}", c);
-    else if (static_cast<unsigned char>(c) < 32 || c == 127)
-      out += fmt::format("\\u{:04X}", static_cast<int>(c));
-    else
-      out += c;
-  }
-  return out + '"';
-}
-
 /// Shortest text that reads back as the same number, with a point or exponent so that TOML takes it for a float.
 std::string number(double x) {
   const std::string text = fmt::format("{}", x);
@@ -60,15 +47,15 @@ struct Printer {
   std::string operator()(const double* x) const { return std::isfinite(*x) ? number(*x) : ""; }
   std::string operator()(const int* x) const { return fmt::format("{}", *x); }
   std::string operator()(const bool* x) const { return *x ? "true" : "false"; }
-  std::string operator()(const std::string* x) const { return quoted(*x); }
-  std::string operator()(const std::filesystem::path* x) const { return quoted(x->string()); }
+  std::string operator()(const std::string* x) const { return toml_text(*x); }
+  std::string operator()(const std::filesystem::path* x) const { return toml_text(x->string()); }
   std::string operator()(const Degrees& x) const { return number(degrees(*x.radians)); }
-  std::string operator()(const Choice& x) const { return quoted(x.names[static_cast<std::size_t>(x.get())]); }
-  std::string operator()(const Words& x) const { return x.values->empty() ? "" : list(*x.values, quoted); }
-  std::string operator()(const std::vector<std::string>* x) const { return x->empty() ? "" : list(*x, quoted); }
+  std::string operator()(const Choice& x) const { return toml_text(x.names[static_cast<std::size_t>(x.get())]); }
+  std::string operator()(const Words& x) const { return x.values->empty() ? "" : list(*x.values, toml_text); }
+  std::string operator()(const std::vector<std::string>* x) const { return x->empty() ? "" : list(*x, toml_text); }
   std::string operator()(const std::vector<double>* x) const { return x->empty() ? "" : list(*x, number); }
   std::string operator()(const std::vector<int>* x) const {
-    return x->empty() ? "" : list(*x, [](int i) { return quoted(std::string(1, "xyz"[i])); });
+    return x->empty() ? "" : list(*x, [](int i) { return toml_text(std::string(1, "xyz"[i])); });
   }
   std::string operator()(const std::array<bool, 3>* x) const {
     std::vector<int> axes;
@@ -79,7 +66,7 @@ struct Printer {
   std::string operator()(const Vec3* x) const { return vector_text(*x); }
   std::string operator()(const std::optional<Vec3>* x) const { return *x ? vector_text(**x) : ""; }
   std::string operator()(const PointInput* x) const {
-    return x->landmark.empty() ? vector_text(x->at) : quoted(x->landmark);
+    return x->landmark.empty() ? vector_text(x->at) : toml_text(x->landmark);
   }
   std::string operator()(const std::optional<PointInput>* x) const { return *x ? (*this)(&**x) : ""; }
   std::string operator()(const Mat3* x) const {
@@ -87,7 +74,7 @@ struct Printer {
   }
   std::string operator()(const std::map<std::string, double>* x) const {
     std::vector<std::string> texts;
-    for (const auto& [name, value] : *x) texts.push_back(fmt::format("{} = {}", quoted(name), number(value)));
+    for (const auto& [name, value] : *x) texts.push_back(fmt::format("{} = {}", toml_text(name), number(value)));
     return texts.empty() ? "" : fmt::format("{{ {} }}", join(texts, ", "));
   }
 };

@@ -114,15 +114,8 @@ Recorder::Snapshot Recorder::gathered(Vec a, const Motion& motion) {
     dynamics_->add_damping(motion.v, force);
     petsc::VecHandle acceleration = model_->dofs().create_vector();
     if (motion.a) VOILE_PETSC(VecCopy(motion.a, acceleration));
-    // Differences stay within the run: before and after it a motion may not be defined.
-    const double before = motion.time, after = case_.time.options.end_time - motion.time;
-    double step = case_.time.options.step;
-    int side = 0;
-    if (std::min(before, after) < step) {
-      side = before > after ? -1 : 1;
-      step = std::min(step, std::max(before, after) / 3.0);
-    }
-    dynamics_->add_inertia(acceleration, motion.v, motion.time, step, side, force);
+    const solve::TimeOptions& time = case_.time.options;
+    dynamics_->add_inertia(acceleration, motion.v, {motion.time, time.step, time.end_time}, force);
   }
   model_->dofs().clear_free(force);  // away from supports the force is only the residual that is left
   s.state.displacement = linear_ ? model_->dofs().gather_change(a) : model_->dofs().gather(a);

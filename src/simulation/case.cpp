@@ -7,6 +7,7 @@
 #include <system_error>
 
 #include "base/plain_file.hpp"
+#include "base/text.hpp"
 #include "input/case.hpp"
 #include "voile/errors.hpp"
 
@@ -16,19 +17,6 @@ namespace {
 
 /// Under which a text without a file is named in messages, in its folder.
 constexpr const char* nameless = "case.toml";
-
-std::string quoted(const std::string& text) {
-  std::string all = "\"";
-  for (const char c : text) {
-    if (c == '"' || c == '\\')
-      all += {'\\', c};
-    else if (static_cast<unsigned char>(c) < 0x20)
-      all += fmt::format("\\u{:04x}", static_cast<int>(c));
-    else
-      all += c;
-  }
-  return all + '"';
-}
 
 /// As TOML wants it: with a point or an exponent; inf and nan as they are.
 std::string number(double value) {
@@ -69,7 +57,7 @@ Case& Case::set(const std::string& key, bool value) {
 }
 
 Case& Case::set(const std::string& key, const std::string& value) {
-  settings_.push_back(key + "=" + quoted(value));
+  settings_.push_back(key + "=" + toml_text(value));
   return *this;
 }
 

@@ -88,14 +88,14 @@ void begin_anew(const input::Case& c, results::Checkpoint& s) {
 /// What a restart takes over silently otherwise. Rank 0 only.
 void say_differences(const input::Case& c, const record::RunOptions& options, const results::Checkpoint& s) {
   const std::filesystem::path folder = options.restart.parent_path();
-  for (const std::string& text : input::different_sections(c, folder / "resolved_case.toml")) {
-    if (text.starts_with("[units]"))
+  for (const input::SectionDifference& d : input::different_sections(c, folder / "resolved_case.toml")) {
+    if (d.section == "units")
       throw UserError(
           fmt::format("--restart {}: its run had another {}; its numbers are in those units, so give the "
                       "case the same [units]",
-                      options.restart.string(), text));
+                      options.restart.string(), d.text));
     if (options.verbosity != record::Verbosity::quiet)
-      fmt::print("note: --restart {}: its run had another {}\n", options.restart.string(), text);
+      fmt::print("note: --restart {}: its run had another {}\n", options.restart.string(), d.text);
   }
   if (options.verbosity == record::Verbosity::quiet) return;
   if (c.analysis == "dynamic" && results::is_results(options.restart) && !s.velocity.empty())

@@ -208,15 +208,20 @@ void BoundaryConditions::enforce(Vec a) const {
   for (PetscInt i : on_->dofs().fixed()) values[i] = load_factor_ * prescribed[i] + motion[i] + hold[i];
 }
 
-void BoundaryConditions::prescribe_acceleration(double time, double dt, int side,
-                                                const std::function<double(double)>& factor, Vec acceleration) {
-  using Stencil = std::vector<std::pair<int, double>>;
-  const Stencil stencil = side == 0 ? Stencil{{-1, 1.0}, {1, 1.0}, {0, -2.0}}
-                                    : Stencil{{3 * side, -1.0}, {2 * side, 4.0}, {side, -5.0}, {0, 2.0}};
+void BoundaryConditions::prescribe_acceleration(const MotionTime& when, const std::function<double(double)>& factor,
+                                                Vec acceleration) {
+  const double before = when.time, after = when.end - when.time;
+  const bool central = std::min(before, after) >= when.step;
+  const int side = before > after ? -1 : 1;
+  const double step = central ? when.step : std::min(when.step, std::max(before, after) / 3.0);
+  // The last restores the time in force.
+  const std::vector<std::pair<int, double>> stencil =
+      central ? std::vector<std::pair<int, double>>{{-1, 1.0}, {1, 1.0}, {0, -2.0}}
+              : std::vector<std::pair<int, double>>{{3 * side, -1.0}, {2 * side, 4.0}, {side, -5.0}, {0, 2.0}};
   const petsc::WriteArray values(acceleration);
   for (PetscInt i : on_->dofs().fixed()) values[i] = 0.0;
-  for (const auto& [k, factor_k] : stencil) {  // the last restores the time in force
-    const double at = time + k * dt, weight = factor_k / (dt * dt);
+  for (const auto& [k, part] : stencil) {
+    const double at = when.time + k * step, weight = part / (step * step);
     move_supports(at);
     const petsc::ReadArray prescribed(prescribed_), motion(motion_);
     for (PetscInt i : on_->dofs().fixed()) values[i] += weight * (factor(at) * prescribed[i] + motion[i]);

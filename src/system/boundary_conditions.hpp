@@ -31,6 +31,12 @@ class ElementTerm;
 class Gas;
 struct LowRankChange;
 
+/// Where a prescribed motion is differentiated: the time in force, a step, and the end of the run. Before 0 and beyond the end the
+/// motion may not be defined. [s]
+struct MotionTime {
+  double time, step, end;
+};
+
 class BoundaryConditions {
  public:
   /// `on` must outlive it. Supports move with the load factor instead of the time if `motion_by_load` says so.
@@ -53,10 +59,9 @@ class BoundaryConditions {
   void set_displacement(Index local, const Vec3& u);
   /// Sets the fixed components of a to their prescribed values. Collective.
   void enforce(Vec a) const;
-  /// Accelerations of the fixed components at the time in force, by second differences over dt before and after (`side` 0),
-  /// or three dt before (-1) or after (1), with the load factor as a function of time; the others stay. Supports that follow an obstacle get none. Collective. [m/s^2]
-  void prescribe_acceleration(double time, double dt, int side, const std::function<double(double)>& factor,
-                              Vec acceleration);
+  /// Accelerations of the fixed components at a time, by second differences within the run, with the load factor as a function of
+  /// time; the others stay. Supports that follow an obstacle get none. Collective. [m/s^2]
+  void prescribe_acceleration(const MotionTime& at, const std::function<double(double)>& factor, Vec acceleration);
   /// Supports take hold of what they hold where it is in state a: from now on prescribed displacements and motions count
   /// from there, a change of the load factor from `load_factor`, of the time (or of the load factor in its place) from
   /// `time`. Collective.

@@ -58,8 +58,8 @@ class Dynamics {
   /// Adds to f what damping and drag do at velocities v, on what is held too, where it is a part of the reaction. Collective. [N]
   void add_damping(Vec v, Vec f) const;
   /// Adds to f what inertia does at accelerations a and velocities v, also on what is held, whose accelerations are those of the
-  /// prescribed motions, taken over dt on `side` (boundary_conditions.hpp); `a` is overwritten there. Collective. [N]
-  void add_inertia(Vec a, Vec v, double time, double dt, int side, Vec f) const;
+  /// prescribed motions; `a` is overwritten there. Collective. [N]
+  void add_inertia(Vec a, Vec v, const MotionTime& at, Vec f) const;
   /// E(u). Collective.
   [[nodiscard]] double energy(Vec u, Vec v, Vec a, double s_v, double s_a);
   /// Tangent dF/du at u into the model's tangent matrix. Collective.

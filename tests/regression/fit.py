@@ -83,10 +83,10 @@ def fit_shipped(report):
         f = figures(file)
         sheet = kes_sheet(f) if "bending_hysteresis" in f else fast_sheet(f)
         code, text = fit(file.stem, 'name = "virtual"\ndescription = "virtual sheet"\n' + sheet)
-        report.check(code == 0 and "not determined" in text, f"{file.stem}: exit code {code}{': ' + text.strip()[-200:] if code else ''}")
+        report.check(code == 0 and "not determined" in text and "check the unit" not in text, f"{file.stem}: exit code {code}{': ' + text.strip()[-200:] if code else ''}")
         found = figures(OUT / "fit" / f"{file.stem}_fabric.toml")
         worst = max((abs(found[k] / v - 1), k) for k, v in f.items() if k not in ("membrane_poisson", "bending_poisson"))
-        report.below(worst[0], 5e-3, f"{file.stem}: {len(f)} figures, worst {worst[1]}")
+        report.below(worst[0], 1e-4, f"{file.stem}: {len(f)} figures, worst {worst[1]}")
         if "membrane_poisson" in f:
             report.check(re.search(r"membrane_poisson +0\n", text) is not None, "the coupling of warp and weft is listed as not determined")
 

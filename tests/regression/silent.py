@@ -101,6 +101,10 @@ def moving_supports(report):
     for k, where in ((0, "first"), (-1, "last")):
         report.below(abs(h["hold_x"][k] + 3.6 * mass * math.sin(6 * h["time"][k])) / (3.6 * mass), 0.006, f"inertia of what is held in the {where} row")
 
+    within = variant(swung, {"support.0.motion": ["(t < 0) || (t > 1.0000001) ? 1e9 : 0.1*t^2", "0", "0"]})
+    h = solve("within", within).history
+    for k, where in ((0, "first"), (-1, "last")):
+        report.percent(h["hold_x"][k] / (0.2 * mass), 0.01, f"a motion that is not defined outside the run: {where} row")
     free = strip("dynamic", nx=4, ny=1, time={"end": 0.1, "step": 1e-3, "mass": "consistent", "velocity_tolerance": 1e-9}, output={"every": 1},
                  probe=[{"name": "hold", "type": "reaction", "group": "clamp", "components": ["z"]}])
     done = solve("coupled", free)
@@ -127,6 +131,8 @@ def said_differences(report):
                                          ("results", ["results.vtkhdf"], {}, "have no accelerations")):
         done = solve("said_again", variant(case, change | {"time.end": 0.25}), options=["--restart", first.folder / options[0]])
         report.check(words in done.text if words else "note: --restart" not in done.text, f"{name}: {[line for line in done.text.splitlines() if '--restart' in line]}")
+    same = solve("said_same_units", variant(case, {"units": {"length": "m"}, "time.end": 0.25}), options=["--restart", first.folder / "checkpoint.h5"])
+    report.check("another [units]" not in same.text, "SI in words is no other system")
     other = write_case(variant(case, {"units": {"time": "ms"}}), OUT / "said_units_of_time.toml")
     code, text = invoke(["run", other, "--output", OUT / "said_units_of_time", "--overwrite", "--restart", first.folder / "checkpoint.h5"])
     report.check(code == 2 and "its run had another [units]" in text, f"other units: code {code}: {text.strip()[-150:]}")
