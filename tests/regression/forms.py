@@ -1,6 +1,7 @@
 """Form finding in whole runs: films between rings and under pressure, cables, a tent under snow; and a Nastran deck in a cylinder's axes."""
 
 import math
+import re
 
 import numpy as np
 from common import fresh
@@ -49,6 +50,10 @@ def forms(report):
     report.check("[form]: in equilibrium the sheet pulls with" in film.text, "says how far its tension is from the prestress")
     stiff = solve("form_stiff", rings(height, 16) | {"material": [FILM | {"thickness": 1e-2}]})
     report.check("warning: [form]: in equilibrium the sheet pulls with" in stiff.text, f"a stiff film on coarse cells: {[line for line in stiff.text.splitlines() if '[form]' in line]}")
+    force = np.asarray(stiff.results[-1]["membrane_force"]) - [FORCE, FORCE, 0]
+    off = np.abs(0.5 * (force[:, 0] + force[:, 1])) + np.hypot(0.5 * (force[:, 0] - force[:, 1]), force[:, 2])
+    said = float(re.search(r"it is off by ([\d.]+) % at", stiff.text)[1]) / 100
+    report.percent(said / (off.max() / FORCE), 0.03, f"the largest difference of its tension, {off.max() / FORCE:.3f} of the prestress")
 
     pressure = 150.0
     cap = {"mesh": {"file": str(ROOT / "meshes" / "disc.geo"), "parameters": {"radius": 1.0, "inner_radius": 0.5, "n": 24}}, "form": {"pressure": pressure},
