@@ -162,6 +162,18 @@ mesh::MeshData stored_mesh(const input::Case& c, const record::RunOptions& optio
   return is_first ? mesh::MeshData{} : stored;
 }
 
+/// Whether something moves the sheet at load factor 0.
+bool acts_at_once(const input::Case& c) {
+  const auto constant = [](const auto& acting) { return acting.constant; };
+  const auto strained = [](const energy::Material& m) {
+    return !m.prestress.isZero(0.0) || !m.initial_strain.isZero(0.0);
+  };
+  return std::any_of(c.hinges.begin(), c.hinges.end(), constant) ||
+         std::any_of(c.loads.begin(), c.loads.end(), constant) ||
+         std::any_of(c.temperatures.begin(), c.temperatures.end(), constant) ||
+         std::any_of(c.materials.begin(), c.materials.end(), strained);
+}
+
 }  // namespace
 
 std::vector<double> start_shape(MPI_Comm comm, const input::Case& c, const mesh::SurfaceMesh& mesh) {
@@ -189,8 +201,7 @@ results::Checkpoint read_start(const input::Case& c, const record::RunOptions& o
     throw UserError("--restart: analysis = \"linear\" starts from the unloaded state; leave the option out");
   if (options.restart.empty()) {
     start.displacement = start_shape(options.comm, c, mesh);
-    const bool folds = std::any_of(c.hinges.begin(), c.hinges.end(), [](const auto& h) { return h.constant; });
-    start.in_equilibrium = c.mesh.start.empty() && !mesh.has_charts() && !c.form.active && !folds;
+    start.in_equilibrium = c.mesh.start.empty() && !mesh.has_charts() && !c.form.active && !acts_at_once(c);
     return start;
   }
   std::vector<double> numbers(14);

@@ -67,6 +67,12 @@ def shrunk_curve(report):
     """A fabric that has shrunk by 4 % pulls as one that was cut 4 % smaller, along its steep curve."""
     small, shrunk = solve("cut_small", pulled(0.96, 1.2)), solve("cut_shrunk", pulled(1.0, 1.2, initial_strain=[-0.04, -0.04]))
     report.percent(shrunk.history["pull_x"][-1] / small.history["pull_x"][-1], 1e-6, f"force {small.history['pull_x'][-1]:.4g} N")
+    free = pulled(1.0, 1.0, initial_strain=[-0.35, -0.35])
+    free["support"].pop()
+    free |= {"load": [{"type": "line", "group": "sheet end", "vector": [1, 0, 0]}], "probe": [{"name": "end", "type": "displacement", "group": "sheet end", "components": ["x"]}]}
+    done = solve("shrunk_free", free)
+    report.near(done.history["end_x"][0], -0.35, 1e-6, "nothing holds it: it shrinks before the first step")
+    report.check("has ended" not in done.text, "and no strain of the way there is warned of")
 
 
 @test
