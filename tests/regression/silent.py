@@ -220,6 +220,8 @@ def deck_loads(report):
             ("no load", head.replace("LOAD = 2", "LOAD = 99"), 2, ("LOAD: there is no card LOAD of set 99",)),
             ("no part", head + "LOAD,2,1.,1.,77\n", 2, ("no card LOAD of set 77",)),
             ("no support", head.replace("SPC = 1", "SPC = 99") + "GRAV,2,0,1.,0.,0.,1.\n", 2, ("SPC: there is no card SPC of set 99",)),
+            ("three constants", head.replace(PLY, "MAT1,7,70.+9,20.+9,.3\n") + "GRAV,2,0,1.,0.,0.,1.\n", 0, ("MAT1 7, G = 20.+9: E and NU are taken, which give 2.692e+10",)),
+            ("a band of modes", head.replace("SOL 101", "SOL 103").replace("LOAD = 2", "METHOD = 8") + "EIGRL,8,10.,500.,3\n", 0, ("EIGRL, a bound of 10.", "EIGRL, a bound of 500.", "modes = 3")),
             ("turned", (head + "GRAV,2,0,1.,0.,0.,1.\nGRID,5,,2.,0.,0.\nGRID,6,,2.,1.,0.\nCQUAD4,2,5,2,3,6,5,30.\n").replace(",30.", ",0").replace("PSHELL,5,7,.001,7\n", "PCOMP,5,,,,,,,\n,7,.00025,0.,,7,.00025,90.\n"),
              0, ("plies and angles are reversed",))):
         code, text = converted(deck)
