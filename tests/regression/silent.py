@@ -1,6 +1,7 @@
 """Answers that would be wrong silently: strains beyond curves, tangents at zero, natural strains, supports that move, restarts, decks."""
 
 import math
+import re
 
 import numpy as np
 from common import fresh, strip
@@ -142,6 +143,21 @@ def said_differences(report):
     other = write_case(variant(case, {"units": {"time": "ms"}}), OUT / "said_units_of_time.toml")
     code, text = invoke(["run", other, "--output", OUT / "said_units_of_time", "--overwrite", "--restart", first.folder / "checkpoint.h5"])
     report.check(code == 2 and "its run had another [units]" in text, f"other units: code {code}: {text.strip()[-150:]}")
+
+
+@test
+def said_created(report):
+    """Energy that one step creates is reported although later steps have taken more than that."""
+    case = {"analysis": "dynamic", "mesh": {"file": str(ROOT / "meshes" / "plate.geo"), "parameters": {"side": 0.3, "n": 12}},
+            "material": [{"type": "isotropic", "young": 5e6, "poisson": 0.3, "thickness": 5e-4, "density": 400.0, "initial_strain": [-0.02, -0.02, 0.0]}],
+            "time": {"end": 0.06, "step": 2e-3}}
+    done = solve("said_created", case)
+    loss = done.history["numerical_loss"]
+    created = max(np.maximum.accumulate(loss) - loss)
+    told = re.search(r"has created ([\d.e+-]+) J", done.text)
+    initial = done.summary["energy"]["initial_energy"]
+    report.check(created > initial and abs(loss[-1]) < 0.05 * initial, f"created {created:.3g} J beside {initial:.3g} J, then taken again to {-loss[-1]:.3g} J")
+    report.check(told and abs(float(told[1]) / created - 1) < 0.01, f"reported: {told and told[0]}")
 
 
 @test
