@@ -46,7 +46,7 @@ CASES = {
     "static": (lambda: base("slit_annulus", mesh__parameters__n_radial=4, mesh__parameters__n_circ=40), None, 1e-6),
     "contact": (lambda: variant(sheet_on_ball(), {"time.end": 0.2, "time.checkpoint_steps": 1}), None, 1e-3),
     "remeshing": (remeshing, None, 1e-2),
-    "sewing": (sewing, "sew", 1e-3),
+    "sewing": (sewing, "sew", 1e-2),  # a ruffle: gathers fold elsewhere
 }
 
 
