@@ -34,7 +34,7 @@ std::vector<Key> keys_of(FormSection& s) {
 
 std::vector<Key> keys_of(system::Hinge& s) {
   return {
-      {.name = "group", .slot = &s.group, .meaning = "Physical curve.", .required = true},
+      {.name = "group", .slot = GroupList{&s.group}, .meaning = "Physical curve.", .required = true},
       {.name = "stiffness",
        .slot = &s.stiffness,
        .meaning = "Moment per length of the line and radian of its angle.",

@@ -7,6 +7,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <filesystem>
 #include <map>
 #include <string>
@@ -26,7 +27,11 @@ struct SeamMeasure {
   double gap = 0.0;                            ///< largest at the end [m]
   std::array<std::string, 2> edges{};          ///< "PIECE/EDGE" of the two vertices there
   Vec3 place = Vec3::Zero();                   ///< [m]
-  [[nodiscard]] double ease() const { return lengths[1] > 0.0 ? 100.0 * (lengths[0] / lengths[1] - 1.0) : 0.0; }
+  /// Without what is round-off.
+  [[nodiscard]] double ease() const {
+    const double percent = lengths[1] > 0.0 ? 100.0 * (lengths[0] / lengths[1] - 1.0) : 0.0;
+    return std::abs(percent) > 1e-9 ? percent : 0.0;
+  }
 };
 
 class SeamReport {

@@ -28,6 +28,7 @@ void add_names(const input::Case& c, std::vector<Named>& all) {
   add(all, "support", c.supports);
   add(all, "load", c.loads);
   add(all, "temperature", c.temperatures);
+  add(all, "hinge", c.hinges);
   add(all, "mass", c.masses);
   add(all, "spring", c.springs);
   for (const system::Spring& s : c.springs) all.push_back({"spring", "to", s.to});

@@ -3,6 +3,7 @@
 import csv
 
 import numpy as np
+from common import fresh
 from harness import OUT, solve, test
 from pattern_files import CLOTH, HEIGHT, RADIUS, part, rectangle, svg, tube
 from patterns import dxf
@@ -71,6 +72,17 @@ def zipper(report):
     report.check(half[0] > half[len(half) // 2] > half[-1], f"at 0.3 s the seam is wider below: {1e3 * half} mm")
     report.check(half[0] > GAP and half[-1] < 0.1 * GAP, "it is open yet at its lower end, which the slider reaches after 0.5 s, and closed above")
     report.below(gap[-1].max(), 1e-4, "closed at the end [m]")
+    # The same on meshes that get finer, from a checkpoint amid it.
+    case |= {"remesh": {"smallest": 0.004, "size": "0.008"}}
+    whole = solve("zipper_remeshed", case)
+    report.check(part(whole, "sew").summary["remeshing"]["count"] > 0, "remeshed on the way")
+    run(OUT / "zipper_remeshed.toml", fresh("zipper_half"), 1, ["-ts_max_steps", "20"])
+    rest = run(OUT / "zipper_remeshed.toml", fresh("zipper_rest"), 2, ["--from", "sew", "--restart", OUT / "zipper_half" / "sew" / "checkpoint.h5"])
+    ends = [part(r, "sew").history["seam_gap"] for r in (whole, rest)]
+    report.check(rest.code == 0 and len(ends[1]) < len(ends[0]), f"and continued on 2 ranks: code {rest.code}")
+    report.below(max(e[-1] for e in ends), 1e-4, "closed at the end [m]")
+    middle = [np.interp(0.5, part(r, "sew").history["time"], part(r, "sew").history["seam_gap"]) for r in (whole, rest)]
+    report.near(middle[1], middle[0], 0.02 * GAP, "as wide at 0.5 s as in the unbroken run [m]")
     for wrong, says in (({"meet": []}, "meet"), ({"zip_speed": -1}, "must be >= 0")):
         bad = strips()
         bad["seam"][0] |= {"zip_speed": 0.1} | wrong

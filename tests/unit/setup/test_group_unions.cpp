@@ -41,6 +41,14 @@ TEST_CASE("a list of groups becomes a group with the members of all, each once")
   CHECK(has(echo, "group = [\"left\", \"bottom\"]"));
 }
 
+TEST_CASE("hinges along a list of lines are one group too") {
+  const input::Case c = input::parse_case(
+      "[mesh]\nfile = \"a.msh\"\n[[material]]\ntype = \"isotropic\"\nyoung = 1e6\npoisson = 0.3\nthickness = 0.01\n"
+      "[[hinge]]\ngroup = [\"left\", \"right\"]\nstiffness = 1\n",
+      "case.toml");
+  CHECK(setup::with_group_unions(c, square_mesh()).group(c.hinges[0].group, 1).segments.size() == 8);
+}
+
 TEST_CASE("groups of a list that are unknown or of another kind are named") {
   const mesh::SurfaceMesh mesh = square_mesh();
   const auto refused = [&](const std::string& groups) {
