@@ -84,6 +84,8 @@ void OpenSeams::split(Index a, Index b, Index m, Index n) {
   halve(e.other[0], e.other[1], n, m);
   class_of_[m] = class_of_[n] = {std::min(m, n), std::max(m, n)};
   mesh::Seam& seam = seams_[static_cast<std::size_t>(e.seam)];
+  if (!seam.stations.empty())
+    seam.stations.push_back(station_between(seam, {low, e.other[0]}, {high, e.other[1]}, e.length));
   const double length =
       take(e.seam, low, e.other[0], 0.25 * e.length) + take(e.seam, high, e.other[1], 0.25 * e.length);
   seam.pairs.push_back({m, n});
@@ -99,6 +101,20 @@ void OpenSeams::halve(Index a, Index b, Index m, Index n) {
   held_[m] = {e.side, middle};
   edges_[{ends.first, m}] = {{e.other[0], n}, e.seam, 0.5 * e.length, e.side, {e.fraction[0], middle}};
   edges_[{ends.second, m}] = {{e.other[1], n}, e.seam, 0.5 * e.length, e.side, {e.fraction[1], middle}};
+}
+
+/// Of the pair in the middle of an edge. The tip of a dart is no pair: it is the beginning or the end of the seam.
+double OpenSeams::station_between(const mesh::Seam& seam, const Pair& a, const Pair& b, double length) {
+  const auto [first, last] = std::minmax_element(seam.stations.begin(), seam.stations.end());
+  const auto of = [&](const Pair& pair) -> std::optional<double> {
+    for (std::size_t k = 0; k < seam.stations.size(); ++k)
+      if (seam.pairs[k] == pair || seam.pairs[k] == Pair{pair[1], pair[0]}) return seam.stations[k];
+    return std::nullopt;
+  };
+  const std::optional<double> at_a = of(a), at_b = of(b);
+  if (at_a && at_b) return 0.5 * (*at_a + *at_b);
+  const double known = at_a ? *at_a : at_b.value_or(*first);
+  return known - *first < *last - known ? std::max(0.0, known - 0.5 * length) : known + 0.5 * length;
 }
 
 /// The tip of a dart is no pair: its fraction is nobody's.

@@ -50,6 +50,8 @@ class OpenSeams {
 
  private:
   using Ends = std::pair<Index, Index>;
+  using Pair = std::array<Index, 2>;
+  static double station_between(const mesh::Seam& seam, const Pair& a, const Pair& b, double length);
   void halve(Index a, Index b, Index m, Index n);
   /// Takes from the fraction of a pair at the end of a halved edge.
   double take(int seam, Index v, Index w, double length);

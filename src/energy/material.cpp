@@ -35,6 +35,15 @@ Mat3 orthotropic_membrane(double e1, double e2, double nu12, double g12, double 
   return a;
 }
 
+void fuse(Material& material, const FusedLayer& layer) {
+  const Mat3 both = material.membrane + layer.membrane;
+  const Mat3 apart = material.membrane * Eigen::LLT<Mat3>(both).solve(layer.membrane);
+  const double square = layer.bond * layer.distance * layer.distance;
+  material.bending += layer.bending + square * 0.5 * (apart + apart.transpose());
+  material.membrane = both;
+  material.areal_density += layer.areal_density;
+}
+
 std::vector<YarnFriction::Slider> sliders_of(const Vec3& loop, double spread, int count) {
   std::vector<YarnFriction::Slider> sliders;
   if (loop == Vec3::Zero()) return sliders;

@@ -87,6 +87,17 @@ struct LaminateStiffness {
 };
 /// `ply_stiffness` is that of the ply's material in its own axes per thickness [Pa]; plies from the lowest z up.
 [[nodiscard]] LaminateStiffness laminate(const Mat3& ply_stiffness, const std::vector<Ply>& plies);
+/// A layer that is fused to a sheet.
+struct FusedLayer {
+  Mat3 membrane, bending;      ///< A_2 [N/m], D_2 [N m], in the axes of the material
+  double areal_density = 0.0;  ///< [kg/m^2]
+  double distance = 0.0;       ///< of the middles of both, h [m]
+  double bond = 1.0;           ///< b: 1 glued, 0 the layers slide
+};
+/// A = A_1 + A_2, D = D_1 + D_2 + b h^2 (A_1^-1 + A_2^-1)^-1: the bending stiffness at free stretch, whatever the sense of the
+/// curvature, of a laminate whose layers are h apart (D - B A^-1 B of Jones, chapter 4). The sheet lies in the neutral
+/// surface of both, so that nothing couples stretching and bending; exact where A_1 and A_2 are in proportion.
+void fuse(Material& material, const FusedLayer& layer);
 /// Sliders of loops of width 2HB [N] along warp, along weft and in twist, whose moments turn over a mean change of curvature `spread`
 /// [1/m]: `count` of HB/count each, and the j-th over 2 j spread/(count + 1).
 [[nodiscard]] std::vector<YarnFriction::Slider> sliders_of(const Vec3& loop, double spread, int count);

@@ -41,6 +41,7 @@ struct PanelSection {
   std::filesystem::path file;  ///< GarmentCode .json, .svg, .dxf, .geo or .obj, resolved relative to the case file
   std::map<std::string, double> parameters;  ///< of a .geo
   std::vector<std::string> pieces;           ///< of the file; empty: all
+  std::string nest_size;                     ///< of a DXF that has several; empty: all
   std::string name;                          ///< instead of the only piece's own; empty: that
   double unit = 0.0;                         ///< length of the file's unit [m]; 0: as the file says
   double texture_unit = 0.0;                 ///< of the texture coordinates of an .obj [m]; 0: as its vertices say
@@ -52,7 +53,8 @@ struct PanelSection {
   enum class Euler { zyx, xyz };
   Euler euler = Euler::zyx;  ///< order of the file's rotations: R = Rz Ry Rx or Rx Ry Rz
   formats::Placement placement{.up_axis = formats::Placement::UpAxis::y};
-  PointInput origin;  ///< where `placement` begins
+  PointInput origin;   ///< where `placement` begins
+  std::string anchor;  ///< "PIECE@POINT": the point that comes there instead of the file's origin; empty: that
   /// Of the cylinder or cone they are wrapped on: direction of its axis, or a second point on it; neither: flat.
   std::optional<Vec3> wrap_axis;
   std::optional<PointInput> wrap_end;
@@ -74,6 +76,7 @@ struct SeamSection {
   Gather gather = Gather::automatic;  ///< the longer side
   /// Instead of those of [sewing]; NaN: as there
   double bending = std::numeric_limits<double>::quiet_NaN(), allowance = std::numeric_limits<double>::quiet_NaN();
+  double zip_speed = 0.0;  ///< at which it closes from the points of `meet` on [m/s]; 0: all of it at once
 };
 
 /// A point of a piece with a name.

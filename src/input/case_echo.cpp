@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 
+#include "base/group_list.hpp"
 #include "base/text.hpp"
 #include "case_declarations.hpp"
 #include "units.hpp"
@@ -53,6 +54,10 @@ struct Printer {
   std::string operator()(const Choice& x) const { return toml_text(x.names[static_cast<std::size_t>(x.get())]); }
   std::string operator()(const Words& x) const { return x.values->empty() ? "" : list(*x.values, toml_text); }
   std::string operator()(const std::vector<std::string>* x) const { return x->empty() ? "" : list(*x, toml_text); }
+  std::string operator()(const GroupList& x) const {
+    const std::vector<std::string> groups = groups_of(*x.name);
+    return groups.size() > 1 ? list(groups, toml_text) : toml_text(*x.name);
+  }
   std::string operator()(const std::vector<double>* x) const { return x->empty() ? "" : list(*x, number); }
   std::string operator()(const std::vector<int>* x) const {
     return x->empty() ? "" : list(*x, [](int i) { return toml_text(std::string(1, "xyz"[i])); });
@@ -90,6 +95,7 @@ struct TypeName {
   std::string operator()(const Choice& x) const { return fmt::format("`\"{}\"`", join(x.names, "\"`, `\"")); }
   std::string operator()(const Words&) const { return "list of texts"; }
   std::string operator()(const std::vector<std::string>*) const { return "list of texts"; }
+  std::string operator()(const GroupList&) const { return "text, or list of texts"; }
   std::string operator()(const std::vector<double>*) const { return "list of numbers"; }
   std::string operator()(const std::vector<int>*) const { return "list of axes"; }
   std::string operator()(const std::array<bool, 3>*) const { return "list of axes"; }

@@ -47,20 +47,20 @@ Slot analysis_slot(std::string& analysis) {
 }  // namespace
 
 std::vector<Key> keys_of(StageSection& s) {
-  return {
-      {.name = "name",
-       .slot = &s.name,
-       .meaning = "Of the stage, and of its folder in the output folder: letters, digits, `_` and `-`.",
-       .required = true},
-      {.name = "analysis",
-       .slot = analysis_slot(s.analysis),
-       .meaning = "As outside all sections. `linear` can only be the first stage.",
-       .required = true},
-      {.name = "sew",
-       .slot = &s.sew,
-       .meaning = "Seams that this stage pulls together, and that are welded at its end: their names, or `\"all\"`. "
-                  "Needs `analysis = \"dynamic\"`.",
-       .absent = "none"}};
+  return {{.name = "name",
+           .slot = &s.name,
+           .meaning = "Of the stage, and of its folder in the output folder: letters, digits, `_` and `-`.",
+           .required = true},
+          {.name = "analysis",
+           .slot = analysis_slot(s.analysis),
+           .meaning = "As outside all sections. `linear` can only be the first stage.",
+           .required = true},
+          {.name = "sew",
+           .slot = &s.sew,
+           .meaning = "Seams that this stage pulls together, and that are welded at its end: their names, in which `*` "
+                      "stands for a text, or `\"all\"`. "
+                      "Needs `analysis = \"dynamic\"`.",
+           .absent = "none"}};
 }
 
 const std::vector<std::string>& stage_tables() {

@@ -44,11 +44,16 @@ struct Words {
   std::vector<std::string> allowed;  ///< empty: any word
 };
 
+/// A group, or several that count as one, kept as one name (base/group_list.hpp).
+struct GroupList {
+  std::string* name;
+};
+
 /// Where a key's value goes; the alternative decides what may be written in the file.
 using Slot = std::variant<double*, int*, bool*, std::string*, std::filesystem::path*, Degrees, Choice, Words,
                           std::vector<double>*, std::vector<int>*, std::array<bool, 3>*, Vec3*, std::optional<Vec3>*,
                           PointInput*, std::optional<PointInput>*, Mat3*, std::map<std::string, double>*,
-                          std::vector<std::string>*>;
+                          std::vector<std::string>*, GroupList>;
 
 struct Key {
   std::string name;
@@ -84,8 +89,11 @@ struct MaterialInput {
   std::vector<double> angles, ply_thicknesses;
   energy::Strength strength{energy::Strength::Criterion::tsai_wu, nan, nan, nan, nan, nan};  ///< moduli: above
   Mat3 membrane = Mat3::Zero(), bending = Mat3::Zero(), coupling = Mat3::Zero();
-  std::filesystem::path fabric;
+  std::filesystem::path fabric, interlining;
   double warp_angle = 0.0;
+  double interlining_angle = 0.0;     ///< from the warp to that of the interlining [rad]
+  double interlining_distance = nan;  ///< of the middles of both layers [m]; NaN: by their thicknesses
+  double interlining_bond = 1.0;      ///< 1: glued, 0: the layers slide on each other
   enum class Hysteresis { damping, friction };
   Hysteresis hysteresis = Hysteresis::damping;  ///< what the loop of a fabric file becomes
   std::vector<double> bending_hysteresis;       ///< 2HB along axis 1 and 2, and in twist [N]; empty: none

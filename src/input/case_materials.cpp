@@ -62,6 +62,26 @@ void fill_laminate(const SectionPlace& place, const MaterialInput& in, energy::M
     place.fail("ply_thicknesses", "the stiffness is not positive definite or not finite; check moduli and thicknesses");
 }
 
+/// A second fabric. Its curves count by their tangents at zero, its friction not at all.
+void fuse_interlining(const SectionPlace& place, const MaterialInput& in, const UnitSystem& units, const Fabric& face,
+                      energy::Material& m) {
+  constexpr Powers per_width{0, 1, -2}, moment_per_width{2, 1, -2}, per_area{-2, 1, 0}, length{1, 0, 0};
+  const Fabric other = read_fabric(in.interlining);
+  double distance = in.interlining_distance;
+  if (std::isnan(distance)) {
+    if (!face.thickness || !other.thickness)
+      place.fail("interlining_distance",
+                 fmt::format("the key is missing, and {} has no thickness; give the distance of the middles of both "
+                             "layers",
+                             (face.thickness ? in.interlining : in.fabric).string()));
+    distance = units.from_si(0.5 * (*face.thickness + *other.thickness), length);
+  }
+  const double angle = in.warp_angle + in.interlining_angle;
+  energy::fuse(m, {units.from_si(1.0, per_width) * energy::rotated_stiffness(membrane_stiffness(other), angle),
+                   units.from_si(1.0, moment_per_width) * energy::rotated_stiffness(bending_stiffness(other), angle),
+                   units.from_si(other.areal_density, per_area), distance, in.interlining_bond});
+}
+
 /// The file of a fabric states its own mistakes.
 void fill_fabric(const SectionPlace& place, const MaterialInput& in, const UnitSystem& units, energy::Material& m) {
   constexpr Powers per_width{0, 1, -2}, moment_per_width{2, 1, -2}, per_area{-2, 1, 0}, duration{0, 0, 1};
@@ -77,6 +97,7 @@ void fill_fabric(const SectionPlace& place, const MaterialInput& in, const UnitS
   m.bending =
       units.from_si(1.0, moment_per_width) * energy::rotated_stiffness(bending_stiffness(fabric), in.warp_angle);
   m.areal_density = units.from_si(fabric.areal_density, per_area);
+  if (!in.interlining.empty()) fuse_interlining(place, in, units, fabric, m);
   // Friction takes the place of damping only where the loop of bending is known.
   if ((!friction || !fabric.bending_hysteresis) && !place.has("bending_damping"))
     m.bending_damping = units.from_si(bending_damping(fabric), duration);
@@ -144,7 +165,7 @@ void fill_yarns(const SectionPlace& place, const MaterialInput& in, energy::Mate
 }
 
 /// The file of a fabric that the case names; only a missing one is a mistake of the case.
-std::filesystem::path fabric_file(const SectionPlace& place, const std::filesystem::path& name) {
+std::filesystem::path fabric_file(const SectionPlace& place, const char* key, const std::filesystem::path& name) {
   const std::vector<std::filesystem::path> places = fabric_places(place.file, name);
   std::error_code ignored;
   for (const std::filesystem::path& file : places) {
@@ -154,9 +175,9 @@ std::filesystem::path fabric_file(const SectionPlace& place, const std::filesyst
   std::vector<std::string> looked;
   for (const std::filesystem::path& file : places) looked.push_back(file.string());
   const std::string near = nearest(name.stem().string(), shipped_names("fabrics", ".toml"));
-  place.fail("fabric",
+  place.fail(key,
              fmt::format("there is no fabric file {}{}", join(looked, " or "),
-                         near.empty() ? "" : fmt::format("; did you mean fabric = \"{}\", which is shipped?", near)));
+                         near.empty() ? "" : fmt::format("; did you mean {} = \"{}\", which is shipped?", key, near)));
 }
 
 void fill_matrices(const SectionPlace& place, const MaterialInput& in, const UnitSystem& units, energy::Material& m) {
@@ -322,7 +343,11 @@ void read_materials(const CaseReader& reader, Case& c) {
     energy::Material m;
     m.groups = in.groups;
     fill_direction(place, in, m);
-    if (in.type == MaterialInput::Type::fabric) in.fabric = fabric_file(place, in.fabric);
+    if (in.type == MaterialInput::Type::fabric) in.fabric = fabric_file(place, "fabric", in.fabric);
+    if (!in.interlining.empty()) in.interlining = fabric_file(place, "interlining", in.interlining);
+    for (const char* key : {"interlining_angle", "interlining_distance", "interlining_bond"})
+      if (place.has(key) && in.interlining.empty())
+        place.fail("interlining", fmt::format("the key is missing; {} is about a second fabric", key));
     fill_matrices(place, in, reader.units(), m);
     fill_strength(place, in, m);
     fill_natural(place, in, m);

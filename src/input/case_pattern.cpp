@@ -62,6 +62,8 @@ void read_pattern(const CaseReader& reader, Case& c) {
   read_all(reader, "seam", c.seams, [&](const SectionPlace& place, const SeamSection& s) {
     if (!s.meet.empty() && s.meet.size() != 2)
       place.fail("meet", fmt::format("{} points; two are needed, an end of `edges` and an end of `to`", s.meet.size()));
+    if (s.zip_speed > 0.0 && s.meet.empty())
+      place.fail("meet", "the key is missing; zip_speed closes the seam from the two points on that come together");
     if (c.panels.empty()) place.fail("edges", "there is no [[panel]] that they could belong to");
   });
   read_all(reader, "mark", c.marks, [&](const SectionPlace& place, const MarkSection& m) {

@@ -44,6 +44,10 @@ struct Type {
     return array_of(w.allowed.empty() ? Json{{"type", "string"}} : Json{{"enum", w.allowed}});
   }
   Json operator()(const std::vector<std::string>*) const { return array_of(formula()); }
+  Json operator()(const GroupList&) const {
+    const Json text{{"type", "string"}};
+    return {{"anyOf", {text, array_of(text)}}};
+  }
   Json operator()(const std::vector<double>*) const { return array_of(measured(number_type(key.range))); }
   Json operator()(const std::vector<int>*) const { return axes(); }
   Json operator()(const std::array<bool, 3>*) const { return axes(); }

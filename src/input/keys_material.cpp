@@ -99,6 +99,36 @@ std::vector<Key> sheet_keys(MaterialInput& s) {
        .types = {"fabric", "matrices"}}};
 }
 
+/// A second fabric that is fused to the first.
+std::vector<Key> interlining_keys(MaterialInput& s) {
+  const std::vector<std::string> fabric{"fabric"};
+  return {
+      {.name = "interlining",
+       .slot = &s.interlining,
+       .meaning = "Fabric file of a second layer that is fused to this one, found as `fabric` is, see "
+                  "[fabrics.md](fabrics.md#interlining).",
+       .types = fabric,
+       .absent = "none"},
+      {.name = "interlining_angle",
+       .slot = Degrees{&s.interlining_angle},
+       .meaning = "From the warp of the fabric to that of the interlining, positive about the normal.",
+       .unit = "degree",
+       .types = fabric},
+      {.name = "interlining_distance",
+       .slot = &s.interlining_distance,
+       .meaning = "Distance of the middles of both layers.",
+       .unit = "m",
+       .range = not_negative,
+       .types = fabric,
+       .absent = "half of the sum of their thicknesses"},
+      {.name = "interlining_bond",
+       .slot = &s.interlining_bond,
+       .meaning = "Fraction of the stiffness by the distance of the layers that the glue makes: 1 where they cannot "
+                  "slide on each other, 0 where they do freely.",
+       .range = {0.0, 1.0},
+       .types = fabric}};
+}
+
 /// Friction of yarns that bend.
 std::vector<Key> hysteresis_keys(MaterialInput& s) {
   const std::vector<std::string> fabric{"fabric"}, others{"orthotropic", "matrices", "laminate"};
@@ -284,7 +314,8 @@ std::vector<Key> axis_keys(MaterialInput& s) {
 
 std::vector<Key> keys_of(MaterialInput& s) {
   const std::vector<Key> solid = joined(joined(elastic_keys(s), sheet_keys(s)), strength_keys(s));
-  return joined(joined(joined(joined(solid, natural_keys(s)), axis_keys(s)), hysteresis_keys(s)), yarn_keys(s));
+  const std::vector<Key> all = joined(joined(solid, natural_keys(s)), axis_keys(s));
+  return joined(joined(joined(all, interlining_keys(s)), hysteresis_keys(s)), yarn_keys(s));
 }
 
 }  // namespace voile::input

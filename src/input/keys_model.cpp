@@ -196,7 +196,7 @@ std::vector<Key> keys_of(system::Support& s, MotionInput& m) {
                   "named components. `symmetry`: mirror plane.",
        .required = true},
       {.name = "group",
-       .slot = &s.group,
+       .slot = GroupList{&s.group},
        .meaning =
            "Physical point, curve or surface; a curve for `symmetry` and `sliding`, a curve or surface for `clamped`.",
        .required = true},
@@ -248,7 +248,7 @@ std::vector<Key> keys_of(system::Load& s) {
            "(docs/howto/inflate-a-membrane.md).",
        .required = true},
       {.name = "group",
-       .slot = &s.group,
+       .slot = GroupList{&s.group},
        .meaning =
            "Where it acts: any group for `point`, a curve for `line` and `follower_moment`, else a surface; for `gas` "
            "one in one part, whose holes are closed by a fan of triangles each.",
@@ -311,7 +311,7 @@ std::vector<Key> keys_of(system::Load& s) {
 
 std::vector<Key> keys_of(system::PointMass& s) {
   return {
-      {.name = "group", .slot = &s.group, .meaning = "Any group.", .required = true},
+      {.name = "group", .slot = GroupList{&s.group}, .meaning = "Any group.", .required = true},
       {.name = "mass",
        .slot = &s.mass,
        .meaning = "Of each vertex of the group, besides the sheet's. `gravity` on the whole surface, or on the same "
@@ -336,7 +336,7 @@ std::vector<Key> keys_of(system::Spring& s) {
            "waistband.",
        .required = true},
       {.name = "group",
-       .slot = &s.group,
+       .slot = GroupList{&s.group},
        .meaning = "Any group for `point` and `pair`, a curve for `line` and `band`, a surface for `area`.",
        .required_types = {"point", "line", "pair", "band"},
        .absent = "the whole surface"},
@@ -353,7 +353,7 @@ std::vector<Key> keys_of(system::Spring& s) {
        .types = {"point", "line", "area"},
        .absent = "it acts in all directions"},
       {.name = "to",
-       .slot = &s.to,
+       .slot = GroupList{&s.to},
        .meaning = "The group of the other ends.",
        .types = {"pair"},
        .required_types = {"pair"}},

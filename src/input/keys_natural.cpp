@@ -5,7 +5,7 @@ namespace voile::input {
 
 std::vector<Key> keys_of(system::Temperature& s) {
   return {
-      {.name = "group", .slot = &s.group, .meaning = "Physical surface.", .absent = "the whole surface"},
+      {.name = "group", .slot = GroupList{&s.group}, .meaning = "Physical surface.", .absent = "the whole surface"},
       {.name = "change",
        .slot = &s.change.text,
        .meaning = "Mean change over the thickness, an expression of x, y and z at the start and of the time t, in "
@@ -34,7 +34,7 @@ std::vector<Key> keys_of(FormSection& s) {
 
 std::vector<Key> keys_of(system::Hinge& s) {
   return {
-      {.name = "group", .slot = &s.group, .meaning = "Physical curve.", .required = true},
+      {.name = "group", .slot = GroupList{&s.group}, .meaning = "Physical curve.", .required = true},
       {.name = "stiffness",
        .slot = &s.stiffness,
        .meaning = "Moment per length of the line and radian of its angle.",

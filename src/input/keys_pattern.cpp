@@ -114,6 +114,12 @@ std::vector<Key> keys_of(PanelSection& s) {
        .slot = Words{&s.pieces, {}},
        .meaning = "Names of the pieces that are taken from it.",
        .absent = "all of them"},
+      {.name = "nest_size",
+       .slot = &s.nest_size,
+       .meaning =
+           "Of a DXF whose blocks are pieces in several sizes: only those whose text `Size:` is this one. They are "
+           "called by their `Piece Name:`.",
+       .absent = "all sizes"},
       {.name = "name",
        .slot = &s.name,
        .meaning = "What its only piece is called, e.g. where a file is used twice.",
@@ -137,6 +143,11 @@ std::vector<Key> keys_of(PanelSection& s) {
                     .slot = &s.origin,
                     .meaning = "Where the origin of the file comes before `translate` moves it on, both within 1e6 m.",
                     .unit = "m"});
+  places.push_back({.name = "anchor",
+                    .slot = &s.anchor,
+                    .meaning = "Point `PIECE@POINT` of a piece of this section that comes there instead of the origin "
+                               "of the file, turned by `rotate`, before pieces are bent.",
+                    .absent = "the origin of the file"});
   return joined(joined(joined(std::move(keys), cutting_keys(s)), places), wrapping_keys(s));
 }
 
@@ -148,7 +159,8 @@ std::vector<Key> keys_of(SeamSection& s) {
        .meaning =
            "One side: edges `PIECE/EDGE` in the order in which they follow each other, EDGE being the number "
            "from 0 in the file or a label that only one edge of the piece has, or `PIECE/FROM..TO` for all edges "
-           "from one point to another, round the outline or a hole in the order of the file.",
+           "from one point to another, round the outline or a hole in the order of the file. A `*` in names of pieces "
+           "makes a seam for each text that it stands for in `edges`, `to`, `meet` and `name` alike.",
        .required = true},
       {.name = "to", .slot = Words{&s.to, {}}, .meaning = "The other side.", .required = true},
       {.name = "meet",
@@ -169,6 +181,13 @@ std::vector<Key> keys_of(SeamSection& s) {
        .meaning = "As `[sewing] bending`, of this seam.",
        .range = {0.0, stiffest_bend},
        .absent = "`[sewing] bending`"},
+      {.name = "zip_speed",
+       .slot = &s.zip_speed,
+       .meaning =
+           "At which the seam closes along itself from the points of `meet` on, as by the slider of a zipper. 0: "
+           "all of it at once.",
+       .unit = "m/s",
+       .range = {0.0, fastest_seam}},
       {.name = "allowance",
        .slot = &s.allowance,
        .meaning = "As `[sewing] allowance`, of this seam.",

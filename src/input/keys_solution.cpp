@@ -181,7 +181,7 @@ std::vector<Key> keys_of(TimeSection& s, system::Mass& mass) {
 }
 
 std::vector<Key> keys_of(InitialVelocity& s) {
-  return {{.name = "group", .slot = &s.group, .meaning = "Any group.", .absent = "the whole surface"},
+  return {{.name = "group", .slot = GroupList{&s.group}, .meaning = "Any group.", .absent = "the whole surface"},
           {.name = "velocity", .slot = &s.velocity, .meaning = "Velocity of every vertex of the group.", .unit = "m/s"},
           {.name = "angular_velocity",
            .slot = &s.angular_velocity,
@@ -268,7 +268,7 @@ std::vector<Key> keys_of(Probe& s) {
            .unit = "m, N, J",
            .required = true},
           {.name = "group",
-           .slot = &s.group,
+           .slot = GroupList{&s.group},
            .meaning = "Physical group to observe; a displacement needs this or `point`; an ease without it is that of "
                       "the whole surface.",
            .types = {"displacement", "reaction", "height", "ease"},

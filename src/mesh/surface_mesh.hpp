@@ -52,6 +52,7 @@ struct Seam {
   std::string name;
   std::vector<std::array<Index, 2>> pairs;  ///< two different vertices each
   std::vector<double> lengths;              ///< rest length of the seam that each pair stands for [m]
+  std::vector<double> stations{};           ///< of each pair along the seam, from its beginning [m]
 };
 
 /// What a mesh file holds, before any check of topology.

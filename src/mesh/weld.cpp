@@ -8,6 +8,7 @@
 #include <set>
 
 #include "base/text.hpp"
+#include "base/wildcard.hpp"
 #include "voile/errors.hpp"
 
 namespace voile::mesh {
@@ -54,6 +55,7 @@ void renumber(Seam& seam, const std::vector<Index>& number) {
     if (pair[0] == pair[1]) continue;
     kept.pairs.push_back(pair);
     kept.lengths.push_back(seam.lengths[k]);
+    if (k < seam.stations.size()) kept.stations.push_back(seam.stations[k]);
   }
   seam = std::move(kept);
 }
@@ -66,8 +68,13 @@ std::string seam_group(const std::string& seam) {
 
 std::vector<std::string> open_seams(const MeshData& mesh, const std::vector<std::string>& names) {
   std::vector<std::string> found;
+  const auto is_named = [&](const Seam& seam) {
+    return std::any_of(names.begin(), names.end(), [&](const std::string& name) {
+      return name == "all" || name == seam.name || star_of(name, seam.name);
+    });
+  };
   for (const Seam& seam : mesh.seams)
-    if (contains(names, "all") || contains(names, seam.name)) found.push_back(seam.name);
+    if (is_named(seam)) found.push_back(seam.name);
   return found;
 }
 

@@ -22,7 +22,7 @@ struct Welded {
 /// Name of the curve group with the edges of both sides of a seam, which stays when it is welded.
 [[nodiscard]] std::string seam_group(const std::string& seam);
 
-/// Those of the named seams that are open; "all" means every one.
+/// Those of the named seams that are open; "all" means every one, `*` any text.
 [[nodiscard]] std::vector<std::string> open_seams(const MeshData& mesh, const std::vector<std::string>& names);
 
 /// Closes seams. `places`: of the vertices, which become the positions of the new mesh [m]; `mass` per vertex, at least

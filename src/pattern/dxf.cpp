@@ -28,7 +28,7 @@ std::string told(const std::vector<DxfEntity>& entities, const std::string& word
     const std::string text = e.text(1);
     if (!lower(text).starts_with(word)) continue;
     const std::size_t at = text.find_first_not_of(" \t", word.size());
-    if (at != std::string::npos) return text.substr(at);
+    if (at != std::string::npos) return text.substr(at, text.find_last_not_of(" \t") + 1 - at);
   }
   return "";
 }
@@ -47,14 +47,19 @@ class DxfReader {
     std::vector<const DxfBlock*> blocks;
     for (const DxfBlock& b : file_.blocks)
       if (is_piece(b)) blocks.push_back(&b);
+    if (blocks.empty() && !options_.nest_size.empty())
+      throw UserError(fmt::format(
+          "{}: nest_size: its pieces are no blocks of AAMA/ASTM, which have sizes; remove the key", name()));
     if (blocks.empty()) {
       read_drawing();
       if (!placed_.empty() && !pattern_.pieces.empty())
         pattern_.notes.push_back(fmt::format(
             "{}: blocks that are placed are passed over; explode {} if they are pieces", name(), join(placed_, ", ")));
     } else {
-      read_blocks(blocks);
+      read_blocks(of_size(blocks));
     }
+    if (pattern_.pieces.empty() && !blocks.empty())
+      throw UserError(fmt::format("{}: `pieces` names none of those there are: {}", name(), join(seen_, ", ")));
     if (pattern_.pieces.empty())
       throw UserError(fmt::format(
           "{}: there is no outline in it; draw each piece as a closed polyline or as lines, arcs and splines "
@@ -71,6 +76,23 @@ class DxfReader {
   [[nodiscard]] bool is_wanted(const std::string& piece) const {
     return options_.pieces.empty() ||
            std::find(options_.pieces.begin(), options_.pieces.end(), piece) != options_.pieces.end();
+  }
+
+  /// Those of the size that is asked for.
+  [[nodiscard]] std::vector<const DxfBlock*> of_size(const std::vector<const DxfBlock*>& blocks) const {
+    if (options_.nest_size.empty()) return blocks;
+    std::vector<const DxfBlock*> found;
+    std::vector<std::string> sizes;
+    for (const DxfBlock* b : blocks) {
+      const std::string size = told(b->entities, "size:");
+      if (size == options_.nest_size) found.push_back(b);
+      if (!size.empty() && !contains(sizes, size)) sizes.push_back(size);
+    }
+    if (found.empty())
+      throw UserError(fmt::format("{}: nest_size = \"{}\": {}", name(), options_.nest_size,
+                                  sizes.empty() ? "no block has a text 'Size:'; name blocks by the key pieces"
+                                                : "no block is of this size; there are " + join(sizes, ", ")));
+    return found;
   }
 
   [[nodiscard]] int variable(const char* key) const {

@@ -15,6 +15,8 @@ namespace {
 
 /// Ends of curves meet if they are nearer than this fraction of the extent of what is joined.
 constexpr double same_place = 1e-5;
+/// Steps back of a polyline that are shorter than this fraction of its extent are no shape, but the hand that digitised it.
+constexpr double hook = 2e-4;
 /// Curves of one layer beyond which they are no outlines.
 constexpr std::size_t most_curves = 20000;
 
@@ -32,7 +34,7 @@ Curve bulged(const Vec2& a, const Vec2& b, double bulge) {
   return Curve::arc(centre, from.norm() * Mat2::Identity(), std::atan2(from[1], from[0]), 4.0 * std::atan(bulge));
 }
 
-/// The corners of a polyline without those that have no length between them, and without slits.
+/// The corners of a polyline without those that have no length between them, and without slits and hooks.
 class CleanCorners {
  public:
   CleanCorners(const std::vector<Corner>& corners, bool closed) {
@@ -42,6 +44,7 @@ class CleanCorners {
     near_ = same_place * longest;
     for (const Corner& c : corners) add(c);
     while (closed && close()) continue;
+    remove_hooks(closed);
   }
 
   [[nodiscard]] std::vector<Corner> corners() const {
@@ -101,6 +104,27 @@ class CleanCorners {
     }
     return false;
   }
+
+  /// Corners that a short straight step leads back to, or from which the way leads back after one.
+  void remove_hooks(bool closed) {
+    if (kept_.empty()) return;
+    Vec2 low = kept_.front().corner.place, high = low;
+    for (const Kept& k : kept_) low = low.cwiseMin(k.corner.place), high = high.cwiseMax(k.corner.place);
+    const double longest = hook * (high - low).norm();
+    for (std::size_t k = 0; k < kept_.size() && kept_.size() > 3;) {
+      const std::size_t n = kept_.size(), before = (k + n - 1) % n, after = (k + 1) % n, last = (k + 2) % n;
+      const bool is_inside = closed || (k > 0 && k + 2 < n);
+      const Vec2 step = place(after) - place(k);
+      const bool straight = kept_[before].corner.bulge == 0.0 && kept_[k].corner.bulge == 0.0 &&
+                            kept_[after].corner.bulge == 0.0 && !kept_[k].slit && !kept_[after].slit;
+      const bool back = step.dot(place(k) - place(before)) < 0.0 || step.dot(place(last) - place(after)) < 0.0;
+      if (is_inside && straight && back && step.norm() <= longest)
+        kept_.erase(kept_.begin() + static_cast<std::ptrdiff_t>(after));
+      else
+        ++k;
+    }
+  }
+  [[nodiscard]] const Vec2& place(std::size_t k) const { return kept_[k].corner.place; }
 
   std::vector<Kept> kept_;
   double near_ = 0.0;

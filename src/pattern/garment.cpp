@@ -207,7 +207,7 @@ class Cutter {
     const auto& fractions = seam_fractions_[k];
     if (a.size() != b.size() || a.size() != fractions[0].size())
       throw InternalError(fmt::format("seam '{}': {} and {} nodes", line.name, a.size(), b.size()));
-    mesh::Seam seam{line.name, {}, {}};
+    mesh::Seam seam{line.name, {}, {}, {}};
     const double length = 0.5 * (line.lengths[0] + line.lengths[1]);
     for (std::size_t i = 0; i < a.size(); ++i) {
       const double low = i > 0 ? fractions[0][i - 1] : 0.0, high = i + 1 < a.size() ? fractions[0][i + 1] : 1.0;
@@ -220,6 +220,7 @@ class Cutter {
         }
         seam.pairs.push_back({v, w});
         seam.lengths.push_back(own);
+        seam.stations.push_back(fractions[0][i] * length);
       };
       pair(a[i].front(), b[i].front());
       if (a[i].size() > 1) pair(a[i].back(), b[i].back());

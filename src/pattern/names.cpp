@@ -27,6 +27,11 @@ std::optional<std::size_t> find_point(const Panel& panel, const std::string& wor
   return number_below(word, panel.piece.edges.size());
 }
 
+Vec3 flat_place(const std::vector<Panel>& panels, const std::string& where, const std::string& point) {
+  const auto [p, k] = find_point(panels, where, point);
+  return panels[p].flat_place(panels[p].piece.point(k));
+}
+
 std::string named_points(const Panel& panel) {
   const std::vector<std::string>& names = panel.piece.point_names;
   return names.empty() ? "" : fmt::format(", named {}", join(names, ", "));

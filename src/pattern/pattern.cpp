@@ -245,6 +245,8 @@ Pattern read_pattern(const std::filesystem::path& file, const ReadOptions& optio
     throw UserError(fmt::format("{}: texture_unit: only an .obj has texture coordinates; give unit", file.string()));
   else if (!options.parameters.empty() && extension != ".geo")
     throw UserError(fmt::format("{}: parameters: only a .geo has some; remove the key", file.string()));
+  else if (!options.nest_size.empty() && extension != ".dxf")
+    throw UserError(fmt::format("{}: nest_size: only a .dxf has sizes; remove the key", file.string()));
   if (lower_extension(file) != ".geo")  // which is read by a process of its own
     try_in_child(file.string(), [&] { (void)read_unguarded(file, options); });
   return read_unguarded(file, options);

@@ -103,6 +103,7 @@ struct ReadOptions {
   double texture_unit = 0.0;          ///< length of 1 in texture coordinates of an .obj [m]; 0: as its vertices say
   std::map<std::string, double> parameters{};  ///< of a .geo
   bool allow_system_call = false;              ///< of a .geo, see formats/geo_safety.hpp
+  std::string nest_size{};                     ///< of a .dxf whose blocks are of several; empty: all
 };
 
 /// Reads a GarmentCode .json, an .svg, an ASCII .dxf, a Gmsh .geo or an .obj with texture coordinates. Loops are checked: closed, no edge without length, no crossing, holes inside of

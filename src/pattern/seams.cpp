@@ -117,9 +117,8 @@ class Resolver {
   void use(const SeamRequest& r, const EdgeUse& e) {
     const auto [at, is_new] = used_.insert({{e.panel, e.edge}, r.where});
     if (!is_new)
-      fail(r, fmt::format("edge {} is in a seam already ({}); an edge is sewn once, so that a pleat or tuck, which "
-                          "sews three layers "
-                          "together, is not possible: divide the edge, or remove one of the seams",
+      fail(r, fmt::format("edge {} is in a seam already ({}); an edge is sewn once; divide the edge, of a pleat as "
+                          "docs/howto/sew-a-pattern.md has it, or remove one of the seams",
                           edge_name(panels_, e), at->second));
   }
 

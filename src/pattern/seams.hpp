@@ -38,12 +38,13 @@ struct Panel {
 
   /// Place in the scene of a point of the piece. Not collective, as all of this layer. [m]
   [[nodiscard]] Vec3 place(const Vec2& x) const;
+  [[nodiscard]] Vec3 flat_place(const Vec2& x) const;  ///< before it is wrapped
   /// Throws UserError if the piece cannot be wrapped as asked.
   void check_wrap() const;
-
- private:
-  [[nodiscard]] Vec3 flat_place(const Vec2& x) const;  ///< before it is wrapped
 };
+
+/// Place of a point "PIECE@POINT" before its piece is wrapped [m]. Throws UserError that begins with `where`.
+[[nodiscard]] Vec3 flat_place(const std::vector<Panel>& panels, const std::string& where, const std::string& point);
 
 /// What is asked for: names as a case writes them, or a stitch of a file.
 struct SeamRequest {
@@ -52,6 +53,11 @@ struct SeamRequest {
   std::vector<std::string> meet{};     ///< two points "PANEL@POINT", or empty
   Sense sense = Sense::nearest;        ///< of single edges, where `meet` is empty
 };
+
+/// One request for each text that the `*` in names of pieces stands for, the same on both sides; without a `*` the request itself.
+/// Throws UserError where no piece matches, or other texts do on the two sides.
+[[nodiscard]] std::vector<SeamRequest> with_stars_replaced(const std::vector<Panel>& panels,
+                                                           const SeamRequest& request);
 
 /// The name it was given, or one made of the first edge of each side.
 [[nodiscard]] std::string seam_name(const std::string& given, const std::vector<std::string>& edges,

@@ -25,9 +25,10 @@ namespace {
 
 constexpr const char* lock_name = "run.lock";
 /// What a run leaves behind, besides folders of steps.
-constexpr std::array own_files{"results.vtkhdf",    "results.xdmf",      "obstacles.xdmf", "checkpoint.h5",
-                               "modes.csv",         "response.csv",      "history.csv",    "summary.json",
-                               "intersections.vtk", "intersections.png", "remeshing.csv",  OutputFolder::echo_name};
+constexpr std::array own_files{
+    "results.vtkhdf",       "results.xdmf", "obstacles.xdmf", "checkpoint.h5",     "modes.csv",         "response.csv",
+    "history.csv",          "seams.csv",    "summary.json",   "intersections.vtk", "intersections.png", "remeshing.csv",
+    OutputFolder::echo_name};
 
 std::string host_name() {
   std::array<char, 256> name{};

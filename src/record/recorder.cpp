@@ -182,6 +182,7 @@ void Recorder::record(const system::State& state, const solve::StepResult& r, bo
   if (dynamics_) kinetic_.add(state.time, s.kinetic);
   write_history(state, r, s);
   if (has_folder()) write_step(state, r, s, whole);
+  seams_.add(case_, *model_, state);
   // Contact promises that there is none: one that is found is a fault of the program, and nothing after it counts.
   if (s.intersections > 0)
     throw InternalError(
@@ -193,6 +194,14 @@ void Recorder::record(const system::State& state, const solve::StepResult& r, bo
   const bool is_start = dynamics_ ? r.taken == 0.0 : r.newton.iterations == 0 && r.newton.factorisations == 0;
   if (!root_ || options_.verbosity == Verbosity::quiet || is_start) return;
   dynamics_ ? print_motion(state, r, s) : print_path(state, r, s);
+}
+
+void Recorder::report_seams(const system::State& state) const {
+  const std::vector<SeamMeasure> seams = seams_.measure(case_, *model_, state);
+  mpi::on_root(model_->dofs().comm(), [&] {
+    if (has_folder() && !seams.empty()) write_seams(options_.output, seams);
+  });
+  for (const std::string& line : seam_lines(seams)) remark(line);
 }
 
 void Recorder::write_step(const system::State& state, const solve::StepResult& r, const Snapshot& s, bool whole) {

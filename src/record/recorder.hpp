@@ -14,6 +14,7 @@
 #include "probes.hpp"
 #include "results/results.hpp"
 #include "run_options.hpp"
+#include "seam_report.hpp"
 #include "setup/obstacles.hpp"
 #include "solve/stepper.hpp"
 #include "summary.hpp"
@@ -75,6 +76,8 @@ class Recorder {
   void forget_rows(std::size_t count) {
     if (count < kept_.rows.size()) kept_.rows.resize(count);
   }
+  /// Writes seams.csv, and says which seams are open widest. Collective.
+  void report_seams(const system::State& state) const;
   /// Of the motion so far.
   [[nodiscard]] const KineticEnergy& kinetic() const { return kinetic_; }
 
@@ -156,6 +159,7 @@ class Recorder {
   std::optional<FirstFailure> failure_;
   DiscretisationError discretisation_error_;
   KineticEnergy kinetic_;
+  SeamReport seams_;
   TimeLeft time_left_;
 };
 

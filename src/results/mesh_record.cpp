@@ -51,6 +51,7 @@ std::vector<mesh::Seam> read_seams(hid_t file, const std::string& where, const m
     seam.name = read_text(file, at, "name", path);
     seam.pairs = grouped<2>(read_members(file, at + "/pairs", mesh.positions.size(), path));
     seam.lengths = read_values(file, at + "/lengths", seam.pairs.size(), path);
+    if (has(file, at + "/stations")) seam.stations = read_values(file, at + "/stations", seam.pairs.size(), path);
   }
 }
 
@@ -95,6 +96,8 @@ void write_mesh_record(NewFile& file, const mesh::MeshData& mesh) {
     if (k == 0) file.group("mesh/seams");
     file.dataset(path + "/pairs", H5T_NATIVE_INT32, seam.pairs.size(), 2, seam.pairs.data());
     file.dataset(path + "/lengths", H5T_NATIVE_DOUBLE, seam.lengths.size(), 1, seam.lengths.data());
+    if (!seam.stations.empty())
+      file.dataset(path + "/stations", H5T_NATIVE_DOUBLE, seam.stations.size(), 1, seam.stations.data());
     file.text(path, "name", seam.name);
   }
 }

@@ -13,7 +13,9 @@
 #include "base/mpi.hpp"
 #include "base/petsc.hpp"
 #include "base/text.hpp"
+#include "base/wildcard.hpp"
 #include "form.hpp"
+#include "group_names.hpp"
 #include "imperfections.hpp"
 #include "landmarks.hpp"
 #include "mesh/weld.hpp"
@@ -72,13 +74,18 @@ void turn_along(const input::Case& c, const input::PanelSection& s, pattern::Pan
   p.turn = turn;
 }
 
+/// Where the origin of the file comes, or the anchor, before pieces are wrapped. [m]
+Vec3 origin_of(const input::Case& c, const input::PanelSection& s, Landmarks& landmarks) {
+  return landmarks.place(s.origin, where_of(c, s) + " origin") + s.placement.translate;
+}
+
 pattern::Panel panel_of(const input::Case& c, const input::PanelSection& s, const pattern::Pattern& from,
                         pattern::Piece piece, Landmarks& landmarks) {
   pattern::Panel p;
   p.file = from.file.string();
   p.size = s.size;
   p.turn = s.placement.rotation();
-  p.shift = landmarks.place(s.origin, where_of(c, s) + " origin") + s.placement.translate;
+  p.shift = origin_of(c, s, landmarks);
   p.wrap = wrap_of(c, s, landmarks);
   if (!s.grain.empty()) piece.grain = Vec2(s.grain[0], s.grain[1]).normalized();
   if (s.mirror && piece.bent)
@@ -96,6 +103,18 @@ pattern::Panel panel_of(const input::Case& c, const input::PanelSection& s, cons
   turn_along(c, s, p);
   if (p.wrap) p.shift += s.wrap_shift * p.wrap->axis;
   return p;
+}
+
+std::vector<pattern::Panel> panels_of(const input::Case& c, const input::PanelSection& s, const pattern::Pattern& from,
+                                      Landmarks& landmarks) {
+  std::vector<pattern::Panel> panels;
+  for (const pattern::Piece& piece : from.pieces) panels.push_back(panel_of(c, s, from, piece, landmarks));
+  if (s.anchor.empty()) return panels;
+  const Vec3 wrap = s.wrap_shift * (panels.front().wrap ? panels.front().wrap->axis : Vec3(Vec3::Zero()));
+  const Vec3 way =
+      origin_of(c, s, landmarks) + wrap - pattern::flat_place(panels, where_of(c, s) + " anchor", s.anchor);
+  for (pattern::Panel& p : panels) p.shift += way;
+  return panels;
 }
 
 /// What one [[panel]] section takes from its file.
@@ -118,7 +137,7 @@ struct Cut {
 
 Cut read_panels(const input::PanelSection& s, bool allow_system_call) {
   Cut cut{&s, pattern::read_pattern(s.file, {s.unit, s.euler == input::PanelSection::Euler::xyz, s.pieces, s.unfold,
-                                             s.texture_unit, s.parameters, allow_system_call})};
+                                             s.texture_unit, s.parameters, allow_system_call, s.nest_size})};
   if (!s.name.empty() && cut.from.pieces.size() != 1)
     throw UserError(
         fmt::format("{}: [[panel]] name = \"{}\" is for one piece, but there are {}; name one with the key "
@@ -179,13 +198,16 @@ void keep_sewn(const input::Case& c, mesh::MeshData& mesh) {
   for (const mesh::Seam& seam : mesh.seams) known.push_back(seam.name);
   for (const input::Case& stage : c.stages)
     for (const std::string& name : stage.stage.sew) {
-      if (name != "all" && std::find(known.begin(), known.end(), name) == known.end())
+      const auto is_it = [&](const std::string& seam) { return seam == name || star_of(name, seam); };
+      if (name != "all" && std::none_of(known.begin(), known.end(), is_it))
         throw UserError(fmt::format("{}: [[stage]] '{}' sew: there is no seam '{}':{}", c.file.string(),
                                     stage.stage.name, name, suggestion(name, known)));
       if (std::find(sewn.begin(), sewn.end(), name) != sewn.end())
         throw UserError(fmt::format("{}: [[stage]] '{}' sew: '{}' is sewn in a stage before; name it once",
                                     c.file.string(), stage.stage.name, name));
-      sewn.push_back(name);
+      if (!has_star(name)) sewn.push_back(name);
+      for (const std::string& seam : known)
+        if (star_of(name, seam)) sewn.push_back(seam);
     }
   if (std::find(sewn.begin(), sewn.end(), "all") != sewn.end()) return;
   const auto is_sewn = [&](const mesh::Seam& s) { return std::find(sewn.begin(), sewn.end(), s.name) != sewn.end(); };
@@ -223,8 +245,7 @@ pattern::Garment garment_of(const input::Case& c) {
   for (const input::PanelSection& section : c.panels) {
     const Cut& cut = cuts.emplace_back(read_panels(section, c.mesh.options.allow_system_call));
     notes.insert(notes.end(), cut.from.notes.begin(), cut.from.notes.end());
-    for (const pattern::Piece& piece : cut.from.pieces)
-      panels.push_back(panel_of(c, section, cut.from, piece, landmarks));
+    for (pattern::Panel& p : panels_of(c, section, cut.from, landmarks)) panels.push_back(std::move(p));
   }
   notes.insert(notes.end(), landmarks.notes().begin(), landmarks.notes().end());
   std::set<std::string> known;
@@ -234,7 +255,7 @@ pattern::Garment garment_of(const input::Case& c) {
     const input::SeamSection& s = c.seams[k];
     const std::string which = s.name.empty() ? fmt::format("number {}", k) : s.name;
     pattern::SeamRequest r{s.name, fmt::format("{}: [[seam]] {}", c.file.string(), which), s.edges, s.to, s.meet};
-    requests.push_back(std::move(r));
+    for (pattern::SeamRequest& one : pattern::with_stars_replaced(panels, r)) requests.push_back(std::move(one));
   }
   pattern::Garment garment = pattern::make_garment(std::move(panels), requests, marks_of(c, cuts));
   garment.mesh.notes.insert(garment.mesh.notes.begin(), notes.begin(), notes.end());
@@ -282,7 +303,8 @@ mesh::SurfaceMesh mesh_of(MPI_Comm comm, const input::Case& c) {
 }  // namespace
 
 mesh::SurfaceMesh case_mesh(MPI_Comm comm, const input::Case& c) {
-  mesh::SurfaceMesh mesh = with_imperfections(comm, c, with_form(comm, c, with_hinges(c, mesh_of(comm, c))));
+  mesh::SurfaceMesh mesh =
+      with_imperfections(comm, c, with_form(comm, c, with_hinges(c, with_group_unions(c, mesh_of(comm, c)))));
   check_attached_groups(c, mesh);
   for (const input::Case& stage : c.stages) check_attached_groups(stage, mesh);
   return mesh;

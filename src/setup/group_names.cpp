@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <iterator>
 
+#include "base/group_list.hpp"
 #include "base/text.hpp"
 #include "input/case_lines.hpp"
 #include "system/gas_surface.hpp"
@@ -37,6 +38,10 @@ class Checker {
   /// An empty name is that of everything. `dimension`: 1 a curve, 2 a surface, -1 any.
   void check(const char* section, const char* key, const std::string& name, int dimension = -1) {
     if (name.empty()) return;
+    if (const std::vector<std::string> several = groups_of(name); several.size() > 1 && !mesh_.has_group(name)) {
+      for (const std::string& one : several) check(section, key, one, dimension);
+      return;
+    }
     try {
       (void)mesh_.group(name, dimension);
     } catch (const UserError& e) {

@@ -40,6 +40,7 @@ void broadcast_seams(MPI_Comm comm, std::vector<mesh::Seam>& seams) {
     mpi::broadcast(comm, seam.name);
     mpi::broadcast(comm, members);
     mpi::broadcast(comm, seam.lengths);
+    mpi::broadcast(comm, seam.stations);
     seam.pairs.resize(seam.lengths.size());
     for (std::size_t k = 0; k < seam.pairs.size(); ++k) seam.pairs[k] = {members[2 * k], members[2 * k + 1]};
   }

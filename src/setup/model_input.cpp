@@ -26,7 +26,10 @@ system::Sewing sewing_of(const input::Case& c) {
   const bool given = c.sewing.force > 0.0, rises = !std::isnan(c.sewing.strain);
   const double force = given ? c.sewing.force : first_strain * least;
   const double most = rises ? c.sewing.strain * least : given ? force : most_strain * least;
-  return {c.stage.sew, c.sewing.stiffness, c.sewing.speed, std::min(force, most), 0.0, most};
+  system::Sewing sewing{c.stage.sew, c.sewing.stiffness, c.sewing.speed, std::min(force, most), 0.0, most};
+  for (const input::SeamSection& s : c.seams)
+    if (s.zip_speed > 0.0) sewing.zips.push_back({pattern::seam_name(s.name, s.edges, s.to), s.zip_speed});
+  return sewing;
 }
 
 std::vector<system::RigidGroup> rigid_groups(const input::Case& c) {

@@ -9,6 +9,7 @@
 
 #include "base/mpi.hpp"
 #include "base/text.hpp"
+#include "base/wildcard.hpp"
 #include "carry.hpp"
 #include "mesh/weld.hpp"
 #include "pattern/seams.hpp"
@@ -72,7 +73,8 @@ std::string gathers_text(const input::Case& c, const mesh::SurfaceMesh& mesh, co
   const double longer = std::max(first, second), shorter = std::min(first, second);
   if (!(shorter > 0.0) || longer < strained * shorter) return "";
   const bool gathers = std::none_of(c.seams.begin(), c.seams.end(), [&](const input::SeamSection& s) {
-    return pattern::seam_name(s.name, s.edges, s.to) == seam && s.gather == input::SeamSection::Gather::never;
+    const std::string name = pattern::seam_name(s.name, s.edges, s.to);
+    return (name == seam || star_of(name, seam)) && s.gather == input::SeamSection::Gather::never;
   });
   return fmt::format("; one of its sides is {:.2g} times as long as the other, and {}", longer / shorter,
                      gathers ? "its folds may have got between them: let gravity act in this stage, so that the piece "

@@ -216,6 +216,7 @@ record::Summary StageRun::end() {
   if (remesher_) summary.remeshing = remesher_->effort();
   if (remesher_ && !text_of(*summary.remeshing).empty()) recorder_.remark(text_of(*summary.remeshing));
   recorder_.finish();
+  if (!c.stage.sew.empty()) recorder_.report_seams(state);
   summary.membrane_error = recorder_.membrane_error();
   summary.failure = recorder_.failure();
   summary.recovery_error = recorder_.recovery_error().last();

@@ -165,6 +165,12 @@ struct Sewing {
   double force = 1e3;              ///< largest until no spring has a length any more, per rest length of the seam [N/m]
   double start = 0.0;              ///< [s]
   double most_force = 0.0;         ///< to which it rises from then on, if that is more [N/m]
+  /// Seams that close from their beginning on, as by a zipper's slider.
+  struct Zip {
+    std::string seam;    ///< name; a `*` of it stands for any text
+    double speed = 0.0;  ///< of the slider along the seam [m/s]
+  };
+  std::vector<Zip> zips{};
 };
 
 }  // namespace voile::system

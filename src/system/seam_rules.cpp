@@ -6,6 +6,7 @@
 #include <set>
 
 #include "base/text.hpp"
+#include "base/wildcard.hpp"
 #include "mesh/weld.hpp"
 
 namespace voile::system {
@@ -15,12 +16,14 @@ namespace {
 const SeamRule* rule_of(const mesh::Group& group, const std::vector<SeamRule>& rules) {
   const std::string prefix = mesh::seam_group("");
   if (group.dimension != 1 || !group.name.starts_with(prefix)) return nullptr;
-  const SeamRule* general = nullptr;
+  const std::string seam = group.name.substr(prefix.size());
+  const SeamRule *general = nullptr, *starred = nullptr;
   for (const SeamRule& rule : rules) {
-    if (prefix + rule.seam == group.name) return &rule;
+    if (rule.seam == seam) return &rule;
     if (rule.seam.empty()) general = &rule;
+    if (star_of(rule.seam, seam)) starred = &rule;
   }
-  return general;
+  return starred ? starred : general;
 }
 
 /// Calls visit(triangle, side) for the triangles on either side of an edge.

@@ -16,7 +16,7 @@
 namespace voile::system {
 
 struct SeamRule {
-  std::string seam{};         ///< name; empty: of all seams that no other rule names
+  std::string seam{};         ///< name, in which `*` stands for a text; empty: of all seams that no other rule names
   double bending = 1.0;       ///< f
   double allowance = 0.0;     ///< w [m]
   double gather_from = 1.25;  ///< ratio of lengths from which on the longer side is gathered (mesh/gathers.hpp)

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
+#include "base/wildcard.hpp"
 #include "discretisation.hpp"
 #include "energy/seam.hpp"
 #include "mesh/weld.hpp"
@@ -20,6 +22,16 @@ constexpr double force_doubling_time = 0.1;
 /// Largest speed over the mean one of what begins and ends at rest.
 constexpr double peak = 1.5;
 
+/// Speed of the slider that closes a seam; 0: it has none. [m/s]
+double zip_speed(const Sewing& sewing, const std::string& seam) {
+  const Sewing::Zip* found = nullptr;
+  for (const Sewing::Zip& zip : sewing.zips) {
+    if (zip.seam == seam) return zip.speed;
+    if (star_of(zip.seam, seam)) found = &zip;
+  }
+  return found ? found->speed : 0.0;
+}
+
 }  // namespace
 
 SewingSprings::SewingSprings(const Discretisation& on, Sewing sewing, energy::SeamTerm& term)
@@ -32,24 +44,32 @@ SewingSprings::SewingSprings(const Discretisation& on, Sewing sewing, energy::Se
     const std::vector<std::string>& gathered = on.gathered_seams();
     const bool is_gathered = std::find(gathered.begin(), gathered.end(), seam.name) != gathered.end();
     gathers_ = gathers_ || is_gathered;
+    const double slider = seam.stations.empty() ? 0.0 : zip_speed(sewing_, seam.name);
     for (std::size_t k = 0; k < seam.pairs.size(); ++k) {
       const auto& [v, w] = seam.pairs[k];
       const double length = (mesh.positions()[w] - mesh.positions()[v]).norm();
       longest_distance_ = std::max(longest_distance_, length);
+      const double delay = slider > 0.0 ? seam.stations[k] / slider : 0.0;
+      if (slider > 0.0) zipped_after_ = std::max(zipped_after_, delay + length / sewing_.speed);
       if (on.owned(v) == no_index && on.owned(w) == no_index) continue;
-      springs_.push_back({length, sewing_.stiffness * seam.lengths[k], seam.lengths[k], is_gathered});
+      springs_.push_back(
+          {length, sewing_.stiffness * seam.lengths[k], seam.lengths[k], is_gathered && slider == 0.0, delay});
       term.add({local.local_of[v], local.local_of[w]}, springs_.back().stiffness, sewing_.force * seam.lengths[k],
                length, on.owned(v) != no_index);
     }
   }
 }
 
-double SewingSprings::closing_time() const {
+double SewingSprings::drawing_time() const {
   return (gathers_ ? peak : 1.0) * longest_distance_ / sewing_.speed;
 }
 
+double SewingSprings::closing_time() const {
+  return std::max(drawing_time(), zipped_after_);
+}
+
 double SewingSprings::drawn_in(double time) const {
-  const double since = std::max(0.0, time - sewing_.start), whole = closing_time();
+  const double since = std::max(0.0, time - sewing_.start), whole = drawing_time();
   if (since >= whole) return 1.0;
   const double fraction = since / whole;
   return fraction * fraction * (3.0 - 2.0 * fraction);
@@ -66,7 +86,10 @@ void SewingSprings::tighten(double time) {
   const double force = largest_force(time);
   for (std::size_t e = 0; e < springs_.size(); ++e) {
     const Spring& s = springs_[e];
-    const double now = s.gathered ? s.length * (1.0 - drawn_in(time)) : std::max(0.0, s.length - sewing_.speed * since);
+    const double shortened = sewing_.speed * (since - s.delay);
+    const double now = s.gathered        ? s.length * (1.0 - drawn_in(time))
+                       : shortened < 0.0 ? std::numeric_limits<double>::infinity()  // no slider yet, no pull
+                                         : std::max(0.0, s.length - shortened);
     term_->set(static_cast<Index>(e), now, s.stiffness * tighter, force * s.part);
   }
 }

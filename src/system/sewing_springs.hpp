@@ -4,6 +4,7 @@
 //           v     closing speed [m/s],  t_0 start [s]
 //   rest length  max(0, L_k - v (t - t_0)),   stiffness k l_k, doubling again and again once all rest lengths are 0
 //   largest force T l_k, doubling likewise, up to T_max l_k: seams that are closed do not notice
+//   s_k   station of a pair along a seam that a slider closes at the speed V: it takes t - s_k / V for t, and no spring pulls before
 // Theory: docs/theory/contact.md, sewing.
 #pragma once
 
@@ -38,14 +39,17 @@ class SewingSprings {
     double length, stiffness;  ///< at the start [m], [N/m]
     double part;               ///< l_k
     bool gathered;
+    double delay = 0.0;  ///< until a slider has come to it [s]
   };
-  /// Until no spring has a length any more. [s]
+  /// Until gathers are drawn in, and until no spring has a length any more. [s]
+  [[nodiscard]] double drawing_time() const;
   [[nodiscard]] double closing_time() const;
 
   Sewing sewing_;
   energy::SeamTerm* term_;
   std::vector<Spring> springs_;    ///< of its elements
   bool gathers_ = false;           ///< whether any seam is gathered; the same on every rank
+  double zipped_after_ = 0.0;      ///< time that sliders take [s]
   double longest_distance_ = 0.0;  ///< of points that are sewn together, at the start [m]
 };
 

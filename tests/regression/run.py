@@ -57,6 +57,7 @@ import running  # noqa: E402, F401
 import sewing  # noqa: E402, F401
 import silent  # noqa: E402, F401
 import staging  # noqa: E402, F401
+import tailoring  # noqa: E402, F401
 import terminal  # noqa: E402, F401
 import trusting  # noqa: E402, F401
 import tutorials  # noqa: E402, F401

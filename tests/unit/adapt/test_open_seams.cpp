@@ -204,6 +204,26 @@ TEST_CASE("open seams keep their sides node by node through remeshings") {
     }
 }
 
+TEST_CASE("new pairs of an open seam know how far along it they are") {
+  for (const bool is_dart : {false, true}) {
+    mesh::MeshData first = opened(grid(8, 8, false, 0.0, 1), is_dart ? Cut(dart) : Cut(crossing));
+    const auto station = [](const mesh::MeshData& m, const mesh::Seam& s, std::size_t k) {
+      return m.positions[s.pairs[k][0]][s.name == "level" ? 0 : 1];
+    };
+    for (mesh::Seam& s : first.seams)
+      for (std::size_t k = 0; k < s.pairs.size(); ++k) s.stations.push_back(station(first, s, k));
+    mesh::SurfaceMesh m(first);
+    const RestSurface rest(m);
+    for (unsigned round = 0; round < 2; ++round) m = mesh::SurfaceMesh(remeshed(m, rest, patchy(m, 10 + round)).mesh);
+    CHECK(m.data().seams[0].pairs.size() > first.seams[0].pairs.size());
+    for (const mesh::Seam& s : m.data().seams) {
+      REQUIRE(s.stations.size() == s.pairs.size());
+      for (std::size_t k = 0; k < s.pairs.size(); ++k)
+        CHECK(s.stations[k] == doctest::Approx(station(m.data(), s, k)).epsilon(1e-9));
+    }
+  }
+}
+
 /// Two squares of opposite diagonals, sewn all round: no corner is cut off in both.
 mesh::MeshData pillow(int n) {
   mesh::MeshData m = grid(n, n, false, 0.0);

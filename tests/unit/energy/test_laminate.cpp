@@ -35,6 +35,33 @@ std::string case_with(const std::string& angles, const std::string& thicknesses)
 
 }  // namespace
 
+TEST_CASE("two fused layers bend as the laminate of both, at free stretch; without bond as two sheets") {
+  const double thick = 2e-3, thin = 1e-3, distance = 0.5 * (thick + thin);
+  const Mat3 q = 1e6 * ply(), other = energy::rotated_stiffness(0.3 * q, 0.4);
+  energy::Material fused, loose;
+  fused.membrane = loose.membrane = q * thick;
+  fused.bending = loose.bending = energy::bending_from_membrane(q * thick, thick);
+  fused.areal_density = 0.2;
+  energy::FusedLayer layer{other * thin, energy::bending_from_membrane(other * thin, thin), 0.05, distance};
+  energy::fuse(fused, layer);
+  layer.bond = 0.0;
+  energy::fuse(loose, layer);
+  // About the middle of the first layer; D - B A^-1 B does not depend on where that is.
+  const Mat3 a = q * thick + other * thin, b = other * thin * distance;
+  const Mat3 d = energy::bending_from_membrane(q * thick, thick) + energy::bending_from_membrane(other * thin, thin) +
+                 other * thin * distance * distance;
+  CHECK(difference(fused.membrane, a) < 1e-14);
+  CHECK(difference(fused.bending, d - b * a.inverse() * b) < 1e-12);
+  CHECK(fused.areal_density == doctest::Approx(0.25));
+  CHECK(difference(loose.bending, d - other * thin * distance * distance) < 1e-12);
+  // Two equal ones are the plate of twice the thickness.
+  energy::Material two;
+  two.membrane = q * thick;
+  two.bending = energy::bending_from_membrane(q * thick, thick);
+  energy::fuse(two, {two.membrane, two.bending, 0.0, thick});
+  CHECK(difference(two.bending, energy::bending_from_membrane(q * 2.0 * thick, 2.0 * thick)) < 1e-12);
+}
+
 TEST_CASE("one ply is a plate, whatever it is cut into") {
   const Mat3 q = ply();
   for (const std::vector<Ply>& plies :

@@ -1,6 +1,7 @@
 // Fabric files: units against figures worked out by hand, every kind of mistake, the shipped fabrics, the warp angle.
 #include <doctest/doctest.h>
 
+#include <Eigen/LU>
 #include <cmath>
 #include <filesystem>
 #include <numbers>
@@ -295,6 +296,28 @@ TEST_CASE("fabric: the warp angle turns the stiffness") {
   CHECK(echoed.membrane == turned.membrane);
   CHECK(echoed.bending == turned.bending);
   CHECK(echoed.direction == turned.direction);
+}
+
+TEST_CASE("fabric: an interlining is a second layer about the common middle") {
+  const FabricCase fabric(fabric_text);
+  const std::string keys = "fabric = \"F\"\ndirection = [1, 0, 0]\n", second = "interlining = \"silk_habutai\"\n";
+  const energy::Material one = fabric.parse(keys).materials[0];
+  const auto with = [&](const std::string& more) { return fabric.parse(keys + second + more).materials[0]; };
+  const energy::Material fused = with("interlining_distance = 3e-4\n"),
+                         loose = with("interlining_distance = 3e-4\ninterlining_bond = 0\n"),
+                         turned = with("interlining_distance = 3e-4\ninterlining_angle = 90\n");
+  // Silk of 1000 N/m along both yarns, 34.7 g/m^2, 1.1 and 0.9 uN m (runs/fabrics/silk_habutai.toml).
+  CHECK(fused.membrane(0, 0) - one.membrane(0, 0) == relative(1000.0));
+  CHECK(fused.areal_density - one.areal_density == relative(0.0347));
+  CHECK(loose.bending(0, 0) - one.bending(0, 0) == relative(1.1e-6));
+  CHECK(turned.bending(0, 0) - fused.bending(0, 0) == doctest::Approx(-0.2e-6).epsilon(1e-6));
+  const Mat3 a2 = fused.membrane - one.membrane, series = (one.membrane.inverse() + a2.inverse()).inverse();
+  CHECK(difference(fused.bending - loose.bending, 9e-8 * series) < 1e-9);
+  const auto refused = [&](const std::string& more) { return error_of([&] { (void)fabric.parse(keys + more); }); };
+  CHECK(has(refused("interlining = \"silk_habuti\""), "did you mean interlining = \"silk_habutai\""));
+  CHECK(has(refused("interlining_bond = 0.5"), "material.interlining: the key is missing; interlining_bond"));
+  CHECK(has(refused(second), "interlining_distance: the key is missing, and"));
+  CHECK(has(refused(second + "interlining_bond = 2"), "interlining_bond: 2: must be >= 0 and <= 1"));
 }
 
 TEST_CASE("fabric: mistakes in the case") {

@@ -210,6 +210,45 @@ TEST_CASE("DXF: points nearer than ends that meet are one, and slits are notches
   }
 }
 
+TEST_CASE("DXF: a step back of less than 2e-4 of the outline is the hand, a longer one is shape") {
+  const auto with_hook = [](double back) {
+    return blocks(block("B", polyline("1", {{0, 0},
+                                            {200, 0},
+                                            {200, 100},
+                                            {120, 100},
+                                            {120 + back, 100 + 0.3 * back},
+                                            {100, 100 - 0.1 * back},
+                                            {0, 100}})));
+  };
+  const pattern::Piece p = piece(with_hook(0.03));
+  CHECK(p.edges.size() == 4);
+  CHECK(std::abs(p.signed_area()) == doctest::Approx(0.02).epsilon(1e-4));
+  CHECK(piece(with_hook(3.0)).edges.size() > 4);
+}
+
+TEST_CASE("DXF: pieces of one size of a nest go by their names") {
+  const auto sized = [](const std::string& size, double width) {
+    const std::string texts = entity("TEXT", "1", groups({{1, "Piece Name: FRONT"}})) +
+                              entity("TEXT", "1", groups({{1, "Size: " + size + " "}}));
+    return block("*U" + size, polyline("1", {{0, 0}, {width, 0}, {width, 100}, {0, 100}}) + texts);
+  };
+  const std::string nest = blocks(sized("36", 180) + sized("38", 200) + sized("40", 220));
+  pattern::ReadOptions o;
+  CHECK(read("p.dxf", nest, o).pieces.size() == 3);
+  o.nest_size = "38";
+  o.pieces = {"FRONT"};
+  const pattern::Piece p = piece(nest, o);
+  CHECK(p.name == "FRONT");
+  CHECK(std::abs(p.signed_area()) == doctest::Approx(0.02));
+  o.pieces = {"BACK"};
+  CHECK(has(refusal("p.dxf", nest, o), "`pieces` names none of those there are: FRONT"));
+  o.nest_size = "42";
+  CHECK(has(refusal("p.dxf", nest, o), "no block is of this size; there are 36, 38, 40"));
+  CHECK(has(refusal("p.dxf", blocks(block("B", polyline("1", {{0, 0}, {1, 0}, {1, 1}}))), o), "no block has a text"));
+  CHECK(has(refusal("p.dxf", drawing(polyline("1", {{0, 0}, {1, 0}, {1, 1}})), o), "its pieces are no blocks"));
+  CHECK(has(refusal("p.svg", "<svg/>", o), "only a .dxf has sizes"));
+}
+
 TEST_CASE("DXF: notches on the mirror line leave it whole") {
   const std::string half = polyline("1", {{0, 0}, {400, 0}, {400, 500}, {0, 500}}) + line("6", {0, 500}, {400, 500});
   for (const double x : {5.0, 200.0, 395.0}) {

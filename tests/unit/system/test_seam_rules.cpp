@@ -195,6 +195,8 @@ TEST_CASE("rules of seams: the one that names it, else the general one; none for
   CHECK(factors({{"", 0.5, 0.0}, {"middle", 0.0, 0.0}}).front().factor == 0.0);
   CHECK(factors({{"", 0.5, 0.0}, {"middle", 1.0, 0.0}}).empty());
   CHECK(factors({{"left", 0.0, 0.0}}).empty());
+  CHECK(factors({{"mid*", 0.0, 0.0}, {"", 0.5, 0.0}}).front().factor == 0.0);
+  CHECK(factors({{"mid*", 0.0, 0.0}, {"middle", 0.25, 0.0}}).front().factor == 0.25);
   CHECK(system::allowance_areas(mesh, {{"left", 1.0, 0.1}}).empty());
 }
 

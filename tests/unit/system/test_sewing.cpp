@@ -118,6 +118,32 @@ TEST_CASE("springs of a seam only pull, get shorter in time, and their derivativ
   CHECK(system::energies(model, u).springs == 0.0);
 }
 
+TEST_CASE("a slider closes a seam along itself, and pulls nothing before it comes") {
+  mesh::MeshData open = two_panels(4);
+  mesh::Seam& seam = open.seams[0];
+  for (const auto& [v, w] : seam.pairs) {
+    open.positions[w] = open.positions[v] + Vec3(0.1, 0, 0);
+    seam.stations.push_back(open.positions[v][1]);
+  }
+  const mesh::SurfaceMesh mesh(open);
+  system::ModelInput in = input();
+  in.sewing = {{"all"}, 1e6, 0.5, 2.0, 1.0, 6.0, {{"mid*", 2.0}, {"other", 7.0}}};
+  system::Model model(PETSC_COMM_WORLD, mesh, std::move(in));
+  const petsc::VecHandle u = model.dofs().create_vector();
+  const system::SewingSprings& springs = *model.potential().sewing();
+  // Far beyond l0 a spring stores its force times its excess: 2 N/m along 0.1 m less what it has shortened.
+  for (const double time : {1.0, 1.15, 1.3, 1.5}) {
+    double expected = 0.0;
+    for (std::size_t k = 0; k < seam.pairs.size(); ++k)
+      expected += 2.0 * seam.lengths[k] * std::clamp(0.5 * (time - 1.0 - seam.stations[k] / 2.0), 0.0, 0.1);
+    model.set_time(time);
+    CHECK(system::energies(model, u).springs == doctest::Approx(expected).epsilon(1e-3));
+  }
+  // The last pair is at 1 m: 0.5 s of the slider and 0.2 s of its spring.
+  CHECK(springs.largest_force(1.7) == 2.0);
+  CHECK(springs.largest_force(1.8) == doctest::Approx(4.0));
+}
+
 TEST_CASE("the force of seams that stay open rises when their springs have no length any more, up to a bound") {
   mesh::MeshData open = two_panels(4);
   for (const auto& [v, w] : open.seams[0].pairs) open.positions[w] = open.positions[v] + Vec3(0.1, 0, 0);

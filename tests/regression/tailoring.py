@@ -1,0 +1,189 @@
+"""What tailors ask of seams: how hard they are to close, many at once, zippers, shrinkage, pieces by a point of their own, one size of a nest."""
+
+import csv
+
+import numpy as np
+from common import fresh
+from harness import OUT, solve, test
+from pattern_files import CLOTH, HEIGHT, RADIUS, part, rectangle, svg, tube
+from patterns import dxf
+from results import Results
+from solver import invoke, run, write_case
+
+LENGTH, WIDTH, GAP = 0.1, 0.05, 0.004
+
+
+def strips(**changes):
+    """Two pairs of strips, held at their far ends, GAP apart where each is sewn to the other; of the second pair the right one is narrower."""
+    file = svg("tailoring_strips.svg", *(rectangle(name, LENGTH, width) for name, width in (("left_a", WIDTH), ("right_a", WIDTH), ("left_b", WIDTH), ("right_b", 0.9 * WIDTH))))
+    panel = {"file": file, "size": 0.0125}
+    places = {"left_a": (0, 0), "right_a": (LENGTH + GAP, 0), "left_b": (0, 0.2), "right_b": (LENGTH + GAP, 0.2)}
+    return {"panel": [panel | {"pieces": [name], "translate": [x, 0, z]} for name, (x, z) in places.items()],
+            "seam": [{"name": "side *", "edges": ["left_*/1"], "to": ["right_*/3"], "meet": ["left_*@1", "right_*@0"], "gather": "never"}],
+            "material": [CLOTH], "sewing": {"speed": 0.02},
+            "support": [{"type": "hinged", "group": ["left_a/3", "left_b/3", "right_a/1", "right_b/1"]}],
+            "stage": [{"name": "sew", "analysis": "dynamic", "sew": ["side *"], "time": {"end": 0.8, "step": 0.02}, "damping": {"mass": 200.0}}]} | changes
+
+
+def seams_of(result):
+    with open(result.folder / "sew" / "seams.csv", newline="") as file:
+        return {row["seam"]: row for row in csv.DictReader(file)}
+
+
+@test
+def seam_report(report):
+    """Strips that must be stretched by 2 % each to meet: seams.csv has the force of the closed form, lengths, ease and the widest place, on 1 and 2 ranks."""
+    s = 1 + GAP / 2 / LENGTH
+    force = s * 1e3 * (s**2 - 1) / 2  # N/m, as of a sheet of 1 MPa and 1 mm in one direction
+    for ranks in (1, 2):
+        result = solve(f"seam_report_{ranks}", strips(), ranks)
+        seams, what = seams_of(result), f"{ranks} rank(s)"
+        report.check(sorted(seams) == ["side a", "side b"], f"{what}: {sorted(seams)}")
+        a, b = seams["side a"], seams["side b"]
+        report.percent(float(a["mean_pull"]) / force, 0.03, f"{what}: pull, {force:.2f} N/m")
+        report.near(float(a["ease_percent"]), 0, 1e-9, f"{what}: no ease")
+        report.near(float(b["ease_percent"]), 100 / 9, 1e-9, f"{what}: ease [%]")
+        report.near(float(b["length_2"]), 0.9 * WIDTH, 1e-12, f"{what}: length [m]")
+        report.check((b["edge_1"], b["edge_2"]) == ("left_b/1", "right_b/3"), f"{what}: between {b['edge_1']} and {b['edge_2']}")
+        report.near(max(float(r["gap"]) for r in seams.values()), part(result, "sew").history["seam_gap"][-1], 1e-15, f"{what}: gap as in history.csv [m]")
+        report.check(result.text.count("pulled with up to") == 2 and "(+11.1 %)" in result.text, f"{what}: and the log has them")
+    early = strips()
+    early["stage"][0]["time"]["end"] = 0.1
+    (OUT / "seam_report_open").mkdir(exist_ok=True)
+    result = run(write_case(early, OUT / "seam_report_open.toml"), OUT / "seam_report_open", 1, ["--overwrite"])
+    report.check(result.code == 3 and float(seams_of(result)["side a"]["gap"]) > 1e-3, f"a stage that ends too early: code {result.code}, {seams_of(result)['side a']['gap']} m")
+
+
+@test
+def zipper(report):
+    """A slider of 0.1 m/s closes a seam of 0.05 m from the upper end on; its pairs close one after the other."""
+    case = strips()
+    case["seam"][0]["zip_speed"] = 0.1
+    case["stage"][0]["time"]["end"] = 1.3
+    result = solve("zipper", case)
+    moments = Results(result.folder / "sew")
+    mesh = moments[0].mesh
+    left, right = mesh.group("left_a/1"), mesh.group("right_a/3")
+    height = lambda moment, group: moment.positions[group, 2]  # noqa: E731
+    left, right = (g[np.argsort(height(moments[0], g))] for g in (left, right))
+    gap = np.array([np.linalg.norm(m.positions[left] - m.positions[right], axis=1) for m in moments])
+    times = np.array([m.time for m in moments])
+    half = gap[np.argmin(np.abs(times - 0.3))]
+    report.check(half[0] > half[len(half) // 2] > half[-1], f"at 0.3 s the seam is wider below: {1e3 * half} mm")
+    report.check(half[0] > GAP and half[-1] < 0.1 * GAP, "it is open yet at its lower end, which the slider reaches after 0.5 s, and closed above")
+    report.below(gap[-1].max(), 1e-4, "closed at the end [m]")
+    # The same on meshes that get finer, from a checkpoint amid it.
+    case |= {"remesh": {"smallest": 0.004, "size": "0.008"}}
+    whole = solve("zipper_remeshed", case)
+    report.check(part(whole, "sew").summary["remeshing"]["count"] > 0, "remeshed on the way")
+    run(OUT / "zipper_remeshed.toml", fresh("zipper_half"), 1, ["-ts_max_steps", "20"])
+    rest = run(OUT / "zipper_remeshed.toml", fresh("zipper_rest"), 2, ["--from", "sew", "--restart", OUT / "zipper_half" / "sew" / "checkpoint.h5"])
+    ends = [part(r, "sew").history["seam_gap"] for r in (whole, rest)]
+    report.check(rest.code == 0 and len(ends[1]) < len(ends[0]), f"and continued on 2 ranks: code {rest.code}")
+    report.below(max(e[-1] for e in ends), 1e-4, "closed at the end [m]")
+    middle = [np.interp(0.5, part(r, "sew").history["time"], part(r, "sew").history["seam_gap"]) for r in (whole, rest)]
+    report.near(middle[1], middle[0], 0.02 * GAP, "as wide at 0.5 s as in the unbroken run [m]")
+    for wrong, says in (({"meet": []}, "meet"), ({"zip_speed": -1}, "must be >= 0")):
+        bad = strips()
+        bad["seam"][0] |= {"zip_speed": 0.1} | wrong
+        if not bad["seam"][0]["meet"]:
+            del bad["seam"][0]["meet"]
+        code, text = invoke(["check", write_case(bad, OUT / "zipper_wrong.toml")])
+        report.check(code == 2 and says in text and "seam" in text, f"{wrong}: code {code}, {text.strip()[-160:]}")
+
+
+@test
+def seams_by_star(report):
+    """What a * and a list of groups cannot mean is said."""
+    for change, says in (({"seam": [{"edges": ["cuff_*/1"], "to": ["right_*/3"]}]}, "'cuff_*/1': no piece matches"),
+                         ({"seam": [{"edges": ["left_*/1"], "to": ["right_a/3"]}]}, "to: there is no * in it"),
+                         ({"seam": [{"edges": ["*_a/1"], "to": ["right_*/3"]}]}, "stands for left, right"),
+                         ({"support": [{"type": "hinged", "group": ["left_a/3", "left_c/3"]}]}, '[[support]] group = "left_c/3"'),
+                         ({"support": [{"type": "hinged", "group": ["left_a/3", "left_a"]}]}, "'left_a/3' is a curve and 'left_a' a surface"),
+                         ({"support": [{"type": "hinged", "group": []}]}, "the list is empty")):
+        code, text = invoke(["check", write_case(strips(**change), OUT / "star_wrong.toml")])
+        report.check(code == 2 and says in text, f"{change}: code {code}, {text.strip()[-200:] if says not in text else 'told'}")
+
+
+@test
+def shrunk_tube(report):
+    """A tube whose fabric shrinks by 4 % round it and 6 % along it, while it is sewn and hangs, with and without remeshing."""
+    cloth = CLOTH | {"initial_strain": [-0.04, -0.06], "texture_direction": [1, 0]}
+    hold = {"spring": [{"type": "line", "group": "tube/0", "stiffness": 1e-3}]}
+    for name, more in (("plain", {}), ("remeshed", {"remesh": {"smallest": 0.012, "largest": 0.02, "angle": 12}})):
+        result = solve(f"shrunk_tube_{name}", tube(material=[cloth]) | hold | more)
+        place = Results(result.folder / "rest")[-1].positions
+        # The circle through all of them: 2 c x + (r^2 - c^2) = x^2. Their mean is not its centre.
+        (*centre, rest), *_ = np.linalg.lstsq(np.column_stack([2 * place[:, :2], np.ones(len(place))]), (place[:, :2]**2).sum(axis=1), rcond=None)
+        report.percent(np.sqrt(rest + np.dot(centre, centre)) / (0.96 * RADIUS), 0.005, f"{name}: radius")
+        report.percent(np.ptp(place[:, 2]) / (0.94 * HEIGHT), 0.005, f"{name}: height")
+
+
+@test
+def anchored_piece(report):
+    """The point of a piece that `anchor` names comes to origin + translate, turned as it is, in a panel of two pieces and with a shift along the axis."""
+    file = svg("tailoring_anchor.svg", rectangle("left_a", LENGTH, WIDTH), rectangle("right_a", LENGTH, WIDTH))
+    still = {"material": [CLOTH], "stage": [{"name": "still", "analysis": "dynamic", "time": {"end": 1e-6, "step": 1e-6}}]}
+    panel = {"file": file, "size": 0.02, "rotate": [0, 0, 90], "origin": [1, 2, 3], "translate": [0, 0, 0.5]}
+    for name, more, target in (("flat", {}, [1, 2, 3.5]), ("bent", {"wrap_axis": [0, 0, 1], "wrap_point": [0.7, 2, 0], "wrap_shift": 0.2}, [1, 2, 3.7])):
+        case = still | {"panel": [panel | more | {"pieces": ["left_a"], "anchor": "left_a@2"}]}
+        mesh = Results(solve(f"anchor_{name}", case).folder / "still")[0]
+        corner = set(mesh.mesh.group("left_a/1")) & set(mesh.mesh.group("left_a/2"))
+        report.below(np.abs(mesh.positions[corner.pop()] - target).max(), 1e-9, f"{name}: the corner is at {target} [m]")
+    for anchor, says in (("left_a@9", "the piece has points 0 to 3"), ("sleeve@1", "there is no piece 'sleeve'"), ("left_a", "PIECE@POINT")):
+        code, text = invoke(["check", write_case(still | {"panel": [panel | {"pieces": ["left_a"], "anchor": anchor}]}, OUT / "anchor_wrong.toml")])
+        report.check(code == 2 and says in text and "anchor" in text, f"anchor = {anchor}: code {code}, {text.strip()[-160:]}")
+
+
+@test
+def nest_of_sizes(report):
+    """One size of a nest, by its texts; and a size that it has not."""
+    square = lambda w: [("1", True, [(0, 0), (w, 0), (w, 100), (0, 100)])]  # noqa: E731
+    file = dxf("tailoring_nest.dxf", {f"*U{size}": square(2 * size + 100) for size in (36, 38, 40)})
+    lines = open(file).read().split("\n")
+    for size in (36, 38, 40):
+        at = lines.index(f"*U{size}") + 1
+        lines[at:at] = [line for text in ("Piece Name: FRONT", f"Size: {size}") for line in ("  0", "TEXT", "  8", "1", "  1", text)]
+    open(file, "w").write("\n".join(lines))
+    case = {"panel": [{"file": file, "size": 0.05, "nest_size": "38", "pieces": ["FRONT"]}], "material": [CLOTH],
+            "stage": [{"name": "still", "analysis": "dynamic"}]}
+    code, text = invoke(["check", write_case(case, OUT / "nest.toml")])
+    report.check(code == 0 and "'FRONT': 0.0176 m^2" in text, f"size 38: code {code}")
+    case["panel"][0]["nest_size"] = "42"
+    code, text = invoke(["check", write_case(case, OUT / "nest.toml")])
+    report.check(code == 2 and "there are 36, 38, 40" in text, f"size 42: code {code}, {text.strip()[-120:]}")
+
+
+def pleated(inward):
+    """A strip with a knife pleat in its waist, sewn to a band: points A, B, C and D of the waist, the way A to B folds under, B to C back, and C to D lies over both."""
+    visible, under, height = 0.06, 0.03, 0.10
+    waist = [0, visible, visible + under, visible + 2 * under, visible + 3 * under, 2 * visible + 2 * under]
+    outline = [(x, 0) for x in waist] + [(waist[-1], height), (0, height)]
+    path = lambda name, points: f'<path id="{name}" d="M {" L ".join(f"{1000 * x:.6g} {1000 * y:.6g}" for x, y in points)} Z"/>'  # noqa: E731
+    band = [(0, 0), (2 * visible, 0), (2 * visible, 0.03), (0, 0.03)]
+    return {"panel": [{"file": svg("tailoring_pleat.svg", path("skirt", outline)), "size": 0.0075},
+                      {"file": svg("tailoring_band.svg", path("band", band)), "size": 0.0075, "translate": [under, 0, 0.045]}],
+            "seam": [{"name": "pleat", "edges": ["skirt/1"], "to": ["skirt/2"], "bending": 0},
+                     {"name": "waist", "edges": ["band/2"], "to": ["skirt/0", "skirt/3", "skirt/4"], "meet": ["band@3", "skirt@0"]}],
+            "mark": [{"name": "B", "point": "skirt@2"}, {"name": "D", "point": "skirt@4"}],
+            "spring": [{"type": "pair", "group": "B", "to": "D", "length": 1.5e-3, "stiffness": 200}],
+            "initial_velocity": [{"group": "B", "velocity": [0, inward, 0]}],
+            "material": [{"type": "fabric", "fabric": "cotton_broad", "texture_direction": [0, 1]}],
+            "load": [{"type": "gravity", "vector": [0, 0, -9.81]}],
+            "contact": {"distance": 1e-3, "friction": 0.1},
+            "support": [{"type": "displacement", "group": "band/0", "components": ["y", "z"]}, {"type": "displacement", "group": "band/3", "components": ["x"]}],
+            "stage": [{"name": "sew", "analysis": "dynamic", "sew": ["all"], "time": {"end": 0.8, "step": 5e-3}, "damping": {"mass": 10.0}}]}
+
+
+@test
+def knife_pleat(report):
+    """A pleat folds to the side to which its point is pushed, its point lies at the waist, the waist closes over it, and nothing intersects."""
+    result = solve("knife_pleat", pleated(1.0))
+    moment, history = Results(result.folder / "sew")[-1], part(result, "sew").history
+    place = lambda group: moment.positions[moment.mesh.group(group)]  # noqa: E731
+    report.check(history["intersections"].max() == 0, "nothing intersects")
+    report.below(np.linalg.norm(place("B") - place("D")), 3e-3, "the point of the pleat is at the waist [m]")
+    report.check(place("skirt/1")[:, 1].mean() > place("skirt/3")[:, 1].mean(), "what is folded lies behind")
+    ends = [np.linalg.norm(place("skirt/0")[:, None] - place("skirt/3")[None], axis=2).min()]
+    report.below(ends[0], 1e-4, "and the visible parts meet [m]")
+    report.below(history["seam_gap"][-1], 1e-4, "all seams are closed [m]")
