@@ -31,15 +31,17 @@ double finer(double error) {
 }
 
 /// The estimate takes the stiffness A without strain. Where yarns stiffen to A', differences of forces store less energy:
-/// about by the ratio of N.A'^-1 N to N.A^-1 N.
+/// about by the ratio of N.A'^-1 N to N.A^-1 N. Rubber softens or stiffens, likewise.
 void stiffen(const energy::Sheet& sheet, const system::TriangleFields& fields, std::vector<double>& density) {
   for (std::size_t t = 0; t < density.size(); ++t) {
     const energy::Material& m = sheet.material(static_cast<Index>(t));
-    if (!m.yarns.any()) continue;
-    const Vec3 force = of_triangle(fields.membrane_force, t);
-    const Mat3 tangent = m.membrane + energy::added_tangent(m.yarns, of_triangle(fields.membrane_strain, t));
+    if (!m.yarns.any() && !m.rubber.any()) continue;
+    const Vec3 force = of_triangle(fields.membrane_force, t), strain = of_triangle(fields.membrane_strain, t);
+    const Mat3 tangent = m.rubber.any() ? energy::response(m.rubber, strain).tangent
+                                        : Mat3(m.membrane + energy::added_tangent(m.yarns, strain));
     const double soft = force.dot(m.membrane.inverse() * force), stiff = force.dot(tangent.inverse() * force);
-    if (soft > 0.0) density[t] *= std::min(1.0, stiff / soft);
+    if (m.rubber.any() && !energy::is_positive_definite(tangent)) continue;
+    if (soft > 0.0) density[t] *= m.rubber.any() ? stiff / soft : std::min(1.0, stiff / soft);
   }
 }
 
@@ -56,8 +58,11 @@ double stored_energy(const energy::Sheet& sheet, const system::TriangleFields& f
   const bool in_plane = sheet.options().membrane == energy::MembraneOperator::six_node_corrected;
   double stored = 0.0;
   for (std::size_t t = 0; t < f.in_plane.size(); ++t) {
-    const double density = of_triangle(f.membrane_strain, t).dot(of_triangle(f.membrane_force, t)) +
-                           of_triangle(f.curvature, t).dot(of_triangle(f.bending_moment, t));
+    const Vec3 strain = of_triangle(f.membrane_strain, t);
+    const energy::Hyperelastic& rubber = sheet.material(static_cast<Index>(t)).rubber;
+    const double density =
+        (rubber.any() ? 2.0 * energy::response(rubber, strain).energy : strain.dot(of_triangle(f.membrane_force, t))) +
+        of_triangle(f.curvature, t).dot(of_triangle(f.bending_moment, t));
     stored += sheet.mesh().area(static_cast<Index>(t)) * (0.5 * density + (in_plane ? f.in_plane[t] : 0.0));
   }
   return stored;

@@ -12,7 +12,7 @@ namespace voile::solve {
 /// not finite counts as the largest. Empty if r is zero. Collective; the text is the same on every rank.
 [[nodiscard]] std::string largest_residuals(const system::Model& model, Vec r);
 
-/// The same for the residual of the model at state a. Collective.
+/// The same for the residual of the model at state a, and of hyperelastic sheets the largest stretch. Collective.
 [[nodiscard]] std::string largest_residuals_at(system::Model& model, Vec a);
 
 }  // namespace voile::solve
