@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "base/mpi.hpp"
+#include "energy/biot_force.hpp"
 #include "validity.hpp"
 
 namespace voile::record {
@@ -31,18 +32,34 @@ double finer(double error) {
 }
 
 /// The estimate takes the stiffness A without strain. Where yarns stiffen to A', differences of forces store less energy:
-/// about by the ratio of N.A'^-1 N to N.A^-1 N. Rubber softens or stiffens, likewise.
+/// about by the ratio of N.A'^-1 N to N.A^-1 N. Of rubber, likewise, forces and tangent are those of stretches.
 void stiffen(const energy::Sheet& sheet, const system::TriangleFields& fields, std::vector<double>& density) {
   for (std::size_t t = 0; t < density.size(); ++t) {
     const energy::Material& m = sheet.material(static_cast<Index>(t));
-    if (!m.yarns.any() && !m.rubber.any()) continue;
-    const Vec3 force = of_triangle(fields.membrane_force, t), strain = of_triangle(fields.membrane_strain, t);
-    const Mat3 tangent = m.rubber.any() ? energy::response(m.rubber, strain).tangent
-                                        : Mat3(m.membrane + energy::added_tangent(m.yarns, strain));
+    const Vec3 strain = of_triangle(fields.membrane_strain, t);
+    if (m.rubber.any()) {
+      const energy::BiotForce biot = energy::biot_force(m.rubber, strain);
+      if (biot.softness > 0.0) density[t] *= biot.softness / biot.force.dot(m.membrane.inverse() * biot.force);
+      continue;
+    }
+    if (!m.yarns.any()) continue;
+    const Vec3 force = of_triangle(fields.membrane_force, t);
+    const Mat3 tangent = m.membrane + energy::added_tangent(m.yarns, strain);
     const double soft = force.dot(m.membrane.inverse() * force), stiff = force.dot(tangent.inverse() * force);
-    if (m.rubber.any() && !energy::is_positive_definite(tangent)) continue;
-    if (soft > 0.0) density[t] *= m.rubber.any() ? stiff / soft : std::min(1.0, stiff / soft);
+    if (soft > 0.0) density[t] *= std::min(1.0, stiff / soft);
   }
+}
+
+/// Forces whose differences are judged; on rank 0.
+std::vector<double> judged_forces(const energy::Sheet& sheet, const system::TriangleFields& fields) {
+  std::vector<double> forces = fields.membrane_force;
+  for (std::size_t t = 0; 3 * t < forces.size(); ++t) {
+    const energy::Hyperelastic& law = sheet.material(static_cast<Index>(t)).rubber;
+    if (!law.any()) continue;
+    const Vec3 force = energy::biot_force(law, of_triangle(fields.membrane_strain, t)).force;
+    for (std::size_t k = 0; k < 3; ++k) forces[3 * t + k] = force[static_cast<Eigen::Index>(k)];
+  }
+  return forces;
 }
 
 }  // namespace
@@ -73,7 +90,7 @@ DiscretisationError::Densities DiscretisationError::of(const system::Model& mode
   const energy::Sheet& sheet = model.discretisation().sheet();
   const MPI_Comm comm = model.dofs().comm();
   if (!recovery_) recovery_.emplace(sheet);
-  std::vector<double> force = fields.membrane_force, moment = fields.bending_moment;
+  std::vector<double> force = judged_forces(sheet, fields), moment = fields.bending_moment;
   mpi::broadcast(comm, force);
   mpi::broadcast(comm, moment);
   const auto count = static_cast<std::size_t>(sheet.mesh().triangle_count());

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "../test_model_kit.hpp"
+#include "energy/biot_force.hpp"
 #include "energy/layer_stress.hpp"
 #include "energy/membrane.hpp"
 
@@ -287,6 +288,22 @@ TEST_CASE("true stress of a hyperelastic sheet") {
   const energy::SheetState state{strain_of(f), Vec3(1.0, 0.0, 0.0)};
   const Vec3 top = energy::layer_stress(m, m.layers[0], 0.5 * thickness, state);
   CHECK((top - (force / thickness - 0.5 * thickness * m.layers[0].stiffness.col(0))).norm() < 1e-9 * top.norm());
+}
+
+TEST_CASE("forces of a hyperelastic sheet on stretches, and their tangent") {
+  for (const Hyperelastic& law : laws()) {
+    const Mat2 q = turned(0.35);
+    const auto at = [&](double a, double b) { return nominal_forces(law, a, b); };
+    const Vec2 force = at(2.0, 1.3);
+    Mat2 slope;
+    slope.col(0) = (at(2.0 + 1e-6, 1.3) - at(2.0 - 1e-6, 1.3)) / 2e-6;
+    slope.col(1) = (at(2.0, 1.3 + 1e-6) - at(2.0, 1.3 - 1e-6)) / 2e-6;
+    const energy::BiotForce b = energy::biot_force(law, strain_of(q * Vec2(2.0, 1.3).asDiagonal() * q.transpose()));
+    Mat2 tensor;
+    tensor << b.force[0], b.force[2], b.force[2], b.force[1];
+    CHECK((q.transpose() * tensor * q - Mat2(force.asDiagonal())).norm() < 1e-11);
+    CHECK(b.softness == relative(force.dot(slope.inverse() * force)).epsilon(1e-7));
+  }
 }
 
 TEST_CASE("where laws of rubber lose ellipticity") {
