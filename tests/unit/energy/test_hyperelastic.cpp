@@ -180,10 +180,7 @@ TEST_CASE("hyperelastic membranes are the gradient of their energy, with its tan
           return Vec3(x[0], x[1], 0.3 * x[0] * x[0] - 0.2 * x[1] * x[1]);
         }));
         system::ModelInput in;
-        in.materials = {rubber(law), rubber(laws()[1])};
-        in.materials[0].groups = {"shell"};
-        in.materials.pop_back();
-        in.materials[0].groups.clear();
+        in.materials = {rubber(law)};
         in.element.membrane = kind;
         in.supports = {support("left", Kind::clamped)};
         system::Model model(PETSC_COMM_WORLD, mesh, in);
@@ -238,12 +235,51 @@ TEST_CASE("at small strains rubber is an isotropic sheet with nu = 1/2") {
     model.residual(a, f);
     plain.residual(a, g);
     CHECK(relative_difference(per_vertex(model, f), per_vertex(plain, g)) < 1e-5);
-    set_displacement(model, a, [](Index) { return Vec3(0.1, 0.2, 0.3); });
-    model.dofs().clear_fixed(a);
   }
 }
 
-TEST_CASE("rubber beside other materials, the same on any number of ranks") {
+TEST_CASE("rubber beside yarns and plates in one batch: every triangle answers as in a sheet of its own material") {
+  energy::Material woven = isotropic(100.0, 0.2, 0.1);
+  woven.yarns.knots[0] = {{0.001, 300.0}};
+  woven.yarns.stiffness = 8.0;
+  woven.yarns.limit = 0.02;
+  std::vector<energy::Material> all{rubber(laws()[2]), woven, isotropic(50.0, 0.3, 0.1), rubber(laws()[1])};
+  for (energy::Material& m : all) m.direction = Vec3::UnitX();
+  const mesh::SurfaceMesh mesh(square(Pattern::jittered, 4));
+  const mesh::PatchMesh patches(mesh, {});
+  std::vector<int> of(static_cast<std::size_t>(mesh.triangle_count()));
+  for (std::size_t t = 0; t < of.size(); ++t) of[t] = static_cast<int>(t % all.size());
+  std::vector<Vec3> x, u;
+  for (Index v = 0; v < mesh.vertex_count(); ++v) {
+    u.push_back(noise(0.04, 3)(v) + 0.3 * mesh.positions()[v]);
+    x.push_back(mesh.positions()[v] + u.back());
+  }
+  const energy::Configuration c{x.data(), u.data()};
+  const auto term_of = [&](const std::vector<int>& material_of) {
+    const energy::Sheet sheet(patches, all, material_of, Patch::options(MembraneOperator::six_node));
+    energy::MembraneTerm term(sheet);
+    for (Index t = 0; t < mesh.triangle_count(); ++t)
+      term.add(sheet, t, energy::MembraneTerm::stencil_of(sheet, t), true);
+    return term;
+  };
+  const energy::MembraneTerm mixed = term_of(of);
+  std::vector<Vec3> force(x.size(), Vec3::Zero()), sum = force;
+  double energy = 0.0;
+  const double whole = mixed.add_gradients(c, force.data());
+  for (std::size_t m = 0; m < all.size(); ++m) {
+    const energy::MembraneTerm own = term_of(std::vector<int>(of.size(), static_cast<int>(m)));
+    for (Index t = 0; t < mesh.triangle_count(); ++t) {
+      if (of[static_cast<std::size_t>(t)] != static_cast<int>(m)) continue;
+      CHECK(mixed.energy(t, c) == relative(own.energy(t, c)).epsilon(1e-12));
+      energy += own.energy(t, c);
+      own.gradient(t, c, [&](int i, const Vec3& g) { sum[static_cast<std::size_t>(own.stencil(t)[i])] += g; });
+    }
+  }
+  CHECK(whole == relative(energy).epsilon(1e-12));
+  CHECK(relative_difference(force, sum) < 1e-12);
+}
+
+TEST_CASE("rubber is the same on any number of ranks") {
   const mesh::SurfaceMesh mesh(square(Pattern::jittered, 7));
   system::ModelInput in;
   in.materials = {rubber(laws()[2])};
