@@ -1,5 +1,7 @@
 """Hyperelastic membranes against closed forms and a shooting solution; ranks, restart, motion, remeshing, mistakes."""
 
+import csv
+
 import numpy as np
 from harness import OUT, solve, test
 from rubber import disc, largest, sphere_pressure, tube_pressure
@@ -100,6 +102,23 @@ def rubber_states(report):
     again = solve("rubber_remeshed", inflated | {"remesh": {"angle": 8, "largest": 0.2}})
     report.check(again.summary["remeshing"]["count"] > 0, f"remeshed {again.summary['remeshing']['count']} times")
     report.percent(again.history["pole_z"][-1] / plain.history["pole_z"][-1], 0.02, "height of the pole")
+
+
+@test
+def rubber_modes(report):
+    """A square that is stretched alike in both directions rings as a membrane: omega^2 = 2 pi^2 f/(a rho h L^2), f the force at stretch a."""
+    stretch = 1.8
+    sides = {"left": [0, None], "right": [stretch - 1, None], "bottom": [None, 0], "top": [None, stretch - 1]}
+    case = strip("ogden", cells=16, pattern=0, analysis="modal", eigen={"modes": 8, "load_factor": 1.0, "mass": "lumped"})
+    case["support"] = [{"type": "displacement", "group": group, "components": [c for c, v in zip("xyz", (*value, 0)) if v is not None],
+                        "value": [v or 0 for v in (*value, 0)]} for group, value in sides.items()]
+    case.pop("probe")
+    result = solve("rubber_modes", case)
+    with open(result.folder / "modes.csv", encoding="utf-8") as table:
+        found = max(csv.DictReader(table), key=lambda mode: float(mode["effective_mass_z"]))  # not in the plane
+    force = LAWS["ogden"][1].forces(stretch, stretch)[0]
+    exact = np.sqrt(force / (2 * stretch * 1000 * THICKNESS))
+    report.percent(float(found["frequency_hz"]) / exact, 0.002, f"first frequency, {exact:.5g} Hz")
 
 
 @test
