@@ -220,6 +220,32 @@ TEST_CASE("hyperelastic stiffness without its negative part is not below the exa
   CHECK(least(positive - exact) > -1e-12 * exact.norm());
 }
 
+TEST_CASE("the linearised stress of rubber is that of its tangent") {
+  for (const Hyperelastic& law : laws()) {
+    energy::Material plain = rubber(law);
+    plain.rubber = {};
+    Patch patch(rubber(law), MembraneOperator::six_node), flat(plain, MembraneOperator::six_node);
+    const auto stiffness = [](Patch& p, const Mat2& f, const std::vector<Vec3>& previous, energy::Tangent kind) {
+      energy::Configuration c = p.at(f);
+      c.previous = previous.data();
+      c.tangent = kind;
+      Eigen::MatrixXd k = Eigen::MatrixXd::Zero(18, 18);
+      p.term.hessian(0, c, [&](int i, int j, const Mat3& block) { k.block<3, 3>(3 * i, 3 * j) += block; });
+      return k;
+    };
+    const Mat2 rest = Mat2::Identity(), pulled = Vec2(1.8, 0.9).asDiagonal();
+    (void)patch.at(pulled);
+    const std::vector<Vec3> far = patch.x;
+    // At rest the tangent is the isotropic one, from wherever the iteration comes.
+    const Eigen::MatrixXd there = stiffness(patch, rest, far, energy::Tangent::linearised_stress),
+                          exact = stiffness(patch, rest, far, energy::Tangent::exact);
+    CHECK((there - stiffness(flat, rest, far, energy::Tangent::linearised_stress)).norm() < 1e-11 * there.norm());
+    CHECK((there - exact).norm() > 0.1 * exact.norm());
+    const Eigen::MatrixXd settled = stiffness(patch, pulled, far, energy::Tangent::linearised_stress);
+    CHECK((settled - stiffness(patch, pulled, far, energy::Tangent::exact)).norm() < 1e-12 * settled.norm());
+  }
+}
+
 TEST_CASE("at small strains rubber is an isotropic sheet with nu = 1/2") {
   const mesh::SurfaceMesh mesh(square(Pattern::jittered, 4));
   for (const Hyperelastic& law : laws()) {
