@@ -4,10 +4,10 @@ import csv
 
 import numpy as np
 from harness import OUT, solve, test
-from rubber import disc, largest, sphere_pressure, tube_pressure
+from rubber import TRELOAR, Law, disc, largest, sphere_pressure, tube_pressure
 from rubber_cases import LAWS, THICKNESS, curve_error, drum, peak, sphere, strip, tube
 from scipy.optimize import brentq
-from solver import invoke, load_case, run, variant, write_case
+from solver import ROOT, invoke, load_case, run, variant, write_case
 
 
 @test
@@ -35,6 +35,11 @@ def rubber_drum(report):
         report.percent(result.history["load_factor"][-1], limit, f"{law}: pressure {exact['pressure']:.5g} Pa at the height {exact['height']:.4g} m")
         report.near(result.results[-1]["principal_stretch"][:, 0].max(), 3.0, 0.06, f"{law}: largest stretch")
         report.check("warning" not in result.text, f"{law}: no warning")
+    example = solve("rubber_example", load_case(ROOT / "runs" / "balloon" / "case.toml"))
+    pole = brentq(lambda pole: disc(Law(TRELOAR["mu"], TRELOAR["alpha"], 5e-4), pole, 0.1)["height"] - 0.25, 3, 6)
+    report.near(example.results[-1]["principal_stretch"][:, 0].max(), pole, 0.1, "example: largest stretch")
+    report.near(peak(example.history)[1], 4.04, 0.02, "example: largest pressure in kPa")
+    report.check("warning" not in example.text, "example: no warning")
 
 
 @test
