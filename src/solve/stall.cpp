@@ -97,6 +97,8 @@ std::string describe_stretch(const energy::Sheet& sheet, const std::vector<doubl
   return text;
 }
 
+}  // namespace
+
 std::string largest_stretch(system::Model& model, Vec a) {
   const std::vector<energy::Material>& materials = model.discretisation().materials();
   if (std::none_of(materials.begin(), materials.end(), [](const auto& m) { return m.rubber.any(); })) return "";
@@ -107,8 +109,6 @@ std::string largest_stretch(system::Model& model, Vec a) {
   mpi::broadcast(model.dofs().comm(), text);
   return text;
 }
-
-}  // namespace
 
 std::string largest_residuals_at(system::Model& model, Vec a) {
   const petsc::VecHandle r = model.dofs().create_vector();

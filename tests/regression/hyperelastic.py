@@ -144,7 +144,11 @@ def rubber_mistakes(report):
         code, text = invoke(["check", file])
         report.check(code == 2 and word in text and "material" in text, f"{word}: {text.strip().splitlines()[-1][:150]}")
     soft = {"type": "mooney_rivlin", "c10": 1e5, "c01": -3e4, "thickness": THICKNESS}
-    case = variant(drum("neo_hookean", cells=4), {"steps": {"initial_step": 0.01, "min_step": 0.005}, "load.0.magnitude": 1e4}) | {"material": [soft]}
+    case = variant(drum("neo_hookean", cells=4), {"steps": {"initial_step": 0.01, "min_step": 0.005}, "load.0.magnitude": 1e4}) | {"material": [soft | {"density": 1000}]}
     result = run(write_case(case, OUT / "rubber_soft.toml"), OUT / "rubber_soft")
     report.check(result.code == 3 and "largest stretch is" in result.text, "a failed step with its place and stretch")
     report.check("loses ellipticity" in result.text, "a note that the law loses ellipticity")
+    pressed = variant(case, {"steps": None, "load": [{"type": "pressure", "magnitude": 3e3}]})
+    for analysis, more in (("drape", {"drape": {"max_iterations": 60}}), ("dynamic", {"time": {"end": 1.0, "step": 1e-2, "min_step": 1e-3}})):
+        result = run(write_case(pressed | {"analysis": analysis} | more, OUT / f"rubber_soft_{analysis}.toml"), OUT / f"rubber_soft_{analysis}")
+        report.check(result.code == 3 and "the law has lost ellipticity in triangle" in result.text, f"{analysis}: failed where the law has lost ellipticity")
