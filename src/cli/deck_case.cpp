@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <map>
+#include <set>
 
 #include "base/text.hpp"
 #include "deck_material.hpp"
@@ -172,9 +173,16 @@ class CaseWriter {
     if (made.text.empty()) return;
     has_material_ = true;
     out_ += made.text;
-    // One section is of all shells, whatever its set is called.
-    if (deck_.sections.size() > 1 || !deck_.all_in_sections)
+    if (!covers_all(s.elements))
       out_ += fmt::format("groups = [{}]\n", toml_text(known(s.elements, deck_.element_sets)));
+  }
+
+  [[nodiscard]] bool covers_all(const std::string& elements) {
+    const mesh::Group* group = group_of(elements);
+    if (!group)
+      leave(
+          fmt::format("{} of {}: there is no such set of shells; name one in `groups`", deck_.words.section, elements));
+    return group && std::set(group->triangles.begin(), group->triangles.end()).size() == mesh_.triangles.size();
   }
 
   void add_supports() {

@@ -59,7 +59,11 @@ Exit drape_test_command(int argc, char** argv) {
   if (!specimen.empty()) test.specimen = std::stoi(specimen);
   if (!std::isfinite(cell)) throw UserError("--cell: a number of millimetres is needed");  // no range holds it
   test.cell = 1e-3 * cell;
-  return run_drape_test(test);
+  try {
+    return run_drape_test(test);
+  } catch (const StoppedBySignal&) {
+    return stopped_by_signal();
+  }
 }
 
 }  // namespace voile::cli

@@ -91,19 +91,19 @@ void print_repeat(const DrapeSetting& s, const DrapeRepeat& r) {
   std::fflush(stdout);
 }
 
-/// Runs that are going on: a signal ends them too.
+/// Runs that are going on: a signal ends them too, and no other one begins.
 std::array<std::atomic<pid_t>, 128> children{};
+std::atomic<bool> stopped{false};
 
 void note_child(pid_t from, pid_t to) {
   for (std::atomic<pid_t>& child : children)
     if (pid_t was = from; child.compare_exchange_strong(was, to)) return;
 }
 
-void end_with_children(int signal) {
+void end_children(int) {
+  stopped = true;
   for (const std::atomic<pid_t>& child : children)
     if (const pid_t pid = child.load(); pid > 0) (void)kill(pid, SIGTERM);
-  (void)std::signal(signal, SIG_DFL);
-  (void)std::raise(signal);
 }
 
 void print_head(const DrapeSetting& s) {
@@ -165,13 +165,18 @@ DrapeSetting drape_setting(const DrapeTest& test) {
   return s;
 }
 
+Exit stopped_by_signal() {
+  fmt::print(stderr, "voile: stopped by a signal\n");
+  return Exit::not_converged;
+}
+
 void run_drape_repeats(const DrapeSetting& s, std::vector<DrapeRepeat>& repeats) {
   const int cores = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
   const auto most = static_cast<std::size_t>(s.test.jobs > 0 ? s.test.jobs : cores);
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) (void)std::signal(signal, end_with_children);
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) (void)std::signal(signal, end_children);
   std::map<pid_t, std::size_t> running;
-  for (std::size_t next = 0; next < repeats.size() || !running.empty();) {
-    if (next < repeats.size() && running.size() < most) {
+  for (std::size_t next = 0; (next < repeats.size() && !stopped) || !running.empty();) {
+    if (next < repeats.size() && !stopped && running.size() < most) {
       write_drape_case(s, repeats[next]);
       note_child(0, running.emplace(start(repeats[next]), next).first->first);
       ++next;
@@ -184,9 +189,10 @@ void run_drape_repeats(const DrapeSetting& s, std::vector<DrapeRepeat>& repeats)
     note_child(pid, 0);
     DrapeRepeat& r = repeats[ended->second];
     if (WIFEXITED(status) && WEXITSTATUS(status) == 0) read_drape_result(s, r);
-    print_repeat(s, r);
+    if (!stopped) print_repeat(s, r);
     running.erase(ended);
   }
+  if (stopped) throw StoppedBySignal{};
 }
 
 std::vector<DrapeRepeat> drape_repeats(int count) {

@@ -46,7 +46,11 @@ struct DrapeRepeat {
 struct DrapeSetting;
 /// Cells and friction by the fabric file of the test, and its folder. Throws UserError.
 [[nodiscard]] DrapeSetting drape_setting(const DrapeTest& test);
-/// Runs all repeats in their folders, so many side by side.
+/// What a signal ends a test with, so that what is temporary is removed.
+struct StoppedBySignal {};
+/// Says so. Exit code 3, as of a run.
+[[nodiscard]] Exit stopped_by_signal();
+/// Runs all repeats in their folders, so many side by side. Throws StoppedBySignal.
 void run_drape_repeats(const DrapeSetting& s, std::vector<DrapeRepeat>& repeats);
 
 /// Whether the command line asks for it.

@@ -165,6 +165,8 @@ Exit fit_command(int argc, char** argv) {
   } catch (const NotAtRest& e) {
     fmt::print(stderr, "voile: not converged: {}\n", e.message);
     return Exit::not_converged;
+  } catch (const StoppedBySignal&) {
+    return stopped_by_signal();
   }
   write_fabric(o, fit::fabric_text(sheet, fit));
   for (const std::string& w : fit.warnings) fmt::print(stderr, "voile: warning: {}\n", w);

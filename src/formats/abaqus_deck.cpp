@@ -325,9 +325,12 @@ class DeckReader {
   }
 
   void take_procedure(const AbaqusWords& words) {
-    if (deck_.procedure == Procedure::frequency || deck_.procedure == Procedure::buckle)
+    if (deck_.procedure == Procedure::frequency || deck_.procedure == Procedure::buckle) {
       deck_.modes = static_cast<int>(std::min(whole(words, 0), most_modes));
-    else if (words.size() > 1) {
+      for (std::size_t k = 1; k < std::min<std::size_t>(words.size(), 4); ++k)
+        if (deck_.procedure == Procedure::frequency && !words[k].empty())
+          leave(fmt::format("*FREQUENCY, a bound or shift of {}: the lowest modes are found", words[k]));
+    } else if (words.size() > 1) {
       deck_.step = number(words, 0);
       deck_.end = number(words, 1);
     }

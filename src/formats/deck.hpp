@@ -61,7 +61,6 @@ struct Deck {
   std::map<std::string, Material> materials;
   std::map<std::string, Orientation> orientations;
   std::vector<Section> sections;
-  bool all_in_sections = true;              ///< no shell is without; one section is then of all shells
   std::map<std::string, Support> supports;  ///< by set or number of a node
   std::vector<Load> loads;
   Procedure procedure = Procedure::none;

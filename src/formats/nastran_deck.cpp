@@ -124,9 +124,12 @@ class NastranDeckReader {
   }
 
   void take_method(const NastranCard& card) {
-    if (card.name == "EIGRL" && (!method_ || card.whole(1) == *method_)) deck_.modes = modes(card, 4);
-    if ((card.name == "EIGR" || card.name == "EIGB") && (!method_ || card.whole(1) == *method_))
-      deck_.modes = modes(card, 6);
+    const bool lanczos = card.name == "EIGRL";
+    if (!(lanczos || card.name == "EIGR" || card.name == "EIGB") || (method_ && card.whole(1) != *method_)) return;
+    deck_.modes = modes(card, lanczos ? 4 : 6);
+    for (const std::size_t k : {lanczos ? 2 : 3, lanczos ? 3 : 4})
+      if (!card.field(k).empty())
+        leave(card, fmt::format("{}, a bound of {}: the lowest modes are found", card.name, card.field(k)));
   }
 
   static int modes(const NastranCard& card, std::size_t field) {

@@ -28,6 +28,16 @@ Deck::Material isotropic(const NastranCard& card) {
   return m;
 }
 
+/// G beside E and NU: Nastran takes all three.
+void note_shear(Deck& deck, const NastranCard& card) {
+  if (card.field(2).empty() || card.field(3).empty() || card.field(4).empty()) return;
+  const double shear = card.real(2) / (2.0 * (1.0 + card.real(4)));
+  if (std::abs(card.real(3) - shear) > 0.01 * shear)
+    leave(deck, card,
+          fmt::format("MAT1 {}, G = {}: E and NU are taken, which give {:.4g}; a MAT8 has a shear modulus of its own",
+                      card.field(1), card.field(3), shear));
+}
+
 Deck::Material orthotropic(const NastranCard& card) {
   Deck::Material m{true, card.real(2, 0.0), card.real(4, 0.0), card.real(3, 0.0), card.real(5, 0.0), card.real(8, 0.0)};
   if (!(m.young > 0.0 && m.young_2 > 0.0 && m.shear > 0.0)) card.fail("E1, E2 and G12 above zero are needed");
@@ -167,6 +177,7 @@ void NastranProperties::add_laminate(Deck& deck, const NastranCard& card) {
 
 void NastranProperties::add_to(Deck& deck, double mass) {
   for (const auto& [id, card] : materials_) {
+    if (card->name == "MAT1") note_shear(deck, *card);
     Deck::Material& m = deck.materials[card->field(1)];
     m = card->name == "MAT8" ? orthotropic(*card) : isotropic(*card);
     m.density *= mass;
@@ -177,7 +188,6 @@ void NastranProperties::add_to(Deck& deck, double mass) {
     if (!is_property(card.name) || elements_.count(card.whole(1)) == 0) continue;
     card.name == "PSHELL" ? add_shell(deck, card) : add_laminate(deck, card);
   }
-  deck.all_in_sections = deck.sections.size() == elements_.size();
 }
 
 }  // namespace voile::formats

@@ -35,13 +35,12 @@ std::string balance_text(const system::EnergyBalance& b) {
 }
 
 std::string balance_warning(const system::EnergyBalance& b, const solve::TimeOptions& options, double round_off) {
-  const double all = b.turnover(), gained = std::max(0.0, -b.numerical);
+  const double all = b.turnover(), gained = b.created;
   if (std::max(gained, std::abs(b.unaccounted)) <= round_off) return "";
   if (gained > much * all && gained > std::abs(b.unaccounted))
     return fmt::format(
         "the time stepping has created {:.3g} J, {:.2g} % of the energy that came in: speeds or stiffnesses are beyond "
-        "what "
-        "steps of this size resolve; use a smaller time.step (history: numerical_loss)",
+        "what steps of this size resolve; use a smaller time.step (history: numerical_loss)",
         gained, 100.0 * gained / all);
   if (!(std::abs(b.unaccounted) > much * all)) return "";
   const bool iterates = options.method == solve::TimeOptions::Method::implicit_alpha;

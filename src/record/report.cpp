@@ -64,7 +64,7 @@ std::string resolved_text(const input::Case& c, const Summary& s) {
     double worst = 0.0;
     for (std::size_t i = 0; i < s.mode_errors.size(); ++i)
       if (counts(c, s.eigen[i])) worst = std::max(worst, s.mode_errors[i]);
-    return fmt::format("{}: by estimate the modes are off by {} at most", verdict(worst), percent_text(worst));
+    return fmt::format("{}: by estimate the modes are off by {}", verdict(worst), up_to_text(worst));
   }
   const DiscretisationError::Fractions& e = s.recovery_error;
   if (!std::isfinite(e.whole)) return "";
@@ -72,7 +72,7 @@ std::string resolved_text(const input::Case& c, const Summary& s) {
   if (std::isfinite(e.bending)) parts += fmt::format(", that of bending by {}", percent_text(e.bending));
   if (std::isfinite(e.membrane)) parts += fmt::format(", that of stretching by {}", percent_text(e.membrane));
   const bool late = c.analysis == "static" && e.whole <= error_limit && s.largest_recovery_error > error_limit;
-  if (late) parts += fmt::format("; on the way the energy is off by up to {}", percent_text(s.largest_recovery_error));
+  if (late) parts += fmt::format("; on the way the energy is off by {}", up_to_text(s.largest_recovery_error));
   return fmt::format("{}{}: by estimate the energy is off by {}{}", verdict(e.whole), late ? " at the end" : "",
                      percent_text(e.whole), parts);
 }

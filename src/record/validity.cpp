@@ -122,7 +122,11 @@ Validity assess(const system::Model& model, const std::vector<double>& displacem
 std::string percent_text(double fraction) {
   constexpr double least = 1e-4;
   if (fraction > 0.0 && fraction < least) return "less than 0.01 %";
-  return fraction < 1.0 ? fmt::format("{:.2g} %", 100.0 * fraction) : fmt::format("{:.0f} %", 100.0 * fraction);
+  return fraction > 1.0 ? "more than 100 %" : fmt::format("{:.2g} %", 100.0 * fraction);
+}
+
+std::string up_to_text(double fraction) {
+  return (fraction > 1.0 ? "" : "up to ") + percent_text(fraction);
 }
 
 std::string locking_warning(const energy::Sheet& sheet, const system::TriangleFields& fields) {

@@ -45,8 +45,10 @@ struct Validity {
 /// components per vertex in global axes, mesh order [m]. Not collective.
 [[nodiscard]] Validity assess(const system::Model& model, const std::vector<double>& displacement);
 
-/// A fraction in per cent, two figures where they say something.
+/// A fraction in per cent, two figures where they say something; "more than 100 %" of estimates that only say so.
 [[nodiscard]] std::string percent_text(double fraction);
+/// The largest of several: "up to 12 %", or "more than 100 %".
+[[nodiscard]] std::string up_to_text(double fraction);
 
 /// What to tell the user of a curved shell that locks, empty if it does not. `fields` of any state, on rank 0.
 [[nodiscard]] std::string locking_warning(const energy::Sheet& sheet, const system::TriangleFields& fields);

@@ -98,12 +98,11 @@ std::string Warnings::membrane_text() const {
   if (!(largest_error_ > error_limit)) return "";
   // What is spurious stands in the stored energy too: of a fraction f of it, deflections are too small by f/(1 + f).
   return fmt::format(
-      "{} up to {} of the stored energy: deflections may be too small by as much as {}; use a finer mesh, "
-      "or "
+      "{} {} of the stored energy: deflections may be too small by {}; use a finer mesh, or "
       "cells that are less stretched and uneven (summary.json: membrane_error; field membrane_error)",
       is_corrected_ ? "second derivatives within the surface, and what the correction of chords leaves, take"
                     : "spurious membrane strains of straight chords between vertices take",
-      percent_text(largest_error_), percent_text(largest_error_ / (1.0 + largest_error_)));
+      up_to_text(largest_error_), up_to_text(largest_error_ / (1.0 + largest_error_)));
 }
 
 }  // namespace voile::record

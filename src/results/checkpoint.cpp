@@ -1,5 +1,6 @@
 #include "checkpoint.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <utility>
@@ -13,9 +14,8 @@ namespace voile::results {
 
 namespace {
 
-constexpr std::size_t anchor_numbers = 8;    // of each anchor
-constexpr std::size_t balance_numbers = 14;  // of an energy balance
-constexpr std::size_t path_numbers = 5;      // of a path
+constexpr std::size_t anchor_numbers = 8;  // of each anchor
+constexpr std::size_t path_numbers = 5;    // of a path
 
 /// The vectors of a checkpoint, const or not, under their names in the file.
 template <class C>
@@ -148,10 +148,11 @@ void read_bodies(hid_t file, const std::filesystem::path& path, Checkpoint& c) {
     if (!std::isfinite(v)) fail_reading(path, "its unknowns of rigid groups make no sense");
 }
 
-/// Older files have one number less.
+/// Older files have fewer numbers.
 std::vector<double> read_balance(hid_t file, const std::filesystem::path& path) {
-  const bool is_older = count_values(file, "energy_balance", path) == balance_numbers - 1;
-  return read_values(file, "energy_balance", balance_numbers - (is_older ? 1 : 0), path);
+  constexpr std::size_t fewest = 13, most = 18;
+  return read_values(file, "energy_balance", std::clamp(count_values(file, "energy_balance", path), fewest, most),
+                     path);
 }
 
 Hdf5Handle open_checkpoint(const std::filesystem::path& path) {

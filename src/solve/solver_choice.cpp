@@ -50,6 +50,11 @@ void refuse_snes_options() {
         fmt::format("option -snes_type {}: does not solve such problems; newtonls (the default), newtontr, "
                     "newtontrdc, qn and ksponly are possible",
                     type.data()));
+  VOILE_PETSC(PetscOptionsGetString(nullptr, nullptr, "-snes_linesearch_type", type.data(), type.size(), &given));
+  if (given && std::string_view(type.data()) == SNESLINESEARCHSHELL)
+    throw UserError(
+        "option -snes_linesearch_type shell: needs a function of a program; bt, l2, cp, basic and nleqerr are "
+        "possible");
 }
 
 void SolverChoice::read(SNES snes, bool contact) {

@@ -30,17 +30,20 @@ struct EnergyBalance {
   double numerical = 0.0;              ///< taken by the scheme
   double remeshing = 0.0;              ///< given at once by new meshes and by supports that release
   double unaccounted = 0.0;
-  double fabric = 0.0;  ///< taken by friction inside the fabric
-  double inflow = 0.0;  ///< sum of what loads, supports, obstacles and wind gave in the steps in which they gave
+  double fabric = 0.0;      ///< taken by friction inside the fabric
+  double inflow = 0.0;      ///< sum of what loads, supports, obstacles and wind gave in the steps in which they gave
+  double most_taken = 0.0;  ///< largest `numerical` so far
+  double created = 0.0;     ///< by which `numerical` fell below that at most: later losses do not undo it
+  double internal = 0.0, barriers = 0.0;  ///< U and E in the last state, to the bit
 
   /// What fractions are taken of: all that was there or came in.
   [[nodiscard]] double turnover() const;
 };
 
-/// For files and other ranks; and back (none if there are none; without the last one if files are older than it).
+/// For files and other ranks; and back (none if there are none; older files have fewer).
 [[nodiscard]] std::vector<double> numbers_of(const EnergyBalance& balance);
 [[nodiscard]] EnergyBalance balance_of(const std::vector<double>& numbers);
 /// How many numbers these are.
-inline constexpr std::size_t balance_numbers = 14;
+inline constexpr std::size_t balance_numbers = 18, fewest_balance_numbers = 13;
 
 }  // namespace voile::system

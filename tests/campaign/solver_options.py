@@ -12,7 +12,8 @@ import shutil
 import sys
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "regression"))
+ROOT = Path(__file__).resolve().parents[2]
+sys.path[:0] = [str(ROOT / "tests" / "regression"), str(ROOT / "runs" / "lib")]
 
 from harness import OUT  # noqa: E402
 from solver import run, variant, write_case  # noqa: E402

@@ -1,10 +1,13 @@
 """`voile fit` and `voile fabric-test`: fabric files from the sheets of a laboratory, and sheets from fabric files."""
 
 import re
+import signal
+import subprocess
 import tomllib
 
+from common import fresh, wait_for
 from harness import OUT, test
-from solver import ROOT, invoke
+from solver import ROOT, binary, environment, invoke
 
 UNITS = {"g/m^2": 1e-3, "mg/cm^2": 1e-2, "mm": 1e-3, "N/m": 1, "kN/m": 1e3, "uN.m": 1e-6, "mN": 1e-3, "1/m": 1, "deg": 1, "gf.cm^2/cm": 98.0665e-6, "gf.cm/cm": 9.80665e-3}
 
@@ -128,6 +131,15 @@ def fit_sheets(report):
         report.near(float(row[1]), 80, 0.6, "drape coefficient of the fabric that was found")
         found = figures(OUT / "fit" / "drape_fabric.toml")
         report.near((found["bending_warp"] / 0.163 / 9.81) ** (1 / 3), 0.0234, 0.0015, "its bending length")
+    temporary = fresh("fit_temporary")
+    temporary.mkdir()
+    process = subprocess.Popen([binary(), "fit", OUT / "fit" / "drape.toml", "-o", temporary / "no.toml"], env=environment(1) | {"TMPDIR": str(temporary)},
+                               text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+    wait_for(lambda: list(temporary.glob("voile_fit_*/*/run.log")), process)
+    process.send_signal(signal.SIGINT)
+    text = process.communicate()[0]
+    left = [path.name for path in temporary.iterdir()]
+    report.check(process.returncode == 3 and "stopped by a signal" in text and not left, f"killed: exit code {process.returncode}, left over {left}")
     for name, sheet, expected in (("unit", head + "thickness = 0.4\n", "unit_.toml:4: thickness: the unit"), ("word", head + "[kes]\nEMTT = 4\n", "did you mean 'EMT'"),
                                   ("rank", head + '[bending_length]\nbias = "20 mm"\n', "cannot be separated"), ("none", head, "determines the bending stiffness")):
         code, text = fit(name + "_", sheet)

@@ -230,6 +230,8 @@ def deck_cases(report):
     found = case.read_text()
     report.check("*BOUNDARY, TYPE=VELOCITY" in said and "OP=NEW" in said and "value = [0, 0.5, 0]" in found and "normal = [0, 1, 0]" in found
                  and "vector = [0, 0, -9810]" in found, f"velocities are no displacements; mirror planes, values and gravity: {said[:300]}")
+    code, said, case = begin("deck_other_set", plate("*Step\n*Frequency\n4, 10., 500.\n*End Step").replace("elset=plate, material", "elset=plat, material"))
+    report.check(code == 0 and "SHELL SECTION of plat: there is no such set of shells" in said and "a bound or shift of 500." in said and invoke(["check", case])[0] == 2, f"a section of a set that is not there: {said[:300]}")
     code, said, case = begin("deck_pressed", plate("*Step\n*Static\n*Dload\nplate, P, 1e-4\n*End Step\n*Step\n*Frequency\n4\n*End Step"))
     report.check("a second *STEP" in said and 'analysis = "linear"' in case.read_text(), "of two steps the first is taken")
     # CalculiX 2.20 lifts such a plate along the normals of its elements, too.

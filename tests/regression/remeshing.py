@@ -10,7 +10,7 @@ from benchmarks import BENCHMARKS
 from curves import Table
 from harness import OUT, solve, test
 from results import Results
-from common import fresh, lines, started, strip, wait_for
+from common import fresh, lines, sheet_on_ball, started, strip, wait_for
 from solver import ROOT, invoke, load_case, run, variant, write_case
 from staging import end_of, stage, staged
 
@@ -96,6 +96,20 @@ def remesh_restart(report):
     recorded = run(file, fresh("remesh_recorded"), 2, ["--restart", whole.folder / "results.vtkhdf", "--restart-step", "40"])
     report.check(recorded.code == 0, "from results.vtkhdf" + recorded.text[-200:] * (recorded.code != 0))
     compare(report, recorded, whole, 1e-3, "from results.vtkhdf, which has no accelerations", balanced=False)
+
+
+@test
+def remesh_contact_restart(report):
+    """A sheet that is remeshed on a ball, stopped before, at and after the step at which its mesh is exchanged: the run that continues is the same to the bit, the sums of energies too."""
+    case = sheet_on_ball(time__end=0.14, time__checkpoint_steps=1, remesh={"largest": 0.08, "smallest": 0.02})
+    whole = solve("remesh_ball", case, 1)
+    h = whole.history
+    report.check([h["remeshings"][k] for k in (10, 11)] == [0, 1], "remeshed after step 10")
+    for steps in (9, 10, 12):
+        run(OUT / "remesh_ball.toml", fresh("remesh_ball_short"), 1, ["-ts_max_steps", str(steps)])
+        again = run(OUT / "remesh_ball.toml", fresh("remesh_ball_again"), 1, ["--restart", OUT / "remesh_ball_short" / "checkpoint.h5"]).history
+        other = [name for name in h.names if name != "wall_seconds" and not np.array_equal(again[name][1:], h[name][steps + 1:], equal_nan=True)]
+        report.check(again["step"][0] == steps and not other, f"from step {steps}: other columns are {other}")
 
 
 @test

@@ -1,6 +1,7 @@
 """Answers that would be wrong silently: strains beyond curves, tangents at zero, natural strains, supports that move, restarts, decks."""
 
 import math
+import re
 
 import numpy as np
 from common import fresh, strip
@@ -145,6 +146,21 @@ def said_differences(report):
 
 
 @test
+def said_created(report):
+    """Energy that one step creates is reported although later steps have taken more than that."""
+    case = {"analysis": "dynamic", "mesh": {"file": str(ROOT / "meshes" / "plate.geo"), "parameters": {"side": 0.3, "n": 12}},
+            "material": [{"type": "isotropic", "young": 5e6, "poisson": 0.3, "thickness": 5e-4, "density": 400.0, "initial_strain": [-0.02, -0.02, 0.0]}],
+            "time": {"end": 0.06, "step": 2e-3}}
+    done = solve("said_created", case)
+    loss = done.history["numerical_loss"]
+    created = max(np.maximum.accumulate(loss) - loss)
+    told = re.search(r"has created ([\d.e+-]+) J", done.text)
+    initial = done.summary["energy"]["initial_energy"]
+    report.check(created > initial and abs(loss[-1]) < 0.05 * initial, f"created {created:.3g} J beside {initial:.3g} J, then taken again to {-loss[-1]:.3g} J")
+    report.check(told and abs(float(told[1]) / created - 1) < 0.01, f"reported: {told and told[0]}")
+
+
+@test
 def said_names(report):
     """Names that the mesh does not have, with line and the nearest one, all at once; units; hinges that nothing holds; a turn beyond a whole one."""
     wrong = strip(nx=4, ny=1, support=[{"type": "clamped", "group": "clmap"}], contact={"distance": 1e-3},
@@ -220,6 +236,8 @@ def deck_loads(report):
             ("no load", head.replace("LOAD = 2", "LOAD = 99"), 2, ("LOAD: there is no card LOAD of set 99",)),
             ("no part", head + "LOAD,2,1.,1.,77\n", 2, ("no card LOAD of set 77",)),
             ("no support", head.replace("SPC = 1", "SPC = 99") + "GRAV,2,0,1.,0.,0.,1.\n", 2, ("SPC: there is no card SPC of set 99",)),
+            ("three constants", head.replace(PLY, "MAT1,7,70.+9,20.+9,.3\n") + "GRAV,2,0,1.,0.,0.,1.\n", 0, ("MAT1 7, G = 20.+9: E and NU are taken, which give 2.692e+10",)),
+            ("a band of modes", head.replace("SOL 101", "SOL 103").replace("LOAD = 2", "METHOD = 8") + "EIGRL,8,10.,500.,3\n", 0, ("EIGRL, a bound of 10.", "EIGRL, a bound of 500.", "modes = 3")),
             ("turned", (head + "GRAV,2,0,1.,0.,0.,1.\nGRID,5,,2.,0.,0.\nGRID,6,,2.,1.,0.\nCQUAD4,2,5,2,3,6,5,30.\n").replace(",30.", ",0").replace("PSHELL,5,7,.001,7\n", "PCOMP,5,,,,,,,\n,7,.00025,0.,,7,.00025,90.\n"),
              0, ("plies and angles are reversed",))):
         code, text = converted(deck)

@@ -77,7 +77,7 @@ def pushed(analysis):
 TAKEN = ["-snes_linesearch_type bt", "-snes_linesearch_type basic", "-snes_linesearch_type nleqerr", "-snes_type newtontr",
          "-snes_type qn", "-snes_type ksponly", "-ksp_type preonly -pc_type jacobi", "-ksp_type cg -pc_type jacobi -ksp_rtol 0.5",
          "-snes_lag_preconditioner 4", "-snes_linesearch_type basic -snes_linesearch_damping 1.9"]
-REFUSED = ["-snes_type ngmres", "-snes_type ngs", "-snes_type aspin", "-snes_type fas", "-snes_convergence_test skip",
+REFUSED = ["-snes_type ngmres", "-snes_type ngs", "-snes_type aspin", "-snes_type fas", "-snes_linesearch_type shell", "-snes_convergence_test skip",
            "-snes_mf", "-snes_lag_jacobian -1"]
 
 
@@ -232,7 +232,7 @@ def unloaded_stages(report):
 
 @test
 def restart_in_contact(report):
-    """A ruffle that is gathered in contact with itself, stopped by a signal at three times: the run that goes on is the same to the bit, what is not accounted for to the round-off of energies."""
+    """A ruffle that is gathered in contact with itself, stopped by a signal at three times: the run that continues is the same to the bit."""
     case = ruffle(2.0)
     case["stage"] = case["stage"][:1]
     case["stage"][0]["time"] |= {"end": 0.4, "checkpoint_steps": 7}
@@ -241,15 +241,11 @@ def restart_in_contact(report):
         raise Failure(f"the whole run ends with code {whole.code}: {whole.text[-300:]}")
     end = whole.folder / "sew"
     rows = [line.split(",") for line in (end / "history.csv").read_text().splitlines()]
-    # The energy of contact at the start of a restart is summed over other candidates, which are not in touch.
-    stored, rest_of = rows[0].index("stored_energy"), rows[0].index("energy_unaccounted")
     clock = rows[0].index("wall_seconds")
     known = {row[0]: row for row in rows}
 
     def is_same(row):
-        other = known[row[0]]
-        exact = all(a == b for k, (a, b) in enumerate(zip(row, other)) if k not in (clock, rest_of))
-        return exact and abs(float(row[rest_of]) - float(other[rest_of])) < 1e-14 * float(row[stored])
+        return all(a == b for k, (a, b) in enumerate(zip(row, known[row[0]])) if k != clock)
     for steps in (10, 30, 60):
         folder = fresh("ruffle_part")
         process = started(OUT / "ruffle_whole.toml", folder)
