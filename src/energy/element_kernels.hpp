@@ -54,6 +54,16 @@ constexpr int rise = 12;       ///< A h
 constexpr int knots = 13;      ///< e_j, A c_j of each: along warp, along weft, in shear
 }  // namespace yarn_law_fields
 
+/// Places of the numbers of hyperelastic laws (hyperelastic.hpp).
+namespace rubber_fields {
+constexpr int natural = 0;         ///< strains from the natural state from those from the rest shape, three rows
+constexpr int is = 9;              ///< 1 where a triangle has such a law, otherwise 0
+constexpr int c10 = 10;            ///< A c10
+constexpr int c01 = 11;            ///< A c01
+constexpr int shear_modulus = 12;  ///< A mu at zero strain
+constexpr int terms = 13;          ///< A mu_p, alpha_p of each
+}  // namespace rubber_fields
+
 struct MembraneBatch {
   const double* fields;
   const int* gather;        ///< local point of each stencil position
@@ -63,6 +73,8 @@ struct MembraneBatch {
   const double* viscosity;  ///< c
   const double* law;        ///< numbers of yarns that stiffen or rub; null: of none
   int knots;                ///< of each direction
+  const double* rubber;     ///< numbers of hyperelastic laws; null: of none
+  int terms;                ///< Ogden's, of each
   int points;               ///< stencil positions
   int first, last;          ///< lanes to be done
   bool fourth;              ///< whether a triangle has a term of fourth order

@@ -140,6 +140,14 @@ VOILE_INLINE void times_factor(const Real (&l)[6], A& e0, A& e1, A& e2) {
   e1 = l[3] * e1 + l[4] * e2;
   e2 = l[5] * e2;
 }
+/// F e of a full matrix by rows.
+template <class A>
+VOILE_INLINE void times_factor(const Real (&f)[9], A& e0, A& e1, A& e2) {
+  const A a = e0, b = e1, c = e2;
+  e0 = f[0] * a + f[1] * b + f[2] * c;
+  e1 = f[3] * a + f[4] * b + f[5] * c;
+  e2 = f[6] * a + f[7] * b + f[8] * c;
+}
 /// L y.
 VOILE_INLINE void times_transposed(const Real (&l)[6], Real& y0, Real& y1, Real& y2) {
   y2 = l[2] * y0 + l[4] * y1 + l[5] * y2;

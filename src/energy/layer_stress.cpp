@@ -4,6 +4,8 @@ namespace voile::energy {
 
 Vec3 layer_stress(const Material& m, const Layer& layer, double z, const SheetState& state) {
   const double thickness = m.layers.back().high - m.layers.front().low;
+  if (m.rubber.any())
+    return true_force(m.rubber, state.strain) / thickness - z * Vec3(layer.stiffness * state.curvature);
   Vec3 elastic = state.strain - z * state.curvature;
   elastic += state.change * (m.expansion - layer.expansion - z * m.coupled_curvature) +
              state.difference * (m.coupled_strain - z * (m.expansion_curvature + layer.expansion / thickness));

@@ -4,6 +4,8 @@
 //           z      height above the middle [m];  Q stiffness of the layer in material axes [Pa]
 //           T, dT  change of temperature and difference between top and bottom                                        [K]
 //   s(z) = Q (e - z k + what the layer wants to expand otherwise than the sheet under T and dT)
+// Of a hyperelastic sheet (hyperelastic.hpp) V N V/h - z Q k: the true stress of stretching, in axes that turn with the sheet, and that of
+// bending as at zero strain.
 // Source: Jones, Mechanics of Composite Materials, 2nd ed. (1999), chapter 4.
 #pragma once
 

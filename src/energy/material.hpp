@@ -14,6 +14,7 @@
 
 #include "base/types.hpp"
 #include "failure.hpp"
+#include "hyperelastic.hpp"
 #include "yarn_law.hpp"
 
 namespace voile::energy {
@@ -47,6 +48,7 @@ struct Material {
   double viscous_time = 0.0;           ///< relaxation time of the membrane, likewise [s]
   YarnFriction friction{};             ///< inside the fabric, where it bends
   YarnLaw yarns{};                     ///< what tension and shear add to A, and friction of shear
+  Hyperelastic rubber{};               ///< law of large strains instead of A, which is its tangent at zero strain
   std::vector<Layer> layers{};         ///< from the lowest up; empty where the inside is not known
   std::optional<Strength> strength{};  ///< of its layers
   // The natural state (natural_state.hpp), in material axes

@@ -42,9 +42,11 @@ MembraneTerm::MembraneTerm(const Sheet& sheet) {
   for (const Material& m : sheet.materials()) {
     stiffness_.push_back(m.membrane);
     laws_.push_back(m.yarns);
+    rubbers_.push_back(m.rubber);
     viscous_time_.push_back(m.viscous_time);
   }
   yarns_ = YarnLaws(sheet.materials(), shape_.factor[shape_.rubbing]);
+  rubber_ = HyperelasticLaws(sheet.materials());
 }
 
 void MembraneTerm::set_shape(MembraneOperator kind, double cst_fraction) {
@@ -178,6 +180,7 @@ void MembraneTerm::place(std::vector<double> numbers, const std::vector<Index>& 
   all.insert(all.end(), numbers.begin(), numbers.end());
   const Batches::Place place = batches_.add({stencil, all, last_owned_, fourth});
   if (yarns_.any()) yarns_.add(place, last_.area, laws_[static_cast<std::size_t>(material_.back())]);
+  if (rubber_.any()) rubber_.add(place, last_.area, rubbers_[static_cast<std::size_t>(material_.back())]);
   Metrics off = metrics_of(last_.metric);
   for (std::size_t g = 0; g < off.size(); ++g) off[g] += last_correction_[g];
   set_metrics(size() - 1, off);

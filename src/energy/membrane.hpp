@@ -13,7 +13,8 @@
 // Viscosity (Kelvin-Voigt in rest axes, over a time step dt from a state with strains E_n): every W(E) above becomes
 //   W(E) + c W(E - E_n),  c = tau/dt, tau the relaxation time [s]: stress C (E + tau dE/dt), the rate by the backward
 // difference of the step, which keeps a potential.
-// Yarns whose tension stiffens, and which stiffen and rub in shear, add w to every W(E): yarn_law.hpp.
+// Yarns whose tension stiffens, and which stiffen and rub in shear, add w to every W(E): yarn_law.hpp. Rubber has A w(E) instead of W(E),
+// while C, its tangent at zero strain, remains for viscosity: hyperelastic.hpp.
 // Source: mid-side gradients after Onate & Flores, Comput. Methods Appl. Mech. Engng 194 (2005) 2406-2443 (EBST);
 // six-node membrane of the rotation-free triangle: Sze & Zhou, Int. J. Comput. Methods 13 (2016) 1650021. A side on a
 // free boundary or on a crease uses the triangle's own gradient. Theory: docs/theory/membrane.md (2).
@@ -25,6 +26,7 @@
 
 #include "batches.hpp"
 #include "chord_correction.hpp"
+#include "hyperelastic_laws.hpp"
 #include "natural_state.hpp"
 #include "sheet.hpp"
 #include "term.hpp"
@@ -134,6 +136,7 @@ class MembraneTerm {
   /// Membrane force N = dW/dE / A in material axes [N/m] at a strain: that of the energy, shares included, without friction.
   [[nodiscard]] Vec3 force(Index e, const Vec3& strain) const {
     const auto m = static_cast<std::size_t>(material_[static_cast<std::size_t>(e)]);
+    if (rubbers_[m].any()) return response(rubbers_[m], strain).force;
     return stiffness_[m] * strain + (laws_[m].any() ? added_force(laws_[m], strain) : Vec3(Vec3::Zero()));
   }
 
@@ -197,6 +200,8 @@ class MembraneTerm {
   std::vector<Mat3> stiffness_;
   std::vector<YarnLaw> laws_;  ///< of each material
   YarnLaws yarns_;
+  std::vector<Hyperelastic> rubbers_;  ///< of each material
+  HyperelasticLaws rubber_;
   std::vector<Gathered> gathered_;
   std::vector<Natural> natural_;  ///< by ascending element
   long left_out_ = 0;

@@ -28,6 +28,8 @@ MembraneBatch MembraneTerm::view(const Batches::Batch& b) const {
           viscous ? ratio_[number].of.data() : nullptr,
           yarns_.batch(number),
           yarns_.knots(),
+          rubber_.batch(number),
+          rubber_.terms(),
           b.size,
           0,
           b.lanes,

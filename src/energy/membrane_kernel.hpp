@@ -1,6 +1,7 @@
 // Energy, forces and tangents of the membrane of several triangles side by side; private to the element kernels.
 #pragma once
 
+#include "hyperelastic_kernel.hpp"
 #include "membrane_lanes.hpp"
 #include "yarn_law_kernel.hpp"
 
@@ -19,8 +20,8 @@ VOILE_INLINE void yarns_of_group(const MembraneShape& shape, const MembraneBatch
   yarns_at(batch, lane, group == shape.rubbing, strain, y);
 }
 
-/// 1/2 (E.C E + c (E - E_n).C (E - E_n)) of a group and what yarns add, times A.
-template <bool yarns>
+/// 1/2 (E.C E + c (E - E_n).C (E - E_n)) of a group and what yarns add, times A; of rubber its law instead of the first.
+template <bool laws>
 VOILE_INLINE Real group_energy(const MembraneShape& shape, const MembraneBatch& batch, int lane, int group,
                                const Real (&l)[6], const Real (&strain)[3]) {
   const auto half_square = [&](Real a, Real b, Real c) {
@@ -28,10 +29,17 @@ VOILE_INLINE Real group_energy(const MembraneShape& shape, const MembraneBatch& 
     return 0.5 * (a * a + b * b + c * c);
   };
   Real elastic = half_square(strain[0], strain[1], strain[2]);
-  if constexpr (yarns) {
-    YarnsAt y;
-    yarns_of_group(shape, batch, lane, group, strain, y);
-    elastic += y.energy;
+  if constexpr (laws) {
+    if (batch.law) {
+      YarnsAt y;
+      yarns_of_group(shape, batch, lane, group, strain, y);
+      elastic += y.energy;
+    }
+    if (batch.rubber) {
+      RubberAt at;
+      rubber_at(batch, lane, strain, at);
+      elastic = select(at.is > all(0.0), at.energy, elastic);
+    }
   }
   if (!batch.start) return elastic;
   Real d[3];
@@ -39,14 +47,14 @@ VOILE_INLINE Real group_energy(const MembraneShape& shape, const MembraneBatch& 
   return elastic + load(batch.viscosity + lane) * half_square(d[0], d[1], d[2]);
 }
 
-/// Energy of the triangles; `yarns`: some stiffen or rub.
-template <bool yarns>
+/// Energy of the triangles; `laws`: some have yarns that stiffen or rub, or are hyperelastic.
+template <bool laws>
 VOILE_INLINE Real energy_of(const MembraneShape& shape, const MembraneBatch& batch, int lane, const Real (&l)[6],
                             const Strained& s) {
   Real sum = shape.corrected && batch.fourth ? s.invariants.bending * s.invariants.trace : all(0.0);
   for (int g = 0; g < shape.groups; ++g)
     if (shape.factor[g] > 0.0)
-      sum += shape.factor[g] * group_energy<yarns>(shape, batch, lane, g, l, s.samples.strain[g]);
+      sum += shape.factor[g] * group_energy<laws>(shape, batch, lane, g, l, s.samples.strain[g]);
   return sum;
 }
 
@@ -98,23 +106,34 @@ VOILE_INLINE void pull_at_bends(const Strained& s, const Real (&stress)[3][3], b
     pull[k] = pull[k] + by_bending * s.invariants.of_bending[k] + by_trace * s.invariants.of_trace[k];
 }
 
+/// Strains of the groups: where the triangles are, and where stresses are wanted.
+struct StressedAt {
+  const Real (&strain)[3][3], (&wanted)[3][3];
+};
+
 /// Stresses of all groups.
-template <bool yarns>
+template <bool laws>
 VOILE_INLINE void stresses_of(const MembraneShape& shape, const MembraneBatch& batch, int lane, const Real (&l)[6],
-                              const Samples& s, Real (&stress)[3][3]) {
+                              const StressedAt& s, Real (&stress)[3][3]) {
   for (int g = 0; g < shape.groups; ++g) {
-    for (int r = 0; r < 3; ++r) stress[g][r] = s.strain[g][r];
+    const Real(&wanted)[3] = s.wanted[g];
+    for (int r = 0; r < 3; ++r) stress[g][r] = wanted[r];
     effective(batch, lane, g, stress[g]);
+    if constexpr (laws)
+      if (batch.rubber) leave_viscous(batch, lane, wanted, stress[g]);
     stress_of(l, shape.factor[g], stress[g]);
-    if constexpr (yarns) {
-      YarnsAt y;
-      yarns_of_group(shape, batch, lane, g, s.strain[g], y);
-      add_yarn_stress(batch, lane, y, shape.factor[g], stress[g]);
+    if constexpr (laws) {
+      if (batch.law) {
+        YarnsAt y;
+        yarns_of_group(shape, batch, lane, g, wanted, y);
+        add_yarn_stress(batch, lane, y, shape.factor[g], stress[g]);
+      }
+      if (batch.rubber) add_rubber_stress(batch, lane, shape.factor[g], {s.strain[g], wanted}, stress[g]);
     }
   }
 }
 
-template <bool yarns>
+template <bool laws>
 VOILE_APART void gradient_of(const MembraneShape& shape, const MembraneBatch& batch, const KernelState& state,
                              double* force, double* energy) {
   for (int lane = batch.first; lane < batch.last; lane += width) {
@@ -123,8 +142,8 @@ VOILE_APART void gradient_of(const MembraneShape& shape, const MembraneBatch& ba
     const Fields f{batch.fields + lane};
     Real l[6], stress[3][3];
     f.six_numbers(membrane_fields::stiffness, l);
-    store(energy + lane, energy_of<yarns>(shape, batch, lane, l, s));
-    stresses_of<yarns>(shape, batch, lane, l, s.samples, stress);
+    store(energy + lane, energy_of<laws>(shape, batch, lane, l, s));
+    stresses_of<laws>(shape, batch, lane, l, {s.samples.strain, s.samples.strain}, stress);
     Vector at_six[six], at_bends[bends]{};
     pull_at_six(shape, f, s.samples, stress, at_six);
     if (shape.corrected) pull_at_bends(s, stress, batch.fourth, at_bends);
@@ -140,7 +159,7 @@ VOILE_APART void gradient_of(const MembraneShape& shape, const MembraneBatch& ba
 
 inline void membrane_gradient(const MembraneShape& shape, const MembraneBatch& batch, const KernelState& state,
                               double* force, double* energy) {
-  if (batch.law)
+  if (batch.law || batch.rubber)
     gradient_of<true>(shape, batch, state, force, energy);
   else
     gradient_of<false>(shape, batch, state, force, energy);

@@ -52,6 +52,7 @@ struct TangentParts {
   Vector b[most_points][most_vectors];   ///< of each point
   Real six_by_six[six * (six + 1) / 2];  ///< d of the six points, pairs i <= j row by row
   Real form[bends][bends];               ///< derivatives by K_A and K_B that are the same for x, y and z
+  Real sign[7];                          ///< of the first vectors, where triangles have laws of their own
 };
 
 VOILE_INLINE constexpr int pair_place(int i, int j, int count) {
@@ -74,7 +75,8 @@ VOILE_INLINE void add_geometric(const MembraneShape& shape, const Fields& f, con
 }
 
 /// Derivatives of the strains by the six points through base vectors, times L^T and the root of the factor.
-VOILE_INLINE void vectors_at_six(const MembraneShape& shape, const Fields& f, const Samples& s, const Real (&l)[3][6],
+template <int n>
+VOILE_INLINE void vectors_at_six(const MembraneShape& shape, const Fields& f, const Samples& s, const Real (&l)[3][n],
                                  TangentParts& t) {
   for (int i = 0; i < six; ++i)
     for (int v = 0; v < 3 * shape.groups; ++v) t.b[i][v] = zero();
@@ -96,9 +98,9 @@ VOILE_INLINE void vectors_at_six(const MembraneShape& shape, const Fields& f, co
 }
 
 /// dE_r/dK_B of one strain from its chords, times L^T.
-template <int count>
+template <int count, int n>
 VOILE_INLINE void bend_slopes(const ChordForms& forms, const Real (&fraction)[count][3], const ChordBends& bent,
-                              const Real (&l)[6], Vector (&slopes)[3][bends]) {
+                              const Real (&l)[n], Vector (&slopes)[3][bends]) {
   for (int r = 0; r < 3; ++r)
     for (int b = 0; b < bends; ++b) slopes[r][b] = zero();
   for (int c = 0; c < count; ++c)
@@ -154,7 +156,8 @@ VOILE_INLINE void bend_form(const Fields& f, const Strained& s, const Real (&str
 }
 
 /// Adds what the vectors of all points get through K.
-VOILE_INLINE void vectors_of_bends(const MembraneBatch& batch, int lane, const Strained& s, const Real (&l)[3][6],
+template <int n>
+VOILE_INLINE void vectors_of_bends(const MembraneBatch& batch, int lane, const Strained& s, const Real (&l)[3][n],
                                    TangentParts& t) {
   const Fields f{batch.fields + lane};
   Vector mean[3][bends], own[3][bends];
@@ -188,7 +191,7 @@ VOILE_INLINE void vectors_of_fourth(const MembraneBatch& batch, int lane, const 
 }
 
 /// Emits the blocks i <= j.
-template <bool corrected>
+template <bool corrected, bool laws>
 VOILE_INLINE void emit_blocks(const MembraneBatch& batch, int lane, const TangentParts& t, double* blocks) {
   const Fields f{batch.fields + lane};
   const int active = count_lanes(batch, lane), *slot = batch.slots + lane;
@@ -209,6 +212,7 @@ VOILE_INLINE void emit_blocks(const MembraneBatch& batch, int lane, const Tangen
       for (Real& k : block.k) k = all(0.0);
       for (int v = 0; v < t.vectors; ++v) {
         Vector a = t.b[i][v], b = t.b[j][v];
+        if constexpr (laws) b = t.sign[v] * b;
         hold(a);
         hold(b);
         add_outer(block, a, b);
@@ -226,21 +230,58 @@ VOILE_INLINE void emit_blocks(const MembraneBatch& batch, int lane, const Tangen
   }
 }
 
-/// The factor of a group's stiffness where yarns add to it.
+/// What the factor of a group's stiffness is made of where triangles have laws of their own.
 struct Stiffened {
   const Real (&plain)[6];
   const Real& viscous;
   const Real (&strain)[3];
+  bool positive;
 };
-VOILE_INLINE void stiffen(const MembraneShape& shape, const MembraneBatch& batch, int lane, int group,
-                          const Stiffened& from, Real (&l)[6]) {
-  YarnsAt y;
-  yarns_of_group(shape, batch, lane, group, from.strain, y);
-  yarn_factor(batch, lane, y, from.viscous, from.plain, l);
-  for (Real& number : l) number *= std::sqrt(shape.factor[group]);
+VOILE_APART void stiffen(const MembraneShape& shape, const MembraneBatch& batch, int lane, int group,
+                         const Stiffened& from, Real (&to)[9], Real (&sign)[3]) {
+  const Real none = all(0.0), one = all(1.0);
+  Real l[6];
+  for (int k = 0; k < 6; ++k) l[k] = root(from.viscous) * from.plain[k];
+  if (batch.law) {
+    YarnsAt y;
+    yarns_of_group(shape, batch, lane, group, from.strain, y);
+    yarn_factor(batch, lane, y, from.viscous, from.plain, l);
+  }
+  const Real rows[9] = {l[0], l[1], l[2], none, l[3], l[4], none, none, l[5]};
+  for (int k = 0; k < 9; ++k) to[k] = rows[k];
+  for (Real& s : sign) s = one;
+  if (batch.rubber) {
+    RubberAt at;
+    Real own[9], signs[3];
+    rubber_at(batch, lane, from.strain, at);
+    rubber_factor(batch, lane, at, from.viscous - one, from.positive, own, signs);
+    const auto rubber = at.is > none;
+    for (int k = 0; k < 9; ++k) to[k] = select(rubber, own[k], to[k]);
+    for (int k = 0; k < 3; ++k) sign[k] = select(rubber, signs[k], one);
+  }
+  for (Real& number : to) number *= std::sqrt(shape.factor[group]);
 }
 
-template <bool yarns>
+/// Factors of the stiffnesses of the groups: L^T, or full where triangles have laws of their own.
+template <bool laws>
+VOILE_INLINE void factors_of(const MembraneShape& shape, const MembraneBatch& batch, int lane, const Strained& s,
+                             bool positive, const Real (&plain)[6], Real (&l)[3][laws ? 9 : 6], TangentParts& t) {
+  const Real viscous = batch.start ? 1.0 + load(batch.viscosity + lane) : all(1.0);
+  if constexpr (laws)
+    for (Real& sign : t.sign) sign = all(1.0);
+  for (int g = 0; g < shape.groups; ++g) {
+    if constexpr (laws) {
+      Real sign[3];
+      stiffen(shape, batch, lane, g, {plain, viscous, s.samples.strain[g], positive}, l[g], sign);
+      for (int k = 0; k < 3; ++k) t.sign[3 * g + k] = sign[k];
+    } else {
+      const Real factor = root(shape.factor[g] * viscous);
+      for (int k = 0; k < 6; ++k) l[g][k] = factor * plain[k];
+    }
+  }
+}
+
+template <bool laws>
 VOILE_APART void tangent_of(const MembraneShape& shape, const MembraneBatch& batch, const KernelState& state,
                             double* blocks) {
   for (int lane = batch.first; lane < batch.last; lane += width) {
@@ -250,18 +291,13 @@ VOILE_APART void tangent_of(const MembraneShape& shape, const MembraneBatch& bat
     TangentParts t;
     t.vectors = 3 * shape.groups;
     t.indefinite = false;
-    Real plain[6], l[3][6], stress[3][3];
+    Real plain[6], l[3][laws ? 9 : 6], stress[3][3];
     f.six_numbers(membrane_fields::stiffness, plain);
-    const Real viscous = batch.start ? 1.0 + load(batch.viscosity + lane) : all(1.0);
-    for (int g = 0; g < shape.groups; ++g) {
-      const Real factor = root(shape.factor[g] * viscous);
-      for (int k = 0; k < 6; ++k) l[g][k] = factor * plain[k];
-      if constexpr (yarns) stiffen(shape, batch, lane, g, {plain, viscous, s.samples.strain[g]}, l[g]);
-    }
+    factors_of<laws>(shape, batch, lane, s, state.positive, plain, l, t);
     vectors_at_six(shape, f, s.samples, l, t);
     Samples at = s.samples;
     if (state.previous) linearise(shape, batch, lane, state, s, at.strain);
-    stresses_of<yarns>(shape, batch, lane, plain, at, stress);
+    stresses_of<laws>(shape, batch, lane, plain, {s.samples.strain, at.strain}, stress);
     if (shape.corrected) {
       vectors_of_bends(batch, lane, s, l, t);
       if (batch.fourth) {
@@ -275,15 +311,15 @@ VOILE_APART void tangent_of(const MembraneShape& shape, const MembraneBatch& bat
       for (int g = 0; g < shape.groups; ++g) keep_tensile(stress[g]);
     add_geometric(shape, f, stress, t);
     if (shape.corrected)
-      emit_blocks<true>(batch, lane, t, blocks);
+      emit_blocks<true, laws>(batch, lane, t, blocks);
     else
-      emit_blocks<false>(batch, lane, t, blocks);
+      emit_blocks<false, laws>(batch, lane, t, blocks);
   }
 }
 
 inline void membrane_tangent(const MembraneShape& shape, const MembraneBatch& batch, const KernelState& state,
                              double* blocks) {
-  if (batch.law)
+  if (batch.law || batch.rubber)
     tangent_of<true>(shape, batch, state, blocks);
   else
     tangent_of<false>(shape, batch, state, blocks);

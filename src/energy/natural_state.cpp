@@ -44,13 +44,15 @@ NaturalState natural_state(const Material& material, double change, double diffe
 }
 
 Material in_natural_frame(Material m) {
-  if (!m.yarns.any() || m.initial_strain.isZero(0.0)) return m;
+  if ((!m.yarns.any() && !m.rubber.any()) || m.initial_strain.isZero(0.0)) return m;
   const Mat2 stretch = Mat2::Identity() + tensor(m.initial_strain);
   const Mat2 back = stretch.inverse();
   Mat3 to_natural;
   for (Eigen::Index k = 0; k < 3; ++k) to_natural.col(k) = numbers(back * tensor(Vec3::Unit(k)) * back);
   m.yarns.natural = to_natural;
   m.yarns.area = stretch.determinant();
+  m.rubber.natural = to_natural;
+  m.rubber.area = m.yarns.area;
   m.membrane = m.yarns.area * (to_natural.transpose() * m.membrane * to_natural);
   return m;
 }

@@ -31,9 +31,9 @@ struct NaturalState {
 
 /// Of a material at temperatures dT and d [K].
 [[nodiscard]] NaturalState natural_state(const Material& material, double change, double difference);
-/// The material as a law of strains from its rest shape, where yarns stiffen or rub: their curves were measured from the natural
-/// state, so that with an initial strain they see T E, of U^-1 E U^-1, on an area of det U:
-///   A -> det U T^T A T, and YarnLaw::natural, YarnLaw::area likewise
+/// The material as a law of strains from its rest shape, where yarns stiffen or rub or the law is hyperelastic: it holds from the natural
+/// state, so that with an initial strain it sees T E, of U^-1 E U^-1, on an area of det U:
+///   A -> det U T^T A T, and YarnLaw::natural, YarnLaw::area likewise, and those of Hyperelastic
 /// Others stay: their law is linear, and what T changes is of the order of what a linear law leaves out.
 [[nodiscard]] Material in_natural_frame(Material material);
 /// Whether it has an initial strain or a prestress.

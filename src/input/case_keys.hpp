@@ -75,10 +75,12 @@ struct Key {
 /// A material as it is written in the file.
 struct MaterialInput {
   static constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-  enum class Type { isotropic, orthotropic, matrices, laminate, fabric };
+  enum class Type { isotropic, orthotropic, matrices, laminate, fabric, neo_hookean, mooney_rivlin, ogden };
   Type type = Type::isotropic;
   std::vector<std::string> groups;
-  double young = 0.0, poisson = 0.0;
+  double young = nan, poisson = 0.0;
+  double shear_modulus = nan, c10 = 0.0, c01 = 0.0;  ///< hyperelastic [Pa]
+  std::vector<double> mu, alpha;                     ///< Ogden [Pa], [-]
   double young_1 = 0.0, young_2 = 0.0, poisson_12 = 0.0, shear_12 = 0.0;
   double thickness = 0.0, density = 0.0, areal_density = 0.0;
   double expansion = nan, expansion_1 = nan, expansion_2 = nan;  ///< [1/K]; NaN: not given

@@ -10,6 +10,7 @@
 #include "base/plain_file.hpp"
 #include "base/shipped_files.hpp"
 #include "base/text.hpp"
+#include "case_rubber.hpp"
 #include "fabric.hpp"
 #include "voile/errors.hpp"
 
@@ -197,6 +198,11 @@ void fill_matrices(const SectionPlace& place, const MaterialInput& in, const Uni
       check_ortho(place, in);
       m.membrane = energy::orthotropic_membrane(in.young_1, in.young_2, in.poisson_12, in.shear_12, in.thickness);
       break;
+    case MaterialInput::Type::neo_hookean:
+    case MaterialInput::Type::mooney_rivlin:
+    case MaterialInput::Type::ogden:
+      fill_rubber(place, in, m);
+      break;
     case MaterialInput::Type::matrices:
       check_matrix(place, "membrane", in.membrane);
       check_matrix(place, "bending", in.bending);
@@ -307,7 +313,7 @@ void fill_direction(const SectionPlace& place, const MaterialInput& in, energy::
   using Type = MaterialInput::Type;
   const bool textured = !in.texture_direction.empty();
   if (textured && in.direction) place.fail("texture_direction", "there is a 'direction' too; keep one of them");
-  if (!textured && !in.direction && in.type != Type::isotropic && in.type != Type::matrices)
+  if (!textured && !in.direction && in.type != Type::isotropic && in.type != Type::matrices && !is_rubber(in.type))
     place.fail("direction", "the key is missing; give the direction of material axis 1, or texture_direction");
   m.direction = in.direction;
   if (!textured) return;

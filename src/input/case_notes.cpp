@@ -5,6 +5,7 @@
 
 #include "case_declarations.hpp"
 #include "case_read.hpp"
+#include "case_rubber.hpp"
 #include "voile/errors.hpp"
 
 namespace voile::input {
@@ -43,6 +44,10 @@ std::vector<std::string> material_notes(const Case& c) {
                         "softest; give "
                         "its `initial_strain`, or a [[stage]] with a static analysis before",
                         c.analysis, name_of(m)));
+  for (const energy::Material& m : c.materials)
+    if (const std::string note = m.rubber.any() ? ellipticity_note(m.rubber) : ""; !note.empty())
+      notes.push_back(
+          fmt::format("{}: {}; beyond it strains gather in single cells, check its moduli", name_of(m), note));
   if (c.output.stresses == OutputSection::Stresses::none) return notes;
   for (const energy::Material& m : c.materials)
     if (m.layers.empty())

@@ -1,6 +1,7 @@
 // Keys of materials.
 #include <fmt/format.h>
 
+#include "case_rubber.hpp"
 #include "keys_common.hpp"
 
 namespace voile::input {
@@ -10,22 +11,33 @@ namespace {
 /// Of what it is, by elastic constants.
 std::vector<Key> elastic_keys(MaterialInput& s) {
   const std::vector<std::string> iso{"isotropic"}, laminate{"laminate"}, ortho{"orthotropic", "laminate"},
-      plates{"isotropic", "orthotropic"};
+      plates{"isotropic", "orthotropic", "neo_hookean", "mooney_rivlin", "ogden"};
   return {
       {.name = "type",
        .slot = choice(s.type, {{"isotropic", MaterialInput::Type::isotropic},
                                {"orthotropic", MaterialInput::Type::orthotropic},
                                {"matrices", MaterialInput::Type::matrices},
                                {"laminate", MaterialInput::Type::laminate},
-                               {"fabric", MaterialInput::Type::fabric}}),
+                               {"fabric", MaterialInput::Type::fabric},
+                               {"neo_hookean", MaterialInput::Type::neo_hookean},
+                               {"mooney_rivlin", MaterialInput::Type::mooney_rivlin},
+                               {"ogden", MaterialInput::Type::ogden}}),
        .meaning = "How the stiffness is given. `laminate`: from plies of one orthotropic material. `fabric`: from a "
-                  "file of measured figures.",
+                  "file of measured figures. `neo_hookean`, `mooney_rivlin`, `ogden`: incompressible rubber at large "
+                  "strains.",
        .required = true},
       {.name = "groups",
        .slot = Words{&s.groups, {}},
        .meaning = "Physical surfaces made of this material.",
        .absent = "every triangle that no other material covers"},
-      {"young", &s.young, "Young's modulus.", "Pa", positive, iso, true},
+      {.name = "young",
+       .slot = &s.young,
+       .meaning = "Young's modulus; of `neo_hookean` three times `shear_modulus`.",
+       .unit = "Pa",
+       .range = positive,
+       .types = {"isotropic", "neo_hookean"},
+       .required_types = iso,
+       .absent = "from `shear_modulus`"},
       {.name = "poisson",
        .slot = &s.poisson,
        .meaning = "Poisson's ratio.",
@@ -59,7 +71,8 @@ std::vector<Key> elastic_keys(MaterialInput& s) {
 
 /// Density, and stiffnesses by other figures.
 std::vector<Key> sheet_keys(MaterialInput& s) {
-  const std::vector<std::string> matrices{"matrices"}, fabric{"fabric"}, solids{"isotropic", "orthotropic", "laminate"};
+  const std::vector<std::string> matrices{"matrices"}, fabric{"fabric"},
+      solids{"isotropic", "orthotropic", "laminate", "neo_hookean", "mooney_rivlin", "ogden"};
   return {
       {"density", &s.density, "Mass per volume; used by gravity and vibration.", "kg/m^3", not_negative, solids},
       {.name = "membrane",
@@ -314,7 +327,7 @@ std::vector<Key> axis_keys(MaterialInput& s) {
 
 std::vector<Key> keys_of(MaterialInput& s) {
   const std::vector<Key> solid = joined(joined(elastic_keys(s), sheet_keys(s)), strength_keys(s));
-  const std::vector<Key> all = joined(joined(solid, natural_keys(s)), axis_keys(s));
+  const std::vector<Key> all = joined(joined(joined(solid, rubber_keys(s)), natural_keys(s)), axis_keys(s));
   return joined(joined(joined(all, interlining_keys(s)), hysteresis_keys(s)), yarn_keys(s));
 }
 

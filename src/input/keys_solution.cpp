@@ -299,7 +299,7 @@ std::vector<Key> keys_of(OutputSection& s) {
                      {"displacement", "reaction", "velocity", "membrane_force", "bending_moment", "curvature",
                       "membrane_strain", "membrane_error", "membrane_recovery_error", "bending_recovery_error",
                       "contact_force", "friction_force", "contact_pressure", "passing", "ease", "wanted_size",
-                      "failure_index", "failure_ply"}},
+                      "failure_index", "failure_ply", "principal_stretch"}},
        .meaning =
            "Fields in `results.vtkhdf`, any of `displacement`, `velocity`, `reaction`, `membrane_force`, "
            "`bending_moment`, "
@@ -307,7 +307,9 @@ std::vector<Key> keys_of(OutputSection& s) {
            "`contact_force`, `friction_force`, `contact_pressure`, "
            "`passing` (1 where the vertex passes through an obstacle), `ease` (distance to the nearest body), "
            "`failure_index`, "
-           "`failure_ply`, `wanted_size` (of edges, "
+           "`failure_ply`, `principal_stretch` (of hyperelastic materials: two in the sheet and that of its "
+           "thickness), "
+           "`wanted_size` (of edges, "
            "with "
            "`[remesh]`).",
        .absent = "all of them; `ease` with `[[panel]]` only"},
@@ -317,7 +319,7 @@ std::vector<Key> keys_of(OutputSection& s) {
                                    {"plies", OutputSection::Stresses::plies}}),
        .meaning = "Stresses besides these fields: `surface`: 11, 22, 12 in material axes, principal and von Mises at "
                   "the top (where the normal points to) and the bottom; `plies`: also at both faces of every ply. For "
-                  "`isotropic`, `orthotropic` and `laminate`."},
+                  "all types but `matrices` and `fabric`; of hyperelastic ones true stresses."},
       {.name = "every",
        .slot = &s.every,
        .meaning = "Results every so many steps; stops and the last step always.",

@@ -46,6 +46,7 @@ std::vector<Component> components_of(const results::Field& field) {
             {"x", entry<0>},
             {"y", entry<1>},
             {"z", entry<2>}};
+  if (field.name == "principal_stretch") return {{"larger", entry<0>}, {"smaller", entry<1>}, {"thickness", entry<2>}};
   if (field.components == 3 && field.name.starts_with("principal_"))
     return {{"larger", entry<0>}, {"smaller", entry<1>}, {"angle", entry<2>}};
   if (field.name == "membrane_strain")
@@ -88,10 +89,10 @@ FieldValues field_values(const results::Field& field, const std::string& compone
   // Strains and curvatures have twice the tensor's component as their third.
   const double shear = field.name == "membrane_strain" || field.name == "curvature" ? 0.5 : 1.0;
   const auto columns = static_cast<std::size_t>(field.components);
-  const std::string unit = chosen->unit                           ? chosen->unit
-                           : chosen->name == "angle"              ? "rad"
-                           : field.name.starts_with("principal_") ? "Pa"
-                                                                  : field.unit;
+  const std::string unit = chosen->unit                                 ? chosen->unit
+                           : chosen->name == "angle"                    ? "rad"
+                           : field.name.starts_with("principal_stress") ? "Pa"
+                                                                        : field.unit;
   FieldValues result;
   result.label =
       field.name + (chosen->name.empty() ? "" : ", " + chosen->name) + (unit == "1" ? "" : fmt::format(" [{}]", unit));

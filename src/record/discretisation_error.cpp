@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "base/mpi.hpp"
+#include "energy/biot_force.hpp"
 #include "validity.hpp"
 
 namespace voile::record {
@@ -31,16 +32,34 @@ double finer(double error) {
 }
 
 /// The estimate takes the stiffness A without strain. Where yarns stiffen to A', differences of forces store less energy:
-/// about by the ratio of N.A'^-1 N to N.A^-1 N.
+/// about by the ratio of N.A'^-1 N to N.A^-1 N. Of rubber, likewise, forces and tangent are those of stretches.
 void stiffen(const energy::Sheet& sheet, const system::TriangleFields& fields, std::vector<double>& density) {
   for (std::size_t t = 0; t < density.size(); ++t) {
     const energy::Material& m = sheet.material(static_cast<Index>(t));
+    const Vec3 strain = of_triangle(fields.membrane_strain, t);
+    if (m.rubber.any()) {
+      const energy::BiotForce biot = energy::biot_force(m.rubber, strain);
+      if (biot.softness > 0.0) density[t] *= biot.softness / biot.force.dot(m.membrane.inverse() * biot.force);
+      continue;
+    }
     if (!m.yarns.any()) continue;
     const Vec3 force = of_triangle(fields.membrane_force, t);
-    const Mat3 tangent = m.membrane + energy::added_tangent(m.yarns, of_triangle(fields.membrane_strain, t));
+    const Mat3 tangent = m.membrane + energy::added_tangent(m.yarns, strain);
     const double soft = force.dot(m.membrane.inverse() * force), stiff = force.dot(tangent.inverse() * force);
     if (soft > 0.0) density[t] *= std::min(1.0, stiff / soft);
   }
+}
+
+/// Forces whose differences are judged; on rank 0.
+std::vector<double> judged_forces(const energy::Sheet& sheet, const system::TriangleFields& fields) {
+  std::vector<double> forces = fields.membrane_force;
+  for (std::size_t t = 0; 3 * t < forces.size(); ++t) {
+    const energy::Hyperelastic& law = sheet.material(static_cast<Index>(t)).rubber;
+    if (!law.any()) continue;
+    const Vec3 force = energy::biot_force(law, of_triangle(fields.membrane_strain, t)).force;
+    for (std::size_t k = 0; k < 3; ++k) forces[3 * t + k] = force[static_cast<Eigen::Index>(k)];
+  }
+  return forces;
 }
 
 }  // namespace
@@ -56,8 +75,11 @@ double stored_energy(const energy::Sheet& sheet, const system::TriangleFields& f
   const bool in_plane = sheet.options().membrane == energy::MembraneOperator::six_node_corrected;
   double stored = 0.0;
   for (std::size_t t = 0; t < f.in_plane.size(); ++t) {
-    const double density = of_triangle(f.membrane_strain, t).dot(of_triangle(f.membrane_force, t)) +
-                           of_triangle(f.curvature, t).dot(of_triangle(f.bending_moment, t));
+    const Vec3 strain = of_triangle(f.membrane_strain, t);
+    const energy::Hyperelastic& rubber = sheet.material(static_cast<Index>(t)).rubber;
+    const double density =
+        (rubber.any() ? 2.0 * energy::response(rubber, strain).energy : strain.dot(of_triangle(f.membrane_force, t))) +
+        of_triangle(f.curvature, t).dot(of_triangle(f.bending_moment, t));
     stored += sheet.mesh().area(static_cast<Index>(t)) * (0.5 * density + (in_plane ? f.in_plane[t] : 0.0));
   }
   return stored;
@@ -68,7 +90,7 @@ DiscretisationError::Densities DiscretisationError::of(const system::Model& mode
   const energy::Sheet& sheet = model.discretisation().sheet();
   const MPI_Comm comm = model.dofs().comm();
   if (!recovery_) recovery_.emplace(sheet);
-  std::vector<double> force = fields.membrane_force, moment = fields.bending_moment;
+  std::vector<double> force = judged_forces(sheet, fields), moment = fields.bending_moment;
   mpi::broadcast(comm, force);
   mpi::broadcast(comm, moment);
   const auto count = static_cast<std::size_t>(sheet.mesh().triangle_count());

@@ -89,6 +89,8 @@ std::vector<Field> Recorder::fields_of(Vec a, const Snapshot& s, const Wants& wa
       add_density("membrane_recovery_error", recovered.membrane);
       add_density("bending_recovery_error", recovered.bending);
     }
+    for (Field& f : stretch_fields(model_->discretisation().sheet(), t))
+      if (wants(f.name)) fields.push_back(std::move(f));
     for (Field& f : stresses(t, wants, judged != nullptr)) fields.push_back(std::move(f));
     if (!estimates() || !system::has_strengths(model_->discretisation().sheet())) return;
     system::FailureFields failure = system::failure_fields(model_->discretisation().sheet(), t);

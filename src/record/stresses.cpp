@@ -107,6 +107,23 @@ Face at_vertices(const energy::Sheet& sheet, const energy::RecoveryError& recove
 
 }  // namespace
 
+std::vector<results::Field> stretch_fields(const energy::Sheet& sheet, const system::TriangleFields& fields) {
+  const std::vector<energy::Material>& materials = sheet.materials();
+  if (std::none_of(materials.begin(), materials.end(), [](const auto& m) { return m.rubber.any(); })) return {};
+  results::Field f{"principal_stretch", "1", results::Centre::triangle, 3, {}};
+  f.values.assign(fields.membrane_strain.size(), 1.0);
+  for (std::size_t t = 0; 3 * t < f.values.size(); ++t) {
+    const energy::Hyperelastic& law = sheet.material(static_cast<Index>(t)).rubber;
+    if (!law.any()) continue;
+    const Vec3 strain = Eigen::Map<const Vec3>(&fields.membrane_strain[3 * t]);
+    const energy::Stretches s = energy::stretches_of(law.natural * strain);
+    f.values[3 * t] = s.most;
+    f.values[3 * t + 1] = s.least;
+    f.values[3 * t + 2] = energy::thinning(law, strain);
+  }
+  return {f};
+}
+
 std::vector<results::Field> stress_fields(const energy::Sheet& sheet, const system::TriangleFields& fields,
                                           bool plies) {
   const std::size_t triangles = fields.membrane_strain.size() / 3;

@@ -3,6 +3,7 @@
 // Symbols   z   distance from the middle along the normal [m];  Q  plane-stress stiffness of the layer [Pa]
 //           E, kappa   membrane strain and change of curvature, order 11, 22, 12 with engineering shear, material axes
 //   sigma(z) = Q (E - z kappa)    (a surface that bends towards its normal is pressed on that side)
+// and of hyperelastic sheets true stresses: energy/layer_stress.hpp.
 #pragma once
 
 #include <vector>
@@ -18,5 +19,10 @@ namespace voile::record {
 /// material's layers are not known. Rank 0 only.
 [[nodiscard]] std::vector<results::Field> stress_fields(const energy::Sheet& sheet,
                                                         const system::TriangleFields& fields, bool plies);
+
+/// principal_stretch on triangles: those of the sheet, the larger first, and of its thickness; 1 where the material is not hyperelastic. None
+/// if no material is. Rank 0 only.
+[[nodiscard]] std::vector<results::Field> stretch_fields(const energy::Sheet& sheet,
+                                                         const system::TriangleFields& fields);
 
 }  // namespace voile::record

@@ -96,7 +96,8 @@ Validity assess(const system::Model& model, const std::vector<double>& displacem
     const energy::Material& material = materials.material(t);
     const Vec3 elastic =
         material.yarns.any() ? own_strain(material, e, axis_angle(rest_a, rest_b, materials.frame(t).e1)) : e;
-    if (const Reach reach = reach_of(material, elastic); reach.ratio() > v.reach.ratio()) {
+    const Reach reach = material.rubber.any() ? Reach{} : reach_of(material, elastic);
+    if (reach.ratio() > v.reach.ratio()) {
       v.reach = reach;
       v.triangle = t;
     }

@@ -251,8 +251,7 @@ void Drape::Impl::conclude(system::State& state, StepResult& r) {
                            r.newton.negative_pivots, now.escapes);
     return;
   }
-  model.dofs().clear_fixed(residual);
-  r.reason = r.newton.reason += "; " + largest_residuals(model, residual);
+  r.reason = r.newton.reason += "; " + largest_residuals_at(model, state.u);
 }
 
 Drape::Drape(system::Model& model, DrapeOptions options)

@@ -66,11 +66,55 @@ std::string largest_residuals(const system::Model& model, Vec r) {
   return text;
 }
 
+namespace {
+
+/// Of hyperelastic triangles the largest stretch, and the loss of ellipticity of one in tension.
+std::string describe_stretch(const energy::Sheet& sheet, const std::vector<double>& strains) {
+  Index most = no_index, lost = no_index;
+  double stretch = 0.0, least = 0.0;
+  for (Index t = 0; t < sheet.mesh().triangle_count(); ++t) {
+    const energy::Hyperelastic& law = sheet.material(t).rubber;
+    if (!law.any()) continue;
+    const Vec3 strain = Eigen::Map<const Vec3>(&strains[3 * static_cast<std::size_t>(t)]);
+    const energy::Stretches s = energy::stretches_of(law.natural * strain);
+    if (s.most > stretch) {
+      stretch = s.most;
+      most = t;
+    }
+    const double left = s.most * s.least > 1.0 ? energy::ellipticity(law, strain) : 1.0;
+    if (left > least) continue;
+    least = left;
+    lost = t;
+  }
+  if (most == no_index) return "";
+  const auto place = [&](Index t) {
+    const Vec3 x = mesh::centroid(sheet.mesh(), t);
+    return fmt::format("triangle {} at ({:.4g}, {:.4g}, {:.4g})", sheet.mesh().data().triangle_tags[t], x[0], x[1],
+                       x[2]);
+  };
+  std::string text = fmt::format("; the largest stretch is {:.4g}, of {}", stretch, place(most));
+  if (lost != no_index) text += fmt::format("; the law has lost ellipticity in {}", place(lost));
+  return text;
+}
+
+}  // namespace
+
+std::string largest_stretch(system::Model& model, Vec a) {
+  const std::vector<energy::Material>& materials = model.discretisation().materials();
+  if (std::none_of(materials.begin(), materials.end(), [](const auto& m) { return m.rubber.any(); })) return "";
+  const system::TriangleFields fields = model.potential().triangle_fields(a);
+  std::string text;
+  mpi::on_root(model.dofs().comm(),
+               [&] { text = describe_stretch(model.discretisation().sheet(), fields.membrane_strain); });
+  mpi::broadcast(model.dofs().comm(), text);
+  return text;
+}
+
 std::string largest_residuals_at(system::Model& model, Vec a) {
   const petsc::VecHandle r = model.dofs().create_vector();
   model.residual(a, r);
   model.dofs().clear_fixed(r);
-  return largest_residuals(model, r);
+  return largest_residuals(model, r) + largest_stretch(model, a);
 }
 
 }  // namespace voile::solve

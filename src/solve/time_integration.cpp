@@ -233,7 +233,8 @@ void TimeIntegration::Impl::fail(system::State& state, StepResult& r, TSConverge
   }
   r.reason = fmt::format("{} at t = {:.6g} s: no step of {:.3g} s or more succeeds", TSConvergedReasons[reason],
                          state.time, options.min_step) +
-             (obstruction.empty() ? "" : "; in the way was " + obstruction) + place_of_failure();
+             (obstruction.empty() ? "" : "; in the way was " + obstruction) + place_of_failure() +
+             largest_stretch(dynamics.model(), state.u);
 }
 
 bool TimeIntegration::Impl::ended() const {

@@ -168,6 +168,7 @@ void add_allowances(const mesh::SurfaceMesh& mesh, const std::vector<SeamRule>& 
     m.membrane *= layers;
     m.bending *= layers;
     m.areal_density *= layers;
+    m.rubber.scale(layers);
     for (energy::YarnFriction::Slider& slider : m.friction.sliders) {
       slider.stiffness *= layers;
       slider.limit *= layers;

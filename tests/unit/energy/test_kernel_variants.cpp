@@ -40,8 +40,8 @@ struct Kernels {
 
   Kernels(const mesh::MeshData& data, energy::MembraneOperator kind, bool stiffens)
       : mesh(data),
-        materials{rubbing(stiffens)},
-        sheet(patches, materials, energy::assign_materials(mesh, materials), options(kind)),
+        materials{rubbing(stiffens), rubbing(false)},
+        sheet(patches, materials, turns(stiffens), options(kind)),
         membrane(sheet),
         yarns(sheet) {
     energy::CurvatureBuilder builder(sheet);
@@ -66,6 +66,13 @@ struct Kernels {
     angles.locate(own, 0);
     curved.locate(own, 0);
     yarns.locate(own, 0);
+  }
+  /// With yarns every third triangle is of rubber.
+  [[nodiscard]] std::vector<int> turns(bool stiffens) {
+    if (stiffens) materials[1].rubber = {2.0, 1.0, {{3.0, 1.3}, {-1.0, -1.0}}};
+    std::vector<int> of;
+    for (Index t = 0; t < mesh.triangle_count(); ++t) of.push_back(stiffens && t % 3 == 1 ? 1 : 0);
+    return of;
   }
   static energy::Material rubbing(bool stiffens) {
     energy::Material m = isotropic(100.0, 0.3, 0.1);
