@@ -14,14 +14,16 @@ namespace voile::results {
 
 namespace {
 
-constexpr std::size_t anchor_numbers = 8;  // of each anchor
-constexpr std::size_t path_numbers = 5;    // of a path
+constexpr std::size_t anchor_numbers = 8;     // of each anchor
+constexpr std::size_t path_numbers = 5;       // of a path
+constexpr std::size_t stability_numbers = 4;  // of central differences
 
 /// The vectors of a checkpoint, const or not, under their names in the file.
 template <class C>
 auto vectors_of(C& c) {
   return std::array{std::pair{"displacement", &c.displacement}, std::pair{"velocity", &c.velocity},
-                    std::pair{"acceleration", &c.acceleration}, std::pair{"previous", &c.previous}};
+                    std::pair{"acceleration", &c.acceleration}, std::pair{"previous", &c.previous},
+                    std::pair{"stiffest_mode", &c.stiffest}};
 }
 
 /// Rest corners, empty where the positions are the rest shape.
@@ -96,6 +98,7 @@ void write_checkpoint(const std::filesystem::path& path, const Checkpoint& c, co
     file.number("/", "slips_count", static_cast<double>(c.slips.size()));
     file.dataset("slips", H5T_NATIVE_DOUBLE, 1, c.slips.size(), c.slips.data());
   }
+  if (!c.stability.empty()) file.dataset("stability", H5T_NATIVE_DOUBLE, 1, c.stability.size(), c.stability.data());
   if (!c.path.empty()) file.dataset("path", H5T_NATIVE_DOUBLE, 1, c.path.size(), c.path.data());
   file.number("/", "anchors_count", static_cast<double>(c.anchors.size()));
   file.finish();
@@ -208,6 +211,10 @@ Checkpoint read_unguarded(const std::filesystem::path& path, const mesh::Surface
   if (has(file, "passing"))
     c.passing = read_values(file, "passing", static_cast<std::size_t>(mesh.vertex_count()), path);
   if (has(file, "energy_balance")) c.energy_balance = read_balance(file, path);
+  if (has(file, "stability")) c.stability = read_values(file, "stability", stability_numbers, path);
+  for (const double number : c.stability)
+    if (!(number > 0.0 && std::isfinite(number) && c.stability[1] < 1e6 && c.stability[2] < 1e6))
+      fail_reading(path, "its memory of central differences makes no sense");
   if (has(file, "path")) c.path = read_values(file, "path", path_numbers, path);
   for (const double number : c.path)
     if (!std::isfinite(number) || std::abs(c.path[0]) > 1e9 || std::abs(c.path[3]) > 1e9)

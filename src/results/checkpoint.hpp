@@ -28,12 +28,20 @@ struct Checkpoint {
   std::vector<double> bodies{};                ///< unknowns of rigid bodies, see simulation/carry; empty: none
   std::vector<double> slips{};                 ///< see system::Potential::slips; empty: none
   std::vector<double> path{};                  ///< system::PathMemory; empty: none
+  std::vector<double> stability{};             ///< system::StabilityMemory; empty: none
+  std::vector<double> stiffest{};              ///< mode of its frequency; empty: none
   std::vector<double> couplings{};             ///< see system::Model::couplings
   int remeshings = 0;                          ///< that led to its mesh
   double too_long = 0.0, too_short = 0.0;      ///< what the last of them left, see system::Remeshings
   int remeshing_wait = 0, remeshing_step = 0;  ///< Remeshings::wait, next_step
   int positive_tangents = 0, factors_left = 0, wait = 0;  ///< see system::SolverMemory
 };
+
+/// Forgets what belongs to another mesh or step: the memory of central differences.
+inline void forget_stability(Checkpoint& c) {
+  c.stability.clear();
+  c.stiffest.clear();
+}
 
 /// Replaces the file in one step: a kill leaves the old or the new one. Not collective: root only. Throws UserError.
 void write_checkpoint(const std::filesystem::path& file, const Checkpoint& c, const mesh::SurfaceMesh& mesh);

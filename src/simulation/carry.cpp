@@ -61,6 +61,8 @@ results::Checkpoint gather(const system::State& s, const system::Model& model) {
   c.velocity = changes(s.v);
   c.acceleration = changes(s.a);
   c.previous = values(s.previous);
+  c.stiffest = changes(s.stiffest);
+  c.stability = system::numbers_of(s.stability);
   if (!model.dofs().motions().empty()) c.bodies = bodies_of(s, model.dofs());
   c.contact_gaps = s.contact.gaps;
   c.contact_start = s.contact.start;
@@ -91,6 +93,7 @@ system::State scatter(const results::Checkpoint& c, const system::Dofs& dofs) {
   s.anchors = system::anchors_of(c.anchors);
   s.balance = system::balance_of(c.energy_balance);
   s.path = system::path_of(c.path);
+  s.stability = system::stability_of(c.stability);
   s.remeshings = {c.remeshings, c.too_long, c.too_short, c.remeshing_wait, c.remeshing_step};
   s.solver = {c.positive_tangents, c.factors_left, c.wait};
   s.u = dofs.create_vector();
@@ -103,6 +106,7 @@ system::State scatter(const results::Checkpoint& c, const system::Dofs& dofs) {
   take(c.velocity, s.v);
   take(c.acceleration, s.a);
   take(c.previous, s.previous);
+  take(c.stiffest, s.stiffest);
   take_bodies(c, dofs, s);
   return s;
 }

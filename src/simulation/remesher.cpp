@@ -91,6 +91,7 @@ results::Checkpoint Remesher::carry_over(Epoch& epoch, const NewMesh& made) cons
   const system::Dofs& dofs = epoch.model().dofs();
   const mesh::SurfaceMesh& old_mesh = dofs.mesh();
   results::Checkpoint c = gather(epoch.state(), epoch.model());
+  results::forget_stability(c);
   mpi::on_root(dofs.comm(), [&] {
     const adapt::Remeshed& from = made.from;
     const auto carry = [&](std::vector<double>& field, Interpolation kind) {

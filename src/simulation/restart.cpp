@@ -74,6 +74,7 @@ void begin_anew(const input::Case& c, results::Checkpoint& s) {
     s.time = s.next_step = 0.0;
     s.positive_tangents = s.factors_left = s.wait = 0;
     s.acceleration.clear();
+    results::forget_stability(s);
     s.velocity.clear();
     s.energy_balance.clear();
   }
@@ -245,6 +246,7 @@ results::Checkpoint read_start(const input::Case& c, const record::RunOptions& o
   mpi::broadcast(options.comm, start.anchors);
   mpi::broadcast(options.comm, start.energy_balance);
   mpi::broadcast(options.comm, start.path);
+  mpi::broadcast(options.comm, start.stability);
   return start;
 }
 
@@ -255,6 +257,7 @@ void enter_stage(MPI_Comm comm, const input::Case& c, const mesh::SurfaceMesh& m
     state.positive_tangents = state.factors_left = state.wait = 0;
     state.next_step = 0.0;
     state.acceleration.clear();  // other supports and loads act
+    results::forget_stability(state);
     state.previous.clear();
     state.path.clear();
     state.energy_balance.clear();

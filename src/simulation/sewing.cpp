@@ -171,6 +171,7 @@ void weld_state(const Stage& stage, const std::vector<std::string>& seams, Mesh&
     state.displacement.assign(3 * data.positions.size(), 0.0);
     state.previous.clear();
   });
+  results::forget_stability(state);
   setup::broadcast_mesh(comm, data);
   mpi::broadcast(comm, target);
   merge_contact(target, data.positions.size(), state);

@@ -24,7 +24,7 @@ PetscErrorCode step(TS ts) {
   PetscBool accepted = PETSC_TRUE;
   PetscReal next = h;
   PetscFunctionBeginUser;
-  if (!c.has_acceleration || ts->steprestart)
+  if (!c.has_acceleration)
     PetscCall(c.callbacks.accelerate(c.callbacks.context, ts->ptime, ts->vec_sol, ts->vec_dot, c.a));
   PetscCall(VecAXPY(ts->vec_dot, 0.5 * h, c.a));
   PetscCall(VecAXPY(ts->vec_sol, h, ts->vec_dot));
@@ -99,6 +99,16 @@ void register_central_ts() {
 
 void set_central_callbacks(TS ts, const CentralCallbacks& callbacks) {
   data(ts).callbacks = callbacks;
+}
+
+void set_central_acceleration(TS ts, Vec a) {
+  VOILE_PETSC(TSSetUp(ts));
+  VOILE_PETSC(VecCopy(a, data(ts).a));
+  data(ts).has_acceleration = true;
+}
+
+Vec central_acceleration(TS ts) {
+  return data(ts).a;
 }
 
 }  // namespace voile::solve

@@ -23,5 +23,9 @@ struct CentralCallbacks {
 /// Makes the type known to PETSc; once per process is enough.
 void register_central_ts();
 void set_central_callbacks(TS ts, const CentralCallbacks& callbacks);
+/// A0 of the next step, copied; without it, it is found from X0 and V0, where V_h of the step before is not known. Collective.
+void set_central_acceleration(TS ts, Vec a);
+/// A1 of the last step, owned by the TS.
+[[nodiscard]] Vec central_acceleration(TS ts);
 
 }  // namespace voile::solve

@@ -65,14 +65,22 @@ void TimeIntegration::Impl::limit_explicit_step(double limit) {
   VOILE_PETSC(TSAdaptSetStepLimits(adapt, options.min_step * (1.0 - 1e-9), options.max_step));
 }
 
-void TimeIntegration::Impl::set_explicit_step(Vec u) {
+void TimeIntegration::Impl::set_explicit_step(const system::State& from) {
   double h = 0.0;
   VOILE_PETSC(TSGetTimeStep(ts, &h));
   stability.most = options.max_step;
   stability.least = options.min_step;
-  stability.frequency = largest_frequency(dynamics, u, stability.mode);
-  const double limit = 2.0 / stability.frequency;
-  stability.said = limit;
+  system::StabilityMemory& memory = stability.memory;
+  const double frequency = largest_frequency(dynamics, from.u, stability.mode);
+  // A restart continues with what the unbroken run knew, unless another case has made it wrong.
+  const bool known = from.stiffest && std::abs(frequency - from.stability.frequency) < 0.1 * frequency;
+  memory = known ? from.stability : system::StabilityMemory{};
+  if (known)
+    VOILE_PETSC(VecCopy(from.stiffest, stability.mode));
+  else
+    memory.frequency = frequency;
+  const double limit = 2.0 / memory.frequency;
+  if (!known) memory.said = limit;
   if (remark) remark(fmt::format("central differences: stability limit {:.4g} s", limit));
   limit_explicit_step(limit);
   if (h <= options.max_step) return;
@@ -80,21 +88,31 @@ void TimeIntegration::Impl::set_explicit_step(Vec u) {
   VOILE_PETSC(TSSetTimeStep(ts, options.max_step));
 }
 
-void TimeIntegration::Impl::follow_stability(Vec u, double time) {
-  if (--stability.left > 0) return;
+void TimeIntegration::Impl::keep_stability(system::State& state) {
+  const bool looked = follow_stability(state.u, state.time);
+  state.stability = stability.memory;
+  if (state.stiffest && !looked) return;
+  if (!state.stiffest) state.stiffest = model.dofs().create_vector();
+  VOILE_PETSC(VecCopy(stability.mode, state.stiffest));
+}
+
+/// Whether it was time to look.
+bool TimeIntegration::Impl::follow_stability(Vec u, double time) {
+  system::StabilityMemory& memory = stability.memory;
+  if (--memory.left > 0) return false;
   dynamics.set_time(time);
   const double frequency = largest_frequency(dynamics, u, stability.mode);
-  const double change = std::abs(frequency / std::exchange(stability.frequency, frequency) - 1.0);
-  stability.wait = change < small_change ? std::min(2 * stability.wait, longest_wait) : std::max(1, stability.wait / 2);
-  stability.left = stability.wait;
+  const double change = std::abs(frequency / std::exchange(memory.frequency, frequency) - 1.0);
+  memory.wait = change < small_change ? std::min(2 * memory.wait, longest_wait) : std::max(1, memory.wait / 2);
+  memory.left = memory.wait;
   const double limit = 2.0 / frequency;
-  if (!std::isfinite(limit)) return;
+  if (!std::isfinite(limit)) return true;
   limit_explicit_step(limit);
   double h = 0.0;
   VOILE_PETSC(TSGetTimeStep(ts, &h));
-  if (h <= options.max_step) return;
-  if (limit < worth_saying * stability.said) {
-    stability.said = limit;
+  if (h <= options.max_step) return true;
+  if (limit < worth_saying * memory.said) {
+    memory.said = limit;
     if (remark)
       remark(
           fmt::format("t = {:.6g} s: the sheet has become stiffer: stability limit {:.4g} s, step reduced to {:.4g} s",
@@ -102,6 +120,7 @@ void TimeIntegration::Impl::follow_stability(Vec u, double time) {
   }
   VOILE_PETSC(TSSetTimeStep(ts, options.max_step));
   wanted = std::min(wanted, options.max_step);
+  return true;
 }
 
 }  // namespace voile::solve

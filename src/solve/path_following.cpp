@@ -61,6 +61,9 @@ void PathFollower::Impl::begin(const system::State& state, StepResult& r) {
   if (options.control == Control::arc_length) unit = memory.unit > 0.0 ? memory.unit : tangent.speed;
   length = (state.next_step > 0.0 ? std::min(state.next_step, options.max_step) : options.initial_step) * unit;
   may_branch = options.at_critical_point == AtCriticalPoint::switch_branch && !memory.has_branched;
+  if (remark && !state.previous && options.final_displacement != 0.0 &&
+      (options.final_displacement - probed(accepted)) * probed(load_solution) < 0.0)
+    remark("the loads move control_probe away from final_displacement: load factors decrease at the start of the path");
   if (memory.rate == 0.0 || !state.previous) return;
   // Another mesh may have its critical point on the other side of the state.
   rate = std::copysign(1.0 / tangent.speed, dot(previous, load_solution));

@@ -108,7 +108,8 @@ void TimeIntegration::Impl::choose_method(const system::State& from) {
     if (dynamics.options().mass == system::Mass::consistent)
       throw UserError("the explicit method needs mass = \"lumped\"");
     set_central_callbacks(ts, {this, accelerate, enforce});
-    set_explicit_step(from.u);
+    if (from.a) set_central_acceleration(ts, from.a);
+    set_explicit_step(from);
     VOILE_PETSC(VecCopy(from.u, start));
     dynamics.start_step(from.u, from.v, options.step);
     return;
@@ -183,9 +184,9 @@ void TimeIntegration::Impl::accept(system::State& state, StepResult& r) {
   r.shortest = shortest;
   note_effort(r);
   r.newton.factorisations = r.factorisations;
+  if (!state.a) state.a = model.dofs().create_vector();
+  VOILE_PETSC(VecCopy(explicit_method ? central_acceleration(ts) : acceleration(ts), state.a));
   if (!explicit_method) {
-    if (!state.a) state.a = model.dofs().create_vector();
-    VOILE_PETSC(VecCopy(acceleration(ts), state.a));
     SNES snes = nullptr;
     VOILE_PETSC(TSGetSNES(ts, &snes));
     VOILE_PETSC(SNESGetIterationNumber(snes, &iterations));
@@ -193,7 +194,7 @@ void TimeIntegration::Impl::accept(system::State& state, StepResult& r) {
     r.newton.negative_pivots = linear.negative_pivots();
   }
   r.newton.iterations = r.newton_iterations = static_cast<int>(iterations);
-  if (explicit_method && !ended()) follow_stability(state.u, state.time);
+  if (explicit_method) keep_stability(state);
   // The size that was wanted, not what was left of it before the end.
   VOILE_PETSC(TSGetTimeStep(ts, &state.next_step));
   if (is_end(state.time)) state.time = until();
@@ -228,7 +229,7 @@ void TimeIntegration::Impl::fail(system::State& state, StepResult& r, TSConverge
     r.reason = fmt::format(
         "central differences have become unstable at t = {:.6g} s with steps of {:.3g} s, below the stability limit of "
         "{:.3g} s before it: the sheet stiffens within a step; give a smaller time.step, or method = \"alpha\"",
-        state.time, last_taken > 0.0 ? last_taken : options.max_step, 2.0 / stability.frequency);
+        state.time, last_taken > 0.0 ? last_taken : options.max_step, 2.0 / stability.memory.frequency);
     return;
   }
   r.reason = fmt::format("{} at t = {:.6g} s: no step of {:.3g} s or more succeeds", TSConvergedReasons[reason],

@@ -50,13 +50,11 @@ struct TimeIntegration::Impl {
     double rate = 0.0;
   } again;
   bool explicit_method = false;
-  /// Of central differences: bounds of the step that the case gives [s], the largest circular frequency [1/s] and its mode when last
-  /// looked for, steps to the next look and between two, the limit last printed [s].
+  /// Of central differences: bounds of the step that the case gives [s], what is remembered of the largest frequency, its mode.
   struct {
-    double most = 0.0, least = 0.0, frequency = 0.0;
+    double most = 0.0, least = 0.0;
+    system::StabilityMemory memory;
     petsc::VecHandle mode;
-    int left = 1, wait = 1;
-    double said = 0.0;
   } stability;
   /// Of the tangent in force: its state, owned by the TS, what stands before its velocity and acceleration, its kind.
   struct {
@@ -76,10 +74,11 @@ struct TimeIntegration::Impl {
   void choose_method(const system::State& from);
   void create_snes();
   void read_solver_choice();
-  void set_explicit_step(Vec u);
+  void set_explicit_step(const system::State& from);
   void limit_explicit_step(double limit);
   /// After an accepted step.
-  void follow_stability(Vec u, double time);
+  void keep_stability(system::State& state);
+  [[nodiscard]] bool follow_stability(Vec u, double time);
   void prepare_inexact(const system::SolverMemory& memory);
   [[nodiscard]] system::SolverMemory solver_memory() const;
   /// Assembles the tangent and prepares its solution; false if that failed.

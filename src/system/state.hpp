@@ -8,6 +8,7 @@
 // Theory: docs/theory/time-integration.md.
 #pragma once
 
+#include <cmath>
 #include <vector>
 
 #include "attachments.hpp"
@@ -32,6 +33,25 @@ struct SolverMemory {
   int factors_left = 0;       ///< tangents to be factored before iterations are tried again
   int wait = 0;               ///< how many they were at first; 0: iterations have not failed since they last worked
 };
+
+/// What central differences go by: the largest circular frequency when it was last looked for, steps to the next look and
+/// between two, the limit last printed.
+struct StabilityMemory {
+  double frequency = 0.0;  ///< [1/s]; 0: not known
+  int left = 1, wait = 1;
+  double said = 0.0;  ///< [s]
+};
+constexpr std::size_t stability_numbers = 4;
+/// Nothing where there is nothing to remember.
+[[nodiscard]] inline std::vector<double> numbers_of(const StabilityMemory& m) {
+  if (!(m.frequency > 0.0 && std::isfinite(m.frequency))) return {};
+  return {m.frequency, static_cast<double>(m.left), static_cast<double>(m.wait), m.said};
+}
+/// Nothing is remembered if there are no numbers.
+[[nodiscard]] inline StabilityMemory stability_of(const std::vector<double>& n) {
+  if (n.size() != stability_numbers) return {};
+  return {n[0], static_cast<int>(n[1]), static_cast<int>(n[2]), n[3]};
+}
 
 /// What a path goes by besides its last two states (solve/path_following.hpp); all of it outlives a mesh.
 struct PathMemory {
@@ -66,6 +86,8 @@ struct State {
   Remeshings remeshings = {};
   SolverMemory solver = {};
   PathMemory path = {};
+  StabilityMemory stability = {};
+  petsc::VecHandle stiffest;         ///< mode of stability.frequency; none: not known
   EnergyBalance balance = {};        ///< of a motion, where it is kept
   std::vector<Anchor> anchors = {};  ///< alike on all ranks
 };

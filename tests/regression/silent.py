@@ -87,6 +87,12 @@ def explicit_stiffening(report):
     case["output"] = {"every": 1000}
     result = solve("explicit_stiffening", case)
     report.check("has become stiffer" in result.text and result.history["time"][-1] == 0.4, f"{len(result.history['time'])} steps to the end")
+    for steps in (6, 40):
+        run(OUT / "explicit_stiffening.toml", fresh("explicit_part"), 1, ["-ts_max_steps", str(steps)])
+        again = run(OUT / "explicit_stiffening.toml", fresh("explicit_again"), 1, ["--restart", OUT / "explicit_part" / "checkpoint.h5"]).history
+        h = result.history
+        other = [name for name in h.names if name != "wall_seconds" and not np.array_equal(again[name][1:], h[name][steps + 1:], equal_nan=True)]
+        report.check(again["step"][0] == steps and not other, f"a restart at step {steps} is the unbroken run to the bit; other columns are {other}")
 
 
 @test
@@ -143,6 +149,16 @@ def said_differences(report):
     other = write_case(variant(case, {"units": {"time": "ms"}}), OUT / "said_units_of_time.toml")
     code, text = invoke(["run", other, "--output", OUT / "said_units_of_time", "--overwrite", "--restart", first.folder / "checkpoint.h5"])
     report.check(code == 2 and "its run had another [units]" in text, f"other units: code {code}: {text.strip()[-150:]}")
+
+
+@test
+def said_against(report):
+    """A path that has to begin against its loads, because they move the probe away from the end that is wanted, says so."""
+    for end, wanted in ((0.5, False), (-0.5, True)):
+        case = strip(nx=8, ny=1, steps={"control": "displacement", "control_probe": "up", "final_displacement": end},
+                     probe=[{"name": "up", "type": "displacement", "group": "tip", "components": ["z"]}])
+        done = solve("said_against", case)
+        report.check(("load factors decrease" in done.text) == wanted and done.history["load_factor"][-1] * end > 0, f"to {end}: load factor {done.history['load_factor'][-1]:.3g}")
 
 
 @test
