@@ -88,7 +88,11 @@ void OpenSeams::split(Index a, Index b, Index m, Index n) {
     seam.stations.push_back(station_between(seam, {low, e.other[0]}, {high, e.other[1]}, e.length));
   const double length =
       take(e.seam, low, e.other[0], 0.25 * e.length) + take(e.seam, high, e.other[1], 0.25 * e.length);
-  seam.pairs.push_back({m, n});
+  const auto is_pair = [&](Index first, Index second) {
+    return std::find(seam.pairs.begin(), seam.pairs.end(), Pair{first, second}) != seam.pairs.end();
+  };
+  const bool is_second = is_pair(e.other[0], low) || is_pair(e.other[1], high);
+  seam.pairs.push_back(is_second ? Pair{n, m} : Pair{m, n});
   seam.lengths.push_back(length);
 }
 

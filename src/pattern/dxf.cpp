@@ -83,12 +83,14 @@ class DxfReader {
     if (options_.nest_size.empty()) return blocks;
     std::vector<const DxfBlock*> found;
     std::vector<std::string> sizes;
+    bool any = false;
     for (const DxfBlock* b : blocks) {
       const std::string size = told(b->entities, "size:");
-      if (size == options_.nest_size) found.push_back(b);
+      any = any || size == options_.nest_size;
+      if (size == options_.nest_size || size.empty()) found.push_back(b);  // without one it is of all sizes
       if (!size.empty() && !contains(sizes, size)) sizes.push_back(size);
     }
-    if (found.empty())
+    if (!any)
       throw UserError(fmt::format("{}: nest_size = \"{}\": {}", name(), options_.nest_size,
                                   sizes.empty() ? "no block has a text 'Size:'; name blocks by the key pieces"
                                                 : "no block is of this size; there are " + join(sizes, ", ")));

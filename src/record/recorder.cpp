@@ -182,7 +182,7 @@ void Recorder::record(const system::State& state, const solve::StepResult& r, bo
   if (dynamics_) kinetic_.add(state.time, s.kinetic);
   write_history(state, r, s);
   if (has_folder()) write_step(state, r, s, whole);
-  seams_.add(case_, *model_, state);
+  if (r.taken > 0.0) seams_.add(case_, *model_, state);  // what strains the sheet at the start pulls no seam
   // Contact promises that there is none: one that is found is a fault of the program, and nothing after it counts.
   if (s.intersections > 0)
     throw InternalError(

@@ -284,9 +284,9 @@ std::vector<std::string> mesh_notes(const mesh::SurfaceMesh& mesh) {
   else if (c.places > 0 && mesh.data().seams.empty())
     notes.push_back(fmt::format(
         "{} vertices lie at {} places where others lie too (within {:.2g} m), from {} to {}: the surface is "
-        "slit there; if "
-        "that is not meant, set mesh.merge = true",
-        c.vertices, c.places, tolerance, place_text(c.low), place_text(c.high)));
+        "slit there; if that is not meant, {}",
+        c.vertices, c.places, tolerance, place_text(c.low), place_text(c.high),
+        mesh.has_charts() ? "place the panels apart, or sew them" : "set mesh.merge = true"));
   if (mesh.data().seams.empty() && !mesh.has_charts())
     if (const HangingVertices h = find_hanging(mesh.data(), tolerance); h.count > 0)
       notes.push_back(fmt::format(

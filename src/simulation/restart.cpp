@@ -11,6 +11,7 @@
 #include "input/case_differences.hpp"
 #include "remesher.hpp"
 #include "results/stored_step.hpp"
+#include "setup/group_names.hpp"
 #include "setup/mesh_transfer.hpp"
 #include "voile/errors.hpp"
 
@@ -192,7 +193,8 @@ std::shared_ptr<const mesh::SurfaceMesh> mesh_of_start(const input::Case& c, con
     if (!data.triangles.empty()) rename_probes(c, *first, data);
   });
   setup::broadcast_mesh(options.comm, data);
-  return data.triangles.empty() ? first : std::make_shared<const mesh::SurfaceMesh>(std::move(data));
+  if (data.triangles.empty()) return first;
+  return std::make_shared<const mesh::SurfaceMesh>(setup::with_group_unions(c, mesh::SurfaceMesh(std::move(data))));
 }
 
 results::Checkpoint read_start(const input::Case& c, const record::RunOptions& options, const mesh::SurfaceMesh& mesh,

@@ -109,6 +109,9 @@ std::string too_wide(const input::Case& c, const mesh::SurfaceMesh& mesh, const 
 std::string force_text(const input::Case& c, const system::Model& model, double time) {
   const system::SewingSprings* springs = model.potential().sewing();
   if (springs == nullptr) return "";
+  if (springs->zipped_at() > time)
+    return fmt::format("; a zipper is closed at t = {:.3g} s: give the stage more time, or the seam more zip_speed",
+                       springs->zipped_at());
   const double force = springs->largest_force(time);
   return fmt::format("; seams were pulled with up to {:.3g} N/m, which stretches the softest material by {:.2g} %: {}",
                      force, 100.0 * force / setup::softest_membrane(c),

@@ -5,9 +5,12 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <string_view>
 
 #include "base/interrupt.hpp"
 #include "base/mpi.hpp"
+#include "linear/inertia.hpp"
+#include "linear/linear_solver.hpp"
 #include "linear/low_rank_solution.hpp"
 #include "voile/errors.hpp"
 
@@ -34,6 +37,9 @@ void use_mumps(EPS eps, bool symmetric) {
   PetscBool given = PETSC_FALSE;
   VOILE_PETSC(PetscOptionsHasName(nullptr, nullptr, "-st_mat_mumps_icntl_14", &given));
   if (!given) VOILE_PETSC(PetscOptionsSetValue(nullptr, "-st_mat_mumps_icntl_14", "100"));
+  // Without the root that ScaLAPACK factors, negative pivots are counted.
+  VOILE_PETSC(PetscOptionsHasName(nullptr, nullptr, "-st_mat_mumps_icntl_13", &given));
+  if (!given) VOILE_PETSC(PetscOptionsSetValue(nullptr, "-st_mat_mumps_icntl_13", "1"));
 }
 
 /// Diagonal matrix of the lumped mass, zero where the displacement is fixed.
@@ -167,6 +173,65 @@ petsc::MatHandle load_stiffness(system::Model& model, Vec a, Vec load_solution) 
   return difference;
 }
 
+/// By which a target below zero falls until no eigenvalue is below it.
+constexpr double target_factor = 2.0;
+
+/// How many eigenvalues are below the target of a spectral transformation that has factored there; 0 if that is not known.
+long found_below(EPS eps) {
+  ST st = nullptr;
+  KSP ksp = nullptr;
+  PC pc = nullptr;
+  Mat factor = nullptr;
+  PetscBool inverts = PETSC_FALSE, symmetric = PETSC_FALSE;
+  VOILE_PETSC(EPSGetST(eps, &st));
+  VOILE_PETSC(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(st), STSINVERT, &inverts));
+  VOILE_PETSC(STGetKSP(st, &ksp));
+  VOILE_PETSC(KSPGetPC(ksp, &pc));
+  VOILE_PETSC(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(pc), PCCHOLESKY, &symmetric));
+  if (!inverts || !symmetric) return 0;
+  MatSolverType solver = nullptr;
+  VOILE_PETSC(PCFactorGetMatSolverType(pc, &solver));
+  if (!solver || std::string_view(solver) != MATSOLVERMUMPS) return 0;
+  VOILE_PETSC(PCFactorGetMatrix(pc, &factor));
+  PetscInt count = 0;
+  VOILE_PETSC(MatMumpsGetInfog(factor, linear::mumps_negative_pivots, &count));
+  return count;
+}
+
+/// How many eigenvalues are below `target`, by Sylvester's law; 0 if the factorisation fails. Collective.
+long negative_below(const system::Model& model, Mat mass, double target) {
+  petsc::MatHandle shifted;
+  VOILE_PETSC(MatDuplicate(model.tangent().matrix(), MAT_COPY_VALUES, shifted.out()));
+  VOILE_PETSC(MatAXPY(shifted, -target, mass, SUBSET_NONZERO_PATTERN));
+  return std::max(0L, linear::inertia_of(shifted).negative);
+}
+
+/// The modes nearest to `target`, ascending, and how many are below it.
+EigenResult modes_from(const system::Model& model, Mat mass, int count, double target, long& below) {
+  EigenResult result;
+  const EpsHandle eps = create(model, model.tangent().matrix(), mass, count);
+  ST st = nullptr;
+  VOILE_PETSC(EPSGetST(eps, &st));
+  VOILE_PETSC(STSetType(st, STSINVERT));
+  VOILE_PETSC(EPSSetTarget(eps, target));
+  VOILE_PETSC(EPSSetWhichEigenpairs(eps, EPS_TARGET_MAGNITUDE));
+  VOILE_PETSC(EPSSetFromOptions(eps));
+  result.asked_for = wanted(eps);
+  GasSolution gas{model, {}};
+  if (!model.tangent().change().empty()) {
+    KSP ksp = nullptr;
+    VOILE_PETSC(STGetKSP(st, &ksp));
+    VOILE_PETSC(KSPSetPostSolve(ksp, GasSolution::complete, &gas));
+  }
+  result.modes = solve(eps, model, result.asked_for);
+  below = found_below(eps);
+  if (!model.tangent().change().empty())
+    for (Mode& mode : result.modes) mode.residual = residual_with_gas(model, mass, mode);
+  std::stable_sort(result.modes.begin(), result.modes.end(),
+                   [](const Mode& x, const Mode& y) { return x.eigenvalue < y.eigenvalue; });
+  return result;
+}
+
 }  // namespace
 
 MassMatrix::MassMatrix(system::Model& model, Vec a, Mass kind) {
@@ -192,29 +257,19 @@ EigenResult vibration_modes(system::Model& model, Vec a, int count, Mass kind) {
 }
 
 EigenResult vibration_modes(system::Model& model, Vec a, int count, Mat mass) {
-  EigenResult result;
   model.assemble_tangent(a, {.kind = energy::Tangent::exact});
-  const EpsHandle eps = create(model, model.tangent().matrix(), mass, count);
-  ST st = nullptr;
-  VOILE_PETSC(EPSGetST(eps, &st));
-  VOILE_PETSC(STSetType(st, STSINVERT));
-  VOILE_PETSC(EPSSetTarget(eps, -small_shift(model)));
-  VOILE_PETSC(EPSSetWhichEigenpairs(eps, EPS_TARGET_MAGNITUDE));
-  VOILE_PETSC(EPSSetFromOptions(eps));
-  result.asked_for = wanted(eps);
-  GasSolution gas{model, {}};
-  if (!model.tangent().change().empty()) {
-    KSP ksp = nullptr;
-    VOILE_PETSC(STGetKSP(st, &ksp));
-    VOILE_PETSC(KSPSetPostSolve(ksp, GasSolution::complete, &gas));
+  double target = -small_shift(model);
+  long below = 0;
+  EigenResult result = modes_from(model, mass, count, target, below);
+  if (below > 0) {
+    // An unstable state: what is nearest to zero is not lowest.
+    const double lowest = result.modes.empty() ? target : std::min(target, result.modes.front().eigenvalue);
+    for (target = lowest; below > 0; target *= target_factor)
+      below = negative_below(model, mass, target_factor * target);
+    result = modes_from(model, mass, count, target, below);
   }
-  result.modes = solve(eps, model, result.asked_for);
-  if (!model.tangent().change().empty())
-    for (Mode& mode : result.modes) mode.residual = residual_with_gas(model, mass, mode);
   for (Mode& mode : result.modes)
     mode.value = std::copysign(std::sqrt(std::abs(mode.eigenvalue)), mode.eigenvalue) / (2.0 * std::numbers::pi);
-  std::stable_sort(result.modes.begin(), result.modes.end(),
-                   [](const Mode& x, const Mode& y) { return x.value < y.value; });
   return result;
 }
 

@@ -8,7 +8,8 @@
 //             smallest mu > 0 up; solved as -K' phi = (1/mu) K phi, so that only K is factored. K' is a central
 //             difference, exact but for round-off where K is quadratic in a (membrane) or constant (bending of a flat
 //             rest shape).
-// About an unstable state vibration finds the modes nearest to omega^2 = 0, not the most negative ones.
+// About an unstable state the target of the spectral transformation falls until no eigenvalue is below it (Sylvester); with loads
+// that follow without a potential, the modes nearest to omega^2 = 0 are found.
 // Fixed components are left out: zero rows in M and K'.
 // Options of SLEPc's EPS and ST work as users know them: -eps_nev, -eps_tol, -eps_monitor, -eps_view, -st_type ...
 // Theory: docs/theory/path-following.md, modes.

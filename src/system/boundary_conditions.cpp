@@ -54,6 +54,14 @@ void add_line_load(const mesh::SurfaceMesh& mesh, const Load& load, const AddFor
   }
 }
 
+/// Which vertices a load of gravity acts on: of its group, all without one.
+std::vector<char> vertices_under(const mesh::SurfaceMesh& mesh, const Load& load) {
+  std::vector<char> under(static_cast<std::size_t>(mesh.vertex_count()), load.group.empty() ? 1 : 0);
+  if (!load.group.empty())
+    for (const Index v : mesh.group(load.group).vertices) under[v] = 1;
+  return under;
+}
+
 /// Weight without mass is a mistake that a run would answer with silence.
 void check_gravity(const Discretisation& on, const Load& load) {
   for (Index t : loaded_triangles(on.mesh(), load))
@@ -309,9 +317,10 @@ void BoundaryConditions::build_loads(const std::vector<Load>& loads, const std::
     }
     if (load.kind == Load::Kind::gravity) {
       if (masses.empty()) check_gravity(*on_, load);
+      const std::vector<char> weighs = vertices_under(on_->mesh(), load);
       for (const PointMass& m : masses)
-        if (load.group.empty() || load.group == m.group)
-          for (Index v : on_->mesh().group(m.group).vertices) add(v, m.mass * load.vector);
+        for (Index v : on_->mesh().group(m.group).vertices)
+          if (weighs[v]) add(v, m.mass * load.vector);
     }
     spread(*on_, load, add);
   }

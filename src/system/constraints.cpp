@@ -74,8 +74,19 @@ Vec3 symmetry_normal(const mesh::SurfaceMesh& mesh, const mesh::Group& group,
   const double largest = inertia.values[2];
   if (inertia.values[1] > 1e-10 * largest) {
     if (inertia.values[0] > 1e-10 * largest)
-      throw UserError(name_of(support) + ": the group's vertices do not lie in a plane; give the plane's `normal`");
-    return inertia.vectors.col(0);
+      throw UserError(name_of(support) +
+                      ": the group's vertices do not lie in a plane; write a [[support]] for each plane, or give "
+                      "the `normal` of the one plane");
+    const Vec3 normal = inertia.vectors.col(0);
+    // A mirror plane crosses the sheet.
+    constexpr double along_sheet = 0.7;
+    if (std::all_of(sides.begin(), sides.end(), [&](const mesh::MirrorSide& m) {
+          return std::abs(normal.dot(mesh.start_normal(m.triangle))) > along_sheet;
+        }))
+      throw UserError(name_of(support) +
+                      ": its edges run in several directions of a flat sheet; write a [[support]] for each straight "
+                      "edge");
+    return normal;
   }
   Vec3 normal = Vec3::Zero();
   for (const mesh::MirrorSide& m : sides) {

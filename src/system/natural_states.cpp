@@ -34,6 +34,11 @@ std::string name_of(const Temperature& t) {
 void require_expansion(const Temperature& t, const energy::Material& m) {
   const std::string material = m.groups.empty() ? std::string("the material of all other triangles")
                                                 : "that of group '" + m.groups.front() + "'";
+  if (!m.expands && m.rubber.any())
+    throw UserError(
+        fmt::format("{}: the [[material]] there, {}, is rubber, which has no expansion; name the other groups "
+                    "in [[temperature]] `group`",
+                    name_of(t), material));
   if (!m.expands)
     throw UserError(
         fmt::format("{}: the [[material]] there, {}, has no expansion; give it `expansion` (or `expansion_1` and "

@@ -33,6 +33,8 @@ class SewingSprings {
   [[nodiscard]] double largest_force(double time) const;
   /// Whether it rises from that time on.
   [[nodiscard]] bool rises(double time) const { return largest_force(time) < sewing_.most_force; }
+  /// When the last slider of a zipper gets to its end; 0: there is none. [s]
+  [[nodiscard]] double zipped_at() const { return zipped_after_ > 0.0 ? sewing_.start + zipped_after_ : 0.0; }
 
  private:
   struct Spring {

@@ -162,6 +162,46 @@ def said_against(report):
 
 
 @test
+def said_lowest_modes(report):
+    """Modes about an unstable state are the lowest, not those nearest to zero; there are as many negative ones as negative pivots."""
+    stiffness, n = 7e10 * 1e-6 / 12 / 0.91, 20
+    force = 5 * 4 * math.pi**2 * stiffness
+    case = {"analysis": "modal", "mesh": {"file": str(ROOT / "meshes" / "plate.geo"), "parameters": {"side": 1, "n": n}},
+            "material": [{"type": "isotropic", "young": 7e10, "poisson": 0.3, "thickness": 1e-2, "density": 2700.0}],
+            "support": [{"type": "displacement", "group": ["left", "right", "top", "bottom"], "components": ["z"]},
+                        {"type": "displacement", "group": "centre", "components": ["x", "y"]}, {"type": "displacement", "group": "right", "components": ["y"]}],
+            "load": [{"type": "line", "group": side, "vector": [sign * force, 0, 0]} for side, sign in (("left", 1), ("right", -1))]}
+    exact = sorted((stiffness * math.pi**4 * (i * i + k * k)**2 - force * math.pi**2 * i * i) / 27 for i in range(1, 9) for k in range(1, 9))
+    for ranks, count in ((1, 1), (2, 8)):
+        done = solve("said_lowest", case | {"eigen": {"modes": count, "load_factor": 1.0}}, ranks)
+        values = np.loadtxt(done.folder / "modes.csv", delimiter=",", skiprows=1, ndmin=2)[:, 2]
+        report.percent(values[0] / exact[0], 0.2, f"{count} mode(s) on {ranks} rank(s): the lowest eigenvalue, {values[0]:.4g} 1/s^2")
+        if count == 8:
+            report.check(sum(values < 0) == sum(np.array(exact) < 0) == done.history["negative_pivots"][-1], f"{sum(values < 0)} are negative")
+
+
+@test
+def said_mirrors(report):
+    """Edges of a flat sheet that run in two directions have no mirror plane; a mass weighs where gravity acts on its vertex; a restarted mesh has the lists of groups."""
+    plate = {"analysis": "linear", "mesh": {"file": str(ROOT / "meshes" / "plate.geo"), "parameters": {"side": 0.5, "n": 4}},
+             "material": [{"type": "isotropic", "young": 7e10, "poisson": 0.3, "thickness": 5e-3, "density": 2700.0}],
+             "support": [{"type": "clamped", "group": "right"}, {"type": "symmetry", "group": ["left", "bottom"]}],
+             "load": [{"type": "pressure", "magnitude": 100.0}], "output": {"fields": ["displacement"]}}
+    code, text = invoke(["run", write_case(plate, OUT / "said_mirrors.toml"), "--output", OUT / "said_mirrors", "--overwrite"])
+    report.check(code == 2 and "write a [[support]] for each straight edge" in text, f"two edges in one mirror: code {code}, {text.strip()[-160:]}")
+    heavy = variant(plate, {"support": [{"type": "clamped", "group": "right"}], "mass": [{"group": "centre", "mass": 1.0}],
+                            "load": [{"type": "gravity", "group": "plate", "vector": [0, 0, -10.0]}], "output": {},
+                            "probe": [{"name": "hold", "type": "reaction", "group": "right", "components": ["z"]}]})
+    report.near(solve("said_weight", heavy).history["hold_z"][-1], 10 * (1 + 0.25 * 5e-3 * 2700), 1e-6, "weight of sheet and mass [N]")
+    case = strip(nx=8, remesh={"angle": 5.0, "smallest": 0.1, "largest": 1.0})
+    whole = solve("said_remeshed", case)
+    more = write_case(variant(case, {"support.0.group": ["clamp"], "steps.final_load_factor": 1.1,
+                                     "probe": [{"name": "ends", "type": "reaction", "group": ["tip", "clamp"]}]}), OUT / "said_listed.toml")
+    again = run(more, fresh("said_listed"), 1, ["--restart", whole.folder / "results.vtkhdf"])
+    report.check(again.code == 0, f"a list of groups on a remeshed mesh: code {again.code}" + again.text[-300:] * (again.code != 0))
+
+
+@test
 def said_created(report):
     """Energy that one step creates is reported although later steps have taken more than that."""
     case = {"analysis": "dynamic", "mesh": {"file": str(ROOT / "meshes" / "plate.geo"), "parameters": {"side": 0.3, "n": 12}},
