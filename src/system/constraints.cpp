@@ -77,7 +77,7 @@ Vec3 symmetry_normal(const mesh::SurfaceMesh& mesh, const mesh::Group& group,
       throw UserError(name_of(support) +
                       ": the group's vertices do not lie in a plane; write a [[support]] for each plane, or give "
                       "the `normal` of the one plane");
-    const Vec3 normal = inertia.vectors.col(0);
+    Vec3 normal = inertia.vectors.col(0);
     // A mirror plane crosses the sheet.
     constexpr double along_sheet = 0.7;
     if (std::all_of(sides.begin(), sides.end(), [&](const mesh::MirrorSide& m) {
