@@ -72,7 +72,8 @@ garment_marks garment_tube ranks linear_course turned_clamp corrected_restart da
 frames_clock garment_restart remesh_outlook remesh_ahead remesh_mistakes placement remesh_critical_points remesh_tip
 garment_seam_bending garment_holes remesh_background garment_tight attachment attachment_remesh examples templates
 remesh_by_error remesh_on_slope contact_cylinder contact_untangle attachment_stages unsymmetric_laminate
-harmonic_methods tutorial_drape harmonic_mistakes rigid_motion""".split()
+harmonic_methods tutorial_drape harmonic_mistakes rigid_motion gas_breathing remeshed_on_one_mesh garment_hostile impossible_names
+stiffness_jumps drape_test rubber_drum zipper""".split()
 
 
 def in_turn(names, day):
