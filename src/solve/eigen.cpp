@@ -175,6 +175,7 @@ petsc::MatHandle load_stiffness(system::Model& model, Vec a, Vec load_solution) 
 
 /// By which a target below zero falls until no eigenvalue is below it.
 constexpr double target_factor = 2.0;
+constexpr int most_targets = 100;
 
 /// How many eigenvalues are below the target of a spectral transformation that has factored there; 0 if that is not known.
 long found_below(EPS eps) {
@@ -198,12 +199,12 @@ long found_below(EPS eps) {
   return count;
 }
 
-/// How many eigenvalues are below `target`, by Sylvester's law; 0 if the factorisation fails. Collective.
+/// How many eigenvalues are below `target`, by Sylvester's law; -1 if the factorisation fails. Collective.
 long negative_below(const system::Model& model, Mat mass, double target) {
   petsc::MatHandle shifted;
   VOILE_PETSC(MatDuplicate(model.tangent().matrix(), MAT_COPY_VALUES, shifted.out()));
   VOILE_PETSC(MatAXPY(shifted, -target, mass, SUBSET_NONZERO_PATTERN));
-  return std::max(0L, linear::inertia_of(shifted).negative);
+  return linear::inertia_of(shifted).negative;
 }
 
 /// The modes nearest to `target`, ascending, and how many are below it.
@@ -264,8 +265,8 @@ EigenResult vibration_modes(system::Model& model, Vec a, int count, Mat mass) {
   if (below > 0) {
     // An unstable state: what is nearest to zero is not lowest.
     const double lowest = result.modes.empty() ? target : std::min(target, result.modes.front().eigenvalue);
-    for (target = lowest; below > 0; target *= target_factor)
-      below = negative_below(model, mass, target_factor * target);
+    target = lowest;
+    for (int k = 0; below != 0 && k < most_targets; ++k) below = negative_below(model, mass, target *= target_factor);
     result = modes_from(model, mass, count, target, below);
   }
   for (Mode& mode : result.modes)

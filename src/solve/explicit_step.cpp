@@ -102,6 +102,7 @@ bool TimeIntegration::Impl::follow_stability(Vec u, double time) {
   if (--memory.left > 0) return false;
   dynamics.set_time(time);
   const double frequency = largest_frequency(dynamics, u, stability.mode);
+  memory.left = 1;
   if (!std::isfinite(frequency)) return false;  // the motion is lost; what was known tells why
   const double change = std::abs(frequency / std::exchange(memory.frequency, frequency) - 1.0);
   memory.wait = change < small_change ? std::min(2 * memory.wait, longest_wait) : std::max(1, memory.wait / 2);

@@ -20,15 +20,6 @@ using pattern::Sense;
 
 namespace {
 
-SeamRequest seam(std::vector<std::string> edges, std::vector<std::string> to, std::vector<std::string> meet = {}) {
-  SeamRequest r;
-  r.where = "test";
-  r.edges = std::move(edges);
-  r.to = std::move(to);
-  r.meet = std::move(meet);
-  return r;
-}
-
 std::string refusal_of(const std::vector<Panel>& panels, const std::vector<SeamRequest>& seams) {
   try {
     (void)pattern::make_garment(panels, seams);

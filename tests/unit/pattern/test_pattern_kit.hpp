@@ -55,4 +55,15 @@ inline pattern::Panel rectangle(const std::string& name, double width, double he
   return p;
 }
 
+/// Edges of pieces on others.
+inline pattern::SeamRequest seam(std::vector<std::string> edges, std::vector<std::string> to,
+                                 std::vector<std::string> meet = {}) {
+  pattern::SeamRequest r;
+  r.where = "test";
+  r.edges = std::move(edges);
+  r.to = std::move(to);
+  r.meet = std::move(meet);
+  return r;
+}
+
 }  // namespace voile::testing

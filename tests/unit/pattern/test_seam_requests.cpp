@@ -15,15 +15,6 @@ using pattern::SeamRequest;
 
 namespace {
 
-SeamRequest seam(std::vector<std::string> edges, std::vector<std::string> to, std::vector<std::string> meet = {}) {
-  SeamRequest r;
-  r.where = "test";
-  r.edges = std::move(edges);
-  r.to = std::move(to);
-  r.meet = std::move(meet);
-  return r;
-}
-
 Panel moved(Panel p, const Vec3& shift) {
   p.shift = shift;
   return p;
