@@ -1,6 +1,7 @@
 #include "loads.hpp"
 
 #include <Eigen/Geometry>
+#include <utility>
 
 #include "base/cross_matrix.hpp"
 
@@ -16,17 +17,20 @@ std::array<Mat3, 3> area_vector_derivative(const Vec3& x0, const Vec3& x1, const
 
 }  // namespace
 
-void FollowerTerm::add_pressure(const std::array<Index, 3>& points, double pressure, int factor, bool owned) {
-  elements_.push_back({points, pressure, false, owned, factor});
+void FollowerTerm::add_pressure(const std::array<Index, 3>& points, double pressure, int factor, bool owned,
+                                Bulge bulge) {
+  if (bulge.points.empty()) bulge.points.assign(points.begin(), points.end());
+  elements_.push_back({std::move(bulge), pressure, false, owned, factor});
 }
 
 void FollowerTerm::add_moment(const std::array<Index, 3>& points, double moment, double rest_length, int factor,
                               bool owned) {
-  elements_.push_back({points, moment * rest_length, true, owned, factor});
+  elements_.push_back({{{points.begin(), points.end()}, {}}, moment * rest_length, true, owned, factor});
 }
 
 std::array<Vec3, 3> FollowerTerm::force(const Element& el, const Configuration& c) const {
-  const Vec3 &x0 = c.x[el.points[0]], &x1 = c.x[el.points[1]], &x2 = c.x[el.points[2]];
+  const auto x = el.positions(c);
+  const Vec3 &x0 = x(0), &x1 = x(1), &x2 = x(2);
   const Vec3 e = x1 - x0, m = e.cross(x2 - x0);
   if (!el.is_moment) {
     const Vec3 f = scaled(el) / 6.0 * m;
@@ -38,7 +42,8 @@ std::array<Vec3, 3> FollowerTerm::force(const Element& el, const Configuration& 
 }
 
 void FollowerTerm::stiffness(const Element& el, const Configuration& c, std::array<std::array<Mat3, 3>, 3>& k) const {
-  const Vec3 &x0 = c.x[el.points[0]], &x1 = c.x[el.points[1]], &x2 = c.x[el.points[2]];
+  const auto x = el.positions(c);
+  const Vec3 &x0 = x(0), &x1 = x(1), &x2 = x(2);
   const std::array<Mat3, 3> dm = area_vector_derivative(x0, x1, x2);
   if (!el.is_moment) {
     for (int i = 0; i < 3; ++i)

@@ -1,7 +1,8 @@
 // Follower loads: forces that turn with the sheet. They have no potential in general, so they offer a force and its
 // full, unsymmetric stiffness instead of an energy. Signs: the emitted "gradient" is minus the force, as for an energy.
 //
-// Follower pressure p on triangle (x0, x1, x2):   f_i = p/6 (x1-x0) x (x2-x0) on each vertex
+// Follower pressure p on triangle (x0, x1, x2):   f_i = p/6 (x1-x0) x (x2-x0) on each vertex, and p dV/dx_i of what it
+//   encloses beyond its plane (bulge.hpp)
 // Follower edge moment M per rest length on the boundary side (a, b) with interior vertex c, rest length L0:
 //   m = (b-a) x (c-a),   w = M L0 |b-a|/|m| (couple M L0 over the altitude),   n = m/|m|,   alpha foot of c on (a, b)
 //   f_c = -w n,   f_a = (1-alpha) w n,   f_b = alpha w n
@@ -12,15 +13,16 @@
 #include <array>
 #include <vector>
 
+#include "bulge.hpp"
 #include "term.hpp"
 
 namespace voile::energy {
 
-/// Triangles under follower pressure or boundary triangles under a follower moment; stencils of three local points.
+/// Triangles under follower pressure or boundary triangles under a follower moment; the first three points are theirs.
 class FollowerTerm {
  public:
-  /// Pressure [Pa] at load factor 1 on the triangle with these local points.
-  void add_pressure(const std::array<Index, 3>& points, double pressure, int factor, bool owned);
+  /// Pressure [Pa] at load factor 1 on the triangle with these local points; `bulge` in local points, or plane.
+  void add_pressure(const std::array<Index, 3>& points, double pressure, int factor, bool owned, Bulge bulge = {});
   /// Moment per rest length [N] on side (points[0], points[1]) with interior vertex points[2].
   void add_moment(const std::array<Index, 3>& points, double moment, double rest_length, int factor, bool owned);
   /// Factors by number: 0 the load factor, 1 that of constant loads, more with a history of their own.
@@ -33,34 +35,42 @@ class FollowerTerm {
   void set_factor(int number, double value) { factors_[static_cast<std::size_t>(number)] = value; }
 
   [[nodiscard]] Index size() const { return static_cast<Index>(elements_.size()); }
-  [[nodiscard]] const Index* stencil(Index e) const { return elements_[e].points.data(); }
-  [[nodiscard]] int stencil_size(Index) const { return 3; }
+  [[nodiscard]] const Index* stencil(Index e) const { return elements_[e].bulge.points.data(); }
+  [[nodiscard]] int stencil_size(Index e) const { return elements_[e].bulge.size(); }
   [[nodiscard]] bool owned(Index e) const { return elements_[e].owned; }
 
   template <class Emit>
   void gradient(Index e, const Configuration& c, Emit&& emit) const {
-    const std::array<Vec3, 3> f = force(elements_[e], c);
+    const Element& el = elements_[e];
+    const std::array<Vec3, 3> f = force(el, c);
     for (int i = 0; i < 3; ++i) emit(i, Vec3(-f[i]));
+    if (el.bulges())
+      el.bulge.gradient(el.positions(c), [&](int i, const Vec3& area) { emit(i, Vec3(-scaled(el) * area)); });
   }
   template <class Emit>
   void hessian(Index e, const Configuration& c, Emit&& emit) const {
+    const Element& el = elements_[e];
     std::array<std::array<Mat3, 3>, 3> k;
-    stiffness(elements_[e], c, k);
-    for (int i = 0; i < 3; ++i)
-      for (int j = 0; j < 3; ++j) emit(i, j, Mat3(-k[i][j]));
+    stiffness(el, c, k);
+    if (!el.bulges()) return el.bulge.pairs([&](int i, int j) { emit(i, j, Mat3(-k[i][j])); });
+    el.bulge.hessian(el.positions(c), [&](int i, int j, const Mat3& second) {
+      const Mat3 beyond = -scaled(el) * second;
+      emit(i, j, i < 3 && j < 3 ? Mat3(beyond - k[i][j]) : beyond);
+    });
   }
   template <class Emit>
-  void blocks(Index, Emit&& emit) const {
-    for (int i = 0; i < 3; ++i)
-      for (int j = 0; j < 3; ++j) emit(i, j);
+  void blocks(Index e, Emit&& emit) const {
+    elements_[e].bulge.pairs(emit);
   }
 
  private:
   struct Element {
-    std::array<Index, 3> points;
+    Bulge bulge;   ///< without weights: three points alone
     double value;  ///< pressure, or moment times rest length
     bool is_moment, owned;
     int factor;
+    [[nodiscard]] bool bulges() const { return !bulge.weights.empty(); }
+    [[nodiscard]] PointsOf positions(const Configuration& c) const { return {c.x, bulge.points.data()}; }
   };
   [[nodiscard]] double scaled(const Element& el) const {
     return factors_[static_cast<std::size_t>(el.factor)] * el.value;

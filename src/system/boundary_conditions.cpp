@@ -355,10 +355,13 @@ void BoundaryConditions::add_follower(const Load& load) {
            on_->has_rows_of({of[p[0]], of[p[1]], of[p[2]]});
   };
   if (load.kind == Load::Kind::follower_pressure) {
-    for (Index t : loaded_triangles(mesh, load)) {
-      const auto points = local(mesh.triangles()[t]);
-      if (evaluated(points))
-        followers_->kernel.add_pressure(points, load.magnitude * factor_at(mesh, load, t), factor, on_->owns(t));
+    std::vector<char> loaded(static_cast<std::size_t>(mesh.triangle_count()));
+    for (const Index t : loaded_triangles(mesh, load)) loaded[t] = 1;
+    for (std::size_t k = 0; k < on_->elements().size(); ++k) {
+      const auto& [t, corners, owned] = on_->elements()[k];
+      if (!loaded[t]) continue;
+      followers_->kernel.add_pressure(corners, load.magnitude * factor_at(mesh, load, t), factor, owned,
+                                      on_->bulge(k, mesh.triangles()[t]));
     }
     return;
   }

@@ -7,6 +7,7 @@
 #include <map>
 
 #include "base/mpi.hpp"
+#include "energy/bulge.hpp"
 #include "energy/curvature.hpp"
 #include "energy/joint.hpp"
 #include "energy/membrane.hpp"
@@ -108,6 +109,12 @@ double Discretisation::mean_area() const {
 }
 
 Discretisation::~Discretisation() = default;
+
+energy::Bulge Discretisation::bulge(std::size_t k, const mesh::Triangle& corners) const {
+  energy::Bulge bulge = energy::make_bulge(*sheet_, elements_[k].triangle, corners, curvatures_.at(k));
+  for (Index& p : bulge.points) p = dofs_->local().local_of[p];
+  return bulge;
+}
 
 std::vector<energy::CurvatureOperator> Discretisation::take_curvatures() {
   return std::move(curvatures_);

@@ -14,6 +14,7 @@
 #include "seam_rules.hpp"
 
 namespace voile::energy {
+struct Bulge;
 class CurvatureBuilder;
 struct CurvatureOperator;
 struct JointElement;
@@ -87,6 +88,8 @@ class Discretisation {
   [[nodiscard]] double mean_area() const;
   /// Turns the mirror points of clamps: the rotation of each support, by number. Not collective.
   void turn_mirrors(const std::vector<Mat3>& rotation) { dofs_->turn_mirrors(rotation); }
+  /// What elements()[k] encloses beyond its plane, its corners in this order, in local points. Before take_curvatures().
+  [[nodiscard]] energy::Bulge bulge(std::size_t k, const mesh::Triangle& corners) const;
   /// Gives away the curvature operators of elements(), which only the construction of a model needs.
   [[nodiscard]] std::vector<energy::CurvatureOperator> take_curvatures();
   /// Joints of sheets whose springs this rank evaluates, and which of them it counts.

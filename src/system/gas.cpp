@@ -31,7 +31,6 @@ Gas::Gas(const Discretisation& on, const Load& load)
       added_(load.added_volume),
       term_(std::make_unique<ElementTerm<energy::VolumeTerm>>()) {
   const GasSurface surface = gas_surface(on.mesh(), load);
-  start_ = surface.volume;
   origin_ = surface.origin;
   term_->kernel.set_origin(origin_);
   const LocalPoints& local = on.dofs().local();
@@ -40,10 +39,15 @@ Gas::Gas(const Discretisation& on, const Load& load)
     return std::any_of(vertices.begin(), vertices.end(), [&](Index v) { return on.owned(v) != no_index; }) ||
            on.has_rows_of(vertices);
   };
-  for (const GasSurface::Face& f : surface.faces)
-    if (evaluated({f.vertices.begin(), f.vertices.end()}))
-      term_->kernel.add({local.local_of[f.vertices[0]], local.local_of[f.vertices[1]], local.local_of[f.vertices[2]]},
-                        on.owns(f.triangle));
+  std::vector<const GasSurface::Face*> face_of(static_cast<std::size_t>(on.mesh().triangle_count()));
+  for (const GasSurface::Face& f : surface.faces) face_of[f.triangle] = &f;
+  for (std::size_t k = 0; k < on.elements().size(); ++k) {
+    const auto& [triangle, corners, owned] = on.elements()[k];
+    const GasSurface::Face* f = face_of[triangle];
+    if (!f) continue;
+    term_->kernel.add({local.local_of[f->vertices[0]], local.local_of[f->vertices[1]], local.local_of[f->vertices[2]]},
+                      owned, on.bulge(k, f->vertices));
+  }
   for (const GasSurface::Rim& r : surface.rims) {
     Rim rim;
     rim.count = static_cast<double>(r.vertices.size());
@@ -60,6 +64,9 @@ Gas::Gas(const Discretisation& on, const Load& load)
     }
     rims_.push_back(std::move(rim));
   }
+  energy::Configuration start;
+  start.x = local.start.data();
+  start_ = volume(start);
 }
 
 Gas::~Gas() = default;

@@ -29,16 +29,16 @@ def rubber_strip(report):
 @test
 def rubber_drum(report):
     """A disc inflated past its limit point to three times its length at the pole, against shooting."""
-    for law, limit in (("neo_hookean", 0.006), ("mooney_rivlin", 0.006)):
+    for law, limit in (("neo_hookean", 0.002), ("mooney_rivlin", 0.002)):
         exact = disc(LAWS[law][1], 3.0)
-        result = solve(f"rubber_drum_{law}", drum(law, element={"type": "six_node"}))
+        result = solve(f"rubber_drum_{law}", drum(law))
         report.percent(result.history["load_factor"][-1], limit, f"{law}: pressure {exact['pressure']:.5g} Pa at the height {exact['height']:.4g} m")
         report.near(result.results[-1]["principal_stretch"][:, 0].max(), 3.0, 0.06, f"{law}: largest stretch")
         report.check("warning" not in result.text, f"{law}: no warning")
     example = solve("rubber_example", load_case(ROOT / "runs" / "balloon" / "case.toml"))
     pole = brentq(lambda pole: disc(Law(TRELOAR["mu"], TRELOAR["alpha"], 5e-4), pole, 0.1)["height"] - 0.25, 3, 6)
     report.near(example.results[-1]["principal_stretch"][:, 0].max(), pole, 0.1, "example: largest stretch")
-    report.near(peak(example.history)[1], 4.04, 0.02, "example: largest pressure in kPa")
+    report.near(peak(example.history)[1], 4.0115, 0.01, "example: largest pressure in kPa, by shooting 4.0115")
     report.check("warning" not in example.text, "example: no warning")
 
 

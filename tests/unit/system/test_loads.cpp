@@ -3,8 +3,10 @@
 
 #include <Eigen/Geometry>
 #include <map>
+#include <numbers>
 
 #include "solve/load_path.hpp"
+#include "system/gas.hpp"
 #include "test_following.hpp"
 #include "test_model_kit.hpp"
 #include "test_relative.hpp"
@@ -200,13 +202,16 @@ TEST_CASE("pressure in a closed surface: no resultant, the work of the volume, a
   std::vector<Vec3> x = mesh.positions();
   for (Index v = 0; v < mesh.vertex_count(); ++v) x[v] += noise(0.05, 9)(v);
   const std::vector<Vec3> f = applied(model, a, 1.0);
-  double size = 0.0, virial = 0.0, volume = 0.0;
+  double size = 0.0, virial = 0.0;
   for (std::size_t i = 0; i < x.size(); ++i) {
     size += f[i].norm();
     virial += f[i].dot(x[i]);
   }
-  for (const mesh::Triangle& t : mesh.triangles()) volume += x[t[0]].dot(x[t[1]].cross(x[t[2]])) / 6.0;
-  CHECK(volume == relative(4.0).epsilon(0.05));  // 4/3 pi less the facets
+  system::Load gas = load(LoadKind::gas, "", 1.0);
+  gas.exponent = 1.0;
+  const system::Model full(PETSC_COMM_WORLD, mesh, free_sheet({gas}));
+  const double volume = full.conditions().gases()[0].at(model.potential().configuration(a)).volume;
+  CHECK(volume == relative(4.2).epsilon(0.05));
   CHECK(size > 30.0);
   CHECK(sum(f).norm() < 1e-13 * size);
   CHECK(moment(x, f).norm() < 1e-13 * size);
@@ -214,6 +219,22 @@ TEST_CASE("pressure in a closed surface: no resultant, the work of the volume, a
   CHECK(virial == relative(3.0 * p * volume).epsilon(1e-12));
   model.conditions().set_load_factor(1.0);
   CHECK(asymmetry(model, a) < 1e-13);
+}
+
+TEST_CASE("what pressure acts on encloses the volume of a sphere to the fourth order") {
+  std::vector<double> errors;
+  for (const int levels : {2, 3, 4}) {
+    const mesh::SurfaceMesh mesh(sphere(levels));
+    system::Model model(PETSC_COMM_WORLD, mesh, free_sheet({load(LoadKind::follower_pressure, "", 1.0)}));
+    petsc::VecHandle a = model.dofs().create_vector();
+    const std::vector<Vec3> f = applied(model, a, 1.0);
+    double virial = 0.0;
+    for (std::size_t i = 0; i < f.size(); ++i) virial += f[i].dot(mesh.positions()[i]);
+    errors.push_back(std::abs(virial / (4.0 * std::numbers::pi) - 1.0));
+  }
+  CHECK(errors[0] < 0.01);
+  CHECK(errors[1] < errors[0] / 10.0);
+  CHECK(errors[2] < errors[1] / 10.0);
 }
 
 TEST_CASE("pressure on an open surface has an unsymmetric stiffness") {
