@@ -42,6 +42,11 @@ class SeamTerm : public PairTerm<SeamElement> {
     const double s = excess(el, between(e, c).norm()) * el.stiffness / el.force;
     return el.force * el.force / el.stiffness * s * s / (1.0 + std::sqrt(1.0 + s * s));
   }
+  /// dW/de [N]
+  [[nodiscard]] double force(Index e, const Configuration& c) const {
+    const double l = between(e, c).norm();
+    return across(elements_[e], l) * l;
+  }
   template <class Emit>
   void gradient(Index e, const Configuration& c, Emit&& emit) const {
     const SeamElement& el = elements_[e];

@@ -9,6 +9,7 @@
 #include "base/text.hpp"
 #include "mesh/weld.hpp"
 #include "system/seam_tension.hpp"
+#include "system/sewing_springs.hpp"
 #include "voile/errors.hpp"
 
 namespace voile::record {
@@ -52,16 +53,21 @@ void SeamReport::add(const input::Case& c, system::Model& model, const system::S
   if (sewn.empty()) return;
   const std::vector<double> u = model.dofs().gather(state.u);
   const system::TriangleFields fields = model.potential().triangle_fields(state.u);
+  const system::SewingSprings* springs = model.potential().sewing();
+  if (!springs) return;
+  const auto pulls = springs->pulls(model.potential().configuration(state.u));
   if (u.empty()) return;  // not rank 0
   const std::vector<Vec3> x = places_of(mesh, u);
-  for (const std::string& name : sewn) {
+  for (const auto& [name, held, most_held] : pulls) {
     if (!mesh.has_group(mesh::seam_group(name))) continue;
     const mesh::Group& line = mesh.group(mesh::seam_group(name), 1);
     const system::SeamTension now =
         system::seam_tension(model.discretisation().sheet(), line, fields.membrane_force, x);
     Pull& most = pulls_[name];
-    most.largest = std::max(most.largest, now.largest);
-    if (now.mean > most.mean) most.mean = now.mean, most.time = state.time;
+    most.largest = std::max(most.largest, std::min(now.largest, most_held));
+    const double mean = std::min(now.mean, held);
+    most.last = now.mean;
+    if (mean > most.mean) most.mean = mean, most.time = state.time;
   }
 }
 
@@ -76,8 +82,9 @@ std::vector<SeamMeasure> SeamReport::measure(const input::Case& c, const system:
     const auto known = pulls_.find(name);
     const Pull pull = known == pulls_.end() ? Pull{} : known->second;
     const mesh::SeamGap widest = mesh::widest_gap(mesh.data(), {name}, x);
-    SeamMeasure m{name,        mesh::side_lengths(mesh, name), pull.mean, pull.largest, pull.time, widest.gap, {},
-                  widest.place};
+    SeamMeasure m{
+        name,        mesh::side_lengths(mesh, name), pull.mean, pull.largest, pull.time, pull.last, widest.gap, {},
+        widest.place};
     const std::map<Index, std::string> edges = edges_along(mesh, name);
     for (std::size_t side = 0; side < 2; ++side)
       if (const auto at = edges.find(widest.pair[side]); at != edges.end()) m.edges[side] = at->second;
@@ -90,11 +97,12 @@ std::vector<SeamMeasure> SeamReport::measure(const input::Case& c, const system:
 void write_seams(const std::filesystem::path& folder, const std::vector<SeamMeasure>& seams) {
   const std::filesystem::path file = folder / "seams.csv";
   std::ofstream out(file);
-  out << "seam,length_1,length_2,ease_percent,mean_pull,largest_pull,time_of_pull,gap,edge_1,edge_2,gap_x,gap_y,gap_"
+  out << "seam,length_1,length_2,ease_percent,mean_pull,largest_pull,time_of_pull,pull_at_end,gap,edge_1,edge_2,gap_x,"
+         "gap_y,gap_"
          "z\n";
   for (const SeamMeasure& s : seams)
-    out << fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{}\n", csv_name(s.name), s.lengths[0], s.lengths[1],
-                       s.ease(), s.mean_pull, s.largest_pull, s.pulled_at, s.gap, csv_name(s.edges[0]),
+    out << fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", csv_name(s.name), s.lengths[0], s.lengths[1],
+                       s.ease(), s.mean_pull, s.largest_pull, s.pulled_at, s.pull_at_end, s.gap, csv_name(s.edges[0]),
                        csv_name(s.edges[1]), s.place[0], s.place[1], s.place[2]);
   out << std::flush;
   if (!out) throw UserError(fmt::format("{}: cannot be written", file.string()));
@@ -104,10 +112,10 @@ std::vector<std::string> seam_lines(const std::vector<SeamMeasure>& seams) {
   std::vector<std::string> lines;
   for (std::size_t k = 0; k < std::min(listed, seams.size()); ++k) {
     const SeamMeasure& s = seams[k];
-    lines.push_back(
-        fmt::format("seam '{}': {:.4g} m to {:.4g} m ({:+.1f} %), pulled with up to {:.3g} N/m in the mean, {:.2g} mm "
-                    "open between {} and {}",
-                    s.name, s.lengths[0], s.lengths[1], s.ease(), s.mean_pull, 1e3 * s.gap, s.edges[0], s.edges[1]));
+    lines.push_back(fmt::format(
+        "seam '{}': {:.4g} m to {:.4g} m ({:+.1f} %), pulled with up to {:.3g} N/m in the mean, at the end "
+        "with {:.3g} N/m, {:.2g} mm open between {} and {}",
+        s.name, s.lengths[0], s.lengths[1], s.ease(), s.mean_pull, s.pull_at_end, 1e3 * s.gap, s.edges[0], s.edges[1]));
   }
   return lines;
 }

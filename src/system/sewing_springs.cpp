@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <utility>
 
+#include "base/mpi.hpp"
 #include "base/wildcard.hpp"
 #include "discretisation.hpp"
 #include "energy/seam.hpp"
@@ -35,7 +37,7 @@ double zip_speed(const Sewing& sewing, const std::string& seam) {
 }  // namespace
 
 SewingSprings::SewingSprings(const Discretisation& on, Sewing sewing, energy::SeamTerm& term)
-    : sewing_(std::move(sewing)), term_(&term) {
+    : on_(&on), sewing_(std::move(sewing)), term_(&term) {
   const LocalPoints& local = on.dofs().local();
   const mesh::SurfaceMesh& mesh = on.mesh();
   const std::vector<std::string> sewn = mesh::open_seams(mesh.data(), sewing_.seams);
@@ -45,6 +47,7 @@ SewingSprings::SewingSprings(const Discretisation& on, Sewing sewing, energy::Se
     const bool is_gathered = std::find(gathered.begin(), gathered.end(), seam.name) != gathered.end();
     gathers_ = gathers_ || is_gathered;
     const double slider = seam.stations.empty() ? 0.0 : zip_speed(sewing_, seam.name);
+    seams_.push_back({seam.name, std::accumulate(seam.lengths.begin(), seam.lengths.end(), 0.0)});
     for (std::size_t k = 0; k < seam.pairs.size(); ++k) {
       const auto& [v, w] = seam.pairs[k];
       const double length = (mesh.positions()[w] - mesh.positions()[v]).norm();
@@ -52,8 +55,8 @@ SewingSprings::SewingSprings(const Discretisation& on, Sewing sewing, energy::Se
       const double delay = slider > 0.0 ? seam.stations[k] / slider : 0.0;
       if (slider > 0.0) zipped_after_ = std::max(zipped_after_, delay + length / sewing_.speed);
       if (on.owned(v) == no_index && on.owned(w) == no_index) continue;
-      springs_.push_back(
-          {length, sewing_.stiffness * seam.lengths[k], seam.lengths[k], is_gathered && slider == 0.0, delay});
+      springs_.push_back({length, sewing_.stiffness * seam.lengths[k], seam.lengths[k], is_gathered && slider == 0.0,
+                          delay, seams_.size() - 1});
       term.add({local.local_of[v], local.local_of[w]}, springs_.back().stiffness, sewing_.force * seam.lengths[k],
                length, on.owned(v) != no_index);
     }
@@ -78,6 +81,22 @@ double SewingSprings::drawn_in(double time) const {
 double SewingSprings::largest_force(double time) const {
   const double since = std::max(0.0, time - sewing_.start - closing_time());
   return std::max(sewing_.force, std::min(sewing_.most_force, sewing_.force * std::exp2(since / force_doubling_time)));
+}
+
+std::vector<SewingSprings::Pull> SewingSprings::pulls(const energy::Configuration& c) const {
+  std::vector<double> sums(seams_.size()), largest(seams_.size());
+  for (std::size_t e = 0; e < springs_.size(); ++e) {
+    const auto element = static_cast<Index>(e);
+    const double force = term_->force(element, c), part = springs_[e].part;
+    if (term_->owned(element)) sums[springs_[e].seam] += force;
+    if (part > 0.0) largest[springs_[e].seam] = std::max(largest[springs_[e].seam], force / part);
+  }
+  mpi::sum(on_->comm(), sums);
+  std::vector<Pull> pulls;
+  for (std::size_t s = 0; s < seams_.size(); ++s)
+    pulls.push_back(
+        {seams_[s].name, seams_[s].length > 0.0 ? sums[s] / seams_[s].length : 0.0, mpi::max(on_->comm(), largest[s])});
+  return pulls;
 }
 
 void SewingSprings::tighten(double time) {

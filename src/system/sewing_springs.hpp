@@ -8,12 +8,14 @@
 // Theory: docs/theory/contact.md, sewing.
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "conditions.hpp"
 
 namespace voile::energy {
 class SeamTerm;
+struct Configuration;
 }  // namespace voile::energy
 
 namespace voile::system {
@@ -33,6 +35,12 @@ class SewingSprings {
   [[nodiscard]] double largest_force(double time) const;
   /// Whether it rises from that time on.
   [[nodiscard]] bool rises(double time) const { return largest_force(time) < sewing_.most_force; }
+  /// Force per length with which the springs of each seam pull in this state: mean along it and largest [N/m]. Collective.
+  struct Pull {
+    std::string seam;
+    double mean, largest;
+  };
+  [[nodiscard]] std::vector<Pull> pulls(const energy::Configuration& c) const;
   /// When the last slider of a zipper gets to its end; 0: there is none. [s]
   [[nodiscard]] double zipped_at() const { return zipped_after_ > 0.0 ? sewing_.start + zipped_after_ : 0.0; }
 
@@ -42,14 +50,21 @@ class SewingSprings {
     double part;               ///< l_k
     bool gathered;
     double delay = 0.0;  ///< until a slider has come to it [s]
+    std::size_t seam = 0;
   };
   /// Until gathers are drawn in, and until no spring has a length any more. [s]
   [[nodiscard]] double drawing_time() const;
   [[nodiscard]] double closing_time() const;
 
+  const Discretisation* on_;
   Sewing sewing_;
   energy::SeamTerm* term_;
-  std::vector<Spring> springs_;    ///< of its elements
+  std::vector<Spring> springs_;  ///< of its elements
+  struct Seam {
+    std::string name;
+    double length;  ///< [m]
+  };
+  std::vector<Seam> seams_;        ///< the same on every rank
   bool gathers_ = false;           ///< whether any seam is gathered; the same on every rank
   double zipped_after_ = 0.0;      ///< time that sliders take [s]
   double longest_distance_ = 0.0;  ///< of points that are sewn together, at the start [m]

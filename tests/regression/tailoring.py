@@ -41,6 +41,7 @@ def seam_report(report):
         report.check(sorted(seams) == ["side a", "side b"], f"{what}: {sorted(seams)}")
         a, b = seams["side a"], seams["side b"]
         report.percent(float(a["mean_pull"]) / force, 0.03, f"{what}: pull, {force:.2f} N/m")
+        report.percent(float(a["pull_at_end"]) / force, 0.03, f"{what}: and at the end")
         report.near(float(a["ease_percent"]), 0, 1e-9, f"{what}: no ease")
         report.near(float(b["ease_percent"]), 100 / 9, 1e-9, f"{what}: ease [%]")
         report.near(float(b["length_2"]), 0.9 * WIDTH, 1e-12, f"{what}: length [m]")
