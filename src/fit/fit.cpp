@@ -65,7 +65,7 @@ bool depends(const Measurement& m, const Values& base, Parameter p) {
 /// Heights of heart loops hardly change far from the rigidity that they belong to.
 void start_from_loops(Problem& p) {
   for (const Measurement& m : p.measurements) {
-    if (m.instrument.kind != Kind::heart_loop || m.instrument.direction == Direction::bias) continue;
+    if (m.instrument.kind != Kind::heart_loop) continue;
     const double length = m.instrument.length > 0.0 ? m.instrument.length : at(p.base, Parameter::loop_length);
     at(p.base, m.instrument.direction == Direction::warp ? Parameter::bending_warp : Parameter::bending_weft) =
         gravity * at(p.base, Parameter::areal_density) * std::pow(length, 3) / heart_load(m.figure.mean / length);

@@ -94,6 +94,7 @@ Rung heavier(Rung from, double load) {
 }  // namespace
 
 double heart_height(double load) {
+  if (std::isnan(load)) return load;  // a fit that is lost says so itself
   if (load > greatest_load) return 0.5 - (0.5 - heart_height(greatest_load)) * std::cbrt(greatest_load / load);
   // Found once, so that a load has one height to the last bit.
   static thread_local std::vector<Rung> ladder{heavier({}, 1.0)};

@@ -39,7 +39,7 @@ std::vector<Column> declared() {
       {"", "thickness", {length}, "", {{"", of(P::thickness)}}},
       {"", "bending_length", length_of_fast, "", with_bias(Kind::bending_length)},
       {"", "overhang", {length}, "", with_bias(Kind::overhang)},
-      {"", "heart_loop", {length}, "", with_bias(Kind::heart_loop)},
+      {"", "heart_loop", {length}, "", both(Kind::heart_loop)},
       {"",
        "bending_rigidity",
        {bending_rigidity},

@@ -58,6 +58,8 @@ TEST_CASE("a heart loop and an overhang give rigidities, with the uncertainty of
   CHECK(has(fit_error(head + "[heart_loop]\nlength = \"200 mm\"\nwarp = \"20 mm\"\n"),
             "sheet.toml:5: heart_loop.warp: the loop is 0.1 of the strip high"));
   CHECK(has(fit_error(head + "[heart_loop]\nlength = \"200 mm\"\nwarp = \"95 mm\"\n"), "a shorter strip"));
+  CHECK(has(fit_error(head + "[heart_loop]\nlength = \"200 mm\"\nbias = \"60 mm\"\n"), "unknown name 'bias'"));
+  CHECK(std::isnan(fit::heart_height(std::nan(""))));
 }
 
 TEST_CASE("a loop that does not follow the law says so") {
