@@ -22,10 +22,10 @@ _voile() {
     reference) options="--schema --help" ;;
     doctor) options="--help" ;;
     init) options="--from --example --list --drape --garment --shell --modal --help" ;;
-    drape-test) options="--specimen --repeats --method --elastic --no-mesh-check --cell --jobs --output --overwrite --quiet --help" ;;
+    drape-test) options="--specimen --repeats --method --elastic --equilibria --folds --no-mesh-check --cell --jobs --output --overwrite --quiet --help" ;;
     fabric-test) options="--output --overwrite --help" ;;
     fit) options="--output --overwrite --repeats --method --cell --jobs --quiet --help" ;;
-    render) options="--steps --output --animation --rate --frames --stage --mode --size --quality --threads --field --range --scale --partition --panels --contours --mesh --creases --title --view --eye --target --up --no-stamp --no-ground --no-obstacles --palette --quiet --help" ;;
+    render) options="--steps --output --animation --rate --frames --stage --mode --size --quality --threads --field --range --scale --partition --panels --contours --seams --mesh --creases --title --view --eye --target --up --no-stamp --no-ground --no-obstacles --palette --quiet --help" ;;
     view) options="--steps --stage --field --output --rate --no-obstacles --quiet --help" ;;
     sheet) options="--columns --output --palette --quiet --help" ;;
     plot) options="--x --y --curve --dashed --points --labels --x-label --y-label --x-range --y-range --log --equal --legend --title --output --size --quiet --help" ;;

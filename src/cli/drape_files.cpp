@@ -25,12 +25,6 @@ constexpr double plate_speed = 0.03, plate_beyond = 0.005, rest_time = 1.5;
 /// Root mean square over the mass below which a specimen is at rest [m/s].
 constexpr double rest_speed = 1e-3;
 
-void write(const fs::path& file, const std::string& text) {
-  std::ofstream out(file);
-  out << text;
-  if (!out.flush()) throw UserError(fmt::format("{}: cannot be written", file.string()));
-}
-
 double radius_of(const DrapeSetting& s) {
   return 0.5e-3 * s.test.specimen;
 }
@@ -141,7 +135,7 @@ void write_contour(const fs::path& file, const DrapeRepeat& r) {
     const Vec3 p = 1e3 * r.edge[i % r.edge.size()];
     table += fmt::format("{:.4f},{:.4f},{:.4f},{:.4f}\n", p.x(), p.y(), p.z(), std::hypot(p.x(), p.y()));
   }
-  write(file, table);
+  write_drape_file(file, table);
 }
 
 void write_circles(const DrapeSetting& s, const fs::path& file) {
@@ -151,22 +145,32 @@ void write_circles(const DrapeSetting& s, const fs::path& file) {
     table += fmt::format("{:.4f},{:.4f},{:.4f},{:.4f}\n", in * std::cos(a), in * std::sin(a), out * std::cos(a),
                          out * std::sin(a));
   }
-  write(file, table);
+  write_drape_file(file, table);
 }
 
 }  // namespace
 
-void write_drape_case(const DrapeSetting& s, const DrapeRepeat& r) {
-  const bool plate = s.test.method == DrapeTest::Method::plate;
+void write_drape_file(const fs::path& file, const std::string& text) {
+  std::ofstream out(file);
+  out << text;
+  if (!out.flush()) throw UserError(fmt::format("{}: cannot be written", file.string()));
+}
+
+std::string specimen_text(const DrapeSetting& s, const DrapeRepeat& r, bool friction) {
   std::error_code error;
   fs::create_directories(r.folder, error);
   if (error) throw UserError(fmt::format("{}: the folder cannot be made ({})", r.folder.string(), error.message()));
-  write(r.folder / "specimen.geo", fmt::format(geometry, r.x, r.y, radius_of(s), r.cell));
+  write_drape_file(r.folder / "specimen.geo", fmt::format(geometry, r.x, r.y, radius_of(s), r.cell));
+  return fmt::format(common, toml_text(s.fabric_file.string()), r.warp, friction ? "friction" : "damping");
+}
+
+void write_drape_case(const DrapeSetting& s, const DrapeRepeat& r) {
+  const bool plate = s.test.method == DrapeTest::Method::plate;
   std::string text = fmt::format("title = \"Drape test\"\nanalysis = \"{}\"\n\n", plate ? "dynamic" : "static");
-  text += fmt::format(common, toml_text(s.fabric_file.string()), r.warp, s.friction ? "friction" : "damping");
+  text += specimen_text(s, r, s.friction);
   const double way = radius_of(s) - drape_support_radius + plate_beyond;
   text += plate ? fmt::format(lowered, plate_speed, way / plate_speed + rest_time) : growing;
-  write(r.folder / "case.toml", text + "\n[output]\nevery = 1000\nfields = [\"displacement\"]\n");
+  write_drape_file(r.folder / "case.toml", text + "\n[output]\nevery = 1000\nfields = [\"displacement\"]\n");
 }
 
 void read_drape_result(const DrapeSetting& s, DrapeRepeat& r) {
@@ -179,7 +183,10 @@ void read_drape_result(const DrapeSetting& s, DrapeRepeat& r) {
   const double area = std::numbers::pi * (std::pow(radius_of(s), 2) - std::pow(drape_support_radius, 2));
   const double kinetic = summary.contains("motion") ? summary["motion"].value("last", 0.0) : 0.0;
   r.at_rest = std::sqrt(2.0 * kinetic / (s.fabric.areal_density * area)) < rest_speed;
-  const fs::path file = results / "results.vtkhdf";
+  read_drape_shape(s, results / "results.vtkhdf", r);
+}
+
+void read_drape_shape(const DrapeSetting& s, const fs::path& file, DrapeRepeat& r) {
   const mesh::SurfaceMesh mesh(results::read_step_mesh(file, -1));
   const results::StoredStep step = results::read_step(file, -1, mesh);
   std::vector<Vec3> places = mesh.positions();
@@ -202,7 +209,7 @@ Spread coefficient_of(const std::vector<DrapeRepeat>& repeats) {
 }
 
 void write_drape_results(const DrapeSetting& s, const std::vector<DrapeRepeat>& repeats,
-                         const std::optional<DrapeRepeat>& finer) {
+                         const std::optional<DrapeRepeat>& finer, const std::vector<DrapeEquilibrium>& equilibria) {
   const fs::path& folder = s.test.output;
   const std::string circles =
       "circles.csv";  // tables are named in the folder: a colon in its path would end their names
@@ -239,7 +246,8 @@ void write_drape_results(const DrapeSetting& s, const std::vector<DrapeRepeat>& 
     summary["finer"] = json_of(*finer);
     summary["finer"]["cell_mm"] = 1e3 * finer->cell;
   }
-  write(folder / "summary.json", summary.dump(2) + "\n");
+  if (!equilibria.empty()) summary["equilibria"] = write_equilibria(folder / "equilibria.csv", equilibria);
+  write_drape_file(folder / "summary.json", summary.dump(2) + "\n");
   if (counts.empty()) return;
   for (const char* ring : {"support", "specimen"})
     plot.insert(plot.end(), {"--dashed", fmt::format("{}:{}_x:{}_y:{}", circles, ring, ring, ring)});

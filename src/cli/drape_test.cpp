@@ -1,23 +1,16 @@
 #include "drape_test.hpp"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <spawn.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
-#include <atomic>
 #include <cmath>
-#include <csignal>
-#include <map>
 #include <numbers>
-#include <thread>
 
 #include "base/plain_file.hpp"
 #include "base/shipped_files.hpp"
 #include "base/text.hpp"
+#include "drape_equilibria.hpp"
 #include "drape_files.hpp"
 #include "launched_ranks.hpp"
 
@@ -57,25 +50,6 @@ void require_folder(const DrapeTest& test) {
                                 error ? " (" + error.message() + ")" : ""));
 }
 
-/// Starts `voile run` of a repeat; what it prints goes to run.log.
-pid_t start(const DrapeRepeat& r) {
-  const std::string program = program_of_ours("voile").string(), log = (r.folder / "run.log").string();
-  std::vector<std::string> words{
-      program, "run", (r.folder / "case.toml").string(), "--output", (r.folder / "results").string(), "--overwrite"};
-  std::vector<char*> arguments;
-  for (std::string& word : words) arguments.push_back(word.data());
-  arguments.push_back(nullptr);
-  posix_spawn_file_actions_t actions;
-  posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, log.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);
-  posix_spawn_file_actions_adddup2(&actions, STDOUT_FILENO, STDERR_FILENO);
-  pid_t pid = 0;
-  const int error = posix_spawn(&pid, program.c_str(), &actions, nullptr, arguments.data(), environ);
-  posix_spawn_file_actions_destroy(&actions);
-  if (error != 0) throw UserError(fmt::format("{}: the program cannot be started", program));
-  return pid;
-}
-
 void print_repeat(const DrapeSetting& s, const DrapeRepeat& r) {
   if (s.test.quiet) return;
   const std::string text =
@@ -89,21 +63,6 @@ void print_repeat(const DrapeSetting& s, const DrapeRepeat& r) {
                1e3 * amplitude, r.cpu_seconds, r.at_rest ? "" : "  still moves");
   }
   std::fflush(stdout);
-}
-
-/// Runs that are going on: a signal ends them too, and no other one begins.
-std::array<std::atomic<pid_t>, 128> children{};
-std::atomic<bool> stopped{false};
-
-void note_child(pid_t from, pid_t to) {
-  for (std::atomic<pid_t>& child : children)
-    if (pid_t was = from; child.compare_exchange_strong(was, to)) return;
-}
-
-void end_children(int) {
-  stopped = true;
-  for (const std::atomic<pid_t>& child : children)
-    if (const pid_t pid = child.load(); pid > 0) (void)kill(pid, SIGTERM);
 }
 
 void print_head(const DrapeSetting& s) {
@@ -165,34 +124,17 @@ DrapeSetting drape_setting(const DrapeTest& test) {
   return s;
 }
 
-Exit stopped_by_signal() {
-  fmt::print(stderr, "voile: stopped by a signal\n");
-  return Exit::not_converged;
-}
-
 void run_drape_repeats(const DrapeSetting& s, std::vector<DrapeRepeat>& repeats) {
-  const int cores = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
-  const auto most = static_cast<std::size_t>(s.test.jobs > 0 ? s.test.jobs : cores);
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) (void)std::signal(signal, end_children);
-  std::map<pid_t, std::size_t> running;
-  for (std::size_t next = 0; (next < repeats.size() && !stopped) || !running.empty();) {
-    if (next < repeats.size() && !stopped && running.size() < most) {
-      write_drape_case(s, repeats[next]);
-      note_child(0, running.emplace(start(repeats[next]), next).first->first);
-      ++next;
-      continue;
-    }
-    int status = 0;
-    const pid_t pid = waitpid(-1, &status, 0);
-    const auto ended = running.find(pid);
-    if (ended == running.end()) continue;
-    note_child(pid, 0);
-    DrapeRepeat& r = repeats[ended->second];
-    if (WIFEXITED(status) && WEXITSTATUS(status) == 0) read_drape_result(s, r);
-    if (!stopped) print_repeat(s, r);
-    running.erase(ended);
-  }
-  if (stopped) throw StoppedBySignal{};
+  std::vector<CaseJob> jobs;
+  for (DrapeRepeat& r : repeats)
+    jobs.push_back({r.folder,
+                    {},
+                    [&s, &r] { write_drape_case(s, r); },
+                    [&s, &r](bool success) {
+                      if (success) read_drape_result(s, r);
+                      print_repeat(s, r);
+                    }});
+  run_side_by_side(jobs, s.test.jobs);
 }
 
 std::vector<DrapeRepeat> drape_repeats(int count) {
@@ -230,8 +172,12 @@ Exit run_drape_test(const DrapeTest& test) {
     finer = std::move(repeats.front());
     repeats.erase(repeats.begin());
   }
-  write_drape_results(s, repeats, finer);
-  return conclude(s, repeats, finer);
+  std::vector<DrapeEquilibrium> equilibria;
+  if (test.equilibria) equilibria = find_drape_equilibria(s, repeats.front());
+  write_drape_results(s, repeats, finer, equilibria);
+  const Exit exit = conclude(s, repeats, finer);
+  if (test.equilibria && exit == Exit::done && !has_equilibrium(equilibria)) return Exit::not_converged;
+  return exit;
 }
 
 }  // namespace voile::cli

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "drape_shape.hpp"
+#include "side_by_side.hpp"
 #include "voile/errors.hpp"
 
 namespace voile::cli {
@@ -20,10 +21,12 @@ struct DrapeTest {
   int repeats = 6;
   Method method = Method::plate;  ///< the plate is lowered, or without any plate the weight grows
   bool mesh_check = true;         ///< the first repeat once more with finer cells
-  bool elastic = false;           ///< leaves out friction inside the fabric
-  double cell = 0.0;              ///< [m]; 0: by the bending length
-  int jobs = 0;                   ///< side by side; 0: one for each core
-  std::filesystem::path output;   ///< empty: FABRIC_drape
+  bool equilibria = false;        ///< looks for those of the elastic fabric, from these numbers of folds
+  int least_folds = 2, most_folds = 12;
+  bool elastic = false;          ///< leaves out friction inside the fabric
+  double cell = 0.0;             ///< [m]; 0: by the bending length
+  int jobs = 0;                  ///< side by side; 0: one for each core
+  std::filesystem::path output;  ///< empty: FABRIC_drape
   bool overwrite = false, quiet = false;
 };
 
@@ -46,10 +49,6 @@ struct DrapeRepeat {
 struct DrapeSetting;
 /// Cells and friction by the fabric file of the test, and its folder. Throws UserError.
 [[nodiscard]] DrapeSetting drape_setting(const DrapeTest& test);
-/// What a signal ends a test with, so that what is temporary is removed.
-struct StoppedBySignal {};
-/// Says so. Exit code 3, as of a run.
-[[nodiscard]] Exit stopped_by_signal();
 /// Runs all repeats in their folders, so many side by side. Throws StoppedBySignal.
 void run_drape_repeats(const DrapeSetting& s, std::vector<DrapeRepeat>& repeats);
 

@@ -9,6 +9,8 @@
 
 #include "drape_files.hpp"
 #include "drape_test.hpp"
+#include "fit/heart_loop.hpp"
+#include "fit/instruments.hpp"
 #include "fit/record_fit.hpp"
 #include "launched_ranks.hpp"
 #include "option_hint.hpp"
@@ -33,7 +35,8 @@ bool read_options(int argc, char** argv, Options& o) {
   CLI::App cli("Voile", "voile");
   CLI::App* c = cli.add_subcommand(name, "Measure a fabric file on virtual instruments of a laboratory");
   c->footer(
-      "Cantilever along warp, weft and bias; bias extension between clamps, which keep the ends from shearing, so that "
+      "Cantilever along warp, weft and bias; heart loop along warp and weft; bias extension between clamps, which keep "
+      "the ends from shearing, so that "
       "FAST's formula reads too stiff; loops of bending and shear where the file has friction. Writes sheet.toml, "
       "which "
       "voile fit reads, and the loops as CSV.");
@@ -92,6 +95,21 @@ std::string hang(const TestedFabric& t) {
   return text;
 }
 
+std::string loops(const TestedFabric& t) {
+  std::string text;
+  for (const auto& [direction, angle] : {directions[0], directions[1]}) {
+    const HeartLoop loop = heart_loop(t, angle);
+    const double given = rigidity_along(t.fabric, angle), weight = fit::gravity * t.fabric.areal_density,
+                 length = loop.length * fit::peirce_length(loop.height / loop.length);
+    print_row(fmt::format("heart loop, {}", direction), fmt::format("rigidity along {}", direction), given,
+              rigidity_read(t.fabric, loop), 1e-6, "uN.m");
+    print_row("", "by Peirce's formula", given, weight * std::pow(length, 3), 1e-6, "uN.m");
+    if (text.empty()) text = fmt::format("\n[heart_loop]\nlength = \"{:.6g} mm\"\n", 1e3 * loop.length);
+    text += fmt::format("{} = \"{:.6g} mm\"\n", direction, 1e3 * loop.height);
+  }
+  return text;
+}
+
 /// Figures of the fabric file by parameter.
 double given_figure(const input::Fabric& f, fit::Parameter p) {
   using P = fit::Parameter;
@@ -123,23 +141,13 @@ void print_loops(const TestedFabric& t, const fit::Sheet& sheet) {
         print_row(r.name, fit::name_of(m.instrument.parameter).key, given, m.figure.mean, m.si, m.unit.c_str());
 }
 
-}  // namespace
-
-bool is_fabric_test(int argc, char** argv) {
-  return argc > 1 && std::string(argv[1]) == name;
-}
-
-Exit fabric_test_command(int argc, char** argv) {
-  Options o;
-  if (!read_options(argc, argv, o)) return Exit::done;
-  if (launched_rank().size > 1) throw UserError("fabric-test: it starts its own processes; leave out mpirun");
-  const TestedFabric t = tested(o);
+Exit test_fabric(const TestedFabric& t) {
   fmt::print("{}\n{:<18} {:<26} {:>11} {:>11} {:>10}\n", t.fabric.name, "instrument", "figure", "in the file", "read",
              "difference");
   std::string sheet = fmt::format(
       "name = \"virtual\"\ndescription = \"Read by voile fabric-test.\"\n\nareal_density = \"{:.9g} kg/m^2\"\n",
       t.fabric.areal_density);
-  sheet += hang(t);
+  sheet += hang(t) + loops(t);
   print_row("bias, 100 x 50 mm", "shear by FAST, 123/EB5", t.fabric.membrane_shear, 1.23 / bias_extension(t), 1.0,
             "N/m");
   if (t.fabric.bending_hysteresis)
@@ -152,6 +160,23 @@ Exit fabric_test_command(int argc, char** argv) {
   print_loops(t, fit::read_sheet(t.folder / "sheet.toml"));
   fmt::print("sheet for voile fit: {}\n", (t.folder / "sheet.toml").string());
   return Exit::done;
+}
+
+}  // namespace
+
+bool is_fabric_test(int argc, char** argv) {
+  return argc > 1 && std::string(argv[1]) == name;
+}
+
+Exit fabric_test_command(int argc, char** argv) {
+  Options o;
+  if (!read_options(argc, argv, o)) return Exit::done;
+  if (launched_rank().size > 1) throw UserError("fabric-test: it starts its own processes; leave out mpirun");
+  try {
+    return test_fabric(tested(o));
+  } catch (const StoppedBySignal&) {
+    return stopped_by_signal();
+  }
 }
 
 }  // namespace voile::cli

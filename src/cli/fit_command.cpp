@@ -16,6 +16,7 @@
 #include "fit/fit.hpp"
 #include "launched_ranks.hpp"
 #include "option_hint.hpp"
+#include "virtual_instruments.hpp"
 
 namespace voile::cli {
 
@@ -56,7 +57,7 @@ void declare(CLI::App& cli, FitOptions& o) {
   c->add_flag("--quiet", o.quiet, "Print warnings only");
 }
 
-/// The virtual drape test did not come to rest.
+/// A virtual test did not come to rest.
 struct NotAtRest {
   std::string message;
 };
@@ -120,6 +121,29 @@ fit::DrapeTrial drape_trial(const FitOptions& o, int specimen, const std::string
   return trial;
 }
 
+double bias_strip(const FitOptions& o, const std::string& fabric_text, double width) {
+  const Folder folder;
+  const fs::path file = folder.path() / "fabric.toml";
+  std::ofstream(file) << fabric_text;
+  const TestedFabric t{input::read_fabric(file), file, folder.path()};
+  double part = 0.0;
+  try {
+    part = rigidity_read(t.fabric, overhang(t, 45, width)) / rigidity_along(t.fabric, 45);
+  } catch (const UserError&) {  // names a folder that is removed
+    throw NotAtRest{
+        fmt::format("the virtual cantilever along the bias has failed (bending {:.3g}, {:.3g} and {:.3g} uN.m, "
+                    "{:.0f} mm wide); check the measurements",
+                    1e6 * t.fabric.bending_warp, 1e6 * t.fabric.bending_weft,
+                    1e6 * input::bending_stiffness(t.fabric)(2, 2), 1e3 * width)};
+  }
+  if (!o.quiet) {
+    fmt::print("virtual cantilever along the bias, {:.0f} mm wide: {:.1f} % of the rigidity of a cylinder\n",
+               1e3 * width, 100.0 * part);
+    std::fflush(stdout);
+  }
+  return part;
+}
+
 /// Nothing after the help, which was asked for.
 std::optional<FitOptions> options_of(int argc, char** argv) {
   FitOptions o;
@@ -159,9 +183,9 @@ Exit fit_command(int argc, char** argv) {
   const fit::Sheet sheet = fit::read_sheet(o.sheet);
   fit::Fit fit;
   try {
-    fit = fit::fit_sheet(sheet, [&](const std::string& text) {
-      return drape_trial(o, sheet.drape ? sheet.drape->specimen : 300, text);
-    });
+    fit = fit::fit_sheet(
+        sheet, [&](const std::string& text) { return drape_trial(o, sheet.drape ? sheet.drape->specimen : 300, text); },
+        [&](const std::string& text, double width) { return bias_strip(o, text, width); });
   } catch (const NotAtRest& e) {
     fmt::print(stderr, "voile: not converged: {}\n", e.message);
     return Exit::not_converged;

@@ -73,6 +73,7 @@ void RenderCommand::declare_look() {
       ->excludes(partition)
       ->excludes(field);
   sub_->add_flag("--contours", show_.contours, "Draw lines of groups, borders of panels and seams");
+  sub_->add_flag("--seams", show_.seams, "Draw seams, in red the one that was open widest, by seams.csv");
   sub_->add_flag("--mesh", show_.mesh_lines, "Draw the edges of triangles");
   sub_->add_option("--creases", creases_, "Draw edges red where the sheet is folded by more than these degrees");
   sub_->add_option("--title", show_.title, "Text above the picture");

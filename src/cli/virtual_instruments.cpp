@@ -6,13 +6,14 @@
 #include <cmath>
 #include <fstream>
 #include <numbers>
-#include <sstream>
 
 #include "base/shipped_files.hpp"
 #include "base/text.hpp"
-#include "begin.hpp"
 #include "fit/fabric_file.hpp"
+#include "fit/heart_loop.hpp"
 #include "fit/instruments.hpp"
+#include "history_read.hpp"
+#include "side_by_side.hpp"
 #include "voile/errors.hpp"
 
 namespace voile::cli {
@@ -22,9 +23,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double instrument_angle = 41.5 * fit::degree;
-/// Of the strip of FAST-2, of KES-FB2 and its largest curvature, of the frame of KES-FB1 and its largest angle.
-constexpr double strip_width = 0.05, bent_length = 0.01, bent_width = 0.004, most_curvature = 250.0, frame_side = 0.05,
-                 most_angle = 8.0;
+/// Of KES-FB2 and its largest curvature, of the frame of KES-FB1 and its largest angle.
+constexpr double bent_length = 0.01, bent_width = 0.004, most_curvature = 250.0, frame_side = 0.05, most_angle = 8.0;
 constexpr double bias_length = 0.1, bias_width = 0.05, bias_load = 4.903325;  // 5 gf/cm
 constexpr std::array bent_points{0.25 * bent_length, 0.5 * bent_length, 0.75 * bent_length};
 
@@ -65,6 +65,32 @@ name = "tip"
 type = "displacement"
 group = "tip"
 )";
+
+/// Half of a heart loop, from the clamp that holds it upwards, along x, to its lowest point: that end turns by three quarters, first
+/// along the arc to which a strip without weight rolls up, then below the clamp.
+constexpr const char* looped = R"case([steps]
+initial_step = 0.025
+max_step = 0.05
+
+[[support]]
+group = "clamp"
+type = "clamped"
+
+[[rigid]]
+group = "tip"
+name = "bottom"
+translation = ["free", 0, "{0:.9g}*(1 - cos({1}))/{1}*table(t, 0, 1, 0.3, 1, 0.6, 0, 1, 0)"]
+turn = "about"
+turn_axis = [0, 1, 0]
+turn_angle = "-180/pi*{1}"
+
+[[load]]
+type = "gravity"
+vector = [-9.80665, 0, 0]
+)case";
+constexpr const char* three_quarters = "table(t, 0, 1e-6, 0.3, 1.5*pi, 1, 1.5*pi)";
+/// w L^3/D of the strip with the mean of both rigidities, with which its height tells most; its width over its length.
+constexpr double loop_load = 250.0, loop_slenderness = 0.025;
 
 constexpr const char* bent = R"case([steps]
 initial_step = 0.02
@@ -130,29 +156,6 @@ rotation_centre = [{:g}, 0, 0]
 rotation_angle = "table(t, 0, 0, 0.2, {:g}, 0.6, -{:g}, 1, 0)"
 )case";
 
-/// Columns of a history by name.
-using Columns = std::vector<std::vector<double>>;
-
-Columns read_history(const fs::path& file, const std::vector<std::string>& names) {
-  std::ifstream in(file);
-  std::string line, cell;
-  std::vector<std::string> head_of_file;
-  std::getline(in, line);
-  for (std::istringstream cells(line); std::getline(cells, cell, ',');) head_of_file.push_back(cell);
-  Columns columns(names.size());
-  while (std::getline(in, line)) {
-    std::vector<std::string> row;
-    for (std::istringstream cells(line); std::getline(cells, cell, ',');) row.push_back(cell);
-    for (std::size_t k = 0; k < names.size(); ++k) {
-      const auto at = static_cast<std::size_t>(std::find(head_of_file.begin(), head_of_file.end(), names[k]) -
-                                               head_of_file.begin());
-      if (at >= row.size()) throw InternalError(fmt::format("{}: there is no column {}", file.string(), names[k]));
-      columns[k].push_back(std::stod(row[at]));
-    }
-  }
-  return columns;
-}
-
 /// Runs a case in a folder of its own.
 Columns run_instrument(const TestedFabric& t, const std::string& name, const std::string& text,
                        const std::vector<std::string>& columns) {
@@ -163,11 +166,10 @@ Columns run_instrument(const TestedFabric& t, const std::string& name, const std
   out << text;
   if (error || !out.flush()) throw UserError(fmt::format("{}: the folder cannot be written", folder.string()));
   out.close();
-  try {
-    run_silently("voile", {"run", "case.toml", "--output", "results", "--overwrite"}, folder, folder / "run.log");
-  } catch (const UserError&) {
+  bool good = false;
+  run_side_by_side({{folder, {}, [] {}, [&](bool success) { good = success; }}}, 1);
+  if (!good)
     throw UserError(fmt::format("{}: the run of this instrument has failed; see run.log there", folder.string()));
-  }
   return read_history(folder / "results" / "history.csv", columns);
 }
 
@@ -194,16 +196,33 @@ double rigidity_read(const input::Fabric& f, double overhang) {
   return fit::gravity * f.areal_density * std::pow(overhang, 3) / fit::cantilever_load(instrument_angle);
 }
 
-double overhang(const TestedFabric& t, int angle) {
+double rigidity_read(const input::Fabric& f, const HeartLoop& loop) {
+  return fit::gravity * f.areal_density * std::pow(loop.length, 3) / fit::heart_load(loop.height / loop.length);
+}
+
+double overhang(const TestedFabric& t, int angle, double width) {
   const double weight = fit::gravity * t.fabric.areal_density, load = fit::cantilever_load(instrument_angle),
                length = std::cbrt(load * rigidity_along(t.fabric, angle) / weight);
   const std::string text =
       head_of(t, "Cantilever", "cantilever.geo",
-              fmt::format("length = {:.9g}, width = {:g}, nx = 40, ny = 16", length, strip_width), angle, false) +
+              fmt::format("length = {:.9g}, width = {:g}, nx = 40, ny = 16", length, width), angle, false) +
       hanging;
   const Columns h = run_instrument(t, fmt::format("cantilever_{}", angle), text, {"tip_x", "tip_z"});
   const double fall = std::atan2(-h[1].back(), length + h[0].back());
   return length * std::cbrt(load / fit::cantilever_load(fall));
+}
+
+HeartLoop heart_loop(const TestedFabric& t, int angle) {
+  const double weight = fit::gravity * t.fabric.areal_density,
+               mean = std::sqrt(t.fabric.bending_warp * t.fabric.bending_weft),
+               length = std::cbrt(loop_load * mean / weight), half = 0.5 * length;
+  const std::string text =
+      head_of(t, "Heart loop", "cantilever.geo",
+              fmt::format("length = {:.9g}, width = {:.9g}, nx = 100, ny = 3", half, loop_slenderness * length), angle,
+              false) +
+      fmt::format(looped, half, three_quarters);
+  const Columns h = run_instrument(t, fmt::format("heart_loop_{}", angle), text, {"bottom_x"});
+  return {length, -(half + h[0].back())};
 }
 
 double bias_extension(const TestedFabric& t) {

@@ -10,6 +10,8 @@
 
 namespace voile::cli {
 
+inline constexpr double fast_width = 0.05;  ///< of the strip of FAST-2 [m]
+
 /// A fabric on the instruments.
 struct TestedFabric {
   input::Fabric fabric;
@@ -20,7 +22,15 @@ struct TestedFabric {
 [[nodiscard]] double rigidity_along(const input::Fabric& f, int angle);
 [[nodiscard]] double rigidity_read(const input::Fabric& f, double overhang);
 /// Length of a strip that falls by 41.5 degrees, along the warp (0), the bias (45) or the weft (90) [m]. Throws UserError if the run fails.
-[[nodiscard]] double overhang(const TestedFabric& t, int angle);
+[[nodiscard]] double overhang(const TestedFabric& t, int angle, double width = fast_width);
+/// A heart loop: length of its strip, and its height [m].
+struct HeartLoop {
+  double length = 0.0, height = 0.0;
+};
+/// Of a narrow strip along the warp (0) or the weft (90), of one length for both. Throws UserError if the run fails.
+[[nodiscard]] HeartLoop heart_loop(const TestedFabric& t, int angle);
+/// Bending rigidity by the elastica [N m].
+[[nodiscard]] double rigidity_read(const input::Fabric& f, const HeartLoop& loop);
 /// Extension at 5 gf/cm of a strip along the bias, 100 mm between clamps and 50 mm wide (EB5 of FAST-3). Its ends cannot shear.
 [[nodiscard]] double bias_extension(const TestedFabric& t);
 /// Curvature [1/m] and moment per width [N] of a strip that is bent to 2.5 /cm, back, and again; the row of zeros first.

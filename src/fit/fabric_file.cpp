@@ -203,6 +203,9 @@ std::vector<std::string> report(const Sheet& sheet, const Fit& fit) {
                                  "determined (standard uncertainty):"};
   for (const auto& [p, d] : fit.figures) lines.push_back(figure_line(p, d));
   for (const auto& [key, curve] : fit.curves) lines.push_back(fmt::format("  {:<26} {}", key, curve_source(curve)));
+  for (const FittedLoop& loop : fit.loops)
+    lines.push_back(fmt::format("  {:<26} rows deviate from the law by {} of the range of the force", loop.name,
+                                percent(loop.deviation)));
   lines.emplace_back("measurements:                     measured     of fabric               residual");
   for (const Comparison& c : fit.comparisons)
     lines.push_back(fmt::format("  {:<28} {:>11.5g} {:>13.5g} {:<12} {:>+8.1f} %{}", c.name, c.measured, c.found,

@@ -8,6 +8,8 @@
 
 #include "base/text.hpp"
 #include "drape_fit.hpp"
+#include "fabric_file.hpp"
+#include "heart_loop.hpp"
 #include "least_squares.hpp"
 #include "voile/errors.hpp"
 
@@ -21,6 +23,14 @@ using Eigen::VectorXd;
 
 /// Part of an unseen combination, and of the uncertainty of a figure, that counts.
 constexpr double counts = 1e-3, contributes = 0.03;
+/// Rounds through the virtual strip along the bias, and what its rigidity may still change; how much softer than a cylinder it must be
+/// able to be to count.
+constexpr int bias_rounds = 6;
+constexpr double bias_tolerance = 1e-3, alike = 0.01;
+/// Part of the rigidity of the yarns along the bias below which there is no twist.
+constexpr double least_twist = 1e-3;
+/// Distance of the rows of a loop from its law that is odd, over the range of the force.
+constexpr double odd_rows = 0.03;
 /// A residual that is odd: in standard deviations, and of the measurement.
 constexpr double odd_deviations = 4.0, odd_residual = 0.05;
 
@@ -52,6 +62,16 @@ bool depends(const Measurement& m, const Values& base, Parameter p) {
   return m.instrument.read(moved) != m.instrument.read(base);
 }
 
+/// Heights of heart loops hardly change far from the rigidity that they belong to.
+void start_from_loops(Problem& p) {
+  for (const Measurement& m : p.measurements) {
+    if (m.instrument.kind != Kind::heart_loop) continue;
+    const double length = m.instrument.length > 0.0 ? m.instrument.length : at(p.base, Parameter::loop_length);
+    at(p.base, m.instrument.direction == Direction::warp ? Parameter::bending_warp : Parameter::bending_weft) =
+        gravity * at(p.base, Parameter::areal_density) * std::pow(length, 3) / heart_load(m.figure.mean / length);
+  }
+}
+
 Problem problem_of(const std::vector<Measurement>& all) {
   Problem p;
   for (const Measurement& m : all) {
@@ -59,6 +79,7 @@ Problem problem_of(const std::vector<Measurement>& all) {
     if (m.instrument.kind == Kind::figure) at(p.base, m.instrument.parameter) = m.figure.mean;
     p.measurements.push_back(m);
   }
+  start_from_loops(p);
   for (std::size_t i = 0; i < parameter_count; ++i) {
     const auto parameter = static_cast<Parameter>(i);
     if (std::any_of(p.measurements.begin(), p.measurements.end(),
@@ -92,15 +113,32 @@ void require_rank(const Sheet& sheet, const Problem& p, const LeastSquares& foun
                   p.parameters.size() - static_cast<std::size_t>(found.null.cols()), found.null.cols()));
 }
 
+/// A strip along the bias that is softer than its yarns alone would leave no twist, or a negative one.
+void require_twist(const Sheet& sheet, const Problem& p, const LeastSquares& found) {
+  if (!found.unknowns.allFinite()) return;
+  const Values v = p.values(found.unknowns);
+  const double yarns = 0.25 * (at(v, Parameter::bending_warp) + at(v, Parameter::bending_weft));
+  if (at(v, Parameter::bending_twist) > least_twist * yarns) return;
+  for (const Measurement& m : p.measurements)
+    if (m.instrument.direction == Direction::bias && depends(m, p.base, Parameter::bending_twist))
+      sheet.fail(m.line, m.name,
+                 fmt::format("the strip along the bias is softer than (bending_warp + bending_weft)/4 = {:.4g} uN.m, "
+                             "which the yarns have without any twist: the twist would be negative. Check it and those "
+                             "of warp and weft for unit and direction, take a wider strip, which twists less, or leave "
+                             "it out",
+                             1e6 * yarns));
+}
+
 void take_figures(Fit& fit, const Problem& p, const LeastSquares& found) {
-  // Where data contradict each other by more than their uncertainties, these are too small.
-  const double scale = std::max(1.0, found.misfit());
-  const MatrixXd covariance = scale * found.covariance();
+  const MatrixXd covariance = found.covariance();
+  const VectorXd contradiction = found.contradictions();
   for (std::size_t i = 0; i < p.parameters.size(); ++i) {
+    if (!is_of_fabric(p.parameters[i])) continue;
     const auto row = static_cast<Index>(i);
     Determined d;
     d.value = std::exp(found.unknowns[row]);
-    d.deviation = std::sqrt(covariance(row, row));
+    // Where data contradict each other by more than their uncertainties, these are too small.
+    d.deviation = std::sqrt(std::max(1.0, contradiction[row]) * covariance(row, row));
     const double most = found.gain.row(row).cwiseAbs().maxCoeff();
     for (std::size_t j = 0; j < p.measurements.size(); ++j)
       if (std::abs(found.gain(row, static_cast<Index>(j))) > contributes * most) {
@@ -201,23 +239,42 @@ void require_one_law(const Sheet& sheet, const Fit& fit) {
                "it is missing, and nothing else gives it; weigh the fabric, and add it with its unit");
   if (!fit.has(P::bending_warp) && !fit.has(P::bending_weft) && !sheet.drape)
     sheet.fail(0, "bending_length",
-               "nothing here determines the bending stiffness; add bending_length, overhang, bending_rigidity, kes.B, "
+               "nothing here determines the bending stiffness; add bending_length, overhang, heart_loop, "
+               "bending_rigidity, kes.B, "
                "fast.C-1 and C-2, bending_loop or drape");
 }
 
-}  // namespace
+/// Figures of loops, and how far their rows are from the law of a spring and a slider.
+void take_loops(const Sheet& sheet, std::vector<FittedLoop>& loops, std::vector<Measurement>& all) {
+  for (const Record& r : sheet.records) {
+    if (r.kind != Record::Kind::bending_loop && r.kind != Record::Kind::shear_loop) continue;
+    loops.push_back({r.name, 0.0});
+    for (const Measurement& m : measurements_of(sheet, r)) {
+      loops.back().deviation = std::max(loops.back().deviation, m.rows);
+      all.push_back(m);
+    }
+  }
+}
 
-Fit fit_sheet(const Sheet& sheet, const DrapeInstrument& drape) {
-  std::vector<Measurement> all = sheet.measurements;
-  for (const Record& r : sheet.records)
-    if (r.kind == Record::Kind::bending_loop || r.kind == Record::Kind::shear_loop)
-      for (const Measurement& m : measurements_of(sheet, r)) all.push_back(m);
+void warn_of_loops(Fit& fit, std::vector<FittedLoop> loops) {
+  for (const FittedLoop& l : loops)
+    if (l.deviation > odd_rows)
+      fit.warnings.push_back(
+          fmt::format("{}: its rows deviate from the loop of a fabric file by {:.1f} % of the range of the force, root "
+                      "mean square: straight branches do not describe it, or it is noisy; compare both before you use "
+                      "its figures",
+                      l.name, 100.0 * l.deviation));
+  fit.loops = std::move(loops);
+}
+
+Fit fit_figures(const Sheet& sheet, const std::vector<Measurement>& all) {
   Fit fit;
   const Problem p = problem_of(all);
   VectorXd start(static_cast<Index>(p.parameters.size()));
   for (std::size_t i = 0; i < p.parameters.size(); ++i)
     start[static_cast<Index>(i)] = std::log(at(p.base, p.parameters[i]));
   const LeastSquares found = least_squares([&](const VectorXd& x) { return p.residuals(x); }, start);
+  require_twist(sheet, p, found);
   require_rank(sheet, p, found);
   take_figures(fit, p, found);
   fit.fitted = p.measurements.size();
@@ -227,6 +284,43 @@ Fit fit_sheet(const Sheet& sheet, const DrapeInstrument& drape) {
   compare(fit, all, values);
   take_curves(sheet, fit);
   require_one_law(sheet, fit);
+  return fit;
+}
+
+/// Puts right how far strips along the bias are from cylinders, by the virtual instrument; false: nothing has changed.
+bool correct_bias(const Sheet& sheet, const Fit& fit, const BiasInstrument& bias, std::vector<Measurement>& all) {
+  using P = Parameter;
+  if (!fit.has(P::bending_warp) || !fit.has(P::bending_weft) || !fit.has(P::bending_twist)) return false;
+  const double warp = fit.figures.at(P::bending_warp).value, weft = fit.figures.at(P::bending_weft).value,
+               twist = fit.figures.at(P::bending_twist).value;
+  // A narrow strip, which twists and curves freely, has the inverse of its compliance.
+  const double cylinder = 0.25 * (warp + weft) + twist, narrow = 4.0 / (1.0 / warp + 1.0 / weft + 1.0 / twist);
+  if (narrow > (1.0 - alike) * cylinder) return false;
+  std::map<double, double> seen;
+  bool changed = false;
+  for (Measurement& m : all) {
+    Instrument& i = m.instrument;
+    if (i.direction != Direction::bias || (i.kind != Kind::bending_length && i.kind != Kind::overhang)) continue;
+    if (!seen.contains(i.width)) seen[i.width] = bias(fabric_text(sheet, fit), i.width);
+    changed = changed || std::abs(seen[i.width] / i.strip - 1.0) > bias_tolerance;
+    i.strip = seen[i.width];
+  }
+  return changed;
+}
+
+}  // namespace
+
+Fit fit_sheet(const Sheet& sheet, const DrapeInstrument& drape, const BiasInstrument& bias) {
+  std::vector<Measurement> all = sheet.measurements;
+  std::vector<FittedLoop> loops;
+  take_loops(sheet, loops, all);
+  Fit fit = fit_figures(sheet, all);
+  for (int round = 0; bias && round < bias_rounds; ++round) {
+    const bool changed = correct_bias(sheet, fit, bias, all);
+    if (!changed) break;
+    fit = fit_figures(sheet, all);
+  }
+  warn_of_loops(fit, std::move(loops));
   if (sheet.drape) fit_drape(sheet, fit, drape);
   return fit;
 }

@@ -38,15 +38,25 @@ struct FittedCurve {
   std::string source;
 };
 
+struct FittedLoop {
+  std::string name;
+  double deviation = 0.0;  ///< of its rows, root mean square over the range of the force
+};
+
 struct DrapeTrial {
   double coefficient = 0.0, deviation = 0.0, folds = 0.0;
 };
 /// The virtual drape test of a fabric file with this text. Throws if it does not come to rest.
 using DrapeInstrument = std::function<DrapeTrial(const std::string& fabric_text)>;
 
+/// A virtual strip of this width along the bias of a fabric file with this text: its rigidity, as a cantilever reads it, over that of
+/// one that bends to a cylinder. Throws if it fails.
+using BiasInstrument = std::function<double(const std::string& fabric_text, double width)>;
+
 struct Fit {
   std::map<Parameter, Determined> figures;
   std::map<std::string, FittedCurve> curves;  ///< by key: tension_warp, tension_weft, shear_curve
+  std::vector<FittedLoop> loops;
   std::vector<Comparison> comparisons;
   std::vector<std::string> warnings;
   std::size_t fitted = 0;  ///< measurements that were fitted
@@ -55,6 +65,7 @@ struct Fit {
 };
 
 /// Throws UserError naming file, line and remedy where the data do not determine what they speak of.
-[[nodiscard]] Fit fit_sheet(const Sheet& sheet, const DrapeInstrument& drape);
+/// Without a `bias` strips along it bend to cylinders.
+[[nodiscard]] Fit fit_sheet(const Sheet& sheet, const DrapeInstrument& drape, const BiasInstrument& bias = {});
 
 }  // namespace voile::fit

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "energy/material.hpp"
+#include "heart_loop.hpp"
 #include "input/fabric.hpp"
 #include "input/units.hpp"
 #include "voile/errors.hpp"
@@ -17,29 +18,21 @@ using P = Parameter;
 constexpr double secant_force = 14.71, bias_force = 1.23;  // [N/m], docs/reference/fabrics.md
 
 constexpr std::array<ParameterName, parameter_count> names{
-    {{"areal_density", "g/m^2", 1e-3},
-     {"thickness", "mm", 1e-3},
-     {"bending_warp", "uN.m", 1e-6},
-     {"bending_weft", "uN.m", 1e-6},
-     {"bending_twist", "uN.m", 1e-6},
-     {"bending_hysteresis", "mN", 1e-3},
-     {"bending_hysteresis_weft", "mN", 1e-3},
-     {"bending_hysteresis_spread", "1/m", 1.0},
-     {"membrane_warp", "N/m", 1.0},
-     {"membrane_weft", "N/m", 1.0},
-     {"membrane_shear", "N/m", 1.0},
-     {"shear_hysteresis", "N/m", 1.0},
-     {"shear_hysteresis_5", "N/m", 1.0},
-     {"shear_hysteresis_spread", "deg", std::numbers::pi / 180.0},
-     {"tension_warp EMT", "%", 1e-2},
-     {"tension_weft EMT", "%", 1e-2},
-     {"tension_warp WT", "J/m^2", 1.0},
-     {"tension_weft WT", "J/m^2", 1.0}}};
+    {{"areal_density", "g/m^2", 1e-3},        {"thickness", "mm", 1e-3},
+     {"bending_warp", "uN.m", 1e-6},          {"bending_weft", "uN.m", 1e-6},
+     {"bending_twist", "uN.m", 1e-6},         {"bending_hysteresis", "mN", 1e-3},
+     {"bending_hysteresis_weft", "mN", 1e-3}, {"bending_hysteresis_spread", "1/m", 1.0},
+     {"membrane_warp", "N/m", 1.0},           {"membrane_weft", "N/m", 1.0},
+     {"membrane_shear", "N/m", 1.0},          {"shear_hysteresis", "N/m", 1.0},
+     {"shear_hysteresis_5", "N/m", 1.0},      {"shear_hysteresis_spread", "deg", std::numbers::pi / 180.0},
+     {"tension_warp EMT", "%", 1e-2},         {"tension_weft EMT", "%", 1e-2},
+     {"tension_warp WT", "J/m^2", 1.0},       {"tension_weft WT", "J/m^2", 1.0},
+     {"overhang.angle", "deg", degree},       {"heart_loop.length", "mm", 1e-3}}};
 
-double rigidity_along(const Values& v, Direction d) {
+double rigidity_along(const Values& v, Direction d, double strip) {
   if (d == Direction::warp) return at(v, P::bending_warp);
   if (d == Direction::weft) return at(v, P::bending_weft);
-  return 0.25 * (at(v, P::bending_warp) + at(v, P::bending_weft)) + at(v, P::bending_twist);
+  return strip * (0.25 * (at(v, P::bending_warp) + at(v, P::bending_weft)) + at(v, P::bending_twist));
 }
 
 double green(double extension) {
@@ -91,7 +84,7 @@ const ParameterName& name_of(Parameter p) {
 
 Values ordinary_values() {
   return {0.2, 5e-4, 1e-5,         1e-5, 5e-6, 3e-4, 3e-4, input::typical_spread, 2e3, 2e3, 50.0,
-          1.0, 3.0,  0.5 * degree, 0.05, 0.05, 8.0,  8.0};
+          1.0, 3.0,  0.5 * degree, 0.05, 0.05, 8.0,  8.0,  41.5 * degree,         0.2};
 }
 
 double cantilever_load(double angle) {
@@ -120,15 +113,21 @@ double Instrument::read(const Values& v) const {
     case Kind::figure:
       return at(v, parameter);
     case Kind::bending_length:
-      return std::cbrt(rigidity_along(v, direction) / input::bending_rigidity(at(v, P::areal_density), 1.0));
+      return std::cbrt(rigidity_along(v, direction, strip) / input::bending_rigidity(at(v, P::areal_density), 1.0));
     case Kind::overhang: {
       // One angle for all strips of a sheet.
       static thread_local std::pair<double, double> known{-1.0, 0.0};
-      if (known.first != angle) known = {angle, cantilever_load(angle)};
-      return std::cbrt(known.second * rigidity_along(v, direction) / (gravity * at(v, P::areal_density)));
+      const double fall = angle > 0.0 ? angle : at(v, P::overhang_angle);
+      if (known.first != fall) known = {fall, cantilever_load(fall)};
+      return std::cbrt(known.second * rigidity_along(v, direction, strip) / (gravity * at(v, P::areal_density)));
+    }
+    case Kind::heart_loop: {
+      const double whole = length > 0.0 ? length : at(v, P::loop_length);
+      return whole *
+             heart_height(gravity * at(v, P::areal_density) * std::pow(whole, 3) / rigidity_along(v, direction, strip));
     }
     case Kind::rigidity:
-      return rigidity_along(v, direction);
+      return rigidity_along(v, direction, strip);
     case Kind::extension:
       return x;
     case Kind::work:

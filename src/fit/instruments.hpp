@@ -3,7 +3,8 @@
 // Symbols   W    areal density [kg/m^2];  w = W g;  D11 D22 D66  bending rigidities [N m];  A11 A22 A66 membrane stiffness [N/m]
 //   bending length  c = (D/(9.81 W))^(1/3)                                             FAST-2, ASTM D1388
 //   overhang        l = (Gamma D/w)^(1/3), Gamma(a) of the heavy elastica whose chord falls by the angle a; 8.0043 at 41.5 degrees
-//   bias            D45 = (D11 + D22)/4 + D66        (D12 = 0), of a strip that bends to a cylinder; one of 50 mm is 1 % softer
+//   heart loop      heart_loop.hpp
+//   bias            D45 = (D11 + D22)/4 + D66        (D12 = 0), of a strip that bends to a cylinder, times `strip`
 //   tension         A (x + x^2/2)(1 + x) = F,  WT = A (x + x^2/2)^2/2,  LT = 2 WT/(F x)  where the law is linear
 //   FAST-1          E20 - E5 = 14.71 N/m / A;   FAST-3  EB5 = 1.23 N/m / A66, as FAST has it, without clamps and the stretch of yarns
 //   loops           bending: D k, shear: A66 e, plus the slider of energy/yarn_friction.hpp and energy/yarn_law.hpp
@@ -40,9 +41,14 @@ enum class Parameter {
   extension_warp,  ///< EMT of a curve
   extension_weft,
   work_warp,  ///< WT of a curve
-  work_weft
+  work_weft,
+  overhang_angle,  ///< of the instrument, from here on: measured too, no figure of the fabric
+  loop_length
 };
-inline constexpr std::size_t parameter_count = 18;
+inline constexpr std::size_t parameter_count = 20;
+[[nodiscard]] inline bool is_of_fabric(Parameter p) {
+  return p < Parameter::overhang_angle;
+}
 using Values = std::array<double, parameter_count>;
 
 [[nodiscard]] inline double& at(Values& v, Parameter p) {
@@ -66,7 +72,8 @@ enum class Kind {
   figure,  ///< a parameter itself
   bending_length,
   overhang,
-  rigidity,  ///< along the bias
+  heart_loop,  ///< height
+  rigidity,    ///< along the bias
   extension,
   work,
   linearity,
@@ -80,9 +87,13 @@ struct Instrument {
   Kind kind = Kind::figure;
   Parameter parameter = Parameter::areal_density;  ///< of Kind::figure
   Direction direction = Direction::none;
-  double angle = 0.0;   ///< of an overhang [rad]
+  double angle = 0.0;   ///< of an overhang [rad]; 0: that of the parameter
   double load = 0.0;    ///< of tension [N/m]
   bool linear = false;  ///< tension by A instead of the curve through EMT and WT
+  double width = 0.05;  ///< of a cantilever along the bias [m]
+  double strip =
+      1.0;  ///< its rigidity over that of a strip that bends to a cylinder: it twists where warp and weft are unlike
+  double length = 0.0;  ///< of the strip of a heart loop [m]; 0: that of the parameter
 
   [[nodiscard]] double read(const Values& v) const;
 };

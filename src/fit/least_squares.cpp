@@ -10,6 +10,7 @@ namespace voile::fit {
 
 namespace {
 
+constexpr double least_freedom = 1e-6;   // below which a datum alone determines what it measures
 constexpr double rank_tolerance = 1e-6;  // of the largest singular value; differences are good to 1e-9
 
 /// The residuals, and empty ones so that there are as many as unknowns, which the solver wants.
@@ -32,6 +33,15 @@ struct Functor : Eigen::DenseFunctor<double> {
 double LeastSquares::misfit() const {
   const Eigen::Index beyond = residuals.size() - (unknowns.size() - null.cols());
   return beyond > 0 ? residuals.squaredNorm() / static_cast<double>(beyond) : 1.0;
+}
+
+Eigen::VectorXd LeastSquares::contradictions() const {
+  Eigen::VectorXd squares = Eigen::VectorXd::Ones(residuals.size());
+  for (Eigen::Index j = 0; j < residuals.size(); ++j)
+    if (const double free = 1.0 - jacobian.row(j).dot(gain.col(j)); free > least_freedom)
+      squares[j] = residuals[j] * residuals[j] / free;
+  const Eigen::MatrixXd weights = gain.cwiseAbs2();
+  return (weights * squares).cwiseQuotient(weights.rowwise().sum().cwiseMax(1e-300));
 }
 
 LeastSquares least_squares(const Residuals& function, const Eigen::VectorXd& start) {

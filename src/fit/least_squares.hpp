@@ -19,6 +19,9 @@ struct LeastSquares {
   [[nodiscard]] Eigen::MatrixXd covariance() const { return gain * gain.transpose(); }
   /// Sum of squares over the number of data beyond that of unknowns; 1 without any.
   [[nodiscard]] double misfit() const;
+  /// For each unknown: mean square of the residuals of the data that determine it, over what their uncertainties let expect; weighed
+  /// by how much each of them does. 1 where nothing is measured twice.
+  [[nodiscard]] Eigen::VectorXd contradictions() const;
 };
 
 [[nodiscard]] LeastSquares least_squares(const Residuals& residuals, const Eigen::VectorXd& start);

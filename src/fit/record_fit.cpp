@@ -22,6 +22,7 @@ using Eigen::Index;
 using Eigen::VectorXd;
 using P = Parameter;
 
+constexpr double most_correlation = 0.98;           // of neighbouring rows
 constexpr std::size_t most_points = 12, knots = 8;  // of a fabric file, of a long record
 /// A first bend begins within this fraction of the width; a spread is known to this relative deviation.
 constexpr double first_bend = 0.25, unknown_spread = 0.5;
@@ -39,7 +40,8 @@ std::vector<energy::YarnPoint> solver_points(Record::Kind kind, const std::vecto
 /// What a loop was fitted by.
 struct LoopFit {
   std::vector<double> figures, deviations;  ///< B or G, widths, spread if it is known; relative deviations
-  bool bounded = false;                     ///< the spread is less than the distance of the rows, which is given
+  double rows = 0.0;     ///< root mean square of their distance from the law, over the range of the force
+  bool bounded = false;  ///< the spread is less than the distance of the rows, which is given
 };
 
 struct LoopCourse {
@@ -93,6 +95,15 @@ LoopCourse course_of(const Record& record, std::size_t specimen) {
   return c;
 }
 
+/// Rows that say the same: neighbours beside a law that does not hold deviate alike. Of a first-order autoregression.
+double repetition(const VectorXd& residuals) {
+  const Index n = residuals.size() - 1;
+  const double square = residuals.squaredNorm();
+  if (n < 1 || !(square > 0.0)) return 1.0;
+  const double correlation = std::clamp(residuals.head(n).dot(residuals.tail(n)) / square, 0.0, most_correlation);
+  return (1.0 + correlation) / (1.0 - correlation);
+}
+
 LoopFit fit_loop(const LoopCourse& c, const std::string& file) {
   const double range = c.range(c.strain), slope = c.range(c.force) / range,
                typical = c.shear ? input::typical_shear_spread : input::typical_spread;
@@ -106,7 +117,9 @@ LoopFit fit_loop(const LoopCourse& c, const std::string& file) {
                          Eigen::Map<VectorXd>(x.data(), static_cast<Index>(x.size())));
   };
   LeastSquares found = solve(0.0);
-  const auto deviation = [&](Index i) { return std::sqrt(found.misfit() * found.covariance()(i, i)); };
+  const auto deviation = [&](Index i) {
+    return std::sqrt(repetition(found.residuals) * found.misfit() * found.covariance()(i, i));
+  };
   const auto spread_at = static_cast<Index>(start.size());
   const bool hidden = std::exp(found.unknowns[spread_at]) < c.distance(),
              known = !hidden && found.null.cols() == 0 && deviation(spread_at) < unknown_spread;
@@ -122,6 +135,7 @@ LoopFit fit_loop(const LoopCourse& c, const std::string& file) {
     fit.figures.push_back(std::exp(found.unknowns[i]));
     fit.deviations.push_back(std::max(deviation(i), least_deviation));
   }
+  fit.rows = std::sqrt(found.residuals.squaredNorm() / static_cast<double>(found.residuals.size()));
   fit.bounded = hidden && least < typical;
   if (fit.bounded) {
     fit.figures.push_back(least);
@@ -195,6 +209,7 @@ std::vector<Measurement> measurements_of(const Sheet& sheet, const Record& recor
         values.push_back(f.figures[k]);
         bounded = bounded || (f.bounded && k + 1 == parameters.size());
         m.figure.deviation = f.deviations[k] * f.figures[k];
+        m.rows = std::max(m.rows, f.rows);
       }
     if (values.empty()) continue;
     m.name = fmt::format("{}: {}{}", record.name, names[k], bounded ? " at most, by its rows" : "");

@@ -8,6 +8,7 @@
 
 #include "base/plain_file.hpp"
 #include "base/text.hpp"
+#include "heart_loop.hpp"
 #include "input/case_fabric_curves.hpp"
 #include "record_file.hpp"
 #include "sheet_figures.hpp"
@@ -19,8 +20,9 @@ namespace {
 
 using input::Dimension;
 
-constexpr double kes_load = 490.3325;   // 500 gf/cm [N/m]
-constexpr double fast_load = 0.980665;  // 1 gf/cm [N/m]
+constexpr double kes_load = 490.3325;             // 500 gf/cm [N/m]
+constexpr double fast_load = 0.980665;            // 1 gf/cm [N/m]
+constexpr double narrowest = 5e-3, widest = 0.5;  // strips of a cantilever [m]
 /// LT from which on a law counts as linear, and between which a law of a fabric file is near.
 constexpr double linear_from = 0.99, linear_least = 0.2, linear_to = 1.05;
 
@@ -242,16 +244,68 @@ void settle_tension(Sheet& sheet, Direction direction, const std::string& word) 
     }
 }
 
-void settle(Sheet& sheet, const toml::table& root) {
-  if (sheet.load == 0.0) sheet.load = kes_load;
+/// A figure of an instrument: measured like others where its uncertainty is stated, else exact, which is returned.
+double settle_instrument(Sheet& sheet, Parameter parameter, const Figure& figure, int line) {
+  if (figure.assumed) return figure.mean;
+  const ParameterName& name = name_of(parameter);
+  Measurement m{name.key, line, {}, name.unit, name.si, figure};
+  m.instrument.parameter = parameter;
+  sheet.measurements.push_back(m);
+  return 0.0;
+}
+
+void settle_overhang(Sheet& sheet, const toml::table& root) {
   double angle = 41.5 * degree;
   if (const toml::table* overhang = root.get_as<toml::table>("overhang"))
     if (const toml::node* node = overhang->get("angle")) {
-      angle = read_figure(sheet, "overhang.angle", {Dimension::angle}, "", *node).mean;
-      if (angle > 75.0 * degree) sheet.fail(line_of(*node), "overhang.angle", "at most 75 degrees are of use");
+      const Figure figure = read_figure(sheet, "overhang.angle", {Dimension::angle}, "", *node);
+      if (figure.mean > 75.0 * degree) sheet.fail(line_of(*node), "overhang.angle", "at most 75 degrees are of use");
+      angle = settle_instrument(sheet, Parameter::overhang_angle, figure, line_of(*node));
     }
   for (Measurement& m : sheet.measurements)
     if (m.instrument.kind == Kind::overhang) m.instrument.angle = angle;
+}
+
+/// Width of strips along the bias.
+void settle_width(Sheet& sheet, const toml::table& root, const char* key, Kind kind) {
+  const toml::table* table = root.get_as<toml::table>(key);
+  const toml::node* node = table ? table->get("width") : nullptr;
+  if (!node) return;
+  const double width = read_figure(sheet, std::string(key) + ".width", {Dimension::length}, "", *node).mean;
+  if (width < narrowest || width > widest)
+    sheet.fail(line_of(*node), std::string(key) + ".width",
+               fmt::format("strips are {:g} to {:g} mm wide; correct it", 1e3 * narrowest, 1e3 * widest));
+  for (Measurement& m : sheet.measurements)
+    if (m.instrument.kind == kind) m.instrument.width = width;
+}
+
+void settle_heart_loop(Sheet& sheet, const toml::table& root) {
+  const toml::node* loop = root.get("heart_loop");
+  if (!loop) return;
+  const toml::node* node = loop->is_table() ? loop->as_table()->get("length") : nullptr;
+  if (!node)
+    sheet.fail(line_of(*loop), "heart_loop.length",
+               "the length of the strip between the clamps is needed; write heart_loop = { length = \"200 mm\", warp = "
+               "\"60 mm\" }");
+  const Figure strip = read_figure(sheet, "heart_loop.length", {Dimension::length}, "", *node);
+  for (const Measurement& m : sheet.measurements)
+    if (const double part = m.figure.mean / strip.mean;
+        m.instrument.kind == Kind::heart_loop && (part < lightest_heart || part > longest_heart))
+      sheet.fail(m.line, m.name,
+                 fmt::format("the loop is {:.3g} of the strip high: one without weight has {:.4f}, and beyond {} it "
+                             "tells nothing; correct height or length, or take a {} strip",
+                             part, lightest_heart, longest_heart, part < lightest_heart ? "longer" : "shorter"));
+  const double length = settle_instrument(sheet, Parameter::loop_length, strip, line_of(*node));
+  for (Measurement& m : sheet.measurements)
+    if (m.instrument.kind == Kind::heart_loop) m.instrument.length = length;
+}
+
+void settle(Sheet& sheet, const toml::table& root) {
+  if (sheet.load == 0.0) sheet.load = kes_load;
+  settle_overhang(sheet, root);
+  settle_width(sheet, root, "overhang", Kind::overhang);
+  settle_width(sheet, root, "bending_length", Kind::bending_length);
+  settle_heart_loop(sheet, root);
   mark_compared(sheet);
   gather_extensions(sheet, 1);
   gather_extensions(sheet, 2);

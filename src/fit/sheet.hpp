@@ -29,7 +29,9 @@ struct Measurement {
   double si = 1.0;   ///< of that unit
   Figure figure;
   bool compared = false;  ///< only: the sheet has what it was computed from
-  bool shared = false;    ///< the sheet has one figure for warp and weft
+  double rows =
+      0.0;  ///< of a loop: root mean square of the distance of its rows from the law, over the range of the force
+  bool shared = false;  ///< the sheet has one figure for warp and weft
 };
 
 /// A point of a record: extension, angle [rad] or curvature [1/m]; force per width [N/m] or moment per width [N].

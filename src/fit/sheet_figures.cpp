@@ -39,6 +39,7 @@ std::vector<Column> declared() {
       {"", "thickness", {length}, "", {{"", of(P::thickness)}}},
       {"", "bending_length", length_of_fast, "", with_bias(Kind::bending_length)},
       {"", "overhang", {length}, "", with_bias(Kind::overhang)},
+      {"", "heart_loop", {length}, "", both(Kind::heart_loop)},
       {"",
        "bending_rigidity",
        {bending_rigidity},
@@ -233,6 +234,8 @@ void read_column(Sheet& sheet, const Column& column, const toml::node& node) {
   for (const auto& [name, value] : *table) {
     const std::string direction(name.str());
     if (column.key == "overhang" && direction == "angle") continue;
+    if (column.key == "heart_loop" && direction == "length") continue;
+    if ((column.key == "overhang" || column.key == "bending_length") && direction == "width") continue;
     const auto part = std::find(valid.begin(), valid.end(), direction);
     if (part == valid.end())
       sheet.fail(line_of(value), key, fmt::format("unknown name '{}':{}", direction, suggestion(direction, valid)));

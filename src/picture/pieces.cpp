@@ -7,6 +7,8 @@
 #include <numeric>
 #include <set>
 
+#include "base/text.hpp"
+
 namespace voile::picture {
 
 namespace {
@@ -63,6 +65,12 @@ std::vector<std::size_t> texture_pieces(const mesh::MeshData& mesh) {
   return pieces;
 }
 
+void mark_sides(const mesh::MeshData& mesh, const std::set<Side>& lines, std::vector<std::uint8_t>& marks) {
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+    for (std::size_t s = 0; s < 3; ++s)
+      if (lines.contains(side_of(mesh.triangles[t], s))) marks[t] = static_cast<std::uint8_t>(marks[t] | (1U << s));
+}
+
 }  // namespace
 
 Bodies find_bodies(const results::ObstacleTriangles& obstacles, const std::vector<Vec3>& positions, const Vec3& up) {
@@ -114,9 +122,18 @@ std::vector<std::uint8_t> group_borders(const mesh::MeshData& mesh) {
   std::set<Side> lines;
   for (const mesh::Group& g : mesh.groups)
     for (const mesh::Segment& s : g.segments) lines.insert(std::minmax(s[0], s[1]));
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
-    for (std::size_t s = 0; s < 3; ++s)
-      if (lines.contains(side_of(mesh.triangles[t], s))) mark(t, s);
+  mark_sides(mesh, lines, marks);
+  return marks;
+}
+
+std::vector<std::uint8_t> seam_sides(const mesh::MeshData& mesh, const std::string& seam) {
+  const std::string prefix = "seam ";  // of the names of their groups
+  std::vector<std::uint8_t> marks(mesh.triangles.size(), 0);
+  std::set<Side> lines;
+  for (const mesh::Group& g : mesh.groups)
+    if (g.dimension == 1 && g.name.starts_with(prefix) && csv_name(g.name.substr(prefix.size())) == seam)
+      for (const mesh::Segment& s : g.segments) lines.insert(std::minmax(s[0], s[1]));
+  mark_sides(mesh, lines, marks);
   return marks;
 }
 

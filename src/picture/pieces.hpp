@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "mesh/surface_mesh.hpp"
@@ -21,6 +22,9 @@ struct Bodies {
 
 /// Bit s of a triangle: its side s is a line of a group, or the border of a group of triangles, or a seam.
 [[nodiscard]] std::vector<std::uint8_t> group_borders(const mesh::MeshData& mesh);
+
+/// Bit s of a triangle: its side s is a segment of the seam that CSV files call so.
+[[nodiscard]] std::vector<std::uint8_t> seam_sides(const mesh::MeshData& mesh, const std::string& seam);
 
 /// Bit s of a triangle: at its side s the sheet is folded by more than `angle` [rad].
 [[nodiscard]] std::vector<std::uint8_t> folded_sides(const mesh::MeshData& mesh, const std::vector<Vec3>& positions,

@@ -46,7 +46,23 @@ Show::Show(const Recording& recording, std::vector<Moment> moments, ShowOptions 
     : recording_(recording), moments_(std::move(moments)), options_(std::move(options)) {
   up_ = options_.up ? options_.up->normalized() : recording.up();
   choose_scale();
+  if (options_.seams) find_seams();
   survey();
+}
+
+void Show::find_seams() {
+  bool found = false;
+  for (const Recording::Part& part : recording_.parts()) {
+    std::optional<WorstSeam> own = worst_seam(recording_.folder() / part.stage / "seams.csv");
+    if (!own && !seams_.empty()) own = seams_.back();
+    found = found || own;
+    seams_.push_back(std::move(own));
+  }
+  if (!found)
+    throw UserError(fmt::format(
+        "--seams: {} has no seams.csv, which a stage that sews writes at its end; show the run of a garment "
+        "that has been sewn",
+        recording_.folder().string()));
 }
 
 void Show::choose_scale() {
@@ -122,8 +138,13 @@ Surface Show::sheet(const Moment& moment, const State& state) const {
   s.back = from_bytes(wrong_side);
   s.sheen = 0.6F;
   s.mesh_lines = options_.mesh_lines;
-  if (options_.contours || options_.panels) s.marked_sides = group_borders(state.mesh->data);
+  if (options_.contours || options_.panels || options_.seams) s.marked_sides = group_borders(state.mesh->data);
   if (options_.creases) s.red_sides = folded_sides(state.mesh->data, state.positions, *options_.creases);
+  if (options_.seams && seams_[moment.part]) {
+    const std::vector<std::uint8_t> seam = seam_sides(state.mesh->data, seams_[moment.part]->name);
+    s.red_sides.resize(seam.size());
+    for (std::size_t t = 0; t < seam.size(); ++t) s.red_sides[t] = static_cast<std::uint8_t>(s.red_sides[t] | seam[t]);
+  }
   if (options_.partition)
     for (const int rank : state.mesh->triangle_rank)
       s.triangle_colours.push_back(category_colour(static_cast<std::size_t>(rank)));
@@ -200,6 +221,8 @@ void Show::letter(Image& image, const Moment& moment) const {
   std::string text = recording_.caption(moment);
   if (options_.scale && !recording_.parts()[moment.part].modes && scale_ != 1.0)
     text += fmt::format(", displacements \u00d7 {:g}", scale_);
+  if (options_.seams && seams_[moment.part])
+    text += fmt::format(", widest open: {}, {:.2g} mm", seams_[moment.part]->name, 1e3 * seams_[moment.part]->gap);
   draw_text(image, x, 1.5 * line, text, line, soft_ink, options_.title.empty() ? Align::left : Align::right);
 }
 

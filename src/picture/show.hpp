@@ -9,6 +9,7 @@
 #include "field_values.hpp"
 #include "ray_tracer.hpp"
 #include "recording.hpp"
+#include "worst_seam.hpp"
 
 namespace voile::picture {
 
@@ -18,7 +19,8 @@ struct ShowOptions {
   int threads = 0;
   std::string field;                               ///< NAME[:COMPONENT]; empty: plain
   std::optional<std::pair<double, double>> range;  ///< of colours; else that of all moments
-  bool mesh_lines = false, partition = false, panels = false, contours = false, ground = true, obstacles = true;
+  bool mesh_lines = false, partition = false, panels = false, contours = false, seams = false, ground = true,
+       obstacles = true;
   bool stamp = true;  ///< time or load factor
   std::string title;
   std::vector<std::string> views{"three-quarter"};
@@ -45,6 +47,7 @@ class Show {
   [[nodiscard]] Surface sheet(const Moment& moment, const State& state) const;
   void add_bodies(const Moment& moment, const State& state, Scene& scene) const;
   [[nodiscard]] std::optional<FieldValues> values(const Moment& moment) const;
+  void find_seams();
   void letter(Image& image, const Moment& moment) const;
   [[nodiscard]] double bar_room(double line) const;
   void draw_bar(Image& image) const;
@@ -57,7 +60,8 @@ class Show {
   std::vector<Vec3> points_;  ///< that the picture must hold
   std::optional<double> ground_;
   ColourScale colours_;
-  std::string label_;  ///< of the colour bar; empty: none
+  std::vector<std::optional<WorstSeam>> seams_;  ///< of each part, or of the one before it; empty: not asked for
+  std::string label_;                            ///< of the colour bar; empty: none
 };
 
 }  // namespace voile::picture

@@ -113,6 +113,7 @@ Json json_of(const Summary& s) {
            {"ranks", s.ranks},
            {"cpu_seconds", s.cpu_seconds},
            {"wall_seconds", s.wall_seconds}};
+  if (s.eigenvalue) all["eigenvalue_nearest_to_zero"] = *s.eigenvalue;
   if (!s.response.empty()) all["response"] = json_of(s.response);
   if (s.balance.kept) all["energy"] = json_of(s.balance);
   if (s.kinetic) all["motion"] = json_of(*s.kinetic);

@@ -51,11 +51,12 @@ struct Summary {
   int steps = 0, newton_iterations = 0, factorisations = 0;
   solve::IterativeEffort iterative;
   std::vector<solve::CriticalPoint> critical;
-  std::vector<double> eigen;    ///< frequencies or critical load factors
-  double time = 0.0;            ///< reached in a motion [s]
-  long negative_pivots = -1;    ///< of the last tangent: the last state is unstable if > 0; -1: not known
-  bool unstable = false;        ///< load control has ended in an unstable equilibrium
-  double residual = 0.0;        ///< relative, of the last state
+  std::vector<double> eigen;         ///< frequencies or critical load factors
+  double time = 0.0;                 ///< reached in a motion [s]
+  long negative_pivots = -1;         ///< of the last tangent: the last state is unstable if > 0; -1: not known
+  std::optional<double> eigenvalue;  ///< of a drape: nearest to zero, of the tangent in the lumped mass [1/s^2]
+  bool unstable = false;             ///< load control has ended in an unstable equilibrium
+  double residual = 0.0;             ///< relative, of the last state
   double membrane_error = 0.0;  ///< energy that should not be there over that stored, see Warnings::membrane_error()
   DiscretisationError::Fractions recovery_error;  ///< of the last state
   double largest_recovery_error = 0.0;            ///< on the way

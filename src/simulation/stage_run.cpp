@@ -39,6 +39,7 @@ record::Summary summary_of(const solve::RunStatistics& all, const system::State&
   s.time = state.time;
   if (c.analysis == "dynamic") s.balance = state.balance;
   s.negative_pivots = all.newton.negative_pivots;
+  s.eigenvalue = all.eigenvalue;
   // Path following goes along unstable branches on purpose.
   s.unstable = c.analysis == "static" && c.steps.control == solve::StaticOptions::Control::load && s.converged &&
                s.negative_pivots > 0;

@@ -197,6 +197,7 @@ void Drape::Impl::judge(Vec a, NewtonResult& n) {
   n.negative_pivots = factored ? linear.negative_eigenvalues() : -1;
   now.stable = n.negative_pivots == 0;
   now.eigenvalue = factored ? linear::inverse_iteration(model, linear, mode, inverse_iterations) : 0.0;
+  if (factored) n.eigenvalue = now.eigenvalue;
   if (remark)
     remark(fmt::format("{} after {} iterations, residual {:.2e}, {} negative pivot(s)",
                        n.converged ? "equilibrium" : "no equilibrium", n.iterations, n.residual, n.negative_pivots));

@@ -12,6 +12,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "convergence.hpp"
@@ -28,6 +29,8 @@ struct NewtonResult {
   double residual = 0.0;      ///< |r|/f
   long negative_pivots = -1;  ///< of the last factorisation; -1 if the solver does not tell
   std::string reason;         ///< why it stopped, for the log
+  std::optional<double>
+      eigenvalue{};  ///< of the tangent in the lumped mass, nearest to zero, where a drape has looked [1/s^2]
 };
 
 class Newton {

@@ -19,6 +19,7 @@ void RunStatistics::add(const StepResult& r) {
   factorisations += r.factorisations;
   iterative.add(r.iterative);
   rejections += r.rejections;
+  if (r.newton.eigenvalue) eigenvalue = r.newton.eigenvalue;
   if (r.outcome == Outcome::failed) {
     reason = r.reason;
     interrupted = r.interrupted;

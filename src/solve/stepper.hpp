@@ -101,6 +101,7 @@ struct RunStatistics {
   IterativeEffort iterative;
   NewtonResult newton;  ///< of the last accepted step
   std::vector<CriticalPoint> critical;
+  std::optional<double> eigenvalue;  ///< nearest to zero, of the last state that a drape has judged [1/s^2]
   bool interrupted = false;
   std::string reason;  ///< why it ended early
 

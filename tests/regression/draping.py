@@ -253,3 +253,26 @@ def drape_test(report):
                             (["cotton_broad", "--output", OUT / "drape test: plate"], "--overwrite"), ([], "fabric")):
         code, text = invoke(["drape-test", *words])
         report.check(code == 2 and expected.strip('"') in text, f"{' '.join(map(str, words))}: exit code {code}: {text.strip()[:110]}")
+
+
+@test
+def drape_equilibria(report):
+    """`voile drape-test --equilibria`: stable states from 4 and 5 folds, and the one of the test itself; mistakes."""
+    folder = OUT / "drape equilibria"
+    words = ["drape-test", "cotton_broad", "--elastic", "--repeats", "1", "--cell", "14", "--no-mesh-check"]
+    code, text = invoke([*words, "--equilibria", "--folds", "4..5", "--output", folder, "--overwrite"])
+    report.check(code == 0 and "next to the test: number" in text, f"exit code {code}: {text.strip()[-120:]}")
+    summary = json.loads((folder / "summary.json").read_text())
+    tested, found = summary["repeats"][0], {e["start"]: e for e in summary["equilibria"]}
+    report.check(set(found) == {"test", 4, 5} and all(e["found"] and e["stable"] and e["eigenvalue_nearest_to_zero"] > 0 for e in found.values()), "stable equilibria from the test, 4 and 5 folds")
+    # Without friction the specimen at rest is an equilibrium itself.
+    report.near(found["test"]["drape_coefficient"], tested["drape_coefficient"], 0.5, "coefficient next to the test [%]")
+    report.check(found["test"]["fold_count"] == tested["fold_count"], f"folds next to the test: {found['test']['fold_count']}, of the test: {tested['fold_count']}")
+    report.check(found[4]["fold_count"] == 4 and found[5]["fold_count"] == 5, "as many folds as the search began with")
+    ranks = [e["equilibrium"] for e in sorted(found.values(), key=lambda e: e["energy_mJ"])]
+    report.check(ranks[0] == 1 and ranks == sorted(ranks) and all(e["energy_mJ"] < 0 for e in found.values()), f"by energy: {ranks}")
+    rows = (folder / "equilibria.csv").read_text().splitlines()
+    report.check(len(rows) == 4 and rows[1].startswith("test,"), f"equilibria.csv: {len(rows)} rows")
+    for more, expected in ((["--folds", "4"], "--equilibria"), (["--equilibria", "--folds", "5..4"], "4..5"), (["--equilibria", "--folds", "many"], "2..12"), (["--equilibria", "--folds", "0"], "1 to 24")):
+        code, text = invoke([*words, *more, "--output", OUT / "no"])
+        report.check(code == 2 and expected in text, f"{' '.join(more)}: exit code {code}: {text.strip()[:110]}")

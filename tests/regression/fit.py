@@ -12,7 +12,7 @@ from solver import ROOT, binary, environment, invoke
 UNITS = {"g/m^2": 1e-3, "mg/cm^2": 1e-2, "mm": 1e-3, "N/m": 1, "kN/m": 1e3, "uN.m": 1e-6, "mN": 1e-3, "1/m": 1, "deg": 1, "gf.cm^2/cm": 98.0665e-6, "gf.cm/cm": 9.80665e-3}
 
 
-FIGURES = {"areal_density": 0.16, "membrane_warp": 1e4, "membrane_weft": 1e4, "membrane_shear": 40, "shear_hysteresis": 0.8, "shear_hysteresis_5": 2, "bending_warp": 9e-6, "bending_weft": 5e-6,
+FIGURES = {"areal_density": 0.16, "membrane_warp": 1e4, "membrane_weft": 1e4, "membrane_shear": 40, "shear_hysteresis": 0.8, "shear_hysteresis_5": 2, "bending_warp": 16e-6, "bending_weft": 4e-6,
            "bending_twist": 4e-6, "bending_hysteresis": 4e-4, "bending_hysteresis_weft": 2e-4}
 RUBBING = "\n".join(['name = "Rubbing"', 'description = "Round figures."', *(f"{k} = {v}" for k, v in FIGURES.items()), "[sources]", *(f'{k} = "x"' for k in FIGURES)]) + "\n"
 
@@ -62,14 +62,14 @@ RC = 45
 
 
 def fast_sheet(f):
-    """What FAST reads off a fabric, with a bending length along the bias."""
+    """What FAST reads off a fabric, with a rigidity along the bias."""
     length = lambda d: 1e3 * (d / (9.81 * f["areal_density"])) ** (1 / 3)
     twist = f.get("bending_twist", 0.5 * (f["bending_warp"] * f["bending_weft"]) ** 0.5)
     lines = [f"W = {1e3 * f['areal_density']:.6g}", f"C-1 = {length(f['bending_warp']):.6g}", f"C-2 = {length(f['bending_weft']):.6g}", f"EB5 = {123 / f['membrane_shear']:.6g}"]
     for number, d in ((1, "warp"), (2, "weft")):
         slack = 0.2  # that both readings have
         lines += [f"E5-{number} = {slack + 490.3 / f[f'membrane_{d}']:.6g}", f"E20-{number} = {slack + 1961.3 / f[f'membrane_{d}']:.6g}"]
-    return "[bending_length]\nbias = \"%.6g mm\"\n[fast]\n" % length((f["bending_warp"] + f["bending_weft"]) / 4 + twist) + "\n".join(lines) + "\n"
+    return "[bending_rigidity]\nbias = \"%.6g uN.m\"\n[fast]\n" % (1e6 * ((f["bending_warp"] + f["bending_weft"]) / 4 + twist)) + "\n".join(lines) + "\n"
 
 
 def fit(name, text, *words):
@@ -101,17 +101,22 @@ def fabric_test(report):
     folder = OUT / "fabric_test"
     code, text = invoke(["fabric-test", OUT / "rubbing.toml", "--output", folder, "--overwrite"])
     rows = re.findall(r"^(\S.*?) {2,}(\S.*?) {2,}\S+ +\S+ +([+-][\d.]+) %", text, re.M)
-    report.check(code == 0 and len(rows) == 11, f"exit code {code}: {len(rows)} figures{': ' + text.strip()[-200:] if code else ''}")
+    report.check(code == 0 and len(rows) == 13, f"exit code {code}: {len(rows)} figures{': ' + text.strip()[-200:] if code else ''}")
     clamped = [float(difference) for instrument, _, difference in rows if instrument.startswith("bias,")]
     report.check(len(clamped) == 1 and 40 < clamped[0] < 60, f"clamps keep a bias strip from shearing: FAST's formula is off by {clamped} %, by 50 % with yarns that do not stretch")
-    for instrument, figure, difference in [row for row in rows if not row[0].startswith("bias,")]:
-        report.below(float(difference) / 100, 0.02 if "bias" in instrument else 0.005, f"{instrument}: {figure}")  # a strip of 50 mm is no cylinder
+    for instrument, figure, difference in rows:
+        if "bias" not in instrument:
+            report.below(abs(float(difference)) / 100, 0.005, f"{instrument}: {figure}")
     code, text = invoke(["fit", folder / "sheet.toml", "-o", folder / "fabric.toml", "--overwrite"])
     report.check(code == 0, f"fit of the sheet: exit code {code}{': ' + text.strip()[-200:] if code else ''}")
     given, found = figures(OUT / "rubbing.toml"), figures(folder / "fabric.toml")
     for key in ("bending_warp", "bending_weft", "bending_hysteresis", "bending_hysteresis_weft", "membrane_shear", "shear_hysteresis", "shear_hysteresis_5"):
         report.percent(found[key] / given[key], 0.005, f"{key} of the fit")
-    report.percent(found["bending_twist"] / given["bending_twist"], 0.035, "bending_twist of the fit")
+    # A cantilever of 50 mm along the bias of such unlike yarns twists: as a cylinder it would give a twist 25 % too small.
+    strip = [float(difference) for instrument, _, difference in rows if instrument == "cantilever, bias"]
+    report.check(len(strip) == 1 and strip[0] < -3, f"the strip along the bias is {strip} % off a cylinder")
+    report.check("virtual cantilever along the bias, 50 mm wide" in text, "the fit asks the virtual strip")
+    report.percent(found["bending_twist"] / given["bending_twist"], 0.02, "bending_twist of the fit")
     code, text = invoke(["fabric-test", OUT / "rubbing.toml", "--output", folder])
     report.check(code == 2 and "--overwrite" in text, f"an earlier test: exit code {code}: {text.strip()[:110]}")
 

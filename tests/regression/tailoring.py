@@ -3,10 +3,11 @@
 import csv
 
 import numpy as np
-from common import fresh
+from common import fresh, pixels
 from harness import OUT, solve, test
 from pattern_files import CLOTH, HEIGHT, RADIUS, part, rectangle, svg, tube
 from patterns import dxf
+from picturing import draw
 from results import Results
 from solver import invoke, run, write_case
 
@@ -53,6 +54,14 @@ def seam_report(report):
     (OUT / "seam_report_open").mkdir(exist_ok=True)
     result = run(write_case(early, OUT / "seam_report_open.toml"), OUT / "seam_report_open", 1, ["--overwrite"])
     report.check(result.code == 3 and float(seams_of(result)["side a"]["gap"]) > 1e-3, f"a stage that ends too early: code {result.code}, {seams_of(result)['side a']['gap']} m")
+    worst, reds = max(seams_of(result).items(), key=lambda item: float(item[1]["gap"]))[0], []
+    for words in ((), ("--seams",)):
+        code, text = draw("render", result.folder, "--output", OUT / "seam_report.png", "--size", "240x180", "--quality", "draft", *words)
+        red, green, blue = pixels(OUT / "seam_report.png")[..., :3].transpose(2, 0, 1)
+        reds.append(int(((red > 0.6) & (green < 0.35) & (blue < 0.35)).sum()))
+    report.check(code == 0 and reds[0] == 0 and reds[1] > 20, f"render --seams: red pixels without and with it: {reds}; widest open is {worst}")
+    code, text = draw("render", OUT / "seam_report_1" / "no", "--seams")
+    report.check(code == 2, f"render --seams without a run: {text.strip()[:100]}")
 
 
 @test
@@ -166,32 +175,37 @@ def nest_of_sizes(report):
     report.check(code == 2 and "there are 36, 38" in text, f"size 42: code {code}, {text.strip()[-120:]}")
 
 
-def pleated(inward):
-    """A strip with a knife pleat in its waist, sewn to a band: points A, B, C and D of the waist, the way A to B folds under, B to C back, and C to D lies over both."""
+def pleated():
+    """A strip with a knife pleat in its waist, sewn to a band: points A, B, C and D of the waist, the way A to B folds under, B to C back, and C to D lies over both.
+    Supports fold it: while C comes to A, B swings out behind, and back on the same arc to D."""
     visible, under, height = 0.06, 0.03, 0.10
     waist = [0, visible, visible + under, visible + 2 * under, visible + 3 * under, 2 * visible + 2 * under]
     outline = [(x, 0) for x in waist] + [(waist[-1], height), (0, height)]
     path = lambda name, points: f'<path id="{name}" d="M {" L ".join(f"{1000 * x:.6g} {1000 * y:.6g}" for x, y in points)} Z"/>'  # noqa: E731
     band = [(0, 0), (2 * visible, 0), (2 * visible, 0.03), (0, 0.03)]
+    out, back = "pi/180*table(t, 0, 0, 0.2, 90)", "pi/180*table(t, 0, 0, 0.2, 90, 0.4, 5)"
+    held = {"type": "displacement", "components": ["x", "y", "z"], "stages": ["fold"]}
+    stage = {"analysis": "dynamic", "damping": {"mass": 10.0}}
     return {"panel": [{"file": svg("tailoring_pleat.svg", path("skirt", outline)), "size": 0.0075},
                       {"file": svg("tailoring_band.svg", path("band", band)), "size": 0.0075, "translate": [under, 0, 0.045]}],
             "seam": [{"name": "pleat", "edges": ["skirt/1"], "to": ["skirt/2"], "bending": 0},
                      {"name": "waist", "edges": ["band/2"], "to": ["skirt/0", "skirt/3", "skirt/4"], "meet": ["band@3", "skirt@0"]}],
             "mark": [{"name": "B", "point": "skirt@2"}, {"name": "D", "point": "skirt@4"}],
-            "spring": [{"type": "pair", "group": "B", "to": "D", "length": 1.5e-3, "stiffness": 200}],
-            "initial_velocity": [{"group": "B", "velocity": [0, inward, 0]}],
-            "material": [{"type": "fabric", "fabric": "cotton_broad", "texture_direction": [0, 1]}],
-            "load": [{"type": "gravity", "vector": [0, 0, -9.81]}],
+            "spring": [{"type": "pair", "group": "B", "to": "D", "length": 1.5e-3, "stiffness": 200, "stages": ["close"]}],
+            "material": [{"type": "fabric", "fabric": "wool_tropical", "texture_direction": [0, 1]}],
+            "load": [{"type": "gravity", "vector": [0, 0, -9.81], "stages": ["close"]}],
             "contact": {"distance": 1e-3, "friction": 0.1},
-            "support": [{"type": "displacement", "group": "band/0", "components": ["y", "z"]}, {"type": "displacement", "group": "band/3", "components": ["x"]}],
-            "stage": [{"name": "sew", "analysis": "dynamic", "sew": ["all"], "time": {"end": 0.8, "step": 5e-3}, "damping": {"mass": 10.0}}]}
+            "support": [{"type": "displacement", "group": "band/0", "components": ["y", "z"]}, {"type": "displacement", "group": "band/3", "components": ["x"]},
+                        held | {"group": "skirt/0"}, held | {"group": ["skirt/3", "skirt/4"], "motion": [f"{2 * under}*(cos({out}) - 1)", "0", "0"]},
+                        held | {"group": "B", "motion": [f"{under}*(cos({back}) - 1)", f"{under}*sin({back})", "0"]}],
+            "stage": [stage | {"name": "fold", "sew": ["pleat"], "time": {"end": 0.4, "step": 5e-3}}, stage | {"name": "close", "sew": ["waist"], "time": {"end": 0.8, "step": 5e-3}}]}
 
 
 @test
 def knife_pleat(report):
-    """A pleat folds to the side to which its point is pushed, its point lies at the waist, the waist closes over it, and nothing intersects."""
-    result = solve("knife_pleat", pleated(1.0))
-    moment, history = Results(result.folder / "sew")[-1], part(result, "sew").history
+    """Supports fold a pleat, its point lies at the waist, the waist closes over it, and nothing intersects."""
+    result = solve("knife_pleat", pleated())
+    moment, history = Results(result.folder / "close")[-1], part(result, "close").history
     place = lambda group: moment.positions[moment.mesh.group(group)]  # noqa: E731
     report.check(history["intersections"].max() == 0, "nothing intersects")
     report.below(np.linalg.norm(place("B") - place("D")), 3e-3, "the point of the pleat is at the waist [m]")

@@ -9,26 +9,21 @@
 #include <numbers>
 #include <random>
 
-#include "../test_case_kit.hpp"
-#include "../test_relative.hpp"
-#include "base/mpi.hpp"
 #include "fit/drape_fit.hpp"
 #include "fit/fabric_file.hpp"
 #include "fit/least_squares.hpp"
 #include "fit/record_file.hpp"
 #include "input/fabric.hpp"
+#include "test_fit_kit.hpp"
 
 namespace test_fit {
 
 using namespace voile;
 using namespace voile::testing;
+using namespace voile::testing::sheets;
 
 namespace {
 
-using fit::Parameter;
-constexpr double degree = std::numbers::pi / 180.0;
-
-const std::string head = "name = \"Test\"\ndescription = \"made up\"\n";
 const std::string sheet_text = head + R"toml(
 areal_density = ["168 g/m^2", "170 g/m^2"]
 [bending_length]
@@ -42,47 +37,6 @@ EMT = { warp = 4, weft = 6 }
 LT = { warp = 0.6, weft = 0.55 }
 RC = 40
 )toml";
-
-fit::DrapeTrial no_drape(const std::string&) {
-  throw InternalError("no drape test is needed");
-}
-
-fit::Fit fitted(const std::string& text) {
-  return fit::fit_sheet(fit::parse_sheet(text, "sheet.toml"), no_drape);
-}
-
-std::string fit_error(const std::string& text) {
-  return error_of([&] { (void)fitted(text); });
-}
-
-double value(const fit::Fit& f, Parameter p) {
-  return f.figures.at(p).value;
-}
-
-/// Rows of a record as a file that is removed.
-struct Rows {
-  std::string file;
-  explicit Rows(const std::vector<std::pair<double, double>>& rows)
-      : file("fit_rows_" + std::to_string(mpi::rank(MPI_COMM_WORLD)) + ".csv") {
-    std::ofstream out(file);
-    out << "x,force\n";
-    out.precision(12);
-    for (const auto& [x, force] : rows) out << x << ',' << force << '\n';
-  }
-  ~Rows() { (void)std::remove(file.c_str()); }
-  Rows(const Rows&) = delete;
-  Rows& operator=(const Rows&) = delete;
-};
-
-/// From zero to most, to least, and back to zero.
-std::vector<double> course(double most, double step) {
-  std::vector<double> all;
-  const auto count = static_cast<int>(most / step);
-  for (int i = 0; i <= count; ++i) all.push_back(step * i);
-  for (int i = count - 1; i >= -count; --i) all.push_back(step * i);
-  for (int i = -count + 1; i <= 0; ++i) all.push_back(step * i);
-  return all;
-}
 
 }  // namespace
 

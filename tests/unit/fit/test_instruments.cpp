@@ -11,6 +11,7 @@
 #include "energy/curvature.hpp"
 #include "energy/membrane.hpp"
 #include "energy/yarn_friction.hpp"
+#include "fit/heart_loop.hpp"
 #include "input/fabric.hpp"
 #include "solve/load_path.hpp"
 
@@ -72,6 +73,51 @@ TEST_CASE("a cantilever falls to the angle of the instrument under the load that
   CHECK(fit::cantilever_load(std::atan(5.888105)) == relative(100.0).epsilon(1e-4));
   const double angle = chord_angle(fit::cantilever_load(41.5 * degree), 40);
   if (mpi::rank(PETSC_COMM_WORLD) == 0) CHECK(angle == relative(41.5 * degree).epsilon(5e-3));
+}
+
+/// Half of a heart loop from its lowest point, with the curvature and the force there: angle and place of its upper end.
+Eigen::Vector3d shot(double load, double curvature, double force) {
+  constexpr int steps = 400;
+  constexpr double h = 0.5 / steps;
+  const auto rate = [&](double s, const Eigen::Vector4d& p) {
+    const double c = std::cos(p[0]), sine = std::sin(p[0]);
+    return Eigen::Vector4d(p[1], force * sine - load * s * c, c, sine);
+  };
+  Eigen::Vector4d p(0.0, curvature, 0.0, 0.0);
+  for (int i = 0; i < steps; ++i) {
+    const double s = i * h;
+    const Eigen::Vector4d a = rate(s, p), b = rate(s + 0.5 * h, p + 0.5 * h * a),
+                          c = rate(s + 0.5 * h, p + 0.5 * h * b), d = rate(s + h, p + h * c);
+    p += h / 6.0 * (a + 2.0 * b + 2.0 * c + d);
+  }
+  return {p[0], p[2], p[3]};
+}
+
+TEST_CASE(
+    "a heart loop is as high as an elastica that is shot from its lowest point, and Peirce's formula is near it") {
+  struct Start {
+    double load, curvature, force;
+  };
+  for (const Start& s : {Start{10.0, 5.1960, 33.7379}, Start{100.0, 6.0141, 22.4739}, Start{600.0, 10.0238, -7.4233}}) {
+    const Eigen::Vector3d end = shot(s.load, s.curvature, s.force);
+    CHECK(end[0] == relative(1.5 * std::numbers::pi).epsilon(1e-3));
+    CHECK(std::abs(end[1]) < 1e-4);
+    CHECK(fit::heart_height(s.load) == relative(end[2]).epsilon(2e-4));
+  }
+  // runs/drape/loops
+  CHECK(fit::heart_height(1000.0) == relative(0.34849).epsilon(1e-4));
+  CHECK(fit::heart_height(3000.0) == relative(0.40918).epsilon(1e-4));
+  CHECK(fit::heart_height(1e-6) == relative(0.13386).epsilon(1e-4));
+  CHECK(fit::heart_height(1e5) > 0.46);
+  for (const double load : {1.0, 20.0, 250.0, 2500.0})
+    CHECK(fit::heart_load(fit::heart_height(load)) == relative(load).epsilon(1e-6));
+  CHECK(std::cbrt(30.0) * fit::peirce_length(fit::heart_height(30.0)) == relative(1.0).epsilon(0.005));
+  CHECK(std::cbrt(300.0) * fit::peirce_length(fit::heart_height(300.0)) == relative(1.0404).epsilon(0.001));
+  fit::Values v = fabric();
+  at(v, Parameter::loop_length) = 0.1;
+  const double load = fit::gravity * 0.168 * 1e-3 / 5.56e-6;
+  CHECK(fit::Instrument{Kind::heart_loop, Parameter::areal_density, Direction::warp}.read(v) ==
+        relative(0.1 * fit::heart_height(load)).epsilon(1e-9));
 }
 
 TEST_CASE("bending lengths of warp, weft and bias") {
