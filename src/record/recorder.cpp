@@ -143,6 +143,11 @@ Recorder::Snapshot Recorder::snapshot(Vec a, const Motion& motion) {
   if (root_) warnings_.say_range(model_->dofs().mesh(), s.validity);
   if (probes_->need_energies())
     s.state.energies = linear_ ? LinearValues(*model_, a).energies() : system::energies(*model_, a);
+  if (probes_->need_stresses()) {
+    const system::TriangleFields t =
+        linear_ ? LinearValues(*model_, a).triangle_fields() : model_->potential().triangle_fields(a);
+    if (root_) s.state.stresses = probes_->stresses(*model_, t);
+  }
   if (probes_->need_ease()) s.state.ease = system::ease(model_->contact()->scene(), a);
   if (system::Contact* contact = model_->contact()) {
     s.contact = system::report(contact->scene(), a);
