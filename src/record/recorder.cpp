@@ -85,6 +85,8 @@ void Recorder::use(system::Model& model, const system::Dynamics* dynamics) {
 
 std::vector<std::string> Recorder::columns() const {
   const system::Contact* contact = model_->contact();
+  std::vector<char> gases;
+  for (const system::Gas& gas : model_->conditions().gases()) gases.push_back(gas.leaks() ? 1 : 0);
   std::vector<std::string> names =
       names_of({.in_time = case_.analysis == "dynamic",
                 .energy_balance = keeps_balance(),
@@ -93,7 +95,7 @@ std::vector<std::string> Recorder::columns() const {
                 .remeshing = case_.remesh.active,
                 .contact = case_.contact.input.active,
                 .passing = contact && system::has_passable_obstacles(contact->scene().input()),
-                .gases = static_cast<int>(model_->conditions().gases().size())});
+                .gases = gases});
   for (const input::RigidSection& rigid : case_.rigids)
     for (const std::string& column : names_of_rigid(rigid.name)) names.push_back(column);
   for (std::string& name : probes_->columns()) names.push_back(std::move(name));
@@ -311,6 +313,7 @@ void Recorder::write_history(const system::State& state, const solve::StepResult
                         "move supports or rigid groups less far",
                         now.volume));
       values.insert(values.end(), {now.volume, now.pressure, now.energy});
+      if (gas.leaks()) values.insert(values.end(), {gas.content().fraction, gas.content().loss});
     }
   }
   values.insert(values.end(), s.bodies.begin(), s.bodies.end());
