@@ -148,6 +148,11 @@ def harmonic_fields_mistakes(report):
         code, text = invoke(["check", write_case(blade(nx=8, damping={"ratio": [0.02]}) | changes, OUT / "fields_wrong.toml")])
         report.check(code == 2 and key in text and part in text and "fields_wrong.toml" in text,
                      f"{key}: {part}" + ("" if code == 2 and key in text and part in text else f": code {code}: {text[-300:]}"))
+    heavy = blade(nx=8, damping={"ratio": [0.02]}, harmonic=base, probe=[FOOT], rigid=[{"name": "lump", "group": "tip", "mass": 0.1}])
+    code, text = invoke(["run", write_case(heavy, OUT / "fields_wrong.toml"), "--output", str(OUT / "fields_wrong"), "--overwrite"])
+    report.check(code == 2 and "[[rigid]]" in text and "fields_wrong.toml" in text, f"a reaction beside a rigid group: {text.strip()[-150:]}")
+    fields = fields_of(solve("fields_rigid", heavy | {"probe": TIP, "harmonic": BASE | {"frequencies": [1.0], "field_frequencies": [1.0]}}))[0]
+    report.check("reaction_amplitude" not in fields and "stress_top_amplitude" in fields, "fields beside one have no reaction")
 
 
 def board_series(case):
