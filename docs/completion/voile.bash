@@ -2,7 +2,7 @@
 _voile() {
   local word="${COMP_WORDS[COMP_CWORD]}" previous="${COMP_WORDS[COMP_CWORD - 1]}" command="" options i
   for ((i = 1; i < COMP_CWORD; ++i)); do
-    case "${COMP_WORDS[i]}" in run | check | info | reference | init | drape-test | fabric-test | fit | doctor | render | plot | sheet | export | view | manikin) command="${COMP_WORDS[i]}" ;; esac
+    case "${COMP_WORDS[i]}" in run | check | info | reference | init | drape-test | fabric-test | fit | compare | doctor | render | plot | sheet | export | view | manikin) command="${COMP_WORDS[i]}" ;; esac
   done
   case "$previous" in
     --output) mapfile -t COMPREPLY < <(compgen -d -- "$word") && return ;;
@@ -22,6 +22,7 @@ _voile() {
     reference) options="--schema --help" ;;
     doctor) options="--help" ;;
     init) options="--from --example --list --drape --garment --shell --modal --help" ;;
+    compare) options="--near --output --overwrite --help" ;;
     drape-test) options="--specimen --repeats --method --elastic --equilibria --folds --no-mesh-check --cell --jobs --output --overwrite --quiet --help" ;;
     fabric-test) options="--output --overwrite --help" ;;
     fit) options="--output --overwrite --repeats --method --cell --jobs --quiet --help" ;;
@@ -31,7 +32,7 @@ _voile() {
     plot) options="--x --y --curve --dashed --points --labels --x-label --y-label --x-range --y-range --log --equal --legend --title --output --size --quiet --help" ;;
     export) options="--to --steps --stage --output --field --rate --no-obstacles --one-mesh --tolerance --quiet --help" ;;
     manikin) options="--kind --height --bust --waist --hip --inseam --arms --size --motion --seconds --fps --speed --cadence --angle --help" ;;
-    *) options="run check info reference init drape-test fabric-test fit doctor render plot sheet export view manikin --help --version" ;;
+    *) options="run check info reference init drape-test fabric-test fit compare doctor render plot sheet export view manikin --help --version" ;;
   esac
   if [[ "$word" == -* || -z "$command" ]]; then
     mapfile -t COMPREPLY < <(compgen -W "$options" -- "$word")

@@ -11,11 +11,11 @@ from typing import Any
 
 from .case import Case
 from .history import History
-from .modes import mac
+from .modes import mac, mac_span
 from .results import Mesh, Results, Step
 from .running import Run, run
 
-__all__ = ["Case", "History", "Mesh", "Results", "Run", "Step", "mac", "run"]
+__all__ = ["Case", "History", "Mesh", "Results", "Run", "Step", "mac", "mac_span", "run"]
 _IN_PROCESS = ("InternalError", "OutOfMemory", "Simulation", "UserError")
 
 

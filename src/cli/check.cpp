@@ -16,7 +16,7 @@
 #include "setup/mesh_report.hpp"
 #include "setup/start_supports.hpp"
 #include "simulation/contact_start.hpp"
-#include "simulation/harmonic.hpp"
+#include "simulation/excitation.hpp"
 #include "simulation/remesher.hpp"
 #include "simulation/restart.hpp"
 #include "simulation/sewing.hpp"

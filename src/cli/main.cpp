@@ -21,6 +21,7 @@
 #include "begin.hpp"
 #include "begin_deck.hpp"
 #include "check.hpp"
+#include "compare_command.hpp"
 #include "delegate.hpp"
 #include "doctor.hpp"
 #include "drape_test.hpp"
@@ -141,6 +142,7 @@ void declare(CLI::App& cli, Request& request) {
   declare_init(*add("init", "Begin a new case from a template", Command::init), request);
   cli.add_subcommand("drape-test", "Measure the drape coefficient of a fabric file");
   cli.add_subcommand("fabric-test", "Measure a fabric file on virtual instruments of a laboratory");
+  cli.add_subcommand("compare", "Find which modes of two runs are the same");
   cli.add_subcommand("fit", "Make a fabric file from the measurements of a laboratory");
   add("doctor", "Check this installation in a few seconds", Command::doctor);
   for (const cli::DelegatedCommand& c : cli::delegated_commands) cli.add_subcommand(c.name, c.what);
@@ -313,6 +315,7 @@ int main(int argc, char** argv) {
     cli::check_temporary_folder();
     if (cli::is_drape_test(argc, argv)) return static_cast<int>(cli::drape_test_command(argc, argv));
     if (cli::is_fabric_test(argc, argv)) return static_cast<int>(cli::fabric_test_command(argc, argv));
+    if (cli::is_compare(argc, argv)) return static_cast<int>(cli::compare_command(argc, argv));
     if (cli::is_fit(argc, argv)) return static_cast<int>(cli::fit_command(argc, argv));
   } catch (const UserError& e) {
     if (cli::launched_rank().rank == 0) fmt::print(stderr, "voile: error: {}\n", e.what());

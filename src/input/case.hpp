@@ -101,13 +101,16 @@ struct SewingSection {
 
 /// Named numbers recorded in history.csv after every accepted step.
 struct Probe {
-  enum class Kind { displacement, reaction, energy, height, ease };
+  enum class Kind { displacement, reaction, energy, height, ease, stress };
+  enum class Face { top, bottom };
   std::string name;  ///< of the columns, before suffixes such as _x _y _z
   Kind kind = Kind::displacement;
   std::string group;  ///< displacement: mean over the group's vertices; reaction: total over them; ease: empty for all
-  std::optional<Vec3> point;    ///< displacement of the vertex nearest to this rest position, instead of `group`
+  /// Rest position of the vertex nearest to it, instead of `group`; stress: of the triangle there.
+  std::optional<Vec3> point;
   std::vector<int> components;  ///< 0, 1, 2; empty: all three; height: at most one, which points up, 2 if empty
   double ground = 0.0;          ///< height: where it counts from [m]
+  Face face = Face::top;        ///< stress: of which surface
 };
 
 /// How a support moves: texts as written, turned into system::Support::motion.
@@ -202,7 +205,8 @@ struct HarmonicSection {
   double from = 0.0, to = 0.0;    ///< 0: those of `psd_frequencies` [Hz]
   int points = 200;               ///< between them
   Spacing spacing = Spacing::logarithmic;
-  std::vector<double> frequencies;  ///< instead of the four [Hz]
+  std::vector<double> frequencies;        ///< instead of the four [Hz]
+  std::vector<double> field_frequencies;  ///< at which fields are written [Hz]
   /// Power spectral density of the base's acceleration [(m/s^2)^2/Hz], or of the load factor [1/Hz], over the frequency;
   /// empty: nothing is random.
   std::vector<double> psd_frequencies, psd_values;

@@ -21,6 +21,7 @@ void check_ascending(const SectionPlace& place, const char* key, const std::vect
 }
 
 void check_range(const SectionPlace& place, HarmonicSection& s) {
+  check_ascending(place, "field_frequencies", s.field_frequencies);
   check_ascending(place, "frequencies", s.frequencies);
   if (!s.frequencies.empty() && s.from + s.to > 0.0)
     place.fail(s.from > 0.0 ? "from" : "to", "the frequencies are listed in `frequencies`; remove one of the two");
@@ -119,12 +120,16 @@ void check_harmonic(const Case& c) {
       refuse("load.type",
              "loads keep their direction; use pressure instead of follower_pressure, forces instead of "
              "follower_moment");
-  const auto observes = [](const Probe& p) { return p.kind == Probe::Kind::displacement; };
+  const auto observes = [](const Probe& p) {
+    return p.kind == Probe::Kind::displacement || p.kind == Probe::Kind::reaction || p.kind == Probe::Kind::stress;
+  };
   if (std::none_of(c.probes.begin(), c.probes.end(), observes))
     refuse("[[probe]]", "the response is recorded at probes; add one of type \"displacement\"");
   for (const Probe& probe : c.probes)
     if (!observes(probe) && !c.is_staged())
-      refuse("probe.type", ("'" + probe.name + "' must be a displacement; change it, or remove the probe").c_str());
+      refuse("probe.type",
+             ("'" + probe.name + "' must be a displacement, a reaction or a stress; change it, or remove the probe")
+                 .c_str());
 }
 
 }  // namespace voile::input

@@ -27,6 +27,17 @@ void read_load_history(const SectionPlace& place, const Case& c, system::Load& l
   load.history = time_function(place, "history", load.history_text);
 }
 
+void check_leak(const SectionPlace& place, const Case& c, const system::Load& load) {
+  if (c.analysis != "dynamic" && !c.is_staged())
+    place.fail("leak_area",
+               fmt::format("a gas leaks in time, and analysis = \"{}\" has none; use dynamic, or remove the "
+                           "key",
+                           c.analysis));
+  if (load.exponent == 0.0)
+    place.fail("exponent", "at constant pressure a leak changes nothing; give 1 or more, or remove leak_area");
+  if (load.ambient == 0.0) place.fail("ambient", "a leak needs the pressure outside, to which `density` belongs");
+}
+
 /// What a gas cannot be part of.
 void check_gas(const SectionPlace& place, const Case& c, const system::Load& load) {
   if (load.kind != system::Load::Kind::gas) return;
@@ -38,6 +49,9 @@ void check_gas(const SectionPlace& place, const Case& c, const system::Load& loa
     place.fail("magnitude", fmt::format("with ambient = {:g} Pa the absolute pressure would be {:g} Pa; a gas has more "
                                         "than 0",
                                         load.ambient, load.ambient + load.magnitude));
+  if (place.has("density") && !(load.leak_area > 0.0))
+    place.fail("density", "nothing of the gas leaks; give leak_area, or remove the key");
+  if (load.leak_area > 0.0) check_leak(place, c, load);
 }
 
 }  // namespace

@@ -53,6 +53,13 @@ std::vector<Key> frequency_keys(HarmonicSection& s) {
            .unit = "Hz",
            .range = positive,
            .absent = "none"},
+          {.name = "field_frequencies",
+           .slot = &s.field_frequencies,
+           .meaning = "Where fields of displacement, stress and reaction are written as amplitudes, ascending "
+                      "(docs/reference/results.md).",
+           .unit = "Hz",
+           .range = positive,
+           .absent = "none"},
           {.name = "psd_frequencies",
            .slot = &s.psd_frequencies,
            .meaning = "Random vibration: frequencies of the power spectral density of the excitation, ascending. "

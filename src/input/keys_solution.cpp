@@ -260,12 +260,14 @@ std::vector<Key> keys_of(Probe& s) {
                                    {"reaction", Probe::Kind::reaction},
                                    {"energy", Probe::Kind::energy},
                                    {"height", Probe::Kind::height},
-                                   {"ease", Probe::Kind::ease}}),
+                                   {"ease", Probe::Kind::ease},
+                                   {"stress", Probe::Kind::stress}}),
            .meaning = "`displacement`: mean over a group or of the vertex nearest to a point. `reaction`: total over a "
                       "group. `energy`: of the shell. `height`: least, mean and largest of the vertices of a group, "
                       "columns `NAME_min`, `_mean`, `_max`. `ease`: least distance to the bodies and its mean over the "
-                      "area, `NAME_min`, `_mean`.",
-           .unit = "m, N, J",
+                      "area, `NAME_min`, `_mean`. `stress`: of a triangle in material axes, `NAME_11`, `_22`, `_12`, "
+                      "`_von_mises`.",
+           .unit = "m, N, J, Pa",
            .required = true},
           {.name = "group",
            .slot = GroupList{&s.group},
@@ -276,9 +278,10 @@ std::vector<Key> keys_of(Probe& s) {
            .absent = "none"},
           {.name = "point",
            .slot = &s.point,
-           .meaning = "Rest position near the vertex to observe.",
+           .meaning = "Rest position near the vertex to observe; of a stress, of the triangle.",
            .unit = "m",
-           .types = {"displacement"},
+           .types = {"displacement", "stress"},
+           .required_types = {"stress"},
            .absent = "none"},
           {.name = "components",
            .slot = &s.components,
@@ -289,7 +292,11 @@ std::vector<Key> keys_of(Probe& s) {
            .slot = &s.ground,
            .meaning = "Where heights count from, on the axis that points up.",
            .unit = "m",
-           .types = {"height"}}};
+           .types = {"height"}},
+          {.name = "face",
+           .slot = choice(s.face, {{"top", Probe::Face::top}, {"bottom", Probe::Face::bottom}}),
+           .meaning = "Of the sheet: `top` is where the normal points to.",
+           .types = {"stress"}}};
 }
 
 std::vector<Key> keys_of(OutputSection& s) {

@@ -218,6 +218,8 @@ std::string Recording::caption(const Moment& moment) const {
                ? fmt::format("{}mode {}: {:.4g} Hz", stage, step.number, part.mode_values[i])
                : fmt::format("{}mode {}: load factor {:.4g}", stage, step.number, part.mode_values[i]);
   }
+  if (part.run.has_field(*moment.step, "displacement_phase")) return fmt::format("{}{:.4g} Hz", stage, step.time);
+  if (part.run.has_field(*moment.step, "displacement_rms")) return stage + "root mean square";
   if (part.in_time) return fmt::format("{}t = {:.4g} s", stage, step.time);
   return fmt::format("{}load factor {:.4g}", stage, step.load_factor);
 }

@@ -60,7 +60,7 @@ class Recording {
   [[nodiscard]] std::shared_ptr<const results::StoredMesh> mesh(const Moment& moment) const;
   /// Number of the step, or -1 at the start.
   [[nodiscard]] int number(const Moment& moment) const;
-  /// E.g. "t = 0.25 s", "load factor 0.5", "mode 2: 3.1 Hz".
+  /// E.g. "t = 0.25 s", "load factor 0.5", "mode 2: 3.1 Hz", of a vibration "3.1 Hz".
   [[nodiscard]] std::string caption(const Moment& moment) const;
 
  private:

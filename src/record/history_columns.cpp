@@ -11,7 +11,7 @@ namespace {
 using Names = std::vector<std::string>;
 
 /// Columns that are known as those of gases.
-constexpr int most_gases = 99;
+constexpr std::size_t most_gases = 99;
 
 /// Those of every motion, and of every path.
 const Names of_motion{"step",           "time",     "step_size",       "load_factor", "newton_iterations",
@@ -36,9 +36,11 @@ Names names_of(const HistoryColumns& columns) {
   add(columns.remeshing, {"vertices", "remeshings"});
   add(columns.contact, {"contact_pairs", "smallest_gap", "cut_short", "shortest_iteration", "intersections"});
   add(columns.passing, {"passing"});
-  for (int k = 1; k <= columns.gases; ++k)
-    for (const char* name : {"gas_volume", "gas_pressure", "gas_energy"})
-      names.push_back(k > 1 ? fmt::format("{}_{}", name, k) : name);
+  for (std::size_t k = 0; k < columns.gases.size(); ++k) {
+    Names own{"gas_volume", "gas_pressure", "gas_energy"};
+    if (columns.gases[k] != 0) own.insert(own.end(), {"gas_content", "gas_leak_loss"});
+    for (const std::string& name : own) names.push_back(k > 0 ? fmt::format("{}_{}", name, k + 1) : name);
+  }
   return names;
 }
 
@@ -70,7 +72,7 @@ bool is_of_probe(const std::string& column) {
                                         .remeshing = true,
                                         .contact = true,
                                         .passing = true,
-                                        .gases = most_gases});
+                                        .gases = std::vector<char>(most_gases, 1)});
   return !contains(others, column) && !contains(of_path, column);
 }
 

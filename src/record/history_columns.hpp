@@ -15,7 +15,7 @@ namespace voile::record {
 struct HistoryColumns {
   bool in_time = false, energy_balance = false, fabric = false, sewing = false, remeshing = false, contact = false,
        passing = false;
-  int gases = 0;
+  std::vector<char> gases{};  ///< of each, whether it leaks
 };
 
 /// In the order of the file.

@@ -4,13 +4,11 @@
 #include <array>
 #include <cmath>
 
+#include "state_change.hpp"
+
 namespace voile::record {
 
 namespace {
-
-/// Largest displacement of e u over the length of a cell: terms of third order are its square, and round-off of the coordinates is
-/// divided by it, so about the cube root of round-off.
-constexpr double fraction_of_cell = 1e-5;
 
 using LinearField = std::vector<double> system::TriangleFields::*;
 constexpr std::array<LinearField, 5> linear_fields{

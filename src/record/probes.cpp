@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <array>
 
+#include "geometry/closest_triangle.hpp"
+#include "stresses.hpp"
 #include "system/contact.hpp"
 #include "system/ease.hpp"
 #include "voile/errors.hpp"
@@ -16,7 +18,8 @@ namespace {
 using Kind = input::Probe::Kind;
 
 constexpr std::array<const char*, 3> axis{"x", "y", "z"};
-constexpr int up = 2;  ///< unless a probe of height says otherwise
+constexpr std::array<const char*, 3> pair{"11", "22", "12"};  ///< of a stress
+constexpr int up = 2;                                         ///< unless a probe of height says otherwise
 
 Index nearest_vertex(const mesh::SurfaceMesh& mesh, const Vec3& point) {
   Index best = 0;
@@ -34,6 +37,7 @@ std::vector<Index> vertices_of(const input::Probe& probe, const mesh::SurfaceMes
 
 /// Parts of the columns' names after that of the probe.
 std::vector<std::string> parts_of(Kind kind, const std::vector<int>& components) {
+  if (kind == Kind::stress) return {pair[0], pair[1], pair[2], "von_mises"};
   if (kind == Kind::energy) return {"membrane", "bending", "external"};
   if (kind == Kind::ease) return {"min", "mean"};
   if (kind == Kind::height) return {"min", "mean", "max"};
@@ -77,6 +81,27 @@ std::vector<std::string> probe_warnings(const input::Case& c, const mesh::Surfac
   return texts;
 }
 
+namespace {
+
+/// The triangle whose stress a probe observes.
+Index stressed_triangle(const input::Case& c, const input::Probe& probe, const system::Model& model) {
+  if (c.remesh.active || !c.panels.empty())
+    throw UserError(fmt::format(
+        "{}: [[probe]] '{}' type = \"stress\": a new mesh does not have the triangle whose stress this is; write "
+        "output.stresses, or remove [remesh] or the panels",
+        c.file.string(), probe.name));
+  const mesh::SurfaceMesh& mesh = model.dofs().mesh();
+  const Index t = geometry::ClosestTriangle(mesh.positions(), mesh.triangles()).find(*probe.point);
+  if (model.discretisation().sheet().material(t).layers.empty())
+    throw UserError(fmt::format(
+        "{}: [[probe]] '{}' type = \"stress\": the material there is given by stiffnesses, without its layers; give it "
+        "young and thickness or plies, or observe fields of force instead",
+        c.file.string(), probe.name));
+  return t;
+}
+
+}  // namespace
+
 Probes::Probes(const input::Case& c, const system::Model& model) : case_(c) {
   for (const input::Probe& probe : c.probes) {
     Members m{vertices_of(probe, model.dofs().mesh()), probe.components};
@@ -92,6 +117,7 @@ Probes::Probes(const input::Case& c, const system::Model& model) : case_(c) {
           "{}: [[probe]] '{}' type = \"reaction\": vertices of '{}' belong to a [[rigid]] group, whose forces "
           "act at its reference point; remove the probe and read the group's columns: {}_force_x and so on",
           c.file.string(), probe.name, probe.group, c.rigids.front().name));
+    if (probe.kind == Kind::stress) m.triangle = stressed_triangle(c, probe, model);
     members_.push_back(std::move(m));
   }
 }
@@ -122,6 +148,7 @@ std::vector<double> Probes::components_of(const input::Probe& probe, const Membe
 
 std::vector<double> Probes::values(const Observed& state, const system::Model& model) const {
   std::vector<double> all;
+  std::size_t stress = 0;
   for (std::size_t p = 0; p < members_.size(); ++p) {
     const input::Probe& probe = case_.probes[p];
     const Members& m = members_[p];
@@ -131,6 +158,9 @@ std::vector<double> Probes::values(const Observed& state, const system::Model& m
     } else if (probe.kind == Kind::ease) {
       const system::EaseRange range = system::range_of_ease(model.contact()->scene(), state.ease, m.vertices);
       own = {range.least, range.mean};
+    } else if (probe.kind == Kind::stress) {
+      const Vec3& s = state.stresses[stress++];
+      own = {s[0], s[1], s[2], von_mises(s)};
     } else if (probe.kind == Kind::height) {
       own = heights(probe, m.vertices, m.components.front(), state.displacement, model.dofs().mesh());
     } else {
@@ -141,21 +171,39 @@ std::vector<double> Probes::values(const Observed& state, const system::Model& m
   return all;
 }
 
-std::vector<Probes::Component> Probes::displacement_components() const {
-  std::vector<Component> all;
+std::vector<Vec3> Probes::stresses(const system::Model& model, const system::TriangleFields& fields) const {
+  std::vector<Vec3> all;
   for (std::size_t p = 0; p < members_.size(); ++p)
-    if (case_.probes[p].kind == Kind::displacement)
-      for (const int k : members_[p].components)
-        all.push_back({fmt::format("{}_{}", case_.probes[p].name, axis[static_cast<std::size_t>(k)]), k});
+    if (case_.probes[p].kind == Kind::stress)
+      all.push_back(face_stress(model.discretisation().sheet(), fields, members_[p].triangle,
+                                case_.probes[p].face == input::Probe::Face::top));
   return all;
 }
 
-std::vector<double> Probes::displacement_values(const std::vector<double>& displacement) const {
-  std::vector<double> all;
-  const Observed observed{displacement, {}, {}, {}};
+std::vector<Probes::Component> Probes::vibrating() const {
+  std::vector<Component> all;
   for (std::size_t p = 0; p < members_.size(); ++p) {
-    if (case_.probes[p].kind != Kind::displacement) continue;
-    const std::vector<double> own = components_of(case_.probes[p], members_[p], observed);
+    const input::Probe& probe = case_.probes[p];
+    if (probe.kind == Kind::displacement || probe.kind == Kind::reaction)
+      for (const int k : members_[p].components)
+        all.push_back({fmt::format("{}_{}", probe.name, axis[static_cast<std::size_t>(k)]), probe.kind, p, k});
+    for (std::size_t k = 0; probe.kind == Kind::stress && k < pair.size(); ++k)
+      all.push_back({fmt::format("{}_{}", probe.name, pair[k]), probe.kind, p, static_cast<int>(k)});
+  }
+  return all;
+}
+
+std::vector<double> Probes::vibrating_values(const Observed& change) const {
+  std::vector<double> all;
+  std::size_t stress = 0;
+  for (std::size_t p = 0; p < members_.size(); ++p) {
+    const Kind kind = case_.probes[p].kind;
+    if (kind == Kind::stress) {
+      const Vec3& s = change.stresses[stress++];
+      all.insert(all.end(), s.begin(), s.end());
+    }
+    if (kind != Kind::displacement && kind != Kind::reaction) continue;
+    const std::vector<double> own = components_of(case_.probes[p], members_[p], change);
     all.insert(all.end(), own.begin(), own.end());
   }
   return all;

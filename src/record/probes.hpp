@@ -13,7 +13,8 @@ namespace voile::record {
 struct Observed {
   std::vector<double> displacement, reaction;  ///< [m], [N]
   system::Energies energies;
-  std::vector<double> ease;  ///< per vertex [m]; only if some probe needs it
+  std::vector<double> ease;         ///< per vertex [m]; only if some probe needs it
+  std::vector<Vec3> stresses = {};  ///< of each probe of stress, likewise [Pa]
 };
 
 /// What to say of probes whose point is farther from the nearest vertex than the triangles there are large. Not collective.
@@ -27,17 +28,23 @@ class Probes {
 
   [[nodiscard]] bool need_energies() const { return any(input::Probe::Kind::energy); }
   [[nodiscard]] bool need_ease() const { return any(input::Probe::Kind::ease); }
+  [[nodiscard]] bool need_stresses() const { return any(input::Probe::Kind::stress); }
+  [[nodiscard]] bool need_reactions() const { return any(input::Probe::Kind::reaction); }
+  /// Of each probe of stress: 11, 22, 12. On rank 0. [Pa]
+  [[nodiscard]] std::vector<Vec3> stresses(const system::Model& model, const system::TriangleFields& fields) const;
   [[nodiscard]] std::vector<std::string> columns() const;
   /// In the order of the columns. On rank 0.
   [[nodiscard]] std::vector<double> values(const Observed& state, const system::Model& model) const;
-  /// Components of the probes of displacement: their columns, and their values of a displacement (or change of it) that is
-  /// gathered. The second on rank 0.
+  /// Components of the probes that vibrate (displacement, reaction, stress): their columns, and their values where all that is
+  /// observed is a change. The second on rank 0.
   struct Component {
     std::string column;
-    int axis;
+    input::Probe::Kind kind;
+    std::size_t probe;  ///< its number
+    int axis;           ///< x, y, z; 11, 22, 12
   };
-  [[nodiscard]] std::vector<Component> displacement_components() const;
-  [[nodiscard]] std::vector<double> displacement_values(const std::vector<double>& displacement) const;
+  [[nodiscard]] std::vector<Component> vibrating() const;
+  [[nodiscard]] std::vector<double> vibrating_values(const Observed& change) const;
   /// The displacement probe of that name, with one component, as a linear function of the unknowns. Collective.
   [[nodiscard]] petsc::VecHandle functional(const std::string& name, const system::Model& model) const;
 
@@ -45,6 +52,7 @@ class Probes {
   struct Members {
     std::vector<Index> vertices;
     std::vector<int> components;
+    Index triangle = no_index;  ///< of a stress
   };
   [[nodiscard]] bool any(input::Probe::Kind kind) const;
   [[nodiscard]] std::vector<double> components_of(const input::Probe& probe, const Members& m,

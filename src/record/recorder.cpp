@@ -85,6 +85,8 @@ void Recorder::use(system::Model& model, const system::Dynamics* dynamics) {
 
 std::vector<std::string> Recorder::columns() const {
   const system::Contact* contact = model_->contact();
+  std::vector<char> gases;
+  for (const system::Gas& gas : model_->conditions().gases()) gases.push_back(gas.leaks() ? 1 : 0);
   std::vector<std::string> names =
       names_of({.in_time = case_.analysis == "dynamic",
                 .energy_balance = keeps_balance(),
@@ -93,7 +95,7 @@ std::vector<std::string> Recorder::columns() const {
                 .remeshing = case_.remesh.active,
                 .contact = case_.contact.input.active,
                 .passing = contact && system::has_passable_obstacles(contact->scene().input()),
-                .gases = static_cast<int>(model_->conditions().gases().size())});
+                .gases = gases});
   for (const input::RigidSection& rigid : case_.rigids)
     for (const std::string& column : names_of_rigid(rigid.name)) names.push_back(column);
   for (std::string& name : probes_->columns()) names.push_back(std::move(name));
@@ -143,6 +145,11 @@ Recorder::Snapshot Recorder::snapshot(Vec a, const Motion& motion) {
   if (root_) warnings_.say_range(model_->dofs().mesh(), s.validity);
   if (probes_->need_energies())
     s.state.energies = linear_ ? LinearValues(*model_, a).energies() : system::energies(*model_, a);
+  if (probes_->need_stresses()) {
+    const system::TriangleFields t =
+        linear_ ? LinearValues(*model_, a).triangle_fields() : model_->potential().triangle_fields(a);
+    if (root_) s.state.stresses = probes_->stresses(*model_, t);
+  }
   if (probes_->need_ease()) s.state.ease = system::ease(model_->contact()->scene(), a);
   if (system::Contact* contact = model_->contact()) {
     s.contact = system::report(contact->scene(), a);
@@ -306,6 +313,7 @@ void Recorder::write_history(const system::State& state, const solve::StepResult
                         "move supports or rigid groups less far",
                         now.volume));
       values.insert(values.end(), {now.volume, now.pressure, now.energy});
+      if (gas.leaks()) values.insert(values.end(), {gas.content().fraction, gas.content().loss});
     }
   }
   values.insert(values.end(), s.bodies.begin(), s.bodies.end());

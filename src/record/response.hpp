@@ -1,6 +1,12 @@
 // Vibration of probes over the frequency: response.csv, and the largest amplitudes.
+//
+// Symbols   s = (s11, s22, s12) complex amplitude of a stress, s(t) = Re(s e^(i omega t));  s_v(t)^2 = s(t).Q s(t) von Mises
+//   largest s_v in a cycle:  sqrt((s^H Q s + |s^T Q s|) / 2)
+//   mean of s_v^2:           mean squares of (s11 + s22)/2, sqrt(3) (s11 - s22)/2, sqrt(3) s12, added up
+// Source: D.J. Segalman et al., J. Vib. Acoust. 122 (2000) 42-48.
 #pragma once
 
+#include <Eigen/Core>
 #include <complex>
 #include <filesystem>
 #include <optional>
@@ -17,6 +23,10 @@ namespace voile::record {
 /// Whether a mode of this value (frequency [Hz], load factor) counts for the result, not only for what completes it.
 [[nodiscard]] bool counts(const input::Case& c, double value);
 
+/// The three parts whose squares add up to von Mises's stress squared, and its largest value in a cycle.
+[[nodiscard]] Eigen::Vector3cd von_mises_parts(const Eigen::Vector3cd& stress);
+[[nodiscard]] double largest_von_mises(const Eigen::Vector3cd& stress);
+
 /// On one rank.
 class ResponseTable {
  public:
@@ -24,17 +34,33 @@ class ResponseTable {
   /// there is a power spectral density of the acceleration of each component. Throws UserError.
   ResponseTable(const std::filesystem::path& folder, std::vector<Probes::Component> components, Vec3 base, bool random);
 
-  /// Displacements u and accelerations -omega^2 u + base, as amplitudes at this frequency [Hz]. `density`: of the
-  /// excitation, relative to that of unit size.
-  void add(double frequency, const std::vector<std::complex<double>>& displacement, double density);
-  [[nodiscard]] std::complex<double> acceleration(std::size_t component, double frequency,
-                                                  std::complex<double> displacement) const;
-  [[nodiscard]] std::vector<ResponsePeak>& peaks() { return peaks_; }
+  /// Amplitudes at this frequency [Hz] of what the components observe; accelerations are -omega^2 u + base. `density`: of
+  /// the excitation, relative to that of unit size.
+  void add(double frequency, const std::vector<std::complex<double>>& values, double density);
+  /// What mean squares are wanted of, for these amplitudes; and takes them in the same order.
+  [[nodiscard]] Eigen::VectorXcd random_parts(double frequency, const std::vector<std::complex<double>>& values) const;
+  void take_mean_squares(const Eigen::VectorXd& squares);
+  [[nodiscard]] const std::vector<Probes::Component>& components() const { return components_; }
+  [[nodiscard]] const std::vector<ResponsePeak>& peaks() const { return peaks_; }
   /// One line for each component.
   [[nodiscard]] std::string text() const;
 
  private:
+  /// A line of the text: a component, or von Mises's stress of the three that end with it.
+  struct Entry {
+    std::size_t component;
+    bool von_mises;
+  };
+  [[nodiscard]] bool moves(const Entry& e) const {
+    return components_[e.component].kind == input::Probe::Kind::displacement;
+  }
+  [[nodiscard]] std::complex<double> acceleration(const Entry& e, double frequency,
+                                                  std::complex<double> displacement) const;
+  void add_entries();
+  void add_columns(const Entry& e, std::vector<std::string>& columns) const;
+
   std::vector<Probes::Component> components_;
+  std::vector<Entry> entries_;
   Vec3 base_;
   bool random_;
   std::vector<ResponsePeak> peaks_;

@@ -13,6 +13,10 @@
 
 namespace voile::record {
 
+double von_mises(const Vec3& s) {
+  return std::sqrt(std::max(0.0, s[0] * s[0] - s[0] * s[1] + s[1] * s[1] + 3.0 * s[2] * s[2]));
+}
+
 namespace {
 
 using Stress = Vec3;  // 11, 22, 12
@@ -21,10 +25,6 @@ using Stress = Vec3;  // 11, 22, 12
 Vec3 principal(const Stress& s) {
   const double mean = 0.5 * (s[0] + s[1]), radius = std::hypot(0.5 * (s[0] - s[1]), s[2]);
   return {mean + radius, mean - radius, 0.5 * std::atan2(2.0 * s[2], s[0] - s[1])};
-}
-
-double von_mises(const Stress& s) {
-  return std::sqrt(std::max(0.0, s[0] * s[0] - s[0] * s[1] + s[1] * s[1] + 3.0 * s[2] * s[2]));
 }
 
 /// A field of stresses at one place in the thickness.
@@ -122,6 +122,14 @@ std::vector<results::Field> stretch_fields(const energy::Sheet& sheet, const sys
     f.values[3 * t + 2] = energy::thinning(law, strain);
   }
   return {f};
+}
+
+Vec3 face_stress(const energy::Sheet& sheet, const system::TriangleFields& fields, Index triangle, bool top) {
+  const energy::Material& m = sheet.material(triangle);
+  if (m.layers.empty()) return Vec3::Zero();
+  const energy::Layer& layer = top ? m.layers.back() : m.layers.front();
+  const energy::SheetState state = system::sheet_state(fields, static_cast<std::size_t>(triangle));
+  return energy::layer_stress(m, layer, top ? layer.high : layer.low, state);
 }
 
 std::vector<results::Field> stress_fields(const energy::Sheet& sheet, const system::TriangleFields& fields,

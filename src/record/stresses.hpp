@@ -20,6 +20,12 @@ namespace voile::record {
 [[nodiscard]] std::vector<results::Field> stress_fields(const energy::Sheet& sheet,
                                                         const system::TriangleFields& fields, bool plies);
 
+/// Stress 11, 22, 12 on a face of a triangle; zero where the layers are not known. Rank 0 only. [Pa]
+[[nodiscard]] Vec3 face_stress(const energy::Sheet& sheet, const system::TriangleFields& fields, Index triangle,
+                               bool top);
+/// Of a stress 11, 22, 12. [Pa]
+[[nodiscard]] double von_mises(const Vec3& stress);
+
 /// principal_stretch on triangles: those of the sheet, the larger first, and of its thickness; 1 where the material is not hyperelastic. None
 /// if no material is. Rank 0 only.
 [[nodiscard]] std::vector<results::Field> stretch_fields(const energy::Sheet& sheet,

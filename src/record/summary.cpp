@@ -68,12 +68,11 @@ Json json_of(const RemeshingEffort& r) {
 Json json_of(const std::vector<ResponsePeak>& peaks) {
   Json all = Json::array();
   for (const ResponsePeak& p : peaks) {
-    Json one{{"probe", p.column},
-             {"largest_amplitude", p.amplitude},
-             {"frequency", p.frequency},
-             {"largest_acceleration", p.acceleration},
-             {"frequency_of_acceleration", p.acceleration_frequency}};
-    if (p.mean_displacement) one["rms_displacement"] = *p.mean_displacement;
+    const bool moves = p.unit == "m";
+    Json one{{"probe", p.column}, {"largest_amplitude", p.amplitude}, {"frequency", p.frequency}};
+    if (moves) one["largest_acceleration"] = p.acceleration;
+    if (moves) one["frequency_of_acceleration"] = p.acceleration_frequency;
+    if (p.mean) one[moves ? "rms_displacement" : p.unit == "N" ? "rms_reaction" : "rms_stress"] = *p.mean;
     if (p.mean_acceleration) one["rms_acceleration"] = *p.mean_acceleration;
     all.push_back(one);
   }

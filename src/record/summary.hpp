@@ -35,10 +35,10 @@ struct FirstFailure {
 
 /// Vibration of one component of a probe.
 struct ResponsePeak {
-  std::string column;
-  double amplitude = 0.0, frequency = 0.0;                     ///< largest displacement [m], where [Hz]
-  double acceleration = 0.0, acceleration_frequency = 0.0;     ///< likewise [m/s^2]
-  std::optional<double> mean_displacement, mean_acceleration;  ///< root mean squares of a random vibration
+  std::string column, unit;                                 ///< m, N, Pa
+  double amplitude = 0.0, frequency = 0.0;                  ///< the largest, where [Hz]
+  double acceleration = 0.0, acceleration_frequency = 0.0;  ///< of a displacement, likewise [m/s^2]
+  std::optional<double> mean = {}, mean_acceleration = {};  ///< root mean squares of a random vibration
 };
 
 /// What summary.json says.

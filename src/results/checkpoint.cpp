@@ -94,6 +94,10 @@ void write_checkpoint(const std::filesystem::path& path, const Checkpoint& c, co
     file.number("/", "bodies_count", static_cast<double>(c.bodies.size()));
     file.dataset("bodies", H5T_NATIVE_DOUBLE, 1, c.bodies.size(), c.bodies.data());
   }
+  if (!c.leaks.empty()) {
+    file.number("/", "leaks_count", static_cast<double>(c.leaks.size()));
+    file.dataset("leaks", H5T_NATIVE_DOUBLE, 1, c.leaks.size(), c.leaks.data());
+  }
   if (!c.slips.empty()) {
     file.number("/", "slips_count", static_cast<double>(c.slips.size()));
     file.dataset("slips", H5T_NATIVE_DOUBLE, 1, c.slips.size(), c.slips.data());
@@ -139,6 +143,18 @@ void read_slips(hid_t file, const mesh::SurfaceMesh& mesh, const std::filesystem
   c.slips = read_values(file, "slips", static_cast<std::size_t>(count), path);
   for (const double v : c.slips)
     if (!std::isfinite(v)) fail_reading(path, "its slips inside the fabric make no sense");
+}
+
+/// Fraction that is left and loss of each gas.
+void read_leaks(hid_t file, const std::filesystem::path& path, Checkpoint& c) {
+  if (!has(file, "leaks")) return;
+  const double count = read_number(file, "/", "leaks_count", path);
+  if (!(count >= 2.0 && count < 1e6 && 0.5 * count == std::floor(0.5 * count)))
+    fail_reading(path, "its number of gases makes no sense");
+  c.leaks = read_values(file, "leaks", static_cast<std::size_t>(count), path);
+  for (std::size_t i = 0; i < c.leaks.size(); ++i)
+    if (!std::isfinite(c.leaks[i]) || (i % 2 == 0 && !(c.leaks[i] > 0.0)))
+      fail_reading(path, "what it has left of gases makes no sense");
 }
 
 void read_bodies(hid_t file, const std::filesystem::path& path, Checkpoint& c) {
@@ -223,6 +239,7 @@ Checkpoint read_unguarded(const std::filesystem::path& path, const mesh::Surface
   read_couplings(file, mesh, path, c);
   read_slips(file, mesh, path, c);
   read_bodies(file, path, c);
+  read_leaks(file, path, c);
   return c;
 }
 

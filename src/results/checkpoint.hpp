@@ -27,6 +27,7 @@ struct Checkpoint {
   std::vector<double> energy_balance{};        ///< see system::numbers_of; empty: not kept
   std::vector<double> bodies{};                ///< unknowns of rigid bodies, see simulation/carry; empty: none
   std::vector<double> slips{};                 ///< see system::Potential::slips; empty: none
+  std::vector<double> leaks{};                 ///< see system::BoundaryConditions::leaks; empty: none
   std::vector<double> path{};                  ///< system::PathMemory; empty: none
   std::vector<double> stability{};             ///< system::StabilityMemory; empty: none
   std::vector<double> stiffest{};              ///< mode of its frequency; empty: none

@@ -79,6 +79,7 @@ results::Checkpoint gather(const system::State& s, const system::Model& model) {
   c.factors_left = s.solver.factors_left;
   c.wait = s.solver.wait;
   c.slips = model.potential().slips();
+  c.leaks = model.conditions().leaks();
   return c;
 }
 

@@ -71,6 +71,9 @@ Epoch::Epoch(MPI_Comm comm, const input::Case& stage, const mesh::SurfaceMesh& m
   if (lets_go_at(stage, start.time)) state_.a.reset();
   model_.couple(start.couplings);
   model_.potential().restore_slips(start.slips);
+  std::vector<double> leaks = start.leaks;
+  mpi::broadcast(comm, leaks);
+  model_.conditions().restore_leaks(leaks);
 }
 
 bool Epoch::ends_at(double time) const {

@@ -1,4 +1,4 @@
-// Frequency response: amplitudes of probes under loads or a base that vibrate.
+// Frequency response: amplitudes of probes and fields under loads or a base that vibrate.
 #pragma once
 
 #include "input/case.hpp"
@@ -19,10 +19,7 @@ struct VibrationModes {
 /// How far above the highest frequency of the response modes are needed.
 inline constexpr double mode_margin = 1.5;
 
-/// Throws UserError for supports that move by themselves, and a base that cannot move the sheet, if the analysis is one of
-/// frequencies. Not collective.
-void require_excitation(const input::Case& c, const system::Model& model);
-/// response.csv of the vibration about the state `a`, and its peaks in the summary. Collective. Throws UserError where the
+/// response.csv and fields of the vibration about the state `a`, and its peaks in the summary. Collective. Throws UserError where the
 /// response is not determined.
 void run_harmonic(const input::Case& c, const record::RunOptions& options, system::Model& model, Vec a,
                   const VibrationModes& modes, record::Summary& summary);

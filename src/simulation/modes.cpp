@@ -9,6 +9,7 @@
 
 #include "base/interrupt.hpp"
 #include "base/mpi.hpp"
+#include "excitation.hpp"
 #include "harmonic.hpp"
 #include "record/discretisation_error.hpp"
 #include "record/linear_values.hpp"
@@ -87,7 +88,17 @@ std::string carried_text(const std::vector<solve::Participation>& all, double ma
 struct Estimated {  ///< of each mode
   const std::vector<double>& errors;
   const std::vector<solve::Participation>& parts;  ///< empty: of buckling
+  Mat mass;                                        ///< likewise null
 };
+
+/// Of a mode, for scalar products; empty without masses, and where rigid bodies have some of their own.
+std::vector<double> times_mass(const system::Model& model, Mat mass, Vec shape) {
+  if (!mass || !model.dofs().motions().empty()) return {};
+  const petsc::VecHandle product = model.dofs().create_vector();
+  VOILE_PETSC(MatMult(mass, shape, product));
+  model.dofs().clear_fixed(product);
+  return model.dofs().gather_forces(product);
+}
 
 void write_modes(const input::Case& c, const record::RunOptions& options, const system::Model& model,
                  const solve::EigenResult& result, const Estimated& of) {
@@ -108,6 +119,7 @@ void write_modes(const input::Case& c, const record::RunOptions& options, const 
   for (std::size_t i = 0; i < result.modes.size(); ++i) {
     const solve::Mode& mode = result.modes[i];
     std::vector<double> shape = model.dofs().gather_change(mode.shape);
+    const std::vector<double> weighted = times_mass(model, of.mass, mode.shape);
     mpi::on_root(model.dofs().comm(), [&] {
       const int number = static_cast<int>(i) + 1;
       std::vector<double> row{static_cast<double>(number), mode.value, mode.eigenvalue, mode.residual, of.errors[i]};
@@ -115,6 +127,7 @@ void write_modes(const input::Case& c, const record::RunOptions& options, const 
       if (table) table->write(row);
       results::StepFields step{number, static_cast<double>(number), model.conditions().load_factor(), {}};
       step.fields.push_back({"mode", "1", results::Centre::vertex, 3, std::move(shape)});
+      if (!weighted.empty()) step.fields.push_back({"mode_times_mass", "kg", results::Centre::vertex, 3, weighted});
       if (fields) fields->write(step);
       if (options.verbosity != record::Verbosity::quiet)
         fmt::print("{:>5} {:>16.8g} {:>12.2e} {:>14.2g}\n", number, mode.value, mode.residual, 100.0 * of.errors[i]);
@@ -148,10 +161,15 @@ VibrationModes find_vibration(const input::Case& c, system::Model& model, Vec a)
   }
 }
 
+/// What modes of vibration have besides; of buckling nothing.
+struct Vibration {
+  std::vector<solve::Participation> parts;
+  Mat mass = nullptr;
+};
+
 /// Estimates, table and summary of the modes.
 void report_modes(const input::Case& c, const record::RunOptions& options, system::Model& model, Vec a,
-                  const solve::EigenResult& result, const std::vector<solve::Participation>& parts,
-                  record::Summary& summary) {
+                  const solve::EigenResult& result, const Vibration& of, record::Summary& summary) {
   const bool vibration = c.vibrates(), root = mpi::rank(model.dofs().comm()) == 0;
   if (root && options.verbosity != record::Verbosity::quiet)
     fmt::print("{:>5} {:>16} {:>12} {:>14}\n", "mode", vibration ? "frequency [Hz]" : "load factor", "residual",
@@ -164,7 +182,7 @@ void report_modes(const input::Case& c, const record::RunOptions& options, syste
     if (vibration) error *= rigid[i] != 0 ? 0.0 : 0.5;  // of the square of the frequency
     summary.mode_errors.push_back(error);
   }
-  write_modes(c, options, model, result, {summary.mode_errors, parts});
+  write_modes(c, options, model, result, {summary.mode_errors, of.parts, of.mass});
   if (root) warn_of_errors(c, summary);
   summary.converged = static_cast<int>(result.modes.size()) >= result.asked_for;
   if (!summary.converged)
@@ -205,7 +223,7 @@ void run_modes(const input::Case& c, const record::RunOptions& options, system::
   const VibrationModes found = find_vibration(c, model, a);
   if (!found.result.modes.empty()) {
     const auto parts = solve::participation(found.result.modes, found.mass.mat(), found.inertia);
-    report_modes(c, options, model, a, found.result, parts, summary);
+    report_modes(c, options, model, a, found.result, {parts, found.mass.mat()}, summary);
     if (mpi::rank(model.dofs().comm()) == 0 && options.verbosity != record::Verbosity::quiet)
       fmt::print("{}\n", carried_text(parts, found.inertia.mass));
   }

@@ -29,6 +29,11 @@ results::Checkpoint read_any(const input::Case& wanted, const record::RunOptions
         fmt::format("--restart {}: results do not hold the slips of friction inside the fabric; restart from the "
                     "checkpoint.h5 beside them",
                     options.restart.string()));
+  if (std::any_of(wanted.loads.begin(), wanted.loads.end(), [](const auto& load) { return load.leak_area > 0.0; }))
+    throw UserError(fmt::format(
+        "--restart {}: results do not hold what is left of a gas that leaks; restart from the checkpoint.h5 "
+        "beside them",
+        options.restart.string()));
   results::StoredStep stored = results::read_step(options.restart, options.restart_step, mesh);
   const bool shape_only = stored.in_motion && stored.velocity.empty();
   // A motion would begin anew at time 0, and what moves jump back to where it was then.

@@ -7,7 +7,7 @@
 
 #include "base/mpi.hpp"
 #include "base/text.hpp"
-#include "harmonic.hpp"
+#include "excitation.hpp"
 #include "input/case_keys.hpp"
 #include "record/probes.hpp"
 #include "record/summary.hpp"

@@ -42,6 +42,17 @@ std::vector<double> interval_ends(const ReducedResponse& response, const Spectra
   return ends;
 }
 
+/// Calls f with every point and its weight.
+template <class F>
+void integrate(const std::vector<double>& ends, F&& f) {
+  for (std::size_t n = 1; n < ends.size(); ++n) {
+    const double middle = 0.5 * (ends[n - 1] + ends[n]), half = 0.5 * (ends[n] - ends[n - 1]);
+    if (half <= 1e-14 * middle) continue;
+    for (std::size_t g = 0; g < gauss_points.size(); ++g)
+      for (const double side : {-1.0, 1.0}) f(middle + side * half * gauss_points[g], half * gauss_weights[g]);
+  }
+}
+
 }  // namespace
 
 ReducedSystem ReducedSystem::first(Eigen::Index count) const {
@@ -53,6 +64,7 @@ ReducedSystem ReducedSystem::first(Eigen::Index count) const {
 ReducedResponse::ReducedResponse(const ReducedSystem& system, const std::vector<double>& ratios) {
   const Spectrum modes = spectrum(system.stiffness);
   lambda_ = modes.values;
+  vectors_ = modes.vectors;
   rows_ = system.rows * modes.vectors;
   force_ = modes.vectors.transpose() * system.force;
   if (system.damping.size() > 0) damping_ = modes.vectors.transpose() * system.damping * modes.vectors;
@@ -81,6 +93,10 @@ Eigen::VectorXcd ReducedResponse::at(double frequency) const {
   return rows_ * modal_at(circle * frequency);
 }
 
+Eigen::VectorXcd ReducedResponse::coordinates(double frequency) const {
+  return vectors_ * modal_at(circle * frequency);
+}
+
 Eigen::VectorXd ReducedResponse::size_at(double frequency) const {
   return rows_.cwiseAbs() * modal_at(circle * frequency).cwiseAbs();
 }
@@ -95,18 +111,22 @@ double SpectralDensity::at(double frequency) const {
 
 Eigen::VectorXd mean_squares(const ReducedResponse& response, const SpectralDensity& density,
                              const std::function<Eigen::VectorXcd(double frequency)>& h) {
-  const std::vector<double> ends = interval_ends(response, density);
-  Eigen::VectorXd sum = Eigen::VectorXd::Zero(h(ends.front()).size());
-  for (std::size_t n = 1; n < ends.size(); ++n) {
-    const double middle = 0.5 * (ends[n - 1] + ends[n]), half = 0.5 * (ends[n] - ends[n - 1]);
-    if (half <= 1e-14 * middle) continue;
-    for (std::size_t g = 0; g < gauss_points.size(); ++g)
-      for (const double side : {-1.0, 1.0}) {
-        const double f = middle + side * half * gauss_points[g];
-        sum += half * gauss_weights[g] * density.at(f) * h(f).cwiseAbs2();
-      }
-  }
+  Eigen::VectorXd sum = Eigen::VectorXd::Zero(h(density.frequencies.front()).size());
+  integrate(interval_ends(response, density),
+            [&](double f, double weight) { sum += weight * density.at(f) * h(f).cwiseAbs2(); });
   return sum;
+}
+
+Eigen::MatrixXd covariance(const ReducedResponse& response, const SpectralDensity& density,
+                           const std::function<Eigen::VectorXcd(double frequency)>& h) {
+  const Eigen::Index n = h(density.frequencies.front()).size();
+  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(n, n);
+  integrate(interval_ends(response, density), [&](double f, double weight) {
+    const Eigen::VectorXcd x = std::sqrt(weight * density.at(f)) * h(f);
+    sum.selfadjointView<Eigen::Lower>().rankUpdate(Eigen::VectorXd(x.real()));
+    sum.selfadjointView<Eigen::Lower>().rankUpdate(Eigen::VectorXd(x.imag()));
+  });
+  return sum.selfadjointView<Eigen::Lower>();
 }
 
 }  // namespace voile::solve

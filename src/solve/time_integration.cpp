@@ -203,6 +203,7 @@ void TimeIntegration::Impl::accept(system::State& state, StepResult& r) {
   if (account && explicit_method) account->end_step(state.u, state.v, before, state.time);
   if (account) state.balance = account->balance();
   model.potential().end_step(state.u);
+  if (model.conditions().has_gas()) model.conditions().end_leaks(model.potential().configuration(state.u), state.time);
   state.load_factor = model.conditions().load_factor();
   if (model.contact()) state.contact = model.contact()->memory();
   state.solver = solver_memory();
@@ -287,6 +288,8 @@ StepResult TimeIntegration::begin(system::State& state) {
   if (!state.v) state.v = n.model.dofs().create_vector();
   n.dynamics.set_time(state.time);
   n.model.conditions().enforce(state.u);
+  if (n.model.conditions().has_gas())
+    n.model.conditions().begin_leaks(n.model.potential().configuration(state.u), state.time);
   if (n.options.energy_balance) {
     n.account.emplace(n.dynamics, system::short_moment * n.options.step)
         .begin(state.u, state.v, state.balance, n.options.restarted);

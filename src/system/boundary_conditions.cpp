@@ -141,6 +141,7 @@ void BoundaryConditions::set_time(double time) {
     for (std::size_t k = 0; k < gases_.size(); ++k)
       if (gas_factors_[k] == load.factor) gases_[k].set_factor(factor);
   }
+  for (Gas& gas : gases_) gas.set_time(time);
   move_supports(time);
 }
 

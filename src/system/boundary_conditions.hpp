@@ -94,6 +94,12 @@ class BoundaryConditions {
   /// In the order of the loads (gas.hpp).
   [[nodiscard]] const std::vector<Gas>& gases() const { return gases_; }
   [[nodiscard]] bool has_gas() const { return !gas_factors_.empty(); }
+  /// Gases that leak: from now on they do; a step has been accepted. Collective.
+  void begin_leaks(const energy::Configuration& c, double time);
+  void end_leaks(const energy::Configuration& c, double time);
+  /// What is left of each gas (GasContent), two numbers; empty if none leaks. The other way round: throws UserError.
+  [[nodiscard]] std::vector<double> leaks() const;
+  void restore_leaks(const std::vector<double>& contents);
   /// df/dlambda; `work` is scratch. Collective. [N]
   void load_direction(const energy::Configuration& c, std::vector<Vec3>& scratch, Vec work, Vec f);
 

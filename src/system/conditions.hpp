@@ -85,6 +85,8 @@ struct Load {
   double ambient = 101325.0;  ///< pressure outside, absolute [Pa]
   double exponent = 1.0;      ///< n of p V^n
   double added_volume = 0.0;  ///< of the gas, besides what the surface encloses [m^3]
+  double leak_area = 0.0;     ///< of an orifice, discharge coefficient included [m^2]
+  double density = 1.2;       ///< of the gas at ambient pressure [kg/m^3]
   std::optional<Vec3> apex;   ///< of the caps over holes; absent: the mean of each rim [m]
 };
 

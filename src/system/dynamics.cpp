@@ -114,11 +114,12 @@ void Dynamics::add_inertia(Vec a, Vec v, const MotionTime& at, Vec f) const {
   multiply_mass(a, work_);
   add_gyration(v, work_);
   VOILE_PETSC(VecAXPY(f, 1.0, work_));
-  if (consistent_ && model_.dofs().motions().empty()) add_coupled_inertia(a, v, f);
+  add_coupled_inertia(a, v, f);
 }
 
-/// What free vertices that accelerate push held ones with by the consistent mass, whose matrix has no rows of those.
+/// The consistent mass has no rows of what is held.
 void Dynamics::add_coupled_inertia(Vec a, Vec v, Vec f) const {
+  if (!consistent_ || !model_.dofs().motions().empty()) return;
   const Dofs& dofs = model_.dofs();
   const petsc::VecHandle x = dofs.create_vector(), held = dofs.create_vector();
   VOILE_PETSC(VecWAXPY(x, options_.mass_damping, v, a));

@@ -60,6 +60,8 @@ class Dynamics {
   /// Adds to f what inertia does at accelerations a and velocities v, also on what is held, whose accelerations are those of the
   /// prescribed motions; `a` is overwritten there. Collective. [N]
   void add_inertia(Vec a, Vec v, const MotionTime& at, Vec f) const;
+  /// Adds to f what free vertices that accelerate push held ones with, by the consistent mass. Collective. [N]
+  void add_coupled_inertia(Vec a, Vec v, Vec f) const;
   /// E(u). Collective.
   [[nodiscard]] double energy(Vec u, Vec v, Vec a, double s_v, double s_a);
   /// Tangent dF/du at u into the model's tangent matrix. Collective.
@@ -93,7 +95,6 @@ class Dynamics {
   void multiply_mass(Vec x, Vec y) const;  ///< of held components too
   void apply_body_mass(Vec x, Vec y) const;
   void add_gyration(Vec v, Vec f) const;
-  void add_coupled_inertia(Vec a, Vec v, Vec f) const;
   /// Velocities of the local points instead of positions, for the drag.
   [[nodiscard]] energy::Configuration moving(Vec v) const;
   /// Whether C_b is there and is to act.

@@ -29,6 +29,8 @@ Gas::Gas(const Discretisation& on, const Load& load)
       excess_(load.magnitude),
       exponent_(load.exponent),
       added_(load.added_volume),
+      leak_area_(load.leak_area),
+      density_(load.density),
       term_(std::make_unique<ElementTerm<energy::VolumeTerm>>()) {
   const GasSurface surface = gas_surface(on.mesh(), load);
   origin_ = surface.origin;
@@ -109,14 +111,44 @@ double Gas::compression(double volume) const {
   return std::pow(start_ / volume, exponent_);
 }
 
+double Gas::reference() const {
+  return leaks() ? filled() * std::pow(now_, exponent_) : filled();
+}
+
+void Gas::restore(const GasContent& content) {
+  content_ = content;
+  now_ = content.fraction;
+}
+
+void Gas::begin_leak(const energy::Configuration& c, double time) {
+  if (!leaks()) return;
+  leaking_ = true;
+  accepted_time_ = time;
+  accepted_volume_ = volume(c);
+  now_ = content_.fraction;
+}
+
+void Gas::set_time(double time) {
+  if (leaking_) now_ = content_after(leaky(), content_.fraction, accepted_volume_, time - accepted_time_);
+}
+
+void Gas::end_step(const energy::Configuration& c, double time) {
+  if (!leaking_) return;
+  const double end = volume(c), middle = 0.5 * (accepted_volume_ + end), before = content_.fraction;
+  now_ = content_.fraction = content_after(leaky(), before, middle, time - accepted_time_);
+  content_.loss += available_work(leaky(), before, middle) - available_work(leaky(), now_, middle);
+  accepted_time_ = time;
+  accepted_volume_ = end;
+}
+
 GasState Gas::at(const energy::Configuration& c) const {
   GasState s;
   s.volume = volume(c);
-  const double reference = ambient_ + factor_ * excess_, change = (s.volume - start_) / start_;
-  s.pressure = reference * compression(s.volume) - ambient_;
+  const double change = (s.volume - start_) / start_, excess = leaks() ? reference() - ambient_ : factor_ * excess_;
+  s.pressure = reference() * compression(s.volume) - ambient_;
   const double log = std::log1p(change);  // exact where the volume hardly changes
   const double integral = exponent_ == 1.0 ? log : std::expm1((1.0 - exponent_) * log) / (1.0 - exponent_);
-  s.energy = start_ * (ambient_ * (change - integral) - factor_ * excess_ * integral);
+  s.energy = start_ * (ambient_ * (change - integral) - excess * integral);
   return s;
 }
 
@@ -138,18 +170,18 @@ void Gas::add_forces(const energy::Configuration& c, std::vector<Vec3>& points) 
 }
 
 void Gas::add_force(const energy::Configuration& c, std::vector<Vec3>& scratch, Vec f) const {
-  const double pressure = (ambient_ + factor_ * excess_) * compression(volume(c)) - ambient_;
+  const double pressure = reference() * compression(volume(c)) - ambient_;
   add_gradient(pressure, c, scratch, f);
 }
 
 void Gas::add_direction(const energy::Configuration& c, std::vector<Vec3>& scratch, Vec f) const {
-  const double rate = excess_ * compression(volume(c));
+  const double rate = excess_ * compression(volume(c)) * (leaks() ? std::pow(now_, exponent_) : 1.0);
   add_gradient(rate, c, scratch, f);
 }
 
 void Gas::add_blocks(const energy::Configuration& c, const BlockMatrix& tangent, int pattern,
                      const BlockMatrix::Values& values, std::vector<Vec3>& scratch, LowRankChange& change) const {
-  const double v = volume(c), absolute = (ambient_ + factor_ * excess_) * compression(v);
+  const double v = volume(c), absolute = reference() * compression(v);
   const double pressure = absolute - ambient_;
   petsc::VecHandle g = on_->dofs().create_vector();
   add_gradient(1.0, c, scratch, g);

@@ -5,6 +5,7 @@ import math
 import numpy as np
 from harness import OUT, solve, test
 from panels import Panels
+from scipy.integrate import solve_ivp
 from scipy.optimize import brentq, least_squares
 from scipy.special import jv
 from solver import ROOT, run, variant, write_case
@@ -181,6 +182,70 @@ def gas_breathing(report):
     explicit = variant(breathing(), {"time.spectral_radius": None, "time.method": "central_difference", "time.step": 5e-6, "time.checkpoint_steps": None})
     h = solve("gas_breathing_explicit", explicit).history
     report.below(np.abs(grown(h) - np.interp(h["time"], whole.history["time"], w)).max() / w.max(), 0.02, "central differences")
+
+
+@test
+def gas_leak(report):
+    """Gas leaves a stiff box by an orifice: 2 p/p_a - 1 = cosh(C - k t) at constant temperature, else by quadrature; what it could do goes
+    to the leak. A sphere that leaks breathes: work and loss, ranks, restart to the last bit, central differences."""
+    area, density, ambient = 2e-3, 1.2, 1e5
+    k = area / 1.0 * math.sqrt(2 * ambient / density)
+    for exponent in (1.0, 1.4):
+        case = {
+            "title": "Leaking box", "analysis": "dynamic",
+            "mesh": {"file": str(ROOT / "meshes" / "plate.geo"), "parameters": {"n": 4, "side": 0.1}},
+            "material": [{"type": "isotropic", "young": 1e13, "poisson": 0.3, "thickness": 1e-2, "density": 1e4}],
+            "support": [{"type": "hinged", "group": g} for g in ("left", "right", "bottom", "top")],
+            "load": [{"type": "gas", "magnitude": 2e4, "ambient": ambient, "exponent": exponent, "added_volume": 1.0, "constant": True,
+                      "leak_area": area, "density": density}],
+            "time": {"end": 1.4, "step": 0.05}, "output": {"every": 1000}}
+        result = solve(f"gas_leak_{exponent}", case)
+        h = result.history
+        if exponent == 1.0:
+            left = np.maximum(math.acosh(2 * 1.2 - 1) - k * h["time"], 0.0)
+            exact = 0.5 * (1 + np.cosh(left)) * ambient
+            could = lambda x: ambient * (x * math.log(x) - x + 1)  # noqa: E731
+            report.below(h["gas_leak_loss"][-1] / could(1.2) - 1, 1e-5, "all that it could do is lost")
+        else:
+            def rate(_, m):
+                p = 1.2 * ambient * max(m[0], 1e-9) ** exponent
+                return [-area * math.sqrt(2 * 1.2 * density * m[0] * max(p - ambient, 0.0)) / (1.2 * density)]
+            flow = solve_ivp(rate, (0, 1.4), [1.0], rtol=1e-10, atol=1e-12, t_eval=h["time"])
+            exact = 1.2 * ambient * flow.y[0] ** exponent
+        report.below(np.abs(h["gas_pressure"] - (exact - ambient)).max() / 2e4, 1e-4, f"n = {exponent:g}: pressure of the box")
+        report.check(h["gas_content"][-1] < 0.9 and abs(h["gas_pressure"][-1]) < 5.0, f"content at the end {h['gas_content'][-1]:.5g}")
+    leaking = variant(breathing(), {"load": [breathing()["load"][0] | {"leak_area": 0.05}], "time.end": 4e-4, "mesh.parameters.n": 4})
+    whole = solve("gas_leak_breathing", leaking)
+    h = whole.history
+    pressure, volume = h["gas_pressure"] + AMBIENT, h["gas_volume"]
+    could = volume * ((pressure - AMBIENT * (pressure / AMBIENT) ** (1 / 1.4)) / 0.4 - AMBIENT * ((pressure / AMBIENT) ** (1 / 1.4) - 1))
+    gone = could + h["work_of_loads"] + h["gas_leak_loss"]
+    report.check(h["gas_content"][-1] < 0.995 and h["gas_leak_loss"][-1] > 0, f"content {h['gas_content'][-1]:.5g}, loss {h['gas_leak_loss'][-1]:.4g} J")
+    report.below(np.abs(gone - gone[0]).max() / h["gas_leak_loss"][-1], 0.01, "work, loss and what is left")
+    energy = whole.summary["energy"]
+    report.below(energy["energy_unaccounted"] / energy["work_of_loads"], 1e-6, "energy of the sheet unaccounted for")
+    other = solve("gas_leak_breathing_2", leaking, 2).history
+    report.below(other["gas_content"][-1] / h["gas_content"][-1] - 1, 1e-9, "2 ranks and 1")
+    solve("gas_leak_half", leaking, 1, ("-ts_max_steps", "8"))
+    again = solve("gas_leak_again", leaking, 1, ("--restart", OUT / "gas_leak_half" / "checkpoint.h5"))
+    report.check(np.array_equal(again.displacement(), whole.displacement()) and again.history["gas_content"][-1] == h["gas_content"][-1]
+                 and again.history["gas_leak_loss"][-1] == h["gas_leak_loss"][-1], "restarted: the unbroken run to the last bit")
+    explicit = variant(leaking, {"time.spectral_radius": None, "time.method": "central_difference", "time.step": 5e-6, "time.checkpoint_steps": None})
+    report.below(solve("gas_leak_explicit", explicit).history["gas_content"][-1] / h["gas_content"][-1] - 1, 1e-3, "central differences")
+    gas = case["load"][0]
+    for name, changes, wanted in (
+            ("static", {"analysis": "static", "time": None}, ("load.leak_area", "leaks in time")),
+            ("constant", {"load": [gas | {"exponent": 0.0}]}, ("load.exponent", "changes nothing")),
+            ("vacuum", {"load": [gas | {"ambient": 0.0}]}, ("load.ambient", "needs the pressure outside")),
+            ("closed", {"load": [{k: v for k, v in gas.items() if k != "leak_area"}]}, ("load.density", "nothing of the gas leaks")),
+            ("negative", {"load": [gas | {"leak_area": -1.0}]}, ("load.leak_area", ">= 0")),
+            ("other", {"load": [{"type": "follower_pressure", "magnitude": 1.0, "leak_area": 1.0}]}, ("leak_area", "does not belong"))):
+        file = write_case(variant(case, changes), OUT / f"gas_leak_wrong_{name}.toml")
+        result = run(file, OUT / f"gas_leak_wrong_{name}")
+        report.check(result.code == 2 and file.name in result.text and all(w in result.text for w in wanted),
+                     f"{name}: {result.text.strip().splitlines()[-1][:150]}")
+    result = run(write_case(leaking, OUT / "gas_leak_results.toml"), OUT / "gas_leak_results", 1, ("--restart", OUT / "gas_leak_half" / "results.vtkhdf"))
+    report.check(result.code == 2 and "what is left of a gas" in result.text, "results.vtkhdf do not hold what is left")
 
 
 @test

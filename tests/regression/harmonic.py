@@ -5,7 +5,7 @@ import math
 import numpy as np
 from harness import OUT, solve, test
 from solver import ROOT, invoke, write_case
-from voile import mac
+from voile import mac, mac_span
 
 CLAMP = [{"type": "clamped", "group": "clamp"}]
 TIP = [{"name": "tip", "type": "displacement", "group": "tip", "components": ["z"]}]
@@ -212,7 +212,7 @@ def harmonic_mistakes(report):
         ("harmonic.excitation", "no load varies", {"harmonic": {"from": 1.0, "to": 50.0}}),
         ("load.type", "follower_pressure", {"harmonic": {"from": 1.0, "to": 50.0}, "load": [{"type": "follower_pressure", "magnitude": 1.0}]}),
         ("[[probe]]", "displacement", {"harmonic": base, "probe": []}),
-        ("probe.type", "must be a displacement", {"harmonic": base, "probe": TIP + [{"name": "f", "type": "reaction", "group": "clamp"}]}),
+        ("probe.type", "must be a displacement", {"harmonic": base, "probe": TIP + [{"name": "f", "type": "energy"}]}),
         ("[air]", "does not drag", {"harmonic": base, "air": {"normal_drag": 1.0}}),
         ("[contact]", "there is no contact", {"harmonic": base, "contact": {"distance": 1e-3}}),
         ("[remesh]", "nothing is remeshed", {"harmonic": base, "remesh": {"largest": 0.1}}),
@@ -235,3 +235,48 @@ def harmonic_mistakes(report):
         report.check(code == 2 and key in text and part in text, f"{key}: {part}" + ("" if code == 2 and part in text else f": code {code}: {text[-300:]}"))
     loose = solve("harmonic_undamped", blade(nx=8, harmonic=base))
     report.check("nothing damps the resonance(s) at 1.6" in loose.text, "an undamped resonance is warned of")
+
+
+@test
+def compared_modes(report):
+    """`voile compare` and the Python package: a run with itself, a pair whose basis another mesh chooses, other analyses and shapes."""
+    def plate(pattern, n, **more):
+        return {"title": "Plate", "analysis": "modal", "eigen": {"modes": 4},
+                "mesh": {"file": str(ROOT / "meshes" / "plate.geo"), "parameters": {"n": n, "pattern": pattern}},
+                "material": [{"type": "isotropic", "young": 70e9, "poisson": 0.3, "thickness": 0.01, "density": 2700.0}],
+                "support": [{"type": "hinged", "group": g} for g in ("left", "right", "bottom", "top")],
+                "mass": [{"group": "centre", "mass": 3.0}]} | more
+
+    one, two = solve("compare_one", plate(1, 8)), solve("compare_two", plate(0, 12))
+    table = OUT / "compare.csv"
+    table.unlink(missing_ok=True)
+    code, text = invoke(["compare", str(one.folder), str(one.folder), "--output", str(table)])
+    own = np.genfromtxt(table, delimiter=",", names=True)
+    matrix = np.array([[row[str(j)] for j in range(1, 5)] for row in own])
+    report.check(code == 0 and "weighted by the mass" in text, "a run with itself is weighted by the mass")
+    report.below(abs(matrix - np.eye(4)).max(), 1e-12, "MAC of a run with itself, all of its modes")
+    report.below(abs(mac(one.modes, one.modes) - matrix).max(), 1e-12, "Python agrees")
+    report.below(abs(mac_span(one.modes, one.modes, [2, 3])[1:3] - 1).max(), 1e-12, "span of its pair")
+    code, text = invoke(["compare", str(one.folder), str(two.folder), "--output", str(table), "--overwrite"])
+    other = np.genfromtxt(table, delimiter=",", names=True)
+    matrix = np.array([[row[str(j)] for j in range(1, 5)] for row in other])
+    report.check(code == 0 and "meshes differ" in text and " of 2, 3" in text, "another mesh; the pair is one of a plane")
+    report.check(matrix[1:3, 1:3].max() < 0.9, f"no mode of the pair is one of the other's: {matrix[1:3, 1:3].round(3).tolist()}")
+    report.below(abs(other["span"] - 1).max(), 0.005, "but each lies in the span of the other's")
+    report.below(abs(mac(one.modes, two.modes) - matrix).max(), 1e-6, "Python agrees")
+    report.below(abs(mac_span(one.modes, two.modes, [2, 3])[1:3] - other["span"][1:3]).max(), 1e-6, "in the span too")
+    curved = solve("compare_curved", plate(0, 12, imperfection=[{"type": "expression", "height": "0.4*sin(pi*x)*sin(pi*y)"}]))
+    buckling = plate(1, 8, analysis="buckling", mass=[], load=[{"type": "line", "group": "right", "vector": [-1e4, 0, 0]}])
+    buckling["support"] = [{"type": "hinged", "group": "left"}] + [
+        {"type": "displacement", "group": g, "components": ["z"]} for g in ("right", "bottom", "top")]
+    buckled = solve("compare_buckling", buckling)
+    for folder, wanted in ((curved.folder, "the two shapes differ"), (buckled.folder, "compare runs of one analysis"),
+                           (OUT / "nothing", "there are no modes"), (two.folder, "the file is there already")):
+        code, text = invoke(["compare", str(one.folder), str(folder), "--output", str(table)]
+                            if "already" in wanted else ["compare", str(one.folder), str(folder)])
+        report.check(code == 2 and wanted in text, f"{wanted}" if wanted in text else f"code {code}: {text}")
+    try:
+        mac(one.modes, curved.modes)
+        report.check(False, "Python refuses other shapes")
+    except ValueError as error:
+        report.check("other shapes" in str(error), "Python refuses other shapes")

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 from benchmarks import BENCHMARKS, compare
-from common import base, plate, without_stops
+from common import base, drape_script, plate, without_stops
 from curves import at_load
 from harness import solve, test
 from linear import LINEAR, answer
@@ -222,3 +222,14 @@ def newton_cost(report):
     report.check(result.summary["factorisations"] <= 35, f"annulus: {result.summary['factorisations']} factorisations")
     report.below(at_load(np.column_stack([result.history["load_factor"], result.history["B_z"]]), 1.0) / 17.528 - 1, 0.005,
                  "and w_B with these steps")
+
+
+@test
+def koiter_cylinder(report):
+    """Axial load at which a cylinder with an axisymmetric imperfection branches: Koiter's formula for small amplitudes, its series for all."""
+    study = drape_script("knock_down", "koiter")
+    report.percent(study.bifurcation(1e-4) / study.koiter(1e-4), 1e-3, "the series tends to the formula")
+    perfect = study.found(solve("koiter_perfect", study.case(0.0, 16, 0.1)))
+    found = study.found(solve("koiter_imperfect", study.case(0.1, 32, 0.1)))
+    report.percent(found / study.bifurcation(0.1), 0.05, f"amplitude 0.1: {found:.4g}, formula {study.koiter(0.1):.4g}")
+    report.percent(perfect, 0.05, "the perfect cylinder")

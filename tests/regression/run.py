@@ -35,6 +35,7 @@ import garments  # noqa: E402, F401
 import gas  # noqa: E402, F401
 import gathering  # noqa: E402, F401
 import harmonic  # noqa: E402, F401
+import harmonic_fields  # noqa: E402, F401
 import hinges  # noqa: E402, F401
 import howtos  # noqa: E402, F401
 import hyperelastic  # noqa: E402, F401

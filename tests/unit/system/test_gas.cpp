@@ -91,6 +91,63 @@ TEST_CASE("the force of a gas is the derivative of its energy, and its tangent t
   }
 }
 
+TEST_CASE(
+    "of a gas that has leaked, too, the force is the derivative of the energy, and its tangent that of the force") {
+  const mesh::SurfaceMesh mesh(ellipsoid(2, 0.3));
+  for (const double exponent : {1.0, 1.4}) {
+    system::Load leaky = gas(3.0, exponent);
+    leaky.leak_area = 1e-3;
+    system::Model model(PETSC_COMM_WORLD, mesh, sheet({leaky}));
+    model.conditions().set_load_factor(0.7);
+    model.conditions().restore_leaks({0.8, 0.0});
+    petsc::VecHandle a = model.dofs().create_vector(), d = model.dofs().create_vector();
+    const system::GasState rest = model.conditions().gases()[0].at(model.potential().configuration(a));
+    CHECK(rest.pressure == relative(7.1 * std::pow(0.8, exponent) - 5.0).epsilon(1e-12));
+    CHECK(std::abs(rest.energy) < 1e-12);
+    set_displacement(model, a, noise(0.05, 3));
+    set_displacement(model, d, noise(1.0, 4));
+    check_potential(model, a, d);
+    CHECK_THROWS_AS(model.conditions().restore_leaks({0.8, 0.0, 1.0, 0.0}), UserError);
+    CHECK(model.conditions().leaks() == std::vector<double>{0.8, 0.0});
+  }
+}
+
+TEST_CASE("a vessel empties and fills as the closed form has it, and no more once the pressures are equal") {
+  // At constant temperature x = p/p_a obeys x' = -k sqrt(x (x - 1)), k = A/V sqrt(2 p_a/r): 2x - 1 = cosh(C - k t).
+  const system::LeakyGas air{1e5, 1.5e5, 1.0, 2.0, 1e-3, 1.2};
+  const double k = 1e-3 / 2.0 * std::sqrt(2e5 / 1.2), whole = std::acosh(2.0);
+  for (const double part : {0.1, 0.5, 0.9, 0.999}) {
+    const double exact = 0.5 * (1.0 + std::cosh(whole * (1.0 - part))) / 1.5;
+    double content = 1.0;
+    for (int i = 0; i < 50; ++i) content = system::content_after(air, content, 2.0, part * whole / k / 50);
+    CHECK(content == relative(exact).epsilon(1e-9));
+    CHECK(system::content_after(air, 1.0, 2.0, part * whole / k) == relative(exact).epsilon(1e-6));
+  }
+  CHECK(system::content_after(air, 1.0, 2.0, 1.1 * whole / k) == relative(1.0 / 1.5).epsilon(1e-12));
+  CHECK(system::content_after(air, 1.0 / 1.5, 2.0, 1.0) == relative(1.0 / 1.5).epsilon(1e-12));
+  // Air at p_a flows in with y = sqrt(1 - x), y' = -k/2.
+  const system::LeakyGas thin{1e5, 0.8e5, 1.0, 2.0, 1e-3, 1.2};
+  const double y = std::sqrt(0.2) - 0.5 * k * 0.3;
+  CHECK(system::content_after(thin, 1.0, 2.0, 0.3) == relative((1.0 - y * y) / 0.8).epsilon(1e-12));
+  CHECK(system::content_after(air, 1.0, 2.0, 0.0) == 1.0);
+}
+
+TEST_CASE("what a gas could still do falls by its work, and by its leak") {
+  for (const double exponent : {1.0, 1.4}) {
+    const system::LeakyGas air{1e5, 1.5e5, exponent, 2.0, 1e-3, 1.2};
+    const double volume = 2.3, content = 0.9, h = 1e-5;
+    const double pressure = 1.5e5 * std::pow(content * 2.0 / volume, exponent);
+    const double slope =
+        (system::available_work(air, content, volume + h) - system::available_work(air, content, volume - h)) /
+        (2.0 * h);
+    CHECK(slope == relative(1e5 - pressure).epsilon(1e-6));
+    CHECK(std::abs(system::available_work(air, content, content * 2.0 * std::pow(1.5, 1.0 / exponent))) < 1e-9);
+    CHECK(system::available_work(air, content, volume) > system::available_work(air, 0.85, volume));
+  }
+  const system::LeakyGas air{1e5, 1.5e5, 1.0, 2.0, 1e-3, 1.2};
+  CHECK(system::available_work(air, 1.0, 2.0) == relative(2e5 * (1.5 * std::log(1.5) - 0.5)).epsilon(1e-12));
+}
+
 TEST_CASE("a gas pushes a rigid group: forces from the energy, tangent from the forces") {
   mesh::MeshData data = ellipsoid(2);
   mesh::Group lid;
