@@ -71,6 +71,14 @@ mesh::Group united(const input::Case& c, const mesh::SurfaceMesh& mesh, const Na
   return all;
 }
 
+void require_same(const input::Case& c, const Named& named, const mesh::Group& all, mesh::Group known) {
+  sort_once(known.vertices);
+  if (known.vertices == all.vertices) return;
+  throw UserError(fmt::format(
+      "{}: [[{}]] {}: the mesh has a group '{}' of its own, which is not the list of these groups; rename it",
+      input::place_in_case(c.file, named.section, named.key, named.name), named.section, named.key, named.name));
+}
+
 }  // namespace
 
 mesh::SurfaceMesh with_group_unions(const input::Case& c, mesh::SurfaceMesh mesh) {
@@ -81,8 +89,13 @@ mesh::SurfaceMesh with_group_unions(const input::Case& c, mesh::SurfaceMesh mesh
   for (const Named& named : all) {
     const std::vector<std::string> groups = groups_of(named.name);
     const auto is_known = [&](const std::string& name) { return mesh.has_group(name); };
-    if (groups.size() < 2 || is_known(named.name) || !std::all_of(groups.begin(), groups.end(), is_known)) continue;
-    if (made.insert(named.name).second) unions.push_back(united(c, mesh, named, groups));
+    if (groups.size() < 2 || !std::all_of(groups.begin(), groups.end(), is_known)) continue;
+    if (!made.insert(named.name).second) continue;
+    mesh::Group all_of_them = united(c, mesh, named, groups);
+    if (is_known(named.name))  // as the mesh of a restart has it
+      require_same(c, named, all_of_them, mesh.group(named.name));
+    else
+      unions.push_back(std::move(all_of_them));
   }
   if (unions.empty()) return mesh;
   mesh::MeshData data = mesh.data();

@@ -41,6 +41,17 @@ TEST_CASE("a list of groups becomes a group with the members of all, each once")
   CHECK(has(echo, "group = [\"left\", \"bottom\"]"));
 }
 
+TEST_CASE("a group of the mesh that is named like a list must be that list") {
+  const input::Case c = with_spring("[\"left\", \"bottom\"]");
+  const mesh::SurfaceMesh once = setup::with_group_unions(c, square_mesh());
+  CHECK(setup::with_group_unions(c, once).groups().size() == once.groups().size());
+  mesh::MeshData data = square_mesh().data();
+  data.groups.push_back(square_mesh().group("right", 1));
+  data.groups.back().name = "left + bottom";
+  CHECK(has(error_of([&] { (void)setup::with_group_unions(c, mesh::SurfaceMesh(std::move(data))); }),
+            "the mesh has a group 'left + bottom' of its own"));
+}
+
 TEST_CASE("hinges along a list of lines are one group too") {
   const input::Case c = input::parse_case(
       "[mesh]\nfile = \"a.msh\"\n[[material]]\ntype = \"isotropic\"\nyoung = 1e6\npoisson = 0.3\nthickness = 0.01\n"
