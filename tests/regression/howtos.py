@@ -31,7 +31,7 @@ def renamed(value):
 def laid_over(block, analysis):
     """The strip with the sections of a block; a list of the block replaces or, for supports, follows that of the strip."""
     case = strip(block.get("analysis", analysis))
-    if any("history" in load for load in block.get("load", [])) or "time" in block:
+    if any("history" in load or "leak_area" in load for load in block.get("load", [])) or "time" in block:
         case["analysis"] = "dynamic"
     case["contact"] = {"distance": 1e-3} if "contact_rule" in block else None
     case = {k: v for k, v in case.items() if v is not None}
