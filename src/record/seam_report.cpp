@@ -8,7 +8,6 @@
 
 #include "base/text.hpp"
 #include "mesh/weld.hpp"
-#include "system/seam_tension.hpp"
 #include "system/sewing_springs.hpp"
 #include "voile/errors.hpp"
 
@@ -51,22 +50,13 @@ void SeamReport::add(const input::Case& c, system::Model& model, const system::S
   const mesh::SurfaceMesh& mesh = model.dofs().mesh();
   const std::vector<std::string> sewn = mesh::open_seams(mesh.data(), c.stage.sew);
   if (sewn.empty()) return;
-  const std::vector<double> u = model.dofs().gather(state.u);
-  const system::TriangleFields fields = model.potential().triangle_fields(state.u);
   const system::SewingSprings* springs = model.potential().sewing();
   if (!springs) return;
   const auto pulls = springs->pulls(model.potential().configuration(state.u));
-  if (u.empty()) return;  // not rank 0
-  const std::vector<Vec3> x = places_of(mesh, u);
-  for (const auto& [name, held, most_held] : pulls) {
-    if (!mesh.has_group(mesh::seam_group(name))) continue;
-    const mesh::Group& line = mesh.group(mesh::seam_group(name), 1);
-    const system::SeamTension now =
-        system::seam_tension(model.discretisation().sheet(), line, fields.membrane_force, x);
+  for (const auto& [name, mean, largest] : pulls) {
     Pull& most = pulls_[name];
-    most.largest = std::max(most.largest, std::min(now.largest, most_held));
-    const double mean = std::min(now.mean, held);
-    most.last = now.mean;
+    most.last = mean;
+    most.largest = std::max(most.largest, largest);
     if (mean > most.mean) most.mean = mean, most.time = state.time;
   }
 }

@@ -1,10 +1,8 @@
 // How the seams of a stage close: lengths, how hard they are pulled, the widest gap before they are welded.
 //
 // Symbols   L_1, L_2   rest lengths of both sides [m]      ease = 100 (L_1/L_2 - 1): by how much the first is longer [%]
-//           T          tension of the fabric beside the seam (system/seam_tension.hpp) [N/m]
-//           S          force of the springs [N/m]: it hangs on micrometres, and with the usual tolerance of a step it is up to
-//                      five times as large; T is larger where a fabric swings that was strained at the start
-//   pull = the largest min(T, S) over the accepted steps: of means along the seam, and of the largest
+//           S          force of the springs per length of the seam (system/sewing_springs.hpp) [N/m]
+//   pull = the largest mean of S along the seam, and the largest S, over the accepted steps
 #pragma once
 
 #include <array>
@@ -25,7 +23,7 @@ struct SeamMeasure {
   std::array<double, 2> lengths{};             ///< at rest [m]
   double mean_pull = 0.0, largest_pull = 0.0;  ///< of the hardest step [N/m]
   double pulled_at = 0.0;                      ///< when the mean was largest [s]
-  double pull_at_end = 0.0;                    ///< mean of T [N/m]
+  double pull_at_end = 0.0;                    ///< mean of S [N/m]
   double gap = 0.0;                            ///< largest at the end [m]
   std::array<std::string, 2> edges{};          ///< "PIECE/EDGE" of the two vertices there
   Vec3 place = Vec3::Zero();                   ///< [m]
@@ -48,7 +46,7 @@ class SeamReport {
   struct Pull {
     double mean = 0.0, largest = 0.0, time = 0.0, last = 0.0;
   };
-  std::map<std::string, Pull> pulls_;  ///< on rank 0
+  std::map<std::string, Pull> pulls_;  ///< the same on every rank
 };
 
 /// seams.csv in the folder of a stage. Not collective: call on one rank. Throws UserError.

@@ -287,7 +287,7 @@ bool TimeIntegration::Impl::is_last(Vec y) {
   VOILE_PETSC(TSGetSNES(ts, &snes));
   VOILE_PETSC(SNESGetSolution(snes, &x));
   VOILE_PETSC(TSGetTimeStep(ts, &h));
-  if (root_mean_square(y) <= nearly_last * options.velocity_tolerance * h) return true;
+  if (root_mean_square(y) <= nearly_last * last_increment(h)) return true;
   if (!x) return true;
   VOILE_PETSC(VecNorm(y, NORM_2, &norm));
   VOILE_PETSC(VecWAXPY(trial, -1.0, start, x));

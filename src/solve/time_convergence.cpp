@@ -1,10 +1,12 @@
 // When a step of a motion has converged, whatever the SNES says.
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "base/interrupt.hpp"
 #include "step_bound.hpp"
+#include "system/sewing_springs.hpp"
 #include "time_integration_impl.hpp"
 
 namespace voile::solve {
@@ -76,6 +78,12 @@ double TimeIntegration::Impl::root_mean_square(Vec y) {
   return std::sqrt(3.0 * square / mass);
 }
 
+double TimeIntegration::Impl::last_increment(double h) const {
+  const system::SewingSprings* sewing = model.potential().sewing();
+  return std::min(options.velocity_tolerance * h,
+                  sewing ? sewing->resolution() : std::numeric_limits<double>::infinity());
+}
+
 SNESConvergedReason TimeIntegration::Impl::judge(SNES snes, PetscInt it, double increment, double norm) {
   const SNESConvergedReason reason = judge_iterate(snes, it, increment, norm);
   judged_converged = reason > 0;
@@ -106,7 +114,7 @@ SNESConvergedReason TimeIntegration::Impl::judge_iterate(SNES snes, PetscInt it,
     VOILE_PETSC(SNESLineSearchGetLambda(search, &length));
     increment = std::max(increment, full_increment);
   }
-  if (newton && length == 1.0 && rms <= options.velocity_tolerance * h) return SNES_CONVERGED_SNORM_RELATIVE;
+  if (newton && length == 1.0 && rms <= last_increment(h)) return SNES_CONVERGED_SNORM_RELATIVE;
   const SNESConvergedReason reason = test.judge({norm, before, force, increment, step, work, newton});
   if (reason != SNES_CONVERGED_ITERATING) return reason;
   return it >= test.max_iterations() ? SNES_DIVERGED_MAX_IT : SNES_CONVERGED_ITERATING;

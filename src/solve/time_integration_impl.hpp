@@ -89,6 +89,8 @@ struct TimeIntegration::Impl {
   void note_rate(double rate);
   void set_tolerance(PetscInt it, double norm, double before);
   [[nodiscard]] bool is_last(Vec increment);
+  /// Root mean square of an increment that ends a step of size h [m].
+  [[nodiscard]] double last_increment(double h) const;
   [[nodiscard]] double objective(Vec x);
   /// Of the vertices' displacements in y, over the mass [m].
   [[nodiscard]] double root_mean_square(Vec y);

@@ -183,9 +183,11 @@ void Gas::add_blocks(const energy::Configuration& c, const BlockMatrix& tangent,
                      const BlockMatrix::Values& values, std::vector<Vec3>& scratch, LowRankChange& change) const {
   const double v = volume(c), absolute = reference() * compression(v);
   const double pressure = absolute - ambient_;
-  petsc::VecHandle g = on_->dofs().create_vector();
-  add_gradient(1.0, c, scratch, g);
-  change.add(std::move(g), exponent_ * absolute / v);
+  if (exponent_ != 0.0) {  // else a column of no weight, which inertia would count
+    petsc::VecHandle g = on_->dofs().create_vector();
+    add_gradient(1.0, c, scratch, g);
+    change.add(std::move(g), exponent_ * absolute / v);
+  }
   term_->kernel.set_scale(-pressure);
   term_->add_blocks(c, on_->dofs(), tangent, pattern, values);
   if (pressure == 0.0) return;

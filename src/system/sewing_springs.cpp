@@ -19,6 +19,8 @@ namespace {
 /// When no spring has a length any more, all double their stiffness in this time [s], up to this factor: fabric in
 /// tension would keep soft ones open. Before, while all moves, stiff springs that saturate would only cost iterations.
 constexpr double doubling_time = 0.03, most_tight = 128.0;
+/// Fraction of the length at which closed springs saturate that a step has to resolve.
+constexpr double resolved = 0.1;
 /// In which the largest force doubles from then on [s]: slowly enough that fabric follows.
 constexpr double force_doubling_time = 0.1;
 /// Largest speed over the mean one of what begins and ends at rest.
@@ -103,6 +105,8 @@ void SewingSprings::tighten(double time) {
   const double since = std::max(0.0, time - sewing_.start);
   const double tighter = std::min(most_tight, std::exp2(std::max(0.0, since - closing_time()) / doubling_time));
   const double force = largest_force(time);
+  resolution_ = since > closing_time() ? resolved * force / (sewing_.stiffness * tighter)
+                                       : std::numeric_limits<double>::infinity();
   for (std::size_t e = 0; e < springs_.size(); ++e) {
     const Spring& s = springs_[e];
     const double shortened = sewing_.speed * (since - s.delay);

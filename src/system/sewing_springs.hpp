@@ -8,6 +8,7 @@
 // Theory: docs/theory/contact.md, sewing.
 #pragma once
 
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -35,6 +36,9 @@ class SewingSprings {
   [[nodiscard]] double largest_force(double time) const;
   /// Whether it rises from that time on.
   [[nodiscard]] bool rises(double time) const { return largest_force(time) < sewing_.most_force; }
+  /// What a step has to resolve at the time in force, or closed springs pull now too much, now too little; infinite before
+  /// they are closed. The same on every rank. [m]
+  [[nodiscard]] double resolution() const { return resolution_; }
   /// Force per length with which the springs of each seam pull in this state: mean along it and largest [N/m]. Collective.
   struct Pull {
     std::string seam;
@@ -64,8 +68,9 @@ class SewingSprings {
     std::string name;
     double length;  ///< [m]
   };
-  std::vector<Seam> seams_;        ///< the same on every rank
-  bool gathers_ = false;           ///< whether any seam is gathered; the same on every rank
+  std::vector<Seam> seams_;  ///< the same on every rank
+  bool gathers_ = false;     ///< whether any seam is gathered; the same on every rank
+  double resolution_ = std::numeric_limits<double>::infinity();
   double zipped_after_ = 0.0;      ///< time that sliders take [s]
   double longest_distance_ = 0.0;  ///< of points that are sewn together, at the start [m]
 };

@@ -65,6 +65,20 @@ def seam_report(report):
 
 
 @test
+def seam_that_hangs(report):
+    """A piece hangs on its seam, with the default tolerance: the springs carry its weight and do not pull by turns."""
+    file = svg("tailoring_hangs.svg", rectangle("a", 0.1, 0.08), rectangle("b", 0.1, 0.12))
+    case = {"panel": [{"file": file, "size": 0.004, "pieces": [name], "translate": [0, 0, z]} for name, z in (("a", 0.084 + 0.04), ("b", 0))],
+            "seam": [{"name": "s", "edges": ["a/0"], "to": ["b/2"], "meet": ["a@0", "b@3"]}],
+            "material": [{"type": "fabric", "fabric": "wool_tropical", "texture_direction": [0, 1]}],
+            "load": [{"type": "gravity", "vector": [0, 0, -9.81]}], "support": [{"type": "hinged", "group": "a/2"}],
+            "stage": [{"name": "sew", "analysis": "dynamic", "sew": ["s"], "time": {"end": 1.0, "step": 0.01}, "damping": {"mass": 20.0}}]}
+    result = solve("seam_that_hangs", case)
+    weight = 0.12 * 9.81 * 0.1629
+    report.percent(float(seams_of(result)["s"]["pull_at_end"]) / weight, 0.005, f"its pull, {weight:.4g} N/m")
+
+
+@test
 def zipper(report):
     """A slider of 0.1 m/s closes a seam of 0.05 m from the upper end on; its pairs close one after the other."""
     case = strips()

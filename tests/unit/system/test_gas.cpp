@@ -79,14 +79,14 @@ TEST_CASE("the force of a gas is the derivative of its energy, and its tangent t
   for (const double cut : {2.0, 0.3}) {
     CAPTURE(cut);
     const mesh::SurfaceMesh mesh(ellipsoid(2, cut));
-    for (const double exponent : {1.0, 1.4}) {
+    for (const double exponent : {0.0, 1.0, 1.4}) {
       system::Model model(PETSC_COMM_WORLD, mesh, sheet({gas(3.0, exponent)}));
       model.conditions().set_load_factor(0.7);
       petsc::VecHandle a = model.dofs().create_vector(), d = model.dofs().create_vector();
       set_displacement(model, a, noise(0.05, 3));
       set_displacement(model, d, noise(1.0, 4));
       check_potential(model, a, d);
-      CHECK(model.tangent().change().columns.size() == (cut > 1.0 ? 1u : 7u));
+      CHECK(model.tangent().change().columns.size() == (cut > 1.0 ? 0u : 6u) + (exponent > 0.0 ? 1u : 0u));
     }
   }
 }
