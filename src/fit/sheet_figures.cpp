@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdlib>
 
 #include "base/text.hpp"
 #include "voile/errors.hpp"
@@ -96,10 +97,16 @@ struct Reading {
   double value = 0.0, deviation = 0.0;
 };
 
+double percent_of(const std::string& text, double value) {
+  return 0.01 * std::strtod(text.c_str(), nullptr) * value;
+}
+
 Reading read_text(const std::vector<Dimension>& dimensions, const std::string& text) {
+  const auto is_plain = [](const std::string& t) {
+    return t.find_first_not_of("0123456789.+-eE ") == std::string::npos;
+  };
   const auto quantity = [&](const std::string& t) {
-    const bool plain = t.find_first_not_of("0123456789.+-eE ") == std::string::npos;
-    if (plain)
+    if (is_plain(t))
       throw UserError(
           fmt::format("the unit of '{}' is missing; write it behind the number: {}", t, valid_units(dimensions)));
     const input::Quantity q = input::parse_quantity(t);
@@ -113,7 +120,10 @@ Reading read_text(const std::vector<Dimension>& dimensions, const std::string& t
       const std::string behind = text.substr(at + sign.size());
       const std::size_t number = std::min(behind.find_first_not_of(' '), behind.size()),
                         unit = std::min(behind.find_first_not_of("0123456789.eE", number), behind.size());
-      const Reading r{quantity(text.substr(0, at) + behind.substr(unit)), quantity(behind)};
+      const std::string before = text.substr(0, at), of_it = behind.substr(unit);
+      Reading r;
+      r.value = quantity(is_plain(before) ? before + of_it : before.substr(0, before.find_last_not_of(' ') + 1));
+      r.deviation = of_it == " %" || of_it == "%" ? percent_of(behind, r.value) : quantity(behind);
       if (!(r.deviation > 0.0)) throw UserError(fmt::format("'{}': the uncertainty has to be greater than zero", text));
       return r;
     }

@@ -24,6 +24,12 @@ TEST_CASE("a contradiction widens what is measured by it, and nothing else") {
     CHECK(deviation(odd, p) == relative(deviation(one, p)).epsilon(1e-6));
   CHECK(deviation(odd, Parameter::bending_warp) > 10.0 * deviation(one, Parameter::bending_warp));
   CHECK(odd.warnings.size() == 2);
+  for (const char* text : {"200 g/m^2 +- 2 g/m^2", "20 mg/cm^2 +- 2 g/m^2", "200 g/m^2 +- 1 %"}) {
+    CAPTURE(text);
+    const fit::Fit f = fitted("areal_density = \"" + std::string(text) + "\"\n" + good);
+    CHECK(value(f, Parameter::areal_density) == relative(0.2).epsilon(1e-9));
+    CHECK(deviation(f, Parameter::areal_density) == relative(deviation(one, Parameter::areal_density)).epsilon(1e-9));
+  }
 }
 
 TEST_CASE("a heart loop and an overhang give rigidities, with the uncertainty of the strip and of the angle") {
