@@ -57,7 +57,8 @@ struct Bulge {
     Vec3 side, other, area, bend;  ///< x_1 - x_0, x_2 - x_0, a, k
   };
   [[nodiscard]] Vectors vectors(const PointsOf& positions) const {
-    const Vec3 origin = positions(0), side = positions(1) - origin, other = positions(2) - origin;
+    const Vec3& origin = positions(0);
+    const Vec3 side = positions(1) - origin, other = positions(2) - origin;
     Vec3 bend = Vec3::Zero();
     for (int i = 0; i < size(); ++i) bend += weights[i] * (positions(i) - origin);
     return {side, other, 0.5 * side.cross(other), bend};
