@@ -33,6 +33,8 @@ constexpr double least_twist = 1e-3;
 constexpr double odd_rows = 0.03;
 /// A residual that is odd: in standard deviations, and of the measurement.
 constexpr double odd_deviations = 4.0, odd_residual = 0.05;
+/// Relative standard uncertainty from which a figure is as good as unknown.
+constexpr double open_deviation = 0.5;
 
 /// The measurements that are fitted, and the figures that they depend on.
 struct Problem {
@@ -184,6 +186,15 @@ void warn_of_units(Fit& fit) {
   }
 }
 
+/// Specimens that agree so little leave a figure open.
+void warn_of_scatter(Fit& fit) {
+  for (const auto& [parameter, figure] : fit.figures)
+    if (figure.deviation > open_deviation)
+      fit.warnings.push_back(fmt::format(
+          "{} is known to +-{:.2g} % only: the specimens differ too much; correct a wrong one, or measure more",
+          name_of(parameter).key, 100.0 * figure.deviation));
+}
+
 void compare(Fit& fit, const std::vector<Measurement>& all, const Values& values) {
   for (const Measurement& m : all) {
     Comparison c;
@@ -281,6 +292,7 @@ Fit fit_figures(const Sheet& sheet, const std::vector<Measurement>& all) {
   Values values = p.values(found.unknowns);
   drop_narrowing_loop(fit, values);
   warn_of_units(fit);
+  warn_of_scatter(fit);
   compare(fit, all, values);
   take_curves(sheet, fit);
   require_one_law(sheet, fit);

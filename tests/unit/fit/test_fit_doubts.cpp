@@ -32,6 +32,16 @@ TEST_CASE("a contradiction widens what is measured by it, and nothing else") {
   }
 }
 
+TEST_CASE("specimens that differ by far leave a figure open, and a warning says so") {
+  const auto fabric = [&](const std::string& lengths) {
+    return fitted(head + "areal_density = \"200 +- 2 g/m^2\"\n[bending_length]\nwarp = " + lengths + "\n");
+  };
+  CHECK(fabric("[\"20 mm\", \"20.4 mm\", \"19.6 mm\"]").warnings.empty());
+  const fit::Fit open = fabric("[\"20 mm\", \"10.4 mm\", \"39.6 mm\"]");
+  REQUIRE(open.warnings.size() == 1);
+  CHECK(has(open.warnings[0], "bending_warp is known to +-"));
+}
+
 TEST_CASE("a heart loop and an overhang give rigidities, with the uncertainty of the strip and of the angle") {
   const double weight = 9.80665 * 0.2, strip = 0.15;
   const auto height = [&](double d) { return 1e3 * strip * fit::heart_height(weight * std::pow(strip, 3) / d); };
