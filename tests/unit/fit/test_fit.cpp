@@ -24,7 +24,7 @@ using namespace voile::testing::sheets;
 
 namespace {
 
-const std::string sheet_text = head + R"toml(
+const std::string sheet_text = std::string(head_text) + R"toml(
 areal_density = ["168 g/m^2", "170 g/m^2"]
 [bending_length]
 warp = ["15.0 mm", "15.4 mm", "14.8 mm"]

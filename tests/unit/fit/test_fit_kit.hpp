@@ -18,7 +18,10 @@ namespace voile::testing::sheets {
 using fit::Parameter;
 constexpr double degree = std::numbers::pi / 180.0;
 
-inline const std::string head = "name = \"Test\"\ndescription = \"made up\"\n";
+/// For what is initialised before main(), when `head` may not be.
+constexpr const char* head_text = "name = \"Test\"\ndescription = \"made up\"\n";
+inline const std::string head = head_text;
+
 inline fit::DrapeTrial no_drape(const std::string&) {
   throw InternalError("no drape test is needed");
 }
