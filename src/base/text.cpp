@@ -1,6 +1,7 @@
 #include "text.hpp"
 
 #include <algorithm>
+#include <sstream>
 
 namespace voile {
 
@@ -38,6 +39,13 @@ std::string csv_name(std::string name) {
   for (char& c : name)
     if (c == ',' || c == '"' || static_cast<unsigned char>(c) < 32) c = '_';
   return is_formula(name) ? "'" + name : name;
+}
+
+std::vector<std::string> csv_cells(const std::string& line) {
+  std::vector<std::string> cells;
+  std::istringstream in(line);
+  for (std::string cell; std::getline(in, cell, ',');) cells.push_back(cell);
+  return cells;
 }
 
 std::string nearest(const std::string& word, const std::vector<std::string>& names) {

@@ -44,6 +44,8 @@ template <class List, class Item>
 }
 /// A name as a cell of a CSV file: one cell, and no formula.
 [[nodiscard]] std::string csv_name(std::string name);
+/// The cells of a line of a CSV file as csv_name() and numbers make it: no quotes. An empty one at the end does not count.
+[[nodiscard]] std::vector<std::string> csv_cells(const std::string& line);
 
 /// The name of `names` nearest to a misspelt one, or "" if none is near.
 [[nodiscard]] std::string nearest(const std::string& word, const std::vector<std::string>& names);

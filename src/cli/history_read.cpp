@@ -5,22 +5,20 @@
 #include <algorithm>
 #include <fstream>
 #include <limits>
-#include <sstream>
 
+#include "base/text.hpp"
 #include "voile/errors.hpp"
 
 namespace voile::cli {
 
 Columns read_history(const std::filesystem::path& file, const std::vector<std::string>& names) {
   std::ifstream in(file);
-  std::string line, cell;
-  std::vector<std::string> head;
+  std::string line;
   std::getline(in, line);
-  for (std::istringstream cells(line); std::getline(cells, cell, ',');) head.push_back(cell);
+  const std::vector<std::string> head = csv_cells(line);
   Columns columns(names.size());
   while (std::getline(in, line)) {
-    std::vector<std::string> row;
-    for (std::istringstream cells(line); std::getline(cells, cell, ',');) row.push_back(cell);
+    const std::vector<std::string> row = csv_cells(line);
     for (std::size_t k = 0; k < names.size(); ++k) {
       const auto at = static_cast<std::size_t>(std::find(head.begin(), head.end(), names[k]) - head.begin());
       if (at >= row.size()) throw InternalError(fmt::format("{}: there is no column {}", file.string(), names[k]));

@@ -6,10 +6,10 @@
 #include <array>
 #include <cmath>
 #include <cstdlib>
-#include <sstream>
 
 #include "base/decompositions.hpp"
 #include "base/plain_file.hpp"
+#include "base/text.hpp"
 #include "geometry/closest_triangle.hpp"
 #include "results/stored_run.hpp"
 #include "voile/errors.hpp"
@@ -43,15 +43,19 @@ bool same_mesh(const mesh::MeshData& a, const mesh::MeshData& b) {
 /// Values of the second column of modes.csv, and its name.
 void read_values(const fs::path& file, ModeSet& set) {
   std::ifstream in = open_input(file);
-  std::string line, cell;
+  std::string line;
   for (bool head = true; std::getline(in, line); head = false) {
-    std::istringstream row(line);
-    std::getline(row, cell, ',');
-    std::getline(row, cell, ',');
-    if (head)
+    const std::vector<std::string> row = csv_cells(line);
+    const std::string cell = row.size() > 1 ? row[1] : "";
+    if (head) {
       set.quantity = cell;
-    else
-      set.values.push_back(std::strtod(cell.c_str(), nullptr));
+      continue;
+    }
+    char* end = nullptr;
+    set.values.push_back(std::strtod(cell.c_str(), &end));
+    if (end == cell.c_str() || !std::isfinite(set.values.back()))
+      throw UserError(fmt::format("{}: '{}' is no value of mode {}; run the analysis again", file.string(), cell,
+                                  set.values.size()));
   }
   if (set.values.size() != static_cast<std::size_t>(set.shapes.cols()))
     throw UserError(fmt::format("{}: it has {} modes, and {} has {}; name the output folder of a finished run",

@@ -2,8 +2,9 @@
 //
 // Symbols   O   a fixed point [m];  x_0, x_1, x_2  corners of an oriented triangle [m], counted from O below
 //   V_t = x_0.(x_1 x x_2)/6,    dV_t/dx_0 = (x_1 x x_2)/6,    d2V_t/dx_0 dx_1 = -[x_2]x/6,   and so on in turn      [m^3]
-// and what the triangle encloses beyond its plane (bulge.hpp). The sum over a closed surface does not depend on O. A hole is closed by triangles (c, a, b) from a point c to the edges of its
-// rim, which are elements with two points; where c goes with the rim, its own share is added by system/gas.hpp.
+// and what the triangle encloses beyond its plane (bulge.hpp). The sum over a closed surface does not depend on O. A hole is
+// closed by triangles (c, a, b) from a point c to the edges of its rim, which are elements with two points; where c goes with
+// the rim, its own share is added by system/gas.hpp.
 #pragma once
 
 #include <Eigen/Geometry>

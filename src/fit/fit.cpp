@@ -186,12 +186,13 @@ void warn_of_units(Fit& fit) {
   }
 }
 
-/// Specimens that agree so little leave a figure open.
-void warn_of_scatter(Fit& fit) {
+/// Measurements that say or agree so little leave a figure open.
+void warn_of_open_figures(Fit& fit) {
   for (const auto& [parameter, figure] : fit.figures)
     if (figure.deviation > open_deviation)
       fit.warnings.push_back(fmt::format(
-          "{} is known to +-{:.2g} % only: the specimens differ too much; correct a wrong one, or measure more",
+          "{} is known to +-{:.2g} % only: its measurements say too little, or differ; correct a wrong one, or measure "
+          "more",
           name_of(parameter).key, 100.0 * figure.deviation));
 }
 
@@ -292,7 +293,7 @@ Fit fit_figures(const Sheet& sheet, const std::vector<Measurement>& all) {
   Values values = p.values(found.unknowns);
   drop_narrowing_loop(fit, values);
   warn_of_units(fit);
-  warn_of_scatter(fit);
+  warn_of_open_figures(fit);
   compare(fit, all, values);
   take_curves(sheet, fit);
   require_one_law(sheet, fit);

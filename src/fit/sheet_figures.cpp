@@ -97,8 +97,9 @@ struct Reading {
   double value = 0.0, deviation = 0.0;
 };
 
-double percent_of(const std::string& text, double value) {
-  return 0.01 * std::strtod(text.c_str(), nullptr) * value;
+std::string trimmed(const std::string& text) {
+  const std::size_t from = std::min(text.find_first_not_of(' '), text.size());
+  return text.substr(from, text.find_last_not_of(' ') + 1 - from);
 }
 
 Reading read_text(const std::vector<Dimension>& dimensions, const std::string& text) {
@@ -119,11 +120,12 @@ Reading read_text(const std::vector<Dimension>& dimensions, const std::string& t
     if (const std::size_t at = text.find(sign); at != std::string::npos) {
       const std::string behind = text.substr(at + sign.size());
       const std::size_t number = std::min(behind.find_first_not_of(' '), behind.size()),
-                        unit = std::min(behind.find_first_not_of("0123456789.eE", number), behind.size());
-      const std::string before = text.substr(0, at), of_it = behind.substr(unit);
+                        unit = std::min(behind.find_first_not_of("0123456789.eE+-", number), behind.size());
+      const std::string before = trimmed(text.substr(0, at)), of_it = trimmed(behind.substr(unit));
+      const bool percent = of_it == "%";
       Reading r;
-      r.value = quantity(is_plain(before) ? before + of_it : before.substr(0, before.find_last_not_of(' ') + 1));
-      r.deviation = of_it == " %" || of_it == "%" ? percent_of(behind, r.value) : quantity(behind);
+      r.value = quantity(is_plain(before) && !percent ? before + ' ' + of_it : before);
+      r.deviation = percent ? 0.01 * std::strtod(behind.c_str(), nullptr) * r.value : quantity(behind);
       if (!(r.deviation > 0.0)) throw UserError(fmt::format("'{}': the uncertainty has to be greater than zero", text));
       return r;
     }

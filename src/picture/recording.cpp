@@ -7,7 +7,6 @@
 #include <cmath>
 #include <cstdio>
 #include <fstream>
-#include <sstream>
 
 #include "base/plain_file.hpp"
 #include "base/text.hpp"
@@ -30,11 +29,7 @@ bool is_there(const fs::path& file) {
 std::vector<std::vector<std::string>> read_csv(const fs::path& file) {
   std::vector<std::vector<std::string>> rows;
   std::ifstream in = open_input(file);
-  for (std::string line; std::getline(in, line);) {
-    std::istringstream cells(line);
-    std::vector<std::string>& row = rows.emplace_back();
-    for (std::string cell; std::getline(cells, cell, ',');) row.push_back(cell);
-  }
+  for (std::string line; std::getline(in, line);) rows.push_back(csv_cells(line));
   return rows;
 }
 

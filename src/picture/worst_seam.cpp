@@ -7,21 +7,10 @@
 #include <vector>
 
 #include "base/plain_file.hpp"
+#include "base/text.hpp"
 #include "voile/errors.hpp"
 
 namespace voile::picture {
-
-namespace {
-
-/// Names of seams hold no commas: csv_name() of base/text.hpp has replaced them.
-std::vector<std::string> cells_of(const std::string& line) {
-  std::vector<std::string> cells;
-  std::istringstream in(line);
-  for (std::string cell; std::getline(in, cell, ',');) cells.push_back(cell);
-  return cells;
-}
-
-}  // namespace
 
 std::optional<WorstSeam> worst_seam(const std::filesystem::path& seams_csv) {
   const std::optional<std::string> text = text_of_file(seams_csv);
@@ -29,12 +18,12 @@ std::optional<WorstSeam> worst_seam(const std::filesystem::path& seams_csv) {
   std::istringstream in(*text);
   std::string line;
   std::getline(in, line);
-  const std::vector<std::string> head = cells_of(line);
+  const std::vector<std::string> head = csv_cells(line);
   std::size_t gap_at = 0;
   while (gap_at < head.size() && head[gap_at] != "gap") ++gap_at;
   std::optional<WorstSeam> worst;
   while (std::getline(in, line)) {
-    const std::vector<std::string> cells = cells_of(line);
+    const std::vector<std::string> cells = csv_cells(line);
     double gap = 0.0;
     const bool good =
         gap_at < cells.size() &&

@@ -24,12 +24,20 @@ TEST_CASE("a contradiction widens what is measured by it, and nothing else") {
     CHECK(deviation(odd, p) == relative(deviation(one, p)).epsilon(1e-6));
   CHECK(deviation(odd, Parameter::bending_warp) > 10.0 * deviation(one, Parameter::bending_warp));
   CHECK(odd.warnings.size() == 2);
-  for (const char* text : {"200 g/m^2 +- 2 g/m^2", "20 mg/cm^2 +- 2 g/m^2", "200 g/m^2 +- 1 %"}) {
+  for (const char* text : {"200 g/m^2 +- 2 g/m^2", "20 mg/cm^2 +- 2 g/m^2", "200 g/m^2 +- 1 %", "200g/m^2+-1%"}) {
     CAPTURE(text);
     const fit::Fit f = fitted("areal_density = \"" + std::string(text) + "\"\n" + good);
     CHECK(value(f, Parameter::areal_density) == relative(0.2).epsilon(1e-9));
     CHECK(deviation(f, Parameter::areal_density) == relative(deviation(one, Parameter::areal_density)).epsilon(1e-9));
   }
+}
+
+TEST_CASE("an uncertainty in per cent needs the unit of the figure") {
+  const auto mistake = [](const std::string& text) { return fit_error(head + "areal_density = \"" + text + "\"\n"); };
+  CHECK(has(mistake("200 +- 1 %"), "the unit of '200' is missing"));
+  CHECK(has(mistake("200 g/m^2 +- 2"), "the unit of ' 2' is missing"));
+  CHECK(has(mistake("200 g/m^2 +- -1 %"), "greater than zero"));
+  CHECK(has(mistake("+- 2 g/m^2"), "a number and a unit are needed"));
 }
 
 TEST_CASE("specimens that differ by far leave a figure open, and a warning says so") {
