@@ -4,7 +4,7 @@
 //           T, s     triangle of a sheet and its side on the edge;  n its outward normal in the plane of T, N that of T
 //           g_s      derivative of the positions along n at the middle of the side, as a free edge has it: linear in positions
 //           C_T      A S^T D S, stiffness of slopes of the free sides of T, S what a slope adds to the curvature (curvature.hpp) [N m];
-//                    its part C_J of sides on joints when the other free sides follow
+//                    its part C_J of sides on joints when the other free sides follow, times the factor of the joint
 //           psi_s    turn of g_s about e since the rest, less that of the first sheet at this edge;  sigma_s = +-1: slope = sigma_s psi_s
 //           theta_J  turn of the edge J, likewise
 // Each sheet ends with a free edge. The edges turn so that the sheets store least:
@@ -55,10 +55,15 @@ struct JointElement {
   std::vector<Bend> bends;
 };
 
-/// `cluster`: one of joint_clusters(). `hinges`: k of each of mesh.joints(), infinite where it is none [N]. Throws UserError
-/// where a material couples stretching and bending.
+/// Of each of mesh.joints().
+struct JointStiffness {
+  std::vector<double> hinges;   ///< k, infinite where it is none [N]
+  std::vector<double> factors;  ///< > 0, of the energy that the joint stores beyond that of free edges
+};
+
+/// `cluster`: one of joint_clusters(). Throws UserError where a material couples stretching and bending.
 [[nodiscard]] JointElement make_joint_element(const Sheet& sheet, CurvatureBuilder& curvatures,
-                                              const std::vector<Index>& cluster, const std::vector<double>& hinges);
+                                              const std::vector<Index>& cluster, const JointStiffness& stiffness);
 
 /// Four points that move as one rigid body: an origin, and one along each axis at the same distance.
 struct RigidFrame {

@@ -2,7 +2,9 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <cmath>
 #include <map>
+#include <numbers>
 
 #include "base/decompositions.hpp"
 #include "base/unions.hpp"
@@ -31,8 +33,8 @@ std::map<Index, std::vector<Index>> joints_by_triangle(const Sheet& sheet) {
 
 class ClusterBuilder {
  public:
-  ClusterBuilder(const Sheet& sheet, CurvatureBuilder& curvatures, const std::vector<double>& hinges)
-      : sheet_(sheet), curvatures_(curvatures), hinges_(hinges) {}
+  ClusterBuilder(const Sheet& sheet, CurvatureBuilder& curvatures, const JointStiffness& stiffness)
+      : sheet_(sheet), curvatures_(curvatures), stiffness_(stiffness) {}
 
   JointElement run(const std::vector<Index>& cluster) {
     for (const Index j : cluster) add_joint(j);
@@ -49,12 +51,14 @@ class ClusterBuilder {
     Eigen::Index row;  ///< among the free sides of the triangle
     int joint;
     double give;         ///< 1 / (2 k l) of a hinge, 0 elsewhere [1/(N m)]
+    double factor;       ///< of the energy that it stores
     double sense = 1.0;  ///< sigma
   };
 
   void add_joint(Index number) {
     const mesh::Joint& joint = sheet_.mesh().joints()[static_cast<std::size_t>(number)];
-    const double stiffness = 2.0 * hinges_[static_cast<std::size_t>(number)] * sheet_.mesh().rest_length(joint.edge);
+    const double stiffness =
+        2.0 * stiffness_.hinges[static_cast<std::size_t>(number)] * sheet_.mesh().rest_length(joint.edge);
     const int edge = static_cast<int>(rows_.size());
     rows_.push_back({{joint.edge[0], -1.0}, {joint.edge[1], 1.0}});
     for (const mesh::TriangleSide& s : joint.sides) {
@@ -66,7 +70,7 @@ class ClusterBuilder {
       for (std::size_t i = 0; i < op.points.size(); ++i) row[op.points[i]] = w[static_cast<Eigen::Index>(i)];
       el_.angles.push_back(
           {s.triangle, edge, edge + 1, static_cast<int>(rows_.size()), 0.0, number, 0.0, Vec3::Zero()});
-      sides_.push_back({s.triangle, k, joints_, 1.0 / stiffness});
+      sides_.push_back({s.triangle, k, joints_, 1.0 / stiffness, stiffness_.factors[static_cast<std::size_t>(number)]});
       rows_.push_back(std::move(row));
     }
     ++joints_;
@@ -104,22 +108,35 @@ class ClusterBuilder {
       }
   }
 
+  /// Charts are flat, and lie on one of two sides of the edge.
   void take_rest() {
+    const mesh::SurfaceMesh& mesh = sheet_.mesh();
     for (std::size_t n = 0; n < el_.angles.size(); ++n) {
       JointElement::Angle& a = el_.angles[n];
+      const auto& sides = mesh.joints()[static_cast<std::size_t>(a.joint)].sides;
+      const mesh::TriangleSide own = *std::find_if(sides.begin(), sides.end(), [&](const mesh::TriangleSide& s) {
+        return s.triangle == a.triangle && slopes_.at(a.triangle).row(s.side) == sides_[n].row;
+      });
       // Of the first sheet by the angle to the next one, which falls as it turns.
       const bool first = a.vector == a.reference;
       const int other = first ? a.vector + 1 : a.vector;
       const auto z = [&](int row) -> Vec3 { return el_.start.row(row); };
       const EdgePoints x{Vec3::Zero(), z(a.edge), z(a.reference), z(other)};
-      const double slope = edge_angle_slopes(x)[first ? 2 : 3].dot(sheet_.mesh().rest_normal(a.triangle));
-      sides_[n].sense = (slope > 0.0) == first ? -1.0 : 1.0;
+      const double slope = edge_angle_slopes(x)[first ? 2 : 3].dot(mesh.rest_normal(a.triangle));
+      sides_[n].sense = mesh.has_charts() ? sense_of(own) : (slope > 0.0) == first ? -1.0 : 1.0;
       if (!first) {
-        a.rest = edge_angle(x);
+        const bool is_flat = mesh.is_folded(own) != mesh.is_folded(sides.front());
+        a.rest = !mesh.has_charts() ? edge_angle(x) : is_flat ? 0.0 : std::numbers::pi;
         a.fold = sides_[n].sense;
       }
       a.natural = sides_[n].sense * slopes_.at(a.triangle).natural.row(sides_[n].row).transpose();
     }
+  }
+
+  /// sigma: whether the triangle runs along the edge as the joint does.
+  [[nodiscard]] double sense_of(const mesh::TriangleSide& s) const {
+    const mesh::Triangle& v = sheet_.mesh().triangles()[static_cast<std::size_t>(s.triangle)];
+    return v[static_cast<std::size_t>((s.side + 1) % 3)] < v[static_cast<std::size_t>((s.side + 2) % 3)] ? 1.0 : -1.0;
   }
 
   void solve(Eigen::Index joints) {
@@ -169,12 +186,17 @@ class ClusterBuilder {
         compliance(i, j) = slopes_.at(t).compliance(side(on[static_cast<std::size_t>(i)]).row,
                                                     side(on[static_cast<std::size_t>(j)]).row);
     for (Eigen::Index i = 0; i < n; ++i) compliance(i, i) += side(on[static_cast<std::size_t>(i)]).give;
-    return inverse(compliance);
+    Eigen::MatrixXd c = inverse(compliance);
+    for (Eigen::Index i = 0; i < n; ++i)
+      for (Eigen::Index j = 0; j < n; ++j)
+        c(i, j) *=
+            std::sqrt(side(on[static_cast<std::size_t>(i)]).factor * side(on[static_cast<std::size_t>(j)]).factor);
+    return c;
   }
 
   const Sheet& sheet_;
   CurvatureBuilder& curvatures_;
-  const std::vector<double>& hinges_;
+  const JointStiffness& stiffness_;
   JointElement el_;
   std::map<Index, FreeSlopes> slopes_;
   std::vector<Row> rows_;
@@ -206,8 +228,8 @@ std::vector<std::vector<Index>> joint_clusters(const Sheet& sheet) {
 }
 
 JointElement make_joint_element(const Sheet& sheet, CurvatureBuilder& curvatures, const std::vector<Index>& cluster,
-                                const std::vector<double>& hinges) {
-  return ClusterBuilder(sheet, curvatures, hinges).run(cluster);
+                                const JointStiffness& stiffness) {
+  return ClusterBuilder(sheet, curvatures, stiffness).run(cluster);
 }
 
 }  // namespace voile::energy

@@ -38,6 +38,8 @@ std::vector<Pair> straightest_first(const MeshData& data, const Joint& joint) {
 
 std::map<Index, std::vector<Continuation>> continuations(const MeshData& data, const std::vector<Joint>& joints) {
   std::map<Index, std::vector<Continuation>> result;
+  if (!data.rest.empty())
+    return result;  // which side of a piece of fabric is the right one does not depend on where it lies
   for (const Joint& joint : joints) {
     std::vector<char> used(joint.sides.size(), 0);
     for (const Pair& pair : straightest_first(data, joint)) {

@@ -105,15 +105,23 @@ void SurfaceMesh::check_geometry() const {
     throw UserError(fmt::format("{}: {} vertex(es) belong to no triangle: {}", source(), loose.size(), some_of(loose)));
 }
 
+/// Where charts branch, seams must say on which side each lies.
+void SurfaceMesh::check_joints_of_charts() const {
+  for (const Joint& joint : joints_) {
+    const auto folded =
+        std::count_if(joint.sides.begin(), joint.sides.end(), [&](const TriangleSide& s) { return is_folded(s); });
+    if (folded > 0 && folded < static_cast<std::ptrdiff_t>(joint.sides.size())) continue;
+    throw UserError(fmt::format(
+        "{}: {} edge(s) join three or more triangles, or two that cannot be oriented alike; one is {}. Sheets "
+        "with a rest shape of their own (panels, mesh.rest = \"texture\") branch only along a seam: separate them, or "
+        "remove the extra triangles",
+        source(), joints_.size(), joint_text(joint)));
+  }
+}
+
 void SurfaceMesh::check_charts() const {
   if (!has_charts()) return;
-  if (!joints_.empty())
-    throw UserError(fmt::format(
-        "{}: {} edge(s) join three or more triangles, or two that cannot be oriented alike; the first is {}. Sheets "
-        "with "
-        "a rest shape of their own (panels, mesh.rest = \"texture\") cannot branch: separate them, or remove the extra "
-        "triangles",
-        source(), joints_.size(), joint_text(joints_.front())));
+  check_joints_of_charts();
   if (data_.rest.size() != data_.triangles.size())
     throw UserError(fmt::format("{}: rest positions for {} triangles, but there are {}", source(), data_.rest.size(),
                                 data_.triangles.size()));
@@ -218,9 +226,12 @@ void SurfaceMesh::orient() {
         std::swap(data_.triangles[t][1], data_.triangles[t][2]);
         if (!data_.texture.empty()) std::swap(data_.texture[t][1], data_.texture[t][2]);
         if (!data_.rest.empty()) std::swap(data_.rest[t][1], data_.rest[t][2]);
+        for (TriangleSide& s : data_.folded)
+          if (s.triangle == t && s.side > 0) s.side = 3 - s.side;
         ++reoriented_;
       }
   }
+  std::sort(data_.folded.begin(), data_.folded.end());
   std::sort(twisted_.begin(), twisted_.end());
   if (reoriented_ > 0 || !twisted_.empty()) build_adjacency();
 }

@@ -10,10 +10,13 @@
 // rest, and the chart of one neighbour is carried to that of the other by the rigid motion, and if the lengths of the side
 // differ the similarity, that puts side on side.
 // A joint is an edge of three or more triangles, of two that cannot be oriented alike, or a hinge. A sheet ends there: a
-// triangle has no neighbour across it.
+// triangle has no neighbour across it. Charts meet in joints where a seam has three layers or more: at rest each lies on one
+// of two sides of the edge, flat against those on the other side.
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <compare>
 #include <map>
 #include <string>
 #include <vector>
@@ -29,6 +32,7 @@ using Segment = std::array<Index, 2>;
 struct TriangleSide {
   Index triangle = no_index;
   int side = 0;
+  auto operator<=>(const TriangleSide&) const = default;
 };
 
 /// An edge at which sheets are joined.
@@ -68,8 +72,11 @@ struct MeshData {
   std::vector<std::array<Vec2, 3>> texture;
   /// Rest position of each corner [m]: charts. Empty: the positions are the rest shape too.
   std::vector<std::array<Vec3, 3>> rest;
-  std::vector<Seam> seams;         ///< that are open
-  std::vector<Segment> hinges;     ///< edges of two triangles that are joints, each ascending, in order
+  std::vector<Seam> seams;      ///< that are open
+  std::vector<Segment> hinges;  ///< edges of two triangles that are joints, each ascending, in order
+  /// Of charts: sides of triangles on seams of three layers that lie on the second side of the edge at rest; all other sides there
+  /// lie on the first.
+  std::vector<TriangleSide> folded;
   std::vector<std::string> notes;  ///< what the reader changed or made up, for the user; on the rank that read
 };
 
@@ -112,6 +119,10 @@ class SurfaceMesh {
   /// Edges at which sheets are joined, ascending.
   [[nodiscard]] const std::vector<Joint>& joints() const { return joints_; }
   [[nodiscard]] bool is_joint(Index t, int s) const;
+  /// Whether a side is among data().folded.
+  [[nodiscard]] bool is_folded(const TriangleSide& side) const {
+    return std::binary_search(data_.folded.begin(), data_.folded.end(), side);
+  }
 
   /// Group of that name and dimension (dimension -1: any). Throws UserError that lists the names there are.
   [[nodiscard]] const Group& group(const std::string& name, int dimension = -1) const;
@@ -156,6 +167,7 @@ class SurfaceMesh {
   void orient();
   void spread_orientation(Index t, std::vector<Index>& members, std::vector<char>& seen, std::vector<char>& flip);
   void count_components();
+  void check_joints_of_charts() const;
   [[nodiscard]] std::string joint_text(const Joint& joint) const;
   void build_vertex_triangles();
   void check_groups() const;

@@ -10,6 +10,7 @@
 #include <set>
 
 #include "formats/gmsh_polygon.hpp"
+#include "layers.hpp"
 #include "mesh/weld.hpp"
 #include "outline.hpp"
 #include "voile/errors.hpp"
@@ -20,6 +21,9 @@ namespace {
 
 /// Room between pieces in the plane of their charts, as a fraction of their width.
 constexpr double chart_room = 0.1;
+
+/// Fraction of the length of an edge below which two nodes are one.
+constexpr double near_node = 1e-7;
 
 /// Nodes of one edge in its own direction: fractions of its length, and vertices of the mesh.
 struct EdgeNodes {
@@ -52,9 +56,10 @@ class Cutter {
   }
 
   void run() {
-    for (const SeamLine& seam : g_.seams.lines) {
-      seam_fractions_.push_back(seam_nodes(g_.panels, seam));
-      for (std::size_t s = 0; s < 2; ++s) spread(seam.sides[s], seam.lengths[s], seam_fractions_.back()[s]);
+    seam_fractions_ = seam_nodes(g_.panels, g_.seams.lines);
+    for (std::size_t k = 0; k < seam_fractions_.size(); ++k) {
+      const SeamLine& seam = g_.seams.lines[k];
+      for (std::size_t s = 0; s < 2; ++s) spread(seam.sides[s], seam.lengths[s], seam_fractions_[k][s]);
     }
     std::vector<formats::Polygon> polygons;
     for (std::size_t p = 0; p < nodes_.size(); ++p) polygons.push_back(polygon(p));
@@ -64,6 +69,9 @@ class Cutter {
     for (std::size_t k = 0; k < seam_fractions_.size(); ++k) add_seam(k);
     for (mesh::Group& group : mark_groups_) g_.mesh.groups.push_back(std::move(group));
   }
+
+  /// Segments that seams make one.
+  [[nodiscard]] std::vector<SewnPair> take_pairs() { return std::move(pairs_); }
 
  private:
   [[nodiscard]] const Panel& panel(std::size_t p) const { return g_.panels[p]; }
@@ -77,10 +85,11 @@ class Cutter {
       std::vector<double>& own = nodes_[e.panel][e.edge].fractions;
       for (const double f : fractions) {
         const double local = (f * total - before) / length;
-        if (local > 1e-7 && local < 1.0 - 1e-7) own.push_back(e.reversed ? 1.0 - local : local);
+        if (local > near_node && local < 1.0 - near_node) own.push_back(e.reversed ? 1.0 - local : local);
       }
       own.insert(own.end(), {0.0, 1.0});
-      std::sort(own.begin(), own.end());
+      std::sort(own.begin(), own.end());  // seams with a common edge have the same nodes there
+      own.erase(std::unique(own.begin(), own.end(), [](double a, double b) { return b - a < near_node; }), own.end());
       before += length;
     }
   }
@@ -226,9 +235,15 @@ class Cutter {
       if (a[i].size() > 1) pair(a[i].back(), b[i].back());
       if (a[i].size() == 1 && b[i].size() > 1) pair(a[i].front(), b[i].back());
       if (a[i].size() > 1 && b[i].size() > 1) pair(a[i].front(), b[i].back());
+      if (i > 0) pairs_.push_back({segment(a[i - 1], a[i]), segment(b[i - 1], b[i])});
     }
     g_.mesh.seams.push_back(std::move(seam));
     add_seam_group(line);
+  }
+
+  static mesh::Segment segment(const std::vector<Index>& from, const std::vector<Index>& to) {
+    const auto [low, high] = std::minmax(from.back(), to.front());
+    return {low, high};
   }
 
   /// Both sides of a seam, which a weld makes one line of.
@@ -250,49 +265,8 @@ class Cutter {
   std::vector<mesh::Group> mark_groups_;
   std::vector<std::vector<EdgeNodes>> nodes_;
   std::vector<std::array<std::vector<double>, 2>> seam_fractions_;
+  std::vector<SewnPair> pairs_;
 };
-
-/// The vertex that each one becomes when all seams are welded.
-std::vector<Index> welded(const mesh::MeshData& m) {
-  std::vector<Index> target(m.positions.size());
-  std::iota(target.begin(), target.end(), Index{0});
-  const auto root = [&](Index v) {
-    while (target[v] != v) v = target[v] = target[target[v]];
-    return v;
-  };
-  for (const mesh::Seam& seam : m.seams)
-    for (const auto& [v, w] : seam.pairs) target[std::max(root(v), root(w))] = std::min(root(v), root(w));
-  for (Index v = 0; v < static_cast<Index>(target.size()); ++v) target[v] = root(v);
-  return target;
-}
-
-/// Whether the welded surface would be one.
-void check_welded(const Garment& g) {
-  const std::vector<Index> target = welded(g.mesh);
-  std::vector<std::string> name_of(g.mesh.triangles.size());
-  for (const mesh::Group& group : g.mesh.groups)
-    for (const Index t : group.triangles) name_of[t] = group.name;
-  std::map<mesh::Segment, std::vector<Index>> edges;
-  for (Index t = 0; t < static_cast<Index>(g.mesh.triangles.size()); ++t) {
-    const mesh::Triangle& v = g.mesh.triangles[t];
-    const Vec2 x = (g.mesh.texture[t][0] + g.mesh.texture[t][1] + g.mesh.texture[t][2]) / 3.0;
-    for (std::size_t s = 0; s < 3; ++s) {
-      const Index a = target[v[s]], b = target[v[(s + 1) % 3]];
-      if (a == b)
-        throw UserError(
-            fmt::format("{}: piece '{}': its seams would sew two corners of one cell near ({:.4g}, {:.4g}) m to "
-                        "each other and fold it; make the cells smaller there, or correct which edges are sewn",
-                        g.mesh.source, name_of[t], x[0], x[1]));
-      edges[{std::min(a, b), std::max(a, b)}].push_back(t);
-    }
-  }
-  for (const auto& [edge, triangles] : edges)
-    if (triangles.size() > 2)
-      throw UserError(
-          fmt::format("{}: pieces '{}', '{}' and '{}' would be sewn together along one line, and a surface that "
-                      "branches is not supported; remove one of the seams there",
-                      g.mesh.source, name_of[triangles[0]], name_of[triangles[1]], name_of[triangles[2]]));
-}
 
 }  // namespace
 
@@ -316,14 +290,25 @@ Garment make_garment(std::vector<Panel> panels, const std::vector<SeamRequest>& 
   const std::vector<Mark> marks = resolve_marks(panels, mark_requests);
   g.panels = std::move(panels);
   g.mesh.notes = g.seams.notes;
-  Cutter(g, marks).run();
+  Cutter cutter(g, marks);
+  cutter.run();
   for (std::size_t k = 0; k < g.mesh.groups.size(); ++k)
     for (std::size_t l = 0; l < k; ++l)
       if (g.mesh.groups[k].dimension == 0 && g.mesh.groups[l].name == g.mesh.groups[k].name)
         throw UserError(fmt::format("{}: mark '{}': a piece, edge or seam has this name; choose another", g.mesh.source,
                                     g.mesh.groups[k].name));
-  check_welded(g);
+  take_layers(g.mesh, cutter.take_pairs());
   return g;
+}
+
+std::map<std::string, std::vector<std::string>> layered_edges(const Garment& g) {
+  std::map<std::string, std::vector<std::string>> seams;
+  for (const SeamLine& line : g.seams.lines)
+    for (const auto& side : line.sides)
+      for (const EdgeUse& e : side)
+        seams[fmt::format("{}/{}", g.panels[e.panel].piece.name, e.edge)].push_back(line.name);
+  std::erase_if(seams, [](const auto& entry) { return entry.second.size() < 2; });
+  return seams;
 }
 
 std::string garment_text(const Garment& g, const std::vector<double>& densities,

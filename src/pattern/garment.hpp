@@ -1,6 +1,7 @@
 // A garment: panels cut into triangles, in their places, with open seams.
 #pragma once
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -23,6 +24,9 @@ struct Garment {
 /// for an outline, seams that would fold cells onto themselves or join three edges, a mark with the name of another group.
 [[nodiscard]] Garment make_garment(std::vector<Panel> panels, const std::vector<SeamRequest>& seams,
                                    const std::vector<MarkRequest>& marks = {});
+
+/// Names of the edges that are in several seams, and of these seams.
+[[nodiscard]] std::map<std::string, std::vector<std::string>> layered_edges(const Garment& garment);
 
 /// Panels with areas and masses, seams with the lengths of both sides and their distance, and how much fabric it takes,
 /// as lines of text. Per panel: `densities` [kg/m^2], area of `allowances` of its seams [m^2]. Not collective.

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <map>
 #include <numeric>
+#include <set>
 
 #include "base/text.hpp"
 #include "names.hpp"
@@ -49,20 +50,23 @@ class Resolver {
   void add(const SeamRequest& r) {
     SeamLine line;
     line.sides = {chain(r, r.edges), chain(r, r.to)};
-    for (const Side& side : line.sides)
-      for (const EdgeUse& e : side) use(r, e);
     line.name = seam_name(r.name, r.edges, r.to);
+    use(r, line);
     for (const SeamLine& other : found_.lines)
       if (other.name == line.name)
         throw UserError(fmt::format("{}: seam '{}': another seam has this name", r.where, line.name));
     orient(r, line);
     measure(r, line);
     check_dart(r, line);
-    check_twist(r, line);
     found_.lines.push_back(std::move(line));
+    requests_.push_back(&r);
   }
 
-  Seams take() { return std::move(found_); }
+  Seams take() {
+    note_layers();
+    for (std::size_t k = 0; k < found_.lines.size(); ++k) check_twist(*requests_[k], found_.lines[k]);
+    return std::move(found_);
+  }
 
  private:
   [[noreturn]] static void fail(const SeamRequest& r, const std::string& message) {
@@ -114,13 +118,44 @@ class Resolver {
                 : fmt::format("'{}': edges {} have this label; name one by its number", given, join(labelled, ", ")));
   }
 
-  void use(const SeamRequest& r, const EdgeUse& e) {
-    const auto [at, is_new] = used_.insert({{e.panel, e.edge}, r.where});
-    if (!is_new)
-      fail(r, fmt::format("edge {} is in a seam already ({}); an edge is sewn once; divide the edge, of a pleat as "
-                          "docs/howto/sew-a-pattern.md has it, or remove one of the seams",
-                          edge_name(panels_, e), at->second));
+  using Key = std::pair<std::size_t, std::size_t>;  ///< panel and edge
+  static Key key(const EdgeUse& e) { return {e.panel, e.edge}; }
+
+  /// An edge may be in several seams, but once in each of them, and with another edge in only one.
+  void use(const SeamRequest& r, const SeamLine& line) {
+    std::set<Key> own;
+    for (const Side& side : line.sides)
+      for (const EdgeUse& e : side)
+        if (!own.insert(key(e)).second)
+          fail(r, fmt::format("seam '{}': edge {} is in it twice; an edge cannot be sewn to itself: name another edge, "
+                              "or divide it by a point",
+                              line.name, edge_name(panels_, e)));
+    const auto is_pair = [](const SeamLine& l) { return l.sides[0].size() == 1 && l.sides[1].size() == 1; };
+    for (std::size_t k = 0; k < found_.lines.size() && is_pair(line); ++k) {
+      const auto& [a, b] = found_.lines[k].sides;
+      if (is_pair(found_.lines[k]) && own == std::set{key(a.front()), key(b.front())})
+        fail(r,
+             fmt::format("edge {} is sewn to {} in a seam already ({}); remove one of the seams, or divide the edge, "
+                         "of a pleat as docs/howto/sew-a-pattern.md has it",
+                         edge_name(panels_, line.sides[0].front()), edge_name(panels_, line.sides[1].front()),
+                         requests_[k]->where));
+    }
+    for (const Key& e : own) used_[e].push_back(found_.lines.size());
   }
+
+  /// Where three layers and more meet, which a wrong name may also be the cause of.
+  void note_layers() {
+    for (const auto& [edge, seams] : used_) {
+      if (seams.size() < 2) continue;
+      std::vector<std::string> names;
+      for (const std::size_t k : seams) names.push_back(fmt::format("'{}'", found_.lines[k].name));
+      found_.notes.push_back(fmt::format("edge {} is in {} seams, {}: {} layers meet there in one line",
+                                         edge_name(panels_, {edge.first, edge.second, false}), seams.size(),
+                                         join(names, ", "), seams.size() + 1));
+    }
+  }
+  /// Sheets end where three layers meet, so their right sides need not agree.
+  [[nodiscard]] bool is_layered(const EdgeUse& e) const { return used_.at(key(e)).size() > 1; }
 
   /// Directions of the edges of a side such that each begins where the one before ends.
   [[nodiscard]] Side chain(const SeamRequest& r, const std::vector<std::string>& names) const {
@@ -324,15 +359,17 @@ class Resolver {
       for (const EdgeUse& b : line.sides[1]) {
         const double begin_b = end_b;
         end_b += length_of(panels_, {b}) / line.lengths[1];
+        if (is_layered(a) || is_layered(b)) continue;
         if (std::min(end_a, end_b) - std::max(begin_a, begin_b) > 0.01) tie(a, b);
       }
     }
   }
 
   const std::vector<Panel>& panels_;
-  std::map<std::pair<std::size_t, std::size_t>, std::string> used_;
-  std::vector<int> sense_;          ///< of each panel against the one it hangs on
-  std::vector<std::size_t> chain_;  ///< that one
+  std::map<Key, std::vector<std::size_t>> used_;  ///< numbers of the seams of each edge
+  std::vector<const SeamRequest*> requests_;      ///< of the seams
+  std::vector<int> sense_;                        ///< of each panel against the one it hangs on
+  std::vector<std::size_t> chain_;                ///< that one
   Seams found_;
 };
 

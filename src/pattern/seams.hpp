@@ -81,13 +81,16 @@ struct Seams {
   std::vector<std::string> notes;  ///< what was chosen, and ratios of lengths that are unusual
 };
 
-/// Throws UserError that names seam, panel and edge: unknown names, an edge in two seams, a dart without a common tip,
+/// An edge in several seams is where more than two layers meet.
+/// Throws UserError that names seam, panel and edge: unknown names, an edge sewn to itself or twice to another, a dart without a common tip,
 /// lengths that differ more than fourfold, a chain of panels that closes with a twist.
 [[nodiscard]] Seams resolve_seams(const std::vector<Panel>& panels, const std::vector<SeamRequest>& requests);
 
-/// Fractions of the length of each side of a seam at which its nodes lie, ascending from 0 to 1, as many on both: cells are
-/// at most as long as the smaller size of the two sides' panels asks for.
-[[nodiscard]] std::array<std::vector<double>, 2> seam_nodes(const std::vector<Panel>& panels, const SeamLine& seam);
+/// Of each seam: fractions of the length of each side at which its nodes lie, ascending from 0 to 1, as many on both. Cells are
+/// at most as long as the smallest size of its panels asks for; seams with a common edge have the same nodes there. Throws
+/// UserError where corners of three layers lie too near to each other.
+[[nodiscard]] std::vector<std::array<std::vector<double>, 2>> seam_nodes(const std::vector<Panel>& panels,
+                                                                         const std::vector<SeamLine>& seams);
 
 [[nodiscard]] double length_of(const std::vector<Panel>& panels, const std::vector<EdgeUse>& side);
 

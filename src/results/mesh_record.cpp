@@ -100,6 +100,9 @@ void write_mesh_record(NewFile& file, const mesh::MeshData& mesh) {
       file.dataset(path + "/stations", H5T_NATIVE_DOUBLE, seam.stations.size(), 1, seam.stations.data());
     file.text(path, "name", seam.name);
   }
+  std::vector<Index> folded;
+  for (const mesh::TriangleSide& s : mesh.folded) folded.push_back(3 * s.triangle + s.side);
+  if (!folded.empty()) file.dataset("mesh/folded", H5T_NATIVE_INT32, folded.size(), 1, folded.data());
 }
 
 mesh::MeshData read_mesh_record(hid_t file, const std::string& where, const fs::path& path) {
@@ -120,6 +123,9 @@ mesh::MeshData read_mesh_record(hid_t file, const std::string& where, const fs::
   }
   mesh.groups = read_groups(file, where, mesh, path);
   mesh.seams = read_seams(file, where, mesh, path);
+  if (has(file, where + "/folded"))
+    for (const Index side : read_members(file, where + "/folded", 3 * mesh.triangles.size(), path))
+      mesh.folded.push_back({side / 3, static_cast<int>(side % 3)});
   return mesh;
 }
 

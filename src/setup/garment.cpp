@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <optional>
 #include <set>
 
@@ -222,6 +223,29 @@ void keep_sewn(const input::Case& c, mesh::MeshData& mesh) {
         fmt::format("{} of {} seams stay open: no [[stage]] has them in its key sew", left, known.size()));
 }
 
+/// What seams of three layers and more cannot have.
+void check_layers(const input::Case& c, const pattern::Garment& garment) {
+  const std::map<std::string, std::vector<std::string>> layered = pattern::layered_edges(garment);
+  if (layered.empty()) return;
+  const auto& [edge, seams] = *layered.begin();
+  const auto remeshes = [](const input::Case& one) { return one.remesh.active; };
+  if (remeshes(c) || std::any_of(c.stages.begin(), c.stages.end(), remeshes))
+    throw UserError(
+        fmt::format("{}: [remesh]: edge {} is in seams '{}' and '{}', and a new mesh would lose the line in "
+                    "which three layers meet; remove the section, or one of the seams",
+                    c.file.string(), edge, seams[0], seams[1]));
+  const std::vector<system::SeamRule> rules = seam_rules(c);
+  for (const auto& [of, names] : layered)
+    for (const std::string& name : names) {
+      const double own = system::allowance_of(name, rules), first = system::allowance_of(names[0], rules);
+      if (own != first)
+        throw UserError(fmt::format(
+            "{}: [[seam]] allowance: edge {} is in seams '{}' and '{}', whose allowances are {:g} and {:g} m, and "
+            "has one strip; give both seams the same",
+            c.file.string(), of, names[0], name, first, own));
+    }
+}
+
 /// Marks are where the file draws them, also in a piece that is cut from its mirror image.
 std::vector<pattern::MarkRequest> marks_of(const input::Case& c, const std::vector<Cut>& cuts) {
   std::vector<pattern::MarkRequest> marks;
@@ -259,6 +283,7 @@ pattern::Garment garment_of(const input::Case& c) {
   }
   pattern::Garment garment = pattern::make_garment(std::move(panels), requests, marks_of(c, cuts));
   garment.mesh.notes.insert(garment.mesh.notes.begin(), notes.begin(), notes.end());
+  check_layers(c, garment);
   return garment;
 }
 

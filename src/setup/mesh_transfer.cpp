@@ -72,6 +72,11 @@ void broadcast_mesh(MPI_Comm comm, mesh::MeshData& data) {
   for (std::size_t i = 0; i < rest.size(); i += 3) data.rest[i / 9][i / 3 % 3] = Eigen::Map<Vec3>(&rest[i]);
   broadcast_groups(comm, data.groups);
   broadcast_seams(comm, data.seams);
+  std::vector<Index> folded;
+  for (const mesh::TriangleSide& s : data.folded) folded.insert(folded.end(), {s.triangle, Index{s.side}});
+  mpi::broadcast(comm, folded);
+  data.folded.clear();
+  for (std::size_t i = 0; i < folded.size(); i += 2) data.folded.push_back({folded[i], folded[i + 1]});
   data.positions.resize(coordinates.size() / 3);
   data.triangles.resize(corners.size() / 3);
   for (std::size_t v = 0; v < data.positions.size(); ++v) data.positions[v] = Eigen::Map<Vec3>(&coordinates[3 * v]);

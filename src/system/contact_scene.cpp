@@ -74,7 +74,8 @@ ContactScene::ContactScene(const Dofs& dofs, ContactInput input) : dofs_(&dofs),
   obstacles_.emplace(input_.obstacles, static_cast<int>(sheets), surface);
   set_general_rules(input_, sheets, surface);
   surface.joined = mesh::joined_vertices(mesh.data());
-  if (lacks_room() || (input_.self && !mesh.joints().empty()))
+  // Layers that a seam has joined lay apart before, so nothing but what meets in the seam is nearer than contact reaches.
+  if (lacks_room() || (input_.self && !mesh.joints().empty() && !mesh.has_charts()))
     surface.neighbours = contact::find_neighbours(surface, input_.options.distance);
   std::vector<char> owned(static_cast<std::size_t>(mesh.vertex_count()));
   for (Index i = 0; i < dofs.local().owned; ++i) owned[dofs.local().point_of[i]] = 1;

@@ -85,6 +85,7 @@ Discretisation::Discretisation(MPI_Comm comm, const mesh::SurfaceMesh& mesh, std
     add_allowances(mesh, seams.rules, materials_, material_of);
     sheet_ = std::make_unique<energy::Sheet>(sheet_patches(), materials_, std::move(material_of), options,
                                              bending_across_seams(mesh, seams.rules));
+    joint_factors_ = bending_of_joints(mesh, seams.rules);
     needed = find_elements(couplings);
   });
   dofs_ = std::make_unique<Dofs>(comm, *patches_, partition_, constraints_, needed);
@@ -235,10 +236,10 @@ bool Discretisation::touches(const std::vector<Index>& vertices) const {
 void Discretisation::find_joints(energy::CurvatureBuilder& curvature, const std::map<Index, HingedEdge>& hinges,
                                  const std::vector<char>& candidate, std::vector<char>& needed) {
   const std::vector<mesh::Joint>& joints = mesh_->joints();
-  std::vector<double> stiffness(joints.size(), std::numeric_limits<double>::infinity());
+  energy::JointStiffness stiffness{std::vector(joints.size(), std::numeric_limits<double>::infinity()), joint_factors_};
   for (const auto& [number, hinge] : hinges)
     if (!on_boundary(*mesh_, number)) {
-      stiffness[static_cast<std::size_t>(number)] = hinge.stiffness;
+      stiffness.hinges[static_cast<std::size_t>(number)] = hinge.stiffness;
       for (const mesh::TriangleSide& side : joints[static_cast<std::size_t>(number)].sides)
         require_free(hinge.at.edge, side);
     }

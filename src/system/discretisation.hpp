@@ -130,7 +130,8 @@ class Discretisation {
   Constraints constraints_;
   std::vector<Index> body_of_;  ///< per vertex: rigid body, or no_index; empty: there are none
   std::unique_ptr<mesh::PatchMesh> patches_;
-  GatheredSheet drawn_in_, before_;  ///< without patches: as it is cut
+  std::vector<double> joint_factors_;  ///< of the bending energy of each joint of the mesh
+  GatheredSheet drawn_in_, before_;    ///< without patches: as it is cut
   bool draws_in_ = false;
   std::unique_ptr<energy::Sheet> sheet_;
   std::unique_ptr<Dofs> dofs_;

@@ -13,10 +13,7 @@ namespace voile::system {
 
 namespace {
 
-const SeamRule* rule_of(const mesh::Group& group, const std::vector<SeamRule>& rules) {
-  const std::string prefix = mesh::seam_group("");
-  if (group.dimension != 1 || !group.name.starts_with(prefix)) return nullptr;
-  const std::string seam = group.name.substr(prefix.size());
+const SeamRule* rule_of(const std::string& seam, const std::vector<SeamRule>& rules) {
   const SeamRule *general = nullptr, *starred = nullptr;
   for (const SeamRule& rule : rules) {
     if (rule.seam == seam) return &rule;
@@ -24,6 +21,12 @@ const SeamRule* rule_of(const mesh::Group& group, const std::vector<SeamRule>& r
     if (star_of(rule.seam, seam)) starred = &rule;
   }
   return starred ? starred : general;
+}
+
+const SeamRule* rule_of(const mesh::Group& group, const std::vector<SeamRule>& rules) {
+  const std::string prefix = mesh::seam_group("");
+  if (group.dimension != 1 || !group.name.starts_with(prefix)) return nullptr;
+  return rule_of(group.name.substr(prefix.size()), rules);
 }
 
 /// Calls visit(triangle, side) for the triangles on either side of an edge.
@@ -113,14 +116,40 @@ std::vector<energy::BendingSide> bending_across_seams(const mesh::SurfaceMesh& m
   return sides;
 }
 
+double allowance_of(const std::string& seam, const std::vector<SeamRule>& rules) {
+  const SeamRule* rule = rule_of(seam, rules);
+  return rule ? rule->allowance : 0.0;
+}
+
+std::vector<double> bending_of_joints(const mesh::SurfaceMesh& mesh, const std::vector<SeamRule>& rules) {
+  const std::vector<mesh::Joint>& joints = mesh.joints();
+  std::vector<double> factors(joints.size(), 1.0);
+  for (const mesh::Group& group : mesh.groups()) {
+    const SeamRule* rule = joints.empty() ? nullptr : rule_of(group, rules);
+    if (!rule || rule->bending == 1.0) continue;
+    for (const mesh::Segment& segment : group.segments) {
+      const mesh::Segment edge{std::min(segment[0], segment[1]), std::max(segment[0], segment[1])};
+      const auto at = std::lower_bound(joints.begin(), joints.end(), edge,
+                                       [](const mesh::Joint& j, const mesh::Segment& e) { return j.edge < e; });
+      if (at == joints.end() || at->edge != edge) continue;
+      double& factor = factors[static_cast<std::size_t>(at - joints.begin())];
+      factor = std::max(least_factor, std::min(factor, rule->bending));
+    }
+  }
+  return factors;
+}
+
 std::vector<double> allowance_areas(const mesh::SurfaceMesh& mesh, const std::vector<SeamRule>& rules) {
   std::vector<double> areas;
+  std::set<mesh::TriangleSide> laid;  // a side in two seams has one strip
   for (const mesh::Group& group : mesh.groups()) {
     const SeamRule* rule = rule_of(group, rules);
     if (!rule || rule->allowance == 0.0) continue;
     areas.resize(static_cast<std::size_t>(mesh.triangle_count()), 0.0);
     for (const mesh::Segment& edge : group.segments)
-      for_sides(mesh, edge, [&](Index t, int s) { lay(mesh, t, s, rule->allowance, areas); });
+      for_sides(mesh, edge, [&](Index t, int s) {
+        if (laid.insert({t, s}).second) lay(mesh, t, s, rule->allowance, areas);
+      });
   }
   return areas;
 }

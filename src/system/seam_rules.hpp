@@ -33,6 +33,14 @@ struct Seams {
 [[nodiscard]] std::vector<energy::BendingSide> bending_across_seams(const mesh::SurfaceMesh& mesh,
                                                                     const std::vector<SeamRule>& rules);
 
+/// w of the rule of a seam [m].
+[[nodiscard]] double allowance_of(const std::string& seam, const std::vector<SeamRule>& rules);
+
+/// Factor of each of mesh.joints(), not below `least_factor`, with which a hinge's edge still has an angle; the least where several
+/// seams run along it. Not collective.
+[[nodiscard]] std::vector<double> bending_of_joints(const mesh::SurfaceMesh& mesh, const std::vector<SeamRule>& rules);
+inline constexpr double least_factor = 1e-9;
+
 /// Area of the strips in each triangle [m^2], of open and welded seams; empty if no rule has an allowance. Not collective.
 [[nodiscard]] std::vector<double> allowance_areas(const mesh::SurfaceMesh& mesh, const std::vector<SeamRule>& rules);
 

@@ -39,18 +39,23 @@ SeamTension seam_tension(const energy::Sheet& sheet, const mesh::Group& line, co
   const mesh::SurfaceMesh& mesh = sheet.mesh();
   SeamTension tension{line.name};
   double sides = 0.0;
-  for (const mesh::Segment& segment : line.segments)
+  for (const mesh::Segment& segment : line.segments) {
+    double here_sides = 0.0;
+    int layers = 0;
     for (const Index t : mesh.triangles_of_vertex(segment[0])) {
       const int s = mesh.side_of(t, segment[0], segment[1]);
       if (s < 0) continue;
       const double here = side_tension(sheet, t, s, force, places);
       const double length = (mesh.rest_corner(t, (s + 1) % 3) - mesh.rest_corner(t, (s + 2) % 3)).norm();
-      sides += length;
+      here_sides += length;
+      ++layers;
       tension.mean += length * here;
       tension.largest = std::max(tension.largest, here);
     }
+    sides += here_sides;
+    tension.length += here_sides / std::max(layers, 2);  // each side of an open seam is a segment of its own
+  }
   if (sides > 0.0) tension.mean /= sides;
-  tension.length = 0.5 * sides;
   return tension;
 }
 

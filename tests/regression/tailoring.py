@@ -64,6 +64,77 @@ def seam_report(report):
     report.check(code == 2, f"render --seams without a run: {text.strip()[:100]}")
 
 
+def layered(**changes):
+    """A strip that hangs between the two layers of a band, 4 mm apart; the inner layer is 5 % longer, and finer."""
+    file = svg("tailoring_layers.svg", rectangle("skirt", LENGTH, 0.06), rectangle("outer", LENGTH, 0.03), rectangle("inner", 1.05 * LENGTH, 0.03))
+    panel = lambda name, size, x, y, z: {"file": file, "pieces": [name], "size": size, "translate": [x, y, z]}  # noqa: E731
+    return {"panel": [panel("skirt", 0.0125, 0, 0, 0), panel("outer", 0.0125, 0, -0.004, 0.0325), panel("inner", 0.01, -0.025 * LENGTH, 0.004, 0.0325)],
+            "seam": [{"name": "out", "edges": ["skirt/0"], "to": ["outer/2"], "meet": ["skirt@0", "outer@3"]},
+                     {"name": "in", "edges": ["skirt/0"], "to": ["inner/2"], "meet": ["skirt@0", "inner@3"]}],
+            "material": [CLOTH], "sewing": {"speed": 0.05, "allowance": 0.004}, "contact": {"distance": 0.0015},
+            "load": [{"type": "gravity", "vector": [0, 0, -9.81]}], "support": [{"type": "hinged", "group": ["outer/0", "inner/0"]}],
+            "stage": [{"name": "sew", "analysis": "dynamic", "sew": ["all"], "time": {"end": 0.3, "step": 0.02}, "damping": {"mass": 100.0}},
+                      {"name": "hang", "analysis": "dynamic", "time": {"end": 0.34, "step": 0.01, "checkpoint_steps": 2}, "damping": {"mass": 20.0}}]} | changes
+
+
+@test
+def three_layers(report):
+    """A strip sewn between two layers: one line of three sheets, on 1 and 2 ranks, after a restart, and welded one after the other."""
+    mass = []
+    for ranks in (1, 2):
+        result, what = solve(f"three_layers_{ranks}", layered(), ranks), f"{ranks} rank(s)"
+        seams = seams_of(result)
+        report.check(sorted(seams) == ["in", "out"] and max(float(r["gap"]) for r in seams.values()) < 1e-4, f"{what}: both pairs are closed: {[r['gap'] for r in seams.values()]} m")
+        report.check((seams["in"]["edge_1"], seams["in"]["edge_2"]) == ("skirt/0", "inner/2"), f"{what}: {seams['in']['edge_1']} to {seams['in']['edge_2']}")
+        report.check("edge skirt/0 is in 2 seams, 'out', 'in': 3 layers meet there" in result.text, f"{what}: a note says so")
+        last, first = Results(part(result, "hang").folder)[-1], Results(part(result, "sew").folder)[0]
+        lines = [set(last.mesh.group(name)) for name in ("skirt/0", "outer/2", "inner/2")]
+        report.check(lines[0] == lines[1] == lines[2] and len(lines[0]) > 8, f"{what}: {[len(x) for x in lines]} vertices, the same of all three")
+        report.check(len(first.positions) - len(last.positions) == 2 * len(lines[0]), f"{what}: two of three vertices are gone at each")
+        hang = part(result, "hang").history
+        report.check(max(h["intersections"].max() for h in (part(result, "sew").history, hang)) == 0, f"{what}: nothing intersects")
+        lower = last.positions[last.mesh.group("skirt/2")]
+        report.check(lower[:, 2].max() < last.positions[list(lines[0]), 2].min() - 0.055, f"{what}: the strip hangs")
+        mass.append([part(result, stage).summary["garment"] for stage in ("sew", "hang")])
+    weights = [[p["mass"] for p in g["panels"]] for g in mass[0]]
+    report.below(np.abs(np.subtract(*weights)).max(), 1e-15, f"a weld leaves what pieces weigh with one allowance each: {weights[0]} kg")
+    whole = part(result, "hang")
+    folder = fresh("three_layers_rest")
+    half = layered()
+    half["stage"][1]["time"]["end"] = 0.32
+    solve("three_layers_half", half, 2)
+    rest = run(OUT / "three_layers_2.toml", folder, 2, ["--from", "hang", "--restart", OUT / "three_layers_half" / "hang" / "checkpoint.h5"])
+    report.check(rest.code == 0, f"a restart: code {rest.code}")
+    report.below(np.abs(Results(folder / "hang")[-1].positions - Results(whole.folder)[-1].positions).max(), 1e-12, "and ends at the same place [m]")
+    # The inner layer lies with its right side inside, and is welded first.
+    turned = layered()
+    turned["panel"][2] |= {"rotate": [0, 0, 180], "translate": [1.025 * LENGTH, 0.004, 0.0325]}
+    turned["seam"][1]["meet"] = ["skirt@0", "inner@2"]
+    sew = turned["stage"][0]
+    turned["stage"] = [sew | {"name": "inside", "sew": ["in"]}, sew | {"name": "sew", "sew": ["out"], "time": {"end": 0.6, "step": 0.02}}, {"name": "hang", "analysis": "dynamic", "time": {"end": 0.62, "step": 0.01}}]
+    result = solve("three_layers_turned", turned)
+    last = Results(result.folder / "hang")[-1]
+    lines = [set(last.mesh.group(name)) for name in ("skirt/0", "outer/2", "inner/2")]
+    report.check(lines[0] == lines[1] == lines[2] and part(result, "hang").history["intersections"].max() == 0, "an inner layer that is turned over and welded first: one line, nothing intersects")
+
+
+@test
+def three_layers_mistakes(report):
+    """What seams of three layers cannot have ends with code 2, the file and a remedy."""
+    def refused(what, case, *words):
+        code, text = invoke(["check", write_case(case, OUT / "three_layers_wrong.toml")])
+        report.check(code == 2 and all(w in " ".join(text.split()) for w in words), f"{what}: code {code}: {' '.join(text.split())[-250:]}")
+
+    out, inside = layered()["seam"]
+    refused("an edge sewn to itself", layered(seam=[out, inside | {"to": ["skirt/0"]}]), "[[seam]] in", "skirt/0 is in it twice", "name another edge")
+    refused("a pair twice", layered(seam=[out, inside, inside | {"name": "again", "edges": ["inner/2"], "to": ["skirt/0"], "meet": ["inner@3", "skirt@0"]}]), "[[seam]] again", "inner/2 is sewn to skirt/0 in a seam already", "[[seam]] in", "remove one")
+    refused("a circle", layered(seam=[out, inside, {"edges": ["outer/2"], "to": ["inner/2"], "meet": ["outer@3", "inner@3"]}]), "twice along one line", "remove one of these seams")
+    refused("another mesh", layered(remesh={"smallest": 0.005}), "[remesh]", "skirt/0", "'out' and 'in'", "remove the section")
+    refused("two allowances", layered(seam=[out, inside | {"allowance": 0.01}]), "[[seam]] allowance", "skirt/0", "give both seams the same")
+    code, text = invoke(["check", write_case(layered(), OUT / "three_layers_good.toml")])
+    report.check(code == 0 and "'out': 0.1 m to 0.1 m" in text and "'in': 0.1 m to 0.105 m" in text, f"check lists both pairs: code {code}: {text[-600:] if code else ''}")
+
+
 @test
 def seam_that_hangs(report):
     """A piece hangs on its seam, with the default tolerance: the springs carry its weight and do not pull by turns."""

@@ -247,7 +247,8 @@ TEST_CASE("joints that share a triangle are solved together, and turn freely as 
   std::size_t largest = 0;
   for (const std::vector<Index>& cluster : energy::joint_clusters(sheet)) {
     largest = std::max(largest, cluster.size());
-    const energy::JointElement joint = energy::make_joint_element(sheet, curvatures, cluster, stiff);
+    const energy::JointElement joint =
+        energy::make_joint_element(sheet, curvatures, cluster, {stiff, std::vector(stiff.size(), 1.0)});
     const Eigen::MatrixXd& q = joint.stiffness;
     const double scale = q.norm();
     for (const energy::JointElement::Angle& first : joint.angles) {
