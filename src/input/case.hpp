@@ -65,6 +65,7 @@ struct PanelSection {
   double wrap_radius = 0.0;             ///< there [m]; 0: the distance of each piece from the axis
   double wrap_angle = 0.0;              ///< half of the cone's, positive if it widens along the axis [rad]
   std::vector<double> wrap_radii;       ///< at wrap_point and at wrap_end, instead of both [m]; may be empty
+  int layer = 0;                        ///< of the clothes, from the body outwards
 };
 
 /// Edges sewn to edges. "PANEL/EDGE", points as "PANEL@POINT".

@@ -17,6 +17,9 @@ constexpr double most_sewing_strain = 10.0;
 /// Faster than anything is sewn [m/s]: the springs have no length from the first step on.
 constexpr double fastest_seam = 1e6;
 
+/// Clothes over each other, at most.
+constexpr double most_layers = 100;
+
 /// Beyond these nothing is sewn: a factor of the bending stiffness, and the width of an allowance [m].
 constexpr double stiffest_bend = 1e4;
 constexpr double widest_allowance = 1.0;
@@ -148,6 +151,12 @@ std::vector<Key> keys_of(PanelSection& s) {
                     .meaning = "Point `PIECE@POINT` of a piece of this section that comes there instead of the origin "
                                "of the file, turned by `rotate`, before pieces are bent.",
                     .absent = "the origin of the file"});
+  places.push_back(
+      {.name = "layer",
+       .slot = &s.layer,
+       .meaning = "Of the clothes, from the body outwards: each begins outside the one before, by `contact.distance`, "
+                  "`thickness` and what the cells of a bent piece cut off. Flat pieces move to their right side.",
+       .range = {0, most_layers}});
   return joined(joined(joined(std::move(keys), cutting_keys(s)), places), wrapping_keys(s));
 }
 

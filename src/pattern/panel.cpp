@@ -33,8 +33,10 @@ Plane plane_of(const Panel& p, const Wrap& w) {
   return {normal, w.axis.cross(normal), normal.dot(foot)};
 }
 
-double radius_of(const Plane& plane, const Wrap& w) {
-  return w.radius > 0.0 ? w.radius : plane.distance;
+/// `outwards` is across the surface, which leans on a cone.
+double radius_of(const Panel& p, const Plane& plane) {
+  const double inner = p.wrap->radius > 0.0 ? p.wrap->radius : plane.distance;
+  return inner + (inner > least_radius ? p.outwards / std::cos(p.wrap->half_angle) : 0.0);
 }
 
 /// A cone, unrolled: polar coordinates about its apex in the plane of a panel. Angles shrink by the sine of the half angle
@@ -125,9 +127,9 @@ Vec3 Panel::flat_place(const Vec2& x) const {
 
 Vec3 Panel::place(const Vec2& x) const {
   Vec3 flat = flat_place(x);
-  if (!wrap) return flat;
+  if (!wrap) return flat + (piece.turned ? -outwards : outwards) * turn * piece.rotation.col(2);
   const Plane plane = plane_of(*this, *wrap);
-  double radius = radius_of(plane, *wrap);
+  double radius = radius_of(*this, plane);
   const Vec2 at = in_plane(*this, plane, flat);
   double angle = at[0] / radius, height = at[1];
   if (is_cone(*wrap)) {
@@ -153,7 +155,7 @@ void Panel::check_wrap() const {
         fmt::format("{}: wrap_axis: its plane leans by {:.3g} degrees against the axis; turn the piece or the "
                     "axis so that they are parallel",
                     where, degrees(std::asin(std::min(std::abs(tilt), 1.0)))));
-  const double radius = radius_of(plane, *wrap);
+  const double radius = radius_of(*this, plane);
   if (!(radius > least_radius))
     throw UserError(
         fmt::format("{}: wrap_axis: the axis lies in the plane of the piece; move the piece away from it, or "

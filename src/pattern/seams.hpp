@@ -35,6 +35,7 @@ struct Panel {
   Mat3 turn = Mat3::Identity();  ///< of the scene against the file
   Vec3 shift = Vec3::Zero();     ///< [m]
   std::optional<Wrap> wrap{};
+  double outwards = 0.0;  ///< of its place: away from the axis of its wrap, or to its right side [m]
 
   /// Place in the scene of a point of the piece. Not collective, as all of this layer. [m]
   [[nodiscard]] Vec3 place(const Vec2& x) const;

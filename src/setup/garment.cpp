@@ -80,6 +80,34 @@ Vec3 origin_of(const input::Case& c, const input::PanelSection& s, Landmarks& la
   return landmarks.place(s.origin, where_of(c, s) + " origin") + s.placement.translate;
 }
 
+/// How far outside the clothes begin that a piece is worn over: contact, and what chords of cells cut off where both are bent. [m]
+double layer_offset(const input::Case& c, const input::PanelSection& s, const pattern::Panel& p) {
+  if (s.layer == 0) return 0.0;
+  const std::string where = where_of(c, s);
+  const auto has_contact = [](const input::Case& one) { return one.contact.input.active && one.contact.input.self; };
+  if (!has_contact(c) && std::none_of(c.stages.begin(), c.stages.end(), has_contact))
+    throw UserError(
+        fmt::format("{} layer: without contact of the sheet with itself nothing keeps layers apart; add "
+                    "[contact], or remove the key",
+                    where));
+  if (p.piece.bent)
+    throw UserError(
+        fmt::format("{} layer: piece '{}' is bent where its file has it, and has no right side to move to; "
+                    "remove the key, or lay the piece flat in the file",
+                    where, p.piece.name));
+  double offset = c.contact.input.options.distance + c.contact.input.thickness;
+  if (p.wrap) {
+    constexpr double longest_edge = 1.5;  // over the size of cells
+    double size = 0.0;
+    for (const input::PanelSection& one : c.panels) size = std::max(size, longest_edge * one.size);
+    const Vec3 from_axis = p.turn * p.piece.translation + p.shift - p.wrap->point;
+    const double radius =
+        p.wrap->radius > 0.0 ? p.wrap->radius : std::abs(from_axis.dot(p.turn * p.piece.rotation.col(2)));
+    offset += size * size / (8.0 * radius);
+  }
+  return s.layer * offset;
+}
+
 pattern::Panel panel_of(const input::Case& c, const input::PanelSection& s, const pattern::Pattern& from,
                         pattern::Piece piece, Landmarks& landmarks) {
   pattern::Panel p;
@@ -269,7 +297,10 @@ pattern::Garment garment_of(const input::Case& c) {
   for (const input::PanelSection& section : c.panels) {
     const Cut& cut = cuts.emplace_back(read_panels(section, c.mesh.options.allow_system_call));
     notes.insert(notes.end(), cut.from.notes.begin(), cut.from.notes.end());
-    for (pattern::Panel& p : panels_of(c, section, cut.from, landmarks)) panels.push_back(std::move(p));
+    for (pattern::Panel& p : panels_of(c, section, cut.from, landmarks)) {
+      p.outwards = layer_offset(c, section, p);
+      panels.push_back(std::move(p));
+    }
   }
   notes.insert(notes.end(), landmarks.notes().begin(), landmarks.notes().end());
   std::set<std::string> known;

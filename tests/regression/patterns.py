@@ -175,7 +175,7 @@ def garment_refused(report):
     refused("a cone that begins with its apex", {**two, "panel": [two["panel"][0] | {"wrap_point": [0, 0, -0.1], "wrap_end": [0, 0, -0.05], "wrap_radii": [0, 0.03]}]}, "apex of the cone at (0, 0, -0.1) m")
     refused("a leaning axis", panel(wrap_axis=[0, 0.2, 1]), "leans by")
     refused("a twisted seam", tube(seam=[{"name": "side", "edges": ["tube/1"], "to": ["tube/3"], "meet": ["tube@1", "tube@3"]}]), "'side'", "twist")
-    refused("an edge sewn twice", tube(seam=[{"edges": ["tube/1"], "to": ["tube/3"]}, {"edges": ["tube/1"], "to": ["tube/0"]}]), "tube/1 is in a seam already")
+    refused("an edge sewn twice", tube(seam=[{"edges": ["tube/1"], "to": ["tube/3"]}, {"edges": ["tube/3"], "to": ["tube/1"]}]), "tube/3 is sewn to tube/1 in a seam already", "remove one")
     refused("an unknown edge", tube(seam=[{"edges": ["tube/7"], "to": ["tube/3"]}]), "tube/7", "no such edge")
     refused("one point in meet", tube(seam=[{"edges": ["tube/1"], "to": ["tube/3"], "meet": ["tube@1"]}]), "seam.meet", "two are needed")
     wrong = tube()
@@ -227,7 +227,7 @@ def garment_hostile(report):
     ring = [[{"panel": p, "edge": 1}, {"panel": q, "edge": 3}] for p, q in (("a", "b"), ("b", "c"), ("c", "a"))]
     says("a ring of three", 0, pattern(chain, ring), "'c/1-a/3'")
     says("a ring with a twist", 2, pattern(chain, ring[:2] + [ring[2] + ["right_wrong"]]), "stitch 2", "with a twist")
-    says("an edge in two seams", 2, pattern(chain, ring[:1] + [ring[0][::-1]]), "stitch 1", "is in a seam already", "divide the edge", "pleat")
+    says("an edge in two seams", 2, pattern(chain, ring[:1] + [ring[0][::-1]]), "stitch 1", "is sewn to a/1 in a seam already", "divide the edge", "pleat")
     dart = svg("garment_tipless.svg", '<path id="piece" d="M 0 0 L 400 0 L 400 300 L 230 300 L 210 180 L 190 180 L 170 300 L 0 300 Z"/>')
     says("a dart without a tip", 2, tube(panel=[{"file": dart, "size": 0.025}], seam=[{"edges": ["piece/3"], "to": ["piece/5"]}], spring=[]), "[[seam]] number 0", "no common tip")
     body, points = box_file("garment_box.obj")

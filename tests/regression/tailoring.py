@@ -135,6 +135,37 @@ def three_layers_mistakes(report):
     report.check(code == 0 and "'out': 0.1 m to 0.1 m" in text and "'in': 0.1 m to 0.105 m" in text, f"check lists both pairs: code {code}: {text[-600:] if code else ''}")
 
 
+def dressed(layer, **changes):
+    """A shirt and a jacket drawn alike: a tube round the body, and a flat front over it, each at the same place twice."""
+    file = svg("tailoring_layer.svg", rectangle("shirt", 0.6, 0.1), rectangle("jacket", 0.6, 0.1), rectangle("pocket", 0.1, 0.1), rectangle("flap", 0.1, 0.1))
+    worn = lambda name, layer, size: {"file": file, "pieces": [name], "size": size, "wrap_axis": [0, 0, 1], "translate": [-0.3, -0.1, 0]} | ({"layer": layer} if layer else {})  # noqa: E731
+    flat = lambda name, layer: {"file": file, "pieces": [name], "size": 0.04, "translate": [0, -0.3, 0]} | ({"layer": layer} if layer else {})  # noqa: E731
+    return {"panel": [worn("shirt", 0, 0.04), worn("jacket", layer, 0.033), flat("pocket", 0), flat("flap", 2 * layer)],
+            "material": [CLOTH], "contact": {"distance": 1e-3, "thickness": 5e-4},
+            "stage": [{"name": "move", "analysis": "dynamic", "time": {"end": 0.02, "step": 0.01}}]} | changes
+
+
+@test
+def layers_of_clothes(report):
+    """`layer` starts a piece outside those at the same place, bent or flat, so that nothing intersects and nothing is pushed; without it they lie in each other."""
+    code, text = invoke(["check", write_case(dressed(0), OUT / "layers_none.toml")])
+    report.check(code == 2, f"without layers: code {code}: {' '.join(text.split())[:200]}")
+    result = solve("layers_of_clothes", dressed(1))
+    first = Results(part(result, "move").folder)[0]
+    place = lambda name: np.concatenate([first.positions[first.mesh.group(f"{name}/{k}")] for k in range(4)])  # noqa: E731
+    radius = {name: np.linalg.norm(place(name)[:, :2], axis=1) for name in ("shirt", "jacket")}
+    report.near(radius["shirt"].max(), 0.1, 1e-12, "the shirt keeps its radius [m]")
+    gap = 1.5e-3 + (1.5 * 0.04) ** 2 / (8 * 0.1)
+    report.below(np.ptp(radius["jacket"]), 1e-12, "the jacket is round [m]")
+    report.near(radius["jacket"].mean(), 0.1 + gap, 1e-12, "and lies outside by contact and what cells cut off [m]")
+    report.near(place("pocket")[:, 1].mean() - place("flap")[:, 1].mean(), 2 * 1.5e-3, 1e-12, "layer 2 of flat pieces is two steps to the right side [m]")
+    history = part(result, "move").history
+    report.check(history["intersections"].max() == 0, "nothing intersects")
+    report.check(history["contact_pairs"][0] == 0, "and nothing pushes at the start")
+    code, text = invoke(["check", write_case(dressed(1, contact={"self": False}), OUT / "layers_wrong.toml")])
+    report.check(code == 2 and "layer" in text and "add [contact]" in text, f"without contact: code {code}")
+
+
 @test
 def seam_that_hangs(report):
     """A piece hangs on its seam, with the default tolerance: the springs carry its weight and do not pull by turns."""
