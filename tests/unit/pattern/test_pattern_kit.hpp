@@ -66,4 +66,20 @@ inline pattern::SeamRequest seam(std::vector<std::string> edges, std::vector<std
   return r;
 }
 
+/// What a garment is refused for; empty if it is not.
+inline std::string refusal_of(const std::vector<pattern::Panel>& panels,
+                              const std::vector<pattern::SeamRequest>& seams) {
+  try {
+    (void)pattern::make_garment(panels, seams);
+  } catch (const UserError& e) {
+    return e.what();
+  }
+  return "";
+}
+
+inline pattern::Panel moved(pattern::Panel p, const Vec3& shift) {
+  p.shift = shift;
+  return p;
+}
+
 }  // namespace voile::testing

@@ -13,15 +13,6 @@ using namespace voile::testing;
 using pattern::Panel;
 using pattern::SeamRequest;
 
-namespace {
-
-Panel moved(Panel p, const Vec3& shift) {
-  p.shift = shift;
-  return p;
-}
-
-}  // namespace
-
 TEST_CASE("a star in names of pieces makes a seam for each text that it stands for on both sides") {
   const std::vector<Panel> panels{
       rectangle("sleeve_l", 0.3, 0.4, 0.1), moved(rectangle("body_l", 0.3, 0.4, 0.1), {0.4, 0, 0}),
