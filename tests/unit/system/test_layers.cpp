@@ -2,7 +2,9 @@
 #include <doctest/doctest.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "../pattern/test_pattern_kit.hpp"
 #include "mesh/weld.hpp"
@@ -25,6 +27,7 @@ mesh::MeshData sewn(bool is_turned) {
   if (is_turned) {
     panels[2].turn = Eigen::AngleAxisd(std::acos(-1.0), Vec3::UnitY()).toRotationMatrix();
     panels[2].shift = {1.0, 0.0, 0.0};
+    std::swap(panels[0], panels[1]);  // then a layer of the band is the first sheet, and the other is folded against it
   }
   const std::string corner = is_turned ? "inner@1" : "inner@0";
   const pattern::Garment g = pattern::make_garment(panels, {seam({"skirt/2"}, {"outer/0"}, {"skirt@3", "outer@0"}),
