@@ -104,7 +104,7 @@ class Layers {
     if (std::all_of(sides.begin(), sides.end(), [&](const auto& s) { return line(s) == line(sides[0]); })) return;
     throw UserError(fmt::format(
         "{}: pieces '{}', '{}' and '{}' would be sewn together along one line, and no seam joins all of "
-        "them there; remove one of the seams there",
+        "them there; remove one of the seams there, or make the cells smaller",
         mesh_.source, piece_of(sides[0].triangle), piece_of(sides[1].triangle), piece_of(sides[2].triangle)));
   }
 

@@ -85,4 +85,38 @@ TEST_CASE("a piece is caught in a part of a seam, and layers that are joined in 
             "sewn together twice along one line"));
 }
 
+TEST_CASE("a closed band round a skirt: the waist is one line, the top a seam of two, and no piece is twisted") {
+  for (const bool is_turned : {false, true}) {
+    std::vector<Panel> panels{rectangle("skirt", 0.6, 0.2, 0.05),
+                              moved(rectangle("outer", 0.5, 0.1, 0.05), {0, 0.2, -0.01}),
+                              moved(rectangle("inner", 0.5, 0.1, 0.05), {0, 0.2, 0.01})};
+    panels[2].piece.turned = is_turned;
+    std::vector<SeamRequest> seams;
+    for (const std::string piece : {"skirt", "outer", "inner"})
+      seams.push_back(seam({piece + "/1"}, {piece + "/3"}, {piece + "@1", piece + "@0"}));
+    seams.push_back(seam({"skirt/2"}, {"outer/0"}, {"skirt@3", "outer@0"}));
+    seams.push_back(seam({"skirt/2"}, {"inner/0"}, {"skirt@3", "inner@0"}));
+    seams.push_back(seam({"outer/2"}, {"inner/2"}, {"outer@3", "inner@3"}));
+    if (is_turned) {  // the right sides of a tube of both layers cannot agree then
+      CHECK(refusal_of(panels, seams).find("twist") == std::string::npos);
+      continue;
+    }
+    const pattern::Garment g = pattern::make_garment(panels, seams);
+    const std::vector<Index> joined = mesh::joined_vertices(g.mesh);
+    const mesh::SurfaceMesh open(g.mesh);
+    const auto line = [&](const std::string& name) {
+      std::vector<Index> roots;
+      for (const Index v : open.group(name, 1).vertices) roots.push_back(joined[static_cast<std::size_t>(v)]);
+      std::sort(roots.begin(), roots.end());
+      roots.erase(std::unique(roots.begin(), roots.end()), roots.end());
+      return roots;
+    };
+    CHECK(line("skirt/2") == line("outer/0"));
+    CHECK(line("skirt/2") == line("inner/0"));
+    CHECK(line("outer/2") == line("inner/2"));
+    CHECK(line("skirt/2").size() == 12);  // a ring has as many vertices as cells
+    CHECK(g.mesh.folded.size() == 24);    // both layers of the band lie across from the skirt
+  }
+}
+
 }  // namespace test_garment_layers
