@@ -123,6 +123,28 @@ def three_layers_turned(report):
 
 
 @test
+def patch_pocket(report):
+    """A pocket is sewn on three sides to a front, which is cut there and filled by a patch: three layers round its corners, two at its opening."""
+    front = '<path id="front" d="M 0 0 L 300 0 L 300 300 L 0 300 Z M 100 100 L 200 100 L 200 200 L 100 200 Z"/>'
+    file = svg("tailoring_pocket.svg", front, rectangle("patch", 0.1, 0.1), rectangle("pocket", 0.1, 0.1))
+    panel = lambda name, x, z, layer: {"file": file, "pieces": [name], "size": 0.025, "translate": [x, 0, z], "layer": layer}  # noqa: E731
+    case = {"panel": [panel("front", 0, 0, 0), panel("patch", 0.1, -0.1, 0), panel("pocket", 0.1, -0.1, 1)],
+            "seam": [{"name": "ground", "edges": ["front/4..7", "front/7"], "to": ["patch/0..3", "patch/3"], "meet": ["front@4", "patch@0"]},
+                     {"name": "pocket", "edges": ["front/5..4"], "to": ["pocket/1..0"], "meet": ["front@5", "pocket@1"]}],
+            "material": [{"type": "fabric", "fabric": "wool_tropical", "texture_direction": [0, 1]}], "contact": {"distance": 1e-3},
+            "load": [{"type": "gravity", "vector": [0, 0, -9.81]}], "support": [{"type": "hinged", "group": "front/0"}],
+            "stage": [{"name": "sew", "analysis": "dynamic", "sew": ["all"], "time": {"end": 0.4, "step": 0.02}, "damping": {"mass": 20.0}},
+                      {"name": "hang", "analysis": "dynamic", "time": {"end": 0.5, "step": 0.02}, "damping": {"mass": 10.0}}]}
+    result = solve("patch_pocket", case, 2)
+    last = Results(result.folder / "hang")[-1]
+    lines = {name: set().union(*(last.mesh.group(f"{name}/{k}") for k in edges)) for name, edges in (("front", (5, 6, 7)), ("patch", (1, 2, 3)), ("pocket", (1, 2, 3)))}
+    report.check(lines["front"] == lines["patch"] == lines["pocket"], f"one line of {len(lines['front'])} vertices")
+    opening = set(last.mesh.group("pocket/0")) & set(last.mesh.group("patch/0"))
+    report.check(set(last.mesh.group("front/4")) == set(last.mesh.group("patch/0")) and len(opening) == 2, "the pocket is open above, the patch is not")
+    report.check(max(part(result, s).history["intersections"].max() for s in ("sew", "hang")) == 0, "nothing intersects")
+
+
+@test
 def three_layers_mistakes(report):
     """What seams of three layers cannot have ends with code 2, the file and a remedy."""
     def refused(what, case, *words):
