@@ -39,6 +39,7 @@ import harmonic_fields  # noqa: E402, F401
 import hinges  # noqa: E402, F401
 import howtos  # noqa: E402, F401
 import hyperelastic  # noqa: E402, F401
+import imperfect  # noqa: E402, F401
 import initial_states  # noqa: E402, F401
 import joints  # noqa: E402, F401
 import landmarks  # noqa: E402, F401
