@@ -7,6 +7,7 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <optional>
 #include <random>
 #include <vector>
 
@@ -27,16 +28,26 @@ constexpr int waves = 400;
 /// Orthonormal normals of the mirror planes on which vertices lie.
 using Planes = std::map<Index, std::vector<Vec3>>;
 
+/// Nothing where only the imperfect shape tells, as on a straight edge of a curved sheet; supports are checked on that shape.
+std::optional<Vec3> normal_of(const mesh::SurfaceMesh& perfect, const system::Support& symmetry) {
+  try {
+    return system::mirror_normal(perfect, symmetry);
+  } catch (const UserError&) {
+    return std::nullopt;
+  }
+}
+
 Planes planes_of(const input::Case& c, const mesh::SurfaceMesh& mesh) {
   constexpr double same = 1e-6;
   Planes planes;
   const auto add = [&](const std::vector<system::Support>& supports) {
     for (const system::Support& s : supports) {
       if (s.kind != system::Support::Kind::symmetry || !mesh.has_group(s.group)) continue;  // check_group_names() tells
-      const Vec3 normal = system::mirror_normal(mesh, s);
+      const std::optional<Vec3> normal = normal_of(mesh, s);
+      if (!normal) continue;
       for (const Index v : mesh.group(s.group).vertices) {
-        Vec3 rest = normal;
-        for (const Vec3& known : planes[v]) rest -= known.dot(normal) * known;
+        Vec3 rest = *normal;
+        for (const Vec3& known : planes[v]) rest -= known.dot(*normal) * known;
         if (rest.norm() > same) planes[v].push_back(rest.normalized());
       }
     }
