@@ -70,13 +70,13 @@ from harness import OUT, TESTS, Failure, Report  # noqa: E402
 
 # These take half of the time of all (20 to 140 s each on a busy machine). Neighbours in the list test what is related.
 SLOW = """garment_gathers_again garment_gathers garment_tshirt garment_measures drape_fall remesh_sewing remesh_snap_through remesh_ranks
-imperfect_restart imperfect_mistakes garment_marks garment_tube ranks linear_course turned_clamp corrected_restart damaged_restart solver_options contact_exact
+garment_marks garment_tube ranks linear_course turned_clamp corrected_restart damaged_restart solver_options contact_exact
 frames_clock garment_restart remesh_outlook remesh_ahead remesh_mistakes placement remesh_critical_points remesh_tip
 garment_seam_bending garment_holes remesh_background garment_tight attachment attachment_remesh examples templates
 remesh_by_error remesh_on_slope contact_cylinder contact_untangle attachment_stages unsymmetric_laminate
 harmonic_methods tutorial_drape harmonic_mistakes rigid_motion gas_breathing remeshed_on_one_mesh garment_hostile impossible_names
 stiffness_jumps drape_test rubber_drum zipper fabric_test fit_sheets library_coupling pictures_by_ranks harmonic_forces drape_equilibria
-gas_leak koiter_cylinder stages_interrupted gas_rigid""".split()
+gas_leak koiter_cylinder stages_interrupted gas_rigid imperfect_restart imperfect_mistakes""".split()
 
 
 def in_turn(names, day):
