@@ -362,10 +362,6 @@ Case read_case(CaseReader& reader, const std::filesystem::path& file, StageSecti
   return c;
 }
 
-}  // namespace
-
-namespace {
-
 Case read_whole_case(CaseReader& whole, const std::string& text, const std::filesystem::path& file,
                      const std::vector<std::string>& settings, const std::vector<Key>& top) {
   if (whole.stage_count() == 0) return read_case(whole, file, {}, {});
@@ -377,6 +373,7 @@ Case read_whole_case(CaseReader& whole, const std::string& text, const std::file
     stages.push_back(read_case(reader, file, std::move(stage), before));
     before.add(stages.back());
   }
+  assign_mode_stages(stages);
   Case c = stages.front();
   c.stage = {};
   c.stages = std::move(stages);

@@ -248,6 +248,7 @@ struct ImperfectionSection {
   enum class Type { modes, expression, random };
   Type type = Type::modes;
   std::filesystem::path results;   ///< modes: folder of a run, or its modes.vtkhdf, resolved relative to the case file
+  std::string stage;               ///< modes: earlier stage of this case that finds them, instead of `results`
   std::vector<double> modes;       ///< numbers, from 1
   std::vector<double> amplitudes;  ///< largest displacement of each, or one for all [m]
   std::string height;              ///< expression of x, y, z [m]
@@ -270,6 +271,10 @@ struct StageSection {
   std::vector<std::size_t> supports{}, loads{}, springs{}, attachments{},
       temperatures{};              ///< which of the file's hold in it
   std::vector<std::string> sew{};  ///< seams that it closes; "all": every one
+  /// Whether its modes are for the shape of later stages; whether its shape has such modes; the first of those begins without stress.
+  bool gives_modes = false, takes_modes = false, begins_anew = false;
+  /// Whether it goes on from where the stage before has ended.
+  [[nodiscard]] bool continues() const { return number > 0 && !begins_anew; }
 };
 
 struct Case {

@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <utility>
 
+#include "base/text.hpp"
 #include "case_lines.hpp"
 #include "case_materials.hpp"
 #include "case_sections.hpp"
@@ -121,13 +122,84 @@ void check_imperfection(const SectionPlace& place, const Case& c, ImperfectionSe
   using Type = ImperfectionSection::Type;
   if (s.type == Type::expression) (void)place_function(place, "height", s.height, false);
   if (s.type != Type::modes) return;
-  s.results = beside(c.file, s.results);
+  if (s.results.empty() == s.stage.empty())
+    place.fail(
+        s.stage.empty() ? "results" : "stage",
+        "modes come from the results of another run or from a stage of this case; give one of `results` and `stage`");
+  if (!s.stage.empty() && !c.is_staged())
+    place.fail(
+        "stage",
+        fmt::format("there is no stage '{}': the case has none; add [[stage]] tables, or give `results`", s.stage));
+  if (s.stage.empty()) s.results = beside(c.file, s.results);
   for (const double mode : s.modes)
     if (!(mode >= 1.0) || mode != std::floor(mode))
       place.fail("modes", fmt::format("{:g}: whole numbers from 1 are needed", mode));
   if (s.amplitudes.size() != 1 && s.amplitudes.size() != s.modes.size())
     place.fail("amplitudes", fmt::format("{} amplitudes for {} modes; give one for each, or one for all",
                                          s.amplitudes.size(), s.modes.size()));
+}
+
+namespace {
+
+/// Number of the stage that finds the modes of an imperfection.
+std::size_t mode_stage_of(const std::vector<Case>& stages, const ImperfectionSection& s) {
+  const auto fail = [&](const char* key, const std::string& what) {
+    throw UserError(fmt::format("{}: [[imperfection]] {}: {}", stages.front().file.string(), key, what));
+  };
+  std::vector<std::string> names;
+  for (const Case& one : stages) names.push_back(one.stage.name);
+  const auto at = std::find(names.begin(), names.end(), s.stage);
+  if (at == names.end()) fail("stage", fmt::format("there is no stage '{}':{}", s.stage, suggestion(s.stage, names)));
+  const auto number = static_cast<std::size_t>(at - names.begin());
+  const Case& finds = stages[number];
+  if (finds.analysis != "buckling" && finds.analysis != "modal")
+    fail("stage", fmt::format("stage '{}' has analysis = \"{}\", which gives no modes; name one with \"buckling\" or "
+                              "\"modal\"",
+                              s.stage, finds.analysis));
+  if (number + 1 == names.size())
+    fail("stage", fmt::format("no stage comes after '{}', whose modes would change its shape; add one, or name an "
+                              "earlier stage",
+                              s.stage));
+  for (const double mode : s.modes)
+    if (mode > finds.eigen.modes)
+      fail("modes", fmt::format("mode {:g}: stage '{}' finds {} mode(s); give it more by eigen.modes", mode, s.stage,
+                                finds.eigen.modes));
+  return number;
+}
+
+/// Throws where a stage leaves something that a later one on another shape cannot begin without.
+void require_nothing_left(const Case& stage, const std::string& next) {
+  const auto fail = [&](const std::string& why) {
+    throw UserError(fmt::format("{}: [[imperfection]] stage: stage '{}' begins anew on the imperfect shape, but {}",
+                                stage.file.string(), next, why));
+  };
+  if (stage.analysis == "dynamic")
+    fail(fmt::format("in stage '{}' before it time has passed; move that one behind it", stage.stage.name));
+  if (stage.remesh.active)
+    fail(fmt::format("stage '{}' before it may have changed the mesh; give it [stage.remesh] active = false",
+                     stage.stage.name));
+  if (!stage.panels.empty() || stage.mesh.options.rest == formats::RestShape::texture)
+    fail("panels are flat without stress; use a mesh whose own shape is without stress");
+}
+
+}  // namespace
+
+void assign_mode_stages(std::vector<Case>& stages) {
+  std::size_t first = 0;  // that has the imperfect shape
+  for (const ImperfectionSection& s : stages.front().imperfections) {
+    if (s.stage.empty()) continue;
+    const std::size_t number = mode_stage_of(stages, s);
+    stages[number].stage.gives_modes = true;
+    first = std::max(first, number + 1);
+  }
+  if (first == 0) return;
+  for (std::size_t k = 0; k < stages.size(); ++k) {
+    stages[k].stage.takes_modes = k >= first;
+    stages[k].stage.begins_anew = k == first;
+    if (k >= first) continue;
+    require_nothing_left(stages[k], stages[first].stage.name);
+    stages[k].imperfections.clear();
+  }
 }
 
 }  // namespace voile::input

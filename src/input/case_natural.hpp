@@ -22,5 +22,8 @@ void read_hinges(CaseReader& reader, Case& c);
 void check_folds(const Case& c);
 /// Completes an imperfection of case `c`. Throws UserError.
 void check_imperfection(const SectionPlace& place, const Case& c, ImperfectionSection& s);
+/// Where imperfections take modes of stages of the case: the stages up to the last of these keep the perfect shape, the
+/// one after it begins anew. Throws UserError.
+void assign_mode_stages(std::vector<Case>& stages);
 
 }  // namespace voile::input

@@ -69,7 +69,14 @@ std::vector<Key> keys_of(ImperfectionSection& s) {
                "Output folder of that run (of one of its stages: the folder of the stage), relative to the folder of "
                "the case file.",
            .types = {"modes"},
-           .required = true},
+           .absent = "`stage`"},
+          {.name = "stage",
+           .slot = &s.stage,
+           .meaning =
+               "Earlier `modal` or `buckling` stage of this case, instead of `results`. The stage after the last one "
+               "named begins anew, without stress, with all imperfections.",
+           .types = {"modes"},
+           .absent = "`results`"},
           {.name = "modes",
            .slot = &s.modes,
            .meaning = "Numbers of the modes, from 1.",

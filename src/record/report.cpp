@@ -148,7 +148,7 @@ void report_model(const input::Case& c, const RunOptions& options, const system:
   const bool talks = mpi::rank(options.comm) == 0 && options.verbosity != Verbosity::quiet;
   if (talks && first) print_header(c, model);
   if (talks && c.is_staged()) fmt::print("stage '{}': {}\n", c.stage.name, c.analysis);
-  if (first) report_mesh(c, options, model);
+  if (first || c.stage.begins_anew) report_mesh(c, options, model);
   for (const std::string& text : setup::check_free_motions(c, model))
     if (talks && c.analysis != "dynamic") fmt::print("note: {}\n", text);
 }

@@ -58,10 +58,11 @@ struct Summary {
   bool unstable = false;             ///< load control has ended in an unstable equilibrium
   double residual = 0.0;             ///< relative, of the last state
   double membrane_error = 0.0;  ///< energy that should not be there over that stored, see Warnings::membrane_error()
-  DiscretisationError::Fractions recovery_error;  ///< of the last state
-  double largest_recovery_error = 0.0;            ///< on the way
-  std::vector<double> mode_errors;                ///< of eigen: relative, by recovery
-  std::vector<ResponsePeak> response;             ///< of an analysis of frequencies
+  DiscretisationError::Fractions recovery_error;   ///< of the last state
+  double largest_recovery_error = 0.0;             ///< on the way
+  std::vector<double> mode_errors;                 ///< of eigen: relative, by recovery
+  std::vector<std::vector<double>> mode_shapes{};  ///< vertices x 3, for later stages where no file keeps them; rank 0
+  std::vector<ResponsePeak> response;              ///< of an analysis of frequencies
   long unknowns = 0;
   Index vertices = 0, triangles = 0;
   int ranks = 1;

@@ -5,12 +5,15 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
+#include <optional>
 #include <random>
 #include <vector>
 
 #include "input/expression.hpp"
 #include "results/stored_step.hpp"
+#include "system/mirror_plane.hpp"
 #include "voile/errors.hpp"
 
 namespace voile::setup {
@@ -22,9 +25,42 @@ using input::ImperfectionSection;
 /// Waves that a random field is the sum of.
 constexpr int waves = 400;
 
+/// Orthonormal normals of the mirror planes on which vertices lie.
+using Planes = std::map<Index, std::vector<Vec3>>;
+
+/// Nothing where only the imperfect shape tells, as on a straight edge of a curved sheet; supports are checked on that shape.
+std::optional<Vec3> normal_of(const mesh::SurfaceMesh& perfect, const system::Support& symmetry) {
+  try {
+    return system::mirror_normal(perfect, symmetry);
+  } catch (const UserError&) {
+    return std::nullopt;
+  }
+}
+
+Planes planes_of(const input::Case& c, const mesh::SurfaceMesh& mesh) {
+  constexpr double same = 1e-6;
+  Planes planes;
+  const auto add = [&](const std::vector<system::Support>& supports) {
+    for (const system::Support& s : supports) {
+      if (s.kind != system::Support::Kind::symmetry || !mesh.has_group(s.group)) continue;  // check_group_names() tells
+      const std::optional<Vec3> normal = normal_of(mesh, s);
+      if (!normal) continue;
+      for (const Index v : mesh.group(s.group).vertices) {
+        Vec3 rest = *normal;
+        for (const Vec3& known : planes[v]) rest -= known.dot(*normal) * known;
+        if (rest.norm() > same) planes[v].push_back(rest.normalized());
+      }
+    }
+  };
+  add(c.supports);
+  for (const input::Case& stage : c.stages) add(stage.supports);
+  return planes;
+}
+
 /// Displacement of each vertex per unit of height: its part along the normal n of each triangle there is 1, or 1 in the least squares
 /// of their areas. Directions that less than `least` of the area needs are left out: small curvature, and sheets folded flat.
-std::vector<Vec3> lifts_of(const mesh::SurfaceMesh& mesh) {
+/// Triangles count with their images in mirror planes, so that vertices stay in these.
+std::vector<Vec3> lifts_of(const mesh::SurfaceMesh& mesh, const Planes& planes) {
   constexpr double least = 0.05;
   const auto count = static_cast<std::size_t>(mesh.vertex_count());
   std::vector<Mat3> squares(count, Mat3::Zero());  // sum of A n n^T
@@ -34,6 +70,13 @@ std::vector<Vec3> lifts_of(const mesh::SurfaceMesh& mesh) {
       const Vec3 n = mesh.start_normal(t);
       squares[static_cast<std::size_t>(v)] += mesh.area(t) * n * n.transpose();
       sums[static_cast<std::size_t>(v)] += mesh.area(t) * n;
+    }
+  for (const auto& [v, normals] : planes)
+    for (const Vec3& n : normals) {
+      const Mat3 mirror = Mat3::Identity() - 2.0 * n * n.transpose();
+      Mat3& square = squares[static_cast<std::size_t>(v)];
+      square += Mat3(mirror * square * mirror);
+      sums[static_cast<std::size_t>(v)] += Vec3(mirror * sums[static_cast<std::size_t>(v)]);
     }
   std::vector<Vec3> lifts(count, Vec3::Zero());
   for (std::size_t v = 0; v < count; ++v) {
@@ -80,36 +123,63 @@ std::filesystem::path modes_file(const std::filesystem::path& given) {
   return given / "modes" / "results.vtkhdf";
 }
 
-void add_modes(const input::Case& c, const ImperfectionSection& s, const mesh::SurfaceMesh& mesh,
-               std::vector<Vec3>& added) {
+/// Where an imperfection is applied.
+struct Place {
+  const input::Case& c;
+  const mesh::SurfaceMesh& mesh;
+  const Planes& planes;
+  const StageModes& known;
+
+  [[noreturn]] void fail(const char* key, const std::string& what) const {
+    throw UserError(fmt::format("{}: [[imperfection]] {}: {}", c.file.string(), key, what));
+  }
+};
+
+/// Mode `number`, from 1, of a file or of a stage of this run.
+std::vector<double> shape_of(const Place& at, const ImperfectionSection& s, double number) {
+  const auto known = at.known.find(s.stage);
+  if (!s.stage.empty() && known != at.known.end() && number <= static_cast<double>(known->second.size()))
+    return known->second[static_cast<std::size_t>(number) - 1];
   const std::filesystem::path file = modes_file(s.results);
   std::error_code ignored;
-  const auto fail = [&](const char* key, const std::string& what) {
-    throw UserError(fmt::format("{}: [[imperfection]] {}: {}", c.file.string(), key, what));
-  };
   if (!std::filesystem::exists(file, ignored))
-    fail("results", fmt::format("there is no {}; name the output folder of a finished run with analysis = \"buckling\" "
-                                "or \"modal\"",
-                                file.string()));
+    at.fail("results", fmt::format("there is no {}; name the output folder of a finished run with analysis = "
+                                   "\"buckling\" or \"modal\"",
+                                   file.string()));
+  try {
+    return results::read_mode(file, static_cast<int>(number), at.mesh);
+  } catch (const UserError& e) {
+    at.fail("modes", fmt::format("mode {:g}: {}", number, e.what()));
+  }
+}
+
+/// Modes of the supports of the case leave no mirror plane; half of another mode would be no imperfection that anybody has asked for.
+void require_in_planes(const Place& at, const std::vector<double>& shape, double most, double number) {
+  constexpr double round_off = 1e-6;
+  for (const auto& [v, normals] : at.planes)
+    for (const Vec3& n : normals)
+      if (const double across = n.dot(Eigen::Map<const Vec3>(&shape[3 * static_cast<std::size_t>(v)]));
+          std::abs(across) > round_off * most)
+        at.fail("modes", fmt::format("mode {:g} moves vertex {} across the mirror plane of a [[support]] of type "
+                                     "symmetry; find modes with the supports of this case, or model the whole",
+                                     number, at.mesh.data().vertex_tags[static_cast<std::size_t>(v)]));
+}
+
+void add_modes(const Place& at, const ImperfectionSection& s, std::vector<Vec3>& added) {
   for (std::size_t k = 0; k < s.modes.size(); ++k) {
-    std::vector<double> shape;
-    try {
-      shape = results::read_mode(file, static_cast<int>(s.modes[k]), mesh);
-    } catch (const UserError& e) {
-      fail("modes", fmt::format("mode {:g}: {}", s.modes[k], e.what()));
-    }
+    const std::vector<double> shape = shape_of(at, s, s.modes[k]);
     double most = 0.0;
     for (std::size_t v = 0; v < added.size(); ++v) most = std::max(most, Eigen::Map<const Vec3>(&shape[3 * v]).norm());
-    if (!(most > 0.0) || !std::isfinite(most))
-      fail("modes", fmt::format("mode {:g} of {} is zero", s.modes[k], file.string()));
+    if (!(most > 0.0) || !std::isfinite(most)) at.fail("modes", fmt::format("mode {:g} is zero", s.modes[k]));
+    require_in_planes(at, shape, most, s.modes[k]);
     const double scale = s.amplitudes[s.amplitudes.size() == 1 ? 0 : k] / most;
     for (std::size_t v = 0; v < added.size(); ++v) added[v] += scale * Eigen::Map<const Vec3>(&shape[3 * v]);
   }
 }
 
-void add_heights(const input::Case& c, const ImperfectionSection& s, const mesh::SurfaceMesh& mesh,
-                 std::vector<Vec3>& added) {
-  const std::vector<Vec3> lifts = lifts_of(mesh);
+void add_heights(const Place& at, const ImperfectionSection& s, std::vector<Vec3>& added) {
+  const mesh::SurfaceMesh& mesh = at.mesh;
+  const std::vector<Vec3> lifts = lifts_of(mesh, at.planes);
   std::vector<double> h;
   if (s.type == ImperfectionSection::Type::random) {
     h = random_heights(s, mesh);
@@ -118,21 +188,19 @@ void add_heights(const input::Case& c, const ImperfectionSection& s, const mesh:
     try {
       for (const Vec3& x : mesh.positions()) h.push_back(height(x, 0.0));
     } catch (const UserError& e) {
-      throw UserError(fmt::format("{}: [[imperfection]] height: {}; write one that is finite at every vertex",
-                                  c.file.string(), e.what()));
+      at.fail("height", fmt::format("{}; write one that is finite at every vertex", e.what()));
     }
   }
   for (std::size_t v = 0; v < added.size(); ++v) added[v] += h[v] * lifts[v];
 }
 
 /// What is added to each vertex. Rank 0 only.
-std::vector<double> added_by(const input::Case& c, const mesh::SurfaceMesh& mesh) {
+std::vector<double> added_by(const input::Case& c, const mesh::SurfaceMesh& mesh, const StageModes& known) {
   std::vector<Vec3> added(static_cast<std::size_t>(mesh.vertex_count()), Vec3::Zero());
+  const Planes planes = planes_of(c, mesh);
+  const Place at{c, mesh, planes, known};
   for (const ImperfectionSection& s : c.imperfections)
-    if (s.type == ImperfectionSection::Type::modes)
-      add_modes(c, s, mesh, added);
-    else
-      add_heights(c, s, mesh, added);
+    s.type == ImperfectionSection::Type::modes ? add_modes(at, s, added) : add_heights(at, s, added);
   std::vector<double> numbers;
   for (const Vec3& w : added) numbers.insert(numbers.end(), w.begin(), w.end());
   return numbers;
@@ -140,7 +208,8 @@ std::vector<double> added_by(const input::Case& c, const mesh::SurfaceMesh& mesh
 
 }  // namespace
 
-mesh::SurfaceMesh with_imperfections(MPI_Comm comm, const input::Case& c, mesh::SurfaceMesh perfect) {
+mesh::SurfaceMesh with_imperfections(MPI_Comm comm, const input::Case& c, mesh::SurfaceMesh perfect,
+                                     const StageModes& known) {
   if (c.imperfections.empty()) return perfect;
   if (perfect.has_charts())
     throw UserError(fmt::format(
@@ -148,7 +217,7 @@ mesh::SurfaceMesh with_imperfections(MPI_Comm comm, const input::Case& c, mesh::
         "is without stress (no [[panel]], mesh.rest = \"positions\")",
         c.file.string()));
   std::vector<double> added;
-  mpi::on_root(comm, [&] { added = added_by(c, perfect); });
+  mpi::on_root(comm, [&] { added = added_by(c, perfect, known); });
   mpi::broadcast(comm, added);
   mesh::MeshData data = perfect.data();
   double most = 0.0;

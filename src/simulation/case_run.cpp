@@ -58,7 +58,7 @@ void settle_contact_start(const Stage& stage, Epoch& epoch, Origin origin) {
 
 CaseRun::CaseRun(const input::Case& c, const record::RunOptions& options)
     : case_(c), options_(options), mesh_(load_case_mesh(options.comm, c)) {
-  const Mesh first = mesh_;
+  Mesh first = mesh_;
   stages_ = stages_of(case_, options_);
   for (Stage& stage : stages_) stage.input.seams = system::with_gather_widths(std::move(stage.input.seams), *first);
   if (options_.obstacles)
@@ -67,6 +67,10 @@ CaseRun::CaseRun(const input::Case& c, const record::RunOptions& options)
   origin_ = begin_from(case_, options_, stages_);
   meshes_ = stage_meshes(stages_, first);
   for (std::size_t k = 1; k < stages_.size(); ++k) check_stage(stages_[k], *meshes_[k]);
+  if (stages_.front().c.stage.takes_modes) {
+    use_modes(0);
+    first = mesh_;
+  }
   // Whatever is wrong with a restart must show before old results in the output folder go.
   mesh_ = mesh_of_start(stages_.front().c, options_, first);
   state_ = read_start(stages_.front().c, options_, *mesh_, origin_);
@@ -80,7 +84,7 @@ void CaseRun::open_stage(std::size_t number) {
   const std::vector<std::string> welded = weld_before(stage, origin_, mesh_, state_);
   enter_stage(options_.comm, stage.c, *mesh_, origin_, state_);
   std::unique_ptr<Epoch> epoch = open_epoch(stage, *mesh_, state_, number == 0);
-  if (number == 0 && origin_ == Origin::nothing) setup::check_start_supports(stage.c, epoch->model(), epoch->state().u);
+  if (origin_ == Origin::nothing) setup::check_start_supports(stage.c, epoch->model(), epoch->state().u);
   mpi::on_root(options_.comm, [&] {
     if (options_.output.empty()) return;
     if (!folder_) folder_.emplace(case_, options_);
@@ -106,14 +110,32 @@ void CaseRun::go_on() {
   while (stage_->done() && number_ + 1 < stages_.size() && summaries_.size() == number_) {
     end_stage();
     if (!summaries_.back().second.converged) return;
-    origin_ = Origin::stage;
+    origin_ = stages_[number_ + 1].c.stage.continues() ? Origin::stage : Origin::nothing;
     stage_.reset();
+    if (origin_ == Origin::nothing) begin_anew(number_ + 1);
     open_stage(number_ + 1);
   }
 }
 
+/// The imperfect shape, for a stage and those after it; the mesh in force is the perfect one.
+void CaseRun::use_modes(std::size_t number) {
+  mesh_ = std::make_shared<const mesh::SurfaceMesh>(
+      setup::with_imperfections(options_.comm, stages_[number].c, *mesh_, modes_));
+  std::fill(meshes_.begin() + static_cast<std::ptrdiff_t>(number), meshes_.end(), mesh_);
+}
+
+/// As the first stage of a run.
+void CaseRun::begin_anew(std::size_t number) {
+  use_modes(number);
+  record::RunOptions options = options_;
+  options.restart.clear();
+  state_ = read_start(stages_[number].c, options, *mesh_, origin_);
+}
+
 void CaseRun::end_stage() {
-  summaries_.emplace_back(stages_[number_].c.stage.name, stage_->end());
+  const std::string& name = stages_[number_].c.stage.name;
+  summaries_.emplace_back(name, stage_->end());
+  modes_[name] = std::move(summaries_.back().second.mode_shapes);
   mesh_ = stage_->mesh();
   state_ = gather(stage_->epoch().state(), stage_->epoch().model());
 }

@@ -13,6 +13,7 @@
 #include "record/run_options.hpp"
 #include "record/summary.hpp"
 #include "setup/driven_obstacles.hpp"
+#include "setup/imperfections.hpp"
 #include "stage_run.hpp"
 #include "stages.hpp"
 #include "voile/errors.hpp"
@@ -57,6 +58,8 @@ class CaseRun {
 
  private:
   void open_stage(std::size_t number);
+  void use_modes(std::size_t number);
+  void begin_anew(std::size_t number);
   void go_on();
   void end_stage();
 
@@ -67,6 +70,7 @@ class CaseRun {
   std::vector<std::shared_ptr<const mesh::SurfaceMesh>> meshes_;  ///< of the case, as the stages find it
   Origin origin_ = Origin::nothing;
   results::Checkpoint state_;                   ///< with which the stage to come begins; rank 0
+  setup::StageModes modes_;                     ///< that no file holds; rank 0
   std::optional<record::OutputFolder> folder_;  ///< rank 0
   std::vector<std::pair<std::string, record::Summary>> summaries_;
   std::size_t number_ = 0;

@@ -86,7 +86,7 @@ void Epoch::prepare(Origin origin) {
   if (model_.contact()) model_.contact()->restore(in_time ? state_.contact : system::ContactMemory{});
   if (in_time || stage_.is_staged()) model_.set_time(state_.time);
   model_.potential().attachments().attach(state_.u, state_.anchors);
-  if (stage_.stage.number > 0) take_hold(origin);
+  if (stage_.stage.continues()) take_hold(origin);
   if (goes_on(origin)) model_.conditions().set_load_factor(state_.load_factor);
 }
 

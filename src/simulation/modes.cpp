@@ -100,8 +100,11 @@ std::vector<double> times_mass(const system::Model& model, Mat mass, Vec shape) 
   return model.dofs().gather_forces(product);
 }
 
-void write_modes(const input::Case& c, const record::RunOptions& options, const system::Model& model,
-                 const solve::EigenResult& result, const Estimated& of) {
+/// Returns the shapes that a later stage needs and no file keeps, on rank 0.
+std::vector<std::vector<double>> write_modes(const input::Case& c, const record::RunOptions& options,
+                                             const system::Model& model, const solve::EigenResult& result,
+                                             const Estimated& of) {
+  std::vector<std::vector<double>> kept;
   const bool vibration = c.vibrates();
   std::optional<results::ResultsWriter> fields;
   std::optional<results::HistoryWriter> table;
@@ -125,6 +128,7 @@ void write_modes(const input::Case& c, const record::RunOptions& options, const 
       std::vector<double> row{static_cast<double>(number), mode.value, mode.eigenvalue, mode.residual, of.errors[i]};
       for (const double x : vibration ? participation_values(of.parts[i]) : std::vector<double>{}) row.push_back(x);
       if (table) table->write(row);
+      if (c.stage.gives_modes && !fields) kept.push_back(shape);
       results::StepFields step{number, static_cast<double>(number), model.conditions().load_factor(), {}};
       step.fields.push_back({"mode", "1", results::Centre::vertex, 3, std::move(shape)});
       if (!weighted.empty()) step.fields.push_back({"mode_times_mass", "kg", results::Centre::vertex, 3, weighted});
@@ -136,6 +140,7 @@ void write_modes(const input::Case& c, const record::RunOptions& options, const 
   mpi::on_root(model.dofs().comm(), [&] {
     if (fields) fields->finish();
   });
+  return kept;
 }
 
 /// How many modes an analysis looks for at first where the case does not say, and at most.
@@ -182,7 +187,7 @@ void report_modes(const input::Case& c, const record::RunOptions& options, syste
     if (vibration) error *= rigid[i] != 0 ? 0.0 : 0.5;  // of the square of the frequency
     summary.mode_errors.push_back(error);
   }
-  write_modes(c, options, model, result, {summary.mode_errors, of.parts, of.mass});
+  summary.mode_shapes = write_modes(c, options, model, result, {summary.mode_errors, of.parts, of.mass});
   if (root) warn_of_errors(c, summary);
   summary.converged = static_cast<int>(result.modes.size()) >= result.asked_for;
   if (!summary.converged)

@@ -58,7 +58,7 @@ StageRun::StageRun(const Stage& stage, Start start)
       mesh_(std::move(start.mesh)),
       epoch_(std::move(start.epoch)),
       origin_(start.origin),
-      cpu_before_(origin_ == Origin::stage ? record::cpu_seconds(comm()) : 0.0),
+      cpu_before_(origin_ != Origin::restart && stage.c.stage.number > 0 ? record::cpu_seconds(comm()) : 0.0),
       recorder_(stage.c, stage.options, epoch_->model()),
       checkpoints_(stage.c, stage.options.output) {
   if (stage.c.remesh.active) remesher_.emplace(stage, std::move(start.first));

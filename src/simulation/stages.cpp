@@ -25,6 +25,20 @@ namespace {
 
 using system::Support;
 
+/// Modes of earlier stages are where these have written them, also in the run that a restart continues.
+void name_modes(const record::RunOptions& options, input::Case& c) {
+  std::error_code ignored;
+  const std::filesystem::path before = options.restart.parent_path().parent_path();
+  for (input::ImperfectionSection& s : c.imperfections) {
+    if (s.stage.empty()) continue;
+    const bool restarts = !options.restart.empty() && std::filesystem::exists(before / s.stage / "modes", ignored);
+    const std::filesystem::path& folder = restarts ? before : options.output;
+    if (folder.empty() && !restarts) continue;  // they are kept in memory
+    s.results = std::filesystem::absolute(folder / s.stage);
+    s.stage.clear();
+  }
+}
+
 /// What PETSc's options have to say wins over the case file.
 void take_options(MPI_Comm comm, input::Case& c) {
   solve::read_path_options(comm, c.steps);
@@ -172,22 +186,23 @@ std::vector<Stage> stages_of(const input::Case& c, const record::RunOptions& opt
   const auto add = [&](const input::Case& one, const std::filesystem::path& folder) {
     Stage s{one, options, {}, std::vector<char>(one.supports.size(), 0)};
     s.options.output = folder;
+    name_modes(options, s.c);
     take_options(options.comm, s.c);
-    if (!stages.empty()) {
+    if (one.stage.continues()) {
       hold_over_supports(stages.back(), s);
       hold_over_loads(stages.back(), s);
       hold_over_temperatures(stages.back(), s);
       hold_over_hinges(stages.back(), s);
     }
     s.input = setup::model_input(options.comm, s.c, known);
-    if (!stages.empty()) {
+    if (one.stage.continues()) {
       const Stage& before = stages.back();
       s.sewn_before = before.sewn_before;
       s.sewn_before.insert(s.sewn_before.end(), before.c.stage.sew.begin(), before.c.stage.sew.end());
       s.input.sewing.start =
           before.c.analysis == "dynamic" ? before.c.time.options.end_time : before.input.sewing.start;
     }
-    rise_bands(stages.empty() ? nullptr : &stages.back(), s);
+    rise_bands(one.stage.continues() ? &stages.back() : nullptr, s);
     stages.push_back(std::move(s));
   };
   check_times(c.stages);
@@ -217,7 +232,9 @@ Origin begin_from(const input::Case& c, record::RunOptions& options, std::vector
   }
   stages.erase(stages.begin(), stages.begin() + (at - names.begin()));
   if (restarts) return Origin::restart;
-  return at == names.begin() ? Origin::nothing : Origin::stage;
+  if (stages.front().c.stage.continues()) return Origin::stage;
+  options.restart.clear();
+  return Origin::nothing;
 }
 
 void check_stage(const Stage& stage, const mesh::SurfaceMesh& mesh) try {

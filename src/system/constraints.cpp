@@ -8,6 +8,7 @@
 #include <set>
 
 #include "base/decompositions.hpp"
+#include "mirror_plane.hpp"
 #include "voile/errors.hpp"
 
 namespace voile::system {
@@ -251,6 +252,11 @@ Constraints resolve_supports(const mesh::SurfaceMesh& mesh, const std::vector<Su
     }
   }
   return result;
+}
+
+Vec3 mirror_normal(const mesh::SurfaceMesh& mesh, const Support& symmetry) {
+  const mesh::Group& group = mesh.group(symmetry.group, 1);
+  return symmetry_normal(mesh, group, boundary_sides(mesh, group, symmetry), symmetry);
 }
 
 std::vector<std::array<Index, 2>> pairs_of(const mesh::SurfaceMesh& mesh, const Spring& spring) {
