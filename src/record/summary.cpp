@@ -24,7 +24,11 @@ Json json_of(const GarmentMeasures& m) {
   for (const setup::PanelMeasures& p : m.panels)
     panels.push_back({{"name", p.name}, {"area", p.area}, {"allowance", p.allowance}, {"mass", p.mass}});
   for (const system::SeamTension& t : m.seams)
-    seams.push_back({{"name", t.name}, {"length", t.length}, {"mean_tension", t.mean}, {"largest_tension", t.largest}});
+    seams.push_back({{"name", t.name},
+                     {"length", t.length},
+                     {"mean_tension", t.mean},
+                     {"mean_tension_error", t.standard_error},
+                     {"largest_tension", t.largest}});
   Json all{{"panels", panels}, {"seams", seams}};
   if (m.ease) all["least_ease"] = m.ease->least;
   if (m.ease) all["mean_ease"] = m.ease->mean;

@@ -4,58 +4,142 @@
 #include <Eigen/LU>
 
 #include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <set>
 
 namespace voile::system {
 
 namespace {
 
-/// Force across side s of a triangle, over its rest length. [N/m]
-double side_tension(const energy::Sheet& sheet, Index t, int s, const std::vector<double>& force,
-                    const std::vector<Vec3>& places) {
-  const mesh::SurfaceMesh& mesh = sheet.mesh();
-  const mesh::Frame frame = sheet.frame(t);
-  const int i = (s + 1) % 3, j = (s + 2) % 3;
-  const mesh::Triangle& v = mesh.triangles()[static_cast<std::size_t>(t)];
-  const Vec2 apex = frame.to_plane(mesh.rest_corner(t, s));
+struct Fabric {
+  const energy::Sheet& sheet;
+  const std::vector<double>& force;  ///< TriangleFields::membrane_force
+  const std::vector<Vec3>& places;
+  std::set<mesh::Segment> line;  ///< its segments, smaller vertex first
+
+  [[nodiscard]] const mesh::SurfaceMesh& mesh() const { return sheet.mesh(); }
+  [[nodiscard]] const mesh::Triangle& corners(Index t) const { return mesh().triangles()[static_cast<std::size_t>(t)]; }
+};
+
+mesh::Segment ordered(Index a, Index b) {
+  return {std::min(a, b), std::max(a, b)};
+}
+
+/// Derivative of the membrane energy of a triangle with respect to its corner i: A F N grad(phi_i). [N]
+Vec3 corner_force(const Fabric& f, Index t, int i) {
+  const mesh::Frame frame = f.sheet.frame(t);
+  const mesh::Triangle& v = f.corners(t);
+  const int j = (i + 1) % 3, k = (i + 2) % 3;
+  const Vec2 foot = frame.to_plane(f.mesh().rest_corner(t, j));
   Mat2 rest;
-  rest << frame.to_plane(mesh.rest_corner(t, i)) - apex, frame.to_plane(mesh.rest_corner(t, j)) - apex;
+  rest << frame.to_plane(f.mesh().rest_corner(t, i)) - foot, frame.to_plane(f.mesh().rest_corner(t, k)) - foot;
   Eigen::Matrix<double, 3, 2> now;
-  now << places[v[i]] - places[v[s]], places[v[j]] - places[v[s]];
-  const Vec2 along = (rest.col(1) - rest.col(0)).normalized();
-  Vec2 normal(along[1], -along[0]);
-  if (normal.dot(rest.col(0)) < 0.0) normal = -normal;
-  const double* n = force.data() + 3 * static_cast<std::size_t>(t);
+  now << f.places[v[i]] - f.places[v[j]], f.places[v[k]] - f.places[v[j]];
+  const double* n = f.force.data() + 3 * static_cast<std::size_t>(t);
   Mat2 membrane;
   membrane << n[0], n[2], n[2], n[1];
-  const Vec3 edge = (now.col(1) - now.col(0)).normalized();
-  const Vec3 outward = (now.col(0) - edge * edge.dot(now.col(0))).normalized();
-  return outward.dot(now * rest.inverse() * membrane * normal);
+  const Mat2 inverse = rest.inverse();
+  return 0.5 * std::abs(rest.determinant()) * (now * inverse * membrane * inverse.row(0).transpose());
+}
+
+/// In the deformed triangle, out of it across its side s; as long as that side is at rest. [m]
+Vec3 outward_normal(const Fabric& f, Index t, int s) {
+  const mesh::Triangle& v = f.corners(t);
+  const int i = (s + 1) % 3, j = (s + 2) % 3;
+  const Vec3 edge = (f.places[v[j]] - f.places[v[i]]).normalized(), to_edge = f.places[v[i]] - f.places[v[s]];
+  return (to_edge - edge * edge.dot(to_edge)).normalized() *
+         (f.mesh().rest_corner(t, i) - f.mesh().rest_corner(t, j)).norm();
+}
+
+/// The triangles at a vertex by the side of the line that they lie on: neighbours across an edge that is not of the line.
+std::vector<std::vector<Index>> sides_of_line(const Fabric& f, Index v) {
+  const std::vector<Index> all = f.mesh().triangles_of_vertex(v);
+  std::vector<std::size_t> side(all.size());
+  std::iota(side.begin(), side.end(), std::size_t{0});
+  const auto share_an_edge = [&](Index a, Index b) {
+    return std::ranges::any_of(f.corners(a), [&](Index w) {
+      return w != v && f.mesh().side_of(b, v, w) >= 0 && !f.line.contains(ordered(v, w));
+    });
+  };
+  for (std::size_t a = 0; a < all.size(); ++a)
+    for (std::size_t b = a + 1; b < all.size(); ++b)
+      if (side[a] != side[b] && share_an_edge(all[a], all[b]))
+        std::replace(side.begin(), side.end(), std::max(side[a], side[b]), std::min(side[a], side[b]));
+  std::vector<std::vector<Index>> sides(all.size());
+  for (std::size_t a = 0; a < all.size(); ++a) sides[side[a]].push_back(all[a]);
+  return sides;
+}
+
+struct Pull {
+  double force = 0.0, length = 0.0;  ///< [N], [m]
+};
+
+/// What the triangles on one side of the line pull a vertex of it with, and the length at rest that this acts on.
+Pull pull_of_side(const Fabric& f, Index v, const std::vector<Index>& triangles) {
+  Vec3 force = Vec3::Zero(), normal = Vec3::Zero();
+  double length = 0.0;
+  for (const Index t : triangles) {
+    const mesh::Triangle& corners = f.corners(t);
+    for (int i = 0; i < 3; ++i) {
+      if (corners[i] == v) {
+        force += corner_force(f, t, i);
+      } else if (f.line.contains(ordered(v, corners[i]))) {
+        const Vec3 out = 0.5 * outward_normal(f, t, f.mesh().side_of(t, v, corners[i]));
+        normal += out;
+        length += out.norm();
+      }
+    }
+  }
+  // Where a line ends amid the fabric both of its sides are one.
+  if (!(normal.norm() > 0.5 * length)) return {};
+  return {force.dot(normal.normalized()), normal.norm()};
+}
+
+/// Mean of the lengths at rest of both sides, or of all layers.
+double length_at_rest(const Fabric& f) {
+  double sum = 0.0;
+  for (const mesh::Segment& segment : f.line) {
+    double sides = 0.0;
+    int layers = 0;
+    for (const Index t : f.mesh().triangles_of_vertex(segment[0])) {
+      const int s = f.mesh().side_of(t, segment[0], segment[1]);
+      if (s < 0) continue;
+      sides += (f.mesh().rest_corner(t, (s + 1) % 3) - f.mesh().rest_corner(t, (s + 2) % 3)).norm();
+      ++layers;
+    }
+    sum += sides / std::max(layers, 2);  // each side of an open seam is a segment of its own
+  }
+  return sum;
 }
 
 }  // namespace
 
 SeamTension seam_tension(const energy::Sheet& sheet, const mesh::Group& line, const std::vector<double>& force,
                          const std::vector<Vec3>& places) {
-  const mesh::SurfaceMesh& mesh = sheet.mesh();
-  SeamTension tension{line.name};
-  double sides = 0.0;
-  for (const mesh::Segment& segment : line.segments) {
-    double here_sides = 0.0;
-    int layers = 0;
-    for (const Index t : mesh.triangles_of_vertex(segment[0])) {
-      const int s = mesh.side_of(t, segment[0], segment[1]);
-      if (s < 0) continue;
-      const double here = side_tension(sheet, t, s, force, places);
-      const double length = (mesh.rest_corner(t, (s + 1) % 3) - mesh.rest_corner(t, (s + 2) % 3)).norm();
-      here_sides += length;
-      ++layers;
-      tension.mean += length * here;
-      tension.largest = std::max(tension.largest, here);
-    }
-    sides += here_sides;
-    tension.length += here_sides / std::max(layers, 2);  // each side of an open seam is a segment of its own
+  Fabric fabric{sheet, force, places, {}};
+  std::set<Index> vertices;
+  for (const mesh::Segment& s : line.segments) {
+    fabric.line.insert(ordered(s[0], s[1]));
+    vertices.insert(s.begin(), s.end());
   }
-  if (sides > 0.0) tension.mean /= sides;
+  SeamTension tension{line.name, length_at_rest(fabric)};
+  Pull all;
+  double squares = 0.0;
+  int count = 0;
+  for (const Index v : vertices)
+    for (const std::vector<Index>& side : sides_of_line(fabric, v)) {
+      const Pull here = pull_of_side(fabric, v, side);
+      if (!(here.length > 0.0)) continue;
+      all.force += here.force;
+      all.length += here.length;
+      squares += here.force * here.force / here.length;
+      ++count;
+      tension.largest = std::max(tension.largest, here.force / here.length);
+    }
+  if (count == 0) return tension;
+  tension.mean = all.force / all.length;
+  tension.standard_error = std::sqrt(std::max(0.0, squares / all.length - tension.mean * tension.mean) / count);
   return tension;
 }
 

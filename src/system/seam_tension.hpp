@@ -1,11 +1,13 @@
 // The force that a seam carries, from the fabric beside it.
 //
 // Symbols   T   tension: force per rest length of the seam, positive where it is pulled apart                     [N/m]
-//           F, N, nu   deformation gradient of a triangle, its membrane force (second Piola-Kirchhoff) and the outward
-//                      normal of its side, in material axes;  m   outward normal of the side in the deformed triangle
-//   T = m.(F N nu), from the triangles on both sides: in equilibrium they carry the same, and so do the springs of a
-//   seam that is still open; the force of these hangs on micrometres and is lost in the tolerance of a step.
-// Source: G.A. Holzapfel, Nonlinear Solid Mechanics (2000), 3.1, 3.2 (tractions).
+//           F, N   deformation gradient of a triangle and its membrane force (second Piola-Kirchhoff), A its area at rest
+//           m   out of a deformed triangle across a side on the seam, as long as half of that side at rest          [m]
+//   At a vertex of the seam the triangles on one side of it pull with  f = sum A F N grad(phi);  T = f.m/m.m with the
+//   sum of m over that side. Forces at vertices are what balances: tractions of the triangles at the seam alone do not
+//   where an ease makes one row of cells differ from the next. The springs of an open seam carry the same; their force
+//   hangs on micrometres and is lost in the tolerance of a step.
+// Source: O.C. Zienkiewicz, R.L. Taylor, The Finite Element Method, 5th ed. (2000), vol. 1, 2.2 (nodal forces).
 #pragma once
 
 #include <string>
@@ -20,6 +22,9 @@ struct SeamTension {
   std::string name;
   double length = 0.0;               ///< at rest, mean of both sides [m]
   double mean = 0.0, largest = 0.0;  ///< along the seam [N/m]
+  /// Of the mean, by the scatter from vertex to vertex [N/m]: beside an eased or gathered seam bending carries part of
+  /// the force, the membrane forces of small folds are far larger than the tension, and the mean may be wrong by that.
+  double standard_error = 0.0;
 };
 
 /// Across the edges of a curve group: one line of a welded seam, or both sides of an open one. `force`:

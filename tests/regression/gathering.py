@@ -44,6 +44,20 @@ def garment_gathers(report):
 
 
 @test
+def seam_statics(report):
+    """The seam that a ruffle hangs from carries its weight; where it is eased, by bending too, within what the summary says of its scatter."""
+    for ratio in (1.0, 1.05):
+        result = solve(f"seam_statics_{100 * ratio:.0f}", ruffle(ratio, gather="never"))
+        measured = json.loads((result.folder / "hang" / "summary.json").read_text())["garment"]
+        (seam,), what = measured["seams"], f"ease {100 * ratio - 100:.0f} %"
+        weight = next(p["mass"] for p in measured["panels"] if p["name"] == "ruffle") * 9.81 / 0.2
+        if ratio == 1.0:
+            report.percent(seam["mean_tension"] / weight, 1e-3, f"{what}: tension, {weight:.4f} N/m")
+        report.below(abs(seam["mean_tension"] - weight), 3 * seam["mean_tension_error"], f"{what}: off by less than three standard errors [N/m]")
+        report.below(seam["mean_tension_error"], (0.05 if ratio == 1.0 else 2.0) * weight, f"{what}: which say something [N/m]")
+
+
+@test
 def garment_gathers_again(report):
     """Gathers that are half drawn in continue from a checkpoint on another number of ranks, to the same end; a finer mesh that is made while they are drawn in gathers the same fabric, also after a restart on it."""
     fixed = {"step": 0.005, "max_step": 0.005, "target_iterations": 1000, "velocity_tolerance": 1e-6}

@@ -76,7 +76,7 @@ garment_seam_bending garment_holes remesh_background garment_tight attachment at
 remesh_by_error remesh_on_slope contact_cylinder contact_untangle attachment_stages unsymmetric_laminate
 harmonic_methods tutorial_drape harmonic_mistakes rigid_motion gas_breathing remeshed_on_one_mesh garment_hostile impossible_names
 stiffness_jumps drape_test rubber_drum zipper fabric_test fit_sheets library_coupling pictures_by_ranks harmonic_forces drape_equilibria
-gas_leak koiter_cylinder stages_interrupted gas_rigid three_layers patch_pocket imperfect_restart imperfect_mistakes""".split()
+gas_leak koiter_cylinder stages_interrupted gas_rigid three_layers patch_pocket imperfect_restart imperfect_mistakes seam_statics""".split()
 
 
 def in_turn(names, day):

@@ -263,30 +263,35 @@ TEST_CASE("tension of a seam, open or welded, is the traction across it in any h
   std::sort(line.vertices.begin(), line.vertices.end());
   open.groups.push_back(line);
   const std::vector<double> mass(open.positions.size(), 1.0);
-  Mat3 f = Mat3::Identity();
-  f.topLeftCorner<2, 2>() << 1.04, 0.03, -0.02, 0.98;
-  f = Eigen::AngleAxisd(0.4, Vec3(1, 2, 3).normalized()).toRotationMatrix() * f;
-  // E = (F'F - 1)/2, N = A E, traction F N e1 over the rest length, across the line that F e2 lies along.
-  const Mat3 strain = 0.5 * (f.transpose() * f - Mat3::Identity());
-  const Vec3 n = isotropic(1e6, 0.3, 0.01).membrane * Vec3(strain(0, 0), strain(1, 1), 2.0 * strain(0, 1));
-  const Vec3 along = f.col(1).normalized(), across = (f.col(0) - along * along.dot(f.col(0))).normalized();
-  const double exact = across.dot(f * Vec3(n[0], n[2], 0.0));
-  for (const bool welded : {false, true}) {
-    const mesh::SurfaceMesh mesh(welded ? mesh::weld(open, {"middle"}, open.positions, mass).data : open);
-    system::Model model(PETSC_COMM_WORLD, mesh, input());
-    petsc::VecHandle u = model.dofs().create_vector();
-    set_displacement(model, u, [&](Index v) { return Vec3(f * mesh.positions()[v] - mesh.positions()[v]); });
-    const system::TriangleFields fields = model.potential().triangle_fields(u);
-    if (mpi::rank(PETSC_COMM_WORLD) != 0) continue;
-    std::vector<Vec3> places;
-    for (const Vec3& x : mesh.positions()) places.emplace_back(f * x);
-    const system::SeamTension t =
-        system::seam_tension(model.discretisation().sheet(), mesh.group(line.name, 1), fields.membrane_force, places);
-    CHECK(mesh.group(line.name, 1).segments.size() == (welded ? 1 : 2) * (order.size() - 1));
-    CHECK(t.length == doctest::Approx(1.0).epsilon(1e-12));
-    CHECK(t.mean == doctest::Approx(exact).epsilon(1e-9));
-    CHECK(t.largest == doctest::Approx(exact).epsilon(1e-9));
-  }
+  // Sides that carry a traction, too; then free ones, where it is the same at every vertex.
+  Mat3 general = Mat3::Identity();
+  general.topLeftCorner<2, 2>() << 1.04, 0.03, -0.02, 0.98;
+  const Mat3 uniaxial = Vec3(std::sqrt(1.0 + 2.0 * 0.05), std::sqrt(1.0 - 2.0 * 0.3 * 0.05), 1.0).asDiagonal();
+  for (const bool welded : {false, true})
+    for (const bool free : {false, true}) {
+      const Mat3 f =
+          Eigen::AngleAxisd(0.4, Vec3(1, 2, 3).normalized()).toRotationMatrix() * (free ? uniaxial : general);
+      // E = (F'F - 1)/2, N = A E, traction F N e1 over the rest length, across the line that F e2 lies along.
+      const Mat3 strain = 0.5 * (f.transpose() * f - Mat3::Identity());
+      const Vec3 n = isotropic(1e6, 0.3, 0.01).membrane * Vec3(strain(0, 0), strain(1, 1), 2.0 * strain(0, 1));
+      const Vec3 along = f.col(1).normalized(), across = (f.col(0) - along * along.dot(f.col(0))).normalized();
+      const double exact = across.dot(f * Vec3(n[0], n[2], 0.0));
+      const mesh::SurfaceMesh mesh(welded ? mesh::weld(open, {"middle"}, open.positions, mass).data : open);
+      system::Model model(PETSC_COMM_WORLD, mesh, input());
+      petsc::VecHandle u = model.dofs().create_vector();
+      set_displacement(model, u, [&](Index v) { return Vec3(f * mesh.positions()[v] - mesh.positions()[v]); });
+      const system::TriangleFields fields = model.potential().triangle_fields(u);
+      if (mpi::rank(PETSC_COMM_WORLD) != 0) continue;
+      std::vector<Vec3> places;
+      for (const Vec3& x : mesh.positions()) places.emplace_back(f * x);
+      const system::SeamTension t =
+          system::seam_tension(model.discretisation().sheet(), mesh.group(line.name, 1), fields.membrane_force, places);
+      CHECK(mesh.group(line.name, 1).segments.size() == (welded ? 1 : 2) * (order.size() - 1));
+      CHECK(t.length == doctest::Approx(1.0).epsilon(1e-12));
+      CHECK(t.mean == doctest::Approx(exact).epsilon(1e-9));
+      CHECK((t.standard_error < 1e-6) == free);
+      if (free) CHECK(t.largest == doctest::Approx(exact).epsilon(1e-9));
+    }
 }
 
 }  // namespace test_sewing
