@@ -84,7 +84,7 @@ std::vector<Key> keys_of(ImperfectionSection& s) {
            .required = true},
           {.name = "amplitudes",
            .slot = &s.amplitudes,
-           .meaning = "Largest displacement of each mode, of either sign, or one number for all.",
+           .meaning = "Largest displacement of each mode, of either sign; a list of one is for all.",
            .unit = "m",
            .types = {"modes"},
            .required = true},

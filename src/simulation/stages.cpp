@@ -23,6 +23,8 @@ namespace voile::simulation {
 
 namespace {
 
+using system::Field;
+using system::Load;
 using system::Support;
 
 /// Modes of earlier stages are where these have written them, also in the run that a restart continues.
@@ -111,39 +113,63 @@ void hold_over_supports(const Stage& before, Stage& now) {
   }
 }
 
-void hold_over_loads(const Stage& before, Stage& now) {
-  if (now.c.analysis != "static" && !now.c.finds_modes()) return;
-  for (std::size_t i = 0; i < now.c.stage.loads.size(); ++i)
-    if (place_of(now.c.stage.loads[i], before.c.stage.loads) != npos && !now.c.loads[i].history)
-      now.c.loads[i].constant = true;
+/// What a stage has scaled its loads by at its end: 0 where it has only perturbed a state by them.
+double factor_at_end(const input::Case& c) {
+  if (c.analysis == "dynamic" || c.analysis == "drape") return 1.0;
+  return c.finds_modes() && c.stage.continues() ? 0.0 : c.steps.final_load_factor;
 }
 
-/// Holds what grew in the stage before, until `end`.
-void hold(system::Field& f, bool& constant, const input::Case& now, bool in_time, double end) {
-  if (f.in_time && !in_time) {
-    f.value = [value = f.value, end](const Vec3& x, double) { return value(x, end); };
-    f.in_time = false;
-    constant = true;
+/// Loads stay at what the stage before has brought them to, unless they have a history.
+void hold_over_loads(const Stage& before, Stage& now) {
+  if (now.c.analysis != "static" && !now.c.finds_modes()) return;
+  for (std::size_t i = 0; i < now.c.stage.loads.size(); ++i) {
+    const std::size_t was = place_of(now.c.stage.loads[i], before.c.stage.loads);
+    Load& load = now.c.loads[i];
+    if (was == npos || load.history) continue;
+    const Load& old = before.c.loads[was];
+    const double factor = old.constant ? 1.0 : factor_at_end(before.c);
+    if (factor == 0.0) continue;  // it begins to grow here
+    load.vector = factor * old.vector;
+    load.magnitude = factor * old.magnitude;
+    load.constant = true;
   }
-  constant = constant || now.analysis == "static" || now.finds_modes();
+}
+
+/// Holds what grew in the stage before, with what it had been held at before that.
+void hold(const Stage& before, const Field& old, bool was_constant, const Stage& now, Field& f, bool& constant) {
+  if (!f.value || (old.in_time && before.c.analysis == "dynamic" && now.c.analysis == "dynamic")) return;
+  const bool grows = now.c.analysis == "static" || now.c.finds_modes();
+  if (old.in_time) {
+    const double end =
+        before.c.analysis == "dynamic" ? before.c.time.options.end_time : before.c.steps.final_load_factor;
+    f.value = [value = old.value, end](const Vec3& x, double) { return value(x, end); };
+  } else if (grows || f.in_time) {
+    const double factor = was_constant ? 1.0 : factor_at_end(before.c);
+    if (factor == 0.0 && grows) return;
+    f.value = [value = old.value, factor](const Vec3& x, double t) { return factor * value(x, t); };
+  }
+  constant = constant || grows || f.in_time;
+  f.in_time = false;
 }
 
 /// A temperature that the stage before has had stays, as loads do, unless both follow the same time.
 void hold_over_temperatures(const Stage& before, Stage& now) {
-  const bool in_time = before.c.analysis == "dynamic" && now.c.analysis == "dynamic";
-  const double end = before.c.analysis == "dynamic" ? before.c.time.options.end_time : before.c.steps.final_load_factor;
   for (std::size_t i = 0; i < now.c.stage.temperatures.size(); ++i) {
-    if (place_of(now.c.stage.temperatures[i], before.c.stage.temperatures) == npos) continue;
+    const std::size_t was = place_of(now.c.stage.temperatures[i], before.c.stage.temperatures);
+    if (was == npos) continue;
+    const system::Temperature& old = before.c.temperatures[was];
     system::Temperature& t = now.c.temperatures[i];
-    for (system::Field* f : {&t.change, &t.difference}) hold(*f, t.constant, now.c, in_time, end);
+    for (auto part : {&system::Temperature::change, &system::Temperature::difference})
+      hold(before, old.*part, old.constant, now, t.*part, t.constant);
   }
 }
 
 /// A hinge that the stage before has folded stays so, likewise.
 void hold_over_hinges(const Stage& before, Stage& now) {
-  const bool in_time = before.c.analysis == "dynamic" && now.c.analysis == "dynamic";
-  const double end = before.c.analysis == "dynamic" ? before.c.time.options.end_time : before.c.steps.final_load_factor;
-  for (system::Hinge& hinge : now.c.hinges) hold(hinge.angle, hinge.constant, now.c, in_time, end);
+  for (std::size_t i = 0; i < now.c.hinges.size(); ++i) {
+    const system::Hinge& old = before.c.hinges[i];
+    hold(before, old.angle, old.constant, now, now.c.hinges[i].angle, now.c.hinges[i].constant);
+  }
 }
 
 /// Time in which bands get shorter that first act after sewing, unless the case says [s].

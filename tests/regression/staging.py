@@ -113,6 +113,25 @@ def stages_hold(report):
 
 
 @test
+def stages_factor(report):
+    """What a stage has brought to another load factor than 1 stays at that: loads and a temperature, through stages of every kind."""
+    part = stage("part", "static", steps={"final_load_factor": 0.6})
+    case = staged([part, stage("still", "static", steps={"final_load_factor": 2.0}), stage("modes_of_it", "modal", eigen={"modes": 2}), stage("yet", "static")],
+                  temperature=[{"difference": 3.0}])
+    case["material"][0]["expansion"] = 1e-3
+    for lasting, temperature in (("expression", "3.0*t"), ("number", 3.0)):
+        case["temperature"][0]["difference"] = temperature
+        whole = solve(f"stages_factor_{lasting}", case, 1)
+        first = end_of(whole, "part").displacement()
+        for name in ("still", "yet"):
+            report.below(largest(end_of(whole, name).displacement(), first), 1e-7, f"{lasting}: stage '{name}' changes nothing")
+    report.check(np.abs(first).max() > 1e-2, "though the first has moved it")
+    alone = solve("stages_factor_alone", strip("modal", time=None, eigen={"modes": 2, "load_factor": 0.6}, temperature=[{"difference": 3.0}], material=case["material"]), 1)
+    for a, b in zip(whole.summary["stages"][2]["eigenvalues"], alone.summary["eigenvalues"]):
+        report.percent(a / b, 1e-5, "frequency of a run that ends there")
+
+
+@test
 def stages_modal(report):
     """Modes of what a stage has left are those of a run that ends there."""
     eigen = {"modes": 3}
