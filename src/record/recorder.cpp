@@ -141,8 +141,11 @@ std::vector<double> Recorder::bodies_of(Vec a, Vec force, double time) const {
 
 Recorder::Snapshot Recorder::snapshot(Vec a, const Motion& motion) {
   Snapshot s = gathered(a, motion);
-  if (root_) s.validity = assess(*model_, s.state.displacement);
-  if (root_) warnings_.say_range(model_->dofs().mesh(), s.validity);
+  if (root_) {
+    s.validity = assess(*model_, s.state.displacement);
+    warnings_.say_range(model_->dofs().mesh(), s.validity);
+    warnings_.say_dimples(case_, model_->discretisation().sheet(), s.state.displacement);
+  }
   if (probes_->need_energies())
     s.state.energies = linear_ ? LinearValues(*model_, a).energies() : system::energies(*model_, a);
   if (probes_->need_stresses()) {

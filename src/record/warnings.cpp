@@ -8,6 +8,7 @@
 #include <numbers>
 #include <utility>
 
+#include "dimples.hpp"
 #include "discretisation_error.hpp"
 
 namespace voile::record {
@@ -45,6 +46,13 @@ void Warnings::say_strain(const mesh::SurfaceMesh& mesh, const Reach& reach, Ind
   fmt::print(stderr, "voile: warning: {} of {} at {}: {} (history: largest_strain)\n", strain_text(reach.of),
              size_text(reach.of, reach.strain), place_text(mesh, x),
              fmt::format(fmt::runtime(why), size_text(reach.of, reach.limit)));
+}
+
+void Warnings::say_dimples(const input::Case& c, const energy::Sheet& sheet, const std::vector<double>& displacement) {
+  if (said_dimples_) return;
+  const std::string text = dimple_warning(c, sheet, displacement);
+  said_dimples_ = !text.empty();
+  if (said_dimples_) fmt::print(stderr, "voile: warning: {}\n", text);
 }
 
 void Warnings::say_linear_range(const energy::Sheet& sheet, const std::vector<double>& strain) {

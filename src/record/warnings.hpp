@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "energy/chord_error.hpp"
+#include "input/case.hpp"
 #include "system/model.hpp"
 #include "validity.hpp"
 
@@ -21,6 +22,8 @@ class Warnings {
   void begin_epoch() { chord_error_.reset(); }
   /// Of strains and turns beyond what the element is made for.
   void say_range(const mesh::SurfaceMesh& mesh, const Validity& v);
+  /// Of dimples under pressure (dimples.hpp).
+  void say_dimples(const input::Case& c, const energy::Sheet& sheet, const std::vector<double>& displacement);
   /// Of the strains of a linear analysis, E11, E22, 2 E12 per triangle in material axes: that of a state which rotates by much is
   /// none of them.
   void say_linear_range(const energy::Sheet& sheet, const std::vector<double>& strain);
@@ -39,7 +42,7 @@ class Warnings {
  private:
   void say_strain(const mesh::SurfaceMesh& mesh, const Reach& reach, Index triangle);
   bool linear_, search_;
-  bool said_strain_ = false, said_turn_ = false, said_locking_ = false, is_corrected_ = false;
+  bool said_strain_ = false, said_turn_ = false, said_locking_ = false, said_dimples_ = false, is_corrected_ = false;
   double largest_error_ = 0.0;
   std::optional<energy::ChordError> chord_error_;  ///< of the epoch
 };
