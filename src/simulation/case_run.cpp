@@ -81,6 +81,7 @@ CaseRun::CaseRun(const input::Case& c, const record::RunOptions& options)
 
 void CaseRun::open_stage(std::size_t number) {
   const Stage& stage = stages_[number];
+  if (origin_ == Origin::stage) require_factor(stage, state_.load_factor);
   const std::vector<std::string> welded = weld_before(stage, origin_, mesh_, state_);
   enter_stage(options_.comm, stage.c, *mesh_, origin_, state_);
   std::unique_ptr<Epoch> epoch = open_epoch(stage, *mesh_, state_, number == 0);

@@ -75,6 +75,11 @@ std::size_t place_of(std::size_t number, const std::vector<std::size_t>& numbers
   return at == numbers.end() ? npos : static_cast<std::size_t>(at - numbers.begin());
 }
 
+/// Something of this stage is what the end of that path has made of it.
+void hold_at_end(const input::Case& before, Stage& now) {
+  if (before.analysis == "static") now.held_at = before.steps.final_load_factor;
+}
+
 /// A support that has held in the stage before.
 void hold_over(const input::Case& before, const Support& was, Support& now) {
   now.value = Vec3::Zero();
@@ -101,6 +106,7 @@ void hold_over_supports(const Stage& before, Stage& now) {
     const std::size_t was = place_of(numbers[i], before.c.stage.supports);
     if (was != npos) {
       hold_over(before.c, before.c.supports[was], s);
+      if (before.c.supports[was].rotation) hold_at_end(before.c, now);
       now.frozen[i] = now.c.analysis == "static" ? 1 : 0;
     } else if ((s.kind == Support::Kind::clamped || s.kind == Support::Kind::sliding ||
                 s.kind == Support::Kind::symmetry) &&
@@ -129,6 +135,7 @@ void hold_over_loads(const Stage& before, Stage& now) {
     const Load& old = before.c.loads[was];
     const double factor = old.constant ? 1.0 : factor_at_end(before.c);
     if (factor == 0.0) continue;  // it begins to grow here
+    if (!old.constant) hold_at_end(before.c, now);
     load.vector = factor * old.vector;
     load.magnitude = factor * old.magnitude;
     load.constant = true;
@@ -136,16 +143,18 @@ void hold_over_loads(const Stage& before, Stage& now) {
 }
 
 /// Holds what grew in the stage before, with what it had been held at before that.
-void hold(const Stage& before, const Field& old, bool was_constant, const Stage& now, Field& f, bool& constant) {
+void hold(const Stage& before, const Field& old, bool was_constant, Stage& now, Field& f, bool& constant) {
   if (!f.value || (old.in_time && before.c.analysis == "dynamic" && now.c.analysis == "dynamic")) return;
   const bool grows = now.c.analysis == "static" || now.c.finds_modes();
   if (old.in_time) {
     const double end =
         before.c.analysis == "dynamic" ? before.c.time.options.end_time : before.c.steps.final_load_factor;
     f.value = [value = old.value, end](const Vec3& x, double) { return value(x, end); };
+    hold_at_end(before.c, now);
   } else if (grows || f.in_time) {
     const double factor = was_constant ? 1.0 : factor_at_end(before.c);
     if (factor == 0.0 && grows) return;
+    if (!was_constant) hold_at_end(before.c, now);
     f.value = [value = old.value, factor](const Vec3& x, double t) { return factor * value(x, t); };
   }
   constant = constant || grows || f.in_time;
@@ -261,6 +270,14 @@ Origin begin_from(const input::Case& c, record::RunOptions& options, std::vector
   if (stages.front().c.stage.continues()) return Origin::stage;
   options.restart.clear();
   return Origin::nothing;
+}
+
+void require_factor(const Stage& stage, double reached) {
+  if (!stage.held_at || std::abs(reached - *stage.held_at) <= 1e-9 * std::max(1.0, std::abs(*stage.held_at))) return;
+  throw UserError(fmt::format(
+      "{}: stage '{}': what acts since the stage before stays at that one's final_load_factor = {:g}, but its path has "
+      "ended at {:.10g}; give it final_load_factor = {:.10g}, or continue in a case of its own with --restart",
+      stage.c.file.string(), stage.c.stage.name, *stage.held_at, reached, reached));
 }
 
 void check_stage(const Stage& stage, const mesh::SurfaceMesh& mesh) try {

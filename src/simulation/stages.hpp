@@ -1,6 +1,7 @@
 // The stages of a run, resolved.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "epoch.hpp"
@@ -17,16 +18,21 @@ struct Stage {
   system::ModelInput input;
   std::vector<char> frozen;                ///< per support: in this stage it no longer moves
   std::vector<std::string> sewn_before{};  ///< seams that earlier stages have closed
+  std::optional<double> held_at{};  ///< load factor of the path before at which something is held; absent: nothing is
 };
 
 /// A case without stages is one. Reads the files of obstacles, each once. What a support of a later stage has held
 /// before stays where it is: its `value` is spent, and a motion does not go by another clock. Loads that have acted
-/// before act in full where the load factor counts. Collective. Throws UserError.
+/// before stay, where the load factor counts, at what the end of the stage before has brought them to. Collective.
+/// Throws UserError.
 [[nodiscard]] std::vector<Stage> stages_of(const input::Case& c, const record::RunOptions& options);
 
 /// Takes away the stages before the one that --from names, and says what the run begins with. `options.restart` becomes
 /// the end of the stage before where nothing else is named. Throws UserError.
 [[nodiscard]] Origin begin_from(const input::Case& c, record::RunOptions& options, std::vector<Stage>& stages);
+
+/// Throws UserError if a stage holds things at another load factor than the one that the path before it has reached.
+void require_factor(const Stage& stage, double reached);
 
 /// Builds the model of a stage that is still to come, so that its mistakes show before any work. Collective. Throws
 /// UserError.

@@ -1,12 +1,13 @@
 """Regression tests of stages: what flows from one to the next, what they name, and where a run may begin."""
 
 import copy
+import re
 import signal
 
 import numpy as np
 from harness import OUT, solve, test
 from common import fresh, lines, started, strip, wait_for
-from solver import Result, run, write_case
+from solver import Result, invoke, run, write_case
 
 
 def staged(stages, **changes):
@@ -129,6 +130,19 @@ def stages_factor(report):
     alone = solve("stages_factor_alone", strip("modal", time=None, eigen={"modes": 2, "load_factor": 0.6}, temperature=[{"difference": 3.0}], material=case["material"]), 1)
     for a, b in zip(whole.summary["stages"][2]["eigenvalues"], alone.summary["eigenvalues"]):
         report.percent(a / b, 1e-5, "frequency of a run that ends there")
+
+
+@test
+def stages_stopped_path(report):
+    """A stage after a path that ended at another load factor than planned is refused, with that factor; with it as the plan it is found."""
+    bent = staged([stage("part", "static", steps={"control": "displacement", "control_probe": "tip", "final_displacement": 0.3}), stage("still", "static")],
+                  probe=[{"name": "tip", "type": "displacement", "group": "tip", "components": ["z"]}])
+    code, text = invoke(["run", write_case(bent, OUT / "stages_stopped_path.toml"), "--output", str(fresh("stages_stopped_path"))])
+    told = re.search(r"give it final_load_factor = ([0-9.]+)", text)
+    report.check(code == 2 and "its path has ended at" in " ".join(text.split()) and told is not None, f"code {code}: {' '.join(text.split())[-300:]}")
+    good = staged([stage("part", "static", steps={"final_load_factor": float(told[1])}), stage("still", "static")])
+    whole = solve("stages_stopped_path_good", good)
+    report.below(largest(end_of(whole, "still").displacement(), end_of(whole, "part").displacement()), 1e-7, "the plan is kept: nothing moves")
 
 
 @test
