@@ -263,15 +263,17 @@ void check_layers(const input::Case& c, const pattern::Garment& garment) {
                     "which three layers meet; remove the section, or one of the seams",
                     c.file.string(), edge, seams[0], seams[1]));
   const std::vector<system::SeamRule> rules = seam_rules(c);
-  for (const auto& [of, names] : layered)
-    for (const std::string& name : names) {
-      const double own = system::allowance_of(name, rules), first = system::allowance_of(names[0], rules);
-      if (own != first)
-        throw UserError(fmt::format(
-            "{}: [[seam]] allowance: edge {} is in seams '{}' and '{}', whose allowances are {:g} and {:g} m, and "
-            "has one strip; give both seams the same",
-            c.file.string(), of, names[0], name, first, own));
-    }
+  const auto require_one = [&](const char* key, const char* unit, const char* why, const auto& value) {
+    for (const auto& [of, names] : layered)
+      for (const std::string& name : names)
+        if (const double own = value(name, rules), first = value(names[0], rules); own != first)
+          throw UserError(
+              fmt::format("{}: [[seam]] {}: edge {} is in seams '{}' and '{}', which say {:g} and {:g}{}, and {}; "
+                          "give both seams the same",
+                          c.file.string(), key, of, names[0], name, first, own, unit, why));
+  };
+  require_one("allowance", " m", "has one strip", system::allowance_of);
+  require_one("bending", "", "its layers bend about one line", system::bending_of);
 }
 
 /// Marks are where the file draws them, also in a piece that is cut from its mirror image.

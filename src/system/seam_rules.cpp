@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <set>
 
 #include "base/text.hpp"
@@ -116,6 +117,11 @@ std::vector<energy::BendingSide> bending_across_seams(const mesh::SurfaceMesh& m
   return sides;
 }
 
+double bending_of(const std::string& seam, const std::vector<SeamRule>& rules) {
+  const SeamRule* rule = rule_of(seam, rules);
+  return rule ? rule->bending : 1.0;
+}
+
 double allowance_of(const std::string& seam, const std::vector<SeamRule>& rules) {
   const SeamRule* rule = rule_of(seam, rules);
   return rule ? rule->allowance : 0.0;
@@ -123,10 +129,11 @@ double allowance_of(const std::string& seam, const std::vector<SeamRule>& rules)
 
 std::vector<double> bending_of_joints(const mesh::SurfaceMesh& mesh, const std::vector<SeamRule>& rules) {
   const std::vector<mesh::Joint>& joints = mesh.joints();
-  std::vector<double> factors(joints.size(), 1.0);
+  constexpr double none = std::numeric_limits<double>::infinity();
+  std::vector<double> factors(joints.size(), none);
   for (const mesh::Group& group : mesh.groups()) {
     const SeamRule* rule = joints.empty() ? nullptr : rule_of(group, rules);
-    if (!rule || rule->bending == 1.0) continue;
+    if (!rule) continue;
     for (const mesh::Segment& segment : group.segments) {
       const mesh::Segment edge{std::min(segment[0], segment[1]), std::max(segment[0], segment[1])};
       const auto at = std::lower_bound(joints.begin(), joints.end(), edge,
@@ -136,6 +143,8 @@ std::vector<double> bending_of_joints(const mesh::SurfaceMesh& mesh, const std::
       factor = std::max(least_factor, std::min(factor, rule->bending));
     }
   }
+  for (double& factor : factors)
+    if (factor == none) factor = 1.0;
   return factors;
 }
 

@@ -33,6 +33,9 @@ struct Seams {
 [[nodiscard]] std::vector<energy::BendingSide> bending_across_seams(const mesh::SurfaceMesh& mesh,
                                                                     const std::vector<SeamRule>& rules);
 
+/// f of the rule of a seam.
+[[nodiscard]] double bending_of(const std::string& seam, const std::vector<SeamRule>& rules);
+
 /// w of the rule of a seam [m].
 [[nodiscard]] double allowance_of(const std::string& seam, const std::vector<SeamRule>& rules);
 

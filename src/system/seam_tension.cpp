@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numeric>
 #include <set>
 
@@ -12,11 +13,18 @@ namespace voile::system {
 
 namespace {
 
+/// A segment of the line.
+struct Side {
+  int layers = 0;       ///< triangles at it
+  bool shared = false;  ///< another seam has it too
+};
+
 struct Fabric {
   const energy::Sheet& sheet;
   const std::vector<double>& force;  ///< TriangleFields::membrane_force
   const std::vector<Vec3>& places;
-  std::set<mesh::Segment> line;  ///< its segments, smaller vertex first
+  std::map<mesh::Segment, Side> line{};  ///< by its vertices, the smaller one first
+  bool has_own_edge = false;             ///< an edge that is still open, and in no other seam
 
   [[nodiscard]] const mesh::SurfaceMesh& mesh() const { return sheet.mesh(); }
   [[nodiscard]] const mesh::Triangle& corners(Index t) const { return mesh().triangles()[static_cast<std::size_t>(t)]; }
@@ -73,42 +81,64 @@ std::vector<std::vector<Index>> sides_of_line(const Fabric& f, Index v) {
 
 struct Pull {
   double force = 0.0, length = 0.0;  ///< [N], [m]
+  int layers = 0;                    ///< that meet there
 };
 
 /// What the triangles on one side of the line pull a vertex of it with, and the length at rest that this acts on.
 Pull pull_of_side(const Fabric& f, Index v, const std::vector<Index>& triangles) {
   Vec3 force = Vec3::Zero(), normal = Vec3::Zero();
   double length = 0.0;
+  int layers = 0;
   for (const Index t : triangles) {
     const mesh::Triangle& corners = f.corners(t);
     for (int i = 0; i < 3; ++i) {
       if (corners[i] == v) {
         force += corner_force(f, t, i);
-      } else if (f.line.contains(ordered(v, corners[i]))) {
-        const Vec3 out = 0.5 * outward_normal(f, t, f.mesh().side_of(t, v, corners[i]));
-        normal += out;
-        length += out.norm();
+        continue;
       }
+      const auto at = f.line.find(ordered(v, corners[i]));
+      if (at == f.line.end()) continue;
+      // An open edge that several seams pull at bears them all: the other edge tells what this one does.
+      if (at->second.layers == 1 && at->second.shared && f.has_own_edge) return {};
+      const Vec3 out = 0.5 * outward_normal(f, t, f.mesh().side_of(t, v, corners[i]));
+      normal += out;
+      length += out.norm();
+      layers = std::max(layers, at->second.layers);
     }
   }
   // Where a line ends amid the fabric both of its sides are one.
   if (!(normal.norm() > 0.5 * length)) return {};
-  return {force.dot(normal.normalized()), normal.norm()};
+  return {force.dot(normal.normalized()), normal.norm(), layers};
+}
+
+/// The segments of the line, and which of them others have too.
+void find_line(Fabric& f, const mesh::Group& line) {
+  for (const mesh::Segment& s : line.segments) {
+    Side& side = f.line[ordered(s[0], s[1])];
+    side.layers = 0;
+    for (const Index t : f.mesh().triangles_of_vertex(s[0]))
+      side.layers += f.mesh().side_of(t, s[0], s[1]) >= 0 ? 1 : 0;
+  }
+  const std::string prefix = mesh::seam_group("");
+  for (const mesh::Group& other : f.mesh().groups()) {
+    if (other.dimension != 1 || other.name == line.name || !other.name.starts_with(prefix)) continue;
+    for (const mesh::Segment& s : other.segments)
+      if (const auto at = f.line.find(ordered(s[0], s[1])); at != f.line.end()) at->second.shared = true;
+  }
+  f.has_own_edge = std::ranges::any_of(f.line, [](const auto& s) { return s.second.layers == 1 && !s.second.shared; });
 }
 
 /// Mean of the lengths at rest of both sides, or of all layers.
 double length_at_rest(const Fabric& f) {
   double sum = 0.0;
-  for (const mesh::Segment& segment : f.line) {
+  for (const auto& [segment, side] : f.line) {
     double sides = 0.0;
-    int layers = 0;
     for (const Index t : f.mesh().triangles_of_vertex(segment[0])) {
       const int s = f.mesh().side_of(t, segment[0], segment[1]);
       if (s < 0) continue;
       sides += (f.mesh().rest_corner(t, (s + 1) % 3) - f.mesh().rest_corner(t, (s + 2) % 3)).norm();
-      ++layers;
     }
-    sum += sides / std::max(layers, 2);  // each side of an open seam is a segment of its own
+    sum += sides / std::max(side.layers, 2);  // each side of an open seam is a segment of its own
   }
   return sum;
 }
@@ -117,29 +147,31 @@ double length_at_rest(const Fabric& f) {
 
 SeamTension seam_tension(const energy::Sheet& sheet, const mesh::Group& line, const std::vector<double>& force,
                          const std::vector<Vec3>& places) {
-  Fabric fabric{sheet, force, places, {}};
+  Fabric fabric{sheet, force, places};
+  find_line(fabric, line);
   std::set<Index> vertices;
-  for (const mesh::Segment& s : line.segments) {
-    fabric.line.insert(ordered(s[0], s[1]));
-    vertices.insert(s.begin(), s.end());
-  }
+  for (const auto& [segment, side] : fabric.line) vertices.insert(segment.begin(), segment.end());
   SeamTension tension{line.name, length_at_rest(fabric)};
-  Pull all;
-  double squares = 0.0;
+  double pull = 0.0, length = 0.0, squares = 0.0;
   int count = 0;
-  for (const Index v : vertices)
+  for (const Index v : vertices) {
+    Pull here;
     for (const std::vector<Index>& side : sides_of_line(fabric, v)) {
-      const Pull here = pull_of_side(fabric, v, side);
-      if (!(here.length > 0.0)) continue;
-      all.force += here.force;
-      all.length += here.length;
-      squares += here.force * here.force / here.length;
-      ++count;
-      tension.largest = std::max(tension.largest, here.force / here.length);
+      const Pull one = pull_of_side(fabric, v, side);
+      if (!(one.length > 0.0)) continue;
+      here.force += one.force;
+      here.length += one.length * 2.0 / std::max(one.layers, 2);
+      tension.largest = std::max(tension.largest, one.force / one.length);
     }
+    if (!(here.length > 0.0)) continue;
+    pull += here.force;
+    length += here.length;
+    squares += here.force * here.force / here.length;
+    ++count;
+  }
   if (count == 0) return tension;
-  tension.mean = all.force / all.length;
-  tension.standard_error = std::sqrt(std::max(0.0, squares / all.length - tension.mean * tension.mean) / count);
+  tension.mean = pull / length;
+  tension.standard_error = std::sqrt(std::max(0.0, squares / length - tension.mean * tension.mean) / count);
   return tension;
 }
 

@@ -6,7 +6,8 @@
 //   At a vertex of the seam the triangles on one side of it pull with  f = sum A F N grad(phi);  T = f.m/m.m with the
 //   sum of m over that side. Forces at vertices are what balances: tractions of the triangles at the seam alone do not
 //   where an ease makes one row of cells differ from the next. The springs of an open seam carry the same; their force
-//   hangs on micrometres and is lost in the tolerance of a step.
+//   hangs on micrometres and is lost in the tolerance of a step. Where m > 2 layers are welded along one line, half of the
+//   sum of their pulls: what the line carries, the same for each seam that it is of.
 // Source: O.C. Zienkiewicz, R.L. Taylor, The Finite Element Method, 5th ed. (2000), vol. 1, 2.2 (nodal forces).
 #pragma once
 
