@@ -9,6 +9,8 @@
 #include <numeric>
 #include <set>
 
+#include "mesh/weld.hpp"
+
 namespace voile::system {
 
 namespace {

@@ -157,6 +157,7 @@ def three_layers_mistakes(report):
     refused("a circle", layered(seam=[out, inside, {"edges": ["outer/2"], "to": ["inner/2"], "meet": ["outer@3", "inner@3"]}]), "twice along one line", "remove one of these seams")
     refused("another mesh", layered(remesh={"smallest": 0.005}), "[remesh]", "skirt/0", "'out' and 'in'", "remove the section")
     refused("two allowances", layered(seam=[out, inside | {"allowance": 0.01}]), "[[seam]] allowance", "skirt/0", "give both seams the same")
+    refused("two factors of bending", layered(seam=[out, inside | {"bending": 0.5}]), "[[seam]] bending", "skirt/0", "give both seams the same")
     code, text = invoke(["check", write_case(layered(), OUT / "three_layers_good.toml")])
     report.check(code == 0 and "'out': 0.1 m to 0.1 m" in text and "'in': 0.1 m to 0.105 m" in text, f"check lists both pairs: code {code}: {text[-600:] if code else ''}")
 

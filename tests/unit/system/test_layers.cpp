@@ -86,7 +86,7 @@ TEST_CASE("three layers: the band lies on itself at rest, and each layer is flat
         expected += 0.5 * own * others / (own + others) * angle * angle;
       }
       CHECK(e.bending < 1e-20 * expected);
-      for (const double factor : {1.0, 0.25})
+      for (const double factor : {1.0, 0.25, 4.0})
         CHECK(bending(mesh, factor, turned(mesh, piece, angle)) == doctest::Approx(factor * expected).epsilon(1e-3));
       CHECK(bending(mesh, 0.0, turned(mesh, piece, angle)) < 1e-8 * expected);
     }
