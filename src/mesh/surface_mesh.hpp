@@ -28,6 +28,11 @@ namespace voile::mesh {
 using Triangle = std::array<Index, 3>;
 using Segment = std::array<Index, 2>;
 
+/// An edge as a key: the lower vertex first.
+[[nodiscard]] inline Segment ascending(Index a, Index b) {
+  return {std::min(a, b), std::max(a, b)};
+}
+
 /// A side of a triangle.
 struct TriangleSide {
   Index triangle = no_index;

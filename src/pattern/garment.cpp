@@ -242,8 +242,7 @@ class Cutter {
   }
 
   static mesh::Segment segment(const std::vector<Index>& from, const std::vector<Index>& to) {
-    const auto [low, high] = std::minmax(from.back(), to.front());
-    return {low, high};
+    return mesh::ascending(from.back(), to.front());
   }
 
   /// Both sides of a seam, which a weld makes one line of.

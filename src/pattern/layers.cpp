@@ -13,11 +13,8 @@ namespace voile::pattern {
 
 namespace {
 
+using mesh::ascending;
 using mesh::Segment;
-
-Segment ascending(Index a, Index b) {
-  return {std::min(a, b), std::max(a, b)};
-}
 
 class Layers {
  public:

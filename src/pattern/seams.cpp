@@ -149,7 +149,7 @@ class Resolver {
       if (seams.size() < 2) continue;
       std::vector<std::string> names;
       for (const std::size_t k : seams) names.push_back(fmt::format("'{}'", found_.lines[k].name));
-      found_.notes.push_back(fmt::format("edge {} is in {} seams, {}: {} layers meet there in one line",
+      found_.notes.push_back(fmt::format("edge {} is in {} seams, {}: {} layers or more meet there in one line",
                                          edge_name(panels_, {edge.first, edge.second, false}), seams.size(),
                                          join(names, ", "), seams.size() + 1));
     }

@@ -16,7 +16,7 @@
 
 namespace voile::record {
 
-/// From which depth on a state is told to have dimples: the finest waves that a mesh resolves, of eight cells, have 0.3 of theirs.
+/// Depth from which on the run warns: the finest waves that a mesh resolves, of eight cells, have 0.3 of theirs.
 inline constexpr double depth_limit = 0.5;
 
 struct Dimple {

@@ -32,10 +32,6 @@ struct Fabric {
   [[nodiscard]] const mesh::Triangle& corners(Index t) const { return mesh().triangles()[static_cast<std::size_t>(t)]; }
 };
 
-mesh::Segment ordered(Index a, Index b) {
-  return {std::min(a, b), std::max(a, b)};
-}
-
 /// Derivative of the membrane energy of a triangle with respect to its corner i: A F N grad(phi_i). [N]
 Vec3 corner_force(const Fabric& f, Index t, int i) {
   const mesh::Frame frame = f.sheet.frame(t);
@@ -69,7 +65,7 @@ std::vector<std::vector<Index>> sides_of_line(const Fabric& f, Index v) {
   std::iota(side.begin(), side.end(), std::size_t{0});
   const auto share_an_edge = [&](Index a, Index b) {
     return std::ranges::any_of(f.corners(a), [&](Index w) {
-      return w != v && f.mesh().side_of(b, v, w) >= 0 && !f.line.contains(ordered(v, w));
+      return w != v && f.mesh().side_of(b, v, w) >= 0 && !f.line.contains(mesh::ascending(v, w));
     });
   };
   for (std::size_t a = 0; a < all.size(); ++a)
@@ -98,7 +94,7 @@ Pull pull_of_side(const Fabric& f, Index v, const std::vector<Index>& triangles)
         force += corner_force(f, t, i);
         continue;
       }
-      const auto at = f.line.find(ordered(v, corners[i]));
+      const auto at = f.line.find(mesh::ascending(v, corners[i]));
       if (at == f.line.end()) continue;
       // An open edge that several seams pull at bears them all: the other edge tells what this one does.
       if (at->second.layers == 1 && at->second.shared && f.has_own_edge) return {};
@@ -116,7 +112,7 @@ Pull pull_of_side(const Fabric& f, Index v, const std::vector<Index>& triangles)
 /// The segments of the line, and which of them others have too.
 void find_line(Fabric& f, const mesh::Group& line) {
   for (const mesh::Segment& s : line.segments) {
-    Side& side = f.line[ordered(s[0], s[1])];
+    Side& side = f.line[mesh::ascending(s[0], s[1])];
     side.layers = 0;
     for (const Index t : f.mesh().triangles_of_vertex(s[0]))
       side.layers += f.mesh().side_of(t, s[0], s[1]) >= 0 ? 1 : 0;
@@ -125,7 +121,7 @@ void find_line(Fabric& f, const mesh::Group& line) {
   for (const mesh::Group& other : f.mesh().groups()) {
     if (other.dimension != 1 || other.name == line.name || !other.name.starts_with(prefix)) continue;
     for (const mesh::Segment& s : other.segments)
-      if (const auto at = f.line.find(ordered(s[0], s[1])); at != f.line.end()) at->second.shared = true;
+      if (const auto at = f.line.find(mesh::ascending(s[0], s[1])); at != f.line.end()) at->second.shared = true;
   }
   f.has_own_edge = std::ranges::any_of(f.line, [](const auto& s) { return s.second.layers == 1 && !s.second.shared; });
 }

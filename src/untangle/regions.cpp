@@ -56,10 +56,6 @@ std::map<Index, int> alternate(const Graph& beside) {
 
 }  // namespace
 
-Segment ascending(Index a, Index b) {
-  return {std::min(a, b), std::max(a, b)};
-}
-
 std::vector<Index> regions_without(const Surface& surface, const std::set<Segment>& cut) {
   Sets sets(surface.sheet_points);
   for (Index e = 0; e < surface.sheet_edges; ++e) {

@@ -17,10 +17,8 @@ namespace voile::untangle {
 
 using namespace contact;
 
+using mesh::ascending;
 using mesh::Segment;
-
-/// An edge as a key: the lower point first.
-[[nodiscard]] Segment ascending(Index a, Index b);
 
 /// Per sheet point, the region into which cuts divide the sheet; the connected parts of the sheet if nothing is cut.
 [[nodiscard]] std::vector<Index> regions_without(const Surface& surface, const std::set<Segment>& cut);

@@ -48,6 +48,28 @@ def gas_sphere(report):
     report.check(h["negative_pivots"][-1] == 0, "stable")
 
 
+@test
+def dimples(report):
+    """A thin sphere under pressure on cells larger than sqrt(R h): its dimples are warned of, where the corrected membrane has them and only there."""
+    def octant_under(load, analysis, n, **element):
+        return {"title": "Thin sphere", "analysis": analysis,
+                "mesh": {"file": str(ROOT / "meshes" / "sphere_octant.geo"), "parameters": {"radius": 0.5, "n": n, "pattern": 1}},
+                "material": [{"type": "isotropic", "young": 1e8, "poisson": 0.3, "thickness": 5e-4}], "load": [load], **element,
+                "support": [{"type": "symmetry", "group": g} for g in ("equator", "sym_x", "sym_y")]}
+
+    pressure = {"type": "follower_pressure", "magnitude": 10.0}
+    exact = 10.0 * 0.5**2 * 0.7 / (2 * 1e8 * 5e-4)
+    text = "single vertices stand out from their neighbours"
+    for name, case, dimpled in (("corrected", octant_under(pressure, "linear", 16), True),
+                                ("six_node", octant_under(pressure, "linear", 16, element={"type": "six_node"}), False),
+                                ("static", octant_under(pressure, "static", 16), True),
+                                ("fine", octant_under(pressure, "linear", 64), False)):
+        result = solve(f"dimples_{name}", case)
+        w = np.linalg.norm(result.displacement(), axis=1).mean() / exact
+        report.check((text in result.text) == dimpled, f"{name}: {w:.2f} times the exact growth: {'warned' if text in result.text else 'silent'}")
+        report.check((w > 2.0) == dimpled, f"{name}: the warning is where the answer is wrong")
+
+
 def box(name, lid=True):
     """A cube of 1 m whose walls move along z only; its lid, or its upper rim, is pushed down."""
     p = Panels()

@@ -8,6 +8,7 @@
 
 #include "../pattern/test_pattern_kit.hpp"
 #include "mesh/weld.hpp"
+#include "system/seam_tension.hpp"
 #include "test_charts_kit.hpp"
 #include "test_model_kit.hpp"
 
@@ -20,7 +21,7 @@ using namespace voile::testing::charts;
 namespace {
 
 /// A skirt (y < 0) sewn to two layers of a band (y > 0), as flat as at rest; the inner layer may be turned over.
-mesh::MeshData sewn(bool is_turned) {
+mesh::MeshData sewn(bool is_turned, bool is_welded = true) {
   std::vector<pattern::Panel> panels{rectangle("skirt", 1.0, 0.5, 0.2), rectangle("outer", 1.0, 0.4, 0.2),
                                      rectangle("inner", 1.0, 0.4, 0.15)};
   panels[0].shift = {0.0, -0.5, 0.0};
@@ -32,6 +33,7 @@ mesh::MeshData sewn(bool is_turned) {
   const std::string corner = is_turned ? "inner@1" : "inner@0";
   const pattern::Garment g = pattern::make_garment(panels, {seam({"skirt/2"}, {"outer/0"}, {"skirt@3", "outer@0"}),
                                                             seam({"skirt/2"}, {"inner/0"}, {"skirt@3", corner})});
+  if (!is_welded) return g.mesh;
   const std::vector<double> mass(g.mesh.positions.size(), 1.0);
   return mesh::weld(g.mesh, mesh::open_seams(g.mesh, {"all"}), g.mesh.positions, mass).data;
 }
@@ -112,6 +114,39 @@ TEST_CASE("charts that branch without a seam that says how are refused") {
   mesh::MeshData data = sewn(false);
   data.folded.clear();
   CHECK_THROWS_WITH_AS(mesh::SurfaceMesh{data}, doctest::Contains("branch only along a seam"), UserError);
+}
+
+TEST_CASE("tension of a seam of three layers: of its own edge as long as it is open, then what the line carries") {
+  const std::map<std::string, double> strains{{"skirt", 0.03}, {"outer", 0.02}, {"inner", 0.01}};
+  std::map<std::string, double> tensions;
+  for (const auto& [piece, e] : strains)
+    tensions[piece] = isotropic(100.0, 0.0, 0.02, 1.0).membrane(0, 0) * (e + 0.5 * e * e) * (1.0 + e);
+  for (const bool is_welded : {false, true}) {
+    CAPTURE(is_welded);
+    const mesh::SurfaceMesh mesh(sewn(false, is_welded));
+    system::Model model(PETSC_COMM_WORLD, mesh, with_bending(1.0));
+    std::vector<Vec3> places = mesh.positions();
+    for (const auto& [piece, e] : strains)
+      for (const Index v : mesh.group(piece, 2).vertices) places[v][1] = (1.0 + e) * mesh.positions()[v][1];
+    const petsc::VecHandle u = model.dofs().create_vector();
+    set_displacement(model, u, [&](Index v) { return Vec3(places[v] - mesh.positions()[v]); });
+    const system::TriangleFields fields = model.potential().triangle_fields(u);
+    if (mpi::rank(PETSC_COMM_WORLD) != 0) continue;
+    std::vector<double> found;
+    for (const mesh::Group& group : mesh.groups())
+      if (group.name.starts_with(mesh::seam_group(""))) {
+        const system::SeamTension t =
+            system::seam_tension(model.discretisation().sheet(), group, fields.membrane_force, places);
+        CHECK(t.length == doctest::Approx(1.0).epsilon(1e-12));
+        CHECK(t.standard_error < 1e-6 * t.mean);
+        CHECK(t.largest == doctest::Approx(is_welded ? tensions["skirt"] : t.mean).epsilon(1e-9));
+        found.push_back(t.mean);
+      }
+    REQUIRE(found.size() == 2);
+    const double carried = 0.5 * (tensions["skirt"] + tensions["outer"] + tensions["inner"]);
+    CHECK(found[0] == doctest::Approx(is_welded ? carried : tensions["outer"]).epsilon(1e-9));
+    CHECK(found[1] == doctest::Approx(is_welded ? carried : tensions["inner"]).epsilon(1e-9));
+  }
 }
 
 }  // namespace test_layers
