@@ -51,9 +51,9 @@ def gas_sphere(report):
 @test
 def dimples(report):
     """A thin sphere under pressure on cells larger than sqrt(R h): its dimples are warned of, where the corrected membrane has them and only there."""
-    def octant_under(load, analysis, n, **element):
+    def octant_under(load, analysis, n, pattern=1, **element):
         return {"title": "Thin sphere", "analysis": analysis,
-                "mesh": {"file": str(ROOT / "meshes" / "sphere_octant.geo"), "parameters": {"radius": 0.5, "n": n, "pattern": 1}},
+                "mesh": {"file": str(ROOT / "meshes" / "sphere_octant.geo"), "parameters": {"radius": 0.5, "n": n, "pattern": pattern}},
                 "material": [{"type": "isotropic", "young": 1e8, "poisson": 0.3, "thickness": 5e-4}], "load": [load], **element,
                 "support": [{"type": "symmetry", "group": g} for g in ("equator", "sym_x", "sym_y")]}
 
@@ -62,11 +62,12 @@ def dimples(report):
     text = "single vertices stand out from their neighbours"
     for name, case, dimpled in (("corrected", octant_under(pressure, "linear", 16), True),
                                 ("six_node", octant_under(pressure, "linear", 16, element={"type": "six_node"}), False),
+                                ("mirrored", octant_under(pressure, "linear", 16, 0), True),  # at the poles alone, on the planes
                                 ("static", octant_under(pressure, "static", 16), True),
                                 ("fine", octant_under(pressure, "linear", 64), False)):
         result = solve(f"dimples_{name}", case)
-        w = np.linalg.norm(result.displacement(), axis=1).mean() / exact
-        report.check((text in result.text) == dimpled, f"{name}: {w:.2f} times the exact growth: {'warned' if text in result.text else 'silent'}")
+        w = np.linalg.norm(result.displacement(), axis=1).max() / exact
+        report.check((text in result.text) == dimpled, f"{name}: up to {w:.2f} times the exact growth: {'warned' if text in result.text else 'silent'}")
         report.check((w > 2.0) == dimpled, f"{name}: the warning is where the answer is wrong")
 
 
