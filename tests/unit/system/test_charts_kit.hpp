@@ -153,12 +153,12 @@ inline system::ModelInput free_sheet(double poisson) {
   return in;
 }
 
-/// Relative errors of force against energy and of tangent against force, at a random state.
+/// Relative errors of force against energy and of tangent against force, at a random state; `h`: step of the differences over `size`.
 struct Slopes {
   double force, tangent;
 };
 
-inline Slopes slopes(system::Model& model, double size) {
+inline Slopes slopes(system::Model& model, double size, double h = 1e-4) {
   const petsc::VecHandle a = model.dofs().create_vector(), d = model.dofs().create_vector(),
                          r = model.dofs().create_vector(), moved = model.dofs().create_vector(),
                          kd = model.dofs().create_vector(), r2 = model.dofs().create_vector();
@@ -170,7 +170,6 @@ inline Slopes slopes(system::Model& model, double size) {
   model.assemble_tangent(a, {.kind = energy::Tangent::exact});
   VOILE_PETSC(MatMult(model.tangent().matrix(), d, kd));
   model.dofs().clear_fixed(kd);
-  const double h = 1e-4;
   const auto at = [&](double step, Vec to) { VOILE_PETSC(VecWAXPY(to, step, d, a)); };
   // Fourth-order differences: the energy is a polynomial of degree 4, but for the normals.
   const auto slope = [&](const std::function<double(double)>& f) {

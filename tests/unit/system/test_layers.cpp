@@ -100,9 +100,9 @@ TEST_CASE("three layers: derivatives, and the same on any number of ranks") {
   for (const double factor : {1.0, 0.3}) {
     system::Model model(PETSC_COMM_WORLD, mesh, with_bending(factor)),
         alone(PETSC_COMM_SELF, mesh, with_bending(factor));
-    const Slopes s = slopes(model, 0.01);
+    const Slopes s = slopes(model, 0.01, 1e-3);  // shorter ones end in round-off
     CHECK(s.force < 1e-8);
-    CHECK(s.tangent < 1e-7);
+    CHECK(s.tangent < 1e-9);
     const petsc::VecHandle a = alone.dofs().create_vector(), b = model.dofs().create_vector();
     set_displacement(alone, a, noise(0.02, 9));
     set_displacement(model, b, noise(0.02, 9));
