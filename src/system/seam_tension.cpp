@@ -150,8 +150,8 @@ SeamTension seam_tension(const energy::Sheet& sheet, const mesh::Group& line, co
   std::set<Index> vertices;
   for (const auto& [segment, side] : fabric.line) vertices.insert(segment.begin(), segment.end());
   SeamTension tension{line.name, length_at_rest(fabric)};
-  double pull = 0.0, length = 0.0, squares = 0.0;
-  int count = 0;
+  std::vector<Pull> pulls;
+  double total = 0.0, length = 0.0;
   for (const Index v : vertices) {
     Pull here;
     for (const std::vector<Index>& side : sides_of_line(fabric, v)) {
@@ -162,14 +162,15 @@ SeamTension seam_tension(const energy::Sheet& sheet, const mesh::Group& line, co
       tension.largest = std::max(tension.largest, one.force / one.length);
     }
     if (!(here.length > 0.0)) continue;
-    pull += here.force;
+    total += here.force;
     length += here.length;
-    squares += here.force * here.force / here.length;
-    ++count;
+    pulls.push_back(here);
   }
-  if (count == 0) return tension;
-  tension.mean = pull / length;
-  tension.standard_error = std::sqrt(std::max(0.0, squares / length - tension.mean * tension.mean) / count);
+  if (pulls.empty()) return tension;
+  tension.mean = total / length;
+  double variance = 0.0;
+  for (const Pull& p : pulls) variance += p.length / length * std::pow(p.force / p.length - tension.mean, 2);
+  tension.standard_error = std::sqrt(variance / static_cast<double>(pulls.size()));
   return tension;
 }
 
