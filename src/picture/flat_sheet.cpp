@@ -101,9 +101,9 @@ std::vector<Vec3> plane_normals(const mesh::MeshData& mesh) {
       if (first.isZero(0.0)) first = n;
       if (!(first.dot(n) > 1.0 - same_plane))
         throw UserError(
-            "--cloth, --print: the sheet is curved at the start and has no texture coordinates, so that nothing says "
-            "how "
-            "its threads run; give an OBJ mesh with texture coordinates (vt), sew panels, or leave the option out");
+            "--cloth, --print: the sheet is curved at the start and has no texture coordinates for its threads; give "
+            "an "
+            "OBJ mesh with texture coordinates (vt), sew panels, or leave the option out");
     }
     of_triangle.push_back(n);
   }

@@ -28,8 +28,8 @@ struct Surface {
   std::vector<std::array<Vec2f, 3>> flat{};  ///< of cloth: flat coordinates of each triangle's corners [m]
 };
 
-/// How the room is lit: a lamp over the viewer's left shoulder, another from behind on the right, the sky and the floor. The sums are near 1, so
-/// that a colour that faces the lamp appears as it is.
+/// How the room is lit: a lamp over the viewer's left shoulder, another from behind on the right, the sky and the floor. The
+/// sums are near 1, so that a colour that faces the lamp appears as it is.
 struct Lighting {
   Rgb lamp{0.76F, 0.74F, 0.70F}, rim{0, 0, 0}, sky{0.30F, 0.315F, 0.34F}, floor{0.25F, 0.245F, 0.24F};
   float lamp_radius = 0.09F;  ///< of the lamps' discs at unit distance
@@ -53,7 +53,8 @@ struct Scene {
 [[nodiscard]] std::vector<Vec3f> corner_normals(const std::vector<Vec3f>& positions,
                                                 const std::vector<mesh::Triangle>& triangles, double crease);
 
-/// Gives a sheet its thickness [m]: front and back sides that far apart, and a strip where it ends. Values and colours of triangles are left out.
+/// Gives a sheet its thickness [m]: front and back sides that far apart, and a strip where it ends. Not for sheets with values
+/// or colours of triangles.
 void thicken(Surface& s, double thickness);
 
 }  // namespace voile::picture
