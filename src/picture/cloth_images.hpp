@@ -3,6 +3,7 @@
 // Columns run across the warp, rows from top to bottom against it; both repeat.
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "cloth.hpp"

@@ -8,6 +8,7 @@
 // and occlusion. Its vertices on seams are there once for each panel. The sheen is that of KHR_materials_sheen.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <limits>
 #include <nlohmann/json.hpp>
 

@@ -79,9 +79,9 @@ std::vector<mesh::TriangleSide> free_sides(const std::vector<mesh::Triangle>& tr
 void add_strip(Surface& s, const mesh::TriangleSide& side, Index count) {
   const auto t = static_cast<std::size_t>(side.triangle), i = static_cast<std::size_t>(side.side);
   const Index a = s.triangles[t][(i + 1) % 3], b = s.triangles[t][(i + 2) % 3];
-  const Vec3f along = s.positions[static_cast<std::size_t>(b)] - s.positions[static_cast<std::size_t>(a)];
-  const Vec3f out =
-      along.cross(s.positions[static_cast<std::size_t>(a)] - s.positions[static_cast<std::size_t>(a + count)]);
+  const Vec3f &front = s.positions[static_cast<std::size_t>(a)],
+              &back = s.positions[static_cast<std::size_t>(a) + static_cast<std::size_t>(count)];
+  const Vec3f out = Vec3f(s.positions[static_cast<std::size_t>(b)] - front).cross(front - back);
   if (!(out.norm() > 0.0F)) return;
   s.triangles.push_back({a, a + count, b + count});
   s.triangles.push_back({a, b + count, b});

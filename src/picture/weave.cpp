@@ -163,7 +163,8 @@ Relief WeaveTile::between(std::size_t level, const Vec2f& place) const {
   const int i = static_cast<int>(std::floor(x)), j = static_cast<int>(std::floor(y));
   const float s = x - static_cast<float>(i), t = y - static_cast<float>(j);
   const auto at = [&](int column, int row) -> const Relief& {
-    return texels[static_cast<std::size_t>((row & (n - 1)) * n + (column & (n - 1)))];
+    return texels[static_cast<std::size_t>(row & (n - 1)) * static_cast<std::size_t>(n) +
+                  static_cast<std::size_t>(column & (n - 1))];
   };
   return mixed(mixed(at(i, j), at(i + 1, j), s), mixed(at(i, j + 1), at(i + 1, j + 1), s), t);
 }

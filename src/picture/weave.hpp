@@ -36,7 +36,8 @@ class WeaveTile {
   /// Texels of the finest level along a side, and each of them: row along the warp, column across.
   [[nodiscard]] int size() const { return size_; }
   [[nodiscard]] const Relief& texel(int column, int row) const {
-    return levels_.front()[static_cast<std::size_t>(row * size_ + column)];
+    return levels_
+        .front()[static_cast<std::size_t>(row) * static_cast<std::size_t>(size_) + static_cast<std::size_t>(column)];
   }
 
  private:
