@@ -234,6 +234,9 @@ def main():
         check_usd(check, job["runs"][name]["files"]["usda"], name, runs[name])
         if has_gltf_validator():
             check_gltf(check, job["runs"][name]["files"]["glb"], name, runs[name])
+            cloth = OUT / f"{name}_cloth.glb"
+            export(check, OUT / name, cloth, "--cloth", "twill", "--print", "checks:10mm")
+            check_gltf(check, cloth, f"{name} as cloth", runs[name])
     check.good(len(runs["remeshed"].epochs) > 1, "a run was remeshed")
     checks, missing = {"vtk": check_vtk, "gmsh": check_gmsh, "blender": check_blender}, []
     if not has_gltf_validator():

@@ -46,6 +46,12 @@ void ResultsOptions::declare(CLI::App& sub, bool modes) {
         ->check(CLI::Range(1, 1'000'000));
 }
 
+void ClothOptions::declare(CLI::App& sub) {
+  sub.add_option("--cloth", cloth,
+                 "Show threads: plain, twill or knit; distance of threads after a colon: twill:0.5mm");
+  sub.add_option("--print", print, "Print of true size before deformation: stripes:10mm along the warp, checks:10mm");
+}
+
 RenderCommand::RenderCommand(CLI::App& cli) : sub_(cli.add_subcommand("render", "Draw results: PNG, WebP, GIF, MP4")) {
   results_.declare(*sub_, true);
   sub_->add_option("--steps", steps_, "all, last, N, FIRST:LAST or FIRST:LAST:STRIDE [last; all for an animation]");
@@ -72,6 +78,9 @@ void RenderCommand::declare_look() {
   sub_->add_flag("--panels", show_.panels, "Colour panels (groups of triangles), with their borders")
       ->excludes(partition)
       ->excludes(field);
+  cloth_.declare(*sub_);
+  for (CLI::Option* other : {field, partition, sub_->get_option("--panels")})
+    sub_->get_option("--print")->excludes(other);
   sub_->add_flag("--contours", show_.contours, "Draw lines of groups, borders of panels and seams");
   sub_->add_flag("--seams", show_.seams, "Draw seams, in red the one that was open widest, by seams.csv");
   sub_->add_flag("--mesh", show_.mesh_lines, "Draw the edges of triangles");
@@ -111,6 +120,7 @@ void RenderCommand::take_numbers() {
   if (!(creases_ >= 0.0 && creases_ <= 180.0))
     throw UserError(fmt::format("--creases {}: it is an angle from 0 to 180 degrees", creases_));
   if (sub_->count("--creases") > 0) show_.creases = creases_ * std::numbers::pi / 180.0;
+  show_.cloth = picture::parse_cloth(cloth_.cloth, cloth_.print);
   show_.ground = !no_ground_;
   show_.stamp = !no_stamp_;
   show_.obstacles = !no_obstacles_;
@@ -178,6 +188,7 @@ ExportCommand::ExportCommand(CLI::App& cli)
   sub_->add_option("--output", output_, "File to write; several get numbers [results.FORMAT beside the results]");
   sub_->add_option("--field", fields_, "Fields of ply, csv, msh and vtu, with / between them [all]");
   sub_->add_option("--rate", export_.rate, "Frames per second [25]");
+  cloth_.declare(*sub_);
   sub_->add_flag("--no-obstacles", no_obstacles_, "The sheet only");
   sub_->add_flag("--one-mesh", export_.one_mesh,
                  "Put a run that was remeshed on one mesh as fine as any of its own; pc2 and mdd always do");
@@ -196,6 +207,7 @@ void ExportCommand::run() {
   if (!export_.output.has_extension()) export_.output += "." + format;
   export_.fields = words_of(fields_, '/');
   export_.bodies = !no_obstacles_;
+  export_.cloth = picture::parse_cloth(cloth_.cloth, cloth_.print);
   const bool one_file_each = format == "obj" || format == "stl" || format == "ply" || format == "csv";
   const std::vector<picture::Moment> moments =
       recording.select(steps_.empty() ? (one_file_each ? "last" : "all") : steps_);

@@ -19,6 +19,12 @@ struct ResultsOptions {
   void declare(CLI::App& sub, bool modes);
 };
 
+/// How cloth shall look.
+struct ClothOptions {
+  std::string cloth, print;
+  void declare(CLI::App& sub);
+};
+
 class RenderCommand {
  public:
   explicit RenderCommand(CLI::App& cli);
@@ -35,6 +41,7 @@ class RenderCommand {
 
   CLI::App* sub_;
   ResultsOptions results_;
+  ClothOptions cloth_;
   picture::ShowOptions show_;
   std::string steps_, size_ = "1280x960", quality_ = "final", range_, views_ = "three-quarter", eye_, target_, up_;
   std::string output_, animation_;
@@ -54,6 +61,7 @@ class ExportCommand {
  private:
   CLI::App* sub_;
   ResultsOptions results_;
+  ClothOptions cloth_;
   picture::ExportOptions export_;
   std::string steps_, output_, fields_;
   bool quiet_ = false, no_obstacles_ = false;

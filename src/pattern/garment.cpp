@@ -235,7 +235,7 @@ class Cutter {
       if (a[i].size() > 1) pair(a[i].back(), b[i].back());
       if (a[i].size() == 1 && b[i].size() > 1) pair(a[i].front(), b[i].back());
       if (a[i].size() > 1 && b[i].size() > 1) pair(a[i].front(), b[i].back());
-      if (i > 0) pairs_.push_back({segment(a[i - 1], a[i]), segment(b[i - 1], b[i])});
+      if (i > 0) pairs_.push_back({{segment(a[i - 1], a[i]), segment(b[i - 1], b[i])}, k});
     }
     g_.mesh.seams.push_back(std::move(seam));
     add_seam_group(line);
@@ -296,7 +296,9 @@ Garment make_garment(std::vector<Panel> panels, const std::vector<SeamRequest>& 
       if (g.mesh.groups[k].dimension == 0 && g.mesh.groups[l].name == g.mesh.groups[k].name)
         throw UserError(fmt::format("{}: mark '{}': a piece, edge or seam has this name; choose another", g.mesh.source,
                                     g.mesh.groups[k].name));
-  take_layers(g.mesh, cutter.take_pairs());
+  std::vector<std::string> wheres;
+  for (const SeamRequest& seam : seams) wheres.push_back(seam.where);
+  take_layers(g.mesh, cutter.take_pairs(), wheres);
   return g;
 }
 

@@ -18,10 +18,14 @@ using mesh::Segment;
 
 class Layers {
  public:
-  Layers(const mesh::MeshData& mesh, const std::vector<SewnPair>& pairs)
-      : mesh_(mesh), target_(mesh::joined_vertices(mesh)), pairs_(pairs), lines_(3 * mesh.triangles.size()) {
+  Layers(const mesh::MeshData& mesh, const std::vector<SewnPair>& pairs, const std::vector<std::string>& seams)
+      : mesh_(mesh),
+        target_(mesh::joined_vertices(mesh)),
+        pairs_(pairs),
+        seams_(seams),
+        lines_(3 * mesh.triangles.size()) {
     for (const SewnPair& pair : pairs)
-      for (const Segment& s : pair) at_.try_emplace(s, mesh::TriangleSide{});
+      for (const Segment& s : pair.segments) at_.try_emplace(s, mesh::TriangleSide{});
     for (Index t = 0; t < static_cast<Index>(mesh.triangles.size()); ++t)
       for (int s = 0; s < 3; ++s)
         if (const auto found = at_.find(segment(t, s)); found != at_.end()) found->second = {t, s};
@@ -30,12 +34,12 @@ class Layers {
   /// Sides that lie on the second side of an edge of three and more.
   [[nodiscard]] std::vector<mesh::TriangleSide> run() {
     for (const SewnPair& pair : pairs_)
-      if (!lines_.join(number(pair[0]), number(pair[1]))) refuse_circle(pair);
+      if (!lines_.join(number(pair.segments[0]), number(pair.segments[1]))) refuse_circle(pair);
     check_welded();
     std::map<Segment, std::vector<Segment>> next;
     for (const SewnPair& pair : pairs_) {
-      next[pair[0]].push_back(pair[1]);
-      next[pair[1]].push_back(pair[0]);
+      next[pair.segments[0]].push_back(pair.segments[1]);
+      next[pair.segments[1]].push_back(pair.segments[0]);
     }
     std::map<Segment, int> sides;
     std::vector<mesh::TriangleSide> folded;
@@ -68,12 +72,12 @@ class Layers {
   }
 
   [[noreturn]] void refuse_circle(const SewnPair& pair) const {
-    const mesh::TriangleSide a = at_.at(pair[0]), b = at_.at(pair[1]);
+    const mesh::TriangleSide a = at_.at(pair.segments[0]), b = at_.at(pair.segments[1]);
     const Vec2 &x = mesh_.texture[a.triangle][(a.side + 1) % 3], &y = mesh_.texture[a.triangle][(a.side + 2) % 3];
     throw UserError(fmt::format(
         "{}: pieces '{}' and '{}' would be sewn together twice along one line, near ({:.4g}, {:.4g}) m of the "
-        "first: directly, or through the pieces that seams join there; remove one of these seams",
-        mesh_.source, piece_of(a.triangle), piece_of(b.triangle), 0.5 * (x[0] + y[0]), 0.5 * (x[1] + y[1])));
+        "first: directly, or through the pieces that seams join there; remove this seam or another of them",
+        seams_.at(pair.seam), piece_of(a.triangle), piece_of(b.triangle), 0.5 * (x[0] + y[0]), 0.5 * (x[1] + y[1])));
   }
 
   void check_welded() {
@@ -108,14 +112,15 @@ class Layers {
   const mesh::MeshData& mesh_;
   std::vector<Index> target_;  ///< that each vertex becomes; empty: there are no seams
   const std::vector<SewnPair>& pairs_;
+  const std::vector<std::string>& seams_;     ///< what they are called in messages
   std::map<Segment, mesh::TriangleSide> at_;  ///< of the segments of pairs
   Unions lines_;                              ///< of the numbers of sides
 };
 
 }  // namespace
 
-void take_layers(mesh::MeshData& mesh, const std::vector<SewnPair>& pairs) {
-  mesh.folded = Layers(mesh, pairs).run();
+void take_layers(mesh::MeshData& mesh, const std::vector<SewnPair>& pairs, const std::vector<std::string>& seams) {
+  mesh.folded = Layers(mesh, pairs, seams).run();
 }
 
 }  // namespace voile::pattern

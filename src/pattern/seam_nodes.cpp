@@ -126,7 +126,20 @@ class NodeFinder {
       for (std::size_t s = 0; s < 2; ++s)
         if (!(knots_[k][i][s] > knots_[k][i - 1][s] + same)) fail(k);
   }
+  /// Whether an edge is on side s of seam k and on side r of seam l.
+  [[nodiscard]] bool share(std::size_t k, std::size_t s, std::size_t l, std::size_t r) const {
+    return std::any_of(seams_[k].sides[s].begin(), seams_[k].sides[s].end(), [&](const EdgeUse& e) {
+      return std::any_of(seams_[l].sides[r].begin(), seams_[l].sides[r].end(),
+                         [&](const EdgeUse& f) { return e.panel == f.panel && e.edge == f.edge; });
+    });
+  }
   [[noreturn]] void fail(std::size_t k) const {
+    for (std::size_t l = 0; l < seams_.size(); ++l)
+      if (l != k && ((share(k, 0, l, 0) && share(k, 1, l, 1)) || (share(k, 0, l, 1) && share(k, 1, l, 0))))
+        throw UserError(fmt::format(
+            "{}: seams '{}' and '{}' sew edges of theirs to each other twice; remove one of "
+            "them, or name other edges",
+            panels_[seams_[k].sides[0].front().panel].file, seams_[std::min(k, l)].name, seams_[std::max(k, l)].name));
     throw UserError(
         fmt::format("{}: seam '{}': its corners and those of the seams that it has an edge in common with lie too near "
                     "to each other: let corners of the layers meet, or make the cells smaller",

@@ -121,6 +121,12 @@ class Resolver {
   using Key = std::pair<std::size_t, std::size_t>;  ///< panel and edge
   static Key key(const EdgeUse& e) { return {e.panel, e.edge}; }
 
+  [[nodiscard]] std::set<std::string> names_of(const Side& side) const {
+    std::set<std::string> names;
+    for (const EdgeUse& e : side) names.insert(edge_name(panels_, e));
+    return names;
+  }
+
   /// An edge may be in several seams, but once in each of them, and with another edge in only one.
   void use(const SeamRequest& r, const SeamLine& line) {
     std::set<Key> own;
@@ -130,15 +136,14 @@ class Resolver {
           fail(r, fmt::format("seam '{}': edge {} is in it twice; an edge cannot be sewn to itself: name another edge, "
                               "or divide it by a point",
                               line.name, edge_name(panels_, e)));
-    const auto is_pair = [](const SeamLine& l) { return l.sides[0].size() == 1 && l.sides[1].size() == 1; };
-    for (std::size_t k = 0; k < found_.lines.size() && is_pair(line); ++k) {
-      const auto& [a, b] = found_.lines[k].sides;
-      if (is_pair(found_.lines[k]) && own == std::set{key(a.front()), key(b.front())})
-        fail(r,
-             fmt::format("edge {} is sewn to {} in a seam already ({}); remove one of the seams, or divide the edge, "
-                         "of a pleat as docs/howto/sew-a-pattern.md has it",
-                         edge_name(panels_, line.sides[0].front()), edge_name(panels_, line.sides[1].front()),
-                         requests_[k]->where));
+    const std::array sides{names_of(line.sides[0]), names_of(line.sides[1])};
+    for (std::size_t k = 0; k < found_.lines.size(); ++k) {
+      const std::array other{names_of(found_.lines[k].sides[0]), names_of(found_.lines[k].sides[1])};
+      if (other == sides || other == std::array{sides[1], sides[0]})
+        fail(r, fmt::format("{} {} sewn to {} in a seam already ({}); remove one of the seams, or divide the edge, "
+                            "of a pleat as docs/howto/sew-a-pattern.md has it",
+                            fmt::join(sides[0], ", "), own.size() == 2 ? "is" : "are", fmt::join(sides[1], ", "),
+                            requests_[k]->where));
     }
     for (const Key& e : own) used_[e].push_back(found_.lines.size());
   }

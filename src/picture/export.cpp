@@ -71,6 +71,8 @@ Exported export_results(const Recording& recording, const std::vector<Moment>& m
     if (name == options.format) {
       if (!options.fields.empty() && !with_fields.contains(name))
         throw UserError(fmt::format("--field: {} files have no fields; those of {} do", name, join(with_fields, ", ")));
+      if (options.cloth.any() && name != "glb")
+        throw UserError(fmt::format("--cloth, --print: {} files hold no textures of ours; export as glb", name));
       const Exporter exporter(recording, moments, options);
       Files files = writer(exporter);
       return {std::move(files), exporter.notes()};

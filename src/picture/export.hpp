@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "cloth.hpp"
 #include "recording.hpp"
 
 namespace voile::picture {
@@ -21,6 +22,7 @@ struct ExportOptions {
   bool one_mesh = false;  ///< a run that was remeshed is put on one mesh; PC2 and MDD always are
   /// How far vertices of the run may be away from it [m]; by default 5e-4 of the sheet's longest extent at the start.
   std::optional<double> tolerance = std::nullopt;
+  ClothChoice cloth{};  ///< of GLB: how the sheet looks
 };
 
 struct Exported {

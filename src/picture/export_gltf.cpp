@@ -3,12 +3,17 @@
 // A node holds at most so many frames as browsers take morph targets, its first frame being the mesh itself; the next node
 // begins with the last frame of the one before, or with a new mesh where the mesh changes. A node is there, with scale 1, from
 // its first frame to its last, and elsewhere has scale 0. Weights run linearly from frame to frame.
+//
+// Cloth has textures in flat coordinates (a, l), a set (a, -l)/repeat for each: the print as base colour, the weave as normals
+// and occlusion. Its vertices on seams are there once for each panel. The sheen is that of KHR_materials_sheen.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <limits>
 #include <nlohmann/json.hpp>
 
 #include "base/decompositions.hpp"
+#include "cloth_images.hpp"
 #include "exporting.hpp"
 #include "scene.hpp"
 #include "voile/errors.hpp"
@@ -20,22 +25,30 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr std::size_t most_frames = 200;
+constexpr Bytes3 sheet_colour{66, 119, 178};
 constexpr int type_float = 5126, type_unsigned = 5125, target_vertices = 34962, target_indices = 34963;
+
+/// Triangles of a body as they are drawn, and its frames.
+struct Chunk {
+  std::vector<mesh::Triangle> triangles;
+  std::vector<std::vector<Vec3f>> frames;
+  std::vector<double> times;
+  std::vector<std::array<Vec2f, 3>> flat{};  ///< of cloth, see scene.hpp
+};
 
 class Gltf {
  public:
-  explicit Gltf(const Vec3& up) : turn_(rotation_between(up, Vec3::UnitY())) {
+  Gltf(const Vec3& up, const ClothChoice& cloth) : turn_(rotation_between(up, Vec3::UnitY())) {
     json_["asset"] = {{"version", "2.0"}, {"generator", "Voile"}};
     json_["scene"] = 0;
     json_["scenes"] = Json::array({{{"nodes", Json::array()}}});
     for (const char* list : {"nodes", "meshes", "materials", "accessors", "bufferViews"}) json_[list] = Json::array();
-    add_material("sheet", {66, 119, 178});
+    add_material("sheet", sheet_colour);
+    if (cloth.any()) add_cloth(cloth);
   }
 
   /// Positions of a body at the times of its frames.
-  void add(const std::string& name, const std::vector<mesh::Triangle>& triangles,
-           const std::vector<std::vector<Vec3f>>& frames, const std::vector<double>& times, int material, bool begins,
-           bool ends);
+  void add(const std::string& name, const Chunk& chunk, int material, bool begins, bool ends);
   void write(const std::filesystem::path& file, Files& files);
 
  private:
@@ -47,6 +60,13 @@ class Gltf {
          {"pbrMetallicRoughness",
           {{"baseColorFactor", {c[0], c[1], c[2], 1.0}}, {"metallicFactor", 0.0}, {"roughnessFactor", 0.8}}}});
   }
+  /// Gives the sheet's material its textures.
+  void add_cloth(const ClothChoice& cloth);
+  int tangent_accessor(const std::vector<Vec3f>& tangents);
+  /// Texture coordinates of all sets.
+  void add_coordinates(const SplitSheet& split, Json& attributes);
+  /// A texture of the next set of coordinates, whose repeat is so large [m].
+  Json texture(const Image& image, const Vec2f& repeat);
   template <class Value>
   int view(const std::vector<Value>& values, int target) {
     const std::size_t begin = bytes_.size(), size = values.size() * sizeof(Value);
@@ -94,6 +114,7 @@ class Gltf {
   }
 
   Mat3 turn_;
+  std::vector<Vec2f> repeats_;  ///< of the sets of texture coordinates [m]
   Json json_;
   std::vector<char> bytes_;
 };
@@ -113,31 +134,92 @@ std::vector<Vec3f> vertex_normals(const std::vector<Vec3f>& x, const std::vector
   return normals;
 }
 
+Json Gltf::texture(const Image& image, const Vec2f& repeat) {
+  if (!json_.contains("images")) {
+    for (const char* list : {"images", "textures"}) json_[list] = Json::array();
+    json_["samplers"] = Json::array({{{"magFilter", 9729}, {"minFilter", 9987}}});  // linear, with mipmaps; repeating
+  }
+  while (bytes_.size() % 4 != 0) bytes_.push_back('\0');
+  json_["images"].push_back({{"bufferView", view(png_bytes(image), 0)}, {"mimeType", "image/png"}});
+  while (bytes_.size() % 4 != 0) bytes_.push_back('\0');
+  json_["textures"].push_back({{"sampler", 0}, {"source", json_["images"].size() - 1}});
+  const auto known = std::find(repeats_.begin(), repeats_.end(), repeat);
+  const auto set = known - repeats_.begin();
+  if (known == repeats_.end()) repeats_.push_back(repeat);
+  return {{"index", json_["textures"].size() - 1}, {"texCoord", set}};
+}
+
+void Gltf::add_cloth(const ClothChoice& cloth) {
+  Json m = json_["materials"][0];  // a copy: textures move what json_ holds
+  if (cloth.weave) {
+    const Vec2f repeat = WeaveTile::repeat(*cloth.weave) * static_cast<float>(cloth.spacing);
+    m["normalTexture"] = texture(normal_image(*cloth.weave), repeat);
+    m["occlusionTexture"] = texture(shade_image(*cloth.weave), repeat);
+  }
+  if (cloth.print != Print::none) {
+    m["pbrMetallicRoughness"]["baseColorTexture"] = texture(print_image(cloth.print, from_bytes(sheet_colour)),
+                                                            Vec2f::Constant(static_cast<float>(2.0 * cloth.width)));
+    m["pbrMetallicRoughness"]["baseColorFactor"] = {1.0, 1.0, 1.0, 1.0};  // the texture has the colour
+  }
+  m["extensions"]["KHR_materials_sheen"] = {{"sheenColorFactor", {0.25, 0.25, 0.25}}, {"sheenRoughnessFactor", 0.4}};
+  json_["extensionsUsed"] = Json::array({"KHR_materials_sheen"});
+  json_["materials"][0] = std::move(m);
+}
+
+int Gltf::tangent_accessor(const std::vector<Vec3f>& tangents) {
+  std::vector<Eigen::Vector4f> with_sign;  // 1: the warp lies to the left, seen against the normal
+  for (const Vec3f& t : tangents) with_sign.emplace_back(t[0], t[1], t[2], 1.0F);
+  return accessor(view(with_sign, target_vertices), type_float, with_sign.size(), "VEC4");
+}
+
+void Gltf::add_coordinates(const SplitSheet& split, Json& attributes) {
+  for (std::size_t set = 0; set < repeats_.size(); ++set) {
+    std::vector<Vec2f> uv;
+    for (const Vec2f& x : split.flat) uv.emplace_back(x[0] / repeats_[set][0], -x[1] / repeats_[set][1]);
+    attributes[fmt::format("TEXCOORD_{}", set)] = accessor(view(uv, target_vertices), type_float, uv.size(), "VEC2");
+  }
+}
+
 /// `begins`, `ends`: nothing comes before or after it, so that it stays.
-void Gltf::add(const std::string& name, const std::vector<mesh::Triangle>& triangles,
-               const std::vector<std::vector<Vec3f>>& frames, const std::vector<double>& times, int material,
-               bool begins, bool ends) {
+void Gltf::add(const std::string& name, const Chunk& chunk, int material, bool begins, bool ends) {
   if (material == static_cast<int>(json_["materials"].size())) add_material("bodies", {196, 192, 186});
-  const std::vector<Vec3f> base = turned(frames.front()), normals = vertex_normals(base, triangles);
+  SplitSheet split{chunk.triangles, {}, {}};
+  if (!chunk.flat.empty()) split = split_at_seams(chunk.triangles, chunk.flat);
+  const auto each = [&](std::vector<Vec3f> x) {
+    if (split.origin.empty()) return x;
+    std::vector<Vec3f> result;
+    for (const Index v : split.origin) result.push_back(x[static_cast<std::size_t>(v)]);
+    return result;
+  };
+  const auto normals_of = [&](const std::vector<Vec3f>& x) { return each(vertex_normals(x, chunk.triangles)); };
+  const std::vector<Vec3f> base = turned(chunk.frames.front()), normals = normals_of(base);
   std::vector<std::uint32_t> corners;
-  for (const mesh::Triangle& t : triangles)
+  for (const mesh::Triangle& t : split.triangles)
     for (const Index v : t) corners.push_back(static_cast<std::uint32_t>(v));
-  Json primitive{{"attributes", {{"POSITION", vectors(base)}, {"NORMAL", vectors(normals)}}},
+  Json primitive{{"attributes", {{"POSITION", vectors(each(base))}, {"NORMAL", vectors(normals)}}},
                  {"indices", accessor(view(corners, target_indices), type_unsigned, corners.size(), "SCALAR")},
                  {"material", material}};
-  for (std::size_t i = 1; i < frames.size(); ++i) {
-    const std::vector<Vec3f> x = turned(frames[i]);
-    const int positions = vectors(difference(x, base));
-    primitive["targets"].push_back(
-        {{"POSITION", positions}, {"NORMAL", vectors(difference(vertex_normals(x, triangles), normals))}});
+  const bool has_textures = !chunk.flat.empty();
+  std::vector<Vec3f> tangents;
+  if (has_textures) {
+    tangents = tangents_of(split, each(base), normals);
+    primitive["attributes"]["TANGENT"] = tangent_accessor(tangents);
+    add_coordinates(split, primitive["attributes"]);
+  }
+  for (std::size_t i = 1; i < chunk.frames.size(); ++i) {
+    const std::vector<Vec3f> x = turned(chunk.frames[i]), n = normals_of(x);
+    const int positions = vectors(each(difference(x, base)));
+    Json target{{"POSITION", positions}, {"NORMAL", vectors(difference(n, normals))}};
+    if (has_textures) target["TANGENT"] = vectors(difference(tangents_of(split, each(x), n), tangents));
+    primitive["targets"].push_back(target);
   }
   Json mesh{{"name", name}, {"primitives", Json::array({primitive})}};
-  if (frames.size() > 1) mesh["weights"] = std::vector<float>(frames.size() - 1, 0.0F);
+  if (chunk.frames.size() > 1) mesh["weights"] = std::vector<float>(chunk.frames.size() - 1, 0.0F);
   json_["meshes"].push_back(mesh);
   const int node = static_cast<int>(json_["nodes"].size());
   json_["nodes"].push_back({{"name", name}, {"mesh", json_["meshes"].size() - 1}});
   json_["scenes"][0]["nodes"].push_back(node);
-  animate(node, times, begins, ends);
+  animate(node, chunk.times, begins, ends);
 }
 
 /// `times`: of the frames, and one more when the next node takes over.
@@ -187,24 +269,17 @@ void Gltf::write(const std::filesystem::path& file, Files& files) {
   out.finish(files);
 }
 
-/// Frames of one node as they are gathered.
-struct Chunk {
-  std::vector<mesh::Triangle> triangles;
-  std::vector<std::vector<Vec3f>> frames;
-  std::vector<double> times;
-};
-
 }  // namespace
 
 Files export_glb(const Exporter& e) {
-  Gltf gltf(e.recording().up());
+  const ClothChoice& cloth = e.options().cloth;
+  Gltf gltf(e.recording().up(), cloth);
   for (const bool of_sheet : {true, false}) {
     Chunk chunk;
     std::size_t nodes = 0;
     const auto flush = [&](bool ends) {
       if (chunk.frames.empty() || chunk.triangles.empty()) return;
-      gltf.add(fmt::format("{}_{}", of_sheet ? "sheet" : "bodies", nodes), chunk.triangles, chunk.frames, chunk.times,
-               of_sheet ? 0 : 1, nodes == 0, ends);
+      gltf.add(fmt::format("{}_{}", of_sheet ? "sheet" : "bodies", nodes), chunk, of_sheet ? 0 : 1, nodes == 0, ends);
       ++nodes;
     };
     for (std::size_t i = 0; i < e.size(); ++i) {
@@ -217,9 +292,11 @@ Files export_glb(const Exporter& e) {
         const double when = chunk.times.back();
         if (changes) chunk.times.push_back(s.time);
         flush(false);
-        chunk = changes ? Chunk{} : Chunk{chunk.triangles, {std::move(last)}, {when}};
+        chunk = changes ? Chunk{} : Chunk{chunk.triangles, {std::move(last)}, {when}, std::move(chunk.flat)};
       }
       chunk.triangles = body.triangles;
+      if (of_sheet && cloth.any() && chunk.flat.empty())
+        chunk.flat = flat_coordinates(s.state.mesh->data, e.recording().materials());
       chunk.frames.push_back(std::move(body.positions));
       chunk.times.push_back(s.time);
     }

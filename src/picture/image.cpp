@@ -124,6 +124,20 @@ void write_png(const std::filesystem::path& file, const Image& image, bool palet
   unfinished.finish();
 }
 
+std::vector<char> png_bytes(const Image& image) {
+  png_image png{};
+  png.version = PNG_IMAGE_VERSION;
+  png.width = static_cast<png_uint_32>(image.width());
+  png.height = static_cast<png_uint_32>(image.height());
+  png.format = PNG_FORMAT_RGB;
+  std::vector<char> bytes(PNG_IMAGE_PNG_SIZE_MAX(png));
+  png_alloc_size_t size = bytes.size();
+  if (!png_image_write_to_memory(&png, bytes.data(), &size, 0, image.at(0, 0), 0, nullptr))
+    throw InternalError(png.message);
+  bytes.resize(size);
+  return bytes;
+}
+
 Image read_png(const std::filesystem::path& file) {
   png_image png{};
   png.version = PNG_IMAGE_VERSION;

@@ -53,6 +53,8 @@ class Image {
 /// `palette`: with 256 colours at most, which makes the file two to three times smaller. Throws UserError if the name
 /// ends in anything but .png (or .part, for what is renamed later), or the file cannot be written.
 void write_png(const std::filesystem::path& file, const Image& image, bool palette = false);
+/// The same in memory.
+[[nodiscard]] std::vector<char> png_bytes(const Image& image);
 /// Throws UserError if the file is not a PNG that can be read.
 [[nodiscard]] Image read_png(const std::filesystem::path& file);
 

@@ -47,6 +47,19 @@ std::vector<Vec3> moved(const std::vector<Vec3>& from, const std::vector<double>
   return x;
 }
 
+SheetMaterial read_material(const toml::table& table) {
+  SheetMaterial m;
+  if (const toml::array* groups = table["groups"].as_array())
+    for (const toml::node& name : *groups) m.groups.push_back(name.value_or(std::string()));
+  const toml::node_view d = table["direction"], uv = table["texture_direction"];
+  const Vec3 direction(d[0].value_or(0.0), d[1].value_or(0.0), d[2].value_or(0.0));
+  const Vec2 in_texture(uv[0].value_or(0.0), uv[1].value_or(0.0));
+  if (direction.norm() > 0.0) m.direction = direction;
+  if (in_texture.norm() > 0.0) m.texture_direction = in_texture;
+  m.thickness = table["thickness"].value_or(0.0);
+  return m;
+}
+
 /// first:last:stride; false: it is something else.
 bool parse_range(const std::string& text, int& first, int& last, int& stride) {
   char end = '\0';
@@ -128,6 +141,10 @@ void Recording::read_case(const fs::path& file, std::vector<std::string>& stages
     if (const toml::array* list = table["stage"].as_array())
       for (const toml::node& node : *list)
         if (const toml::table* stage = node.as_table()) stages.push_back((*stage)["name"].value_or(std::string()));
+    materials_.clear();
+    if (const toml::array* list = table["material"].as_array())
+      for (const toml::node& node : *list)
+        if (const toml::table* material = node.as_table()) materials_.push_back(read_material(*material));
     const toml::array* loads = table["load"].as_array();
     for (std::size_t i = 0; loads && i < loads->size(); ++i) {
       const toml::table* load = (*loads)[i].as_table();

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "flat_sheet.hpp"
 #include "results/stored_run.hpp"
 
 namespace voile::picture {
@@ -50,6 +51,8 @@ class Recording {
   [[nodiscard]] const std::vector<Part>& parts() const { return parts_; }
   /// Against gravity, if the case has any; else z.
   [[nodiscard]] const Vec3& up() const { return up_; }
+  /// As the case lists them.
+  [[nodiscard]] const std::vector<SheetMaterial>& materials() const { return materials_; }
   [[nodiscard]] const std::filesystem::path& folder() const { return folder_; }
 
   /// "all", "last", a number, "first:last" or "first:last:stride" by the numbers that the run printed. A single number is
@@ -72,6 +75,7 @@ class Recording {
   std::filesystem::path folder_;
   std::vector<Part> parts_;
   Vec3 up_ = Vec3::UnitZ();
+  std::vector<SheetMaterial> materials_;
   mutable std::map<std::pair<std::size_t, std::size_t>, std::shared_ptr<const results::StoredMesh>> meshes_;
 };
 

@@ -19,6 +19,7 @@ constexpr double sheet_crease = 75.0 / 57.29578, body_crease = 40.0 / 57.29578; 
 constexpr double mode_size = 0.12;   // of a mode as it is shown [sizes of the sheet]
 constexpr double near_bodies = 0.3;  // what of bodies is so near to the sheet is in the picture [sizes of the motion]
 constexpr std::size_t most_points = 1'500'000;
+constexpr float cloth_sheen = 0.9F, wrong_side_paleness = 0.2F;
 constexpr int bar_ticks = 6;  // numbers at the colour bar, about
 
 const Bytes3 soft_ink{96, 102, 110};
@@ -47,6 +48,7 @@ Show::Show(const Recording& recording, std::vector<Moment> moments, ShowOptions 
   up_ = options_.up ? options_.up->normalized() : recording.up();
   choose_scale();
   if (options_.seams) find_seams();
+  if (options_.cloth.any()) cloth_ = std::make_shared<const Cloth>(options_.cloth);
   survey();
 }
 
@@ -150,12 +152,25 @@ Surface Show::sheet(const Moment& moment, const State& state) const {
       s.triangle_colours.push_back(category_colour(static_cast<std::size_t>(rank)));
   if (options_.panels)
     for (const std::size_t panel : panels_of(state.mesh->data)) s.triangle_colours.push_back(category_colour(panel));
+  if (cloth_) make_cloth(state, s);
   if (options_.field.empty()) return s;
   s.sheen = 0.0F;
   if (const std::optional<FieldValues> found = values(moment)) s.values = found->values;
   // A step without the field is grey.
   if (s.values.empty()) s.values.assign(s.positions.size(), std::numeric_limits<float>::quiet_NaN());
   return s;
+}
+
+/// Threads, a print, a paler wrong side, and the thickness of the sheet unless colours mean something.
+void Show::make_cloth(const State& state, Surface& s) const {
+  const std::vector<SheetMaterial>& materials = recording_.materials();
+  s.cloth = cloth_;
+  s.flat = flat_coordinates(state.mesh->data, materials);
+  s.back = s.front + wrong_side_paleness * (Rgb::Ones() - s.front);
+  s.sheen = cloth_sheen;
+  const double known = materials.empty() ? 0.0 : materials.front().thickness;
+  const double thickness = known > 0.0 ? known : options_.cloth.spacing;
+  if (thickness > 0.0 && options_.field.empty() && s.triangle_colours.empty()) thicken(s, thickness);
 }
 
 void Show::add_bodies(const Moment& moment, const State& state, Scene& scene) const {
@@ -173,6 +188,7 @@ Scene Show::scene(const Moment& moment) const {
   Scene scene;
   scene.scale = colours_;
   scene.up = up_;
+  if (cloth_) scene.lighting = Lighting::studio();
   scene.ground = ground_;
   scene.surfaces.push_back(sheet(moment, state));
   if (options_.obstacles) add_bodies(moment, state, scene);

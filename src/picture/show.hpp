@@ -1,6 +1,7 @@
 // Results as scenes and finished pictures: what is shown and how, views on one sheet, titles, colour bar.
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -21,6 +22,7 @@ struct ShowOptions {
   std::optional<std::pair<double, double>> range;  ///< of colours; else that of all moments
   bool mesh_lines = false, partition = false, panels = false, contours = false, seams = false, ground = true,
        obstacles = true;
+  ClothChoice cloth;  ///< how the sheet looks instead of smooth
   bool stamp = true;  ///< time or load factor
   std::string title;
   std::vector<std::string> views{"three-quarter"};
@@ -46,6 +48,7 @@ class Show {
   [[nodiscard]] Scene scene(const Moment& moment) const;
   [[nodiscard]] Surface sheet(const Moment& moment, const State& state) const;
   void add_bodies(const Moment& moment, const State& state, Scene& scene) const;
+  void make_cloth(const State& state, Surface& s) const;
   [[nodiscard]] std::optional<FieldValues> values(const Moment& moment) const;
   void find_seams();
   void letter(Image& image, const Moment& moment) const;
@@ -61,6 +64,7 @@ class Show {
   std::optional<double> ground_;
   ColourScale colours_;
   std::vector<std::optional<WorstSeam>> seams_;  ///< of each part, or of the one before it; empty: not asked for
+  std::shared_ptr<const Cloth> cloth_;           ///< null: smooth
   std::string label_;                            ///< of the colour bar; empty: none
 };
 

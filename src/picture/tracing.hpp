@@ -51,18 +51,22 @@ class Tracer {
   /// Throws std::bad_alloc or InternalError if Embree has failed.
   void check_device(const char* what) const;
   [[nodiscard]] bool blocked(const Vec3f& from, const Vec3f& direction, float far) const;
-  [[nodiscard]] Rgb colour_at(const Surface& s, std::size_t t, const Eigen::Vector3f& bary, bool is_front,
-                              float width) const;
+  void draw_lines(const Surface& s, std::size_t t, const Eigen::Vector3f& bary, float width, Rgb& colour) const;
+  [[nodiscard]] Rgb colour_at(const Surface& s, std::size_t t, const Eigen::Vector3f& bary, bool is_front) const;
   void meet(const RTCRayHit& hit, const Vec3f& direction, Sample& sample, Vec3f& origin, Vec3f& flat) const;
   void take_ground(const Vec3f& direction, Sample& sample) const;
-  [[nodiscard]] Rgb lamp(const Vec3f& origin, const Vec3f& flat, const Vec3f& normal, Noise& noise) const;
+  [[nodiscard]] Rgb cloth_at(const RTCRayHit& hit, const Vec3f& direction, const Sample& sample,
+                             const Vec3f& flat) const;
+  /// Light of a lamp in the direction `at`, of that colour.
+  [[nodiscard]] Rgb lamp(const Vec3f& at, const Rgb& colour, const Vec3f& origin, const Vec3f& flat,
+                         const Vec3f& normal, Noise& noise) const;
   [[nodiscard]] Rgb sky(const Vec3f& origin, const Vec3f& flat, const Vec3f& normal, int rays, Noise& noise) const;
 
   const Scene& scene_;
   const Camera& camera_;
   RTCDevice device_ = nullptr;
   RTCScene rays_ = nullptr;
-  Vec3f up_, lamp_, middle_;
+  Vec3f up_, lamp_, rim_, middle_;
   float size_ = 1.0F, pixel_ = 1.0F;  ///< of the scene; of a pixel at unit depth [m]
 };
 

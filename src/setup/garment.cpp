@@ -33,7 +33,7 @@ namespace {
 /// What a panel is called in messages.
 std::string where_of(const input::Case& c, const input::PanelSection& s) {
   const std::size_t number = static_cast<std::size_t>(&s - c.panels.data());
-  const std::string name = s.name.empty() ? fmt::format("number {}", number) : fmt::format("'{}'", s.name);
+  const std::string name = s.name.empty() ? fmt::format("number {}", number + 1) : fmt::format("'{}'", s.name);
   return fmt::format("{}: [[panel]] {}", c.file.string(), name);
 }
 
@@ -310,7 +310,7 @@ pattern::Garment garment_of(const input::Case& c) {
     if (cut.section->stitches) add_stitches(cuts, cut, known, requests, notes);
   for (std::size_t k = 0; k < c.seams.size(); ++k) {
     const input::SeamSection& s = c.seams[k];
-    const std::string which = s.name.empty() ? fmt::format("number {}", k) : s.name;
+    const std::string which = s.name.empty() ? fmt::format("number {}", k + 1) : s.name;
     pattern::SeamRequest r{s.name, fmt::format("{}: [[seam]] {}", c.file.string(), which), s.edges, s.to, s.meet};
     for (pattern::SeamRequest& one : pattern::with_stars_replaced(panels, r)) requests.push_back(std::move(one));
   }
@@ -343,7 +343,7 @@ void check_attached_groups(const input::Case& stage, const mesh::SurfaceMesh& me
     for (const std::string& name : stage.attachments[i].groups)
       if (!contains(known, name))
         throw UserError(fmt::format("{}: [[attachment]] number {} groups: there is no group '{}' in {}:{}",
-                                    stage.file.string(), stage.is_staged() ? stage.stage.attachments[i] : i, name,
+                                    stage.file.string(), 1 + (stage.is_staged() ? stage.stage.attachments[i] : i), name,
                                     mesh.source(), suggestion(name, known)));
 }
 

@@ -1,14 +1,18 @@
 #include "seam_rules.hpp"
 
+#include <fmt/format.h>
+
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <set>
 
 #include "base/text.hpp"
 #include "base/wildcard.hpp"
 #include "mesh/weld.hpp"
+#include "voile/errors.hpp"
 
 namespace voile::system {
 
@@ -69,29 +73,34 @@ class Strip {
     inward_ = mesh.rest_normal(t).cross(along_);
   }
 
-  [[nodiscard]] double covered(Index t) const {
+  /// Area that it has of a triangle.
+  [[nodiscard]] double cover(Index t) {
     std::vector<Vec2> polygon;
     for (int i = 0; i < 3; ++i) {
       const Vec3 x = mesh_.rest_corner(t, i) - origin_;
       polygon.emplace_back(x.dot(along_), x.dot(inward_));
     }
     polygon = clipped(clipped(polygon, -Vec2::UnitX(), 0.0), Vec2::UnitX(), length_);
-    return area_of(clipped(clipped(polygon, -Vec2::UnitY(), 0.0), Vec2::UnitY(), width_));
+    polygon = clipped(clipped(polygon, -Vec2::UnitY(), 0.0), Vec2::UnitY(), width_);
+    for (const Vec2& x : polygon) depth_ = std::max(depth_, x[1]);
+    return area_of(polygon);
   }
+  /// How far it reaches inwards in the triangles that it covers [m].
+  [[nodiscard]] double depth() const { return depth_; }
 
  private:
   const mesh::SurfaceMesh& mesh_;
-  double width_, length_ = 0.0;
+  double width_, length_ = 0.0, depth_ = 0.0;
   Vec3 origin_, along_, inward_;
 };
 
-/// Spreads a strip from triangle t over the triangles of its chart that it reaches.
-void lay(const mesh::SurfaceMesh& mesh, Index t, int s, double width, std::vector<double>& areas) {
-  const Strip strip(mesh, t, s, width);
+/// Spreads a strip from triangle t over the triangles of its chart that it reaches. Returns its depth there [m].
+double lay(const mesh::SurfaceMesh& mesh, Index t, int s, double width, std::vector<double>& areas) {
+  Strip strip(mesh, t, s, width);
   std::vector<Index> queue{t};
   std::set<Index> seen{t};
   for (std::size_t k = 0; k < queue.size(); ++k) {
-    const double area = strip.covered(queue[k]);
+    const double area = strip.cover(queue[k]);
     if (!(area > 0.0)) continue;
     areas[queue[k]] += area;
     for (int i = 0; i < 3; ++i) {
@@ -99,6 +108,26 @@ void lay(const mesh::SurfaceMesh& mesh, Index t, int s, double width, std::vecto
       if (n != no_index && mesh.chart_join(queue[k], i).same_chart && seen.insert(n).second) queue.push_back(n);
     }
   }
+  return strip.depth();
+}
+
+/// The piece that a triangle is cut from; empty if it has no name.
+std::string piece_of(const mesh::SurfaceMesh& mesh, Index t) {
+  for (const mesh::Group& group : mesh.groups())
+    if (std::binary_search(group.triangles.begin(), group.triangles.end(), t)) return group.name;
+  return "";
+}
+
+/// `depths`: of the deepest strip of the seam in each piece [m].
+void require_room(const mesh::SurfaceMesh& mesh, const mesh::Group& seam, double width,
+                  const std::map<std::string, double>& depths) {
+  constexpr double enough = 0.98;  // of the width, where the mesh cuts corners off the piece
+  for (const auto& [piece, depth] : depths)
+    if (depth < enough * width)
+      throw UserError(fmt::format(
+          "{}: seam '{}': its allowance of {:g} m is wider than piece '{}', which ends {:.3g} m from the seam; make "
+          "allowance of [[seam]] or [sewing] smaller",
+          mesh.source(), seam.name.substr(mesh::seam_group("").size()), width, piece, depth));
 }
 
 }  // namespace
@@ -155,10 +184,14 @@ std::vector<double> allowance_areas(const mesh::SurfaceMesh& mesh, const std::ve
     const SeamRule* rule = rule_of(group, rules);
     if (!rule || rule->allowance == 0.0) continue;
     areas.resize(static_cast<std::size_t>(mesh.triangle_count()), 0.0);
+    std::map<std::string, double> depths;
     for (const mesh::Segment& edge : group.segments)
       for_sides(mesh, edge, [&](Index t, int s) {
-        if (laid.insert({t, s}).second) lay(mesh, t, s, rule->allowance, areas);
+        if (!laid.insert({t, s}).second) return;
+        double& depth = depths[piece_of(mesh, t)];
+        depth = std::max(depth, lay(mesh, t, s, rule->allowance, areas));
       });
+    require_room(mesh, group, rule->allowance, depths);
   }
   return areas;
 }

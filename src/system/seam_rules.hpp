@@ -45,6 +45,7 @@ struct Seams {
 inline constexpr double least_factor = 1e-9;
 
 /// Area of the strips in each triangle [m^2], of open and welded seams; empty if no rule has an allowance. Not collective.
+/// Throws UserError if an allowance is wider than its piece all along the seam.
 [[nodiscard]] std::vector<double> allowance_areas(const mesh::SurfaceMesh& mesh, const std::vector<SeamRule>& rules);
 
 /// The seams whose longer side is gathered: those that are welded or pulled together. Not collective.

@@ -254,7 +254,7 @@ def attachment_mistakes(report):
         "blok": held(attachment__0__obstacle="blok"), "no triangles": held(obstacle=[body, ball], attachment__0__obstacle="ball"),
         "nowhere": held(attachment__0__groups=["nowhere"]), "groups": held(attachment__0__groups=[]),
         "gap": held(attachment__0__hard=True, attachment__0__gap=0.01), "stiffness": held(attachment__0__stiffness=-1.0),
-        "attachment_mistake.toml: [[attachment]] number 0 groups: there is no group 'clam' in": held(attachment__0__groups=["clam"]),
+        "attachment_mistake.toml: [[attachment]] number 1 groups: there is no group 'clam' in": held(attachment__0__groups=["clam"]),
         "attachment.release: 0 s: it takes hold at 0 s, when the run begins": held(attachment__0__release=0.0),
         "length": held(spring=[{"type": "band", "group": "clamp", "stiffness": 1.0, "length": 0.0}])}
     for word, case in cases.items():

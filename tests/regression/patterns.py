@@ -176,6 +176,13 @@ def garment_refused(report):
     refused("a leaning axis", panel(wrap_axis=[0, 0.2, 1]), "leans by")
     refused("a twisted seam", tube(seam=[{"name": "side", "edges": ["tube/1"], "to": ["tube/3"], "meet": ["tube@1", "tube@3"]}]), "'side'", "twist")
     refused("an edge sewn twice", tube(seam=[{"edges": ["tube/1"], "to": ["tube/3"]}, {"edges": ["tube/3"], "to": ["tube/1"]}]), "tube/3 is sewn to tube/1 in a seam already", "remove one")
+    ends = ["front/0..2"], ["back/0..2"]  # two edges each
+    twice = [{"name": "one", "edges": ends[0], "to": ends[1]}, {"name": "two", "edges": ends[1], "to": ends[0]}]
+    sheets = [{"file": tube()["panel"][0]["file"], "name": n, "translate": [0, y, 0]} for n, y in (("front", 0), ("back", 0.05))]
+    refused("ranges sewn twice", tube(panel=sheets, seam=twice, spring=[]), "[[seam]] two", "back/0, back/1 are sewn to front/0, front/1 in a seam already", "[[seam]] one")
+    twice[1] = {"name": "two", "edges": ["back/0"], "to": ends[0]}
+    refused("a part of a range sewn twice", tube(panel=sheets, seam=twice, spring=[]), "'one' and 'two' sew", "remove one")
+    refused("an allowance wider than the piece", tube(sewing={"allowance": 0.7}), "'side'", "piece 'tube'", "0.7 m")
     refused("an unknown edge", tube(seam=[{"edges": ["tube/7"], "to": ["tube/3"]}]), "tube/7", "no such edge")
     refused("one point in meet", tube(seam=[{"edges": ["tube/1"], "to": ["tube/3"], "meet": ["tube@1"]}]), "seam.meet", "two are needed")
     wrong = tube()
@@ -229,7 +236,7 @@ def garment_hostile(report):
     says("a ring with a twist", 2, pattern(chain, ring[:2] + [ring[2] + ["right_wrong"]]), "stitch 2", "with a twist")
     says("an edge in two seams", 2, pattern(chain, ring[:1] + [ring[0][::-1]]), "stitch 1", "is sewn to a/1 in a seam already", "divide the edge", "pleat")
     dart = svg("garment_tipless.svg", '<path id="piece" d="M 0 0 L 400 0 L 400 300 L 230 300 L 210 180 L 190 180 L 170 300 L 0 300 Z"/>')
-    says("a dart without a tip", 2, tube(panel=[{"file": dart, "size": 0.025}], seam=[{"edges": ["piece/3"], "to": ["piece/5"]}], spring=[]), "[[seam]] number 0", "no common tip")
+    says("a dart without a tip", 2, tube(panel=[{"file": dart, "size": 0.025}], seam=[{"edges": ["piece/3"], "to": ["piece/5"]}], spring=[]), "[[seam]] number 1", "no common tip")
     body, points = box_file("garment_box.obj")
     short = tube(spring=[], obstacle=[body])
     short["stage"][1] = {"name": "rest", "analysis": "dynamic", "time": {"end": 0.35, "step": 0.01}}

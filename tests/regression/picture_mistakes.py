@@ -34,7 +34,9 @@ def pictures_of_mistakes(report):
                         (("--steps", "5:1", *png), "must not be larger"), (("--steps", "1:5:0", *png), "names no steps"), (("--size", "-64x48", *png), "--size"),
                         (("--scale", "nan", *png), "--scale"), (("--creases", "nan", *png), "--creases"), (("--eye", "1,2,3", "--target", "1,2,3", *png), "--eye"),
                         (("--output", OUT / "x.jpg"), ".png"), (("--output", OUT), "directory"), (("--output", "/dev/full"), "No space"),
-                        (("--animation", OUT / "x.webp", "--steps", "100:200"), "there is no step 100:200"), (("--animation", OUT / "x.gif", "--rate", "nan"), "--rate")):
+                        (("--animation", OUT / "x.webp", "--steps", "100:200"), "there is no step 100:200"), (("--animation", OUT / "x.gif", "--rate", "nan"), "--rate"),
+                        (("--cloth", "satin", *png), "plain, twill or knit"), (("--print", "checks:3", *png), "mm, cm or m"),
+                        (("--print", "checks:3mm", "--panels", *png), "excludes")):
         refused(report, ("render", folder, *words), part)
     refused(report, ("render",), "results")
 
@@ -44,7 +46,7 @@ def exports_of_mistakes(report):
     """What cannot be exported or viewed ends with code 2 and a message that says why."""
     folder = some_results().folder
     for words, part in ((("--to", "fbx"), "obj, stl"), ((), "--to"), (("--to", "ply", "--field", "velocty"), "did you mean 'velocity'"),
-                        (("--to", "glb", "--field", "velocity"), "glb files have no fields"), (("--to", "obj", "--steps", "77"), "there is no step 77"),
+                        (("--to", "glb", "--field", "velocity"), "glb files have no fields"), (("--to", "ply", "--cloth", "twill"), "export as glb"), (("--to", "obj", "--steps", "77"), "there is no step 77"),
                         (("--output", "/proc/version/x.glb"), "cannot be written")):
         refused(report, ("export", folder, *words), part)
     for words, part in ((("--steps", "77"), "there is no step 77"), (("--field", "velocty"), "did you mean 'velocity'"),

@@ -61,7 +61,7 @@ def glb(path):
     def accessor(number):
         a = text["accessors"][number]
         view = text["bufferViews"][a["bufferView"]]
-        columns = {"VEC3": 3, "SCALAR": 1}[a["type"]]
+        columns = {"VEC4": 4, "VEC3": 3, "VEC2": 2, "SCALAR": 1}[a["type"]]
         values = np.frombuffer(content, {5126: "<f4", 5125: "<u4"}[a["componentType"]], a["count"] * columns, view["byteOffset"])
         values = values.reshape(-1, columns)
         if "min" in a:

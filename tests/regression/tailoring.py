@@ -154,7 +154,7 @@ def three_layers_mistakes(report):
     out, inside = layered()["seam"]
     refused("an edge sewn to itself", layered(seam=[out, inside | {"to": ["skirt/0"]}]), "[[seam]] in", "skirt/0 is in it twice", "name another edge")
     refused("a pair twice", layered(seam=[out, inside, inside | {"name": "again", "edges": ["inner/2"], "to": ["skirt/0"], "meet": ["inner@3", "skirt@0"]}]), "[[seam]] again", "inner/2 is sewn to skirt/0 in a seam already", "[[seam]] in", "remove one")
-    refused("a circle", layered(seam=[out, inside, {"edges": ["outer/2"], "to": ["inner/2"], "meet": ["outer@3", "inner@3"]}]), "twice along one line", "remove one of these seams")
+    refused("a circle", layered(seam=[out, inside, {"edges": ["outer/2"], "to": ["inner/2"], "meet": ["outer@3", "inner@3"]}]), "[[seam]] number 3", "twice along one line", "remove this seam")
     refused("another mesh", layered(remesh={"smallest": 0.005}), "[remesh]", "skirt/0", "'out' and 'in'", "remove the section")
     refused("two allowances", layered(seam=[out, inside | {"allowance": 0.01}]), "[[seam]] allowance", "skirt/0", "give both seams the same")
     refused("two factors of bending", layered(seam=[out, inside | {"bending": 0.5}]), "[[seam]] bending", "skirt/0", "give both seams the same")

@@ -8,7 +8,8 @@ import subprocess
 import numpy as np
 from common import pixels
 from harness import OUT, solve, test
-from picturing import ball, draw, thrown
+from picturing import Y_UP, ball, draw, glb, thrown
+from solver import ROOT
 
 NODE = r"""
 const fs = require("fs"), text = fs.readFileSync(process.argv[2], "utf8"), begin = text.lastIndexOf("<script>") + 8;
@@ -18,6 +19,58 @@ const { RUN, decode, corners } = page.exports, run = decode(RUN);
 console.log(JSON.stringify(run.frames.map(f => ({ caption: f.caption, x: [...f.x], bodies: f.bodies && [...f.bodies], value: [...f.values[0]],
   corners: [...corners(f.x, run.meshes[f.mesh], f.values[0]).value], triangles: [...run.meshes[f.mesh]] }))));
 """
+
+
+def stretched():
+    """A strip 0.2 x 0.1 m that is stretched along x by 10 %, whose warp runs along y."""
+    return {
+        "mesh": {"file": str(ROOT / "meshes" / "cantilever.geo"), "parameters": {"length": 0.2, "width": 0.1, "nx": 12, "ny": 6}},
+        "material": [{"type": "orthotropic", "young_1": 1e6, "young_2": 1e6, "poisson_12": 0.0, "shear_12": 5e5, "thickness": 5e-4, "direction": [0, 1, 0]}],
+        "support": [{"group": "clamp", "type": "hinged"},
+                    {"group": "tip", "type": "displacement", "components": ["x", "y", "z"], "value": [0.02, 0, 0]}],
+    }
+
+
+def crossings(line):
+    """Where brightness along a line crosses its middle, between pixels."""
+    middle = 0.5 * (np.percentile(line, 10) + np.percentile(line, 90))
+    at = np.flatnonzero((line[:-1] < middle) != (line[1:] < middle))
+    return at + (middle - line[at]) / (line[at + 1] - line[at])
+
+
+@test
+def cloth_in_pictures(report):
+    """Stripes of 10 mm tell the strain of a strip in the picture; a GLB has the print and the threads, at the right places."""
+    done = solve("pictures_cloth", stretched(), 1)
+    png, file = OUT / "pictures_cloth.png", OUT / "pictures_cloth.glb"
+
+    def red(*words):
+        """Along the middle of the strip, from above."""
+        code, said = draw("render", done.folder, "--output", png, "--view", "top", "--size", "640x480", "--no-stamp", "--no-ground", *words)
+        report.check(code == 0, f"render {' '.join(words)}" if code == 0 else said)
+        return pixels(png)[220:260].mean(axis=0)[:, 0]
+
+    ends = crossings(red())[[0, -1]]
+    stripes = crossings(red("--cloth", "twill", "--print", "stripes:10mm"))
+    stripes = stripes[(stripes > ends[0] + 5) & (stripes < ends[1] - 5)]
+    report.check(len(stripes) == 19, f"{len(stripes)} edges of 20 stripes")
+    metre = np.ptp(ends) / np.ptp(done.results[-1].positions[:, 0])  # [pixels]
+    stretch = np.polyfit(np.arange(len(stripes)), stripes, 1)[0] / metre / 0.01
+    report.below(abs(stretch - 1.1), 0.01, f"a stretch of {stretch:.4f} is read from stripes, which is 1.1")
+
+    code, said = draw("export", done.folder, "--output", file, "--steps", "last", "--cloth", "knit:2mm", "--print", "checks:10mm", "--quiet")
+    report.check(code == 0, "GLB" if code == 0 else said)
+    text, accessor = glb(file)
+    found = {name: accessor(number) for name, number in text["meshes"][0]["primitives"][0]["attributes"].items()}
+    x = found["POSITION"] @ Y_UP.T
+    flat = np.column_stack([x[:, 0] / 1.1, x[:, 1]])
+    for name, repeat in (("TEXCOORD_0", [0.002, 0.0016]), ("TEXCOORD_1", [0.02, 0.02])):
+        shift = found[name] * repeat * [1, -1] - flat
+        report.below(np.ptp(shift, axis=0).max(), 1e-5, f"GLB: {name} [m]")
+    report.below(abs(found["TANGENT"] - [1, 0, 0, 1]).max(), 1e-5, "GLB: tangents run across the warp")
+    material = text["materials"][0]
+    uses = {name: t["texCoord"] for name, t in (*material.items(), *material["pbrMetallicRoughness"].items()) if name.endswith("Texture")}
+    report.check(uses == {"normalTexture": 0, "occlusionTexture": 0, "baseColorTexture": 1} and text["extensionsUsed"] == ["KHR_materials_sheen"], f"GLB: {uses}")
 
 
 @test
