@@ -125,6 +125,22 @@ double factor_at_end(const input::Case& c) {
   return c.finds_modes() && c.stage.continues() ? 0.0 : c.steps.final_load_factor;
 }
 
+/// A motion or a drape takes its loads in full: after a path that ends elsewhere that is a sudden load. Empty if there is none.
+std::string sudden_loads(const input::Case& before, const input::Case& now) {
+  const double factor = before.steps.final_load_factor;
+  const bool moves = now.analysis == "dynamic" || now.analysis == "drape";
+  if (!moves || before.analysis != "static" || factor == 1.0) return {};
+  for (std::size_t i = 0; i < now.stage.loads.size(); ++i) {
+    const std::size_t was = place_of(now.stage.loads[i], before.stage.loads);
+    if (was == npos || before.loads[was].constant || now.loads[i].history) continue;
+    return fmt::format(
+        "stage '{}': loads act in full from its start, but stage '{}' ends at final_load_factor = {:g}; for a smooth "
+        "start scale the loads and end that stage at 1",
+        now.stage.name, before.stage.name, factor);
+  }
+  return {};
+}
+
 /// Loads stay at what the stage before has brought them to, unless they have a history.
 void hold_over_loads(const Stage& before, Stage& now) {
   if (now.c.analysis != "static" && !now.c.finds_modes()) return;
@@ -224,6 +240,9 @@ std::vector<Stage> stages_of(const input::Case& c, const record::RunOptions& opt
     name_modes(options, s.c);
     take_options(options.comm, s.c);
     if (one.stage.continues()) {
+      // The notes of the first are those that a run prints.
+      if (std::string text = sudden_loads(stages.back().c, s.c); !text.empty())
+        stages.front().c.notes.push_back(std::move(text));
       hold_over_supports(stages.back(), s);
       hold_over_loads(stages.back(), s);
       hold_over_temperatures(stages.back(), s);

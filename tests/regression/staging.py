@@ -143,6 +143,10 @@ def stages_stopped_path(report):
     good = staged([stage("part", "static", steps={"final_load_factor": float(told[1])}), stage("still", "static")])
     whole = solve("stages_stopped_path_good", good)
     report.below(largest(end_of(whole, "still").displacement(), end_of(whole, "part").displacement()), 1e-7, "the plan is kept: nothing moves")
+    for factor in (1.0, 0.5):
+        sudden = staged([stage("part", "static", steps={"final_load_factor": factor}), stage("move", "dynamic", time={"step": 1e-3, "end": 1e-3})])
+        told = "loads act in full from its start" in " ".join(solve("stages_sudden", sudden).text.split())
+        report.check(told == (factor != 1.0), f"a motion after a path to {factor:g}: {'told' if told else 'silent'} that its loads are sudden")
 
 
 @test
