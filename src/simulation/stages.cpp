@@ -299,11 +299,31 @@ void require_factor(const Stage& stage, double reached) {
       stage.c.file.string(), stage.c.stage.name, *stage.held_at, reached, reached));
 }
 
+namespace {
+
+/// Linear buckling needs what grows; loads of earlier stages are held.
+void require_growth(const input::Case& c, const system::Model& model) {
+  const auto load_grows = [](const Load& l) { return !l.constant; };
+  const auto warms = [](const system::Temperature& t) {
+    return !t.constant || t.change.in_time || t.difference.in_time;
+  };
+  if (c.analysis != "buckling" || model.conditions().has_prescribed() || !c.hinges.empty() ||
+      std::any_of(c.loads.begin(), c.loads.end(), load_grows) ||
+      std::any_of(c.temperatures.begin(), c.temperatures.end(), warms))
+    return;
+  throw UserError(
+      "analysis = \"buckling\" needs a load or a temperature that grows with the load factor, which those of earlier "
+      "stages do not; give it a [[load]] of its own with `stages`");
+}
+
+}  // namespace
+
 void check_stage(const Stage& stage, const mesh::SurfaceMesh& mesh) try {
   const system::Model model(stage.options.comm, mesh, stage.input);
   if (stage.c.vibrates() || stage.c.analysis == "dynamic") system::require_mass(model);
   (void)setup::check_free_motions(stage.c, model);
   require_excitation(stage.c, model);
+  require_growth(stage.c, model);
   (void)record::Probes(stage.c, model);
   check_remesh(stage.options.comm, stage.c, mesh);
 } catch (const UserError& e) {

@@ -147,6 +147,9 @@ def stages_stopped_path(report):
         sudden = staged([stage("part", "static", steps={"final_load_factor": factor}), stage("move", "dynamic", time={"step": 1e-3, "end": 1e-3})])
         told = "loads act in full from its start" in " ".join(solve("stages_sudden", sudden).text.split())
         report.check(told == (factor != 1.0), f"a motion after a path to {factor:g}: {'told' if told else 'silent'} that its loads are sudden")
+    held = staged([stage("part", "static"), stage("buckle", "buckling", eigen={"modes": 1})])
+    code, text = invoke(["run", write_case(held, OUT / "stages_held.toml"), "--output", str(fresh("stages_held"))])
+    report.check(code == 2 and "of its own with `stages`" in " ".join(text.split()) and "Newton" not in text, f"buckling under held loads is refused before the path: {' '.join(text.split())[-200:]}")
 
 
 @test
