@@ -193,6 +193,11 @@ void report_modes(const input::Case& c, const record::RunOptions& options, syste
   if (!summary.converged)
     summary.reason = fmt::format("{} of {} modes found{}", result.modes.size(), result.asked_for,
                                  vibration ? "" : " (a load can have fewer critical factors)");
+  if (result.missed > 0) {
+    summary.converged = false;
+    summary.reason =
+        fmt::format("{} mode(s) before the last one have not been found; ask for more by eigen.modes", result.missed);
+  }
   if (SignalScope::stop_asked(model.dofs().comm())) {
     summary.converged = false;
     summary.reason =

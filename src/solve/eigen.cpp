@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numbers>
 #include <string_view>
 
@@ -173,6 +174,9 @@ petsc::MatHandle load_stiffness(system::Model& model, Vec a, Vec load_solution) 
   return difference;
 }
 
+/// Eigenvalues closer together than this fraction are one.
+constexpr double apart = 1e-6;
+
 /// By which a target below zero falls until no eigenvalue is below it.
 constexpr double target_factor = 2.0;
 constexpr int most_targets = 100;
@@ -199,12 +203,52 @@ long found_below(EPS eps) {
   return count;
 }
 
-/// How many eigenvalues are below `target`, by Sylvester's law; -1 if the factorisation fails. Collective.
-long negative_below(const system::Model& model, Mat mass, double target) {
+/// How many eigenvalues of K - factor M are negative; -1 if the factorisation fails. By Sylvester's law as many of K x = theta M x are
+/// below the factor. Collective.
+long negative_of(const system::Model& model, double factor, Mat m) {
   petsc::MatHandle shifted;
   VOILE_PETSC(MatDuplicate(model.tangent().matrix(), MAT_COPY_VALUES, shifted.out()));
-  VOILE_PETSC(MatAXPY(shifted, -target, mass, SUBSET_NONZERO_PATTERN));
+  VOILE_PETSC(MatAXPY(shifted, -factor, m, SUBSET_NONZERO_PATTERN));
   return linear::inertia_of(shifted).negative;
+}
+
+/// Of the modes of one eigenvalue, as of equal parts, a Krylov space that grows from one vector has one, and others by round-off
+/// only. Those that it lacks are looked for beside the ones found, until as many precede the last as `preceding` counts.
+struct Order {
+  std::function<bool(double, double)> precedes;
+  std::function<double(double last)> before;    ///< a little before an eigenvalue
+  std::function<long(double place)> preceding;  ///< how many there are; -1: not known
+};
+void add_missed(EPS eps, const system::Model& model, const Order& order, EigenResult& result) {
+  constexpr int most_rounds = 30;
+  const auto sorted = [&](const Mode& x, const Mode& y) { return order.precedes(x.eigenvalue, y.eigenvalue); };
+  std::vector<Mode>& modes = result.modes;
+  for (int round = 0; round < most_rounds && !modes.empty(); ++round) {
+    if (SignalScope::stop_asked(model.dofs().comm())) return;
+    const double place = order.before(modes.back().eigenvalue);
+    const auto found =
+        std::count_if(modes.begin(), modes.end(), [&](const Mode& m) { return order.precedes(m.eigenvalue, place); });
+    result.missed = std::max(0L, order.preceding(place) - static_cast<long>(found));
+    if (result.missed == 0) return;
+    std::vector<Vec> shapes;
+    for (const Mode& m : modes) shapes.push_back(m.shape);
+    VOILE_PETSC(EPSSetDeflationSpace(eps, static_cast<PetscInt>(shapes.size()), shapes.data()));
+    VOILE_PETSC(EPSSetDimensions(eps, static_cast<PetscInt>(result.missed), PETSC_DEFAULT, PETSC_DEFAULT));
+    std::vector<Mode> more = solve(eps, model, static_cast<int>(result.missed));
+    if (more.empty()) return;
+    for (Mode& m : more) modes.push_back(std::move(m));
+    std::stable_sort(modes.begin(), modes.end(), sorted);
+    modes.resize(std::min(modes.size(), static_cast<std::size_t>(result.asked_for)));
+  }
+}
+
+/// Whether options have left what is looked for as it was, and Sylvester's law tells of it.
+bool can_count(EPS eps, const system::Model& model, EPSWhich which, double target) {
+  EPSWhich now = which;
+  PetscScalar at = target;
+  VOILE_PETSC(EPSGetWhichEigenpairs(eps, &now));
+  VOILE_PETSC(EPSGetTarget(eps, &at));
+  return model.conditions().symmetric() && model.tangent().change().empty() && now == which && at == target;
 }
 
 /// The modes nearest to `target`, ascending, and how many are below it.
@@ -230,6 +274,12 @@ EigenResult modes_from(const system::Model& model, Mat mass, int count, double t
     for (Mode& mode : result.modes) mode.residual = residual_with_gas(model, mass, mode);
   std::stable_sort(result.modes.begin(), result.modes.end(),
                    [](const Mode& x, const Mode& y) { return x.eigenvalue < y.eigenvalue; });
+  if (below == 0 && can_count(eps, model, EPS_TARGET_MAGNITUDE, target))
+    add_missed(eps, model,
+               {.precedes = std::less<>(),
+                .before = [&](double last) { return last - apart * std::abs(last) - 1e-3 * small_shift(model); },
+                .preceding = [&](double place) { return negative_of(model, place, mass); }},
+               result);
   return result;
 }
 
@@ -266,7 +316,7 @@ EigenResult vibration_modes(system::Model& model, Vec a, int count, Mat mass) {
     // An unstable state: what is nearest to zero is not lowest.
     const double lowest = result.modes.empty() ? target : std::min(target, result.modes.front().eigenvalue);
     target = lowest;
-    for (int k = 0; below != 0 && k < most_targets; ++k) below = negative_below(model, mass, target *= target_factor);
+    for (int k = 0; below != 0 && k < most_targets; ++k) below = negative_of(model, target *= target_factor, mass);
     result = modes_from(model, mass, count, target, below);
   }
   for (Mode& mode : result.modes)
@@ -298,7 +348,17 @@ EigenResult buckling_modes(Newton& newton, system::Model& model, Vec a, int coun
   result.asked_for = wanted(eps);
   result.modes = solve(eps, model, result.asked_for);
   // Beyond the last positive 1/mu the load only stiffens.
-  std::erase_if(result.modes, [](const Mode& mode) { return !(mode.eigenvalue > 0.0); });
+  const auto keep_positive = [&] {
+    std::erase_if(result.modes, [](const Mode& mode) { return !(mode.eigenvalue > 0.0); });
+  };
+  keep_positive();
+  if (can_count(eps, model, EPS_LARGEST_REAL, 0.0))
+    add_missed(eps, model,
+               {.precedes = std::greater<>(),
+                .before = [](double last) { return last * (1.0 + apart); },
+                .preceding = [&](double place) { return negative_of(model, 1.0 / place, change); }},
+               result);
+  keep_positive();
   for (Mode& mode : result.modes) mode.value = model.conditions().load_factor() + 1.0 / mode.eigenvalue;
   return result;
 }

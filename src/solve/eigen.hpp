@@ -8,6 +8,7 @@
 //             smallest mu > 0 up; solved as -K' phi = (1/mu) K phi, so that only K is factored. K' is a central
 //             difference, exact but for round-off where K is quadratic in a (membrane) or constant (bending of a flat
 //             rest shape).
+// Sylvester's law counts the modes before the last one found; what is missing of equal eigenvalues is looked for.
 // About an unstable state the target of the spectral transformation falls until no eigenvalue is below it (Sylvester); with loads
 // that follow without a potential, the modes nearest to omega^2 = 0 are found.
 // Fixed components are left out: zero rows in M and K'.
@@ -35,6 +36,7 @@ struct Mode {
 struct EigenResult {
   std::vector<Mode> modes;
   int asked_for = 0;  ///< options may ask for another number than the caller
+  long missed = 0;    ///< modes that are there before the last, by Sylvester's law, and have not been found
 };
 
 /// M, with zero rows where the displacement is fixed. [kg]

@@ -178,6 +178,37 @@ TEST_CASE("a plate buckles at 4 pi^2 D / b^2 from any load below, with second or
   CHECK(r.modes[0].value == relative(10.0 * (1.0 + error[1])).epsilon(2e-3));
 }
 
+TEST_CASE("equal parts have equal modes, and none of them is missed") {
+  constexpr int parts = 4;
+  const mesh::MeshData one = grid(6, 6, false, 0.0);
+  mesh::MeshData all;
+  for (int k = 0; k < parts; ++k) {
+    const auto first = static_cast<Index>(all.positions.size());
+    for (const Vec3& x : one.positions) all.positions.emplace_back(x + static_cast<double>(k) * Vec3::UnitZ());
+    for (const mesh::Triangle& t : one.triangles) all.triangles.push_back({first + t[0], first + t[1], first + t[2]});
+  }
+  Plate single(one, true), several(all, true);
+  const solve::EigenResult of_one = solve::vibration_modes(single.model, single.a, 6, Mass::lumped);
+  for (const int count : {parts + 1, 2 * parts + 1, 3 * parts + 2}) {
+    CAPTURE(count);
+    const solve::EigenResult found = solve::vibration_modes(several.model, several.a, count, Mass::lumped);
+    CHECK(found.missed == 0);
+    REQUIRE(found.modes.size() == static_cast<std::size_t>(count));
+    for (std::size_t i = 0; i < found.modes.size(); ++i)
+      CHECK(found.modes[i].value == relative(of_one.modes[i / parts].value).epsilon(1e-8));
+  }
+  Plate pressed(one, true, 1.0), all_pressed(all, true, 1.0);
+  const auto buckling = [](Plate& p, int count) {
+    solve::Newton newton(p.model);
+    return solve::buckling_modes(newton, p.model, p.a, count);
+  };
+  const solve::EigenResult load_of_one = buckling(pressed, 3), loads = buckling(all_pressed, 2 * parts + 1);
+  CHECK(loads.missed == 0);
+  REQUIRE(loads.modes.size() == 2 * parts + 1);
+  for (std::size_t i = 0; i < loads.modes.size(); ++i)
+    CHECK(loads.modes[i].value == relative(load_of_one.modes[i / parts].value).epsilon(1e-7));
+}
+
 TEST_CASE("what has no modes is refused with the reason") {
   Plate unloaded(grid(4, 4, false, 0.0), true);
   solve::Newton newton(unloaded.model);
