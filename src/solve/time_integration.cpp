@@ -25,6 +25,15 @@ constexpr const char* adapt_type = "voile";
 /// With contact the acceleration is left out of a first guess where it would fly over more edges than that.
 constexpr double longest_flight = 4.0;
 
+/// Whether bending or stretching is damped. Where velocities jump at the start, that balances accelerations which are over long before
+/// the end of a step, and by which a step must not go.
+bool damps_stiffly(const system::Model& model, const system::DynamicsOptions& options) {
+  const auto damps = [](const energy::Material& m) { return m.bending_damping > 0.0 || m.viscous_time > 0.0; };
+  const std::vector<energy::Material>& materials = model.discretisation().materials();
+  return options.bending_damping > 0.0 || options.viscous_time > 0.0 ||
+         (options.material_damping && std::any_of(materials.begin(), materials.end(), damps));
+}
+
 }  // namespace
 
 void TimeIntegration::Impl::create_snes() {
@@ -116,10 +125,13 @@ void TimeIntegration::Impl::choose_method(const system::State& from) {
   }
   const bool contact = model.contact() != nullptr;
   set_alpha_callbacks(
-      ts, {this, start_step, enforce, contact ? clear : nullptr,
-           contact && model.conditions().symmetric() ? energy : nullptr,
-           contact ? longest_flight * contact::mean_edge(model.contact()->scene().set().surface()) : 0.0,
-           account ? accepted : nullptr, contact && inexact, solved});  // falls of a drape start from other states
+      ts,
+      {this, start_step, enforce, contact ? clear : nullptr,
+       contact && model.conditions().symmetric() ? energy : nullptr,
+       contact ? longest_flight * contact::mean_edge(model.contact()->scene().set().surface()) : 0.0,
+       account ? accepted : nullptr,
+       (contact && inexact) || damps_stiffly(model, dynamics.options()),  // falls of a drape start from other states
+       solved});
   linear.prepare();
   prepare_inexact(from.solver);
   read_solver_choice();
