@@ -36,6 +36,18 @@ fs::path numbered(const fs::path& file, std::size_t number) {
   return file.parent_path() / fmt::format("{}_{:06d}{}", file.stem().string(), number, file.extension().string());
 }
 
+/// A print is as large as it is asked for only where the texture is the cloth as it is cut.
+void warn_of_texture(const picture::Recording& recording, const picture::ClothChoice& cloth) {
+  if (cloth.print == picture::Print::none || launched_rank().rank != 0) return;
+  const double stretch = picture::uneven_texture(recording.mesh(recording.select("last").front())->data);
+  if (stretch > 0.0)
+    fmt::print(
+        stderr,
+        "voile: warning: --print: the texture coordinates of the mesh are stretched against it by up to {:.0f} %, "
+        "and the print with them; its size is true with coordinates of the flat cloth\n",
+        100.0 * stretch);
+}
+
 }  // namespace
 
 void ResultsOptions::declare(CLI::App& sub, bool modes) {
@@ -129,6 +141,7 @@ void RenderCommand::take_numbers() {
 void RenderCommand::run() {
   take_numbers();
   const picture::Recording recording(results_.results, results_.choice);
+  warn_of_texture(recording, show_.cloth);
   if (animation_.empty())
     write_pictures(recording);
   else
@@ -208,6 +221,7 @@ void ExportCommand::run() {
   export_.fields = words_of(fields_, '/');
   export_.bodies = !no_obstacles_;
   export_.cloth = picture::parse_cloth(cloth_.cloth, cloth_.print);
+  warn_of_texture(recording, export_.cloth);
   const bool one_file_each = format == "obj" || format == "stl" || format == "ply" || format == "csv";
   const std::vector<picture::Moment> moments =
       recording.select(steps_.empty() ? (one_file_each ? "last" : "all") : steps_);

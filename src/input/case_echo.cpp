@@ -135,7 +135,6 @@ void set_hysteresis(const energy::YarnFriction& friction, MaterialInput& input) 
   input.bending_hysteresis = {loop[0], loop[1], loop[2]};
   input.bending_sliders = static_cast<int>(friction.sliders.size());
   input.bending_hysteresis_spread = spread / input.bending_sliders;
-  input.warp_angle = friction.warp_angle;
 }
 
 void set_yarns(const energy::YarnLaw& law, MaterialInput& input) {
@@ -144,7 +143,6 @@ void set_yarns(const energy::YarnLaw& law, MaterialInput& input) {
   for (std::size_t r = 0; r < 3; ++r)
     for (const energy::YarnLaw::Knot& k : law.knots[r]) lists[r]->insert(lists[r]->end(), {k.strain, k.bend});
   if (law.rubs()) input.shear_hysteresis = {law.limit, law.rise, law.stiffness};
-  input.warp_angle = law.warp_angle;
 }
 
 /// A fabric is stored as a pair of matrices, so that its file is not needed again.
@@ -170,6 +168,7 @@ MaterialInput as_input(const energy::Material& m) {
   input.initial_strain = given(m.initial_strain);
   input.prestress = given(m.prestress);
   input.direction = m.direction;
+  input.warp_angle = m.friction.sliders.empty() ? m.yarns.warp_angle : m.friction.warp_angle;
   set_hysteresis(m.friction, input);
   set_yarns(m.yarns, input);
   if (m.texture_direction) input.texture_direction = {(*m.texture_direction)[0], (*m.texture_direction)[1]};

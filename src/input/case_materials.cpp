@@ -156,8 +156,9 @@ void fill_yarns(const SectionPlace& place, const MaterialInput& in, energy::Mate
   if (m.yarns.any() && !m.prestress.isZero(0.0))
     place.fail("prestress",
                "yarns that stiffen or rub have no strain in proportion to it; give initial_strain instead");
-  if (in.type != MaterialInput::Type::matrices || !m.yarns.any()) return;
+  if (in.type != MaterialInput::Type::matrices) return;
   m.yarns.warp_angle = in.warp_angle;
+  if (!m.yarns.any()) return;
   if (!in.direction && in.texture_direction.empty())
     place.fail("direction", "the key is missing; stiffening and shear_hysteresis act along the yarns");
   // Into yarn axes: those at -angle to the axes given.

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <utility>
 
+#include "base/length_unit.hpp"
 #include "base/text.hpp"
 #include "units.hpp"
 #include "voile/errors.hpp"
@@ -24,49 +25,48 @@ struct Named {
 
 constexpr Powers none{}, length{1, 0, 0}, mass{0, 1, 0}, duration{0, 0, 1}, force{1, 1, -2}, pressure{-1, 1, -2},
     energy{2, 1, -2}, frequency{0, 0, -1}, temperature{0, 0, 0, 1};
-constexpr double inch = 0.0254, pound = 0.45359237, standard_gravity = 9.80665, minute = 60.0;
+constexpr double pound = 0.45359237, standard_gravity = 9.80665, minute = 60.0;
 
 /// The first of each kind is SI's.
 const std::vector<Named>& named_units() {
-  static const std::vector<Named> all{{"m", 1.0, length},
-                                      {"cm", 1e-2, length},
-                                      {"mm", 1e-3, length},
-                                      {"um", 1e-6, length},
-                                      {"in", inch, length},
-                                      {"ft", 12.0 * inch, length},
-                                      {"yd", 36.0 * inch, length},
-                                      {"kg", 1.0, mass},
-                                      {"g", 1e-3, mass},
-                                      {"mg", 1e-6, mass},
-                                      {"t", 1e3, mass},
-                                      {"lb", pound, mass},
-                                      {"oz", pound / 16.0, mass},
-                                      {"s", 1.0, duration},
-                                      {"ms", 1e-3, duration},
-                                      {"min", minute, duration},
-                                      {"N", 1.0, force},
-                                      {"mN", 1e-3, force},
-                                      {"uN", 1e-6, force},
-                                      {"kN", 1e3, force},
-                                      {"MN", 1e6, force},
-                                      {"gf", 1e-3 * standard_gravity, force},
-                                      {"kgf", standard_gravity, force},
-                                      {"lbf", pound * standard_gravity, force},
-                                      {"Pa", 1.0, pressure},
-                                      {"kPa", 1e3, pressure},
-                                      {"MPa", 1e6, pressure},
-                                      {"GPa", 1e9, pressure},
-                                      {"bar", 1e5, pressure},
-                                      {"psi", pound * standard_gravity / (inch * inch), pressure},
-                                      {"ksi", 1e3 * pound * standard_gravity / (inch * inch), pressure},
-                                      {"J", 1.0, energy},
-                                      {"mJ", 1e-3, energy},
-                                      {"Hz", 1.0, frequency},
-                                      {"K", 1.0, temperature},
-                                      {"rad", 1.0, none},
-                                      {"deg", degree, none},
-                                      {"degree", degree, none},
-                                      {"%", 1e-2, none}};
+  static const std::vector<Named> all = [] {
+    std::vector<Named> units;
+    for (const LengthUnit& unit : length_units) units.push_back({unit.name, unit.metres, length});
+    const std::vector<Named> others{{"kg", 1.0, mass},
+                                    {"g", 1e-3, mass},
+                                    {"mg", 1e-6, mass},
+                                    {"t", 1e3, mass},
+                                    {"lb", pound, mass},
+                                    {"oz", pound / 16.0, mass},
+                                    {"s", 1.0, duration},
+                                    {"ms", 1e-3, duration},
+                                    {"min", minute, duration},
+                                    {"N", 1.0, force},
+                                    {"mN", 1e-3, force},
+                                    {"uN", 1e-6, force},
+                                    {"kN", 1e3, force},
+                                    {"MN", 1e6, force},
+                                    {"gf", 1e-3 * standard_gravity, force},
+                                    {"kgf", standard_gravity, force},
+                                    {"lbf", pound * standard_gravity, force},
+                                    {"Pa", 1.0, pressure},
+                                    {"kPa", 1e3, pressure},
+                                    {"MPa", 1e6, pressure},
+                                    {"GPa", 1e9, pressure},
+                                    {"bar", 1e5, pressure},
+                                    {"psi", pound * standard_gravity / (inch * inch), pressure},
+                                    {"ksi", 1e3 * pound * standard_gravity / (inch * inch), pressure},
+                                    {"J", 1.0, energy},
+                                    {"mJ", 1e-3, energy},
+                                    {"Hz", 1.0, frequency},
+                                    {"K", 1.0, temperature},
+                                    {"rad", 1.0, none},
+                                    {"deg", degree, none},
+                                    {"degree", degree, none},
+                                    {"%", 1e-2, none}};
+    units.insert(units.end(), others.begin(), others.end());
+    return units;
+  }();
   return all;
 }
 

@@ -10,6 +10,7 @@
 #include <numbers>
 #include <pugixml.hpp>
 
+#include "base/length_unit.hpp"
 #include "base/text.hpp"
 #include "readers.hpp"
 #include "voile/errors.hpp"
@@ -91,7 +92,7 @@ Affine transform_of(const std::string& where, const std::string& text) {
   return all;
 }
 
-constexpr double inch = 0.0254, user_units_of_inch = 96.0;  ///< W3C, Cascading Style Sheets Level 2, 4.3.2
+constexpr double user_units_of_inch = 96.0;  ///< W3C, Cascading Style Sheets Level 2, 4.3.2
 
 /// Length of a width or height in metres, or 0 if it has no unit of length.
 double metres(const std::string& text) {

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "base/length_unit.hpp"
 #include "voile/errors.hpp"
 
 namespace voile::picture {
@@ -24,7 +25,7 @@ double length_of(const std::string& option, const std::string& text) {
   char* end = nullptr;
   const double x = std::strtod(text.c_str(), &end);
   const std::string unit(end);
-  const double factor = unit == "mm" ? 1e-3 : unit == "cm" ? 1e-2 : unit == "m" ? 1.0 : 0.0;
+  const double factor = metres_of(unit);
   if (end == text.c_str() || factor == 0.0)
     throw UserError(fmt::format("{}: '{}' is no length with its unit mm, cm or m, e.g. 10mm", option, text));
   if (!(x * factor >= least_length && x * factor <= greatest_length))

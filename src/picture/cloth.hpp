@@ -19,6 +19,8 @@ struct ClothChoice {
   Print print = Print::none;
   double width = 0.0;  ///< of a stripe, or the side of a check [m]
   [[nodiscard]] bool any() const { return weave || print != Print::none; }
+  /// With lengths in a unit of so many metres.
+  [[nodiscard]] ClothChoice in_unit(double metres) const { return {weave, spacing / metres, print, width / metres}; }
 };
 
 /// `cloth`: "plain", "twill" or "knit", with ":SPACING" if it is not usual; `print`: "stripes:WIDTH", "checks:WIDTH". Lengths

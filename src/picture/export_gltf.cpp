@@ -38,7 +38,7 @@ struct Chunk {
 
 class Gltf {
  public:
-  Gltf(const Vec3& up, const ClothChoice& cloth) : turn_(rotation_between(up, Vec3::UnitY())) {
+  Gltf(const Vec3& up, double metres, const ClothChoice& cloth) : turn_(metres * rotation_between(up, Vec3::UnitY())) {
     json_["asset"] = {{"version", "2.0"}, {"generator", "Voile"}};
     json_["scene"] = 0;
     json_["scenes"] = Json::array({{{"nodes", Json::array()}}});
@@ -113,7 +113,7 @@ class Gltf {
         {{"sampler", a[0]["samplers"].size() - 1}, {"target", {{"node", node}, {"path", path}}}});
   }
 
-  Mat3 turn_;
+  Mat3 turn_;                   ///< to metres, y upwards
   std::vector<Vec2f> repeats_;  ///< of the sets of texture coordinates [m]
   Json json_;
   std::vector<char> bytes_;
@@ -272,8 +272,9 @@ void Gltf::write(const std::filesystem::path& file, Files& files) {
 }  // namespace
 
 Files export_glb(const Exporter& e) {
-  const ClothChoice& cloth = e.options().cloth;
-  Gltf gltf(e.recording().up(), cloth);
+  const double metres = e.recording().metres();
+  const ClothChoice cloth = e.options().cloth.in_unit(metres);
+  Gltf gltf(e.recording().up(), metres, cloth);
   for (const bool of_sheet : {true, false}) {
     Chunk chunk;
     std::size_t nodes = 0;

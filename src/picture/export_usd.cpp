@@ -93,9 +93,9 @@ Files export_usda(const Exporter& e) {
   OutFile out(e.options().output);
   fmt::print(
       out.stream(),
-      "#usda 1.0\n(\n    defaultPrim = \"World\"\n    metersPerUnit = 1\n    upAxis = \"{}\"\n    startTimeCode = 0\n"
+      "#usda 1.0\n(\n    defaultPrim = \"World\"\n    metersPerUnit = {}\n    upAxis = \"{}\"\n    startTimeCode = 0\n"
       "    endTimeCode = {}\n    timeCodesPerSecond = {}\n    framesPerSecond = {}\n)\n\ndef Xform \"World\"\n{{\n",
-      axis, e.time(e.size() - 1) * e.options().rate, e.options().rate, e.options().rate);
+      e.recording().metres(), axis, e.time(e.size() - 1) * e.options().rate, e.options().rate, e.options().rate);
   write_mesh(out.stream(), e, true);
   write_mesh(out.stream(), e, false);
   out.stream() << "}\n";

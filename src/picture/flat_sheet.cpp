@@ -14,6 +14,7 @@ namespace {
 
 constexpr double same_plane = 1e-6;        // 1 - cosine of the angle between neighbours
 constexpr double least_projection = 0.05;  // sine of the angle of a direction with the normal
+constexpr double same_shape = 0.02;        // by which texture may be stretched against the sheet
 
 using FlatCorners = std::array<Vec2f, 3>;
 
@@ -52,11 +53,12 @@ Vec2 unit_of(const Vec2& direction) {
 }
 
 /// In the plane of a triangle, whose normal is n.
-FlatCorners in_plane(const std::array<Vec3, 3>& x, const Vec3& n, const std::optional<Vec3>& wanted) {
+FlatCorners in_plane(const std::array<Vec3, 3>& x, const Vec3& n, const SheetMaterial& m) {
+  const std::optional<Vec3>& wanted = m.direction;
   Vec3 warp = Vec3::Zero();
   for (const Vec3& d : {wanted.value_or(Vec3::UnitX()), Vec3(Vec3::UnitX()), Vec3(Vec3::UnitY())})
     if (warp.isZero(0.0) && (d - d.dot(n) * n).norm() > least_projection * d.norm()) warp = d - d.dot(n) * n;
-  warp.normalize();
+  warp = Eigen::AngleAxisd(m.warp_angle, n) * warp.normalized();
   const Vec3 across = warp.cross(n);
   FlatCorners flat;
   for (std::size_t i = 0; i < 3; ++i) flat[i] = Vec2(x[i].dot(across), x[i].dot(warp)).cast<float>();
@@ -78,8 +80,11 @@ Vec2 in_texture(const mesh::MeshData& mesh, std::size_t t, const Vec3& wanted) {
 std::vector<Vec2> texture_warps(const mesh::MeshData& mesh, const std::vector<SheetMaterial>& materials,
                                 const std::vector<std::size_t>& of) {
   std::vector<Vec2> warps(std::max<std::size_t>(materials.size(), 1), Vec2::Zero());
+  std::vector<double> sense(warps.size(), 0.0);
   for (std::size_t t = 0; t < of.size() && !materials.empty(); ++t) {
     const SheetMaterial& m = materials[of[t]];
+    const auto [a, b, c] = mesh.texture[t];
+    sense[of[t]] += (b - a)[0] * (c - a)[1] - (b - a)[1] * (c - a)[0];
     if (!m.direction || m.texture_direction) continue;
     const auto [x, y, z] = rest_corners(mesh, t);
     warps[of[t]] += double_area(x, y, z).norm() * in_texture(mesh, t, m.direction->normalized());
@@ -87,10 +92,31 @@ std::vector<Vec2> texture_warps(const mesh::MeshData& mesh, const std::vector<Sh
   for (std::size_t m = 0; m < materials.size(); ++m)
     if (materials[m].texture_direction) warps[m] = *materials[m].texture_direction;
   for (Vec2& warp : warps) warp = unit_of(warp);
+  for (std::size_t m = 0; m < materials.size(); ++m)  // a drawing that is mirrored turns the other way
+    warps[m] =
+        Eigen::Rotation2Dd(std::copysign(materials[m].warp_angle, sense[m] * materials[m].warp_angle)) * warps[m];
   return warps;
 }
 
-/// Normals of triangles [unit length], if all round each vertex are alike.
+/// Largest ratio of a side to that of the texture, of unit length `unit`, less 1; either way.
+double stretch_of_texture(const mesh::MeshData& mesh, double unit) {
+  double most = 0.0;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const std::array<Vec3, 3> x = rest_corners(mesh, t);
+    for (std::size_t i = 0; i < 3; ++i) {
+      const double length = (x[(i + 1) % 3] - x[i]).norm(),
+                   flat = unit * (mesh.texture[t][(i + 1) % 3] - mesh.texture[t][i]).norm();
+      most = std::max(most, std::max(length, flat) / std::max(std::min(length, flat), 1e-30) - 1.0);
+    }
+  }
+  return most;
+}
+
+double unit_of_texture(const mesh::MeshData& mesh) {
+  return mesh.texture.size() == mesh.triangles.size() ? texture_unit(mesh) : 0.0;
+}
+
+/// Normals of triangles [unit length], if all round each vertex are alike; else none.
 std::vector<Vec3> plane_normals(const mesh::MeshData& mesh) {
   std::vector<Vec3> of_triangle, of_vertex(mesh.positions.size(), Vec3::Zero());
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
@@ -99,11 +125,7 @@ std::vector<Vec3> plane_normals(const mesh::MeshData& mesh) {
     for (const Index v : mesh.triangles[t]) {
       Vec3& first = of_vertex[static_cast<std::size_t>(v)];
       if (first.isZero(0.0)) first = n;
-      if (!(first.dot(n) > 1.0 - same_plane))
-        throw UserError(
-            "--cloth, --print: the sheet is curved at the start and has no texture coordinates for its threads; give "
-            "an "
-            "OBJ mesh with texture coordinates (vt), sew panels, or leave the option out");
+      if (!(first.dot(n) > 1.0 - same_plane)) return {};
     }
     of_triangle.push_back(n);
   }
@@ -125,11 +147,21 @@ std::vector<std::size_t> materials_of(const mesh::MeshData& mesh, const std::vec
   return of;
 }
 
+double uneven_texture(const mesh::MeshData& mesh) {
+  const double unit = unit_of_texture(mesh);
+  if (!(unit > 0.0) || (mesh.rest.empty() && !plane_normals(mesh).empty())) return 0.0;
+  const double stretch = stretch_of_texture(mesh, unit);
+  return stretch > same_shape ? stretch : 0.0;
+}
+
 std::vector<FlatCorners> flat_coordinates(const mesh::MeshData& mesh, const std::vector<SheetMaterial>& materials) {
   const std::vector<std::size_t> of = materials_of(mesh, materials);
-  const double unit = mesh.texture.size() == mesh.triangles.size() ? texture_unit(mesh) : 0.0;
+  const double unit = unit_of_texture(mesh);
+  const std::vector<Vec3> normals = mesh.rest.empty() ? plane_normals(mesh) : std::vector<Vec3>{};
+  // A picture's texture, from 0 to 1 each way, is not the shape of the cloth.
+  const bool is_drawn = unit > 0.0 && (normals.empty() || stretch_of_texture(mesh, unit) <= same_shape);
   std::vector<FlatCorners> flat;
-  if (unit > 0.0) {
+  if (is_drawn) {
     const std::vector<Vec2> warps = texture_warps(mesh, materials, of);
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
       FlatCorners& corners = flat.emplace_back();
@@ -137,10 +169,13 @@ std::vector<FlatCorners> flat_coordinates(const mesh::MeshData& mesh, const std:
     }
     return flat;
   }
-  const std::vector<Vec3> normals = mesh.rest.empty() ? plane_normals(mesh) : std::vector<Vec3>{};
+  if (normals.empty() && mesh.rest.empty() && !mesh.triangles.empty())
+    throw UserError(
+        "--cloth, --print: the sheet is curved at the start and has no texture coordinates for its threads; give an "
+        "OBJ mesh with texture coordinates (vt), sew panels, or leave the option out");
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
     flat.push_back(in_plane(rest_corners(mesh, t), normals.empty() ? Vec3(Vec3::UnitZ()) : normals[t],
-                            materials.empty() ? std::nullopt : materials[of[t]].direction));
+                            materials.empty() ? SheetMaterial{} : materials[of[t]]));
   return flat;
 }
 

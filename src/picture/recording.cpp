@@ -7,7 +7,9 @@
 #include <cmath>
 #include <cstdio>
 #include <fstream>
+#include <numbers>
 
+#include "base/length_unit.hpp"
 #include "base/plain_file.hpp"
 #include "base/text.hpp"
 #include "voile/errors.hpp"
@@ -56,6 +58,7 @@ SheetMaterial read_material(const toml::table& table) {
   const Vec2 in_texture(uv[0].value_or(0.0), uv[1].value_or(0.0));
   if (direction.norm() > 0.0) m.direction = direction;
   if (in_texture.norm() > 0.0) m.texture_direction = in_texture;
+  m.warp_angle = std::numbers::pi / 180.0 * table["warp_angle"].value_or(0.0);
   m.thickness = table["thickness"].value_or(0.0);
   return m;
 }
@@ -141,6 +144,8 @@ void Recording::read_case(const fs::path& file, std::vector<std::string>& stages
     if (const toml::array* list = table["stage"].as_array())
       for (const toml::node& node : *list)
         if (const toml::table* stage = node.as_table()) stages.push_back((*stage)["name"].value_or(std::string()));
+    const double unit = metres_of(table["units"]["length"].value_or(std::string("m")));
+    metres_ = unit > 0.0 ? unit : 1.0;
     materials_.clear();
     if (const toml::array* list = table["material"].as_array())
       for (const toml::node& node : *list)

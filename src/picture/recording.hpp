@@ -51,6 +51,8 @@ class Recording {
   [[nodiscard]] const std::vector<Part>& parts() const { return parts_; }
   /// Against gravity, if the case has any; else z.
   [[nodiscard]] const Vec3& up() const { return up_; }
+  /// Length of 1 in the results [m].
+  [[nodiscard]] double metres() const { return metres_; }
   /// As the case lists them.
   [[nodiscard]] const std::vector<SheetMaterial>& materials() const { return materials_; }
   [[nodiscard]] const std::filesystem::path& folder() const { return folder_; }
@@ -75,6 +77,7 @@ class Recording {
   std::filesystem::path folder_;
   std::vector<Part> parts_;
   Vec3 up_ = Vec3::UnitZ();
+  double metres_ = 1.0;
   std::vector<SheetMaterial> materials_;
   mutable std::map<std::pair<std::size_t, std::size_t>, std::shared_ptr<const results::StoredMesh>> meshes_;
 };

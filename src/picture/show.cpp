@@ -48,6 +48,7 @@ Show::Show(const Recording& recording, std::vector<Moment> moments, ShowOptions 
   up_ = options_.up ? options_.up->normalized() : recording.up();
   choose_scale();
   if (options_.seams) find_seams();
+  options_.cloth = options_.cloth.in_unit(recording.metres());
   if (options_.cloth.any()) cloth_ = std::make_shared<const Cloth>(options_.cloth);
   survey();
 }

@@ -36,12 +36,19 @@ std::string balance_text(const system::EnergyBalance& b) {
 
 std::string balance_warning(const system::EnergyBalance& b, const solve::TimeOptions& options, double round_off) {
   const double all = b.turnover(), gained = b.created;
-  if (std::max(gained, std::abs(b.unaccounted)) <= round_off) return "";
+  if (std::max({gained, -b.damping, std::abs(b.unaccounted)}) <= round_off) return "";
   if (gained > much * all && gained > std::abs(b.unaccounted))
     return fmt::format(
         "the time stepping has created {:.3g} J, {:.2g} % of the energy that came in: speeds or stiffnesses are beyond "
         "what steps of this size resolve; use a smaller time.step (history: numerical_loss)",
         gained, 100.0 * gained / all);
+  if (-b.damping > much * all)
+    return fmt::format(
+        "damping has given {:.3g} J instead of taking it, {:.2g} % of the energy that came in: steps are long against "
+        "what "
+        "is damped, and what it takes is not separated from numerical loss; use a smaller time.step, above all after "
+        "velocities that jump (history: damping_loss)",
+        -b.damping, 100.0 * -b.damping / all);
   if (!(std::abs(b.unaccounted) > much * all)) return "";
   const bool iterates = options.method == solve::TimeOptions::Method::implicit_alpha;
   std::string remedy = "a smaller time.step";

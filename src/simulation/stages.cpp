@@ -240,9 +240,9 @@ std::vector<Stage> stages_of(const input::Case& c, const record::RunOptions& opt
     name_modes(options, s.c);
     take_options(options.comm, s.c);
     if (one.stage.continues()) {
-      // The notes of the first are those that a run prints.
-      if (std::string text = sudden_loads(stages.back().c, s.c); !text.empty())
-        stages.front().c.notes.push_back(std::move(text));
+      // A run prints the notes of its first stage, which is this one if it begins here.
+      if (const std::string text = sudden_loads(stages.back().c, s.c); !text.empty())
+        for (input::Case* of : {&stages.front().c, &s.c}) of->notes.push_back(text);
       hold_over_supports(stages.back(), s);
       hold_over_loads(stages.back(), s);
       hold_over_temperatures(stages.back(), s);

@@ -274,10 +274,13 @@ EigenResult modes_from(const system::Model& model, Mat mass, int count, double t
     for (Mode& mode : result.modes) mode.residual = residual_with_gas(model, mass, mode);
   std::stable_sort(result.modes.begin(), result.modes.end(),
                    [](const Mode& x, const Mode& y) { return x.eigenvalue < y.eigenvalue; });
-  if (below == 0 && can_count(eps, model, EPS_TARGET_MAGNITUDE, target))
+  // Before one that is 0 but for round-off there is only round-off.
+  const double zero = small_shift(model);
+  if (below == 0 && !result.modes.empty() && result.modes.back().eigenvalue > zero &&
+      can_count(eps, model, EPS_TARGET_MAGNITUDE, target))
     add_missed(eps, model,
                {.precedes = std::less<>(),
-                .before = [&](double last) { return last - apart * std::abs(last) - 1e-3 * small_shift(model); },
+                .before = [&](double last) { return last - apart * last - 0.5 * zero; },
                 .preceding = [&](double place) { return negative_of(model, place, mass); }},
                result);
   return result;

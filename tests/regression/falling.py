@@ -132,6 +132,26 @@ def fabric_damping(report):
 
 
 @test
+def damped_start(report):
+    """Bending that is damped, and a velocity on one edge alone: no step carries the edge further than that, and what is wrong is said."""
+    case = {
+        "analysis": "dynamic",
+        "mesh": {"file": str(ROOT / "meshes" / "cantilever.geo"), "parameters": {"length": 0.3, "width": 0.05, "nx": 15, "ny": 3, "pattern": 2}},
+        "material": [{"type": "isotropic", "young": 70e9, "poisson": 0.0, "thickness": 1e-3, "density": 2700.0, "bending_damping": 2e-3}],
+        "support": [{"type": "clamped", "group": "clamp"}], "initial_velocity": [{"group": "tip", "velocity": [0, 0, 0.05]}],
+        "probe": [{"name": "tip", "type": "displacement", "group": "tip", "components": ["z"]}],
+        "time": {"end": 0.01, "step": 1e-3}, "output": {"every": 100}}
+    for name, changes in (("material", {}), ("all", {"material.0.bending_damping": 0.0, "damping.bending": 2e-3})):
+        result = solve(f"damped_start_{name}", variant(case, changes), 1)
+        h = result.history
+        report.check(0 < h["tip_z"][1] < 0.05 * h["time"][1], f"{name}: the edge goes {h['tip_z'][1]:.3g} m in the first step, {0.05 * h['time'][1]:.3g} m by its velocity")
+        report.below(max(h["stored_energy"]) / h["kinetic_energy"][0], 50, "stored over what there was")
+        report.check("damping has given" in " ".join(result.text.split()), "that damping gives energy is told")
+    gentle = solve("damped_start_gentle", variant(case, {"time.forces_at_end": False, "initial_velocity": [], "load": [{"type": "gravity", "vector": [0, 0, -9.81]}]}), 1)
+    report.check(gentle.history["damping_loss"][-1] > 0 and "damping has given" not in gentle.text, "not of what begins gently")
+
+
+@test
 def contact_cylinder(report):
     """A sheet falls across a turning cylinder, over its flat ends too, without piercing it; an axis needs a length."""
     case = sheet_on_ball(time__end=0.25)

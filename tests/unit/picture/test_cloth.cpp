@@ -150,6 +150,30 @@ TEST_CASE("flat coordinates follow the material's direction, in space or in text
   along(flat_coordinates(textured, {{.texture_direction = Vec2(-s, c)}}), plane, {c, s, 0.0});
   along(flat_coordinates(textured, {{.direction = Vec3(c, s, 0.0)}}), plane, {c, s, 0.0});
   along(flat_coordinates(textured, {}), plane, Vec3::UnitX());
+  // The warp of a fabric lies at an angle to the axis of its material, also in a mirrored drawing.
+  along(flat_coordinates(plane, {{.direction = Vec3::UnitX(), .warp_angle = 0.4}}), plane, {c, s, 0.0});
+  along(flat_coordinates(textured, {{.direction = Vec3::UnitX(), .warp_angle = 0.4}}), plane, {c, s, 0.0});
+  along(flat_coordinates(textured, {{.texture_direction = Vec2(0.0, 1.0), .warp_angle = 0.4}}), plane, {c, s, 0.0});
+  mesh::MeshData mirrored = textured;
+  for (auto& corners : mirrored.texture)
+    for (Vec2& at : corners) at[0] = -at[0];
+  for (const double angle : {0.4, -0.4}) {
+    const auto flat = flat_coordinates(mirrored, {{.direction = Vec3::UnitX(), .warp_angle = angle}});
+    const Vec3 warp(std::cos(angle), std::sin(angle), 0.0);
+    for (std::size_t i = 0; i < 2; ++i) {
+      const Vec3 e = plane.positions[static_cast<std::size_t>(plane.triangles[0][i])] -
+                     plane.positions[static_cast<std::size_t>(plane.triangles[0][i + 1])];
+      CHECK(flat[0][i][1] - flat[0][i + 1][1] == doctest::Approx(e.dot(warp)).epsilon(1e-4));
+    }
+  }
+  // A texture that is stretched over a plane sheet is that of a picture, not of cloth.
+  mesh::MeshData stretched = textured;
+  for (auto& corners : stretched.texture)
+    for (Vec2& at : corners) at[0] *= 1.3;
+  along(flat_coordinates(stretched, {{.direction = Vec3(c, s, 0.0)}}), plane, {c, s, 0.0});
+  CHECK(uneven_texture(stretched) == 0.0);
+  stretched.positions[0] += 0.2 * Vec3::UnitZ();
+  CHECK(uneven_texture(stretched) > 0.1);
   const mesh::MeshData curved = mapped(plane, [](const Vec3& x) { return Vec3(x[0], x[1], 0.3 * x[0] * x[0]); });
   CHECK(has(refusal([&] { (void)flat_coordinates(curved, {}); }), "curved at the start"));
 }

@@ -52,6 +52,13 @@ TEST_CASE("energy that is not accounted for is warned of from a twentieth on, wi
   b.created = 0.21;  // although the scheme has taken more since
   CHECK(names(loose, "created 0.21 J, 5.2 %"));
   CHECK(balance_warning(b, loose, 0.22).empty());
+  b.created = 0.0;
+  b.damping = 0.5;  // it takes
+  CHECK(balance_warning(b, loose).empty());
+  b.damping = -0.19;
+  CHECK(balance_warning(b, loose).empty());
+  b.damping = -0.21;
+  CHECK(names(loose, "damping has given 0.21 J"));
 }
 
 }  // namespace test_energy_text
