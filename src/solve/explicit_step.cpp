@@ -110,7 +110,7 @@ void TimeIntegration::Impl::set_explicit_step(const system::State& from) {
     VOILE_PETSC(VecCopy(from.stiffest, stability.mode));
   else
     memory.frequency = frequency;
-  stability.damping = damping_rate(dynamics, frequency);
+  stability.damping = damping_rate(dynamics, memory.frequency);
   const double limit = stable_step(memory.frequency, stability.damping);
   if (!known) memory.said = limit;
   if (remark) remark(fmt::format("central differences: stability limit {:.4g} s", limit));
