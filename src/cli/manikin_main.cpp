@@ -118,16 +118,18 @@ void write_pc2(const fs::path& file, const std::vector<std::vector<Vec3>>& frame
 }
 
 /// No obstacle may intersect itself; files hold single precision.
-void check_frames(const manikin::Figure& figure, const std::vector<std::vector<Vec3>>& frames) {
+void check_frames(const manikin::Figure& figure, const std::vector<std::vector<Vec3>>& frames,
+                  const std::string& motion) {
+  const std::string other = motion == "lift" || motion == "turn" ? "another --angle" : "a lower --speed";
   for (std::size_t f = 0; f < frames.size(); ++f) {
     std::vector<Vec3> stored;
     for (const Vec3& p : frames[f]) stored.emplace_back(p.cast<float>().cast<double>());
     if (const auto pairs = geometry::intersecting_triangles(stored, figure.surface.triangles); !pairs.empty()) {
       const Vec3& at = stored[static_cast<std::size_t>(figure.surface.triangles[pairs.front().first][0])];
       throw UserError(fmt::format(
-          "the figure intersects itself in frame {} at ({:.3f}, {:.3f}, {:.3f}); try a lower --speed, a wider angle of "
-          "--arms or a finer --size",
-          f, at.x(), at.y(), at.z()));
+          "the figure intersects itself in frame {} at ({:.3f}, {:.3f}, {:.3f}); try {}, another angle of --arms or a "
+          "finer --size",
+          f, at.x(), at.y(), at.z(), motion == "sit" ? "girths nearer to the usual ones" : other));
     }
   }
 }
@@ -157,7 +159,16 @@ manikin::MotionOptions motion_of(const Request& r, double inseam) {
   return o;
 }
 
+/// An option that would do nothing is a mistake.
+void refuse_idle(const Request& r) {
+  const bool steps = r.motion == "walk" || r.motion == "run", turns = r.motion == "turn" || r.motion == "lift";
+  if ((r.speed || r.cadence) && !steps)
+    throw UserError(fmt::format("{} goes with --motion walk or run; leave it out", r.speed ? "--speed" : "--cadence"));
+  if (r.angle && !turns) throw UserError("--angle goes with --motion turn or lift; leave it out");
+}
+
 void make(const Request& r) {
+  refuse_idle(r);
   if (r.file.extension() != ".obj")
     throw UserError(fmt::format("{}: a manikin is written as .obj; give the file that ending", r.file.string()));
   const auto kind = r.kind == "form" ? manikin::Kind::form : manikin::Kind::figure;
@@ -168,7 +179,7 @@ void make(const Request& r) {
   std::vector<std::vector<Vec3>> frames;
   if (!r.motion.empty()) {
     frames = manikin::frames(figure, motion_of(r, figure.shape.measurements().inseam));
-    check_frames(figure, frames);
+    check_frames(figure, frames, r.motion);
   }
   write_obj(r.file, figure.surface);
   const manikin::Levels& l = figure.shape.levels();

@@ -129,7 +129,7 @@ Figure make_figure(const Measurements& m, Kind kind, double size) {
   if (!geometry::intersecting_triangles(s.positions, s.triangles).empty()) wrong = "intersects itself";
   const auto off = [](double is, double asked) { return std::abs(is - asked) > 0.005 * asked; };
   if (off(figure.girths.bust, m.bust) || off(figure.girths.waist, m.waist) || off(figure.girths.hip, m.hip))
-    wrong = "does not have their girths, because the arms join the trunk too low";
+    wrong = "does not have their girths, because bust or waist is too wide for its shoulders";
   if (wrong)
     throw UserError(fmt::format(
         "the surface of these measurements {}: choose others, a wider angle of the arms or a smaller size", wrong));

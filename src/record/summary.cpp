@@ -39,6 +39,7 @@ Json json_of(const GarmentMeasures& m) {
 Json json_of(const system::EnergyBalance& b) {
   Json all{{"initial_energy", b.initial}, {"kinetic_energy", b.kinetic}};
   for (const auto& [name, value] : named_parts(b)) all[name] = value;
+  if (b.fabric != 0.0) all["fabric_loss"] = b.fabric;
   return all;
 }
 

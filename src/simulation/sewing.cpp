@@ -180,6 +180,7 @@ void weld_state(const Stage& stage, const std::vector<std::string>& seams, Mesh&
   merge_contact(target, data.positions.size(), state);
   merge_anchors(target, state);
   mesh = std::make_shared<const mesh::SurfaceMesh>(std::move(data));
+  state.couplings.clear();                           // of vertices before the weld; an unbroken run begins without any
   state.remeshings = std::max(state.remeshings, 1);  // so that checkpoints hold the mesh
   state.in_equilibrium = false;
 }

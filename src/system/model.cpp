@@ -157,6 +157,9 @@ std::vector<double> Model::couplings() const {
 void Model::couple(std::vector<double> pairs) {
   mpi::broadcast(comm(), pairs);
   if (pairs.empty()) return;
+  for (const double vertex : pairs)
+    if (!(vertex >= 0.0 && vertex < static_cast<double>(dofs().mesh().vertex_count())))
+      throw InternalError("couplings of another mesh");
   const BlockMatrix& base = potential_->constant().base();
   BlockPattern pattern = base.pattern();
   for (std::size_t i = 0; i + 1 < pairs.size(); i += 2) {
