@@ -62,6 +62,16 @@ std::vector<char> vertices_under(const mesh::SurfaceMesh& mesh, const Load& load
   return under;
 }
 
+/// The supports, then what moves each difference of a periodic sheet.
+std::vector<Support> with_differences(std::vector<Support> supports, const std::vector<PeriodicPair>& periodic) {
+  for (const PeriodicPair& p : periodic) {
+    Support s;
+    if (p.motion) s.motion = [motion = p.motion](const Vec3&, double time) { return motion(time); };
+    supports.push_back(std::move(s));
+  }
+  return supports;
+}
+
 /// Weight without mass is a mistake that a run would answer with silence.
 void check_gravity(const Discretisation& on, const Load& load) {
   for (Index t : loaded_triangles(on.mesh(), load))
@@ -82,10 +92,11 @@ void spread(const Discretisation& on, const Load& load, const AddForce& add) {
 
 BoundaryConditions::BoundaryConditions(const Discretisation& on, std::vector<Support> supports,
                                        const std::vector<Load>& loads, const std::vector<PointMass>& masses,
-                                       bool motion_by_load, std::vector<RigidGroup> rigid)
+                                       bool motion_by_load, std::vector<RigidGroup> rigid,
+                                       const std::vector<PeriodicPair>& periodic)
     : on_(&on),
       rigid_(on, std::move(rigid)),
-      supports_(std::move(supports)),
+      supports_(with_differences(std::move(supports), periodic)),
       motion_by_load_(motion_by_load),
       rotations_(supports_.size(), Mat3::Identity()),
       followers_(std::make_unique<ElementTerm<energy::FollowerTerm>>()) {
@@ -106,6 +117,7 @@ BoundaryConditions::BoundaryConditions(const Discretisation& on, std::vector<Sup
     has_prescribed_ |= support.value.squaredNorm() > 0.0 || support.motion >= 0;
   has_prescribed_ |= rigid_.moves();
   mpi::on_all(dofs.comm(), [&] { build_loads(loads, masses); });
+  add_differences(periodic);
   dead_on_bodies_ = rigid_.take(dead_);
   always_on_bodies_ = rigid_.take(constant_);
   for (TimedLoad& load : timed_) load.on_bodies = rigid_.take(load.force);
@@ -298,15 +310,30 @@ Vec BoundaryConditions::force_of(const Load& load) {
   return timed_.back().force;
 }
 
+/// On a vertex that repeats another one it acts on that one and on the differences.
+void BoundaryConditions::add_vertex_force(Index v, const Vec3& f, const petsc::WriteArray& force) const {
+  const Ties& ties = on_->constraints().ties;
+  const Index of = ties.any() ? ties.root(v) : v;
+  const auto add = [&](Index at, const Vec3& g) {
+    const Index i = on_->owned(at);
+    for (int k = 0; i != no_index && k < 3; ++k) force[3 * i + k] += g[k];
+  };
+  add(of, on_->dofs().to_own(of, f));
+  for (std::size_t p = 0; p < ties.carriers.size(); ++p)
+    if (const int n = ties.periods(v, p); n != 0) add(ties.carriers[p], n * f);
+}
+
+void BoundaryConditions::add_differences(const std::vector<PeriodicPair>& periodic) {
+  const petsc::WriteArray force(dead_);
+  for (std::size_t p = 0; p < periodic.size(); ++p)
+    if (const Index i = on_->owned(on_->constraints().ties.carriers[p]); i != no_index)
+      for (int k = 0; k < 3; ++k) force[3 * i + k] += periodic[p].force[k];
+}
+
 void BoundaryConditions::build_loads(const std::vector<Load>& loads, const std::vector<PointMass>& masses) {
   for (const Load& load : loads) {
     const petsc::WriteArray force(force_of(load));
-    const AddForce add = [&](Index v, const Vec3& f) {
-      const Index i = on_->owned(v);
-      if (i == no_index) return;
-      const Vec3 g = on_->dofs().to_own(v, f);
-      for (int k = 0; k < 3; ++k) force[3 * i + k] += g[k];
-    };
+    const AddForce add = [&](Index v, const Vec3& f) { add_vertex_force(v, f, force); };
     if (load.kind == Load::Kind::follower_pressure || load.kind == Load::Kind::follower_moment) {
       any_follower_ = true;
       add_follower(load);
