@@ -147,6 +147,9 @@ const std::vector<SectionInfo>& sections() {
       {"rigid", true,
        "Groups that move as rigid bodies, held and loaded at a reference point (see [hold "
        "rigidly](../howto/hold-rigidly.md)). Not with contact, stages, panels, [air], `[remesh]` or `drape`."},
+      {"periodic", true,
+       "Pairs of boundary curves along which the sheet repeats itself: a cell of a periodic sheet (see [join "
+       "sheets](../howto/join-sheets.md#periodic-sheets))."},
       {"load", true, "Loads; each grows with the load factor unless it is `constant`."},
       {"temperature", true,
        "Changes of temperature from that at which the sheet has its rest shape; where groups overlap they add up. Each "

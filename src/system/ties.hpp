@@ -43,6 +43,10 @@ void resolve_periodic(const mesh::SurfaceMesh& mesh, const std::vector<PeriodicP
                                                               const std::vector<mesh::MirrorSide>& mirrors,
                                                               std::vector<int>& turned_by);
 
+/// The supports, then one that moves each difference.
+[[nodiscard]] std::vector<Support> with_differences(std::vector<Support> supports,
+                                                    const std::vector<PeriodicPair>& periodic);
+
 class Discretisation;
 
 /// Of each pair in state a with the unbalanced force f: the difference [m] and the force that holds it [N]; six numbers each on
