@@ -3,22 +3,34 @@
 import math
 
 import numpy as np
-from common import fresh, strip
+from common import fresh
 from harness import OUT, solve, test
+from panels import Panels
 from solver import ROOT, run, write_case
 
 YOUNG, POISSON, THICKNESS, DENSITY = 1.2e6, 0.3, 0.1, 100.0
 PLATE = {"type": "isotropic", "young": YOUNG, "poisson": POISSON, "thickness": THICKNESS, "density": DENSITY}
 BENDING = YOUNG * THICKNESS**3 / (12 * (1 - POISSON**2))
 SIDES = {"from": "side_low", "to": "side_high", "name": "across"}
-ENDS = {"from": "clamp", "to": "tip", "name": "along"}
 
 
-def sheet(analysis, n, length, width, periodic, pattern=2, material=PLATE, **more):
+def strip(analysis, n, length, width, periodic, pattern=2, material=PLATE, **more):
     mesh = {"file": str(ROOT / "meshes" / "cantilever.geo"),
             "parameters": {"length": length, "width": width, "nx": n, "ny": max(1, round(n * width / length)), "pattern": pattern}}
     return {"title": "Periodic", "analysis": analysis, "mesh": mesh, "material": [material], "periodic": periodic,
             "output": {"every": 1000}} | more
+
+
+def cell(name, analysis, n, m, length, width, along=None, across=None, material=PLATE, **more):
+    """A rectangle that repeats itself along both sides, held at a corner."""
+    p = Panels()
+    at = p.add("plate", (0, 0, 0), (length, 0, 0), (0, width, 0), n, m)
+    p.point("corner", at[0, 0])
+    mesh = p.write(OUT / f"{name}.msh")
+    pairs = [{"from": "plate start", "to": "plate end", "name": "along"} | (along or {}),
+             {"from": "plate low", "to": "plate high", "name": "across"} | (across or {})]
+    return {"title": "Cell", "analysis": analysis, "mesh": {"file": str(mesh)}, "material": [material], "periodic": pairs,
+            "support": [{"type": "hinged", "group": "corner"}], "output": {"every": 1000}} | more
 
 
 @test
@@ -26,34 +38,76 @@ def periodic_strip(report):
     """One period of an infinitely wide cantilever is in plane strain, also one cell wide, on 1, 2 and 3 ranks."""
     length, load = 10.0, 0.04
     exact = load * length**3 / (3 * BENDING)
-    clamp = [{"type": "clamped", "group": "clamp"}]
-    probe = [{"name": "tip", "type": "displacement", "group": "tip"}, {"name": "low", "type": "reaction", "group": "side_low"},
-             {"name": "clamp", "type": "reaction", "group": "clamp"}]
-    more = {"support": clamp, "load": [{"type": "line", "group": "tip", "vector": [0, 0, load]}], "probe": probe}
+    probe = [{"name": "tip", "type": "displacement", "group": "tip"}, {"name": "clamp", "type": "reaction", "group": "clamp"}]
+    more = {"support": [{"type": "clamped", "group": "clamp"}], "probe": probe,
+            "load": [{"type": "line", "group": "tip", "vector": [0, 0, load]}]}
     for pattern, n, width in ((0, 40, 1.0), (1, 40, 1.0), (2, 40, 1.0), (2, 40, 0.25), (0, 40, 0.25)):
-        h = solve("periodic_strip", sheet("linear", n, length, width, [SIDES], pattern, **more)).history
+        h = solve("periodic_strip", strip("linear", n, length, width, [SIDES], pattern, **more)).history
         report.percent(h["tip_z"][-1] / exact, 0.003, f"pattern {pattern}, {width} m wide: deflection")
         report.near(h["clamp_z"][-1], -load * width, 1e-9, "the clamp holds the load")
-    free = solve("periodic_free", sheet("linear", 40, length, 1.0, [], **more)).history
+    free = solve("periodic_free", strip("linear", 40, length, 1.0, [], **more)).history
     report.check(free["tip_z"][-1] / exact > 1.05, "with free sides it is another one")
     large = more | {"load": [{"type": "line", "group": "tip", "vector": [0, 0, 10 * load]}]}
-    shapes = [solve("periodic_large", sheet("static", 40, length, 1.0, [SIDES], **large), ranks).displacement() for ranks in (1, 2, 3)]
+    runs = [solve("periodic_large", strip("static", 40, length, 1.0, [SIDES], **large), ranks) for ranks in (1, 2, 3)]
+    shapes = [r.displacement() for r in runs]
     for ranks, shape in zip((2, 3), shapes[1:]):
         report.below(np.abs(shape - shapes[0]).max() / length, 1e-7, f"{ranks} ranks")
     beam = PLATE | {"poisson": 0.0, "young": YOUNG / (1 - POISSON**2)}
-    plain = solve("periodic_beam", sheet("static", 40, length, 1.0, [], material=beam, **large)).history["tip_z"][-1]
-    wide = solve("periodic_large", sheet("static", 40, length, 1.0, [SIDES], **large)).history["tip_z"][-1]
-    report.percent(wide / plain, 0.003, "at a large deflection as a beam of E/(1 - nu^2)")
+    plain = solve("periodic_beam", strip("static", 40, length, 1.0, [], material=beam, **large)).history["tip_z"][-1]
+    report.percent(runs[0].history["tip_z"][-1] / plain, 0.003, "at a large deflection as a beam of E/(1 - nu^2)")
 
 
 @test
 def periodic_cell(report):
-    """A cell that is stretched and sheared has one stress; forces on free differences stretch it as far."""
+    """A cell that is stretched has one stress; forces on free differences stretch it as far, and expressions along a path."""
     length, width, strain = 2.0, 1.0, 0.01
     stiffness = YOUNG * THICKNESS / (1 - POISSON**2)
-    pairs = [ENDS | {"difference": [strain * length, 0, 0]}, SIDES | {"difference": [0, -0.5 * strain * width, 0]}]
-    hold = {"support": [{"type": "displacement", "group": "clamp", "components": ["z"]}]}
+    stretched = {"along": {"difference": [strain * length, 0, 0]}, "across": {"difference": [0, -0.5 * strain * width, 0]}}
+    for ranks in (1, 2, 3):
+        h = solve("periodic_cell", cell("periodic_cell", "linear", 6, 3, length, width, **stretched), ranks).history
+        report.percent(h["along_force_x"][-1] / (stiffness * strain * (1 - 0.5 * POISSON) * width), 1e-9, f"{ranks} ranks: force along")
+        report.percent(h["across_force_y"][-1] / (stiffness * strain * (POISSON - 0.5) * length), 1e-9, "across")
+        report.near(h["along_x"][-1], strain * length, 1e-12, "difference")
+    path = {"along": {"difference": [f"{20 * strain * length}*t", 0, 0]}, "across": {"difference": [0, "free", 0]}}
+    run_of = solve("periodic_path", cell("periodic_path", "static", 6, 3, length, width, output={}, **path))
+    h, step = run_of.history, run_of.results[-1]
+    green = 20 * strain + 0.5 * (20 * strain)**2
+    force = YOUNG * THICKNESS * green * (1 + 20 * strain) * width
+    report.percent(h["along_force_x"][-1] / force, 1e-9, "force at 20 % of stretch")
+    report.percent(h["across_y"][-1] / (width * (math.sqrt(1 - 2 * POISSON * green) - 1)), 1e-9, "it gets narrower as it likes")
+    n = step["membrane_force"]
+    report.below(np.ptp(n, axis=0).max() / np.abs(n).max(), 1e-9, "one stress everywhere")
+    report.below(np.abs(step["bending_moment"]).max(), 1e-9, "no moment")
+    pulled = {"along": {"difference": ["free", 0, 0], "force": [force, 0, 0]}, "across": {"difference": [0, "free", 0]}}
+    h = solve("periodic_pulled", cell("periodic_pulled", "static", 6, 3, length, width, **pulled)).history
+    report.percent(h["along_x"][-1] / (20 * strain * length), 1e-6, "the force stretches it as far")
+    sheared = {"along": {"difference": [0, strain * length, 0]}}
+    h = solve("periodic_sheared", cell("periodic_sheared", "linear", 6, 3, length, width, **sheared)).history
+    report.percent(h["along_force_y"][-1] / (stiffness * (1 - POISSON) / 2 * strain * width), 1e-9, "shear")
+
+
+@test
+def periodic_modes(report):
+    """Modes of an infinite plate by one cell: omega = k^2 sqrt(D/(rho h)), each as often as waves have its length."""
+    length, width, n, m = 1.0, 0.8, 30, 24
+    thin = PLATE | {"thickness": 0.001}
+    waves = sorted((2 * math.pi)**2 * ((i / length)**2 + (j / width)**2) for i in range(-3, 4) for j in range(-3, 4) if i or j)
+    speed = math.sqrt(YOUNG * 0.001**3 / (12 * (1 - POISSON**2)) / (DENSITY * 0.001))
+    exact = [k * speed / (2 * math.pi) for k in waves[:12]]
+    case = cell("periodic_modes", "modal", n, m, length, width, material=thin, eigen={"modes": 15})
+    del case["support"]
     for ranks in (1, 2):
-        h = solve("periodic_cell", sheet("linear", 12, length, width, pairs, support=[{"type": "hinged", "group": "corner"}])
-                  if False else sheet("linear", 12, length, width, pairs, **hold), ranks).history
-        report.near(h["along_force_x"][-1], stiffness * strain * (1 - 0.5 * POISSON) * width, 1e-6, f"{ranks} ranks: force along")
+        found = solve("periodic_modes", case, ranks).summary["eigenvalues"]
+        report.below(max(map(abs, found[:3])) / exact[0], 1e-4, f"{ranks} ranks: three translations")
+        for k, (f, e) in enumerate(zip(found[3:], exact)):
+            report.percent(f / e, 0.005, f"mode {k + 4}: {f:.5g} Hz")
+    # A tension that a difference gives, as a string: omega^2 = D k^4 + N k^2
+    strain = 1e-4
+    tight = cell("periodic_tight", "modal", n, m, length, width, {"difference": [strain * length, 0, 0]}, {"difference": [0, "free", 0]},
+                 material=thin, eigen={"modes": 7, "load_factor": 1.0})
+    del tight["support"]
+    found = solve("periodic_tight", tight).summary["eigenvalues"]
+    one = [math.sqrt((speed * k2)**2 + YOUNG * strain * (kx / length * 2 * math.pi)**2 / DENSITY) / (2 * math.pi)
+           for kx, k2 in [(i, (2 * math.pi)**2 * ((i / length)**2 + (j / width)**2)) for i in range(-3, 4) for j in range(-3, 4)]]
+    for f, e in zip(sorted(map(abs, found))[3:], sorted(one)[1:]):
+        report.percent(f / e, 0.005, f"under tension: {f:.5g} Hz")

@@ -46,6 +46,7 @@ import landmarks  # noqa: E402, F401
 import library  # noqa: E402, F401
 import meshing  # noqa: E402, F401
 import patterns  # noqa: E402, F401
+import periodic  # noqa: E402, F401
 import picture_mistakes  # noqa: E402, F401
 import picturing  # noqa: E402, F401
 import placing  # noqa: E402, F401
