@@ -48,13 +48,16 @@ def periodic_strip(report):
     free = solve("periodic_free", strip("linear", 40, length, 1.0, [], **more)).history
     report.check(free["tip_z"][-1] / exact > 1.05, "with free sides it is another one")
     large = more | {"load": [{"type": "line", "group": "tip", "vector": [0, 0, 10 * load]}]}
-    runs = [solve("periodic_large", strip("static", 40, length, 1.0, [SIDES], **large), ranks) for ranks in (1, 2, 3)]
+    runs = [solve(f"periodic_large_{ranks}", strip("static", 40, length, 1.0, [SIDES], **large), ranks) for ranks in (1, 2, 3)]
     shapes = [r.displacement() for r in runs]
     for ranks, shape in zip((2, 3), shapes[1:]):
         report.below(np.abs(shape - shapes[0]).max() / length, 1e-7, f"{ranks} ranks")
     beam = PLATE | {"poisson": 0.0, "young": YOUNG / (1 - POISSON**2)}
     plain = solve("periodic_beam", strip("static", 40, length, 1.0, [], material=beam, **large)).history["tip_z"][-1]
     report.percent(runs[0].history["tip_z"][-1] / plain, 0.003, "at a large deflection as a beam of E/(1 - nu^2)")
+    stopped = solve("periodic_half", strip("static", 40, length, 1.0, [SIDES], **large, steps={"stops": [0.5], "final_load_factor": 0.5}))
+    again = solve("periodic_again", strip("static", 40, length, 1.0, [SIDES], **large), options=["--restart", str(stopped.folder / "checkpoint.h5")])
+    report.below(np.abs(again.displacement() - shapes[0]).max() / length, 1e-7, "continued from half the load")
 
 
 @test
@@ -111,3 +114,82 @@ def periodic_modes(report):
            for kx, k2 in [(i, (2 * math.pi)**2 * ((i / length)**2 + (j / width)**2)) for i in range(-3, 4) for j in range(-3, 4)]]
     for f, e in zip(sorted(map(abs, found))[3:], sorted(one)[1:]):
         report.percent(f / e, 0.005, f"under tension: {f:.5g} Hz")
+
+
+@test
+def periodic_motion(report):
+    """A period of a wide cantilever swings as a beam of E/(1 - nu^2); energy, ranks, and a restart that ends at the same bits."""
+    def case(end, periodic, material=PLATE):
+        return strip("dynamic", 20, 10.0, 1.0, periodic, pattern=1, material=material, support=[{"type": "clamped", "group": "clamp"}],
+                     load=[{"type": "gravity", "vector": [0, 0, -0.5], "constant": True}],
+                     probe=[{"name": "tip", "type": "displacement", "group": "tip"}],
+                     time={"end": end, "step": 1 / 64, "max_step": 1 / 64, "velocity_tolerance": 1e-6, "mass": "consistent"})
+
+    wide = [SIDES]
+    whole = solve("periodic_swing", case(1.0, wide))
+    h = whole.history
+    beam = solve("periodic_swing_beam", case(1.0, [], PLATE | {"poisson": 0.0, "young": YOUNG / (1 - POISSON**2)})).history
+    report.percent(h["tip_z"][-1] / beam["tip_z"][-1], 0.003, f"tip at the end: {h['tip_z'][-1]:.4g} m")
+    report.below(h["energy_unaccounted"][-1] / h["work_of_loads"][-1], 1e-6, "not accounted for")
+    for ranks in (2, 3):
+        other = solve(f"periodic_swing_{ranks}", case(1.0, wide), ranks)
+        report.below(np.abs(other.displacement() - whole.displacement()).max(), 1e-7, f"{ranks} ranks")
+    first = solve("periodic_swing_half", case(0.5, wide))
+    again = solve("periodic_swing_again", case(1.0, wide), options=["--restart", str(first.folder / "checkpoint.h5")])
+    report.below(np.abs(again.displacement() - whole.displacement()).max(), 1e-9, "a restart ends at the same place")
+    pulled = cell("periodic_pull", "dynamic", 6, 3, 2.0, 1.0, {"difference": ["free", 0, 0], "force": [100, 0, 0]}, {"difference": [0, "free", 0]},
+                  time={"end": 0.2, "step": 1e-3, "max_step": 1e-3, "velocity_tolerance": 1e-6, "mass": "consistent"})
+    for ranks in (1, 2):
+        h = solve("periodic_pull", pulled, ranks).history
+        report.below(h["energy_unaccounted"][-1] / h["work_of_loads"].max(), 1e-6, f"{ranks} ranks: a difference that swings: not accounted for")
+        report.check(h["along_x"].max() > 1.5 * 100 * 2.0 / (YOUNG * THICKNESS), "it swings beyond the equilibrium")
+        report.near(h["work_of_loads"][-1], 100 * h["along_x"][-1], 1e-9, "work of the force")
+
+
+@test
+def periodic_mistakes(report):
+    """What periodic edges cannot be is refused with the file, the key and a remedy."""
+    pull = {"from": "clamp", "to": "tip"}
+    base = strip("static", 8, 4.0, 2.0, [SIDES], pattern=0, support=[{"type": "hinged", "group": "clamp"}])
+    no = {"support": []}
+    spring = [{"type": "area", "stiffness": 1.0}]
+    obstacle = [{"type": "plane", "name": "floor", "point": [0, 0, -1], "normal": [0, 0, 1]}]
+    cases = {
+        "unknown": ({"periodic": [SIDES | {"to": "nowhere"}]}, ("periodic", "'nowhere'", "clamp")),
+        "surface": ({"periodic": [SIDES | {"to": "plate"}]}, ("periodic", "'plate'")),
+        "itself": ({"periodic": [SIDES | {"to": "side_low"}]}, ("periodic.to", "is `from` too")),
+        "twice": ({"periodic": [SIDES, SIDES | {"name": "b"}]}, ("periodic.from", "belongs to another pair")),
+        "unequal": ({"periodic": [{"from": "side_low", "to": "tip"}]}, ("has 9 vertices and 'tip' has 5", "Periodic Curve")),
+        "shared": ({"periodic": [{"from": "sides", "to": "sides2"}]}, ("periodic", "sides2", "sides")),
+        "number": ({"periodic": [SIDES | {"difference": [0, 0]}]}, ("periodic.difference", "2 entries")),
+        "text": ({"periodic": [SIDES | {"difference": ["0.1*q", 0, 0]}]}, ("periodic.difference", "q")),
+        "force": ({"periodic": [SIDES | {"force": [1, 0, 0]}]}, ("periodic.force", "x component", "free")),
+        "linear": ({"analysis": "linear", "periodic": [SIDES | {"difference": ["0.1*t", 0, 0]}]}, ("periodic.difference", "number")),
+        "moved": ({"analysis": "dynamic", "periodic": [SIDES | {"difference": [0.1, 0, 0]}]}, ("periodic.difference", "in time")),
+        "held": ({"periodic": [SIDES | {"difference": [0.1, 0, 0]}]}, ("[[periodic]] from = 'side_low'", "`difference`", "correct one")),
+        "free": ({"periodic": [SIDES | {"difference": ["free", 0, 0]}]}, ("prescribe that component",)),
+        "clamped": ({"periodic": [SIDES, pull], "support": [{"type": "clamped", "group": "clamp"}]}, ("holds the slope", "displacement")),
+        "rigid": ({"rigid": [{"group": "tip"}]}, ("[[periodic]] and [[rigid]]", "remove")),
+        "spring": ({"spring": spring}, ("[[periodic]] and [[spring]]", "remove")),
+        "hinge": ({"hinge": [{"group": "tip", "stiffness": 1.0}]}, ("[[periodic]] and [[hinge]]", "remove")),
+        "mass": ({"mass": [{"group": "tip", "mass": 1.0}]}, ("[[periodic]] and [[mass]]", "remove")),
+        "contact": ({"contact": {"distance": 0.01}, "obstacle": obstacle}, ("[[periodic]] and [contact]", "remove")),
+        "remesh": ({"remesh": {}}, ("[[periodic]] and [remesh]", "remove")),
+        "form": ({"form": {}}, ("[form]", "remove")),
+        "gas": ({"load": [{"type": "gas", "group": "plate", "magnitude": 10.0}]}, ("[[periodic]] and [[load]]", "follower_pressure")),
+        "stages": ({"analysis": None, "stage": [{"name": "a", "analysis": "static"}]}, ("[[periodic]] and [[stage]]",)),
+        "buckling": ({"analysis": "buckling"}, ("[[periodic]] and analysis", "static")),
+        "drape": ({"analysis": "drape"}, ("[[periodic]] and analysis", "static")),
+        "lumped": ({"analysis": "modal", "eigen": {"mass": "lumped"}}, ("eigen.mass", "consistent")),
+        "motion": ({"analysis": "dynamic", "time": {"end": 1.0, "step": 0.1}}, ("time.mass", "consistent")),
+        "name": ({"periodic": [SIDES | {"name": "a,b"}]}, ("periodic.name", "commas")),
+        "names": ({"probe": [{"name": "across", "type": "displacement", "group": "tip"}]}, ("probe.name", "rename")),
+        "four": ({"periodic": [{"from": f"a{k}", "to": f"b{k}"} for k in range(4)]} | no, ("at most 3",)),
+    }
+    for name, (changes, texts) in cases.items():
+        case = {k: v for k, v in (base | changes).items() if v is not None}
+        file = write_case(case, OUT / f"periodic_mistake_{name}.toml")
+        done = run(file, fresh(f"periodic_mistake_{name}"))
+        report.check(done.code == 2, f"{name}: exit code {done.code}")
+        for text in texts:
+            report.check(text in done.text, f"{name}: '{text}' is in: {done.text.strip()[-300:] if text not in done.text else '...'}")

@@ -138,16 +138,22 @@ TEST_CASE("displacements of a periodic sheet come back as they were") {
 }
 
 TEST_CASE("what a periodic sheet stores does not depend on where the cell is cut") {
-  for (const bool both : {false, true})
+  enum class Sides { periodic, free, held };
+  for (const Sides sides : {Sides::periodic, Sides::free, Sides::held})
     for (const auto bending : {energy::BendingOperator::edge_slope, energy::BendingOperator::edge_angle}) {
-      CAPTURE(both);
+      const bool both = sides == Sides::periodic, held = sides == Sides::held;
+      CAPTURE(static_cast<int>(sides));
       CAPTURE(static_cast<int>(bending));
       std::vector<double> membrane, bent;
       for (const std::array<int, 2>& cut : {std::array{0, 0}, std::array{2, 0}, std::array{-1, both ? 3 : 0}}) {
         // At free edges of uneven meshes fits depend on the order of triangles, with or without a period.
         const Cell cell(cut[0], cut[1], both, both);
         const mesh::SurfaceMesh mesh(cell.data);
-        system::Model model(PETSC_COMM_WORLD, mesh, input(both, true, bending));
+        system::ModelInput in = input(both, !held, bending);
+        if (held)
+          in.supports = {support("bottom", system::Support::Kind::clamped),
+                         support("top", system::Support::Kind::symmetry)};
+        system::Model model(PETSC_COMM_WORLD, mesh, in);
         petsc::VecHandle a = model.dofs().create_vector();
         set_displacement(model, a, motion(cell, both, 0.02, 1.0));
         const system::Energies e = system::energies(model, a);
