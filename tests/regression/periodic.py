@@ -84,6 +84,17 @@ def periodic_cell(report):
     pulled = {"along": {"difference": ["free", 0, 0], "force": [force, 0, 0]}, "across": {"difference": [0, "free", 0]}}
     h = solve("periodic_pulled", cell("periodic_pulled", "static", 6, 3, length, width, **pulled)).history
     report.percent(h["along_x"][-1] / (20 * strain * length), 1e-6, "the force stretches it as far")
+    arc = {"along": {"difference": [20 * strain * length, 0, 0]}, "across": {"difference": [0, "free", 0]}}
+    probes = [{"name": name, "type": "reaction", "group": f"plate {name}"} for name in ("start", "end", "low", "high")]
+    for control in ("arc_length", "load"):
+        h = solve(f"periodic_{control}", cell(f"periodic_{control}", "static", 6, 3, length, width, probe=probes, steps={"control": control}, **arc)).history
+        at = h["along_x"][-1] / length
+        green = at + 0.5 * at**2
+        report.near(at, 20 * strain * h["load_factor"][-1], 1e-9, f"{control}: the difference grows with the load factor")
+        report.percent(h["along_force_x"][-1] / (YOUNG * THICKNESS * green * (1 + at) * width), 1e-6, f"{control}: force at {100 * at:.4g} %")
+        report.near(h["end_x"][-1], h["along_force_x"][-1], 1e-6, "reaction on `to`")
+        report.near(h["start_x"][-1], -h["along_force_x"][-1], 1e-6, "reaction on `from`")
+        report.below(max(abs(h["low_x"][-1]), abs(h["high_x"][-1]), abs(h["low_y"][-1])), 1e-6, "none on the others")
     sheared = {"along": {"difference": [0, strain * length, 0]}}
     h = solve("periodic_sheared", cell("periodic_sheared", "linear", 6, 3, length, width, **sheared)).history
     report.percent(h["along_force_y"][-1] / (stiffness * (1 - POISSON) / 2 * strain * width), 1e-9, "shear")
@@ -175,7 +186,7 @@ def periodic_mistakes(report):
         "mass": ({"mass": [{"group": "tip", "mass": 1.0}]}, ("[[periodic]] and [[mass]]", "remove")),
         "contact": ({"contact": {"distance": 0.01}, "obstacle": obstacle}, ("[[periodic]] and [contact]", "remove")),
         "remesh": ({"remesh": {}}, ("[[periodic]] and [remesh]", "remove")),
-        "form": ({"form": {}}, ("[form]", "remove")),
+        "form": ({"form": {}, "material": [PLATE | {"prestress": [10.0, 10.0]}]}, ("[form]", "remove")),
         "gas": ({"load": [{"type": "gas", "group": "plate", "magnitude": 10.0}]}, ("[[periodic]] and [[load]]", "follower_pressure")),
         "stages": ({"analysis": None, "stage": [{"name": "a", "analysis": "static"}]}, ("[[periodic]] and [[stage]]",)),
         "buckling": ({"analysis": "buckling"}, ("[[periodic]] and analysis", "static")),
