@@ -123,16 +123,21 @@ void check_periodic(const Case& c) {
     throw UserError(fmt::format("{}: [[periodic]] and {}: {}", c.file.string(), key, why));
   };
   refuse_sections(c, refuse);
-  if (c.analysis == "buckling" || c.analysis == "harmonic" || c.analysis == "drape")
-    refuse(("analysis = \"" + c.analysis + "\"").c_str(), "use static, linear, modal or dynamic");
+  if (c.analysis == "buckling" || c.analysis == "harmonic")
+    refuse(("analysis = \"" + c.analysis + "\"").c_str(), "use static, drape, linear, modal or dynamic");
   for (const PeriodicSection& s : c.periodics)
     for (const char* part : {"", "_force"})
       for (const Probe& probe : c.probes)
         if (probe.name == s.name + part)
           refuse("probe.name", ("'" + probe.name + "': both have columns of this name; rename one of them").c_str());
-  if (c.vibrates() && c.eigen.mass == system::Mass::lumped) refuse("eigen.mass", "periodic edges need \"consistent\"");
+  const bool any_free = std::any_of(c.periodics.begin(), c.periodics.end(), [](const PeriodicSection& s) {
+    return std::find(s.pair.held.begin(), s.pair.held.end(), false) != s.pair.held.end();
+  });
+  if (!any_free) return;  // where differences are given, no vertex has the mass of another one
+  if (c.vibrates() && c.eigen.mass == system::Mass::lumped)
+    refuse("eigen.mass", "a free difference needs \"consistent\"");
   if (c.analysis == "dynamic" && c.dynamics.mass == system::Mass::lumped)
-    refuse("time.mass", "periodic edges need \"consistent\"");
+    refuse("time.mass", "a free difference needs \"consistent\"");
 }
 
 }  // namespace voile::input

@@ -82,8 +82,9 @@ def periodic_cell(report):
     report.below(np.ptp(n, axis=0).max() / np.abs(n).max(), 1e-9, "one stress everywhere")
     report.below(np.abs(step["bending_moment"]).max(), 1e-9, "no moment")
     pulled = {"along": {"difference": ["free", 0, 0], "force": [force, 0, 0]}, "across": {"difference": [0, "free", 0]}}
-    h = solve("periodic_pulled", cell("periodic_pulled", "static", 6, 3, length, width, **pulled)).history
-    report.percent(h["along_x"][-1] / (20 * strain * length), 1e-6, "the force stretches it as far")
+    for analysis in ("static", "drape"):
+        h = solve("periodic_pulled", cell("periodic_pulled", analysis, 6, 3, length, width, **pulled)).history
+        report.percent(h["along_x"][-1] / (20 * strain * length), 1e-6, f"{analysis}: the force stretches it as far")
     arc = {"along": {"difference": [20 * strain * length, 0, 0]}, "across": {"difference": [0, "free", 0]}}
     probes = [{"name": name, "type": "reaction", "group": f"plate {name}"} for name in ("start", "end", "low", "high")]
     for control in ("arc_length", "load"):
@@ -130,17 +131,22 @@ def periodic_modes(report):
 @test
 def periodic_motion(report):
     """A period of a wide cantilever swings as a beam of E/(1 - nu^2); energy, ranks, and a restart that ends at the same bits."""
-    def case(end, periodic, material=PLATE):
+    def case(end, periodic, material=PLATE, mass="consistent", **time):
         return strip("dynamic", 20, 10.0, 1.0, periodic, pattern=1, material=material, support=[{"type": "clamped", "group": "clamp"}],
                      load=[{"type": "gravity", "vector": [0, 0, -0.5], "constant": True}],
                      probe=[{"name": "tip", "type": "displacement", "group": "tip"}],
-                     time={"end": end, "step": 1 / 64, "max_step": 1 / 64, "velocity_tolerance": 1e-6, "mass": "consistent"})
+                     time={"end": end, "step": 1 / 64, "max_step": 1 / 64, "velocity_tolerance": 1e-6, "mass": mass} | time)
 
     wide = [SIDES]
     whole = solve("periodic_swing", case(1.0, wide))
     h = whole.history
-    beam = solve("periodic_swing_beam", case(1.0, [], PLATE | {"poisson": 0.0, "young": YOUNG / (1 - POISSON**2)})).history
+    as_beam = PLATE | {"poisson": 0.0, "young": YOUNG / (1 - POISSON**2)}
+    beam = solve("periodic_swing_beam", case(1.0, [], as_beam)).history
     report.percent(h["tip_z"][-1] / beam["tip_z"][-1], 0.003, f"tip at the end: {h['tip_z'][-1]:.4g} m")
+    for name, time in (("lumped", {}), ("explicit", {"method": "central_difference", "step": 1e-3, "max_step": 1e-3})):
+        ends = [solve(f"periodic_swing_{name}", case(0.25, edges, material, "lumped", **time)).history["tip_z"][-1]
+                for edges, material in ((wide, PLATE), ([], as_beam))]
+        report.percent(ends[0] / ends[1], 0.003, f"{name}: tip after 0.25 s: {ends[0]:.4g} m")
     report.below(h["energy_unaccounted"][-1] / h["work_of_loads"][-1], 1e-6, "not accounted for")
     for ranks in (2, 3):
         other = solve(f"periodic_swing_{ranks}", case(1.0, wide), ranks)
@@ -163,6 +169,7 @@ def periodic_mistakes(report):
     pull = {"from": "clamp", "to": "tip"}
     base = strip("static", 8, 4.0, 2.0, [SIDES], pattern=0, support=[{"type": "hinged", "group": "clamp"}])
     no = {"support": []}
+    free = no | {"periodic": [SIDES | {"difference": ["free", 0, 0]}]}
     spring = [{"type": "area", "stiffness": 1.0}]
     obstacle = [{"type": "plane", "name": "floor", "point": [0, 0, -1], "normal": [0, 0, 1]}]
     cases = {
@@ -190,9 +197,9 @@ def periodic_mistakes(report):
         "gas": ({"load": [{"type": "gas", "group": "plate", "magnitude": 10.0}]}, ("[[periodic]] and [[load]]", "follower_pressure")),
         "stages": ({"analysis": None, "stage": [{"name": "a", "analysis": "static"}]}, ("[[periodic]] and [[stage]]",)),
         "buckling": ({"analysis": "buckling"}, ("[[periodic]] and analysis", "static")),
-        "drape": ({"analysis": "drape"}, ("[[periodic]] and analysis", "static")),
-        "lumped": ({"analysis": "modal", "eigen": {"mass": "lumped"}}, ("eigen.mass", "consistent")),
-        "motion": ({"analysis": "dynamic", "time": {"end": 1.0, "step": 0.1}}, ("time.mass", "consistent")),
+        "harmonic": ({"analysis": "harmonic", "harmonic": {"from": 1.0, "to": 2.0}, "load": [{"type": "line", "group": "tip", "vector": [0, 0, 1.0]}]}, ("[[periodic]] and analysis", "static")),
+        "lumped": ({"analysis": "modal", "eigen": {"mass": "lumped"}} | free, ("eigen.mass", "consistent")),
+        "motion": ({"analysis": "dynamic", "time": {"end": 1.0, "step": 0.1}} | free, ("time.mass", "consistent")),
         "name": ({"periodic": [SIDES | {"name": "a,b"}]}, ("periodic.name", "commas")),
         "names": ({"probe": [{"name": "across", "type": "displacement", "group": "tip"}]}, ("probe.name", "rename")),
         "four": ({"periodic": [{"from": f"a{k}", "to": f"b{k}"} for k in range(4)]} | no, ("at most 3",)),

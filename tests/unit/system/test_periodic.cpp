@@ -284,6 +284,38 @@ TEST_CASE("the mass of a periodic sheet is that of its vertices") {
   CHECK(dot(mv, v) == relative(twice).epsilon(1e-12));
 }
 
+TEST_CASE("forces on vertices of a periodic sheet do the work of all their displacements") {
+  const Cell cell(0, 0, true);
+  const mesh::SurfaceMesh mesh(cell.data);
+  system::ModelInput in = input(true);
+  in.loads = {load(system::Load::Kind::line, "right", Vec3(0.1, 0.2, 0.3)),
+              load(system::Load::Kind::area, "", Vec3(-0.4, 0.3, 0.1))};
+  in.periodic[1].force = Vec3(0.5, -0.2, 0.7);
+  system::Model model(PETSC_COMM_WORLD, mesh, in);
+  model.conditions().set_load_factor(1.0);
+  const auto u = motion(cell, true, 0.1, 1.0);
+  petsc::VecHandle a = model.dofs().create_vector(), f = model.dofs().create_vector(),
+                   none = model.dofs().create_vector();
+  set_displacement(model, a, u);
+  std::vector<double> forces(static_cast<std::size_t>(model.dofs().unknowns()), 0.0);
+  double work = in.periodic[1].force.dot(stretch_y);
+  Vec3 sum = Vec3::Zero();
+  for (const system::Load& l : in.loads)
+    system::spread(model.discretisation(), l, [&](Index v, const Vec3& on) {
+      for (int k = 0; k < 3; ++k) forces[3 * static_cast<std::size_t>(v) + static_cast<std::size_t>(k)] += on[k];
+      work += on.dot(u(v));
+      sum += on;
+    });
+  model.unbalanced_force(none, f);
+  CHECK(-dot(f, a) == relative(work).epsilon(1e-12));
+  model.dofs().scatter_forces(forces, f);
+  CHECK(dot(f, a) == relative(work - in.periodic[1].force.dot(stretch_y)).epsilon(1e-12));
+  std::vector<double> all = model.dofs().gather_forces(f);
+  mpi::broadcast(PETSC_COMM_WORLD, all);
+  for (std::size_t i = 0; i < all.size(); ++i) sum[static_cast<Eigen::Index>(i % 3)] -= all[i];
+  CHECK(sum.norm() < 1e-12);
+}
+
 TEST_CASE("a sheet without periodic edges has one sheet") {
   const mesh::SurfaceMesh mesh(square(Pattern::diagonal, 3));
   system::ModelInput in = input(false);
