@@ -32,7 +32,7 @@ _voile() {
     sheet) options="--columns --output --palette --quiet --help" ;;
     plot) options="--x --y --curve --dashed --points --labels --x-label --y-label --x-range --y-range --log --equal --legend --title --output --size --quiet --help" ;;
     export) options="--to --steps --stage --output --field --rate --no-obstacles --one-mesh --tolerance --cloth --print --quiet --help" ;;
-    manikin) options="--kind --height --bust --waist --hip --inseam --arms --size --motion --seconds --fps --speed --cadence --angle --help" ;;
+    manikin) options="--kind --person --height --bust --waist --hip --inseam --arms --size --motion --seconds --fps --speed --cadence --angle --help" ;;
     *) options="run check info reference init drape-test fabric-test fit compare doctor render plot sheet export view manikin --help --version" ;;
   esac
   if [[ "$word" == -* || -z "$command" ]]; then

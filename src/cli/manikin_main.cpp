@@ -1,9 +1,12 @@
 // voile-manikin: what `voile manikin` does: a body to try garments on, and how it moves.
+#include <algorithm>
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
 #include <memory>
 #include <numbers>
+#include <optional>
 
 #include "base/terminal.hpp"
 #include "command_program.hpp"
@@ -17,14 +20,18 @@ namespace fs = std::filesystem;
 
 struct Request {
   fs::path file;
-  std::string kind = "figure", motion;
-  manikin::Measurements body;
-  double arms = 25.0, size = 0.03, turn = 180.0;  ///< degrees, m, degrees
-  manikin::MotionOptions moving;
+  std::string kind = "figure", motion, person = "woman";
+  std::optional<double> height, bust, waist, hip, inseam;
+  double arms = 25.0, size = 0.03, seconds = 3.0, frames_per_second = 50.0;  ///< degrees, m, s, 1/s
+  std::optional<double> speed, cadence, angle;                               ///< m/s, 1/s, degrees
 };
 
+constexpr std::array motions{std::pair{"walk", manikin::Motion::walk}, std::pair{"run", manikin::Motion::run},
+                             std::pair{"turn", manikin::Motion::turn}, std::pair{"lift", manikin::Motion::lift},
+                             std::pair{"sit", manikin::Motion::sit}};
+
 void declare(CLI::App& cli, Request& r) {
-  CLI::App* c = cli.add_subcommand("manikin", "Make a dress form or a walking figure from measurements");
+  CLI::App* c = cli.add_subcommand("manikin", "Make a dress form or a figure that moves from measurements");
   c->footer(
       "Lengths are metres. z is up from the floor, the body faces -y and walks that way. With --motion the "
       "positions of all frames go to a .pc2 beside the .obj, for the keys frames and frames_per_second of an "
@@ -32,20 +39,24 @@ void declare(CLI::App& cli, Request& r) {
   c->add_option("file", r.file, "File to write (.obj); replaced if it exists")->required();
   c->add_option("--kind", r.kind, "figure: with head, arms and legs; form: a tailor's, on a stand [figure]")
       ->check(CLI::IsMember({"figure", "form"}));
-  c->add_option("--height", r.body.height, "Of the figure, or of who the form is for [1.74]");
-  c->add_option("--bust", r.body.bust, "Girth by a tape [0.88]");
-  c->add_option("--waist", r.body.waist, "Girth by a tape [0.68]");
-  c->add_option("--hip", r.body.hip, "Girth by a tape [0.94]");
-  c->add_option("--inseam", r.body.inseam, "From the floor to the crotch [0.80]");
+  c->add_option("--person", r.person, "woman, man or child: what is not given is as usual for them [woman]")
+      ->check(CLI::IsMember({"woman", "man", "child"}));
+  c->add_option("--height", r.height, "Of the figure, or of who the form is for [woman 1.74, man 1.80, child 1.16]");
+  c->add_option("--bust", r.bust, "Girth by a tape [woman 0.88, man 0.98, child by the height]");
+  c->add_option("--waist", r.waist, "Girth by a tape [woman 0.68, man 0.84, child by the height]");
+  c->add_option("--hip", r.hip, "Girth by a tape [woman 0.94, man 0.98, child by the height]");
+  c->add_option("--inseam", r.inseam, "From the floor to the crotch [by the height; 0.80 of 1.74]");
   c->add_option("--arms", r.arms, "Angle of the arms from the vertical, in degrees [25]");
   c->add_option("--size", r.size, "Length of the edges of triangles [0.03]");
-  c->add_option("--motion", r.motion, "walk or turn, from standing; of a form: turn as a whole [none]")
-      ->check(CLI::IsMember({"walk", "turn"}));
-  c->add_option("--seconds", r.moving.seconds, "How long it moves [3]");
-  c->add_option("--fps", r.moving.frames_per_second, "Frames per second [50]");
-  c->add_option("--speed", r.moving.speed, "walk: in m/s, once under way [1.0]");
-  c->add_option("--cadence", r.moving.cadence, "walk: steps per second [1.8]");
-  c->add_option("--angle", r.turn, "turn: about the vertical, in degrees [180]");
+  std::vector<std::string> names;
+  for (const auto& [name, motion] : motions) names.emplace_back(name);
+  c->add_option("--motion", r.motion, "walk, run, turn, lift the left arm or sit down, from standing [none]")
+      ->check(CLI::IsMember(names));
+  c->add_option("--seconds", r.seconds, "How long it moves [3]");
+  c->add_option("--fps", r.frames_per_second, "Frames per second [50]");
+  c->add_option("--speed", r.speed, "walk, run: in m/s, once under way [walk 1.0, run 2.5; less of children]");
+  c->add_option("--cadence", r.cadence, "walk, run: steps per second [walk 1.8, run 2.7]");
+  c->add_option("--angle", r.angle, "turn: about the vertical; lift: of the arm, in degrees [turn 180, lift 90]");
 }
 
 void write_obj(const fs::path& file, const geometry::TriangleSoup& surface) {
@@ -121,20 +132,42 @@ void check_frames(const manikin::Figure& figure, const std::vector<std::vector<V
   }
 }
 
-void make(Request& r) {
+manikin::Measurements measurements_of(const Request& r) {
+  const auto person = r.person == "man"     ? manikin::Person::man
+                      : r.person == "child" ? manikin::Person::child
+                                            : manikin::Person::woman;
+  manikin::Measurements m = manikin::usual_measurements(person, r.height.value_or(manikin::usual_height(person)));
+  m.bust = r.bust.value_or(m.bust);
+  m.waist = r.waist.value_or(m.waist);
+  m.hip = r.hip.value_or(m.hip);
+  m.inseam = r.inseam.value_or(m.inseam);
+  m.arm_angle = r.arms * std::numbers::pi / 180.0;
+  return m;
+}
+
+manikin::MotionOptions motion_of(const Request& r, double inseam) {
+  const auto* const motion =
+      std::find_if(motions.begin(), motions.end(), [&](const auto& m) { return m.first == r.motion; });
+  manikin::MotionOptions o = manikin::usual_motion(motion->second, inseam);
+  o.seconds = r.seconds;
+  o.frames_per_second = r.frames_per_second;
+  o.speed = r.speed.value_or(o.speed);
+  o.cadence = r.cadence.value_or(o.cadence);
+  if (r.angle) o.angle = *r.angle * std::numbers::pi / 180.0;
+  return o;
+}
+
+void make(const Request& r) {
   if (r.file.extension() != ".obj")
     throw UserError(fmt::format("{}: a manikin is written as .obj; give the file that ending", r.file.string()));
-  const double degree = std::numbers::pi / 180.0;
-  r.body.arm_angle = r.arms * degree;
-  r.moving.angle = r.turn * degree;
-  r.moving.motion = r.motion == "turn" ? manikin::Motion::turn : manikin::Motion::walk;
   const auto kind = r.kind == "form" ? manikin::Kind::form : manikin::Kind::figure;
-  if (kind == manikin::Kind::form && r.motion == "walk")
-    throw UserError("--motion walk: a form has no legs; make a --kind figure, or let the form turn");
-  const manikin::Figure figure = manikin::make_figure(r.body, kind, r.size);
+  if (kind == manikin::Kind::form && !r.motion.empty() && r.motion != "turn")
+    throw UserError(
+        fmt::format("--motion {}: a form has no limbs; make a --kind figure, or let the form turn", r.motion));
+  const manikin::Figure figure = manikin::make_figure(measurements_of(r), kind, r.size);
   std::vector<std::vector<Vec3>> frames;
   if (!r.motion.empty()) {
-    frames = manikin::frames(figure, r.moving);
+    frames = manikin::frames(figure, motion_of(r, figure.shape.measurements().inseam));
     check_frames(figure, frames);
   }
   write_obj(r.file, figure.surface);
@@ -149,7 +182,7 @@ void make(Request& r) {
   const fs::path cache = fs::path(r.file).replace_extension(".pc2");
   write_pc2(cache, frames);
   fmt::print("{}: {} frames, {:g} per second; none intersects itself\n", cache.string(), frames.size(),
-             r.moving.frames_per_second);
+             r.frames_per_second);
 }
 
 }  // namespace

@@ -15,21 +15,11 @@ namespace {
 using std::numbers::pi;
 constexpr std::size_t sides = 2;  // left, right
 
-struct Bone {
-  enum : std::size_t {
-    pelvis,
-    chest,
-    head,
-    thigh,
-    shin = thigh + sides,
-    foot = shin + sides,
-    upper_arm = foot + sides,
-    forearm = upper_arm + sides,
-    count = forearm + sides
-  };
+/// How far a point follows the turn of each joint, 0 to 1, on its own side.
+struct Following {
+  double chest = 0.0, head = 0.0, thigh = 0.0, shin = 0.0, foot = 0.0, arm = 0.0, forearm = 0.0;
+  std::size_t side = 0;
 };
-using Weights = std::array<double, Bone::count>;
-using Places = std::array<Eigen::Affine3d, Bone::count>;
 
 /// 0 before 0, 1 after 1, with two continuous derivatives.
 double smooth_step(double t) {
@@ -44,37 +34,28 @@ double smooth_step_integral(double t) {
   return s * s * s * s * (s * s - 3.0 * s + 2.5) + std::max(0.0, t - 1.0);
 }
 
-Weights weights(const Shape& shape, const Vec3& p) {
-  Weights w{};
+Following following(const Shape& shape, const Vec3& p) {
   const Joints& j = shape.joints();
   const Levels& l = shape.levels();
-  const double size = shape.measurements().height / 1.74;
-  const std::size_t side = p.x() >= 0.0 ? 0 : 1;
+  const double size = std::max(shape.measurements().height / 1.74, shape.measurements().hip / 0.94);
+  Following f;
+  f.side = p.x() >= 0.0 ? 0 : 1;
   const Vec3 q(std::abs(p.x()), p.y(), p.z());
   // An arm moves what is nearer to it than to the trunk, beyond the shoulder.
   const Vec3 along = (j.elbow - j.shoulder).normalized();
   const double beyond = (q - j.shoulder).dot(along), fore = (q - j.elbow).dot((j.wrist - j.elbow).normalized());
-  const double arm = smooth_step(0.5 + (shape.body(p) - shape.arm(p)) / (0.05 * size)) *
-                     smooth_step((beyond + 0.04 * size) / (0.12 * size));
-  const double forearm = smooth_step(0.5 + fore / (0.10 * size));
-  w[Bone::forearm + side] = arm * forearm;
-  w[Bone::upper_arm + side] = arm * (1.0 - forearm);
+  f.arm = smooth_step(0.5 + (shape.body(p) - shape.arm(p)) / (0.05 * size)) *
+          smooth_step((beyond + 0.04 * size) / (0.12 * size));
+  f.forearm = f.arm * smooth_step(0.5 + fore / (0.10 * size));
   // The line of the groin rises outwards; at the crotch both legs hand over to the pelvis.
   const double groin = l.crotch + 0.005 * size + 0.85 * q.x() * std::min(1.0, q.x() / (0.03 * size));
-  const double leg = smooth_step((groin + 0.02 * size - q.z()) / (0.16 * size));
-  const double shin = smooth_step(0.5 + (j.knee.z() - q.z()) / (0.16 * size));
-  const double foot = smooth_step(0.5 + (j.ankle.z() - q.z()) / (0.07 * size));
-  const double limb = (1.0 - arm) * leg;
-  w[Bone::foot + side] = limb * foot;
-  w[Bone::shin + side] = limb * (1.0 - foot) * shin;
-  w[Bone::thigh + side] = limb * (1.0 - foot) * (1.0 - shin);
-  const double head = smooth_step((q.z() - l.neck) / (l.chin + 0.02 - l.neck));
-  const double chest = smooth_step((q.z() - l.waist + 0.10 * size) / (0.24 * size));
-  const double trunk = (1.0 - arm) * (1.0 - leg);
-  w[Bone::head] = trunk * head;
-  w[Bone::chest] = trunk * (1.0 - head) * chest;
-  w[Bone::pelvis] = trunk * (1.0 - head) * (1.0 - chest);
-  return w;
+  const double rest = 1.0 - f.arm;
+  f.thigh = rest * smooth_step((groin + 0.02 * size - q.z()) / (0.16 * size));
+  f.shin = rest * smooth_step(0.5 + (j.knee.z() - q.z()) / (0.16 * size));
+  f.foot = rest * smooth_step(0.5 + (j.ankle.z() - q.z()) / (0.07 * size));
+  f.head = rest * smooth_step((q.z() - l.neck) / (l.chin + 0.02 - l.neck));
+  f.chest = f.arm + rest * smooth_step((q.z() - l.waist + 0.10 * size) / (0.24 * size));
+  return f;
 }
 
 /// Angles of all joints [rad], and where the pelvis is.
@@ -83,39 +64,52 @@ struct Pose {
   double yaw = 0.0, tilt = 0.0;
   double chest_yaw = 0.0, head_yaw = 0.0;                                            ///< against the pelvis
   std::array<double, sides> hip{}, knee{}, ankle{}, shoulder{}, elbow{}, arm_out{};  ///< forwards, except knee
+  Vec3 hip_crease = Vec3::Zero(), knee_crease = Vec3::Zero(),
+       arm_crease = Vec3::Zero();  ///< from joints to where skin folds over them [m]
 };
 
 Eigen::Affine3d about(const Vec3& point, const Eigen::AngleAxisd& turn) {
   return Eigen::Translation3d(point) * turn * Eigen::Translation3d(-point);
 }
 
-Places places(const Shape& shape, const Pose& pose) {
+/// Joints turn a point by the part of their angle with which it follows them: skin keeps its distance from the joint.
+Vec3 moved(const Shape& shape, const Pose& pose, const Following& f, const Vec3& at_rest) {
   const Joints& j = shape.joints();
   const Vec3 x = Vec3::UnitX(), y = Vec3::UnitY(), z = Vec3::UnitZ();
+  const double mirror = f.side == 0 ? 1.0 : -1.0;
+  const auto here = [&](const Vec3& joint) { return Vec3(mirror * joint.x(), joint.y(), joint.z()); };
   // Forwards is -y: a positive turn about -x lifts a leg that hangs down to the front.
-  const auto forwards = [&](const Vec3& joint, double angle) { return about(joint, Eigen::AngleAxisd(-angle, x)); };
-  Places at;
+  const auto forwards = [&](const Vec3& joint, double angle) {
+    return about(here(joint), Eigen::AngleAxisd(-angle, x));
+  };
   const Vec3 middle(0.0, 0.0, shape.levels().hip), waist(0.0, 0.0, shape.levels().waist),
-      neck(0.0, 0.015, shape.levels().neck);
-  at[Bone::pelvis] = Eigen::Translation3d(pose.shift) * about(middle, Eigen::AngleAxisd(pose.yaw, z)) *
-                     about(middle, Eigen::AngleAxisd(pose.tilt, y));
-  at[Bone::chest] = at[Bone::pelvis] * about(waist, Eigen::AngleAxisd(-pose.tilt, y)) *
-                    about(waist, Eigen::AngleAxisd(pose.chest_yaw, z));
-  at[Bone::head] = at[Bone::chest] * about(neck, Eigen::AngleAxisd(pose.head_yaw, z));
-  for (std::size_t s = 0; s < sides; ++s) {
-    const double mirror = s == 0 ? 1.0 : -1.0;
-    const auto here = [&](const Vec3& joint) { return Vec3(mirror * joint.x(), joint.y(), joint.z()); };
-    // Legs hang straight down from a tilted pelvis.
-    at[Bone::thigh + s] =
-        at[Bone::pelvis] * about(here(j.hip), Eigen::AngleAxisd(-pose.tilt, y)) * forwards(here(j.hip), pose.hip[s]);
-    at[Bone::shin + s] = at[Bone::thigh + s] * forwards(here(j.knee), -pose.knee[s]);
-    at[Bone::foot + s] = at[Bone::shin + s] * forwards(here(j.ankle), pose.ankle[s]);
-    at[Bone::upper_arm + s] = at[Bone::chest] *
-                              about(here(j.shoulder), Eigen::AngleAxisd(-mirror * pose.arm_out[s], y)) *
-                              forwards(here(j.shoulder), pose.shoulder[s]);
-    at[Bone::forearm + s] = at[Bone::upper_arm + s] * forwards(here(j.elbow), pose.elbow[s]);
+      neck(0.0, 0.015, shape.levels().neck), hip = j.hip + pose.hip_crease, shoulder = j.shoulder + pose.arm_crease;
+  const std::size_t s = f.side;
+  Eigen::Affine3d t = Eigen::Translation3d(pose.shift) * about(middle, Eigen::AngleAxisd(pose.yaw, z)) *
+                      about(middle, Eigen::AngleAxisd(pose.tilt, y));
+  if (f.chest > 0.0)
+    t = t * about(waist, Eigen::AngleAxisd(-f.chest * pose.tilt, y)) *
+        about(waist, Eigen::AngleAxisd(f.chest * pose.chest_yaw, z));
+  if (f.head > 0.0) t = t * about(neck, Eigen::AngleAxisd(f.head * pose.head_yaw, z));
+  if (f.thigh > 0.0)  // legs hang straight down from a tilted pelvis
+    t = t * about(here(j.hip), Eigen::AngleAxisd(-f.thigh * pose.tilt, y)) * forwards(hip, f.thigh * pose.hip[s]);
+  if (f.shin > 0.0) t = t * forwards(j.knee + pose.knee_crease, -f.shin * pose.knee[s]);
+  if (f.foot > 0.0) t = t * forwards(j.ankle, f.foot * pose.ankle[s]);
+  if (f.arm > 0.0) {
+    // Skin folds over the crease, but the arm turns about its joint.
+    const Eigen::AngleAxisd out(-mirror * pose.arm_out[s], y);
+    const Vec3 slip = about(here(j.shoulder), out) * here(j.shoulder) - about(here(shoulder), out) * here(j.shoulder);
+    t = t * Eigen::Translation3d(f.arm * slip) *
+        about(here(shoulder), Eigen::AngleAxisd(-mirror * f.arm * pose.arm_out[s], y)) *
+        forwards(j.shoulder, f.arm * pose.shoulder[s]);
   }
-  return at;
+  if (f.forearm > 0.0) t = t * forwards(j.elbow, f.forearm * pose.elbow[s]);
+  return t * at_rest;
+}
+
+/// Of ankles: those of infants are short and thick, so that skin would fold over itself.
+double suppleness(const Shape& shape) {
+  return std::min(1.0, shape.measurements().inseam / 0.65);
 }
 
 /// A gait of sines: legs swing against each other, knees bend as they come forwards, shoulders turn against hips.
@@ -132,7 +126,7 @@ Pose walking(const Shape& shape, const MotionOptions& o, double t) {
     p.hip[s] = swing * std::sin(own);
     p.knee[s] = fraction * (0.08 + 2.0 * full * lifted * lifted);
     p.hip[s] += 0.35 * p.knee[s];
-    p.ankle[s] = 0.6 * p.knee[s] - 0.65 * p.hip[s];
+    p.ankle[s] = suppleness(shape) * (0.6 * p.knee[s] - 0.65 * p.hip[s]);
     p.shoulder[s] = -0.7 * swing * std::sin(own);
     p.elbow[s] = fraction * (0.15 - 0.12 * std::sin(own));
   }
@@ -142,6 +136,33 @@ Pose walking(const Shape& shape, const MotionOptions& o, double t) {
   p.tilt = 0.10 * swing * std::cos(phase);
   const double height = leg * (1.0 - std::cos(swing * std::sin(phase)));
   p.shift = {0.02 * fraction * std::cos(phase), -o.speed * start * smooth_step_integral(t / start), -height};
+  return p;
+}
+
+/// As walking(), with bent arms, heels that swing up behind, and a flight between steps.
+Pose running(const Shape& shape, const MotionOptions& o, double t) {
+  constexpr double start = 0.8,
+                   contact = 0.55;  // until it is under way [s]; fraction of a step with a foot on the ground
+  const double leg = shape.joints().hip.z(), rate = pi * o.cadence, size = leg / 0.85;
+  const double full = std::asin(std::min(0.7, 0.5 * contact * o.speed / (o.cadence * leg)));
+  const double fraction = smooth_step(t / start), phase = rate * start * smooth_step_integral(t / start);
+  const double swing = fraction * full;
+  Pose p;
+  for (std::size_t s = 0; s < sides; ++s) {
+    const double own = phase + (s == 0 ? 0.0 : pi);
+    const double lifted = 0.5 * (1.0 + std::cos(own + 0.6));
+    p.knee[s] = fraction * (0.30 + 3.2 * full * lifted * lifted);
+    p.hip[s] = swing * std::sin(own) + 0.45 * p.knee[s];
+    p.ankle[s] = suppleness(shape) * (0.5 * p.knee[s] - 0.55 * p.hip[s]);
+    p.shoulder[s] = -1.1 * swing * std::sin(own) - 0.10 * fraction;
+    p.elbow[s] = fraction * (1.25 - 0.25 * std::sin(own));
+  }
+  p.yaw = 0.35 * swing * std::sin(phase);
+  p.chest_yaw = -0.75 * swing * std::sin(phase);
+  p.head_yaw = -(p.yaw + p.chest_yaw);
+  p.knee_crease = {0.0, 0.020 * shape.measurements().hip / 0.94, 0.0};
+  const double bounce = 0.03 * size * fraction * std::cos(2.0 * phase);
+  p.shift = {0.0, -o.speed * start * smooth_step_integral(t / start), bounce - 0.02 * size * fraction};
   return p;
 }
 
@@ -158,6 +179,45 @@ Pose turning(const MotionOptions& o, double t) {
   return p;
 }
 
+/// The left arm rises outwards.
+Pose lifting(const Shape& shape, const MotionOptions& o, double t) {
+  Pose p;
+  p.arm_out[0] = (o.angle - shape.measurements().arm_angle) * smooth_step(t / o.seconds);
+  p.arm_crease = {-0.02, 0.0, 0.03};
+  return p;
+}
+
+/// Onto a stool as high as the knees: shins stay upright and feet where they are.
+Pose sitting(const Shape& shape, const MotionOptions& o, double t) {
+  const Joints& j = shape.joints();
+  const double bend = 0.5 * pi * smooth_step(t / o.seconds), thick = shape.measurements().hip / 0.94;
+  Pose p;
+  p.hip = {bend, bend};
+  p.knee = {bend, bend};
+  p.hip_crease = {0.0, -0.05 * thick, 0.0};
+  p.knee_crease = {0.0, 0.025 * thick, 0.0};
+  Following foot;
+  foot.thigh = foot.shin = foot.foot = 1.0;
+  p.shift = j.ankle - moved(shape, p, foot, j.ankle);
+  return p;
+}
+
+Pose pose_at(const Shape& shape, const MotionOptions& o, double t) {
+  switch (o.motion) {
+    case Motion::walk:
+      return walking(shape, o, t);
+    case Motion::run:
+      return running(shape, o, t);
+    case Motion::turn:
+      return turning(o, t);
+    case Motion::lift:
+      return lifting(shape, o, t);
+    case Motion::sit:
+      return sitting(shape, o, t);
+  }
+  return {};
+}
+
 void check(const MotionOptions& o) {
   const auto within = [](const char* name, double value, double low, double high, const char* unit) {
     if (!(value >= low && value <= high))
@@ -165,33 +225,40 @@ void check(const MotionOptions& o) {
   };
   within("seconds", o.seconds, 0.1, 60.0, "s");
   within("fps", o.frames_per_second, 10.0, 1000.0, "1/s");
-  within("speed", o.speed, 0.1, 1.6, "m/s");
-  within("cadence", o.cadence, 0.8, 2.4, "1/s");
-  within("angle", o.angle * 180.0 / pi, -720.0, 720.0, "degrees");
+  const bool runs = o.motion == Motion::run;
+  within("speed", o.speed, 0.1, runs ? 4.0 : 1.6, "m/s");
+  within("cadence", o.cadence, 0.8, runs ? 3.5 : 2.4, "1/s");
+  if (o.motion == Motion::lift)
+    within("angle of lift", o.angle * 180.0 / pi, 0.0, 120.0, "degrees");
+  else
+    within("angle", o.angle * 180.0 / pi, -720.0, 720.0, "degrees");
 }
 
 }  // namespace
 
+MotionOptions usual_motion(Motion motion, double inseam) {
+  MotionOptions o;
+  o.motion = motion;
+  if (motion == Motion::run) o.speed = 2.5, o.cadence = 2.7;
+  o.speed *= std::min(1.0, inseam / 0.65);  // children take smaller steps
+  if (motion == Motion::lift) o.angle = 0.5 * pi;
+  return o;
+}
+
 std::vector<std::vector<Vec3>> frames(const Figure& figure, const MotionOptions& options) {
   check(options);
   const Shape& shape = figure.shape;
-  std::vector<Weights> fractions;
-  for (const Vec3& x : figure.surface.positions) {
-    fractions.push_back({1.0});
-    if (shape.kind() == Kind::figure) fractions.back() = weights(shape, x);
-  }
+  std::vector<Following> all_following;
+  for (const Vec3& x : figure.surface.positions)
+    all_following.push_back(shape.kind() == Kind::figure ? following(shape, x) : Following{});
   const int count = static_cast<int>(std::floor(options.seconds * options.frames_per_second + 1e-9)) + 1;
   std::vector<std::vector<Vec3>> all;
   for (int f = 0; f < count; ++f) {
     const double t = f / options.frames_per_second;
-    const Places at = places(shape, options.motion == Motion::walk ? walking(shape, options, t) : turning(options, t));
+    const Pose pose = pose_at(shape, options, t);
     std::vector<Vec3>& frame = all.emplace_back();
-    for (std::size_t v = 0; v < fractions.size(); ++v) {
-      Vec3 x = Vec3::Zero();
-      for (std::size_t b = 0; b < Bone::count; ++b)
-        if (fractions[v][b] > 0.0) x += fractions[v][b] * (at[b] * figure.surface.positions[v]);
-      frame.push_back(x);
-    }
+    for (std::size_t v = 0; v < all_following.size(); ++v)
+      frame.push_back(moved(shape, pose, all_following[v], figure.surface.positions[v]));
   }
   return all;
 }

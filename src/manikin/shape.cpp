@@ -81,11 +81,21 @@ Vec3 folded(const Vec3& p) {
   return {std::sqrt(p.x() * p.x() + width * width), p.y(), p.z()};
 }
 
+/// From chin to top: a fifth of the height of an infant, a ninth of a grown-up's.
+double child_head(double height) {
+  static const std::vector<double> heights{0.74, 0.92, 1.16, 1.40, 1.76}, fractions{0.235, 0.205, 0.170, 0.144, 0.116};
+  return height * interpolate(
+                      heights, [](std::size_t k) { return fractions[k]; }, height);
+}
+
 }  // namespace
 
 Levels::Levels(const Measurements& m) {
+  // Heads of children are larger; everything below them moves together.
+  constexpr double adult = 0.785;
   const double trunk = m.height - m.inseam;
-  const auto at = [&](double fraction) { return m.inseam + fraction * trunk; };
+  const double below = m.person == Person::child ? trunk - child_head(m.height) : adult * trunk;
+  const auto at = [&](double fraction) { return m.inseam + fraction / adult * below; };
   crotch = m.inseam;
   hip = at(0.085);
   waist = at(0.30);
@@ -121,7 +131,7 @@ Shape::Shape(const Measurements& m, Kind kind) : m_(m), kind_(kind), levels_(m) 
 
 void Shape::build() {
   const Levels& l = levels_;
-  const double width = m_.height / 1.74;
+  const double width = std::pow(m_.height / 1.74, m_.person == Person::child ? 0.6 : 1.0);  // of neck and shoulders
   // Half axes of an ellipse of a girth whose depth is `flat` times its width, by Ramanujan's formula.
   const auto of_girth = [](double girth, double flat, double centre) {
     const double a = 1.0, b = flat, h = (a - b) * (a - b) / ((a + b) * (a + b));
@@ -129,7 +139,7 @@ void Shape::build() {
     return std::array{girth / round, flat * girth / round, centre};
   };
   const double bust = scale_[0] * m_.bust, waist = scale_[1] * m_.waist, hip = scale_[2] * m_.hip;
-  double shoulder = 0.5 * (0.17 * width + 0.19 * m_.bust);
+  double shoulder = (m_.person == Person::man ? 0.54 : 0.5) * (0.17 * m_.height / 1.74 + 0.19 * m_.bust);
   if (kind_ == Kind::figure)
     shoulder = std::max(shoulder, (clear_shoulder(of_girth(0.90 * bust, 0.84, 0.0)[0]) - 0.008) / 0.865);
   const double nape = 0.053 * width;
@@ -246,7 +256,7 @@ double Shape::head(const Vec3& p) const {
 double Shape::body(const Vec3& p) const {
   const Vec3 side = folded(p);
   double d = trunk(p);
-  d = smooth_min(d, ellipsoid(side - breast_.centre, breast_.axes), 0.035);
+  if (m_.person == Person::woman) d = smooth_min(d, ellipsoid(side - breast_.centre, breast_.axes), 0.035);
   d = smooth_min(d, ellipsoid(side - seat_.centre, seat_.axes), 0.05);
   if (kind_ == Kind::form) {
     d = smooth_max(d, levels_.crotch + 0.01 - p.z(), 0.03);
@@ -323,18 +333,55 @@ double hull_perimeter(std::vector<Vec2> points) {
   return sum;
 }
 
+double usual_height(Person person) {
+  return person == Person::woman ? Measurements{}.height : person == Person::man ? 1.80 : 1.16;
+}
+
+Measurements usual_measurements(Person person, double height) {
+  Measurements m;
+  m.person = person;
+  m.height = height;
+  if (person == Person::man) {
+    m.bust = 0.98;
+    m.waist = 0.84;
+    m.hip = 0.98;
+    m.inseam = 0.46 * height;
+  } else if (person == Person::woman) {
+    m.inseam = 0.80 / 1.74 * height;
+  } else {
+    // Means of the charts of Ottobre design, FWF and Marks & Spencer, to half a centimetre.
+    static const std::vector<double> heights{0.74, 0.92, 1.04, 1.16, 1.28, 1.40, 1.52, 1.64, 1.76};
+    static const std::vector<std::array<double, 4>> charts{
+        {0.470, 0.460, 0.485, 0.270}, {0.540, 0.520, 0.565, 0.370}, {0.575, 0.540, 0.605, 0.445},
+        {0.615, 0.560, 0.645, 0.520}, {0.660, 0.585, 0.695, 0.585}, {0.710, 0.615, 0.750, 0.645},
+        {0.770, 0.650, 0.810, 0.705}, {0.835, 0.680, 0.875, 0.765}, {0.900, 0.720, 0.930, 0.820}};
+    const auto of = [&](std::size_t c) {
+      return interpolate(
+          heights, [&](std::size_t k) { return charts[k][c]; }, height);
+    };
+    m.bust = of(0);
+    m.waist = of(1);
+    m.hip = of(2);
+    m.inseam = of(3);
+  }
+  return m;
+}
+
 void check(const Measurements& m) {
   const auto within = [](const char* name, double value, double low, double high) {
     if (!(value >= low && value <= high))
       throw UserError(fmt::format("{} = {:g} m is outside {:g} to {:g} m", name, value, low, high));
   };
-  within("height", m.height, 1.2, 2.2);
+  if (m.person == Person::child)
+    within("height of a child", m.height, 0.7, 1.8);
+  else
+    within("height", m.height, 1.2, 2.2);
   within("bust", m.bust, 0.36 * m.height, 0.85 * m.height);
   within("waist", m.waist, 0.28 * m.height, 0.85 * m.height);
   within("hip", m.hip, 0.38 * m.height, 0.85 * m.height);
-  within("inseam", m.inseam, 0.40 * m.height, 0.52 * m.height);
-  if (!(m.arm_angle >= 0.17 && m.arm_angle <= 1.4))
-    throw UserError(fmt::format("the angle of the arms is {:.3g} degrees: 10 to 80 keep the armpits open",
+  within("inseam", m.inseam, (m.person == Person::child ? 0.34 : 0.40) * m.height, 0.52 * m.height);
+  if (!(m.arm_angle >= 0.087 && m.arm_angle <= 1.4))
+    throw UserError(fmt::format("the angle of the arms is {:.3g} degrees: 5 to 80 keep the armpits open",
                                 m.arm_angle * 180.0 / pi));
 }
 

@@ -14,13 +14,21 @@
 
 namespace voile::manikin {
 
+enum class Person { woman, man, child };
+
 /// [m]; the proportions of what they leave open are those of shop-window figures.
 struct Measurements {
   double height = 1.74;
   double bust = 0.88, waist = 0.68, hip = 0.94;  ///< girths by a tape, which spans hollows
   double inseam = 0.80;                          ///< from the floor to the crotch
   double arm_angle = 0.44;                       ///< of the arms from the vertical [rad]
+  Person person = Person::woman;
 };
+
+/// What somebody so tall usually measures; of a child, whose clothes are sized by it, by public size charts. [m]
+[[nodiscard]] Measurements usual_measurements(Person person, double height);
+/// The height of a figure of which nothing is said. [m]
+[[nodiscard]] double usual_height(Person person);
 
 /// Throws UserError that names what is out of bounds, or what does not go together.
 void check(const Measurements& m);

@@ -1,7 +1,6 @@
 #include "alpha_ts.hpp"
 
-#include <petsc/private/tsimpl.h>
-
+#include "alpha_ts_impl.hpp"
 #include "base/petsc.hpp"
 #include "voile/errors.hpp"
 
@@ -12,36 +11,9 @@ namespace {
 /// A step that cannot even start is repeated with this fraction of its size.
 constexpr double blocked_step_factor = 0.4;
 
-enum class Predictor { position, velocity, acceleration };
-
-/// The type's own data (ts->data).
-struct Alpha {
-  double radius = 0.5;
-  bool at_end = true;
-  Predictor predictor = Predictor::acceleration;
-  double a_m = 0, a_f = 0, gamma = 0, beta = 0;
-  AlphaCallbacks callbacks;
-  Vec x0{}, xa{}, x1{}, v0{}, va{}, v1{}, a0{}, aa{}, a1{}, best{};
-  bool has_acceleration = false;              ///< a1 belongs to the current state
-  bool starting = false;                      ///< the SNES is solving for the first acceleration
-  double start_scale = 0.0, start_s_v = 0.0;  ///< over X1 - X0 then: A by 1/start_scale, V1 - V0 by start_s_v
-  double stage_time = 0, s_v = 0, s_a = 0;
-
-  void set_parameters() {
-    a_f = at_end ? 1.0 : 1.0 / (1.0 + radius);
-    a_m = at_end ? 2.0 / (1.0 + radius) : (2.0 - radius) / (1.0 + radius);
-    gamma = 0.5 + a_m - a_f;
-    beta = 0.25 * (1.0 + a_m - a_f) * (1.0 + a_m - a_f);
-  }
-};
-
-Alpha& data(TS ts) {
-  return *static_cast<Alpha*>(ts->data);
-}
-
 /// V1, A1 and the stage from a trial X1, which may be th.x1 (the SNES's solution, never written here).
 PetscErrorCode set_stage(TS ts, Vec x1) {
-  Alpha& th = data(ts);
+  AlphaData& th = alpha_data(ts);
   const double h = ts->time_step;
   PetscFunctionBeginUser;
   // A1 = (X1 - X0 - h V0)/(beta h^2) + (1 - 1/(2 beta)) A0
@@ -55,60 +27,15 @@ PetscErrorCode set_stage(TS ts, Vec x1) {
   PetscFunctionReturn(0);
 }
 
-PetscErrorCode set_shifts(TS ts) {
-  Alpha& th = data(ts);
-  const double h = ts->time_step;
-  PetscFunctionBeginUser;
-  th.stage_time = ts->ptime + th.a_f * h;
-  th.s_v = th.gamma / (h * th.beta);
-  th.s_a = th.a_m / (th.a_f * h * h * th.beta);
-  PetscFunctionReturn(0);
-}
-
-/// Solves F(t0, X0 + eps A, V0, A) = 0 for A: with eps small against the square of every period that matters, the
-/// Jacobian eps dF/dX + dF/dA needs no mass matrix of its own and holds fixed rows. With `stiff_start` eps and V1 are those of the
-/// step: friction without slip holds nothing at X0, and V1 would take what it balances as accelerations of 1e4 m/s^2.
-PetscErrorCode start_acceleration(TS ts) {
-  Alpha& th = data(ts);
-  PetscFunctionBeginUser;
-  th.start_scale = (th.callbacks.stiff_start ? th.beta : 1e-8) * ts->time_step * ts->time_step;
-  th.start_s_v = th.callbacks.stiff_start ? th.s_v : 0.0;
-  th.starting = true;
-  PetscCall(VecZeroEntries(th.a0));
-  PetscCall(VecCopy(th.x0, th.x1));
-  if (th.callbacks.start_step) PetscCall(th.callbacks.start_step(th.callbacks.context, th.x0, th.v0, ts->time_step));
-  Mat j = nullptr, p = nullptr;
-  KSP ksp = nullptr;
-  // X1 = X0 + eps A: the function of X1 is linear in A.
-  PetscCall(SNESGetJacobian(ts->snes, &j, &p, nullptr, nullptr));
-  PetscCall(SNESComputeFunction(ts->snes, th.x1, th.aa));
-  PetscCall(SNESComputeJacobian(ts->snes, th.x1, j, p));
-  PetscCall(SNESGetKSP(ts->snes, &ksp));
-  PetscCall(KSPSetOperators(ksp, j, p));
-  PetscCall(KSPSolve(ksp, th.aa, th.a0));
-  KSPConvergedReason reason = KSP_CONVERGED_ITERATING;
-  PetscCall(KSPGetConvergedReason(ksp, &reason));
-  ts->ksp_its += 1;
-  th.starting = false;
-  if (reason < 0) {  // forces, masses or their ratio are no numbers: the run ends as one that does not converge
-    ts->reason = TSFORWARD_DIVERGED_LINEAR_SOLVE;
-    PetscCall(VecZeroEntries(th.a0));
-  }
-  PetscCall(VecScale(th.a0, -1.0 / th.start_scale));
-  PetscCall(VecCopy(th.a0, th.a1));
-  th.has_acceleration = true;
-  PetscFunctionReturn(0);
-}
-
 /// X1 of one kind of predictor, prescribed components set, the way there free; `possible` is false if there is none.
-PetscErrorCode guess(TS ts, Predictor predictor, PetscBool* possible) {
-  Alpha& th = data(ts);
+PetscErrorCode guess(TS ts, AlphaPredictor predictor, PetscBool* possible) {
+  AlphaData& th = alpha_data(ts);
   const double h = ts->time_step;
   PetscFunctionBeginUser;
   *possible = PETSC_TRUE;
   PetscCall(VecCopy(th.x0, th.x1));
-  if (predictor != Predictor::position) PetscCall(VecAXPY(th.x1, h, th.v0));
-  if (predictor == Predictor::acceleration) PetscCall(VecAXPY(th.x1, 0.5 * h * h, th.a0));
+  if (predictor != AlphaPredictor::position) PetscCall(VecAXPY(th.x1, h, th.v0));
+  if (predictor == AlphaPredictor::acceleration) PetscCall(VecAXPY(th.x1, 0.5 * h * h, th.a0));
   if (!th.callbacks.enforce) PetscFunctionReturn(0);
   // Prescribed components of the stage are known: X1 = X0 + (Xa - X0)/a_f there.
   PetscCall(VecAXPBYPCZ(th.xa, 1.0 - th.a_f, th.a_f, 0.0, th.x0, th.x1));
@@ -124,20 +51,20 @@ PetscErrorCode guess(TS ts, Predictor predictor, PetscBool* possible) {
 /// energy. (The state before would often have still less, but what rests there seems to stick.) An acceleration that flies
 /// over many cells, as that of a seam which has just been welded while folded sharply, is no guess at all.
 PetscErrorCode predict(TS ts, PetscBool* possible) {
-  Alpha& th = data(ts);
+  AlphaData& th = alpha_data(ts);
   PetscBool other = PETSC_FALSE;
   PetscReal first = 0.0, second = 0.0, most = 0.0;
-  Predictor predictor = th.predictor;
+  AlphaPredictor predictor = th.predictor;
   PetscFunctionBeginUser;
-  if (th.callbacks.energy && predictor == Predictor::acceleration) {
+  if (th.callbacks.energy && predictor == AlphaPredictor::acceleration) {
     PetscCall(VecNorm(th.a0, NORM_INFINITY, &most));
-    if (0.5 * ts->time_step * ts->time_step * most > th.callbacks.longest_flight) predictor = Predictor::velocity;
+    if (0.5 * ts->time_step * ts->time_step * most > th.callbacks.longest_flight) predictor = AlphaPredictor::velocity;
   }
   PetscCall(guess(ts, predictor, possible));
-  if (!th.callbacks.energy || predictor != Predictor::acceleration) PetscFunctionReturn(0);
+  if (!th.callbacks.energy || predictor != AlphaPredictor::acceleration) PetscFunctionReturn(0);
   if (*possible) PetscCall(th.callbacks.energy(th.callbacks.context, th.x1, &first));
   PetscCall(VecCopy(th.x1, th.best));
-  PetscCall(guess(ts, Predictor::velocity, &other));
+  PetscCall(guess(ts, AlphaPredictor::velocity, &other));
   if (other) PetscCall(th.callbacks.energy(th.callbacks.context, th.x1, &second));
   if (!other || (*possible && !(second < first))) PetscCall(VecCopy(th.best, th.x1));
   if (other) *possible = PETSC_TRUE;
@@ -157,7 +84,7 @@ PetscErrorCode count_rejection(TS ts, PetscInt* rejections) {
 }
 
 PetscErrorCode step(TS ts) {
-  Alpha& th = data(ts);
+  AlphaData& th = alpha_data(ts);
   PetscInt rejections = 0, its = 0, lits = 0;
   PetscBool stage_good = PETSC_FALSE, accepted = PETSC_FALSE;
   PetscReal next = ts->time_step;
@@ -165,14 +92,11 @@ PetscErrorCode step(TS ts) {
   PetscCall(VecCopy(ts->vec_sol, th.x0));
   PetscCall(VecCopy(ts->vec_dot, th.v0));
   if (!ts->steprollback) {
-    if (ts->steprestart && !th.has_acceleration) {
-      PetscCall(set_shifts(ts));
-      PetscCall(start_acceleration(ts));
-    }
+    if (ts->steprestart && !th.has_acceleration) PetscCall(begin_alpha(ts));
     PetscCall(VecCopy(th.a1, th.a0));
   }
   while (!ts->reason) {
-    PetscCall(set_shifts(ts));
+    PetscCall(set_alpha_shifts(ts));
     if (th.callbacks.start_step) PetscCall(th.callbacks.start_step(th.callbacks.context, th.x0, th.v0, ts->time_step));
     PetscBool possible = PETSC_TRUE;
     PetscCall(predict(ts, &possible));
@@ -209,6 +133,7 @@ PetscErrorCode step(TS ts) {
     if (th.callbacks.accepted) PetscCall(th.callbacks.accepted(th.callbacks.context, th.x0, th.x1, th.v1));
     ts->ptime += ts->time_step;
     ts->time_step = next;
+    if (th.backward) PetscCall(end_backward_step(ts));
     th.has_acceleration = true;
   } else {
     PetscCall(VecCopy(th.a0, th.a1));
@@ -217,9 +142,10 @@ PetscErrorCode step(TS ts) {
 }
 
 PetscErrorCode local_error(TS ts, NormType type, PetscInt* order, PetscReal* error) {
-  Alpha& th = data(ts);
+  AlphaData& th = alpha_data(ts);
   PetscFunctionBeginUser;
-  const double h = ts->time_step, c = (1.0 / 12.0 + 0.25 * (th.a_m - th.a_f) * (th.a_m - th.a_f)) * h * h;
+  const double h = ts->time_step,
+               c = th.backward ? 0.5 * h * h : (1.0 / 12.0 + 0.25 * (th.a_m - th.a_f) * (th.a_m - th.a_f)) * h * h;
   PetscReal absolute = 0, relative = 0;
   PetscCall(VecCopy(th.x1, th.aa));
   PetscCall(VecAXPY(th.aa, c, th.a1));
@@ -230,7 +156,7 @@ PetscErrorCode local_error(TS ts, NormType type, PetscInt* order, PetscReal* err
 }
 
 PetscErrorCode roll_back(TS ts) {
-  Alpha& th = data(ts);
+  AlphaData& th = alpha_data(ts);
   PetscFunctionBeginUser;
   PetscCall(VecCopy(th.x0, ts->vec_sol));
   PetscCall(VecCopy(th.v0, ts->vec_dot));
@@ -240,7 +166,7 @@ PetscErrorCode roll_back(TS ts) {
 
 /// Cubic Hermite interpolation of the last step.
 PetscErrorCode interpolate(TS ts, PetscReal t, Vec x) {
-  Alpha& th = data(ts);
+  AlphaData& th = alpha_data(ts);
   PetscFunctionBeginUser;
   const double h = ts->ptime - ts->ptime_prev, s = (t - ts->ptime_prev) / h;
   PetscCall(VecCopy(th.x0, x));
@@ -251,7 +177,7 @@ PetscErrorCode interpolate(TS ts, PetscReal t, Vec x) {
 }
 
 PetscErrorCode snes_function(SNES, Vec x, Vec f, TS ts) {
-  Alpha& th = data(ts);
+  AlphaData& th = alpha_data(ts);
   PetscFunctionBeginUser;
   if (th.starting) {
     PetscCall(TSComputeI2Function(ts, ts->ptime, x, th.v0, th.a0, f));
@@ -264,7 +190,7 @@ PetscErrorCode snes_function(SNES, Vec x, Vec f, TS ts) {
 }
 
 PetscErrorCode snes_jacobian(SNES, Vec, Mat j, Mat p, TS ts) {
-  Alpha& th = data(ts);
+  AlphaData& th = alpha_data(ts);
   PetscFunctionBeginUser;
   if (th.starting)
     PetscCall(TSComputeI2Jacobian(ts, ts->ptime, th.x1, th.v0, th.a0, th.start_s_v, 1.0 / th.start_scale, j, p));
@@ -274,7 +200,7 @@ PetscErrorCode snes_jacobian(SNES, Vec, Mat j, Mat p, TS ts) {
 }
 
 PetscErrorCode set_up(TS ts) {
-  Alpha& th = data(ts);
+  AlphaData& th = alpha_data(ts);
   PetscFunctionBeginUser;
   if (!ts->vec_dot)
     SETERRQ(PetscObjectComm(reinterpret_cast<PetscObject>(ts)), PETSC_ERR_ARG_WRONGSTATE,
@@ -289,7 +215,7 @@ PetscErrorCode set_up(TS ts) {
 }
 
 PetscErrorCode reset(TS ts) {
-  Alpha& th = data(ts);
+  AlphaData& th = alpha_data(ts);
   PetscFunctionBeginUser;
   for (Vec* v : {&th.x0, &th.xa, &th.x1, &th.v0, &th.va, &th.v1, &th.a0, &th.aa, &th.a1, &th.best})
     PetscCall(VecDestroy(v));
@@ -300,13 +226,13 @@ PetscErrorCode reset(TS ts) {
 PetscErrorCode destroy(TS ts) {
   PetscFunctionBeginUser;
   PetscCall(reset(ts));
-  delete static_cast<Alpha*>(ts->data);
+  delete static_cast<AlphaData*>(ts->data);
   ts->data = nullptr;
   PetscFunctionReturn(0);
 }
 
 PetscErrorCode ask_options(TS ts, PetscOptionItems* PetscOptionsObject) {
-  Alpha& th = data(ts);
+  AlphaData& th = alpha_data(ts);
   static constexpr const char* predictors[] = {"position", "velocity", "acceleration"};
   PetscReal radius = th.radius;
   PetscBool at_end = th.at_end ? PETSC_TRUE : PETSC_FALSE;
@@ -325,12 +251,12 @@ PetscErrorCode ask_options(TS ts, PetscOptionItems* PetscOptionsObject) {
             "-ts_voile_radius must be between 0 and 1");
   th.radius = radius;
   th.at_end = at_end;
-  th.predictor = static_cast<Predictor>(predictor);
+  th.predictor = static_cast<AlphaPredictor>(predictor);
   PetscFunctionReturn(0);
 }
 
 PetscErrorCode view(TS ts, PetscViewer viewer) {
-  const Alpha& th = data(ts);
+  const AlphaData& th = alpha_data(ts);
   PetscFunctionBeginUser;
   PetscCall(PetscViewerASCIIPrintf(viewer, "  radius=%g, alpha_m=%g, alpha_f=%g, gamma=%g, beta=%g\n", th.radius,
                                    th.a_m, th.a_f, th.gamma, th.beta));
@@ -339,7 +265,7 @@ PetscErrorCode view(TS ts, PetscViewer viewer) {
 
 PetscErrorCode create(TS ts) {
   PetscFunctionBeginUser;
-  ts->data = new Alpha;
+  ts->data = new AlphaData;
   ts->ops->setup = set_up;
   ts->ops->reset = reset;
   ts->ops->destroy = destroy;
@@ -365,36 +291,36 @@ void register_alpha_ts() {
 }
 
 void set_alpha_callbacks(TS ts, const AlphaCallbacks& callbacks) {
-  data(ts).callbacks = callbacks;
+  alpha_data(ts).callbacks = callbacks;
 }
 
 void set_alpha_parameters(TS ts, double radius, bool forces_at_end) {
-  data(ts).radius = radius;
-  data(ts).at_end = forces_at_end;
+  alpha_data(ts).radius = radius;
+  alpha_data(ts).at_end = forces_at_end;
 }
 
 double alpha_radius(TS ts) {
-  return data(ts).radius;
+  return alpha_data(ts).radius;
 }
 
 AlphaStage alpha_stage(TS ts, Vec x1) {
   VOILE_PETSC(set_stage(ts, x1));
-  const Alpha& th = data(ts);
+  const AlphaData& th = alpha_data(ts);
   return {th.xa, th.va, th.aa, th.stage_time, th.s_v, th.s_a, th.a_f};
 }
 
 void set_acceleration(TS ts, Vec a) {
   VOILE_PETSC(TSSetUp(ts));
-  VOILE_PETSC(VecCopy(a, data(ts).a1));
-  data(ts).has_acceleration = true;
+  VOILE_PETSC(VecCopy(a, alpha_data(ts).a1));
+  alpha_data(ts).has_acceleration = true;
 }
 
 void abandon_step(TS ts) {
-  if (data(ts).has_acceleration) VOILE_PETSC(roll_back(ts));
+  if (alpha_data(ts).has_acceleration) VOILE_PETSC(roll_back(ts));
 }
 
 Vec acceleration(TS ts) {
-  return data(ts).has_acceleration ? data(ts).a1 : nullptr;
+  return alpha_data(ts).has_acceleration ? alpha_data(ts).a1 : nullptr;
 }
 
 }  // namespace voile::solve

@@ -42,6 +42,8 @@ struct AlphaCallbacks {
   PetscErrorCode (*accepted)(void* context, Vec x0, Vec x1, Vec v1) = nullptr;
   /// The first acceleration is found with the stiffness and damping of a step, not with the mass alone.
   bool stiff_start = false;
+  /// Velocities of the start may be damped within a fraction of a step: the first is one of backward Euler, unless all are zero.
+  bool damped = false;
   /// The SNES has stopped at X1: may overrule its reason (SNESSetConvergedReason).
   PetscErrorCode (*solved)(void* context, Vec x1) = nullptr;
 };

@@ -123,15 +123,14 @@ void TimeIntegration::Impl::choose_method(const system::State& from) {
     dynamics.start_step(from.u, from.v, options.step);
     return;
   }
-  const bool contact = model.contact() != nullptr;
-  set_alpha_callbacks(
-      ts,
-      {this, start_step, enforce, contact ? clear : nullptr,
-       contact && model.conditions().symmetric() ? energy : nullptr,
-       contact ? longest_flight * contact::mean_edge(model.contact()->scene().set().surface()) : 0.0,
-       account ? accepted : nullptr,
-       (contact && inexact) || damps_stiffly(model, dynamics.options()),  // falls of a drape start from other states
-       solved});
+  const bool contact = model.contact() != nullptr, damped = damps_stiffly(model, dynamics.options());
+  set_alpha_callbacks(ts,
+                      {this, start_step, enforce, contact ? clear : nullptr,
+                       contact && model.conditions().symmetric() ? energy : nullptr,
+                       contact ? longest_flight * contact::mean_edge(model.contact()->scene().set().surface()) : 0.0,
+                       account ? accepted : nullptr,
+                       (contact && inexact) || damped,  // falls of a drape start from other states
+                       damped, solved});
   linear.prepare();
   prepare_inexact(from.solver);
   read_solver_choice();

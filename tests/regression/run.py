@@ -4,7 +4,7 @@
     tests/regression/run.py               everything
     tests/regression/run.py annulus ranks some of it; --list names all
     tests/regression/run.py --jobs 2      two tests at a time
-    tests/regression/run.py --turn 5      everything, but of the slow ones a quarter, by this number of a day
+    tests/regression/run.py --turn 5      everything, but of the slow ones a sixth, by this number of a day
 
 Published figures: Sze, Liu & Lo (2004), see runs/reference. Set VOILE to test another binary than build/voile.
 """
@@ -91,7 +91,7 @@ unloaded_stages gas_mistakes harmonic_fields_mistakes rubber_motion compared_mod
 
 def in_turn(names, day):
     """Without the slow ones of the other days."""
-    return [name for name in names if name not in SLOW or (SLOW.index(name) + day) % 4 == 0]
+    return [name for name in names if name not in SLOW or (SLOW.index(name) + day) % 6 == 0]
 
 
 def passes(name):
@@ -120,7 +120,7 @@ def main():
     parser.add_argument("tests", nargs="*", help="names of tests; all by default")
     parser.add_argument("--list", action="store_true", help="name the tests and stop")
     parser.add_argument("--jobs", type=int, default=1, help="tests that run side by side; 1 by default")
-    parser.add_argument("--turn", type=int, metavar="DAY", help="of the slow tests run every fourth, by this number; all run on four days")
+    parser.add_argument("--turn", type=int, metavar="DAY", help="of the slow tests run every sixth, by this number; all run on six days")
     arguments = parser.parse_args()
     if arguments.list:
         for name, function in TESTS.items():

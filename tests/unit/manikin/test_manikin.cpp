@@ -69,11 +69,12 @@ TEST_CASE("a tape spans hollows") {
 TEST_CASE("manikins of many measurements are sound, have their girths, and move without intersecting themselves") {
   const double pi = std::numbers::pi;
   const std::array bodies{body(1.74, 0.88, 0.68, 0.94, 0.80, 0.44), body(1.60, 0.80, 0.60, 0.88, 0.72, pi / 12.0),
-                          body(1.70, 1.20, 1.15, 1.25, 0.75, 0.44), body(1.30, 0.68, 0.60, 0.70, 0.58, 0.5)};
+                          body(1.70, 1.20, 1.15, 1.25, 0.75, 0.44), usual_measurements(Person::man, 1.80),
+                          usual_measurements(Person::child, 0.74),  usual_measurements(Person::child, 1.46)};
   for (const Measurements& m : std::span(bodies).first(extent(bodies.size(), std::size_t{1})))
     for (const Kind kind : {Kind::figure, Kind::form}) {
       CAPTURE(m.height);
-      const Figure f = make_figure(m, kind, extent(0.045, 0.06));
+      const Figure f = make_figure(m, kind, extent(0.045, 0.06) * std::min(1.0, m.height / 1.3));
       const geometry::TriangleSoup& s = f.surface;
       const Levels& l = f.shape.levels();
       CHECK(tape_girth(s, l.bust) == relative(m.bust).epsilon(0.003));
@@ -90,9 +91,9 @@ TEST_CASE("manikins of many measurements are sound, have their girths, and move 
       CHECK(std::abs(low) < 0.01);
       if (kind == Kind::figure) CHECK(high == relative(m.height).epsilon(0.01));
       if (kind == Kind::form) continue;
-      for (const Motion motion : {Motion::walk, Motion::turn}) {
-        MotionOptions o;
-        o.motion = motion;
+      for (const Motion motion : {Motion::walk, Motion::turn, Motion::run, Motion::lift, Motion::sit}) {
+        CAPTURE(static_cast<int>(motion));
+        MotionOptions o = usual_motion(motion, m.inseam);
         o.seconds = extent(2.0, 0.4);
         o.frames_per_second = extent(12.5, 10.0);
         const auto all = frames(f, o);
@@ -145,6 +146,47 @@ TEST_CASE("a figure that turns ends where it was asked to face") {
   CHECK(worst < 1e-9);
 }
 
+TEST_CASE("a figure sits down on the height of its knees, with its feet where they were") {
+  const Figure& f = usual_figure();
+  const auto all = frames(f, usual_motion(Motion::sit));
+  const Joints& j = f.shape.joints();
+  double feet = 0.0, fall = 0.0;
+  for (std::size_t v = 0; v < f.surface.positions.size(); ++v) {
+    const Vec3& x = f.surface.positions[v];
+    if (x.z() < 0.02) feet = std::max(feet, (all.back()[v] - x).norm());
+    if (x.z() > f.shape.levels().top - 0.05) fall = x.z() - all.back()[v].z();
+  }
+  CHECK(feet < 1e-9);
+  CHECK(fall > 0.8 * (j.hip.z() - j.knee.z()));
+  CHECK(fall < j.hip.z() - j.knee.z());
+}
+
+TEST_CASE("a figure lifts its left arm alone, to the angle asked for") {
+  const Figure& f = usual_figure();
+  const auto all = frames(f, usual_motion(Motion::lift));
+  const Joints& j = f.shape.joints();
+  double other = 0.0, highest = 0.0, lowest = 9.0;
+  for (std::size_t v = 0; v < f.surface.positions.size(); ++v) {
+    const Vec3 &x = f.surface.positions[v], &end = all.back()[v];
+    if (x.x() < 0.0) other = std::max(other, (end - x).norm());
+    if (end.x() < j.shoulder.x() + 0.20) continue;  // the arm beyond the shoulder is horizontal now
+    highest = std::max(highest, end.z());
+    lowest = std::min(lowest, end.z());
+  }
+  CHECK(other < 1e-9);
+  CHECK(0.5 * (highest + lowest) == relative(j.shoulder.z()).epsilon(0.01));
+  CHECK(highest - lowest < 0.12);
+}
+
+TEST_CASE("children have the girths of their height, and their heads") {
+  const Measurements small = usual_measurements(Person::child, 0.92), tall = usual_measurements(Person::child, 1.64);
+  CHECK(small.bust == relative(0.54).epsilon(1e-12));
+  CHECK(tall.hip == relative(0.875).epsilon(1e-12));
+  const auto head = [](const Measurements& m) { return (Levels(m).top - Levels(m).chin) / m.height; };
+  CHECK(head(small) > 0.19);
+  CHECK(head(tall) < 0.13);
+}
+
 TEST_CASE("measurements and motions out of bounds are refused by name") {
   const auto message = [](const auto& work) -> std::string {
     try {
@@ -166,6 +208,10 @@ TEST_CASE("measurements and motions out of bounds are refused by name") {
   m = {};
   m.bust = std::nan("");
   CHECK(message([&] { check(m); }).find("bust") != std::string::npos);
+  CHECK(message([&] { check(usual_measurements(Person::child, 0.6)); }).find("height of a child") != std::string::npos);
+  MotionOptions fast = usual_motion(Motion::run);
+  fast.speed = 6.0;
+  CHECK(message([&] { (void)frames(usual_figure(), fast); }).find("speed = 6") != std::string::npos);
   CHECK(message([&] { (void)make_figure({}, Kind::form, 0.5); }).find("size") != std::string::npos);
 }
 
