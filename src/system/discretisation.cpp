@@ -78,7 +78,7 @@ Discretisation::Discretisation(MPI_Comm comm, const mesh::SurfaceMesh& mesh, std
   mpi::on_all(comm, [&] {
     constraints_ = resolve_supports(mesh, supports);
     prepare_bodies(rigid);
-    resolve_periodic(mesh, periodic, static_cast<int>(supports.size()), constraints_);
+    resolve_periodic(mesh, periodic, supports, constraints_);
     make_patches();
     drawn_in_ = gathered_sheet(gathers(mesh, seams));
     if (std::vector<mesh::Gather> welded = gathers(mesh, {seams.rules, {}}); !drawn_in_.seams.empty()) {

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "base/mpi.hpp"
@@ -16,6 +17,8 @@ namespace {
 
 /// Rings of images: as far as fits of a triangle at a curve reach, and its neighbours'.
 constexpr int image_rings = 6;
+/// Where motions are compared [s].
+constexpr std::array trial_times{0.0, 0.37, 1.0};
 
 std::string name_of(const PeriodicPair& p) {
   return fmt::format("[[periodic]] from = '{}', to = '{}'", p.from, p.to);
@@ -23,8 +26,9 @@ std::string name_of(const PeriodicPair& p) {
 
 class Resolver {
  public:
-  Resolver(const mesh::SurfaceMesh& mesh, const std::vector<PeriodicPair>& pairs, int first, Constraints& constraints)
-      : mesh_(mesh), pairs_(pairs), first_(first), constraints_(constraints) {}
+  Resolver(const mesh::SurfaceMesh& mesh, const std::vector<PeriodicPair>& pairs, const std::vector<Support>& supports,
+           Constraints& constraints)
+      : mesh_(mesh), pairs_(pairs), supports_(supports), constraints_(constraints) {}
 
   void run() {
     if (!mesh_.joints().empty() || mesh_.has_charts())
@@ -71,9 +75,20 @@ class Resolver {
     if (root == constraints_.vertices.end() || root->second.fixed != here.fixed ||
         !root->second.axes.isApprox(here.axes))
       fail(v, "a [[support]] holds it otherwise than the vertex that it repeats; hold both alike, or only that one");
-    if (root->second.motion != here.motion) fail(v, "a [[support]] moves it but not the vertex that it repeats");
+    if (root->second.motion != here.motion || !moves_alike(here.motion, v))
+      fail(v, "a [[support]] moves it otherwise than the vertex that it repeats; leave one of them out of it");
     for (int k = 0; k < 3; ++k)
       if (here.fixed[static_cast<std::size_t>(k)]) require_difference(v, k, here, root->second);
+  }
+
+  /// Whether a support has the same motion at a vertex as at its root.
+  [[nodiscard]] bool moves_alike(int support, Index v) const {
+    if (support < 0 || !supports_[static_cast<std::size_t>(support)].motion) return true;
+    constexpr double round_off = 1e-9;
+    const Vec3 &x = mesh_.positions()[v], &root = mesh_.positions()[constraints_.ties.root(v)];
+    const auto& motion = supports_[static_cast<std::size_t>(support)].motion;
+    return std::all_of(trial_times.begin(), trial_times.end(),
+                       [&](double t) { return (motion(x, t) - motion(root, t)).norm() <= round_off * mesh_.extent(); });
   }
 
   void require_difference(Index v, int k, const VertexSupport& here, const VertexSupport& root) const {
@@ -92,7 +107,7 @@ class Resolver {
         apart += n * pairs_[i].difference[c] * direction[c];
         size += std::abs(pairs_[i].difference[c]);
         if (pairs_[i].motion)
-          for (const double t : {0.0, 0.37, 1.0})
+          for (const double t : trial_times)
             if (const Vec3 d = pairs_[i].motion(t); std::abs(d[c]) > 0.0)
               fail(v,
                    "a [[support]] holds it, and `difference` moves it; leave it out of the support, or hold it in "
@@ -125,7 +140,7 @@ class Resolver {
       VertexSupport held;
       held.fixed = p.held;
       held.value = p.difference;
-      if (p.motion) held.motion = first_ + static_cast<int>(i);
+      if (p.motion) held.motion = static_cast<int>(supports_.size() + i);
       constraints_.vertices[v] = held;
       return;
     }
@@ -135,7 +150,7 @@ class Resolver {
 
   const mesh::SurfaceMesh& mesh_;
   const std::vector<PeriodicPair>& pairs_;
-  int first_;
+  const std::vector<Support>& supports_;
   Constraints& constraints_;
 };
 
@@ -160,9 +175,9 @@ void Ties::spread(std::vector<char>& marked) const {
   for (std::size_t v = 0; v < marked.size(); ++v) marked[v] = marked[root(static_cast<Index>(v))];
 }
 
-void resolve_periodic(const mesh::SurfaceMesh& mesh, const std::vector<PeriodicPair>& pairs, int first,
-                      Constraints& constraints) {
-  if (!pairs.empty()) Resolver(mesh, pairs, first, constraints).run();
+void resolve_periodic(const mesh::SurfaceMesh& mesh, const std::vector<PeriodicPair>& pairs,
+                      const std::vector<Support>& supports, Constraints& constraints) {
+  if (!pairs.empty()) Resolver(mesh, pairs, supports, constraints).run();
 }
 
 std::vector<mesh::MirrorSide> continued_mirrors(const mesh::ContinuedSurface& sheet,

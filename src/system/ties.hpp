@@ -33,10 +33,10 @@ struct Ties {
   void spread(std::vector<char>& marked) const;
 };
 
-/// Continues the sheet and adds what it fixes to `constraints`. `first`: number of the support that moves the first pair; others
-/// follow. Not collective. Throws UserError for curves that are no pair, and what supports contradict.
-void resolve_periodic(const mesh::SurfaceMesh& mesh, const std::vector<PeriodicPair>& pairs, int first,
-                      Constraints& constraints);
+/// Continues the sheet and adds what it fixes to `constraints`, which are those of `supports`; what moves the pairs has the numbers
+/// after these. Not collective. Throws UserError for curves that are no pair, and what supports contradict.
+void resolve_periodic(const mesh::SurfaceMesh& mesh, const std::vector<PeriodicPair>& pairs,
+                      const std::vector<Support>& supports, Constraints& constraints);
 
 /// The mirrored sides of the continued surface: those of the mesh, then their images. `turned_by`: likewise, is extended.
 [[nodiscard]] std::vector<mesh::MirrorSide> continued_mirrors(const mesh::ContinuedSurface& sheet,

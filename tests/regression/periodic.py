@@ -187,6 +187,7 @@ def periodic_mistakes(report):
         "held": ({"periodic": [SIDES | {"difference": [0.1, 0, 0]}]}, ("[[periodic]] from = 'side_low'", "`difference`", "correct one")),
         "free": ({"periodic": [SIDES | {"difference": ["free", 0, 0]}]}, ("prescribe that component",)),
         "clamped": ({"periodic": [SIDES, pull], "support": [{"type": "clamped", "group": "clamp"}]}, ("holds the slope", "displacement")),
+        "turned": ({"support": [{"type": "hinged", "group": "clamp", "rotation_axis": [0, 0, 1], "rotation_angle": "90*t"}]}, ("moves it otherwise", "leave one")),
         "rigid": ({"rigid": [{"group": "tip"}]}, ("[[periodic]] and [[rigid]]", "remove")),
         "spring": ({"spring": spring}, ("[[periodic]] and [[spring]]", "remove")),
         "hinge": ({"hinge": [{"group": "tip", "stiffness": 1.0}]}, ("[[periodic]] and [[hinge]]", "remove")),
