@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 
 #include "base/mpi.hpp"
 #include "constraints.hpp"
@@ -72,8 +73,8 @@ class Resolver {
     const Ties& ties = constraints_.ties;
     const auto root = constraints_.vertices.find(ties.root(v));
     const VertexSupport& here = own->second;
-    if (root == constraints_.vertices.end() || root->second.fixed != here.fixed ||
-        !root->second.axes.isApprox(here.axes))
+    if (root == constraints_.vertices.end() || !root->second.axes.isApprox(here.axes) ||
+        !std::equal(here.fixed.begin(), here.fixed.end(), root->second.fixed.begin(), std::less_equal<>()))
       fail(v, "a [[support]] holds it otherwise than the vertex that it repeats; hold both alike, or only that one");
     if (root->second.motion != here.motion || !moves_alike(here.motion, v))
       fail(v, "a [[support]] moves it otherwise than the vertex that it repeats; leave one of them out of it");

@@ -324,6 +324,19 @@ TEST_CASE("a sheet without periodic edges has one sheet") {
   CHECK(&model.discretisation().element_sheet() == &model.discretisation().sheet());
 }
 
+TEST_CASE("a support may hold less of a vertex than of the one that it repeats") {
+  const Cell cell(0, 0, false);
+  const mesh::SurfaceMesh mesh(cell.data);
+  system::ModelInput in = input(false, false);
+  in.supports = {support("bottom", system::Support::Kind::displacement),
+                 support("left", system::Support::Kind::displacement)};
+  in.supports[0].components = {true, false, true};
+  in.supports[1].components = {false, true, false};
+  CHECK_NOTHROW(system::Model(PETSC_COMM_WORLD, mesh, in));
+  in.supports[1].group = "right";
+  CHECK_THROWS_AS(system::Model(PETSC_COMM_WORLD, mesh, in), UserError);
+}
+
 TEST_CASE("what no periodic edges can be is refused by name") {
   Cell cell(0, 0, false);
   const auto refused = [&](const system::ModelInput& in, const std::string& text) {
