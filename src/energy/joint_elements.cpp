@@ -82,9 +82,9 @@ class ClusterBuilder {
     if (couples(sheet_.material(t))) {
       const Vec3 x = sheet_.mesh().start_corner(t, 0);
       throw UserError(
-          fmt::format("[[material]]: an unsymmetric laminate, or one with an `offset`, ends at a joint of sheets near "
+          fmt::format("[[material]]: an unsymmetric laminate ends at a joint of sheets near "
                       "({:.4g}, {:.4g}, "
-                      "{:.4g}) m; give the sheets that meet there a symmetric one without offset",
+                      "{:.4g}) m; give the sheets that meet there a symmetric one",
                       x[0], x[1], x[2]));
     }
     return slopes_.emplace(t, FreeSlopes(sheet_, curvatures_, t)).first->second;

@@ -20,9 +20,9 @@ void refuse_coupling(const Sheet& sheet, Index t) {
   if (!couples(sheet.material(t))) return;
   const Vec3 x = sheet.mesh().start_corner(t, 0);
   throw UserError(
-      fmt::format("[[material]]: an unsymmetric laminate, or one with an `offset`, ends at a [[rigid]] or [[hinge]] "
+      fmt::format("[[material]]: an unsymmetric laminate ends at a [[rigid]] or [[hinge]] "
                   "edge near ({:.4g}, "
-                  "{:.4g}, {:.4g}) m; give it a symmetric one without offset there, or leave the slope free",
+                  "{:.4g}, {:.4g}) m; give it a symmetric one there, or leave the slope free",
                   x[0], x[1], x[2]));
 }
 

@@ -34,6 +34,8 @@ constexpr double sewing_tolerance = 3e-3;
 void check_steps(const SectionPlace& place, solve::StaticOptions& s) {
   if (!place.has("initial_step")) s.initial_step = std::min(s.initial_step, s.max_step);
   if (!place.has("min_step")) s.min_step = std::min(s.min_step, s.initial_step);
+  // Beyond a bifurcation the path may be thousands of times softer than at its start.
+  if (!place.has("max_step") && s.control == solve::StaticOptions::Control::arc_length) s.max_step = 1e9;
   if (s.initial_step > s.max_step)
     place.fail("initial_step", fmt::format("{}: must not be larger than max_step = {}", s.initial_step, s.max_step));
   if (s.min_step > s.initial_step)
@@ -53,8 +55,6 @@ void check_steps(const SectionPlace& place, solve::StaticOptions& s) {
 void check_control(const SectionPlace& place, solve::StaticOptions& s, const std::vector<Probe>& probes) {
   using Control = solve::StaticOptions::Control;
   if (!place.has("target_iterations") && s.control != Control::load) s.target_iterations = 5;
-  // Beyond a bifurcation the path may be thousands of times softer than at its start.
-  if (!place.has("max_step") && s.control == Control::arc_length) s.max_step = 1e9;
   if (s.control == Control::displacement && (s.control_probe.empty() || s.final_displacement == 0.0))
     place.fail(s.control_probe.empty() ? "control_probe" : "final_displacement",
                "the key is missing (or zero); displacement control needs control_probe and final_displacement");

@@ -164,7 +164,7 @@ void Run::superpose() {
     response.emplace(basis.system, c_.dynamics.ratios);
     std::optional<solve::ReducedResponse> fewer;
     if (basis.vectors.size() > modes.size())
-      fewer.emplace(basis.system.first(static_cast<Eigen::Index>(basis.vectors.size()) - 1), c_.dynamics.ratios);
+      fewer.emplace(basis.system.first(static_cast<Eigen::Index>(basis.fewer)), c_.dynamics.ratios);
     tabulate(*response, rows, fewer ? &*fewer : nullptr, modes.size());
     if (is_random()) add_mean_squares(*response, rows);
   });

@@ -57,7 +57,7 @@ std::string settle_weld(Epoch& epoch, const std::vector<std::string>& seams,
   system::Dynamics dynamics(model, dynamics_options);
   const auto balance = [&] {
     system::EnergyAccount account(dynamics);
-    account.begin(state.u, state.v, {});
+    account.begin(state.u, state.v, nullptr, {});
     return account.balance();
   };
   const auto begin_friction = [&](double time) {

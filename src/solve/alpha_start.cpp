@@ -66,7 +66,8 @@ PetscErrorCode begin_alpha(TS ts) {
     PetscCall(VecZeroEntries(th.a1));
     PetscFunctionReturn(0);
   }
-  if (th.callbacks.start_step) PetscCall(th.callbacks.start_step(th.callbacks.context, th.x0, th.v0, ts->time_step));
+  if (th.callbacks.start_step)
+    PetscCall(th.callbacks.start_step(th.callbacks.context, th.x0, th.v0, th.a_f * ts->time_step));
   PetscCall(start_acceleration(ts, th.callbacks.stiff_start));
   PetscFunctionReturn(0);
 }
@@ -80,6 +81,7 @@ PetscErrorCode end_backward_step(TS ts) {
   PetscCall(set_alpha_shifts(ts));
   PetscCall(VecCopy(ts->vec_sol, th.x0));
   PetscCall(VecCopy(ts->vec_dot, th.v0));
+  if (th.callbacks.exactly) PetscCall(th.callbacks.exactly(th.callbacks.context));
   PetscCall(start_acceleration(ts, true));
   PetscFunctionReturn(0);
 }

@@ -97,7 +97,8 @@ PetscErrorCode step(TS ts) {
   }
   while (!ts->reason) {
     PetscCall(set_alpha_shifts(ts));
-    if (th.callbacks.start_step) PetscCall(th.callbacks.start_step(th.callbacks.context, th.x0, th.v0, ts->time_step));
+    if (th.callbacks.start_step)
+      PetscCall(th.callbacks.start_step(th.callbacks.context, th.x0, th.v0, th.a_f * ts->time_step));
     PetscBool possible = PETSC_TRUE;
     PetscCall(predict(ts, &possible));
     if (!possible) {

@@ -26,8 +26,8 @@ inline constexpr const char* alpha_ts_type = "voile_alpha";
 /// What the type asks of its user besides TSSetI2Function and TSSetI2Jacobian.
 struct AlphaCallbacks {
   void* context = nullptr;
-  /// Before the first function of a step: state (X0, V0) and step size.
-  PetscErrorCode (*start_step)(void* context, Vec x, Vec v, PetscReal step) = nullptr;
+  /// Before the first function of a step: state (X0, V0) and the time from there to the stage.
+  PetscErrorCode (*start_step)(void* context, Vec x, Vec v, PetscReal to_stage) = nullptr;
   /// Puts prescribed components of a stage position right at time t.
   PetscErrorCode (*enforce)(void* context, PetscReal t, Vec stage) = nullptr;
   /// Moves the first guess X1 at time t1 to where a search may start, coming from X0 at t0; false if there is no such
@@ -44,6 +44,8 @@ struct AlphaCallbacks {
   bool stiff_start = false;
   /// Velocities of the start may be damped within a fraction of a step: the first is one of backward Euler, unless all are zero.
   bool damped = false;
+  /// The next linear system is to be solved as exactly as can be: no iteration follows that would mend it.
+  PetscErrorCode (*exactly)(void* context) = nullptr;
   /// The SNES has stopped at X1: may overrule its reason (SNESSetConvergedReason).
   PetscErrorCode (*solved)(void* context, Vec x1) = nullptr;
 };

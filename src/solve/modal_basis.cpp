@@ -11,6 +11,9 @@ namespace {
 
 /// Vectors that complete the modes.
 constexpr int corrections = 3;
+/// Most vectors for damping that couples the modes with what is left out; rounds of them.
+constexpr std::size_t most_damped = 60;
+constexpr int damped_rounds = 2;
 
 /// Appends a vector to a basis, M-orthonormal to it, unless next to nothing of it is new: `negligible` is the size below which
 /// what is left is round-off.
@@ -18,8 +21,7 @@ class Basis {
  public:
   Basis(std::vector<petsc::VecHandle>& vectors, Mat mass) : vectors_(vectors), mass_(mass) {}
 
-  bool add(Vec x) {
-    constexpr double round_off = 1e-9;
+  bool add(Vec x, double round_off = 1e-9) {
     const double before = size(x);
     for (int pass = 0; pass < 2; ++pass) remove(x);
     const double left = size(x);
@@ -114,6 +116,28 @@ petsc::MatHandle damping_matrix(system::Model& model, Vec a, const system::Dynam
   return damping;
 }
 
+namespace {
+
+/// Appends (K + s M)^-1 C v of the vectors `from`, no more than make `most` in all.
+void add_damped(Basis& basis, std::vector<petsc::VecHandle>& vectors, const std::vector<std::size_t>& from,
+                std::size_t most, system::Model& model, linear::LinearSolver& linear, Mat damping) {
+  constexpr double is_new = 1e-4;  // of its size: damping in proportion to K and M leaves what solutions are inexact by
+  const petsc::VecHandle rhs = model.dofs().create_vector(), x = model.dofs().create_vector();
+  for (const std::size_t i : from) {
+    if (vectors.size() >= most) return;
+    VOILE_PETSC(MatMult(damping, vectors[i], rhs));
+    model.dofs().clear_fixed(rhs);
+    double size = 0.0;
+    VOILE_PETSC(VecNorm(rhs, NORM_2, &size));
+    if (size == 0.0) continue;
+    solve(linear, rhs, x);
+    model.dofs().clear_fixed(x);
+    basis.add(x, is_new);
+  }
+}
+
+}  // namespace
+
 ModalBasis modal_basis(system::Model& model, Vec a, const std::vector<Mode>& modes, const MassMatrix& mass, Mat damping,
                        Vec force) {
   ModalBasis all;
@@ -141,6 +165,21 @@ ModalBasis modal_basis(system::Model& model, Vec a, const std::vector<Mode>& mod
     model.dofs().clear_fixed(x);
     if (!basis.add(x)) break;
     VOILE_PETSC(VecCopy(basis.times_mass(all.vectors.back()), rhs));
+  }
+  all.fewer = all.vectors.size() > count ? all.vectors.size() - 1 : count;
+  if (damping) {
+    std::vector<std::size_t> from;
+    for (std::size_t i = count; i < all.vectors.size(); ++i) from.push_back(i);
+    for (std::size_t i = 0; i < count; ++i) from.push_back(i);
+    const std::size_t most = all.vectors.size() + most_damped;
+    for (int round = 0; round < damped_rounds; ++round) {
+      const std::size_t before = all.vectors.size();
+      add_damped(basis, all.vectors, from, most, model, linear, damping);
+      if (all.vectors.size() == before) break;
+      all.fewer = before;
+      from.clear();
+      for (std::size_t i = before; i < all.vectors.size(); ++i) from.push_back(i);
+    }
   }
   all.system.stiffness = projected(all.vectors, model.tangent().matrix());
   all.system.stiffness.diagonal().array() -= shift;

@@ -118,6 +118,13 @@ PetscErrorCode TimeIntegration::Impl::start_step(void* self, Vec x, Vec v, Petsc
   });
 }
 
+PetscErrorCode TimeIntegration::Impl::exactly(void* self) {
+  auto& n = *static_cast<Impl*>(self);
+  return petsc::guarded([&] {
+    if (PC pc = n.linear.inexact()) linear::set_inexact_tolerance(pc, 0.0);
+  });
+}
+
 PetscErrorCode TimeIntegration::Impl::enforce(void* self, PetscReal t, Vec stage) {
   auto& n = *static_cast<Impl*>(self);
   return petsc::guarded([&] {

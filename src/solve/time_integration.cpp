@@ -130,7 +130,7 @@ void TimeIntegration::Impl::choose_method(const system::State& from) {
                        contact ? longest_flight * contact::mean_edge(model.contact()->scene().set().surface()) : 0.0,
                        account ? accepted : nullptr,
                        (contact && inexact) || damped,  // falls of a drape start from other states
-                       damped, solved});
+                       damped, exactly, solved});
   linear.prepare();
   prepare_inexact(from.solver);
   read_solver_choice();
@@ -303,7 +303,7 @@ StepResult TimeIntegration::begin(system::State& state) {
     n.model.conditions().begin_leaks(n.model.potential().configuration(state.u), state.time);
   if (n.options.energy_balance) {
     n.account.emplace(n.dynamics, system::short_moment * n.options.step)
-        .begin(state.u, state.v, state.balance, n.options.restarted);
+        .begin(state.u, state.v, state.a, state.balance, n.options.restarted);
     state.balance = n.account->balance();
   }
   n.create(state);

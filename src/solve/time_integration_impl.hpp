@@ -53,6 +53,7 @@ struct TimeIntegration::Impl {
   /// Of central differences: bounds of the step that the case gives [s], what is remembered of the largest frequency, its mode.
   struct {
     double most = 0.0, least = 0.0;
+    double damping = 0.0;  ///< largest rate [1/s]
     system::StabilityMemory memory;
     petsc::VecHandle mode;
   } stability;
@@ -78,7 +79,7 @@ struct TimeIntegration::Impl {
   void limit_explicit_step(double limit);
   /// After an accepted step.
   void keep_stability(system::State& state);
-  [[nodiscard]] bool follow_stability(Vec u, double time);
+  [[nodiscard]] bool follow_stability(const system::State& state);
   void prepare_inexact(const system::SolverMemory& memory);
   [[nodiscard]] system::SolverMemory solver_memory() const;
   /// Assembles the tangent and prepares its solution; false if that failed.
@@ -122,6 +123,7 @@ struct TimeIntegration::Impl {
   static PetscErrorCode jacobian(TS, PetscReal t, Vec u, Vec v, Vec a, PetscReal s_v, PetscReal s_a, Mat, Mat,
                                  void* self);
   static PetscErrorCode start_step(void* self, Vec x, Vec v, PetscReal step);
+  static PetscErrorCode exactly(void* self);
   static PetscErrorCode enforce(void* self, PetscReal t, Vec stage);
   static PetscErrorCode clear(void* self, PetscReal t0, Vec x0, PetscReal t1, Vec x1, PetscBool* possible);
   static PetscErrorCode energy(void* self, Vec x1, PetscReal* value);

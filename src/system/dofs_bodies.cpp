@@ -1,6 +1,7 @@
 // Rigid bodies among the unknowns: their points, forces and blocks.
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <set>
 
 #include "base/decompositions.hpp"
 #include "base/mpi.hpp"
@@ -113,22 +114,57 @@ std::vector<RigidMotion::Row> Dofs::body_rows(Vec a) const {
   return rows;
 }
 
+namespace {
+
+/// Velocities of vertices by the velocity of a body's point and its turning, and what they are.
+struct RateFit {
+  Eigen::MatrixXd map;
+  Eigen::VectorXd values;
+};
+
+RateFit rate_fit(const mesh::SurfaceMesh& mesh, const RigidBody& body, const std::vector<Index>& vertices,
+                 const std::vector<double>& velocity) {
+  const auto rows = 3 * static_cast<Eigen::Index>(vertices.size());
+  RateFit fit{Eigen::MatrixXd(rows, 6), Eigen::VectorXd(rows)};
+  Eigen::Index row = 0;
+  for (const Index v : vertices) {
+    const Vec3 arm = mesh.positions()[v] - body.point;
+    fit.map.block<3, 3>(row, 0).setIdentity();
+    for (int k = 0; k < 3; ++k) fit.map.block<3, 1>(row, 3 + k) = Vec3::Unit(k).cross(arm);
+    fit.values.segment<3>(row) = Eigen::Map<const Vec3>(velocity.data() + 3 * static_cast<std::size_t>(v));
+    row += 3;
+  }
+  return fit;
+}
+
+/// Members and the other vertices of their triangles.
+std::vector<Index> with_neighbours(const mesh::SurfaceMesh& mesh, const RigidBody& body) {
+  const std::set<Index> members(body.members.begin(), body.members.end());
+  std::set<Index> all = members;
+  for (const mesh::Triangle& t : mesh.triangles())
+    if (std::any_of(t.begin(), t.end(), [&](Index v) { return members.count(v) > 0; })) all.insert(t.begin(), t.end());
+  return {all.begin(), all.end()};
+}
+
+}  // namespace
+
 std::vector<double> Dofs::body_rates(const std::vector<double>& velocity) const {
+  constexpr double same = 1e-6;  // relative, of velocities
   std::vector<double> rates;
+  const auto solve = [](const RateFit& f, Eigen::Index& rank) -> Eigen::VectorXd {
+    const SingularValues svd = singular_value_decomposition(f.map);
+    rank = svd.rank(1e-8);
+    return svd.v.leftCols(rank) * svd.values.head(rank).cwiseInverse().asDiagonal() * svd.u.leftCols(rank).transpose() *
+           f.values;
+  };
   for (const RigidBody& body : *bodies_of_mesh_) {
-    Eigen::MatrixXd map(3 * static_cast<Eigen::Index>(body.members.size()), 6);
-    Eigen::VectorXd values(map.rows());
-    for (std::size_t i = 0; i < body.members.size(); ++i) {
-      const auto row = 3 * static_cast<Eigen::Index>(i);
-      const Vec3 arm = mesh_->positions()[body.members[i]] - body.point;
-      map.block<3, 3>(row, 0).setIdentity();
-      for (int k = 0; k < 3; ++k) map.block<3, 1>(row, 3 + k) = Vec3::Unit(k).cross(arm);
-      values.segment<3>(row) = Eigen::Map<const Vec3>(velocity.data() + 3 * static_cast<std::size_t>(body.members[i]));
+    Eigen::Index rank = 0;
+    Eigen::VectorXd fit = solve(rate_fit(*mesh_, body, body.members, velocity), rank);
+    if (rank < 6) {  // the spin of a straight group about its line, where what is around it turns with it
+      const RateFit around = rate_fit(*mesh_, body, with_neighbours(*mesh_, body), velocity);
+      const Eigen::VectorXd both = solve(around, rank);
+      if ((around.map * both - around.values).norm() <= same * around.values.norm()) fit = both;
     }
-    const SingularValues svd = singular_value_decomposition(map);
-    const Eigen::Index rank = svd.rank(1e-8);
-    const Eigen::VectorXd fit = svd.v.leftCols(rank) * svd.values.head(rank).cwiseInverse().asDiagonal() *
-                                svd.u.leftCols(rank).transpose() * values;
     const Vec3 turning = 0.5 * body.length * (body.basis.transpose() * fit.tail<3>());
     rates.insert(rates.end(), {fit[0], fit[1], fit[2], turning[0], turning[1], turning[2], 0.0, 0.0, 0.0});
   }

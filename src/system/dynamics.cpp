@@ -212,9 +212,17 @@ void Dynamics::assemble_tangent(Vec u, energy::Tangent kind, double s_v, double 
   model_.assemble_tangent(u, request);
 }
 
-Dynamics::Work Dynamics::work(Vec u, Vec v, Vec a, Vec displacement) {
+double Dynamics::longest_viscous_time() const {
+  double longest = 0.0;
+  if (options_.material_damping)
+    for (const energy::Material& m : model_.discretisation().materials()) longest = std::max(longest, m.viscous_time);
+  return longest + options_.viscous_time;
+}
+
+Dynamics::Work Dynamics::work(Vec u, Vec v, Vec a, Vec displacement, Vec loads, Vec reactions) {
   Work w;
   w.model = work_of_forces(model_, u, displacement, sum_, work_);
+  if (loads) VOILE_PETSC(VecCopy(work_, loads));
   const auto add = [&](double factor) {
     double product = 0.0;
     VOILE_PETSC(VecDot(work_, displacement, &product));
@@ -244,6 +252,7 @@ Dynamics::Work Dynamics::work(Vec u, Vec v, Vec a, Vec displacement) {
   }
   model_.dofs().clear_free(sum_);
   VOILE_PETSC(VecDot(sum_, displacement, &w.reactions));
+  if (reactions) VOILE_PETSC(VecCopy(sum_, reactions));
   return w;
 }
 

@@ -68,6 +68,10 @@ class Dynamics {
   void assemble_tangent(Vec u, energy::Tangent kind, double s_v, double s_a);
   /// y = M x on the free components. Collective.
   void apply_mass(Vec x, Vec y) const;
+  /// Relaxation time of the most viscous material, the motion's own included [s].
+  [[nodiscard]] double longest_viscous_time() const;
+  /// Time in force [s].
+  [[nodiscard]] double time() const { return time_.value_or(0.0); }
   /// What a residual is small against: the largest of applied forces, reactions and inertia of the last residual. [N]
   [[nodiscard]] double force_scale() const { return force_scale_; }
 
@@ -77,8 +81,9 @@ class Dynamics {
     double inertia = 0.0, damping = 0.0, drag = 0.0;
     double reactions = 0.0;  ///< of supports; positive where they give energy
   };
-  /// Damping and drag also on what is held, whose supports then do that work. Collective.
-  [[nodiscard]] Work work(Vec u, Vec v, Vec a, Vec displacement);
+  /// Damping and drag also on what is held, whose supports then do that work. `loads` and `reactions`, unless null, take these forces [N].
+  /// Collective.
+  [[nodiscard]] Work work(Vec u, Vec v, Vec a, Vec displacement, Vec loads = nullptr, Vec reactions = nullptr);
   /// Of what is free.
   [[nodiscard]] double kinetic_energy(Vec v) const;
   /// What it has besides because held components move, at the time in force; their velocities are those of the prescribed motions,

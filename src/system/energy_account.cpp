@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "contact.hpp"
 #include "voile/errors.hpp"
@@ -56,7 +57,10 @@ EnergyAccount::EnergyAccount(Dynamics& dynamics, double moment)
     : dynamics_(dynamics),
       moment_(moment),
       start_(dynamics.model().dofs().create_vector()),
-      displacement_(dynamics.model().dofs().create_vector()) {}
+      displacement_(dynamics.model().dofs().create_vector()) {
+  for (Stage* stage : {&last_, &now_})
+    for (petsc::VecHandle* v : {&stage->loads, &stage->reactions}) *v = dynamics.model().dofs().create_vector();
+}
 
 EnergyAccount::Levels EnergyAccount::levels(Vec u, Vec v) {
   const Energies e = energies(dynamics_.model(), u);
@@ -64,8 +68,12 @@ EnergyAccount::Levels EnergyAccount::levels(Vec u, Vec v) {
   return {dynamics_.kinetic_energy(v) + held, internal_of(e), e.contact, held};
 }
 
-void EnergyAccount::begin(Vec u, Vec v, const EnergyBalance& before, bool other_case) {
+void EnergyAccount::begin(Vec u, Vec v, Vec a, const EnergyBalance& before, bool other_case) {
   before_ = levels(u, v);
+  const petsc::VecHandle none = dynamics_.model().dofs().create_vector();
+  // Velocities that jump at the start of a motion may have damping forces that are over long before the end of a step.
+  (void)dynamics_.work(u, a ? v : none, a ? a : none, none, now_.loads, now_.reactions);
+  now_.time = dynamics_.time();
   // Last digits of stored energies depend on the way there: the same motion continues with those of the unbroken run.
   if (before.kept && before_.kinetic == before.kinetic && before.internal + before.barriers == before.stored &&
       difference(before_.sum(), before.kinetic + before.stored) == 0.0) {
@@ -87,7 +95,11 @@ void EnergyAccount::begin(Vec u, Vec v, const EnergyBalance& before, bool other_
 void EnergyAccount::take_forces(Vec u_0, Vec u_1, Vec u, Vec v, Vec a) {
   VOILE_PETSC(VecCopy(u_0, start_));
   VOILE_PETSC(VecWAXPY(displacement_, -1.0, u_0, u_1));
-  work_ = dynamics_.work(u, v, a, displacement_);
+  std::swap(last_, now_);
+  work_ = dynamics_.work(u, v, a, displacement_, now_.loads, now_.reactions);
+  now_.time = dynamics_.time();
+  VOILE_PETSC(VecDot(last_.loads, displacement_, &last_.load_work));
+  VOILE_PETSC(VecDot(last_.reactions, displacement_, &last_.reaction_work));
   if (Contact* contact = dynamics_.model().contact()) {
     friction_ = contact->friction_work(u);
     obstacles_ = contact->obstacle_work(u);
@@ -110,16 +122,21 @@ void EnergyAccount::end_step(Vec u_1, Vec v_1, double t_0, double t_1) {
   const double prescribed = driven(u_1, t_0, t_1, now.internal);
   const double held = now.held - before_.held;
   const ForceWork& w = work_.model;
+  const double part =
+      now_.time > last_.time ? std::clamp((now_.time - 0.5 * (t_0 + t_1)) / (now_.time - last_.time), 0.0, 1.0) : 0.0;
+  const double by_loads = part * (last_.load_work - w.loads),
+               by_supports = part * (last_.reaction_work - work_.reactions);
   EnergyBalance step;
-  step.loads = w.loads;
-  step.supports = work_.reactions + prescribed + held;
+  step.loads = w.loads + by_loads;
+  step.supports = work_.reactions + by_supports + prescribed + held;
   step.friction = friction_;
   step.obstacles = obstacles_ + friction_ - w.friction;
   step.damping = work_.damping + w.viscous;
   step.drag = work_.drag;
   step.fabric = dynamics_.model().potential().yarn_loss(u_1);
-  step.numerical = work_.inertia + held - (now.kinetic - before_.kinetic) + w.internal + prescribed - step.fabric -
-                   (now.internal - before_.internal) + w.contact + obstacles_ - (now.contact - before_.contact);
+  step.numerical = by_loads + by_supports + work_.inertia + held - (now.kinetic - before_.kinetic) + w.internal +
+                   prescribed - step.fabric - (now.internal - before_.internal) + w.contact + obstacles_ -
+                   (now.contact - before_.contact);
   step.unaccounted = now.sum() - before_.sum() - (step.loads + step.supports + step.obstacles) + step.damping +
                      step.drag + step.friction + step.fabric + step.numerical;
   step.inflow = std::max(0.0, step.loads + step.supports + step.obstacles + std::max(0.0, -step.drag));

@@ -15,7 +15,8 @@ class EnergyAccount {
   /// Goes on from state (u, v) at the time in force with what came before: where energies are others now than in the last
   /// state, a new mesh or supports that have released made them so. Collective.
   /// `other_case`: a restart, whose case may differ; then the motion has begun with that energy.
-  void begin(Vec u, Vec v, const EnergyBalance& before, bool other_case = false);
+  /// `a`: accelerations, null at the start of a motion.
+  void begin(Vec u, Vec v, Vec a, const EnergyBalance& before, bool other_case = false);
   /// The forces of a step from u_0 to u_1, at its stage (u, v, a) and the stage's time, which is in force. Collective.
   void take_forces(Vec u_0, Vec u_1, Vec u, Vec v, Vec a);
   /// The step from time `t_0` has ended at `t_1` with (u_1, v_1); leaves t_1 in force. Collective. [s]
@@ -40,6 +41,13 @@ class EnergyAccount {
   Dynamics::Work work_;
   double friction_ = 0.0, obstacles_ = 0.0;  ///< of the step: taken by friction; work of obstacles against barriers
   petsc::VecHandle start_, displacement_;
+  /// Loads and reactions at the last stage, and its time; their works in the step that follows. The work of a step is that of the
+  /// forces in its middle, between those of two stages: what is at its end would add half of what changes over it.
+  struct Stage {
+    petsc::VecHandle loads, reactions;
+    double time = 0.0, load_work = 0.0, reaction_work = 0.0;
+  };
+  Stage last_, now_;
 };
 
 }  // namespace voile::system

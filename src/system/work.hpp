@@ -14,7 +14,7 @@ struct ForceWork {
 };
 
 /// Of the forces at a in `displacement`, all components. Overwrites f with the unbalanced force (model.hpp) and `work`, a
-/// vector of the same kind. Collective.
+/// vector of the same kind, with the applied forces. Collective.
 [[nodiscard]] ForceWork work_of_forces(Model& model, Vec a, Vec displacement, Vec f, Vec work);
 
 }  // namespace voile::system

@@ -86,12 +86,19 @@ def manikin(report):
         report.check(frames.shape == (51, len(x), 3), f"{kind}: 51 frames")
         report.below(float(np.abs(frames[0] - x).max()), 1e-6, f"{kind}: the first is the mesh")
         report.below(50 * float(np.linalg.norm(frames[1] - frames[0], axis=1).max()), 0.03, f"{kind}: speed of the first frame [m/s]")
+    for person, motion, height, hip in (("man", "sit", 1.8, 0.98), ("child", "run", 1.04, 0.605), ("child", "walk", 0.74, 0.485), ("woman", "lift", 1.74, 0.94)):
+        file = OUT / f"manikin_{person}.obj"
+        code, text = invoke(["manikin", file, "--person", person, "--height", height, "--motion", motion, "--arms", 5, "--seconds", 1.5, "--fps", 20])
+        report.check(code == 0 and "none intersects itself" in text, f"{person} of {height} m: {motion}" + text * (code != 0))
+        x, triangles = read_obj(file)
+        report.percent(tape(x, triangles, float(text.split("hip ")[1].split()[2].rstrip(","))) / hip, 0.01, f"{person} of {height} m: tape at the hip")
+        report.percent(x[:, 2].max() / height, 0.01, f"{person} of {height} m: height")
     once = (OUT / "manikin_form.obj").read_bytes()
     invoke(["manikin", OUT / "manikin_form.obj", "--kind", "form", *options])
     report.check((OUT / "manikin_form.obj").read_bytes() == once, "the same again")
     code, _ = invoke(["manikin", OUT / "manikin_two.obj", "--kind", "form", *options], ranks=2)
     report.check(code == 0 and (OUT / "manikin_two.obj").read_bytes() == once, "of two ranks the first makes it")
-    for wrong, word in ((["--waist", "74"], "waist"), (["--kind", "form", "--motion", "walk"], "legs"), (["--size", "1"], "size"),
+    for wrong, word in ((["--waist", "74"], "waist"), (["--kind", "form", "--motion", "walk"], "limbs"), (["--person", "child", "--height", "0.5"], "height of a child"), (["--size", "1"], "size"),
                         (["--arms", "0"], "arms"), (["--motion", "walk", "--speed", "9"], "speed"), (["--bust", "nan"], "bust")):
         code, text = invoke(["manikin", OUT / "manikin_wrong.obj", *wrong])
         report.check(code == 2 and word in text, f"{' '.join(wrong)}: refused, and {word} is named")

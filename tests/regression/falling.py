@@ -300,3 +300,72 @@ def energy_left_open(report):
         result = solve(f"energy_left_open_{tolerance:g}", sheet_on_ball(time__velocity_tolerance=tolerance, mesh__parameters__n=12, time__end=0.2))
         said = [line for line in result.text.splitlines() if "of the energy is not accounted for" in line]
         report.check(len(said) == warns and all("time.velocity_tolerance below 0.3 m/s" in line for line in said), f"at {tolerance:g} m/s: {said}")
+
+
+def driven_bar(**changes):
+    """A bar with masses at its end, all of it held across: an oscillator of 500 N/m and 4 kg."""
+    case = {
+        "analysis": "dynamic",
+        "mesh": {"file": str(ROOT / "meshes" / "cantilever.geo"), "parameters": {"length": 1.0, "width": 0.5, "nx": 4, "ny": 1}},
+        "material": [{"type": "isotropic", "young": 1e6, "poisson": 0.0, "thickness": 1e-3, "density": 1e-6}],
+        "support": [{"type": "clamped", "group": "clamp"}, {"type": "displacement", "group": "plate", "components": ["y", "z"]}],
+        "mass": [{"group": "tip", "mass": 2.0}],
+        "load": [{"type": "point", "group": "tip", "vector": [0.0025, 0, 0]}],
+        "probe": [{"name": "u", "type": "displacement", "group": "tip", "components": ["x"]}],
+        "time": {"end": 0.5, "step": 0.01, "spectral_radius": 1.0}, "petsc": {"options": "-snes_rtol 1e-11"}}
+    return variant(case, changes)
+
+
+@test
+def ledger(report):
+    """Works of loads and supports that change in time, damping whichever way forces are taken, steps below the limit of what is damped."""
+    rate, natural = 25.0, math.sqrt(500.0 / 4.0)
+    t = np.linspace(0, 0.5, 20001)
+    # u = F/m (sin(rate t) - rate/natural sin(natural t)) / (natural^2 - rate^2)
+    speed = 0.005 / 4.0 * rate * (np.cos(rate * t) - np.cos(natural * t)) / (natural**2 - rate**2)
+    exact = np.trapezoid(0.005 * np.sin(rate * t) * speed, t) if hasattr(np, "trapezoid") else np.trapz(0.005 * np.sin(rate * t) * speed, t)
+    swung = solve("ledger_load", driven_bar(**{"load.0.history": "sin(25*t)"}), 1)
+    report.percent(swung.history["work_of_loads"][-1] / exact, 0.02, "work of a load that swings")
+    report.check("has created" not in swung.text, "no energy is said to be created")
+    moved = driven_bar(load=[])
+    moved["support"][0] = {"type": "displacement", "group": "clamp", "components": ["x", "y", "z"], "motion": ["1e-5*sin(25*t)", "0", "0"]}
+    h = solve("ledger_support", moved, 1).history
+    gain = h["kinetic_energy"][-1] + h["stored_energy"][-1] - h["kinetic_energy"][0] - h["stored_energy"][0]
+    report.percent(h["work_of_supports"][-1] / gain, 0.02, "work of a support that swings is what the bar has")
+    tau = 0.01
+    decay, ringing = 0.5 * tau * natural**2, natural * math.sqrt(1.0 - (0.5 * tau * natural) ** 2)
+    # After a sudden load: v = F/(m ringing) e^(-decay t) sin(ringing t); damping takes tau k v^2
+    lost = tau * 500.0 * np.sum((0.005 / (4.0 * ringing) * np.exp(-decay * t) * np.sin(ringing * t)) ** 2) * (t[1] - t[0])
+    for at_end in (True, False):
+        damped = solve(f"ledger_damped_{at_end}", driven_bar(**{"material.0.membrane_damping": tau, "time.forces_at_end": at_end, "time.step": 0.0025}), 1)
+        report.percent(damped.history["damping_loss"][-1] / lost, 0.005, f"what viscosity takes, forces_at_end = {at_end}")
+    strip = {
+        "analysis": "dynamic",
+        "mesh": {"file": str(ROOT / "meshes" / "cantilever.geo"), "parameters": {"length": 0.3, "width": 0.02, "nx": 15, "ny": 1}},
+        "material": [{"type": "isotropic", "young": 70e9, "poisson": 0.0, "thickness": 1e-3, "density": 2700.0}],
+        "support": [{"type": "clamped", "group": "clamp"}], "load": [{"type": "line", "group": "tip", "vector": [0, 0, 0.01]}],
+        "probe": [{"name": "tip", "type": "displacement", "group": "tip", "components": ["z"]}],
+        "time": {"end": 8e-4, "step": 4e-6, "mass": "lumped"}}
+    for key, value in (("bending_damping", 1e-4), ("membrane_damping", 1e-6)):
+        ends = [solve(f"ledger_{key}_{method}", variant(strip, {f"material.0.{key}": value, "time.method": method}), 1).history["tip_z"][-1]
+                for method in ("alpha", "central_difference")]
+        report.percent(ends[1] / ends[0], 0.01, f"{key}: central differences against implicit steps")
+    turning = variant(strip, {"mesh.parameters": {"length": 0.3, "width": 0.02, "nx": 15, "ny": 2}, "support": [], "load": [], "probe": [], "rigid": [{"group": "tip", "mass": 0.5, "point": [0.3, 0.01, 0.05]}],
+                              "initial_velocity": [{"angular_velocity": [0, 5, 0], "centre": [0.3, 0.01, 0]}], "time.step": 1e-4})
+    mass = 0.3 * 0.02 * 2.7
+    report.percent(solve("ledger_rigid", turning, 1).history["kinetic_energy"][0] / (0.5 * 25 * (0.5 * 0.05**2 + mass * 0.3**2 / 3)), 0.01,
+                   "a straight rigid edge turns with the sheet around it")
+
+
+@test
+def damped_ranks(report):
+    """The acceleration after a first step of backward Euler is solved for exactly: ranks agree."""
+    case = {
+        "analysis": "dynamic",
+        "mesh": {"file": str(ROOT / "meshes" / "cantilever.geo"), "parameters": {"length": 0.3, "width": 0.02, "nx": 30, "ny": 2}},
+        "material": [{"type": "isotropic", "young": 70e9, "poisson": 0.0, "thickness": 1e-3, "density": 2700.0, "bending_damping": 2e-3}],
+        "support": [{"type": "clamped", "group": "clamp"}], "initial_velocity": [{"group": "tip", "velocity": [0, 0, 0.01]}],
+        "probe": [{"name": "tip", "type": "displacement", "group": "tip", "components": ["z"]}],
+        "time": {"end": 0.01, "step": 1e-3}, "petsc": {"options": "-snes_rtol 1e-11"}}
+    one, two = (solve(f"damped_ranks_{ranks}", case, ranks).history["tip_z"] for ranks in (1, 2))
+    report.percent(two[-1] / one[-1], 1e-7, "end on 2 ranks")

@@ -1,10 +1,11 @@
 """Effective masses of modes; vibration over the frequency under loads and on a moving base; random vibration."""
 
+import csv
 import math
 
 import numpy as np
 from harness import OUT, solve, test
-from solver import ROOT, invoke, write_case
+from solver import ROOT, invoke, variant, write_case
 from voile import mac, mac_span
 
 CLAMP = [{"type": "clamped", "group": "clamp"}]
@@ -280,3 +281,23 @@ def compared_modes(report):
         report.check(False, "Python refuses other shapes")
     except ValueError as error:
         report.check("other shapes" in str(error), "Python refuses other shapes")
+
+
+@test
+def harmonic_coupled_damping(report):
+    """A laminate that couples stretching and bending, damped in its membrane: superposition is what the direct solution is."""
+    case = {
+        "analysis": "harmonic",
+        "mesh": {"file": str(ROOT / "meshes" / "cantilever.geo"), "parameters": {"length": 0.5, "width": 0.3, "nx": 10, "ny": 6}},
+        "material": [{"type": "laminate", "young_1": 140e9, "young_2": 10e9, "poisson_12": 0.3, "shear_12": 5e9, "angles": [0, 30, 90],
+                      "ply_thicknesses": [2e-4, 1e-4, 3e-4], "density": 1600.0, "direction": [1, 0.4, 0]}],
+        "support": [{"type": "clamped", "group": "clamp"}], "load": [{"type": "line", "group": "tip", "vector": [0, 0, 1]}],
+        "probe": [{"name": "u", "type": "displacement", "group": "tip"}], "damping": {"membrane": 1e-3},
+        "harmonic": {"from": 1, "to": 50, "points": 2}}
+    ends = []
+    for method in ("direct", "superposition"):
+        solve(f"harmonic_coupled_{method}", variant(case, {"harmonic.method": method}), 1)
+        with open(OUT / f"harmonic_coupled_{method}" / "response.csv", encoding="utf-8") as file:
+            ends.append(list(csv.DictReader(file))[-1])
+    for c in "xyz":
+        report.percent(float(ends[1][f"u_{c}_amplitude"]) / float(ends[0][f"u_{c}_amplitude"]), 0.01, f"u_{c} at 50 Hz")
