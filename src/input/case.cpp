@@ -15,6 +15,7 @@
 #include "case_materials.hpp"
 #include "case_natural.hpp"
 #include "case_pattern.hpp"
+#include "case_periodic.hpp"
 #include "case_read.hpp"
 #include "case_rigid.hpp"
 #include "case_sections.hpp"
@@ -339,6 +340,7 @@ Case read_case(CaseReader& reader, const std::filesystem::path& file, StageSecti
       std::any_of(c.motions.begin(), c.motions.end(), [](const MotionInput& m) { return m.any(); }))
     steps.fail("control", "supports with a motion or rotation need \"load\": they move with the load factor");
   read_all(reader, "rigid", c.rigids, [&](const SectionPlace& place, RigidSection& s) { read_rigid(place, c, s); });
+  read_periodics(reader, c);
   read_harmonic(reader, c);
   read_contact(reader, c, before);
   check_time(reader.read("time", 0, keys_of(c.time, c.dynamics.mass)), c);
@@ -355,6 +357,7 @@ Case read_case(CaseReader& reader, const std::filesystem::path& file, StageSecti
   read_output(reader, c);
   check_petsc(reader.read("petsc", 0, petsc_keys(c)), c.petsc_options);
   check_rigid(c);
+  check_periodic(c);
   check_folds(c);
   check_harmonic(c);
   c.notes = idle_sections(reader, c);

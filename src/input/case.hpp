@@ -131,6 +131,13 @@ struct RigidSection {
   std::string angle;                     ///< expression of t [degree]; empty: none
 };
 
+/// A pair of periodic edges as written: texts, turned into those of system::PeriodicPair.
+struct PeriodicSection {
+  std::string name;  ///< of its columns; empty: that of `to`
+  system::PeriodicPair pair;
+  std::vector<std::string> difference;  ///< "free", a number, or an expression of t [m], each; empty: 0
+};
+
 /// An obstacle as written; what its files hold is read with the mesh.
 struct ObstacleSection {
   enum class Type { mesh, plane, sphere, capsule, cylinder };
@@ -303,6 +310,7 @@ struct Case {
   std::vector<system::Support> supports;
   std::vector<MotionInput> motions;  ///< one per support
   std::vector<RigidSection> rigids;
+  std::vector<PeriodicSection> periodics;
   std::vector<system::Load> loads;
   std::vector<system::Temperature> temperatures;
   FormSection form;

@@ -14,6 +14,7 @@ Declarations::Declarations()
             {"material", keys_of(material_)},
             {"support", keys_of(support_, motion_)},
             {"rigid", keys_of(rigid_)},
+            {"periodic", keys_of(periodic_)},
             {"load", keys_of(load_)},
             {"temperature", keys_of(temperature_)},
             {"form", keys_of(case_.form)},

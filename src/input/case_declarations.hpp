@@ -29,6 +29,7 @@ class Declarations {
   system::Support support_;
   MotionInput motion_;
   RigidSection rigid_;
+  PeriodicSection periodic_;
   system::Load load_;
   system::Temperature temperature_;
   system::Hinge hinge_;

@@ -289,6 +289,7 @@ std::string echo_case(const Case& c) {
   for (std::size_t i = 0; i < copy.supports.size(); ++i)
     out += "\n[[support]]\n" + echo_keys(keys_of(copy.supports[i], copy.motions[i]));
   out += echo_all("rigid", copy.rigids);
+  out += echo_all("periodic", copy.periodics);
   out += echo_all("load", copy.loads);
   out += echo_all("temperature", copy.temperatures);
   if (copy.form.active) out += "\n[form]\n" + echo_keys(keys_of(copy.form));

@@ -118,6 +118,7 @@ struct MaterialInput {
 /// A support and its motion are one section.
 [[nodiscard]] std::vector<Key> keys_of(system::Support& section, MotionInput& motion);
 [[nodiscard]] std::vector<Key> keys_of(RigidSection& section);
+[[nodiscard]] std::vector<Key> keys_of(PeriodicSection& section);
 [[nodiscard]] std::vector<Key> keys_of(system::Load& section);
 [[nodiscard]] std::vector<Key> keys_of(system::Temperature& section);
 [[nodiscard]] std::vector<Key> keys_of(FormSection& section);

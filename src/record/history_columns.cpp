@@ -44,11 +44,23 @@ Names names_of(const HistoryColumns& columns) {
   return names;
 }
 
-Names names_of_rigid(const std::string& name) {
+namespace {
+
+Names names_of_parts(const std::string& name, const std::vector<const char*>& parts) {
   Names names;
-  for (const char* part : {"", "_turn", "_force", "_moment"})
+  for (const char* part : parts)
     for (const char* axis : {"_x", "_y", "_z"}) names.push_back(name + part + axis);
   return names;
+}
+
+}  // namespace
+
+Names names_of_rigid(const std::string& name) {
+  return names_of_parts(name, {"", "_turn", "_force", "_moment"});
+}
+
+Names names_of_periodic(const std::string& name) {
+  return names_of_parts(name, {"", "_force"});
 }
 
 std::array<std::pair<const char*, double>, 10> named_parts(const system::EnergyBalance& b) {

@@ -27,6 +27,9 @@ struct HistoryColumns {
 /// Of a rigid group of this name.
 [[nodiscard]] std::vector<std::string> names_of_rigid(const std::string& name);
 
+/// Of a pair of periodic edges of this name.
+[[nodiscard]] std::vector<std::string> names_of_periodic(const std::string& name);
+
 /// Whether a column of a history is that of a probe.
 [[nodiscard]] bool is_of_probe(const std::string& column);
 

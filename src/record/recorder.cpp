@@ -98,6 +98,8 @@ std::vector<std::string> Recorder::columns() const {
                 .gases = gases});
   for (const input::RigidSection& rigid : case_.rigids)
     for (const std::string& column : names_of_rigid(rigid.name)) names.push_back(column);
+  for (const input::PeriodicSection& s : case_.periodics)
+    for (const std::string& column : names_of_periodic(s.name)) names.push_back(column);
   for (std::string& name : probes_->columns()) names.push_back(std::move(name));
   return names;
 }
@@ -122,6 +124,7 @@ Recorder::Snapshot Recorder::gathered(Vec a, const Motion& motion) {
   model_->dofs().clear_free(force);  // away from supports the force is only the residual that is left
   s.state.displacement = linear_ ? model_->dofs().gather_change(a) : model_->dofs().gather(a);
   s.state.reaction = model_->dofs().gather_forces(force);
+  if (!case_.periodics.empty()) s.bodies = system::periodic_values(model_->discretisation(), a, force);
   if (!case_.rigids.empty())
     s.bodies = bodies_of(a, force, motion.v ? motion.time : model_->conditions().load_factor());
   return s;

@@ -111,6 +111,10 @@ void check_group_names(const input::Case& c, const mesh::SurfaceMesh& mesh) {
     for (const std::string& name : m.groups) checker.check("material", "groups", name, 2);
   checker.check_all("support", c.supports);
   for (const input::RigidSection& s : c.rigids) checker.check("rigid", "group", s.group.group);
+  for (const input::PeriodicSection& s : c.periodics) {
+    checker.check("periodic", "from", s.pair.from, 1);
+    checker.check("periodic", "to", s.pair.to, 1);
+  }
   for (const system::Load& l : c.loads) checker.check("load", "group", l.group, dimension_of(l.kind));
   for (const system::Load& l : c.loads)
     if (l.kind == system::Load::Kind::gas) checker.check_gas(l);

@@ -38,6 +38,12 @@ std::vector<system::RigidGroup> rigid_groups(const input::Case& c) {
   return groups;
 }
 
+std::vector<system::PeriodicPair> periodic_pairs(const input::Case& c) {
+  std::vector<system::PeriodicPair> pairs;
+  for (const input::PeriodicSection& s : c.periodics) pairs.push_back(s.pair);
+  return pairs;
+}
+
 }  // namespace
 
 double softest_membrane(const input::Case& c) {
@@ -73,7 +79,8 @@ system::ModelInput model_input(MPI_Comm comm, const input::Case& c, KnownObstacl
           std::move(attachments),
           seam_rules(c),
           {c.temperatures, c.hinges, c.analysis != "dynamic"},
-          rigid_groups(c)};
+          rigid_groups(c),
+          periodic_pairs(c)};
 }
 
 }  // namespace voile::setup

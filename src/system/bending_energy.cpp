@@ -83,12 +83,13 @@ void BendingEnergy::assemble(const std::vector<energy::CurvatureOperator>& curva
   std::optional<BlockMatrix::Values> damping;
   if (damped) damping.emplace(damped->open());
   const auto is_turned = [&](Index p) {
-    return on_->patches().is_mirror(p) && on_->constraints().turned_by[p - on_->mesh().vertex_count()] >= 0;
+    return on_->patches().is_mirror(p) && on_->constraints().turned_by[p - on_->patches().mesh().vertex_count()] >= 0;
   };
   mpi::on_all(on_->comm(), [&] {
     for (std::size_t k = 0; k < curvatures.size(); ++k) {
       const Discretisation::Element& item = on_->elements()[k];
-      const energy::BendingElement el = energy::make_bending_element(on_->sheet(), item.triangle, curvatures[k]);
+      const energy::BendingElement el =
+          energy::make_bending_element(on_->element_sheet(), item.triangle, curvatures[k]);
       std::vector<Index> points;
       for (Index p : el.points) points.push_back(local_of[p]);
       if (std::any_of(el.points.begin(), el.points.end(), is_turned)) {  // without damping of their own
@@ -98,7 +99,7 @@ void BendingEnergy::assemble(const std::vector<energy::CurvatureOperator>& curva
       }
       if (on_->is_on_body(el.points)) continue;  // a term of the potential
       take_start(el, item.owned);
-      const double own_damping = on_->sheet().material(item.triangle).bending_damping;
+      const double own_damping = on_->element_sheet().material(item.triangle).bending_damping;
       for (std::size_t i = 0; i < points.size(); ++i)
         for (std::size_t j = 0; j < points.size(); ++j) {
           const Mat3 block =

@@ -82,10 +82,11 @@ void spread(const Discretisation& on, const Load& load, const AddForce& add) {
 
 BoundaryConditions::BoundaryConditions(const Discretisation& on, std::vector<Support> supports,
                                        const std::vector<Load>& loads, const std::vector<PointMass>& masses,
-                                       bool motion_by_load, std::vector<RigidGroup> rigid)
+                                       bool motion_by_load, std::vector<RigidGroup> rigid,
+                                       const std::vector<PeriodicPair>& periodic)
     : on_(&on),
       rigid_(on, std::move(rigid)),
-      supports_(std::move(supports)),
+      supports_(with_differences(std::move(supports), periodic)),
       motion_by_load_(motion_by_load),
       rotations_(supports_.size(), Mat3::Identity()),
       followers_(std::make_unique<ElementTerm<energy::FollowerTerm>>()) {
@@ -106,6 +107,7 @@ BoundaryConditions::BoundaryConditions(const Discretisation& on, std::vector<Sup
     has_prescribed_ |= support.value.squaredNorm() > 0.0 || support.motion >= 0;
   has_prescribed_ |= rigid_.moves();
   mpi::on_all(dofs.comm(), [&] { build_loads(loads, masses); });
+  add_differences(periodic);
   dead_on_bodies_ = rigid_.take(dead_);
   always_on_bodies_ = rigid_.take(constant_);
   for (TimedLoad& load : timed_) load.on_bodies = rigid_.take(load.force);
@@ -301,12 +303,7 @@ Vec BoundaryConditions::force_of(const Load& load) {
 void BoundaryConditions::build_loads(const std::vector<Load>& loads, const std::vector<PointMass>& masses) {
   for (const Load& load : loads) {
     const petsc::WriteArray force(force_of(load));
-    const AddForce add = [&](Index v, const Vec3& f) {
-      const Index i = on_->owned(v);
-      if (i == no_index) return;
-      const Vec3 g = on_->dofs().to_own(v, f);
-      for (int k = 0; k < 3; ++k) force[3 * i + k] += g[k];
-    };
+    const AddForce add = [&](Index v, const Vec3& f) { add_vertex_force(v, f, force); };
     if (load.kind == Load::Kind::follower_pressure || load.kind == Load::Kind::follower_moment) {
       any_follower_ = true;
       add_follower(load);

@@ -42,7 +42,8 @@ class BoundaryConditions {
   /// `on` must outlive it. Supports move with the load factor instead of the time if `motion_by_load` says so.
   /// Collective. Throws UserError.
   BoundaryConditions(const Discretisation& on, std::vector<Support> supports, const std::vector<Load>& loads,
-                     const std::vector<PointMass>& masses, bool motion_by_load, std::vector<RigidGroup> rigid = {});
+                     const std::vector<PointMass>& masses, bool motion_by_load, std::vector<RigidGroup> rigid = {},
+                     const std::vector<PeriodicPair>& periodic = {});
   ~BoundaryConditions();
   BoundaryConditions(const BoundaryConditions&) = delete;
   BoundaryConditions& operator=(const BoundaryConditions&) = delete;
@@ -108,6 +109,8 @@ class BoundaryConditions {
   [[nodiscard]] Vec force_of(const Load& load);
   void add_follower(const Load& load);
   void add_gas(const Load& load);
+  void add_vertex_force(Index v, const Vec3& f, const petsc::WriteArray& force) const;
+  void add_differences(const std::vector<PeriodicPair>& periodic);
   [[nodiscard]] int factor_of(const Load& load) const;
   void add_followers(const energy::Configuration& c, std::vector<Vec3>& scratch, Vec f) const;
   void move_supports(double time);

@@ -59,6 +59,15 @@ struct RigidGroup {
   double mass = 0.0;                         ///< at the reference point [kg]
 };
 
+/// Two boundary curves along which a periodic sheet continues (ties.hpp).
+struct PeriodicPair {
+  std::string from, to;                        ///< curves
+  std::array<bool, 3> held{true, true, true};  ///< components of the difference that are prescribed
+  Vec3 difference = Vec3::Zero();              ///< displacement of `to` less that of `from`, at load factor 1 [m]
+  std::function<Vec3(double time)> motion;     ///< added to it [m]; empty: none
+  Vec3 force = Vec3::Zero();                   ///< on the difference where it is free, dead, at load factor 1 [N]
+};
+
 struct Load {
   enum class Kind {
     point,              ///< force on every vertex of the group [N], dead

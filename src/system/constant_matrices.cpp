@@ -19,14 +19,20 @@ ConstantMatrices::ConstantMatrices(const Discretisation& on, BlockPattern patter
 void ConstantMatrices::lump(const std::vector<PointMass>& masses) {
   const petsc::WriteArray mass(mass_);
   const mesh::SurfaceMesh& mesh = on_->mesh();
+  const Ties& ties = on_->constraints().ties;
   body_mass_.resize(on_->constraints().bodies.size());
   extra_body_mass_.resize(body_mass_.size());
   const auto add = [&](Index v, double m) {
     take_body_mass(v, m, body_mass_);
-    const Index i = on_->owned(v);
-    if (i == no_index) return false;
-    for (int k = 0; k < 3; ++k) mass[3 * i + k] += m;
-    return true;
+    const auto put = [&](Index at, double part) {
+      const Index i = on_->owned(at);
+      for (int k = 0; i != no_index && k < 3; ++k) mass[3 * i + k] += part;
+      return i != no_index;
+    };
+    if (!ties.any()) return put(v, m);
+    for (std::size_t p = 0; p < ties.carriers.size(); ++p)
+      (void)put(ties.carriers[p], ties.periods(v, p) * ties.periods(v, p) * m);
+    return put(ties.root(v), m);
   };
   for (Index t = 0; t < mesh.triangle_count(); ++t) {
     const double area = mesh.area(t), density = on_->sheet().material(t).areal_density;
@@ -96,7 +102,7 @@ BlockMatrix ConstantMatrices::consistent_mass() const {
   for (Index t = 0; t < mesh.triangle_count(); ++t) {
     const double part = on_->sheet().material(t).areal_density * mesh.area(t) / 12.0;
     const mesh::Triangle& corners = mesh.triangles()[t];
-    if (on_->is_on_body({corners[0], corners[1], corners[2]})) {
+    if (std::any_of(corners.begin(), corners.end(), [&](Index v) { return dofs.is_dependent(v); })) {
       add_consistent(mass, values, corners, part);
       continue;
     }

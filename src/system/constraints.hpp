@@ -12,6 +12,7 @@
 #include "mesh/patch.hpp"
 #include "mesh/surface_mesh.hpp"
 #include "rigid_bodies.hpp"
+#include "ties.hpp"
 
 namespace voile::system {
 
@@ -26,9 +27,10 @@ struct VertexSupport {
 struct Constraints {
   std::map<Index, VertexSupport> vertices;
   std::vector<mesh::MirrorSide> mirrors;
-  std::vector<int> turned_by;  ///< per mirror: number of the support that turns it in time, or -1
+  std::vector<int> turned_by;  ///< per mirror, then their images: number of the support that turns it in time, or -1
   std::vector<RigidBody> bodies;
   std::vector<mesh::TriangleSide> elastic{};  ///< sides that hinges hold against the ground
+  Ties ties{};
 };
 
 /// Throws UserError for unknown groups, clamped or symmetric curves that are not boundary edges, a symmetry plane that

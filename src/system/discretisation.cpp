@@ -23,10 +23,12 @@ namespace {
 /// Ring fits reach at most this many rings of vertices beyond a triangle's neighbours.
 constexpr int reach = 5;
 
-/// Triangles within `reach` rings of a vertex that this rank owns.
-std::vector<char> candidate_triangles(const mesh::SurfaceMesh& mesh, const std::vector<int>& vertex_rank, int rank) {
+/// Triangles within `reach` rings of a vertex that this rank owns, also across the period of `ties`.
+std::vector<char> candidate_triangles(const mesh::SurfaceMesh& mesh, const std::vector<int>& vertex_rank, int rank,
+                                      const Ties& ties) {
   std::vector<char> vertex(vertex_rank.size()), triangle(static_cast<std::size_t>(mesh.triangle_count()), 0);
   for (std::size_t v = 0; v < vertex.size(); ++v) vertex[v] = vertex_rank[v] == rank;
+  ties.spread(vertex);
   for (int ring = 0; ring < reach; ++ring) {
     std::vector<char> grown = vertex;
     for (Index t = 0; t < mesh.triangle_count(); ++t) {
@@ -36,6 +38,7 @@ std::vector<char> candidate_triangles(const mesh::SurfaceMesh& mesh, const std::
       for (Index i : v) grown[i] = 1;
     }
     vertex.swap(grown);
+    ties.spread(vertex);
   }
   return triangle;
 }
@@ -66,7 +69,7 @@ std::vector<Index> stencil_points(const energy::Sheet& sheet, Index t, const ene
 Discretisation::Discretisation(MPI_Comm comm, const mesh::SurfaceMesh& mesh, std::vector<energy::Material> materials,
                                const std::vector<Support>& supports, const Couplings& couplings,
                                const energy::ElementOptions& options, const Seams& seams,
-                               const std::vector<RigidGroup>& rigid)
+                               const std::vector<RigidGroup>& rigid, const std::vector<PeriodicPair>& periodic)
     : mesh_(&mesh),
       rank_(mpi::rank(comm)),
       materials_(std::move(materials)),
@@ -75,7 +78,8 @@ Discretisation::Discretisation(MPI_Comm comm, const mesh::SurfaceMesh& mesh, std
   mpi::on_all(comm, [&] {
     constraints_ = resolve_supports(mesh, supports);
     prepare_bodies(rigid);
-    patches_ = std::make_unique<mesh::PatchMesh>(mesh, constraints_.mirrors);
+    resolve_periodic(mesh, periodic, supports, constraints_);
+    make_patches();
     drawn_in_ = gathered_sheet(gathers(mesh, seams));
     if (std::vector<mesh::Gather> welded = gathers(mesh, {seams.rules, {}}); !drawn_in_.seams.empty()) {
       before_ = gathered_sheet(welded);
@@ -85,12 +89,30 @@ Discretisation::Discretisation(MPI_Comm comm, const mesh::SurfaceMesh& mesh, std
     add_allowances(mesh, seams.rules, materials_, material_of);
     sheet_ = std::make_unique<energy::Sheet>(sheet_patches(), materials_, std::move(material_of), options,
                                              bending_across_seams(mesh, seams.rules));
+    if (own_patches_) continue_sheet(options);
     joint_factors_ = bending_of_joints(mesh, seams.rules);
     needed = find_elements(couplings);
   });
   dofs_ = std::make_unique<Dofs>(comm, *patches_, partition_, constraints_, needed);
   for (Element& e : elements_)
     for (std::size_t i = 0; i < 3; ++i) e.points[i] = dofs_->local().local_of[mesh.triangles()[e.triangle][i]];
+}
+
+void Discretisation::make_patches() {
+  auto own = std::make_unique<mesh::PatchMesh>(*mesh_, constraints_.mirrors);
+  if (!constraints_.ties.any()) {
+    patches_ = std::move(own);
+    return;
+  }
+  own_patches_ = std::move(own);
+  const mesh::ContinuedSurface& beyond = *constraints_.ties.sheet;
+  patches_ = std::make_unique<mesh::PatchMesh>(*beyond.surface,
+                                               continued_mirrors(beyond, constraints_.mirrors, constraints_.turned_by));
+}
+
+void Discretisation::continue_sheet(const energy::ElementOptions& options) {
+  continued_ = std::make_unique<energy::Sheet>(*patches_, materials_,
+                                               energy::assign_materials(patches_->mesh(), materials_), options);
 }
 
 Discretisation::GatheredSheet Discretisation::gathered_sheet(const std::vector<mesh::Gather>& seams) const {
@@ -112,7 +134,7 @@ double Discretisation::mean_area() const {
 Discretisation::~Discretisation() = default;
 
 energy::Bulge Discretisation::bulge(std::size_t k, const mesh::Triangle& corners) const {
-  energy::Bulge bulge = energy::make_bulge(*sheet_, elements_[k].triangle, corners, curvatures_.at(k));
+  energy::Bulge bulge = energy::make_bulge(element_sheet(), elements_[k].triangle, corners, curvatures_.at(k));
   for (Index& p : bulge.points) p = dofs_->local().local_of[p];
   return bulge;
 }
@@ -138,6 +160,7 @@ void Discretisation::prepare_bodies(const std::vector<RigidGroup>& rigid) {
 }
 
 std::vector<Index> Discretisation::unknowns_of(const std::vector<Index>& points) const {
+  if (constraints_.ties.any()) return constraints_.ties.unknowns_of(vertices_of(*patches_, points));
   if (body_of_.empty()) return vertices_of(*patches_, points);
   std::vector<Index> plain, unknowns;
   std::vector<char> bodies(constraints_.bodies.size(), 0);
@@ -261,28 +284,45 @@ void Discretisation::find_joints(energy::CurvatureBuilder& curvature, const std:
   }
 }
 
-/// The elements of this rank, and the points that they use.
-std::vector<char> Discretisation::find_elements(const Couplings& couplings) {
-  std::vector<int> holder = partition_.vertex_rank;  // the owner of a carrier knows all around its body
+/// Rank of each vertex; that of a carrier knows all around its body or curve.
+std::vector<int> Discretisation::holders() const {
+  std::vector<int> holder = partition_.vertex_rank;
   for (const RigidBody& body : constraints_.bodies)
     for (const Index carrier : body.carriers)
       if (partition_.vertex_rank[carrier] == rank_)
         for (const Index v : body.members) holder[v] = rank_;
-  const std::vector<char> candidate = candidate_triangles(*mesh_, holder, rank_);
-  energy::CurvatureBuilder curvature(*sheet_);
+  const Ties& ties = constraints_.ties;
+  for (std::size_t i = 0; i < ties.carriers.size(); ++i)
+    for (Index v = 0; partition_.vertex_rank[ties.carriers[i]] == rank_ && v < mesh_->vertex_count(); ++v)
+      if (ties.periods(v, i) != 0) holder[v] = rank_;
+  return holder;
+}
+
+/// Marks what a rank needs to know for these points.
+void Discretisation::need(const std::vector<Index>& points, std::vector<char>& needed) const {
+  for (const Index p : points) needed[p] = 1;
+  for (const Index v : unknowns_of(points)) needed[v] = 1;
+  if (constraints_.ties.any())
+    for (const Index v : vertices_of(*patches_, points)) needed[v] = 1;
+}
+
+/// The elements of this rank, and the points that they use.
+std::vector<char> Discretisation::find_elements(const Couplings& couplings) {
+  const std::vector<char> candidate = candidate_triangles(*mesh_, holders(), rank_, constraints_.ties);
+  energy::CurvatureBuilder curvature(element_sheet());
   const std::size_t frames = RigidBody::frame_points * constraints_.bodies.size();
   std::vector<char> needed(static_cast<std::size_t>(patches_->point_count()) + frames, 0);
   for (const RigidBody& body : constraints_.bodies)
     for (const Index carrier : body.carriers) needed[carrier] = 1;
+  for (Index v = 0; constraints_.ties.any() && v < mesh_->vertex_count(); ++v)
+    if (owns_vertex(v)) need({v}, needed);
   for (Index t = 0; t < mesh_->triangle_count(); ++t) {
     if (!candidate[t]) continue;
     energy::CurvatureOperator op = curvature.build(t);
-    const std::vector<Index> points = stencil_points(*sheet_, t, op);
-    const std::vector<Index> vertices = unknowns_of(points);
+    const std::vector<Index> points = stencil_points(element_sheet(), t, op);
     // The owner of a triangle recovers its stresses even where none of its rows are its own.
-    if (!touches(vertices) && !owns(t)) continue;
-    for (Index p : points) needed[p] = 1;
-    for (Index v : vertices) needed[v] = 1;
+    if (!has_rows_of(points) && !owns(t)) continue;
+    need(points, needed);
     elements_.push_back({t, {}, owns(t)});
     curvatures_.push_back(std::move(op));
   }

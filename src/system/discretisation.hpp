@@ -48,7 +48,7 @@ class Discretisation {
   Discretisation(MPI_Comm comm, const mesh::SurfaceMesh& mesh, std::vector<energy::Material> materials,
                  const std::vector<Support>& supports, const Couplings& couplings,
                  const energy::ElementOptions& options, const Seams& seams = {},
-                 const std::vector<RigidGroup>& rigid = {});
+                 const std::vector<RigidGroup>& rigid = {}, const std::vector<PeriodicPair>& periodic = {});
   ~Discretisation();
   Discretisation(const Discretisation&) = delete;
   Discretisation& operator=(const Discretisation&) = delete;
@@ -56,6 +56,7 @@ class Discretisation {
   [[nodiscard]] MPI_Comm comm() const { return dofs_->comm(); }
   [[nodiscard]] const mesh::SurfaceMesh& mesh() const { return *mesh_; }
   [[nodiscard]] const mesh::Partition& partition() const { return partition_; }
+  /// Of a periodic sheet those of the continued surface (ties.hpp).
   [[nodiscard]] const mesh::PatchMesh& patches() const { return *patches_; }
   /// Seams that are gathered: if any, the sheet has another rest shape than the mesh, which is as it is cut.
   [[nodiscard]] const std::vector<std::string>& gathered_seams() const { return drawn_in_.seams; }
@@ -66,6 +67,8 @@ class Discretisation {
   /// Whether that is another one than the sheet's.
   [[nodiscard]] bool draws_in() const { return draws_in_; }
   [[nodiscard]] const energy::Sheet& sheet() const { return *sheet_; }
+  /// The sheet with what it continues to where it is periodic: for elements, whose neighbours may lie there.
+  [[nodiscard]] const energy::Sheet& element_sheet() const { return continued_ ? *continued_ : *sheet_; }
   /// Those given, and more for triangles with allowances of seams.
   [[nodiscard]] const std::vector<energy::Material>& materials() const { return materials_; }
   [[nodiscard]] const Constraints& constraints() const { return constraints_; }
@@ -109,7 +112,7 @@ class Discretisation {
   };
   [[nodiscard]] GatheredSheet gathered_sheet(const std::vector<mesh::Gather>& seams) const;
   [[nodiscard]] const mesh::PatchMesh& sheet_patches() const {
-    return drawn_in_.patches ? *drawn_in_.patches : *patches_;
+    return drawn_in_.patches ? *drawn_in_.patches : own_patches_ ? *own_patches_ : *patches_;
   }
   [[nodiscard]] std::vector<char> find_elements(const Couplings& couplings);
   void find_joints(energy::CurvatureBuilder& curvature, const std::map<Index, HingedEdge>& hinges,
@@ -120,6 +123,11 @@ class Discretisation {
   void add_joint(energy::JointElement element, bool is_owned, std::vector<char>& needed);
   void find_rigid_slopes(energy::CurvatureBuilder& curvature, std::vector<char>& needed);
   void prepare_bodies(const std::vector<RigidGroup>& rigid);
+  /// Patches and sheets of a mesh, and of what continues it.
+  void make_patches();
+  void continue_sheet(const energy::ElementOptions& options);
+  [[nodiscard]] std::vector<int> holders() const;
+  void need(const std::vector<Index>& points, std::vector<char>& needed) const;
   [[nodiscard]] bool owns_vertex(Index v) const { return partition_.vertex_rank[v] == rank_; }
   [[nodiscard]] bool touches(const std::vector<Index>& vertices) const;
 
@@ -134,6 +142,8 @@ class Discretisation {
   GatheredSheet drawn_in_, before_;    ///< without patches: as it is cut
   bool draws_in_ = false;
   std::unique_ptr<energy::Sheet> sheet_;
+  std::unique_ptr<mesh::PatchMesh> own_patches_;  ///< of a periodic sheet: those of the mesh alone
+  std::unique_ptr<energy::Sheet> continued_;
   std::unique_ptr<Dofs> dofs_;
   std::vector<Element> elements_;
   std::vector<energy::CurvatureOperator> curvatures_;

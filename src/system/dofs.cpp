@@ -8,11 +8,13 @@ namespace voile::system {
 Dofs::Dofs(MPI_Comm comm, const mesh::PatchMesh& patches, const mesh::Partition& partition,
            const Constraints& constraints, const std::vector<char>& needed)
     : comm_(comm),
-      mesh_(&patches.mesh()),
+      mesh_(constraints.ties.any() ? constraints.ties.mesh : &patches.mesh()),
       partition_(&partition),
       rank_(mpi::rank(comm)),
-      first_row_(partition.owned_begin(rank_)) {
+      first_row_(partition.owned_begin(rank_)),
+      ties_(&constraints.ties) {
   number(patches, needed, constraints.turned_by);
+  number_ties();
   number_bodies(patches, constraints, needed);
   take_constraints(constraints);
   create_scatter();
@@ -31,7 +33,7 @@ Vec3 Dofs::turned_to_global(Index v, const Vec3& a) const {
 }
 
 Vec3 Dofs::offset(Index point) const {
-  return point < local_.vertices ? Vec3(Vec3::Zero()) : mirrors_[point - local_.vertices].offset;
+  return point < first_mirror_ ? Vec3(Vec3::Zero()) : mirrors_[point - first_mirror_].offset;
 }
 
 void Dofs::number(const mesh::PatchMesh& patches, const std::vector<char>& needed, const std::vector<int>& turned_by) {
@@ -47,11 +49,15 @@ void Dofs::number(const mesh::PatchMesh& patches, const std::vector<char>& neede
     if (needed[v] && local_.local_of[v] == no_index) append(v);
   local_.vertices = local_.count();
   for (Index i = 0; i < local_.vertices; ++i) local_.row_of.push_back(partition_->row_of[local_.point_of[i]]);
-  for (Index p = mesh_->vertex_count(); p < patches.point_count(); ++p)
+  const Index vertices = patches.mesh().vertex_count();
+  for (Index p = mesh_->vertex_count(); p < vertices; ++p)
+    if (needed[p]) append(p);
+  first_mirror_ = local_.count();
+  for (Index p = vertices; p < patches.point_count(); ++p)
     if (needed[p]) {
       append(p);
       const mesh::MirrorPoint& m = patches.mirror(p);
-      const auto number = static_cast<std::size_t>(p - mesh_->vertex_count());
+      const auto number = static_cast<std::size_t>(p - vertices);
       const Vec3 foot = (1.0 - m.foot) * patches.start(m.a) + m.foot * patches.start(m.b);
       mirrors_.push_back({local_.local_of[m.apex], local_.local_of[m.a], local_.local_of[m.b], m.foot, m.reflection,
                           m.reflection, patches.start(m.apex) - foot, turned_by[number]});
@@ -88,12 +94,13 @@ void Dofs::create_scatter() {
 
 std::vector<Dofs::Share> Dofs::fractions(Index point) const {
   if (const Index b = body_of_point(point); b != no_index) return body_fractions(static_cast<std::size_t>(b), point);
+  if (!tied_.empty()) return tied_fractions(point);
   const auto own_map = [&](Index vertex, const Mat3& map) -> Share {
     const Index v = local_.point_of[vertex];
     return {vertex, has_axes(v) ? Mat3(map * axes_[axes_of_[v]]) : map};
   };
   if (point < local_.vertices) return {own_map(point, Mat3::Identity())};
-  const Mirror& g = mirrors_[point - local_.vertices];
+  const Mirror& g = mirrors_[point - first_mirror_];
   const Mat3 rest = Mat3::Identity() - g.reflection;
   return {own_map(g.apex, g.reflection), own_map(g.a, (1.0 - g.foot) * rest), own_map(g.b, g.foot * rest)};
 }
@@ -117,6 +124,12 @@ void Dofs::update_points(Vec a, std::vector<Vec3>& u, std::vector<Vec3>& x) cons
   const petsc::ReadArray values(halo_);
   for (Index i = 0; i < local_.vertices; ++i) u[i] = Eigen::Map<const Vec3>(values.data() + 3 * i);
   for (Index i : rotated_) u[i] = axes_[axes_of_[local_.point_of[i]]] * u[i];
+  for (const Tied& t : tied_) {
+    u[t.point] = u[t.root];
+    for (std::size_t i = 0; i < local_carriers_.size(); ++i)
+      if (t.periods[i] != 0)
+        u[t.point] += t.periods[i] * Eigen::Map<const Vec3>(values.data() + 3 * local_carriers_[i]);
+  }
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     set_motion(b, values);
     for (const BodyPoint& p : bodies_[b].points) u[p.point] = motions_[b].displacement() + motions_[b].turned() * p.arm;
@@ -124,7 +137,7 @@ void Dofs::update_points(Vec a, std::vector<Vec3>& u, std::vector<Vec3>& x) cons
   for (std::size_t m = 0; m < mirrors_.size(); ++m) {
     const Mirror& g = mirrors_[m];
     const Vec3 foot = (1.0 - g.foot) * u[g.a] + g.foot * u[g.b];
-    u[static_cast<std::size_t>(local_.vertices) + m] = foot + g.reflection * (u[g.apex] - foot) + g.offset;
+    u[static_cast<std::size_t>(first_mirror_) + m] = foot + g.reflection * (u[g.apex] - foot) + g.offset;
   }
   for (std::size_t i = 0; i < u.size(); ++i) x[i] = local_.start[i] + u[i];
 }
@@ -132,12 +145,13 @@ void Dofs::update_points(Vec a, std::vector<Vec3>& u, std::vector<Vec3>& x) cons
 void Dofs::add_forces(std::vector<Vec3>& force, Vec f) const {
   for (std::size_t m = 0; m < mirrors_.size(); ++m) {
     const Mirror& g = mirrors_[m];
-    const Vec3 on_mirror = force[static_cast<std::size_t>(local_.vertices) + m];
+    const Vec3 on_mirror = force[static_cast<std::size_t>(first_mirror_) + m];
     const Vec3 mirrored = g.reflection.transpose() * on_mirror;
     force[g.apex] += mirrored;
     force[g.a] += (1.0 - g.foot) * (on_mirror - mirrored);
     force[g.b] += g.foot * (on_mirror - mirrored);
   }
+  if (!tied_.empty()) add_tied_forces(force);
   for (Index i : rotated_) force[i] = to_own(local_.point_of[i], force[i]);
   const petsc::WriteArray out(f);
   const std::vector<BodyForce> on_bodies = body_forces(force);
@@ -179,7 +193,7 @@ std::vector<double> Dofs::gather_with(Vec a, const std::function<Vec3(Index loca
     const petsc::ReadArray in(a);
     for (Index i = 0; i < local_.owned; ++i) {
       const Index v = local_.point_of[i];
-      const Vec3 u = body_of(v) != no_index ? of_body(i) : to_global(v, Eigen::Map<const Vec3>(in.data() + 3 * i));
+      const Vec3 u = is_dependent(v) ? of_body(i) : to_global(v, Eigen::Map<const Vec3>(in.data() + 3 * i));
       own.insert(own.end(), u.begin(), u.end());
     }
   }
@@ -193,6 +207,7 @@ std::vector<double> Dofs::gather_with(Vec a, const std::function<Vec3(Index loca
 void Dofs::scatter_with(const std::vector<double>& values, Vec a, bool on_bodies) const {
   std::vector<double> all = values;
   mpi::broadcast(comm_, all);
+  if (ties_->any()) on_bodies ? take_tied_forces(all) : take_differences(all);
   const petsc::WriteArray out(a);
   for (Index i = 0; i < local_.owned; ++i) {
     const Index v = local_.point_of[i];

@@ -5,8 +5,10 @@
 //           g     mirror point, x_g = f + R (x_A - f), f = (1 - alpha) x_a + alpha x_b (patch.hpp);  where the clamp
 //           has
 //                 turned by Q, R = Q R_0 Q^T and u_g = u_f + R (u_A - u_f) + d, d = (R - R_0)(X_A - X_f)
+//           of a tie: u = u_r + sum n_i d_i, d_i the unknowns of carriers (ties.hpp)
 //           of a rigid body: x = C + c + R (X - C), c and R from the unknowns of its carriers (rigid_bodies.hpp)
-// Local points of a rank: its own vertices in the order of their rows, then halo vertices, mirror points, frames of bodies.
+// Local points of a rank: its own vertices in the order of their rows, then halo vertices, images of vertices, mirror points,
+// frames of bodies.
 // Theory: docs/theory/patch.md, missing neighbours.
 #pragma once
 
@@ -72,7 +74,7 @@ class Dofs {
   };
   /// Whether a local point is a vertex in global axes and of no rigid body, so that it moves as its unknowns do.
   [[nodiscard]] bool is_plain(Index point) const {
-    return point < local_.vertices && !has_axes(local_.point_of[point]) && body_of(local_.point_of[point]) == no_index;
+    return point < local_.vertices && !has_axes(local_.point_of[point]) && !is_dependent(local_.point_of[point]);
   }
   [[nodiscard]] std::vector<Share> fractions(Index point) const;
   /// Turns the mirror points of clamps: the rotation of each support, by number. Not collective.
@@ -87,6 +89,11 @@ class Dofs {
   // Rigid bodies, at the state that update_points() took last
   /// Number of the body that a vertex of the mesh belongs to, or no_index.
   [[nodiscard]] Index body_of(Index v) const { return bodies_.empty() ? no_index : body_of_[v]; }
+  /// Whether a vertex of the mesh has no unknowns of its own: it belongs to a body or repeats another one.
+  [[nodiscard]] bool is_dependent(Index v) const {
+    return body_of(v) != no_index || (ties_->any() && ties_->is_tied(v));
+  }
+  [[nodiscard]] const Ties& ties() const { return *ties_; }
   [[nodiscard]] const std::vector<RigidMotion>& motions() const { return motions_; }
   /// Forces on the points of each body that this rank knows: all of them where it owns a carrier. Not collective.
   [[nodiscard]] std::vector<BodyForce> body_forces(const std::vector<Vec3>& force) const;
@@ -122,7 +129,7 @@ class Dofs {
   /// Three components per vertex in global axes, mesh order, on rank 0 (empty elsewhere). Collective.
   [[nodiscard]] std::vector<double> gather(Vec a) const;
   /// Likewise of a change of displacements at the state that update_points() took last; of forces, which are left out on
-  /// rigid bodies.
+  /// rigid bodies. Those on a difference of a periodic sheet act at one vertex of each of its curves.
   [[nodiscard]] std::vector<double> gather_change(Vec da) const;
   [[nodiscard]] std::vector<double> gather_forces(Vec f) const;
   /// The other way round, from rank 0; vertices of rigid bodies are left at zero. Collective.
@@ -142,6 +149,14 @@ class Dofs {
   void number(const mesh::PatchMesh& patches, const std::vector<char>& needed, const std::vector<int>& turned_by);
   void take_constraints(const Constraints& constraints);
   void number_bodies(const mesh::PatchMesh& patches, const Constraints& constraints, const std::vector<char>& needed);
+  void number_ties();
+  /// In a periodic sheet.
+  [[nodiscard]] std::vector<Share> tied_fractions(Index point) const;
+  void add_tied_forces(std::vector<Vec3>& force) const;
+  /// Puts what belongs to the rows of carriers into values per vertex.
+  void take_differences(std::vector<double>& values) const;
+  void take_tied_forces(std::vector<double>& values) const;
+  [[nodiscard]] std::vector<double> gather_tied_forces(Vec f) const;
   void take_halo(Vec a) const;
   /// Values of a vector by vertex, with what `of_body` gives for an owned one of a body.
   void scatter_with(const std::vector<double>& values, Vec a, bool on_bodies) const;
@@ -169,7 +184,18 @@ class Dofs {
   [[nodiscard]] std::vector<Share> body_fractions(std::size_t body, Index point) const;
   void set_motion(std::size_t body, const petsc::ReadArray& halo) const;
 
+  /// A local point that follows others.
+  struct Tied {
+    Index point, root;
+    mesh::ContinuedSurface::Shift periods;
+  };
+
   std::vector<Mirror> mirrors_;
+  Index first_mirror_ = 0;  ///< local point of the first mirror point
+  const Ties* ties_;
+  std::vector<Tied> tied_;
+  std::vector<Index> tied_of_;  ///< per local point that is no mirror point: entry of tied_, or no_index; empty: none
+  std::vector<Index> local_carriers_;  ///< of the ties, or no_index
   std::vector<Body> bodies_;
   const std::vector<RigidBody>* bodies_of_mesh_ = nullptr;
   Index first_frame_ = 0;                     ///< local point of the first frame

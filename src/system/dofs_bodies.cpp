@@ -197,6 +197,7 @@ void Dofs::scatter_bodies(const std::vector<double>& unknowns, Vec a) const {
 }
 
 std::vector<double> Dofs::gather(Vec a) const {
+  if (ties_->any()) return gather_change(a);
   if (bodies_.empty()) return gather_with(a, {});
   const std::vector<RigidMotion> kept = motions_;
   take_halo(a);
@@ -213,7 +214,7 @@ std::vector<double> Dofs::gather(Vec a) const {
 }
 
 std::vector<double> Dofs::gather_change(Vec da) const {
-  if (bodies_.empty()) return gather_with(da, {});
+  if (bodies_.empty() && !ties_->any()) return gather_with(da, {});
   take_halo(da);
   const petsc::ReadArray values(halo_);
   return gather_with(da, [&](Index i) {
@@ -232,6 +233,7 @@ void Dofs::scatter_forces(const std::vector<double>& values, Vec f) const {
 }
 
 std::vector<double> Dofs::gather_forces(Vec f) const {
+  if (ties_->any()) return gather_tied_forces(f);
   return gather_with(f, [](Index) { return Vec3(Vec3::Zero()); });
 }
 

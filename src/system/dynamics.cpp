@@ -292,7 +292,8 @@ namespace {
 /// Sum over the vertices of f(position, momentum) in global axes, on every rank.
 template <class F>
 Vec3 sum_over_vertices(const Model& model, Vec u, Vec momentum, const F& f) {
-  const std::vector<double> p = model.dofs().gather(momentum);
+  const bool tied = model.dofs().ties().any();
+  const std::vector<double> p = tied ? model.dofs().gather_forces(momentum) : model.dofs().gather(momentum);
   const std::vector<double> x = u ? model.dofs().gather(u) : std::vector<double>(p.size(), 0.0);
   std::vector<double> sum(3, 0.0);
   for (std::size_t i = 0; i + 2 < p.size(); i += 3) {

@@ -43,6 +43,7 @@ struct ModelInput {
   std::vector<SeamRule> seams = {};
   NaturalInput natural = {};
   std::vector<RigidGroup> rigid = {};
+  std::vector<PeriodicPair> periodic = {};
 };
 
 /// The supports, and those by which hard attachments hold, which are added to them.

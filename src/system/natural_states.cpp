@@ -61,7 +61,7 @@ bool NaturalStates::needed(const energy::Sheet& sheet, const NaturalInput& input
 
 NaturalStates::NaturalStates(const Discretisation& on, NaturalInput input, Kernels kernels)
     : on_(&on), input_(std::move(input)), kernels_(kernels) {
-  const energy::Sheet& sheet = on.sheet();
+  const energy::Sheet& sheet = on.element_sheet();
   item_of_.assign(static_cast<std::size_t>(on.mesh().triangle_count()), no_index);
   for (const Temperature& t : input_.temperatures) {
     for (const Field* f : {&t.change, &t.difference}) changes_ = changes_ || (f->value && (f->in_time || !t.constant));
@@ -132,7 +132,7 @@ void NaturalStates::add_joints() {
 void NaturalStates::take_joint(const Item& item, double time, double load_factor) {
   const auto [change, difference] = temperature_of(item, time, load_factor);
   kernels_.joints->set_natural(
-      item.triangle, energy::natural_state(on_->sheet().material(item.triangle), change, difference).curvature);
+      item.triangle, energy::natural_state(on_->element_sheet().material(item.triangle), change, difference).curvature);
 }
 
 bool NaturalStates::covers(std::size_t temperature, Index t) const {
@@ -141,7 +141,7 @@ bool NaturalStates::covers(std::size_t temperature, Index t) const {
 }
 
 void NaturalStates::add(Index t, const energy::BendingElement& bending, const std::vector<Index>& local, Flags flags) {
-  const energy::Material& m = on_->sheet().material(t);
+  const energy::Material& m = on_->element_sheet().material(t);
   bool has_temperature = false, has_difference = false;
   for (std::size_t k = 0; k < input_.temperatures.size(); ++k) {
     if (!covers(k, t)) continue;
@@ -153,13 +153,13 @@ void NaturalStates::add(Index t, const energy::BendingElement& bending, const st
   Item item{t, kernels_.membrane.size() - 1, no_index, no_index, flags.owned, Vec3::Zero(), bending.rest_curvature};
   for (int i = 0; i < 3; ++i) item.place += mesh.start_corner(t, i) / 3.0;
   kernels_.membrane.add_natural();
-  item.projector = energy::free_side_projector(on_->sheet(), t);
+  item.projector = energy::free_side_projector(on_->element_sheet(), t);
   if (flags.by_angles) {
     item.angles = kernels_.angles.size() - 1;
     item.rest = kernels_.angles.rest_curvature(item.angles);
   } else if (has_difference || !item.rest.isZero(0.0) || energy::couples(m)) {
     item.bending = kernels_.bending.size();
-    kernels_.bending.add_natural(bending, on_->sheet().mesh().area(t) * m.bending, local, flags.owned);
+    kernels_.bending.add_natural(bending, on_->element_sheet().mesh().area(t) * m.bending, local, flags.owned);
   }
   item_of_[static_cast<std::size_t>(t)] = static_cast<Index>(items_.size());
   items_.push_back(item);
@@ -193,8 +193,8 @@ double NaturalStates::growth() const {
   for (const Item& item : items_) {
     const auto [change, difference] = temperature_of(item, time_, load_factor_);
     const auto [more, wider] = temperature_of(item, input_.by_load ? time_ + 1.0 : time_, load_factor_ + 1.0);
-    const energy::Material& m = on_->sheet().material(item.triangle);
-    const double cell = std::sqrt(on_->sheet().mesh().area(item.triangle));
+    const energy::Material& m = on_->element_sheet().material(item.triangle);
+    const double cell = std::sqrt(on_->element_sheet().mesh().area(item.triangle));
     most = std::max(most, std::abs(more - change) * m.expansion.norm() +
                               std::abs(wider - difference) * m.expansion_curvature.norm() * cell);
   }
@@ -205,7 +205,7 @@ double NaturalStates::growth() const {
 }
 
 void NaturalStates::take(Item& item, double time, double load_factor) {
-  const energy::Material& m = on_->sheet().material(item.triangle);
+  const energy::Material& m = on_->element_sheet().material(item.triangle);
   std::tie(item.change, item.difference) = temperature_of(item, time, load_factor);
   energy::NaturalState state = energy::natural_state(m, item.change, item.difference);
   const Eigen::Vector2d stretch = state.stretch.diagonal();
@@ -221,7 +221,7 @@ void NaturalStates::take(Item& item, double time, double load_factor) {
   const Vec3 unit(0.5, 0.5, 0.0);
   if (item.owned)
     squared_force_ +=
-        on_->sheet().mesh().area(item.triangle) * (m.membrane * (state.metric(unit) - unit)).squaredNorm() +
+        on_->element_sheet().mesh().area(item.triangle) * (m.membrane * (state.metric(unit) - unit)).squaredNorm() +
         (m.bending * (item.bent - item.rest)).squaredNorm();
   if (item.bending != no_index) kernels_.bending.set_natural(item.bending, item.bent);
   if (item.angles != no_index) kernels_.angles.set_rest_curvature(item.angles, item.bent);

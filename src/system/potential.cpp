@@ -241,7 +241,8 @@ void Potential::restore_slips(std::vector<double> slips) {
 
 TriangleFields Potential::triangle_fields(Vec a) {
   const energy::Configuration c = configuration(a);
-  return recovery_.fields(on_->comm(), on_->sheet(), {membrane_->kernel, angles_->kernel, joints_, natural_.get()}, c);
+  return recovery_.fields(on_->comm(), on_->element_sheet(), on_->mesh().triangle_count(),
+                          {membrane_->kernel, angles_->kernel, joints_, natural_.get()}, c);
 }
 
 long Potential::uncorrected_triangles() const {

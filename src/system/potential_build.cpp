@@ -71,7 +71,7 @@ void Potential::build_terms(const Curvatures& curvatures, const PotentialInput& 
   build_joints(!input.natural.hinges.empty());
   build_sheet(curvatures, input.natural);
   build_mirror_folds();
-  if (energy::YarnFrictionTerm::is_needed(on_->sheet())) build_yarns(curvatures);
+  if (energy::YarnFrictionTerm::is_needed(on_->element_sheet())) build_yarns(curvatures);
   auto& ties = add_term<ElementTerm<energy::SpringTerm>>(&Energies::springs);
   bands_ = std::make_unique<Bands>(*on_, ties.kernel);
   for (const Spring& spring : input.springs)
@@ -91,13 +91,13 @@ void Potential::build_terms(const Curvatures& curvatures, const PotentialInput& 
 /// The membrane, bending of curved rest shapes beyond K_b, and what is recovered from both.
 void Potential::build_sheet(const Curvatures& curvatures, NaturalInput input) {
   membrane_ = &add_term<BatchTerm<energy::MembraneTerm>>(&Energies::membrane);
-  membrane_->kernel = energy::MembraneTerm(on_->sheet());
+  membrane_->kernel = energy::MembraneTerm(on_->element_sheet());
   std::optional<energy::ChordForms> forms;
-  if (membrane_->kernel.corrects()) forms.emplace(on_->sheet());
+  if (membrane_->kernel.corrects()) forms.emplace(on_->element_sheet());
   membrane_->kernel.reserve(curvatures.size());
   auto& curved = add_term<BatchTerm<energy::CurvedBendingTerm>>(&Energies::bending);
   angles_ = &add_term<BatchTerm<energy::AngleBendingTerm>>(&Energies::bending);
-  if (NaturalStates::needed(on_->sheet(), input)) {
+  if (NaturalStates::needed(on_->element_sheet(), input)) {
     auto& natural = add_term<BatchTerm<energy::CurvedBendingTerm>>(&Energies::bending);
     natural_ = std::make_unique<NaturalStates>(
         *on_, std::move(input), NaturalStates::Kernels{membrane_->kernel, natural.kernel, angles_->kernel, joints_});
@@ -105,7 +105,7 @@ void Potential::build_sheet(const Curvatures& curvatures, NaturalInput input) {
   energy::LinearBendingTerm* beside =
       on_->constraints().bodies.empty() ? nullptr
                                         : &add_term<ElementTerm<energy::LinearBendingTerm>>(&Energies::bending).kernel;
-  const auto& materials = on_->sheet().materials();
+  const auto& materials = on_->element_sheet().materials();
   if (std::any_of(materials.begin(), materials.end(), energy::couples))
     coupling_ = &add_term<ElementTerm<energy::CouplingTerm>>(&Energies::bending).kernel;
   const std::vector<Index>& local_of = on_->dofs().local().local_of;
@@ -115,18 +115,18 @@ void Potential::build_sheet(const Curvatures& curvatures, NaturalInput input) {
   for (std::size_t k = 0; k < curvatures.size(); ++k) {
     const auto& [triangle, corners, owned] = on_->elements()[k];
     std::array<Index, energy::MembraneTerm::nodes> stencil{};
-    to_local(energy::MembraneTerm::stencil_of(on_->sheet(), triangle), stencil);
-    membrane_->kernel.add(on_->sheet(), triangle, stencil, owned);
-    const energy::BendingElement el = energy::make_bending_element(on_->sheet(), triangle, curvatures[k]);
+    to_local(energy::MembraneTerm::stencil_of(on_->element_sheet(), triangle), stencil);
+    membrane_->kernel.add(on_->element_sheet(), triangle, stencil, owned);
+    const energy::BendingElement el = energy::make_bending_element(on_->element_sheet(), triangle, curvatures[k]);
     std::vector<Index> local(el.points.size());
     to_local(el.points, local);
     if (beside && on_->is_on_body(el.points)) beside->add(el, local, owned);
     const bool by_angles = add_angles(triangle, curvatures[k], el, local, owned);
     if (forms)  // the term of fourth order is for sums of vectors
-      membrane_->kernel.correct(on_->sheet(), by_angles ? Mat3(Mat3::Zero()) : forms->trace(triangle), triangle, el,
-                                local);
-    if (on_->draws_in()) membrane_->kernel.add_gather(on_->sheet(), on_->patches_before(), triangle);
-    if (energy::couples(on_->sheet().material(triangle))) add_coupling(triangle, el, owned);
+      membrane_->kernel.correct(on_->element_sheet(), by_angles ? Mat3(Mat3::Zero()) : forms->trace(triangle), triangle,
+                                el, local);
+    if (on_->draws_in()) membrane_->kernel.add_gather(on_->element_sheet(), on_->patches_before(), triangle);
+    if (energy::couples(on_->element_sheet().material(triangle))) add_coupling(triangle, el, owned);
     if (natural_) natural_->add(triangle, el, local, {owned, by_angles});
     if (!by_angles && el.coupling.size() > 0) curved.kernel.add(el, local, owned);
     if (owned)
@@ -140,7 +140,7 @@ void Potential::build_sheet(const Curvatures& curvatures, NaturalInput input) {
 
 bool Potential::add_angles(Index t, const energy::CurvatureOperator& op, const energy::BendingElement& el,
                            const std::vector<Index>& local, bool owned) {
-  const energy::Sheet& sheet = on_->sheet();
+  const energy::Sheet& sheet = on_->element_sheet();
   if (!energy::bends_by_angles(sheet, t) || energy::couples(sheet.material(t))) return false;
   if (local.size() > energy::AngleBendingTerm::most) return false;
   const std::optional<energy::EdgeAngles> angles = energy::make_edge_angles(sheet, t, op, el);
@@ -149,22 +149,22 @@ bool Potential::add_angles(Index t, const energy::CurvatureOperator& op, const e
 }
 
 void Potential::add_coupling(Index t, const energy::BendingElement& el, bool owned) {
-  coupling_->add(on_->sheet(), t, el, on_->dofs().local().local_of, owned);
+  coupling_->add(on_->element_sheet(), t, el, on_->dofs().local().local_of, owned);
   coupled_.push_back({t, membrane_->kernel.size() - 1, el.rest_curvature});
 }
 
 void Potential::build_yarns(const Curvatures& curvatures) {
   yarns_ = &add_term<BatchTerm<energy::YarnFrictionTerm>>(&Energies::bending);
-  yarns_->kernel = energy::YarnFrictionTerm(on_->sheet());
+  yarns_->kernel = energy::YarnFrictionTerm(on_->element_sheet());
   const std::vector<Index>& local_of = on_->dofs().local().local_of;
   for (std::size_t k = 0; k < curvatures.size(); ++k) {
     const auto& [triangle, corners, owned] = on_->elements()[k];
-    if (!energy::YarnFrictionTerm::acts_on(on_->sheet(), triangle)) continue;
-    const energy::BendingElement el = energy::make_bending_element(on_->sheet(), triangle, curvatures[k]);
+    if (!energy::YarnFrictionTerm::acts_on(on_->element_sheet(), triangle)) continue;
+    const energy::BendingElement el = energy::make_bending_element(on_->element_sheet(), triangle, curvatures[k]);
     if (el.points.size() > energy::AngleBendingTerm::most) continue;
     std::vector<Index> local;
     for (const Index p : el.points) local.push_back(local_of[p]);
-    yarns_->kernel.add(on_->sheet(), triangle, el, local, owned);
+    yarns_->kernel.add(on_->element_sheet(), triangle, el, local, owned);
   }
 }
 
@@ -186,17 +186,17 @@ void Potential::build_mirror_folds() {
   const mesh::SurfaceMesh& mesh = on_->mesh();
   const LocalPoints& local = on_->dofs().local();
   const std::vector<mesh::MirrorPoint>& mirrors = on_->patches().mirrors();
-  for (std::size_t k = 0; k < mirrors.size(); ++k) {
+  for (std::size_t k = 0; k < on_->constraints().mirrors.size(); ++k) {  // not of images, which follow
     const mesh::MirrorPoint& m = mirrors[k];
     const std::array<Index, 3> vertices{m.apex, m.a, m.b};
-    if (std::none_of(vertices.begin(), vertices.end(), [&](Index v) { return on_->owned(v) != no_index; })) continue;
+    if (!on_->has_rows_of({m.apex, m.a, m.b})) continue;
     Index triangle = no_index;
     for (const Index t : mesh.triangles_of_vertex(m.apex))
       if (mesh.side_of(t, m.a, m.b) >= 0) triangle = t;
     const auto start = [&](Index v) { return local.start[local.local_of[v]]; };
     const Vec3 arm = start(m.apex) - ((1.0 - m.foot) * start(m.a) + m.foot * start(m.b));
     const double length = mesh.rest_length({m.a, m.b}), height = 2.0 * mesh.area(triangle) / length;
-    const double bending = 0.5 * on_->sheet().material(triangle).bending.topLeftCorner<2, 2>().trace();
+    const double bending = 0.5 * on_->element_sheet().material(triangle).bending.topLeftCorner<2, 2>().trace();
     energy::MirrorFoldTerm::Edge edge;
     std::transform(vertices.begin(), vertices.end(), edge.points.begin(), [&](Index v) { return local.local_of[v]; });
     edge.foot = m.foot;
@@ -204,7 +204,7 @@ void Potential::build_mirror_folds() {
     edge.stiffness = 2.0 * bending * length / height;
     edge.outward = -arm.normalized();
     edge.support = on_->constraints().turned_by[k];
-    edge.owned = on_->owned(m.apex) != no_index;
+    edge.owned = on_->owned(on_->constraints().ties.any() ? on_->constraints().ties.root(m.apex) : m.apex) != no_index;
     folds_->add(edge);
   }
 }
@@ -239,7 +239,7 @@ BlockPattern Potential::make_pattern(const Curvatures& curvatures) const {
       if (on_->owned(v) != no_index) add(pattern[on_->owned(v)], columns);
   };
   for (std::size_t k = 0; k < curvatures.size(); ++k)
-    couple(on_->unknowns_of(stencil_points(on_->sheet(), on_->elements()[k].triangle, curvatures[k])));
+    couple(on_->unknowns_of(stencil_points(on_->element_sheet(), on_->elements()[k].triangle, curvatures[k])));
   for (const Counted& t : terms_)
     t.term->for_stencils([&](const Index* points, int count) {
       std::vector<Index> of(static_cast<std::size_t>(count));

@@ -53,9 +53,9 @@ void Recovery::end_adding() {
   weights_.shrink_to_fit();
 }
 
-TriangleFields Recovery::fields(MPI_Comm comm, const energy::Sheet& sheet, const Sources& from,
+TriangleFields Recovery::fields(MPI_Comm comm, const energy::Sheet& sheet, Index triangles, const Sources& from,
                                 const energy::Configuration& c) const {
-  const auto size = 3 * static_cast<std::size_t>(sheet.mesh().triangle_count());
+  const auto size = 3 * static_cast<std::size_t>(triangles);
   TriangleFields f;
   for (auto* v : {&f.membrane_strain, &f.membrane_force, &f.curvature, &f.whole_curvature, &f.bending_moment})
     v->assign(size, 0.0);

@@ -52,8 +52,8 @@ class Recovery {
     const energy::JointTerm* joints;  ///< null: no sheets are joined
     const NaturalStates* natural;     ///< null: the rest shape
   };
-  /// At configuration c of the local points. Collective; values on rank 0.
-  [[nodiscard]] TriangleFields fields(MPI_Comm comm, const energy::Sheet& sheet, const Sources& from,
+  /// At configuration c of the local points, of the first `triangles` of the sheet. Collective; values on rank 0.
+  [[nodiscard]] TriangleFields fields(MPI_Comm comm, const energy::Sheet& sheet, Index triangles, const Sources& from,
                                       const energy::Configuration& c) const;
 
  private:

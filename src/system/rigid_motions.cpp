@@ -140,6 +140,8 @@ class Counter {
         }
       }
     }
+    for (const Index v : constraints_.ties.carriers)
+      touching.join(bodies_of(v).front(), bodies_of(constraints_.ties.root(v)).front());
     for (const Spring& s : springs_)
       for (const auto& [v, w] : pairs_of(mesh_, s)) {
         const Index first = bodies_of(v).front(), second = bodies_of(w).front();
@@ -182,6 +184,20 @@ class Counter {
     }
   }
 
+  /// The components of a difference that are prescribed.
+  template <class Finish>
+  void add_difference(Index carrier, Matrix& row, const Finish& finish) const {
+    const std::array<bool, 3>& held = constraints_.vertices.at(carrier).fixed;
+    const Index root = constraints_.ties.root(carrier);
+    for (int k = 0; k < 3; ++k) {
+      if (!held[static_cast<std::size_t>(k)]) continue;
+      row.setZero();
+      add_held(row, bodies_of(carrier).front(), carrier, Vec3::Unit(k));
+      add_held(row, bodies_of(root).front(), root, Vec3::Unit(k), -1.0);
+      finish();
+    }
+  }
+
   /// Adds the outer product of each equation to the normal matrix, divided by their number so that many do not hide
   /// few.
   [[nodiscard]] Matrix normal_matrix(const std::vector<Index>& group) const {
@@ -195,13 +211,18 @@ class Counter {
     }
     for (const auto& [v, support] : constraints_.vertices) {
       const Index body = bodies_of(v).front();
-      if (!inside(body) || in_rigid_.count(v) > 0) continue;
+      if (!inside(body) || in_rigid_.count(v) > 0 || (constraints_.ties.any() && constraints_.ties.is_tied(v)))
+        continue;
       for (int k = 0; k < 3; ++k) {
         if (!support.fixed[k]) continue;
         row.setZero();
         add_held(row, body, v, support.axes.col(k));
         finish();
       }
+    }
+    for (const Index v : constraints_.ties.carriers) {
+      if (!inside(bodies_of(v).front())) continue;
+      add_difference(v, row, finish);
     }
     each_spring([&](Index v, const Vec3& d) {
       const Index body = bodies_of(v).front();

@@ -46,6 +46,7 @@ import landmarks  # noqa: E402, F401
 import library  # noqa: E402, F401
 import meshing  # noqa: E402, F401
 import patterns  # noqa: E402, F401
+import periodic  # noqa: E402, F401
 import picture_mistakes  # noqa: E402, F401
 import picturing  # noqa: E402, F401
 import placing  # noqa: E402, F401
@@ -78,7 +79,7 @@ harmonic_methods tutorial_drape harmonic_mistakes rigid_motion gas_breathing rem
 stiffness_jumps drape_test rubber_drum zipper fabric_test fit_sheets library_coupling pictures_by_ranks harmonic_forces drape_equilibria
 gas_leak koiter_cylinder stages_interrupted gas_rigid three_layers patch_pocket imperfect_restart imperfect_mistakes seam_statics
 cylinders roofs mixed_statics forms exports_in_pieces exports_of_mistakes pictures_of_mistakes pictures_on_a_full_disk signal_twice
-stages_mistakes stages_stopped_search named_failures poor_meshes meshes_at_random absurd_numbers initial_mistakes rigid_mistakes
+stages_mistakes stages_stopped_search named_failures poor_meshes meshes_at_random absurd_numbers initial_mistakes rigid_mistakes periodic_mistakes
 hinge_mistakes garment_refused garment_slides garment_obj sewn_wrongly rigid_caps user_mistakes frames_notes unresolved_on_the_way
 hemisphere howto_cases deck_cases signals_to_mpirun newton_cost garment_sewn_dress yarn_friction manikin shrunk_tube attachment_mistakes
 estimated_errors tutorial_skirt garment_landmark_mistakes lacking_memory rigid_pendulum failure_pulled rubber_mistakes folders knife_pleat kes

@@ -1,0 +1,214 @@
+"""Periodic edges: a strip in plane strain, a cell that is stretched, modes of an infinite plate, a motion; ranks, restart, mistakes."""
+
+import math
+
+import numpy as np
+from common import fresh
+from harness import OUT, solve, test
+from panels import Panels
+from solver import ROOT, run, write_case
+
+YOUNG, POISSON, THICKNESS, DENSITY = 1.2e6, 0.3, 0.1, 100.0
+PLATE = {"type": "isotropic", "young": YOUNG, "poisson": POISSON, "thickness": THICKNESS, "density": DENSITY}
+BENDING = YOUNG * THICKNESS**3 / (12 * (1 - POISSON**2))
+SIDES = {"from": "side_low", "to": "side_high", "name": "across"}
+
+
+def strip(analysis, n, length, width, periodic, pattern=2, material=PLATE, **more):
+    mesh = {"file": str(ROOT / "meshes" / "cantilever.geo"),
+            "parameters": {"length": length, "width": width, "nx": n, "ny": max(1, round(n * width / length)), "pattern": pattern}}
+    return {"title": "Periodic", "analysis": analysis, "mesh": mesh, "material": [material], "periodic": periodic,
+            "output": {"every": 1000}} | more
+
+
+def cell(name, analysis, n, m, length, width, along=None, across=None, material=PLATE, **more):
+    """A rectangle that repeats itself along both sides, held at a corner."""
+    p = Panels()
+    at = p.add("plate", (0, 0, 0), (length, 0, 0), (0, width, 0), n, m)
+    p.point("corner", at[0, 0])
+    mesh = p.write(OUT / f"{name}.msh")
+    pairs = [{"from": "plate start", "to": "plate end", "name": "along"} | (along or {}),
+             {"from": "plate low", "to": "plate high", "name": "across"} | (across or {})]
+    return {"title": "Cell", "analysis": analysis, "mesh": {"file": str(mesh)}, "material": [material], "periodic": pairs,
+            "support": [{"type": "hinged", "group": "corner"}], "output": {"every": 1000}} | more
+
+
+@test
+def periodic_strip(report):
+    """One period of an infinitely wide cantilever is in plane strain, also one cell wide, on 1, 2 and 3 ranks."""
+    length, load = 10.0, 0.04
+    exact = load * length**3 / (3 * BENDING)
+    probe = [{"name": "tip", "type": "displacement", "group": "tip"}, {"name": "clamp", "type": "reaction", "group": "clamp"}]
+    more = {"support": [{"type": "clamped", "group": "clamp"}], "probe": probe,
+            "load": [{"type": "line", "group": "tip", "vector": [0, 0, load]}]}
+    for pattern, n, width in ((0, 40, 1.0), (1, 40, 1.0), (2, 40, 1.0), (2, 40, 0.25), (0, 40, 0.25)):
+        h = solve("periodic_strip", strip("linear", n, length, width, [SIDES], pattern, **more)).history
+        report.percent(h["tip_z"][-1] / exact, 0.003, f"pattern {pattern}, {width} m wide: deflection")
+        report.near(h["clamp_z"][-1], -load * width, 1e-9, "the clamp holds the load")
+    free = solve("periodic_free", strip("linear", 40, length, 1.0, [], **more)).history
+    report.check(free["tip_z"][-1] / exact > 1.05, "with free sides it is another one")
+    large = more | {"load": [{"type": "line", "group": "tip", "vector": [0, 0, 10 * load]}]}
+    runs = [solve(f"periodic_large_{ranks}", strip("static", 40, length, 1.0, [SIDES], **large), ranks) for ranks in (1, 2, 3)]
+    shapes = [r.displacement() for r in runs]
+    for ranks, shape in zip((2, 3), shapes[1:]):
+        report.below(np.abs(shape - shapes[0]).max() / length, 1e-7, f"{ranks} ranks")
+    beam = PLATE | {"poisson": 0.0, "young": YOUNG / (1 - POISSON**2)}
+    plain = solve("periodic_beam", strip("static", 40, length, 1.0, [], material=beam, **large)).history["tip_z"][-1]
+    report.percent(runs[0].history["tip_z"][-1] / plain, 0.003, "at a large deflection as a beam of E/(1 - nu^2)")
+    stopped = solve("periodic_half", strip("static", 40, length, 1.0, [SIDES], **large, steps={"stops": [0.5], "final_load_factor": 0.5}))
+    again = solve("periodic_again", strip("static", 40, length, 1.0, [SIDES], **large), options=["--restart", str(stopped.folder / "checkpoint.h5")])
+    report.below(np.abs(again.displacement() - shapes[0]).max() / length, 1e-7, "continued from half the load")
+
+
+@test
+def periodic_cell(report):
+    """A cell that is stretched has one stress; forces on free differences stretch it as far, and expressions along a path."""
+    length, width, strain = 2.0, 1.0, 0.01
+    stiffness = YOUNG * THICKNESS / (1 - POISSON**2)
+    stretched = {"along": {"difference": [strain * length, 0, 0]}, "across": {"difference": [0, -0.5 * strain * width, 0]}}
+    for ranks in (1, 2, 3):
+        h = solve("periodic_cell", cell("periodic_cell", "linear", 6, 3, length, width, **stretched), ranks).history
+        report.percent(h["along_force_x"][-1] / (stiffness * strain * (1 - 0.5 * POISSON) * width), 1e-9, f"{ranks} ranks: force along")
+        report.percent(h["across_force_y"][-1] / (stiffness * strain * (POISSON - 0.5) * length), 1e-9, "across")
+        report.near(h["along_x"][-1], strain * length, 1e-12, "difference")
+    path = {"along": {"difference": [f"{20 * strain * length}*t", 0, 0]}, "across": {"difference": [0, "free", 0]}}
+    run_of = solve("periodic_path", cell("periodic_path", "static", 6, 3, length, width, output={}, **path))
+    h, step = run_of.history, run_of.results[-1]
+    green = 20 * strain + 0.5 * (20 * strain)**2
+    force = YOUNG * THICKNESS * green * (1 + 20 * strain) * width
+    report.percent(h["along_force_x"][-1] / force, 1e-9, "force at 20 % of stretch")
+    report.percent(h["across_y"][-1] / (width * (math.sqrt(1 - 2 * POISSON * green) - 1)), 1e-9, "it gets narrower as it likes")
+    n = step["membrane_force"]
+    report.below(np.ptp(n, axis=0).max() / np.abs(n).max(), 1e-9, "one stress everywhere")
+    report.below(np.abs(step["bending_moment"]).max(), 1e-9, "no moment")
+    pulled = {"along": {"difference": ["free", 0, 0], "force": [force, 0, 0]}, "across": {"difference": [0, "free", 0]}}
+    for analysis in ("static", "drape"):
+        h = solve("periodic_pulled", cell("periodic_pulled", analysis, 6, 3, length, width, **pulled)).history
+        report.percent(h["along_x"][-1] / (20 * strain * length), 1e-6, f"{analysis}: the force stretches it as far")
+    arc = {"along": {"difference": [20 * strain * length, 0, 0]}, "across": {"difference": [0, "free", 0]}}
+    probes = [{"name": name, "type": "reaction", "group": f"plate {name}"} for name in ("start", "end", "low", "high")]
+    for control in ("arc_length", "load"):
+        h = solve(f"periodic_{control}", cell(f"periodic_{control}", "static", 6, 3, length, width, probe=probes, steps={"control": control}, **arc)).history
+        at = h["along_x"][-1] / length
+        green = at + 0.5 * at**2
+        report.near(at, 20 * strain * h["load_factor"][-1], 1e-9, f"{control}: the difference grows with the load factor")
+        report.percent(h["along_force_x"][-1] / (YOUNG * THICKNESS * green * (1 + at) * width), 1e-6, f"{control}: force at {100 * at:.4g} %")
+        report.near(h["end_x"][-1], h["along_force_x"][-1], 1e-6, "reaction on `to`")
+        report.near(h["start_x"][-1], -h["along_force_x"][-1], 1e-6, "reaction on `from`")
+        report.below(max(abs(h["low_x"][-1]), abs(h["high_x"][-1]), abs(h["low_y"][-1])), 1e-6, "none on the others")
+    sheared = {"along": {"difference": [0, strain * length, 0]}}
+    h = solve("periodic_sheared", cell("periodic_sheared", "linear", 6, 3, length, width, **sheared)).history
+    report.percent(h["along_force_y"][-1] / (stiffness * (1 - POISSON) / 2 * strain * width), 1e-9, "shear")
+
+
+@test
+def periodic_modes(report):
+    """Modes of an infinite plate by one cell: omega = k^2 sqrt(D/(rho h)), each as often as waves have its length."""
+    length, width, n, m = 1.0, 0.8, 30, 24
+    thin = PLATE | {"thickness": 0.001}
+    waves = sorted((2 * math.pi)**2 * ((i / length)**2 + (j / width)**2) for i in range(-3, 4) for j in range(-3, 4) if i or j)
+    speed = math.sqrt(YOUNG * 0.001**3 / (12 * (1 - POISSON**2)) / (DENSITY * 0.001))
+    exact = [k * speed / (2 * math.pi) for k in waves[:12]]
+    case = cell("periodic_modes", "modal", n, m, length, width, material=thin, eigen={"modes": 15})
+    del case["support"]
+    for ranks in (1, 2):
+        found = solve("periodic_modes", case, ranks).summary["eigenvalues"]
+        report.below(max(map(abs, found[:3])) / exact[0], 1e-4, f"{ranks} ranks: three translations")
+        for k, (f, e) in enumerate(zip(found[3:], exact)):
+            report.percent(f / e, 0.005, f"mode {k + 4}: {f:.5g} Hz")
+    # A tension that a difference gives, as a string: omega^2 = D k^4 + N k^2
+    strain = 1e-4
+    tight = cell("periodic_tight", "modal", n, m, length, width, {"difference": [strain * length, 0, 0]}, {"difference": [0, "free", 0]},
+                 material=thin, eigen={"modes": 7, "load_factor": 1.0})
+    del tight["support"]
+    found = solve("periodic_tight", tight).summary["eigenvalues"]
+    one = [math.sqrt((speed * k2)**2 + YOUNG * strain * (kx / length * 2 * math.pi)**2 / DENSITY) / (2 * math.pi)
+           for kx, k2 in [(i, (2 * math.pi)**2 * ((i / length)**2 + (j / width)**2)) for i in range(-3, 4) for j in range(-3, 4)]]
+    for f, e in zip(sorted(map(abs, found))[3:], sorted(one)[1:]):
+        report.percent(f / e, 0.005, f"under tension: {f:.5g} Hz")
+
+
+@test
+def periodic_motion(report):
+    """A period of a wide cantilever swings as a beam of E/(1 - nu^2); energy, ranks, and a restart that ends at the same bits."""
+    def case(end, periodic, material=PLATE, mass="consistent", **time):
+        return strip("dynamic", 20, 10.0, 1.0, periodic, pattern=1, material=material, support=[{"type": "clamped", "group": "clamp"}],
+                     load=[{"type": "gravity", "vector": [0, 0, -0.5], "constant": True}],
+                     probe=[{"name": "tip", "type": "displacement", "group": "tip"}],
+                     time={"end": end, "step": 1 / 64, "max_step": 1 / 64, "velocity_tolerance": 1e-6, "mass": mass} | time)
+
+    wide = [SIDES]
+    whole = solve("periodic_swing", case(1.0, wide))
+    h = whole.history
+    as_beam = PLATE | {"poisson": 0.0, "young": YOUNG / (1 - POISSON**2)}
+    beam = solve("periodic_swing_beam", case(1.0, [], as_beam)).history
+    report.percent(h["tip_z"][-1] / beam["tip_z"][-1], 0.003, f"tip at the end: {h['tip_z'][-1]:.4g} m")
+    for name, time in (("lumped", {}), ("explicit", {"method": "central_difference", "step": 1e-3, "max_step": 1e-3})):
+        ends = [solve(f"periodic_swing_{name}", case(0.25, edges, material, "lumped", **time)).history["tip_z"][-1]
+                for edges, material in ((wide, PLATE), ([], as_beam))]
+        report.percent(ends[0] / ends[1], 0.003, f"{name}: tip after 0.25 s: {ends[0]:.4g} m")
+    report.below(h["energy_unaccounted"][-1] / h["work_of_loads"][-1], 1e-6, "not accounted for")
+    for ranks in (2, 3):
+        other = solve(f"periodic_swing_{ranks}", case(1.0, wide), ranks)
+        report.below(np.abs(other.displacement() - whole.displacement()).max(), 1e-7, f"{ranks} ranks")
+    first = solve("periodic_swing_half", case(0.5, wide))
+    again = solve("periodic_swing_again", case(1.0, wide), options=["--restart", str(first.folder / "checkpoint.h5")])
+    report.below(np.abs(again.displacement() - whole.displacement()).max(), 1e-9, "a restart ends at the same place")
+    pulled = cell("periodic_pull", "dynamic", 6, 3, 2.0, 1.0, {"difference": ["free", 0, 0], "force": [100, 0, 0]}, {"difference": [0, "free", 0]},
+                  time={"end": 0.2, "step": 1e-3, "max_step": 1e-3, "velocity_tolerance": 1e-6, "mass": "consistent"})
+    for ranks in (1, 2):
+        h = solve("periodic_pull", pulled, ranks).history
+        report.below(h["energy_unaccounted"][-1] / h["work_of_loads"].max(), 1e-6, f"{ranks} ranks: a difference that swings: not accounted for")
+        report.check(h["along_x"].max() > 1.5 * 100 * 2.0 / (YOUNG * THICKNESS), "it swings beyond the equilibrium")
+        report.near(h["work_of_loads"][-1], 100 * h["along_x"][-1], 1e-9, "work of the force")
+
+
+@test
+def periodic_mistakes(report):
+    """What periodic edges cannot be is refused with the file, the key and a remedy."""
+    pull = {"from": "clamp", "to": "tip"}
+    base = strip("static", 8, 4.0, 2.0, [SIDES], pattern=0, support=[{"type": "hinged", "group": "clamp"}])
+    no = {"support": []}
+    free = no | {"periodic": [SIDES | {"difference": ["free", 0, 0]}]}
+    spring = [{"type": "area", "stiffness": 1.0}]
+    obstacle = [{"type": "plane", "name": "floor", "point": [0, 0, -1], "normal": [0, 0, 1]}]
+    cases = {
+        "unknown": ({"periodic": [SIDES | {"to": "nowhere"}]}, ("periodic", "'nowhere'", "clamp")),
+        "surface": ({"periodic": [SIDES | {"to": "plate"}]}, ("periodic", "'plate'")),
+        "itself": ({"periodic": [SIDES | {"to": "side_low"}]}, ("periodic.to", "is `from` too")),
+        "twice": ({"periodic": [SIDES, SIDES | {"name": "b"}]}, ("periodic.from", "belongs to another pair")),
+        "unequal": ({"periodic": [{"from": "side_low", "to": "tip"}]}, ("has 9 vertices and 'tip' has 5", "Periodic Curve")),
+        "shared": ({"periodic": [{"from": "sides", "to": "sides2"}]}, ("periodic", "sides2", "sides")),
+        "number": ({"periodic": [SIDES | {"difference": [0, 0]}]}, ("periodic.difference", "2 entries")),
+        "text": ({"periodic": [SIDES | {"difference": ["0.1*q", 0, 0]}]}, ("periodic.difference", "q")),
+        "force": ({"periodic": [SIDES | {"force": [1, 0, 0]}]}, ("periodic.force", "x component", "free")),
+        "linear": ({"analysis": "linear", "periodic": [SIDES | {"difference": ["0.1*t", 0, 0]}]}, ("periodic.difference", "number")),
+        "moved": ({"analysis": "dynamic", "periodic": [SIDES | {"difference": [0.1, 0, 0]}]}, ("periodic.difference", "in time")),
+        "held": ({"periodic": [SIDES | {"difference": [0.1, 0, 0]}]}, ("[[periodic]] from = 'side_low'", "`difference`", "correct one")),
+        "free": ({"periodic": [SIDES | {"difference": ["free", 0, 0]}]}, ("prescribe that component",)),
+        "clamped": ({"periodic": [SIDES, pull], "support": [{"type": "clamped", "group": "clamp"}]}, ("holds the slope", "displacement")),
+        "turned": ({"support": [{"type": "hinged", "group": "clamp", "rotation_axis": [0, 0, 1], "rotation_angle": "90*t"}]}, ("moves it otherwise", "leave one")),
+        "rigid": ({"rigid": [{"group": "tip"}]}, ("[[periodic]] and [[rigid]]", "remove")),
+        "spring": ({"spring": spring}, ("[[periodic]] and [[spring]]", "remove")),
+        "hinge": ({"hinge": [{"group": "tip", "stiffness": 1.0}]}, ("[[periodic]] and [[hinge]]", "remove")),
+        "mass": ({"mass": [{"group": "tip", "mass": 1.0}]}, ("[[periodic]] and [[mass]]", "remove")),
+        "contact": ({"contact": {"distance": 0.01}, "obstacle": obstacle}, ("[[periodic]] and [contact]", "remove")),
+        "remesh": ({"remesh": {}}, ("[[periodic]] and [remesh]", "remove")),
+        "form": ({"form": {}, "material": [PLATE | {"prestress": [10.0, 10.0]}]}, ("[form]", "remove")),
+        "gas": ({"load": [{"type": "gas", "group": "plate", "magnitude": 10.0}]}, ("[[periodic]] and [[load]]", "follower_pressure")),
+        "stages": ({"analysis": None, "stage": [{"name": "a", "analysis": "static"}]}, ("[[periodic]] and [[stage]]",)),
+        "buckling": ({"analysis": "buckling"}, ("[[periodic]] and analysis", "static")),
+        "harmonic": ({"analysis": "harmonic", "harmonic": {"from": 1.0, "to": 2.0}, "load": [{"type": "line", "group": "tip", "vector": [0, 0, 1.0]}]}, ("[[periodic]] and analysis", "static")),
+        "lumped": ({"analysis": "modal", "eigen": {"mass": "lumped"}} | free, ("eigen.mass", "consistent")),
+        "motion": ({"analysis": "dynamic", "time": {"end": 1.0, "step": 0.1}} | free, ("time.mass", "consistent")),
+        "name": ({"periodic": [SIDES | {"name": "a,b"}]}, ("periodic.name", "commas")),
+        "names": ({"probe": [{"name": "across", "type": "displacement", "group": "tip"}]}, ("probe.name", "rename")),
+        "four": ({"periodic": [{"from": f"a{k}", "to": f"b{k}"} for k in range(4)]} | no, ("at most 3",)),
+    }
+    for name, (changes, texts) in cases.items():
+        case = {k: v for k, v in (base | changes).items() if v is not None}
+        file = write_case(case, OUT / f"periodic_mistake_{name}.toml")
+        done = run(file, fresh(f"periodic_mistake_{name}"))
+        report.check(done.code == 2, f"{name}: exit code {done.code}")
+        for text in texts:
+            report.check(text in done.text, f"{name}: '{text}' is in: {done.text.strip()[-300:] if text not in done.text else '...'}")
