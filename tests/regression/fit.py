@@ -143,7 +143,7 @@ def fit_sheets(report):
     wait_for(lambda: list(temporary.glob("voile_fit_*/*/run.log")), process)
     process.send_signal(signal.SIGINT)
     text = process.communicate()[0]
-    left = [path.name for path in temporary.iterdir()]
+    left = [path.name for path in temporary.glob("voile*")]  # what Open MPI leaves is its own
     report.check(process.returncode == 3 and "stopped by a signal" in text and not left, f"killed: exit code {process.returncode}, left over {left}")
     for name, sheet, expected in (("unit", head + "thickness = 0.4\n", "unit_.toml:4: thickness: the unit"), ("word", head + "[kes]\nEMTT = 4\n", "did you mean 'EMT'"),
                                   ("rank", head + '[bending_length]\nbias = "20 mm"\n', "cannot be separated"), ("none", head, "determines the bending stiffness")):

@@ -1,6 +1,7 @@
 """Garments: flat panels that are sewn together, as texture coordinates of an OBJ file."""
 
 import numpy as np
+from common import fresh
 from harness import OUT, solve, test
 from pattern_files import part
 from results import Results
@@ -142,3 +143,27 @@ def sewn_folded_edge(report):
     stages = result.summary["stages"]
     report.check(result.summary["converged"] and stages[0]["vertices"] - stages[1]["vertices"] == 5, "five pairs of nodes are welded")
     report.check(all(part(result, s["name"]).history["intersections"].max() == 0 for s in stages), "nothing intersects")
+
+
+@test
+def sewn_from_next(report):
+    """The stage after sewing with self-contact begins from its checkpoint as it does in one run: the mesh is another one by then."""
+    OUT.mkdir(parents=True, exist_ok=True)
+    (OUT / "half.svg").write_text('<svg xmlns="http://www.w3.org/2000/svg" width="200mm" height="300mm" viewBox="0 0 200 300">'
+                                  '<path id="back" d="M0,300 L200,300 L200,0 L0,0 Z"/></svg>')
+    piece = {"file": str(OUT / "half.svg"), "size": 0.03}
+    case = {
+        "panel": [piece | {"name": "a"}, piece | {"name": "b", "translate": [0.21, 0, 0]}],
+        "seam": [{"name": "s", "edges": ["a/1"], "to": ["b/3"], "meet": ["a@1", "b@0"]}],
+        "material": [{"type": "fabric", "fabric": "wool_tropical", "texture_direction": [0, 1]}],
+        "support": [{"group": "a/2", "type": "hinged"}], "load": [{"type": "gravity", "vector": [0, 0.5, -9.81]}], "contact": {},
+        "stage": [{"name": "sew", "analysis": "dynamic", "sew": ["all"], "time": {"end": 0.8}}, {"name": "next", "analysis": "dynamic", "time": {"end": 0.82}}]}
+    file, folder = write_case(case, OUT / "sewn_from_next.toml"), fresh("sewn_from_next")
+    code, text = invoke(["run", file, "--output", folder])
+    report.check(code == 0, "both stages" + text[-300:] * (code != 0))
+    history = (folder / "next" / "history.csv").read_text().splitlines()[-1].split(",")
+    for ranks in (1, 2):
+        code, text = invoke(["run", file, "--output", folder, "--from", "next", "--overwrite"], ranks)
+        again = (folder / "next" / "history.csv").read_text().splitlines()[-1].split(",")
+        report.check(code == 0, f"from the second on {ranks}" + text[-300:] * (code != 0))
+        report.percent(float(again[9]) / float(history[9]), 1e-12 if ranks == 1 else 1e-5, "kinetic energy at the end")
