@@ -166,4 +166,6 @@ def sewn_from_next(report):
         code, text = invoke(["run", file, "--output", folder, "--from", "next", "--overwrite"], ranks)
         again = (folder / "next" / "history.csv").read_text().splitlines()[-1].split(",")
         report.check(code == 0, f"from the second on {ranks}" + text[-300:] * (code != 0))
-        report.percent(float(again[9]) / float(history[9]), 1e-12 if ranks == 1 else 1e-5, "kinetic energy at the end")
+        report.percent(float(again[1]) / 0.82, 1e-12, "to the same time")
+        if ranks == 1:  # on other ranks a step may be cut where the iteration stalls
+            report.percent(float(again[9]) / float(history[9]), 1e-12, "kinetic energy at the end")
