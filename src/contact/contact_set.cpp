@@ -181,25 +181,32 @@ double ContactSet::obstacle_work(const std::vector<Vec3>& x, const std::vector<V
                                  const std::vector<Plane>& planes_then) const {
   double sum = 0.0;
   Near n;
-  Vec12 g;
+  Vec12 g, then;
   candidates_.for_close(x, options_.distance, [&](const Pair& pair) {
     const bool moved = std::any_of(pair.points.begin(), pair.points.end(), [&](Index p) {
       return p != no_index && !surface_->is_sheet(p) && x[p] != start[p];
     });
     if (!moved || !counted(pair.points) || !near(pair, x, reach(pair), n)) return;
     pair_gradient(pair, n, g);
+    if (near(pair, start, reach(pair), n)) {
+      pair_gradient(pair, n, then);
+      g = 0.5 * (g + then);
+    }
     for (int i = 0; i < 4; ++i)
       if (const Index p = pair.points[i]; p != no_index && !surface_->is_sheet(p))
         sum += g.segment<3>(3 * i).dot(x[p] - start[p]);
   });
   for (std::size_t k = 0; k < planes_.size(); ++k)
     for (Index i : candidates_.own_points()) {
-      const Plane &now = planes_[k], &then = planes_then[k];
+      const Plane &now = planes_[k], &then_plane = planes_then[k];
       if (!plane_acts(now, i)) continue;
-      const double gap = plane_gap(now, i, x), d = reach(i);
+      const double gap = plane_gap(now, i, x), gap_then = plane_gap(then_plane, i, start), d = reach(i);
+      if (!(gap < d)) continue;
+      double pressure = barrier(gap, d).first;
+      if (gap_then > 0.0 && gap_then < d) pressure = 0.5 * (pressure + barrier(gap_then, d).first);
       // The gap changes by the displacement of the point, and by this.
-      const double change = (now.normal - then.normal).dot(start[i]) - (now.level - then.level);
-      if (gap < d) sum += options_.stiffness * surface_->area[i] * barrier(gap, d).first * change;
+      const double change = (now.normal - then_plane.normal).dot(start[i]) - (now.level - then_plane.level);
+      sum += options_.stiffness * surface_->area[i] * pressure * change;
     }
   return sum;
 }

@@ -91,8 +91,9 @@ class ContactSet {
   [[nodiscard]] double energy(const std::vector<Vec3>& x, Part part = both) const;
   /// What friction takes, sum of force times slip over the pairs this rank counts. [J]
   [[nodiscard]] double friction_work(const std::vector<Vec3>& x) const;
-  /// Work of what moves points of obstacles, from `start`, and planes, from `planes_then`, with the normal forces at x,
-  /// over the pairs this rank counts. [J]
+  /// Work of what moves points of obstacles, from `start`, and planes, from `planes_then`, over the pairs this rank counts, with the
+  /// mean of the normal forces at `start` and x, or those at x of what was not in contact before: what is hit takes the speed of
+  /// the obstacle at once. [J]
   [[nodiscard]] double obstacle_work(const std::vector<Vec3>& x, const std::vector<Vec3>& start,
                                      const std::vector<Plane>& planes_then) const;
   /// Adds the derivative of the energy to f, per sheet point; right for own points only. [N]

@@ -358,6 +358,22 @@ def ledger(report):
 
 
 @test
+def ledger_lifted(report):
+    """A floor takes a sheet up and stops: it gives what lifts the sheet, and steps four times as long do not say otherwise."""
+    lifted = {
+        "analysis": "dynamic", "contact": {},
+        "mesh": {"file": str(ROOT / "meshes" / "cantilever.geo"), "parameters": {"length": 0.3, "width": 0.2, "nx": 6, "ny": 4}},
+        "material": [{"type": "isotropic", "young": 1e7, "poisson": 0.3, "thickness": 2e-3, "density": 500.0}],
+        "load": [{"type": "gravity", "vector": [0, 0, -9.81]}],
+        "obstacle": [{"name": "floor", "type": "plane", "point": [0, 0, -0.0015], "normal": [0, 0, 1],
+                      "motion": ["0", "0", "t<0.1 ? 0 : 0.05*(1-cos(pi*(t-0.1)/0.3))"]}],
+        "time": {"end": 0.4, "step": 2e-3}}
+    long, short = (solve(f"ledger_lifted_{step:g}", variant(lifted, {"time.step": step}), 1).history for step in (2e-3, 5e-4))
+    report.percent(long["work_of_obstacles"][-1] / short["work_of_obstacles"][-1], 5e-4, "work of the floor in long steps against short ones")
+    report.percent(long["numerical_loss"][-1] / short["numerical_loss"][-1], 0.08, "what the first touch takes")
+
+
+@test
 def damped_ranks(report):
     """The acceleration after a first step of backward Euler is solved for exactly: ranks agree."""
     case = {
