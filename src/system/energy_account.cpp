@@ -72,8 +72,7 @@ void EnergyAccount::begin(Vec u, Vec v, Vec a, const EnergyBalance& before, bool
   before_ = levels(u, v);
   const petsc::VecHandle none = dynamics_.model().dofs().create_vector();
   // Velocities that jump at the start of a motion may have damping forces that are over long before the end of a step.
-  (void)dynamics_.work(u, a ? v : none, a ? a : none, none, now_.loads, now_.reactions);
-  now_.time = dynamics_.time();
+  take_stage(u, a ? v : none, a ? a : none, none);
   // Last digits of stored energies depend on the way there: the same motion continues with those of the unbroken run.
   if (before.kept && before_.kinetic == before.kinetic && before.internal + before.barriers == before.stored &&
       difference(before_.sum(), before.kinetic + before.stored) == 0.0) {
@@ -92,14 +91,21 @@ void EnergyAccount::begin(Vec u, Vec v, Vec a, const EnergyBalance& before, bool
   balance_.barriers = before_.contact;
 }
 
+void EnergyAccount::take_stage(Vec u, Vec v, Vec a, Vec displacement) {
+  work_ = dynamics_.work(u, v, a, displacement, now_.loads, now_.reactions);
+  now_.time = dynamics_.time();
+  if (Vec external = dynamics_.model().conditions().external()) VOILE_PETSC(VecAXPY(now_.loads, -1.0, external));
+}
+
 void EnergyAccount::take_forces(Vec u_0, Vec u_1, Vec u, Vec v, Vec a) {
   VOILE_PETSC(VecCopy(u_0, start_));
   VOILE_PETSC(VecWAXPY(displacement_, -1.0, u_0, u_1));
   std::swap(last_, now_);
-  work_ = dynamics_.work(u, v, a, displacement_, now_.loads, now_.reactions);
-  now_.time = dynamics_.time();
-  VOILE_PETSC(VecDot(last_.loads, displacement_, &last_.load_work));
-  VOILE_PETSC(VecDot(last_.reactions, displacement_, &last_.reaction_work));
+  take_stage(u, v, a, displacement_);
+  for (Stage* stage : {&last_, &now_}) {
+    VOILE_PETSC(VecDot(stage->loads, displacement_, &stage->load_work));
+    VOILE_PETSC(VecDot(stage->reactions, displacement_, &stage->reaction_work));
+  }
   if (Contact* contact = dynamics_.model().contact()) {
     friction_ = contact->friction_work(u);
     obstacles_ = contact->obstacle_work(u);
@@ -124,8 +130,8 @@ void EnergyAccount::end_step(Vec u_1, Vec v_1, double t_0, double t_1) {
   const ForceWork& w = work_.model;
   const double part =
       now_.time > last_.time ? std::clamp((now_.time - 0.5 * (t_0 + t_1)) / (now_.time - last_.time), 0.0, 1.0) : 0.0;
-  const double by_loads = part * (last_.load_work - w.loads),
-               by_supports = part * (last_.reaction_work - work_.reactions);
+  const double by_loads = part * (last_.load_work - now_.load_work),
+               by_supports = part * (last_.reaction_work - now_.reaction_work);
   EnergyBalance step;
   step.loads = w.loads + by_loads;
   step.supports = work_.reactions + by_supports + prescribed + held;

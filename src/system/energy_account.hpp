@@ -47,6 +47,8 @@ class EnergyAccount {
     petsc::VecHandle loads, reactions;
     double time = 0.0, load_work = 0.0, reaction_work = 0.0;
   };
+  /// Loads without those from outside, which are given for a whole step.
+  void take_stage(Vec u, Vec v, Vec a, Vec displacement);
   Stage last_, now_;
 };
 

@@ -9,6 +9,7 @@
 #include <memory>
 #include <vector>
 
+#include "base/petsc.hpp"
 #include "conditions.hpp"
 #include "mesh/patch.hpp"
 #include "mesh/periodic.hpp"

@@ -466,7 +466,7 @@ TEST_CASE("what joints cannot have is refused by its key") {
   CHECK(refused(in, "[element] type = \"zhou_sze_2012\""));
   in = input(energy::BendingOperator::edge_slope, energy::MembraneOperator::six_node);
   in.materials[0].coupling = Mat3::Identity();
-  CHECK(refused(in, "offset"));
+  CHECK(refused(in, "unsymmetric"));
   in = input(energy::BendingOperator::edge_slope, energy::MembraneOperator::six_node_corrected);
   in.natural.hinges = {hinge(1.0)};
   in.natural.hinges = {hinge(1.0, "end 0")};

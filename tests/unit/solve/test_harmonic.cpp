@@ -137,7 +137,8 @@ TEST_CASE("direct solution and modes agree with dense matrices") {
   plate.model.dofs().clear_fixed(force);
   const solve::EigenResult r = solve::vibration_modes(plate.model, plate.a, 12, mass.mat());
   const solve::ModalBasis basis = solve::modal_basis(plate.model, plate.a, r.modes, mass, damping, force);
-  CHECK(basis.vectors.size() == 15);
+  CHECK(basis.vectors.size() > 15);  // damping is not in proportion
+  CHECK(basis.fewer < basis.vectors.size());
   if (mpi::size(PETSC_COMM_WORLD) > 1) return;
   plate.model.assemble_tangent(plate.a, {.kind = energy::Tangent::exact});
   const Eigen::MatrixXd k = dense(plate.model, plate.model.tangent().matrix()), m = dense(plate.model, mass.mat()),
