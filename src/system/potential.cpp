@@ -199,7 +199,8 @@ void Potential::end_step(Vec a) {
 
 /// Slips of a triangle: of all sliders in bending, then that in shear.
 std::size_t Potential::slips_per_triangle() const {
-  return static_cast<std::size_t>((yarns_ ? yarns_->kernel.numbers() : 0) + (membrane_->kernel.rubs() ? 1 : 0));
+  const int bending = yarns_ ? yarns_->kernel.numbers() : 0, shear = membrane_->kernel.rubs() ? 1 : 0;
+  return static_cast<std::size_t>(bending) + static_cast<std::size_t>(shear);
 }
 
 std::vector<double> Potential::slips() const {
