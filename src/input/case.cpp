@@ -81,12 +81,7 @@ void check_control(const SectionPlace& place, solve::StaticOptions& s, const std
 }
 
 void check_probe(const SectionPlace& place, const Probe& probe, const std::vector<Probe>& others) {
-  for (const char c : probe.name)
-    if (c == ',' || c == '"' || static_cast<unsigned char>(c) < 32)
-      place.fail("name", fmt::format("'{}': a column name must not contain commas, quotes or line breaks", probe.name));
-  if (is_formula(probe.name))
-    place.fail("name", fmt::format("'{}': a column name must not begin with =, +, - or @: spreadsheets would run it",
-                                   probe.name));
+  require_column_name(place, probe.name);
   for (const Probe& other : others)
     if (other.name == probe.name) place.fail("name", fmt::format("'{}': another probe has this name", probe.name));
   if (probe.kind == Probe::Kind::height && probe.components.size() > 1)

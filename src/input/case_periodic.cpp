@@ -7,7 +7,6 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "base/text.hpp"
 #include "case_loads.hpp"
 #include "case_sections.hpp"
 #include "mesh/periodic.hpp"
@@ -91,11 +90,7 @@ void refuse_sections(const Case& c, const std::function<void(const char*, const 
 /// Completes a pair.
 void read_periodic(const SectionPlace& place, const Case& c, PeriodicSection& s) {
   if (s.name.empty()) s.name = s.pair.to;
-  for (const char ch : s.name)
-    if (ch == ',' || ch == '"' || static_cast<unsigned char>(ch) < 32)
-      place.fail("name", fmt::format("'{}': a column name must not contain commas, quotes or line breaks", s.name));
-  if (is_formula(s.name))
-    place.fail("name", fmt::format("'{}': a column name must not begin with =, +, - or @", s.name));
+  require_column_name(place, s.name);
   for (const PeriodicSection& other : c.periodics) {
     if (other.name == s.name) place.fail("name", fmt::format("'{}': another [[periodic]] has this name", s.name));
     for (const std::string& group : {other.pair.from, other.pair.to})

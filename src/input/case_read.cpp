@@ -137,6 +137,15 @@ void SectionPlace::fail(const std::string& key, const std::string& message) cons
                               name.empty() ? key : "." + key, message));
 }
 
+void require_column_name(const SectionPlace& place, const std::string& name) {
+  for (const char c : name)
+    if (c == ',' || c == '"' || static_cast<unsigned char>(c) < 32)
+      place.fail("name", fmt::format("'{}': a column name must not contain commas, quotes or line breaks", name));
+  if (is_formula(name))
+    place.fail("name",
+               fmt::format("'{}': a column name must not begin with =, +, - or @: spreadsheets would run it", name));
+}
+
 CaseReader::CaseReader(const std::string& text, const std::filesystem::path& file, const std::vector<Key>& top,
                        const std::vector<std::string>& settings)
     : impl_(std::make_unique<Impl>()) {

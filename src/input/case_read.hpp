@@ -25,6 +25,9 @@ struct SectionPlace {
   [[noreturn]] void fail(const std::string& key, const std::string& message) const;
 };
 
+/// Throws UserError for a name that cannot begin a column of history.csv.
+void require_column_name(const SectionPlace& place, const std::string& name);
+
 /// A parsed file.
 class CaseReader {
  public:

@@ -7,7 +7,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "base/text.hpp"
 #include "case_loads.hpp"
 #include "voile/errors.hpp"
 
@@ -82,11 +81,7 @@ void read_rigid(const SectionPlace& place, const Case& c, RigidSection& s) {
     place.fail("group", fmt::format("there are no rigid groups {}; use [[support]]",
                                     c.is_staged() ? "in a case with stages" : "with analysis = \"drape\""));
   if (s.name.empty()) s.name = s.group.group;
-  for (const char ch : s.name)
-    if (ch == ',' || ch == '"' || static_cast<unsigned char>(ch) < 32)
-      place.fail("name", fmt::format("'{}': a column name must not contain commas, quotes or line breaks", s.name));
-  if (is_formula(s.name))
-    place.fail("name", fmt::format("'{}': a column name must not begin with =, +, - or @", s.name));
+  require_column_name(place, s.name);
   for (const RigidSection& other : c.rigids)
     if (other.name == s.name) place.fail("name", fmt::format("'{}': another [[rigid]] has this name", s.name));
   take_translation(place, c, s);

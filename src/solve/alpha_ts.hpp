@@ -9,7 +9,8 @@
 //   otherwise:                    a_f = 1/(1 + rho), a_m = (2 - rho)/(1 + rho)  (Chung & Hulbert)
 // Source: J. Chung, G.M. Hulbert, J. Appl. Mech. 60 (1993) 371-375; W.L. Wood, M. Bossak, O.C. Zienkiewicz, Int. J.
 // Numer. Meth. Engng 15 (1980) 1562-1566. Second order, unconditionally stable on linear problems. Start: A0 solves
-// F(t0, X0, V0, A0) = 0, after every restart of the time stepper, unless it is given. Error of a step: (1/12 + (a_m -
+// F(t0, X0, V0, A0) = 0, after every restart of the time stepper, unless it is given or the first step is one of backward
+// Euler (`damped`). Error of a step: (1/12 + (a_m -
 // a_f)^2/4) h^2 (A1 - A0), of third order, for TSAdapt. The unknown of the SNES is X1, its function F/a_f: with an
 // energy E(stage) whose gradient is F, E/a_f^2 is its potential. Options: -ts_voile_radius, -ts_voile_forces_at_end,
 // -ts_voile_predictor position|velocity|acceleration: what the first guess of X1 goes on with; with the callback

@@ -1,7 +1,7 @@
 // The stability limit of central differences, found at the start and followed while the sheet stiffens.
 //
 // Symbols   omega   largest frequency of the undamped sheet     c   largest rate of its damping, c = max x.C x / x.M x [1/s]
-//   (omega h/2)^2 + c h/2 <= 1,  as velocities are those of half a step before;  h = 2/omega (sqrt(1 + z^2) - z),  z = c/(2 omega)
+//   (omega h/2)^2 + c h/2 <= 1,  as velocities are those of half a step before:   h = 2/(c/2 + sqrt(omega^2 + c^2/4))
 #include <fmt/format.h>
 #include <petsc/private/tsimpl.h>
 
@@ -66,18 +66,19 @@ double largest_frequency(system::Dynamics& dynamics, Vec u, petsc::VecHandle& mo
 /// c: of what turns against velocities, and an upper bound of what the viscosity of the membrane adds, tau omega^2.
 double damping_rate(system::Dynamics& dynamics, double frequency) {
   system::Model& model = dynamics.model();
-  petsc::VecHandle x = linear::start_mode(model);
+  petsc::VecHandle x = linear::start_mode(model), wind = model.dofs().create_vector();
+  dynamics.add_damping(petsc::VecHandle(model.dofs().create_vector()), wind);  // acts at no velocity, too
   const double rate = power_iteration(model, x, [&](Vec from, Vec to) {
     VOILE_PETSC(VecZeroEntries(to));
     dynamics.add_damping(from, to);
+    VOILE_PETSC(VecAXPY(to, -1.0, wind));
   });
   return rate + dynamics.longest_viscous_time() * frequency * frequency;
 }
 
 /// Of steps, for these.
 double stable_step(double frequency, double rate) {
-  const double z = 0.5 * rate / frequency;
-  return 2.0 / (frequency * (std::sqrt(1.0 + z * z) + z));
+  return 2.0 / (0.5 * rate + std::hypot(frequency, 0.5 * rate));
 }
 
 }  // namespace

@@ -7,7 +7,8 @@
 //   d = (K + s M)^-1 C v   of each r, then of each mode v, and of these d once more, as far as they are new
 //   V = [Phi, r_1, r_2, r_3, d ...]:   V^T M V = I,   k = V^T K V,   c = V^T C V,   V^T f
 // r_1 makes the response at rest exact; each further one lowers what is missing by (omega/omega_next)^2. Damping in proportion to
-// K and M gives no d; what other damping does through modes that are left out, each round of d lowers by about omega tau.
+// K gives no d, in proportion to M none of the modes; what other damping does through modes that are left out, each round of d lowers
+// by about omega tau.
 // Source: J.M. Dickens, J.M. Nakagawa & M.J. Wittbrodt, A critique of mode acceleration and modal truncation augmentation
 //         methods for modal response analysis, Comput. Struct. 62 (1997) 985-998.
 #pragma once

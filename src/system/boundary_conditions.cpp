@@ -186,6 +186,14 @@ void BoundaryConditions::set_external(petsc::VecHandle force) {
   if (external_) external_on_bodies_ = rigid_.take(external_);
 }
 
+void BoundaryConditions::add_external(double factor, Vec f) const {
+  if (!external_) return;
+  VOILE_PETSC(VecAXPY(f, factor, external_));
+  std::vector<BodyForce> on(external_on_bodies_.size());
+  for (std::size_t b = 0; b < on.size(); ++b) on[b].add(factor, external_on_bodies_[b]);
+  if (rigid_.any()) rigid_.add(on, 0.0, f);
+}
+
 std::vector<BodyForce> BoundaryConditions::on_bodies() const {
   std::vector<BodyForce> all = always_on_bodies_;
   for (std::size_t b = 0; b < all.size(); ++b) {

@@ -56,8 +56,8 @@ class BoundaryConditions {
   void set_time(double time);
   /// Forces from outside, f_e, in the unknowns; null: none. Not collective. [N]
   void set_external(petsc::VecHandle force);
-  /// f_e, or null.
-  [[nodiscard]] Vec external() const { return external_; }
+  /// Adds f_e times a factor, also what of it acts on rigid bodies, where they are at the state taken last. Collective.
+  void add_external(double factor, Vec f) const;
   /// Where an owned vertex goes that a support `follows` holds: its displacement from the start. Not collective. [m]
   void set_displacement(Index local, const Vec3& u);
   /// Sets the fixed components of a to their prescribed values. Collective.

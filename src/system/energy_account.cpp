@@ -94,7 +94,7 @@ void EnergyAccount::begin(Vec u, Vec v, Vec a, const EnergyBalance& before, bool
 void EnergyAccount::take_stage(Vec u, Vec v, Vec a, Vec displacement) {
   work_ = dynamics_.work(u, v, a, displacement, now_.loads, now_.reactions);
   now_.time = dynamics_.time();
-  if (Vec external = dynamics_.model().conditions().external()) VOILE_PETSC(VecAXPY(now_.loads, -1.0, external));
+  dynamics_.model().conditions().add_external(-1.0, now_.loads);
 }
 
 void EnergyAccount::take_forces(Vec u_0, Vec u_1, Vec u, Vec v, Vec a) {

@@ -198,6 +198,32 @@ class Counter {
     }
   }
 
+  /// What joins bodies to each other: vertices in common, and springs.
+  template <class Inside, class Finish>
+  void add_connections(const Inside& inside, Matrix& row, const Finish& finish) const {
+    for (const Joint& joint : joints_) {
+      if (!inside(joint.first)) continue;
+      for (int k = 0; k < 3; ++k) {
+        row.setZero();
+        add_held(row, joint.first, joint.vertex, Vec3::Unit(k));
+        add_held(row, joint.second, joint.vertex, Vec3::Unit(k), -1.0);
+        finish();
+      }
+    }
+    for (const Tie& tie : ties_) {
+      if (!inside(tie.first)) continue;
+      const Vec3 between = mesh_.positions()[tie.to] - mesh_.positions()[tie.from];
+      const bool directed = tie.directed && between.squaredNorm() > 0.0;
+      for (int k = 0; k < (directed ? 1 : 3); ++k) {
+        const Vec3 d = directed ? Vec3(between.normalized()) : Vec3(Vec3::Unit(k));
+        row.setZero();
+        add_held(row, tie.first, tie.from, d);
+        add_held(row, tie.second, tie.to, d, -1.0);
+        finish();
+      }
+    }
+  }
+
   /// Adds the outer product of each equation to the normal matrix, divided by their number so that many do not hide
   /// few.
   [[nodiscard]] Matrix normal_matrix(const std::vector<Index>& group) const {
@@ -240,27 +266,7 @@ class Counter {
     };
     for (const mesh::MirrorSide& m : constraints_.mirrors) hold_slope(m.triangle, m.side);
     for (const mesh::TriangleSide& side : constraints_.elastic) hold_slope(side.triangle, side.side);
-    for (const Joint& joint : joints_) {
-      if (!inside(joint.first)) continue;
-      for (int k = 0; k < 3; ++k) {
-        row.setZero();
-        add_held(row, joint.first, joint.vertex, Vec3::Unit(k));
-        add_held(row, joint.second, joint.vertex, Vec3::Unit(k), -1.0);
-        finish();
-      }
-    }
-    for (const Tie& tie : ties_) {
-      if (!inside(tie.first)) continue;
-      const Vec3 between = mesh_.positions()[tie.to] - mesh_.positions()[tie.from];
-      const bool directed = tie.directed && between.squaredNorm() > 0.0;
-      for (int k = 0; k < (directed ? 1 : 3); ++k) {
-        const Vec3 d = directed ? Vec3(between.normalized()) : Vec3(Vec3::Unit(k));
-        row.setZero();
-        add_held(row, tie.first, tie.from, d);
-        add_held(row, tie.second, tie.to, d, -1.0);
-        finish();
-      }
-    }
+    add_connections(inside, row, finish);
     return stacked;
   }
 

@@ -138,9 +138,11 @@ def yarn_friction(report):
     report.check(code == 2 and "checkpoint.h5" in text, f"results do not hold slips: exit code {code}")
 
     motion = flap(analysis="dynamic", time={"end": 0.3, "step": 2e-3, "velocity_tolerance": 1e-4})
-    h = solve("yarn_friction_motion", motion).history
+    solved = solve("yarn_friction_motion", motion)
+    h = solved.history
     report.check(h["fabric_loss"][-1] > 0.1 * h["work_of_loads"][-1], f"a motion loses {h['fabric_loss'][-1]:.3g} J of {h['work_of_loads'][-1]:.3g}")
     report.below(h["energy_unaccounted"][-1] / h["work_of_loads"][-1], 1e-3, "not accounted for")
+    report.percent(solved.summary["energy"]["fabric_loss"] / h["fabric_loss"][-1], 1e-9, "the summary has it")
     finer = solve("yarn_friction_remeshed", motion | {"remesh": {"largest": 0.006, "smallest": 0.003}})
     report.check(finer.history["remeshings"][-1] > 0, f"{finer.history['remeshings'][-1]:.0f} remeshings")
     report.percent(finer.history["fabric_loss"][-1] / h["fabric_loss"][-1], 0.02, "loss with remeshing over that without")

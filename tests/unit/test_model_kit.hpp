@@ -3,9 +3,12 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <functional>
 #include <numeric>
 #include <random>
+#include <vector>
 
 #include "system/model.hpp"
 #include "test_meshes.hpp"
@@ -152,6 +155,19 @@ inline Eigen::MatrixXd dense_tangent(const system::Model& model) {
   Eigen::MatrixXd k(n, n);
   VOILE_PETSC(MatGetValues(model.tangent().matrix(), n, all.data(), n, all.data(), k.data()));
   return k;
+}
+
+/// Of answer(communicator), alike on every rank: one rank finds what all of them find.
+template <class Answer>
+void check_ranks_agree(const Answer& answer) {
+  const std::vector<double> one = answer(PETSC_COMM_SELF), all = answer(PETSC_COMM_WORLD);
+  REQUIRE(one.size() == all.size());
+  double most = 0.0, wrong = 0.0;
+  for (std::size_t i = 0; i < one.size(); ++i) {
+    most = std::max(most, std::abs(one[i]));
+    wrong = std::max(wrong, std::abs(one[i] - all[i]));
+  }
+  CHECK(wrong < 1e-12 * most);
 }
 
 }  // namespace voile::testing

@@ -264,6 +264,10 @@ TEST_CASE("steps fit each other") {
             "steps.initial_step: 0.6: must not be larger than max_step = 0.5"));
   CHECK(has(error_after("min_step = 1e-5", "min_step = 0.2"),
             "steps.min_step: 0.2: must not be larger than initial_step = 0.1"));
+  CHECK(has(error_of(minimal + "[steps]\ninitial_step = 2\n"), "must not be larger than max_step = 1"));
+  const std::string along = "[[probe]]\nname = \"p\"\ntype = \"displacement\"\ngroup = \"tip\"\ncomponents = [\"z\"]\n";
+  CHECK(has(error_of(minimal + along + "[steps]\ncontrol = \"arc_length\"\ncontrol_probe = \"p\"\ninitial_step = 2\n"),
+            "no error"));
   const input::Case c = parse_case(minimal + "[steps]\nmax_step = 0.1\n", "case.toml");
   CHECK(c.steps.initial_step == 0.1);
 }

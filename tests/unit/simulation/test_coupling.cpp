@@ -109,6 +109,19 @@ TEST_CASE("forces change between steps, and go away") {
   CHECK(s.energy().loads == work);
 }
 
+TEST_CASE("forces from outside on a rigid group go away, too") {
+  Case c = Case::parse(strip("dynamic").source() + "[[rigid]]\ngroup = \"tip\"\nmass = 0.1\n");
+  c.set("load.0.vector", {0, 0, 0});
+  Simulation s(PETSC_COMM_WORLD, c);
+  s.set_forces(tip_forces(s, 0.1));
+  s.advance();
+  const double work = s.energy().loads;
+  CHECK(work > 0.0);
+  s.set_forces({});
+  s.advance();
+  CHECK(s.energy().loads == doctest::Approx(work).epsilon(1e-12));
+}
+
 TEST_CASE("an obstacle is moved from outside between steps") {
   Case c = ball_below();
   c.set("load.0.vector", {0, 0, 0});

@@ -139,6 +139,11 @@ TEST_CASE("direct solution and modes agree with dense matrices") {
   const solve::ModalBasis basis = solve::modal_basis(plate.model, plate.a, r.modes, mass, damping, force);
   CHECK(basis.vectors.size() > 15);  // damping is not in proportion
   CHECK(basis.fewer < basis.vectors.size());
+  system::DynamicsOptions in_proportion;
+  in_proportion.mass_damping = 0.4;
+  const petsc::MatHandle by_mass = solve::damping_matrix(plate.model, plate.a, in_proportion, mass);
+  // Of the modes nothing is new; of the three corrections the next ones, twice.
+  CHECK(solve::modal_basis(plate.model, plate.a, r.modes, mass, by_mass, force).vectors.size() == 21);
   if (mpi::size(PETSC_COMM_WORLD) > 1) return;
   plate.model.assemble_tangent(plate.a, {.kind = energy::Tangent::exact});
   const Eigen::MatrixXd k = dense(plate.model, plate.model.tangent().matrix()), m = dense(plate.model, mass.mat()),
