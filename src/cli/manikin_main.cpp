@@ -22,8 +22,8 @@ struct Request {
   fs::path file;
   std::string kind = "figure", motion, person = "woman";
   std::optional<double> height, bust, waist, hip, inseam;
-  double arms = 25.0, size = 0.03, seconds = 3.0, frames_per_second = 50.0;  ///< degrees, m, s, 1/s
-  std::optional<double> speed, cadence, angle;                               ///< m/s, 1/s, degrees
+  double arms = 25.0, size = 0.03;                                          ///< degrees, m
+  std::optional<double> seconds, frames_per_second, speed, cadence, angle;  ///< s, 1/s, m/s, 1/s, degrees
 };
 
 constexpr std::array motions{std::pair{"walk", manikin::Motion::walk}, std::pair{"run", manikin::Motion::run},
@@ -151,8 +151,8 @@ manikin::MotionOptions motion_of(const Request& r, double inseam) {
   const auto* const motion =
       std::find_if(motions.begin(), motions.end(), [&](const auto& m) { return m.first == r.motion; });
   manikin::MotionOptions o = manikin::usual_motion(motion->second, inseam);
-  o.seconds = r.seconds;
-  o.frames_per_second = r.frames_per_second;
+  o.seconds = r.seconds.value_or(o.seconds);
+  o.frames_per_second = r.frames_per_second.value_or(o.frames_per_second);
   o.speed = r.speed.value_or(o.speed);
   o.cadence = r.cadence.value_or(o.cadence);
   if (r.angle) o.angle = *r.angle * std::numbers::pi / 180.0;
@@ -164,6 +164,8 @@ void refuse_idle(const Request& r) {
   const bool steps = r.motion == "walk" || r.motion == "run", turns = r.motion == "turn" || r.motion == "lift";
   if ((r.speed || r.cadence) && !steps)
     throw UserError(fmt::format("{} goes with --motion walk or run; leave it out", r.speed ? "--speed" : "--cadence"));
+  if (r.motion.empty() && (r.seconds || r.frames_per_second))
+    throw UserError(fmt::format("{} goes with --motion; leave it out", r.seconds ? "--seconds" : "--fps"));
   if (r.angle && !turns) throw UserError("--angle goes with --motion turn or lift; leave it out");
 }
 
@@ -177,8 +179,10 @@ void make(const Request& r) {
         fmt::format("--motion {}: a form has no limbs; make a --kind figure, or let the form turn", r.motion));
   const manikin::Figure figure = manikin::make_figure(measurements_of(r), kind, r.size);
   std::vector<std::vector<Vec3>> frames;
+  manikin::MotionOptions moving;
   if (!r.motion.empty()) {
-    frames = manikin::frames(figure, motion_of(r, figure.shape.measurements().inseam));
+    moving = motion_of(r, figure.shape.measurements().inseam);
+    frames = manikin::frames(figure, moving);
     check_frames(figure, frames, r.motion);
   }
   write_obj(r.file, figure.surface);
@@ -193,7 +197,7 @@ void make(const Request& r) {
   const fs::path cache = fs::path(r.file).replace_extension(".pc2");
   write_pc2(cache, frames);
   fmt::print("{}: {} frames, {:g} per second; none intersects itself\n", cache.string(), frames.size(),
-             r.frames_per_second);
+             moving.frames_per_second);
 }
 
 }  // namespace

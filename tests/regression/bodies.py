@@ -98,7 +98,8 @@ def manikin(report):
     report.check((OUT / "manikin_form.obj").read_bytes() == once, "the same again")
     code, _ = invoke(["manikin", OUT / "manikin_two.obj", "--kind", "form", *options], ranks=2)
     report.check(code == 0 and (OUT / "manikin_two.obj").read_bytes() == once, "of two ranks the first makes it")
-    for wrong, word in ((["--waist", "74"], "waist"), (["--kind", "form", "--motion", "walk"], "limbs"), (["--person", "child", "--height", "0.5"], "height of a child"), (["--size", "1"], "size"),
+    for wrong, word in ((["--waist", "74"], "waist"), (["--kind", "form", "--motion", "walk"], "limbs"), (["--person", "child", "--height", "0.5"], "height of a child"),
+                        (["--seconds", "2"], "--seconds"), (["--motion", "sit", "--speed", "2"], "--speed"), (["--motion", "walk", "--angle", "9"], "--angle"), (["--size", "1"], "size"),
                         (["--arms", "0"], "arms"), (["--motion", "walk", "--speed", "9"], "speed"), (["--bust", "nan"], "bust")):
         code, text = invoke(["manikin", OUT / "manikin_wrong.obj", *wrong])
         report.check(code == 2 and word in text, f"{' '.join(wrong)}: refused, and {word} is named")
