@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "dxf_slits.hpp"
 #include "readers.hpp"
 #include "voile/errors.hpp"
 
@@ -63,10 +64,12 @@ class BlockReader {
     std::string layer = sew_line;
     std::vector<Curve> curves = curves_on(block_.entities, layer, &slits);
     if (curves.empty()) curves = curves_on(block_.entities, layer = boundary, &slits);
+    take_out_double_lines(curves, slits);
     std::vector<std::vector<Curve>> outlines = join_curves(fmt::format("{}, layer {}", where_, layer), curves, mirror);
     if (outlines.size() != 1)
       throw UserError(fmt::format("{}: layer {} has {} outlines, and a piece has one; put others on other layers",
                                   where_, layer, outlines.size()));
+    take_out_slits(outlines.front(), slits);
     return std::move(outlines.front());
   }
 

@@ -7,14 +7,13 @@
 #include <numbers>
 
 #include "dxf_entities.hpp"
+#include "dxf_slits.hpp"
 #include "voile/errors.hpp"
 
 namespace voile::pattern {
 
 namespace {
 
-/// Ends of curves meet if they are nearer than this fraction of the extent of what is joined.
-constexpr double same_place = 1e-5;
 /// Steps back of a polyline that are shorter than this fraction of its extent are no shape, but the hand that digitised it.
 constexpr double hook = 2e-4;
 /// Curves of one layer beyond which they are no outlines.

@@ -210,6 +210,31 @@ TEST_CASE("DXF: points nearer than ends that meet are one, and slits are notches
   }
 }
 
+TEST_CASE("DXF: slits whose sides are lines of their own are notches, though the sides are apart or crossed") {
+  // As programs of patterns export them: the sides on the same places, 0.025 mm across each other, or 0.006 mm apart, which is
+  // more than ends that are joined may be.
+  for (const double across : {0.0, 0.0125, -0.003, -0.0025}) {
+    const Vec2 in(200 + across, 0), out(200 - across, 0), tip(200, 10);
+    const std::vector<std::vector<Vec2>> lines{
+        {{0, 500}, {0, 0}}, {{0, 0}, {100, 0}, in},    {in, tip},
+        {tip, out},         {out, {300, 0}, {400, 0}}, {{400, 0}, {400, 500}, {0, 500}}};
+    std::string content;
+    for (const std::vector<Vec2>& line : lines) content += polyline("1", line, false);
+    const pattern::Piece p = piece(blocks(block("B", content)));
+    CAPTURE(across);
+    REQUIRE(p.edges.size() == 5);
+    CHECK(std::count(p.point_names.begin(), p.point_names.end(), "n0") == 1);
+    CHECK(std::abs(p.signed_area()) == doctest::Approx(0.2).epsilon(1e-9));
+  }
+  // A notch of 2 mm has a shape, and a line that is there twice between others is a mistake.
+  const std::vector<Vec2> notched{{0, 0}, {199, 0}, {200, 10}, {201, 0}, {400, 0}, {400, 500}, {0, 500}};
+  CHECK(std::abs(piece(blocks(block("B", polyline("1", notched)))).signed_area()) ==
+        doctest::Approx(0.19999).epsilon(1e-9));
+  const std::string twice =
+      polyline("1", {{0, 0}, {400, 0}, {400, 500}, {0, 500}}) + polyline("1", {{0, 0}, {400, 0}}, false);
+  CHECK(has(refusal("p.dxf", blocks(block("B", twice))), "three curves or more meet"));
+}
+
 TEST_CASE("DXF: a step back of less than 2e-4 of the outline is the hand, a longer one is shape") {
   const auto with_hook = [](double back) {
     return blocks(block("B", polyline("1", {{0, 0},
