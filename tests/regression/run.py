@@ -86,7 +86,9 @@ estimated_errors tutorial_skirt garment_landmark_mistakes lacking_memory rigid_p
 remesh_contact_restart remesh_restart garment_dxf sewn_tube tutorial_study progress_line joint_frame seam_that_hangs attachment_hard
 garment_in_the_way hinge_fold chains element_types clamps_turn_far remesh_taken_over placement_mistakes imperfect_stages imperfect_mirror
 nastran_silent garment_sections heated_ranks_and_restart joint_moebius sheet_formats contact_starts full_terminal deck_loads killed_motion
-unloaded_stages gas_mistakes harmonic_fields_mistakes rubber_motion compared_modes rubber_states start_shapes garment_dress""".split()
+unloaded_stages gas_mistakes harmonic_fields_mistakes rubber_motion compared_modes rubber_states start_shapes garment_dress
+modes starts signals corrected_membrane periodic_motion exports ledger periodic_strip restart_in_contact contact_frames pictures
+remesh_path folded_at_rest periodic_modes tutorial_roof periodic_cell unresolved_modes rigid_roll""".split()
 
 
 def in_turn(names, day):
