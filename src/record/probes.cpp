@@ -35,6 +35,29 @@ std::vector<Index> vertices_of(const input::Probe& probe, const mesh::SurfaceMes
   return probe.group.empty() ? std::vector<Index>{} : mesh.group(probe.group).vertices;
 }
 
+/// What the vertices of a group count in a mean over its surface or curve; that of points is over their number.
+std::vector<double> weights_of(const input::Probe& probe, const std::vector<Index>& vertices,
+                               const mesh::SurfaceMesh& mesh) {
+  std::vector<double> weights(vertices.size(), 0.0);
+  const auto add = [&](Index v, double share) {
+    weights[static_cast<std::size_t>(std::lower_bound(vertices.begin(), vertices.end(), v) - vertices.begin())] +=
+        share;
+  };
+  if (!probe.point && !probe.group.empty()) {
+    const mesh::Group& group = mesh.group(probe.group);
+    for (const Index t : group.triangles)
+      for (const Index v : mesh.triangles()[t]) add(v, mesh.area(t));
+    for (const auto& [v, w] : group.segments) {
+      const double length = (mesh.positions()[v] - mesh.positions()[w]).norm();
+      add(v, length), add(w, length);
+    }
+  }
+  double total = 0.0;
+  for (const double w : weights) total += w;
+  for (double& w : weights) w = total > 0.0 ? w / total : 1.0 / static_cast<double>(weights.size());
+  return weights;
+}
+
 /// Parts of the columns' names after that of the probe.
 std::vector<std::string> parts_of(Kind kind, const std::vector<int>& components) {
   if (kind == Kind::stress) return {pair[0], pair[1], pair[2], "von_mises"};
@@ -46,17 +69,12 @@ std::vector<std::string> parts_of(Kind kind, const std::vector<int>& components)
   return parts;
 }
 
-/// Least, mean and largest over vertices.
-std::vector<double> heights(const input::Probe& probe, const std::vector<Index>& vertices, int k,
-                            const std::vector<double>& displacement, const mesh::SurfaceMesh& mesh) {
-  std::vector<double> all;
-  for (const Index v : vertices)
-    all.push_back(mesh.positions()[v][k] + displacement[3 * static_cast<std::size_t>(v) + static_cast<std::size_t>(k)] -
-                  probe.ground);
-  double sum = 0.0;
-  for (const double h : all) sum += h;
-  const auto [least, largest] = std::minmax_element(all.begin(), all.end());
-  return {*least, sum / static_cast<double>(all.size()), *largest};
+/// Least, mean and largest height of the sheet, where `heights` are those of vertices that count as much as `weights`.
+std::vector<double> range_of(const std::vector<double>& heights, const std::vector<double>& weights) {
+  double mean = 0.0;
+  for (std::size_t v = 0; v < heights.size(); ++v) mean += weights[v] * heights[v];
+  const auto [least, largest] = std::minmax_element(heights.begin(), heights.end());
+  return {*least, mean, *largest};
 }
 
 }  // namespace
@@ -104,7 +122,9 @@ Index stressed_triangle(const input::Case& c, const input::Probe& probe, const s
 
 Probes::Probes(const input::Case& c, const system::Model& model) : case_(c) {
   for (const input::Probe& probe : c.probes) {
-    Members m{vertices_of(probe, model.dofs().mesh()), probe.components};
+    const mesh::SurfaceMesh& mesh = model.dofs().mesh();
+    Members m{vertices_of(probe, mesh), probe.components, {}};
+    m.weights = weights_of(probe, m.vertices, mesh);
     if (m.components.empty())
       m.components = probe.kind == Kind::height ? std::vector<int>{up} : std::vector<int>{0, 1, 2};
     if (probe.kind == Kind::ease && !(model.contact() && system::has_bodies(model.contact()->scene().input())))
@@ -140,10 +160,22 @@ std::vector<double> Probes::components_of(const input::Probe& probe, const Membe
   std::vector<double> values;
   for (const int k : m.components) {
     double sum = 0.0;
-    for (const Index v : m.vertices) sum += field[3 * static_cast<std::size_t>(v) + static_cast<std::size_t>(k)];
-    values.push_back(is_mean ? sum / static_cast<double>(m.vertices.size()) : sum);
+    for (std::size_t v = 0; v < m.vertices.size(); ++v)
+      sum += (is_mean ? m.weights[v] : 1.0) *
+             field[3 * static_cast<std::size_t>(m.vertices[v]) + static_cast<std::size_t>(k)];
+    values.push_back(sum);
   }
   return values;
+}
+
+std::vector<double> Probes::heights(const Members& m, const std::vector<double>& displacement,
+                                    const mesh::SurfaceMesh& mesh, double ground) {
+  const auto k = m.components.front();
+  std::vector<double> all;
+  for (const Index v : m.vertices)
+    all.push_back(mesh.positions()[v][k] + displacement[3 * static_cast<std::size_t>(v) + static_cast<std::size_t>(k)] -
+                  ground);
+  return all;
 }
 
 std::vector<double> Probes::values(const Observed& state, const system::Model& model) const {
@@ -162,7 +194,7 @@ std::vector<double> Probes::values(const Observed& state, const system::Model& m
       const Vec3& s = state.stresses[stress++];
       own = {s[0], s[1], s[2], von_mises(s)};
     } else if (probe.kind == Kind::height) {
-      own = heights(probe, m.vertices, m.components.front(), state.displacement, model.dofs().mesh());
+      own = range_of(heights(m, state.displacement, model.dofs().mesh(), probe.ground), m.weights);
     } else {
       own = components_of(probe, m, state);
     }
@@ -214,9 +246,10 @@ petsc::VecHandle Probes::functional(const std::string& name, const system::Model
   for (std::size_t p = 0; p < members_.size(); ++p) {
     if (case_.probes[p].name != name) continue;
     std::vector<double> values(static_cast<std::size_t>(model.dofs().unknowns()), 0.0);
-    for (Index v : members_[p].vertices)
-      values[3 * static_cast<std::size_t>(v) + static_cast<std::size_t>(members_[p].components.front())] +=
-          1.0 / static_cast<double>(members_[p].vertices.size());
+    const Members& m = members_[p];
+    for (std::size_t v = 0; v < m.vertices.size(); ++v)
+      values[3 * static_cast<std::size_t>(m.vertices[v]) + static_cast<std::size_t>(m.components.front())] +=
+          m.weights[v];
     model.dofs().scatter(values, c);
   }
   return c;

@@ -52,9 +52,13 @@ class Probes {
   struct Members {
     std::vector<Index> vertices;
     std::vector<int> components;
-    Index triangle = no_index;  ///< of a stress
+    std::vector<double> weights;  ///< of the vertices in a mean, together 1: by area of a surface, by length of a curve
+    Index triangle = no_index;    ///< of a stress
   };
   [[nodiscard]] bool any(input::Probe::Kind kind) const;
+  /// Of the vertices above the ground, on the axis that points up. [m]
+  [[nodiscard]] static std::vector<double> heights(const Members& m, const std::vector<double>& displacement,
+                                                   const mesh::SurfaceMesh& mesh, double ground);
   [[nodiscard]] std::vector<double> components_of(const input::Probe& probe, const Members& m,
                                                   const Observed& state) const;
 
