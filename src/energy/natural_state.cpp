@@ -24,12 +24,18 @@ Mat2 square_root(const Mat2& u) {
 }  // namespace
 
 Vec3 NaturalState::metric(const Vec3& rest) const {
-  return numbers(stretch * tensor(rest) * stretch) + prestrain;
+  const Mat2 m = tensor(rest), e = stretch - Mat2::Identity();
+  return (first_order ? numbers(m + e * m + m * e) : numbers(stretch * m * stretch)) + prestrain;
 }
 
 Vec3 NaturalState::bent(const Vec3& rest) const {
+  const Mat2 k = tensor(rest);
+  if (first_order) {
+    const Mat2 e = 0.5 * (stretch - Mat2::Identity());
+    return numbers(k + e * k + k * e) + curvature;
+  }
   const Mat2 root = square_root(stretch);
-  return numbers(root * tensor(rest) * root) + curvature;
+  return numbers(root * k * root) + curvature;
 }
 
 NaturalState natural_state(const Material& material, double change, double difference) {

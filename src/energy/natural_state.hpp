@@ -7,6 +7,7 @@
 //           U         I + sym(eps + a dT), stretch from rest to the natural state
 //   half the metric of the natural state   U m U - A^-1 N0,      m that of the rest shape
 //   its curvature                          U^1/2 kappa0 U^1/2 + k_T d
+//   to first order, with E = U - I         m + E m + m E - A^-1 N0,   kappa0 + (E kappa0 + kappa0 E)/2 + k_T d
 // Where stretching and bending are coupled a change has a curvature as well, a difference a strain, and N0 a curvature that leaves no
 // moment. With one expansion in all directions a curved sheet grows to a similar one: kappa0 by the coordinates of the rest shape grows
 // by the stretch. The membrane strain E - (natural) and the curvature less the natural one are the elastic ones.
@@ -20,6 +21,7 @@ namespace voile::energy {
 
 struct NaturalState {
   Mat2 stretch = Mat2::Identity();  ///< U
+  bool first_order = false;         ///< of U - I: linear analysis, which leaves its square out of all strains
   Vec3 prestrain = Vec3::Zero();    ///< -A^-1 N0, engineering shear
   Vec3 curvature = Vec3::Zero();    ///< k_T d [1/m]
 

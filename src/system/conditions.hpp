@@ -125,7 +125,8 @@ struct Hinge {
 struct NaturalInput {
   std::vector<Temperature> temperatures;
   std::vector<Hinge> hinges;
-  bool by_load = false;  ///< the load factor is taken for the time
+  bool by_load = false;      ///< the load factor is taken for the time
+  bool first_order = false;  ///< natural states are linear in temperature and strain
 };
 
 /// Mass at vertices, besides that of the sheet. It has weight where gravity acts on the whole model or on its group.

@@ -208,6 +208,7 @@ void NaturalStates::take(Item& item, double time, double load_factor) {
   const energy::Material& m = on_->element_sheet().material(item.triangle);
   std::tie(item.change, item.difference) = temperature_of(item, time, load_factor);
   energy::NaturalState state = energy::natural_state(m, item.change, item.difference);
+  state.first_order = input_.first_order;
   const Eigen::Vector2d stretch = state.stretch.diagonal();
   if (!(stretch.minCoeff() > 0.0 && state.stretch.determinant() > 0.0))
     throw UserError(
