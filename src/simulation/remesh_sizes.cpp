@@ -205,8 +205,14 @@ std::vector<double> Remesher::wanted_sizes(Epoch& epoch) {
   const mesh::SurfaceMesh& mesh = model.dofs().mesh();
   const system::TriangleFields fields = model.potential().triangle_fields(epoch.state().u);
   std::vector<double> squared(fields.curvature.size() / 3);
-  for (std::size_t t = 0; t < squared.size(); ++t)
-    squared[t] = std::max(largest_squared(&fields.curvature[3 * t]), largest_squared(&fields.whole_curvature[3 * t]));
+  // Where a rest shape is made flat the change counts, but not that of a temperature, which is no shape.
+  const auto is_heated = [&](std::size_t t) {
+    return !fields.temperature.empty() && (fields.temperature[2 * t] != 0.0 || fields.temperature[2 * t + 1] != 0.0);
+  };
+  for (std::size_t t = 0; t < squared.size(); ++t) {
+    squared[t] = largest_squared(&fields.whole_curvature[3 * t]);
+    if (!is_heated(t)) squared[t] = std::max(squared[t], largest_squared(&fields.curvature[3 * t]));
+  }
   std::vector<double> bound = bounds(epoch, squared), velocity;
   bound_by_error(epoch, fields, bound);
   const std::vector<double> u = model.dofs().gather(epoch.state().u);

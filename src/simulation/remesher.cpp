@@ -206,8 +206,10 @@ petsc::VecHandle direction_of(const system::State& state) {
 }
 
 std::string text_of_change(double change, const Ledger& before, const Ledger& after) {
-  return fmt::format("the energy would change by {:+.2g} % of {:.2g} J, more than `energy_change`", 100.0 * change,
-                     std::max(std::abs(before.total()), std::abs(after.total())));
+  return fmt::format(
+      "the energy would change by {:+.2g} % of {:.2g} J, more than remesh.energy_change; if the present mesh is too "
+      "coarse for its shape, begin with a finer one or raise that key",
+      100.0 * change, std::max(std::abs(before.total()), std::abs(after.total())));
 }
 
 }  // namespace

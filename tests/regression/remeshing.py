@@ -235,6 +235,19 @@ def remesh_softer(report):
 
 
 @test
+def remesh_heated(report):
+    """A sheet that is held flat while one side is heated keeps its mesh; free to bend, it gets a finer one."""
+    for name, held in (("flat", True), ("bent", False)):
+        case = strip("static", nx=10, ny=1, load=None, remesh={"angle": 6.0, "smallest": 0.2, "largest": 2.0, "every": 1, "energy_change": 2.0})
+        case["material"] = [{"type": "isotropic", "young": 1.2e6, "poisson": 0.0, "thickness": 0.1, "expansion": 1e-3}]
+        case |= {"temperature": [{"difference": "50"}], "steps": {"initial_step": 0.25, "max_step": 0.25}}
+        if held:
+            case["support"] = [{"type": "clamped", "group": "clamp"}, {"type": "displacement", "group": "plate", "components": ["z"]}]
+        h = solve(f"remesh_heated_{name}", {k: v for k, v in case.items() if v is not None}).history
+        report.check((h["vertices"][-1] > h["vertices"][0]) != held, f"{name}: {h['vertices'][0]:.0f} vertices, {h['vertices'][-1]:.0f} at the end")
+
+
+@test
 def remesh_keeps(report):
     """Probes at points keep their vertex, supports hold new vertices, and a support releases of them."""
     case = swinging()
