@@ -112,6 +112,10 @@ void check_rigid(const Case& c) {
   if (c.dynamics.mass == system::Mass::consistent) refuse("time.mass", "rigid groups need \"lumped\"");
   if (c.time.options.method == solve::TimeOptions::Method::central_difference)
     refuse("time.method", "rigid groups need \"alpha\"");
+  // Nothing damps what the constraints of rotations excite from step to step.
+  constexpr double largest_radius = 0.9;
+  if (c.time.options.radius > largest_radius)
+    refuse("time.spectral_radius", "oscillations from step to step would grow; use 0.9 at most");
 }
 
 }  // namespace voile::input

@@ -228,6 +228,7 @@ def mistakes(base):
         "reaction": ({"probe": [{"name": "end", "type": "reaction", "group": "tip"}]}, ("rigid_mistake.toml", "[[probe]] 'end'", "tip_force_x")),
         "spring": ({"spring": [{"type": "line", "group": "tip", "stiffness": 1.0}]}, ("[[spring]]", "[[rigid]]", "translation")),
         "line": ({"rigid": [end | {"slope": "free"}]}, ("[[rigid]] group 'tip'", "lie on a line", "slope")),
+        "radius": ({"analysis": "dynamic", "time": {"end": 0.1, "spectral_radius": 1.0}}, ("[[rigid]] and time.spectral_radius", "0.9")),
         "sliding": ({"support": [{"type": "sliding", "group": "plate"}]}, ("(sliding)", "curve group")),
     }
 
