@@ -4,6 +4,7 @@
 
 #include "base/text.hpp"
 #include "exporting.hpp"
+#include "field_values.hpp"
 
 namespace voile::picture {
 
@@ -75,11 +76,8 @@ Files export_stl(const Exporter& e) {
 namespace {
 
 std::string column_name(const results::Field& f, int k) {
-  if (f.components == 1) return f.name;
-  static const char* const vertex[] = {"x", "y", "z"};
-  static const char* const surface[] = {"11", "22", "12"};
-  if (f.components != 3) return fmt::format("{}_{}", f.name, k + 1);
-  return fmt::format("{}_{}", f.name, f.centre == results::Centre::vertex ? vertex[k] : surface[k]);
+  const std::string entry = entry_names(f)[static_cast<std::size_t>(k)];
+  return entry.empty() ? f.name : f.name + "_" + entry;
 }
 
 /// Fields at one kind of place.

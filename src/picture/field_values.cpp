@@ -39,9 +39,14 @@ double entry(const double* r, double) {
   return r[k];
 }
 
+/// Of three numbers, as vectors on vertices; what is recovered there are tensors.
+bool is_vector(const results::Field& field) {
+  return field.components == 3 && field.centre == results::Centre::vertex && !field.name.ends_with("_at_vertices");
+}
+
 std::vector<Component> components_of(const results::Field& field) {
   if (field.components == 1) return {{"", entry<0>}};
-  if (field.components == 3 && field.centre == results::Centre::vertex)
+  if (is_vector(field))
     return {{"magnitude", [](const double* r, double) { return std::hypot(r[0], r[1], r[2]); }},
             {"x", entry<0>},
             {"y", entry<1>},
@@ -71,6 +76,17 @@ std::vector<Component> components_of(const results::Field& field) {
 FieldChoice parse_field(const std::string& text) {
   const std::size_t colon = text.find(':');
   return {text.substr(0, colon), colon == std::string::npos ? "" : text.substr(colon + 1)};
+}
+
+std::vector<std::string> entry_names(const results::Field& field) {
+  if (field.components == 1) return {""};
+  if (is_vector(field)) return {"x", "y", "z"};
+  if (field.name == "principal_stretch") return {"larger", "smaller", "thickness"};
+  if (field.components == 3 && field.name.starts_with("principal_")) return {"larger", "smaller", "angle"};
+  if (field.components == 3) return {"11", "22", "12"};
+  std::vector<std::string> names;
+  for (int k = 1; k <= field.components; ++k) names.push_back(std::to_string(k));
+  return names;
 }
 
 FieldValues field_values(const results::Field& field, const std::string& component) {

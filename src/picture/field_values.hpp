@@ -19,6 +19,10 @@ struct FieldValues {
   std::vector<float> values;
 };
 
+/// Names of the numbers of a field, "" if it has one: x, y, z of vectors on vertices; 11, 22, 12 of tensors of the surface, on
+/// triangles or recovered at vertices; larger, smaller and angle (or thickness) of principal values; 1 to n of others.
+[[nodiscard]] std::vector<std::string> entry_names(const results::Field& field);
+
 /// Components: x, y, z, magnitude of vectors on vertices (default: magnitude); 11, 22, 12, larger, smaller of tensors of
 /// the surface (default: larger, in size); of principal stresses larger, smaller, angle; 1 to n of others.
 /// Throws UserError with the components there are.
