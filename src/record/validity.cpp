@@ -134,12 +134,10 @@ std::string locking_warning(const energy::Sheet& sheet, const system::TriangleFi
   for (std::size_t i = 0; i < rest.size(); ++i) rest[i] -= fields.curvature[i];
   const double fraction = energy::locking_estimate(sheet, rest);
   if (fraction <= error_limit) return "";
-  const bool corrected = sheet.options().membrane == energy::MembraneOperator::six_node_corrected;
   return fmt::format(
       "the mesh is too coarse for a curved shell this thin: where it bends without stretching, deflections can be too "
-      "small "
-      "by about {}; use a finer mesh{}",
-      percent_text(fraction), corrected ? "" : ", or element.type = \"corrected\"");
+      "small by about {}; use a finer mesh",
+      percent_text(fraction));
 }
 
 }  // namespace voile::record

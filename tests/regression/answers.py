@@ -332,8 +332,40 @@ def stress_at_vertices(report):
                 "support": [{"type": "displacement", "group": group, "components": [k]} for group, k in (("x axis", "y"), ("y axis", "x"), ("sheet", "z"))],
                 "load": [{"type": "line", "group": f"rim {j}", "vector": (1e6 * n).tolist()} for j, n in enumerate(outward)],
                 "output": {"stresses": "surface"}}
-        step = solve("le1", case, 1).results[-1]
+        result = solve("le1", case, 1)
+        step = result.results[-1]
         report.percent(step["stress_top_at_vertices"][0, 1] / 92.7e6, limit, f"{across} x {along}: stress at the vertex (in the triangles beside {step['stress_top'][:, 1].max() / 1e6:.1f} MPa)")
+    invoke(["export", result.folder, "--to", "csv", "--output", OUT / "le1.csv"])
+    titles = [line.replace('"', "").strip().split(",") for file in sorted(OUT.glob("le1*.csv")) for line in file.read_text().splitlines()[:1]]
+    wanted = [f"{kind}_top{place}_{entry}" for kind, entries in (("stress", ("11", "22", "12")), ("principal_stress", ("larger", "smaller", "angle")))
+              for place in ("", "_at_vertices") for entry in entries]
+    missing = [name for name in wanted if not any(name in title for title in titles)]
+    report.check(not missing, f"columns are named by what they hold{': missing ' + ', '.join(missing) if missing else ''}")
+
+
+@test
+def probed_means(report):
+    """The mean of a group is that over its length or area, also where cells are of very different sizes."""
+    folder = fresh("probed_mesh")
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / "graded.geo").write_text("""Point(1) = {0, 0, 0, 0.01}; Point(2) = {1, 0, 0, 0.1}; Point(3) = {1, 0.2, 0, 0.1}; Point(4) = {0, 0.2, 0, 0.01};
+Line(1) = {1, 2}; Line(2) = {2, 3}; Line(3) = {3, 4}; Line(4) = {4, 1}; Curve Loop(1) = {1, 2, 3, 4}; Plane Surface(1) = {1};
+Physical Curve("left") = {4}; Physical Curve("right") = {2}; Physical Curve("bottom") = {1}; Physical Surface("sheet") = {1};
+""")
+    case = {"analysis": "static", "mesh": {"file": str(folder / "graded.geo")}, "material": [{"type": "isotropic", "young": 1e6, "poisson": 0.0, "thickness": 1e-3}],
+            "support": [{"type": "displacement", "group": "left", "components": ["x"]}, {"type": "displacement", "group": "sheet", "components": ["y", "z"]},
+                        {"type": "displacement", "group": "right", "components": ["x"], "value": [0.01, 0, 0]}],
+            "probe": [{"name": name, "type": "displacement", "group": name, "components": ["x"]} for name in ("sheet", "bottom")] +
+                     [{"name": "far", "type": "height", "group": "bottom", "components": ["x"]}]}
+    history = solve("probed_means", case).history
+    for column, exact in (("sheet_x", 0.005), ("bottom_x", 0.005), ("far_mean", 0.505)):
+        report.percent(history[column][-1] / exact, 1e-9, f"{column}: {history[column][-1]:.6g} m")
+    # A step that such a mean controls ends where it says.
+    loaded = case | {"support": case["support"][:2], "load": [{"type": "line", "group": "right", "vector": [1.0, 0, 0]}],
+                     "steps": {"control": "displacement", "control_probe": "sheet", "final_displacement": 0.005}}
+    history = solve("probed_means_controlled", loaded).history
+    report.percent(history["sheet_x"][-1] / 0.005, 1e-9, "a step controlled by the mean")
+    report.percent(history["load_factor"][-1] / (10 * 1.01 * 1.005), 1e-6, "its load factor, E h (e + e^2 / 2) (1 + e)")
 
 
 @test
