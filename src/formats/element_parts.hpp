@@ -1,8 +1,11 @@
-// Elements of second order as what their nodes span; shared by src/io and the program voile-gmsh.
+// Elements as triangles: those of second order by what their nodes span, quadrangles by a diagonal; shared by this room and the
+// program voile-gmsh.
 #pragma once
 
 #include <cstddef>
 #include <vector>
+
+#include "base/types.hpp"
 
 namespace voile::formats {
 
@@ -19,6 +22,13 @@ namespace voile::formats {
   if (corners == 4 && nodes == 8) return {{0, 4, 7}, {4, 1, 5}, {5, 2, 6}, {6, 3, 7}, {4, 5, 6, 7}};
   if (corners == 4 && nodes == 9) return {{0, 4, 8, 7}, {4, 1, 5, 8}, {8, 5, 2, 6}, {7, 8, 6, 3}};
   return {};
+}
+
+/// Whether the diagonal from b to d of the quadrangle a, b, c, d is the shorter one. Where both are as long, but for round-off, it
+/// is not: meshes that differ in the last digits alone are split alike.
+[[nodiscard]] inline bool second_diagonal_is_shorter(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
+  constexpr double rounding = 1e-6;
+  return (d - b).norm() < (1.0 - rounding) * (c - a).norm();
 }
 
 }  // namespace voile::formats

@@ -15,6 +15,7 @@
 
 #include "base/child_process.hpp"
 #include "base/plain_file.hpp"
+#include "element_parts.hpp"
 #include "mesh_bytes.hpp"
 #include "mesh_text.hpp"
 #include "triangle_file.hpp"
@@ -200,7 +201,7 @@ std::vector<Index> GrowingMesh::add_polygon(const std::vector<Index>& corners, s
   const std::size_t n = corners.size();
   const auto at = [&](std::size_t i) -> const Vec3& { return data.positions[corners[i % n]]; };
   // The fan starts where the shorter diagonal of a quadrangle does.
-  const std::size_t first = n == 4 && (at(3) - at(1)).norm() < (at(2) - at(0)).norm() ? 1 : 0;
+  const std::size_t first = n == 4 && second_diagonal_is_shorter(at(0), at(1), at(2), at(3)) ? 1 : 0;
   for (std::size_t k = 1; k + 1 < n; ++k) {
     const std::array<std::size_t, 3> local{first, (first + k) % n, (first + k + 1) % n};
     made.push_back(static_cast<Index>(data.triangles.size()));

@@ -19,7 +19,7 @@ std::vector<Key> keys_of(RigidSection& s) {
        .slot = &g.point,
        .meaning = "Reference point at the start. It moves with the body.",
        .unit = "m",
-       .absent = "the mean of the vertices"},
+       .absent = "the centre of its length or area"},
       {.name = "slope",
        .slot = choice(g.slope, {{"held", true}, {"free", false}}),
        .meaning = "Whether the slope across boundary edges of a curve turns with the body, as at a clamped edge."},

@@ -6,6 +6,7 @@
 #include <array>
 
 #include "geometry/closest_triangle.hpp"
+#include "mesh/group_weights.hpp"
 #include "stresses.hpp"
 #include "system/contact.hpp"
 #include "system/ease.hpp"
@@ -35,27 +36,11 @@ std::vector<Index> vertices_of(const input::Probe& probe, const mesh::SurfaceMes
   return probe.group.empty() ? std::vector<Index>{} : mesh.group(probe.group).vertices;
 }
 
-/// What the vertices of a group count in a mean over its surface or curve; that of points is over their number.
+/// In a mean.
 std::vector<double> weights_of(const input::Probe& probe, const std::vector<Index>& vertices,
                                const mesh::SurfaceMesh& mesh) {
-  std::vector<double> weights(vertices.size(), 0.0);
-  const auto add = [&](Index v, double share) {
-    weights[static_cast<std::size_t>(std::lower_bound(vertices.begin(), vertices.end(), v) - vertices.begin())] +=
-        share;
-  };
-  if (!probe.point && !probe.group.empty()) {
-    const mesh::Group& group = mesh.group(probe.group);
-    for (const Index t : group.triangles)
-      for (const Index v : mesh.triangles()[t]) add(v, mesh.area(t));
-    for (const auto& [v, w] : group.segments) {
-      const double length = (mesh.positions()[v] - mesh.positions()[w]).norm();
-      add(v, length), add(w, length);
-    }
-  }
-  double total = 0.0;
-  for (const double w : weights) total += w;
-  for (double& w : weights) w = total > 0.0 ? w / total : 1.0 / static_cast<double>(weights.size());
-  return weights;
+  if (!probe.point && !probe.group.empty()) return mesh::group_weights(mesh, mesh.group(probe.group));
+  return std::vector<double>(vertices.size(), 1.0 / static_cast<double>(vertices.size()));
 }
 
 /// Parts of the columns' names after that of the probe.

@@ -47,7 +47,7 @@ struct RigidGroup {
     about,  ///< about `axis` only: freely, or by `angle`
   };
   std::string group;                              ///< physical point, curve or surface with at least three vertices
-  std::optional<Vec3> point;                      ///< reference point; absent: the mean of the vertices [m]
+  std::optional<Vec3> point;                      ///< reference point; absent: the centre of its length or area [m]
   bool slope = true;                              ///< the slope across boundary edges of a curve turns with the body
   std::array<bool, 3> held{false, false, false};  ///< components of the reference point that are prescribed
   std::function<Vec3(double time)> motion;        ///< their displacement [m]; empty: none

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "constraints.hpp"
+#include "mesh/group_weights.hpp"
 #include "voile/errors.hpp"
 
 namespace voile::system {
@@ -77,8 +78,9 @@ RigidBody make_body(const mesh::SurfaceMesh& mesh, const RigidGroup& g) {
                     name_of(g), body.members.size()));
   std::copy_n(body.members.begin(), 3, body.carriers.begin());
   Vec3 centre = Vec3::Zero();
-  for (const Index v : body.members) centre += mesh.positions()[v];
-  body.point = g.point.value_or(Vec3(centre / static_cast<double>(body.members.size())));
+  const std::vector<double> weights = mesh::group_weights(mesh, *group);
+  for (std::size_t i = 0; i < weights.size(); ++i) centre += weights[i] * mesh.positions()[group->vertices[i]];
+  body.point = g.point.value_or(centre);
   double squares = 0.0;
   for (const Index v : body.members) squares += (mesh.positions()[v] - body.point).squaredNorm();
   body.length = 2.0 * std::sqrt(squares / static_cast<double>(body.members.size()));

@@ -121,6 +121,10 @@ TEST_CASE("quadrangles are split along their shorter diagonal, and this is said"
       read(".inp", "*Node\n1,0,0\n2,1,0\n3,1.2,1\n4,0,1\n*Element, type=S4R, elset=q\n1,1,2,3,4\n");
   CHECK(inp.triangles == obj.triangles);
   CHECK(mesh::SurfaceMesh(inp).group("q").triangles.size() == 2);
+  // Round-off does not choose: both diagonals of a square that was turned are as long.
+  for (const char* square :
+       {"v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n", "v 0 0 0\nv 1 0 0\nv 1.000000001 1.000000001 0\nv 0 1 0\n"})
+    CHECK(read(".obj", std::string(square) + "f 1 2 3 4\n").triangles[0] == mesh::Triangle{0, 1, 2});
 }
 
 TEST_CASE("Abaqus: lines are curves, second order is split, what is no sheet is left out with a note") {
