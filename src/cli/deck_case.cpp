@@ -168,7 +168,7 @@ class CaseWriter {
   }
 
   void add_material(const Deck::Section& s) {
-    const DeckMaterial made = deck_material(deck_, s);
+    const DeckMaterial made = deck_material(deck_, s, square_to_x(mesh_, group_of(s.elements)));
     for (const std::string& text : made.left) leave(text);
     if (made.text.empty()) return;
     has_material_ = true;

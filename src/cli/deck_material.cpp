@@ -44,17 +44,38 @@ std::string plies_of(const std::vector<Deck::Ply>& plies, double turn) {
 
 }  // namespace
 
-DeckMaterial deck_material(const Deck& deck, const Deck::Section& s) {
+SquareToX square_to_x(const mesh::MeshData& mesh, const mesh::Group* group) {
+  constexpr double alike = 1.0 - 1.5e-6;  // cosine of 0.1 degrees
+  SquareToX of;
+  if (!group) return of;
+  of.triangles = group->triangles.size();
+  for (const Index k : group->triangles) {
+    const mesh::Triangle& t = mesh.triangles[static_cast<std::size_t>(k)];
+    const Vec3 &a = mesh.positions[t[0]], &b = mesh.positions[t[1]], &c = mesh.positions[t[2]];
+    const Vec3 normal = (b - a).cross(c - a).normalized();
+    of.square += std::abs(normal[0]) >= alike ? 1 : 0;
+  }
+  return of;
+}
+
+DeckMaterial deck_material(const Deck& deck, const Deck::Section& s, const SquareToX& place) {
   DeckMaterial made;
   const std::string name = name_of(deck, s, made.left);
   if (name.empty()) return made;
   const Deck::Material& m = deck.materials.at(name);
-  Deck::Orientation axes{{1.0, 0.0, 0.0}, 0.0};
+  const bool along_z = place.square > 0 && place.square == place.triangles;
+  Deck::Orientation axes{{along_z ? 0.0 : 1.0, 0.0, along_z ? 1.0 : 0.0}, 0.0};
   if (const auto at = deck.orientations.find(s.orientation); at != deck.orientations.end())
     axes = at->second;
   else if (!s.orientation.empty())
-    made.left.push_back(fmt::format("{} of {}: there is no orientation {} that is known; material axis 1 is [1, 0, 0]",
-                                    deck.words.section, s.elements, s.orientation));
+    made.left.push_back(fmt::format(
+        "{} of {}: there is no orientation {} that is known; material axis 1 is [{:g}, {:g}, {:g}]", deck.words.section,
+        s.elements, s.orientation, axes.direction[0], axes.direction[1], axes.direction[2]));
+  else if (m.orthotropic && place.square > 0 && !along_z)
+    made.left.push_back(fmt::format(
+        "{} of {}: on {} of its {} triangles, square to x, material axis 1 is along z; give them a set and a "
+        "section of their own",
+        deck.words.section, s.elements, place.square, place.triangles));
   made.text = fmt::format("\n[[material]]               # {}\n", printable(name));
   const bool layered = m.orthotropic && (!s.plies.empty() || axes.angle != 0.0);
   if (m.orthotropic)

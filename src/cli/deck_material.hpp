@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "formats/deck.hpp"
+#include "mesh/surface_mesh.hpp"
 
 namespace voile::cli {
 
@@ -12,6 +13,13 @@ struct DeckMaterial {
   std::string text;               ///< without `groups`; empty: nothing is known of it
   std::vector<std::string> left;  ///< what was not taken
 };
-[[nodiscard]] DeckMaterial deck_material(const formats::Deck& deck, const formats::Deck::Section& section);
+/// Of triangles, how many there are, and of how many x is the normal to 0.1 degrees.
+struct SquareToX {
+  std::size_t triangles = 0, square = 0;
+};
+[[nodiscard]] SquareToX square_to_x(const mesh::MeshData& mesh, const mesh::Group* group);
+/// Without an orientation material axis 1 is along x, and along z where x is normal to the sheet.
+[[nodiscard]] DeckMaterial deck_material(const formats::Deck& deck, const formats::Deck::Section& section,
+                                         const SquareToX& place);
 
 }  // namespace voile::cli

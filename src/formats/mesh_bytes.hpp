@@ -16,6 +16,7 @@ inline std::string to_bytes(const mesh::MeshData& data) {
   out.put(data.texture);
   out.put(data.rest);
   out.put(data.notes);
+  out.put(data.finds_boundary ? 1 : 0);
   out.put(data.groups.size());
   for (const mesh::Group& g : data.groups) {
     out.put(g.name);
@@ -31,6 +32,7 @@ inline mesh::MeshData mesh_from_bytes(std::string bytes) {
   ByteReader in(std::move(bytes));
   mesh::MeshData data;
   std::size_t groups = 0;
+  int finds_boundary = 0;
   in.get(data.source);
   in.get(data.positions);
   in.get(data.triangles);
@@ -39,6 +41,8 @@ inline mesh::MeshData mesh_from_bytes(std::string bytes) {
   in.get(data.texture);
   in.get(data.rest);
   in.get(data.notes);
+  in.get(finds_boundary);
+  data.finds_boundary = finds_boundary != 0;
   in.get(groups);
   for (std::size_t k = 0; k < groups; ++k) {
     mesh::Group g;

@@ -121,12 +121,14 @@ std::vector<std::vector<mesh::Segment>> loops(const std::vector<mesh::Segment>& 
   return result;
 }
 
+bool is_boundary(const mesh::Group& g) {
+  return g.name.starts_with("boundary") && g.dimension == 1;
+}
+
 void add_boundary(mesh::MeshData& data) {
   const std::vector<mesh::Segment> edges = boundary_edges(data.triangles);
-  const bool taken = std::any_of(data.groups.begin(), data.groups.end(), [](const mesh::Group& g) {
-    return g.name.starts_with("boundary") && g.dimension == 1;
-  });
-  if (edges.empty() || taken) return;
+  if (edges.empty() || std::any_of(data.groups.begin(), data.groups.end(), is_boundary)) return;
+  data.finds_boundary = true;
   data.groups.push_back(curve("boundary", edges));
   const auto all = loops(edges, data.positions);
   for (std::size_t k = 0; k < all.size() && all.size() > 1; ++k)
@@ -149,6 +151,13 @@ mesh::MeshData read_other(const std::string& file, const std::string& extension)
 }
 
 }  // namespace
+
+void renew_boundary(mesh::MeshData& data) {
+  if (!data.finds_boundary) return;
+  std::erase_if(data.groups, is_boundary);
+  add_boundary(data);
+  tidy_groups(data.groups);
+}
 
 bool is_nastran(const fs::path& file) {
   const std::string extension = lower_extension(file);

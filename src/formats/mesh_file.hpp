@@ -22,6 +22,9 @@
 
 namespace voile::formats {
 
+/// Finds 'boundary', 'boundary-1', ... anew where they are whatever boundary edges there are: after vertices have been merged.
+void renew_boundary(mesh::MeshData& data);
+
 /// Reads the sheet's mesh; the extension decides. Vertices without a triangle are dropped where the format is not
 /// Gmsh's. Not collective: call on one rank. Throws UserError that names the file, and where it can the line, for what
 /// cannot be read, other elements than triangles and quadrangles, coordinates that are not finite or absurd.

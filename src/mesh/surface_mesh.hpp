@@ -82,6 +82,7 @@ struct MeshData {
   /// Of charts: sides of triangles on seams of three layers that lie on the second side of the edge at rest; all other sides there
   /// lie on the first.
   std::vector<TriangleSide> folded;
+  bool finds_boundary = false;     ///< groups 'boundary', 'boundary-1', ... are whatever boundary edges there are
   std::vector<std::string> notes;  ///< what the reader changed or made up, for the user; on the rank that read
 };
 

@@ -92,6 +92,7 @@ mesh::SurfaceMesh load_mesh(MPI_Comm comm, const std::filesystem::path& file, co
     const double given = options.merge_tolerance;
     const double tolerance = given > 0.0 ? given : mesh::default_merge_tolerance(data);
     const Index gone = mesh::merge_coincident(data, tolerance);
+    formats::renew_boundary(data);
     data.notes.push_back(fmt::format("{} vertices were merged with others at the same place", gone));
   });
   broadcast_mesh(comm, data);

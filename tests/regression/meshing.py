@@ -178,6 +178,28 @@ EDGE, ENCASTRE
 
 
 @test
+def merged_boundary(report):
+    """Two halves with vertices of their own that are merged are one sheet: its boundary is what is left, not where they meet."""
+    folder = fresh("merged_meshes")
+    folder.mkdir(parents=True, exist_ok=True)
+    deflection = {}
+    for name, parts in (("whole", ((0, 16),)), ("halves", ((0, 8), (8, 16)))):
+        vertices, faces = [], []
+        for low, high in parts:
+            first = len(vertices) + 1
+            vertices += [(0.0125 * i, 0.0125 * j, 0) for i in range(low, high + 1) for j in range(9)]
+            at = lambda i, j: first + 9 * (i - low) + j  # noqa: B023, E731
+            faces += [f for i in range(low, high) for j in range(8)
+                      for f in ((at(i, j), at(i + 1, j), at(i + 1, j + 1)), (at(i, j), at(i + 1, j + 1), at(i, j + 1)))]
+        (folder / f"{name}.obj").write_text("".join(f"v {x} {y} {z}\n" for x, y, z in vertices) + "".join(f"f {a} {b} {c}\n" for a, b, c in faces))
+        case = {"analysis": "static", "mesh": {"file": str(folder / f"{name}.obj"), "merge": name == "halves"},
+                "material": [{"type": "isotropic", "young": 3e9, "poisson": 0.3, "thickness": 1e-3}],
+                "support": [{"type": "hinged", "group": "boundary"}], "load": [{"type": "pressure", "magnitude": 100.0}]}
+        deflection[name] = np.abs(solve(f"merged_{name}", case).displacement()).max()
+    report.percent(deflection["halves"] / deflection["whole"], 1e-9, f"halves deflect as the whole, {deflection['whole']:.3g} m")
+
+
+@test
 def deck_cases(report):
     """voile init --from: an annulus of S8R under NLGEOM bends as in CalculiX, a clamped plate in mm and t vibrates as it should; what is not understood is listed with its line."""
     def begin(name, text):
@@ -210,6 +232,10 @@ def deck_cases(report):
     layers = plate("*Step\n*Frequency\n4,\n*End Step").replace("*Shell Section, elset=plate, material=Steel\n2.\n", (
         "*Orientation, name=Fibres\n0., 1., 0., -1., 0., 0.\n3, 30.\n"
         "*Shell Section, elset=plate, composite, symmetric, orientation=fibres\n0.5, 3, Steel, 0.\n0.5, 3, Steel, 90.\n"))
+    upright = plate("*Step\n*Frequency\n4,\n*End Step").replace("*Elastic\n210000., 0.3", "*Elastic, type=lamina\n140000., 10000., 0.3, 5000., 5000., 4000.")
+    upright = upright.replace(nodes, "\n".join(f"{k}, 0., {x}, {y}" for k, x, y, _ in (line.split(", ") for line in nodes.splitlines())))
+    code, said, case = begin("deck_upright", upright)
+    report.check(code == 0 and "direction = [0, 0, 1]" in case.read_text(), f"without an orientation axis 1 is z where the sheet is square to x: {said[:200]}")
     layers = layers.replace("*Elastic\n210000., 0.3", "*Elastic, type=lamina\n140000., 10000., 0.3, 5000., 5000., 4000.")
     code, said, case = begin("deck_layers", layers)
     found = case.read_text()
