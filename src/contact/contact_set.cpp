@@ -111,8 +111,8 @@ double ContactSet::barrier_energy(const std::vector<Vec3>& x) const {
   return options_.stiffness * sum;
 }
 
-void ContactSet::pair_gradient(const Pair& pair, const Near& n, Vec12& g) const {
-  const Scalar2 b = barrier(n.gap, reach(pair));
+void ContactSet::pair_gradient(const Pair& pair, const Near& n, double reach, Vec12& g) const {
+  const Scalar2 b = barrier(n.gap, reach);
   const Vec3 normal = n.closest.w / n.closest.distance;
   const double scale = options_.stiffness * pair.area;
   for (int i = 0; i < 4; ++i) g.segment<3>(3 * i) = scale * b.first * n.closest.c[i] * normal;
@@ -155,8 +155,9 @@ void ContactSet::add_gradient(const std::vector<Vec3>& x, std::vector<Vec3>& f, 
   Vec12 g;
   if (part & normal) {
     candidates_.for_close(x, options_.distance, [&](const Pair& pair) {
-      if (!near(pair, x, reach(pair), n)) return;
-      pair_gradient(pair, n, g);
+      const double d = reach(pair);
+      if (!near(pair, x, d, n)) return;
+      pair_gradient(pair, n, d, g);
       for (int i = 0; i < 4; ++i)
         if (pair.points[i] != no_index && surface_->is_sheet(pair.points[i])) f[pair.points[i]] += g.segment<3>(3 * i);
     });
@@ -177,8 +178,8 @@ void ContactSet::add_gradient(const std::vector<Vec3>& x, std::vector<Vec3>& f, 
     }
 }
 
-double ContactSet::obstacle_work(const std::vector<Vec3>& x, const std::vector<Vec3>& start,
-                                 const std::vector<Plane>& planes_then) const {
+double ContactSet::obstacle_work(const std::vector<Vec3>& x, const Then& at_start) const {
+  const std::vector<Vec3>& start = at_start.places;
   double sum = 0.0;
   Near n;
   Vec12 g, then;
@@ -186,10 +187,11 @@ double ContactSet::obstacle_work(const std::vector<Vec3>& x, const std::vector<V
     const bool moved = std::any_of(pair.points.begin(), pair.points.end(), [&](Index p) {
       return p != no_index && !surface_->is_sheet(p) && x[p] != start[p];
     });
-    if (!moved || !counted(pair.points) || !near(pair, x, reach(pair), n)) return;
-    pair_gradient(pair, n, g);
-    if (near(pair, start, reach(pair), n)) {
-      pair_gradient(pair, n, then);
+    const double d = reach(pair), d_then = reach(pair, at_start.reaches);
+    if (!moved || !counted(pair.points) || !near(pair, x, d, n)) return;
+    pair_gradient(pair, n, d, g);
+    if (near(pair, start, d_then, n)) {
+      pair_gradient(pair, n, d_then, then);
       g = 0.5 * (g + then);
     }
     for (int i = 0; i < 4; ++i)
@@ -198,12 +200,13 @@ double ContactSet::obstacle_work(const std::vector<Vec3>& x, const std::vector<V
   });
   for (std::size_t k = 0; k < planes_.size(); ++k)
     for (Index i : candidates_.own_points()) {
-      const Plane &now = planes_[k], &then_plane = planes_then[k];
+      const Plane &now = planes_[k], &then_plane = at_start.planes[k];
       if (!plane_acts(now, i)) continue;
-      const double gap = plane_gap(now, i, x), gap_then = plane_gap(then_plane, i, start), d = reach(i);
+      const double gap = plane_gap(now, i, x), gap_then = plane_gap(then_plane, i, start), d = reach(i),
+                   d_then = at_start.reaches.empty() ? options_.distance : at_start.reaches[i];
       if (!(gap < d)) continue;
       double pressure = barrier(gap, d).first;
-      if (gap_then > 0.0 && gap_then < d) pressure = 0.5 * (pressure + barrier(gap_then, d).first);
+      if (gap_then > 0.0 && gap_then < d_then) pressure = 0.5 * (pressure + barrier(gap_then, d_then).first);
       // The gap changes by the displacement of the point, and by this.
       const double change = (now.normal - then_plane.normal).dot(start[i]) - (now.level - then_plane.level);
       sum += options_.stiffness * surface_->area[i] * pressure * change;

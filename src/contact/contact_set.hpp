@@ -91,11 +91,15 @@ class ContactSet {
   [[nodiscard]] double energy(const std::vector<Vec3>& x, Part part = both) const;
   /// What friction takes, sum of force times slip over the pairs this rank counts. [J]
   [[nodiscard]] double friction_work(const std::vector<Vec3>& x) const;
-  /// Work of what moves points of obstacles, from `start`, and planes, from `planes_then`, over the pairs this rank counts, with the
+  /// Work of what moves points of obstacles, and planes from where they were at the start, over the pairs this rank counts, with the
   /// mean of the normal forces at `start` and x, or those at x of what was not in contact before: what is hit takes the speed of
   /// the obstacle at once. [J]
-  [[nodiscard]] double obstacle_work(const std::vector<Vec3>& x, const std::vector<Vec3>& start,
-                                     const std::vector<Plane>& planes_then) const;
+  struct Then {
+    const std::vector<Vec3>& places;
+    std::vector<Plane> planes;
+    std::vector<double> reaches;  ///< as set_reaches() takes them
+  };
+  [[nodiscard]] double obstacle_work(const std::vector<Vec3>& x, const Then& start) const;
   /// Adds the derivative of the energy to f, per sheet point; right for own points only. [N]
   void add_gradient(const std::vector<Vec3>& x, std::vector<Vec3>& f, Part part = both) const;
   /// Takes over how much each slip has changed since the last call with other positions; before hessian(x, true, ...).
@@ -148,11 +152,12 @@ class ContactSet {
   }
   [[nodiscard]] double offset(const Pair& p) const { return p.fraction * surface_->offset(p.body_a, p.body_b); }
   /// Gap at which the barrier of a pair, or of a point against a plane, begins. [m]
-  [[nodiscard]] double reach(const Pair& p) const {
+  [[nodiscard]] double reach(const Pair& p) const { return reach(p, reach_); }
+  [[nodiscard]] double reach(const Pair& p, const std::vector<double>& reaches) const {
     double gap = p.fraction * options_.distance;
-    if (reach_.empty()) return gap;
+    if (reaches.empty()) return gap;
     for (Index i : p.points)
-      if (i != no_index && surface_->is_sheet(i)) gap = std::min(gap, reach_[i]);
+      if (i != no_index && surface_->is_sheet(i)) gap = std::min(gap, reaches[i]);
     return gap;
   }
   [[nodiscard]] double reach(Index point) const { return reach_.empty() ? options_.distance : reach_[point]; }
@@ -185,7 +190,7 @@ class ContactSet {
   }
   [[nodiscard]] bool counted(const std::array<Index, 4>& points) const;
   /// Derivatives of kappa A m b of one pair.
-  void pair_gradient(const Pair& pair, const Near& n, Vec12& g) const;
+  void pair_gradient(const Pair& pair, const Near& n, double reach, Vec12& g) const;
   void pair_hessian(const Pair& pair, const Near& n, bool positive, Mat12& h) const;
   [[nodiscard]] Vec3 slip_of(const Sliding& s, const std::vector<Vec3>& x) const;
   /// Derivative of the friction force by the slip r over mu N, true or its secant. [1/m]

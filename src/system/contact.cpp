@@ -54,7 +54,9 @@ double Contact::friction_work(Vec a) {
 double Contact::obstacle_work(Vec a) {
   scene_.take(a);
   const ContactScene::Points& points = scene_.points();
-  return mpi::sum(scene_.dofs().comm(), scene_.set().obstacle_work(points.now, points.start, scene_.planes_at_start()));
+  const ContactSet::Then start{points.start, scene_.planes_at_start(),
+                               reaches_at(scene_, memory_, scene_.start_time())};
+  return mpi::sum(scene_.dofs().comm(), scene_.set().obstacle_work(points.now, start));
 }
 
 void Contact::add_gradient(Vec a, Vec f, ContactSet::Part part) {

@@ -10,6 +10,8 @@
 
 namespace voile::system {
 
+/// How far barriers reach at a time, as ContactSet::set_reaches() takes it. Not collective.
+[[nodiscard]] std::vector<double> reaches_at(const ContactScene& scene, const ContactMemory& memory, double time);
 /// Sets the distances at which barriers begin at the time in force. Not collective.
 void settle(ContactScene& scene, const ContactMemory& memory);
 /// Puts the obstacles where they are at a time, and the barriers that grow. Not collective.

@@ -50,6 +50,8 @@ class ContactScene {
 
   /// The time in force [s]. Not collective.
   [[nodiscard]] double time() const { return time_; }
+  /// That of begin_step() [s].
+  [[nodiscard]] double start_time() const { return start_time_; }
   /// Puts the obstacles where they are at time t. Not collective.
   void set_time(double time);
   /// From now on obstacles stay where they are, whatever the time, until this is called with false. Not collective.

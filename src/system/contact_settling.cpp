@@ -65,15 +65,19 @@ void set_time(ContactScene& scene, const ContactMemory& memory, double time) {
   settle(scene, memory);
 }
 
-void settle(ContactScene& scene, const ContactMemory& memory) {
+std::vector<double> reaches_at(const ContactScene& scene, const ContactMemory& memory, double time) {
   const contact::ContactOptions& options = scene.input().options;
   std::vector<double> reach;
-  const double fraction = options.settle_time > 0.0 ? (scene.time() - memory.start) / options.settle_time : 1.0;
+  const double fraction = options.settle_time > 0.0 ? (time - memory.start) / options.settle_time : 1.0;
   if (!memory.gaps.empty() && fraction < 1.0) {
     reach = memory.gaps;
     for (double& r : reach) r += std::max(fraction, 0.0) * (options.distance - r);
   }
-  scene.set().set_reaches(std::move(reach));
+  return reach;
+}
+
+void settle(ContactScene& scene, const ContactMemory& memory) {
+  scene.set().set_reaches(reaches_at(scene, memory, scene.time()));
 }
 
 }  // namespace voile::system

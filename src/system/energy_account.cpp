@@ -115,11 +115,21 @@ void EnergyAccount::take_forces(Vec u_0, Vec u_1, Vec u, Vec v, Vec a) {
 double EnergyAccount::driven(Vec u_1, double t_0, double t_1, double internal_now) {
   Model& model = dynamics_.model();
   if (!model.potential().depends_on_time()) return 0.0;
-  const double with_start = internal_of(energies(model, start_, false)) - before_.internal;
-  dynamics_.set_time(t_0);
-  const double with_end = internal_now - internal_of(energies(model, u_1, false));
+  // Where the fabric rubs, its loss within the step resists too, and turns its sign with the way: forces at both ends count then,
+  // as energies over the whole step would go a way that is not taken.
+  const bool rubs = model.potential().has_yarn_friction();
+  const double fraction = rubs ? 1e-3 : 1.0, part = fraction * (t_1 - t_0);
+  const auto resisting = [&](Vec u) {
+    return internal_of(energies(model, u, false)) + (rubs ? model.potential().yarn_loss(u) : 0.0);
+  };
+  if (rubs) dynamics_.set_time(t_0 + part);
+  const double with_start = resisting(start_) - before_.internal;
+  if (rubs) dynamics_.set_time(t_1);
+  const double now = internal_now + (rubs ? model.potential().yarn_loss(u_1) : 0.0);
+  dynamics_.set_time(rubs ? t_1 - part : t_0);
+  const double with_end = now - resisting(u_1);
   dynamics_.set_time(t_1);
-  return 0.5 * (with_start + with_end);
+  return 0.5 * (with_start + with_end) / fraction;
 }
 
 void EnergyAccount::end_step(Vec u_1, Vec v_1, double t_0, double t_1) {

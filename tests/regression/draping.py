@@ -138,6 +138,11 @@ def yarn_friction(report):
     report.check(code == 2 and "checkpoint.h5" in text, f"results do not hold slips: exit code {code}")
 
     motion = flap(analysis="dynamic", time={"end": 0.3, "step": 2e-3, "velocity_tolerance": 1e-4})
+    turned = flap(analysis="dynamic", support=[{"type": "clamped", "group": "left", "rotation_axis": [0, 1, 0], "rotation_angle": "40*sin(2*pi*t/0.2)"}],
+                  time={"end": 0.2, "step": 2e-3})
+    h = solve("yarn_friction_turned", turned).history
+    report.check(h["fabric_loss"][-1] > 0 and min(h["numerical_loss"]) > -0.02 * h["work_of_supports"][-1],
+                 f"a clamp that turns gives what is rubbed away, {h['fabric_loss'][-1]:.3g} J: numerical loss at least {min(h['numerical_loss']):.3g} J")
     solved = solve("yarn_friction_motion", motion)
     h = solved.history
     report.check(h["fabric_loss"][-1] > 0.1 * h["work_of_loads"][-1], f"a motion loses {h['fabric_loss'][-1]:.3g} J of {h['work_of_loads'][-1]:.3g}")
