@@ -86,8 +86,10 @@ Json json_of(const std::vector<ResponsePeak>& peaks) {
 
 Json json_of(const Summary& s) {
   Json critical = Json::array();
-  for (const solve::CriticalPoint& p : s.critical)
+  for (const solve::CriticalPoint& p : s.critical) {
     critical.push_back({{"kind", solve::name(p.kind)}, {"step", p.step}, {"load_factor", p.load_factor}});
+    if (p.between) critical.back()["between"] = *p.between;
+  }
   Json all{{"converged", s.converged},
            {"element", s.element},
            {"angle_triangles", s.angle_triangles},

@@ -147,11 +147,14 @@ std::optional<CriticalPoint> PathFollower::Impl::passed(const Tangent& after, do
   CriticalPoint point;
   point.kind = *kind;
   point.step = steps + 1;
+  const bool follows = tangent.eigenvalue * after.eigenvalue < 0.0;
+  if (point.kind == CriticalPoint::Kind::both || (point.kind == CriticalPoint::Kind::bifurcation && !follows))
+    point.between = {factor, lambda};
   if (point.kind != CriticalPoint::Kind::bifurcation) {
     point.load_factor = extremum(length, factor, lambda, rate, rate_after);
   } else {
     const double before = tangent.eigenvalue, behind = after.eigenvalue;
-    const double part = before * behind < 0.0 ? before / (before - behind) : 0.5;
+    const double part = follows ? before / (before - behind) : 0.5;
     point.load_factor = factor + part * (lambda - factor);
   }
   return point;
@@ -218,6 +221,7 @@ PathFollower::Impl::Attempt PathFollower::Impl::try_step(Vec a, double& lambda) 
   if (t.found) {
     t.newton = locate(a, lambda, constraint, t.after);
     t.critical->load_factor = lambda;
+    t.critical->between.reset();
   }
   if (t.newton.converged && !t.after.good) {
     t.newton.converged = false;
@@ -255,8 +259,7 @@ StepResult PathFollower::Impl::advance(system::State& state) {
   stopped = t.found && options.at_critical_point == AtCriticalPoint::stop;
   r.critical = t.critical;
   r.mode = t.found ? static_cast<Vec>(mode) : nullptr;
-  if (t.critical && remark)
-    remark(fmt::format("{} at load factor {:.6g}", name(t.critical->kind), t.critical->load_factor));
+  if (t.critical && remark) remark(text_of(*t.critical));
   const double growth = std::sqrt(static_cast<double>(options.target_iterations) / std::max(1, t.newton.iterations));
   if (!t.found) length = std::min(options.max_step * unit, length * std::clamp(growth, 0.5, 2.0));
   state.next_step = length / unit;

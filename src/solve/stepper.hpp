@@ -6,6 +6,7 @@
 // Between two calls the caller may record the state, or leave and go on with another model from the same state.
 #pragma once
 
+#include <array>
 #include <functional>
 #include <optional>
 #include <string>
@@ -22,8 +23,12 @@ struct CriticalPoint {
   Kind kind = Kind::limit;
   int step = 0;              ///< the first accepted step behind it
   double load_factor = 0.0;  ///< interpolated between the two states
+  /// Of a bifurcation whose eigenvalue was not followed: between these, the load factors of the two states.
+  std::optional<std::array<double, 2>> between{};
 };
 [[nodiscard]] const char* name(CriticalPoint::Kind kind);
+/// What it is and at which load factor.
+[[nodiscard]] std::string text_of(const CriticalPoint& point);
 
 enum class Outcome {
   accepted,  ///< the state is one step further

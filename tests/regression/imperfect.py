@@ -172,3 +172,21 @@ def imperfect_cap_collapse(report):
         found = study.found(solve(f"imperfect_collapse_{mu}", study.case(5.0, mu, 12)), 5.0, mu)
         report.percent(found / study.collapse(5.0, mu), 0.02, f"dimple of {mu} h: {found:.4f} of the classical pressure")
     report.check(math.isnan(study.collapse(4.0, 0.5)), "theory: with half a thickness and geometry 4 it does not collapse")
+
+
+@test
+def arch_between(report):
+    """A bifurcation whose mode is not the one that is followed is said to lie within its step: a sine arch under a sine load, load q = E I k^4 (a + 3 w) there (energy of a, w and the second wave)."""
+    rise = 0.0125
+    case = {
+        "analysis": "static", "mesh": {"file": str(ROOT / "meshes" / "cantilever.geo"), "parameters": {"length": 1, "width": 0.1, "nx": 40, "ny": 4, "pattern": 1}},
+        "material": [{"type": "isotropic", "young": 1e9, "poisson": 0, "thickness": 0.01}], "imperfection": [{"type": "expression", "height": f"{rise}*sin(pi*x)"}],
+        "support": [{"type": "hinged", "group": ["clamp", "tip"]}], "load": [{"type": "area", "vector": [0, 0, -1000], "distribution": "sin(pi*x)"}],
+        "probe": [{"name": "middle", "type": "displacement", "point": [0.5, 0.05, 0], "components": ["z"]}],
+        "steps": {"control": "arc_length", "control_probe": "middle", "final_displacement": -0.013, "initial_step": 0.02, "max_step": 0.05}}
+    found = solve("arch_between", case).summary["critical_points"]
+    report.check([c["kind"] for c in found] == ["limit point", "bifurcation point"], f"what is passed: {[c['kind'] for c in found]}")
+    low, high = sorted(found[1].get("between", [0, 0]))
+    report.check(low < 0.2184 < high, f"the bifurcation, 0.2184 by switch_branch, lies between {low:.4g} and {high:.4g}")
+    located = solve("arch_located", case | {"steps": case["steps"] | {"at_critical_point": "switch_branch"}}).summary["critical_points"]
+    report.percent(located[-1]["load_factor"] / 0.2180, 0.005, "located, against the formula")
