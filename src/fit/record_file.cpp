@@ -29,11 +29,13 @@ std::vector<std::string> cells_of(const std::string& line) {
                                                                 : ' ';
   for (const char c : line) {
     if (c != separator) {
-      if (c != ' ' && c != '\r' && c != '\t') cells.back() += c;
+      const bool blank = c == ' ' || c == '\r' || c == '\t';
+      if (!blank || !cells.back().empty()) cells.back() += c;  // one between digits stays: it is no number then
     } else if (separator != ' ' || !cells.back().empty()) {
       cells.emplace_back();
     }
   }
+  for (std::string& cell : cells) cell.erase(cell.find_last_not_of(" \r\t") + 1);
   while (cells.size() > 1 && cells.back().empty()) cells.pop_back();
   return cells;
 }
