@@ -186,7 +186,7 @@ def remesh_refused(report):
     report.check(set(whole.history["vertices"]) == {whole.history["vertices"][0]}, "the mesh stays")
     waits = np.diff(table["step"])
     report.check(len(waits) >= 3 and all(w >= 2**k for k, w in enumerate(waits[:6])), f"waits between tries: {waits}")
-    report.check("refused" in whole.text and "the energy would change by" in whole.text and "more than `energy_change`" in whole.text, "said")
+    report.check("refused" in whole.text and "the energy would change by" in whole.text and "more than remesh.energy_change" in whole.text, "said")
     at = int(table["step"][2]) + 1
     file = OUT / "remesh_refused.toml"
     run(file, fresh("remesh_refused_short"), 1, ["-ts_max_steps", str(at)])
