@@ -19,10 +19,10 @@ const char* name(CriticalPoint::Kind kind) {
 }
 
 std::string text_of(const CriticalPoint& point) {
-  const std::string there = fmt::format("{} at load factor {:.6g}", name(point.kind), point.load_factor);
+  std::string there = fmt::format("{} at load factor {:.6g}", name(point.kind), point.load_factor);
   if (!point.between) return there;
   const auto [low, high] = std::minmax((*point.between)[0], (*point.between)[1]);
-  const std::string between = fmt::format("bifurcation point between load factors {:.6g} and {:.6g}", low, high);
+  std::string between = fmt::format("bifurcation point between load factors {:.6g} and {:.6g}", low, high);
   if (point.kind == CriticalPoint::Kind::bifurcation) return between;
   return fmt::format("limit point at load factor {:.6g}, {}", point.load_factor, between);
 }

@@ -2,6 +2,7 @@
 #include "fit/fit.hpp"
 
 #include <doctest/doctest.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
@@ -312,7 +313,9 @@ TEST_CASE("records that are no loops or curves are refused") {
   CHECK(fit::require_loop(good, "f.csv") > 0.0);
   CHECK(has(error_of([&] { (void)fit::require_loop({good.begin(), good.begin() + 3}, "f.csv"); }), "not closed"));
   CHECK(has(error_of([] { fit::require_curve({{0, 0}, {1, 2}, {0.5, 1}}, "f.csv"); }), "turns back at row 3"));
-  const std::string file = (std::filesystem::temp_directory_path() / "voile_decimal_commas.csv").string();
+  const std::string file =
+      (std::filesystem::temp_directory_path() / ("voile_decimal_commas_" + std::to_string(::getpid()) + ".csv"))
+          .string();
   std::ofstream(file) << "x y\n1,5 20\n2,5 35\n3,5 60\n";
   CHECK(has(error_of([&] { (void)fit::read_rows(file, {1.0, 1.0}); }), "with points as decimal marks"));
   std::ofstream(file) << "x, y\n 1.5 , 20 \n2.5,35\r\n 3.5, 60\n";
