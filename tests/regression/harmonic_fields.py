@@ -38,6 +38,14 @@ def shaken_beam(omega, x):
     return YOUNG * inertia * np.dot(row(3, 0), w), YOUNG * inertia * np.dot(row(2, x), w)
 
 
+def mean_across(mesh, group, values):
+    """Over the length of a straight group along y, as a probe takes it."""
+    members = mesh.group(group)
+    members = members[np.argsort(mesh.positions[members, 1])]
+    y = mesh.positions[members, 1]
+    return np.trapz(values[members], y) / (y[-1] - y[0])
+
+
 @test
 def harmonic_forces(report):
     """Reaction and stress of a shaken cantilever against the exact beam; at rest, all of the linear analysis; both methods, 1 to 3
@@ -63,7 +71,7 @@ def harmonic_forces(report):
         exact = BASE["acceleration"] * moment * 6 / (AREA * HEIGHT**2)
         report.percent(step["stress_top_amplitude"][around, 0].mean() / abs(exact), 0.002 * step.time, "stress about a quarter of the length")
         report.percent(step["von_mises_bottom_amplitude"][t] / abs(stress[i]), 0.01, "von Mises on the other face")
-        tip = step["displacement_amplitude"][mesh.group("tip"), 2].mean()
+        tip = mean_across(mesh, "tip", step["displacement_amplitude"][:, 2])
         report.percent(tip / abs(response_of(shaken)[1][i]), 1e-9, "field of displacement")
     damping = {"bending": 1e-4, "mass": 0.3, "membrane": 2e-5}
     for name, section, more in (("loads", {"excitation": "loads"}, {"load": LOAD}), ("base", BASE | {"direction": [1, 0, 1e-3]}, {})):
@@ -122,9 +130,8 @@ def random_forces(report):
     report.percent(rms["skin_11"]["rms_stress"] / (whole * miles * arm * 6 / (0.02 * HEIGHT**2)), 0.01, "stress at the root")
     report.percent(field["stress_top_rms"][t, 0] / rms["skin_11"]["rms_stress"], 1e-6, "field of stress")
     report.percent(field["von_mises_top_rms"][t] / rms["skin_von_mises"]["rms_stress"], 1e-6, "field of von Mises")
-    tip = mesh.group("tip")
-    report.percent(field["displacement_rms"][tip, 2].mean() / rms["tip_z"]["rms_displacement"], 1e-4, "field of displacement")
-    report.percent(field["acceleration_rms"][tip, 2].mean() / rms["tip_z"]["rms_acceleration"], 1e-4, "field of acceleration")
+    report.percent(mean_across(mesh, "tip", field["displacement_rms"][:, 2]) / rms["tip_z"]["rms_displacement"], 1e-4, "field of displacement")
+    report.percent(mean_across(mesh, "tip", field["acceleration_rms"][:, 2]) / rms["tip_z"]["rms_acceleration"], 1e-4, "field of acceleration")
     base = math.sqrt(2.0 * (500.0 - 0.02))
     report.percent(field["acceleration_rms"][mesh.group("clamp"), 2].max() / base, 1e-6, "the base itself")
     psd = table_of(result, "response.csv")
