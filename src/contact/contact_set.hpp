@@ -91,14 +91,15 @@ class ContactSet {
   [[nodiscard]] double energy(const std::vector<Vec3>& x, Part part = both) const;
   /// What friction takes, sum of force times slip over the pairs this rank counts. [J]
   [[nodiscard]] double friction_work(const std::vector<Vec3>& x) const;
-  /// Work of what moves points of obstacles, and planes from where they were at the start, over the pairs this rank counts, with the
-  /// mean of the normal forces at `start` and x, or those at x of what was not in contact before: what is hit takes the speed of
-  /// the obstacle at once. [J]
+  /// Where all was at the start of a step.
   struct Then {
     const std::vector<Vec3>& places;
     std::vector<Plane> planes;
     std::vector<double> reaches;  ///< as set_reaches() takes them
   };
+  /// Work of what moves points of obstacles, and planes, from where they were at the start, over the pairs this rank counts, with the
+  /// mean of the normal forces at `start` and x, or those at x of what was not in contact before: what is hit takes the speed of
+  /// the obstacle at once. [J]
   [[nodiscard]] double obstacle_work(const std::vector<Vec3>& x, const Then& start) const;
   /// Adds the derivative of the energy to f, per sheet point; right for own points only. [N]
   void add_gradient(const std::vector<Vec3>& x, std::vector<Vec3>& f, Part part = both) const;

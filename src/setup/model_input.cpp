@@ -78,7 +78,7 @@ system::ModelInput model_input(MPI_Comm comm, const input::Case& c, KnownObstacl
           sewing_of(c),
           std::move(attachments),
           seam_rules(c),
-          {c.temperatures, c.hinges, c.analysis != "dynamic", c.analysis == "linear" && !c.is_staged()},
+          {c.temperatures, c.hinges, c.analysis != "dynamic", c.analysis == "linear" && c.stage.number == 0},
           rigid_groups(c),
           periodic_pairs(c)};
 }

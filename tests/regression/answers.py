@@ -340,6 +340,8 @@ def stress_at_vertices(report):
     wanted = [f"{kind}_top{place}_{entry}" for kind, entries in (("stress", ("11", "22", "12")), ("principal_stress", ("larger", "smaller", "angle")))
               for place in ("", "_at_vertices") for entry in entries]
     missing = [name for name in wanted if not any(name in title for title in titles)]
+    code, said = invoke(["render", result.folder, "--field", "stress_top_at_vertices:magnitude", "--output", OUT / "le1.png"])
+    report.check(code == 2 and "larger" in said and "magnitude" not in said.split("components")[-1], f"a stress has no magnitude, at vertices neither: {said.strip()}")
     report.check(not missing, f"columns are named by what they hold{': missing ' + ', '.join(missing) if missing else ''}")
 
 

@@ -45,6 +45,11 @@ def cooled_plate(report):
         moved.append(solve("expanded", free).history["tip_x"][-1])
     report.percent(moved[0] / (10 * EXPANSION * 800.0), 1e-9, "free expansion of 0.96 %")
     report.percent(moved[1] / (10 * moved[0]), 1e-12, "ten times that")
+    staged = solve("expanded_stage", {k: v for k, v in free.items() if k != "analysis"} | {"stage": [{"name": "heat", "analysis": "linear"}]})
+    report.percent(Result(staged.folder / "heat", 0, "", 0).history["tip_x"][-1] / moved[1], 1e-12, "the same in a stage")
+    shrunk = free | {"material": [STEEL | {"initial_strain": [-0.02, -0.02], "direction": [1, 0, 0]}]}
+    report.check("initial strain of 2 %" in solve("shrunk_linear", {k: v for k, v in shrunk.items() if k != "temperature"}).text,
+                 "an initial strain that is too large for it is noted")
 
 
 @test

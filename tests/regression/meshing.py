@@ -236,6 +236,10 @@ def deck_cases(report):
     upright = upright.replace(nodes, "\n".join(f"{k}, 0., {x}, {y}" for k, x, y, _ in (line.split(", ") for line in nodes.splitlines())))
     code, said, case = begin("deck_upright", upright)
     report.check(code == 0 and "direction = [0, 0, 1]" in case.read_text(), f"without an orientation axis 1 is z where the sheet is square to x: {said[:200]}")
+    folded = upright.replace("\n".join(f"{k}, 0., {x}, {y}" for k, x, y, _ in (line.split(", ") for line in nodes.splitlines())),
+                             "\n".join(f"{k}, {min(float(x), side / 2)}, {y}, {max(float(x) - side / 2, 0)}" for k, x, y, _ in (line.split(", ") for line in nodes.splitlines())))
+    code, said, case = begin("deck_folded", folded)
+    report.check(code == 0 and f"on {n * n} of its {2 * n * n} triangles, square to x" in said, f"one section on both kinds of place is listed: {said[:300]}")
     layers = layers.replace("*Elastic\n210000., 0.3", "*Elastic, type=lamina\n140000., 10000., 0.3, 5000., 5000., 4000.")
     code, said, case = begin("deck_layers", layers)
     found = case.read_text()

@@ -368,4 +368,14 @@ TEST_CASE("options of PETSc win over the case") {
   CHECK_THROWS_AS(solve::read_path_options(PETSC_COMM_WORLD, options), UserError);
 }
 
+TEST_CASE("where a critical point lies is said as far as it is known") {
+  using solve::CriticalPoint;
+  CriticalPoint point{CriticalPoint::Kind::bifurcation, 3, 0.5};
+  CHECK(solve::text_of(point) == "bifurcation point at load factor 0.5");
+  point.between = {0.6, 0.4};
+  CHECK(solve::text_of(point) == "bifurcation point between load factors 0.4 and 0.6");
+  point.kind = CriticalPoint::Kind::both;
+  CHECK(solve::text_of(point) == "limit point at load factor 0.5, bifurcation point between load factors 0.4 and 0.6");
+}
+
 }  // namespace test_path_following
