@@ -250,6 +250,10 @@ TEST_CASE("quadrangles and elements of second order are split, with a note") {
   CHECK(group(quad, "a", 2).triangles.size() == 2);
   REQUIRE(quad.notes.size() == 1);
   CHECK(has(quad.notes[0], "1 quadrangles were split"));
+  // Round-off does not choose the diagonal.
+  std::string longer = two_triangles("1\n8 3 2 6 1 10 20 30 40\n");
+  longer.replace(longer.find("30 1 1 0"), 8, "30 1.000000001 1.000000001 0");
+  CHECK(formats::read_gmsh(folder.write("longer.msh", longer), {}).triangles == quad.triangles);
   const mesh::MeshData three = formats::read_gmsh(folder.write("first.geo", plate), {});
   for (const char* more : {"Mesh.ElementOrder = 2;\n", "Mesh.ElementOrder = 2; Recombine Surface{1};\n",
                            "Mesh.ElementOrder = 2; Mesh.SecondOrderIncomplete = 1; Recombine Surface{1};\n"}) {

@@ -222,6 +222,16 @@ TEST_CASE("a rigid motion of all leaves no force") {
     }
 }
 
+TEST_CASE("without a point a rigid group is held at its centre, however its vertices lie") {
+  // Rows of cells get closer towards y = 0.
+  const mesh::SurfaceMesh mesh(
+      mapped(square(Pattern::diagonal, 6), [](const Vec3& x) { return Vec3(x[0], x[1] * x[1], 0.0); }));
+  system::ModelInput in = input();
+  in.rigid[0].point.reset();
+  system::Model model(PETSC_COMM_WORLD, mesh, in);
+  CHECK((model.discretisation().constraints().bodies[0].point - Vec3(1.0, 0.5, 0.0)).norm() < 1e-14);
+}
+
 TEST_CASE("sheets with rigid groups are the same on all ranks as on one") {
   const mesh::SurfaceMesh mesh(sheet_of(true));
   const auto answer = [&](MPI_Comm comm) {
