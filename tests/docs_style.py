@@ -26,7 +26,7 @@ AVOIDED = {
     r"\bin place of\b": "instead of, replaces",
     r"what (is|lies) (beside|between)": "neighbouring, in between",
     r"\bby now\b": "current",
-    r"\bties?\b": "attachment",
+    r"(?<!\*)\bties?\b": "attachment",
     r"\blooks\b|\b(at one|next|another|two) looks?\b": "remeshing check",
     r"\b(makes do|has its turn|goes by|lets out|comes to rest by)\b": "a verb that names what happens",
     r"\b(now|today|nowadays|no longer|any ?more)\b": "present tense without time",

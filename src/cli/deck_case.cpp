@@ -39,6 +39,8 @@ class CaseWriter {
         deck_.words.deck, toml_text(deck_.title.empty() ? "From " + deck_.words.deck : deck_.title),
         toml_text(analysis()));
     out_ += "[mesh]\nfile = \"mesh.inp\"\n";
+    if (deck_.tied) out_ += "merge = true  # *TIE: parts are joined wherever they touch\n";
+    if (deck_.tie_tolerance > 0.0) out_ += fmt::format("merge_tolerance = {}\n", deck_.tie_tolerance);
     for (const Deck::Section& s : deck_.sections) add_material(s);
     add_supports();
     add_loads();

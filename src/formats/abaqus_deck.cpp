@@ -22,7 +22,7 @@ const std::set<std::string>& passed_over() {
       "*NODE",          "*ELEMENT",      "*PART",          "*END PART", "*ASSEMBLY", "*END ASSEMBLY", "*INSTANCE",
       "*END INSTANCE",  "*END STEP",     "*PREPRINT",      "*RESTART",  "*OUTPUT",   "*NODE OUTPUT",  "*ELEMENT OUTPUT",
       "*NODE PRINT",    "*NODE FILE",    "*EL PRINT",      "*EL FILE",  "*PRINT",    "*FILE FORMAT",  "*MONITOR",
-      "*CONTACT PRINT", "*ENERGY PRINT", "*ENERGY OUTPUT", "*SYSTEM"};
+      "*CONTACT PRINT", "*ENERGY PRINT", "*ENERGY OUTPUT", "*SYSTEM",   "*SURFACE"};
   return all;
 }
 
@@ -77,6 +77,11 @@ class DeckReader {
     if (keyword == "*NSET" || keyword == "*ELSET") return note_set(keyword);
     if (keyword == "*HEADING") {
       data_ = Data::title;
+    } else if (keyword == "*TIE") {
+      deck_.tied = true;
+      if (parameters_.contains("POSITION TOLERANCE") &&
+          !parse_number(parameters_["POSITION TOLERANCE"], deck_.tie_tolerance))
+        fail_in_line(file_, line_, "*TIE: POSITION TOLERANCE is no number");
     } else if (keyword == "*STEP") {
       if (++steps_ > 1) leave("a second *STEP; only the first is taken");
       nonlinear_ = nonlinear_ || (parameters_.contains("NLGEOM") && abaqus_upper(parameters_["NLGEOM"]) != "NO");

@@ -69,7 +69,9 @@ struct Deck {
   std::map<std::string, Table> amplitudes;
   std::vector<std::string> included;  ///< names of included files, as the deck writes them
   std::vector<std::string> node_sets, element_sets;
-  std::vector<Left> left;  ///< what was not understood
+  bool tied = false;           ///< *TIE
+  double tie_tolerance = 0.0;  ///< in the deck's unit; 0: not given
+  std::vector<Left> left;      ///< what was not understood
 };
 
 /// Not collective. Throws UserError for a file that cannot be read and numbers that are none, with file and line.

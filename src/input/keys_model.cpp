@@ -56,13 +56,13 @@ std::vector<Key> reading_keys(formats::MeshOptions& o) {
        .range = {0, 9}},
       {.name = "merge",
        .slot = &o.merge,
-       .meaning = "Whether vertices that lie at the same place become one, if one of them is on a boundary. Without it "
-                  "they are "
-                  "a slit, as they are in a mesh that was exported part by part."},
+       .meaning = "Whether parts are joined where they touch: vertices at the same place become one if one of them is on a "
+                  "boundary, and where a part ends on another whose vertices lie elsewhere, triangles are divided there. "
+                  "Without it they are apart."},
       {.name = "merge_tolerance",
        .slot = &o.merge_tolerance,
        .meaning =
-           "How close such vertices lie, after `scale`. 0: a millionth of the mesh's extent, but at most a tenth of "
+           "How close they lie, after `scale`. 0: a millionth of the mesh's extent, but at most a tenth of "
            "its shortest edge.",
        .unit = "m",
        .range = not_negative},

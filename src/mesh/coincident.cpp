@@ -3,49 +3,40 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <limits>
 #include <numeric>
 #include <set>
 #include <utility>
 
+#include "sorted_points.hpp"
 #include "voile/errors.hpp"
 
 namespace voile::mesh {
 
 namespace {
 
-/// Calls f(v, w) for every pair of the given vertices within the tolerance. They are sorted along a line in no special
-/// direction, so that rows of a regular mesh do not fall together.
+template <class T>
+void sort_unique(std::vector<T>& values) {
+  std::sort(values.begin(), values.end());
+  values.erase(std::unique(values.begin(), values.end()), values.end());
+}
+
+/// Calls f(v, w) for every pair of the given vertices within the tolerance.
 template <class F>
 void each_near_pair(const std::vector<Vec3>& x, const std::vector<Index>& vertices, double tolerance, const F& f) {
-  const Vec3 line(0.4867, 0.6314, 0.6037);  // not longer than 1: what is near is near along it
-  std::vector<std::pair<double, Index>> sorted;
-  for (const Index v : vertices) sorted.emplace_back(line.dot(x[v]), v);
-  std::sort(sorted.begin(), sorted.end());
-  for (std::size_t i = 0; i < sorted.size(); ++i)
-    for (std::size_t j = i + 1; j < sorted.size() && sorted[j].first - sorted[i].first <= tolerance; ++j)
-      if ((x[sorted[i].second] - x[sorted[j].second]).norm() <= tolerance) f(sorted[i].second, sorted[j].second);
+  const SortedPoints sorted(x, vertices);
+  for (const Index v : vertices)
+    sorted.each_near(std::array{x[v]}, tolerance, [&](Index w) {
+      if (v < w && (x[v] - x[w]).norm() <= tolerance) f(v, w);
+    });
 }
 
 /// Vertices on edges of a single triangle.
 std::vector<Index> boundary_vertices(const MeshData& data) {
-  std::vector<Segment> edges;
-  for (const Triangle& t : data.triangles)
-    for (int s = 0; s < 3; ++s) {
-      const Index a = t[(s + 1) % 3], b = t[(s + 2) % 3];
-      edges.push_back({std::min(a, b), std::max(a, b)});
-    }
-  std::sort(edges.begin(), edges.end());
-  std::vector<char> on(data.positions.size(), 0);
-  for (std::size_t i = 0; i < edges.size();) {
-    std::size_t end = i + 1;
-    while (end < edges.size() && edges[end] == edges[i]) ++end;
-    if (end == i + 1) on[edges[i][0]] = on[edges[i][1]] = 1;
-    i = end;
-  }
   std::vector<Index> vertices;
-  for (Index v = 0; v < static_cast<Index>(on.size()); ++v)
-    if (on[v]) vertices.push_back(v);
+  for (const Segment& e : rim_edges(data)) vertices.insert(vertices.end(), e.begin(), e.end());
+  sort_unique(vertices);
   return vertices;
 }
 
@@ -69,10 +60,27 @@ std::vector<Index> targets(const MeshData& data, double tolerance) {
   return target;
 }
 
-template <class T>
-void sort_unique(std::vector<T>& values) {
-  std::sort(values.begin(), values.end());
-  values.erase(std::unique(values.begin(), values.end()), values.end());
+/// Those that have a vertex twice.
+void drop_flat_triangles(MeshData& data) {
+  std::vector<Index> number(data.triangles.size(), no_index);
+  std::size_t kept = 0;
+  for (std::size_t k = 0; k < data.triangles.size(); ++k) {
+    const Triangle t = data.triangles[k];
+    if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0]) continue;
+    number[k] = static_cast<Index>(kept);
+    data.triangles[kept] = t;
+    if (k < data.triangle_tags.size()) data.triangle_tags[kept] = data.triangle_tags[k];
+    if (k < data.texture.size()) data.texture[kept] = data.texture[k];
+    ++kept;
+  }
+  if (kept == data.triangles.size()) return;
+  data.triangles.resize(kept);
+  if (!data.triangle_tags.empty()) data.triangle_tags.resize(kept);
+  if (!data.texture.empty()) data.texture.resize(kept);
+  for (Group& g : data.groups) {
+    for (Index& t : g.triangles) t = number[t];
+    std::erase(g.triangles, no_index);
+  }
 }
 
 /// Groups in the new numbers.
@@ -91,6 +99,20 @@ void renumber_groups(std::vector<Group>& groups, const std::vector<Index>& numbe
 }
 
 }  // namespace
+
+std::vector<Segment> rim_edges(const MeshData& data) {
+  std::vector<Segment> edges, alone;
+  for (const Triangle& t : data.triangles)
+    for (std::size_t s = 0; s < 3; ++s) edges.push_back(ascending(t[s], t[(s + 1) % 3]));
+  std::sort(edges.begin(), edges.end());
+  for (std::size_t i = 0; i < edges.size();) {
+    std::size_t end = i + 1;
+    while (end < edges.size() && edges[end] == edges[i]) ++end;
+    if (end == i + 1) alone.push_back(edges[i]);
+    i = end;
+  }
+  return alone;
+}
 
 double default_merge_tolerance(const MeshData& data) {
   if (data.positions.empty()) return 0.0;
@@ -133,31 +155,37 @@ Coincidence find_coincident(const MeshData& data, double tolerance) {
 Index merge_coincident(MeshData& data, double tolerance) {
   if (!(tolerance > 0.0)) return 0;
   const std::vector<Index> target = targets(data, tolerance);
-  std::vector<Index> number(target.size(), no_index);
-  std::vector<Vec3> positions;
-  std::vector<std::size_t> tags;
-  for (std::size_t v = 0; v < target.size(); ++v) {
-    if (target[v] != static_cast<Index>(v)) continue;
-    number[v] = static_cast<Index>(positions.size());
-    positions.push_back(data.positions[v]);
-    if (v < data.vertex_tags.size()) tags.push_back(data.vertex_tags[v]);
-  }
-  for (std::size_t v = 0; v < target.size(); ++v) number[v] = number[target[v]];
   for (std::size_t k = 0; k < data.triangles.size(); ++k) {
-    Triangle& t = data.triangles[k];
-    for (Index& v : t) v = number[v];
-    if (t[0] != t[1] && t[1] != t[2] && t[2] != t[0]) continue;
-    const Vec3& x = positions[t[0]];
+    const Triangle& t = data.triangles[k];
+    if (target[t[0]] != target[t[1]] && target[t[1]] != target[t[2]] && target[t[2]] != target[t[0]]) continue;
+    const Vec3& x = data.positions[target[t[0]]];
     throw UserError(fmt::format(
         "{}: mesh.merge: vertices closer than {:.4g} m become one, and then triangle {} at ({:.6g}, {:.6g}, "
         "{:.6g}) has no area; make merge_tolerance smaller than its sides",
         data.source, tolerance, k < data.triangle_tags.size() ? data.triangle_tags[k] : k + 1, x[0], x[1], x[2]));
   }
+  return join_vertices(data, target);
+}
+
+Index join_vertices(MeshData& data, const std::vector<Index>& target) {
+  const auto before = data.positions.size();
+  std::vector<Index> number(target.size(), no_index);
+  std::size_t kept = 0;
+  for (std::size_t v = 0; v < target.size(); ++v) {
+    if (target[v] != static_cast<Index>(v)) continue;
+    number[v] = static_cast<Index>(kept);
+    data.positions[kept] = data.positions[v];
+    if (v < data.vertex_tags.size()) data.vertex_tags[kept] = data.vertex_tags[v];
+    ++kept;
+  }
+  data.positions.resize(kept);
+  if (!data.vertex_tags.empty()) data.vertex_tags.resize(kept);
+  for (std::size_t v = 0; v < target.size(); ++v) number[v] = number[target[v]];
+  for (Triangle& t : data.triangles)
+    for (Index& v : t) v = number[v];
+  drop_flat_triangles(data);
   renumber_groups(data.groups, number);
-  const auto gone = static_cast<Index>(data.positions.size() - positions.size());
-  data.positions = std::move(positions);
-  data.vertex_tags = std::move(tags);
-  return gone;
+  return static_cast<Index>(before - kept);
 }
 
 }  // namespace voile::mesh

@@ -1,6 +1,8 @@
 // Vertices that lie at the same place without being one: slits, or parts that a program exported unmerged.
 #pragma once
 
+#include <vector>
+
 #include "surface_mesh.hpp"
 
 namespace voile::mesh {
@@ -15,6 +17,9 @@ struct Coincidence {
   Vec3 low = Vec3::Zero(), high = Vec3::Zero();  ///< box around all of them [m]
 };
 
+/// Edges of a single triangle, each ascending, in order. Not collective.
+[[nodiscard]] std::vector<Segment> rim_edges(const MeshData& data);
+
 /// A millionth of the mesh's extent, but at most a tenth of its shortest edge: single precision passes, triangles do
 /// not collapse. [m]
 [[nodiscard]] double default_merge_tolerance(const MeshData& data);
@@ -27,5 +32,9 @@ struct Coincidence {
 /// elements and vertices that are then there twice are dropped. Returns how many vertices went. Not collective.
 /// Throws UserError if the tolerance lets a triangle collapse.
 Index merge_coincident(MeshData& data, double tolerance);
+
+/// Each vertex v becomes target[v], which is its own target. Groups follow; triangles that then have a vertex twice are dropped,
+/// line elements that are there twice too. Returns how many vertices went. Not collective.
+Index join_vertices(MeshData& data, const std::vector<Index>& target);
 
 }  // namespace voile::mesh

@@ -12,7 +12,7 @@
 #include "energy/chord_correction.hpp"
 #include "energy/curvature.hpp"
 #include "energy/sheet.hpp"
-#include "hanging_vertices.hpp"
+#include "geometry/hanging_vertices.hpp"
 #include "mesh/coincident.hpp"
 #include "mesh/panels.hpp"
 #include "mesh/quality.hpp"
@@ -288,10 +288,10 @@ std::vector<std::string> mesh_notes(const mesh::SurfaceMesh& mesh) {
         c.vertices, c.places, tolerance, place_text(c.low), place_text(c.high),
         mesh.has_charts() ? "place the panels apart, or sew them" : "set mesh.merge = true"));
   if (mesh.data().seams.empty() && !mesh.has_charts())
-    if (const HangingVertices h = find_hanging(mesh.data(), tolerance); h.count > 0)
+    if (const geometry::HangingVertices h = geometry::find_hanging(mesh.data(), tolerance); h.count > 0)
       notes.push_back(fmt::format(
           "{} vertices lie on edges or triangles of another part of the sheet, as near {}: it is not joined "
-          "there; divide both along one line with the same vertices",
+          "there; if it should be, set mesh.merge = true",
           h.count, place_text(h.place)));
   return notes;
 }

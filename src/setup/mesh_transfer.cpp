@@ -6,6 +6,8 @@
 #include "base/mpi.hpp"
 #include "base/petsc.hpp"
 #include "formats/mesh_file.hpp"
+#include "geometry/hanging_vertices.hpp"
+#include "geometry/tie.hpp"
 #include "mesh/coincident.hpp"
 #include "mesh/panels.hpp"
 
@@ -84,6 +86,38 @@ void broadcast_mesh(MPI_Comm comm, mesh::MeshData& data) {
     data.triangles[t] = {corners[3 * t], corners[3 * t + 1], corners[3 * t + 2]};
 }
 
+namespace {
+
+/// Gaps of up to a twentieth of a cell are those between chords of one curve that is divided differently.
+void note_gaps(mesh::MeshData& data, double tolerance) {
+  double sum = 0.0;
+  for (const mesh::Triangle& t : data.triangles) sum += (data.positions[t[1]] - data.positions[t[0]]).norm();
+  const double gap = 0.05 * sum / static_cast<double>(data.triangles.size());
+  if (!(gap > tolerance)) return;
+  const geometry::HangingVertices h = geometry::find_hanging(data, gap, geometry::Beside::skipped);
+  if (h.count > 0)
+    data.notes.push_back(fmt::format(
+        "{} vertices lie within {:.2g} m of edges or triangles of another part, as near ({:.4g}, {:.4g}, {:.4g}), but "
+        "not "
+        "within mesh.merge_tolerance = {:.2g} m: they are not joined there; if they should be, make it larger",
+        h.count, gap, h.place[0], h.place[1], h.place[2], tolerance));
+}
+
+void tie(mesh::MeshData& data, double tolerance) {
+  if (geometry::find_hanging(data, tolerance).count > 0) {
+    const geometry::Tied tied = geometry::tie_parts(data, tolerance);
+    formats::renew_boundary(data);
+    data.notes.push_back(
+        fmt::format("parts whose meshes do not match were tied: {} vertices lie on edges or triangles of another part, "
+                    "and {} triangles "
+                    "were divided there",
+                    tied.vertices, tied.triangles));
+  }
+  note_gaps(data, tolerance);
+}
+
+}  // namespace
+
 mesh::SurfaceMesh load_mesh(MPI_Comm comm, const std::filesystem::path& file, const formats::MeshOptions& options) {
   mesh::MeshData data;
   mpi::on_root(comm, [&] {
@@ -93,7 +127,8 @@ mesh::SurfaceMesh load_mesh(MPI_Comm comm, const std::filesystem::path& file, co
     const double tolerance = given > 0.0 ? given : mesh::default_merge_tolerance(data);
     const Index gone = mesh::merge_coincident(data, tolerance);
     formats::renew_boundary(data);
-    data.notes.push_back(fmt::format("{} vertices were merged with others at the same place", gone));
+    if (gone > 0) data.notes.push_back(fmt::format("{} vertices were merged with others at the same place", gone));
+    if (options.rest != formats::RestShape::texture) tie(data, tolerance);
   });
   broadcast_mesh(comm, data);
   // The same data give the same verdict on every rank, so this throws everywhere or nowhere.

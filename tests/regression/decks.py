@@ -65,3 +65,33 @@ def nastran_decks(report):
     shutil.rmtree(OUT / "nastran_bad", ignore_errors=True)
     code, text = invoke(["init", OUT / "nastran_bad", "--from", bad])
     report.check(code == 2 and "there is no coordinate system 5" in text and ".bdf:7: GRID" in text, f"a missing coordinate system: code {code}, {text.strip()[-160:]}")
+
+
+@test
+def abaqus_ties(report):
+    """Two plates of a deck that *TIE joins along cells that do not match are one cantilever: w = F l^3 / (3 E I)."""
+    nodes, elements = [], []
+    for x, n in ((0.0, 4), (1.0, 5)):
+        base = len(nodes)
+        nodes += [(x + i / n, j / n) for i in range(n + 1) for j in range(n + 1)]
+        corner = lambda i, j: base + i * (n + 1) + j + 1
+        elements += [(corner(i, j), corner(i + 1, j), corner(i + 1, j + 1), corner(i, j + 1)) for i in range(n) for j in range(n)]
+    end = [k + 1 for k, (x, _) in enumerate(nodes) if x > 1.999]
+    deck = ["*NODE", *(f"{k + 1}, {x}, {y}, 0." for k, (x, y) in enumerate(nodes)), "*ELEMENT, TYPE=S4, ELSET=plates",
+            *(f"{k + 1}, {a}, {b}, {c}, {d}" for k, (a, b, c, d) in enumerate(elements)),
+            "*NSET, NSET=held", "1, 2, 3, 4, 5", "*NSET, NSET=end", ", ".join(map(str, end)),
+            "*SURFACE, TYPE=NODE, NAME=slave", "two", "*SURFACE, TYPE=NODE, NAME=master", "one",
+            "*TIE, NAME=line, POSITION TOLERANCE=0.001", "slave, master", "*MATERIAL, NAME=m", "*ELASTIC", "1e7, 0.",
+            "*SHELL SECTION, ELSET=plates, MATERIAL=m", "0.01", "*BOUNDARY", "held, ENCASTRE", "*STEP", "*STATIC", "*CLOAD",
+            *(f"{k}, 3, {1e-4 * (0.5 if k in (end[0], end[-1]) else 1)}" for k in end), "*END STEP"]
+    folder = fresh("abaqus_ties")
+    file = OUT / "abaqus_ties.inp"
+    file.write_text("\n".join(deck) + "\n")
+    code, text = invoke(["init", folder, "--from", file])
+    report.check(code == 0 and "left out" not in text, f"init: code {code}, {text.splitlines()[:2]}")
+    case = (folder / "case.toml").read_text()
+    report.check("merge = true  # *TIE" in case and "merge_tolerance = 0.001" in case, "the case merges within the deck's tolerance")
+    result = run(folder / "case.toml", folder / "run")
+    report.check(result.code == 0, f"run: code {result.code}")
+    deflection = result.displacement()[:, 2].max()
+    report.percent(deflection / (5e-4 * 2**3 / (3 * 1e7 * 1e-6 / 12)), 0.01, "deflection of the end")

@@ -52,6 +52,40 @@ def joint_t_beam(report):
 
 
 @test
+def joint_tied(report):
+    """Web and flange whose cells do not match are tied by mesh.merge, as are the halves of a plate."""
+    length, t = 10.0, 0.02
+    inertia = t / 16 + t / 12 + t / 16
+    exact = length**3 / (3 * 1e7 * inertia) + length / (0.5e7 * t)
+    p = Panels(False)
+    p.add("flange", (0, -0.5, 0), (length, 0, 0), (0, 1, 0), 80, 15)
+    web = p.add("web", (0, 0, 0), (length, 0, 0), (0, 0, -1), 73, 16)
+    p.point("tip", web[-1, 0])
+    case = case_of(p.write(OUT / "joint_tied.msh"), t, support=[{"type": "clamped", "group": f"{k} start"} for k in ("flange", "web")],
+                   load=[{"type": "line", "group": "web end", "vector": [0, 0, -1]}],
+                   probe=[{"name": "tip", "type": "displacement", "group": "tip"}])
+    case["mesh"]["merge"] = True
+    for ranks in (1, 2):
+        beam = solve("joint_tied", case, ranks)
+        report.percent(-beam.history["tip_z"][-1] / exact, 0.005, f"T beam on {ranks} ranks: deflection")
+    report.check("parts whose meshes do not match were tied" in beam.text, "the run says so")
+    deflection = {}
+    for cells in ((16, 16), (16, 23), (10, 7)):
+        p = Panels(False)
+        for name, x, n in (("left", 0, cells[0]), ("right", 0.5, cells[1])):
+            p.add(name, (x, 0, 0), (0.5, 0, 0), (0, 1, 0), max(n // 2, 1), n)
+        p.join("rim", ["left start", "left low", "left high", "right end", "right low", "right high"])
+        case = case_of(p.write(OUT / "joint_halves.msh"), 0.01, support=[{"type": "hinged", "group": "rim"}],
+                       load=[{"type": "pressure", "magnitude": 1e-3}],
+                       probe=[{"name": "c", "type": "displacement", "point": [0.5, 0.5, 0]}])
+        case["mesh"]["merge"] = True
+        deflection[cells] = solve("joint_halves", case).history["c_z"][-1]
+        # Navier's series for a simply supported square: 0.00406235 p a^4 / D.
+        report.percent(deflection[cells] / (0.00406235e-3 * 12 / (1e7 * 1e-6)), 0.03 if min(cells) < 16 else 0.008,
+                       f"plate of two halves, {cells[0]} and {cells[1]} cells along the line: deflection")
+
+
+@test
 def joint_box(report):
     """A box of three cells in torsion turns as Bredt says: J = 32/7 a^3 t for square cells of side a."""
     length, t, n, shear = 10.0, 0.02, 6, 0.5e7

@@ -3,15 +3,19 @@
 
 #include "mesh/surface_mesh.hpp"
 
-namespace voile::setup {
+namespace voile::geometry {
 
 struct HangingVertices {
   Index count = 0;
   Vec3 place = Vec3::Zero();  ///< of one of them [m]
 };
 
+/// Whether a vertex can hang on triangles that have a side in common with its own.
+enum class Beside { counted, skipped };
+
 /// Vertices on a boundary within `tolerance` [m] of a triangle, and others within it of a boundary edge, that is not theirs and has
 /// no corner at their place. Not collective.
-[[nodiscard]] HangingVertices find_hanging(const mesh::MeshData& data, double tolerance);
+[[nodiscard]] HangingVertices find_hanging(const mesh::MeshData& data, double tolerance,
+                                           Beside beside = Beside::counted);
 
-}  // namespace voile::setup
+}  // namespace voile::geometry

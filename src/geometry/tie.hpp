@@ -1,0 +1,24 @@
+// Ties of parts whose meshes do not match: where one ends on another, both are divided along the line.
+//
+// Symbols   e   tolerance: what is closer lies at the same place [m]
+//           h   length of the shortest edge at a vertex [m]
+// A vertex of one part that is near a vertex or an edge on the rim of the other (0.3 h) first moves onto it where no shape is
+// lost (0.02 h), so that cells stay well shaped. Then triangles are divided at vertices of the other part and where its rim
+// crosses their sides. What comes out is one mesh, conforming: nothing of the element's order is lost.
+#pragma once
+
+#include "mesh/surface_mesh.hpp"
+
+namespace voile::geometry {
+
+struct Tied {
+  Index vertices = 0;   ///< that lay on edges or in triangles of another part
+  Index triangles = 0;  ///< that were divided
+};
+
+/// Ties parts where vertices hang (hanging_vertices.hpp). Groups follow: what is divided keeps its names. Vertices closer
+/// than `tolerance` [m] have to be one already (mesh::merge_coincident). No charts, no open seams. Not collective.
+/// Throws UserError if `tolerance` is too large for the triangles.
+Tied tie_parts(mesh::MeshData& data, double tolerance);
+
+}  // namespace voile::geometry
