@@ -9,6 +9,7 @@
 #include <set>
 
 #include "base/text.hpp"
+#include "deck_loads.hpp"
 #include "deck_material.hpp"
 #include "voile/errors.hpp"
 
@@ -21,11 +22,6 @@ using Procedure = Deck::Procedure;
 
 bool is_number(const std::string& text) {
   return !text.empty() && std::all_of(text.begin(), text.end(), [](unsigned char c) { return std::isdigit(c) != 0; });
-}
-
-bool same_name(const std::string& a, const std::string& b) {
-  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
-                    [](unsigned char x, unsigned char y) { return std::toupper(x) == std::toupper(y); });
 }
 
 class CaseWriter {
@@ -44,6 +40,7 @@ class CaseWriter {
     for (const Deck::Section& s : deck_.sections) add_material(s);
     add_supports();
     add_loads();
+    out_ += temperature_;
     add_procedure();
     if (!left_.empty()) {
       out_ += "\n# Left out:\n";
@@ -63,6 +60,7 @@ class CaseWriter {
       if (const std::size_t end = note.find(" were left out"); end != note.npos)
         leave(deck_.words.element + ": " + note.substr(0, end) + ", which are no shells");
     drop_elsewhere();
+    temperature_ = temperature_of(deck_, mesh_, left_);
     complete_clamps();
     note_turned();
     if (deck_.sections.empty()) leave("no " + deck_.words.section + ": write a [[material]] yourself");
@@ -140,24 +138,16 @@ class CaseWriter {
     std::erase_if(deck_.loads, [&](const Deck::Load& l) {
       if (l.kind != Deck::Load::Kind::gravity)
         return !is_on_sheet(l.where, l.kind == Deck::Load::Kind::force, deck_.words.load);
-      if (l.where.empty()) return false;
-      if (!is_on_sheet(l.where, false, deck_.words.gravity)) return true;
-      const mesh::Group* group = group_of(l.where);
-      if (!group || group->triangles.size() < mesh_.triangles.size())
-        leave(fmt::format("*DLOAD {}, GRAV: gravity acts on the whole sheet", l.where));
-      return false;
+      return !l.where.empty() && !is_on_sheet(l.where, false, deck_.words.gravity);
     });
+    divide_gravity(deck_, mesh_, left_);
     for (const auto& [keyword, members] : elsewhere_)
       leave(fmt::format("{}: {} {} no part of a shell: {}{}", keyword, members.size(),
                         members.size() == 1 ? "place is" : "places are", members.front(),
                         members.size() == 1 ? "" : ", ..."));
   }
 
-  [[nodiscard]] const mesh::Group* group_of(const std::string& name) const {
-    const auto at = std::find_if(mesh_.groups.begin(), mesh_.groups.end(),
-                                 [&](const mesh::Group& g) { return same_name(g.name, name); });
-    return at == mesh_.groups.end() ? nullptr : &*at;
-  }
+  [[nodiscard]] const mesh::Group* group_of(const std::string& name) const { return group_named(mesh_, name); }
 
   [[nodiscard]] bool is_on_sheet(const std::string& where, bool node, const std::string& keyword) {
     bool there = group_of(where) != nullptr;
@@ -319,6 +309,9 @@ class CaseWriter {
           vector_text({factor * l.vector[0], factor * l.vector[1], factor * l.vector[2]}, history);
       if (l.kind == Deck::Load::Kind::gravity) {
         out_ += "\n[[load]]\ntype = \"gravity\"\n" + vector;
+      } else if (l.kind == Deck::Load::Kind::area) {
+        out_ += fmt::format("\n[[load]]                   # weight per area\ntype = \"area\"\ngroup = {}\n{}",
+                            toml_text(known(l.where, deck_.element_sets)), vector);
       } else if (l.kind == Deck::Load::Kind::pressure) {
         if (is_number(l.where))
           pressures[{history, l.where}] += factor * l.size;
@@ -375,7 +368,7 @@ class CaseWriter {
   mesh::MeshData mesh_;
   bool has_material_ = false;
   std::map<std::string, std::vector<std::string>> elsewhere_;  ///< by keyword
-  std::string out_, sets_;
+  std::string out_, sets_, temperature_;
   std::vector<std::string> left_;
   int made_ = 0;
 };

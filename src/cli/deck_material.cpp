@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cctype>
 
 namespace voile::cli {
 
@@ -27,7 +28,7 @@ std::string name_of(const Deck& deck, const Deck::Section& s, std::vector<std::s
     return "";
   }
   const auto at = deck.materials.find(name);
-  if (at != deck.materials.end() && at->second.young > 0.0) return name;
+  if (at != deck.materials.end() && (at->second.young > 0.0 || !at->second.rubber.empty())) return name;
   left.push_back(fmt::format("{} of {}: material {} has no elastic constants that are known", deck.words.section,
                              s.elements, name));
   return "";
@@ -42,7 +43,31 @@ std::string plies_of(const std::vector<Deck::Ply>& plies, double turn) {
   return fmt::format("angles = [{}]\nply_thicknesses = [{}]\n", fmt::join(angles, ", "), fmt::join(thicknesses, ", "));
 }
 
+/// Ogden's law of Abaqus has 2 mu / alpha^2 where Voile has mu / alpha.
+std::string rubber_of(const Deck::Material& m) {
+  if (!m.ogden && m.rubber.size() == 1)
+    return fmt::format("type = \"neo_hookean\"\nshear_modulus = {}\n", 2.0 * m.rubber[0]);
+  if (!m.ogden) return fmt::format("type = \"mooney_rivlin\"\nc10 = {}\nc01 = {}\n", m.rubber[0], m.rubber[1]);
+  std::vector<double> mu, alpha;
+  for (std::size_t k = 0; k + 1 < m.rubber.size(); k += 2) {
+    mu.push_back(2.0 * m.rubber[k] / m.rubber[k + 1]);
+    alpha.push_back(m.rubber[k + 1]);
+  }
+  return fmt::format("type = \"ogden\"\nmu = [{}]\nalpha = [{}]\n", fmt::join(mu, ", "), fmt::join(alpha, ", "));
+}
+
 }  // namespace
+
+const mesh::Group* group_named(const mesh::MeshData& mesh, const std::string& name) {
+  const auto at = std::find_if(mesh.groups.begin(), mesh.groups.end(),
+                               [&](const mesh::Group& g) { return same_name(g.name, name); });
+  return at == mesh.groups.end() ? nullptr : &*at;
+}
+
+bool same_name(const std::string& a, const std::string& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                    [](unsigned char x, unsigned char y) { return std::toupper(x) == std::toupper(y); });
+}
 
 SquareToX square_to_x(const mesh::MeshData& mesh, const mesh::Group* group) {
   constexpr double alike = 1.0 - 1.5e-6;  // cosine of 0.1 degrees
@@ -77,6 +102,12 @@ DeckMaterial deck_material(const Deck& deck, const Deck::Section& s, const Squar
         "section of their own",
         deck.words.section, s.elements, place.square, place.triangles));
   made.text = fmt::format("\n[[material]]               # {}\n", printable(name));
+  if (!m.rubber.empty()) {
+    made.text += rubber_of(m) + fmt::format("thickness = {}\n", s.thickness);
+    if (m.density > 0.0) made.text += fmt::format("density = {}\n", m.density);
+    if (m.expansion[0] != 0.0) made.left.push_back(fmt::format("*EXPANSION of {}, which is rubber", name));
+    return made;
+  }
   const bool layered = m.orthotropic && (!s.plies.empty() || axes.angle != 0.0);
   if (m.orthotropic)
     made.text += fmt::format(
@@ -85,6 +116,9 @@ DeckMaterial deck_material(const Deck& deck, const Deck::Section& s, const Squar
         axes.direction[1], axes.direction[2]);
   else
     made.text += fmt::format("type = \"isotropic\"\nyoung = {}\npoisson = {}\n", m.young, m.poisson);
+  if (m.expansion[0] != 0.0 || m.expansion[1] != 0.0)
+    made.text += m.orthotropic ? fmt::format("expansion_1 = {}\nexpansion_2 = {}\n", m.expansion[0], m.expansion[1])
+                               : fmt::format("expansion = {}\n", m.expansion[0]);
   double thickness = s.thickness;
   for (const Deck::Ply& p : s.plies) thickness += p.thickness;
   if (layered)

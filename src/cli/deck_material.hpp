@@ -17,6 +17,11 @@ struct DeckMaterial {
 struct SquareToX {
   std::size_t triangles = 0, square = 0;
 };
+/// Names of sets are alike whatever their capitals.
+[[nodiscard]] bool same_name(const std::string& a, const std::string& b);
+/// The group of that name, or none; of `mesh`.
+[[nodiscard]] const mesh::Group* group_named(const mesh::MeshData& mesh, const std::string& name);
+
 [[nodiscard]] SquareToX square_to_x(const mesh::MeshData& mesh, const mesh::Group* group);
 /// Without an orientation material axis 1 is along x, and along z where x is normal to the sheet.
 [[nodiscard]] DeckMaterial deck_material(const formats::Deck& deck, const formats::Deck::Section& section,

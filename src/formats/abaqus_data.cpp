@@ -1,6 +1,8 @@
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
+#include <cstdlib>
 
 #include "abaqus_deck_reader.hpp"
 #include "base/types.hpp"
@@ -18,6 +20,12 @@ void AbaqusDeckReader::take(const std::string& text) {
     case Data::elastic:
     case Data::lamina:
       return take_elastic(words);
+    case Data::rubber:
+      return take_rubber(words);
+    case Data::expansion:
+      deck_.materials[material_].expansion = {number(words, 0), words.size() > 2 ? number(words, 1) : number(words, 0)};
+      data_ = Data::none;
+      return;
     case Data::density:
       deck_.materials[material_].density = number(words, 0);
       data_ = Data::none;
@@ -38,6 +46,13 @@ void AbaqusDeckReader::take(const std::string& text) {
       return take_force(words);
     case Data::pressure:
       return take_pressure(words);
+    case Data::surface:
+      return take_surface(words);
+    case Data::surface_pressure:
+      return take_surface_pressure(words);
+    case Data::temperature:
+    case Data::initial_temperature:
+      return take_temperature(words);
     case Data::procedure:
       return take_procedure(words);
     case Data::amplitude:
@@ -159,6 +174,45 @@ void AbaqusDeckReader::take_pressure(const AbaqusWords& words) {
   } else {
     leave(fmt::format("*DLOAD {}, {}", words[0], label));
   }
+}
+
+/// Constants of rubber, then compressibilities, of which there is none here.
+void AbaqusDeckReader::take_rubber(const AbaqusWords& words) {
+  Deck::Material& m = deck_.materials[material_];
+  const long pairs = parameters_.contains("N") ? std::max(std::strtol(parameters_["N"].c_str(), nullptr, 10), 1L) : 1L;
+  const std::size_t wanted = m.ogden ? 2 * static_cast<std::size_t>(pairs) : parameters_.contains("NEO HOOKE") ? 1 : 2;
+  for (std::size_t k = 0; k < words.size(); ++k) {
+    if (m.rubber.size() < wanted) {
+      m.rubber.push_back(number(words, k));
+    } else if (!words[k].empty() && number(words, k) != 0.0) {
+      leave("*HYPERELASTIC: compressibility; it is incompressible");
+      break;
+    }
+  }
+}
+
+/// Elements and a side of them.
+void AbaqusDeckReader::take_surface(const AbaqusWords& words) {
+  const std::string side = words.size() > 1 ? abaqus_upper(words[1]) : "";
+  if (side == "SPOS" || side == "SNEG")
+    surfaces_[abaqus_upper(parameters_["NAME"])].push_back({words[0], side == "SPOS"});
+}
+
+/// Positive against the normal of the surface, where that of elements (*DLOAD) is along it.
+void AbaqusDeckReader::take_surface_pressure(const AbaqusWords& words) {
+  const std::string label = words.size() > 1 ? abaqus_upper(words[1]) : "";
+  const auto surface = surfaces_.find(abaqus_upper(words[0]));
+  if (label != "P" || surface == surfaces_.end())
+    return leave(fmt::format("*DSLOAD {}, {}{}", words[0], label,
+                             label == "P" ? ": the surface has no sides SPOS or SNEG of shells" : ""));
+  for (const Side& s : surface->second)
+    deck_.loads.push_back(
+        {Deck::Load::Kind::pressure, s.elements, {}, (s.positive ? -1.0 : 1.0) * number(words, 2), amplitude_});
+}
+
+void AbaqusDeckReader::take_temperature(const AbaqusWords& words) {
+  deck_.temperatures.push_back({words[0], number(words, 1), data_ == Data::initial_temperature});
+  if (words.size() > 2) leave(fmt::format("{} {}: temperatures over the thickness", keyword_, words[0]));
 }
 
 void AbaqusDeckReader::take_procedure(const AbaqusWords& words) {

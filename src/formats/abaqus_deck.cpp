@@ -18,7 +18,7 @@ const std::set<std::string>& passed_over() {
       "*NODE",          "*ELEMENT",      "*PART",          "*END PART", "*ASSEMBLY", "*END ASSEMBLY", "*INSTANCE",
       "*END INSTANCE",  "*END STEP",     "*PREPRINT",      "*RESTART",  "*OUTPUT",   "*NODE OUTPUT",  "*ELEMENT OUTPUT",
       "*NODE PRINT",    "*NODE FILE",    "*EL PRINT",      "*EL FILE",  "*PRINT",    "*FILE FORMAT",  "*MONITOR",
-      "*CONTACT PRINT", "*ENERGY PRINT", "*ENERGY OUTPUT", "*SYSTEM",   "*SURFACE"};
+      "*CONTACT PRINT", "*ENERGY PRINT", "*ENERGY OUTPUT", "*SYSTEM"};
   return all;
 }
 
@@ -80,8 +80,24 @@ bool AbaqusDeckReader::begin_model(const std::string& keyword) {
             : type == "LAMINA"                                   ? Data::lamina
                                                                  : Data::unread;
     if (data_ == Data::unread) leave("*ELASTIC, TYPE=" + type);
+  } else if (keyword == "*HYPERELASTIC") {
+    deck_.materials[material_].ogden = parameters_.contains("OGDEN");
+    const bool known =
+        parameters_.contains("OGDEN") || parameters_.contains("NEO HOOKE") || parameters_.contains("MOONEY-RIVLIN");
+    data_ = known && !parameters_.contains("TEST DATA INPUT") ? Data::rubber : Data::unread;
+    if (data_ == Data::unread) leave("*HYPERELASTIC that is no NEO HOOKE, MOONEY-RIVLIN or OGDEN with its constants");
+  } else if (keyword == "*EXPANSION") {
+    const std::string type = abaqus_upper(parameters_["TYPE"]);
+    if (!type.empty() && type != "ISO" && type != "ORTHO") return false;
+    data_ = Data::expansion;
   } else if (keyword == "*DENSITY") {
     data_ = Data::density;
+  } else if (keyword == "*SURFACE") {
+    const std::string type = abaqus_upper(parameters_["TYPE"]);
+    data_ = type.empty() || type == "ELEMENT" ? Data::surface : Data::none;
+  } else if (keyword == "*INITIAL CONDITIONS") {
+    if (abaqus_upper(parameters_["TYPE"]) != "TEMPERATURE") return false;
+    data_ = Data::initial_temperature;
   } else if (keyword == "*SHELL SECTION" || keyword == "*MEMBRANE SECTION") {
     if (keyword == "*MEMBRANE SECTION") leave(keyword + ": it bends as a shell of its thickness");
     if (parameters_.contains("NODAL THICKNESS"))
@@ -119,7 +135,7 @@ std::string AbaqusDeckReader::amplitude_of(const std::string& keyword) {
 
 /// Supports, loads and what the step does.
 bool AbaqusDeckReader::begin_step(const std::string& keyword) {
-  const bool acts = keyword == "*BOUNDARY" || keyword == "*CLOAD" || keyword == "*DLOAD";
+  const bool acts = keyword == "*BOUNDARY" || keyword == "*CLOAD" || keyword == "*DLOAD" || keyword == "*DSLOAD";
   if (acts && abaqus_upper(parameters_["OP"]) == "NEW") leave(keyword + ", OP=NEW: what came before stays");
   if (keyword == "*AMPLITUDE") return begin_amplitude();
   if (acts) amplitude_ = amplitude_of(keyword);
@@ -132,6 +148,11 @@ bool AbaqusDeckReader::begin_step(const std::string& keyword) {
     if (parameters_.contains("FOLLOWER")) leave("*CLOAD, FOLLOWER: the force keeps its direction");
   } else if (keyword == "*DLOAD") {
     data_ = Data::pressure;
+  } else if (keyword == "*DSLOAD") {
+    data_ = Data::surface_pressure;
+  } else if (keyword == "*TEMPERATURE") {
+    data_ = parameters_.contains("FILE") ? Data::unread : Data::temperature;
+    if (data_ == Data::unread) leave("*TEMPERATURE, FILE");
   } else if (keyword == "*STATIC" || keyword == "*FREQUENCY" || keyword == "*BUCKLE" || keyword == "*DYNAMIC") {
     data_ = Data::procedure;
     deck_.procedure = keyword == "*FREQUENCY"        ? Procedure::frequency

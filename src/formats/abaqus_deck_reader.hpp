@@ -5,6 +5,8 @@
 #include <array>
 #include <map>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "abaqus_words.hpp"
 #include "deck.hpp"
@@ -28,6 +30,8 @@ class AbaqusDeckReader {
     title,
     elastic,
     lamina,
+    rubber,
+    expansion,
     density,
     section,
     ply,
@@ -36,6 +40,10 @@ class AbaqusDeckReader {
     support,
     force,
     pressure,
+    surface,
+    surface_pressure,
+    temperature,
+    initial_temperature,
     procedure,
     amplitude,
     skipped
@@ -63,6 +71,10 @@ class AbaqusDeckReader {
   void take_amplitude(const AbaqusWords& words);
   void take_force(const AbaqusWords& words);
   void take_pressure(const AbaqusWords& words);
+  void take_rubber(const AbaqusWords& words);
+  void take_surface(const AbaqusWords& words);
+  void take_surface_pressure(const AbaqusWords& words);
+  void take_temperature(const AbaqusWords& words);
   void take_procedure(const AbaqusWords& words);
 
   void leave(const std::string& what);
@@ -79,6 +91,12 @@ class AbaqusDeckReader {
   int steps_ = 0;
   bool nonlinear_ = false, symmetric_ = false;
   std::array<double, 6> points_{};
+  /// Elements of a surface, and whether it is their positive side.
+  struct Side {
+    std::string elements;
+    bool positive;
+  };
+  std::map<std::string, std::vector<Side>> surfaces_;
   Deck deck_;
 };
 

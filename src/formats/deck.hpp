@@ -17,6 +17,10 @@ struct Deck {
   struct Material {
     bool orthotropic = false;
     double young = 0.0, poisson = 0.0, young_2 = 0.0, shear = 0.0, density = 0.0;  ///< 0: the deck has none
+    std::array<double, 2> expansion{};  ///< along axes 1 and 2
+    /// Of rubber, as the deck gives them: C10; C10 and C01; pairs of a modulus and an exponent. Empty: elastic.
+    std::vector<double> rubber{};
+    bool ogden = false;
   };
   struct Ply {
     double thickness;
@@ -42,11 +46,16 @@ struct Deck {
     std::string amplitude;          ///< of the values; empty: none
   };
   struct Load {
-    enum class Kind { force, pressure, gravity } kind = Kind::force;
+    enum class Kind { force, pressure, gravity, area } kind = Kind::force;
     std::string where;  ///< set, or number of a node or element
     std::array<double, 3> vector{};
     double size = 0.0;  ///< of a pressure, along the normal
     std::string amplitude;
+  };
+  struct Temperature {
+    std::string where;  ///< set of nodes
+    double value = 0.0;
+    bool initial = false;
   };
   enum class Procedure { none, linear, nonlinear, riks, frequency, buckle, dynamic };
   struct Left {
@@ -63,6 +72,7 @@ struct Deck {
   std::vector<Section> sections;
   std::map<std::string, Support> supports;  ///< by set or number of a node
   std::vector<Load> loads;
+  std::vector<Temperature> temperatures;
   Procedure procedure = Procedure::none;
   int modes = 0;
   double step = 0.0, end = 1.0;  ///< of the step, in time

@@ -95,3 +95,41 @@ def abaqus_ties(report):
     report.check(result.code == 0, f"run: code {result.code}")
     deflection = result.displacement()[:, 2].max()
     report.percent(deflection / (5e-4 * 2**3 / (3 * 1e7 * 1e-6 / 12)), 0.01, "deflection of the end")
+
+
+@test
+def abaqus_loads(report):
+    """Surfaces under pressure, weight of one set, temperatures and rubber of a deck as Abaqus/CAE writes them."""
+    nodes = [(i, j) for j in range(3) for i in range(5)]
+    elements = [(a, a + 1, a + 6, a + 5) for a in (1, 2, 3, 4, 6, 7, 8, 9)]
+    deck = "\n".join([
+        "*Part, name=P", "*Node", *(f"{k + 1}, {x}., {y}., 0." for k, (x, y) in enumerate(nodes)), "*Element, type=S4R",
+        *(f"{k + 1}, {a}, {b}, {c}, {d}" for k, (a, b, c, d) in enumerate(elements)),
+        "*Elset, elset=one", "1, 2, 5, 6", "*Elset, elset=two", "3, 4, 7, 8", "*Nset, nset=held", "1, 6, 11",
+        "*Shell Section, elset=one, material=Steel", "0.02, 5", "*Shell Section, elset=two, material=Steel", "0.01, 5", "*End Part",
+        "*Assembly, name=A", "*Instance, name=P-1, part=P", "*End Instance", "*Nset, nset=All, instance=P-1, generate", "1, 15, 1",
+        "*Surface, type=ELEMENT, name=Upper", "one, SPOS", "*Surface, type=ELEMENT, name=Lower", "two, SNEG", "*End Assembly",
+        "*Material, name=Steel", "*Density", "8000.,", "*Expansion", "1e-5,", "*Elastic", "2e11, 0.3",
+        "*Initial Conditions, type=TEMPERATURE", "All, 20.", "*Step, name=S, nlgeom=NO", "*Static", "1., 1.", "*Boundary", "held, ENCASTRE",
+        "*Temperature", "All, 120.", "*Dload", "two, GRAV, 10., 0., 0., -1.", "*Dsload", "Upper, P, 1000.", "Lower, P, 300.", "*End Step"])
+
+    def begin(name, text):
+        file = OUT / f"{name}.inp"
+        file.write_text(text + "\n")
+        return (*invoke(["init", fresh(name), "--from", file]), OUT / name / "case.toml")
+
+    code, said, case = begin("abaqus_loads", deck)
+    report.check(code == 0 and "left out" not in said, f"all is understood: code {code}, {said[:200]}")
+    with case.open("a") as file:
+        file.write('\n[[probe]]\nname = "held"\ntype = "reaction"\ngroup = "held"\n')
+    result = run(case, fresh("abaqus_loads_run"))
+    # Pressures push into their side: down on 4 m^2, up on 4 m^2; 4 m^2 of 0.01 m weigh 8000 kg/m^3 * 10 m/s^2.
+    report.percent(result.history["held_z"][-1] / (4000 - 1200 + 3200), 1e-6, "the supports carry pressures and weight")
+    report.percent(result.displacement()[4::5, 0].mean() / (4 * 1e-5 * 100), 0.04, "the plate, clamped across, lengthens by the change of temperature")
+    for law, constants, expected in (("neo hooke", "1e5, 0.", 'type = "neo_hookean"\nshear_modulus = 200000'),
+                                     ("mooney-rivlin", "1e5, 2e4, 0.", 'type = "mooney_rivlin"\nc10 = 100000\nc01 = 20000'),
+                                     ("ogden, n=2", "4e5, 2., 3e3, -2., 1e-9, 0.", 'type = "ogden"\nmu = [400000, -3000]\nalpha = [2, -2]')):
+        text = deck.replace("*Elastic\n2e11, 0.3", f"*Hyperelastic, {law}\n{constants}").replace("*Expansion\n1e-5,\n", "")
+        code, said, case = begin("abaqus_rubber", text.replace("*Temperature\nAll, 120.\n", ""))
+        report.check(code == 0 and expected in case.read_text() and ("compressibility" in said) == ("1e-9" in constants)
+                     and invoke(["check", case])[0] == 0, f"{law}: code {code}, {said[:120]}")

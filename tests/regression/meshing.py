@@ -248,10 +248,10 @@ def deck_cases(report):
     mixed = layers.replace("0.5, 3, Steel, 90.", "0.5, 3, Foam, 90.")
     code, said, case = begin("deck_mixed", mixed)
     report.check(code == 0 and "several materials" in said, f"plies of two materials: {said[:300]}")
-    code, said, case = begin("deck_left", plate("*Boundary\n20, 1, 3\n*Surface, name=TOP\nPLATE, SPOS\n*Step, nlgeom\n*Static\n1., 1.\n*Cload\n145, 3, 2.\n"
+    code, said, case = begin("deck_left", plate("*Boundary\n20, 1, 3\n*Rigid Body, ref node=20\n*Step, nlgeom\n*Static\n1., 1.\n*Cload\n145, 3, 2.\n"
                                                 "146, 3, 2.\n145, 5, 1.\n*Dload\nplate, P, 0.01\n*End Step"))
     found = case.read_text()
-    report.check(code == 0 and re.search(r"left out: .*deck_left.inp:\d+: \*SURFACE", said) and "*CLOAD 145: a moment" in said, f"left out is listed: {said[:400]}")
+    report.check(code == 0 and re.search(r"left out: .*deck_left.inp:\d+: \*RIGID BODY", said) and "*CLOAD 145: a moment" in said, f"left out is listed: {said[:400]}")
     report.check('analysis = "static"' in found and 'type = "follower_pressure"\ngroup = "PLATE"' in found and "LOADED_2" in found and "HELD_1" in found, "sets of single nodes")
     code, said = invoke(["check", case])
     report.check(code == 0, f"and the case is whole: {said[-200:]}")
