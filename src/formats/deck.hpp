@@ -17,7 +17,7 @@ struct Deck {
   struct Material {
     bool orthotropic = false;
     double young = 0.0, poisson = 0.0, young_2 = 0.0, shear = 0.0, density = 0.0;  ///< 0: the deck has none
-    std::array<double, 2> expansion{};  ///< along axes 1 and 2
+    std::array<double, 2> expansion{};                                             ///< along axes 1 and 2
     /// Of rubber, as the deck gives them: C10; C10 and C01; pairs of a modulus and an exponent. Empty: elastic.
     std::vector<double> rubber{};
     bool ogden = false;
