@@ -40,7 +40,7 @@ bool is_of_options(PetscErrorCode code, const LastError& error) {
       return true;
     default:
       return error.function.starts_with("PetscOptions") || error.function.find("SetFromOptions") != std::string::npos ||
-             error.function.starts_with("ask_options");
+             error.stack.find("SetFromOptions") != std::string::npos || error.function.starts_with("ask_options");
   }
 }
 

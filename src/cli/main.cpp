@@ -288,7 +288,11 @@ Exit execute(const Request& request, const char* program) {
     return or_abort([] { return cli::doctor() ? Exit::done : Exit::user_error; });
   }
   const bool is_mesh = request.command == Command::info && !request.file.ends_with(".toml");
-  if (request.file.empty()) return Exit::done;
+  if (request.command == Command::run || request.command == Command::check || request.command == Command::info) {
+    if (request.file.empty()) throw UserError("the name of the file is empty; see voile --help");
+  } else {
+    return Exit::done;
+  }
   std::optional<input::Case> c;
   if (!is_mesh) c = read_case(request.file, request.settings);
   if (c) c->mesh.options.allow_system_call = request.allow_system_call;

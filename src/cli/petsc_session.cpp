@@ -7,6 +7,7 @@
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
+#include <fstream>
 #include <sstream>
 
 #include "base/mpi.hpp"
@@ -28,6 +29,10 @@ PetscSession::PetscSession(const char* program, const std::vector<std::string>& 
                            const std::string& case_options) {
   for (const auto& [name, value] : input::petsc_pairs(case_options))
     VOILE_PETSC(PetscOptionsSetValue(nullptr, name.c_str(), value.empty() ? nullptr : value.c_str()));
+  // PETSc ends the program without a word for the user.
+  for (std::size_t i = 0; i + 1 < words.size(); ++i)
+    if (words[i] == "-options_file" && !std::ifstream(words[i + 1]))
+      throw UserError(fmt::format("-options_file {}: it cannot be read", words[i + 1]));
   words_.emplace_back(program);
   if (std::find(words.begin(), words.end(), "-skip_petscrc") == words.end()) words_.emplace_back("-skip_petscrc");
   words_.insert(words_.end(), words.begin(), words.end());

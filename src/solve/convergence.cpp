@@ -1,12 +1,18 @@
 #include "convergence.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
+#include "voile/errors.hpp"
+
 namespace voile::solve {
 
 namespace {
+
+constexpr double loosest = 1e-3;  ///< residual of an equilibrium, relative to the forces
 
 double farthest(const system::Model& model) {
   double distance = model.dofs().mesh().extent();
@@ -62,20 +68,27 @@ void ConvergenceTest::read(SNES snes) {
   PetscInt iterations = 0;
   VOILE_PETSC(SNESGetTolerances(snes, &atol_, &rtol_, &stol_, &iterations, nullptr));
   max_iterations_ = static_cast<int>(iterations);
+  if (rtol_ > loosest)
+    throw UserError(fmt::format(
+        "-snes_rtol {:g}: a state that is off by more than {:g} of the forces is no equilibrium; give a smaller number",
+        rtol_, loosest));
+}
+
+double ConvergenceTest::allowed(double force) const {
+  return std::max(rtol_ * force, std::min(atol_, std::max(loosest * force, round_off_)));
 }
 
 bool ConvergenceTest::nothing_to_do(double residual, double force) const {
-  return residual <= std::max(atol_, 1e-3 * rtol_ * force);
+  return residual <= std::max(1e-3 * rtol_ * force, std::min(atol_, allowed(force)));
 }
 
 SNESConvergedReason ConvergenceTest::judge(const Progress& p) const {
   if (!p.is_newton) {
-    if (p.residual <= std::max(atol_, rtol_ * p.force)) return SNES_CONVERGED_FNORM_RELATIVE;
+    if (p.residual <= allowed(p.force)) return SNES_CONVERGED_FNORM_RELATIVE;
     return p.residual <= round_off_ && p.residual >= 0.1 * p.residual_before ? SNES_CONVERGED_FNORM_ABS
                                                                              : SNES_CONVERGED_ITERATING;
   }
-  if (p.residual <= std::max(atol_, rtol_ * p.force) && p.increment <= stol_ * p.step)
-    return SNES_CONVERGED_FNORM_RELATIVE;
+  if (p.residual <= allowed(p.force) && p.increment <= stol_ * p.step) return SNES_CONVERGED_FNORM_RELATIVE;
   if (p.increment <= 1e-3 * stol_ * p.step && std::abs(p.work) <= 1e-3 * rtol_ * p.force * p.step)
     return SNES_CONVERGED_SNORM_RELATIVE;
   // Round-off that another iteration cannot lower: forces far below the sheet's stiffness, or a start in equilibrium.
@@ -85,7 +98,7 @@ SNESConvergedReason ConvergenceTest::judge(const Progress& p) const {
 }
 
 bool ConvergenceTest::is_balanced(double residual, double force) const {
-  return residual <= std::max({atol_, rtol_ * force, round_off_});
+  return residual <= std::max(allowed(force), round_off_);
 }
 
 }  // namespace voile::solve

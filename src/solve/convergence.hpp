@@ -1,7 +1,8 @@
 // When an equilibrium iteration has converged.
 //
 // Symbols   r residual, f scale of forces (Model::force_scale), dx increment, x - x0 change since the start of the step
-// Converged:  |r| <= rtol f and |dx| <= stol |x - x0|   (-snes_rtol, -snes_stol; also |r| <= -snes_atol), or, where
+// Converged:  |r| <= rtol f and |dx| <= stol |x - x0|   (-snes_rtol, -snes_stol; also |r| <= -snes_atol
+//             up to f/1000), or, where
 //             the residual has reached its round-off, |dx| <= stol/1000 |x - x0| and |r.dx| <= rtol/1000 f |x - x0|,
 //             or |r| <= eps |A| |X| sqrt(unknowns) (A membrane stiffness) and no longer falling,
 //             or |dx| <= eps |X| sqrt(unknowns) and |r| no longer falling: what rests for a moment on stiff contact.
@@ -30,7 +31,7 @@ struct Progress {
 class ConvergenceTest {
  public:
   explicit ConvergenceTest(const system::Model& model);
-  /// Takes the tolerances in force from the SNES.
+  /// Takes the tolerances in force from the SNES. Throws UserError if what they allow is no equilibrium.
   void read(SNES snes);
   /// Which criterion is met; SNES_CONVERGED_ITERATING if none.
   [[nodiscard]] SNESConvergedReason judge(const Progress& p) const;
@@ -50,6 +51,8 @@ class ConvergenceTest {
 
  private:
   void set_round_off(double distance);
+  /// Largest residual of an equilibrium [N]; -snes_atol counts up to a small part of the forces.
+  [[nodiscard]] double allowed(double force) const;
 
   double atol_ = 0.0, rtol_ = 0.0, stol_ = 0.0;
   int max_iterations_ = 0;

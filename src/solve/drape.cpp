@@ -230,6 +230,8 @@ void Drape::Impl::conclude(system::State& state, StepResult& r) {
   const petsc::VecHandle residual = model.dofs().create_vector();
   model.residual(state.u, residual);
   VOILE_PETSC(VecNorm(residual, NORM_2, &now.residual));
+  // Of this state: normal forces that limit friction may have changed since the last iteration.
+  if (const double force = model.force_scale(); force > 0.0) r.newton.residual = now.residual / force;
   now.fall_iterations = search->fall_iterations();
   ++state.step;
   state.load_factor = model.conditions().load_factor();

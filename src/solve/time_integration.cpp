@@ -256,6 +256,13 @@ bool TimeIntegration::Impl::ended() const {
   return reason != TS_CONVERGED_ITERATING;
 }
 
+/// Whether the user's number of steps ends a motion before its end.
+bool TimeIntegration::Impl::is_stopped_early(const system::State& state) const {
+  TSConvergedReason reason = TS_CONVERGED_ITERATING;
+  VOILE_PETSC(TSGetConvergedReason(ts, &reason));
+  return reason == TS_CONVERGED_ITS && !is_end(state.time);
+}
+
 /// The next step has this size, or what is left of it before the end.
 void TimeIntegration::Impl::meet_end(double time, double step) {
   const double left = until() - time;
@@ -315,8 +322,8 @@ StepResult TimeIntegration::begin(system::State& state) {
   return {};
 }
 
-bool TimeIntegration::finished(const system::State&) const {
-  return impl_->ended();
+bool TimeIntegration::finished(const system::State& state) const {
+  return impl_->ended() && !impl_->is_stopped_early(state);
 }
 
 void TimeIntegration::end_at(const system::State& state, double time) {
@@ -334,6 +341,11 @@ void TimeIntegration::end_at(const system::State& state, double time) {
 StepResult TimeIntegration::advance(system::State& state) {
   Impl& n = *impl_;
   StepResult r;
+  if (n.ended() && n.is_stopped_early(state)) {
+    r.outcome = Outcome::failed;
+    r.reason = fmt::format("-ts_max_steps ends the motion at t = {:.6g} s, before t = {:.6g} s", state.time, n.until());
+    return r;
+  }
   try {
     TSConvergedReason reason = TS_CONVERGED_ITERATING;
     VOILE_PETSC(TSPreStep(n.ts));

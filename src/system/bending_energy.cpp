@@ -61,6 +61,21 @@ double BendingEnergy::energy(Vec a) const {
   return 0.5 * (reference_energy_ + change);
 }
 
+void BendingEnergy::multiply_sheet(Vec x, Vec y) const {
+  constant_->multiply_bending(x, y);
+  if (springs_.empty()) return;
+  const petsc::ReadArray in(x);
+  const petsc::WriteArray out(y);
+  for (const NodalSpring& s : springs_)
+    Eigen::Map<Vec3>(&out[3 * s.vertex]) -= s.stiffness * Eigen::Map<const Vec3>(in.data() + 3 * s.vertex);
+}
+
+void BendingEnergy::take_springs_from(const BlockMatrix& tangent, const BlockMatrix::Values& values,
+                                      double factor) const {
+  for (const NodalSpring& s : springs_)
+    values.add(tangent.slot(s.vertex, on_->dofs().first_row() + s.vertex), Mat3(-factor * s.stiffness));
+}
+
 double BendingEnergy::ground_energy(Vec a) const {
   if (!any_spring_) return 0.0;
   double sum = 0.0;

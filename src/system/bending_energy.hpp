@@ -49,6 +49,10 @@ class BendingEnergy {
   [[nodiscard]] double energy(Vec a) const;
   /// The springs to the ground alone. Collective. [J]
   [[nodiscard]] double ground_energy(Vec a) const;
+  /// y = K_b x without the springs to the ground, which nothing damps [N/m]. Collective.
+  void multiply_sheet(Vec x, Vec y) const;
+  /// Takes `factor` times the springs to the ground from the open values of a tangent. Not collective.
+  void take_springs_from(const BlockMatrix& tangent, const BlockMatrix::Values& values, double factor) const;
   /// Whether clamps turn in this model.
   [[nodiscard]] bool turns() const { return turns_; }
   /// Turns clamps: the rotation of each support, by number. Assembles again if that changes anything. Collective.

@@ -153,7 +153,7 @@ void Dynamics::add_damping(Vec v, Vec f) const {
     VOILE_PETSC(VecAXPY(f, options_.mass_damping, work_));
   }
   if (options_.bending_damping > 0.0) {
-    model_.potential().constant().multiply_bending(v, work_);
+    model_.potential().multiply_bending(v, work_);
     VOILE_PETSC(VecAXPY(f, options_.bending_damping, work_));
   }
   if (material_damping()) {
@@ -187,7 +187,7 @@ double Dynamics::energy(Vec u, Vec v, Vec a, double s_v, double s_a) {
     sum += 0.5 * options_.mass_damping * part / s_v;
   }
   if (options_.bending_damping > 0.0) {
-    model_.potential().constant().multiply_bending(v, work_);
+    model_.potential().multiply_bending(v, work_);
     VOILE_PETSC(VecDot(work_, v, &part));
     sum += 0.5 * options_.bending_damping * part / s_v;
   }
@@ -238,7 +238,7 @@ Dynamics::Work Dynamics::work(Vec u, Vec v, Vec a, Vec displacement, Vec loads, 
     w.damping += add(options_.mass_damping);
   }
   if (options_.bending_damping > 0.0) {
-    model_.potential().constant().multiply_bending(v, work_);
+    model_.potential().multiply_bending(v, work_);
     w.damping += add(options_.bending_damping);
   }
   if (material_damping()) {

@@ -62,7 +62,12 @@ void Model::hold_still(bool still) {
 void Model::unbalanced_force(Vec a, Vec f) {
   const energy::Configuration c = potential_->configuration(a);
   potential_->force(c, a, f);
-  if (contact_) contact_->add_gradient(a, f);
+  if (contact_) {
+    VOILE_PETSC(VecCopy(f, work_));
+    contact_->add_gradient(a, f);
+    VOILE_PETSC(VecAXPY(work_, -1.0, f));
+    VOILE_PETSC(VecNorm(work_, NORM_2, &contact_force_));
+  }
   // Applied forces collect in work_, so that their size is known.
   conditions_->applied_forces(c, force_, work_);
   VOILE_PETSC(VecAXPY(f, -1.0, work_));
@@ -78,7 +83,8 @@ void Model::residual(Vec a, Vec r) {
     for (PetscInt i : dofs().fixed()) reaction += out[i] * out[i];
     conditions_->write_off(petsc::ReadArray(a), out);
   }
-  force_scale_ = std::max({applied, std::sqrt(mpi::sum(comm(), reaction)), potential_->natural_force()});
+  force_scale_ =
+      std::max({applied, std::sqrt(mpi::sum(comm(), reaction)), potential_->natural_force(), contact_force_});
 }
 
 double Model::energy(Vec a) {

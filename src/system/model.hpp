@@ -81,8 +81,8 @@ class Model {
   void residual(Vec a, Vec r);
   /// Internal minus applied forces on every component, fixed ones included: there it is the reaction. Collective.
   void unbalanced_force(Vec a, Vec f);
-  /// Norm of the largest of applied forces, reactions and forces of natural states at the last residual: what a residual is small
-  /// against. [N]
+  /// Norm of the largest of applied forces, reactions, forces of natural states and of contact at the last residual: what a
+  /// residual is small against. [N]
   [[nodiscard]] double force_scale() const { return force_scale_; }
   /// Stored minus external energy, viscous part of the time step included; only meaningful for a symmetric model.
   /// Collective.
@@ -109,7 +109,7 @@ class Model {
   Tangent tangent_;
   std::vector<Vec3> previous_u_, previous_x_, force_;  ///< of the local points
   petsc::VecHandle work_;
-  double force_scale_ = 0.0;
+  double force_scale_ = 0.0, contact_force_ = 0.0;
   bool held_still_ = false;
 };
 

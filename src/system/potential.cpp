@@ -168,6 +168,10 @@ Potential::Work Potential::work(const energy::Configuration& c, Vec a, Vec displ
   return w;
 }
 
+void Potential::multiply_bending(Vec x, Vec y) const {
+  bending_->multiply_sheet(x, y);
+}
+
 void Potential::write_tangent(const energy::Configuration& c, const BlockMatrix& tangent, int pattern,
                               const BlockMatrix::Values& values, double bending) {
   double* halves = halves_.open();
@@ -176,6 +180,7 @@ void Potential::write_tangent(const energy::Configuration& c, const BlockMatrix&
     const petsc::EventScope copy(petsc::events().bending_copy);
     halves_.write_to(tangent, values, constant_.bending(), bending);
   }
+  if (bending != 1.0) bending_->take_springs_from(tangent, values, bending - 1.0);
   for (const Counted& t : terms_) t.term->add_blocks(c, on_->dofs(), tangent, pattern, values);
 }
 

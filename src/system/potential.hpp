@@ -113,6 +113,8 @@ class Potential {
   /// From now on bending energies are found by the change since a: K_b a sums stiff forces that nearly cancel, and near
   /// a the differences of energies would be lost in its round-off. Collective.
   void count_from(Vec a);
+  /// y = K_b x with the bending stiffness of the sheet alone, which [damping] is in proportion to [N/m]. Collective.
+  void multiply_bending(Vec x, Vec y) const;
   /// Whether yarns rub inside the fabric, bent (energy/yarn_friction.hpp) or sheared (energy/yarn_law.hpp).
   [[nodiscard]] bool has_yarn_friction() const;
   /// Energy that this friction takes in the step that leads to a. Collective. [J]
@@ -139,7 +141,7 @@ class Potential {
   [[nodiscard]] Work work(const energy::Configuration& c, Vec a, Vec displacement, Vec f);
 
   /// Overwrites the open values of `tangent`, whose pattern has this number, with the second derivatives of the terms and
-  /// `bending` times K_b. [N/m]
+  /// `bending` times K_b, springs to the ground once. [N/m]
   void write_tangent(const energy::Configuration& c, const BlockMatrix& tangent, int pattern,
                      const BlockMatrix::Values& values, double bending);
 
