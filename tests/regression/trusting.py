@@ -7,7 +7,7 @@ import numpy as np
 from common import fresh, started, strip, wait_for
 from gathering import ruffle
 from harness import OUT, Failure, solve, test
-from solver import ROOT, run, variant, write_case
+from solver import ROOT, invoke, run, variant, write_case
 
 from voile import Results
 
@@ -103,6 +103,46 @@ def solver_options(report):
     for options in ("-snes_linesearch_type l2", "-snes_type newtontr"):
         done = run(OUT / "options_contact.toml", fresh("options_other"), 1, options.split(), 120)
         report.check(done.code == 2 and "contact" in done.text, f"in contact {options}: code {done.code}")
+
+
+@test
+def loose_options(report):
+    """Tolerances that allow anything end at the right place or are refused; so are numbers that PETSc cannot use, and empty names."""
+    case = pushed("static")
+    right = solve("loose_static", case).history["tip_z"][-1]
+    loose = solve("loose_static", case, 1, ["-snes_atol", "1e9"]).history["tip_z"][-1]
+    report.near(loose / right, 1.0, 1e-3, "-snes_atol 1e9: the end goes as far")
+    motion = write_case(pushed("motion"), OUT / "loose_motion.toml")
+    for options, words in (("-snes_rtol 1", "no equilibrium"), ("-ts_adapt_safety 2", "Safety factor"), ("-ts_adapt_dt_min 5", "time step"),
+                           ("-snes_lag_jacobian 0", "Lag"), ("-options_file nofile", "cannot be read")):
+        done = run(motion, fresh("loose_other"), 1, options.split(), 120)
+        report.check(done.code == 2 and words in done.text, f"{options}: code {done.code}, {done.text.strip()[-160:]}")
+    done = run(motion, fresh("loose_other"), 1, ["-ts_max_steps", "3"], 120)
+    report.check(done.code == 3 and "-ts_max_steps ends the motion at t = 0.06 s" in done.text, f"a motion that ends early: code {done.code}")
+    for command in ("run", "check", "info"):
+        code, said = invoke([command, ""])
+        report.check(code == 2 and "empty" in said, f"{command} of an empty name: code {code}")
+
+
+@test
+def stocking(report):
+    """A tube that is tight on a leg with friction is an equilibrium without any load: the forces of contact are its measure."""
+    tube = lambda name, r: grid_mesh(name, lambda s, t: (r * math.cos(2 * math.pi * s), r * math.sin(2 * math.pi * s), 0.05 * t),  # noqa: E731
+                                     (72, 6), {"low": "bottom"}, closed=True)
+    young, thickness, rest, leg, height = 2e5, 2e-4, 0.09, 0.0992, 0.05
+    case = {"analysis": "drape", "mesh": {"file": tube("stocking_rest.msh", rest), "start": tube("stocking_start.msh", 0.1)},
+            "material": [{"type": "isotropic", "young": young, "poisson": 0.0, "thickness": thickness, "density": 500}],
+            "contact": {"distance": 1e-3, "self": False},
+            "obstacle": [{"name": "leg", "type": "capsule", "radius": leg, "point": [0, 0, -0.1], "end": [0, 0, 0.15], "friction": 0.1}]}
+    done = solve("stocking", case)
+    end = done.results[-1]
+    places, forces = end.positions, end["contact_force"]
+    outwards = np.einsum("ij,ij->i", forces[:, :2], places[:, :2]) / np.linalg.norm(places[:, :2], axis=1)
+    radius = np.linalg.norm(places[:, :2], axis=1).mean()
+    stretch = radius / rest
+    hoop = young * thickness * 0.5 * (stretch**2 - 1) * stretch  # first Piola-Kirchhoff, per height at rest
+    report.percent(outwards.sum() / (2 * math.pi * hoop * height), 0.01, "sum of the pressure on the leg")
+    report.below(done.summary["residual"], 1e-4, "residual of the forces")
 
 
 @test
