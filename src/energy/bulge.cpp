@@ -1,15 +1,45 @@
 #include "bulge.hpp"
 
 #include <algorithm>
+#include <set>
+#include <utility>
+#include <vector>
 
 #include "chord_forms.hpp"
 
 namespace voile::energy {
 
+namespace {
+
+/// Whether curvature is fitted to points beyond a crease: the sheet there says nothing of what bulges here.
+bool reaches_over_crease(const Sheet& sheet, Index t, const CurvatureOperator& op) {
+  constexpr int widest = 4;  // rings of triangles in any patch
+  const mesh::SurfaceMesh& mesh = sheet.mesh();
+  std::set<Index> left;
+  for (const Index p : op.points)
+    if (p < mesh.vertex_count()) left.insert(p);
+  std::set<Index> seen{t};
+  std::vector<Index> ring{t};
+  for (int k = 0; k <= widest && !left.empty() && !ring.empty(); ++k) {
+    std::vector<Index> next;
+    for (const Index n : ring) {
+      for (const Index v : mesh.triangles()[n]) left.erase(v);
+      for (int s = 0; s < 3; ++s)
+        if (const Index other = mesh.neighbour(n, s);
+            other != no_index && !sheet.is_crease(n, s) && seen.insert(other).second)
+          next.push_back(other);
+    }
+    ring = std::move(next);
+  }
+  return !left.empty();
+}
+
+}  // namespace
+
 Bulge make_bulge(const Sheet& sheet, Index t, const std::array<Index, 3>& corners, const CurvatureOperator& op) {
   Bulge bulge;
   const bool curved = sheet.options().membrane == MembraneOperator::six_node_corrected;
-  if (!curved || beside_crease(sheet, t)) return bulge;
+  if (!curved || beside_crease(sheet, t) || reaches_over_crease(sheet, t, op)) return bulge;
   const mesh::Frame frame = sheet.frame(t);
   Vec3 form = Vec3::Zero();  // sum of l (x) l
   for (int i = 0; i < 3; ++i) {

@@ -65,8 +65,8 @@ struct Bulge {
   }
 };
 
-/// Of triangle t with these corners, in any order; points in mesh numbering. Plane beside a crease and
-/// with other membranes.
+/// Of triangle t with these corners, in any order; points in mesh numbering. Plane beside a crease, where
+/// curvature is fitted beyond one, and with other membranes.
 [[nodiscard]] Bulge make_bulge(const Sheet& sheet, Index t, const std::array<Index, 3>& corners,
                                const CurvatureOperator& op);
 

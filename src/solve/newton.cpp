@@ -24,7 +24,7 @@ constexpr double exact_tangent_below = 1e-2, handover_below = 1e-4;
 constexpr double slip_in_cells = 1e-3;
 /// Rounds in which friction follows the normal forces, and the residual (of the forces) at which it does.
 constexpr int friction_lags = 30;
-constexpr double friction_settled = 1e-4;
+constexpr double friction_settled = 1e-6;
 /// What a linear solution may leave of its forces: factors of large thin shells leave up to 1e-3 by their round-off.
 constexpr double unsolved_linear = 1e-2;
 /// Iterations of continuation between two words on its progress.
